@@ -1,0 +1,259 @@
+/*
+** ylm_base.h - what every other folder stands on.
+**
+** Status codes and messages, memory, threads with progress and cancellation,
+** processor features, files that are replaced whole or not at all, and
+** ylm_field, the one interface through which light is asked for.
+**
+** Ownership   whoever gets a pointer from a *_create / *_read frees it with the
+**             matching *_free; every *_free accepts NULL.
+** Threads     functions are re-entrant; objects may be read from many threads
+**             at once, written from one.
+** Errors      functions return ylm_status and never print or abort. Where a
+**             sentence can say more, an optional `ylm_error *` takes it.
+*/
+#ifndef YLM_BASE_H
+#define YLM_BASE_H
+
+#include <stdarg.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#if defined(_WIN32)
+#define YLM_API
+#else
+#define YLM_API __attribute__((visibility("default")))
+#endif
+
+#define YLM_VERSION "0.1.0"
+
+/* -- status ---------------------------------------------------------------- */
+
+/*
+** The only list of status codes: name, class, sentence.
+** CALLER  the call was wrong: the Lua layer raises an error at the caller's line
+** WORLD   a file, a driver, memory or a user's wish: returned as nil, message, code
+*/
+#define YLM_STATUS_LIST(X)                                                     \
+  X(OK, WORLD, "no error")                                                     \
+  X(EINVAL, CALLER, "an argument has a value that is not allowed")             \
+  X(ERANGE, CALLER, "a number is outside of the range that is supported")      \
+  X(EDOMAIN, CALLER, "a number is outside of the function's domain")           \
+  X(ESHAPE, CALLER, "array shapes do not fit together")                        \
+  X(ETYPE, CALLER, "the element type does not fit")                            \
+  X(ECONVENTION, CALLER, "two conventions are mixed")                          \
+  X(ECLOSED, CALLER, "the object has been closed")                             \
+  X(EOVERFLOW, CALLER, "a size is too large to be represented")                \
+  X(ENOMEM, WORLD, "memory ran out")                                           \
+  X(EIO, WORLD, "a file cannot be read or written")                            \
+  X(EFORMAT, WORLD, "a file is not of the format it should be")                \
+  X(ECHECKSUM, WORLD, "a file has been damaged")                               \
+  X(EVERSION, WORLD, "a file was written by a newer version")                  \
+  X(ELIMIT, WORLD, "a limit on size, time or memory was reached")              \
+  X(EMISSING, WORLD, "a library or a driver is not installed")                 \
+  X(EDEVICE, WORLD, "a device failed")                                         \
+  X(ECANCELLED, WORLD, "cancelled")
+
+typedef enum ylm_status {
+#define X(name, class, text) YLM_##name,
+  YLM_STATUS_LIST(X)
+#undef X
+  YLM_STATUS_COUNT
+} ylm_status;
+
+/* One failure in words: the status and a sentence that names the place. */
+typedef struct ylm_error {
+  ylm_status status;
+  char text[400];
+} ylm_error;
+
+/* The code's name without its prefix, "ERANGE"; "?" for a number that is none. */
+YLM_API const char *ylm_status_name(ylm_status s);
+/* The general sentence of the list above. */
+YLM_API const char *ylm_status_text(ylm_status s);
+/* True where the caller, not the world, has to change something. */
+YLM_API bool ylm_status_is_callers(ylm_status s);
+/* Writes status and formatted sentence to `e` (may be NULL) and returns `s`. */
+YLM_API ylm_status ylm_fail(ylm_error *e, ylm_status s, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
+
+/* -- memory ---------------------------------------------------------------- */
+
+#define YLM_ALIGN 64
+
+/* count*size bytes aligned to YLM_ALIGN; NULL if the product overflows or memory runs out.
+   A size of 0 gives a valid pointer. */
+YLM_API void *ylm_alloc(size_t count, size_t size) __attribute__((malloc));
+/* The same, zeroed. */
+YLM_API void *ylm_alloc_zero(size_t count, size_t size) __attribute__((malloc));
+/* Grows or shrinks a block of `used` valid bytes; on failure NULL, and `p` stays valid. */
+YLM_API void *ylm_realloc(void *p, size_t used, size_t count, size_t size);
+YLM_API void ylm_free(void *p);
+
+/* -- element types and shapes ---------------------------------------------- */
+
+typedef enum ylm_dtype { YLM_FLOAT = 0, YLM_DOUBLE = 1 } ylm_dtype;
+
+#define YLM_MAX_AXES 8
+
+static inline size_t ylm_dtype_size(ylm_dtype t) {
+  return t == YLM_DOUBLE ? sizeof(double) : sizeof(float);
+}
+
+/* Product of the extents in *count; false if it, times 8 bytes, would overflow. */
+YLM_API bool ylm_shape_count(int axes, const size_t *shape, size_t *count);
+
+/* True if all n numbers are finite; else *where is the index of the first that is not. */
+YLM_API bool ylm_all_finite(ylm_dtype t, const void *x, size_t n, size_t *where);
+
+/* -- processor ------------------------------------------------------------- */
+
+/*
+** The instruction sets that kernels are compiled for, worst first.
+** "reference" is the short scalar form that judges the others.
+*/
+#define YLM_ISA_LIST(X) X(reference) X(sse2) X(neon) X(avx2) X(avx512)
+
+typedef enum ylm_isa {
+#define X(name) YLM_ISA_##name,
+  YLM_ISA_LIST(X)
+#undef X
+  YLM_ISA_COUNT
+} ylm_isa;
+
+YLM_API const char *ylm_isa_name(ylm_isa isa);
+/* True if kernels for `isa` are built in and this processor runs them. */
+YLM_API bool ylm_isa_available(ylm_isa isa);
+/* The set in use: the environment's YLM_ISA where that names an available one, else the best. */
+YLM_API ylm_isa ylm_isa_current(void);
+
+/* -- progress and threads -------------------------------------------------- */
+
+/*
+** How long work reports and is stopped. `step` is called on the calling thread
+** only, a few times a second at most, with done <= total; false cancels.
+*/
+typedef struct ylm_progress {
+  bool (*step)(void *user, uint64_t done, uint64_t total, const char *stage);
+  void *user;
+} ylm_progress;
+
+/* YLM_OK, or YLM_ECANCELLED if `p` (may be NULL) wants no more. */
+YLM_API ylm_status ylm_report(const ylm_progress *p, uint64_t done, uint64_t total,
+                              const char *stage);
+
+/* The number of threads to use: `asked` if > 0, else YLM_THREADS, else all cores; 1 .. 1024. */
+YLM_API int ylm_threads(int asked);
+
+/* Work on items begin .. end-1; `worker` is 0 .. threads-1. */
+typedef ylm_status ylm_range_fn(void *context, size_t begin, size_t end, int worker);
+
+/*
+** ylm_parallel - run `fn` over 0 .. n-1 in blocks of `grain` items.
+**
+** The cut into blocks depends on n and grain alone, so results that depend on
+** blocks are the same whatever the number of threads. The first status other
+** than YLM_OK stops the rest and is returned. With `progress`, blocks are run
+** in batches and `stage` is reported between them.
+** Not to be used in a fork()ed child of a process that has used it (OpenMP).
+*/
+YLM_API ylm_status ylm_parallel(size_t n, size_t grain, int threads, ylm_range_fn *fn,
+                                void *context, const ylm_progress *progress, const char *stage);
+
+/* Seconds on a clock that only goes forward. */
+YLM_API double ylm_seconds(void);
+
+/* -- random numbers -------------------------------------------------------- */
+
+/* PCG32 (O'Neill 2014): small, seekable by stream, the same everywhere. */
+typedef struct ylm_rng { uint64_t state, stream; } ylm_rng;
+YLM_API void ylm_rng_seed(ylm_rng *r, uint64_t seed, uint64_t stream);
+YLM_API uint32_t ylm_rng_u32(ylm_rng *r);
+/* Uniform in [0, 1), 53 random bits. */
+YLM_API double ylm_rng_double(ylm_rng *r);
+
+/* -- files ----------------------------------------------------------------- */
+
+/* CRC-64/XZ of `size` bytes, continued from `crc` (0 to begin). */
+YLM_API uint64_t ylm_crc64(uint64_t crc, const void *data, size_t size);
+
+/*
+** ylm_file_read - a regular file's bytes, with a final 0 that is not counted.
+** YLM_EIO (missing, a directory, a device), YLM_ELIMIT (larger than `limit`; 0: 4 GiB), YLM_ENOMEM.
+** The caller frees *data with ylm_free.
+*/
+YLM_API ylm_status ylm_file_read(const char *path, size_t limit, unsigned char **data,
+                                 size_t *size, ylm_error *e);
+
+/*
+** A file written beside its target and renamed over it by ylm_file_commit, so
+** that the target holds the old bytes or the new ones and never a part.
+** Without a commit, ylm_file_discard removes what was written.
+** Errors stick: a failed write is reported by the commit.
+*/
+typedef struct ylm_file ylm_file;
+YLM_API ylm_status ylm_file_create(const char *path, ylm_file **f, ylm_error *e);
+YLM_API ylm_status ylm_file_write(ylm_file *f, const void *data, size_t size);
+/* The stream behind it, for libraries that want one. */
+YLM_API FILE *ylm_file_stream(ylm_file *f);
+/* The name it has until then, for libraries that open files themselves. */
+YLM_API const char *ylm_file_temporary(const ylm_file *f);
+YLM_API ylm_status ylm_file_commit(ylm_file *f, ylm_error *e);  /* frees f */
+YLM_API void ylm_file_discard(ylm_file *f);                     /* frees f */
+/* All at once. */
+YLM_API ylm_status ylm_file_save(const char *path, const void *data, size_t size, ylm_error *e);
+
+/* -- light fields ---------------------------------------------------------- */
+
+/* What is wanted of a light field at points; the bits add up. */
+enum {
+  YLM_WANT_VALUE = 1,    /* coefficients                          [n][channels][count]    */
+  YLM_WANT_GRADIENT = 2, /* with respect to the point             [n][channels][count][3] */
+  YLM_WANT_HESSIAN = 4,  /* xx xy xz yy yz zz                     [n][channels][count][6] */
+  YLM_WANT_METRIC = 8    /* lambda and norm, see ylm_field_result [n]                     */
+};
+
+typedef struct ylm_field_query {
+  int lmax;                     /* 0 .. YLM_LMAX */
+  int channels;                 /* 1 luminance (Rec. 709 weights), 3 linear rgb */
+  int want;                     /* YLM_WANT_* added up */
+  int metric_channels;          /* 1 or 3: of what lambda and norm are */
+  ylm_dtype dtype;              /* of points and results */
+  int threads;                  /* 0: the default */
+  const ylm_progress *progress; /* may be NULL */
+} ylm_field_query;
+
+/*
+** Where results go: pointers may be NULL where nothing is wanted.
+**   lambda   L2 norm over coefficients of the largest absolute eigenvalue of each Hessian
+**   norm     L2 norm of the coefficients
+**   inside   1 where the point lies in or on a light (the field jumps there), else 0
+**   pairs    number of light x point evaluations, added to what stands there
+*/
+typedef struct ylm_field_result {
+  void *value, *gradient, *hessian; /* dtype of the query */
+  void *lambda, *norm;              /* dtype of the query */
+  uint8_t *inside;
+  uint64_t pairs;
+} ylm_field_result;
+
+typedef struct ylm_field ylm_field;
+struct ylm_field {
+  const void *self;
+  /* points [n][3]; overwrites the results asked for */
+  ylm_status (*evaluate)(const ylm_field *f, const ylm_field_query *q, size_t n,
+                         const void *points, ylm_field_result *r, ylm_error *e);
+  /* out[i] = 1 if a surface on which the field jumps meets box i (boxes [n][6]: min, max) */
+  ylm_status (*crosses)(const ylm_field *f, size_t n, const double *boxes, uint8_t *out);
+};
+
+#ifdef __cplusplus
+}
+#endif
+#endif

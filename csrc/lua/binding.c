@@ -1,0 +1,131 @@
+/* binding.c - compiled into every binding: results, types, progress, the ABI guard. */
+#include "binding.h"
+
+#include <string.h>
+
+#if LUA_VERSION_NUM < 502
+/* Absent from 5.1 and LuaJIT without 5.2 compatibility; present where this object must not run. */
+extern void luaL_checkversion_(lua_State *L, lua_Number v) __attribute__((weak));
+#endif
+
+void ylmL_check_abi(lua_State *L) {
+#if LUA_VERSION_NUM >= 502
+  luaL_checkversion(L);
+#else
+  if (luaL_checkversion_) {
+    /* Calling into a state of another layout is unsafe; an error by message alone is not. */
+    lua_pushliteral(L, "ylm: this binding was built for Lua 5.1; set LUA_CPATH to build/luaX.Y");
+    lua_error(L);
+  }
+#endif
+}
+
+bool ylmL_toint64(lua_State *L, int i, int64_t *out) {
+  if (lua_type(L, i) != LUA_TNUMBER) return false;
+  double x = (double)lua_tonumber(L, i);
+  if (!(x >= -9007199254740992.0 && x <= 9007199254740992.0) || x != (double)(int64_t)x)
+    return false;
+  *out = (int64_t)x;
+  return true;
+}
+
+int ylmL_result(lua_State *L, int n, ylm_status s, const ylm_error *e) {
+  if (s == YLM_OK) return n;
+  lua_pushnil(L);
+  if (e && e->status == s && e->text[0]) lua_pushstring(L, e->text);
+  else lua_pushstring(L, ylm_status_text(s));
+  if (s == YLM_ECANCELLED) {
+    lua_pop(L, 1);
+    lua_pushliteral(L, "cancelled");
+  }
+  lua_pushstring(L, ylm_status_name(s));
+  return 3;
+}
+
+void ylmL_type(lua_State *L, const char *name, const luaL_Reg *methods) {
+  if (!luaL_newmetatable(L, name)) return;
+  lua_pushvalue(L, -1);
+  lua_setfield(L, -2, "__index");
+  lua_pushstring(L, name);
+  lua_setfield(L, -2, "__name");
+  if (methods) luaL_setfuncs(L, methods, 0);
+}
+
+void *ylmL_test(lua_State *L, int i, const char *name) {
+  void *p = lua_touserdata(L, i);
+  if (!p || lua_islightuserdata(L, i) || !lua_getmetatable(L, i)) return NULL;
+  luaL_getmetatable(L, name);
+  if (!lua_rawequal(L, -1, -2)) p = NULL;
+  lua_pop(L, 2);
+  return p;
+}
+
+void *ylmL_check(lua_State *L, int i, const char *name) {
+  void *p = ylmL_test(L, i, name);
+  if (!p) {
+    const char *got = luaL_typename(L, i);
+    luaL_argerror(L, i, lua_pushfstring(L, "%s expected, got %s", name, got));
+  }
+  return p;
+}
+
+void ylmL_charge(lua_State *L, size_t bytes) {
+  size_t kilobytes = bytes >> 10;
+  if (kilobytes > 64) lua_gc(L, LUA_GCSTEP, kilobytes > 1 << 20 ? 1 << 20 : (int)kilobytes);
+}
+
+/* A function pointer as bytes: ISO C has no cast from it to void *. */
+void ylmL_type_has_field(lua_State *L, ylmL_field_of *get) {
+  lua_pushlstring(L, (const char *)&get, sizeof get);
+  lua_setfield(L, -2, "__field");
+}
+
+const ylm_field *ylmL_field_check(lua_State *L, int i) {
+  void *object = lua_touserdata(L, i);
+  ylmL_field_of *get = NULL;
+  if (object && lua_getmetatable(L, i)) {
+    size_t size;
+    lua_getfield(L, -1, "__field");
+    const char *bytes = lua_tolstring(L, -1, &size);
+    if (bytes && size == sizeof get) memcpy(&get, bytes, sizeof get);
+    lua_pop(L, 2);
+  }
+  const ylm_field *field = get ? get(object) : NULL;
+  if (!field) luaL_argerror(L, i, "an object with a light field expected");
+  return field;
+}
+
+static bool step(void *user, uint64_t done, uint64_t total, const char *stage) {
+  ylmL_progress *p = user;
+  if (p->raised) return false;
+  lua_State *L = p->L;
+  lua_pushvalue(L, p->index);
+  lua_pushnumber(L, (lua_Number)done);
+  lua_pushnumber(L, (lua_Number)total);
+  lua_pushstring(L, stage ? stage : "");
+  if (lua_pcall(L, 3, 1, 0) != 0) {
+    p->raised = true;
+    return false;
+  }
+  bool go = !lua_isboolean(L, -1) || lua_toboolean(L, -1);
+  lua_pop(L, 1);
+  return go;
+}
+
+const ylm_progress *ylmL_progress_begin(lua_State *L, int i, ylmL_progress *p) {
+  memset(p, 0, sizeof *p);
+  if (lua_isnoneornil(L, i)) return NULL;
+  luaL_checktype(L, i, LUA_TFUNCTION);
+  luaL_checkstack(L, 8, "progress");
+  p->base.step = step;
+  p->base.user = p;
+  p->L = L;
+  p->index = i;
+  return &p->base;
+}
+
+int ylmL_result_progress(lua_State *L, int n, ylm_status s, const ylm_error *e,
+                         ylmL_progress *p) {
+  if (p->raised) return lua_error(L);
+  return ylmL_result(L, n, s, e);
+}

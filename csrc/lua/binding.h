@@ -1,0 +1,119 @@
+/*
+** binding.h - what the files of the Lua binding share. Private to csrc/lua.
+**
+** One C source serves Lua 5.1, LuaJIT, 5.3 and 5.4. Functions here take already
+** sorted arguments from lua/ylm; they never see option tables. On failure they
+** return nil, message, code through ylmL_result; lua/ylm/check.lua raises
+** what is the caller's fault and hands back what is the world's.
+**
+** Each file `core_NAME.c` (or scene_, vtk_, vulkan_) defines
+**     void ylmL_open_NAME(lua_State *L)      adds functions to the table on top
+** and stands in the list below. Object types are userdata whose
+** metatables live in the registry by name, so that every binding sees them.
+*/
+#ifndef YLM_LUA_BINDING_H
+#define YLM_LUA_BINDING_H
+
+#include <lauxlib.h>
+#include <lua.h>
+#include <lualib.h>
+
+#include "ylm_base.h"
+
+/* -- what is bound ----------------------------------------------------------- */
+
+/* Each X(name) is a file core_NAME.c (scene_NAME.c, ...) with ylmL_open_NAME. */
+#define YLML_CORE_BINDINGS(X) \
+  X(array)
+
+#define X(name) void ylmL_open_##name(lua_State *L);
+YLML_CORE_BINDINGS(X)
+#undef X
+
+/* The entry points of the shared objects. */
+YLM_API int luaopen_ylm_c_core(lua_State *L);
+YLM_API int luaopen_ylm_c_scene(lua_State *L);
+YLM_API int luaopen_ylm_c_vtk(lua_State *L);
+YLM_API int luaopen_ylm_c_vulkan(lua_State *L);
+
+/* -- Lua 5.1 with the names of later versions ------------------------------ */
+
+#if LUA_VERSION_NUM < 502
+#define lua_rawlen lua_objlen
+#define luaL_setfuncs(L, l, n) luaL_register(L, NULL, l)
+#endif
+
+/* True (and left on the stack) if value `i` is an integral number that fits. */
+bool ylmL_toint64(lua_State *L, int i, int64_t *out);
+
+/* Opens a binding: refuses an interpreter of another ABI instead of crashing. */
+void ylmL_check_abi(lua_State *L);
+
+/* -- results --------------------------------------------------------------- */
+
+/* YLM_OK: returns `n` (results already pushed). Else pushes nil, message, code; returns 3. */
+int ylmL_result(lua_State *L, int n, ylm_status s, const ylm_error *e);
+
+/* -- object types ---------------------------------------------------------- */
+
+/* Registers (once per state) the metatable `name` with methods; leaves it on the stack.
+   __index is the metatable itself, __name its name; Lua files add methods by
+   require "ylm.c.core".metatable(name). */
+void ylmL_type(lua_State *L, const char *name, const luaL_Reg *methods);
+/* The userdata at `i` if it is of type `name`, else NULL. */
+void *ylmL_test(lua_State *L, int i, const char *name);
+/* The same, raising a type error. */
+void *ylmL_check(lua_State *L, int i, const char *name);
+/* Tells the collector of `bytes` of C memory: runs a step in proportion. */
+void ylmL_charge(lua_State *L, size_t bytes);
+
+/* -- arrays: csrc/lua/core_array.c owns the type, every binding may use it --- */
+
+#define YLM_ARRAY "ylm.array"
+
+/* Dense, row-major. A view shares its parent's block of elements. */
+typedef struct ylmL_array {
+  void *data; /* NULL once closed */
+  ylm_dtype dtype;
+  int axes;
+  size_t shape[YLM_MAX_AXES];
+  size_t count;         /* product of the shape */
+  uint32_t convention;  /* of SH coefficients; 0 is ylm's own (ylm_sh.h lists others) */
+  struct ylmL_block *block;
+} ylmL_array;
+
+/* A new array of zeros, on the stack; NULL (nothing pushed) if the size overflows or memory
+   runs out. */
+ylmL_array *ylmL_array_new(lua_State *L, ylm_dtype t, int axes, const size_t *shape);
+/* The array at `i`, open; raises otherwise. */
+ylmL_array *ylmL_array_check(lua_State *L, int i);
+/* The same, or NULL where `i` is nil or none. */
+ylmL_array *ylmL_array_opt(lua_State *L, int i);
+
+/* -- light fields ----------------------------------------------------------- */
+
+/* Object types that have a light field (lights, grids) put the address of such a function into
+   their metatable with ylmL_type_has_field; the metatable must be on top of the stack. */
+typedef const ylm_field *ylmL_field_of(void *object);
+void ylmL_type_has_field(lua_State *L, ylmL_field_of *get);
+/* The field of the object at `i`; raises if it has none. It lives as long as the object. */
+const ylm_field *ylmL_field_check(lua_State *L, int i);
+
+/* -- progress -------------------------------------------------------------- */
+
+typedef struct ylmL_progress {
+  ylm_progress base;
+  lua_State *L;
+  int index;    /* stack index of the Lua function */
+  bool raised;  /* the function raised: its message is on the stack's top */
+} ylmL_progress;
+
+/* Prepares `p` for the function at absolute stack index `i`; NULL if there is none.
+   The function is called as f(done, total, stage); returning false cancels, and so does an
+   error, which ylmL_result_progress raises again once C has cleaned up. */
+const ylm_progress *ylmL_progress_begin(lua_State *L, int i, ylmL_progress *p);
+/* ylmL_result, after raising an error that the progress function raised. */
+int ylmL_result_progress(lua_State *L, int n, ylm_status s, const ylm_error *e,
+                         ylmL_progress *p);
+
+#endif

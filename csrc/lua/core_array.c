@@ -1,0 +1,311 @@
+/* core_array.c - ylm.array: dense arrays of float or double. Lua methods are in lua/ylm/array.lua. */
+#include "binding.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* Elements shared by an array and its views; freed when the last of them goes. */
+struct ylmL_block {
+  size_t users;
+  void *data;
+};
+
+static void release(ylmL_array *a) {
+  if (a->block && --a->block->users == 0) {
+    ylm_free(a->block->data);
+    free(a->block);
+  }
+  a->block = NULL;
+  a->data = NULL;
+}
+
+/* An empty array object on the stack. */
+static ylmL_array *push_object(lua_State *L) {
+  ylmL_array *a = lua_newuserdata(L, sizeof *a);
+  memset(a, 0, sizeof *a);
+  luaL_getmetatable(L, YLM_ARRAY);
+  lua_setmetatable(L, -2);
+  return a;
+}
+
+ylmL_array *ylmL_array_new(lua_State *L, ylm_dtype t, int axes, const size_t *shape) {
+  size_t count;
+  if (axes < 1 || axes > YLM_MAX_AXES || !ylm_shape_count(axes, shape, &count)) return NULL;
+  ylmL_array *a = push_object(L);
+  a->block = malloc(sizeof *a->block);
+  if (!a->block) {
+    lua_pop(L, 1);
+    return NULL;
+  }
+  a->block->users = 1;
+  a->data = a->block->data = ylm_alloc_zero(count, ylm_dtype_size(t));
+  if (!a->data) {
+    release(a);
+    lua_pop(L, 1);
+    return NULL;
+  }
+  a->dtype = t;
+  a->axes = axes;
+  memcpy(a->shape, shape, (size_t)axes * sizeof *shape);
+  a->count = count;
+  ylmL_charge(L, count * ylm_dtype_size(t));
+  return a;
+}
+
+ylmL_array *ylmL_array_check(lua_State *L, int i) {
+  ylmL_array *a = ylmL_check(L, i, YLM_ARRAY);
+  if (!a->data) luaL_argerror(L, i, "the array has been closed");
+  return a;
+}
+
+ylmL_array *ylmL_array_opt(lua_State *L, int i) {
+  return lua_isnoneornil(L, i) ? NULL : ylmL_array_check(L, i);
+}
+
+static ylm_dtype check_dtype(lua_State *L, int i) {
+  static const char *const names[] = {"float", "double", NULL};
+  return (ylm_dtype)luaL_checkoption(L, i, "double", names);
+}
+
+/* zeros(shape table, dtype) */
+static int array_zeros(lua_State *L) {
+  luaL_checktype(L, 1, LUA_TTABLE);
+  ylm_dtype t = check_dtype(L, 2);
+  size_t axes = lua_rawlen(L, 1), shape[YLM_MAX_AXES];
+  if (axes < 1 || axes > YLM_MAX_AXES)
+    return ylmL_result(L, 0, YLM_ESHAPE, NULL);
+  for (size_t i = 0; i < axes; i++) {
+    int64_t n;
+    lua_rawgeti(L, 1, (int)i + 1);
+    if (!ylmL_toint64(L, -1, &n) || n < 0) return ylmL_result(L, 0, YLM_ESHAPE, NULL);
+    shape[i] = (size_t)n;
+    lua_pop(L, 1);
+  }
+  size_t count;
+  if (!ylm_shape_count((int)axes, shape, &count)) return ylmL_result(L, 0, YLM_EOVERFLOW, NULL);
+  return ylmL_result(L, 1, ylmL_array_new(L, t, (int)axes, shape) ? YLM_OK : YLM_ENOMEM, NULL);
+}
+
+static double element(const ylmL_array *a, size_t i) {
+  return a->dtype == YLM_DOUBLE ? ((const double *)a->data)[i] : (double)((const float *)a->data)[i];
+}
+
+static void set_element(ylmL_array *a, size_t i, double x) {
+  if (a->dtype == YLM_DOUBLE) ((double *)a->data)[i] = x;
+  else ((float *)a->data)[i] = (float)x;
+}
+
+/* fill(array, nested table): the table's nesting and lengths must be the array's shape. */
+static bool fill(lua_State *L, ylmL_array *a, int axis, size_t *next) {
+  if (axis == a->axes) {
+    if (lua_type(L, -1) != LUA_TNUMBER) return false;
+    set_element(a, (*next)++, (double)lua_tonumber(L, -1));
+    return true;
+  }
+  if (!lua_istable(L, -1) || lua_rawlen(L, -1) != a->shape[axis]) return false;
+  luaL_checkstack(L, 4, "nested table");
+  for (size_t i = 1; i <= a->shape[axis]; i++) {
+    lua_rawgeti(L, -1, (int)i);
+    bool ok = fill(L, a, axis + 1, next);
+    lua_pop(L, 1);
+    if (!ok) return false;
+  }
+  return true;
+}
+
+/* fill(array, table) -> true, or nil, flat index (1-based) of the first misfit */
+static int array_fill(lua_State *L) {
+  ylmL_array *a = ylmL_array_check(L, 1);
+  luaL_checktype(L, 2, LUA_TTABLE);
+  lua_settop(L, 2);
+  size_t next = 0;
+  if (fill(L, a, 0, &next)) {
+    lua_pushboolean(L, 1);
+    return 1;
+  }
+  lua_pushnil(L);
+  lua_pushnumber(L, (lua_Number)(next + 1));
+  return 2;
+}
+
+static void push_nested(lua_State *L, const ylmL_array *a, int axis, size_t *next) {
+  if (axis == a->axes) {
+    lua_pushnumber(L, (lua_Number)element(a, (*next)++));
+    return;
+  }
+  luaL_checkstack(L, 4, "nested table");
+  lua_createtable(L, a->shape[axis] < INT32_MAX ? (int)a->shape[axis] : 0, 0);
+  for (size_t i = 1; i <= a->shape[axis]; i++) {
+    push_nested(L, a, axis + 1, next);
+    lua_rawseti(L, -2, (int)i);
+  }
+}
+
+static int array_totable(lua_State *L) {
+  size_t next = 0;
+  push_nested(L, ylmL_array_check(L, 1), 0, &next);
+  return 1;
+}
+
+/* info(array) -> shape table, dtype name, convention number, is open */
+static int array_info(lua_State *L) {
+  ylmL_array *a = ylmL_check(L, 1, YLM_ARRAY);
+  lua_createtable(L, a->axes, 0);
+  for (int i = 0; i < a->axes; i++) {
+    lua_pushnumber(L, (lua_Number)a->shape[i]);
+    lua_rawseti(L, -2, i + 1);
+  }
+  lua_pushstring(L, a->dtype == YLM_DOUBLE ? "double" : "float");
+  lua_pushnumber(L, a->convention);
+  lua_pushboolean(L, a->data != NULL);
+  return 4;
+}
+
+static int array_set_convention(lua_State *L) {
+  ylmL_array_check(L, 1)->convention = (uint32_t)luaL_checknumber(L, 2);
+  return 0;
+}
+
+/* The flat offset of one-based indices at stack positions 2 ..; false if one is out of range. */
+static bool offset(lua_State *L, const ylmL_array *a, int given, size_t *out) {
+  size_t k = 0;
+  for (int i = 0; i < given; i++) {
+    int64_t x;
+    if (!ylmL_toint64(L, 2 + i, &x) || x < 1 || (uint64_t)x > a->shape[i]) return false;
+    k = k * a->shape[i] + (size_t)(x - 1);
+  }
+  *out = k;
+  return true;
+}
+
+/* get(array, i, j, ...) -> number, or nil if an index is out of range or their number is wrong */
+static int array_get(lua_State *L) {
+  ylmL_array *a = ylmL_array_check(L, 1);
+  size_t k;
+  if (lua_gettop(L) - 1 != a->axes || !offset(L, a, a->axes, &k)) return 0;
+  lua_pushnumber(L, (lua_Number)element(a, k));
+  return 1;
+}
+
+/* set(array, i, j, ..., value) -> true, or nothing as for get */
+static int array_set(lua_State *L) {
+  ylmL_array *a = ylmL_array_check(L, 1);
+  size_t k;
+  int last = lua_gettop(L);
+  if (last - 2 != a->axes || lua_type(L, last) != LUA_TNUMBER || !offset(L, a, a->axes, &k))
+    return 0;
+  set_element(a, k, (double)lua_tonumber(L, last));
+  lua_pushboolean(L, 1);
+  return 1;
+}
+
+/* Pushes a view of `parent` (at absolute index `at`) with the given shape from flat element k. */
+static ylmL_array *push_view(lua_State *L, int at, size_t k, int axes, const size_t *shape) {
+  ylmL_array *parent = ylmL_array_check(L, at);
+  ylmL_array *v = push_object(L);
+  v->data = (char *)parent->data + k * ylm_dtype_size(parent->dtype);
+  v->dtype = parent->dtype;
+  v->convention = parent->convention;
+  v->axes = axes;
+  memcpy(v->shape, shape, (size_t)axes * sizeof *shape);
+  ylm_shape_count(axes, shape, &v->count);
+  v->block = parent->block;
+  v->block->users++;
+  return v;
+}
+
+/* view(array, i) -> view of row i (axes > 1), or nil */
+static int array_view(lua_State *L) {
+  ylmL_array *a = ylmL_array_check(L, 1);
+  size_t k;
+  if (a->axes < 2 || !offset(L, a, 1, &k)) return 0;
+  push_view(L, 1, a->shape[0] ? k * (a->count / a->shape[0]) : 0, a->axes - 1, a->shape + 1);
+  return 1;
+}
+
+/* reshape(array, shape table) -> view with the same number of elements, or nil */
+static int array_reshape(lua_State *L) {
+  ylmL_array *a = ylmL_array_check(L, 1);
+  luaL_checktype(L, 2, LUA_TTABLE);
+  size_t axes = lua_rawlen(L, 2), shape[YLM_MAX_AXES], count;
+  if (axes < 1 || axes > YLM_MAX_AXES) return 0;
+  for (size_t i = 0; i < axes; i++) {
+    int64_t n;
+    lua_rawgeti(L, 2, (int)i + 1);
+    if (!ylmL_toint64(L, -1, &n) || n < 0) return 0;
+    shape[i] = (size_t)n;
+    lua_pop(L, 1);
+  }
+  if (!ylm_shape_count((int)axes, shape, &count) || count != a->count) return 0;
+  push_view(L, 1, 0, (int)axes, shape);
+  return 1;
+}
+
+/* convert(array, dtype) -> a copy with that element type */
+static int array_convert(lua_State *L) {
+  ylmL_array *a = ylmL_array_check(L, 1);
+  ylm_dtype t = check_dtype(L, 2);
+  ylmL_array *b = ylmL_array_new(L, t, a->axes, a->shape);
+  if (!b) return ylmL_result(L, 0, YLM_ENOMEM, NULL);
+  b->convention = a->convention;
+  if (a->dtype == t) memcpy(b->data, a->data, a->count * ylm_dtype_size(t));
+  else
+    for (size_t i = 0; i < a->count; i++) set_element(b, i, element(a, i));
+  return 1;
+}
+
+static int array_pointer(lua_State *L) {
+  lua_pushlightuserdata(L, ylmL_array_check(L, 1)->data);
+  return 1;
+}
+
+/* finite(array) -> true, or false, one-based flat index of the first that is not */
+static int array_finite(lua_State *L) {
+  ylmL_array *a = ylmL_array_check(L, 1);
+  size_t where;
+  bool ok = ylm_all_finite(a->dtype, a->data, a->count, &where);
+  lua_pushboolean(L, ok);
+  if (ok) return 1;
+  lua_pushnumber(L, (lua_Number)(where + 1));
+  return 2;
+}
+
+/* distance(a, b) -> largest |a-b|, sqrt of the sum of squares of a-b, of b: for whole-array tests */
+static int array_distance(lua_State *L) {
+  ylmL_array *a = ylmL_array_check(L, 1), *b = ylmL_array_check(L, 2);
+  if (a->count != b->count) return ylmL_result(L, 0, YLM_ESHAPE, NULL);
+  double largest = 0, sum = 0, norm = 0;
+  for (size_t i = 0; i < a->count; i++) {
+    double x = element(a, i), y = element(b, i), d = x > y ? x - y : y - x;
+    if (!(d <= largest)) largest = d; /* NaN sticks */
+    sum += d * d;
+    norm += y * y;
+  }
+  lua_pushnumber(L, (lua_Number)largest);
+  lua_pushnumber(L, (lua_Number)__builtin_sqrt(sum));
+  lua_pushnumber(L, (lua_Number)__builtin_sqrt(norm));
+  return 3;
+}
+
+static int array_close(lua_State *L) {
+  release(ylmL_check(L, 1, YLM_ARRAY));
+  return 0;
+}
+
+static const luaL_Reg functions[] = {
+    {"array_zeros", array_zeros},       {"array_fill", array_fill},
+    {"array_totable", array_totable},   {"array_info", array_info},
+    {"array_get", array_get},           {"array_set", array_set},
+    {"array_view", array_view},         {"array_reshape", array_reshape},
+    {"array_convert", array_convert},   {"array_pointer", array_pointer},
+    {"array_finite", array_finite},     {"array_distance", array_distance},
+    {"array_close", array_close},       {"array_set_convention", array_set_convention},
+    {NULL, NULL}};
+
+static const luaL_Reg methods[] = {{"__gc", array_close}, {NULL, NULL}};
+
+void ylmL_open_array(lua_State *L) {
+  ylmL_type(L, YLM_ARRAY, methods);
+  lua_pop(L, 1);
+  luaL_setfuncs(L, functions, 0);
+}

@@ -1,0 +1,222 @@
+--- Dense arrays of float or double: ylm.array, ylm.zeros and the methods of their objects.
+
+local check = require "ylm.check"
+local core = require "ylm.c.core"
+local describe = require "ylm.reference".describe
+
+local array = {}
+local methods = core.metatable "ylm.array"
+
+--- The shape of a nested table, taken along its first elements.
+local function shape_of(t)
+  local shape = {}
+  while type(t) == "table" do
+    shape[#shape + 1] = #t
+    t = t[1]
+  end
+  return shape
+end
+
+local function check_dtype(n, name, dtype, default)
+  if dtype == nil then return default end
+  if dtype == "float" or dtype == "double" then return dtype end
+  return check.bad(n, name, "dtype must be 'float' or 'double', got %s", check.describe(dtype))
+end
+
+describe "array" {
+  about = "Makes an array from nested tables of numbers, or converts an array to another element type.",
+  arguments = {
+    { "values", "table|array", "nested to the array's shape; every row of a level has the same length" },
+    { "dtype?", "string", "'float' or 'double'; default double, or the array's own" },
+  },
+  returns = { { "a", "array", "a new array; a.shape, a.dtype, a.convention, #a" } },
+  errors = "raises on ragged tables and on what is not a number",
+  example = [[
+local a = ylm.array({ { 0, 0, 1 }, { 1, 0, 0 } }, "float")
+assert(#a == 2 and a.shape[2] == 3 and a.dtype == "float" and a:get(1, 3) == 1)]],
+}
+function array.array(values, dtype)
+  if core.type(values) == "ylm.array" then
+    local _, own = core.array_info(values)
+    return check.result("array", core.array_convert(values, check_dtype(2, "array", dtype, own)))
+  end
+  if type(values) ~= "table" then
+    return check.bad(1, "array", "a table of numbers or an array expected, got %s", check.describe(values))
+  end
+  dtype = check_dtype(2, "array", dtype, "double")
+  local shape = shape_of(values)
+  if #shape > 8 then return check.bad(1, "array", "at most 8 axes, got %d", #shape) end
+  local a = assert(check.result("array", core.array_zeros(shape, dtype)))
+  local ok, where = core.array_fill(a, values)
+  if not ok then
+    return check.bad(1, "array", "every row must hold the same number of numbers; element %d does not", where)
+  end
+  return a
+end
+
+describe "zeros" {
+  about = "Makes an array of zeros.",
+  arguments = {
+    { "shape", "table", "1 to 8 extents, each 0 or more" },
+    { "dtype?", "string", "'float' or 'double' (default)" },
+  },
+  returns = { { "a", "array", "" } },
+  errors = "raises on a bad shape or one that is too large; nil, message, 'ENOMEM' where memory runs out",
+  example = "assert(#ylm.zeros({ 4, 3 }) == 4)",
+}
+function array.zeros(shape, dtype)
+  if check.is_integer(shape) then shape = { shape } end
+  if type(shape) ~= "table" or #shape < 1 or #shape > 8 then
+    return check.bad(1, "zeros", "a shape of 1 to 8 extents expected, got %s", check.describe(shape))
+  end
+  for i = 1, #shape do
+    if not check.is_integer(shape[i]) or shape[i] < 0 then
+      return check.bad(1, "zeros", "extent %d must be an integer >= 0, got %s", i, check.describe(shape[i]))
+    end
+  end
+  return check.result("zeros", core.array_zeros(shape, check_dtype(2, "zeros", dtype, "double")))
+end
+
+-- Methods ------------------------------------------------------------------------
+
+local function open(a, name)
+  if core.type(a) ~= "ylm.array" then
+    return check.fail("%s: an array expected before the colon, got %s", name, check.describe(a))
+  end
+  local shape, dtype, convention, is_open = core.array_info(a)
+  if not is_open then return check.fail("%s: the array has been closed", name) end
+  return shape, dtype, convention
+end
+
+local function index_text(shape)
+  return "1 to " .. table.concat(shape, ", 1 to ")
+end
+
+function methods.get(a, ...)
+  local shape = open(a, "get")
+  local x = core.array_get(a, ...)
+  if x == nil then return check.fail("get: indices from %s expected", index_text(shape)) end
+  return x
+end
+
+function methods.set(a, ...)
+  local shape = open(a, "set")
+  if not core.array_set(a, ...) then
+    return check.fail("set: indices from %s and a number expected", index_text(shape))
+  end
+  return a
+end
+
+function methods.totable(a)
+  open(a, "totable")
+  return core.array_totable(a)
+end
+
+function methods.clone(a)
+  local _, dtype = open(a, "clone")
+  return core.array_convert(a, dtype)
+end
+
+--- A view of the same numbers in another shape.
+function methods.reshape(a, shape)
+  open(a, "reshape")
+  if type(shape) ~= "table" then
+    return check.bad(1, "reshape", "a table of extents expected, got %s", check.describe(shape))
+  end
+  local view = core.array_reshape(a, shape)
+  if not view then
+    return check.bad(1, "reshape", "extents with %s elements in all expected", tostring(#a))
+  end
+  return view
+end
+
+--- The address of the first element, as light userdata (with LuaJIT: ffi.cast("double *", a:pointer())).
+function methods.pointer(a)
+  open(a, "pointer")
+  return core.array_pointer(a)
+end
+
+--- Frees the memory now rather than at the next collection (once no view uses it).
+function methods.close(a)
+  if core.type(a) ~= "ylm.array" then return check.fail("close: an array expected, got %s", check.describe(a)) end
+  core.array_close(a)
+end
+
+methods.__len = function(a) return open(a, "#")[1] end
+
+methods.__index = function(a, key)
+  if type(key) == "number" then
+    local shape = open(a, "array")
+    if #shape == 1 then return core.array_get(a, key) end
+    return core.array_view(a, key)
+  end
+  if key == "shape" then return (core.array_info(a)) end
+  if key == "dtype" then return (select(2, core.array_info(a))) end
+  if key == "convention" then return array.convention_name((select(3, core.array_info(a)))) end
+  return rawget(methods, key)
+end
+
+methods.__newindex = function(a, key, value)
+  local shape = open(a, "array")
+  if #shape == 1 and type(key) == "number" and core.array_set(a, key, value) then return end
+  return check.fail("array: cannot set %s of an array of %s", check.describe(key), table.concat(shape, "x"))
+end
+
+methods.__tostring = function(a)
+  local shape, dtype, _, is_open = core.array_info(a)
+  if not is_open then return "ylm.array (closed)" end
+  return ("ylm.array %s [%s]"):format(dtype, table.concat(shape, "]["))
+end
+
+--- The name of a convention number; ylm.sh extends it.
+function array.convention_name(number)
+  return number == 0 and "ylm" or tostring(number)
+end
+
+-- What the other modules use ---------------------------------------------------------
+
+--- Argument `n` of `name` as an array whose last axis has `width` numbers (nil: any).
+-- Tables become arrays of `dtype` (default double). Returns the array and whether it was one row.
+function array.rows(n, name, what, value, width, dtype)
+  local a = value
+  if core.type(a) ~= "ylm.array" then
+    if type(a) ~= "table" or core.type(a) then
+      return check.bad(n, name, "%s: a table of numbers or an array expected, got %s", what, check.describe(value))
+    end
+    if #a == 0 then a = assert(core.array_zeros({ 0, width or 0 }, dtype or "double"))
+    else
+      local shape = shape_of(a)
+      if #shape > 8 then return check.bad(n, name, "%s: at most 8 axes, got %d", what, #shape) end
+      a = assert(core.array_zeros(shape, dtype or "double"))
+      local ok, where = core.array_fill(a, value)
+      if not ok then
+        return check.bad(n, name, "%s: every row must hold the same number of numbers; element %d does not", what, where)
+      end
+    end
+  end
+  local shape, own, _, is_open = core.array_info(a)
+  if not is_open then return check.bad(n, name, "%s: the array has been closed", what) end
+  if width and shape[#shape] ~= width then
+    return check.bad(n, name, "%s: rows of %d numbers expected, got %s", what, width, check.describe(a))
+  end
+  if dtype and own ~= dtype then a = core.array_convert(a, dtype) end
+  return a, #shape == 1
+end
+
+--- Points [n][3] for argument `n`: rows of three finite numbers. Returns array [n][3], whether one row.
+function array.points(n, name, value, dtype)
+  local a, single = array.rows(n, name, "points", value, 3, dtype)
+  local finite, where = core.array_finite(a)
+  if not finite then
+    return check.bad(n, name, "points: row %d is not finite", math.floor((where - 1) / 3) + 1)
+  end
+  local shape = core.array_info(a)
+  if #shape ~= 2 then
+    local count = 1
+    for i = 1, #shape - 1 do count = count * shape[i] end
+    a = core.array_reshape(a, { count, 3 })
+  end
+  return a, single
+end
+
+return array

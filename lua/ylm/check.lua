@@ -1,0 +1,104 @@
+--- Raising errors where they teach: at the caller's line, naming what was wrong.
+--
+-- The caller is the nearest function on the stack that is not part of ylm, so
+-- nobody counts stack levels. A caller's mistake raises; what the world does
+-- (a file, a driver, memory) is returned as nil, message, code.
+
+local core = require "ylm.c.core"
+
+local check = {}
+
+local here = debug.getinfo(1, "S").source:match("^(.*[/\\])check%.lua$") or "@?"
+
+--- Is the function at this stack level one of ylm's own?
+local function is_ours(info)
+  return info.what == "C" or info.source:sub(1, #here) == here
+end
+
+--- Raises `message` at the line of the nearest caller outside of ylm.
+function check.fail(message, ...)
+  if select("#", ...) > 0 then message = message:format(...) end
+  local level = 2
+  while true do
+    local info = debug.getinfo(level, "S")
+    if not info then error(message, 0) end
+    if not is_ours(info) then error(message, level) end
+    level = level + 1
+  end
+end
+
+--- Raises "bad argument #n to 'name' (message)".
+function check.bad(n, name, message, ...)
+  if select("#", ...) > 0 then message = message:format(...) end
+  return check.fail(("bad argument #%d to '%s' (%s)"):format(n, name, message))
+end
+
+--- Passes a C function's results on, raising if they are nil, message, code of a caller's mistake.
+function check.result(name, first, message, code, ...)
+  if first == nil and type(code) == "string" and core.status(code) == "caller" then
+    return check.fail("%s: %s", name, message)
+  end
+  return first, message, code, ...
+end
+
+--- What a value is, for messages: "a table", "nil", "-1", "'text'", "a ylm.array of 2x3".
+function check.describe(value)
+  local t = type(value)
+  if t == "number" or t == "boolean" or t == "nil" then return tostring(value) end
+  if t == "string" then
+    if #value > 40 then value = value:sub(1, 37) .. "..." end
+    return "'" .. value .. "'"
+  end
+  local object = core.type(value)
+  if object == "ylm.array" then
+    return "an array of " .. table.concat((core.array_info(value)), "x")
+  end
+  return object and ("a " .. object) or ("a " .. t)
+end
+
+--- The candidate that a misspelt name most likely meant, or nil.
+function check.guess(name, candidates)
+  local best, bound = nil, math.max(1, math.floor(#name / 3)) + 1
+  for _, candidate in ipairs(candidates) do
+    local d = check.edit_distance(name, candidate)
+    if d < bound then best, bound = candidate, d end
+  end
+  return best
+end
+
+--- Number of insertions, deletions, substitutions and swaps of neighbours between two words.
+function check.edit_distance(a, b)
+  if math.abs(#a - #b) > 4 or #a > 64 then return 99 end
+  local before, last = {}, {}
+  for j = 0, #b do last[j] = j end
+  for i = 1, #a do
+    local row = { [0] = i }
+    for j = 1, #b do
+      local cost = a:byte(i) == b:byte(j) and 0 or 1
+      row[j] = math.min(last[j] + 1, row[j - 1] + 1, last[j - 1] + cost)
+      if i > 1 and j > 1 and a:byte(i) == b:byte(j - 1) and a:byte(i - 1) == b:byte(j) then
+        row[j] = math.min(row[j], before[j - 2] + 1)
+      end
+    end
+    before, last = last, row
+  end
+  return last[#b]
+end
+
+--- A finite number?
+function check.is_number(x)
+  return type(x) == "number" and x == x and x ~= math.huge and x ~= -math.huge
+end
+
+function check.is_integer(x)
+  return check.is_number(x) and x == math.floor(x)
+end
+
+--- Argument `n` as an integer in lo .. hi (either may be nil).
+function check.integer(n, name, what, x, lo, hi)
+  if check.is_integer(x) and (not lo or x >= lo) and (not hi or x <= hi) then return x end
+  local range = lo and hi and (" from %d to %d"):format(lo, hi) or lo and (" >= %d"):format(lo) or ""
+  return check.bad(n, name, "%s must be an integer%s, got %s", what, range, check.describe(x))
+end
+
+return check

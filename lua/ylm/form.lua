@@ -1,0 +1,244 @@
+--- Named tables that are checked, defaulted and explained.
+--
+--     local lamp = form.define("sphere_light", {
+--       about  = "A sphere that emits the same radiance everywhere.",
+--       fields = {
+--         { "at", "point", unit = "scene units", about = "centre" },            -- no default: required
+--         { "radius", "number", min = 0, default = 0.1, unit = "scene units" },
+--         { "profile", "choice", of = { "a", "b" }, optional = true },          -- absent stays nil
+--       },
+--       build  = function(values) return object end,
+--       example = "sphere_light { at = {0, 2, 0}, radius = 0.1, radiance = 5 }",
+--     })
+--
+-- Option tables of functions are checked by the same engine: form.options.
+
+local check = require "ylm.check"
+local core = require "ylm.c.core"
+
+local form = {}
+
+--- Every form by name: `ylm help`, the scene environment and the documentation read it.
+form.defined = {}
+--- Their names in the order of definition.
+form.names = {}
+
+-- Each type: function(value, field) -> value or nil, "what is wanted". ---------
+
+local types = {}
+form.types = types
+
+local function in_range(x, field)
+  return (not field.min or x >= field.min) and (not field.max or x <= field.max)
+    and (not field.above or x > field.above)
+end
+
+local function range_text(field)
+  local parts = {}
+  if field.above then parts[#parts + 1] = "> " .. field.above end
+  if field.min then parts[#parts + 1] = ">= " .. field.min end
+  if field.max then parts[#parts + 1] = "<= " .. field.max end
+  return #parts > 0 and " " .. table.concat(parts, " and ") or ""
+end
+
+function types.number(x, field)
+  if check.is_number(x) and in_range(x, field) then return x end
+  return nil, "a number" .. range_text(field)
+end
+
+function types.integer(x, field)
+  if check.is_integer(x) and in_range(x, field) then return x end
+  return nil, "an integer" .. range_text(field)
+end
+
+function types.boolean(x)
+  if type(x) == "boolean" then return x end
+  return nil, "true or false"
+end
+
+function types.string(x)
+  if type(x) == "string" then return x end
+  return nil, "a string"
+end
+
+types["function"] = function(x)
+  if type(x) == "function" then return x end
+  return nil, "a function"
+end
+
+function types.progress(x)
+  if type(x) == "function" or x == true then return x end
+  return nil, "a function(done, total, stage), or true for a progress bar"
+end
+
+function types.table(x)
+  if type(x) == "table" then return x end
+  return nil, "a table"
+end
+
+function types.any(x) return x end
+
+function types.choice(x, field)
+  for _, choice in ipairs(field.of) do if x == choice then return x end end
+  local wanted = {}
+  for i, choice in ipairs(field.of) do
+    wanted[i] = type(choice) == "string" and "'" .. choice .. "'" or tostring(choice)
+  end
+  local guess = type(x) == "string" and check.guess(x, field.of)
+  return nil, "one of " .. table.concat(wanted, ", ")
+    .. (guess and (" (did you mean '%s'?)"):format(guess) or "")
+end
+
+--- Three finite numbers, from a table (or an array of shape {3}).
+local function three(x)
+  if core.type(x) == "ylm.array" then x = core.array_totable(x) end
+  if type(x) ~= "table" or #x ~= 3 then return nil end
+  for i = 1, 3 do if not check.is_number(x[i]) then return nil end end
+  return { x[1], x[2], x[3] }
+end
+
+function types.point(x) return three(x), "three numbers {x, y, z}" end
+
+function types.vector(x)
+  local v = three(x)
+  if v and (v[1] ~= 0 or v[2] ~= 0 or v[3] ~= 0) then return v end
+  return nil, "three numbers {x, y, z}, not all zero"
+end
+
+--- A number, or {r, g, b}; comes out as {r, g, b}.
+function types.colour(x, field)
+  if check.is_number(x) and in_range(x, field) then return { x, x, x } end
+  local c = three(x)
+  if c and in_range(c[1], field) and in_range(c[2], field) and in_range(c[3], field) then return c end
+  return nil, "a number or {r, g, b}, finite" .. range_text(field)
+end
+
+--- {min, max} corners; max must exceed min in every axis.
+function types.bounds(x)
+  local wanted = "{ {x0, y0, z0}, {x1, y1, z1} } with x0 < x1, y0 < y1, z0 < z1"
+  if type(x) ~= "table" or #x ~= 2 then return nil, wanted end
+  local lo, hi = three(x[1]), three(x[2])
+  if not (lo and hi and lo[1] < hi[1] and lo[2] < hi[2] and lo[3] < hi[3]) then return nil, wanted end
+  return { lo, hi }
+end
+
+function types.array(x)
+  if core.type(x) == "ylm.array" then return x end
+  return nil, "an array (ylm.array)"
+end
+
+--- A plain list whose elements are of type `field.of`.
+function types.list(x, field)
+  if type(x) ~= "table" then return nil, "a list" end
+  local out = {}
+  for i = 1, #x do
+    local value, wanted = types[field.of](x[i], field)
+    if value == nil then return nil, ("a list whose element %d is %s"):format(i, wanted) end
+    out[i] = value
+  end
+  return out
+end
+
+--- An object of ylm (`field.of` names one kind or lists several).
+function types.object(x, field)
+  local kinds = type(field.of) == "table" and field.of or { field.of }
+  local kind = form.kind(x)
+  for _, wanted in ipairs(kinds) do if kind == wanted then return x end end
+  return nil, "a " .. table.concat(kinds, " or a ")
+end
+
+--- The kind of a value that a form has built ("sphere_light"), of a userdata ("ylm.grid"), or nil.
+function form.kind(x)
+  local object = core.type(x)
+  if object then return object end
+  local mt = type(x) == "table" and getmetatable(x)
+  return type(mt) == "table" and mt.__kind or nil
+end
+
+-- Checking -------------------------------------------------------------------
+
+local function field_names(fields)
+  local names = {}
+  for i, field in ipairs(fields) do names[i] = field[1] end
+  return names
+end
+
+--- Checks `given` against `fields`; fail(message) raises. Returns a new table with defaults filled in.
+local function checked(fields, given, fail)
+  local by_name = {}
+  for _, field in ipairs(fields) do by_name[field[1]] = field end
+  for name in pairs(given) do
+    if not by_name[name] then
+      if type(name) ~= "string" then
+        return fail(("unexpected entry %s: fields are given by name"):format(check.describe(name)))
+      end
+      local guess = check.guess(name, field_names(fields))
+      return fail(("no field '%s'%s"):format(name, guess and (" (did you mean '%s'?)"):format(guess)
+        or ("; fields are " .. table.concat(field_names(fields), ", "))))
+    end
+  end
+  local values = {}
+  for _, field in ipairs(fields) do
+    local name, value = field[1], given[field[1]]
+    if value == nil then
+      if field.default ~= nil then value = field.default
+      elseif not field.optional then
+        return fail(("field '%s' is missing (%s)"):format(name, field.about or field[2]))
+      end
+    end
+    if value ~= nil then
+      local good, wanted = types[field[2]](value, field)
+      if good == nil then
+        return fail(("%s must be %s, got %s"):format(name, wanted, check.describe(value)))
+      end
+      values[name] = good
+    end
+  end
+  return values
+end
+
+--- Defines a constructor that takes one named table. Returns it.
+function form.define(name, definition)
+  assert(not form.defined[name], "form defined twice: " .. name)
+  definition.name = name
+  local function construct(given)
+    if type(given) ~= "table" or form.kind(given) then
+      return check.fail("%s: a table of named fields expected, got %s", name, check.describe(given))
+    end
+    local function fail(message) return check.fail("%s: %s", name, message) end
+    local values = checked(definition.fields, given, fail)
+    if definition.build then return definition.build(values, fail) end
+    return setmetatable(values, definition.metatable)
+  end
+  definition.metatable = definition.metatable or {}
+  definition.metatable.__kind = name
+  definition.construct = construct
+  form.defined[name] = definition
+  form.names[#form.names + 1] = name
+  return construct
+end
+
+--- Checks the option table that is argument `n` of function `name`; nil counts as empty.
+function form.options(n, name, fields, given)
+  if given == nil then given = {} end
+  if type(given) ~= "table" or form.kind(given) then
+    return check.bad(n, name, "a table of options expected, got %s", check.describe(given))
+  end
+  return checked(fields, given, function(message) return check.bad(n, name, "%s", message) end)
+end
+
+--- One field in words, for help and documentation.
+function form.field_text(field)
+  local parts = { field[2] == "choice" and table.concat((function()
+    local t = {}
+    for i, c in ipairs(field.of) do t[i] = tostring(c) end
+    return t
+  end)(), " | ") or field[2] .. range_text(field) }
+  if field.unit then parts[#parts + 1] = "[" .. field.unit .. "]" end
+  if field.default ~= nil and type(field.default) ~= "table" then
+    parts[#parts + 1] = "default " .. tostring(field.default)
+  elseif field.optional then parts[#parts + 1] = "optional" end
+  return table.concat(parts, " ")
+end
+
+return form

@@ -1,0 +1,48 @@
+--- ylm: spherical-harmonic lighting. This file is the table of contents.
+--
+-- Modules load when they are first used, so that SH mathematics alone needs
+-- nothing but libylm.so.
+
+local core = require "ylm.c.core"
+
+local ylm = {}
+
+--- Public name -> the module that defines it, in the order data flows.
+local contents = {
+  { "ylm.array", "array", "zeros" },
+}
+
+--- Public name -> a module that is a table of functions itself.
+local tables = {
+}
+
+local home = {}
+for _, entry in ipairs(contents) do
+  for i = 2, #entry do home[entry[i]] = entry[1] end
+end
+
+setmetatable(ylm, {
+  __index = function(t, name)
+    local value
+    if tables[name] then value = require(tables[name])
+    elseif home[name] then value = require(home[name])[name] end
+    rawset(t, name, value)
+    return value
+  end,
+})
+
+--- Every public name, for help, documentation and the spec that walks them.
+function ylm.names()
+  local names = {}
+  for name in pairs(home) do names[#names + 1] = name end
+  for name in pairs(tables) do names[#names + 1] = name end
+  table.sort(names)
+  return names
+end
+
+function ylm.info()
+  local version, kernel, kernels, threads = core.info()
+  return { version = version, kernel = kernel, kernels = kernels, threads = threads, lua = _VERSION }
+end
+
+return ylm

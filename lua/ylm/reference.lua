@@ -1,0 +1,28 @@
+--- The one source of `ylm help`, the LuaLS annotations and the LDoc pages.
+--
+--     describe "sh.count" {
+--       about     = "The number of coefficients of all degrees up to lmax.",
+--       arguments = { { "lmax", "integer", "highest degree, 0 or more" } },
+--       returns   = { { "count", "integer", "(lmax+1)^2" } },
+--       errors    = "raises where lmax is no such integer",
+--       example   = "assert(ylm.sh.count(4) == 25)",
+--       source    = "Green 2003, p. 12",                 -- optional
+--     }
+--
+-- Optional arguments end in "?". Options of functions are listed as form fields (`options = {...}`,
+-- the very table that form.options checks). Methods are named "grid:sample". Every example is run by
+-- a spec, with `ylm` as a local.
+
+local reference = { entries = {}, names = {} }
+
+--- Registers the entry of the public function `name` (without the leading "ylm.").
+function reference.describe(name)
+  return function(entry)
+    assert(not reference.entries[name], "described twice: " .. name)
+    entry.name = name
+    reference.entries[name] = entry
+    reference.names[#reference.names + 1] = name
+  end
+end
+
+return reference
