@@ -67,7 +67,7 @@ void *ylmL_check(lua_State *L, int i, const char *name);
 /* Tells the collector of `bytes` of C memory: runs a step in proportion. */
 void ylmL_charge(lua_State *L, size_t bytes);
 
-/* -- arrays: csrc/lua/core_array.c owns the type, every binding may use it --- */
+/* -- arrays: csrc/lua/binding_array.c, compiled into every binding ----------- */
 
 #define YLM_ARRAY "ylm.array"
 
@@ -85,6 +85,14 @@ typedef struct ylmL_array {
 /* A new array of zeros, on the stack; NULL (nothing pushed) if the size overflows or memory
    runs out. */
 ylmL_array *ylmL_array_new(lua_State *L, ylm_dtype t, int axes, const size_t *shape);
+/* An array over elements that somebody else owns: give_back(owner) is called once the array and
+   its views are gone; never where NULL is returned (nothing pushed). */
+ylmL_array *ylmL_array_share(lua_State *L, ylm_dtype t, int axes, const size_t *shape, void *data,
+                             void (*give_back)(void *owner), void *owner);
+/* A view of the array at absolute index `at` with the given shape, from flat element k on. */
+ylmL_array *ylmL_array_view(lua_State *L, int at, size_t k, int axes, const size_t *shape);
+/* Lets go of the elements. */
+void ylmL_array_close(ylmL_array *a);
 /* The array at `i`, open; raises otherwise. */
 ylmL_array *ylmL_array_check(lua_State *L, int i);
 /* The same, or NULL where `i` is nil or none. */

@@ -1,66 +1,8 @@
-/* core_array.c - ylm.array: dense arrays of float or double. Lua methods are in lua/ylm/array.lua. */
+/* core_array.c - functions on ylm.array; the type itself is in binding_array.c, Lua methods in
+   lua/ylm/array.lua. */
 #include "binding.h"
 
-#include <stdlib.h>
 #include <string.h>
-
-/* Elements shared by an array and its views; freed when the last of them goes. */
-struct ylmL_block {
-  size_t users;
-  void *data;
-};
-
-static void release(ylmL_array *a) {
-  if (a->block && --a->block->users == 0) {
-    ylm_free(a->block->data);
-    free(a->block);
-  }
-  a->block = NULL;
-  a->data = NULL;
-}
-
-/* An empty array object on the stack. */
-static ylmL_array *push_object(lua_State *L) {
-  ylmL_array *a = lua_newuserdata(L, sizeof *a);
-  memset(a, 0, sizeof *a);
-  luaL_getmetatable(L, YLM_ARRAY);
-  lua_setmetatable(L, -2);
-  return a;
-}
-
-ylmL_array *ylmL_array_new(lua_State *L, ylm_dtype t, int axes, const size_t *shape) {
-  size_t count;
-  if (axes < 1 || axes > YLM_MAX_AXES || !ylm_shape_count(axes, shape, &count)) return NULL;
-  ylmL_array *a = push_object(L);
-  a->block = malloc(sizeof *a->block);
-  if (!a->block) {
-    lua_pop(L, 1);
-    return NULL;
-  }
-  a->block->users = 1;
-  a->data = a->block->data = ylm_alloc_zero(count, ylm_dtype_size(t));
-  if (!a->data) {
-    release(a);
-    lua_pop(L, 1);
-    return NULL;
-  }
-  a->dtype = t;
-  a->axes = axes;
-  memcpy(a->shape, shape, (size_t)axes * sizeof *shape);
-  a->count = count;
-  ylmL_charge(L, count * ylm_dtype_size(t));
-  return a;
-}
-
-ylmL_array *ylmL_array_check(lua_State *L, int i) {
-  ylmL_array *a = ylmL_check(L, i, YLM_ARRAY);
-  if (!a->data) luaL_argerror(L, i, "the array has been closed");
-  return a;
-}
-
-ylmL_array *ylmL_array_opt(lua_State *L, int i) {
-  return lua_isnoneornil(L, i) ? NULL : ylmL_array_check(L, i);
-}
 
 static ylm_dtype check_dtype(lua_State *L, int i) {
   static const char *const names[] = {"float", "double", NULL};
@@ -199,27 +141,12 @@ static int array_set(lua_State *L) {
   return 1;
 }
 
-/* Pushes a view of `parent` (at absolute index `at`) with the given shape from flat element k. */
-static ylmL_array *push_view(lua_State *L, int at, size_t k, int axes, const size_t *shape) {
-  ylmL_array *parent = ylmL_array_check(L, at);
-  ylmL_array *v = push_object(L);
-  v->data = (char *)parent->data + k * ylm_dtype_size(parent->dtype);
-  v->dtype = parent->dtype;
-  v->convention = parent->convention;
-  v->axes = axes;
-  memcpy(v->shape, shape, (size_t)axes * sizeof *shape);
-  ylm_shape_count(axes, shape, &v->count);
-  v->block = parent->block;
-  v->block->users++;
-  return v;
-}
-
 /* view(array, i) -> view of row i (axes > 1), or nil */
 static int array_view(lua_State *L) {
   ylmL_array *a = ylmL_array_check(L, 1);
   size_t k;
   if (a->axes < 2 || !offset(L, a, 1, &k)) return 0;
-  push_view(L, 1, a->shape[0] ? k * (a->count / a->shape[0]) : 0, a->axes - 1, a->shape + 1);
+  ylmL_array_view(L, 1, a->shape[0] ? k * (a->count / a->shape[0]) : 0, a->axes - 1, a->shape + 1);
   return 1;
 }
 
@@ -237,7 +164,7 @@ static int array_reshape(lua_State *L) {
     lua_pop(L, 1);
   }
   if (!ylm_shape_count((int)axes, shape, &count) || count != a->count) return 0;
-  push_view(L, 1, 0, (int)axes, shape);
+  ylmL_array_view(L, 1, 0, (int)axes, shape);
   return 1;
 }
 
@@ -288,7 +215,7 @@ static int array_distance(lua_State *L) {
 }
 
 static int array_close(lua_State *L) {
-  release(ylmL_check(L, 1, YLM_ARRAY));
+  ylmL_array_close(ylmL_check(L, 1, YLM_ARRAY));
   return 0;
 }
 

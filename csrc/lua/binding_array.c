@@ -1,0 +1,85 @@
+/* binding_array.c - ylm.array as every binding makes and checks it (functions: core_array.c). */
+#include "binding.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* Elements shared by an array and its views; given back when the last of them goes. */
+struct ylmL_block {
+  size_t users;
+  void (*give_back)(void *owner);
+  void *owner;
+};
+
+void ylmL_array_close(ylmL_array *a) {
+  if (a->block && --a->block->users == 0) {
+    a->block->give_back(a->block->owner);
+    free(a->block);
+  }
+  a->block = NULL;
+  a->data = NULL;
+}
+
+/* An empty array object on the stack. */
+static ylmL_array *push_object(lua_State *L) {
+  ylmL_array *a = lua_newuserdata(L, sizeof *a);
+  memset(a, 0, sizeof *a);
+  luaL_getmetatable(L, YLM_ARRAY);
+  lua_setmetatable(L, -2);
+  return a;
+}
+
+ylmL_array *ylmL_array_share(lua_State *L, ylm_dtype t, int axes, const size_t *shape, void *data,
+                             void (*give_back)(void *owner), void *owner) {
+  size_t count;
+  if (axes < 1 || axes > YLM_MAX_AXES || !ylm_shape_count(axes, shape, &count)) return NULL;
+  ylmL_array *a = push_object(L);
+  a->block = malloc(sizeof *a->block);
+  if (!a->block) {
+    lua_pop(L, 1);
+    return NULL;
+  }
+  a->block->users = 1;
+  a->block->give_back = give_back;
+  a->block->owner = owner;
+  a->data = data;
+  a->dtype = t;
+  a->axes = axes;
+  memcpy(a->shape, shape, (size_t)axes * sizeof *shape);
+  a->count = count;
+  return a;
+}
+
+ylmL_array *ylmL_array_new(lua_State *L, ylm_dtype t, int axes, const size_t *shape) {
+  size_t count;
+  if (axes < 1 || axes > YLM_MAX_AXES || !ylm_shape_count(axes, shape, &count)) return NULL;
+  void *data = ylm_alloc_zero(count, ylm_dtype_size(t));
+  ylmL_array *a = data ? ylmL_array_share(L, t, axes, shape, data, ylm_free, data) : NULL;
+  if (!a) ylm_free(data);
+  else ylmL_charge(L, count * ylm_dtype_size(t));
+  return a;
+}
+
+ylmL_array *ylmL_array_view(lua_State *L, int at, size_t k, int axes, const size_t *shape) {
+  ylmL_array *parent = ylmL_array_check(L, at);
+  ylmL_array *v = push_object(L);
+  v->data = (char *)parent->data + k * ylm_dtype_size(parent->dtype);
+  v->dtype = parent->dtype;
+  v->convention = parent->convention;
+  v->axes = axes;
+  memcpy(v->shape, shape, (size_t)axes * sizeof *shape);
+  ylm_shape_count(axes, shape, &v->count);
+  v->block = parent->block;
+  v->block->users++;
+  return v;
+}
+
+ylmL_array *ylmL_array_check(lua_State *L, int i) {
+  ylmL_array *a = ylmL_check(L, i, YLM_ARRAY);
+  if (!a->data) luaL_argerror(L, i, "the array has been closed");
+  return a;
+}
+
+ylmL_array *ylmL_array_opt(lua_State *L, int i) {
+  return lua_isnoneornil(L, i) ? NULL : ylmL_array_check(L, i);
+}
