@@ -1,0 +1,223 @@
+/*
+** ylm_grid.h - light fields remembered at grid points, and interpolated.
+**
+** A grid is made by asking a ylm_field for coefficients, gradients and the
+** Hessian metric at the corners of voxels: of a uniform lattice, or of an
+** octree that refines itself where the metric (or a tolerance) asks for it and
+** where shading points are. Corners are shared between voxels and levels; each
+** is evaluated once.
+**
+** Ownership   ylm_grid_bake and ylm_grid_read make a grid, ylm_grid_free frees it.
+**             Pointers of ylm_grid_view live as long as the grid.
+** Threads     a grid is immutable once made: any number of threads may read it.
+** Units       lengths and gradients in scene units; voxels count from 0.
+** Source      Iwasaki & Dobashi 2025, Sec. 5 and 5.1; docs/math.md "Grids"
+*/
+#ifndef YLM_GRID_H
+#define YLM_GRID_H
+
+#include "ylm_base.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#define YLM_GRID_MAX_DEPTH 16
+#define YLM_GRID_NONE UINT32_MAX
+
+typedef struct ylm_grid ylm_grid;
+
+typedef enum ylm_grid_kind { YLM_GRID_ADAPTIVE = 0, YLM_GRID_UNIFORM = 1 } ylm_grid_kind;
+typedef enum ylm_grid_metric { YLM_GRID_ABSOLUTE = 0, YLM_GRID_RELATIVE = 1 } ylm_grid_metric;
+
+/* -- baking ------------------------------------------------------------------ */
+
+/* What grid to make. */
+typedef struct ylm_grid_form {
+  ylm_grid_kind kind;
+  double bounds[6];        /* min x y z, max x y z; max > min */
+  int lmax;                /* 0 .. */
+  int channels;            /* 1 luminance, 3 rgb */
+  int metric_channels;     /* 1 or 3: of what lambda and norm are; 3 only where channels is 3 */
+  int depth;               /* adaptive: finest level N, 0 .. YLM_GRID_MAX_DEPTH */
+  uint32_t cells[3];       /* uniform: voxels along each axis */
+  ylm_grid_metric metric;  /* adaptive, with a threshold */
+  double threshold;        /* adaptive: subdivide above it; negative: none, use the tolerance */
+  double tolerance;        /* adaptive: relative error promised; 0: none, use the threshold */
+  bool continuous;         /* adaptive: no jumps across faces that change level */
+} ylm_grid_form;
+
+/* From where, and how. */
+typedef struct ylm_grid_source {
+  const ylm_field *field;
+  size_t occupied;              /* number of shading points */
+  ylm_dtype occupied_dtype;
+  const void *occupied_points;  /* [occupied][3]; NULL: every voxel is occupied */
+  uint64_t seed;                /* of the choice of held-out points */
+  int threads;                  /* 0: the default */
+  const ylm_progress *progress; /* may be NULL */
+} ylm_grid_source;
+
+/* What a bake did. Counts are of evaluated points unless said otherwise. */
+typedef struct ylm_grid_stats {
+  uint64_t points;         /* evaluated, each once: N_p of the paper */
+  uint64_t tested;         /* of these: only to measure a residual, at a voxel's centre */
+  uint64_t interpolated;   /* points that only continuity needs, no light evaluated */
+  uint64_t cells, leaves;  /* of the octree (uniform: voxels with data), before continuity */
+  uint64_t occupied;       /* leaves that hold shading points */
+  uint64_t continuity;     /* leaves added by continuity */
+  uint64_t levels;         /* deepest level + 1 */
+  uint64_t pairs;          /* light x point evaluations, verification included */
+  uint64_t invalid;        /* points in or on a light, filled from their neighbours */
+  uint64_t outside;        /* shading points outside of the bounds, moved onto them */
+  uint64_t bytes;          /* of memory that the grid holds */
+  double seconds;          /* of the whole bake */
+  double field_seconds;    /* of these, inside of the light field */
+  double verify_seconds;   /* of these, for the verification of a tolerance (field included) */
+  uint64_t verified;       /* held-out points compared with the field */
+  uint64_t rounds;         /* of refinement and verification */
+  double error;            /* 99 % quantile of their relative errors; NaN: not measured */
+  double largest_error;    /* the largest of them */
+  bool met;                /* error <= tolerance */
+  bool limited;            /* not met because the depth is reached where it would refine */
+} ylm_grid_stats;
+
+/*
+** ylm_grid_bake - make a grid.
+**
+**   form    in   what grid
+**   source  in   its light field and shading points
+**   g       out  the grid, or NULL on failure
+**
+** Returns  YLM_OK; YLM_ERANGE, YLM_EINVAL, YLM_EDOMAIN (what is wrong stands in `e`),
+**          YLM_ENOMEM, YLM_ELIMIT, YLM_ECANCELLED, and what the field returns
+** Results  bit-identical whatever the number of threads
+** Cost     the field at stats.points points; bookkeeping O(points + occupied)
+** Source   Iwasaki & Dobashi 2025, Sec. 5.1
+*/
+YLM_API ylm_status ylm_grid_bake(const ylm_grid_form *form, const ylm_grid_source *source,
+                                 ylm_grid **g, ylm_error *e);
+YLM_API void ylm_grid_free(ylm_grid *g);
+
+/* -- looking inside ---------------------------------------------------------- */
+
+enum {
+  YLM_GRID_LEAF = 1,     /* a leaf of the octree (it may have children for continuity only) */
+  YLM_GRID_OCCUPIED = 2, /* holds shading points */
+  YLM_GRID_BAKED = 4,    /* all eight corners were evaluated */
+  YLM_GRID_CROSSED = 8,  /* meets a light's surface */
+  YLM_GRID_ADDED = 16    /* exists for continuity only */
+};
+
+/* A voxel. Parents stand before their children, the eight children in a row, x fastest. */
+typedef struct ylm_grid_cell {
+  uint32_t origin[3]; /* lattice coordinates of its lowest corner */
+  uint32_t child;     /* index of the first child; 0: none */
+  uint32_t source;    /* the cell whose corners are interpolated here: itself or an ancestor */
+  uint32_t corner[8]; /* indices of points, x fastest; YLM_GRID_NONE: no data */
+  float error;        /* the metric's estimate (mean of eight corners); NaN: unknown */
+  float residual;     /* measured relative error at its centre; NaN: not measured */
+  uint8_t level;      /* 0 is the root; always 0 in a uniform grid */
+  uint8_t flags;
+  uint16_t reserved;
+} ylm_grid_cell;
+
+enum {
+  YLM_GRID_POINT_INVALID = 1,      /* in or on a light: filled from valid neighbours */
+  YLM_GRID_POINT_INTERPOLATED = 2, /* from the parent's interpolant, for continuity */
+  YLM_GRID_POINT_TESTED = 4        /* evaluated at first for a residual */
+};
+
+/* Everything a grid holds, read-only. */
+typedef struct ylm_grid_view {
+  ylm_grid_form form;
+  int count;               /* coefficients per channel, (lmax+1)^2 */
+  uint32_t resolution[3];  /* lattice cells along each axis: 2^N, or form.cells */
+  size_t cells;            /* octree cells 0 .. octree_cells-1, then those added for continuity */
+  size_t octree_cells;
+  const ylm_grid_cell *cell;
+  size_t points;           /* evaluated points 0 .. evaluated-1, then interpolated ones */
+  size_t evaluated;
+  const uint32_t *lattice; /* [points][3] lattice coordinates */
+  size_t stride;           /* floats from one row of `data` to the next, >= channels*count */
+  const float *data;       /* [points][4][stride]: values [channels][count], then d/dx, d/dy, d/dz */
+  const float *lambda;     /* [points]; NaN where interpolated */
+  const float *norm;       /* [points] */
+  const uint8_t *flags;    /* [points] YLM_GRID_POINT_* */
+  const ylm_grid_stats *stats;
+} ylm_grid_view;
+
+YLM_API const ylm_grid_view *ylm_grid_look(const ylm_grid *g);
+/* Scene coordinates of lattice coordinates [3]. */
+YLM_API void ylm_grid_position(const ylm_grid *g, const uint32_t lattice[3], double out[3]);
+/* The box of a cell: min x y z, max x y z. */
+YLM_API void ylm_grid_box(const ylm_grid *g, size_t cell, double out[6]);
+/*
+** The cell of the octree (or lattice) that holds p: half-open cells, the last ones closed.
+** `finest` also descends into cells added for continuity. A point outside gives the cell of the
+** nearest point of the bounds, and *outside (may be NULL) is set. YLM_GRID_NONE: a uniform grid
+** has no data there.
+*/
+YLM_API uint32_t ylm_grid_locate(const ylm_grid *g, const double p[3], bool finest, bool *outside);
+
+/* -- sampling ---------------------------------------------------------------- */
+
+typedef enum ylm_grid_interpolation {
+  YLM_GRID_HERMITE = 0, /* fourth order, symmetric, continuous */
+  YLM_GRID_TAYLOR = 1,  /* trilinear mean of the corners' first-order expansions */
+  YLM_GRID_LINEAR = 2   /* trilinear */
+} ylm_grid_interpolation;
+
+typedef struct ylm_grid_query {
+  ylm_grid_interpolation interpolation;
+  bool nan_outside;             /* points outside get NaN; else those of the nearest point inside */
+  ylm_dtype point_dtype, dtype; /* of points, of results */
+  int threads;                  /* 0: the default */
+  const ylm_progress *progress; /* may be NULL */
+} ylm_grid_query;
+
+/* How many points were outside, and how many in voxels without data of their own (there the
+   nearest evaluated ancestor answers, in a uniform grid the nearest voxel that has data). */
+typedef struct ylm_grid_report {
+  uint64_t outside, unbaked;
+  double seconds;
+} ylm_grid_report;
+
+/*
+** ylm_grid_sample - interpolate coefficients at n points.
+**
+**   points    in   [n][3]                        any finite position
+**   value     out  [n][channels][count]
+**   gradient  out  [n][channels][count][3]       of the interpolant; NULL: not wanted
+**   report    out  may be NULL
+**
+** Returns  YLM_OK, YLM_ENOMEM, YLM_ECANCELLED (results are then incomplete)
+** Results  bit-identical whatever the number of threads and the order of points
+** Cost     32 multiply-adds per coefficient; fastest where neighbours in the array share a cell
+*/
+YLM_API ylm_status ylm_grid_sample(const ylm_grid *g, const ylm_grid_query *q, size_t n,
+                                   const void *points, void *value, void *gradient,
+                                   ylm_grid_report *report, ylm_error *e);
+
+/* The grid as a light field (Hermite, clamped): value, gradient, and lambda and norm interpolated.
+   It has no Hessian, and no degree above its own. */
+YLM_API const ylm_field *ylm_grid_field(const ylm_grid *g);
+
+/* -- files ------------------------------------------------------------------- */
+
+#define YLM_GRID_MAGIC "\x89YLMgrid" /* the first 8 bytes of a grid file */
+
+/* Writes the file whole or not at all. `swapped` writes the byte order that is not this machine's. */
+YLM_API ylm_status ylm_grid_write(const ylm_grid *g, const char *path, bool swapped, ylm_error *e);
+/* The same bytes in memory; the caller frees *data with ylm_free. */
+YLM_API ylm_status ylm_grid_encode(const ylm_grid *g, bool swapped, unsigned char **data,
+                                   size_t *size, ylm_error *e);
+/* Reads either byte order. YLM_EFORMAT, YLM_ECHECKSUM, YLM_EVERSION, YLM_EIO, YLM_ENOMEM. */
+YLM_API ylm_status ylm_grid_read(const char *path, ylm_grid **g, ylm_error *e);
+YLM_API ylm_status ylm_grid_decode(const unsigned char *data, size_t size, const char *name,
+                                   ylm_grid **g, ylm_error *e);
+
+#ifdef __cplusplus
+}
+#endif
+#endif
