@@ -24,7 +24,8 @@
 
 /* Each X(name) is a file core_NAME.c (scene_NAME.c, ...) with ylmL_open_NAME. */
 #define YLML_CORE_BINDINGS(X) \
-  X(array)
+  X(array) \
+  X(sh)
 
 #define X(name) void ylmL_open_##name(lua_State *L);
 YLML_CORE_BINDINGS(X)

@@ -14,6 +14,7 @@ local contents = {
 
 --- Public name -> a module that is a table of functions itself.
 local tables = {
+  sh = "ylm.sh",
 }
 
 local home = {}

@@ -1,0 +1,34 @@
+/*
+** sh_eval.h - what the files that evaluate the basis share. Private to csrc/sh.
+**
+** A kernel evaluates points begin .. end-1 of a job whose points have been
+** checked: finite, and not zero unless solid.
+*/
+#ifndef YLM_SH_EVAL_H
+#define YLM_SH_EVAL_H
+
+#include "ylm_sh.h"
+
+typedef struct ylm__sh_job {
+  int lmax, derivatives;
+  bool solid;
+  const void *p;         /* [n][3] */
+  void *y, *dy, *ddy;    /* each may be NULL: not wanted */
+  const void *table;     /* coefficients of the recurrences, for kernels that want them */
+  char *scratch;         /* scratch_size bytes for each worker */
+  size_t scratch_size;
+} ylm__sh_job;
+
+typedef void ylm__sh_kernel(const ylm__sh_job *job, size_t begin, size_t end, void *scratch);
+
+/* v = d * w with |w| = 1, without overflow or underflow; for v = 0, d = 0 and w = +z. */
+void ylm__sh_unit(const double v[3], double w[3], double *d);
+
+/* YLM_OK if every point is finite, not zero unless solid, and leads to representable results. */
+ylm_status ylm__sh_check_points(const ylm_sh_how *how, int lmax, ylm_dtype t, size_t n,
+                                const void *p, ylm_error *e);
+
+/* The scalar kernel that judges the others, computing in double. Scratch: (lmax+2) * 5 doubles. */
+ylm__sh_kernel ylm__sh_reference_float, ylm__sh_reference_double;
+
+#endif
