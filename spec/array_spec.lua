@@ -15,7 +15,7 @@ describe("ylm.array", function()
     row[1] = 7
     assert.equal(7, a:get(2, 1))
     a:close()
-    a = nil
+    a = nil -- luacheck: ignore 311
     collectgarbage()
     collectgarbage()
     assert.same({ 7, 4 }, row:totable())

@@ -12,7 +12,7 @@ local here = debug.getinfo(1, "S").source:match("^(.*[/\\])check%.lua$") or "@?"
 
 --- Is the function at this stack level one of ylm's own?
 local function is_ours(info)
-  return info.what == "C" or info.source:sub(1, #here) == here
+  return info.what == "C" or info.what == "tail" or info.source:sub(1, #here) == here
 end
 
 --- Raises `message` at the line of the nearest caller outside of ylm.
@@ -20,12 +20,21 @@ function check.fail(message, ...)
   if select("#", ...) > 0 then message = message:format(...) end
   local level = 2
   while true do
-    local info = debug.getinfo(level, "S")
-    if not info then error(message, 0) end
+    local info = debug.getinfo(level, "Sf")
+    if not info or info.func == check.boundary then error(message, 0) end
     if not is_ours(info) then error(message, level) end
     level = level + 1
   end
 end
+
+--- "file:line: " of the nearest caller outside of ylm.
+function check.position()
+  local _, where = pcall(check.fail, "")
+  return where
+end
+
+--- The function below which no caller is looked for: set while a scene file runs.
+check.boundary = nil
 
 --- Raises "bad argument #n to 'name' (message)".
 function check.bad(n, name, message, ...)

@@ -22,6 +22,9 @@ local form = {}
 form.defined = {}
 --- Their names in the order of definition.
 form.names = {}
+--- While a scene file runs: observer(definition, values, fail) sees checked values before they
+-- are built, so that lua/ylm/sandbox.lua can bound sizes and resolve the names of files.
+form.observer = nil
 
 -- Each type: function(value, field) -> value or nil, "what is wanted". ---------
 
@@ -207,12 +210,14 @@ function form.define(name, definition)
     end
     local function fail(message) return check.fail("%s: %s", name, message) end
     local values = checked(definition.fields, given, fail)
+    if form.observer then form.observer(definition, values, fail) end
     if definition.build then return definition.build(values, fail) end
     return setmetatable(values, definition.metatable)
   end
   definition.metatable = definition.metatable or {}
   definition.metatable.__kind = name
   definition.construct = construct
+  definition.home = debug.getinfo(2, "S").source:match("([%w_]+)%.lua$")
   form.defined[name] = definition
   form.names[#form.names + 1] = name
   return construct

@@ -10,6 +10,7 @@ local ylm = {}
 --- Public name -> the module that defines it, in the order data flows.
 local contents = {
   { "ylm.array", "array", "zeros" },
+  { "ylm.scene", "scene", "load_scene" },
 }
 
 --- Public name -> a module that is a table of functions itself.

@@ -1,29 +1,53 @@
---- What `progress =` accepts, as a function for C: nil, a function, or true for a bar on standard error.
+--- The bar that `progress = true` draws on stderr.
+--
+--     progress = progress.resolve(options.progress)   -- true -> a bar, a function -> itself, nil -> nil
+
+local core = require "ylm.c.core"
 
 local progress = {}
 
---- A function(done, total, stage) that draws a bar and ends it with a newline at done == total.
-function progress.bar(file)
-  file = file or io.stderr
-  local width, last = 40, nil
-  return function(done, total, stage)
-    local part = total > 0 and done / total or 1
-    local text = ("\r%-24s [%s%s] %3d%%"):format(stage or "", ("#"):rep(math.floor(part * width)),
-      (" "):rep(width - math.floor(part * width)), math.floor(part * 100))
-    if text ~= last then file:write(text) end
-    last = text
-    if done >= total then
-      file:write("\n")
-      last = nil
+local width = 30
+
+--- Seconds in words: "0:42", "1:03:20".
+local function clock(seconds)
+  seconds = math.floor(seconds + 0.5)
+  local h, m, s = math.floor(seconds / 3600), math.floor(seconds / 60) % 60, seconds % 60
+  if h > 0 then return ("%d:%02d:%02d"):format(h, m, s) end
+  return ("%d:%02d"):format(m, s)
+end
+
+--- One line of a bar: "bake    [=====>         ]  34 %  0:12".
+function progress.line(done, total, stage, seconds)
+  local part = total > 0 and math.min(1, done / total) or 1
+  local filled = math.floor(part * width)
+  local bar = ("="):rep(filled) .. (filled < width and ">" or "")
+  return ("%-12s [%-" .. width .. "s] %3d %%  %s"):format(stage or "", bar, math.floor(part * 100), clock(seconds))
+end
+
+--- A function(done, total, stage) that draws a bar on `stream` (stderr). One line per stage is kept.
+function progress.bar(stream)
+  stream = stream or io.stderr
+  local stage, began, last
+  return function(done, total, name)
+    local now = core.seconds()
+    if name ~= stage then
+      stage, began, last = name, now, nil
     end
-    file:flush()
+    local ended = done >= total
+    if not ended and last and now - last < 0.1 then return true end
+    if ended and last == math.huge then return true end
+    last = ended and math.huge or now
+    stream:write("\r", progress.line(done, total, stage, now - began), ended and "\n" or "")
+    stream:flush()
+    return true
   end
 end
 
---- The function to hand to C for an option's value.
-function progress.of(value)
+--- What a `progress` option means: true becomes a bar, a function stays, nil and false are nothing.
+function progress.resolve(value)
   if value == true then return progress.bar() end
   return value or nil
 end
+progress.of = progress.resolve
 
 return progress

@@ -1,0 +1,411 @@
+--- Runs scene files, which may come from strangers.
+--
+-- What a file can reach: the constructors (every form), math, a few functions
+-- on tables. What it cannot: files (but by name, inside its folder), strings'
+-- methods, metatables, coroutines, pcall, load, debug, the objects that
+-- constructors build (it holds opaque stand-ins for them).
+-- What bounds it: instructions, processor time, memory, described sizes.
+-- The bounds on instructions and memory are C's: csrc/lua/core_sandbox.c.
+
+local check = require "ylm.check"
+local core = require "ylm.c.core"
+local form = require "ylm.form"
+
+local sandbox = {}
+
+--- The limits and their defaults.
+sandbox.limits = {
+  { "instructions", "number", min = 1, default = 2e8, about = "of the Lua machine" },
+  { "seconds", "number", above = 0, default = 60, unit = "s", about = "of processor time" },
+  { "memory", "number", min = 65536, default = 2 ^ 28, unit = "bytes", about = "for Lua's values" },
+  { "triangles", "number", min = 0, default = 2e7, about = "of all geometry together" },
+  { "cells", "number", min = 0, default = 2 ^ 24, about = "of all uniform grids together" },
+  { "lmax", "number", min = 0, default = 64, about = "of any grid" },
+  { "file_size", "number", min = 0, default = 2 ^ 28, unit = "bytes", about = "of the scene file and of each mesh" },
+}
+
+-- Numbers: mathematics with a generator that is the same everywhere ------------------
+
+--- MRG32k3a (L'Ecuyer 1999): exact in doubles, so the same under every Lua.
+local function generator()
+  local a1, a2, a3, b1, b2, b3
+  local m1, m2 = 4294967087, 4294944443
+  local function seed(s)
+    s = check.is_number(s) and math.floor(math.abs(s)) % 4294944000 or 0
+    a1, a2, a3, b1, b2, b3 = s + 1, 12345, 12345, 12345, 12345, s + 1
+  end
+  local function uniform()
+    local a = (1403580 * a2 - 810728 * a1) % m1
+    a1, a2, a3 = a2, a3, a
+    local b = (527612 * b3 - 1370589 * b1) % m2
+    b1, b2, b3 = b2, b3, b
+    return ((a - b) % m1) / m1
+  end
+  seed(0)
+  return function(lo, hi)
+    local u = uniform()
+    if lo == nil then return u end
+    if hi == nil then lo, hi = 1, lo end
+    if not (check.is_integer(lo) and check.is_integer(hi) and lo <= hi) then
+      return check.fail("random: whole numbers with low <= high expected")
+    end
+    return lo + math.floor(u * (hi - lo + 1))
+  end, seed
+end
+
+local function mathematics()
+  local out = {}
+  for _, name in ipairs { "abs", "acos", "asin", "atan", "ceil", "cos", "deg", "exp", "floor", "fmod",
+    "huge", "log", "max", "min", "modf", "pi", "rad", "sin", "sqrt", "tan" } do
+    out[name] = math[name]
+  end
+  local atan, log = math.atan, math.log
+  local atan2 = math.atan2 or atan -- luacheck: ignore 143
+  function out.atan(y, x) if x then return atan2(y, x) else return atan(y) end end
+  out.atan2 = atan2
+  function out.log(x, base) if base then return log(x) / log(base) else return log(x) end end
+  function out.pow(x, y) return x ^ y end
+  out.random, out.randomseed = generator()
+  return out
+end
+
+-- Tables: in Lua, so that their work counts as instructions --------------------------
+
+local function need_table(name, t)
+  if type(t) ~= "table" then
+    return check.bad(1, name, "a table expected, got %s", check.describe(t))
+  end
+end
+
+local function insert(t, ...)
+  need_table("insert", t)
+  local count = select("#", ...)
+  local place, value = ...
+  if count == 1 then place, value = #t + 1, place
+  elseif count ~= 2 or not check.is_integer(place) or place < 1 or place > #t + 1 then
+    return check.bad(2, "insert", "a place from 1 to %d expected, got %s", #t + 1, check.describe(place))
+  end
+  for i = #t, place, -1 do t[i + 1] = t[i] end
+  t[place] = value
+end
+
+local function remove(t, place)
+  need_table("remove", t)
+  local n = #t
+  if place == nil then place = n end
+  if n == 0 then return nil end
+  if not check.is_integer(place) or place < 1 or place > n then
+    return check.bad(2, "remove", "a place from 1 to %d expected, got %s", n, check.describe(place))
+  end
+  local value = t[place]
+  for i = place, n - 1 do t[i] = t[i + 1] end
+  t[n] = nil
+  return value
+end
+
+local function less(a, b) return a < b end
+
+--- Merge sort: stable, and safe with comparisons that contradict themselves.
+local function sort(t, before)
+  need_table("sort", t)
+  before = before or less
+  local n, from, to, width = #t, t, {}, 1
+  while width < n do
+    for lo = 1, n, 2 * width do
+      local mid, hi = math.min(lo + width, n + 1), math.min(lo + 2 * width, n + 1)
+      local i, j = lo, mid
+      for k = lo, hi - 1 do
+        if i < mid and (j >= hi or not before(from[j], from[i])) then to[k], i = from[i], i + 1
+        else to[k], j = from[j], j + 1 end
+      end
+    end
+    from, to, width = to, from, 2 * width
+  end
+  if from ~= t then for i = 1, n do t[i] = from[i] end end
+end
+
+local function concat(t, separator, i, j)
+  need_table("concat", t)
+  separator, i, j = separator or "", i or 1, j or #t
+  local out = ""
+  for k = i, j do
+    local x = t[k]
+    if type(x) ~= "string" and type(x) ~= "number" then
+      return check.bad(1, "concat", "element %s is %s", tostring(k), check.describe(x))
+    end
+    out = out .. (k > i and separator or "") .. x
+  end
+  return out
+end
+
+local function spread(t, i, j)
+  need_table("unpack", t)
+  i, j = i or 1, j or #t
+  if not (check.is_integer(i) and check.is_integer(j)) or j - i >= 1000 then
+    return check.bad(1, "unpack", "at most 1000 values")
+  end
+  return (table.unpack or unpack)(t, i, j) -- luacheck: ignore 113
+end
+
+-- Stand-ins for what constructors build ------------------------------------------------
+
+--- Stand-in -> the object it stands for. Files never hold the object itself: through an
+-- object's metatable they could reach functions that trusted code uses later.
+local objects = setmetatable({}, { __mode = "k" })
+
+local stand_in = {
+  __metatable = false,
+  __index = function(p, key)
+    return check.fail("a %s is a description: its field %s cannot be read in a scene file",
+      form.kind(objects[p]) or "value", check.describe(key))
+  end,
+  __newindex = function(p)
+    return check.fail("a %s is a description: make another instead of changing it",
+      form.kind(objects[p]) or "value")
+  end,
+  __tostring = function(p) return form.kind(objects[p]) or "value" end,
+}
+
+local function wrap(object)
+  local p = setmetatable({}, stand_in)
+  objects[p] = object
+  return p
+end
+
+--- A copy of what a file passes to a constructor, objects in place of stand-ins.
+local function unwrap(x, seen)
+  local t = type(x)
+  if t == "number" or t == "string" or t == "boolean" or t == "nil" then return x end
+  if t ~= "table" then return check.fail("a %s cannot be part of a description", t) end
+  if objects[x] then return objects[x] end
+  seen = seen or { depth = 0 }
+  if seen[x] then return seen[x] end
+  if seen.depth > 64 then return check.fail("tables nested more than 64 deep") end
+  local copy = {}
+  seen[x] = copy
+  seen.depth = seen.depth + 1
+  for key, value in next, x do
+    if type(key) ~= "number" and type(key) ~= "string" then
+      return check.fail("a %s cannot be a key of a description", type(key))
+    end
+    copy[key] = unwrap(value, seen)
+  end
+  seen.depth = seen.depth - 1
+  return copy
+end
+
+-- Described sizes -----------------------------------------------------------------------
+
+--- The product of every count in the checked fields of a geometry form, two triangles each:
+-- an upper bound where the form does not say `triangles = function(values) return n end`.
+local function triangle_bound(definition, values)
+  if definition.triangles then return definition.triangles(values) end
+  local product = 2
+  for _, field in ipairs(definition.fields) do
+    local value = values[field[1]]
+    if field[2] == "integer" and value then product = product * math.max(1, value)
+    elseif field[2] == "list" and field.of == "integer" and value then
+      for _, x in ipairs(value) do product = product * math.max(1, x) end
+    end
+  end
+  return product
+end
+
+--- Is it a form of geometry? They share the field `occludes`.
+local function is_geometry(definition)
+  for _, field in ipairs(definition.fields) do if field[1] == "occludes" then return true end end
+  return false
+end
+
+--- The observer of forms (see form.observer): counts what is described, resolves file names.
+local function observer(folder, limits, state)
+  local left = { triangles = limits.triangles, cells = limits.cells }
+  local function take(what, n, fail)
+    left[what] = left[what] - n
+    if left[what] < 0 then
+      state.limit = what
+      return fail(("more than %.0f %s in one scene file"):format(limits[what], what))
+    end
+  end
+  return function(definition, values, fail)
+    for _, field in ipairs(definition.fields) do
+      local name = field[1]
+      if values[name] ~= nil and (name == "file" or field[2] == "path") then
+        local real, size, code = core.resolve_inside(folder, values[name])
+        if not real then
+          state.code = code ~= "EINVAL" and code or nil
+          return fail(("%s: %s"):format(name, size))
+        end
+        if size > limits.file_size then
+          state.limit = "file_size"
+          return fail(("%s has more than %.0f bytes"):format(values[name], limits.file_size))
+        end
+        -- Every further corner of a polygon is a triangle, and takes two bytes of text at least.
+        take("triangles", size / 2, fail)
+        values[name] = real
+      end
+    end
+    if is_geometry(definition) and not values.file then take("triangles", triangle_bound(definition, values), fail) end
+    if definition.name == "uniform_grid" and type(values.cells) == "table" then
+      local n = 1
+      for _, c in ipairs(values.cells) do n = n * c end
+      take("cells", n, fail)
+    end
+    if values.lmax and values.lmax > limits.lmax then
+      state.limit = "lmax"
+      return fail(("lmax at most %d in a scene file, got %s"):format(limits.lmax, check.describe(values.lmax)))
+    end
+  end
+end
+
+-- The environment ---------------------------------------------------------------------
+
+local function names_of(t)
+  local names = {}
+  for name in pairs(t) do names[#names + 1] = name end
+  table.sort(names)
+  return names
+end
+
+--- The files of lua/ylm whose forms describe scenes.
+local describing = { camera = true, material = true, geometry = true, light = true, grid = true, scene = true }
+
+--- The constructors, as files see them.
+local function constructors(env)
+  for home in pairs(describing) do
+    local ok, message = pcall(require, "ylm." .. home)
+    if not ok and not message:find("not found") then error(message, 0) end
+  end
+  for name, definition in pairs(form.defined) do
+    if name ~= "scene" and describing[definition.home] then
+      local construct = definition.construct
+      env[name] = function(given) return wrap(construct(unwrap(given))) end
+    end
+  end
+  local scene = form.defined.scene.construct
+  env.scene = function(name)
+    local fill, where = scene(unwrap(name)), check.position()
+    return function(given)
+      local ok, copy = pcall(unwrap, given)
+      if not ok then error(where .. copy:gsub("^.-:%d+: ", ""), 0) end
+      return wrap(fill(copy))
+    end
+  end
+end
+
+local function environment()
+  local env = {
+    assert = assert, error = error, ipairs = ipairs, next = next, pairs = pairs, select = select,
+    tonumber = tonumber, type = function(...)
+      if select("#", ...) == 0 then return check.bad(1, "type", "value expected") end
+      return (type((...)))
+    end,
+    tostring = function(x)
+      local t = type(x)
+      if objects[x] then return form.kind(objects[x]) end
+      if t == "table" or t == "function" or t == "userdata" then return t end
+      return tostring(x)
+    end,
+    math = mathematics(),
+    table = { insert = insert, remove = remove, sort = sort, concat = concat, unpack = spread },
+    unpack = spread,
+  }
+  constructors(env)
+  local names = names_of(env)
+  return setmetatable(env, {
+    __metatable = false,
+    __index = function(_, name)
+      local guess = type(name) == "string" and check.guess(name, names)
+      return check.fail("there is no %s in a scene file%s", check.describe(name),
+        guess and (" (did you mean '%s'?)"):format(guess) or "; it holds numbers, tables, math and the constructors")
+    end,
+  })
+end
+
+--- While `source` runs, strings indexed from it have no methods; other code is not disturbed.
+local function guarded_strings(source)
+  local metatable = debug.getmetatable("")
+  local index = metatable.__index
+  metatable.__index = function(s, key)
+    local info = debug.getinfo(2, "S")
+    if not info or info.what == "C" or info.source == source then
+      return check.fail("there are no string methods in a scene file")
+    end
+    if type(index) == "function" then return index(s, key) end
+    return index[key]
+  end
+  return function() metatable.__index = index end
+end
+
+-- Running -------------------------------------------------------------------------------
+
+--- The file as a function, or nil, message: text only, whatever the Lua.
+local function compile(text, source, env)
+  if text:find("\27", 1, true) then return nil, "compiled Lua is not accepted: only text is" end
+  text = text:gsub("^\239\187\191", ""):gsub("^#[^\n]*", "")
+  if setfenv then -- luacheck: ignore 113
+    local chunk, message = loadstring(text, source) -- luacheck: ignore 113
+    if not chunk then return nil, message end
+    return setfenv(chunk, env) -- luacheck: ignore 113
+  end
+  return load(text, source, "t", env)
+end
+
+local reasons = {
+  instructions = "takes more than %.0f instructions",
+  time = "takes more than %g seconds of processor time",
+  memory = "takes more than %.0f bytes of memory",
+}
+
+--- "file.lua: why", with the line that `text` names if it names one; nothing for a terminal to obey.
+local function explain(path, text)
+  text = text:sub(1, 1000):gsub("%c", "?")
+  if text:sub(1, #path + 1) == path .. ":" then return text end
+  return path .. ": " .. text
+end
+
+--- Runs the file `path` within `limits` (all fields given). Returns the scene, or nil, message, code.
+function sandbox.run(path, limits)
+  if form.observer then return check.fail("a scene file cannot load another") end
+  local text, message, code = core.read_file(path, math.min(limits.file_size, 2 ^ 24))
+  if not text then return nil, message, code end
+  local source, state = "@" .. path, {}
+  local env = environment()
+  local folder = path:match("^(.*)/[^/]*$") or "."
+  if folder == "" then folder = "/" end
+
+  local compiling = true
+  local function work()
+    local chunk, wrong = compile(text, source, env)
+    if not chunk then error(wrong, 0) end
+    compiling = false
+    if jit then jit.off(chunk, true) end -- luacheck: ignore 113
+    local result = chunk() -- not a tail call: this frame is check.boundary
+    return result
+  end
+
+  local restore = guarded_strings(source)
+  form.observer, check.boundary = observer(folder, limits, state), work
+  local called, ok, result, reason = pcall(core.bounded_call, work, limits.instructions, limits.memory, limits.seconds)
+  form.observer, check.boundary = nil, nil
+  restore()
+  if not called then error(ok, 0) end
+
+  if reason then
+    local limit = reason == "time" and limits.seconds or limits[reason]
+    return nil, explain(path, reasons[reason]:format(limit)), "ELIMIT"
+  end
+  if not ok then
+    if type(result) ~= "string" then result = "raised " .. check.describe(result) end
+    return nil, explain(path, result), state.limit and "ELIMIT" or not compiling and state.code or "EFORMAT"
+  end
+  local object = objects[result]
+  if form.kind(object) ~= "scene" then
+    return nil, explain(path, ("must return a scene (return scene \"name\" { ... }), got %s"):format(
+      object and "a " .. form.kind(object) or check.describe(result))), "EFORMAT"
+  end
+  object.file = path
+  return object
+end
+
+return sandbox

@@ -1,0 +1,157 @@
+--- Scenes: a camera, geometry, lights, probes; and scene files.
+--
+-- A scene only describes. Its methods bake, render, reference and raycast are
+-- those of lua/ylm/render.lua.
+
+local check = require "ylm.check"
+local describe = require "ylm.reference".describe
+local form = require "ylm.form"
+
+local scene = {}
+
+-- Lists that may nest ---------------------------------------------------------
+
+--- How deep lists may nest; a list that contains itself is deeper than that.
+local deepest = 32
+
+local is_part = {
+  geometry = function(x)
+    return type(x) == "table" and form.kind(x) and form.kind(x.mesh) == "ylm.mesh"
+  end,
+  lights = function(x)
+    local kind = form.kind(x)
+    return kind and (kind:find("_lights?$") or kind == "ylm.lights") and true
+  end,
+}
+
+local wanted_part = {
+  geometry = "geometry (a quad, sphere, box, torus, knot or mesh)",
+  lights = "a light (sphere_light, sphere_lights)",
+}
+
+function form.types.parts(x)
+  if type(x) == "table" or form.kind(x) then return x end
+  return nil, "a list"
+end
+
+local function kind_text(x)
+  local kind = type(x) == "table" and form.kind(x)
+  return kind and "a " .. kind or check.describe(x)
+end
+
+--- Appends to `out` the parts of `field` found in `x`, in order; fail(message) names the place.
+local function flatten(field, x, out, place, depth, fail)
+  if is_part[field](x) then
+    out[#out + 1] = x
+    return
+  end
+  if type(x) ~= "table" or form.kind(x) then
+    return fail(("%s must be %s, got %s"):format(place, wanted_part[field], kind_text(x)))
+  end
+  if depth > deepest then
+    return fail(("%s: lists nested more than %d deep"):format(field, deepest))
+  end
+  local n, largest = 0, 0
+  for key in pairs(x) do
+    if not check.is_integer(key) or key < 1 then
+      return fail(("%s: unexpected entry %s in a list; %s expected"):format(place, check.describe(key),
+        wanted_part[field]))
+    end
+    n, largest = n + 1, math.max(largest, key)
+  end
+  if largest ~= n then
+    for i = 1, largest do
+      if x[i] == nil then return fail(("%s[%d] is nil"):format(place, i)) end
+    end
+  end
+  for i = 1, n do flatten(field, x[i], out, ("%s[%d]"):format(place, i), depth + 1, fail) end
+end
+
+-- The form ---------------------------------------------------------------------
+
+local from_render = { bake = true, render = true, reference = true, raycast = true }
+
+local metatable = {
+  __index = function(_, key)
+    if from_render[key] then return require "ylm.render"[key] end
+    return nil
+  end,
+  __tostring = function(s)
+    return ("scene %q: %d pieces of geometry, %d lights"):format(s.name, #s.geometry, #s.lights)
+  end,
+}
+
+local construct = form.define("scene", {
+  about = "What a picture is made of. Lists may nest, so that plain Lua loops build them: "
+    .. "scene \"name\" { ... }.",
+  fields = {
+    { "camera", "object", of = "camera", optional = true, about = "needed by render, reference and raycast" },
+    { "geometry", "parts", default = {}, about = "surfaces: one, or a list that may nest" },
+    { "lights", "parts", default = {}, about = "lights: one, or a list that may nest" },
+    { "probes", "object", of = { "adaptive_grid", "uniform_grid" }, optional = true,
+      about = "the grid that bake fills" },
+    { "background", "colour", min = 0, default = 0, unit = "W sr^-1 m^-2", about = "radiance where nothing is hit" },
+  },
+  metatable = metatable,
+  build = function(values, fail)
+    for field in pairs(is_part) do
+      local parts = {}
+      flatten(field, values[field], parts, field, 0, fail)
+      values[field] = parts
+    end
+    return setmetatable(values, metatable)
+  end,
+  example = [[
+local s = scene "one lamp" { lights = sphere_light { at = { 0, 2, 0 }, radius = 0.1, radiance = 5 } }
+assert(s.name == "one lamp" and #s.lights == 1)]],
+})
+
+describe "scene" {
+  about = "Makes a scene: ylm.scene \"name\" { camera = , geometry = , lights = , probes = , background = }. "
+    .. "Methods: bake, render, reference, raycast.",
+  arguments = { { "name", "string", "what pictures are titled with" } },
+  returns = { { "fields", "function", "takes the table of fields, see the form 'scene', and returns the scene" } },
+  errors = "raises at the caller's line on missing, misspelt or wrong fields",
+  example = [[
+local s = ylm.scene "nothing" {}
+assert(s.name == "nothing" and #s.geometry == 0)]],
+}
+function scene.scene(name)
+  if type(name) ~= "string" then
+    return check.bad(1, "scene", "the scene's name comes first: scene \"name\" { ... }; got %s", check.describe(name))
+  end
+  -- `return scene "name" { ... }` is a tail call: remember the line while it is on the stack.
+  local where = check.position()
+  return function(given)
+    local ok, s = pcall(construct, given)
+    if not ok then error(where .. tostring(s):gsub("^.-(scene: )", "%1"), 0) end
+    s.name = name
+    return s
+  end
+end
+form.defined.scene.construct = scene.scene
+
+describe "load_scene" {
+  about = "Runs a scene file and returns its scene. The file may come from a stranger: it sees numbers, tables, math "
+    .. "and the constructors, and is bounded in instructions, memory and described size.",
+  arguments = {
+    { "path", "string", "the file; other files are looked for in its folder only" },
+    { "limits?", "table", "instructions, memory (bytes), seconds, triangles, cells: see ylm help load_scene" },
+  },
+  options = require "ylm.sandbox".limits,
+  returns = { { "s", "scene", "or nil, message, 'EIO' | 'EFORMAT' | 'ELIMIT'" } },
+  errors = "nil, message, code for whatever is wrong with the file",
+  example = [[
+local s, message, code = ylm.load_scene "no such file.lua"
+assert(s == nil and code == "EIO", message)]],
+}
+function scene.load_scene(path, limits)
+  if type(path) ~= "string" or path == "" or path:find("%z") then
+    return check.bad(1, "load_scene", "the name of a file expected, got %s", check.describe(path))
+  end
+  local sandbox = require "ylm.sandbox"
+  return sandbox.run(path, form.options(2, "load_scene", sandbox.limits, limits))
+end
+scene.load = scene.load_scene
+
+return scene

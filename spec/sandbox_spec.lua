@@ -1,0 +1,216 @@
+-- What a scene file from a stranger may not do.
+
+local ylm = require "ylm"
+local scratch = require "spec.support.scratch"
+
+local small = { instructions = 2e6, memory = 2 ^ 24, seconds = 20 }
+
+describe("the sandbox of scene files", function()
+  local folder
+  setup(function() folder = scratch.new() end)
+  teardown(function() folder:remove() end)
+
+  --- Loads a file with this text; returns what load_scene returns.
+  local function try(text, limits, name)
+    local path = folder:write(name or "attack.lua", text)
+    return ylm.load_scene(path, limits or small)
+  end
+
+  --- The file is refused with this code and a message that matches `says`.
+  local function refuses(code, says, text, limits)
+    local scene, message, got = try(text, limits)
+    assert.is_nil(scene, text)
+    assert.truthy(message:find(says), message .. "\ndoes not match " .. says)
+    assert.equal(code, got, message)
+    assert.truthy(message:find("attack.lua", 1, true), message)
+  end
+
+  it("runs a scene that only describes, and gives the same scene twice", function()
+    local text = [[
+      local sum = 0
+      for i = 1, 10 do sum = sum + math.random() + math.random(1, 6) end
+      local list = {}
+      table.insert(list, "b") table.insert(list, 1, "a") list[#list + 1] = "c"
+      table.sort(list, function(x, y) return x > y end)
+      assert(table.concat(list, ",") == "c,b,a" and table.remove(list) == "a" and #list == 2)
+      assert(select("#", unpack { 1, 2, 3 }) == 3 and type(math.sin(1)) == "number")
+      return scene(tostring(sum)) { background = { 0, 0.5, 1 } }]]
+    local first = assert(try(text))
+    local second = assert(try(text))
+    assert.equal(first.name, second.name)
+    assert.same({ 0, 0.5, 1 }, first.background)
+  end)
+
+  it("accepts a first line for the shell and keeps line numbers", function()
+    assert(try "#!/usr/bin/env ylm\nreturn scene 'x' {}")
+    refuses("EFORMAT", "^[^:]*attack.lua:2: there is no 'prinf'", "#!/usr/bin/env ylm\nprinf()")
+  end)
+
+  it("names the line of a mistake and guesses what was meant", function()
+    refuses("EFORMAT", "attack.lua:2: there is no 'scen' in a scene file %(did you mean 'scene'%?%)",
+      "\nreturn scen 'x' {}")
+    refuses("EFORMAT", "attack.lua:2: scene: no field 'lihgts' %(did you mean 'lights'%?%)",
+      "\nreturn scene 'x' { lihgts = {} }")
+    refuses("EFORMAT", "attack.lua:1:", "return return")
+    refuses("EFORMAT", "must return a scene", "return 3")
+    refuses("EFORMAT", "must return a scene", "")
+    refuses("EFORMAT", "must return a scene", "return {}")
+    refuses("EFORMAT", "raised a table", "error({})")
+  end)
+
+  it("has nothing but the allow-list", function()
+    for _, name in ipairs { "io", "os", "debug", "package", "require", "load", "loadstring", "loadfile", "dofile",
+      "pcall", "xpcall", "coroutine", "string", "utf8", "setmetatable", "getmetatable", "rawset", "rawget",
+      "rawequal", "rawlen", "collectgarbage", "print", "setfenv", "getfenv", "newproxy", "module", "jit", "ffi",
+      "bit", "bit32", "_G", "ylm" } do
+      refuses("EFORMAT", "attack.lua:1: there is no '" .. name .. "'", "local x = " .. name .. " return scene 'x' {}")
+    end
+  end)
+
+  it("has no string methods, and strings have them again afterwards", function()
+    refuses("EFORMAT", "no string methods", "local s = ('x'):rep(2^30)")
+    refuses("EFORMAT", "no string methods", "local s = ('').format")
+    refuses("EFORMAT", "no string methods", "local s = (('x'))['gsub']")
+    refuses("EFORMAT", "no string methods", "local s = 'x' for i, v in ipairs(s.len) do end")
+    refuses("EFORMAT", ".", "local f = function(s) return s.dump end f(math.pi .. '')(f)")
+    refuses("ELIMIT", "instructions", "while true do end")
+    assert.equal("xx", ("x"):rep(2))
+  end)
+
+  it("leaves the host as it was: hooks, strings, math, tables", function()
+    local sort, random, hook = table.sort, math.random, debug.gethook()
+    try "math.sin = nil table.sort = nil math.random(3) scene = nil assert = nil return 1"
+    assert.equal(sort, table.sort)
+    assert.equal(random, math.random)
+    assert.equal(hook, (debug.gethook()))
+    assert.truthy(math.sin)
+    assert.truthy(try "return scene 'x' {}")
+  end)
+
+  it("accepts text only", function()
+    local code = string.dump(assert((loadstring or load)("return 1")))
+    refuses("EFORMAT", "compiled Lua", code)
+    refuses("EFORMAT", "compiled Lua", "#\n" .. code)
+    refuses("EFORMAT", "compiled Lua", "\239\187\191" .. code)
+    refuses("EFORMAT", "compiled Lua", "# x\n\27LJ\2")
+  end)
+
+  it("ends endless loops, however they are written", function()
+    for _, text in ipairs {
+      "while true do end",
+      "repeat until false",
+      "for i = 1, math.huge do end",
+      "local function f() return f() end f()",
+      "local t = {} for i = 1, 1e9 do t[1] = i end",
+      "table.sort({3, 2, 1}, function() while true do end end)",
+      "local t = {} for i = 1, 1e9 do table.insert(t, 1, i) t[2] = nil end",
+      "for _ in next, {1}, nil do while true do local x = math.sin(1) end end",
+      "local a = {} for i = 1, 24 do a = { a, a } end return scene 'x' { geometry = a }",
+    } do
+      local _, message, code = try(text)
+      assert.equal("ELIMIT", code, text .. ": " .. tostring(message))
+    end
+  end)
+
+  it("ends deep recursion", function()
+    for _, text in ipairs {
+      "local function f(n) return 1 + f(n + 1) end f(1)",
+      "local function f(...) return 1 + f(1, ...) end f()",
+      "local t = {} for i = 1, 1e5 do t = { t } end return scene 'x' { geometry = t }",
+      "local t = {} t[1] = t return scene 'x' { geometry = t }",
+      "return " .. ("("):rep(1e5) .. "1" .. (")"):rep(1e5),
+      "return " .. ("{"):rep(1e5) .. ("}"):rep(1e5),
+      "return " .. ("- "):rep(1e5) .. "1",
+      "return " .. ("1 .. "):rep(1e5) .. "1",
+    } do
+      local scene, message, code = try(text)
+      assert.is_nil(scene)
+      assert.truthy(code == "EFORMAT" or code == "ELIMIT", message)
+    end
+  end)
+
+  it("bounds memory, one block of it, and how much is copied", function()
+    for _, text in ipairs {
+      "local s = 'x' while true do s = s .. s end",
+      "local t = {} for i = 1, 1e9 do t[i] = i end",
+      "local t = {} while true do t = { t, {}, {} } end",
+      "local t = {} for i = 1, 1e7 do t[i] = 'x' .. i end",
+      "local s = 'x' for i = 1, 21 do s = s .. s end for i = 1, 1e6 do local t = s .. i end",
+      "local s = 'x' for i = 1, 20 do s = s .. s end table.concat({ s, s, s, s, s, s, s, s, s, s, s, s, s })",
+    } do
+      local _, message, code = try(text)
+      assert.equal("ELIMIT", code, text .. ": " .. tostring(message))
+    end
+    refuses("ELIMIT", "16777216 bytes of memory", "local s = 'x' while true do s = s .. s end")
+    collectgarbage()
+    collectgarbage()
+    assert.truthy(try "return scene 'x' {}")
+  end)
+
+  it("bounds processor time, where single instructions are slow", function()
+    local began = os.clock()
+    refuses("ELIMIT", "seconds of processor time", [[
+      local s = "x" for i = 1, 21 do s = s .. s end
+      local a, b = s .. "1", s .. "2"
+      local n = 0
+      for i = 1, 1e9 do if a < b then n = n + 1 end end]], { seconds = 0.3, instructions = 1e12 })
+    assert.truthy(os.clock() - began < 5)
+  end)
+
+  it("keeps descriptions opaque, so that no object of the library can be reached", function()
+    refuses("EFORMAT", "attack.lua:2: a scene is a description: its field '__index' cannot be read",
+      "local s = scene 'x' {}\nlocal m = s.__index")
+    refuses("EFORMAT", "make another instead", "local s = scene 'x' {} s.name = 'y' return s")
+    refuses("EFORMAT", "cannot be part of a description", "return scene 'x' { background = function() end }")
+    refuses("EFORMAT", "cannot be part of a description", "return scene 'x' { lights = { next } }")
+    refuses("EFORMAT", "cannot be a key", "return scene 'x' { [{}] = 1 }")
+    refuses("EFORMAT", "cannot be a key", "return scene 'x' { [true] = 1 }")
+    refuses("EFORMAT", "attack.lua:2: tables nested more than 64 deep",
+      "local t = {} for i = 1, 70 do t = { t } end\nreturn scene 'x' { geometry = t }")
+    refuses("EFORMAT", "attack.lua:1: scene: geometry must be geometry.*, got a scene",
+      "return scene 'x' { geometry = scene 'y' {} }")
+    local scene = assert(try "local s = scene 'x' {} for k in pairs(s) do error(k) end return s")
+    assert.equal("x", scene.name)
+  end)
+
+  it("is not fooled by changes to a table after it was described", function()
+    local scene = assert(try [[
+      local colour = { 1, 2, 3 }
+      local s = scene 'x' { background = colour }
+      colour[1] = "not a number"
+      return s]])
+    assert.same({ 1, 2, 3 }, scene.background)
+  end)
+
+  it("shows a terminal nothing to obey", function()
+    local _, message = try "error('\\27[2J\\7')"
+    assert.is_nil(message:find("%c"))
+  end)
+
+  it("ends cleanly when it is tried again and again", function()
+    for _ = 1, 20 do
+      try "while true do end"
+      try("local s = 'x' while true do s = s .. s end", { memory = 2 ^ 20 })
+      assert.truthy(try "return scene 'x' {}")
+    end
+    assert.is_nil((debug.gethook()))
+  end)
+
+  it("does not run inside itself", function()
+    assert.has_error(function() ylm.load_scene(3) end)
+    assert.has_error(function() ylm.load_scene("x.lua", { instructions = 0 }) end)
+    assert.has_error(function() ylm.load_scene("x.lua", { instruction = 5 }) end)
+  end)
+
+  it("reads only regular files", function()
+    local _, message, code = ylm.load_scene(folder.path .. "/missing.lua")
+    assert.equal("EIO", code, message)
+    _, message, code = ylm.load_scene(folder.path)
+    assert.equal("EIO", code, message)
+    _, message, code = ylm.load_scene "/dev/zero"
+    assert.equal("EIO", code, message)
+    scratch.shell("mkfifo " .. folder.path .. "/pipe.lua")
+    _, message, code = ylm.load_scene(folder.path .. "/pipe.lua")
+    assert.equal("EIO", code, message)
+  end)
+end)

@@ -1,0 +1,49 @@
+--- A folder of a spec's own: local folder = scratch(); folder:write("a.lua", text); folder:remove().
+
+local scratch = {}
+scratch.__index = scratch
+
+local function quote(s) return "'" .. s:gsub("'", "'\\''") .. "'" end
+scratch.quote = quote
+
+--- Runs a shell command; true if it succeeds.
+function scratch.shell(command)
+  local ok = os.execute(command)
+  return ok == true or ok == 0
+end
+
+--- What a shell command prints, and its exit status.
+function scratch.capture(command)
+  local pipe = assert(io.popen("{ " .. command .. "\n} 2>&1; echo; echo $?"))
+  local text = pipe:read("*a")
+  pipe:close()
+  local out, status = text:match("^(.*)\n(%d+)\n$")
+  return out, tonumber(status)
+end
+
+function scratch.new()
+  local path = os.tmpname()
+  os.remove(path)
+  assert(scratch.shell("mkdir -p " .. quote(path)))
+  return setmetatable({ path = path }, scratch)
+end
+
+function scratch:write(name, text)
+  local path = self.path .. "/" .. name
+  local file = assert(io.open(path, "wb"))
+  file:write(text)
+  file:close()
+  return path
+end
+
+function scratch:read(name)
+  local file = io.open(self.path .. "/" .. name, "rb")
+  if not file then return nil end
+  local text = file:read("*a")
+  file:close()
+  return text
+end
+
+function scratch:remove() scratch.shell("rm -rf " .. quote(self.path)) end
+
+return scratch
