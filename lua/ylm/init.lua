@@ -10,6 +10,7 @@ local ylm = {}
 --- Public name -> the module that defines it, in the order data flows.
 local contents = {
   { "ylm.array", "array", "zeros" },
+  { "ylm.light", "sphere_light", "sphere_lights", "light_field" },
   { "ylm.scene", "scene", "load_scene" },
 }
 

@@ -1,0 +1,44 @@
+/* light.h - what the files of csrc/light share. Private to the folder. */
+#ifndef YLM_LIGHT_PRIVATE_H
+#define YLM_LIGHT_PRIVATE_H
+
+#include "ylm_light.h"
+
+/* A light as the kernels read it. */
+typedef struct ylm__lamp_f { float at[3], radius, luminance, rgb[3]; } ylm__lamp_f;
+typedef struct ylm__lamp_d { double at[3], radius, luminance, rgb[3]; } ylm__lamp_d;
+
+struct ylm_lights {
+  ylm_field field;
+  size_t n;
+  double *at, *radius, *radiance; /* [n][3], [n], [n][3] */
+  size_t active;                  /* number of lights with a radius above 0 */
+  ylm__lamp_f *lamp_f;            /* [active], in the order given */
+  ylm__lamp_d *lamp_d;
+};
+
+/* How many channels of each kind of sum a query needs: 0, 1 (luminance) or 3 (rgb). */
+typedef struct ylm__channels { int value, gradient, hessian; } ylm__channels;
+ylm__channels ylm__channels_of(const ylm_field_query *q);
+
+/* Channel c of `channels` of a light's radiance. */
+static inline double ylm__emission(const double *rgb, int channels, int c) {
+  return channels == 3 ? rgb[c]
+                       : YLM_LUMINANCE_R * rgb[0] + YLM_LUMINANCE_G * rgb[1] +
+                             YLM_LUMINANCE_B * rgb[2];
+}
+
+/*
+** X_a^k[p,m]: the integral of Y_kp w_a Y_(k+1)m over the sphere; axis a = 0, 1, 2 for x, y, z.
+** So w_a Y_km = sum X_a^k[m,m'] Y_(k+1)m' + sum X_a^(k-1)[m',m] Y_(k-1)m'.
+*/
+double ylm__coupling(int a, int k, int p, int m);
+
+/* The reference: product rule, double, points begin .. end-1. */
+ylm_status ylm__reference_range(const ylm_lights *lights, const ylm_field_query *q, size_t begin,
+                                size_t end, const void *points, ylm_field_result *r);
+
+/* Whether lights' surfaces meet boxes. */
+ylm_status ylm__crosses(const ylm_field *f, size_t n, const double *boxes, uint8_t *out);
+
+#endif

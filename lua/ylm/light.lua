@@ -1,0 +1,223 @@
+--- Lights and their light fields: ylm.sphere_light, ylm.sphere_lights, ylm.light_field.
+
+local array = require "ylm.array"
+local check = require "ylm.check"
+local core = require "ylm.c.core"
+local form = require "ylm.form"
+local describe = require "ylm.reference".describe
+
+local light = {}
+
+-- What may be asked of a field; the numbers are those of ylm_base.h.
+local VALUE, GRADIENT, HESSIAN, METRIC = 1, 2, 4, 8
+
+local EXTENT = 1e15
+
+light.sphere_light = form.define("sphere_light", {
+  about = "A sphere that emits the same radiance everywhere and in every direction.",
+  fields = {
+    { "at", "point", unit = "scene units", about = "centre" },
+    { "radius", "number", min = 0, max = EXTENT, default = 0.1, unit = "scene units",
+      about = "a radius of 0 emits nothing" },
+    { "radiance", "colour", default = 1, unit = "W sr^-1 m^-2",
+      about = "number or {r, g, b}, linear Rec. 709; may be negative" },
+  },
+  build = function(values, fail)
+    for i = 1, 3 do
+      if math.abs(values.at[i]) > EXTENT then return fail("at is too far out (the limit is 1e15)") end
+    end
+    return setmetatable(values, form.defined.sphere_light.metatable)
+  end,
+  example = "sphere_light { at = {0, 2, 0}, radius = 0.1, radiance = {10, 8, 6} }",
+})
+
+-- Fields of lights as arrays ------------------------------------------------------------
+
+--- A field's value as a double array; `shapes` says which are allowed, for the message.
+local function numbers(name, value, shapes, fail)
+  if check.is_number(value) then value = { value } end
+  local a = value
+  if core.type(a) ~= "ylm.array" then
+    if type(a) ~= "table" then
+      return fail(("%s must be %s, got %s"):format(name, shapes, check.describe(value)))
+    end
+    local shape = { #a, type(a[1]) == "table" and #a[1] or nil }
+    a = assert(core.array_zeros(shape, "double"))
+    local ok, where = core.array_fill(a, value)
+    if not ok then return fail(("%s must be %s; element %d does not fit"):format(name, shapes, where)) end
+    return a, shape
+  end
+  local shape, dtype, _, is_open = core.array_info(a)
+  if not is_open then return fail(name .. ": the array has been closed") end
+  return dtype == "double" and a or core.array_convert(a, "double"), shape
+end
+
+local function build_lights(values, fail)
+  local at, shape = numbers("at", values.at, "[n][3] numbers", fail)
+  local n = shape[1]
+  if n == 0 then return fail("at is empty: at least one light expected") end
+  if #shape ~= 2 or shape[2] ~= 3 then
+    return fail(("at must be [n][3] numbers, got %s"):format(check.describe(at)))
+  end
+  local radius, rshape = numbers("radius", values.radius, "a number or [n] numbers", fail)
+  if #rshape ~= 1 or (rshape[1] ~= n and rshape[1] ~= 1) then
+    return fail(("radius must be a number or one for each of the %d lights, got %s"):format(n, check.describe(radius)))
+  end
+  local radiance, cshape = numbers("radiance", values.radiance, "a number, {r, g, b}, [n][3] or [n] numbers", fail)
+  local fits
+  if #cshape == 2 then fits = cshape[1] == n and cshape[2] == 3
+  else fits = #cshape == 1 and (cshape[1] == 1 or cshape[1] == 3 or cshape[1] == n) end
+  if not fits then
+    return fail(("radiance must be a number, {r, g, b}, or one for each of the %d lights, got %s")
+      :format(n, check.describe(radiance)))
+  end
+  local packed, message, code = core.lights_create(at, radius, radiance)
+  if not packed then
+    if core.status(code) == "caller" then return fail(message) end
+    return nil, message, code
+  end
+  return setmetatable({ lights = packed, count = n }, form.defined.sphere_lights.metatable)
+end
+
+light.sphere_lights = form.define("sphere_lights", {
+  about = "Many sphere lights as one object, from arrays: fast to make and to use.",
+  fields = {
+    { "at", "any", unit = "scene units", about = "centres: an array or table [n][3]" },
+    { "radius", "any", default = 0.1, unit = "scene units", about = "[n] numbers, or one for all; 0 emits nothing" },
+    { "radiance", "any", default = 1, unit = "W sr^-1 m^-2",
+      about = "[n][3] linear Rec. 709 or [n], or a number or {r, g, b} for all; may be negative" },
+  },
+  build = build_lights,
+  example = "sphere_lights { at = { {0, 2, 0}, {1, 2, 0} }, radius = { 0.1, 0.2 }, radiance = { {10, 8, 6}, {6, 8, 10} } }",
+})
+
+--- Centres [n][3], radii [n] and radiances [n][3] of what light.pack returned, as new double arrays.
+function light.arrays(packed)
+  return check.result("lights", core.lights_arrays(packed))
+end
+
+-- Packing ----------------------------------------------------------------------------
+
+--- Gathers lights in order: runs of single ones become one packed object each.
+local function gather(n, name, value, parts, run, depth)
+  local kind = form.kind(value)
+  local function flush()
+    if #run.at == 0 then return end
+    local at = assert(core.array_zeros({ #run.at, 3 }, "double"))
+    local radius = assert(core.array_zeros({ #run.at }, "double"))
+    local radiance = assert(core.array_zeros({ #run.at, 3 }, "double"))
+    core.array_fill(at, run.at)
+    core.array_fill(radius, run.radius)
+    core.array_fill(radiance, run.radiance)
+    parts[#parts + 1] = assert(check.result(name, core.lights_create(at, radius, radiance)))
+    run.at, run.radius, run.radiance = {}, {}, {}
+  end
+  if kind == "sphere_light" then
+    local k = #run.at + 1
+    run.at[k], run.radius[k], run.radiance[k] = value.at, value.radius, value.radiance
+  elseif kind == "sphere_lights" then
+    flush()
+    parts[#parts + 1] = value.lights
+  elseif kind == "ylm.lights" then
+    if not core.lights_count(value) then return check.bad(n, name, "the lights have been closed") end
+    flush()
+    parts[#parts + 1] = value
+  elseif type(value) == "table" and kind == nil and depth < 32 then
+    for i = 1, #value do gather(n, name, value[i], parts, run, depth + 1) end
+  else
+    return check.bad(n, name, "a light or a list of lights expected, got %s",
+      kind and not core.type(value) and ("a " .. kind) or check.describe(value))
+  end
+  if depth == 0 then flush() end
+end
+
+--- Argument `n` of `name` as one "ylm.lights": a light, a list of them (nested fine), or a packed object.
+function light.pack(n, name, lights)
+  local parts, run = {}, { at = {}, radius = {}, radiance = {} }
+  gather(n, name, lights, parts, run, 0)
+  if #parts == 0 then return check.bad(n, name, "at least one light expected, got an empty list") end
+  if #parts == 1 then return parts[1] end
+  return check.result(name, core.lights_join(parts))
+end
+
+-- ylm.light_field ------------------------------------------------------------------------
+
+--- The option `out` as three arrays or nils.
+local function outputs(n, name, out, wanted)
+  if out == nil then return end
+  if core.type(out) == "ylm.array" then out = { out } end
+  if type(out) ~= "table" or core.type(out) then
+    return check.bad(n, name, "out must be an array, or a list of up to %d arrays, got %s", wanted, check.describe(out))
+  end
+  for i = 1, 3 do
+    if out[i] ~= nil and core.type(out[i]) ~= "ylm.array" then
+      return check.bad(n, name, "out[%d] must be an array, got %s", i, check.describe(out[i]))
+    end
+    if out[i] and not select(4, core.array_info(out[i])) then
+      return check.bad(n, name, "out[%d]: the array has been closed", i)
+    end
+  end
+  return out[1], out[2], out[3]
+end
+
+--- What light.evaluate and ylm.light_field take as options.
+local options = {
+  { "derivatives", "integer", min = 0, max = 2, default = 0, about = "0 coefficients, 1 and gradients, 2 and Hessians" },
+  { "channels", "choice", of = { "rgb", "luminance" }, default = "rgb", about = "three linear channels, or one" },
+  { "metric", "choice", of = { "luminance", "rgb" }, optional = true,
+    about = "also report.lambda (the norm of the largest eigenvalues of the Hessians) and report.norm, of these channels" },
+  { "dtype", "choice", of = { "float", "double" }, optional = true,
+    about = "element type; that of the points where they are an array, else float" },
+  { "threads", "integer", min = 1, max = 1024, optional = true, about = "default: YLM_THREADS or all cores" },
+  { "out", "any", optional = true, about = "an array, or a list of arrays, that take the results" },
+  { "progress", "progress", optional = true, about = "called as f(done, total, stage); returning false cancels" },
+}
+
+--- The field of any object that has one (lights, grids) at points [n][3]: what ylm.light_field does.
+-- `isa` names a kernel set, for specs and benchmarks.
+function light.evaluate(name, lmax, object, points, o, isa)
+  local want = VALUE + (o.derivatives >= 1 and GRADIENT or 0) + (o.derivatives >= 2 and HESSIAN or 0)
+    + (o.metric and METRIC or 0)
+  local out1, out2, out3 = outputs(4, name, o.out, o.derivatives + 1)
+  local progress = o.progress and require("ylm.progress").of(o.progress) or nil
+  local L, dL, ddL, lambda, norm, inside, pairs = check.result(name, core.field_evaluate(object, lmax, points,
+    o.channels == "rgb" and 3 or 1, want, o.metric == "rgb" and 3 or 1, o.threads or 0, progress, out1, out2, out3, isa))
+  if L == nil then return nil, dL, ddL end
+  return L, dL, ddL, { lambda = lambda, norm = norm, inside = inside, pairs = pairs }
+end
+
+describe "light_field" {
+  about = "The sum of all lights at points: spherical-harmonic coefficients, gradients and Hessians with respect to the point.",
+  arguments = {
+    { "lmax", "integer", "highest degree, 0 to 100" },
+    { "lights", "light|list", "a light, a list of lights, or what has a light field" },
+    { "points", "array|table", "[n][3] or one point, scene units" },
+    { "options?", "table", "see the options" },
+  },
+  options = options,
+  returns = {
+    { "L", "array", "[n][channels][(lmax+1)^2], W m^-2 sr^-1/2" },
+    { "dL", "array", "[n][channels][(lmax+1)^2][3], or nil" },
+    { "ddL", "array", "[n][channels][(lmax+1)^2][6], or nil: xx xy xz yy yz zz" },
+    { "report", "table", "inside [n]: 1 where the point is in or on a light; pairs: evaluations; lambda, norm [n] with metric" },
+  },
+  errors = "raises on bad arguments; nil, 'cancelled', 'ECANCELLED' where progress returns false",
+  example = [[
+local lamp = ylm.sphere_light { at = { 0, 2, 0 }, radius = 0.1, radiance = { 10, 8, 6 } }
+local L, dL = ylm.light_field(4, lamp, { { 0, 0, 0 }, { 1, 0, 0 } }, { derivatives = 1 })
+assert(#L == 2 and L.shape[2] == 3 and L.shape[3] == 25 and dL.shape[4] == 3)]],
+  source = "Iwasaki & Dobashi 2025, Eqs. 2-8, 15-20",
+}
+function light.light_field(lmax, lights, points, given)
+  check.integer(1, "light_field", "lmax", lmax, 0, 100)
+  local o = form.options(4, "light_field", options, given)
+  local object = core.has_field(lights) and lights or light.pack(2, "light_field", lights)
+  local dtype = o.dtype
+  if not dtype then dtype = core.type(points) == "ylm.array" and points.dtype or "float" end
+  local p, single = array.points(3, "light_field", points, dtype)
+  local L, dL, ddL, report = light.evaluate("light_field", lmax, object, p, o)
+  if L == nil or not single then return L, dL, ddL, report end
+  return L[1], dL and dL[1], ddL and ddL[1], report
+end
+
+return light
