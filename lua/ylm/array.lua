@@ -37,7 +37,8 @@ assert(#a == 2 and a.shape[2] == 3 and a.dtype == "float" and a:get(1, 3) == 1)]
 }
 function array.array(values, dtype)
   if core.type(values) == "ylm.array" then
-    local _, own = core.array_info(values)
+    local _, own, _, is_open = core.array_info(values)
+    if not is_open then return check.bad(1, "array", "the array has been closed") end
     return check.result("array", core.array_convert(values, check_dtype(2, "array", dtype, own)))
   end
   if type(values) ~= "table" then
@@ -89,9 +90,18 @@ local function open(a, name)
 end
 
 local function index_text(shape)
-  return "1 to " .. table.concat(shape, ", 1 to ")
+  local out = {}
+  for i, extent in ipairs(shape) do out[i] = ("1 to %d"):format(extent) end
+  return table.concat(out, ", ")
 end
 
+describe "array:get" {
+  about = "One element.",
+  arguments = { { "...", "integer", "one index per axis, from 1" } },
+  returns = { { "x", "number", "" } },
+  errors = "raises on a wrong number of indices and outside of the shape",
+  example = "assert(ylm.array({ { 1, 2 }, { 3, 4 } }):get(2, 1) == 3)",
+}
 function methods.get(a, ...)
   local shape = open(a, "get")
   local x = core.array_get(a, ...)
@@ -99,6 +109,13 @@ function methods.get(a, ...)
   return x
 end
 
+describe "array:set" {
+  about = "Changes one element.",
+  arguments = { { "...", "number", "one index per axis, from 1, then the number" } },
+  returns = { { "a", "array", "the array itself" } },
+  errors = "raises on a wrong number of indices and outside of the shape",
+  example = "assert(ylm.zeros({ 2, 2 }):set(2, 1, 5):get(2, 1) == 5)",
+}
 function methods.set(a, ...)
   local shape = open(a, "set")
   if not core.array_set(a, ...) then
@@ -107,17 +124,40 @@ function methods.set(a, ...)
   return a
 end
 
+describe "array:totable" {
+  about = "The numbers as nested tables.",
+  arguments = {},
+  returns = { { "t", "table", "" } },
+  errors = "raises where the array has been closed",
+  example = "assert(ylm.array({ { 1, 2 } }):totable()[1][2] == 2)",
+}
 function methods.totable(a)
   open(a, "totable")
   return core.array_totable(a)
 end
 
+describe "array:clone" {
+  about = "A copy with numbers of its own.",
+  arguments = {},
+  returns = { { "b", "array", "same shape, element type and convention" } },
+  errors = "raises where the array has been closed; nil, message, 'ENOMEM' where memory runs out",
+  example = [[
+local a = ylm.array { 1, 2 }
+a:clone():set(1, 5)
+assert(a:get(1) == 1)]],
+}
 function methods.clone(a)
   local _, dtype = open(a, "clone")
   return core.array_convert(a, dtype)
 end
 
---- A view of the same numbers in another shape.
+describe "array:reshape" {
+  about = "A view of the same numbers in another shape.",
+  arguments = { { "shape", "table", "1 to 8 extents whose product is the number of elements" } },
+  returns = { { "view", "array", "shares its numbers with the array" } },
+  errors = "raises where the number of elements would change",
+  example = "assert(ylm.array({ { 1, 2 }, { 3, 4 } }):reshape({ 4 }):get(3) == 3)",
+}
 function methods.reshape(a, shape)
   open(a, "reshape")
   if type(shape) ~= "table" then
@@ -130,13 +170,29 @@ function methods.reshape(a, shape)
   return view
 end
 
---- The address of the first element, as light userdata (with LuaJIT: ffi.cast("double *", a:pointer())).
+describe "array:pointer" {
+  about = "The address of the first element; it is valid while the array is reachable and open. With LuaJIT: "
+    .. "ffi.cast(\"double *\", a:pointer()).",
+  arguments = {},
+  returns = { { "address", "lightuserdata", "" } },
+  errors = "raises where the array has been closed",
+  example = "assert(type(ylm.zeros({ 2 }):pointer()) == \"userdata\")",
+}
 function methods.pointer(a)
   open(a, "pointer")
   return core.array_pointer(a)
 end
 
---- Frees the memory now rather than at the next collection (once no view uses it).
+describe "array:close" {
+  about = "Frees the memory now rather than at the next collection (once no view uses it).",
+  arguments = {},
+  returns = {},
+  errors = "raises on what is no array; closing twice does nothing",
+  example = [[
+local a = ylm.zeros { 1000 }
+a:close()
+assert(not pcall(a.get, a, 1))]],
+}
 function methods.close(a)
   if core.type(a) ~= "ylm.array" then return check.fail("close: an array expected, got %s", check.describe(a)) end
   core.array_close(a)
@@ -190,7 +246,8 @@ function array.rows(n, name, what, value, width, dtype)
       a = assert(core.array_zeros(shape, dtype or "double"))
       local ok, where = core.array_fill(a, value)
       if not ok then
-        return check.bad(n, name, "%s: every row must hold the same number of numbers; element %d does not", what, where)
+        return check.bad(n, name, "%s: every row must hold the same number of numbers; element %d does not",
+          what, where)
       end
     end
   end

@@ -238,7 +238,8 @@ function form.field_text(field)
     local t = {}
     for i, c in ipairs(field.of) do t[i] = tostring(c) end
     return t
-  end)(), " | ") or field[2] .. range_text(field) }
+  end)(), " | ") or field[2] == "object" and (type(field.of) == "table" and table.concat(field.of, " | ") or field.of)
+    or field[2] .. range_text(field) }
   if field.unit then parts[#parts + 1] = "[" .. field.unit .. "]" end
   if field.default ~= nil and type(field.default) ~= "table" then
     parts[#parts + 1] = "default " .. tostring(field.default)

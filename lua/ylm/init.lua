@@ -4,6 +4,7 @@
 -- nothing but libylm.so.
 
 local core = require "ylm.c.core"
+local describe = require "ylm.reference".describe
 
 local ylm = {}
 
@@ -34,7 +35,13 @@ setmetatable(ylm, {
   end,
 })
 
---- Every public name, for help, documentation and the spec that walks them.
+describe "names" {
+  about = "Every public name of the module, sorted.",
+  arguments = {},
+  returns = { { "names", "table", "a list of strings; some name tables of functions (\"sh\")" } },
+  errors = "none",
+  example = "assert(#ylm.names() > 0)",
+}
 function ylm.names()
   local names = {}
   for name in pairs(home) do names[#names + 1] = name end
@@ -43,6 +50,14 @@ function ylm.names()
   return names
 end
 
+describe "info" {
+  about = "Version, kernel sets, threads: what this ylm is made of.",
+  arguments = {},
+  returns = { { "info", "table", "version, kernel (the set in use; YLM_ISA forces one), kernels (a list), "
+    .. "threads, lua" } },
+  errors = "none",
+  example = "assert(ylm.info().threads >= 1)",
+}
 function ylm.info()
   local version, kernel, kernels, threads = core.info()
   return { version = version, kernel = kernel, kernels = kernels, threads = threads, lua = _VERSION }

@@ -69,13 +69,14 @@ end
 
 -- The form ---------------------------------------------------------------------
 
-local from_render = { bake = true, render = true, reference = true, raycast = true }
+--- The methods are those of lua/ylm/render.lua, loaded when one is first called.
+local methods = {}
+for _, name in ipairs { "bake", "render", "reference", "raycast" } do
+  methods[name] = function(...) return require("ylm.render")[name](...) end
+end
 
 local metatable = {
-  __index = function(_, key)
-    if from_render[key] then return require "ylm.render"[key] end
-    return nil
-  end,
+  __index = methods,
   __tostring = function(s)
     return ("scene %q: %d pieces of geometry, %d lights"):format(s.name, #s.geometry, #s.lights)
   end,
@@ -102,8 +103,8 @@ local construct = form.define("scene", {
     return setmetatable(values, metatable)
   end,
   example = [[
-local s = scene "one lamp" { lights = sphere_light { at = { 0, 2, 0 }, radius = 0.1, radiance = 5 } }
-assert(s.name == "one lamp" and #s.lights == 1)]],
+local s = scene "grey" { background = 0.5 }
+assert(s.name == "grey" and s.background[3] == 0.5)]],
 })
 
 describe "scene" {

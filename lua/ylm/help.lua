@@ -1,0 +1,195 @@
+--- What ylm exports, in words: for `ylm help`, the generated documentation and the specs that walk it.
+
+local check = require "ylm.check"
+local form = require "ylm.form"
+local reference = require "ylm.reference"
+
+local help = {}
+
+-- What there is -------------------------------------------------------------------
+
+local function sorted(set)
+  local list = {}
+  for name in pairs(set) do list[#list + 1] = name end
+  table.sort(list)
+  return list
+end
+
+local function add_functions(set, prefix, t)
+  for name, value in pairs(t) do
+    if type(name) == "string" and type(value) == "function" and not name:find("^_") then set[prefix .. name] = true end
+  end
+end
+
+--- Loads every public module, so that all forms and entries are there.
+function help.load()
+  local ylm = require "ylm"
+  for _, name in ipairs(ylm.names()) do local _ = ylm[name] end
+  return ylm
+end
+
+--- Sorted names: functions ("array", "sh.eval"), methods ("grid:sample"), forms ("sphere_light").
+function help.public()
+  local ylm = help.load()
+  local functions, methods = {}, {}
+  for _, name in ipairs(ylm.names()) do
+    if type(ylm[name]) == "table" then add_functions(functions, name .. ".", ylm[name])
+    else functions[name] = true end
+  end
+  for name, value in pairs(ylm) do if type(value) == "function" then functions[name] = true end end
+  for name, t in pairs(debug.getregistry()) do
+    if type(name) == "string" and type(t) == "table" and rawget(t, "__name") == name then
+      local kind = name:match("^ylm%.([%a_]+)$")
+      if kind then add_functions(methods, kind .. ":", t) end
+    end
+  end
+  for name, definition in pairs(form.defined) do
+    local index = definition.metatable.__index
+    if type(index) == "table" then add_functions(methods, name .. ":", index) end
+  end
+  return { functions = sorted(functions), methods = sorted(methods), forms = sorted(form.defined) }
+end
+
+-- In words --------------------------------------------------------------------------
+
+--- Appends `text` to `out`, wrapped at 100 columns, every line after `indent` blanks.
+local function wrap(out, text, indent)
+  local pad = (" "):rep(indent)
+  for paragraph in (text .. "\n"):gmatch("(.-)\n") do
+    local line = pad
+    for word in paragraph:gmatch("%S+") do
+      if #line + #word + 1 > 100 and line ~= pad then
+        out[#out + 1], line = line, pad
+      end
+      line = line .. (line == pad and "" or " ") .. word
+    end
+    out[#out + 1] = (line:gsub("%s+$", ""))
+  end
+end
+
+local function sentence(text)
+  return text and text ~= "" and text or nil
+end
+
+local function rows(out, title, list)
+  if #list == 0 then return end
+  local width = 0
+  for _, row in ipairs(list) do width = math.max(width, #row[1]) end
+  out[#out + 1] = ""
+  out[#out + 1] = title
+  for _, row in ipairs(list) do
+    out[#out + 1] = (("  %-" .. width .. "s  %s"):format(row[1], row[2]):gsub("%s+$", ""))
+    if sentence(row[3]) then wrap(out, row[3], width + 6) end
+  end
+end
+
+local function field_rows(fields)
+  local list = {}
+  for i, field in ipairs(fields) do list[i] = { field[1], form.field_text(field), field.about } end
+  return list
+end
+
+local function value_rows(values)
+  local list = {}
+  for i, value in ipairs(values or {}) do list[i] = { value[1], value[2], value[3] } end
+  return list
+end
+
+local function example(out, text)
+  if not text then return end
+  out[#out + 1] = ""
+  out[#out + 1] = "example"
+  for line in (text:gsub("\n$", "") .. "\n"):gmatch("(.-)\n") do out[#out + 1] = "  " .. line end
+end
+
+--- How a function is called: "ylm.sh.eval(lmax, points [, options])", "grid:sample(points)".
+function help.signature(name, entry)
+  local text = ""
+  for i, argument in ipairs(entry.arguments or {}) do
+    local word, optional = argument[1]:match("^(.-)(%??)$")
+    if optional == "?" then text = text .. (i > 1 and " [, " or "[") .. word .. "]"
+    else text = text .. (i > 1 and ", " or "") .. word end
+  end
+  return (name:find(":", 1, true) and "" or "ylm.") .. name .. "(" .. text .. ")"
+end
+
+local function entry_text(out, name, entry)
+  out[#out + 1] = help.signature(name, entry)
+  wrap(out, entry.about, 2)
+  rows(out, "arguments", value_rows(entry.arguments))
+  if type(entry.options) == "table" and #entry.options > 0 then rows(out, "options", field_rows(entry.options)) end
+  rows(out, "returns", value_rows(entry.returns))
+  if sentence(entry.errors) then
+    out[#out + 1] = ""
+    out[#out + 1] = "errors"
+    wrap(out, entry.errors, 2)
+  end
+  example(out, entry.example)
+  if entry.source then
+    out[#out + 1] = ""
+    out[#out + 1] = "source"
+    wrap(out, entry.source, 2)
+  end
+end
+
+local function form_text(out, name, definition)
+  out[#out + 1] = name == "scene" and 'scene "name" { ... }' or name .. " { ... }"
+  wrap(out, definition.about or "", 2)
+  rows(out, "fields", field_rows(definition.fields))
+  example(out, definition.example)
+end
+
+--- Every name that help knows, sorted.
+function help.names()
+  help.load()
+  local all = {}
+  for name in pairs(form.defined) do all[name] = true end
+  for name in pairs(reference.entries) do all[name] = true end
+  return sorted(all)
+end
+
+--- Help on a form, function or method; its last part will do ("eval"). nil, message if there is none.
+function help.text(word)
+  help.load()
+  word = word:gsub("^ylm%.", "")
+  local names, found = help.names(), {}
+  for _, name in ipairs(names) do
+    if name == word then
+      found = { name }
+      break
+    end
+    if name:match("[%w_]+$") == word or name:match("^[%w_]+") == word then found[#found + 1] = name end
+  end
+  if #found == 0 then
+    local guess = check.guess(word, names)
+    return nil, ("no help on '%s'%s"):format(word, guess and (" (did you mean '%s'?)"):format(guess) or "")
+  end
+  local out = {}
+  for _, name in ipairs(found) do
+    if #out > 0 then
+      out[#out + 1] = ""
+      out[#out + 1] = ("-"):rep(72)
+    end
+    if form.defined[name] then form_text(out, name, form.defined[name])
+    elseif reference.entries[name] then entry_text(out, name, reference.entries[name]) end
+  end
+  return table.concat(out, "\n")
+end
+
+--- The list of all names with the first sentence of each.
+function help.overview()
+  local list = { { "forms", {} }, { "functions", {} }, { "methods", {} } }
+  for _, name in ipairs(help.names()) do
+    local definition, entry = form.defined[name], reference.entries[name]
+    local about = (definition and definition.about or entry and entry.about or ""):match("^(.-%.)%s") or
+      (definition and definition.about or entry and entry.about or "")
+    local place = definition and 1 or name:find(":", 1, true) and 3 or 2
+    table.insert(list[place][2], { name, about })
+  end
+  local out = {}
+  for _, part in ipairs(list) do rows(out, part[1], part[2]) end
+  table.remove(out, 1)
+  return table.concat(out, "\n")
+end
+
+return help

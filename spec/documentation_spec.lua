@@ -1,0 +1,90 @@
+-- Everything that is exported is described once, and every example runs.
+
+local form = require "ylm.form"
+local help = require "ylm.help"
+local reference = require "ylm.reference"
+local ylm = help.load()
+local public = help.public()
+
+--- Runs an example with `ylm` and the constructors at hand.
+local function run(name, text)
+  local env = setmetatable({ ylm = ylm }, { __index = function(_, key)
+    local definition = form.defined[key]
+    if definition then return definition.construct end
+    return _G[key]
+  end })
+  local chunk, message
+  if setfenv then -- luacheck: ignore
+    chunk, message = loadstring(text, "=example of " .. name) -- luacheck: ignore
+    if chunk then setfenv(chunk, env) end -- luacheck: ignore
+  else chunk, message = load(text, "=example of " .. name, "t", env) end
+  assert(chunk, message)
+  chunk()
+end
+
+--- A form's example may be one constructor call.
+local function run_form(name, text)
+  if pcall(function() assert((loadstring or load)(text)) end) then return run(name, text) end
+  return run(name, "return " .. text)
+end
+
+local function unspoken(list, entries)
+  local missing = {}
+  for _, name in ipairs(list) do
+    if not entries[name] and not form.defined[name] then missing[#missing + 1] = name end
+  end
+  return table.concat(missing, ", ")
+end
+
+describe("the reference", function()
+  for _, kind in ipairs { "functions", "methods", "forms" } do
+    it("describes all " .. kind, function()
+      local missing = unspoken(public[kind], reference.entries)
+      if missing ~= "" then pending("not described: " .. missing) end
+    end)
+  end
+
+  it("describes nothing that does not exist", function()
+    local known = {}
+    for _, list in pairs(public) do for _, name in ipairs(list) do known[name] = true end end
+    for _, name in ipairs(reference.names) do assert(known[name], "described, but not exported: " .. name) end
+  end)
+
+  it("says what each is about, its arguments, results, errors, and shows it", function()
+    for name, entry in pairs(reference.entries) do
+      for _, key in ipairs { "about", "errors" } do
+        assert(type(entry[key]) == "string" and entry[key] ~= "", name .. ": " .. key .. " is missing")
+      end
+      for _, list in ipairs { "arguments", "returns" } do
+        assert(type(entry[list]) == "table", name .. ": " .. list .. " is missing")
+        for _, row in ipairs(entry[list]) do
+          assert(type(row[1]) == "string" and type(row[2]) == "string", name .. ": " .. list)
+        end
+      end
+      assert(type(entry.example) == "string" and entry.example ~= "", name .. ": an example is missing")
+    end
+    for name, definition in pairs(form.defined) do
+      assert(definition.about and definition.about ~= "", name .. ": about is missing")
+      assert(definition.example, name .. ": an example is missing")
+    end
+  end)
+
+  for _, name in ipairs(reference.names) do
+    it("runs the example of " .. name, function() run(name, reference.entries[name].example) end)
+  end
+  for _, name in ipairs(form.names) do
+    it("runs the example of the form " .. name, function() run_form(name, form.defined[name].example) end)
+  end
+
+  it("is what help prints", function()
+    for _, name in ipairs(help.names()) do
+      local text = assert(help.text(name))
+      assert(text:find(name, 1, true))
+      for line in text:gmatch("[^\n]+") do assert(not line:find("%s$"), name .. ": a blank ends " .. line) end
+    end
+    assert.truthy(help.text("zeros"):find("ylm.zeros(shape [, dtype])", 1, true))
+    local _, message = help.text "zeroes"
+    assert.equal("no help on 'zeroes' (did you mean 'zeros'?)", message)
+    assert.truthy(help.overview():find("\n  zeros +Makes an array of zeros%.\n"), help.overview())
+  end)
+end)

@@ -1,0 +1,48 @@
+-- What ylm.scene, ylm.load_scene and the form refuse.
+
+local nan = 0 / 0
+
+local contains_itself = {}
+contains_itself[1] = contains_itself
+
+local fields = {
+  { call = function(ylm) ylm.scene "x" { lihgts = {} } end, says = "scene: no field 'lihgts' %(did you mean 'lights'" },
+  { call = function(ylm) ylm.scene "x" { 1 } end, says = "unexpected entry 1: fields are given by name" },
+  { call = function(ylm) ylm.scene "x" { camera = {} } end, says = "camera must be a camera, got a table" },
+  { call = function(ylm) ylm.scene "x" { geometry = 3 } end, says = "geometry must be a list, got 3" },
+  { call = function(ylm) ylm.scene "x" { geometry = { {}, { "cube" } } } end,
+    says = "geometry%[2%]%[1%] must be geometry %(.*%), got 'cube'" },
+  { call = function(ylm) ylm.scene "x" { geometry = { [3] = {} } } end, says = "geometry%[1%] is nil" },
+  { call = function(ylm) ylm.scene "x" { geometry = { wall = {} } } end, says = "unexpected entry 'wall' in a list" },
+  { call = function(ylm) ylm.scene "x" { geometry = contains_itself } end, says = "nested more than 32 deep" },
+  { call = function(ylm) ylm.scene "x" { lights = { ylm.scene "y" {} } } end,
+    says = "lights%[1%] must be a light %(.*%), got a scene" },
+  { call = function(ylm) ylm.scene "x" { lights = ylm.zeros { 3 } } end, says = "lights must be a light" },
+  { call = function(ylm) ylm.scene "x" { probes = 5 } end, says = "probes must be a adaptive_grid or a uniform_grid" },
+  { call = function(ylm) ylm.scene "x" { background = -1 } end, says = "background must be .* >= 0, got %-1" },
+  { call = function(ylm) ylm.scene "x" { background = { 1, nan, 1 } } end, says = "background must be" },
+  { call = function(ylm) ylm.scene "x" (nil) end, says = "a table of named fields expected, got nil" },
+  { call = function(ylm) ylm.scene "x" (ylm.scene "y" {}) end, says = "a table of named fields expected" },
+}
+
+local cases = {
+  scene = {
+    { call = function(ylm) ylm.scene {} end, says = "the scene's name comes first" },
+    { call = function(ylm) ylm.scene() end, says = "the scene's name comes first" },
+  },
+  load_scene = {
+    { call = function(ylm) ylm.load_scene() end, says = "the name of a file expected, got nil" },
+    { call = function(ylm) ylm.load_scene "" end, says = "the name of a file expected" },
+    { call = function(ylm) ylm.load_scene "a\0b" end, says = "the name of a file expected" },
+    { call = function(ylm) ylm.load_scene("x", 3) end, says = "a table of options expected, got 3" },
+    { call = function(ylm) ylm.load_scene("x", { memry = 1 }) end, says = "no field 'memry' %(did you mean 'memory'" },
+    { call = function(ylm) ylm.load_scene("x", { memory = nan }) end, says = "memory must be a number" },
+    { call = function(ylm) ylm.load_scene("x", { instructions = -1 }) end,
+      says = "instructions must be a number >= 1" },
+    { call = function(ylm) return ylm.load_scene "no such file.lua" end, says = "no such file.lua" },
+    { call = function(ylm) return ylm.load_scene "/" end, says = "not a regular file" },
+    { call = function(ylm) return ylm.load_scene "README.md" end, says = "README.md:%d+: " },
+  },
+}
+for _, case in ipairs(fields) do table.insert(cases.scene, case) end
+return cases
