@@ -50,14 +50,69 @@ ylm_status ylm__sh_check_points(const ylm_sh_how *how, int lmax, ylm_dtype t, si
   return YLM_OK;
 }
 
+void ylm__sh_coefficients(int l, int q, double k[5]) {
+  double n = 2.0 * l + 1, rho = sqrt(n / (n - 2)), d = (double)(l - q) * (l + q);
+  if (q == l) {
+    k[0] = l == 1 ? -sqrt(3) : -sqrt(n / (n - 1));
+    k[1] = k[2] = 0;
+  } else {
+    k[0] = sqrt(n * (n - 2) / d);
+    k[1] = l == q + 1 ? 0 : sqrt(n * (l - 1 - q) * (l - 1 + q) / ((n - 4) * d));
+    k[2] = rho * sqrt(d);
+  }
+  k[3] = -0.5 * rho * sqrt((double)(l + q - 1) * (l + q) * (q == 1 ? 2 : 1));
+  k[4] = 0.5 * rho * sqrt((double)(l - q - 1) * (l - q) * (q == 0 ? 2 : 1));
+}
+
+/* The coefficients of all degrees 1 .. lmax; NULL if memory runs out. */
+static void *make_table(int lmax, ylm_dtype t) {
+  size_t n = ylm_sh_count(lmax) / 2 + (size_t)lmax + 1;
+  void *table = ylm_alloc(5 * n, ylm_dtype_size(t));
+  float *f = table;
+  double *d = table, k[5];
+  for (int l = 1; table && l <= lmax; l++) {
+    for (int q = 0; q <= l; q++, f += 5, d += 5) {
+      ylm__sh_coefficients(l, q, k);
+      for (int i = 0; i < 5; i++) {
+        if (t == YLM_DOUBLE) d[i] = k[i];
+        else f[i] = (float)k[i];
+      }
+    }
+  }
+  return table;
+}
+
+/* What evaluates: a kernel, its scratch, and whether it needs the table. */
+typedef struct choice {
+  ylm__sh_kernel *kernel;
+  size_t scratch;
+  bool table;
+} choice;
+
+static choice choose_recurrence(ylm_isa isa, ylm_dtype t, int lmax) {
+  switch (isa) {
+#define X(name)                                                                           \
+  case YLM_ISA_##name:                                                                    \
+    if (t == YLM_DOUBLE)                                                                  \
+      return (choice){ylm__sh_recurrence_double_##name, ylm__sh_scratch_double_##name(lmax), true}; \
+    return (choice){ylm__sh_recurrence_float_##name, ylm__sh_scratch_float_##name(lmax), true};
+    YLM__SH_SETS(X)
+#undef X
+  default:
+    return (choice){t == YLM_DOUBLE ? ylm__sh_reference_double : ylm__sh_reference_float,
+                    ((size_t)lmax + 2) * 5 * sizeof(double), false};
+  }
+}
+
 typedef struct task {
   const ylm__sh_job *job;
-  ylm__sh_kernel *kernel;
+  choice how;
+  char *scratch;
 } task;
 
 static ylm_status run(void *context, size_t begin, size_t end, int worker) {
   const task *k = context;
-  k->kernel(k->job, begin, end, k->job->scratch + (size_t)worker * k->job->scratch_size);
+  k->how.kernel(k->job, begin, end, k->scratch + (size_t)worker * k->how.scratch);
   return YLM_OK;
 }
 
@@ -76,16 +131,21 @@ ylm_status ylm_sh_eval_how(const ylm_sh_how *how, int lmax, ylm_dtype t, size_t 
   ylm_status s = check_how(how, lmax, e);
   if (s == YLM_OK) s = ylm__sh_check_points(how, lmax, t, n, p, e);
   if (s != YLM_OK || n == 0) return s;
-  int threads = ylm_threads(how->threads);
+  ylm_isa isa = how->isa < 0 ? ylm_isa_current() : (ylm_isa)how->isa;
   ylm__sh_job job = {.lmax = lmax, .derivatives = how->derivatives, .solid = how->solid, .p = p, .y = y};
   if (how->derivatives > 0) job.dy = dy;
   if (how->derivatives > 1) job.ddy = ddy;
-  job.scratch_size = ((size_t)lmax + 2) * 5 * sizeof(double);
-  job.scratch = ylm_alloc((size_t)threads, job.scratch_size);
-  if (!job.scratch) return ylm_fail(e, YLM_ENOMEM, "no memory for degree %d", lmax);
-  task k = {&job, t == YLM_DOUBLE ? ylm__sh_reference_double : ylm__sh_reference_float};
-  s = ylm_parallel(n, GRAIN, threads, run, &k, how->progress, "spherical harmonics");
-  ylm_free(job.scratch);
+  task k = {&job, choose_recurrence(isa, t, lmax), NULL};
+  int threads = n <= GRAIN ? 1 : ylm_threads(how->threads);
+  void *table = k.how.table ? make_table(lmax, t) : NULL;
+  job.table = table;
+  k.how.scratch = (k.how.scratch + YLM_ALIGN - 1) / YLM_ALIGN * YLM_ALIGN;
+  k.scratch = ylm_alloc((size_t)threads, k.how.scratch);
+  if (k.scratch && (table || !k.how.table))
+    s = ylm_parallel(n, GRAIN, threads, run, &k, how->progress, "spherical harmonics");
+  else s = ylm_fail(e, YLM_ENOMEM, "no memory for degree %d", lmax);
+  ylm_free(k.scratch);
+  ylm_free(table);
   return s;
 }
 

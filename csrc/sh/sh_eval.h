@@ -15,8 +15,6 @@ typedef struct ylm__sh_job {
   const void *p;         /* [n][3] */
   void *y, *dy, *ddy;    /* each may be NULL: not wanted */
   const void *table;     /* coefficients of the recurrences, for kernels that want them */
-  char *scratch;         /* scratch_size bytes for each worker */
-  size_t scratch_size;
 } ylm__sh_job;
 
 typedef void ylm__sh_kernel(const ylm__sh_job *job, size_t begin, size_t end, void *scratch);
@@ -30,5 +28,24 @@ ylm_status ylm__sh_check_points(const ylm_sh_how *how, int lmax, ylm_dtype t, si
 
 /* The scalar kernel that judges the others, computing in double. Scratch: (lmax+2) * 5 doubles. */
 ylm__sh_kernel ylm__sh_reference_float, ylm__sh_reference_double;
+
+/* The instruction sets with vector kernels. */
+#if defined(__x86_64__)
+#define YLM__SH_SETS(X) X(sse2) X(avx2) X(avx512)
+#elif defined(__aarch64__)
+#define YLM__SH_SETS(X) X(neon)
+#else
+#define YLM__SH_SETS(X)
+#endif
+
+/* Vector kernels for any lmax (sh_kernel.h) and the scratch that each worker needs. */
+#define X(isa)                                                                            \
+  ylm__sh_kernel ylm__sh_recurrence_float_##isa, ylm__sh_recurrence_double_##isa;         \
+  size_t ylm__sh_scratch_float_##isa(int lmax), ylm__sh_scratch_double_##isa(int lmax);
+YLM__SH_SETS(X)
+#undef X
+
+/* The coefficients a b e A B of sh_kernel.h for degree l and order q, 0 <= q <= l. */
+void ylm__sh_coefficients(int l, int q, double k[5]);
 
 #endif

@@ -1,0 +1,235 @@
+/*
+** sh_kernel.h - evaluation by Cartesian recurrences for any lmax, included once for each `real`.
+**
+** Degree by degree, W points at a time. F_l,m are values at the unit vector, c cosine, s sine:
+**   F_lq = a z F_(l-1)q - b F_(l-2)q,   F_ll = a (x, y) turned by F_(l-1)(l-1)
+** and derivatives of the solid harmonics come from those of the degree below, by the ladder
+**   dS_lq/dx = A S_(l-1)(q-1) + B S_(l-1)(q+1)       (like with like)
+**   dS_lq/dy = -+ A S_(l-1)(q-1) +- B S_(l-1)(q+1)   (cosine with sine)
+**   dS_lq/dz = e S_(l-1)q
+** whose five coefficients a b e A B stand in job->table for each l, q. Second derivatives climb it
+** twice. Then derivatives of Y at v = d w follow from Iwasaki & Dobashi 2025, Eq. 17, with
+** trace(HY) = -l(l+1) Y / d^2. docs/math.md "Evaluating the basis" derives this.
+*/
+#include "sh_simd.h"
+
+/* Columns that wait for a whole block; flushed when there are this many. */
+#define WAITING 96
+
+/* Values and derivatives that go out together: columns of one array of results. */
+typedef struct columns {
+  vreal *v;       /* the columns that wait: the last W written, then new ones */
+  size_t have;    /* number of new ones */
+  size_t written; /* number of columns in the array already */
+  real *out;
+  size_t stride;
+} columns;
+
+/* Rows of one degree, indexed by q = 0 .. l: cosine and sine (s[0] = 0). */
+typedef struct row {
+  vreal *c, *s;
+} row;
+
+typedef struct state {
+  vreal w[3], inverse, wd[3];
+  row f0, f1, f2;    /* values of degrees l, l-1, l-2 */
+  row p0, p1;        /* those over d (surface), the same (solid); ladder's foot */
+  row g0, g1;        /* solid gradients of degrees l, l-1, over d: [q][3] */
+  columns out[3];
+} state;
+
+/* Writes what waits, all of it at the end, and keeps W columns of it for the last block. */
+static void flush(columns *k, bool last, size_t rows) {
+  size_t whole = last ? k->have : k->have / W * W;
+  if (last && k->have % W && k->written + k->have >= W) {
+    size_t part = k->have % W;
+    sh_store_columns(k->v + W, whole - part, k->out + k->written, k->stride, rows);
+    sh_store_block(k->v + k->have, k->out + k->written + k->have - W, k->stride, rows);
+  } else sh_store_columns(k->v + W, whole, k->out + k->written, k->stride, rows);
+  k->written += whole;
+  k->have -= whole;
+  if (!last && whole) memmove(k->v, k->v + whole, (W + k->have) * sizeof(vreal));
+}
+
+/* Where columns of degree l, `width` to a coefficient, go. */
+YLM_INLINE vreal *place(columns *k) { return k->v + W + k->have; }
+
+YLM_INLINE void rotate_rows(state *s) {
+  row r = s->f2;
+  s->f2 = s->f1, s->f1 = s->f0, s->f0 = r;
+  r = s->p1, s->p1 = s->p0, s->p0 = r;
+  r = s->g1, s->g1 = s->g0, s->g0 = r;
+}
+
+/* Values of degree l >= 1; `r2` is |v|^2 for solid harmonics, else unused. */
+YLM_INLINE void values(state *s, int l, const real *k, bool solid, vreal r2) {
+  vreal x = s->w[0], y = s->w[1], z = s->w[2];
+  const row f0 = s->f0, f1 = s->f1, f2 = s->f2;
+  for (int q = 0; q < l; q++, k += 5) {
+    vreal az = k[0] * z, b = solid ? k[1] * r2 : sh_set(k[1]);
+    f0.c[q] = az * f1.c[q] - b * f2.c[q];
+    f0.s[q] = az * f1.s[q] - b * f2.s[q];
+  }
+  vreal ax = k[0] * x, ay = k[0] * y;
+  f0.c[l] = ax * f1.c[l - 1] - ay * f1.s[l - 1];
+  f0.s[l] = ax * f1.s[l - 1] + ay * f1.c[l - 1];
+}
+
+/* A coefficient's gradient and Hessian: from those of the solid harmonic to those of Y. */
+YLM_INLINE void finish(const state *s, int order, bool solid, real l, vreal p, const vreal g[3],
+                       vreal h[6], vreal *dy, vreal *ddy, vreal *scaled) {
+  if (solid) {
+    for (int c = 0; c < 3; c++) dy[c] = g[c];
+    if (order < 2) return;
+    for (int c = 0; c < 3; c++) scaled[c] = g[c];
+    h[3] = -h[0] - h[5];
+    for (int c = 0; c < 6; c++) ddy[c] = h[c];
+    return;
+  }
+  vreal t = l * p, u[3];
+  for (int c = 0; c < 3; c++) dy[c] = g[c] - t * s->w[c];
+  if (order < 2) return;
+  vreal half = (real)0.5 * (l - 2) * t, t2 = t * s->inverse;
+  for (int c = 0; c < 3; c++) scaled[c] = g[c] * s->inverse;
+  for (int c = 0; c < 3; c++) u[c] = l * dy[c] + half * s->w[c];
+  const vreal *wd = s->wd;
+  ddy[0] = h[0] - t2 - (u[0] + u[0]) * wd[0];
+  ddy[1] = h[1] - u[0] * wd[1] - u[1] * wd[0];
+  ddy[2] = h[2] - u[0] * wd[2] - u[2] * wd[0];
+  ddy[4] = h[4] - u[1] * wd[2] - u[2] * wd[1];
+  ddy[5] = h[5] - t2 - (u[2] + u[2]) * wd[2];
+  ddy[3] = -(l + 1) * t2 - ddy[0] - ddy[5];
+}
+
+/* Derivatives of degree l from the rows of degree l-1. */
+YLM_INLINE void derivatives(state *s, int l, const real *k, int order, bool solid, vreal *dy, vreal *ddy) {
+  const row p0 = s->p0, p1 = s->p1, g0 = s->g0, g1 = s->g1;
+  vreal g[3], h[6];
+  {
+    vreal e = sh_set(k[2]), B = sh_set(k[4]);
+    g[0] = B * p1.c[1], g[1] = B * p1.s[1], g[2] = e * p1.c[0];
+    if (order > 1) {
+      h[0] = B * g1.c[3], h[1] = B * g1.c[4];
+      h[2] = e * g1.c[0], h[4] = e * g1.c[1], h[5] = e * g1.c[2];
+    }
+    finish(s, order, solid, (real)l, p0.c[0], g, h, dy + 3 * l, ddy + 6 * l, g0.c);
+  }
+  for (int q = 1; q <= l; q++) {
+    k += 5;
+    vreal e = sh_set(k[2]), A = sh_set(k[3]), B = sh_set(k[4]);
+    const vreal *lc = g1.c + 3 * (q - 1), *ls = g1.s + 3 * (q - 1);
+    g[0] = A * p1.c[q - 1] + B * p1.c[q + 1];
+    g[1] = B * p1.s[q + 1] - A * p1.s[q - 1];
+    g[2] = e * p1.c[q];
+    if (order > 1) {
+      h[0] = A * lc[0] + B * lc[6], h[1] = A * lc[1] + B * lc[7];
+      h[2] = e * lc[3], h[4] = e * lc[4], h[5] = e * lc[5];
+    }
+    finish(s, order, solid, (real)l, p0.c[q], g, h, dy + 3 * (l + q), ddy + 6 * (l + q), g0.c + 3 * q);
+    g[0] = A * p1.s[q - 1] + B * p1.s[q + 1];
+    g[1] = A * p1.c[q - 1] - B * p1.c[q + 1];
+    g[2] = e * p1.s[q];
+    if (order > 1) {
+      h[0] = A * ls[0] + B * ls[6], h[1] = A * ls[1] + B * ls[7];
+      h[2] = e * ls[3], h[4] = e * ls[4], h[5] = e * ls[5];
+    }
+    finish(s, order, solid, (real)l, p0.s[q], g, h, dy + 3 * (l - q), ddy + 6 * (l - q), g0.s + 3 * q);
+  }
+}
+
+/* Degree l: values, derivatives, and the columns they fill. */
+YLM_INLINE void degree(state *s, int l, const real *k, int order, bool solid, vreal r2) {
+  rotate_rows(s);
+  if (l == 0) {
+    s->f0.c[0] = sh_set((real)0.28209479177387814347);
+    s->f0.s[0] = sh_set(0);
+  } else values(s, l, k, solid, r2);
+  vreal *y = place(&s->out[0]);
+  y[l] = s->f0.c[0];
+  for (int q = 1; q <= l; q++) y[l + q] = s->f0.c[q], y[l - q] = s->f0.s[q];
+  s->out[0].have += 2 * (size_t)l + 1;
+  if (order == 0) return;
+  for (int q = 0; q <= l; q++) {
+    s->p0.c[q] = solid ? s->f0.c[q] : s->f0.c[q] * s->inverse;
+    s->p0.s[q] = solid ? s->f0.s[q] : s->f0.s[q] * s->inverse;
+  }
+  vreal *dy = place(&s->out[1]), *ddy = place(&s->out[2]);
+  if (l == 0) {
+    for (int c = 0; c < 3; c++) dy[c] = sh_set(0), s->g0.c[c] = s->g0.s[c] = sh_set(0);
+    if (order > 1) for (int c = 0; c < 6; c++) ddy[c] = sh_set(0);
+  } else derivatives(s, l, k, order, solid, dy, ddy);
+  s->out[1].have += 3 * (2 * (size_t)l + 1);
+  if (order > 1) s->out[2].have += 6 * (2 * (size_t)l + 1);
+}
+
+/* All degrees at `rows` points. */
+YLM_INLINE void batch(const ylm__sh_job *job, state *s, size_t at, size_t rows, int order, bool solid) {
+  static const size_t width[3] = {1, 3, 6};
+  void *const outs[3] = {job->y, job->dy, job->ddy};
+  size_t count = ylm_sh_count(job->lmax);
+  for (int i = 0; i <= order; i++) {
+    columns *k = &s->out[i];
+    k->stride = count * width[i];
+    k->out = outs[i] ? (real *)outs[i] + at * k->stride : NULL;
+    k->have = k->written = 0;
+  }
+  sh_load_points((const real *)job->p + 3 * at, rows, s->w);
+  vreal r2 = {0};
+  if (solid) r2 = s->w[0] * s->w[0] + s->w[1] * s->w[1] + s->w[2] * s->w[2];
+  else {
+    sh_unit(s->w, &s->inverse);
+    for (int c = 0; c < 3; c++) s->wd[c] = s->w[c] * s->inverse;
+  }
+  const real *k = job->table;
+  for (int l = 0; l <= job->lmax; k += l ? 5 * (l + 1) : 0, l++) {
+    degree(s, l, k, order, solid, r2);
+    for (int i = 0; i <= order; i++) {
+      if (!s->out[i].out) s->out[i].have = 0;
+      else if (l == job->lmax || s->out[i].have >= WAITING) flush(&s->out[i], l == job->lmax, rows);
+    }
+  }
+}
+
+YLM_INLINE void batches(const ylm__sh_job *job, state *s, size_t begin, size_t end, int order, bool solid) {
+  for (size_t i = begin; i < end; i += W) batch(job, s, i, end - i < W ? end - i : W, order, solid);
+}
+
+/* Columns that results of order i may have waiting, the last block included. */
+static size_t capacity(int lmax, int i) {
+  static const size_t width[3] = {1, 3, 6};
+  return W + WAITING + width[i] * (2 * (size_t)lmax + 1);
+}
+
+/* Number of vectors that the rows of one degree take: three past the last are read. */
+static size_t row_size(int lmax) { return (size_t)lmax + 3; }
+
+size_t SH_NAME(ylm__sh_scratch)(int lmax) {
+  size_t n = 22 * row_size(lmax);
+  for (int i = 0; i < 3; i++) n += capacity(lmax, i);
+  return n * sizeof(vreal);
+}
+
+void SH_NAME(ylm__sh_recurrence)(const ylm__sh_job *job, size_t begin, size_t end, void *scratch) {
+  state s;
+  vreal *next = scratch;
+  size_t n = row_size(job->lmax);
+  row *const rows[] = {&s.f0, &s.f1, &s.f2, &s.p0, &s.p1, &s.g0, &s.g1};
+  memset(scratch, 0, 22 * n * sizeof(vreal));
+  for (size_t i = 0; i < 7; i++) {
+    size_t size = i < 5 ? n : 3 * n;
+    rows[i]->c = next, rows[i]->s = next + size;
+    next += 2 * size;
+  }
+  for (int i = 0; i < 3; i++) {
+    s.out[i].v = next;
+    next += capacity(job->lmax, i);
+  }
+  switch (job->derivatives + (job->solid ? 3 : 0)) {
+  case 0: batches(job, &s, begin, end, 0, false); break;
+  case 1: batches(job, &s, begin, end, 1, false); break;
+  case 2: batches(job, &s, begin, end, 2, false); break;
+  case 3: batches(job, &s, begin, end, 0, true); break;
+  case 4: batches(job, &s, begin, end, 1, true); break;
+  default: batches(job, &s, begin, end, 2, true); break;
+  }
+}
