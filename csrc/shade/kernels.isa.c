@@ -1,0 +1,107 @@
+/* kernels.isa.c - the inner loops of shading, once per instruction set. kernels.c has the plain form. */
+#include "ylm_simd.h"
+
+#include "view.h"
+
+ylm_shade_dot_fn YLM_KERNEL(ylm_k_shade_dot);
+ylm_shade_sums_fn YLM_KERNEL(ylm_k_shade_sums);
+ylm_shade_weights_fn YLM_KERNEL(ylm_k_shade_weights);
+
+YLM_INLINE float lane_sum(ylm_vf v) {
+  float s = 0;
+  for (int i = 0; i < YLM_VF; i++) s += v[i];
+  return s;
+}
+
+/* Lanes of the last, overlapping vector that no whole vector before it has covered. */
+YLM_INLINE ylm_vi tail_mask(size_t rest) {
+  ylm_vi m;
+  for (int i = 0; i < YLM_VF; i++) m[i] = i >= YLM_VF - (int)rest ? -1 : 0;
+  return m;
+}
+
+/* Sum of a[k] b[k]; counts below a vector's length are summed one by one. */
+YLM_INLINE float dot(size_t count, const float *a, const float *b, ylm_vi tail) {
+  if (count < YLM_VF) {
+    float s = 0;
+    for (size_t k = 0; k < count; k++) s += a[k] * b[k];
+    return s;
+  }
+  ylm_vf s = {0};
+  size_t k = 0;
+  for (; k + YLM_VF <= count; k += YLM_VF) s += ylm_vf_load(a + k) * ylm_vf_load(b + k);
+  if (k < count) {
+    ylm_vf last = ylm_vf_load(a + count - YLM_VF) * ylm_vf_load(b + count - YLM_VF);
+    s += (ylm_vf)((ylm_vi)last & tail);
+  }
+  return lane_sum(s);
+}
+
+void YLM_KERNEL(ylm_k_shade_dot)(size_t count, size_t n, int channels, const float *T,
+                                 const float *L, float *out) {
+  ylm_vi tail = tail_mask(count % YLM_VF);
+  for (size_t i = 0; i < n; i++, T += count, out += 3)
+    for (int c = 0; c < 3; c++) {
+      if (c >= channels) out[c] = out[0];
+      else out[c] = dot(count, T, L, tail), L += count;
+    }
+}
+
+void YLM_KERNEL(ylm_k_shade_sums)(size_t count, size_t n, const float *Y, const uint8_t *visible,
+                                  float *seen, float *all) {
+  size_t k = 0;
+  for (; k + YLM_VF <= count; k += YLM_VF) {
+    ylm_vf s = {0}, a = {0};
+    for (size_t i = 0; i < n; i++) {
+      ylm_vf y = ylm_vf_load(Y + i * count + k);
+      ylm_vi m = (ylm_vi){0} - visible[i];
+      a += y;
+      s += (ylm_vf)((ylm_vi)y & m);
+    }
+    ylm_vf_store(seen + k, ylm_vf_load(seen + k) + s);
+    ylm_vf_store(all + k, ylm_vf_load(all + k) + a);
+  }
+  for (; k < count; k++)
+    for (size_t i = 0; i < n; i++) {
+      all[k] += Y[i * count + k];
+      seen[k] += visible[i] ? Y[i * count + k] : 0;
+    }
+}
+
+YLM_INLINE ylm_vf root(ylm_vf x) {
+  for (int i = 0; i < YLM_VF; i++) x[i] = sqrtf(x[i]);
+  return x;
+}
+
+/* The bound for one vector of lamps: pi s cos, s = (r/d)^2, with the cosine of the lamp's highest
+   point where the horizon cuts it; s = 1 from inside. */
+YLM_INLINE ylm_vf weights(ylm_vf vx, ylm_vf vy, ylm_vf vz, ylm_vf r, const float n[3]) {
+  const ylm_vf zero = {0}, one = zero + 1;
+  ylm_vf d2 = vx * vx + vy * vy + vz * vz, r2 = r * r;
+  ylm_vi inside = d2 <= r2;
+  d2 = ylm_vf_select(inside, one, d2);
+  ylm_vf cosine = (vx * n[0] + vy * n[1] + vz * n[2]) / root(d2);
+  ylm_vf s = r2 / d2, cosine2 = cosine * cosine;
+  ylm_vf sine2 = ylm_vf_select(cosine2 < one, one - cosine2, zero);
+  ylm_vf inner = ylm_vf_select(s < one, one - s, zero);
+  ylm_vf cut = cosine * root(inner) + root(sine2 * s);
+  ylm_vi whole = (cosine > zero) & (cosine2 >= s), hidden = (cosine < zero) & (cosine2 >= s);
+  ylm_vf w = ylm_vf_select(whole, cosine, ylm_vf_select(cut > zero, cut, zero));
+  w = ylm_vf_select(hidden, zero, w) * s;
+  return ylm_vf_select(inside, ylm_vf_select(r > zero, one, zero), w);
+}
+
+void YLM_KERNEL(ylm_k_shade_weights)(size_t chunks, float *const lamp[4], const float *luminance,
+                                     const float x[3], const float n[3], float *w, float *sum) {
+  for (size_t b = 0; b < chunks; b++) {
+    ylm_vf s = {0};
+    for (size_t j = b * YLM_LAMP_CHUNK; j < (b + 1) * YLM_LAMP_CHUNK; j += YLM_VF) {
+      ylm_vf vx = ylm_vf_load(lamp[0] + j) - x[0], vy = ylm_vf_load(lamp[1] + j) - x[1],
+             vz = ylm_vf_load(lamp[2] + j) - x[2];
+      ylm_vf one = weights(vx, vy, vz, ylm_vf_load(lamp[3] + j), n) * ylm_vf_load(luminance + j);
+      ylm_vf_store(w + j, one);
+      s += one;
+    }
+    sum[b] = lane_sum(s);
+  }
+}

@@ -1,0 +1,238 @@
+/* primary.c - camera rays, and the grouping of what they hit into shading points. */
+#include <math.h>
+#include <stdatomic.h>
+#include <string.h>
+
+#include "view.h"
+
+/* Rays that are traced in one go. */
+#define BATCH 256
+/* Cosine of the angle within which normals may differ in one shading point. */
+#define SAME_NORMAL 0.98480775f
+
+/* Samples of one pixel that are shaded as one. */
+typedef struct group {
+  uint32_t mesh;
+  float position[3], normal[3]; /* of its first sample */
+  double sum[3];
+  int count;
+} group;
+
+/* A row of the image while it is made. */
+typedef struct row {
+  shade_entry *entry;
+  size_t count, room;
+} row;
+
+typedef struct job {
+  ylm_shade_view *view;
+  const shade_frame *frame;
+  row *rows;
+  const float *radical; /* [samples] */
+  atomic_size_t hits;
+} job;
+
+/* What is needed for one pixel and one batch of rays. */
+typedef struct scratch {
+  ylm_trace_ray *ray;
+  ylm_trace_hit *hit;
+  shade_entry *entry;     /* [samples], of one pixel */
+  shade_surface *surface; /* [samples] */
+  group *groups;          /* [samples] */
+  int *group_of;          /* [samples] */
+} scratch;
+
+static float wrap(double x) { return (float)(x - floor(x)); }
+
+/* The rays through stratified places of pixel (x, y): a Hammersley set shifted at random. */
+static void pixel_rays(const job *j, int x, int y, ylm_trace_ray *ray) {
+  const ylm_shade_options *o = &j->view->o;
+  const shade_frame *f = j->frame;
+  ylm_rng rng;
+  ylm_rng_seed(&rng, o->seed, (uint64_t)y * (uint64_t)o->width + (uint64_t)x);
+  double a = ylm_rng_double(&rng), b = ylm_rng_double(&rng);
+  for (int i = 0; i < o->samples; i++) {
+    double sx = 2 * (x + wrap((double)i / o->samples + a)) / o->width - 1;
+    double sy = 1 - 2 * (y + wrap((double)j->radical[i] + b)) / o->height;
+    for (int k = 0; k < 3; k++) {
+      ray[i].org[k] = (float)f->from[k];
+      ray[i].dir[k] = (float)(f->forward[k] + sx * f->right[k] + sy * f->up[k]);
+    }
+    ray[i].near = 0;
+    ray[i].far = INFINITY;
+  }
+}
+
+/* The group that a surface belongs to, a new one if none fits. */
+static int find_group(const ylm_shade_view *v, group *groups, int *count, const shade_entry *e,
+                      const shade_surface *s, double pixel) {
+  double reach = v->o.share * pixel * (double)e->depth;
+  for (int g = 0; g < *count; g++) {
+    if (groups[g].mesh != e->mesh || ylm__dot3(groups[g].normal, s->normal) < SAME_NORMAL) continue;
+    double d2 = 0;
+    for (int a = 0; a < 3; a++) {
+      double d = (double)s->position[a] - (double)groups[g].position[a];
+      d2 += d * d;
+    }
+    if (d2 < reach * reach) return g;
+  }
+  group *g = &groups[*count];
+  memset(g, 0, sizeof *g);
+  g->mesh = e->mesh;
+  memcpy(g->position, s->position, 12);
+  memcpy(g->normal, s->normal, 12);
+  return (*count)++;
+}
+
+static bool append(row *r, const shade_entry *e) {
+  if (r->count == r->room) {
+    size_t room = r->room ? 2 * r->room : 1024;
+    shade_entry *p = ylm_realloc(r->entry, r->count * sizeof *p, room, sizeof *p);
+    if (!p) return false;
+    r->entry = p;
+    r->room = room;
+  }
+  r->entry[r->count++] = *e;
+  return true;
+}
+
+/* Adds for each group the sample nearest to its mean. */
+static bool append_groups(row *r, const scratch *s, int groups, int count, int samples) {
+  for (int g = 0; g < groups; g++) {
+    const group *q = &s->groups[g];
+    int best = -1;
+    double nearest = INFINITY;
+    for (int i = 0; i < count; i++) {
+      if (s->group_of[i] != g) continue;
+      double d2 = 0;
+      for (int a = 0; a < 3; a++) {
+        double d = (double)s->surface[i].position[a] - q->sum[a] / q->count;
+        d2 += d * d;
+      }
+      if (best < 0 || d2 < nearest) best = i, nearest = d2;
+    }
+    shade_entry e = s->entry[best];
+    e.weight = (float)q->count / (float)samples;
+    if (!append(r, &e)) return false;
+  }
+  return true;
+}
+
+/* Groups what the rays of one pixel hit; appends to the row and fills the pixel. */
+static bool finish_pixel(job *j, row *r, shade_pixel *p, const scratch *s,
+                         const ylm_trace_ray *ray, const ylm_trace_hit *hit) {
+  const ylm_shade_view *v = j->view;
+  int samples = v->o.samples, count = 0, groups = 0, lamps = 0;
+  double light[3] = {0};
+  for (int i = 0; i < samples; i++) {
+    const ylm_trace_hit *h = &hit[i];
+    if (h->mesh == YLM_TRACE_LAMP) {
+      lamps++;
+      for (int c = 0; c < 3; c++) light[c] += v->scene->lamp_radiance[3 * h->element + c];
+    }
+    if (h->mesh < 0) continue;
+    shade_entry *e = &s->entry[count];
+    *e = (shade_entry){(uint32_t)h->mesh, h->element, h->u, h->v, 0, h->t,
+                       ylm__dot3(h->normal, ray[i].dir) > 0};
+    ylm__shade_surface(v->scene, e, &s->surface[count]);
+    int g = find_group(v, s->groups, &groups, e, &s->surface[count], j->frame->pixel);
+    s->groups[g].count++;
+    for (int a = 0; a < 3; a++) s->groups[g].sum[a] += s->surface[count].position[a];
+    s->group_of[count++] = g;
+  }
+  p->first = r->count;
+  p->coverage = (float)count / (float)samples;
+  p->emitter = (float)lamps / (float)samples;
+  for (int c = 0; c < 3; c++) p->lamps[c] = (float)(light[c] / samples);
+  atomic_fetch_add_explicit(&j->hits, (size_t)count, memory_order_relaxed);
+  return append_groups(r, s, groups, count, samples);
+}
+
+static void scratch_free(scratch *s) {
+  ylm_free(s->ray);
+  ylm_free(s->hit);
+  ylm_free(s->entry);
+  ylm_free(s->surface);
+  ylm_free(s->groups);
+  ylm_free(s->group_of);
+}
+
+static bool scratch_create(scratch *s, size_t samples, size_t rays) {
+  s->ray = ylm_alloc(rays, sizeof *s->ray);
+  s->hit = ylm_alloc(rays, sizeof *s->hit);
+  s->entry = ylm_alloc(samples, sizeof *s->entry);
+  s->surface = ylm_alloc(samples, sizeof *s->surface);
+  s->groups = ylm_alloc(samples, sizeof *s->groups);
+  s->group_of = ylm_alloc(samples, sizeof *s->group_of);
+  return s->ray && s->hit && s->entry && s->surface && s->groups && s->group_of;
+}
+
+static bool trace_row(job *j, int y, scratch *s, int batch) {
+  ylm_shade_view *v = j->view;
+  int width = v->o.width, samples = v->o.samples;
+  for (int x = 0; x < width; x += batch) {
+    int n = width - x < batch ? width - x : batch;
+    for (int i = 0; i < n; i++) pixel_rays(j, x + i, y, s->ray + (size_t)i * (size_t)samples);
+    ylm_trace_intersect(v->scene->trace, (size_t)n * (size_t)samples, s->ray, true, s->hit);
+    for (int i = 0; i < n; i++) {
+      size_t first = (size_t)i * (size_t)samples;
+      shade_pixel *p = &v->pixel[(size_t)y * (size_t)width + (size_t)(x + i)];
+      if (!finish_pixel(j, &j->rows[y], p, s, s->ray + first, s->hit + first)) return false;
+    }
+  }
+  return true;
+}
+
+/* Rows begin .. end-1. */
+static ylm_status trace_rows(void *context, size_t begin, size_t end, int worker) {
+  (void)worker;
+  job *j = context;
+  int samples = j->view->o.samples, batch = BATCH / samples > 1 ? BATCH / samples : 1;
+  scratch s = {0};
+  bool ok = scratch_create(&s, (size_t)samples, (size_t)batch * (size_t)samples);
+  for (size_t y = begin; ok && y < end; y++) ok = trace_row(j, (int)y, &s, batch);
+  scratch_free(&s);
+  return ok ? YLM_OK : YLM_ENOMEM;
+}
+
+/* Puts the rows behind each other. */
+static ylm_status join_rows(ylm_shade_view *v, row *rows) {
+  size_t width = (size_t)v->o.width, height = (size_t)v->o.height, total = 0;
+  for (size_t y = 0; y < height; y++) total += rows[y].count;
+  if (total > UINT32_MAX) return YLM_EOVERFLOW;
+  v->entry = ylm_alloc(total, sizeof *v->entry);
+  if (!v->entry) return YLM_ENOMEM;
+  v->entries = total;
+  total = 0;
+  for (size_t y = 0; y < height; y++) {
+    memcpy(v->entry + total, rows[y].entry, rows[y].count * sizeof *v->entry);
+    for (size_t x = 0; x < width; x++) v->pixel[y * width + x].first += total;
+    total += rows[y].count;
+    ylm_free(rows[y].entry);
+    rows[y].entry = NULL;
+  }
+  v->pixel[width * height].first = total;
+  return YLM_OK;
+}
+
+ylm_status ylm__shade_primary(ylm_shade_view *v, const shade_frame *f) {
+  double start = ylm_seconds();
+  size_t height = (size_t)v->o.height, pixels = height * (size_t)v->o.width;
+  float *radical = ylm_alloc((size_t)v->o.samples, sizeof *radical);
+  job j = {.view = v, .frame = f, .rows = ylm_alloc_zero(height, sizeof(row)), .radical = radical};
+  v->pixel = ylm_alloc_zero(pixels + 1, sizeof *v->pixel);
+  ylm_status s = radical && j.rows && v->pixel ? YLM_OK : YLM_ENOMEM;
+  for (int i = 0; s == YLM_OK && i < v->o.samples; i++)
+    radical[i] = (float)ylm__shade_radical((uint32_t)i);
+  if (s == YLM_OK)
+    s = ylm_parallel(height, 1, v->o.threads, trace_rows, &j, v->o.progress, "primary rays");
+  if (s == YLM_OK) s = join_rows(v, j.rows);
+  for (size_t y = 0; j.rows && y < height; y++) ylm_free(j.rows[y].entry);
+  ylm_free(j.rows);
+  ylm_free(radical);
+  v->stats.pixels = pixels;
+  v->stats.hits = j.hits;
+  v->stats.primary_rays = pixels * (uint64_t)v->o.samples;
+  v->stats.primary_seconds = ylm_seconds() - start;
+  return s;
+}

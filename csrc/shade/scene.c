@@ -1,0 +1,179 @@
+/* scene.c - meshes, materials and lamps as shading needs them. */
+#include <math.h>
+#include <string.h>
+
+#include "view.h"
+
+static void normalise(float v[3]) {
+  float d = sqrtf(ylm__dot3(v, v));
+  for (int a = 0; a < 3; a++) v[a] = d > 0 ? v[a] / d : a == 2;
+}
+
+/* Twice the area times the normal of a triangle. */
+static void triangle_normal(const float *p0, const float *p1, const float *p2, float n[3]) {
+  float a[3], b[3];
+  for (int k = 0; k < 3; k++) a[k] = p1[k] - p0[k], b[k] = p2[k] - p0[k];
+  n[0] = a[1] * b[2] - a[2] * b[1];
+  n[1] = a[2] * b[0] - a[0] * b[2];
+  n[2] = a[0] * b[1] - a[1] * b[0];
+}
+
+/* Area-weighted means over the triangles around each vertex. */
+static void mean_normals(shade_mesh *m) {
+  memset(m->normal, 0, m->vertices * 12);
+  for (size_t i = 0; i < m->count; i++) {
+    const uint32_t *t = &m->triangle[3 * i];
+    float n[3];
+    triangle_normal(&m->position[3 * t[0]], &m->position[3 * t[1]], &m->position[3 * t[2]], n);
+    for (int k = 0; k < 9; k++) m->normal[3 * t[k / 3] + k % 3] += n[k % 3];
+  }
+  for (size_t i = 0; i < m->vertices; i++) normalise(&m->normal[3 * i]);
+}
+
+static ylm_status copy_mesh(shade_mesh *m, size_t i, const ylm_shade_mesh *in, ylm_error *e) {
+  size_t where;
+  ylm_status s = ylm_material_check(&in->material, e);
+  if (s != YLM_OK) return s;
+  if (in->normals && !ylm_all_finite(YLM_FLOAT, in->normals, 3 * in->vertices, &where))
+    return ylm_fail(e, YLM_EDOMAIN, "mesh %zu: normal %zu is not finite", i + 1, where / 3 + 1);
+  m->vertices = in->vertices;
+  m->count = in->count;
+  m->material = in->material;
+  m->smooth = in->normals != NULL;
+  m->position = ylm_alloc(in->vertices, 12);
+  m->normal = ylm_alloc(in->vertices, 12);
+  m->triangle = ylm_alloc(in->count, 12);
+  if (!m->position || !m->normal || !m->triangle) return YLM_ENOMEM;
+  memcpy(m->position, in->positions, in->vertices * 12);
+  memcpy(m->triangle, in->triangles, in->count * 12);
+  if (!m->smooth) mean_normals(m);
+  else {
+    memcpy(m->normal, in->normals, in->vertices * 12);
+    for (size_t k = 0; k < m->vertices; k++) normalise(&m->normal[3 * k]);
+  }
+  return YLM_OK;
+}
+
+static ylm_status copy_lamps(ylm_shade_scene *s, const ylm_shade_lamps *l, ylm_error *e) {
+  size_t where, padded = (l->count + YLM_LAMP_CHUNK - 1) / YLM_LAMP_CHUNK * YLM_LAMP_CHUNK;
+  if (!ylm_all_finite(YLM_FLOAT, l->radiance, 3 * l->count, &where))
+    return ylm_fail(e, YLM_EDOMAIN, "the radiance of lamp %zu is not finite", where / 3 + 1);
+  for (int a = 0; a < 4; a++)
+    if (!(s->lamp[a] = ylm_alloc_zero(padded, sizeof(float)))) return YLM_ENOMEM;
+  s->lamp_luminance = ylm_alloc_zero(padded, sizeof(float));
+  s->lamp_radiance = ylm_alloc(l->count, 12);
+  if (!s->lamp_luminance || !s->lamp_radiance) return YLM_ENOMEM;
+  s->lamps = l->count;
+  memcpy(s->lamp_radiance, l->radiance, l->count * 12);
+  for (size_t i = 0; i < l->count; i++) {
+    const float *c = &l->radiance[3 * i];
+    for (int a = 0; a < 4; a++) s->lamp[a][i] = l->spheres[4 * i + a];
+    s->lamp_luminance[i] = 0.2126f * fabsf(c[0]) + 0.7152f * fabsf(c[1]) + 0.0722f * fabsf(c[2]);
+  }
+  return YLM_OK;
+}
+
+static ylm_status trace_scene(ylm_shade_scene *s, const ylm_shade_mesh *mesh,
+                              const ylm_shade_lamps *lamps, ylm_error *e) {
+  ylm_trace_mesh *m = ylm_alloc(s->meshes, sizeof *m);
+  if (!m) return YLM_ENOMEM;
+  for (size_t i = 0; i < s->meshes; i++)
+    m[i] = (ylm_trace_mesh){mesh[i].positions, mesh[i].vertices, mesh[i].triangles, mesh[i].count,
+                            mesh[i].occludes};
+  ylm_status status = ylm_trace_create(s->meshes, m, lamps->count, lamps->spheres, &s->trace, e);
+  ylm_free(m);
+  return status;
+}
+
+ylm_status ylm_shade_scene_create(size_t meshes, const ylm_shade_mesh *mesh,
+                                  const ylm_shade_lamps *lamps, ylm_shade_scene **scene,
+                                  ylm_error *e) {
+  *scene = NULL;
+  ylm_shade_scene *s = ylm_alloc_zero(1, sizeof *s);
+  if (!s) return YLM_ENOMEM;
+  s->mesh = ylm_alloc_zero(meshes, sizeof *s->mesh);
+  ylm_status status = s->mesh ? YLM_OK : YLM_ENOMEM;
+  s->meshes = s->mesh ? meshes : 0;
+  if (status == YLM_OK) status = trace_scene(s, mesh, lamps, e); /* checks positions, indices */
+  for (size_t i = 0; status == YLM_OK && i < meshes; i++) {
+    s->mesh[i].first_vertex = s->vertices;
+    s->vertices += mesh[i].vertices;
+    status = copy_mesh(&s->mesh[i], i, &mesh[i], e);
+  }
+  if (status == YLM_OK) status = copy_lamps(s, lamps, e);
+  if (status == YLM_OK && s->vertices > UINT32_MAX / 2)
+    status = ylm_fail(e, YLM_EOVERFLOW, "the scene has more than 2^31 vertices");
+  if (status == YLM_OK) *scene = s;
+  else ylm_shade_scene_free(s);
+  return status;
+}
+
+void ylm_shade_scene_free(ylm_shade_scene *s) {
+  if (!s) return;
+  ylm_trace_free(s->trace);
+  for (size_t i = 0; i < s->meshes; i++) {
+    ylm_free(s->mesh[i].position);
+    ylm_free(s->mesh[i].normal);
+    ylm_free(s->mesh[i].triangle);
+  }
+  for (int a = 0; a < 4; a++) ylm_free(s->lamp[a]);
+  ylm_free(s->lamp_luminance);
+  ylm_free(s->lamp_radiance);
+  ylm_free(s->mesh);
+  ylm_free(s);
+}
+
+void ylm_shade_scene_bounds(const ylm_shade_scene *s, double lo[3], double hi[3]) {
+  float a[3], b[3];
+  ylm_trace_bounds(s->trace, a, b);
+  for (int k = 0; k < 3; k++) lo[k] = a[k], hi[k] = b[k];
+}
+
+/* Moves p from the flat triangle to the surface that the corners' normals describe. */
+static void leave_triangle(const float *const corner[3], const float *const normal[3],
+                           const float weight[3], float side, const float p[3], float out[3]) {
+  memcpy(out, p, 12);
+  for (int i = 0; i < 3; i++) {
+    float below = 0;
+    for (int a = 0; a < 3; a++) below += (p[a] - corner[i][a]) * normal[i][a] * side;
+    if (below < 0)
+      for (int a = 0; a < 3; a++) out[a] -= weight[i] * below * normal[i][a] * side;
+  }
+}
+
+void ylm__shade_surface(const ylm_shade_scene *s, const shade_entry *e, shade_surface *out) {
+  const shade_mesh *m = &s->mesh[e->mesh];
+  const uint32_t *t = &m->triangle[3 * e->element];
+  const float *p[3], *n[3], w[3] = {1 - e->u - e->v, e->u, e->v};
+  float flat[3], offset = ylm_trace_offset(s->trace), side = e->back ? -1 : 1;
+  for (int i = 0; i < 3; i++) p[i] = &m->position[3 * t[i]], n[i] = &m->normal[3 * t[i]];
+  for (int a = 0; a < 3; a++)
+    out->position[a] = w[0] * p[0][a] + w[1] * p[1][a] + w[2] * p[2][a];
+  triangle_normal(p[0], p[1], p[2], flat);
+  for (int a = 0; a < 3; a++) flat[a] *= side;
+  normalise(flat);
+  memcpy(out->normal, flat, 12);
+  memcpy(out->origin, out->position, 12);
+  if (m->smooth) {
+    float mean[3];
+    for (int a = 0; a < 3; a++) mean[a] = w[0] * n[0][a] + w[1] * n[1][a] + w[2] * n[2][a];
+    float turn = ylm__dot3(mean, flat) < 0 ? -1 : 1; /* normals count, not the winding */
+    if (ylm__dot3(mean, mean) > 0) {
+      for (int a = 0; a < 3; a++) out->normal[a] = mean[a] * turn;
+      normalise(out->normal);
+      leave_triangle(p, n, w, turn, out->position, out->origin);
+    }
+  }
+  for (int a = 0; a < 3; a++) out->origin[a] += offset * flat[a];
+}
+
+void ylm__shade_vertex(const ylm_shade_scene *s, uint32_t mesh, uint32_t vertex, bool back,
+                       shade_surface *out) {
+  const shade_mesh *m = &s->mesh[mesh];
+  float offset = ylm_trace_offset(s->trace), side = back ? -1 : 1;
+  for (int a = 0; a < 3; a++) {
+    out->position[a] = m->position[3 * vertex + a];
+    out->normal[a] = side * m->normal[3 * vertex + a];
+    out->origin[a] = out->position[a] + offset * out->normal[a];
+  }
+}

@@ -1,0 +1,164 @@
+/* transfer.c - SH coefficients of cosine times visibility. */
+#include <math.h>
+#include <stdatomic.h>
+#include <string.h>
+
+#include "view.h"
+#include "ylm_sh.h"
+
+/* Rays that are traced in one go, unless one point has more. */
+#define BATCH 1024
+#define PI 3.14159265358979323846
+
+typedef struct job {
+  const ylm_shade_view *view;
+  bool shadows;
+  const float (*normal)[3], (*origin)[3];
+  float *transfer;
+  double *cosine;     /* [lmax+1] zonal coefficients   */
+  float (*disk)[2];   /* [samples] cos and sin of the unshifted azimuth */
+  float *height;      /* [samples] i / samples         */
+  shade_kernels k;
+  atomic_uint_fast64_t rays;
+} job;
+
+typedef struct scratch {
+  ylm_trace_ray *ray; /* [points*samples] */
+  float *direction;   /* [BATCH][3]       */
+  float *Y;           /* [BATCH][count]   */
+  float *seen, *all;  /* [count]          */
+  uint8_t *visible;   /* [samples]        */
+} scratch;
+
+/* T = A Y(n) for n points. */
+static ylm_status unshadowed(const job *j, size_t first, size_t n) {
+  int lmax = j->view->o.lmax;
+  size_t count = ylm_sh_count(lmax);
+  float *T = j->transfer + first * count;
+  ylm_status s = ylm_sh_eval(lmax, 0, false, YLM_FLOAT, n, j->normal[first], T, NULL, NULL, 1, NULL);
+  for (size_t i = 0; s == YLM_OK && i < n; i++, T += count)
+    for (int l = 0; l <= lmax; l++)
+      for (size_t k = ylm_sh_index(l, -l); k <= ylm_sh_index(l, l); k++) T[k] *= (float)j->cosine[l];
+  return s;
+}
+
+/* Rays about the normal of point i, dense as the cosine. */
+static void point_rays(const job *j, size_t i, ylm_trace_ray *ray) {
+  int samples = j->view->o.transfer_samples;
+  float a[3], b[3], far = (float)fmin(j->view->o.occlusion_distance, 3e38);
+  const float *n = j->normal[i];
+  ylm_rng rng;
+  ylm_rng_seed(&rng, ~j->view->o.seed, i);
+  float shift = (float)ylm_rng_double(&rng);
+  double turn = 2 * PI * ylm_rng_double(&rng);
+  float c = (float)cos(turn), s = (float)sin(turn);
+  ylm__shade_basis(n, a, b);
+  for (int k = 0; k < samples; k++) {
+    float h = j->height[k] + shift, r, z;
+    if (h >= 1) h -= 1;
+    r = sqrtf(h);
+    z = sqrtf(1 - h);
+    float x = r * (j->disk[k][0] * c - j->disk[k][1] * s);
+    float y = r * (j->disk[k][0] * s + j->disk[k][1] * c);
+    for (int q = 0; q < 3; q++) {
+      ray[k].org[q] = j->origin[i][q];
+      ray[k].dir[q] = x * a[q] + y * b[q] + z * n[q];
+    }
+    ray[k].near = 0;
+    ray[k].far = far;
+  }
+}
+
+/* The estimate of ylm_shade_view_create for one point whose rays have been traced. */
+static ylm_status estimate(const job *j, const ylm_trace_ray *ray, const scratch *x, float *T) {
+  int lmax = j->view->o.lmax, samples = j->view->o.transfer_samples, visible = 0;
+  size_t count = ylm_sh_count(lmax);
+  for (int k = 0; k < samples; k++) visible += x->visible[k] = !(ray[k].far < 0);
+  if (visible == samples) return YLM_OK;
+  if (visible == 0) {
+    memset(T, 0, count * sizeof *T);
+    return YLM_OK;
+  }
+  memset(x->seen, 0, count * sizeof(float));
+  memset(x->all, 0, count * sizeof(float));
+  for (int first = 0; first < samples; first += BATCH) {
+    int n = samples - first < BATCH ? samples - first : BATCH;
+    for (int k = 0; k < n; k++) memcpy(x->direction + 3 * k, ray[first + k].dir, 12);
+    ylm_status s = ylm_sh_eval(lmax, 0, false, YLM_FLOAT, (size_t)n, x->direction, x->Y, NULL,
+                               NULL, 1, NULL);
+    if (s != YLM_OK) return s;
+    j->k.sums(count, (size_t)n, x->Y, x->visible + first, x->seen, x->all);
+  }
+  float each = (float)(PI / samples), open = (float)visible / (float)samples;
+  for (size_t k = 0; k < count; k++) T[k] = each * x->seen[k] + open * (T[k] - each * x->all[k]);
+  return YLM_OK;
+}
+
+static void scratch_free(scratch *x) {
+  ylm_free(x->ray);
+  ylm_free(x->direction);
+  ylm_free(x->Y);
+  ylm_free(x->seen);
+  ylm_free(x->all);
+  ylm_free(x->visible);
+}
+
+static bool scratch_create(scratch *x, size_t samples, size_t rays, size_t count) {
+  size_t batch = samples < BATCH ? samples : BATCH;
+  x->ray = ylm_alloc(rays, sizeof *x->ray);
+  x->direction = ylm_alloc(batch, 12);
+  x->Y = ylm_alloc(batch * count, sizeof *x->Y);
+  x->seen = ylm_alloc(count, sizeof *x->seen);
+  x->all = ylm_alloc(count, sizeof *x->all);
+  x->visible = ylm_alloc(samples, 1);
+  return x->ray && x->direction && x->Y && x->seen && x->all && x->visible;
+}
+
+/* Points begin .. end-1. */
+static ylm_status run(void *context, size_t begin, size_t end, int worker) {
+  (void)worker;
+  job *j = context;
+  const ylm_shade_view *v = j->view;
+  size_t samples = (size_t)v->o.transfer_samples, count = ylm_sh_count(v->o.lmax);
+  size_t batch = BATCH / samples > 1 ? BATCH / samples : 1;
+  ylm_status s = unshadowed(j, begin, end - begin);
+  if (s != YLM_OK || !j->shadows) return s;
+  scratch x = {0};
+  if (!scratch_create(&x, samples, batch * samples, count)) s = YLM_ENOMEM;
+  for (size_t first = begin; s == YLM_OK && first < end; first += batch) {
+    size_t n = end - first < batch ? end - first : batch;
+    for (size_t i = 0; i < n; i++) point_rays(j, first + i, x.ray + i * samples);
+    ylm_trace_occluded(v->scene->trace, n * samples, x.ray);
+    for (size_t i = 0; s == YLM_OK && i < n; i++)
+      s = estimate(j, x.ray + i * samples, &x, j->transfer + (first + i) * count);
+  }
+  scratch_free(&x);
+  atomic_fetch_add_explicit(&j->rays, (end - begin) * samples, memory_order_relaxed);
+  return s;
+}
+
+ylm_status ylm__shade_transfer(const ylm_shade_view *v, bool shadows, size_t n,
+                               const float (*normal)[3], const float (*origin)[3], float *transfer,
+                               uint64_t *rays) {
+  int samples = v->o.transfer_samples;
+  job j = {.view = v, .shadows = shadows, .normal = normal, .origin = origin, .transfer = transfer,
+           .k = ylm__shade_kernels()};
+  j.cosine = ylm_alloc((size_t)v->o.lmax + 1, sizeof *j.cosine);
+  j.disk = ylm_alloc((size_t)samples, sizeof *j.disk);
+  j.height = ylm_alloc((size_t)samples, sizeof *j.height);
+  ylm_status s = j.cosine && j.disk && j.height ? YLM_OK : YLM_ENOMEM;
+  if (s == YLM_OK) s = ylm_material_cosine(v->o.lmax, j.cosine);
+  for (int k = 0; s == YLM_OK && k < samples; k++) {
+    double turn = 2 * PI * ylm__shade_radical((uint32_t)k);
+    j.disk[k][0] = (float)cos(turn);
+    j.disk[k][1] = (float)sin(turn);
+    j.height[k] = (float)k / (float)samples;
+  }
+  if (s == YLM_OK)
+    s = ylm_parallel(n, 128, v->o.threads, run, &j, v->o.progress, "transfer");
+  *rays += j.rays;
+  ylm_free(j.cosine);
+  ylm_free(j.disk);
+  ylm_free(j.height);
+  return s;
+}

@@ -1,0 +1,283 @@
+/* view.c - what a camera sees, made once and shaded as often as one likes. */
+#include <math.h>
+#include <string.h>
+
+#include "view.h"
+#include "ylm_sh.h"
+
+static ylm_status check_options(const ylm_shade_options *o, ylm_error *e) {
+  if (o->width < 1 || o->height < 1 || o->width > 65536 || o->height > 65536)
+    return ylm_fail(e, YLM_ERANGE, "an image has 1 to 65536 pixels each way");
+  if (o->samples < 1 || o->samples > 1024)
+    return ylm_fail(e, YLM_ERANGE, "samples must be from 1 to 1024, got %d", o->samples);
+  if (o->lmax < 0 || o->lmax > 100)
+    return ylm_fail(e, YLM_ERANGE, "lmax must be from 0 to 100, got %d", o->lmax);
+  if (o->transfer_samples < 1 || o->transfer_samples > 65536)
+    return ylm_fail(e, YLM_ERANGE, "transfer_samples must be from 1 to 65536, got %d",
+                    o->transfer_samples);
+  if (!(o->occlusion_distance > 0))
+    return ylm_fail(e, YLM_ERANGE, "occlusion_distance must be > 0, got %g", o->occlusion_distance);
+  if (!(o->share >= 0)) return ylm_fail(e, YLM_ERANGE, "share must be >= 0, got %g", o->share);
+  return YLM_OK;
+}
+
+/* Room for `n` points and, if asked for, their transfer vectors. */
+static ylm_status make_points(ylm_shade_view *v, size_t n) {
+  v->points = n;
+  v->mesh = ylm_alloc(n, sizeof *v->mesh);
+  v->position = ylm_alloc(n, sizeof *v->position);
+  v->normal = ylm_alloc(n, sizeof *v->normal);
+  v->origin = ylm_alloc(n, sizeof *v->origin);
+  v->transfer = ylm_alloc(n, ylm_sh_count(v->o.lmax) * sizeof *v->transfer);
+  return v->mesh && v->position && v->normal && v->origin && v->transfer ? YLM_OK : YLM_ENOMEM;
+}
+
+static void set_point(ylm_shade_view *v, size_t i, uint32_t mesh, const shade_surface *s) {
+  v->mesh[i] = mesh;
+  memcpy(v->position[i], s->position, 12);
+  memcpy(v->normal[i], s->normal, 12);
+  memcpy(v->origin[i], s->origin, 12);
+}
+
+/* Points are the entries themselves. */
+static ylm_status points_of_entries(ylm_shade_view *v) {
+  ylm_status status = make_points(v, v->entries);
+  for (size_t i = 0; status == YLM_OK && i < v->entries; i++) {
+    shade_surface s;
+    ylm__shade_surface(v->scene, &v->entry[i], &s);
+    set_point(v, i, v->entry[i].mesh, &s);
+  }
+  return status;
+}
+
+/* Points are vertices; takes x->corner over. */
+static ylm_status points_of_vertices(ylm_shade_view *v, shade_vertices *x) {
+  ylm_status status = make_points(v, x->count);
+  for (size_t i = 0; status == YLM_OK && i < x->count; i++) {
+    shade_surface s;
+    ylm__shade_vertex(v->scene, x->mesh[i], x->vertex[i], x->back[i], &s);
+    set_point(v, i, x->mesh[i], &s);
+  }
+  v->corner = x->corner;
+  x->corner = NULL;
+  return status;
+}
+
+/* Weights of an entry's triangle's corners. */
+static void corner_weights(const shade_entry *e, float w[3]) {
+  w[0] = 1 - e->u - e->v;
+  w[1] = e->u;
+  w[2] = e->v;
+}
+
+/* Transfer vectors of entries from those at vertices. */
+static ylm_status transfer_by_vertices(ylm_shade_view *v, const shade_vertices *x) {
+  size_t count = ylm_sh_count(v->o.lmax);
+  float(*normal)[3] = ylm_alloc(x->count, sizeof *normal);
+  float(*origin)[3] = ylm_alloc(x->count, sizeof *origin);
+  float *T = ylm_alloc(x->count, count * sizeof *T);
+  ylm_status status = normal && origin && T ? YLM_OK : YLM_ENOMEM;
+  for (size_t i = 0; status == YLM_OK && i < x->count; i++) {
+    shade_surface s;
+    ylm__shade_vertex(v->scene, x->mesh[i], x->vertex[i], x->back[i], &s);
+    memcpy(normal[i], s.normal, 12);
+    memcpy(origin[i], s.origin, 12);
+  }
+  if (status == YLM_OK)
+    status = ylm__shade_transfer(v, true, x->count, (const float(*)[3])normal,
+                                 (const float(*)[3])origin, T, &v->stats.occlusion_rays);
+  for (size_t i = 0; status == YLM_OK && i < v->entries; i++) {
+    const uint32_t *c = x->corner[i];
+    float w[3];
+    corner_weights(&v->entry[i], w);
+    for (size_t k = 0; k < count; k++)
+      v->transfer[i * count + k] =
+          w[0] * T[c[0] * count + k] + w[1] * T[c[1] * count + k] + w[2] * T[c[2] * count + k];
+  }
+  ylm_free(normal);
+  ylm_free(origin);
+  ylm_free(T);
+  return status;
+}
+
+/* Shading points and their transfer vectors, once the entries are known. */
+static ylm_status make_transfer(ylm_shade_view *v) {
+  double start = ylm_seconds();
+  bool by_vertex = !v->o.per_vertex && v->o.visibility == YLM_SHADE_VERTEX;
+  shade_vertices x = {0};
+  ylm_status s = YLM_OK;
+  if (v->o.per_vertex || by_vertex) s = ylm__shade_vertices(v, &x);
+  if (s == YLM_OK) s = v->o.per_vertex ? points_of_vertices(v, &x) : points_of_entries(v);
+  if (s == YLM_OK && by_vertex) s = transfer_by_vertices(v, &x);
+  else if (s == YLM_OK)
+    s = ylm__shade_transfer(v, v->o.visibility != YLM_SHADE_UNSHADOWED, v->points,
+                            (const float(*)[3])v->normal, (const float(*)[3])v->origin,
+                            v->transfer, &v->stats.occlusion_rays);
+  ylm__shade_vertices_free(&x);
+  v->stats.transfer_seconds = ylm_seconds() - start;
+  return s;
+}
+
+static size_t bytes_held(const ylm_shade_view *v) {
+  return sizeof *v + v->entries * (sizeof(shade_entry) + (v->corner ? 12 : 0)) +
+         (v->stats.pixels + 1) * sizeof(shade_pixel) +
+         v->points * (4 + 3 * 12 + 4 * ylm_sh_count(v->o.lmax));
+}
+
+ylm_status ylm_shade_view_create(const ylm_shade_scene *scene, const ylm_camera *camera,
+                                 const ylm_shade_options *o, ylm_shade_view **view, ylm_error *e) {
+  *view = NULL;
+  shade_frame frame;
+  ylm_status s = check_options(o, e);
+  if (s == YLM_OK) s = ylm__shade_frame(camera, o->width, o->height, &frame, e);
+  if (s != YLM_OK) return s;
+  ylm_shade_view *v = ylm_alloc_zero(1, sizeof *v);
+  if (!v) return YLM_ENOMEM;
+  v->scene = scene;
+  v->o = *o;
+  s = ylm__shade_primary(v, &frame);
+  if (s == YLM_OK) s = make_transfer(v);
+  v->o.progress = NULL;
+  v->stats.points = v->points;
+  v->stats.bytes = bytes_held(v);
+  if (s == YLM_OK) *view = v;
+  else ylm_shade_view_free(v);
+  return s;
+}
+
+void ylm_shade_view_free(ylm_shade_view *v) {
+  if (!v) return;
+  ylm_free(v->entry);
+  ylm_free(v->pixel);
+  ylm_free(v->corner);
+  ylm_free(v->mesh);
+  ylm_free(v->position);
+  ylm_free(v->normal);
+  ylm_free(v->origin);
+  ylm_free(v->transfer);
+  ylm_free(v);
+}
+
+void ylm_shade_view_stats(const ylm_shade_view *v, ylm_shade_stats *stats) { *stats = v->stats; }
+const ylm_shade_options *ylm_shade_view_options(const ylm_shade_view *v) { return &v->o; }
+const float *ylm_shade_view_positions(const ylm_shade_view *v) { return v->position[0]; }
+const float *ylm_shade_view_normals(const ylm_shade_view *v) { return v->normal[0]; }
+const float *ylm_shade_view_transfer(const ylm_shade_view *v) { return v->transfer; }
+
+void ylm_shade_view_surface(const ylm_shade_view *v, float *albedo, float *object) {
+  for (size_t i = 0; i < v->points; i++) {
+    if (albedo) memcpy(albedo + 3 * i, v->scene->mesh[v->mesh[i]].material.albedo, 12);
+    if (object) object[i] = (float)v->mesh[i];
+  }
+}
+
+/* -- pixels -------------------------------------------------------------------- */
+
+typedef struct resolve_job {
+  const ylm_shade_view *v;
+  int channels;
+  const float *values, *fill;
+  bool covered;
+  float *out;
+} resolve_job;
+
+/* What the values are at an entry. */
+static float entry_value(const resolve_job *j, size_t i, int c) {
+  size_t n = (size_t)j->channels;
+  if (!j->v->corner) return j->values[i * n + (size_t)c];
+  float w[3], s = 0;
+  corner_weights(&j->v->entry[i], w);
+  for (int k = 0; k < 3; k++) s += w[k] * j->values[j->v->corner[i][k] * n + (size_t)c];
+  return s;
+}
+
+static ylm_status resolve_pixels(void *context, size_t begin, size_t end, int worker) {
+  (void)worker;
+  const resolve_job *j = context;
+  for (size_t p = begin; p < end; p++) {
+    const shade_pixel *q = &j->v->pixel[p];
+    for (int c = 0; c < j->channels; c++) {
+      float s = 0, weight = 0, fill = j->fill ? j->fill[c] : 0;
+      for (size_t i = q[0].first; i < q[1].first; i++) {
+        s += j->v->entry[i].weight * entry_value(j, i, c);
+        weight += j->v->entry[i].weight;
+      }
+      if (j->covered) s = weight > 0 ? s / weight : fill;
+      else s += fill * fmaxf(0, 1 - q->coverage - q->emitter);
+      j->out[p * (size_t)j->channels + (size_t)c] = s;
+    }
+  }
+  return YLM_OK;
+}
+
+ylm_status ylm_shade_resolve(const ylm_shade_view *v, int channels, const float *values,
+                             const float *fill, bool covered, int threads, float *out) {
+  if (channels < 1 || channels > 4) return YLM_ERANGE;
+  resolve_job j = {v, channels, values, fill, covered, out};
+  return ylm_parallel(v->stats.pixels, 4096, threads, resolve_pixels, &j, NULL, NULL);
+}
+
+ylm_status ylm_shade_compose(const ylm_shade_view *v, const float *colours,
+                             const float background[3], int threads, float *out) {
+  ylm_status s = ylm_shade_resolve(v, 3, colours, background, false, threads, out);
+  for (size_t p = 0; s == YLM_OK && p < v->stats.pixels; p++)
+    for (int c = 0; c < 3; c++) out[3 * p + (size_t)c] += v->pixel[p].lamps[c];
+  return s;
+}
+
+/* -- layers -------------------------------------------------------------------- */
+
+typedef struct layer_job {
+  const ylm_shade_view *v;
+  ylm_shade_layer layer;
+  float *out;
+} layer_job;
+
+int ylm_shade_layer_channels(ylm_shade_layer layer) {
+  return layer == YLM_SHADE_DEPTH || layer == YLM_SHADE_COVERAGE || layer == YLM_SHADE_EMITTER ? 1
+                                                                                              : 3;
+}
+
+/* Means over the surface of one pixel: normal, position, albedo or depth. */
+static void surface_mean(const layer_job *j, const shade_pixel *q, float *out) {
+  int channels = ylm_shade_layer_channels(j->layer);
+  float sum[3] = {0}, weight = 0;
+  for (size_t i = q[0].first; i < q[1].first; i++) {
+    const shade_entry *e = &j->v->entry[i];
+    shade_surface s;
+    const float *x = &e->depth;
+    if (j->layer == YLM_SHADE_ALBEDO) x = j->v->scene->mesh[e->mesh].material.albedo;
+    else if (j->layer != YLM_SHADE_DEPTH) {
+      ylm__shade_surface(j->v->scene, e, &s);
+      x = j->layer == YLM_SHADE_NORMAL ? s.normal : s.position;
+    }
+    for (int c = 0; c < channels; c++) sum[c] += e->weight * x[c];
+    weight += e->weight;
+  }
+  if (j->layer == YLM_SHADE_NORMAL) weight = sqrtf(ylm__dot3(sum, sum));
+  for (int c = 0; c < channels; c++)
+    out[c] = weight > 0 ? sum[c] / weight : j->layer == YLM_SHADE_DEPTH ? INFINITY : 0;
+}
+
+static ylm_status write_layer(void *context, size_t begin, size_t end, int worker) {
+  (void)worker;
+  const layer_job *j = context;
+  int channels = ylm_shade_layer_channels(j->layer);
+  for (size_t p = begin; p < end; p++) {
+    const shade_pixel *q = &j->v->pixel[p];
+    float *out = j->out + p * (size_t)channels;
+    switch (j->layer) {
+    case YLM_SHADE_RADIANCE_OF_LAMPS: memcpy(out, q->lamps, 12); break;
+    case YLM_SHADE_COVERAGE: *out = q->coverage; break;
+    case YLM_SHADE_EMITTER: *out = q->emitter; break;
+    default: surface_mean(j, q, out);
+    }
+  }
+  return YLM_OK;
+}
+
+ylm_status ylm_shade_layer_write(const ylm_shade_view *v, ylm_shade_layer layer, int threads,
+                                 float *out) {
+  layer_job j = {v, layer, out};
+  return ylm_parallel(v->stats.pixels, 1024, threads, write_layer, &j, NULL, NULL);
+}

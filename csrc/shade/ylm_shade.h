@@ -1,0 +1,218 @@
+/*
+** ylm_shade.h - from a camera's rays to an image: shading points, transfer vectors, shading.
+**
+**   ylm_shade_scene   meshes, materials and lamps, ready to be traced
+**   ylm_shade_view    what one camera sees of it: shading points with their transfer vectors.
+**                     Everything that does not depend on how the light is known is done once,
+**                     so that grids are compared on one view at the cost of sampling them.
+**
+** A shading point stands for the samples of one pixel that hit the same mesh, within `share` pixel
+** widths of each other and with normals within 10 degrees. It is one of these hits (the one
+** nearest to their mean), and its weight is their share of the pixel. So a pixel in the middle of
+** a surface is shaded once however many samples resolve its edges, and a pixel that covers a long
+** stretch of floor is shaded several times. With share = 0 every sample is shaded.
+**
+** Its transfer vector T holds the SH coefficients of max(0, n.s) V(s), and
+**
+**   radiance[c] = albedo[c] / pi * sum over k of T[k] L[c][k]
+**
+** Ownership   ylm_shade_*_create copies what it is given; a view must not outlive its scene.
+** Threads     scenes and views are read-only after creation.
+** Results     depend on the seed, and not on the number of threads.
+*/
+#ifndef YLM_SHADE_H
+#define YLM_SHADE_H
+
+#include "ylm_base.h"
+#include "ylm_material.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* -- scene ------------------------------------------------------------------- */
+
+typedef struct ylm_shade_scene ylm_shade_scene;
+
+typedef struct ylm_shade_mesh {
+  const float *positions;    /* [vertices][3]  scene units                              */
+  const float *normals;      /* [vertices][3]  any length; NULL: those of the triangles */
+  size_t vertices;
+  const uint32_t *triangles; /* [count][3]     < vertices                               */
+  size_t count;
+  ylm_material material;
+  bool occludes;             /* false: seen, but never in the way of light */
+} ylm_shade_mesh;
+
+/* Sphere lamps: drawn as emitters, sampled by ylm_shade_raycast; they never occlude. */
+typedef struct ylm_shade_lamps {
+  size_t count;
+  const float *spheres;  /* [count][4]  centre and radius >= 0, scene units   */
+  const float *radiance; /* [count][3]  W sr^-1 m^-2, linear Rec. 709         */
+} ylm_shade_lamps;
+
+/* YLM_OK; YLM_EINVAL, YLM_EDOMAIN, YLM_EOVERFLOW, YLM_ENOMEM, YLM_EDEVICE as ylm_trace_create and
+   ylm_material_check say. */
+YLM_API ylm_status ylm_shade_scene_create(size_t meshes, const ylm_shade_mesh *mesh,
+                                          const ylm_shade_lamps *lamps, ylm_shade_scene **scene,
+                                          ylm_error *e);
+YLM_API void ylm_shade_scene_free(ylm_shade_scene *scene);
+/* Box around all meshes (not the lamps); zeros where there are none. */
+YLM_API void ylm_shade_scene_bounds(const ylm_shade_scene *scene, double lo[3], double hi[3]);
+
+/* -- view -------------------------------------------------------------------- */
+
+typedef struct ylm_shade_view ylm_shade_view;
+
+/* A pinhole camera. */
+typedef struct ylm_camera {
+  double from[3], at[3]; /* scene units, different                        */
+  double up[3];          /* not along at - from                           */
+  double fov;            /* of the image's height, degrees, 0 < fov < 180 */
+} ylm_camera;
+
+typedef enum ylm_shade_visibility {
+  YLM_SHADE_UNSHADOWED, /* V = 1: the clamped cosine, analytically                      */
+  YLM_SHADE_PIXEL,      /* V by occlusion rays from every shading point                 */
+  YLM_SHADE_VERTEX      /* V by occlusion rays from the vertices of the triangles seen;
+                           transfer vectors are interpolated over the triangle          */
+} ylm_shade_visibility;
+
+typedef struct ylm_shade_options {
+  int width, height;               /* pixels, 1 .. 65536                                   */
+  int samples;                     /* per pixel, stratified, 1 .. 1024                     */
+  int lmax;                        /* of the transfer vectors, 0 .. 100                    */
+  bool per_vertex;                 /* shade vertices and interpolate colour over triangles */
+  ylm_shade_visibility visibility; /* per_vertex: PIXEL means the same as VERTEX           */
+  int transfer_samples;            /* occlusion rays per transfer vector, 1 .. 65536       */
+  double occlusion_distance;       /* > 0, may be infinite: how far these rays reach       */
+  double share;                    /* pixel widths, >= 0                                   */
+  uint64_t seed;
+  int threads;
+  const ylm_progress *progress;    /* stages "primary rays", "transfer"                    */
+} ylm_shade_options;
+
+typedef struct ylm_shade_stats {
+  size_t points;         /* shading points: where light is asked for                       */
+  size_t hits;           /* primary samples that hit a mesh                                */
+  size_t pixels;         /* of the image                                                   */
+  uint64_t primary_rays, occlusion_rays;
+  double primary_seconds, transfer_seconds;
+  size_t bytes;          /* memory the view holds                                          */
+} ylm_shade_stats;
+
+/*
+** ylm_shade_view_create - trace a camera's rays and find the transfer vectors of what they hit.
+**
+** Camera rays go through stratified places in each pixel. Occlusion rays are distributed as the
+** cosine about the shading normal, a Hammersley set shifted at random per point; with V_i what
+** ray i found, Y_i the basis at its direction, A Y(n) the exact clamped cosine and v the mean V_i,
+**
+**   T = pi/N sum V_i Y_i + v (A Y(n) - pi/N sum Y_i)
+**
+** which is exact where nothing or everything occludes; its bias is of the order of 1/N of its
+** deviation. Ray origins leave the flat triangle for the surface that the vertex normals describe.
+**
+** Returns  YLM_OK; YLM_EINVAL (camera), YLM_ERANGE (an option), YLM_ENOMEM, YLM_ECANCELLED
+** Cost     per shading point: transfer_samples rays and 4 (lmax+1)^2 + 64 bytes
+** Source   Sloan et al. 2002, "Precomputed Radiance Transfer"; Iwasaki & Dobashi 2025, Sec. 6.2;
+**          Hanika 2021, "Hacking the Shadow Terminator" (origins)
+*/
+YLM_API ylm_status ylm_shade_view_create(const ylm_shade_scene *scene, const ylm_camera *camera,
+                                         const ylm_shade_options *o, ylm_shade_view **view,
+                                         ylm_error *e);
+YLM_API void ylm_shade_view_free(ylm_shade_view *view);
+
+YLM_API void ylm_shade_view_stats(const ylm_shade_view *view, ylm_shade_stats *stats);
+/* What the view was made with; `progress` is NULL. */
+YLM_API const ylm_shade_options *ylm_shade_view_options(const ylm_shade_view *view);
+
+/* Per shading point; valid as long as the view. */
+YLM_API const float *ylm_shade_view_positions(const ylm_shade_view *view); /* [points][3] */
+YLM_API const float *ylm_shade_view_normals(const ylm_shade_view *view);   /* [points][3] unit */
+YLM_API const float *ylm_shade_view_transfer(const ylm_shade_view *view);  /* [points][count] */
+/* albedo [points][3]; object [points]: index of the mesh. Either may be NULL. */
+YLM_API void ylm_shade_view_surface(const ylm_shade_view *view, float *albedo, float *object);
+
+/* -- light ------------------------------------------------------------------- */
+
+/*
+** ylm_shade_field - radiance of every shading point under a light field.
+**
+**   field   in   asked for values at lmax of the view, 3 channels, float (or double)
+**   t       in   the element type light is asked for and multiplied in; radiance is float
+**   out     out  [points][3]
+**   pairs   out  light x point evaluations, may be NULL
+**
+** Returns  YLM_OK; what the field returns; YLM_ENOMEM, YLM_ECANCELLED (progress stage "shading")
+*/
+YLM_API ylm_status ylm_shade_field(const ylm_shade_view *view, const ylm_field *field, ylm_dtype t,
+                                   int threads, const ylm_progress *progress, float *out,
+                                   uint64_t *pairs, ylm_error *e);
+
+/* The same for points first .. first+n-1 from coefficients L [n][channels][count], channels 1 or 3;
+   out [n][3]. */
+YLM_API ylm_status ylm_shade_coefficients(const ylm_shade_view *view, size_t first, size_t n,
+                                          int channels, ylm_dtype t, const void *L, int threads,
+                                          float *out);
+
+/*
+** ylm_shade_raycast - radiance of every shading point by sampling the lamps themselves.
+**
+** Each of `samples` strata chooses a lamp in proportion to (a bound of) its unshadowed luminous
+** irradiance, then a direction uniform in the solid angle it fills; a ray that starts at the point
+** and ends at the lamp decides. No SH, no grid, no occlusion_distance.
+**
+**   samples  in   shadow rays per shading point, 1 .. 65536
+**   out      out  [points][3]
+**   rays     out  shadow rays that were traced, may be NULL
+**
+** Returns  YLM_OK; YLM_ERANGE, YLM_ENOMEM, YLM_ECANCELLED (progress stage "raycast")
+** Cost     points * (lamps + samples rays)
+** Source   Shirley, Wang, Zimmerman 1996, "Monte Carlo Techniques for Direct Lighting Calculations"
+*/
+YLM_API ylm_status ylm_shade_raycast(const ylm_shade_view *view, int samples, bool shadows,
+                                     uint64_t seed, int threads, const ylm_progress *progress,
+                                     float *out, uint64_t *rays);
+
+/* -- image ------------------------------------------------------------------- */
+
+/*
+** ylm_shade_resolve - values at shading points to pixels: the mean over a pixel's samples.
+**
+**   channels  in   1 .. 4
+**   values    in   [points][channels]
+**   fill      in   [channels] or NULL (zeros): for the part of a pixel that shows no surface
+**   covered   in   divide by the part that shows surface instead, so that edges keep the
+**                  surface's value; pixels without any are `fill`
+**   out       out  [height][width][channels]
+*/
+YLM_API ylm_status ylm_shade_resolve(const ylm_shade_view *view, int channels, const float *values,
+                                     const float *fill, bool covered, int threads, float *out);
+
+typedef enum ylm_shade_layer {
+  YLM_SHADE_RADIANCE_OF_LAMPS, /* 3: what lamps in sight add to the pixel     */
+  YLM_SHADE_DEPTH,             /* 1: along the view axis, infinity: nothing   */
+  YLM_SHADE_COVERAGE,          /* 1: part of the pixel's samples that hit a mesh */
+  YLM_SHADE_EMITTER,           /* 1: part that hit a lamp                     */
+  YLM_SHADE_NORMAL,            /* 3: mean over the surface in sight, unit     */
+  YLM_SHADE_POSITION,          /* 3: mean over the surface in sight           */
+  YLM_SHADE_ALBEDO             /* 3: mean over the surface in sight           */
+} ylm_shade_layer;
+
+/* The number of channels of a layer. */
+YLM_API int ylm_shade_layer_channels(ylm_shade_layer layer);
+/* Writes a layer: out [height][width][channels]. Normal, position and albedo are 0 and depth is
+   infinite where no surface is in sight. */
+YLM_API ylm_status ylm_shade_layer_write(const ylm_shade_view *view, ylm_shade_layer layer,
+                                         int threads, float *out);
+
+/* Radiance: shaded points resolved, plus lamps, plus `background` [3] where neither is seen.
+   colours [points][3], out [height][width][3]. */
+YLM_API ylm_status ylm_shade_compose(const ylm_shade_view *view, const float *colours,
+                                     const float background[3], int threads, float *out);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,241 @@
+/* trace.c - Embree 3 behind ylm_trace.h. */
+#include "ylm_trace.h"
+
+#include <embree3/rtcore.h>
+#include <math.h>
+#include <stddef.h>
+#include <string.h>
+
+#if defined(__SSE__)
+#include <xmmintrin.h>
+#endif
+
+/* Embree sorts streams by direction; longer ones gain nothing. */
+#define STREAM 256
+
+_Static_assert(sizeof(ylm_trace_ray) == sizeof(struct RTCRay), "ylm_trace_ray is Embree's ray");
+_Static_assert(offsetof(ylm_trace_ray, dir) == offsetof(struct RTCRay, dir_x), "dir");
+_Static_assert(offsetof(ylm_trace_ray, far) == offsetof(struct RTCRay, tfar), "far");
+
+/* Two trees: occluders, and what only primary rays see (lamps, meshes that do not occlude). */
+struct ylm_trace {
+  RTCDevice device;
+  RTCScene occluders, others;
+  uint32_t meshes; /* geometry ids below are meshes, this one is the lamps */
+  float lo[3], hi[3];
+};
+
+/* Denormals off; returns the mode to restore. */
+static unsigned enter_fast_mode(void) {
+#if defined(__SSE__)
+  unsigned mode = _mm_getcsr();
+  _mm_setcsr(mode | 0x8040u);
+  return mode;
+#else
+  return 0;
+#endif
+}
+
+static void leave_fast_mode(unsigned mode) {
+#if defined(__SSE__)
+  _mm_setcsr(mode);
+#else
+  (void)mode;
+#endif
+}
+
+static ylm_status device_status(RTCDevice d, ylm_error *e) {
+  switch (rtcGetDeviceError(d)) {
+  case RTC_ERROR_NONE: return YLM_OK;
+  case RTC_ERROR_OUT_OF_MEMORY: return YLM_ENOMEM;
+  case RTC_ERROR_UNSUPPORTED_CPU:
+    return ylm_fail(e, YLM_EDEVICE, "Embree does not support this processor");
+  default: return ylm_fail(e, YLM_EDEVICE, "Embree could not build the scene");
+  }
+}
+
+static ylm_status check_mesh(size_t i, const ylm_trace_mesh *m, ylm_error *e) {
+  size_t where;
+  if (m->vertices > UINT32_MAX || m->count > UINT32_MAX)
+    return ylm_fail(e, YLM_EOVERFLOW, "mesh %zu has more than 2^32 elements", i + 1);
+  if (!ylm_all_finite(YLM_FLOAT, m->positions, 3 * m->vertices, &where))
+    return ylm_fail(e, YLM_EDOMAIN, "mesh %zu: vertex %zu is not finite", i + 1, where / 3 + 1);
+  for (size_t k = 0; k < 3 * m->count; k++)
+    if (m->triangles[k] >= m->vertices)
+      return ylm_fail(e, YLM_EINVAL, "mesh %zu: triangle %zu names vertex %zu of %zu", i + 1,
+                      k / 3 + 1, (size_t)m->triangles[k] + 1, m->vertices);
+  return YLM_OK;
+}
+
+static void grow_bounds(ylm_trace *t, bool *any, const ylm_trace_mesh *m) {
+  for (size_t k = 0; k < m->vertices; k++, *any = true)
+    for (int a = 0; a < 3; a++) {
+      float x = m->positions[3 * k + a];
+      t->lo[a] = *any && t->lo[a] < x ? t->lo[a] : x;
+      t->hi[a] = *any && t->hi[a] > x ? t->hi[a] : x;
+    }
+}
+
+/* Attaches `g` under `id` and gives up this file's reference. */
+static void attach(RTCScene s, RTCGeometry g, uint32_t id) {
+  rtcCommitGeometry(g);
+  rtcAttachGeometryByID(s, g, id);
+  rtcReleaseGeometry(g);
+}
+
+static ylm_status add_mesh(ylm_trace *t, uint32_t id, const ylm_trace_mesh *m, ylm_error *e) {
+  if (m->count == 0) return YLM_OK;
+  RTCGeometry g = rtcNewGeometry(t->device, RTC_GEOMETRY_TYPE_TRIANGLE);
+  float *p = g ? rtcSetNewGeometryBuffer(g, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 12,
+                                         m->vertices) : NULL;
+  uint32_t *k = p ? rtcSetNewGeometryBuffer(g, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 12,
+                                            m->count) : NULL;
+  if (!k) {
+    if (g) rtcReleaseGeometry(g);
+    ylm_status s = device_status(t->device, e);
+    return s == YLM_OK ? YLM_ENOMEM : s;
+  }
+  memcpy(p, m->positions, m->vertices * 12);
+  memcpy(k, m->triangles, m->count * 12);
+  attach(m->occludes ? t->occluders : t->others, g, id);
+  return YLM_OK;
+}
+
+static ylm_status add_lamps(ylm_trace *t, size_t n, const float *spheres, ylm_error *e) {
+  if (n == 0) return YLM_OK;
+  if (n > UINT32_MAX) return ylm_fail(e, YLM_EOVERFLOW, "more than 2^32 lamps");
+  for (size_t i = 0; i < 4 * n; i++)
+    if (!isfinite(spheres[i]) || (i % 4 == 3 && spheres[i] < 0))
+      return ylm_fail(e, YLM_EDOMAIN, "lamp %zu has no finite place or radius", i / 4 + 1);
+  RTCGeometry g = rtcNewGeometry(t->device, RTC_GEOMETRY_TYPE_SPHERE_POINT);
+  float *p = g ? rtcSetNewGeometryBuffer(g, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT4, 16, n)
+               : NULL;
+  if (!p) {
+    if (g) rtcReleaseGeometry(g);
+    ylm_status s = device_status(t->device, e);
+    return s == YLM_OK ? YLM_ENOMEM : s;
+  }
+  memcpy(p, spheres, n * 16);
+  attach(t->others, g, t->meshes);
+  return YLM_OK;
+}
+
+static RTCScene new_scene(RTCDevice d) {
+  RTCScene s = rtcNewScene(d);
+  if (s) rtcSetSceneFlags(s, RTC_SCENE_FLAG_ROBUST);
+  return s;
+}
+
+static ylm_status build(ylm_trace *t, size_t mesh_count, const ylm_trace_mesh *meshes,
+                        size_t lamps, const float *spheres, ylm_error *e) {
+  bool any = false;
+  if (mesh_count > INT32_MAX) return ylm_fail(e, YLM_EOVERFLOW, "more than 2^31 meshes");
+  t->meshes = (uint32_t)mesh_count;
+  t->device = rtcNewDevice("threads=1,set_affinity=0");
+  if (!t->device) return device_status(NULL, e);
+  t->occluders = new_scene(t->device);
+  t->others = new_scene(t->device);
+  if (!t->occluders || !t->others) return device_status(t->device, e);
+  for (size_t i = 0; i < mesh_count; i++) {
+    ylm_status s = check_mesh(i, &meshes[i], e);
+    if (s == YLM_OK) s = add_mesh(t, (uint32_t)i, &meshes[i], e);
+    if (s != YLM_OK) return s;
+    grow_bounds(t, &any, &meshes[i]);
+  }
+  ylm_status s = add_lamps(t, lamps, spheres, e);
+  if (s != YLM_OK) return s;
+  rtcCommitScene(t->occluders);
+  rtcCommitScene(t->others);
+  return device_status(t->device, e);
+}
+
+ylm_status ylm_trace_create(size_t mesh_count, const ylm_trace_mesh *meshes, size_t lamps,
+                            const float *spheres, ylm_trace **out, ylm_error *e) {
+  *out = NULL;
+  ylm_trace *t = ylm_alloc_zero(1, sizeof *t);
+  if (!t) return YLM_ENOMEM;
+  unsigned mode = enter_fast_mode();
+  ylm_status s = build(t, mesh_count, meshes, lamps, spheres, e);
+  leave_fast_mode(mode);
+  if (s == YLM_OK) *out = t;
+  else ylm_trace_free(t);
+  return s;
+}
+
+void ylm_trace_free(ylm_trace *t) {
+  if (!t) return;
+  if (t->occluders) rtcReleaseScene(t->occluders);
+  if (t->others) rtcReleaseScene(t->others);
+  if (t->device) rtcReleaseDevice(t->device);
+  ylm_free(t);
+}
+
+void ylm_trace_bounds(const ylm_trace *t, float lo[3], float hi[3]) {
+  memcpy(lo, t->lo, sizeof t->lo);
+  memcpy(hi, t->hi, sizeof t->hi);
+}
+
+float ylm_trace_offset(const ylm_trace *t) {
+  float largest = 0;
+  for (int a = 0; a < 3; a++)
+    largest = fmaxf(largest, fmaxf(fabsf(t->lo[a]), fabsf(t->hi[a])));
+  return largest > 0 ? 1e-5f * largest : 1e-5f;
+}
+
+static void prepare_ray(struct RTCRay *r) {
+  r->time = 0;
+  r->mask = UINT32_MAX;
+  r->id = r->flags = 0;
+}
+
+static struct RTCIntersectContext context_for(bool coherent) {
+  struct RTCIntersectContext c;
+  rtcInitIntersectContext(&c);
+  c.flags = coherent ? RTC_INTERSECT_CONTEXT_FLAG_COHERENT : RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
+  return c;
+}
+
+static void read_hit(const ylm_trace *t, const struct RTCRayHit *r, ylm_trace_hit *h) {
+  bool lamp = r->hit.geomID == t->meshes;
+  h->mesh = r->hit.geomID == RTC_INVALID_GEOMETRY_ID ? YLM_TRACE_NOTHING
+            : lamp                                   ? YLM_TRACE_LAMP
+                                                     : (int32_t)r->hit.geomID;
+  h->element = r->hit.primID;
+  h->t = r->ray.tfar;
+  h->u = r->hit.u;
+  h->v = r->hit.v;
+  h->normal[0] = r->hit.Ng_x;
+  h->normal[1] = r->hit.Ng_y;
+  h->normal[2] = r->hit.Ng_z;
+}
+
+void ylm_trace_intersect(const ylm_trace *t, size_t n, const ylm_trace_ray *rays, bool coherent,
+                         ylm_trace_hit *hits) {
+  struct RTCRayHit r[STREAM];
+  unsigned mode = enter_fast_mode();
+  for (size_t first = 0; first < n; first += STREAM) {
+    unsigned count = n - first < STREAM ? (unsigned)(n - first) : STREAM;
+    for (unsigned i = 0; i < count; i++) {
+      memcpy(&r[i].ray, &rays[first + i], sizeof r[i].ray);
+      prepare_ray(&r[i].ray);
+      r[i].hit.geomID = r[i].hit.primID = r[i].hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+    }
+    struct RTCIntersectContext c = context_for(coherent);
+    rtcIntersect1M(t->occluders, &c, r, count, sizeof r[0]);
+    rtcIntersect1M(t->others, &c, r, count, sizeof r[0]);
+    for (unsigned i = 0; i < count; i++) read_hit(t, &r[i], &hits[first + i]);
+  }
+  leave_fast_mode(mode);
+}
+
+void ylm_trace_occluded(const ylm_trace *t, size_t n, ylm_trace_ray *rays) {
+  unsigned mode = enter_fast_mode();
+  for (size_t first = 0; first < n; first += STREAM) {
+    unsigned count = n - first < STREAM ? (unsigned)(n - first) : STREAM;
+    struct RTCRay *r = (struct RTCRay *)&rays[first];
+    for (unsigned i = 0; i < count; i++) prepare_ray(&r[i]);
+    struct RTCIntersectContext c = context_for(false);
+    rtcOccluded1M(t->occluders, &c, r, count, sizeof r[0]);
+  }
+  leave_fast_mode(mode);
+}

@@ -1,0 +1,81 @@
+/*
+** ylm_trace.h - what a ray hits: meshes that occlude and lamps that are only seen.
+**
+** Ownership   ylm_trace_create copies what it is given.
+** Threads     a ylm_trace is read-only after creation; any number of threads may ask at once.
+** Numerics    rays are traced with denormal numbers taken as zero; the caller's floating-point
+**             mode is restored before each function returns.
+*/
+#ifndef YLM_TRACE_H
+#define YLM_TRACE_H
+
+#include "ylm_base.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct ylm_trace ylm_trace;
+
+/* Triangles to be traced. */
+typedef struct ylm_trace_mesh {
+  const float *positions;    /* [vertices][3]       scene units  */
+  size_t vertices;
+  const uint32_t *triangles; /* [count][3]          < vertices   */
+  size_t count;
+  bool occludes;             /* false: seen by primary rays, ignored by occlusion rays */
+} ylm_trace_mesh;
+
+/* A ray from org + near*dir to org + far*dir. `reserved` need not be set. 16-byte aligned. */
+typedef struct ylm_trace_ray {
+  float org[3], near;
+  float dir[3], reserved;
+  float far;
+  uint32_t internal[3];
+} __attribute__((aligned(16), may_alias)) ylm_trace_ray;
+
+/* What a ray hit first. */
+typedef struct ylm_trace_hit {
+  int32_t mesh;      /* index of the mesh, YLM_TRACE_NOTHING or YLM_TRACE_LAMP */
+  uint32_t element;  /* the triangle in its mesh, or the lamp */
+  float t;           /* distance in lengths of dir */
+  float u, v;        /* weights of the triangle's second and third corner */
+  float normal[3];   /* of the triangle by its winding, not normalised */
+} ylm_trace_hit;
+
+enum { YLM_TRACE_NOTHING = -1, YLM_TRACE_LAMP = -2 };
+
+/*
+** ylm_trace_create - build the structures that rays are traced through.
+**
+**   meshes   in   [mesh_count]     finite positions
+**   spheres  in   [lamps][4]       centre and radius >= 0 of lamps that primary rays see
+**   out      out  to be freed with ylm_trace_free
+**
+** Returns  YLM_OK; YLM_EINVAL (an index >= vertices), YLM_EDOMAIN (not finite, radius < 0),
+**          YLM_EOVERFLOW (2^32 triangles), YLM_ENOMEM, YLM_EDEVICE (Embree refuses)
+** Cost     about 1 s per million triangles, on one thread, so that the tree, and with it which of
+**          two equally near triangles is hit, does not depend on the machine
+*/
+YLM_API ylm_status ylm_trace_create(size_t mesh_count, const ylm_trace_mesh *meshes, size_t lamps,
+                                    const float *spheres, ylm_trace **out, ylm_error *e);
+YLM_API void ylm_trace_free(ylm_trace *t);
+
+/* Box around the meshes, lamps left out; all zero where there are none. */
+YLM_API void ylm_trace_bounds(const ylm_trace *t, float lo[3], float hi[3]);
+
+/* A distance safely above the rounding of positions in this scene: how far rays start off a
+   surface. */
+YLM_API float ylm_trace_offset(const ylm_trace *t);
+
+/* The first hit of each of n rays among all meshes and lamps. `coherent`: they run alike. */
+YLM_API void ylm_trace_intersect(const ylm_trace *t, size_t n, const ylm_trace_ray *rays,
+                                 bool coherent, ylm_trace_hit *hits);
+
+/* Sets far < 0 in each of n rays that meets an occluding mesh; lamps never do. */
+YLM_API void ylm_trace_occluded(const ylm_trace *t, size_t n, ylm_trace_ray *rays);
+
+#ifdef __cplusplus
+}
+#endif
+#endif
