@@ -27,10 +27,16 @@
   X(array) \
   X(light) \
   X(sandbox) \
-  X(sh)
+  X(sh) \
+  X(image) \
+  X(mesh)
+
+#define YLML_SCENE_BINDINGS(X) \
+  X(codec)
 
 #define X(name) void ylmL_open_##name(lua_State *L);
 YLML_CORE_BINDINGS(X)
+YLML_SCENE_BINDINGS(X)
 #undef X
 
 /* The entry points of the shared objects. */
@@ -100,6 +106,25 @@ void ylmL_array_close(ylmL_array *a);
 ylmL_array *ylmL_array_check(lua_State *L, int i);
 /* The same, or NULL where `i` is nil or none. */
 ylmL_array *ylmL_array_opt(lua_State *L, int i);
+
+/* -- images and meshes: csrc/lua/binding_objects.c, compiled into every binding -- */
+
+#define YLM_IMAGE "ylm.image"
+#define YLM_MESH "ylm.mesh"
+
+/* An object without an image yet, on the stack: the caller fills the address returned, which the
+   object then owns. Raises where memory runs out, so call it before making the image. */
+struct ylm_image **ylmL_image_new(lua_State *L);
+/* The image at `i`; raises if there is none or it has been closed. */
+struct ylm_image *ylmL_image_check(lua_State *L, int i);
+/* The same for meshes. */
+struct ylm_mesh **ylmL_mesh_new(lua_State *L);
+struct ylm_mesh *ylmL_mesh_check(lua_State *L, int i);
+/* Lets go of the image or mesh at 1. */
+int ylmL_object_close(lua_State *L);
+/* An array over memory of the image or mesh at `i`, which it keeps alive; raises without memory. */
+ylmL_array *ylmL_object_array(lua_State *L, int i, ylm_dtype t, int axes, const size_t *shape,
+                              void *data);
 
 /* -- light fields ----------------------------------------------------------- */
 

@@ -15,6 +15,8 @@ local contents = {
   { "ylm.material", "matte" },
   { "ylm.camera", "camera" },
   { "ylm.scene", "scene", "load_scene" },
+  { "ylm.image", "image" },
+  { "ylm.geometry", "quad", "sphere", "box", "torus", "knot", "mesh" },
 }
 
 --- Public name -> a module that is a table of functions itself.

@@ -1,0 +1,196 @@
+/* png.c - PNG through libpng's low-level interface (the simplified one hides limits). */
+#include "codec.h"
+
+#include <png.h>
+#include <setjmp.h>
+#include <string.h>
+
+/* What libpng's callbacks share with us. */
+typedef struct state {
+  const unsigned char *bytes;
+  size_t size, at;
+  ylm_file *file;
+  bool failed;
+  char message[160];
+} state;
+
+static void on_error(png_structp png, png_const_charp text) {
+  state *s = png_get_error_ptr(png);
+  snprintf(s->message, sizeof s->message, "%s", text);
+  longjmp(png_jmpbuf(png), 1);
+}
+
+static void on_warning(png_structp png, png_const_charp text) {
+  (void)png;
+  (void)text;
+}
+
+static void on_read(png_structp png, png_bytep out, size_t n) {
+  state *s = png_get_io_ptr(png);
+  if (n > s->size - s->at) png_error(png, "truncated");
+  memcpy(out, s->bytes + s->at, n);
+  s->at += n;
+}
+
+static void on_write(png_structp png, png_bytep data, size_t n) {
+  state *s = png_get_io_ptr(png);
+  s->failed = ylm_file_write(s->file, data, n) != YLM_OK;
+  if (s->failed) png_error(png, "cannot be written");
+}
+
+static void on_flush(png_structp png) { (void)png; }
+
+/* 8-bit sRGB to linear, 256 entries; 16-bit is computed. */
+static void to_linear(ylm_layer *layer, const unsigned char *pixels, size_t n, int bits, bool raw) {
+  float table[256];
+  int alpha = layer->channels == 4 || layer->channels == 2 ? layer->channels - 1 : 4;
+  for (int i = 0; i < 256; i++) table[i] = raw ? (float)i / 255 : ylm_tone_decode_srgb((float)i / 255);
+  for (size_t i = 0; i < n; i++) {
+    bool is_alpha = (int)(i % (size_t)layer->channels) == alpha;
+    if (bits == 8) {
+      layer->data[i] = is_alpha ? (float)pixels[i] / 255 : table[pixels[i]];
+    } else {
+      float x = (float)(pixels[2 * i] << 8 | pixels[2 * i + 1]) / 65535;
+      layer->data[i] = raw || is_alpha ? x : ylm_tone_decode_srgb(x);
+    }
+  }
+}
+
+/* Pixels that survive a longjmp are reached through this. */
+typedef struct work {
+  ylm_image *image;
+  unsigned char *pixels;
+  png_bytep *rows;
+} work;
+
+static ylm_status read_all(png_structp png, png_infop info, const char *name, bool raw, work *w,
+                           size_t size, ylm_error *e) {
+  png_read_info(png, info);
+  uint32_t width = png_get_image_width(png, info), height = png_get_image_height(png, info);
+  png_set_expand(png); /* palettes, small greys and transparency to whole channels */
+  png_set_interlace_handling(png);
+  png_read_update_info(png, info);
+  int channels = png_get_channels(png, info), bits = png_get_bit_depth(png, info);
+  /* deflate expands at most 1032 times */
+  uint64_t least = (uint64_t)width * height / 8 / 1032;
+  ylm_status s = ylm__codec_start(name, width, height, channels, size, (size_t)least, &w->image, e);
+  if (s != YLM_OK) return s;
+  size_t row = png_get_rowbytes(png, info);
+  w->pixels = ylm_alloc_zero(row, height);
+  w->rows = ylm_alloc(height, sizeof *w->rows);
+  if (!w->pixels || !w->rows) return ylm_fail(e, YLM_ENOMEM, "%s: memory ran out", name);
+  for (size_t y = 0; y < height; y++) w->rows[y] = w->pixels + y * row;
+  png_read_image(png, w->rows);
+  png_read_end(png, NULL);
+  to_linear(&w->image->layer[0], w->pixels, (size_t)width * height * (size_t)channels, bits, raw);
+  return YLM_OK;
+}
+
+ylm_status ylm__png_parse(const unsigned char *bytes, size_t size, const char *name, bool raw,
+                          ylm_image **image, ylm_error *e) {
+  state st = {.bytes = bytes, .size = size};
+  work *w = ylm_alloc_zero(1, sizeof *w);
+  png_structp png = png_create_read_struct(PNG_LIBPNG_VER_STRING, &st, on_error, on_warning);
+  png_infop info = png ? png_create_info_struct(png) : NULL;
+  volatile ylm_status s = YLM_OK;
+  *image = NULL;
+  if (!w || !info) {
+    s = ylm_fail(e, YLM_ENOMEM, "%s: memory ran out", name);
+  } else if (setjmp(png_jmpbuf(png))) {
+    s = ylm_fail(e, YLM_EFORMAT, "%s: not a whole PNG image: %s", name, st.message);
+  } else {
+    png_set_read_fn(png, &st, on_read);
+    png_set_user_limits(png, YLM_IMAGE_MAX_SIDE, YLM_IMAGE_MAX_SIDE);
+    png_set_chunk_malloc_max(png, 1 << 24);
+    png_set_chunk_cache_max(png, 64);
+    s = read_all(png, info, name, raw, w, size, e);
+  }
+  png_destroy_read_struct(&png, &info, NULL);
+  if (w) {
+    ylm_free(w->pixels);
+    ylm_free(w->rows);
+    if (s == YLM_OK) *image = w->image;
+    else ylm_image_free(w->image);
+    ylm_free(w);
+  }
+  return s;
+}
+
+/* One row of a layer as PNG samples; alpha is not tone-mapped. */
+static void encode_row(const ylm_layer *layer, int width, int y, const ylm_codec_options *o,
+                       float *tmp, unsigned char *out) {
+  size_t n = (size_t)width * (size_t)layer->channels;
+  const float *in = layer->data + (size_t)y * n;
+  ylm_tone_map(o->tone, o->exposure, n, in, tmp);
+  if (layer->channels == 4 || layer->channels == 2)
+    for (size_t i = (size_t)layer->channels - 1; i < n; i += (size_t)layer->channels)
+      tmp[i] = ylm_tone_apply(YLM_TONE_linear, in[i]);
+  for (size_t i = 0; i < n; i++) {
+    if (o->bits == 16) {
+      unsigned v = (unsigned)(tmp[i] * 65535.0f + 0.5f);
+      out[2 * i] = (unsigned char)(v >> 8);
+      out[2 * i + 1] = (unsigned char)v;
+    } else {
+      out[i] = (unsigned char)(tmp[i] * 255.0f + 0.5f);
+    }
+  }
+}
+
+static void write_all(png_structp png, png_infop info, const ylm_image *image,
+                      const ylm_layer *layer, const ylm_codec_options *o, float *tmp,
+                      unsigned char *row) {
+  static const int types[] = {0, PNG_COLOR_TYPE_GRAY, PNG_COLOR_TYPE_GRAY_ALPHA,
+                              PNG_COLOR_TYPE_RGB, PNG_COLOR_TYPE_RGB_ALPHA};
+  png_set_IHDR(png, info, (png_uint_32)image->width, (png_uint_32)image->height,
+               o->bits == 16 ? 16 : 8, types[layer->channels], PNG_INTERLACE_NONE,
+               PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
+  if (o->tone != YLM_TONE_linear) png_set_sRGB(png, info, PNG_sRGB_INTENT_PERCEPTUAL);
+  char tone[64];
+  snprintf(tone, sizeof tone, "tone curve %s, exposure %+.2f stops", ylm_tone_name(o->tone),
+           o->exposure);
+  png_text text[2] = {
+      {.compression = PNG_TEXT_COMPRESSION_NONE, .key = (char *)"Software",
+       .text = (char *)"ylm " YLM_VERSION},
+      {.compression = PNG_TEXT_COMPRESSION_NONE, .key = (char *)"Comment", .text = tone},
+  };
+  png_set_text(png, info, text, 2);
+  png_write_info(png, info);
+  for (int y = 0; y < image->height; y++) {
+    encode_row(layer, image->width, y, o, tmp, row);
+    png_write_row(png, row);
+  }
+  png_write_end(png, info);
+}
+
+ylm_status ylm__png_write(const ylm_image *image, const ylm_layer *layer, const char *path,
+                          const ylm_codec_options *o, ylm_error *e) {
+  if (o->bits != 0 && o->bits != 8 && o->bits != 16)
+    return ylm_fail(e, YLM_EINVAL, "%s: PNG has 8 or 16 bits, not %d", path, o->bits);
+  state st = {0};
+  size_t samples = (size_t)image->width * (size_t)layer->channels;
+  float *tmp = ylm_alloc(samples, sizeof(float));
+  unsigned char *row = ylm_alloc(samples, 2);
+  ylm_status s = YLM_OK;
+  if (!tmp || !row) s = ylm_fail(e, YLM_ENOMEM, "%s: memory ran out", path);
+  else s = ylm_file_create(path, &st.file, e);
+  if (s == YLM_OK) {
+    png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, &st, on_error, on_warning);
+    png_infop info = png ? png_create_info_struct(png) : NULL;
+    volatile bool ok = false;
+    if (info && !setjmp(png_jmpbuf(png))) {
+      png_set_write_fn(png, &st, on_write, on_flush);
+      write_all(png, info, image, layer, o, tmp, row);
+      ok = true;
+    }
+    png_destroy_write_struct(&png, &info);
+    if (ok || st.failed) {
+      s = ylm_file_commit(st.file, e); /* a failed write sticks to the file and is told here */
+    } else {
+      ylm_file_discard(st.file);
+      s = ylm_fail(e, YLM_ENOMEM, "%s: libpng: %s", path, info ? st.message : "memory ran out");
+    }
+  }
+  ylm_free(tmp);
+  ylm_free(row);
+  return s;
+}

@@ -1,0 +1,63 @@
+/*
+** ylm_codec.h - image files: OpenEXR, PNG, Radiance .hdr, PFM.
+**
+** Readers take bytes in memory (`*_parse`, for fuzzing and pipes) or a path; they refuse what is
+** truncated, damaged or too large with a sentence that begins with the file's name, and allocate
+** no more than a small multiple of what the file can hold. Writers replace the file whole or not
+** at all. Nothing is printed.
+*/
+#ifndef YLM_CODEC_H
+#define YLM_CODEC_H
+
+#include "ylm_image.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* What a writer may be told; zeros are the defaults. */
+typedef struct ylm_codec_options {
+  int bits;         /* exr: 16 (half) or 32 (default); png: 8 (default) or 16 */
+  ylm_tone tone;    /* png: the curve; default srgb */
+  double exposure;  /* png: stops */
+  const char *layer; /* png, hdr, pfm: which layer; NULL: the first */
+} ylm_codec_options;
+
+/*
+** ylm_codec_write - an image to a file, by the ending of its name.
+**
+**   .exr  every layer and the metadata; the first layer as R, G, B (or Y), the others as
+**         NAME.R ...; normals and positions as X, Y, Z. ZIP compression. Half saturates at 65504.
+**   .png  one layer through exposure and tone curve; 1 .. 4 channels
+**   .hdr  one layer of 3 channels (1 is repeated), RGBE, 8 bits of mantissa, negatives become 0
+**   .pfm  one layer of 1 or 3 channels, float, little-endian
+**
+** Returns  YLM_OK; YLM_EINVAL (ending, layer, bits), YLM_ESHAPE (channels that the format lacks),
+**          YLM_EDOMAIN (hdr: a number that is not finite), YLM_EIO, YLM_ENOMEM
+*/
+YLM_API ylm_status ylm_codec_write(const ylm_image *image, const char *path,
+                                   const ylm_codec_options *options, ylm_error *e);
+
+typedef enum ylm_codec_kind {
+  YLM_CODEC_NONE, YLM_CODEC_EXR, YLM_CODEC_PNG, YLM_CODEC_HDR, YLM_CODEC_PFM
+} ylm_codec_kind;
+
+/* What the first bytes say. */
+YLM_API ylm_codec_kind ylm_codec_recognise(const unsigned char *bytes, size_t size);
+
+/*
+** ylm_codec_parse - an image from a file's bytes, by content.
+**
+** PNG numbers are decoded from sRGB to linear (`raw`: k/255 or k/65535 as they stand). Formats
+** without layer names give one layer "radiance"; an EXR of ylm gives back its layers in order.
+** Returns  YLM_OK; YLM_EFORMAT, YLM_ELIMIT, YLM_ENOMEM
+*/
+YLM_API ylm_status ylm_codec_parse(const unsigned char *bytes, size_t size, const char *name,
+                                   bool raw, ylm_image **image, ylm_error *e);
+/* The same from a file; errors of ylm_file_read too. */
+YLM_API ylm_status ylm_codec_read(const char *path, bool raw, ylm_image **image, ylm_error *e);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,297 @@
+/* obj.c - Wavefront OBJ. */
+#include "reader.h"
+
+#include <math.h>
+#include <string.h>
+
+/* The largest index of a kind that a face used, and where: it may stand before what it names. */
+typedef struct extent {
+  uint64_t largest; /* one-based; 0: none */
+  size_t line;
+} extent;
+
+typedef struct parser {
+  const unsigned char *p, *end;
+  size_t line;
+  const char *name;
+  ylm_error *e;
+  ylm_growing position, uv, normal; /* float[3], float[2], float[3] */
+  ylm_growing polygon, triangle;    /* ylm_corner */
+  extent most[3];                   /* v, vt, vn */
+  bool bare_normal;                 /* some corner has none */
+} parser;
+
+static bool at_line_end(const parser *s) { return s->p == s->end || *s->p == '\n' || *s->p == '\r'; }
+
+/* Skips blanks and continued line ends. */
+static void skip_blanks(parser *s) {
+  for (;;) {
+    if (s->p < s->end && (*s->p == ' ' || *s->p == '\t')) s->p++;
+    else if (s->end - s->p >= 2 && s->p[0] == '\\' && s->p[1] == '\n') s->p += 2, s->line++;
+    else if (s->end - s->p >= 3 && s->p[0] == '\\' && s->p[1] == '\r' && s->p[2] == '\n') s->p += 3, s->line++;
+    else return;
+  }
+}
+
+static void skip_line(parser *s) {
+  while (!at_line_end(s)) {
+    if (*s->p == '\\') {
+      const unsigned char *before = s->p;
+      skip_blanks(s);
+      if (s->p != before) continue;
+    }
+    s->p++;
+  }
+}
+
+/* n numbers of a v, vt or vn statement; `least` of them must be there, the others are 0. */
+static ylm_status read_floats(parser *s, ylm_growing *to, const char *what, int n, int least) {
+  float *out = ylm__grow(to, 1);
+  if (!out) return ylm_fail(s->e, YLM_ENOMEM, "%s: memory ran out", s->name);
+  for (int i = 0; i < n; i++) {
+    double x = 0;
+    skip_blanks(s);
+    if (!ylm__read_number(&s->p, s->end, &x) && i < least)
+      return ylm_fail(s->e, YLM_EFORMAT, "%s:%zu: '%s' wants %d numbers, number %d is none", s->name,
+                      s->line, what, n, i + 1);
+    out[i] = (float)x;
+    if (!isfinite(out[i]))
+      return ylm_fail(s->e, YLM_EFORMAT, "%s:%zu: number %d of '%s' is too large", s->name, s->line,
+                      i + 1, what);
+  }
+  if (++to->count > YLM_MESH_MAX)
+    return ylm_fail(s->e, YLM_ELIMIT, "%s:%zu: more than %zu of '%s'", s->name, s->line, YLM_MESH_MAX, what);
+  skip_line(s);
+  return YLM_OK;
+}
+
+/* One index of a face corner (kind 0 v, 1 vt, 2 vn) as a zero-based one. */
+static ylm_status read_index(parser *s, int kind, uint32_t *out) {
+  static const char *const names[] = {"vertex", "texture coordinate", "normal"};
+  bool negative = s->p < s->end && *s->p == '-';
+  if (negative) s->p++;
+  uint64_t k = 0;
+  if (s->p == s->end || *s->p < '0' || *s->p > '9')
+    return ylm_fail(s->e, YLM_EFORMAT, "%s:%zu: a %s index expected in a face", s->name, s->line, names[kind]);
+  for (; s->p < s->end && *s->p >= '0' && *s->p <= '9'; s->p++)
+    if (k < 1u << 31) k = 10 * k + (uint64_t)(*s->p - '0');
+  const ylm_growing *pool = kind == 0 ? &s->position : kind == 1 ? &s->uv : &s->normal;
+  if (negative) {
+    if (k == 0 || k > pool->count)
+      return ylm_fail(s->e, YLM_EFORMAT, "%s:%zu: a face refers to %s -%llu, %zu are there so far",
+                      s->name, s->line, names[kind], (unsigned long long)k, pool->count);
+    k = pool->count - k + 1;
+  }
+  if (k == 0 || k > YLM_MESH_MAX)
+    return ylm_fail(s->e, YLM_EFORMAT, "%s:%zu: a face refers to %s %llu", s->name, s->line, names[kind],
+                    (unsigned long long)k);
+  if (k > s->most[kind].largest) s->most[kind] = (extent){k, s->line};
+  *out = (uint32_t)(k - 1);
+  return YLM_OK;
+}
+
+/* v, v/vt, v//vn or v/vt/vn. */
+static ylm_status read_corner(parser *s, ylm_corner *c) {
+  *c = (ylm_corner){YLM_NO_INDEX, YLM_NO_INDEX, YLM_NO_INDEX};
+  ylm_status st = read_index(s, 0, &c->v);
+  if (st == YLM_OK && s->p < s->end && *s->p == '/') {
+    s->p++;
+    if (s->p < s->end && *s->p != '/') st = read_index(s, 1, &c->t);
+    if (st == YLM_OK && s->p < s->end && *s->p == '/') {
+      s->p++;
+      st = read_index(s, 2, &c->n);
+    }
+  }
+  if (st == YLM_OK && !at_line_end(s) && *s->p != ' ' && *s->p != '\t' && *s->p != '\\')
+    st = ylm_fail(s->e, YLM_EFORMAT, "%s:%zu: a face has corners v, v/vt, v//vn or v/vt/vn", s->name, s->line);
+  s->bare_normal |= c->n == YLM_NO_INDEX;
+  return st;
+}
+
+static ylm_status read_face(parser *s) {
+  s->polygon.count = 0;
+  for (skip_blanks(s); !at_line_end(s) && *s->p != '#'; skip_blanks(s)) {
+    ylm_corner *c = ylm__grow(&s->polygon, 1);
+    if (!c) return ylm_fail(s->e, YLM_ENOMEM, "%s: memory ran out", s->name);
+    ylm_status st = read_corner(s, c);
+    if (st != YLM_OK) return st;
+    s->polygon.count++;
+    if (!at_line_end(s) && *s->p == '\\' && (s->end - s->p < 2 || (s->p[1] != '\n' && s->p[1] != '\r')))
+      return ylm_fail(s->e, YLM_EFORMAT, "%s:%zu: unexpected '\\' in a face", s->name, s->line);
+    const unsigned char *before = s->p;
+    skip_blanks(s);
+    if (s->p == before && !at_line_end(s) && *s->p != '#')
+      return ylm_fail(s->e, YLM_EFORMAT, "%s:%zu: unexpected text in a face", s->name, s->line);
+  }
+  if (s->polygon.count < 3)
+    return ylm_fail(s->e, YLM_EFORMAT, "%s:%zu: a face has %zu corners, 3 at least are wanted", s->name,
+                    s->line, s->polygon.count);
+  if (!ylm__add_polygon(&s->triangle, s->polygon.data, s->polygon.count))
+    return ylm_fail(s->e, YLM_ENOMEM, "%s: memory ran out", s->name);
+  if (s->triangle.count / 3 > YLM_MESH_MAX)
+    return ylm_fail(s->e, YLM_ELIMIT, "%s:%zu: more than %zu triangles", s->name, s->line, YLM_MESH_MAX);
+  skip_line(s);
+  return YLM_OK;
+}
+
+/* One line, from its first word on. */
+static ylm_status read_statement(parser *s) {
+  const unsigned char *word = s->p;
+  while (!at_line_end(s) && *s->p != ' ' && *s->p != '\t' && *s->p != '\\') s->p++;
+  size_t n = (size_t)(s->p - word);
+  if (n == 1 && word[0] == 'v') return read_floats(s, &s->position, "v", 3, 3);
+  if (n == 2 && memcmp(word, "vt", 2) == 0) return read_floats(s, &s->uv, "vt", 2, 1);
+  if (n == 2 && memcmp(word, "vn", 2) == 0) return read_floats(s, &s->normal, "vn", 3, 3);
+  if (n == 1 && word[0] == 'f') return read_face(s);
+  bool letter = n > 0 && ((word[0] >= 'a' && word[0] <= 'z') || (word[0] >= 'A' && word[0] <= 'Z'));
+  if (n > 0 && !letter && word[0] != '#')
+    return ylm_fail(s->e, YLM_EFORMAT, "%s:%zu: not a statement of an OBJ file", s->name, s->line);
+  s->p = word;
+  skip_line(s);
+  return YLM_OK;
+}
+
+static ylm_status read_lines(parser *s) {
+  while (s->p < s->end) {
+    skip_blanks(s);
+    ylm_status st = at_line_end(s) ? YLM_OK : read_statement(s);
+    if (st != YLM_OK) return st;
+    if (s->p < s->end && *s->p == '\r') s->p++;
+    if (s->p < s->end && *s->p == '\n') s->p++;
+    s->line++;
+  }
+  static const char *const names[] = {"vertex", "texture coordinate", "normal"};
+  const ylm_growing *pool[] = {&s->position, &s->uv, &s->normal};
+  for (int k = 0; k < 3; k++)
+    if (s->most[k].largest > pool[k]->count)
+      return ylm_fail(s->e, YLM_EFORMAT, "%s:%zu: a face refers to %s %llu, the file has %zu", s->name,
+                      s->most[k].line, names[k], (unsigned long long)s->most[k].largest, pool[k]->count);
+  if (s->triangle.count == 0)
+    return ylm_fail(s->e, YLM_EFORMAT, "%s: not an OBJ file with faces (%zu vertices)", s->name,
+                    s->position.count);
+  return YLM_OK;
+}
+
+/* Area-weighted normals of the positions, before they are split by texture coordinates. */
+static ylm_status make_normals(parser *s) {
+  const ylm_corner *c = s->triangle.data;
+  ylm_mesh plain = {.vertices = s->position.count, .triangles = s->triangle.count / 3,
+                    .position = s->position.data,
+                    .index = ylm_alloc(s->triangle.count, sizeof(uint32_t))};
+  ylm_status st = plain.index ? YLM_OK : YLM_ENOMEM;
+  for (size_t i = 0; st == YLM_OK && i < s->triangle.count; i++) plain.index[i] = c[i].v;
+  if (st == YLM_OK) st = ylm_mesh_make_normals(&plain);
+  ylm_free(plain.index);
+  if (st != YLM_OK) return ylm_fail(s->e, st, "%s: memory ran out", s->name);
+  ylm_free(s->normal.data);
+  s->normal = (ylm_growing){plain.normal, plain.vertices, plain.vertices, 3 * sizeof(float)};
+  ylm_corner *w = s->triangle.data;
+  for (size_t i = 0; i < s->triangle.count; i++) w[i].n = w[i].v;
+  return YLM_OK;
+}
+
+static uint64_t hash(const ylm_corner *c) {
+  uint64_t h = (uint64_t)c->v * 0x9E3779B97F4A7C15u ^ ((uint64_t)c->t << 32 | c->n) * 0xC2B2AE3D27D4EB4Fu;
+  h ^= h >> 29;
+  h *= 0x94D049BB133111EBu;
+  return h ^ h >> 32;
+}
+
+/* Numbers distinct corners in the order they come: vertex[i] of corner i, first[k] the corner that
+   made vertex k. */
+static bool number_corners(const ylm_corner *c, size_t n, uint32_t *vertex, uint32_t *first,
+                           size_t *count) {
+  size_t slots = 16;
+  while (slots < 2 * n) slots *= 2;
+  uint32_t *table = ylm_alloc(slots, sizeof *table);
+  if (!table) return false;
+  memset(table, 0xff, slots * sizeof *table);
+  *count = 0;
+  for (size_t i = 0; i < n; i++) {
+    size_t h = hash(&c[i]) & (slots - 1);
+    while (table[h] != UINT32_MAX && memcmp(&c[first[table[h]]], &c[i], sizeof *c) != 0)
+      h = (h + 1) & (slots - 1);
+    if (table[h] == UINT32_MAX) {
+      first[*count] = (uint32_t)i;
+      table[h] = (uint32_t)(*count)++;
+    }
+    vertex[i] = table[h];
+  }
+  ylm_free(table);
+  return true;
+}
+
+/* Positions as they stand: no texture coordinates, and normals made by us. */
+static ylm_status build_plain(parser *s, ylm_mesh **m) {
+  ylm_status st = ylm_mesh_create(s->position.count, s->triangle.count / 3, true, false, m, s->e);
+  if (st != YLM_OK) return st;
+  const ylm_corner *c = s->triangle.data;
+  memcpy((*m)->position, s->position.data, s->position.count * 3 * sizeof(float));
+  memcpy((*m)->normal, s->normal.data, s->position.count * 3 * sizeof(float));
+  for (size_t i = 0; i < s->triangle.count; i++) (*m)->index[i] = c[i].v;
+  return YLM_OK;
+}
+
+/* A vertex for each distinct (v, vt, vn). */
+static ylm_status build_split(parser *s, bool uvs, ylm_mesh **m) {
+  size_t n = s->triangle.count, count = 0;
+  const ylm_corner *c = s->triangle.data;
+  uint32_t *vertex = ylm_alloc(n, sizeof *vertex), *first = ylm_alloc(n, sizeof *first);
+  ylm_status st = YLM_ENOMEM;
+  if (vertex && first && number_corners(c, n, vertex, first, &count))
+    st = ylm_mesh_create(count, n / 3, true, uvs, m, s->e);
+  else ylm_fail(s->e, st, "%s: memory ran out", s->name);
+  if (st == YLM_OK) {
+    const float *p = s->position.data, *t = s->uv.data, *q = s->normal.data;
+    for (size_t k = 0; k < count; k++) {
+      const ylm_corner *f = &c[first[k]];
+      memcpy((*m)->position + 3 * k, p + 3 * (size_t)f->v, 3 * sizeof(float));
+      memcpy((*m)->normal + 3 * k, q + 3 * (size_t)f->n, 3 * sizeof(float));
+      if (uvs && f->t != YLM_NO_INDEX) memcpy((*m)->uv + 2 * k, t + 2 * (size_t)f->t, 2 * sizeof(float));
+    }
+    memcpy((*m)->index, vertex, n * sizeof *vertex);
+  }
+  ylm_free(vertex);
+  ylm_free(first);
+  return st;
+}
+
+/* Given normals to unit length; (0, 0, 1) for zero ones. */
+static void normalise(float *n, size_t count) {
+  for (size_t i = 0; i < count; i++, n += 3) {
+    double length = sqrt((double)n[0] * n[0] + (double)n[1] * n[1] + (double)n[2] * n[2]);
+    for (int a = 0; a < 3; a++) n[a] = length > 0 ? (float)(n[a] / length) : a == 2;
+  }
+}
+
+ylm_status ylm_mesh_parse_obj(const unsigned char *text, size_t size, const char *name,
+                              ylm_mesh **m, ylm_error *e) {
+  parser s = {.p = text, .end = text + size, .line = 1, .name = name, .e = e};
+  s.position.size = s.normal.size = 3 * sizeof(float);
+  s.uv.size = 2 * sizeof(float);
+  s.polygon.size = s.triangle.size = sizeof(ylm_corner);
+  *m = NULL;
+  ylm_status st = read_lines(&s);
+  bool made = s.bare_normal, uvs = s.most[1].largest > 0;
+  if (st == YLM_OK && made) st = make_normals(&s);
+  else if (st == YLM_OK) normalise(s.normal.data, s.normal.count);
+  if (st == YLM_OK) st = made && !uvs ? build_plain(&s, m) : build_split(&s, uvs, m);
+  ylm_free(s.position.data);
+  ylm_free(s.uv.data);
+  ylm_free(s.normal.data);
+  ylm_free(s.polygon.data);
+  ylm_free(s.triangle.data);
+  return st;
+}
+
+ylm_status ylm_mesh_read(const char *path, ylm_mesh **m, ylm_error *e) {
+  unsigned char *bytes;
+  size_t size;
+  *m = NULL;
+  ylm_status s = ylm_file_read(path, 0, &bytes, &size, e);
+  if (s != YLM_OK) return s;
+  bool ply = size >= 4 && memcmp(bytes, "ply", 3) == 0 && (bytes[3] == '\n' || bytes[3] == '\r');
+  s = ply ? ylm_mesh_parse_ply(bytes, size, path, m, e) : ylm_mesh_parse_obj(bytes, size, path, m, e);
+  ylm_free(bytes);
+  return s;
+}

@@ -1,0 +1,112 @@
+/*
+** ylm_geom.h - triangle meshes: procedural shapes, transforms, OBJ and PLY. No ray tracing.
+**
+** Triangles are counter-clockwise seen from outside. Positions are in scene units.
+*/
+#ifndef YLM_GEOM_H
+#define YLM_GEOM_H
+
+#include "ylm_base.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#define YLM_MESH_MAX ((size_t)1 << 28) /* vertices, and triangles, that a reader or shape makes */
+
+typedef struct ylm_mesh {
+  size_t vertices, triangles;
+  float *position; /* [vertices][3]                                 */
+  float *normal;   /* [vertices][3] unit; NULL: none                */
+  float *uv;       /* [vertices][2]; NULL: none                     */
+  uint32_t *index; /* [triangles][3], each below `vertices`         */
+} ylm_mesh;
+
+/* A mesh of zeros. YLM_EOVERFLOW (more than YLM_MESH_MAX), YLM_ENOMEM. */
+YLM_API ylm_status ylm_mesh_create(size_t vertices, size_t triangles, bool normals, bool uvs,
+                                   ylm_mesh **mesh, ylm_error *e);
+YLM_API void ylm_mesh_free(ylm_mesh *mesh);
+/* Smallest and largest coordinates; zeros for a mesh without vertices. */
+YLM_API void ylm_mesh_bounds(const ylm_mesh *mesh, double lo[3], double hi[3]);
+/* Sum of the areas of all triangles. */
+YLM_API double ylm_mesh_area(const ylm_mesh *mesh);
+/* Makes normals: area-weighted means of the triangles around each vertex, in an order that does
+   not depend on anything; (0, 0, 1) where there is nothing to average. YLM_ENOMEM. */
+YLM_API ylm_status ylm_mesh_make_normals(ylm_mesh *mesh);
+
+/* -- procedural shapes: all have normals and texture coordinates ---------------- */
+
+/* corner + s*u + t*v for s, t in 0 .. 1, in nu x nv quads of two triangles; faces along u x v. */
+YLM_API ylm_status ylm_mesh_quad(const double corner[3], const double u[3], const double v[3],
+                                 int nu, int nv, ylm_mesh **mesh, ylm_error *e);
+/* Radius r about the origin, pole +z, `around` segments (>= 3) and `rings` from pole to pole (>= 2). */
+YLM_API ylm_status ylm_mesh_sphere(double r, int around, int rings, ylm_mesh **mesh, ylm_error *e);
+/* The box of these corners; each face divided into n x n quads. */
+YLM_API ylm_status ylm_mesh_box(const double lo[3], const double hi[3], int n, ylm_mesh **mesh,
+                                ylm_error *e);
+/* Axis +z; `radius` to the middle of the tube of radius `tube`. */
+YLM_API ylm_status ylm_mesh_torus(double radius, double tube, int around, int across,
+                                  ylm_mesh **mesh, ylm_error *e);
+/*
+** ylm_mesh_knot - a tube along the (p, q) torus knot.
+**
+**   c(t) = ((R + r cos qt) cos pt, (R + r cos qt) sin pt, r sin qt),  0 <= t < 2 pi
+**
+**   p, q           in  1 .. 64; p times around the axis +z, q times around the tube of the torus;
+**                      with a common divisor it is a closed curve run through several times: refused
+**   radius, minor  in  R, r > 0
+**   tube           in  > 0
+**   along, across  in  segments, >= 3; 2*along*across triangles
+**
+** Frames: c' and the torus' outward direction made perpendicular to it: they close without a twist.
+** Returns  YLM_OK; YLM_EINVAL, YLM_ERANGE, YLM_EOVERFLOW, YLM_ENOMEM
+*/
+YLM_API ylm_status ylm_mesh_knot(int p, int q, double radius, double minor, double tube, int along,
+                                 int across, ylm_mesh **mesh, ylm_error *e);
+
+/* -- transforms: 3 x 4, row-major, y = A x + b ------------------------------------ */
+
+YLM_API void ylm_transform_identity(double m[12]);
+/* Rotation by `radians` about an axis of any length but 0, right-handed. */
+YLM_API void ylm_transform_rotate(double m[12], const double axis[3], double radians);
+/* out = a after b; out may be a or b. */
+YLM_API void ylm_transform_compose(double out[12], const double a[12], const double b[12]);
+/* Moves a mesh; normals by the inverse transpose; a mirror image turns its triangles around.
+   YLM_EDOMAIN if the matrix is singular or not finite, or a vertex overflows (the mesh is then
+   untouched). */
+YLM_API ylm_status ylm_mesh_transform(ylm_mesh *mesh, const double m[12], ylm_error *e);
+
+/* -- files ---------------------------------------------------------------------- */
+
+/*
+** ylm_mesh_parse_obj - a mesh from the text of a Wavefront OBJ file.
+**
+** Read: v, vn, vt, f (v, v/vt, v//vn, v/vt/vn, negative indices, polygons as fans). Other
+** statements are skipped. A vertex is made for each distinct combination of indices; without
+** texture coordinates and normals positions stay as they are and unused ones are kept.
+** Normals are computed (ylm_mesh_make_normals) where some face has none.
+**
+**   text   in   [size] bytes
+**   name   in   what errors call it: "name:line: ..."
+**
+** Returns  YLM_OK; YLM_EFORMAT with the line, YLM_ELIMIT (more than YLM_MESH_MAX), YLM_ENOMEM
+** Cost     O(size)
+*/
+YLM_API ylm_status ylm_mesh_parse_obj(const unsigned char *text, size_t size, const char *name,
+                                      ylm_mesh **mesh, ylm_error *e);
+/*
+** ylm_mesh_parse_ply - a mesh from the bytes of a PLY file: ascii, binary_little_endian,
+** binary_big_endian, 1.0; vertex x y z [nx ny nz] [s t | u v | texture_u texture_v], face
+** vertex_indices or vertex_index as lists; other elements and properties are skipped.
+*/
+YLM_API ylm_status ylm_mesh_parse_ply(const unsigned char *bytes, size_t size, const char *name,
+                                      ylm_mesh **mesh, ylm_error *e);
+/* By content: PLY if it begins with "ply", else OBJ. Errors of ylm_file_read too. */
+YLM_API ylm_status ylm_mesh_read(const char *path, ylm_mesh **mesh, ylm_error *e);
+/* Writes binary little-endian PLY. YLM_EIO. */
+YLM_API ylm_status ylm_mesh_write_ply(const ylm_mesh *mesh, const char *path, ylm_error *e);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,76 @@
+/* binding_objects.c - images and meshes as Lua objects; arrays over their memory keep them alive. */
+#include "binding.h"
+#include "ylm_geom.h"
+#include "ylm_image.h"
+
+#include <stdlib.h>
+
+/* A C object shared by its userdata and the arrays over it. */
+typedef struct shared {
+  void *object;
+  void (*destroy)(void *object);
+  size_t users;
+} shared;
+
+static void let_go(void *owner) {
+  shared *s = owner;
+  if (!s || --s->users > 0) return;
+  if (s->object) s->destroy(s->object);
+  free(s);
+}
+
+int ylmL_object_close(lua_State *L) {
+  shared **u = lua_touserdata(L, 1);
+  if (u) {
+    let_go(*u);
+    *u = NULL;
+  }
+  return 0;
+}
+
+static const luaL_Reg methods[] = {{"__gc", ylmL_object_close}, {NULL, NULL}};
+
+static shared *new_object(lua_State *L, const char *type, void (*destroy)(void *)) {
+  shared **u = lua_newuserdata(L, sizeof *u);
+  *u = NULL;
+  ylmL_type(L, type, methods);
+  lua_setmetatable(L, -2);
+  *u = calloc(1, sizeof **u);
+  if (!*u) luaL_error(L, "not enough memory");
+  (*u)->destroy = destroy;
+  (*u)->users = 1;
+  return *u;
+}
+
+static shared *check_object(lua_State *L, int i, const char *type) {
+  shared *s = *(shared **)ylmL_check(L, i, type);
+  if (!s || !s->object) luaL_argerror(L, i, "the object has been closed");
+  return s;
+}
+
+static void destroy_image(void *image) { ylm_image_free(image); }
+static void destroy_mesh(void *mesh) { ylm_mesh_free(mesh); }
+
+ylm_image **ylmL_image_new(lua_State *L) {
+  return (ylm_image **)(void *)&new_object(L, YLM_IMAGE, destroy_image)->object;
+}
+
+ylm_image *ylmL_image_check(lua_State *L, int i) { return check_object(L, i, YLM_IMAGE)->object; }
+
+ylm_mesh **ylmL_mesh_new(lua_State *L) {
+  return (ylm_mesh **)(void *)&new_object(L, YLM_MESH, destroy_mesh)->object;
+}
+
+ylm_mesh *ylmL_mesh_check(lua_State *L, int i) { return check_object(L, i, YLM_MESH)->object; }
+
+ylmL_array *ylmL_object_array(lua_State *L, int i, ylm_dtype t, int axes, const size_t *shape,
+                              void *data) {
+  shared *s = *(shared **)lua_touserdata(L, i);
+  s->users++;
+  ylmL_array *a = ylmL_array_share(L, t, axes, shape, data, let_go, s);
+  if (!a) {
+    s->users--;
+    luaL_error(L, "not enough memory");
+  }
+  return a;
+}

@@ -1,0 +1,307 @@
+--- Geometry of scenes: quads, spheres, boxes, tori, knots and meshes, as triangles.
+--
+-- A constructor's result is a table of its kind ("quad", ...) with the fields mesh (a "ylm.mesh"),
+-- material and occludes.
+
+local array = require "ylm.array"
+local check = require "ylm.check"
+local core = require "ylm.c.core"
+local describe = require "ylm.reference".describe
+local form = require "ylm.form"
+
+local geometry = {}
+
+-- Transforms: first scale, then rotate, then at; `matrix` instead of the three ----------
+
+function form.types.scale(x)
+  if check.is_number(x) and x ~= 0 then return { x, x, x } end
+  local v = form.types.point(x)
+  if v and v[1] ~= 0 and v[2] ~= 0 and v[3] ~= 0 then return v end
+  return nil, "a number or {x, y, z}, none of them zero"
+end
+
+--- One rotation: { axis = {x, y, z}, angle = degrees }; or several of them, in order of application.
+local function one_rotation(x)
+  if type(x) ~= "table" then return nil end
+  for key in pairs(x) do if key ~= "axis" and key ~= "angle" then return nil end end
+  local axis = x.axis and form.types.vector(x.axis)
+  return axis and check.is_number(x.angle) and { axis = axis, angle = x.angle } or nil
+end
+
+function form.types.rotation(x)
+  local wanted = "{ axis = {x, y, z}, angle = degrees }, or a list of such"
+  if type(x) ~= "table" then return nil, wanted end
+  if #x == 0 then x = { x } end
+  local all = {}
+  for i = 1, #x do
+    all[i] = one_rotation(x[i])
+    if not all[i] then return nil, wanted end
+  end
+  return all
+end
+
+--- Three rows of four numbers.
+function form.types.matrix(x)
+  local wanted = "three rows of four numbers, y = A x + b"
+  if core.type(x) == "ylm.array" then x = core.array_totable(x) end
+  if type(x) ~= "table" or (#x ~= 3 and #x ~= 4) then return nil, wanted end
+  local flat = {}
+  for i = 1, 3 do
+    if type(x[i]) ~= "table" or #x[i] ~= 4 then return nil, wanted end
+    for j = 1, 4 do
+      if not check.is_number(x[i][j]) then return nil, wanted end
+      flat[#flat + 1] = x[i][j]
+    end
+  end
+  return flat
+end
+
+--- Product of two affine transforms of twelve numbers: a after b.
+local function compose(a, b)
+  local r = {}
+  for i = 0, 2 do
+    for j = 1, 4 do
+      local sum = j == 4 and a[4 * i + 4] or 0
+      for k = 1, 3 do sum = sum + a[4 * i + k] * b[4 * (k - 1) + j] end
+      r[4 * i + j] = sum
+    end
+  end
+  return r
+end
+
+local function placement(values, fail)
+  local moved = values.at or values.rotate or values.scale
+  if values.matrix then
+    if moved then return fail "matrix stands instead of at, rotate and scale, not beside them" end
+    return values.matrix
+  end
+  if not moved then return nil end
+  local s = values.scale or { 1, 1, 1 }
+  local m = { s[1], 0, 0, 0, 0, s[2], 0, 0, 0, 0, s[3], 0 }
+  for _, r in ipairs(values.rotate or {}) do m = compose(core.mesh_rotation(r.axis, math.rad(r.angle)), m) end
+  if values.at then m = compose({ 1, 0, 0, values.at[1], 0, 1, 0, values.at[2], 0, 0, 1, values.at[3] }, m) end
+  return m
+end
+
+local common = {
+  { "at", "point", optional = true, unit = "scene units", about = "where the origin moves, after rotate" },
+  { "rotate", "rotation", optional = true, unit = "degrees",
+      about = "{ axis =, angle = }, or a list of such; after scale" },
+  { "scale", "scale", optional = true, about = "a factor, or one for each axis" },
+  { "matrix", "matrix", optional = true, about = "three rows of four numbers, instead of at, rotate, scale" },
+  { "material", "any", optional = true, about = "reflectance: matte { albedo = 0.75 }" },
+  { "occludes", "boolean", default = true, about = "whether it casts shadows" },
+}
+
+--- Defines a shape: `make(values, fail)` returns a mesh, or nil, message, code.
+local function shape(name, definition)
+  local fields = definition.fields
+  for _, field in ipairs(common) do fields[#fields + 1] = field end
+  local make = definition.make
+  definition.make = nil
+  definition.metatable = { __kind = name }
+  definition.build = function(values, fail)
+    local transform = placement(values, fail)
+    local mesh, message, code = check.result(name, make(values, fail))
+    if not mesh then return nil, message, code end
+    if transform then
+      local ok
+      ok, message, code = check.result(name, core.mesh_transform(mesh, transform))
+      if not ok then return nil, message, code end
+    end
+    return setmetatable({ mesh = mesh, material = values.material, occludes = values.occludes }, definition.metatable)
+  end
+  geometry[name] = form.define(name, definition)
+end
+
+--- `divide`: an integer, or one for each of the two directions.
+function form.types.divisions(x)
+  if check.is_integer(x) and x >= 1 then return { x, x } end
+  if type(x) == "table" and #x == 2 and check.is_integer(x[1]) and check.is_integer(x[2])
+    and x[1] >= 1 and x[2] >= 1 then
+    return { x[1], x[2] }
+  end
+  return nil, "an integer >= 1, or two of them"
+end
+
+shape("quad", {
+  about = "A parallelogram corner + s u + t v, s and t from 0 to 1; it faces along u x v.",
+  fields = {
+    { "corner", "point", unit = "scene units", about = "one corner" },
+    { "u", "vector", unit = "scene units", about = "one side" },
+    { "v", "vector", unit = "scene units", about = "the other side" },
+    { "divide", "divisions", default = 1, about = "quads along u and v" },
+  },
+  make = function(q)
+    return core.mesh_quad(q.corner, q.u, q.v, q.divide[1], q.divide[2])
+  end,
+  example = "quad { corner = { -2, 0, 2 }, u = { 4, 0, 0 }, v = { 0, 0, -4 }, divide = 64 }",
+})
+
+shape("sphere", {
+  about = "A sphere about the origin (move it with at); its poles lie on the z axis.",
+  fields = {
+    { "radius", "number", above = 0, default = 1, unit = "scene units", about = "" },
+    { "divide", "divisions", default = { 64, 32 }, about = "segments around, and from pole to pole" },
+  },
+  make = function(s) return core.mesh_sphere(s.radius, s.divide[1], s.divide[2]) end,
+  example = "sphere { at = { 0, 1, 0 }, radius = 0.5 }",
+})
+
+shape("box", {
+  about = "A box between two corners.",
+  fields = {
+    { "bounds", "bounds", default = { { -0.5, -0.5, -0.5 }, { 0.5, 0.5, 0.5 } }, unit = "scene units",
+      about = "lower and upper corner" },
+    { "divide", "integer", min = 1, default = 1, about = "quads along each edge" },
+  },
+  make = function(b) return core.mesh_box(b.bounds[1], b.bounds[2], b.divide) end,
+  example = "box { bounds = { { -1, 0, -1 }, { 1, 2, 1 } } }",
+})
+
+shape("torus", {
+  about = "A ring about the z axis.",
+  fields = {
+    { "radius", "number", above = 0, default = 1, unit = "scene units",
+      about = "from the axis to the middle of the tube" },
+    { "tube", "number", above = 0, default = 0.25, unit = "scene units", about = "radius of the tube" },
+    { "divide", "divisions", default = { 128, 64 }, about = "segments around the axis, and around the tube" },
+  },
+  make = function(t) return core.mesh_torus(t.radius, t.tube, t.divide[1], t.divide[2]) end,
+  example = "torus { at = { 0, 0.6, 0 }, radius = 0.5, tube = 0.2 }",
+})
+
+shape("knot", {
+  about = "A tube along the (p, q) torus knot: p times around the z axis, q times around the torus' own tube.",
+  fields = {
+    { "p", "integer", min = 1, max = 64, default = 2, about = "without a common divisor with q" },
+    { "q", "integer", min = 1, max = 64, default = 3, about = "" },
+    { "radius", "number", above = 0, default = 1, unit = "scene units", about = "of the torus that the knot lies on" },
+    { "minor", "number", above = 0, default = 0.4, unit = "scene units", about = "of that torus' tube" },
+    { "tube", "number", above = 0, default = 0.15, unit = "scene units", about = "radius of the knot's own tube" },
+    { "divide", "divisions", default = { 512, 32 },
+      about = "segments along the knot, and across its tube; 2 x their product triangles" },
+  },
+  make = function(k) return core.mesh_knot(k.p, k.q, k.radius, k.minor, k.tube, k.divide[1], k.divide[2]) end,
+  example = "knot { p = 2, q = 3, radius = 1, minor = 0.4, tube = 0.15, divide = { 3000, 64 } }",
+})
+
+--- A mesh from arrays, or nil where the fields are not all there.
+local function mesh_of_arrays(values)
+  local vertices = array.points(1, "mesh", values.vertices)
+  local triangles = array.rows(1, "mesh", "triangles", values.triangles, 3)
+  local normals = values.normals and array.rows(1, "mesh", "normals", values.normals, 3)
+  local uvs = values.uvs and array.rows(1, "mesh", "uvs", values.uvs, 2)
+  return core.mesh_from(vertices, triangles, normals, uvs)
+end
+
+shape("mesh", {
+  about = "Triangles from an OBJ or PLY file, or from arrays. Normals are computed where there are none.",
+  fields = {
+    { "file", "string", optional = true, about = ".obj or .ply, recognised by content" },
+    { "vertices", "any", optional = true, unit = "scene units", about = "[n][3], with triangles, instead of file" },
+    { "triangles", "any", optional = true, about = "[m][3] one-based indices of vertices" },
+    { "normals", "any", optional = true, about = "[n][3]" },
+    { "uvs", "any", optional = true, about = "[n][2]" },
+  },
+  make = function(values, fail)
+    if values.file then
+      if values.vertices or values.triangles then return fail "give file, or vertices and triangles, not both" end
+      if #values.file == 0 or values.file:find("%z") then return fail "file must be a file name" end
+      return core.mesh_read(values.file)
+    end
+    if not (values.vertices and values.triangles) then
+      return fail "field 'file' is missing (or vertices and triangles)"
+    end
+    return mesh_of_arrays(values)
+  end,
+  example = "mesh { vertices = { { 0, 0, 0 }, { 1, 0, 0 }, { 0, 1, 0 } }, triangles = { { 1, 2, 3 } } }",
+})
+
+-- The object: "ylm.mesh" ---------------------------------------------------------------
+
+local methods = core.metatable "ylm.mesh"
+
+local function open(x, name)
+  if core.type(x) ~= "ylm.mesh" then
+    return check.fail("%s: a mesh expected before the colon, got %s", name, check.describe(x))
+  end
+  return core.mesh_info(x)
+end
+
+methods.__index = function(x, key)
+  if key == "bounds" then
+    local _, _, lo, hi = open(x, "bounds")
+    return { lo, hi }
+  elseif key == "area" then return (select(5, open(x, "area"))) end
+  return rawget(methods, key)
+end
+
+methods.__tostring = function(x)
+  local vertices, triangles = open(x, "tostring")
+  return ("ylm.mesh %d vertices, %d triangles"):format(vertices, triangles)
+end
+
+methods.__len = function(x) return (select(2, open(x, "#"))) end
+
+local made = "local ball = ylm.sphere { radius = 2, divide = { 8, 4 } }.mesh\n"
+
+describe "mesh:vertices" {
+  about = "The vertices' positions, sharing the mesh's memory.",
+  returns = { { "positions", "array", "float [n][3]" } },
+  example = made .. "assert(#ball:vertices() == 45 and ball.bounds[2][3] == 2)",
+}
+function methods.vertices(x)
+  open(x, "vertices")
+  return (core.mesh_vertices(x))
+end
+
+describe "mesh:normals" {
+  about = "The vertices' unit normals, sharing the mesh's memory.",
+  returns = { { "normals", "array", "float [n][3]" } },
+  example = made .. "assert(ball:normals().shape[2] == 3)",
+}
+function methods.normals(x)
+  open(x, "normals")
+  return (core.mesh_normals(x))
+end
+
+describe "mesh:uvs" {
+  about = "The vertices' texture coordinates, sharing the mesh's memory; nil where there are none.",
+  returns = { { "uvs", "array", "float [n][2], or nil" } },
+  example = made .. "assert(ball:uvs().shape[2] == 2)",
+}
+function methods.uvs(x)
+  open(x, "uvs")
+  return (core.mesh_uvs(x))
+end
+
+describe "mesh:triangles" {
+  about = "The triangles as one-based indices of vertices.",
+  returns = { { "triangles", "array", "double [m][3], a copy" } },
+  example = made .. "assert(#ball:triangles() == #ball)",
+}
+function methods.triangles(x)
+  open(x, "triangles")
+  return check.result("triangles", core.mesh_triangles(x))
+end
+
+describe "mesh:save" {
+  about = "Writes the mesh as binary PLY.",
+  arguments = { { "path", "string", "ends in .ply" } },
+  returns = { { "ok", "boolean", "true" } },
+  errors = "raises on another ending; nil, message, code where the file cannot be written",
+  example = made .. [[
+local name = os.tmpname() .. ".ply"
+assert(ball:save(name))
+os.remove(name)]],
+}
+function methods.save(x, path)
+  open(x, "save")
+  if type(path) ~= "string" or not path:lower():find("%.ply$") or path:find("%z") then
+    return check.bad(1, "save", "a file name that ends in .ply expected, got %s", check.describe(path))
+  end
+  return check.result("save", core.mesh_write(x, path))
+end
+
+return geometry

@@ -1,0 +1,226 @@
+--- Images: named float layers of one size, with metadata, metrics and files.
+
+local check = require "ylm.check"
+local core = require "ylm.c.core"
+local describe = require "ylm.reference".describe
+local form = require "ylm.form"
+
+local image = {}
+local methods = core.metatable "ylm.image"
+
+--- The image before the colon of method `name`, checked; returns what core.image_info does.
+local function open(x, name)
+  if core.type(x) ~= "ylm.image" then
+    return check.fail("%s: an image expected before the colon, got %s", name, check.describe(x))
+  end
+  return core.image_info(x)
+end
+
+--- The library of file formats, or nil, message, "EMISSING": the core works without it.
+local function codec()
+  local ok, scene = pcall(require, "ylm.c.scene")
+  if ok then return scene end
+  return nil, "image files need libylm_scene with OpenEXR and libpng (Debian: libopenexr-dev libpng-dev "
+    .. "libembree-dev, then make): " .. tostring(scene):match("^[^\n]*"), "EMISSING"
+end
+
+local function check_path(n, name, path)
+  if type(path) == "string" and #path > 0 and not path:find("%z") then return path end
+  return check.bad(n, name, "a file name expected, got %s", check.describe(path))
+end
+
+image.image = form.define("image", {
+  about = "A raster of named layers of 32-bit floats, all zero; pixels are linear.",
+  fields = {
+    { "size", "list", of = "integer", unit = "pixels", about = "{ width, height }" },
+    { "layers", "table", default = { { "radiance", 3 } },
+      about = "list of { name, channels }; the first is the picture" },
+    { "metadata", "table", default = {}, about = "strings or numbers by name" },
+  },
+  build = function(values, fail)
+    local size = values.size
+    if #size ~= 2 then return fail "size must be { width, height }" end
+    local new = check.result("image", core.image_new(size[1], size[2]))
+    if #values.layers == 0 then return fail "layers must be a list of { name, channels }, not an empty one" end
+    for i = 1, #values.layers do
+      local layer = values.layers[i]
+      if type(layer) ~= "table" or type(layer[1]) ~= "string" or not check.is_integer(layer[2]) then
+        return fail(("layers: element %d must be { name, channels }"):format(i))
+      end
+      local ok, message, code = check.result("image", core.image_add(new, layer[1], layer[2]))
+      if not ok then return nil, message, code end
+    end
+    for key, value in pairs(values.metadata) do new.metadata[key] = value end
+    return new
+  end,
+  example = 'image { size = { 64, 32 }, layers = { { "radiance", 3 }, { "depth", 1 } } }',
+})
+
+-- Metadata --------------------------------------------------------------------------
+
+local owner_of = setmetatable({}, { __mode = "k" })
+
+local metadata = {}
+
+metadata.__index = function(proxy, key)
+  if type(key) ~= "string" then return nil end
+  return (core.image_get_text(owner_of[proxy], key))
+end
+
+metadata.__newindex = function(proxy, key, value)
+  if type(key) ~= "string" or #key < 1 or #key > 255 or key:find("%z") then
+    return check.fail("metadata: a name of 1 to 255 bytes expected, got %s", check.describe(key))
+  end
+  local t = type(value)
+  if t == "number" then value = ("%.17g"):format(value)
+  elseif t == "boolean" then value = tostring(value)
+  elseif t ~= "nil" and (t ~= "string" or value:find("%z")) then
+    return check.fail("metadata: '%s' must be a string, a number or true or false, got %s", key, check.describe(value))
+  end
+  check.result("metadata", core.image_set_text(owner_of[proxy], key, value))
+end
+
+--- All entries as a plain table.
+metadata.__call = function(proxy)
+  local all = {}
+  for _, key in ipairs(core.image_texts(owner_of[proxy])) do
+    all[key] = core.image_get_text(owner_of[proxy], key)
+  end
+  return all
+end
+
+-- Methods ------------------------------------------------------------------------------
+
+methods.__index = function(x, key)
+  if key == "size" then
+    local w, h = open(x, "size")
+    return { w, h }
+  elseif key == "metadata" then
+    open(x, "metadata")
+    local proxy = setmetatable({}, metadata)
+    owner_of[proxy] = x
+    return proxy
+  end
+  return rawget(methods, key)
+end
+
+methods.__newindex = function(_, key)
+  return check.fail("image: cannot set %s (metadata: image.metadata.name = value)", check.describe(key))
+end
+
+methods.__tostring = function(x)
+  local w, h, names, channels = open(x, "tostring")
+  for i = 1, #names do names[i] = names[i] .. ":" .. channels[i] end
+  return ("ylm.image %dx%d %s"):format(w, h, table.concat(names, " "))
+end
+
+describe "image:layers" {
+  about = "The names of the layers, in order, and how many channels each has.",
+  returns = { { "names", "table", "list of strings" }, { "channels", "table", "number of channels by name" } },
+  example = [[
+local names, channels = ylm.image { size = { 4, 2 } }:layers()
+assert(names[1] == "radiance" and channels.radiance == 3)]],
+}
+function methods.layers(x)
+  local _, _, names, counts = open(x, "layers")
+  local channels = {}
+  for i = 1, #names do channels[names[i]] = counts[i] end
+  return names, channels
+end
+
+--- Raises unless the image has layer `name` (nil: the first).
+local function check_layer(fn, x, name)
+  local _, _, names = open(x, fn)
+  if name == nil then return names[1] end
+  for i = 1, #names do if names[i] == name then return name end end
+  local guess = type(name) == "string" and check.guess(name, names)
+  return check.fail("%s: no layer %s%s", fn, check.describe(name), guess and (" (did you mean '%s'?)"):format(guess)
+    or ("; layers are " .. table.concat(names, ", ")))
+end
+
+describe "image:layer" {
+  about = "A layer's pixels as an array that shares their memory: row 1 is the top.",
+  arguments = { { "name?", "string", "default: the first layer" } },
+  returns = { { "pixels", "array", "float [height][width][channels]" } },
+  errors = "raises where there is no such layer",
+  example = [[
+local picture = ylm.image { size = { 4, 2 } }
+picture:layer "radiance":set(1, 4, 2, 0.5)          -- green of the top right pixel
+assert(picture:layer():get(1, 4, 2) == 0.5)]],
+}
+function methods.layer(x, name)
+  check_layer("layer", x, name)
+  return (core.image_layer(x, name))
+end
+
+describe "image:add" {
+  about = "Adds a layer of zeros.",
+  arguments = { { "name", "string", "letters, digits, '_', '-', '.'" }, { "channels", "integer", "1 to 4" } },
+  returns = { { "pixels", "array", "float [height][width][channels]" } },
+  errors = "raises where the name is taken or no name",
+  example = 'assert(#ylm.image { size = { 4, 2 } }:add("depth", 1) == 2)',
+}
+function methods.add(x, name, channels)
+  open(x, "add")
+  if type(name) ~= "string" then return check.bad(1, "add", "a name expected, got %s", check.describe(name)) end
+  check.integer(2, "add", "channels", channels, 1, 4)
+  local ok, message, code = check.result("add", core.image_add(x, name, channels))
+  if not ok then return nil, message, code end
+  return (core.image_layer(x, name))
+end
+
+local save_options = {
+  { "layer", "string", optional = true, about = "which layer (.png, .hdr, .pfm); default the first" },
+  { "bits", "choice", of = { 8, 16, 32 }, optional = true,
+      about = ".png 8 (default) or 16; .exr 16 (half) or 32 (default)" },
+  { "exposure", "number", min = -60, max = 60, default = 0, unit = "stops",
+      about = ".png: pixels are multiplied by 2^exposure" },
+  { "tone", "choice", of = core.image_tones(), default = "srgb",
+      about = ".png: tone curve; hable and aces are filmic" },
+}
+
+describe "image:save" {
+  about = "Writes the image; the ending chooses the format. An existing file is replaced whole or not at all.",
+  arguments = {
+    { "path", "string", ".exr (all layers, metadata), .png (one layer through exposure and tone curve), .hdr, .pfm" },
+    { "options?", "table", "" },
+  },
+  options = save_options,
+  returns = { { "ok", "boolean", "true" } },
+  errors = "raises on a bad option or ending; nil, message, code where the file cannot be written",
+  example = [[
+local picture = ylm.image { size = { 4, 2 } }
+local name = os.tmpname() .. ".png"
+assert(picture:save(name, { exposure = 1, tone = "aces" }))
+os.remove(name)]],
+}
+function methods.save(x, path, options)
+  open(x, "save")
+  check_path(1, "save", path)
+  options = form.options(2, "save", save_options, options)
+  if options.layer then check_layer("save", x, options.layer) end
+  local lib, message, code = codec()
+  if not lib then return nil, message, code end
+  return check.result("save", lib.image_write(x, path,
+    options.layer, options.bits or 0, options.tone, options.exposure))
+end
+
+describe "image:close" {
+  about = "Frees the memory now rather than at the next collection (arrays over layers keep theirs).",
+  example = "ylm.image { size = { 4, 2 } }:close()",
+}
+function methods.close(x)
+  open(x, "close")
+  core.image_close(x)
+end
+
+--- An image from a file; raw leaves PNG numbers as they stand. Used by ylm.load.
+function image.read(path, raw)
+  local lib, message, code = codec()
+  if not lib then return nil, message, code end
+  return lib.image_read(path, raw)
+end
+
+image.codec, image.check_path, image.check_layer, image.open = codec, check_path, check_layer, open
+
+return image
