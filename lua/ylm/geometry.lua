@@ -248,7 +248,9 @@ local made = "local ball = ylm.sphere { radius = 2, divide = { 8, 4 } }.mesh\n"
 
 describe "mesh:vertices" {
   about = "The vertices' positions, sharing the mesh's memory.",
+  arguments = {},
   returns = { { "positions", "array", "float [n][3]" } },
+  errors = "raises on what is not a mesh",
   example = made .. "assert(#ball:vertices() == 45 and ball.bounds[2][3] == 2)",
 }
 function methods.vertices(x)
@@ -258,7 +260,9 @@ end
 
 describe "mesh:normals" {
   about = "The vertices' unit normals, sharing the mesh's memory.",
+  arguments = {},
   returns = { { "normals", "array", "float [n][3]" } },
+  errors = "raises on what is not a mesh",
   example = made .. "assert(ball:normals().shape[2] == 3)",
 }
 function methods.normals(x)
@@ -268,7 +272,9 @@ end
 
 describe "mesh:uvs" {
   about = "The vertices' texture coordinates, sharing the mesh's memory; nil where there are none.",
+  arguments = {},
   returns = { { "uvs", "array", "float [n][2], or nil" } },
+  errors = "raises on what is not a mesh",
   example = made .. "assert(ball:uvs().shape[2] == 2)",
 }
 function methods.uvs(x)
@@ -278,7 +284,9 @@ end
 
 describe "mesh:triangles" {
   about = "The triangles as one-based indices of vertices.",
+  arguments = {},
   returns = { { "triangles", "array", "double [m][3], a copy" } },
+  errors = "raises on what is not a mesh",
   example = made .. "assert(#ball:triangles() == #ball)",
 }
 function methods.triangles(x)

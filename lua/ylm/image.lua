@@ -116,7 +116,9 @@ end
 
 describe "image:layers" {
   about = "The names of the layers, in order, and how many channels each has.",
+  arguments = {},
   returns = { { "names", "table", "list of strings" }, { "channels", "table", "number of channels by name" } },
+  errors = "raises on what is not an image",
   example = [[
 local names, channels = ylm.image { size = { 4, 2 } }:layers()
 assert(names[1] == "radiance" and channels.radiance == 3)]],
@@ -207,6 +209,9 @@ end
 
 describe "image:close" {
   about = "Frees the memory now rather than at the next collection (arrays over layers keep theirs).",
+  arguments = {},
+  returns = {},
+  errors = "raises on what is not an image",
   example = "ylm.image { size = { 4, 2 } }:close()",
 }
 function methods.close(x)
