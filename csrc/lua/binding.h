@@ -25,6 +25,7 @@
 /* Each X(name) is a file core_NAME.c (scene_NAME.c, ...) with ylmL_open_NAME. */
 #define YLML_CORE_BINDINGS(X) \
   X(array) \
+  X(figure) \
   X(light) \
   X(sandbox) \
   X(sh) \

@@ -1,0 +1,31 @@
+# The VTK part: the only C++. Built where the headers are; without them `make` goes on and ylm.view says what to install.
+
+VTK_INCLUDE := $(lastword $(sort $(wildcard /usr/include/vtk-9.* /usr/local/include/vtk-9.*)))
+VTK_VERSION := $(patsubst vtk-%,%,$(notdir $(VTK_INCLUDE)))
+VTK_MODULES := ChartsCore CommonColor CommonCore CommonDataModel CommonExecutionModel CommonMath CommonMisc CommonTransforms \
+               FiltersCore FiltersSources FiltersGeneral IOImage IOXML ImagingCore InteractionStyle RenderingAnnotation \
+               RenderingContext2D RenderingContextOpenGL2 RenderingCore RenderingFreeType RenderingOpenGL2 \
+               RenderingVolume RenderingVolumeOpenGL2
+OBJ_vtk     := $(patsubst csrc/%.cpp,$(BUILD)/obj/%.o,$(wildcard csrc/vtk/*.cpp))
+
+ifneq ($(and $(VTK_INCLUDE),$(wildcard csrc/lua/vtk.c)),)
+LIBS += $(BUILD)/lib/libylm_vtk.so
+HAVE += vtk
+endif
+
+CXXFLAGS := -std=c++17 -fPIC -fvisibility=hidden -MMD -MP $(OPT) $(filter-out -Wshadow,$(WARN)) $(SANITIZE) \
+            -Icsrc/base -Icsrc/figure -Icsrc/vtk -isystem $(VTK_INCLUDE)
+
+$(BUILD)/obj/vtk/%.o: csrc/vtk/%.cpp
+	@mkdir -p $(@D)
+	$(call say,CXX,$@)
+	$(Q)$(VTK_CXX) $(CXXFLAGS) -c $< -o $@
+
+# The compiler launcher of CC, if any, serves C++ too.
+VTK_CXX := $(if $(filter ccache,$(firstword $(CC))),ccache )$(CXX)
+
+$(BUILD)/lib/libylm_vtk.so: $(OBJ_vtk) $(BUILD)/lib/libylm.so
+	@mkdir -p $(@D)
+	$(call say,LINK,$@)
+	$(Q)$(VTK_CXX) $(LDFLAGS) -Wl,-soname,libylm_vtk.so -Wl,-rpath,'$$ORIGIN' $(OBJ_vtk) -L$(BUILD)/lib -lylm \
+	  $(foreach m,$(VTK_MODULES),-lvtk$(m)-$(VTK_VERSION)) -lvtksys-$(VTK_VERSION) -lGLEW -lOpenGL -lEGL -lGLX -lX11 -o $@

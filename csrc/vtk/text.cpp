@@ -1,0 +1,156 @@
+// text.cpp - texts, .png files, and what VTK's readers see in a file.
+#include "window.h"
+
+#include <vtkCellData.h>
+#include <vtkDataArray.h>
+#include <vtkDataSet.h>
+#include <vtkImageData.h>
+#include <vtkPNGReader.h>
+#include <vtkPNGWriter.h>
+#include <vtkPointData.h>
+#include <vtkTextProperty.h>
+#include <vtkTextRenderer.h>
+#include <vtkUnsignedCharArray.h>
+#include <vtkXMLGenericDataObjectReader.h>
+
+#include <cmath>
+#include <cstring>
+
+using ylm::guarded;
+template <class T> using Ptr = vtkSmartPointer<T>;
+
+extern "C" ylm_status ylm_vtk_text(const char *text, double size, int bold, int align,
+                                   const double rgb[3], int *width, int *height, uint8_t **rgba,
+                                   ylm_error *e) {
+  *width = *height = 0;
+  *rgba = nullptr;
+  if (!*text) return YLM_OK;
+  return guarded(e, [&] {
+    auto property = Ptr<vtkTextProperty>::New();
+    if (const char *font = ylm::font_file(bold != 0)) {
+      property->SetFontFamily(VTK_FONT_FILE);
+      property->SetFontFile(font);
+    } else property->SetBold(bold);
+    property->SetFontSize(int(size + 0.5));
+    property->SetColor(rgb[0], rgb[1], rgb[2]);
+    property->SetJustification(align == 1 ? VTK_TEXT_CENTERED : align == 2 ? VTK_TEXT_RIGHT : VTK_TEXT_LEFT);
+    property->SetLineSpacing(1.15);
+    auto data = Ptr<vtkImageData>::New();
+    int dims[2] = {0, 0};
+    vtkTextRenderer *tools = vtkTextRenderer::GetInstance();
+    if (!tools) return ylm_fail(e, YLM_EMISSING, "VTK was built without text rendering");
+    tools->SetScaleToPowerOfTwo(false);
+    const bool ok = tools->RenderString(property, text, data, dims, 72, vtkTextRenderer::FreeType);
+    tools->SetScaleToPowerOfTwo(true);
+    if (!ok || data->GetScalarType() != VTK_UNSIGNED_CHAR || data->GetNumberOfScalarComponents() != 4)
+      return ylm_fail(e, YLM_EDEVICE, "a text cannot be drawn");
+    int d[3];
+    data->GetDimensions(d);
+    *rgba = static_cast<uint8_t *>(ylm_alloc(size_t(d[0]) * size_t(d[1]), 4));
+    if (!*rgba) return YLM_ENOMEM;
+    const auto *from = static_cast<const uint8_t *>(data->GetScalarPointer());
+    for (int y = 0; y < d[1]; y++)
+      std::memcpy(*rgba + size_t(y) * size_t(d[0]) * 4, from + size_t(d[1] - 1 - y) * size_t(d[0]) * 4,
+                  size_t(d[0]) * 4);
+    *width = d[0];
+    *height = d[1];
+    return YLM_OK;
+  });
+}
+
+extern "C" ylm_status ylm_vtk_save_png(const char *path, const ylm_figure_canvas *c, ylm_error *e) {
+  return guarded(e, [&] {
+    auto data = Ptr<vtkImageData>::New();
+    data->SetDimensions(c->width, c->height, 1);
+    data->AllocateScalars(VTK_UNSIGNED_CHAR, 3);
+    auto *to = static_cast<uint8_t *>(data->GetScalarPointer());
+    const size_t row = size_t(c->width) * 3;
+    for (int y = 0; y < c->height; y++)
+      std::memcpy(to + size_t(y) * row, c->pixel + size_t(c->height - 1 - y) * row, row);
+    auto writer = Ptr<vtkPNGWriter>::New();
+    writer->SetInputData(data);
+    writer->WriteToMemoryOn();
+    writer->Write();
+    vtkUnsignedCharArray *bytes = writer->GetResult();
+    if (!bytes || bytes->GetNumberOfValues() == 0)
+      return ylm_fail(e, YLM_EDEVICE, "%s: the picture cannot be encoded", path);
+    return ylm_file_save(path, bytes->GetPointer(0), size_t(bytes->GetNumberOfValues()), e);
+  });
+}
+
+extern "C" ylm_status ylm_vtk_load_png(const char *path, ylm_figure_canvas *c, ylm_error *e) {
+  unsigned char *bytes = nullptr;
+  size_t size = 0;
+  c->pixel = nullptr;
+  c->width = c->height = 0;
+  ylm_status read = ylm_file_read(path, size_t(1) << 30, &bytes, &size, e);
+  if (read != YLM_OK) return read;
+  ylm_status status = guarded(e, [&] {
+    static const unsigned char magic[8] = {0x89, 'P', 'N', 'G', 13, 10, 26, 10};
+    if (size < 33 || std::memcmp(bytes, magic, 8) != 0)
+      return ylm_fail(e, YLM_EFORMAT, "%s: not a PNG file", path);
+    auto reader = Ptr<vtkPNGReader>::New();
+    reader->SetMemoryBuffer(bytes);
+    reader->SetMemoryBufferLength(vtkIdType(size));
+    reader->Update();
+    vtkImageData *data = reader->GetOutput();
+    int d[3];
+    data->GetDimensions(d);
+    const int k = data->GetNumberOfScalarComponents();
+    if (d[0] < 1 || d[1] < 1 || !data->GetScalarPointer())
+      return ylm_fail(e, YLM_EFORMAT, "%s: a damaged PNG file", path);
+    const double black[3] = {0, 0, 0};
+    ylm_status s = ylm_figure_canvas_init(c, d[0], d[1], black);
+    if (s != YLM_OK) return ylm_fail(e, s, "%s: %dx%d pixels are too many", path, d[0], d[1]);
+    const double scale = data->GetScalarType() == VTK_UNSIGNED_SHORT ? 1 / 257.0 : 1;
+    for (int y = 0; y < d[1]; y++)
+      for (int x = 0; x < d[0]; x++)
+        for (int a = 0; a < 3; a++)
+          c->pixel[(size_t(y) * size_t(d[0]) + size_t(x)) * 3 + size_t(a)] = uint8_t(
+              data->GetScalarComponentAsDouble(x, d[1] - 1 - y, 0, k >= 3 ? a : 0) * scale + 0.5);
+    return YLM_OK;
+  });
+  ylm_free(bytes);
+  return status;
+}
+
+static void describe(std::string &out, const char *where, vtkFieldData *fields) {
+  for (int i = 0; i < fields->GetNumberOfArrays(); i++) {
+    vtkDataArray *a = fields->GetArray(i);
+    if (!a) continue;
+    double range[2];
+    a->GetRange(range, a->GetNumberOfComponents() > 1 ? -1 : 0);
+    char line[256];
+    std::snprintf(line, sizeof line, "%s %s %d %lld %.9g %.9g\n", where, a->GetName() ? a->GetName() : "",
+                  a->GetNumberOfComponents(), (long long)a->GetNumberOfTuples(), range[0], range[1]);
+    out += line;
+  }
+}
+
+extern "C" ylm_status ylm_vtk_describe(const char *path, char **text, ylm_error *e) {
+  *text = nullptr;
+  return guarded(e, [&] {
+    auto reader = Ptr<vtkXMLGenericDataObjectReader>::New();
+    reader->SetFileName(path);
+    reader->Update();
+    vtkDataSet *data = vtkDataSet::SafeDownCast(reader->GetOutput());
+    if (!data) return ylm_fail(e, YLM_EFORMAT, "%s: VTK does not read it", path);
+    double b[6];
+    data->GetBounds(b);
+    char line[256];
+    std::snprintf(line, sizeof line, "%s %lld %lld\nbounds %.9g %.9g %.9g %.9g %.9g %.9g\n",
+                  data->GetClassName(), (long long)data->GetNumberOfPoints(),
+                  (long long)data->GetNumberOfCells(), b[0], b[2], b[4], b[1], b[3], b[5]);
+    std::string out = line;
+    if (data->GetNumberOfCells() > 0) {
+      std::snprintf(line, sizeof line, "type %d\n", data->GetCellType(0));
+      out += line;
+    }
+    describe(out, "point", data->GetPointData());
+    describe(out, "cell", data->GetCellData());
+    *text = static_cast<char *>(ylm_alloc(out.size() + 1, 1));
+    if (!*text) return YLM_ENOMEM;
+    std::memcpy(*text, out.c_str(), out.size() + 1);
+    return YLM_OK;
+  });
+}

@@ -1,0 +1,148 @@
+/*
+** ylm_vtk.h - pictures drawn by VTK, as a C library.
+**
+** A scene is filled with shapes and volumes (csrc/figure), seen by a camera and rendered to
+** pixels without any display, or shown in a window where there is one. Charts and texts are
+** rendered to pixels too. VTK's own messages become ylm_error; no exception leaves this library,
+** and no OpenGL context is left current.
+**
+** Where it draws, tried in this order: EGL without a surface (Mesa), the X server of DISPLAY,
+** an Xvfb that it starts and ends itself; then YLM_EMISSING says what to install.
+** YLM_VTK_WINDOW = egl | x | xvfb | none forces one.
+**
+** Threads   one call at a time in a process: VTK has global state.
+*/
+#ifndef YLM_VTK_H
+#define YLM_VTK_H
+
+#include "ylm_base.h"
+#include "ylm_figure.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct ylm_vtk_scene ylm_vtk_scene;
+
+YLM_API ylm_status ylm_vtk_scene_create(ylm_vtk_scene **s, ylm_error *e);
+YLM_API void ylm_vtk_scene_free(ylm_vtk_scene *s);
+
+/* How a shape is drawn. */
+typedef struct ylm_vtk_style {
+  double ambient, diffuse, specular; /* 0 .. 1; ambient 1 and diffuse 0 shows colours as they are */
+  double line_width;                 /* pixels of the final picture */
+  double opacity;                    /* on top of the colours' alpha */
+  int flat;                          /* facets instead of interpolated normals */
+  int ghost;                         /* translucent, but only its nearest layer */
+} ylm_vtk_style;
+
+/* Copies the shape into the scene; an empty one adds nothing. */
+YLM_API ylm_status ylm_vtk_add_shape(ylm_vtk_scene *s, const ylm_figure_shape *shape,
+                                     const ylm_vtk_style *style, ylm_error *e);
+
+/*
+** ylm_vtk_add_volume - a cloud.
+**   place    volume of 1 component, 0 .. 1 (clamped); NaN is empty
+**   table    [256][4] colour and opacity per unit `distance`
+*/
+YLM_API ylm_status ylm_vtk_add_volume(ylm_vtk_scene *s, const ylm_figure_volume *place,
+                                      const double *table, double distance, int smooth,
+                                      ylm_error *e);
+
+/* The surfaces where a volume of 1 component has value[i]: colour [n][4]. NaN bounds them. */
+YLM_API ylm_status ylm_vtk_add_isosurfaces(ylm_vtk_scene *s, const ylm_figure_volume *v, size_t n,
+                                           const double *value, const double *colour,
+                                           ylm_error *e);
+
+/* A picture on the parallelogram corner, corner+u, corner+v: rgba [h][w][4], first row at `corner`. */
+YLM_API ylm_status ylm_vtk_add_picture(ylm_vtk_scene *s, const double corner[3], const double u[3],
+                                       const double v[3], int w, int h, const uint8_t *rgba,
+                                       int smooth, ylm_error *e);
+
+/* Perspective from `from` towards `at`; fov is the vertical angle in degrees. */
+YLM_API void ylm_vtk_camera(ylm_vtk_scene *s, const double from[3], const double at[3],
+                            const double up[3], double fov);
+
+/*
+** ylm_vtk_render - the scene in 8-bit RGB, [height][width][3], top row first.
+**   supersample   1 .. 4: renders that many times larger and averages
+*/
+YLM_API ylm_status ylm_vtk_render(ylm_vtk_scene *s, int width, int height, int supersample,
+                                  const double background[3], uint8_t *rgb, ylm_error *e);
+
+/* Called with the point under the mouse where 'p' is pressed or a double click falls;
+   its text (a static string of the caller's) is shown in the window's corner. */
+typedef const char *ylm_vtk_pick(void *user, const double point[3]);
+
+/* Opens a window and returns when it is closed; YLM_EMISSING where there is no display.
+   overlay: RGBA [height][width][4] drawn over the scene, or NULL. */
+YLM_API ylm_status ylm_vtk_show(ylm_vtk_scene *s, int width, int height,
+                                const double background[3], const uint8_t *overlay,
+                                const char *title, ylm_vtk_pick *pick, void *user, ylm_error *e);
+
+/* -- charts -------------------------------------------------------------------- */
+
+typedef struct ylm_vtk_series {
+  size_t n;
+  const double *x, *y;
+  const char *label;   /* NULL: not in the legend */
+  double colour[4];
+  double width;        /* of the line; 0: none */
+  double marker_size;  /* 0: none */
+  int marker;          /* 0 none 1 cross 2 plus 3 square 4 circle 5 diamond */
+  int dash;            /* 0 solid 1 dashed 2 dotted */
+} ylm_vtk_series;
+
+typedef struct ylm_vtk_axis {
+  const char *title;
+  double least, largest;
+  int logarithmic;
+  size_t ticks;
+  const double *tick;
+  const char *const *label;
+} ylm_vtk_axis;
+
+typedef struct ylm_vtk_chart {
+  int width, height, supersample;
+  const char *title;
+  ylm_vtk_axis x, y;
+  size_t n;
+  const ylm_vtk_series *series;
+  int legend;          /* 0 none 1 top right 2 top left 3 bottom right 4 bottom left */
+  double background[3], foreground[3];
+  double font;         /* size of labels, pixels */
+} ylm_vtk_chart;
+
+/* A line plot in 8-bit RGB, [height][width][3]. */
+YLM_API ylm_status ylm_vtk_plot(const ylm_vtk_chart *c, uint8_t *rgb, ylm_error *e);
+
+/* -- texts, files ---------------------------------------------------------------- */
+
+/*
+** ylm_vtk_text - one or more lines of UTF-8 as RGBA, [height][width][4], allocated.
+**   size   of the letters, pixels; bold 0 | 1; align 0 left, 1 middle, 2 right
+** All texts of one size and line count have the same height, ascenders and descenders included.
+*/
+YLM_API ylm_status ylm_vtk_text(const char *text, double size, int bold, int align,
+                                const double rgb[3], int *width, int *height, uint8_t **rgba,
+                                ylm_error *e);
+
+/* The canvas as a .png file, written whole or not at all. */
+YLM_API ylm_status ylm_vtk_save_png(const char *path, const ylm_figure_canvas *c, ylm_error *e);
+/* A .png file as a canvas. */
+YLM_API ylm_status ylm_vtk_load_png(const char *path, ylm_figure_canvas *c, ylm_error *e);
+
+/* What VTK's own reader finds in a .vtu, .vtp or .vti file: counts, bounds, and for each array
+   its name, components and range, as text lines. For checks. */
+YLM_API ylm_status ylm_vtk_describe(const char *path, char **text, ylm_error *e);
+
+/* Where pictures are drawn on this machine: "egl", "x", "xvfb", or the error. */
+YLM_API ylm_status ylm_vtk_where(const char **name, ylm_error *e);
+
+/* Version of VTK, "9.1.0". */
+YLM_API const char *ylm_vtk_version(void);
+
+#ifdef __cplusplus
+}
+#endif
+#endif
