@@ -3,6 +3,7 @@
 
 #include <vtkAutoInit.h>
 #include <vtkGenericOpenGLRenderWindow.h>
+#include <vtkLogger.h>
 #include <vtkObjectFactory.h>
 #include <vtkOutputWindow.h>
 #include <vtkUnsignedCharArray.h>
@@ -55,6 +56,7 @@ vtkStandardNewMacro(MessageWindow);
 Messages::Messages()
     : window(vtkSmartPointer<MessageWindow>::New()), before(vtkOutputWindow::GetInstance()) {
   vtkOutputWindow::SetInstance(window);
+  vtkLogger::SetStderrVerbosity(vtkLogger::VERBOSITY_OFF);
 }
 
 Messages::~Messages() { vtkOutputWindow::SetInstance(before); }
@@ -128,11 +130,10 @@ public:
     SetShowWindow(false);
     SetUseOffScreenBuffers(true);
     SetSize(width, height);
-    return true;
-  }
-  void Start() override {
-    if (!Initialized) OpenGLInit();
-    Superclass::Start();
+    if (!egl.make_current()) return ylm_fail(e, YLM_EDEVICE, "the EGL context is refused"), false;
+    OpenGLInit();
+    if (!Initialized) ylm_fail(e, YLM_EMISSING, "OpenGL 3.2 is not available");
+    return Initialized;
   }
   void MakeCurrent() override { egl.make_current(); }
   bool IsCurrent() override {
@@ -148,10 +149,7 @@ public:
     GLenum r = glewInit();
     // GLEW looks for GLX once OpenGL's functions are there; without an X server that fails, rightly.
     GlewInitValid = r == GLEW_OK || r == GLEW_ERROR_NO_GLX_DISPLAY;
-    if (!GlewInitValid || !GLEW_VERSION_3_2) {
-      vtkErrorMacro("OpenGL 3.2 is not available");
-      return;
-    }
+    if (!GlewInitValid || !GLEW_VERSION_3_2) return;
     Initialized = true;
     GLfloat range[2] = {1, 1};
     glGetFloatv(GL_ALIASED_LINE_WIDTH_RANGE, range);
