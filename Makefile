@@ -109,7 +109,7 @@ $(foreach a,$(ABIS),$(eval $(call BINDING,$(a))))
 
 $(BUILD)/ylm: lua/ylm/cli/ylm.in Makefile
 	@mkdir -p $(@D)
-	$(Q)sed -e 's|@ROOT@|$(CURDIR)|; s|@BUILD@|$(abspath $(BUILD))|' $< > $@ && chmod +x $@
+	$(Q)sed -e 's|@ROOT@|$(CURDIR)|; s|@LUA@|$(CURDIR)/lua|g; s|@C@|$(abspath $(BUILD))/lua$$v|' $< > $@ && chmod +x $@
 
 # -- checks ----------------------------------------------------------------------
 

@@ -14,7 +14,7 @@ end
 
 --- What a shell command prints, and its exit status.
 function scratch.capture(command)
-  local pipe = assert(io.popen("{ " .. command .. "\n} 2>&1; echo; echo $?"))
+  local pipe = assert(io.popen("{ " .. command .. "\n} 2>&1; s=$?; echo; echo $s"))
   local text = pipe:read("*a")
   pipe:close()
   local out, status = text:match("^(.*)\n(%d+)\n$")

@@ -1,0 +1,95 @@
+--- Command lines: options by name, the rest as a list, checked against a command's declaration.
+
+local check = require "ylm.check"
+
+local arguments = {}
+
+--- Every command has these.
+local common = {
+  { "json", nil, nil, "results as JSON on stdout" },
+  { "quiet", "-q", nil, "no progress bar, no messages but errors" },
+  { "help", "-h", nil, "this text" },
+}
+
+local function declared(command)
+  local list = {}
+  for _, option in ipairs(command.options or {}) do list[#list + 1] = option end
+  for _, option in ipairs(common) do list[#list + 1] = option end
+  return list
+end
+
+--- The values a word stands for: number, two numbers "640x360" or "1e-4,1", or the text.
+local function value_of(text, wanted)
+  if wanted == "N" then
+    local x = tonumber(text)
+    if x and check.is_number(x) then return x end
+    return nil, "a number expected, got '" .. text .. "'"
+  elseif wanted == "WxH" then
+    local w, h = text:match("^(%d+)x(%d+)$")
+    if w then return { tonumber(w), tonumber(h) } end
+    return nil, "a size such as 640x360 expected, got '" .. text .. "'"
+  elseif wanted == "A,B" then
+    local a, b = text:match("^([^,]+),([^,]+)$")
+    a, b = tonumber(a), tonumber(b)
+    if a and b then return { a, b } end
+    return nil, "two numbers such as 1e-4,1 expected, got '" .. text .. "'"
+  elseif wanted == "X,Y,Z" then
+    local a, b, c = text:match("^([^,]+),([^,]+),([^,]+)$")
+    a, b, c = tonumber(a), tonumber(b), tonumber(c)
+    if a and b and c then return { a, b, c } end
+    return nil, "three numbers such as 0,1,0 expected, got '" .. text .. "'"
+  end
+  return text
+end
+
+--- Parses `given`; nil, message where it does not fit. command.rest = true takes everything as it is.
+function arguments.parse(command, given)
+  local by_word, words = {}, {}
+  for _, option in ipairs(declared(command)) do
+    by_word["--" .. option[1]] = option
+    words[#words + 1] = "--" .. option[1]
+    if option[2] then by_word[option[2]] = option end
+  end
+  local out, i, only_files = {}, 1, false
+  while i <= #given do
+    local word = given[i]
+    local name, attached = word:match("^(%-%-[^=]+)=(.*)$")
+    local option = by_word[name or word]
+    if only_files or word == "-" or not word:find("^%-") or (command.rest and #out > 0) then out[#out + 1] = word
+    elseif word == "--" then only_files = true
+    elseif not option then
+      local guess = check.guess(name or word, words)
+      return nil, ("no option %s%s"):format(name or word, guess and (" (did you mean %s?)"):format(guess) or "")
+    elseif option[3] then
+      local text = attached
+      if not text then
+        i = i + 1
+        text = given[i]
+      end
+      if text == nil then return nil, ("%s: %s expected"):format(word, option[3]) end
+      local value, message = value_of(text, option[3])
+      if value == nil then return nil, ("%s: %s"):format(name or word, message) end
+      out[option[1]] = value
+    elseif attached then return nil, ("%s takes no value"):format(name)
+    else out[option[1]] = true end
+    i = i + 1
+  end
+  if not out.help then
+    local least, most = command.least or 0, command.most or command.least or 0
+    if #out < least then return nil, "expected: " .. command.usage end
+    if #out > most and not command.rest then return nil, ("unexpected '%s'"):format(out[most + 1]) end
+  end
+  return out
+end
+
+--- How a command is used, with its options.
+function arguments.usage(name, command)
+  local lines = { ("usage: ylm %s %s"):format(name, command.usage), "", "  " .. command.summary, "" }
+  for _, option in ipairs(declared(command)) do
+    local word = (option[2] and option[2] .. ", " or "    ") .. "--" .. option[1] .. (option[3] and " " .. option[3] or "")
+    lines[#lines + 1] = ("  %-28s %s"):format(word, option[4])
+  end
+  return table.concat(lines, "\n") .. "\n"
+end
+
+return arguments

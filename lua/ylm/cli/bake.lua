@@ -1,0 +1,25 @@
+--- ylm bake scene.lua -o grid.ylm
+
+local report = require "ylm.cli.report"
+local status = require "ylm.cli.status"
+
+return {
+  summary = "bakes the probes of a scene file into a grid",
+  usage = "SCENE.lua -o GRID.ylm",
+  least = 1,
+  options = {
+    { "output", "-o", "FILE", "the grid (.ylm), or .vtu for ParaView" },
+    { "threads", "-j", "N", "default: YLM_THREADS or all cores" },
+  },
+  run = function(given)
+    local ylm = require "ylm"
+    if not given.output then status.stop(status.usage, "bake: -o FILE says where the grid goes") end
+    local scene = status.need_scene(ylm.load_scene(given[1]))
+    if not scene.probes then
+      status.stop(status.script, "%s: the scene has no probes to bake (probes = adaptive_grid { ... })", given[1])
+    end
+    local grid = status.need(scene:bake { threads = given.threads, progress = report.progress(given) })
+    status.need(grid:save(given.output))
+    report.print(given, grid.stats)
+  end,
+}

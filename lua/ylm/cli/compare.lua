@@ -1,0 +1,36 @@
+--- ylm compare a.exr b.exr
+
+local report = require "ylm.cli.report"
+local status = require "ylm.cli.status"
+
+local order = { "mse", "rmse", "psnr", "peak", "mae", "mape", "ssim", "max" }
+
+return {
+  summary = "compares two images: mse, psnr, mape, ssim ...; --difference writes a picture of it",
+  usage = "IMAGE IMAGE [--max-mse N] [--difference FILE]",
+  least = 2,
+  options = {
+    { "difference", "-o", "FILE", "writes the difference image" },
+    { "scale", nil, "N", "of the difference image, default 1" },
+    { "max-mse", nil, "N", "exit status 4 where the mse is larger" },
+    { "min-psnr", nil, "N", "exit status 4 where the psnr is smaller" },
+  },
+  run = function(given)
+    local ylm = require "ylm"
+    local images = {}
+    for i = 1, 2 do
+      images[i] = status.need(ylm.load(given[i]))
+      if require "ylm.form".kind(images[i]) ~= "ylm.image" then
+        status.stop(status.failed, "%s: not an image", given[i])
+      end
+    end
+    local metrics = status.need(images[1]:compare(images[2]))
+    report.print(given, metrics, not given.json and order or nil)
+    if given.difference then
+      local difference = status.need(images[1]:difference(images[2], { scale = given.scale }))
+      status.need(difference:save(given.difference))
+    end
+    if given["max-mse"] and not (metrics.mse <= given["max-mse"]) then return status.beyond end
+    if given["min-psnr"] and not (metrics.psnr >= given["min-psnr"]) then return status.beyond end
+  end,
+}

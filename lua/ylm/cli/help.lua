@@ -1,0 +1,21 @@
+--- ylm help WORD
+
+local status = require "ylm.cli.status"
+
+return {
+  summary = "help on a form, a function or a method; 'ylm help all' lists them",
+  usage = "WORD",
+  least = 0,
+  most = 1,
+  run = function(given)
+    local help = require "ylm.help"
+    local word = given[1]
+    if word == "all" then
+      io.stdout:write(help.overview(), "\n")
+      return status.good
+    end
+    local text, message = help.text(word)
+    if not text then status.stop(status.usage, message) end
+    io.stdout:write(text, "\n")
+  end,
+}

@@ -1,0 +1,47 @@
+--- ylm render scene.lua -o out.exr
+
+local report = require "ylm.cli.report"
+local status = require "ylm.cli.status"
+
+local methods = { grid = "render", reference = "reference", raycast = "raycast" }
+
+return {
+  summary = "renders a scene file, baking its probes first",
+  usage = "SCENE.lua -o IMAGE",
+  least = 1,
+  options = {
+    { "output", "-o", "FILE", "the image: .exr, .png or .pfm" },
+    { "size", "-s", "WxH", "pixels, default that of the renderer" },
+    { "samples", "-n", "N", "per pixel" },
+    { "method", "-m", "NAME", "grid (default), reference (no interpolation) or raycast" },
+    { "grid", "-g", "FILE", "a grid baked before" },
+    { "shading", nil, "NAME", "pixel or vertex" },
+    { "interpolation", nil, "NAME", "hermite, taylor or linear" },
+    { "exposure", nil, "N", "of a .png, in stops" },
+    { "threads", "-j", "N", "default: YLM_THREADS or all cores" },
+  },
+  run = function(given)
+    local ylm = require "ylm"
+    if not given.output then status.stop(status.usage, "render: -o FILE says where the image goes") end
+    local method = given.method or "grid"
+    if not methods[method] then
+      status.stop(status.usage, "render: --method is grid, reference or raycast, got '%s'", method)
+    end
+    local scene = status.need_scene(ylm.load_scene(given[1]))
+    local options = { size = given.size, samples = given.samples, threads = given.threads,
+      progress = report.progress(given) }
+    if method == "grid" then
+      options.shading, options.interpolation = given.shading, given.interpolation
+      if given.grid then options.grid = status.need(ylm.load(given.grid))
+      elseif scene.probes then
+        options.grid = status.need(scene:bake { threads = given.threads, progress = report.progress(given) })
+      else
+        status.stop(status.script, "%s: the scene has no probes; add some, or use --method reference", given[1])
+      end
+    end
+    local image, facts = scene[methods[method]](scene, options)
+    status.need(image, facts)
+    status.need(image:save(given.output, given.exposure and { exposure = given.exposure } or nil))
+    if type(facts) == "table" then report.print(given, facts) end
+  end,
+}

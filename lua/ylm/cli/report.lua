@@ -1,0 +1,82 @@
+--- What commands print: tables as "name value" lines or as JSON, and progress where somebody looks.
+
+local progress = require "ylm.progress"
+
+local report = {}
+
+local escapes = { ['"'] = '\\"', ["\\"] = "\\\\", ["\n"] = "\\n", ["\r"] = "\\r", ["\t"] = "\\t" }
+
+local function quote(s)
+  return '"' .. s:gsub('[%c"\\]', function(c) return escapes[c] or ("\\u%04x"):format(c:byte()) end) .. '"'
+end
+
+local function number(x)
+  if x ~= x or x == math.huge or x == -math.huge then return "null" end
+  if x == math.floor(x) and math.abs(x) < 1e15 then return ("%d"):format(x) end
+  return ("%.17g"):format(x)
+end
+
+--- JSON of numbers, strings, booleans, lists and tables with string keys (sorted); NaN is null.
+function report.json(x, depth)
+  depth = depth or 0
+  local t = type(x)
+  if t == "number" then return number(x) end
+  if t == "string" then return quote(x) end
+  if t == "boolean" then return tostring(x) end
+  if t ~= "table" or depth > 32 then return "null" end
+  local out = {}
+  if #x > 0 or next(x) == nil then
+    for i = 1, #x do out[i] = report.json(x[i], depth + 1) end
+    return "[" .. table.concat(out, ",") .. "]"
+  end
+  local keys = {}
+  for key in pairs(x) do keys[#keys + 1] = tostring(key) end
+  table.sort(keys)
+  for i, key in ipairs(keys) do out[i] = quote(key) .. ":" .. report.json(x[key], depth + 1) end
+  return "{" .. table.concat(out, ",") .. "}"
+end
+
+local function in_words(x)
+  if type(x) == "number" then
+    return x == math.floor(x) and math.abs(x) < 1e15 and ("%d"):format(x) or ("%.6g"):format(x)
+  end
+  if type(x) ~= "table" then return tostring(x) end
+  local out = {}
+  for i = 1, #x do out[i] = in_words(x[i]) end
+  return table.concat(out, " ")
+end
+
+--- Prints the table `results`, in the order of `order` where it is given.
+function report.print(given, results, order)
+  if given.json then
+    io.stdout:write(report.json(results), "\n")
+    return
+  end
+  if not order then
+    order = {}
+    for name in pairs(results) do order[#order + 1] = name end
+    table.sort(order)
+  end
+  local width = 0
+  for _, name in ipairs(order) do width = math.max(width, #name) end
+  for _, name in ipairs(order) do
+    if results[name] ~= nil then
+      io.stdout:write((("%-" .. width .. "s  %s"):format(name, in_words(results[name])):gsub("%s+$", "")), "\n")
+    end
+  end
+end
+
+--- A message on stderr, unless --quiet.
+function report.say(given, message, ...)
+  if not given.quiet then io.stderr:write(message:format(...), "\n") end
+end
+
+--- A progress bar where stderr is a terminal and neither --quiet nor --json was given.
+function report.progress(given)
+  if given.quiet or given.json then return nil end
+  local ok = os.execute("test -t 2")
+  if ok == true or ok == 0 then return progress.bar() end
+  return nil
+end
+
+return report

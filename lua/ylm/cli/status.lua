@@ -1,0 +1,46 @@
+--- Exit statuses of the command-line tool, and how a command ends with one.
+
+local status = {
+  good = 0,
+  failed = 1,    -- a file, a driver, memory
+  usage = 2,     -- the command line
+  raised = nil,  -- see below
+  script = 3,    -- a scene file or an experiment is wrong
+  beyond = 4,    -- compare: a bound was not kept
+  limit = 5,     -- a scene file passed a limit
+  cancelled = 130,
+  text = "0 good, 1 a file, driver or memory failed, 2 wrong usage, 3 a scene or experiment is wrong,\n"
+    .. "             4 a bound of compare was not kept, 5 a scene passed a limit, 130 interrupted",
+}
+
+local of_code = { EFORMAT = status.script, ELIMIT = status.limit, ECANCELLED = status.cancelled }
+
+--- Ends the command with a message and a status.
+function status.stop(code, message, ...)
+  if select("#", ...) > 0 then message = message:format(...) end
+  error({ status = code, message = message }, 0)
+end
+
+--- Passes results on; nil, message, code ends the command.
+function status.need(first, message, code, ...)
+  if first == nil or first == false then
+    status.stop(status.failed, tostring(message))
+  end
+  return first, message, code, ...
+end
+
+--- The same for scene files, whose mistakes have a status of their own.
+function status.need_scene(first, message, code)
+  if first == nil then status.stop(of_code[code] or status.failed, tostring(message)) end
+  return first
+end
+
+--- An error that was raised, as a table: with its traceback where YLM_DEBUG is set.
+function status.raised(message)
+  message = tostring(message)
+  if message:find("interrupted!", 1, true) then return { status = status.cancelled, message = "interrupted" } end
+  if os.getenv "YLM_DEBUG" then message = debug.traceback(message, 3) end
+  return { status = status.script, message = message }
+end
+
+return status

@@ -1,0 +1,50 @@
+-- One C source serves every Lua; an object built for another Lua is an error, not a crash.
+
+local scratch = require "spec.support.scratch"
+
+local build = os.getenv "YLM_BUILD" or "build"
+local interpreters = { ["lua5.1"] = "lua5.1", luajit = "lua5.1", ["lua5.3"] = "lua5.3", ["lua5.4"] = "lua5.4" }
+
+local function present(lua) return scratch.shell("command -v " .. lua .. " >/dev/null") end
+
+--- Runs `text` under `lua` with the bindings of `abi`; returns output, exit status.
+local function run(lua, abi, text)
+  return scratch.capture(("env -u LUA_PATH_5_3 -u LUA_PATH_5_4 -u LUA_CPATH_5_3 -u LUA_CPATH_5_4 "
+    .. "LUA_PATH='lua/?.lua;lua/?/init.lua' LUA_CPATH=%s %s -e %s"):format(
+    scratch.quote(build .. "/" .. abi .. "/?.so"), lua, scratch.quote(text)))
+end
+
+describe("the binding", function()
+  for lua, abi in pairs(interpreters) do
+    it("works under " .. lua, function()
+      if not present(lua) then pending(lua .. " is not installed") end
+      local out, code = run(lua, abi, [[
+        local ylm = require "ylm"
+        local a = ylm.array({ { 0, 0, 1 }, { 1, 2, 3 } })
+        local Y = ylm.sh.eval(4, a)
+        assert(#Y == 2 and Y.shape[2] == 25 and math.abs(Y:get(1, 1) - 0.28209479177388) < 1e-14)
+        local s = ylm.scene "x" { background = 2 }
+        assert(s.background[3] == 2)
+        assert(not pcall(ylm.zeros, { -1 }))
+        for _, name in ipairs(ylm.names()) do assert(ylm[name], name) end
+        for i = 1, 50 do ylm.zeros { 1000, 100 } end
+        collectgarbage() collectgarbage()
+        io.write "good"]])
+      assert.equal("good", out)
+      assert.equal(0, code)
+    end)
+
+    for _, other in ipairs { "lua5.1", "lua5.3", "lua5.4" } do
+      if other ~= abi then
+        it(("refuses the objects of %s under %s"):format(other, lua), function()
+          if not present(lua) then pending(lua .. " is not installed") end
+          if not present(other) then pending(other .. " is not installed") end
+          local out, code = run(lua, other, 'require "ylm.c.core"')
+          assert.equal(1, code, out)
+          assert.truthy(out:find("version mismatch") or out:find("undefined symbol") or out:find("LUA_CPATH")
+            or out:find("core not compatible"), out)
+        end)
+      end
+    end
+  end
+end)

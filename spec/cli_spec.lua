@@ -1,0 +1,119 @@
+-- The command-line tool: what it prints where, and its exit statuses.
+
+local scratch = require "spec.support.scratch"
+
+local build = os.getenv "YLM_BUILD" or "build"
+local lua = os.getenv "YLM_LUA" or "lua5.4"
+
+describe("the command-line tool", function()
+  local folder
+  setup(function() folder = scratch.new() end)
+  teardown(function() folder:remove() end)
+
+  --- Runs `ylm words`; returns stdout, exit status, stderr.
+  local function ylm(words)
+    local out, code = scratch.capture(("YLM_LUA=%s LUA_PATH= LUA_CPATH= %s %s 2>%s"):format(lua,
+      scratch.quote(build .. "/ylm"), words, scratch.quote(folder.path .. "/stderr")))
+    return out, code, folder:read "stderr"
+  end
+
+  local function file(name, text) return scratch.quote(folder:write(name, text)) end
+
+  it("lists its commands, and says so where it is used wrongly", function()
+    local out, code = ylm "--help"
+    assert.equal(0, code)
+    for _, name in ipairs { "render", "bake", "view", "compare", "run", "codegen", "bench", "info", "help" } do
+      assert.truthy(out:find("\n  " .. name .. " ", 1, true), name)
+      local usage
+      usage, code = ylm(name .. " --help")
+      assert.equal(0, code)
+      assert.truthy(usage:find("usage: ylm " .. name, 1, true), usage)
+    end
+    local err
+    out, code, err = ylm ""
+    assert.equal(2, code)
+    assert.equal("", out)
+    assert.truthy(err:find "usage: ylm COMMAND")
+    _, code, err = ylm "rendr x.lua"
+    assert.equal(2, code)
+    assert.equal("ylm: no command 'rendr' (did you mean 'render'?)\n", err)
+    _, code, err = ylm "info --jsn"
+    assert.equal(2, code)
+    assert.truthy(err:find("no option --jsn (did you mean --json?)", 1, true), err)
+    for _, words in ipairs { "info x", "render", "render a.lua --size 3", "render a.lua --samples x", "render a.lua -o",
+      "render a.lua", "bake a.lua", "compare a.exr", "run", "info --json=1", "render a.lua -o b.exr --method x" } do
+      _, code, err = ylm(words)
+      assert.equal(2, code, words .. ": " .. err)
+      assert.truthy(#err > 0)
+    end
+  end)
+
+  it("prints what it is made of, as words and as JSON", function()
+    local out, code, err = ylm "info"
+    assert.equal(0, code)
+    assert.equal("", err)
+    assert.truthy(out:find("^version +%d+%.%d+%.%d+\n"))
+    out, code = ylm "info --json"
+    assert.equal(0, code)
+    assert.truthy(out:find('^{"'))
+    assert.truthy(out:find('"threads":%d+'))
+    assert.truthy(out:find('"kernels":%["reference"'))
+  end)
+
+  it("helps on words", function()
+    local out, code = ylm "help zeros"
+    assert.equal(0, code)
+    assert.truthy(out:find("ylm.zeros(shape [, dtype])", 1, true))
+    out, code = ylm "help scene"
+    assert.equal(0, code)
+    assert.truthy(out:find("background", 1, true))
+    out, code = ylm "help all"
+    assert.equal(0, code)
+    assert.truthy(out:find("\n  sh.eval ", 1, true))
+    local _, bad, err = ylm "help zerso"
+    assert.equal(2, bad)
+    assert.equal("ylm: no help on 'zerso' (did you mean 'zeros'?)\n", err)
+  end)
+
+  it("runs experiments with arguments and passes their status on", function()
+    local out, code = ylm("run " .. file("a.lua", [[
+      local ylm = require "ylm"
+      local a, b = ...
+      print(arg[0]:match "[^/]*$", a, b, #arg, ylm.sh.count(4))
+      return 7]]) .. " --one 'two words'")
+    assert.equal("a.lua\t--one\ttwo words\t2\t25\n", out)
+    assert.equal(7, code)
+    local _, err
+    _, code, err = ylm("run " .. file("b.lua", "\nlocal x = nil + 1"))
+    assert.equal(3, code)
+    assert.truthy(err:find("b.lua:2: attempt to perform arithmetic", 1, true), err)
+    _, code, err = ylm("run " .. file("c.lua", "x ="))
+    assert.equal(3, code)
+    assert.truthy(err:find("c.lua:1:", 1, true), err)
+    _, code, err = ylm "run missing.lua"
+    assert.equal(1, code)
+    assert.truthy(err:find("missing.lua", 1, true), err)
+  end)
+
+  it("tells a missing scene from a wrong one and one that passes a limit", function()
+    for _, command in ipairs { "render", "bake" } do
+      local _, code, err = ylm(command .. " missing.lua -o x.exr")
+      assert.equal(1, code, err)
+      assert.truthy(err:find("missing.lua", 1, true), err)
+      _, code, err = ylm(command .. " " .. file("wrong.lua", "\nreturn scene 'x' { ligths = {} }") .. " -o x.exr")
+      assert.equal(3, code, err)
+      assert.truthy(err:find("wrong.lua:2: scene: no field 'ligths' (did you mean 'lights'?)", 1, true), err)
+      _, code, err = ylm(command .. " " .. file("endless.lua", "local s = 'x' while true do s = s .. s end")
+        .. " -o x.exr")
+      assert.equal(5, code, err)
+      assert.truthy(err:find("bytes of memory", 1, true), err)
+    end
+  end)
+
+  it("writes JSON that escapes what it must", function()
+    local json = require "ylm.cli.report".json
+    assert.equal('{"a":[1,2.5,null],"b":"x\\"\\\\\\n\\u0001","c":{"d":true},"e":[]}',
+      json { a = { 1, 2.5, 0 / 0 }, b = 'x"\\\n\1', c = { d = true }, e = {} })
+    assert.equal("0.10000000000000001", json(0.1))
+  end)
+end)

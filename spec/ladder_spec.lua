@@ -1,0 +1,140 @@
+-- The architecture: includes go down the ladder, libraries stay free of what they do not need.
+
+local scratch = require "spec.support.scratch"
+local build = os.getenv "YLM_BUILD" or "build"
+
+local ladder = { "base", "sh", "image", "geom", "material", "light", "grid", "figure", "codec", "trace", "shade" }
+local tops = { vulkan = true, vtk = true, mpi = true } -- above all of these, and never one another
+local rank = { lua = 100 }
+for i, folder in ipairs(ladder) do rank[folder] = i end
+for folder in pairs(tops) do rank[folder] = 50 end
+
+--- Which folders may include a system header that matches.
+local reserved = {
+  { "^lua%.h$", "lua" }, { "^lauxlib%.h$", "lua" }, { "^lualib%.h$", "lua" }, { "^luajit%.h$", "lua" },
+  { "^vtk", "vtk" }, { "^EGL/", "vtk" }, { "^GL/", "vtk" }, { "^X11/", "vtk" },
+  { "^openexr", "codec" }, { "^OpenEXR", "codec" }, { "^png%.h$", "codec" },
+  { "^embree", "trace" }, { "^vulkan/", "vulkan" }, { "^mpi%.h$", "mpi" },
+}
+
+local function lines_of(command)
+  local list, pipe = {}, assert(io.popen(command))
+  for line in pipe:lines() do list[#list + 1] = line end
+  pipe:close()
+  return list
+end
+
+local sources = lines_of "find csrc -name '*.[ch]' -o -name '*.cpp' -o -name '*.cc' -o -name '*.hpp' -o -name '*.inc' | sort"
+
+local function exists(path)
+  local file = io.open(path)
+  if file then file:close() end
+  return file ~= nil
+end
+
+--- Header name -> folder, of the public headers ylm_*.h.
+local public = {}
+for _, path in ipairs(sources) do
+  local folder, name = path:match("^csrc/([^/]+)/(ylm_[%w_]+%.h)$")
+  if folder then public[name] = folder end
+end
+
+--- Calls f(path, folder, line number, header, "<" or '"') for every include.
+local function each_include(f)
+  for _, path in ipairs(sources) do
+    local folder, n = path:match("^csrc/([^/]+)/"), 0
+    for line in io.lines(path) do
+      n = n + 1
+      local kind, header = line:match('^%s*#%s*include%s*([<"])([^>"]+)')
+      if header then f(path, folder, n, header, kind) end
+    end
+  end
+end
+
+describe("the ladder", function()
+  it("knows every folder", function()
+    assert(#sources > 0)
+    for _, path in ipairs(sources) do
+      local folder = path:match("^csrc/([^/]+)/")
+      assert(folder and rank[folder], path .. ": not a folder of the ladder")
+    end
+  end)
+
+  it("is only gone down by includes, through public headers", function()
+    local wrong = {}
+    each_include(function(path, folder, n, header, kind)
+      local from = public[header] or public[header:match("[^/]+$")]
+      local own = exists("csrc/" .. folder .. "/" .. header) or exists((path:match("^(.*)/")) .. "/" .. header)
+      if own or (kind == "<" and not from) then return end
+      if not from then wrong[#wrong + 1] = ("%s:%d: %s is no public header"):format(path, n, header)
+      elseif rank[from] >= rank[folder] and from ~= folder then
+        wrong[#wrong + 1] = ("%s:%d: %s includes %s of %s, which is not below it"):format(path, n, folder, header, from)
+      end
+    end)
+    assert.equal("", table.concat(wrong, "\n"))
+  end)
+
+  it("keeps Lua to csrc/lua, VTK to csrc/vtk, and each library to its folder", function()
+    local wrong = {}
+    each_include(function(path, folder, n, header)
+      for _, rule in ipairs(reserved) do
+        if header:find(rule[1]) and folder ~= rule[2] then
+          wrong[#wrong + 1] = ("%s:%d: only csrc/%s includes %s"):format(path, n, rule[2], header)
+        end
+      end
+    end)
+    for _, path in ipairs(sources) do
+      if not path:find("%.[ch]$") and not path:find("%.inc$") and not path:find("^csrc/vtk/") then
+        wrong[#wrong + 1] = path .. ": only csrc/vtk is C++"
+      end
+    end
+    assert.equal("", table.concat(wrong, "\n"))
+  end)
+
+  it("has one public header per folder (base: also ylm_simd.h)", function()
+    for name, folder in pairs(public) do
+      assert(name == "ylm_" .. folder .. ".h" or name == "ylm_simd.h", folder .. "/" .. name)
+    end
+  end)
+
+  it("leaves libylm.so with libc, libm and the OpenMP runtime only", function()
+    local allowed = { ["linux-vdso"] = true, ["ld-linux-x86-64"] = true, ["ld-linux-aarch64"] = true, libc = true,
+      libm = true, libgomp = true, libpthread = true, libdl = true,
+      libasan = true, libubsan = true, libgcc_s = true, libstdc = true } -- under the sanitizers
+    local out, code = scratch.capture("ldd " .. scratch.quote(build .. "/lib/libylm.so"))
+    assert.equal(0, code, out)
+    for name in out:gmatch("%s([%w_%-/]+)[%w%.%+]*%.so[%.%d]*") do
+      name = name:match("[^/]+$")
+      assert(allowed[name], "libylm.so needs " .. name .. "\n" .. out)
+    end
+    assert.truthy(out:find "libm%.so")
+  end)
+
+  it("exports nothing but ylm_* from libylm.so", function()
+    if not scratch.shell "command -v nm >/dev/null" then pending "nm is not installed" end
+    for _, line in ipairs(lines_of("nm -D --defined-only " .. scratch.quote(build .. "/lib/libylm.so"))) do
+      local name = line:match("%s[TDBRVWu]%s+(%S+)$")
+      assert(not name or name:find "^ylm_" or name:find "^_*asan" or name:find "^__odr", "exported: " .. line)
+    end
+  end)
+end)
+
+describe("the tree", function()
+  local files = lines_of "git ls-files 2>/dev/null"
+  if #files == 0 then files = lines_of "find . -type f -not -path './.git/*' -not -path './build/*' -not -path './out/*'" end
+
+  it("names no path of one machine", function()
+    local wrong = {}
+    for _, path in ipairs(files) do
+      local file = not path:find("%.png$") and not path:find("%.exr$") and io.open(path, "rb")
+      if file then
+        local text = file:read(2 ^ 20) or ""
+        file:close()
+        for _, word in ipairs { "/wo" .. "rk/", "/ho" .. "me/", "/ro" .. "ot/", "/Us" .. "ers/" } do
+          if text:find("[^%w]" .. word) then wrong[#wrong + 1] = path .. ": " .. word end
+        end
+      end
+    end
+    assert.equal("", table.concat(wrong, "\n"))
+  end)
+end)
