@@ -14,7 +14,10 @@ SANITIZE ?=
 V       ?=
 Q       := $(if $(V),,@)
 say      = @printf '  %-4s %s\n' $(1) $(2)
-LUAS    ?= $(foreach l,lua5.1 luajit lua5.3 lua5.4,$(if $(shell command -v $(l)),$(l)))
+# Luas whose interpreter and headers are both there; `luarocks make` names one by ROCK_LUA.
+LUAS    ?= $(if $(ROCK_LUA),$(shell $(ROCK_LUA) -e 'print("lua" .. _VERSION:match("%d.%d"))'),$(foreach l,\
+             lua5.1 luajit lua5.3 lua5.4,$(if $(shell command -v $(l) && pkg-config --exists $(l) 2>/dev/null && echo y),$(l))))
+LUA_CFLAGS ?= # of the one Lua to build for; pkg-config knows them otherwise
 ABIS    := $(sort $(patsubst luajit,lua5.1,$(LUAS)))
 
 # -- what belongs to which library (DESIGN: the ladder) -------------------------
@@ -22,7 +25,7 @@ ABIS    := $(sort $(patsubst luajit,lua5.1,$(LUAS)))
 CORE    := base sh image geom material light grid figure
 SCENE   := codec trace shade
 
-ARCH    := $(shell $(CC) -dumpmachine | cut -d- -f1)
+ARCH    := $(shell $(CC) -dumpmachine 2>/dev/null | cut -d- -f1)
 ISAS    := $(if $(filter x86_64,$(ARCH)),sse2 avx2 avx512,$(if $(filter aarch64,$(ARCH)),neon))
 FLAGS_sse2   := -msse2 -DYLM_VECTOR_BYTES=16
 FLAGS_neon   := -DYLM_VECTOR_BYTES=16
@@ -44,17 +47,21 @@ kernels = $(wildcard csrc/$(1)/*.isa.c csrc/$(1)/gen/*.isa.c)
 objects = $(patsubst csrc/%.c,$(BUILD)/obj/%.o,$(call sources,$(1))) \
           $(foreach i,$(ISAS),$(patsubst csrc/%.isa.c,$(BUILD)/obj/%.$(i).o,$(call kernels,$(1))))
 
+# Built where OpenEXR, libpng and Embree 3 are; spherical harmonics alone need none of them.
+WITH_SCENE ?= $(if $(wildcard csrc/lua/scene.c),$(and $(shell pkg-config --exists OpenEXR libpng 2>/dev/null && echo y),$(wildcard \
+                /usr/include/embree3/rtcore.h /usr/local/include/embree3/rtcore.h)))
+
 OBJ_core  := $(foreach d,$(CORE),$(call objects,$(d)))
 OBJ_scene := $(foreach d,$(SCENE),$(call objects,$(d)))
 
-LIBS := $(BUILD)/lib/libylm.so $(if $(OBJ_scene),$(BUILD)/lib/libylm_scene.so)
-HAVE := core $(if $(wildcard csrc/lua/scene.c),scene)
+LIBS := $(BUILD)/lib/libylm.so $(if $(WITH_SCENE),$(BUILD)/lib/libylm_scene.so)
+HAVE := core $(if $(WITH_SCENE),scene)
 # Parts with rules of their own.
 -include csrc/vtk/build.mk csrc/vulkan/build.mk lua/ylm/codegen/build.mk spec/bench/build.mk spec/fuzz/build.mk lua/ylm/doc/build.mk
 
 BINDINGS := $(foreach a,$(ABIS),$(foreach m,$(HAVE),$(BUILD)/$(a)/ylm/c/$(m).so))
 
-.PHONY: all deps demo test spec bench gen check asan fuzz docs format install clean help
+.PHONY: all deps demo test spec bench gen gen-check check asan fuzz docs format install rock clean help
 .DEFAULT_GOAL := all
 
 all: $(LIBS) $(BINDINGS) $(BUILD)/ylm   ## build the libraries, a binding for each Lua found, and build/ylm
@@ -97,12 +104,12 @@ define BINDING
 $(BUILD)/$(1)/obj/%.o: csrc/lua/%.c
 	@mkdir -p $$(@D)
 	$$(call say,CC,$$@)
-	$(Q)$$(CC) $$(CFLAGS) $$(call pkg,--cflags,$(1)) -c $$< -o $$@
+	$(Q)$$(CC) $$(CFLAGS) $$(or $$(strip $$(LUA_CFLAGS)),$$(call pkg,--cflags,$(1))) -c $$< -o $$@
 $(foreach m,$(HAVE),
-$(BUILD)/$(1)/ylm/c/$(m).so: $(patsubst csrc/lua/%.c,$(BUILD)/$(1)/obj/%.o,$(wildcard csrc/lua/binding*.c csrc/lua/$(m).c csrc/lua/$(m)_*.c)) $(LIBS)
+$(BUILD)/$(1)/ylm/c/$(m).so: $(patsubst csrc/lua/%.c,$(BUILD)/$(1)/obj/%.o,$(wildcard csrc/lua/binding*.c csrc/lua/$(m).c csrc/lua/$(m)_*.c)) $(LIBS) Makefile
 	@mkdir -p $$(@D)
 	$$(call say,LINK,$$@)
-	$(Q)$$(CC) -shared -fopenmp $(SANITIZE) $$(filter %.o,$$^) -L$(BUILD)/lib $(LIBS_OF_$(m)) -Wl,-rpath,'$$$$ORIGIN:$$$$ORIGIN/../../../lib' -lm -o $$@
+	$(Q)$$(CC) -shared -fopenmp $(SANITIZE) $$(filter %.o,$$^) -L$(BUILD)/lib $(LIBS_OF_$(m)) -Wl,-rpath,'$$$$ORIGIN:$$$$ORIGIN/../../../lib:$$$$ORIGIN/../../../..' -lm -o $$@
 )
 endef
 $(foreach a,$(ABIS),$(eval $(call BINDING,$(a))))
@@ -111,13 +118,74 @@ $(BUILD)/ylm: lua/ylm/cli/ylm.in Makefile
 	@mkdir -p $(@D)
 	$(Q)sed -e 's|@ROOT@|$(CURDIR)|; s|@LUA@|$(CURDIR)/lua|g; s|@C@|$(abspath $(BUILD))/lua$$v|' $< > $@ && chmod +x $@
 
-# -- checks ----------------------------------------------------------------------
+# -- what a newcomer says -----------------------------------------------------------
 
-spec: all   ## run the specs under Lua 5.4 and LuaJIT (SPEC=pattern for some of them)
+# Packages may have brought the compiler and the Luas that this reading of the file did not find:
+# work goes on in a second one.
+again = @$(MAKE) --no-print-directory $(if $(findstring jobserver,$(MAKEFLAGS)),,-j$(shell nproc)) $(1)
+
+deps:   ## install what is missing (Debian packages; says what first; DEPS=no skips)
+	@.ci/deps build demo test
+
+demo:   ## install, build, render the picture of the README into out/
+	@.ci/deps build demo
+	$(call again,all)
+	@$(BUILD)/ylm run examples/01_floor_lights.lua $(ARGS)
+
+test:   ## install, build, run every check; the last line counts them
+	@.ci/deps build demo test
+	$(call again,all)
 	@BUILD=$(abspath $(BUILD)) spec/run $(SPEC)
 
+# -- checks ------------------------------------------------------------------------
+
+spec: all   ## run the specs under Lua 5.4 and LuaJIT (SPEC=files for some of them)
+	@BUILD=$(abspath $(BUILD)) spec/run $(SPEC)
+
+check: gen-check   ## style and generated files, without running specs
+	luacheck -q .
+	@command -v clang-format >/dev/null && clang-format --dry-run --Werror $(FORMATTED) || echo "clang-format is not installed"
+
+# The sanitizers' runtime has to come first in a process that was not built with it. Leaks are not
+# looked for: drivers keep what they have until the end.
+ASAN := address,undefined -fno-sanitize-recover=undefined -fno-omit-frame-pointer
+asan:   ## the specs under AddressSanitizer and UBSan (in build/asan)
+	@$(MAKE) --no-print-directory BUILD=$(BUILD)/asan OPT='-O1 -g' SANITIZE='-fsanitize=$(ASAN)' all
+	@BUILD=$(abspath $(BUILD))/asan SPEC_LUAS='$(or $(SPEC_LUAS),lua5.4)' SPEC_PREFIX="env \
+	  LD_PRELOAD=$$($(CC) -print-file-name=libasan.so):$$($(CC) -print-file-name=libubsan.so) \
+	  ASAN_OPTIONS=detect_leaks=0:detect_odr_violation=0 UBSAN_OPTIONS=print_stacktrace=1" spec/run $(SPEC)
+
+FORMATTED := $(shell find csrc spec -name gen -prune -o \( -name '*.[ch]' -o -name '*.cpp' \) -print)
+format:   ## lay out the C sources
+	clang-format -i $(FORMATTED)
+
+# -- installing ---------------------------------------------------------------------
+
+INSTALL ?= install
+D        = $(DESTDIR)$(PREFIX)
+version  = $(patsubst lua%,%,$(1))
+
+install: all   ## install libraries, headers, Lua files and the tool (PREFIX, DESTDIR)
+	$(INSTALL) -d $(D)/bin $(D)/lib $(D)/include/ylm
+	$(INSTALL) -m 755 $(wildcard $(BUILD)/lib/*.so) $(D)/lib
+	$(INSTALL) -m 644 $(wildcard csrc/*/ylm_*.h) $(D)/include/ylm
+	set -e; for v in $(foreach a,$(ABIS),$(call version,$(a))); do \
+	  (cd lua && find ylm -name '*.lua') | while read -r f; do \
+	    $(INSTALL) -D -m 644 lua/$$f $(D)/share/lua/$$v/$$f; done; \
+	  for f in $(BUILD)/lua$$v/ylm/c/*.so; do \
+	    $(INSTALL) -D -m 755 $$f $(D)/lib/lua/$$v/ylm/c/$${f##*/}; done; done
+	sed -e 's|@ROOT@||; s|@LUA@|$(PREFIX)/share/lua/$$v|g; s|@C@|$(PREFIX)/lib/lua/$$v|' lua/ylm/cli/ylm.in > $(D)/bin/ylm
+	chmod 755 $(D)/bin/ylm
+
+# What rockspec/ylm-scm-1.rockspec calls, with LuaRocks' LUADIR, LIBDIR and BINDIR.
+rock: all
+	cd lua && find ylm -name '*.lua' -exec $(INSTALL) -D -m 644 {} $(LUADIR)/{} \;
+	$(INSTALL) -d $(LIBDIR)/ylm/c $(BINDIR)
+	$(INSTALL) -m 755 $(BUILD)/$(ABIS)/ylm/c/*.so $(wildcard $(BUILD)/lib/*.so) $(LIBDIR)/ylm/c
+	$(INSTALL) -m 755 lua/ylm/cli/main.lua $(BINDIR)/ylm
+
 help:   ## this list
-	@grep -hE '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## */\t/' | expand -t 12
+	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## */\t/' | expand -t 12
 
 clean:   ## remove build and out
 	rm -rf $(BUILD) $(OUT)

@@ -64,7 +64,8 @@ describe "info" {
 }
 function ylm.info()
   local version, kernel, kernels, threads = core.info()
-  return { version = version, kernel = kernel, kernels = kernels, threads = threads, lua = _VERSION }
+  return { version = version, kernel = kernel, kernels = kernels, threads = threads,
+    lua = jit and jit.version or _VERSION }
 end
 
 return ylm
