@@ -29,6 +29,7 @@
   X(light) \
   X(sandbox) \
   X(sh) \
+  X(sh_rotate) \
   X(image) \
   X(mesh)
 

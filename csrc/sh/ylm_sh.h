@@ -102,6 +102,129 @@ YLM_API const char *ylm_sh_method_name(ylm_sh_method m);
 YLM_API ylm_status ylm_sh_reconstruct(int lmax, ylm_dtype t, size_t rows, const void *c, size_t n,
                                       const void *p, void *out, int threads, ylm_error *e);
 
+/* -- rotation: csrc/sh/rotate.c ---------------------------------------------------------------- */
+
+/* The highest degree that can be rotated. */
+#define YLM_SH_ROTATE_LMAX 128
+
+/*
+** A plan for rotating up to degree lmax: the quarter turns that every rotation is made of.
+** Immutable, to be shared between threads; about lmax^3 numbers.
+*/
+typedef struct ylm_sh_rotator ylm_sh_rotator;
+/* YLM_ERANGE (lmax 0 .. YLM_SH_ROTATE_LMAX), YLM_ENOMEM. The caller frees *out. */
+YLM_API ylm_status ylm_sh_rotator_create(int lmax, ylm_sh_rotator **out, ylm_error *e);
+YLM_API void ylm_sh_rotator_free(ylm_sh_rotator *p);
+
+/* Rotation matrices, row-major [3][3], that turn vectors: v -> R v. */
+YLM_API ylm_status ylm_sh_rotation_from_axis(const double axis[3], double angle, double r[9], ylm_error *e);
+YLM_API ylm_status ylm_sh_rotation_from_quaternion(const double wxyz[4], double r[9], ylm_error *e);
+/* Rz(a) Ry(b) Rz(c), radians. */
+YLM_API ylm_status ylm_sh_rotation_from_zyz(const double abc[3], double r[9], ylm_error *e);
+/* YLM_EDOMAIN unless r is a rotation to 1e-5; *out (may be r) is the nearest exact one. */
+YLM_API ylm_status ylm_sh_rotation_check(const double r[9], double out[9], ylm_error *e);
+
+/*
+** ylm_sh_rotate - turn functions given by coefficients: out(s) = in(R^-1 s).
+**
+**   p     in   of degree >= lmax
+**   r     in   [3][3]                  a rotation, see ylm_sh_rotation_check
+**   in    in   [rows][(lmax+1)^2]
+**   out   out  [rows][(lmax+1)^2]      may be in
+**
+** Identity, half and quarter turns about the axes (and their products) are exact: signed
+** permutations where those are what they are.
+** Returns  YLM_OK, YLM_ERANGE (lmax), YLM_EDOMAIN (r), YLM_ENOMEM
+** Accuracy relative to the norm: 1e-13 to degree 60 (double), 2e-6 (float)
+** Cost     O(lmax^3) a row: z-turns between quarter turns, for few rows; for more, the blocks
+**          of the rotation, as ylm_sh_rotation_apply
+** Source   Pinchon & Hoggan 2007, Sec. 2; docs/math.md "Rotation"
+*/
+YLM_API ylm_status ylm_sh_rotate(const ylm_sh_rotator *p, const double r[9], int lmax, ylm_dtype t,
+                                 size_t rows, const void *in, void *out, int threads, ylm_error *e);
+
+/* A rotation as its blocks, one (2l+1)x(2l+1) matrix for each degree: fastest for batches. */
+typedef struct ylm_sh_rotation ylm_sh_rotation;
+YLM_API ylm_status ylm_sh_rotation_create(const ylm_sh_rotator *p, const double r[9], int lmax,
+                                          ylm_dtype t, ylm_sh_rotation **out, ylm_error *e);
+YLM_API void ylm_sh_rotation_free(ylm_sh_rotation *r);
+YLM_API int ylm_sh_rotation_lmax(const ylm_sh_rotation *r);
+YLM_API ylm_dtype ylm_sh_rotation_dtype(const ylm_sh_rotation *r);
+/* The block of degree l, [2l+1][2l+1] row-major; m = -l first. */
+YLM_API ylm_status ylm_sh_rotation_block(const ylm_sh_rotation *r, int l, double *out);
+/* As ylm_sh_rotate, for arrays of the rotation's type and any lmax up to its own. */
+YLM_API ylm_status ylm_sh_rotation_apply(const ylm_sh_rotation *r, int lmax, size_t rows,
+                                         const void *in, void *out, int threads);
+
+/*
+** The recurrence of Ivanic & Ruedenberg 1996 (corrected 1998), which judges the others:
+** blocks of degrees 0 .. lmax, one after the other, [2l+1][2l+1] each. `r` is not checked.
+*/
+YLM_API ylm_status ylm_sh_rotation_reference(const double r[9], int lmax, double *blocks);
+
+/* -- conventions: csrc/sh/convert.c ------------------------------------------------------------ */
+
+/*
+** A convention says what coefficients mean: a system, a quantity and the axes, in one number.
+** 0 is ylm's own: real, orthonormal, with the Condon-Shortley phase, radiance, axes as they are.
+** Numbers are kept in files: the list only grows at its end.
+**
+**   system     numbers      relation to ylm's c(l,m) of a function f = sum c Y
+**   ylm        [count]      c
+**   plain      [count]      (-1)^m c: no phase; also sphericart's
+**   n3d        [count]      (-1)^m sqrt(4pi) c: ambisonics, ACN order, N3D
+**   sn3d       [count]      (-1)^m sqrt(4pi/(2l+1)) c: ambisonics, ACN order, SN3D (AmbiX)
+**   scipy      [count][2]   complex a(l,m), f = sum a sph_harm(m, l): real and imaginary part
+**   unity      [7][4]       SHAr SHAg SHAb SHBr SHBg SHBb SHC of three channels, lmax 2, irradiance/pi
+**   three.js   [9][3]       SphericalHarmonics3: (-1)^m c, coefficients before channels, lmax 2
+**   filament   [9][3]       irradiance/pi with the constants of Y multiplied in, lmax 2
+*/
+#define YLM_SH_SYSTEM_LIST(X)                                                                     \
+  X(ylm, "ylm") X(plain, "plain") X(n3d, "n3d") X(sn3d, "sn3d") X(scipy, "scipy")                 \
+  X(unity, "unity") X(threejs, "three.js") X(filament, "filament")
+
+typedef enum ylm_sh_system {
+#define X(name, text) YLM_SH_SYSTEM_##name,
+  YLM_SH_SYSTEM_LIST(X)
+#undef X
+  YLM_SH_SYSTEM_COUNT
+} ylm_sh_system;
+
+static inline ylm_sh_system ylm_sh_convention_system(uint32_t c) { return (ylm_sh_system)(c & 31); }
+/* Set: irradiance E(l,m) = A(l) L(l,m) instead of radiance. */
+#define YLM_SH_IRRADIANCE 0x20u
+/* Bits 8 .. 13: the permutation (of xyz, xzy, yxz, yzx, zxy, zyx) times 8 plus a bit for each
+   negative axis: the directions, in ylm's axes, of the convention's x, y and z. */
+static inline int ylm_sh_convention_axes(uint32_t c) { return (int)(c >> 8 & 63); }
+
+/*
+** Words to a convention and back: a system, then "irradiance", then axes like "x,z,-y" (which say
+** where the convention's x, y, z axes point), the last two only if they are not the usual ones.
+** YLM_EINVAL names the word that is not understood. `text` takes at most 64 bytes.
+*/
+YLM_API ylm_status ylm_sh_convention_parse(const char *text, uint32_t *convention, ylm_error *e);
+YLM_API ylm_status ylm_sh_convention_name(uint32_t convention, char text[64]);
+
+/*
+** ylm_sh_convert - translate coefficients from one convention to another.
+**
+**   rows   in   vectors of (lmax+1)^2 coefficients; whole groups of three (the channels) where a
+**               system puts channels last
+**   in     in   in the shape of `from`, see the list
+**   out    out  in the shape of `to`; not `in`
+**
+** Returns  YLM_OK; YLM_EINVAL (no convention); YLM_ERANGE (lmax over YLM_LMAX, over 128 where axes
+**          change, not 2 for unity, three.js and filament); YLM_ESHAPE (rows); YLM_EDOMAIN
+**          (irradiance to radiance with degrees 3, 5 .., which irradiance does not hold); YLM_ENOMEM
+** Accuracy rounding of the type
+** Source   docs/conventions.md, "Conventions of others"; Sloan 2008, appendix A10 (unity)
+*/
+YLM_API ylm_status ylm_sh_convert(uint32_t from, uint32_t to, int lmax, ylm_dtype t, size_t rows,
+                                  const void *in, void *out, ylm_error *e);
+
+/* A(l) = 2 pi times the integral of t P_l(t) over 0 .. 1: the factor from radiance to irradiance. */
+YLM_API double ylm_sh_cosine_factor(int l);
+
 #ifdef __cplusplus
 }
 #endif

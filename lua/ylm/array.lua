@@ -224,9 +224,9 @@ methods.__tostring = function(a)
   return ("ylm.array %s [%s]"):format(dtype, table.concat(shape, "]["))
 end
 
---- The name of a convention number; ylm.sh extends it.
+--- The name of a convention number.
 function array.convention_name(number)
-  return number == 0 and "ylm" or tostring(number)
+  return core.sh_convention_name(number) or tostring(number)
 end
 
 -- What the other modules use ---------------------------------------------------------

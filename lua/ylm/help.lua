@@ -24,7 +24,11 @@ end
 --- Loads every public module, so that all forms and entries are there.
 function help.load()
   local ylm = require "ylm"
-  for _, name in ipairs(ylm.names()) do local _ = ylm[name] end
+  for _, name in ipairs(ylm.names()) do
+    local value = ylm[name]
+    local parts = type(value) == "table" and getmetatable(value)
+    if parts and parts.__names then for _, part in ipairs(parts.__names()) do local _ = value[part] end end
+  end
   return ylm
 end
 

@@ -13,6 +13,8 @@ local sh = {}
 
 --- Modules that add functions to ylm.sh, loaded when one of their names is first used.
 local parts = {
+  { "ylm.sh_rotate", "rotate", "rotation" },
+  { "ylm.sh_convert", "convert", "resize" },
 }
 
 local home = {}

@@ -1,0 +1,84 @@
+/*
+** rotate.h - what rotate.c and the kernels of rotate.isa.c share. Private to csrc/sh.
+**
+** A rotation is Rz(a) Ry(b) Rz(c). With J the matrix of the quarter turn about x,
+** Ry(b) = J^T Z(b) J and J^T = Z(pi) J Z(pi), so that
+**
+**   M = Z(a + pi) J Z(b + pi) J Z(c)
+**
+** and one table serves both turns. J links m and m' only within classes: by cosine or sine and by
+** the parity of m (Pinchon & Hoggan 2007). "Class order" of a degree's coefficients is four padded
+** rows, CE SE CO SO, in which entry k is m = 2k (even) or 2k+1 (odd); SE[0] is 0.
+*/
+#ifndef YLM_SH_ROTATE_H
+#define YLM_SH_ROTATE_H
+
+#include "ylm_base.h"
+
+/* Elements of a padded row of class order, a multiple of 64 bytes for either type. */
+#define ROTATE_PAD 16
+static inline int rotate_row(int lmax) { return (lmax / 2 + 1 + ROTATE_PAD - 1) / ROTATE_PAD * ROTATE_PAD; }
+
+/* A degree's block, column by column, padded to whole 64 byte vectors of `lanes` elements. */
+static inline int rotate_padded(int l, int lanes) { return (2 * l + lanes) / lanes * lanes; }
+
+/* What a rotation is made of; all but the first make quarter and half turns exact. */
+typedef enum ylm__turn {
+  TURN_GENERAL, /* Z(a) J Z(b) J Z(c), a and b turned by pi already */
+  TURN_FLAT,    /* Z(c) */
+  TURN_QUARTER, /* Z(a) J Z(c) */
+  TURN_HALF     /* Z(a) H Z(c), H the half turn about x: signs */
+} ylm__turn;
+
+/* Cosines and sines of a, b, c. */
+typedef struct ylm__angles { double c[3], s[3]; ylm__turn turn; } ylm__angles;
+
+/* H for coefficient (l, m). */
+static inline int half_turn_sign(int l, int m) { return ((l + m) & 1) != (m < 0) ? -1 : 1; }
+
+
+/* Columns of a class at degree l. */
+static inline int class_columns(int l, int c) {
+  switch (c) {
+  case 0: return l / 2 + 1;   /* CE: m = 0, 2 .. */
+  case 1: return l / 2 + 1;   /* SE: m = 0 (zero), 2 .. */
+  default: return (l + 1) / 2; /* CO, SO: m = 1, 3 .. */
+  }
+}
+/* The class that J takes to class c at degree l: an involution. */
+static inline int class_partner(int l, int c) {
+  static const int even[4] = {0, 2, 1, 3}, odd[4] = {3, 1, 2, 0};
+  return l & 1 ? odd[c] : even[c];
+}
+
+typedef struct ylm__rotate_kernels {
+  void (*one_f)(const ylm_sh_rotator *p, int lmax, const ylm__angles *a, const float *in, float *out);
+  void (*one_d)(const ylm_sh_rotator *p, int lmax, const ylm__angles *a, const double *in, double *out);
+  /* blocks: per degree, column by column, rotate_padded(l, 16 or 8) rows */
+  void (*apply_f)(int lmax, const float *blocks, size_t rows, const float *in, float *out);
+  void (*apply_d)(int lmax, const double *blocks, size_t rows, const double *in, double *out);
+} ylm__rotate_kernels;
+
+struct ylm_sh_rotator {
+  int lmax;
+  const ylm__rotate_kernels *kernels; /* NULL: the plain forms */
+  double *dense;       /* J, degree after degree, [2l+1][2l+1] row-major */
+  size_t *dense_at;    /* [lmax+1] */
+  double *packed_d;    /* J in class order, column by column, rotate_row(l) rows each */
+  float *packed_f;
+  size_t *packed_at;   /* [lmax+1] */
+};
+
+#if defined(__x86_64__)
+#define ROTATE_ISAS(X) X(sse2) X(avx2) X(avx512)
+#elif defined(__aarch64__)
+#define ROTATE_ISAS(X) X(neon)
+#else
+#define ROTATE_ISAS(X)
+#endif
+
+#define X(isa) extern const ylm__rotate_kernels ylm__rotate_kernels_##isa;
+ROTATE_ISAS(X)
+#undef X
+
+#endif

@@ -1,0 +1,78 @@
+--- What the toolbox of ylm.sh shares: coefficient arguments, results, element types.
+
+local array = require "ylm.array"
+local check = require "ylm.check"
+local core = require "ylm.c.core"
+
+local args = {}
+
+--- lmax of a number of coefficients, or nil.
+function args.lmax_of(count)
+  local l = math.floor(math.sqrt(count) + 0.5) - 1
+  if l >= 0 and l <= core.sh_lmax and (l + 1) * (l + 1) == count then return l end
+end
+
+--- Argument `n` as coefficients [..][(lmax+1)^2]: array, lmax, shape, dtype, rows, convention.
+-- `limit` is the highest lmax allowed; conventions are left to the caller.
+function args.any_coefficients(n, name, value, limit)
+  local c = array.rows(n, name, "coefficients", value)
+  local shape, dtype, convention = core.array_info(c)
+  local count = shape[#shape]
+  local lmax = args.lmax_of(count)
+  if not lmax then
+    return check.bad(n, name, "(lmax+1)^2 coefficients expected in the last axis, got %d", count)
+  end
+  if limit and lmax > limit then
+    return check.bad(n, name, "lmax up to %d expected, got %d", limit, lmax)
+  end
+  local rows = 1
+  for i = 1, #shape - 1 do rows = rows * shape[i] end
+  return c, lmax, shape, dtype, rows, convention
+end
+
+--- The same, refusing other systems than ylm's (quantity and axes may be any) and what is not finite.
+function args.coefficients(n, name, value, limit)
+  local c, lmax, shape, dtype, rows, convention = args.any_coefficients(n, name, value, limit)
+  if convention % 32 ~= 0 then
+    return check.bad(n, name, "coefficients are of convention '%s': convert them to 'ylm' first",
+      core.sh_convention_name(convention))
+  end
+  local finite, where = core.array_finite(c)
+  if not finite then
+    return check.bad(n, name, "coefficients: row %d is not finite", math.floor((where - 1) / shape[#shape]) + 1)
+  end
+  return c, lmax, shape, dtype, rows, convention
+end
+
+--- An array for results: `out` if it fits, else a new one.
+function args.result(name, out, shape, dtype, convention)
+  if out == nil then
+    local a, message, code = check.result(name, core.array_zeros(shape, dtype))
+    if not a then return nil, message, code end
+    core.array_set_convention(a, convention or 0)
+    return a
+  end
+  if core.type(out) ~= "ylm.array" then
+    return check.fail("%s: out must be an array, got %s", name, check.describe(out))
+  end
+  local own, own_type, _, is_open = core.array_info(out)
+  if not is_open or own_type ~= dtype or table.concat(own, "x") ~= table.concat(shape, "x") then
+    return check.fail("%s: out must be a %s array of %s, got %s of %s", name, dtype, table.concat(shape, "x"),
+      is_open and own_type or "a closed array", table.concat(own, "x"))
+  end
+  core.array_set_convention(out, convention or 0)
+  return out
+end
+
+--- `a` with element type `dtype`: itself or a copy.
+function args.as(a, dtype)
+  local _, own = core.array_info(a)
+  if own == dtype then return a end
+  return core.array_convert(a, dtype)
+end
+
+args.threads = { "threads", "integer", min = 0, max = 1024, default = 0, about = "0: YLM_THREADS or all cores" }
+args.out = { "out", "array", optional = true, about = "the array to be written and returned" }
+args.dtype = { "dtype", "choice", of = { "float", "double" }, optional = true, about = "default: that of the argument" }
+
+return args

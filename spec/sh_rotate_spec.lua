@@ -1,0 +1,168 @@
+local core = require "ylm.c.core"
+local ylm = require "ylm"
+
+local seed = tonumber(os.getenv "YLM_SEED") or 20261121
+
+--- Rotations of spec/data/rotation.txt: { matrix =, kind =, blocks = { [l] = rows } }.
+local function reference()
+  local list
+  local sets = {}
+  for line in io.lines "spec/data/rotation.txt" do
+    local words = {}
+    for w in line:gmatch "%S+" do words[#words + 1] = w end
+    if words[1] == "Q" then
+      local n = {}
+      for i = 4, #words do n[#n + 1] = tonumber(words[i]) end
+      list = { kind = words[3], quaternion = { n[1], n[2], n[3], n[4] },
+        matrix = { { n[5], n[6], n[7] }, { n[8], n[9], n[10] }, { n[11], n[12], n[13] } }, blocks = {} }
+      sets[#sets + 1] = list
+    elseif words[1] == "M" then
+      local l, row = tonumber(words[3]), {}
+      for i = 5, #words do row[#row + 1] = tonumber(words[i]) end
+      list.blocks[l] = list.blocks[l] or {}
+      table.insert(list.blocks[l], row)
+    end
+  end
+  return sets
+end
+
+local function random_vectors(n, lmax, dtype)
+  math.randomseed(seed)
+  local rows = {}
+  for i = 1, n do
+    rows[i] = {}
+    for k = 1, (lmax + 1) ^ 2 do rows[i][k] = 2 * math.random() - 1 end
+  end
+  return ylm.array(rows, dtype)
+end
+
+--- Norm of the difference over the norm of b.
+local function relative(a, b)
+  local _, difference, norm = core.array_distance(a, b)
+  return difference / norm
+end
+
+describe("ylm.sh.rotate", function()
+  it("turns functions as R turns vectors: a lobe along z, turned about x by 90 degrees, looks along -y", function()
+    local c = ylm.sh.rotate(ylm.sh.eval(3, { 0, 0, 1 }), { axis = { 1, 0, 0 }, angle = math.pi / 2 })
+    assert(relative(c, ylm.sh.eval(3, { 0, -1, 0 })) < 1e-15)
+  end)
+
+  it("takes matrices, axes, quaternions and ZYZ angles of the same rotation", function()
+    local c = random_vectors(2, 5)
+    local a, b, g = 0.3, 1.1, -0.7
+    local wanted = ylm.sh.rotate(ylm.sh.rotate(ylm.sh.rotate(c, { axis = { 0, 0, 1 }, angle = g }),
+      { axis = { 0, 2, 0 }, angle = b }), { axis = { 0, 0, 1 }, angle = a })
+    assert(relative(ylm.sh.rotate(c, { zyz = { a, b, g } }), wanted) < 1e-14)
+    local q = { 0.5, -0.1, 0.7, 0.2 }
+    local n = math.sqrt(q[1] ^ 2 + q[2] ^ 2 + q[3] ^ 2 + q[4] ^ 2)
+    local by_axis = ylm.sh.rotate(c, { axis = { q[2], q[3], q[4] }, angle = 2 * math.acos(q[1] / n) })
+    local by_quaternion = ylm.sh.rotate(c, { quaternion = q })
+    assert(relative(by_axis, by_quaternion) < 1e-14)
+    local object = ylm.sh.rotation(5, { quaternion = q })
+    assert(relative(ylm.sh.rotate(c, ylm.array(object.matrix)), by_quaternion) < 1e-14)
+    assert(relative(ylm.sh.rotate(c, object), by_quaternion) < 1e-14)
+  end)
+
+  it("rotates back exactly for quarter turns and identity", function()
+    local c = random_vectors(1, 8)
+    local same = ylm.sh.rotate(c, { { 1, 0, 0 }, { 0, 1, 0 }, { 0, 0, 1 } })
+    assert.equal(0, (core.array_distance(same, c)))
+    local back = c
+    for _ = 1, 4 do back = ylm.sh.rotate(back, { axis = { 0, 0, 1 }, angle = math.pi / 2 }) end
+    assert.equal(0, (core.array_distance(back, c)))
+    for _ = 1, 2 do back = ylm.sh.rotate(back, { axis = { 1, 0, 0 }, angle = math.pi }) end
+    for _ = 1, 2 do back = ylm.sh.rotate(back, { axis = { 0, 1, 0 }, angle = math.pi }) end
+    assert.equal(0, (core.array_distance(back, c)))
+    -- the turns that exchange z with another axis hold roots: exact is the nearest double of each
+    local e = ylm.sh.rotation(2, { axis = { 1, 0, 0 }, angle = math.pi / 2 }):block(2):totable()
+    assert.same({ 0, 0, 0, 1, 0 }, e[1])
+    assert.same({ 0, -1, 0, 0, 0 }, e[2])
+    assert.same({ 0, 0, -0.5, 0, -math.sqrt(0.75) }, e[3])
+  end)
+
+  it("is orthogonal and composes, to degree 60", function()
+    local lmax = 60
+    local c = random_vectors(3, lmax)
+    local r1, r2 = { quaternion = { 0.3, 0.8, -0.2, 0.4 } }, { quaternion = { -0.6, 0.1, 0.5, 0.9 } }
+    local m1, m2 = ylm.sh.rotation(lmax, r1), ylm.sh.rotation(lmax, r2)
+    local product = {}
+    for i = 1, 3 do
+      product[i] = {}
+      for j = 1, 3 do
+        product[i][j] = 0
+        for k = 1, 3 do product[i][j] = product[i][j] + m2.matrix[i][k] * m1.matrix[k][j] end
+      end
+    end
+    local twice, once = ylm.sh.rotate(ylm.sh.rotate(c, m1), m2), ylm.sh.rotate(c, product)
+    assert(relative(twice, once) < 1e-13, relative(twice, once))
+    local inverse = { quaternion = { 0.3, -0.8, 0.2, -0.4 } }
+    assert(relative(ylm.sh.rotate(ylm.sh.rotate(c, r1), inverse), c) < 1e-13)
+    local M = m1:block(60):totable()
+    local worst = 0
+    for i = 1, 121, 7 do
+      for j = 1, 121 do
+        local sum = i == j and -1 or 0
+        for k = 1, 121 do sum = sum + M[i][k] * M[j][k] end
+        worst = math.max(worst, math.abs(sum))
+      end
+    end
+    assert(worst < 1e-13, worst)
+  end)
+
+  it("stays accurate where an angle vanishes: turns by 1e-3 .. 1e-12 about x, next to half turns", function()
+    local lmax = 20
+    local c = random_vectors(1, lmax)
+    for _, angle in ipairs { 1e-3, 1e-6, 1e-9, 1e-12, math.pi - 1e-9, math.pi + 1e-5 } do
+      local r = { axis = { 0.6, 0.8, 0 }, angle = angle }
+      assert(relative(ylm.sh.rotate(c, r), ylm.sh.rotate(c, r, { method = "reference" })) < 1e-13, angle)
+    end
+  end)
+
+  it("agrees with the reference vectors to 1e-14, one at a time and by blocks", function()
+    for _, set in ipairs(reference()) do
+      local object = ylm.sh.rotation(6, set.matrix)
+      for l = 0, 6 do
+        assert(relative(object:block(l), ylm.array(set.blocks[l])) < 1e-14, set.kind)
+      end
+      local unit = {}
+      for k = 1, 49 do
+        unit[k] = {}
+        for i = 1, 49 do unit[k][i] = i == k and 1 or 0 end
+      end
+      local one = ylm.sh.rotate(unit[49], { quaternion = set.quaternion })
+      for q = 1, 13 do assert.is_near(set.blocks[6][q][13], one[36 + q], 1e-14) end
+      local all = ylm.sh.rotate(unit, set.matrix)
+      for q = 1, 13 do assert.is_near(set.blocks[6][q][1], all:get(37, 36 + q), 1e-14) end
+    end
+  end)
+
+  for _, lmax in ipairs { 0, 1, 2, 3, 4, 5, 6, 7, 9, 15, 16, 19, 33, 60 } do
+    it("agrees with the recurrence of Ivanic & Ruedenberg at lmax " .. lmax .. ", in both types", function()
+      local r = { quaternion = { 0.7, -0.4, 0.3, 0.6 } }
+      local c = random_vectors(7, lmax)
+      local wanted = ylm.sh.rotate(c, r, { method = "reference" })
+      local single = ylm.array(c, "float")
+      assert(relative(ylm.sh.rotate(c[3], r), wanted[3]) < 1e-13)
+      assert(relative(ylm.sh.rotate(single[3], r), wanted[3]) < 1e-6)
+      assert(relative(ylm.sh.rotate(c, ylm.sh.rotation(lmax, r)), wanted) < 1e-13)
+      assert(relative(ylm.sh.rotate(single, ylm.sh.rotation(lmax, r, { dtype = "float" })), wanted) < 1e-6)
+    end)
+  end
+
+  it("does not depend on the number of threads and writes where it is told", function()
+    local c = random_vectors(1000, 4, "float")
+    local r = ylm.sh.rotation(4, { zyz = { 1, 2, 3 } }, { dtype = "float" })
+    local out = ylm.zeros({ 1000, 25 }, "float")
+    assert.equal(out, ylm.sh.rotate(c, r, { threads = 2, out = out }))
+    assert.equal(0, (core.array_distance(out, ylm.sh.rotate(c, r, { threads = 1 }))))
+  end)
+
+  it("keeps shape, type and convention", function()
+    local c = ylm.sh.convert(ylm.array({ { { 1, 2, 3, 4 } } }, "float"), "ylm irradiance")
+    local turned = ylm.sh.rotate(c, { zyz = { 0, 1, 0 } })
+    assert.same({ 1, 1, 4 }, turned.shape)
+    assert.equal("float", turned.dtype)
+    assert.equal("ylm irradiance", turned.convention)
+  end)
+end)
