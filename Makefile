@@ -34,7 +34,7 @@ FLAGS_avx512 := -mavx512f -mavx512dq -mavx512vl -mavx512bw -mavx2 -mfma -mprefer
 
 CFLAGS  := -std=gnu11 -fPIC -fvisibility=hidden -fopenmp -fno-math-errno -fno-trapping-math -MMD -MP \
            $(OPT) $(CWARN) $(SANITIZE) -Icsrc $(foreach d,$(CORE) $(SCENE) vulkan vtk,-Icsrc/$(d))
-LDFLAGS := -shared -fopenmp $(SANITIZE) -Wl,-z,now $(if $(SANITIZE),,-Wl,-z,defs)
+LDFLAGS := -shared -fopenmp $(SANITIZE) -Wl,-z,now -Wl,-z,nodelete $(if $(SANITIZE),,-Wl,-z,defs)
 
 pkg      = $(shell pkg-config $(1) $(2) 2>/dev/null)
 CFLAGS_codec = $(call pkg,--cflags,OpenEXR libpng)
