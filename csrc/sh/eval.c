@@ -20,32 +20,55 @@ static double number(ylm_dtype t, const void *p, size_t i) {
   return t == YLM_DOUBLE ? ((const double *)p)[i] : (double)((const float *)p)[i];
 }
 
-/* The shortest and longest largest-coordinates that points may have, for all results to be
-   representable with room for a factor of (lmax+1)^2. */
-static void limits(const ylm_sh_how *how, int lmax, ylm_dtype t, double *shortest, double *longest) {
-  double max_exponent = (t == YLM_DOUBLE ? DBL_MAX_EXP : FLT_MAX_EXP) - 3 - 2 * log2(lmax + 1.0);
-  *shortest = 0, *longest = t == YLM_DOUBLE ? DBL_MAX : FLT_MAX;
-  if (how->solid) {
-    if (lmax > 0) *longest = fmin(*longest, exp2(max_exponent / lmax) / sqrt(3));
-  } else if (how->derivatives > 0) *shortest = exp2(-max_exponent / how->derivatives);
+/* The least and largest that a point's largest coordinate may be for all results to be
+   representable, with room for a factor of (lmax+1)^2. */
+static void limits(const ylm_sh_how *how, int lmax, ylm_dtype t, double *least, double *most) {
+  double exponent = (t == YLM_DOUBLE ? DBL_MAX_EXP : FLT_MAX_EXP) - 3 - 2 * log2(lmax + 1.0);
+  *least = how->solid ? 0 : t == YLM_DOUBLE ? DBL_TRUE_MIN : FLT_TRUE_MIN;
+  *most = t == YLM_DOUBLE ? DBL_MAX : FLT_MAX;
+  if (how->solid && lmax > 0) *most = fmin(*most, exp2(exponent / lmax) / sqrt(3));
+  if (!how->solid && how->derivatives > 0) *least = fmax(*least, exp2(-exponent / how->derivatives));
 }
 
-/* Every point finite, in range, and not zero unless solid. */
+/* Whether all points lie between the limits, by the kernel of `isa`. */
+static bool all_between(ylm_isa isa, ylm_dtype t, size_t n, const void *p, double least, double most) {
+  switch (isa) {
+#define X(name)                                                                      \
+  case YLM_ISA_##name:                                                               \
+    return t == YLM_DOUBLE ? ylm__sh_all_between_double_##name(p, n, least, most)    \
+                           : ylm__sh_all_between_float_##name(p, n, least, most);
+    YLM__SH_SETS(X)
+#undef X
+  default: return false;
+  }
+}
+
+/* What is wrong with point i, if anything. */
+static ylm_status check_point(ylm_dtype t, const void *p, size_t i, int lmax, double least,
+                              double most, ylm_error *e) {
+  double x = number(t, p, 3 * i), y = number(t, p, 3 * i + 1), z = number(t, p, 3 * i + 2);
+  double largest = fmax(fmax(fabs(x), fabs(y)), fabs(z));
+  if (!isfinite(x) || !isfinite(y) || !isfinite(z))
+    return ylm_fail(e, YLM_EDOMAIN, "point %zu is not finite", i + 1);
+  if (largest == 0 && least > 0)
+    return ylm_fail(e, YLM_EDOMAIN, "point %zu is zero: it has no direction", i + 1);
+  if (largest > most)
+    return ylm_fail(e, YLM_ERANGE, "point %zu is too long: |v|^%d overflows", i + 1, lmax);
+  if (largest < least)
+    return ylm_fail(e, YLM_ERANGE, "point %zu is too short: derivatives overflow", i + 1);
+  return YLM_OK;
+}
+
 ylm_status ylm__sh_check_points(const ylm_sh_how *how, int lmax, ylm_dtype t, size_t n,
-                               const void *p, ylm_error *e) {
-  double shortest, longest;
-  limits(how, lmax, t, &shortest, &longest);
-  for (size_t i = 0; i < n; i++) {
-    double x = number(t, p, 3 * i), y = number(t, p, 3 * i + 1), z = number(t, p, 3 * i + 2);
-    double largest = fmax(fmax(fabs(x), fabs(y)), fabs(z));
-    if (!isfinite(x) || !isfinite(y) || !isfinite(z))
-      return ylm_fail(e, YLM_EDOMAIN, "point %zu is not finite", i + 1);
-    if (largest == 0 && !how->solid)
-      return ylm_fail(e, YLM_EDOMAIN, "point %zu is zero: it has no direction", i + 1);
-    if (largest > longest)
-      return ylm_fail(e, YLM_ERANGE, "point %zu is too long: |v|^%d overflows", i + 1, lmax);
-    if (largest < shortest)
-      return ylm_fail(e, YLM_ERANGE, "point %zu is too short: derivatives overflow", i + 1);
+                                const void *p, bool *tame, ylm_error *e) {
+  double least, most;
+  ylm_isa isa = how->isa < 0 ? ylm_isa_current() : (ylm_isa)how->isa;
+  limits(how, lmax, t, &least, &most);
+  *tame = all_between(isa, t, n, p, fmax(least, t == YLM_DOUBLE ? 1e-140 : 1e-14),
+                      fmin(most, t == YLM_DOUBLE ? 1e140 : 1e14));
+  for (size_t i = 0; !*tame && i < n; i++) {
+    ylm_status s = check_point(t, p, i, lmax, least, most, e);
+    if (s != YLM_OK) return s;
   }
   return YLM_OK;
 }
@@ -64,7 +87,16 @@ void ylm__sh_coefficients(int l, int q, double k[5]) {
   k[4] = 0.5 * rho * sqrt((double)(l - q - 1) * (l - q) * (q == 0 ? 2 : 1));
 }
 
-/* The coefficients of all degrees 1 .. lmax; NULL if memory runs out. */
+/* The coefficients of degrees 1 .. TABLE_LMAX. */
+#define TABLE_LMAX 24
+static const float table_float[] = {
+#include "gen/sh_table.h"
+};
+static const double table_double[] = {
+#include "gen/sh_table.h"
+};
+
+/* The coefficients of degrees 1 .. lmax for lmax > TABLE_LMAX; NULL if memory runs out. */
 static void *make_table(int lmax, ylm_dtype t) {
   size_t n = ylm_sh_count(lmax) / 2 + (size_t)lmax + 1;
   void *table = ylm_alloc(5 * n, ylm_dtype_size(t));
@@ -89,11 +121,16 @@ typedef struct choice {
   bool table;
 } choice;
 
-static choice choose_recurrence(ylm_isa isa, ylm_dtype t, int lmax) {
+static choice choose(ylm_isa isa, ylm_dtype t, const ylm__sh_job *job) {
+  ylm__sh_kernel *low = NULL;
+  int lmax = job->lmax, order = job->derivatives;
   switch (isa) {
-#define X(name)                                                                           \
-  case YLM_ISA_##name:                                                                    \
-    if (t == YLM_DOUBLE)                                                                  \
+#define X(name)                                                                              \
+  case YLM_ISA_##name:                                                                       \
+    if (!job->solid)                                                                         \
+      low = t == YLM_DOUBLE ? ylm__sh_low_double_##name(lmax, order) : ylm__sh_low_float_##name(lmax, order); \
+    if (low) return (choice){low, 0, false};                                                 \
+    if (t == YLM_DOUBLE)                                                                     \
       return (choice){ylm__sh_recurrence_double_##name, ylm__sh_scratch_double_##name(lmax), true}; \
     return (choice){ylm__sh_recurrence_float_##name, ylm__sh_scratch_float_##name(lmax), true};
     YLM__SH_SETS(X)
@@ -126,27 +163,32 @@ static ylm_status check_how(const ylm_sh_how *how, int lmax, ylm_error *e) {
   return YLM_OK;
 }
 
-ylm_status ylm_sh_eval_how(const ylm_sh_how *how, int lmax, ylm_dtype t, size_t n, const void *p,
-                           void *y, void *dy, void *ddy, ylm_error *e) {
-  ylm_status s = check_how(how, lmax, e);
-  if (s == YLM_OK) s = ylm__sh_check_points(how, lmax, t, n, p, e);
-  if (s != YLM_OK || n == 0) return s;
-  ylm_isa isa = how->isa < 0 ? ylm_isa_current() : (ylm_isa)how->isa;
-  ylm__sh_job job = {.lmax = lmax, .derivatives = how->derivatives, .solid = how->solid, .p = p, .y = y};
-  if (how->derivatives > 0) job.dy = dy;
-  if (how->derivatives > 1) job.ddy = ddy;
-  task k = {&job, choose_recurrence(isa, t, lmax), NULL};
-  int threads = n <= GRAIN ? 1 : ylm_threads(how->threads);
-  void *table = k.how.table ? make_table(lmax, t) : NULL;
-  job.table = table;
-  k.how.scratch = (k.how.scratch + YLM_ALIGN - 1) / YLM_ALIGN * YLM_ALIGN;
-  k.scratch = ylm_alloc((size_t)threads, k.how.scratch);
-  if (k.scratch && (table || !k.how.table))
-    s = ylm_parallel(n, GRAIN, threads, run, &k, how->progress, "spherical harmonics");
-  else s = ylm_fail(e, YLM_ENOMEM, "no memory for degree %d", lmax);
+/* Runs a job with the scratch and the table that its kernel wants. */
+static ylm_status run_job(ylm__sh_job *job, choice how, ylm_dtype t, size_t n, int threads,
+                          const ylm_progress *progress, ylm_error *e) {
+  void *table = how.table && job->lmax > TABLE_LMAX ? make_table(job->lmax, t) : NULL;
+  job->table = table ? table : t == YLM_DOUBLE ? (const void *)table_double : table_float;
+  threads = n <= GRAIN ? 1 : ylm_threads(threads);
+  how.scratch = (how.scratch + YLM_ALIGN - 1) / YLM_ALIGN * YLM_ALIGN;
+  task k = {job, how, how.scratch ? ylm_alloc((size_t)threads, how.scratch) : NULL};
+  ylm_status s = YLM_ENOMEM;
+  if ((k.scratch || !how.scratch) && (table || !how.table || job->lmax <= TABLE_LMAX))
+    s = ylm_parallel(n, GRAIN, threads, run, &k, progress, "spherical harmonics");
   ylm_free(k.scratch);
   ylm_free(table);
-  return s;
+  return s == YLM_ENOMEM ? ylm_fail(e, s, "no memory for degree %d", job->lmax) : s;
+}
+
+ylm_status ylm_sh_eval_how(const ylm_sh_how *how, int lmax, ylm_dtype t, size_t n, const void *p,
+                           void *y, void *dy, void *ddy, ylm_error *e) {
+  ylm__sh_job job = {.lmax = lmax, .derivatives = how->derivatives, .solid = how->solid, .p = p, .y = y};
+  ylm_status s = check_how(how, lmax, e);
+  if (s == YLM_OK) s = ylm__sh_check_points(how, lmax, t, n, p, &job.tame, e);
+  if (s != YLM_OK || n == 0) return s;
+  ylm_isa isa = how->isa < 0 ? ylm_isa_current() : (ylm_isa)how->isa;
+  if (how->derivatives > 0) job.dy = dy;
+  if (how->derivatives > 1) job.ddy = ddy;
+  return run_job(&job, choose(isa, t, &job), t, n, how->threads, how->progress, e);
 }
 
 ylm_status ylm_sh_eval(int lmax, int derivatives, bool solid, ylm_dtype t, size_t n, const void *p,

@@ -46,7 +46,8 @@ ylm_status ylm_sh_reconstruct(int lmax, ylm_dtype t, size_t rows, const void *c,
   if (lmax < 0 || lmax > YLM_LMAX)
     return ylm_fail(e, YLM_ERANGE, "lmax must be from 0 to %d, got %d", YLM_LMAX, lmax);
   ylm_sh_how how = {.isa = -1};
-  ylm_status s = ylm__sh_check_points(&how, lmax, t, n, p, e);
+  bool tame;
+  ylm_status s = ylm__sh_check_points(&how, lmax, t, n, p, &tame, e);
   if (s != YLM_OK || n == 0 || rows == 0) return s;
   threads = ylm_threads(threads);
   task k = {lmax, t, rows, n, c, p, out, NULL};

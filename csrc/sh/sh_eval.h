@@ -12,6 +12,7 @@
 typedef struct ylm__sh_job {
   int lmax, derivatives;
   bool solid;
+  bool tame;             /* the largest coordinates of all points can be squared safely */
   const void *p;         /* [n][3] */
   void *y, *dy, *ddy;    /* each may be NULL: not wanted */
   const void *table;     /* coefficients of the recurrences, for kernels that want them */
@@ -19,12 +20,16 @@ typedef struct ylm__sh_job {
 
 typedef void ylm__sh_kernel(const ylm__sh_job *job, size_t begin, size_t end, void *scratch);
 
+/* True if the largest coordinate of every point [n][3] is finite and from `least` to `most`. */
+typedef bool ylm__sh_check(const void *p, size_t n, double least, double most);
+
 /* v = d * w with |w| = 1, without overflow or underflow; for v = 0, d = 0 and w = +z. */
 void ylm__sh_unit(const double v[3], double w[3], double *d);
 
-/* YLM_OK if every point is finite, not zero unless solid, and leads to representable results. */
+/* YLM_OK if every point is finite, not zero unless solid, and leads to representable results;
+   *tame as in ylm__sh_job. */
 ylm_status ylm__sh_check_points(const ylm_sh_how *how, int lmax, ylm_dtype t, size_t n,
-                                const void *p, ylm_error *e);
+                                const void *p, bool *tame, ylm_error *e);
 
 /* The scalar kernel that judges the others, computing in double. Scratch: (lmax+2) * 5 doubles. */
 ylm__sh_kernel ylm__sh_reference_float, ylm__sh_reference_double;
@@ -38,8 +43,12 @@ ylm__sh_kernel ylm__sh_reference_float, ylm__sh_reference_double;
 #define YLM__SH_SETS(X)
 #endif
 
-/* Vector kernels for any lmax (sh_kernel.h) and the scratch that each worker needs. */
+/* Vector kernels for any lmax (sh_kernel.h) and the scratch that each worker needs; for low
+   degrees without scratch (low_kernel.h), NULL where there is none; a check of points. */
 #define X(isa)                                                                            \
+  ylm__sh_kernel *ylm__sh_low_float_##isa(int lmax, int derivatives);                     \
+  ylm__sh_kernel *ylm__sh_low_double_##isa(int lmax, int derivatives);                    \
+  ylm__sh_check ylm__sh_all_between_float_##isa, ylm__sh_all_between_double_##isa;        \
   ylm__sh_kernel ylm__sh_recurrence_float_##isa, ylm__sh_recurrence_double_##isa;         \
   size_t ylm__sh_scratch_float_##isa(int lmax), ylm__sh_scratch_double_##isa(int lmax);
 YLM__SH_SETS(X)

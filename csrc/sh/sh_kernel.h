@@ -76,8 +76,8 @@ YLM_INLINE void values(state *s, int l, const real *k, bool solid, vreal r2) {
 }
 
 /* A coefficient's gradient and Hessian: from those of the solid harmonic to those of Y. */
-YLM_INLINE void finish(const state *s, int order, bool solid, real l, vreal p, const vreal g[3],
-                       vreal h[6], vreal *dy, vreal *ddy, vreal *scaled) {
+YLM_INLINE void finish(const state *s, int order, bool solid, real l, const vreal lwd[3], vreal p,
+                       const vreal g[3], vreal h[6], vreal *dy, vreal *ddy, vreal *scaled) {
   if (solid) {
     for (int c = 0; c < 3; c++) dy[c] = g[c];
     if (order < 2) return;
@@ -89,22 +89,22 @@ YLM_INLINE void finish(const state *s, int order, bool solid, real l, vreal p, c
   vreal t = l * p, u[3];
   for (int c = 0; c < 3; c++) dy[c] = g[c] - t * s->w[c];
   if (order < 2) return;
-  vreal half = (real)0.5 * (l - 2) * t, t2 = t * s->inverse;
+  vreal kt = ((l - 2) / (2 * l)) * t, t2 = t * s->inverse;
   for (int c = 0; c < 3; c++) scaled[c] = g[c] * s->inverse;
-  for (int c = 0; c < 3; c++) u[c] = l * dy[c] + half * s->w[c];
-  const vreal *wd = s->wd;
-  ddy[0] = h[0] - t2 - (u[0] + u[0]) * wd[0];
-  ddy[1] = h[1] - u[0] * wd[1] - u[1] * wd[0];
-  ddy[2] = h[2] - u[0] * wd[2] - u[2] * wd[0];
-  ddy[4] = h[4] - u[1] * wd[2] - u[2] * wd[1];
-  ddy[5] = h[5] - t2 - (u[2] + u[2]) * wd[2];
+  for (int c = 0; c < 3; c++) u[c] = dy[c] + kt * s->w[c];
+  ddy[0] = h[0] - t2 - u[0] * (lwd[0] + lwd[0]);
+  ddy[1] = h[1] - u[0] * lwd[1] - u[1] * lwd[0];
+  ddy[2] = h[2] - u[0] * lwd[2] - u[2] * lwd[0];
+  ddy[4] = h[4] - u[1] * lwd[2] - u[2] * lwd[1];
+  ddy[5] = h[5] - t2 - u[2] * (lwd[2] + lwd[2]);
   ddy[3] = -(l + 1) * t2 - ddy[0] - ddy[5];
 }
 
 /* Derivatives of degree l from the rows of degree l-1. */
 YLM_INLINE void derivatives(state *s, int l, const real *k, int order, bool solid, vreal *dy, vreal *ddy) {
   const row p0 = s->p0, p1 = s->p1, g0 = s->g0, g1 = s->g1;
-  vreal g[3], h[6];
+  vreal g[3], h[6], lwd[3];
+  for (int c = 0; c < 3; c++) lwd[c] = (real)l * s->wd[c];
   {
     vreal e = sh_set(k[2]), B = sh_set(k[4]);
     g[0] = B * p1.c[1], g[1] = B * p1.s[1], g[2] = e * p1.c[0];
@@ -112,7 +112,7 @@ YLM_INLINE void derivatives(state *s, int l, const real *k, int order, bool soli
       h[0] = B * g1.c[3], h[1] = B * g1.c[4];
       h[2] = e * g1.c[0], h[4] = e * g1.c[1], h[5] = e * g1.c[2];
     }
-    finish(s, order, solid, (real)l, p0.c[0], g, h, dy + 3 * l, ddy + 6 * l, g0.c);
+    finish(s, order, solid, (real)l, lwd, p0.c[0], g, h, dy + 3 * l, ddy + 6 * l, g0.c);
   }
   for (int q = 1; q <= l; q++) {
     k += 5;
@@ -125,7 +125,7 @@ YLM_INLINE void derivatives(state *s, int l, const real *k, int order, bool soli
       h[0] = A * lc[0] + B * lc[6], h[1] = A * lc[1] + B * lc[7];
       h[2] = e * lc[3], h[4] = e * lc[4], h[5] = e * lc[5];
     }
-    finish(s, order, solid, (real)l, p0.c[q], g, h, dy + 3 * (l + q), ddy + 6 * (l + q), g0.c + 3 * q);
+    finish(s, order, solid, (real)l, lwd, p0.c[q], g, h, dy + 3 * (l + q), ddy + 6 * (l + q), g0.c + 3 * q);
     g[0] = A * p1.s[q - 1] + B * p1.s[q + 1];
     g[1] = A * p1.c[q - 1] - B * p1.c[q + 1];
     g[2] = e * p1.s[q];
@@ -133,7 +133,7 @@ YLM_INLINE void derivatives(state *s, int l, const real *k, int order, bool soli
       h[0] = A * ls[0] + B * ls[6], h[1] = A * ls[1] + B * ls[7];
       h[2] = e * ls[3], h[4] = e * ls[4], h[5] = e * ls[5];
     }
-    finish(s, order, solid, (real)l, p0.s[q], g, h, dy + 3 * (l - q), ddy + 6 * (l - q), g0.s + 3 * q);
+    finish(s, order, solid, (real)l, lwd, p0.s[q], g, h, dy + 3 * (l - q), ddy + 6 * (l - q), g0.s + 3 * q);
   }
 }
 
@@ -177,7 +177,7 @@ YLM_INLINE void batch(const ylm__sh_job *job, state *s, size_t at, size_t rows, 
   vreal r2 = {0};
   if (solid) r2 = s->w[0] * s->w[0] + s->w[1] * s->w[1] + s->w[2] * s->w[2];
   else {
-    sh_unit(s->w, &s->inverse);
+    sh_unit(s->w, &s->inverse, job->tame);
     for (int c = 0; c < 3; c++) s->wd[c] = s->w[c] * s->inverse;
   }
   const real *k = job->table;

@@ -14,18 +14,15 @@
 #ifdef SH_FLOAT
 typedef float real;
 typedef ylm_vf vreal;
+typedef ylm_vi sh_mask;
 #define W YLM_VF
 #define SH_NAME(name) YLM_KERNEL(name##_float)
-/* Squared lengths between these are exact enough to normalise by. */
-#define SH_LEAST 1e-28f
-#define SH_MOST 1e30f
 #else
 typedef double real;
 typedef ylm_vd vreal;
+typedef ylm_vl sh_mask;
 #define W YLM_VD
 #define SH_NAME(name) YLM_KERNEL(name##_double)
-#define SH_LEAST 1e-280
-#define SH_MOST 1e280
 #endif
 
 YLM_INLINE vreal sh_set(real x) { return (vreal){0} + x; }
@@ -163,18 +160,13 @@ static __attribute__((noinline)) void sh_unit_slow(vreal v[3], vreal *inverse) {
   }
 }
 
-/* v to unit length, and 1/|v|. */
-YLM_INLINE void sh_unit(vreal v[3], vreal *inverse) {
-  vreal d2 = v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
-  real least = d2[0], most = d2[0];
-  for (size_t j = 1; j < W; j++) {
-    least = d2[j] < least ? d2[j] : least;
-    most = d2[j] > most ? d2[j] : most;
-  }
-  if (!(least > SH_LEAST && most < SH_MOST)) {
+/* v to unit length, and 1/|v|; `tame` as in ylm__sh_job. */
+YLM_INLINE void sh_unit(vreal v[3], vreal *inverse, bool tame) {
+  if (!tame) {
     sh_unit_slow(v, inverse);
     return;
   }
+  vreal d2 = v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
   *inverse = sh_set(1) / sh_sqrt(d2);
   for (size_t c = 0; c < 3; c++) v[c] *= *inverse;
 }

@@ -1,0 +1,99 @@
+/*
+** low_kernel.h - evaluation of low degrees by generated, unrolled functions, once for each `real`.
+**
+** gen/sh_<lmax>.h computes all columns of W points from the unit vectors; here points are loaded
+** and columns stored as rows. Solid harmonics are left to sh_kernel.h.
+*/
+#include "sh_simd.h"
+
+#define YLM_T vreal
+#define YLM_K(c) ((real)(c))
+#define YLM_SET(c) sh_set((real)(c))
+
+/* Every lmax with generated functions for values, gradients, Hessians: gen/sh_<lmax>.h. */
+#define LOW_2(X) X(0) X(1) X(2) X(3) X(4) X(5) X(6)
+#define LOW_1(X) LOW_2(X) X(7) X(8) X(9) X(10)
+#define LOW_0(X) LOW_1(X) X(11) X(12)
+
+#include "gen/sh_0.h"
+#include "gen/sh_1.h"
+#include "gen/sh_2.h"
+#include "gen/sh_3.h"
+#include "gen/sh_4.h"
+#include "gen/sh_5.h"
+#include "gen/sh_6.h"
+#include "gen/sh_7.h"
+#include "gen/sh_8.h"
+#include "gen/sh_9.h"
+#include "gen/sh_10.h"
+#include "gen/sh_11.h"
+#include "gen/sh_12.h"
+
+/* Stores `count` columns of one array of results, if it is wanted. */
+YLM_INLINE void put(void *out, size_t at, size_t rows, const vreal *v, size_t count) {
+  if (out) sh_store_columns(v, count, (real *)out + at * count, count, rows);
+}
+
+/* One kernel for each lmax and number of derivatives. */
+#define KERNEL(lmax, order, outs, ...)                                                         \
+  static void low_##lmax##_##order(const ylm__sh_job *job, size_t begin, size_t end, void *scratch) { \
+    (void)scratch;                                                                             \
+    for (size_t i = begin; i < end; i += W) {                                                  \
+      enum { COUNT = (lmax + 1) * (lmax + 1) };                                                \
+      size_t rows = end - i < W ? end - i : W;                                                 \
+      vreal v[3], s, outs;                                                                     \
+      sh_load_points((const real *)job->p + 3 * i, rows, v);                                   \
+      sh_unit(v, &s, job->tame);                                                                          \
+      sh_##lmax##_##order(v[0], v[1], v[2], __VA_ARGS__);                                      \
+      put(job->y, i, rows, y, COUNT);                                                          \
+      if (order > 0) put(job->dy, i, rows, dy, 3 * COUNT);                                     \
+      if (order > 1) put(job->ddy, i, rows, ddy, 6 * COUNT);                                   \
+    }                                                                                          \
+  }
+#define COMMA ,
+#define X(lmax) KERNEL(lmax, 0, y[COUNT] COMMA *dy = NULL COMMA *ddy = NULL, y)
+LOW_0(X)
+#undef X
+#define X(lmax) KERNEL(lmax, 1, y[COUNT] COMMA dy[3 * COUNT] COMMA *ddy = NULL, s, y, dy)
+LOW_1(X)
+#undef X
+#define X(lmax) KERNEL(lmax, 2, y[COUNT] COMMA dy[3 * COUNT] COMMA ddy[6 * COUNT], s, y, dy, ddy)
+LOW_2(X)
+#undef X
+
+/* The kernel for this lmax and number of derivatives, NULL if none was generated. */
+ylm__sh_kernel *SH_NAME(ylm__sh_low)(int lmax, int derivatives) {
+#define X(lmax) low_##lmax##_0,
+  static ylm__sh_kernel *const values[] = {LOW_0(X)};
+#undef X
+#define X(lmax) low_##lmax##_1,
+  static ylm__sh_kernel *const gradients[] = {LOW_1(X)};
+#undef X
+#define X(lmax) low_##lmax##_2,
+  static ylm__sh_kernel *const hessians[] = {LOW_2(X)};
+#undef X
+  static const struct {
+    ylm__sh_kernel *const *kernels;
+    size_t n;
+  } lists[3] = {{values, sizeof values / sizeof *values},
+                {gradients, sizeof gradients / sizeof *gradients},
+                {hessians, sizeof hessians / sizeof *hessians}};
+  return (size_t)lmax < lists[derivatives].n ? lists[derivatives].kernels[lmax] : NULL;
+}
+
+bool SH_NAME(ylm__sh_all_between)(const void *p, size_t n, double least, double most) {
+  vreal low = sh_set((real)least), high = sh_set((real)most), v[3];
+  sh_mask bad = {0};
+  for (size_t i = 0; i < n; i += W) {
+    sh_load_points((const real *)p + 3 * i, n - i < W ? n - i : W, v);
+    sh_mask long_enough = {0};
+    for (int c = 0; c < 3; c++) {
+      bad |= ~((v[c] <= high) & (v[c] >= -high));
+      long_enough |= (v[c] >= low) | (v[c] <= -low);
+    }
+    bad |= ~long_enough;
+  }
+  long any = 0;
+  for (size_t j = 0; j < W; j++) any |= (long)bad[j];
+  return any == 0;
+}

@@ -1,0 +1,93 @@
+--- Turns outputs (nodes with names) into statements of C or GLSL.
+--
+-- A node that is used more than once gets a temporary, in the order in which outputs need it; what
+-- is used once is written where it is used, unless the line grows too long.
+
+local expression = require "ylm.codegen.expression"
+
+local emit = {}
+
+local LONGEST = 72 -- characters of an expression before it is cut into temporaries
+
+local languages = {
+  c = {
+    temporary = "const YLM_T %s = %s;",
+    constant = function(text) return "YLM_K(" .. text .. ")" end,
+    pure = function(text) return "YLM_SET(" .. text .. ")" end,
+    sqrt = "YLM_SQRT(%s)",
+  },
+  glsl = {
+    temporary = "float %s = %s;",
+    constant = function(text) return text end,
+    pure = function(text) return text end,
+    sqrt = "sqrt(%s)",
+  },
+}
+
+--- A constant with enough digits to read back, and always a decimal point or an exponent.
+local function number(x)
+  local text = ("%.17g"):format(x)
+  if ("%.15g"):format(x) + 0 == x then text = ("%.15g"):format(x) end
+  if not text:find("[%.e]") then text = text .. ".0" end
+  return text
+end
+
+local precedence = { ["+"] = 1, ["-"] = 1, ["*"] = 2, ["/"] = 2, negate = 3 }
+
+--- The statements, one a line, that compute `outputs` ({ array, index, node }).
+function emit.statements(outputs, language)
+  local style = assert(languages[language])
+  local roots = {}
+  for i, out in ipairs(outputs) do roots[i] = out.node end
+  local uses, names, lines, count = expression.uses(roots), {}, {}, 0
+  local text_of
+
+  local function name_it(n, text)
+    count = count + 1
+    names[n] = "t" .. count
+    lines[#lines + 1] = style.temporary:format(names[n], text)
+    return names[n]
+  end
+
+  --- The text of an operand inside an operation of precedence `outer`; `right`: it stands at the right.
+  local function operand(n, outer, right)
+    local text, inner = text_of(n)
+    if inner and (inner < outer or (right and inner == outer)) then text = "(" .. text .. ")" end
+    return text
+  end
+
+  --- The text of a node, and its precedence where it is an operation written in place.
+  function text_of(n)
+    if names[n] then return names[n] end
+    if n.op == "variable" then return n.name end
+    if n.op == "constant" then
+      if n.value < 0 then return "-" .. style.constant(number(-n.value)), 3 end
+      return style.constant(number(n.value))
+    end
+    local text, inner
+    if n.op == "sqrt" then text = style.sqrt:format((text_of(n.a)))
+    elseif n.op == "negate" then
+      inner = 3
+      text = "-" .. operand(n.a, 3, true)
+    else
+      inner = precedence[n.op]
+      local a = operand(n.a, inner)
+      text = a .. " " .. n.op .. " " .. operand(n.b, inner, n.op ~= "+" )
+    end
+    if uses[n] > 1 or #text > LONGEST then return name_it(n, text) end
+    return text, inner
+  end
+
+  for _, out in ipairs(outputs) do
+    local text
+    if out.node.op == "constant" then
+      text = style.pure(number(out.node.value))
+    else
+      text = text_of(out.node)
+    end
+    lines[#lines + 1] = ("%s[%d] = %s;"):format(out.array, out.index, text)
+  end
+  return lines
+end
+
+return emit

@@ -1,0 +1,127 @@
+--- `ylm codegen`: prints generated source, operation counts, or regenerates the tree's kernels.
+
+local main = {}
+
+main.usage = [[
+usage: ylm codegen --lmax N [options]      print C or GLSL that evaluates spherical harmonics
+       ylm codegen --count [--lmax N]      operations of our formulas and of SCD, for each lmax to N (8)
+       ylm codegen --write | --check       write, or compare, every generated file of the source tree
+
+  --derivatives 0|1|2     gradients, Hessians too (0)
+  --language c|glsl       (c)
+  --solid                 solid harmonics |v|^l Y
+  --unit                  for unit vectors only: fewer operations
+  --method solid|scd      scd: spherical-coordinate derivatives, for comparison
+  --name NAME             of the function
+  -o, --output FILE       instead of standard output
+  --root DIR              of the source tree, for --write and --check (.)
+]]
+
+local choices = {
+  ["--derivatives"] = { "derivatives", { ["0"] = 0, ["1"] = 1, ["2"] = 2 } },
+  ["--language"] = { "language", { c = "c", glsl = "glsl" } },
+  ["--method"] = { "method", { solid = "solid", scd = "scd" } },
+}
+local flags = { ["--solid"] = "solid", ["--unit"] = "unit", ["--count"] = "count", ["--write"] = "write",
+  ["--check"] = "check" }
+local texts = { ["--name"] = "name", ["-o"] = "output", ["--output"] = "output", ["--root"] = "root" }
+
+--- Options of a command line, or nil and what is wrong with it.
+local function parse(args)
+  local o, i = { derivatives = 0, language = "c", method = "solid", root = "." }, 1
+  while args[i] do
+    local word, value = args[i], args[i + 1]
+    if flags[word] then o[flags[word]] = true
+    else
+      if not (choices[word] or texts[word] or word == "--lmax") then return nil, "unknown option " .. word end
+      if value == nil then return nil, word .. " wants a value" end
+      i = i + 1
+      if choices[word] then
+        o[choices[word][1]] = choices[word][2][value]
+        if o[choices[word][1]] == nil then return nil, ("%s cannot be '%s'"):format(word, value) end
+      elseif word == "--lmax" then
+        o.lmax = value:match("^%d%d?$") and tonumber(value)
+        if not o.lmax or o.lmax > 30 then return nil, "--lmax must be an integer from 0 to 30" end
+      else o[texts[word]] = value end
+    end
+    i = i + 1
+  end
+  if o.name and not o.name:match("^[%a_][%w_]*$") then return nil, "--name must be an identifier" end
+  if o.method == "scd" and (o.solid or not o.lmax) and not o.count then
+    return nil, "--method scd goes with --lmax and without --solid"
+  end
+  if not (o.lmax or o.count or o.write or o.check) then return nil, "--lmax is missing" end
+  return o
+end
+
+local function read(path)
+  local f = io.open(path, "rb")
+  local text = f and f:read("*a")
+  if f then f:close() end
+  return text
+end
+
+local function write(path, text)
+  local f, message = io.open(path, "wb")
+  if not f then return nil, message end
+  f:write(text)
+  return f:close()
+end
+
+--- The text of one generated file.
+function main.generate(target) return require(target[2])(target[3]) end
+
+--- Compares (or writes) all targets; returns the number that differed or failed, printing their names.
+local function targets(root, writes)
+  local bad = 0
+  for _, target in ipairs(require "ylm.codegen.targets") do
+    local path, text = root .. "/" .. target[1], main.generate(target)
+    if read(path) ~= text then
+      if not writes then
+        io.write(target[1], " is not what the generator makes: run make gen\n")
+        bad = bad + 1
+      else
+        local ok, message = write(path, text)
+        io.write(ok and target[1] or message, "\n")
+        bad = bad + (ok and 0 or 1)
+      end
+    end
+  end
+  return bad
+end
+
+--- Operations of values, gradients and Hessians at unit length, ours and SCD's, as text.
+function main.counts(highest)
+  local source = require "ylm.codegen.source"
+  local lines = { "lmax    ours: adds  muls  total    SCD: adds  muls  total (div, sqrt)   SCD/ours" }
+  for lmax = 0, highest do
+    local ours = source.count { lmax = lmax, derivatives = 2, unit = true }
+    local scd = source.count { lmax = lmax, derivatives = 2, unit = true, method = "scd" }
+    lines[#lines + 1] = ("%4d %13d %5d %6d %12d %5d %6d (%d, %d) %15s"):format(lmax, ours.adds, ours.muls, ours.total,
+      scd.adds, scd.muls, scd.total, scd.divs, scd.sqrts, ours.total > 0 and ("%.2f"):format(scd.total / ours.total) or "-")
+  end
+  return table.concat(lines, "\n") .. "\n"
+end
+
+--- Runs the command with its arguments (a list); returns the exit code: 0, 1 failed, 2 bad usage.
+function main.run(args)
+  local o, message = parse(args)
+  if not o then
+    io.stderr:write("ylm codegen: ", message, "\n", main.usage)
+    return 2
+  end
+  if o.write or o.check then return targets(o.root, o.write) == 0 and 0 or 1 end
+  local text
+  if o.count then text = main.counts(o.lmax or 8)
+  else text = require("ylm.codegen.source").file({ o }, o.language) end
+  if not o.output then
+    io.write(text)
+    return 0
+  end
+  local ok
+  ok, message = write(o.output, text)
+  if not ok then io.stderr:write("ylm codegen: ", message, "\n") end
+  return ok and 0 or 1
+end
+
+return main

@@ -1,0 +1,17 @@
+--- csrc/sh/gen/sh_<lmax>.h: the unrolled functions of one lmax, for values, gradients, Hessians
+-- as far as unrolling pays: beyond, loops (sh_kernel.h) are smaller and faster.
+
+local source = require "ylm.codegen.source"
+
+--- The highest lmax for values, gradients, Hessians. csrc/sh/low_kernel.h lists the same.
+local highest = { [0] = 12, [1] = 10, [2] = 6 }
+
+return function(lmax)
+  local requests = {}
+  for derivatives = 0, 2 do
+    if lmax <= highest[derivatives] then
+      requests[#requests + 1] = { lmax = lmax, derivatives = derivatives, name = ("sh_%d_%d"):format(lmax, derivatives) }
+    end
+  end
+  return source.file(requests, "c")
+end

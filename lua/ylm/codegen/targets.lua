@@ -1,0 +1,9 @@
+--- Every generated file of the tree: { path, module, argument }, one line each.
+-- `module` returns a function(argument) -> text. `make gen` writes them, `make gen-check` compares.
+
+local targets = {}
+
+for lmax = 0, 12 do targets[#targets + 1] = { ("csrc/sh/gen/sh_%d.h"):format(lmax), "ylm.codegen.sh_low", lmax } end
+targets[#targets + 1] = { "csrc/sh/gen/sh_table.h", "ylm.codegen.sh_table", 24 }
+
+return targets
