@@ -191,6 +191,10 @@ YLM_API uint64_t ylm_crc64(uint64_t crc, const void *data, size_t size);
 YLM_API ylm_status ylm_file_read(const char *path, size_t limit, unsigned char **data,
                                  size_t *size, ylm_error *e);
 
+/* The first `room` bytes of a regular file, or all of them where it has fewer. YLM_EIO. */
+YLM_API ylm_status ylm_file_head(const char *path, unsigned char *bytes, size_t room, size_t *size,
+                                 ylm_error *e);
+
 /*
 ** A file written beside its target and renamed over it by ylm_file_commit, so
 ** that the target holds the old bytes or the new ones and never a part.
@@ -208,6 +212,28 @@ YLM_API ylm_status ylm_file_commit(ylm_file *f, ylm_error *e);  /* frees f */
 YLM_API void ylm_file_discard(ylm_file *f);                     /* frees f */
 /* All at once. */
 YLM_API ylm_status ylm_file_save(const char *path, const void *data, size_t size, ylm_error *e);
+
+/* -- array files ----------------------------------------------------------- */
+
+/* What an .npy file (versions 1 to 3; float32 or float64, C order) says of itself. */
+typedef struct ylm_array_file {
+  ylm_dtype dtype;
+  int axes;
+  size_t shape[YLM_MAX_AXES], count;
+  uint32_t convention;       /* of SH coefficients, from a comment that NumPy ignores; 0: ylm's */
+  bool big_endian;
+  const unsigned char *data; /* within the bytes given */
+} ylm_array_file;
+
+/* YLM_OK; YLM_EFORMAT (damaged, truncated, other elements), YLM_EVERSION, YLM_ELIMIT. */
+YLM_API ylm_status ylm_array_file_parse(const unsigned char *bytes, size_t size, const char *name,
+                                        ylm_array_file *a, ylm_error *e);
+/* Its elements in this machine's byte order; out holds a->count of them. */
+YLM_API void ylm_array_file_copy(const ylm_array_file *a, void *out);
+/* Writes version 1. YLM_ESHAPE, YLM_EIO. */
+YLM_API ylm_status ylm_array_file_write(const char *path, ylm_dtype t, int axes,
+                                        const size_t *shape, uint32_t convention, const void *data,
+                                        ylm_error *e);
 
 /* -- light fields ---------------------------------------------------------- */
 

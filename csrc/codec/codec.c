@@ -8,7 +8,9 @@ static const struct {
   const char *ending;
   ylm_codec_writer *write;
 } writers[] = {
+    {".exr", ylm__exr_write},
     {".png", ylm__png_write},
+    {".hdr", ylm__hdr_write},
     {".pfm", ylm__pfm_write},
 };
 
@@ -38,12 +40,14 @@ ylm_codec_kind ylm_codec_recognise(const unsigned char *p, size_t size) {
 ylm_status ylm_codec_parse(const unsigned char *bytes, size_t size, const char *name, bool raw,
                            ylm_image **image, ylm_error *e) {
   static ylm_codec_parser *const parsers[] = {
+      [YLM_CODEC_EXR] = ylm__exr_parse,
+      [YLM_CODEC_HDR] = ylm__hdr_parse,
       [YLM_CODEC_PNG] = ylm__png_parse,
       [YLM_CODEC_PFM] = ylm__pfm_parse,
   };
   ylm_codec_kind kind = ylm_codec_recognise(bytes, size);
   *image = NULL;
-  if (kind == YLM_CODEC_NONE || !parsers[kind])
+  if (kind == YLM_CODEC_NONE)
     return ylm_fail(e, YLM_EFORMAT, "%s: not an image that is known (EXR, PNG, Radiance, PFM)", name);
   return parsers[kind](bytes, size, name, raw, image, e);
 }

@@ -26,6 +26,7 @@
 #define YLML_CORE_BINDINGS(X) \
   X(array) \
   X(figure) \
+  X(array_file) \
   X(light) \
   X(sandbox) \
   X(sh) \

@@ -94,11 +94,11 @@ static int array_info(lua_State *L) {
   ylmL_array *a = ylmL_check(L, 1, YLM_ARRAY);
   lua_createtable(L, a->axes, 0);
   for (int i = 0; i < a->axes; i++) {
-    lua_pushnumber(L, (lua_Number)a->shape[i]);
+    lua_pushinteger(L, (lua_Integer)a->shape[i]);
     lua_rawseti(L, -2, i + 1);
   }
   lua_pushstring(L, a->dtype == YLM_DOUBLE ? "double" : "float");
-  lua_pushnumber(L, a->convention);
+  lua_pushinteger(L, (lua_Integer)a->convention);
   lua_pushboolean(L, a->data != NULL);
   return 4;
 }

@@ -164,8 +164,8 @@ static int mesh_info(lua_State *L) {
   ylm_mesh *m = ylmL_mesh_check(L, 1);
   double lo[3], hi[3];
   ylm_mesh_bounds(m, lo, hi);
-  lua_pushnumber(L, (lua_Number)m->vertices);
-  lua_pushnumber(L, (lua_Number)m->triangles);
+  lua_pushinteger(L, (lua_Integer)m->vertices);
+  lua_pushinteger(L, (lua_Integer)m->triangles);
   push_three(L, lo);
   push_three(L, hi);
   lua_pushnumber(L, (lua_Number)ylm_mesh_area(m));

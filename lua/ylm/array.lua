@@ -198,6 +198,12 @@ function methods.close(a)
   core.array_close(a)
 end
 
+--- array:save is in ylm.file, which loads when it is first used.
+function methods.save(a, path)
+  require "ylm.file"
+  return methods.save(a, path)
+end
+
 methods.__len = function(a) return open(a, "#")[1] end
 
 methods.__index = function(a, key)

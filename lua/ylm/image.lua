@@ -1,5 +1,6 @@
 --- Images: named float layers of one size, with metadata, metrics and files.
 
+require "ylm.array" -- its methods
 local check = require "ylm.check"
 local core = require "ylm.c.core"
 local describe = require "ylm.reference".describe

@@ -15,6 +15,7 @@ local contents = {
   { "ylm.material", "matte" },
   { "ylm.camera", "camera" },
   { "ylm.scene", "scene", "load_scene" },
+  { "ylm.file", "load" },
   { "ylm.image", "image" },
   { "ylm.geometry", "quad", "sphere", "box", "torus", "knot", "mesh" },
 }

@@ -1,0 +1,476 @@
+/* exr.c - OpenEXR through OpenEXRCore's C interface: layers are groups of channels. */
+#include "codec.h"
+
+#include <openexr.h>
+#include <math.h>
+#include <string.h>
+
+#define MAX_CHANNELS (4 * YLM_IMAGE_MAX_LAYERS)
+#define ORDER_ATTRIBUTE "ylmLayers" /* "radiance:3 normal:3 ...": names and order of the layers */
+
+/* -- channel names ---------------------------------------------------------------- */
+
+/* The names of a layer's channels: vectors and depths by what they are, others as colours. */
+static const char *suffixes(const ylm_layer *layer) {
+  static const char *const by_count[] = {"", "Y", "XY", "RGB", "RGBA"};
+  bool vector = strcmp(layer->name, "normal") == 0 || strcmp(layer->name, "position") == 0;
+  if (layer->channels == 1 && strcmp(layer->name, "depth") == 0) return "Z";
+  return vector && layer->channels == 3 ? "XYZ" : by_count[layer->channels];
+}
+
+/* "R" of the first layer, "normal.X" of others. */
+static void channel_name(const ylm_image *image, int layer, int channel, char name[80]) {
+  const ylm_layer *l = &image->layer[layer];
+  char c = suffixes(l)[channel];
+  if (layer == 0) snprintf(name, 80, "%c", c);
+  else snprintf(name, 80, "%s.%c", l->name, c);
+}
+
+/* Where a channel stands among those of its layer: R G B A, X Y Z, U V, then by name. */
+static int rank_of(const char *suffix) {
+  static const char order[] = "RGBAXYZUVW";
+  const char *at = suffix[0] && !suffix[1] ? strchr(order, suffix[0]) : NULL;
+  return at ? (int)(at - order) : 100;
+}
+
+/* -- streams, errors ---------------------------------------------------------------- */
+
+typedef struct stream {
+  const unsigned char *bytes; /* reading */
+  size_t size;
+  ylm_file *file; /* writing */
+  bool failed;
+  char message[160];
+} stream;
+
+static void on_error(exr_const_context_t c, exr_result_t code, const char *text) {
+  void *user = NULL;
+  (void)code;
+  if (!c || exr_get_user_data(c, &user) != EXR_ERR_SUCCESS || !user) return;
+  stream *s = user;
+  if (!s->message[0]) snprintf(s->message, sizeof s->message, "%s", text);
+}
+
+static int64_t on_read(exr_const_context_t c, void *user, void *out, uint64_t n, uint64_t at,
+                       exr_stream_error_func_ptr_t error) {
+  stream *s = user;
+  if (at > s->size || n > s->size - at) {
+    error(c, EXR_ERR_READ_IO, "truncated");
+    return -1;
+  }
+  memcpy(out, s->bytes + at, (size_t)n);
+  return (int64_t)n;
+}
+
+static int64_t on_size(exr_const_context_t c, void *user) {
+  (void)c;
+  return (int64_t)((stream *)user)->size;
+}
+
+static int64_t on_write(exr_const_context_t c, void *user, const void *data, uint64_t n, uint64_t at,
+                        exr_stream_error_func_ptr_t error) {
+  stream *s = user;
+  if (fseeko(ylm_file_stream(s->file), (off_t)at, SEEK_SET) != 0 ||
+      ylm_file_write(s->file, data, (size_t)n) != YLM_OK) {
+    s->failed = true;
+    error(c, EXR_ERR_WRITE_IO, "cannot be written");
+    return -1;
+  }
+  return (int64_t)n;
+}
+
+static exr_context_initializer_t settings(stream *s) {
+  exr_context_initializer_t i = EXR_DEFAULT_CONTEXT_INITIALIZER;
+  i.error_handler_fn = on_error;
+  i.user_data = s;
+  i.max_image_width = i.max_image_height = YLM_IMAGE_MAX_SIDE;
+  i.max_tile_width = i.max_tile_height = YLM_IMAGE_MAX_SIDE;
+  i.zip_level = 4;
+  i.flags = EXR_CONTEXT_FLAG_DISABLE_CHUNK_RECONSTRUCTION;
+  return i;
+}
+
+/* -- writing -------------------------------------------------------------------------- */
+
+static exr_result_t write_order(exr_context_t c, const ylm_image *image) {
+  char text[YLM_IMAGE_MAX_LAYERS * (YLM_IMAGE_MAX_NAME + 4)];
+  size_t n = 0;
+  for (int i = 0; i < image->layers; i++)
+    n += (size_t)snprintf(text + n, sizeof text - n, "%s%s:%d", i ? " " : "", image->layer[i].name,
+                          image->layer[i].channels);
+  return exr_attr_set_string(c, 0, ORDER_ATTRIBUTE, text);
+}
+
+static exr_result_t write_header(exr_context_t c, const ylm_image *image, exr_pixel_type_t type) {
+  exr_result_t r = exr_set_longname_support(c, 1);
+  if (r == EXR_ERR_SUCCESS) r = exr_add_part(c, "picture", EXR_STORAGE_SCANLINE, NULL);
+  if (r == EXR_ERR_SUCCESS)
+    r = exr_initialize_required_attr_simple(c, 0, image->width, image->height, EXR_COMPRESSION_ZIP);
+  for (int i = 0; r == EXR_ERR_SUCCESS && i < image->layers; i++)
+    for (int k = 0; r == EXR_ERR_SUCCESS && k < image->layer[i].channels; k++) {
+      char name[80];
+      channel_name(image, i, k, name);
+      r = (exr_result_t)exr_add_channel(c, 0, name, type, EXR_PERCEPTUALLY_LOGARITHMIC, 1, 1);
+    }
+  for (int i = 0; r == EXR_ERR_SUCCESS && i < image->texts; i++)
+    r = exr_attr_set_string(c, 0, image->text[i].key, image->text[i].value);
+  if (r == EXR_ERR_SUCCESS) r = write_order(c, image);
+  if (r == EXR_ERR_SUCCESS) r = exr_write_header(c);
+  return r;
+}
+
+/* The layer and channel that an EXR channel stands for. */
+static const float *find_channel(const ylm_image *image, const char *wanted, int *stride) {
+  char name[80];
+  for (int i = 0; i < image->layers; i++)
+    for (int k = 0; k < image->layer[i].channels; k++) {
+      channel_name(image, i, k, name);
+      if (strcmp(name, wanted) != 0) continue;
+      *stride = image->layer[i].channels;
+      return image->layer[i].data + k;
+    }
+  return NULL;
+}
+
+/* Rows y .. y+rows-1 of one channel, cut to what half precision holds. */
+static void gather(const float *from, int stride, int width, int y, int rows, bool half, float *out) {
+  size_t n = (size_t)width * (size_t)rows;
+  from += (size_t)y * (size_t)width * (size_t)stride;
+  for (size_t i = 0; i < n; i++) {
+    float x = from[i * (size_t)stride];
+    if (half && isfinite(x)) x = x > 65504.0f ? 65504.0f : x < -65504.0f ? -65504.0f : x;
+    out[i] = x;
+  }
+}
+
+static exr_result_t write_chunks(exr_context_t c, const ylm_image *image, bool half, float *rows,
+                                 int per_chunk) {
+  exr_encode_pipeline_t p = EXR_ENCODE_PIPELINE_INITIALIZER;
+  exr_result_t r = EXR_ERR_SUCCESS;
+  bool begun = false;
+  size_t each = (size_t)image->width * (size_t)per_chunk;
+  for (int y = 0; r == EXR_ERR_SUCCESS && y < image->height; y += per_chunk) {
+    exr_chunk_info_t chunk;
+    r = exr_write_scanline_chunk_info(c, 0, y, &chunk);
+    if (r != EXR_ERR_SUCCESS) break;
+    r = begun ? exr_encoding_update(c, 0, &chunk, &p) : exr_encoding_initialize(c, 0, &chunk, &p);
+    if (r != EXR_ERR_SUCCESS) break;
+    for (int k = 0; k < p.channel_count; k++) {
+      exr_coding_channel_info_t *ch = &p.channels[k];
+      int stride = 1;
+      const float *from = find_channel(image, ch->channel_name, &stride);
+      gather(from, stride, image->width, y, chunk.height, half, rows + (size_t)k * each);
+      ch->encode_from_ptr = (const uint8_t *)(rows + (size_t)k * each);
+      ch->user_bytes_per_element = 4;
+      ch->user_data_type = EXR_PIXEL_FLOAT;
+      ch->user_pixel_stride = 4;
+      ch->user_line_stride = 4 * image->width;
+    }
+    if (!begun) r = exr_encoding_choose_default_routines(c, 0, &p);
+    begun = true;
+    if (r == EXR_ERR_SUCCESS) r = exr_encoding_run(c, 0, &p);
+  }
+  exr_encoding_destroy(c, &p);
+  return r;
+}
+
+static exr_result_t write_pixels(exr_context_t c, const ylm_image *image, bool half) {
+  int32_t per_chunk = 1, channels = 0;
+  exr_result_t r = exr_get_scanlines_per_chunk(c, 0, &per_chunk);
+  if (r != EXR_ERR_SUCCESS) return r;
+  for (int i = 0; i < image->layers; i++) channels += image->layer[i].channels;
+  float *rows = ylm_alloc((size_t)image->width * (size_t)per_chunk * (size_t)channels, sizeof *rows);
+  if (!rows) return EXR_ERR_OUT_OF_MEMORY;
+  r = write_chunks(c, image, half, rows, per_chunk);
+  ylm_free(rows);
+  return r;
+}
+
+ylm_status ylm__exr_write(const ylm_image *image, const ylm_layer *layer, const char *path,
+                          const ylm_codec_options *o, ylm_error *e) {
+  (void)layer;
+  if (o->bits != 0 && o->bits != 16 && o->bits != 32)
+    return ylm_fail(e, YLM_EINVAL, "%s: OpenEXR has 16 or 32 bits, not %d", path, o->bits);
+  stream s = {0};
+  ylm_status st = ylm_file_create(path, &s.file, e);
+  if (st != YLM_OK) return st;
+  exr_context_initializer_t init = settings(&s);
+  init.write_fn = on_write;
+  exr_context_t c = NULL;
+  exr_result_t r = exr_start_write(&c, path, EXR_WRITE_FILE_DIRECTLY, &init);
+  if (r == EXR_ERR_SUCCESS) r = write_header(c, image, o->bits == 16 ? EXR_PIXEL_HALF : EXR_PIXEL_FLOAT);
+  if (r == EXR_ERR_SUCCESS) r = write_pixels(c, image, o->bits == 16);
+  if (c) {
+    exr_result_t last = exr_finish(&c);
+    if (r == EXR_ERR_SUCCESS) r = last;
+  }
+  if (r == EXR_ERR_SUCCESS || s.failed) return ylm_file_commit(s.file, e);
+  ylm_file_discard(s.file);
+  st = r == EXR_ERR_OUT_OF_MEMORY ? YLM_ENOMEM : YLM_EINVAL;
+  return ylm_fail(e, st, "%s: OpenEXR: %s", path, s.message[0] ? s.message : exr_get_error_code_as_string(r));
+}
+
+/* -- reading ---------------------------------------------------------------------------- */
+
+/* One channel of the file and where it goes. */
+typedef struct channel {
+  char group[YLM_IMAGE_MAX_NAME + 1]; /* "" for channels without a prefix */
+  const char *name, *suffix;
+  bool integer;
+  int layer, index; /* in the image */
+} channel;
+
+typedef struct reading {
+  stream s;
+  exr_context_t c;
+  const char *name;
+  ylm_error *e;
+  int channels;
+  channel channel[MAX_CHANNELS];
+  ylm_image *image;
+  int x0, y0; /* of the data window */
+} reading;
+
+static ylm_status fail(reading *r, const char *what) {
+  return ylm_fail(r->e, YLM_EFORMAT, "%s: OpenEXR: %s", r->name,
+                  what ? what : r->s.message[0] ? r->s.message : "damaged or truncated");
+}
+
+/* Letters that a layer's name may have; others become '_'. */
+static char clean(char c) {
+  bool good = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-' || c == '.';
+  return good ? c : '_';
+}
+
+static ylm_status list_channels(reading *r) {
+  const exr_attr_chlist_t *list;
+  if (exr_get_channels(r->c, 0, &list) != EXR_ERR_SUCCESS) return fail(r, NULL);
+  if (list->num_channels < 1 || list->num_channels > MAX_CHANNELS) return fail(r, "no channels, or too many");
+  r->channels = list->num_channels;
+  for (int i = 0; i < r->channels; i++) {
+    const exr_attr_chlist_entry_t *entry = &list->entries[i];
+    channel *ch = &r->channel[i];
+    if (entry->x_sampling != 1 || entry->y_sampling != 1) return fail(r, "subsampled channels are not supported");
+    ch->name = entry->name.str;
+    const char *dot = strrchr(ch->name, '.');
+    size_t n = dot ? (size_t)(dot - ch->name) : 0;
+    if (n > YLM_IMAGE_MAX_NAME) n = YLM_IMAGE_MAX_NAME;
+    for (size_t k = 0; k < n; k++) ch->group[k] = clean(ch->name[k]);
+    ch->group[n] = 0;
+    ch->suffix = dot ? dot + 1 : ch->name;
+    ch->integer = entry->pixel_type == EXR_PIXEL_UINT;
+  }
+  return YLM_OK;
+}
+
+/* True if channel a comes before b within a layer. */
+static bool before(const channel *a, const channel *b) {
+  int ra = rank_of(a->suffix), rb = rank_of(b->suffix);
+  return ra != rb ? ra < rb : strcmp(a->suffix, b->suffix) < 0;
+}
+
+/* Adds a layer of the unassigned channels of `group`; more than four make further layers. */
+static ylm_status add_group(reading *r, const char *group, const char *name) {
+  for (int part = 1;; part++) {
+    channel *member[MAX_CHANNELS];
+    int n = 0;
+    for (int i = 0; i < r->channels; i++) {
+      channel *ch = &r->channel[i];
+      if (ch->layer >= 0 || strcmp(ch->group, group) != 0) continue;
+      int k = n++;
+      while (k > 0 && before(ch, member[k - 1])) member[k] = member[k - 1], k--;
+      member[k] = ch;
+    }
+    if (n == 0) return YLM_OK;
+    if (n > 4) n = 4;
+    char unique[YLM_IMAGE_MAX_NAME + 1 + 12];
+    snprintf(unique, YLM_IMAGE_MAX_NAME + 1, "%s", name);
+    for (int k = part; ylm_image_find(r->image, unique); k++)
+      snprintf(unique, sizeof unique, "%.*s-%d", YLM_IMAGE_MAX_NAME - 12, name, k + 1);
+    ylm_status st = ylm_image_add(r->image, unique, n, r->e);
+    if (st != YLM_OK) return st;
+    for (int k = 0; k < n; k++) member[k]->layer = r->image->layers - 1, member[k]->index = k;
+  }
+}
+
+/* Layers in the order that ylm wrote down; what does not fit it is left for add_layers. */
+static ylm_status add_ordered(reading *r, const char *order, int32_t length) {
+  int32_t at = 0;
+  for (int i = 0; at < length && i < YLM_IMAGE_MAX_LAYERS; i++) {
+    char name[YLM_IMAGE_MAX_NAME + 1];
+    size_t n = 0;
+    while (at < length && order[at] != ':' && n < YLM_IMAGE_MAX_NAME) name[n++] = clean(order[at++]);
+    name[n] = 0;
+    while (at < length && order[at] != ' ') at++;
+    at++;
+    if (n == 0 || ylm_image_find(r->image, name)) return YLM_OK;
+    ylm_status st = add_group(r, i == 0 ? "" : name, name);
+    if (st != YLM_OK) return st;
+  }
+  return YLM_OK;
+}
+
+static ylm_status add_layers(reading *r) {
+  const char *order;
+  int32_t length;
+  ylm_status st = YLM_OK;
+  for (int i = 0; i < r->channels; i++) r->channel[i].layer = -1;
+  if (exr_attr_get_string(r->c, 0, ORDER_ATTRIBUTE, &length, &order) == EXR_ERR_SUCCESS)
+    st = add_ordered(r, order, length);
+  r->s.message[0] = 0;
+  if (st == YLM_OK) st = add_group(r, "", "radiance");
+  for (int i = 0; st == YLM_OK && i < r->channels; i++)
+    if (r->channel[i].layer < 0) {
+      const char *group = r->channel[i].group;
+      st = add_group(r, group, group[0] ? group : "unnamed");
+    }
+  return st;
+}
+
+static ylm_status read_texts(reading *r) {
+  int32_t n = 0;
+  if (exr_get_attribute_count(r->c, 0, &n) != EXR_ERR_SUCCESS) return fail(r, NULL);
+  for (int32_t i = 0; i < n; i++) {
+    const exr_attribute_t *a;
+    if (exr_get_attribute_by_index(r->c, 0, EXR_ATTR_LIST_FILE_ORDER, i, &a) != EXR_ERR_SUCCESS) return fail(r, NULL);
+    if (a->type != EXR_ATTR_STRING || strcmp(a->name, ORDER_ATTRIBUTE) == 0 || strcmp(a->name, "name") == 0 ||
+        strcmp(a->name, "type") == 0)
+      continue;
+    ylm_status st = a->string->str ? ylm_image_set_text(r->image, a->name, a->string->str) : YLM_OK;
+    if (st == YLM_ENOMEM) return ylm_fail(r->e, st, "%s: memory ran out", r->name);
+  }
+  return YLM_OK;
+}
+
+/* Points the pipeline at the image; rows below or right of it cannot occur. */
+static bool aim(reading *r, exr_decode_pipeline_t *p, int x, int y) {
+  for (int k = 0; k < p->channel_count; k++) {
+    exr_coding_channel_info_t *ch = &p->channels[k];
+    const channel *to = NULL;
+    for (int i = 0; i < r->channels && !to; i++)
+      if (strcmp(r->channel[i].name, ch->channel_name) == 0) to = &r->channel[i];
+    if (!to || x < 0 || y < 0 || ch->width < 0 || ch->height < 0 || x + ch->width > r->image->width ||
+        y + ch->height > r->image->height)
+      return false;
+    ylm_layer *layer = &r->image->layer[to->layer];
+    size_t pixel = (size_t)y * (size_t)r->image->width + (size_t)x;
+    ch->decode_to_ptr = (uint8_t *)(layer->data + pixel * (size_t)layer->channels + to->index);
+    ch->user_bytes_per_element = 4;
+    ch->user_data_type = to->integer ? EXR_PIXEL_UINT : EXR_PIXEL_FLOAT;
+    ch->user_pixel_stride = 4 * layer->channels;
+    ch->user_line_stride = 4 * layer->channels * r->image->width;
+  }
+  return true;
+}
+
+/* Decodes one chunk. */
+static bool decode(reading *r, const exr_chunk_info_t *chunk, exr_decode_pipeline_t *p, bool *begun, int x, int y) {
+  exr_result_t code = *begun ? exr_decoding_update(r->c, 0, chunk, p) : exr_decoding_initialize(r->c, 0, chunk, p);
+  if (code != EXR_ERR_SUCCESS || !aim(r, p, x, y)) return false;
+  if (!*begun && exr_decoding_choose_default_routines(r->c, 0, p) != EXR_ERR_SUCCESS) return false;
+  *begun = true;
+  return exr_decoding_run(r->c, 0, p) == EXR_ERR_SUCCESS;
+}
+
+static bool read_scanlines(reading *r, exr_decode_pipeline_t *p) {
+  int32_t per_chunk;
+  bool begun = false;
+  if (exr_get_scanlines_per_chunk(r->c, 0, &per_chunk) != EXR_ERR_SUCCESS || per_chunk < 1) return false;
+  for (int y = 0; y < r->image->height; y += per_chunk) {
+    exr_chunk_info_t chunk;
+    if (exr_read_scanline_chunk_info(r->c, 0, y + r->y0, &chunk) != EXR_ERR_SUCCESS) return false;
+    if (!decode(r, &chunk, p, &begun, 0, y)) return false;
+  }
+  return true;
+}
+
+static bool read_tiles(reading *r, exr_decode_pipeline_t *p) {
+  int32_t tw, th;
+  bool begun = false;
+  if (exr_get_tile_sizes(r->c, 0, 0, 0, &tw, &th) != EXR_ERR_SUCCESS || tw < 1 || th < 1) return false;
+  for (int ty = 0; ty * (int64_t)th < r->image->height; ty++)
+    for (int tx = 0; tx * (int64_t)tw < r->image->width; tx++) {
+      exr_chunk_info_t chunk;
+      if (exr_read_tile_chunk_info(r->c, 0, tx, ty, 0, 0, &chunk) != EXR_ERR_SUCCESS) return false;
+      if (!decode(r, &chunk, p, &begun, tx * tw, ty * th)) return false;
+    }
+  return true;
+}
+
+/* Integer channels were read as they stand: their bits become numbers. */
+static void convert_integers(reading *r) {
+  size_t n = (size_t)r->image->width * (size_t)r->image->height;
+  for (int i = 0; i < r->channels; i++) {
+    const channel *ch = &r->channel[i];
+    if (!ch->integer) continue;
+    const ylm_layer *layer = &r->image->layer[ch->layer];
+    for (size_t k = 0; k < n; k++) {
+      uint32_t u;
+      float *x = layer->data + k * (size_t)layer->channels + ch->index;
+      memcpy(&u, x, sizeof u);
+      *x = (float)u;
+    }
+  }
+}
+
+/* Refuses a size that the file cannot hold: what its compression reaches at most. */
+static ylm_status check_size(reading *r, int64_t width, int64_t height) {
+  exr_compression_t how;
+  if (exr_get_compression(r->c, 0, &how) != EXR_ERR_SUCCESS) return fail(r, NULL);
+  bool plain = how == EXR_COMPRESSION_NONE || how == EXR_COMPRESSION_RLE || how == EXR_COMPRESSION_ZIP ||
+               how == EXR_COMPRESSION_ZIPS || how == EXR_COMPRESSION_PXR24;
+  uint64_t pixels = (uint64_t)width * (uint64_t)height;
+  if (width < 1 || height < 1 || width > YLM_IMAGE_MAX_SIDE || height > YLM_IMAGE_MAX_SIDE ||
+      pixels > YLM_IMAGE_MAX_PIXELS)
+    return ylm_fail(r->e, YLM_ELIMIT, "%s: %lld x %lld pixels: sides are limited to 1 .. %d", r->name,
+                    (long long)width, (long long)height, YLM_IMAGE_MAX_SIDE);
+  if (pixels * 2 * (uint64_t)r->channels / (plain ? 1100 : 50000) > r->s.size)
+    return fail(r, "truncated");
+  return YLM_OK;
+}
+
+static ylm_status read_all(reading *r) {
+  exr_attr_box2i_t box;
+  exr_storage_t storage;
+  if (exr_get_data_window(r->c, 0, &box) != EXR_ERR_SUCCESS) return fail(r, NULL);
+  if (exr_get_storage(r->c, 0, &storage) != EXR_ERR_SUCCESS) return fail(r, NULL);
+  if (storage != EXR_STORAGE_SCANLINE && storage != EXR_STORAGE_TILED) return fail(r, "deep images are not supported");
+  int64_t width = (int64_t)box.max.x - box.min.x + 1, height = (int64_t)box.max.y - box.min.y + 1;
+  r->x0 = box.min.x;
+  r->y0 = box.min.y;
+  ylm_status st = list_channels(r);
+  if (st == YLM_OK) st = check_size(r, width, height);
+  if (st == YLM_OK) st = ylm_image_create((int)width, (int)height, &r->image, r->e);
+  if (st == YLM_OK) st = add_layers(r);
+  if (st == YLM_OK) st = read_texts(r);
+  if (st != YLM_OK) return st;
+  exr_decode_pipeline_t p = EXR_DECODE_PIPELINE_INITIALIZER;
+  bool ok = storage == EXR_STORAGE_SCANLINE ? read_scanlines(r, &p) : read_tiles(r, &p);
+  exr_decoding_destroy(r->c, &p);
+  if (!ok) return fail(r, NULL);
+  convert_integers(r);
+  return YLM_OK;
+}
+
+ylm_status ylm__exr_parse(const unsigned char *bytes, size_t size, const char *name, bool raw,
+                          ylm_image **image, ylm_error *e) {
+  (void)raw;
+  *image = NULL;
+  reading *r = ylm_alloc_zero(1, sizeof *r);
+  if (!r) return ylm_fail(e, YLM_ENOMEM, "%s: memory ran out", name);
+  r->s.bytes = bytes;
+  r->s.size = size;
+  r->name = name;
+  r->e = e;
+  exr_context_initializer_t init = settings(&r->s);
+  init.read_fn = on_read;
+  init.size_fn = on_size;
+  ylm_status st = YLM_OK;
+  if (exr_start_read(&r->c, name, &init) != EXR_ERR_SUCCESS) st = fail(r, NULL);
+  if (st == YLM_OK) st = read_all(r);
+  if (r->c) exr_finish(&r->c);
+  if (st == YLM_OK) *image = r->image;
+  else ylm_image_free(r->image);
+  ylm_free(r);
+  return st;
+}

@@ -1,0 +1,85 @@
+--- ylm.load: grids, arrays, images and meshes, by content.
+
+require "ylm.array" -- its methods
+local check = require "ylm.check"
+local core = require "ylm.c.core"
+local describe = require "ylm.reference".describe
+local form = require "ylm.form"
+
+local file = {}
+local methods = core.metatable "ylm.array"
+
+--- What a file is, by its first bytes; nil, message, code where it cannot be read.
+local function kind_of(path)
+  local head, message, code = core.file_head(path)
+  if not head then return nil, message, code end
+  if head:sub(1, 6) == "\147NUMPY" then return "array" end
+  if head:sub(1, 4) == "\118\47\49\1" or head:sub(1, 8) == "\137PNG\r\n\26\n" or head:sub(1, 2) == "#?"
+    or head:find("^P[Ff][\r\n ]") then
+    return "image"
+  end
+  if head:find("^ply[\r\n]") or path:lower():find("%.obj$") then return "mesh" end
+  if head:sub(1, 8) == "\137YLMgrid" then return "grid" end
+  return nil, path .. ": not a file that ylm knows (grid, .npy, .exr, .png, .hdr, .pfm, .obj, .ply)", "EFORMAT"
+end
+
+local readers = {
+  array = function(path) return core.array_read(path) end,
+  image = function(path, options) return require("ylm.image").read(path, options.raw) end,
+  mesh = function(path) return core.mesh_read(path) end,
+  grid = function(path)
+    local ok, grid = pcall(require, "ylm.grid")
+    if ok and type(grid.load) == "function" then return grid.load(path) end
+    return nil, path .. ": grid files are not supported in this build", "EMISSING"
+  end,
+}
+
+local load_options = {
+  { "raw", "boolean", default = false, about = ".png: numbers as they stand instead of decoded from sRGB" },
+}
+
+describe "load" {
+  about = "Reads a grid, an array (.npy), an image (.exr, .png, .hdr, .pfm) or a mesh (.obj, .ply): content decides.",
+  arguments = { { "path", "string", "a regular file" }, { "options?", "table", "" } },
+  options = load_options,
+  returns = { { "object", "grid|array|image|mesh", "what the file holds" } },
+  errors = "nil, message, code where the file is missing, damaged or of another kind; raises on a wrong argument",
+  example = [[
+local name = os.tmpname()
+assert(ylm.array({ { 1, 2 }, { 3, 4 } }, "float"):save(name .. ".npy"))
+assert(ylm.load(name .. ".npy"):get(2, 1) == 3)
+os.remove(name .. ".npy")
+os.remove(name)]],
+}
+function file.load(path, options)
+  if type(path) ~= "string" or #path == 0 or path:find("%z") then
+    return check.bad(1, "load", "a file name expected, got %s", check.describe(path))
+  end
+  options = form.options(2, "load", load_options, options)
+  local kind, message, code = kind_of(path)
+  if not kind then return nil, message, code end
+  return readers[kind](path, options)
+end
+
+describe "array:save" {
+  about = "Writes the array as .npy (NumPy's format, version 1), float32 or float64, C order.",
+  arguments = { { "path", "string", "ends in .npy" } },
+  returns = { { "ok", "boolean", "true" } },
+  errors = "raises on another ending; nil, message, code where the file cannot be written",
+  example = [[
+local name = os.tmpname()
+assert(ylm.zeros { 4, 3 }:save(name .. ".npy"))
+os.remove(name .. ".npy")
+os.remove(name)]],
+}
+function methods.save(a, path)
+  if core.type(a) ~= "ylm.array" then
+    return check.fail("save: an array expected before the colon, got %s", check.describe(a))
+  end
+  if type(path) ~= "string" or not path:lower():find("%.npy$") or path:find("%z") then
+    return check.bad(1, "save", "a file name that ends in .npy expected, got %s", check.describe(path))
+  end
+  return check.result("save", core.array_write(a, path))
+end
+
+return file
