@@ -4,6 +4,15 @@ local check = require "ylm.check"
 local core = require "ylm.c.core"
 local describe = require "ylm.reference".describe
 
+require "ylm.reference".object "array" {
+  about = "Dense, row-major numbers. a[i] is a number, or a view that keeps its parent alive; #a is the first extent.",
+  fields = {
+    { "shape", "integer[]", "its extents" },
+    { "dtype", "string", "'float' or 'double'" },
+    { "convention", "string", "of SH coefficients: 'ylm' is ylm's own" },
+  },
+}
+
 local array = {}
 local methods = core.metatable "ylm.array"
 

@@ -36,11 +36,16 @@ local function in_range(x, field)
     and (not field.above or x > field.above)
 end
 
+--- A value the same under every Lua: 2^28 is 268435456, never 2.68435456e+08.
+local function text_of(x)
+  return type(x) == "number" and ("%.14g"):format(x) or tostring(x)
+end
+
 local function range_text(field)
   local parts = {}
-  if field.above then parts[#parts + 1] = "> " .. field.above end
-  if field.min then parts[#parts + 1] = ">= " .. field.min end
-  if field.max then parts[#parts + 1] = "<= " .. field.max end
+  if field.above then parts[#parts + 1] = "> " .. text_of(field.above) end
+  if field.min then parts[#parts + 1] = ">= " .. text_of(field.min) end
+  if field.max then parts[#parts + 1] = "<= " .. text_of(field.max) end
   return #parts > 0 and " " .. table.concat(parts, " and ") or ""
 end
 
@@ -236,13 +241,13 @@ end
 function form.field_text(field)
   local parts = { field[2] == "choice" and table.concat((function()
     local t = {}
-    for i, c in ipairs(field.of) do t[i] = tostring(c) end
+    for i, c in ipairs(field.of) do t[i] = text_of(c) end
     return t
   end)(), " | ") or field[2] == "object" and (type(field.of) == "table" and table.concat(field.of, " | ") or field.of)
     or field[2] .. range_text(field) }
   if field.unit then parts[#parts + 1] = "[" .. field.unit .. "]" end
   if field.default ~= nil and type(field.default) ~= "table" then
-    parts[#parts + 1] = "default " .. tostring(field.default)
+    parts[#parts + 1] = "default " .. text_of(field.default)
   elseif field.optional then parts[#parts + 1] = "optional" end
   return table.concat(parts, " ")
 end

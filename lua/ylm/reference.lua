@@ -13,7 +13,7 @@
 -- the very table that form.options checks). Methods are named "grid:sample". Every example is run by
 -- a spec, with `ylm` as a local.
 
-local reference = { entries = {}, names = {} }
+local reference = { entries = {}, names = {}, objects = {} }
 
 --- Registers the entry of the public function `name` (without the leading "ylm.").
 function reference.describe(name)
@@ -22,6 +22,17 @@ function reference.describe(name)
     entry.name = name
     reference.entries[name] = entry
     reference.names[#reference.names + 1] = name
+  end
+end
+
+--- Registers an object type: about, and fields as { name, type, text } that can be read from it.
+--
+--     reference.object "array" { about = "...", fields = { { "shape", "table", "its extents" } } }
+function reference.object(name)
+  return function(entry)
+    assert(not reference.objects[name], "described twice: " .. name)
+    entry.name = name
+    reference.objects[name] = entry
   end
 end
 

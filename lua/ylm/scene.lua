@@ -67,6 +67,18 @@ local function flatten(field, x, out, place, depth, fail)
   for i = 1, n do flatten(field, x[i], out, ("%s[%d]"):format(place, i), depth + 1, fail) end
 end
 
+require "ylm.reference".object "scene" {
+  about = "What a picture is made of.",
+  fields = {
+    { "name", "string", "" },
+    { "camera", "camera", "or nil" },
+    { "geometry", "table", "a flat list" },
+    { "lights", "table", "a flat list" },
+    { "probes", "table", "the grid's description, or nil" },
+    { "background", "number[]", "{r, g, b}" },
+  },
+}
+
 -- The form ---------------------------------------------------------------------
 
 --- The methods are those of lua/ylm/render.lua, loaded when one is first called.

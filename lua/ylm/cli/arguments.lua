@@ -86,7 +86,8 @@ end
 function arguments.usage(name, command)
   local lines = { ("usage: ylm %s %s"):format(name, command.usage), "", "  " .. command.summary, "" }
   for _, option in ipairs(declared(command)) do
-    local word = (option[2] and option[2] .. ", " or "    ") .. "--" .. option[1] .. (option[3] and " " .. option[3] or "")
+    local word = (option[2] and option[2] .. ", " or "    ") .. "--" .. option[1]
+    if option[3] then word = word .. " " .. option[3] end
     lines[#lines + 1] = ("  %-28s %s"):format(word, option[4])
   end
   return table.concat(lines, "\n") .. "\n"

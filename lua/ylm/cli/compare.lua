@@ -30,7 +30,8 @@ return {
       local difference = status.need(images[1]:difference(images[2], { scale = given.scale }))
       status.need(difference:save(given.difference))
     end
-    if given["max-mse"] and not (metrics.mse <= given["max-mse"]) then return status.beyond end
-    if given["min-psnr"] and not (metrics.psnr >= given["min-psnr"]) then return status.beyond end
+    local within = (not given["max-mse"] or metrics.mse <= given["max-mse"])
+      and (not given["min-psnr"] or metrics.psnr >= given["min-psnr"])
+    return within and status.good or status.beyond -- a mse that is no number is beyond every bound
   end,
 }

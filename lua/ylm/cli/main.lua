@@ -19,7 +19,8 @@ local function say(...)
 end
 
 local function overview(stream)
-  stream:write("ylm - spherical-harmonic lighting\n\nusage: ylm COMMAND ...    (ylm COMMAND --help for its options)\n\n")
+  stream:write("ylm - spherical-harmonic lighting\n\n",
+    "usage: ylm COMMAND ...    (ylm COMMAND --help for its options)\n\n")
   for _, name in ipairs(commands) do
     stream:write(("  %-8s  %s\n"):format(name, require("ylm.cli." .. name).summary))
   end
@@ -42,7 +43,8 @@ local function main(given)
   for _, command in ipairs(commands) do known = known or command == name end
   if not known then
     local guess = require "ylm.check".guess(name, commands)
-    say(("no command '%s'%s"):format(name, guess and (" (did you mean '%s'?)"):format(guess) or "; ylm help lists them"))
+    say(("no command '%s'%s"):format(name,
+      guess and (" (did you mean '%s'?)"):format(guess) or "; ylm help lists them"))
     return status.usage
   end
   local command = require("ylm.cli." .. name)

@@ -1,0 +1,190 @@
+--- Input for LDoc, and docs/api.md: the same entries as pages.
+
+local form = require "ylm.form"
+local help = require "ylm.help"
+local model = require "ylm.doc.model"
+
+local pages = {}
+
+-- LDoc -------------------------------------------------------------------------------
+
+local function comment(put, text)
+  model.each_line(text, function(line) put("-- " .. line) end)
+end
+
+local function usage(put, text)
+  if not text then return end
+  put "-- @usage"
+  model.each_line(text, function(line) put("-- " .. line) end)
+end
+
+local function fields_list(put, title, fields)
+  put("--")
+  put("-- " .. title .. ":")
+  put("--")
+  for _, field in ipairs(fields) do
+    put(model.one_line(("-- * `%s` %s. %s"):format(field[1], form.field_text(field), field.about or "")))
+  end
+end
+
+local function ldoc_function(put, entry, name)
+  put("--- " .. model.one_line(entry.about))
+  if type(entry.options) == "table" and #entry.options > 0 then fields_list(put, "Options", entry.options) end
+  if entry.errors and entry.errors ~= "" then put("--") put("-- Errors: " .. model.one_line(entry.errors) .. ".") end
+  if entry.source then put("--") put("-- Source: " .. model.one_line(entry.source) .. ".") end
+  put("-- @function " .. name)
+  for _, argument in ipairs(entry.arguments or {}) do
+    local word, optional = argument[1]:match("^(.-)(%??)$")
+    put(model.one_line(("-- @%s %s %s (%s)"):format(optional == "?" and "param[opt]" or "param", word,
+      argument[3] or "", argument[2])))
+  end
+  for _, result in ipairs(entry.returns or {}) do
+    put(model.one_line(("-- @return %s: %s (%s)"):format(result[1], result[3] or "", result[2])))
+  end
+  usage(put, entry.example)
+  put ""
+end
+
+local function file(title, about, kind, name, body)
+  local lines = {}
+  local function put(line) lines[#lines + 1] = (line:gsub("%s+$", "")) end
+  put("--- " .. title)
+  comment(put, about)
+  put(("-- @%s %s"):format(kind, name))
+  put ""
+  body(put)
+  return table.concat(lines, "\n") .. "\n"
+end
+
+--- File name -> text, for LDoc.
+function pages.ldoc()
+  local all, out = model.read(), {}
+  for _, module in ipairs(all.modules) do
+    local name = module.name == "" and "ylm" or "ylm." .. module.name
+    out[name .. ".lua"] = file(module.name == "" and "Arrays, lights, grids, scenes, pictures." or
+      "Functions of " .. name .. ".", "", "module", name, function(put)
+      for _, entry in ipairs(module.entries) do ldoc_function(put, entry, entry.name:match("[%w_]+$")) end
+    end)
+  end
+  for _, object in ipairs(all.objects) do
+    out["object." .. object.name .. ".lua"] = file(("Methods of %s objects."):format(object.name), object.about,
+      "classmod", object.name, function(put)
+        for _, field in ipairs(object.fields) do
+          put(model.one_line(("--- %s (%s)"):format(field[3] or "", field[2])))
+          put("-- @field " .. field[1])
+          put ""
+        end
+        for _, entry in ipairs(object.entries) do ldoc_function(put, entry, entry.name:match("[%w_]+$")) end
+      end)
+  end
+  out["forms.lua"] = file("Constructors that take one named table: `ylm.NAME { ... }`, globals in scene files.", "",
+    "module", "forms", function(put)
+      for _, definition in ipairs(all.forms) do
+        put("--- " .. model.one_line(definition.about))
+        fields_list(put, "Fields", definition.fields)
+        put("-- @function " .. definition.name)
+        put("-- @param fields the table of fields")
+        usage(put, definition.example)
+        put ""
+      end
+    end)
+  return out
+end
+
+-- Markdown ---------------------------------------------------------------------------
+
+--- A cell of a table: bars and line ends would end it.
+local function cell(text)
+  return (model.one_line(text or ""):gsub("|", "\\|"):gsub("<", "&lt;"))
+end
+
+local function field_table(put, fields)
+  put "| field | is | |"
+  put "| --- | --- | --- |"
+  for _, field in ipairs(fields) do
+    put(("| `%s` | %s | %s |"):format(field[1], cell(form.field_text(field)), cell(field.about)))
+  end
+  put ""
+end
+
+local function row_table(put, title, rows)
+  if not rows or #rows == 0 then return end
+  put(("| %s | is | |"):format(title))
+  put "| --- | --- | --- |"
+  for _, row in ipairs(rows) do put(("| `%s` | %s | %s |"):format(row[1], cell(row[2]), cell(row[3]))) end
+  put ""
+end
+
+local function example(put, text)
+  if not text then return end
+  put "```lua"
+  model.each_line(text, put)
+  put "```"
+  put ""
+end
+
+local function section(put, entry)
+  put("### " .. help.signature(entry.name, entry))
+  put ""
+  put((model.one_line(entry.about):gsub("<", "&lt;")))
+  put ""
+  row_table(put, "argument", entry.arguments)
+  if type(entry.options) == "table" and #entry.options > 0 then field_table(put, entry.options) end
+  row_table(put, "returns", entry.returns)
+  if entry.errors and entry.errors ~= "" then
+    put("Errors: " .. model.one_line(entry.errors) .. ".")
+    put ""
+  end
+  if entry.source then
+    put("Source: " .. model.one_line(entry.source) .. ".")
+    put ""
+  end
+  example(put, entry.example)
+end
+
+--- docs/api.md, as text.
+function pages.markdown()
+  local all, lines = model.read(), {}
+  local function put(line) lines[#lines + 1] = (line:gsub("%s+$", "")) end
+  put "# Reference"
+  put ""
+  put "<!-- GENERATED by lua/ylm/doc/pages.lua from the entries beside the code: make docs -->"
+  put ""
+  put "The same text as `ylm help WORD`. Conventions (axes, units, indices) are in [conventions.md](conventions.md)."
+  put ""
+  put "## Forms"
+  put ""
+  put "Constructors that take one named table: `ylm.NAME { ... }` in scripts, globals in scene files."
+  put ""
+  for _, definition in ipairs(all.forms) do
+    put("### " .. (definition.name == "scene" and 'scene "name" { ... }' or definition.name .. " { ... }"))
+    put ""
+    put(model.one_line(definition.about))
+    put ""
+    field_table(put, definition.fields)
+    example(put, definition.example)
+  end
+  put "## Functions"
+  put ""
+  for _, module in ipairs(all.modules) do
+    for _, entry in ipairs(module.entries) do section(put, entry) end
+  end
+  put "## Objects"
+  put ""
+  for _, object in ipairs(all.objects) do
+    put("### " .. object.name)
+    put ""
+    if object.about ~= "" then
+      put(model.one_line(object.about))
+      put ""
+    end
+    row_table(put, "field", object.fields)
+    for _, entry in ipairs(object.entries) do
+      section(put, entry)
+    end
+  end
+  while lines[#lines] == "" do lines[#lines] = nil end
+  return table.concat(lines, "\n") .. "\n"
+end
+
+return pages
