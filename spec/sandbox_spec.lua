@@ -165,6 +165,9 @@ describe("the sandbox of scene files", function()
     refuses("EFORMAT", "cannot be part of a description", "return scene 'x' { lights = { next } }")
     refuses("EFORMAT", "cannot be a key", "return scene 'x' { [{}] = 1 }")
     refuses("EFORMAT", "cannot be a key", "return scene 'x' { [true] = 1 }")
+    refuses("EFORMAT", "a box is a description: its field 'mesh' cannot be read", "local m = box {}.mesh")
+    refuses("EFORMAT", "a sphere_light is a description", "local l = sphere_light { at = { 0, 0, 0 } } l.radius = 1")
+    refuses("EFORMAT", "a table of named fields expected, got a", "sphere_light(sphere_light { at = { 0, 0, 0 } })")
     refuses("EFORMAT", "attack.lua:2: tables nested more than 64 deep",
       "local t = {} for i = 1, 70 do t = { t } end\nreturn scene 'x' { geometry = t }")
     refuses("EFORMAT", "attack.lua:1: scene: geometry must be geometry.*, got a scene",
@@ -180,6 +183,47 @@ describe("the sandbox of scene files", function()
       colour[1] = "not a number"
       return s]])
     assert.same({ 1, 2, 3 }, scene.background)
+  end)
+
+  it("bounds what is described, before it is built", function()
+    refuses("ELIMIT", "attack.lua:1: knot: more than 20000000 triangles", "knot { divide = { 1e6, 1e6 } }")
+    refuses("ELIMIT", "attack.lua:1: box: more than 20000000 triangles", "box { divide = 1e5 }")
+    refuses("ELIMIT", "sphere: more than 100000 triangles",
+      "for i = 1, 1000 do sphere { divide = { 100, 10 } } end", { triangles = 1e5 })
+    refuses("ELIMIT", "torus: more than 100 triangles", "torus {}", { triangles = 100 })
+    assert(try("return scene 'x' { geometry = knot { divide = { 300, 8 } } }"))
+  end)
+
+  it("reads files only by relative names inside the scene's folder", function()
+    scratch.shell("cd " .. scratch.quote(folder.path)
+      .. " && mkdir -p in/side && ln -sf /etc in/etc && ln -sf ../out.obj in/link.obj && mkfifo in/pipe")
+    local triangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"
+    folder:write("out.obj", triangle)
+    folder:write("in/here.obj", triangle)
+    folder:write("in/side/there.obj", triangle)
+    local function mesh(name)
+      return try(("return scene 'x' { geometry = mesh { file = %q } }"):format(name), nil, "in/attack.lua")
+    end
+    for _, name in ipairs { "here.obj", "side/there.obj", "./here.obj" } do
+      local scene = assert(mesh(name))
+      assert.equal(1, #scene.geometry[1].mesh:triangles())
+    end
+    for name, says in pairs {
+      ["../out.obj"] = "relative, without '..'", ["side/../here.obj"] = "without '..'", ["/etc/passwd"] = "relative",
+      [folder.path .. "/in/here.obj"] = "relative", ["etc/passwd"] = "link that leads out",
+      ["link.obj"] = "link that leads out", ["side"] = "not a regular file", ["pipe"] = "not a regular file",
+      [""] = "relative", ["missing.obj"] = "no such file", ["here.obj/"] = "relative", ["side//there.obj"] = "relative",
+      ["here.obj\0.png"] = "relative", ["attack.lua"] = "attack.lua",
+    } do
+      local scene, message, code = mesh(name)
+      assert.is_nil(scene, name)
+      assert.truthy(message:find(says, 1, true), name .. ": " .. message)
+      assert.truthy(message:find("in/attack.lua:1: mesh: ", 1, true), name .. ": " .. message)
+      assert.truthy(code == "EFORMAT" or code == "EIO", code)
+    end
+    local path = folder:write("in/attack.lua", "return scene 'x' { geometry = mesh { file = 'here.obj' } }")
+    local _, message, code = ylm.load_scene(path, { file_size = 10 })
+    assert.equal("ELIMIT", code, message)
   end)
 
   it("shows a terminal nothing to obey", function()

@@ -93,7 +93,8 @@ local common = {
   { "occludes", "boolean", default = true, about = "whether it casts shadows" },
 }
 
---- Defines a shape: `make(values, fail)` returns a mesh, or nil, message, code.
+--- Defines a shape: `make(values, fail)` returns a mesh, or nil, message, code; `triangles(values)`
+-- says beforehand how many there will be (scene files are bounded by it).
 local function shape(name, definition)
   local fields = definition.fields
   for _, field in ipairs(common) do fields[#fields + 1] = field end
@@ -132,6 +133,7 @@ shape("quad", {
     { "v", "vector", unit = "scene units", about = "the other side" },
     { "divide", "divisions", default = 1, about = "quads along u and v" },
   },
+  triangles = function(v) return 2 * v.divide[1] * v.divide[2] end,
   make = function(q)
     return core.mesh_quad(q.corner, q.u, q.v, q.divide[1], q.divide[2])
   end,
@@ -144,6 +146,7 @@ shape("sphere", {
     { "radius", "number", above = 0, default = 1, unit = "scene units", about = "" },
     { "divide", "divisions", default = { 64, 32 }, about = "segments around, and from pole to pole" },
   },
+  triangles = function(v) return 2 * v.divide[1] * v.divide[2] end,
   make = function(s) return core.mesh_sphere(s.radius, s.divide[1], s.divide[2]) end,
   example = "sphere { at = { 0, 1, 0 }, radius = 0.5 }",
 })
@@ -155,6 +158,7 @@ shape("box", {
       about = "lower and upper corner" },
     { "divide", "integer", min = 1, default = 1, about = "quads along each edge" },
   },
+  triangles = function(v) return 12 * v.divide * v.divide end,
   make = function(b) return core.mesh_box(b.bounds[1], b.bounds[2], b.divide) end,
   example = "box { bounds = { { -1, 0, -1 }, { 1, 2, 1 } } }",
 })
@@ -167,6 +171,7 @@ shape("torus", {
     { "tube", "number", above = 0, default = 0.25, unit = "scene units", about = "radius of the tube" },
     { "divide", "divisions", default = { 128, 64 }, about = "segments around the axis, and around the tube" },
   },
+  triangles = function(v) return 2 * v.divide[1] * v.divide[2] end,
   make = function(t) return core.mesh_torus(t.radius, t.tube, t.divide[1], t.divide[2]) end,
   example = "torus { at = { 0, 0.6, 0 }, radius = 0.5, tube = 0.2 }",
 })
@@ -182,6 +187,7 @@ shape("knot", {
     { "divide", "divisions", default = { 512, 32 },
       about = "segments along the knot, and across its tube; 2 x their product triangles" },
   },
+  triangles = function(v) return 2 * v.divide[1] * v.divide[2] end,
   make = function(k) return core.mesh_knot(k.p, k.q, k.radius, k.minor, k.tube, k.divide[1], k.divide[2]) end,
   example = "knot { p = 2, q = 3, radius = 1, minor = 0.4, tube = 0.15, divide = { 3000, 64 } }",
 })
@@ -204,6 +210,7 @@ shape("mesh", {
     { "normals", "any", optional = true, about = "[n][3]" },
     { "uvs", "any", optional = true, about = "[n][2]" },
   },
+  triangles = function(v) return type(v.triangles) == "table" and #v.triangles or 0 end,
   make = function(values, fail)
     if values.file then
       if values.vertices or values.triangles then return fail "give file, or vertices and triangles, not both" end

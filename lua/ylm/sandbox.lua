@@ -196,22 +196,7 @@ end
 
 -- Described sizes -----------------------------------------------------------------------
 
---- The product of every count in the checked fields of a geometry form, two triangles each:
--- an upper bound where the form does not say `triangles = function(values) return n end`.
-local function triangle_bound(definition, values)
-  if definition.triangles then return definition.triangles(values) end
-  local product = 2
-  for _, field in ipairs(definition.fields) do
-    local value = values[field[1]]
-    if field[2] == "integer" and value then product = product * math.max(1, value)
-    elseif field[2] == "list" and field.of == "integer" and value then
-      for _, x in ipairs(value) do product = product * math.max(1, x) end
-    end
-  end
-  return product
-end
-
---- Is it a form of geometry? They share the field `occludes`.
+--- Is it a form of geometry? They share the field `occludes`, and say `triangles(values)`.
 local function is_geometry(definition)
   for _, field in ipairs(definition.fields) do if field[1] == "occludes" then return true end end
   return false
@@ -245,7 +230,10 @@ local function observer(folder, limits, state)
         values[name] = real
       end
     end
-    if is_geometry(definition) and not values.file then take("triangles", triangle_bound(definition, values), fail) end
+    if is_geometry(definition) then
+      if not definition.triangles then return fail "has no bound on its triangles" end
+      take("triangles", definition.triangles(values), fail)
+    end
     if definition.name == "uniform_grid" and type(values.cells) == "table" then
       local n = 1
       for _, c in ipairs(values.cells) do n = n * c end
@@ -271,7 +259,7 @@ end
 local describing = { camera = true, material = true, geometry = true, light = true, grid = true, scene = true }
 
 --- The constructors, as files see them.
-local function constructors(env)
+local function constructors(env, state)
   for home in pairs(describing) do
     local ok, message = pcall(require, "ylm." .. home)
     if not ok and not message:find("not found") then error(message, 0) end
@@ -279,7 +267,14 @@ local function constructors(env)
   for name, definition in pairs(form.defined) do
     if name ~= "scene" and describing[definition.home] then
       local construct = definition.construct
-      env[name] = function(given) return wrap(construct(unwrap(given))) end
+      env[name] = function(given)
+        local object, message, code = construct(unwrap(given))
+        if object == nil then
+          state.code = code
+          return check.fail("%s: %s", name, message)
+        end
+        return wrap(object)
+      end
     end
   end
   local scene = form.defined.scene.construct
@@ -293,7 +288,7 @@ local function constructors(env)
   end
 end
 
-local function environment()
+local function environment(state)
   local env = {
     assert = assert, error = error, ipairs = ipairs, next = next, pairs = pairs, select = select,
     tonumber = tonumber, type = function(...)
@@ -310,7 +305,7 @@ local function environment()
     table = { insert = insert, remove = remove, sort = sort, concat = concat, unpack = spread },
     unpack = spread,
   }
-  constructors(env)
+  constructors(env, state)
   local names = names_of(env)
   return setmetatable(env, {
     __metatable = false,
@@ -370,7 +365,7 @@ function sandbox.run(path, limits)
   local text, message, code = core.read_file(path, math.min(limits.file_size, 2 ^ 24))
   if not text then return nil, message, code end
   local source, state = "@" .. path, {}
-  local env = environment()
+  local env = environment(state)
   local folder = path:match("^(.*)/[^/]*$") or "."
   if folder == "" then folder = "/" end
 

@@ -61,7 +61,11 @@ local function flatten(field, x, out, place, depth, fail)
   end
   if largest ~= n then
     for i = 1, largest do
-      if x[i] == nil then return fail(("%s[%d] is nil"):format(place, i)) end
+      if x[i] == nil then
+        -- A constructor that could not read a file left nil, message, code here.
+        local why = type(x[i + 1]) == "string" and ": " .. x[i + 1] or ""
+        return fail(("%s[%d] is nil%s"):format(place, i, why))
+      end
     end
   end
   for i = 1, n do flatten(field, x[i], out, ("%s[%d]"):format(place, i), depth + 1, fail) end
