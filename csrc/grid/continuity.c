@@ -1,0 +1,213 @@
+/*
+** continuity.c - no jumps across faces that change level, and values for points inside lights.
+**
+** A leaf that has an evaluated point inside of one of its faces or edges is split, until there is
+** none. A new corner that nobody evaluated takes value and gradient from the interpolant of the
+** very cell that was split, and is shared by its eight children only: an interpolant restricted
+** to a face depends on that face's four corners (values, tangential derivatives) alone and is
+** reproduced by its children, so two cells that share a face agree on it by induction, whatever
+** else happens around. (One point for all cells around an edge would not do: across an edge the
+** cells' transversal derivatives differ.)
+*/
+#include "grid.h"
+
+#include <math.h>
+#include <string.h>
+
+/* -- points inside lights ---------------------------------------------------------------- */
+
+/* Per point, while filling. */
+typedef struct filling {
+  double *weight; /* [invalid] */
+  uint32_t *slot; /* [points] place among the invalid ones, YLM_GRID_NONE: valid or filled */
+  float *sum;     /* [invalid][4][stride] */
+} filling;
+
+/* Adds the first-order expansion about point q to the sums of point p. */
+static void add_neighbour(const ylm_grid *g, filling *f, uint32_t p, uint32_t q) {
+  double a[3], b[3], d2 = 0;
+  ylm_grid_position(g, g->lattice + 3 * (size_t)p, a);
+  ylm_grid_position(g, g->lattice + 3 * (size_t)q, b);
+  for (int i = 0; i < 3; i++) d2 += (a[i] - b[i]) * (a[i] - b[i]);
+  float w = (float)(1 / d2), dx[3];
+  for (int i = 0; i < 3; i++) dx[i] = (float)(a[i] - b[i]);
+  const float *row[4];
+  for (int r = 0; r < 4; r++) row[r] = ylm__grid_row(g, q, r);
+  float *to = f->sum + (size_t)f->slot[p] * 4 * g->stride;
+  for (size_t j = 0; j < g->width; j++) {
+    to[j] += w * (row[0][j] + dx[0] * row[1][j] + dx[1] * row[2][j] + dx[2] * row[3][j]);
+    for (size_t r = 1; r < 4; r++) to[r * g->stride + j] += w * row[r][j];
+  }
+  f->weight[f->slot[p]] += (double)w;
+}
+
+/* Sums over the cells of one level; returns whether anything was added. */
+static bool gather(const ylm_grid *g, filling *f, int level) {
+  bool any = false;
+  for (size_t i = 0; i < g->cells; i++) {
+    const ylm_grid_cell *c = &g->cell[i];
+    if (c->level != level) continue;
+    for (int k = 0; k < 8; k++) {
+      uint32_t p = c->corner[k];
+      if (p == YLM_GRID_NONE || f->slot[p] == YLM_GRID_NONE) continue;
+      for (int m = 0; m < 8; m++) {
+        uint32_t q = c->corner[m];
+        if (q == YLM_GRID_NONE || f->slot[q] != YLM_GRID_NONE) continue;
+        add_neighbour(g, f, p, q);
+        any = true;
+      }
+    }
+  }
+  return any;
+}
+
+/* Means from the sums; those points count as valid from now on. */
+static void settle(ylm_grid *g, filling *f) {
+  for (size_t p = 0; p < g->evaluated; p++) {
+    uint32_t slot = f->slot[p];
+    if (slot == YLM_GRID_NONE || !(f->weight[slot] > 0)) continue;
+    float scale = (float)(1 / f->weight[slot]), *to = g->data + p * 4 * g->stride;
+    const float *from = f->sum + (size_t)slot * 4 * g->stride;
+    for (size_t j = 0; j < 4 * g->stride; j++) to[j] = scale * from[j];
+    f->slot[p] = YLM_GRID_NONE;
+  }
+}
+
+ylm_status ylm__grid_fill_invalid(ylm_grid *g) {
+  uint32_t invalid = 0;
+  for (size_t p = 0; p < g->evaluated; p++)
+    invalid += (g->flags[p] & YLM_GRID_POINT_INVALID) != 0;
+  if (!invalid) return YLM_OK;
+  filling f = {ylm_alloc_zero(invalid, sizeof *f.weight),
+               ylm_alloc(g->evaluated, sizeof *f.slot),
+               ylm_alloc_zero(invalid, 4 * g->stride * sizeof *f.sum)};
+  ylm_status s = f.weight && f.slot && f.sum ? YLM_OK : YLM_ENOMEM;
+  if (s == YLM_OK) {
+    uint32_t next = 0;
+    for (size_t p = 0; p < g->evaluated; p++)
+      f.slot[p] = g->flags[p] & YLM_GRID_POINT_INVALID ? next++ : YLM_GRID_NONE;
+    /* Finest cells first; what is deeper inside follows from what has been filled. */
+    int depth = g->view.form.kind == YLM_GRID_UNIFORM ? 0 : g->view.form.depth;
+    for (int level = depth; level >= 0; level--)
+      while (gather(g, &f, level)) settle(g, &f);
+  }
+  ylm_free(f.weight);
+  ylm_free(f.slot);
+  ylm_free(f.sum);
+  return s;
+}
+
+/* -- continuity ------------------------------------------------------------------------------ */
+
+/* Lambda and norm at fraction t of a cell: trilinear. */
+static void interpolate_metric(ylm_grid *g, const ylm_grid_cell *c, const float t[3], size_t to) {
+  float lambda = 0, norm = 0;
+  for (int k = 0; k < 8; k++) {
+    float w = 1;
+    for (int a = 0; a < 3; a++) w *= k >> a & 1 ? t[a] : 1 - t[a];
+    lambda += w * g->lambda[c->corner[k]];
+    norm += w * g->norm[c->corner[k]];
+  }
+  g->lambda[to] = lambda;
+  g->norm[to] = norm;
+}
+
+/* A point of its own at place n (0 .. 26) of a cell's 3 x 3 x 3 half-edge lattice. */
+static ylm_status add_interpolated(ylm_grid *g, uint32_t parent, int n, uint32_t *index) {
+  ylm_status s = ylm__grid_reserve_points(g, 1);
+  if (s != YLM_OK) return s;
+  const ylm_grid_cell *c = &g->cell[parent];
+  uint32_t half = ylm__grid_edge(g, c) / 2, place[3] = {(uint32_t)n % 3, (uint32_t)n / 3 % 3,
+                                                        (uint32_t)n / 9};
+  size_t p = g->points;
+  float t[3], *to = g->data + p * 4 * g->stride;
+  for (int a = 0; a < 3; a++) {
+    g->lattice[3 * p + (size_t)a] = c->origin[a] + place[a] * half;
+    t[a] = 0.5f * (float)place[a];
+  }
+  memset(to, 0, 4 * g->stride * sizeof *to);
+  ylm__grid_interpolate(g, c, t, to, to + g->stride);
+  interpolate_metric(g, c, t, p);
+  g->flags[p] = YLM_GRID_POINT_INTERPOLATED;
+  g->points++;
+  *index = (uint32_t)p;
+  return YLM_OK;
+}
+
+/* Gives the children of a cell the corners they lack: evaluated points where there are any. */
+static ylm_status complete_children(ylm_grid *g, const lattice_hash *hash, uint32_t parent) {
+  uint32_t shared[27], first = g->cell[parent].child;
+  for (int n = 0; n < 27; n++) shared[n] = YLM_GRID_NONE;
+  for (uint32_t k = 0; k < 8; k++)
+    for (uint32_t i = 0; i < 8; i++) {
+      ylm_grid_cell *c = &g->cell[first + k];
+      if (c->corner[i] != YLM_GRID_NONE) continue;
+      uint32_t edge = ylm__grid_edge(g, c), at[3];
+      int n = 0, power = 1;
+      for (int a = 0; a < 3; a++, power *= 3) {
+        at[a] = c->origin[a] + (i >> a & 1 ? edge : 0);
+        n += power * (int)((k >> a & 1) + (i >> a & 1));
+      }
+      if (shared[n] == YLM_GRID_NONE) shared[n] = lattice_hash_find(hash, lattice_key(at));
+      if (shared[n] == YLM_GRID_NONE) {
+        ylm_status s = add_interpolated(g, parent, n, &shared[n]);
+        if (s != YLM_OK) return s;
+      }
+      g->cell[first + k].corner[i] = shared[n];
+    }
+  return YLM_OK;
+}
+
+/* The leaf that holds the finest cell `at`, with added cells. */
+static uint32_t finest(const ylm_grid *g, const uint32_t at[3]) {
+  uint32_t cell = 0;
+  while (g->cell[cell].child) {
+    int shift = g->view.form.depth - g->cell[cell].level - 1;
+    cell = g->cell[cell].child + ((at[0] >> shift & 1) | (at[1] >> shift & 1) << 1 |
+                                  (at[2] >> shift & 1) << 2);
+  }
+  return cell;
+}
+
+/* True if the point lies inside of a face or an edge of the cell that it touches. */
+static bool hangs(const ylm_grid *g, const ylm_grid_cell *c, const uint32_t at[3]) {
+  uint32_t edge = ylm__grid_edge(g, c);
+  int inner = 0;
+  for (int a = 0; a < 3; a++) inner += at[a] != c->origin[a] && at[a] != c->origin[a] + edge;
+  return inner == 1 || inner == 2;
+}
+
+/* Splits the leaf on one side of an evaluated point until the point is its corner. */
+static ylm_status split_beside(ylm_grid *g, const lattice_hash *hash, const uint32_t at[3],
+                               const uint32_t beside[3]) {
+  for (;;) {
+    uint32_t cell = finest(g, beside), first;
+    if (!hangs(g, &g->cell[cell], at)) return YLM_OK;
+    ylm_status s = ylm__grid_split(g, cell, &first);
+    if (s != YLM_OK) return s;
+    for (uint32_t k = 0; k < 8; k++) g->cell[first + k].flags = YLM_GRID_ADDED;
+    s = complete_children(g, hash, cell);
+    if (s != YLM_OK) return s;
+  }
+}
+
+ylm_status ylm__grid_make_continuous(ylm_grid *g, const lattice_hash *hash) {
+  uint32_t resolution = g->view.resolution[0];
+  ylm_status s = YLM_OK;
+  for (size_t i = 0; i < g->view.octree_cells && s == YLM_OK; i++)
+    if (g->cell[i].child) s = complete_children(g, hash, (uint32_t)i);
+  for (size_t p = 0; p < g->evaluated && s == YLM_OK; p++) {
+    uint32_t at[3];
+    memcpy(at, g->lattice + 3 * p, sizeof at);
+    for (int side = 0; side < 8 && s == YLM_OK; side++) {
+      uint32_t beside[3];
+      bool out = false;
+      for (int a = 0; a < 3; a++) {
+        out |= side >> a & 1 ? at[a] == resolution : at[a] == 0;
+        beside[a] = side >> a & 1 ? at[a] : at[a] - 1;
+      }
+      if (!out) s = split_beside(g, hash, at, beside);
+    }
+  }
+  return s;
+}

@@ -1,0 +1,180 @@
+/* grid.h - the inside of a grid, shared by the files of this folder. */
+#ifndef YLM_GRID_PRIVATE_H
+#define YLM_GRID_PRIVATE_H
+
+#include "ylm_grid.h"
+
+#define ROWS 32 /* what a voxel's interpolant is made of: 8 corners x (value, 3 derivatives) */
+
+struct ylm_grid {
+  ylm_grid_view view; /* its pointers are the arrays below */
+  ylm_grid_stats stats;
+  ylm_field field;
+
+  ylm_grid_cell *cell;
+  size_t cells, cell_room;
+
+  uint32_t *lattice; /* [points][3] */
+  float *data;       /* [points][4][stride], and some floats of padding behind the last */
+  float *lambda, *norm;
+  uint8_t *flags;
+  size_t points, point_room, evaluated, stride;
+
+  uint32_t width; /* channels * count */
+  /* Cells by coarse lattice coordinates: [top[2]][top[1]][top[0]], to begin a descent. */
+  uint32_t *table, top[3];
+  int top_shift;  /* lattice coordinate >> top_shift is a coordinate of the table */
+  double scale[3]; /* lattice cells per scene unit */
+};
+
+/* -- store.c: cells and points ------------------------------------------------- */
+
+ylm_grid *ylm__grid_new(const ylm_grid_form *form);
+/* Checks what can be checked of a form; the sentence names the field. */
+ylm_status ylm__grid_check_form(const ylm_grid_form *form, ylm_error *e);
+/* Room for `more` cells or points beyond those there are. */
+ylm_status ylm__grid_reserve_cells(ylm_grid *g, size_t more);
+ylm_status ylm__grid_reserve_points(ylm_grid *g, size_t more);
+/* Eight children of a cell, with origins and levels; the index of the first through *first. */
+ylm_status ylm__grid_split(ylm_grid *g, uint32_t cell, uint32_t *first);
+/* Edge of a cell in lattice units. */
+static inline uint32_t ylm__grid_edge(const ylm_grid *g, const ylm_grid_cell *c) {
+  return g->view.form.kind == YLM_GRID_UNIFORM ? 1u : 1u << (g->view.form.depth - c->level);
+}
+static inline const float *ylm__grid_row(const ylm_grid *g, uint32_t point, int row) {
+  return g->data + ((size_t)point * 4 + (size_t)row) * g->stride;
+}
+/* Finds each leaf's source of data, counts, builds the table: what sampling needs. */
+ylm_status ylm__grid_finish(ylm_grid *g);
+/* Lattice coordinates (with fractions, clamped into the bounds) of a point; true if it was inside. */
+bool ylm__grid_coordinates(const ylm_grid *g, const double p[3], double out[3]);
+/* The leaf under clamped lattice coordinates; the box moves the coordinates where a uniform grid
+   has no data. */
+uint32_t ylm__grid_leaf(const ylm_grid *g, const double at[3]);
+
+/* -- lattice.c: Morton codes and the hash of points ------------------------------ */
+
+/* Interleaves 16 bits of each coordinate, x lowest. */
+uint64_t ylm__morton(uint32_t x, uint32_t y, uint32_t z);
+
+/* Points by lattice coordinates. */
+typedef struct lattice_hash {
+  uint64_t *key;
+  uint32_t *value;
+  size_t size, used; /* size is a power of two */
+} lattice_hash;
+static inline uint64_t lattice_key(const uint32_t at[3]) {
+  return (uint64_t)at[0] | (uint64_t)at[1] << 21 | (uint64_t)at[2] << 42;
+}
+ylm_status lattice_hash_reserve(lattice_hash *h, size_t entries);
+/* The value's place: *value is YLM_GRID_NONE where the key is new. Room must have been reserved. */
+uint32_t *lattice_hash_at(lattice_hash *h, uint64_t key);
+/* The value of a key, YLM_GRID_NONE if there is none. */
+uint32_t lattice_hash_find(const lattice_hash *h, uint64_t key);
+void lattice_hash_free(lattice_hash *h);
+
+/* -- occupancy.c: which voxels hold shading points -------------------------------- */
+
+/*
+** An occupancy octree. Down to DENSE levels it is one bit per node, bottom-up; deeper levels are
+** sorted Morton codes of the finest nodes, whose prefixes are the ancestors.
+*/
+typedef struct occupancy {
+  bool all;         /* every voxel is occupied */
+  int depth;        /* of the finest level */
+  int dense;        /* bits are kept for levels 0 .. dense */
+  uint8_t *bits[9]; /* by level, in Morton order */
+  uint64_t *code;   /* depth > dense: sorted, unique */
+  size_t codes;
+} occupancy;
+ylm_status occupancy_build(occupancy *o, const ylm_grid *g, const ylm_grid_source *s,
+                           uint64_t *outside);
+/* Uniform grids: one byte per voxel. */
+ylm_status occupancy_mark_uniform(const ylm_grid *g, const ylm_grid_source *s, uint8_t *mark,
+                                  uint64_t *outside);
+bool occupancy_test(const occupancy *o, int level, const uint32_t node[3]);
+void occupancy_free(occupancy *o);
+
+/* -- bake.c ------------------------------------------------------------------------ */
+
+/* A list of cells. */
+typedef struct cell_list {
+  uint32_t *cell;
+  size_t n, room;
+} cell_list;
+ylm_status cell_list_push(cell_list *list, uint32_t cell);
+
+/* A bake under way. */
+typedef struct baker {
+  ylm_grid *g;
+  const ylm_grid_source *source;
+  ylm_error *e;
+  lattice_hash hash;
+  occupancy occupied;
+  cell_list wave, next; /* cells to decide about, their children that come next */
+  uint8_t *crossed;     /* [wave.n], room for crossed_room */
+  size_t crossed_room;
+  const char *stage;    /* for progress */
+  char stage_text[48];
+} baker;
+
+/* The index of the point at lattice coordinates; a new one waits for baker_evaluate. */
+ylm_status baker_point(baker *b, const uint32_t at[3], uint8_t flags, uint32_t *index);
+/* Evaluates all points that wait, in blocks through the field. */
+ylm_status baker_evaluate(baker *b);
+/* Values alone at n free points. */
+ylm_status baker_values(baker *b, size_t n, const float *points, float *value, uint8_t *inside);
+/* Evaluates what the cells of the wave lack at their corners, computes their metric, and finds
+   which of them a light's surface crosses. */
+ylm_status baker_corners(baker *b);
+/* Splits a cell; its occupied children come next. */
+ylm_status baker_split(baker *b, uint32_t cell);
+/* The children that came next become the wave. */
+void baker_advance(baker *b);
+/* Fills points in lights and finishes: then the grid can be sampled. `last`: makes it continuous,
+   if that is asked for; nothing may be refined after that. */
+ylm_status baker_finish(baker *b, bool last);
+/* The metric of a cell that has its corners: mean over the valid ones of lambda D^2/2, or of that
+   over the norm. */
+float baker_metric(const baker *b, const ylm_grid_cell *c, ylm_grid_metric metric);
+
+/* -- tolerance.c -------------------------------------------------------------------- */
+
+ylm_status ylm__grid_bake_tolerance(baker *b);
+
+/* -- continuity.c ------------------------------------------------------------------- */
+
+/* First-order values for points in lights, from valid corners of the cells they belong to. */
+ylm_status ylm__grid_fill_invalid(ylm_grid *g);
+/* Splits leaves until every evaluated point is a corner of all leaves that it touches. */
+ylm_status ylm__grid_make_continuous(ylm_grid *g, const lattice_hash *hash);
+
+/* -- sample.c ----------------------------------------------------------------------- */
+
+/* A cell's interpolant at fractions t of its edges, float; row r is [width]. Hermite. */
+void ylm__grid_interpolate(const ylm_grid *g, const ylm_grid_cell *c, const float t[3],
+                           float *value, float *gradient /* [3][stride], may be NULL */);
+
+/* Samples the grid that is f->self: see ylm_grid_field. */
+ylm_status ylm__grid_evaluate(const ylm_field *f, const ylm_field_query *q, size_t n,
+                              const void *points, ylm_field_result *r, ylm_error *e);
+
+/* What a sampling kernel works on: up to BATCH points of one cell. */
+#define BATCH 32
+typedef struct sample_batch {
+  int points, width, derivatives; /* derivatives: 0, or 1: gradients too */
+  ylm_grid_interpolation interpolation;
+  float edge[3];                  /* of the cell, scene units */
+  float t[3][BATCH];              /* fractions of the edges */
+  const float *row[ROWS];         /* value of the 8 corners, d/dx of them, d/dy, d/dz */
+  float *value[BATCH];            /* [width] each */
+  float *gradient[3][BATCH];      /* [width] each, by axis */
+} sample_batch;
+typedef void sample_kernel(const sample_batch *b);
+sample_kernel *ylm__grid_kernel(void);
+sample_kernel ylm_k_grid_sample_reference, ylm_k_grid_sample_sse2, ylm_k_grid_sample_neon,
+    ylm_k_grid_sample_avx2, ylm_k_grid_sample_avx512;
+/* Kernels read up to this many floats past a row's end. */
+#define ROW_PADDING 16
+
+#endif

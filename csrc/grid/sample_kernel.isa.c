@@ -1,0 +1,79 @@
+/*
+** sample_kernel.isa.c - sampling a voxel at a batch of points: a small matrix product.
+**
+** out[p][j] = sum over rows r of w[r][p] row[r][j]. The weights are computed with points as
+** lanes; the product runs over blocks of 4 points x a few vectors of coefficients, so that a row's
+** load is shared by the points. A column is summed in the same order whatever block it is in.
+*/
+#include "grid.h"
+#include "sample_kernel.h"
+#include "ylm_simd.h"
+
+YLM_GRID_WEIGHTS(ylm_vf)
+
+#define POINTS 4
+#if YLM_VECTOR_BYTES == 64
+#define COLUMNS 5
+#else
+#define COLUMNS 2
+#endif
+
+/* Stores the first n floats of v. */
+YLM_INLINE void store_some(float *out, ylm_vf v, int n) {
+  if (n >= YLM_VF) ylm_vf_store(out, v);
+  else
+    for (int i = 0; i < n; i++) out[i] = v[i];
+}
+
+/* POINTS points from w[r * BATCH], `columns` vectors from column j on. */
+YLM_INLINE void block(const sample_batch *b, int rows, const float *w, int j, int columns,
+                      float *const *out, int points) {
+  ylm_vf sum[POINTS][COLUMNS] = {{{0}}};
+  for (int r = 0; r < rows; r++) {
+    const float *row = b->row[r] + j;
+    ylm_vf v[COLUMNS];
+    for (int c = 0; c < columns; c++) v[c] = ylm_vf_load(row + c * YLM_VF);
+    for (int p = 0; p < POINTS; p++) {
+      ylm_vf x = ylm_vf_set(w[r * BATCH + p]);
+      for (int c = 0; c < columns; c++) sum[p][c] += x * v[c];
+    }
+  }
+  for (int p = 0; p < points; p++)
+    for (int c = 0; c < columns; c++)
+      store_some(out[p] + j + c * YLM_VF, sum[p][c], b->width - j - c * YLM_VF);
+}
+
+/* The product for all points of the batch. */
+static void mix(const sample_batch *b, const float *w, float *const *out) {
+  int rows = b->interpolation == YLM_GRID_LINEAR ? 8 : ROWS;
+  for (int p = 0; p < b->points; p += POINTS) {
+    int left = b->points - p < POINTS ? b->points - p : POINTS, j = 0;
+    int vectors = (b->width + YLM_VF - 1) / YLM_VF;
+    for (; vectors >= COLUMNS; vectors -= COLUMNS, j += COLUMNS * YLM_VF)
+      block(b, rows, w + p, j, COLUMNS, out + p, left);
+#if COLUMNS > 2
+    if (vectors == 4) block(b, rows, w + p, j, 4, out + p, left);
+    if (vectors == 3) block(b, rows, w + p, j, 3, out + p, left);
+    if (vectors == 2) block(b, rows, w + p, j, 2, out + p, left);
+#endif
+    if (vectors == 1) block(b, rows, w + p, j, 1, out + p, left);
+  }
+}
+
+void YLM_KERNEL(ylm_k_grid_sample)(const sample_batch *b) {
+  float w[ROWS * BATCH] __attribute__((aligned(64)));
+  ylm_vf some[ROWS];
+  for (int d = 0; d <= (b->derivatives ? 3 : 0); d++) {
+    for (int p = 0; p < b->points; p += YLM_VF) {
+      axis_functions f[3];
+      for (int a = 0; a < 3; a++) {
+        ylm_vf t = ylm_vf_load(b->t[a] + p);
+        if (d == a + 1) axis_slopes(&f[a], t, b->edge[a], b->interpolation);
+        else axis_values(&f[a], t, b->edge[a], b->interpolation);
+      }
+      weights(&f[0], &f[1], &f[2], some, 1);
+      for (int r = 0; r < ROWS; r++) ylm_vf_store(w + r * BATCH + p, some[r]);
+    }
+    mix(b, w, d ? b->gradient[d - 1] : b->value);
+  }
+}

@@ -1,0 +1,357 @@
+/* store.c - cells and points of a grid, and the way from a position to its cell. */
+#include "grid.h"
+
+#include <math.h>
+#include <string.h>
+
+#define MAX_TABLE_LEVEL 6
+#define MAX_UNIFORM_CELLS ((uint64_t)1 << 31)
+
+/* -- making --------------------------------------------------------------------- */
+
+static ylm_status check_bounds(const double *b, ylm_error *e) {
+  for (int a = 0; a < 3; a++)
+    if (!isfinite(b[a]) || !isfinite(b[a + 3]) || !(b[a] < b[a + 3]) ||
+        !isfinite(b[a + 3] - b[a]) || b[a + 3] - b[a] < 1e-30)
+      return ylm_fail(e, YLM_EDOMAIN, "bounds: max must exceed min along every axis, axis %d has "
+                      "%g and %g", a + 1, b[a], b[a + 3]);
+  return YLM_OK;
+}
+
+static ylm_status check_uniform(const ylm_grid_form *f, ylm_error *e) {
+  uint64_t n = 1;
+  for (int a = 0; a < 3; a++) {
+    if (f->cells[a] < 1 || f->cells[a] > 1u << 20)
+      return ylm_fail(e, YLM_ERANGE, "cells: 1 to 1048576 along each axis, got %u", f->cells[a]);
+    n *= f->cells[a];
+    if (n > MAX_UNIFORM_CELLS)
+      return ylm_fail(e, YLM_EOVERFLOW, "cells: %u x %u x %u are too many", f->cells[0],
+                      f->cells[1], f->cells[2]);
+  }
+  return YLM_OK;
+}
+
+static ylm_status check_adaptive(const ylm_grid_form *f, ylm_error *e) {
+  if (f->depth < 0 || f->depth > YLM_GRID_MAX_DEPTH)
+    return ylm_fail(e, YLM_ERANGE, "depth: 0 to %d, got %d", YLM_GRID_MAX_DEPTH, f->depth);
+  if (f->metric != YLM_GRID_ABSOLUTE && f->metric != YLM_GRID_RELATIVE)
+    return ylm_fail(e, YLM_EINVAL, "metric: absolute or relative");
+  if (isnan(f->tolerance) || f->tolerance < 0 || isinf(f->tolerance))
+    return ylm_fail(e, YLM_EDOMAIN, "tolerance: a positive number, got %g", f->tolerance);
+  if (isnan(f->threshold) || isinf(f->threshold))
+    return ylm_fail(e, YLM_EDOMAIN, "threshold: a number of at least 0, got %g", f->threshold);
+  if ((f->tolerance > 0) == (f->threshold >= 0))
+    return ylm_fail(e, YLM_EINVAL, "either a tolerance or a threshold is wanted, not both");
+  return YLM_OK;
+}
+
+ylm_status ylm__grid_check_form(const ylm_grid_form *f, ylm_error *e) {
+  ylm_status s = check_bounds(f->bounds, e);
+  if (s != YLM_OK) return s;
+  if (f->lmax < 0 || f->lmax > 255)
+    return ylm_fail(e, YLM_ERANGE, "lmax: 0 to 255, got %d", f->lmax);
+  if (f->channels != 1 && f->channels != 3)
+    return ylm_fail(e, YLM_EINVAL, "channels: 1 or 3, got %d", f->channels);
+  if (f->metric_channels != 1 && (f->metric_channels != 3 || f->channels != 3))
+    return ylm_fail(e, YLM_EINVAL, "metric_channels: 1, or 3 where channels are 3");
+  if (f->kind == YLM_GRID_UNIFORM) return check_uniform(f, e);
+  if (f->kind == YLM_GRID_ADAPTIVE) return check_adaptive(f, e);
+  return ylm_fail(e, YLM_EINVAL, "kind: adaptive or uniform");
+}
+
+static void sync_view(ylm_grid *g) {
+  ylm_grid_view *v = &g->view;
+  v->cells = g->cells;
+  v->cell = g->cell;
+  v->points = g->points;
+  v->evaluated = g->evaluated;
+  v->lattice = g->lattice;
+  v->stride = g->stride;
+  v->data = g->data;
+  v->lambda = g->lambda;
+  v->norm = g->norm;
+  v->flags = g->flags;
+  v->stats = &g->stats;
+}
+
+ylm_grid *ylm__grid_new(const ylm_grid_form *form) {
+  ylm_grid *g = ylm_alloc_zero(1, sizeof *g);
+  if (!g) return NULL;
+  g->view.form = *form;
+  g->view.count = (form->lmax + 1) * (form->lmax + 1);
+  g->width = (uint32_t)(g->view.count * form->channels);
+  g->stride = (g->width + 7) / 8 * 8;
+  for (int a = 0; a < 3; a++) {
+    g->view.resolution[a] = form->kind == YLM_GRID_UNIFORM ? form->cells[a] : 1u << form->depth;
+    g->scale[a] = g->view.resolution[a] / (form->bounds[a + 3] - form->bounds[a]);
+  }
+  g->field.self = g;
+  g->field.evaluate = ylm__grid_evaluate;
+  g->stats.error = g->stats.largest_error = NAN;
+  sync_view(g);
+  return g;
+}
+
+void ylm_grid_free(ylm_grid *g) {
+  if (!g) return;
+  ylm_free(g->cell);
+  ylm_free(g->lattice);
+  ylm_free(g->data);
+  ylm_free(g->lambda);
+  ylm_free(g->norm);
+  ylm_free(g->flags);
+  ylm_free(g->table);
+  ylm_free(g);
+}
+
+/* Grows *p from `used` to `room` elements of `size` bytes; false without memory. */
+static bool grow(void *p, size_t used, size_t room, size_t size) {
+  void *old, *now;
+  memcpy(&old, p, sizeof old);
+  now = ylm_realloc(old, used * size, room, size);
+  if (!now) return false;
+  memcpy(p, &now, sizeof now);
+  return true;
+}
+
+ylm_status ylm__grid_reserve_cells(ylm_grid *g, size_t more) {
+  size_t wanted = g->cells + more;
+  if (wanted <= g->cell_room) return YLM_OK;
+  if (wanted >= YLM_GRID_NONE) return YLM_ELIMIT;
+  size_t room = g->cell_room * 3 / 2 > wanted ? g->cell_room * 3 / 2 : wanted;
+  if (!grow(&g->cell, g->cells, room, sizeof *g->cell)) return YLM_ENOMEM;
+  g->cell_room = room;
+  return YLM_OK;
+}
+
+ylm_status ylm__grid_reserve_points(ylm_grid *g, size_t more) {
+  size_t wanted = g->points + more, n = g->points;
+  if (wanted <= g->point_room) return YLM_OK;
+  if (wanted >= YLM_GRID_NONE) return YLM_ELIMIT;
+  size_t room = g->point_room * 3 / 2 > wanted ? g->point_room * 3 / 2 : wanted;
+  size_t record = 4 * g->stride * sizeof(float), padding = ROW_PADDING * sizeof(float);
+  if (room > SIZE_MAX / record - 1) return YLM_ENOMEM;
+  float *data = ylm_realloc(g->data, n * record, room * record + padding, 1);
+  if (!data) return YLM_ENOMEM;
+  memset((char *)data + room * record, 0, padding);
+  g->data = data;
+  if (!grow(&g->lattice, n, room, 3 * sizeof *g->lattice) ||
+      !grow(&g->lambda, n, room, sizeof *g->lambda) ||
+      !grow(&g->norm, n, room, sizeof *g->norm) || !grow(&g->flags, n, room, 1))
+    return YLM_ENOMEM;
+  g->point_room = room;
+  return YLM_OK;
+}
+
+ylm_status ylm__grid_split(ylm_grid *g, uint32_t cell, uint32_t *first) {
+  ylm_status s = ylm__grid_reserve_cells(g, 8);
+  if (s != YLM_OK) return s;
+  ylm_grid_cell parent = g->cell[cell];
+  uint32_t half = ylm__grid_edge(g, &parent) / 2;
+  *first = (uint32_t)g->cells;
+  for (uint32_t k = 0; k < 8; k++) {
+    ylm_grid_cell c = {.level = (uint8_t)(parent.level + 1), .error = NAN, .residual = NAN};
+    for (int a = 0; a < 3; a++) c.origin[a] = parent.origin[a] + (k >> a & 1 ? half : 0);
+    for (int i = 0; i < 8; i++) c.corner[i] = YLM_GRID_NONE;
+    g->cell[g->cells++] = c;
+  }
+  g->cell[cell].child = *first;
+  return YLM_OK;
+}
+
+/* -- finishing --------------------------------------------------------------------- */
+
+static bool has_corners(const ylm_grid_cell *c, size_t below) {
+  for (int i = 0; i < 8; i++)
+    if (c->corner[i] >= below) return false;
+  return true;
+}
+
+/* Each cell's source: itself where it has its corners, else its parent's. */
+static void find_sources(ylm_grid *g) {
+  for (size_t i = 0; i < g->cells; i++) {
+    ylm_grid_cell *c = &g->cell[i];
+    bool root = i == 0 || g->view.form.kind == YLM_GRID_UNIFORM;
+    if (root || has_corners(c, g->points)) c->source = (uint32_t)i;
+    if (!(c->flags & YLM_GRID_ADDED))
+      c->flags = (uint8_t)((c->flags & ~YLM_GRID_BAKED) |
+                           (has_corners(c, g->evaluated) ? YLM_GRID_BAKED : 0));
+    if (!c->child) continue;
+    for (uint32_t k = 0; k < 8; k++) {
+      ylm_grid_cell *d = &g->cell[c->child + k];
+      d->source = c->source;
+      if (d->flags & YLM_GRID_ADDED)
+        d->flags = (uint8_t)((d->flags & ~YLM_GRID_BAKED) | (c->flags & YLM_GRID_BAKED));
+    }
+  }
+}
+
+static void count_cells(ylm_grid *g) {
+  ylm_grid_stats *s = &g->stats;
+  size_t octree = g->view.octree_cells;
+  s->points = g->evaluated;
+  s->interpolated = g->points - g->evaluated;
+  s->cells = octree;
+  s->leaves = s->occupied = s->levels = s->continuity = s->invalid = s->tested = 0;
+  for (size_t i = 0; i < g->cells; i++) {
+    const ylm_grid_cell *c = &g->cell[i];
+    if (i >= octree) {
+      s->continuity += !c->child;
+      continue;
+    }
+    if (c->flags & YLM_GRID_LEAF) s->leaves++;
+    if ((c->flags & YLM_GRID_LEAF) && (c->flags & YLM_GRID_OCCUPIED)) s->occupied++;
+    if (c->level + 1u > s->levels) s->levels = c->level + 1u;
+  }
+  for (size_t i = 0; i < g->evaluated; i++) {
+    s->invalid += (g->flags[i] & YLM_GRID_POINT_INVALID) != 0;
+    s->tested += (g->flags[i] & YLM_GRID_POINT_TESTED) != 0;
+  }
+  size_t table = (size_t)g->top[0] * g->top[1] * g->top[2];
+  s->bytes = g->cell_room * sizeof *g->cell + table * sizeof *g->table +
+             g->point_room * (4 * g->stride * sizeof(float) + 3 * sizeof *g->lattice +
+                              2 * sizeof(float) + 1);
+}
+
+static size_t table_index(const ylm_grid *g, uint32_t x, uint32_t y, uint32_t z) {
+  return ((size_t)z * g->top[1] + y) * g->top[0] + x;
+}
+
+/* Writes a cell into the part of the table that it covers. */
+static void cover(ylm_grid *g, uint32_t cell) {
+  const ylm_grid_cell *c = &g->cell[cell];
+  uint32_t n = ylm__grid_edge(g, c) >> g->top_shift, o[3];
+  for (int a = 0; a < 3; a++) o[a] = c->origin[a] >> g->top_shift;
+  for (uint32_t z = 0; z < n; z++)
+    for (uint32_t y = 0; y < n; y++)
+      for (uint32_t x = 0; x < n; x++) g->table[table_index(g, o[0] + x, o[1] + y, o[2] + z)] = cell;
+}
+
+/* Voxels without data take the nearest (counted in faces) that has some. */
+static ylm_status spread_table(ylm_grid *g) {
+  size_t n = (size_t)g->top[0] * g->top[1] * g->top[2], head = 0, tail = 0;
+  uint32_t *queue = ylm_alloc(n, sizeof *queue);
+  if (!queue) return YLM_ENOMEM;
+  for (size_t i = 0; i < n; i++)
+    if (g->table[i] != YLM_GRID_NONE) queue[tail++] = (uint32_t)i;
+  while (head < tail) {
+    uint32_t i = queue[head++], at[3] = {i % g->top[0], i / g->top[0] % g->top[1],
+                                         i / g->top[0] / g->top[1]};
+    size_t step[3] = {1, g->top[0], (size_t)g->top[0] * g->top[1]};
+    for (int a = 0; a < 3; a++)
+      for (int way = 0; way < 2; way++) {
+        if (way ? at[a] + 1 >= g->top[a] : at[a] == 0) continue;
+        size_t k = way ? i + step[a] : i - step[a];
+        if (g->table[k] != YLM_GRID_NONE) continue;
+        g->table[k] = g->table[i];
+        queue[tail++] = (uint32_t)k;
+      }
+  }
+  ylm_free(queue);
+  return YLM_OK;
+}
+
+static ylm_status build_table(ylm_grid *g) {
+  bool uniform = g->view.form.kind == YLM_GRID_UNIFORM;
+  int level = 0;
+  if (!uniform)
+    while (level < g->view.form.depth && level < MAX_TABLE_LEVEL &&
+           (size_t)1 << 3 * level < 2 * g->cells)
+      level++;
+  g->top_shift = uniform ? 0 : g->view.form.depth - level;
+  for (int a = 0; a < 3; a++) g->top[a] = uniform ? g->view.resolution[a] : 1u << level;
+  size_t n = (size_t)g->top[0] * g->top[1] * g->top[2];
+  ylm_free(g->table);
+  g->table = ylm_alloc(n, sizeof *g->table);
+  if (!g->table) return YLM_ENOMEM;
+  for (size_t i = 0; i < n; i++) g->table[i] = YLM_GRID_NONE;
+  for (size_t i = 0; i < g->cells; i++) {
+    const ylm_grid_cell *c = &g->cell[i];
+    if (uniform || c->level == level || (c->level < level && !c->child)) cover(g, (uint32_t)i);
+  }
+  return uniform ? spread_table(g) : YLM_OK;
+}
+
+ylm_status ylm__grid_finish(ylm_grid *g) {
+  find_sources(g);
+  ylm_status s = build_table(g);
+  if (s != YLM_OK) return s;
+  count_cells(g);
+  sync_view(g);
+  return YLM_OK;
+}
+
+/* -- finding ------------------------------------------------------------------------ */
+
+bool ylm__grid_coordinates(const ylm_grid *g, const double p[3], double out[3]) {
+  const double *b = g->view.form.bounds;
+  bool inside = true;
+  for (int a = 0; a < 3; a++) {
+    double t = (p[a] - b[a]) * g->scale[a], last = g->view.resolution[a];
+    if (p[a] >= b[a] && p[a] <= b[a + 3]) out[a] = t < last ? t : last;
+    else {
+      inside = false;
+      out[a] = p[a] > b[a + 3] ? last : 0; /* NaN too */
+    }
+  }
+  return inside;
+}
+
+uint32_t ylm__grid_leaf(const ylm_grid *g, const double at[3]) {
+  uint32_t c[3];
+  for (int a = 0; a < 3; a++) {
+    uint32_t last = g->view.resolution[a] - 1, i = (uint32_t)at[a];
+    c[a] = i > last ? last : i;
+  }
+  uint32_t cell = g->table[table_index(g, c[0] >> g->top_shift, c[1] >> g->top_shift,
+                                       c[2] >> g->top_shift)];
+  for (const ylm_grid_cell *n = &g->cell[cell]; n->child; n = &g->cell[cell]) {
+    int shift = g->view.form.depth - n->level - 1;
+    cell = n->child +
+           ((c[0] >> shift & 1) | (c[1] >> shift & 1) << 1 | (c[2] >> shift & 1) << 2);
+  }
+  return cell;
+}
+
+const ylm_grid_view *ylm_grid_look(const ylm_grid *g) { return &g->view; }
+
+void ylm_grid_position(const ylm_grid *g, const uint32_t lattice[3], double out[3]) {
+  const double *b = g->view.form.bounds;
+  for (int a = 0; a < 3; a++) {
+    uint32_t n = g->view.resolution[a];
+    out[a] = lattice[a] >= n ? b[a + 3] : b[a] + (b[a + 3] - b[a]) * ((double)lattice[a] / n);
+  }
+}
+
+void ylm_grid_box(const ylm_grid *g, size_t cell, double out[6]) {
+  const ylm_grid_cell *c = &g->cell[cell];
+  uint32_t edge = ylm__grid_edge(g, c), far[3];
+  for (int a = 0; a < 3; a++) far[a] = c->origin[a] + edge;
+  ylm_grid_position(g, c->origin, out);
+  ylm_grid_position(g, far, out + 3);
+}
+
+uint32_t ylm_grid_locate(const ylm_grid *g, const double p[3], bool finest, bool *outside) {
+  double at[3];
+  bool inside = ylm__grid_coordinates(g, p, at);
+  if (outside) *outside = !inside;
+  if (finest || g->view.form.kind == YLM_GRID_UNIFORM) {
+    uint32_t leaf = ylm__grid_leaf(g, at);
+    if (g->view.form.kind == YLM_GRID_ADAPTIVE) return leaf;
+    for (int a = 0; a < 3; a++) {
+      uint32_t i = (uint32_t)at[a] == g->view.resolution[a] ? (uint32_t)at[a] - 1 : (uint32_t)at[a];
+      if (i != g->cell[leaf].origin[a]) return YLM_GRID_NONE;
+    }
+    return leaf;
+  }
+  uint32_t cell = 0;
+  while (!(g->cell[cell].flags & YLM_GRID_LEAF)) {
+    int shift = g->view.form.depth - g->cell[cell].level - 1, k = 0;
+    for (int a = 0; a < 3; a++) {
+      uint32_t i = (uint32_t)at[a] == g->view.resolution[a] ? (uint32_t)at[a] - 1 : (uint32_t)at[a];
+      k |= (int)(i >> shift & 1) << a;
+    }
+    cell = g->cell[cell].child + (uint32_t)k;
+  }
+  return cell;
+}
