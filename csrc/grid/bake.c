@@ -27,6 +27,7 @@ ylm_status baker_point(baker *b, const uint32_t at[3], uint8_t flags, uint32_t *
   if (s != YLM_OK) return s;
   uint32_t *entry = lattice_hash_at(&b->hash, lattice_key(at));
   if (*entry == YLM_GRID_NONE) {
+    if (b->source->max_points && g->points >= b->source->max_points) return YLM_ELIMIT;
     *entry = (uint32_t)g->points++;
     memcpy(g->lattice + 3 * (size_t)*entry, at, 3 * sizeof *at);
     g->flags[*entry] = flags;
@@ -355,7 +356,8 @@ ylm_status ylm_grid_bake(const ylm_grid_form *form, const ylm_grid_source *sourc
   if (s != YLM_OK) {
     ylm_grid_free(b.g);
     if (s == YLM_ENOMEM) ylm_fail(e, s, "the grid does not fit into memory");
-    if (s == YLM_ELIMIT) ylm_fail(e, s, "the grid has too many points");
+    if (s == YLM_ELIMIT) ylm_fail(e, s, "the grid needs more than %zu points",
+                                   source->max_points ? source->max_points : (size_t)YLM_GRID_NONE);
     return s;
   }
   b.g->stats.seconds = ylm_seconds() - begin;

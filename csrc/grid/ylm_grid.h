@@ -54,6 +54,7 @@ typedef struct ylm_grid_source {
   ylm_dtype occupied_dtype;
   const void *occupied_points;  /* [occupied][3]; NULL: every voxel is occupied */
   uint64_t seed;                /* of the choice of held-out points */
+  size_t max_points;            /* YLM_ELIMIT beyond; 0: no limit but memory */
   int threads;                  /* 0: the default */
   const ylm_progress *progress; /* may be NULL */
 } ylm_grid_source;

@@ -27,6 +27,7 @@
   X(array) \
   X(figure) \
   X(array_file) \
+  X(grid) \
   X(light) \
   X(sandbox) \
   X(sh) \

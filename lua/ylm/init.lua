@@ -12,6 +12,7 @@ local ylm = {}
 local contents = {
   { "ylm.array", "array", "zeros" },
   { "ylm.light", "sphere_light", "sphere_lights", "light_field" },
+  { "ylm.grid", "adaptive_grid", "uniform_grid", "bake" },
   { "ylm.material", "matte" },
   { "ylm.camera", "camera" },
   { "ylm.scene", "scene", "load_scene" },

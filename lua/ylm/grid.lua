@@ -1,0 +1,387 @@
+--- Grids of light-field coefficients: ylm.adaptive_grid, ylm.uniform_grid, ylm.bake, and their methods.
+
+local array = require "ylm.array"
+local check = require "ylm.check"
+local core = require "ylm.c.core"
+local form = require "ylm.form"
+local describe = require "ylm.reference".describe
+
+local grid = {}
+local methods = core.metatable "ylm.grid"
+
+-- Descriptions -------------------------------------------------------------------
+
+local KIND = { adaptive_grid = 0, uniform_grid = 1 }
+local METRIC = { absolute = 0, relative = 1 }
+local DEFAULT_TOLERANCE = 0.01
+
+local bounds_field = { "bounds", "bounds", optional = true, unit = "scene units",
+  about = "corners {min, max}; default: those of the occupied points (of a scene: its geometry)" }
+local lmax_field = { "lmax", "integer", min = 0, max = 100, default = 4, about = "highest degree" }
+local channels_field = { "channels", "choice", of = { "rgb", "luminance" }, default = "rgb",
+  about = "what is baked: three linear channels, or one" }
+
+grid.adaptive_grid = form.define("adaptive_grid", {
+  about = "An octree of voxels that subdivides where its interpolation would be wrong and shading points are. "
+    .. "tolerance promises an error; threshold reproduces the paper's metric. Without either, tolerance is 0.01.",
+  fields = {
+    bounds_field, lmax_field,
+    { "depth", "integer", min = 0, max = 16, default = 6, about = "finest level N: 2^N voxels along each axis" },
+    { "tolerance", "number", above = 0, optional = true,
+      about = "relative L2 error that 99 % of the occupied points keep; verified after the bake, see stats" },
+    { "metric", "choice", of = { "relative", "absolute" }, default = "relative",
+      about = "the Hessian's error metric that threshold is compared with" },
+    { "threshold", "number", min = 0, optional = true, about = "voxels above it are subdivided" },
+    { "metric_channels", "choice", of = { "luminance", "rgb" }, default = "luminance",
+      about = "what the metric is of" },
+    channels_field,
+    { "continuous", "boolean", default = true, about = "no jumps between voxels of different levels" },
+  },
+  build = function(values, fail)
+    if values.tolerance and values.threshold then
+      return fail("either tolerance or threshold, not both: a tolerance chooses where to subdivide itself")
+    end
+    if values.metric_channels == "rgb" and values.channels ~= "rgb" then
+      return fail("metric_channels = 'rgb' needs channels = 'rgb'")
+    end
+    if not values.threshold and not values.tolerance then values.tolerance = DEFAULT_TOLERANCE end
+    return setmetatable(values, form.defined.adaptive_grid.metatable)
+  end,
+  example = "adaptive_grid { bounds = { {-2, 0, -2}, {2, 3, 2} }, lmax = 4, depth = 6, tolerance = 0.01 }",
+  source = "Iwasaki & Dobashi 2025, Sec. 5",
+})
+
+--- Voxels along each axis: one number for all, or three.
+function form.types.cells(x)
+  local wanted = "voxels along each axis: an integer or three, 1 to 1048576 each"
+  if check.is_integer(x) then x = { x, x, x } end
+  if type(x) ~= "table" or #x ~= 3 then return nil, wanted end
+  for i = 1, 3 do
+    if not check.is_integer(x[i]) or x[i] < 1 or x[i] > 2 ^ 20 then return nil, wanted end
+  end
+  return { x[1], x[2], x[3] }
+end
+
+grid.uniform_grid = form.define("uniform_grid", {
+  about = "A lattice of equal voxels.",
+  fields = {
+    bounds_field, lmax_field,
+    { "cells", "cells", about = "voxels along each axis: a number, or {nx, ny, nz}" },
+    channels_field,
+    { "metric_channels", "choice", of = { "luminance", "rgb" }, default = "luminance",
+      about = "what the metric is of" },
+    { "metric", "choice", of = { "relative", "absolute" }, default = "relative",
+      about = "of the errors that cells() reports" },
+  },
+  build = function(values, fail)
+    if values.metric_channels == "rgb" and values.channels ~= "rgb" then
+      return fail("metric_channels = 'rgb' needs channels = 'rgb'")
+    end
+    if values.cells[1] * values.cells[2] * values.cells[3] > 2 ^ 31 then
+      return fail("cells are too many: at most 2^31 in all")
+    end
+    return setmetatable(values, form.defined.uniform_grid.metatable)
+  end,
+  example = "uniform_grid { bounds = { {-2, 0, -2}, {2, 3, 2} }, cells = { 8, 8, 8 }, lmax = 4 }",
+})
+
+-- Baking --------------------------------------------------------------------------
+
+--- The box around points, at least a thousandth as wide as it is long. Extent 0 in all axes is refused.
+local function bounds_of(points)
+  local lo, hi = core.grid_bounds(points)
+  local largest = math.max(hi[1] - lo[1], hi[2] - lo[2], hi[3] - lo[3])
+  if largest <= 0 then return nil end
+  for i = 1, 3 do
+    local missing = largest * 1e-3 - (hi[i] - lo[i])
+    if missing > 0 then lo[i], hi[i] = lo[i] - missing / 2, hi[i] + missing / 2 end
+  end
+  return { lo, hi }
+end
+
+local bake_options = {
+  { "occupied", "any", optional = true,
+    about = "shading points [n][3]: voxels without any are not subdivided; default: every voxel is occupied" },
+  { "bounds", "bounds", optional = true, about = "where the description has none" },
+  { "seed", "integer", min = 0, max = 2 ^ 53, default = 1, about = "of the choice of held-out points" },
+  { "max_points", "integer", min = 8, max = 2 ^ 32 - 2, default = 2 ^ 24, about = "nil, message, 'ELIMIT' beyond" },
+  { "threads", "integer", min = 1, max = 1024, optional = true, about = "default: YLM_THREADS or all cores" },
+  { "progress", "progress", optional = true, about = "called as f(done, total, stage); returning false cancels" },
+}
+
+describe "bake" {
+  about = "Evaluates a light field at the points of a grid: each corner of a voxel once, level by level.",
+  arguments = {
+    { "description", "adaptive_grid|uniform_grid", "what grid" },
+    { "lights", "light|list|function", "a light, a list of lights, what has a light field (a grid too), or an analytic "
+      .. "field f(points, lmax, channels) -> values [n][channels][count], gradients [..][3], lambda [n] or nil" },
+    { "options?", "table", "see the options" },
+  },
+  options = bake_options,
+  returns = { { "grid", "grid", "grid.stats says what was done, and with a tolerance the error that was measured" } },
+  errors = "raises on bad arguments; nil, message, code where memory or max_points are exceeded; "
+    .. "nil, 'cancelled', 'ECANCELLED' where progress returns false",
+  example = [[
+local lamp = ylm.sphere_light { at = { 0, 2, 0 }, radius = 0.1, radiance = { 10, 8, 6 } }
+local floor = {}
+for i = 0, 8 do for j = 0, 8 do floor[#floor + 1] = { i / 4 - 1, 0, j / 4 - 1 } end end
+local grid = ylm.bake(ylm.adaptive_grid { bounds = { { -1, -1, -1 }, { 1, 1, 1 } }, lmax = 2, depth = 3,
+  tolerance = 0.01 },
+  lamp, { occupied = floor })
+assert(grid.stats.met and grid.stats.error <= 0.01)]],
+  source = "Iwasaki & Dobashi 2025, Sec. 5.1",
+}
+function grid.bake(description, lights, given)
+  local kind = form.kind(description)
+  if not KIND[kind] then
+    return check.bad(1, "bake", "an adaptive_grid or a uniform_grid expected, got %s", check.describe(description))
+  end
+  local o = form.options(3, "bake", bake_options, given)
+  local object = lights
+  if type(lights) ~= "function" and not core.has_field(lights) then
+    object = require "ylm.light".pack(2, "bake", lights)
+  elseif core.grid_is_open(lights) == false then
+    return check.bad(2, "bake", "the grid has been closed")
+  end
+  local occupied
+  if o.occupied ~= nil then
+    occupied = array.points(3, "bake", o.occupied)
+    if #occupied == 0 then return check.bad(3, "bake", "occupied: at least one point expected") end
+  end
+  local box = description.bounds or o.bounds or (occupied and bounds_of(occupied))
+  if not box then
+    return check.bad(1, "bake", "no bounds: give them in the grid, or occupied points that span a box")
+  end
+  local cells = description.cells or { 1, 1, 1 }
+  local progress = o.progress and require "ylm.progress".of(o.progress) or nil
+  return check.result("bake", core.grid_bake({
+    kind = KIND[kind], lmax = description.lmax, depth = description.depth or 0, cells = cells,
+    bounds = { box[1][1], box[1][2], box[1][3], box[2][1], box[2][2], box[2][3] },
+    channels = description.channels == "rgb" and 3 or 1,
+    metric_channels = description.metric_channels == "rgb" and 3 or 1,
+    metric = METRIC[description.metric],
+    threshold = description.threshold or -1, tolerance = description.tolerance or 0,
+    continuous = description.continuous and 1 or 0,
+  }, object, occupied, o.seed, o.threads or 0, o.max_points, progress))
+end
+
+-- Methods ---------------------------------------------------------------------------
+
+local function open(g, name)
+  local is_open = core.grid_is_open(g)
+  if is_open then return g end
+  if is_open == nil then
+    return check.fail("%s: a grid expected before the colon, got %s", name, check.describe(g))
+  end
+  return check.fail("%s: the grid has been closed", name)
+end
+
+local INTERPOLATION = { hermite = 0, taylor = 1, linear = 2 }
+
+local sample_options = {
+  { "interpolation", "choice", of = { "hermite", "taylor", "linear" }, default = "hermite",
+    about = "cubic Hermite (fourth order), the corners' first-order expansions, or trilinear" },
+  { "derivatives", "integer", min = 0, max = 1, default = 0, about = "1: also the interpolant's gradient" },
+  { "outside", "choice", of = { "clamp", "nan" }, default = "clamp",
+    about = "points outside of the bounds: those of the nearest point inside, or NaN" },
+  { "dtype", "choice", of = { "float", "double" }, default = "float", about = "of the results" },
+  { "threads", "integer", min = 1, max = 1024, optional = true, about = "default: YLM_THREADS or all cores" },
+  { "out", "any", optional = true, about = "an array, or a list of two, that take the results" },
+  { "progress", "progress", optional = true, about = "called as f(done, total, stage); returning false cancels" },
+}
+
+--- The option `out` as two arrays or nils.
+local function outputs(out)
+  if out == nil then return nil, nil end
+  if core.type(out) == "ylm.array" then out = { out } end
+  if type(out) ~= "table" or core.type(out) then
+    return check.bad(2, "sample", "out must be an array, or a list of two, got %s", check.describe(out))
+  end
+  for i = 1, 2 do
+    local a = out[i]
+    if a ~= nil and (core.type(a) ~= "ylm.array" or not select(4, core.array_info(a))) then
+      return check.bad(2, "sample", "out[%d] must be an open array, got %s", i, check.describe(a))
+    end
+  end
+  return out[1], out[2]
+end
+
+describe "grid:sample" {
+  about = "Interpolates coefficients at points. Fastest where neighbours in the array are neighbours in space.",
+  arguments = {
+    { "points", "array|table", "[n][3] or one point, scene units" },
+    { "options?", "table", "see the options" },
+  },
+  options = sample_options,
+  returns = {
+    { "c", "array", "[n][channels][(lmax+1)^2]" },
+    { "dc", "array", "[n][channels][(lmax+1)^2][3], or nil" },
+    { "report", "table", "outside: points outside of the bounds; unbaked: points in voxels without data of their own, "
+      .. "which the nearest evaluated ancestor (uniform: voxel) answers for; seconds" },
+  },
+  errors = "raises on bad arguments; nil, 'cancelled', 'ECANCELLED' where progress returns false",
+  example = [[
+local lamp = ylm.sphere_light { at = { 0, 2, 0 }, radius = 0.1 }
+local grid = ylm.bake(ylm.uniform_grid { bounds = { { -1, -1, -1 }, { 1, 1, 1 } }, cells = 4, lmax = 2 }, lamp)
+local c, dc, report = grid:sample({ { 0, 0, 0 }, { 5, 0, 0 } }, { derivatives = 1 })
+assert(c.shape[3] == 9 and dc.shape[4] == 3 and report.outside == 1)]],
+}
+function methods.sample(g, points, given)
+  open(g, "sample")
+  local o = form.options(2, "sample", sample_options, given)
+  local p, single = array.points(1, "sample", points)
+  local out1, out2 = outputs(o.out)
+  local progress = o.progress and require "ylm.progress".of(o.progress) or nil
+  local c, dc, outside, unbaked, seconds = check.result("sample", core.grid_sample(g, p, INTERPOLATION[o.interpolation],
+    o.derivatives, o.outside == "nan", o.dtype, o.threads or 0, progress, out1, out2))
+  if c == nil then return nil, dc, outside end
+  if single and not out1 then c, dc = c[1], dc and dc[1] end
+  return c, dc, { outside = outside, unbaked = unbaked, seconds = seconds }
+end
+
+describe "grid:points" {
+  about = "Everything that the grid keeps at its points, as arrays: evaluated points first, then those that only "
+    .. "continuity needs.",
+  arguments = {},
+  returns = { { "points", "table", "position [n][3], value [n][channels][count], gradient [n][channels][count][3], "
+    .. "lambda [n], norm [n], invalid [n] (1: in a light, filled from neighbours), interpolated [n]" } },
+  errors = "raises on a closed grid",
+  example = [[
+local lamp = ylm.sphere_light { at = { 0, 2, 0 } }
+local grid = ylm.bake(ylm.uniform_grid { bounds = { { -1, -1, -1 }, { 1, 1, 1 } }, cells = 2, lmax = 1 }, lamp)
+local points = grid:points()
+assert(#points.position == 27 and points.value.shape[3] == 4)]],
+}
+function methods.points(g)
+  return core.grid_points(open(g, "points"))
+end
+
+local cells_options = {
+  { "added", "boolean", default = false, about = "also the cells that only continuity needs, after the others" },
+}
+
+describe "grid:cells" {
+  about = "The voxels as arrays: parents before children, eight children in a row.",
+  arguments = { { "options?", "table", "see the options" } },
+  options = cells_options,
+  returns = { { "cells", "table", "origin [n][3], size [n][3], level [n] (0 is the root), error [n] (the metric; NaN "
+    .. "where unknown), residual [n] (relative error measured at the centre; NaN where not), leaf [n], occupied [n], "
+    .. "baked [n], crossed [n] (by a light's surface), added [n], corners [n][8] (rows of points(); 0: none)" } },
+  errors = "raises on a closed grid",
+  example = [[
+local lamp = ylm.sphere_light { at = { 0, 2, 0 } }
+local grid = ylm.bake(ylm.uniform_grid { bounds = { { -1, -1, -1 }, { 1, 1, 1 } }, cells = 2, lmax = 1 }, lamp)
+assert(#grid:cells().origin == 8)]],
+}
+function methods.cells(g, given)
+  open(g, "cells")
+  local o = form.options(1, "cells", cells_options, given)
+  return core.grid_cells(g, o.added)
+end
+
+describe "grid:locate" {
+  about = "The cell that holds a point, with everything it knows. Cells are half-open, the last ones closed.",
+  arguments = { { "p", "table|array", "{x, y, z}, scene units" } },
+  returns = { { "cell", "table",
+    "index (a row of cells()), origin, size, level, error, residual, leaf, occupied, baked, "
+    .. "crossed, outside (p is outside of the bounds: the cell of the nearest point inside), corners (rows of points()); "
+    .. "nil where a uniform grid has no data" } },
+  errors = "raises on what is not a point",
+  example = [[
+local lamp = ylm.sphere_light { at = { 0, 2, 0 } }
+local grid = ylm.bake(ylm.uniform_grid { bounds = { { -1, -1, -1 }, { 1, 1, 1 } }, cells = 2, lmax = 1 }, lamp)
+local cell = grid:locate { 0.5, 0.5, 0.5 }
+assert(cell.index == 8 and cell.origin[1] == 0 and not cell.outside)]],
+}
+function methods.locate(g, p)
+  open(g, "locate")
+  local point, wanted = form.types.point(p)
+  if not point then return check.bad(1, "locate", "%s expected, got %s", wanted, check.describe(p)) end
+  return core.grid_locate(g, point[1], point[2], point[3], false)
+end
+
+local save_options = {
+  { "byte_order", "choice", of = { "native", "swapped" }, default = "native",
+    about = "of a .ylm file; readers take both" },
+}
+
+--- Writers of other endings: function(grid, path) -> true or nil, message, code. lua/ylm/view.lua adds ".vtu".
+grid.writers = {}
+
+describe "grid:save" {
+  about = "Writes the grid; the ending chooses the format. An existing file is replaced whole or not at all.",
+  arguments = {
+    { "path", "string", ".ylm (everything, checksummed; ylm.load reads it), .vtu (for ParaView)" },
+    { "options?", "table", "see the options" },
+  },
+  options = save_options,
+  returns = { { "ok", "boolean", "true" } },
+  errors = "raises on another ending; nil, message, code where the file cannot be written",
+  example = [[
+local lamp = ylm.sphere_light { at = { 0, 2, 0 } }
+local grid = ylm.bake(ylm.uniform_grid { bounds = { { -1, -1, -1 }, { 1, 1, 1 } }, cells = 2, lmax = 1 }, lamp)
+local name = os.tmpname() .. ".ylm"
+assert(grid:save(name))
+os.remove(name)]],
+}
+function methods.save(g, path, given)
+  open(g, "save")
+  if type(path) ~= "string" or path == "" or path:find("%z") then
+    return check.bad(1, "save", "a path expected, got %s", check.describe(path))
+  end
+  local o = form.options(2, "save", save_options, given)
+  local ending = path:lower():match("%.(%w+)$")
+  if ending == "ylm" then return check.result("save", core.grid_write(g, path, o.byte_order == "swapped")) end
+  if ending == "vtu" and not grid.writers.vtu then pcall(require, "ylm.figure") end
+  local writer = ending and grid.writers[ending]
+  if not writer then
+    return check.bad(1, "save", "a path ending in .ylm or .vtu expected, got %s", check.describe(path))
+  end
+  return writer(g, path)
+end
+
+describe "grid:close" {
+  about = "Frees the memory now rather than at the next collection.",
+  arguments = {},
+  returns = {},
+  errors = "raises on what is not a grid",
+  example = [[
+local lamp = ylm.sphere_light { at = { 0, 2, 0 } }
+ylm.bake(ylm.uniform_grid { bounds = { { -1, -1, -1 }, { 1, 1, 1 } }, cells = 2, lmax = 1 }, lamp):close()]],
+}
+function methods.close(g)
+  open(g, "close")
+  core.grid_close(g)
+end
+
+methods.__index = function(g, key)
+  local method = rawget(methods, key)
+  if method ~= nil or type(key) ~= "string" then return method end
+  open(g, key)
+  if key == "stats" then return core.grid_stats(g) end
+  return core.grid_form(g)[key]
+end
+
+methods.__newindex = function(_, key)
+  return check.fail("grid: cannot set %s: a grid does not change", check.describe(key))
+end
+
+methods.__tostring = function(g)
+  if not core.grid_is_open(g) then return "ylm.grid (closed)" end
+  local f, s = core.grid_form(g), core.grid_stats(g)
+  return ("ylm.grid %s lmax %d %s, %d points, %d leaves"):format(f.kind, f.lmax, f.channels == 3
+    and "rgb" or "luminance",
+    s.points, s.leaves)
+end
+
+-- What ylm.load uses -------------------------------------------------------------------
+
+--- The first bytes of a grid file.
+grid.magic = "\137YLMgrid"
+
+--- A grid from a file: nil, message, code where it cannot be read.
+function grid.load(path)
+  return check.result("load", core.grid_read(path))
+end
+
+return grid

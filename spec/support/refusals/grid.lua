@@ -1,0 +1,124 @@
+-- What ylm's grids refuse: see the walker's spec.
+
+local nan, inf = 0 / 0, 1 / 0
+local box = { { -1, -1, -1 }, { 1, 1, 1 } }
+
+local function lamp(ylm) return ylm.sphere_light { at = { 0, 3, 0 }, radius = 0.1, radiance = 1 } end
+
+local function small(ylm)
+  return ylm.bake(ylm.uniform_grid { bounds = box, cells = 1, lmax = 1 }, lamp(ylm))
+end
+
+local function closed(ylm)
+  local g = small(ylm)
+  g:close()
+  return g
+end
+
+local function adaptive(fields)
+  return function(ylm) return ylm.adaptive_grid(fields) end
+end
+
+local function uniform(fields)
+  return function(ylm) return ylm.uniform_grid(fields) end
+end
+
+local function bake(options, description)
+  return function(ylm)
+    return ylm.bake(ylm.adaptive_grid(description or { bounds = box, lmax = 1, depth = 2 }), lamp(ylm), options)
+  end
+end
+
+local function sample(points, options)
+  return function(ylm) return small(ylm):sample(points, options) end
+end
+
+return {
+  adaptive_grid = {
+    { call = function(ylm) return ylm.adaptive_grid() end, says = "a table of named fields expected, got nil" },
+    { call = adaptive { boundz = box }, says = "did you mean 'bounds'" },
+    { call = adaptive { bounds = { { 0, 0, 0 }, { 0, 1, 1 } } }, says = "bounds must be .* x0 < x1" },
+    { call = adaptive { bounds = { { 0, 0, 0 }, { 1, nan, 1 } } }, says = "bounds must be" },
+    { call = adaptive { bounds = { { 0, 0, 0 }, { 1, inf, 1 } } }, says = "bounds must be" },
+    { call = adaptive { lmax = -1 }, says = "lmax must be an integer >= 0 and <= 100, got %-1" },
+    { call = adaptive { lmax = 1e6 }, says = "lmax must be an integer" },
+    { call = adaptive { lmax = 1.5 }, says = "lmax must be an integer" },
+    { call = adaptive { depth = 17 }, says = "depth must be an integer >= 0 and <= 16" },
+    { call = adaptive { depth = nan }, says = "depth must be an integer" },
+    { call = adaptive { tolerance = 0 }, says = "tolerance must be a number > 0" },
+    { call = adaptive { tolerance = inf }, says = "tolerance must be a number" },
+    { call = adaptive { threshold = -1 }, says = "threshold must be a number >= 0" },
+    { call = adaptive { tolerance = 0.1, threshold = 1 }, says = "either tolerance or threshold, not both" },
+    { call = adaptive { metric = "relativ", threshold = 1 }, says = "did you mean 'relative'" },
+    { call = adaptive { channels = "luminance", metric_channels = "rgb" }, says = "needs channels = 'rgb'" },
+    { call = adaptive { continuous = 1 }, says = "continuous must be true or false" },
+  },
+  uniform_grid = {
+    { call = uniform { bounds = box }, says = "field 'cells' is missing" },
+    { call = uniform { cells = 0 }, says = "cells must be voxels along each axis" },
+    { call = uniform { cells = { 8, 8 } }, says = "cells must be voxels along each axis" },
+    { call = uniform { cells = { 8, 8, nan } }, says = "cells must be voxels along each axis" },
+    { call = uniform { cells = { 1e6, 1e6, 1e6 } }, says = "cells are too many" },
+    { call = uniform { cells = 2, threshold = 1 }, says = "no field 'threshold'" },
+    { call = uniform { cells = 2, channels = "luminance", metric_channels = "rgb" }, says = "needs channels = 'rgb'" },
+  },
+  bake = {
+    { call = function(ylm) return ylm.bake() end, says = "an adaptive_grid or a uniform_grid expected, got nil" },
+    { call = function(ylm) return ylm.bake(lamp(ylm), lamp(ylm)) end,
+      says = "an adaptive_grid or a uniform_grid expected" },
+    { call = function(ylm) return ylm.bake(ylm.adaptive_grid {}, {}) end, says = "at least one light expected" },
+    { call = function(ylm) return ylm.bake(ylm.adaptive_grid {}, lamp(ylm)) end, says = "no bounds" },
+    { call = bake({ occupied = { { 1, 2, 3 } } }, {}), says = "no bounds" },
+    { call = bake { occupied = {} }, says = "occupied: at least one point expected" },
+    { call = bake { occupied = { { 1, 2 } } }, says = "rows of 3 numbers expected" },
+    { call = bake { occupied = { { 0, 0, 0 }, { 1, 2, nan } } }, says = "row 2 is not finite" },
+    { call = bake { occupied = 3 }, says = "a table of numbers or an array expected, got 3" },
+    { call = bake { ocupied = { { 0, 0, 0 } } }, says = "did you mean 'occupied'" },
+    { call = bake { threads = 0 }, says = "threads must be an integer >= 1" },
+    { call = bake { progress = 3 }, says = "progress must be a function" },
+    { call = bake { max_points = 9 }, says = "more than 9 points" },
+    { call = bake { progress = function() return false end }, says = "cancelled" },
+    { call = bake { progress = function() error("stop here at refusals/x.lua:1: ", 0) end }, says = "stop here" },
+    { call = function(ylm) return ylm.bake(ylm.adaptive_grid { bounds = box }, closed(ylm)) end, says = "closed" },
+    { call = function(ylm) return ylm.bake(ylm.adaptive_grid { bounds = box, lmax = 2 }, small(ylm)) end,
+      says = "coefficients up to lmax 1, 2 is wanted" },
+  },
+  ["grid:sample"] = {
+    { call = sample(), says = "points: a table of numbers or an array expected, got nil" },
+    { call = sample { { 1, 2 } }, says = "rows of 3 numbers expected" },
+    { call = sample { { 0, inf, 0 } }, says = "row 1 is not finite" },
+    { call = sample({ { 0, 0, 0 } }, { interpolation = "cubic" }), says = "interpolation must be one of" },
+    { call = sample({ { 0, 0, 0 } }, { derivatives = 2 }), says = "derivatives must be an integer >= 0 and <= 1" },
+    { call = sample({ { 0, 0, 0 } }, { outside = "wrap" }), says = "outside must be one of" },
+    { call = sample({ { 0, 0, 0 } }, { threads = 1e9 }), says = "threads must be an integer" },
+    { call = sample({ { 0, 0, 0 } }, { out = 3 }), says = "out must be an array" },
+    { call = function(ylm) return small(ylm):sample({ { 0, 0, 0 } }, { out = ylm.zeros({ 2, 3, 4 }, "float") }) end,
+      says = "shapes do not fit" },
+    { call = function(ylm) return small(ylm):sample({ { 0, 0, 0 } }, { out = ylm.zeros { 1, 3, 4 } }) end,
+      says = "element type" },
+    { call = function(ylm) return closed(ylm):sample { { 0, 0, 0 } } end, says = "sample: the grid has been closed" },
+  },
+  ["grid:points"] = { { call = function(ylm) return closed(ylm):points() end,
+    says = "points: the grid has been closed" } },
+  ["grid:cells"] = {
+    { call = function(ylm) return closed(ylm):cells() end, says = "cells: the grid has been closed" },
+    { call = function(ylm) return small(ylm):cells { leaves = true } end, says = "no field 'leaves'" },
+  },
+  ["grid:locate"] = {
+    { call = function(ylm) return small(ylm):locate() end, says = "three numbers {x, y, z} expected, got nil" },
+    { call = function(ylm) return small(ylm):locate { 0, nan, 0 } end, says = "three numbers" },
+    { call = function(ylm) return closed(ylm):locate { 0, 0, 0 } end, says = "locate: the grid has been closed" },
+  },
+  ["grid:save"] = {
+    { call = function(ylm) return small(ylm):save() end, says = "a path expected, got nil" },
+    { call = function(ylm) return small(ylm):save("") end, says = "a path expected" },
+    { call = function(ylm) return small(ylm):save("grid.txt") end, says = "a path ending in .ylm or .vtu expected" },
+    { call = function(ylm) return small(ylm):save("/no/such/folder/grid.ylm") end, says = "cannot be created" },
+    { call = function(ylm) return small(ylm):save("/dev/full.ylm/x.ylm") end, says = "cannot be created" },
+    { call = function(ylm) return small(ylm):save("x.ylm", { byte_order = "middle" }) end,
+      says = "byte_order must be one of" },
+    { call = function(ylm) return closed(ylm):save("x.ylm") end, says = "save: the grid has been closed" },
+  },
+  ["grid:close"] = { { call = function(ylm) return closed(ylm):close() end,
+    says = "close: the grid has been closed" } },
+}
