@@ -284,8 +284,8 @@ describe "grid:locate" {
   arguments = { { "p", "table|array", "{x, y, z}, scene units" } },
   returns = { { "cell", "table",
     "index (a row of cells()), origin, size, level, error, residual, leaf, occupied, baked, "
-    .. "crossed, outside (p is outside of the bounds: the cell of the nearest point inside), corners (rows of points()); "
-    .. "nil where a uniform grid has no data" } },
+    .. "crossed, outside (p is outside of the bounds: the cell of the nearest point inside), corners (rows of "
+    .. "points()); nil where a uniform grid has no data" } },
   errors = "raises on what is not a point",
   example = [[
 local lamp = ylm.sphere_light { at = { 0, 2, 0 } }
