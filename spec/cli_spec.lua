@@ -20,6 +20,7 @@ describe("the command-line tool", function()
   local function file(name, text) return scratch.quote(folder:write(name, text)) end
 
   it("lists its commands, and says so where it is used wrongly", function()
+    local err, _
     local out, code = ylm "--help"
     assert.equal(0, code)
     for _, name in ipairs { "render", "bake", "view", "compare", "run", "codegen", "bench", "info", "help" } do
@@ -29,7 +30,6 @@ describe("the command-line tool", function()
       assert.equal(0, code)
       assert.truthy(usage:find("usage: ylm " .. name, 1, true), usage)
     end
-    local err
     out, code, err = ylm ""
     assert.equal(2, code)
     assert.equal("", out)

@@ -24,7 +24,7 @@ local function lines_of(command)
   return list
 end
 
-local sources = lines_of "find csrc -name '*.[ch]' -o -name '*.cpp' -o -name '*.cc' -o -name '*.hpp' -o -name '*.inc' | sort"
+local sources = lines_of [[find csrc -name '*.[ch]' -o -name '*.cpp' -o -name '*.cc' -o -name '*.hpp' -o -name '*.inc']]
 
 local function exists(path)
   local file = io.open(path)
@@ -119,9 +119,28 @@ describe("the ladder", function()
   end)
 end)
 
+describe("csrc/README.md", function()
+  it("has a paragraph for every folder, in the order of the ladder", function()
+    local file = assert(io.open "csrc/README.md")
+    local text, at = file:read "*a", 0
+    file:close()
+    local folders = { "vulkan", "vtk", "lua" }
+    for i, folder in ipairs(ladder) do table.insert(folders, i, folder) end
+    for _, folder in ipairs(folders) do
+      if exists("csrc/" .. folder .. "/.") or scratch.shell("test -d csrc/" .. folder) then
+        local found = text:find("\n**" .. folder .. "**", at + 1, true)
+        assert(found, folder .. " is missing, or not where the ladder has it")
+        at = found
+      end
+    end
+  end)
+end)
+
 describe("the tree", function()
   local files = lines_of "git ls-files 2>/dev/null"
-  if #files == 0 then files = lines_of "find . -type f -not -path './.git/*' -not -path './build/*' -not -path './out/*'" end
+  if #files == 0 then
+    files = lines_of "find . -type f -not -path './.git/*' -not -path './build/*' -not -path './out/*'"
+  end
 
   it("names no path of one machine", function()
     local wrong = {}

@@ -51,6 +51,9 @@ function help.public()
     local index = definition.metatable.__index
     if type(index) == "table" then add_functions(methods, name .. ":", index) end
   end
+  for name, object in pairs(reference.objects) do
+    if object.methods then add_functions(methods, name .. ":", object.methods) end
+  end
   return { functions = sorted(functions), methods = sorted(methods), forms = sorted(form.defined) }
 end
 

@@ -28,6 +28,8 @@ end
 --- Registers an object type: about, and fields as { name, type, text } that can be read from it.
 --
 --     reference.object "array" { about = "...", fields = { { "shape", "table", "its extents" } } }
+--
+-- `methods = table` where the object is neither a userdata of ylm nor built by a form.
 function reference.object(name)
   return function(entry)
     assert(not reference.objects[name], "described twice: " .. name)

@@ -87,7 +87,7 @@ require "ylm.reference".object "scene" {
 
 --- The methods are those of lua/ylm/render.lua, loaded when one is first called.
 local methods = {}
-for _, name in ipairs { "bake", "render", "reference", "raycast" } do
+for _, name in ipairs { "prepare", "bake", "render", "reference", "raycast" } do
   methods[name] = function(...) return require("ylm.render")[name](...) end
 end
 
@@ -125,7 +125,7 @@ assert(s.name == "grey" and s.background[3] == 0.5)]],
 
 describe "scene" {
   about = "Makes a scene: ylm.scene \"name\" { camera = , geometry = , lights = , probes = , background = }. "
-    .. "Methods: bake, render, reference, raycast.",
+    .. "Methods: bake, render, reference, raycast, prepare.",
   arguments = { { "name", "string", "what pictures are titled with" } },
   returns = { { "fields", "function", "takes the table of fields, see the form 'scene', and returns the scene" } },
   errors = "raises at the caller's line on missing, misspelt or wrong fields",
