@@ -33,6 +33,7 @@
   X(sh) \
   X(sh_rotate) \
   X(image) \
+  X(image_ops) \
   X(mesh)
 
 #define YLML_SCENE_BINDINGS(X) \

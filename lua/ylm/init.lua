@@ -17,7 +17,7 @@ local contents = {
   { "ylm.camera", "camera" },
   { "ylm.scene", "scene", "load_scene" },
   { "ylm.file", "load" },
-  { "ylm.image", "image" },
+  { "ylm.image", "image", "colour" },
   { "ylm.geometry", "quad", "sphere", "box", "torus", "knot", "mesh" },
 }
 
