@@ -32,6 +32,7 @@
   X(sandbox) \
   X(sh) \
   X(sh_rotate) \
+  X(sh_product) \
   X(image) \
   X(image_ops) \
   X(mesh)

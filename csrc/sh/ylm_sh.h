@@ -225,6 +225,85 @@ YLM_API ylm_status ylm_sh_convert(uint32_t from, uint32_t to, int lmax, ylm_dtyp
 /* A(l) = 2 pi times the integral of t P_l(t) over 0 .. 1: the factor from radiance to irradiance. */
 YLM_API double ylm_sh_cosine_factor(int l);
 
+/* -- products: csrc/sh/product.c ------------------------------------------------------------- */
+
+/*
+** The ways to multiply functions given by coefficients of degree <= lmax, cut off at lmax again.
+** All but the last are exact.
+**   auto        the fastest for the size
+**   gaunt       sums over the non-zero integrals of three basis functions; two factors
+**   quadrature  to the points of a rule that is exact for the degree, and back
+**   fourier     convolution of Fourier series, divide and conquer (Xin et al. 2021)
+**   brute       sums over the non-zero integrals of all factors and the result (small sizes)
+**   recursive   two at a time, cut off at lmax in between: an approximation for three or more
+*/
+#define YLM_SH_PRODUCT_METHOD_LIST(X) X(auto) X(gaunt) X(quadrature) X(fourier) X(brute) X(recursive)
+
+typedef enum ylm_sh_product_method {
+#define X(name) YLM_SH_PRODUCT_##name,
+  YLM_SH_PRODUCT_METHOD_LIST(X)
+#undef X
+  YLM_SH_PRODUCT_METHOD_COUNT
+} ylm_sh_product_method;
+
+/* The highest degree and the most factors of a product. */
+#define YLM_SH_PRODUCT_LMAX 100
+#define YLM_SH_PRODUCT_FACTORS 16
+
+/* Tables for one size. Immutable, to be shared between threads. */
+typedef struct ylm_sh_product ylm_sh_product;
+/*
+** `inner` is the method of the steps of `recursive`, else ignored.
+** YLM_ERANGE (lmax; factors 2 .. YLM_SH_PRODUCT_FACTORS), YLM_EINVAL (gaunt with other than two
+** factors), YLM_ELIMIT (brute or gaunt: tables of more than some million entries), YLM_ENOMEM.
+*/
+YLM_API ylm_status ylm_sh_product_create(int lmax, int factors, ylm_sh_product_method method,
+                                         ylm_sh_product_method inner, ylm_sh_product **out,
+                                         ylm_error *e);
+YLM_API void ylm_sh_product_free(ylm_sh_product *p);
+/* The method that is used: never auto. */
+YLM_API ylm_sh_product_method ylm_sh_product_method_of(const ylm_sh_product *p);
+YLM_API const char *ylm_sh_product_method_name(ylm_sh_product_method m);
+/* The number of non-zero integrals of a gaunt plan, i and j exchanged counted once; else 0. */
+YLM_API size_t ylm_sh_product_integrals(const ylm_sh_product *p);
+
+/*
+** ylm_sh_product_apply - multiply row by row.
+**
+**   out[r] = the coefficients of factor[0][r] * factor[1][r] * ...
+**
+**   factor  in   [factors] arrays of rows [(lmax+1)^2]
+**   stride  in   [factors] numbers from one row to the next: (lmax+1)^2, or 0 to use one row for all;
+**                NULL means (lmax+1)^2 for all
+**   out     out  [rows][(lmax+1)^2], no factor
+**   stage   out  [3] seconds of transform, multiplication and transform back are added (quadrature
+**                and fourier, one thread); may be NULL. quadrature counts the multiplication to the first.
+**
+** Returns  YLM_OK, YLM_ENOMEM
+** Accuracy of the norm of the result: 1e-12 (double), 1e-5 (float)
+** Cost     O(factors lmax^3) a row by quadrature, vectorised over nodes or, for many rows, over rows
+** Source   Gauss quadrature (docs/math.md "Products"); Xin et al. 2021, Sec. 4
+*/
+YLM_API ylm_status ylm_sh_product_apply(const ylm_sh_product *p, ylm_dtype t, size_t rows,
+                                        const void *const *factor, const size_t *stride, void *out,
+                                        int threads, double *stage);
+
+/*
+** ylm_sh_transfer - the matrix that multiplies by a function: (M a)_i = sum_j M_ij a_j.
+**
+**   M_ij = sum_k c_k int Y_i Y_j Y_k,   Green 2003, Eq. 8; symmetric
+**
+**   c       in   [(2 lmax+1)^2] or fewer: degree clmax, of which at most 2 lmax matters
+**   matrix  out  [(lmax+1)^2][(lmax+1)^2]
+**
+** Returns  YLM_OK, YLM_ERANGE, YLM_ENOMEM.  Cost  O(lmax^5)
+*/
+YLM_API ylm_status ylm_sh_transfer(int clmax, const double *c, int lmax, double *matrix, ylm_error *e);
+
+/* out[r] = M in[r]: `n` numbers a row, M [n][n]; out is not in. */
+YLM_API ylm_status ylm_sh_transfer_apply(size_t n, ylm_dtype t, const void *matrix, size_t rows,
+                                         const void *in, void *out, int threads);
+
 #ifdef __cplusplus
 }
 #endif

@@ -15,6 +15,7 @@ local sh = {}
 local parts = {
   { "ylm.sh_rotate", "rotate", "rotation" },
   { "ylm.sh_convert", "convert", "resize" },
+  { "ylm.sh_product", "product", "product_method", "transfer", "transfer_apply" },
 }
 
 local home = {}

@@ -1,0 +1,140 @@
+/* brute.c - the product of k factors by all integrals of k+1 basis functions that are not zero. */
+#include "ylm_sh.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "product.h"
+#include "quadrature.h"
+
+/* Combinations of one basis function for each factor that may be looked at. */
+#define MOST_TUPLES 1200000
+
+struct ylm__brute {
+  int factors;
+  size_t count, tuples;
+  uint32_t *first; /* [tuples+1]; the tuple is a number with `factors` digits to base count */
+  uint16_t *k;
+  float *value_f;
+  double *value_d;
+};
+
+void ylm__brute_free(ylm__brute *b) {
+  if (!b) return;
+  ylm_free(b->first);
+  ylm_free(b->k);
+  ylm_free(b->value_f);
+  ylm_free(b->value_d);
+  ylm_free(b);
+}
+
+/* Basis functions at the points of a rule exact to degree (factors+1) lmax: [count][points]; weights. */
+static double *basis(int lmax, int factors, size_t *points, double **weights) {
+  int degree = (factors + 1) * lmax, nodes = degree / 2 + 1, around = degree + 1;
+  size_t count = ylm_sh_count(lmax), n = (size_t)nodes * (size_t)around;
+  double *y = ylm_alloc((count + 1) * n, sizeof *y);
+  double *x = ylm_alloc(2 * (size_t)nodes + (size_t)(lmax + 1) * (size_t)(lmax + 2), sizeof *x);
+  if (!x || !y) {
+    ylm_free(x);
+    ylm_free(y);
+    return NULL;
+  }
+  double *w = x + nodes, *p = w + nodes;
+  *weights = y + count * n;
+  *points = n;
+  ylm__gauss_legendre(nodes, x, w);
+  for (int h = 0; h < nodes; h++) {
+    ylm__legendre(lmax, x[h], sqrt(1 - x[h] * x[h]), p);
+    for (int j = 0; j < around; j++) {
+      double phi = 2 * 3.14159265358979323846 * j / around;
+      size_t at = (size_t)h * (size_t)around + (size_t)j;
+      (*weights)[at] = w[h] * 2 * 3.14159265358979323846 / around;
+      for (int l = 0; l <= lmax; l++)
+        for (int m = -l; m <= l; m++)
+          y[ylm_sh_index(l, m) * n + at] = p[l * (l + 1) / 2 + (m < 0 ? -m : m)] * (m < 0 ? sin(-m * phi) : cos(m * phi));
+    }
+  }
+  ylm_free(x);
+  return y;
+}
+
+ylm_status ylm__brute_create(int lmax, int factors, ylm__brute **out, ylm_error *e) {
+  *out = NULL;
+  size_t count = ylm_sh_count(lmax), tuples = 1, n = 0, used = 0, room = 0;
+  for (int k = 0; k < factors; k++) {
+    tuples *= count;
+    if (tuples > MOST_TUPLES)
+      return ylm_fail(e, YLM_ELIMIT, "brute force: %d factors of lmax %d have too many combinations", factors, lmax);
+  }
+  double *weights = NULL, *y = basis(lmax, factors, &n, &weights);
+  double *product = ylm_alloc((size_t)factors * n, sizeof *product); /* of the first 1 .. factors functions */
+  ylm__brute *b = ylm_alloc_zero(1, sizeof *b);
+  if (!y || !product || !b) goto fail;
+  b->factors = factors;
+  b->count = count;
+  b->tuples = tuples;
+  b->first = ylm_alloc(tuples + 1, sizeof *b->first);
+  if (!b->first) goto fail;
+  size_t digits[YLM_SH_PRODUCT_FACTORS] = {0};
+  for (size_t tuple = 0; tuple < tuples; tuple++) {
+    size_t rest = tuple;
+    int changed = 0;
+    for (int k = factors - 1; k >= 0; k--) {
+      size_t digit = rest % count;
+      rest /= count;
+      if (digit != digits[k] || tuple == 0) changed = k;
+      digits[k] = digit;
+    }
+    for (int k = changed; k < factors; k++)
+      for (size_t q = 0; q < n; q++)
+        product[(size_t)k * n + q] = (k ? product[(size_t)(k - 1) * n + q] : weights[q]) * y[digits[k] * n + q];
+    b->first[tuple] = (uint32_t)used;
+    for (size_t i = 0; i < count; i++) {
+      double sum = 0;
+      for (size_t q = 0; q < n; q++) sum += product[(size_t)(factors - 1) * n + q] * y[i * n + q];
+      if (fabs(sum) < 1e-12) continue;
+      if (used == room) {
+        size_t more = room ? 2 * room : 4096;
+        uint16_t *k = ylm_realloc(b->k, used * sizeof *k, more, sizeof *k);
+        if (k) b->k = k;
+        double *v = ylm_realloc(b->value_d, used * sizeof *v, more, sizeof *v);
+        if (v) b->value_d = v;
+        if (!k || !v) goto fail;
+        room = more;
+      }
+      b->k[used] = (uint16_t)i;
+      b->value_d[used++] = sum;
+    }
+  }
+  b->first[tuples] = (uint32_t)used;
+  b->value_f = ylm_alloc(used, sizeof(float));
+  if (!b->value_f) goto fail;
+  for (size_t q = 0; q < used; q++) b->value_f[q] = (float)b->value_d[q];
+  ylm_free(y);
+  ylm_free(product);
+  *out = b;
+  return YLM_OK;
+fail:
+  ylm_free(y);
+  ylm_free(product);
+  ylm__brute_free(b);
+  return YLM_ENOMEM;
+}
+
+#define APPLY(name, T, values)                                                             \
+  void name(const ylm__brute *b, const T *const *c, T *out) {                              \
+    size_t digits[YLM_SH_PRODUCT_FACTORS] = {0};                                           \
+    T product[YLM_SH_PRODUCT_FACTORS];                                                     \
+    int changed = 0;                                                                       \
+    for (size_t tuple = 0; tuple < b->tuples; tuple++) {                                   \
+      for (int k = changed; k < b->factors; k++)                                           \
+        product[k] = (k ? product[k - 1] : 1) * c[k][digits[k]];                           \
+      T s = product[b->factors - 1];                                                       \
+      for (uint32_t q = b->first[tuple]; q < b->first[tuple + 1]; q++) out[b->k[q]] += b->values[q] * s; \
+      for (changed = b->factors - 1; changed >= 0 && ++digits[changed] == b->count; changed--) digits[changed] = 0; \
+    }                                                                                      \
+  }
+
+/* out must be zero. */
+APPLY(ylm__brute_f, float, value_f)
+APPLY(ylm__brute_d, double, value_d)

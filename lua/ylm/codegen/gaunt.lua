@@ -1,0 +1,142 @@
+--- Emits csrc/sh/gen/gaunt_low.h: the product of two coefficient vectors by the integrals of three
+-- basis functions (Gaunt coefficients) that are not zero, as straight-line code, lmax 0 .. 3.
+
+local gaunt = {}
+
+local LMAX = 3
+
+--- Nodes and weights of the Gauss-Legendre rule with n nodes.
+local function gauss_legendre(n)
+  local nodes = {}
+  for i = 1, n do
+    local x = math.cos(math.pi * (i - 0.25) / (n + 0.5))
+    local d
+    for _ = 1, 50 do
+      local a, b = 1, 0
+      for k = 1, n do a, b = ((2 * k - 1) * x * a - (k - 1) * b) / k, a end
+      d = n * (x * a - b) / (x * x - 1)
+      x = x - a / d
+    end
+    nodes[i] = { x, 2 / ((1 - x * x) * d * d) }
+  end
+  return nodes
+end
+
+--- The z-dependent part of Y(l, m >= 0), without sqrt 2.
+local function legendre(l, m, x)
+  local s = math.sqrt(1 - x * x)
+  local p = math.sqrt(1 / (4 * math.pi))
+  for k = 1, m do p = -p * math.sqrt((2 * k + 1) / (2 * k)) * s end
+  local before = 0
+  for k = m, l - 1 do
+    local next_ = math.sqrt((4 * (k + 1) ^ 2 - 1) / ((k + 1) ^ 2 - m * m))
+      * (x * p - (k > m and math.sqrt((k * k - m * m) / (4 * k * k - 1)) * before or 0))
+    before, p = p, next_
+  end
+  return p
+end
+
+--- Integral over the azimuth of three factors, each 1, sqrt 2 cos(m phi) or sqrt 2 sin(-m phi).
+local function azimuth(...)
+  local n, sum = 24, 0 -- exact for orders to 3 * 3
+  for j = 0, n - 1 do
+    local phi, f = 2 * math.pi * (j + 0.5) / n, 1
+    for _, m in ipairs { ... } do
+      if m > 0 then f = f * math.sqrt(2) * math.cos(m * phi)
+      elseif m < 0 then f = f * math.sqrt(2) * math.sin(-m * phi) end
+    end
+    sum = sum + f
+  end
+  return 2 * math.pi / n * sum
+end
+
+--- The list of { i, j, k, value }, zero-based, i <= j, any k, without zeros.
+function gaunt.integrals(lmax)
+  local nodes, list = gauss_legendre(2 * lmax + 2), {}
+  for l1 = 0, lmax do for m1 = -l1, l1 do
+    for l2 = 0, lmax do for m2 = -l2, l2 do
+      local i, j = l1 * (l1 + 1) + m1, l2 * (l2 + 1) + m2
+      if i <= j then
+        for l3 = 0, lmax do for m3 = -l3, l3 do
+          if (l1 + l2 + l3) % 2 == 0 then
+            local a = azimuth(m1, m2, m3)
+            if math.abs(a) > 1e-9 then
+              local sum = 0
+              for _, node in ipairs(nodes) do
+                sum = sum + node[2] * legendre(l1, math.abs(m1), node[1]) * legendre(l2, math.abs(m2), node[1])
+                  * legendre(l3, math.abs(m3), node[1])
+              end
+              if math.abs(sum * a) > 1e-12 then list[#list + 1] = { i, j, l3 * (l3 + 1) + m3, sum * a } end
+            end
+          end
+        end end
+      end
+    end end
+  end end
+  return list
+end
+
+--- Sums with the same pair, and among them those with the same value, share their products.
+local function one(lmax)
+  local lines, operations = {}, 0
+  local count = (lmax + 1) ^ 2
+  local sums, order, pairs_ = {}, {}, {}
+  for _, g in ipairs(gaunt.integrals(lmax)) do
+    local name = ("s%d_%d"):format(g[1], g[2])
+    if not pairs_[name] then
+      pairs_[name] = true
+      order[#order + 1] = g
+    end
+    sums[g[3]] = sums[g[3]] or {}
+    -- terms of one output with the same absolute value are added before they are multiplied
+    local size = ("%.14g"):format(math.abs(g[4]))
+    local group
+    for _, known in ipairs(sums[g[3]]) do if known.size == size then group = known end end
+    if not group then
+      group = { size = size, value = math.abs(g[4]), terms = {} }
+      table.insert(sums[g[3]], group)
+    end
+    group.terms[#group.terms + 1] = { g[4] < 0, name }
+  end
+  for _, g in ipairs(order) do
+    if g[1] == g[2] then
+      lines[#lines + 1] = ("  const T s%d_%d = a[%d] * b[%d];"):format(g[1], g[2], g[1], g[2])
+      operations = operations + 1
+    else
+      lines[#lines + 1] = ("  const T s%d_%d = a[%d] * b[%d] + a[%d] * b[%d];")
+        :format(g[1], g[2], g[1], g[2], g[2], g[1])
+      operations = operations + 3
+    end
+  end
+  for k = 0, count - 1 do
+    local parts = {}
+    for _, group in ipairs(sums[k]) do
+      local terms = {}
+      for _, t in ipairs(group.terms) do terms[#terms + 1] = (t[1] and " - " or " + ") .. t[2] end
+      operations = operations + #terms + 1
+      local text = table.concat(terms):gsub("^ %+ ", ""):gsub("^ %- ", "-")
+      parts[#parts + 1] = ("(T)%.17g * (%s)"):format(group.value, text)
+    end
+    lines[#lines + 1] = ("  out[%d] = %s;"):format(k, table.concat(parts, "\n    + "))
+  end
+  return table.concat(lines, "\n"), operations
+end
+
+--- The text of the generated file.
+function gaunt.text()
+  local out, names = {}, {}
+  for lmax = 0, LMAX do
+    local body, operations = one(lmax)
+    out[#out + 1] = ("/* lmax %d: %d non-zero integrals (i <= j), %d operations */\nstatic void FN(gaunt_low%d)"
+      .. "(const T *a, const T *b, T *restrict out) {\n%s\n}\n"):format(lmax, #gaunt.integrals(lmax), operations, lmax, body)
+    names[#names + 1] = ("  case %d: FN(gaunt_low%d)(a, b, out); break;"):format(lmax, lmax)
+  end
+  return "/* GENERATED by lua/ylm/codegen/gaunt.lua; do not edit. The product of two coefficient vectors,\n"
+    .. "   included by product_kernel.h per element type T. */\n\n" .. table.concat(out, "\n")
+    .. ("\nstatic void FN(gaunt_low)(int lmax, const T *a, const T *b, T *out) {\n  switch (lmax) {\n%s\n  default: break;\n  }\n}\n")
+    :format(table.concat(names, "\n"))
+end
+
+gaunt.path = "csrc/sh/gen/gaunt_low.h"
+
+return gaunt

@@ -1,0 +1,53 @@
+-- What products and transfer matrices refuse: see spec/refusals_spec.lua.
+
+local c = { 1, 2, 3, 4 }
+local nine = { 1, 2, 3, 4, 5, 6, 7, 8, 9 }
+
+return {
+  ["sh.product"] = {
+    { call = function(ylm) return ylm.sh.product() end, says = "2 to 16 factors expected, got 0" },
+    { call = function(ylm) return ylm.sh.product(c) end, says = "2 to 16 factors expected, got 1" },
+    { call = function(ylm) return ylm.sh.product(c, nil) end, says = "bad argument #2 to 'product' .*got nil" },
+    { call = function(ylm) return ylm.sh.product(c, { 1, 2 }) end, says = "coefficients expected in the last axis, got 2" },
+    { call = function(ylm) return ylm.sh.product(c, { 1, 2, 0 / 0, 4 }) end, says = "row 1 is not finite" },
+    { call = function(ylm) return ylm.sh.product(c, nine) end, says = "lmax 2 does not fit to lmax 1 of factor 1" },
+    { call = function(ylm) return ylm.sh.product({ c, c }, { c, c, c }) end, says = "2 rows do not fit to 3 rows" },
+    { call = function(ylm) return ylm.sh.product(c, ylm.sh.convert(c, "plain")) end, says = "convention 'plain': convert" },
+    { call = function(ylm) return ylm.sh.product(c, ylm.sh.convert(c, "ylm irradiance")) end,
+      says = "'ylm irradiance' does not fit to 'ylm'" },
+    { call = function(ylm) return ylm.sh.product(c, c, { method = "fft" }) end, says = "method must be one of" },
+    { call = function(ylm) return ylm.sh.product(c, c, { metod = "auto" }) end, says = "did you mean 'method'" },
+    { call = function(ylm) return ylm.sh.product(c, c, c, { method = "gaunt" }) end, says = "'gaunt' multiplies two" },
+    { call = function(ylm)
+      local big = ylm.zeros { 400 }
+      return ylm.sh.product(big, big, big, { method = "brute" })
+    end, says = "too many combinations" },
+    { call = function(ylm)
+      local big = ylm.zeros { 102 * 102 }
+      return ylm.sh.product(big, big)
+    end, says = "lmax up to 100 expected, got 101" },
+    { call = function(ylm)
+      local a = ylm.array(c)
+      return ylm.sh.product(a, a, { out = a })
+    end, says = "out must not be a factor" },
+  },
+  ["sh.product_method"] = {
+    { call = function(ylm) return ylm.sh.product_method(-1, 2) end, says = "lmax must be an integer from 0 to 100" },
+    { call = function(ylm) return ylm.sh.product_method(1e6, 2) end, says = "lmax must be an integer" },
+    { call = function(ylm) return ylm.sh.product_method(2, 17) end, says = "factors must be an integer from 2 to 16" },
+    { call = function(ylm) return ylm.sh.product_method(2, 2, "x") end, says = "one of 'auto'.*got 'x'" },
+    { call = function(ylm) return ylm.sh.product_method(40, 2, "gaunt") end, says = "up to lmax 30, got 40" },
+  },
+  ["sh.transfer"] = {
+    { call = function(ylm) return ylm.sh.transfer(nil, 2) end, says = "got nil" },
+    { call = function(ylm) return ylm.sh.transfer({ c, c }, 2) end, says = "one vector of coefficients expected, got 2" },
+    { call = function(ylm) return ylm.sh.transfer(c) end, says = "lmax must be an integer from 0 to 50, got nil" },
+    { call = function(ylm) return ylm.sh.transfer(c, 51) end, says = "lmax must be an integer from 0 to 50" },
+    { call = function(ylm) return ylm.sh.transfer(ylm.sh.convert(c, "sn3d"), 1) end, says = "convention 'sn3d'" },
+  },
+  ["sh.transfer_apply"] = {
+    { call = function(ylm) return ylm.sh.transfer_apply(nil, c) end, says = "a matrix of 4x4 expected, got nil" },
+    { call = function(ylm) return ylm.sh.transfer_apply(ylm.zeros { 9, 9 }, c) end, says = "a matrix of 4x4 expected" },
+    { call = function(ylm) return ylm.sh.transfer_apply(ylm.zeros { 4, 4 }, { 1, 2 }) end, says = "coefficients expected" },
+  },
+}
