@@ -22,10 +22,10 @@ ylm_status cell_list_push(cell_list *l, uint32_t cell) {
 
 ylm_status baker_point(baker *b, const uint32_t at[3], uint8_t flags, uint32_t *index) {
   ylm_grid *g = b->g;
-  ylm_status s = lattice_hash_reserve(&b->hash, b->hash.used + 1);
+  ylm_status s = lattice_hash_reserve(&b->g->hash, b->g->hash.used + 1);
   if (s == YLM_OK) s = ylm__grid_reserve_points(g, 1);
   if (s != YLM_OK) return s;
-  uint32_t *entry = lattice_hash_at(&b->hash, lattice_key(at));
+  uint32_t *entry = lattice_hash_at(&b->g->hash, lattice_key(at));
   if (*entry == YLM_GRID_NONE) {
     if (b->source->max_points && g->points >= b->source->max_points) return YLM_ELIMIT;
     *entry = (uint32_t)g->points++;
@@ -247,7 +247,7 @@ static void find_shared_corners(baker *b) {
       uint32_t at[3];
       if (c->corner[k] != YLM_GRID_NONE) continue;
       corner_at(g, c, k, at);
-      c->corner[k] = lattice_hash_find(&b->hash, lattice_key(at));
+      c->corner[k] = lattice_hash_find(&b->g->hash, lattice_key(at));
     }
   }
 }
@@ -257,8 +257,9 @@ ylm_status baker_finish(baker *b, bool last) {
   g->view.octree_cells = g->cells;
   find_shared_corners(b);
   ylm_status s = ylm__grid_fill_invalid(g);
+  ylm__grid_find_baked(g);
   bool continuous = g->view.form.kind == YLM_GRID_ADAPTIVE && g->view.form.continuous;
-  if (s == YLM_OK && last && continuous) s = ylm__grid_make_continuous(g, &b->hash);
+  if (s == YLM_OK && last && continuous) s = ylm__grid_make_continuous(g);
   return s == YLM_OK ? ylm__grid_finish(g) : s;
 }
 
@@ -349,7 +350,6 @@ ylm_status ylm_grid_bake(const ylm_grid_form *form, const ylm_grid_source *sourc
   if (s != YLM_OK) return s;
   baker b = {.g = ylm__grid_new(form), .source = source, .e = e};
   s = b.g ? bake(&b) : YLM_ENOMEM;
-  lattice_hash_free(&b.hash);
   occupancy_free(&b.occupied);
   ylm_free(b.wave.cell);
   ylm_free(b.next.cell);

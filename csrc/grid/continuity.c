@@ -135,7 +135,7 @@ static ylm_status add_interpolated(ylm_grid *g, uint32_t parent, int n, uint32_t
 }
 
 /* Gives the children of a cell the corners they lack: evaluated points where there are any. */
-static ylm_status complete_children(ylm_grid *g, const lattice_hash *hash, uint32_t parent) {
+static ylm_status complete_children(ylm_grid *g, uint32_t parent) {
   uint32_t shared[27], first = g->cell[parent].child;
   for (int n = 0; n < 27; n++) shared[n] = YLM_GRID_NONE;
   for (uint32_t k = 0; k < 8; k++)
@@ -148,7 +148,7 @@ static ylm_status complete_children(ylm_grid *g, const lattice_hash *hash, uint3
         at[a] = c->origin[a] + (i >> a & 1 ? edge : 0);
         n += power * (int)((k >> a & 1) + (i >> a & 1));
       }
-      if (shared[n] == YLM_GRID_NONE) shared[n] = lattice_hash_find(hash, lattice_key(at));
+      if (shared[n] == YLM_GRID_NONE) shared[n] = lattice_hash_find(&g->hash, lattice_key(at));
       if (shared[n] == YLM_GRID_NONE) {
         ylm_status s = add_interpolated(g, parent, n, &shared[n]);
         if (s != YLM_OK) return s;
@@ -177,25 +177,47 @@ static bool hangs(const ylm_grid *g, const ylm_grid_cell *c, const uint32_t at[3
   return inner == 1 || inner == 2;
 }
 
-/* Splits the leaf on one side of an evaluated point until the point is its corner. */
-static ylm_status split_beside(ylm_grid *g, const lattice_hash *hash, const uint32_t at[3],
-                               const uint32_t beside[3]) {
+/* The level at which a lattice point first is a corner. */
+static int level_of(const ylm_grid *g, const uint32_t at[3]) {
+  uint32_t bits = at[0] | at[1] | at[2] | g->view.resolution[0];
+  return g->view.form.depth - __builtin_ctz(bits);
+}
+
+/* Splits the leaf on one side of an evaluated point until the point is its corner. A leaf without
+   data of its own only notes the level down to which sampling has to look for such points. */
+static ylm_status split_beside(ylm_grid *g, const uint32_t at[3], const uint32_t beside[3]) {
   for (;;) {
     uint32_t cell = finest(g, beside), first;
-    if (!hangs(g, &g->cell[cell], at)) return YLM_OK;
+    ylm_grid_cell *c = &g->cell[cell];
+    if (!hangs(g, c, at)) return YLM_OK;
+    if (!(c->flags & (YLM_GRID_BAKED | YLM_GRID_ADDED))) {
+      int level = level_of(g, at);
+      if (level > c->detail) c->detail = (uint16_t)level;
+      return YLM_OK;
+    }
     ylm_status s = ylm__grid_split(g, cell, &first);
     if (s != YLM_OK) return s;
     for (uint32_t k = 0; k < 8; k++) g->cell[first + k].flags = YLM_GRID_ADDED;
-    s = complete_children(g, hash, cell);
+    s = complete_children(g, cell);
     if (s != YLM_OK) return s;
   }
 }
 
-ylm_status ylm__grid_make_continuous(ylm_grid *g, const lattice_hash *hash) {
+/* Leaves without data note the level at which corners of their own were evaluated. */
+static void note_corners(ylm_grid *g, const ylm_grid_cell *parent) {
+  for (uint32_t k = 0; k < 8; k++) {
+    ylm_grid_cell *c = &g->cell[parent->child + k];
+    if (c->flags & YLM_GRID_BAKED) continue;
+    for (uint32_t i = 0; i < 8; i++)
+      if (i != k && c->corner[i] != YLM_GRID_NONE) c->detail = c->level;
+  }
+}
+
+ylm_status ylm__grid_make_continuous(ylm_grid *g) {
   uint32_t resolution = g->view.resolution[0];
   ylm_status s = YLM_OK;
-  for (size_t i = 0; i < g->view.octree_cells && s == YLM_OK; i++)
-    if (g->cell[i].child) s = complete_children(g, hash, (uint32_t)i);
+  for (size_t i = 0; i < g->view.octree_cells; i++)
+    if (g->cell[i].child) note_corners(g, &g->cell[i]);
   for (size_t p = 0; p < g->evaluated && s == YLM_OK; p++) {
     uint32_t at[3];
     memcpy(at, g->lattice + 3 * p, sizeof at);
@@ -206,8 +228,66 @@ ylm_status ylm__grid_make_continuous(ylm_grid *g, const lattice_hash *hash) {
         out |= side >> a & 1 ? at[a] == resolution : at[a] == 0;
         beside[a] = side >> a & 1 ? at[a] : at[a] - 1;
       }
-      if (!out) s = split_beside(g, hash, at, beside);
+      if (!out) s = split_beside(g, at, beside);
     }
   }
   return s;
+}
+
+/* -- voxels without data, while sampling ------------------------------------------------------- */
+
+/* Gives the virtual cell the corner at place n of its own half-edge lattice: an evaluated point's
+   rows, or rows interpolated into `to`. */
+static void virtual_corner(const ylm_grid *g, const virtual_cell *v, const uint32_t place[3],
+                           float *to, const float *row[4]) {
+  uint32_t half = v->edge / 2, at[3];
+  int corner = 0, middle = 0;
+  float t[3];
+  for (int a = 0; a < 3; a++) {
+    at[a] = v->origin[a] + place[a] * half;
+    t[a] = 0.5f * (float)place[a];
+    middle += place[a] == 1;
+    corner |= (int)(place[a] / 2) << a;
+  }
+  uint32_t point = middle ? lattice_hash_find(&g->hash, lattice_key(at)) : YLM_GRID_NONE;
+  for (int r = 0; r < 4; r++) {
+    if (!middle) /* its rows may lie in the room that the next descent writes to */
+      row[r] = memcpy(to + (size_t)r * g->stride, v->row[8 * r + corner], g->stride * sizeof *to);
+    else if (point != YLM_GRID_NONE) row[r] = ylm__grid_row(g, point, r);
+    else row[r] = to + (size_t)r * g->stride;
+  }
+  if (middle && point == YLM_GRID_NONE)
+    ylm__grid_mix(g, v->row, v->edge, t, to, to + g->stride);
+}
+
+/* Replaces the virtual cell by its child number k; `to` is room for eight corners. */
+static void virtual_descend(const ylm_grid *g, virtual_cell *v, uint32_t k, float *to) {
+  const float *row[32];
+  for (uint32_t i = 0; i < 8; i++) {
+    uint32_t place[3];
+    const float *corner[4];
+    for (int a = 0; a < 3; a++) place[a] = (k >> a & 1) + (i >> a & 1);
+    virtual_corner(g, v, place, to + i * 4 * g->stride, corner);
+    for (uint32_t r = 0; r < 4; r++) row[8 * r + i] = corner[r];
+  }
+  memcpy(v->row, row, sizeof row);
+  v->edge /= 2;
+  for (int a = 0; a < 3; a++) v->origin[a] += k >> a & 1 ? v->edge : 0;
+}
+
+void ylm__grid_virtual(const ylm_grid *g, uint32_t leaf, const double at[3], virtual_cell *v,
+                       float *scratch) {
+  const ylm_grid_cell *c = &g->cell[leaf], *from = &g->cell[c->source];
+  memcpy(v->origin, from->origin, sizeof v->origin);
+  v->edge = ylm__grid_edge(g, from);
+  for (int r = 0; r < 4; r++)
+    for (int k = 0; k < 8; k++) v->row[8 * r + k] = ylm__grid_row(g, from->corner[k], r);
+  uint32_t last = 1u << (g->view.form.depth - c->detail);
+  for (int level = 0; v->edge > last; level++) {
+    uint32_t k = 0;
+    for (int a = 0; a < 3; a++)
+      k |= (uint32_t)(at[a] >= v->origin[a] + v->edge / 2) << a;
+    /* Children interpolate from their parent: two rooms in turn. */
+    virtual_descend(g, v, k, scratch + (size_t)(level & 1) * 32 * g->stride);
+  }
 }

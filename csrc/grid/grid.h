@@ -6,6 +6,13 @@
 
 #define ROWS 32 /* what a voxel's interpolant is made of: 8 corners x (value, 3 derivatives) */
 
+/* Points by lattice coordinates. */
+typedef struct lattice_hash {
+  uint64_t *key;
+  uint32_t *value;
+  size_t size, used; /* size is a power of two */
+} lattice_hash;
+
 struct ylm_grid {
   ylm_grid_view view; /* its pointers are the arrays below */
   ylm_grid_stats stats;
@@ -20,7 +27,8 @@ struct ylm_grid {
   uint8_t *flags;
   size_t points, point_room, evaluated, stride;
 
-  uint32_t width; /* channels * count */
+  lattice_hash hash; /* evaluated points */
+  uint32_t width;    /* channels * count */
   /* Cells by coarse lattice coordinates: [top[2]][top[1]][top[0]], to begin a descent. */
   uint32_t *table, top[3];
   int top_shift;  /* lattice coordinate >> top_shift is a coordinate of the table */
@@ -44,6 +52,8 @@ static inline uint32_t ylm__grid_edge(const ylm_grid *g, const ylm_grid_cell *c)
 static inline const float *ylm__grid_row(const ylm_grid *g, uint32_t point, int row) {
   return g->data + ((size_t)point * 4 + (size_t)row) * g->stride;
 }
+/* Flags the octree's cells whose corners were all evaluated. */
+void ylm__grid_find_baked(ylm_grid *g);
 /* Finds each leaf's source of data, counts, builds the table: what sampling needs. */
 ylm_status ylm__grid_finish(ylm_grid *g);
 /* Lattice coordinates (with fractions, clamped into the bounds) of a point; true if it was inside. */
@@ -57,12 +67,6 @@ uint32_t ylm__grid_leaf(const ylm_grid *g, const double at[3]);
 /* Interleaves 16 bits of each coordinate, x lowest. */
 uint64_t ylm__morton(uint32_t x, uint32_t y, uint32_t z);
 
-/* Points by lattice coordinates. */
-typedef struct lattice_hash {
-  uint64_t *key;
-  uint32_t *value;
-  size_t size, used; /* size is a power of two */
-} lattice_hash;
 static inline uint64_t lattice_key(const uint32_t at[3]) {
   return (uint64_t)at[0] | (uint64_t)at[1] << 21 | (uint64_t)at[2] << 42;
 }
@@ -109,7 +113,6 @@ typedef struct baker {
   ylm_grid *g;
   const ylm_grid_source *source;
   ylm_error *e;
-  lattice_hash hash;
   occupancy occupied;
   cell_list wave, next; /* cells to decide about, their children that come next */
   uint8_t *crossed;     /* [wave.n], room for crossed_room */
@@ -146,14 +149,28 @@ ylm_status ylm__grid_bake_tolerance(baker *b);
 
 /* First-order values for points in lights, from valid corners of the cells they belong to. */
 ylm_status ylm__grid_fill_invalid(ylm_grid *g);
-/* Splits leaves until every evaluated point is a corner of all leaves that it touches. */
-ylm_status ylm__grid_make_continuous(ylm_grid *g, const lattice_hash *hash);
+/* Splits leaves that have data until every evaluated point is a corner of all of them that it
+   touches; leaves without data note how far sampling has to descend (cell.detail). */
+ylm_status ylm__grid_make_continuous(ylm_grid *g);
+
+/* A cell that exists only while a leaf without data is sampled. */
+typedef struct virtual_cell {
+  uint32_t origin[3], edge;
+  const float *row[ROWS];
+} virtual_cell;
+#define VIRTUAL_ROWS 64 /* room that it needs, in rows of g->stride floats */
+/* The virtual cell that holds lattice coordinates `at` of a leaf with `detail`. */
+void ylm__grid_virtual(const ylm_grid *g, uint32_t leaf, const double at[3], virtual_cell *v,
+                       float *scratch);
 
 /* -- sample.c ----------------------------------------------------------------------- */
 
 /* A cell's interpolant at fractions t of its edges, float; row r is [width]. Hermite. */
 void ylm__grid_interpolate(const ylm_grid *g, const ylm_grid_cell *c, const float t[3],
                            float *value, float *gradient /* [3][stride], may be NULL */);
+/* The same from 32 rows and an edge in lattice units. */
+void ylm__grid_mix(const ylm_grid *g, const float *const row[ROWS], uint32_t edge,
+                   const float t[3], float *value, float *gradient);
 
 /* Samples the grid that is f->self: see ylm_grid_field. */
 ylm_status ylm__grid_evaluate(const ylm_field *f, const ylm_field_query *q, size_t n,

@@ -98,6 +98,7 @@ static void cells(stream *s, ylm_grid *g) {
     numbers(s, &c->residual, 1, sizeof c->residual);
     numbers(s, &c->level, 1, 1);
     numbers(s, &c->flags, 1, 1);
+    numbers(s, &c->detail, 1, sizeof c->detail);
   }
 }
 
@@ -110,7 +111,7 @@ static void points(stream *s, ylm_grid *g) {
     numbers(s, g->data + r * g->stride, g->width, sizeof *g->data);
 }
 
-#define CELL_BYTES (4 * 14 + 2)
+#define CELL_BYTES (4 * 14 + 4)
 #define POINT_BYTES(width) (4 * 5 + 1 + 16 * (size_t)(width))
 
 /* -- writing ---------------------------------------------------------------------------------- */
@@ -228,8 +229,10 @@ static const char *check_octree(const ylm_grid *g, uint8_t *seen) {
     if (!seen[i]) return "a cell without parent";
     if (!links_hold(g, i)) return "a cell's children";
     if (!corners_hold(g, c)) return "a cell's corners";
+    if (c->detail && (c->detail > g->view.form.depth || c->detail < c->level))
+      return "a cell's detail";
     if (!c->child) continue;
-    if (c->level >= g->view.form.depth) return "a cell's level";
+    if (c->detail || c->level >= g->view.form.depth) return "a cell's level";
     uint32_t half = ylm__grid_edge(g, c) / 2;
     for (uint32_t k = 0; k < 8; k++) {
       const ylm_grid_cell *d = &g->cell[c->child + k];
@@ -246,7 +249,7 @@ static const char *check_lattice(const ylm_grid *g) {
     const ylm_grid_cell *c = &g->cell[i];
     for (int a = 0; a < 3; a++)
       if (c->origin[a] >= g->view.resolution[a]) return "a voxel's origin";
-    if (c->level || c->child || !is_complete(c) || !corners_hold(g, c)) return "a voxel";
+    if (c->level || c->child || c->detail || !is_complete(c) || !corners_hold(g, c)) return "a voxel";
     if (c->flags & YLM_GRID_ADDED || !(c->flags & YLM_GRID_LEAF)) return "a voxel's flags";
   }
   return NULL;
@@ -282,6 +285,15 @@ static bool table_holds(const ylm_grid *g, uint64_t n) {
          (uint64_t)r[0] * r[1] * r[2] <= 4096 * n + (1u << 20);
 }
 
+/* The hash of the evaluated points, which voxels without data are sampled with. */
+static ylm_status index_points(ylm_grid *g) {
+  if (g->view.form.kind == YLM_GRID_UNIFORM || !g->view.form.continuous) return YLM_OK;
+  ylm_status s = lattice_hash_reserve(&g->hash, g->evaluated);
+  for (size_t i = 0; s == YLM_OK && i < g->evaluated; i++)
+    *lattice_hash_at(&g->hash, lattice_key(g->lattice + 3 * i)) = (uint32_t)i;
+  return s;
+}
+
 /* Cells and points of a grid whose form and counts are known. */
 static ylm_status read_body(stream *s, ylm_grid *g, const uint64_t counts[4], const char *name,
                             ylm_error *e) {
@@ -300,7 +312,8 @@ static ylm_status read_body(stream *s, ylm_grid *g, const uint64_t counts[4], co
   if (s->failed || s->at != s->size) return bad(name, "its length", e);
   const char *what = check_grid(g);
   if (what) return bad(name, what, e);
-  status = ylm__grid_finish(g);
+  status = index_points(g);
+  if (status == YLM_OK) status = ylm__grid_finish(g);
   return status == YLM_OK ? YLM_OK : ylm_fail(e, status, "%s: memory ran out", name);
 }
 

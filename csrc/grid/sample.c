@@ -21,19 +21,31 @@ sample_kernel *ylm__grid_kernel(void) {
   }
 }
 
+static void set_edge(const ylm_grid *g, uint32_t edge, sample_batch *b) {
+  for (int a = 0; a < 3; a++) b->edge[a] = (float)(edge / g->scale[a]);
+}
+
 /* Points the batch's rows at the corners of a cell. */
 static void set_cell(const ylm_grid *g, const ylm_grid_cell *c, sample_batch *b) {
-  double edge = ylm__grid_edge(g, c);
-  for (int a = 0; a < 3; a++) b->edge[a] = (float)(edge / g->scale[a]);
+  set_edge(g, ylm__grid_edge(g, c), b);
   for (int r = 0; r < 4; r++)
     for (int k = 0; k < 8; k++) b->row[8 * r + k] = ylm__grid_row(g, c->corner[k], r);
 }
 
 void ylm__grid_interpolate(const ylm_grid *g, const ylm_grid_cell *c, const float t[3],
                            float *value, float *gradient) {
+  const float *row[ROWS];
+  for (int r = 0; r < 4; r++)
+    for (int k = 0; k < 8; k++) row[8 * r + k] = ylm__grid_row(g, c->corner[k], r);
+  ylm__grid_mix(g, row, ylm__grid_edge(g, c), t, value, gradient);
+}
+
+void ylm__grid_mix(const ylm_grid *g, const float *const row[ROWS], uint32_t edge,
+                   const float t[3], float *value, float *gradient) {
   sample_batch b = {.points = 1, .width = (int)g->width, .derivatives = gradient != NULL,
                     .interpolation = YLM_GRID_HERMITE};
-  set_cell(g, c, &b);
+  set_edge(g, edge, &b);
+  memcpy(b.row, row, sizeof b.row);
   b.value[0] = value;
   for (int a = 0; a < 3; a++) {
     b.t[a][0] = t[a];
@@ -79,8 +91,8 @@ static ylm_status locate(void *context, size_t begin, size_t end, int worker) {
     read_point(s, i, p);
     s->away[i] = !ylm__grid_coordinates(g, p, at);
     outside += s->away[i];
-    const ylm_grid_cell *leaf = &g->cell[ylm__grid_leaf(g, at)];
-    const ylm_grid_cell *c = &g->cell[leaf->source];
+    uint32_t found = ylm__grid_leaf(g, at);
+    const ylm_grid_cell *leaf = &g->cell[found], *c = leaf->detail ? leaf : &g->cell[leaf->source];
     double edge = ylm__grid_edge(g, c), inverse = 1 / edge;
     bool moved = false;
     for (int a = 0; a < 3; a++) {
@@ -88,8 +100,8 @@ static ylm_status locate(void *context, size_t begin, size_t end, int worker) {
       moved |= !(t >= 0 && t <= 1);
       s->t[i][a] = (float)(t < 0 ? 0 : t > 1 ? 1 : t);
     }
-    unbaked += moved || !(leaf->flags & YLM_GRID_BAKED);
-    s->cell[i] = leaf->source;
+    unbaked += moved || !(leaf->flags & (YLM_GRID_BAKED | YLM_GRID_ADDED));
+    s->cell[i] = leaf->detail ? found : leaf->source;
   }
   s->outside += outside;
   s->unbaked += unbaked;
@@ -148,6 +160,22 @@ static void run_batch(const sampling *s, sample_batch *b, const size_t *index, f
   }
 }
 
+/* One point of a leaf without data that evaluated points touch. */
+static void sample_virtual(const sampling *s, sample_batch *b, size_t i, float *scratch) {
+  const ylm_grid_cell *c = &s->g->cell[s->cell[i]];
+  float *room = scratch + (size_t)BATCH * 4 * s->g->width + ROW_PADDING;
+  uint32_t edge = ylm__grid_edge(s->g, c);
+  virtual_cell v;
+  double at[3];
+  for (int a = 0; a < 3; a++) at[a] = c->origin[a] + (double)s->t[i][a] * edge;
+  ylm__grid_virtual(s->g, s->cell[i], at, &v, room);
+  set_edge(s->g, v.edge, b);
+  memcpy(b->row, v.row, sizeof b->row);
+  for (int a = 0; a < 3; a++) b->t[a][0] = (float)((at[a] - v.origin[a]) / v.edge);
+  b->points = 1;
+  run_batch(s, b, &i, scratch);
+}
+
 /* Samples places begin .. end-1 of the order, cell by cell. */
 static ylm_status sample_range(void *context, size_t begin, size_t end, int worker) {
   sampling *s = context;
@@ -158,6 +186,12 @@ static ylm_status sample_range(void *context, size_t begin, size_t end, int work
   float *scratch = s->scratch + (size_t)worker * s->scratch_size;
   for (size_t i = begin; i < end;) {
     uint32_t cell = s->cell[s->order ? s->order[i] : i];
+    if (s->g->cell[cell].detail) {
+      sample_virtual(s, &b, s->order ? s->order[i] : i, scratch);
+      last = YLM_GRID_NONE;
+      i++;
+      continue;
+    }
     if (cell != last) set_cell(s->g, &s->g->cell[cell], &b);
     last = cell;
     b.points = 0;
@@ -211,7 +245,8 @@ static ylm_status begin_sampling(sampling *s, size_t n, uint32_t **order, uint32
   s->away = ylm_alloc(n, 1);
   *order = ylm_alloc(n, sizeof **order);
   *other = ylm_alloc(n, sizeof **other);
-  s->scratch_size = (size_t)BATCH * 4 * s->g->width + 16;
+  s->scratch_size = (size_t)BATCH * 4 * s->g->width + VIRTUAL_ROWS * s->g->stride +
+                    2 * ROW_PADDING;
   s->scratch = ylm_alloc((size_t)ylm_threads(s->q->threads), s->scratch_size * sizeof(float));
   bool ok = s->cell && s->t && s->away && *order && *other && s->scratch;
   return ok ? YLM_OK : YLM_ENOMEM;

@@ -101,6 +101,7 @@ void ylm_grid_free(ylm_grid *g) {
   ylm_free(g->norm);
   ylm_free(g->flags);
   ylm_free(g->table);
+  lattice_hash_free(&g->hash);
   ylm_free(g);
 }
 
@@ -167,22 +168,21 @@ static bool has_corners(const ylm_grid_cell *c, size_t below) {
   return true;
 }
 
+void ylm__grid_find_baked(ylm_grid *g) {
+  for (size_t i = 0; i < g->cells; i++) {
+    ylm_grid_cell *c = &g->cell[i];
+    c->flags &= (uint8_t)~YLM_GRID_BAKED;
+    if (!(c->flags & YLM_GRID_ADDED) && has_corners(c, g->evaluated)) c->flags |= YLM_GRID_BAKED;
+  }
+}
+
 /* Each cell's source: itself where it has its corners, else its parent's. */
 static void find_sources(ylm_grid *g) {
   for (size_t i = 0; i < g->cells; i++) {
     ylm_grid_cell *c = &g->cell[i];
     bool root = i == 0 || g->view.form.kind == YLM_GRID_UNIFORM;
     if (root || has_corners(c, g->points)) c->source = (uint32_t)i;
-    if (!(c->flags & YLM_GRID_ADDED))
-      c->flags = (uint8_t)((c->flags & ~YLM_GRID_BAKED) |
-                           (has_corners(c, g->evaluated) ? YLM_GRID_BAKED : 0));
-    if (!c->child) continue;
-    for (uint32_t k = 0; k < 8; k++) {
-      ylm_grid_cell *d = &g->cell[c->child + k];
-      d->source = c->source;
-      if (d->flags & YLM_GRID_ADDED)
-        d->flags = (uint8_t)((d->flags & ~YLM_GRID_BAKED) | (c->flags & YLM_GRID_BAKED));
-    }
+    for (uint32_t k = 0; c->child && k < 8; k++) g->cell[c->child + k].source = c->source;
   }
 }
 
@@ -207,8 +207,9 @@ static void count_cells(ylm_grid *g) {
     s->invalid += (g->flags[i] & YLM_GRID_POINT_INVALID) != 0;
     s->tested += (g->flags[i] & YLM_GRID_POINT_TESTED) != 0;
   }
+  s->bytes = g->hash.size * (sizeof *g->hash.key + sizeof *g->hash.value);
   size_t table = (size_t)g->top[0] * g->top[1] * g->top[2];
-  s->bytes = g->cell_room * sizeof *g->cell + table * sizeof *g->table +
+  s->bytes += g->cell_room * sizeof *g->cell + table * sizeof *g->table +
              g->point_room * (4 * g->stride * sizeof(float) + 3 * sizeof *g->lattice +
                               2 * sizeof(float) + 1);
 }
@@ -273,6 +274,7 @@ static ylm_status build_table(ylm_grid *g) {
 }
 
 ylm_status ylm__grid_finish(ylm_grid *g) {
+  ylm__grid_find_baked(g);
   find_sources(g);
   ylm_status s = build_table(g);
   if (s != YLM_OK) return s;

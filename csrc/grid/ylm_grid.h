@@ -120,7 +120,7 @@ typedef struct ylm_grid_cell {
   float residual;     /* measured relative error at its centre; NaN: not measured */
   uint8_t level;      /* 0 is the root; always 0 in a uniform grid */
   uint8_t flags;
-  uint16_t reserved;
+  uint16_t detail;    /* no data: level to which sampling descends between evaluated points; 0: none */
 } ylm_grid_cell;
 
 enum {
