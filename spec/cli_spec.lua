@@ -75,6 +75,21 @@ describe("the command-line tool", function()
     assert.equal("ylm: no help on 'zerso' (did you mean 'zeros'?)\n", err)
   end)
 
+  it("generates code", function()
+    local _
+    local out, code = ylm "codegen --lmax 2 --derivatives 1"
+    assert.equal(0, code)
+    assert.truthy(#out > 500)
+    local glsl
+    glsl, code = ylm "codegen --lmax 1 --language glsl"
+    assert.equal(0, code)
+    assert.truthy(glsl:find "void ", glsl)
+    for _, words in ipairs { "", "--lmax -1", "--lmax 4 --language pascal", "--lmux 4" } do
+      _, code = ylm("codegen " .. words)
+      assert.equal(2, code, words)
+    end
+  end)
+
   it("runs experiments with arguments and passes their status on", function()
     local out, code = ylm("run " .. file("a.lua", [[
       local ylm = require "ylm"

@@ -190,6 +190,8 @@ describe("the sandbox of scene files", function()
     refuses("ELIMIT", "attack.lua:1: box: more than 20000000 triangles", "box { divide = 1e5 }")
     refuses("ELIMIT", "sphere: more than 100000 triangles",
       "for i = 1, 1000 do sphere { divide = { 100, 10 } } end", { triangles = 1e5 })
+    refuses("ELIMIT", "uniform_grid: more than 16777216 cells", "uniform_grid { cells = 400 }")
+    refuses("ELIMIT", "adaptive_grid: lmax at most 8 in a scene file, got 9", "adaptive_grid { lmax = 9 }", { lmax = 8 })
     refuses("ELIMIT", "torus: more than 100 triangles", "torus {}", { triangles = 100 })
     assert(try("return scene 'x' { geometry = knot { divide = { 300, 8 } } }"))
   end)

@@ -260,10 +260,7 @@ local describing = { camera = true, material = true, geometry = true, light = tr
 
 --- The constructors, as files see them.
 local function constructors(env, state)
-  for home in pairs(describing) do
-    local ok, message = pcall(require, "ylm." .. home)
-    if not ok and not message:find("not found") then error(message, 0) end
-  end
+  for home in pairs(describing) do require("ylm." .. home) end
   for name, definition in pairs(form.defined) do
     if name ~= "scene" and describing[definition.home] then
       local construct = definition.construct

@@ -119,8 +119,13 @@ local construct = form.define("scene", {
     return setmetatable(values, metatable)
   end,
   example = [[
-local s = scene "grey" { background = 0.5 }
-assert(s.name == "grey" and s.background[3] == 0.5)]],
+local s = scene "one lamp" {
+  camera   = camera { from = { 3, 2, 3 }, at = { 0, 0, 0 } },
+  geometry = { box {}, quad { corner = { -2, -1, 2 }, u = { 4, 0, 0 }, v = { 0, 0, -4 } } },
+  lights   = sphere_light { at = { 0, 2, 0 }, radius = 0.1, radiance = 5 },
+  probes   = adaptive_grid { lmax = 4, depth = 6, tolerance = 0.01 },
+}
+assert(s.name == "one lamp" and #s.geometry == 2 and #s.lights == 1)]],
 })
 
 describe "scene" {

@@ -42,8 +42,13 @@ local function value_of(text, wanted)
   return text
 end
 
---- Parses `given`; nil, message where it does not fit. command.rest = true takes everything as it is.
+--- Parses `given`; nil, message where it does not fit. With command.rest = true everything after the
+-- first file is left as it is, with command.raw = true all of it.
 function arguments.parse(command, given)
+  if command.raw then
+    given.help = given[1] == "--help" or given[1] == "-h"
+    return given
+  end
   local by_word, words = {}, {}
   for _, option in ipairs(declared(command)) do
     by_word["--" .. option[1]] = option
@@ -84,6 +89,7 @@ end
 
 --- How a command is used, with its options.
 function arguments.usage(name, command)
+  if command.text then return command.text() end
   local lines = { ("usage: ylm %s %s"):format(name, command.usage), "", "  " .. command.summary, "" }
   for _, option in ipairs(declared(command)) do
     local word = (option[2] and option[2] .. ", " or "    ") .. "--" .. option[1]
