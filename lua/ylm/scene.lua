@@ -87,7 +87,7 @@ require "ylm.reference".object "scene" {
 
 --- The methods are those of lua/ylm/render.lua, loaded when one is first called.
 local methods = {}
-for _, name in ipairs { "prepare", "bake", "render", "reference", "raycast" } do
+for _, name in ipairs { "bake", "prepare", "render", "reference", "raycast" } do
   methods[name] = function(...) return require("ylm.render")[name](...) end
 end
 
@@ -130,7 +130,7 @@ assert(s.name == "one lamp" and #s.geometry == 2 and #s.lights == 1)]],
 
 describe "scene" {
   about = "Makes a scene: ylm.scene \"name\" { camera = , geometry = , lights = , probes = , background = }. "
-    .. "Methods: bake, render, reference, raycast, prepare.",
+    .. "Methods: bake, prepare, render, reference, raycast.",
   arguments = { { "name", "string", "what pictures are titled with" } },
   returns = { { "fields", "function", "takes the table of fields, see the form 'scene', and returns the scene" } },
   errors = "raises at the caller's line on missing, misspelt or wrong fields",

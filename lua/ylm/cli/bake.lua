@@ -9,6 +9,9 @@ return {
   least = 1,
   options = {
     { "output", "-o", "FILE", "the grid (.ylm), or .vtu for ParaView" },
+    { "occupied", nil, "NAME", "where light is needed: camera (default), vertices or everywhere" },
+    { "size", "-s", "WxH", "of the image whose camera decides, default that of render" },
+    { "samples", "-n", "N", "per pixel of it" },
     { "threads", "-j", "N", "default: YLM_THREADS or all cores" },
   },
   run = function(given)
@@ -18,7 +21,8 @@ return {
     if not scene.probes then
       status.stop(status.script, "%s: the scene has no probes to bake (probes = adaptive_grid { ... })", given[1])
     end
-    local grid = status.need(scene:bake { threads = given.threads, progress = report.progress(given) })
+    local grid = status.need(scene:bake { occupied = given.occupied, size = given.size, samples = given.samples,
+      threads = given.threads, progress = report.progress(given) })
     status.need(grid:save(given.output))
     report.print(given, grid.stats)
   end,

@@ -14,7 +14,7 @@ return {
     { "size", "-s", "WxH", "pixels, default that of the renderer" },
     { "samples", "-n", "N", "per pixel" },
     { "method", "-m", "NAME", "grid (default), reference (no interpolation) or raycast" },
-    { "grid", "-g", "FILE", "a grid baked before" },
+    { "grid", "-g", "FILE", "a grid baked before; without it the scene's probes are baked" },
     { "shading", nil, "NAME", "pixel or vertex" },
     { "interpolation", nil, "NAME", "hermite, taylor or linear" },
     { "exposure", nil, "N", "of a .png, in stops" },
@@ -33,9 +33,7 @@ return {
     if method == "grid" then
       options.shading, options.interpolation = given.shading, given.interpolation
       if given.grid then options.grid = status.need(ylm.load(given.grid))
-      elseif scene.probes then
-        options.grid = status.need(scene:bake { threads = given.threads, progress = report.progress(given) })
-      else
+      elseif not scene.probes then
         status.stop(status.script, "%s: the scene has no probes; add some, or use --method reference", given[1])
       end
     end
