@@ -225,6 +225,14 @@ shape("mesh", {
   example = "mesh { vertices = { { 0, 0, 0 }, { 1, 0, 0 }, { 0, 1, 0 } }, triangles = { { 1, 2, 3 } } }",
 })
 
+require "ylm.reference".object "mesh" {
+  about = "Triangles; #mesh is how many. What ylm.quad, ylm.mesh ... return has it as its field mesh.",
+  fields = {
+    { "bounds", "table", "{ {x0, y0, z0}, {x1, y1, z1} }" },
+    { "area", "number", "of all triangles" },
+  },
+}
+
 -- The object: "ylm.mesh" ---------------------------------------------------------------
 
 local methods = core.metatable "ylm.mesh"

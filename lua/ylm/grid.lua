@@ -9,6 +9,13 @@ local describe = require "ylm.reference".describe
 local grid = {}
 local methods = core.metatable "ylm.grid"
 
+require "ylm.reference".object "grid" {
+  about = "A baked grid of probes. What it was described with can be read from it: grid.lmax, grid.bounds, ...",
+  fields = {
+    { "stats", "table", "points, cells, leaves, levels, pairs, invalid, seconds, ...; with a tolerance met and error" },
+  },
+}
+
 -- Descriptions -------------------------------------------------------------------
 
 local KIND = { adaptive_grid = 0, uniform_grid = 1 }

@@ -57,6 +57,14 @@ image.image = form.define("image", {
   example = 'image { size = { 64, 32 }, layers = { { "radiance", 3 }, { "depth", 1 } } }',
 })
 
+require "ylm.reference".object "image" {
+  about = "Named layers of linear 32-bit floats; the first, \"radiance\", is the picture.",
+  fields = {
+    { "size", "integer[]", "{ width, height }" },
+    { "metadata", "table", "text by name: image.metadata.author = \"me\"" },
+  },
+}
+
 -- Metadata --------------------------------------------------------------------------
 
 local owner_of = setmetatable({}, { __mode = "k" })
