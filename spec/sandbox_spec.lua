@@ -191,7 +191,9 @@ describe("the sandbox of scene files", function()
     refuses("ELIMIT", "sphere: more than 100000 triangles",
       "for i = 1, 1000 do sphere { divide = { 100, 10 } } end", { triangles = 1e5 })
     refuses("ELIMIT", "uniform_grid: more than 16777216 cells", "uniform_grid { cells = 400 }")
-    refuses("ELIMIT", "adaptive_grid: lmax at most 8 in a scene file, got 9", "adaptive_grid { lmax = 9 }", { lmax = 8 })
+    refuses("ELIMIT", "adaptive_grid: lmax at most 8 in a scene file, got 9",
+      "adaptive_grid { lmax = 9 }", { lmax = 8 })
+    refuses("ELIMIT", "adaptive_grid: depth at most 12 in a scene file, got 16", "adaptive_grid { depth = 16 }")
     refuses("ELIMIT", "torus: more than 100 triangles", "torus {}", { triangles = 100 })
     assert(try("return scene 'x' { geometry = knot { divide = { 300, 8 } } }"))
   end)
@@ -240,6 +242,15 @@ describe("the sandbox of scene files", function()
       assert.truthy(try "return scene 'x' {}")
     end
     assert.is_nil((debug.gethook()))
+  end)
+
+  it("bounds ylm's own loops too, compiled or not", function()
+    if jit then assert.is_true((jit.status())) end
+    for _ = 1, 3 do -- so that a compiler would have compiled them
+      refuses("ELIMIT", "more than 2000000 instructions",
+        "local a = box {} for i = 1, 31 do a = { a, a } end return scene 'x' { geometry = a }")
+    end
+    if jit then assert.is_true((jit.status())) end
   end)
 
   it("does not run inside itself", function()

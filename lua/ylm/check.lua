@@ -34,7 +34,7 @@ function check.position()
 end
 
 --- The function below which no caller is looked for: set while a scene file runs.
-check.boundary = nil
+check.boundary = false
 
 --- Raises "bad argument #n to 'name' (message)".
 function check.bad(n, name, message, ...)

@@ -21,6 +21,7 @@ sandbox.limits = {
   { "triangles", "number", min = 0, default = 2e7, about = "of all geometry together" },
   { "cells", "number", min = 0, default = 2 ^ 24, about = "of all uniform grids together" },
   { "lmax", "number", min = 0, default = 64, about = "of any grid" },
+  { "depth", "number", min = 0, default = 12, about = "of any adaptive grid" },
   { "file_size", "number", min = 0, default = 2 ^ 28, unit = "bytes", about = "of the scene file and of each mesh" },
 }
 
@@ -239,9 +240,11 @@ local function observer(folder, limits, state)
       for _, c in ipairs(values.cells) do n = n * c end
       take("cells", n, fail)
     end
-    if values.lmax and values.lmax > limits.lmax then
-      state.limit = "lmax"
-      return fail(("lmax at most %d in a scene file, got %s"):format(limits.lmax, check.describe(values.lmax)))
+    for _, name in ipairs { "lmax", "depth" } do
+      if values[name] and values[name] > limits[name] then
+        state.limit = name
+        return fail(("%s at most %d in a scene file, got %d"):format(name, limits[name], values[name]))
+      end
     end
   end
 end
@@ -356,6 +359,15 @@ local function explain(path, text)
   return path .. ": " .. text
 end
 
+--- Under LuaJIT: no compiled code while a file runs, because hooks do not fire in it; not even in
+-- ylm's own loops, whose length the file may have chosen. Returns what restores it.
+local function without_jit()
+  if not (jit and jit.status()) then return function() end end -- luacheck: ignore 113
+  jit.off()
+  jit.flush()
+  return jit.on
+end
+
 --- Runs the file `path` within `limits` (all fields given). Returns the scene, or nil, message, code.
 function sandbox.run(path, limits)
   if form.observer then return check.fail("a scene file cannot load another") end
@@ -371,16 +383,16 @@ function sandbox.run(path, limits)
     local chunk, wrong = compile(text, source, env)
     if not chunk then error(wrong, 0) end
     compiling = false
-    if jit then jit.off(chunk, true) end -- luacheck: ignore 113
     local result = chunk() -- not a tail call: this frame is check.boundary
     return result
   end
 
-  local restore = guarded_strings(source)
+  local restore, compile_again = guarded_strings(source), without_jit()
   form.observer, check.boundary = observer(folder, limits, state), work
   local called, ok, result, reason = pcall(core.bounded_call, work, limits.instructions, limits.memory, limits.seconds)
-  form.observer, check.boundary = nil, nil
+  form.observer, check.boundary = nil, false
   restore()
+  compile_again()
   if not called then error(ok, 0) end
 
   if reason then

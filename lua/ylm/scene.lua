@@ -142,6 +142,9 @@ function scene.scene(name)
   if type(name) ~= "string" then
     return check.bad(1, "scene", "the scene's name comes first: scene \"name\" { ... }; got %s", check.describe(name))
   end
+  if #name > 200 or name:find("%c") then
+    return check.bad(1, "scene", "a name of at most 200 characters, none of them for control, expected")
+  end
   -- `return scene "name" { ... }` is a tail call: remember the line while it is on the stack.
   local where = check.position()
   return function(given)

@@ -28,6 +28,8 @@ local fields = {
 local cases = {
   scene = {
     { call = function(ylm) ylm.scene {} end, says = "the scene's name comes first" },
+    { call = function(ylm) ylm.scene(("x"):rep(201)) end, says = "at most 200 characters" },
+    { call = function(ylm) ylm.scene "a\27[2Jb" end, says = "none of them for control" },
     { call = function(ylm) ylm.scene() end, says = "the scene's name comes first" },
   },
   load_scene = {
