@@ -38,6 +38,47 @@ local function relative(a, b)
   return e / n
 end
 
+--- A generator of numbers in 0 .. 1, the same everywhere (Lehmer).
+local function random(seed)
+  local state = seed * 7919 % 2147483647
+  return function()
+    state = state * 48271 % 2147483647
+    return state / 2147483647
+  end
+end
+
+--- n points in a cube of the given edge about the origin.
+local function random_points(n, edge, seed)
+  local next, points = random(seed), {}
+  for i = 1, n do points[i] = { (next() - 0.5) * edge, (next() - 0.5) * edge, (next() - 0.5) * edge } end
+  return points
+end
+
+--- n small coloured lights, some of them negative, as one object.
+local function random_lights(n, edge, seed)
+  local next, radii, colours = random(seed + 1000), {}, {}
+  for i = 1, n do
+    radii[i] = 0.01 + 0.04 * next()
+    colours[i] = { next(), next(), next() - 0.1 }
+  end
+  return ylm.sphere_lights { at = random_points(n, edge, seed), radius = radii, radiance = colours }
+end
+
+--- Lone lights at d/r from 1.001 to 1e4, numbers exact in float: { x, lamp, closeness }.
+local function lone_lights(seed)
+  local next, cases = random(seed), {}
+  local function exact(x) return math.floor(x * 1048576) / 1048576 end
+  for _, ratio in ipairs { 1.001, 1.01, 1.1, 2, 10, 100, 1e4 } do
+    local at = { exact(next()), exact(next()), exact(next()) }
+    local x = { exact(2 + next()), exact(next() - 2), exact(next()) }
+    local d = sqrt((x[1] - at[1]) ^ 2 + (x[2] - at[2]) ^ 2 + (x[3] - at[3]) ^ 2)
+    local r = exact(d / ratio)
+    cases[#cases + 1] = { x = x, closeness = closeness(x, at, r),
+      lamp = ylm.sphere_light { at = at, radius = r, radiance = 1 } }
+  end
+  return cases
+end
+
 describe("sphere lights", function()
   describe("convention", function()
     it("give pi times sin^2 and the signs of Y_1m for light from +x, +y, +z", function()
@@ -67,18 +108,186 @@ describe("sphere lights", function()
     end)
   end)
 
-  describe("agreement", function()
-    it("follow the reference vectors by the product rule", function()
-      for _, c in ipairs(vectors()) do
-        local lamps = light.pack(1, "spec", ylm.sphere_light { at = c.at, radius = c.radius, radiance = 1 })
-        local L, dL, ddL = light.evaluate("spec", c.lmax, lamps, ylm.array({ c.x }, "double"),
-          { derivatives = 2, channels = "luminance" }, "reference")
-        local bound = 1e-13 + 1e-15 * closeness(c.x, c.at, c.radius)
-        assert.is_true(relative(L, ylm.array(c.value)) < bound)
-        assert.is_true(relative(dL, ylm.array(c.gradient)) < bound)
-        assert.is_true(relative(ddL, ylm.array(c.hessian)) < bound)
+  describe("properties", function()
+    local options = { derivatives = 2, channels = "luminance", dtype = "double" }
+    local lamps = { ylm.sphere_light { at = { 1, 2, -1 }, radius = 0.7, radiance = 3 },
+      ylm.sphere_light { at = { -2, 0.5, 1 }, radius = 0.2, radiance = { 1, 2, -1 } } }
+
+    it("add up: the field of two lights is the sum of their fields", function()
+      local points = random_points(20, 3, 11)
+      local both = { ylm.light_field(4, lamps, points, options) }
+      local one = { ylm.light_field(4, lamps[1], points, options) }
+      local two = { ylm.light_field(4, { lamps[2] }, points, options) }
+      for k = 1, 3 do
+        local a, b, c = both[k]:totable(), one[k]:totable(), two[k]:totable()
+        local function add(x, y)
+          if type(x) == "number" then return x + y end
+          local t = {}
+          for i = 1, #x do t[i] = add(x[i], y[i]) end
+          return t
+        end
+        assert.is_true(relative(ylm.array(a), ylm.array(add(b, c))) < 1e-14)
       end
     end)
+
+    it("have gradients and Hessians that central differences confirm", function()
+      local step, x = 1e-4, { 0.3, -0.2, 0.6 }
+      local _, dL, ddL = ylm.light_field(5, lamps, x, options)
+      for axis = 1, 3 do
+        local from, to = { x[1], x[2], x[3] }, { x[1], x[2], x[3] }
+        from[axis], to[axis] = from[axis] - step, to[axis] + step
+        local a, da = ylm.light_field(5, lamps, from, options)
+        local b, db = ylm.light_field(5, lamps, to, options)
+        local place = { { 1, 2, 3 }, { 2, 4, 5 }, { 3, 5, 6 } }
+        for i = 1, 36 do
+          assert.near((b:get(1, i) - a:get(1, i)) / (2 * step), dL:get(1, i, axis), 1e-6)
+          for other = 1, 3 do
+            assert.near((db:get(1, i, other) - da:get(1, i, other)) / (2 * step),
+              ddL:get(1, i, place[axis][other]), 1e-5)
+          end
+        end
+      end
+    end)
+
+    it("report lambda, the norm of the Hessians' largest eigenvalues, and the norm of the coefficients", function()
+      -- A field along one axis has Hessians diag(a, a, b) for m = 0: eigenvalues are on the diagonal.
+      local lamp = ylm.sphere_light { at = { 0, 0, 2 }, radius = 0.5, radiance = 1 }
+      local L, _, ddL, report = ylm.light_field(0, lamp, { { 0, 0, 0 } },
+        { derivatives = 2, channels = "luminance", dtype = "double", metric = "luminance" })
+      local largest = math.max(math.abs(ddL:get(1, 1, 1, 1)), math.abs(ddL:get(1, 1, 1, 6)))
+      assert.near(largest, report.lambda[1], 1e-14)
+      assert.near(L:get(1, 1, 1), report.norm[1], 1e-15)
+      assert.equal(1, report.pairs)
+    end)
+
+    it("are finite in, on and at the centre of a light, and say so", function()
+      local lamp = ylm.sphere_light { at = { 1, 1, 1 }, radius = 0.5, radiance = 2 }
+      local points = { { 1, 1, 1 }, { 1.2, 1, 1 }, { 1.5, 1, 1 }, { 1, 1, 3 } }
+      for _, isa in ipairs(ylm.info().kernels) do
+        for _, dtype in ipairs { "double", "float" } do
+          local L, dL, ddL, report = light.evaluate("spec", 3, light.pack(1, "spec", lamp), ylm.array(points, dtype),
+            { derivatives = 2, channels = "rgb", metric = "rgb" }, isa)
+          for i = 1, 3 do
+            assert.near(2 * sqrt(4 * pi), L:get(i, 1, 1), 1e-6)
+            for k = 2, 16 do assert.equal(0, L:get(i, 1, k)) end
+            assert.equal(0, report.lambda[i])
+          end
+          local zero = ylm.zeros { 16, 3 }
+          assert.equal(0, (core.array_distance(dL[1][1], zero)))
+          assert.equal(0, (core.array_distance(ddL[2][2], ylm.zeros { 16, 6 })))
+          assert.same({ 1, 1, 1, 0 }, report.inside:totable())
+        end
+      end
+    end)
+
+    it("emit nothing with a radius of 0, wherever the point", function()
+      local lamp = ylm.sphere_light { at = { 0, 0, 0 }, radius = 0, radiance = 5 }
+      local L, dL, _, report = ylm.light_field(2, lamp, { { 0, 0, 0 }, { 1, 0, 0 } }, { derivatives = 1 })
+      assert.equal(0, (core.array_distance(L, ylm.zeros { 2, 3, 9 })))
+      assert.equal(0, (core.array_distance(dL, ylm.zeros { 2, 3, 9, 3 })))
+      assert.same({ 0, 0 }, report.inside:totable())
+    end)
+
+    it("give the same bits whatever the number of threads and the other points of the batch", function()
+      local many = random_lights(300, 4, 3)
+      for _, dtype in ipairs { "float", "double" } do
+        local points = ylm.array(random_points(333, 4, 5), dtype)
+        local one = { ylm.light_field(4, many, points, { derivatives = 2, threads = 1 }) }
+        local two = { ylm.light_field(4, many, points, { derivatives = 2, threads = 3 }) }
+        for k = 1, 3 do assert.equal(0, (core.array_distance(one[k], two[k]))) end
+        for i = 1, 333, 37 do
+          local L = ylm.light_field(4, many, ylm.array(points[i], dtype), { derivatives = 2 })
+          assert.equal(0, (core.array_distance(L, one[1][i])))
+        end
+      end
+    end)
+
+    it("sum 1e5 lights in float to 1e-5", function()
+      local many, points = random_lights(1e5, 4, 7), random_points(8, 4, 8)
+      for _, x in ipairs(points) do x[1] = x[1] + 4.5 end -- beside the lights: near them float itself is less exact
+      points = ylm.array(points, "float")
+      local o = { derivatives = 2, channels = "luminance" }
+      local packed = light.pack(1, "spec", many)
+      local a = { light.evaluate("spec", 4, packed, points, o) }
+      local b = { light.evaluate("spec", 4, packed, ylm.array(points, "double"), o) }
+      for k = 1, 3 do assert.is_true(relative(a[k], b[k]) < 1e-5) end
+    end)
+
+    it("write where `out` says, and stop where progress returns false", function()
+      local out = { ylm.zeros({ 2, 3, 4 }, "float"), ylm.zeros({ 2, 3, 4, 3 }, "float") }
+      local points = { { 0, 0, 0 }, { 1, 0, 1 } }
+      local L, dL = ylm.light_field(1, lamps, points, { derivatives = 1, out = out })
+      local M = ylm.light_field(1, lamps, points)
+      assert.equal(out[1], L)
+      assert.equal(out[2], dL)
+      assert.equal(0, (core.array_distance(L, M)))
+      local nothing, message, code = ylm.light_field(1, lamps, points, { progress = function() return false end })
+      assert.is_nil(nothing)
+      assert.equal("cancelled", message)
+      assert.equal("ECANCELLED", code)
+    end)
+  end)
+
+  describe("agreement", function()
+    for _, isa in ipairs(ylm.info().kernels) do
+      it("follow the reference vectors: " .. isa, function()
+        for _, c in ipairs(vectors()) do
+          local lamps = light.pack(1, "spec", ylm.sphere_light { at = c.at, radius = c.radius, radiance = 1 })
+          local L, dL, ddL = light.evaluate("spec", c.lmax, lamps, ylm.array({ c.x }, "double"),
+            { derivatives = 2, channels = "luminance" }, isa)
+          local bound = 1e-13 + 1e-15 * closeness(c.x, c.at, c.radius)
+          assert.is_true(relative(L, ylm.array(c.value)) < bound)
+          assert.is_true(relative(dL, ylm.array(c.gradient)) < bound)
+          assert.is_true(relative(ddL, ylm.array(c.hessian)) < bound)
+        end
+      end)
+
+      if isa ~= "reference" then
+        it("keep the accuracy of float and double from d/r 1.001 to 1e4, at every lmax: " .. isa, function()
+          for _, lmax in ipairs { 0, 1, 2, 3, 4, 8, 10, 13 } do
+            for _, case in ipairs(lone_lights(lmax + 1)) do
+              local o = { derivatives = 2, channels = "luminance", metric = "luminance" }
+              local packed, x = light.pack(1, "spec", case.lamp), ylm.array({ case.x }, "double")
+              local truth = { light.evaluate("spec", lmax, packed, x, o, "reference") }
+              local double = { light.evaluate("spec", lmax, packed, x, o, isa) }
+              local float = { light.evaluate("spec", lmax, packed, ylm.array(x, "float"), o, isa) }
+              local grows = math.max(1, (lmax / 8) ^ 2)
+              for k = 1, 3 do
+                assert.is_true(relative(float[k], truth[k]) < (4e-6 + 1.5e-7 * case.closeness) * grows)
+                assert.is_true(relative(double[k], truth[k]) < 1e-13 + 1e-15 * case.closeness)
+              end
+              for _, name in ipairs { "lambda", "norm" } do
+                assert.is_true(relative(double[4][name], truth[4][name]) < 1e-13 + 1e-15 * case.closeness)
+              end
+            end
+          end
+        end)
+
+        it("agrees with the reference for all channels, derivatives and metrics: " .. isa, function()
+          local packed = light.pack(1, "spec", random_lights(17, 4, 2))
+          local points = random_points(19, 4, 1)
+          for _, dtype in ipairs { "float", "double" } do
+            local p, bound = ylm.array(points, dtype), dtype == "float" and 2e-5 or 1e-12
+            for derivatives = 0, 2 do
+              for _, channels in ipairs { "rgb", "luminance" } do
+                for _, metric in ipairs { false, "rgb", "luminance" } do
+                  for _, lmax in ipairs { 1, 4, 11 } do
+                    local o = { derivatives = derivatives, channels = channels, metric = metric or nil }
+                    local a = { light.evaluate("spec", lmax, packed, p, o, isa) }
+                    local b = { light.evaluate("spec", lmax, packed, p, o, "reference") }
+                    for k = 1, derivatives + 1 do assert.is_true(relative(a[k], b[k]) < bound) end
+                    for _, name in ipairs(metric and { "lambda", "norm" } or {}) do
+                      assert.is_true(relative(a[4][name], b[4][name]) < bound)
+                    end
+                    assert.equal(0, (core.array_distance(a[4].inside, b[4].inside)))
+                  end
+                end
+              end
+            end
+          end
+        end)
+      end
+    end
   end)
 
   describe("refusals", function()

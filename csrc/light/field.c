@@ -1,5 +1,5 @@
 /* field.c - a query about lights: checked, cut into blocks of points, given to the kernels. */
-#include "light.h"
+#include "moments.h"
 
 #include <math.h>
 
@@ -46,6 +46,8 @@ typedef struct job {
   const ylm_field_query *q;
   const void *points;
   ylm_field_result *r;
+  ylm__plan plan;
+  ylm__sum_range *range;
 } job;
 
 static ylm_status run_reference(void *context, size_t begin, size_t end, int worker) {
@@ -54,13 +56,40 @@ static ylm_status run_reference(void *context, size_t begin, size_t end, int wor
   return ylm__reference_range(j->lights, j->q, begin, end, j->points, j->r);
 }
 
+static ylm_status run_kernels(void *context, size_t begin, size_t end, int worker) {
+  const job *j = context;
+  (void)worker;
+  return j->range(&j->plan, begin, end, j->points, j->r);
+}
+
+/* Points in a block of work: whole vectors, some 10^4 light-point pairs, at most 1024. */
+static size_t grain(size_t lights, int lanes) {
+  size_t vectors = 1 + 16384 / ((lights + 1) * (size_t)lanes);
+  size_t most = 1024 / (size_t)lanes;
+  return (vectors < most ? vectors : most) * (size_t)lanes;
+}
+
+static ylm_status sum(const ylm_lights *lights, ylm_isa isa, const ylm_field_query *q, size_t n,
+                      const void *points, ylm_field_result *r) {
+  job j = {.lights = lights, .q = q, .points = points, .r = r};
+  ylm__kernel_set set;
+  if (!ylm__kernels_of(isa, q->lmax, q->dtype, &set))
+    return ylm_parallel(n, 4, q->threads, run_reference, &j, q->progress, "lights");
+  ylm_status s = ylm__plan_create(&j.plan, lights, q, set.moments);
+  j.range = set.range;
+  if (s == YLM_OK)
+    s = ylm_parallel(n, grain(lights->active, set.moments->lanes), q->threads, run_kernels, &j,
+                     q->progress, "lights");
+  ylm__plan_free(&j.plan);
+  return s;
+}
+
 ylm_status ylm_lights_evaluate(const ylm_lights *lights, ylm_isa isa, const ylm_field_query *q,
                                size_t n, const void *points, ylm_field_result *r, ylm_error *e) {
   ylm_status s = check_query(q, isa, r, e);
   if (s == YLM_OK) s = check_points(q, n, points, e);
   if (s != YLM_OK) return s;
-  job j = {lights, q, points, r};
-  s = ylm_parallel(n, 4, q->threads, run_reference, &j, q->progress, "lights");
+  s = n ? sum(lights, isa, q, n, points, r) : YLM_OK;
   if (s != YLM_OK) return ylm_fail(e, s, "%s", ylm_status_text(s));
   r->pairs += (uint64_t)n * lights->active;
   return YLM_OK;

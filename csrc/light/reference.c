@@ -15,6 +15,8 @@
 #include <math.h>
 #include <string.h>
 
+#include "ylm_sh.h"
+
 /* Scratch of one block: the basis at one direction and the sums at one point. */
 typedef struct work {
   int lmax, count;
@@ -25,55 +27,10 @@ typedef struct work {
 
 static const int row[6] = {0, 0, 0, 1, 1, 2}, column[6] = {0, 1, 2, 1, 2, 2};
 
-/* Y_lm of the unit vector w by the recurrence in degree. */
-static void harmonics(int lmax, const double *w, double *Y) {
-  double c = 1, s = 0, q_mm = sqrt(0.25 / M_PI);
-  for (int m = 0; m <= lmax; m++) {
-    double before = 0, q = q_mm, a_before = 0;
-    for (int l = m; l <= lmax; l++) {
-      Y[l * (l + 1) + m] = q * c * (m ? M_SQRT2 : 1);
-      if (m) Y[l * (l + 1) - m] = q * s * M_SQRT2;
-      double k = l + 1, a = sqrt((k * k - (double)m * m) / (4 * k * k - 1));
-      double next = (w[2] * q - a_before * before) / a;
-      before = q, q = next, a_before = a;
-    }
-    double x = c * w[0] - s * w[1], y = c * w[1] + s * w[0];
-    c = x, s = y;
-    q_mm *= -sqrt((2.0 * m + 3) / (2.0 * m + 2));
-  }
-}
-
-/* The derivative along axis a of the solid harmonic (l,m) on the unit sphere. */
-static double ladder(int a, int l, int m, const double *S, int stride) {
-  double sum = 0;
-  for (int p = 1 - l; p <= l - 1; p++) {
-    double x = ylm__coupling(a, l - 1, p, m);
-    if (x != 0) sum += x * S[((l - 1) * l + p) * stride];
-  }
-  return (2 * l + 1) * sum;
-}
-
-/* Y(v/|v|) with its derivatives at v = d w (2025, Eqs. 16, 17 and Sec. 4.2; ERRATA: scaled by d). */
-static void basis(const work *k, const double *w, double d) {
-  harmonics(k->lmax, w, k->Y);
-  for (int l = 0, i = 0; l <= k->lmax; l++)
-    for (int m = -l; m <= l; m++, i++)
-      for (int a = 0; a < 3; a++) k->dY[3 * i + a] = ladder(a, l, m, k->Y, 1);
-  for (int l = 0, i = 0; l <= k->lmax; l++)
-    for (int m = -l; m <= l; m++, i++)
-      for (int j = 0; j < 6; j++)
-        k->ddY[6 * i + j] = ladder(row[j], l, m, k->dY + column[j], 3);
-  for (int l = 0, i = 0; l <= k->lmax; l++)
-    for (int m = -l; m <= l; m++, i++) {
-      double *g = k->dY + 3 * i, Y = k->Y[i];
-      for (int a = 0; a < 3; a++) g[a] -= l * Y * w[a];
-      for (int j = 0; j < 6; j++) {
-        int a = row[j], b = column[j];
-        k->ddY[6 * i + j] -= l * (Y * ((a == b) + (l - 2) * w[a] * w[b]) + g[a] * w[b] + w[a] * g[b]);
-        k->ddY[6 * i + j] /= d * d;
-      }
-      for (int a = 0; a < 3; a++) g[a] /= d;
-    }
+/* Y(v/|v|) with its derivatives at v, by the reference of csrc/sh. */
+static ylm_status basis(const work *k, const double *v) {
+  ylm_sh_how how = {.derivatives = 2, .isa = YLM_ISA_reference, .threads = 1};
+  return ylm_sh_eval_how(&how, k->lmax, YLM_DOUBLE, 1, v, k->Y, k->dY, k->ddY, NULL);
 }
 
 /* P_l and P_l' at alpha. */
@@ -110,28 +67,29 @@ static void add(work *k, int i, const double *w, double d, const double F[3],
   }
 }
 
-/* Adds one light at point x; true if x lies in or on it. */
-static bool add_light(work *k, const ylm_field_query *q, const ylm__lamp_d *lamp, const double *x,
-                      ylm__channels ch) {
+/* Adds one light at point x; sets *inside if x lies in or on it. */
+static ylm_status add_light(work *k, const ylm_field_query *q, const ylm__lamp_d *lamp,
+                            const double *x, ylm__channels ch, bool *inside) {
   double v[3], d2 = 0, r = lamp->radius;
   for (int a = 0; a < 3; a++) v[a] = lamp->at[a] - x[a], d2 += v[a] * v[a];
   double d = sqrt(d2), h2 = (d - r) * (d + r);
   if (!(h2 > 0)) {
     for (int c = 0; c < ch.value; c++)
       k->value[c * k->count] += emission(lamp, ch.value, c) * sqrt(4 * M_PI);
-    return true;
+    *inside = true;
+    return YLM_OK;
   }
   double h = sqrt(h2), alpha = h / d, s2 = r * r / d2, u = s2 / h;
   double w[3] = {v[0] / d, v[1] / d, v[2] / d};
   legendre(q->lmax, alpha, k->P, k->dP);
-  basis(k, w, d);
+  if (basis(k, v) != YLM_OK) return YLM_ERANGE;
   for (int l = 0, i = 0; l <= q->lmax; l++) {
     double F[3] = {2 * M_PI * s2 * (l ? k->dP[l] / (l * (l + 1.0)) : 1 / (1 + alpha)),
                    -2 * M_PI * k->P[l] * u,
                    -2 * M_PI * u * (k->dP[l] * u - k->P[l] * (2 / d + d / h2))};
     for (int m = -l; m <= l; m++, i++) add(k, i, w, d, F, lamp, ch);
   }
-  return false;
+  return YLM_OK;
 }
 
 /* The largest absolute eigenvalue of xx xy xz yy yz zz, by Jacobi rotations. */
@@ -210,21 +168,22 @@ ylm_status ylm__reference_range(const ylm_lights *lights, const ylm_field_query 
   work k;
   if (work_create(&k, q->lmax) != YLM_OK) return YLM_ENOMEM;
   ylm__channels ch = ylm__channels_of(q);
-  for (size_t p = begin; p < end; p++) {
+  ylm_status s = YLM_OK;
+  for (size_t p = begin; s == YLM_OK && p < end; p++) {
     double x[3];
     bool inside = false;
     for (int a = 0; a < 3; a++)
       x[a] = q->dtype == YLM_DOUBLE ? ((const double *)points)[3 * p + a]
                                     : (double)((const float *)points)[3 * p + a];
     memset(k.value, 0, 30 * (size_t)k.count * sizeof(double));
-    for (size_t i = 0; i < lights->active; i++) {
+    for (size_t i = 0; s == YLM_OK && i < lights->active; i++) {
       ylm__lamp_d lamp = lights->lamp_d[i];
       if (q->dtype == YLM_FLOAT) { /* the inputs rounded as the kernels see them */
         const ylm__lamp_f *f = &lights->lamp_f[i];
         lamp = (ylm__lamp_d){{f->at[0], f->at[1], f->at[2]}, f->radius, f->luminance,
                              {f->rgb[0], f->rgb[1], f->rgb[2]}};
       }
-      inside |= add_light(&k, q, &lamp, x, ch);
+      s = add_light(&k, q, &lamp, x, ch, &inside);
     }
     size_t n = (size_t)k.count;
     if (q->want & YLM_WANT_VALUE) put(q->dtype, r->value, p, q->channels, ch.value, n, k.value);
@@ -236,5 +195,5 @@ ylm_status ylm__reference_range(const ylm_lights *lights, const ylm_field_query 
     if (r->inside) r->inside[p] = inside;
   }
   ylm_free(k.value);
-  return YLM_OK;
+  return s;
 }

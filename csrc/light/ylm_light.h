@@ -83,8 +83,9 @@ YLM_API const ylm_field *ylm_lights_field(const ylm_lights *lights);
 ** Returns  YLM_OK; YLM_ERANGE (lmax, a point too far out), YLM_EDOMAIN (a point is not finite),
 **          YLM_EINVAL (channels, isa): nothing is written then; YLM_ENOMEM; YLM_ECANCELLED
 ** Accuracy relative to the L2 norm over all degrees, against double at the inputs rounded to the
-**          dtype, d/r from 1.001 to 1e4, lmax <= 10: float 4e-6 + 1.5e-7 d/(d-r),
-**          double 1e-13 + 1e-15 d/(d-r)
+**          dtype, d/r from 1.001 to 1e4: double 1e-13 + 1e-15 d/(d-r); float 4e-6 + 1.5e-7 d/(d-r)
+**          to lmax 8, (lmax/8)^2 times that above
+** Sums     of 1e5 lights in float stay within 1e-5 of double (compensated sums of 128)
 ** Threads  a point's result depends on the point and the lights alone: neither on the number of
 **          threads nor on the other points of the batch
 ** Source   Iwasaki & Dobashi 2025, Eqs. 2-8, 15-20; docs/math.md "Sum of sphere lights"

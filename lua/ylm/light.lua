@@ -61,7 +61,8 @@ local function build_lights(values, fail)
   end
   local radius, rshape = numbers("radius", values.radius, "a number or [n] numbers", fail)
   if #rshape ~= 1 or (rshape[1] ~= n and rshape[1] ~= 1) then
-    return fail(("radius must be a number or one for each of the %d lights, got %s"):format(n, check.describe(radius)))
+    return fail(("radius must be a number or one for each of the %d lights, got %s")
+      :format(n, check.describe(radius)))
   end
   local radiance, cshape = numbers("radiance", values.radiance, "a number, {r, g, b}, [n][3] or [n] numbers", fail)
   local fits
@@ -88,7 +89,7 @@ light.sphere_lights = form.define("sphere_lights", {
       about = "[n][3] linear Rec. 709 or [n], or a number or {r, g, b} for all; may be negative" },
   },
   build = build_lights,
-  example = "sphere_lights { at = { {0, 2, 0}, {1, 2, 0} }, radius = { 0.1, 0.2 }, radiance = { {10, 8, 6}, {6, 8, 10} } }",
+  example = "sphere_lights { at = { {0, 2, 0}, {1, 2, 0} }, radius = { 0.1, 0.2 }, radiance = 10 }",
 })
 
 --- Centres [n][3], radii [n] and radiances [n][3] of what light.pack returned, as new double arrays.
@@ -147,7 +148,8 @@ local function outputs(n, name, out, wanted)
   if out == nil then return end
   if core.type(out) == "ylm.array" then out = { out } end
   if type(out) ~= "table" or core.type(out) then
-    return check.bad(n, name, "out must be an array, or a list of up to %d arrays, got %s", wanted, check.describe(out))
+    return check.bad(n, name, "out must be an array, or a list of up to %d arrays, got %s", wanted,
+      check.describe(out))
   end
   for i = 1, 3 do
     if out[i] ~= nil and core.type(out[i]) ~= "ylm.array" then
@@ -165,7 +167,7 @@ local options = {
   { "derivatives", "integer", min = 0, max = 2, default = 0, about = "0 coefficients, 1 and gradients, 2 and Hessians" },
   { "channels", "choice", of = { "rgb", "luminance" }, default = "rgb", about = "three linear channels, or one" },
   { "metric", "choice", of = { "luminance", "rgb" }, optional = true,
-    about = "also report.lambda (the norm of the largest eigenvalues of the Hessians) and report.norm, of these channels" },
+    about = "also report.lambda (norm of the Hessians' largest eigenvalues) and report.norm, of these channels" },
   { "dtype", "choice", of = { "float", "double" }, optional = true,
     about = "element type; that of the points where they are an array, else float" },
   { "threads", "integer", min = 1, max = 1024, optional = true, about = "default: YLM_THREADS or all cores" },
@@ -180,14 +182,15 @@ function light.evaluate(name, lmax, object, points, o, isa)
     + (o.metric and METRIC or 0)
   local out1, out2, out3 = outputs(4, name, o.out, o.derivatives + 1)
   local progress = o.progress and require("ylm.progress").of(o.progress) or nil
+  local channels, metric_channels = o.channels == "rgb" and 3 or 1, o.metric == "rgb" and 3 or 1
   local L, dL, ddL, lambda, norm, inside, pairs = check.result(name, core.field_evaluate(object, lmax, points,
-    o.channels == "rgb" and 3 or 1, want, o.metric == "rgb" and 3 or 1, o.threads or 0, progress, out1, out2, out3, isa))
+    channels, want, metric_channels, o.threads or 0, progress, out1, out2, out3, isa))
   if L == nil then return nil, dL, ddL end
   return L, dL, ddL, { lambda = lambda, norm = norm, inside = inside, pairs = pairs }
 end
 
 describe "light_field" {
-  about = "The sum of all lights at points: spherical-harmonic coefficients, gradients and Hessians with respect to the point.",
+  about = "The sum of all lights at points: coefficients, gradients and Hessians with respect to the point.",
   arguments = {
     { "lmax", "integer", "highest degree, 0 to 100" },
     { "lights", "light|list", "a light, a list of lights, or what has a light field" },
@@ -199,7 +202,7 @@ describe "light_field" {
     { "L", "array", "[n][channels][(lmax+1)^2], W m^-2 sr^-1/2" },
     { "dL", "array", "[n][channels][(lmax+1)^2][3], or nil" },
     { "ddL", "array", "[n][channels][(lmax+1)^2][6], or nil: xx xy xz yy yz zz" },
-    { "report", "table", "inside [n]: 1 where the point is in or on a light; pairs: evaluations; lambda, norm [n] with metric" },
+    { "report", "table", "inside [n]: 1 in or on a light, else 0; pairs: evaluations; with metric lambda, norm [n]" },
   },
   errors = "raises on bad arguments; nil, 'cancelled', 'ECANCELLED' where progress returns false",
   example = [[

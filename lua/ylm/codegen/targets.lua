@@ -5,5 +5,8 @@ local targets = {}
 
 for lmax = 0, 12 do targets[#targets + 1] = { ("csrc/sh/gen/sh_%d.h"):format(lmax), "ylm.codegen.sh_low", lmax } end
 targets[#targets + 1] = { "csrc/sh/gen/sh_table.h", "ylm.codegen.sh_table", 24 }
+for lmax = 0, 10 do
+  targets[#targets + 1] = { ("csrc/light/gen/moments_%d.isa.c"):format(lmax), "ylm.codegen.moments", lmax }
+end
 
 return targets

@@ -1,0 +1,37 @@
+/* kernels.c - finds the kernels of an instruction set. */
+#include "moments.h"
+
+typedef const ylm__moment_kernel *of_dtype(int dtype);
+
+#define DECLARE(isa, lmax) of_dtype ylm__moments_##lmax##_##isa;
+#define ENTRY(isa, lmax) ylm__moments_##lmax##_##isa,
+#define SET(isa)                                                                               \
+  YLM__SPECIAL_LIST(DECLARE, isa)                                                               \
+  of_dtype ylm__moments_any_##isa;                                                              \
+  ylm__sum_range ylm__sum_range_f_##isa, ylm__sum_range_d_##isa;                                \
+  static void find_##isa(int lmax, ylm_dtype t, ylm__kernel_set *set) {                         \
+    static of_dtype *const special[] = {YLM__SPECIAL_LIST(ENTRY, isa)};                         \
+    set->moments = (lmax <= YLM__SPECIAL ? special[lmax] : ylm__moments_any_##isa)(t);          \
+    set->range = t == YLM_DOUBLE ? ylm__sum_range_d_##isa : ylm__sum_range_f_##isa;             \
+  }
+
+#if defined(__x86_64__)
+SET(sse2)
+SET(avx2)
+SET(avx512)
+#elif defined(__aarch64__)
+SET(neon)
+#endif
+
+bool ylm__kernels_of(ylm_isa isa, int lmax, ylm_dtype t, ylm__kernel_set *set) {
+  switch (isa) {
+#if defined(__x86_64__)
+  case YLM_ISA_sse2: find_sse2(lmax, t, set); return true;
+  case YLM_ISA_avx2: find_avx2(lmax, t, set); return true;
+  case YLM_ISA_avx512: find_avx512(lmax, t, set); return true;
+#elif defined(__aarch64__)
+  case YLM_ISA_neon: find_neon(lmax, t, set); return true;
+#endif
+  default: return false;
+  }
+}

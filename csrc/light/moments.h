@@ -1,0 +1,124 @@
+/*
+** moments.h - the sums over lights from which coefficients and their derivatives follow.
+**
+** Private to csrc/light. Per light, with v = y - x, d^2 = v.v, h^2 = d^2 - r^2, alpha = h/d,
+** s2 = r^2/d^2, w = v/d and emission e, three kinds of sums are kept:
+**
+**   kind  sum over lights of e weight_k Y_km(w)                           degrees k
+**   0     w0_k = 2pi s2 P_k'(alpha)/(k(k+1)), w0_0 = 2pi s2/(1+alpha)      0 .. lmax
+**   1     w1_k = 2pi s2 P_k'(alpha)/h                                      1 .. lmax+1
+**   2     w2_k = 2pi s2 (P_k(alpha)/alpha - P_k'(alpha))/h^2, w2_1 = 0     0, 2 .. lmax+2
+**
+** Kernels sum unnormalised forms: monic Gegenbauer polynomials in alpha for the weights, monic
+** Legendre polynomials in z times Re, Im (x+iy)^m for Y. The factors that are missing are put in
+** once per point, with the linear map of map.c. Lanes are points.
+**
+** Source  DESIGN "Sum of many sphere lights"; docs/math.md
+*/
+#ifndef YLM_LIGHT_MOMENTS_H
+#define YLM_LIGHT_MOMENTS_H
+
+#include "light.h"
+
+/* Which kinds are summed: bits. Kernels exist for 1, 3, 4, 5 and 7. */
+enum { YLM__M0 = 1, YLM__M1 = 2, YLM__M2 = 4 };
+#define YLM__KIND_SETS(X) X(1) X(3) X(4) X(5) X(7)
+
+/* Lights whose geometry is kept at once, in the first-level cache. */
+#define YLM__TILE 8
+/* Lights after which a partial sum is added to the total; a multiple of YLM__TILE. */
+#define YLM__BLOCK 128
+/* The lmax with kernels of their own: gen/moments_N.isa.c. */
+#define YLM__SPECIAL_LIST(X, isa)                                                              \
+  X(isa, 0) X(isa, 1) X(isa, 2) X(isa, 3) X(isa, 4) X(isa, 5) X(isa, 6) X(isa, 7) X(isa, 8)     \
+  X(isa, 9) X(isa, 10)
+#define YLM__SPECIAL 10
+
+/* Highest degree that a set of kinds needs. */
+static inline int ylm__degree_of(int lmax, int kinds) {
+  return kinds & YLM__M2 ? lmax + 2 : kinds & YLM__M1 ? lmax + 1 : lmax;
+}
+
+/* Whether a sum of kind `kind` exists at degree k. */
+static inline bool ylm__has(int lmax, int kinds, int kind, int k) {
+  if (!(kinds & (1 << kind))) return false;
+  return kind == 0 ? k <= lmax : kind == 1 ? k >= 1 && k <= lmax + 1 : k != 1 && k <= lmax + 2;
+}
+
+/* Places of one light in a tile: z, then Re and Im of (x+iy)^m, m = 1 .. lmax+2. */
+static inline int ylm__geometry_slots(int lmax) { return 1 + 2 * (lmax + 2); }
+/* Places of one light's weights: w0 0..lmax, w1 1..lmax+1, w2 0..lmax+2 (place 1 unused). */
+static inline int ylm__weight_slots(int lmax) { return (lmax + 1) + (lmax + 1) + (lmax + 3); }
+static inline int ylm__weight_at(int lmax, int kind, int k) {
+  return kind == 0 ? k : kind == 1 ? lmax + k : 2 * (lmax + 1) + k;
+}
+
+/* Number of sums of a set of kinds: columns (m, Re), (m, Im) in order of m; in a column degrees
+   upwards; at a degree kinds upwards. */
+static inline int ylm__sum_count(int lmax, int kinds) {
+  int n = 0;
+  if (kinds & YLM__M0) n += (lmax + 1) * (lmax + 1);
+  if (kinds & YLM__M1) n += (lmax + 2) * (lmax + 2) - 1;
+  if (kinds & YLM__M2) n += (lmax + 3) * (lmax + 3) - 3;
+  return n;
+}
+
+/*
+** A kernel, for one lmax (or any), dtype and instruction set. All pointers are to vectors.
+**   grow     factor per degree of the recurrences, which keeps high degrees from underflowing
+**   prepare  geometry and weights of `n` <= YLM__TILE lights; emission as `lum` says: luminance
+**            or 1. Lanes inside of a light are added to `inside` (a mask of all ones).
+**   sum      adds n lights' products to sums; `state` holds 2*YLM__TILE vectors of scratch
+*/
+typedef struct ylm__moment_kernel {
+  int lanes;
+  double grow;
+  void (*prepare)(int lmax, int kinds, int n, const void *lamps, bool lum, const void *xyz,
+                  void *geometry, void *weights, void *inside);
+  void (*sum)(int lmax, int kinds, int n, const void *geometry, const void *weights, void *state,
+              void *sums);
+} ylm__moment_kernel;
+
+/* A sparse matrix: row i is the sum of coef[t] * x[index[t]] over t = start[i] .. start[i+1]-1. */
+typedef struct ylm__rows {
+  size_t n;
+  uint32_t *start, *index;
+  double *coef;
+  float *coef_f;
+} ylm__rows;
+
+/*
+** What follows from the sums of one set of channels. Rows are in the order of the results:
+** coefficient i = l(l+1)+m, then x y z, or xx xy xz yy yz zz. `bend` makes U of DESIGN section 4,
+** [(lmax+2)^2][3], from sums, and `hessian` (in ylm__plan) the Hessian from U.
+*/
+typedef struct ylm__map { ylm__rows value, gradient, bend; } ylm__map;
+
+/* How a query is answered: what is summed in which channels, and how results follow. */
+typedef struct ylm__plan {
+  const ylm_field_query *q;
+  const ylm_lights *lights;
+  const ylm__moment_kernel *kernel;
+  int need_lum, need_rgb;   /* kinds that results need in luminance and in rgb */
+  int kinds_lum, kinds_rgb; /* kinds that are summed in each */
+  int n_lum, n_rgb;         /* how many sums these are */
+  ylm__map lum, mixed, rgb; /* from luminance sums, from rgb sums weighted to luminance, from rgb */
+  ylm__rows hessian;
+} ylm__plan;
+
+/* The plan of a query for a kernel, or YLM_ENOMEM; to be freed with ylm__plan_free in any case. */
+ylm_status ylm__plan_create(ylm__plan *p, const ylm_lights *lights, const ylm_field_query *q,
+                            const ylm__moment_kernel *kernel);
+void ylm__plan_free(ylm__plan *p);
+
+/* The kernel of an instruction set for (lmax, dtype), and the loop around it: points begin .. end-1. */
+typedef ylm_status ylm__sum_range(const ylm__plan *p, size_t begin, size_t end, const void *points,
+                                  ylm_field_result *r);
+typedef struct ylm__kernel_set {
+  const ylm__moment_kernel *moments;
+  ylm__sum_range *range;
+} ylm__kernel_set;
+/* False where there are none (the reference). */
+bool ylm__kernels_of(ylm_isa isa, int lmax, ylm_dtype t, ylm__kernel_set *set);
+
+#endif

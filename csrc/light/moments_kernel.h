@@ -1,0 +1,152 @@
+/*
+** moments_kernel.h - the moment kernels of one lmax for both element types.
+**
+** Included by gen/moments_L.isa.c after LMAX and its plans:
+**   PLAN_s   for each set of kinds s: passes over a tile, each with its segments of columns
+**            PASS(first sum, number of sums) SEGMENT(m, side, k0, k1, offset) ... END
+** and by moments_any.isa.c, which leaves LMAX at its limit and has no plans.
+*/
+#include "ylm_simd.h"
+
+#include "moments.h"
+
+#if defined(__x86_64__)
+#include <immintrin.h>
+#endif
+
+#ifdef ANY_LMAX
+#define FIXED(lmax) (lmax)
+#define UNROLL
+#define GROW 2
+#else
+#define FIXED(lmax) LMAX
+#define UNROLL _Pragma("GCC unroll 24")
+#define GROW 1
+#endif
+
+/* gamma_n of the monic Gegenbauer recurrence p_(n+1) = alpha p_n - gamma_n p_(n-1) of P'_(n+1). */
+#define GAMMA(n) ((REAL)(GROW * GROW * (n) * ((n) + 2.0) / ((2.0 * (n) + 3) * (2.0 * (n) + 1))))
+/* P_k - alpha P'_k is, but for a factor, p_k + RHO(k) p_(k-2).
+   With GROW, polynomials of degree n are GROW^n times the monic ones. */
+#define RHO(k) ((REAL)(GROW * GROW * ((k) + 2.0) * (k) / ((2.0 * (k) - 1) * (2.0 * (k) + 1))))
+
+/* beta of the monic Legendre recurrence q_(k+1) = z q_k - beta q_(k-1) of order m. */
+#define BETA(k, m) ((REAL)(GROW * GROW * ((double)(k) * (k) - (double)(m) * (m)) / (4.0 * (k) * (k) - 1)))
+
+/* h^2 = d^2 - r^2 with one rounding; without fma by the product, which rounds no worse. */
+#if defined(__FMA__) || defined(__aarch64__)
+#define SQUARES(d2, r) ((d2) - (r) * (r))
+#else
+#define SQUARES(d2, r) ((NAME(root)(d2) - (r)) * (NAME(root)(d2) + (r)))
+#endif
+
+/* -- float --------------------------------------------------------------------------- */
+
+#define REAL float
+#define V ylm_vf
+#define VI ylm_vi
+#define LANES YLM_VF
+#define LAMP ylm__lamp_f
+#define NAME(x) YLM_PASTE(x, f)
+
+YLM_INLINE V NAME(root)(V x) {
+#if YLM_VECTOR_BYTES == 16 && defined(__x86_64__)
+  return (V)_mm_sqrt_ps((__m128)x);
+#else
+  for (int i = 0; i < LANES; i++) x[i] = sqrtf(x[i]);
+  return x;
+#endif
+}
+
+/* 1/sqrt(x): an estimate and Newton steps. */
+YLM_INLINE V NAME(rsqrt)(V x) {
+#if defined(__AVX512F__)
+  V y = (V)_mm512_rsqrt14_ps((__m512)x);
+  return y + y * (1 - x * y * y) * 0.5f;
+#elif defined(__AVX2__)
+  V y = (V)_mm256_rsqrt_ps((__m256)x);
+  y = y + y * (1 - x * y * y) * 0.5f;
+  return y + y * (1 - x * y * y) * 0.5f;
+#else
+  return 1 / NAME(root)(x);
+#endif
+}
+
+YLM_INLINE V NAME(reciprocal)(V x) {
+#if defined(__AVX512F__)
+  V y = (V)_mm512_rcp14_ps((__m512)x);
+  return y + y * (1 - x * y);
+#else
+  return 1 / x;
+#endif
+}
+
+#include "moments_body.h"
+
+#undef REAL
+#undef V
+#undef VI
+#undef LANES
+#undef LAMP
+#undef NAME
+
+/* -- double -------------------------------------------------------------------------- */
+
+#define REAL double
+#define V ylm_vd
+#define VI ylm_vl
+#define LANES YLM_VD
+#define LAMP ylm__lamp_d
+#define NAME(x) YLM_PASTE(x, d)
+
+YLM_INLINE V NAME(root)(V x) {
+#if defined(__AVX512F__)
+  return (V)_mm512_sqrt_pd((__m512d)x);
+#elif defined(__AVX2__)
+  return (V)_mm256_sqrt_pd((__m256d)x);
+#elif defined(__x86_64__)
+  return (V)_mm_sqrt_pd((__m128d)x);
+#else
+  for (int i = 0; i < LANES; i++) x[i] = sqrt(x[i]);
+  return x;
+#endif
+}
+
+YLM_INLINE V NAME(rsqrt)(V x) {
+#if defined(__AVX512F__)
+  V y = (V)_mm512_rsqrt14_pd((__m512d)x);
+  y = y + y * (1 - x * y * y) * 0.5;
+  return y + y * (1 - x * y * y) * 0.5;
+#else
+  return 1 / NAME(root)(x);
+#endif
+}
+
+YLM_INLINE V NAME(reciprocal)(V x) {
+#if defined(__AVX512F__)
+  V y = (V)_mm512_rcp14_pd((__m512d)x);
+  y = y + y * (1 - x * y);
+  return y + y * (1 - x * y);
+#else
+  return 1 / x;
+#endif
+}
+
+#include "moments_body.h"
+
+#undef REAL
+#undef V
+#undef VI
+#undef LANES
+#undef LAMP
+#undef NAME
+
+const ylm__moment_kernel *KERNEL_NAME(int dtype);
+
+/* The kernel for a dtype. */
+const ylm__moment_kernel *KERNEL_NAME(int dtype) {
+  static const ylm__moment_kernel kernels[2] = {
+      {YLM_VF, GROW, YLM_PASTE(prepare, f), YLM_PASTE(sum, f)},
+      {YLM_VD, GROW, YLM_PASTE(prepare, d), YLM_PASTE(sum, d)}};
+  return &kernels[dtype == YLM_DOUBLE];
+}
