@@ -3,13 +3,18 @@
 
 #include "view.h"
 
-static void dot(size_t count, size_t n, int channels, const float *T, const float *L, float *out) {
-  for (size_t i = 0; i < n; i++)
+static void dot(size_t count, size_t n, int channels, size_t t_row, const float *T, size_t l_row,
+                const float *L, float *out) {
+  for (size_t i = 0; i < n; i++, T += t_row)
     for (int c = 0; c < 3; c++) {
       double s = 0;
-      for (size_t k = 0; k < count && c < channels; k++)
-        s += (double)T[i * count + k] * (double)L[(i * (size_t)channels + (size_t)c) * count + k];
-      out[3 * i + c] = c < channels ? (float)s : out[3 * i];
+      if (c >= channels) {
+        out[3 * i + (size_t)c] = out[3 * i];
+        continue;
+      }
+      for (size_t k = 0; k < count; k++) s += (double)T[k] * (double)L[k];
+      L += l_row;
+      out[3 * i + (size_t)c] = (float)s;
     }
 }
 

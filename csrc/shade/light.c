@@ -8,7 +8,37 @@
 #define BLOCK 512
 #define INV_PI 0.31830988618379067f
 
-typedef struct job {
+/* Products in double, where light came in double. */
+static void dot_double(size_t count, size_t n, int channels, size_t t_row, const float *T,
+                       size_t l_row, const double *L, float *out) {
+  for (size_t i = 0; i < n; i++, T += t_row)
+    for (int c = 0; c < 3; c++) {
+      double s = 0;
+      if (c >= channels) {
+        out[3 * i + (size_t)c] = out[3 * i];
+        continue;
+      }
+      for (size_t k = 0; k < count; k++) s += (double)T[k] * L[k];
+      L += l_row;
+      out[3 * i + (size_t)c] = (float)s;
+    }
+}
+
+void ylm__shade_points(const ylm_shade_view *v, ylm_shade_dot_fn *dot, size_t first, size_t n,
+                       const shade_light *x, float *out) {
+  size_t row = ylm_sh_count(v->o.lmax), given = ylm_sh_count(x->lmax);
+  size_t count = row < given ? row : given;
+  const float *T = v->transfer + first * row;
+  if (x->type == YLM_DOUBLE) dot_double(count, n, x->channels, row, T, given, x->L, out);
+  else dot(count, n, x->channels, row, T, given, x->L, out);
+  for (size_t i = 0; i < n; i++)
+    for (int c = 0; c < 3; c++)
+      out[3 * i + (size_t)c] *= INV_PI * v->scene->mesh[v->mesh[first + i]].material.albedo[c];
+}
+
+/* -- any field ------------------------------------------------------------------ */
+
+typedef struct field_job {
   const ylm_shade_view *view;
   const ylm_field *field;
   ylm_dtype type;
@@ -17,40 +47,16 @@ typedef struct job {
   atomic_uint_fast64_t pairs;
   ylm_error *error; /* written by the first that fails */
   atomic_flag failed;
-} job;
-
-/* Products in double, where light came in double. */
-static void dot_double(size_t count, size_t n, int channels, const float *T, const double *L,
-                       float *out) {
-  for (size_t i = 0; i < n; i++)
-    for (int c = 0; c < 3; c++) {
-      double s = 0;
-      for (size_t k = 0; k < count && c < channels; k++)
-        s += (double)T[i * count + k] * L[(i * (size_t)channels + (size_t)c) * count + k];
-      out[3 * i + (size_t)c] = c < channels ? (float)s : out[3 * i];
-    }
-}
-
-/* Radiance of n points from `first` on; out and L begin at the first of them. */
-static void shade(const ylm_shade_view *v, ylm_shade_dot_fn *dot, size_t first, size_t n,
-                  int channels, ylm_dtype t, const void *L, float *out) {
-  size_t count = ylm_sh_count(v->o.lmax);
-  const float *T = v->transfer + first * count;
-  if (t == YLM_DOUBLE) dot_double(count, n, channels, T, L, out);
-  else dot(count, n, channels, T, L, out);
-  for (size_t i = 0; i < n; i++)
-    for (int c = 0; c < 3; c++)
-      out[3 * i + (size_t)c] *= INV_PI * v->scene->mesh[v->mesh[first + i]].material.albedo[c];
-}
+} field_job;
 
 /* Positions in double, where light is asked for in double. */
 static void widen(const float *p, size_t n, double *out) {
   for (size_t i = 0; i < 3 * n; i++) out[i] = (double)p[i];
 }
 
-static ylm_status run(void *context, size_t begin, size_t end, int worker) {
+static ylm_status run_field(void *context, size_t begin, size_t end, int worker) {
   (void)worker;
-  job *j = context;
+  field_job *j = context;
   const ylm_shade_view *v = j->view;
   size_t n = end - begin, count = ylm_sh_count(v->o.lmax);
   void *L = ylm_alloc(n * 3 * count, ylm_dtype_size(j->type));
@@ -63,7 +69,9 @@ static ylm_status run(void *context, size_t begin, size_t end, int worker) {
   ylm_field_result r = {.value = L};
   if (s == YLM_OK)
     s = j->field->evaluate(j->field, &q, n, wide ? (void *)wide : (void *)v->position[begin], &r, &e);
-  if (s == YLM_OK) shade(v, j->dot, begin, n, 3, j->type, L, j->out + 3 * begin);
+  if (s == YLM_OK)
+    ylm__shade_points(v, j->dot, begin, n, &(shade_light){3, v->o.lmax, j->type, L},
+                      j->out + 3 * begin);
   else if (j->error && !atomic_flag_test_and_set(&j->failed)) *j->error = e;
   atomic_fetch_add_explicit(&j->pairs, r.pairs, memory_order_relaxed);
   ylm_free(L);
@@ -74,36 +82,37 @@ static ylm_status run(void *context, size_t begin, size_t end, int worker) {
 ylm_status ylm_shade_field(const ylm_shade_view *v, const ylm_field *field, ylm_dtype t,
                            int threads, const ylm_progress *progress, float *out, uint64_t *pairs,
                            ylm_error *e) {
-  job j = {.view = v, .field = field, .type = t, .dot = ylm__shade_kernels().dot, .out = out,
-           .error = e, .failed = ATOMIC_FLAG_INIT};
-  ylm_status s = ylm_parallel(v->points, BLOCK, threads, run, &j, progress, "shading");
+  field_job j = {.view = v, .field = field, .type = t, .dot = ylm__shade_kernels().dot, .out = out,
+                 .error = e, .failed = ATOMIC_FLAG_INIT};
+  ylm_status s = ylm_parallel(v->points, BLOCK, threads, run_field, &j, progress, "shading");
   if (pairs) *pairs = j.pairs;
   return s;
 }
+
+/* -- coefficients that somebody else made --------------------------------------- */
 
 typedef struct given_job {
   const ylm_shade_view *view;
   ylm_shade_dot_fn *dot;
   size_t first;
-  int channels;
-  ylm_dtype type;
-  const void *L;
+  shade_light light;
   float *out;
 } given_job;
 
 static ylm_status run_given(void *context, size_t begin, size_t end, int worker) {
   (void)worker;
   const given_job *j = context;
-  size_t row = (size_t)j->channels * ylm_sh_count(j->view->o.lmax) * ylm_dtype_size(j->type);
-  shade(j->view, j->dot, j->first + begin, end - begin, j->channels, j->type,
-        (const char *)j->L + begin * row, j->out + 3 * begin);
+  shade_light x = j->light;
+  size_t row = (size_t)x.channels * ylm_sh_count(x.lmax) * ylm_dtype_size(x.type);
+  x.L = (const char *)x.L + begin * row;
+  ylm__shade_points(j->view, j->dot, j->first + begin, end - begin, &x, j->out + 3 * begin);
   return YLM_OK;
 }
 
 ylm_status ylm_shade_coefficients(const ylm_shade_view *v, size_t first, size_t n, int channels,
-                                  ylm_dtype t, const void *L, int threads, float *out) {
+                                  int lmax, ylm_dtype t, const void *L, int threads, float *out) {
   if (first > v->points || n > v->points - first) return YLM_ERANGE;
   if (channels != 1 && channels != 3) return YLM_ESHAPE;
-  given_job j = {v, ylm__shade_kernels().dot, first, channels, t, L, out};
+  given_job j = {v, ylm__shade_kernels().dot, first, {channels, lmax, t, L}, out};
   return ylm_parallel(n, 4096, threads, run_given, &j, NULL, NULL);
 }

@@ -129,6 +129,8 @@ void ylm_shade_scene_bounds(const ylm_shade_scene *s, double lo[3], double hi[3]
   for (int k = 0; k < 3; k++) lo[k] = a[k], hi[k] = b[k];
 }
 
+const ylm_trace *ylm_shade_scene_trace(const ylm_shade_scene *s) { return s->trace; }
+
 /* Moves p from the flat triangle to the surface that the corners' normals describe. */
 static void leave_triangle(const float *const corner[3], const float *const normal[3],
                            const float weight[3], float side, const float p[3], float out[3]) {

@@ -90,21 +90,14 @@ ylm_status ylm__shade_transfer(const ylm_shade_view *v, bool shadows, size_t n,
                                const float (*normal)[3], const float (*origin)[3], float *transfer,
                                uint64_t *rays);
 
-/* -- sampling.c ---------------------------------------------------------------- */
-
-/* Two vectors that make a right-handed orthonormal frame with the unit vector n.
-   Source: Duff et al. 2017, "Building an Orthonormal Basis, Revisited". */
-void ylm__shade_basis(const float n[3], float a[3], float b[3]);
-/* The bits of i reversed behind the binary point: van der Corput's sequence. */
-double ylm__shade_radical(uint32_t i);
-
 /* -- kernels -------------------------------------------------------------------- */
 
 #define YLM_LAMP_CHUNK 64
 
-/* out[i][c] = sum_k T[i][k] L[i][c][k], c < channels (1: out[i][1] = out[i][2] = out[i][0]) */
-typedef void ylm_shade_dot_fn(size_t count, size_t n, int channels, const float *T, const float *L,
-                              float *out);
+/* out[i][c] = sum over k < count of T[i][k] L[i][c][k], c < channels (1: the other two are the
+   first again); T is [n][t_row], L [n][channels][l_row] */
+typedef void ylm_shade_dot_fn(size_t count, size_t n, int channels, size_t t_row, const float *T,
+                              size_t l_row, const float *L, float *out);
 /* all[k] += sum of Y[i][k] over i < n; seen[k] the same over i where visible[i] */
 typedef void ylm_shade_sums_fn(size_t count, size_t n, const float *Y, const uint8_t *visible,
                                float *seen, float *all);
@@ -121,6 +114,25 @@ typedef struct shade_kernels {
 
 /* The kernels of the instruction set in use. kernels.c */
 shade_kernels ylm__shade_kernels(void);
+
+/* Coefficients as they come: of n points, [n][channels][(lmax+1)^2]. */
+typedef struct shade_light {
+  int channels, lmax;
+  ylm_dtype type;
+  const void *L;
+} shade_light;
+
+/* Radiance of n points from `first` on; x and out begin at the first of them. light.c */
+void ylm__shade_points(const ylm_shade_view *v, ylm_shade_dot_fn *dot, size_t first, size_t n,
+                       const shade_light *x, float *out);
+
+/* -- sampling.c ---------------------------------------------------------------- */
+
+/* Two vectors that make a right-handed orthonormal frame with the unit vector n.
+   Source: Duff et al. 2017, "Building an Orthonormal Basis, Revisited". */
+void ylm__shade_basis(const float n[3], float a[3], float b[3]);
+/* The bits of i reversed behind the binary point: van der Corput's sequence. */
+double ylm__shade_radical(uint32_t i);
 
 static inline float ylm__dot3(const float a[3], const float b[3]) {
   return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];

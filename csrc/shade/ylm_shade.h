@@ -24,7 +24,9 @@
 #define YLM_SHADE_H
 
 #include "ylm_base.h"
+#include "ylm_grid.h"
 #include "ylm_material.h"
+#include "ylm_trace.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -59,6 +61,9 @@ YLM_API ylm_status ylm_shade_scene_create(size_t meshes, const ylm_shade_mesh *m
 YLM_API void ylm_shade_scene_free(ylm_shade_scene *scene);
 /* Box around all meshes (not the lamps); zeros where there are none. */
 YLM_API void ylm_shade_scene_bounds(const ylm_shade_scene *scene, double lo[3], double hi[3]);
+
+/* What rays are traced through; lives as long as the scene. */
+YLM_API const ylm_trace *ylm_shade_scene_trace(const ylm_shade_scene *scene);
 
 /* -- view -------------------------------------------------------------------- */
 
@@ -150,11 +155,33 @@ YLM_API ylm_status ylm_shade_field(const ylm_shade_view *view, const ylm_field *
                                    int threads, const ylm_progress *progress, float *out,
                                    uint64_t *pairs, ylm_error *e);
 
-/* The same for points first .. first+n-1 from coefficients L [n][channels][count], channels 1 or 3;
-   out [n][3]. */
+/*
+** ylm_shade_grid - radiance of every shading point by interpolating a grid.
+**
+** A grid of another lmax than the view's is used up to the smaller of the two.
+**
+**   grid           in
+**   interpolation  in
+**   out            out  [points][3]
+**   report         out  points outside and unbaked; seconds of sampling and shading together
+**
+** Returns  YLM_OK; YLM_ENOMEM, YLM_ECANCELLED (progress stage "shading")
+*/
+YLM_API ylm_status ylm_shade_grid(const ylm_shade_view *view, const ylm_grid *grid,
+                                  ylm_grid_interpolation interpolation, int threads,
+                                  const ylm_progress *progress, float *out,
+                                  ylm_grid_report *report, ylm_error *e);
+
+/* Level of the leaf that holds each shading point and the error estimated for it (NaN: unknown);
+   level, error [points]. */
+YLM_API ylm_status ylm_shade_grid_cells(const ylm_shade_view *view, const ylm_grid *grid,
+                                        int threads, float *level, float *error);
+
+/* Radiance of points first .. first+n-1 from coefficients L [n][channels][(lmax+1)^2], channels 1
+   or 3, any lmax; out [n][3]. YLM_ERANGE, YLM_ESHAPE. */
 YLM_API ylm_status ylm_shade_coefficients(const ylm_shade_view *view, size_t first, size_t n,
-                                          int channels, ylm_dtype t, const void *L, int threads,
-                                          float *out);
+                                          int channels, int lmax, ylm_dtype t, const void *L,
+                                          int threads, float *out);
 
 /*
 ** ylm_shade_raycast - radiance of every shading point by sampling the lamps themselves.
