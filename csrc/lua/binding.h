@@ -38,7 +38,8 @@
   X(mesh)
 
 #define YLML_SCENE_BINDINGS(X) \
-  X(codec)
+  X(codec) \
+  X(shade)
 
 #define X(name) void ylmL_open_##name(lua_State *L);
 YLML_CORE_BINDINGS(X)

@@ -130,6 +130,28 @@ static int shade_bounds(lua_State *L) {
   return 2;
 }
 
+/* shade_vertices(scene) -> [n][3] */
+static int shade_vertices(lua_State *L) {
+  ylm_shade_scene *s = check_scene(L, 1);
+  ylmL_array *a =
+      ylmL_array_new(L, YLM_FLOAT, 2, (size_t[]){ylm_shade_scene_vertices(s, NULL), 3});
+  if (!a) return ylmL_result(L, 0, YLM_ENOMEM, NULL);
+  ylm_shade_scene_vertices(s, a->data);
+  return 1;
+}
+
+/* shade_difference(a, b, out): out = |a - b|; float arrays of one size */
+static int shade_difference(lua_State *L) {
+  ylmL_array *a = ylmL_array_check(L, 1), *b = ylmL_array_check(L, 2), *c = ylmL_array_check(L, 3);
+  if (a->dtype != YLM_FLOAT || b->dtype != YLM_FLOAT || c->dtype != YLM_FLOAT)
+    return ylmL_result(L, 0, YLM_ETYPE, NULL);
+  if (a->count != b->count || a->count != c->count) return ylmL_result(L, 0, YLM_ESHAPE, NULL);
+  const float *x = a->data, *y = b->data;
+  for (size_t i = 0; i < a->count; i++) ((float *)c->data)[i] = x[i] > y[i] ? x[i] - y[i] : y[i] - x[i];
+  lua_pushvalue(L, 3);
+  return 1;
+}
+
 /*
 ** shade_trace(scene, rays [n][8]: origin, direction, near, far; float, occlusion) ->
 **   occlusion: blocked [n], 1 or 0
@@ -385,6 +407,8 @@ static int material_cosine(lua_State *L) {
 static const luaL_Reg functions[] = {{"shade_scene", shade_scene},
                                      {"shade_close_scene", scene_close},
                                      {"shade_bounds", shade_bounds},
+                                     {"shade_vertices", shade_vertices},
+                                     {"shade_difference", shade_difference},
                                      {"shade_trace", shade_trace},
                                      {"shade_view", shade_view},
                                      {"shade_close_view", view_close},

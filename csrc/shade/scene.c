@@ -129,6 +129,12 @@ void ylm_shade_scene_bounds(const ylm_shade_scene *s, double lo[3], double hi[3]
   for (int k = 0; k < 3; k++) lo[k] = a[k], hi[k] = b[k];
 }
 
+size_t ylm_shade_scene_vertices(const ylm_shade_scene *s, float *out) {
+  for (size_t i = 0; out && i < s->meshes; i++)
+    memcpy(out + 3 * s->mesh[i].first_vertex, s->mesh[i].position, s->mesh[i].vertices * 12);
+  return s->vertices;
+}
+
 const ylm_trace *ylm_shade_scene_trace(const ylm_shade_scene *s) { return s->trace; }
 
 /* Moves p from the flat triangle to the surface that the corners' normals describe. */

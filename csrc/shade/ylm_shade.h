@@ -62,6 +62,8 @@ YLM_API void ylm_shade_scene_free(ylm_shade_scene *scene);
 /* Box around all meshes (not the lamps); zeros where there are none. */
 YLM_API void ylm_shade_scene_bounds(const ylm_shade_scene *scene, double lo[3], double hi[3]);
 
+/* All vertices of all meshes, one after the other: their number; out [n][3], NULL: not wanted. */
+YLM_API size_t ylm_shade_scene_vertices(const ylm_shade_scene *scene, float *out);
 /* What rays are traced through; lives as long as the scene. */
 YLM_API const ylm_trace *ylm_shade_scene_trace(const ylm_shade_scene *scene);
 

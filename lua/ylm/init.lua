@@ -18,6 +18,7 @@ local contents = {
   { "ylm.scene", "scene", "load_scene" },
   { "ylm.file", "load" },
   { "ylm.image", "image", "colour" },
+  { "ylm.render", "true_error" },
   { "ylm.geometry", "quad", "sphere", "box", "torus", "knot", "mesh" },
 }
 
