@@ -39,7 +39,8 @@
 
 #define YLML_SCENE_BINDINGS(X) \
   X(codec) \
-  X(shade)
+  X(shade) \
+  X(shade_grid)
 
 #define X(name) void ylmL_open_##name(lua_State *L);
 YLML_CORE_BINDINGS(X)

@@ -5,7 +5,7 @@
 #include "binding.h"
 #include "ylm_shade.h"
 
-#define YLML_SHADE_VIEW "ylm.shade_view"
+#define YLML_SHADE_VIEW "ylm.prepared"
 
 /* The view at `i`, open; raises otherwise. */
 ylm_shade_view *ylmL_shade_view(lua_State *L, int i);

@@ -83,7 +83,10 @@ static double sample_lamp(const ylm_shade_scene *s, size_t i, const float x[3], 
   return fmax(0, (double)ylm__dot3(ray->dir, n)) * 2 * PI * cap;
 }
 
-/* Irradiance of one point; returns the number of rays that were traced. */
+static double wrap(double x) { return x - floor(x); }
+
+/* Irradiance of one point. Places on lamps follow Roberts' sequence R2, shifted at random, so that
+   successive rays, most of them to one lamp, spread over it; returns the number of rays that were traced. */
 static size_t gather(const job *j, size_t i, const scratch *s, double E[3]) {
   const ylm_shade_scene *scene = j->view->scene;
   const float *x = j->view->origin[i], *n = j->view->normal[i];
@@ -96,9 +99,10 @@ static size_t gather(const job *j, size_t i, const scratch *s, double E[3]) {
   for (size_t b = 0; b < j->chunks; b++) total += s->sum[b];
   if (!(total > 0)) return 0;
   walk w = {0};
+  double s0 = ylm_rng_double(&rng), s1 = ylm_rng_double(&rng);
   for (int k = 0; k < j->samples; k++) {
     double target = (k + ylm_rng_double(&rng)) / j->samples * total;
-    double u0 = ylm_rng_double(&rng), u1 = ylm_rng_double(&rng);
+    double u0 = wrap(s0 + k * 0.75487766624669276), u1 = wrap(s1 + k * 0.56984029099805327);
     walk_to(&w, s, j->chunks, target);
     if (!(s->weight[w.lamp] > 0) || w.lamp >= scene->lamps) continue;
     double e = sample_lamp(scene, w.lamp, x, n, u0, u1, &s->ray[rays]);

@@ -198,7 +198,8 @@ YLM_API ylm_status ylm_shade_coefficients(const ylm_shade_view *view, size_t fir
 **
 ** Returns  YLM_OK; YLM_ERANGE, YLM_ENOMEM, YLM_ECANCELLED (progress stage "raycast")
 ** Cost     points * (lamps + samples rays)
-** Source   Shirley, Wang, Zimmerman 1996, "Monte Carlo Techniques for Direct Lighting Calculations"
+** Source   Shirley, Wang, Zimmerman 1996, "Monte Carlo Techniques for Direct Lighting Calculations";
+**          Roberts 2018, "The Unreasonable Effectiveness of Quasirandom Sequences" (R2)
 */
 YLM_API ylm_status ylm_shade_raycast(const ylm_shade_view *view, int samples, bool shadows,
                                      uint64_t seed, int threads, const ylm_progress *progress,

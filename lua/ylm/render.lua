@@ -184,20 +184,34 @@ end
 
 -- Prepared views ----------------------------------------------------------------------------
 
-local prepared = {}
-local prepared_metatable = { __index = prepared, __kind = "prepared" }
+--- Methods of the userdata "ylm.prepared"; what it was made of stands in `made`.
+local prepared = library() and core.metatable "ylm.prepared" or {}
+local made = setmetatable({}, { __mode = "k" })
 
-prepared_metatable.__tostring = function(p)
-  return ("prepared view of %q: %dx%d, %d shading points"):format(p.scene.name or "?", p.options.size[1],
-    p.options.size[2], p.stats.points)
+prepared.__index = function(view, key)
+  local m = made[view]
+  if m and (key == "stats" or key == "options" or key == "scene") then return m[key] end
+  return rawget(prepared, key)
 end
 
-local function check_prepared(name, p)
-  if form.kind(p) ~= "prepared" then
-    return check.fail("%s: a prepared view expected before the colon, got %s", name, check.describe(p))
+prepared.__newindex = function(_, key)
+  return check.fail("prepared: cannot set %s: a prepared view does not change", check.describe(key))
+end
+
+prepared.__tostring = function(view)
+  local m = made[view]
+  if not m or m.closed then return "ylm.prepared (closed)" end
+  return ("ylm.prepared view of %q: %dx%d, %d shading points"):format(m.scene.name or "?", m.options.size[1],
+    m.options.size[2], m.stats.points)
+end
+
+--- The prepared view before the colon with all about it: { view, scene, traced, lib, stats, options }.
+local function open(name, view)
+  if core.type(view) ~= "ylm.prepared" then
+    return check.fail("%s: a prepared view expected before the colon, got %s", name, check.describe(view))
   end
-  if not p.view then return check.fail("%s: the prepared view has been closed", name) end
-  return p
+  if made[view].closed then return check.fail("%s: the prepared view has been closed", name) end
+  return setmetatable({ view = view }, { __index = made[view] })
 end
 
 --- Makes the view that options `o` (with samples = camera rays per pixel) describe.
@@ -221,11 +235,10 @@ local function prepare(name, s, o)
   if not view then return nil, message, code end
   local stats = t.lib.shade_stats(view)
   stats.scene_seconds = t.seconds
-  return setmetatable({
-    scene = s, traced = t, view = view, stats = stats, lib = t.lib,
+  made[view] = { scene = s, traced = t, lib = t.lib, stats = stats,
     options = { size = o.size, samples = o.samples, seed = o.seed, lmax = o.lmax, share = o.share,
-      shading = o.shading, visibility = visibility, transfer_samples = rays, occlusion_distance = distance },
-  }, prepared_metatable)
+      shading = o.shading, visibility = visibility, transfer_samples = rays, occlusion_distance = distance } }
+  return view
 end
 
 --- The lmax that options leave open.
@@ -321,7 +334,9 @@ assert(ylm.true_error(a, b):layer "true_error":get(1, 1, 1) == 0.5)]],
 }
 function render.true_error(picked, truth)
   for n, x in ipairs { picked or false, truth or false } do
-    if core.type(x) ~= "ylm.image" then return check.bad(n, "true_error", "an image expected, got %s", check.describe(x)) end
+    if core.type(x) ~= "ylm.image" then
+      return check.bad(n, "true_error", "an image expected, got %s", check.describe(x))
+    end
   end
   local a, b = picked.size, truth.size
   if a[1] ~= b[1] or a[2] ~= b[2] then
@@ -440,8 +455,8 @@ describe "scene:prepare" {
   about = "Traces a camera's rays and the visibility of what they hit, once, for any number of renderings.",
   arguments = { { "options?", "table", "" } },
   options = prepare_options,
-  returns = { { "view", "prepared", "view:render, view:reference, view:raycast, view:points; view.stats, view.options" } },
-  errors = "raises on a bad option or a scene without camera; nil, message, code where memory runs out or it is cancelled",
+  returns = { { "view", "prepared", "view:render, view:reference, view:raycast, view:points; view.stats, .options" } },
+  errors = "raises on a bad option or a scene without camera; nil, message, code: memory, cancelled",
   example = one_lamp .. [[
 local view = scene:prepare { size = { 32, 18 }, samples = 4 }
 local image, report = view:reference()
@@ -467,8 +482,8 @@ local lights = ylm.sphere_lights { at = { { 0, 1, 0 } }, radius = 0.1, radiance 
 local image = view:render { grid = lights.lights }     -- anything that has a light field
 assert(image:layer "radiance":get(9, 16, 1) > 0)]],
 }
-function prepared.render(p, given)
-  check_prepared("render", p)
+function prepared.render(view, given)
+  local p = open("render", view)
   local o = form.options(1, "render", prepared_render, given)
   check_grid("render", o.grid)
   return by_grid("render", p, o)
@@ -484,8 +499,8 @@ describe "prepared:reference" {
 local view = scene:prepare { size = { 32, 18 }, samples = 4 }
 assert(view:reference { dtype = "double" })]],
 }
-function prepared.reference(p, given)
-  check_prepared("reference", p)
+function prepared.reference(view, given)
+  local p = open("reference", view)
   return by_lights("reference", p, form.options(1, "reference", prepared_reference, given))
 end
 
@@ -500,22 +515,23 @@ local view = scene:prepare { size = { 32, 18 }, samples = 4 }
 assert(view:raycast { samples = 16 })]],
   source = "Shirley, Wang, Zimmerman 1996",
 }
-function prepared.raycast(p, given)
-  check_prepared("raycast", p)
+function prepared.raycast(view, given)
+  local p = open("raycast", view)
   return by_rays("raycast", p, form.options(1, "raycast", prepared_raycast, given))
 end
 
 describe "prepared:points" {
   about = "Where a prepared view asks for light.",
   arguments = {},
-  returns = { { "points", "table", "position [n][3], normal [n][3], albedo [n][3], object [n]: place in scene.geometry" } },
+  returns = { { "points", "table",
+    "position [n][3], normal [n][3], albedo [n][3], object [n]: place in scene.geometry" } },
   errors = "raises on what is no prepared view; nil, message, code where memory runs out",
   example = one_lamp .. [[
 local points = scene:prepare({ size = { 32, 18 }, samples = 1 }):points()
 assert(points.position.shape[2] == 3 and points.object:get(1) == 1)]],
 }
-function prepared.points(p)
-  check_prepared("points", p)
+function prepared.points(view)
+  local p = open("points", view)
   local position, normal, albedo, object = p.lib.shade_points(p.view)
   if not position then return nil, normal, albedo end
   return { position = position, normal = normal, albedo = albedo, object = object }
@@ -530,8 +546,8 @@ describe "prepared:transfer" {
 local view = scene:prepare { size = { 32, 18 }, samples = 1, lmax = 2 }
 assert(view:transfer().shape[2] == 9)]],
 }
-function prepared.transfer(p)
-  check_prepared("transfer", p)
+function prepared.transfer(view)
+  local p = open("transfer", view)
   return check.result("transfer", p.lib.shade_transfer(p.view))
 end
 
@@ -542,12 +558,12 @@ describe "prepared:close" {
   errors = "raises on what is no prepared view",
   example = one_lamp .. 'scene:prepare({ size = { 32, 18 }, samples = 1 }):close()',
 }
-function prepared.close(p)
-  if form.kind(p) ~= "prepared" then
-    return check.fail("close: a prepared view expected before the colon, got %s", check.describe(p))
+function prepared.close(view)
+  if core.type(view) ~= "ylm.prepared" then
+    return check.fail("close: a prepared view expected before the colon, got %s", check.describe(view))
   end
-  if p.view then p.lib.shade_close_view(p.view) end
-  p.view = nil
+  made[view].closed = true
+  made[view].lib.shade_close_view(view)
 end
 
 -- Methods of scenes -------------------------------------------------------------------------------
@@ -566,7 +582,7 @@ local function occupied_points(s, t, o)
   local x = o.occupied
   if x == "everywhere" then return nil end
   if x == "vertices" then return t.lib.shade_vertices(t.handle) end
-  if form.kind(x) == "prepared" then return (t.lib.shade_points(check_prepared("bake", x).view)) end
+  if core.type(x) == "ylm.prepared" then return (t.lib.shade_points(open("bake", x).view)) end
   if core.type(x) == "ylm.array" then return x end
   if x ~= "camera" then
     return check.fail("bake: occupied must be 'camera', 'vertices', 'everywhere', a prepared view or an array, got %s",
@@ -576,7 +592,7 @@ local function occupied_points(s, t, o)
     shading = o.shading, visibility = "none", transfer_samples = 1, lmax = 0, threads = o.threads,
     progress = o.progress })
   if not view then return false, message, code end
-  local points = t.lib.shade_points(view.view)
+  local points = t.lib.shade_points(view)
   view:close()
   return points
 end
@@ -604,8 +620,13 @@ function render.bake(s, given)
   local points
   points, message, code = occupied_points(s, t, o)
   if points == false then return nil, message, code end
-  return require("ylm.grid").bake(probes, t.lights, { occupied = points, bounds = not probes.bounds and bounds_of(t) or nil,
-    threads = o.threads, progress = progress.resolve(o.progress) })
+  if points and #points == 0 then
+    return check.fail("bake: no shading points: %s",
+      o.occupied == "camera" and "the camera sees no geometry (occupied = 'everywhere' needs none)"
+        or "occupied is empty")
+  end
+  return require("ylm.grid").bake(probes, t.lights, { occupied = points, bounds = bounds_of(t), threads = o.threads,
+    progress = o.progress })
 end
 
 local render_options = list(view_fields "samples", transfer_fields, grid_fields, layer_fields, common)
@@ -615,7 +636,7 @@ describe "scene:render" {
   arguments = { { "options?", "table", "" } },
   options = render_options,
   returns = { { "image", "image", "" }, { "report", "table", report_text .. "outside, unbaked: shading points" } },
-  errors = "raises on a bad option, a scene without camera, no grid and no probes; nil, message, code: memory, cancelled",
+  errors = "raises on a bad option, no camera, neither grid nor probes; nil, message, code: memory, cancelled",
   example = one_lamp .. [[
 local grid = scene:bake { probes = ylm.uniform_grid { cells = { 4, 4, 4 }, lmax = 2 }, size = { 32, 18 } }
 local image, report = scene:render { grid = grid, size = { 32, 18 }, samples = 4 }
@@ -627,13 +648,13 @@ function render.render(s, given)
   local o = form.options(1, "render", render_options, given)
   if not (o.grid == nil and s.probes) then check_grid("render", o.grid) end
   o.lmax = o.lmax or default_lmax(s, o.grid)
-  local p, message, code = prepare("render", s, o)
-  if not p then return nil, message, code end
+  local view, message, code = prepare("render", s, o)
+  if not view then return nil, message, code end
   if not o.grid then
-    o.grid, message, code = render.bake(s, { occupied = p, threads = o.threads, progress = o.progress })
+    o.grid, message, code = render.bake(s, { occupied = view, threads = o.threads, progress = o.progress })
     if not o.grid then return nil, message, code end
   end
-  return by_grid("render", p, o)
+  return by_grid("render", open("render", view), o)
 end
 
 local reference_options = list(view_fields "samples", transfer_fields, reference_fields, layer_fields, common)
@@ -650,9 +671,9 @@ function render.reference(s, given)
   check_scene("reference", s)
   local o = form.options(1, "reference", reference_options, given)
   o.lmax = o.lmax or default_lmax(s)
-  local p, message, code = prepare("reference", s, o)
-  if not p then return nil, message, code end
-  return by_lights("reference", p, o)
+  local view, message, code = prepare("reference", s, o)
+  if not view then return nil, message, code end
+  return by_lights("reference", open("reference", view), o)
 end
 
 local raycast_options = list(view_fields "pixel_samples", ray_fields, layer_fields, common)
@@ -671,10 +692,10 @@ function render.raycast(s, given)
   local o = form.options(1, "raycast", raycast_options, given)
   local rays = o.samples
   o.samples, o.lmax, o.shading, o.visibility = o.pixel_samples, 0, "pixel", "none"
-  local p, message, code = prepare("raycast", s, o)
-  if not p then return nil, message, code end
+  local view, message, code = prepare("raycast", s, o)
+  if not view then return nil, message, code end
   o.samples = rays
-  return by_rays("raycast", p, o)
+  return by_rays("raycast", open("raycast", view), o)
 end
 
 return render

@@ -2,16 +2,150 @@
 
 local nan, inf = 0 / 0, 1 / 0
 
+local function scene(ylm, fields)
+  return ylm.scene "refusing" {
+    camera = ylm.camera { from = { 0, 3, 4 } },
+    geometry = fields and fields.geometry
+      or { ylm.quad { corner = { -1, 0, 1 }, u = { 2, 0, 0 }, v = { 0, 0, -2 } } },
+    lights = { ylm.sphere_light { at = { 0, 1, 0 }, radius = 0.1 } },
+  }
+end
+
+local small = { size = { 4, 2 } }
+
+local function with(more)
+  local o = { size = { 4, 2 } }
+  for k, v in pairs(more) do o[k] = v end
+  return o
+end
+
+--- Cases of options that scene:NAME and a prepared view's NAME share.
+local function options(name, cases)
+  local out = {
+    { call = function() return require "ylm.render"[name]({}, {}) end, says = name .. ": a scene expected" },
+    { call = function(ylm) return scene(ylm)[name](scene(ylm), 7) end, says = "a table of options expected, got 7" },
+    { call = function(ylm) return scene(ylm)[name](scene(ylm), with { sise = 1 }) end, says = "did you mean 'size'" },
+    { call = function(ylm)
+      local blind = ylm.scene "blind" { probes = ylm.uniform_grid { cells = 1 } }
+      return blind[name](blind, small)
+    end, says = "has no camera" },
+  }
+  local fields = {
+    { { size = { 0, 2 } }, "size must be" }, { { size = { 4 } }, "size must be" },
+    { { size = { 1e9, 2 } }, "size must be" },
+    { { size = { 4.5, 2 } }, "size must be" }, { { size = { nan, 2 } }, "size must be" },
+    { { seed = -1 }, "seed must be" }, { { share = -1 }, "share must be" }, { { share = nan }, "share must be" },
+    { { threads = 0 }, "threads must be" }, { { progress = 5 }, "progress must be" },
+  }
+  for _, list in ipairs { fields, cases } do
+    for _, f in ipairs(list) do
+      out[#out + 1] = { call = function(ylm) return scene(ylm)[name](scene(ylm), with(f[1])) end, says = f[2] }
+    end
+  end
+  return out
+end
+
+local view_cases = {
+  { { samples = 0 }, "samples must be" }, { { samples = 1025 }, "samples must be" },
+  { { samples = 1.5 }, "samples must be" },
+  { { shading = "vertx" }, "did you mean 'vertex'" }, { { visibility = true }, "visibility must be" },
+  { { transfer_samples = 0 }, "transfer_samples must be" }, { { transfer_samples = 1e9 }, "transfer_samples must be" },
+  { { occlusion_distance = 0 }, "occlusion_distance must be" },
+  { { occlusion_distance = nan }, "occlusion_distance must be" },
+  { { lmax = -1 }, "lmax must be" }, { { lmax = 1e6 }, "lmax must be" },
+}
+
+local function joined(...)
+  local out = {}
+  for _, list in ipairs { ... } do for _, x in ipairs(list) do out[#out + 1] = x end end
+  return out
+end
+
+local function prepared(ylm) return scene(ylm):prepare { size = { 4, 2 }, samples = 1 } end
+
+--- Cases of method `name` of prepared views.
+local function of_prepared(name, cases)
+  local out = {
+    { call = function(ylm) return prepared(ylm)[name]({}) end, says = name .. ": a prepared view expected" },
+    { call = function(ylm)
+      local view = prepared(ylm)
+      view:close()
+      return prepared(ylm)[name](view)
+    end, says = name .. ": the prepared view has been closed" },
+  }
+  for _, f in ipairs(cases or {}) do
+    out[#out + 1] = { call = function(ylm)
+      local view = prepared(ylm)
+      return view[name](view, f[1])
+    end, says = f[2] }
+  end
+  return out
+end
+
+local layer_cases = {
+  { { layers = 1 }, "layers must be" }, { { truth = 1 }, "truth must be a ylm.image" },
+  { { threads = -1 }, "threads must be" },
+  { { sise = 1 }, "no field 'sise'" }, { 7, "a table of options expected" },
+}
+
 return {
+  true_error = {
+    { call = function(ylm) return ylm.true_error() end, says = "an image expected, got false" },
+    { call = function(ylm) return ylm.true_error(ylm.image { size = { 4, 2 } }, 5) end,
+      says = "#2.*an image expected" },
+    { call = function(ylm) return ylm.true_error(ylm.image { size = { 4, 2 } }, ylm.image { size = { 2, 4 } }) end,
+      says = "an image of 4x2 expected, got 2x4" },
+  },
+  ["scene:prepare"] = options("prepare", view_cases),
+  ["scene:render"] = options("render", joined(view_cases, {
+    { {}, "field 'grid' is missing" }, { { grid = 5 }, "grid must be a grid" },
+    { { interpolation = "cubic" }, "interpolation" },
+    { { layers = 1 }, "layers must be" },
+  })),
+  ["scene:reference"] = options("reference", joined(view_cases, { { { dtype = "half" }, "dtype must be" } })),
+  ["scene:raycast"] = options("raycast", {
+    { { samples = 0 }, "samples must be" }, { { pixel_samples = 0 }, "pixel_samples must be" },
+    { { shadows = 1 }, "shadows must be" }, { { lmax = 4 }, "no field 'lmax'" },
+  }),
+  ["scene:bake"] = joined(options("bake", {
+    { {}, "has no probes" }, { { probes = 5 }, "probes must be" }, { { samples = 0 }, "samples must be" },
+  }), {
+    { call = function(ylm)
+      return scene(ylm):bake { probes = ylm.uniform_grid { cells = 1 }, occupied = "camra" }
+    end, says = "occupied must be" },
+    { call = function(ylm)
+      return scene(ylm, { geometry = {} }):bake { probes = ylm.uniform_grid { cells = 1 }, size = { 4, 2 } }
+    end, says = "the camera sees no geometry" },
+    { call = function(ylm)
+      return scene(ylm):bake { probes = ylm.uniform_grid { cells = 1 }, size = { 4, 2 },
+        progress = function() return false end }
+    end, says = "cancelled" },
+  }),
+  ["prepared:render"] = of_prepared("render", joined(layer_cases, {
+    { {}, "field 'grid' is missing" }, { { grid = {} }, "grid must be a grid" },
+    { { interpolation = 1 }, "interpolation" },
+  })),
+  ["prepared:reference"] = of_prepared("reference", joined(layer_cases, { { { dtype = 4 }, "dtype must be" } })),
+  ["prepared:raycast"] = of_prepared("raycast", joined(layer_cases, {
+    { { samples = 0 }, "samples must be" }, { { samples = 1e9 }, "samples must be" }, { { seed = -1 }, "seed must be" },
+  })),
+  ["prepared:points"] = of_prepared("points"),
+  ["prepared:transfer"] = of_prepared("transfer"),
+  ["prepared:close"] = {
+    { call = function(ylm) return prepared(ylm).close(5) end, says = "close: a prepared view expected" },
+  },
   camera = {
     { call = function(ylm) return ylm.camera() end, says = "a table of named fields expected, got nil" },
     { call = function(ylm) return ylm.camera {} end, says = "field 'from' is missing" },
     { call = function(ylm) return ylm.camera { form = { 0, 0, 1 } } end, says = "did you mean 'from'" },
     { call = function(ylm) return ylm.camera { from = { 0, 0, nan } } end, says = "from must be three numbers" },
     { call = function(ylm) return ylm.camera { from = { 0, 0, 0 } } end, says = "different points" },
-    { call = function(ylm) return ylm.camera { from = { 0, 0, 1 }, up = { 0, 0, 0 } } end, says = "up must be three numbers" },
-    { call = function(ylm) return ylm.camera { from = { 0, 0, 1 }, up = { 0, 0, 2 } } end, says = "up must not point along" },
-    { call = function(ylm) return ylm.camera { from = { 0, 0, 1 }, fov = 180 } end, says = "fov must be a number > 0 and <= 179" },
+    { call = function(ylm) return ylm.camera { from = { 0, 0, 1 }, up = { 0, 0, 0 } } end,
+      says = "up must be three numbers" },
+    { call = function(ylm) return ylm.camera { from = { 0, 0, 1 }, up = { 0, 0, 2 } } end,
+      says = "up must not point along" },
+    { call = function(ylm) return ylm.camera { from = { 0, 0, 1 }, fov = 180 } end,
+      says = "fov must be a number > 0 and <= 179" },
     { call = function(ylm) return ylm.camera { from = { 0, 0, 1 }, fov = inf } end, says = "fov must be a number" },
   },
   matte = {

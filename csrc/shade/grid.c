@@ -1,0 +1,72 @@
+/* grid.c - radiance of shading points under a grid, and the grid's cells they lie in. */
+#include <math.h>
+#include <stdatomic.h>
+
+#include "view.h"
+
+/* Points that are sampled at once: their coefficients stay in the second-level cache. */
+#define BLOCK 512
+
+typedef struct grid_job {
+  const ylm_shade_view *view;
+  const ylm_grid *grid;
+  const ylm_grid_view *look;
+  ylm_grid_query query;
+  ylm_shade_dot_fn *dot;
+  float *out, *level, *error;
+  atomic_uint_fast64_t outside, unbaked;
+} grid_job;
+
+static ylm_status run_grid(void *context, size_t begin, size_t end, int worker) {
+  (void)worker;
+  grid_job *j = context;
+  const ylm_grid_form *form = &j->look->form;
+  size_t n = end - begin;
+  ylm_grid_report r = {0};
+  float *L = ylm_alloc(n * (size_t)form->channels * (size_t)j->look->count, sizeof *L);
+  ylm_status s = L ? YLM_OK : YLM_ENOMEM;
+  if (s == YLM_OK)
+    s = ylm_grid_sample(j->grid, &j->query, n, j->view->position[begin], L, NULL, &r, NULL);
+  if (s == YLM_OK)
+    ylm__shade_points(j->view, j->dot, begin, n,
+                      &(shade_light){form->channels, form->lmax, YLM_FLOAT, L}, j->out + 3 * begin);
+  atomic_fetch_add_explicit(&j->outside, r.outside, memory_order_relaxed);
+  atomic_fetch_add_explicit(&j->unbaked, r.unbaked, memory_order_relaxed);
+  ylm_free(L);
+  return s;
+}
+
+ylm_status ylm_shade_grid(const ylm_shade_view *v, const ylm_grid *grid,
+                          ylm_grid_interpolation interpolation, int threads,
+                          const ylm_progress *progress, float *out, ylm_grid_report *report,
+                          ylm_error *e) {
+  (void)e;
+  double start = ylm_seconds();
+  grid_job j = {.view = v, .grid = grid, .look = ylm_grid_look(grid), .out = out,
+                .dot = ylm__shade_kernels().dot,
+                .query = {.interpolation = interpolation, .point_dtype = YLM_FLOAT,
+                          .dtype = YLM_FLOAT, .threads = 1}};
+  ylm_status s = ylm_parallel(v->points, BLOCK, threads, run_grid, &j, progress, "shading");
+  if (report) *report = (ylm_grid_report){j.outside, j.unbaked, ylm_seconds() - start};
+  return s;
+}
+
+static ylm_status run_cells(void *context, size_t begin, size_t end, int worker) {
+  (void)worker;
+  const grid_job *j = context;
+  for (size_t i = begin; i < end; i++) {
+    const float *x = j->view->position[i];
+    uint32_t k = ylm_grid_locate(j->grid, (double[3]){x[0], x[1], x[2]}, false, NULL);
+    const ylm_grid_cell *c = k == YLM_GRID_NONE ? NULL : &j->look->cell[k];
+    j->level[i] = c ? c->level : 0;
+    j->error[i] = c ? c->error : NAN;
+  }
+  return YLM_OK;
+}
+
+ylm_status ylm_shade_grid_cells(const ylm_shade_view *v, const ylm_grid *grid, int threads,
+                                float *level, float *error) {
+  grid_job j = {.view = v, .grid = grid, .look = ylm_grid_look(grid), .level = level,
+                .error = error};
+  return ylm_parallel(v->points, 4096, threads, run_cells, &j, NULL, NULL);
+}
