@@ -1,5 +1,6 @@
 -- Transfer vectors, shading by light fields, and the ray-cast truth they are held against.
 local ylm = require "ylm"
+require "ylm.array"
 local core = require "ylm.c.core"
 local lib = require "ylm.c.scene"
 

@@ -4,6 +4,7 @@
 -- occlusion rays, transfer vectors) is a "prepared" view; it is made once and rendered as often
 -- as one likes, so that methods are compared on the very same points.
 
+require "ylm.array" -- the methods of the arrays that are returned
 local check = require "ylm.check"
 local core = require "ylm.c.core"
 local describe = require "ylm.reference".describe
@@ -12,6 +13,16 @@ local image = require "ylm.image"
 local light = require "ylm.light"
 local material = require "ylm.material"
 local progress = require "ylm.progress"
+
+require "ylm.reference".object "prepared" {
+  about = "What one camera sees of a scene, with transfer vectors, ready to be shaded by any light field.",
+  fields = {
+    { "stats", "table", "points, hits, pixels, primary_rays, occlusion_rays, scene_seconds, primary_seconds, "
+      .. "transfer_seconds, bytes" },
+    { "options", "table", "what it was made with" },
+    { "scene", "scene", "of what" },
+  },
+}
 
 local render = {}
 
