@@ -1,17 +1,16 @@
 /* vtk.c - opens ylm.c.vtk: scenes drawn by libylm_vtk.so. For lua/ylm/view*.lua. */
 #include "figure.h"
+#include "vtk.h"
 #include "ylm_vtk.h"
 
 #include <string.h>
 
-#define SCENE "ylm.vtk.scene"
-
 static ylm_vtk_scene *scene_at(lua_State *L, int i) {
-  return *(ylm_vtk_scene **)ylmL_check(L, i, SCENE);
+  return *(ylm_vtk_scene **)ylmL_check(L, i, YLM_VTK_SCENE);
 }
 
 static int scene_gc(lua_State *L) {
-  ylm_vtk_scene **s = ylmL_check(L, 1, SCENE);
+  ylm_vtk_scene **s = ylmL_check(L, 1, YLM_VTK_SCENE);
   if (*s) ylm_vtk_scene_free(*s);
   *s = NULL;
   return 0;
@@ -21,7 +20,7 @@ static int scene_new(lua_State *L) {
   ylm_error e;
   ylm_vtk_scene **s = lua_newuserdata(L, sizeof *s);
   *s = NULL;
-  luaL_getmetatable(L, SCENE);
+  luaL_getmetatable(L, YLM_VTK_SCENE);
   lua_setmetatable(L, -2);
   return ylmL_result(L, 1, ylm_vtk_scene_create(s, &e), &e);
 }
@@ -189,13 +188,14 @@ static const luaL_Reg functions[] = {
     {"scene_isosurfaces", scene_isosurfaces}, {"scene_slice", scene_slice},
     {"scene_camera", scene_camera}, {"scene_render", scene_render}, {"text", text},
     {"save_png", save_png},        {"load_png", load_png},       {"describe", describe},
-    {"where", where},              {"version", version},         {NULL, NULL}};
+    {"where", where},              {"version", version},
+    {"plot", ylmL_vtk_plot},       {"show", ylmL_vtk_show},      {NULL, NULL}};
 
 static const luaL_Reg methods[] = {{"__gc", scene_gc}, {NULL, NULL}};
 
 int luaopen_ylm_c_vtk(lua_State *L) {
   ylmL_check_abi(L);
-  ylmL_type(L, SCENE, methods);
+  ylmL_type(L, YLM_VTK_SCENE, methods);
   lua_pop(L, 1);
   lua_newtable(L);
   luaL_setfuncs(L, functions, 0);

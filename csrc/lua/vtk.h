@@ -1,0 +1,12 @@
+/* vtk.h - functions of vtk_*.c that vtk.c registers. */
+#ifndef YLM_LUA_VTK_H
+#define YLM_LUA_VTK_H
+
+#include <lua.h>
+
+#define YLM_VTK_SCENE "ylm.vtk.scene"
+
+int ylmL_vtk_plot(lua_State *L);
+int ylmL_vtk_show(lua_State *L);
+
+#endif

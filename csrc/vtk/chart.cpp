@@ -1,0 +1,134 @@
+// chart.cpp - line plots by vtkChartXY.
+#include "window.h"
+
+#include <vtkAxis.h>
+#include <vtkChartLegend.h>
+#include <vtkChartXY.h>
+#include <vtkContextActor.h>
+#include <vtkContextScene.h>
+#include <vtkDoubleArray.h>
+#include <vtkPen.h>
+#include <vtkBrush.h>
+#include <vtkPlotPoints.h>
+#include <vtkRenderer.h>
+#include <vtkStringArray.h>
+#include <vtkTable.h>
+#include <vtkTextProperty.h>
+
+#include <cmath>
+
+using ylm::guarded;
+template <class T> using Ptr = vtkSmartPointer<T>;
+
+static void set_text(vtkTextProperty *p, double size, bool bold, const double rgb[3]) {
+  if (const char *font = ylm::font_file(bold)) {
+    p->SetFontFamily(VTK_FONT_FILE);
+    p->SetFontFile(font);
+    p->SetBold(0);
+  } else p->SetBold(bold);
+  p->SetItalic(0);
+  p->SetShadow(0);
+  p->SetFontSize(int(size + 0.5));
+  p->SetColor(rgb[0], rgb[1], rgb[2]);
+}
+
+static void set_axis(vtkAxis *axis, const ylm_vtk_axis *a, const ylm_vtk_chart *c, double k) {
+  const double *fg = c->foreground, *bg = c->background;
+  double grid[3];
+  for (int i = 0; i < 3; i++) grid[i] = bg[i] + 0.14 * (fg[i] - bg[i]);
+  axis->SetTitle(a->title);
+  set_text(axis->GetTitleProperties(), c->font * 1.1 * k, false, fg);
+  set_text(axis->GetLabelProperties(), c->font * k, false, fg);
+  axis->SetBehavior(vtkAxis::FIXED);
+  axis->SetLogScale(a->logarithmic);
+  axis->SetUnscaledRange(a->least, a->largest);
+  axis->GetPen()->SetColorF(fg[0], fg[1], fg[2]);
+  axis->GetPen()->SetWidth(float(1.2 * k));
+  axis->SetTickLength(float(4 * k));
+  axis->SetLabelOffset(float(8 * k));
+  axis->GetGridPen()->SetColorF(grid[0], grid[1], grid[2]);
+  axis->GetGridPen()->SetWidth(float(k));
+  auto ticks = Ptr<vtkDoubleArray>::New();
+  auto labels = Ptr<vtkStringArray>::New();
+  for (size_t i = 0; i < a->ticks; i++) {
+    ticks->InsertNextValue(a->logarithmic ? std::log10(a->tick[i]) : a->tick[i]);
+    labels->InsertNextValue(a->label[i]);
+  }
+  axis->SetCustomTickPositions(ticks, labels);
+}
+
+// A line of its points; the chart keeps the table.
+static void add_line(vtkChartXY *chart, const ylm_vtk_series *s, double k, bool points) {
+  auto x = Ptr<vtkDoubleArray>::New(), y = Ptr<vtkDoubleArray>::New();
+  x->SetName("x");
+  y->SetName(s->label && *s->label ? s->label : "y");
+  for (size_t i = 0; i < s->n; i++) {
+    x->InsertNextValue(s->x[i]);
+    y->InsertNextValue(s->y[i]);
+  }
+  auto table = Ptr<vtkTable>::New();
+  table->AddColumn(x);
+  table->AddColumn(y);
+  auto *plot = vtkPlotPoints::SafeDownCast(chart->AddPlot(points ? vtkChart::POINTS : vtkChart::LINE));
+  plot->SetInputData(table, 0, 1);
+  const auto byte = [](double v) { return (unsigned char)(v <= 0 ? 0 : v >= 1 ? 255 : v * 255 + 0.5); };
+  plot->SetColor(byte(s->colour[0]), byte(s->colour[1]), byte(s->colour[2]), byte(s->colour[3]));
+  plot->SetWidth(float(s->width * k));
+  plot->SetLabel(s->label ? s->label : "");
+  plot->SetLegendVisibility(s->label && *s->label);
+  plot->GetPen()->SetLineType(s->dash == 1 ? vtkPen::DASH_LINE
+                              : s->dash == 2 ? vtkPen::DOT_LINE
+                                             : vtkPen::SOLID_LINE);
+  plot->SetMarkerStyle(s->marker_size > 0 ? s->marker : vtkPlotPoints::NONE);
+  plot->SetMarkerSize(float(s->marker_size * k));
+}
+
+static void set_legend(vtkChartXY *chart, const ylm_vtk_chart *c, double k) {
+  chart->SetShowLegend(c->legend != 0);
+  if (!c->legend) return;
+  vtkChartLegend *legend = chart->GetLegend();
+  legend->SetHorizontalAlignment(c->legend == 1 || c->legend == 3 ? vtkChartLegend::RIGHT : vtkChartLegend::LEFT);
+  legend->SetVerticalAlignment(c->legend <= 2 ? vtkChartLegend::TOP : vtkChartLegend::BOTTOM);
+  legend->SetInline(true);
+  legend->SetPadding(int(8 * k));
+  legend->SetSymbolWidth(int(26 * k));
+  set_text(legend->GetLabelProperties(), c->font * k, false, c->foreground);
+  legend->GetBrush()->SetColorF(c->background[0], c->background[1], c->background[2], 0.85);
+  legend->GetPen()->SetColorF(c->foreground[0], c->foreground[1], c->foreground[2], 0.25);
+  legend->GetPen()->SetWidth(float(k));
+}
+
+extern "C" ylm_status ylm_vtk_plot(const ylm_vtk_chart *c, uint8_t *rgb, ylm_error *e) {
+  return guarded(e, [&] {
+    ylm::ContextGuard guard;
+    const double k = c->supersample;
+    auto chart = Ptr<vtkChartXY>::New();
+    chart->SetAutoSize(false);
+    chart->SetSize(vtkRectf(0, 0, float(c->width * k), float(c->height * k)));
+    chart->SetRenderEmpty(true);
+    chart->SetHiddenAxisBorder(int(14 * k));
+    if (c->title && *c->title) {
+      chart->SetTitle(c->title);
+      set_text(chart->GetTitleProperties(), c->font * 1.35 * k, true, c->foreground);
+    }
+    set_axis(chart->GetAxis(vtkAxis::BOTTOM), &c->x, c, k);
+    set_axis(chart->GetAxis(vtkAxis::LEFT), &c->y, c, k);
+    for (size_t i = 0; i < c->n; i++) add_line(chart, &c->series[i], k, c->series[i].width <= 0);
+    set_legend(chart, c, k);
+    auto actor = Ptr<vtkContextActor>::New();
+    actor->GetScene()->AddItem(chart);
+    auto renderer = Ptr<vtkRenderer>::New();
+    renderer->SetBackground(c->background[0], c->background[1], c->background[2]);
+    renderer->AddActor(actor);
+    actor->GetScene()->SetRenderer(renderer);
+    auto window = ylm::offscreen_window(c->width * c->supersample, c->height * c->supersample, e);
+    if (!window) return YLM_EMISSING;
+    window->SetMultiSamples(c->supersample > 1 ? 0 : 4);
+    window->AddRenderer(renderer);
+    window->Render();
+    ylm_status status = ylm::read_pixels(window, c->width, c->height, c->supersample, rgb, e);
+    window->RemoveRenderer(renderer);
+    window->Finalize();
+    return status;
+  });
+}
