@@ -66,18 +66,21 @@ ylm_status ylm_figure_sphere(int detail, size_t *points, double **direction, siz
   return YLM_OK;
 }
 
-/* f at every direction of the sphere. */
-static void evaluate(size_t points, int count, const double *basis, const double *c, double *f) {
+/* f at every direction of the sphere; returns the largest |f|. */
+static double evaluate(size_t points, int count, const double *basis, const double *c, double *f) {
+  double largest = 0;
   for (size_t k = 0; k < points; k++) {
     double sum = 0;
     for (int i = 0; i < count; i++) sum += basis[k * (size_t)count + (size_t)i] * c[i];
     f[k] = sum;
+    largest = fmax(largest, fabs(sum));
   }
+  return largest;
 }
 
 ylm_status ylm_figure_add_lobes(ylm_figure_shape *s, size_t n, int count, int detail,
                                 const double *basis, const double *coefficient,
-                                const double *centre, const double *scale,
+                                const double *centre, const double *scale, bool fit,
                                 const double positive[3], const double negative[3]) {
   size_t points, triangles;
   double *direction, *f;
@@ -90,9 +93,10 @@ ylm_status ylm_figure_add_lobes(ylm_figure_shape *s, size_t n, int count, int de
   else status = ylm__figure_reserve(s, n * points, n * triangles);
   for (size_t i = 0; i < n && status == YLM_OK; i++) {
     size_t first = s->points, first_cell = s->cells;
-    evaluate(points, count, basis, coefficient + i * (size_t)count, f);
+    double largest = evaluate(points, count, basis, coefficient + i * (size_t)count, f);
+    double unit = !fit ? scale[i] : largest > 0 && isfinite(largest) ? scale[i] / largest : 0;
     for (size_t k = 0; k < points; k++) {
-      double r = scale[i] * fabs(f[k]), p[3];
+      double r = unit * fabs(f[k]), p[3];
       for (size_t a = 0; a < 3; a++) p[a] = centre[3 * i + a] + r * direction[3 * k + a];
       ylm__figure_point(s, p, NULL, f[k] < 0 ? negative : positive, 1);
     }

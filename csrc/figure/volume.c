@@ -137,6 +137,19 @@ bool ylm_figure_volume_at(const ylm_figure_volume *v, const double p[3], double 
   return true;
 }
 
+void ylm_figure_resample(ylm_figure_volume *to, const ylm_figure_volume *from) {
+  size_t n = (size_t)to->components, i = 0;
+  for (size_t z = 0; z < to->size[2]; z++)
+    for (size_t y = 0; y < to->size[1]; y++)
+      for (size_t x = 0; x < to->size[0]; x++, i++) {
+        double p[3] = {to->origin[0] + to->spacing[0] * (double)x,
+                       to->origin[1] + to->spacing[1] * (double)y,
+                       to->origin[2] + to->spacing[2] * (double)z}, out[8];
+        bool there = n <= 8 && ylm_figure_volume_at(from, p, out);
+        for (size_t j = 0; j < n; j++) to->value[i * n + j] = there ? (float)out[j] : NAN;
+      }
+}
+
 bool ylm_figure_volume_range(const ylm_figure_volume *v, double *least, double *largest,
                              double *least_positive) {
   size_t count = v->size[0] * v->size[1] * v->size[2], n = (size_t)v->components;

@@ -71,14 +71,14 @@ YLM_API ylm_status ylm_figure_add_segments(ylm_figure_shape *s, size_t n, const 
 **   basis        [points of the sphere][count]: Y at ylm_figure_sphere(detail)
 **   coefficient  [n][count]
 **   centre       [n][3]
-**   scale        [n]
+**   scale        [n]; with `fit`, the largest radius of each instead
 **   positive, negative   colours of the parts where f is above and below 0
 **
 ** Cost  O(n count 4^detail)
 */
 YLM_API ylm_status ylm_figure_add_lobes(ylm_figure_shape *s, size_t n, int count, int detail,
                                         const double *basis, const double *coefficient,
-                                        const double *centre, const double *scale,
+                                        const double *centre, const double *scale, bool fit,
                                         const double positive[3], const double negative[3]);
 
 /* The unit directions [points][3] and triangles [triangles][3] of a subdivided octahedron,
@@ -140,6 +140,9 @@ YLM_API ylm_status ylm_figure_fill(ylm_figure_volume *v, const ylm_figure_cells 
 /* The volume at p, trilinear; false (out untouched) outside, and where a neighbour is NaN. */
 YLM_API bool ylm_figure_volume_at(const ylm_figure_volume *v, const double p[3], double *out);
 
+/* Fills `to` with what `from` (as many components, at most 8) is at its voxels; NaN where it is nothing. */
+YLM_API void ylm_figure_resample(ylm_figure_volume *to, const ylm_figure_volume *from);
+
 /* Least and largest finite value of the first component, and the least above 0;
    false if there is none. */
 YLM_API bool ylm_figure_volume_range(const ylm_figure_volume *v, double *least, double *largest,
@@ -158,14 +161,9 @@ YLM_API size_t ylm_figure_streamline(const ylm_figure_volume *v, const double se
 
 /* -- colours ------------------------------------------------------------------ */
 
-/* Maps by name: viridis, inferno, magma, plasma, turbo, coolwarm, grey; NULL-ended. */
-YLM_API const char *const *ylm_figure_map_names(void);
-/* Colour {r, g, b} of t in 0 .. 1 (clamped); false if there is no such map. */
-YLM_API bool ylm_figure_map(const char *name, double t, double rgb[3]);
-
 /* How numbers become colours. */
 typedef struct ylm_figure_scale {
-  const char *map;
+  const char *map; /* a colour map of csrc/image: viridis, magma, inferno, coolwarm, grey */
   double least, largest;
   bool logarithmic;
 } ylm_figure_scale;

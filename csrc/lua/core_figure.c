@@ -1,5 +1,6 @@
 /* core_figure.c - shapes, volumes and canvases: what pictures are made of. For lua/ylm/view*.lua. */
 #include "figure.h"
+#include "ylm_image.h"
 
 #include <math.h>
 #include <string.h>
@@ -102,7 +103,7 @@ static int shape_segments(lua_State *L) {
   return ylmL_result(L, 0, ylm_figure_add_segments(s, n, from, to, colour), NULL);
 }
 
-/* lobes(shape, coefficient [n][count], centre, scale, positive, negative, detail, basis) */
+/* lobes(shape, coefficient [n][count], centre, scale, positive, negative, detail, basis, fit) */
 static int shape_lobes(lua_State *L) {
   ylm_figure_shape *s = shape_at(L, 1);
   ylmL_array *c = ylmL_array_check(L, 2);
@@ -119,7 +120,7 @@ static int shape_lobes(lua_State *L) {
       rows != ((size_t)4 << 2 * detail) + 2)
     return ylmL_result(L, 0, YLM_ESHAPE, NULL);
   return ylmL_result(L, 0, ylm_figure_add_lobes(s, n, (int)count, detail, basis, c->data, centre,
-                                                scale, positive, negative), NULL);
+                                                scale, lua_toboolean(L, 9), positive, negative), NULL);
 }
 
 /* sphere(detail) -> directions [points][3] */
@@ -223,6 +224,14 @@ static int volume_set(lua_State *L) {
   if (a->count != voxels(v) * (size_t)v->components) return ylmL_result(L, 0, YLM_ESHAPE, NULL);
   for (size_t i = 0; i < a->count; i++)
     v->value[i] = a->dtype == YLM_FLOAT ? ((float *)a->data)[i] : (float)((double *)a->data)[i];
+  return 0;
+}
+
+/* resample(to, from) */
+static int volume_resample(lua_State *L) {
+  ylm_figure_volume *to = volume_at(L, 1), *from = volume_at(L, 2);
+  if (to->components != from->components) return ylmL_result(L, 0, YLM_ESHAPE, NULL);
+  ylm_figure_resample(to, from);
   return 0;
 }
 
@@ -360,6 +369,51 @@ static int range(lua_State *L) {
   return 3;
 }
 
+/* bounds(origin [n][3], size [n][3] | nil) -> {x0 y0 z0 x1 y1 z1}, or nothing if n is 0 */
+static int bounds(lua_State *L) {
+  size_t n;
+  const double *origin = ylmL_doubles(L, 1, 3, &n), *size = ylmL_doubles_of(L, 2, 3, n);
+  double b[6];
+  for (size_t i = 0; i < 3 * n; i++) {
+    double lo = origin[i], hi = lo + (size ? size[i] : 0);
+    size_t a = i % 3;
+    if (i < 3 || lo < b[a]) b[a] = lo;
+    if (i < 3 || hi > b[3 + a]) b[3 + a] = hi;
+  }
+  if (n == 0) return 0;
+  push_bounds(L, b);
+  return 1;
+}
+
+/* thin(points [n][3], spacing, most) -> a mask [n] of points no two of which share a cube of that size */
+static int thin(lua_State *L) {
+  size_t n, kept = 0, room = 64;
+  const double *p = ylmL_doubles(L, 1, 3, &n);
+  double spacing = (double)luaL_checknumber(L, 2), most = (double)luaL_checknumber(L, 3);
+  ylmL_array *out = ylmL_array_new(L, YLM_DOUBLE, 1, &n);
+  while (room < 2 * n) room *= 2;
+  int64_t(*slot)[4] = ylm_alloc_zero(room, sizeof *slot);
+  if (!out || !slot) {
+    ylm_free(slot);
+    return ylmL_result(L, 0, YLM_ENOMEM, NULL);
+  }
+  for (size_t i = 0; i < n && (double)kept < most; i++) {
+    int64_t key[4] = {0, 0, 0, 1};
+    for (size_t a = 0; a < 3; a++) key[a] = (int64_t)floor(p[3 * i + a] / spacing + 0.5);
+    uint64_t h = (uint64_t)key[0] * 0x9E3779B97F4A7C15u ^ (uint64_t)key[1] * 0xBF58476D1CE4E5B9u ^
+                 (uint64_t)key[2] * 0x94D049BB133111EBu;
+    size_t k = (size_t)(h ^ h >> 32) & (room - 1);
+    while (slot[k][3] && memcmp(slot[k], key, sizeof key) != 0) k = (k + 1) & (room - 1);
+    if (slot[k][3]) continue;
+    memcpy(slot[k], key, sizeof key);
+    ((double *)out->data)[i] = 1;
+    kept++;
+  }
+  ylm_free(slot);
+  lua_pushnumber(L, (lua_Number)kept);
+  return 2;
+}
+
 /* -- colours ------------------------------------------------------------------- */
 
 /* colours(array, none {r, g, b}, scale...) -> [..][3] */
@@ -375,19 +429,10 @@ static int colours(lua_State *L) {
   return ylmL_result(L, 1, ylm_figure_colours(&scale, n, x, none, out->data), NULL);
 }
 
-/* map(name, t) -> r, g, b */
-static int map(lua_State *L) {
-  double rgb[3];
-  if (!ylm_figure_map(luaL_checkstring(L, 1), (double)luaL_checknumber(L, 2), rgb)) return 0;
-  for (int a = 0; a < 3; a++) lua_pushnumber(L, rgb[a]);
-  return 3;
-}
-
 static int map_names(lua_State *L) {
-  const char *const *name = ylm_figure_map_names();
   lua_newtable(L);
-  for (int i = 0; name[i]; i++) {
-    lua_pushstring(L, name[i]);
+  for (int i = 0; i < YLM_COLOURMAP_COUNT; i++) {
+    lua_pushstring(L, ylm_colourmap_name((ylm_colourmap)i));
     lua_rawseti(L, -2, i + 1);
   }
   return 1;
@@ -544,9 +589,9 @@ static const luaL_Reg functions[] = {
     {"shape_save", shape_save}, {"figure_sphere", sphere}, {"volume", volume_new},
     {"volume_fill", volume_fill}, {"volume_set", volume_set}, {"volume_values", volume_values},
     {"volume_centres", volume_centres}, {"volume_range", volume_range},
-    {"volume_smooth", volume_smooth}, {"volume_save", volume_save}, {"figure_mix", mix},
-    {"figure_lengths", lengths}, {"figure_scaled", scaled}, {"figure_range", range},
-    {"figure_pick", pick}, {"figure_colours", colours}, {"figure_map", map},
+    {"volume_smooth", volume_smooth}, {"volume_resample", volume_resample}, {"volume_save", volume_save}, {"figure_mix", mix},
+    {"figure_lengths", lengths}, {"figure_scaled", scaled}, {"figure_range", range}, {"figure_bounds", bounds},
+    {"figure_pick", pick}, {"figure_thin", thin}, {"figure_colours", colours},
     {"figure_map_names", map_names}, {"canvas", canvas_new}, {"canvas_size", canvas_size},
     {"canvas_rectangle", canvas_rectangle}, {"canvas_line", canvas_line},
     {"canvas_copy", canvas_copy}, {"canvas_set", canvas_set}, {"canvas_pixels", canvas_pixels},

@@ -34,7 +34,6 @@ static void colour(lua_State *L, int i, const char *name, int n, double *out) {
 static void axis(lua_State *L, const char *name, ylm_vtk_axis *a, double *tick, const char **label) {
   lua_getfield(L, 1, name);
   int i = lua_gettop(L);
-  a->title = word(L, i, "title");
   a->least = number(L, i, "least");
   a->largest = number(L, i, "largest");
   lua_getfield(L, i, "log");
@@ -87,7 +86,10 @@ int ylmL_vtk_plot(lua_State *L) {
   c.width = canvas->width;
   c.height = canvas->height;
   c.supersample = (int)number(L, 1, "supersample");
-  c.title = word(L, 1, "title");
+  c.left = number(L, 1, "left");
+  c.right = number(L, 1, "right");
+  c.top = number(L, 1, "top");
+  c.bottom = number(L, 1, "bottom");
   c.legend = (int)number(L, 1, "legend");
   c.font = number(L, 1, "font");
   colour(L, 1, "background", 3, c.background);

@@ -36,9 +36,9 @@ static void set_axis(vtkAxis *axis, const ylm_vtk_axis *a, const ylm_vtk_chart *
   const double *fg = c->foreground, *bg = c->background;
   double grid[3];
   for (int i = 0; i < 3; i++) grid[i] = bg[i] + 0.14 * (fg[i] - bg[i]);
-  axis->SetTitle(a->title);
-  set_text(axis->GetTitleProperties(), c->font * 1.1 * k, false, fg);
+  axis->SetTitle("");
   set_text(axis->GetLabelProperties(), c->font * k, false, fg);
+  axis->SetTitleVisible(false);
   axis->SetBehavior(vtkAxis::FIXED);
   axis->SetLogScale(a->logarithmic);
   axis->SetUnscaledRange(a->least, a->largest);
@@ -104,13 +104,10 @@ extern "C" ylm_status ylm_vtk_plot(const ylm_vtk_chart *c, uint8_t *rgb, ylm_err
     const double k = c->supersample;
     auto chart = Ptr<vtkChartXY>::New();
     chart->SetAutoSize(false);
-    chart->SetSize(vtkRectf(0, 0, float(c->width * k), float(c->height * k)));
+    chart->SetLayoutStrategy(vtkChart::AXES_TO_RECT);
+    chart->SetSize(vtkRectf(float(c->left * k), float(c->bottom * k), float((c->width - c->left - c->right) * k),
+                            float((c->height - c->bottom - c->top) * k)));
     chart->SetRenderEmpty(true);
-    chart->SetHiddenAxisBorder(int(14 * k));
-    if (c->title && *c->title) {
-      chart->SetTitle(c->title);
-      set_text(chart->GetTitleProperties(), c->font * 1.35 * k, true, c->foreground);
-    }
     set_axis(chart->GetAxis(vtkAxis::BOTTOM), &c->x, c, k);
     set_axis(chart->GetAxis(vtkAxis::LEFT), &c->y, c, k);
     for (size_t i = 0; i < c->n; i++) add_line(chart, &c->series[i], k, c->series[i].width <= 0);

@@ -94,7 +94,6 @@ typedef struct ylm_vtk_series {
 } ylm_vtk_series;
 
 typedef struct ylm_vtk_axis {
-  const char *title;
   double least, largest;
   int logarithmic;
   size_t ticks;
@@ -104,7 +103,7 @@ typedef struct ylm_vtk_axis {
 
 typedef struct ylm_vtk_chart {
   int width, height, supersample;
-  const char *title;
+  double left, right, top, bottom; /* margins around the axes, pixels; titles are the caller's */
   ylm_vtk_axis x, y;
   size_t n;
   const ylm_vtk_series *series;

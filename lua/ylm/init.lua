@@ -20,6 +20,9 @@ local contents = {
   { "ylm.image", "image", "colour" },
   { "ylm.render", "true_error" },
   { "ylm.geometry", "quad", "sphere", "box", "torus", "knot", "mesh" },
+  { "ylm.view", "view" },
+  { "ylm.plot", "plot" },
+  { "ylm.figure", "figure" },
 }
 
 --- Public name -> a module that is a table of functions itself.

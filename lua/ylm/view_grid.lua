@@ -1,0 +1,80 @@
+--- Numbers of a grid as pictures need them: cells, corner points, quantities.
+
+local array = require "ylm.array"
+local core = require "ylm.c.core"
+
+local view_grid = {}
+
+--- Quantity -> label, unit, colour map, whether its range spans decades; and of what it is: cells or points.
+view_grid.quantities = {
+  error = { label = "estimated error", map = "inferno", log = true, of = "cells" },
+  level = { label = "level", map = "viridis", log = false, of = "cells" },
+  residual = { label = "measured relative error", map = "inferno", log = true, of = "cells" },
+  norm = { label = "‖L‖", unit = "W m⁻² sr⁻½", map = "viridis", log = true, of = "points" },
+  lambda = { label = "‖λ‖", unit = "W m⁻² sr⁻½ per length²", map = "inferno", log = true, of = "points" },
+  L00 = { label = "L₀₀", unit = "W m⁻² sr⁻½", map = "viridis", log = true, of = "points" },
+  gradient = { label = "|∇L₀₀|", unit = "W m⁻² sr⁻½ per length", map = "magma", log = true, of = "points" },
+}
+view_grid.names = { "error", "level", "residual", "norm", "lambda", "L00", "gradient" }
+
+local function doubles(a)
+  if not a then return nil end
+  if a.dtype == "double" then return a end
+  return array.array(a, "double")
+end
+
+--- Luminance of a column of coefficient arrays: pieces of `width` numbers at coefficient 1 of each channel.
+local function luminance(a, width)
+  local shape = a.shape
+  local n, channels, count = shape[1], shape[2], shape[3]
+  local per_channel = count * width
+  if channels == 1 then return core.figure_mix(a, n, { 0 }, { 1 }, width) end
+  return core.figure_mix(a, n, { 0, per_channel, 2 * per_channel }, { 0.2126, 0.7152, 0.0722 }, width)
+end
+
+--- The part of a grid that pictures are made of; arrays are fetched once, when first asked for.
+function view_grid.open(grid)
+  local source, points = { grid = grid }, nil
+  local cells = grid:cells()
+  local leaf = doubles(cells.leaf)
+  source.cells = {
+    origin = doubles(cells.origin), size = doubles(cells.size), level = doubles(cells.level),
+    leaf = leaf, occupied = doubles(cells.occupied), corner = doubles(cells.corners),
+  }
+  local function point(name)
+    points = points or grid:points()
+    return points[name]
+  end
+
+  function source.position() return doubles(point "position") end
+  function source.gradient() return luminance(point "gradient", 3) end
+  --- Coefficients [n][count] of luminance.
+  function source.coefficients()
+    local value = point "value"
+    local n, channels, count = value.shape[1], value.shape[2], value.shape[3]
+    if channels == 1 then return core.figure_mix(value, n, { 0 }, { 1 }, count) end
+    return core.figure_mix(value, n, { 0, count, 2 * count }, { 0.2126, 0.7152, 0.0722 }, count)
+  end
+  --- [cells] or [points] numbers of a quantity.
+  function source.values(quantity)
+    if quantity == "error" or quantity == "residual" then return doubles(cells[quantity]) end
+    if quantity == "level" then return source.cells.level end
+    if quantity == "L00" then return core.array_reshape(luminance(point "value", 1), { point("value").shape[1] }) end
+    if quantity == "gradient" then return core.figure_lengths(source.gradient()) end
+    return doubles(point(quantity))
+  end
+  --- What the numbers of a quantity are, in words: label, unit.
+  function source.words(quantity)
+    local q = view_grid.quantities[quantity]
+    if quantity == "error" then
+      local relative = grid.metric == "relative"
+      return relative and "error ‖λ‖Δ²/2‖L‖" or "error ‖λ‖Δ²/2", not relative and "W m⁻² sr⁻½" or nil
+    end
+    return q.label, q.unit
+  end
+
+  source.bounds = core.figure_bounds(source.cells.origin, source.cells.size)
+  return source
+end
+
+return view_grid
