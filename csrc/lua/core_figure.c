@@ -512,6 +512,30 @@ static int canvas_set(lua_State *L) {
   return 0;
 }
 
+/* image(image, layer | nil, tone, stops) -> canvas of the layer's first three channels (or one) */
+static int canvas_image(lua_State *L) {
+  ylm_image *image = ylmL_image_check(L, 1);
+  const ylm_layer *layer = ylm_image_find(image, luaL_optstring(L, 2, NULL));
+  ylm_tone tone;
+  static const double black[3] = {0, 0, 0};
+  if (!layer || !ylm_tone_find(luaL_checkstring(L, 3), &tone)) return ylmL_result(L, 0, YLM_EINVAL, NULL);
+  double stops = (double)luaL_checknumber(L, 4);
+  ylm_figure_canvas *c = lua_newuserdata(L, sizeof *c);
+  memset(c, 0, sizeof *c);
+  luaL_getmetatable(L, YLM_CANVAS);
+  lua_setmetatable(L, -2);
+  ylm_status s = ylm_figure_canvas_init(c, image->width, image->height, black);
+  if (s != YLM_OK) return ylmL_result(L, 0, s, NULL);
+  size_t k = (size_t)layer->channels;
+  for (size_t i = 0; i < (size_t)c->width * (size_t)c->height; i++) {
+    float y[4];
+    ylm_tone_map(tone, stops, k, layer->data + i * k, y);
+    for (size_t a = 0; a < 3; a++)
+      c->pixel[3 * i + a] = (uint8_t)(255 * fminf(1, fmaxf(0, y[k >= 3 ? a : 0])) + 0.5f);
+  }
+  return 1;
+}
+
 /* pixels(canvas) -> float array [h][w][3], 0 .. 1 */
 static int canvas_pixels(lua_State *L) {
   ylm_figure_canvas *c = canvas_at(L, 1);
@@ -594,7 +618,7 @@ static const luaL_Reg functions[] = {
     {"figure_pick", pick}, {"figure_thin", thin}, {"figure_colours", colours},
     {"figure_map_names", map_names}, {"canvas", canvas_new}, {"canvas_size", canvas_size},
     {"canvas_rectangle", canvas_rectangle}, {"canvas_line", canvas_line},
-    {"canvas_copy", canvas_copy}, {"canvas_set", canvas_set}, {"canvas_pixels", canvas_pixels},
+    {"canvas_copy", canvas_copy}, {"canvas_set", canvas_set}, {"canvas_image", canvas_image}, {"canvas_pixels", canvas_pixels},
     {"figure_save_cells", save_cells}, {NULL, NULL}};
 
 static const luaL_Reg shape_methods[] = {{"__gc", shape_gc}, {NULL, NULL}};

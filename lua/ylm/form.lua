@@ -205,6 +205,9 @@ local function checked(fields, given, fail)
   return values
 end
 
+--- The same for fields of fields: form.check(fields, given, fail).
+form.check = checked
+
 --- Defines a constructor that takes one named table. Returns it.
 function form.define(name, definition)
   assert(not form.defined[name], "form defined twice: " .. name)

@@ -230,7 +230,7 @@ local fields = {
   { "size", "list", of = "integer", min = 16, max = 8192, default = { 1280, 720 }, unit = "pixels" },
   { "camera", "object", of = "camera", optional = true,
     about = "exactly this view, over the whole picture; default: the scene's, else one that sees everything" },
-  { "direction", "vector", default = { 0.55, 0.42, 0.8 }, about = "from where, if there is no camera" },
+  { "direction", "vector", optional = true, about = "from where, if there is no camera" },
   { "up", "vector", optional = true, about = "default {0, 1, 0}; {0, 0, 1} with sh" },
   { "background", "any", default = "dark", about = "\"dark\", \"white\" or {r, g, b}, 0 to 1" },
   { "supersample", "integer", min = 1, max = 4, default = 2, about = "anti-aliasing; 1 is four samples per pixel" },

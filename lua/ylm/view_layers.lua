@@ -90,7 +90,7 @@ local function lattice(what, value, bounds, components, fail)
       components > 1 and "[" .. components .. "]" or "", check.describe(a)))
   end
   local size = { shape[3], shape[2], shape[1] }
-  return { values = a, size = size, bounds = bounds_of(bounds, size, what, fail), components = components }
+  return { values = a, size = size, bounds = bounds_of(bounds, size, what:match("^[^:]+"), fail), components = components }
 end
 
 local axis_number = { x = 1, y = 2, z = 3 }
@@ -246,7 +246,9 @@ function layers.check(values, fail)
   end
   values.log_given = values.log
   if values.log and values.range and values.range[1] <= 0 then return fail "range must be above 0 where log is true" end
-  if values.sh and not values.subject and not values.up then values.up = { 0, 0, 1 } end
+  local alone = values.sh and not (values.subject or values.scene or values.meshes or values.lattice)
+  values.up = values.up or (alone and { 0, 0, 1 } or { 0, 1, 0 })
+  values.direction = values.direction or (alone and { 0.12, -1, 0.22 } or { 0.55, 0.42, 0.8 })
 end
 
 -- Numbers ------------------------------------------------------------------------
