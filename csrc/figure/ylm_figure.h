@@ -163,7 +163,7 @@ YLM_API size_t ylm_figure_streamline(const ylm_figure_volume *v, const double se
 
 /* How numbers become colours. */
 typedef struct ylm_figure_scale {
-  const char *map; /* a colour map of csrc/image: viridis, magma, inferno, coolwarm, grey */
+  const char *map; /* a colour map of csrc/image: viridis, magma, coolwarm, grey */
   double least, largest;
   bool logarithmic;
 } ylm_figure_scale;

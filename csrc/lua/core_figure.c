@@ -3,6 +3,7 @@
 #include "ylm_image.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 /* -- shapes ------------------------------------------------------------------- */
@@ -369,6 +370,29 @@ static int range(lua_State *L) {
   return 3;
 }
 
+static int ascending(const void *a, const void *b) {
+  double x = *(const double *)a, y = *(const double *)b;
+  return (x > y) - (x < y);
+}
+
+/* quantiles(array, part, ...) -> of the finite numbers above 0; nothing if there are none */
+static int quantiles(lua_State *L) {
+  size_t n, m = 0;
+  const double *x = ylmL_doubles(L, 1, 1, &n);
+  int wanted = lua_gettop(L) - 1;
+  double part[8];
+  for (int i = 0; i < wanted && i < 8; i++) part[i] = (double)luaL_checknumber(L, 2 + i);
+  double *sorted = ylm_alloc(n, sizeof *sorted);
+  if (!sorted) return ylmL_result(L, 0, YLM_ENOMEM, NULL);
+  for (size_t i = 0; i < n; i++)
+    if (isfinite(x[i]) && x[i] > 0) sorted[m++] = x[i];
+  qsort(sorted, m, sizeof *sorted, ascending);
+  for (int i = 0; i < wanted && i < 8 && m > 0; i++)
+    lua_pushnumber(L, sorted[(size_t)(fmin(1, fmax(0, part[i])) * (double)(m - 1) + 0.5)]);
+  ylm_free(sorted);
+  return m > 0 ? (wanted < 8 ? wanted : 8) : 0;
+}
+
 /* bounds(origin [n][3], size [n][3] | nil) -> {x0 y0 z0 x1 y1 z1}, or nothing if n is 0 */
 static int bounds(lua_State *L) {
   size_t n;
@@ -614,7 +638,7 @@ static const luaL_Reg functions[] = {
     {"volume_fill", volume_fill}, {"volume_set", volume_set}, {"volume_values", volume_values},
     {"volume_centres", volume_centres}, {"volume_range", volume_range},
     {"volume_smooth", volume_smooth}, {"volume_resample", volume_resample}, {"volume_save", volume_save}, {"figure_mix", mix},
-    {"figure_lengths", lengths}, {"figure_scaled", scaled}, {"figure_range", range}, {"figure_bounds", bounds},
+    {"figure_lengths", lengths}, {"figure_scaled", scaled}, {"figure_range", range}, {"figure_bounds", bounds}, {"figure_quantiles", quantiles},
     {"figure_pick", pick}, {"figure_thin", thin}, {"figure_colours", colours},
     {"figure_map_names", map_names}, {"canvas", canvas_new}, {"canvas_size", canvas_size},
     {"canvas_rectangle", canvas_rectangle}, {"canvas_line", canvas_line},

@@ -35,7 +35,7 @@ static void set_text(vtkTextProperty *p, double size, bool bold, const double rg
 static void set_axis(vtkAxis *axis, const ylm_vtk_axis *a, const ylm_vtk_chart *c, double k) {
   const double *fg = c->foreground, *bg = c->background;
   double grid[3];
-  for (int i = 0; i < 3; i++) grid[i] = bg[i] + 0.14 * (fg[i] - bg[i]);
+  for (int i = 0; i < 3; i++) grid[i] = bg[i] + 0.10 * (fg[i] - bg[i]);
   axis->SetTitle("");
   set_text(axis->GetLabelProperties(), c->font * k, false, fg);
   axis->SetTitleVisible(false);

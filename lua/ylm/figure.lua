@@ -70,7 +70,7 @@ local item_fields = {
 local bar_fields = {
   { "range", "any", about = "{least, largest}" },
   { "log", "boolean", default = false },
-  { "map", "choice", of = core.figure_map_names(), default = "inferno" },
+  { "map", "choice", of = core.figure_map_names(), default = "magma" },
   { "label", "string", default = "" },
   { "unit", "string", optional = true },
 }
@@ -108,7 +108,7 @@ local function check_values(item, bar, fail)
   end
   item.values = a
   if item.log == nil then item.log = bar and bar.log or false end
-  item.map = item.map or bar and bar.map or "inferno"
+  item.map = item.map or bar and bar.map or "magma"
   if item.range then item.range = check_range(item.range, item.log, fail)
   elseif bar then item.range = bar.range
   else return fail "values need a range, or the figure a bar" end

@@ -74,8 +74,9 @@ function picture.number(x)
   return mantissa == "1" and power or mantissa .. "·" .. power
 end
 
-local function linear_ticks(lo, hi, most)
+local function linear_ticks(lo, hi, most, whole)
   local step = 10 ^ math.floor(math.log((hi - lo) / most) / math.log(10))
+  if whole and step < 1 then step = 1 end
   for _, factor in ipairs { 1, 2, 5, 10 } do
     if (hi - lo) / (step * factor) <= most then
       step = step * factor
@@ -113,9 +114,10 @@ local function log_ticks(lo, hi, most)
 end
 
 --- Ticks from lo to hi, about `most` of them labelled: positions, labels ("" for minor ones).
-function picture.ticks(lo, hi, log, most)
-  if not (hi > lo) then return { lo }, { picture.number(lo) } end
-  return (log and log_ticks or linear_ticks)(lo, hi, most or 6)
+-- `whole`: none between integers.
+function picture.ticks(lo, hi, log, most, whole)
+  if lo >= hi then return { lo }, { picture.number(lo) } end
+  return (log and log_ticks or linear_ticks)(lo, hi, most or 6, whole)
 end
 
 -- Drawing ----------------------------------------------------------------------------
@@ -148,11 +150,12 @@ end
 
 --- How wide a vertical bar with its labels is.
 function picture.bar_width(scale, font)
-  local _, labels = picture.ticks(scale.range[1], scale.range[2], scale.log, 6)
+  local _, labels = picture.ticks(scale.range[1], scale.range[2], scale.log, 6, scale.whole)
   local widest = 0
   for _, label in ipairs(labels) do widest = math.max(widest, (picture.text(nil, label, 0, 0, { size = font }))) end
   local title = picture.text(nil, scale.label, 0, 0, { size = font })
-  return math.max(math.floor(font * 1.1) + 10 + widest, title)
+  local unit = picture.text(nil, scale.unit, 0, 0, { size = font * 0.85 })
+  return math.max(math.floor(font * 1.1) + 10 + widest, title, unit)
 end
 
 --- Draws a vertical scalar bar into box {x, y, w, h} (the title on top included); returns the colours' box.
@@ -160,8 +163,13 @@ function picture.vertical_bar(canvas, scale, x, y, height, font, theme)
   local title_height = 0
   if scale.label ~= "" then
     local _, h = picture.text(canvas, scale.label, x, y, { size = font, colour = theme.text })
-    title_height = h + math.floor(font * 0.8)
+    title_height = h
   end
+  if scale.unit then
+    local _, h = picture.text(canvas, scale.unit, x, y + title_height + 2, { size = font * 0.85, colour = theme.dim })
+    title_height = title_height + h + 2
+  end
+  if title_height > 0 then title_height = title_height + math.floor(font * 0.7) end
   local w, top, h = math.floor(font * 1.1), y + title_height, height - title_height
   local at, shape = {}, core.canvas(w, h, theme.background)
   for i = 1, h do at[i] = { (h - i + 0.5) / h } end
@@ -173,7 +181,8 @@ function picture.vertical_bar(canvas, scale, x, y, height, font, theme)
       core.array_get(colours, i, 3), 1 })
   end
   core.canvas_copy(canvas, x, top, w, h, shape, 0, 0, w, h, true)
-  local ticks, labels = picture.ticks(scale.range[1], scale.range[2], scale.log, math.max(2, math.floor(h / font / 2.5)))
+  local ticks, labels = picture.ticks(scale.range[1], scale.range[2], scale.log,
+    math.max(2, math.floor(h / font / 2.5)), scale.whole)
   local lo, hi = scale.range[1], scale.range[2]
   local ink = picture.with_alpha(theme.dim, 1)
   for i, tick in ipairs(ticks) do

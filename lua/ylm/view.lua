@@ -53,7 +53,7 @@ local function annotate(v, canvas, l)
     local scale = v.scales[i]
     local box = picture.vertical_bar(canvas, scale, x, math.floor(l.top + l.margin + (room - bar_height) / 2), bar_height,
       l.font, v.theme)
-    v.drawn_bars[i] = { quantity = scale.quantity, label = scale.label, range = { scale.range[1], scale.range[2] },
+    v.drawn_bars[i] = { quantity = scale.quantity, label = scale.label, unit = scale.unit, range = { scale.range[1], scale.range[2] },
       log = scale.log, map = scale.map, box = box }
   end
 end
@@ -66,7 +66,7 @@ local function build(v, vtk, width, height)
   local ok
   ok, message, code = layers.fill(stage)
   if not ok then return nil, message, code end
-  local camera = v.camera or view_camera.fit(stage.bounds, width, height, v.direction, v.up)
+  local camera = v.camera or view_camera.fit(stage.bounds, width, height, v.direction, v.up, v.fov)
   vtk.scene_camera(scene, camera.from, camera.at, camera.up, camera.fov)
   stage.camera = camera
   return stage
@@ -115,7 +115,7 @@ local methods = picture.methods("view", draw,
 describe "view:bars" {
   about = "The scalar bars of the last picture drawn: what they show and where.",
   arguments = {},
-  returns = { { "bars", "table", "a list of { quantity, label, range = {least, largest}, log, map, "
+  returns = { { "bars", "table", "a list of { quantity, label, unit, range = {least, largest}, log, map, "
     .. "box = {x, y, w, h} }, pixels from the top left" } },
   errors = "draws the picture if it was not drawn yet; nil, message, code as for save",
   example = [[
@@ -222,7 +222,7 @@ local fields = {
   { "log", "boolean", optional = true, about = "logarithmic colours; default by quantity" },
   { "map", "choice", of = core.figure_map_names(), optional = true, about = "colour map; default by quantity" },
   { "label", "string", optional = true, about = "over the scalar bar; default: the quantity's name" },
-  { "unit", "string", optional = true, about = "in brackets behind the label" },
+  { "unit", "string", optional = true, about = "below the label" },
   { "bar", "boolean", default = true, about = "draw scalar bars" },
   { "frame", "boolean", default = true, about = "edges of the bounds, where levels are not drawn" },
   { "title", "string", optional = true },

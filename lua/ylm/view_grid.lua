@@ -7,13 +7,13 @@ local view_grid = {}
 
 --- Quantity -> label, unit, colour map, whether its range spans decades; and of what it is: cells or points.
 view_grid.quantities = {
-  error = { label = "estimated error", map = "inferno", log = true, of = "cells" },
-  level = { label = "level", map = "viridis", log = false, of = "cells" },
-  residual = { label = "measured relative error", map = "inferno", log = true, of = "cells" },
+  error = { label = "estimated error", map = "magma", log = true, of = "cells" },
+  level = { label = "level", map = "viridis", log = false, whole = true, of = "cells" },
+  residual = { label = "measured relative error", map = "magma", log = true, of = "cells" },
   norm = { label = "‖L‖", unit = "W m⁻² sr⁻½", map = "viridis", log = true, of = "points" },
-  lambda = { label = "‖λ‖", unit = "W m⁻² sr⁻½ per length²", map = "inferno", log = true, of = "points" },
+  lambda = { label = "‖λ‖", unit = "W m⁻² sr⁻½ per length²", map = "magma", log = true, of = "points" },
   L00 = { label = "L₀₀", unit = "W m⁻² sr⁻½", map = "viridis", log = true, of = "points" },
-  gradient = { label = "|∇L₀₀|", unit = "W m⁻² sr⁻½ per length", map = "magma", log = true, of = "points" },
+  gradient = { label = "|∇L₀₀|", unit = "W m⁻² sr⁻½ per length", map = "viridis", log = true, of = "points" },
 }
 view_grid.names = { "error", "level", "residual", "norm", "lambda", "L00", "gradient" }
 

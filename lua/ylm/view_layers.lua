@@ -248,6 +248,7 @@ function layers.check(values, fail)
   if values.log and values.range and values.range[1] <= 0 then return fail "range must be above 0 where log is true" end
   local alone = values.sh and not (values.subject or values.scene or values.meshes or values.lattice)
   values.up = values.up or (alone and { 0, 0, 1 } or { 0, 1, 0 })
+  values.fov = alone and 10 or 28
   values.direction = values.direction or (alone and { 0.12, -1, 0.22 } or { 0.55, 0.42, 0.8 })
 end
 
@@ -256,11 +257,11 @@ end
 --- Fills in what the user left open of a scale, from the data's least, largest, least positive.
 local function make_scale(v, quantity, defaults, least, largest, positive, takes_fields)
   local own = takes_fields and v or {}
-  local scale = { quantity = quantity, map = own.map or defaults.map, log = defaults.log }
+  local scale = { quantity = quantity, map = own.map or defaults.map, log = defaults.log, whole = defaults.whole }
   if own.log_given ~= nil then scale.log = own.log_given end
   if scale.log and not (own.range and own.range[1] > 0) and not positive then scale.log = false end
   local label, unit = own.label or defaults.label or "", own.unit or (not own.label and defaults.unit) or nil
-  scale.label = unit and label ~= "" and ("%s [%s]"):format(label, unit) or unit and ("[%s]"):format(unit) or label
+  scale.label, scale.unit = label, unit
   if own.range then scale.range = { own.range[1], own.range[2] }
   else
     least, largest = least or 0, largest or 1
@@ -316,7 +317,8 @@ function layers.prepare(v)
       return nil, ("the grid holds no '%s' anywhere"):format(v.quantity), "EFORMAT"
     end
     local label, unit = v.source.words(v.quantity)
-    v.scale = make_scale(v, v.quantity, { map = q.map, log = q.log, label = label, unit = unit }, least, largest,
+    v.scale = make_scale(v, v.quantity, { map = q.map, log = q.log, whole = q.whole, label = label,
+      unit = unit }, least, largest,
       positive, true)
   end
   if v.glyphs or v.streamlines then
@@ -332,6 +334,11 @@ function layers.prepare(v)
     local q = view_grid.quantities.gradient
     local given = v.arrows or v.flow
     local least, largest, positive = core.figure_range(lengths)
+    -- A few arrows beside lamps must not decide the colours of all others.
+    if not given and positive then
+      positive, largest = core.figure_quantiles(lengths, 0.02, 0.99)
+      least = positive
+    end
     v.vector_scale = make_scale(v, "gradient", { map = q.map, log = q.log and not given, label = not given and q.label or "",
       unit = not given and q.unit or nil }, least, largest, positive, not v.scale)
   end
@@ -453,7 +460,7 @@ function fill.isosurfaces(stage, v)
   local at = core.array_zeros({ n }, "double")
   core.array_fill(at, values)
   local rgb = core.array_totable(core.figure_colours(at, { 0.5, 0.5, 0.5 }, scale_of(v.scale)))
-  for i = 1, n do list[i] = { rgb[i][1], rgb[i][2], rgb[i][3], n == 1 and 1 or 0.25 + 0.65 * (i - 1) / (n - 1) } end
+  for i = 1, n do list[i] = { rgb[i][1], rgb[i][2], rgb[i][3], n == 1 and 1 or 0.3 + 0.7 * ((i - 1) / (n - 1)) ^ 1.3 } end
   local colours = core.array_zeros({ n, 4 }, "double")
   core.array_fill(colours, list)
   run(stage.vtk.scene_isosurfaces(stage.scene, volume, at, colours))
@@ -551,7 +558,7 @@ function fill.glyphs(stage, v)
     along = core.figure_scaled(along, factor)
   end
   run(core.shape_arrows(shape, at, along, colours))
-  add_surface(stage, shape)
+  add_surface(stage, shape, { ambient = 0.45, diffuse = 0.65, specular = 0.05 })
   if v.source then grow(stage, v.source.bounds) end
 end
 
@@ -589,7 +596,7 @@ function fill.streamlines(stage, v)
   local shape, reach = core.shape(3), diagonal(b)
   run(core.shape_streamlines(shape, volume, seeds(b, o.count or 150), reach / 400, 600, 12,
     reach * 0.0016 * (o.width or 1), scale_of(v.vector_scale)))
-  add_surface(stage, shape)
+  add_surface(stage, shape, { ambient = 0.45, diffuse = 0.65, specular = 0.05 })
   grow(stage, b)
 end
 
@@ -619,7 +626,7 @@ function fill.lobes(stage, v)
   local coefficients = core.figure_pick(v.source.coefficients(), mask)
   local n, count = centres.shape[1], coefficients.shape[2]
   add_lobes(stage, coefficients, math.floor(math.sqrt(count) + 0.5) - 1, centres,
-    constant(n, 0.5 * spacing * (o.size or 1)), n > 600 and 3 or 4, true)
+    constant(n, 0.42 * spacing * (o.size or 1)), n > 600 and 3 or 4, true)
   grow(stage, v.source.bounds)
 end
 
