@@ -1,6 +1,6 @@
 /* vtk.c - opens ylm.c.vtk: scenes drawn by libylm_vtk.so. For lua/ylm/view*.lua. */
+#include "drawing.h"
 #include "figure.h"
-#include "vtk.h"
 #include "ylm_vtk.h"
 
 #include <string.h>

@@ -1,6 +1,6 @@
 /* vtk_chart.c - line plots, for lua/ylm/plot.lua. */
+#include "drawing.h"
 #include "figure.h"
-#include "vtk.h"
 #include "ylm_vtk.h"
 
 #include <string.h>

@@ -1,6 +1,6 @@
 /* vtk_show.c - the interactive window. */
+#include "drawing.h"
 #include "figure.h"
-#include "vtk.h"
 #include "ylm_vtk.h"
 
 #include <string.h>

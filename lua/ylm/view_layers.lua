@@ -478,7 +478,7 @@ local function level_colours(v, theme, opacity)
   for l = 0, deepest do
     local c = rgb and rgb[l + 1] or theme.text
     -- Fine cells are many: their edges are fainter.
-    local alpha = opacity * (by_level and 1 or math.max(0.12, 0.55 * 0.75 ^ l))
+    local alpha = opacity * (by_level and 1 or math.max(0.06, 0.5 * 0.66 ^ l))
     list[l + 1] = { c[1], c[2], c[3], math.min(1, alpha) }
   end
   local colours = core.array_zeros({ #list, 4 }, "double")

@@ -1,6 +1,6 @@
-/* vtk.h - functions of vtk_*.c that vtk.c registers. */
-#ifndef YLM_LUA_VTK_H
-#define YLM_LUA_VTK_H
+/* drawing.h - functions of vtk_*.c that vtk.c registers. */
+#ifndef YLM_LUA_DRAWING_H
+#define YLM_LUA_DRAWING_H
 
 #include <lua.h>
 
