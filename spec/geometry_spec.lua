@@ -1,5 +1,7 @@
 local ylm = require "ylm"
 local core = require "ylm.c.core"
+local pictures = require "spec.support.pictures"
+local scratch = require "spec.support.scratch"
 
 --- Six times the volume that a mesh encloses; positive where triangles are counter-clockwise from outside.
 local function volume(mesh)
@@ -32,5 +34,192 @@ describe("geometry", function()
     collectgarbage()
     collectgarbage()
     assert.is_true((core.array_finite(normals)))
+  end)
+end)
+
+describe("shapes", function()
+  it("have unit normals that point out of them", function()
+    for _, shape in ipairs { ylm.sphere {}, ylm.torus {}, ylm.knot {}, ylm.box { divide = 3 } } do
+      local v, n = shape.mesh:vertices():totable(), shape.mesh:normals():totable()
+      local worst = 0
+      for _, t in ipairs(shape.mesh:triangles():totable()) do
+        local a, b, c = v[t[1]], v[t[2]], v[t[3]]
+        local x, y = {}, {}
+        for k = 1, 3 do x[k], y[k] = b[k] - a[k], c[k] - a[k] end
+        local face = { x[2] * y[3] - x[3] * y[2], x[3] * y[1] - x[1] * y[3], x[1] * y[2] - x[2] * y[1] }
+        local m = n[t[1]]
+        local dot = face[1] * m[1] + face[2] * m[2] + face[3] * m[3]
+        local length = math.sqrt(face[1] ^ 2 + face[2] ^ 2 + face[3] ^ 2)
+        worst = math.max(worst, 1 - dot / length, math.abs(m[1] ^ 2 + m[2] ^ 2 + m[3] ^ 2 - 1))
+      end
+      assert.is_true(worst < 0.2, tostring(shape.mesh) .. ": " .. worst)
+    end
+  end)
+
+  it("are as large as they should be", function()
+    assert.near(4 * math.pi * 4, ylm.sphere { radius = 2, divide = { 200, 100 } }.mesh.area, 0.02)
+    assert.near(4 * math.pi ^ 2 * 0.3, ylm.torus { radius = 1, tube = 0.3, divide = { 200, 100 } }.mesh.area, 0.02)
+    local quad = ylm.quad { corner = { 0, 0, 0 }, u = { 4, 0, 0 }, v = { 0, 0, -3 }, divide = { 5, 7 } }
+    assert.near(12, quad.mesh.area, 1e-5)
+    assert.same({ { -1, -2, -3 }, { 1, 2, 3 } }, ylm.box { bounds = { { -1, -2, -3 }, { 1, 2, 3 } } }.mesh.bounds)
+  end)
+
+  it("scale, then rotate, then move; a matrix does all of it", function()
+    local one = ylm.quad { corner = { 1, 0, 0 }, u = { 1, 0, 0 }, v = { 0, 1, 0 },
+      scale = 2, rotate = { axis = { 0, 0, 1 }, angle = 90 }, at = { 0, 0, 5 } }
+    local v = one.mesh:vertices()
+    assert.near(0, v:get(1, 1), 1e-6)
+    assert.near(2, v:get(1, 2), 1e-6)
+    assert.near(5, v:get(1, 3), 1e-6)
+    local two = ylm.quad { corner = { 1, 0, 0 }, u = { 1, 0, 0 }, v = { 0, 1, 0 },
+      matrix = { { 0, -2, 0, 0 }, { 2, 0, 0, 0 }, { 0, 0, 2, 5 } } }
+    assert.near(0, (core.array_distance(one.mesh:vertices(), two.mesh:vertices())), 1e-6)
+    local twice = ylm.box { rotate = { { axis = { 0, 0, 1 }, angle = 90 }, { axis = { 1, 0, 0 }, angle = 90 } },
+      bounds = { { 0, 0, 0 }, { 1, 2, 3 } } }
+    local wanted = { { -2, -3, 0 }, { 0, 0, 1 } }
+    for i = 1, 2 do
+      for k = 1, 3 do assert.near(wanted[i][k], twice.mesh.bounds[i][k], 1e-6) end
+    end
+  end)
+
+  it("stay right side out when they are mirrored, and keep normals perpendicular when they are stretched", function()
+    local mirrored = ylm.sphere { scale = { -1, 2, 1 }, divide = { 64, 32 } }
+    assert.near(8 / 3 * math.pi, volume(mirrored.mesh), 0.05)
+    local slanted = ylm.quad { corner = { 0, 0, 0 }, u = { 1, 0, 1 }, v = { 0, 1, 0 }, scale = { 1, 1, 2 } }
+    local n = slanted.mesh:normals():totable()[1]
+    assert.near(0, n[1] + 2 * n[3], 1e-6)
+  end)
+
+  it("carry material and occludes", function()
+    local material = {}
+    local box = ylm.box { material = material, occludes = false }
+    assert.equal(material, box.material)
+    assert.is_false(box.occludes)
+    assert.is_true(ylm.box {}.occludes)
+  end)
+end)
+
+describe("mesh", function()
+  local folder
+  setup(function() folder = scratch.new() end)
+  teardown(function() folder:remove() end)
+
+  local function obj(text) return ylm.mesh { file = folder:write("a.obj", text) } end
+
+  it("reads OBJ: all kinds of corners, negative indices, polygons, lines that go on", function()
+    local corners = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 1\nvn 0 0 1\n"
+    for _, face in ipairs { "f 1 2 3 4", "f 1/1 2/2 3/1 4/2", "f 1//1 2//1 3//1 4//1", "f 1/1/1 2/1/1 3/2/1 4/2/1",
+      "f -4 -3 -2 -1", "f -4/-2/-1 2/1/1 3/2/1 4/2/1", "f 1 2 \\\n 3 4", "f  1\t2   3 4  # quad", "f 1 2 3 4\r" } do
+      local m = obj(corners .. "g x\nusemtl y\ns 1\n" .. face .. "\n").mesh
+      assert.equal(2, #m)
+      assert.near(1, m.area, 1e-6)
+      assert.near(1, m:normals():get(1, 3), 1e-6)
+    end
+    local m = obj(corners .. "f 1/1 2/2 3/1 4/2").mesh
+    assert.same({ { 0, 0 }, { 1, 1 }, { 0, 0 }, { 1, 1 } }, m:uvs():totable())
+    assert.is_nil(obj(corners .. "f 1 2 3").mesh:uvs())
+  end)
+
+  it("makes one vertex of each combination of indices, and smooths across seams of texture coordinates", function()
+    local m = obj("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nvt 0 0\nvt 1 0\nf 1/1 2/1 3/1\nf 1/2 3/1 4/1\n").mesh
+    assert.equal(5, #m:vertices())
+    local n = m:normals():totable()
+    assert.same(n[1], n[4]) -- the first corner of both faces: one position, two texture coordinates
+    assert.near(math.sqrt(0.5), n[1][1], 1e-6)
+  end)
+
+  it("reads PLY in text and in both byte orders, and skips what it does not know", function()
+    local head = "ply\nformat %s 1.0\ncomment made by hand\nelement vertex 4\nproperty float x\nproperty float y\n"
+      .. "property float z\nproperty uchar red\nelement thing 1\nproperty list uchar short numbers\n"
+      .. "element face 1\nproperty list uchar int vertex_indices\nend_header\n"
+    local text = head:format "ascii" .. "0 0 0 1\n1 0 0 2\n1 1 0 3\n0 1 0 4\n2 7 -8\n4 0 1 2 3\n"
+    local one = "\63\128\0\0"
+    local zero = "\0\0\0\0"
+    local big = head:format "binary_big_endian"
+      .. zero .. zero .. zero .. "\1" .. one .. zero .. zero .. "\2" .. one .. one .. zero .. "\3"
+      .. zero .. one .. zero .. "\4" .. "\2\0\7\255\248" .. "\4" .. zero .. "\0\0\0\1\0\0\0\2\0\0\0\3"
+    one = "\0\0\128\63"
+    local little = head:format "binary_little_endian"
+      .. zero .. zero .. zero .. "\1" .. one .. zero .. zero .. "\2" .. one .. one .. zero .. "\3"
+      .. zero .. one .. zero .. "\4" .. "\2\7\0\248\255" .. "\4" .. zero .. "\1\0\0\0\2\0\0\0\3\0\0\0"
+    for _, bytes in ipairs { text, big, little } do
+      local m = ylm.mesh { file = folder:write("a.ply", bytes) }.mesh
+      assert.equal(2, #m)
+      assert.same({ { 0, 0, 0 }, { 1, 0, 0 }, { 1, 1, 0 }, { 0, 1, 0 } }, m:vertices():totable())
+      assert.same({ { 1, 2, 3 }, { 1, 3, 4 } }, m:triangles():totable())
+    end
+  end)
+
+  it("comes back from PLY as it was", function()
+    local knot = ylm.knot { divide = { 40, 8 } }.mesh
+    assert.is_true(knot:save(folder.path .. "/k.ply"))
+    local same = assert(ylm.load(folder.path .. "/k.ply"))
+    assert.equal(0, (core.array_distance(knot:vertices(), same:vertices())))
+    assert.equal(0, (core.array_distance(knot:uvs(), same:uvs())))
+    assert.equal(0, (core.array_distance(knot:triangles(), same:triangles())))
+    assert.near(0, (core.array_distance(knot:normals(), same:normals())), 1e-6)
+  end)
+
+  it("comes from arrays, with normals of its own making", function()
+    local m = ylm.mesh { vertices = { { 0, 0, 0 }, { 1, 0, 0 }, { 0, 1, 0 } }, triangles = { { 1, 2, 3 } } }.mesh
+    assert.same({ { 0, 0, 1 }, { 0, 0, 1 }, { 0, 0, 1 } }, m:normals():totable())
+  end)
+
+  it("names the line of what it cannot read", function()
+    local v = "v 0 0 0\nv 1 0 0\nv 0 1 0\n"
+    for text, says in pairs {
+      [v .. "f 1 2\n"] = "a.obj:4: a face has 2 corners",
+      [v .. "\nf 1 2 7\nf 1 2 3\n"] = "a.obj:5: a face refers to vertex 7, the file has 3",
+      [v .. "f 1 2 -4\n"] = "a.obj:4: a face refers to vertex %-4, 3 are there so far",
+      [v .. "f 1 2 0\n"] = "a.obj:4: a face refers to vertex 0",
+      [v .. "f 1/1 2/1 3/1\n"] = "a.obj:4: a face refers to texture coordinate 1, the file has 0",
+      [v .. "f 1 2 x\n"] = "a.obj:4: a vertex index expected",
+      [v .. "f 1/2/3/4 2 3\n"] = "a.obj:4: a face has corners v, v/vt",
+      ["v 0 0\n"] = "a.obj:1: 'v' wants 3 numbers, number 3 is none",
+      ["v 0 nan 0\n"] = "a.obj:1: 'v' wants 3 numbers, number 2 is none",
+      ["v 0 1e39 0\n"] = "a.obj:1: number 2 of 'v' is too large",
+      ["\n\n%!PS\n"] = "a.obj:3: not a statement",
+      ["v 0 0 0\n"] = "a.obj: not an OBJ file with faces",
+      [""] = "a.obj: not an OBJ file with faces",
+      ["ply\n"] = "the header has no end",
+      ["ply\nformat ascii 2.0\nelement vertex x\n"] = "a.obj:3: bad count 'x'",
+      ["ply\nformat xml 1.0\n"] = "a.obj:2: unknown format 'xml'",
+      ["ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nend_header\n0\n"] = "vertices need x, y and z",
+      ["ply\nformat binary_little_endian 1.0\nelement vertex 99999999\nproperty float x\nproperty float y\n"
+        .. "property float z\nend_header\n0"] = "truncated: the header promises more",
+      ["ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\n"
+        .. "element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n3 0 0 1\n"] =
+        "a.obj:11: face 1 refers to vertex 1 %(from 0%), there are 1",
+    } do
+      local m, message, code = obj(text)
+      assert.is_nil(m)
+      assert.truthy(message:find(says), message .. " does not match " .. says)
+      assert.equal("EFORMAT", code)
+    end
+  end)
+
+  it("survives truncation and altered bytes", function()
+    local name = folder.path .. "/s.ply"
+    assert.is_true(ylm.sphere { divide = { 8, 4 } }.mesh:save(name))
+    local refused = 0
+    pictures.spoil(folder:read "s.ply", 300, 3, function(bad, what)
+      folder:write("bad.ply", bad)
+      local m, message = ylm.mesh { file = folder.path .. "/bad.ply" }
+      assert(m == nil or not what:find "truncated", what)
+      if not m then
+        refused = refused + 1
+        assert(message:find("bad.ply", 1, true), message)
+      end
+    end)
+    assert.is_true(refused > 300)
+  end)
+
+  it("leaves an existing file as it was when the disk is full", function()
+    local name = folder.path .. "/kept.ply"
+    assert.is_true(ylm.box {}.mesh:save(name))
+    local before = folder:read "kept.ply"
+    local out = pictures.on_full_disk(scratch, ([[print(require "ylm".knot {}.mesh:save(%q))]]):format(name))
+    assert.truthy(out:find "^nil\t.*cannot be written: .*\tEIO", out)
+    assert.equal(before, folder:read "kept.ply")
   end)
 end)

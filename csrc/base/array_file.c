@@ -42,10 +42,13 @@ static ylm_status bad(parser *s, const char *what) {
 static ylm_status read_type(parser *s, ylm_array_file *a) {
   char word[32];
   if (!read_word(s, word)) return bad(s, "descr");
-  if (strcmp(word, "<f4") == 0 || strcmp(word, ">f4") == 0) a->dtype = YLM_FLOAT;
-  else if (strcmp(word, "<f8") == 0 || strcmp(word, ">f8") == 0) a->dtype = YLM_DOUBLE;
+  if (strcmp(word, "<f4") == 0 || strcmp(word, ">f4") == 0)
+    a->dtype = YLM_FLOAT;
+  else if (strcmp(word, "<f8") == 0 || strcmp(word, ">f8") == 0)
+    a->dtype = YLM_DOUBLE;
   else
-    return ylm_fail(s->e, YLM_EFORMAT, "%s: elements are '%s'; only float32 ('f4') and float64 ('f8') are supported",
+    return ylm_fail(s->e, YLM_EFORMAT,
+                    "%s: elements are '%s'; only float32 ('f4') and float64 ('f8') are supported",
                     s->name, word);
   a->big_endian = word[0] == '>';
   return YLM_OK;
@@ -79,7 +82,8 @@ static ylm_status read_order(parser *s) {
     return YLM_OK;
   }
   if (s->end - s->p >= 4 && memcmp(s->p, "True", 4) == 0)
-    return ylm_fail(s->e, YLM_EFORMAT, "%s: Fortran order is not supported; save numpy.ascontiguousarray(a)", s->name);
+    return ylm_fail(s->e, YLM_EFORMAT,
+                    "%s: Fortran order is not supported; save numpy.ascontiguousarray(a)", s->name);
   return bad(s, "fortran_order");
 }
 
@@ -102,7 +106,10 @@ static ylm_status read_dictionary(parser *s, ylm_array_file *a) {
     char key[32];
     if (!read_word(s, key) || !accept(s, ':')) return bad(s, "key");
     ylm_status st;
-    unsigned bit = strcmp(key, "descr") == 0 ? 1 : strcmp(key, "fortran_order") == 0 ? 2 : strcmp(key, "shape") == 0 ? 4 : 0;
+    unsigned bit = strcmp(key, "descr") == 0           ? 1
+                   : strcmp(key, "fortran_order") == 0 ? 2
+                   : strcmp(key, "shape") == 0         ? 4
+                                                       : 0;
     if (bit == 0 || (seen & bit)) return bad(s, key);
     st = bit == 1 ? read_type(s, a) : bit == 2 ? read_order(s) : read_shape(s, a);
     if (st != YLM_OK) return st;
@@ -120,8 +127,10 @@ static ylm_status read_dictionary(parser *s, ylm_array_file *a) {
 ylm_status ylm_array_file_parse(const unsigned char *bytes, size_t size, const char *name,
                                 ylm_array_file *a, ylm_error *e) {
   memset(a, 0, sizeof *a);
-  if (size < 10 || memcmp(bytes, magic, 6) != 0) return ylm_fail(e, YLM_EFORMAT, "%s: not an .npy file", name);
-  if (bytes[6] < 1 || bytes[6] > 3) return ylm_fail(e, YLM_EVERSION, "%s: .npy version %d", name, bytes[6]);
+  if (size < 10 || memcmp(bytes, magic, 6) != 0)
+    return ylm_fail(e, YLM_EFORMAT, "%s: not an .npy file", name);
+  if (bytes[6] < 1 || bytes[6] > 3)
+    return ylm_fail(e, YLM_EVERSION, "%s: .npy version %d", name, bytes[6]);
   size_t begin = bytes[6] == 1 ? 10 : 12, length = (size_t)bytes[8] | (size_t)bytes[9] << 8;
   if (begin == 12) {
     if (size < 12) return ylm_fail(e, YLM_EFORMAT, "%s: truncated", name);
@@ -161,10 +170,14 @@ ylm_status ylm_array_file_write(const char *path, ylm_dtype t, int axes, const s
   const uint16_t one = 1;
   char head[512], text[300];
   size_t n = 0;
-  for (int i = 0; i < axes; i++) n += (size_t)snprintf(text + n, sizeof text - n, i ? ", %zu" : "%zu", shape[i]);
-  n = (size_t)snprintf(head, sizeof head, "{'descr': '%cf%d', 'fortran_order': False, 'shape': (%s%s), }",
-                       *(const unsigned char *)&one ? '<' : '>', t == YLM_DOUBLE ? 8 : 4, text, axes == 1 ? "," : "");
-  if (convention) n += (size_t)snprintf(head + n, sizeof head - n, "  # ylm convention %u", convention);
+  for (int i = 0; i < axes; i++)
+    n += (size_t)snprintf(text + n, sizeof text - n, i ? ", %zu" : "%zu", shape[i]);
+  n = (size_t)snprintf(head, sizeof head,
+                       "{'descr': '%cf%d', 'fortran_order': False, 'shape': (%s%s), }",
+                       *(const unsigned char *)&one ? '<' : '>', t == YLM_DOUBLE ? 8 : 4, text,
+                       axes == 1 ? "," : "");
+  if (convention)
+    n += (size_t)snprintf(head + n, sizeof head - n, "  # ylm convention %u", convention);
   size_t whole = (10 + n + 1 + 63) / 64 * 64; /* elements begin at a multiple of 64 */
   memset(head + n, ' ', whole - 10 - n - 1);
   head[whole - 11] = '\n';

@@ -32,7 +32,8 @@ ylm_codec_kind ylm_codec_recognise(const unsigned char *p, size_t size) {
   if (size >= 4 && memcmp(p, "\x76\x2f\x31\x01", 4) == 0) return YLM_CODEC_EXR;
   if (size >= 8 && memcmp(p, "\x89PNG\r\n\x1a\n", 8) == 0) return YLM_CODEC_PNG;
   if (size >= 2 && memcmp(p, "#?", 2) == 0) return YLM_CODEC_HDR;
-  if (size >= 3 && p[0] == 'P' && (p[1] == 'F' || p[1] == 'f') && (p[2] == '\n' || p[2] == '\r' || p[2] == ' '))
+  if (size >= 3 && p[0] == 'P' && (p[1] == 'F' || p[1] == 'f') &&
+      (p[2] == '\n' || p[2] == '\r' || p[2] == ' '))
     return YLM_CODEC_PFM;
   return YLM_CODEC_NONE;
 }
@@ -48,7 +49,8 @@ ylm_status ylm_codec_parse(const unsigned char *bytes, size_t size, const char *
   ylm_codec_kind kind = ylm_codec_recognise(bytes, size);
   *image = NULL;
   if (kind == YLM_CODEC_NONE)
-    return ylm_fail(e, YLM_EFORMAT, "%s: not an image that is known (EXR, PNG, Radiance, PFM)", name);
+    return ylm_fail(e, YLM_EFORMAT, "%s: not an image that is known (EXR, PNG, Radiance, PFM)",
+                    name);
   return parsers[kind](bytes, size, name, raw, image, e);
 }
 

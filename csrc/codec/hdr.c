@@ -47,7 +47,8 @@ static bool read_axis(const char **p, char *axis, bool *negative, uint64_t *n) {
 static bool read_layout(const char *line, layout *l) {
   char first, second;
   bool down, left;
-  if (!read_axis(&line, &first, &down, &l->rows) || !read_axis(&line, &second, &left, &l->columns)) return false;
+  if (!read_axis(&line, &first, &down, &l->rows) || !read_axis(&line, &second, &left, &l->columns))
+    return false;
   while (*line == ' ') line++;
   if (*line || first == second) return false;
   l->transposed = first == 'X';
@@ -116,11 +117,14 @@ static ylm_status read_header(parser *s, const char *name, layout *l, ylm_error 
   bool format = false;
   next_line(s, line, sizeof line); /* "#?..." */
   for (;;) {
-    if (!next_line(s, line, sizeof line)) return ylm_fail(e, YLM_EFORMAT, "%s: the Radiance header has no end", name);
+    if (!next_line(s, line, sizeof line))
+      return ylm_fail(e, YLM_EFORMAT, "%s: the Radiance header has no end", name);
     if (line[0] == 0) break;
-    if (strcmp(line, "FORMAT=32-bit_rle_rgbe") == 0) format = true;
+    if (strcmp(line, "FORMAT=32-bit_rle_rgbe") == 0)
+      format = true;
     else if (strncmp(line, "FORMAT=", 7) == 0)
-      return ylm_fail(e, YLM_EFORMAT, "%s: Radiance format '%.40s' is not supported", name, line + 7);
+      return ylm_fail(e, YLM_EFORMAT, "%s: Radiance format '%.40s' is not supported", name,
+                      line + 7);
   }
   (void)format; /* old files leave it out */
   if (!next_line(s, line, sizeof line) || !read_layout(line, l))
@@ -185,7 +189,8 @@ static size_t write_runs(const unsigned char *row, size_t n, int k, unsigned cha
   size_t used = 0;
   for (size_t i = 0; i < n;) {
     size_t run = 1;
-    while (run < 127 && i + run < n && row[4 * (i + run) + (size_t)k] == row[4 * i + (size_t)k]) run++;
+    while (run < 127 && i + run < n && row[4 * (i + run) + (size_t)k] == row[4 * i + (size_t)k])
+      run++;
     if (run >= 4) {
       out[used++] = (unsigned char)(128 + run);
       out[used++] = row[4 * i + (size_t)k];
@@ -221,20 +226,25 @@ ylm_status ylm__hdr_write(const ylm_image *image, const ylm_layer *layer, const 
   (void)o;
   size_t n = (size_t)image->width, where;
   if (layer->channels != 1 && layer->channels != 3)
-    return ylm_fail(e, YLM_ESHAPE, "%s: Radiance files hold 3 channels, layer '%s' has %d", path, layer->name,
-                    layer->channels);
-  if (!ylm_all_finite(YLM_FLOAT, layer->data, n * (size_t)image->height * (size_t)layer->channels, &where)) {
+    return ylm_fail(e, YLM_ESHAPE, "%s: Radiance files hold 3 channels, layer '%s' has %d", path,
+                    layer->name, layer->channels);
+  if (!ylm_all_finite(YLM_FLOAT, layer->data, n * (size_t)image->height * (size_t)layer->channels,
+                      &where)) {
     where /= (size_t)layer->channels;
-    return ylm_fail(e, YLM_EDOMAIN, "%s: pixel (%zu, %zu) is not finite, which the format cannot say", path,
+    return ylm_fail(e, YLM_EDOMAIN,
+                    "%s: pixel (%zu, %zu) is not finite, which the format cannot say", path,
                     where % n + 1, where / n + 1);
   }
   unsigned char *row = ylm_alloc(n, 4), *out = ylm_alloc(2 * n + 8, 1);
   ylm_file *f = NULL;
-  ylm_status s = row && out ? ylm_file_create(path, &f, e) : ylm_fail(e, YLM_ENOMEM, "%s: memory ran out", path);
+  ylm_status s = row && out ? ylm_file_create(path, &f, e)
+                            : ylm_fail(e, YLM_ENOMEM, "%s: memory ran out", path);
   if (s == YLM_OK) {
     char head[128];
-    int length = snprintf(head, sizeof head, "#?RADIANCE\nSOFTWARE=ylm " YLM_VERSION
-                          "\nFORMAT=32-bit_rle_rgbe\n\n-Y %d +X %d\n", image->height, image->width);
+    int length = snprintf(head, sizeof head,
+                          "#?RADIANCE\nSOFTWARE=ylm " YLM_VERSION
+                          "\nFORMAT=32-bit_rle_rgbe\n\n-Y %d +X %d\n",
+                          image->height, image->width);
     ylm_file_write(f, head, (size_t)length);
     for (int y = 0; y < image->height; y++) {
       for (size_t i = 0; i < n; i++) {

@@ -16,7 +16,8 @@ static bool next_word(const unsigned char *p, size_t size, size_t *at, char word
 
 static bool next_size(const unsigned char *p, size_t size, size_t *at, uint64_t *x) {
   char word[32], *end;
-  if (!next_word(p, size, at, word) || word[0] < '0' || word[0] > '9' || strlen(word) > 9) return false;
+  if (!next_word(p, size, at, word) || word[0] < '0' || word[0] > '9' || strlen(word) > 9)
+    return false;
   *x = strtoull(word, &end, 10);
   return *end == 0;
 }
@@ -36,16 +37,17 @@ ylm_status ylm__pfm_parse(const unsigned char *p, size_t size, const char *name,
   size_t at = 2;
   uint64_t w, h;
   int channels = p[1] == 'F' ? 3 : 1;
-  if (!next_size(p, size, &at, &w) || !next_size(p, size, &at, &h) || !next_word(p, size, &at, word))
+  if (!next_size(p, size, &at, &w) || !next_size(p, size, &at, &h) ||
+      !next_word(p, size, &at, word))
     return ylm_fail(e, YLM_EFORMAT, "%s: not a PFM header (width, height, scale)", name);
   double scale = strtod(word, &end);
   if (*end || !isfinite(scale) || scale == 0)
     return ylm_fail(e, YLM_EFORMAT, "%s: PFM scale '%s' is not a number other than 0", name, word);
-  at++; /* exactly one byte of white space */
+  at++;                  /* exactly one byte of white space */
   uint64_t need = w * h; /* each has at most 9 digits */
   if (need > YLM_IMAGE_MAX_PIXELS) need = YLM_IMAGE_MAX_PIXELS;
-  ylm_status s = ylm__codec_start(name, w, h, channels, size, at + need * (size_t)channels * 4,
-                                  image, e);
+  ylm_status s =
+      ylm__codec_start(name, w, h, channels, size, at + need * (size_t)channels * 4, image, e);
   if (s != YLM_OK) return s;
   size_t row = (size_t)w * (size_t)channels;
   for (size_t y = 0; y < h; y++)

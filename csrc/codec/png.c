@@ -44,7 +44,8 @@ static void on_flush(png_structp png) { (void)png; }
 static void to_linear(ylm_layer *layer, const unsigned char *pixels, size_t n, int bits, bool raw) {
   float table[256];
   int alpha = layer->channels == 4 || layer->channels == 2 ? layer->channels - 1 : 4;
-  for (int i = 0; i < 256; i++) table[i] = raw ? (float)i / 255 : ylm_tone_decode_srgb((float)i / 255);
+  for (int i = 0; i < 256; i++)
+    table[i] = raw ? (float)i / 255 : ylm_tone_decode_srgb((float)i / 255);
   for (size_t i = 0; i < n; i++) {
     bool is_alpha = (int)(i % (size_t)layer->channels) == alpha;
     if (bits == 8) {
@@ -109,8 +110,10 @@ ylm_status ylm__png_parse(const unsigned char *bytes, size_t size, const char *n
   if (w) {
     ylm_free(w->pixels);
     ylm_free(w->rows);
-    if (s == YLM_OK) *image = w->image;
-    else ylm_image_free(w->image);
+    if (s == YLM_OK)
+      *image = w->image;
+    else
+      ylm_image_free(w->image);
     ylm_free(w);
   }
   return s;
@@ -139,8 +142,8 @@ static void encode_row(const ylm_layer *layer, int width, int y, const ylm_codec
 static void write_all(png_structp png, png_infop info, const ylm_image *image,
                       const ylm_layer *layer, const ylm_codec_options *o, float *tmp,
                       unsigned char *row) {
-  static const int types[] = {0, PNG_COLOR_TYPE_GRAY, PNG_COLOR_TYPE_GRAY_ALPHA,
-                              PNG_COLOR_TYPE_RGB, PNG_COLOR_TYPE_RGB_ALPHA};
+  static const int types[] = {0, PNG_COLOR_TYPE_GRAY, PNG_COLOR_TYPE_GRAY_ALPHA, PNG_COLOR_TYPE_RGB,
+                              PNG_COLOR_TYPE_RGB_ALPHA};
   png_set_IHDR(png, info, (png_uint_32)image->width, (png_uint_32)image->height,
                o->bits == 16 ? 16 : 8, types[layer->channels], PNG_INTERLACE_NONE,
                PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
@@ -149,7 +152,8 @@ static void write_all(png_structp png, png_infop info, const ylm_image *image,
   snprintf(tone, sizeof tone, "tone curve %s, exposure %+.2f stops", ylm_tone_name(o->tone),
            o->exposure);
   png_text text[2] = {
-      {.compression = PNG_TEXT_COMPRESSION_NONE, .key = (char *)"Software",
+      {.compression = PNG_TEXT_COMPRESSION_NONE,
+       .key = (char *)"Software",
        .text = (char *)"ylm " YLM_VERSION},
       {.compression = PNG_TEXT_COMPRESSION_NONE, .key = (char *)"Comment", .text = tone},
   };
@@ -171,8 +175,10 @@ ylm_status ylm__png_write(const ylm_image *image, const ylm_layer *layer, const 
   float *tmp = ylm_alloc(samples, sizeof(float));
   unsigned char *row = ylm_alloc(samples, 2);
   ylm_status s = YLM_OK;
-  if (!tmp || !row) s = ylm_fail(e, YLM_ENOMEM, "%s: memory ran out", path);
-  else s = ylm_file_create(path, &st.file, e);
+  if (!tmp || !row)
+    s = ylm_fail(e, YLM_ENOMEM, "%s: memory ran out", path);
+  else
+    s = ylm_file_create(path, &st.file, e);
   if (s == YLM_OK) {
     png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, &st, on_error, on_warning);
     png_infop info = png ? png_create_info_struct(png) : NULL;

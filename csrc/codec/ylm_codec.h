@@ -17,9 +17,9 @@ extern "C" {
 
 /* What a writer may be told; zeros are the defaults. */
 typedef struct ylm_codec_options {
-  int bits;         /* exr: 16 (half) or 32 (default); png: 8 (default) or 16 */
-  ylm_tone tone;    /* png: the curve; default srgb */
-  double exposure;  /* png: stops */
+  int bits;          /* exr: 16 (half) or 32 (default); png: 8 (default) or 16 */
+  ylm_tone tone;     /* png: the curve; default srgb */
+  double exposure;   /* png: stops */
   const char *layer; /* png, hdr, pfm: which layer; NULL: the first */
 } ylm_codec_options;
 
@@ -39,7 +39,11 @@ YLM_API ylm_status ylm_codec_write(const ylm_image *image, const char *path,
                                    const ylm_codec_options *options, ylm_error *e);
 
 typedef enum ylm_codec_kind {
-  YLM_CODEC_NONE, YLM_CODEC_EXR, YLM_CODEC_PNG, YLM_CODEC_HDR, YLM_CODEC_PFM
+  YLM_CODEC_NONE,
+  YLM_CODEC_EXR,
+  YLM_CODEC_PNG,
+  YLM_CODEC_HDR,
+  YLM_CODEC_PFM
 } ylm_codec_kind;
 
 /* What the first bytes say. */

@@ -85,7 +85,8 @@ ylm_status ylm_mesh_make_normals(ylm_mesh *m) {
     double *s = sum + 3 * i, length = sqrt(s[0] * s[0] + s[1] * s[1] + s[2] * s[2]);
     if (length > 0 && isfinite(length))
       for (int a = 0; a < 3; a++) normal[3 * i + (size_t)a] = (float)(s[a] / length);
-    else normal[3 * i] = normal[3 * i + 1] = 0, normal[3 * i + 2] = 1;
+    else
+      normal[3 * i] = normal[3 * i + 1] = 0, normal[3 * i + 2] = 1;
   }
   ylm_free(sum);
   m->normal = normal;

@@ -21,15 +21,21 @@ typedef struct parser {
   bool bare_normal;                 /* some corner has none */
 } parser;
 
-static bool at_line_end(const parser *s) { return s->p == s->end || *s->p == '\n' || *s->p == '\r'; }
+static bool at_line_end(const parser *s) {
+  return s->p == s->end || *s->p == '\n' || *s->p == '\r';
+}
 
 /* Skips blanks and continued line ends. */
 static void skip_blanks(parser *s) {
   for (;;) {
-    if (s->p < s->end && (*s->p == ' ' || *s->p == '\t')) s->p++;
-    else if (s->end - s->p >= 2 && s->p[0] == '\\' && s->p[1] == '\n') s->p += 2, s->line++;
-    else if (s->end - s->p >= 3 && s->p[0] == '\\' && s->p[1] == '\r' && s->p[2] == '\n') s->p += 3, s->line++;
-    else return;
+    if (s->p < s->end && (*s->p == ' ' || *s->p == '\t'))
+      s->p++;
+    else if (s->end - s->p >= 2 && s->p[0] == '\\' && s->p[1] == '\n')
+      s->p += 2, s->line++;
+    else if (s->end - s->p >= 3 && s->p[0] == '\\' && s->p[1] == '\r' && s->p[2] == '\n')
+      s->p += 3, s->line++;
+    else
+      return;
   }
 }
 
@@ -52,15 +58,16 @@ static ylm_status read_floats(parser *s, ylm_growing *to, const char *what, int 
     double x = 0;
     skip_blanks(s);
     if (!ylm__read_number(&s->p, s->end, &x) && i < least)
-      return ylm_fail(s->e, YLM_EFORMAT, "%s:%zu: '%s' wants %d numbers, number %d is none", s->name,
-                      s->line, what, n, i + 1);
+      return ylm_fail(s->e, YLM_EFORMAT, "%s:%zu: '%s' wants %d numbers, number %d is none",
+                      s->name, s->line, what, n, i + 1);
     out[i] = (float)x;
     if (!isfinite(out[i]))
       return ylm_fail(s->e, YLM_EFORMAT, "%s:%zu: number %d of '%s' is too large", s->name, s->line,
                       i + 1, what);
   }
   if (++to->count > YLM_MESH_MAX)
-    return ylm_fail(s->e, YLM_ELIMIT, "%s:%zu: more than %zu of '%s'", s->name, s->line, YLM_MESH_MAX, what);
+    return ylm_fail(s->e, YLM_ELIMIT, "%s:%zu: more than %zu of '%s'", s->name, s->line,
+                    YLM_MESH_MAX, what);
   skip_line(s);
   return YLM_OK;
 }
@@ -72,7 +79,8 @@ static ylm_status read_index(parser *s, int kind, uint32_t *out) {
   if (negative) s->p++;
   uint64_t k = 0;
   if (s->p == s->end || *s->p < '0' || *s->p > '9')
-    return ylm_fail(s->e, YLM_EFORMAT, "%s:%zu: a %s index expected in a face", s->name, s->line, names[kind]);
+    return ylm_fail(s->e, YLM_EFORMAT, "%s:%zu: a %s index expected in a face", s->name, s->line,
+                    names[kind]);
   for (; s->p < s->end && *s->p >= '0' && *s->p <= '9'; s->p++)
     if (k < 1u << 31) k = 10 * k + (uint64_t)(*s->p - '0');
   const ylm_growing *pool = kind == 0 ? &s->position : kind == 1 ? &s->uv : &s->normal;
@@ -83,8 +91,8 @@ static ylm_status read_index(parser *s, int kind, uint32_t *out) {
     k = pool->count - k + 1;
   }
   if (k == 0 || k > YLM_MESH_MAX)
-    return ylm_fail(s->e, YLM_EFORMAT, "%s:%zu: a face refers to %s %llu", s->name, s->line, names[kind],
-                    (unsigned long long)k);
+    return ylm_fail(s->e, YLM_EFORMAT, "%s:%zu: a face refers to %s %llu", s->name, s->line,
+                    names[kind], (unsigned long long)k);
   if (k > s->most[kind].largest) s->most[kind] = (extent){k, s->line};
   *out = (uint32_t)(k - 1);
   return YLM_OK;
@@ -103,7 +111,8 @@ static ylm_status read_corner(parser *s, ylm_corner *c) {
     }
   }
   if (st == YLM_OK && !at_line_end(s) && *s->p != ' ' && *s->p != '\t' && *s->p != '\\')
-    st = ylm_fail(s->e, YLM_EFORMAT, "%s:%zu: a face has corners v, v/vt, v//vn or v/vt/vn", s->name, s->line);
+    st = ylm_fail(s->e, YLM_EFORMAT, "%s:%zu: a face has corners v, v/vt, v//vn or v/vt/vn",
+                  s->name, s->line);
   s->bare_normal |= c->n == YLM_NO_INDEX;
   return st;
 }
@@ -116,7 +125,8 @@ static ylm_status read_face(parser *s) {
     ylm_status st = read_corner(s, c);
     if (st != YLM_OK) return st;
     s->polygon.count++;
-    if (!at_line_end(s) && *s->p == '\\' && (s->end - s->p < 2 || (s->p[1] != '\n' && s->p[1] != '\r')))
+    if (!at_line_end(s) && *s->p == '\\' &&
+        (s->end - s->p < 2 || (s->p[1] != '\n' && s->p[1] != '\r')))
       return ylm_fail(s->e, YLM_EFORMAT, "%s:%zu: unexpected '\\' in a face", s->name, s->line);
     const unsigned char *before = s->p;
     skip_blanks(s);
@@ -124,12 +134,13 @@ static ylm_status read_face(parser *s) {
       return ylm_fail(s->e, YLM_EFORMAT, "%s:%zu: unexpected text in a face", s->name, s->line);
   }
   if (s->polygon.count < 3)
-    return ylm_fail(s->e, YLM_EFORMAT, "%s:%zu: a face has %zu corners, 3 at least are wanted", s->name,
-                    s->line, s->polygon.count);
+    return ylm_fail(s->e, YLM_EFORMAT, "%s:%zu: a face has %zu corners, 3 at least are wanted",
+                    s->name, s->line, s->polygon.count);
   if (!ylm__add_polygon(&s->triangle, s->polygon.data, s->polygon.count))
     return ylm_fail(s->e, YLM_ENOMEM, "%s: memory ran out", s->name);
   if (s->triangle.count / 3 > YLM_MESH_MAX)
-    return ylm_fail(s->e, YLM_ELIMIT, "%s:%zu: more than %zu triangles", s->name, s->line, YLM_MESH_MAX);
+    return ylm_fail(s->e, YLM_ELIMIT, "%s:%zu: more than %zu triangles", s->name, s->line,
+                    YLM_MESH_MAX);
   skip_line(s);
   return YLM_OK;
 }
@@ -164,8 +175,9 @@ static ylm_status read_lines(parser *s) {
   const ylm_growing *pool[] = {&s->position, &s->uv, &s->normal};
   for (int k = 0; k < 3; k++)
     if (s->most[k].largest > pool[k]->count)
-      return ylm_fail(s->e, YLM_EFORMAT, "%s:%zu: a face refers to %s %llu, the file has %zu", s->name,
-                      s->most[k].line, names[k], (unsigned long long)s->most[k].largest, pool[k]->count);
+      return ylm_fail(s->e, YLM_EFORMAT, "%s:%zu: a face refers to %s %llu, the file has %zu",
+                      s->name, s->most[k].line, names[k], (unsigned long long)s->most[k].largest,
+                      pool[k]->count);
   if (s->triangle.count == 0)
     return ylm_fail(s->e, YLM_EFORMAT, "%s: not an OBJ file with faces (%zu vertices)", s->name,
                     s->position.count);
@@ -175,7 +187,8 @@ static ylm_status read_lines(parser *s) {
 /* Area-weighted normals of the positions, before they are split by texture coordinates. */
 static ylm_status make_normals(parser *s) {
   const ylm_corner *c = s->triangle.data;
-  ylm_mesh plain = {.vertices = s->position.count, .triangles = s->triangle.count / 3,
+  ylm_mesh plain = {.vertices = s->position.count,
+                    .triangles = s->triangle.count / 3,
                     .position = s->position.data,
                     .index = ylm_alloc(s->triangle.count, sizeof(uint32_t))};
   ylm_status st = plain.index ? YLM_OK : YLM_ENOMEM;
@@ -191,7 +204,8 @@ static ylm_status make_normals(parser *s) {
 }
 
 static uint64_t hash(const ylm_corner *c) {
-  uint64_t h = (uint64_t)c->v * 0x9E3779B97F4A7C15u ^ ((uint64_t)c->t << 32 | c->n) * 0xC2B2AE3D27D4EB4Fu;
+  uint64_t h =
+      (uint64_t)c->v * 0x9E3779B97F4A7C15u ^ ((uint64_t)c->t << 32 | c->n) * 0xC2B2AE3D27D4EB4Fu;
   h ^= h >> 29;
   h *= 0x94D049BB133111EBu;
   return h ^ h >> 32;
@@ -240,14 +254,16 @@ static ylm_status build_split(parser *s, bool uvs, ylm_mesh **m) {
   ylm_status st = YLM_ENOMEM;
   if (vertex && first && number_corners(c, n, vertex, first, &count))
     st = ylm_mesh_create(count, n / 3, true, uvs, m, s->e);
-  else ylm_fail(s->e, st, "%s: memory ran out", s->name);
+  else
+    ylm_fail(s->e, st, "%s: memory ran out", s->name);
   if (st == YLM_OK) {
     const float *p = s->position.data, *t = s->uv.data, *q = s->normal.data;
     for (size_t k = 0; k < count; k++) {
       const ylm_corner *f = &c[first[k]];
       memcpy((*m)->position + 3 * k, p + 3 * (size_t)f->v, 3 * sizeof(float));
       memcpy((*m)->normal + 3 * k, q + 3 * (size_t)f->n, 3 * sizeof(float));
-      if (uvs && f->t != YLM_NO_INDEX) memcpy((*m)->uv + 2 * k, t + 2 * (size_t)f->t, 2 * sizeof(float));
+      if (uvs && f->t != YLM_NO_INDEX)
+        memcpy((*m)->uv + 2 * k, t + 2 * (size_t)f->t, 2 * sizeof(float));
     }
     memcpy((*m)->index, vertex, n * sizeof *vertex);
   }
@@ -273,8 +289,10 @@ ylm_status ylm_mesh_parse_obj(const unsigned char *text, size_t size, const char
   *m = NULL;
   ylm_status st = read_lines(&s);
   bool made = s.bare_normal, uvs = s.most[1].largest > 0;
-  if (st == YLM_OK && made) st = make_normals(&s);
-  else if (st == YLM_OK) normalise(s.normal.data, s.normal.count);
+  if (st == YLM_OK && made)
+    st = make_normals(&s);
+  else if (st == YLM_OK)
+    normalise(s.normal.data, s.normal.count);
   if (st == YLM_OK) st = made && !uvs ? build_plain(&s, m) : build_split(&s, uvs, m);
   ylm_free(s.position.data);
   ylm_free(s.uv.data);
@@ -291,7 +309,8 @@ ylm_status ylm_mesh_read(const char *path, ylm_mesh **m, ylm_error *e) {
   ylm_status s = ylm_file_read(path, 0, &bytes, &size, e);
   if (s != YLM_OK) return s;
   bool ply = size >= 4 && memcmp(bytes, "ply", 3) == 0 && (bytes[3] == '\n' || bytes[3] == '\r');
-  s = ply ? ylm_mesh_parse_ply(bytes, size, path, m, e) : ylm_mesh_parse_obj(bytes, size, path, m, e);
+  s = ply ? ylm_mesh_parse_ply(bytes, size, path, m, e)
+          : ylm_mesh_parse_obj(bytes, size, path, m, e);
   ylm_free(bytes);
   return s;
 }

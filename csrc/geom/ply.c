@@ -12,7 +12,8 @@ typedef enum type { INT8, UINT8, INT16, UINT16, INT32, UINT32, FLOAT32, FLOAT64,
 
 static const size_t type_size[] = {1, 1, 2, 2, 4, 4, 4, 8};
 
-/* What a property becomes: a slot 0 .. 7 of a vertex (x y z nx ny nz u v), a face's list, nothing. */
+/* What a property becomes: a slot 0 .. 7 of a vertex (x y z nx ny nz u v), a face's list, nothing.
+ */
 enum { SLOTS = 8, FACE_LIST = 8, NOTHING = 9 };
 
 typedef struct property {
@@ -53,7 +54,8 @@ static ylm_status fail(parser *s, const char *format, ...) {
   va_start(args, format);
   vsnprintf(text, sizeof text, format, args);
   va_end(args);
-  if (s->encoding == ASCII) return ylm_fail(s->e, YLM_EFORMAT, "%s:%zu: %s", s->name, s->line, text);
+  if (s->encoding == ASCII)
+    return ylm_fail(s->e, YLM_EFORMAT, "%s:%zu: %s", s->name, s->line, text);
   return ylm_fail(s->e, YLM_EFORMAT, "%s: byte %zu: %s", s->name, (size_t)(s->p - s->start), text);
 }
 
@@ -70,14 +72,13 @@ static bool next_line(parser *s, char word[5][40], int *words) {
       continue;
     }
     size_t n = 0;
-    for (; p < s->end && *p > ' '; p++)
+    for (; p<s->end && * p> ' '; p++)
       if (*words < 5 && n < 39) word[*words][n++] = (char)*p;
     if (*words < 5) word[(*words)++][n] = 0;
     if (p < s->end && *p < ' ' && *p != '\n' && *p != '\r' && *p != '\t') return false;
   }
   if (p < s->end && *p == '\r') p++;
-  if (p < s->end && p[-1] == '\r' && *p == '\n') p++;
-  else if (p < s->end && p[-1] != '\r' && *p == '\n') p++;
+  if (p < s->end && *p == '\n') p++;
   s->p = p;
   return true;
 }
@@ -92,9 +93,11 @@ static type find_type(const char *word) {
 }
 
 static int find_slot(const char *word) {
-  static const struct { const char *name; int slot; } names[] = {
-      {"x", 0}, {"y", 1}, {"z", 2}, {"nx", 3}, {"ny", 4}, {"nz", 5}, {"u", 6}, {"v", 7}, {"s", 6},
-      {"t", 7}, {"texture_u", 6}, {"texture_v", 7}};
+  static const struct {
+    const char *name;
+    int slot;
+  } names[] = {{"x", 0}, {"y", 1}, {"z", 2}, {"nx", 3}, {"ny", 4},        {"nz", 5},
+               {"u", 6}, {"v", 7}, {"s", 6}, {"t", 7},  {"texture_u", 6}, {"texture_v", 7}};
   for (size_t i = 0; i < sizeof names / sizeof *names; i++)
     if (strcmp(word, names[i].name) == 0) return names[i].slot;
   return NOTHING;
@@ -103,16 +106,19 @@ static int find_slot(const char *word) {
 static ylm_status add_element(parser *s, const char *name, const char *count) {
   char *end;
   if (s->elements == MAX_ELEMENTS) return fail(s, "more than %d elements", MAX_ELEMENTS);
-  if (count[0] < '0' || count[0] > '9' || strlen(count) > 15) return fail(s, "bad count '%s'", count);
+  if (count[0] < '0' || count[0] > '9' || strlen(count) > 15)
+    return fail(s, "bad count '%s'", count);
   uint64_t n = strtoull(count, &end, 10);
   if (*end) return fail(s, "bad count '%s'", count);
   element *el = &s->element[s->elements++];
   *el = (element){strcmp(name, "vertex") == 0, strcmp(name, "face") == 0, n, s->properties, 0};
   for (element *o = s->element; o < el; o++)
-    if ((o->vertex && el->vertex) || (o->face && el->face)) return fail(s, "a second element '%s'", name);
+    if ((o->vertex && el->vertex) || (o->face && el->face))
+      return fail(s, "a second element '%s'", name);
   if (el->vertex) s->vertices = n;
   if ((el->vertex || el->face) && n > YLM_MESH_MAX)
-    return ylm_fail(s->e, YLM_ELIMIT, "%s:%zu: %s elements, at most %zu", s->name, s->line, count, YLM_MESH_MAX);
+    return ylm_fail(s->e, YLM_ELIMIT, "%s:%zu: %s elements, at most %zu", s->name, s->line, count,
+                    YLM_MESH_MAX);
   return YLM_OK;
 }
 
@@ -125,9 +131,11 @@ static ylm_status add_property(parser *s, char word[5][40], int words) {
   if (!list && words != 3) return fail(s, "bad property");
   *p = (property){find_type(word[list ? 3 : 1]), list ? find_type(word[2]) : NO_TYPE, NOTHING};
   const char *name = word[words - 1];
-  if (p->value == NO_TYPE || (list && p->count >= FLOAT32)) return fail(s, "property '%s': unknown type", name);
+  if (p->value == NO_TYPE || (list && p->count >= FLOAT32))
+    return fail(s, "property '%s': unknown type", name);
   if (el->vertex && !list) p->target = find_slot(name);
-  if (el->face && list && (strcmp(name, "vertex_indices") == 0 || strcmp(name, "vertex_index") == 0)) {
+  if (el->face && list &&
+      (strcmp(name, "vertex_indices") == 0 || strcmp(name, "vertex_index") == 0)) {
     if (p->value >= FLOAT32) return fail(s, "vertex indices must be integers");
     p->target = FACE_LIST;
   }
@@ -193,7 +201,8 @@ static bool read_value(parser *s, type t, double *x) {
   size_t n = type_size[t];
   if ((size_t)(s->end - s->p) < n) return false;
   uint64_t u = 0;
-  for (size_t i = 0; i < n; i++) u |= (uint64_t)s->p[s->encoding == LITTLE ? i : n - 1 - i] << 8 * i;
+  for (size_t i = 0; i < n; i++)
+    u |= (uint64_t)s->p[s->encoding == LITTLE ? i : n - 1 - i] << 8 * i;
   s->p += n;
   switch (t) {
   case INT8: *x = (int8_t)u; break;
@@ -218,10 +227,12 @@ static ylm_status read_scalar(parser *s, const property *q, uint64_t i) {
   if (q->target >= SLOTS) return YLM_OK;
   float f = (float)x;
   if (!isfinite(f)) return fail(s, "vertex %llu is not finite", (unsigned long long)i + 1);
-  if (q->target < 3) s->out[0][3 * i + (uint64_t)q->target] = f;
+  if (q->target < 3)
+    s->out[0][3 * i + (uint64_t)q->target] = f;
   else if (q->target < 6) {
     if (s->out[1]) s->out[1][3 * i + (uint64_t)q->target - 3] = f;
-  } else if (s->out[2]) s->out[2][2 * i + (uint64_t)q->target - 6] = f;
+  } else if (s->out[2])
+    s->out[2][2 * i + (uint64_t)q->target - 6] = f;
   return YLM_OK;
 }
 
@@ -230,10 +241,12 @@ static ylm_status read_list(parser *s, const property *q, uint64_t i) {
   if (!read_value(s, q->count, &n)) return fail(s, "the data end or are no number");
   size_t each = s->encoding == ASCII ? 2 : type_size[q->value];
   /* the last number of a text needs no space behind it */
-  if (!(n >= 0 && n <= 4294967295.0) || n != floor(n) || n > (double)((size_t)(s->end - s->p) + 1) / (double)each)
+  if (!(n >= 0 && n <= 4294967295.0) || n != floor(n) ||
+      n > (double)((size_t)(s->end - s->p) + 1) / (double)each)
     return fail(s, "a list of %.15g numbers is longer than the file", n);
   bool face = q->target == FACE_LIST;
-  if (face && n < 3) return fail(s, "face %llu has %g corners, 3 at least are wanted", (unsigned long long)i + 1, n);
+  if (face && n < 3)
+    return fail(s, "face %llu has %g corners, 3 at least are wanted", (unsigned long long)i + 1, n);
   s->polygon.count = 0;
   ylm_corner *c = face ? ylm__grow(&s->polygon, (size_t)n) : NULL;
   if (face && !c) return ylm_fail(s->e, YLM_ENOMEM, "%s: memory ran out", s->name);
@@ -243,7 +256,8 @@ static ylm_status read_list(parser *s, const property *q, uint64_t i) {
     if (!(x >= 0 && x < (double)YLM_MESH_MAX) || x != floor(x))
       return fail(s, "face %llu refers to vertex %.15g (from 0)", (unsigned long long)i + 1, x);
     c[k] = (ylm_corner){(uint32_t)x, YLM_NO_INDEX, YLM_NO_INDEX};
-    if ((uint64_t)x + 1 > s->largest) s->largest = (uint64_t)x + 1, s->largest_line = s->line, s->largest_face = i + 1;
+    if ((uint64_t)x + 1 > s->largest)
+      s->largest = (uint64_t)x + 1, s->largest_line = s->line, s->largest_face = i + 1;
   }
   if (face && !ylm__add_polygon(&s->triangle, c, (size_t)n))
     return ylm_fail(s->e, YLM_ENOMEM, "%s: memory ran out", s->name);
@@ -274,7 +288,8 @@ static ylm_status check_lengths(parser *s) {
     uint64_t bytes; /* a count has at most 15 digits, each at most 2048 */
     if (__builtin_mul_overflow(s->element[i].count, each, &bytes) || bytes > rest + 1 ||
         (need += bytes) > rest + 1)
-      return fail(s, "truncated: the header promises more than the %llu bytes that follow", (unsigned long long)rest);
+      return fail(s, "truncated: the header promises more than the %llu bytes that follow",
+                  (unsigned long long)rest);
   }
   return YLM_OK;
 }
@@ -291,8 +306,9 @@ static ylm_status read_data(parser *s, ylm_mesh **m) {
   for (int i = 0; st == YLM_OK && i < s->elements; i++) st = read_element(s, &s->element[i]);
   if (st == YLM_OK && s->largest > s->vertices) {
     s->line = s->largest_line;
-    st = fail(s, "face %llu refers to vertex %llu (from 0), there are %llu", (unsigned long long)s->largest_face,
-              (unsigned long long)s->largest - 1, (unsigned long long)s->vertices);
+    st = fail(s, "face %llu refers to vertex %llu (from 0), there are %llu",
+              (unsigned long long)s->largest_face, (unsigned long long)s->largest - 1,
+              (unsigned long long)s->vertices);
   }
   if (st == YLM_OK && s->triangle.count == 0) st = fail(s, "no faces");
   uint32_t *index = st == YLM_OK ? ylm_alloc(s->triangle.count, sizeof *index) : NULL;
@@ -307,8 +323,10 @@ static ylm_status read_data(parser *s, ylm_mesh **m) {
     st = YLM_ENOMEM;
   }
   if (st == YLM_ENOMEM) ylm_fail(s->e, st, "%s: memory ran out", s->name);
-  if (st == YLM_OK) *m = v;
-  else ylm_mesh_free(v);
+  if (st == YLM_OK)
+    *m = v;
+  else
+    ylm_mesh_free(v);
   return st;
 }
 
@@ -354,12 +372,13 @@ ylm_status ylm_mesh_write_ply(const ylm_mesh *m, const char *path, ylm_error *e)
   ylm_status s = ylm_file_create(path, &f, e);
   if (s != YLM_OK) return s;
   char head[400];
-  int n = snprintf(head, sizeof head,
-                   "ply\nformat binary_little_endian 1.0\ncomment ylm " YLM_VERSION "\nelement vertex %zu\n"
-                   "property float x\nproperty float y\nproperty float z\n%s%selement face %zu\n"
-                   "property list uchar int vertex_indices\nend_header\n", m->vertices,
-                   m->normal ? "property float nx\nproperty float ny\nproperty float nz\n" : "",
-                   m->uv ? "property float u\nproperty float v\n" : "", m->triangles);
+  int n = snprintf(
+      head, sizeof head,
+      "ply\nformat binary_little_endian 1.0\ncomment ylm " YLM_VERSION "\nelement vertex %zu\n"
+      "property float x\nproperty float y\nproperty float z\n%s%selement face %zu\n"
+      "property list uchar int vertex_indices\nend_header\n",
+      m->vertices, m->normal ? "property float nx\nproperty float ny\nproperty float nz\n" : "",
+      m->uv ? "property float u\nproperty float v\n" : "", m->triangles);
   ylm_file_write(f, head, (size_t)n);
   unsigned char row[32];
   for (size_t i = 0; i < m->vertices; i++) {

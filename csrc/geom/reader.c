@@ -55,14 +55,18 @@ bool ylm__read_number(const unsigned char **at, const unsigned char *end, double
   int digits = 0, exponent = 0;
   const unsigned char *first = p;
   for (; is_digit(p, end); p++) {
-    if (digits < 19) mantissa = 10 * mantissa + (uint64_t)(*p - '0'), digits += mantissa > 0;
-    else digits = 99;
+    if (digits < 19)
+      mantissa = 10 * mantissa + (uint64_t)(*p - '0'), digits += mantissa > 0;
+    else
+      digits = 99;
   }
   size_t seen = (size_t)(p - first);
   if (p < end && *p == '.') {
     for (p++; is_digit(p, end); p++, seen++) {
-      if (digits < 19) mantissa = 10 * mantissa + (uint64_t)(*p - '0'), digits += mantissa > 0, exponent--;
-      else if (*p != '0') digits = 99;
+      if (digits < 19)
+        mantissa = 10 * mantissa + (uint64_t)(*p - '0'), digits += mantissa > 0, exponent--;
+      else if (*p != '0')
+        digits = 99;
     }
   }
   if (seen == 0) return false;

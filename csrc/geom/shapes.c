@@ -40,7 +40,8 @@ static ylm_status make(int patches, int ni, int nj, ylm_mesh **m, ylm_error *e) 
   if (ni > 1 << 20 || nj > 1 << 20)
     return ylm_fail(e, YLM_ERANGE, "at most %d divisions along a side", 1 << 20);
   size_t vertices = (size_t)patches * ((size_t)ni + 1) * ((size_t)nj + 1);
-  ylm_status s = ylm_mesh_create(vertices, (size_t)patches * 2 * (size_t)ni * (size_t)nj, true, true, m, e);
+  ylm_status s =
+      ylm_mesh_create(vertices, (size_t)patches * 2 * (size_t)ni * (size_t)nj, true, true, m, e);
   return s;
 }
 
@@ -129,7 +130,8 @@ static void drop_degenerate(ylm_mesh *m) {
     const uint32_t *k = m->index + 3 * t;
     bool good = true;
     for (int a = 0; a < 3; a++) {
-      const float *p = m->position + 3 * (size_t)k[a], *q = m->position + 3 * (size_t)k[(a + 1) % 3];
+      const float *p = m->position + 3 * (size_t)k[a],
+                  *q = m->position + 3 * (size_t)k[(a + 1) % 3];
       if (p[0] == q[0] && p[1] == q[1] && p[2] == q[2]) good = false;
     }
     if (!good) continue;

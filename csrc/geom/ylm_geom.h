@@ -39,7 +39,8 @@ YLM_API ylm_status ylm_mesh_make_normals(ylm_mesh *mesh);
 /* corner + s*u + t*v for s, t in 0 .. 1, in nu x nv quads of two triangles; faces along u x v. */
 YLM_API ylm_status ylm_mesh_quad(const double corner[3], const double u[3], const double v[3],
                                  int nu, int nv, ylm_mesh **mesh, ylm_error *e);
-/* Radius r about the origin, pole +z, `around` segments (>= 3) and `rings` from pole to pole (>= 2). */
+/* Radius r about the origin, pole +z, `around` segments (>= 3) and `rings` from pole to pole (>=
+ * 2). */
 YLM_API ylm_status ylm_mesh_sphere(double r, int around, int rings, ylm_mesh **mesh, ylm_error *e);
 /* The box of these corners; each face divided into n x n quads. */
 YLM_API ylm_status ylm_mesh_box(const double lo[3], const double hi[3], int n, ylm_mesh **mesh,
@@ -53,7 +54,8 @@ YLM_API ylm_status ylm_mesh_torus(double radius, double tube, int around, int ac
 **   c(t) = ((R + r cos qt) cos pt, (R + r cos qt) sin pt, r sin qt),  0 <= t < 2 pi
 **
 **   p, q           in  1 .. 64; p times around the axis +z, q times around the tube of the torus;
-**                      with a common divisor it is a closed curve run through several times: refused
+**                      with a common divisor it is a closed curve run through several times:
+*refused
 **   radius, minor  in  R, r > 0
 **   tube           in  > 0
 **   along, across  in  segments, >= 3; 2*along*across triangles

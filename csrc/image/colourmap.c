@@ -26,17 +26,19 @@ bool ylm_colourmap_find(const char *name, ylm_colourmap *map) {
 /* Colours of the CC0 maps at t = 0, 16/255, 32/255 ... 240/255, 1. */
 typedef float nodes[17][3];
 
-static const nodes viridis = {
-    {.267f, .005f, .329f}, {.282f, .095f, .417f}, {.279f, .175f, .483f}, {.259f, .252f, .525f}, {.230f, .322f, .546f},
-    {.199f, .388f, .555f}, {.173f, .449f, .558f}, {.149f, .508f, .557f}, {.128f, .567f, .551f}, {.121f, .626f, .533f},
-    {.158f, .684f, .502f}, {.246f, .739f, .452f}, {.369f, .789f, .383f}, {.516f, .831f, .294f}, {.678f, .864f, .190f},
-    {.846f, .887f, .100f}, {.993f, .906f, .144f}};
+static const nodes viridis = {{.267f, .005f, .329f}, {.282f, .095f, .417f}, {.279f, .175f, .483f},
+                              {.259f, .252f, .525f}, {.230f, .322f, .546f}, {.199f, .388f, .555f},
+                              {.173f, .449f, .558f}, {.149f, .508f, .557f}, {.128f, .567f, .551f},
+                              {.121f, .626f, .533f}, {.158f, .684f, .502f}, {.246f, .739f, .452f},
+                              {.369f, .789f, .383f}, {.516f, .831f, .294f}, {.678f, .864f, .190f},
+                              {.846f, .887f, .100f}, {.993f, .906f, .144f}};
 
-static const nodes magma = {
-    {.001f, .000f, .014f}, {.040f, .031f, .134f}, {.113f, .065f, .277f}, {.212f, .062f, .419f}, {.317f, .072f, .485f},
-    {.415f, .110f, .505f}, {.513f, .148f, .508f}, {.614f, .182f, .499f}, {.716f, .215f, .475f}, {.817f, .256f, .436f},
-    {.904f, .320f, .388f}, {.961f, .418f, .360f}, {.987f, .536f, .382f}, {.996f, .654f, .446f}, {.997f, .770f, .535f},
-    {.992f, .884f, .640f}, {.987f, .991f, .750f}};
+static const nodes magma = {{.001f, .000f, .014f}, {.040f, .031f, .134f}, {.113f, .065f, .277f},
+                            {.212f, .062f, .419f}, {.317f, .072f, .485f}, {.415f, .110f, .505f},
+                            {.513f, .148f, .508f}, {.614f, .182f, .499f}, {.716f, .215f, .475f},
+                            {.817f, .256f, .436f}, {.904f, .320f, .388f}, {.961f, .418f, .360f},
+                            {.987f, .536f, .382f}, {.996f, .654f, .446f}, {.997f, .770f, .535f},
+                            {.992f, .884f, .640f}, {.987f, .991f, .750f}};
 
 /* Cubic through the nodes with central slopes. */
 static void interpolate(const nodes n, double t, float rgb[3]) {
@@ -70,7 +72,8 @@ static void from_oklab(double L, double a, double b, float rgb[3]) {
 static void coolwarm(double t, float rgb[3]) {
   const double degree = 3.14159265358979323846 / 180;
   double x = 2 * t - 1, side = fabs(x), hue = (x < 0 ? 258 : 27) * degree;
-  double chroma = 0.17 * sin(90 * degree * fmin(1, side * 1.15)), lightness = 0.95 - 0.50 * pow(side, 1.4);
+  double chroma = 0.17 * sin(90 * degree * fmin(1, side * 1.15)),
+         lightness = 0.95 - 0.50 * pow(side, 1.4);
   from_oklab(lightness, chroma * cos(hue), chroma * sin(hue), rgb);
 }
 
@@ -93,13 +96,15 @@ static double measure(const float *p, int channels) {
   return channels >= 3 ? 0.2126 * p[0] + 0.7152 * p[1] + 0.0722 * p[2] : p[0];
 }
 
-ylm_status ylm_image_false_colour(const ylm_image *in, const char *name, ylm_colourmap map, double lo, double hi,
-                                  bool logarithmic, ylm_image **out, ylm_error *e) {
+ylm_status ylm_image_false_colour(const ylm_image *in, const char *name, ylm_colourmap map,
+                                  double lo, double hi, bool logarithmic, ylm_image **out,
+                                  ylm_error *e) {
   const ylm_layer *layer = ylm_image_find(in, name);
   *out = NULL;
   if (!layer) return ylm_fail(e, YLM_EINVAL, "no layer '%s'", name ? name : "(first)");
   if (!(lo < hi) || !isfinite(lo) || !isfinite(hi) || (logarithmic && !(lo > 0)))
-    return ylm_fail(e, YLM_ERANGE, "the range %g .. %g must rise%s", lo, hi, logarithmic ? " and be above 0" : "");
+    return ylm_fail(e, YLM_ERANGE, "the range %g .. %g must rise%s", lo, hi,
+                    logarithmic ? " and be above 0" : "");
   ylm_status s = ylm_image_create(in->width, in->height, out, e);
   if (s == YLM_OK) s = ylm_image_add(*out, "radiance", 3, e);
   if (s != YLM_OK) {
@@ -116,7 +121,10 @@ ylm_status ylm_image_false_colour(const ylm_image *in, const char *name, ylm_col
   float nan_colour[3] = {1, 0, 1}, *q = (*out)->layer[0].data;
   for (size_t i = 0; i < n; i++) {
     double x = measure(layer->data + i * (size_t)layer->channels, layer->channels);
-    double t = logarithmic ? (x > 0 ? log(x / lo) / log(hi / lo) : isnan(x) ? x : 0) : (x - lo) / (hi - lo);
+    double t = logarithmic ? (x > 0      ? log(x / lo) / log(hi / lo)
+                              : isnan(x) ? x
+                                         : 0)
+                           : (x - lo) / (hi - lo);
     const float *c = isnan(t) ? nan_colour : table[(int)((t < 0 ? 0 : t > 1 ? 1 : t) * 1024 + 0.5)];
     memcpy(q + 3 * i, c, 3 * sizeof *q);
   }

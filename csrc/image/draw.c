@@ -19,13 +19,14 @@ static float *pixel(const ylm_image *image, const ylm_layer *layer, int x, int y
   return layer->data + ((size_t)y * (size_t)image->width + (size_t)x) * (size_t)layer->channels;
 }
 
-static void fill(ylm_image *image, ylm_layer *layer, int64_t x, int64_t y, int64_t width, int64_t height,
-                 const float *colour) {
+static void fill(ylm_image *image, ylm_layer *layer, int64_t x, int64_t y, int64_t width,
+                 int64_t height, const float *colour) {
   int x0, x1, y0, y1;
   cut(x, width, image->width, &x0, &x1);
   cut(y, height, image->height, &y0, &y1);
   for (int j = y0; j < y1; j++)
-    for (int i = x0; i < x1; i++) memcpy(pixel(image, layer, i, j), colour, (size_t)layer->channels * sizeof(float));
+    for (int i = x0; i < x1; i++)
+      memcpy(pixel(image, layer, i, j), colour, (size_t)layer->channels * sizeof(float));
 }
 
 ylm_status ylm_image_fill(ylm_image *image, const char *name, int x, int y, int width, int height,
@@ -36,15 +37,15 @@ ylm_status ylm_image_fill(ylm_image *image, const char *name, int x, int y, int 
   return s;
 }
 
-ylm_status ylm_image_paste(ylm_image *target, const char *to, int x, int y, const ylm_image *source, const char *from,
-                           const float *mask, ylm_error *e) {
+ylm_status ylm_image_paste(ylm_image *target, const char *to, int x, int y, const ylm_image *source,
+                           const char *from, const float *mask, ylm_error *e) {
   ylm_layer *out, *in;
   ylm_status s = find(target, to, &out, e);
   if (s == YLM_OK) s = find(source, from, &in, e);
   if (s != YLM_OK) return s;
   if (in->channels != out->channels && in->channels != 1)
-    return ylm_fail(e, YLM_ESHAPE, "layer '%s' has %d channels, '%s' %d", in->name, in->channels, out->name,
-                    out->channels);
+    return ylm_fail(e, YLM_ESHAPE, "layer '%s' has %d channels, '%s' %d", in->name, in->channels,
+                    out->name, out->channels);
   int x0, x1, y0, y1, step = in->channels > 1;
   cut(x, source->width, target->width, &x0, &x1);
   cut(y, source->height, target->height, &y0, &y1);
@@ -54,8 +55,10 @@ ylm_status ylm_image_paste(ylm_image *target, const char *to, int x, int y, cons
       float *q = pixel(target, out, i, j);
       float w = mask ? mask[(size_t)(j - y) * (size_t)source->width + (size_t)(i - x)] : 1;
       for (int c = 0; c < out->channels; c++)
-        if (w == 1) q[c] = p[c * step];
-        else if (w != 0) q[c] += w * (p[c * step] - q[c]);
+        if (w == 1)
+          q[c] = p[c * step];
+        else if (w != 0)
+          q[c] += w * (p[c * step] - q[c]);
     }
   return YLM_OK;
 }
@@ -119,20 +122,23 @@ static const unsigned char other[7] = {0x1f, 0x11, 0x11, 0x11, 0x11, 0x11, 0x1f}
 void ylm_image_measure_text(const char *text, int scale, int *width, int *height) {
   int64_t column = 0, widest = 0, lines = 1;
   for (; *text; text++) {
-    if (*text == '\n') column = 0, lines++;
-    else if (++column > widest) widest = column;
+    if (*text == '\n')
+      column = 0, lines++;
+    else if (++column > widest)
+      widest = column;
   }
   widest = widest * 6 * scale, lines = lines * 9 * scale;
   *width = widest > INT32_MAX ? INT32_MAX : (int)widest;
   *height = lines > INT32_MAX ? INT32_MAX : (int)lines;
 }
 
-ylm_status ylm_image_write_text(ylm_image *image, const char *name, int x, int y, int scale, const char *text,
-                                const float *colour, ylm_error *e) {
+ylm_status ylm_image_write_text(ylm_image *image, const char *name, int x, int y, int scale,
+                                const char *text, const float *colour, ylm_error *e) {
   ylm_layer *layer;
   ylm_status s = find(image, name, &layer, e);
   if (s != YLM_OK) return s;
-  if (scale < 1 || scale > 1000) return ylm_fail(e, YLM_ERANGE, "scale must be 1 .. 1000, not %d", scale);
+  if (scale < 1 || scale > 1000)
+    return ylm_fail(e, YLM_ERANGE, "scale must be 1 .. 1000, not %d", scale);
   int64_t column = 0, line = 0;
   for (; *text; text++) {
     unsigned char c = (unsigned char)*text;
@@ -146,7 +152,8 @@ ylm_status ylm_image_write_text(ylm_image *image, const char *name, int x, int y
     if (left >= image->width || top >= image->height) continue;
     for (int j = 0; j < 7; j++)
       for (int i = 0; i < 5; i++)
-        if (glyph[j] & 0x10 >> i) fill(image, layer, left + i * scale, top + j * scale, scale, scale, colour);
+        if (glyph[j] & 0x10 >> i)
+          fill(image, layer, left + i * scale, top + j * scale, scale, scale, colour);
   }
   return YLM_OK;
 }

@@ -4,9 +4,9 @@
 #include <math.h>
 #include <string.h>
 
-#define ROWS 16   /* per block: sums are added block by block, whatever the number of threads */
-#define RADIUS 5  /* of the window of ssim, 11 x 11 */
-#define FIELDS 6  /* weight, a, b, aa, bb, ab */
+#define ROWS 16  /* per block: sums are added block by block, whatever the number of threads */
+#define RADIUS 5 /* of the window of ssim, 11 x 11 */
+#define FIELDS 6 /* weight, a, b, aa, bb, ab */
 
 typedef struct partial {
   double square, absolute, percent, ssim, max, peak;
@@ -102,7 +102,8 @@ static ylm_status ssim_rows(void *context, size_t begin, size_t end, int worker)
       for (size_t x = 0; x < w; x++) {
         if (!counts(c, y * w + x)) continue;
         double f[FIELDS] = {0};
-        size_t lo = y < RADIUS ? 0 : y - RADIUS, hi = y + RADIUS < c->height ? y + RADIUS : c->height - 1;
+        size_t lo = y < RADIUS ? 0 : y - RADIUS,
+               hi = y + RADIUS < c->height ? y + RADIUS : c->height - 1;
         for (size_t t = lo; t <= hi; t++)
           for (size_t q = 0; q < FIELDS; q++)
             f[q] += c->window[t + RADIUS - y] * rows[((t - first) * FIELDS + q) * w + x];
@@ -123,28 +124,31 @@ static void make_window(double window[2 * RADIUS + 1]) {
 /* -- both -------------------------------------------------------------------------------- */
 
 /* The same layer of both images, of one size and number of channels. */
-static ylm_status match(const ylm_image *a, const ylm_image *b, const char *name, const ylm_layer **la,
-                        const ylm_layer **lb, ylm_error *e) {
+static ylm_status match(const ylm_image *a, const ylm_image *b, const char *name,
+                        const ylm_layer **la, const ylm_layer **lb, ylm_error *e) {
   *la = ylm_image_find(a, name);
   *lb = *la ? ylm_image_find(b, name ? name : (*la)->name) : NULL;
   if (*la && !name && !*lb) *lb = ylm_image_find(b, NULL);
   if (!*la || !*lb)
-    return ylm_fail(e, YLM_EINVAL, "no layer '%s' in %s image", name ? name : "(first)", *la ? "the other" : "this");
+    return ylm_fail(e, YLM_EINVAL, "no layer '%s' in %s image", name ? name : "(first)",
+                    *la ? "the other" : "this");
   if (a->width != b->width || a->height != b->height)
-    return ylm_fail(e, YLM_ESHAPE, "sizes differ: %d x %d and %d x %d", a->width, a->height, b->width, b->height);
+    return ylm_fail(e, YLM_ESHAPE, "sizes differ: %d x %d and %d x %d", a->width, a->height,
+                    b->width, b->height);
   if ((*la)->channels != (*lb)->channels)
-    return ylm_fail(e, YLM_ESHAPE, "layer '%s' has %d channels, the other one %d", (*la)->name, (*la)->channels,
-                    (*lb)->channels);
+    return ylm_fail(e, YLM_ESHAPE, "layer '%s' has %d channels, the other one %d", (*la)->name,
+                    (*la)->channels, (*lb)->channels);
   return YLM_OK;
 }
 
-static ylm_status measure(comparison *c, size_t blocks, double peak, double floor, int threads, ylm_metrics *m,
-                          ylm_error *e) {
+static ylm_status measure(comparison *c, size_t blocks, double peak, double floor, int threads,
+                          ylm_metrics *m, ylm_error *e) {
   ylm_parallel(c->height, ROWS, threads, survey, c, NULL, NULL);
   for (size_t i = 0; i < blocks; i++) {
     size_t bad = c->part[i].bad;
     if (bad)
-      return ylm_fail(e, YLM_EDOMAIN, "pixel (%zu, %zu) is not finite: give a mask that leaves it out",
+      return ylm_fail(e, YLM_EDOMAIN,
+                      "pixel (%zu, %zu) is not finite: give a mask that leaves it out",
                       (bad - 1) % c->width + 1, (bad - 1) / c->width + 1);
     m->pixels += c->part[i].pixels;
     if (c->part[i].peak > m->peak) m->peak = c->part[i].peak;
@@ -174,13 +178,18 @@ static ylm_status measure(comparison *c, size_t blocks, double peak, double floo
   return YLM_OK;
 }
 
-ylm_status ylm_image_compare(const ylm_image *a, const ylm_image *b, const char *name, const float *mask, double peak,
-                             double floor, int threads, ylm_metrics *m, ylm_error *e) {
+ylm_status ylm_image_compare(const ylm_image *a, const ylm_image *b, const char *name,
+                             const float *mask, double peak, double floor, int threads,
+                             ylm_metrics *m, ylm_error *e) {
   const ylm_layer *la, *lb;
   memset(m, 0, sizeof *m);
   ylm_status s = match(a, b, name, &la, &lb, e);
   if (s != YLM_OK) return s;
-  comparison c = {.a = la->data, .b = lb->data, .mask = mask, .width = (size_t)a->width, .height = (size_t)a->height,
+  comparison c = {.a = la->data,
+                  .b = lb->data,
+                  .mask = mask,
+                  .width = (size_t)a->width,
+                  .height = (size_t)a->height,
                   .channels = (size_t)la->channels};
   size_t blocks = (c.height + ROWS - 1) / ROWS;
   make_window(c.window);
@@ -191,8 +200,9 @@ ylm_status ylm_image_compare(const ylm_image *a, const ylm_image *b, const char 
   return s;
 }
 
-ylm_status ylm_image_difference(const ylm_image *a, const ylm_image *b, const char *name, ylm_difference kind,
-                                double scale, double floor, ylm_image **out, ylm_error *e) {
+ylm_status ylm_image_difference(const ylm_image *a, const ylm_image *b, const char *name,
+                                ylm_difference kind, double scale, double floor, ylm_image **out,
+                                ylm_error *e) {
   const ylm_layer *la, *lb;
   *out = NULL;
   ylm_status s = match(a, b, name, &la, &lb, e);

@@ -5,7 +5,8 @@
 #include <string.h>
 
 /* An image with the layers and metadata of `in` but another size. */
-static ylm_status make_like(const ylm_image *in, int width, int height, ylm_image **out, ylm_error *e) {
+static ylm_status make_like(const ylm_image *in, int width, int height, ylm_image **out,
+                            ylm_error *e) {
   ylm_status s = ylm_image_create(width, height, out, e);
   for (int i = 0; s == YLM_OK && i < in->layers; i++)
     s = ylm_image_add(*out, in->layer[i].name, in->layer[i].channels, e);
@@ -20,18 +21,21 @@ static ylm_status make_like(const ylm_image *in, int width, int height, ylm_imag
   return s;
 }
 
-ylm_status ylm_image_crop(const ylm_image *in, int x, int y, int width, int height, ylm_image **out, ylm_error *e) {
+ylm_status ylm_image_crop(const ylm_image *in, int x, int y, int width, int height, ylm_image **out,
+                          ylm_error *e) {
   *out = NULL;
   if (x < 0 || y < 0 || width < 1 || height < 1 || width > in->width - x || height > in->height - y)
-    return ylm_fail(e, YLM_ERANGE, "the rectangle of %d x %d at (%d, %d) is not within the image of %d x %d", width,
-                    height, x + 1, y + 1, in->width, in->height);
+    return ylm_fail(e, YLM_ERANGE,
+                    "the rectangle of %d x %d at (%d, %d) is not within the image of %d x %d",
+                    width, height, x + 1, y + 1, in->width, in->height);
   ylm_status s = make_like(in, width, height, out, e);
   if (s != YLM_OK) return s;
   for (int i = 0; i < in->layers; i++) {
     size_t c = (size_t)in->layer[i].channels;
     for (size_t row = 0; row < (size_t)height; row++)
       memcpy((*out)->layer[i].data + row * (size_t)width * c,
-             in->layer[i].data + (((size_t)y + row) * (size_t)in->width + (size_t)x) * c, (size_t)width * c * sizeof(float));
+             in->layer[i].data + (((size_t)y + row) * (size_t)in->width + (size_t)x) * c,
+             (size_t)width * c * sizeof(float));
   }
   return YLM_OK;
 }
@@ -65,7 +69,8 @@ static void free_kernel(kernel *k) {
 }
 
 static bool make_kernel(int inputs, int outputs, ylm_filter filter, kernel *k) {
-  double ratio = (double)inputs / outputs, widen = ratio > 1 ? ratio : 1, radius = filters[filter].radius * widen;
+  double ratio = (double)inputs / outputs, widen = ratio > 1 ? ratio : 1,
+         radius = filters[filter].radius * widen;
   int taps = (int)ceil(2 * radius) + 2;
   k->taps = taps > inputs ? inputs : taps;
   k->first = ylm_alloc((size_t)outputs, sizeof *k->first);
@@ -78,7 +83,8 @@ static bool make_kernel(int inputs, int outputs, ylm_filter filter, kernel *k) {
     if (first < 0) first = 0;
     k->first[i] = first;
     float *w = k->weight + (size_t)i * (size_t)k->taps;
-    for (int t = 0; t < k->taps; t++) sum += w[t] = (float)filters[filter].weight((first + t - middle) / widen);
+    for (int t = 0; t < k->taps; t++)
+      sum += w[t] = (float)filters[filter].weight((first + t - middle) / widen);
     if (sum == 0) { /* a box that falls between samples at an edge */
       int near = (int)lround(middle) - first;
       near = near < 0 ? 0 : near >= k->taps ? k->taps - 1 : near;
@@ -132,15 +138,16 @@ static ylm_status along_y(void *context, size_t begin, size_t end, int worker) {
   return YLM_OK;
 }
 
-ylm_status ylm_image_resize(const ylm_image *in, int width, int height, ylm_filter filter, int threads,
-                            ylm_image **out, ylm_error *e) {
+ylm_status ylm_image_resize(const ylm_image *in, int width, int height, ylm_filter filter,
+                            int threads, ylm_image **out, ylm_error *e) {
   *out = NULL;
   if ((unsigned)filter > YLM_FILTER_LANCZOS) return ylm_fail(e, YLM_EINVAL, "no such filter");
   ylm_status s = make_like(in, width, height, out, e);
   if (s != YLM_OK) return s;
   kernel kx = {0}, ky = {0};
   float *half = ylm_alloc((size_t)in->height * (size_t)width * 4, sizeof *half);
-  if (!half || !make_kernel(in->width, width, filter, &kx) || !make_kernel(in->height, height, filter, &ky))
+  if (!half || !make_kernel(in->width, width, filter, &kx) ||
+      !make_kernel(in->height, height, filter, &ky))
     s = ylm_fail(e, YLM_ENOMEM, "memory ran out");
   for (int i = 0; s == YLM_OK && i < in->layers; i++) {
     size_t c = (size_t)in->layer[i].channels;

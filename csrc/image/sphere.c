@@ -7,22 +7,29 @@
 
 /* From forward, left, up to scene axes and back: z up looks along +x, y up along -z. */
 static void to_scene(ylm_up up, double f, double l, double u, double d[3]) {
-  if (up == YLM_UP_Z) d[0] = f, d[1] = l, d[2] = u;
-  else d[0] = -l, d[1] = u, d[2] = -f;
+  if (up == YLM_UP_Z)
+    d[0] = f, d[1] = l, d[2] = u;
+  else
+    d[0] = -l, d[1] = u, d[2] = -f;
 }
 
 static void from_scene(ylm_up up, const double d[3], double *f, double *l, double *u) {
-  if (up == YLM_UP_Z) *f = d[0], *l = d[1], *u = d[2];
-  else *f = -d[2], *l = -d[0], *u = d[1];
+  if (up == YLM_UP_Z)
+    *f = d[0], *l = d[1], *u = d[2];
+  else
+    *f = -d[2], *l = -d[0], *u = d[1];
 }
 
 /* OpenGL 4.6, Table 8.19: the axes of s, t and the face's own, with signs. */
-static const struct { int axis, sign, s, s_sign, t, t_sign; } faces[6] = {
+static const struct {
+  int axis, sign, s, s_sign, t, t_sign;
+} faces[6] = {
     {0, 1, 2, -1, 1, -1}, {0, -1, 2, 1, 1, -1}, {1, 1, 0, 1, 2, 1},
-    {1, -1, 0, 1, 2, -1}, {2, 1, 0, 1, 1, -1}, {2, -1, 0, -1, 1, -1},
+    {1, -1, 0, 1, 2, -1}, {2, 1, 0, 1, 1, -1},  {2, -1, 0, -1, 1, -1},
 };
 
-bool ylm_mapping_direction(ylm_mapping m, ylm_up up, int width, int height, double x, double y, double d[3]) {
+bool ylm_mapping_direction(ylm_mapping m, ylm_up up, int width, int height, double x, double y,
+                           double d[3]) {
   double u = x / width, v = y / height;
   d[0] = d[1] = d[2] = 0;
   if (!isfinite(u) || !isfinite(v)) return false;
@@ -49,14 +56,15 @@ bool ylm_mapping_direction(ylm_mapping m, ylm_up up, int width, int height, doub
   return true;
 }
 
-bool ylm_mapping_position(ylm_mapping m, ylm_up up, int width, int height, const double d[3], double *x, double *y) {
+bool ylm_mapping_position(ylm_mapping m, ylm_up up, int width, int height, const double d[3],
+                          double *x, double *y) {
   double scale = fmax(fabs(d[0]), fmax(fabs(d[1]), fabs(d[2])));
   *x = *y = 0;
   if (!(scale > 0) || !isfinite(scale) || isnan(d[0] + d[1] + d[2])) return false;
   double n[3] = {d[0] / scale, d[1] / scale, d[2] / scale}, f, l, u;
   from_scene(up, n, &f, &l, &u);
   if (m == YLM_MAPPING_LATLONG) {
-    *x = width * (0.5 - atan2(l, f) / (2 * PI));
+    *x = f == 0 && l == 0 ? 0.5 * width : width * (0.5 - atan2(l, f) / (2 * PI));
     *y = height * atan2(hypot(f, l), u) / PI;
   } else if (m == YLM_MAPPING_ANGULAR) {
     double side = hypot(l, u), r = atan2(side, f) / PI;
@@ -88,7 +96,8 @@ static double solid_angle(ylm_mapping m, int width, int height, int x, int y) {
   return corner_angle(s1, t1) - corner_angle(s0, t1) - corner_angle(s1, t0) + corner_angle(s0, t0);
 }
 
-ylm_status ylm_mapping_pixels(ylm_mapping m, ylm_up up, int width, int height, double *direction, double *angle) {
+ylm_status ylm_mapping_pixels(ylm_mapping m, ylm_up up, int width, int height, double *direction,
+                              double *angle) {
   if (width < 1 || height < 1) return YLM_ERANGE;
   if (m == YLM_MAPPING_CUBE && height != 6 * (int64_t)width) return YLM_ESHAPE;
   for (int y = 0; y < height; y++)

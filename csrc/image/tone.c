@@ -38,9 +38,7 @@ static float hable(float x) {
 }
 
 /* Narkowicz 2015. */
-static float aces(float x) {
-  return x * (2.51f * x + 0.03f) / (x * (2.43f * x + 0.59f) + 0.14f);
-}
+static float aces(float x) { return x * (2.51f * x + 0.03f) / (x * (2.43f * x + 0.59f) + 0.14f); }
 
 float ylm_tone_apply(ylm_tone curve, float x) {
   if (!(x > 0)) return 0;

@@ -116,7 +116,7 @@ typedef enum ylm_tone {
 #define X(name) YLM_TONE_##name,
   YLM_TONE_LIST(X)
 #undef X
-  YLM_TONE_COUNT
+      YLM_TONE_COUNT
 } ylm_tone;
 
 YLM_API const char *ylm_tone_name(ylm_tone curve);
@@ -142,7 +142,7 @@ typedef enum ylm_colourmap {
 #define X(name) YLM_COLOURMAP_##name,
   YLM_COLOURMAP_LIST(X)
 #undef X
-  YLM_COLOURMAP_COUNT
+      YLM_COLOURMAP_COUNT
 } ylm_colourmap;
 
 YLM_API const char *ylm_colourmap_name(ylm_colourmap map);
@@ -157,9 +157,9 @@ YLM_API void ylm_colourmap_at(ylm_colourmap map, double t, float rgb[3]);
 ** Several channels count by their Rec. 709 luminance (3, 4) or their first (2). The range is
 ** lo .. hi with lo < hi; with `log`, lo > 0.
 */
-YLM_API ylm_status ylm_image_false_colour(const ylm_image *in, const char *layer,
-                                          ylm_colourmap map, double lo, double hi, bool log,
-                                          ylm_image **out, ylm_error *e);
+YLM_API ylm_status ylm_image_false_colour(const ylm_image *in, const char *layer, ylm_colourmap map,
+                                          double lo, double hi, bool log, ylm_image **out,
+                                          ylm_error *e);
 
 /* -- metrics ------------------------------------------------------------------ */
 

@@ -55,8 +55,10 @@ ylmL_array *ylmL_array_new(lua_State *L, ylm_dtype t, int axes, const size_t *sh
   if (axes < 1 || axes > YLM_MAX_AXES || !ylm_shape_count(axes, shape, &count)) return NULL;
   void *data = ylm_alloc_zero(count, ylm_dtype_size(t));
   ylmL_array *a = data ? ylmL_array_share(L, t, axes, shape, data, ylm_free, data) : NULL;
-  if (!a) ylm_free(data);
-  else ylmL_charge(L, count * ylm_dtype_size(t));
+  if (!a)
+    ylm_free(data);
+  else
+    ylmL_charge(L, count * ylm_dtype_size(t));
   return a;
 }
 

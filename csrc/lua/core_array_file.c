@@ -28,7 +28,8 @@ static int array_read(lua_State *L) {
 static int array_write(lua_State *L) {
   ylmL_array *a = ylmL_array_check(L, 1);
   ylm_error e = {0};
-  ylm_status s = ylm_array_file_write(luaL_checkstring(L, 2), a->dtype, a->axes, a->shape, a->convention, a->data, &e);
+  ylm_status s = ylm_array_file_write(luaL_checkstring(L, 2), a->dtype, a->axes, a->shape,
+                                      a->convention, a->data, &e);
   lua_pushboolean(L, 1);
   return ylmL_result(L, 1, s, &e);
 }
@@ -43,10 +44,9 @@ static int file_head(lua_State *L) {
   return ylmL_result(L, 1, s, &e);
 }
 
-static const luaL_Reg functions[] = {
-    {"file_head", file_head},
-    {"array_read", array_read},
-    {"array_write", array_write},
-    {NULL, NULL}};
+static const luaL_Reg functions[] = {{"file_head", file_head},
+                                     {"array_read", array_read},
+                                     {"array_write", array_write},
+                                     {NULL, NULL}};
 
 void ylmL_open_array_file(lua_State *L) { luaL_setfuncs(L, functions, 0); }

@@ -7,7 +7,6 @@ static int integer(lua_State *L, int i) {
   return x > 2e9 ? 2000000000 : x < -2e9 ? -2000000000 : (int)x;
 }
 
-
 /* image_new(width, height) -> image without layers */
 static int image_new(lua_State *L) {
   ylm_error e = {0};

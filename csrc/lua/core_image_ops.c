@@ -1,4 +1,5 @@
-/* core_image_ops.c - what is computed from images: metrics, resizing, drawing, colours, directions. */
+/* core_image_ops.c - what is computed from images: metrics, resizing, drawing, colours, directions.
+ */
 #include "binding.h"
 #include "ylm_image.h"
 
@@ -17,8 +18,8 @@ static void colour(lua_State *L, int i, float c[4]) {
   }
 }
 
-/* The float array at `i` as a mask of the image's pixels; NULL where it is nil. Raises on a bad one,
-   which lua/ylm/image.lua has excluded. */
+/* The float array at `i` as a mask of the image's pixels; NULL where it is nil. Raises on a bad
+   one, which lua/ylm/image.lua has excluded. */
 static const float *mask(lua_State *L, int i, const ylm_image *image) {
   ylmL_array *a = ylmL_array_opt(L, i);
   if (!a) return NULL;
@@ -38,8 +39,9 @@ static int image_compare(lua_State *L) {
   const float *where = mask(L, 4, a);
   ylm_error e = {0};
   ylm_metrics m;
-  ylm_status s = ylm_image_compare(a, b, luaL_optstring(L, 3, NULL), where, (double)luaL_checknumber(L, 5),
-                                   (double)luaL_checknumber(L, 6), integer(L, 7), &m, &e);
+  ylm_status s =
+      ylm_image_compare(a, b, luaL_optstring(L, 3, NULL), where, (double)luaL_checknumber(L, 5),
+                        (double)luaL_checknumber(L, 6), integer(L, 7), &m, &e);
   lua_createtable(L, 0, 10);
   set_number(L, "mse", m.mse);
   set_number(L, "rmse", m.rmse);
@@ -90,8 +92,8 @@ static int image_resize(lua_State *L) {
 static int image_paste(lua_State *L) {
   ylm_image *target = ylmL_image_check(L, 1), *source = ylmL_image_check(L, 5);
   ylm_error e = {0};
-  ylm_status s = ylm_image_paste(target, luaL_optstring(L, 2, NULL), integer(L, 3), integer(L, 4), source,
-                                 luaL_optstring(L, 6, NULL), mask(L, 7, source), &e);
+  ylm_status s = ylm_image_paste(target, luaL_optstring(L, 2, NULL), integer(L, 3), integer(L, 4),
+                                 source, luaL_optstring(L, 6, NULL), mask(L, 7, source), &e);
   lua_pushboolean(L, 1);
   return ylmL_result(L, 1, s, &e);
 }
@@ -102,13 +104,14 @@ static int image_fill(lua_State *L) {
   ylm_error e = {0};
   float c[4];
   colour(L, 7, c);
-  ylm_status s = ylm_image_fill(image, luaL_optstring(L, 2, NULL), integer(L, 3), integer(L, 4), integer(L, 5),
-                                integer(L, 6), c, &e);
+  ylm_status s = ylm_image_fill(image, luaL_optstring(L, 2, NULL), integer(L, 3), integer(L, 4),
+                                integer(L, 5), integer(L, 6), c, &e);
   lua_pushboolean(L, 1);
   return ylmL_result(L, 1, s, &e);
 }
 
-/* image_text(image, layer or nil, x, y, scale, text, colour) -> width, height of the text; x, y from 0 */
+/* image_text(image, layer or nil, x, y, scale, text, colour) -> width, height of the text; x, y
+ * from 0 */
 static int image_text(lua_State *L) {
   ylm_image *image = ylmL_image_check(L, 1);
   ylm_error e = {0};
@@ -116,8 +119,8 @@ static int image_text(lua_State *L) {
   int w, h, scale = integer(L, 5);
   const char *text = luaL_checkstring(L, 6);
   colour(L, 7, c);
-  ylm_status s =
-      ylm_image_write_text(image, luaL_optstring(L, 2, NULL), integer(L, 3), integer(L, 4), scale, text, c, &e);
+  ylm_status s = ylm_image_write_text(image, luaL_optstring(L, 2, NULL), integer(L, 3),
+                                      integer(L, 4), scale, text, c, &e);
   ylm_image_measure_text(text, scale, &w, &h);
   lua_pushinteger(L, w);
   lua_pushinteger(L, h);
@@ -134,7 +137,8 @@ static int image_colours(lua_State *L) {
   double lo = (double)luaL_checknumber(L, 4), hi = (double)luaL_checknumber(L, 5);
   bool logarithmic = lua_toboolean(L, 6);
   ylm_image **out = ylmL_image_new(L);
-  return ylmL_result(L, 1, ylm_image_false_colour(in, layer, map, lo, hi, logarithmic, out, &e), &e);
+  return ylmL_result(L, 1, ylm_image_false_colour(in, layer, map, lo, hi, logarithmic, out, &e),
+                     &e);
 }
 
 /* colourmaps() -> list of names */
@@ -161,7 +165,8 @@ static int colourmap_at(lua_State *L) {
 static int tone_map(lua_State *L) {
   ylm_tone tone;
   ylmL_array *a = ylmL_array_check(L, 3);
-  if (!ylm_tone_find(luaL_checkstring(L, 1), &tone) || a->dtype != YLM_FLOAT) return ylmL_result(L, 0, YLM_EINVAL, NULL);
+  if (!ylm_tone_find(luaL_checkstring(L, 1), &tone) || a->dtype != YLM_FLOAT)
+    return ylmL_result(L, 0, YLM_EINVAL, NULL);
   ylmL_array *b = ylmL_array_new(L, YLM_FLOAT, a->axes, a->shape);
   if (!b) return ylmL_result(L, 0, YLM_ENOMEM, NULL);
   ylm_tone_map(tone, (double)luaL_checknumber(L, 2), a->count, a->data, b->data);
@@ -178,12 +183,14 @@ static int mapping_pixels(lua_State *L) {
   int w = integer(L, 3), h = integer(L, 4);
   if (w < 1 || h < 1) return ylmL_result(L, 0, YLM_ERANGE, NULL);
   size_t shape[2] = {(size_t)w * (size_t)h, 3};
-  ylmL_array *d = ylmL_array_new(L, YLM_DOUBLE, 2, shape), *a = d ? ylmL_array_new(L, YLM_DOUBLE, 1, shape) : NULL;
+  ylmL_array *d = ylmL_array_new(L, YLM_DOUBLE, 2, shape),
+             *a = d ? ylmL_array_new(L, YLM_DOUBLE, 1, shape) : NULL;
   if (!a) return ylmL_result(L, 0, YLM_ENOMEM, NULL);
   return ylmL_result(L, 2, ylm_mapping_pixels(m, up, w, h, d->data, a->data), NULL);
 }
 
-/* mapping_positions(mapping, up, width, height, directions [n][3] double) -> [n][2] double from 0 */
+/* mapping_positions(mapping, up, width, height, directions [n][3] double) -> [n][2] double from 0
+ */
 static int mapping_positions(lua_State *L) {
   ylm_mapping m = (ylm_mapping)luaL_checkoption(L, 1, NULL, mappings);
   ylm_up up = (ylm_up)luaL_checkoption(L, 2, NULL, ups);
@@ -198,18 +205,25 @@ static int mapping_positions(lua_State *L) {
   for (size_t i = 0; i < shape[0]; i++)
     if (!ylm_mapping_position(m, up, w, h, x + 3 * i, y + 2 * i, y + 2 * i + 1)) {
       ylm_error e = {0};
-      return ylmL_result(L, 0, ylm_fail(&e, YLM_EDOMAIN, "direction %zu is zero or not finite", i + 1), &e);
+      return ylmL_result(
+          L, 0, ylm_fail(&e, YLM_EDOMAIN, "direction %zu is zero or not finite", i + 1), &e);
     }
   return 1;
 }
 
-static const luaL_Reg functions[] = {
-    {"image_compare", image_compare},   {"image_difference", image_difference},
-    {"image_crop", image_crop},         {"image_resize", image_resize},
-    {"image_paste", image_paste},       {"image_fill", image_fill},
-    {"image_text", image_text},         {"image_colours", image_colours},
-    {"colourmaps", colourmaps},         {"colourmap_at", colourmap_at},
-    {"tone_map", tone_map},             {"mapping_pixels", mapping_pixels},
-    {"mapping_positions", mapping_positions}, {NULL, NULL}};
+static const luaL_Reg functions[] = {{"image_compare", image_compare},
+                                     {"image_difference", image_difference},
+                                     {"image_crop", image_crop},
+                                     {"image_resize", image_resize},
+                                     {"image_paste", image_paste},
+                                     {"image_fill", image_fill},
+                                     {"image_text", image_text},
+                                     {"image_colours", image_colours},
+                                     {"colourmaps", colourmaps},
+                                     {"colourmap_at", colourmap_at},
+                                     {"tone_map", tone_map},
+                                     {"mapping_pixels", mapping_pixels},
+                                     {"mapping_positions", mapping_positions},
+                                     {NULL, NULL}};
 
 void ylmL_open_image_ops(lua_State *L) { luaL_setfuncs(L, functions, 0); }

@@ -70,7 +70,8 @@ static int mesh_knot(lua_State *L) {
 }
 
 static double element(const ylmL_array *a, size_t i) {
-  return a->dtype == YLM_DOUBLE ? ((const double *)a->data)[i] : (double)((const float *)a->data)[i];
+  return a->dtype == YLM_DOUBLE ? ((const double *)a->data)[i]
+                                : (double)((const float *)a->data)[i];
 }
 
 /* Copies finite numbers; false if one of them is not. */
@@ -204,15 +205,22 @@ static int mesh_triangles(lua_State *L) {
   return 1;
 }
 
-static const luaL_Reg functions[] = {
-    {"mesh_quad", mesh_quad},           {"mesh_sphere", mesh_sphere},
-    {"mesh_box", mesh_box},             {"mesh_torus", mesh_torus},
-    {"mesh_knot", mesh_knot},           {"mesh_from", mesh_from},
-    {"mesh_read", mesh_read},           {"mesh_write", mesh_write},
-    {"mesh_transform", mesh_transform}, {"mesh_rotation", mesh_rotation},
-    {"mesh_info", mesh_info},           {"mesh_vertices", mesh_vertices},
-    {"mesh_normals", mesh_normals},     {"mesh_uvs", mesh_uvs},
-    {"mesh_triangles", mesh_triangles}, {NULL, NULL}};
+static const luaL_Reg functions[] = {{"mesh_quad", mesh_quad},
+                                     {"mesh_sphere", mesh_sphere},
+                                     {"mesh_box", mesh_box},
+                                     {"mesh_torus", mesh_torus},
+                                     {"mesh_knot", mesh_knot},
+                                     {"mesh_from", mesh_from},
+                                     {"mesh_read", mesh_read},
+                                     {"mesh_write", mesh_write},
+                                     {"mesh_transform", mesh_transform},
+                                     {"mesh_rotation", mesh_rotation},
+                                     {"mesh_info", mesh_info},
+                                     {"mesh_vertices", mesh_vertices},
+                                     {"mesh_normals", mesh_normals},
+                                     {"mesh_uvs", mesh_uvs},
+                                     {"mesh_triangles", mesh_triangles},
+                                     {NULL, NULL}};
 
 void ylmL_open_mesh(lua_State *L) {
   ylmL_mesh_new(L); /* registers the type */

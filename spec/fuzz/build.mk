@@ -1,0 +1,76 @@
+# Fuzzing: each spec/fuzz/NAME.c feeds bytes to one reader, built with clang, libFuzzer, ASan and
+# UBSan from the library's own sources. Seeds are in spec/fuzz/corpus/NAME; what a run finds beyond
+# them goes to build/fuzz/found/NAME, crashes to build/fuzz/NAME-*.
+#
+#   make fuzz                         every reader, FUZZ_RUNS inputs each
+#   make fuzz FUZZ=obj FUZZ_RUNS=1e5  one of them
+#   make fuzz-coverage                lines and branches that seeds and finds reach, per source
+#   make fuzz-minimise                put what is worth keeping of the finds into the corpus
+
+FUZZ_CC   ?= clang
+FUZZ_RUNS ?= 1000000
+FUZZ      ?= $(patsubst spec/fuzz/%.c,%,$(wildcard spec/fuzz/*.c))
+FUZZ_DIR  := $(BUILD)/fuzz
+FUZZ_ARGS ?= -max_total_time=1800 -timeout=10 -rss_limit_mb=4096 -print_final_stats=1
+
+# Which sources a target is about, for the coverage; FUZZ_LIBS_NAME and FUZZ_ALSO_NAME (objects of
+# its own) may be added.
+FUZZ_ABOUT_obj := csrc/geom/obj.c csrc/geom/reader.c
+FUZZ_ABOUT_ply := csrc/geom/ply.c csrc/geom/reader.c
+FUZZ_ABOUT_npy := csrc/base/array_file.c
+FUZZ_ABOUT_exr := csrc/codec/exr.c
+FUZZ_ABOUT_png := csrc/codec/png.c
+FUZZ_ABOUT_hdr := csrc/codec/hdr.c
+FUZZ_ABOUT_pfm := csrc/codec/pfm.c
+FUZZ_ABOUT_grid := csrc/grid/grid_file.c
+
+FUZZ_SANITIZE := -fsanitize=address,undefined,fuzzer-no-link -fno-sanitize-recover=undefined
+FUZZ_CFLAGS := -std=gnu11 -O1 -g -fno-omit-frame-pointer $(FUZZ_SANITIZE) -fprofile-instr-generate -fcoverage-mapping \
+  -Wno-unknown-pragmas -MMD -MP -Ispec/fuzz/support -Icsrc $(foreach d,$(CORE) codec,-Icsrc/$(d))
+# Folders whose sources every target may use, and single sources beside them (no kernels: compiling
+# the generated ones with sanitizers takes many minutes).
+FUZZ_FOLDERS := base image geom codec
+FUZZ_MORE    ?=
+FUZZ_OBJ := $(patsubst csrc/%.c,$(FUZZ_DIR)/obj/%.o,$(foreach d,$(FUZZ_FOLDERS),$(call sources,$(d))) $(FUZZ_MORE))
+
+$(FUZZ_DIR)/obj/codec/%.o: csrc/codec/%.c
+	@mkdir -p $(@D)
+	$(call say,CC,$@)
+	$(Q)$(FUZZ_CC) $(FUZZ_CFLAGS) $(CFLAGS_codec) -c $< -o $@
+
+$(FUZZ_DIR)/obj/%.o: csrc/%.c
+	@mkdir -p $(@D)
+	$(call say,CC,$@)
+	$(Q)$(FUZZ_CC) $(FUZZ_CFLAGS) -c $< -o $@
+
+# An archive, so that each target takes no more than it needs.
+$(FUZZ_DIR)/libylm.a: $(FUZZ_OBJ)
+	$(call say,AR,$@)
+	$(Q)rm -f $@ && $(AR) rc $@ $^
+
+$(FUZZ_DIR)/bin/%: spec/fuzz/%.c $(FUZZ_DIR)/libylm.a
+	@mkdir -p $(@D)
+	$(call say,LINK,$@)
+	$(Q)$(FUZZ_CC) $(FUZZ_CFLAGS) -fsanitize=fuzzer $< $(FUZZ_ALSO_$*) $(FUZZ_DIR)/libylm.a \
+	  -lOpenEXRCore-3_1 $(call pkg,--libs,libpng) $(FUZZ_LIBS_$*) -lm -o $@
+
+fuzz: $(foreach f,$(FUZZ),$(FUZZ_DIR)/bin/$(f))   ## fuzz the readers under ASan and UBSan (FUZZ=name, FUZZ_RUNS=1000000)
+	@for f in $(FUZZ); do echo "== $$f"; mkdir -p $(FUZZ_DIR)/found/$$f spec/fuzz/corpus/$$f; \
+	  LLVM_PROFILE_FILE=/dev/null nice $(FUZZ_DIR)/bin/$$f -runs=$$(printf %.0f $(FUZZ_RUNS)) $(FUZZ_ARGS) \
+	    -artifact_prefix=$(FUZZ_DIR)/$$f- $(FUZZ_DIR)/found/$$f spec/fuzz/corpus/$$f \
+	    > $(FUZZ_DIR)/$$f.log 2>&1 || { tail -n 40 $(FUZZ_DIR)/$$f.log; exit 1; }; \
+	  grep -aE 'DONE|number_of_executed|average_exec|peak_rss' $(FUZZ_DIR)/$$f.log; done
+
+fuzz-coverage: $(foreach f,$(FUZZ),$(FUZZ_DIR)/bin/$(f))   ## what the corpora reach of each reader
+	@for f in $(FUZZ); do mkdir -p $(FUZZ_DIR)/found/$$f; \
+	  LLVM_PROFILE_FILE=$(FUZZ_DIR)/$$f.profraw $(FUZZ_DIR)/bin/$$f -runs=0 $(FUZZ_DIR)/found/$$f spec/fuzz/corpus/$$f >/dev/null 2>&1; \
+	  llvm-profdata merge -o $(FUZZ_DIR)/$$f.profdata $(FUZZ_DIR)/$$f.profraw; done
+	@$(foreach f,$(FUZZ),echo "== $(f)"; llvm-cov report $(FUZZ_DIR)/bin/$(f) -instr-profile=$(FUZZ_DIR)/$(f).profdata \
+	  $(FUZZ_ABOUT_$(f)) | awk '/\.c / || /^TOTAL/ {print $$1, "functions", $$7, "lines", $$10, "branches", $$13}';)
+
+fuzz-minimise: $(foreach f,$(FUZZ),$(FUZZ_DIR)/bin/$(f))
+	@for f in $(FUZZ); do mkdir -p $(FUZZ_DIR)/kept; rm -rf $(FUZZ_DIR)/kept/$$f; mkdir $(FUZZ_DIR)/kept/$$f; \
+	  LLVM_PROFILE_FILE=/dev/null $(FUZZ_DIR)/bin/$$f -merge=1 $(FUZZ_DIR)/kept/$$f spec/fuzz/corpus/$$f $(FUZZ_DIR)/found/$$f >/dev/null 2>&1; \
+	  echo "$$f: $$(ls $(FUZZ_DIR)/kept/$$f | wc -l) inputs, $$(du -sb $(FUZZ_DIR)/kept/$$f | cut -f1) bytes in $(FUZZ_DIR)/kept"; done
+
+.PHONY: fuzz-coverage fuzz-minimise
