@@ -80,7 +80,7 @@ local transfer_fields = {
     about = "occlusion rays from every shading point, from the vertices (transfer vectors are interpolated), "
       .. "or no occlusion; default: as shading" },
   { "transfer_samples", "integer", min = 1, max = 65536, optional = true,
-    about = "occlusion rays per transfer vector; default 64, and 256 from vertices" },
+    about = "occlusion rays per transfer vector; default 128, and 256 from vertices" },
   { "occlusion_distance", "distance", optional = true, unit = "scene units",
     about = "how far occlusion rays reach; default: a tenth of the diagonal of the scene's bounding box" },
   { "lmax", "integer", min = 0, max = 100, optional = true,
@@ -237,7 +237,7 @@ local function prepare(name, s, o)
     distance = diagonal(t) / 10
     if distance == 0 then distance = 1 end
   end
-  local rays = o.transfer_samples or (visibility == "vertex" or o.shading == "vertex") and 256 or 64
+  local rays = o.transfer_samples or (visibility == "vertex" or o.shading == "vertex") and 256 or 128
   local view
   view, message, code = check.result(name, t.lib.shade_view(t.handle,
     { c.from[1], c.from[2], c.from[3], c.at[1], c.at[2], c.at[3], c.up[1], c.up[2], c.up[3], c.fov },

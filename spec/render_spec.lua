@@ -1,0 +1,167 @@
+-- Pictures: where the camera looks, layers, lamps in sight, reports, cancellation.
+local ylm = require "ylm"
+local core = require "ylm.c.core"
+
+local pi, tan = math.pi, math.tan
+
+local function with(t, more)
+  local out = {}
+  for k, v in pairs(t) do out[k] = v end
+  for k, v in pairs(more) do out[k] = v end
+  return out
+end
+
+--- A square of half-width h in the plane z = 0, seen from z = 5 with y up.
+local function card(h, fov, fields)
+  return ylm.scene "card" (with({
+    camera = ylm.camera { from = { 0, 0, 5 }, fov = fov or 40 },
+    geometry = { ylm.quad { corner = { -h, -h, 0 }, u = { 2 * h, 0, 0 }, v = { 0, 2 * h, 0 },
+      material = ylm.matte { albedo = { 0.5, 0.25, 0.125 } } } },
+    lights = { ylm.sphere_light { at = { 0, 0, 9 }, radius = 0.1, radiance = { 100, 200, 300 } } },
+    background = { 0.25, 0.5, 0.75 },
+  }, fields or {}))
+end
+
+local options = { size = { 40, 20 }, samples = 4, visibility = "none" }
+
+local function sum(layer)
+  local s = 0
+  for _, row in ipairs(layer:totable()) do for _, p in ipairs(row) do s = s + p[1] end end
+  return s
+end
+
+describe("a picture", function()
+  it("has x to the right, row 1 at the top, and the field of view in its height", function()
+    local half = 5 * tan(pi / 9) -- of the visible height at the card, fov 40
+    local image = card(100):reference(options)
+    local position = image:layer "position"
+    for _, p in ipairs { { 1, 1 }, { 1, 40 }, { 20, 1 }, { 11, 21 }, { 7, 33 } } do
+      local x, y = ((p[2] - 0.5) / 40 * 2 - 1) * 2 * half, (1 - (p[1] - 0.5) / 20 * 2) * half
+      assert.near(x, position:get(p[1], p[2], 1), half / 20)
+      assert.near(y, position:get(p[1], p[2], 2), half / 20)
+      assert.near(0, position:get(p[1], p[2], 3), 1e-5)
+    end
+    -- Depth is along the axis of view, the same all over the card.
+    assert.near(5, image:layer "depth":get(1, 1, 1), 1e-4)
+    assert.near(5, image:layer "depth":get(11, 21, 1), 1e-4)
+    -- A card as high as the view covers its square in the middle, and what is beside it is background.
+    local coverage = card(half):reference(options):layer "coverage"
+    assert.same({ 1, 0, 1, 0 }, { coverage:get(1, 20, 1), coverage:get(1, 8, 1), coverage:get(20, 28, 1),
+      coverage:get(10, 33, 1) })
+    assert.near(400, sum(coverage), 8)
+  end)
+
+  it("has the layers it names, and background where nothing is", function()
+    local image = card(1):reference(options)
+    assert.same({ "radiance", "normal", "position", "depth", "albedo", "coverage", "emitter" }, (image:layers()))
+    assert.same({ { 0.25, 0.5, 0.75 } }, { image:layer()[1][1]:totable() })
+    assert.equal(math.huge, image:layer "depth":get(1, 1, 1))
+    assert.same({ 0, 0, 1 }, image:layer "normal"[10][20]:totable())
+    assert.same({ 0.5, 0.25, 0.125 }, image:layer "albedo"[10][20]:totable())
+    assert.same({ "radiance" }, (card(1):reference(with(options, { layers = false })):layers()))
+    -- From behind, normals turn to the camera.
+    local back = card(1, 40, { camera = ylm.camera { from = { 0, 0, -5 } } }):reference(options)
+    assert.same({ 0, 0, -1 }, back:layer "normal"[10][20]:totable())
+  end)
+
+  it("shows lamps as emitters in proportion to what they fill", function()
+    local r, d, n = 0.8, 4, 200
+    local s = ylm.scene "lamp" {
+      camera = ylm.camera { from = { 0, 0, d }, fov = 40 },
+      lights = { ylm.sphere_light { at = { 0, 0, 0 }, radius = r, radiance = { 1, 2, 4 } } },
+    }
+    local image = s:raycast { size = { n, n }, pixel_samples = 9, samples = 1 }
+    -- The silhouette's radius is that of the tangent cone.
+    local a = r / math.sqrt(d * d - r * r) / tan(pi / 9)
+    assert.near(pi * a * a / 4, sum(image:layer "emitter") / n / n, 1e-3)
+    assert.same({ 1, 2, 4 }, image:layer()[n / 2][n / 2]:totable())
+    assert.equal(0, sum(image:layer "coverage"))
+  end)
+
+  it("is lit as the closed form says: a lamp over a plane", function()
+    local d, r = 9, 0.1
+    local image = card(0.01, 0.05):reference { size = { 2, 2 }, samples = 4, visibility = "none", lmax = 10 }
+    -- To lmax 10 the clamped cosine is 1.01023 at its peak: the sum of A_l (2l+1) / 4pi.
+    local A, peak = require("ylm.c.scene").material_cosine(10), 0
+    for l = 0, 10 do peak = peak + A:get(l + 1) * (2 * l + 1) / (4 * pi) end
+    local E = peak * pi * (r / d) ^ 2
+    local got, wanted = image:layer()[1][1]:totable(), { 0.5 * 100 * E / pi, 0.25 * 200 * E / pi, 0.125 * 300 * E / pi }
+    for c = 1, 3 do assert.near(1, got[c] / wanted[c], 2e-3) end -- l(l+1)/4 sin^2 of the lamp's angle is lost
+  end)
+
+  it("carries how it was made", function()
+    local s = card(1)
+    local grid = s:bake { probes = ylm.uniform_grid { cells = 2, lmax = 3 }, size = { 40, 20 } }
+    local image, report = s:render(with(options, { grid = grid }))
+    local m = image.metadata
+    assert.equal("3", m.lmax)
+    assert.equal("card", m.scene)
+    assert.equal("grid", m.method)
+    assert.equal(ylm.info().version, m.version)
+    assert.truthy(m.convention:find "Condon")
+    assert.truthy(m.grid:find "uniform")
+    assert.truthy(tonumber(m.seconds) and tonumber(m.seconds) > 0)
+    assert.equal(0, image:layer "level":get(10, 20, 1))
+    assert.equal(40 * 20 * 4, report.rays.primary)
+    local total = 0
+    for name, seconds in pairs(report.seconds) do if name ~= "total" then total = total + seconds end end
+    assert.near(total, report.seconds.total, 1e-9)
+  end)
+
+  it("says of an adaptive grid which level and estimated error its points have", function()
+    local s = card(1)
+    local view = s:prepare(with(options, { lmax = 2 }))
+    local grid = s:bake { probes = ylm.adaptive_grid { depth = 4, threshold = 0.05, lmax = 2 }, occupied = view }
+    local image = view:render { grid = grid, truth = view:reference() }
+    local level, cell = image:layer "level":get(10, 20, 1), grid:locate(image:layer "position"[10][20]:totable())
+    assert.is_true(math.abs(level - cell.level) <= 1)
+    assert.is_true(image:layer "error":get(10, 20, 1) >= 0)
+    local far = core.array_distance(image:layer "true_error", ylm.array(image:layer "true_error"))
+    assert.equal(0, far)
+    assert.is_true(image:layer "true_error":get(10, 20, 1) < 0.01 * image:layer():get(10, 20, 1))
+  end)
+
+  it("bakes what it needs where a scene has probes", function()
+    local s = card(1, 40, { probes = ylm.uniform_grid { cells = 2, lmax = 2 } })
+    local image, report = s:render(options)
+    assert.equal("2", image.metadata.lmax)
+    assert.equal(0, report.unbaked + report.outside)
+    for _, occupied in ipairs { "vertices", "everywhere" } do
+      assert.is_true(s:bake({ occupied = occupied }).stats.points > 0)
+    end
+  end)
+
+  it("traces a changed scene anew", function()
+    local s = card(1)
+    local before = s:reference(options):layer():get(10, 20, 1)
+    s.geometry[1].material = ylm.matte { albedo = 0.25 }
+    assert.near(before / 2, s:reference(options):layer():get(10, 20, 1), 1e-6 * before)
+  end)
+
+  it("reports its stages and can be cancelled in each, leaving the floating-point mode alone", function()
+    local s = card(1)
+    local stages = {}
+    local o = with(options, { visibility = "pixel", progress = function(_, _, stage) stages[stage] = true end })
+    s:reference(o)
+    s:raycast { size = { 40, 20 }, progress = o.progress }
+    for _, stage in ipairs { "primary rays", "transfer", "shading", "raycast" } do
+      assert.is_true(stages[stage], stage)
+      local function stop(_, _, at) return at ~= stage end
+      local image, message, code
+      if stage == "raycast" then image, message, code = s:raycast { size = { 40, 20 }, progress = stop }
+      else image, message, code = s:reference(with(o, { progress = stop })) end
+      assert.same({ "nil", "cancelled", "ECANCELLED" }, { type(image), message, code })
+    end
+    assert.is_false(pcall(function() s:reference(with(o, { progress = function() error "mine" end })) end))
+    local tiny = tonumber "1e-310"
+    assert.is_true(tiny * 0.5 > 0)
+  end)
+
+  it("of nothing is background", function()
+    local s = ylm.scene "nothing" { camera = ylm.camera { from = { 0, 0, 5 } }, background = 0.5 }
+    local image, report = s:reference(options)
+    assert.equal(0, report.points)
+    assert.equal(0.5, image:layer():get(1, 1, 1))
+    assert.is_true(s:raycast { size = { 4, 2 } } ~= nil)
+  end)
+end)
