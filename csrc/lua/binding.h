@@ -33,6 +33,7 @@
   X(sh) \
   X(sh_rotate) \
   X(sh_product) \
+  X(sh_project) \
   X(image) \
   X(image_ops) \
   X(mesh)

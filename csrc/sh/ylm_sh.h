@@ -304,6 +304,44 @@ YLM_API ylm_status ylm_sh_transfer(int clmax, const double *c, int lmax, double 
 YLM_API ylm_status ylm_sh_transfer_apply(size_t n, ylm_dtype t, const void *matrix, size_t rows,
                                          const void *in, void *out, int threads);
 
+/* -- projection: csrc/sh/project.c ----------------------------------------------------------- */
+
+/*
+** ylm_sh_sphere_rule - directions and weights of a product rule: `nodes` Gauss-Legendre nodes in z,
+** `azimuths` directions around each. Exact for polynomials of degree min(2 nodes - 1, azimuths - 1).
+**
+**   lo, hi      in   the range of z: -1 .. 1 is the sphere, 0 .. 1 the upper half
+**   direction   out  [nodes * azimuths][3]
+**   weight      out  [nodes * azimuths]      sr; the sum is 2 pi (hi - lo)
+**
+** Returns  YLM_OK, YLM_ERANGE (counts 1 .. 100000, -1 <= lo < hi <= 1), YLM_ENOMEM
+*/
+YLM_API ylm_status ylm_sh_sphere_rule(int nodes, int azimuths, double lo, double hi,
+                                      double *direction, double *weight);
+
+/*
+** ylm_sh_sphere_samples - side*side directions, one at random in each of as many cells of equal
+** area ("jittered"); the same seed and stream give the same directions everywhere.
+**   direction  out  [side * side][3]
+** Source  Green 2003, "SH_setup_spherical_samples"
+*/
+YLM_API void ylm_sh_sphere_samples(int side, uint64_t seed, uint64_t stream, double *direction);
+
+/*
+** ylm_sh_project_samples - c[ch][k] = sum_i weight[i] value[i][ch] Y_k(direction[i]).
+**
+**   direction  in   [n][3]          of any length; a zero one is skipped if its weight is 0
+**   weight     in   [n] sr; NULL: 4 pi / n each
+**   value      in   [n][channels]
+**   out        out  [channels][(lmax+1)^2]
+**
+** Returns  YLM_OK; YLM_ERANGE (lmax), YLM_EDOMAIN (a direction: `e` names it), YLM_ENOMEM
+** Threads  the sums do not depend on their number
+*/
+YLM_API ylm_status ylm_sh_project_samples(int lmax, size_t n, const double *direction,
+                                          const double *weight, int channels, const double *value,
+                                          double *out, int threads, ylm_error *e);
+
 #ifdef __cplusplus
 }
 #endif

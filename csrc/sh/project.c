@@ -1,0 +1,101 @@
+/* project.c - from samples on the sphere to coefficients. */
+#include "ylm_sh.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "quadrature.h"
+
+#define PI 3.14159265358979323846
+
+/* Samples of a partial sum, and of one evaluation of the basis within it. */
+#define GRAIN 4096
+#define BLOCK 128
+
+ylm_status ylm_sh_sphere_rule(int nodes, int azimuths, double lo, double hi, double *direction, double *weight) {
+  if (nodes < 1 || nodes > 100000 || azimuths < 1 || azimuths > 100000 || !(lo >= -1 && lo < hi && hi <= 1))
+    return YLM_ERANGE;
+  double *x = ylm_alloc(2 * (size_t)nodes, sizeof *x), *w = x + nodes;
+  if (!x) return YLM_ENOMEM;
+  ylm__gauss_legendre(nodes, x, w);
+  for (int h = 0; h < nodes; h++) {
+    double z = 0.5 * (lo + hi) + 0.5 * (hi - lo) * x[h], s = sqrt((1 - z) * (1 + z));
+    for (int j = 0; j < azimuths; j++) {
+      double phi = 2 * PI * (j + 0.5) / azimuths;
+      double *d = direction + 3 * ((size_t)h * (size_t)azimuths + (size_t)j);
+      d[0] = s * cos(phi);
+      d[1] = s * sin(phi);
+      d[2] = z;
+      weight[(size_t)h * (size_t)azimuths + (size_t)j] = 0.5 * (hi - lo) * w[h] * 2 * PI / azimuths;
+    }
+  }
+  ylm_free(x);
+  return YLM_OK;
+}
+
+void ylm_sh_sphere_samples(int side, uint64_t seed, uint64_t stream, double *direction) {
+  ylm_rng r;
+  ylm_rng_seed(&r, seed, stream);
+  for (int a = 0; a < side; a++)
+    for (int b = 0; b < side; b++, direction += 3) {
+      double x = (a + ylm_rng_double(&r)) / side, y = (b + ylm_rng_double(&r)) / side;
+      double z = 1 - 2 * x, s = sqrt(4 * x * (1 - x)), phi = 2 * PI * y;
+      direction[0] = s * cos(phi);
+      direction[1] = s * sin(phi);
+      direction[2] = z;
+    }
+}
+
+typedef struct job {
+  int lmax, channels;
+  size_t n;
+  const double *direction, *weight, *value;
+  double *partial; /* [blocks of GRAIN][channels][count] */
+} job;
+
+static ylm_status run(void *context, size_t begin, size_t end, int worker) {
+  (void)worker;
+  const job *j = context;
+  size_t count = ylm_sh_count(j->lmax), channels = (size_t)j->channels;
+  double *out = j->partial + begin / GRAIN * channels * count, p[BLOCK][3], wf[BLOCK];
+  double *y = ylm_alloc(BLOCK * count, sizeof *y);
+  if (!y) return YLM_ENOMEM;
+  ylm_status s = YLM_OK;
+  for (size_t i = begin; i < end && s == YLM_OK; i += BLOCK) {
+    size_t n = end - i < BLOCK ? end - i : BLOCK;
+    for (size_t k = 0; k < n; k++) {
+      memcpy(p[k], j->direction + 3 * (i + k), sizeof p[k]);
+      if (p[k][0] == 0 && p[k][1] == 0 && p[k][2] == 0 && j->weight && j->weight[i + k] == 0) p[k][2] = 1;
+    }
+    s = ylm_sh_eval(j->lmax, 0, false, YLM_DOUBLE, n, p, y, NULL, NULL, 1, NULL);
+    for (size_t c = 0; c < channels && s == YLM_OK; c++) {
+      for (size_t k = 0; k < n; k++)
+        wf[k] = (j->weight ? j->weight[i + k] : 4 * PI / (double)j->n) * j->value[(i + k) * channels + c];
+      for (size_t k = 0; k < n; k++)
+        for (size_t q = 0; q < count; q++) out[c * count + q] += wf[k] * y[k * count + q];
+    }
+  }
+  ylm_free(y);
+  return s;
+}
+
+ylm_status ylm_sh_project_samples(int lmax, size_t n, const double *direction, const double *weight, int channels,
+                                  const double *value, double *out, int threads, ylm_error *e) {
+  if (lmax < 0 || lmax > YLM_LMAX || channels < 1)
+    return ylm_fail(e, YLM_ERANGE, "lmax must be from 0 to %d, got %d", YLM_LMAX, lmax);
+  for (size_t i = 0; i < n; i++) {
+    const double *d = direction + 3 * i;
+    double length = fabs(d[0]) + fabs(d[1]) + fabs(d[2]);
+    if (!isfinite(length) || (length == 0 && !(weight && weight[i] == 0)))
+      return ylm_fail(e, YLM_EDOMAIN, "direction %zu is %s", i + 1, length == 0 ? "zero" : "not finite");
+  }
+  size_t size = (size_t)channels * ylm_sh_count(lmax), blocks = n / GRAIN + (n % GRAIN != 0);
+  memset(out, 0, size * sizeof *out);
+  job j = {lmax, channels, n, direction, weight, value, ylm_alloc_zero(blocks, size * sizeof(double))};
+  if (!j.partial) return YLM_ENOMEM;
+  ylm_status s = ylm_parallel(n, GRAIN, threads, run, &j, NULL, NULL);
+  for (size_t b = 0; b < blocks && s == YLM_OK; b++)
+    for (size_t k = 0; k < size; k++) out[k] += j.partial[b * size + k];
+  ylm_free(j.partial);
+  return s;
+}
