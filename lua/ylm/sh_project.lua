@@ -440,7 +440,7 @@ describe "sh.sky" {
   example = [[
 local c, sky = ylm.sh.sky(4, { kind = "clear", zenith = { 0, 1, 0 }, sun = { 1, 1, 0 }, luminance = 8 })
 assert(math.abs(sky(0, 1, 0) - 8) < 1e-12 and sky(0, -1, 0) == 0 and #c == 25)]],
-  source = "CIE sky models as in Green 2003, \"Creating Light Sources\" (cos theta in 'partly cloudy', misprinted there)",
+  source = "Green 2003, \"Creating Light Sources\" (skies of the CIE; cos theta in 'partly cloudy', misprinted there)",
 }
 function project.sky(lmax, options)
   check.integer(1, "sky", "lmax", lmax, 0, core.sh_lmax)
