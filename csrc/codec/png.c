@@ -68,12 +68,13 @@ static ylm_status read_all(png_structp png, png_infop info, const char *name, bo
                            size_t size, ylm_error *e) {
   png_read_info(png, info);
   uint32_t width = png_get_image_width(png, info), height = png_get_image_height(png, info);
+  uint64_t packed = png_get_rowbytes(png, info); /* as the file has them */
   png_set_expand(png); /* palettes, small greys and transparency to whole channels */
   png_set_interlace_handling(png);
   png_read_update_info(png, info);
   int channels = png_get_channels(png, info), bits = png_get_bit_depth(png, info);
   /* deflate expands at most 1032 times */
-  uint64_t least = (uint64_t)width * height / 8 / 1032;
+  uint64_t least = packed * height / 1032;
   ylm_status s = ylm__codec_start(name, width, height, channels, size, (size_t)least, &w->image, e);
   if (s != YLM_OK) return s;
   size_t row = png_get_rowbytes(png, info);
@@ -102,7 +103,7 @@ ylm_status ylm__png_parse(const unsigned char *bytes, size_t size, const char *n
   } else {
     png_set_read_fn(png, &st, on_read);
     png_set_user_limits(png, YLM_IMAGE_MAX_SIDE, YLM_IMAGE_MAX_SIDE);
-    png_set_chunk_malloc_max(png, 1 << 24);
+    png_set_chunk_malloc_max(png, size < 1 << 20 ? 16 * size + 65536 : 1 << 24);
     png_set_chunk_cache_max(png, 64);
     s = read_all(png, info, name, raw, w, size, e);
   }

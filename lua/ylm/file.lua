@@ -76,6 +76,7 @@ function methods.save(a, path)
   if core.type(a) ~= "ylm.array" then
     return check.fail("save: an array expected before the colon, got %s", check.describe(a))
   end
+  if not select(4, core.array_info(a)) then return check.fail("save: the array has been closed") end
   if type(path) ~= "string" or not path:lower():find("%.npy$") or path:find("%z") then
     return check.bad(1, "save", "a file name that ends in .npy expected, got %s", check.describe(path))
   end

@@ -14,7 +14,9 @@ local function open(x, name)
   if core.type(x) ~= "ylm.image" then
     return check.fail("%s: an image expected before the colon, got %s", name, check.describe(x))
   end
-  return core.image_info(x)
+  local is_open, w, h, names, channels = pcall(core.image_info, x)
+  if not is_open then return check.fail("%s: the image has been closed", name) end
+  return w, h, names, channels
 end
 
 --- The library of file formats, or nil, message, "EMISSING": the core works without it.
@@ -224,8 +226,8 @@ describe "image:close" {
   example = "ylm.image { size = { 4, 2 } }:close()",
 }
 function methods.close(x)
-  open(x, "close")
-  core.image_close(x)
+  if core.type(x) ~= "ylm.image" then open(x, "close") end
+  if pcall(core.image_info, x) then core.image_close(x) end
 end
 
 --- An image from a file; raw leaves PNG numbers as they stand. Used by ylm.load.
@@ -240,8 +242,8 @@ end
 --- Argument `n` of method `fn` as another image.
 local function check_other(n, fn, other)
   if core.type(other) == "ylm.image" then
-    core.image_info(other)
-    return other
+    if pcall(core.image_info, other) then return other end
+    return check.bad(n, fn, "the image has been closed")
   end
   return check.bad(n, fn, "an image expected, got %s", check.describe(other))
 end
@@ -250,7 +252,7 @@ end
 local function check_mask(fn, x, mask)
   if mask == nil then return nil end
   local w, h = core.image_info(x)
-  if core.type(mask) == "ylm.image" then mask = core.image_layer(mask) end
+  if core.type(mask) == "ylm.image" then mask = core.image_layer(check_other(0, fn, mask)) end
   if core.type(mask) == "ylm.array" then
     local shape, dtype, _, is_open = core.array_info(mask)
     if is_open and shape[1] == h and shape[2] == w and (#shape == 2 or (#shape == 3 and shape[3] == 1)) then

@@ -11,7 +11,7 @@ FUZZ_CC   ?= clang
 FUZZ_RUNS ?= 1000000
 FUZZ      ?= $(patsubst spec/fuzz/%.c,%,$(wildcard spec/fuzz/*.c))
 FUZZ_DIR  := $(BUILD)/fuzz
-FUZZ_ARGS ?= -max_total_time=1800 -timeout=10 -rss_limit_mb=4096 -print_final_stats=1
+FUZZ_ARGS ?= -max_total_time=1800 -timeout=120 -rss_limit_mb=4096 -print_final_stats=1
 
 # Which sources a target is about, for the coverage; FUZZ_LIBS_NAME and FUZZ_ALSO_NAME (objects of
 # its own) may be added.
