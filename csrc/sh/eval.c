@@ -124,6 +124,9 @@ typedef struct choice {
 static choice choose(ylm_isa isa, ylm_dtype t, const ylm__sh_job *job) {
   ylm__sh_kernel *low = NULL;
   int lmax = job->lmax, order = job->derivatives;
+  if (job->method != YLM_SH_solid)
+    return (choice){t == YLM_DOUBLE ? ylm__sh_compare_double : ylm__sh_compare_float,
+                    ((size_t)lmax + 2) * 11 * sizeof(double), false};
   switch (isa) {
 #define X(name)                                                                              \
   case YLM_ISA_##name:                                                                       \
@@ -153,6 +156,63 @@ static ylm_status run(void *context, size_t begin, size_t end, int worker) {
   return YLM_OK;
 }
 
+/* Above this degree float loses what is left of Y near the poles: sin^m underflows too early. */
+#define FLOAT_LMAX 128
+
+/* Points evaluated at a time where float is computed in double. */
+static size_t chunk(int lmax) { return lmax <= 256 ? 8 : 1; }
+
+static size_t chunk_numbers(int lmax) { return chunk(lmax) * (3 + 10 * ylm_sh_count(lmax)); }
+
+static void round_to_float(float *out, const double *x, size_t n) {
+  for (size_t i = 0; out && i < n; i++) out[i] = (float)x[i];
+}
+
+/* A kernel for float whose job's `inner` is one for double; its scratch comes after the numbers. */
+static void by_double(const ylm__sh_job *job, size_t begin, size_t end, void *scratch) {
+  size_t most = chunk(job->lmax), count = ylm_sh_count(job->lmax);
+  double *p = scratch, *y = p + 3 * most, *dy = y + most * count, *ddy = dy + 3 * most * count;
+  void *rest = p + (chunk_numbers(job->lmax) + 7) / 8 * 8;
+  ylm__sh_job in = *job;
+  in.p = p, in.y = y, in.dy = job->dy ? dy : NULL, in.ddy = job->ddy ? ddy : NULL;
+  in.tame = true; /* every float, squared, is an ordinary double */
+  for (size_t i = begin; i < end; i += most) {
+    size_t n = end - i < most ? end - i : most;
+    for (size_t k = 0; k < 3 * n; k++) p[k] = (double)((const float *)job->p)[3 * i + k];
+    job->inner(&in, 0, n, rest);
+    if (job->y) round_to_float((float *)job->y + i * count, y, n * count);
+    if (job->dy) round_to_float((float *)job->dy + 3 * i * count, dy, 3 * n * count);
+    if (job->ddy) round_to_float((float *)job->ddy + 6 * i * count, ddy, 6 * n * count);
+  }
+}
+
+/* The kernel for a job, and the type it computes in. */
+static choice choose_type(ylm_isa isa, ylm_dtype *t, ylm__sh_job *job) {
+  if (*t == YLM_DOUBLE || job->lmax <= FLOAT_LMAX || job->method != YLM_SH_solid) return choose(isa, *t, job);
+  *t = YLM_DOUBLE;
+  choice how = choose(isa, *t, job);
+  job->inner = how.kernel;
+  how.kernel = by_double;
+  how.scratch += (chunk_numbers(job->lmax) + 8) * sizeof(double);
+  return how;
+}
+
+/* What a comparison method cannot do. */
+static ylm_status check_method(const ylm_sh_how *how, int lmax, ylm_error *e) {
+  const char *name = ylm_sh_method_name(how->method);
+  bool polynomial = how->method == YLM_SH_polynomial;
+  if ((int)how->method < 0 || how->method >= YLM_SH_METHOD_COUNT)
+    return ylm_fail(e, YLM_EINVAL, "no such method");
+  if (how->method == YLM_SH_solid) return YLM_OK;
+  if (polynomial && lmax > YLM__SH_POLYNOMIAL_LMAX)
+    return ylm_fail(e, YLM_ERANGE, "method '%s' goes to lmax %d", name, YLM__SH_POLYNOMIAL_LMAX);
+  if (!polynomial && how->solid)
+    return ylm_fail(e, YLM_EINVAL, "method '%s' has no solid harmonics", name);
+  if (how->derivatives > 1 && !polynomial && how->method != YLM_SH_scd)
+    return ylm_fail(e, YLM_ERANGE, "method '%s' has no second derivatives", name);
+  return YLM_OK;
+}
+
 static ylm_status check_how(const ylm_sh_how *how, int lmax, ylm_error *e) {
   if (lmax < 0 || lmax > YLM_LMAX)
     return ylm_fail(e, YLM_ERANGE, "lmax must be from 0 to %d, got %d", YLM_LMAX, lmax);
@@ -160,10 +220,10 @@ static ylm_status check_how(const ylm_sh_how *how, int lmax, ylm_error *e) {
     return ylm_fail(e, YLM_ERANGE, "derivatives must be 0, 1 or 2, got %d", how->derivatives);
   if (how->isa >= 0 && !ylm_isa_available((ylm_isa)how->isa))
     return ylm_fail(e, YLM_EINVAL, "kernels '%s' do not run here", ylm_isa_name((ylm_isa)how->isa));
-  return YLM_OK;
+  return check_method(how, lmax, e);
 }
 
-/* Runs a job with the scratch and the table that its kernel wants. */
+/* Runs a job with the scratch and the table (of type t) that its kernel wants. */
 static ylm_status run_job(ylm__sh_job *job, choice how, ylm_dtype t, size_t n, int threads,
                           const ylm_progress *progress, ylm_error *e) {
   void *table = how.table && job->lmax > TABLE_LMAX ? make_table(job->lmax, t) : NULL;
@@ -181,14 +241,16 @@ static ylm_status run_job(ylm__sh_job *job, choice how, ylm_dtype t, size_t n, i
 
 ylm_status ylm_sh_eval_how(const ylm_sh_how *how, int lmax, ylm_dtype t, size_t n, const void *p,
                            void *y, void *dy, void *ddy, ylm_error *e) {
-  ylm__sh_job job = {.lmax = lmax, .derivatives = how->derivatives, .solid = how->solid, .p = p, .y = y};
+  ylm__sh_job job = {.lmax = lmax, .derivatives = how->derivatives, .solid = how->solid,
+                     .method = how->method, .p = p, .y = y};
   ylm_status s = check_how(how, lmax, e);
   if (s == YLM_OK) s = ylm__sh_check_points(how, lmax, t, n, p, &job.tame, e);
   if (s != YLM_OK || n == 0) return s;
   ylm_isa isa = how->isa < 0 ? ylm_isa_current() : (ylm_isa)how->isa;
   if (how->derivatives > 0) job.dy = dy;
   if (how->derivatives > 1) job.ddy = ddy;
-  return run_job(&job, choose(isa, t, &job), t, n, how->threads, how->progress, e);
+  choice kernel = choose_type(isa, &t, &job);
+  return run_job(&job, kernel, t, n, how->threads, how->progress, e);
 }
 
 ylm_status ylm_sh_eval(int lmax, int derivatives, bool solid, ylm_dtype t, size_t n, const void *p,

@@ -76,7 +76,7 @@ static void solid_harmonic(const rows *w, int l, int m, bool sine, const double 
 }
 
 /* From S at w = v/d to S at v = d w. */
-static void scale_solid(int l, double d, double s[10]) {
+void ylm__sh_scale_solid(int l, double d, double s[10]) {
   double d0 = pow(d, l), d1 = l > 0 ? pow(d, l - 1) : 0, d2 = l > 1 ? pow(d, l - 2) : 0;
   s[0] *= d0;
   for (int i = 1; i < 4; i++) s[i] *= d1;
@@ -84,7 +84,7 @@ static void scale_solid(int l, double d, double s[10]) {
 }
 
 /* From S at w = v/d to Y(v/|v|) at v, Eq. 17 and the one after it. */
-static void surface(int l, double d, const double w[3], double s[10]) {
+void ylm__sh_surface(int l, double d, const double w[3], double s[10]) {
   static const int at[3][3] = {{4, 5, 6}, {5, 7, 8}, {6, 8, 9}};
   double g[3];
   for (int i = 0; i < 3; i++) g[i] = s[1 + i] - l * s[0] * w[i];
@@ -108,18 +108,30 @@ void ylm__sh_unit(const double v[3], double w[3], double *d) {
   *d = scalbn(norm, e);
 }
 
-/* Stores coefficient k of point i in an array whose rows have `width` numbers a coefficient. */
-static void store(void *out, ylm_dtype t, size_t at, int width, const double *s) {
-  for (int i = 0; out && i < width; i++) {
-    if (t == YLM_DOUBLE) ((double *)out)[at * (size_t)width + (size_t)i] = s[i];
-    else ((float *)out)[at * (size_t)width + (size_t)i] = (float)s[i];
+/* Stores `width` numbers as element `at` of an array, if it is wanted. */
+static void store(void *out, ylm_dtype t, size_t at, size_t width, const double *s) {
+  for (size_t i = 0; out && i < width; i++) {
+    if (t == YLM_DOUBLE) ((double *)out)[at * width + i] = s[i];
+    else ((float *)out)[at * width + i] = (float)s[i];
   }
+}
+
+void ylm__sh_put(const ylm__sh_job *job, ylm_dtype t, size_t i, int l, int m, const double s[10]) {
+  size_t at = i * ylm_sh_count(job->lmax) + ylm_sh_index(l, m);
+  store(job->y, t, at, 1, s);
+  store(job->dy, t, at, 3, s + 1);
+  store(job->ddy, t, at, 6, s + 4);
+}
+
+void ylm__sh_point(const ylm__sh_job *job, ylm_dtype t, size_t i, double v[3]) {
+  const float *f = job->p;
+  const double *d = job->p;
+  for (size_t c = 0; c < 3; c++) v[c] = t == YLM_DOUBLE ? d[3 * i + c] : (double)f[3 * i + c];
 }
 
 static void one_point(const ylm__sh_job *job, ylm_dtype t, size_t i, rows *r) {
   double v[3], w[3], d, s[10];
-  for (size_t k = 0; k < 3; k++)
-    v[k] = t == YLM_DOUBLE ? ((const double *)job->p)[3 * i + k] : (double)((const float *)job->p)[3 * i + k];
+  ylm__sh_point(job, t, i, v);
   ylm__sh_unit(v, w, &d);
   r->c[0] = 1, r->s[0] = 0;
   for (int m = 1; m <= job->lmax; m++) { /* Eq. 14 */
@@ -129,13 +141,10 @@ static void one_point(const ylm__sh_job *job, ylm_dtype t, size_t i, rows *r) {
   for (int l = 0; l <= job->lmax; l++) {
     next_degree(r, l, w[2]);
     for (int m = -l; m <= l; m++) {
-      size_t at = i * ylm_sh_count(job->lmax) + ylm_sh_index(l, m);
       solid_harmonic(r, l, m < 0 ? -m : m, m < 0, w, s);
-      if (job->solid) scale_solid(l, d, s);
-      else surface(l, d, w, s);
-      store(job->y, t, at, 1, s);
-      store(job->dy, t, at, 3, s + 1);
-      store(job->ddy, t, at, 6, s + 4);
+      if (job->solid) ylm__sh_scale_solid(l, d, s);
+      else ylm__sh_surface(l, d, w, s);
+      ylm__sh_put(job, t, i, l, m, s);
     }
   }
 }

@@ -8,7 +8,7 @@
 local harmonics = {}
 
 --- Normalisation of the monic polynomial in z that belongs to degree l, order q: S_lq = N q^(z) c_q.
-local function norm(l, q)
+function harmonics.norm(l, q)
   local n = math.sqrt(1 / (4 * math.pi))
   for m = 1, q do n = -n * math.sqrt((2 * m + 1) / (2 * m) * (m == 1 and 2 or 1)) end
   for k = q + 1, l do n = n * math.sqrt((4 * k * k - 1) / (k * k - q * q)) end
@@ -66,7 +66,7 @@ end
 local function values(p, c, s, l)
   local f = {}
   for q = 0, l do
-    local n = norm(l, q) * p[l][q]
+    local n = harmonics.norm(l, q) * p[l][q]
     f[q] = n * c[q]
     if q > 0 then f[-q] = n * s[q] end
   end

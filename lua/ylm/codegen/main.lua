@@ -98,7 +98,8 @@ function main.counts(highest)
     local ours = source.count { lmax = lmax, derivatives = 2, unit = true }
     local scd = source.count { lmax = lmax, derivatives = 2, unit = true, method = "scd" }
     lines[#lines + 1] = ("%4d %13d %5d %6d %12d %5d %6d (%d, %d) %15s"):format(lmax, ours.adds, ours.muls, ours.total,
-      scd.adds, scd.muls, scd.total, scd.divs, scd.sqrts, ours.total > 0 and ("%.2f"):format(scd.total / ours.total) or "-")
+      scd.adds, scd.muls, scd.total, scd.divs, scd.sqrts,
+      ours.total > 0 and ("%.2f"):format(scd.total / ours.total) or "-")
   end
   return table.concat(lines, "\n") .. "\n"
 end

@@ -10,7 +10,8 @@ return function(lmax)
   local requests = {}
   for derivatives = 0, 2 do
     if lmax <= highest[derivatives] then
-      requests[#requests + 1] = { lmax = lmax, derivatives = derivatives, name = ("sh_%d_%d"):format(lmax, derivatives) }
+      local name = ("sh_%d_%d"):format(lmax, derivatives)
+      requests[#requests + 1] = { lmax = lmax, derivatives = derivatives, name = name }
     end
   end
   return source.file(requests, "c")

@@ -69,7 +69,8 @@ end
 function source.function_lines(request, language)
   local outputs = source.outputs(request)
   local what = ({ "values", "values and gradients", "values, gradients and Hessians" })[request.derivatives + 1]
-  local lines = { ("/* %s, degrees 0 .. %d: %s */"):format(what, request.lmax, counted(expression.count(roots(outputs)))) }
+  local operations = counted(expression.count(roots(outputs)))
+  local lines = { ("/* %s, degrees 0 .. %d: %s */"):format(what, request.lmax, operations) }
   for _, line in ipairs(heads[language](request)) do lines[#lines + 1] = line end
   if language == "c" then
     -- what a function of low degree does not use
