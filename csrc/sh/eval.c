@@ -73,15 +73,17 @@ ylm_status ylm__sh_check_points(const ylm_sh_how *how, int lmax, ylm_dtype t, si
   return YLM_OK;
 }
 
-void ylm__sh_coefficients(int l, int q, double k[5]) {
+void ylm__sh_coefficients(int l, int q, double k[7]) {
   double n = 2.0 * l + 1, rho = sqrt(n / (n - 2)), d = (double)(l - q) * (l + q);
   if (q == l) {
     k[0] = l == 1 ? -sqrt(3) : -sqrt(n / (n - 1));
-    k[1] = k[2] = 0;
+    k[1] = k[2] = k[5] = k[6] = 0;
   } else {
     k[0] = sqrt(n * (n - 2) / d);
     k[1] = l == q + 1 ? 0 : sqrt(n * (l - 1 - q) * (l - 1 + q) / ((n - 4) * d));
     k[2] = rho * sqrt(d);
+    k[6] = rho * sqrt((double)(l + q) / (l - q));
+    k[5] = k[0] - k[6];
   }
   k[3] = -0.5 * rho * sqrt((double)(l + q - 1) * (l + q) * (q == 1 ? 2 : 1));
   k[4] = 0.5 * rho * sqrt((double)(l - q - 1) * (l - q) * (q == 0 ? 2 : 1));
@@ -99,13 +101,13 @@ static const double table_double[] = {
 /* The coefficients of degrees 1 .. lmax for lmax > TABLE_LMAX; NULL if memory runs out. */
 static void *make_table(int lmax, ylm_dtype t) {
   size_t n = ylm_sh_count(lmax) / 2 + (size_t)lmax + 1;
-  void *table = ylm_alloc(5 * n, ylm_dtype_size(t));
+  void *table = ylm_alloc(7 * n, ylm_dtype_size(t));
   float *f = table;
-  double *d = table, k[5];
+  double *d = table, k[7];
   for (int l = 1; table && l <= lmax; l++) {
-    for (int q = 0; q <= l; q++, f += 5, d += 5) {
+    for (int q = 0; q <= l; q++, f += 7, d += 7) {
       ylm__sh_coefficients(l, q, k);
-      for (int i = 0; i < 5; i++) {
+      for (int i = 0; i < 7; i++) {
         if (t == YLM_DOUBLE) d[i] = k[i];
         else f[i] = (float)k[i];
       }

@@ -10,8 +10,11 @@
 #define YLM_K(c) ((real)(c))
 #define YLM_SET(c) sh_set((real)(c))
 
-/* Every lmax with generated functions for values, gradients, Hessians: gen/sh_<lmax>.h. */
-#define LOW_2(X) X(0) X(1) X(2) X(3) X(4) X(5) X(6)
+/* Every lmax with generated functions, gen/sh_<lmax>.h: first those that take the unit vector alone,
+   then those that take the sign of z and 1 - |z| too, for Hessians, gradients, values. */
+#define STABLE_FROM 5
+#define LOW_PLAIN(X) X(0) X(1) X(2) X(3) X(4)
+#define LOW_2(X) X(5) X(6)
 #define LOW_1(X) LOW_2(X) X(7) X(8) X(9) X(10)
 #define LOW_0(X) LOW_1(X) X(11) X(12)
 
@@ -35,42 +38,55 @@ YLM_INLINE void put(void *out, size_t at, size_t rows, const vreal *v, size_t co
 }
 
 /* One kernel for each lmax and number of derivatives. */
-#define KERNEL(lmax, order, outs, ...)                                                         \
+#define KERNEL(lmax, order, outs, call)                                                              \
   static void low_##lmax##_##order(const ylm__sh_job *job, size_t begin, size_t end, void *scratch) { \
-    (void)scratch;                                                                             \
-    for (size_t i = begin; i < end; i += W) {                                                  \
-      enum { COUNT = (lmax + 1) * (lmax + 1) };                                                \
-      size_t rows = end - i < W ? end - i : W;                                                 \
-      vreal v[3], s, outs;                                                                     \
-      sh_load_points((const real *)job->p + 3 * i, rows, v);                                   \
-      sh_unit(v, &s, job->tame);                                                                          \
-      sh_##lmax##_##order(v[0], v[1], v[2], __VA_ARGS__);                                      \
-      put(job->y, i, rows, y, COUNT);                                                          \
-      if (order > 0) put(job->dy, i, rows, dy, 3 * COUNT);                                     \
-      if (order > 1) put(job->ddy, i, rows, ddy, 6 * COUNT);                                   \
-    }                                                                                          \
+    (void)scratch;                                                                                   \
+    for (size_t i = begin; i < end; i += W) {                                                        \
+      enum { COUNT = (lmax + 1) * (lmax + 1) };                                                      \
+      size_t rows = end - i < W ? end - i : W;                                                       \
+      vreal v[3], s, g, o, outs;                                                                     \
+      sh_load_points((const real *)job->p + 3 * i, rows, v);                                         \
+      sh_unit(v, &s, job->tame);                                                                     \
+      if (lmax >= STABLE_FROM) sh_pole(v, &g, &o);                                                   \
+      call;                                                                                          \
+      put(job->y, i, rows, y, COUNT);                                                                \
+      if (order > 0) put(job->dy, i, rows, dy, 3 * COUNT);                                           \
+      if (order > 1) put(job->ddy, i, rows, ddy, 6 * COUNT);                                         \
+    }                                                                                                \
   }
 #define COMMA ,
-#define X(lmax) KERNEL(lmax, 0, y[COUNT] COMMA *dy = NULL COMMA *ddy = NULL, y)
+#define OUTS_0 y[COUNT] COMMA *dy = NULL COMMA *ddy = NULL
+#define OUTS_1 y[COUNT] COMMA dy[3 * COUNT] COMMA *ddy = NULL
+#define OUTS_2 y[COUNT] COMMA dy[3 * COUNT] COMMA ddy[6 * COUNT]
+#define X(lmax) KERNEL(lmax, 0, OUTS_0, sh_##lmax##_0(v[0], v[1], v[2], y))
+LOW_PLAIN(X)
+#undef X
+#define X(lmax) KERNEL(lmax, 0, OUTS_0, sh_##lmax##_0(v[0], v[1], v[2], g, o, y))
 LOW_0(X)
 #undef X
-#define X(lmax) KERNEL(lmax, 1, y[COUNT] COMMA dy[3 * COUNT] COMMA *ddy = NULL, s, y, dy)
+#define X(lmax) KERNEL(lmax, 1, OUTS_1, sh_##lmax##_1(v[0], v[1], v[2], s, y, dy))
+LOW_PLAIN(X)
+#undef X
+#define X(lmax) KERNEL(lmax, 1, OUTS_1, sh_##lmax##_1(v[0], v[1], v[2], g, o, s, y, dy))
 LOW_1(X)
 #undef X
-#define X(lmax) KERNEL(lmax, 2, y[COUNT] COMMA dy[3 * COUNT] COMMA ddy[6 * COUNT], s, y, dy, ddy)
+#define X(lmax) KERNEL(lmax, 2, OUTS_2, sh_##lmax##_2(v[0], v[1], v[2], s, y, dy, ddy))
+LOW_PLAIN(X)
+#undef X
+#define X(lmax) KERNEL(lmax, 2, OUTS_2, sh_##lmax##_2(v[0], v[1], v[2], g, o, s, y, dy, ddy))
 LOW_2(X)
 #undef X
 
 /* The kernel for this lmax and number of derivatives, NULL if none was generated. */
 ylm__sh_kernel *SH_NAME(ylm__sh_low)(int lmax, int derivatives) {
 #define X(lmax) low_##lmax##_0,
-  static ylm__sh_kernel *const values[] = {LOW_0(X)};
+  static ylm__sh_kernel *const values[] = {LOW_PLAIN(X) LOW_0(X)};
 #undef X
 #define X(lmax) low_##lmax##_1,
-  static ylm__sh_kernel *const gradients[] = {LOW_1(X)};
+  static ylm__sh_kernel *const gradients[] = {LOW_PLAIN(X) LOW_1(X)};
 #undef X
 #define X(lmax) low_##lmax##_2,
-  static ylm__sh_kernel *const hessians[] = {LOW_2(X)};
+  static ylm__sh_kernel *const hessians[] = {LOW_PLAIN(X) LOW_2(X)};
 #undef X
   static const struct {
     ylm__sh_kernel *const *kernels;

@@ -3,11 +3,13 @@
 **
 ** Degree by degree, W points at a time. F_l,m are values at the unit vector, c cosine, s sine:
 **   F_lq = a z F_(l-1)q - b F_(l-2)q,   F_ll = a (x, y) turned by F_(l-1)(l-1)
+** In float that loses l^1.5 units of rounding near the poles; there (g the sign of z, o = 1 - |z|)
+**   D_lq = g b' D_(l-1)q - g a o F_(l-1)q,   F_lq = g c' F_(l-1)q + D_lq
 ** and derivatives of the solid harmonics come from those of the degree below, by the ladder
 **   dS_lq/dx = A S_(l-1)(q-1) + B S_(l-1)(q+1)       (like with like)
 **   dS_lq/dy = -+ A S_(l-1)(q-1) +- B S_(l-1)(q+1)   (cosine with sine)
 **   dS_lq/dz = e S_(l-1)q
-** whose five coefficients a b e A B stand in job->table for each l, q. Second derivatives climb it
+** whose seven coefficients a b e A B b' c' stand in job->table for each l, q. Second derivatives climb it
 ** twice. Then derivatives of Y at v = d w follow from Iwasaki & Dobashi 2025, Eq. 17, with
 ** trace(HY) = -l(l+1) Y / d^2. docs/math.md "Evaluating the basis" derives this.
 */
@@ -33,6 +35,8 @@ typedef struct row {
 typedef struct state {
   vreal w[3], inverse, wd[3];
   row f0, f1, f2;    /* values of degrees l, l-1, l-2 */
+  row d0, d1;        /* float: D of degrees l, l-1 */
+  vreal sign, o;     /* float: the sign of z, 1 - |z| times it */
   row p0, p1;        /* those over d (surface), the same (solid); ladder's foot */
   row g0, g1;        /* solid gradients of degrees l, l-1, over d: [q][3] */
   columns out[3];
@@ -40,14 +44,13 @@ typedef struct state {
 
 /* Writes what waits, all of it at the end, and keeps W columns of it for the last block. */
 static void flush(columns *k, bool last, size_t rows) {
-  size_t whole = last ? k->have : k->have / W * W;
-  if (last && k->have % W && k->written + k->have >= W) {
-    size_t part = k->have % W;
-    sh_store_columns(k->v + W, whole - part, k->out + k->written, k->stride, rows);
-    sh_store_block(k->v + k->have, k->out + k->written + k->have - W, k->stride, rows);
-  } else sh_store_columns(k->v + W, whole, k->out + k->written, k->stride, rows);
-  k->written += whole;
-  k->have -= whole;
+  size_t whole = last && rows < W ? k->have : k->have / W * W, part = last ? k->have - whole : 0;
+  sh_store_columns(k->v + W, whole, k->out + k->written, k->stride, rows);
+  if (part && k->written + k->have >= W)
+    sh_store_block(k->v + k->have, k->out + k->written + k->have - W, k->stride);
+  else if (part) sh_store_columns(k->v + W + whole, part, k->out + k->written + whole, k->stride, rows);
+  k->written += whole + part;
+  k->have -= whole + part;
   if (!last && whole) memmove(k->v, k->v + whole, (W + k->have) * sizeof(vreal));
 }
 
@@ -55,7 +58,9 @@ static void flush(columns *k, bool last, size_t rows) {
 YLM_INLINE vreal *place(columns *k) { return k->v + W + k->have; }
 
 YLM_INLINE void rotate_rows(state *s) {
-  row r = s->f2;
+  row r = s->d1;
+  s->d1 = s->d0, s->d0 = r;
+  r = s->f2;
   s->f2 = s->f1, s->f1 = s->f0, s->f0 = r;
   r = s->p1, s->p1 = s->p0, s->p0 = r;
   r = s->g1, s->g1 = s->g0, s->g0 = r;
@@ -65,7 +70,16 @@ YLM_INLINE void rotate_rows(state *s) {
 YLM_INLINE void values(state *s, int l, const real *k, bool solid, vreal r2) {
   vreal x = s->w[0], y = s->w[1], z = s->w[2];
   const row f0 = s->f0, f1 = s->f1, f2 = s->f2;
-  for (int q = 0; q < l; q++, k += 5) {
+  const bool stable = sizeof(real) == sizeof(float) && !solid;
+  for (int q = 0; stable && q < l; q++, k += 7) {
+    const row d0 = s->d0, d1 = s->d1;
+    vreal ao = k[0] * s->o, b = k[5] * s->sign, c = k[6] * s->sign;
+    d0.c[q] = b * d1.c[q] - ao * f1.c[q];
+    d0.s[q] = b * d1.s[q] - ao * f1.s[q];
+    f0.c[q] = c * f1.c[q] + d0.c[q];
+    f0.s[q] = c * f1.s[q] + d0.s[q];
+  }
+  for (int q = 0; !stable && q < l; q++, k += 7) {
     vreal az = k[0] * z, b = solid ? k[1] * r2 : sh_set(k[1]);
     f0.c[q] = az * f1.c[q] - b * f2.c[q];
     f0.s[q] = az * f1.s[q] - b * f2.s[q];
@@ -73,6 +87,7 @@ YLM_INLINE void values(state *s, int l, const real *k, bool solid, vreal r2) {
   vreal ax = k[0] * x, ay = k[0] * y;
   f0.c[l] = ax * f1.c[l - 1] - ay * f1.s[l - 1];
   f0.s[l] = ax * f1.s[l - 1] + ay * f1.c[l - 1];
+  if (stable) s->d0.c[l] = s->d0.s[l] = sh_set(0);
 }
 
 /* A coefficient's gradient and Hessian: from those of the solid harmonic to those of Y. */
@@ -115,7 +130,7 @@ YLM_INLINE void derivatives(state *s, int l, const real *k, int order, bool soli
     finish(s, order, solid, (real)l, lwd, p0.c[0], g, h, dy + 3 * l, ddy + 6 * l, g0.c);
   }
   for (int q = 1; q <= l; q++) {
-    k += 5;
+    k += 7;
     vreal e = sh_set(k[2]), A = sh_set(k[3]), B = sh_set(k[4]);
     const vreal *lc = g1.c + 3 * (q - 1), *ls = g1.s + 3 * (q - 1);
     g[0] = A * p1.c[q - 1] + B * p1.c[q + 1];
@@ -142,7 +157,7 @@ YLM_INLINE void degree(state *s, int l, const real *k, int order, bool solid, vr
   rotate_rows(s);
   if (l == 0) {
     s->f0.c[0] = sh_set((real)0.28209479177387814347);
-    s->f0.s[0] = sh_set(0);
+    s->f0.s[0] = s->d0.c[0] = s->d0.s[0] = sh_set(0);
   } else values(s, l, k, solid, r2);
   vreal *y = place(&s->out[0]);
   y[l] = s->f0.c[0];
@@ -179,9 +194,11 @@ YLM_INLINE void batch(const ylm__sh_job *job, state *s, size_t at, size_t rows, 
   else {
     sh_unit(s->w, &s->inverse, job->tame);
     for (int c = 0; c < 3; c++) s->wd[c] = s->w[c] * s->inverse;
+    sh_pole(s->w, &s->sign, &s->o);
+    s->o *= s->sign;
   }
   const real *k = job->table;
-  for (int l = 0; l <= job->lmax; k += l ? 5 * (l + 1) : 0, l++) {
+  for (int l = 0; l <= job->lmax; k += l ? 7 * (l + 1) : 0, l++) {
     degree(s, l, k, order, solid, r2);
     for (int i = 0; i <= order; i++) {
       if (!s->out[i].out) s->out[i].have = 0;
@@ -204,7 +221,7 @@ static size_t capacity(int lmax, int i) {
 static size_t row_size(int lmax) { return (size_t)lmax + 3; }
 
 size_t SH_NAME(ylm__sh_scratch)(int lmax) {
-  size_t n = 22 * row_size(lmax);
+  size_t n = 26 * row_size(lmax);
   for (int i = 0; i < 3; i++) n += capacity(lmax, i);
   return n * sizeof(vreal);
 }
@@ -213,10 +230,10 @@ void SH_NAME(ylm__sh_recurrence)(const ylm__sh_job *job, size_t begin, size_t en
   state s;
   vreal *next = scratch;
   size_t n = row_size(job->lmax);
-  row *const rows[] = {&s.f0, &s.f1, &s.f2, &s.p0, &s.p1, &s.g0, &s.g1};
-  memset(scratch, 0, 22 * n * sizeof(vreal));
-  for (size_t i = 0; i < 7; i++) {
-    size_t size = i < 5 ? n : 3 * n;
+  row *const rows[] = {&s.f0, &s.f1, &s.f2, &s.d0, &s.d1, &s.p0, &s.p1, &s.g0, &s.g1};
+  memset(scratch, 0, 26 * n * sizeof(vreal));
+  for (size_t i = 0; i < 9; i++) {
+    size_t size = i < 7 ? n : 3 * n;
     rows[i]->c = next, rows[i]->s = next + size;
     next += 2 * size;
   }

@@ -11,6 +11,10 @@
 #include "sh_eval.h"
 #include "ylm_simd.h"
 
+#ifdef __AVX512F__
+#include <immintrin.h>
+#endif
+
 #ifdef SH_FLOAT
 typedef float real;
 typedef ylm_vf vreal;
@@ -111,43 +115,52 @@ YLM_INLINE void sh_transpose(vreal v[W]) {
 #endif
 }
 
-/* Columns column[0..W-1] to out[row][0..W-1] for the first `rows` lanes; rows are `stride` apart. */
-YLM_INLINE void sh_store_block(const vreal *column, real *out, size_t stride, size_t rows) {
+/* Columns column[0..n-1] to out[row][0..n-1] for fewer than W rows, which are `stride` apart. */
+static __attribute__((noinline, unused)) void sh_store_few(const vreal *column, size_t n, real *out,
+                                                           size_t stride, size_t rows) {
+  for (size_t j = 0; j < rows; j++)
+    for (size_t i = 0; i < n; i++) out[j * stride + i] = column[i][j];
+}
+
+/* Columns column[0..W-1] to out[row][0..W-1] for all W rows. */
+YLM_INLINE void sh_store_block(const vreal *column, real *out, size_t stride) {
   vreal v[W];
 #pragma GCC unroll 16
   for (size_t i = 0; i < W; i++) v[i] = column[i];
   sh_transpose(v);
-  if (rows == W) {
 #pragma GCC unroll 16
-    for (size_t i = 0; i < W; i++) sh_write(out + i * stride, v[i]);
-  } else {
-    for (size_t i = 0; i < rows; i++) sh_write(out + i * stride, v[i]);
-  }
+  for (size_t i = 0; i < W; i++) sh_write(out + i * stride, v[i]);
 }
 
 /* Columns column[0..n-1] to out[row][0..n-1]: whole blocks, the last one overlapping if need be. */
 YLM_INLINE void sh_store_columns(const vreal *column, size_t n, real *out, size_t stride, size_t rows) {
-  size_t i = 0;
-  for (; i + W <= n; i += W) sh_store_block(column + i, out + i, stride, rows);
-  if (i == n) return;
-  if (n >= W) {
-    sh_store_block(column + n - W, out + n - W, stride, rows);
+  if (rows < W || n < W) {
+    sh_store_few(column, n, out, stride, rows);
     return;
   }
-  for (; i < n; i++)
-    for (size_t j = 0; j < rows; j++) out[j * stride + i] = column[i][j];
+  size_t i = 0;
+  for (; i + W <= n; i += W) sh_store_block(column + i, out + i, stride);
+  if (i < n) sh_store_block(column + n - W, out + n - W, stride);
 }
 
 /* -- normalising ------------------------------------------------------------------ */
 
-YLM_INLINE vreal sh_sqrt(vreal v) {
+/* 1 / sqrt(v) for ordinary v, to an ulp or two. */
+YLM_INLINE vreal sh_inverse_root(vreal v) {
+#if defined(__AVX512F__) && !defined(SH_FLOAT)
+  vreal r = (vreal)_mm512_rsqrt14_pd((__m512d)v); /* 2^-14; Newton doubles the digits */
+  r += r * (sh_set(0.5) - sh_set(0.5) * v * r * r);
+  return r + r * (sh_set(0.5) - sh_set(0.5) * v * r * r);
+#else
   vreal r;
 #ifdef SH_FLOAT
   for (size_t i = 0; i < W; i++) r[i] = __builtin_sqrtf(v[i]);
 #else
   for (size_t i = 0; i < W; i++) r[i] = __builtin_sqrt(v[i]);
 #endif
-  return r;
+  r = 1 / r;
+  return r + r * (sh_set((real)0.5) - sh_set((real)0.5) * v * r * r); /* mends two roundings */
+#endif
 }
 
 /* v to unit length, one lane at a time: any length, also 0. */
@@ -167,8 +180,16 @@ YLM_INLINE void sh_unit(vreal v[3], vreal *inverse, bool tame) {
     return;
   }
   vreal d2 = v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
-  *inverse = sh_set(1) / sh_sqrt(d2);
+  *inverse = sh_inverse_root(d2);
   for (size_t c = 0; c < 3; c++) v[c] *= *inverse;
+}
+
+/* The sign of z (as -1 or 1) and 1 - |z| of unit vectors, exact also near the poles. */
+YLM_INLINE void sh_pole(const vreal w[3], vreal *sign, vreal *one_minus) {
+  sh_mask south = w[2] < 0; /* -1 there */
+  *sign = 1 + 2 * __builtin_convertvector(south, vreal);
+  vreal r2 = w[0] * w[0] + w[1] * w[1];
+  *one_minus = r2 / (1 + w[2] * *sign);
 }
 
 #endif

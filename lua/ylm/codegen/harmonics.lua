@@ -24,14 +24,15 @@ local function ladder(l, q)
   return e, A, B
 end
 
---- The coefficients a, b, e, A, B of csrc/sh/sh_kernel.h: the recurrence in l and the ladder.
+--- The coefficients a, b, e, A, B, b', c' of csrc/sh/sh_kernel.h: the recurrence in l and the ladder.
 function harmonics.coefficients(l, q)
   local n, e, A, B = 2 * l + 1, ladder(l, q)
   A, B = A + 0, B + 0 -- no negative zeros
-  if q == l then return -math.sqrt(l == 1 and 3 or n / (n - 1)), 0, 0, A, B end
+  if q == l then return -math.sqrt(l == 1 and 3 or n / (n - 1)), 0, 0, A, B, 0, 0 end
   local d = (l - q) * (l + q)
   local b = l == q + 1 and 0 or math.sqrt(n * (l - 1 - q) * (l - 1 + q) / ((n - 4) * d))
-  return math.sqrt(n * (n - 2) / d), b, e, A, B
+  local a, c = math.sqrt(n * (n - 2) / d), math.sqrt(n / (n - 2)) * math.sqrt((l + q) / (l - q))
+  return a, b, e, A, B, a - c, c
 end
 
 --- c_m = r^m cos(m phi), s_m = r^m sin(m phi) for m = 0 .. lmax (2025, Eq. 14).
@@ -62,13 +63,35 @@ local function polynomials(g, lmax, z, r2)
   return p
 end
 
+--- What `polynomials` gives, times a constant for each l, q, in a form that keeps its digits near the
+-- poles: R_l(|z|) is 1 at |z| = 1, and only differences are computed, from o = 1 - |z| (given exactly):
+--     d_l = (A-1) d_(l-1) - A o R_(l-1),   R_l = R_(l-1) + d_l,   A = (2l-1)/(l+q)
+-- g is the sign of z. Returns p[l][q] and the constants by which it is to be multiplied.
+local function stable_polynomials(g, lmax, sign, o)
+  local p, n = {}, {}
+  for l = 0, lmax do p[l], n[l] = {}, {} end
+  for q = 0, lmax do
+    local R, d, pole = g.constant(1), g.constant(0), 1
+    p[q][q], n[q][q] = R, 1
+    for l = q + 1, lmax do
+      local A = (2 * l - 1) / (l + q)
+      d = (A - 1) * d - (A * o) * R
+      R = R + d
+      -- the monic polynomial's value at the pole: q^_l(1) = q^_(l-1)(1) (l+q) / (2l-1)
+      pole = pole * (l + q) / (2 * l - 1)
+      p[l][q], n[l][q] = (l + q) % 2 == 1 and sign * R or R, pole
+    end
+  end
+  return p, n
+end
+
 --- Values of degree l as { [m] = node }, m = -l .. l.
-local function values(p, c, s, l)
+local function values(p, n, c, s, l)
   local f = {}
   for q = 0, l do
-    local n = harmonics.norm(l, q) * p[l][q]
-    f[q] = n * c[q]
-    if q > 0 then f[-q] = n * s[q] end
+    local e = (harmonics.norm(l, q) * (n and n[l][q] or 1)) * p[l][q]
+    f[q] = e * c[q]
+    if q > 0 then f[-q] = e * s[q] end
   end
   return f
 end
@@ -135,6 +158,7 @@ end
 --- All outputs for degrees 0 .. lmax, as a list of { array = "Y" | "dY" | "ddY", index =, node = }.
 -- options: derivatives 0..2; solid: |v|^l Y of the vector x, y, z; else x, y, z is the unit vector and
 -- the variable s is 1/|v| (unit = true: |v| is 1, and s is not used).
+-- stable: variables g, o are the sign of z and 1 - |z|; then float keeps its digits near the poles.
 function harmonics.build(g, lmax, options)
   local x, y, z = g.variable "x", g.variable "y", g.variable "z"
   local solid, order = options.solid, options.derivatives or 0
@@ -142,12 +166,14 @@ function harmonics.build(g, lmax, options)
   local r2 = solid and x * x + y * y + z * z or g.constant(1)
   local w = { x, y, z }
   local c, s = azimuths(g, lmax, x, y)
-  local p = polynomials(g, lmax, z, r2)
+  local p, at_pole
+  if options.stable then p, at_pole = stable_polynomials(g, lmax, g.variable "g", g.variable "o")
+  else p = polynomials(g, lmax, z, r2) end
   local outputs, below, gradients_below = {}, nil, nil
   local function out(array, index, e) outputs[#outputs + 1] = { array = array, index = index, node = e } end
   local zero = g.constant(0)
   for l = 0, lmax do
-    local f = values(p, c, s, l)
+    local f = values(p, at_pole, c, s, l)
     local scaled = map(f, function(v) return v * scale end)
     local gradients, hessians, lwd, lwd2
     local function scaled_vector(k) return { k * (x * scale), k * (y * scale), k * (z * scale) } end

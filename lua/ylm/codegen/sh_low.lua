@@ -6,12 +6,16 @@ local source = require "ylm.codegen.source"
 --- The highest lmax for values, gradients, Hessians. csrc/sh/low_kernel.h lists the same.
 local highest = { [0] = 12, [1] = 10, [2] = 6 }
 
+--- From this lmax on, the form that keeps float's digits near the poles.
+local stable_from = 5
+
 return function(lmax)
   local requests = {}
   for derivatives = 0, 2 do
     if lmax <= highest[derivatives] then
       local name = ("sh_%d_%d"):format(lmax, derivatives)
-      requests[#requests + 1] = { lmax = lmax, derivatives = derivatives, name = name }
+      requests[#requests + 1] = { lmax = lmax, derivatives = derivatives, name = name,
+        stable = lmax >= stable_from }
     end
   end
   return source.file(requests, "c")
