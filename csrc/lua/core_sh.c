@@ -64,8 +64,38 @@ static int sh_reconstruct(lua_State *L) {
   return ylmL_result(L, 1, s, &e);
 }
 
-static const luaL_Reg functions[] = {
-    {"sh_eval", sh_eval}, {"sh_reconstruct", sh_reconstruct}, {NULL, NULL}};
+static double number_at(const ylmL_array *a, size_t i) {
+  return a->dtype == YLM_DOUBLE ? ((const double *)a->data)[i] : (double)((const float *)a->data)[i];
+}
+
+/* sh_error(lmax, a, b), both [n][count] or [n][count][width]: the largest |a-b| of a degree at a point
+   relative to the largest |b| there, over all degrees and points: how evaluation is judged */
+static int sh_error(lua_State *L) {
+  ylmL_array *a = ylmL_array_check(L, 2), *b = ylmL_array_check(L, 3);
+  int lmax = (int)luaL_checknumber(L, 1);
+  if (lmax < 0 || lmax > YLM_LMAX) return ylmL_result(L, 0, YLM_ERANGE, NULL);
+  size_t last = a->shape[a->axes - 1], count = ylm_sh_count(lmax), width = last == count ? 1 : last;
+  if (a->count != b->count || a->count % (count * width)) return ylmL_result(L, 0, YLM_ESHAPE, NULL);
+  double worst = 0;
+  for (size_t i = 0; i < a->count; i += count * width)
+    for (int l = 0; l <= lmax; l++) {
+      double largest = 0, difference = 0;
+      for (size_t k = ylm_sh_index(l, -l) * width; k < (ylm_sh_index(l, l) + 1) * width; k++) {
+        double x = number_at(a, i + k), y = number_at(b, i + k), d = x > y ? x - y : y - x;
+        if (!(d <= difference)) difference = d; /* NaN sticks */
+        if (y > largest || -y > largest) largest = y > 0 ? y : -y;
+      }
+      double relative = largest > 0 ? difference / largest : difference;
+      if (!(relative <= worst)) worst = relative;
+    }
+  lua_pushnumber(L, (lua_Number)worst);
+  return 1;
+}
+
+static const luaL_Reg functions[] = {{"sh_eval", sh_eval},
+                                     {"sh_reconstruct", sh_reconstruct},
+                                     {"sh_error", sh_error},
+                                     {NULL, NULL}};
 
 void ylmL_open_sh(lua_State *L) {
   luaL_setfuncs(L, functions, 0);

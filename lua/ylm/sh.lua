@@ -113,6 +113,12 @@ local eval_options = {
   { "progress", "progress", optional = true },
 }
 
+local function shape_text(shape)
+  local parts = {}
+  for i = 1, #shape do parts[i] = ("%d"):format(shape[i]) end
+  return table.concat(parts, "x")
+end
+
 --- Checks that `out` is an open array of that shape and type; else makes one.
 local function result_array(name, what, out, shape, dtype)
   if out == nil then
@@ -122,9 +128,9 @@ local function result_array(name, what, out, shape, dtype)
     return check.fail("%s: out must hold an array for %s, got %s", name, what, check.describe(out))
   end
   local own, type_, _, is_open = core.array_info(out)
-  if not is_open or type_ ~= dtype or table.concat(own, "x") ~= table.concat(shape, "x") then
+  if not is_open or type_ ~= dtype or shape_text(own) ~= shape_text(shape) then
     return check.fail("%s: out for %s must be a %s array of %s, got %s of %s", name, what, dtype,
-      table.concat(shape, "x"), is_open and type_ or "a closed array", table.concat(own, "x"))
+      shape_text(shape), is_open and type_ or "a closed array", shape_text(own))
   end
   core.array_set_convention(out, 0)
   return out
