@@ -87,7 +87,8 @@ describe("ylm.sh.eval", function()
           for l = 0, lmax do
             local sum = 0
             for _ = -l, l do k = k + 1; sum = sum + Y[i][k] ^ 2 end
-            assert.is_near(1, sum * 4 * math.pi / (2 * l + 1), 5e-14 * (l + 4), ("l %d, point %d, seed %d"):format(l, i, seed))
+            assert.is_near(1, sum * 4 * math.pi / (2 * l + 1), 5e-14 * (l + 4),
+              ("l %d, point %d, seed %d"):format(l, i, seed))
           end
         end
       end

@@ -83,6 +83,12 @@ function sh.degree(index)
   return l, index - 1 - l * (l + 1)
 end
 
+--- The lmax of a whole number of coefficients, or nil.
+local function lmax_of(count)
+  local l = math.floor(math.sqrt(count) + 0.5) - 1
+  if l >= 0 and l <= core.sh_lmax and (l + 1) * (l + 1) == count then return l end
+end
+
 describe "sh.lmax" {
   about = "The highest degree of a number of coefficients; the inverse of sh.count.",
   arguments = { { "count", "integer", "" } },
@@ -92,8 +98,7 @@ describe "sh.lmax" {
 }
 function sh.lmax(count)
   check.integer(1, "lmax", "count", count, 1)
-  local l = math.floor(math.sqrt(count) + 0.5) - 1
-  if l >= 0 and l <= core.sh_lmax and (l + 1) * (l + 1) == count then return l end
+  return lmax_of(count)
 end
 
 -- Evaluation -----------------------------------------------------------------------
@@ -227,7 +232,7 @@ function sh.reconstruct(c, points, options)
   options = form.options(3, "reconstruct", reconstruct_options, options)
   local coefficients, one_row = array.rows(1, "reconstruct", "coefficients", c)
   local shape, dtype, convention = core.array_info(coefficients)
-  local lmax = sh.lmax(shape[#shape])
+  local lmax = lmax_of(shape[#shape])
   if not lmax then
     return check.bad(1, "reconstruct", "(lmax+1)^2 coefficients expected in the last axis, got %d", shape[#shape])
   end
