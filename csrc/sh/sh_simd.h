@@ -152,7 +152,7 @@ YLM_INLINE vreal sh_inverse_root(vreal v) {
   r += r * (sh_set(0.5) - sh_set(0.5) * v * r * r);
   return r + r * (sh_set(0.5) - sh_set(0.5) * v * r * r);
 #else
-  vreal r;
+  vreal r = v;
 #ifdef SH_FLOAT
   for (size_t i = 0; i < W; i++) r[i] = __builtin_sqrtf(v[i]);
 #else

@@ -119,9 +119,9 @@ local eval_options = {
 }
 
 local function shape_text(shape)
-  local parts = {}
-  for i = 1, #shape do parts[i] = ("%d"):format(shape[i]) end
-  return table.concat(parts, "x")
+  local words = {}
+  for i = 1, #shape do words[i] = ("%d"):format(shape[i]) end
+  return table.concat(words, "x")
 end
 
 --- Checks that `out` is an open array of that shape and type; else makes one.

@@ -69,7 +69,10 @@ local function write(path, text)
 end
 
 --- The text of one generated file.
-function main.generate(target) return require(target[2])(target[3]) end
+function main.generate(target)
+  local module = require(target[2])
+  return (type(module) == "table" and module.text or module)(target[3])
+end
 
 --- Compares (or writes) all targets; returns the number that differed or failed, printing their names.
 local function targets(root, writes)

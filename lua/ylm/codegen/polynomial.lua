@@ -112,9 +112,10 @@ return function(lmax)
       local outputs, roots = outputs_of(l, order), {}
       for i, out in ipairs(outputs) do roots[i] = out.node end
       local count = expression.count(roots)
-      lines[#lines + 1] = ("/* degree %d, derivatives to order %d: %d additions, %d multiplications */"):format(l, order,
-        count.adds, count.muls)
-      lines[#lines + 1] = ("static void polynomial_%d_%d(double x, double y, double z, double *restrict s) {"):format(l, order)
+      lines[#lines + 1] = ("/* degree %d, derivatives to order %d: %d additions, %d multiplications */")
+        :format(l, order, count.adds, count.muls)
+      lines[#lines + 1] = ("static void polynomial_%d_%d(double x, double y, double z, double *restrict s) {")
+        :format(l, order)
       if l <= 1 then lines[#lines + 1] = "  (void)x, (void)y, (void)z;" end
       for _, line in ipairs(emit.statements(outputs, "c")) do lines[#lines + 1] = "  " .. line end
       lines[#lines + 1] = "}"

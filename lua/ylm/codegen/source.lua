@@ -38,7 +38,9 @@ local function name_of(request)
   return request.name or ("ylm_%s_%d_%d"):format(request.solid and "solid" or "sh", request.lmax, request.derivatives)
 end
 
-local function needs_length(request) return not request.solid and not request.unit and request.derivatives > 0 end
+local function needs_length(request)
+  return not request.solid and not request.unit and request.method ~= "scd" and request.derivatives > 0
+end
 
 local heads = {}
 

@@ -1,5 +1,6 @@
 --- Every generated file of the tree: { path, module, argument }, one line each.
--- `module` returns a function(argument) -> text. `make gen` writes them, `make gen-check` compares.
+-- `module` returns a function(argument) -> text, or a table with such a function `text`.
+-- `make gen` writes them, `make gen-check` compares.
 
 local targets = {}
 
@@ -9,5 +10,7 @@ for lmax = 0, 10 do
   targets[#targets + 1] = { ("csrc/light/gen/moments_%d.isa.c"):format(lmax), "ylm.codegen.moments", lmax }
 end
 targets[#targets + 1] = { "csrc/sh/gen/polynomial.h", "ylm.codegen.polynomial", 6 }
+targets[#targets + 1] = { "csrc/sh/gen/rotate_low.h", "ylm.codegen.rotate" }
+targets[#targets + 1] = { "csrc/sh/gen/gaunt_low.h", "ylm.codegen.gaunt" }
 
 return targets
