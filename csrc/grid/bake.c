@@ -4,7 +4,7 @@
 #include <math.h>
 #include <string.h>
 
-#define BLOCK_BYTES ((size_t)64 << 20) /* results of one call of the field */
+#define BLOCK 8192 /* points of one call of the field; its results are read while in cache */
 
 ylm_status cell_list_push(cell_list *l, uint32_t cell) {
   if (l->n == l->room) {
@@ -67,12 +67,6 @@ ylm_status baker_values(baker *b, size_t n, const float *points, float *value, u
   return ask(b, YLM_WANT_VALUE, n, points, &r);
 }
 
-/* What the field writes for a block of points. */
-typedef struct block {
-  float *position, *value, *gradient;
-  uint8_t *inside;
-} block;
-
 /*
 ** Puts a block's results in their places. The field was asked at positions rounded to float; the
 ** gradient carries the value over the last bit to the exact lattice position.
@@ -80,7 +74,7 @@ typedef struct block {
 static ylm_status store_block(void *context, size_t begin, size_t end, int worker) {
   (void)worker;
   const baker *b = ((void **)context)[0];
-  const block *k = ((void **)context)[1];
+  const field_block *k = ((void **)context)[1];
   ylm_grid *g = b->g;
   size_t first = *(size_t *)((void **)context)[2], w = g->width;
   for (size_t i = begin; i < end; i++) {
@@ -96,12 +90,23 @@ static ylm_status store_block(void *context, size_t begin, size_t end, int worke
     for (size_t a = 0; a < 4; a++)
       memset(to + a * g->stride + w, 0, (g->stride - w) * sizeof *to);
     if (k->inside[i]) g->flags[first + i] |= YLM_GRID_POINT_INVALID;
+    if (!ylm_all_finite(YLM_FLOAT, to, 4 * g->stride, NULL)) return YLM_EDOMAIN;
   }
   return YLM_OK;
 }
 
+/* Names the first point of a block at which the field is not finite. */
+static ylm_status not_finite(const baker *b, size_t n, const field_block *k) {
+  size_t w = b->g->width, bad = 0, slope;
+  if (ylm_all_finite(YLM_FLOAT, k->value, n * w, &bad)) bad = n * w;
+  if (!ylm_all_finite(YLM_FLOAT, k->gradient, n * w * 3, &slope) && slope / 3 < bad) bad = slope / 3;
+  const float *p = k->position + 3 * (bad / w < n ? bad / w : 0);
+  return ylm_fail(b->e, YLM_EDOMAIN, "the light field is not finite at (%g, %g, %g)",
+                  (double)p[0], (double)p[1], (double)p[2]);
+}
+
 /* Evaluates n points from `first` on. */
-static ylm_status evaluate_block(baker *b, size_t first, size_t n, const block *k) {
+static ylm_status evaluate_block(baker *b, size_t first, size_t n, const field_block *k) {
   ylm_grid *g = b->g;
   for (size_t i = 0; i < n; i++) {
     double p[3];
@@ -114,35 +119,37 @@ static ylm_status evaluate_block(baker *b, size_t first, size_t n, const block *
   ylm_status s =
       ask(b, YLM_WANT_VALUE | YLM_WANT_GRADIENT | YLM_WANT_METRIC, n, k->position, &r);
   if (s != YLM_OK) return s;
-  size_t bad;
-  if (!ylm_all_finite(YLM_FLOAT, k->value, n * g->width, &bad) ||
-      !ylm_all_finite(YLM_FLOAT, k->gradient, n * g->width * 3, &bad))
-    return ylm_fail(b->e, YLM_EDOMAIN, "the light field is not finite at (%g, %g, %g)",
-                    (double)k->position[bad / g->width % n * 3],
-                    (double)k->position[bad / g->width % n * 3 + 1],
-                    (double)k->position[bad / g->width % n * 3 + 2]);
   void *context[3] = {b, (void *)(uintptr_t)k, &first};
-  return ylm_parallel(n, 256, b->source->threads, store_block, context, NULL, NULL);
+  s = ylm_parallel(n, 64, b->source->threads, store_block, context, NULL, NULL);
+  return s == YLM_EDOMAIN ? not_finite(b, n, k) : s;
+}
+
+static void free_block(field_block *k) {
+  ylm_free(k->position);
+  ylm_free(k->value);
+  ylm_free(k->gradient);
+  ylm_free(k->inside);
+  *k = (field_block){0};
+}
+
+/* Room for the results of n points. */
+static ylm_status reserve_block(field_block *k, size_t n, size_t width) {
+  if (n <= k->room) return YLM_OK;
+  free_block(k);
+  *k = (field_block){ylm_alloc(n, 3 * sizeof(float)), ylm_alloc(n, width * sizeof(float)),
+                     ylm_alloc(n, 3 * width * sizeof(float)), ylm_alloc(n, 1), n};
+  return k->position && k->value && k->gradient && k->inside ? YLM_OK : YLM_ENOMEM;
 }
 
 ylm_status baker_evaluate(baker *b) {
   ylm_grid *g = b->g;
-  size_t waiting = g->points - g->evaluated, row = 4 * g->width * sizeof(float);
-  size_t n = BLOCK_BYTES / row > 256 ? BLOCK_BYTES / row : 256;
-  if (n > waiting) n = waiting;
-  if (!waiting) return YLM_OK;
-  block k = {ylm_alloc(n, 3 * sizeof(float)), ylm_alloc(n, g->width * sizeof(float)),
-             ylm_alloc(n, 3 * g->width * sizeof(float)), ylm_alloc(n, 1)};
-  ylm_status s = k.position && k.value && k.gradient && k.inside ? YLM_OK : YLM_ENOMEM;
+  size_t waiting = g->points - g->evaluated;
+  ylm_status s = reserve_block(&b->block, waiting < BLOCK ? waiting : BLOCK, g->width);
   while (s == YLM_OK && g->evaluated < g->points) {
-    size_t left = g->points - g->evaluated, now = left < n ? left : n;
-    s = evaluate_block(b, g->evaluated, now, &k);
+    size_t left = g->points - g->evaluated, now = left < BLOCK ? left : BLOCK;
+    s = evaluate_block(b, g->evaluated, now, &b->block);
     g->evaluated += now;
   }
-  ylm_free(k.position);
-  ylm_free(k.value);
-  ylm_free(k.gradient);
-  ylm_free(k.inside);
   return s;
 }
 
@@ -351,6 +358,7 @@ ylm_status ylm_grid_bake(const ylm_grid_form *form, const ylm_grid_source *sourc
   baker b = {.g = ylm__grid_new(form), .source = source, .e = e};
   s = b.g ? bake(&b) : YLM_ENOMEM;
   occupancy_free(&b.occupied);
+  free_block(&b.block);
   ylm_free(b.wave.cell);
   ylm_free(b.next.cell);
   if (s != YLM_OK) {

@@ -108,6 +108,13 @@ typedef struct cell_list {
 } cell_list;
 ylm_status cell_list_push(cell_list *list, uint32_t cell);
 
+/* What the field writes for a block of points. */
+typedef struct field_block {
+  float *position, *value, *gradient;
+  uint8_t *inside;
+  size_t room; /* points */
+} field_block;
+
 /* A bake under way. */
 typedef struct baker {
   ylm_grid *g;
@@ -115,8 +122,7 @@ typedef struct baker {
   ylm_error *e;
   occupancy occupied;
   cell_list wave, next; /* cells to decide about, their children that come next */
-  uint8_t *crossed;     /* [wave.n], room for crossed_room */
-  size_t crossed_room;
+  field_block block;
   const char *stage;    /* for progress */
   char stage_text[48];
 } baker;

@@ -119,7 +119,7 @@ ylm_status ylm__grid_reserve_cells(ylm_grid *g, size_t more) {
   size_t wanted = g->cells + more;
   if (wanted <= g->cell_room) return YLM_OK;
   if (wanted >= YLM_GRID_NONE) return YLM_ELIMIT;
-  size_t room = g->cell_room * 3 / 2 > wanted ? g->cell_room * 3 / 2 : wanted;
+  size_t room = g->cell_room * 2 > wanted ? g->cell_room * 2 : wanted;
   if (!grow(&g->cell, g->cells, room, sizeof *g->cell)) return YLM_ENOMEM;
   g->cell_room = room;
   return YLM_OK;
@@ -129,7 +129,7 @@ ylm_status ylm__grid_reserve_points(ylm_grid *g, size_t more) {
   size_t wanted = g->points + more, n = g->points;
   if (wanted <= g->point_room) return YLM_OK;
   if (wanted >= YLM_GRID_NONE) return YLM_ELIMIT;
-  size_t room = g->point_room * 3 / 2 > wanted ? g->point_room * 3 / 2 : wanted;
+  size_t room = g->point_room * 2 > wanted ? g->point_room * 2 : wanted;
   size_t record = 4 * g->stride * sizeof(float), padding = ROW_PADDING * sizeof(float);
   if (room > SIZE_MAX / record - 1) return YLM_ENOMEM;
   float *data = ylm_realloc(g->data, n * record, room * record + padding, 1);
