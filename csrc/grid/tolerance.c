@@ -21,7 +21,7 @@
 #define HELD_OUT 2048
 #define MAX_ROUNDS 16
 #define FEW 32 /* ratios before kappa is trusted */
-#define FIRST_TIGHT 0.5
+#define FIRST_TIGHT 0.35
 
 /* Ratios e / E^2 by powers of sqrt 2. */
 typedef struct ratios {
@@ -257,9 +257,9 @@ static bool satisfied(refiner *r, bool *limited) {
   if ((double)(refinable + stuck) <= 0.006 * all || (double)refinable <= 0.001 * all) return true;
   if ((double)stuck > 0.01 * all && (double)refinable <= 0.005 * all) return true;
   qsort(estimates, refinable, sizeof *estimates, downwards);
-  size_t caught = refinable - (size_t)(0.001 * all);
+  size_t caught = refinable - (size_t)(0.004 * all);
   double wanted = 1.001 * r->tolerance / estimates[caught - 1];
-  if (wanted > 2 * r->tight) wanted = 2 * r->tight;
+  if (wanted > 1.5 * r->tight) wanted = 1.5 * r->tight;
   if (wanted > r->tight) r->tight = wanted;
   return false;
 }
