@@ -1,7 +1,7 @@
 /*
 ** grid_file.c - grids as bytes.
 **
-** A file is, in the byte order of its writer (docs/math.md "Grids" has the table):
+** A file is, in the byte order of its writer (docs/grids.md has the table):
 **   magic 8 bytes, u32 0x01020304 (tells the byte order), u32 version, u64 size of the file,
 **   form, counts, stats; then array after array: cells, points; last a CRC-64/XZ of all before.
 ** Every length is checked against the size before memory is asked for; everything that sampling

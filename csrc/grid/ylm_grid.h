@@ -11,7 +11,7 @@
 **             Pointers of ylm_grid_view live as long as the grid.
 ** Threads     a grid is immutable once made: any number of threads may read it.
 ** Units       lengths and gradients in scene units; voxels count from 0.
-** Source      Iwasaki & Dobashi 2025, Sec. 5 and 5.1; docs/math.md "Grids"
+** Source      Iwasaki & Dobashi 2025, Sec. 5 and 5.1; docs/grids.md
 */
 #ifndef YLM_GRID_H
 #define YLM_GRID_H

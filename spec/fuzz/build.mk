@@ -29,7 +29,7 @@ FUZZ_CFLAGS := -std=gnu11 -O1 -g -fno-omit-frame-pointer $(FUZZ_SANITIZE) -fprof
   -Wno-unknown-pragmas -MMD -MP -Ispec/fuzz/support -Icsrc $(foreach d,$(CORE) codec,-Icsrc/$(d))
 # Folders whose sources every target may use, and single sources beside them (no kernels: compiling
 # the generated ones with sanitizers takes many minutes).
-FUZZ_FOLDERS := base image geom codec
+FUZZ_FOLDERS := base image geom grid codec
 FUZZ_MORE    ?=
 FUZZ_OBJ := $(patsubst csrc/%.c,$(FUZZ_DIR)/obj/%.o,$(foreach d,$(FUZZ_FOLDERS),$(call sources,$(d))) $(FUZZ_MORE))
 
