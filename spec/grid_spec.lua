@@ -561,6 +561,23 @@ describe("grid files", function()
     os.remove(path)
   end)
 
+  it("are written for ParaView too", function()
+    local path = scratch ".vtu"
+    assert.is_true(grid:save(path))
+    local file = assert(io.open(path, "rb"))
+    assert.is_truthy(file:read(200):find("UnstructuredGrid", 1, true))
+    file:close()
+    os.remove(path)
+    assert.is_nil((grid:save "/no/such/folder/grid.vtu"))
+  end)
+
+  it("are what ylm.load knows by content", function()
+    local path = scratch ".ylm"
+    assert.is_true(grid:save(path))
+    same(grid, assert(ylm.load(path)))
+    os.remove(path)
+  end)
+
   it("refuse every truncation and every flipped bit", function()
     for _, swapped in ipairs { false, true } do
       local small = ylm.bake(ylm.uniform_grid { bounds = box, cells = 1, lmax = 0, channels = "luminance" }, lamp)

@@ -312,9 +312,6 @@ local save_options = {
     about = "of a .ylm file; readers take both" },
 }
 
---- Writers of other endings: function(grid, path) -> true or nil, message, code. lua/ylm/view.lua adds ".vtu".
-grid.writers = {}
-
 describe "grid:save" {
   about = "Writes the grid; the ending chooses the format. An existing file is replaced whole or not at all.",
   arguments = {
@@ -339,12 +336,8 @@ function methods.save(g, path, given)
   local o = form.options(2, "save", save_options, given)
   local ending = path:lower():match("%.(%w+)$")
   if ending == "ylm" then return check.result("save", core.grid_write(g, path, o.byte_order == "swapped")) end
-  if ending == "vtu" and not grid.writers.vtu then pcall(require, "ylm.figure") end
-  local writer = ending and grid.writers[ending]
-  if not writer then
-    return check.bad(1, "save", "a path ending in .ylm or .vtu expected, got %s", check.describe(path))
-  end
-  return writer(g, path)
+  if ending == "vtu" then return require "ylm.view_file".save_vtu(g, path) end
+  return check.bad(1, "save", "a path ending in .ylm or .vtu expected, got %s", check.describe(path))
 end
 
 describe "grid:close" {
