@@ -176,24 +176,37 @@ float baker_metric(const baker *b, const ylm_grid_cell *c, ylm_grid_metric metri
   return n ? (float)(sum / n * box / 2) : 0;
 }
 
-/* Asks which cells of the wave a light's surface crosses. */
+/*
+** Asks which cells of the wave a light's surface crosses. Cells come with their parent's answer: a
+** surface that meets a child meets its parent, so only children of crossed cells are asked about.
+*/
 static ylm_status find_crossed(baker *b) {
   const ylm_field *f = b->source->field;
   ylm_grid *g = b->g;
-  if (!f->crosses || !b->wave.n) return YLM_OK;
-  double *box = ylm_alloc(b->wave.n, 6 * sizeof *box);
-  uint8_t *out = ylm_alloc_zero(b->wave.n, 1);
+  size_t n = 0;
+  for (size_t i = 0; i < b->wave.n; i++) {
+    ylm_grid_cell *c = &g->cell[b->wave.cell[i]];
+    if (!f->crosses) c->flags &= (uint8_t)~YLM_GRID_CROSSED;
+    n += (c->flags & YLM_GRID_CROSSED) != 0;
+  }
+  if (!n) return YLM_OK;
+  double *box = ylm_alloc(n, 6 * sizeof *box);
+  uint8_t *out = ylm_alloc_zero(n, 1);
   if (!box || !out) {
     ylm_free(box);
     ylm_free(out);
     return YLM_ENOMEM;
   }
-  for (size_t i = 0; i < b->wave.n; i++) ylm_grid_box(g, b->wave.cell[i], box + 6 * i);
+  for (size_t i = 0, k = 0; i < b->wave.n; i++)
+    if (g->cell[b->wave.cell[i]].flags & YLM_GRID_CROSSED)
+      ylm_grid_box(g, b->wave.cell[i], box + 6 * k++);
   double t = ylm_seconds();
-  ylm_status s = f->crosses(f, b->wave.n, box, out);
+  ylm_status s = f->crosses(f, n, box, out);
   g->stats.field_seconds += ylm_seconds() - t;
-  for (size_t i = 0; s == YLM_OK && i < b->wave.n; i++)
-    if (out[i]) g->cell[b->wave.cell[i]].flags |= YLM_GRID_CROSSED;
+  for (size_t i = 0, k = 0; i < b->wave.n; i++) {
+    ylm_grid_cell *c = &g->cell[b->wave.cell[i]];
+    if (c->flags & YLM_GRID_CROSSED && !out[k++]) c->flags &= (uint8_t)~YLM_GRID_CROSSED;
+  }
   ylm_free(box);
   ylm_free(out);
   return s;
@@ -231,7 +244,7 @@ ylm_status baker_split(baker *b, uint32_t cell) {
     for (int a = 0; a < 3; a++) node[a] = c->origin[a] >> shift;
     c->flags = YLM_GRID_LEAF;
     if (!occupancy_test(&b->occupied, c->level, node)) continue;
-    c->flags |= YLM_GRID_OCCUPIED;
+    c->flags |= YLM_GRID_OCCUPIED | (g->cell[cell].flags & YLM_GRID_CROSSED);
     s = cell_list_push(&b->next, k);
     if (s != YLM_OK) return s;
   }
@@ -296,7 +309,8 @@ static ylm_status begin_octree(baker *b) {
   ylm_status s = occupancy_build(&b->occupied, g, b->source, &g->stats.outside);
   if (s == YLM_OK) s = ylm__grid_reserve_cells(g, 1);
   if (s != YLM_OK) return s;
-  ylm_grid_cell root = {.error = NAN, .residual = NAN, .flags = YLM_GRID_LEAF | YLM_GRID_OCCUPIED};
+  ylm_grid_cell root = {.error = NAN, .residual = NAN,
+                        .flags = YLM_GRID_LEAF | YLM_GRID_OCCUPIED | YLM_GRID_CROSSED};
   for (int k = 0; k < 8; k++) root.corner[k] = YLM_GRID_NONE;
   g->cell[g->cells++] = root;
   return cell_list_push(&b->wave, 0);
