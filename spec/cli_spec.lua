@@ -124,6 +124,55 @@ describe("the command-line tool", function()
     end
   end)
 
+  it("bakes, renders, compares and views a scene file", function()
+    local quote, path = scratch.quote, folder.path
+    local scene = file("lamp.lua", [[
+      return scene "lamp" {
+        camera   = camera { from = { 2, 2, 3 }, at = { 0, 0, 0 } },
+        geometry = { box {}, quad { corner = { -2, -0.5, 2 }, u = { 4, 0, 0 }, v = { 0, 0, -4 }, divide = 8 } },
+        lights   = sphere_light { at = { 0.5, 1.5, 0.5 }, radius = 0.1, radiance = 50 },
+        probes   = adaptive_grid { lmax = 3, depth = 3, tolerance = 0.05 },
+      }]])
+    local small = " --size 48x27 --samples 2 "
+    local _
+    local out, code, err = ylm("bake " .. scene .. small .. "--json -o " .. quote(path .. "/lamp.ylm"))
+    assert.equal(0, code, err)
+    assert.truthy(out:find '"points":%d+', out)
+    for _, method in ipairs { "grid", "reference", "raycast" } do
+      out, code, err = ylm("render " .. scene .. small .. "--json --method " .. method .. " -o "
+        .. quote(path .. "/" .. method .. ".exr"))
+      assert.equal(0, code, err)
+      assert.truthy(out:find '^{".*}\n$', out)
+    end
+    _, code, err = ylm("render " .. scene .. small .. "-q --grid " .. quote(path .. "/lamp.ylm") .. " --exposure 1 -o "
+      .. quote(path .. "/again.png"))
+    assert.equal(0, code, err)
+    assert.equal("\137PNG", folder:read("again.png"):sub(1, 4))
+    local images = quote(path .. "/grid.exr") .. " " .. quote(path .. "/reference.exr")
+    out, code, err = ylm("compare " .. images .. " --difference " .. quote(path .. "/difference.pfm"))
+    assert.equal(0, code, err)
+    assert.truthy(out:find "^mse +%S+\nrmse", out)
+    assert.truthy(folder:read "difference.pfm")
+    assert.equal(4, select(2, ylm("compare " .. images .. " --max-mse 0")))
+    assert.equal(4, select(2, ylm("compare " .. images .. " --min-psnr 1000")))
+    assert.equal(0, select(2, ylm("compare " .. images .. " --max-mse 1e9 --min-psnr -1000")))
+    _, code, err = ylm("compare " .. scene .. " " .. scene)
+    assert.equal(1, code)
+    assert.truthy(err:find("lamp.lua: not a file that ylm knows", 1, true), err)
+    _, code, err = ylm("render " .. scene .. small .. "-o " .. quote(path .. "/nowhere/x.exr"))
+    assert.equal(1, code)
+    assert.truthy(err:find("nowhere", 1, true), err)
+  end)
+
+  it("draws a grid, where VTK is built in", function()
+    if not pcall(require, "ylm.c.vtk") then pending "built without VTK" end
+    local picture = folder.path .. "/grid.png"
+    local _, code, err = ylm("view " .. scratch.quote(folder.path .. "/lamp.ylm")
+      .. " --quantity error --log --levels --size 160x90 -o " .. scratch.quote(picture))
+    assert.equal(0, code, err)
+    assert.equal("\137PNG", folder:read("grid.png"):sub(1, 4))
+  end)
+
   it("writes JSON that escapes what it must", function()
     local json = require "ylm.cli.report".json
     assert.equal('{"a":[1,2.5,null],"b":"x\\"\\\\\\n\\u0001","c":{"d":true},"e":[]}',

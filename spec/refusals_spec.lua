@@ -8,6 +8,10 @@ local ylm = help.load()
 
 --- They take no argument.
 local takes_nothing = { names = true, info = true }
+--- Not yet covered; to be emptied.
+for _, name in ipairs { "sh.count", "sh.degree", "sh.eval", "sh.index", "sh.lmax", "sh.reconstruct" } do
+  takes_nothing[name] = true
+end
 
 local cases, names = {}, {}
 do
@@ -53,14 +57,13 @@ describe("refusals", function()
       for _, name in ipairs(public[kind]) do
         if not cases[name] and not takes_nothing[name] then missing[#missing + 1] = name end
       end
-      if #missing > 0 then pending("no refusals of " .. table.concat(missing, ", ")) end
+      assert.equal("", table.concat(missing, ", "))
     end)
   end
 
   it("are of things that exist", function()
     local known = {}
     for _, list in pairs(public) do for _, name in ipairs(list) do known[name] = true end end
-    setmetatable(known, { __index = function(_, name) return name:find "^prepared:" end }) -- until it is described
     for _, name in ipairs(names) do assert(known[name], "refusals of unknown " .. name) end
   end)
 end)

@@ -299,7 +299,7 @@ local function draw(f)
   local font = f.font or math.max(11, math.min(26, math.floor(f.width / 84 + 0.5)))
   local height = layout(f, font)
   local canvas
-  canvas, message, code = core.canvas(f.width, height, f.theme.background)
+  canvas, message = core.canvas(f.width, height, f.theme.background)
   if not canvas then
     return nil, ("the figure would be %d x %d pixels: %s"):format(f.width, height, message), "ELIMIT"
   end

@@ -29,7 +29,7 @@ local function measure(n, name, a, system)
   local shape = core.array_info(a)
   local tail = packed[system]
   local function bad(what) return check.bad(n, name, "'%s' wants %s, got %s", system, what, check.describe(a)) end
-  local lead, rows, lmax = {}, 1, nil
+  local lead, rows, lmax = {}, 1
   if tail then
     local wanted = ("[..][%d][%d]"):format(tail[1], tail[2])
     if #shape < 2 or shape[#shape - 1] ~= tail[1] or shape[#shape] ~= tail[2] then return bad(wanted) end

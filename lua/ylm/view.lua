@@ -53,7 +53,8 @@ local function annotate(v, canvas, l)
     local scale = v.scales[i]
     local box = picture.vertical_bar(canvas, scale, x, math.floor(l.top + l.margin + (room - bar_height) / 2), bar_height,
       l.font, v.theme)
-    v.drawn_bars[i] = { quantity = scale.quantity, label = scale.label, unit = scale.unit, range = { scale.range[1], scale.range[2] },
+    v.drawn_bars[i] = { quantity = scale.quantity, label = scale.label, unit = scale.unit,
+      range = { scale.range[1], scale.range[2] },
       log = scale.log, map = scale.map, box = box }
   end
 end

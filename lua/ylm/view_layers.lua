@@ -33,7 +33,8 @@ local function check_layer(name, value, fail)
       return fail(("%s: no field '%s'%s"):format(name, tostring(key), guess and (" (did you mean '%s'?)"):format(guess)
         or ("; fields are " .. table.concat(names, ", "))))
     end
-    local good = wanted == "any" or (wanted == "number" and check.is_number(x) and x >= 0) or type(x) == wanted and wanted ~= "number"
+    local good = wanted == "any" or (wanted == "number" and check.is_number(x) and x >= 0)
+      or type(x) == wanted and wanted ~= "number"
     if not good then
       return fail(("%s: %s must be a %s, got %s"):format(name, key, wanted == "number" and "number >= 0" or wanted,
         check.describe(x)))
@@ -45,7 +46,9 @@ end
 local function rows(what, value, width, fail)
   local a = value
   if core.type(a) ~= "ylm.array" then
-    if type(a) ~= "table" or form.kind(a) then return fail(("%s must be an array or table of numbers, got %s"):format(what, check.describe(value))) end
+    if type(a) ~= "table" or form.kind(a) then
+      return fail(("%s must be an array or table of numbers, got %s"):format(what, check.describe(value)))
+    end
     if #a == 0 then return fail(what .. " is empty") end
     if type(a[1]) ~= "table" and core.type(a[1]) ~= "ylm.array" then a = { a } end
     local ok, made = pcall(array.array, a, "double")
@@ -147,7 +150,9 @@ local function one_mesh(entry, fail)
     for key, value in pairs(entry) do
       if key == "colour" then
         local c = form.types.colour(value, { min = 0, max = 1 })
-        if not c then return fail(("meshes: colour must be a number or {r, g, b} from 0 to 1, got %s"):format(check.describe(value))) end
+        if not c then
+          return fail(("meshes: colour must be a number or {r, g, b} from 0 to 1, got %s"):format(check.describe(value)))
+        end
         out.colour = c
       elseif key == "colours" then out.colours = rows("meshes: colours", value, 3, fail)
       elseif key == "opacity" then

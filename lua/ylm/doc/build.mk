@@ -1,13 +1,10 @@
-# Documentation from the entries beside the code: docs/ylm.meta.lua, docs/api.md, and pages by LDoc.
+# Documentation from the entries beside the code, into build/docs: pages by LDoc, api.md, and
+# ylm.meta.lua with annotations for editors (LuaLS). Nothing generated is checked in.
 
-docs: all   ## regenerate docs/api.md and docs/ylm.meta.lua; pages in build/docs
-	@mkdir -p $(BUILD)/doc-input
-	@rm -f $(BUILD)/doc-input/*
-	@$(BUILD)/ylm run lua/ylm/doc/main.lua --ldoc $(BUILD)/doc-input
+docs: all   ## build/docs: pages (LDoc), api.md, annotations for editors (ylm.meta.lua)
+	@rm -rf $(BUILD)/doc-input && mkdir -p $(BUILD)/doc-input $(BUILD)/docs
+	@$(BUILD)/ylm run lua/ylm/doc/main.lua $(BUILD)/doc-input --ldoc
 	@cp lua/ylm/doc/config.ld $(BUILD)/doc-input/
-	@for t in README.md docs/conventions.md docs/math.md docs/references.md docs/performance.md CHANGELOG.md; do \
-	  if [ -f $$t ]; then cp $$t $(BUILD)/doc-input/; fi; done
-	@cd $(BUILD)/doc-input && ldoc -q -c config.ld -d ../docs . && echo $(BUILD)/docs/index.html
-
-docs-check: all
-	@$(BUILD)/ylm run lua/ylm/doc/main.lua --check
+	@cp README.md CHANGELOG.md $(filter-out docs/README.md,$(wildcard docs/*.md)) $(BUILD)/doc-input/
+	@cd $(BUILD)/doc-input && ldoc -q -c config.ld -d ../docs . >/dev/null && echo $(BUILD)/docs/index.html
+	@$(BUILD)/ylm run lua/ylm/doc/main.lua $(BUILD)/docs && echo $(BUILD)/docs/api.md && echo $(BUILD)/docs/ylm.meta.lua
