@@ -8,10 +8,6 @@ local ylm = help.load()
 
 --- They take no argument.
 local takes_nothing = { names = true, info = true }
---- Not yet covered; to be emptied.
-for _, name in ipairs { "sh.count", "sh.degree", "sh.eval", "sh.index", "sh.lmax", "sh.reconstruct" } do
-  takes_nothing[name] = true
-end
 
 local cases, names = {}, {}
 do
