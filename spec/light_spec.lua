@@ -202,6 +202,35 @@ describe("sphere lights", function()
       end
     end)
 
+    it("tell which boxes their surfaces cross, by a tree as light by light", function()
+      local n, next = 300, random(17)
+      local at, radii, boxes = random_points(n, 4, 9), {}, {}
+      for i = 1, n do radii[i] = i <= 3 and 1.5 or 0.02 + 0.1 * next() end
+      local function crossed(box)
+        for i = 1, n do
+          local near, far = 0, 0
+          for a = 1, 3 do
+            local below, above = box[a] - at[i][a], at[i][a] - box[3 + a]
+            near = near + math.max(below, above, 0) ^ 2
+            far = far + math.min(below, above) ^ 2
+          end
+          if near <= radii[i] ^ 2 and radii[i] ^ 2 <= far then return 1 end
+        end
+        return 0
+      end
+      for i, low in ipairs(random_points(500, 4, 10)) do
+        local edge = i % 5 * 0.1
+        boxes[i] = { low[1], low[2], low[3], low[1] + edge, low[2] + edge, low[3] + edge }
+      end
+      local flags = core.field_crosses(ylm.sphere_lights { at = at, radius = radii }.lights, ylm.array(boxes))
+      local hits = 0
+      for i = 1, #boxes do
+        assert.equal(crossed(boxes[i]), flags[i])
+        hits = hits + flags[i]
+      end
+      assert.is_true(hits > 50 and hits < 450)
+    end)
+
     it("sum 1e5 lights in float to 1e-5", function()
       local many, points = random_lights(1e5, 4, 7), random_points(8, 4, 8)
       for _, x in ipairs(points) do x[1] = x[1] + 4.5 end -- beside the lights: near them float itself is less exact

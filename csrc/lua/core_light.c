@@ -217,6 +217,21 @@ static int field_evaluate(lua_State *L) {
   return ylmL_result_progress(L, 7, YLM_OK, &e, &progress);
 }
 
+/* field_crosses(object, boxes [n][6] of double: min, max) -> array [n] of 0 and 1 */
+static int field_crosses(lua_State *L) {
+  const ylm_field *f = ylmL_field_check(L, 1);
+  const ylmL_array *boxes = doubles(L, 2);
+  if (boxes->axes != 2 || boxes->shape[1] != 6) return ylmL_result(L, 0, YLM_ESHAPE, NULL);
+  size_t n = boxes->shape[0];
+  uint8_t *out = lua_newuserdata(L, n + 1);
+  ylm_status s = f->crosses(f, n, boxes->data, out);
+  if (s != YLM_OK) return ylmL_result(L, 0, s, NULL);
+  ylmL_array *flags = ylmL_array_new(L, YLM_FLOAT, 1, boxes->shape);
+  if (!flags) return ylmL_result(L, 0, YLM_ENOMEM, NULL);
+  for (size_t i = 0; i < n; i++) ((float *)flags->data)[i] = out[i];
+  return 1;
+}
+
 static const luaL_Reg functions[] = {{"lights_create", lights_create},
                                      {"lights_join", lights_join},
                                      {"lights_close", lights_close},
@@ -224,6 +239,7 @@ static const luaL_Reg functions[] = {{"lights_create", lights_create},
                                      {"lights_arrays", lights_arrays},
                                      {"has_field", has_field},
                                      {"field_evaluate", field_evaluate},
+                                     {"field_crosses", field_crosses},
                                      {NULL, NULL}};
 
 static const luaL_Reg methods[] = {{"__gc", lights_close}, {NULL, NULL}};
