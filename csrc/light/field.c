@@ -48,6 +48,7 @@ typedef struct job {
   ylm_field_result *r;
   ylm__plan plan;
   ylm__sum_range *range;
+  void **scratch; /* one for each worker */
 } job;
 
 static ylm_status run_reference(void *context, size_t begin, size_t end, int worker) {
@@ -58,8 +59,7 @@ static ylm_status run_reference(void *context, size_t begin, size_t end, int wor
 
 static ylm_status run_kernels(void *context, size_t begin, size_t end, int worker) {
   const job *j = context;
-  (void)worker;
-  return j->range(&j->plan, begin, end, j->points, j->r);
+  return j->range(&j->plan, &j->scratch[worker], begin, end, j->points, j->r);
 }
 
 /* Points in a block of work: whole vectors, some 10^4 light-point pairs, at most 1024. */
@@ -75,12 +75,17 @@ static ylm_status sum(const ylm_lights *lights, ylm_isa isa, const ylm_field_que
   ylm__kernel_set set;
   if (!ylm__kernels_of(isa, q->lmax, q->dtype, &set))
     return ylm_parallel(n, 4, q->threads, run_reference, &j, q->progress, "lights");
-  ylm_status s = ylm__plan_create(&j.plan, lights, q, set.moments);
+  size_t workers = (size_t)ylm_threads(q->threads);
   j.range = set.range;
+  j.scratch = ylm_alloc_zero(workers, sizeof *j.scratch);
+  if (!j.scratch) return YLM_ENOMEM;
+  ylm_status s = ylm__plan_create(&j.plan, lights, q, set.moments);
   if (s == YLM_OK)
     s = ylm_parallel(n, grain(lights->active, set.moments->lanes), q->threads, run_kernels, &j,
                      q->progress, "lights");
   ylm__plan_free(&j.plan);
+  for (size_t i = 0; i < workers; i++) ylm_free(j.scratch[i]);
+  ylm_free(j.scratch);
   return s;
 }
 

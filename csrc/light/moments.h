@@ -111,9 +111,10 @@ ylm_status ylm__plan_create(ylm__plan *p, const ylm_lights *lights, const ylm_fi
                             const ylm__moment_kernel *kernel);
 void ylm__plan_free(ylm__plan *p);
 
-/* The kernel of an instruction set for (lmax, dtype), and the loop around it: points begin .. end-1. */
-typedef ylm_status ylm__sum_range(const ylm__plan *p, size_t begin, size_t end, const void *points,
-                                  ylm_field_result *r);
+/* The kernel of an instruction set for (lmax, dtype), and the loop around it: points begin .. end-1.
+   *scratch is NULL at a worker's first call; what it then holds is freed by the caller. */
+typedef ylm_status ylm__sum_range(const ylm__plan *p, void **scratch, size_t begin, size_t end,
+                                  const void *points, ylm_field_result *r);
 typedef struct ylm__kernel_set {
   const ylm__moment_kernel *moments;
   ylm__sum_range *range;

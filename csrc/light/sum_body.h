@@ -48,10 +48,9 @@ typedef struct NAME(work) {
   V *lum, *rgb, *mixed; /* sums: [n_lum], [3][n_rgb], [n_rgb] */
   V *part, *lost;       /* of the block at hand, and what the totals lost: as lum and rgb together */
   V *bend, *out;        /* U, and one channel of results */
-  void *memory;
 } NAME(work);
 
-static ylm_status NAME(work_create)(NAME(work) *k, const ylm__plan *p) {
+static ylm_status NAME(work_create)(NAME(work) *k, const ylm__plan *p, void **scratch) {
   int lmax = p->q->lmax;
   size_t count = (size_t)(lmax + 1) * (size_t)(lmax + 1), G = (size_t)ylm__geometry_slots(lmax);
   size_t W = (size_t)ylm__weight_slots(lmax), lum = (size_t)p->n_lum, rgb = (size_t)p->n_rgb;
@@ -60,7 +59,8 @@ static ylm_status NAME(work_create)(NAME(work) *k, const ylm__plan *p) {
                     6 * count};
   size_t total = 0;
   for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++) total += sizes[i];
-  V *at = k->memory = ylm_alloc_zero(total, sizeof(V));
+  if (!*scratch) *scratch = ylm_alloc_zero(total, sizeof(V));
+  V *at = *scratch;
   if (!at) return YLM_ENOMEM;
   V **slots[] = {&k->geometry, &k->weights, &k->scaled, &k->state, &k->lum, &k->mixed,
                  &k->part, &k->lost, &k->bend, &k->out};
@@ -203,11 +203,11 @@ static void NAME(mix)(const ylm__plan *p, NAME(work) *k) {
 
 ylm__sum_range RANGE;
 
-ylm_status RANGE(const ylm__plan *p, size_t begin, size_t end, const void *points,
+ylm_status RANGE(const ylm__plan *p, void **scratch, size_t begin, size_t end, const void *points,
                  ylm_field_result *r) {
   NAME(work) k;
   const REAL *at = points;
-  if (NAME(work_create)(&k, p) != YLM_OK) return YLM_ENOMEM;
+  if (NAME(work_create)(&k, p, scratch) != YLM_OK) return YLM_ENOMEM;
   for (size_t point = begin; point < end; point += LANES) {
     int lanes = end - point < LANES ? (int)(end - point) : LANES;
     V xyz[3];
@@ -220,6 +220,5 @@ ylm_status RANGE(const ylm__plan *p, size_t begin, size_t end, const void *point
     if (p->q->want & YLM_WANT_METRIC) NAME(metric)(p, &k, point, lanes, r);
     for (int i = 0; r->inside && i < lanes; i++) r->inside[point + (size_t)i] = inside[i] != 0;
   }
-  ylm_free(k.memory);
   return YLM_OK;
 }
