@@ -25,7 +25,7 @@ FUZZ_ABOUT_pfm := csrc/codec/pfm.c
 FUZZ_ABOUT_grid := csrc/grid/grid_file.c
 
 FUZZ_SANITIZE := -fsanitize=address,undefined,fuzzer-no-link -fno-sanitize-recover=undefined
-FUZZ_CFLAGS := -std=gnu11 -O1 -g -fno-omit-frame-pointer $(FUZZ_SANITIZE) -fprofile-instr-generate -fcoverage-mapping \
+FUZZ_CFLAGS := -std=gnu11 -DFUZZING_BUILD_MODE_UNSAFE_FOR_PRODUCTION -O1 -g -fno-omit-frame-pointer $(FUZZ_SANITIZE) -fprofile-instr-generate -fcoverage-mapping \
   -Wno-unknown-pragmas -MMD -MP -Ispec/fuzz/support -Icsrc $(foreach d,$(CORE) codec,-Icsrc/$(d))
 # Folders whose sources every target may use, and single sources beside them (no kernels: compiling
 # the generated ones with sanitizers takes many minutes).
