@@ -301,7 +301,8 @@ extern "C" ylm_status ylm_vtk_render(ylm_vtk_scene *s, int width, int height, in
     ylm::ContextGuard guard;
     auto window = ylm::offscreen_window(width * supersample, height * supersample, e);
     if (!window) return YLM_EMISSING;
-    window->SetMultiSamples(supersample > 1 ? 0 : 4);
+    // Depth peeling does not work with multisamples.
+    window->SetMultiSamples(supersample > 1 || s->peel ? 0 : 4);
     s->prepare(background, supersample);
     window->AddRenderer(s->renderer);
     window->Render();

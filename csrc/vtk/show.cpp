@@ -74,7 +74,7 @@ extern "C" ylm_status ylm_vtk_show(ylm_vtk_scene *s, int width, int height, cons
     ylm::ContextGuard guard;
     auto window = Ptr<vtkRenderWindow>::New();
     window->SetSize(width, height);
-    window->SetMultiSamples(4);
+    window->SetMultiSamples(s->peel ? 0 : 4);
     window->SetWindowName(title);
     s->prepare(background, 1);
     window->AddRenderer(s->renderer);

@@ -197,16 +197,15 @@ public:
       child = -1;
     posix_spawn_file_actions_destroy(&actions);
     close(pipes[1]);
-    char number[16] = "";
-    pollfd wait = {pipes[0], POLLIN, 0};
-    ssize_t n = child > 0 && poll(&wait, 1, 10000) == 1 ? read(pipes[0], number, sizeof number - 1) : 0;
+    const std::string number = read_line(pipes[0]);
     close(pipes[0]);
-    if (n <= 0) {
-      stop();
-      return nullptr;
+    // The number may come before the server answers.
+    for (int attempt = 0; !number.empty() && attempt < 100; attempt++) {
+      if (Display *d = XOpenDisplay((":" + number).c_str())) return d;
+      usleep(50000);
     }
-    number[std::strcspn(number, "\n")] = 0;
-    return XOpenDisplay((std::string(":") + number).c_str());
+    stop();
+    return nullptr;
   }
   void stop() {
     if (child <= 0) return;
@@ -216,6 +215,18 @@ public:
   }
 
 private:
+  // What the server says within ten seconds, up to the end of the line.
+  static std::string read_line(int fd) {
+    std::string line;
+    pollfd wait = {fd, POLLIN, 0};
+    char c;
+    for (int attempt = 0; attempt < 100; attempt++) {
+      if (poll(&wait, 1, 100) <= 0) continue;
+      if (read(fd, &c, 1) != 1 || c == '\n') break;
+      line += c;
+    }
+    return line;
+  }
   pid_t child = -1;
 };
 

@@ -378,4 +378,6 @@ figure.figure = form.define("figure", {
   example = 'figure { rows = { { { values = { { 0, 1 }, { 2, 3 } }, caption = "numbers" } } }, bar = { range = { 0, 3 } } }',
 })
 
+require "ylm.grid".writers.vtu = function(grid, path) return require "ylm.view_file".save_vtu(grid, path) end
+
 return figure
