@@ -30,7 +30,8 @@ end
 
 describe("ylm.plot", function()
   it("draws points where its axes say: linear", function()
-    local p = ylm.plot { size = { 320, 240 }, series = { { x = { 0, 1, 2 }, y = { 0, 4, 1 }, colour = { 1, 0, 0 }, width = 4 } } }
+    local p = ylm.plot { size = { 320, 240 }, series = { { x = { 0, 1, 2 }, y = { 0, 4, 1 }, colour = { 1, 0, 0 },
+      width = 4 } } }
     local pixels = assert(p:pixels())
     for _, q in ipairs { { 0, 0 }, { 1, 4 }, { 2, 1 }, { 0.5, 2 }, { 1.5, 2.5 } } do
       local c = pixel(pixels, p:where(q[1], q[2]))
@@ -70,7 +71,8 @@ describe("ylm.plot", function()
   it("shows titles, labels, legends in both themes", function()
     for _, background in ipairs { "dark", "white" } do
       local bare = ylm.plot { size = { 320, 240 }, x = { 1, 2 }, y = { 1, 2 }, background = background }
-      local full = ylm.plot { size = { 320, 240 }, background = background, title = "T", x_label = "x [m]", y_label = "y [s]",
+      local full = ylm.plot { size = { 320, 240 }, background = background, title = "T", x_label = "x [m]",
+        y_label = "y [s]",
         caption = "c", series = { { x = { 1, 2 }, y = { 1, 2 }, label = "series" }, { x = { 1, 2 }, y = { 2, 1 } } } }
       local distance = core.array_distance(assert(bare:pixels()), assert(full:pixels()))
       assert(distance > 0.5)
@@ -83,10 +85,12 @@ describe("ylm.figure", function()
   local red, green, blue = { 1, 0, 0 }, { 0, 1, 0 }, { 0, 0, 1 }
 
   it("places images at their own size, row by row", function()
-    local f = ylm.figure { rows = { { flat(20, 60, red), flat(20, 30, green) }, { flat(10, 100, blue) } }, margin = 5, gap = 10 }
+    local f = ylm.figure { rows = { { flat(20, 60, red), flat(20, 30, green) }, { flat(10, 100, blue) } }, margin = 5,
+      gap = 10 }
     local pixels = assert(f:pixels())
     assert.equal(160, pixels.shape[2])
-    f = ylm.figure { rows = { { flat(100, 300, red), flat(100, 100, green) }, { flat(10, 410, blue) } }, margin = 5, gap = 10 }
+    f = ylm.figure { rows = { { flat(100, 300, red), flat(100, 100, green) }, { flat(10, 410, blue) } }, margin = 5,
+      gap = 10 }
     pixels = assert(f:pixels())
     assert.same({ 5 + 100 + 10 + 10 + 5, 420, 3 }, pixels.shape)
     assert.same(red, pixel(pixels, 5, 5))
@@ -97,7 +101,8 @@ describe("ylm.figure", function()
   end)
 
   it("wipes from left to right at the places asked for", function()
-    local f = ylm.figure { margin = 0, rows = { { { wipe = { flat(100, 200, red), flat(100, 200, green), flat(100, 200, blue) },
+    local f = ylm.figure { margin = 0, rows = { { { wipe = { flat(100, 200, red), flat(100, 200, green),
+      flat(100, 200, blue) },
       at = { 0.25, 0.75 }, labels = { "a", "b", "c" } } } } }
     local pixels = assert(f:pixels())
     assert.same({ 100, 200, 3 }, pixels.shape)
@@ -129,7 +134,8 @@ describe("ylm.figure", function()
   it("colours numbers by its bar", function()
     local values = {}
     for y = 1, 64 do values[y] = {} for x = 1, 64 do values[y][x] = x <= 32 and 1e-3 or 1 end end
-    local f = ylm.figure { margin = 0, width = 400, bar = { range = { 1e-3, 1 }, log = true, map = "viridis", label = "error", unit = "1" },
+    local f = ylm.figure { margin = 0, width = 400, bar = { range = { 1e-3, 1 }, log = true, map = "viridis",
+      label = "error", unit = "1" },
       rows = { { { values = values, caption = "errors" } } } }
     local pixels = assert(f:pixels())
     local ends = core.figure_colours(ylm.array { { 0 }, { 1 } }, { 0, 0, 0 }, "viridis", 0, 1, false):totable()

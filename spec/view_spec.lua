@@ -98,7 +98,8 @@ end
 describe("ylm.view, convention", function()
   it("shows a point where the camera's formula says, right and up", function()
     for _, at in ipairs { { 0, 0, 0 }, { 1.2, 0, 0 }, { 0, 1, 0 }, { -1, -0.8, 1 } } do
-      local pixels = draw { lights = ylm.sphere_light { at = at, radius = 0.1, radiance = { 1, 0, 0 } }, camera = camera }
+      local pixels = draw { lights = ylm.sphere_light { at = at, radius = 0.1, radiance = { 1, 0, 0 } },
+        camera = camera }
       local x, y = project(at[1], at[2], at[3])
       assert_colour({ 1, 0.15, 0.15 }, pixel(pixels, x, y), 0.02, ("light at %g %g %g"):format(at[1], at[2], at[3]))
       assert_colour(dark, pixel(pixels, W - x - (at[1] == 0 and 40 or 0), y), 0.01, "its mirror image")
@@ -135,7 +136,8 @@ describe("ylm.view, on analytic fields:", function()
   it("slices across x, y and z stand in their planes", function()
     local f = lattice(8, function() return 1 end)
     for axis, direction in pairs { x = { 1, 0, 0 }, y = { 0, 1, 0.001 }, z = { 0, 0, 1 } } do
-      local face = draw { volume = f, slices = { { axis = axis } }, direction = direction, range = { 0, 2 }, frame = false,
+      local face = draw { volume = f, slices = { { axis = axis } }, direction = direction, range = { 0, 2 },
+        frame = false,
         bar = false }
       local other = axis == "x" and { 0, 0, 1 } or { 1, 0, 0 }
       local edge = draw { volume = f, slices = { { axis = axis } }, direction = other, range = { 0, 2 }, frame = false,
@@ -185,7 +187,8 @@ describe("ylm.view, on analytic fields:", function()
   it("streamlines of a constant field are straight and as long as the box", function()
     local flow = {}
     for k = 1, 4 do flow[k] = {} for j = 1, 4 do flow[k][j] = {} for i = 1, 4 do flow[k][j][i] = { 0, 3, 0 } end end end
-    local pixels = draw { streamlines = { along = flow, bounds = box, count = 1, width = 8 }, camera = camera, frame = false,
+    local pixels = draw { streamlines = { along = flow, bounds = box, count = 1, width = 8 }, camera = camera,
+      frame = false,
       range = { 1, 4 }, bar = false, supersample = 2 }
     local rows = 0
     for _, row in ipairs(pixels:totable()) do
@@ -277,12 +280,15 @@ describe("ylm.view, of grids:", function()
 
   it("every layer draws something, every quantity has its bar", function()
     local g = adaptive()
-    local empty = coverage((draw { g, levels = true, bar = false, camera = ylm.camera { from = { 0, 0, 50 }, at = { 0, 0, 99 } } }))
+    local empty = coverage((draw { g, levels = true, bar = false,
+      camera = ylm.camera { from = { 0, 0, 50 }, at = { 0, 0, 99 } } }))
     assert.equal(0, empty)
     for name, fields in pairs {
-      volume = { g, volume = true, frame = false }, slices = { g, slices = { { axis = "z", at = 0.4 } }, frame = false },
+      volume = { g, volume = true, frame = false }, slices = { g, slices = { { axis = "z", at = 0.4 } },
+        frame = false },
       levels = { g, levels = true }, boxes = { g, boxes = true, frame = false },
-      isosurfaces = { g, quantity = "norm", isosurfaces = 2, frame = false }, glyphs = { g, glyphs = true, frame = false },
+      isosurfaces = { g, quantity = "norm", isosurfaces = 2, frame = false }, glyphs = { g, glyphs = true,
+        frame = false },
       streamlines = { g, streamlines = { count = 30, width = 3 }, frame = false },
       lobes = { g, lobes = { count = 30 }, frame = false },
     } do
@@ -316,7 +322,8 @@ describe("ylm.view, of grids:", function()
     local value = core.array_totable(core.array_convert(sample, "double"))
     local rgb = value[1]
     local L00 = rgb[2] and 0.2126 * rgb[1][1] + 0.7152 * rgb[2][1] + 0.0722 * rgb[3][1] or rgb[1][1]
-    local pixels, v = draw { g, quantity = "L00", slices = { { axis = "z", at = 0.5 } }, camera = camera, bar = true, frame = false }
+    local pixels, v = draw { g, quantity = "L00", slices = { { axis = "z", at = 0.5 } }, camera = camera, bar = true,
+      frame = false }
     local bar = v:bars()[1]
     local x, y = project(p[1], p[2], p[3])
     local t = math.log(L00 / bar.range[1]) / math.log(bar.range[2] / bar.range[1])
@@ -324,7 +331,8 @@ describe("ylm.view, of grids:", function()
   end)
 
   it("the bar's ends have the colours of the map's ends", function()
-    local pixels, v = draw { volume = lattice(4, function(x) return x end), slices = true, size = { 320, 240 }, range = { 2, 5 },
+    local pixels, v = draw { volume = lattice(4, function(x) return x end), slices = true, size = { 320, 240 },
+      range = { 2, 5 },
       label = "x", unit = "m", title = "t", caption = "c" }
     local bar = v:bars()[1]
     assert.same({ 2, 5 }, bar.range)
@@ -340,7 +348,8 @@ describe("ylm.view, of grids:", function()
   it("ticks of logarithmic bars are powers of ten", function()
     local ticks, labels = picture.ticks(2e-4, 3, true, 6)
     local named = {}
-    for i, label in ipairs(labels) do if label ~= "" then named[#named + 1] = label end assert(ticks[i] >= 2e-4 and ticks[i] <= 3) end
+    for i, label in ipairs(labels) do if label ~= "" then named[#named + 1] = label end assert(ticks[i] >= 2e-4
+      and ticks[i] <= 3) end
     assert.same({ "10⁻³", "10⁻²", "10⁻¹", "10⁰" }, named)
     assert.same({ "0", "0.5", "1" }, select(2, picture.ticks(0, 1, false, 3)))
     assert.same({ "2", "3", "4" }, select(2, picture.ticks(2, 4, false, 9, true)))

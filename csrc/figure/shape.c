@@ -203,7 +203,7 @@ static void arrow(ylm_figure_shape *s, const double at[3], const double along[3]
   double length = sqrt(along[0] * along[0] + along[1] * along[1] + along[2] * along[2]);
   if (!(length > 0) || isinf(length)) return;
   double d[3] = {along[0] / length, along[1] / length, along[2] / length}, u[3], v[3];
-  double neck[3], tip[3], shaft = 0.035 * length, head = 0.11 * length;
+  double neck[3], tip[3], shaft = 0.042 * length, head = 0.125 * length;
   frame(d, u, v);
   for (int a = 0; a < 3; a++) neck[a] = at[a] + 0.68 * along[a], tip[a] = at[a] + along[a];
   disc(s, at, d, u, v, shaft, rgb);

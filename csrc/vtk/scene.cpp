@@ -221,7 +221,7 @@ extern "C" ylm_status ylm_vtk_add_isosurfaces(ylm_vtk_scene *s, const ylm_figure
       mapper->ScalarVisibilityOff();
       auto actor = Ptr<vtkActor>::New();
       actor->SetMapper(mapper);
-      ylm_vtk_style style = {0.25, 0.75, 0.2, 1, colour[4 * i + 3], 0, 0};
+      ylm_vtk_style style = {0.45, 0.65, 0.2, 1, colour[4 * i + 3], 0, 0};
       apply(actor->GetProperty(), &style);
       actor->GetProperty()->SetColor(colour[4 * i], colour[4 * i + 1], colour[4 * i + 2]);
       if (colour[4 * i + 3] < 1) s->peel = true;

@@ -86,7 +86,7 @@ extern "C" ylm_status ylm_vtk_show(ylm_vtk_scene *s, int width, int height, cons
     }
     const double grey = background[0] + background[1] + background[2] > 1.5 ? 0.1 : 0.9;
     words->GetTextProperty()->SetColor(grey, grey, grey);
-    words->GetTextProperty()->SetFontSize(15);
+    words->GetTextProperty()->SetFontSize(13);
     words->SetInput(pick ? "drag: turn   wheel: nearer   shift+drag: move   p: what is here   q: close" : "");
     Ptr<vtkActor2D> over;
     if (overlay) s->renderer->AddActor2D(over = overlay_actor(overlay, width, height));

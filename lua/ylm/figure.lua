@@ -57,7 +57,8 @@ local item_fields = {
   { "labels", "list", of = "string", optional = true, about = "of the parts of a wipe" },
   { "label", "string", optional = true, about = "in the upper left corner" },
   { "caption", "string", optional = true, about = "below; broken into lines" },
-  { "crop", "list", of = "number", min = 0, optional = true, unit = "pixels", about = "{x, y, width, height} from the top left" },
+  { "crop", "list", of = "number", min = 0, optional = true, unit = "pixels",
+    about = "{x, y, width, height} from the top left" },
   { "mark", "any", optional = true, about = "rectangles {x, y, w, h} outlined in the image: one or a list" },
   { "layer", "string", optional = true, about = "of an image" },
   { "tone", "choice", of = core.image_tones(), default = "srgb", about = "tone curve of an image" },
@@ -87,7 +88,9 @@ end
 local function check_rectangle(what, r, fail)
   if type(r) ~= "table" or #r ~= 4 then return fail(what .. " must be {x, y, width, height}") end
   for i = 1, 4 do
-    if not check.is_number(r[i]) or r[i] < 0 then return fail(what .. " must be {x, y, width, height}, none below 0") end
+    if not check.is_number(r[i]) or r[i] < 0 then
+      return fail(what .. " must be {x, y, width, height}, none below 0")
+    end
   end
   if r[3] <= 0 or r[4] <= 0 then return fail(what .. " must have a width and a height above 0") end
   return r
@@ -102,7 +105,10 @@ local function check_values(item, bar, fail)
   end
   local shape, _, _, open = core.array_info(a)
   if not open then return fail "values: the array has been closed" end
-  if #shape == 3 and shape[3] == 1 then a, shape = core.array_reshape(a, { shape[1], shape[2] }), { shape[1], shape[2] } end
+  if #shape == 3 and shape[3] == 1 then
+    shape = { shape[1], shape[2] }
+    a = core.array_reshape(a, shape)
+  end
   if #shape ~= 2 or shape[1] < 1 or shape[2] < 1 then
     return fail(("values must be numbers [h][w], got %s"):format(check.describe(a)))
   end
@@ -207,7 +213,8 @@ local function draw_item(f, canvas, item, x, y, w, h, font)
   end
   for i, text in ipairs(item.labels or {}) do
     local from = item.edges and item.edges[i] or 0
-    draw_label(canvas, text, math.floor(x + math.max(0, from - crop[1]) * kx + font * 0.6), math.floor(y + font * 0.6), font)
+    draw_label(canvas, text, math.floor(x + math.max(0, from - crop[1]) * kx + font * 0.6),
+      math.floor(y + font * 0.6), font)
   end
   if item.label then draw_label(canvas, item.label, math.floor(x + font * 0.6), math.floor(y + font * 0.6), font) end
   for i, r in ipairs(item.mark or {}) do
@@ -304,7 +311,8 @@ local function draw(f)
     return nil, ("the figure would be %d x %d pixels: %s"):format(f.width, height, message), "ELIMIT"
   end
   if f.title then
-    picture.text(canvas, f.title, f.margin, f.title_y, { size = math.floor(font * 1.35), bold = true, colour = f.theme.text })
+    picture.text(canvas, f.title, f.margin, f.title_y, { size = math.floor(font * 1.35), bold = true,
+      colour = f.theme.text })
   end
   for _, row in ipairs(f.items) do
     for _, item in ipairs(row) do
@@ -325,13 +333,14 @@ local function draw(f)
   return canvas
 end
 
-local example = "ylm.figure { rows = { { ylm.zeros({ 8, 8, 3 }), { image = ylm.zeros({ 8, 8, 3 }), caption = \"black\" } } } }"
+local example = "ylm.figure { rows = { { { image = ylm.zeros({ 8, 8, 3 }), caption = \"black\" } } } }"
 local methods = picture.methods("figure", draw, example)
 
 -- The form --------------------------------------------------------------------------
 
 local fields = {
-  { "rows", "table", about = "a list of rows: lists of images, or { image | values | wipe = , caption = , label = , crop = , "
+  { "rows", "table",
+    about = "a list of rows: lists of images, or { image | values | wipe = , caption = , label = , crop = , "
     .. "mark = , tone = , exposure = , layer = , range = , log = , map = , at = , labels = }" },
   { "title", "string", optional = true },
   { "caption", "string", optional = true, about = "below everything; broken into lines" },
@@ -375,7 +384,7 @@ figure.figure = form.define("figure", {
   fields = fields,
   metatable = { __index = methods },
   build = build,
-  example = 'figure { rows = { { { values = { { 0, 1 }, { 2, 3 } }, caption = "numbers" } } }, bar = { range = { 0, 3 } } }',
+  example = 'figure { rows = { { { values = { { 0, 1 }, { 2, 3 } } } } }, bar = { range = { 0, 3 } } }',
 })
 
 require "ylm.grid".writers.vtu = function(grid, path) return require "ylm.view_file".save_vtu(grid, path) end

@@ -37,7 +37,8 @@ function picture.theme(background, fail)
       return { background = { background[1], background[2], background[3] }, text = like.text, dim = like.dim }
     end
   end
-  return fail(("background must be 'dark', 'white' or {r, g, b} from 0 to 1, got %s"):format(check.describe(background)))
+  return fail(("background must be 'dark', 'white' or {r, g, b} from 0 to 1, got %s"):format(
+    check.describe(background)))
 end
 
 --- The field `size` checked: width and height in pixels.

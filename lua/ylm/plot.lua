@@ -11,7 +11,8 @@ local plot = {}
 
 -- Colours that stay apart for colour-blind eyes too (Okabe & Ito 2008), brighter ones on dark.
 local palette = {
-  white = { { 0.00, 0.45, 0.70 }, { 0.84, 0.37, 0.00 }, { 0.00, 0.62, 0.45 }, { 0.80, 0.47, 0.65 }, { 0.34, 0.71, 0.91 },
+  white = { { 0.00, 0.45, 0.70 }, { 0.84, 0.37, 0.00 }, { 0.00, 0.62, 0.45 }, { 0.80, 0.47, 0.65 },
+    { 0.34, 0.71, 0.91 },
     { 0.90, 0.62, 0.00 }, { 0.35, 0.35, 0.35 } },
   dark = { { 0.34, 0.71, 0.91 }, { 0.96, 0.58, 0.18 }, { 0.25, 0.80, 0.60 }, { 0.90, 0.60, 0.78 }, { 0.95, 0.90, 0.35 },
     { 0.45, 0.60, 0.95 }, { 0.75, 0.75, 0.75 } },
@@ -25,7 +26,8 @@ local legends = { ["top right"] = 1, ["top left"] = 2, ["bottom right"] = 3, ["b
 
 local series_fields = {
   { "x", "any", about = "numbers: a table or an array" },
-  { "y", "any", about = "as many numbers; those that are not finite, or not above 0 on a logarithmic axis, are left out" },
+  { "y", "any",
+    about = "as many numbers; those that are not finite, or not above 0 on a logarithmic axis, are left out" },
   { "label", "string", optional = true, about = "in the legend" },
   { "colour", "colour", min = 0, max = 1, optional = true, about = "default: the next of the palette" },
   { "width", "number", min = 0, max = 50, default = 2.2, unit = "pixels", about = "0 draws no line" },
@@ -190,7 +192,8 @@ local function draw(p)
   picture.text(canvas, p.x_label, math.floor((l.left + width - l.right) / 2), l.x_label,
     { size = font, colour = theme.text, align = "middle" })
   if p.caption then picture.text(canvas, l.caption_text, l.pad, l.caption, { size = font, colour = theme.dim }) end
-  p.axes = { x = { x0, x1 }, y = { y0, y1 }, box = { l.left, l.top, width - l.left - l.right, height - l.top - l.bottom } }
+  local box = { l.left, l.top, width - l.left - l.right, height - l.top - l.bottom }
+  p.axes = { x = { x0, x1 }, y = { y0, y1 }, box = box }
   return canvas
 end
 
@@ -226,7 +229,7 @@ local fields = {
   { "x", "any", optional = true, about = "of a single series" },
   { "y", "any", optional = true, about = "of a single series" },
   { "series", "table", optional = true,
-    about = "a list of { x, y, label, colour, width, marker, marker_size, dash = \"solid\" | \"dashed\" | \"dotted\" }" },
+    about = "a list of { x, y, label, colour, width, marker, marker_size, dash }; dash: solid, dashed, dotted" },
   { "diagonal", "any", optional = true, about = "a dashed line y = x: true, or its label" },
   { "title", "string", optional = true },
   { "caption", "string", optional = true },
@@ -257,6 +260,9 @@ end
 local function build(values, fail)
   picture.size(values.size, fail)
   values.theme = picture.theme(values.background, fail)
+  if math.max(values.size[1], values.size[2]) * values.supersample > 16384 then
+    return fail "size times supersample must be at most 16384 pixels"
+  end
   if values.log ~= nil then
     if values.x_log == nil then values.x_log = values.log end
     if values.y_log == nil then values.y_log = values.log end
@@ -283,7 +289,8 @@ local function build(values, fail)
     local axis = { range = values.x_range, log = values.x_log }
     local lo, hi = axis_range(values.all, "x", "y", axis, { log = values.y_log })
     values.x_range = values.x_range or { lo, hi }
-    table.insert(values.all, 1, { x = { lo, hi }, y = { lo, hi }, colour = values.theme.dim, width = 1.6, dash = "dashed",
+    table.insert(values.all, 1, { x = { lo, hi }, y = { lo, hi }, colour = values.theme.dim, width = 1.6,
+      dash = "dashed",
       marker = "none", marker_size = 0, label = type(values.diagonal) == "string" and values.diagonal or nil })
   end
   return setmetatable(values, form.defined.plot.metatable)

@@ -38,12 +38,13 @@ local function layout(v, width, height)
 end
 
 --- Titles, captions, bars and labels over a drawn scene.
-local function annotate(v, canvas, l)
+local function annotate(v, canvas, l, without_caption)
   local _, height = core.canvas_size(canvas)
   if l.title then
-    picture.text(canvas, v.title, l.margin, l.title, { size = math.floor(l.font * 1.35), bold = true, colour = v.theme.text })
+    picture.text(canvas, v.title, l.margin, l.title, { size = math.floor(l.font * 1.35), bold = true,
+      colour = v.theme.text })
   end
-  if l.caption then
+  if l.caption and not without_caption then
     picture.text(canvas, l.caption_text, l.margin, l.caption, { size = l.font, colour = v.theme.dim })
   end
   v.drawn_bars = {}
@@ -51,7 +52,8 @@ local function annotate(v, canvas, l)
   local bar_height = math.floor(math.min(room, math.max(height * 0.62, 120)))
   for i, x in ipairs(l.bars) do
     local scale = v.scales[i]
-    local box = picture.vertical_bar(canvas, scale, x, math.floor(l.top + l.margin + (room - bar_height) / 2), bar_height,
+    local box = picture.vertical_bar(canvas, scale, x, math.floor(l.top + l.margin + (room - bar_height) / 2),
+      bar_height,
       l.font, v.theme)
     v.drawn_bars[i] = { quantity = scale.quantity, label = scale.label, unit = scale.unit,
       range = { scale.range[1], scale.range[2] },
@@ -148,9 +150,8 @@ local function describe_point(v, x, y, z)
     local value = cell[name]
     parts[i] = name .. " " .. (type(value) == "number" and ("%.4g"):format(value) or tostring(value))
   end
-  text = text .. "  " .. table.concat(parts, "  ")
-  print(text)
-  return text
+  print(text .. "  " .. table.concat(parts, "  "))
+  return text .. "\n" .. table.concat(parts, "   ")
 end
 
 describe "view:show" {
@@ -177,8 +178,8 @@ function methods.show(self)
   -- The same texts on black and on white: where they agree, they are opaque.
   local black = assert(core.canvas(width, height, { 0, 0, 0 }))
   local white = assert(core.canvas(width, height, { 1, 1, 1 }))
-  annotate(self, black, layout(self, width, height))
-  annotate(self, white, layout(self, width, height))
+  annotate(self, black, layout(self, width, height), true)
+  annotate(self, white, layout(self, width, height), true)
   return check.result("show", vtk.show(stage.scene, self.theme.background, black, white, self.title or "ylm",
     function(x, y, z) return describe_point(self, x, y, z) end))
 end
@@ -201,10 +202,11 @@ local fields = {
     about = "a cloud of the quantity: true or { density = 1, smooth = true }; without a grid: "
       .. "{ values = [nz][ny][nx], bounds = } is the subject itself" },
   { "slices", "layer", optional = true,
-    about = "coloured planes: true, or a list of { axis = \"y\", at = 0.2, opacity = 1 }" },
+    about = "coloured planes: true (where most leaves are), or a list of { axis = \"y\", at = 0.2, opacity = 1 }" },
   { "levels", "layer", optional = true,
     about = "edges of the grid's cells: true or { opacity = , width = , occupied = true, from = level }" },
-  { "boxes", "layer", optional = true, about = "leaves as coloured boxes: true or { shrink = 0.1, opacity = 1, occupied = }" },
+  { "boxes", "layer", optional = true,
+    about = "leaves as coloured boxes: true or { shrink = 0.1, opacity = 1, occupied = }" },
   { "isosurfaces", "layer", takes = { number = true }, optional = true,
     about = "surfaces where the quantity has a value: true, their number, or a list of values" },
   { "glyphs", "layer", optional = true, about = "arrows of the gradient of L00: true or { count = 1500, length = 1 }" },
@@ -243,7 +245,7 @@ local function check_range(values, fail)
   local r = values.range
   if r == nil then return end
   if core.type(r) == "ylm.array" then r = core.array_totable(r) end
-  if type(r) ~= "table" or #r ~= 2 or not check.is_number(r[1]) or not check.is_number(r[2]) or not (r[1] < r[2]) then
+  if type(r) ~= "table" or #r ~= 2 or not check.is_number(r[1]) or not check.is_number(r[2]) or r[1] >= r[2] then
     return fail(("range must be {least, largest} with least < largest, got %s"):format(check.describe(values.range)))
   end
   values.range = { r[1], r[2] }

@@ -49,7 +49,7 @@ function view_camera.fit(box, width, height, towards, up, fov)
     end
     for a = 1, 3 do at[a] = at[a] + distance * ((l + r) / 2 * x[a] + (b + t) / 2 * y[a]) end
   end
-  if not (distance > 0) then distance = 1 end
+  if distance <= 0 then distance = 1 end
   local from = {}
   for a = 1, 3 do from[a] = at[a] + distance * z[a] end
   return { from = from, at = at, up = y, fov = fov }

@@ -12,7 +12,7 @@ local function complete(cells)
   local leaf, list = core.array_totable(cells.leaf), {}
   for i = 1, #leaf do
     list[i] = leaf[i] ~= 0 and 1 or 0
-    for k = 1, 8 do if not (corner[i][k] >= 1) then list[i] = 0 end end
+    for k = 1, 8 do if corner[i][k] < 1 then list[i] = 0 end end
   end
   local mask = core.array_zeros({ #list }, "double")
   core.array_fill(mask, list)

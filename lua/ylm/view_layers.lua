@@ -33,8 +33,8 @@ local function check_layer(name, value, fail)
       return fail(("%s: no field '%s'%s"):format(name, tostring(key), guess and (" (did you mean '%s'?)"):format(guess)
         or ("; fields are " .. table.concat(names, ", "))))
     end
-    local good = wanted == "any" or (wanted == "number" and check.is_number(x) and x >= 0)
-      or type(x) == wanted and wanted ~= "number"
+    local good = wanted == "any" or type(x) == wanted
+    if wanted == "number" then good = check.is_number(x) and x >= 0 end
     if not good then
       return fail(("%s: %s must be a %s, got %s"):format(name, key, wanted == "number" and "number >= 0" or wanted,
         check.describe(x)))
@@ -93,7 +93,8 @@ local function lattice(what, value, bounds, components, fail)
       components > 1 and "[" .. components .. "]" or "", check.describe(a)))
   end
   local size = { shape[3], shape[2], shape[1] }
-  return { values = a, size = size, bounds = bounds_of(bounds, size, what:match("^[^:]+"), fail), components = components }
+  return { values = a, size = size, bounds = bounds_of(bounds, size, what:match("^[^:]+"), fail),
+    components = components }
 end
 
 local axis_number = { x = 1, y = 2, z = 3 }
@@ -151,7 +152,8 @@ local function one_mesh(entry, fail)
       if key == "colour" then
         local c = form.types.colour(value, { min = 0, max = 1 })
         if not c then
-          return fail(("meshes: colour must be a number or {r, g, b} from 0 to 1, got %s"):format(check.describe(value)))
+          return fail(("meshes: colour must be a number or {r, g, b} from 0 to 1, got %s"):format(
+            check.describe(value)))
         end
         out.colour = c
       elseif key == "colours" then out.colours = rows("meshes: colours", value, 3, fail)
@@ -164,7 +166,10 @@ local function one_mesh(entry, fail)
         return fail(("meshes: no field '%s'; fields are colour, colours, opacity"):format(tostring(key)))
       end
     end
-  else return fail(("meshes: geometry or { geometry, colour = , opacity = } expected, got %s"):format(check.describe(entry))) end
+  else
+    return fail(("meshes: geometry or { geometry, colour = , opacity = } expected, got %s"):format(
+      check.describe(entry)))
+  end
   return out
 end
 
@@ -183,7 +188,9 @@ local function check_lights(values, fail)
   local x = values.lights
   if x == nil or x == false then return end
   if x == true then
-    if not values.scene then return fail "lights = true shows the lights of a scene: give scene = , or the lights themselves" end
+    if not values.scene then
+      return fail "lights = true shows the lights of a scene: give scene = , or the lights themselves"
+    end
     values.lights = #values.scene.lights > 0 and values.scene.lights or false
     return
   end
@@ -212,7 +219,8 @@ function layers.check(values, fail)
   elseif volume.bounds then return fail "volume: bounds are those of values, which are missing" end
   if (glyphs.at == nil) ~= (glyphs.along == nil) then return fail "glyphs: at and along belong together" end
   if glyphs.at then
-    values.arrows = { at = rows("glyphs: at", glyphs.at, 3, fail), along = rows("glyphs: along", glyphs.along, 3, fail) }
+    values.arrows = { at = rows("glyphs: at", glyphs.at, 3, fail),
+      along = rows("glyphs: along", glyphs.along, 3, fail) }
     if #values.arrows.at ~= #values.arrows.along then return fail "glyphs: at and along must have as many rows" end
   end
   if stream.along then values.flow = lattice("streamlines: along", stream.along, stream.bounds, 3, fail) end
@@ -221,7 +229,9 @@ function layers.check(values, fail)
     local shape = values.sh.shape
     local count, n = shape[#shape], 1
     local lmax = math.floor(math.sqrt(count) + 0.5) - 1
-    if (lmax + 1) ^ 2 ~= count then return fail(("sh: rows of (lmax+1)^2 coefficients expected, got %d"):format(count)) end
+    if (lmax + 1) ^ 2 ~= count then
+      return fail(("sh: rows of (lmax+1)^2 coefficients expected, got %d"):format(count))
+    end
     for i = 1, #shape - 1 do n = n * shape[i] end
     values.sh, values.lmax = core.array_reshape(values.sh, { n, count }), lmax
   end
@@ -234,8 +244,16 @@ function layers.check(values, fail)
       return fail(name .. " needs a grid, or volume = { values = }")
     end
   end
-  if values.volume and not values.subject and not values.lattice then return fail "volume needs a grid, or { values = }" end
-  if values.glyphs and not values.subject and not values.arrows then return fail "glyphs needs a grid, or { at = , along = }" end
+  if values.subject and not core.grid_is_open(values.subject) then return fail "the grid has been closed" end
+  if math.max(values.size[1], values.size[2]) * values.supersample > 16384 then
+    return fail "size times supersample must be at most 16384 pixels"
+  end
+  if values.volume and not (values.subject or values.lattice) then
+    return fail "volume needs a grid, or { values = }"
+  end
+  if values.glyphs and not (values.subject or values.arrows) then
+    return fail "glyphs needs a grid, or { at = , along = }"
+  end
   if values.streamlines and not values.subject and not values.flow then
     return fail "streamlines needs a grid, or { along = }"
   end
@@ -271,7 +289,7 @@ local function make_scale(v, quantity, defaults, least, largest, positive, takes
   else
     least, largest = least or 0, largest or 1
     if scale.log then least = math.max(positive, largest * 1e-4) end
-    if not (largest > least) then
+    if largest <= least then
       largest = scale.log and least * 10 or least + math.max(1, math.abs(least)) * 1e-6
     end
     scale.range = { least, largest }
@@ -344,7 +362,8 @@ function layers.prepare(v)
       positive, largest = core.figure_quantiles(lengths, 0.02, 0.99)
       least = positive
     end
-    v.vector_scale = make_scale(v, "gradient", { map = q.map, log = q.log and not given, label = not given and q.label or "",
+    v.vector_scale = make_scale(v, "gradient", { map = q.map, log = q.log and not given, label = not given
+      and q.label or "",
       unit = not given and q.unit or nil }, least, largest, positive, not v.scale)
   end
   return true
@@ -430,20 +449,36 @@ function fill.volume(stage, v)
   grow(stage, b)
 end
 
+--- Where along axis `a` most of what a grid holds is: the median of its occupied leaves' middles.
+local function median_place(v, a)
+  local b = subject_bounds(v)
+  if not v.source then return (b[a] + b[a + 3]) / 2 end
+  local cells = v.source.cells
+  local drawn = both(cells.leaf, cells.occupied)
+  local origin, size = core.figure_pick(cells.origin, drawn), core.figure_pick(cells.size, drawn)
+  local n = origin.shape[1]
+  if n == 0 then return (b[a] + b[a + 3]) / 2 end
+  local middles = {}
+  for i = 1, n do middles[i] = core.array_get(origin, i, a) + core.array_get(size, i, a) / 2 end
+  table.sort(middles)
+  return middles[math.ceil(n / 2)]
+end
+
 function fill.slices(stage, v)
   local b = subject_bounds(v)
   for _, slice in ipairs(type(v.slices) == "table" and v.slices or { { axis = "y" } }) do
     local a = axis_number[slice.axis]
     local flat = { b[1], b[2], b[3], b[4], b[5], b[6] }
-    local at = slice.at or (b[a] + b[a + 3]) / 2
+    local at = slice.at or median_place(v, a)
     if at < b[a] or at > b[a + 3] then
-      error({ ("slices: %s = %g is outside of the bounds, %g to %g"):format(slice.axis, at, b[a], b[a + 3]), "ERANGE" }, 0)
+      error({ ("slices: %s = %g is outside of the bounds, %g to %g"):format(slice.axis, at, b[a], b[a + 3]),
+        "ERANGE" }, 0)
     end
     flat[a], flat[a + 3] = at, at
     local size = voxels(flat, 512)
     size[a] = 1
-    run(stage.vtk.scene_slice(stage.scene, sampled(v, flat, size), slice.opacity or 1, is_pointwise(v) and true or false,
-      scale_of(v.scale)))
+    local smooth = is_pointwise(v) and true or false
+    run(stage.vtk.scene_slice(stage.scene, sampled(v, flat, size), slice.opacity or 1, smooth, scale_of(v.scale)))
   end
   grow(stage, b)
 end
@@ -465,7 +500,10 @@ function fill.isosurfaces(stage, v)
   local at = core.array_zeros({ n }, "double")
   core.array_fill(at, values)
   local rgb = core.array_totable(core.figure_colours(at, { 0.5, 0.5, 0.5 }, scale_of(v.scale)))
-  for i = 1, n do list[i] = { rgb[i][1], rgb[i][2], rgb[i][3], n == 1 and 1 or 0.3 + 0.7 * ((i - 1) / (n - 1)) ^ 1.3 } end
+  for i = 1, n do
+    local opacity = n == 1 and 1 or 0.35 + 0.65 * (i - 1) / (n - 1)
+    list[i] = { rgb[i][1], rgb[i][2], rgb[i][3], opacity }
+  end
   local colours = core.array_zeros({ n, 4 }, "double")
   core.array_fill(colours, list)
   run(stage.vtk.scene_isosurfaces(stage.scene, volume, at, colours))
@@ -643,12 +681,15 @@ function fill.sh(stage, v)
   for i = 1, n do
     local column, row = (i - 1) % columns, math.floor((i - 1) / columns)
     list[i] = { 2.2 * column, 0, -2.6 * row }
-    if v.labels and v.labels[i] then stage.labels[i] = { text = v.labels[i], at = { 2.2 * column, 0, -2.6 * row - 1.08 } } end
+    if v.labels and v.labels[i] then
+      stage.labels[#stage.labels + 1] = { text = v.labels[i], at = { 2.2 * column, 0, -2.6 * row - 1.08 } }
+    end
   end
   local centres = core.array_zeros({ n, 3 }, "double")
   core.array_fill(centres, list)
   add_lobes(stage, v.sh, v.lmax, centres, constant(n, 1), 6, true)
-  grow(stage, { -1, -1, -2.6 * math.floor((n - 1) / columns) - (v.labels and 1.35 or 1), 2.2 * (columns - 1) + 1, 1, 1 })
+  local lowest = -2.6 * math.floor((n - 1) / columns) - (v.labels and 1.35 or 1)
+  grow(stage, { -1, -1, lowest, 2.2 * (columns - 1) + 1, 1, 1 })
 end
 
 --- Linear light as a colour on the screen.

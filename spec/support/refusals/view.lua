@@ -66,6 +66,13 @@ local cases = {
     view({ sh = sh, camera = {} }, "camera must be a camera"),
     view({ sh = sh, direction = { 0, 0, 0 } }, "not all zero"),
     view({ sh = sh, supersample = 99 }, "supersample must be"),
+    view({ sh = sh, size = { 8000, 8000 }, supersample = 4 }, "at most 16384 pixels"),
+    { call = function(ylm)
+      local grid = ylm.bake(ylm.uniform_grid { bounds = { { 0, 0, 0 }, { 1, 1, 1 } }, cells = 1, lmax = 0 },
+        ylm.sphere_light { at = { 3, 3, 3 } })
+      grid:close()
+      return ylm.view { grid }
+    end, says = "the grid has been closed" },
     view({ slices = true }, "slices needs a grid, or volume"),
     view({ levels = true }, "levels needs a grid"),
     view({ lobes = true }, "lobes needs a grid"),
@@ -103,8 +110,10 @@ local cases = {
       local ball = ylm.sphere { radius = 1, divide = { 4, 3 } }
       return small(ylm, { meshes = { { ball, colours = { { 1, 1, 1 } } } } }):pixels()
     end, says = "meshes: 1 colours for %d+ vertices" },
-    { call = function(ylm) return ylm.view { meshes = { { ylm.sphere { radius = 1 }, opactiy = 1 } } } end, says = "no field 'opactiy'" },
-    { call = function(ylm) return ylm.view { meshes = { { ylm.sphere { radius = 1 }, opacity = 2 } } } end, says = "opacity must be" },
+    { call = function(ylm) return ylm.view { meshes = { { ylm.sphere { radius = 1 }, opactiy = 1 } } } end,
+      says = "no field 'opactiy'" },
+    { call = function(ylm) return ylm.view { meshes = { { ylm.sphere { radius = 1 }, opacity = 2 } } } end,
+      says = "opacity must be" },
   },
   ["view:bars"] = {
     { call = function(ylm) return ylm.view({ sh = sh }).bars(1) end, says = "view expected before the colon" },
@@ -128,12 +137,15 @@ local cases = {
     plot({ x = { 1 }, y = { 1 }, y_range = { 2, 1 } }, "least < largest"),
     plot({ x = { 1 }, y = { 1 }, diagonal = 4 }, "diagonal must be true or its label"),
     plot({ x = { 1 }, y = { 1 }, size = { 1, 1 } }, "size must be a list"),
+    plot({ x = { 1 }, y = { 1 }, size = { 8000, 100 }, supersample = 3 }, "at most 16384 pixels"),
     { call = function(ylm) return ylm.plot({ x = { 1 }, y = { 1 }, size = { 64, 64 }, font = 90 }):pixels() end,
       says = "no room for its texts" },
   },
   ["plot:where"] = {
-    { call = function(ylm) return ylm.plot({ x = { 1 }, y = { 1 } }):where("a", 1) end, says = "bad argument #1 to 'where'" },
-    { call = function(ylm) return ylm.plot({ x = { 1 }, y = { 1 } }):where(1, nan) end, says = "bad argument #2 to 'where'" },
+    { call = function(ylm) return ylm.plot({ x = { 1 }, y = { 1 } }):where("a", 1) end,
+      says = "bad argument #1 to 'where'" },
+    { call = function(ylm) return ylm.plot({ x = { 1 }, y = { 1 } }):where(1, nan) end,
+      says = "bad argument #2 to 'where'" },
   },
   figure = {
     figure(nil, "a table of named fields expected"),
@@ -155,8 +167,10 @@ local cases = {
     figure({ rows = { { { image = "a.png", tone = "filmic" } } } }, "tone must be one of"),
     figure({ rows = { { "a.png" } }, bar = {} }, "bar: field 'range' is missing"),
     figure({ rows = { { "a.png" } }, bar = { range = { 1, 0 } } }, "bar: range must be"),
-    { call = function(ylm) return ylm.figure({ rows = { { "no such file.png" } } }):pixels() end, says = "No such file" },
-    { call = function(ylm) return ylm.figure({ rows = { { ylm.zeros { 2, 2 } } } }):pixels() end, says = "pixels %[height%]" },
+    { call = function(ylm) return ylm.figure({ rows = { { "no such file.png" } } }):pixels() end,
+      says = "No such file" },
+    { call = function(ylm) return ylm.figure({ rows = { { ylm.zeros { 2, 2 } } } }):pixels() end,
+      says = "pixels %[height%]" },
     { call = function(ylm)
       return ylm.figure({ rows = { { { image = ylm.array(black), crop = { 0, 0, 2, 2 } } } } }):pixels()
     end, says = "leaves the image" },
