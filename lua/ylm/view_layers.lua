@@ -301,10 +301,12 @@ end
 
 local function scale_of(scale) return scale.map, scale.range[1], scale.range[2], scale.log end
 
---- Cells of a grid that colours show: leaves, or occupied leaves.
+--- Cells of a grid that colours show: leaves, or those of `drawn`. With corners: all of them, parents first, so that
+-- a leaf without data shows its nearest ancestor's, as sampling does.
 local function cells_args(source, drawn, with_corners)
   local c = source.cells
-  return c.origin, c.size, c.level, drawn or c.leaf, with_corners and c.corner or nil
+  if with_corners then return c.origin, c.size, c.level, drawn, c.corner end
+  return c.origin, c.size, c.level, drawn or c.leaf
 end
 
 local function both(a, b)
