@@ -1,4 +1,4 @@
---- Pictures out of pictures: rows of images with captions, wipes, a shared scalar bar. And grids as .vtu files.
+--- Pictures out of pictures: rows of images with captions, wipes, a shared scalar bar.
 
 local array = require "ylm.array"
 local check = require "ylm.check"
@@ -386,7 +386,5 @@ figure.figure = form.define("figure", {
   build = build,
   example = 'figure { rows = { { { values = { { 0, 1 }, { 2, 3 } } } } }, bar = { range = { 0, 3 } } }',
 })
-
-require "ylm.grid".writers.vtu = function(grid, path) return require "ylm.view_file".save_vtu(grid, path) end
 
 return figure
