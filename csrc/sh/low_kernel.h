@@ -98,18 +98,14 @@ ylm__sh_kernel *SH_NAME(ylm__sh_low)(int lmax, int derivatives) {
 }
 
 bool SH_NAME(ylm__sh_all_between)(const void *p, size_t n, double least, double most) {
-  vreal low = sh_set((real)least), high = sh_set((real)most), v[3];
-  sh_mask bad = {0};
+  vreal low = sh_set((real)(3 * least * least)), high = sh_set((real)(most * most)), v[3];
+  sh_mask good = ~(sh_mask){0};
   for (size_t i = 0; i < n; i += W) {
     sh_load_points((const real *)p + 3 * i, n - i < W ? n - i : W, v);
-    sh_mask long_enough = {0};
-    for (int c = 0; c < 3; c++) {
-      bad |= ~((v[c] <= high) & (v[c] >= -high));
-      long_enough |= (v[c] >= low) | (v[c] <= -low);
-    }
-    bad |= ~long_enough;
+    vreal d2 = v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
+    good &= (d2 >= low) & (d2 <= high); /* false for NaN */
   }
-  long any = 0;
-  for (size_t j = 0; j < W; j++) any |= (long)bad[j];
-  return any == 0;
+  long all = -1;
+  for (size_t j = 0; j < W; j++) all &= (long)good[j];
+  return all != 0;
 }

@@ -23,7 +23,8 @@ struct ylm__sh_job {
   ylm__sh_kernel *inner; /* of a kernel that converts and calls another */
 };
 
-/* True if the largest coordinate of every point [n][3] is finite and from `least` to `most`. */
+/* True only if the largest coordinate of every point [n][3] is finite and from `least` to `most`,
+   whose squares must be ordinary numbers; may be false for points close to the limits. */
 typedef bool ylm__sh_check(const void *p, size_t n, double least, double most);
 
 /* v = d * w with |w| = 1, without overflow or underflow; for v = 0, d = 0 and w = +z. */

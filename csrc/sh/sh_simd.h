@@ -115,6 +115,16 @@ YLM_INLINE void sh_transpose(vreal v[W]) {
 #endif
 }
 
+/* Columns column[0..n-1], n < W, to out[row][0..n-1] for all W rows. */
+YLM_INLINE void sh_store_narrow(const vreal *column, size_t n, real *out, size_t stride) {
+  vreal v[W];
+#pragma GCC unroll 16
+  for (size_t i = 0; i < W; i++) v[i] = i < n ? column[i] : sh_set(0);
+  sh_transpose(v);
+#pragma GCC unroll 16
+  for (size_t i = 0; i < W; i++) memcpy(out + i * stride, &v[i], (n < W ? n : W) * sizeof *out);
+}
+
 /* Columns column[0..n-1] to out[row][0..n-1] for fewer than W rows, which are `stride` apart. */
 static __attribute__((noinline, unused)) void sh_store_few(const vreal *column, size_t n, real *out,
                                                            size_t stride, size_t rows) {
@@ -134,13 +144,20 @@ YLM_INLINE void sh_store_block(const vreal *column, real *out, size_t stride) {
 
 /* Columns column[0..n-1] to out[row][0..n-1]: whole blocks, the last one overlapping if need be. */
 YLM_INLINE void sh_store_columns(const vreal *column, size_t n, real *out, size_t stride, size_t rows) {
-  if (rows < W || n < W) {
+  if (rows < W || (n < W && !__builtin_constant_p(n))) {
     sh_store_few(column, n, out, stride, rows);
+    return;
+  }
+  if (n < W) {
+    sh_store_narrow(column, n, out, stride);
     return;
   }
   size_t i = 0;
   for (; i + W <= n; i += W) sh_store_block(column + i, out + i, stride);
-  if (i < n) sh_store_block(column + n - W, out + n - W, stride);
+  if (n - i > 2) sh_store_block(column + n - W, out + n - W, stride);
+  else /* an odd (lmax+1)^2 leaves one */
+    for (; i < n; i++)
+      for (size_t j = 0; j < W; j++) out[j * stride + i] = column[i][j];
 }
 
 /* -- normalising ------------------------------------------------------------------ */
