@@ -64,7 +64,8 @@ describe("ylm.sh.convert", function()
     for _, v in ipairs(directions) do
       local x, y, z = v[1], v[2], v[3]
       local s1, s2 = math.sqrt(3 / (8 * pi)), math.sqrt(15 / (32 * pi))
-      local Y = { { math.sqrt(1 / (4 * pi)), 0 }, { s1 * x, -s1 * y }, { math.sqrt(3 / (4 * pi)) * z, 0 }, { -s1 * x, -s1 * y },
+      local Y = { { math.sqrt(1 / (4 * pi)), 0 }, { s1 * x, -s1 * y }, { math.sqrt(3 / (4 * pi)) * z, 0 }, { -s1 * x,
+        -s1 * y },
         { s2 * (x * x - y * y), -2 * s2 * x * y }, { 2 * s2 * x * z, -2 * s2 * y * z },
         { math.sqrt(5 / (16 * pi)) * (3 * z * z - 1), 0 }, { -2 * s2 * x * z, -2 * s2 * y * z },
         { s2 * (x * x - y * y), 2 * s2 * x * y } }
@@ -84,7 +85,8 @@ describe("ylm.sh.convert", function()
     assert.equal(7, #u)
     -- Stupid SH Tricks, A10: fC0 .. fC4 with a basis that has the phase, as ours
     local c, root = rgb[3], math.sqrt(pi)
-    local C0, C1, C2, C3 = 1 / (2 * root), math.sqrt(3) / (3 * root), math.sqrt(15) / (8 * root), math.sqrt(5) / (16 * root)
+    local C0, C1, C2, C3 = 1 / (2 * root), math.sqrt(3) / (3 * root), math.sqrt(15) / (8 * root),
+      math.sqrt(5) / (16 * root)
     local A = { -C1 * c[4], -C1 * c[2], C1 * c[3], C0 * c[1] - C3 * c[7] }
     local B = { C2 * c[5], -C2 * c[6], 3 * C3 * c[7], -C2 * c[8] }
     for i = 1, 4 do
@@ -124,7 +126,8 @@ describe("ylm.sh.convert", function()
   end)
 
   it("to irradiance: by pi, 2pi/3, pi/4, 0, -pi/24", function()
-    local c = ylm.sh.convert({ 1, 0, 1, 0, 0, 0, 1, 0, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0, 0 }, "ylm irradiance")
+    local c = ylm.sh.convert({ 1, 0, 1, 0, 0, 0, 1, 0, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0, 0 },
+      "ylm irradiance")
     for l, wanted in ipairs { pi, 2 * pi / 3, pi / 4, 0, -pi / 24 } do
       assert.is_near(wanted, c[(l - 1) * l + 1], 1e-15)
     end
@@ -149,7 +152,8 @@ describe("ylm.sh.convert", function()
       assert.equal(name, there.convention)
       assert(core.array_distance(ylm.sh.convert(there, "ylm"), rgb) < 1e-14, name)
       for _, other in ipairs(names) do
-        assert(core.array_distance(ylm.sh.convert(ylm.sh.convert(there, other), "ylm"), rgb) < 1e-14, name .. " " .. other)
+        assert(core.array_distance(ylm.sh.convert(ylm.sh.convert(there, other), "ylm"), rgb) < 1e-14, name .. " "
+          .. other)
       end
       local f = ylm.sh.convert(ylm.sh.convert(ylm.array(rgb, "float"), name), "ylm")
       assert.equal("float", f.dtype)
@@ -159,7 +163,8 @@ describe("ylm.sh.convert", function()
 
   it("is remembered by clones, views and copies of another type", function()
     local c = ylm.sh.convert({ { 1, 2, 3, 4 } }, "sn3d")
-    for _, a in ipairs { c:clone(), c[1], c:reshape { 4 }, ylm.array(c, "float") } do assert.equal("sn3d", a.convention) end
+    for _, a in ipairs { c:clone(), c[1], c:reshape { 4 }, ylm.array(c, "float") } do assert.equal("sn3d",
+      a.convention) end
   end)
 
   it("refuses to mix: what takes ylm's coefficients names the convention that came", function()

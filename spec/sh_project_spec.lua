@@ -20,7 +20,8 @@ local function reference()
       local set = by_key[key]
       if not set then
         local length = math.sqrt(n[1] ^ 2 + n[2] ^ 2 + n[3] ^ 2)
-        set = { kind = kind, u = length > 0 and { n[1] / length, n[2] / length, n[3] / length }, a = n[4], b = n[5], c = {} }
+        set = { kind = kind, u = length > 0 and { n[1] / length, n[2] / length, n[3] / length }, a = n[4], b = n[5],
+          c = {} }
         by_key[key], list[#list + 1] = set, set
       end
       set.c[n[6] * (n[6] + 1) + n[7] + 1] = n[8]
@@ -104,7 +105,8 @@ describe("ylm.sh.project", function()
     for i, v in ipairs(d:totable()) do values[i] = v[1] * v[3] end
     local c = ylm.sh.project(2, { directions = d, values = values, weights = w })
     assert.is_near(-math.sqrt(4 * pi / 15), c[8], 1e-14)
-    local plain = ylm.sh.project(0, { directions = { { 0, 0, 1 }, { 0, 0, -3 } }, values = { { 1, 2, 3 }, { 3, 4, 5 } } })
+    local plain = ylm.sh.project(0, { directions = { { 0, 0, 1 }, { 0, 0, -3 } }, values = { { 1, 2, 3 }, { 3, 4, 5 }
+      } })
     for ch = 1, 3 do assert.is_near((ch + 1) * math.sqrt(4 * pi), plain:get(ch, 1), 1e-14) end
   end)
 
@@ -200,7 +202,8 @@ describe("ylm.sh.irradiance", function()
     for i = 1, 3 do assert.is_near(E[i], by_cosine[i], 1e-14) end
     -- the printed constants
     local L = z:totable()
-    assert.is_near(by_cosine[1], 0.743125 * L[3] * 0.64 + 2 * 0.511664 * L[2] * 0.8 + 0.886227 * L[1] - 0.247708 * L[3], 1e-5)
+    assert.is_near(by_cosine[1],
+      0.743125 * L[3] * 0.64 + 2 * 0.511664 * L[2] * 0.8 + 0.886227 * L[1] - 0.247708 * L[3], 1e-5)
   end)
 end)
 
@@ -246,7 +249,8 @@ describe("ylm.sh.window", function()
     local c = {}
     for i = 1, 16 do c[i] = 1 end
     local s = math.sin(pi / 4) / (pi / 4)
-    for name, f in pairs { hann = 0.5 * (1 + math.cos(pi / 4)), lanczos = s, sinc = s ^ 4, gaussian = math.exp(-pi ^ 2 / 32) } do
+    for name, f in pairs { hann = 0.5 * (1 + math.cos(pi / 4)), lanczos = s, sinc = s ^ 4,
+      gaussian = math.exp(-pi ^ 2 / 32) } do
       local w = ylm.sh.window(c, name, 4)
       assert.equal(1, w[1])
       for k = 2, 4 do assert.is_near(f, w[k], 1e-15) end

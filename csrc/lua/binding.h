@@ -29,6 +29,7 @@
   X(array_file) \
   X(grid) \
   X(light) \
+  X(light_polygon) \
   X(sandbox) \
   X(sh) \
   X(sh_rotate) \

@@ -3,6 +3,8 @@
 
 #include "ylm_sh.h"
 
+#include <math.h>
+
 /* sh_rule(nodes, azimuths, lo, hi) -> directions [n][3], weights [n] */
 static int sh_rule(lua_State *L) {
   int nodes = (int)luaL_checknumber(L, 1), azimuths = (int)luaL_checknumber(L, 2);
@@ -84,8 +86,46 @@ static int array_range(lua_State *L) {
   return 2;
 }
 
+/* sh_random(array, seed): uniform in -1 .. 1 */
+static int sh_random(lua_State *L) {
+  ylmL_array *a = ylmL_array_check(L, 1);
+  ylm_rng r;
+  ylm_rng_seed(&r, (uint64_t)luaL_checknumber(L, 2), 1);
+  for (size_t i = 0; i < a->count; i++) {
+    double x = 2 * ylm_rng_double(&r) - 1;
+    if (a->dtype == YLM_DOUBLE) ((double *)a->data)[i] = x;
+    else ((float *)a->data)[i] = (float)x;
+  }
+  return 0;
+}
+
+/* sh_relative_error(a [rows][width], b, out [rows], norms [rows]): norm of a-b over norm of b, and the latter; double */
+static int sh_relative_error(lua_State *L) {
+  ylmL_array *a = ylmL_array_check(L, 1), *b = ylmL_array_check(L, 2), *out = ylmL_array_check(L, 3);
+  ylmL_array *norms = ylmL_array_check(L, 4);
+  if (norms->dtype != YLM_DOUBLE || norms->count != out->count) return ylmL_result(L, 0, YLM_ESHAPE, NULL);
+  if (a->dtype != YLM_DOUBLE || b->dtype != YLM_DOUBLE || out->dtype != YLM_DOUBLE)
+    return ylmL_result(L, 0, YLM_ETYPE, NULL);
+  size_t rows = out->count, width = rows ? b->count / rows : 0;
+  if (a->count != b->count || b->count != rows * width) return ylmL_result(L, 0, YLM_ESHAPE, NULL);
+  for (size_t r = 0; r < rows; r++) {
+    double d = 0, n = 0;
+    for (size_t i = r * width; i < (r + 1) * width; i++) {
+      double x = ((const double *)a->data)[i], y = ((const double *)b->data)[i];
+      d += (x - y) * (x - y);
+      n += y * y;
+    }
+    ((double *)out->data)[r] = d == 0 ? 0 : sqrt(d / n);
+    ((double *)norms->data)[r] = sqrt(n);
+  }
+  lua_pushboolean(L, 1);
+  return 1;
+}
+
 static const luaL_Reg functions[] = {{"sh_rule", sh_rule},       {"sh_samples", sh_samples},
                                      {"sh_project", sh_project}, {"sh_degree_scale", sh_degree_scale},
-                                     {"sh_array_range", array_range}, {NULL, NULL}};
+                                     {"sh_array_range", array_range},
+                                     {"sh_random", sh_random},   {"sh_relative_error", sh_relative_error},
+                                     {NULL, NULL}};
 
 void ylmL_open_sh_project(lua_State *L) { luaL_setfuncs(L, functions, 0); }

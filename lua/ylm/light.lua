@@ -123,6 +123,12 @@ local function gather(n, name, value, parts, run, depth)
     if not core.lights_count(value) then return check.bad(n, name, "the lights have been closed") end
     flush()
     parts[#parts + 1] = value
+  elseif kind == "polygon_light" or kind == "disk_light" then
+    parts.others = parts.others or {}
+    table.insert(parts.others, value.field)
+  elseif core.has_field(value) and kind ~= "ylm.grid" then
+    parts.others = parts.others or {}
+    table.insert(parts.others, value)
   elseif type(value) == "table" and kind == nil and depth < 32 then
     for i = 1, #value do gather(n, name, value[i], parts, run, depth + 1) end
   else
@@ -132,10 +138,16 @@ local function gather(n, name, value, parts, run, depth)
   if depth == 0 then flush() end
 end
 
---- Argument `n` of `name` as one "ylm.lights": a light, a list of them (nested fine), or a packed object.
+--- Argument `n` of `name` as one object with a light field, "ylm.lights" if all are spheres: a light, a list of them
+-- (nested fine), or a packed object.
 function light.pack(n, name, lights)
   local parts, run = {}, { at = {}, radius = {}, radiance = {} }
   gather(n, name, lights, parts, run, 0)
+  if parts.others then
+    for _, other in ipairs(parts.others) do parts[#parts + 1] = other end
+    if #parts == 1 then return parts[1] end
+    return check.result(name, core.light_sum(parts))
+  end
   if #parts == 0 then return check.bad(n, name, "at least one light expected, got an empty list") end
   if #parts == 1 then return parts[1] end
   return check.result(name, core.lights_join(parts))

@@ -17,7 +17,7 @@ local parts = {
   { "ylm.sh_convert", "convert", "resize" },
   { "ylm.sh_product", "product", "product_method", "transfer", "transfer_apply" },
   { "ylm.sh_project", "project", "zonal", "convolve", "cap", "irradiance", "zonal_irradiance", "sky" },
-  { "ylm.sh_window", "window", "dering", "summary" },
+  { "ylm.sh_window", "window", "dering", "summary", "random", "relative_error" },
 }
 
 local home = {}

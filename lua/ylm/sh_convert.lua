@@ -18,8 +18,10 @@ local function convention_of(n, name, value)
   end
   local number, message = core.sh_convention(value)
   if not number then
-    local guess = check.guess(value, { "ylm", "plain", "sphericart", "n3d", "sn3d", "scipy", "unity", "three.js", "filament" })
-    return check.bad(n, name, "%s%s", message, guess and guess ~= value and (" (did you mean '%s'?)"):format(guess) or "")
+    local guess = check.guess(value, { "ylm", "plain", "sphericart", "n3d", "sn3d", "scipy", "unity", "three.js",
+      "filament" })
+    return check.bad(n, name, "%s%s", message, guess and guess ~= value
+      and (" (did you mean '%s'?)"):format(guess) or "")
   end
   return number, core.sh_convention_name(number):match("^%S+")
 end
@@ -75,7 +77,8 @@ describe "sh.convert" {
     .. "'n3d' and 'sn3d' (ambisonics, ACN order), 'scipy' (complex), 'unity' (SHAr .. SHC), 'three.js', 'filament'; "
     .. "'irradiance' behind it where it is not radiance, and axes like 'x,z,-y' where its x, y, z point elsewhere.",
   arguments = {
-    { "c", "array|table", "[..][(lmax+1)^2]; scipy [..][(lmax+1)^2][2]; three.js, filament [..][9][3]; unity [..][7][4]" },
+    { "c", "array|table",
+      "[..][(lmax+1)^2]; scipy [..][(lmax+1)^2][2]; three.js, filament [..][9][3]; unity [..][7][4]" },
     { "to", "string", "the convention that is wanted" },
     { "options?", "table", "see the options" },
   },

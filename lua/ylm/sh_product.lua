@@ -33,7 +33,8 @@ local product_options = {
     about = "auto: the fastest for the size. All are exact but 'recursive', which cuts off after every multiplication" },
   { "inner", "choice", of = { "auto", "gaunt", "fourier", "quadrature", "brute" }, default = "auto",
     about = "what the steps of 'recursive' are done by" },
-  { "stages", "boolean", default = false, about = "also return the seconds of transform, multiplication, transform back" },
+  { "stages", "boolean", default = false,
+    about = "also return the seconds of transform, multiplication, transform back" },
   args.dtype, args.threads, args.out,
 }
 
@@ -142,7 +143,8 @@ function product.product_method(lmax, factors, method)
   return used, integrals
 end
 
-local transfer_options = { { "dtype", "choice", of = { "float", "double" }, default = "double", about = "of the matrix" } }
+local transfer_options = { { "dtype", "choice", of = { "float", "double" }, default = "double",
+  about = "of the matrix" } }
 
 describe "sh.transfer" {
   about = "The matrix that multiplies coefficients by a function: M a are the coefficients of the product, M_ij = the "

@@ -34,7 +34,8 @@ local function evaluate(f, directions)
     local r, g, b = f(v[1], v[2], v[3])
     local width = b ~= nil and 3 or 1
     channels = channels or width
-    if not check.is_number(r) or width ~= channels or (width == 3 and not (check.is_number(g) and check.is_number(b))) then
+    if not check.is_number(r) or width ~= channels or (width == 3 and not (check.is_number(g)
+      and check.is_number(b))) then
       return check.bad(2, "project", "the function must return a finite number, or r, g, b everywhere; "
         .. "at (%g, %g, %g) it returned %s", v[1], v[2], v[3],
         width == 3 and table.concat({ tostring(r), tostring(g), tostring(b) }, ", ") or check.describe(r))
@@ -153,7 +154,8 @@ local function of_table(lmax, t, o)
   local v = array.rows(2, "project", "values", t.values, nil, "double")
   local shape = core.array_info(v)
   if n == 0 or #shape > 2 or shape[1] ~= n then
-    return check.bad(2, "project", "values: one number, or one row of channels, for each of %d directions expected, got %s",
+    return check.bad(2, "project",
+      "values: one number, or one row of channels, for each of %d directions expected, got %s",
       n, check.describe(v))
   end
   if #shape == 1 then v = core.array_reshape(v, { n, 1 }) end
@@ -166,7 +168,8 @@ local function of_table(lmax, t, o)
   end
   for _, a in ipairs { v, w } do
     local finite, where = core.array_finite(a)
-    if not finite then return check.bad(2, "project", "samples: number %d of values or weights is not finite", where) end
+    if not finite then return check.bad(2, "project", "samples: number %d of values or weights is not finite",
+      where) end
   end
   local c, message, code = of_samples(lmax, d, w, v, o.threads)
   if not c then return nil, message, code end
@@ -204,7 +207,8 @@ function project.project(lmax, f, options)
   elseif core.type(f) == "ylm.image" then c, report, code = of_image(lmax, f, o)
   elseif type(f) == "table" and not form.kind(f) then c, report, code = of_table(lmax, f, o)
   else
-    return check.bad(2, "project", "a function, an image or { directions =, values = } expected, got %s", check.describe(f))
+    return check.bad(2, "project", "a function, an image or { directions =, values = } expected, got %s",
+      check.describe(f))
   end
   if not c then return nil, report, code end
   if core.array_info(c)[1] == 1 then c = core.array_reshape(c, { (lmax + 1) ^ 2 }) end
@@ -395,7 +399,8 @@ end
 local sky_options = {
   { "kind", "choice", of = { "overcast", "clear", "partly cloudy" }, default = "overcast", about = "CIE standard sky" },
   { "zenith", "vector", default = { 0, 0, 1 }, about = "up" },
-  { "sun", "vector", optional = true, about = "towards the sun; 'clear' and 'partly cloudy' need it, above the horizon" },
+  { "sun", "vector", optional = true,
+    about = "towards the sun; 'clear' and 'partly cloudy' need it, above the horizon" },
   { "luminance", "number", min = 0, default = 1, about = "at the zenith" },
   { "nodes", "integer", min = 4, max = 2000, default = 96, about = "of the quadrature over the upper half" },
 }

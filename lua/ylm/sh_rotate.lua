@@ -179,7 +179,8 @@ describe "sh.rotate" {
     .. "Identity, quarter and half turns about the axes are exact.",
   arguments = {
     { "c", "array|table", "[..][(lmax+1)^2], lmax up to 128" },
-    { "rotation", "table|array|sh_rotation", "as for sh.rotation, or an object made by it, which is fastest for batches" },
+    { "rotation", "table|array|sh_rotation",
+      "as for sh.rotation, or an object made by it, which is fastest for batches" },
     { "options?", "table", "see the options" },
   },
   options = rotate_options,

@@ -146,6 +146,59 @@ function window.dering(c, options)
   return result, report
 end
 
+-- For experiments ---------------------------------------------------------------------------------
+
+local random_options = {
+  { "seed", "integer", min = 0, max = 2 ^ 53, default = 1 },
+  { "dtype", "choice", of = { "float", "double" }, default = "double" },
+}
+
+describe "sh.random" {
+  about = "Random coefficients, uniform in [-1, 1): the same for the same seed everywhere.",
+  arguments = { { "rows", "integer", "how many vectors" }, { "lmax", "integer", "" }, { "options?", "table", "" } },
+  options = random_options,
+  returns = { { "c", "array", "[rows][(lmax+1)^2]" } },
+  errors = "raises on sizes that are none",
+  example = [[
+local a, b = ylm.sh.random(2, 3), ylm.sh.random(2, 3)
+assert(a:get(2, 16) == b:get(2, 16) and a:get(1, 1) ~= a:get(2, 1))]],
+}
+function window.random(rows, lmax, options)
+  check.integer(1, "random", "rows", rows, 0, 2 ^ 40)
+  check.integer(2, "random", "lmax", lmax, 0, core.sh_lmax)
+  local o = form.options(3, "random", random_options, options)
+  local out, message, code = args.result("random", nil, { rows, (lmax + 1) ^ 2 }, o.dtype)
+  if not out then return nil, message, code end
+  core.sh_random(out, o.seed)
+  return out
+end
+
+describe "sh.relative_error" {
+  about = "How far rows are from those of a reference: the L2 norm of the difference over that of the reference.",
+  arguments = { { "a", "array|table", "[n][..]" }, { "b", "array|table", "[n][..], the reference" } },
+  returns = { { "e", "array", "[n]" }, { "norms", "array", "[n]: of the reference's rows" } },
+  errors = "raises where the shapes differ",
+  example = "assert(ylm.sh.relative_error({ { 3, 5 } }, { { 3, 4 } })[1] == 0.2)",
+}
+function window.relative_error(a, b)
+  local array = require "ylm.array"
+  local x = array.rows(1, "relative_error", "numbers", a, nil, "double")
+  local y = array.rows(2, "relative_error", "numbers", b, nil, "double")
+  local sx, sy = core.array_info(x), core.array_info(y)
+  if #sx < 2 or table.concat(sx, "x") ~= table.concat(sy, "x") then
+    return check.bad(2, "relative_error", "rows like those of the first argument expected: %s, got %s",
+      check.describe(x),
+      check.describe(y))
+  end
+  local out, message, code = args.result("relative_error", nil, { sy[1] }, "double")
+  if not out then return nil, message, code end
+  local norms
+  norms, message, code = args.result("relative_error", nil, { sy[1] }, "double")
+  if not norms then return nil, message, code end
+  assert(core.sh_relative_error(x, y, out, norms))
+  return out, norms
+end
+
 -- In words ------------------------------------------------------------------------------------------
 
 describe "sh.summary" {

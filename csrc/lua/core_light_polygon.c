@@ -1,0 +1,100 @@
+/* core_light_polygon.c - ylm.polygons, and ylm.light_sum: the sum of what has a light field. */
+#include "binding.h"
+
+#include <string.h>
+
+#include "ylm_light.h"
+
+#define POLYGONS "ylm.polygons"
+#define SUM "ylm.light_sum"
+
+static const ylm_field *polygons_field(void *object) {
+  ylm_polygons **p = object;
+  return *p ? ylm_polygons_field(*p) : NULL;
+}
+
+static int polygons_gc(lua_State *L) {
+  ylm_polygons **p = ylmL_check(L, 1, POLYGONS);
+  ylm_polygons_free(*p);
+  *p = NULL;
+  return 0;
+}
+
+/* polygons_create({sides}, vertices double [..][3], radiance double [n][3], exact, horizon [3] | nil) -> polygons */
+static int polygons_create(lua_State *L) {
+  luaL_checktype(L, 1, LUA_TTABLE);
+  size_t n = lua_rawlen(L, 1), total = 0;
+  ylmL_array *v = ylmL_array_check(L, 2), *c = ylmL_array_check(L, 3), *h = ylmL_array_opt(L, 5);
+  bool exact = lua_toboolean(L, 4);
+  ylm_error e = {YLM_OK, ""};
+  int *sides = lua_newuserdata(L, (n + 1) * sizeof *sides); /* collected whatever happens */
+  for (size_t i = 0; i < n; i++) {
+    lua_rawgeti(L, 1, (int)i + 1);
+    sides[i] = (int)luaL_checknumber(L, -1);
+    lua_pop(L, 1);
+    if (sides[i] < 0 || sides[i] > 1000) return ylmL_result(L, 0, YLM_ERANGE, NULL);
+    total += (size_t)sides[i];
+  }
+  if (v->count != 3 * total || c->count != 3 * n || (h && h->count != 3)) return ylmL_result(L, 0, YLM_ESHAPE, NULL);
+  if (v->dtype != YLM_DOUBLE || c->dtype != YLM_DOUBLE || (h && h->dtype != YLM_DOUBLE)) return ylmL_result(L, 0, YLM_ETYPE, NULL);
+  ylm_polygons **p = lua_newuserdata(L, sizeof *p);
+  *p = NULL;
+  luaL_getmetatable(L, POLYGONS);
+  lua_setmetatable(L, -2);
+  ylm_status s = ylm_polygons_create(n, sides, v->data, c->data, exact, h ? h->data : NULL, p, &e);
+  if (s == YLM_OK) ylmL_charge(L, n * 400);
+  return ylmL_result(L, 1, s, &e);
+}
+
+/* A sum keeps what it is made of in its environment table: uservalues differ between versions, the
+   registry does not. */
+typedef struct sum { ylm_field_sum *sum; int parts; } sum;
+
+static const ylm_field *sum_field(void *object) {
+  sum *s = object;
+  return s->sum ? ylm_field_sum_field(s->sum) : NULL;
+}
+
+static int sum_gc(lua_State *L) {
+  sum *s = ylmL_check(L, 1, SUM);
+  ylm_field_sum_free(s->sum);
+  s->sum = NULL;
+  luaL_unref(L, LUA_REGISTRYINDEX, s->parts);
+  s->parts = LUA_NOREF;
+  return 0;
+}
+
+/* light_sum({objects with a light field}) -> sum */
+static int light_sum(lua_State *L) {
+  luaL_checktype(L, 1, LUA_TTABLE);
+  lua_settop(L, 1);
+  size_t n = lua_rawlen(L, 1);
+  if (n > 100000) return ylmL_result(L, 0, YLM_ERANGE, NULL);
+  const ylm_field **fields = lua_newuserdata(L, (n + 1) * sizeof *fields);
+  lua_createtable(L, (int)n, 0);
+  for (size_t i = 0; i < n; i++) {
+    lua_rawgeti(L, 1, (int)i + 1);
+    fields[i] = ylmL_field_check(L, -1);
+    lua_rawseti(L, 3, (int)i + 1);
+  }
+  sum *s = lua_newuserdata(L, sizeof *s);
+  *s = (sum){NULL, LUA_NOREF};
+  luaL_getmetatable(L, SUM);
+  lua_setmetatable(L, -2);
+  lua_pushvalue(L, 3);
+  s->parts = luaL_ref(L, LUA_REGISTRYINDEX);
+  return ylmL_result(L, 1, ylm_field_sum_create(n, fields, &s->sum), NULL);
+}
+
+static const luaL_Reg functions[] = {{"polygons_create", polygons_create}, {"light_sum", light_sum}, {NULL, NULL}};
+static const luaL_Reg polygons_methods[] = {{"__gc", polygons_gc}, {NULL, NULL}};
+static const luaL_Reg sum_methods[] = {{"__gc", sum_gc}, {NULL, NULL}};
+
+void ylmL_open_light_polygon(lua_State *L) {
+  ylmL_type(L, POLYGONS, polygons_methods);
+  ylmL_type_has_field(L, polygons_field);
+  ylmL_type(L, SUM, sum_methods);
+  ylmL_type_has_field(L, sum_field);
+  lua_pop(L, 2);
+  luaL_setfuncs(L, functions, 0);
+}

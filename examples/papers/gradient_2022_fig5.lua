@@ -1,0 +1,98 @@
+-- Mezieres et al. 2022 (gradient), Fig. 5: gradients of a basis function and of a light's coefficient as
+-- pictures, by two ways, and their difference.
+--
+--     lua examples/papers/gradient_2022_fig5.lua [folder for pictures] [quick]
+--
+-- (l, m) = (6, 3). Columns are theta, rows phi; r, g, b are the components of the gradient, 0.5 is zero.
+-- Top: explicit polynomials against the (theta, phi) recurrences ("Sloan's like"). Bottom: a sphere light at
+-- distance 2 of radius 0.5, closed-form gradient against central differences of the coefficient.
+
+local ylm = require "ylm"
+
+local folder, quick = arg and arg[1] or ".", arg and arg[2] == "quick"
+local size = quick and 32 or 256
+local l, m = 6, 3
+local index = ylm.sh.index(l, m)
+
+local directions = {}
+for y = 1, size do
+  for x = 1, size do
+    local theta, phi = (x - 0.5) / size * math.pi, (y - 0.5) / size * 2 * math.pi
+    directions[#directions + 1] = { math.sin(theta) * math.cos(phi), math.sin(theta) * math.sin(phi), math.cos(theta) }
+  end
+end
+
+--- The gradients of coefficient `index` from [n][count][3].
+local function pick(dY)
+  local list = {}
+  for i = 1, size * size do
+    list[i] = { dY:get(i, index, 1), dY:get(i, index, 2), dY:get(i, index, 3) }
+  end
+  return list
+end
+
+--- Saves a, b and 1e6 times their difference beside each other; returns the largest difference.
+local function picture(a, b, scale, gain, name)
+  local image = ylm.image { size = { 3 * size, size }, layers = { { "radiance", 3 } } }
+  local rows, worst = {}, 0
+  for y = 1, size do
+    rows[y] = {}
+    for x = 1, size do
+      local p, q = a[(y - 1) * size + x], b[(y - 1) * size + x]
+      local d = {}
+      for c = 1, 3 do
+        d[c] = math.abs(p[c] - q[c]) * gain / scale
+        worst = math.max(worst, math.abs(p[c] - q[c]))
+      end
+      local function shown(v) return { 0.5 + v[1] / scale / 2, 0.5 + v[2] / scale / 2, 0.5 + v[3] / scale / 2 } end
+      rows[y][x], rows[y][size + x], rows[y][2 * size + x] = shown(p), shown(q), d
+    end
+  end
+  local layer = image:layer "radiance"
+  for y = 1, size do
+    for x = 1, 3 * size do
+      for c = 1, 3 do layer:set(y, x, c, rows[y][x][c]) end
+    end
+  end
+  local ok, message = image:save(folder .. "/" .. name, { tone = "linear" })
+  print(ok and ("wrote %s"):format(name) or ("no picture: " .. tostring(message)))
+  return worst
+end
+
+local _, polynomial = ylm.sh.eval(l, directions, { derivatives = 1, method = "polynomial" })
+local _, recurrence = ylm.sh.eval(l, directions, { derivatives = 1, method = "sloan" })
+local _, solid = ylm.sh.eval(l, directions, { derivatives = 1 })
+local a, b, c = pick(polynomial), pick(recurrence), pick(solid)
+local largest = 0
+for _, v in ipairs(a) do for k = 1, 3 do largest = math.max(largest, math.abs(v[k])) end end
+print(("basis gradient: polynomials and recurrences differ by at most %.1e (picture: 1e6 times); largest component %.2f")
+  :format(picture(a, b, largest, 1e6, "gradient_2022_fig5_basis.png"), largest))
+local difference = 0
+for i, v in ipairs(a) do for k = 1, 3 do difference = math.max(difference, math.abs(v[k] - c[i][k])) end end
+print(("basis gradient: polynomials and solid harmonics differ by at most %.1e"):format(difference))
+
+local lamp = ylm.sphere_light { at = { 0, 0, 0 }, radius = 0.5, radiance = 1 }
+local points, step = {}, 1e-4
+for i, d in ipairs(directions) do points[i] = { -2 * d[1], -2 * d[2], -2 * d[3] } end
+local function field(p, derivatives)
+  return ylm.light_field(l, lamp, p, { derivatives = derivatives, channels = "luminance", dtype = "double" })
+end
+local _, dL = field(points, 1)
+local exact, numeric = {}, {}
+for i = 1, #points do
+  exact[i] = { dL:get(i, 1, index, 1), dL:get(i, 1, index, 2), dL:get(i, 1, index, 3) }
+  numeric[i] = {}
+end
+for k = 1, 3 do
+  local plus, minus = {}, {}
+  for i, p in ipairs(points) do
+    plus[i], minus[i] = { p[1], p[2], p[3] }, { p[1], p[2], p[3] }
+    plus[i][k], minus[i][k] = p[k] + step, p[k] - step
+  end
+  local P, Q = field(plus, 0), field(minus, 0)
+  for i = 1, #points do numeric[i][k] = (P:get(i, 1, index) - Q:get(i, 1, index)) / (2 * step) end
+end
+largest = 0
+for _, v in ipairs(exact) do for k = 1, 3 do largest = math.max(largest, math.abs(v[k])) end end
+print(("light's gradient: closed form and differences differ by at most %.1e (picture: 1e4 times); largest component %.3f")
+  :format(picture(exact, numeric, largest, 1e4, "gradient_2022_fig5_light.png"), largest))

@@ -1,0 +1,66 @@
+-- What polygon, disk and textured lights refuse: see spec/refusals_spec.lua.
+
+local nan = 0 / 0
+local triangle = { { 0, 1, 0 }, { 1, 1, 0 }, { 0, 1, 1 } }
+
+local function polygon(fields)
+  return function(ylm)
+    local t = { vertices = triangle }
+    for k, v in pairs(fields) do t[k] = v end
+    return ylm.polygon_light(t)
+  end
+end
+
+local function disk(fields)
+  return function(ylm)
+    local t = { at = { 0, 0, 0 }, normal = { 0, 0, 1 } }
+    for k, v in pairs(fields) do t[k] = v end
+    return ylm.disk_light(t)
+  end
+end
+
+local function texture(fields)
+  return function(ylm)
+    local t = { corner = { 0, 0, 0 }, u = { 1, 0, 0 }, v = { 0, 1, 0 },
+      image = ylm.image { size = { 2, 2 }, layers = { { "radiance", 3 } } } }
+    for k, v in pairs(fields) do t[k] = v end
+    return ylm.textured_light(t)
+  end
+end
+
+return {
+  polygon_light = {
+    { call = function(ylm) return ylm.polygon_light {} end, says = "field 'vertices' is missing" },
+    { call = polygon { vertexes = 1 }, says = "did you mean 'vertices'" },
+    { call = polygon { vertices = { { 0, 0, 0 }, { 1, 0, 0 } } }, says = "vertices must be three or more points" },
+    { call = polygon { vertices = { { 0, 0, 0 }, { 1, 0, 0 }, { 0, nan, 0 } } },
+      says = "vertices must be three or more" },
+    { call = polygon { vertices = { { 0, 0, 0 }, { 1, 0, 0 }, { 2, 0, 0 } } }, says = "it has no area" },
+    { call = polygon { vertices = { { 1, 1, 1 }, { 1, 1, 1 }, { 1, 1, 1 } } }, says = "it has no area" },
+    { call = polygon { vertices = { { 0, 0, 0 }, { 1, 0, 0 }, { 1, 1, 0.2 }, { 0, 1, 0 } } },
+      says = "it is not planar" },
+    { call = polygon { vertices = { { 0, 0, 0 }, { 2, 0, 0 }, { 0.5, 0.5, 0 }, { 0, 2, 0 } } },
+      says = "it is not convex" },
+    { call = polygon { vertices = { { 0, 0, 0 }, { 1e16, 0, 0 }, { 0, 1, 0 } } }, says = "beyond" },
+    { call = polygon { radiance = "x" }, says = "radiance must be a number or" },
+    { call = polygon { method = "fast" }, says = "method must be one of" },
+    { call = polygon { horizon = { 0, 0, 0 } }, says = "horizon must be three numbers.*not all zero" },
+    { call = polygon { horizon = { 0, 0, 1 }, method = "sphere" }, says = "only exact polygons are cut" },
+  },
+  disk_light = {
+    { call = function(ylm) return ylm.disk_light {} end, says = "field 'at' is missing" },
+    { call = disk { normal = { 0, 0, 0 } }, says = "normal must be" },
+    { call = disk { radius = 0 }, says = "radius must be a number > 0" },
+    { call = disk { radius = -1 }, says = "radius must be a number > 0" },
+    { call = disk { sides = 2 }, says = "sides must be an integer" },
+    { call = disk { radiance = nan }, says = "radiance must be" },
+  },
+  textured_light = {
+    { call = function(ylm) return ylm.textured_light {} end, says = "field 'corner' is missing" },
+    { call = texture { image = 3 }, says = "image must be a ylm.image, got 3" },
+    { call = texture {}, says = "the image is black" },
+    { call = texture { v = { 2, 0, 0 } }, says = "u and v must not be parallel" },
+    { call = texture { tolerance = -1 }, says = "tolerance must be a number >= 0" },
+    { call = texture { u = { 0, 0, 0 } }, says = "u must be" },
+  },
+}
