@@ -166,6 +166,23 @@ describe("ylm.polygon_light", function()
     assert(adaptive.stats.points > 8)
   end)
 
+  it("goes into scenes: baked, rendered and referenced; rays are refused in words", function()
+    local scene = ylm.scene "a room under a triangle" {
+      camera = ylm.camera { from = { 0, 1, 3 }, at = { 0, 0.2, 0 } },
+      geometry = { ylm.quad { corner = { -1, 0, 1 }, u = { 2, 0, 0 }, v = { 0, 0, -2 } } },
+      lights = { ylm.polygon_light { vertices = { { -1, 2, -1 }, { 1, 2, -1 }, { 0, 2, 1 } } },
+        ylm.sphere_light { at = { 0.5, 1, 0 }, radius = 0.1, radiance = 20 } },
+      probes = ylm.uniform_grid { bounds = { { -1, -0.5, -1 }, { 1, 1, 1 } }, cells = { 6, 6, 6 }, lmax = 3 },
+    }
+    local grid = scene:bake()
+    local image = scene:render { grid = grid, size = { 24, 16 } }
+    local truth = scene:reference { size = { 24, 16 }, lmax = 3 }
+    assert(image:compare(truth).rmse < 0.05 * image:compare(truth).peak)
+    local ok, message = pcall(function() return scene:raycast { size = { 8, 8 }, samples = 1 } end)
+    assert.is_false(ok)
+    assert.matches("polygon and disk lights need bake or reference", message)
+  end)
+
   it("marks points on it, and gives the field of half the sphere there", function()
     local light = ylm.polygon_light { vertices = { { -1, 0, -1 }, { 1, 0, -1 }, { 0, 0, 1 } } }
     local L, dL, _, report = ylm.light_field(2, light, { { 1, 0, -1 }, { 0, 1, 0 } }, { derivatives = 1,

@@ -92,8 +92,16 @@ light.sphere_lights = form.define("sphere_lights", {
   example = "sphere_lights { at = { {0, 2, 0}, {1, 2, 0} }, radius = { 0.1, 0.2 }, radiance = 10 }",
 })
 
---- Centres [n][3], radii [n] and radiances [n][3] of what light.pack returned, as new double arrays.
+--- What light.pack made of spheres and others -> the spheres, which alone are drawn and aimed at.
+local spheres_of = setmetatable({}, { __mode = "k" })
+
+--- Centres [n][3], radii [n] and radiances [n][3] of the spheres in what light.pack returned, as new double arrays.
 function light.arrays(packed)
+  if core.type(packed) ~= "ylm.lights" then packed = spheres_of[packed] end
+  if not packed then
+    local function none(...) return assert(core.array_zeros({ 0, ... }, "double")) end
+    return none(3), none(), none(3)
+  end
   return check.result("lights", core.lights_arrays(packed))
 end
 
@@ -144,9 +152,13 @@ function light.pack(n, name, lights)
   local parts, run = {}, { at = {}, radius = {}, radiance = {} }
   gather(n, name, lights, parts, run, 0)
   if parts.others then
+    local spheres = parts[2] and core.lights_join(parts) or parts[1]
     for _, other in ipairs(parts.others) do parts[#parts + 1] = other end
     if #parts == 1 then return parts[1] end
-    return check.result(name, core.light_sum(parts))
+    local sum, message, code = check.result(name, core.light_sum(parts))
+    if not sum then return nil, message, code end
+    spheres_of[sum] = spheres
+    return sum
   end
   if #parts == 0 then return check.bad(n, name, "at least one light expected, got an empty list") end
   if #parts == 1 then return parts[1] end

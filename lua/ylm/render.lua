@@ -427,6 +427,9 @@ end
 
 --- Renders a prepared view by sampling the lamps.
 local function by_rays(name, p, o)
+  if core.type(p.traced.lights) ~= "ylm.lights" then
+    return check.fail("%s: rays are aimed at sphere lights; polygon and disk lights need bake or reference", name)
+  end
   check_truth(name, p, o)
   local start = core.seconds()
   local report = new_report(p)

@@ -1,0 +1,34 @@
+-- The examples about the papers' tables and figures run, in their quick form, and print what they should.
+
+local scratch = require "spec.support.scratch"
+
+local cases = {
+  { "products_2021_fig3.lua", "%s quick", " 20 .*%(21%.7%)" },
+  { "products_2021_fig4.lua", "%s quick", "k = 8: 7 factors" },
+  { "products_2021_table1.lua", "5", "paper 0%.87 0%.88" },
+  { "gradient_2022_table1.lua", "quick", "sloan, paper +67%.5" },
+  { "gradient_2022_fig5.lua", "%s quick", "light's gradient: .* at most [%d.]+e%-" },
+  { "gradient_2022_triangles.lua", "%s quick", "by shape" },
+}
+
+describe("examples/papers", function()
+  for _, case in ipairs(cases) do
+    it("runs " .. case[1], function()
+      local folder = scratch.new()
+      local out, status = scratch.capture(("%s examples/papers/%s %s"):format(os.getenv "YLM_LUA" or "lua5.4", case[1],
+        case[2]:format(scratch.quote(folder.path))))
+      folder:remove()
+      assert.equal(0, status, out)
+      assert(out:find(case[3]), out)
+    end)
+  end
+
+  it("runs 05_lobes.lua, which prints Green's Fig. 9", function()
+    local folder = scratch.new()
+    local out, status = scratch.capture(("%s examples/05_lobes.lua %s"):format(os.getenv "YLM_LUA" or "lua5.4",
+      scratch.quote(folder.path)))
+    folder:remove()
+    assert.equal(0, status, out)
+    assert(out:find("two lights, projected by quadrature", 1, true) and out:find("........#................", 1, true), out)
+  end)
+end)
