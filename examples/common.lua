@@ -1,0 +1,108 @@
+--- What the examples share: options, tables, searches, slopes. Loaded with dofile, no part of ylm.
+
+local common = {}
+
+--- Reads "--name value" and "--flag" into a copy of `defaults`; stops with the usage where a name is unknown.
+-- A default of false makes a flag; the type of the default is the type of the value ("" for text).
+function common.options(defaults, usage)
+  local options = {}
+  for name, value in pairs(defaults) do options[name] = value end
+  local i = 1
+  while arg and arg[i] do
+    local name = arg[i]:match "^%-%-([%w_]+)$"
+    local default = defaults[name or ""]
+    local value = arg[i + 1]
+    if default == nil then error(("unknown option '%s'\nusage: %s"):format(arg[i], usage), 0) end
+    if default == false then options[name], i = true, i + 1
+    else
+      if type(default) == "number" then value = tonumber(value) end
+      if value == nil then error(("--%s needs a value\nusage: %s"):format(name, usage), 0) end
+      options[name], i = value, i + 2
+    end
+  end
+  return options
+end
+
+--- Makes a folder, parents included.
+function common.folder(path)
+  os.execute("mkdir -p '" .. path:gsub("'", "'\\''") .. "'")
+  return path
+end
+
+--- A printer of rows: columns are { title, format } in order; nil cells print as "-".
+function common.table(columns)
+  local widths, titles = {}, {}
+  for i, column in ipairs(columns) do
+    widths[i] = math.max(#column[1], tonumber(column[2]:match "(%d+)") or 0)
+    titles[i] = (column[2]:find "%-" and "%-" or "%") .. widths[i] .. "s"
+    titles[i] = titles[i]:format(column[1])
+  end
+  print(table.concat(titles, "  "))
+  return function(row)
+    local cells = {}
+    for i, column in ipairs(columns) do
+      local value = row[i]
+      local text = value == nil and "-" or column[2]:format(value)
+      local left = column[2]:find "%-" and "%-" or "%"
+      cells[i] = (left .. widths[i] .. "s"):format(text)
+    end
+    print((table.concat(cells, "  "):gsub("%s+$", "")))
+    io.stdout:flush()
+  end
+end
+
+--- The integer in lo .. hi whose f(n), a growing function, is nearest to `wanted`.
+function common.nearest(lo, hi, wanted, f)
+  local known = {}
+  local function at(n)
+    known[n] = known[n] or f(n)
+    return known[n]
+  end
+  while hi - lo > 1 do
+    local middle = math.floor((lo + hi) / 2)
+    if at(middle) < wanted then lo = middle else hi = middle end
+  end
+  return math.abs(at(lo) - wanted) < math.abs(at(hi) - wanted) and lo or hi
+end
+
+--- Least-squares slope of log y over log x.
+function common.slope(x, y)
+  local n, sx, sy, sxx, sxy = 0, 0, 0, 0, 0
+  for i = 1, #x do
+    if x[i] > 0 and y[i] > 0 then
+      local u, v = math.log(x[i]), math.log(y[i])
+      n, sx, sy, sxx, sxy = n + 1, sx + u, sy + v, sxx + u * u, sxy + u * v
+    end
+  end
+  return (n * sxy - sx * sy) / (n * sxx - sx * sx)
+end
+
+--- 12345678 as "12,345,678".
+function common.thousands(n)
+  local text = ("%.0f"):format(n)
+  repeat
+    local k
+    text, k = text:gsub("^(%d+)(%d%d%d)", "%1,%2")
+  until k == 0
+  return text
+end
+
+--- Pixels where geometry alone is seen, as an array [h][w] of 0 and 1: what errors are taken over.
+function common.surface_mask(ylm, image)
+  local coverage, emitter = image:layer "coverage":totable(), image:layer "emitter":totable()
+  local rows = {}
+  for y = 1, #coverage do
+    local row = {}
+    for x = 1, #coverage[y] do
+      row[x] = (coverage[y][x][1] > 0.999 and emitter[y][x][1] < 1e-6) and 1 or 0
+    end
+    rows[y] = row
+  end
+  return ylm.array(rows, "float")
+end
+
+--- What a light-point pair with the Hessian metric costs beside one with a gradient (RGB, lmax 4): measured by
+-- `make bench`, see docs/performance.md.
+common.hessian_cost = 1.2
+
+return common

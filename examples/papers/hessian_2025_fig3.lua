@@ -1,0 +1,97 @@
+-- Iwasaki & Dobashi 2025, Fig. 3: components of the Hessian of SH coefficients of one sphere light on a
+-- square, ours (Eq. 15) beside finite differences of the coefficients themselves, and ten times their difference.
+--
+--     ylm run examples/papers/hessian_2025_fig3.lua [--out DIR] [--n PIXELS]
+--
+-- The paper prints "H_2^7" in the second row, which cannot exist (|m| <= l): H_7^2 is meant.
+
+local ylm = require "ylm"
+
+local here = arg[0]:match "^(.*/)" or "./"
+local common = dofile(here .. "../common.lua")
+local option = common.options({ out = "out", n = 256 },
+  "ylm run examples/papers/hessian_2025_fig3.lua [--out DIR] [--n N]")
+local out, n, lmax = common.folder(option.out) .. "/", option.n, 7
+
+local lamp = ylm.sphere_light { at = { 0.2, 1, 0.3 }, radius = 0.4, radiance = 1 }
+
+--- The square from (0.5, 0, 0.5) at the top left to (-0.5, 0, -0.5), moved by `shift`.
+local function square(shift)
+  local points = {}
+  for row = 0, n - 1 do
+    for column = 0, n - 1 do
+      points[#points + 1] = { 0.5 - column / (n - 1) + shift[1], shift[2], 0.5 - row / (n - 1) + shift[3] }
+    end
+  end
+  return ylm.array(points, "double")
+end
+
+--- Coefficient `index` at the shifted square, as a plain list.
+local function coefficient(index, shift)
+  local L = ylm.light_field(lmax, lamp, square(shift), { channels = "luminance", dtype = "double" })
+  local list, flat = {}, L:totable()
+  for i = 1, #flat do list[i] = flat[i][1][index] end
+  return list
+end
+
+--- Second derivative along axis a (1 to 3) by the five-point formula, error of order step^4.
+local function difference(index, a, step)
+  local sum
+  for k, weight in pairs { [-2] = -1 / 12, [-1] = 4 / 3, [0] = -5 / 2, [1] = 4 / 3, [2] = -1 / 12 } do
+    local shift = { 0, 0, 0 }
+    shift[a] = k * step
+    local values = coefficient(index, shift)
+    sum = sum or {}
+    for i = 1, #values do sum[i] = (sum[i] or 0) + weight * values[i] / step ^ 2 end
+  end
+  return sum
+end
+
+--- n*n numbers as rows.
+local function rows_of(list)
+  local rows = {}
+  for r = 1, n do
+    rows[r] = {}
+    for c = 1, n do rows[r][c] = list[(r - 1) * n + c] end
+  end
+  return rows
+end
+
+local _, _, H = ylm.light_field(lmax, lamp, square { 0, 0, 0 },
+  { derivatives = 2, channels = "luminance", dtype = "double" })
+local hessians = H:totable()
+
+local rows = {}
+print(("%-22s %12s %22s %22s"):format("component", "largest", "largest |difference|", "relative to largest"))
+for _, case in ipairs {
+  { name = "d2/dx2 of L_6^-3", l = 6, m = -3, component = 1, axis = 1 },
+  { name = "d2/dz2 of L_7^2", l = 7, m = 2, component = 6, axis = 3 },
+} do
+  local index = ylm.sh.index(case.l, case.m)
+  local ours, finite, wrong = {}, difference(index, case.axis, 2e-3), {}
+  local largest, worst = 0, 0
+  for i = 1, n * n do
+    ours[i] = hessians[i][1][index][case.component]
+    largest = math.max(largest, math.abs(ours[i]))
+    worst = math.max(worst, math.abs(ours[i] - finite[i]))
+  end
+  for i = 1, n * n do
+    wrong[i] = 10 * math.abs(ours[i] - finite[i]) / largest
+    ours[i], finite[i] = ours[i] / largest, finite[i] / largest
+  end
+  print(("%-22s %12.4g %22.3g %22.3g"):format(case.name, largest, worst, worst / largest))
+  rows[#rows + 1] = {
+    { values = rows_of(ours), caption = case.name .. ", analytic" },
+    { values = rows_of(finite), caption = "finite differences of L" },
+    { values = rows_of(wrong), caption = ("10 x |difference|, at most %.1e"):format(10 * worst / largest) },
+  }
+end
+assert(ylm.figure {
+  rows = rows,
+  bar = { range = { -1, 1 }, map = "coolwarm", label = "normalised by the largest" },
+  title = "Hessian of SH coefficients of a sphere light",
+  caption = "Sphere light of radius 0.4 at (0.2, 1, 0.3), seen from the square (0.5, 0, 0.5) to (-0.5, 0, -0.5). "
+    .. "Finite differences: five points, step 0.002, double.",
+}:save(out .. "hessian_2025_fig3.png"))
+print("The paper's pictures of the difference, scaled by ten, are black: no figure is printed there.")
+print(out .. "hessian_2025_fig3.png")
