@@ -253,6 +253,23 @@ describe("ylm.bake: properties", function()
     assert.is_true(core.array_finite(c))
   end)
 
+  it("leaves the metric out where it is not wanted, and keeps the same coefficients", function()
+    local one = ylm.sphere_light { at = { 0.3, 1.4, 0.2 }, radius = 0.1, radiance = 3 }
+    local function bake(of)
+      return ylm.bake(ylm.uniform_grid { bounds = { { -1, -1, -1 }, { 1, 1, 1 } }, cells = 3, lmax = 2,
+        metric_channels = of }, one)
+    end
+    local with, without = bake "luminance", bake "none"
+    assert.equal(0, core.array_distance(with:points().value, without:points().value))
+    assert.is_true(with:cells().error:get(1) > 0)
+    local unknown = without:cells().error:get(1)
+    assert.is_true(unknown ~= unknown)
+    local name = os.tmpname() .. ".ylm"
+    assert(without:save(name))
+    assert.equal("none", assert(ylm.load(name)).metric_channels)
+    os.remove(name)
+  end)
+
   it("refines voxels that a light's surface crosses, and fills corners inside of lights", function()
     local ball = ylm.sphere_light { at = { 0, 0, 0 }, radius = 0.4 }
     local grid = ylm.bake(ylm.adaptive_grid { bounds = { { -1.1, -1, -1 }, { 1, 1.2, 1 } }, lmax = 2, depth = 5,

@@ -49,7 +49,7 @@ static ylm_status ask(baker *b, int want, size_t n, const float *points, ylm_fie
   const ylm_grid_form *f = &b->g->view.form;
   ylm_progress progress = {forward, b};
   ylm_field_query q = {.lmax = f->lmax, .channels = f->channels, .want = want,
-                       .metric_channels = f->metric_channels, .dtype = YLM_FLOAT,
+                       .metric_channels = f->metric_channels == 3 ? 3 : 1, .dtype = YLM_FLOAT,
                        .threads = b->source->threads,
                        .progress = b->source->progress ? &progress : NULL};
   const ylm_field *field = b->source->field;
@@ -116,8 +116,11 @@ static ylm_status evaluate_block(baker *b, size_t first, size_t n, const field_b
   ylm_field_result r = {.value = k->value, .gradient = k->gradient, .lambda = g->lambda + first,
                         .norm = g->norm + first, .inside = k->inside};
   memset(k->inside, 0, n);
-  ylm_status s =
-      ask(b, YLM_WANT_VALUE | YLM_WANT_GRADIENT | YLM_WANT_METRIC, n, k->position, &r);
+  int want = YLM_WANT_VALUE | YLM_WANT_GRADIENT;
+  if (g->view.form.metric_channels) want |= YLM_WANT_METRIC;
+  else
+    for (size_t i = 0; i < n; i++) g->lambda[first + i] = g->norm[first + i] = NAN;
+  ylm_status s = ask(b, want, n, k->position, &r);
   if (s != YLM_OK) return s;
   void *context[3] = {b, (void *)(uintptr_t)k, &first};
   s = ylm_parallel(n, 64, b->source->threads, store_block, context, NULL, NULL);
@@ -163,6 +166,7 @@ static void corner_at(const ylm_grid *g, const ylm_grid_cell *c, int k, uint32_t
 
 float baker_metric(const baker *b, const ylm_grid_cell *c, ylm_grid_metric metric) {
   const ylm_grid *g = b->g;
+  if (!g->view.form.metric_channels) return NAN;
   double box = 0, sum = 0, edge = ylm__grid_edge(g, c);
   int n = 0;
   for (int a = 0; a < 3; a++) box += edge / g->scale[a] * (edge / g->scale[a]);

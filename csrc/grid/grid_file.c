@@ -257,8 +257,9 @@ static const char *check_lattice(const ylm_grid *g) {
 
 /* What is wrong with a grid that was read, or NULL. */
 static const char *check_grid(const ylm_grid *g) {
+  bool metric = g->view.form.metric_channels != 0;
   for (size_t i = 0; i < g->points; i++)
-    if (isnan(g->lambda[i]) || isnan(g->norm[i])) return "a point's metric";
+    if (metric && (isnan(g->lambda[i]) || isnan(g->norm[i]))) return "a point's metric";
   if (!ylm_all_finite(YLM_FLOAT, g->data, 4 * g->points * g->stride, NULL)) return "coefficients";
   if (g->view.form.kind == YLM_GRID_UNIFORM) return check_lattice(g);
   uint8_t *seen = ylm_alloc_zero(g->cells, 1);

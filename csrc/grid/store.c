@@ -52,8 +52,10 @@ ylm_status ylm__grid_check_form(const ylm_grid_form *f, ylm_error *e) {
     return ylm_fail(e, YLM_ERANGE, "lmax: 0 to 255, got %d", f->lmax);
   if (f->channels != 1 && f->channels != 3)
     return ylm_fail(e, YLM_EINVAL, "channels: 1 or 3, got %d", f->channels);
-  if (f->metric_channels != 1 && (f->metric_channels != 3 || f->channels != 3))
-    return ylm_fail(e, YLM_EINVAL, "metric_channels: 1, or 3 where channels are 3");
+  bool none = f->metric_channels == 0 && f->kind == YLM_GRID_UNIFORM;
+  if (f->metric_channels != 1 && !none && (f->metric_channels != 3 || f->channels != 3))
+    return ylm_fail(e, YLM_EINVAL,
+                    "metric_channels: 1, 3 where channels are 3, or 0 where the grid is uniform");
   if (f->kind == YLM_GRID_UNIFORM) return check_uniform(f, e);
   if (f->kind == YLM_GRID_ADAPTIVE) return check_adaptive(f, e);
   return ylm_fail(e, YLM_EINVAL, "kind: adaptive or uniform");

@@ -38,7 +38,8 @@ typedef struct ylm_grid_form {
   double bounds[6];        /* min x y z, max x y z; max > min */
   int lmax;                /* 0 .. */
   int channels;            /* 1 luminance, 3 rgb */
-  int metric_channels;     /* 1 or 3: of what lambda and norm are; 3 only where channels is 3 */
+  int metric_channels;     /* 1 or 3: of what lambda and norm are; 3 only where channels is 3;
+                              0 in a uniform grid: they are not asked for, and NaN */
   int depth;               /* adaptive: finest level N, 0 .. YLM_GRID_MAX_DEPTH */
   uint32_t cells[3];       /* uniform: voxels along each axis */
   ylm_grid_metric metric;  /* adaptive, with a threshold */

@@ -319,7 +319,8 @@ static int grid_form(lua_State *L) {
   lua_setfield(L, -2, "kind");
   set_number(L, "lmax", f->lmax);
   set_number(L, "channels", f->channels);
-  lua_pushstring(L, f->metric_channels == 3 ? "rgb" : "luminance");
+  static const char *const of_what[] = {"none", "luminance", "", "rgb"};
+  lua_pushstring(L, of_what[f->metric_channels & 3]);
   lua_setfield(L, -2, "metric_channels");
   lua_newtable(L);
   for (int i = 0; i < 2; i++) {

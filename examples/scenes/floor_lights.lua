@@ -10,20 +10,24 @@ local count, golden = 2516, math.pi * (3 - math.sqrt(5))
 local night  = matte { albedo = { 0.55, 0.55, 0.58 } }
 local copper = matte { albedo = { 0.74, 0.70, 0.66 } }
 
--- A hue of 0 .. 1 as a soft colour: three cosines a third of a turn apart.
-local function hue(t)
-  local function band(shift) return 0.5 + 0.48 * math.cos(2 * math.pi * (t - shift)) end
-  return { band(0.02), band(0.30), band(0.62) }
+-- From amber over rose and violet to blue as t goes from 0 to 1.
+local palette = { { 1, 0.60, 0.22 }, { 1, 0.34, 0.30 }, { 0.72, 0.26, 0.85 }, { 0.20, 0.42, 1 }, { 0.14, 0.72, 1 } }
+local function colour(t)
+  local x = t * (#palette - 1)
+  local i = math.min(math.floor(x), #palette - 2)
+  local a, b, c = palette[i + 1], palette[i + 2], {}
+  for k = 1, 3 do c[k] = a[k] + (b[k] - a[k]) * (x - i) end
+  return c
 end
 
 local lamps = {}
 for k = 1, count do
   local t = k / count
   local r = 5.0 * math.sqrt(t)
-  local height, radius, power = 3.15 - 0.9 * t + 0.10 * math.sin(7 * k * golden), 0.022, 4.2
-  if k % 37 == 0 and r > 1.2 then height, radius, power = 0.055, 0.032, 12
-  elseif k % 4 == 0 and r > 1.4 then height, radius, power = 0.28 + 0.08 * math.sin(3 * k * golden), 0.022, 5 end
-  local c = hue(0.04 + 0.70 * t)
+  local height, radius, power = 3.15 - 0.9 * t + 0.10 * math.sin(7 * k * golden), 0.030, 2.4
+  if k % 37 == 0 and r > 1.2 then height, radius, power = 0.05, 0.034, 8
+  elseif k % 4 == 0 and r > 1.4 then height, radius, power = 0.28 + 0.08 * math.sin(3 * k * golden), 0.026, 3.6 end
+  local c = colour(math.sqrt(t))
   lamps[k] = sphere_light {
     at       = { r * math.cos(k * golden), height, r * math.sin(k * golden) },
     radius   = radius,

@@ -19,6 +19,7 @@ require "ylm.reference".object "grid" {
 -- Descriptions -------------------------------------------------------------------
 
 local KIND = { adaptive_grid = 0, uniform_grid = 1 }
+local METRIC_CHANNELS = { none = 0, luminance = 1, rgb = 3 }
 local METRIC = { absolute = 0, relative = 1 }
 local DEFAULT_TOLERANCE = 0.01
 
@@ -75,8 +76,8 @@ grid.uniform_grid = form.define("uniform_grid", {
     bounds_field, lmax_field,
     { "cells", "cells", about = "voxels along each axis: a number, or {nx, ny, nz}" },
     channels_field,
-    { "metric_channels", "choice", of = { "luminance", "rgb" }, default = "luminance",
-      about = "what the metric is of" },
+    { "metric_channels", "choice", of = { "luminance", "rgb", "none" }, default = "luminance",
+      about = "what the metric is of; none: faster to bake, and cells() knows no errors" },
     { "metric", "choice", of = { "relative", "absolute" }, default = "relative",
       about = "of the errors that cells() reports" },
   },
@@ -165,7 +166,7 @@ function grid.bake(description, lights, given)
     kind = KIND[kind], lmax = description.lmax, depth = description.depth or 0, cells = cells,
     bounds = { box[1][1], box[1][2], box[1][3], box[2][1], box[2][2], box[2][3] },
     channels = description.channels == "rgb" and 3 or 1,
-    metric_channels = description.metric_channels == "rgb" and 3 or 1,
+    metric_channels = METRIC_CHANNELS[description.metric_channels],
     metric = METRIC[description.metric],
     threshold = description.threshold or -1, tolerance = description.tolerance or 0,
     continuous = description.continuous and 1 or 0,
