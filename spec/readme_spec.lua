@@ -47,7 +47,7 @@ describe("the documentation", function()
     it("leads somewhere: links of " .. page, function()
       local here = page:match("^(.*/)") or ""
       for target in read(page):gmatch("%]%(([^)#]+)") do
-        if not target:find "^https?:" and not target:find "^docs/images/" then -- pictures are not yet there
+        if not target:find "^https?:" then
           assert(scratch.shell("test -e " .. scratch.quote(here .. target)), page .. ": no " .. target)
         end
       end
