@@ -62,16 +62,20 @@ function ylm.names()
 end
 
 describe "info" {
-  about = "Version, kernel sets, threads: what this ylm is made of.",
+  about = "Version, kernel sets, threads, libraries: what this ylm is made of. Loads the libraries to know.",
   arguments = {},
   returns = { { "info", "table", "version, kernel (the set in use; YLM_ISA forces one), kernels (a list), "
-    .. "threads, lua" } },
+    .. "threads, lua, parts (those that load: core, and where installed scene: files and rays, vtk: pictures)" } },
   errors = "none",
-  example = "assert(ylm.info().threads >= 1)",
+  example = "assert(ylm.info().threads >= 1 and ylm.info().parts[1] == 'core')",
 }
 function ylm.info()
   local version, kernel, kernels, threads = core.info()
-  return { version = version, kernel = kernel, kernels = kernels, threads = threads,
+  local parts = { "core" }
+  for _, name in ipairs { "scene", "vtk" } do
+    if pcall(require, "ylm.c." .. name) then parts[#parts + 1] = name end
+  end
+  return { version = version, parts = parts, kernel = kernel, kernels = kernels, threads = threads,
     lua = jit and jit.version or _VERSION }
 end
 

@@ -2,7 +2,7 @@
 
 local report = require "ylm.cli.report"
 
-local order = { "version", "lua", "kernel", "kernels", "threads" }
+local order = { "version", "lua", "kernel", "kernels", "threads", "parts" }
 
 return {
   summary = "versions, kernel sets, threads, what is built in",

@@ -26,16 +26,27 @@ local flags = { ["--solid"] = "solid", ["--unit"] = "unit", ["--count"] = "count
   ["--check"] = "check" }
 local texts = { ["--name"] = "name", ["-o"] = "output", ["--output"] = "output", ["--root"] = "root" }
 
+local words = { "--lmax", "--derivatives", "--language", "--method", "--solid", "--unit", "--count", "--write", "--check",
+  "--name", "--output", "--root" }
+
 --- Options of a command line, or nil and what is wrong with it.
 local function parse(args)
   local o, i = { derivatives = 0, language = "c", method = "solid", root = "." }, 1
   while args[i] do
     local word, value = args[i], args[i + 1]
-    if flags[word] then o[flags[word]] = true
+    local name, attached = word:match("^(%-%-[^=]+)=(.*)$")
+    if name then word, value = name, attached end
+    if flags[word] then
+      if name then return nil, word .. " takes no value" end
+      o[flags[word]] = true
     else
-      if not (choices[word] or texts[word] or word == "--lmax") then return nil, "unknown option " .. word end
+      if not (choices[word] or texts[word] or word == "--lmax") then
+        local built, check = pcall(require, "ylm.check") -- not so before the first build
+        local guess = built and check.guess(word, words)
+        return nil, "unknown option " .. word .. (guess and (" (did you mean %s?)"):format(guess) or "")
+      end
       if value == nil then return nil, word .. " wants a value" end
-      i = i + 1
+      if not name then i = i + 1 end
       if choices[word] then
         o[choices[word][1]] = choices[word][2][value]
         if o[choices[word][1]] == nil then return nil, ("%s cannot be '%s'"):format(word, value) end
