@@ -49,6 +49,7 @@ extern "C" {
   X(ETYPE, CALLER, "the element type does not fit")                            \
   X(ECONVENTION, CALLER, "two conventions are mixed")                          \
   X(ECLOSED, CALLER, "the object has been closed")                             \
+  X(EBUSY, CALLER, "the object is in use by a call that has not returned")     \
   X(EOVERFLOW, CALLER, "a size is too large to be represented")                \
   X(ENOMEM, WORLD, "memory ran out")                                           \
   X(EIO, WORLD, "a file cannot be read or written")                            \

@@ -95,16 +95,87 @@ const ylm_field *ylmL_field_check(lua_State *L, int i) {
   return field;
 }
 
+/* -- progress: the arguments of a call must outlive what its progress function does ---------- */
+
+/* The registry's table of arguments of calls with a progress function: object -> true while that
+   function runs. Keys are weak. */
+static void push_busy(lua_State *L) {
+  lua_getfield(L, LUA_REGISTRYINDEX, "ylm.busy");
+  if (lua_istable(L, -1)) return;
+  lua_pop(L, 1);
+  lua_newtable(L);
+  lua_newtable(L);
+  lua_pushliteral(L, "k");
+  lua_setfield(L, -2, "__mode");
+  lua_setmetatable(L, -2);
+  lua_pushvalue(L, -1);
+  lua_setfield(L, LUA_REGISTRYINDEX, "ylm.busy");
+}
+
+/* Makes entries for the arguments below `top`, so that marking them later takes no memory. */
+static void note_arguments(lua_State *L, int top) {
+  push_busy(L);
+  for (int i = 1; i <= top; i++) {
+    if (lua_type(L, i) != LUA_TUSERDATA) continue;
+    lua_pushvalue(L, i);
+    lua_rawget(L, -2);
+    bool known = lua_toboolean(L, -1);
+    lua_pop(L, 1);
+    lua_pushvalue(L, i);
+    lua_pushboolean(L, known);
+    lua_rawset(L, -3);
+  }
+  lua_pop(L, 1);
+}
+
+/* Marks (or unmarks) arguments in the table at `busy`; returns those that changed, as bits. */
+static uint64_t mark(lua_State *L, int busy, int top, uint64_t which, bool value) {
+  uint64_t changed = 0;
+  for (int i = 1; i <= top && i <= 64; i++) {
+    uint64_t bit = (uint64_t)1 << (i - 1);
+    if (!(which & bit) || lua_type(L, i) != LUA_TUSERDATA) continue;
+    lua_pushvalue(L, i);
+    lua_rawget(L, busy);
+    bool now = lua_toboolean(L, -1);
+    lua_pop(L, 1);
+    if (now == value) continue;
+    lua_pushvalue(L, i);
+    lua_pushboolean(L, value);
+    lua_rawset(L, busy);
+    changed |= bit;
+  }
+  return changed;
+}
+
+ylm_status ylmL_busy(lua_State *L, int i) {
+  lua_getfield(L, LUA_REGISTRYINDEX, "ylm.busy");
+  bool busy = false;
+  if (lua_istable(L, -1)) {
+    lua_pushvalue(L, i);
+    lua_rawget(L, -2);
+    busy = lua_toboolean(L, -1);
+    lua_pop(L, 1);
+  }
+  lua_pop(L, 1);
+  return busy ? YLM_EBUSY : YLM_OK;
+}
+
 static bool step(void *user, uint64_t done, uint64_t total, const char *stage) {
   ylmL_progress *p = user;
   if (p->raised) return false;
   lua_State *L = p->L;
+  push_busy(L);
+  int busy = lua_gettop(L);
+  uint64_t marked = mark(L, busy, p->top, UINT64_MAX, true);
   lua_pushvalue(L, p->index);
   lua_pushnumber(L, (lua_Number)done);
   lua_pushnumber(L, (lua_Number)total);
   lua_pushstring(L, stage ? stage : "");
-  if (lua_pcall(L, 3, 1, 0) != 0) {
-    p->raised = true;
+  p->raised = lua_pcall(L, 3, 1, 0) != 0;
+  mark(L, busy, p->top, marked, false);
+  lua_remove(L, busy);
+  if (p->raised) {
+    p->message = lua_gettop(L);
     return false;
   }
   bool go = !lua_isboolean(L, -1) || lua_toboolean(L, -1);
@@ -116,16 +187,21 @@ const ylm_progress *ylmL_progress_begin(lua_State *L, int i, ylmL_progress *p) {
   memset(p, 0, sizeof *p);
   if (lua_isnoneornil(L, i)) return NULL;
   luaL_checktype(L, i, LUA_TFUNCTION);
-  luaL_checkstack(L, 8, "progress");
+  luaL_checkstack(L, 20, "progress");
+  note_arguments(L, lua_gettop(L));
   p->base.step = step;
   p->base.user = p;
   p->L = L;
   p->index = i;
+  p->top = lua_gettop(L);
   return &p->base;
 }
 
 int ylmL_result_progress(lua_State *L, int n, ylm_status s, const ylm_error *e,
                          ylmL_progress *p) {
-  if (p->raised) return lua_error(L);
+  if (p->raised) {
+    lua_pushvalue(L, p->message);
+    return lua_error(L);
+  }
   return ylmL_result(L, n, s, e);
 }

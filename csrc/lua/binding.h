@@ -151,13 +151,18 @@ typedef struct ylmL_progress {
   ylm_progress base;
   lua_State *L;
   int index;    /* stack index of the Lua function */
-  bool raised;  /* the function raised: its message is on the stack's top */
+  int top;      /* stack slots below are the call's arguments */
+  int message;  /* where the message lies that the function raised */
+  bool raised;  /* the function raised */
 } ylmL_progress;
 
 /* Prepares `p` for the function at absolute stack index `i`; NULL if there is none.
    The function is called as f(done, total, stage); returning false cancels, and so does an
    error, which ylmL_result_progress raises again once C has cleaned up. */
 const ylm_progress *ylmL_progress_begin(lua_State *L, int i, ylmL_progress *p);
+/* YLM_EBUSY where the object at `i` is an argument of a call whose progress function runs now:
+   what closes an object asks first, since C holds pointers into it. */
+ylm_status ylmL_busy(lua_State *L, int i);
 /* ylmL_result, after raising an error that the progress function raised. */
 int ylmL_result_progress(lua_State *L, int n, ylm_status s, const ylm_error *e,
                          ylmL_progress *p);

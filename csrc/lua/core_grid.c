@@ -531,6 +531,7 @@ static int grid_is_open(lua_State *L) {
 
 static int grid_close(lua_State *L) {
   ylm_grid **g = ylmL_check(L, 1, GRID);
+  if (ylmL_busy(L, 1) != YLM_OK) return ylmL_result(L, 0, YLM_EBUSY, NULL);
   ylm_grid_free(*g);
   *g = NULL;
   return 0;

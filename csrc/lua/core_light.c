@@ -62,6 +62,7 @@ static int lights_create(lua_State *L) {
 
 static int lights_close(lua_State *L) {
   ylm_lights **l = ylmL_check(L, 1, LIGHTS);
+  if (ylmL_busy(L, 1) != YLM_OK) return ylmL_result(L, 0, YLM_EBUSY, NULL);
   ylm_lights_free(*l);
   *l = NULL;
   return 0;

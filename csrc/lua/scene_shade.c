@@ -9,6 +9,7 @@
 
 static int scene_close(lua_State *L) {
   ylm_shade_scene **s = ylmL_check(L, 1, SCENE);
+  if (ylmL_busy(L, 1) != YLM_OK) return ylmL_result(L, 0, YLM_EBUSY, NULL);
   ylm_shade_scene_free(*s);
   *s = NULL;
   return 0;
@@ -16,6 +17,7 @@ static int scene_close(lua_State *L) {
 
 static int view_close(lua_State *L) {
   ylm_shade_view **v = ylmL_check(L, 1, YLML_SHADE_VIEW);
+  if (ylmL_busy(L, 1) != YLM_OK) return ylmL_result(L, 0, YLM_EBUSY, NULL);
   ylm_shade_view_free(*v);
   *v = NULL;
   return 0;

@@ -204,7 +204,7 @@ assert(not pcall(a.get, a, 1))]],
 }
 function methods.close(a)
   if core.type(a) ~= "ylm.array" then return check.fail("close: an array expected, got %s", check.describe(a)) end
-  core.array_close(a)
+  check.result("close", core.array_close(a))
 end
 
 --- array:save is in ylm.file, which loads when it is first used.

@@ -123,10 +123,13 @@ end
 
 --- {min, max} corners; max must exceed min in every axis.
 function types.bounds(x)
-  local wanted = "{ {x0, y0, z0}, {x1, y1, z1} } with x0 < x1, y0 < y1, z0 < z1"
+  local wanted = "{ {x0, y0, z0}, {x1, y1, z1} } with x0 < x1, y0 < y1, z0 < z1, none beyond 1e15"
   if type(x) ~= "table" or #x ~= 2 then return nil, wanted end
   local lo, hi = three(x[1]), three(x[2])
-  if not (lo and hi and lo[1] < hi[1] and lo[2] < hi[2] and lo[3] < hi[3]) then return nil, wanted end
+  if not (lo and hi) then return nil, wanted end
+  for a = 1, 3 do
+    if not (lo[a] < hi[a] and lo[a] >= -1e15 and hi[a] <= 1e15) then return nil, wanted end
+  end
   return { lo, hi }
 end
 

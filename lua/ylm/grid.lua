@@ -146,11 +146,7 @@ function grid.bake(description, lights, given)
   end
   local o = form.options(3, "bake", bake_options, given)
   local object = lights
-  if type(lights) ~= "function" and not core.has_field(lights) then
-    object = require "ylm.light".pack(2, "bake", lights)
-  elseif core.grid_is_open(lights) == false then
-    return check.bad(2, "bake", "the grid has been closed")
-  end
+  if type(lights) ~= "function" then object = require "ylm.light".field(2, "bake", lights) end
   local occupied
   if o.occupied ~= nil then
     occupied = array.points(3, "bake", o.occupied)
@@ -352,7 +348,7 @@ ylm.bake(ylm.uniform_grid { bounds = { { -1, -1, -1 }, { 1, 1, 1 } }, cells = 2,
 }
 function methods.close(g)
   open(g, "close")
-  core.grid_close(g)
+  check.result("close", core.grid_close(g))
 end
 
 methods.__index = function(g, key)

@@ -139,6 +139,8 @@ local function gather(n, name, value, parts, run, depth)
     table.insert(parts.others, value)
   elseif type(value) == "table" and kind == nil and depth < 32 then
     for i = 1, #value do gather(n, name, value[i], parts, run, depth + 1) end
+  elseif type(value) == "table" and kind == nil then
+    return check.bad(n, name, "lists of lights nest more than 32 deep; does a list hold itself?")
   else
     return check.bad(n, name, "a light or a list of lights expected, got %s",
       kind and not core.type(value) and ("a " .. kind) or check.describe(value))
@@ -163,6 +165,13 @@ function light.pack(n, name, lights)
   if #parts == 0 then return check.bad(n, name, "at least one light expected, got an empty list") end
   if #parts == 1 then return parts[1] end
   return check.result(name, core.lights_join(parts))
+end
+
+--- Argument `n` of `name` as an open object with a light field: such an object itself, or lights packed.
+function light.field(n, name, value)
+  if core.grid_is_open(value) == false then return check.bad(n, name, "the grid has been closed") end
+  if core.has_field(value) and core.type(value) ~= "ylm.lights" then return value end
+  return light.pack(n, name, value)
 end
 
 -- ylm.light_field ------------------------------------------------------------------------
@@ -238,7 +247,7 @@ assert(#L == 2 and L.shape[2] == 3 and L.shape[3] == 25 and dL.shape[4] == 3)]],
 function light.light_field(lmax, lights, points, given)
   check.integer(1, "light_field", "lmax", lmax, 0, 100)
   local o = form.options(4, "light_field", options, given)
-  local object = core.has_field(lights) and lights or light.pack(2, "light_field", lights)
+  local object = light.field(2, "light_field", lights)
   local dtype = o.dtype
   if not dtype then dtype = core.type(points) == "ylm.array" and points.dtype or "float" end
   local p, single = array.points(3, "light_field", points, dtype)

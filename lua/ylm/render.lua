@@ -264,7 +264,11 @@ local function check_grid(name, grid)
   if grid == nil then
     return check.fail("%s: field 'grid' is missing (scene:bake() makes one; scene:reference needs none)", name)
   end
-  if core.type(grid) == "ylm.grid" or core.has_field(grid) then return grid end
+  if core.grid_is_open(grid) == false then return check.fail("%s: the grid has been closed", name) end
+  if core.type(grid) == "ylm.lights" and not core.lights_count(grid) then
+    return check.fail("%s: the lights have been closed", name)
+  end
+  if core.has_field(grid) then return grid end
   return check.fail("%s: grid must be a grid (scene:bake() makes one), got %s", name, check.describe(grid))
 end
 
@@ -576,8 +580,8 @@ function prepared.close(view)
   if core.type(view) ~= "ylm.prepared" then
     return check.fail("close: a prepared view expected before the colon, got %s", check.describe(view))
   end
+  check.result("close", made[view].lib.shade_close_view(view))
   made[view].closed = true
-  made[view].lib.shade_close_view(view)
 end
 
 -- Methods of scenes -------------------------------------------------------------------------------

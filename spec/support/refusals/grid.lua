@@ -40,6 +40,7 @@ return {
     { call = adaptive { bounds = { { 0, 0, 0 }, { 0, 1, 1 } } }, says = "bounds must be .* x0 < x1" },
     { call = adaptive { bounds = { { 0, 0, 0 }, { 1, nan, 1 } } }, says = "bounds must be" },
     { call = adaptive { bounds = { { 0, 0, 0 }, { 1, inf, 1 } } }, says = "bounds must be" },
+    { call = adaptive { bounds = { { 0, 0, 0 }, { 1, 1e300, 1 } } }, says = "bounds must be .* none beyond 1e15" },
     { call = adaptive { lmax = -1 }, says = "lmax must be an integer >= 0 and <= 100, got %-1" },
     { call = adaptive { lmax = 1e6 }, says = "lmax must be an integer" },
     { call = adaptive { lmax = 1.5 }, says = "lmax must be an integer" },

@@ -53,6 +53,11 @@ return {
     end, says = "closed" },
   },
   light_field = {
+    { call = function(ylm)
+        local grid = ylm.bake(ylm.uniform_grid { bounds = { { 0, 0, 0 }, { 1, 1, 1 } }, cells = 1, lmax = 1 }, lamp(ylm))
+        grid:close()
+        return ylm.light_field(1, grid, { 0, 0, 0 })
+      end, says = "#2 to 'light_field'.*the grid has been closed" },
     { call = function(ylm) return ylm.light_field(-1, lamp(ylm), { 0, 0, 0 }) end,
       says = "#1.*lmax must be an integer from 0 to 100" },
     { call = function(ylm) return ylm.light_field(1e6, lamp(ylm), { 0, 0, 0 }) end, says = "#1.*lmax" },
@@ -66,7 +71,7 @@ return {
       local loop = {}
       loop[1] = loop
       return ylm.light_field(4, loop, { 0, 0, 0 })
-    end, says = "#2.*a light or a list" },
+    end, says = "#2.*nest more than 32 deep; does a list hold itself%?" },
     { call = function(ylm) return ylm.light_field(4, lamp(ylm)) end, says = "#3.*points" },
     { call = function(ylm) return ylm.light_field(4, lamp(ylm), { 0, 0 }) end, says = "rows of 3 numbers" },
     { call = function(ylm) return ylm.light_field(4, lamp(ylm), { { 0, 0, nan } }) end, says = "row 1 is not finite" },
