@@ -53,6 +53,7 @@ describe("the command-line tool", function()
     assert.equal(0, code)
     assert.equal("", err)
     assert.truthy(out:find("^version +%d+%.%d+%.%d+\n"))
+    assert.truthy(out:find("\nparts +core"), out)
     out, code = ylm "info --json"
     assert.equal(0, code)
     assert.truthy(out:find('^{"'))
@@ -83,7 +84,10 @@ describe("the command-line tool", function()
     glsl, code = ylm "codegen --lmax 1 --language glsl"
     assert.equal(0, code)
     assert.truthy(glsl:find "void ", glsl)
-    for _, words in ipairs { "", "--lmax -1", "--lmax 4 --language pascal", "--lmux 4" } do
+    assert.equal(glsl, (ylm "codegen --lmax=1 --language=glsl"))
+    local err = select(3, ylm "codegen --lmx 4")
+    assert.truthy(err:find("unknown option --lmx (did you mean --lmax?)", 1, true), err)
+    for _, words in ipairs { "", "--lmax -1", "--lmax 4 --language pascal", "--lmux 4", "--lmax 4 --unit=1" } do
       code = select(2, ylm("codegen " .. words))
       assert.equal(2, code, words)
     end
@@ -178,5 +182,20 @@ describe("the command-line tool", function()
     assert.equal('{"a":[1,2.5,null],"b":"x\\"\\\\\\n\\u0001","c":{"d":true},"e":[]}',
       json { a = { 1, 2.5, 0 / 0 }, b = 'x"\\\n\1', c = { d = true }, e = {} })
     assert.equal("0.10000000000000001", json(0.1))
+  end)
+
+  it("prints tables by name within one line, and progress into a log as a line per stage", function()
+    local out, code, err = ylm("render " .. file("log.lua", [[
+      return scene "one lamp" {
+        camera   = camera { from = { 2, 2, 3 }, at = { 0, 0, 0 } },
+        geometry = quad { corner = { -2, -0.5, 2 }, u = { 4, 0, 0 }, v = { 0, 0, -4 } },
+        lights   = sphere_light { at = { 0.5, 1.5, 0.5 }, radius = 0.1, radiance = 50 },
+        probes   = adaptive_grid { lmax = 1, depth = 2, threshold = 1 },
+      }]]) .. " --size 16x9 --samples 1 -o " .. scratch.quote(folder.path .. "/log.pfm"))
+    assert.equal(0, code, err)
+    assert.truthy(out:find("\nrays +occlusion %d+, primary %d+\n"), out)
+    assert.truthy(err:find "shading +10 20 30 40 50 60 70 80 90 100 %%  0:0%d\n", err)
+    assert.is_nil(err:find "\r")
+    assert.truthy(select(2, err:gsub("\n", "")) < 15, err)
   end)
 end)

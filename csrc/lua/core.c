@@ -1,4 +1,6 @@
 /* core.c - opens ylm.c.core: the binding of libylm.so. */
+#include <unistd.h>
+
 #include "binding.h"
 
 /* metatable(name) -> the metatable of an object type, or nil */
@@ -52,9 +54,16 @@ static int seconds(lua_State *L) {
   return 1;
 }
 
+/* is_terminal() -> does somebody watch stderr? */
+static int is_terminal(lua_State *L) {
+  lua_pushboolean(L, isatty(STDERR_FILENO));
+  return 1;
+}
+
 static const luaL_Reg functions[] = {
     {"metatable", metatable}, {"type", object_type}, {"info", info},
-    {"status", status},       {"seconds", seconds},  {NULL, NULL}};
+    {"status", status},       {"seconds", seconds},
+    {"is_terminal", is_terminal}, {NULL, NULL}};
 
 int luaopen_ylm_c_core(lua_State *L) {
   ylmL_check_abi(L);

@@ -1,5 +1,7 @@
 --- The bar that `progress = true` draws on stderr.
 --
+-- On a terminal it moves; in a log it is one line per stage, in tenths.
+--
 --     progress = progress.resolve(options.progress)   -- true -> a bar, a function -> itself, nil -> nil
 
 local core = require "ylm.c.core"
@@ -43,9 +45,40 @@ function progress.bar(stream)
   end
 end
 
+--- A function(done, total, stage) for logs: one line per stage, written in tenths as they are
+-- reached, "bake         10 20 30 40 50 60 70 80 90 100 %  0:12".
+function progress.log(stream)
+  stream = stream or io.stderr
+  local stage, began, tenths
+  return function(done, total, name)
+    local part = total > 0 and math.min(1, done / total) or 1
+    if name ~= stage or (tenths == nil and part < 1) then
+      if tenths then stream:write("\n") end -- the stage before did not end
+      stage, began, tenths = name, core.seconds(), 0
+      stream:write(("%-12s"):format(name or ""))
+    end
+    if tenths == nil then return true end
+    for k = tenths + 1, math.floor(part * 10) do
+      stream:write((" %d"):format(10 * k))
+      tenths = k
+    end
+    if part == 1 then
+      stream:write((" %%  %s\n"):format(clock(core.seconds() - began)))
+      tenths = nil
+    end
+    stream:flush()
+    return true
+  end
+end
+
+--- What shows progress on stderr: a bar that moves on a terminal, else lines for a log.
+function progress.shown()
+  return core.is_terminal() and progress.bar() or progress.log()
+end
+
 --- What a `progress` option means: true becomes a bar, a function stays, nil and false are nothing.
 function progress.resolve(value)
-  if value == true then return progress.bar() end
+  if value == true then return progress.shown() end
   return value or nil
 end
 progress.of = progress.resolve

@@ -41,9 +41,12 @@ local function in_words(x)
     return x == math.floor(x) and math.abs(x) < 1e15 and ("%d"):format(x) or ("%.6g"):format(x)
   end
   if type(x) ~= "table" then return tostring(x) end
-  local out = {}
+  local out, names = {}, {}
   for i = 1, #x do out[i] = in_words(x[i]) end
-  return table.concat(out, " ")
+  for name in pairs(x) do if type(name) == "string" then names[#names + 1] = name end end
+  table.sort(names)
+  for _, name in ipairs(names) do out[#out + 1] = name .. " " .. in_words(x[name]) end
+  return table.concat(out, #names > 0 and ", " or " ")
 end
 
 --- Prints the table `results`, in the order of `order` where it is given.
@@ -71,12 +74,10 @@ function report.say(given, message, ...)
   if not given.quiet then io.stderr:write(message:format(...), "\n") end
 end
 
---- A progress bar where stderr is a terminal and neither --quiet nor --json was given.
+--- A progress bar, or lines where stderr is no terminal, unless --quiet or --json was given.
 function report.progress(given)
   if given.quiet or given.json then return nil end
-  local ok = os.execute("test -t 2")
-  if ok == true or ok == 0 then return progress.bar() end
-  return nil
+  return progress.shown()
 end
 
 return report
