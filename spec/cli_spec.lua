@@ -113,16 +113,35 @@ describe("the command-line tool", function()
     assert.truthy(err:find("missing.lua", 1, true), err)
   end)
 
+  it("looks at names and numbers before it works", function()
+    local scene = file("early.lua", [[return scene "early" {
+      camera = camera { from = { 2, 2, 3 } }, geometry = box {}, lights = sphere_light { at = { 0, 2, 0 } },
+      probes = adaptive_grid { lmax = 1, depth = 1 } }]])
+    for words, says in pairs {
+      ["render " .. scene .. " -o x.jpg"] = "render: x.jpg: the name must end in .exr, .png, .hdr, .pfm",
+      ["bake " .. scene .. " -o x.grid"] = "bake: x.grid: the name must end in .ylm, .vtu",
+      ["view x.ylm -o x.exr"] = "view: x.exr: the name must end in .png",
+      ["render " .. scene .. " -o x.png --size 0x9"] = "size must be { width, height }, integers from 1 to 65536",
+      ["render " .. scene .. " -o x.png --samples -1"] = "samples must be an integer >= 1",
+    } do
+      local _, code, err = ylm(words)
+      assert.equal(2, code, words .. ": " .. err)
+      assert.truthy(err:find(says, 1, true), err)
+      assert.is_nil(err:find("shading", 1, true), err)
+    end
+  end)
+
   it("tells a missing scene from a wrong one and one that passes a limit", function()
-    for _, command in ipairs { "render", "bake" } do
-      local _, code, err = ylm(command .. " missing.lua -o x.exr")
+    for command, extension in pairs { render = "exr", bake = "ylm" } do
+      local output = " -o x." .. extension
+      local _, code, err = ylm(command .. " missing.lua" .. output)
       assert.equal(1, code, err)
       assert.truthy(err:find("missing.lua", 1, true), err)
-      _, code, err = ylm(command .. " " .. file("wrong.lua", "\nreturn scene 'x' { ligths = {} }") .. " -o x.exr")
+      _, code, err = ylm(command .. " " .. file("wrong.lua", "\nreturn scene 'x' { ligths = {} }") .. output)
       assert.equal(3, code, err)
       assert.truthy(err:find("wrong.lua:2: scene: no field 'ligths' (did you mean 'lights'?)", 1, true), err)
       _, code, err = ylm(command .. " " .. file("endless.lua", "local s = 'x' while true do s = s .. s end")
-        .. " -o x.exr")
+        .. output)
       assert.equal(5, code, err)
       assert.truthy(err:find("bytes of memory", 1, true), err)
     end

@@ -330,6 +330,14 @@ describe("ylm.view, of grids:", function()
     assert_colour(map_colour(bar.map, math.max(0, math.min(1, t))), pixel(pixels, x, y), 0.06, "L00")
   end)
 
+  it("has a bar and a title at any size that it takes", function()
+    for _, size in ipairs { { 16, 16 }, { 32, 32 }, { 64, 48 }, { 400, 16 }, { 16, 400 } } do
+      local pixels = draw { volume = lattice(4, function(x) return x end), slices = true, size = size,
+        range = { 2, 5 }, label = "x", unit = "m", title = "t", caption = "c" }
+      assert(pixels, table.concat(size, "x"))
+    end
+  end)
+
   it("the bar's ends have the colours of the map's ends", function()
     local pixels, v = draw { volume = lattice(4, function(x) return x end), slices = true, size = { 320, 240 },
       range = { 2, 5 },

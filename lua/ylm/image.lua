@@ -43,6 +43,11 @@ image.image = form.define("image", {
   build = function(values, fail)
     local size = values.size
     if #size ~= 2 then return fail "size must be { width, height }" end
+    for i = 1, 2 do
+      if size[i] < 1 or size[i] > 65536 then
+        return fail(("image size %.0f x %.0f: sides must be 1 .. 65536"):format(size[1], size[2]))
+      end
+    end
     local new = check.result("image", core.image_new(size[1], size[2]))
     if #values.layers == 0 then return fail "layers must be a list of { name, channels }, not an empty one" end
     for i = 1, #values.layers do
@@ -50,6 +55,7 @@ image.image = form.define("image", {
       if type(layer) ~= "table" or type(layer[1]) ~= "string" or not check.is_integer(layer[2]) then
         return fail(("layers: element %d must be { name, channels }"):format(i))
       end
+      if layer[1]:find "%z" then return fail(("layers: the name of element %d holds a zero byte"):format(i)) end
       local ok, message, code = check.result("image", core.image_add(new, layer[1], layer[2]))
       if not ok then return nil, message, code end
     end

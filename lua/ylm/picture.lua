@@ -172,6 +172,7 @@ function picture.vertical_bar(canvas, scale, x, y, height, font, theme)
   end
   if title_height > 0 then title_height = title_height + math.floor(font * 0.7) end
   local w, top, h = math.floor(font * 1.1), y + title_height, height - title_height
+  if h < 1 then return { x, top, w, 0 } end -- a picture this small has room for the title only
   local at, shape = {}, core.canvas(w, h, theme.background)
   for i = 1, h do at[i] = { (h - i + 0.5) / h } end
   local values = core.array_zeros({ h, 1 }, "double")

@@ -639,8 +639,9 @@ function render.bake(s, given)
   points, message, code = occupied_points(s, t, o)
   if points == false then return nil, message, code end
   if points and #points == 0 then
+    local seen = o.occupied == "camera" or core.type(o.occupied) == "ylm.prepared"
     return check.fail("bake: no shading points: %s",
-      o.occupied == "camera" and "the camera sees no geometry (occupied = 'everywhere' needs none)"
+      seen and "the camera sees no geometry (occupied = 'everywhere' needs none)"
         or "occupied is empty")
   end
   return require("ylm.grid").bake(probes, t.lights, { occupied = points, bounds = bounds_of(t), threads = o.threads,

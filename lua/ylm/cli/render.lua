@@ -10,7 +10,7 @@ return {
   usage = "SCENE.lua -o IMAGE",
   least = 1,
   options = {
-    { "output", "-o", "FILE", "the image: .exr, .png or .pfm" },
+    { "output", "-o", "FILE", "the image: .exr, .png, .hdr or .pfm" },
     { "size", "-s", "WxH", "pixels, default that of the renderer" },
     { "samples", "-n", "N", "per pixel" },
     { "method", "-m", "NAME", "grid (default), reference (no interpolation) or raycast" },
@@ -23,6 +23,7 @@ return {
   run = function(given)
     local ylm = require "ylm"
     if not given.output then status.stop(status.usage, "render: -o FILE says where the image goes") end
+    status.need_extension("render", given.output, "exr", "png", "hdr", "pfm")
     local method = given.method or "grid"
     if not methods[method] then
       status.stop(status.usage, "render: --method is grid, reference or raycast, got '%s'", method)

@@ -21,6 +21,16 @@ function status.stop(code, message, ...)
   error({ status = code, message = message }, 0)
 end
 
+--- Ends the command unless `path` ends in one of the extensions: before the work, not after it.
+function status.need_extension(name, path, ...)
+  local words = {}
+  for _, extension in ipairs { ... } do
+    if path:lower():sub(-#extension - 1) == "." .. extension then return end
+    words[#words + 1] = "." .. extension
+  end
+  status.stop(status.usage, "%s: %s: the name must end in %s", name, path, table.concat(words, ", "))
+end
+
 --- Passes results on; nil, message, code ends the command.
 function status.need(first, message, code, ...)
   if first == nil or first == false then
@@ -40,7 +50,8 @@ function status.raised(message)
   message = tostring(message)
   if message:find("interrupted!", 1, true) then return { status = status.cancelled, message = "interrupted" } end
   if os.getenv "YLM_DEBUG" then message = debug.traceback(message, 3) end
-  return { status = status.script, message = message }
+  -- scene files are done when options are looked at: what is bad then was on the command line
+  return { status = message:find "^bad argument #" and status.usage or status.script, message = message }
 end
 
 return status

@@ -70,6 +70,9 @@ return {
     {
       case(function(ylm) ylm.image() end, "a table of named fields expected, got nil"),
       case(function(ylm) ylm.image {} end, "field 'size' is missing"),
+      case(function(ylm) ylm.image { size = { 2 ^ 40, 1 } } end, "image size 1099511627776 x 1: sides"),
+      case(function(ylm) ylm.image { size = { 1, 1 }, layers = { { "a\0b", 1 } } } end,
+        "the name of element 1 holds a zero byte"),
       case(function(ylm) ylm.image { sizes = { 1, 2 } } end, "no field 'sizes' %(did you mean 'size'%?%)"),
       case(function(ylm) ylm.image { size = { 2, 2 }, metadata = { a = {} } } end, "metadata: 'a' must be a string"),
       case(function(ylm) new(ylm).metadata[""] = "x" end, "metadata: a name"),
