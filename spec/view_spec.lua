@@ -330,6 +330,16 @@ describe("ylm.view, of grids:", function()
     assert_colour(map_colour(bar.map, math.max(0, math.min(1, t))), pixel(pixels, x, y), 0.06, "L00")
   end)
 
+  it("shows the lights that a grid was baked from", function()
+    local source = ylm.sphere_light { at = { 0, 2, 0 }, radius = 0.3, radiance = { 10, 8, 6 } }
+    local g = ylm.bake(ylm.uniform_grid { bounds = { { -1, -1, -1 }, { 1, 1, 1 } }, cells = 1, lmax = 1 }, source)
+    local function drawn(lights)
+      return (draw { g, levels = true, lights = lights, size = { 96, 72 } })
+    end
+    assert.equal(0, core.array_distance(drawn(true), drawn(source)))
+    assert.is_true(core.array_distance(drawn(true), drawn(false)) > 0)
+  end)
+
   it("has a bar and a title at any size that it takes", function()
     for _, size in ipairs { { 16, 16 }, { 32, 32 }, { 64, 48 }, { 400, 16 }, { 16, 400 } } do
       local pixels = draw { volume = lattice(4, function(x) return x end), slices = true, size = size,

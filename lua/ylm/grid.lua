@@ -117,6 +117,9 @@ local bake_options = {
   { "progress", "progress", optional = true, about = "called as f(done, total, stage); returning false cancels" },
 }
 
+--- Grid -> the lights it was baked from.
+local baked_from = setmetatable({}, { __mode = "k" })
+
 describe "bake" {
   about = "Evaluates a light field at the points of a grid: each corner of a voxel once, level by level.",
   arguments = {
@@ -158,7 +161,7 @@ function grid.bake(description, lights, given)
   end
   local cells = description.cells or { 1, 1, 1 }
   local progress = o.progress and require "ylm.progress".of(o.progress) or nil
-  return check.result("bake", core.grid_bake({
+  local baked, message, code = check.result("bake", core.grid_bake({
     kind = KIND[kind], lmax = description.lmax, depth = description.depth or 0, cells = cells,
     bounds = { box[1][1], box[1][2], box[1][3], box[2][1], box[2][2], box[2][3] },
     channels = description.channels == "rgb" and 3 or 1,
@@ -167,6 +170,15 @@ function grid.bake(description, lights, given)
     threshold = description.threshold or -1, tolerance = description.tolerance or 0,
     continuous = description.continuous and 1 or 0,
   }, object, occupied, o.seed, o.threads or 0, o.max_points, progress))
+  if baked == nil then return nil, message, code end
+  if core.type(object) == "ylm.lights" then baked_from[baked] = object end
+  return baked
+end
+
+--- The lights that a grid was baked from, if that was in this program and they were lights; for pictures.
+function grid.lights_of(g)
+  local lights = baked_from[g]
+  return lights and core.lights_count(lights) and lights or nil
 end
 
 -- Methods ---------------------------------------------------------------------------

@@ -215,7 +215,7 @@ local fields = {
   { "lobes", "layer", optional = true, about = "SH lobes of the grid's points: true or { count = 300, size = 1 }" },
   { "sh", "any", optional = true, about = "SH vectors [n][(lmax+1)^2] as lobes beside each other" },
   { "labels", "list", of = "string", optional = true, about = "below the lobes of sh" },
-  { "lights", "any", optional = true, about = "lights as small spheres: lights, or true: those of the scene" },
+  { "lights", "any", optional = true, about = "lights as small spheres: lights, or true: those of the scene or the bake" },
   { "meshes", "any", optional = true,
     about = "geometry, or a list of geometry or { mesh, colour = , colours = [n][3], opacity = }" },
   { "scene", "object", of = "scene", optional = true, about = "draws its geometry, takes its camera" },

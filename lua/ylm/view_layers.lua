@@ -188,8 +188,15 @@ local function check_lights(values, fail)
   local x = values.lights
   if x == nil or x == false then return end
   if x == true then
+    local lights = not values.scene and core.grid_is_open(values.subject)
+      and require "ylm.grid".lights_of(values.subject)
+    if lights then
+      values.lights = lights
+      return
+    end
     if not values.scene then
-      return fail "lights = true shows the lights of a scene: give scene = , or the lights themselves"
+      return fail("lights = true shows the lights of a scene, or those that this program baked the grid from: "
+        .. "give scene = , or the lights themselves")
     end
     values.lights = #values.scene.lights > 0 and values.scene.lights or false
     return
