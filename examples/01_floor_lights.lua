@@ -126,15 +126,27 @@ local function equal_cost_uniform(row)
   return try(("uniform %d^3, shading, equal cost"):format(n), math.log(n) / math.log(2), bake(uniform(n)), true)
 end
 
---- The adaptive grid of the paper's metric with the smallest threshold that costs no more than `row`.
+--- The adaptive grid of the paper's metric that costs no more than `row`, with the smallest threshold of the
+-- greatest depth. (Voxels that a lamp's surface crosses are always refined, so a depth has a least cost.)
 local function equal_cost_adaptive(row)
-  local threshold = 8
-  while true do
-    local g = bake(adaptive { depth = 9, metric = "relative", threshold = threshold })
-    if cost(g) <= row.cost then return try(("adaptive, E_rel <= %.3g"):format(threshold), 9, g, true) end
-    g:close()
-    threshold = threshold * 1.1
+  for depth = 9, 3, -1 do
+    local function baked(threshold)
+      local g = bake(adaptive { depth = depth, metric = "relative", threshold = threshold })
+      if cost(g) <= row.cost then return g end
+      g:close()
+    end
+    local cheapest = baked(1e6)
+    if cheapest then
+      cheapest:close()
+      local threshold, g = 8, nil
+      while not g and threshold < 1e6 do
+        threshold = threshold * 1.15
+        g = baked(threshold)
+      end
+      if g then return try(("adaptive, E_rel <= %.3g"):format(threshold), depth, g, true) end
+    end
   end
+  error("no adaptive grid is as cheap as " .. row.name)
 end
 
 local rival = equal_cost_uniform(ours)
@@ -156,6 +168,8 @@ print(("ns per pair: %.2f with the Hessian metric (adaptive), %.2f with gradient
   nanoseconds.metric, nanoseconds.gradient, ylm.info().threads))
 print(("tolerance %g: at 99 %% of held-out shading points the error is at most %.2g (%s)"):format(option.tolerance,
   grid.stats.error, grid.stats.met and "kept" or "not kept: depth " .. scene.probes.depth .. " is too little"))
+
+io.stdout:flush()
 
 -- Files -----------------------------------------------------------------------------------
 
