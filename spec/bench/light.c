@@ -55,7 +55,8 @@ static void place_points(ylm_dtype t, void *points) {
 }
 
 int main(void) {
-  static const int degrees[] = {1, 2, 3, 4, 5, 6, 8, 10, 12, 16, 20};
+  static const int degrees[] = {1,  2,  3,  4,  5,  6,  7,  8,  9,  10,
+                                11, 12, 13, 14, 15, 16, 17, 18, 19, 20};
   const size_t n = sizeof degrees / sizeof *degrees, most = POINTS * 3 * 441;
   job j = {.lights = lamps(), .q = {.threads = 1, .metric_channels = 1}};
   j.points = ylm_alloc(POINTS, 3 * sizeof(double));

@@ -71,7 +71,8 @@ static void peer_eval(void *context) {
 
 static double nanoseconds(bench_fn *fn, job *j) { return bench_seconds(fn, j) / POINTS * 1e9; }
 
-static const int degrees[] = {1, 2, 3, 4, 5, 6, 8, 10, 12, 16, 20};
+static const int degrees[] = {1,  2,  3,  4,  5,  6,  7,  8,  9,  10,
+                                11, 12, 13, 14, 15, 16, 17, 18, 19, 20};
 #define DEGREES (sizeof degrees / sizeof *degrees)
 
 /* One line of the table: `p` measures sphericart, else isa < 0 only stores. */
