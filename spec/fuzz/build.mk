@@ -56,7 +56,7 @@ $(FUZZ_DIR)/bin/%: spec/fuzz/%.c $(FUZZ_DIR)/libylm.a
 
 fuzz: $(foreach f,$(FUZZ),$(FUZZ_DIR)/bin/$(f))   ## fuzz the readers under ASan and UBSan (FUZZ=name, FUZZ_RUNS=1000000)
 	@for f in $(FUZZ); do echo "== $$f"; mkdir -p $(FUZZ_DIR)/found/$$f spec/fuzz/corpus/$$f; \
-	  LLVM_PROFILE_FILE=/dev/null nice $(FUZZ_DIR)/bin/$$f -runs=$$(printf %.0f $(FUZZ_RUNS)) $(FUZZ_ARGS) \
+	  LLVM_PROFILE_FILE=/dev/null nice $(FUZZ_DIR)/bin/$$f -runs=$$(printf %.0f $(FUZZ_RUNS)) $(FUZZ_ARGS) $$([ $$f != scene ] || echo $(FUZZ_ARGS_scene)) \
 	    -artifact_prefix=$(FUZZ_DIR)/$$f- $(FUZZ_DIR)/found/$$f spec/fuzz/corpus/$$f \
 	    > $(FUZZ_DIR)/$$f.log 2>&1 || { tail -n 40 $(FUZZ_DIR)/$$f.log; exit 1; }; \
 	  grep -aE 'DONE|number_of_executed|average_exec|peak_rss' $(FUZZ_DIR)/$$f.log; done
@@ -74,3 +74,19 @@ fuzz-minimise: $(foreach f,$(FUZZ),$(FUZZ_DIR)/bin/$(f))
 	  echo "$$f: $$(ls $(FUZZ_DIR)/kept/$$f | wc -l) inputs, $$(du -sb $(FUZZ_DIR)/kept/$$f | cut -f1) bytes in $(FUZZ_DIR)/kept"; done
 
 .PHONY: fuzz-coverage fuzz-minimise
+
+# The scene sandbox: the bindings instrumented, kernels and all else from libylm as it is built.
+FUZZ_ABOUT_scene := csrc/lua/core_sandbox.c
+# The Lua state outlives each input: leaks are looked for at no single one.
+FUZZ_ARGS_scene := -detect_leaks=0
+FUZZ_ALSO_scene := $(patsubst csrc/lua/%.c,$(FUZZ_DIR)/lua/%.o,$(wildcard csrc/lua/binding*.c csrc/lua/core.c csrc/lua/core_*.c))
+FUZZ_LIBS_scene := $(call pkg,--cflags --libs,lua5.4) -L$(BUILD)/lib -Wl,-rpath,$(abspath $(BUILD))/lib -lylm
+$(FUZZ_DIR)/lua/%.o: csrc/lua/%.c
+	@mkdir -p $(@D)
+	$(call say,CC,$@)
+	$(Q)$(FUZZ_CC) $(FUZZ_CFLAGS) $(call pkg,--cflags,lua5.4) -c $< -o $@
+$(FUZZ_DIR)/bin/scene: $(FUZZ_ALSO_scene) $(BUILD)/lib/libylm.so
+	@mkdir -p $(@D)
+	$(call say,LINK,$@)
+	$(Q)$(FUZZ_CC) $(FUZZ_CFLAGS) -fsanitize=fuzzer spec/fuzz/scene.c $(FUZZ_ALSO_scene) $(FUZZ_LIBS_scene) -lm -o $@
+$(FUZZ_DIR)/bin/scene: spec/fuzz/scene.c
