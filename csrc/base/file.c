@@ -57,8 +57,10 @@ ylm_status ylm_file_head(const char *path, unsigned char *bytes, size_t room, si
   ssize_t r = 1;
   while (*size < room && r > 0) {
     r = read(fd, bytes + *size, room - *size);
-    if (r < 0 && errno == EINTR) r = 1;
-    else if (r > 0) *size += (size_t)r;
+    if (r < 0 && errno == EINTR)
+      r = 1;
+    else if (r > 0)
+      *size += (size_t)r;
   }
   if (r < 0) ylm_fail(e, YLM_EIO, "%s: %s", path, strerror(errno));
   close(fd);

@@ -68,8 +68,10 @@ ylm_status ylm_parallel(size_t n, size_t grain, int threads, ylm_range_fn *fn, v
     s = ylm_report(progress, done < blocks ? done * grain : n, n, stage);
     if (s != YLM_OK) return s;
     t = ylm_seconds() - t;
-    if (t < REPORT_SECONDS / 2) batch *= 2;
-    else if (t > REPORT_SECONDS * 2 && batch > (size_t)threads) batch /= 2;
+    if (t < REPORT_SECONDS / 2)
+      batch *= 2;
+    else if (t > REPORT_SECONDS * 2 && batch > (size_t)threads)
+      batch /= 2;
   }
   return YLM_OK;
 }

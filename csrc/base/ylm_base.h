@@ -40,32 +40,32 @@ extern "C" {
 ** CALLER  the call was wrong: the Lua layer raises an error at the caller's line
 ** WORLD   a file, a driver, memory or a user's wish: returned as nil, message, code
 */
-#define YLM_STATUS_LIST(X)                                                     \
-  X(OK, WORLD, "no error")                                                     \
-  X(EINVAL, CALLER, "an argument has a value that is not allowed")             \
-  X(ERANGE, CALLER, "a number is outside of the range that is supported")      \
-  X(EDOMAIN, CALLER, "a number is outside of the function's domain")           \
-  X(ESHAPE, CALLER, "array shapes do not fit together")                        \
-  X(ETYPE, CALLER, "the element type does not fit")                            \
-  X(ECONVENTION, CALLER, "two conventions are mixed")                          \
-  X(ECLOSED, CALLER, "the object has been closed")                             \
-  X(EBUSY, CALLER, "the object is in use by a call that has not returned")     \
-  X(EOVERFLOW, CALLER, "a size is too large to be represented")                \
-  X(ENOMEM, WORLD, "memory ran out")                                           \
-  X(EIO, WORLD, "a file cannot be read or written")                            \
-  X(EFORMAT, WORLD, "a file is not of the format it should be")                \
-  X(ECHECKSUM, WORLD, "a file has been damaged")                               \
-  X(EVERSION, WORLD, "a file was written by a newer version")                  \
-  X(ELIMIT, WORLD, "a limit on size, time or memory was reached")              \
-  X(EMISSING, WORLD, "a library or a driver is not installed")                 \
-  X(EDEVICE, WORLD, "a device failed")                                         \
+#define YLM_STATUS_LIST(X)                                                                         \
+  X(OK, WORLD, "no error")                                                                         \
+  X(EINVAL, CALLER, "an argument has a value that is not allowed")                                 \
+  X(ERANGE, CALLER, "a number is outside of the range that is supported")                          \
+  X(EDOMAIN, CALLER, "a number is outside of the function's domain")                               \
+  X(ESHAPE, CALLER, "array shapes do not fit together")                                            \
+  X(ETYPE, CALLER, "the element type does not fit")                                                \
+  X(ECONVENTION, CALLER, "two conventions are mixed")                                              \
+  X(ECLOSED, CALLER, "the object has been closed")                                                 \
+  X(EBUSY, CALLER, "the object is in use by a call that has not returned")                         \
+  X(EOVERFLOW, CALLER, "a size is too large to be represented")                                    \
+  X(ENOMEM, WORLD, "memory ran out")                                                               \
+  X(EIO, WORLD, "a file cannot be read or written")                                                \
+  X(EFORMAT, WORLD, "a file is not of the format it should be")                                    \
+  X(ECHECKSUM, WORLD, "a file has been damaged")                                                   \
+  X(EVERSION, WORLD, "a file was written by a newer version")                                      \
+  X(ELIMIT, WORLD, "a limit on size, time or memory was reached")                                  \
+  X(EMISSING, WORLD, "a library or a driver is not installed")                                     \
+  X(EDEVICE, WORLD, "a device failed")                                                             \
   X(ECANCELLED, WORLD, "cancelled")
 
 typedef enum ylm_status {
 #define X(name, class, text) YLM_##name,
   YLM_STATUS_LIST(X)
 #undef X
-  YLM_STATUS_COUNT
+      YLM_STATUS_COUNT
 } ylm_status;
 
 /* One failure in words: the status and a sentence that names the place. */
@@ -125,7 +125,7 @@ typedef enum ylm_isa {
 #define X(name) YLM_ISA_##name,
   YLM_ISA_LIST(X)
 #undef X
-  YLM_ISA_COUNT
+      YLM_ISA_COUNT
 } ylm_isa;
 
 YLM_API const char *ylm_isa_name(ylm_isa isa);
@@ -173,7 +173,9 @@ YLM_API double ylm_seconds(void);
 /* -- random numbers -------------------------------------------------------- */
 
 /* PCG32 (O'Neill 2014): small, seekable by stream, the same everywhere. */
-typedef struct ylm_rng { uint64_t state, stream; } ylm_rng;
+typedef struct ylm_rng {
+  uint64_t state, stream;
+} ylm_rng;
 YLM_API void ylm_rng_seed(ylm_rng *r, uint64_t seed, uint64_t stream);
 YLM_API uint32_t ylm_rng_u32(ylm_rng *r);
 /* Uniform in [0, 1), 53 random bits. */
@@ -189,8 +191,8 @@ YLM_API uint64_t ylm_crc64(uint64_t crc, const void *data, size_t size);
 ** YLM_EIO (missing, a directory, a device), YLM_ELIMIT (larger than `limit`; 0: 4 GiB), YLM_ENOMEM.
 ** The caller frees *data with ylm_free.
 */
-YLM_API ylm_status ylm_file_read(const char *path, size_t limit, unsigned char **data,
-                                 size_t *size, ylm_error *e);
+YLM_API ylm_status ylm_file_read(const char *path, size_t limit, unsigned char **data, size_t *size,
+                                 ylm_error *e);
 
 /* The first `room` bytes of a regular file, or all of them where it has fewer. YLM_EIO. */
 YLM_API ylm_status ylm_file_head(const char *path, unsigned char *bytes, size_t room, size_t *size,
@@ -209,8 +211,8 @@ YLM_API ylm_status ylm_file_write(ylm_file *f, const void *data, size_t size);
 YLM_API FILE *ylm_file_stream(ylm_file *f);
 /* The name it has until then, for libraries that open files themselves. */
 YLM_API const char *ylm_file_temporary(const ylm_file *f);
-YLM_API ylm_status ylm_file_commit(ylm_file *f, ylm_error *e);  /* frees f */
-YLM_API void ylm_file_discard(ylm_file *f);                     /* frees f */
+YLM_API ylm_status ylm_file_commit(ylm_file *f, ylm_error *e); /* frees f */
+YLM_API void ylm_file_discard(ylm_file *f);                    /* frees f */
 /* All at once. */
 YLM_API ylm_status ylm_file_save(const char *path, const void *data, size_t size, ylm_error *e);
 
@@ -221,7 +223,7 @@ typedef struct ylm_array_file {
   ylm_dtype dtype;
   int axes;
   size_t shape[YLM_MAX_AXES], count;
-  uint32_t convention;       /* of SH coefficients, from a comment that NumPy ignores; 0: ylm's */
+  uint32_t convention; /* of SH coefficients, from a comment that NumPy ignores; 0: ylm's */
   bool big_endian;
   const unsigned char *data; /* within the bytes given */
 } ylm_array_file;
@@ -274,8 +276,8 @@ typedef struct ylm_field ylm_field;
 struct ylm_field {
   const void *self;
   /* points [n][3]; overwrites the results asked for */
-  ylm_status (*evaluate)(const ylm_field *f, const ylm_field_query *q, size_t n,
-                         const void *points, ylm_field_result *r, ylm_error *e);
+  ylm_status (*evaluate)(const ylm_field *f, const ylm_field_query *q, size_t n, const void *points,
+                         ylm_field_result *r, ylm_error *e);
   /* out[i] = 1 if a surface on which the field jumps meets box i (boxes [n][6]: min, max) */
   ylm_status (*crosses)(const ylm_field *f, size_t n, const double *boxes, uint8_t *out);
 };

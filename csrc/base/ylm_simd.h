@@ -34,8 +34,16 @@ typedef int64_t ylm_vl __attribute__((vector_size(YLM_VECTOR_BYTES)));
 
 YLM_INLINE ylm_vf ylm_vf_set(float x) { return (ylm_vf){0} + x; }
 YLM_INLINE ylm_vd ylm_vd_set(double x) { return (ylm_vd){0} + x; }
-YLM_INLINE ylm_vf ylm_vf_load(const float *p) { ylm_vf v; memcpy(&v, p, sizeof v); return v; }
-YLM_INLINE ylm_vd ylm_vd_load(const double *p) { ylm_vd v; memcpy(&v, p, sizeof v); return v; }
+YLM_INLINE ylm_vf ylm_vf_load(const float *p) {
+  ylm_vf v;
+  memcpy(&v, p, sizeof v);
+  return v;
+}
+YLM_INLINE ylm_vd ylm_vd_load(const double *p) {
+  ylm_vd v;
+  memcpy(&v, p, sizeof v);
+  return v;
+}
 YLM_INLINE void ylm_vf_store(float *p, ylm_vf v) { memcpy(p, &v, sizeof v); }
 YLM_INLINE void ylm_vd_store(double *p, ylm_vd v) { memcpy(p, &v, sizeof v); }
 

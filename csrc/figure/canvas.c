@@ -60,7 +60,8 @@ void ylm_figure_canvas_line(ylm_figure_canvas *c, double x0, double y0, double x
     for (int i = left; i < right; i++) {
       double px = i + 0.5 - x0, py = j + 0.5 - y0;
       double along = (px * dx + py * dy) / length, across = fabs(px * dy - py * dx) / length;
-      double ends = fmin(fmin(along, length - along) + 0.5, 1), side = fmin(width / 2 - across + 0.5, 1);
+      double ends = fmin(fmin(along, length - along) + 0.5, 1),
+             side = fmin(width / 2 - across + 0.5, 1);
       if (ends > 0 && side > 0) mix(c, i, j, rgba, rgba[3] * ends * side);
     }
 }
@@ -97,7 +98,8 @@ static void interpolate(const ylm_figure_canvas *f, double x, double y, double o
   double u = x - i, v = y - j;
 #define P(a, b) f->pixel[3 * ((size_t)(b) * (size_t)f->width + (size_t)(a)) + (size_t)k]
   for (int k = 0; k < 3; k++)
-    out[k] = (1 - v) * ((1 - u) * P(i, j) + u * P(i1, j)) + v * ((1 - u) * P(i, j1) + u * P(i1, j1));
+    out[k] =
+        (1 - v) * ((1 - u) * P(i, j) + u * P(i1, j)) + v * ((1 - u) * P(i, j1) + u * P(i1, j1));
 #undef P
 }
 
@@ -110,10 +112,12 @@ void ylm_figure_canvas_copy(ylm_figure_canvas *c, int x, int y, int w, int h,
     for (int i = 0; i < w; i++) {
       if (x + i < 0 || y + j < 0 || x + i >= c->width || y + j >= c->height) continue;
       double rgb[3], px = sx + i * kx, py = sy + j * ky;
-      if (kx >= 1 || ky >= 1) average(from, px, py, px + fmax(kx, 1e-6), py + fmax(ky, 1e-6), rgb);
+      if (kx >= 1 || ky >= 1)
+        average(from, px, py, px + fmax(kx, 1e-6), py + fmax(ky, 1e-6), rgb);
       else if (sharp)
         interpolate(from, floor(px + kx / 2) + 0.5, floor(py + ky / 2) + 0.5, rgb);
-      else interpolate(from, px + kx / 2, py + ky / 2, rgb);
+      else
+        interpolate(from, px + kx / 2, py + ky / 2, rgb);
       uint8_t *p = c->pixel + 3 * ((size_t)(y + j) * (size_t)c->width + (size_t)(x + i));
       for (int a = 0; a < 3; a++) p[a] = byte(rgb[a]);
     }

@@ -28,8 +28,10 @@ ylm_status ylm_figure_colours(const ylm_figure_scale *s, size_t n, const double 
   if (!ylm_colourmap_find(s->map, &m)) return YLM_EINVAL;
   for (size_t i = 0; i < n; i++) {
     double t = ylm_figure_place(s, x[i]);
-    if (isnan(t)) memcpy(rgb + 3 * i, none, 3 * sizeof *rgb);
-    else colour_at(m, t, rgb + 3 * i);
+    if (isnan(t))
+      memcpy(rgb + 3 * i, none, 3 * sizeof *rgb);
+    else
+      colour_at(m, t, rgb + 3 * i);
   }
   return YLM_OK;
 }

@@ -60,8 +60,7 @@ ylm_status ylm_figure_sphere(int detail, size_t *points, double **direction, siz
   }
   collect_directions(n, number, *direction);
   uint32_t *t = *index;
-  for (int k = 0; k < 8; k++)
-    octant(n, k & 1 ? -1 : 1, k & 2 ? -1 : 1, k & 4 ? -1 : 1, number, &t);
+  for (int k = 0; k < 8; k++) octant(n, k & 1 ? -1 : 1, k & 2 ? -1 : 1, k & 4 ? -1 : 1, number, &t);
   ylm_free(number);
   return YLM_OK;
 }
@@ -88,9 +87,12 @@ ylm_status ylm_figure_add_lobes(ylm_figure_shape *s, size_t n, int count, int de
   ylm_status status = ylm_figure_sphere(detail, &points, &direction, &triangles, &index);
   if (status != YLM_OK) return status;
   f = ylm_alloc(points, sizeof *f);
-  if (!f) status = YLM_ENOMEM;
-  else if (n > UINT32_MAX / points) status = YLM_EOVERFLOW;
-  else status = ylm__figure_reserve(s, n * points, n * triangles);
+  if (!f)
+    status = YLM_ENOMEM;
+  else if (n > UINT32_MAX / points)
+    status = YLM_EOVERFLOW;
+  else
+    status = ylm__figure_reserve(s, n * points, n * triangles);
   for (size_t i = 0; i < n && status == YLM_OK; i++) {
     size_t first = s->points, first_cell = s->cells;
     double largest = evaluate(points, count, basis, coefficient + i * (size_t)count, f);

@@ -93,8 +93,10 @@ void ylm__figure_normals(ylm_figure_shape *s, size_t first_point, size_t first_c
   }
   for (size_t i = first_point; i < s->points; i++) {
     float *n = s->normal + 3 * i, d = sqrtf(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
-    if (d > 0) n[0] /= d, n[1] /= d, n[2] /= d;
-    else n[2] = 1;
+    if (d > 0)
+      n[0] /= d, n[1] /= d, n[2] /= d;
+    else
+      n[2] = 1;
   }
 }
 
@@ -124,8 +126,10 @@ ylm_status ylm_figure_add_spheres(ylm_figure_shape *s, size_t n, const double *c
   uint32_t *index;
   ylm_status status = ylm_figure_sphere(detail, &points, &direction, &triangles, &index);
   if (status != YLM_OK) return status;
-  if (n > UINT32_MAX / points) status = YLM_EOVERFLOW;
-  else status = ylm__figure_reserve(s, n * points, n * triangles);
+  if (n > UINT32_MAX / points)
+    status = YLM_EOVERFLOW;
+  else
+    status = ylm__figure_reserve(s, n * points, n * triangles);
   for (size_t i = 0; i < n && status == YLM_OK; i++) {
     uint32_t first = (uint32_t)s->points;
     for (size_t k = 0; k < points; k++) {
@@ -253,7 +257,8 @@ ylm_status ylm_figure_add_tube(ylm_figure_shape *s, size_t n, const double *poin
       v[0] = d[1] * u[2] - d[2] * u[1];
       v[1] = d[2] * u[0] - d[0] * u[2];
       v[2] = d[0] * u[1] - d[1] * u[0];
-    } else frame(d, u, v);
+    } else
+      frame(d, u, v);
     uint32_t r = ring(s, point + 3 * i, d, u, v, radius, 0, colour + 3 * i);
     if (begun) band(s, before, r);
     before = r;

@@ -72,8 +72,7 @@ static void weights(const cell *c, const double p[3], double w[8]) {
 
 static void fill_cell(ylm_figure_volume *v, const cell *c, bool pointwise) {
   size_t lo[3], hi[3];
-  for (int a = 0; a < 3; a++)
-    span(v, a, c->origin[a], c->origin[a] + c->size[a], &lo[a], &hi[a]);
+  for (int a = 0; a < 3; a++) span(v, a, c->origin[a], c->origin[a] + c->size[a], &lo[a], &hi[a]);
   for (size_t z = lo[2]; z < hi[2]; z++)
     for (size_t y = lo[1]; y < hi[1]; y++)
       for (size_t x = lo[0]; x < hi[0]; x++) {
@@ -85,7 +84,8 @@ static void fill_cell(ylm_figure_volume *v, const cell *c, bool pointwise) {
         }
         double p[3] = {v->origin[0] + v->spacing[0] * (double)x,
                        v->origin[1] + v->spacing[1] * (double)y,
-                       v->origin[2] + v->spacing[2] * (double)z}, w[8];
+                       v->origin[2] + v->spacing[2] * (double)z},
+               w[8];
         weights(c, p, w);
         for (size_t j = 0; j < n; j++) {
           double sum = 0;
@@ -101,8 +101,10 @@ ylm_status ylm_figure_fill(ylm_figure_volume *v, const ylm_figure_cells *cells, 
   for (size_t i = 0; i < cells->n; i++) {
     if (cells->drawn && cells->drawn[i] == 0) continue;
     cell c = {.origin = cells->origin + 3 * i, .size = cells->size + 3 * i};
-    if (!pointwise) c.constant = value[i];
-    else if (!corners(cells, i, value, points, v->components, &c)) continue;
+    if (!pointwise)
+      c.constant = value[i];
+    else if (!corners(cells, i, value, points, v->components, &c))
+      continue;
     fill_cell(v, &c, pointwise);
   }
   return YLM_OK;
@@ -144,7 +146,8 @@ void ylm_figure_resample(ylm_figure_volume *to, const ylm_figure_volume *from) {
       for (size_t x = 0; x < to->size[0]; x++, i++) {
         double p[3] = {to->origin[0] + to->spacing[0] * (double)x,
                        to->origin[1] + to->spacing[1] * (double)y,
-                       to->origin[2] + to->spacing[2] * (double)z}, out[8];
+                       to->origin[2] + to->spacing[2] * (double)z},
+               out[8];
         bool there = n <= 8 && ylm_figure_volume_at(from, p, out);
         for (size_t j = 0; j < n; j++) to->value[i * n + j] = there ? (float)out[j] : NAN;
       }

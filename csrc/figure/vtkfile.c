@@ -8,10 +8,11 @@ typedef struct type_info {
   size_t size;
 } type_info;
 
-static const type_info types[] = {
-    [YLM_FIGURE_F32] = {"Float32", 4}, [YLM_FIGURE_F64] = {"Float64", 8},
-    [YLM_FIGURE_U8] = {"UInt8", 1},    [YLM_FIGURE_I32] = {"Int32", 4},
-    [YLM_FIGURE_I64] = {"Int64", 8}};
+static const type_info types[] = {[YLM_FIGURE_F32] = {"Float32", 4},
+                                  [YLM_FIGURE_F64] = {"Float64", 8},
+                                  [YLM_FIGURE_U8] = {"UInt8", 1},
+                                  [YLM_FIGURE_I32] = {"Int32", 4},
+                                  [YLM_FIGURE_I64] = {"Int64", 8}};
 
 static uint64_t data_bytes(const ylm_figure_data *d) {
   return (uint64_t)d->n * (uint64_t)d->components * types[d->type].size;
@@ -37,11 +38,16 @@ static void begin(writer *w, const char *kind) {
 /* Text with what XML reserves replaced. */
 static void put_name(FILE *out, const char *s) {
   for (; *s; s++) {
-    if (*s == '<') fputs("&lt;", out);
-    else if (*s == '>') fputs("&gt;", out);
-    else if (*s == '&') fputs("&amp;", out);
-    else if (*s == '"') fputs("&quot;", out);
-    else fputc(*s, out);
+    if (*s == '<')
+      fputs("&lt;", out);
+    else if (*s == '>')
+      fputs("&gt;", out);
+    else if (*s == '&')
+      fputs("&amp;", out);
+    else if (*s == '"')
+      fputs("&quot;", out);
+    else
+      fputc(*s, out);
   }
 }
 
@@ -136,8 +142,10 @@ ylm_status ylm_figure_save_shape(const char *path, const ylm_figure_shape *shape
                                        {"offsets", YLM_FIGURE_I64, 1, n, ends}};
     bool lines = corners == 2;
     begin(&w, "PolyData");
-    fprintf(w.out, "<PolyData>\n<Piece NumberOfPoints=\"%zu\" NumberOfLines=\"%zu\" NumberOfPolys=\"%zu\">\n",
-            shape->points, lines ? n : 0, lines ? 0 : n);
+    fprintf(
+        w.out,
+        "<PolyData>\n<Piece NumberOfPoints=\"%zu\" NumberOfLines=\"%zu\" NumberOfPolys=\"%zu\">\n",
+        shape->points, lines ? n : 0, lines ? 0 : n);
     declare_all(&w, "PointData", shape->normal ? 2 : 1, data);
     declare_all(&w, "Points", 1, &at);
     declare_all(&w, lines ? "Lines" : "Polys", 2, layout);
@@ -159,10 +167,12 @@ ylm_status ylm_figure_save_volume(const char *path, const ylm_figure_volume *v, 
            v->size[2] - 1);
   const ylm_figure_data data = {name, YLM_FIGURE_F32, v->components, n, v->value};
   begin(&w, "ImageData");
-  fprintf(w.out, "<ImageData WholeExtent=\"%s\" Origin=\"%.17g %.17g %.17g\" Spacing=\"%.17g %.17g %.17g\">\n"
-                 "<Piece Extent=\"%s\">\n",
-          extent, v->origin[0], v->origin[1], v->origin[2], v->spacing[0], v->spacing[1],
-          v->spacing[2], extent);
+  fprintf(
+      w.out,
+      "<ImageData WholeExtent=\"%s\" Origin=\"%.17g %.17g %.17g\" Spacing=\"%.17g %.17g %.17g\">\n"
+      "<Piece Extent=\"%s\">\n",
+      extent, v->origin[0], v->origin[1], v->origin[2], v->spacing[0], v->spacing[1], v->spacing[2],
+      extent);
   declare_all(&w, "PointData", 1, &data);
   return finish(&w, "ImageData", e);
 }

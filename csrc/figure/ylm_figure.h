@@ -23,12 +23,12 @@ extern "C" {
 /* -- shapes ---------------------------------------------------------------- */
 
 typedef struct ylm_figure_shape {
-  int corners;       /* of a cell: 3 triangles, 2 segments */
+  int corners; /* of a cell: 3 triangles, 2 segments */
   size_t points, cells, point_room, cell_room;
-  float *position;   /* [points][3] */
-  float *normal;     /* [points][3] of triangles; NULL for segments */
-  uint8_t *colour;   /* [points][4] red, green, blue, alpha */
-  uint32_t *index;   /* [cells][corners] */
+  float *position; /* [points][3] */
+  float *normal;   /* [points][3] of triangles; NULL for segments */
+  uint8_t *colour; /* [points][4] red, green, blue, alpha */
+  uint32_t *index; /* [cells][corners] */
 } ylm_figure_shape;
 
 /* An empty shape of triangles (3) or segments (2). Free what it holds with _clear. */
@@ -91,11 +91,11 @@ YLM_API ylm_status ylm_figure_sphere(int detail, size_t *points, double **direct
 /* Boxes of a grid; plain arrays that somebody else owns. */
 typedef struct ylm_figure_cells {
   size_t n;
-  const double *origin;    /* [n][3] lower corner */
-  const double *size;      /* [n][3] */
-  const double *level;     /* [n]; NULL: all 0 */
-  const double *drawn;     /* [n]; 0 leaves the cell out; NULL: all are in */
-  const double *corner;    /* [n][8] one-based rows of point values, x fastest; 0: none; or NULL */
+  const double *origin; /* [n][3] lower corner */
+  const double *size;   /* [n][3] */
+  const double *level;  /* [n]; NULL: all 0 */
+  const double *drawn;  /* [n]; 0 leaves the cell out; NULL: all are in */
+  const double *corner; /* [n][8] one-based rows of point values, x fastest; 0: none; or NULL */
 } ylm_figure_cells;
 
 /*
@@ -114,11 +114,11 @@ YLM_API ylm_status ylm_figure_add_boxes(ylm_figure_shape *s, const ylm_figure_ce
 /* -- volumes ----------------------------------------------------------------- */
 
 typedef struct ylm_figure_volume {
-  size_t size[3];      /* voxels along x, y, z */
-  double origin[3];    /* of the first voxel's centre */
+  size_t size[3];   /* voxels along x, y, z */
+  double origin[3]; /* of the first voxel's centre */
   double spacing[3];
-  int components;      /* numbers per voxel */
-  float *value;        /* [nz][ny][nx][components]; NaN where there is no data */
+  int components; /* numbers per voxel */
+  float *value;   /* [nz][ny][nx][components]; NaN where there is no data */
 } ylm_figure_volume;
 
 /* Voxels all NaN that fill bounds {x0 y0 z0 x1 y1 z1}; a flat axis has one voxel, in its middle. */
@@ -140,7 +140,8 @@ YLM_API ylm_status ylm_figure_fill(ylm_figure_volume *v, const ylm_figure_cells 
 /* The volume at p, trilinear; false (out untouched) outside, and where a neighbour is NaN. */
 YLM_API bool ylm_figure_volume_at(const ylm_figure_volume *v, const double p[3], double *out);
 
-/* Fills `to` with what `from` (as many components, at most 8) is at its voxels; NaN where it is nothing. */
+/* Fills `to` with what `from` (as many components, at most 8) is at its voxels; NaN where it is
+ * nothing. */
 YLM_API void ylm_figure_resample(ylm_figure_volume *to, const ylm_figure_volume *from);
 
 /* Least and largest finite value of the first component, and the least above 0;
@@ -153,7 +154,8 @@ YLM_API ylm_status ylm_figure_volume_smooth(ylm_figure_volume *v, int times);
 
 /*
 ** ylm_figure_streamline - follows the direction of a volume of 3 components (4th-order
-** Runge-Kutta in arc length), `forward` or against it, until it leaves, vanishes or has `room` points.
+** Runge-Kutta in arc length), `forward` or against it, until it leaves, vanishes or has `room`
+*points.
 ** Returns the number of points written to out [room][3].
 */
 YLM_API size_t ylm_figure_streamline(const ylm_figure_volume *v, const double seed[3], double step,
@@ -185,12 +187,13 @@ YLM_API ylm_status ylm_figure_places(const ylm_figure_volume *v, const ylm_figur
                                      ylm_figure_volume *place);
 
 /*
-** ylm_figure_add_streamlines - tubes both ways from n seeds [n][3] through a volume of 3 components,
+** ylm_figure_add_streamlines - tubes both ways from n seeds [n][3] through a volume of 3
+*components,
 ** coloured by its length on the scale. Lines of fewer than `fewest` points are left out.
 */
 YLM_API ylm_status ylm_figure_add_streamlines(ylm_figure_shape *shape, const ylm_figure_volume *v,
-                                              size_t n, const double *seed, double step, size_t room,
-                                              size_t fewest, double radius,
+                                              size_t n, const double *seed, double step,
+                                              size_t room, size_t fewest, double radius,
                                               const ylm_figure_scale *s);
 
 /* -- canvases ------------------------------------------------------------------ */
@@ -225,7 +228,11 @@ YLM_API void ylm_figure_canvas_copy(ylm_figure_canvas *c, int x, int y, int w, i
 /* -- files ------------------------------------------------------------------- */
 
 typedef enum ylm_figure_type {
-  YLM_FIGURE_F32, YLM_FIGURE_F64, YLM_FIGURE_U8, YLM_FIGURE_I32, YLM_FIGURE_I64
+  YLM_FIGURE_F32,
+  YLM_FIGURE_F64,
+  YLM_FIGURE_U8,
+  YLM_FIGURE_I32,
+  YLM_FIGURE_I64
 } ylm_figure_type;
 
 /* One named array of a file. */

@@ -48,8 +48,11 @@ static bool forward(void *user, uint64_t done, uint64_t total, const char *stage
 static ylm_status ask(baker *b, int want, size_t n, const float *points, ylm_field_result *r) {
   const ylm_grid_form *f = &b->g->view.form;
   ylm_progress progress = {forward, b};
-  ylm_field_query q = {.lmax = f->lmax, .channels = f->channels, .want = want,
-                       .metric_channels = f->metric_channels == 3 ? 3 : 1, .dtype = YLM_FLOAT,
+  ylm_field_query q = {.lmax = f->lmax,
+                       .channels = f->channels,
+                       .want = want,
+                       .metric_channels = f->metric_channels == 3 ? 3 : 1,
+                       .dtype = YLM_FLOAT,
                        .threads = b->source->threads,
                        .progress = b->source->progress ? &progress : NULL};
   const ylm_field *field = b->source->field;
@@ -87,8 +90,7 @@ static ylm_status store_block(void *context, size_t begin, size_t end, int worke
       to[j] = value[j] + (d[0] * slope[3 * j] + d[1] * slope[3 * j + 1] + d[2] * slope[3 * j + 2]);
       for (size_t a = 0; a < 3; a++) to[(a + 1) * g->stride + j] = slope[3 * j + a];
     }
-    for (size_t a = 0; a < 4; a++)
-      memset(to + a * g->stride + w, 0, (g->stride - w) * sizeof *to);
+    for (size_t a = 0; a < 4; a++) memset(to + a * g->stride + w, 0, (g->stride - w) * sizeof *to);
     if (k->inside[i]) g->flags[first + i] |= YLM_GRID_POINT_INVALID;
     if (!ylm_all_finite(YLM_FLOAT, to, 4 * g->stride, NULL)) return YLM_EDOMAIN;
   }
@@ -99,10 +101,11 @@ static ylm_status store_block(void *context, size_t begin, size_t end, int worke
 static ylm_status not_finite(const baker *b, size_t n, const field_block *k) {
   size_t w = b->g->width, bad = 0, slope;
   if (ylm_all_finite(YLM_FLOAT, k->value, n * w, &bad)) bad = n * w;
-  if (!ylm_all_finite(YLM_FLOAT, k->gradient, n * w * 3, &slope) && slope / 3 < bad) bad = slope / 3;
+  if (!ylm_all_finite(YLM_FLOAT, k->gradient, n * w * 3, &slope) && slope / 3 < bad)
+    bad = slope / 3;
   const float *p = k->position + 3 * (bad / w < n ? bad / w : 0);
-  return ylm_fail(b->e, YLM_EDOMAIN, "the light field is not finite at (%g, %g, %g)",
-                  (double)p[0], (double)p[1], (double)p[2]);
+  return ylm_fail(b->e, YLM_EDOMAIN, "the light field is not finite at (%g, %g, %g)", (double)p[0],
+                  (double)p[1], (double)p[2]);
 }
 
 /* Evaluates n points from `first` on. */
@@ -113,11 +116,15 @@ static ylm_status evaluate_block(baker *b, size_t first, size_t n, const field_b
     ylm_grid_position(g, g->lattice + 3 * (first + i), p);
     for (size_t a = 0; a < 3; a++) k->position[3 * i + a] = (float)p[a];
   }
-  ylm_field_result r = {.value = k->value, .gradient = k->gradient, .lambda = g->lambda + first,
-                        .norm = g->norm + first, .inside = k->inside};
+  ylm_field_result r = {.value = k->value,
+                        .gradient = k->gradient,
+                        .lambda = g->lambda + first,
+                        .norm = g->norm + first,
+                        .inside = k->inside};
   memset(k->inside, 0, n);
   int want = YLM_WANT_VALUE | YLM_WANT_GRADIENT;
-  if (g->view.form.metric_channels) want |= YLM_WANT_METRIC;
+  if (g->view.form.metric_channels)
+    want |= YLM_WANT_METRIC;
   else
     for (size_t i = 0; i < n; i++) g->lambda[first + i] = g->norm[first + i] = NAN;
   ylm_status s = ask(b, want, n, k->position, &r);
@@ -313,8 +320,8 @@ static ylm_status begin_octree(baker *b) {
   ylm_status s = occupancy_build(&b->occupied, g, b->source, &g->stats.outside);
   if (s == YLM_OK) s = ylm__grid_reserve_cells(g, 1);
   if (s != YLM_OK) return s;
-  ylm_grid_cell root = {.error = NAN, .residual = NAN,
-                        .flags = YLM_GRID_LEAF | YLM_GRID_OCCUPIED | YLM_GRID_CROSSED};
+  ylm_grid_cell root = {
+      .error = NAN, .residual = NAN, .flags = YLM_GRID_LEAF | YLM_GRID_OCCUPIED | YLM_GRID_CROSSED};
   for (int k = 0; k < 8; k++) root.corner[k] = YLM_GRID_NONE;
   g->cell[g->cells++] = root;
   return cell_list_push(&b->wave, 0);
@@ -328,8 +335,10 @@ static ylm_status bake_uniform(baker *b) {
   uint8_t *mark = ylm_alloc_zero(n, 1);
   if (!mark) return YLM_ENOMEM;
   ylm_status s = YLM_OK;
-  if (!b->source->occupied_points) memset(mark, 1, n);
-  else s = occupancy_mark_uniform(g, b->source, mark, &g->stats.outside);
+  if (!b->source->occupied_points)
+    memset(mark, 1, n);
+  else
+    s = occupancy_mark_uniform(g, b->source, mark, &g->stats.outside);
   for (size_t i = 0; i < n && s == YLM_OK; i++) {
     if (!mark[i]) continue;
     s = ylm__grid_reserve_cells(g, 1);
@@ -382,8 +391,9 @@ ylm_status ylm_grid_bake(const ylm_grid_form *form, const ylm_grid_source *sourc
   if (s != YLM_OK) {
     ylm_grid_free(b.g);
     if (s == YLM_ENOMEM) ylm_fail(e, s, "the grid does not fit into memory");
-    if (s == YLM_ELIMIT) ylm_fail(e, s, "the grid needs more than %zu points",
-                                   source->max_points ? source->max_points : (size_t)YLM_GRID_NONE);
+    if (s == YLM_ELIMIT)
+      ylm_fail(e, s, "the grid needs more than %zu points",
+               source->max_points ? source->max_points : (size_t)YLM_GRID_NONE);
     return s;
   }
   b.g->stats.seconds = ylm_seconds() - begin;

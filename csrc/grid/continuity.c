@@ -75,11 +75,9 @@ static void settle(ylm_grid *g, filling *f) {
 
 ylm_status ylm__grid_fill_invalid(ylm_grid *g) {
   uint32_t invalid = 0;
-  for (size_t p = 0; p < g->evaluated; p++)
-    invalid += (g->flags[p] & YLM_GRID_POINT_INVALID) != 0;
+  for (size_t p = 0; p < g->evaluated; p++) invalid += (g->flags[p] & YLM_GRID_POINT_INVALID) != 0;
   if (!invalid) return YLM_OK;
-  filling f = {ylm_alloc_zero(invalid, sizeof *f.weight),
-               ylm_alloc(g->evaluated, sizeof *f.slot),
+  filling f = {ylm_alloc_zero(invalid, sizeof *f.weight), ylm_alloc(g->evaluated, sizeof *f.slot),
                ylm_alloc_zero(invalid, 4 * g->stride * sizeof *f.sum)};
   ylm_status s = f.weight && f.slot && f.sum ? YLM_OK : YLM_ENOMEM;
   if (s == YLM_OK) {
@@ -117,8 +115,8 @@ static ylm_status add_interpolated(ylm_grid *g, uint32_t parent, int n, uint32_t
   ylm_status s = ylm__grid_reserve_points(g, 1);
   if (s != YLM_OK) return s;
   const ylm_grid_cell *c = &g->cell[parent];
-  uint32_t half = ylm__grid_edge(g, c) / 2, place[3] = {(uint32_t)n % 3, (uint32_t)n / 3 % 3,
-                                                        (uint32_t)n / 9};
+  uint32_t half = ylm__grid_edge(g, c) / 2,
+           place[3] = {(uint32_t)n % 3, (uint32_t)n / 3 % 3, (uint32_t)n / 9};
   size_t p = g->points;
   float t[3], *to = g->data + p * 4 * g->stride;
   for (int a = 0; a < 3; a++) {
@@ -163,8 +161,8 @@ static uint32_t finest(const ylm_grid *g, const uint32_t at[3]) {
   uint32_t cell = 0;
   while (g->cell[cell].child) {
     int shift = g->view.form.depth - g->cell[cell].level - 1;
-    cell = g->cell[cell].child + ((at[0] >> shift & 1) | (at[1] >> shift & 1) << 1 |
-                                  (at[2] >> shift & 1) << 2);
+    cell = g->cell[cell].child +
+           ((at[0] >> shift & 1) | (at[1] >> shift & 1) << 1 | (at[2] >> shift & 1) << 2);
   }
   return cell;
 }
@@ -253,11 +251,12 @@ static void virtual_corner(const ylm_grid *g, const virtual_cell *v, const uint3
   for (int r = 0; r < 4; r++) {
     if (!middle) /* its rows may lie in the room that the next descent writes to */
       row[r] = memcpy(to + (size_t)r * g->stride, v->row[8 * r + corner], g->stride * sizeof *to);
-    else if (point != YLM_GRID_NONE) row[r] = ylm__grid_row(g, point, r);
-    else row[r] = to + (size_t)r * g->stride;
+    else if (point != YLM_GRID_NONE)
+      row[r] = ylm__grid_row(g, point, r);
+    else
+      row[r] = to + (size_t)r * g->stride;
   }
-  if (middle && point == YLM_GRID_NONE)
-    ylm__grid_mix(g, v->row, v->edge, t, to, to + g->stride);
+  if (middle && point == YLM_GRID_NONE) ylm__grid_mix(g, v->row, v->edge, t, to, to + g->stride);
 }
 
 /* Replaces the virtual cell by its child number k; `to` is room for eight corners. */
@@ -285,8 +284,7 @@ void ylm__grid_virtual(const ylm_grid *g, uint32_t leaf, const double at[3], vir
   uint32_t last = 1u << (g->view.form.depth - c->detail);
   for (int level = 0; v->edge > last; level++) {
     uint32_t k = 0;
-    for (int a = 0; a < 3; a++)
-      k |= (uint32_t)(at[a] >= v->origin[a] + v->edge / 2) << a;
+    for (int a = 0; a < 3; a++) k |= (uint32_t)(at[a] >= v->origin[a] + v->edge / 2) << a;
     /* Children interpolate from their parent: two rooms in turn. */
     virtual_descend(g, v, k, scratch + (size_t)(level & 1) * 32 * g->stride);
   }

@@ -31,7 +31,7 @@ struct ylm_grid {
   uint32_t width;    /* channels * count */
   /* Cells by coarse lattice coordinates: [top[2]][top[1]][top[0]], to begin a descent. */
   uint32_t *table, top[3];
-  int top_shift;  /* lattice coordinate >> top_shift is a coordinate of the table */
+  int top_shift;   /* lattice coordinate >> top_shift is a coordinate of the table */
   double scale[3]; /* lattice cells per scene unit */
 };
 
@@ -56,7 +56,8 @@ static inline const float *ylm__grid_row(const ylm_grid *g, uint32_t point, int 
 void ylm__grid_find_baked(ylm_grid *g);
 /* Finds each leaf's source of data, counts, builds the table: what sampling needs. */
 ylm_status ylm__grid_finish(ylm_grid *g);
-/* Lattice coordinates (with fractions, clamped into the bounds) of a point; true if it was inside. */
+/* Lattice coordinates (with fractions, clamped into the bounds) of a point; true if it was inside.
+ */
 bool ylm__grid_coordinates(const ylm_grid *g, const double p[3], double out[3]);
 /* The leaf under clamped lattice coordinates; the box moves the coordinates where a uniform grid
    has no data. */
@@ -123,7 +124,7 @@ typedef struct baker {
   occupancy occupied;
   cell_list wave, next; /* cells to decide about, their children that come next */
   field_block block;
-  const char *stage;    /* for progress */
+  const char *stage; /* for progress */
   char stage_text[48];
 } baker;
 
@@ -175,8 +176,8 @@ void ylm__grid_virtual(const ylm_grid *g, uint32_t leaf, const double at[3], vir
 void ylm__grid_interpolate(const ylm_grid *g, const ylm_grid_cell *c, const float t[3],
                            float *value, float *gradient /* [3][stride], may be NULL */);
 /* The same from 32 rows and an edge in lattice units. */
-void ylm__grid_mix(const ylm_grid *g, const float *const row[ROWS], uint32_t edge,
-                   const float t[3], float *value, float *gradient);
+void ylm__grid_mix(const ylm_grid *g, const float *const row[ROWS], uint32_t edge, const float t[3],
+                   float *value, float *gradient);
 
 /* Samples the grid that is f->self: see ylm_grid_field. */
 ylm_status ylm__grid_evaluate(const ylm_field *f, const ylm_field_query *q, size_t n,
@@ -187,11 +188,11 @@ ylm_status ylm__grid_evaluate(const ylm_field *f, const ylm_field_query *q, size
 typedef struct sample_batch {
   int points, width, derivatives; /* derivatives: 0, or 1: gradients too */
   ylm_grid_interpolation interpolation;
-  float edge[3];                  /* of the cell, scene units */
-  float t[3][BATCH];              /* fractions of the edges */
-  const float *row[ROWS];         /* value of the 8 corners, d/dx of them, d/dy, d/dz */
-  float *value[BATCH];            /* [width] each */
-  float *gradient[3][BATCH];      /* [width] each, by axis */
+  float edge[3];             /* of the cell, scene units */
+  float t[3][BATCH];         /* fractions of the edges */
+  const float *row[ROWS];    /* value of the 8 corners, d/dx of them, d/dy, d/dz */
+  float *value[BATCH];       /* [width] each */
+  float *gradient[3][BATCH]; /* [width] each, by axis */
 } sample_batch;
 typedef void sample_kernel(const sample_batch *b);
 sample_kernel *ylm__grid_kernel(void);

@@ -35,8 +35,10 @@ static void numbers(stream *s, void *x, size_t n, size_t size) {
   unsigned char *p = s->data ? s->data + s->at : NULL;
   s->at += bytes;
   if (!p || !bytes) return;
-  if (s->reading) memcpy(x, p, bytes);
-  else memcpy(p, x, bytes);
+  if (s->reading)
+    memcpy(x, p, bytes);
+  else
+    memcpy(p, x, bytes);
   unsigned char *q = s->reading ? x : p;
   if (s->swap)
     for (size_t i = 0; i < n; i++)
@@ -249,7 +251,8 @@ static const char *check_lattice(const ylm_grid *g) {
     const ylm_grid_cell *c = &g->cell[i];
     for (int a = 0; a < 3; a++)
       if (c->origin[a] >= g->view.resolution[a]) return "a voxel's origin";
-    if (c->level || c->child || c->detail || !is_complete(c) || !corners_hold(g, c)) return "a voxel";
+    if (c->level || c->child || c->detail || !is_complete(c) || !corners_hold(g, c))
+      return "a voxel";
     if (c->flags & YLM_GRID_ADDED || !(c->flags & YLM_GRID_LEAF)) return "a voxel's flags";
   }
   return NULL;
@@ -300,8 +303,7 @@ static ylm_status read_body(stream *s, ylm_grid *g, const uint64_t counts[4], co
                             ylm_error *e) {
   ylm_status status = ylm__grid_reserve_cells(g, counts[0]);
   if (status == YLM_OK) status = ylm__grid_reserve_points(g, counts[2]);
-  if (status != YLM_OK)
-    return ylm_fail(e, status, "%s: the grid does not fit into memory", name);
+  if (status != YLM_OK) return ylm_fail(e, status, "%s: the grid does not fit into memory", name);
   memset(g->cell, 0, counts[0] * sizeof *g->cell);
   memset(g->data, 0, counts[2] * 4 * g->stride * sizeof *g->data);
   g->cells = counts[0];
@@ -335,9 +337,12 @@ ylm_status ylm_grid_decode(const unsigned char *data, size_t size, const char *n
   ylm_grid *g = ylm__grid_new(&form);
   if (!g) return ylm_fail(e, YLM_ENOMEM, "%s: memory ran out", name);
   g->stats = stats;
-  if (!counts_hold(&s, g, counts)) status = bad(name, "its counts", e);
-  else if (!table_holds(g, counts[0])) status = bad(name, "too sparse a lattice", e);
-  else status = read_body(&s, g, counts, name, e);
+  if (!counts_hold(&s, g, counts))
+    status = bad(name, "its counts", e);
+  else if (!table_holds(g, counts[0]))
+    status = bad(name, "too sparse a lattice", e);
+  else
+    status = read_body(&s, g, counts, name, e);
   if (status != YLM_OK) {
     ylm_grid_free(g);
     return status;

@@ -118,8 +118,10 @@ static bool any_code(const occupancy *o, uint64_t first, uint64_t last) {
   size_t lo = 0, hi = o->codes;
   while (lo < hi) {
     size_t mid = lo + (hi - lo) / 2;
-    if (o->code[mid] < first) lo = mid + 1;
-    else hi = mid;
+    if (o->code[mid] < first)
+      lo = mid + 1;
+    else
+      hi = mid;
   }
   return lo < o->codes && o->code[lo] <= last;
 }

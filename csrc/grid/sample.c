@@ -40,9 +40,11 @@ void ylm__grid_interpolate(const ylm_grid *g, const ylm_grid_cell *c, const floa
   ylm__grid_mix(g, row, ylm__grid_edge(g, c), t, value, gradient);
 }
 
-void ylm__grid_mix(const ylm_grid *g, const float *const row[ROWS], uint32_t edge,
-                   const float t[3], float *value, float *gradient) {
-  sample_batch b = {.points = 1, .width = (int)g->width, .derivatives = gradient != NULL,
+void ylm__grid_mix(const ylm_grid *g, const float *const row[ROWS], uint32_t edge, const float t[3],
+                   float *value, float *gradient) {
+  sample_batch b = {.points = 1,
+                    .width = (int)g->width,
+                    .derivatives = gradient != NULL,
                     .interpolation = YLM_GRID_HERMITE};
   set_edge(g, edge, &b);
   memcpy(b.row, row, sizeof b.row);
@@ -72,7 +74,8 @@ typedef struct sampling {
 } sampling;
 
 static void read_point(const sampling *s, size_t i, double p[3]) {
-  if (s->q->point_dtype == YLM_DOUBLE) memcpy(p, s->points + i * 24, 24);
+  if (s->q->point_dtype == YLM_DOUBLE)
+    memcpy(p, s->points + i * 24, 24);
   else {
     float f[3];
     memcpy(f, s->points + i * 12, 12);
@@ -132,12 +135,16 @@ static void write_nan(const sampling *s, size_t i) {
   size_t w = s->g->width;
   bool wide = s->q->dtype == YLM_DOUBLE;
   for (size_t j = 0; j < w; j++) {
-    if (wide) ((double *)s->value)[i * w + j] = NAN;
-    else ((float *)s->value)[i * w + j] = NAN;
+    if (wide)
+      ((double *)s->value)[i * w + j] = NAN;
+    else
+      ((float *)s->value)[i * w + j] = NAN;
   }
   for (size_t j = 0; s->gradient && j < 3 * w; j++) {
-    if (wide) ((double *)s->gradient)[i * 3 * w + j] = NAN;
-    else ((float *)s->gradient)[i * 3 * w + j] = NAN;
+    if (wide)
+      ((double *)s->gradient)[i * 3 * w + j] = NAN;
+    else
+      ((float *)s->gradient)[i * 3 * w + j] = NAN;
   }
 }
 
@@ -154,8 +161,9 @@ static void run_batch(const sampling *s, sample_batch *b, const size_t *index, f
   for (int p = 0; p < b->points; p++) {
     if (wide) write_value(s, index[p], b->value[p]);
     if (b->derivatives)
-      write_gradient(s, index[p], (const float *const[3]){b->gradient[0][p], b->gradient[1][p],
-                                                          b->gradient[2][p]});
+      write_gradient(
+          s, index[p],
+          (const float *const[3]){b->gradient[0][p], b->gradient[1][p], b->gradient[2][p]});
     if (s->q->nan_outside && s->away[index[p]]) write_nan(s, index[p]);
   }
 }
@@ -179,7 +187,8 @@ static void sample_virtual(const sampling *s, sample_batch *b, size_t i, float *
 /* Samples places begin .. end-1 of the order, cell by cell. */
 static ylm_status sample_range(void *context, size_t begin, size_t end, int worker) {
   sampling *s = context;
-  sample_batch b = {.width = (int)s->g->width, .derivatives = s->gradient != NULL,
+  sample_batch b = {.width = (int)s->g->width,
+                    .derivatives = s->gradient != NULL,
                     .interpolation = s->q->interpolation};
   size_t index[BATCH];
   uint32_t last = YLM_GRID_NONE;
@@ -245,16 +254,14 @@ static ylm_status begin_sampling(sampling *s, size_t n, uint32_t **order, uint32
   s->away = ylm_alloc(n, 1);
   *order = ylm_alloc(n, sizeof **order);
   *other = ylm_alloc(n, sizeof **other);
-  s->scratch_size = (size_t)BATCH * 4 * s->g->width + VIRTUAL_ROWS * s->g->stride +
-                    2 * ROW_PADDING;
+  s->scratch_size = (size_t)BATCH * 4 * s->g->width + VIRTUAL_ROWS * s->g->stride + 2 * ROW_PADDING;
   s->scratch = ylm_alloc((size_t)ylm_threads(s->q->threads), s->scratch_size * sizeof(float));
   bool ok = s->cell && s->t && s->away && *order && *other && s->scratch;
   return ok ? YLM_OK : YLM_ENOMEM;
 }
 
-ylm_status ylm_grid_sample(const ylm_grid *g, const ylm_grid_query *q, size_t n,
-                           const void *points, void *value, void *gradient,
-                           ylm_grid_report *report, ylm_error *e) {
+ylm_status ylm_grid_sample(const ylm_grid *g, const ylm_grid_query *q, size_t n, const void *points,
+                           void *value, void *gradient, ylm_grid_report *report, ylm_error *e) {
   double begin = ylm_seconds();
   size_t w = g->width, size = ylm_dtype_size(q->dtype), row = 3 * ylm_dtype_size(q->point_dtype);
   sampling s = {.g = g, .q = q};
@@ -314,14 +321,18 @@ static void convert_row(const ylm_grid *g, const ylm_field_query *q, const float
         }
         size_t i = (at * (size_t)(q->channels * count) + (size_t)(c * count + j)) * (size_t)step +
                    (size_t)d;
-        if (q->dtype == YLM_DOUBLE) ((double *)to)[i] = x;
-        else ((float *)to)[i] = (float)x;
+        if (q->dtype == YLM_DOUBLE)
+          ((double *)to)[i] = x;
+        else
+          ((float *)to)[i] = (float)x;
       }
 }
 
 static void put(const ylm_field_query *q, void *to, size_t i, double x) {
-  if (q->dtype == YLM_DOUBLE) ((double *)to)[i] = x;
-  else ((float *)to)[i] = (float)x;
+  if (q->dtype == YLM_DOUBLE)
+    ((double *)to)[i] = x;
+  else
+    ((float *)to)[i] = (float)x;
 }
 
 /* The query's results from sampled rows. */
@@ -349,8 +360,7 @@ ylm_status ylm__grid_evaluate(const ylm_field *f, const ylm_field_query *q, size
   if (q->lmax > g->view.form.lmax)
     return ylm_fail(e, YLM_ERANGE, "the grid has coefficients up to lmax %d, %d is wanted",
                     g->view.form.lmax, q->lmax);
-  if (q->want & YLM_WANT_HESSIAN)
-    return ylm_fail(e, YLM_EINVAL, "a grid has no Hessians");
+  if (q->want & YLM_WANT_HESSIAN) return ylm_fail(e, YLM_EINVAL, "a grid has no Hessians");
   size_t w = g->width, block = n < 16384 ? n : 16384;
   bool slopes = q->want & YLM_WANT_GRADIENT;
   float *value = ylm_alloc(block, w * sizeof *value);
@@ -361,12 +371,11 @@ ylm_status ylm__grid_evaluate(const ylm_field *f, const ylm_field_query *q, size
     size_t now = n - i < block ? n - i : block, size = ylm_dtype_size(q->dtype);
     size_t k = i * (size_t)(q->channels * (q->lmax + 1) * (q->lmax + 1)) * size;
     const char *p = (const char *)points + 3 * i * size;
-    ylm_field_result part = {
-        .value = r->value ? (char *)r->value + k : NULL,
-        .gradient = r->gradient ? (char *)r->gradient + 3 * k : NULL,
-        .lambda = r->lambda ? (char *)r->lambda + i * size : NULL,
-        .norm = r->norm ? (char *)r->norm + i * size : NULL,
-        .inside = r->inside ? r->inside + i : NULL};
+    ylm_field_result part = {.value = r->value ? (char *)r->value + k : NULL,
+                             .gradient = r->gradient ? (char *)r->gradient + 3 * k : NULL,
+                             .lambda = r->lambda ? (char *)r->lambda + i * size : NULL,
+                             .norm = r->norm ? (char *)r->norm + i * size : NULL,
+                             .inside = r->inside ? r->inside + i : NULL};
     s = ylm_grid_sample(g, &own, now, p, value, gradient, NULL, e);
     if (s == YLM_OK) convert(g, q, now, p, value, gradient, &part);
     if (s == YLM_OK) s = ylm_report(q->progress, i + now, n, "sampling");

@@ -5,8 +5,8 @@
 ** lanes; the product runs over blocks of 4 points x a few vectors of coefficients, so that a row's
 ** load is shared by the points. A column is summed in the same order whatever block it is in.
 */
-#include "grid.h"
 #include "sample_kernel.h"
+#include "grid.h"
 #include "ylm_simd.h"
 
 YLM_GRID_WEIGHTS(ylm_vf)
@@ -20,7 +20,8 @@ YLM_GRID_WEIGHTS(ylm_vf)
 
 /* Stores the first n floats of v. */
 YLM_INLINE void store_some(float *out, ylm_vf v, int n) {
-  if (n >= YLM_VF) ylm_vf_store(out, v);
+  if (n >= YLM_VF)
+    ylm_vf_store(out, v);
   else
     for (int i = 0; i < n; i++) out[i] = v[i];
 }
@@ -68,8 +69,10 @@ void YLM_KERNEL(ylm_k_grid_sample)(const sample_batch *b) {
       axis_functions f[3];
       for (int a = 0; a < 3; a++) {
         ylm_vf t = ylm_vf_load(b->t[a] + p);
-        if (d == a + 1) axis_slopes(&f[a], t, b->edge[a], b->interpolation);
-        else axis_values(&f[a], t, b->edge[a], b->interpolation);
+        if (d == a + 1)
+          axis_slopes(&f[a], t, b->edge[a], b->interpolation);
+        else
+          axis_values(&f[a], t, b->edge[a], b->interpolation);
       }
       weights(&f[0], &f[1], &f[2], some, 1);
       for (int r = 0; r < ROWS; r++) ylm_vf_store(w + r * BATCH + p, some[r]);

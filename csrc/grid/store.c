@@ -13,8 +13,10 @@ static ylm_status check_bounds(const double *b, ylm_error *e) {
   for (int a = 0; a < 3; a++)
     if (!isfinite(b[a]) || !isfinite(b[a + 3]) || !(b[a] < b[a + 3]) ||
         !isfinite(b[a + 3] - b[a]) || b[a + 3] - b[a] < 1e-30)
-      return ylm_fail(e, YLM_EDOMAIN, "bounds: max must exceed min along every axis, axis %d has "
-                      "%g and %g", a + 1, b[a], b[a + 3]);
+      return ylm_fail(e, YLM_EDOMAIN,
+                      "bounds: max must exceed min along every axis, axis %d has "
+                      "%g and %g",
+                      a + 1, b[a], b[a + 3]);
   return YLM_OK;
 }
 
@@ -139,8 +141,8 @@ ylm_status ylm__grid_reserve_points(ylm_grid *g, size_t more) {
   memset((char *)data + room * record, 0, padding);
   g->data = data;
   if (!grow(&g->lattice, n, room, 3 * sizeof *g->lattice) ||
-      !grow(&g->lambda, n, room, sizeof *g->lambda) ||
-      !grow(&g->norm, n, room, sizeof *g->norm) || !grow(&g->flags, n, room, 1))
+      !grow(&g->lambda, n, room, sizeof *g->lambda) || !grow(&g->norm, n, room, sizeof *g->norm) ||
+      !grow(&g->flags, n, room, 1))
     return YLM_ENOMEM;
   g->point_room = room;
   return YLM_OK;
@@ -212,8 +214,8 @@ static void count_cells(ylm_grid *g) {
   s->bytes = g->hash.size * (sizeof *g->hash.key + sizeof *g->hash.value);
   size_t table = (size_t)g->top[0] * g->top[1] * g->top[2];
   s->bytes += g->cell_room * sizeof *g->cell + table * sizeof *g->table +
-             g->point_room * (4 * g->stride * sizeof(float) + 3 * sizeof *g->lattice +
-                              2 * sizeof(float) + 1);
+              g->point_room *
+                  (4 * g->stride * sizeof(float) + 3 * sizeof *g->lattice + 2 * sizeof(float) + 1);
 }
 
 static size_t table_index(const ylm_grid *g, uint32_t x, uint32_t y, uint32_t z) {
@@ -227,7 +229,8 @@ static void cover(ylm_grid *g, uint32_t cell) {
   for (int a = 0; a < 3; a++) o[a] = c->origin[a] >> g->top_shift;
   for (uint32_t z = 0; z < n; z++)
     for (uint32_t y = 0; y < n; y++)
-      for (uint32_t x = 0; x < n; x++) g->table[table_index(g, o[0] + x, o[1] + y, o[2] + z)] = cell;
+      for (uint32_t x = 0; x < n; x++)
+        g->table[table_index(g, o[0] + x, o[1] + y, o[2] + z)] = cell;
 }
 
 /* Voxels without data take the nearest (counted in faces) that has some. */
@@ -238,8 +241,8 @@ static ylm_status spread_table(ylm_grid *g) {
   for (size_t i = 0; i < n; i++)
     if (g->table[i] != YLM_GRID_NONE) queue[tail++] = (uint32_t)i;
   while (head < tail) {
-    uint32_t i = queue[head++], at[3] = {i % g->top[0], i / g->top[0] % g->top[1],
-                                         i / g->top[0] / g->top[1]};
+    uint32_t i = queue[head++],
+             at[3] = {i % g->top[0], i / g->top[0] % g->top[1], i / g->top[0] / g->top[1]};
     size_t step[3] = {1, g->top[0], (size_t)g->top[0] * g->top[1]};
     for (int a = 0; a < 3; a++)
       for (int way = 0; way < 2; way++) {
@@ -292,7 +295,8 @@ bool ylm__grid_coordinates(const ylm_grid *g, const double p[3], double out[3]) 
   bool inside = true;
   for (int a = 0; a < 3; a++) {
     double t = (p[a] - b[a]) * g->scale[a], last = g->view.resolution[a];
-    if (p[a] >= b[a] && p[a] <= b[a + 3]) out[a] = t < last ? t : last;
+    if (p[a] >= b[a] && p[a] <= b[a + 3])
+      out[a] = t < last ? t : last;
     else {
       inside = false;
       out[a] = p[a] > b[a + 3] ? last : 0; /* NaN too */
@@ -307,12 +311,11 @@ uint32_t ylm__grid_leaf(const ylm_grid *g, const double at[3]) {
     uint32_t last = g->view.resolution[a] - 1, i = (uint32_t)at[a];
     c[a] = i > last ? last : i;
   }
-  uint32_t cell = g->table[table_index(g, c[0] >> g->top_shift, c[1] >> g->top_shift,
-                                       c[2] >> g->top_shift)];
+  uint32_t cell =
+      g->table[table_index(g, c[0] >> g->top_shift, c[1] >> g->top_shift, c[2] >> g->top_shift)];
   for (const ylm_grid_cell *n = &g->cell[cell]; n->child; n = &g->cell[cell]) {
     int shift = g->view.form.depth - n->level - 1;
-    cell = n->child +
-           ((c[0] >> shift & 1) | (c[1] >> shift & 1) << 1 | (c[2] >> shift & 1) << 2);
+    cell = n->child + ((c[0] >> shift & 1) | (c[1] >> shift & 1) << 1 | (c[2] >> shift & 1) << 2);
   }
   return cell;
 }

@@ -9,7 +9,8 @@
 **     anyway if the voxel is split;
 **   - a voxel is split where its estimate times `tight` exceeds the tolerance;
 **   - held-out shading points are compared with the field. Voxels in which they fail are split, and
-**     `tight` grows until the estimates of (almost) all these would have said so. Then fresh points.
+**     `tight` grows until the estimates of (almost) all these would have said so. Then fresh
+*points.
 ** The last comparison is made with points that decided nothing: it is what stats report.
 */
 #include "grid.h"
@@ -44,7 +45,7 @@ static double ratios_quantile(const ratios *r, double q) {
 
 /* A held-out point after comparison. */
 typedef struct verdict {
-  double error;    /* relative */
+  double error; /* relative */
   uint32_t leaf;
 } verdict;
 
@@ -53,8 +54,8 @@ typedef struct refiner {
   double tolerance, tight;
   ratios ratio;
   cell_list tested;
-  float *row;        /* [width] */
-  float *points;     /* [HELD_OUT][3] */
+  float *row;             /* [width] */
+  float *points;          /* [HELD_OUT][3] */
   float *exact, *sampled; /* [HELD_OUT][width] */
   uint8_t *inside;
   verdict *verdict;
@@ -165,8 +166,8 @@ static ylm_status refine_again(refiner *r) {
   }
   for (size_t i = 0; i < cells && s == YLM_OK; i++) {
     const ylm_grid_cell *c = &g->cell[i];
-    if (c->flags & YLM_GRID_LEAF && c->flags & YLM_GRID_OCCUPIED &&
-        c->level < g->view.form.depth && estimate(r, c) * r->tight > r->tolerance)
+    if (c->flags & YLM_GRID_LEAF && c->flags & YLM_GRID_OCCUPIED && c->level < g->view.form.depth &&
+        estimate(r, c) * r->tight > r->tolerance)
       s = baker_split(b, (uint32_t)i);
   }
   baker_advance(b);
@@ -186,9 +187,12 @@ static void hold_out(refiner *r, uint64_t round) {
     size_t k = r->held < HELD_OUT ? i : (size_t)(ylm_rng_double(&rng) * (double)s->occupied);
     for (size_t a = 0; a < 3; a++) {
       double x;
-      if (!s->occupied_points) x = box[a] + (box[a + 3] - box[a]) * ylm_rng_double(&rng);
-      else if (s->occupied_dtype == YLM_DOUBLE) x = ((const double *)s->occupied_points)[3 * k + a];
-      else x = (double)((const float *)s->occupied_points)[3 * k + a];
+      if (!s->occupied_points)
+        x = box[a] + (box[a + 3] - box[a]) * ylm_rng_double(&rng);
+      else if (s->occupied_dtype == YLM_DOUBLE)
+        x = ((const double *)s->occupied_points)[3 * k + a];
+      else
+        x = (double)((const float *)s->occupied_points)[3 * k + a];
       r->points[3 * i + a] = (float)x;
     }
   }
@@ -197,8 +201,8 @@ static void hold_out(refiner *r, uint64_t round) {
 /* Samples the held-out points, whose exact values are known, and compares. */
 static ylm_status compare(refiner *r) {
   ylm_grid *g = r->b->g;
-  ylm_grid_query q = {.point_dtype = YLM_FLOAT, .dtype = YLM_FLOAT,
-                      .threads = r->b->source->threads};
+  ylm_grid_query q = {
+      .point_dtype = YLM_FLOAT, .dtype = YLM_FLOAT, .threads = r->b->source->threads};
   ylm_status s = ylm_grid_sample(g, &q, r->held, r->points, r->sampled, NULL, NULL, r->b->e);
   r->verdicts = 0;
   for (size_t i = 0; i < r->held && s == YLM_OK; i++) {
@@ -249,8 +253,10 @@ static bool satisfied(refiner *r, bool *limited) {
   for (size_t i = 0; i < n; i++) {
     const ylm_grid_cell *c = &g->cell[r->verdict[i].leaf];
     if (!(r->verdict[i].error > r->tolerance)) continue;
-    if (c->level < g->view.form.depth) estimates[refinable++] = estimate(r, c);
-    else stuck++;
+    if (c->level < g->view.form.depth)
+      estimates[refinable++] = estimate(r, c);
+    else
+      stuck++;
   }
   double all = (double)n;
   *limited = stuck > 0;

@@ -35,23 +35,23 @@ typedef enum ylm_grid_metric { YLM_GRID_ABSOLUTE = 0, YLM_GRID_RELATIVE = 1 } yl
 /* What grid to make. */
 typedef struct ylm_grid_form {
   ylm_grid_kind kind;
-  double bounds[6];        /* min x y z, max x y z; max > min */
-  int lmax;                /* 0 .. */
-  int channels;            /* 1 luminance, 3 rgb */
-  int metric_channels;     /* 1 or 3: of what lambda and norm are; 3 only where channels is 3;
-                              0 in a uniform grid: they are not asked for, and NaN */
-  int depth;               /* adaptive: finest level N, 0 .. YLM_GRID_MAX_DEPTH */
-  uint32_t cells[3];       /* uniform: voxels along each axis */
-  ylm_grid_metric metric;  /* adaptive, with a threshold */
-  double threshold;        /* adaptive: subdivide above it; negative: none, use the tolerance */
-  double tolerance;        /* adaptive: relative error promised; 0: none, use the threshold */
-  bool continuous;         /* adaptive: no jumps across faces that change level */
+  double bounds[6];       /* min x y z, max x y z; max > min */
+  int lmax;               /* 0 .. */
+  int channels;           /* 1 luminance, 3 rgb */
+  int metric_channels;    /* 1 or 3: of what lambda and norm are; 3 only where channels is 3;
+                             0 in a uniform grid: they are not asked for, and NaN */
+  int depth;              /* adaptive: finest level N, 0 .. YLM_GRID_MAX_DEPTH */
+  uint32_t cells[3];      /* uniform: voxels along each axis */
+  ylm_grid_metric metric; /* adaptive, with a threshold */
+  double threshold;       /* adaptive: subdivide above it; negative: none, use the tolerance */
+  double tolerance;       /* adaptive: relative error promised; 0: none, use the threshold */
+  bool continuous;        /* adaptive: no jumps across faces that change level */
 } ylm_grid_form;
 
 /* From where, and how. */
 typedef struct ylm_grid_source {
   const ylm_field *field;
-  size_t occupied;              /* number of shading points */
+  size_t occupied; /* number of shading points */
   ylm_dtype occupied_dtype;
   const void *occupied_points;  /* [occupied][3]; NULL: every voxel is occupied */
   uint64_t seed;                /* of the choice of held-out points */
@@ -62,26 +62,26 @@ typedef struct ylm_grid_source {
 
 /* What a bake did. Counts are of evaluated points unless said otherwise. */
 typedef struct ylm_grid_stats {
-  uint64_t points;         /* evaluated, each once: N_p of the paper */
-  uint64_t tested;         /* of these: only to measure a residual, at a voxel's centre */
-  uint64_t interpolated;   /* points that only continuity needs, no light evaluated */
-  uint64_t cells, leaves;  /* of the octree (uniform: voxels with data), before continuity */
-  uint64_t occupied;       /* leaves that hold shading points */
-  uint64_t continuity;     /* leaves added by continuity */
-  uint64_t levels;         /* deepest level + 1 */
-  uint64_t pairs;          /* light x point evaluations, verification included */
-  uint64_t invalid;        /* points in or on a light, filled from their neighbours */
-  uint64_t outside;        /* shading points outside of the bounds, moved onto them */
-  uint64_t bytes;          /* of memory that the grid holds */
-  double seconds;          /* of the whole bake */
-  double field_seconds;    /* of these, inside of the light field */
-  double verify_seconds;   /* of these, for the verification of a tolerance (field included) */
-  uint64_t verified;       /* held-out points compared with the field */
-  uint64_t rounds;         /* of refinement and verification */
-  double error;            /* 99 % quantile of their relative errors; NaN: not measured */
-  double largest_error;    /* the largest of them */
-  bool met;                /* error <= tolerance */
-  bool limited;            /* not met because the depth is reached where it would refine */
+  uint64_t points;        /* evaluated, each once: N_p of the paper */
+  uint64_t tested;        /* of these: only to measure a residual, at a voxel's centre */
+  uint64_t interpolated;  /* points that only continuity needs, no light evaluated */
+  uint64_t cells, leaves; /* of the octree (uniform: voxels with data), before continuity */
+  uint64_t occupied;      /* leaves that hold shading points */
+  uint64_t continuity;    /* leaves added by continuity */
+  uint64_t levels;        /* deepest level + 1 */
+  uint64_t pairs;         /* light x point evaluations, verification included */
+  uint64_t invalid;       /* points in or on a light, filled from their neighbours */
+  uint64_t outside;       /* shading points outside of the bounds, moved onto them */
+  uint64_t bytes;         /* of memory that the grid holds */
+  double seconds;         /* of the whole bake */
+  double field_seconds;   /* of these, inside of the light field */
+  double verify_seconds;  /* of these, for the verification of a tolerance (field included) */
+  uint64_t verified;      /* held-out points compared with the field */
+  uint64_t rounds;        /* of refinement and verification */
+  double error;           /* 99 % quantile of their relative errors; NaN: not measured */
+  double largest_error;   /* the largest of them */
+  bool met;               /* error <= tolerance */
+  bool limited;           /* not met because the depth is reached where it would refine */
 } ylm_grid_stats;
 
 /*
@@ -121,7 +121,7 @@ typedef struct ylm_grid_cell {
   float residual;     /* measured relative error at its centre; NaN: not measured */
   uint8_t level;      /* 0 is the root; always 0 in a uniform grid */
   uint8_t flags;
-  uint16_t detail;    /* no data: level to which sampling descends between evaluated points; 0: none */
+  uint16_t detail; /* no data: level to which sampling descends between evaluated points; 0: none */
 } ylm_grid_cell;
 
 enum {
@@ -133,19 +133,19 @@ enum {
 /* Everything a grid holds, read-only. */
 typedef struct ylm_grid_view {
   ylm_grid_form form;
-  int count;               /* coefficients per channel, (lmax+1)^2 */
-  uint32_t resolution[3];  /* lattice cells along each axis: 2^N, or form.cells */
-  size_t cells;            /* octree cells 0 .. octree_cells-1, then those added for continuity */
+  int count;              /* coefficients per channel, (lmax+1)^2 */
+  uint32_t resolution[3]; /* lattice cells along each axis: 2^N, or form.cells */
+  size_t cells;           /* octree cells 0 .. octree_cells-1, then those added for continuity */
   size_t octree_cells;
   const ylm_grid_cell *cell;
-  size_t points;           /* evaluated points 0 .. evaluated-1, then interpolated ones */
+  size_t points; /* evaluated points 0 .. evaluated-1, then interpolated ones */
   size_t evaluated;
   const uint32_t *lattice; /* [points][3] lattice coordinates */
   size_t stride;           /* floats from one row of `data` to the next, >= channels*count */
-  const float *data;       /* [points][4][stride]: values [channels][count], then d/dx, d/dy, d/dz */
-  const float *lambda;     /* [points]; NaN where interpolated */
-  const float *norm;       /* [points] */
-  const uint8_t *flags;    /* [points] YLM_GRID_POINT_* */
+  const float *data;    /* [points][4][stride]: values [channels][count], then d/dx, d/dy, d/dz */
+  const float *lambda;  /* [points]; NaN where interpolated */
+  const float *norm;    /* [points] */
+  const uint8_t *flags; /* [points] YLM_GRID_POINT_* */
   const ylm_grid_stats *stats;
 } ylm_grid_view;
 
@@ -209,7 +209,8 @@ YLM_API const ylm_field *ylm_grid_field(const ylm_grid *g);
 
 #define YLM_GRID_MAGIC "\x89YLMgrid" /* the first 8 bytes of a grid file */
 
-/* Writes the file whole or not at all. `swapped` writes the byte order that is not this machine's. */
+/* Writes the file whole or not at all. `swapped` writes the byte order that is not this machine's.
+ */
 YLM_API ylm_status ylm_grid_write(const ylm_grid *g, const char *path, bool swapped, ylm_error *e);
 /* The same bytes in memory; the caller frees *data with ylm_free. */
 YLM_API ylm_status ylm_grid_encode(const ylm_grid *g, bool swapped, unsigned char **data,

@@ -65,8 +65,10 @@ static void select_middle(tree *t, size_t begin, size_t end, size_t middle, int 
       uint32_t swap = t->order[i];
       t->order[i++] = t->order[j], t->order[j--] = swap;
     }
-    if (middle <= j) end = j + 1;
-    else begin = j + 1;
+    if (middle <= j)
+      end = j + 1;
+    else
+      begin = j + 1;
   }
 }
 

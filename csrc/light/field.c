@@ -15,26 +15,29 @@ ylm__channels ylm__channels_of(const ylm_field_query *q) {
 static ylm_status check_query(const ylm_field_query *q, ylm_isa isa, const ylm_field_result *r,
                               ylm_error *e) {
   if (q->lmax < 0 || q->lmax > YLM_LIGHT_LMAX)
-    return ylm_fail(e, YLM_ERANGE, "lmax must be 0 .. %d for lights, got %d", YLM_LIGHT_LMAX, q->lmax);
+    return ylm_fail(e, YLM_ERANGE, "lmax must be 0 .. %d for lights, got %d", YLM_LIGHT_LMAX,
+                    q->lmax);
   if (q->channels != 1 && q->channels != 3)
     return ylm_fail(e, YLM_EINVAL, "channels must be 1 or 3, got %d", q->channels);
   if ((q->want & YLM_WANT_METRIC) && q->metric_channels != 1 && q->metric_channels != 3)
     return ylm_fail(e, YLM_EINVAL, "metric_channels must be 1 or 3, got %d", q->metric_channels);
   if (!ylm_isa_available(isa))
     return ylm_fail(e, YLM_EINVAL, "no kernels for '%s' here", ylm_isa_name(isa));
-  if (((q->want & YLM_WANT_VALUE) && !r->value) || ((q->want & YLM_WANT_GRADIENT) && !r->gradient) ||
+  if (((q->want & YLM_WANT_VALUE) && !r->value) ||
+      ((q->want & YLM_WANT_GRADIENT) && !r->gradient) ||
       ((q->want & YLM_WANT_HESSIAN) && !r->hessian))
     return ylm_fail(e, YLM_EINVAL, "a result is wanted but has no place to go");
   return YLM_OK;
 }
 
-static ylm_status check_points(const ylm_field_query *q, size_t n, const void *points, ylm_error *e) {
+static ylm_status check_points(const ylm_field_query *q, size_t n, const void *points,
+                               ylm_error *e) {
   size_t where;
   if (!ylm_all_finite(q->dtype, points, 3 * n, &where))
     return ylm_fail(e, YLM_EDOMAIN, "point %zu is not finite", where / 3 + 1);
   for (size_t i = 0; i < 3 * n; i++) {
-    double x = q->dtype == YLM_DOUBLE ? ((const double *)points)[i]
-                                      : (double)((const float *)points)[i];
+    double x =
+        q->dtype == YLM_DOUBLE ? ((const double *)points)[i] : (double)((const float *)points)[i];
     if (fabs(x) > YLM_LIGHT_EXTENT)
       return ylm_fail(e, YLM_ERANGE, "point %zu is beyond %g", i / 3 + 1, YLM_LIGHT_EXTENT);
   }

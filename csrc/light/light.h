@@ -5,8 +5,12 @@
 #include "ylm_light.h"
 
 /* A light as the kernels read it. */
-typedef struct ylm__lamp_f { float at[3], radius, luminance, rgb[3]; } ylm__lamp_f;
-typedef struct ylm__lamp_d { double at[3], radius, luminance, rgb[3]; } ylm__lamp_d;
+typedef struct ylm__lamp_f {
+  float at[3], radius, luminance, rgb[3];
+} ylm__lamp_f;
+typedef struct ylm__lamp_d {
+  double at[3], radius, luminance, rgb[3];
+} ylm__lamp_d;
 
 struct ylm_lights {
   ylm_field field;
@@ -18,14 +22,16 @@ struct ylm_lights {
 };
 
 /* How many channels of each kind of sum a query needs: 0, 1 (luminance) or 3 (rgb). */
-typedef struct ylm__channels { int value, gradient, hessian; } ylm__channels;
+typedef struct ylm__channels {
+  int value, gradient, hessian;
+} ylm__channels;
 ylm__channels ylm__channels_of(const ylm_field_query *q);
 
 /* Channel c of `channels` of a light's radiance. */
 static inline double ylm__emission(const double *rgb, int channels, int c) {
-  return channels == 3 ? rgb[c]
-                       : YLM_LUMINANCE_R * rgb[0] + YLM_LUMINANCE_G * rgb[1] +
-                             YLM_LUMINANCE_B * rgb[2];
+  return channels == 3
+             ? rgb[c]
+             : YLM_LUMINANCE_R * rgb[0] + YLM_LUMINANCE_G * rgb[1] + YLM_LUMINANCE_B * rgb[2];
 }
 
 /*

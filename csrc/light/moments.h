@@ -29,9 +29,10 @@ enum { YLM__M0 = 1, YLM__M1 = 2, YLM__M2 = 4 };
 /* Lights after which a partial sum is added to the total; a multiple of YLM__TILE. */
 #define YLM__BLOCK 128
 /* The lmax with kernels of their own: gen/moments_N.isa.c. */
-#define YLM__SPECIAL_LIST(X, isa)                                                              \
-  X(isa, 0) X(isa, 1) X(isa, 2) X(isa, 3) X(isa, 4) X(isa, 5) X(isa, 6) X(isa, 7) X(isa, 8)     \
-  X(isa, 9) X(isa, 10)
+#define YLM__SPECIAL_LIST(X, isa)                                                                  \
+  X(isa, 0)                                                                                        \
+  X(isa, 1) X(isa, 2) X(isa, 3) X(isa, 4) X(isa, 5) X(isa, 6) X(isa, 7) X(isa, 8) X(isa, 9)        \
+      X(isa, 10)
 #define YLM__SPECIAL 10
 
 /* Highest degree that a set of kinds needs. */
@@ -92,7 +93,9 @@ typedef struct ylm__rows {
 ** coefficient i = l(l+1)+m, then x y z, or xx xy xz yy yz zz. `bend` makes U of DESIGN section 4,
 ** [(lmax+2)^2][3], from sums, and `hessian` (in ylm__plan) the Hessian from U.
 */
-typedef struct ylm__map { ylm__rows value, gradient, bend; } ylm__map;
+typedef struct ylm__map {
+  ylm__rows value, gradient, bend;
+} ylm__map;
 
 /* How a query is answered: what is summed in which channels, and how results follow. */
 typedef struct ylm__plan {
@@ -111,8 +114,8 @@ ylm_status ylm__plan_create(ylm__plan *p, const ylm_lights *lights, const ylm_fi
                             const ylm__moment_kernel *kernel);
 void ylm__plan_free(ylm__plan *p);
 
-/* The kernel of an instruction set for (lmax, dtype), and the loop around it: points begin .. end-1.
-   *scratch is NULL at a worker's first call; what it then holds is freed by the caller. */
+/* The kernel of an instruction set for (lmax, dtype), and the loop around it: points begin ..
+ *end-1. scratch is NULL at a worker's first call; what it then holds is freed by the caller. */
 typedef ylm_status ylm__sum_range(const ylm__plan *p, void **scratch, size_t begin, size_t end,
                                   const void *points, ylm_field_result *r);
 typedef struct ylm__kernel_set {

@@ -41,16 +41,16 @@ YLM_INLINE void NAME(prepare_one)(const int lmax, const int kinds, const LAMP *l
   if (kinds & YLM__M0) {
     V zero = es * NAME(reciprocal)(1 + h * invd);
     w[0] = NAME(choose)(out, zero, NAME(set)(2 * emission));
-  UNROLL
+    UNROLL
     for (int k = 1; k <= lmax; k++) w[k] = p[k - 1];
   }
   if (kinds & YLM__M1) {
-  UNROLL
+    UNROLL
     for (int k = 1; k <= lmax + 1; k++) w[ylm__weight_at(lmax, 1, k)] = p[k - 1] * invh;
   }
   if (kinds & YLM__M2) {
     w[ylm__weight_at(lmax, 2, 0)] = es * far;
-  UNROLL
+    UNROLL
     for (int k = 2; k <= lmax + 2; k++)
       w[ylm__weight_at(lmax, 2, k)] = (p[k] + RHO(k) * p[k - 2]) * far;
   }
@@ -63,11 +63,12 @@ static void NAME(prepare)(int lmax, int kinds, int n, const void *lamps, bool lu
   V *g = geometry, *w = weights;
   const int G = ylm__geometry_slots(FIXED(lmax)), W = ylm__weight_slots(FIXED(lmax));
   (void)lmax;
-#define X(set)                                                                                  \
-  if (kinds == set)                                                                             \
-    for (int j = 0; j < n; j++)                                                                 \
-      NAME(prepare_one)(FIXED(lmax), set, &lamp[j], lum ? lamp[j].luminance : (REAL)1, at[0],   \
-                        at[1], at[2], g + j * G, w + j * W, inside);
+#define X(set)                                                                                     \
+  if (kinds == set)                                                                                \
+    for (int j = 0; j < n; j++)                                                                    \
+      NAME(prepare_one)                                                                            \
+      (FIXED(lmax), set, &lamp[j], lum ? lamp[j].luminance : (REAL)1, at[0], at[1], at[2],         \
+       g + j * G, w + j * W, inside);
   YLM__KIND_SETS(X)
 #undef X
 }
@@ -80,8 +81,10 @@ YLM_INLINE void NAME(segment)(const int lmax, const int kinds, const int m, cons
                               const int k0, const int k1, const V *g, const V *w, V *state, V *a) {
   const int K = ylm__degree_of(lmax, kinds);
   V z = g[0], q, before = {0};
-  if (k0 > m) q = state[0], before = state[1];
-  else q = m == 0 ? NAME(set)(1) : g[2 * m - 1 + side];
+  if (k0 > m)
+    q = state[0], before = state[1];
+  else
+    q = m == 0 ? NAME(set)(1) : g[2 * m - 1 + side];
   UNROLL
   for (int k = k0; k < k1; k++) {
     UNROLL
@@ -100,28 +103,28 @@ YLM_INLINE void NAME(segment)(const int lmax, const int kinds, const int m, cons
 
 #ifndef ANY_LMAX
 
-#define PASS(first, count)                                                                      \
-  {                                                                                             \
-    V *total = sums + (first), a[count];                                                        \
-    UNROLL                                                                                      \
-    for (int i = 0; i < (count); i++) a[i] = total[i];                                          \
-    for (int j = 0; j < n; j++) {                                                               \
-      const V *g = geometry + j * ylm__geometry_slots(LMAX);                                    \
-      const V *w = weights + j * ylm__weight_slots(LMAX);                                       \
-      V *saved = state + 2 * j;                                                                 \
+#define PASS(first, count)                                                                         \
+  {                                                                                                \
+    V *total = sums + (first), a[count];                                                           \
+    UNROLL                                                                                         \
+    for (int i = 0; i < (count); i++) a[i] = total[i];                                             \
+    for (int j = 0; j < n; j++) {                                                                  \
+      const V *g = geometry + j * ylm__geometry_slots(LMAX);                                       \
+      const V *w = weights + j * ylm__weight_slots(LMAX);                                          \
+      V *saved = state + 2 * j;                                                                    \
       (void)saved;
-#define SEGMENT(m, side, k0, k1, offset)                                                        \
+#define SEGMENT(m, side, k0, k1, offset)                                                           \
   NAME(segment)(LMAX, KINDS, m, side, k0, k1, g, w, saved, a + (offset));
-#define END(count)                                                                              \
-  }                                                                                             \
-  UNROLL                                                                                        \
-  for (int i = 0; i < (count); i++) total[i] = a[i];                                            \
+#define END(count)                                                                                 \
+  }                                                                                                \
+  UNROLL                                                                                           \
+  for (int i = 0; i < (count); i++) total[i] = a[i];                                               \
   }
 
-#define SUM(set)                                                                                \
-  static void NAME(sum_##set)(int n, const V *geometry, const V *weights, V *state, V *sums) {  \
-    enum { KINDS = set };                                                                       \
-    PLAN_##set                                                                                  \
+#define SUM(set)                                                                                   \
+  static void NAME(sum_##set)(int n, const V *geometry, const V *weights, V *state, V *sums) {     \
+    enum { KINDS = set };                                                                          \
+    PLAN_##set                                                                                     \
   }
 YLM__KIND_SETS(SUM)
 #undef SUM
@@ -132,7 +135,7 @@ YLM__KIND_SETS(SUM)
 static void NAME(sum)(int lmax, int kinds, int n, const void *geometry, const void *weights,
                       void *state, void *sums) {
   (void)lmax;
-#define X(set) \
+#define X(set)                                                                                     \
   if (kinds == set) NAME(sum_##set)(n, geometry, weights, state, sums);
   YLM__KIND_SETS(X)
 #undef X

@@ -28,10 +28,11 @@
 #define GAMMA(n) ((REAL)(GROW * GROW * (n) * ((n) + 2.0) / ((2.0 * (n) + 3) * (2.0 * (n) + 1))))
 /* P_k - alpha P'_k is, but for a factor, p_k + RHO(k) p_(k-2).
    With GROW, polynomials of degree n are GROW^n times the monic ones. */
-#define RHO(k) ((REAL)(GROW * GROW * ((k) + 2.0) * (k) / ((2.0 * (k) - 1) * (2.0 * (k) + 1))))
+#define RHO(k) ((REAL)(GROW * GROW * ((k) + 2.0) * (k) / ((2.0 * (k)-1) * (2.0 * (k) + 1))))
 
 /* beta of the monic Legendre recurrence q_(k+1) = z q_k - beta q_(k-1) of order m. */
-#define BETA(k, m) ((REAL)(GROW * GROW * ((double)(k) * (k) - (double)(m) * (m)) / (4.0 * (k) * (k) - 1)))
+#define BETA(k, m)                                                                                 \
+  ((REAL)(GROW * GROW * ((double)(k) * (k) - (double)(m) * (m)) / (4.0 * (k) * (k)-1)))
 
 /* h^2 = d^2 - r^2 with one rounding; without fma by the product, which rounds no worse. */
 #if defined(__FMA__) || defined(__aarch64__)

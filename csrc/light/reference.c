@@ -20,8 +20,8 @@
 /* Scratch of one block: the basis at one direction and the sums at one point. */
 typedef struct work {
   int lmax, count;
-  double *Y, *dY, *ddY;             /* [count], [count][3], [count][6] with respect to v */
-  double *P, *dP;                   /* [lmax+1] */
+  double *Y, *dY, *ddY;               /* [count], [count][3], [count][6] with respect to v */
+  double *P, *dP;                     /* [lmax+1] */
   double *value, *gradient, *hessian; /* [channels][count], ..[3], ..[6] */
 } work;
 
@@ -123,8 +123,10 @@ static void put(ylm_dtype t, void *out, size_t point, int channels, int have, si
         double rgb[3] = {sum[i], sum[n + i], sum[2 * n + i]};
         x = ylm__emission(rgb, 1, 0);
       }
-      if (t == YLM_DOUBLE) ((double *)out)[k] = x;
-      else ((float *)out)[k] = (float)x;
+      if (t == YLM_DOUBLE)
+        ((double *)out)[k] = x;
+      else
+        ((float *)out)[k] = (float)x;
     }
 }
 
@@ -157,9 +159,16 @@ static ylm_status work_create(work *k, int lmax) {
   size_t n = (size_t)(lmax + 1) * (size_t)(lmax + 1);
   double *p = ylm_alloc(n * 40 + 2 * (size_t)(lmax + 1), sizeof *p);
   if (!p) return YLM_ENOMEM;
-  *k = (work){.lmax = lmax, .count = (int)n, .value = p, .gradient = p + 3 * n,
-              .hessian = p + 12 * n, .Y = p + 30 * n, .dY = p + 31 * n, .ddY = p + 34 * n,
-              .P = p + 40 * n, .dP = p + 40 * n + lmax + 1};
+  *k = (work){.lmax = lmax,
+              .count = (int)n,
+              .value = p,
+              .gradient = p + 3 * n,
+              .hessian = p + 12 * n,
+              .Y = p + 30 * n,
+              .dY = p + 31 * n,
+              .ddY = p + 34 * n,
+              .P = p + 40 * n,
+              .dP = p + 40 * n + lmax + 1};
   return YLM_OK;
 }
 
@@ -180,7 +189,9 @@ ylm_status ylm__reference_range(const ylm_lights *lights, const ylm_field_query 
       ylm__lamp_d lamp = lights->lamp_d[i];
       if (q->dtype == YLM_FLOAT) { /* the inputs rounded as the kernels see them */
         const ylm__lamp_f *f = &lights->lamp_f[i];
-        lamp = (ylm__lamp_d){{f->at[0], f->at[1], f->at[2]}, f->radius, f->luminance,
+        lamp = (ylm__lamp_d){{f->at[0], f->at[1], f->at[2]},
+                             f->radius,
+                             f->luminance,
                              {f->rgb[0], f->rgb[1], f->rgb[2]}};
       }
       s = add_light(&k, q, &lamp, x, ch, &inside);

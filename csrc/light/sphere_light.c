@@ -1,24 +1,27 @@
-/* sphere_light.c - the set of sphere lights: made from arrays, checked, read back, asked as a field. */
+/* sphere_light.c - the set of sphere lights: made from arrays, checked, read back, asked as a
+ * field. */
 #include "light.h"
 
 #include <math.h>
 #include <string.h>
 
 /* YLM_OK if all lights may be; else which one may not and why. */
-static ylm_status validate(size_t n, const double *at, const double *radius,
-                           const double *radiance, ylm_error *e) {
+static ylm_status validate(size_t n, const double *at, const double *radius, const double *radiance,
+                           ylm_error *e) {
   for (size_t i = 0; i < n; i++) {
     for (int a = 0; a < 3; a++) {
       double x = at[3 * i + a], c = radiance[3 * i + a];
-      if (!isfinite(x)) return ylm_fail(e, YLM_EDOMAIN, "light %zu: its centre is not finite", i + 1);
+      if (!isfinite(x))
+        return ylm_fail(e, YLM_EDOMAIN, "light %zu: its centre is not finite", i + 1);
       if (fabs(x) > YLM_LIGHT_EXTENT)
-        return ylm_fail(e, YLM_ERANGE, "light %zu: its centre is beyond %g", i + 1, YLM_LIGHT_EXTENT);
+        return ylm_fail(e, YLM_ERANGE, "light %zu: its centre is beyond %g", i + 1,
+                        YLM_LIGHT_EXTENT);
       if (!isfinite(c))
         return ylm_fail(e, YLM_EDOMAIN, "light %zu: its radiance is not finite", i + 1);
     }
     if (!isfinite(radius[i]) || radius[i] < 0)
-      return ylm_fail(e, YLM_EDOMAIN, "light %zu: its radius must be finite and >= 0, got %g", i + 1,
-                      radius[i]);
+      return ylm_fail(e, YLM_EDOMAIN, "light %zu: its radius must be finite and >= 0, got %g",
+                      i + 1, radius[i]);
     if (radius[i] > YLM_LIGHT_EXTENT)
       return ylm_fail(e, YLM_ERANGE, "light %zu: its radius is beyond %g", i + 1, YLM_LIGHT_EXTENT);
   }

@@ -5,14 +5,17 @@
 #include "light.h"
 #include "ylm_sh.h"
 
-ylm_status ylm__field_check(const ylm_field_query *q, size_t n, const void *points, const ylm_field_result *r, int most,
-                            ylm_error *e) {
+ylm_status ylm__field_check(const ylm_field_query *q, size_t n, const void *points,
+                            const ylm_field_result *r, int most, ylm_error *e) {
   size_t where;
-  if (q->lmax < 0 || q->lmax > most) return ylm_fail(e, YLM_ERANGE, "lmax must be 0 .. %d for these lights, got %d", most, q->lmax);
-  if (q->channels != 1 && q->channels != 3) return ylm_fail(e, YLM_EINVAL, "channels must be 1 or 3, got %d", q->channels);
+  if (q->lmax < 0 || q->lmax > most)
+    return ylm_fail(e, YLM_ERANGE, "lmax must be 0 .. %d for these lights, got %d", most, q->lmax);
+  if (q->channels != 1 && q->channels != 3)
+    return ylm_fail(e, YLM_EINVAL, "channels must be 1 or 3, got %d", q->channels);
   if ((q->want & YLM_WANT_METRIC) && q->metric_channels != 1 && q->metric_channels != 3)
     return ylm_fail(e, YLM_EINVAL, "metric_channels must be 1 or 3, got %d", q->metric_channels);
-  if (((q->want & YLM_WANT_VALUE) && !r->value) || ((q->want & YLM_WANT_GRADIENT) && !r->gradient) ||
+  if (((q->want & YLM_WANT_VALUE) && !r->value) ||
+      ((q->want & YLM_WANT_GRADIENT) && !r->gradient) ||
       ((q->want & YLM_WANT_HESSIAN) && !r->hessian))
     return ylm_fail(e, YLM_EINVAL, "a result is wanted but has no place to go");
   if (!ylm_all_finite(q->dtype, points, 3 * n, &where))
@@ -23,9 +26,11 @@ ylm_status ylm__field_check(const ylm_field_query *q, size_t n, const void *poin
 /* The largest absolute eigenvalue of a symmetric matrix xx xy xz yy yz zz (Smith 1961). */
 static double largest_eigenvalue(const double h[6]) {
   double mean = (h[0] + h[3] + h[5]) / 3, a = h[0] - mean, b = h[3] - mean, c = h[5] - mean;
-  double p2 = (a * a + b * b + c * c + 2 * (h[1] * h[1] + h[2] * h[2] + h[4] * h[4])) / 6, p = sqrt(p2);
+  double p2 = (a * a + b * b + c * c + 2 * (h[1] * h[1] + h[2] * h[2] + h[4] * h[4])) / 6,
+         p = sqrt(p2);
   if (!(p > 0)) return fabs(mean);
-  double det = a * (b * c - h[4] * h[4]) - h[1] * (h[1] * c - h[4] * h[2]) + h[2] * (h[1] * h[4] - b * h[2]);
+  double det =
+      a * (b * c - h[4] * h[4]) - h[1] * (h[1] * c - h[4] * h[2]) + h[2] * (h[1] * h[4] - b * h[2]);
   double r = det / (2 * p2 * p);
   double phi = acos(r < -1 ? -1 : r > 1 ? 1 : r) / 3;
   double high = mean + 2 * p * cos(phi), low = mean + 2 * p * cos(phi + 2.09439510239319549231);
@@ -33,14 +38,18 @@ static double largest_eigenvalue(const double h[6]) {
 }
 
 static void put(ylm_dtype t, void *out, size_t i, double x) {
-  if (t == YLM_DOUBLE) ((double *)out)[i] = x;
-  else ((float *)out)[i] = (float)x;
+  if (t == YLM_DOUBLE)
+    ((double *)out)[i] = x;
+  else
+    ((float *)out)[i] = (float)x;
 }
 
-void ylm__field_write(const ylm_field_query *q, size_t point, const double *sum, size_t wide, ylm_field_result *r) {
+void ylm__field_write(const ylm_field_query *q, size_t point, const double *sum, size_t wide,
+                      ylm_field_result *r) {
   size_t count = ylm_sh_count(q->lmax);
   static const double luminance[3] = {YLM_LUMINANCE_R, YLM_LUMINANCE_G, YLM_LUMINANCE_B};
-  void *out[3] = {q->want & YLM_WANT_VALUE ? r->value : NULL, q->want & YLM_WANT_GRADIENT ? r->gradient : NULL,
+  void *out[3] = {q->want & YLM_WANT_VALUE ? r->value : NULL,
+                  q->want & YLM_WANT_GRADIENT ? r->gradient : NULL,
                   q->want & YLM_WANT_HESSIAN ? r->hessian : NULL};
   static const size_t width[3] = {1, 3, 6}, before[3] = {0, 1, 4};
   for (int k = 0; k < 3; k++)
@@ -48,7 +57,8 @@ void ylm__field_write(const ylm_field_query *q, size_t point, const double *sum,
       for (size_t i = 0; i < width[k] * count; i++) {
         size_t at = before[k] * count + i;
         double x = q->channels == 3 ? sum[(size_t)c * wide + at]
-                                    : luminance[0] * sum[at] + luminance[1] * sum[wide + at] + luminance[2] * sum[2 * wide + at];
+                                    : luminance[0] * sum[at] + luminance[1] * sum[wide + at] +
+                                          luminance[2] * sum[2 * wide + at];
         put(q->dtype, out[k], (point * (size_t)q->channels + (size_t)c) * width[k] * count + i, x);
       }
   if (!(q->want & YLM_WANT_METRIC)) return;
@@ -70,7 +80,8 @@ void ylm__field_write(const ylm_field_query *q, size_t point, const double *sum,
   if (r->norm) put(q->dtype, r->norm, point, sqrt(norm));
 }
 
-/* -- the sum of fields -------------------------------------------------------------------------------- */
+/* -- the sum of fields
+ * -------------------------------------------------------------------------------- */
 
 struct ylm_field_sum {
   ylm_field field;
@@ -81,17 +92,23 @@ struct ylm_field_sum {
 /* Points of one step: results of a part are kept for as many. */
 #define STEP 256
 
-static ylm_status evaluate(const ylm_field *f, const ylm_field_query *q, size_t n, const void *points,
-                           ylm_field_result *r, ylm_error *e) {
+static ylm_status evaluate(const ylm_field *f, const ylm_field_query *q, size_t n,
+                           const void *points, ylm_field_result *r, ylm_error *e) {
   const ylm_field_sum *s = f->self;
   ylm_status status = ylm__field_check(q, n, points, r, YLM_LIGHT_LMAX, e);
   if (status != YLM_OK) return status;
   size_t count = ylm_sh_count(q->lmax), wide = 10 * count;
   bool hessian = q->want & (YLM_WANT_HESSIAN | YLM_WANT_METRIC);
   /* every part in rgb and double; sums are written in the end */
-  ylm_field_query part = {.lmax = q->lmax, .channels = 3, .metric_channels = 1, .dtype = YLM_DOUBLE, .threads = q->threads,
-                          .want = YLM_WANT_VALUE | YLM_WANT_GRADIENT | (hessian ? YLM_WANT_HESSIAN : 0)};
-  double *one = ylm_alloc(STEP * 3 * wide, sizeof *one), *sum = ylm_alloc(STEP * 3 * wide, sizeof *sum);
+  ylm_field_query part = {.lmax = q->lmax,
+                          .channels = 3,
+                          .metric_channels = 1,
+                          .dtype = YLM_DOUBLE,
+                          .threads = q->threads,
+                          .want = YLM_WANT_VALUE | YLM_WANT_GRADIENT |
+                                  (hessian ? YLM_WANT_HESSIAN : 0)};
+  double *one = ylm_alloc(STEP * 3 * wide, sizeof *one),
+         *sum = ylm_alloc(STEP * 3 * wide, sizeof *sum);
   double x[STEP][3];
   uint8_t inside[STEP], any[STEP];
   if (!one || !sum) status = YLM_ENOMEM;
@@ -99,7 +116,7 @@ static ylm_status evaluate(const ylm_field *f, const ylm_field_query *q, size_t 
     size_t m = n - begin < STEP ? n - begin : STEP;
     for (size_t i = 0; i < 3 * m; i++)
       x[i / 3][i % 3] = q->dtype == YLM_DOUBLE ? ((const double *)points)[3 * begin + i]
-                                              : (double)((const float *)points)[3 * begin + i];
+                                               : (double)((const float *)points)[3 * begin + i];
     memset(sum, 0, m * 3 * wide * sizeof *sum);
     memset(any, 0, sizeof any);
     for (size_t k = 0; k < s->n && status == YLM_OK; k++) {
@@ -114,7 +131,8 @@ static ylm_status evaluate(const ylm_field *f, const ylm_field_query *q, size_t 
           double *to = sum + (i * 3 + c) * wide;
           for (size_t t = 0; t < count; t++) to[t] += v[(i * 3 + c) * count + t];
           for (size_t t = 0; t < 3 * count; t++) to[count + t] += g[(i * 3 + c) * 3 * count + t];
-          for (size_t t = 0; hessian && t < 6 * count; t++) to[4 * count + t] += h[(i * 3 + c) * 6 * count + t];
+          for (size_t t = 0; hessian && t < 6 * count; t++)
+            to[4 * count + t] += h[(i * 3 + c) * 6 * count + t];
         }
       }
     }

@@ -34,10 +34,9 @@ YLM_INLINE V NAME(root)(V x) {
 
 /* cos(2/3 acos(t)) for t = (1+u)/2 in 0 .. 1, to 4e-9: Chebyshev interpolation. */
 YLM_INLINE V NAME(third)(V u) {
-  static const float c[] = {0.766044443f,     0.247409067f,    -0.0155091689f,
-                            0.00246634011f,   -0.000504279435f, 0.000116495476f,
-                            -2.84967340e-05f, 7.3851101e-06f,  -2.49732176e-06f,
-                            7.1227402e-07f};
+  static const float c[] = {0.766044443f,     0.247409067f,    -0.0155091689f,   0.00246634011f,
+                            -0.000504279435f, 0.000116495476f, -2.84967340e-05f, 7.3851101e-06f,
+                            -2.49732176e-06f, 7.1227402e-07f};
   V s = (V){0} + c[9];
   for (int i = 8; i >= 0; i--) s = s * u + c[i];
   return s;

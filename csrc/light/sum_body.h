@@ -46,15 +46,16 @@ static void NAME(apply)(const ylm__rows *A, size_t first, size_t n, const V *x, 
 typedef struct NAME(work) {
   V *geometry, *weights, *scaled, *state;
   V *lum, *rgb, *mixed; /* sums: [n_lum], [3][n_rgb], [n_rgb] */
-  V *part, *lost;       /* of the block at hand, and what the totals lost: as lum and rgb together */
-  V *bend, *out;        /* U, and one channel of results */
+  V *part, *lost; /* of the block at hand, and what the totals lost: as lum and rgb together */
+  V *bend, *out;  /* U, and one channel of results */
 } NAME(work);
 
-static ylm_status NAME(work_create)(NAME(work) *k, const ylm__plan *p, void **scratch) {
+static ylm_status NAME(work_create)(NAME(work) * k, const ylm__plan *p, void **scratch) {
   int lmax = p->q->lmax;
   size_t count = (size_t)(lmax + 1) * (size_t)(lmax + 1), G = (size_t)ylm__geometry_slots(lmax);
   size_t W = (size_t)ylm__weight_slots(lmax), lum = (size_t)p->n_lum, rgb = (size_t)p->n_rgb;
-  size_t sizes[] = {YLM__TILE * G, YLM__TILE * W, YLM__TILE * W, 2 * YLM__TILE, lum + 3 * rgb, rgb,
+  size_t sizes[] = {YLM__TILE * G, YLM__TILE * W, YLM__TILE * W,
+                    2 * YLM__TILE, lum + 3 * rgb, rgb,
                     lum + 3 * rgb, lum + 3 * rgb, 3 * (size_t)(lmax + 2) * (size_t)(lmax + 2),
                     6 * count};
   size_t total = 0;
@@ -62,14 +63,15 @@ static ylm_status NAME(work_create)(NAME(work) *k, const ylm__plan *p, void **sc
   if (!*scratch) *scratch = ylm_alloc_zero(total, sizeof(V));
   V *at = *scratch;
   if (!at) return YLM_ENOMEM;
-  V **slots[] = {&k->geometry, &k->weights, &k->scaled, &k->state, &k->lum, &k->mixed,
-                 &k->part, &k->lost, &k->bend, &k->out};
+  V **slots[] = {&k->geometry, &k->weights, &k->scaled, &k->state, &k->lum,
+                 &k->mixed,    &k->part,    &k->lost,   &k->bend,  &k->out};
   for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++) *slots[i] = at, at += sizes[i];
   k->rgb = k->lum + lum;
   return YLM_OK;
 }
 
-/* The weights of `kinds` times each light's radiance in channel c (0 .. 2), or its luminance (3). */
+/* The weights of `kinds` times each light's radiance in channel c (0 .. 2), or its luminance (3).
+ */
 static void NAME(scale)(const ylm__plan *p, int kinds, int n, const LAMP *lamps, int c, const V *w,
                         V *out) {
   int lmax = p->q->lmax, W = ylm__weight_slots(lmax);
@@ -83,7 +85,7 @@ static void NAME(scale)(const ylm__plan *p, int kinds, int n, const LAMP *lamps,
 }
 
 /* Adds n lights to the sums at `to`, laid out as lum and rgb of the work. */
-static void NAME(add_tile)(const ylm__plan *p, NAME(work) *k, int n, const LAMP *lamps,
+static void NAME(add_tile)(const ylm__plan *p, NAME(work) * k, int n, const LAMP *lamps,
                            const V *xyz, V *to, VI *inside) {
   const ylm__moment_kernel *kernel = p->kernel;
   int lmax = p->q->lmax, all = p->kinds_lum | p->kinds_rgb;
@@ -105,9 +107,9 @@ static void NAME(add_tile)(const ylm__plan *p, NAME(work) *k, int n, const LAMP 
 }
 
 /* Sums over all lights at LANES points: blocks of them, added up with compensation (Kahan). */
-static void NAME(add_all)(const ylm__plan *p, NAME(work) *k, const V *xyz, VI *inside) {
-  const LAMP *lamps = sizeof(REAL) == 8 ? (const void *)p->lights->lamp_d
-                                        : (const void *)p->lights->lamp_f;
+static void NAME(add_all)(const ylm__plan *p, NAME(work) * k, const V *xyz, VI *inside) {
+  const LAMP *lamps =
+      sizeof(REAL) == 8 ? (const void *)p->lights->lamp_d : (const void *)p->lights->lamp_f;
   size_t n = p->lights->active, sums = (size_t)(p->n_lum + 3 * p->n_rgb);
   memset(k->lum, 0, sums * sizeof(V));
   memset(k->lost, 0, sums * sizeof(V));
@@ -115,8 +117,8 @@ static void NAME(add_all)(const ylm__plan *p, NAME(work) *k, const V *xyz, VI *i
     size_t end = n - block < YLM__BLOCK ? n : block + YLM__BLOCK;
     memset(k->part, 0, sums * sizeof(V));
     for (size_t i = block; i < end; i += YLM__TILE)
-      NAME(add_tile)(p, k, end - i < YLM__TILE ? (int)(end - i) : YLM__TILE, lamps + i, xyz,
-                     k->part, inside);
+      NAME(add_tile)
+      (p, k, end - i < YLM__TILE ? (int)(end - i) : YLM__TILE, lamps + i, xyz, k->part, inside);
     for (size_t i = 0; i < sums; i++) {
       V x = k->part[i] - k->lost[i], total = k->lum[i] + x;
       k->lost[i] = (total - k->lum[i]) - x;
@@ -133,15 +135,15 @@ static void NAME(put)(const V *rows, size_t n, int lanes, REAL *out, size_t stri
 }
 
 /* The sums and the map that kind `kind` of channel c of `channels` follows from. */
-static const V *NAME(source)(const ylm__plan *p, const NAME(work) *k, int kind, int channels, int c,
-                             const ylm__map **map) {
+static const V *NAME(source)(const ylm__plan *p, const NAME(work) * k, int kind, int channels,
+                             int c, const ylm__map **map) {
   if (channels == 3) return *map = &p->rgb, k->rgb + c * p->n_rgb;
   if (p->kinds_lum & kind) return *map = &p->lum, k->lum;
   return *map = &p->mixed, k->mixed;
 }
 
 /* Value, gradient and Hessian of points point .. point+lanes-1. */
-static void NAME(results)(const ylm__plan *p, NAME(work) *k, size_t point, int lanes,
+static void NAME(results)(const ylm__plan *p, NAME(work) * k, size_t point, int lanes,
                           ylm_field_result *r) {
   const ylm_field_query *q = p->q;
   size_t count = (size_t)(q->lmax + 1) * (size_t)(q->lmax + 1), C = (size_t)q->channels;
@@ -168,7 +170,7 @@ static void NAME(results)(const ylm__plan *p, NAME(work) *k, size_t point, int l
 }
 
 /* lambda and norm. */
-static void NAME(metric)(const ylm__plan *p, NAME(work) *k, size_t point, int lanes,
+static void NAME(metric)(const ylm__plan *p, NAME(work) * k, size_t point, int lanes,
                          ylm_field_result *r) {
   const ylm_field_query *q = p->q;
   size_t count = (size_t)(q->lmax + 1) * (size_t)(q->lmax + 1);
@@ -194,7 +196,7 @@ static void NAME(metric)(const ylm__plan *p, NAME(work) *k, size_t point, int la
 }
 
 /* Luminance of rgb sums, where results need it and it is not summed by itself. */
-static void NAME(mix)(const ylm__plan *p, NAME(work) *k) {
+static void NAME(mix)(const ylm__plan *p, NAME(work) * k) {
   if (!(p->need_lum & ~p->kinds_lum)) return;
   for (int i = 0; i < p->n_rgb; i++)
     k->mixed[i] = (REAL)YLM_LUMINANCE_R * k->rgb[i] + (REAL)YLM_LUMINANCE_G * k->rgb[p->n_rgb + i] +
@@ -213,7 +215,8 @@ ylm_status RANGE(const ylm__plan *p, void **scratch, size_t begin, size_t end, c
     V xyz[3];
     VI inside = {0};
     for (int i = 0; i < LANES; i++)
-      for (int a = 0; a < 3; a++) xyz[a][i] = at[3 * (point + (size_t)(i < lanes ? i : 0)) + (size_t)a];
+      for (int a = 0; a < 3; a++)
+        xyz[a][i] = at[3 * (point + (size_t)(i < lanes ? i : 0)) + (size_t)a];
     NAME(add_all)(p, &k, xyz, &inside);
     NAME(mix)(p, &k);
     NAME(results)(p, &k, point, lanes, r);

@@ -19,7 +19,8 @@
 ** The coefficients at a point x of a light with centre y, v = y - x, d = |v| > r:
 ** L_lm(x) = integral of Y_lm over the cap of half-angle asin(r/d) about v/d, times the radiance.
 ** At points in or on a light the sphere fills every direction: L_00 = sqrt(4pi) times the radiance,
-** all else and all derivatives 0, and `inside` is set. Gradients and Hessians are with respect to x.
+** all else and all derivatives 0, and `inside` is set. Gradients and Hessians are with respect to
+*x.
 */
 #ifndef YLM_LIGHT_H
 #define YLM_LIGHT_H
@@ -144,7 +145,8 @@ YLM_API const ylm_field *ylm_polygons_field(const ylm_polygons *polygons);
 **   gradient  out  [(lmax+1)^2][3], with respect to x; may be NULL
 **
 ** Returns  YLM_OK; YLM_EDOMAIN where x lies on the polygon's edge or face: value is half a sphere's
-** Accuracy 1e-12 of the norm over all degrees, but about 1e-16 divided by the polygon's angular size
+** Accuracy 1e-12 of the norm over all degrees, but about 1e-16 divided by the polygon's angular
+*size
 ** Source   Wang & Ramamoorthi 2018; Van Oosterom & Strackee 1983; docs/math.md "Polygons"
 */
 YLM_API ylm_status ylm_polygon_project(int lmax, int n, const double *vertex, const double *horizon,
@@ -154,7 +156,8 @@ YLM_API ylm_status ylm_polygon_project(int lmax, int n, const double *vertex, co
 
 /* The sum of light fields, which must live as long as it does. */
 typedef struct ylm_field_sum ylm_field_sum;
-YLM_API ylm_status ylm_field_sum_create(size_t n, const ylm_field *const *parts, ylm_field_sum **sum);
+YLM_API ylm_status ylm_field_sum_create(size_t n, const ylm_field *const *parts,
+                                        ylm_field_sum **sum);
 YLM_API void ylm_field_sum_free(ylm_field_sum *sum);
 YLM_API const ylm_field *ylm_field_sum_field(const ylm_field_sum *sum);
 

@@ -32,8 +32,10 @@ bool ylmL_toint64(lua_State *L, int i, int64_t *out) {
 int ylmL_result(lua_State *L, int n, ylm_status s, const ylm_error *e) {
   if (s == YLM_OK) return n;
   lua_pushnil(L);
-  if (e && e->status == s && e->text[0]) lua_pushstring(L, e->text);
-  else lua_pushstring(L, ylm_status_text(s));
+  if (e && e->status == s && e->text[0])
+    lua_pushstring(L, e->text);
+  else
+    lua_pushstring(L, ylm_status_text(s));
   if (s == YLM_ECANCELLED) {
     lua_pop(L, 1);
     lua_pushliteral(L, "cancelled");
@@ -197,8 +199,7 @@ const ylm_progress *ylmL_progress_begin(lua_State *L, int i, ylmL_progress *p) {
   return &p->base;
 }
 
-int ylmL_result_progress(lua_State *L, int n, ylm_status s, const ylm_error *e,
-                         ylmL_progress *p) {
+int ylmL_result_progress(lua_State *L, int n, ylm_status s, const ylm_error *e, ylmL_progress *p) {
   if (p->raised) {
     lua_pushvalue(L, p->message);
     return lua_error(L);

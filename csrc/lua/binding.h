@@ -23,25 +23,25 @@
 /* -- what is bound ----------------------------------------------------------- */
 
 /* Each X(name) is a file core_NAME.c (scene_NAME.c, ...) with ylmL_open_NAME. */
-#define YLML_CORE_BINDINGS(X) \
-  X(array) \
-  X(figure) \
-  X(array_file) \
-  X(grid) \
-  X(light) \
-  X(light_polygon) \
-  X(sandbox) \
-  X(sh) \
-  X(sh_rotate) \
-  X(sh_product) \
-  X(sh_project) \
-  X(image) \
-  X(image_ops) \
+#define YLML_CORE_BINDINGS(X)                                                                      \
+  X(array)                                                                                         \
+  X(figure)                                                                                        \
+  X(array_file)                                                                                    \
+  X(grid)                                                                                          \
+  X(light)                                                                                         \
+  X(light_polygon)                                                                                 \
+  X(sandbox)                                                                                       \
+  X(sh)                                                                                            \
+  X(sh_rotate)                                                                                     \
+  X(sh_product)                                                                                    \
+  X(sh_project)                                                                                    \
+  X(image)                                                                                         \
+  X(image_ops)                                                                                     \
   X(mesh)
 
-#define YLML_SCENE_BINDINGS(X) \
-  X(codec) \
-  X(shade) \
+#define YLML_SCENE_BINDINGS(X)                                                                     \
+  X(codec)                                                                                         \
+  X(shade)                                                                                         \
   X(shade_grid)
 
 #define X(name) void ylmL_open_##name(lua_State *L);
@@ -96,8 +96,8 @@ typedef struct ylmL_array {
   ylm_dtype dtype;
   int axes;
   size_t shape[YLM_MAX_AXES];
-  size_t count;         /* product of the shape */
-  uint32_t convention;  /* of SH coefficients; 0 is ylm's own (ylm_sh.h lists others) */
+  size_t count;        /* product of the shape */
+  uint32_t convention; /* of SH coefficients; 0 is ylm's own (ylm_sh.h lists others) */
   struct ylmL_block *block;
 } ylmL_array;
 
@@ -150,10 +150,10 @@ const ylm_field *ylmL_field_check(lua_State *L, int i);
 typedef struct ylmL_progress {
   ylm_progress base;
   lua_State *L;
-  int index;    /* stack index of the Lua function */
-  int top;      /* stack slots below are the call's arguments */
-  int message;  /* where the message lies that the function raised */
-  bool raised;  /* the function raised */
+  int index;   /* stack index of the Lua function */
+  int top;     /* stack slots below are the call's arguments */
+  int message; /* where the message lies that the function raised */
+  bool raised; /* the function raised */
 } ylmL_progress;
 
 /* Prepares `p` for the function at absolute stack index `i`; NULL if there is none.
@@ -164,7 +164,6 @@ const ylm_progress *ylmL_progress_begin(lua_State *L, int i, ylmL_progress *p);
    what closes an object asks first, since C holds pointers into it. */
 ylm_status ylmL_busy(lua_State *L, int i);
 /* ylmL_result, after raising an error that the progress function raised. */
-int ylmL_result_progress(lua_State *L, int n, ylm_status s, const ylm_error *e,
-                         ylmL_progress *p);
+int ylmL_result_progress(lua_State *L, int n, ylm_status s, const ylm_error *e, ylmL_progress *p);
 
 #endif

@@ -61,9 +61,8 @@ static int is_terminal(lua_State *L) {
 }
 
 static const luaL_Reg functions[] = {
-    {"metatable", metatable}, {"type", object_type}, {"info", info},
-    {"status", status},       {"seconds", seconds},
-    {"is_terminal", is_terminal}, {NULL, NULL}};
+    {"metatable", metatable}, {"type", object_type},        {"info", info}, {"status", status},
+    {"seconds", seconds},     {"is_terminal", is_terminal}, {NULL, NULL}};
 
 int luaopen_ylm_c_core(lua_State *L) {
   ylmL_check_abi(L);

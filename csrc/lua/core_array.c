@@ -14,8 +14,7 @@ static int array_zeros(lua_State *L) {
   luaL_checktype(L, 1, LUA_TTABLE);
   ylm_dtype t = check_dtype(L, 2);
   size_t axes = lua_rawlen(L, 1), shape[YLM_MAX_AXES];
-  if (axes < 1 || axes > YLM_MAX_AXES)
-    return ylmL_result(L, 0, YLM_ESHAPE, NULL);
+  if (axes < 1 || axes > YLM_MAX_AXES) return ylmL_result(L, 0, YLM_ESHAPE, NULL);
   for (size_t i = 0; i < axes; i++) {
     int64_t n;
     lua_rawgeti(L, 1, (int)i + 1);
@@ -29,12 +28,15 @@ static int array_zeros(lua_State *L) {
 }
 
 static double element(const ylmL_array *a, size_t i) {
-  return a->dtype == YLM_DOUBLE ? ((const double *)a->data)[i] : (double)((const float *)a->data)[i];
+  return a->dtype == YLM_DOUBLE ? ((const double *)a->data)[i]
+                                : (double)((const float *)a->data)[i];
 }
 
 static void set_element(ylmL_array *a, size_t i, double x) {
-  if (a->dtype == YLM_DOUBLE) ((double *)a->data)[i] = x;
-  else ((float *)a->data)[i] = (float)x;
+  if (a->dtype == YLM_DOUBLE)
+    ((double *)a->data)[i] = x;
+  else
+    ((float *)a->data)[i] = (float)x;
 }
 
 /* fill(array, nested table): the table's nesting and lengths must be the array's shape. */
@@ -175,7 +177,8 @@ static int array_convert(lua_State *L) {
   ylmL_array *b = ylmL_array_new(L, t, a->axes, a->shape);
   if (!b) return ylmL_result(L, 0, YLM_ENOMEM, NULL);
   b->convention = a->convention;
-  if (a->dtype == t) memcpy(b->data, a->data, a->count * ylm_dtype_size(t));
+  if (a->dtype == t)
+    memcpy(b->data, a->data, a->count * ylm_dtype_size(t));
   else
     for (size_t i = 0; i < a->count; i++) set_element(b, i, element(a, i));
   return 1;
@@ -197,7 +200,8 @@ static int array_finite(lua_State *L) {
   return 2;
 }
 
-/* distance(a, b) -> largest |a-b|, sqrt of the sum of squares of a-b, of b: for whole-array tests */
+/* distance(a, b) -> largest |a-b|, sqrt of the sum of squares of a-b, of b: for whole-array tests
+ */
 static int array_distance(lua_State *L) {
   ylmL_array *a = ylmL_array_check(L, 1), *b = ylmL_array_check(L, 2);
   if (a->count != b->count) return ylmL_result(L, 0, YLM_ESHAPE, NULL);
@@ -220,15 +224,21 @@ static int array_close(lua_State *L) {
   return 0;
 }
 
-static const luaL_Reg functions[] = {
-    {"array_zeros", array_zeros},       {"array_fill", array_fill},
-    {"array_totable", array_totable},   {"array_info", array_info},
-    {"array_get", array_get},           {"array_set", array_set},
-    {"array_view", array_view},         {"array_reshape", array_reshape},
-    {"array_convert", array_convert},   {"array_pointer", array_pointer},
-    {"array_finite", array_finite},     {"array_distance", array_distance},
-    {"array_close", array_close},       {"array_set_convention", array_set_convention},
-    {NULL, NULL}};
+static const luaL_Reg functions[] = {{"array_zeros", array_zeros},
+                                     {"array_fill", array_fill},
+                                     {"array_totable", array_totable},
+                                     {"array_info", array_info},
+                                     {"array_get", array_get},
+                                     {"array_set", array_set},
+                                     {"array_view", array_view},
+                                     {"array_reshape", array_reshape},
+                                     {"array_convert", array_convert},
+                                     {"array_pointer", array_pointer},
+                                     {"array_finite", array_finite},
+                                     {"array_distance", array_distance},
+                                     {"array_close", array_close},
+                                     {"array_set_convention", array_set_convention},
+                                     {NULL, NULL}};
 
 static const luaL_Reg methods[] = {{"__gc", array_close}, {NULL, NULL}};
 

@@ -1,4 +1,5 @@
-/* core_figure.c - shapes, volumes and canvases: what pictures are made of. For lua/ylm/view*.lua. */
+/* core_figure.c - shapes, volumes and canvases: what pictures are made of. For lua/ylm/view*.lua.
+ */
 #include "figure.h"
 #include "ylm_image.h"
 
@@ -69,8 +70,8 @@ static int shape_mesh(lua_State *L) {
   double opacity = (double)luaL_checknumber(L, 6);
   uint32_t *index = indices(t, n);
   if (!index) return ylmL_result(L, 0, YLM_ERANGE, NULL);
-  ylm_status status = ylm_figure_add_mesh(s, n, position, normal, colour, colours == 1, t->count / 3,
-                                          index, opacity);
+  ylm_status status = ylm_figure_add_mesh(s, n, position, normal, colour, colours == 1,
+                                          t->count / 3, index, opacity);
   ylm_free(index);
   return ylmL_result(L, 0, status, NULL);
 }
@@ -81,8 +82,9 @@ static int shape_spheres(lua_State *L) {
   size_t n;
   const double *centre = ylmL_doubles(L, 2, 3, &n), *radius = ylmL_doubles_of(L, 3, 1, n),
                *colour = ylmL_doubles_of(L, 4, 3, n);
-  return ylmL_result(L, 0, ylm_figure_add_spheres(s, n, centre, radius, colour,
-                                                  (int)luaL_checknumber(L, 5)), NULL);
+  return ylmL_result(
+      L, 0, ylm_figure_add_spheres(s, n, centre, radius, colour, (int)luaL_checknumber(L, 5)),
+      NULL);
 }
 
 /* arrows(shape, at, along, colour) */
@@ -120,8 +122,10 @@ static int shape_lobes(lua_State *L) {
   if (c->dtype != YLM_DOUBLE || c->count != n * count || detail < 0 || detail > 6 ||
       rows != ((size_t)4 << 2 * detail) + 2)
     return ylmL_result(L, 0, YLM_ESHAPE, NULL);
-  return ylmL_result(L, 0, ylm_figure_add_lobes(s, n, (int)count, detail, basis, c->data, centre,
-                                                scale, lua_toboolean(L, 9), positive, negative), NULL);
+  return ylmL_result(L, 0,
+                     ylm_figure_add_lobes(s, n, (int)count, detail, basis, c->data, centre, scale,
+                                          lua_toboolean(L, 9), positive, negative),
+                     NULL);
 }
 
 /* sphere(detail) -> directions [points][3] */
@@ -129,8 +133,8 @@ static int sphere(lua_State *L) {
   size_t points, triangles;
   double *direction;
   uint32_t *index;
-  ylm_status s = ylm_figure_sphere((int)luaL_checknumber(L, 1), &points, &direction, &triangles,
-                                   &index);
+  ylm_status s =
+      ylm_figure_sphere((int)luaL_checknumber(L, 1), &points, &direction, &triangles, &index);
   if (s != YLM_OK) return ylmL_result(L, 0, s, NULL);
   size_t shape[2] = {points, 3};
   ylmL_array *a = ylmL_array_new(L, YLM_DOUBLE, 2, shape);
@@ -165,8 +169,10 @@ static int shape_boxes(lua_State *L) {
   ylm_figure_shape *s = shape_at(L, 1);
   ylm_figure_cells c = cells_at(L, 5);
   const double *colour = ylmL_doubles_of(L, 2, 3, c.n);
-  return ylmL_result(L, 0, ylm_figure_add_boxes(s, &c, colour, (double)luaL_checknumber(L, 3),
-                                                (double)luaL_checknumber(L, 4)), NULL);
+  return ylmL_result(L, 0,
+                     ylm_figure_add_boxes(s, &c, colour, (double)luaL_checknumber(L, 3),
+                                          (double)luaL_checknumber(L, 4)),
+                     NULL);
 }
 
 static int shape_save(lua_State *L) {
@@ -280,8 +286,8 @@ static int volume_smooth(lua_State *L) {
 
 static int volume_save(lua_State *L) {
   ylm_error e;
-  ylm_status s = ylm_figure_save_volume(luaL_checkstring(L, 2), volume_at(L, 1),
-                                        luaL_checkstring(L, 3), &e);
+  ylm_status s =
+      ylm_figure_save_volume(luaL_checkstring(L, 2), volume_at(L, 1), luaL_checkstring(L, 3), &e);
   lua_pushboolean(L, 1);
   return ylmL_result(L, 1, s, &e);
 }
@@ -291,10 +297,12 @@ static int shape_streamlines(lua_State *L) {
   size_t n;
   const double *seed = ylmL_doubles(L, 3, 3, &n);
   ylm_figure_scale scale = ylmL_scale(L, 8);
-  return ylmL_result(L, 0, ylm_figure_add_streamlines(
-      shape_at(L, 1), volume_at(L, 2), n, seed, (double)luaL_checknumber(L, 4),
-      (size_t)luaL_checknumber(L, 5), (size_t)luaL_checknumber(L, 6), (double)luaL_checknumber(L, 7),
-      &scale), NULL);
+  return ylmL_result(L, 0,
+                     ylm_figure_add_streamlines(
+                         shape_at(L, 1), volume_at(L, 2), n, seed, (double)luaL_checknumber(L, 4),
+                         (size_t)luaL_checknumber(L, 5), (size_t)luaL_checknumber(L, 6),
+                         (double)luaL_checknumber(L, 7), &scale),
+                     NULL);
 }
 
 /* -- numbers ------------------------------------------------------------------- */
@@ -319,7 +327,8 @@ static int mix(lua_State *L) {
     for (size_t k = 0; k < pieces; k++)
       for (size_t j = 0; j < width; j++) {
         size_t at = i * stride + (size_t)offset[k] + j;
-        double x = a->dtype == YLM_DOUBLE ? ((double *)a->data)[at] : (double)((float *)a->data)[at];
+        double x =
+            a->dtype == YLM_DOUBLE ? ((double *)a->data)[at] : (double)((float *)a->data)[at];
         to[i * width + j] += weight[k] * x;
       }
   return 1;
@@ -409,7 +418,8 @@ static int bounds(lua_State *L) {
   return 1;
 }
 
-/* thin(points [n][3], spacing, most) -> a mask [n] of points no two of which share a cube of that size */
+/* thin(points [n][3], spacing, most) -> a mask [n] of points no two of which share a cube of that
+ * size */
 static int thin(lua_State *L) {
   size_t n, kept = 0, room = 64;
   const double *p = ylmL_doubles(L, 1, 3, &n);
@@ -475,7 +485,8 @@ static int canvas_gc(lua_State *L) {
 static int canvas_new(lua_State *L) {
   int64_t w, h;
   double rgb[3];
-  if (!ylmL_toint64(L, 1, &w) || !ylmL_toint64(L, 2, &h) || w < 1 || h < 1 || w > 32768 || h > 32768)
+  if (!ylmL_toint64(L, 1, &w) || !ylmL_toint64(L, 2, &h) || w < 1 || h < 1 || w > 32768 ||
+      h > 32768)
     return ylmL_result(L, 0, YLM_ERANGE, NULL);
   ylmL_numbers(L, 3, 3, rgb);
   ylm_figure_canvas *c = lua_newuserdata(L, sizeof *c);
@@ -528,7 +539,8 @@ static int canvas_copy(lua_State *L) {
 static int canvas_set(lua_State *L) {
   ylm_figure_canvas *c = canvas_at(L, 1);
   ylmL_array *a = ylmL_array_check(L, 2);
-  if (a->count != (size_t)c->width * (size_t)c->height * 3) return ylmL_result(L, 0, YLM_ESHAPE, NULL);
+  if (a->count != (size_t)c->width * (size_t)c->height * 3)
+    return ylmL_result(L, 0, YLM_ESHAPE, NULL);
   for (size_t i = 0; i < a->count; i++) {
     double x = a->dtype == YLM_DOUBLE ? ((double *)a->data)[i] : (double)((float *)a->data)[i];
     c->pixel[i] = x >= 1 ? 255 : x > 0 ? (uint8_t)(x * 255 + 0.5) : 0;
@@ -542,7 +554,8 @@ static int canvas_image(lua_State *L) {
   const ylm_layer *layer = ylm_image_find(image, luaL_optstring(L, 2, NULL));
   ylm_tone tone;
   static const double black[3] = {0, 0, 0};
-  if (!layer || !ylm_tone_find(luaL_checkstring(L, 3), &tone)) return ylmL_result(L, 0, YLM_EINVAL, NULL);
+  if (!layer || !ylm_tone_find(luaL_checkstring(L, 3), &tone))
+    return ylmL_result(L, 0, YLM_EINVAL, NULL);
   double stops = (double)luaL_checknumber(L, 4);
   ylm_figure_canvas *c = lua_newuserdata(L, sizeof *c);
   memset(c, 0, sizeof *c);
@@ -602,7 +615,8 @@ static int save_cells(lua_State *L) {
   int np = file_arrays(L, 4, points, p, 24), nc = file_arrays(L, 5, cells, c, 24);
   int64_t *index = ylm_alloc(cells, 8 * sizeof *index);
   if (!index) return ylmL_result(L, 0, YLM_ENOMEM, NULL);
-  for (size_t i = 0; i < 8 * cells; i++) index[i] = isfinite(corner[i]) ? (int64_t)corner[i] - 1 : -1;
+  for (size_t i = 0; i < 8 * cells; i++)
+    index[i] = isfinite(corner[i]) ? (int64_t)corner[i] - 1 : -1;
   ylm_error e;
   ylm_status s = ylm_figure_save_cells(path, points, point, cells, index, np, p, nc, c, &e);
   ylm_free(index);
@@ -629,21 +643,47 @@ static int pick(lua_State *L) {
   return 1;
 }
 
-static const luaL_Reg functions[] = {
-    {"shape", shape_new}, {"shape_info", shape_info}, {"shape_mesh", shape_mesh},
-    {"shape_spheres", shape_spheres}, {"shape_arrows", shape_arrows},
-    {"shape_segments", shape_segments}, {"shape_lobes", shape_lobes}, {"shape_edges", shape_edges},
-    {"shape_boxes", shape_boxes}, {"shape_streamlines", shape_streamlines},
-    {"shape_save", shape_save}, {"figure_sphere", sphere}, {"volume", volume_new},
-    {"volume_fill", volume_fill}, {"volume_set", volume_set}, {"volume_values", volume_values},
-    {"volume_centres", volume_centres}, {"volume_range", volume_range},
-    {"volume_smooth", volume_smooth}, {"volume_resample", volume_resample}, {"volume_save", volume_save}, {"figure_mix", mix},
-    {"figure_lengths", lengths}, {"figure_scaled", scaled}, {"figure_range", range}, {"figure_bounds", bounds}, {"figure_quantiles", quantiles},
-    {"figure_pick", pick}, {"figure_thin", thin}, {"figure_colours", colours},
-    {"figure_map_names", map_names}, {"canvas", canvas_new}, {"canvas_size", canvas_size},
-    {"canvas_rectangle", canvas_rectangle}, {"canvas_line", canvas_line},
-    {"canvas_copy", canvas_copy}, {"canvas_set", canvas_set}, {"canvas_image", canvas_image}, {"canvas_pixels", canvas_pixels},
-    {"figure_save_cells", save_cells}, {NULL, NULL}};
+static const luaL_Reg functions[] = {{"shape", shape_new},
+                                     {"shape_info", shape_info},
+                                     {"shape_mesh", shape_mesh},
+                                     {"shape_spheres", shape_spheres},
+                                     {"shape_arrows", shape_arrows},
+                                     {"shape_segments", shape_segments},
+                                     {"shape_lobes", shape_lobes},
+                                     {"shape_edges", shape_edges},
+                                     {"shape_boxes", shape_boxes},
+                                     {"shape_streamlines", shape_streamlines},
+                                     {"shape_save", shape_save},
+                                     {"figure_sphere", sphere},
+                                     {"volume", volume_new},
+                                     {"volume_fill", volume_fill},
+                                     {"volume_set", volume_set},
+                                     {"volume_values", volume_values},
+                                     {"volume_centres", volume_centres},
+                                     {"volume_range", volume_range},
+                                     {"volume_smooth", volume_smooth},
+                                     {"volume_resample", volume_resample},
+                                     {"volume_save", volume_save},
+                                     {"figure_mix", mix},
+                                     {"figure_lengths", lengths},
+                                     {"figure_scaled", scaled},
+                                     {"figure_range", range},
+                                     {"figure_bounds", bounds},
+                                     {"figure_quantiles", quantiles},
+                                     {"figure_pick", pick},
+                                     {"figure_thin", thin},
+                                     {"figure_colours", colours},
+                                     {"figure_map_names", map_names},
+                                     {"canvas", canvas_new},
+                                     {"canvas_size", canvas_size},
+                                     {"canvas_rectangle", canvas_rectangle},
+                                     {"canvas_line", canvas_line},
+                                     {"canvas_copy", canvas_copy},
+                                     {"canvas_set", canvas_set},
+                                     {"canvas_image", canvas_image},
+                                     {"canvas_pixels", canvas_pixels},
+                                     {"figure_save_cells", save_cells},
+                                     {NULL, NULL}};
 
 static const luaL_Reg shape_methods[] = {{"__gc", shape_gc}, {NULL, NULL}};
 static const luaL_Reg volume_methods[] = {{"__gc", volume_gc}, {NULL, NULL}};

@@ -1,4 +1,5 @@
-/* core_grid.c - ylm.grid: baking, sampling, looking inside, files. Methods are in lua/ylm/grid.lua. */
+/* core_grid.c - ylm.grid: baking, sampling, looking inside, files. Methods are in lua/ylm/grid.lua.
+ */
 #include "binding.h"
 
 #include <math.h>
@@ -47,15 +48,19 @@ static bool take(lua_State *L, int i, size_t n, ylm_dtype t, void *to) {
   if (!a || !a->data || a->count != n) return false;
   for (size_t k = 0; k < n; k++) {
     double x = a->dtype == YLM_DOUBLE ? ((double *)a->data)[k] : (double)((float *)a->data)[k];
-    if (t == YLM_DOUBLE) ((double *)to)[k] = x;
-    else ((float *)to)[k] = (float)x;
+    if (t == YLM_DOUBLE)
+      ((double *)to)[k] = x;
+    else
+      ((float *)to)[k] = (float)x;
   }
   return true;
 }
 
 static void put(ylm_dtype t, void *to, size_t i, double x) {
-  if (t == YLM_DOUBLE) ((double *)to)[i] = x;
-  else ((float *)to)[i] = (float)x;
+  if (t == YLM_DOUBLE)
+    ((double *)to)[i] = x;
+  else
+    ((float *)to)[i] = (float)x;
 }
 
 static double get(ylm_dtype t, const void *from, size_t i) {
@@ -66,8 +71,10 @@ static double get(ylm_dtype t, const void *from, size_t i) {
 static bool take_metric(lua_State *L, int i, const ylm_field_query *q, size_t n, size_t width,
                         ylm_field_result *r) {
   bool ok = true;
-  if (lua_isnil(L, i)) memset(r->lambda, 0, n * ylm_dtype_size(q->dtype));
-  else ok = take(L, i, n, q->dtype, r->lambda);
+  if (lua_isnil(L, i))
+    memset(r->lambda, 0, n * ylm_dtype_size(q->dtype));
+  else
+    ok = take(L, i, n, q->dtype, r->lambda);
   for (size_t k = 0; k < n; k++) {
     double sum = 0;
     for (size_t j = 0; j < width; j++) {
@@ -101,10 +108,9 @@ static int protected_call(lua_State *L) {
   lua_pushnumber(L, c->q->channels);
   lua_call(L, 3, 3); /* value, gradient, lambda at 3, 4, 5 */
   if (!take(L, 3, c->n * width, c->q->dtype, c->r->value))
-    return luaL_error(L, "the light field's first result must be an array [%d][%d][%d]",
-                      (int)c->n, c->q->channels, (int)count);
-  if (c->q->want & YLM_WANT_GRADIENT &&
-      !take(L, 4, 3 * c->n * width, c->q->dtype, c->r->gradient))
+    return luaL_error(L, "the light field's first result must be an array [%d][%d][%d]", (int)c->n,
+                      c->q->channels, (int)count);
+  if (c->q->want & YLM_WANT_GRADIENT && !take(L, 4, 3 * c->n * width, c->q->dtype, c->r->gradient))
     return luaL_error(L, "the light field's second result must be an array [%d][%d][%d][3]",
                       (int)c->n, c->q->channels, (int)count);
   if (c->q->want & YLM_WANT_METRIC && !take_metric(L, 5, c->q, c->n, width, c->r))
@@ -233,7 +239,8 @@ static ylmL_array *output(lua_State *L, int given, ylm_dtype t, int axes, const 
   }
   ylmL_array *a = ylmL_array_check(L, given);
   lua_pushvalue(L, given);
-  if (a->dtype != t) *s = YLM_ETYPE;
+  if (a->dtype != t)
+    *s = YLM_ETYPE;
   else if (a->axes != axes || memcmp(a->shape, shape, (size_t)axes * sizeof *shape) != 0)
     *s = YLM_ESHAPE;
   return a;
@@ -241,7 +248,8 @@ static ylmL_array *output(lua_State *L, int given, ylm_dtype t, int axes, const 
 
 /*
 ** grid_sample(grid, points [n][3], interpolation number, derivatives, nan outside, dtype, threads,
-**             progress, out value | nil, out gradient | nil) -> value, gradient | nil, outside, unbaked, seconds
+**             progress, out value | nil, out gradient | nil) -> value, gradient | nil, outside,
+*unbaked, seconds
 */
 static int grid_sample(lua_State *L) {
   static const char *const dtypes[] = {"float", "double", NULL};
@@ -260,8 +268,10 @@ static int grid_sample(lua_State *L) {
   ylm_error e = {0};
   ylm_status s = YLM_OK;
   value = output(L, 9, q.dtype, 3, shape, &s);
-  if (luaL_checknumber(L, 4) > 0) gradient = output(L, 10, q.dtype, 4, shape, &s);
-  else lua_pushnil(L);
+  if (luaL_checknumber(L, 4) > 0)
+    gradient = output(L, 10, q.dtype, 4, shape, &s);
+  else
+    lua_pushnil(L);
   if (s == YLM_OK)
     s = ylm_grid_sample(check_grid(L, 1), &q, shape[0], points->data, value->data,
                         gradient ? gradient->data : NULL, &report, &e);
@@ -273,7 +283,8 @@ static int grid_sample(lua_State *L) {
   return ylmL_result_progress(L, 5, s, &e, &progress);
 }
 
-/* -- looking inside ------------------------------------------------------------------------------ */
+/* -- looking inside ------------------------------------------------------------------------------
+ */
 
 static void set_number(lua_State *L, const char *name, double x) {
   lua_pushnumber(L, (lua_Number)x);
@@ -291,11 +302,12 @@ static int grid_stats(lua_State *L) {
   const ylm_grid_stats *s = v->stats;
   lua_newtable(L);
 #define COUNT(name) set_number(L, #name, (double)s->name);
-  COUNT(points) COUNT(tested) COUNT(interpolated) COUNT(cells) COUNT(leaves) COUNT(occupied)
-  COUNT(continuity) COUNT(levels) COUNT(pairs) COUNT(invalid) COUNT(outside) COUNT(bytes)
-  COUNT(seconds) COUNT(field_seconds) COUNT(verify_seconds)
+  COUNT(points)
+  COUNT(tested) COUNT(interpolated) COUNT(cells) COUNT(leaves) COUNT(occupied) COUNT(continuity)
+      COUNT(levels) COUNT(pairs) COUNT(invalid) COUNT(outside) COUNT(bytes) COUNT(seconds)
+          COUNT(field_seconds) COUNT(verify_seconds)
 #undef COUNT
-  if (v->form.kind == YLM_GRID_UNIFORM) return 1;
+              if (v->form.kind == YLM_GRID_UNIFORM) return 1;
   if (!(v->form.tolerance > 0)) {
     set_number(L, "threshold", v->form.threshold);
     return 1;
@@ -390,8 +402,10 @@ static int grid_cells(lua_State *L) {
   static const struct {
     const char *name;
     int flag;
-  } flags[] = {{"leaf", YLM_GRID_LEAF},       {"occupied", YLM_GRID_OCCUPIED},
-               {"baked", YLM_GRID_BAKED},     {"crossed", YLM_GRID_CROSSED},
+  } flags[] = {{"leaf", YLM_GRID_LEAF},
+               {"occupied", YLM_GRID_OCCUPIED},
+               {"baked", YLM_GRID_BAKED},
+               {"crossed", YLM_GRID_CROSSED},
                {"added", YLM_GRID_ADDED}};
   const ylm_grid *g = check_grid(L, 1);
   const ylm_grid_view *v = ylm_grid_look(g);
@@ -462,7 +476,8 @@ static int grid_locate(lua_State *L) {
   return 1;
 }
 
-/* -- files ---------------------------------------------------------------------------------------- */
+/* -- files ----------------------------------------------------------------------------------------
+ */
 
 static int grid_write(lua_State *L) {
   ylm_error e = {0};
@@ -499,7 +514,8 @@ static int grid_decode(lua_State *L) {
   return ylmL_result(L, 1, ylm_grid_decode((const unsigned char *)data, size, "grid", g, &e), &e);
 }
 
-/* grid_refuses(bytes) -> how many of all single-bit flips and truncations are accepted (0 is right) */
+/* grid_refuses(bytes) -> how many of all single-bit flips and truncations are accepted (0 is right)
+ */
 static int grid_accepted_damage(lua_State *L) {
   ylm_error e = {0};
   size_t size, accepted = 0;
@@ -521,7 +537,8 @@ static int grid_accepted_damage(lua_State *L) {
   return 1;
 }
 
-/* grid_is_open(value) -> true for a grid that has not been closed, false for a closed one, else nil */
+/* grid_is_open(value) -> true for a grid that has not been closed, false for a closed one, else nil
+ */
 static int grid_is_open(lua_State *L) {
   ylm_grid **g = ylmL_test(L, 1, GRID);
   if (!g) return 0;

@@ -147,8 +147,21 @@ static int has_field(lua_State *L) {
   return 1;
 }
 
-enum { OBJECT = 1, LMAX, POINTS, CHANNELS, WANT, METRIC_CHANNELS, THREADS, PROGRESS, OUT_VALUE,
-       OUT_GRADIENT, OUT_HESSIAN, ISA, ARGUMENTS = ISA };
+enum {
+  OBJECT = 1,
+  LMAX,
+  POINTS,
+  CHANNELS,
+  WANT,
+  METRIC_CHANNELS,
+  THREADS,
+  PROGRESS,
+  OUT_VALUE,
+  OUT_GRADIENT,
+  OUT_HESSIAN,
+  ISA,
+  ARGUMENTS = ISA
+};
 
 static ylm_isa check_isa(lua_State *L, int i) {
   const char *name = luaL_checkstring(L, i);
@@ -158,7 +171,8 @@ static ylm_isa check_isa(lua_State *L, int i) {
   return YLM_ISA_reference;
 }
 
-/* Calls the field, or lights by the kernels of a given instruction set (for specs and benchmarks). */
+/* Calls the field, or lights by the kernels of a given instruction set (for specs and benchmarks).
+ */
 static ylm_status call_field(lua_State *L, const ylm_field *f, const ylm_field_query *q, size_t n,
                              const void *points, ylm_field_result *r, ylm_error *e) {
   if (lua_isnil(L, ISA)) return f->evaluate(f, q, n, points, r, e);
@@ -168,7 +182,8 @@ static ylm_status call_field(lua_State *L, const ylm_field *f, const ylm_field_q
 /*
 ** field_evaluate(object, lmax, points [n][3], channels, want, metric_channels, threads, progress,
 **                out value, out gradient, out hessian, isa)
-**   -> value, gradient, hessian, lambda [n], norm [n], inside [n] of 0 and 1, pairs; nil where not wanted
+**   -> value, gradient, hessian, lambda [n], norm [n], inside [n] of 0 and 1, pairs; nil where not
+*wanted
 ** The dtype is that of the points.
 */
 static int field_evaluate(lua_State *L) {
@@ -193,16 +208,20 @@ static int field_evaluate(lua_State *L) {
   void **slots[3] = {&r.value, &r.gradient, &r.hessian};
   for (int i = 0; i < 3; i++) {
     shape[3] = i == 1 ? 3 : 6;
-    if (q.want & (1 << i)) *slots[i] = result(L, OUT_VALUE + i, q.dtype, i ? 4 : 3, shape, &s);
-    else lua_pushnil(L);
+    if (q.want & (1 << i))
+      *slots[i] = result(L, OUT_VALUE + i, q.dtype, i ? 4 : 3, shape, &s);
+    else
+      lua_pushnil(L);
   }
   for (int i = 0; i < 2; i++) {
     lua_pushnil(L);
     if (q.want & YLM_WANT_METRIC) {
       void *p = result(L, lua_gettop(L), q.dtype, 1, shape, &s);
       lua_remove(L, -2);
-      if (i) r.norm = p;
-      else r.lambda = p;
+      if (i)
+        r.norm = p;
+      else
+        r.lambda = p;
     }
   }
   uint8_t *inside = lua_newuserdata(L, n + 1); /* collected whatever happens */

@@ -20,7 +20,8 @@ static int polygons_gc(lua_State *L) {
   return 0;
 }
 
-/* polygons_create({sides}, vertices double [..][3], radiance double [n][3], exact, horizon [3] | nil) -> polygons */
+/* polygons_create({sides}, vertices double [..][3], radiance double [n][3], exact, horizon [3] |
+ * nil) -> polygons */
 static int polygons_create(lua_State *L) {
   luaL_checktype(L, 1, LUA_TTABLE);
   size_t n = lua_rawlen(L, 1), total = 0;
@@ -35,8 +36,10 @@ static int polygons_create(lua_State *L) {
     if (sides[i] < 0 || sides[i] > 1000) return ylmL_result(L, 0, YLM_ERANGE, NULL);
     total += (size_t)sides[i];
   }
-  if (v->count != 3 * total || c->count != 3 * n || (h && h->count != 3)) return ylmL_result(L, 0, YLM_ESHAPE, NULL);
-  if (v->dtype != YLM_DOUBLE || c->dtype != YLM_DOUBLE || (h && h->dtype != YLM_DOUBLE)) return ylmL_result(L, 0, YLM_ETYPE, NULL);
+  if (v->count != 3 * total || c->count != 3 * n || (h && h->count != 3))
+    return ylmL_result(L, 0, YLM_ESHAPE, NULL);
+  if (v->dtype != YLM_DOUBLE || c->dtype != YLM_DOUBLE || (h && h->dtype != YLM_DOUBLE))
+    return ylmL_result(L, 0, YLM_ETYPE, NULL);
   ylm_polygons **p = lua_newuserdata(L, sizeof *p);
   *p = NULL;
   luaL_getmetatable(L, POLYGONS);
@@ -48,7 +51,10 @@ static int polygons_create(lua_State *L) {
 
 /* A sum keeps what it is made of in its environment table: uservalues differ between versions, the
    registry does not. */
-typedef struct sum { ylm_field_sum *sum; int parts; } sum;
+typedef struct sum {
+  ylm_field_sum *sum;
+  int parts;
+} sum;
 
 static const ylm_field *sum_field(void *object) {
   sum *s = object;
@@ -86,7 +92,8 @@ static int light_sum(lua_State *L) {
   return ylmL_result(L, 1, ylm_field_sum_create(n, fields, &s->sum), NULL);
 }
 
-static const luaL_Reg functions[] = {{"polygons_create", polygons_create}, {"light_sum", light_sum}, {NULL, NULL}};
+static const luaL_Reg functions[] = {
+    {"polygons_create", polygons_create}, {"light_sum", light_sum}, {NULL, NULL}};
 static const luaL_Reg polygons_methods[] = {{"__gc", polygons_gc}, {NULL, NULL}};
 static const luaL_Reg sum_methods[] = {{"__gc", sum_gc}, {NULL, NULL}};
 

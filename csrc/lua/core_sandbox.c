@@ -56,8 +56,10 @@ static void tick(lua_State *L, lua_Debug *ar) {
   if (lua_getallocf(L, &ud) != bounded_alloc) return;
   guard *g = ud;
   g->instructions -= STEP;
-  if (g->instructions < 0) g->reason = "instructions";
-  else if (processor_seconds() > g->seconds) g->reason = "time";
+  if (g->instructions < 0)
+    g->reason = "instructions";
+  else if (processor_seconds() > g->seconds)
+    g->reason = "time";
   if (!g->reason) return;
   lua_sethook(L, tick, LUA_MASKCOUNT, 1);
   luaL_error(L, "a limit was reached");
@@ -87,8 +89,10 @@ static int bounded_call(lua_State *L) {
   if (status == LUA_ERRMEM && !g.reason) g.reason = "memory";
   lua_pushboolean(L, status == 0 && !g.reason);
   lua_insert(L, 1);
-  if (g.reason) lua_pushstring(L, g.reason);
-  else lua_pushnil(L);
+  if (g.reason)
+    lua_pushstring(L, g.reason);
+  else
+    lua_pushnil(L);
   return 3;
 }
 
@@ -106,7 +110,8 @@ static bool stays_below(const char *path) {
 }
 
 /*
-** resolve_inside(folder, path) -> the file's real name, its size; nil, message, code unless `path` is
+** resolve_inside(folder, path) -> the file's real name, its size; nil, message, code unless `path`
+*is
 ** relative and leads, symbolic links followed, to a regular file below `folder`.
 */
 static int resolve_inside(lua_State *L) {
@@ -117,13 +122,13 @@ static int resolve_inside(lua_State *L) {
   ylm_error e = {0};
   ylm_status s = YLM_OK;
   if (strlen(path) != size || !stays_below(path))
-    s = ylm_fail(&e, YLM_EINVAL, "a path inside the scene's folder expected: relative, without '..'");
+    s = ylm_fail(&e, YLM_EINVAL,
+                 "a path inside the scene's folder expected: relative, without '..'");
   else if (!realpath(folder, root))
     s = ylm_fail(&e, YLM_EIO, "%s: no such folder", folder);
   else {
     lua_pushfstring(L, "%s/%s", root, path);
-    if (!realpath(lua_tostring(L, -1), file))
-      s = ylm_fail(&e, YLM_EIO, "%s: no such file", path);
+    if (!realpath(lua_tostring(L, -1), file)) s = ylm_fail(&e, YLM_EIO, "%s: no such file", path);
   }
   if (s == YLM_OK) {
     size_t n = strlen(root);
@@ -140,7 +145,10 @@ static int resolve_inside(lua_State *L) {
   return ylmL_result(L, 2, s, &e);
 }
 
-typedef struct bytes { const unsigned char *data; size_t size; } bytes;
+typedef struct bytes {
+  const unsigned char *data;
+  size_t size;
+} bytes;
 
 static int push_bytes(lua_State *L) {
   const bytes *b = lua_touserdata(L, 1);

@@ -1,4 +1,5 @@
-/* core_sh.c - binds evaluation of spherical harmonics. Arguments come sorted from lua/ylm/sh.lua. */
+/* core_sh.c - binds evaluation of spherical harmonics. Arguments come sorted from lua/ylm/sh.lua.
+ */
 #include "binding.h"
 
 #include "ylm_sh.h"
@@ -39,18 +40,24 @@ static int sh_eval(lua_State *L) {
     return ylmL_result(L, 0, YLM_ESHAPE, NULL);
   if (y->dtype != p->dtype || (dy && dy->dtype != p->dtype) || (ddy && ddy->dtype != p->dtype))
     return ylmL_result(L, 0, YLM_ETYPE, NULL);
-  ylm_sh_how how = {.derivatives = ddy ? 2 : dy ? 1 : 0, .solid = lua_toboolean(L, 6),
-                    .method = (ylm_sh_method)method, .isa = isa_of(L, 9),
+  ylm_sh_how how = {.derivatives = ddy  ? 2
+                                   : dy ? 1
+                                        : 0,
+                    .solid = lua_toboolean(L, 6),
+                    .method = (ylm_sh_method)method,
+                    .isa = isa_of(L, 9),
                     .threads = (int)luaL_optnumber(L, 8, 0)};
   how.progress = ylmL_progress_begin(L, 10, &progress);
-  ylm_status s = ylm_sh_eval_how(&how, lmax, p->dtype, n, p->data, y->data, data_of(dy), data_of(ddy), &e);
+  ylm_status s =
+      ylm_sh_eval_how(&how, lmax, p->dtype, n, p->data, y->data, data_of(dy), data_of(ddy), &e);
   lua_pushboolean(L, s == YLM_OK);
   return ylmL_result_progress(L, 1, s, &e, &progress);
 }
 
 /* sh_reconstruct(lmax, c [rows][count], points [n][3], out [rows][n], threads), all of one type */
 static int sh_reconstruct(lua_State *L) {
-  ylmL_array *c = ylmL_array_check(L, 2), *p = ylmL_array_check(L, 3), *out = ylmL_array_check(L, 4);
+  ylmL_array *c = ylmL_array_check(L, 2), *p = ylmL_array_check(L, 3),
+             *out = ylmL_array_check(L, 4);
   ylm_error e = {YLM_OK, ""};
   int lmax = (int)luaL_checknumber(L, 1);
   if (lmax < 0 || lmax > YLM_LMAX) return ylmL_result(L, 0, YLM_ERANGE, NULL);
@@ -65,17 +72,19 @@ static int sh_reconstruct(lua_State *L) {
 }
 
 static double number_at(const ylmL_array *a, size_t i) {
-  return a->dtype == YLM_DOUBLE ? ((const double *)a->data)[i] : (double)((const float *)a->data)[i];
+  return a->dtype == YLM_DOUBLE ? ((const double *)a->data)[i]
+                                : (double)((const float *)a->data)[i];
 }
 
-/* sh_error(lmax, a, b), both [n][count] or [n][count][width]: the largest |a-b| of a degree at a point
-   relative to the largest |b| there, over all degrees and points: how evaluation is judged */
+/* sh_error(lmax, a, b), both [n][count] or [n][count][width]: the largest |a-b| of a degree at a
+   point relative to the largest |b| there, over all degrees and points: how evaluation is judged */
 static int sh_error(lua_State *L) {
   ylmL_array *a = ylmL_array_check(L, 2), *b = ylmL_array_check(L, 3);
   int lmax = (int)luaL_checknumber(L, 1);
   if (lmax < 0 || lmax > YLM_LMAX) return ylmL_result(L, 0, YLM_ERANGE, NULL);
   size_t last = a->shape[a->axes - 1], count = ylm_sh_count(lmax), width = last == count ? 1 : last;
-  if (a->count != b->count || a->count % (count * width)) return ylmL_result(L, 0, YLM_ESHAPE, NULL);
+  if (a->count != b->count || a->count % (count * width))
+    return ylmL_result(L, 0, YLM_ESHAPE, NULL);
   double worst = 0;
   for (size_t i = 0; i < a->count; i += count * width)
     for (int l = 0; l <= lmax; l++) {
@@ -92,10 +101,8 @@ static int sh_error(lua_State *L) {
   return 1;
 }
 
-static const luaL_Reg functions[] = {{"sh_eval", sh_eval},
-                                     {"sh_reconstruct", sh_reconstruct},
-                                     {"sh_error", sh_error},
-                                     {NULL, NULL}};
+static const luaL_Reg functions[] = {
+    {"sh_eval", sh_eval}, {"sh_reconstruct", sh_reconstruct}, {"sh_error", sh_error}, {NULL, NULL}};
 
 void ylmL_open_sh(lua_State *L) {
   luaL_setfuncs(L, functions, 0);

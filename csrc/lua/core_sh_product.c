@@ -1,4 +1,5 @@
-/* core_sh_product.c - binds products and transfer matrices. Arguments come sorted from lua/ylm/sh_product.lua. */
+/* core_sh_product.c - binds products and transfer matrices. Arguments come sorted from
+ * lua/ylm/sh_product.lua. */
 #include "binding.h"
 
 #include "ylm_sh.h"
@@ -7,7 +8,10 @@
 
 #define PRODUCT "ylm.sh_product_plan"
 
-typedef struct handle { ylm_sh_product *plan; int lmax, factors; } handle;
+typedef struct handle {
+  ylm_sh_product *plan;
+  int lmax, factors;
+} handle;
 
 static int product_gc(lua_State *L) {
   handle *h = ylmL_check(L, 1, PRODUCT);
@@ -19,7 +23,8 @@ static int product_gc(lua_State *L) {
 static ylm_sh_product_method method_of(lua_State *L, int i) {
   const char *name = luaL_optstring(L, i, "auto");
   for (int m = 0; m < YLM_SH_PRODUCT_METHOD_COUNT; m++)
-    if (strcmp(name, ylm_sh_product_method_name((ylm_sh_product_method)m)) == 0) return (ylm_sh_product_method)m;
+    if (strcmp(name, ylm_sh_product_method_name((ylm_sh_product_method)m)) == 0)
+      return (ylm_sh_product_method)m;
   return (ylm_sh_product_method)luaL_argerror(L, i, "no such method");
 }
 
@@ -62,8 +67,8 @@ static int sh_product(lua_State *L) {
   }
   bool timed = lua_toboolean(L, 5);
   if (s == YLM_OK)
-    s = ylm_sh_product_apply(h->plan, out->dtype, rows, factor, stride, out->data, (int)luaL_optnumber(L, 4, 0),
-                             timed ? stage : NULL);
+    s = ylm_sh_product_apply(h->plan, out->dtype, rows, factor, stride, out->data,
+                             (int)luaL_optnumber(L, 4, 0), timed ? stage : NULL);
   if (s != YLM_OK) return ylmL_result(L, 0, s, NULL);
   if (!timed) {
     lua_pushboolean(L, 1);
@@ -81,8 +86,10 @@ static int sh_transfer(lua_State *L) {
   ylm_status s = YLM_ERANGE;
   if (clmax >= 0 && clmax <= YLM_LMAX && lmax >= 0 && lmax <= YLM_LMAX) {
     size_t n = ylm_sh_count(lmax);
-    s = c->count == ylm_sh_count(clmax) && out->count == n * n && c->dtype == YLM_DOUBLE && out->dtype == YLM_DOUBLE
-            ? YLM_OK : YLM_ESHAPE;
+    s = c->count == ylm_sh_count(clmax) && out->count == n * n && c->dtype == YLM_DOUBLE &&
+                out->dtype == YLM_DOUBLE
+            ? YLM_OK
+            : YLM_ESHAPE;
   }
   if (s == YLM_OK) s = ylm_sh_transfer(clmax, c->data, lmax, out->data, &e);
   lua_pushboolean(L, 1);
@@ -91,19 +98,24 @@ static int sh_transfer(lua_State *L) {
 
 /* sh_transfer_apply(matrix [n][n], in [rows][n], out, threads) -> true */
 static int sh_transfer_apply(lua_State *L) {
-  ylmL_array *m = ylmL_array_check(L, 1), *in = ylmL_array_check(L, 2), *out = ylmL_array_check(L, 3);
+  ylmL_array *m = ylmL_array_check(L, 1), *in = ylmL_array_check(L, 2),
+             *out = ylmL_array_check(L, 3);
   size_t n = m->shape[m->axes - 1];
-  ylm_status s = n && m->count == n * n && in->count % n == 0 && in->count == out->count ? YLM_OK : YLM_ESHAPE;
+  ylm_status s =
+      n && m->count == n * n && in->count % n == 0 && in->count == out->count ? YLM_OK : YLM_ESHAPE;
   if (s == YLM_OK && (m->dtype != in->dtype || in->dtype != out->dtype)) s = YLM_ETYPE;
   if (s == YLM_OK && in->data == out->data) s = YLM_EINVAL;
   if (s == YLM_OK)
-    s = ylm_sh_transfer_apply(n, in->dtype, m->data, in->count / n, in->data, out->data, (int)luaL_optnumber(L, 4, 0));
+    s = ylm_sh_transfer_apply(n, in->dtype, m->data, in->count / n, in->data, out->data,
+                              (int)luaL_optnumber(L, 4, 0));
   lua_pushboolean(L, 1);
   return ylmL_result(L, 1, s, NULL);
 }
 
-static const luaL_Reg functions[] = {{"sh_product_plan", sh_product_plan}, {"sh_product", sh_product},
-                                     {"sh_transfer", sh_transfer},         {"sh_transfer_apply", sh_transfer_apply},
+static const luaL_Reg functions[] = {{"sh_product_plan", sh_product_plan},
+                                     {"sh_product", sh_product},
+                                     {"sh_transfer", sh_transfer},
+                                     {"sh_transfer_apply", sh_transfer_apply},
                                      {NULL, NULL}};
 
 static const luaL_Reg methods[] = {{"__gc", product_gc}, {NULL, NULL}};

@@ -1,4 +1,5 @@
-/* core_sh_project.c - binds projection of samples. Arguments come sorted from lua/ylm/sh_project.lua. */
+/* core_sh_project.c - binds projection of samples. Arguments come sorted from
+ * lua/ylm/sh_project.lua. */
 #include "binding.h"
 
 #include "ylm_sh.h"
@@ -10,10 +11,13 @@ static int sh_rule(lua_State *L) {
   int nodes = (int)luaL_checknumber(L, 1), azimuths = (int)luaL_checknumber(L, 2);
   if (nodes < 1 || azimuths < 1) return ylmL_result(L, 0, YLM_ERANGE, NULL);
   size_t shape[2] = {(size_t)nodes * (size_t)azimuths, 3};
-  ylmL_array *d = ylmL_array_new(L, YLM_DOUBLE, 2, shape), *w = d ? ylmL_array_new(L, YLM_DOUBLE, 1, shape) : NULL;
+  ylmL_array *d = ylmL_array_new(L, YLM_DOUBLE, 2, shape),
+             *w = d ? ylmL_array_new(L, YLM_DOUBLE, 1, shape) : NULL;
   if (!w) return ylmL_result(L, 0, YLM_ENOMEM, NULL);
-  return ylmL_result(L, 2, ylm_sh_sphere_rule(nodes, azimuths, (double)luaL_checknumber(L, 3),
-                                              (double)luaL_checknumber(L, 4), d->data, w->data), NULL);
+  return ylmL_result(L, 2,
+                     ylm_sh_sphere_rule(nodes, azimuths, (double)luaL_checknumber(L, 3),
+                                        (double)luaL_checknumber(L, 4), d->data, w->data),
+                     NULL);
 }
 
 /* sh_samples(side, seed, stream) -> directions [side^2][3] */
@@ -23,11 +27,13 @@ static int sh_samples(lua_State *L) {
   size_t shape[2] = {(size_t)side * (size_t)side, 3};
   ylmL_array *d = ylmL_array_new(L, YLM_DOUBLE, 2, shape);
   if (!d) return ylmL_result(L, 0, YLM_ENOMEM, NULL);
-  ylm_sh_sphere_samples(side, (uint64_t)luaL_checknumber(L, 2), (uint64_t)luaL_checknumber(L, 3), d->data);
+  ylm_sh_sphere_samples(side, (uint64_t)luaL_checknumber(L, 2), (uint64_t)luaL_checknumber(L, 3),
+                        d->data);
   return 1;
 }
 
-/* sh_project(lmax, directions [n][3], weights [n] | nil, values [n][channels], out [channels][count], threads)
+/* sh_project(lmax, directions [n][3], weights [n] | nil, values [n][channels], out
+   [channels][count], threads)
    -> true; all double */
 static int sh_project(lua_State *L) {
   int lmax = (int)luaL_checknumber(L, 1);
@@ -37,13 +43,14 @@ static int sh_project(lua_State *L) {
   size_t n = d->count / 3;
   if (lmax < 0 || lmax > YLM_LMAX) return ylmL_result(L, 0, YLM_ERANGE, NULL);
   size_t channels = n ? v->count / n : 1, count = ylm_sh_count(lmax);
-  if (d->count != 3 * n || v->count != n * channels || (n && channels == 0) || channels > 1000 || (w && w->count != n) ||
-      out->count != channels * count)
+  if (d->count != 3 * n || v->count != n * channels || (n && channels == 0) || channels > 1000 ||
+      (w && w->count != n) || out->count != channels * count)
     return ylmL_result(L, 0, YLM_ESHAPE, NULL);
-  if (d->dtype != YLM_DOUBLE || v->dtype != YLM_DOUBLE || out->dtype != YLM_DOUBLE || (w && w->dtype != YLM_DOUBLE))
+  if (d->dtype != YLM_DOUBLE || v->dtype != YLM_DOUBLE || out->dtype != YLM_DOUBLE ||
+      (w && w->dtype != YLM_DOUBLE))
     return ylmL_result(L, 0, YLM_ETYPE, NULL);
-  ylm_status s = ylm_sh_project_samples(lmax, n, d->data, w ? w->data : NULL, (int)channels, v->data, out->data,
-                                        (int)luaL_optnumber(L, 6, 0), &e);
+  ylm_status s = ylm_sh_project_samples(lmax, n, d->data, w ? w->data : NULL, (int)channels,
+                                        v->data, out->data, (int)luaL_optnumber(L, 6, 0), &e);
   lua_pushboolean(L, 1);
   return ylmL_result(L, 1, s, &e);
 }
@@ -55,7 +62,8 @@ static int sh_degree_scale(lua_State *L) {
   luaL_checktype(L, 4, LUA_TTABLE);
   if (lmax < 0 || lmax > YLM_LMAX) return ylmL_result(L, 0, YLM_ERANGE, NULL);
   size_t count = ylm_sh_count(lmax), rows = c->count / count;
-  if (c->count != rows * count || out->count != c->count) return ylmL_result(L, 0, YLM_ESHAPE, NULL);
+  if (c->count != rows * count || out->count != c->count)
+    return ylmL_result(L, 0, YLM_ESHAPE, NULL);
   if (c->dtype != out->dtype) return ylmL_result(L, 0, YLM_ETYPE, NULL);
   for (int l = 0; l <= lmax; l++) {
     lua_rawgeti(L, 4, l + 1);
@@ -64,8 +72,10 @@ static int sh_degree_scale(lua_State *L) {
     for (size_t r = 0; r < rows; r++)
       for (int k = l * l; k < (l + 1) * (l + 1); k++) {
         size_t i = r * count + (size_t)k;
-        if (c->dtype == YLM_DOUBLE) ((double *)out->data)[i] = f * ((const double *)c->data)[i];
-        else ((float *)out->data)[i] = (float)(f * (double)((const float *)c->data)[i]);
+        if (c->dtype == YLM_DOUBLE)
+          ((double *)out->data)[i] = f * ((const double *)c->data)[i];
+        else
+          ((float *)out->data)[i] = (float)(f * (double)((const float *)c->data)[i]);
       }
   }
   lua_pushboolean(L, 1);
@@ -77,7 +87,8 @@ static int array_range(lua_State *L) {
   ylmL_array *a = ylmL_array_check(L, 1);
   double lo = 1e308, hi = -1e308;
   for (size_t i = 0; i < a->count; i++) {
-    double x = a->dtype == YLM_DOUBLE ? ((const double *)a->data)[i] : (double)((const float *)a->data)[i];
+    double x =
+        a->dtype == YLM_DOUBLE ? ((const double *)a->data)[i] : (double)((const float *)a->data)[i];
     if (x < lo) lo = x;
     if (x > hi) hi = x;
   }
@@ -93,17 +104,22 @@ static int sh_random(lua_State *L) {
   ylm_rng_seed(&r, (uint64_t)luaL_checknumber(L, 2), 1);
   for (size_t i = 0; i < a->count; i++) {
     double x = 2 * ylm_rng_double(&r) - 1;
-    if (a->dtype == YLM_DOUBLE) ((double *)a->data)[i] = x;
-    else ((float *)a->data)[i] = (float)x;
+    if (a->dtype == YLM_DOUBLE)
+      ((double *)a->data)[i] = x;
+    else
+      ((float *)a->data)[i] = (float)x;
   }
   return 0;
 }
 
-/* sh_relative_error(a [rows][width], b, out [rows], norms [rows]): norm of a-b over norm of b, and the latter; double */
+/* sh_relative_error(a [rows][width], b, out [rows], norms [rows]): norm of a-b over norm of b, and
+ * the latter; double */
 static int sh_relative_error(lua_State *L) {
-  ylmL_array *a = ylmL_array_check(L, 1), *b = ylmL_array_check(L, 2), *out = ylmL_array_check(L, 3);
+  ylmL_array *a = ylmL_array_check(L, 1), *b = ylmL_array_check(L, 2),
+             *out = ylmL_array_check(L, 3);
   ylmL_array *norms = ylmL_array_check(L, 4);
-  if (norms->dtype != YLM_DOUBLE || norms->count != out->count) return ylmL_result(L, 0, YLM_ESHAPE, NULL);
+  if (norms->dtype != YLM_DOUBLE || norms->count != out->count)
+    return ylmL_result(L, 0, YLM_ESHAPE, NULL);
   if (a->dtype != YLM_DOUBLE || b->dtype != YLM_DOUBLE || out->dtype != YLM_DOUBLE)
     return ylmL_result(L, 0, YLM_ETYPE, NULL);
   size_t rows = out->count, width = rows ? b->count / rows : 0;
@@ -122,10 +138,13 @@ static int sh_relative_error(lua_State *L) {
   return 1;
 }
 
-static const luaL_Reg functions[] = {{"sh_rule", sh_rule},       {"sh_samples", sh_samples},
-                                     {"sh_project", sh_project}, {"sh_degree_scale", sh_degree_scale},
+static const luaL_Reg functions[] = {{"sh_rule", sh_rule},
+                                     {"sh_samples", sh_samples},
+                                     {"sh_project", sh_project},
+                                     {"sh_degree_scale", sh_degree_scale},
                                      {"sh_array_range", array_range},
-                                     {"sh_random", sh_random},   {"sh_relative_error", sh_relative_error},
+                                     {"sh_random", sh_random},
+                                     {"sh_relative_error", sh_relative_error},
                                      {NULL, NULL}};
 
 void ylmL_open_sh_project(lua_State *L) { luaL_setfuncs(L, functions, 0); }

@@ -1,5 +1,5 @@
-/* core_sh_rotate.c - binds rotation and conventions. Arguments come sorted from lua/ylm/sh_rotate.lua
-   and sh_convert.lua. */
+/* core_sh_rotate.c - binds rotation and conventions. Arguments come sorted from
+   lua/ylm/sh_rotate.lua and sh_convert.lua. */
 #include "binding.h"
 
 #include "ylm_sh.h"
@@ -9,7 +9,9 @@
 #define ROTATOR "ylm.sh_rotator"
 #define ROTATION "ylm.sh_rotation"
 
-typedef struct handle { void *object; } handle;
+typedef struct handle {
+  void *object;
+} handle;
 
 static handle *push_handle(lua_State *L, const char *type) {
   handle *h = lua_newuserdata(L, sizeof *h);
@@ -99,7 +101,8 @@ static int sh_rotate(lua_State *L) {
   size_t rows;
   ylm_status s = rows_of(lmax, in, out, &rows);
   if (s == YLM_OK)
-    s = ylm_sh_rotate(h->object, r, lmax, in->dtype, rows, in->data, out->data, (int)luaL_optnumber(L, 6, 0), &e);
+    s = ylm_sh_rotate(h->object, r, lmax, in->dtype, rows, in->data, out->data,
+                      (int)luaL_optnumber(L, 6, 0), &e);
   lua_pushboolean(L, 1);
   return ylmL_result(L, 1, s, &e);
 }
@@ -114,7 +117,8 @@ static int sh_rotation(lua_State *L) {
   int lmax = (int)luaL_checknumber(L, 3);
   ylm_dtype t = (ylm_dtype)luaL_checkoption(L, 4, "double", types);
   handle *h = push_handle(L, ROTATION);
-  ylm_status s = ylm_sh_rotation_create(plan->object, r, lmax, t, (ylm_sh_rotation **)&h->object, &e);
+  ylm_status s =
+      ylm_sh_rotation_create(plan->object, r, lmax, t, (ylm_sh_rotation **)&h->object, &e);
   return ylmL_result(L, 1, s, &e);
 }
 
@@ -127,7 +131,8 @@ static int sh_rotation_apply(lua_State *L) {
   ylm_status s = rows_of(lmax, in, out, &rows);
   if (s == YLM_OK && in->dtype != ylm_sh_rotation_dtype(h->object)) s = YLM_ETYPE;
   if (s == YLM_OK)
-    s = ylm_sh_rotation_apply(h->object, lmax, rows, in->data, out->data, (int)luaL_optnumber(L, 5, 0));
+    s = ylm_sh_rotation_apply(h->object, lmax, rows, in->data, out->data,
+                              (int)luaL_optnumber(L, 5, 0));
   lua_pushboolean(L, 1);
   return ylmL_result(L, 1, s, NULL);
 }
@@ -138,8 +143,10 @@ static int sh_rotation_block(lua_State *L) {
   int l = (int)luaL_checknumber(L, 2);
   ylmL_array *out = ylmL_array_check(L, 3);
   ylm_status s = YLM_OK;
-  if (l < 0 || l > YLM_SH_ROTATE_LMAX) s = YLM_ERANGE;
-  else if (out->count != (size_t)(2 * l + 1) * (size_t)(2 * l + 1) || out->dtype != YLM_DOUBLE) s = YLM_ESHAPE;
+  if (l < 0 || l > YLM_SH_ROTATE_LMAX)
+    s = YLM_ERANGE;
+  else if (out->count != (size_t)(2 * l + 1) * (size_t)(2 * l + 1) || out->dtype != YLM_DOUBLE)
+    s = YLM_ESHAPE;
   if (s == YLM_OK) s = ylm_sh_rotation_block(h->object, l, out->data);
   lua_pushboolean(L, 1);
   return ylmL_result(L, 1, s, NULL);
@@ -154,7 +161,8 @@ static int sh_rotation_reference(lua_State *L) {
   ylm_status s = YLM_ERANGE;
   if (lmax >= 0 && lmax <= YLM_SH_ROTATE_LMAX) {
     size_t n = (size_t)lmax + 1;
-    s = out->count == n * (2 * n - 1) * (2 * n + 1) / 3 && out->dtype == YLM_DOUBLE ? YLM_OK : YLM_ESHAPE;
+    s = out->count == n * (2 * n - 1) * (2 * n + 1) / 3 && out->dtype == YLM_DOUBLE ? YLM_OK
+                                                                                    : YLM_ESHAPE;
   }
   if (s == YLM_OK) s = ylm_sh_rotation_reference(r, lmax, out->data);
   lua_pushboolean(L, 1);
@@ -174,12 +182,15 @@ static int sh_convention(lua_State *L) {
 static int sh_convention_name(lua_State *L) {
   char text[64];
   int64_t c;
-  if (!ylmL_toint64(L, 1, &c) || c < 0 || c > UINT32_MAX || ylm_sh_convention_name((uint32_t)c, text) != YLM_OK) return 0;
+  if (!ylmL_toint64(L, 1, &c) || c < 0 || c > UINT32_MAX ||
+      ylm_sh_convention_name((uint32_t)c, text) != YLM_OK)
+    return 0;
   lua_pushstring(L, text);
   return 1;
 }
 
-/* sh_convert(from, to, lmax, rows, in, out) -> true; the arrays' sizes were made to fit by the caller */
+/* sh_convert(from, to, lmax, rows, in, out) -> true; the arrays' sizes were made to fit by the
+ * caller */
 static int sh_convert(lua_State *L) {
   uint32_t from = (uint32_t)luaL_checknumber(L, 1), to = (uint32_t)luaL_checknumber(L, 2);
   int lmax = (int)luaL_checknumber(L, 3);
@@ -187,7 +198,8 @@ static int sh_convert(lua_State *L) {
   ylmL_array *in = ylmL_array_check(L, 5), *out = ylmL_array_check(L, 6);
   ylm_error e = {YLM_OK, ""};
   ylm_status s = YLM_OK;
-  if (!ylmL_toint64(L, 4, &rows) || rows < 0 || lmax < 0 || lmax > YLM_LMAX) s = YLM_ERANGE;
+  if (!ylmL_toint64(L, 4, &rows) || rows < 0 || lmax < 0 || lmax > YLM_LMAX)
+    s = YLM_ERANGE;
   else {
     size_t needed[2];
     for (int i = 0; i < 2; i++) {
@@ -198,9 +210,11 @@ static int sh_convert(lua_State *L) {
       default: needed[i] = n * count;
       }
     }
-    if (in->count != needed[0] || out->count != needed[1] || in->dtype != out->dtype) s = YLM_ESHAPE;
+    if (in->count != needed[0] || out->count != needed[1] || in->dtype != out->dtype)
+      s = YLM_ESHAPE;
   }
-  if (s == YLM_OK) s = ylm_sh_convert(from, to, lmax, in->dtype, (size_t)rows, in->data, out->data, &e);
+  if (s == YLM_OK)
+    s = ylm_sh_convert(from, to, lmax, in->dtype, (size_t)rows, in->data, out->data, &e);
   if (s == YLM_OK) out->convention = to;
   lua_pushboolean(L, 1);
   return ylmL_result(L, 1, s, &e);
@@ -211,7 +225,8 @@ static int sh_resize(lua_State *L) {
   int from = (int)luaL_checknumber(L, 1), to = (int)luaL_checknumber(L, 2);
   int64_t rows;
   ylmL_array *in = ylmL_array_check(L, 4), *out = ylmL_array_check(L, 5);
-  if (from < 0 || from > YLM_LMAX || to < 0 || to > YLM_LMAX || !ylmL_toint64(L, 3, &rows) || rows < 0)
+  if (from < 0 || from > YLM_LMAX || to < 0 || to > YLM_LMAX || !ylmL_toint64(L, 3, &rows) ||
+      rows < 0)
     return ylmL_result(L, 0, YLM_ERANGE, NULL);
   size_t a = ylm_sh_count(from), b = ylm_sh_count(to), n = (size_t)rows;
   if (in->count != n * a || out->count != n * b || in->dtype != out->dtype)
@@ -219,7 +234,8 @@ static int sh_resize(lua_State *L) {
   size_t size = ylm_dtype_size(in->dtype);
   memset(out->data, 0, out->count * size);
   for (size_t i = 0; i < n; i++)
-    memcpy((char *)out->data + i * b * size, (const char *)in->data + i * a * size, (a < b ? a : b) * size);
+    memcpy((char *)out->data + i * b * size, (const char *)in->data + i * a * size,
+           (a < b ? a : b) * size);
   lua_pushboolean(L, 1);
   return 1;
 }

@@ -1,4 +1,5 @@
-/* scene_shade.c - scenes ready to be traced, views of them, shading; lua/ylm/render.lua drives it. */
+/* scene_shade.c - scenes ready to be traced, views of them, shading; lua/ylm/render.lua drives it.
+ */
 #include <string.h>
 
 #include "binding.h"
@@ -46,8 +47,10 @@ ylmL_array *ylmL_shade_result(lua_State *L, int i, int axes, const size_t *shape
   }
   ylmL_array *a = ylmL_array_check(L, i);
   size_t count;
-  if (a->dtype != YLM_FLOAT) *s = YLM_ETYPE;
-  else if (!ylm_shape_count(axes, shape, &count) || count != a->count) *s = YLM_ESHAPE;
+  if (a->dtype != YLM_FLOAT)
+    *s = YLM_ETYPE;
+  else if (!ylm_shape_count(axes, shape, &count) || count != a->count)
+    *s = YLM_ESHAPE;
   lua_pushvalue(L, i);
   return *s == YLM_OK ? a : NULL;
 }
@@ -72,8 +75,10 @@ static ylm_shade_mesh read_mesh(lua_State *L, int i) {
   lua_rawgeti(L, 3, i);
   bool occludes = lua_toboolean(L, -1);
   lua_pop(L, 3);
-  return (ylm_shade_mesh){m->position, m->normal, m->vertices, m->index, m->triangles,
-                          {{(float)albedo[0], (float)albedo[1], (float)albedo[2]}}, occludes};
+  return (ylm_shade_mesh){m->position,  m->normal,
+                          m->vertices,  m->index,
+                          m->triangles, {{(float)albedo[0], (float)albedo[1], (float)albedo[2]}},
+                          occludes};
 }
 
 /* Lamps as floats from double arrays at [n][3], radius [n], radiance [n][3]; the floats live in an
@@ -135,8 +140,7 @@ static int shade_bounds(lua_State *L) {
 /* shade_vertices(scene) -> [n][3] */
 static int shade_vertices(lua_State *L) {
   ylm_shade_scene *s = check_scene(L, 1);
-  ylmL_array *a =
-      ylmL_array_new(L, YLM_FLOAT, 2, (size_t[]){ylm_shade_scene_vertices(s, NULL), 3});
+  ylmL_array *a = ylmL_array_new(L, YLM_FLOAT, 2, (size_t[]){ylm_shade_scene_vertices(s, NULL), 3});
   if (!a) return ylmL_result(L, 0, YLM_ENOMEM, NULL);
   ylm_shade_scene_vertices(s, a->data);
   return 1;
@@ -149,7 +153,8 @@ static int shade_difference(lua_State *L) {
     return ylmL_result(L, 0, YLM_ETYPE, NULL);
   if (a->count != b->count || a->count != c->count) return ylmL_result(L, 0, YLM_ESHAPE, NULL);
   const float *x = a->data, *y = b->data;
-  for (size_t i = 0; i < a->count; i++) ((float *)c->data)[i] = x[i] > y[i] ? x[i] - y[i] : y[i] - x[i];
+  for (size_t i = 0; i < a->count; i++)
+    ((float *)c->data)[i] = x[i] > y[i] ? x[i] - y[i] : y[i] - x[i];
   lua_pushvalue(L, 3);
   return 1;
 }
@@ -179,16 +184,37 @@ static int shade_trace(lua_State *L) {
     }
     ylm_trace_intersect(t, 1, &r, false, &h);
     bool none = h.mesh == YLM_TRACE_NOTHING;
-    float hit[8] = {none ? 0 : h.mesh == YLM_TRACE_LAMP ? -1 : (float)h.mesh + 1,
-                    none ? 0 : (float)h.element + 1, h.t, h.u, h.v, h.normal[0], h.normal[1],
+    float hit[8] = {none                       ? 0
+                    : h.mesh == YLM_TRACE_LAMP ? -1
+                                               : (float)h.mesh + 1,
+                    none ? 0 : (float)h.element + 1,
+                    h.t,
+                    h.u,
+                    h.v,
+                    h.normal[0],
+                    h.normal[1],
                     h.normal[2]};
     memcpy(x + 8 * i, hit, sizeof hit);
   }
   return 1;
 }
 
-enum { VIEW_SCENE = 1, CAMERA, WIDTH, HEIGHT, SAMPLES, LMAX, PER_VERTEX, VISIBILITY, TRANSFER,
-       DISTANCE, SHARE, SEED, THREADS, PROGRESS };
+enum {
+  VIEW_SCENE = 1,
+  CAMERA,
+  WIDTH,
+  HEIGHT,
+  SAMPLES,
+  LMAX,
+  PER_VERTEX,
+  VISIBILITY,
+  TRANSFER,
+  DISTANCE,
+  SHARE,
+  SEED,
+  THREADS,
+  PROGRESS
+};
 
 /* shade_view(scene, {from, at, up, fov: 10 numbers}, width, height, samples, lmax, per vertex,
    "none" | "pixel" | "vertex", transfer samples, occlusion distance, share, seed, threads,
@@ -202,16 +228,19 @@ static int shade_view(lua_State *L) {
   numbers(L, CAMERA, 10, c);
   lua_settop(L, PROGRESS);
   ylm_camera camera = {{c[0], c[1], c[2]}, {c[3], c[4], c[5]}, {c[6], c[7], c[8]}, c[9]};
-  ylm_shade_options o = {
-      .width = (int)luaL_checknumber(L, WIDTH), .height = (int)luaL_checknumber(L, HEIGHT),
-      .samples = (int)luaL_checknumber(L, SAMPLES), .lmax = (int)luaL_checknumber(L, LMAX),
-      .per_vertex = lua_toboolean(L, PER_VERTEX),
-      .visibility = (ylm_shade_visibility)luaL_checkoption(L, VISIBILITY, "pixel", names),
-      .transfer_samples = (int)luaL_checknumber(L, TRANSFER),
-      .occlusion_distance = (double)luaL_checknumber(L, DISTANCE),
-      .share = (double)luaL_checknumber(L, SHARE), .seed = (uint64_t)luaL_checknumber(L, SEED),
-      .threads = (int)luaL_checknumber(L, THREADS),
-      .progress = ylmL_progress_begin(L, PROGRESS, &p)};
+  ylm_shade_options o = {.width = (int)luaL_checknumber(L, WIDTH),
+                         .height = (int)luaL_checknumber(L, HEIGHT),
+                         .samples = (int)luaL_checknumber(L, SAMPLES),
+                         .lmax = (int)luaL_checknumber(L, LMAX),
+                         .per_vertex = lua_toboolean(L, PER_VERTEX),
+                         .visibility =
+                             (ylm_shade_visibility)luaL_checkoption(L, VISIBILITY, "pixel", names),
+                         .transfer_samples = (int)luaL_checknumber(L, TRANSFER),
+                         .occlusion_distance = (double)luaL_checknumber(L, DISTANCE),
+                         .share = (double)luaL_checknumber(L, SHARE),
+                         .seed = (uint64_t)luaL_checknumber(L, SEED),
+                         .threads = (int)luaL_checknumber(L, THREADS),
+                         .progress = ylmL_progress_begin(L, PROGRESS, &p)};
   ylm_shade_view **v = lua_newuserdata(L, sizeof *v);
   *v = NULL;
   luaL_getmetatable(L, YLML_SHADE_VIEW);
@@ -300,7 +329,8 @@ static int shade_field(lua_State *L) {
   return ylmL_result_progress(L, 2, s, &e, &p);
 }
 
-/* shade_coefficients(view, first from 1, L [n][channels][count], threads, out [n][3] or nil) -> out */
+/* shade_coefficients(view, first from 1, L [n][channels][count], threads, out [n][3] or nil) -> out
+ */
 static int shade_coefficients(lua_State *L) {
   ylm_shade_view *v = ylmL_shade_view(L, 1);
   double first = (double)luaL_checknumber(L, 2);
@@ -330,8 +360,7 @@ static int shade_raycast(lua_State *L) {
   ylmL_array *out = ylmL_array_new(L, YLM_FLOAT, 2, (size_t[]){point_count(v), 3});
   if (!out) return ylmL_result(L, 0, YLM_ENOMEM, NULL);
   const ylm_progress *progress = ylmL_progress_begin(L, 6, &p);
-  ylm_status s =
-      ylm_shade_raycast(v, samples, shadows, seed, threads, progress, out->data, &rays);
+  ylm_status s = ylm_shade_raycast(v, samples, shadows, seed, threads, progress, out->data, &rays);
   if (s == YLM_OK) lua_pushnumber(L, (lua_Number)rays);
   return ylmL_result_progress(L, 2, s, NULL, &p);
 }
@@ -354,14 +383,15 @@ static int shade_resolve(lua_State *L) {
     return ylmL_result(L, 0, YLM_ESHAPE, NULL);
   if (!lua_isnil(L, 3)) numbers(L, 3, (int)channels, fill);
   for (int c = 0; c < 4; c++) fills[c] = (float)fill[c];
-  ylmL_array *out = ylmL_shade_result(
-      L, 6, 3, (size_t[]){(size_t)o->height, (size_t)o->width, channels}, &s);
+  ylmL_array *out =
+      ylmL_shade_result(L, 6, 3, (size_t[]){(size_t)o->height, (size_t)o->width, channels}, &s);
   if (s == YLM_OK)
     s = ylm_shade_resolve(v, (int)channels, values->data, fills, covered, threads, out->data);
   return ylmL_result(L, 1, s, NULL);
 }
 
-/* shade_compose(view, colours [n][3], background {r, g, b}, threads, out [h][w][3] or nil) -> out */
+/* shade_compose(view, colours [n][3], background {r, g, b}, threads, out [h][w][3] or nil) -> out
+ */
 static int shade_compose(lua_State *L) {
   ylm_shade_view *v = ylmL_shade_view(L, 1);
   ylmL_array *colours = ylmL_array_check(L, 2);

@@ -28,9 +28,13 @@ static int scene_new(lua_State *L) {
 /* shape(scene, shape, ambient, diffuse, specular, line width, opacity, flat, ghost) */
 static int scene_shape(lua_State *L) {
   ylm_error e;
-  ylm_vtk_style style = {(double)luaL_checknumber(L, 3), (double)luaL_checknumber(L, 4),
-                         (double)luaL_checknumber(L, 5), (double)luaL_checknumber(L, 6),
-                         (double)luaL_checknumber(L, 7), lua_toboolean(L, 8), lua_toboolean(L, 9)};
+  ylm_vtk_style style = {(double)luaL_checknumber(L, 3),
+                         (double)luaL_checknumber(L, 4),
+                         (double)luaL_checknumber(L, 5),
+                         (double)luaL_checknumber(L, 6),
+                         (double)luaL_checknumber(L, 7),
+                         lua_toboolean(L, 8),
+                         lua_toboolean(L, 9)};
   ylm_status s = ylm_vtk_add_shape(scene_at(L, 1), ylmL_check(L, 2, YLM_SHAPE), &style, &e);
   return ylmL_result(L, 0, s, &e);
 }
@@ -56,16 +60,18 @@ static int scene_isosurfaces(lua_State *L) {
   ylm_error e;
   size_t n;
   const double *value = ylmL_doubles(L, 3, 1, &n), *colour = ylmL_doubles_of(L, 4, 4, n);
-  ylm_status s = ylm_vtk_add_isosurfaces(scene_at(L, 1), ylmL_check(L, 2, YLM_VOLUME), n, value,
-                                         colour, &e);
+  ylm_status s =
+      ylm_vtk_add_isosurfaces(scene_at(L, 1), ylmL_check(L, 2, YLM_VOLUME), n, value, colour, &e);
   return ylmL_result(L, 0, s, &e);
 }
 
 /* Corner and edges of the plane that a flat volume's voxels cover; the image's axes in u and v. */
 static void plane(const ylm_figure_volume *v, double corner[3], double u[3], double w[3], int *nu,
                   int *nw) {
-  int flat = v->size[2] == 1 ? 2 : v->size[1] == 1 ? 1 : 0, a = flat == 0 ? 1 : 0,
-      b = flat == 2 ? 1 : 2;
+  int flat = v->size[2] == 1   ? 2
+             : v->size[1] == 1 ? 1
+                               : 0,
+      a = flat == 0 ? 1 : 0, b = flat == 2 ? 1 : 2;
   memset(u, 0, 3 * sizeof *u);
   memset(w, 0, 3 * sizeof *w);
   memcpy(corner, v->origin, 3 * sizeof *corner);
@@ -128,10 +134,15 @@ static int text(lua_State *L) {
   const char *words = luaL_checkstring(L, 2);
   double x = (double)luaL_checknumber(L, 3), y = (double)luaL_checknumber(L, 4);
   ylmL_numbers(L, 8, 3, rgb);
-  ylm_status s = ylm_vtk_text(words, (double)luaL_checknumber(L, 5), lua_toboolean(L, 6), align, rgb,
-                              &w, &h, &rgba, &e);
+  ylm_status s = ylm_vtk_text(words, (double)luaL_checknumber(L, 5), lua_toboolean(L, 6), align,
+                              rgb, &w, &h, &rgba, &e);
   if (s != YLM_OK) return ylmL_result(L, 0, s, &e);
-  if (c && rgba) ylm_figure_canvas_blend(c, (int)(x - (align == 1 ? w / 2 : align == 2 ? w : 0)), (int)y, w, h, rgba);
+  if (c && rgba)
+    ylm_figure_canvas_blend(c,
+                            (int)(x - (align == 1   ? w / 2
+                                       : align == 2 ? w
+                                                    : 0)),
+                            (int)y, w, h, rgba);
   ylm_free(rgba);
   lua_pushnumber(L, w);
   lua_pushnumber(L, h);
@@ -184,12 +195,14 @@ static int version(lua_State *L) {
 }
 
 static const luaL_Reg functions[] = {
-    {"scene", scene_new},          {"scene_shape", scene_shape}, {"scene_volume", scene_volume},
-    {"scene_isosurfaces", scene_isosurfaces}, {"scene_slice", scene_slice},
-    {"scene_camera", scene_camera}, {"scene_render", scene_render}, {"text", text},
-    {"save_png", save_png},        {"load_png", load_png},       {"describe", describe},
-    {"where", where},              {"version", version},
-    {"plot", ylmL_vtk_plot},       {"show", ylmL_vtk_show},      {NULL, NULL}};
+    {"scene", scene_new},           {"scene_shape", scene_shape},
+    {"scene_volume", scene_volume}, {"scene_isosurfaces", scene_isosurfaces},
+    {"scene_slice", scene_slice},   {"scene_camera", scene_camera},
+    {"scene_render", scene_render}, {"text", text},
+    {"save_png", save_png},         {"load_png", load_png},
+    {"describe", describe},         {"where", where},
+    {"version", version},           {"plot", ylmL_vtk_plot},
+    {"show", ylmL_vtk_show},        {NULL, NULL}};
 
 static const luaL_Reg methods[] = {{"__gc", scene_gc}, {NULL, NULL}};
 

@@ -31,7 +31,8 @@ static void colour(lua_State *L, int i, const char *name, int n, double *out) {
 }
 
 /* The axis table `name` of the chart at 1. */
-static void axis(lua_State *L, const char *name, ylm_vtk_axis *a, double *tick, const char **label) {
+static void axis(lua_State *L, const char *name, ylm_vtk_axis *a, double *tick,
+                 const char **label) {
   lua_getfield(L, 1, name);
   int i = lua_gettop(L);
   a->least = number(L, i, "least");

@@ -17,7 +17,8 @@ static const char *pick(void *user, const double p[3]) {
   lua_State *L = k->L;
   lua_pushvalue(L, k->index);
   for (int a = 0; a < 3; a++) lua_pushnumber(L, p[a]);
-  if (lua_pcall(L, 3, 1, 0) != 0 || !lua_tostring(L, -1)) strcpy(k->text, "?");
+  if (lua_pcall(L, 3, 1, 0) != 0 || !lua_tostring(L, -1))
+    strcpy(k->text, "?");
   else {
     strncpy(k->text, lua_tostring(L, -1), sizeof k->text - 1);
     k->text[sizeof k->text - 1] = 0;

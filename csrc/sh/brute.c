@@ -28,7 +28,8 @@ void ylm__brute_free(ylm__brute *b) {
   ylm_free(b);
 }
 
-/* Basis functions at the points of a rule exact to degree (factors+1) lmax: [count][points]; weights. */
+/* Basis functions at the points of a rule exact to degree (factors+1) lmax: [count][points];
+ * weights. */
 static double *basis(int lmax, int factors, size_t *points, double **weights) {
   int degree = (factors + 1) * lmax, nodes = degree / 2 + 1, around = degree + 1;
   size_t count = ylm_sh_count(lmax), n = (size_t)nodes * (size_t)around;
@@ -51,7 +52,8 @@ static double *basis(int lmax, int factors, size_t *points, double **weights) {
       (*weights)[at] = w[h] * 2 * 3.14159265358979323846 / around;
       for (int l = 0; l <= lmax; l++)
         for (int m = -l; m <= l; m++)
-          y[ylm_sh_index(l, m) * n + at] = p[l * (l + 1) / 2 + (m < 0 ? -m : m)] * (m < 0 ? sin(-m * phi) : cos(m * phi));
+          y[ylm_sh_index(l, m) * n + at] =
+              p[l * (l + 1) / 2 + (m < 0 ? -m : m)] * (m < 0 ? sin(-m * phi) : cos(m * phi));
     }
   }
   ylm_free(x);
@@ -64,10 +66,13 @@ ylm_status ylm__brute_create(int lmax, int factors, ylm__brute **out, ylm_error 
   for (int k = 0; k < factors; k++) {
     tuples *= count;
     if (tuples > MOST_TUPLES)
-      return ylm_fail(e, YLM_ELIMIT, "brute force: %d factors of lmax %d have too many combinations", factors, lmax);
+      return ylm_fail(e, YLM_ELIMIT,
+                      "brute force: %d factors of lmax %d have too many combinations", factors,
+                      lmax);
   }
   double *weights = NULL, *y = basis(lmax, factors, &n, &weights);
-  double *product = ylm_alloc((size_t)factors * n, sizeof *product); /* of the first 1 .. factors functions */
+  double *product =
+      ylm_alloc((size_t)factors * n, sizeof *product); /* of the first 1 .. factors functions */
   ylm__brute *b = ylm_alloc_zero(1, sizeof *b);
   if (!y || !product || !b) goto fail;
   b->factors = factors;
@@ -87,7 +92,8 @@ ylm_status ylm__brute_create(int lmax, int factors, ylm__brute **out, ylm_error 
     }
     for (int k = changed; k < factors; k++)
       for (size_t q = 0; q < n; q++)
-        product[(size_t)k * n + q] = (k ? product[(size_t)(k - 1) * n + q] : weights[q]) * y[digits[k] * n + q];
+        product[(size_t)k * n + q] =
+            (k ? product[(size_t)(k - 1) * n + q] : weights[q]) * y[digits[k] * n + q];
     b->first[tuple] = (uint32_t)used;
     for (size_t i = 0; i < count; i++) {
       double sum = 0;
@@ -121,18 +127,20 @@ fail:
   return YLM_ENOMEM;
 }
 
-#define APPLY(name, T, values)                                                             \
-  void name(const ylm__brute *b, const T *const *c, T *out) {                              \
-    size_t digits[YLM_SH_PRODUCT_FACTORS] = {0};                                           \
-    T product[YLM_SH_PRODUCT_FACTORS];                                                     \
-    int changed = 0;                                                                       \
-    for (size_t tuple = 0; tuple < b->tuples; tuple++) {                                   \
-      for (int k = changed; k < b->factors; k++)                                           \
-        product[k] = (k ? product[k - 1] : 1) * c[k][digits[k]];                           \
-      T s = product[b->factors - 1];                                                       \
-      for (uint32_t q = b->first[tuple]; q < b->first[tuple + 1]; q++) out[b->k[q]] += b->values[q] * s; \
-      for (changed = b->factors - 1; changed >= 0 && ++digits[changed] == b->count; changed--) digits[changed] = 0; \
-    }                                                                                      \
+#define APPLY(name, T, values)                                                                     \
+  void name(const ylm__brute *b, const T *const *c, T *out) {                                      \
+    size_t digits[YLM_SH_PRODUCT_FACTORS] = {0};                                                   \
+    T product[YLM_SH_PRODUCT_FACTORS];                                                             \
+    int changed = 0;                                                                               \
+    for (size_t tuple = 0; tuple < b->tuples; tuple++) {                                           \
+      for (int k = changed; k < b->factors; k++)                                                   \
+        product[k] = (k ? product[k - 1] : 1) * c[k][digits[k]];                                   \
+      T s = product[b->factors - 1];                                                               \
+      for (uint32_t q = b->first[tuple]; q < b->first[tuple + 1]; q++)                             \
+        out[b->k[q]] += b->values[q] * s;                                                          \
+      for (changed = b->factors - 1; changed >= 0 && ++digits[changed] == b->count; changed--)     \
+        digits[changed] = 0;                                                                       \
+    }                                                                                              \
   }
 
 /* out must be zero. */

@@ -1,7 +1,9 @@
 /*
-** compare.c - other ways to evaluate, scalar, kept to compare with: "polynomial", "direct", "sloan", "scd".
+** compare.c - other ways to evaluate, scalar, kept to compare with: "polynomial", "direct",
+*"sloan", "scd".
 **
-** The last three work in (theta, phi) at the unit vector w and go to x, y, z by the chain rule, which
+** The last three work in (theta, phi) at the unit vector w and go to x, y, z by the chain rule,
+*which
 ** divides by sin(theta): where x = y = 0 their derivatives are NaN, and close by they lose digits.
 **   direct   dP/dtheta by Mezieres et al. 2022, Eq. 19, with cos(m phi) from libm
 **   sloan    P / sin^m and its derivative T by recurrence, Eqs. 7, 8, 17, 21-23
@@ -44,7 +46,8 @@ static void next_degree(rows *r, int l, double z, double st) {
     r->t[0][m] = a * (z * t - st * q) - b * r->t[2][m];
     r->tt[0][m] = a * (z * tt - 2 * st * t - z * q) - b * r->tt[2][m];
   }
-  r->q[0][l] = l == 0 ? 0.28209479177387814347 : -r->q[1][l - 1] * sqrt((2.0 * l + 1) / (2.0 * l) * (l == 1 ? 2 : 1));
+  r->q[0][l] = l == 0 ? 0.28209479177387814347
+                      : -r->q[1][l - 1] * sqrt((2.0 * l + 1) / (2.0 * l) * (l == 1 ? 2 : 1));
   r->t[0][l] = r->tt[0][l] = 0;
 }
 
@@ -68,14 +71,16 @@ static angular by_neighbours(const rows *r, int l, int m, double st) {
   int k = m < 0 ? -m : m;
   double f = m < 0 ? r->s[k] : r->c[k], g = k == 0 ? 0 : m < 0 ? r->c[k] : r->s[k];
   double p = legendre(r, l, k, st), up = legendre(r, l, k + 1, st), pt;
-  if (k == 0) pt = sqrt(0.5 * l * (l + 1)) * up;
+  if (k == 0)
+    pt = sqrt(0.5 * l * (l + 1)) * up;
   else
     pt = -0.5 * (sqrt((l - k + 1.0) * (l + k) * (k == 1 ? 2 : 1)) * legendre(r, l, k - 1, st) -
                  sqrt((l + k + 1.0) * (l - k)) * up);
   return (angular){.y = p * f, .t = pt * f, .p = -m * p * g};
 }
 
-/* From derivatives by theta and phi to those by x, y, z at v = d w (2022, Eq. 23, and its derivative). */
+/* From derivatives by theta and phi to those by x, y, z at v = d w (2022, Eq. 23, and its
+ * derivative). */
 static void to_cartesian(const angular *a, const double w[3], double d, int order, double s[10]) {
   double x = w[0], y = w[1], z = w[2], r2 = x * x + y * y, r = sqrt(r2);
   double theta[3] = {x * z / r, y * z / r, -r}, phi[3] = {-y / r2, x / r2, 0};
@@ -83,13 +88,16 @@ static void to_cartesian(const angular *a, const double w[3], double d, int orde
   for (int i = 0; i < 3; i++) s[1 + i] = (a->t * theta[i] + a->p * phi[i]) / d;
   if (order < 2) return;
   double r3 = r * r2;
-  double theta2[6] = {z * (y * y / r3 - 2 * x * x / r), -x * y * z * (1 / r3 + 2 / r), x / r * (1 - 2 * z * z),
-                      z * (x * x / r3 - 2 * y * y / r), y / r * (1 - 2 * z * z), 2 * z * r};
-  double phi2[6] = {2 * x * y / (r2 * r2), (y * y - x * x) / (r2 * r2), 0, -2 * x * y / (r2 * r2), 0, 0};
+  double theta2[6] = {z * (y * y / r3 - 2 * x * x / r), -x * y * z * (1 / r3 + 2 / r),
+                      x / r * (1 - 2 * z * z),          z * (x * x / r3 - 2 * y * y / r),
+                      y / r * (1 - 2 * z * z),          2 * z * r};
+  double phi2[6] = {
+      2 * x * y / (r2 * r2), (y * y - x * x) / (r2 * r2), 0, -2 * x * y / (r2 * r2), 0, 0};
   for (int i = 0, k = 0; i < 3; i++)
     for (int j = i; j < 3; j++, k++)
       s[4 + k] = (a->tt * theta[i] * theta[j] + a->tp * (theta[i] * phi[j] + theta[j] * phi[i]) +
-                  a->pp * phi[i] * phi[j] + a->t * theta2[k] + a->p * phi2[k]) / d / d;
+                  a->pp * phi[i] * phi[j] + a->t * theta2[k] + a->p * phi2[k]) /
+                 d / d;
 }
 
 static void spherical_point(const ylm__sh_job *job, ylm_dtype type, size_t i, rows *r) {
@@ -117,8 +125,8 @@ static void spherical_point(const ylm__sh_job *job, ylm_dtype type, size_t i, ro
 static void polynomial_degree(int l, int order, const double w[3], double *s) {
   typedef void polynomial(double x, double y, double z, double *restrict s);
   static polynomial *const degrees[3][YLM__SH_POLYNOMIAL_LMAX + 1] = {
-#define ROW(order)                                                                               \
-  {polynomial_0_##order, polynomial_1_##order, polynomial_2_##order, polynomial_3_##order,       \
+#define ROW(order)                                                                                 \
+  {polynomial_0_##order, polynomial_1_##order, polynomial_2_##order, polynomial_3_##order,         \
    polynomial_4_##order, polynomial_5_##order, polynomial_6_##order}
       ROW(0), ROW(1), ROW(2)};
 #undef ROW
@@ -133,14 +141,17 @@ static void polynomial_point(const ylm__sh_job *job, ylm_dtype type, size_t i) {
     polynomial_degree(l, job->derivatives, w, s);
     for (int m = -l; m <= l; m++) {
       double *one = s + 10 * (l + m);
-      if (job->solid) ylm__sh_scale_solid(l, d, one);
-      else if (job->derivatives > 0) ylm__sh_surface(l, d, w, one);
+      if (job->solid)
+        ylm__sh_scale_solid(l, d, one);
+      else if (job->derivatives > 0)
+        ylm__sh_surface(l, d, w, one);
       ylm__sh_put(job, type, i, l, m, one);
     }
   }
 }
 
-static void compare(const ylm__sh_job *job, ylm_dtype t, size_t begin, size_t end, double *scratch) {
+static void compare(const ylm__sh_job *job, ylm_dtype t, size_t begin, size_t end,
+                    double *scratch) {
   size_t n = (size_t)job->lmax + 2;
   rows r;
   memset(scratch, 0, 11 * n * sizeof *scratch);
@@ -151,8 +162,10 @@ static void compare(const ylm__sh_job *job, ylm_dtype t, size_t begin, size_t en
   }
   r.c = scratch + 9 * n, r.s = scratch + 10 * n;
   for (size_t i = begin; i < end; i++) {
-    if (job->method == YLM_SH_polynomial) polynomial_point(job, t, i);
-    else spherical_point(job, t, i, &r);
+    if (job->method == YLM_SH_polynomial)
+      polynomial_point(job, t, i);
+    else
+      spherical_point(job, t, i, &r);
   }
 }
 

@@ -12,7 +12,8 @@ static const char *const systems[] = {
 #undef X
 };
 
-static const char permutations[6][3] = {{0, 1, 2}, {0, 2, 1}, {1, 0, 2}, {1, 2, 0}, {2, 0, 1}, {2, 1, 0}};
+static const char permutations[6][3] = {{0, 1, 2}, {0, 2, 1}, {1, 0, 2},
+                                        {1, 2, 0}, {2, 0, 1}, {2, 1, 0}};
 
 static bool is_packed(ylm_sh_system s) {
   return s == YLM_SH_SYSTEM_unity || s == YLM_SH_SYSTEM_threejs || s == YLM_SH_SYSTEM_filament;
@@ -26,12 +27,14 @@ static int quantity(uint32_t c) {
 }
 
 static bool valid(uint32_t c) {
-  if (ylm_sh_convention_system(c) >= YLM_SH_SYSTEM_COUNT || (c & ~0x3f3fu) || ylm_sh_convention_axes(c) >= 48)
+  if (ylm_sh_convention_system(c) >= YLM_SH_SYSTEM_COUNT || (c & ~0x3f3fu) ||
+      ylm_sh_convention_axes(c) >= 48)
     return false;
   return !(quantity(c) == 2 && (c & YLM_SH_IRRADIANCE));
 }
 
-/* -- words ------------------------------------------------------------------------------------------ */
+/* -- words
+ * ------------------------------------------------------------------------------------------ */
 
 static bool parse_axes(const char *w, size_t n, uint32_t *axes) {
   int order[3] = {-1, -1, -1}, k = 0, negative = 0;
@@ -44,14 +47,17 @@ static bool parse_axes(const char *w, size_t n, uint32_t *axes) {
   }
   if (k != 3) return false;
   for (uint32_t p = 0; p < 6; p++)
-    if (order[0] == permutations[p][0] && order[1] == permutations[p][1] && order[2] == permutations[p][2]) {
+    if (order[0] == permutations[p][0] && order[1] == permutations[p][1] &&
+        order[2] == permutations[p][2]) {
       *axes = p * 8 + (uint32_t)negative;
       return true;
     }
   return false;
 }
 
-static bool is_word(const char *w, size_t n, const char *text) { return strlen(text) == n && memcmp(w, text, n) == 0; }
+static bool is_word(const char *w, size_t n, const char *text) {
+  return strlen(text) == n && memcmp(w, text, n) == 0;
+}
 
 ylm_status ylm_sh_convention_parse(const char *text, uint32_t *convention, ylm_error *e) {
   uint32_t c = 0, axes;
@@ -67,18 +73,22 @@ ylm_status ylm_sh_convention_parse(const char *text, uint32_t *convention, ylm_e
     if (!known && is_word(w, n, "radiance")) known = true;
     if (!known && parse_axes(w, n, &axes)) c = (c & 0xffu) | axes << 8, known = true;
     if (!known)
-      return ylm_fail(e, YLM_EINVAL, "'%.*s' is no convention: ylm, plain, sphericart, n3d, sn3d, scipy, unity, "
-                      "three.js or filament, with 'irradiance' and axes like 'x,z,-y' behind it", (int)(n > 60 ? 60 : n), w);
+      return ylm_fail(e, YLM_EINVAL,
+                      "'%.*s' is no convention: ylm, plain, sphericart, n3d, sn3d, scipy, unity, "
+                      "three.js or filament, with 'irradiance' and axes like 'x,z,-y' behind it",
+                      (int)(n > 60 ? 60 : n), w);
     w += n + (w[n] == ' ');
   }
-  if (!valid(c)) return ylm_fail(e, YLM_EINVAL, "unity and filament hold irradiance anyway: leave the word out");
+  if (!valid(c))
+    return ylm_fail(e, YLM_EINVAL, "unity and filament hold irradiance anyway: leave the word out");
   *convention = c;
   return YLM_OK;
 }
 
 ylm_status ylm_sh_convention_name(uint32_t c, char text[64]) {
   if (!valid(c)) return YLM_EINVAL;
-  int axes = ylm_sh_convention_axes(c), n = snprintf(text, 64, "%s", systems[ylm_sh_convention_system(c)]);
+  int axes = ylm_sh_convention_axes(c),
+      n = snprintf(text, 64, "%s", systems[ylm_sh_convention_system(c)]);
   if (c & YLM_SH_IRRADIANCE) n += snprintf(text + n, (size_t)(64 - n), " irradiance");
   for (int i = 0; axes && i < 3; i++)
     n += snprintf(text + n, (size_t)(64 - n), "%s%s%c", i ? "," : " ", axes >> i & 1 ? "-" : "",
@@ -86,7 +96,8 @@ ylm_status ylm_sh_convention_name(uint32_t c, char text[64]) {
   return YLM_OK;
 }
 
-/* -- one group of vectors, in double -------------------------------------------------------------- */
+/* -- one group of vectors, in double --------------------------------------------------------------
+ */
 
 double ylm_sh_cosine_factor(int l) {
   if (l == 0) return PI;
@@ -141,13 +152,19 @@ static void decode(const shape *f, const double *x, double *c) {
         double *to = c + k * f->count + i;
         switch (f->system) {
         case YLM_SH_SYSTEM_ylm: *to = x[i]; break;
-        case YLM_SH_SYSTEM_scipy: /* a(l,m) = (c(l,m) - i c(l,-m))/sqrt 2, a(l,-m) = (-1)^m conj; both are read */
-          if (m == 0) *to = x[2 * i];
-          else if (m > 0) *to = h * (x[2 * i] + phase * x[2 * opposite]);
-          else *to = -h * (x[2 * opposite + 1] - phase * x[2 * i + 1]);
+        case YLM_SH_SYSTEM_scipy: /* a(l,m) = (c(l,m) - i c(l,-m))/sqrt 2, a(l,-m) = (-1)^m conj;
+                                     both are read */
+          if (m == 0)
+            *to = x[2 * i];
+          else if (m > 0)
+            *to = h * (x[2 * i] + phase * x[2 * opposite]);
+          else
+            *to = -h * (x[2 * opposite + 1] - phase * x[2 * i + 1]);
           break;
         case YLM_SH_SYSTEM_threejs: *to = phase * x[3 * i + k]; break;
-        case YLM_SH_SYSTEM_filament: *to = phase * x[3 * i + k] / polynomial_constant((int)i); break;
+        case YLM_SH_SYSTEM_filament:
+          *to = phase * x[3 * i + k] / polynomial_constant((int)i);
+          break;
         case YLM_SH_SYSTEM_unity: {
           const double *a = x + 4 * k, *b = x + 12 + 4 * k;
           double s[9] = {a[3] + b[2] / 3, a[1], a[2], a[0], b[0], b[1], b[2] / 3, b[3], x[24 + k]};
@@ -168,17 +185,23 @@ static void encode(const shape *f, const double *c, double *x) {
     double s[9];
     for (int l = 0; l <= f->lmax; l++)
       for (int m = -l; m <= l; m++) {
-        size_t i = ylm_sh_index(l, m), positive = ylm_sh_index(l, m < 0 ? -m : m), negative = ylm_sh_index(l, m < 0 ? m : -m);
+        size_t i = ylm_sh_index(l, m), positive = ylm_sh_index(l, m < 0 ? -m : m),
+               negative = ylm_sh_index(l, m < 0 ? m : -m);
         double phase = m & 1 ? -1 : 1;
         switch (f->system) {
         case YLM_SH_SYSTEM_ylm: x[i] = from[i]; break;
         case YLM_SH_SYSTEM_scipy:
-          if (m == 0) x[2 * i] = from[i], x[2 * i + 1] = 0;
-          else if (m > 0) x[2 * i] = h * from[positive], x[2 * i + 1] = -h * from[negative];
-          else x[2 * i] = phase * h * from[positive], x[2 * i + 1] = phase * h * from[negative];
+          if (m == 0)
+            x[2 * i] = from[i], x[2 * i + 1] = 0;
+          else if (m > 0)
+            x[2 * i] = h * from[positive], x[2 * i + 1] = -h * from[negative];
+          else
+            x[2 * i] = phase * h * from[positive], x[2 * i + 1] = phase * h * from[negative];
           break;
         case YLM_SH_SYSTEM_threejs: x[3 * i + k] = phase * from[i]; break;
-        case YLM_SH_SYSTEM_filament: x[3 * i + k] = phase * from[i] * polynomial_constant((int)i); break;
+        case YLM_SH_SYSTEM_filament:
+          x[3 * i + k] = phase * from[i] * polynomial_constant((int)i);
+          break;
         case YLM_SH_SYSTEM_unity: s[i] = phase * from[i] * polynomial_constant((int)i); break;
         default: x[i] = phase * from[i] * normalisation(f->system, l);
         }
@@ -198,7 +221,8 @@ static int axes_matrix(uint32_t convention, double a[9]) {
   int axes = ylm_sh_convention_axes(convention), p = axes / 8;
   memset(a, 0, 9 * sizeof *a);
   for (int i = 0; i < 3; i++) a[3 * i + permutations[p][i]] = axes >> i & 1 ? -1 : 1;
-  int swapped = p == 1 || p == 2 || p == 5, negatives = (axes & 1) + (axes >> 1 & 1) + (axes >> 2 & 1);
+  int swapped = p == 1 || p == 2 || p == 5,
+      negatives = (axes & 1) + (axes >> 1 & 1) + (axes >> 2 & 1);
   return (swapped + negatives) & 1 ? -1 : 1;
 }
 
@@ -218,49 +242,63 @@ static bool change_of_axes(uint32_t from, uint32_t to, double r[9], bool *mirror
 
 static ylm_status check(uint32_t from, uint32_t to, int lmax, size_t rows, ylm_error *e) {
   if (!valid(from) || !valid(to)) return ylm_fail(e, YLM_EINVAL, "no such convention");
-  if (lmax < 0 || lmax > YLM_LMAX) return ylm_fail(e, YLM_ERANGE, "lmax must be from 0 to %d", YLM_LMAX);
+  if (lmax < 0 || lmax > YLM_LMAX)
+    return ylm_fail(e, YLM_ERANGE, "lmax must be from 0 to %d", YLM_LMAX);
   for (int i = 0; i < 2; i++) {
     ylm_sh_system s = ylm_sh_convention_system(i ? to : from);
     if (!is_packed(s)) continue;
     if (lmax != 2)
-      return ylm_fail(e, YLM_ERANGE, "'%s' holds lmax 2, got lmax %d (sh.resize cuts or extends)", systems[s], lmax);
+      return ylm_fail(e, YLM_ERANGE, "'%s' holds lmax 2, got lmax %d (sh.resize cuts or extends)",
+                      systems[s], lmax);
     if (rows % 3) return ylm_fail(e, YLM_ESHAPE, "'%s' holds three channels", systems[s]);
   }
   if (quantity(from) && !quantity(to) && lmax > 2)
-    return ylm_fail(e, YLM_EDOMAIN, "irradiance holds nothing of degree 3: radiance up to lmax 2 can be had, got lmax %d", lmax);
+    return ylm_fail(
+        e, YLM_EDOMAIN,
+        "irradiance holds nothing of degree 3: radiance up to lmax 2 can be had, got lmax %d",
+        lmax);
   return YLM_OK;
 }
 
 /* Converts the groups; scratch: [from numbers], [channels][count], the same again, [to numbers]. */
-static ylm_status run(const shape *f, const shape *g, size_t channels, const double *factor, const ylm_sh_rotator *p,
-                      const double r[9], bool mirrored, ylm_dtype t, size_t groups, const void *in, void *out,
-                      double *x, double *c, double *d, double *y) {
+static ylm_status run(const shape *f, const shape *g, size_t channels, const double *factor,
+                      const ylm_sh_rotator *p, const double r[9], bool mirrored, ylm_dtype t,
+                      size_t groups, const void *in, void *out, double *x, double *c, double *d,
+                      double *y) {
   size_t nf = f->numbers * channels / f->channels, ng = g->numbers * channels / g->channels;
   for (size_t group = 0; group < groups; group++) {
     for (size_t i = 0; i < nf; i++)
-      x[i] = t == YLM_DOUBLE ? ((const double *)in)[group * nf + i] : (double)((const float *)in)[group * nf + i];
-    for (size_t k = 0; k < channels; k += f->channels) decode(f, x + k * f->numbers, c + k * f->count);
+      x[i] = t == YLM_DOUBLE ? ((const double *)in)[group * nf + i]
+                             : (double)((const float *)in)[group * nf + i];
+    for (size_t k = 0; k < channels; k += f->channels)
+      decode(f, x + k * f->numbers, c + k * f->count);
     for (size_t k = 0; k < channels; k++)
       for (int l = 0; l <= f->lmax; l++)
-        for (int m = -l; m <= l; m++) c[k * f->count + ylm_sh_index(l, m)] *= mirrored && (l & 1) ? -factor[l] : factor[l];
+        for (int m = -l; m <= l; m++)
+          c[k * f->count + ylm_sh_index(l, m)] *= mirrored && (l & 1) ? -factor[l] : factor[l];
     if (p) {
       ylm_status s = ylm_sh_rotate(p, r, f->lmax, YLM_DOUBLE, channels, c, d, 1, NULL);
       if (s != YLM_OK) return s;
-    } else memcpy(d, c, channels * f->count * sizeof *d);
-    for (size_t k = 0; k < channels; k += g->channels) encode(g, d + k * f->count, y + k * g->numbers);
+    } else
+      memcpy(d, c, channels * f->count * sizeof *d);
+    for (size_t k = 0; k < channels; k += g->channels)
+      encode(g, d + k * f->count, y + k * g->numbers);
     for (size_t i = 0; i < ng; i++) {
-      if (t == YLM_DOUBLE) ((double *)out)[group * ng + i] = y[i];
-      else ((float *)out)[group * ng + i] = (float)y[i];
+      if (t == YLM_DOUBLE)
+        ((double *)out)[group * ng + i] = y[i];
+      else
+        ((float *)out)[group * ng + i] = (float)y[i];
     }
   }
   return YLM_OK;
 }
 
-ylm_status ylm_sh_convert(uint32_t from, uint32_t to, int lmax, ylm_dtype t, size_t rows, const void *in,
-                          void *out, ylm_error *e) {
+ylm_status ylm_sh_convert(uint32_t from, uint32_t to, int lmax, ylm_dtype t, size_t rows,
+                          const void *in, void *out, ylm_error *e) {
   ylm_status s = check(from, to, lmax, rows, e);
   if (s != YLM_OK) return s;
-  shape f = shape_of(ylm_sh_convention_system(from), lmax), g = shape_of(ylm_sh_convention_system(to), lmax);
+  shape f = shape_of(ylm_sh_convention_system(from), lmax),
+        g = shape_of(ylm_sh_convention_system(to), lmax);
   size_t channels = f.channels > g.channels ? f.channels : g.channels;
   double r[9];
   bool mirrored = false;
@@ -269,7 +307,8 @@ ylm_status ylm_sh_convert(uint32_t from, uint32_t to, int lmax, ylm_dtype t, siz
   if (s != YLM_OK) return s;
   /* a complex vector has 2 numbers a coefficient, unity's group of three 28 */
   size_t room = channels * 2 * f.count + 4;
-  double *memory = ylm_alloc(4 * room + (size_t)lmax + 1, sizeof *memory), *factor = memory + 4 * room;
+  double *memory = ylm_alloc(4 * room + (size_t)lmax + 1, sizeof *memory),
+         *factor = memory + 4 * room;
   if (!memory) s = YLM_ENOMEM;
   if (s == YLM_OK) {
     int qf = quantity(from), qt = quantity(to);
@@ -277,8 +316,8 @@ ylm_status ylm_sh_convert(uint32_t from, uint32_t to, int lmax, ylm_dtype t, siz
       double a = qf && qt ? 1 : qt ? ylm_sh_cosine_factor(l) : qf ? 1 / ylm_sh_cosine_factor(l) : 1;
       factor[l] = a * (qf == 2 ? PI : 1) / (qt == 2 ? PI : 1);
     }
-    s = run(&f, &g, channels, factor, p, r, mirrored, t, rows / channels, in, out, memory, memory + room,
-            memory + 2 * room, memory + 3 * room);
+    s = run(&f, &g, channels, factor, p, r, mirrored, t, rows / channels, in, out, memory,
+            memory + room, memory + 2 * room, memory + 3 * room);
   }
   ylm_free(memory);
   ylm_sh_rotator_free(p);

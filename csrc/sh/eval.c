@@ -27,15 +27,17 @@ static void limits(const ylm_sh_how *how, int lmax, ylm_dtype t, double *least, 
   *least = how->solid ? 0 : t == YLM_DOUBLE ? DBL_TRUE_MIN : FLT_TRUE_MIN;
   *most = t == YLM_DOUBLE ? DBL_MAX : FLT_MAX;
   if (how->solid && lmax > 0) *most = fmin(*most, exp2(exponent / lmax) / sqrt(3));
-  if (!how->solid && how->derivatives > 0) *least = fmax(*least, exp2(-exponent / how->derivatives));
+  if (!how->solid && how->derivatives > 0)
+    *least = fmax(*least, exp2(-exponent / how->derivatives));
 }
 
 /* Whether all points lie between the limits, by the kernel of `isa`. */
-static bool all_between(ylm_isa isa, ylm_dtype t, size_t n, const void *p, double least, double most) {
+static bool all_between(ylm_isa isa, ylm_dtype t, size_t n, const void *p, double least,
+                        double most) {
   switch (isa) {
-#define X(name)                                                                      \
-  case YLM_ISA_##name:                                                               \
-    return t == YLM_DOUBLE ? ylm__sh_all_between_double_##name(p, n, least, most)    \
+#define X(name)                                                                                    \
+  case YLM_ISA_##name:                                                                             \
+    return t == YLM_DOUBLE ? ylm__sh_all_between_double_##name(p, n, least, most)                  \
                            : ylm__sh_all_between_float_##name(p, n, least, most);
     YLM__SH_SETS(X)
 #undef X
@@ -108,8 +110,10 @@ static void *make_table(int lmax, ylm_dtype t) {
     for (int q = 0; q <= l; q++, f += 7, d += 7) {
       ylm__sh_coefficients(l, q, k);
       for (int i = 0; i < 7; i++) {
-        if (t == YLM_DOUBLE) d[i] = k[i];
-        else f[i] = (float)k[i];
+        if (t == YLM_DOUBLE)
+          d[i] = k[i];
+        else
+          f[i] = (float)k[i];
       }
     }
   }
@@ -130,13 +134,15 @@ static choice choose(ylm_isa isa, ylm_dtype t, const ylm__sh_job *job) {
     return (choice){t == YLM_DOUBLE ? ylm__sh_compare_double : ylm__sh_compare_float,
                     ((size_t)lmax + 2) * 11 * sizeof(double), false};
   switch (isa) {
-#define X(name)                                                                              \
-  case YLM_ISA_##name:                                                                       \
-    if (!job->solid)                                                                         \
-      low = t == YLM_DOUBLE ? ylm__sh_low_double_##name(lmax, order) : ylm__sh_low_float_##name(lmax, order); \
-    if (low) return (choice){low, 0, false};                                                 \
-    if (t == YLM_DOUBLE)                                                                     \
-      return (choice){ylm__sh_recurrence_double_##name, ylm__sh_scratch_double_##name(lmax), true}; \
+#define X(name)                                                                                    \
+  case YLM_ISA_##name:                                                                             \
+    if (!job->solid)                                                                               \
+      low = t == YLM_DOUBLE ? ylm__sh_low_double_##name(lmax, order)                               \
+                            : ylm__sh_low_float_##name(lmax, order);                               \
+    if (low) return (choice){low, 0, false};                                                       \
+    if (t == YLM_DOUBLE)                                                                           \
+      return (choice){ylm__sh_recurrence_double_##name, ylm__sh_scratch_double_##name(lmax),       \
+                      true};                                                                       \
     return (choice){ylm__sh_recurrence_float_##name, ylm__sh_scratch_float_##name(lmax), true};
     YLM__SH_SETS(X)
 #undef X
@@ -190,7 +196,8 @@ static void by_double(const ylm__sh_job *job, size_t begin, size_t end, void *sc
 
 /* The kernel for a job, and the type it computes in. */
 static choice choose_type(ylm_isa isa, ylm_dtype *t, ylm__sh_job *job) {
-  if (*t == YLM_DOUBLE || job->lmax <= FLOAT_LMAX || job->method != YLM_SH_solid) return choose(isa, *t, job);
+  if (*t == YLM_DOUBLE || job->lmax <= FLOAT_LMAX || job->method != YLM_SH_solid)
+    return choose(isa, *t, job);
   *t = YLM_DOUBLE;
   choice how = choose(isa, *t, job);
   job->inner = how.kernel;
@@ -243,8 +250,12 @@ static ylm_status run_job(ylm__sh_job *job, choice how, ylm_dtype t, size_t n, i
 
 ylm_status ylm_sh_eval_how(const ylm_sh_how *how, int lmax, ylm_dtype t, size_t n, const void *p,
                            void *y, void *dy, void *ddy, ylm_error *e) {
-  ylm__sh_job job = {.lmax = lmax, .derivatives = how->derivatives, .solid = how->solid,
-                     .method = how->method, .p = p, .y = y};
+  ylm__sh_job job = {.lmax = lmax,
+                     .derivatives = how->derivatives,
+                     .solid = how->solid,
+                     .method = how->method,
+                     .p = p,
+                     .y = y};
   ylm_status s = check_how(how, lmax, e);
   if (s == YLM_OK) s = ylm__sh_check_points(how, lmax, t, n, p, &job.tame, e);
   if (s != YLM_OK || n == 0) return s;

@@ -53,7 +53,8 @@ static float *floats(const double *x, size_t n) {
 
 /* Both tables, by a Gauss-Legendre rule exact for every integrand. */
 static bool tables(ylm__fourier *f) {
-  int L = f->lmax, d = f->factors * L, entries = (L + 1) * (L + 2) / 2, nodes = (d + L) / 2 + 2, cheb = L + 1;
+  int L = f->lmax, d = f->factors * L, entries = (L + 1) * (L + 2) / 2, nodes = (d + L) / 2 + 2,
+      cheb = L + 1;
   size_t ns = 0, nb = 0;
   f->series_at = ylm_alloc((size_t)entries, sizeof(size_t));
   f->back_at = ylm_alloc((size_t)entries, sizeof(size_t));
@@ -83,7 +84,8 @@ static bool tables(ylm__fourier *f) {
       int entry = l * (l + 1) / 2 + m;
       double *series = f->series_d + f->series_at[entry], *back = f->back_d + f->back_at[entry];
       for (int s = l; s >= 0; s -= 2) {
-        /* half the amplitude of cos or sin (s theta), for the two exponents; for g_t half again if m > 0 */
+        /* half the amplitude of cos or sin (s theta), for the two exponents; for g_t half again if
+         * m > 0 */
         double sum = 0;
         for (int h = 0; h < cheb; h++) {
           double angle = (h + 0.5) * PI / cheb;
@@ -130,18 +132,22 @@ size_t ylm__fourier_scratch(const ylm__fourier *f) {
   return n * sizeof(double);
 }
 
-void ylm__fourier_f(const ylm__fourier *f, const float *const *c, float *out, void *scratch, double *stage) {
+void ylm__fourier_f(const ylm__fourier *f, const float *const *c, float *out, void *scratch,
+                    double *stage) {
   switch (ylm_isa_current()) {
-#define X(isa) case YLM_ISA_##isa: ylm__fourier_run_f_##isa(f, c, out, scratch, stage); return;
+#define X(isa)                                                                                     \
+  case YLM_ISA_##isa: ylm__fourier_run_f_##isa(f, c, out, scratch, stage); return;
     PRODUCT_ISAS(X)
 #undef X
   default: run_f(f, c, out, scratch, stage);
   }
 }
 
-void ylm__fourier_d(const ylm__fourier *f, const double *const *c, double *out, void *scratch, double *stage) {
+void ylm__fourier_d(const ylm__fourier *f, const double *const *c, double *out, void *scratch,
+                    double *stage) {
   switch (ylm_isa_current()) {
-#define X(isa) case YLM_ISA_##isa: ylm__fourier_run_d_##isa(f, c, out, scratch, stage); return;
+#define X(isa)                                                                                     \
+  case YLM_ISA_##isa: ylm__fourier_run_d_##isa(f, c, out, scratch, stage); return;
     PRODUCT_ISAS(X)
 #undef X
   default: run_d(f, c, out, scratch, stage);

@@ -1,9 +1,11 @@
 /*
 ** fourier.h - products by Fourier series, as in Xin et al. 2021, Sec. 4. Private to csrc/sh.
 **
-** A function of degree d on the torus is f = sum over t of g_t(theta) e^(i t phi), g_t = sum over s of
+** A function of degree d on the torus is f = sum over t of g_t(theta) e^(i t phi), g_t = sum over s
+*of
 ** f_st e^(i s theta), |s|, |t| <= d; being real it is kept for t >= 0: [2d+1][d+1], s from -d.
-** A convolution is a product of values at N x N angles: transforms of length N along s for all t, then
+** A convolution is a product of values at N x N angles: transforms of length N along s for all t,
+*then
 ** along t for two rows of theta at once, as real and imaginary part.
 */
 #ifndef YLM_SH_FOURIER_H
@@ -22,8 +24,9 @@ typedef struct ylm__fft {
 
 struct ylm__fourier {
   int lmax, factors, ffts;
-  ylm__fft *fft;             /* one for each number of factors 2 .. factors: [factors+1] */
-  double *series_d, *back_d; /* series: (l,m >= 0): coefficients s = l, l-2 ..; back: (l,m): s = l mod 2 .. */
+  ylm__fft *fft; /* one for each number of factors 2 .. factors: [factors+1] */
+  double *series_d,
+      *back_d; /* series: (l,m >= 0): coefficients s = l, l-2 ..; back: (l,m): s = l mod 2 .. */
   float *series_f, *back_f;
   size_t *series_at, *back_at; /* [(lmax+1)(lmax+2)/2] */
 };
@@ -33,9 +36,11 @@ static inline size_t fourier_size(int d) { return 2 * (size_t)(2 * d + 1) * (siz
 /* Numbers of scratch of a convolution of length n: four grids of complex numbers. */
 static inline size_t fourier_grid(int n) { return (size_t)n * (size_t)n * 8; }
 
-#define X(isa)                                                                                                     \
-  void ylm__fourier_run_f_##isa(const ylm__fourier *f, const float *const *c, float *out, float *scratch, double *stage); \
-  void ylm__fourier_run_d_##isa(const ylm__fourier *f, const double *const *c, double *out, double *scratch, double *stage);
+#define X(isa)                                                                                     \
+  void ylm__fourier_run_f_##isa(const ylm__fourier *f, const float *const *c, float *out,          \
+                                float *scratch, double *stage);                                    \
+  void ylm__fourier_run_d_##isa(const ylm__fourier *f, const double *const *c, double *out,        \
+                                double *scratch, double *stage);
 PRODUCT_ISAS(X)
 #undef X
 

@@ -1,4 +1,5 @@
-/* gaunt.c - integrals of three basis functions, and products by sums over those that are not zero. */
+/* gaunt.c - integrals of three basis functions, and products by sums over those that are not zero.
+ */
 #include "ylm_sh.h"
 
 #include <math.h>
@@ -58,16 +59,16 @@ static double azimuth(int a, int b, int c) {
 }
 
 /* Appends a number to a growing array; false where memory runs out. */
-#define PUSH(array, used, room, x)                                                        \
-  do {                                                                                    \
-    if ((used) == (room)) {                                                               \
-      size_t more = (room) ? 2 * (room) : 1024;                                           \
-      void *grown = ylm_realloc((array), (used) * sizeof *(array), more, sizeof *(array)); \
-      if (!grown) goto fail;                                                              \
-      (array) = grown;                                                                    \
-      (room) = more;                                                                      \
-    }                                                                                     \
-    (array)[(used)++] = (x);                                                              \
+#define PUSH(array, used, room, x)                                                                 \
+  do {                                                                                             \
+    if ((used) == (room)) {                                                                        \
+      size_t more = (room) ? 2 * (room) : 1024;                                                    \
+      void *grown = ylm_realloc((array), (used) * sizeof *(array), more, sizeof *(array));         \
+      if (!grown) goto fail;                                                                       \
+      (array) = grown;                                                                             \
+      (room) = more;                                                                               \
+    }                                                                                              \
+    (array)[(used)++] = (x);                                                                       \
   } while (0)
 
 /* Legendre parts at the nodes of a rule: [l(l+1)/2+m][nodes], and the weights. */
@@ -87,9 +88,11 @@ static double *node_table(int lmax, int nodes, double **weights) {
 
 ylm_status ylm__gaunt_create(int lmax, ylm__gaunt **out, ylm_error *e) {
   *out = NULL;
-  if (lmax > 30) return ylm_fail(e, YLM_ELIMIT, "tables of integrals are made up to lmax 30, got %d", lmax);
+  if (lmax > 30)
+    return ylm_fail(e, YLM_ELIMIT, "tables of integrals are made up to lmax 30, got %d", lmax);
   int nodes = 3 * lmax / 2 + 1;
-  double *weights, *table = node_table(lmax, nodes, &weights), *pair = ylm_alloc((size_t)nodes, sizeof *pair);
+  double *weights, *table = node_table(lmax, nodes, &weights),
+                   *pair = ylm_alloc((size_t)nodes, sizeof *pair);
   ylm__gaunt *g = ylm_alloc_zero(1, sizeof *g);
   size_t ni = 0, nj = 0, nf = 0, nk = 0, nv = 0, ri = 0, rj = 0, rf = 0, rk = 0, rv = 0;
   if (!g || !table || !pair) goto fail;
@@ -101,11 +104,13 @@ ylm_status ylm__gaunt_create(int lmax, ylm__gaunt **out, ylm_error *e) {
           size_t before = nk;
           const double *a = ROW(l1, m1), *b = ROW(l2, m2);
           for (int h = 0; h < nodes; h++) pair[h] = a[h] * b[h] * weights[h];
-          int am1 = m1 < 0 ? -m1 : m1, am2 = m2 < 0 ? -m2 : m2, difference = am1 > am2 ? am1 - am2 : am2 - am1;
+          int am1 = m1 < 0 ? -m1 : m1, am2 = m2 < 0 ? -m2 : m2,
+              difference = am1 > am2 ? am1 - am2 : am2 - am1;
           for (int l3 = l2 - l1; l3 <= l1 + l2 && l3 <= lmax; l3 += 2)
             for (int which = 0; which < 4; which++) { /* m3 = +-(m1 + m2), +-|m1 - m2| */
               int m3 = which & 2 ? difference : am1 + am2;
-              if (m3 > l3 || ((which & 2) && difference == am1 + am2) || ((which & 1) && m3 == 0)) continue;
+              if (m3 > l3 || ((which & 2) && difference == am1 + am2) || ((which & 1) && m3 == 0))
+                continue;
               if (which & 1) m3 = -m3;
               double phi = azimuth(m1, m2, m3), sum = 0;
               if (phi == 0) continue;
@@ -145,25 +150,27 @@ fail:
   return YLM_ENOMEM;
 }
 
-#define APPLY(name, T, values)                                                              \
-  void name(const ylm__gaunt *g, const T *a, const T *b, T *out) {                          \
-    for (size_t p = 0; p < g->pairs; p++) {                                                 \
-      uint32_t i = g->i[p], j = g->j[p];                                                    \
-      T s = i == j ? a[i] * b[i] : a[i] * b[j] + a[j] * b[i];                               \
-      for (uint32_t q = g->first[p]; q < g->first[p + 1]; q++) out[g->k[q]] += g->values[q] * s; \
-    }                                                                                       \
+#define APPLY(name, T, values)                                                                     \
+  void name(const ylm__gaunt *g, const T *a, const T *b, T *out) {                                 \
+    for (size_t p = 0; p < g->pairs; p++) {                                                        \
+      uint32_t i = g->i[p], j = g->j[p];                                                           \
+      T s = i == j ? a[i] * b[i] : a[i] * b[j] + a[j] * b[i];                                      \
+      for (uint32_t q = g->first[p]; q < g->first[p + 1]; q++) out[g->k[q]] += g->values[q] * s;   \
+    }                                                                                              \
   }
 
 /* out must be zero. */
 APPLY(ylm__gaunt_f, float, value_f)
 APPLY(ylm__gaunt_d, double, value_d)
 
-/* -- transfer matrices ------------------------------------------------------------------------------- */
+/* -- transfer matrices
+ * ------------------------------------------------------------------------------- */
 
 /* Columns j of M: the function times Y_j, by the quadrature rule exact for degree 4 lmax. */
 ylm_status ylm_sh_transfer(int clmax, const double *c, int lmax, double *matrix, ylm_error *e) {
   if (lmax < 0 || lmax > YLM_SH_PRODUCT_LMAX / 2)
-    return ylm_fail(e, YLM_ERANGE, "lmax of a transfer matrix must be from 0 to %d, got %d", YLM_SH_PRODUCT_LMAX / 2, lmax);
+    return ylm_fail(e, YLM_ERANGE, "lmax of a transfer matrix must be from 0 to %d, got %d",
+                    YLM_SH_PRODUCT_LMAX / 2, lmax);
   if (clmax < 0 || clmax > YLM_LMAX) return ylm_fail(e, YLM_ERANGE, "no such lmax: %d", clmax);
   int both = clmax < 2 * lmax ? clmax : 2 * lmax, top = both > lmax ? both : lmax;
   int nodes = (both + 2 * lmax) / 2 + 1, orders = 2 * both + 1;
@@ -178,7 +185,8 @@ ylm_status ylm_sh_transfer(int clmax, const double *c, int lmax, double *matrix,
 #define ROW(l, m) (table + ((size_t)((l) * ((l) + 1) / 2 + ((m) < 0 ? -(m) : (m)))) * (size_t)nodes)
   for (int l = 0; l <= both; l++)
     for (int m = -l; m <= l; m++)
-      for (int h = 0; h < nodes; h++) f[(m + both) * nodes + h] += c[ylm_sh_index(l, m)] * ROW(l, m)[h] * weights[h];
+      for (int h = 0; h < nodes; h++)
+        f[(m + both) * nodes + h] += c[ylm_sh_index(l, m)] * ROW(l, m)[h] * weights[h];
   size_t count = ylm_sh_count(lmax);
   memset(matrix, 0, count * count * sizeof *matrix);
   for (int l1 = 0; l1 <= lmax; l1++)
@@ -187,15 +195,18 @@ ylm_status ylm_sh_transfer(int clmax, const double *c, int lmax, double *matrix,
         for (int m2 = -l2; m2 <= l2; m2++) {
           size_t i = ylm_sh_index(l1, m1), j = ylm_sh_index(l2, m2);
           if (j > i) continue;
-          int am1 = m1 < 0 ? -m1 : m1, am2 = m2 < 0 ? -m2 : m2, difference = am1 > am2 ? am1 - am2 : am2 - am1;
+          int am1 = m1 < 0 ? -m1 : m1, am2 = m2 < 0 ? -m2 : m2,
+              difference = am1 > am2 ? am1 - am2 : am2 - am1;
           double sum = 0;
           for (int which = 0; which < 4; which++) {
             int m3 = which & 2 ? difference : am1 + am2;
-            if (m3 > both || ((which & 2) && difference == am1 + am2) || ((which & 1) && m3 == 0)) continue;
+            if (m3 > both || ((which & 2) && difference == am1 + am2) || ((which & 1) && m3 == 0))
+              continue;
             if (which & 1) m3 = -m3;
             double phi = azimuth(m1, m2, m3), part = 0;
             if (phi == 0) continue;
-            for (int h = 0; h < nodes; h++) part += ROW(l1, m1)[h] * ROW(l2, m2)[h] * f[(m3 + both) * nodes + h];
+            for (int h = 0; h < nodes; h++)
+              part += ROW(l1, m1)[h] * ROW(l2, m2)[h] * f[(m3 + both) * nodes + h];
             sum += phi * part;
           }
           matrix[i * count + j] = matrix[j * count + i] = sum;
@@ -235,8 +246,8 @@ static ylm_status transfer_rows(void *context, size_t begin, size_t end, int wor
   return YLM_OK;
 }
 
-ylm_status ylm_sh_transfer_apply(size_t n, ylm_dtype t, const void *matrix, size_t rows, const void *in,
-                                 void *out, int threads) {
+ylm_status ylm_sh_transfer_apply(size_t n, ylm_dtype t, const void *matrix, size_t rows,
+                                 const void *in, void *out, int threads) {
   transfer_job j = {n, t, matrix, in, out};
   return ylm_parallel(rows, 64, threads, transfer_rows, &j, NULL, NULL);
 }

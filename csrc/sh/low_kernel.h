@@ -10,8 +10,8 @@
 #define YLM_K(c) ((real)(c))
 #define YLM_SET(c) sh_set((real)(c))
 
-/* Every lmax with generated functions, gen/sh_<lmax>.h: first those that take the unit vector alone,
-   then those that take the sign of z and 1 - |z| too, for Hessians, gradients, values. */
+/* Every lmax with generated functions, gen/sh_<lmax>.h: first those that take the unit vector
+   alone, then those that take the sign of z and 1 - |z| too, for Hessians, gradients, values. */
 #define STABLE_FROM 5
 #define LOW_PLAIN(X) X(0) X(1) X(2) X(3) X(4)
 #define LOW_2(X) X(5) X(6)
@@ -20,6 +20,9 @@
 
 #include "gen/sh_0.h"
 #include "gen/sh_1.h"
+#include "gen/sh_10.h"
+#include "gen/sh_11.h"
+#include "gen/sh_12.h"
 #include "gen/sh_2.h"
 #include "gen/sh_3.h"
 #include "gen/sh_4.h"
@@ -28,9 +31,6 @@
 #include "gen/sh_7.h"
 #include "gen/sh_8.h"
 #include "gen/sh_9.h"
-#include "gen/sh_10.h"
-#include "gen/sh_11.h"
-#include "gen/sh_12.h"
 
 /* Stores `count` columns of one array of results, if it is wanted. */
 YLM_INLINE void put(void *out, size_t at, size_t rows, const vreal *v, size_t count) {
@@ -38,21 +38,22 @@ YLM_INLINE void put(void *out, size_t at, size_t rows, const vreal *v, size_t co
 }
 
 /* One kernel for each lmax and number of derivatives. */
-#define KERNEL(lmax, order, outs, call)                                                              \
-  static void low_##lmax##_##order(const ylm__sh_job *job, size_t begin, size_t end, void *scratch) { \
-    (void)scratch;                                                                                   \
-    for (size_t i = begin; i < end; i += W) {                                                        \
-      enum { COUNT = (lmax + 1) * (lmax + 1) };                                                      \
-      size_t rows = end - i < W ? end - i : W;                                                       \
-      vreal v[3], s, g, o, outs;                                                                     \
-      sh_load_points((const real *)job->p + 3 * i, rows, v);                                         \
-      sh_unit(v, &s, job->tame);                                                                     \
-      if (lmax >= STABLE_FROM) sh_pole(v, &g, &o);                                                   \
-      call;                                                                                          \
-      put(job->y, i, rows, y, COUNT);                                                                \
-      if (order > 0) put(job->dy, i, rows, dy, 3 * COUNT);                                           \
-      if (order > 1) put(job->ddy, i, rows, ddy, 6 * COUNT);                                         \
-    }                                                                                                \
+#define KERNEL(lmax, order, outs, call)                                                            \
+  static void low_##lmax##_##order(const ylm__sh_job *job, size_t begin, size_t end,               \
+                                   void *scratch) {                                                \
+    (void)scratch;                                                                                 \
+    for (size_t i = begin; i < end; i += W) {                                                      \
+      enum { COUNT = (lmax + 1) * (lmax + 1) };                                                    \
+      size_t rows = end - i < W ? end - i : W;                                                     \
+      vreal v[3], s, g, o, outs;                                                                   \
+      sh_load_points((const real *)job->p + 3 * i, rows, v);                                       \
+      sh_unit(v, &s, job->tame);                                                                   \
+      if (lmax >= STABLE_FROM) sh_pole(v, &g, &o);                                                 \
+      call;                                                                                        \
+      put(job->y, i, rows, y, COUNT);                                                              \
+      if (order > 0) put(job->dy, i, rows, dy, 3 * COUNT);                                         \
+      if (order > 1) put(job->ddy, i, rows, ddy, 6 * COUNT);                                       \
+    }                                                                                              \
   }
 #define COMMA ,
 #define OUTS_0 y[COUNT] COMMA *dy = NULL COMMA *ddy = NULL

@@ -18,14 +18,16 @@ const char *ylm_sh_product_method_name(ylm_sh_product_method m) {
 
 static const ylm__product_kernels *choose_kernels(void) {
   switch (ylm_isa_current()) {
-#define X(isa) case YLM_ISA_##isa: return &ylm__product_kernels_##isa;
+#define X(isa)                                                                                     \
+  case YLM_ISA_##isa: return &ylm__product_kernels_##isa;
     PRODUCT_ISAS(X)
 #undef X
   default: return NULL;
   }
 }
 
-/* -- tables of the quadrature ---------------------------------------------------------------------- */
+/* -- tables of the quadrature
+ * ---------------------------------------------------------------------- */
 
 static void free_tables(ylm__product_tables *t) {
   ylm_free(t->values);
@@ -65,15 +67,20 @@ static bool finish(ylm_dtype t, double *x, size_t n, void **table) {
   return f != NULL;
 }
 
-static double cosine(int m, int j, int azimuths) { return cos(m * (j + 0.5) * (2 * 3.14159265358979323846 / azimuths)); }
-static double sine(int m, int j, int azimuths) { return sin(m * (j + 0.5) * (2 * 3.14159265358979323846 / azimuths)); }
+static double cosine(int m, int j, int azimuths) {
+  return cos(m * (j + 0.5) * (2 * 3.14159265358979323846 / azimuths));
+}
+static double sine(int m, int j, int azimuths) {
+  return sin(m * (j + 0.5) * (2 * 3.14159265358979323846 / azimuths));
+}
 
 /* What is known of the nodes z >= 0: [half]. */
 typedef struct rule {
   double *z, *w, *p; /* p: [half][(lmax+1)(lmax+2)/2] */
 } rule;
 
-static bool dense_tables(const ylm_sh_product *p, const rule *r, ylm_dtype t, ylm__product_tables *out) {
+static bool dense_tables(const ylm_sh_product *p, const rule *r, ylm_dtype t,
+                         ylm__product_tables *out) {
   int lanes = t == YLM_DOUBLE ? 8 : 16, lmax = p->lmax, entries = (lmax + 1) * (lmax + 2) / 2;
   for (int l = 0; l <= lmax; l++) *(l & 1 ? &out->odds : &out->evens) += 2 * l + 1;
   out->pairs = p->nodes * p->azimuths / 2;
@@ -81,7 +88,8 @@ static bool dense_tables(const ylm_sh_product *p, const rule *r, ylm_dtype t, yl
   out->evens_padded = product_padded(out->evens, lanes);
   out->odds_padded = product_padded(out->odds, lanes);
   size_t row = (size_t)(out->evens_padded + out->odds_padded);
-  size_t nv = (size_t)(out->evens + out->odds) * (size_t)out->pairs_padded, nw = (size_t)out->pairs * row;
+  size_t nv = (size_t)(out->evens + out->odds) * (size_t)out->pairs_padded,
+         nw = (size_t)out->pairs * row;
   double *values = begin(nv), *weights = begin(nw);
   int pair = 0;
   for (int h = 0; values && weights && h < p->half; h++) {
@@ -96,7 +104,8 @@ static bool dense_tables(const ylm_sh_product *p, const rule *r, ylm_dtype t, yl
           int k = at[l & 1]++;
           values[(size_t)k * (size_t)out->pairs_padded + (size_t)pair] = y;
           int column = l & 1 ? k - out->evens + out->evens_padded : k;
-          weights[(size_t)pair * row + (size_t)column] = y * r->w[h] * 2 * 3.14159265358979323846 / p->azimuths;
+          weights[(size_t)pair * row + (size_t)column] =
+              y * r->w[h] * 2 * 3.14159265358979323846 / p->azimuths;
         }
     }
   }
@@ -104,10 +113,13 @@ static bool dense_tables(const ylm_sh_product *p, const rule *r, ylm_dtype t, yl
   return a && b;
 }
 
-static bool separable_tables(const ylm_sh_product *p, const rule *r, ylm_dtype t, ylm__product_tables *out) {
-  int lanes = t == YLM_DOUBLE ? 8 : 16, lmax = p->lmax, entries = (lmax + 1) * (lmax + 2) / 2, J = p->azimuths / 4;
+static bool separable_tables(const ylm_sh_product *p, const rule *r, ylm_dtype t,
+                             ylm__product_tables *out) {
+  int lanes = t == YLM_DOUBLE ? 8 : 16, lmax = p->lmax, entries = (lmax + 1) * (lmax + 2) / 2,
+      J = p->azimuths / 4;
   out->half_padded = product_padded(p->half, lanes);
-  size_t row = (size_t)out->half_padded, nl = (size_t)entries * row, nb = 0, nc = (size_t)J * (size_t)(lmax + 1);
+  size_t row = (size_t)out->half_padded, nl = (size_t)entries * row, nb = 0,
+         nc = (size_t)J * (size_t)(lmax + 1);
   size_t nn = (size_t)p->half * (size_t)entries;
   out->back_at = ylm_alloc(2 * (size_t)(lmax + 1), sizeof(int));
   if (!out->back_at) return false;
@@ -142,7 +154,8 @@ static bool separable_tables(const ylm_sh_product *p, const rule *r, ylm_dtype t
   }
   bool a = finish(t, legendre, nl, &out->legendre), b = finish(t, back, nb, &out->back);
   bool c = finish(t, cosines, nc, &out->cosines), d = finish(t, sines, nc, &out->sines);
-  bool f = finish(t, node, nn, &out->node_legendre), g = finish(t, weights, (size_t)p->half, &out->node_weights);
+  bool f = finish(t, node, nn, &out->node_legendre),
+       g = finish(t, weights, (size_t)p->half, &out->node_weights);
   return ok && a && b && c && d && f && g;
 }
 
@@ -159,10 +172,12 @@ static ylm_status quadrature(ylm_sh_product *p) {
     ylm__gauss_legendre(p->nodes, z, z + p->nodes);
     r.z = z + p->nodes / 2; /* the first that is >= 0 */
     r.w = z + p->nodes + p->nodes / 2;
-    for (int h = 0; h < p->half; h++) ylm__legendre(p->lmax, r.z[h], sqrt(1 - r.z[h] * r.z[h]), r.p + h * entries);
+    for (int h = 0; h < p->half; h++)
+      ylm__legendre(p->lmax, r.z[h], sqrt(1 - r.z[h] * r.z[h]), r.p + h * entries);
     for (int t = YLM_FLOAT; ok && t <= YLM_DOUBLE; t++) {
       ylm__product_tables *out = t == YLM_DOUBLE ? &p->d : &p->f;
-      ok = separable_tables(p, &r, (ylm_dtype)t, out) && (!p->dense || dense_tables(p, &r, (ylm_dtype)t, out));
+      ok = separable_tables(p, &r, (ylm_dtype)t, out) &&
+           (!p->dense || dense_tables(p, &r, (ylm_dtype)t, out));
     }
   }
   ylm_free(z);
@@ -170,25 +185,30 @@ static ylm_status quadrature(ylm_sh_product *p) {
   return ok ? YLM_OK : YLM_ENOMEM;
 }
 
-/* -- plans ---------------------------------------------------------------------------------------------- */
+/* -- plans
+ * ---------------------------------------------------------------------------------------------- */
 
 static ylm_sh_product_method best(int lmax, int factors) {
   if (factors == 2 && lmax <= PRODUCT_GAUNT_LOW) return YLM_SH_PRODUCT_gaunt;
   return YLM_SH_PRODUCT_quadrature;
 }
 
-ylm_status ylm_sh_product_create(int lmax, int factors, ylm_sh_product_method method, ylm_sh_product_method inner,
-                                 ylm_sh_product **out, ylm_error *e) {
+ylm_status ylm_sh_product_create(int lmax, int factors, ylm_sh_product_method method,
+                                 ylm_sh_product_method inner, ylm_sh_product **out, ylm_error *e) {
   *out = NULL;
   if (lmax < 0 || lmax > YLM_SH_PRODUCT_LMAX)
-    return ylm_fail(e, YLM_ERANGE, "lmax of a product must be from 0 to %d, got %d", YLM_SH_PRODUCT_LMAX, lmax);
+    return ylm_fail(e, YLM_ERANGE, "lmax of a product must be from 0 to %d, got %d",
+                    YLM_SH_PRODUCT_LMAX, lmax);
   if (factors < 2 || factors > YLM_SH_PRODUCT_FACTORS)
-    return ylm_fail(e, YLM_ERANGE, "a product of 2 to %d factors expected, got %d", YLM_SH_PRODUCT_FACTORS, factors);
-  if ((unsigned)method >= YLM_SH_PRODUCT_METHOD_COUNT || (unsigned)inner >= YLM_SH_PRODUCT_METHOD_COUNT)
+    return ylm_fail(e, YLM_ERANGE, "a product of 2 to %d factors expected, got %d",
+                    YLM_SH_PRODUCT_FACTORS, factors);
+  if ((unsigned)method >= YLM_SH_PRODUCT_METHOD_COUNT ||
+      (unsigned)inner >= YLM_SH_PRODUCT_METHOD_COUNT)
     return ylm_fail(e, YLM_EINVAL, "no such method");
   if (method == YLM_SH_PRODUCT_auto) method = best(lmax, factors);
   if (method == YLM_SH_PRODUCT_gaunt && factors != 2)
-    return ylm_fail(e, YLM_EINVAL, "method 'gaunt' multiplies two factors; 'recursive' or 'brute' take more");
+    return ylm_fail(e, YLM_EINVAL,
+                    "method 'gaunt' multiplies two factors; 'recursive' or 'brute' take more");
   if (method == YLM_SH_PRODUCT_recursive && inner == YLM_SH_PRODUCT_recursive)
     return ylm_fail(e, YLM_EINVAL, "the steps of 'recursive' need another method");
   ylm_sh_product *p = ylm_alloc_zero(1, sizeof *p);
@@ -202,7 +222,9 @@ ylm_status ylm_sh_product_create(int lmax, int factors, ylm_sh_product_method me
   case YLM_SH_PRODUCT_gaunt: s = ylm__gaunt_create(lmax, &p->gaunt, e); break;
   case YLM_SH_PRODUCT_fourier: s = ylm__fourier_create(lmax, factors, &p->fourier, e); break;
   case YLM_SH_PRODUCT_brute: s = ylm__brute_create(lmax, factors, &p->brute, e); break;
-  case YLM_SH_PRODUCT_recursive: s = ylm_sh_product_create(lmax, 2, inner, inner, &p->inner, e); break;
+  case YLM_SH_PRODUCT_recursive:
+    s = ylm_sh_product_create(lmax, 2, inner, inner, &p->inner, e);
+    break;
   default: s = quadrature(p);
   }
   if (s != YLM_OK) {
@@ -216,7 +238,8 @@ ylm_status ylm_sh_product_create(int lmax, int factors, ylm_sh_product_method me
 ylm_sh_product_method ylm_sh_product_method_of(const ylm_sh_product *p) { return p->method; }
 size_t ylm_sh_product_integrals(const ylm_sh_product *p) { return ylm__gaunt_count(p->gaunt); }
 
-/* -- the plain form of the quadrature, for the reference set and processors without vectors ----------- */
+/* -- the plain form of the quadrature, for the reference set and processors without vectors
+ * ----------- */
 
 static void plain(const ylm_sh_product *p, const double *const *c, double *out) {
   const ylm__product_tables *t = &p->d;
@@ -232,17 +255,21 @@ static void plain(const ylm_sh_product *p, const double *const *c, double *out) 
           for (int l = 0; l <= lmax; l++)
             for (int m = -l; m <= l; m++) {
               int am = m < 0 ? -m : m;
-              double y = legendre[l * (l + 1) / 2 + am] * (m < 0 ? sine(am, j, p->azimuths) : cosine(am, j, p->azimuths));
+              double y = legendre[l * (l + 1) / 2 + am] *
+                         (m < 0 ? sine(am, j, p->azimuths) : cosine(am, j, p->azimuths));
               if (side < 0 && ((l - am) & 1)) y = -y;
-              if (pass < p->factors) sum += c[pass][ylm_sh_index(l, m)] * y;
-              else out[ylm_sh_index(l, m)] += product * y;
+              if (pass < p->factors)
+                sum += c[pass][ylm_sh_index(l, m)] * y;
+              else
+                out[ylm_sh_index(l, m)] += product * y;
             }
           if (pass < p->factors) product *= sum;
         }
       }
 }
 
-/* -- applying ---------------------------------------------------------------------------------------------- */
+/* -- applying
+ * ---------------------------------------------------------------------------------------------- */
 
 typedef struct job {
   const ylm_sh_product *p;
@@ -255,8 +282,10 @@ typedef struct job {
 } job;
 
 /* One row; scratch is the worker's. */
-static void row_f(const ylm_sh_product *p, const float *const *c, float *out, void *scratch, double *stage);
-static void row_d(const ylm_sh_product *p, const double *const *c, double *out, void *scratch, double *stage);
+static void row_f(const ylm_sh_product *p, const float *const *c, float *out, void *scratch,
+                  double *stage);
+static void row_d(const ylm_sh_product *p, const double *const *c, double *out, void *scratch,
+                  double *stage);
 
 static void plain_f(const ylm_sh_product *p, const float *const *c, float *out, double *scratch) {
   size_t count = ylm_sh_count(p->lmax);
@@ -269,42 +298,46 @@ static void plain_f(const ylm_sh_product *p, const float *const *c, float *out, 
   for (size_t i = 0; i < count; i++) out[i] = (float)scratch[i];
 }
 
-#define ROW(S, T, OTHER, PLAIN)                                                                  \
-  static void row_##S(const ylm_sh_product *p, const T *const *c, T *out, void *scratch, double *stage) { \
-    size_t size = ylm_sh_count(p->lmax) * sizeof(T);                                              \
-    const ylm__product_kernels *k = p->kernels;                                                   \
-    switch (p->method) {                                                                          \
-    case YLM_SH_PRODUCT_gaunt:                                                                    \
-      if (k && p->lmax <= PRODUCT_GAUNT_LOW) {                                                    \
-        k->gaunt_##S(p->lmax, c[0], c[1], out);                                                   \
-        break;                                                                                    \
-      }                                                                                           \
-      memset(out, 0, size);                                                                       \
-      ylm__gaunt_##S(p->gaunt, c[0], c[1], out);                                                  \
-      break;                                                                                      \
-    case YLM_SH_PRODUCT_fourier: ylm__fourier_##S(p->fourier, c, out, scratch, stage); break;     \
-    case YLM_SH_PRODUCT_brute:                                                                    \
-      memset(out, 0, size);                                                                       \
-      ylm__brute_##S(p->brute, c, out);                                                           \
-      break;                                                                                      \
-    case YLM_SH_PRODUCT_recursive: {                                                              \
-      T *a = scratch, *b = a + ylm_sh_count(p->lmax);                                             \
-      void *rest = (char *)scratch + (2 * size + YLM_ALIGN - 1) / YLM_ALIGN * YLM_ALIGN;          \
-      memcpy(a, c[0], size);                                                                      \
-      for (int i = 1; i < p->factors; i++) {                                                      \
-        const T *pair[2] = {a, c[i]};                                                             \
-        row_##S(p->inner, pair, i + 1 < p->factors ? b : out, rest, stage);                       \
-        T *swap = a;                                                                              \
-        a = b;                                                                                    \
-        b = swap;                                                                                 \
-      }                                                                                           \
-      break;                                                                                      \
-    }                                                                                             \
-    default:                                                                                      \
-      if (!k) PLAIN;                                                                              \
-      else if (p->dense && !stage) k->dense_##S(p, c, out, scratch);                              \
-      else k->separable_##S(p, c, out, scratch, stage);                                           \
-    }                                                                                             \
+#define ROW(S, T, OTHER, PLAIN)                                                                    \
+  static void row_##S(const ylm_sh_product *p, const T *const *c, T *out, void *scratch,           \
+                      double *stage) {                                                             \
+    size_t size = ylm_sh_count(p->lmax) * sizeof(T);                                               \
+    const ylm__product_kernels *k = p->kernels;                                                    \
+    switch (p->method) {                                                                           \
+    case YLM_SH_PRODUCT_gaunt:                                                                     \
+      if (k && p->lmax <= PRODUCT_GAUNT_LOW) {                                                     \
+        k->gaunt_##S(p->lmax, c[0], c[1], out);                                                    \
+        break;                                                                                     \
+      }                                                                                            \
+      memset(out, 0, size);                                                                        \
+      ylm__gaunt_##S(p->gaunt, c[0], c[1], out);                                                   \
+      break;                                                                                       \
+    case YLM_SH_PRODUCT_fourier: ylm__fourier_##S(p->fourier, c, out, scratch, stage); break;      \
+    case YLM_SH_PRODUCT_brute:                                                                     \
+      memset(out, 0, size);                                                                        \
+      ylm__brute_##S(p->brute, c, out);                                                            \
+      break;                                                                                       \
+    case YLM_SH_PRODUCT_recursive: {                                                               \
+      T *a = scratch, *b = a + ylm_sh_count(p->lmax);                                              \
+      void *rest = (char *)scratch + (2 * size + YLM_ALIGN - 1) / YLM_ALIGN * YLM_ALIGN;           \
+      memcpy(a, c[0], size);                                                                       \
+      for (int i = 1; i < p->factors; i++) {                                                       \
+        const T *pair[2] = {a, c[i]};                                                              \
+        row_##S(p->inner, pair, i + 1 < p->factors ? b : out, rest, stage);                        \
+        T *swap = a;                                                                               \
+        a = b;                                                                                     \
+        b = swap;                                                                                  \
+      }                                                                                            \
+      break;                                                                                       \
+    }                                                                                              \
+    default:                                                                                       \
+      if (!k)                                                                                      \
+        PLAIN;                                                                                     \
+      else if (p->dense && !stage)                                                                 \
+        k->dense_##S(p, c, out, scratch);                                                          \
+      else                                                                                         \
+        k->separable_##S(p, c, out, scratch, stage);                                               \
+    }                                                                                              \
   }
 ROW(f, float, double, plain_f(p, c, out, scratch))
 ROW(d, double, float, plain(p, c, out))
@@ -316,7 +349,8 @@ static size_t scratch_of(const ylm_sh_product *p, ylm_dtype t) {
   case YLM_SH_PRODUCT_fourier: return ylm__fourier_scratch(p->fourier);
   case YLM_SH_PRODUCT_recursive: return 2 * count * size + YLM_ALIGN + scratch_of(p->inner, t);
   case YLM_SH_PRODUCT_quadrature: {
-    size_t vector = product_scratch(p, t == YLM_DOUBLE ? &p->d : &p->f, t == YLM_DOUBLE ? 8 : 16) * size;
+    size_t vector =
+        product_scratch(p, t == YLM_DOUBLE ? &p->d : &p->f, t == YLM_DOUBLE ? 8 : 16) * size;
     size_t scalar = (size_t)(p->factors + 1) * count * sizeof(double);
     return vector > scalar ? vector : scalar;
   }
@@ -333,21 +367,27 @@ static ylm_status run(void *context, size_t begin_row, size_t end, int worker) {
   void *scratch = j->scratch <= sizeof small ? small : ylm_alloc(j->scratch, 1);
   if (!scratch) return YLM_ENOMEM;
   const ylm__product_kernels *k = p->kernels;
-  size_t lanes = !k || p->method != YLM_SH_PRODUCT_quadrature || j->stage ? 0
-                 : (size_t)(j->t == YLM_DOUBLE ? k->lanes_d : k->lanes_f);
+  size_t lanes = !k || p->method != YLM_SH_PRODUCT_quadrature || j->stage
+                     ? 0
+                     : (size_t)(j->t == YLM_DOUBLE ? k->lanes_d : k->lanes_f);
   /* nodes fill the lanes from some degree on: then a row at a time is as fast */
   if ((size_t)p->half * 10 > lanes * 8) lanes = 0;
   const void *at[YLM_SH_PRODUCT_FACTORS];
   while (r < end) {
     size_t step = lanes && end - r >= lanes ? lanes : 1;
-    for (int i = 0; i < p->factors; i++) at[i] = (const char *)j->factor[i] + r * j->stride[i] * size;
+    for (int i = 0; i < p->factors; i++)
+      at[i] = (const char *)j->factor[i] + r * j->stride[i] * size;
     void *out = j->out + r * count * size;
     if (j->t == YLM_DOUBLE) {
-      if (step > 1) k->batch_d(p, (const double *const *)at, j->stride, out, scratch);
-      else row_d(p, (const double *const *)at, out, scratch, j->stage);
+      if (step > 1)
+        k->batch_d(p, (const double *const *)at, j->stride, out, scratch);
+      else
+        row_d(p, (const double *const *)at, out, scratch, j->stage);
     } else {
-      if (step > 1) k->batch_f(p, (const float *const *)at, j->stride, out, scratch);
-      else row_f(p, (const float *const *)at, out, scratch, j->stage);
+      if (step > 1)
+        k->batch_f(p, (const float *const *)at, j->stride, out, scratch);
+      else
+        row_f(p, (const float *const *)at, out, scratch, j->stage);
     }
     r += step;
   }
@@ -355,8 +395,9 @@ static ylm_status run(void *context, size_t begin_row, size_t end, int worker) {
   return YLM_OK;
 }
 
-ylm_status ylm_sh_product_apply(const ylm_sh_product *p, ylm_dtype t, size_t rows, const void *const *factor,
-                                const size_t *stride, void *out, int threads, double *stage) {
+ylm_status ylm_sh_product_apply(const ylm_sh_product *p, ylm_dtype t, size_t rows,
+                                const void *const *factor, const size_t *stride, void *out,
+                                int threads, double *stage) {
   size_t same[YLM_SH_PRODUCT_FACTORS];
   for (int i = 0; i < p->factors; i++) same[i] = stride ? stride[i] : ylm_sh_count(p->lmax);
   job j = {p, t, factor, same, out, scratch_of(p, t), stage};

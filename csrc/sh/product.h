@@ -1,9 +1,12 @@
 /*
 ** product.h - what product.c and its kernels share. Private to csrc/sh.
 **
-** Quadrature: `nodes` Gauss-Legendre nodes in z, of which `half` lie at z >= 0 (one at 0 if odd), and
-** `azimuths` = 4 J directions at (j + 1/2) 2pi/azimuths. All symmetries of the rule are used: z to -z
-** splits degrees by the parity of l-m, the four quadrants split cosines and sines by the parity of m.
+** Quadrature: `nodes` Gauss-Legendre nodes in z, of which `half` lie at z >= 0 (one at 0 if odd),
+*and
+** `azimuths` = 4 J directions at (j + 1/2) 2pi/azimuths. All symmetries of the rule are used: z to
+*-z
+** splits degrees by the parity of l-m, the four quadrants split cosines and sines by the parity of
+*m.
 */
 #ifndef YLM_SH_PRODUCT_H
 #define YLM_SH_PRODUCT_H
@@ -13,20 +16,20 @@
 /* Tables of one element type; lanes: numbers in 64 bytes of it. */
 typedef struct ylm__product_tables {
   /* dense: values of Y at one of each pair of opposite points */
-  int pairs, pairs_padded;      /* rounded up to lanes */
-  int evens, evens_padded;      /* coefficients of even degree, rounded up */
+  int pairs, pairs_padded; /* rounded up to lanes */
+  int evens, evens_padded; /* coefficients of even degree, rounded up */
   int odds, odds_padded;
-  void *values;                 /* [count][pairs_padded], even degrees first */
-  void *weights;                /* [pairs][evens_padded + odds_padded], times the rule's weights */
+  void *values;  /* [count][pairs_padded], even degrees first */
+  void *weights; /* [pairs][evens_padded + odds_padded], times the rule's weights */
   /* separable */
   int half_padded;
-  void *legendre;               /* by |m|, then l = m, m+2 .., then m+1, m+3 ..: [half_padded] */
-  void *back;                   /* by |m|, for each parity: [half][row of l's padded], times weights */
-  int *back_at;                 /* [lmax+1][2] */
-  void *cosines, *sines;        /* [J][lmax+1] */
+  void *legendre;        /* by |m|, then l = m, m+2 .., then m+1, m+3 ..: [half_padded] */
+  void *back;            /* by |m|, for each parity: [half][row of l's padded], times weights */
+  int *back_at;          /* [lmax+1][2] */
+  void *cosines, *sines; /* [J][lmax+1] */
   /* batch: the same numbers, one node after the other */
-  void *node_legendre;          /* [half][l(l+1)/2+m] */
-  void *node_weights;           /* [half] */
+  void *node_legendre; /* [half][l(l+1)/2+m] */
+  void *node_weights;  /* [half] */
 } ylm__product_tables;
 
 struct ylm__product_kernels;
@@ -40,25 +43,30 @@ struct ylm_sh_product {
   ylm_sh_product_method method; /* never AUTO */
   const struct ylm__product_kernels *kernels;
   int nodes, half, azimuths;
-  bool dense;                   /* one product at a time is fastest by the dense tables */
+  bool dense; /* one product at a time is fastest by the dense tables */
   ylm__product_tables f, d;
   ylm__gaunt *gaunt;
   ylm__fourier *fourier;
   ylm__brute *brute;
-  ylm_sh_product *inner;        /* of the recursive approximation: two factors */
+  ylm_sh_product *inner; /* of the recursive approximation: two factors */
 };
 
 /* Rows of l's padded for a vector store. */
 static inline int product_padded(int n, int lanes) { return (n + lanes - 1) / lanes * lanes; }
 /* Degrees l <= lmax with l - m even (parity 0) or odd (1). */
-static inline int product_degrees(int lmax, int m, int parity) { return lmax - m - parity < 0 ? 0 : (lmax - m - parity) / 2 + 1; }
+static inline int product_degrees(int lmax, int m, int parity) {
+  return lmax - m - parity < 0 ? 0 : (lmax - m - parity) / 2 + 1;
+}
 
 /* Numbers of scratch that one call of the kernels needs. */
-static inline size_t product_scratch(const ylm_sh_product *p, const ylm__product_tables *t, int lanes) {
-  size_t orders = 2 * (size_t)p->lmax + 1, quadrants = (size_t)p->azimuths / 4, count = ylm_sh_count(p->lmax);
+static inline size_t product_scratch(const ylm_sh_product *p, const ylm__product_tables *t,
+                                     int lanes) {
+  size_t orders = 2 * (size_t)p->lmax + 1, quadrants = (size_t)p->azimuths / 4,
+         count = ylm_sh_count(p->lmax);
   size_t dense = 2 * (size_t)t->pairs_padded + (size_t)(t->evens_padded + t->odds_padded) + 64;
   size_t separable = (2 * orders + 8 * quadrants) * (size_t)t->half_padded + (size_t)p->lmax + 64;
-  size_t batch = ((size_t)(p->factors + 1) * count + 4 * orders + 8 * quadrants) * (size_t)lanes + 64;
+  size_t batch =
+      ((size_t)(p->factors + 1) * count + 4 * orders + 8 * quadrants) * (size_t)lanes + 64;
   size_t most = dense > separable ? dense : separable;
   return most > batch ? most : batch;
 }
@@ -67,12 +75,17 @@ typedef struct ylm__product_kernels {
   void (*dense_f)(const ylm_sh_product *p, const float *const *c, float *out, float *scratch);
   void (*dense_d)(const ylm_sh_product *p, const double *const *c, double *out, double *scratch);
   /* stage: seconds of transform, multiplication, transform back are added; or NULL */
-  void (*separable_f)(const ylm_sh_product *p, const float *const *c, float *out, float *scratch, double *stage);
-  void (*separable_d)(const ylm_sh_product *p, const double *const *c, double *out, double *scratch, double *stage);
+  void (*separable_f)(const ylm_sh_product *p, const float *const *c, float *out, float *scratch,
+                      double *stage);
+  void (*separable_d)(const ylm_sh_product *p, const double *const *c, double *out, double *scratch,
+                      double *stage);
   /* `lanes` rows at once; stride: numbers from one row of a factor to the next, 0 repeats one */
-  void (*batch_f)(const ylm_sh_product *p, const float *const *c, const size_t *stride, float *out, float *scratch);
-  void (*batch_d)(const ylm_sh_product *p, const double *const *c, const size_t *stride, double *out, double *scratch);
-  void (*gaunt_f)(int lmax, const float *a, const float *b, float *out); /* lmax <= PRODUCT_GAUNT_LOW */
+  void (*batch_f)(const ylm_sh_product *p, const float *const *c, const size_t *stride, float *out,
+                  float *scratch);
+  void (*batch_d)(const ylm_sh_product *p, const double *const *c, const size_t *stride,
+                  double *out, double *scratch);
+  void (*gaunt_f)(int lmax, const float *a, const float *b,
+                  float *out); /* lmax <= PRODUCT_GAUNT_LOW */
   void (*gaunt_d)(int lmax, const double *a, const double *b, double *out);
   int lanes_f, lanes_d;
 } ylm__product_kernels;
@@ -100,8 +113,10 @@ void ylm__gaunt_d(const ylm__gaunt *g, const double *a, const double *b, double 
 ylm_status ylm__fourier_create(int lmax, int factors, ylm__fourier **out, ylm_error *e);
 void ylm__fourier_free(ylm__fourier *f);
 size_t ylm__fourier_scratch(const ylm__fourier *f); /* bytes */
-void ylm__fourier_f(const ylm__fourier *f, const float *const *c, float *out, void *scratch, double *stage);
-void ylm__fourier_d(const ylm__fourier *f, const double *const *c, double *out, void *scratch, double *stage);
+void ylm__fourier_f(const ylm__fourier *f, const float *const *c, float *out, void *scratch,
+                    double *stage);
+void ylm__fourier_d(const ylm__fourier *f, const double *const *c, double *out, void *scratch,
+                    double *stage);
 
 ylm_status ylm__brute_create(int lmax, int factors, ylm__brute **out, ylm_error *e);
 void ylm__brute_free(ylm__brute *b);

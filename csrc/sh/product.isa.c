@@ -1,4 +1,5 @@
-/* product.isa.c - kernels of products: quadrature for one and for batches, straight-line sums of low degree. */
+/* product.isa.c - kernels of products: quadrature for one and for batches, straight-line sums of
+ * low degree. */
 #include "product.h"
 #include "ylm_simd.h"
 
@@ -34,4 +35,5 @@
 #include "product_kernel.h"
 
 const ylm__product_kernels YLM_KERNEL(ylm__product_kernels) = {
-    dense_f, dense_d, separable_f, separable_d, batch_f, batch_d, gaunt_low_f, gaunt_low_d, YLM_VF, YLM_VD};
+    dense_f, dense_d,     separable_f, separable_d, batch_f,
+    batch_d, gaunt_low_f, gaunt_low_d, YLM_VF,      YLM_VD};

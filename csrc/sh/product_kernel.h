@@ -2,9 +2,11 @@
 
 #include "gen/gaunt_low.h"
 
-/* -- one product by dense tables ------------------------------------------------------------------ */
+/* -- one product by dense tables ------------------------------------------------------------------
+ */
 
-/* The points of N vectors from v: each factor's even and odd part, the product at both points of a pair. */
+/* The points of N vectors from v: each factor's even and odd part, the product at both points of a
+ * pair. */
 YLM_INLINE void FN(dense_points)(const int N, const ylm_sh_product *p, const ylm__product_tables *t,
                                  const T *const *c, int v, T *even, T *odd) {
   int lmax = p->lmax, stride = t->pairs_padded;
@@ -68,19 +70,21 @@ static void FN(dense)(const ylm_sh_product *p, const T *const *c, T *out, T *scr
   for (; i + 2 <= n; i += 2) FN(dense_points)(2, p, t, c, i * LANES, even, odd);
   if (i < n) FN(dense_points)(1, p, t, c, i * LANES, even, odd);
   FN(dense_back_all)(t->evens_padded / LANES, t->pairs, stride, t->weights, even, result);
-  FN(dense_back_all)(t->odds_padded / LANES, t->pairs, stride, (const T *)t->weights + t->evens_padded, odd,
-                     result + t->evens_padded);
+  FN(dense_back_all)
+  (t->odds_padded / LANES, t->pairs, stride, (const T *)t->weights + t->evens_padded, odd,
+   result + t->evens_padded);
   const T *e = result, *o = result + t->evens_padded;
   for (int l = 0; l <= p->lmax; l++)
     for (int m = 0; m <= 2 * l; m++) out[l * l + m] = l & 1 ? *o++ : *e++;
 }
 
-/* -- azimuth: from orders to quadrants and back, for one vector of lanes ----------------------------- */
+/* -- azimuth: from orders to quadrants and back, for one vector of lanes
+ * ----------------------------- */
 
 /* x: [2][2L+1] vectors at distance `step` (z above and below; order m at L+m); the eight values at
    +-z, phi, -phi, pi-phi, pi+phi for quadrant angles j: value[j][8], multiplied in if k > 0. */
-YLM_INLINE void FN(to_points)(int lmax, int quadrants, const T *cosines, const T *sines, const T *x, int step,
-                              int hemisphere, T *value, int value_step, int k) {
+YLM_INLINE void FN(to_points)(int lmax, int quadrants, const T *cosines, const T *sines, const T *x,
+                              int step, int hemisphere, T *value, int value_step, int k) {
   for (int j = 0; j < quadrants; j++) {
     const T *c = cosines + j * (lmax + 1), *s = sines + j * (lmax + 1);
     for (int side = 0; side < 2; side++) {
@@ -96,18 +100,20 @@ YLM_INLINE void FN(to_points)(int lmax, int quadrants, const T *cosines, const T
       V a = ce + co, b = se + so, d = ce - co, g = so - se;
       V r[4] = {a + b, a - b, d + g, d - g};
       T *at = value + (j * 8 + side * 4) * value_step;
-      for (int q = 0; q < 4; q++) STORE(at + q * value_step, k ? LOAD(at + q * value_step) * r[q] : r[q]);
+      for (int q = 0; q < 4; q++)
+        STORE(at + q * value_step, k ? LOAD(at + q * value_step) * r[q] : r[q]);
     }
   }
 }
 
 /* The reverse: sums over the azimuths times cosine and sine of each order, into x. */
-YLM_INLINE void FN(from_points)(int lmax, int quadrants, const T *cosines, const T *sines, T *value, int value_step,
-                                T *x, int step, int hemisphere) {
+YLM_INLINE void FN(from_points)(int lmax, int quadrants, const T *cosines, const T *sines, T *value,
+                                int value_step, T *x, int step, int hemisphere) {
   /* to even and odd parts once */
   for (int j = 0; j < quadrants * 2; j++) {
     T *at = value + j * 4 * value_step;
-    V v0 = LOAD(at), v1 = LOAD(at + value_step), v2 = LOAD(at + 2 * value_step), v3 = LOAD(at + 3 * value_step);
+    V v0 = LOAD(at), v1 = LOAD(at + value_step), v2 = LOAD(at + 2 * value_step),
+      v3 = LOAD(at + 3 * value_step);
     V a = v0 + v1, b = v0 - v1, d = v2 + v3, g = v2 - v3;
     STORE(at, a + d);                  /* even cosines */
     STORE(at + value_step, a - d);     /* odd cosines */
@@ -130,10 +136,12 @@ YLM_INLINE void FN(from_points)(int lmax, int quadrants, const T *cosines, const
   }
 }
 
-/* -- one product, lanes are nodes -------------------------------------------------------------------- */
+/* -- one product, lanes are nodes
+ * -------------------------------------------------------------------- */
 
 /* Orders at the nodes: x[side][L+m] = sum over l of P_lm(+-z) c_lm, for vector v of nodes. */
-YLM_INLINE void FN(to_orders)(int lmax, const T *legendre, int row, const T *c, T *x, int step, int hemisphere) {
+YLM_INLINE void FN(to_orders)(int lmax, const T *legendre, int row, const T *c, T *x, int step,
+                              int hemisphere) {
   for (int m = 0; m <= lmax; m++) {
     V part[2][2]; /* [parity][cosine, sine] */
     for (int parity = 0; parity < 2; parity++) {
@@ -154,16 +162,19 @@ YLM_INLINE void FN(to_orders)(int lmax, const T *legendre, int row, const T *c, 
   }
 }
 
-static void FN(separable)(const ylm_sh_product *p, const T *const *c, T *out, T *scratch, double *stage) {
+static void FN(separable)(const ylm_sh_product *p, const T *const *c, T *out, T *scratch,
+                          double *stage) {
   const ylm__product_tables *t = &p->TABLES;
-  int lmax = p->lmax, row = t->half_padded, quadrants = p->azimuths / 4, hemisphere = (2 * lmax + 1) * row;
+  int lmax = p->lmax, row = t->half_padded, quadrants = p->azimuths / 4,
+      hemisphere = (2 * lmax + 1) * row;
   T *x = scratch, *value = x + 2 * hemisphere, *result = value + 8 * quadrants * row;
   double time = stage ? ylm_seconds() : 0;
   for (int k = 0; k < p->factors; k++) {
     for (int v = 0; v < row; v += LANES)
       FN(to_orders)(lmax, (const T *)t->legendre + v, row, c[k], x + v, row, hemisphere);
     for (int v = 0; v < row; v += LANES)
-      FN(to_points)(lmax, quadrants, t->cosines, t->sines, x + v, row, hemisphere, value + v, row, k);
+      FN(to_points)
+      (lmax, quadrants, t->cosines, t->sines, x + v, row, hemisphere, value + v, row, k);
   }
   if (stage) {
     double now = ylm_seconds();
@@ -200,9 +211,11 @@ static void FN(separable)(const ylm_sh_product *p, const T *const *c, T *out, T 
   if (stage) stage[2] += ylm_seconds() - time;
 }
 
-/* -- LANES products, lanes are products ---------------------------------------------------------------- */
+/* -- LANES products, lanes are products
+ * ---------------------------------------------------------------- */
 
-static void FN(batch)(const ylm_sh_product *p, const T *const *c, const size_t *stride, T *out, T *scratch) {
+static void FN(batch)(const ylm_sh_product *p, const T *const *c, const size_t *stride, T *out,
+                      T *scratch) {
   const ylm__product_tables *t = &p->TABLES;
   int lmax = p->lmax, quadrants = p->azimuths / 4, hemisphere = (2 * lmax + 1) * LANES;
   size_t count = ylm_sh_count(lmax);
@@ -216,7 +229,8 @@ static void FN(batch)(const ylm_sh_product *p, const T *const *c, const size_t *
     }
   memset(sum, 0, count * LANES * sizeof(T));
   for (int h = 0; h < p->half; h++) {
-    const T *legendre = (const T *)t->node_legendre + (size_t)h * (size_t)((lmax + 1) * (lmax + 2) / 2);
+    const T *legendre =
+        (const T *)t->node_legendre + (size_t)h * (size_t)((lmax + 1) * (lmax + 2) / 2);
     for (int k = 0; k < p->factors; k++) {
       const T *ck = in + (size_t)k * count * LANES;
       for (int m = 0; m <= lmax; m++) {

@@ -12,8 +12,10 @@
 #define GRAIN 4096
 #define BLOCK 128
 
-ylm_status ylm_sh_sphere_rule(int nodes, int azimuths, double lo, double hi, double *direction, double *weight) {
-  if (nodes < 1 || nodes > 100000 || azimuths < 1 || azimuths > 100000 || !(lo >= -1 && lo < hi && hi <= 1))
+ylm_status ylm_sh_sphere_rule(int nodes, int azimuths, double lo, double hi, double *direction,
+                              double *weight) {
+  if (nodes < 1 || nodes > 100000 || azimuths < 1 || azimuths > 100000 ||
+      !(lo >= -1 && lo < hi && hi <= 1))
     return YLM_ERANGE;
   double *x = ylm_alloc(2 * (size_t)nodes, sizeof *x), *w = x + nodes;
   if (!x) return YLM_ENOMEM;
@@ -65,12 +67,14 @@ static ylm_status run(void *context, size_t begin, size_t end, int worker) {
     size_t n = end - i < BLOCK ? end - i : BLOCK;
     for (size_t k = 0; k < n; k++) {
       memcpy(p[k], j->direction + 3 * (i + k), sizeof p[k]);
-      if (p[k][0] == 0 && p[k][1] == 0 && p[k][2] == 0 && j->weight && j->weight[i + k] == 0) p[k][2] = 1;
+      if (p[k][0] == 0 && p[k][1] == 0 && p[k][2] == 0 && j->weight && j->weight[i + k] == 0)
+        p[k][2] = 1;
     }
     s = ylm_sh_eval(j->lmax, 0, false, YLM_DOUBLE, n, p, y, NULL, NULL, 1, NULL);
     for (size_t c = 0; c < channels && s == YLM_OK; c++) {
       for (size_t k = 0; k < n; k++)
-        wf[k] = (j->weight ? j->weight[i + k] : 4 * PI / (double)j->n) * j->value[(i + k) * channels + c];
+        wf[k] = (j->weight ? j->weight[i + k] : 4 * PI / (double)j->n) *
+                j->value[(i + k) * channels + c];
       for (size_t k = 0; k < n; k++)
         for (size_t q = 0; q < count; q++) out[c * count + q] += wf[k] * y[k * count + q];
     }
@@ -79,19 +83,22 @@ static ylm_status run(void *context, size_t begin, size_t end, int worker) {
   return s;
 }
 
-ylm_status ylm_sh_project_samples(int lmax, size_t n, const double *direction, const double *weight, int channels,
-                                  const double *value, double *out, int threads, ylm_error *e) {
+ylm_status ylm_sh_project_samples(int lmax, size_t n, const double *direction, const double *weight,
+                                  int channels, const double *value, double *out, int threads,
+                                  ylm_error *e) {
   if (lmax < 0 || lmax > YLM_LMAX || channels < 1)
     return ylm_fail(e, YLM_ERANGE, "lmax must be from 0 to %d, got %d", YLM_LMAX, lmax);
   for (size_t i = 0; i < n; i++) {
     const double *d = direction + 3 * i;
     double length = fabs(d[0]) + fabs(d[1]) + fabs(d[2]);
     if (!isfinite(length) || (length == 0 && !(weight && weight[i] == 0)))
-      return ylm_fail(e, YLM_EDOMAIN, "direction %zu is %s", i + 1, length == 0 ? "zero" : "not finite");
+      return ylm_fail(e, YLM_EDOMAIN, "direction %zu is %s", i + 1,
+                      length == 0 ? "zero" : "not finite");
   }
   size_t size = (size_t)channels * ylm_sh_count(lmax), blocks = n / GRAIN + (n % GRAIN != 0);
   memset(out, 0, size * sizeof *out);
-  job j = {lmax, channels, n, direction, weight, value, ylm_alloc_zero(blocks, size * sizeof(double))};
+  job j = {
+      lmax, channels, n, direction, weight, value, ylm_alloc_zero(blocks, size * sizeof(double))};
   if (!j.partial) return YLM_ENOMEM;
   ylm_status s = ylm_parallel(n, GRAIN, threads, run, &j, NULL, NULL);
   for (size_t b = 0; b < blocks && s == YLM_OK; b++)

@@ -35,7 +35,8 @@ void ylm__legendre(int lmax, double x, double sine, double *p) {
     for (int l = m; l <= lmax; l++) {
       p[l * (l + 1) / 2 + m] = (double)(scale * b);
       /* l+1 from l and l-1 */
-      long double q = (long double)(l + 1) * (l + 1) - (long double)m * m, r = (long double)l * l - (long double)m * m;
+      long double q = (long double)(l + 1) * (l + 1) - (long double)m * m,
+                  r = (long double)l * l - (long double)m * m;
       long double next = sqrtl((4.0L * (l + 1) * (l + 1) - 1) / q) *
                          (x * b - (l > m ? sqrtl(r / (4.0L * l * l - 1)) * a : 0));
       a = b;

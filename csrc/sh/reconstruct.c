@@ -12,17 +12,17 @@ typedef struct task {
   char *out, *basis; /* basis: [workers][BLOCK][count] */
 } task;
 
-#define DOTS(type, name)                                                                    \
-  /* out[i] = c . basis[i] for `points` points, four sums at a time. */                     \
-  static void name(size_t count, size_t points, const type *c, const type *basis, type *out) { \
-    for (size_t i = 0; i < points; i++, basis += count) {                                   \
-      type s[4] = {0, 0, 0, 0};                                                             \
-      size_t k = 0;                                                                         \
-      for (; k + 4 <= count; k += 4)                                                        \
-        for (size_t j = 0; j < 4; j++) s[j] += c[k + j] * basis[k + j];                     \
-      for (; k < count; k++) s[0] += c[k] * basis[k];                                       \
-      out[i] = (s[0] + s[1]) + (s[2] + s[3]);                                               \
-    }                                                                                       \
+#define DOTS(type, name)                                                                           \
+  /* out[i] = c . basis[i] for `points` points, four sums at a time. */                            \
+  static void name(size_t count, size_t points, const type *c, const type *basis, type *out) {     \
+    for (size_t i = 0; i < points; i++, basis += count) {                                          \
+      type s[4] = {0, 0, 0, 0};                                                                    \
+      size_t k = 0;                                                                                \
+      for (; k + 4 <= count; k += 4)                                                               \
+        for (size_t j = 0; j < 4; j++) s[j] += c[k + j] * basis[k + j];                            \
+      for (; k < count; k++) s[0] += c[k] * basis[k];                                              \
+      out[i] = (s[0] + s[1]) + (s[2] + s[3]);                                                      \
+    }                                                                                              \
   }
 DOTS(float, dots_float)
 DOTS(double, dots_double)
@@ -31,12 +31,15 @@ static ylm_status block(void *context, size_t begin, size_t end, int worker) {
   const task *k = context;
   size_t count = ylm_sh_count(k->lmax), size = ylm_dtype_size(k->t), points = end - begin;
   char *basis = k->basis + (size_t)worker * BLOCK * count * size;
-  ylm_status s = ylm_sh_eval(k->lmax, 0, false, k->t, points, k->p + begin * 3 * size, basis, NULL, NULL, 1, NULL);
+  ylm_status s = ylm_sh_eval(k->lmax, 0, false, k->t, points, k->p + begin * 3 * size, basis, NULL,
+                             NULL, 1, NULL);
   for (size_t r = 0; s == YLM_OK && r < k->rows; r++) {
     const char *c = k->c + r * count * size;
     char *out = k->out + (r * k->n + begin) * size;
-    if (k->t == YLM_DOUBLE) dots_double(count, points, (const double *)c, (const double *)basis, (double *)out);
-    else dots_float(count, points, (const float *)c, (const float *)basis, (float *)out);
+    if (k->t == YLM_DOUBLE)
+      dots_double(count, points, (const double *)c, (const double *)basis, (double *)out);
+    else
+      dots_float(count, points, (const float *)c, (const float *)basis, (float *)out);
   }
   return s;
 }

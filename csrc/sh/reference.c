@@ -41,8 +41,10 @@ static void next_degree(rows *w, int l, double z) {
   double *row = w->q[2];
   w->q[2] = w->q[1], w->q[1] = w->q[0], w->q[0] = row;
   for (int m = 0; m < l; m++)
-    row[m] = ((2 * l - 1) * z * q(w, l, m, l - 1, m) - (l + m - 1) * q(w, l, m, l - 2, m)) / (l - m);
-  row[l] = l == 0 ? 0.28209479177387814347 : (1 - 2 * l) * norm_ratio(l, l, l - 1, l - 1) * w->q[1][l - 1];
+    row[m] =
+        ((2 * l - 1) * z * q(w, l, m, l - 1, m) - (l + m - 1) * q(w, l, m, l - 2, m)) / (l - m);
+  row[l] = l == 0 ? 0.28209479177387814347
+                  : (1 - 2 * l) * norm_ratio(l, l, l - 1, l - 1) * w->q[1][l - 1];
 }
 
 /* c_m or s_m and their derivatives c[0], x, y, xx, xy (yy = -xx). */
@@ -57,7 +59,8 @@ static void azimuth(const rows *w, int m, bool sine, double a[5]) {
 }
 
 /* S_lm with gradient and Hessian at the unit vector v: s[0], s[1..3], s[4..9]. */
-static void solid_harmonic(const rows *w, int l, int m, bool sine, const double v[3], double s[10]) {
+static void solid_harmonic(const rows *w, int l, int m, bool sine, const double v[3],
+                           double s[10]) {
   double x = v[0], y = v[1], a[5];
   double q0 = q(w, l, m, l, m), qr = q(w, l, m, l - 1, m + 1), qrr = q(w, l, m, l - 2, m + 2);
   double qz = (l + m) * q(w, l, m, l - 1, m), qrz = (l + m) * q(w, l, m, l - 2, m + 1);
@@ -90,7 +93,9 @@ void ylm__sh_surface(int l, double d, const double w[3], double s[10]) {
   for (int i = 0; i < 3; i++) g[i] = s[1 + i] - l * s[0] * w[i];
   for (int i = 0; i < 3; i++)
     for (int j = i; j < 3; j++)
-      s[at[i][j]] = (s[at[i][j]] - l * (s[0] * ((i == j) + (l - 2) * w[i] * w[j]) + g[i] * w[j] + w[i] * g[j])) / d / d;
+      s[at[i][j]] = (s[at[i][j]] -
+                     l * (s[0] * ((i == j) + (l - 2) * w[i] * w[j]) + g[i] * w[j] + w[i] * g[j])) /
+                    d / d;
   for (int i = 0; i < 3; i++) s[1 + i] = g[i] / d;
 }
 
@@ -111,8 +116,10 @@ void ylm__sh_unit(const double v[3], double w[3], double *d) {
 /* Stores `width` numbers as element `at` of an array, if it is wanted. */
 static void store(void *out, ylm_dtype t, size_t at, size_t width, const double *s) {
   for (size_t i = 0; out && i < width; i++) {
-    if (t == YLM_DOUBLE) ((double *)out)[at * width + i] = s[i];
-    else ((float *)out)[at * width + i] = (float)s[i];
+    if (t == YLM_DOUBLE)
+      ((double *)out)[at * width + i] = s[i];
+    else
+      ((float *)out)[at * width + i] = (float)s[i];
   }
 }
 
@@ -142,14 +149,17 @@ static void one_point(const ylm__sh_job *job, ylm_dtype t, size_t i, rows *r) {
     next_degree(r, l, w[2]);
     for (int m = -l; m <= l; m++) {
       solid_harmonic(r, l, m < 0 ? -m : m, m < 0, w, s);
-      if (job->solid) ylm__sh_scale_solid(l, d, s);
-      else ylm__sh_surface(l, d, w, s);
+      if (job->solid)
+        ylm__sh_scale_solid(l, d, s);
+      else
+        ylm__sh_surface(l, d, w, s);
       ylm__sh_put(job, t, i, l, m, s);
     }
   }
 }
 
-static void reference(const ylm__sh_job *job, ylm_dtype t, size_t begin, size_t end, double *scratch) {
+static void reference(const ylm__sh_job *job, ylm_dtype t, size_t begin, size_t end,
+                      double *scratch) {
   size_t n = (size_t)job->lmax + 1;
   rows r = {{scratch, scratch + n, scratch + 2 * n}, scratch + 3 * n, scratch + 4 * n};
   memset(scratch, 0, 5 * n * sizeof *scratch);

@@ -6,7 +6,8 @@
 
 #include "rotate.h"
 
-/* -- the recurrence ------------------------------------------------------------------------------ */
+/* -- the recurrence ------------------------------------------------------------------------------
+ */
 
 typedef long double real;
 
@@ -33,14 +34,21 @@ static real element(int l, int m, int n, const real *r1, const real *before) {
   real v = 0.5L * sqrtl((m == 0 ? 2 : 1) * (real)(l + am - 1) * (l + am) / d) * (m == 0 ? -1 : 1);
   real w = m == 0 ? 0 : -0.5L * sqrtl((real)(l - am - 1) * (l - am) / d);
   if (u != 0) sum += u * combine(0, m, n, l, r1, before);
-  if (m == 0) sum += v * (combine(1, 1, n, l, r1, before) + combine(-1, -1, n, l, r1, before));
-  else if (m == 1) sum += v * combine(1, 0, n, l, r1, before) * sqrtl(2);
-  else if (m == -1) sum += v * combine(-1, 0, n, l, r1, before) * sqrtl(2);
-  else if (m > 0) sum += v * (combine(1, m - 1, n, l, r1, before) - combine(-1, -m + 1, n, l, r1, before));
-  else sum += v * (combine(1, m + 1, n, l, r1, before) + combine(-1, -m - 1, n, l, r1, before));
+  if (m == 0)
+    sum += v * (combine(1, 1, n, l, r1, before) + combine(-1, -1, n, l, r1, before));
+  else if (m == 1)
+    sum += v * combine(1, 0, n, l, r1, before) * sqrtl(2);
+  else if (m == -1)
+    sum += v * combine(-1, 0, n, l, r1, before) * sqrtl(2);
+  else if (m > 0)
+    sum += v * (combine(1, m - 1, n, l, r1, before) - combine(-1, -m + 1, n, l, r1, before));
+  else
+    sum += v * (combine(1, m + 1, n, l, r1, before) + combine(-1, -m - 1, n, l, r1, before));
   if (w != 0) {
-    if (m > 0) sum += w * (combine(1, m + 1, n, l, r1, before) + combine(-1, -m - 1, n, l, r1, before));
-    else sum += w * (combine(1, m - 1, n, l, r1, before) - combine(-1, -m + 1, n, l, r1, before));
+    if (m > 0)
+      sum += w * (combine(1, m + 1, n, l, r1, before) + combine(-1, -m - 1, n, l, r1, before));
+    else
+      sum += w * (combine(1, m - 1, n, l, r1, before) - combine(-1, -m + 1, n, l, r1, before));
   }
   return sum;
 }
@@ -73,14 +81,16 @@ ylm_status ylm_sh_rotation_reference(const double r[9], int lmax, double *blocks
 /* The vector kernels in use; NULL for the plain forms. */
 static const ylm__rotate_kernels *choose_kernels(void) {
   switch (ylm_isa_current()) {
-#define X(isa) case YLM_ISA_##isa: return &ylm__rotate_kernels_##isa;
+#define X(isa)                                                                                     \
+  case YLM_ISA_##isa: return &ylm__rotate_kernels_##isa;
     ROTATE_ISAS(X)
 #undef X
   default: return NULL;
   }
 }
 
-/* -- the plan ------------------------------------------------------------------------------------ */
+/* -- the plan ------------------------------------------------------------------------------------
+ */
 
 static int class_of(int m) { return (m & 1) * 2 + (m < 0); }
 
@@ -156,7 +166,8 @@ ylm_status ylm_sh_rotator_create(int lmax, ylm_sh_rotator **out, ylm_error *e) {
   return YLM_OK;
 }
 
-/* -- rotation matrices ---------------------------------------------------------------------------- */
+/* -- rotation matrices ----------------------------------------------------------------------------
+ */
 
 static double determinant(const double r[9]) {
   return r[0] * (r[4] * r[8] - r[5] * r[7]) - r[1] * (r[3] * r[8] - r[5] * r[6]) +
@@ -178,16 +189,20 @@ ylm_status ylm_sh_rotation_check(const double r[9], double out[9], ylm_error *e)
   double d[6], m[9], worst = departure(r, d);
   if (!(worst < 1e-5)) {
     for (int i = 0; i < 9; i++)
-      if (!isfinite(r[i])) return ylm_fail(e, YLM_EDOMAIN, "3x3 rotation expected, it holds a number that is not finite");
-    return ylm_fail(e, YLM_EDOMAIN, "3x3 rotation expected, columns are not orthonormal (off by %.3g)", worst);
+      if (!isfinite(r[i]))
+        return ylm_fail(e, YLM_EDOMAIN,
+                        "3x3 rotation expected, it holds a number that is not finite");
+    return ylm_fail(e, YLM_EDOMAIN,
+                    "3x3 rotation expected, columns are not orthonormal (off by %.3g)", worst);
   }
   double det = determinant(r);
   if (det < 0) return ylm_fail(e, YLM_EDOMAIN, "3x3 rotation expected, determinant is %.6g", det);
   memcpy(m, r, sizeof m);
   /* R (I - (R^T R - I)/2): the departure is squared each time */
   for (int pass = 0; pass < 3 && worst > 1e-15; pass++) {
-    double q[9] = {1 - d[0] / 2, -d[1] / 2, -d[2] / 2, -d[1] / 2, 1 - d[3] / 2,
-                   -d[4] / 2,    -d[2] / 2, -d[4] / 2, 1 - d[5] / 2}, t[9];
+    double q[9] = {1 - d[0] / 2, -d[1] / 2, -d[2] / 2, -d[1] / 2,   1 - d[3] / 2,
+                   -d[4] / 2,    -d[2] / 2, -d[4] / 2, 1 - d[5] / 2},
+           t[9];
     for (int i = 0; i < 3; i++)
       for (int j = 0; j < 3; j++)
         t[i * 3 + j] = m[i * 3] * q[j] + m[i * 3 + 1] * q[3 + j] + m[i * 3 + 2] * q[6 + j];
@@ -201,13 +216,15 @@ ylm_status ylm_sh_rotation_check(const double r[9], double out[9], ylm_error *e)
 ylm_status ylm_sh_rotation_from_quaternion(const double q[4], double r[9], ylm_error *e) {
   double scale = 0;
   for (int i = 0; i < 4; i++) scale = fmax(scale, fabs(q[i]));
-  if (!(scale > 0) || !isfinite(scale) || q[0] != q[0] || q[1] != q[1] || q[2] != q[2] || q[3] != q[3])
-    return ylm_fail(e, YLM_EDOMAIN, "a quaternion {w, x, y, z} of finite numbers, not all zero, expected");
+  if (!(scale > 0) || !isfinite(scale) || q[0] != q[0] || q[1] != q[1] || q[2] != q[2] ||
+      q[3] != q[3])
+    return ylm_fail(e, YLM_EDOMAIN,
+                    "a quaternion {w, x, y, z} of finite numbers, not all zero, expected");
   double w = q[0] / scale, x = q[1] / scale, y = q[2] / scale, z = q[3] / scale;
   double n = 2 / (w * w + x * x + y * y + z * z);
-  double m[9] = {1 - n * (y * y + z * z), n * (x * y - w * z), n * (x * z + w * y),
-                 n * (x * y + w * z), 1 - n * (x * x + z * z), n * (y * z - w * x),
-                 n * (x * z - w * y), n * (y * z + w * x), 1 - n * (x * x + y * y)};
+  double m[9] = {1 - n * (y * y + z * z), n * (x * y - w * z),     n * (x * z + w * y),
+                 n * (x * y + w * z),     1 - n * (x * x + z * z), n * (y * z - w * x),
+                 n * (x * z - w * y),     n * (y * z + w * x),     1 - n * (x * x + y * y)};
   memcpy(r, m, sizeof m);
   return YLM_OK;
 }
@@ -226,31 +243,40 @@ static void cosine_sine(double angle, double *c, double *s) {
   *s = sin(angle);
 }
 
-ylm_status ylm_sh_rotation_from_axis(const double axis[3], double angle, double r[9], ylm_error *e) {
+ylm_status ylm_sh_rotation_from_axis(const double axis[3], double angle, double r[9],
+                                     ylm_error *e) {
   double scale = fmax(fabs(axis[0]), fmax(fabs(axis[1]), fabs(axis[2])));
   if (!(scale > 0) || !isfinite(scale + axis[0] + axis[1] + axis[2]) || !isfinite(angle))
-    return ylm_fail(e, YLM_EDOMAIN, "an axis {x, y, z} that is not zero and a finite angle expected");
+    return ylm_fail(e, YLM_EDOMAIN,
+                    "an axis {x, y, z} that is not zero and a finite angle expected");
   double x = axis[0] / scale, y = axis[1] / scale, z = axis[2] / scale;
   double n = sqrt(x * x + y * y + z * z), c, s;
   x /= n, y /= n, z /= n;
   cosine_sine(angle, &c, &s);
   double t = 1 - c;
-  double m[9] = {t * x * x + c, t * x * y - s * z, t * x * z + s * y,
-                 t * x * y + s * z, t * y * y + c, t * y * z - s * x,
+  double m[9] = {t * x * x + c,     t * x * y - s * z, t * x * z + s * y,
+                 t * x * y + s * z, t * y * y + c,     t * y * z - s * x,
                  t * x * z - s * y, t * y * z + s * x, t * z * z + c};
   memcpy(r, m, sizeof m);
   return YLM_OK;
 }
 
 ylm_status ylm_sh_rotation_from_zyz(const double abc[3], double r[9], ylm_error *e) {
-  if (!isfinite(abc[0] + abc[1] + abc[2])) return ylm_fail(e, YLM_EDOMAIN, "three finite angles expected");
+  if (!isfinite(abc[0] + abc[1] + abc[2]))
+    return ylm_fail(e, YLM_EDOMAIN, "three finite angles expected");
   double ca, sa, cb, sb, cc, sc;
   cosine_sine(abc[0], &ca, &sa);
   cosine_sine(abc[1], &cb, &sb);
   cosine_sine(abc[2], &cc, &sc);
-  double m[9] = {ca * cb * cc - sa * sc, -ca * cb * sc - sa * cc, ca * sb,
-                 sa * cb * cc + ca * sc, -sa * cb * sc + ca * cc, sa * sb,
-                 -sb * cc, sb * sc, cb};
+  double m[9] = {ca * cb * cc - sa * sc,
+                 -ca * cb * sc - sa * cc,
+                 ca * sb,
+                 sa * cb * cc + ca * sc,
+                 -sa * cb * sc + ca * cc,
+                 sa * sb,
+                 -sb * cc,
+                 sb * sc,
+                 cb};
   memcpy(r, m, sizeof m);
   return YLM_OK;
 }
@@ -279,7 +305,8 @@ static void angles_of(const double r[9], ylm__angles *a) {
   *a = (ylm__angles){{-ca, -cb, cc}, {-sa, -sb, sc}, TURN_GENERAL};
 }
 
-/* -- blocks --------------------------------------------------------------------------------------- */
+/* -- blocks ---------------------------------------------------------------------------------------
+ */
 
 struct ylm_sh_rotation {
   int lmax;
@@ -380,8 +407,10 @@ static ylm_status create(const ylm_sh_rotator *p, const ylm__angles *a, int lmax
     for (int q = 0; q < w; q++)
       for (int m = 0; m < w; m++) {
         size_t k = r->at[l] + (size_t)(m * padded + q);
-        if (t == YLM_DOUBLE) ((double *)r->blocks)[k] = x[q * w + m];
-        else ((float *)r->blocks)[k] = (float)x[q * w + m];
+        if (t == YLM_DOUBLE)
+          ((double *)r->blocks)[k] = x[q * w + m];
+        else
+          ((float *)r->blocks)[k] = (float)x[q * w + m];
       }
   }
   ylm_free(x);
@@ -412,15 +441,18 @@ ylm_status ylm_sh_rotation_block(const ylm_sh_rotation *r, int l, double *out) {
   for (int q = 0; q < w; q++)
     for (int m = 0; m < w; m++) {
       size_t k = r->at[l] + (size_t)(m * padded + q);
-      out[q * w + m] = r->t == YLM_DOUBLE ? ((double *)r->blocks)[k] : (double)((float *)r->blocks)[k];
+      out[q * w + m] =
+          r->t == YLM_DOUBLE ? ((double *)r->blocks)[k] : (double)((float *)r->blocks)[k];
     }
   return YLM_OK;
 }
 
-/* -- applying ------------------------------------------------------------------------------------- */
+/* -- applying -------------------------------------------------------------------------------------
+ */
 
 /* The plain form, for the reference set and processors without vectors. */
-static void apply_plain(const ylm_sh_rotation *r, int lmax, size_t rows, const void *in, void *out) {
+static void apply_plain(const ylm_sh_rotation *r, int lmax, size_t rows, const void *in,
+                        void *out) {
   size_t count = ylm_sh_count(lmax);
   double temporary[2 * YLM_SH_ROTATE_LMAX + 1];
   for (size_t i = 0; i < rows; i++)
@@ -431,12 +463,17 @@ static void apply_plain(const ylm_sh_rotation *r, int lmax, size_t rows, const v
       for (int m = 0; m < w; m++)
         for (int q = 0; q < w; q++) {
           size_t k = r->at[l] + (size_t)(m * padded + q);
-          if (r->t == YLM_DOUBLE) temporary[q] += ((const double *)r->blocks)[k] * ((const double *)in)[at + (size_t)m];
-          else temporary[q] += (double)((const float *)r->blocks)[k] * (double)((const float *)in)[at + (size_t)m];
+          if (r->t == YLM_DOUBLE)
+            temporary[q] += ((const double *)r->blocks)[k] * ((const double *)in)[at + (size_t)m];
+          else
+            temporary[q] +=
+                (double)((const float *)r->blocks)[k] * (double)((const float *)in)[at + (size_t)m];
         }
       for (int q = 0; q < w; q++) {
-        if (r->t == YLM_DOUBLE) ((double *)out)[at + (size_t)q] = temporary[q];
-        else ((float *)out)[at + (size_t)q] = (float)temporary[q];
+        if (r->t == YLM_DOUBLE)
+          ((double *)out)[at + (size_t)q] = temporary[q];
+        else
+          ((float *)out)[at + (size_t)q] = (float)temporary[q];
       }
     }
 }
@@ -455,9 +492,12 @@ static ylm_status run(void *context, size_t begin, size_t end, int worker) {
   const void *in = j->in + offset;
   void *out = j->out + offset;
   const ylm__rotate_kernels *k = j->r->kernels;
-  if (!k) apply_plain(j->r, j->lmax, end - begin, in, out);
-  else if (j->r->t == YLM_DOUBLE) k->apply_d(j->lmax, j->r->blocks, end - begin, in, out);
-  else k->apply_f(j->lmax, j->r->blocks, end - begin, in, out);
+  if (!k)
+    apply_plain(j->r, j->lmax, end - begin, in, out);
+  else if (j->r->t == YLM_DOUBLE)
+    k->apply_d(j->lmax, j->r->blocks, end - begin, in, out);
+  else
+    k->apply_f(j->lmax, j->r->blocks, end - begin, in, out);
   return YLM_OK;
 }
 
@@ -469,8 +509,8 @@ ylm_status ylm_sh_rotation_apply(const ylm_sh_rotation *r, int lmax, size_t rows
   return ylm_parallel(rows, 256, threads, run, &j, NULL, NULL);
 }
 
-ylm_status ylm_sh_rotate(const ylm_sh_rotator *p, const double r[9], int lmax, ylm_dtype t, size_t rows,
-                         const void *in, void *out, int threads, ylm_error *e) {
+ylm_status ylm_sh_rotate(const ylm_sh_rotator *p, const double r[9], int lmax, ylm_dtype t,
+                         size_t rows, const void *in, void *out, int threads, ylm_error *e) {
   double exact[9];
   ylm__angles a;
   ylm_status s = check_lmax(p, lmax, e);
@@ -482,8 +522,10 @@ ylm_status ylm_sh_rotate(const ylm_sh_rotator *p, const double r[9], int lmax, y
   /* building the blocks costs about as much as this many rows one at a time */
   if (k && rows <= 4 + (size_t)lmax && in != out) {
     for (size_t i = 0; i < rows; i++) {
-      if (t == YLM_DOUBLE) k->one_d(p, lmax, &a, (const double *)in + i * count, (double *)out + i * count);
-      else k->one_f(p, lmax, &a, (const float *)in + i * count, (float *)out + i * count);
+      if (t == YLM_DOUBLE)
+        k->one_d(p, lmax, &a, (const double *)in + i * count, (double *)out + i * count);
+      else
+        k->one_f(p, lmax, &a, (const float *)in + i * count, (float *)out + i * count);
     }
     return YLM_OK;
   }

@@ -17,7 +17,9 @@
 
 /* Elements of a padded row of class order, a multiple of 64 bytes for either type. */
 #define ROTATE_PAD 16
-static inline int rotate_row(int lmax) { return (lmax / 2 + 1 + ROTATE_PAD - 1) / ROTATE_PAD * ROTATE_PAD; }
+static inline int rotate_row(int lmax) {
+  return (lmax / 2 + 1 + ROTATE_PAD - 1) / ROTATE_PAD * ROTATE_PAD;
+}
 
 /* A degree's block, column by column, padded to whole 64 byte vectors of `lanes` elements. */
 static inline int rotate_padded(int l, int lanes) { return (2 * l + lanes) / lanes * lanes; }
@@ -31,17 +33,19 @@ typedef enum ylm__turn {
 } ylm__turn;
 
 /* Cosines and sines of a, b, c. */
-typedef struct ylm__angles { double c[3], s[3]; ylm__turn turn; } ylm__angles;
+typedef struct ylm__angles {
+  double c[3], s[3];
+  ylm__turn turn;
+} ylm__angles;
 
 /* H for coefficient (l, m). */
 static inline int half_turn_sign(int l, int m) { return ((l + m) & 1) != (m < 0) ? -1 : 1; }
 
-
 /* Columns of a class at degree l. */
 static inline int class_columns(int l, int c) {
   switch (c) {
-  case 0: return l / 2 + 1;   /* CE: m = 0, 2 .. */
-  case 1: return l / 2 + 1;   /* SE: m = 0 (zero), 2 .. */
+  case 0: return l / 2 + 1;    /* CE: m = 0, 2 .. */
+  case 1: return l / 2 + 1;    /* SE: m = 0 (zero), 2 .. */
   default: return (l + 1) / 2; /* CO, SO: m = 1, 3 .. */
   }
 }
@@ -52,8 +56,10 @@ static inline int class_partner(int l, int c) {
 }
 
 typedef struct ylm__rotate_kernels {
-  void (*one_f)(const ylm_sh_rotator *p, int lmax, const ylm__angles *a, const float *in, float *out);
-  void (*one_d)(const ylm_sh_rotator *p, int lmax, const ylm__angles *a, const double *in, double *out);
+  void (*one_f)(const ylm_sh_rotator *p, int lmax, const ylm__angles *a, const float *in,
+                float *out);
+  void (*one_d)(const ylm_sh_rotator *p, int lmax, const ylm__angles *a, const double *in,
+                double *out);
   /* blocks: per degree, column by column, rotate_padded(l, 16 or 8) rows */
   void (*apply_f)(int lmax, const float *blocks, size_t rows, const float *in, float *out);
   void (*apply_d)(int lmax, const double *blocks, size_t rows, const double *in, double *out);
@@ -62,11 +68,11 @@ typedef struct ylm__rotate_kernels {
 struct ylm_sh_rotator {
   int lmax;
   const ylm__rotate_kernels *kernels; /* NULL: the plain forms */
-  double *dense;       /* J, degree after degree, [2l+1][2l+1] row-major */
-  size_t *dense_at;    /* [lmax+1] */
-  double *packed_d;    /* J in class order, column by column, rotate_row(l) rows each */
+  double *dense;                      /* J, degree after degree, [2l+1][2l+1] row-major */
+  size_t *dense_at;                   /* [lmax+1] */
+  double *packed_d; /* J in class order, column by column, rotate_row(l) rows each */
   float *packed_f;
-  size_t *packed_at;   /* [lmax+1] */
+  size_t *packed_at; /* [lmax+1] */
 };
 
 #if defined(__x86_64__)

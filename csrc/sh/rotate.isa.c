@@ -1,4 +1,5 @@
-/* rotate.isa.c - rotation kernels: one vector by z-turns between quarter turns, batches by blocks. */
+/* rotate.isa.c - rotation kernels: one vector by z-turns between quarter turns, batches by blocks.
+ */
 #include "ylm_sh.h"
 
 #include "rotate.h"

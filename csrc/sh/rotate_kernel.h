@@ -111,7 +111,8 @@ static void FN(one)(const ylm_sh_rotator *p, int lmax, const ylm__angles *a, con
 #undef TABLE
 
 /* R vectors of degree l, a constant, of K whole 64 byte vectors: out[r] = block in[r]. */
-YLM_INLINE void FN(block)(const int R, const int l, const int K, const T *b, const T *const *in, T *const *out) {
+YLM_INLINE void FN(block)(const int R, const int l, const int K, const T *b, const T *const *in,
+                          T *const *out) {
   enum { W = FULL / LANES };
   V acc[4][2 * W];
   const int at = l * l, w = 2 * l + 1;
@@ -126,7 +127,8 @@ YLM_INLINE void FN(block)(const int R, const int l, const int K, const T *b, con
 }
 
 /* R vectors of one degree wider than that; out may end right behind its 2l+1 numbers. */
-YLM_INLINE void FN(block_wide)(const int R, int l, int padded, const T *b, const T *const *in, T *const *out, int at) {
+YLM_INLINE void FN(block_wide)(const int R, int l, int padded, const T *b, const T *const *in,
+                               T *const *out, int at) {
   int w = 2 * l + 1;
   for (int k = 0; k + LANES < padded; k += 2 * LANES) {
     V first[4], second[4];
@@ -159,11 +161,13 @@ YLM_INLINE void FN(block_wide)(const int R, int l, int padded, const T *b, const
 /* Degrees whose blocks are unrolled. */
 #define UNROLLED(X) X(0) X(1) X(2) X(3) X(4) X(5) X(6) X(7)
 
-YLM_INLINE void FN(apply_rows)(const int R, int lmax, const T *b, const T *const *in, T *const *out) {
+YLM_INLINE void FN(apply_rows)(const int R, int lmax, const T *b, const T *const *in,
+                               T *const *out) {
   for (int l = 0; l <= lmax; l++) {
     int padded = rotate_padded(l, FULL);
     switch (l) {
-#define X(l) case l: FN(block)(R, l, (2 * l + FULL) / FULL, b, in, out); break;
+#define X(l)                                                                                       \
+  case l: FN(block)(R, l, (2 * l + FULL) / FULL, b, in, out); break;
       UNROLLED(X)
 #undef X
     default: {
@@ -180,8 +184,10 @@ YLM_INLINE void FN(apply_rows)(const int R, int lmax, const T *b, const T *const
 static void FN(apply)(int lmax, const T *blocks, size_t rows, const T *in, T *out) {
   size_t count = (size_t)(lmax + 1) * (size_t)(lmax + 1), r = 0;
   for (; r + 4 <= rows; r += 4) {
-    const T *from[4] = {in + r * count, in + (r + 1) * count, in + (r + 2) * count, in + (r + 3) * count};
-    T *to[4] = {out + r * count, out + (r + 1) * count, out + (r + 2) * count, out + (r + 3) * count};
+    const T *from[4] = {in + r * count, in + (r + 1) * count, in + (r + 2) * count,
+                        in + (r + 3) * count};
+    T *to[4] = {out + r * count, out + (r + 1) * count, out + (r + 2) * count,
+                out + (r + 3) * count};
     FN(apply_rows)(4, lmax, blocks, from, to);
   }
   for (; r < rows; r++) {

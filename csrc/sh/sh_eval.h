@@ -31,7 +31,7 @@ typedef bool ylm__sh_check(const void *p, size_t n, double least, double most);
 void ylm__sh_unit(const double v[3], double w[3], double *d);
 
 /* YLM_OK if every point is finite, not zero unless solid, and leads to representable results;
-   *tame as in ylm__sh_job. */
+ *tame as in ylm__sh_job. */
 ylm_status ylm__sh_check_points(const ylm_sh_how *how, int lmax, ylm_dtype t, size_t n,
                                 const void *p, bool *tame, ylm_error *e);
 
@@ -61,11 +61,11 @@ ylm__sh_kernel ylm__sh_reference_float, ylm__sh_reference_double;
 
 /* Vector kernels for any lmax (sh_kernel.h) and the scratch that each worker needs; for low
    degrees without scratch (low_kernel.h), NULL where there is none; a check of points. */
-#define X(isa)                                                                            \
-  ylm__sh_kernel *ylm__sh_low_float_##isa(int lmax, int derivatives);                     \
-  ylm__sh_kernel *ylm__sh_low_double_##isa(int lmax, int derivatives);                    \
-  ylm__sh_check ylm__sh_all_between_float_##isa, ylm__sh_all_between_double_##isa;        \
-  ylm__sh_kernel ylm__sh_recurrence_float_##isa, ylm__sh_recurrence_double_##isa;         \
+#define X(isa)                                                                                     \
+  ylm__sh_kernel *ylm__sh_low_float_##isa(int lmax, int derivatives);                              \
+  ylm__sh_kernel *ylm__sh_low_double_##isa(int lmax, int derivatives);                             \
+  ylm__sh_check ylm__sh_all_between_float_##isa, ylm__sh_all_between_double_##isa;                 \
+  ylm__sh_kernel ylm__sh_recurrence_float_##isa, ylm__sh_recurrence_double_##isa;                  \
   size_t ylm__sh_scratch_float_##isa(int lmax), ylm__sh_scratch_double_##isa(int lmax);
 YLM__SH_SETS(X)
 #undef X

@@ -9,7 +9,8 @@
 **   dS_lq/dx = A S_(l-1)(q-1) + B S_(l-1)(q+1)       (like with like)
 **   dS_lq/dy = -+ A S_(l-1)(q-1) +- B S_(l-1)(q+1)   (cosine with sine)
 **   dS_lq/dz = e S_(l-1)q
-** whose seven coefficients a b e A B b' c' stand in job->table for each l, q. Second derivatives climb it
+** whose seven coefficients a b e A B b' c' stand in job->table for each l, q. Second derivatives
+*climb it
 ** twice. Then derivatives of Y at v = d w follow from Iwasaki & Dobashi 2025, Eq. 17, with
 ** trace(HY) = -l(l+1) Y / d^2. docs/math.md "Evaluating the basis" derives this.
 */
@@ -34,11 +35,11 @@ typedef struct row {
 
 typedef struct state {
   vreal w[3], inverse, wd[3];
-  row f0, f1, f2;    /* values of degrees l, l-1, l-2 */
-  row d0, d1;        /* float: D of degrees l, l-1 */
-  vreal sign, o;     /* float: the sign of z, 1 - |z| times it */
-  row p0, p1;        /* those over d (surface), the same (solid); ladder's foot */
-  row g0, g1;        /* solid gradients of degrees l, l-1, over d: [q][3] */
+  row f0, f1, f2; /* values of degrees l, l-1, l-2 */
+  row d0, d1;     /* float: D of degrees l, l-1 */
+  vreal sign, o;  /* float: the sign of z, 1 - |z| times it */
+  row p0, p1;     /* those over d (surface), the same (solid); ladder's foot */
+  row g0, g1;     /* solid gradients of degrees l, l-1, over d: [q][3] */
   columns out[3];
 } state;
 
@@ -48,7 +49,8 @@ static void flush(columns *k, bool last, size_t rows) {
   sh_store_columns(k->v + W, whole, k->out + k->written, k->stride, rows);
   if (part && k->written + k->have >= W)
     sh_store_block(k->v + k->have, k->out + k->written + k->have - W, k->stride);
-  else if (part) sh_store_columns(k->v + W + whole, part, k->out + k->written + whole, k->stride, rows);
+  else if (part)
+    sh_store_columns(k->v + W + whole, part, k->out + k->written + whole, k->stride, rows);
   k->written += whole + part;
   k->have -= whole + part;
   if (!last && whole) memmove(k->v, k->v + whole, (W + k->have) * sizeof(vreal));
@@ -116,7 +118,8 @@ YLM_INLINE void finish(const state *s, int order, bool solid, real l, const vrea
 }
 
 /* Derivatives of degree l from the rows of degree l-1. */
-YLM_INLINE void derivatives(state *s, int l, const real *k, int order, bool solid, vreal *dy, vreal *ddy) {
+YLM_INLINE void derivatives(state *s, int l, const real *k, int order, bool solid, vreal *dy,
+                            vreal *ddy) {
   const row p0 = s->p0, p1 = s->p1, g0 = s->g0, g1 = s->g1;
   vreal g[3], h[6], lwd[3];
   for (int c = 0; c < 3; c++) lwd[c] = (real)l * s->wd[c];
@@ -140,7 +143,8 @@ YLM_INLINE void derivatives(state *s, int l, const real *k, int order, bool soli
       h[0] = A * lc[0] + B * lc[6], h[1] = A * lc[1] + B * lc[7];
       h[2] = e * lc[3], h[4] = e * lc[4], h[5] = e * lc[5];
     }
-    finish(s, order, solid, (real)l, lwd, p0.c[q], g, h, dy + 3 * (l + q), ddy + 6 * (l + q), g0.c + 3 * q);
+    finish(s, order, solid, (real)l, lwd, p0.c[q], g, h, dy + 3 * (l + q), ddy + 6 * (l + q),
+           g0.c + 3 * q);
     g[0] = A * p1.s[q - 1] + B * p1.s[q + 1];
     g[1] = A * p1.c[q - 1] - B * p1.c[q + 1];
     g[2] = e * p1.s[q];
@@ -148,7 +152,8 @@ YLM_INLINE void derivatives(state *s, int l, const real *k, int order, bool soli
       h[0] = A * ls[0] + B * ls[6], h[1] = A * ls[1] + B * ls[7];
       h[2] = e * ls[3], h[4] = e * ls[4], h[5] = e * ls[5];
     }
-    finish(s, order, solid, (real)l, lwd, p0.s[q], g, h, dy + 3 * (l - q), ddy + 6 * (l - q), g0.s + 3 * q);
+    finish(s, order, solid, (real)l, lwd, p0.s[q], g, h, dy + 3 * (l - q), ddy + 6 * (l - q),
+           g0.s + 3 * q);
   }
 }
 
@@ -158,7 +163,8 @@ YLM_INLINE void degree(state *s, int l, const real *k, int order, bool solid, vr
   if (l == 0) {
     s->f0.c[0] = sh_set((real)0.28209479177387814347);
     s->f0.s[0] = s->d0.c[0] = s->d0.s[0] = sh_set(0);
-  } else values(s, l, k, solid, r2);
+  } else
+    values(s, l, k, solid, r2);
   vreal *y = place(&s->out[0]);
   y[l] = s->f0.c[0];
   for (int q = 1; q <= l; q++) y[l + q] = s->f0.c[q], y[l - q] = s->f0.s[q];
@@ -171,14 +177,17 @@ YLM_INLINE void degree(state *s, int l, const real *k, int order, bool solid, vr
   vreal *dy = place(&s->out[1]), *ddy = place(&s->out[2]);
   if (l == 0) {
     for (int c = 0; c < 3; c++) dy[c] = sh_set(0), s->g0.c[c] = s->g0.s[c] = sh_set(0);
-    if (order > 1) for (int c = 0; c < 6; c++) ddy[c] = sh_set(0);
-  } else derivatives(s, l, k, order, solid, dy, ddy);
+    if (order > 1)
+      for (int c = 0; c < 6; c++) ddy[c] = sh_set(0);
+  } else
+    derivatives(s, l, k, order, solid, dy, ddy);
   s->out[1].have += 3 * (2 * (size_t)l + 1);
   if (order > 1) s->out[2].have += 6 * (2 * (size_t)l + 1);
 }
 
 /* All degrees at `rows` points. */
-YLM_INLINE void batch(const ylm__sh_job *job, state *s, size_t at, size_t rows, int order, bool solid) {
+YLM_INLINE void batch(const ylm__sh_job *job, state *s, size_t at, size_t rows, int order,
+                      bool solid) {
   static const size_t width[3] = {1, 3, 6};
   void *const outs[3] = {job->y, job->dy, job->ddy};
   size_t count = ylm_sh_count(job->lmax);
@@ -190,7 +199,8 @@ YLM_INLINE void batch(const ylm__sh_job *job, state *s, size_t at, size_t rows, 
   }
   sh_load_points((const real *)job->p + 3 * at, rows, s->w);
   vreal r2 = {0};
-  if (solid) r2 = s->w[0] * s->w[0] + s->w[1] * s->w[1] + s->w[2] * s->w[2];
+  if (solid)
+    r2 = s->w[0] * s->w[0] + s->w[1] * s->w[1] + s->w[2] * s->w[2];
   else {
     sh_unit(s->w, &s->inverse, job->tame);
     for (int c = 0; c < 3; c++) s->wd[c] = s->w[c] * s->inverse;
@@ -201,13 +211,16 @@ YLM_INLINE void batch(const ylm__sh_job *job, state *s, size_t at, size_t rows, 
   for (int l = 0; l <= job->lmax; k += l ? 7 * (l + 1) : 0, l++) {
     degree(s, l, k, order, solid, r2);
     for (int i = 0; i <= order; i++) {
-      if (!s->out[i].out) s->out[i].have = 0;
-      else if (l == job->lmax || s->out[i].have >= WAITING) flush(&s->out[i], l == job->lmax, rows);
+      if (!s->out[i].out)
+        s->out[i].have = 0;
+      else if (l == job->lmax || s->out[i].have >= WAITING)
+        flush(&s->out[i], l == job->lmax, rows);
     }
   }
 }
 
-YLM_INLINE void batches(const ylm__sh_job *job, state *s, size_t begin, size_t end, int order, bool solid) {
+YLM_INLINE void batches(const ylm__sh_job *job, state *s, size_t begin, size_t end, int order,
+                        bool solid) {
   for (size_t i = begin; i < end; i += W) batch(job, s, i, end - i < W ? end - i : W, order, solid);
 }
 

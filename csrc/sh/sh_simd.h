@@ -30,14 +30,18 @@ typedef ylm_vl sh_mask;
 #endif
 
 YLM_INLINE vreal sh_set(real x) { return (vreal){0} + x; }
-YLM_INLINE vreal sh_read(const real *p) { vreal v; memcpy(&v, p, sizeof v); return v; }
+YLM_INLINE vreal sh_read(const real *p) {
+  vreal v;
+  memcpy(&v, p, sizeof v);
+  return v;
+}
 YLM_INLINE void sh_write(real *p, vreal v) { memcpy(p, &v, sizeof v); }
 
 /* F(0,a), F(1,a), ... F(W-1,a): one constant for each lane. */
 #define SH_L2(F, a) F(0, a), F(1, a)
 #define SH_L4(F, a) SH_L2(F, a), F(2, a), F(3, a)
 #define SH_L8(F, a) SH_L4(F, a), F(4, a), F(5, a), F(6, a), F(7, a)
-#define SH_L16(F, a) \
+#define SH_L16(F, a)                                                                               \
   SH_L8(F, a), F(8, a), F(9, a), F(10, a), F(11, a), F(12, a), F(13, a), F(14, a), F(15, a)
 #define SH_LANES_(w, F, a) SH_L##w(F, a)
 #define SH_LANES__(w, F, a) SH_LANES_(w, F, a)
@@ -62,8 +66,9 @@ YLM_INLINE void sh_write(real *p, vreal v) { memcpy(p, &v, sizeof v); }
 /* Lane j of coordinate c is element 3j+c of three vectors: first what the first two hold. */
 #define SH_FIRST(j, c) (3 * j + c < 2 * W ? 3 * j + c : 0)
 #define SH_SECOND(j, c) (3 * j + c < 2 * W ? j : W + (3 * j + c - 2 * W))
-#define SH_COORDINATE(c) \
-  __builtin_shufflevector(__builtin_shufflevector(a, b, SH_LANES(SH_FIRST, c)), d, SH_LANES(SH_SECOND, c))
+#define SH_COORDINATE(c)                                                                           \
+  __builtin_shufflevector(__builtin_shufflevector(a, b, SH_LANES(SH_FIRST, c)), d,                 \
+                          SH_LANES(SH_SECOND, c))
 
 /* The coordinates of W points. */
 YLM_INLINE void sh_split(const real *p, vreal v[3]) {
@@ -80,7 +85,8 @@ YLM_INLINE void sh_load_points(const real *p, size_t rows, vreal v[3]) {
     return;
   }
   real copy[3 * W];
-  for (size_t j = 0; j < W; j++) memcpy(copy + 3 * j, p + 3 * (j < rows ? j : rows - 1), 3 * sizeof *p);
+  for (size_t j = 0; j < W; j++)
+    memcpy(copy + 3 * j, p + 3 * (j < rows ? j : rows - 1), 3 * sizeof *p);
   sh_split(copy, v);
 }
 
@@ -88,12 +94,12 @@ YLM_INLINE void sh_load_points(const real *p, size_t rows, vreal v[3]) {
 
 #define SH_LOW(j, b) ((j & b) ? W + j - b : j)
 #define SH_HIGH(j, b) ((j & b) ? W + j : j + b)
-#define SH_SWAP(b)                                                       \
-  for (size_t i = 0; i < W; i++)                                         \
-    if (!(i & b)) {                                                      \
-      vreal low = __builtin_shufflevector(v[i], v[i + b], SH_LANES(SH_LOW, b)); \
-      v[i + b] = __builtin_shufflevector(v[i], v[i + b], SH_LANES(SH_HIGH, b)); \
-      v[i] = low;                                                        \
+#define SH_SWAP(b)                                                                                 \
+  for (size_t i = 0; i < W; i++)                                                                   \
+    if (!(i & b)) {                                                                                \
+      vreal low = __builtin_shufflevector(v[i], v[i + b], SH_LANES(SH_LOW, b));                    \
+      v[i + b] = __builtin_shufflevector(v[i], v[i + b], SH_LANES(SH_HIGH, b));                    \
+      v[i] = low;                                                                                  \
     }
 
 /* v[i] lane j <-> v[j] lane i. */
@@ -143,7 +149,8 @@ YLM_INLINE void sh_store_block(const vreal *column, real *out, size_t stride) {
 }
 
 /* Columns column[0..n-1] to out[row][0..n-1]: whole blocks, the last one overlapping if need be. */
-YLM_INLINE void sh_store_columns(const vreal *column, size_t n, real *out, size_t stride, size_t rows) {
+YLM_INLINE void sh_store_columns(const vreal *column, size_t n, real *out, size_t stride,
+                                 size_t rows) {
   if (rows < W || (n < W && !__builtin_constant_p(n))) {
     sh_store_few(column, n, out, stride, rows);
     return;
@@ -154,7 +161,8 @@ YLM_INLINE void sh_store_columns(const vreal *column, size_t n, real *out, size_
   }
   size_t i = 0;
   for (; i + W <= n; i += W) sh_store_block(column + i, out + i, stride);
-  if (n - i > 2) sh_store_block(column + n - W, out + n - W, stride);
+  if (n - i > 2)
+    sh_store_block(column + n - W, out + n - W, stride);
   else /* an odd (lmax+1)^2 leaves one */
     for (; i < n; i++)
       for (size_t j = 0; j < W; j++) out[j * stride + i] = column[i][j];

@@ -32,7 +32,8 @@ static inline size_t ylm_sh_index(int l, int m) { return (size_t)(l * (l + 1) + 
 **   polynomial  explicit polynomials in x, y, z; lmax <= 6
 **   direct      Mezieres et al. 2022, "Direct": (theta, phi), Eq. 19; derivatives <= 1
 **   sloan       Mezieres et al. 2022, "Sloan's like": (theta, phi), Eq. 22; derivatives <= 1
-**   scd         spherical-coordinate derivatives with Hessian, compared with in Iwasaki & Dobashi 2025
+**   scd         spherical-coordinate derivatives with Hessian, compared with in Iwasaki & Dobashi
+*2025
 */
 #define YLM_SH_METHOD_LIST(X) X(solid) X(polynomial) X(direct) X(sloan) X(scd)
 
@@ -40,7 +41,7 @@ typedef enum ylm_sh_method {
 #define X(name) YLM_SH_##name,
   YLM_SH_METHOD_LIST(X)
 #undef X
-  YLM_SH_METHOD_COUNT
+      YLM_SH_METHOD_COUNT
 } ylm_sh_method;
 
 /*
@@ -117,7 +118,8 @@ YLM_API ylm_status ylm_sh_rotator_create(int lmax, ylm_sh_rotator **out, ylm_err
 YLM_API void ylm_sh_rotator_free(ylm_sh_rotator *p);
 
 /* Rotation matrices, row-major [3][3], that turn vectors: v -> R v. */
-YLM_API ylm_status ylm_sh_rotation_from_axis(const double axis[3], double angle, double r[9], ylm_error *e);
+YLM_API ylm_status ylm_sh_rotation_from_axis(const double axis[3], double angle, double r[9],
+                                             ylm_error *e);
 YLM_API ylm_status ylm_sh_rotation_from_quaternion(const double wxyz[4], double r[9], ylm_error *e);
 /* Rz(a) Ry(b) Rz(c), radians. */
 YLM_API ylm_status ylm_sh_rotation_from_zyz(const double abc[3], double r[9], ylm_error *e);
@@ -175,19 +177,21 @@ YLM_API ylm_status ylm_sh_rotation_reference(const double r[9], int lmax, double
 **   n3d        [count]      (-1)^m sqrt(4pi) c: ambisonics, ACN order, N3D
 **   sn3d       [count]      (-1)^m sqrt(4pi/(2l+1)) c: ambisonics, ACN order, SN3D (AmbiX)
 **   scipy      [count][2]   complex a(l,m), f = sum a sph_harm(m, l): real and imaginary part
-**   unity      [7][4]       SHAr SHAg SHAb SHBr SHBg SHBb SHC of three channels, lmax 2, irradiance/pi
+**   unity      [7][4]       SHAr SHAg SHAb SHBr SHBg SHBb SHC of three channels, lmax 2,
+*irradiance/pi
 **   three.js   [9][3]       SphericalHarmonics3: (-1)^m c, coefficients before channels, lmax 2
 **   filament   [9][3]       irradiance/pi with the constants of Y multiplied in, lmax 2
 */
-#define YLM_SH_SYSTEM_LIST(X)                                                                     \
-  X(ylm, "ylm") X(plain, "plain") X(n3d, "n3d") X(sn3d, "sn3d") X(scipy, "scipy")                 \
-  X(unity, "unity") X(threejs, "three.js") X(filament, "filament")
+#define YLM_SH_SYSTEM_LIST(X)                                                                      \
+  X(ylm, "ylm")                                                                                    \
+  X(plain, "plain") X(n3d, "n3d") X(sn3d, "sn3d") X(scipy, "scipy") X(unity, "unity")              \
+      X(threejs, "three.js") X(filament, "filament")
 
 typedef enum ylm_sh_system {
 #define X(name, text) YLM_SH_SYSTEM_##name,
   YLM_SH_SYSTEM_LIST(X)
 #undef X
-  YLM_SH_SYSTEM_COUNT
+      YLM_SH_SYSTEM_COUNT
 } ylm_sh_system;
 
 static inline ylm_sh_system ylm_sh_convention_system(uint32_t c) { return (ylm_sh_system)(c & 31); }
@@ -215,14 +219,16 @@ YLM_API ylm_status ylm_sh_convention_name(uint32_t convention, char text[64]);
 **
 ** Returns  YLM_OK; YLM_EINVAL (no convention); YLM_ERANGE (lmax over YLM_LMAX, over 128 where axes
 **          change, not 2 for unity, three.js and filament); YLM_ESHAPE (rows); YLM_EDOMAIN
-**          (irradiance to radiance with degrees 3, 5 .., which irradiance does not hold); YLM_ENOMEM
+**          (irradiance to radiance with degrees 3, 5 .., which irradiance does not hold);
+*YLM_ENOMEM
 ** Accuracy rounding of the type
 ** Source   docs/conventions.md, "Conventions of others"; Sloan 2008, appendix A10 (unity)
 */
 YLM_API ylm_status ylm_sh_convert(uint32_t from, uint32_t to, int lmax, ylm_dtype t, size_t rows,
                                   const void *in, void *out, ylm_error *e);
 
-/* A(l) = 2 pi times the integral of t P_l(t) over 0 .. 1: the factor from radiance to irradiance. */
+/* A(l) = 2 pi times the integral of t P_l(t) over 0 .. 1: the factor from radiance to irradiance.
+ */
 YLM_API double ylm_sh_cosine_factor(int l);
 
 /* -- products: csrc/sh/product.c ------------------------------------------------------------- */
@@ -237,13 +243,14 @@ YLM_API double ylm_sh_cosine_factor(int l);
 **   brute       sums over the non-zero integrals of all factors and the result (small sizes)
 **   recursive   two at a time, cut off at lmax in between: an approximation for three or more
 */
-#define YLM_SH_PRODUCT_METHOD_LIST(X) X(auto) X(gaunt) X(quadrature) X(fourier) X(brute) X(recursive)
+#define YLM_SH_PRODUCT_METHOD_LIST(X)                                                              \
+  X(auto) X(gaunt) X(quadrature) X(fourier) X(brute) X(recursive)
 
 typedef enum ylm_sh_product_method {
 #define X(name) YLM_SH_PRODUCT_##name,
   YLM_SH_PRODUCT_METHOD_LIST(X)
 #undef X
-  YLM_SH_PRODUCT_METHOD_COUNT
+      YLM_SH_PRODUCT_METHOD_COUNT
 } ylm_sh_product_method;
 
 /* The highest degree and the most factors of a product. */
@@ -273,15 +280,18 @@ YLM_API size_t ylm_sh_product_integrals(const ylm_sh_product *p);
 **   out[r] = the coefficients of factor[0][r] * factor[1][r] * ...
 **
 **   factor  in   [factors] arrays of rows [(lmax+1)^2]
-**   stride  in   [factors] numbers from one row to the next: (lmax+1)^2, or 0 to use one row for all;
+**   stride  in   [factors] numbers from one row to the next: (lmax+1)^2, or 0 to use one row for
+*all;
 **                NULL means (lmax+1)^2 for all
 **   out     out  [rows][(lmax+1)^2], no factor
 **   stage   out  [3] seconds of transform, multiplication and transform back are added (quadrature
-**                and fourier, one thread); may be NULL. quadrature counts the multiplication to the first.
+**                and fourier, one thread); may be NULL. quadrature counts the multiplication to the
+*first.
 **
 ** Returns  YLM_OK, YLM_ENOMEM
 ** Accuracy of the norm of the result: 1e-12 (double), 1e-5 (float)
-** Cost     O(factors lmax^3) a row by quadrature, vectorised over nodes or, for many rows, over rows
+** Cost     O(factors lmax^3) a row by quadrature, vectorised over nodes or, for many rows, over
+*rows
 ** Source   Gauss quadrature (docs/math.md "Products"); Xin et al. 2021, Sec. 4
 */
 YLM_API ylm_status ylm_sh_product_apply(const ylm_sh_product *p, ylm_dtype t, size_t rows,
@@ -298,7 +308,8 @@ YLM_API ylm_status ylm_sh_product_apply(const ylm_sh_product *p, ylm_dtype t, si
 **
 ** Returns  YLM_OK, YLM_ERANGE, YLM_ENOMEM.  Cost  O(lmax^5)
 */
-YLM_API ylm_status ylm_sh_transfer(int clmax, const double *c, int lmax, double *matrix, ylm_error *e);
+YLM_API ylm_status ylm_sh_transfer(int clmax, const double *c, int lmax, double *matrix,
+                                   ylm_error *e);
 
 /* out[r] = M in[r]: `n` numbers a row, M [n][n]; out is not in. */
 YLM_API ylm_status ylm_sh_transfer_apply(size_t n, ylm_dtype t, const void *matrix, size_t rows,
@@ -308,7 +319,8 @@ YLM_API ylm_status ylm_sh_transfer_apply(size_t n, ylm_dtype t, const void *matr
 
 /*
 ** ylm_sh_sphere_rule - directions and weights of a product rule: `nodes` Gauss-Legendre nodes in z,
-** `azimuths` directions around each. Exact for polynomials of degree min(2 nodes - 1, azimuths - 1).
+** `azimuths` directions around each. Exact for polynomials of degree min(2 nodes - 1, azimuths -
+*1).
 **
 **   lo, hi      in   the range of z: -1 .. 1 is the sphere, 0 .. 1 the upper half
 **   direction   out  [nodes * azimuths][3]

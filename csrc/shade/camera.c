@@ -31,8 +31,8 @@ ylm_status ylm__shade_frame(const ylm_camera *c, int width, int height, shade_fr
     return ylm_fail(e, YLM_EINVAL, "the camera's from and at must be different points");
   if (!normalise(up)) return ylm_fail(e, YLM_EINVAL, "the camera's up must not be zero");
   cross(f->forward, up, f->right);
-  double sine = sqrt(f->right[0] * f->right[0] + f->right[1] * f->right[1] +
-                     f->right[2] * f->right[2]);
+  double sine =
+      sqrt(f->right[0] * f->right[0] + f->right[1] * f->right[1] + f->right[2] * f->right[2]);
   if (!(sine > 1e-9) || !normalise(f->right))
     return ylm_fail(e, YLM_EINVAL, "the camera's up must not point along its view");
   cross(f->right, f->forward, f->up);

@@ -42,10 +42,15 @@ ylm_status ylm_shade_grid(const ylm_shade_view *v, const ylm_grid *grid,
                           ylm_error *e) {
   (void)e;
   double start = ylm_seconds();
-  grid_job j = {.view = v, .grid = grid, .look = ylm_grid_look(grid), .out = out,
+  grid_job j = {.view = v,
+                .grid = grid,
+                .look = ylm_grid_look(grid),
+                .out = out,
                 .dot = ylm__shade_kernels().dot,
-                .query = {.interpolation = interpolation, .point_dtype = YLM_FLOAT,
-                          .dtype = YLM_FLOAT, .threads = 1}};
+                .query = {.interpolation = interpolation,
+                          .point_dtype = YLM_FLOAT,
+                          .dtype = YLM_FLOAT,
+                          .threads = 1}};
   ylm_status s = ylm_parallel(v->points, BLOCK, threads, run_grid, &j, progress, "shading");
   if (report) *report = (ylm_grid_report){j.outside, j.unbaked, ylm_seconds() - start};
   return s;
@@ -66,7 +71,7 @@ static ylm_status run_cells(void *context, size_t begin, size_t end, int worker)
 
 ylm_status ylm_shade_grid_cells(const ylm_shade_view *v, const ylm_grid *grid, int threads,
                                 float *level, float *error) {
-  grid_job j = {.view = v, .grid = grid, .look = ylm_grid_look(grid), .level = level,
-                .error = error};
+  grid_job j = {
+      .view = v, .grid = grid, .look = ylm_grid_look(grid), .level = level, .error = error};
   return ylm_parallel(v->points, 4096, threads, run_cells, &j, NULL, NULL);
 }

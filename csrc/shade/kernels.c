@@ -42,7 +42,8 @@ static void weights(size_t chunks, float *const lamp[4], const float *luminance,
   for (size_t b = 0; b < chunks; b++) {
     sum[b] = 0;
     for (size_t j = b * YLM_LAMP_CHUNK; j < (b + 1) * YLM_LAMP_CHUNK; j++) {
-      double v[3] = {(double)lamp[0][j] - x[0], (double)lamp[1][j] - x[1], (double)lamp[2][j] - x[2]};
+      double v[3] = {(double)lamp[0][j] - x[0], (double)lamp[1][j] - x[1],
+                     (double)lamp[2][j] - x[2]};
       w[j] = (float)weight(v, lamp[3][j], n) * luminance[j];
       sum[b] += w[j];
     }
@@ -59,18 +60,20 @@ static void weights(size_t chunks, float *const lamp[4], const float *luminance,
                            ylm_k_shade_weights_##isa};
 
 #if defined(__x86_64__)
-DECLARE(sse2) DECLARE(avx2) DECLARE(avx512)
+DECLARE(sse2)
+DECLARE(avx2) DECLARE(avx512)
 #elif defined(__aarch64__)
 DECLARE(neon)
 #endif
 
-shade_kernels ylm__shade_kernels(void) {
+    shade_kernels ylm__shade_kernels(void) {
   switch (ylm_isa_current()) {
 #if defined(__x86_64__)
-    CASE(sse2) CASE(avx2) CASE(avx512)
+    CASE(sse2)
+    CASE(avx2) CASE(avx512)
 #elif defined(__aarch64__)
     CASE(neon)
 #endif
-  default: return (shade_kernels){dot, sums, weights};
+        default : return (shade_kernels){dot, sums, weights};
   }
 }

@@ -1,4 +1,5 @@
-/* kernels.isa.c - the inner loops of shading, once per instruction set. kernels.c has the plain form. */
+/* kernels.isa.c - the inner loops of shading, once per instruction set. kernels.c has the plain
+ * form. */
 #include "ylm_simd.h"
 
 #include "view.h"
@@ -37,13 +38,15 @@ YLM_INLINE float dot(size_t count, const float *a, const float *b, ylm_vi tail) 
   return lane_sum(s);
 }
 
-void YLM_KERNEL(ylm_k_shade_dot)(size_t count, size_t n, int channels, size_t t_row,
-                                 const float *T, size_t l_row, const float *L, float *out) {
+void YLM_KERNEL(ylm_k_shade_dot)(size_t count, size_t n, int channels, size_t t_row, const float *T,
+                                 size_t l_row, const float *L, float *out) {
   ylm_vi tail = tail_mask(count % YLM_VF);
   for (size_t i = 0; i < n; i++, T += t_row, out += 3)
     for (int c = 0; c < 3; c++) {
-      if (c >= channels) out[c] = out[0];
-      else out[c] = dot(count, T, L, tail), L += l_row;
+      if (c >= channels)
+        out[c] = out[0];
+      else
+        out[c] = dot(count, T, L, tail), L += l_row;
     }
 }
 

@@ -29,8 +29,10 @@ void ylm__shade_points(const ylm_shade_view *v, ylm_shade_dot_fn *dot, size_t fi
   size_t row = ylm_sh_count(v->o.lmax), given = ylm_sh_count(x->lmax);
   size_t count = row < given ? row : given;
   const float *T = v->transfer + first * row;
-  if (x->type == YLM_DOUBLE) dot_double(count, n, x->channels, row, T, given, x->L, out);
-  else dot(count, n, x->channels, row, T, given, x->L, out);
+  if (x->type == YLM_DOUBLE)
+    dot_double(count, n, x->channels, row, T, given, x->L, out);
+  else
+    dot(count, n, x->channels, row, T, given, x->L, out);
   for (size_t i = 0; i < n; i++)
     for (int c = 0; c < 3; c++)
       out[3 * i + (size_t)c] *= INV_PI * v->scene->mesh[v->mesh[first + i]].material.albedo[c];
@@ -64,15 +66,21 @@ static ylm_status run_field(void *context, size_t begin, size_t end, int worker)
   ylm_error e = {0};
   ylm_status s = L && (j->type == YLM_FLOAT || wide) ? YLM_OK : YLM_ENOMEM;
   if (wide) widen(v->position[begin], n, wide);
-  ylm_field_query q = {.lmax = v->o.lmax, .channels = 3, .want = YLM_WANT_VALUE,
-                       .metric_channels = 1, .dtype = j->type, .threads = 1};
+  ylm_field_query q = {.lmax = v->o.lmax,
+                       .channels = 3,
+                       .want = YLM_WANT_VALUE,
+                       .metric_channels = 1,
+                       .dtype = j->type,
+                       .threads = 1};
   ylm_field_result r = {.value = L};
   if (s == YLM_OK)
-    s = j->field->evaluate(j->field, &q, n, wide ? (void *)wide : (void *)v->position[begin], &r, &e);
+    s = j->field->evaluate(j->field, &q, n, wide ? (void *)wide : (void *)v->position[begin], &r,
+                           &e);
   if (s == YLM_OK)
     ylm__shade_points(v, j->dot, begin, n, &(shade_light){3, v->o.lmax, j->type, L},
                       j->out + 3 * begin);
-  else if (j->error && !atomic_flag_test_and_set(&j->failed)) *j->error = e;
+  else if (j->error && !atomic_flag_test_and_set(&j->failed))
+    *j->error = e;
   atomic_fetch_add_explicit(&j->pairs, r.pairs, memory_order_relaxed);
   ylm_free(L);
   ylm_free(wide);
@@ -82,8 +90,13 @@ static ylm_status run_field(void *context, size_t begin, size_t end, int worker)
 ylm_status ylm_shade_field(const ylm_shade_view *v, const ylm_field *field, ylm_dtype t,
                            int threads, const ylm_progress *progress, float *out, uint64_t *pairs,
                            ylm_error *e) {
-  field_job j = {.view = v, .field = field, .type = t, .dot = ylm__shade_kernels().dot, .out = out,
-                 .error = e, .failed = ATOMIC_FLAG_INIT};
+  field_job j = {.view = v,
+                 .field = field,
+                 .type = t,
+                 .dot = ylm__shade_kernels().dot,
+                 .out = out,
+                 .error = e,
+                 .failed = ATOMIC_FLAG_INIT};
   ylm_status s = ylm_parallel(v->points, BLOCK, threads, run_field, &j, progress, "shading");
   if (pairs) *pairs = j.pairs;
   return s;

@@ -119,8 +119,8 @@ static bool append_groups(row *r, const scratch *s, int groups, int count, int s
 }
 
 /* Groups what the rays of one pixel hit; appends to the row and fills the pixel. */
-static bool finish_pixel(job *j, row *r, shade_pixel *p, const scratch *s,
-                         const ylm_trace_ray *ray, const ylm_trace_hit *hit) {
+static bool finish_pixel(job *j, row *r, shade_pixel *p, const scratch *s, const ylm_trace_ray *ray,
+                         const ylm_trace_hit *hit) {
   const ylm_shade_view *v = j->view;
   int samples = v->o.samples, count = 0, groups = 0, lamps = 0;
   double light[3] = {0};
@@ -132,8 +132,8 @@ static bool finish_pixel(job *j, row *r, shade_pixel *p, const scratch *s,
     }
     if (h->mesh < 0) continue;
     shade_entry *e = &s->entry[count];
-    *e = (shade_entry){(uint32_t)h->mesh, h->element, h->u, h->v, 0, h->t,
-                       ylm__dot3(h->normal, ray[i].dir) > 0};
+    *e = (shade_entry){
+        (uint32_t)h->mesh, h->element, h->u, h->v, 0, h->t, ylm__dot3(h->normal, ray[i].dir) > 0};
     ylm__shade_surface(v->scene, e, &s->surface[count]);
     int g = find_group(v, s->groups, &groups, e, &s->surface[count], j->frame->pixel);
     s->groups[g].count++;

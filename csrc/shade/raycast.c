@@ -20,9 +20,9 @@ typedef struct job {
 } job;
 
 typedef struct scratch {
-  float *weight, *sum;           /* [chunks*YLM_LAMP_CHUNK], [chunks] */
-  ylm_trace_ray *ray;            /* [samples] */
-  float (*value)[3];             /* [samples]: irradiance that the ray brings if nothing is hit */
+  float *weight, *sum; /* [chunks*YLM_LAMP_CHUNK], [chunks] */
+  ylm_trace_ray *ray;  /* [samples] */
+  float (*value)[3];   /* [samples]: irradiance that the ray brings if nothing is hit */
 } scratch;
 
 /* A place in the list of lamps as strata walk along the sum of weights. */
@@ -86,7 +86,8 @@ static double sample_lamp(const ylm_shade_scene *s, size_t i, const float x[3], 
 static double wrap(double x) { return x - floor(x); }
 
 /* Irradiance of one point. Places on lamps follow Roberts' sequence R2, shifted at random, so that
-   successive rays, most of them to one lamp, spread over it; returns the number of rays that were traced. */
+   successive rays, most of them to one lamp, spread over it; returns the number of rays that were
+   traced. */
 static size_t gather(const job *j, size_t i, const scratch *s, double E[3]) {
   const ylm_shade_scene *scene = j->view->scene;
   const float *x = j->view->origin[i], *n = j->view->normal[i];
@@ -108,7 +109,8 @@ static size_t gather(const job *j, size_t i, const scratch *s, double E[3]) {
     double e = sample_lamp(scene, w.lamp, x, n, u0, u1, &s->ray[rays]);
     if (!(e > 0)) continue;
     e *= total / s->weight[w.lamp] / j->samples;
-    for (int c = 0; c < 3; c++) s->value[rays][c] = (float)e * scene->lamp_radiance[3 * w.lamp + (size_t)c];
+    for (int c = 0; c < 3; c++)
+      s->value[rays][c] = (float)e * scene->lamp_radiance[3 * w.lamp + (size_t)c];
     rays++;
   }
   if (j->shadows) ylm_trace_occluded(scene->trace, rays, s->ray);
@@ -144,9 +146,13 @@ ylm_status ylm_shade_raycast(const ylm_shade_view *v, int samples, bool shadows,
                              int threads, const ylm_progress *progress, float *out,
                              uint64_t *rays) {
   if (samples < 1 || samples > 65536) return YLM_ERANGE;
-  job j = {.view = v, .samples = samples, .shadows = shadows, .seed = seed,
+  job j = {.view = v,
+           .samples = samples,
+           .shadows = shadows,
+           .seed = seed,
            .chunks = (v->scene->lamps + YLM_LAMP_CHUNK - 1) / YLM_LAMP_CHUNK,
-           .weights = ylm__shade_kernels().weights, .out = out};
+           .weights = ylm__shade_kernels().weights,
+           .out = out};
   ylm_status s = ylm_parallel(v->points, GRAIN, threads, run, &j, progress, "raycast");
   if (rays) *rays = j.rays;
   return s;

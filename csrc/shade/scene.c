@@ -46,7 +46,8 @@ static ylm_status copy_mesh(shade_mesh *m, size_t i, const ylm_shade_mesh *in, y
   if (!m->position || !m->normal || !m->triangle) return YLM_ENOMEM;
   memcpy(m->position, in->positions, in->vertices * 12);
   memcpy(m->triangle, in->triangles, in->count * 12);
-  if (!m->smooth) mean_normals(m);
+  if (!m->smooth)
+    mean_normals(m);
   else {
     memcpy(m->normal, in->normals, in->vertices * 12);
     for (size_t k = 0; k < m->vertices; k++) normalise(&m->normal[3 * k]);
@@ -103,8 +104,10 @@ ylm_status ylm_shade_scene_create(size_t meshes, const ylm_shade_mesh *mesh,
   if (status == YLM_OK) status = copy_lamps(s, lamps, e);
   if (status == YLM_OK && s->vertices > UINT32_MAX / 2)
     status = ylm_fail(e, YLM_EOVERFLOW, "the scene has more than 2^31 vertices");
-  if (status == YLM_OK) *scene = s;
-  else ylm_shade_scene_free(s);
+  if (status == YLM_OK)
+    *scene = s;
+  else
+    ylm_shade_scene_free(s);
   return status;
 }
 
@@ -155,8 +158,7 @@ void ylm__shade_surface(const ylm_shade_scene *s, const shade_entry *e, shade_su
   const float *p[3], *n[3], w[3] = {1 - e->u - e->v, e->u, e->v};
   float flat[3], offset = ylm_trace_offset(s->trace), side = e->back ? -1 : 1;
   for (int i = 0; i < 3; i++) p[i] = &m->position[3 * t[i]], n[i] = &m->normal[3 * t[i]];
-  for (int a = 0; a < 3; a++)
-    out->position[a] = w[0] * p[0][a] + w[1] * p[1][a] + w[2] * p[2][a];
+  for (int a = 0; a < 3; a++) out->position[a] = w[0] * p[0][a] + w[1] * p[1][a] + w[2] * p[2][a];
   triangle_normal(p[0], p[1], p[2], flat);
   for (int a = 0; a < 3; a++) flat[a] *= side;
   normalise(flat);

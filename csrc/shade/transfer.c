@@ -15,9 +15,9 @@ typedef struct job {
   bool shadows;
   const float (*normal)[3], (*origin)[3];
   float *transfer;
-  double *cosine;     /* [lmax+1] zonal coefficients   */
-  float (*disk)[2];   /* [samples] cos and sin of the unshifted azimuth */
-  float *height;      /* [samples] i / samples         */
+  double *cosine;   /* [lmax+1] zonal coefficients   */
+  float (*disk)[2]; /* [samples] cos and sin of the unshifted azimuth */
+  float *height;    /* [samples] i / samples         */
   shade_kernels k;
   atomic_uint_fast64_t rays;
 } job;
@@ -35,10 +35,12 @@ static ylm_status unshadowed(const job *j, size_t first, size_t n) {
   int lmax = j->view->o.lmax;
   size_t count = ylm_sh_count(lmax);
   float *T = j->transfer + first * count;
-  ylm_status s = ylm_sh_eval(lmax, 0, false, YLM_FLOAT, n, j->normal[first], T, NULL, NULL, 1, NULL);
+  ylm_status s =
+      ylm_sh_eval(lmax, 0, false, YLM_FLOAT, n, j->normal[first], T, NULL, NULL, 1, NULL);
   for (size_t i = 0; s == YLM_OK && i < n; i++, T += count)
     for (int l = 0; l <= lmax; l++)
-      for (size_t k = ylm_sh_index(l, -l); k <= ylm_sh_index(l, l); k++) T[k] *= (float)j->cosine[l];
+      for (size_t k = ylm_sh_index(l, -l); k <= ylm_sh_index(l, l); k++)
+        T[k] *= (float)j->cosine[l];
   return s;
 }
 
@@ -84,8 +86,8 @@ static ylm_status estimate(const job *j, const ylm_trace_ray *ray, const scratch
   for (int first = 0; first < samples; first += BATCH) {
     int n = samples - first < BATCH ? samples - first : BATCH;
     for (int k = 0; k < n; k++) memcpy(x->direction + 3 * k, ray[first + k].dir, 12);
-    ylm_status s = ylm_sh_eval(lmax, 0, false, YLM_FLOAT, (size_t)n, x->direction, x->Y, NULL,
-                               NULL, 1, NULL);
+    ylm_status s =
+        ylm_sh_eval(lmax, 0, false, YLM_FLOAT, (size_t)n, x->direction, x->Y, NULL, NULL, 1, NULL);
     if (s != YLM_OK) return s;
     j->k.sums(count, (size_t)n, x->Y, x->visible + first, x->seen, x->all);
   }
@@ -141,7 +143,11 @@ ylm_status ylm__shade_transfer(const ylm_shade_view *v, bool shadows, size_t n,
                                const float (*normal)[3], const float (*origin)[3], float *transfer,
                                uint64_t *rays) {
   int samples = v->o.transfer_samples;
-  job j = {.view = v, .shadows = shadows, .normal = normal, .origin = origin, .transfer = transfer,
+  job j = {.view = v,
+           .shadows = shadows,
+           .normal = normal,
+           .origin = origin,
+           .transfer = transfer,
            .k = ylm__shade_kernels()};
   j.cosine = ylm_alloc((size_t)v->o.lmax + 1, sizeof *j.cosine);
   j.disk = ylm_alloc((size_t)samples, sizeof *j.disk);
@@ -154,8 +160,7 @@ ylm_status ylm__shade_transfer(const ylm_shade_view *v, bool shadows, size_t n,
     j.disk[k][1] = (float)sin(turn);
     j.height[k] = (float)k / (float)samples;
   }
-  if (s == YLM_OK)
-    s = ylm_parallel(n, 128, v->o.threads, run, &j, v->o.progress, "transfer");
+  if (s == YLM_OK) s = ylm_parallel(n, 128, v->o.threads, run, &j, v->o.progress, "transfer");
   *rays += j.rays;
   ylm_free(j.cosine);
   ylm_free(j.disk);

@@ -108,11 +108,12 @@ static ylm_status make_transfer(ylm_shade_view *v) {
   ylm_status s = YLM_OK;
   if (v->o.per_vertex || by_vertex) s = ylm__shade_vertices(v, &x);
   if (s == YLM_OK) s = v->o.per_vertex ? points_of_vertices(v, &x) : points_of_entries(v);
-  if (s == YLM_OK && by_vertex) s = transfer_by_vertices(v, &x);
+  if (s == YLM_OK && by_vertex)
+    s = transfer_by_vertices(v, &x);
   else if (s == YLM_OK)
     s = ylm__shade_transfer(v, v->o.visibility != YLM_SHADE_UNSHADOWED, v->points,
-                            (const float(*)[3])v->normal, (const float(*)[3])v->origin,
-                            v->transfer, &v->stats.occlusion_rays);
+                            (const float(*)[3])v->normal, (const float(*)[3])v->origin, v->transfer,
+                            &v->stats.occlusion_rays);
   ylm__shade_vertices_free(&x);
   v->stats.transfer_seconds = ylm_seconds() - start;
   return s;
@@ -140,8 +141,10 @@ ylm_status ylm_shade_view_create(const ylm_shade_scene *scene, const ylm_camera 
   v->o.progress = NULL;
   v->stats.points = v->points;
   v->stats.bytes = bytes_held(v);
-  if (s == YLM_OK) *view = v;
-  else ylm_shade_view_free(v);
+  if (s == YLM_OK)
+    *view = v;
+  else
+    ylm_shade_view_free(v);
   return s;
 }
 
@@ -202,8 +205,10 @@ static ylm_status resolve_pixels(void *context, size_t begin, size_t end, int wo
         s += j->v->entry[i].weight * entry_value(j, i, c);
         weight += j->v->entry[i].weight;
       }
-      if (j->covered) s = weight > 0 ? s / weight : fill;
-      else s += fill * fmaxf(0, 1 - q->coverage - q->emitter);
+      if (j->covered)
+        s = weight > 0 ? s / weight : fill;
+      else
+        s += fill * fmaxf(0, 1 - q->coverage - q->emitter);
       j->out[p * (size_t)j->channels + (size_t)c] = s;
     }
   }
@@ -235,7 +240,7 @@ typedef struct layer_job {
 
 int ylm_shade_layer_channels(ylm_shade_layer layer) {
   return layer == YLM_SHADE_DEPTH || layer == YLM_SHADE_COVERAGE || layer == YLM_SHADE_EMITTER ? 1
-                                                                                              : 3;
+                                                                                               : 3;
 }
 
 /* Means over the surface of one pixel: normal, position, albedo or depth. */
@@ -246,7 +251,8 @@ static void surface_mean(const layer_job *j, const shade_pixel *q, float *out) {
     const shade_entry *e = &j->v->entry[i];
     shade_surface s;
     const float *x = &e->depth;
-    if (j->layer == YLM_SHADE_ALBEDO) x = j->v->scene->mesh[e->mesh].material.albedo;
+    if (j->layer == YLM_SHADE_ALBEDO)
+      x = j->v->scene->mesh[e->mesh].material.albedo;
     else if (j->layer != YLM_SHADE_DEPTH) {
       ylm__shade_surface(j->v->scene, e, &s);
       x = j->layer == YLM_SHADE_NORMAL ? s.normal : s.position;

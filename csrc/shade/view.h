@@ -49,12 +49,12 @@ struct ylm_shade_view {
   ylm_shade_options o;
   ylm_shade_stats stats;
   size_t entries, points;
-  shade_entry *entry;   /* [entries] in the order of pixels        */
-  shade_pixel *pixel;   /* [width*height + 1]                      */
+  shade_entry *entry;    /* [entries] in the order of pixels        */
+  shade_pixel *pixel;    /* [width*height + 1]                      */
   uint32_t (*corner)[3]; /* [entries]: points at the triangle's corners; NULL: entry i is point i */
-  uint32_t *mesh;       /* [points]                                */
+  uint32_t *mesh;        /* [points]                                */
   float (*position)[3], (*normal)[3], (*origin)[3]; /* [points]    */
-  float *transfer;      /* [points][count]                         */
+  float *transfer;                                  /* [points][count]                         */
 };
 
 /* scene.c: the surface at entry `e`. */
@@ -80,7 +80,7 @@ typedef struct shade_vertices {
   size_t count;
   uint32_t *mesh, *vertex; /* [count] */
   bool *back;
-  uint32_t (*corner)[3];   /* [entries]: indices of the entry's triangle's vertices here */
+  uint32_t (*corner)[3]; /* [entries]: indices of the entry's triangle's vertices here */
 } shade_vertices;
 ylm_status ylm__shade_vertices(const ylm_shade_view *v, shade_vertices *out);
 void ylm__shade_vertices_free(shade_vertices *x);

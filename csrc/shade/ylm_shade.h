@@ -37,13 +37,13 @@ extern "C" {
 typedef struct ylm_shade_scene ylm_shade_scene;
 
 typedef struct ylm_shade_mesh {
-  const float *positions;    /* [vertices][3]  scene units                              */
-  const float *normals;      /* [vertices][3]  any length; NULL: those of the triangles */
+  const float *positions; /* [vertices][3]  scene units                              */
+  const float *normals;   /* [vertices][3]  any length; NULL: those of the triangles */
   size_t vertices;
   const uint32_t *triangles; /* [count][3]     < vertices                               */
   size_t count;
   ylm_material material;
-  bool occludes;             /* false: seen, but never in the way of light */
+  bool occludes; /* false: seen, but never in the way of light */
 } ylm_shade_mesh;
 
 /* Sphere lamps: drawn as emitters, sampled by ylm_shade_raycast; they never occlude. */
@@ -96,16 +96,16 @@ typedef struct ylm_shade_options {
   double share;                    /* pixel widths, >= 0                                   */
   uint64_t seed;
   int threads;
-  const ylm_progress *progress;    /* stages "primary rays", "transfer"                    */
+  const ylm_progress *progress; /* stages "primary rays", "transfer"                    */
 } ylm_shade_options;
 
 typedef struct ylm_shade_stats {
-  size_t points;         /* shading points: where light is asked for                       */
-  size_t hits;           /* primary samples that hit a mesh                                */
-  size_t pixels;         /* of the image                                                   */
+  size_t points; /* shading points: where light is asked for                       */
+  size_t hits;   /* primary samples that hit a mesh                                */
+  size_t pixels; /* of the image                                                   */
   uint64_t primary_rays, occlusion_rays;
   double primary_seconds, transfer_seconds;
-  size_t bytes;          /* memory the view holds                                          */
+  size_t bytes; /* memory the view holds                                          */
 } ylm_shade_stats;
 
 /*
@@ -171,8 +171,8 @@ YLM_API ylm_status ylm_shade_field(const ylm_shade_view *view, const ylm_field *
 */
 YLM_API ylm_status ylm_shade_grid(const ylm_shade_view *view, const ylm_grid *grid,
                                   ylm_grid_interpolation interpolation, int threads,
-                                  const ylm_progress *progress, float *out,
-                                  ylm_grid_report *report, ylm_error *e);
+                                  const ylm_progress *progress, float *out, ylm_grid_report *report,
+                                  ylm_error *e);
 
 /* Level of the leaf that holds each shading point and the error estimated for it (NaN: unknown);
    level, error [points]. */
@@ -198,7 +198,8 @@ YLM_API ylm_status ylm_shade_coefficients(const ylm_shade_view *view, size_t fir
 **
 ** Returns  YLM_OK; YLM_ERANGE, YLM_ENOMEM, YLM_ECANCELLED (progress stage "raycast")
 ** Cost     points * (lamps + samples rays)
-** Source   Shirley, Wang, Zimmerman 1996, "Monte Carlo Techniques for Direct Lighting Calculations";
+** Source   Shirley, Wang, Zimmerman 1996, "Monte Carlo Techniques for Direct Lighting
+*Calculations";
 **          Roberts 2018, "The Unreasonable Effectiveness of Quasirandom Sequences" (R2)
 */
 YLM_API ylm_status ylm_shade_raycast(const ylm_shade_view *view, int samples, bool shadows,

@@ -86,10 +86,12 @@ static void attach(RTCScene s, RTCGeometry g, uint32_t id) {
 static ylm_status add_mesh(ylm_trace *t, uint32_t id, const ylm_trace_mesh *m, ylm_error *e) {
   if (m->count == 0) return YLM_OK;
   RTCGeometry g = rtcNewGeometry(t->device, RTC_GEOMETRY_TYPE_TRIANGLE);
-  float *p = g ? rtcSetNewGeometryBuffer(g, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 12,
-                                         m->vertices) : NULL;
-  uint32_t *k = p ? rtcSetNewGeometryBuffer(g, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 12,
-                                            m->count) : NULL;
+  float *p =
+      g ? rtcSetNewGeometryBuffer(g, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 12, m->vertices)
+        : NULL;
+  uint32_t *k =
+      p ? rtcSetNewGeometryBuffer(g, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 12, m->count)
+        : NULL;
   if (!k) {
     if (g) rtcReleaseGeometry(g);
     ylm_status s = device_status(t->device, e);
@@ -108,8 +110,8 @@ static ylm_status add_lamps(ylm_trace *t, size_t n, const float *spheres, ylm_er
     if (!isfinite(spheres[i]) || (i % 4 == 3 && spheres[i] < 0))
       return ylm_fail(e, YLM_EDOMAIN, "lamp %zu has no finite place or radius", i / 4 + 1);
   RTCGeometry g = rtcNewGeometry(t->device, RTC_GEOMETRY_TYPE_SPHERE_POINT);
-  float *p = g ? rtcSetNewGeometryBuffer(g, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT4, 16, n)
-               : NULL;
+  float *p =
+      g ? rtcSetNewGeometryBuffer(g, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT4, 16, n) : NULL;
   if (!p) {
     if (g) rtcReleaseGeometry(g);
     ylm_status s = device_status(t->device, e);
@@ -126,8 +128,8 @@ static RTCScene new_scene(RTCDevice d) {
   return s;
 }
 
-static ylm_status build(ylm_trace *t, size_t mesh_count, const ylm_trace_mesh *meshes,
-                        size_t lamps, const float *spheres, ylm_error *e) {
+static ylm_status build(ylm_trace *t, size_t mesh_count, const ylm_trace_mesh *meshes, size_t lamps,
+                        const float *spheres, ylm_error *e) {
   bool any = false;
   if (mesh_count > INT32_MAX) return ylm_fail(e, YLM_EOVERFLOW, "more than 2^31 meshes");
   t->meshes = (uint32_t)mesh_count;
@@ -157,8 +159,10 @@ ylm_status ylm_trace_create(size_t mesh_count, const ylm_trace_mesh *meshes, siz
   unsigned mode = enter_fast_mode();
   ylm_status s = build(t, mesh_count, meshes, lamps, spheres, e);
   leave_fast_mode(mode);
-  if (s == YLM_OK) *out = t;
-  else ylm_trace_free(t);
+  if (s == YLM_OK)
+    *out = t;
+  else
+    ylm_trace_free(t);
   return s;
 }
 
@@ -177,8 +181,7 @@ void ylm_trace_bounds(const ylm_trace *t, float lo[3], float hi[3]) {
 
 float ylm_trace_offset(const ylm_trace *t) {
   float largest = 0;
-  for (int a = 0; a < 3; a++)
-    largest = fmaxf(largest, fmaxf(fabsf(t->lo[a]), fabsf(t->hi[a])));
+  for (int a = 0; a < 3; a++) largest = fmaxf(largest, fmaxf(fabsf(t->lo[a]), fabsf(t->hi[a])));
   return largest > 0 ? 1e-5f * largest : 1e-5f;
 }
 

@@ -19,11 +19,11 @@ typedef struct ylm_trace ylm_trace;
 
 /* Triangles to be traced. */
 typedef struct ylm_trace_mesh {
-  const float *positions;    /* [vertices][3]       scene units  */
+  const float *positions; /* [vertices][3]       scene units  */
   size_t vertices;
   const uint32_t *triangles; /* [count][3]          < vertices   */
   size_t count;
-  bool occludes;             /* false: seen by primary rays, ignored by occlusion rays */
+  bool occludes; /* false: seen by primary rays, ignored by occlusion rays */
 } ylm_trace_mesh;
 
 /* A ray from org + near*dir to org + far*dir. `reserved` need not be set. 16-byte aligned. */
@@ -36,11 +36,11 @@ typedef struct ylm_trace_ray {
 
 /* What a ray hit first. */
 typedef struct ylm_trace_hit {
-  int32_t mesh;      /* index of the mesh, YLM_TRACE_NOTHING or YLM_TRACE_LAMP */
-  uint32_t element;  /* the triangle in its mesh, or the lamp */
-  float t;           /* distance in lengths of dir */
-  float u, v;        /* weights of the triangle's second and third corner */
-  float normal[3];   /* of the triangle by its winding, not normalised */
+  int32_t mesh;     /* index of the mesh, YLM_TRACE_NOTHING or YLM_TRACE_LAMP */
+  uint32_t element; /* the triangle in its mesh, or the lamp */
+  float t;          /* distance in lengths of dir */
+  float u, v;       /* weights of the triangle's second and third corner */
+  float normal[3];  /* of the triangle by its winding, not normalised */
 } ylm_trace_hit;
 
 enum { YLM_TRACE_NOTHING = -1, YLM_TRACE_LAMP = -2 };

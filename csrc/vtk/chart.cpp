@@ -2,13 +2,13 @@
 #include "window.h"
 
 #include <vtkAxis.h>
+#include <vtkBrush.h>
 #include <vtkChartLegend.h>
 #include <vtkChartXY.h>
 #include <vtkContextActor.h>
 #include <vtkContextScene.h>
 #include <vtkDoubleArray.h>
 #include <vtkPen.h>
-#include <vtkBrush.h>
 #include <vtkPlotPoints.h>
 #include <vtkRenderer.h>
 #include <vtkStringArray.h>
@@ -25,7 +25,8 @@ static void set_text(vtkTextProperty *p, double size, bool bold, const double rg
     p->SetFontFamily(VTK_FONT_FILE);
     p->SetFontFile(font);
     p->SetBold(0);
-  } else p->SetBold(bold);
+  } else
+    p->SetBold(bold);
   p->SetItalic(0);
   p->SetShadow(0);
   p->SetFontSize(int(size + 0.5));
@@ -69,14 +70,17 @@ static void add_line(vtkChartXY *chart, const ylm_vtk_series *s, double k, bool 
   auto table = Ptr<vtkTable>::New();
   table->AddColumn(x);
   table->AddColumn(y);
-  auto *plot = vtkPlotPoints::SafeDownCast(chart->AddPlot(points ? vtkChart::POINTS : vtkChart::LINE));
+  auto *plot =
+      vtkPlotPoints::SafeDownCast(chart->AddPlot(points ? vtkChart::POINTS : vtkChart::LINE));
   plot->SetInputData(table, 0, 1);
-  const auto byte = [](double v) { return (unsigned char)(v <= 0 ? 0 : v >= 1 ? 255 : v * 255 + 0.5); };
+  const auto byte = [](double v) {
+    return (unsigned char)(v <= 0 ? 0 : v >= 1 ? 255 : v * 255 + 0.5);
+  };
   plot->SetColor(byte(s->colour[0]), byte(s->colour[1]), byte(s->colour[2]), byte(s->colour[3]));
   plot->SetWidth(float(s->width * k));
   plot->SetLabel(s->label ? s->label : "");
   plot->SetLegendVisibility(s->label && *s->label);
-  plot->GetPen()->SetLineType(s->dash == 1 ? vtkPen::DASH_LINE
+  plot->GetPen()->SetLineType(s->dash == 1   ? vtkPen::DASH_LINE
                               : s->dash == 2 ? vtkPen::DOT_LINE
                                              : vtkPen::SOLID_LINE);
   plot->SetMarkerStyle(s->marker_size > 0 ? s->marker : vtkPlotPoints::NONE);
@@ -87,7 +91,8 @@ static void set_legend(vtkChartXY *chart, const ylm_vtk_chart *c, double k) {
   chart->SetShowLegend(c->legend != 0);
   if (!c->legend) return;
   vtkChartLegend *legend = chart->GetLegend();
-  legend->SetHorizontalAlignment(c->legend == 1 || c->legend == 3 ? vtkChartLegend::RIGHT : vtkChartLegend::LEFT);
+  legend->SetHorizontalAlignment(c->legend == 1 || c->legend == 3 ? vtkChartLegend::RIGHT
+                                                                  : vtkChartLegend::LEFT);
   legend->SetVerticalAlignment(c->legend <= 2 ? vtkChartLegend::TOP : vtkChartLegend::BOTTOM);
   legend->SetInline(true);
   legend->SetPadding(int(8 * k));
@@ -105,7 +110,8 @@ extern "C" ylm_status ylm_vtk_plot(const ylm_vtk_chart *c, uint8_t *rgb, ylm_err
     auto chart = Ptr<vtkChartXY>::New();
     chart->SetAutoSize(false);
     chart->SetLayoutStrategy(vtkChart::AXES_TO_RECT);
-    chart->SetSize(vtkRectf(float(c->left * k), float(c->bottom * k), float((c->width - c->left - c->right) * k),
+    chart->SetSize(vtkRectf(float(c->left * k), float(c->bottom * k),
+                            float((c->width - c->left - c->right) * k),
                             float((c->height - c->bottom - c->top) * k)));
     chart->SetRenderEmpty(true);
     set_axis(chart->GetAxis(vtkAxis::BOTTOM), &c->x, c, k);

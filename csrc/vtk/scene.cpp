@@ -74,15 +74,18 @@ static Ptr<vtkPolyData> polydata(const ylm_figure_shape *shape) {
   auto offsets = Ptr<vtkIdTypeArray>::New(), ids = Ptr<vtkIdTypeArray>::New();
   offsets->SetNumberOfValues(vtkIdType(shape->cells) + 1);
   ids->SetNumberOfValues(vtkIdType(shape->cells) * shape->corners);
-  for (size_t i = 0; i <= shape->cells; i++) offsets->SetValue(vtkIdType(i), vtkIdType(i) * shape->corners);
+  for (size_t i = 0; i <= shape->cells; i++)
+    offsets->SetValue(vtkIdType(i), vtkIdType(i) * shape->corners);
   for (size_t i = 0; i < shape->cells * size_t(shape->corners); i++)
     ids->SetValue(vtkIdType(i), shape->index[i]);
   auto cells = Ptr<vtkCellArray>::New();
   cells->SetData(offsets, ids);
   auto data = Ptr<vtkPolyData>::New();
   data->SetPoints(points);
-  if (shape->corners == 3) data->SetPolys(cells);
-  else data->SetLines(cells);
+  if (shape->corners == 3)
+    data->SetPolys(cells);
+  else
+    data->SetLines(cells);
   auto colour = Ptr<vtkUnsignedCharArray>::New();
   colour->SetNumberOfComponents(4);
   colour->SetNumberOfTuples(vtkIdType(shape->points));
@@ -131,7 +134,8 @@ extern "C" ylm_status ylm_vtk_add_shape(ylm_vtk_scene *s, const ylm_figure_shape
       actor->GetProperty()->SetLineWidth(float(style->line_width));
       actor->GetProperty()->SetLighting(false);
       s->lines.push_back({actor, style->line_width});
-    } else if (clear) s->peel = true;
+    } else if (clear)
+      s->peel = true;
     if (style->ghost && clear) s->ghosts.push_back(actor);
     s->renderer->AddActor(actor);
     return YLM_OK;
@@ -183,8 +187,10 @@ extern "C" ylm_status ylm_vtk_add_volume(ylm_vtk_scene *s, const ylm_figure_volu
     property->SetColor(colour);
     property->SetScalarOpacity(opacity);
     property->SetScalarOpacityUnitDistance(distance);
-    if (smooth) property->SetInterpolationTypeToLinear();
-    else property->SetInterpolationTypeToNearest();
+    if (smooth)
+      property->SetInterpolationTypeToLinear();
+    else
+      property->SetInterpolationTypeToNearest();
     property->ShadeOff();
     auto mapper = Ptr<vtkGPUVolumeRayCastMapper>::New();
     mapper->SetInputData(cloud(place));
@@ -203,8 +209,8 @@ extern "C" ylm_status ylm_vtk_add_volume(ylm_vtk_scene *s, const ylm_figure_volu
   });
 }
 
-extern "C" ylm_status ylm_vtk_add_isosurfaces(ylm_vtk_scene *s, const ylm_figure_volume *v, size_t n,
-                                              const double *value, const double *colour,
+extern "C" ylm_status ylm_vtk_add_isosurfaces(ylm_vtk_scene *s, const ylm_figure_volume *v,
+                                              size_t n, const double *value, const double *colour,
                                               ylm_error *e) {
   return guarded(e, [&] {
     auto data = image(v, -1e30f);
@@ -231,9 +237,9 @@ extern "C" ylm_status ylm_vtk_add_isosurfaces(ylm_vtk_scene *s, const ylm_figure
   });
 }
 
-extern "C" ylm_status ylm_vtk_add_picture(ylm_vtk_scene *s, const double corner[3], const double u[3],
-                                          const double v[3], int w, int h, const uint8_t *rgba,
-                                          int smooth, ylm_error *e) {
+extern "C" ylm_status ylm_vtk_add_picture(ylm_vtk_scene *s, const double corner[3],
+                                          const double u[3], const double v[3], int w, int h,
+                                          const uint8_t *rgba, int smooth, ylm_error *e) {
   return guarded(e, [&] {
     auto points = Ptr<vtkPoints>::New();
     auto uv = Ptr<vtkFloatArray>::New();
@@ -269,8 +275,10 @@ extern "C" ylm_status ylm_vtk_add_picture(ylm_vtk_scene *s, const double corner[
     actor->GetProperty()->SetLighting(false);
     for (size_t i = 0; i < size_t(w) * size_t(h); i++)
       if (rgba[4 * i + 3] < 255) s->peel = true;
-    if (!s->peel) actor->ForceOpaqueOn();
-    else actor->ForceTranslucentOn();
+    if (!s->peel)
+      actor->ForceOpaqueOn();
+    else
+      actor->ForceTranslucentOn();
     s->renderer->AddActor(actor);
     return YLM_OK;
   });
@@ -287,7 +295,8 @@ extern "C" void ylm_vtk_camera(ylm_vtk_scene *s, const double from[3], const dou
 
 void ylm_vtk_scene::prepare(const double background[3], int supersample) {
   renderer->SetBackground(background[0], background[1], background[2]);
-  for (auto &line : lines) line.first->GetProperty()->SetLineWidth(float(line.second * supersample));
+  for (auto &line : lines)
+    line.first->GetProperty()->SetLineWidth(float(line.second * supersample));
   for (auto &mapper : clouds) mapper->SetImageSampleDistance(float(supersample));
   renderer->SetUseDepthPeeling(peel);
   renderer->SetMaximumNumberOfPeels(8);

@@ -7,13 +7,13 @@
 #include <vtkImageData.h>
 #include <vtkImageMapper.h>
 #include <vtkInteractorStyleTrackballCamera.h>
+#include <vtkPlaneSource.h>
+#include <vtkPolyDataMapper2D.h>
 #include <vtkProperty2D.h>
 #include <vtkRenderWindowInteractor.h>
 #include <vtkTextActor.h>
 #include <vtkTextProperty.h>
 #include <vtkTexture.h>
-#include <vtkPolyDataMapper2D.h>
-#include <vtkPlaneSource.h>
 #include <vtkTexturedActor2D.h>
 
 #include <cstring>
@@ -50,7 +50,8 @@ static Ptr<vtkActor2D> overlay_actor(const uint8_t *rgba, int width, int height)
   picture->AllocateScalars(VTK_UNSIGNED_CHAR, 4);
   auto *to = static_cast<uint8_t *>(picture->GetScalarPointer());
   const size_t row = size_t(width) * 4;
-  for (int y = 0; y < height; y++) std::memcpy(to + size_t(y) * row, rgba + size_t(height - 1 - y) * row, row);
+  for (int y = 0; y < height; y++)
+    std::memcpy(to + size_t(y) * row, rgba + size_t(height - 1 - y) * row, row);
   auto plane = Ptr<vtkPlaneSource>::New();
   plane->SetOrigin(0, 0, 0);
   plane->SetPoint1(width, 0, 0);
@@ -65,12 +66,14 @@ static Ptr<vtkActor2D> overlay_actor(const uint8_t *rgba, int width, int height)
   return actor;
 }
 
-extern "C" ylm_status ylm_vtk_show(ylm_vtk_scene *s, int width, int height, const double background[3],
-                                   const uint8_t *overlay, const char *title, ylm_vtk_pick *pick,
-                                   void *user, ylm_error *e) {
+extern "C" ylm_status ylm_vtk_show(ylm_vtk_scene *s, int width, int height,
+                                   const double background[3], const uint8_t *overlay,
+                                   const char *title, ylm_vtk_pick *pick, void *user,
+                                   ylm_error *e) {
   return guarded(e, [&] {
     if (!ylm::has_display())
-      return ylm_fail(e, YLM_EMISSING, "no display to open a window on (DISPLAY); save the picture instead");
+      return ylm_fail(e, YLM_EMISSING,
+                      "no display to open a window on (DISPLAY); save the picture instead");
     ylm::ContextGuard guard;
     auto window = Ptr<vtkRenderWindow>::New();
     window->SetSize(width, height);
@@ -87,7 +90,8 @@ extern "C" ylm_status ylm_vtk_show(ylm_vtk_scene *s, int width, int height, cons
     const double grey = background[0] + background[1] + background[2] > 1.5 ? 0.1 : 0.9;
     words->GetTextProperty()->SetColor(grey, grey, grey);
     words->GetTextProperty()->SetFontSize(13);
-    words->SetInput(pick ? "drag: turn   wheel: nearer   shift+drag: move   p: what is here   q: close" : "");
+    words->SetInput(
+        pick ? "drag: turn   wheel: nearer   shift+drag: move   p: what is here   q: close" : "");
     Ptr<vtkActor2D> over;
     if (overlay) s->renderer->AddActor2D(over = overlay_actor(overlay, width, height));
     s->renderer->AddActor2D(words);

@@ -30,10 +30,13 @@ extern "C" ylm_status ylm_vtk_text(const char *text, double size, int bold, int 
     if (const char *font = ylm::font_file(bold != 0)) {
       property->SetFontFamily(VTK_FONT_FILE);
       property->SetFontFile(font);
-    } else property->SetBold(bold);
+    } else
+      property->SetBold(bold);
     property->SetFontSize(int(size + 0.5));
     property->SetColor(rgb[0], rgb[1], rgb[2]);
-    property->SetJustification(align == 1 ? VTK_TEXT_CENTERED : align == 2 ? VTK_TEXT_RIGHT : VTK_TEXT_LEFT);
+    property->SetJustification(align == 1   ? VTK_TEXT_CENTERED
+                               : align == 2 ? VTK_TEXT_RIGHT
+                                            : VTK_TEXT_LEFT);
     property->SetLineSpacing(1.15);
     auto data = Ptr<vtkImageData>::New();
     int dims[2] = {0, 0};
@@ -42,7 +45,8 @@ extern "C" ylm_status ylm_vtk_text(const char *text, double size, int bold, int 
     tools->SetScaleToPowerOfTwo(false);
     const bool ok = tools->RenderString(property, text, data, dims, 72, vtkTextRenderer::FreeType);
     tools->SetScaleToPowerOfTwo(true);
-    if (!ok || data->GetScalarType() != VTK_UNSIGNED_CHAR || data->GetNumberOfScalarComponents() != 4)
+    if (!ok || data->GetScalarType() != VTK_UNSIGNED_CHAR ||
+        data->GetNumberOfScalarComponents() != 4)
       return ylm_fail(e, YLM_EDEVICE, "a text cannot be drawn");
     int d[3];
     data->GetDimensions(d);
@@ -50,8 +54,8 @@ extern "C" ylm_status ylm_vtk_text(const char *text, double size, int bold, int 
     if (!*rgba) return YLM_ENOMEM;
     const auto *from = static_cast<const uint8_t *>(data->GetScalarPointer());
     for (int y = 0; y < d[1]; y++)
-      std::memcpy(*rgba + size_t(y) * size_t(d[0]) * 4, from + size_t(d[1] - 1 - y) * size_t(d[0]) * 4,
-                  size_t(d[0]) * 4);
+      std::memcpy(*rgba + size_t(y) * size_t(d[0]) * 4,
+                  from + size_t(d[1] - 1 - y) * size_t(d[0]) * 4, size_t(d[0]) * 4);
     *width = d[0];
     *height = d[1];
     return YLM_OK;
@@ -121,8 +125,9 @@ static void describe(std::string &out, const char *where, vtkFieldData *fields) 
     double range[2];
     a->GetRange(range, a->GetNumberOfComponents() > 1 ? -1 : 0);
     char line[256];
-    std::snprintf(line, sizeof line, "%s %s %d %lld %.9g %.9g\n", where, a->GetName() ? a->GetName() : "",
-                  a->GetNumberOfComponents(), (long long)a->GetNumberOfTuples(), range[0], range[1]);
+    std::snprintf(line, sizeof line, "%s %s %d %lld %.9g %.9g\n", where,
+                  a->GetName() ? a->GetName() : "", a->GetNumberOfComponents(),
+                  (long long)a->GetNumberOfTuples(), range[0], range[1]);
     out += line;
   }
 }

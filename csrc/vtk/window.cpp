@@ -70,7 +70,8 @@ ContextGuard::ContextGuard()
       read(eglGetCurrentSurface(EGL_READ)), context(eglGetCurrentContext()) {}
 
 ContextGuard::~ContextGuard() {
-  if (context != EGL_NO_CONTEXT) eglMakeCurrent(display, draw, read, context);
+  if (context != EGL_NO_CONTEXT)
+    eglMakeCurrent(display, draw, read, context);
   else if (EGLDisplay now = eglGetCurrentDisplay())
     eglMakeCurrent(now, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
 }
@@ -83,17 +84,20 @@ struct EglContext {
   bool create(ylm_error *e) {
     auto platform = reinterpret_cast<PFNEGLGETPLATFORMDISPLAYEXTPROC>(
         eglGetProcAddress("eglGetPlatformDisplayEXT"));
-    if (platform)
-      display = platform(EGL_PLATFORM_SURFACELESS_MESA, EGL_DEFAULT_DISPLAY, nullptr);
+    if (platform) display = platform(EGL_PLATFORM_SURFACELESS_MESA, EGL_DEFAULT_DISPLAY, nullptr);
     if (display == EGL_NO_DISPLAY || !eglInitialize(display, nullptr, nullptr)) {
       ylm_fail(e, YLM_EMISSING, "EGL has no surfaceless platform");
       return false;
     }
     EGLenum before = eglQueryAPI();
     const EGLint config_wanted[] = {EGL_RENDERABLE_TYPE, EGL_OPENGL_BIT, EGL_NONE};
-    const EGLint context_wanted[] = {EGL_CONTEXT_MAJOR_VERSION, 3, EGL_CONTEXT_MINOR_VERSION, 2,
+    const EGLint context_wanted[] = {EGL_CONTEXT_MAJOR_VERSION,
+                                     3,
+                                     EGL_CONTEXT_MINOR_VERSION,
+                                     2,
                                      EGL_CONTEXT_OPENGL_PROFILE_MASK,
-                                     EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT, EGL_NONE};
+                                     EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT,
+                                     EGL_NONE};
     EGLConfig config = nullptr;
     EGLint n = 0;
     if (eglBindAPI(EGL_OPENGL_API)) {
@@ -147,7 +151,8 @@ public:
     if (Initialized) return;
     glewExperimental = GL_TRUE;
     GLenum r = glewInit();
-    // GLEW looks for GLX once OpenGL's functions are there; without an X server that fails, rightly.
+    // GLEW looks for GLX once OpenGL's functions are there; without an X server that fails,
+    // rightly.
     GlewInitValid = r == GLEW_OK || r == GLEW_ERROR_NO_GLX_DISPLAY;
     if (!GlewInitValid || !GLEW_VERSION_3_2) return;
     Initialized = true;
@@ -187,7 +192,7 @@ public:
     if (pipe2(pipes, 0) != 0) return nullptr;
     fcntl(pipes[0], F_SETFD, FD_CLOEXEC);
     std::string fd = std::to_string(pipes[1]);
-    const char *words[] = {"Xvfb",      "-displayfd", fd.c_str(), "-screen",  "0",
+    const char *words[] = {"Xvfb",     "-displayfd", fd.c_str(), "-screen",  "0",
                            "64x64x24", "-nolisten",  "tcp",      "-noreset", nullptr};
     posix_spawn_file_actions_t actions;
     posix_spawn_file_actions_init(&actions);
@@ -247,7 +252,8 @@ static Display *own_display() {
   return display;
 }
 
-static const char *choose_way(ylm_error *e, vtkSmartPointer<EglWindow> *egl, int width, int height) {
+static const char *choose_way(ylm_error *e, vtkSmartPointer<EglWindow> *egl, int width,
+                              int height) {
   const char *forced = std::getenv("YLM_VTK_WINDOW");
   auto allowed = [forced](const char *way) {
     return !forced || !*forced || std::strcmp(forced, way) == 0;
@@ -293,28 +299,33 @@ ylm_status read_pixels(vtkRenderWindow *w, int width, int height, int supersampl
         int sum = 0;
         for (int j = 0; j < k; j++)
           for (int i = 0; i < k; i++)
-            sum += from[(size_t(H - 1 - (y * k + j)) * size_t(W) + size_t(x * k + i)) * 3 + size_t(c)];
-        rgb[(size_t(y) * size_t(width) + size_t(x)) * 3 + size_t(c)] = uint8_t((sum + k * k / 2) / (k * k));
+            sum +=
+                from[(size_t(H - 1 - (y * k + j)) * size_t(W) + size_t(x * k + i)) * 3 + size_t(c)];
+        rgb[(size_t(y) * size_t(width) + size_t(x)) * 3 + size_t(c)] =
+            uint8_t((sum + k * k / 2) / (k * k));
       }
   return YLM_OK;
 }
 
 const char *font_file(bool bold) {
-  static const char *const folders[] = {"/usr/share/fonts/truetype/dejavu/", "/usr/share/fonts/dejavu/",
-                                        "/usr/share/fonts/TTF/", "/usr/share/fonts/dejavu-sans-fonts/"};
+  static const char *const folders[] = {"/usr/share/fonts/truetype/dejavu/",
+                                        "/usr/share/fonts/dejavu/", "/usr/share/fonts/TTF/",
+                                        "/usr/share/fonts/dejavu-sans-fonts/"};
   static const std::string found[2] = {[] {
-    for (const char *f : folders) {
-      std::string path = std::string(f) + "DejaVuSans.ttf";
-      if (access(path.c_str(), R_OK) == 0) return path;
-    }
-    return std::string();
-  }(), [] {
-    for (const char *f : folders) {
-      std::string path = std::string(f) + "DejaVuSans-Bold.ttf";
-      if (access(path.c_str(), R_OK) == 0) return path;
-    }
-    return std::string();
-  }()};
+                                         for (const char *f : folders) {
+                                           std::string path = std::string(f) + "DejaVuSans.ttf";
+                                           if (access(path.c_str(), R_OK) == 0) return path;
+                                         }
+                                         return std::string();
+                                       }(),
+                                       [] {
+                                         for (const char *f : folders) {
+                                           std::string path =
+                                               std::string(f) + "DejaVuSans-Bold.ttf";
+                                           if (access(path.c_str(), R_OK) == 0) return path;
+                                         }
+                                         return std::string();
+                                       }()};
   const std::string &path = found[bold ? 1 : 0];
   return path.empty() ? nullptr : path.c_str();
 }

@@ -51,10 +51,10 @@ YLM_API ylm_status ylm_vtk_add_volume(ylm_vtk_scene *s, const ylm_figure_volume 
 
 /* The surfaces where a volume of 1 component has value[i]: colour [n][4]. NaN bounds them. */
 YLM_API ylm_status ylm_vtk_add_isosurfaces(ylm_vtk_scene *s, const ylm_figure_volume *v, size_t n,
-                                           const double *value, const double *colour,
-                                           ylm_error *e);
+                                           const double *value, const double *colour, ylm_error *e);
 
-/* A picture on the parallelogram corner, corner+u, corner+v: rgba [h][w][4], first row at `corner`. */
+/* A picture on the parallelogram corner, corner+u, corner+v: rgba [h][w][4], first row at `corner`.
+ */
 YLM_API ylm_status ylm_vtk_add_picture(ylm_vtk_scene *s, const double corner[3], const double u[3],
                                        const double v[3], int w, int h, const uint8_t *rgba,
                                        int smooth, ylm_error *e);
@@ -76,21 +76,21 @@ typedef const char *ylm_vtk_pick(void *user, const double point[3]);
 
 /* Opens a window and returns when it is closed; YLM_EMISSING where there is no display.
    overlay: RGBA [height][width][4] drawn over the scene, or NULL. */
-YLM_API ylm_status ylm_vtk_show(ylm_vtk_scene *s, int width, int height,
-                                const double background[3], const uint8_t *overlay,
-                                const char *title, ylm_vtk_pick *pick, void *user, ylm_error *e);
+YLM_API ylm_status ylm_vtk_show(ylm_vtk_scene *s, int width, int height, const double background[3],
+                                const uint8_t *overlay, const char *title, ylm_vtk_pick *pick,
+                                void *user, ylm_error *e);
 
 /* -- charts -------------------------------------------------------------------- */
 
 typedef struct ylm_vtk_series {
   size_t n;
   const double *x, *y;
-  const char *label;   /* NULL: not in the legend */
+  const char *label; /* NULL: not in the legend */
   double colour[4];
-  double width;        /* of the line; 0: none */
-  double marker_size;  /* 0: none */
-  int marker;          /* 0 none 1 cross 2 plus 3 square 4 circle 5 diamond */
-  int dash;            /* 0 solid 1 dashed 2 dotted */
+  double width;       /* of the line; 0: none */
+  double marker_size; /* 0: none */
+  int marker;         /* 0 none 1 cross 2 plus 3 square 4 circle 5 diamond */
+  int dash;           /* 0 solid 1 dashed 2 dotted */
 } ylm_vtk_series;
 
 typedef struct ylm_vtk_axis {
@@ -107,9 +107,9 @@ typedef struct ylm_vtk_chart {
   ylm_vtk_axis x, y;
   size_t n;
   const ylm_vtk_series *series;
-  int legend;          /* 0 none 1 top right 2 top left 3 bottom right 4 bottom left */
+  int legend; /* 0 none 1 top right 2 top left 3 bottom right 4 bottom left */
   double background[3], foreground[3];
-  double font;         /* size of labels, pixels */
+  double font; /* size of labels, pixels */
 } ylm_vtk_chart;
 
 /* A line plot in 8-bit RGB, [height][width][3]. */

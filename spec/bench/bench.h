@@ -55,8 +55,10 @@ static inline void bench_fill(ylm_dtype t, void *x, size_t n) {
   ylm_rng_seed(&r, 1, 1);
   for (size_t i = 0; i < n; i++) {
     double v = 2 * ylm_rng_double(&r) - 1;
-    if (t == YLM_DOUBLE) ((double *)x)[i] = v;
-    else ((float *)x)[i] = (float)v;
+    if (t == YLM_DOUBLE)
+      ((double *)x)[i] = v;
+    else
+      ((float *)x)[i] = (float)v;
   }
 }
 

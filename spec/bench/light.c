@@ -1,4 +1,5 @@
-/* light.c - nanoseconds per light-point pair of fields of sphere lights: one thread, each kernel set. */
+/* light.c - nanoseconds per light-point pair of fields of sphere lights: one thread, each kernel
+ * set. */
 #include "bench.h"
 #include "ylm_light.h"
 
@@ -43,14 +44,17 @@ static ylm_lights *lamps(void) {
     radius[i] = 0.02;
     for (int a = 0; a < 3; a++) radiance[i][a] = 1 + a;
   }
-  return ylm_lights_create(LIGHTS, at[0], radius, radiance[0], &lights, NULL) == YLM_OK ? lights : NULL;
+  return ylm_lights_create(LIGHTS, at[0], radius, radiance[0], &lights, NULL) == YLM_OK ? lights
+                                                                                        : NULL;
 }
 
 static void place_points(ylm_dtype t, void *points) {
   bench_fill(t, points, 3 * POINTS);
   for (int i = 0; i < POINTS; i++) {
-    if (t == YLM_DOUBLE) ((double *)points)[3 * i] += 2.5;
-    else ((float *)points)[3 * i] += 2.5f;
+    if (t == YLM_DOUBLE)
+      ((double *)points)[3 * i] += 2.5;
+    else
+      ((float *)points)[3 * i] += 2.5f;
   }
 }
 
@@ -60,11 +64,14 @@ int main(void) {
   const size_t n = sizeof degrees / sizeof *degrees, most = POINTS * 3 * 441;
   job j = {.lights = lamps(), .q = {.threads = 1, .metric_channels = 1}};
   j.points = ylm_alloc(POINTS, 3 * sizeof(double));
-  j.r.value = ylm_alloc(most, 8), j.r.gradient = ylm_alloc(most, 24), j.r.hessian = ylm_alloc(most, 48);
+  j.r.value = ylm_alloc(most, 8), j.r.gradient = ylm_alloc(most, 24),
+  j.r.hessian = ylm_alloc(most, 48);
   j.r.lambda = ylm_alloc(POINTS, 8), j.r.norm = ylm_alloc(POINTS, 8);
-  if (!j.lights || !j.points || !j.r.value || !j.r.gradient || !j.r.hessian || !j.r.lambda || !j.r.norm)
+  if (!j.lights || !j.points || !j.r.value || !j.r.gradient || !j.r.hessian || !j.r.lambda ||
+      !j.r.norm)
     return 1;
-  printf("sphere lights: ns per light-point pair, %d lights, %d points, one thread, everything included\n",
+  printf("sphere lights: ns per light-point pair, %d lights, %d points, one thread, everything "
+         "included\n",
          LIGHTS, POINTS);
   printf("%-9s %-16s", "kernel", "form");
   for (size_t k = 0; k < n; k++) printf(" lmax %-4d", degrees[k]);
@@ -78,8 +85,10 @@ int main(void) {
       place_points(forms[f].t, j.points);
       for (size_t k = 0; k < n; k++) {
         j.q.lmax = degrees[k];
-        if (bench_is_quick() && degrees[k] != 4 && degrees[k] != 8) printf(" %-9s", "-");
-        else printf(" %-9.3g", bench_seconds(evaluate, &j) * 1e9 / LIGHTS / POINTS);
+        if (bench_is_quick() && degrees[k] != 4 && degrees[k] != 8)
+          printf(" %-9s", "-");
+        else
+          printf(" %-9.3g", bench_seconds(evaluate, &j) * 1e9 / LIGHTS / POINTS);
         fflush(stdout);
       }
       printf("\n");

@@ -11,32 +11,32 @@
 #define ROUNDS 200
 
 /* ROUNDS x CHAINS independent multiply-adds of one vector type. */
-#define PEAK(name, isa, vector, fma)                                            \
-  __attribute__((target(isa), noinline)) static void name(void *context) {      \
-    vector a[CHAINS], m, c;                                                     \
-    memset(&m, 0, sizeof m), memset(&c, 0, sizeof c), memset(a, 0, sizeof a);   \
-    __asm__ volatile("" : "+x"(m), "+x"(c));                                    \
-    for (int r = 0; r < ROUNDS; r++) {                                          \
-      _Pragma("GCC unroll 24") for (int i = 0; i < CHAINS; i++) a[i] = fma;     \
+#define PEAK(name, isa, vector, fma)                                                               \
+  __attribute__((target(isa), noinline)) static void name(void *context) {                         \
+    vector a[CHAINS], m, c;                                                                        \
+    memset(&m, 0, sizeof m), memset(&c, 0, sizeof c), memset(a, 0, sizeof a);                      \
+    __asm__ volatile("" : "+x"(m), "+x"(c));                                                       \
+    for (int r = 0; r < ROUNDS; r++) {                                                             \
+      _Pragma("GCC unroll 24") for (int i = 0; i < CHAINS; i++) a[i] = fma;                        \
       _Pragma("GCC unroll 24") for (int i = 0; i < CHAINS; i++) __asm__ volatile("" : "+x"(a[i])); \
-    }                                                                           \
-    memcpy(context, a, sizeof a[0]);                                            \
+    }                                                                                              \
+    memcpy(context, a, sizeof a[0]);                                                               \
   }
 PEAK(float_sse2, "sse2", __m128, _mm_add_ps(_mm_mul_ps(a[i], m), c))
 PEAK(double_sse2, "sse2", __m128d, _mm_add_pd(_mm_mul_pd(a[i], m), c))
 PEAK(float_avx2, "avx2,fma", __m256, _mm256_fmadd_ps(a[i], m, c))
 PEAK(double_avx2, "avx2,fma", __m256d, _mm256_fmadd_pd(a[i], m, c))
 #undef PEAK
-#define PEAK512(name, vector, type, fma)                                        \
-  __attribute__((target("avx512f"), noinline)) static void name(void *context) { \
-    vector a[CHAINS], m, c;                                                     \
-    memset(&m, 0, sizeof m), memset(&c, 0, sizeof c), memset(a, 0, sizeof a);   \
-    __asm__ volatile("" : "+v"(m), "+v"(c));                                    \
-    for (int r = 0; r < ROUNDS; r++) {                                          \
-      _Pragma("GCC unroll 24") for (int i = 0; i < CHAINS; i++) a[i] = fma;     \
+#define PEAK512(name, vector, type, fma)                                                           \
+  __attribute__((target("avx512f"), noinline)) static void name(void *context) {                   \
+    vector a[CHAINS], m, c;                                                                        \
+    memset(&m, 0, sizeof m), memset(&c, 0, sizeof c), memset(a, 0, sizeof a);                      \
+    __asm__ volatile("" : "+v"(m), "+v"(c));                                                       \
+    for (int r = 0; r < ROUNDS; r++) {                                                             \
+      _Pragma("GCC unroll 24") for (int i = 0; i < CHAINS; i++) a[i] = fma;                        \
       _Pragma("GCC unroll 24") for (int i = 0; i < CHAINS; i++) __asm__ volatile("" : "+v"(a[i])); \
-    }                                                                           \
-    memcpy(context, a, sizeof a[0]);                                            \
+    }                                                                                              \
+    memcpy(context, a, sizeof a[0]);                                                               \
   }
 PEAK512(float_avx512, __m512, float, _mm512_fmadd_ps(a[i], m, c))
 PEAK512(double_avx512, __m512d, double, _mm512_fmadd_pd(a[i], m, c))
@@ -55,7 +55,8 @@ static void multiply_adds(void) {
   for (size_t i = 0; i < sizeof peaks / sizeof *peaks; i++) {
     if (!ylm_isa_available(peaks[i].isa)) continue;
     double n = 1e-9 * CHAINS * ROUNDS * peaks[i].bytes;
-    printf("%-8s %8.1f %8.1f\n", ylm_isa_name(peaks[i].isa), n / 4 / bench_seconds(peaks[i].in_float, sink),
+    printf("%-8s %8.1f %8.1f\n", ylm_isa_name(peaks[i].isa),
+           n / 4 / bench_seconds(peaks[i].in_float, sink),
            n / 8 / bench_seconds(peaks[i].in_double, sink));
   }
 }

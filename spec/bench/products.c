@@ -19,7 +19,8 @@ static void multiply(void *context) {
 }
 
 /* Nanoseconds for a product; 0 where the method does not do the size. */
-static double measure(int lmax, ylm_sh_product_method m, ylm_dtype t, size_t rows, void *const *memory) {
+static double measure(int lmax, ylm_sh_product_method m, ylm_dtype t, size_t rows,
+                      void *const *memory) {
   ylm_sh_product *plan;
   if (ylm_sh_product_create(lmax, 2, m, YLM_SH_PRODUCT_auto, &plan, NULL) != YLM_OK) return 0;
   job j = {plan, t, rows, {memory[0], memory[1]}, memory[2]};
@@ -31,7 +32,8 @@ static double measure(int lmax, ylm_sh_product_method m, ylm_dtype t, size_t row
 int main(void) {
   static const int orders[] = {2, 3, 4, 5, 6, 7, 8, 10, 12, 15, 16, 20};
   /* Xin et al.'s method with FFTW, and DirectXMath's generated code, measured on this processor */
-  static const double fftw[21] = {[8] = 3900, [10] = 10400, [12] = 14000, [16] = 36000, [20] = 127000};
+  static const double fftw[21] = {
+      [8] = 3900, [10] = 10400, [12] = 14000, [16] = 36000, [20] = 127000};
   static const double directx[21] = {[3] = 20, [4] = 68, [5] = 176, [6] = 394};
   size_t n = BATCH * ylm_sh_count(19);
   void *memory[3];
@@ -40,21 +42,25 @@ int main(void) {
     if (!memory[i]) return 1;
   }
   printf("products of two vectors, one thread, ns each; n = lmax + 1 as in Xin et al. 2021\n");
-  printf("to beat: FFTW %.0f %.0f %.0f %.0f %.0f at n = 8 10 12 16 20; DirectXMath 20 68 176 394 at n = 3 4 5 6\n",
+  printf("to beat: FFTW %.0f %.0f %.0f %.0f %.0f at n = 8 10 12 16 20; DirectXMath 20 68 176 394 "
+         "at n = 3 4 5 6\n",
          fftw[8], fftw[10], fftw[12], fftw[16], fftw[20]);
   for (int t = YLM_FLOAT; t <= YLM_DOUBLE; t++) {
     for (int i = 0; i < 2; i++) bench_fill((ylm_dtype)t, memory[i], n);
-    printf("%s\n   n  auto      gaunt     quadrature  fourier   batch of %d  fourier/batch  best other\n",
+    printf("%s\n   n  auto      gaunt     quadrature  fourier   batch of %d  fourier/batch  best "
+           "other\n",
            t ? "double" : "float", BATCH);
     for (size_t i = 0; i < sizeof orders / sizeof *orders; i++) {
       int order = orders[i];
       double a = measure(order - 1, YLM_SH_PRODUCT_auto, (ylm_dtype)t, 1, memory);
-      double g = order <= 16 ? measure(order - 1, YLM_SH_PRODUCT_gaunt, (ylm_dtype)t, 1, memory) : 0;
+      double g =
+          order <= 16 ? measure(order - 1, YLM_SH_PRODUCT_gaunt, (ylm_dtype)t, 1, memory) : 0;
       double q = measure(order - 1, YLM_SH_PRODUCT_quadrature, (ylm_dtype)t, 1, memory);
       double f = measure(order - 1, YLM_SH_PRODUCT_fourier, (ylm_dtype)t, 1, memory);
       double b = measure(order - 1, YLM_SH_PRODUCT_auto, (ylm_dtype)t, BATCH, memory);
       double other = fftw[order] ? fftw[order] : directx[order];
-      printf("%4d  %8.1f  %8.1f  %8.1f  %9.1f  %8.1f  %11.1f   %8.0f\n", order, a, g, q, f, b, f / b, other);
+      printf("%4d  %8.1f  %8.1f  %8.1f  %9.1f  %8.1f  %11.1f   %8.0f\n", order, a, g, q, f, b,
+             f / b, other);
     }
   }
   return 0;

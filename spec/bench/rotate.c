@@ -1,4 +1,5 @@
-/* rotate.c - rotating one vector, construction included, and batches with a rotation made before. */
+/* rotate.c - rotating one vector, construction included, and batches with a rotation made before.
+ */
 #include "ylm_sh.h"
 
 #include "bench.h"
@@ -35,8 +36,11 @@ static void create(void *context) {
 int main(void) {
   static const int degrees[] = {1, 2, 3, 4, 5, 9, 19, 30, 60};
   static const double q[4] = {0.3, 0.5, -0.2, 0.7};
-  printf("rotation, one thread, ns: one vector from a matrix; making the blocks; each of %d vectors by them\n", BATCH);
-  printf("(to beat, one float vector: DirectXMath 58 at lmax 3, 91 at 5; ducc 4800 at 9, 14300 at 19)\n");
+  printf("rotation, one thread, ns: one vector from a matrix; making the blocks; each of %d "
+         "vectors by them\n",
+         BATCH);
+  printf("(to beat, one float vector: DirectXMath 58 at lmax 3, 91 at 5; ducc 4800 at 9, 14300 at "
+         "19)\n");
   printf("lmax  type    one       blocks     of batch  one/batch\n");
   for (size_t i = 0; i < sizeof degrees / sizeof *degrees; i++)
     for (int t = YLM_FLOAT; t <= YLM_DOUBLE; t++) {
@@ -54,8 +58,10 @@ int main(void) {
       j.out = ylm_alloc(n, 8);
       if (!j.in || !j.out) return 1;
       bench_fill(j.t, j.in, n);
-      double a = bench_seconds(one, &j), b = bench_seconds(create, &j), c = bench_seconds(batch, &j) / BATCH;
-      printf("%4d  %-6s %8.1f  %9.0f  %9.2f  %6.1f\n", j.lmax, t ? "double" : "float", a * 1e9, b * 1e9, c * 1e9, a / c);
+      double a = bench_seconds(one, &j), b = bench_seconds(create, &j),
+             c = bench_seconds(batch, &j) / BATCH;
+      printf("%4d  %-6s %8.1f  %9.0f  %9.2f  %6.1f\n", j.lmax, t ? "double" : "float", a * 1e9,
+             b * 1e9, c * 1e9, a / c);
       ylm_free(j.in);
       ylm_free(j.out);
       ylm_sh_rotation_free(rotation);

@@ -37,7 +37,8 @@ typedef struct peer {
   void (*destroy)(void *calculator);
   void (*values)(void *, const double *, size_t, double *, size_t);
   void (*gradients)(void *, const double *, size_t, double *, size_t, double *, size_t);
-  void (*hessians)(void *, const double *, size_t, double *, size_t, double *, size_t, double *, size_t);
+  void (*hessians)(void *, const double *, size_t, double *, size_t, double *, size_t, double *,
+                   size_t);
   job *j;
 } peer;
 
@@ -50,7 +51,8 @@ static bool open_peer(peer *p, const char *prefix) {
     p->library = dlopen(path, RTLD_NOW | RTLD_LOCAL);
   }
   if (!p->library) return false;
-#define FIND(member, name) *(void **)&p->member = dlsym(p->library, "sphericart_spherical_harmonics_" name)
+#define FIND(member, name)                                                                         \
+  *(void **)&p->member = dlsym(p->library, "sphericart_spherical_harmonics_" name)
   FIND(create, "new");
   FIND(destroy, "delete");
   FIND(values, "compute_array");
@@ -64,15 +66,18 @@ static void peer_eval(void *context) {
   peer *p = context;
   job *j = p->j;
   size_t n = POINTS * ylm_sh_count(j->lmax);
-  if (j->how.derivatives == 0) p->values(p->calculator, j->p, 3 * POINTS, j->y, n);
-  else if (j->how.derivatives == 1) p->gradients(p->calculator, j->p, 3 * POINTS, j->y, n, j->dy, 3 * n);
-  else p->hessians(p->calculator, j->p, 3 * POINTS, j->y, n, j->dy, 3 * n, j->ddy, 9 * n);
+  if (j->how.derivatives == 0)
+    p->values(p->calculator, j->p, 3 * POINTS, j->y, n);
+  else if (j->how.derivatives == 1)
+    p->gradients(p->calculator, j->p, 3 * POINTS, j->y, n, j->dy, 3 * n);
+  else
+    p->hessians(p->calculator, j->p, 3 * POINTS, j->y, n, j->dy, 3 * n, j->ddy, 9 * n);
 }
 
 static double nanoseconds(bench_fn *fn, job *j) { return bench_seconds(fn, j) / POINTS * 1e9; }
 
 static const int degrees[] = {1,  2,  3,  4,  5,  6,  7,  8,  9,  10,
-                                11, 12, 13, 14, 15, 16, 17, 18, 19, 20};
+                              11, 12, 13, 14, 15, 16, 17, 18, 19, 20};
 #define DEGREES (sizeof degrees / sizeof *degrees)
 
 /* One line of the table: `p` measures sphericart, else isa < 0 only stores. */
@@ -85,7 +90,8 @@ static void line(job *j, const char *name, int isa, peer *p) {
     j->lmax = degrees[k];
     if (p) p->calculator = p->create((size_t)j->lmax);
     for (j->how.derivatives = 0; j->how.derivatives < 3; j->how.derivatives++)
-      ns[j->how.derivatives] = p ? bench_seconds(peer_eval, p) / POINTS * 1e9 : nanoseconds(isa < 0 ? store : eval, j);
+      ns[j->how.derivatives] =
+          p ? bench_seconds(peer_eval, p) / POINTS * 1e9 : nanoseconds(isa < 0 ? store : eval, j);
     if (p) p->destroy(p->calculator);
     snprintf(text, sizeof text, "%.3g/%.3g/%.3g", ns[0], ns[1], ns[2]);
     printf("  %-19s", text);
@@ -103,7 +109,9 @@ int main(void) {
   j.y = ylm_alloc(1, most), j.dy = ylm_alloc(3, most), j.ddy = ylm_alloc(9, most);
   if (!j.p || !j.y || !j.dy || !j.ddy) return 1;
   omp_set_num_threads(1); /* for the peer */
-  printf("spherical harmonics: ns per point, %d points, one thread; value / + gradient / + Hessian\n", POINTS);
+  printf(
+      "spherical harmonics: ns per point, %d points, one thread; value / + gradient / + Hessian\n",
+      POINTS);
   printf("%-7s %-10s", "type", "kernel");
   for (size_t k = 0; k < DEGREES; k++) printf("  lmax %-14d", degrees[k]);
   printf("\n");
@@ -114,8 +122,10 @@ int main(void) {
     for (int isa = bench_is_quick() ? 1 : 0; isa < YLM_ISA_COUNT; isa++)
       if (ylm_isa_available((ylm_isa)isa)) line(&j, ylm_isa_name((ylm_isa)isa), isa, NULL);
     if (t == YLM_DOUBLE && prefix && *prefix) {
-      if (open_peer(&p, prefix)) line(&j, "sphericart", -1, &p);
-      else fprintf(stderr, "PEER: no sphericart with C functions in %s/lib\n", prefix);
+      if (open_peer(&p, prefix))
+        line(&j, "sphericart", -1, &p);
+      else
+        fprintf(stderr, "PEER: no sphericart with C functions in %s/lib\n", prefix);
     }
   }
   ylm_free(j.p), ylm_free(j.y), ylm_free(j.dy), ylm_free(j.ddy);

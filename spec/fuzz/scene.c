@@ -24,7 +24,8 @@ static char folder[] = "/tmp/ylm-fuzz-XXXXXX", path[64], mesh[64];
 static const char setup[] =
     "package.path = 'lua/?.lua;lua/?/init.lua'\n"
     "local sandbox, form, check = require 'ylm.sandbox', require 'ylm.form', require 'ylm.check'\n"
-    "local limits = { instructions = 2e5, seconds = 5, memory = 4e6, triangles = 2e4, cells = 1e4,\n"
+    "local limits = { instructions = 2e5, seconds = 5, memory = 4e6, triangles = 2e4, cells = "
+    "1e4,\n"
     "  lmax = 8, depth = 6, file_size = 65536 }\n"
     "local codes = { EFORMAT = 1, ELIMIT = 1, EINVAL = 1, EIO = 1, ENOMEM = 1, EMISSING = 1,\n"
     "  ESHAPE = 1, ERANGE = 1 }\n"
@@ -36,7 +37,8 @@ static const char setup[] =
     "  for k, v in pairs(globals) do assert(_G[k] == v, 'global changed') end\n"
     "  assert(('x').upper == upper and not form.observer and not check.boundary, 'state left')\n"
     "  if scene then assert(form.kind(scene) == 'scene') return 'scene' end\n"
-    "  assert(type(message) == 'string' and #message < 1200 and not message:find('%c'), 'message')\n"
+    "  assert(type(message) == 'string' and #message < 1200 and not message:find('%c'), "
+    "'message')\n"
     "  assert(codes[code], 'code ' .. tostring(code) .. ' of ' .. message)\n"
     "  return code .. message\n"
     "end\n";

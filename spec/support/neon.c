@@ -1,5 +1,6 @@
 /*
-** neon.c - compares the NEON kernels with the reference kernel; built by spec/neon_spec.lua for aarch64
+** neon.c - compares the NEON kernels with the reference kernel; built by spec/neon_spec.lua for
+*aarch64
 ** and run under qemu-user. Prints the largest error of each type and "ok", or what differs.
 */
 #include <math.h>
@@ -40,7 +41,8 @@ int main(void) {
   char *a = malloc(most), *b = malloc(most);
   ylm_rng r;
   ylm_rng_seed(&r, 7, 7);
-  for (int i = 0; i < 3 * POINTS; i++) pf[i] = (float)(2 * ylm_rng_double(&r) - 1), pd[i] = (double)pf[i];
+  for (int i = 0; i < 3 * POINTS; i++)
+    pf[i] = (float)(2 * ylm_rng_double(&r) - 1), pd[i] = (double)pf[i];
   for (int t = 0; t < 2; t++) {
     double worst = 0;
     for (size_t k = 0; k < sizeof degrees / sizeof *degrees; k++)
@@ -50,9 +52,11 @@ int main(void) {
         ylm_sh_how how = {.derivatives = 2, .solid = solid, .threads = 1, .isa = YLM_ISA_neon};
         const void *p = t ? (const void *)pd : pf;
         ylm_error e = {YLM_OK, ""};
-        ylm_status s = ylm_sh_eval_how(&how, lmax, (ylm_dtype)t, POINTS, p, a, a + n, a + 4 * n, &e);
+        ylm_status s =
+            ylm_sh_eval_how(&how, lmax, (ylm_dtype)t, POINTS, p, a, a + n, a + 4 * n, &e);
         how.isa = YLM_ISA_reference;
-        if (s == YLM_OK) s = ylm_sh_eval_how(&how, lmax, (ylm_dtype)t, POINTS, p, b, b + n, b + 4 * n, &e);
+        if (s == YLM_OK)
+          s = ylm_sh_eval_how(&how, lmax, (ylm_dtype)t, POINTS, p, b, b + n, b + 4 * n, &e);
         if (s != YLM_OK) return printf("%s\n", e.text), 1;
         worst = fmax(worst, error(lmax, (ylm_dtype)t, 1, a, b));
         worst = fmax(worst, error(lmax, (ylm_dtype)t, 3, a + n, b + n));
