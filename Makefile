@@ -153,7 +153,7 @@ asan:   ## the specs under AddressSanitizer and UBSan (in build/asan)
 	@$(MAKE) --no-print-directory BUILD=$(BUILD)/asan OPT='-O1 -g' SANITIZE='-fsanitize=$(ASAN)' all
 	@BUILD=$(abspath $(BUILD))/asan SPEC_LUAS='$(or $(SPEC_LUAS),lua5.4)' SPEC_PREFIX="env \
 	  LD_PRELOAD=$$($(CC) -print-file-name=libasan.so):$$($(CC) -print-file-name=libubsan.so) \
-	  ASAN_OPTIONS=detect_leaks=0:detect_odr_violation=0 UBSAN_OPTIONS=print_stacktrace=1" spec/run $(SPEC)
+	  ASAN_OPTIONS=detect_leaks=0:detect_odr_violation=0:allocator_may_return_null=1 UBSAN_OPTIONS=print_stacktrace=1" spec/run $(SPEC)
 
 FORMATTED := $(shell find csrc spec -name gen -prune -o \( -name '*.[ch]' -o -name '*.cpp' \) -print)
 format:   ## lay out the C sources
