@@ -241,14 +241,7 @@ local crop = { math.floor(0.30 * w), math.floor(0.60 * h), math.floor(0.25 * w),
 
 --- The largest channel of |image - truth| inside the crop, as numbers [h][w].
 local function error_values(image)
-  local difference = image:difference(truth):crop(crop[1] + 1, crop[2] + 1, crop[3], crop[4]):layer():totable()
-  for y = 1, #difference do
-    for x = 1, #difference[y] do
-      local p = difference[y][x]
-      difference[y][x] = math.max(p[1], p[2], p[3], 1e-9)
-    end
-  end
-  return difference
+  return common.error_values(image:difference(truth):crop(crop[1] + 1, crop[2] + 1, crop[3], crop[4]))
 end
 
 local function caption(name, r)

@@ -66,17 +66,7 @@ compare "pixel"
 local best = kept.pixel
 assert(best.ours.image:save(out .. "two_lamps.png", { tone = "hable", exposure = option.exposure }))
 
---- The largest channel of |image - truth| as numbers [h][w].
-local function error_values(image)
-  local rows = image:difference(best.truth):layer():totable()
-  for y = 1, #rows do
-    for x = 1, #rows[y] do
-      local p = rows[y][x]
-      rows[y][x] = math.max(p[1], p[2], p[3], 1e-9)
-    end
-  end
-  return rows
-end
+local function error_values(image) return common.error_values(image:difference(best.truth)) end
 
 local function shown(image, caption)
   return { image = image, tone = "hable", exposure = option.exposure, caption = caption }

@@ -101,6 +101,18 @@ function common.surface_mask(ylm, image)
   return ylm.array(rows, "float")
 end
 
+--- The largest channel of a difference image at every pixel, as numbers [h][w] fit for a logarithmic scale.
+function common.error_values(difference)
+  local rows = difference:layer():totable()
+  for y = 1, #rows do
+    for x = 1, #rows[y] do
+      local p = rows[y][x]
+      rows[y][x] = math.max(p[1], p[2], p[3], 1e-9)
+    end
+  end
+  return rows
+end
+
 --- What a light-point pair with the Hessian metric costs beside one with a gradient (RGB, lmax 4): measured by
 -- `make bench`, see docs/performance.md.
 common.hessian_cost = 1.2

@@ -9,9 +9,8 @@
 **   dS_lq/dx = A S_(l-1)(q-1) + B S_(l-1)(q+1)       (like with like)
 **   dS_lq/dy = -+ A S_(l-1)(q-1) +- B S_(l-1)(q+1)   (cosine with sine)
 **   dS_lq/dz = e S_(l-1)q
-** whose seven coefficients a b e A B b' c' stand in job->table for each l, q. Second derivatives
-*climb it
-** twice. Then derivatives of Y at v = d w follow from Iwasaki & Dobashi 2025, Eq. 17, with
+** whose seven coefficients a b e A B b' c' stand in job->table for each l, q. Second
+** derivatives climb it twice. Then derivatives of Y at v = d w follow from Iwasaki & Dobashi 2025, Eq. 17, with
 ** trace(HY) = -l(l+1) Y / d^2. docs/math.md "Evaluating the basis" derives this.
 */
 #include "sh_simd.h"
