@@ -208,6 +208,10 @@ YLM_API ylm_status ylm_file_read(const char *path, size_t limit, unsigned char *
 YLM_API ylm_status ylm_file_head(const char *path, unsigned char *bytes, size_t room, size_t *size,
                                  ylm_error *e);
 
+/* Whether ylm_file_create could open `path` now: to be asked before long work, not instead of
+   looking at what the commit says. Leaves nothing behind. */
+YLM_API ylm_status ylm_file_probe(const char *path, ylm_error *e);
+
 /*
 ** A file written beside its target and renamed over it by ylm_file_commit, so
 ** that the target holds the old bytes or the new ones and never a part.
