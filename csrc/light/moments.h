@@ -9,9 +9,14 @@
 **   1     w1_k = 2pi s2 P_k'(alpha)/h                                      1 .. lmax+1
 **   2     w2_k = 2pi s2 (P_k(alpha)/alpha - P_k'(alpha))/h^2, w2_1 = 0     0, 2 .. lmax+2
 **
-** Kernels sum unnormalised forms: monic Gegenbauer polynomials in alpha for the weights, monic
-** Legendre polynomials in z times Re, Im (x+iy)^m for Y. The factors that are missing are put in
-** once per point, with the linear map of map.c. Lanes are points.
+** Kernels sum unnormalised forms: P'_(k+1) over its value at 1 for the weights, monic Legendre
+** polynomials in z times Re, Im (x+iy)^m for Y. The factors that are missing are put in once per
+** point, with the linear maps of plan.c. Lanes are points.
+**
+** What float would lose at high degrees: P'_k changes by k^2/4 times a change of alpha near 1, P_k
+** by k^2/2 times a change of z near 1, and both round to 6e-8. So weights are found from
+** delta = 1 - alpha by differences, and in the columns of low order m, which hold what is near the
+** poles, z has a second part (ylm__fine). Errors at lmax 20 were 4e-5, and are 6e-6.
 **
 ** Source  DESIGN "Sum of many sphere lights"; docs/math.md
 */
@@ -31,8 +36,8 @@ enum { YLM__M0 = 1, YLM__M1 = 2, YLM__M2 = 4 };
 /* The lmax with kernels of their own: gen/moments_N.isa.c. */
 #define YLM__SPECIAL_LIST(X, isa)                                                                  \
   X(isa, 0)                                                                                        \
-  X(isa, 1) X(isa, 2) X(isa, 3) X(isa, 4) X(isa, 5) X(isa, 6) X(isa, 7) X(isa, 8) X(isa, 9)        \
-      X(isa, 10)
+  X(isa, 1)                                                                                        \
+  X(isa, 2) X(isa, 3) X(isa, 4) X(isa, 5) X(isa, 6) X(isa, 7) X(isa, 8) X(isa, 9) X(isa, 10)
 #define YLM__SPECIAL 10
 
 /* Highest degree that a set of kinds needs. */
@@ -40,33 +45,40 @@ static inline int ylm__degree_of(int lmax, int kinds) {
   return kinds & YLM__M2 ? lmax + 2 : kinds & YLM__M1 ? lmax + 1 : lmax;
 }
 
-/* Whether a sum of kind `kind` exists at degree k. */
+/* Whether a sum of kind `kind` exists at degree k. The general kernel sums zeros for those two
+   that do not exist rather than having code without them. */
 static inline bool ylm__has(int lmax, int kinds, int kind, int k) {
   if (!(kinds & (1 << kind))) return false;
+  if (lmax > YLM__SPECIAL) return k <= lmax + kind;
   return kind == 0 ? k <= lmax : kind == 1 ? k >= 1 && k <= lmax + 1 : k != 1 && k <= lmax + 2;
 }
 
-/* Places of one light in a tile: z, then Re and Im of (x+iy)^m, m = 1 .. lmax+2. */
-static inline int ylm__geometry_slots(int lmax) { return 1 + 2 * (lmax + 2); }
-/* Places of one light's weights: w0 0..lmax, w1 1..lmax+1, w2 0..lmax+2 (place 1 unused). */
-static inline int ylm__weight_slots(int lmax) { return (lmax + 1) + (lmax + 1) + (lmax + 3); }
+/* Places of one light in a tile: z, then Re and Im of (x+iy)^m, m = 1 .. lmax+2, then what z lost
+   to rounding. */
+static inline int ylm__geometry_slots(int lmax) { return 2 + 2 * (lmax + 2); }
+static inline int ylm__rest_of_z(int lmax) { return 1 + 2 * (lmax + 2); }
+/* Columns of orders below this use the rest of z, in float. */
+static inline int ylm__fine(int lmax) { return lmax < 5 ? 0 : lmax < 11 ? 1 : lmax < 16 ? 3 : 5; }
+/* Places of one light's weights: w0 0..lmax, w1 0..lmax+1, w2 0..lmax+2; w1_0 and w2_1 are 0. */
+static inline int ylm__weight_slots(int lmax) { return 3 * lmax + 6; }
 static inline int ylm__weight_at(int lmax, int kind, int k) {
-  return kind == 0 ? k : kind == 1 ? lmax + k : 2 * (lmax + 1) + k;
+  return kind == 0 ? k : kind == 1 ? lmax + 1 + k : 2 * lmax + 3 + k;
 }
 
 /* Number of sums of a set of kinds: columns (m, Re), (m, Im) in order of m; in a column degrees
    upwards; at a degree kinds upwards. */
 static inline int ylm__sum_count(int lmax, int kinds) {
   int n = 0;
+  int all = lmax > YLM__SPECIAL;
   if (kinds & YLM__M0) n += (lmax + 1) * (lmax + 1);
-  if (kinds & YLM__M1) n += (lmax + 2) * (lmax + 2) - 1;
-  if (kinds & YLM__M2) n += (lmax + 3) * (lmax + 3) - 3;
+  if (kinds & YLM__M1) n += (lmax + 2) * (lmax + 2) - (all ? 0 : 1);
+  if (kinds & YLM__M2) n += (lmax + 3) * (lmax + 3) - (all ? 0 : 3);
   return n;
 }
 
 /*
 ** A kernel, for one lmax (or any), dtype and instruction set. All pointers are to vectors.
-**   grow     factor per degree of the recurrences, which keeps high degrees from underflowing
+**   grow     factor per degree of the recurrences in z, which keeps high degrees from underflowing
 **   prepare  geometry and weights of `n` <= YLM__TILE lights; emission as `lum` says: luminance
 **            or 1. Lanes inside of a light are added to `inside` (a mask of all ones).
 **   sum      adds n lights' products to sums; `state` holds 2*YLM__TILE vectors of scratch

@@ -10,10 +10,33 @@ YLM_INLINE V NAME(set)(REAL x) { return (V){0} + x; }
 YLM_INLINE V NAME(keep)(VI mask, V a) { return (V)((VI)a & mask); }
 YLM_INLINE V NAME(choose)(VI mask, V a, V b) { return (V)(((VI)a & mask) | ((VI)b & ~mask)); }
 
+/* Constants of the recurrences, where lmax is not known to the compiler. */
+typedef struct NAME(constants) {
+#ifdef ANY_LMAX
+  REAL slows[LMAX + 3], step[LMAX + 3], rho[LMAX + 3];
+#else
+  char none;
+#endif
+} NAME(constants);
+
+static inline void NAME(find_constants)(NAME(constants) * c, int degree) {
+#ifdef ANY_LMAX
+  for (int n = 0; n <= degree; n++) {
+    c->slows[n] = SLOWS(n);
+    c->step[n] = STEP(n);
+    c->rho[n] = RHO(n);
+  }
+#else
+  c->none = 0, (void)degree;
+#endif
+}
+
 /* One light's geometry and weights for LANES points. */
-YLM_INLINE void NAME(prepare_one)(const int lmax, const int kinds, const LAMP *lamp, REAL emission,
-                                  V x, V y, V z, V *g, V *w, VI *inside) {
+YLM_INLINE void NAME(prepare_one)(const int lmax, const int kinds, const NAME(constants) * con,
+                                  const LAMP *lamp, REAL emission, V x, V y, V z, V *g, V *w,
+                                  VI *inside) {
   const int K = ylm__degree_of(lmax, kinds);
+  (void)con;
   x = lamp->at[0] - x, y = lamp->at[1] - y, z = lamp->at[2] - z;
   V r = NAME(set)(lamp->radius), d2 = x * x + y * y + z * z, h2 = SQUARES(d2, r);
   VI out = h2 > 0;
@@ -25,34 +48,38 @@ YLM_INLINE void NAME(prepare_one)(const int lmax, const int kinds, const LAMP *l
   V h = h2 * invh, alpha = h * invd, t = r * invd, es = t * t * emission;
   x *= invd, y *= invd, z *= invd;
   g[0] = GROW * z;
-  V c = x, s = y;
+  if (FINE(lmax)) /* by half of what |w|^2 exceeds 1 */
+    g[ylm__rest_of_z(lmax)] = (REAL)(-0.5 * GROW) * z * ((z - 1) * (z + 1) + (x * x + y * y));
+  V far = d2 * invd * invh * invh * invh, once = NAME(reciprocal)(1 + alpha), u[LMAX + 4];
+  V delta = t * t * once, e = {0}, c = x, s = y;
+  u[0] = es;
+  /* two recurrences, one beside the other because each waits for itself */
   UNROLL
-  for (int m = 1; m <= K; m++) {
-    g[2 * m - 1] = c, g[2 * m] = s;
-    V next = c * x - s * y;
+  for (int n = 0; n < K; n++) {
+    TOGETHER(c, e);
+    V bend = delta * u[n], kept = CONSTANT(slows, SLOWS, n) * e, turn = s * y;
+    g[2 * n + 1] = c, g[2 * n + 2] = s;
+    e = kept - bend;
     s = s * x + c * y;
-    c = next;
+    c = c * x - turn;
+    u[n + 1] = u[n] + CONSTANT(step, STEP, n) * e;
   }
-  V far = d2 * invd * invh * invh * invh, p[LMAX + 4];
-  alpha *= GROW;
-  p[0] = es, p[1] = es * alpha;
-  UNROLL
-  for (int n = 1; n < lmax + 3; n++) p[n + 1] = alpha * p[n] - GAMMA(n) * p[n - 1];
   if (kinds & YLM__M0) {
-    V zero = es * NAME(reciprocal)(1 + h * invd);
-    w[0] = NAME(choose)(out, zero, NAME(set)(2 * emission));
+    w[0] = NAME(choose)(out, es * once, NAME(set)(2 * emission));
     UNROLL
-    for (int k = 1; k <= lmax; k++) w[k] = p[k - 1];
+    for (int k = 1; k <= lmax; k++) w[k] = u[k - 1];
   }
   if (kinds & YLM__M1) {
+    w[ylm__weight_at(lmax, 1, 0)] = NAME(set)(0);
     UNROLL
-    for (int k = 1; k <= lmax + 1; k++) w[ylm__weight_at(lmax, 1, k)] = p[k - 1] * invh;
+    for (int k = 1; k <= lmax + 1; k++) w[ylm__weight_at(lmax, 1, k)] = u[k - 1] * invh;
   }
   if (kinds & YLM__M2) {
     w[ylm__weight_at(lmax, 2, 0)] = es * far;
+    w[ylm__weight_at(lmax, 2, 1)] = NAME(set)(0);
     UNROLL
     for (int k = 2; k <= lmax + 2; k++)
-      w[ylm__weight_at(lmax, 2, k)] = (p[k] + RHO(k) * p[k - 2]) * far;
+      w[ylm__weight_at(lmax, 2, k)] = (u[k] + CONSTANT(rho, RHO, k) * u[k - 2]) * far;
   }
 }
 
@@ -62,13 +89,13 @@ static void NAME(prepare)(int lmax, int kinds, int n, const void *lamps, bool lu
   const V *at = xyz;
   V *g = geometry, *w = weights;
   const int G = ylm__geometry_slots(FIXED(lmax)), W = ylm__weight_slots(FIXED(lmax));
-  (void)lmax;
+  NAME(constants) con;
+  NAME(find_constants)(&con, ylm__degree_of(lmax, kinds));
 #define X(set)                                                                                     \
   if (kinds == set)                                                                                \
-    for (int j = 0; j < n; j++)                                                                    \
-      NAME(prepare_one)                                                                            \
-      (FIXED(lmax), set, &lamp[j], lum ? lamp[j].luminance : (REAL)1, at[0], at[1], at[2],         \
-       g + j * G, w + j * W, inside);
+    for (int j = 0; j < n; j++) NAME(prepare_one)                                                  \
+  (FIXED(lmax), set, &con, &lamp[j], lum ? lamp[j].luminance : (REAL)1, at[0], at[1], at[2],       \
+   g + j * G, w + j * W, inside);
   YLM__KIND_SETS(X)
 #undef X
 }
@@ -80,7 +107,7 @@ static void NAME(prepare)(int lmax, int kinds, int n, const void *lamps, bool lu
 YLM_INLINE void NAME(segment)(const int lmax, const int kinds, const int m, const int side,
                               const int k0, const int k1, const V *g, const V *w, V *state, V *a) {
   const int K = ylm__degree_of(lmax, kinds);
-  V z = g[0], q, before = {0};
+  V z = g[0], rest = g[ylm__rest_of_z(lmax)], q, before = {0};
   if (k0 > m)
     q = state[0], before = state[1];
   else
@@ -95,7 +122,11 @@ YLM_INLINE void NAME(segment)(const int lmax, const int kinds, const int m, cons
         a++;
       }
     if (k == K) break;
-    V next = k == 0 ? z : k == m ? z * q : z * q - BETA(k, m) * before;
+    V next;
+    if (m < FINE(lmax))
+      next = z * q + (rest * q - BETA(k, m) * before);
+    else
+      next = k == 0 ? z : k == m ? z * q : z * q - BETA(k, m) * before;
     before = q, q = next;
   }
   if (k1 <= K) state[0] = q, state[1] = before;
@@ -143,34 +174,6 @@ static void NAME(sum)(int lmax, int kinds, int n, const void *geometry, const vo
 
 #else
 
-/* One column for all lights of a tile: q is kept per light in `state`. */
-static void NAME(sum)(int lmax, int kinds, int n, const void *geometry, const void *weights,
-                      void *state, void *sums) {
-  const V *geo = geometry, *wts = weights;
-  const int G = ylm__geometry_slots(lmax), W = ylm__weight_slots(lmax);
-  const int K = ylm__degree_of(lmax, kinds);
-  V *q = state, *before = q + YLM__TILE, *a = sums;
-  for (int m = 0; m <= K; m++)
-    for (int side = 0; side < (m ? 2 : 1); side++) {
-      for (int j = 0; j < n; j++) {
-        q[j] = m == 0 ? NAME(set)(1) : geo[j * G + 2 * m - 1 + side];
-        before[j] = NAME(set)(0);
-      }
-      for (int k = m; k <= K; k++) {
-        for (int kind = 0; kind < 3; kind++) {
-          if (!ylm__has(lmax, kinds, kind, k)) continue;
-          const V *w = wts + ylm__weight_at(lmax, kind, k);
-          V s = *a;
-          for (int j = 0; j < n; j++) s += q[j] * w[j * W];
-          *a++ = s;
-        }
-        REAL beta = k ? BETA(k, m) : 0;
-        for (int j = 0; j < n; j++) {
-          V next = geo[j * G] * q[j] - beta * before[j];
-          before[j] = q[j], q[j] = next;
-        }
-      }
-    }
-}
+#include "moments_general.h"
 
 #endif

@@ -14,21 +14,37 @@
 #include <immintrin.h>
 #endif
 
+#define UNROLL_ALL _Pragma("GCC unroll 32")
 #ifdef ANY_LMAX
 #define FIXED(lmax) (lmax)
 #define UNROLL
 #define GROW 2
+#define CONSTANT(name, FORMULA, n) (con->name[n])
 #else
 #define FIXED(lmax) LMAX
-#define UNROLL _Pragma("GCC unroll 24")
+#define UNROLL UNROLL_ALL
 #define GROW 1
+#define CONSTANT(name, FORMULA, n) FORMULA(n)
 #endif
 
-/* gamma_n of the monic Gegenbauer recurrence p_(n+1) = alpha p_n - gamma_n p_(n-1) of P'_(n+1). */
-#define GAMMA(n) ((REAL)(GROW * GROW * (n) * ((n) + 2.0) / ((2.0 * (n) + 3) * (2.0 * (n) + 1))))
-/* P_k - alpha P'_k is, but for a factor, p_k + RHO(k) p_(k-2).
-   With GROW, polynomials of degree n are GROW^n times the monic ones. */
-#define RHO(k) ((REAL)(GROW * GROW * ((k) + 2.0) * (k) / ((2.0 * (k)-1) * (2.0 * (k) + 1))))
+/* Keeps the compiler from splitting a loop into one for a and one for b. */
+#if defined(__aarch64__)
+#define TOGETHER(a, b) __asm__("" : "+w"(a), "+w"(b))
+#elif defined(__AVX512F__)
+#define TOGETHER(a, b) __asm__("" : "+v"(a), "+v"(b))
+#else
+#define TOGETHER(a, b) __asm__("" : "+x"(a), "+x"(b))
+#endif
+
+/* Columns of orders below this use the rest of z. */
+#define FINE(lmax) (sizeof(REAL) == sizeof(float) ? ylm__fine(lmax) : 0)
+
+/* u_n = P'_(n+1)(alpha) / P'_(n+1)(1) with delta = 1 - alpha, from u_0 = 1, e_0 = 0:
+   e_(n+1) = SLOWS(n) e_n - delta u_n, u_(n+1) = u_n + STEP(n) e_(n+1). */
+#define SLOWS(n) ((REAL)((n) * (2.0 * (n) + 1) / (((n) + 2.0) * (2.0 * (n) + 3))))
+#define STEP(n) ((REAL)((2.0 * (n) + 3) / ((n) + 3.0)))
+/* P_k - alpha P'_k is, but for a factor, u_k + RHO(k) u_(k-2). */
+#define RHO(k) ((REAL)((k) / ((k) + 1.0)))
 
 /* beta of the monic Legendre recurrence q_(k+1) = z q_k - beta q_(k-1) of order m. */
 #define BETA(k, m)                                                                                 \

@@ -50,19 +50,12 @@ static size_t place(const layout *y, int kind, int k, int m) {
   return (size_t)kind * n + (size_t)(k * (k + 1) + m);
 }
 
-/* The leading coefficient of P'_(n+1). */
-static double leading(int n) {
-  double c = 1;
-  for (int k = 1; k <= n; k++) c *= (2.0 * k + 1) / k;
-  return c;
-}
-
 /* What the weight of a kind lacks: constants and the normalisation of its polynomial. */
-static double weight_scale(int kind, int k, double grow) {
+static double weight_scale(int kind, int k) {
   if (k == 0) return 2 * M_PI;
-  if (kind == 2) return -2 * M_PI * (k - 1) * leading(k) / (2.0 * k + 1) * pow(grow, -k);
-  double c = 2 * M_PI * leading(k - 1) * pow(grow, 1 - k);
-  return kind == 0 ? c / (k * (k + 1.0)) : c;
+  if (kind == 0) return M_PI;
+  if (kind == 1) return M_PI * k * (k + 1.0);
+  return -M_PI * (k - 1.0) * (k + 1.0) * (k + 2.0) / (2.0 * k + 1);
 }
 
 /* Y_km over (monic polynomial in z) times Re or Im (x+iy)^|m|. */
@@ -90,7 +83,7 @@ static ylm_status layout_create(layout *y, int lmax, int kinds, double grow) {
           if (!ylm__has(lmax, kinds, kind, k)) continue;
           size_t i = place(y, kind, k, side ? -m : m);
           y->at[i] = next++;
-          y->scale[i] = norm * weight_scale(kind, k, grow);
+          y->scale[i] = norm * weight_scale(kind, k);
         }
       }
   return YLM_OK;

@@ -75,7 +75,7 @@ static ylm_status NAME(work_create)(NAME(work) * k, const ylm__plan *p, void **s
 static void NAME(scale)(const ylm__plan *p, int kinds, int n, const LAMP *lamps, int c, const V *w,
                         V *out) {
   int lmax = p->q->lmax, W = ylm__weight_slots(lmax);
-  int edges[4] = {0, lmax + 1, 2 * (lmax + 1), W};
+  int edges[4] = {0, lmax + 1, 2 * lmax + 3, W};
   for (int j = 0; j < n; j++) {
     REAL e = c == 3 ? lamps[j].luminance : lamps[j].rgb[c];
     for (int kind = 0; kind < 3; kind++)
