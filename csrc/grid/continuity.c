@@ -46,7 +46,7 @@ static bool gather(const ylm_grid *g, filling *f, int level) {
   bool any = false;
   for (size_t i = 0; i < g->cells; i++) {
     const ylm_grid_cell *c = &g->cell[i];
-    if (c->level != level) continue;
+    if (c->level != level || c->flags & YLM_GRID_ADDED) continue;
     for (int k = 0; k < 8; k++) {
       uint32_t p = c->corner[k];
       if (p == YLM_GRID_NONE || f->slot[p] == YLM_GRID_NONE) continue;
@@ -110,25 +110,75 @@ static void interpolate_metric(ylm_grid *g, const ylm_grid_cell *c, const float 
   g->norm[to] = norm;
 }
 
-/* A point of its own at place n (0 .. 26) of a cell's 3 x 3 x 3 half-edge lattice. */
+/* A point of its own at place n (0 .. 26) of a cell's half-edge lattice; its data come later. */
 static ylm_status add_interpolated(ylm_grid *g, uint32_t parent, int n, uint32_t *index) {
   ylm_status s = ylm__grid_reserve_points(g, 1);
   if (s != YLM_OK) return s;
+  size_t p = g->points, born = p - g->evaluated;
+  if (born == g->birth_room) {
+    size_t room = born ? 2 * born : 256;
+    grid_birth *more = ylm_realloc(g->birth, born * sizeof *more, room, sizeof *more);
+    if (!more) return YLM_ENOMEM;
+    g->birth = more;
+    g->birth_room = room;
+  }
   const ylm_grid_cell *c = &g->cell[parent];
   uint32_t half = ylm__grid_edge(g, c) / 2,
            place[3] = {(uint32_t)n % 3, (uint32_t)n / 3 % 3, (uint32_t)n / 9};
-  size_t p = g->points;
-  float t[3], *to = g->data + p * 4 * g->stride;
-  for (int a = 0; a < 3; a++) {
-    g->lattice[3 * p + (size_t)a] = c->origin[a] + place[a] * half;
-    t[a] = 0.5f * (float)place[a];
-  }
-  memset(to, 0, 4 * g->stride * sizeof *to);
-  ylm__grid_interpolate(g, c, t, to, to + g->stride);
-  interpolate_metric(g, c, t, p);
+  for (int a = 0; a < 3; a++) g->lattice[3 * p + (size_t)a] = c->origin[a] + place[a] * half;
+  g->birth[born] = (grid_birth){parent, (uint32_t)n};
   g->flags[p] = YLM_GRID_POINT_INTERPOLATED;
   g->points++;
   *index = (uint32_t)p;
+  return YLM_OK;
+}
+
+typedef struct interpolation {
+  ylm_grid *g;
+  uint8_t *changed;
+  const uint32_t *order; /* births by the level of their cell */
+  size_t first;          /* of the level at hand */
+} interpolation;
+
+static ylm_status interpolate_range(void *context, size_t begin, size_t end, int worker) {
+  (void)worker;
+  const interpolation *j = context;
+  ylm_grid *g = j->g;
+  for (size_t i = begin; i < end; i++) {
+    uint32_t born = j->order[j->first + i];
+    const ylm_grid_cell *c = &g->cell[g->birth[born].cell];
+    size_t p = g->evaluated + born;
+    bool wanted = !j->changed;
+    for (int k = 0; k < 8 && !wanted; k++) wanted = j->changed[c->corner[k]];
+    if (!wanted) continue;
+    uint32_t n = g->birth[born].place;
+    float t[3] = {0.5f * (float)(n % 3), 0.5f * (float)(n / 3 % 3), 0.5f * (float)(n / 9)};
+    float *to = g->data + p * 4 * g->stride;
+    memset(to, 0, 4 * g->stride * sizeof *to);
+    ylm__grid_interpolate(g, c, t, to, to + g->stride);
+    interpolate_metric(g, c, t, p);
+    if (j->changed) j->changed[p] = 1;
+  }
+  return YLM_OK;
+}
+
+/* Corners of a cell were born of coarser cells, so levels follow one another. */
+ylm_status ylm__grid_interpolate_points(ylm_grid *g, uint8_t *changed, int threads) {
+  size_t n = g->points - g->evaluated, first[YLM_GRID_MAX_DEPTH + 2] = {0};
+  if (!n) return YLM_OK;
+  uint32_t *order = ylm_alloc(n, sizeof *order);
+  if (!order) return YLM_ENOMEM;
+  for (size_t i = 0; i < n; i++) first[g->cell[g->birth[i].cell].level + 1]++;
+  for (int k = 0; k <= YLM_GRID_MAX_DEPTH; k++) first[k + 1] += first[k];
+  size_t next[YLM_GRID_MAX_DEPTH + 1];
+  memcpy(next, first, sizeof next);
+  for (size_t i = 0; i < n; i++) order[next[g->cell[g->birth[i].cell].level]++] = (uint32_t)i;
+  interpolation j = {g, changed, order, 0};
+  for (int k = 0; k <= YLM_GRID_MAX_DEPTH; k++) {
+    j.first = first[k];
+    ylm_parallel(first[k + 1] - first[k], 64, threads, interpolate_range, &j, NULL, NULL);
+  }
+  ylm_free(order);
   return YLM_OK;
 }
 
@@ -211,7 +261,7 @@ static void note_corners(ylm_grid *g, const ylm_grid_cell *parent) {
   }
 }
 
-ylm_status ylm__grid_make_continuous(ylm_grid *g) {
+ylm_status ylm__grid_make_continuous(ylm_grid *g, int threads) {
   uint32_t resolution = g->view.resolution[0];
   ylm_status s = YLM_OK;
   for (size_t i = 0; i < g->view.octree_cells; i++)
@@ -229,7 +279,7 @@ ylm_status ylm__grid_make_continuous(ylm_grid *g) {
       if (!out) s = split_beside(g, at, beside);
     }
   }
-  return s;
+  return s == YLM_OK ? ylm__grid_interpolate_points(g, NULL, threads) : s;
 }
 
 /* -- voxels without data, while sampling ------------------------------------------------------- */

@@ -27,13 +27,26 @@ struct ylm_grid {
   uint8_t *flags;
   size_t points, point_room, evaluated, stride;
 
+  /* Where interpolated points come from, in their order: [points - evaluated]. */
+  struct grid_birth *birth;
+  size_t birth_room;
+
   lattice_hash hash; /* evaluated points */
   uint32_t width;    /* channels * count */
   /* Cells by coarse lattice coordinates: [top[2]][top[1]][top[0]], to begin a descent. */
   uint32_t *table, top[3];
   int top_shift;   /* lattice coordinate >> top_shift is a coordinate of the table */
   double scale[3]; /* lattice cells per scene unit */
+
+  struct grid_dynamic *dynamic; /* what updates need (dynamic.h); NULL: the grid stays as it is */
+  bool updating;
 };
+
+/* An interpolated point is the interpolant of a cell at place 0 .. 26 of its 3 x 3 x 3 half-edge
+   lattice. */
+typedef struct grid_birth {
+  uint32_t cell, place;
+} grid_birth;
 
 /* -- store.c: cells and points ------------------------------------------------- */
 
@@ -54,6 +67,9 @@ static inline const float *ylm__grid_row(const ylm_grid *g, uint32_t point, int 
 }
 /* Flags the octree's cells whose corners were all evaluated. */
 void ylm__grid_find_baked(ylm_grid *g);
+/* Brings the view up to date; counts cells and points into the stats. */
+void ylm__grid_sync(ylm_grid *g);
+void ylm__grid_count(ylm_grid *g);
 /* Finds each leaf's source of data, counts, builds the table: what sampling needs. */
 ylm_status ylm__grid_finish(ylm_grid *g);
 /* Lattice coordinates (with fractions, clamped into the bounds) of a point; true if it was inside.
@@ -76,6 +92,8 @@ ylm_status lattice_hash_reserve(lattice_hash *h, size_t entries);
 uint32_t *lattice_hash_at(lattice_hash *h, uint64_t key);
 /* The value of a key, YLM_GRID_NONE if there is none. */
 uint32_t lattice_hash_find(const lattice_hash *h, uint64_t key);
+/* Forgets a key, if it is there. */
+void lattice_hash_remove(lattice_hash *h, uint64_t key);
 void lattice_hash_free(lattice_hash *h);
 
 /* -- occupancy.c: which voxels hold shading points -------------------------------- */
@@ -111,7 +129,8 @@ ylm_status cell_list_push(cell_list *list, uint32_t cell);
 
 /* What the field writes for a block of points. */
 typedef struct field_block {
-  float *position, *value, *gradient;
+  float *position, *value, *gradient, *lambda, *norm;
+  float *hessian; /* [n][channels][count][6]; NULL where the grid is not dynamic */
   uint8_t *inside;
   size_t room; /* points */
 } field_block;
@@ -126,17 +145,46 @@ typedef struct baker {
   field_block block;
   const char *stage; /* for progress */
   char stage_text[48];
+  uint8_t *used; /* updates: by point, whether a cell or a test wants it; else NULL */
+  size_t used_room;
+  /* Updates: the cells before, which new cells in the same place (cell.source, while baking) take
+     corners, residuals and crossings from, as far as these cannot have changed; else NULL. */
+  const ylm_grid_cell *before;
+  const uint8_t *changed;  /* by point that was there */
+  const double *unsettled; /* [unsettleds][6] boxes around lights that changed */
+  size_t unsettleds;
 } baker;
+
+/* The root alone, occupied, is the wave. */
+ylm_status baker_root(baker *b);
+/* Splits by the threshold until nothing is above it. */
+ylm_status baker_refine_threshold(baker *b);
+/* Frees what a baker holds, the grid and the occupancy excepted. */
+void baker_free(baker *b);
+/* Returns s; says in `e` what ran out, if s is YLM_ENOMEM or YLM_ELIMIT. */
+ylm_status ylm__grid_no_room(ylm_status s, const ylm_grid_source *source, ylm_error *e);
 
 /* The index of the point at lattice coordinates; a new one waits for baker_evaluate. */
 ylm_status baker_point(baker *b, const uint32_t at[3], uint8_t flags, uint32_t *index);
 /* Evaluates all points that wait, in blocks through the field. */
 ylm_status baker_evaluate(baker *b);
+/* Evaluates the n points `list` anew. */
+ylm_status baker_evaluate_list(baker *b, size_t n, const uint32_t *list);
+/* Asks a field for the block's results at its first n positions, with or without the metric. */
+ylm_status baker_ask(baker *b, const ylm_field *field, bool metric, size_t n, const field_block *k);
+/* Room in a block for the results of n points. */
+ylm_status baker_reserve_block(baker *b, field_block *k, size_t n);
+/* The float position that the field is asked at for a point. */
+void ylm__grid_asked(const ylm_grid *g, uint32_t point, float out[3]);
 /* Values alone at n free points. */
 ylm_status baker_values(baker *b, size_t n, const float *points, float *value, uint8_t *inside);
 /* Evaluates what the cells of the wave lack at their corners, computes their metric, and finds
    which of them a light's surface crosses. */
 ylm_status baker_corners(baker *b);
+/* The cell in the same place before an update; NULL: none, or no update. */
+static inline const ylm_grid_cell *baker_before(const baker *b, const ylm_grid_cell *c) {
+  return b->before && c->source != YLM_GRID_NONE ? &b->before[c->source] : NULL;
+}
 /* Splits a cell; its occupied children come next. */
 ylm_status baker_split(baker *b, uint32_t cell);
 /* The children that came next become the wave. */
@@ -150,7 +198,16 @@ float baker_metric(const baker *b, const ylm_grid_cell *c, ylm_grid_metric metri
 
 /* -- tolerance.c -------------------------------------------------------------------- */
 
+/* Ratios of measured error to the square of the metric, counted by powers of sqrt 2. */
+typedef struct ratios {
+  uint64_t count[256], n;
+} ratios;
+
 ylm_status ylm__grid_bake_tolerance(baker *b);
+/* Refines from the root by what the bake has learnt, then compares held-out points of voxels with
+   changed corners (changed: by point; points from `known` on are new). Fills `verified`, `error`
+   and `met` of the dynamic state's stats. */
+ylm_status ylm__grid_update_tolerance(baker *b, const uint8_t *changed, size_t known);
 
 /* -- continuity.c ------------------------------------------------------------------- */
 
@@ -158,7 +215,10 @@ ylm_status ylm__grid_bake_tolerance(baker *b);
 ylm_status ylm__grid_fill_invalid(ylm_grid *g);
 /* Splits leaves that have data until every evaluated point is a corner of all of them that it
    touches; leaves without data note how far sampling has to descend (cell.detail). */
-ylm_status ylm__grid_make_continuous(ylm_grid *g);
+ylm_status ylm__grid_make_continuous(ylm_grid *g, int threads);
+/* Computes interpolated points: all, or those that depend on points with changed[point] != 0, which
+   are then marked themselves. */
+ylm_status ylm__grid_interpolate_points(ylm_grid *g, uint8_t *changed, int threads);
 
 /* A cell that exists only while a leaf without data is sampled. */
 typedef struct virtual_cell {

@@ -62,6 +62,23 @@ uint32_t lattice_hash_find(const lattice_hash *h, uint64_t key) {
   return h->size ? h->value[place(h, key)] : YLM_GRID_NONE;
 }
 
+/* Backward-shift deletion: entries behind the gap move into it unless they are where they belong.
+ */
+void lattice_hash_remove(lattice_hash *h, uint64_t key) {
+  if (!h->size) return;
+  size_t mask = h->size - 1, gap = place(h, key);
+  if (h->value[gap] == YLM_GRID_NONE) return;
+  for (size_t i = (gap + 1) & mask; h->value[i] != YLM_GRID_NONE; i = (i + 1) & mask) {
+    size_t home = (size_t)mix(h->key[i]) & mask;
+    if (((i - home) & mask) < ((i - gap) & mask)) continue;
+    h->key[gap] = h->key[i];
+    h->value[gap] = h->value[i];
+    gap = i;
+  }
+  h->value[gap] = YLM_GRID_NONE;
+  h->used--;
+}
+
 void lattice_hash_free(lattice_hash *h) {
   ylm_free(h->key);
   ylm_free(h->value);

