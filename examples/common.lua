@@ -23,9 +23,14 @@ function common.options(defaults, usage)
   return options
 end
 
---- Makes a folder, parents included.
+--- Makes a folder, parents included; stops where nothing can be written there: before the work, not after it.
 function common.folder(path)
   os.execute("mkdir -p '" .. path:gsub("'", "'\\''") .. "'")
+  local name = path .. "/.writable"
+  local file, message = io.open(name, "w")
+  if not file then error(message, 0) end
+  file:close()
+  os.remove(name)
   return path
 end
 

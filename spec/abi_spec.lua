@@ -28,6 +28,14 @@ describe("the binding", function()
         assert(not pcall(ylm.zeros, { -1 }))
         for _, name in ipairs(ylm.names()) do assert(ylm[name], name) end
         for i = 1, 50 do ylm.zeros { 1000, 100 } end
+        -- counts read "27", never "27.0"
+        local g = ylm.bake(ylm.uniform_grid { bounds = { { -1, -1, -1 }, { 1, 1, 1 } }, cells = 2, lmax = 1 },
+          ylm.sphere_light { at = { 0, 2, 0 } })
+        local _, _, report = g:sample { 9, 9, 9 }
+        local _, _, _, facts = ylm.light_field(1, g, { 0, 0, 0 })
+        local words = { g.stats.points, g.lmax, g:locate { 0, 0, 0 }.index, report.outside, facts.pairs,
+          ylm.info().threads > 0 and 1 }
+        assert(table.concat(words, " "):find "^27 1 8 1 %d+ 1$", table.concat(words, " "))
         collectgarbage() collectgarbage()
         io.write "good"]])
       assert.equal("good", out)

@@ -131,6 +131,26 @@ describe("the command-line tool", function()
     end
   end)
 
+  it("tries the output's folder before it works", function()
+    local scene = file("slow.lua", [[return scene "slow" {
+      camera = camera { from = { 2, 2, 3 } }, geometry = box {}, lights = sphere_light { at = { 0, 2, 0 } },
+      probes = adaptive_grid { lmax = 1, depth = 1 } }]])
+    local nowhere = " -o " .. scratch.quote(folder.path .. "/nowhere/x.")
+    for words, extension in pairs { ["render " .. scene] = "exr", ["bake " .. scene] = "ylm", ["view missing.ylm"] = "png",
+      ["compare missing.exr missing.exr"] = "png" } do
+      local out, code, err = ylm(words .. nowhere:gsub("%.'$", "." .. extension .. "'"))
+      assert.equal(1, code)
+      assert.equal("", out)
+      assert.truthy(err:find("nowhere/x." .. extension .. ": cannot be created: ", 1, true), err)
+      assert.is_nil(err:find("missing", 1, true), err) -- what would have been found next
+      assert.is_nil(err:find("\n.", 1), err) -- no progress before
+    end
+    local _, code, err = ylm("render missing.lua -o " .. scratch.quote(folder.path .. "/kept.png"))
+    assert.equal(1, code, err)
+    assert.is_nil(folder:read "kept.png") -- trying leaves nothing
+    assert.equal("", (scratch.capture("ls " .. scratch.quote(folder.path) .. " | grep kept || true")))
+  end)
+
   it("tells a missing scene from a wrong one and one that passes a limit", function()
     for command, extension in pairs { render = "exr", bake = "ylm" } do
       local output = " -o x." .. extension

@@ -164,4 +164,26 @@ describe("a picture", function()
     assert.equal(0.5, image:layer():get(1, 1, 1))
     assert.is_true(s:raycast { size = { 4, 2 } } ~= nil)
   end)
+
+  it("of a camera that looks away is background and lamps by every method, and the report says so", function()
+    local s = card(1, 40, {
+      camera = ylm.camera { from = { 0, 0, 5 }, at = { 0, 0, 9 } },
+      lights = { ylm.sphere_light { at = { 0, 0, 9 }, radius = 0.5, radiance = { 1, 2, 3 } } },
+      probes = ylm.adaptive_grid { lmax = 1, depth = 2 },
+    })
+    local grid = s:bake { occupied = "everywhere" }
+    for what, picture in pairs {
+      render = { s:render(options) }, grid = { s:render(with(options, { grid = grid })) },
+      vertices = { s:render(with(options, { shading = "vertex", visibility = "vertex" })) },
+      reference = { s:reference(options) }, raycast = { s:raycast { size = options.size, pixel_samples = 4 } },
+    } do
+      local image, report = picture[1], picture[2]
+      assert.same({ 0.25, 0.5, 0.75 }, image:layer()[1][1]:totable(), what)
+      assert.same({ 1, 2, 3 }, image:layer()[10][20]:totable(), what)
+      assert.equal(0, report.points, what)
+      assert.equal("the camera sees no geometry: nothing to shade", report.note, what)
+    end
+    local _, report = card(1):reference(options)
+    assert.is_nil(report.note)
+  end)
 end)

@@ -150,6 +150,27 @@ describe("ylm.sh.rotate", function()
     end)
   end
 
+  for _, rows in ipairs { 1, 3, 4, 31, 32, 33, 70 } do
+    it("rotates batches of " .. rows .. " as it does single rows, exact turns too, in place as well", function()
+      for _, dtype in ipairs { "float", "double" } do
+        local lmax = 23
+        local c = random_vectors(rows, lmax, dtype)
+        for _, r in ipairs { { quaternion = { 0.7, -0.4, 0.3, 0.6 } }, { axis = { 0, 0, 1 }, angle = 0.3 },
+          { axis = { 1, 0, 0 }, angle = math.pi }, { axis = { 1, 0, 0 }, angle = -math.pi / 2 },
+          { axis = { 1, 1, 1 }, angle = 2 * math.pi / 3 } } do
+          local all = ylm.sh.rotate(c, ylm.sh.rotation(lmax, r, { dtype = dtype }), { threads = 1 })
+          for i = 1, rows, 7 do
+            local wanted = ylm.sh.rotate(ylm.array(c[i], "double"), r, { method = "reference" })
+            assert(relative(all[i], wanted) < (dtype == "float" and 1e-6 or 1e-13), "seed " .. seed)
+          end
+          local same = c:clone()
+          ylm.sh.rotate(same, ylm.sh.rotation(lmax, r, { dtype = dtype }), { out = same })
+          assert.equal(0, (core.array_distance(same, all)))
+        end
+      end
+    end)
+  end
+
   it("does not depend on the number of threads and writes where it is told", function()
     local c = random_vectors(1000, 4, "float")
     local r = ylm.sh.rotation(4, { zyz = { 1, 2, 3 } }, { dtype = "float" })

@@ -221,6 +221,86 @@ describe("shading", function()
     assert.is_true(report.outside > 0 and report.outside < view.stats.points)
   end)
 
+  it("by a grid is the reference where the field is one that Hermite interpolation represents: a cubic", function()
+    local s, count = small_scene(), 9
+    local rng = 7
+    local function random()
+      rng = rng * 16807 % 2147483647
+      return rng / 2147483647 - 0.5
+    end
+    -- Cubic in one axis times linear in the others, per channel and coefficient; gradients by hand.
+    local terms = {}
+    for k = 1, 3 * count do
+      terms[k] = {}
+      for t, e in ipairs { { 0, 0, 0 }, { 1, 1, 1 }, { 3, 0, 0 }, { 0, 3, 1 }, { 1, 0, 2 }, { 2, 1, 1 }, { 0, 0, 3 } } do
+        terms[k][t] = { random(), e }
+      end
+    end
+    local function power(x, n) return n == 0 and 1 or x ^ n end
+    local function cubic(points)
+      local value, gradient = {}, {}
+      for i, p in ipairs(points:totable()) do
+        value[i], gradient[i] = {}, {}
+        for c = 1, 3 do
+          value[i][c], gradient[i][c] = {}, {}
+          for k = 1, count do
+            local sum, slope = 0, { 0, 0, 0 }
+            for _, term in ipairs(terms[(c - 1) * count + k]) do
+              local f = { power(p[1], term[2][1]), power(p[2], term[2][2]), power(p[3], term[2][3]) }
+              sum = sum + term[1] * f[1] * f[2] * f[3]
+              for a = 1, 3 do
+                local n = term[2][a]
+                if n > 0 then
+                  slope[a] = slope[a] + term[1] * n * power(p[a], n - 1) * f[a % 3 + 1] * f[(a + 1) % 3 + 1]
+                end
+              end
+            end
+            value[i][c][k], gradient[i][c][k] = sum, slope
+          end
+        end
+      end
+      return ylm.array(value), ylm.array(gradient)
+    end
+    local view = s:prepare { size = { 32, 18 }, samples = 4, transfer_samples = 16, lmax = 2 }
+    local box = { { -4, -2, -4 }, { 4, 4, 4 } }
+    -- One voxel is the polynomial itself: asked as a light field, point by point, it gives the reference.
+    local one = ylm.bake(ylm.uniform_grid { bounds = box, cells = 1, lmax = 2, metric_channels = "none" }, cubic)
+    local truth = lib.shade_field(view, one, "double", 0, nil)
+    -- .. which is also albedo/pi times transfer times the polynomial.
+    local p, T = view:points(), view:transfer():totable()
+    local exact, albedo, rows = cubic(p.position):totable(), p.albedo:totable(), {}
+    for i = 1, #exact do
+      rows[i] = {}
+      for c = 1, 3 do
+        local sum = 0
+        for k = 1, count do sum = sum + T[i][k] * exact[i][c][k] end
+        rows[i][c] = sum * albedo[i][c] / pi
+      end
+    end
+    local function near(what, picture, limit)
+      local _, off, norm = core.array_distance(picture, truth)
+      assert.is_true(norm > 1 and off < limit * norm, ("%s: %g"):format(what, off / norm))
+    end
+    near("the polynomial", ylm.array(rows, "float"), 1e-5)
+    for what, grid in pairs {
+      ["one voxel"] = one,
+      ["of the function"] = ylm.bake(ylm.uniform_grid { bounds = box, cells = { 3, 4, 5 }, lmax = 2,
+        metric_channels = "none" }, cubic),
+      ["of the voxel"] = ylm.bake(ylm.uniform_grid { bounds = box, cells = { 7, 2, 4 }, lmax = 2,
+        metric_channels = "none" }, one),
+      ["adaptive"] = ylm.bake(ylm.adaptive_grid { bounds = box, depth = 2, lmax = 2, tolerance = 1e-9 }, cubic,
+        { occupied = p.position }),
+    } do
+      assert.is_true(grid.stats.cells > 1 or what == "one voxel")
+      near(what, lib.shade_grid(view, grid, "hermite", 0, nil), 1e-5)
+      local _, off, norm = core.array_distance(view:render({ grid = grid }):layer(), view:render({ grid = one }):layer())
+      assert.is_true(off < 1e-5 * norm, ("%s: %g in the picture"):format(what, off / norm))
+      -- .. and it is the interpolation that makes it so
+      local _, linear = core.array_distance(lib.shade_grid(view, grid, "linear", 0, nil), truth)
+      assert.is_true(linear > 1e-3, what .. " by linear interpolation")
+    end
+  end)
+
   it("uses a grid of another lmax up to the smaller of the two", function()
     local s = small_scene()
     local options = { size = { 32, 18 }, samples = 2, visibility = "none" }

@@ -1,9 +1,7 @@
 /* cpu.c - which kernels this processor runs, and which are asked for. */
-#include "ylm_base.h"
+#include "environment.h"
 
 #include <stdatomic.h>
-#include <stdlib.h>
-#include <string.h>
 
 const char *ylm_isa_name(ylm_isa isa) {
   static const char *const names[] = {
@@ -31,14 +29,11 @@ bool ylm_isa_available(ylm_isa isa) {
 }
 
 static ylm_isa choose(void) {
-  const char *wish = getenv("YLM_ISA");
-  ylm_isa best = YLM_ISA_reference;
-  for (int i = 0; i < YLM_ISA_COUNT; i++) {
-    if (!ylm_isa_available((ylm_isa)i)) continue;
-    if (wish && strcmp(wish, ylm_isa_name((ylm_isa)i)) == 0) return (ylm_isa)i;
-    best = (ylm_isa)i;
-  }
-  return best;
+  int wish = ylm__environment_isa(NULL);
+  if (wish >= 0) return (ylm_isa)wish;
+  int best = YLM_ISA_COUNT - 1;
+  while (!ylm_isa_available((ylm_isa)best)) best--;
+  return (ylm_isa)best;
 }
 
 ylm_isa ylm_isa_current(void) {

@@ -189,6 +189,13 @@ void ylm_file_discard(ylm_file *f) {
   destroy(f);
 }
 
+ylm_status ylm_file_probe(const char *path, ylm_error *e) {
+  ylm_file *f;
+  ylm_status s = ylm_file_create(path, &f, e);
+  if (s == YLM_OK) ylm_file_discard(f);
+  return s;
+}
+
 ylm_status ylm_file_save(const char *path, const void *data, size_t size, ylm_error *e) {
   ylm_file *f;
   ylm_status s = ylm_file_create(path, &f, e);

@@ -1,9 +1,8 @@
 /* parallel.c - blocks of items on OpenMP threads, progress on the caller's. */
-#include "ylm_base.h"
+#include "environment.h"
 
 #include <omp.h>
 #include <stdatomic.h>
-#include <stdlib.h>
 #include <time.h>
 
 /* A batch between two reports aims at this long. */
@@ -16,12 +15,9 @@ double ylm_seconds(void) {
 }
 
 int ylm_threads(int asked) {
-  if (asked <= 0) {
-    const char *s = getenv("YLM_THREADS");
-    asked = s ? atoi(s) : 0;
-  }
+  if (asked <= 0) asked = ylm__environment_threads(NULL);
   if (asked <= 0) asked = omp_get_num_procs();
-  return asked < 1 ? 1 : asked > 1024 ? 1024 : asked;
+  return asked < 1 ? 1 : asked > YLM__MOST_THREADS ? YLM__MOST_THREADS : asked;
 }
 
 ylm_status ylm_report(const ylm_progress *p, uint64_t done, uint64_t total, const char *stage) {

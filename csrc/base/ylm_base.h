@@ -134,6 +134,15 @@ YLM_API bool ylm_isa_available(ylm_isa isa);
 /* The set in use: the environment's YLM_ISA where that names an available one, else the best. */
 YLM_API ylm_isa ylm_isa_current(void);
 
+/*
+** ylm_environment_check - say what is wrong with the environment's YLM_ISA and YLM_THREADS.
+**
+** Whoever reads them falls back in silence; a program that wants its user to know asks here, once.
+** Unset and empty are good. Returns YLM_OK, or YLM_EDOMAIN with a sentence that names the variable
+** and what it may be: also for a set that this build or this processor lacks.
+*/
+YLM_API ylm_status ylm_environment_check(ylm_error *e);
+
 /* -- progress and threads -------------------------------------------------- */
 
 /*
@@ -149,7 +158,8 @@ typedef struct ylm_progress {
 YLM_API ylm_status ylm_report(const ylm_progress *p, uint64_t done, uint64_t total,
                               const char *stage);
 
-/* The number of threads to use: `asked` if > 0, else YLM_THREADS, else all cores; 1 .. 1024. */
+/* The number of threads to use: `asked` if > 0, else the environment's YLM_THREADS where that is an
+   integer from 1 to 1024, else all cores; 1 .. 1024. */
 YLM_API int ylm_threads(int asked);
 
 /* Work on items begin .. end-1; `worker` is 0 .. threads-1. */
@@ -197,6 +207,10 @@ YLM_API ylm_status ylm_file_read(const char *path, size_t limit, unsigned char *
 /* The first `room` bytes of a regular file, or all of them where it has fewer. YLM_EIO. */
 YLM_API ylm_status ylm_file_head(const char *path, unsigned char *bytes, size_t room, size_t *size,
                                  ylm_error *e);
+
+/* Whether ylm_file_create could open `path` now: to be asked before long work, not instead of
+   looking at what the commit says. Leaves nothing behind. */
+YLM_API ylm_status ylm_file_probe(const char *path, ylm_error *e);
 
 /*
 ** A file written beside its target and renamed over it by ylm_file_commit, so

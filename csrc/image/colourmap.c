@@ -57,7 +57,7 @@ static double encode_srgb(double x) {
   return x <= 0.0031308 ? 12.92 * x : 1.055 * pow(x, 1 / 2.4) - 0.055;
 }
 
-/* Björn Ottosson's OKLab (2020) to sRGB. */
+/* OKLab (Ottosson 2020) to sRGB. */
 static void from_oklab(double L, double a, double b, float rgb[3]) {
   double l = L + 0.3963377774 * a + 0.2158037573 * b;
   double m = L - 0.1055613458 * a - 0.0638541728 * b;

@@ -106,8 +106,8 @@ YLM_API void ylm_image_measure_text(const char *text, int scale, int *width, int
 ** From linear radiance to what a file with 8 or 16 bits shows, 0 .. 1.
 **   srgb    the sRGB encoding (IEC 61966-2-1), cut at 1
 **   linear  the number itself, cut to 0 .. 1: for data, not for looking at
-**   hable   Hable's filmic curve (Uncharted 2, GDC 2010), exposure bias 2, white 11.2, then sRGB
-**   aces    Narkowicz's fit of the ACES filmic curve (2015), then sRGB
+**   hable   the filmic curve of Uncharted 2 (Hable 2010), exposure bias 2, white 11.2, then sRGB
+**   aces    a fit of the ACES filmic curve (Narkowicz 2015), then sRGB
 **   reinhard  x/(1+x) per channel (Reinhard et al. 2002, Eq. 3), then sRGB
 */
 #define YLM_TONE_LIST(X) X(srgb) X(linear) X(hable) X(aces) X(reinhard)

@@ -29,6 +29,18 @@ bool ylmL_toint64(lua_State *L, int i, int64_t *out) {
   return true;
 }
 
+void ylmL_push_count(lua_State *L, uint64_t n) { lua_pushinteger(L, (lua_Integer)n); }
+
+void ylmL_set_count(lua_State *L, const char *name, uint64_t n) {
+  ylmL_push_count(L, n);
+  lua_setfield(L, -2, name);
+}
+
+void ylmL_set_number(lua_State *L, const char *name, double x) {
+  lua_pushnumber(L, (lua_Number)x);
+  lua_setfield(L, -2, name);
+}
+
 int ylmL_result(lua_State *L, int n, ylm_status s, const ylm_error *e) {
   if (s == YLM_OK) return n;
   lua_pushnil(L);
@@ -170,8 +182,8 @@ static bool step(void *user, uint64_t done, uint64_t total, const char *stage) {
   int busy = lua_gettop(L);
   uint64_t marked = mark(L, busy, p->top, UINT64_MAX, true);
   lua_pushvalue(L, p->index);
-  lua_pushnumber(L, (lua_Number)done);
-  lua_pushnumber(L, (lua_Number)total);
+  ylmL_push_count(L, done);
+  ylmL_push_count(L, total);
   lua_pushstring(L, stage ? stage : "");
   p->raised = lua_pcall(L, 3, 1, 0) != 0;
   mark(L, busy, p->top, marked, false);

@@ -73,6 +73,12 @@ void ylmL_check_abi(lua_State *L);
 /* YLM_OK: returns `n` (results already pushed). Else pushes nil, message, code; returns 3. */
 int ylmL_result(lua_State *L, int n, ylm_status s, const ylm_error *e);
 
+/* A number of things: an integer where Lua has integers, so that it reads 5 and not 5.0. */
+void ylmL_push_count(lua_State *L, uint64_t n);
+/* Named entries of the table on top of the stack. */
+void ylmL_set_count(lua_State *L, const char *name, uint64_t n);
+void ylmL_set_number(lua_State *L, const char *name, double x);
+
 /* -- object types ---------------------------------------------------------- */
 
 /* Registers (once per state) the metatable `name` with methods; leaves it on the stack.

@@ -31,8 +31,16 @@ static int info(lua_State *L) {
     lua_pushstring(L, ylm_isa_name((ylm_isa)i));
     lua_rawseti(L, -2, ++n);
   }
-  lua_pushnumber(L, ylm_threads(0));
+  lua_pushinteger(L, ylm_threads(0));
   return 4;
+}
+
+/* environment() -> true; nil, message, code where YLM_ISA or YLM_THREADS is not what it may be */
+static int environment(lua_State *L) {
+  ylm_error e = {0};
+  ylm_status s = ylm_environment_check(&e);
+  lua_pushboolean(L, 1);
+  return ylmL_result(L, 1, s, &e);
 }
 
 /* status(code name) -> "caller" | "world", sentence; nil if there is no such code */
@@ -61,8 +69,9 @@ static int is_terminal(lua_State *L) {
 }
 
 static const luaL_Reg functions[] = {
-    {"metatable", metatable}, {"type", object_type},        {"info", info}, {"status", status},
-    {"seconds", seconds},     {"is_terminal", is_terminal}, {NULL, NULL}};
+    {"metatable", metatable},     {"type", object_type}, {"info", info},
+    {"environment", environment}, {"status", status},    {"seconds", seconds},
+    {"is_terminal", is_terminal}, {NULL, NULL}};
 
 int luaopen_ylm_c_core(lua_State *L) {
   ylmL_check_abi(L);

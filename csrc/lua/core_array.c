@@ -68,7 +68,7 @@ static int array_fill(lua_State *L) {
     return 1;
   }
   lua_pushnil(L);
-  lua_pushnumber(L, (lua_Number)(next + 1));
+  ylmL_push_count(L, next + 1);
   return 2;
 }
 
@@ -196,7 +196,7 @@ static int array_finite(lua_State *L) {
   bool ok = ylm_all_finite(a->dtype, a->data, a->count, &where);
   lua_pushboolean(L, ok);
   if (ok) return 1;
-  lua_pushnumber(L, (lua_Number)(where + 1));
+  ylmL_push_count(L, where + 1);
   return 2;
 }
 
@@ -224,6 +224,15 @@ static int array_close(lua_State *L) {
   return 0;
 }
 
+/* array_overlap(a, b) -> true where they have an element's memory in common */
+static int array_overlap(lua_State *L) {
+  const ylmL_array *a = ylmL_array_check(L, 1), *b = ylmL_array_check(L, 2);
+  uintptr_t pa = (uintptr_t)a->data, pb = (uintptr_t)b->data;
+  lua_pushboolean(L, pa < pb + b->count * ylm_dtype_size(b->dtype) &&
+                         pb < pa + a->count * ylm_dtype_size(a->dtype));
+  return 1;
+}
+
 static const luaL_Reg functions[] = {{"array_zeros", array_zeros},
                                      {"array_fill", array_fill},
                                      {"array_totable", array_totable},
@@ -236,6 +245,7 @@ static const luaL_Reg functions[] = {{"array_zeros", array_zeros},
                                      {"array_pointer", array_pointer},
                                      {"array_finite", array_finite},
                                      {"array_distance", array_distance},
+                                     {"array_overlap", array_overlap},
                                      {"array_close", array_close},
                                      {"array_set_convention", array_set_convention},
                                      {NULL, NULL}};

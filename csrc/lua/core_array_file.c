@@ -44,7 +44,16 @@ static int file_head(lua_State *L) {
   return ylmL_result(L, 1, s, &e);
 }
 
+/* file_probe(path) -> true where a file could be written now */
+static int file_probe(lua_State *L) {
+  ylm_error e = {0};
+  ylm_status s = ylm_file_probe(luaL_checkstring(L, 1), &e);
+  lua_pushboolean(L, 1);
+  return ylmL_result(L, 1, s, &e);
+}
+
 static const luaL_Reg functions[] = {{"file_head", file_head},
+                                     {"file_probe", file_probe},
                                      {"array_read", array_read},
                                      {"array_write", array_write},
                                      {NULL, NULL}};

@@ -38,8 +38,8 @@ static void push_bounds(lua_State *L, const double b[6]) {
 static int shape_info(lua_State *L) {
   ylm_figure_shape *s = shape_at(L, 1);
   double b[6];
-  lua_pushnumber(L, (lua_Number)s->points);
-  lua_pushnumber(L, (lua_Number)s->cells);
+  ylmL_push_count(L, s->points);
+  ylmL_push_count(L, s->cells);
   if (!ylm_figure_shape_bounds(s, b)) return 2;
   push_bounds(L, b);
   return 3;
@@ -444,7 +444,7 @@ static int thin(lua_State *L) {
     kept++;
   }
   ylm_free(slot);
-  lua_pushnumber(L, (lua_Number)kept);
+  ylmL_push_count(L, kept);
   return 2;
 }
 

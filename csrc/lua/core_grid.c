@@ -105,8 +105,8 @@ static int protected_call(lua_State *L) {
   ylmL_array *p = ylmL_array_new(L, c->q->dtype, 2, shape);
   if (!p) return luaL_error(L, "memory ran out");
   memcpy(p->data, c->points, 3 * c->n * ylm_dtype_size(c->q->dtype));
-  lua_pushnumber(L, c->q->lmax);
-  lua_pushnumber(L, c->q->channels);
+  lua_pushinteger(L, c->q->lmax);
+  lua_pushinteger(L, c->q->channels);
   lua_call(L, 3, 3); /* value, gradient, lambda at 3, 4, 5 */
   if (!take(L, 3, c->n * width, c->q->dtype, c->r->value))
     return luaL_error(L, "the light field's first result must be an array [%d][%d][%d]", (int)c->n,
@@ -214,11 +214,6 @@ static int grid_bake(lua_State *L) {
   return ylmL_result_progress(L, 1, s, &e, &progress);
 }
 
-static void set_number(lua_State *L, const char *name, double x) {
-  lua_pushnumber(L, (lua_Number)x);
-  lua_setfield(L, -2, name);
-}
-
 static void set_boolean(lua_State *L, const char *name, bool x) {
   lua_pushboolean(L, x);
   lua_setfield(L, -2, name);
@@ -227,22 +222,17 @@ static void set_boolean(lua_State *L, const char *name, bool x) {
 /* What the last update did, as a table. */
 static void push_update(lua_State *L, const ylm_grid_update_stats *u) {
   lua_newtable(L);
-#define COUNT(name) set_number(L, #name, (double)u->name);
+#define COUNT(name) ylmL_set_count(L, #name, u->name);
   COUNT(updates)
   COUNT(lights)
   COUNT(points)
-  COUNT(exact)
-  COUNT(skipped)
-  COUNT(added)
-  COUNT(removed)
-  COUNT(pairs)
-  COUNT(seconds)
-  COUNT(field_seconds)
-  COUNT(tree_seconds)
-  COUNT(verified)
+  COUNT(exact) COUNT(skipped) COUNT(added) COUNT(removed) COUNT(pairs) COUNT(verified)
 #undef COUNT
+      ylmL_set_number(L, "seconds", u->seconds);
+  ylmL_set_number(L, "field_seconds", u->field_seconds);
+  ylmL_set_number(L, "tree_seconds", u->tree_seconds);
   if (u->verified) {
-    set_number(L, "error", u->error);
+    ylmL_set_number(L, "error", u->error);
     set_boolean(L, "met", u->met);
   }
   set_boolean(L, "rebaked", u->rebaked);
@@ -336,8 +326,8 @@ static int grid_sample(lua_State *L) {
     s = ylm_grid_sample(check_grid(L, 1), &q, shape[0], points->data, value->data,
                         gradient ? gradient->data : NULL, &report, &e);
   if (s == YLM_OK) {
-    lua_pushnumber(L, (lua_Number)report.outside);
-    lua_pushnumber(L, (lua_Number)report.unbaked);
+    ylmL_push_count(L, report.outside);
+    ylmL_push_count(L, report.unbaked);
     lua_pushnumber(L, report.seconds);
   }
   return ylmL_result_progress(L, 5, s, &e, &progress);
@@ -351,27 +341,30 @@ static int grid_stats(lua_State *L) {
   const ylm_grid_view *v = ylm_grid_look(check_grid(L, 1));
   const ylm_grid_stats *s = v->stats;
   lua_newtable(L);
-#define COUNT(name) set_number(L, #name, (double)s->name);
+#define COUNT(name) ylmL_set_count(L, #name, s->name);
   COUNT(points)
   COUNT(tested)
-  COUNT(interpolated) COUNT(cells) COUNT(leaves) COUNT(occupied) COUNT(continuity) COUNT(levels)
-      COUNT(pairs) COUNT(invalid) COUNT(outside) COUNT(bytes) COUNT(seconds) COUNT(field_seconds)
-          COUNT(verify_seconds)
+  COUNT(interpolated)
+  COUNT(cells) COUNT(leaves) COUNT(occupied) COUNT(continuity) COUNT(levels) COUNT(pairs)
+      COUNT(invalid) COUNT(outside) COUNT(bytes)
 #undef COUNT
-              if (s->update.updates) {
+          ylmL_set_number(L, "seconds", s->seconds);
+  ylmL_set_number(L, "field_seconds", s->field_seconds);
+  ylmL_set_number(L, "verify_seconds", s->verify_seconds);
+  if (s->update.updates) {
     push_update(L, &s->update);
     lua_setfield(L, -2, "update");
   }
   if (v->form.kind == YLM_GRID_UNIFORM) return 1;
   if (!(v->form.tolerance > 0)) {
-    set_number(L, "threshold", v->form.threshold);
+    ylmL_set_number(L, "threshold", v->form.threshold);
     return 1;
   }
-  set_number(L, "tolerance", v->form.tolerance);
-  set_number(L, "verified", (double)s->verified);
-  set_number(L, "rounds", (double)s->rounds);
-  set_number(L, "error", s->error);
-  set_number(L, "largest_error", s->largest_error);
+  ylmL_set_number(L, "tolerance", v->form.tolerance);
+  ylmL_set_count(L, "verified", s->verified);
+  ylmL_set_count(L, "rounds", s->rounds);
+  ylmL_set_number(L, "error", s->error);
+  ylmL_set_number(L, "largest_error", s->largest_error);
   set_boolean(L, "met", s->met);
   set_boolean(L, "limited", s->limited);
   return 1;
@@ -384,8 +377,8 @@ static int grid_form(lua_State *L) {
   bool adaptive = f->kind == YLM_GRID_ADAPTIVE;
   lua_pushstring(L, adaptive ? "adaptive" : "uniform");
   lua_setfield(L, -2, "kind");
-  set_number(L, "lmax", f->lmax);
-  set_number(L, "channels", f->channels);
+  ylmL_set_count(L, "lmax", f->lmax);
+  ylmL_set_count(L, "channels", f->channels);
   static const char *const of_what[] = {"none", "luminance", "", "rgb"};
   lua_pushstring(L, of_what[f->metric_channels & 3]);
   lua_setfield(L, -2, "metric_channels");
@@ -401,17 +394,17 @@ static int grid_form(lua_State *L) {
   lua_setfield(L, -2, "bounds");
   set_boolean(L, "dynamic", f->dynamic);
   if (adaptive) {
-    set_number(L, "depth", f->depth);
+    ylmL_set_count(L, "depth", f->depth);
     set_boolean(L, "continuous", f->continuous);
     lua_pushstring(L, f->metric == YLM_GRID_RELATIVE ? "relative" : "absolute");
     lua_setfield(L, -2, "metric");
-    set_number(L, f->tolerance > 0 ? "tolerance" : "threshold",
-               f->tolerance > 0 ? f->tolerance : f->threshold);
+    ylmL_set_number(L, f->tolerance > 0 ? "tolerance" : "threshold",
+                    f->tolerance > 0 ? f->tolerance : f->threshold);
     return 1;
   }
   lua_newtable(L);
   for (int a = 0; a < 3; a++) {
-    lua_pushnumber(L, f->cells[a]);
+    ylmL_push_count(L, (uint64_t)f->cells[a]);
     lua_rawseti(L, -2, a + 1);
   }
   lua_setfield(L, -2, "cells");
@@ -504,10 +497,10 @@ static int grid_locate(lua_State *L) {
   const ylm_grid_cell *c = &v->cell[i];
   ylm_grid_box(g, i, box);
   lua_newtable(L);
-  set_number(L, "index", (double)i + 1);
-  set_number(L, "level", c->level);
-  if (!isnan(c->error)) set_number(L, "error", (double)c->error);
-  if (!isnan(c->residual)) set_number(L, "residual", (double)c->residual);
+  ylmL_set_count(L, "index", i + 1);
+  ylmL_set_count(L, "level", c->level);
+  if (!isnan(c->error)) ylmL_set_number(L, "error", (double)c->error);
+  if (!isnan(c->residual)) ylmL_set_number(L, "residual", (double)c->residual);
   set_boolean(L, "leaf", c->flags & YLM_GRID_LEAF);
   set_boolean(L, "occupied", c->flags & YLM_GRID_OCCUPIED);
   set_boolean(L, "baked", c->flags & YLM_GRID_BAKED);
@@ -523,7 +516,7 @@ static int grid_locate(lua_State *L) {
     lua_rawseti(L, -3, a + 1);
   }
   for (int k = 0; k < 8; k++) {
-    lua_pushnumber(L, c->corner[k] == YLM_GRID_NONE ? 0 : (lua_Number)c->corner[k] + 1);
+    ylmL_push_count(L, c->corner[k] == YLM_GRID_NONE ? 0 : (uint64_t)c->corner[k] + 1);
     lua_rawseti(L, -2, k + 1);
   }
   lua_setfield(L, -4, "corners");

@@ -28,11 +28,6 @@ static const float *mask(lua_State *L, int i, const ylm_image *image) {
   return a->data;
 }
 
-static void set_number(lua_State *L, const char *name, double x) {
-  lua_pushnumber(L, (lua_Number)x);
-  lua_setfield(L, -2, name);
-}
-
 /* image_compare(a, b, layer or nil, mask or nil, peak, floor, threads) -> table */
 static int image_compare(lua_State *L) {
   ylm_image *a = ylmL_image_check(L, 1), *b = ylmL_image_check(L, 2);
@@ -43,16 +38,16 @@ static int image_compare(lua_State *L) {
       ylm_image_compare(a, b, luaL_optstring(L, 3, NULL), where, (double)luaL_checknumber(L, 5),
                         (double)luaL_checknumber(L, 6), integer(L, 7), &m, &e);
   lua_createtable(L, 0, 10);
-  set_number(L, "mse", m.mse);
-  set_number(L, "rmse", m.rmse);
-  set_number(L, "psnr", m.psnr);
-  set_number(L, "peak", m.peak);
-  set_number(L, "mae", m.mae);
-  set_number(L, "mape", m.mape);
-  set_number(L, "floor", m.floor);
-  set_number(L, "ssim", m.ssim);
-  set_number(L, "max", m.max);
-  set_number(L, "pixels", (double)m.pixels);
+  ylmL_set_number(L, "mse", m.mse);
+  ylmL_set_number(L, "rmse", m.rmse);
+  ylmL_set_number(L, "psnr", m.psnr);
+  ylmL_set_number(L, "peak", m.peak);
+  ylmL_set_number(L, "mae", m.mae);
+  ylmL_set_number(L, "mape", m.mape);
+  ylmL_set_number(L, "floor", m.floor);
+  ylmL_set_number(L, "ssim", m.ssim);
+  ylmL_set_number(L, "max", m.max);
+  ylmL_set_count(L, "pixels", m.pixels);
   return ylmL_result(L, 1, s, &e);
 }
 

@@ -72,7 +72,7 @@ static int lights_close(lua_State *L) {
 static int lights_count(lua_State *L) {
   ylm_lights **l = ylmL_check(L, 1, LIGHTS);
   if (!*l) return 0;
-  lua_pushnumber(L, (lua_Number)ylm_lights_count(*l));
+  ylmL_push_count(L, ylm_lights_count(*l));
   return 1;
 }
 
@@ -233,7 +233,7 @@ static int field_evaluate(lua_State *L) {
   if (!flags) return ylmL_result(L, 0, YLM_ENOMEM, NULL);
   for (size_t i = 0; i < n; i++) ((float *)flags->data)[i] = inside[i];
   lua_remove(L, -2);
-  lua_pushnumber(L, (lua_Number)r.pairs);
+  ylmL_push_count(L, r.pairs);
   return ylmL_result_progress(L, 7, YLM_OK, &e, &progress);
 }
 

@@ -252,24 +252,19 @@ static int shade_view(lua_State *L) {
   return ylmL_result_progress(L, 1, s, &e, &p);
 }
 
-static void set_number(lua_State *L, const char *name, double x) {
-  lua_pushnumber(L, (lua_Number)x);
-  lua_setfield(L, -2, name);
-}
-
 /* shade_stats(view) -> table */
 static int shade_stats(lua_State *L) {
   ylm_shade_stats s;
   ylm_shade_view_stats(ylmL_shade_view(L, 1), &s);
   lua_newtable(L);
-  set_number(L, "points", (double)s.points);
-  set_number(L, "hits", (double)s.hits);
-  set_number(L, "pixels", (double)s.pixels);
-  set_number(L, "primary_rays", (double)s.primary_rays);
-  set_number(L, "occlusion_rays", (double)s.occlusion_rays);
-  set_number(L, "primary_seconds", s.primary_seconds);
-  set_number(L, "transfer_seconds", s.transfer_seconds);
-  set_number(L, "bytes", (double)s.bytes);
+  ylmL_set_count(L, "points", s.points);
+  ylmL_set_count(L, "hits", s.hits);
+  ylmL_set_count(L, "pixels", s.pixels);
+  ylmL_set_count(L, "primary_rays", s.primary_rays);
+  ylmL_set_count(L, "occlusion_rays", s.occlusion_rays);
+  ylmL_set_number(L, "primary_seconds", s.primary_seconds);
+  ylmL_set_number(L, "transfer_seconds", s.transfer_seconds);
+  ylmL_set_count(L, "bytes", s.bytes);
   return 1;
 }
 
@@ -325,7 +320,7 @@ static int shade_field(lua_State *L) {
   uint64_t pairs = 0;
   const ylm_progress *progress = ylmL_progress_begin(L, 5, &p);
   ylm_status s = ylm_shade_field(v, field, t, threads, progress, out->data, &pairs, &e);
-  if (s == YLM_OK) lua_pushnumber(L, (lua_Number)pairs);
+  if (s == YLM_OK) ylmL_push_count(L, pairs);
   return ylmL_result_progress(L, 2, s, &e, &p);
 }
 
@@ -361,7 +356,7 @@ static int shade_raycast(lua_State *L) {
   if (!out) return ylmL_result(L, 0, YLM_ENOMEM, NULL);
   const ylm_progress *progress = ylmL_progress_begin(L, 6, &p);
   ylm_status s = ylm_shade_raycast(v, samples, shadows, seed, threads, progress, out->data, &rays);
-  if (s == YLM_OK) lua_pushnumber(L, (lua_Number)rays);
+  if (s == YLM_OK) ylmL_push_count(L, rays);
   return ylmL_result_progress(L, 2, s, NULL, &p);
 }
 

@@ -33,8 +33,8 @@ static int shade_grid(lua_State *L) {
   const ylm_progress *progress = ylmL_progress_begin(L, 5, &p);
   ylm_status s = ylm_shade_grid(v, g, how, threads, progress, out->data, &report, &e);
   if (s == YLM_OK) {
-    lua_pushnumber(L, (lua_Number)report.outside);
-    lua_pushnumber(L, (lua_Number)report.unbaked);
+    ylmL_push_count(L, report.outside);
+    ylmL_push_count(L, report.unbaked);
     lua_pushnumber(L, (lua_Number)report.seconds);
   }
   return ylmL_result_progress(L, 4, s, &e, &p);

@@ -277,7 +277,7 @@ typedef struct job {
   const void *const *factor;
   const size_t *stride;
   char *out;
-  size_t scratch; /* bytes a worker needs */
+  size_t scratch; /* bytes that one row needs */
   double *stage;
 } job;
 
@@ -342,15 +342,14 @@ static void plain_f(const ylm_sh_product *p, const float *const *c, float *out, 
 ROW(f, float, double, plain_f(p, c, out, scratch))
 ROW(d, double, float, plain(p, c, out))
 
-/* Bytes of scratch that a row, or a batch of lanes, needs. */
+/* Bytes of scratch that a row needs. */
 static size_t scratch_of(const ylm_sh_product *p, ylm_dtype t) {
   size_t size = ylm_dtype_size(t), count = ylm_sh_count(p->lmax);
   switch (p->method) {
   case YLM_SH_PRODUCT_fourier: return ylm__fourier_scratch(p->fourier);
   case YLM_SH_PRODUCT_recursive: return 2 * count * size + YLM_ALIGN + scratch_of(p->inner, t);
   case YLM_SH_PRODUCT_quadrature: {
-    size_t vector =
-        product_scratch(p, t == YLM_DOUBLE ? &p->d : &p->f, t == YLM_DOUBLE ? 8 : 16) * size;
+    size_t vector = product_scratch(p, t == YLM_DOUBLE ? &p->d : &p->f) * size;
     size_t scalar = (size_t)(p->factors + 1) * count * sizeof(double);
     return vector > scalar ? vector : scalar;
   }
@@ -358,39 +357,61 @@ static size_t scratch_of(const ylm_sh_product *p, ylm_dtype t) {
   }
 }
 
-static ylm_status run(void *context, size_t begin_row, size_t end, int worker) {
+/* The number of products that the kernels do at once; 0 if they do one at a time. */
+static size_t lanes_of(const job *j) {
+  const ylm__product_kernels *k = j->p->kernels;
+  bool low = j->p->method == YLM_SH_PRODUCT_gaunt && j->p->lmax <= PRODUCT_GAUNT_LOW;
+  if (!k || j->stage || !(low || j->p->method == YLM_SH_PRODUCT_quadrature)) return 0;
+  return (size_t)(j->t == YLM_DOUBLE ? k->lanes_d : k->lanes_f);
+}
+
+/* Rows r .. r+n-1 in the lanes; lanes that are left repeat the last row. */
+static void run_lanes(const job *j, size_t r, size_t n, size_t lanes, void *scratch) {
+  const char *rows[YLM_SH_PRODUCT_FACTORS * 16];
+  char *out[16];
+  size_t size = ylm_dtype_size(j->t), row = ylm_sh_count(j->p->lmax) * size;
+  for (size_t i = 0; i < lanes; i++) {
+    size_t at = r + (i < n ? i : n - 1);
+    out[i] = j->out + at * row;
+    for (int k = 0; k < j->p->factors; k++)
+      rows[(size_t)k * lanes + i] = (const char *)j->factor[k] + at * j->stride[k] * size;
+  }
+  if (j->t == YLM_DOUBLE)
+    j->p->kernels->batch_d(j->p, (const double *const *)rows, (double *const *)out, scratch);
+  else
+    j->p->kernels->batch_f(j->p, (const float *const *)rows, (float *const *)out, scratch);
+}
+
+static void run_row(const job *j, size_t r, void *scratch) {
+  const void *at[YLM_SH_PRODUCT_FACTORS];
+  size_t size = ylm_dtype_size(j->t);
+  for (int i = 0; i < j->p->factors; i++)
+    at[i] = (const char *)j->factor[i] + r * j->stride[i] * size;
+  void *out = j->out + r * ylm_sh_count(j->p->lmax) * size;
+  if (j->t == YLM_DOUBLE)
+    row_d(j->p, (const double *const *)at, out, scratch, j->stage);
+  else
+    row_f(j->p, (const float *const *)at, out, scratch, j->stage);
+}
+
+static ylm_status run(void *context, size_t r, size_t end, int worker) {
   (void)worker;
   const job *j = context;
-  const ylm_sh_product *p = j->p;
-  size_t count = ylm_sh_count(p->lmax), size = ylm_dtype_size(j->t), r = begin_row;
   char small[16384] __attribute__((aligned(YLM_ALIGN)));
-  void *scratch = j->scratch <= sizeof small ? small : ylm_alloc(j->scratch, 1);
+  size_t lanes = lanes_of(j), few = (lanes + 3) / 4, size = j->scratch;
+  if (lanes && end - r >= few) { /* fewer rows are faster one at a time */
+    size_t batch = product_batch_scratch(j->p, lanes) * ylm_dtype_size(j->t);
+    if (batch > size) size = batch;
+  } else
+    lanes = 0;
+  void *scratch = size <= sizeof small ? small : ylm_alloc(size, 1);
   if (!scratch) return YLM_ENOMEM;
-  const ylm__product_kernels *k = p->kernels;
-  size_t lanes = !k || p->method != YLM_SH_PRODUCT_quadrature || j->stage
-                     ? 0
-                     : (size_t)(j->t == YLM_DOUBLE ? k->lanes_d : k->lanes_f);
-  /* nodes fill the lanes from some degree on: then a row at a time is as fast */
-  if ((size_t)p->half * 10 > lanes * 8) lanes = 0;
-  const void *at[YLM_SH_PRODUCT_FACTORS];
-  while (r < end) {
-    size_t step = lanes && end - r >= lanes ? lanes : 1;
-    for (int i = 0; i < p->factors; i++)
-      at[i] = (const char *)j->factor[i] + r * j->stride[i] * size;
-    void *out = j->out + r * count * size;
-    if (j->t == YLM_DOUBLE) {
-      if (step > 1)
-        k->batch_d(p, (const double *const *)at, j->stride, out, scratch);
-      else
-        row_d(p, (const double *const *)at, out, scratch, j->stage);
-    } else {
-      if (step > 1)
-        k->batch_f(p, (const float *const *)at, j->stride, out, scratch);
-      else
-        row_f(p, (const float *const *)at, out, scratch, j->stage);
-    }
-    r += step;
+  while (lanes && end - r >= few) {
+    size_t n = end - r < lanes ? end - r : lanes;
+    run_lanes(j, r, n, lanes, scratch);
+    r += n;
   }
+  for (; r < end; r++) run_row(j, r, scratch);
   if (scratch != (void *)small) ylm_free(scratch);
   return YLM_OK;
 }

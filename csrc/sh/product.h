@@ -58,17 +58,19 @@ static inline int product_degrees(int lmax, int m, int parity) {
   return lmax - m - parity < 0 ? 0 : (lmax - m - parity) / 2 + 1;
 }
 
-/* Numbers of scratch that one call of the kernels needs. */
-static inline size_t product_scratch(const ylm_sh_product *p, const ylm__product_tables *t,
-                                     int lanes) {
-  size_t orders = 2 * (size_t)p->lmax + 1, quadrants = (size_t)p->azimuths / 4,
-         count = ylm_sh_count(p->lmax);
+/* Numbers of scratch for one product at a time. */
+static inline size_t product_scratch(const ylm_sh_product *p, const ylm__product_tables *t) {
+  size_t orders = 2 * (size_t)p->lmax + 1, quadrants = (size_t)p->azimuths / 4;
   size_t dense = 2 * (size_t)t->pairs_padded + (size_t)(t->evens_padded + t->odds_padded) + 64;
   size_t separable = (2 * orders + 8 * quadrants) * (size_t)t->half_padded + (size_t)p->lmax + 64;
-  size_t batch =
-      ((size_t)(p->factors + 1) * count + 4 * orders + 8 * quadrants) * (size_t)lanes + 64;
-  size_t most = dense > separable ? dense : separable;
-  return most > batch ? most : batch;
+  return dense > separable ? dense : separable;
+}
+
+/* Numbers of scratch for `lanes` products at a time. */
+static inline size_t product_batch_scratch(const ylm_sh_product *p, size_t lanes) {
+  size_t count = ylm_sh_count(p->lmax), factors = (size_t)p->factors;
+  size_t orders = 2 * (size_t)p->lmax + 1, quadrants = (size_t)p->azimuths / 4;
+  return ((factors + 1) * count + 8 * factors * orders + 8 * quadrants) * lanes;
 }
 
 typedef struct ylm__product_kernels {
@@ -79,11 +81,12 @@ typedef struct ylm__product_kernels {
                       double *stage);
   void (*separable_d)(const ylm_sh_product *p, const double *const *c, double *out, double *scratch,
                       double *stage);
-  /* `lanes` rows at once; stride: numbers from one row of a factor to the next, 0 repeats one */
-  void (*batch_f)(const ylm_sh_product *p, const float *const *c, const size_t *stride, float *out,
+  /* `lanes` products at once, by quadrature or by gaunt of low degree; rows: [factors][lanes]; out:
+   * [lanes] rows */
+  void (*batch_f)(const ylm_sh_product *p, const float *const *rows, float *const *out,
                   float *scratch);
-  void (*batch_d)(const ylm_sh_product *p, const double *const *c, const size_t *stride,
-                  double *out, double *scratch);
+  void (*batch_d)(const ylm_sh_product *p, const double *const *rows, double *const *out,
+                  double *scratch);
   void (*gaunt_f)(int lmax, const float *a, const float *b,
                   float *out); /* lmax <= PRODUCT_GAUNT_LOW */
   void (*gaunt_d)(int lmax, const double *a, const double *b, double *out);

@@ -14,6 +14,8 @@
 #define STORE ylm_vf_store
 #include "product_kernel.h"
 
+#include "product_batch.h"
+
 #undef T
 #undef V
 #undef LANES
@@ -33,6 +35,8 @@
 #define LOAD ylm_vd_load
 #define STORE ylm_vd_store
 #include "product_kernel.h"
+
+#include "product_batch.h"
 
 const ylm__product_kernels YLM_KERNEL(ylm__product_kernels) = {
     dense_f, dense_d,     separable_f, separable_d, batch_f,

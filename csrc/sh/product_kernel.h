@@ -1,6 +1,10 @@
 /* product_kernel.h - the kernels of product.isa.c for one element type; included twice. */
 
+#define E T
+#define GAUNT(name) FN(name)
 #include "gen/gaunt_low.h"
+#undef E
+#undef GAUNT
 
 /* -- one product by dense tables ------------------------------------------------------------------
  */
@@ -172,9 +176,8 @@ static void FN(separable)(const ylm_sh_product *p, const T *const *c, T *out, T 
   for (int k = 0; k < p->factors; k++) {
     for (int v = 0; v < row; v += LANES)
       FN(to_orders)(lmax, (const T *)t->legendre + v, row, c[k], x + v, row, hemisphere);
-    for (int v = 0; v < row; v += LANES)
-      FN(to_points)
-      (lmax, quadrants, t->cosines, t->sines, x + v, row, hemisphere, value + v, row, k);
+    for (int v = 0; v < row; v += LANES) FN(to_points)
+    (lmax, quadrants, t->cosines, t->sines, x + v, row, hemisphere, value + v, row, k);
   }
   if (stage) {
     double now = ylm_seconds();
@@ -209,66 +212,4 @@ static void FN(separable)(const ylm_sh_product *p, const T *const *c, T *out, T 
     }
   }
   if (stage) stage[2] += ylm_seconds() - time;
-}
-
-/* -- LANES products, lanes are products
- * ---------------------------------------------------------------- */
-
-static void FN(batch)(const ylm_sh_product *p, const T *const *c, const size_t *stride, T *out,
-                      T *scratch) {
-  const ylm__product_tables *t = &p->TABLES;
-  int lmax = p->lmax, quadrants = p->azimuths / 4, hemisphere = (2 * lmax + 1) * LANES;
-  size_t count = ylm_sh_count(lmax);
-  T *in = scratch, *sum = in + (size_t)p->factors * count * LANES, *x = sum + count * LANES;
-  T *value = x + 2 * hemisphere;
-  for (int k = 0; k < p->factors; k++)
-    for (int i = 0; i < LANES; i++) {
-      const T *row = c[k] + (size_t)i * stride[k];
-      T *to = in + (size_t)k * count * LANES + i;
-      for (size_t j = 0; j < count; j++) to[j * LANES] = row[j];
-    }
-  memset(sum, 0, count * LANES * sizeof(T));
-  for (int h = 0; h < p->half; h++) {
-    const T *legendre =
-        (const T *)t->node_legendre + (size_t)h * (size_t)((lmax + 1) * (lmax + 2) / 2);
-    for (int k = 0; k < p->factors; k++) {
-      const T *ck = in + (size_t)k * count * LANES;
-      for (int m = 0; m <= lmax; m++) {
-        V part[2][2];
-        for (int parity = 0; parity < 2; parity++) {
-          V a = SET(0), b = SET(0);
-          for (int l = m + parity; l <= lmax; l += 2) {
-            V pl = SET(legendre[l * (l + 1) / 2 + m]);
-            a += pl * LOAD(ck + (l * (l + 1) + m) * LANES);
-            b += pl * LOAD(ck + (l * (l + 1) - m) * LANES);
-          }
-          part[parity][0] = a;
-          part[parity][1] = b;
-        }
-        for (int s = m ? 1 : 0; s >= 0; s--) {
-          T *at = x + (lmax + (s ? -m : m)) * LANES;
-          STORE(at, part[0][s] + part[1][s]);
-          STORE(at + hemisphere, part[0][s] - part[1][s]);
-        }
-      }
-      FN(to_points)(lmax, quadrants, t->cosines, t->sines, x, LANES, hemisphere, value, LANES, k);
-    }
-    FN(from_points)(lmax, quadrants, t->cosines, t->sines, value, LANES, x, LANES, hemisphere);
-    V w = SET(((const T *)t->node_weights)[h]);
-    for (int m = 0; m <= lmax; m++) {
-      const T *above = x + lmax * LANES, *below = above + hemisphere;
-      V c0 = LOAD(above + m * LANES) * w, c1 = LOAD(below + m * LANES) * w;
-      V s0 = LOAD(above - m * LANES) * w, s1 = LOAD(below - m * LANES) * w;
-      V ce = c0 + c1, co = c0 - c1, se = s0 + s1, so = s0 - s1;
-      for (int l = m; l <= lmax; l++) {
-        V pl = SET(legendre[l * (l + 1) / 2 + m]);
-        T *a = sum + (l * (l + 1) + m) * LANES, *b = sum + (l * (l + 1) - m) * LANES;
-        int odd = (l - m) & 1;
-        STORE(a, LOAD(a) + pl * (odd ? co : ce));
-        if (m) STORE(b, LOAD(b) + pl * (odd ? so : se));
-      }
-    }
-  }
-  for (int i = 0; i < LANES; i++)
-    for (size_t j = 0; j < count; j++) out[(size_t)i * count + j] = sum[j * LANES + (size_t)i];
 }

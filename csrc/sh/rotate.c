@@ -114,8 +114,26 @@ static void pack(int l, const double *dense, double *packed) {
   }
 }
 
+/* Writes J of degree l in panels. */
+static void pack_panels(int l, int panel, const double *dense, double *out) {
+  int n = 2 * l + 1;
+  for (int c = 0; c < 4; c++) {
+    int to = class_partner(l, c), columns = class_size(l, c), rows = class_size(l, to);
+    for (int first = 0; first < rows; first += panel)
+      for (int i = 0; i < columns; i++)
+        for (int k = first; k < rows && k < first + panel; k++) {
+          int q = class_first(to) + (to & 1 ? -2 : 2) * k,
+              m = class_first(c) + (c & 1 ? -2 : 2) * i;
+          *out++ = dense[(q + l) * n + (m + l)];
+        }
+  }
+}
+
 void ylm_sh_rotator_free(ylm_sh_rotator *p) {
-  if (!p) return;
+  if (!p || __atomic_sub_fetch(&p->users, 1, __ATOMIC_ACQ_REL) > 0) return;
+  ylm_free(p->panels_d);
+  ylm_free(p->panels_f);
+  ylm_free(p->panel_at);
   ylm_free(p->dense);
   ylm_free(p->dense_at);
   ylm_free(p->packed_d);
@@ -139,28 +157,39 @@ ylm_status ylm_sh_rotator_create(int lmax, ylm_sh_rotator **out, ylm_error *e) {
   ylm_sh_rotator *p = ylm_alloc_zero(1, sizeof *p);
   if (!p) return YLM_ENOMEM;
   p->lmax = lmax;
+  p->users = 1;
   p->kernels = choose_kernels();
+  p->panel_at = ylm_alloc((size_t)lmax + 1, sizeof(size_t));
   p->dense = ylm_alloc(blocks_before(lmax + 1), sizeof(double));
   p->dense_at = ylm_alloc((size_t)lmax + 1, sizeof(size_t));
   p->packed_at = ylm_alloc((size_t)lmax + 1, sizeof(size_t));
-  size_t packed = 0;
-  for (int l = 0; l <= lmax && p->packed_at && p->dense_at; l++) {
+  size_t packed = 0, panels = 0;
+  for (int l = 0; l <= lmax && p->packed_at && p->dense_at && p->panel_at; l++) {
     p->dense_at[l] = blocks_before(l);
     p->packed_at[l] = packed;
-    for (int c = 0; c < 4; c++) packed += (size_t)(class_columns(l, c) * rotate_row(l));
+    p->panel_at[l] = panels;
+    for (int c = 0; c < 4; c++) {
+      packed += (size_t)(class_columns(l, c) * rotate_row(l));
+      panels += (size_t)(class_size(l, c) * class_size(l, class_partner(l, c)));
+    }
   }
+  p->panels_d = ylm_alloc(panels, sizeof(double));
+  p->panels_f = ylm_alloc(panels, sizeof(float));
   p->packed_d = ylm_alloc_zero(packed, sizeof(double));
   p->packed_f = ylm_alloc_zero(packed, sizeof(float));
   static const double x90[9] = {1, 0, 0, 0, 0, -1, 0, 1, 0};
-  if (!p->dense || !p->dense_at || !p->packed_at || !p->packed_d || !p->packed_f ||
-      ylm_sh_rotation_reference(x90, lmax, p->dense) != YLM_OK) {
+  if (!p->dense || !p->dense_at || !p->packed_at || !p->packed_d || !p->packed_f || !p->panel_at ||
+      !p->panels_d || !p->panels_f || ylm_sh_rotation_reference(x90, lmax, p->dense) != YLM_OK) {
     ylm_sh_rotator_free(p);
     return YLM_ENOMEM;
   }
   for (int l = 0; l <= lmax; l++) {
     clean(l, p->dense + p->dense_at[l]);
     pack(l, p->dense + p->dense_at[l], p->packed_d + p->packed_at[l]);
+    if (p->kernels)
+      pack_panels(l, p->kernels->panel, p->dense + p->dense_at[l], p->panels_d + p->panel_at[l]);
   }
+  for (size_t i = 0; p->kernels && i < panels; i++) p->panels_f[i] = (float)p->panels_d[i];
   for (size_t i = 0; i < packed; i++) p->packed_f[i] = (float)p->packed_d[i];
   *out = p;
   return YLM_OK;
@@ -311,9 +340,10 @@ static void angles_of(const double r[9], ylm__angles *a) {
 struct ylm_sh_rotation {
   int lmax;
   ylm_dtype t;
-  const ylm__rotate_kernels *kernels;
-  size_t *at; /* where each degree's padded columns begin */
-  void *blocks;
+  ylm_sh_rotator *plan; /* kept alive */
+  ylm__rotate_batch batch;
+  size_t *at; /* [blocked+1] where each degree's padded columns begin */
+  void *blocks, *turns;
 };
 
 /* x = Z x, x [2l+1][n] the rows of a degree. */
@@ -372,8 +402,10 @@ static void build(const ylm_sh_rotator *p, const ylm__angles *a, int l, double *
 
 void ylm_sh_rotation_free(ylm_sh_rotation *r) {
   if (!r) return;
+  ylm_sh_rotator_free(r->plan);
   ylm_free(r->at);
   ylm_free(r->blocks);
+  ylm_free(r->turns);
   ylm_free(r);
 }
 
@@ -382,37 +414,68 @@ ylm_dtype ylm_sh_rotation_dtype(const ylm_sh_rotation *r) { return r->t; }
 
 static int lanes_of(ylm_dtype t) { return t == YLM_DOUBLE ? 8 : 16; }
 
+static void put(ylm_dtype t, void *to, size_t k, double x) {
+  if (t == YLM_DOUBLE)
+    ((double *)to)[k] = x;
+  else
+    ((float *)to)[k] = (float)x;
+}
+
+static double get(ylm_dtype t, const void *from, size_t k) {
+  return t == YLM_DOUBLE ? ((const double *)from)[k] : (double)((const float *)from)[k];
+}
+
+/* Cosines and sines of m times the three angles. */
+static void fill_turns(const ylm__angles *a, int lmax, ylm_dtype t, void *turns) {
+  size_t row = (size_t)lmax + 1;
+  for (size_t i = 0; i < 3; i++) {
+    double c = 1, s = 0;
+    for (size_t m = 0; m < row; m++) {
+      put(t, turns, 2 * i * row + m, c);
+      put(t, turns, (2 * i + 1) * row + m, s);
+      double next = c * a->c[i] - s * a->s[i];
+      s = c * a->s[i] + s * a->c[i];
+      c = next;
+    }
+  }
+}
+
+static void fill_blocks(ylm_sh_rotation *r, double *x, double *y) {
+  for (int l = 0; l <= r->batch.blocked; l++) {
+    int w = 2 * l + 1, padded = rotate_padded(l, lanes_of(r->t));
+    build(r->plan, &r->batch.angles, l, x, y);
+    for (int q = 0; q < w; q++)
+      for (int m = 0; m < w; m++)
+        put(r->t, r->blocks, r->at[l] + (size_t)(m * padded + q), x[q * w + m]);
+  }
+}
+
 static ylm_status create(const ylm_sh_rotator *p, const ylm__angles *a, int lmax, ylm_dtype t,
                          ylm_sh_rotation **out) {
-  size_t n = (size_t)(2 * lmax + 1), total = 0;
+  int blocked = p->kernels && lmax > ROTATE_BLOCKS ? ROTATE_BLOCKS : lmax;
+  size_t n = (size_t)(2 * blocked + 1), total = 0;
   ylm_sh_rotation *r = ylm_alloc_zero(1, sizeof *r);
+  if (!r) return YLM_ENOMEM;
   double *x = ylm_alloc(2 * n * n, sizeof *x);
-  if (r) r->at = ylm_alloc((size_t)lmax + 1, sizeof(size_t));
-  for (int l = 0; r && r->at && l <= lmax; l++) {
+  r->at = ylm_alloc((size_t)blocked + 1, sizeof(size_t));
+  for (int l = 0; r->at && l <= blocked; l++) {
     r->at[l] = total;
     total += (size_t)((2 * l + 1) * rotate_padded(l, lanes_of(t)));
   }
-  if (r) r->blocks = ylm_alloc_zero(total, ylm_dtype_size(t));
-  if (!r || !x || !r->at || !r->blocks) {
+  r->blocks = ylm_alloc_zero(total, ylm_dtype_size(t));
+  r->turns = ylm_alloc(6 * ((size_t)lmax + 1), ylm_dtype_size(t));
+  if (!x || !r->at || !r->blocks || !r->turns) {
     ylm_free(x);
     ylm_sh_rotation_free(r);
     return YLM_ENOMEM;
   }
   r->lmax = lmax;
   r->t = t;
-  r->kernels = p->kernels;
-  for (int l = 0; l <= lmax; l++) {
-    int w = 2 * l + 1, padded = rotate_padded(l, lanes_of(t));
-    build(p, a, l, x, x + n * n);
-    for (int q = 0; q < w; q++)
-      for (int m = 0; m < w; m++) {
-        size_t k = r->at[l] + (size_t)(m * padded + q);
-        if (t == YLM_DOUBLE)
-          ((double *)r->blocks)[k] = x[q * w + m];
-        else
-          ((float *)r->blocks)[k] = (float)x[q * w + m];
-      }
-  }
+  r->plan = (ylm_sh_rotator *)(uintptr_t)p;
+  __atomic_add_fetch(&r->plan->users, 1, __ATOMIC_RELAXED);
+  r->batch = (ylm__rotate_batch){p, *a, a->turn, lmax, blocked, r->blocks, r->turns};
+  fill_turns(a, lmax, t, r->turns);
+  fill_blocks(r, x, x + n * n);
   ylm_free(x);
   *out = r;
   return YLM_OK;
@@ -437,20 +500,20 @@ ylm_status ylm_sh_rotation_create(const ylm_sh_rotator *p, const double r[9], in
 
 ylm_status ylm_sh_rotation_block(const ylm_sh_rotation *r, int l, double *out) {
   if (l < 0 || l > r->lmax) return YLM_ERANGE;
-  int w = 2 * l + 1, padded = rotate_padded(l, lanes_of(r->t));
-  for (int q = 0; q < w; q++)
-    for (int m = 0; m < w; m++) {
-      size_t k = r->at[l] + (size_t)(m * padded + q);
-      out[q * w + m] =
-          r->t == YLM_DOUBLE ? ((double *)r->blocks)[k] : (double)((float *)r->blocks)[k];
-    }
+  size_t n = (size_t)(2 * l + 1);
+  double *x = ylm_alloc(2 * n * n, sizeof *x);
+  if (!x) return YLM_ENOMEM;
+  build(r->plan, &r->batch.angles, l, x, x + n * n);
+  for (size_t k = 0; k < n * n; k++) out[k] = r->t == YLM_DOUBLE ? x[k] : (double)(float)x[k];
+  ylm_free(x);
   return YLM_OK;
 }
 
 /* -- applying -------------------------------------------------------------------------------------
  */
 
-/* The plain form, for the reference set and processors without vectors. */
+/* The plain form, for the reference set and processors without vectors: every degree has its block.
+ */
 static void apply_plain(const ylm_sh_rotation *r, int lmax, size_t rows, const void *in,
                         void *out) {
   size_t count = ylm_sh_count(lmax);
@@ -461,20 +524,10 @@ static void apply_plain(const ylm_sh_rotation *r, int lmax, size_t rows, const v
       size_t at = i * count + (size_t)(l * l);
       memset(temporary, 0, sizeof temporary);
       for (int m = 0; m < w; m++)
-        for (int q = 0; q < w; q++) {
-          size_t k = r->at[l] + (size_t)(m * padded + q);
-          if (r->t == YLM_DOUBLE)
-            temporary[q] += ((const double *)r->blocks)[k] * ((const double *)in)[at + (size_t)m];
-          else
-            temporary[q] +=
-                (double)((const float *)r->blocks)[k] * (double)((const float *)in)[at + (size_t)m];
-        }
-      for (int q = 0; q < w; q++) {
-        if (r->t == YLM_DOUBLE)
-          ((double *)out)[at + (size_t)q] = temporary[q];
-        else
-          ((float *)out)[at + (size_t)q] = (float)temporary[q];
-      }
+        for (int q = 0; q < w; q++)
+          temporary[q] += get(r->t, r->blocks, r->at[l] + (size_t)(m * padded + q)) *
+                          get(r->t, in, at + (size_t)m);
+      for (int q = 0; q < w; q++) put(r->t, out, at + (size_t)q, temporary[q]);
     }
 }
 
@@ -491,13 +544,13 @@ static ylm_status run(void *context, size_t begin, size_t end, int worker) {
   size_t offset = begin * ylm_sh_count(j->lmax) * ylm_dtype_size(j->r->t);
   const void *in = j->in + offset;
   void *out = j->out + offset;
-  const ylm__rotate_kernels *k = j->r->kernels;
+  const ylm__rotate_kernels *k = j->r->plan->kernels;
   if (!k)
     apply_plain(j->r, j->lmax, end - begin, in, out);
   else if (j->r->t == YLM_DOUBLE)
-    k->apply_d(j->lmax, j->r->blocks, end - begin, in, out);
+    k->apply_d(&j->r->batch, j->lmax, end - begin, in, out);
   else
-    k->apply_f(j->lmax, j->r->blocks, end - begin, in, out);
+    k->apply_f(&j->r->batch, j->lmax, end - begin, in, out);
   return YLM_OK;
 }
 

@@ -55,14 +55,38 @@ static inline int class_partner(int l, int c) {
   return l & 1 ? odd[c] : even[c];
 }
 
+/* Coefficients of a class at degree l, and the m of its first; the next are 2 away. */
+static inline int class_size(int l, int c) { return c == 1 ? l / 2 : class_columns(l, c); }
+static inline int class_first(int c) {
+  static const int first[4] = {0, -2, 1, -1};
+  return first[c];
+}
+
+/* Degrees from here on are rotated in tiles of rows; up to ROTATE_BLOCKS there are blocks too, for
+ * a few rows. */
+#define ROTATE_TILED 8
+#define ROTATE_BLOCKS 20
+
+/* What a batch needs; the arrays are of the batch's type. */
+typedef struct ylm__rotate_batch {
+  const ylm_sh_rotator *plan;
+  ylm__angles angles;
+  ylm__turn turn;
+  int lmax;           /* of the rotation */
+  int blocked;        /* degrees up to this one have blocks */
+  const void *blocks; /* per degree, column by column, rotate_padded(l, 16 or 8) rows */
+  const void *turns;  /* [3][2][lmax+1]: cosines and sines of m times each angle */
+} ylm__rotate_batch;
+
 typedef struct ylm__rotate_kernels {
   void (*one_f)(const ylm_sh_rotator *p, int lmax, const ylm__angles *a, const float *in,
                 float *out);
   void (*one_d)(const ylm_sh_rotator *p, int lmax, const ylm__angles *a, const double *in,
                 double *out);
-  /* blocks: per degree, column by column, rotate_padded(l, 16 or 8) rows */
-  void (*apply_f)(int lmax, const float *blocks, size_t rows, const float *in, float *out);
-  void (*apply_d)(int lmax, const double *blocks, size_t rows, const double *in, double *out);
+  /* lmax <= b->lmax; out may be in */
+  void (*apply_f)(const ylm__rotate_batch *b, int lmax, size_t rows, const float *in, float *out);
+  void (*apply_d)(const ylm__rotate_batch *b, int lmax, size_t rows, const double *in, double *out);
+  int panel; /* rows of J in a panel */
 } ylm__rotate_kernels;
 
 struct ylm_sh_rotator {
@@ -73,6 +97,11 @@ struct ylm_sh_rotator {
   double *packed_d; /* J in class order, column by column, rotate_row(l) rows each */
   float *packed_f;
   size_t *packed_at; /* [lmax+1] */
+  /* J for tiles: of each class, panels of kernels->panel rows or what is left, column by column */
+  double *panels_d;
+  float *panels_f;
+  size_t *panel_at; /* [lmax+1] */
+  int users;        /* the caller and the rotations that were made by it */
 };
 
 #if defined(__x86_64__)

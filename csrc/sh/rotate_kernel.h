@@ -56,13 +56,9 @@ static void FN(half)(int l, int row, T *x) {
 
 #define TABLE ((YLM_SH_ROTATE_LMAX / 2 + 1 + ROTATE_PAD) / ROTATE_PAD * ROTATE_PAD)
 
-/* One vector: g = Z(a) J Z(b) J Z(c) f, degree by degree. */
-static void FN(one)(const ylm_sh_rotator *p, int lmax, const ylm__angles *a, const T *f, T *g) {
-  if (a->turn == TURN_GENERAL && lmax <= ROTATE_LOW) {
-    const T cs[6] = {(T)a->c[0], (T)a->s[0], (T)a->c[1], (T)a->s[1], (T)a->c[2], (T)a->s[2]};
-    FN(rotate_low)[lmax](cs, f, g);
-    return;
-  }
+/* Degrees first .. lmax of one vector: g = Z(a) J Z(b) J Z(c) f, degree by degree; g may be f. */
+static void FN(degrees)(const ylm_sh_rotator *p, int first, int lmax, const ylm__angles *a,
+                        const T *f, T *g) {
   T c[3][2 * TABLE] __attribute__((aligned(64))), s[3][2 * TABLE] __attribute__((aligned(64)));
   T x[4 * TABLE] __attribute__((aligned(64))), y[4 * TABLE] __attribute__((aligned(64)));
   int last = rotate_row(lmax);
@@ -71,7 +67,7 @@ static void FN(one)(const ylm_sh_rotator *p, int lmax, const ylm__angles *a, con
     memset(s[i], 0, 2 * (size_t)last * sizeof(T));
     FN(angle_table)(lmax, a->c[i], a->s[i], last, c[i], s[i]);
   }
-  for (int l = 0; l <= lmax; l++) {
+  for (int l = first; l <= lmax; l++) {
     int row = rotate_row(l);
     const T *fl = f + l * (l + 1);
     T *gl = g + l * (l + 1);
@@ -110,90 +106,12 @@ static void FN(one)(const ylm_sh_rotator *p, int lmax, const ylm__angles *a, con
 }
 #undef TABLE
 
-/* R vectors of degree l, a constant, of K whole 64 byte vectors: out[r] = block in[r]. */
-YLM_INLINE void FN(block)(const int R, const int l, const int K, const T *b, const T *const *in,
-                          T *const *out) {
-  enum { W = FULL / LANES };
-  V acc[4][2 * W];
-  const int at = l * l, w = 2 * l + 1;
-  for (int r = 0; r < R; r++)
-    for (int k = 0; k < K * W; k++) acc[r][k] = LOAD(b + k * LANES) * SET(in[r][at]);
-  for (int i = 1; i < w; i++)
-    for (int r = 0; r < R; r++) {
-      V xi = SET(in[r][at + i]);
-      for (int k = 0; k < K * W; k++) acc[r][k] += LOAD(b + i * K * FULL + k * LANES) * xi;
-    }
-  for (int r = 0; r < R; r++) memcpy(out[r] + at, acc[r], (size_t)w * sizeof(T));
+/* One vector. */
+static void FN(one)(const ylm_sh_rotator *p, int lmax, const ylm__angles *a, const T *f, T *g) {
+  if (a->turn == TURN_GENERAL && lmax <= ROTATE_LOW) {
+    const T cs[6] = {(T)a->c[0], (T)a->s[0], (T)a->c[1], (T)a->s[1], (T)a->c[2], (T)a->s[2]};
+    FN(rotate_low)[lmax](cs, f, g);
+    return;
+  }
+  FN(degrees)(p, 0, lmax, a, f, g);
 }
-
-/* R vectors of one degree wider than that; out may end right behind its 2l+1 numbers. */
-YLM_INLINE void FN(block_wide)(const int R, int l, int padded, const T *b, const T *const *in,
-                               T *const *out, int at) {
-  int w = 2 * l + 1;
-  for (int k = 0; k + LANES < padded; k += 2 * LANES) {
-    V first[4], second[4];
-    for (int r = 0; r < R; r++) first[r] = second[r] = SET(0);
-    for (int i = 0; i < w; i++) {
-      V b0 = LOAD(b + i * padded + k), b1 = LOAD(b + i * padded + k + LANES);
-      for (int r = 0; r < R; r++) {
-        V xi = SET(in[r][at + i]);
-        first[r] += b0 * xi;
-        second[r] += b1 * xi;
-      }
-    }
-    for (int r = 0; r < R; r++) {
-      STORE(out[r] + k, first[r]);
-      STORE(out[r] + k + LANES, second[r]);
-    }
-  }
-  if ((padded / LANES) & 1) {
-    int k = padded - LANES;
-    V only[4];
-    for (int r = 0; r < R; r++) only[r] = SET(0);
-    for (int i = 0; i < w; i++) {
-      V b0 = LOAD(b + i * padded + k);
-      for (int r = 0; r < R; r++) only[r] += b0 * SET(in[r][at + i]);
-    }
-    for (int r = 0; r < R; r++) STORE(out[r] + k, only[r]);
-  }
-}
-
-/* Degrees whose blocks are unrolled. */
-#define UNROLLED(X) X(0) X(1) X(2) X(3) X(4) X(5) X(6) X(7)
-
-YLM_INLINE void FN(apply_rows)(const int R, int lmax, const T *b, const T *const *in,
-                               T *const *out) {
-  for (int l = 0; l <= lmax; l++) {
-    int padded = rotate_padded(l, FULL);
-    switch (l) {
-#define X(l)                                                                                       \
-  case l: FN(block)(R, l, (2 * l + FULL) / FULL, b, in, out); break;
-      UNROLLED(X)
-#undef X
-    default: {
-      T wide[4][2 * YLM_SH_ROTATE_LMAX + 1 + FULL] __attribute__((aligned(64)));
-      T *const to[4] = {wide[0], wide[1], wide[2], wide[3]};
-      FN(block_wide)(R, l, padded, b, in, to, l * l);
-      for (int r = 0; r < R; r++) memcpy(out[r] + l * l, wide[r], (size_t)(2 * l + 1) * sizeof(T));
-    }
-    }
-    b += (2 * l + 1) * padded;
-  }
-}
-
-static void FN(apply)(int lmax, const T *blocks, size_t rows, const T *in, T *out) {
-  size_t count = (size_t)(lmax + 1) * (size_t)(lmax + 1), r = 0;
-  for (; r + 4 <= rows; r += 4) {
-    const T *from[4] = {in + r * count, in + (r + 1) * count, in + (r + 2) * count,
-                        in + (r + 3) * count};
-    T *to[4] = {out + r * count, out + (r + 1) * count, out + (r + 2) * count,
-                out + (r + 3) * count};
-    FN(apply_rows)(4, lmax, blocks, from, to);
-  }
-  for (; r < rows; r++) {
-    const T *from[1] = {in + r * count};
-    T *to[1] = {out + r * count};
-    FN(apply_rows)(1, lmax, blocks, from, to);
-  }
-}
-#undef UNROLLED

@@ -190,10 +190,10 @@ YLM_INLINE void batch(const ylm__sh_job *job, state *s, size_t at, size_t rows, 
   static const size_t width[3] = {1, 3, 6};
   void *const outs[3] = {job->y, job->dy, job->ddy};
   size_t count = ylm_sh_count(job->lmax);
-  for (int i = 0; i <= order; i++) {
+  for (int i = 0; i < 3; i++) {
     columns *k = &s->out[i];
     k->stride = count * width[i];
-    k->out = outs[i] ? (real *)outs[i] + at * k->stride : NULL;
+    k->out = i <= order && outs[i] ? (real *)outs[i] + at * k->stride : NULL;
     k->have = k->written = 0;
   }
   sh_load_points((const real *)job->p + 3 * at, rows, s->w);

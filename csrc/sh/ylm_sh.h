@@ -138,14 +138,20 @@ YLM_API ylm_status ylm_sh_rotation_check(const double r[9], double out[9], ylm_e
 ** permutations where those are what they are.
 ** Returns  YLM_OK, YLM_ERANGE (lmax), YLM_EDOMAIN (r), YLM_ENOMEM
 ** Accuracy relative to the norm: 1e-13 to degree 60 (double), 2e-6 (float)
-** Cost     O(lmax^3) a row: z-turns between quarter turns, for few rows; for more, the blocks
-**          of the rotation, as ylm_sh_rotation_apply
+** Cost     O(lmax^3) a row: z-turns between quarter turns, one row at a time for few rows; for
+**          more as ylm_sh_rotation_apply
 ** Source   Pinchon & Hoggan 2007, Sec. 2; docs/math.md "Rotation"
 */
 YLM_API ylm_status ylm_sh_rotate(const ylm_sh_rotator *p, const double r[9], int lmax, ylm_dtype t,
                                  size_t rows, const void *in, void *out, int threads, ylm_error *e);
 
-/* A rotation as its blocks, one (2l+1)x(2l+1) matrix for each degree: fastest for batches. */
+/*
+** A rotation prepared for batches: its blocks, one (2l+1)x(2l+1) matrix for each low degree; above,
+*where a
+** block has four times the numbers of a quarter turn, its angles. It keeps the rotator that it was
+*made by
+** alive, which the caller may free.
+*/
 typedef struct ylm_sh_rotation ylm_sh_rotation;
 YLM_API ylm_status ylm_sh_rotation_create(const ylm_sh_rotator *p, const double r[9], int lmax,
                                           ylm_dtype t, ylm_sh_rotation **out, ylm_error *e);
@@ -154,7 +160,7 @@ YLM_API int ylm_sh_rotation_lmax(const ylm_sh_rotation *r);
 YLM_API ylm_dtype ylm_sh_rotation_dtype(const ylm_sh_rotation *r);
 /* The block of degree l, [2l+1][2l+1] row-major; m = -l first. */
 YLM_API ylm_status ylm_sh_rotation_block(const ylm_sh_rotation *r, int l, double *out);
-/* As ylm_sh_rotate, for arrays of the rotation's type and any lmax up to its own. */
+/* As ylm_sh_rotate, for arrays of the rotation's type and any lmax up to its own; out may be in. */
 YLM_API ylm_status ylm_sh_rotation_apply(const ylm_sh_rotation *r, int lmax, size_t rows,
                                          const void *in, void *out, int threads);
 
@@ -184,8 +190,9 @@ YLM_API ylm_status ylm_sh_rotation_reference(const double r[9], int lmax, double
 */
 #define YLM_SH_SYSTEM_LIST(X)                                                                      \
   X(ylm, "ylm")                                                                                    \
-  X(plain, "plain") X(n3d, "n3d") X(sn3d, "sn3d") X(scipy, "scipy") X(unity, "unity")              \
-      X(threejs, "three.js") X(filament, "filament")
+  X(plain, "plain")                                                                                \
+  X(n3d, "n3d") X(sn3d, "sn3d") X(scipy, "scipy") X(unity, "unity") X(threejs, "three.js")         \
+      X(filament, "filament")
 
 typedef enum ylm_sh_system {
 #define X(name, text) YLM_SH_SYSTEM_##name,
@@ -290,8 +297,8 @@ YLM_API size_t ylm_sh_product_integrals(const ylm_sh_product *p);
 **
 ** Returns  YLM_OK, YLM_ENOMEM
 ** Accuracy of the norm of the result: 1e-12 (double), 1e-5 (float)
-** Cost     O(factors lmax^3) a row by quadrature, vectorised over nodes or, for many rows, over
-*rows
+** Cost     O(factors lmax^3) a row by quadrature, vectorised over nodes or, for several rows, over
+**          rows, as gaunt up to lmax 3
 ** Source   Gauss quadrature (docs/math.md "Products"); Xin et al. 2021, Sec. 4
 */
 YLM_API ylm_status ylm_sh_product_apply(const ylm_sh_product *p, ylm_dtype t, size_t rows,

@@ -1,4 +1,4 @@
-/* trace.c - Embree 3 behind ylm_trace.h. */
+/* trace.c - Embree 3 (Wald et al. 2014) behind ylm_trace.h. */
 #include "ylm_trace.h"
 
 #include <embree3/rtcore.h>

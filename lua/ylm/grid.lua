@@ -5,6 +5,7 @@ local check = require "ylm.check"
 local core = require "ylm.c.core"
 local form = require "ylm.form"
 local describe = require "ylm.reference".describe
+local outputs = require "ylm.outputs"
 
 local grid = {}
 local methods = core.metatable "ylm.grid"
@@ -259,25 +260,9 @@ local sample_options = {
     about = "points outside of the bounds: those of the nearest point inside, or NaN" },
   { "dtype", "choice", of = { "float", "double" }, default = "float", about = "of the results" },
   { "threads", "integer", min = 1, max = 1024, optional = true, about = "default: YLM_THREADS or all cores" },
-  { "out", "any", optional = true, about = "an array, or a list of two, that take the results" },
+  { "out", "any", optional = true, about = "an array, or a list of two, shaped and typed like the results, which they take" },
   { "progress", "progress", optional = true, about = "called as f(done, total, stage); returning false cancels" },
 }
-
---- The option `out` as two arrays or nils.
-local function outputs(out)
-  if out == nil then return nil, nil end
-  if core.type(out) == "ylm.array" then out = { out } end
-  if type(out) ~= "table" or core.type(out) then
-    return check.bad(2, "sample", "out must be an array, or a list of two, got %s", check.describe(out))
-  end
-  for i = 1, 2 do
-    local a = out[i]
-    if a ~= nil and (core.type(a) ~= "ylm.array" or not select(4, core.array_info(a))) then
-      return check.bad(2, "sample", "out[%d] must be an open array, got %s", i, check.describe(a))
-    end
-  end
-  return out[1], out[2]
-end
 
 describe "grid:sample" {
   about = "Interpolates coefficients at points. Fastest where neighbours in the array are neighbours in space.",
@@ -303,7 +288,9 @@ function methods.sample(g, points, given)
   open(g, "sample")
   local o = form.options(2, "sample", sample_options, given)
   local p, single = array.points(1, "sample", points)
-  local out1, out2 = outputs(o.out)
+  local shape = { #p, g.channels, (g.lmax + 1) ^ 2 }
+  local shapes = { shape, o.derivatives > 0 and { shape[1], shape[2], shape[3], 3 } or nil }
+  local out1, out2 = outputs.of(2, "sample", o.out, o.dtype, shapes, points)
   local progress = o.progress and require "ylm.progress".of(o.progress) or nil
   local c, dc, outside, unbaked, seconds = check.result("sample", core.grid_sample(g, p, INTERPOLATION[o.interpolation],
     o.derivatives, o.outside == "nan", o.dtype, o.threads or 0, progress, out1, out2))

@@ -6,6 +6,12 @@
 local core = require "ylm.c.core"
 local describe = require "ylm.reference".describe
 
+-- A kernel set or a number of threads that is silently not the one asked for spoils every measurement.
+do
+  local good, message = core.environment()
+  if not good then require "ylm.check".fail("%s", message) end
+end
+
 local ylm = {}
 
 --- Public name -> the module that defines it, in the order data flows.
@@ -66,7 +72,7 @@ describe "info" {
   arguments = {},
   returns = { { "info", "table", "version, kernel (the set in use; YLM_ISA forces one), kernels (a list), "
     .. "threads, lua, parts (those that load: core, and where installed scene: files and rays, vtk: pictures)" } },
-  errors = "none",
+  errors = "none (require \"ylm\" raises where the environment's YLM_ISA or YLM_THREADS is not what it may be)",
   example = "assert(ylm.info().threads >= 1 and ylm.info().parts[1] == 'core')",
 }
 function ylm.info()

@@ -5,6 +5,7 @@ local check = require "ylm.check"
 local core = require "ylm.c.core"
 local form = require "ylm.form"
 local describe = require "ylm.reference".describe
+local outputs = require "ylm.outputs"
 
 local light = {}
 
@@ -176,25 +177,6 @@ end
 
 -- ylm.light_field ------------------------------------------------------------------------
 
---- The option `out` as three arrays or nils.
-local function outputs(n, name, out, wanted)
-  if out == nil then return end
-  if core.type(out) == "ylm.array" then out = { out } end
-  if type(out) ~= "table" or core.type(out) then
-    return check.bad(n, name, "out must be an array, or a list of up to %d arrays, got %s", wanted,
-      check.describe(out))
-  end
-  for i = 1, 3 do
-    if out[i] ~= nil and core.type(out[i]) ~= "ylm.array" then
-      return check.bad(n, name, "out[%d] must be an array, got %s", i, check.describe(out[i]))
-    end
-    if out[i] and not select(4, core.array_info(out[i])) then
-      return check.bad(n, name, "out[%d]: the array has been closed", i)
-    end
-  end
-  return out[1], out[2], out[3]
-end
-
 --- What light.evaluate and ylm.light_field take as options.
 local options = {
   { "derivatives", "integer", min = 0, max = 2, default = 0, about = "0 coefficients, 1 and gradients, 2 and Hessians" },
@@ -204,18 +186,21 @@ local options = {
   { "dtype", "choice", of = { "float", "double" }, optional = true,
     about = "element type; that of the points where they are an array, else float" },
   { "threads", "integer", min = 1, max = 1024, optional = true, about = "default: YLM_THREADS or all cores" },
-  { "out", "any", optional = true, about = "an array, or a list of arrays, that take the results" },
+  { "out", "any", optional = true, about = "an array, or a list of them, shaped and typed like the results, which they take" },
   { "progress", "progress", optional = true, about = "called as f(done, total, stage); returning false cancels" },
 }
 
 --- The field of any object that has one (lights, grids) at points [n][3]: what ylm.light_field does.
--- `isa` names a kernel set, for specs and benchmarks.
-function light.evaluate(name, lmax, object, points, o, isa)
+-- `given` is what the points were made from, with which `out` may share no memory either. `isa` names a kernel set, for
+-- specs and benchmarks.
+function light.evaluate(name, lmax, object, points, o, isa, given)
   local want = VALUE + (o.derivatives >= 1 and GRADIENT or 0) + (o.derivatives >= 2 and HESSIAN or 0)
     + (o.metric and METRIC or 0)
-  local out1, out2, out3 = outputs(4, name, o.out, o.derivatives + 1)
   local progress = o.progress and require("ylm.progress").of(o.progress) or nil
   local channels, metric_channels = o.channels == "rgb" and 3 or 1, o.metric == "rgb" and 3 or 1
+  local shapes = {}
+  for i = 0, o.derivatives do shapes[i + 1] = { #points, channels, (lmax + 1) ^ 2, i > 0 and 3 * i or nil } end
+  local out1, out2, out3 = outputs.of(4, name, o.out, points.dtype, shapes, given or points)
   local L, dL, ddL, lambda, norm, inside, pairs = check.result(name, core.field_evaluate(object, lmax, points,
     channels, want, metric_channels, o.threads or 0, progress, out1, out2, out3, isa))
   if L == nil then return nil, dL, ddL end
@@ -251,7 +236,7 @@ function light.light_field(lmax, lights, points, given)
   local dtype = o.dtype
   if not dtype then dtype = core.type(points) == "ylm.array" and points.dtype or "float" end
   local p, single = array.points(3, "light_field", points, dtype)
-  local L, dL, ddL, report = light.evaluate("light_field", lmax, object, p, o)
+  local L, dL, ddL, report = light.evaluate("light_field", lmax, object, p, o, nil, points)
   if L == nil or not single then return L, dL, ddL, report end
   return L[1], dL and dL[1], ddL and ddL[1], report
 end

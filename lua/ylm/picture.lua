@@ -265,7 +265,9 @@ os.remove(name .. ".png")]],
     end
     local vtk, message, code = picture.vtk()
     if not vtk then return nil, message, code end
-    local canvas
+    local good, canvas
+    good, message, code = core.file_probe(path) -- before the work
+    if not good then return nil, message, code end
     canvas, message, code = draw(self)
     if not canvas then return nil, message, code end
     return check.result("save", vtk.save_png(path, canvas))

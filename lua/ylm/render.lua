@@ -322,6 +322,7 @@ end
 local function new_report(p)
   local st = p.stats
   return {
+    note = st.points == 0 and "the camera sees no geometry: nothing to shade" or nil,
     points = st.points, hits = st.hits, pixels = st.pixels, bytes = st.bytes,
     rays = { primary = st.primary_rays, occlusion = st.occlusion_rays },
     seconds = { scene = st.scene_seconds, primary = st.primary_seconds, transfer = st.transfer_seconds },
@@ -467,7 +468,8 @@ local scene = ylm.scene "one lamp" {
 }
 ]]
 
-local report_text = "seconds (by stage: scene, primary, transfer, light, image; total), rays, points, hits, pixels; "
+local report_text = "note (where nothing is to be shaded), "
+  .. "seconds (by stage: scene, primary, transfer, light, image; total), rays, points, hits, pixels; "
 
 describe "scene:prepare" {
   about = "Traces a camera's rays and the visibility of what they hit, once, for any number of renderings.",
@@ -669,7 +671,9 @@ function render.render(s, given)
   o.lmax = o.lmax or default_lmax(s, o.grid)
   local view, message, code = prepare("render", s, o)
   if not view then return nil, message, code end
-  if not o.grid then
+  if not o.grid and made[view].stats.points == 0 then
+    o.grid = made[view].traced.lights -- no grid can be baked for no points; no point will ask what light there is
+  elseif not o.grid then
     o.grid, message, code = render.bake(s, { occupied = view, threads = o.threads, progress = o.progress })
     if not o.grid then return nil, message, code end
   end

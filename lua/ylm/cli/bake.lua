@@ -17,7 +17,7 @@ return {
   run = function(given)
     local ylm = require "ylm"
     if not given.output then status.stop(status.usage, "bake: -o FILE says where the grid goes") end
-    status.need_extension("bake", given.output, "ylm", "vtu")
+    status.need_output("bake", given.output, "ylm", "vtu")
     local scene = status.need_scene(ylm.load_scene(given[1]))
     if not scene.probes then
       status.stop(status.script, "%s: the scene has no probes to bake (probes = adaptive_grid { ... })", given[1])

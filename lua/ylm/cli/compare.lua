@@ -17,6 +17,9 @@ return {
   },
   run = function(given)
     local ylm = require "ylm"
+    if given.difference then
+      status.need_output("compare", given.difference, "exr", "png", "hdr", "pfm")
+    end
     local images = {}
     for i = 1, 2 do
       images[i] = status.need(ylm.load(given[i]))

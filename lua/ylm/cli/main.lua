@@ -58,6 +58,11 @@ local function main(given)
     io.stdout:write(arguments.usage(name, command))
     return status.good
   end
+  local good, complaint = require "ylm.c.core".environment()
+  if not good then
+    say(complaint)
+    return status.usage
+  end
   options.command = name
   local ok, result = xpcall(function() return command.run(options) end, function(raised)
     return type(raised) == "table" and raised or status.raised(raised)

@@ -23,7 +23,7 @@ return {
   run = function(given)
     local ylm = require "ylm"
     if not given.output then status.stop(status.usage, "render: -o FILE says where the image goes") end
-    status.need_extension("render", given.output, "exr", "png", "hdr", "pfm")
+    status.need_output("render", given.output, "exr", "png", "hdr", "pfm")
     local method = given.method or "grid"
     if not methods[method] then
       status.stop(status.usage, "render: --method is grid, reference or raycast, got '%s'", method)

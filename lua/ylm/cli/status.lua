@@ -21,14 +21,17 @@ function status.stop(code, message, ...)
   error({ status = code, message = message }, 0)
 end
 
---- Ends the command unless `path` ends in one of the extensions: before the work, not after it.
-function status.need_extension(name, path, ...)
-  local words = {}
+--- Ends the command unless `path` ends in one of the extensions and can be written: before the work, not after it.
+function status.need_output(name, path, ...)
+  local words, fits = {}, false
   for _, extension in ipairs { ... } do
-    if path:lower():sub(-#extension - 1) == "." .. extension then return end
+    fits = fits or path:lower():sub(-#extension - 1) == "." .. extension
     words[#words + 1] = "." .. extension
   end
-  status.stop(status.usage, "%s: %s: the name must end in %s", name, path, table.concat(words, ", "))
+  if not fits then
+    status.stop(status.usage, "%s: %s: the name must end in %s", name, path, table.concat(words, ", "))
+  end
+  status.need(require "ylm.c.core".file_probe(path))
 end
 
 --- Passes results on; nil, message, code ends the command.

@@ -19,7 +19,7 @@ return {
   },
   run = function(given)
     local ylm = require "ylm"
-    if given.output then status.need_extension("view", given.output, "png") end
+    if given.output then status.need_output("view", given.output, "png") end
     local object = status.need(ylm.load(given[1]))
     local options = { object }
     for _, name in ipairs { "quantity", "range", "log", "slices", "levels", "title", "size" } do

@@ -121,9 +121,24 @@ return {
     { call = sample({ { 0, 0, 0 } }, { threads = 1e9 }), says = "threads must be an integer" },
     { call = sample({ { 0, 0, 0 } }, { out = 3 }), says = "out must be an array" },
     { call = function(ylm) return small(ylm):sample({ { 0, 0, 0 } }, { out = ylm.zeros({ 2, 3, 4 }, "float") }) end,
-      says = "shapes do not fit" },
+      says = "out%[1%] must be a float array of 1x3x4, got a float array of 2x3x4" },
     { call = function(ylm) return small(ylm):sample({ { 0, 0, 0 } }, { out = ylm.zeros { 1, 3, 4 } }) end,
-      says = "element type" },
+      says = "out%[1%] must be a float array of 1x3x4, got a double array" },
+    { call = function(ylm) return small(ylm):sample({ { 0, 0, 0 } }, { out = { nil, ylm.zeros { 1, 3, 4, 3 } } }) end,
+      says = "out takes 1 array %(see derivatives%), got an entry 2" },
+    { call = function(ylm)
+        local out = ylm.zeros({ 1, 3, 4 }, "float")
+        out:close()
+        return small(ylm):sample({ { 0, 0, 0 } }, { out = out })
+      end, says = "out%[1%]: the array has been closed" },
+    { call = function(ylm)
+        local room = ylm.zeros({ 48 }, "float")
+        return small(ylm):sample(room:reshape { 16, 3 }, { out = room })
+      end, says = "must be a float array of 16x3x4" },
+    { call = function(ylm) -- four points and the results of four points, in the same memory
+        local room = ylm.zeros({ 4, 3, 4 }, "float")
+        return small(ylm):sample(room[1]:reshape { 4, 3 }, { out = room })
+      end, says = "out%[1%] shares memory with the points" },
     { call = function(ylm) return closed(ylm):sample { { 0, 0, 0 } } end, says = "sample: the grid has been closed" },
   },
   ["grid:points"] = { { call = function(ylm) return closed(ylm):points() end,

@@ -90,7 +90,24 @@ return {
     { call = function(ylm) return ylm.light_field(4, lamp(ylm), { 0, 0, 0 }, { out = 1 }) end,
       says = "out must be an array" },
     { call = function(ylm) return ylm.light_field(4, lamp(ylm), { { 0, 0, 0 } }, { out = ylm.zeros { 2, 3, 25 } }) end,
-      says = "light_field: " },
+      says = "out%[1%] must be a float array of 1x3x25, got a double array of 2x3x25" },
+    { call = function(ylm)
+        return ylm.light_field(4, lamp(ylm), { { 0, 0, 0 } }, { derivatives = 1, out = { gradient = ylm.zeros { 1 } } })
+      end, says = "out takes 2 arrays %(see derivatives%), got an entry 'gradient'" },
+    { call = function(ylm)
+        local a = ylm.zeros({ 1, 3, 4, 3 }, "float")
+        return ylm.light_field(1, lamp(ylm), { { 0, 0, 0 } }, { derivatives = 1, out = { a[1]:reshape { 1, 3, 12 }, a } })
+      end, says = "out%[1%] must be a float array of 1x3x4" },
+    { call = function(ylm)
+        local a = ylm.zeros({ 3, 3, 4, 3 }, "float")
+        return ylm.light_field(1, lamp(ylm), ylm.zeros({ 3, 3 }, "float"),
+          { derivatives = 1, out = { a[1]:reshape { 3, 3, 4 }, a } })
+      end, says = "out%[2%] shares memory with out%[1%]" },
+    { call = function(ylm) -- points of another type are copied, and yet nobody means to lose them
+        local points = ylm.zeros({ 4, 3 }, "double")
+        return ylm.light_field(0, lamp(ylm), points,
+          { dtype = "double", channels = "rgb", out = points:reshape { 4, 3, 1 } })
+      end, says = "out%[1%] shares memory with the points" },
     { call = function(ylm) return ylm.light_field(4, lamp(ylm), { { 0, 0, 0 } }, { progress = 1 }) end,
       says = "progress must be" },
   },

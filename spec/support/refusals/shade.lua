@@ -119,7 +119,7 @@ return {
         geometry = { ylm.quad { corner = { -1, 0, 1 }, u = { 2, 0, 0 }, v = { 0, 0, -2 } } },
         lights = { ylm.sphere_light { at = { 0, 1, 0 }, radius = 0.1 } },
         probes = ylm.adaptive_grid { lmax = 1, depth = 1 },
-      }:render(small)
+      }:bake(small)
     end, says = "no shading points: the camera sees no geometry" },
     { call = function(ylm)
       return scene(ylm, { geometry = {} }):bake { probes = ylm.uniform_grid { cells = 1 }, size = { 4, 2 } }
