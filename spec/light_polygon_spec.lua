@@ -35,6 +35,43 @@ local function field(lmax, light, x, derivatives)
   return ylm.light_field(lmax, light, x, { derivatives = derivatives, channels = "luminance", dtype = "double" })
 end
 
+--- Value, gradient and Hessian at x in double, each as a flat table.
+local function derivatives(lmax, light, x)
+  local list = { ylm.light_field(lmax, light, ylm.array({ x }, "double"), { derivatives = 2, channels = "luminance" }) }
+  for k = 1, 3 do list[k] = list[k]:totable()[1][1] end
+  return list
+end
+
+--- The relative errors of gradient and Hessian against sixth-order differences of value and gradient at step h.
+local function against_differences(lmax, light, x, h)
+  local here, weights = derivatives(lmax, light, x), { 45 / 60, -9 / 60, 1 / 60 }
+  local error, norm = { 0, 0 }, { 0, 0 }
+  local place = { { 1, 2, 3 }, { 2, 4, 5 }, { 3, 5, 6 } }
+  for a = 1, 3 do
+    local near = {}
+    for s = -3, 3 do
+      local p = { x[1], x[2], x[3] }
+      p[a] = p[a] + s * h
+      near[s] = derivatives(lmax, light, p)
+    end
+    local function difference(get)
+      local d = 0
+      for s = 1, 3 do d = d + weights[s] * (get(near[s]) - get(near[-s])) / h end
+      return d
+    end
+    for k = 1, (lmax + 1) ^ 2 do
+      error[1] = error[1] + (here[2][k][a] - difference(function(n) return n[1][k] end)) ^ 2
+      norm[1] = norm[1] + here[2][k][a] ^ 2
+      for b = 1, 3 do
+        local H = here[3][k][place[a][b]]
+        error[2] = error[2] + (H - difference(function(n) return n[2][k][b] end)) ^ 2
+        norm[2] = norm[2] + H ^ 2
+      end
+    end
+  end
+  return math.sqrt(error[1] / norm[1]), math.sqrt(error[2] / norm[2])
+end
+
 local triangle = { { -0.5, 1, -0.3 }, { 0.7, 1.2, -0.2 }, { 0.1, 1.5, 0.6 } }
 
 describe("ylm.polygon_light", function()
@@ -74,32 +111,37 @@ describe("ylm.polygon_light", function()
     for k = 0, 2 do
       local a = { ylm.light_field(9, whole, x, { derivatives = 2, dtype = "double" }) }
       local b = { ylm.light_field(9, parts, x, { derivatives = 2, dtype = "double" }) }
-      assert(relative(b[k + 1], a[k + 1]) < (k == 2 and 1e-5 or 1e-12), k)
+      assert(relative(b[k + 1], a[k + 1]) < 1e-12, k)
     end
   end)
 
-  it("has Hessians that are the derivative of its gradients, exact and approximated", function()
-    for _, method in ipairs { "exact", "sphere" } do
-      local light = ylm.polygon_light { vertices = triangle, method = method }
-      local x, h = { 0.3, -0.4, 0.2 }, 1e-4
-      local L, dL, ddL = field(4, light, x, 2)
-      local plus, minus = {}, {}
-      for a = 1, 3 do
-        local p, q = { x[1], x[2], x[3] }, { x[1], x[2], x[3] }
-        p[a], q[a] = p[a] + h, q[a] - h
-        plus[a], minus[a] = { field(4, light, p, 1) }, { field(4, light, q, 1) }
-      end
-      local order = { { 1, 1 }, { 1, 2 }, { 1, 3 }, { 2, 2 }, { 2, 3 }, { 3, 3 } }
-      for k = 1, 25 do
-        for a = 1, 3 do
-          assert.is_near((plus[a][1]:get(1, k) - minus[a][1]:get(1, k)) / (2 * h), dL:get(1, k, a), 1e-6)
-        end
-        for i, ab in ipairs(order) do
-          assert.is_near((plus[ab[1]][2]:get(1, k, ab[2]) - minus[ab[1]][2]:get(1, k, ab[2])) / (2 * h),
-            ddL:get(1, k, i), 2e-6)
-        end
-      end
-      assert.equal(25, L.shape[2])
+  describe("has gradients and Hessians that are the derivatives of what they derive, to 1e-9", function()
+    local quad = { { -1, 1, -1 }, { 1, 1, -1 }, { 1, 1, 1 }, { -1, 1, 1 } }
+    local wall = { { 1, -1, -1 }, { 1, 1, -1 }, { 1, 1, 1 }, { 1, -1, 1 } }
+    local sliver = { { -1, 1, 0 }, { 1, 1, 0 }, { 1, 1, 1e-4 } }
+    local polygon = ylm.polygon_light
+    local cases = {
+      { "before a triangle", { vertices = triangle }, { 0.3, -0.4, 0.2 }, 1e-2 },
+      { "by the sphere method", { vertices = triangle, method = "sphere" }, { 0.3, -0.4, 0.2 }, 1e-2 },
+      { "at lmax 20", { vertices = triangle }, { 0.3, -0.4, 0.2 }, 3e-3, 20 },
+      { "behind it", { vertices = triangle }, { 0.1, 2.4, 0.2 }, 1e-2 },
+      { "close to its face", { vertices = triangle }, { 0.1, 1.2, 0.03 }, 4e-4 },
+      { "close to an edge", { vertices = quad }, { 1.02, 0.99, 0.3 }, 2e-4 },
+      { "on an edge's line, beyond it", { vertices = quad }, { 2.5, 0.9, 1 }, 1e-3 },
+      { "nearly in its plane", { vertices = quad }, { 3.5, 0.99, 0.2 }, 1e-4 },
+      { "where a sliver is seen", { vertices = sliver }, { 0.2, -0.3, 0.4 }, 5e-3 },
+      { "far off", { vertices = triangle }, { 3, -10, 2 }, 5e-2 },
+      { "farther off", { vertices = triangle }, { 30, -100, 20 }, 0.5 },
+      { "very far off", { vertices = triangle }, { 3e4, -1e5, 2e4 }, 500 },
+      { "where a horizon cuts it", { vertices = wall, horizon = { 0, 0, 1 } }, { 0.1, 0.2, 0.2 }, 5e-3 },
+      { "where a slanting horizon cuts it", { vertices = wall, horizon = { 0.3, 0.5, 1 } }, { 0.1, 0.2, 0.2 }, 5e-3 },
+      { "close to a face that a horizon cuts", { vertices = quad, horizon = { 1, 0.2, 0.3 } }, { 0.1, 0.9, 0.2 }, 1e-3 },
+    }
+    for _, case in ipairs(cases) do
+      it(case[1], function()
+        local g, h = against_differences(case[5] or 4, polygon(case[2]), case[3], case[4])
+        assert(g < 1e-9 and h < 1e-9, ("gradient %.1e, Hessian %.1e"):format(g, h))
+      end)
     end
   end)
 
@@ -146,6 +188,13 @@ describe("ylm.polygon_light", function()
       local P, Q = field(4, cut, p, 0), field(4, cut, q, 0)
       for k = 1, 25 do assert.is_near((P:get(1, k) - Q:get(1, k)) / (2 * h), dL:get(1, k, a), 1e-6) end
     end
+    local down = ylm.polygon_light { vertices = quad, horizon = { 0, 0, -1 } }
+    local whole, above, rest = derivatives(6, ylm.polygon_light { vertices = quad }, x), derivatives(6, cut, x),
+      derivatives(6, down, x)
+    for k = 1, 49 do -- what two horizons keep is the whole, their motion cancels
+      assert.is_near(whole[1][k], above[1][k] + rest[1][k], 1e-14)
+      for q = 1, 6 do assert.is_near(whole[3][k][q], above[3][k][q] + rest[3][k][q], 1e-13) end
+    end
     local below = ylm.polygon_light { vertices = { { 1, -1, -2 }, { 1, 1, -2 }, { 1, 0, -1 } }, horizon = { 0, 0, 1 } }
     local nothing = field(3, below, x, 0)
     for k = 1, 16 do assert.equal(0, nothing:get(1, k)) end
@@ -185,20 +234,153 @@ describe("ylm.polygon_light", function()
 
   it("marks points on it, and gives the field of half the sphere there", function()
     local light = ylm.polygon_light { vertices = { { -1, 0, -1 }, { 1, 0, -1 }, { 0, 0, 1 } } }
-    local L, dL, _, report = ylm.light_field(2, light, { { 1, 0, -1 }, { 0, 1, 0 } }, { derivatives = 1,
-      channels = "luminance" })
-    assert.same({ 1, 0 }, report.inside:totable())
-    assert.is_near(math.sqrt(math.pi), L:get(1, 1, 1), 1e-6)
-    assert.equal(0, dL:get(1, 1, 1, 1))
+    local on = { { 1, 0, -1 }, { 0, 0, 0 }, { 0.5, 0, -1 }, { 0.5, 0, 0 }, { 0, 1, 0 }, { 2, 0, 0 } }
+    local L, dL, ddL, report = ylm.light_field(2, light, on, { derivatives = 2, channels = "luminance" })
+    assert.same({ 1, 1, 1, 1, 0, 0 }, report.inside:totable())
+    for i = 1, 4 do
+      assert.is_near(math.sqrt(math.pi), L:get(i, 1, 1), 1e-6)
+      for k = 1, 9 do
+        assert.equal(0, dL:get(i, 1, k, 1))
+        assert.equal(0, ddL:get(i, 1, k, 4))
+      end
+    end
+    for k = 1, 9 do -- edge-on, and not on it: nothing
+      assert.equal(0, L:get(6, 1, k))
+      assert.equal(0, dL:get(6, 1, k, 2))
+    end
+  end)
+
+  it("keeps its relative accuracy however far it is", function()
+    local light = ylm.polygon_light { vertices = triangle }
+    for _, d in ipairs { 20, 30, 100, 350, 400, 1e3, 1e5 } do
+      local x = { 0.3 * d, -d, 0.2 * d }
+      -- a similar triangle, an eighth of everything
+      local small = {}
+      for i, v in ipairs(triangle) do small[i] = { v[1] / 8, v[2] / 8, v[3] / 8 } end
+      local a = derivatives(4, light, x)
+      local b = derivatives(4, ylm.polygon_light { vertices = small }, { x[1] / 8, x[2] / 8, x[3] / 8 })
+      for k = 1, 25 do
+        assert(math.abs(a[1][k] - b[1][k]) <= 1e-12 * a[1][1])
+        for q = 1, 6 do assert(math.abs(a[3][k][q] - b[3][k][q] / 64) <= 1e-11 * a[1][1] / d ^ 2) end
+      end
+      -- seen from so far it is a point of its projected area
+      local u, v, y, r2 = {}, {}, {}, 0
+      for q = 1, 3 do
+        u[q], v[q] = triangle[2][q] - triangle[1][q], triangle[3][q] - triangle[1][q]
+        y[q] = (triangle[1][q] + triangle[2][q] + triangle[3][q]) / 3 - x[q]
+        r2 = r2 + y[q] ^ 2
+      end
+      local n = { u[2] * v[3] - u[3] * v[2], u[3] * v[1] - u[1] * v[3], u[1] * v[2] - u[2] * v[1] }
+      local angle = math.abs(n[1] * y[1] + n[2] * y[2] + n[3] * y[3]) / 2 / r2 ^ 1.5
+      assert.is_near(1, a[1][1] / (angle / math.sqrt(4 * math.pi)), 2 / d ^ 2 + 1e-15 * d)
+    end
+  end)
+
+  it("meets the boxes that its face meets, for grids to refine there", function()
+    local function cells(z, occupied)
+      local light = ylm.polygon_light { vertices = { { 0.1, 0.1, z }, { 0.9, 0.1, z }, { 0.1, 0.15, z } } }
+      local grid = ylm.bake(ylm.adaptive_grid { bounds = { { 0, 0, 0 }, { 1, 1, 1 } }, depth = 4, lmax = 1,
+        threshold = 1e9, metric = "absolute" }, light, { occupied = occupied })
+      return grid.stats.cells
+    end
+    -- cells that the face crosses refine whatever the threshold; those of its bounding sphere do not
+    for _, z in ipairs { 0.52, 0.5 } do
+      assert.equal(9, cells(z, { { 0.3, 0.6, z } }))
+      assert.equal(33, cells(z, { { 0.3, 0.12, z } }))
+    end
+  end)
+
+  it("refuses what is no convex polygon", function()
+    local star, nan = {}, 0 / 0
+    for i = 0, 4 do star[i + 1] = { math.cos(i * 4 * math.pi / 5), math.sin(i * 4 * math.pi / 5), 0 } end
+    local many = {}
+    for i = 1, 65 do many[i] = { math.cos(i * math.pi / 33), math.sin(i * math.pi / 33), 0 } end
+    local bad = {
+      ["it is not planar"] = { { 0, 0, 0 }, { 1, 0, 0 }, { 1, 1, 0.1 }, { 0, 1, 0 } },
+      ["it has no area"] = { { 0, 0, 0 }, { 1, 1, 1 }, { 2, 2, 2 } },
+      ["it is not convex"] = { { 0, 0, 0 }, { 2, 0, 0 }, { 0.5, 0.5, 0 }, { 0, 2, 0 } },
+      ["it crosses itself"] = star,
+      ["it: 3 to 64 vertices expected, got 65"] = many,
+      ["it is beyond 1e%+15"] = { { 0, 0, 0 }, { 1e16, 0, 0 }, { 0, 1, 0 } },
+      ["vertices must be three or more points"] = { { 0, 0, 0 }, { 1, 0, 0 } },
+      ["vertices must be three or more points {x, y, z}"] = { { 0, 0, 0 }, { 1, nan, 0 }, { 0, 1, 0 } },
+    }
+    for wanted, vertices in pairs(bad) do
+      local ok, message = pcall(ylm.polygon_light, { vertices = vertices })
+      assert(not ok and tostring(message):find(wanted), wanted .. " <> " .. tostring(message))
+    end
+    -- a bow tie has no consistent turn, and a polygon may repeat a vertex
+    assert.is_false((pcall(ylm.polygon_light, { vertices = { { 0, 0, 0 }, { 1, 1, 0 }, { 1, 0, 0 }, { 0, 1, 0 } } })))
+    assert(ylm.polygon_light { vertices = { { 0, 0, 0 }, { 1, 0, 0 }, { 1, 0, 0 }, { 0, 1, 0 } } })
   end)
 end)
 
 describe("ylm.disk_light", function()
-  it("seen along its axis is a cap, but for the corners of its polygon", function()
-    local light = ylm.disk_light { at = { 0, 0, 2 }, normal = { 0, 0, -3 }, radius = 0.7 }
-    local L = field(4, light, { 0, 0, 0 }, 0)
-    local cap = ylm.sh.cap(4, { 0, 0, 1 }, math.atan(0.35))
-    assert(relative(L, cap) < 1e-3, relative(L, cap))
+  it("seen along its axis is a cap", function()
+    for _, d in ipairs { 1e-3, 0.1, 2, 30, 1e3, 1e6 } do
+      for _, lmax in ipairs { 4, 40 } do
+        local light = ylm.disk_light { at = { 0, 0, d }, normal = { 0, 0, -3 }, radius = 0.7 }
+        local L = field(lmax, light, ylm.array({ { 0, 0, 0 } }, "double"), 0)
+        local cap = ylm.sh.cap(lmax, { 0, 0, 1 }, math.atan(0.7 / d))
+        assert(relative(L, cap) < 1e-13, relative(L, cap))
+      end
+    end
+  end)
+
+  it("is what regular polygons inside and outside of it tend to", function()
+    local x, n = { 0.4, 0.3, -0.2 }, 64
+    local L = derivatives(6, ylm.disk_light { at = { 0, 0, 1 }, normal = { 0, 0, 1 }, radius = 0.8 }, x)
+    local function ring(r)
+      local v = {}
+      for i = 1, n do v[i] = { r * math.cos(2 * math.pi * i / n), r * math.sin(2 * math.pi * i / n), 1 } end
+      return derivatives(6, ylm.polygon_light { vertices = v }, x)
+    end
+    local inner, outer = ring(0.8), ring(0.8 / math.cos(math.pi / n))
+    assert(inner[1][1] < L[1][1] and L[1][1] < outer[1][1])
+    for k = 1, 49 do -- areas of n-gons are off by 1/3 and 2/3 of their difference, to fourth order in 1/n
+      assert.is_near((2 * outer[1][k] + inner[1][k]) / 3, L[1][k], 1e-5)
+      for q = 1, 6 do assert.is_near((2 * outer[3][k][q] + inner[3][k][q]) / 3, L[3][k][q], 1e-3) end
+    end
+  end)
+
+  it("cut in two by horizons is the sum of its halves, values and derivatives", function()
+    for _, d in ipairs { 1, 0.1, 1e-3 } do
+      local at = { at = { 0.2, d, 0 }, normal = { 0.1, 1, 0.3 }, radius = 0.7 }
+      local parts = {}
+      for i, up in ipairs { { 1, 0.2, 0.3 }, { -1, -0.2, -0.3 } } do
+        parts[i] = derivatives(8, ylm.disk_light { at = at.at, normal = at.normal, radius = at.radius, horizon = up },
+          { 0, 0, 0 })
+      end
+      local whole = derivatives(8, ylm.disk_light(at), { 0, 0, 0 })
+      for k = 1, 81 do
+        assert.is_near(whole[1][k], parts[1][1][k] + parts[2][1][k], 1e-13)
+        for a = 1, 3 do assert.is_near(whole[2][k][a], parts[1][2][k][a] + parts[2][2][k][a], 1e-12 / d) end
+        for q = 1, 6 do assert.is_near(whole[3][k][q], parts[1][3][k][q] + parts[2][3][k][q], 1e-12 / d ^ 2) end
+      end
+    end
+  end)
+
+  describe("has gradients and Hessians that are the derivatives of what they derive, to 1e-8", function()
+    local cases = {
+      { "on its axis", { 0, 0, 0 }, 5e-3 }, { "beside it", { 0.4, 0.2, 0.3 }, 5e-3 },
+      { "close to its face", { 0.1, 1.9, 0.3 }, 1e-3 }, { "close to its rim", { 0.7, 1.99, 0 }, 8e-5 },
+      { "closest to its rim", { 0.7, 1.9999, 0 }, 8e-7 }, { "far off", { 30, -100, 20 }, 0.5 },
+      { "at lmax 30", { 0.4, 0.2, 0.3 }, 1e-3, 30 }, { "farther off", { 3e3, -1e4, 2e3 }, 50 },
+      { "cut by a horizon", { 0.1, 0.2, 0.3 }, 4e-3, 4, { 0.5, 0.1, 0.2 } },
+    }
+    for _, case in ipairs(cases) do
+      it(case[1], function()
+        local light = ylm.disk_light { at = { 0, 2, 0 }, normal = { 0, 1, 0 }, radius = 0.7, horizon = case[5] }
+        local g, h = against_differences(case[4] or 4, light, case[2], case[3])
+        assert(g < 1e-8 and h < 1e-8, ("gradient %.1e, Hessian %.1e"):format(g, h))
+      end)
+    end
+  end)
+
+  it("marks points on it", function()
+    local light = ylm.disk_light { at = { 0, 2, 0 }, normal = { 0, 1, 0 }, radius = 0.5 }
+    local _, _, _, report = ylm.light_field(1, light, { { 0, 2, 0 }, { 0.3, 2, 0.3 }, { 0.6, 2, 0 }, { 0, 1, 0 } })
+    assert.same({ 1, 1, 0, 0 }, report.inside:totable())
   end)
 end)
 

@@ -95,10 +95,11 @@ YLM_API ylm_status ylm_lights_evaluate(const ylm_lights *lights, ylm_isa isa,
                                        const ylm_field_query *q, size_t n, const void *points,
                                        ylm_field_result *r, ylm_error *e);
 
-/* -- polygons: csrc/light/polygon.c ------------------------------------------------------------ */
+/* -- flat lights: csrc/light/polygon.c, contour*.c ----------------------------------------------
+ */
 
 /*
-** Planar polygons that emit the same radiance to both sides.
+** Planar convex polygons, and ellipses, that emit the same radiance to both sides.
 **
 ** | parameter | unit         | allowed                                                     |
 ** | vertices  | scene units  | 3 .. YLM_POLYGON_VERTICES, planar, convex, of some area      |
@@ -106,27 +107,34 @@ YLM_API ylm_status ylm_lights_evaluate(const ylm_lights *lights, ylm_isa isa,
 ** | horizon   | -            | a direction: what lies below the plane through the shading   |
 ** |           |              | point across it is cut off; or zero: nothing is             |
 **
-** exact      the coefficients in closed form, by integrals along the edges (Wang & Ramamoorthi
-**            2018), and their gradients; Hessians are differences of the exact gradients (1e-6)
+** exact      integrals along the rim (Wang & Ramamoorthi 2018): coefficients, gradients, Hessians.
+**            Polygons: in closed form but for Gauss-Legendre nodes that leave 1e-16 of an edge's
+**            share. Ellipses: Gauss-Legendre nodes too, 1e-13; there is no closed form off the axis
 ** otherwise  the approximation of Mezieres et al. 2022, Eqs. 24-28, generalised to polygons: the
 **            sphere at the centroid whose disc has the polygon's area, times |cos gamma|; gradient
 **            and Hessian of that function are exact
-** Where the shading point lies on the polygon (exact), or in or on the sphere, `inside` is set.
+** Accuracy   of values, gradients and Hessians, each relative to its norm over all degrees: 1e-12,
+**            but 1e-14 lmax / a for slivers that are seen at an angle a across and are not far; a
+**            light whose size over distance is below 0.02/(lmax+4) is summed over its area
+** Edge-on    points in the plane but not on the light: all zero (derivatives jump there; the mean
+**            of both sides is 0). Points on it: half a sphere, derivatives 0, and `inside` is set,
+**            as in or on the sphere of the approximation
 */
 typedef struct ylm_polygons ylm_polygons;
 
 #define YLM_POLYGON_VERTICES 64
 
 /*
-** ylm_polygons_create - n polygons; the arrays are copied.
+** ylm_polygons_create - n flat lights; the arrays are copied.
 **
-**   sides     in   [n]                 vertices of each
-**   vertices  in   [sum of sides][3]
+**   sides     in   [n]                 vertices of each; 0: an ellipse
+**   vertices  in   [rows][3]           of an ellipse three rows: its centre and two half axes
 **   radiance  in   [n][3]
 **   horizon   in   [3] or NULL
 **
-** Returns  YLM_OK; YLM_EDOMAIN (not finite, not planar to 1e-5 of its size, not convex, without
-**          area), YLM_ERANGE (sides, beyond YLM_LIGHT_EXTENT): `e` names the polygon; YLM_ENOMEM
+** Returns  YLM_OK; YLM_EDOMAIN (not finite, not planar to 1e-5 of its size, not convex, crossing
+**          itself, without area), YLM_ERANGE (sides, beyond YLM_LIGHT_EXTENT): `e` names the
+**          polygon; YLM_ENOMEM
 */
 YLM_API ylm_status ylm_polygons_create(size_t n, const int *sides, const double *vertices,
                                        const double *radiance, bool exact, const double *horizon,
@@ -135,22 +143,6 @@ YLM_API void ylm_polygons_free(ylm_polygons *polygons);
 YLM_API size_t ylm_polygons_count(const ylm_polygons *polygons);
 /* Their light field (ylm_base.h); lives as long as the object. Exact: lmax <= 60. */
 YLM_API const ylm_field *ylm_polygons_field(const ylm_polygons *polygons);
-
-/*
-** ylm_polygon_project - one polygon of unit radiance seen from x, exactly.
-**
-**   vertex    in   [n][3] relative to x
-**   horizon   in   [3] or NULL
-**   value     out  [(lmax+1)^2]
-**   gradient  out  [(lmax+1)^2][3], with respect to x; may be NULL
-**
-** Returns  YLM_OK; YLM_EDOMAIN where x lies on the polygon's edge or face: value is half a sphere's
-** Accuracy 1e-12 of the norm over all degrees, but about 1e-16 divided by the polygon's angular
-*size
-** Source   Wang & Ramamoorthi 2018; Van Oosterom & Strackee 1983; docs/math.md "Polygons"
-*/
-YLM_API ylm_status ylm_polygon_project(int lmax, int n, const double *vertex, const double *horizon,
-                                       double *value, double *gradient);
 
 /* -- sums of fields: csrc/light/sum.c ---------------------------------------------------------- */
 

@@ -20,8 +20,8 @@ static int polygons_gc(lua_State *L) {
   return 0;
 }
 
-/* polygons_create({sides}, vertices double [..][3], radiance double [n][3], exact, horizon [3] |
- * nil) -> polygons */
+/* polygons_create({sides; 0: an ellipse, three rows}, vertices double [..][3], radiance double
+   [n][3], exact, horizon [3] | nil) -> polygons */
 static int polygons_create(lua_State *L) {
   luaL_checktype(L, 1, LUA_TTABLE);
   size_t n = lua_rawlen(L, 1), total = 0;
@@ -34,7 +34,7 @@ static int polygons_create(lua_State *L) {
     sides[i] = (int)luaL_checknumber(L, -1);
     lua_pop(L, 1);
     if (sides[i] < 0 || sides[i] > 1000) return ylmL_result(L, 0, YLM_ERANGE, NULL);
-    total += (size_t)sides[i];
+    total += sides[i] ? (size_t)sides[i] : 3;
   }
   if (v->count != 3 * total || c->count != 3 * n || (h && h->count != 3))
     return ylmL_result(L, 0, YLM_ESHAPE, NULL);

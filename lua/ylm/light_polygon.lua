@@ -26,14 +26,14 @@ local function points_of(value)
 end
 
 local method_field = { "method", "choice", of = { "exact", "sphere" }, default = "exact",
-  about = "exact: integrals along the edges; sphere: a sphere of the same area times |cos gamma|, with exact Hessian" }
+  about = "exact: integrals along the edges; sphere: a sphere of the same area times |cos gamma|" }
 
 --- The packed object of polygons { vertices, radiance }, all of one method and horizon.
 local function pack(name, list, method, horizon, fail)
   local sides, vertices, radiance = {}, {}, {}
   for i, p in ipairs(list) do
-    sides[i] = #p.vertices
-    for _, v in ipairs(p.vertices) do vertices[#vertices + 1] = v end
+    sides[i] = p.vertices and #p.vertices or 0
+    for _, v in ipairs(p.vertices or p.axes) do vertices[#vertices + 1] = v end
     radiance[i] = p.radiance
   end
   local v, c = assert(core.array_zeros({ #vertices, 3 }, "double")), assert(core.array_zeros({ #list, 3 }, "double"))
@@ -83,26 +83,20 @@ local function frame(n)
 end
 
 polygon.disk_light = form.define("disk_light", {
-  about = "A disk that emits the same radiance to both sides: a regular polygon of the same area, or by the sphere method.",
+  about = "A disk that emits the same radiance to both sides.",
   fields = {
     { "at", "point", unit = "scene units", about = "centre" },
     { "normal", "vector", about = "across the disk" },
-    { "radius", "number", above = 0, default = 0.1, unit = "scene units" },
+    { "radius", "number", above = 0, max = 1e15, default = 0.1, unit = "scene units" },
     { "radiance", "colour", default = 1, unit = "W sr^-1 m^-2", about = "number or {r, g, b}; may be negative" },
-    method_field,
-    { "sides", "integer", min = 3, max = 64, default = 48, about = "of the polygon" },
+    { "method", "choice", of = { "exact", "sphere" }, default = "exact",
+      about = "exact: integrals along the rim, to 1e-12 (no closed form off the axis); sphere: as of polygon_light" },
     { "horizon", "vector", optional = true, about = "as of polygon_light" },
   },
   build = function(values, fail)
     local u, v = frame(values.normal)
-    local n = values.sides
-    local r = values.radius * math.sqrt(2 * pi / (n * math.sin(2 * pi / n)))
-    values.vertices = {}
-    for i = 1, n do
-      local c, s = r * math.cos(2 * pi * i / n), r * math.sin(2 * pi * i / n)
-      values.vertices[i] = { values.at[1] + c * u[1] + s * v[1], values.at[2] + c * u[2] + s * v[2],
-        values.at[3] + c * u[3] + s * v[3] }
-    end
+    local r = values.radius
+    values.axes = { values.at, { r * u[1], r * u[2], r * u[3] }, { r * v[1], r * v[2], r * v[3] } }
     values.field = pack("disk_light", { values }, values.method, values.horizon, fail)
     return setmetatable(values, form.defined.disk_light.metatable)
   end,

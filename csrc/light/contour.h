@@ -1,0 +1,94 @@
+/* contour.h - integrals of spherical harmonics over what a flat light fills of the sphere, as
+   integrals along its rim. Private to csrc/light.
+
+   With y(t) the rim seen from the shading point x, rho = |y|, s = y/rho, and m dt = (y x y')/rho^2
+   dt, the rim's element on the sphere times the normal of its great circle,
+
+     L_lm      = 1/(l(l+1)) integral m . grad Y_lm(s),  l > 0
+     grad L_lm = integral m Y_lm(s)/rho
+     H_ab L_lm = - integral sym_ab m_a (grad Y_lm(s) - 3 s Y_lm(s))_b / rho^2
+
+   where the rim belongs to the light; along a horizon through x only L has a share. Where the
+   horizon cuts the rim at y, H gains +- sym_ab (y x y')_a up_b/(y'.up) Y_lm(s)/rho^3.
+
+   Source  docs/math.md "Polygons and disks" */
+#ifndef YLM_LIGHT_CONTOUR_H
+#define YLM_LIGHT_CONTOUR_H
+
+#include "light.h"
+
+/* The highest degree of exact flat lights. */
+#define YLM__CONTOUR_LMAX 60
+
+/* Gauss-Legendre rules of the lengths that are used. */
+#define YLM__RULES 7
+#define YLM__MOST_NODES 96
+typedef struct ylm__rules {
+  int length[YLM__RULES];
+  double x[YLM__RULES][YLM__MOST_NODES], w[YLM__RULES][YLM__MOST_NODES];
+} ylm__rules;
+void ylm__rules_make(ylm__rules *r);
+/* n nodes in -1 .. 1, ascending or not, and their weights. */
+void ylm__gauss(int n, double *x, double *w);
+/* The rule for an arc of an angle, polynomials of degree l on it. */
+int ylm__rule_for(const ylm__rules *r, int l, double angle);
+
+/* Where sums go, and scratch for the basis at BATCH nodes. */
+#define YLM__BATCH 16
+typedef struct ylm__contour {
+  const ylm__rules *rules;
+  int lmax;
+  size_t count;
+  double *y, *dy, *ddy; /* [BATCH][count], ..[3], ..[6] */
+  double *value, *gradient,
+      *hessian; /* [count], [count][3], [count][6]; the last two may be NULL */
+} ylm__contour;
+/* YLM_ENOMEM; to be freed with ylm_free(k->y). */
+ylm_status ylm__contour_make(ylm__contour *k, const ylm__rules *rules, int lmax);
+/* Zeros to start from. */
+void ylm__contour_clear(const ylm__contour *k);
+
+/* Adds nodes of a rim: directions s, m with its weight, 1/rho; `moves`: the rim is the light's. */
+ylm_status ylm__contour_nodes(const ylm__contour *k, int n, const double (*s)[3],
+                              const double (*m)[3], const double *inverse, bool moves);
+/* Adds the great arc that the segment from v to w fills; false where it has no plane with x. */
+bool ylm__contour_arc(const ylm__contour *k, const double *v, const double *w, double sign,
+                      bool moves, ylm_status *status);
+/* Adds what the Hessian owes to a horizon that cuts the rim at y, where the rim runs along dy. */
+ylm_status ylm__contour_cut(const ylm__contour *k, const double *y, const double *dy,
+                            const double *up, double sign);
+/* Adds a flat light as n points y with weights (areas), seen from far. */
+ylm_status ylm__contour_points(const ylm__contour *k, int n, const double (*y)[3], const double *w,
+                               const double *normal);
+
+/*
+** One flat light of unit radiance; sums are cleared first. `normal` is a unit vector.
+**
+**   v        in  [n][3] relative to the shading point; a convex polygon
+**   ellipse  in  [3][3] centre, and two half axes
+**
+** Returns  YLM_OK; YLM_EDOMAIN where the shading point lies on it: sums are half a sphere's
+*/
+ylm_status ylm__contour_polygon(const ylm__contour *k, int n, const double (*v)[3],
+                                const double *normal, const double *horizon);
+ylm_status ylm__contour_ellipse(const ylm__contour *k, const double (*ellipse)[3],
+                                const double *normal, const double *horizon);
+/* Half a sphere's sums: YLM_EDOMAIN. */
+ylm_status ylm__contour_touched(const ylm__contour *k);
+
+/* Relative to the distance: nearer to its plane than this, a flat light is taken as seen edge-on.
+ */
+#define YLM__EDGE_ON 1e-15
+/* (lmax + 4) times its reach over its distance: smaller than this, a light is seen from far. */
+#define YLM__FAR 0.02
+
+static inline double ylm__dot(const double *a, const double *b) {
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+static inline void ylm__cross(const double *a, const double *b, double *c) {
+  c[0] = a[1] * b[2] - a[2] * b[1];
+  c[1] = a[2] * b[0] - a[0] * b[2];
+  c[2] = a[0] * b[1] - a[1] * b[0];
+}
+
+#endif

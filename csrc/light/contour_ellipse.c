@@ -1,0 +1,169 @@
+/* contour_ellipse.c - disks and ellipses by their rims: there is no closed form off the axis. */
+#include "contour.h"
+
+#include <math.h>
+#include <string.h>
+
+/* Rims are integrated in panels no longer than 1/RATIO of twice their distance, by 24 nodes or
+   more: the integrand's nearest singularity then lies where they leave 1e-17. */
+#define RATIO 1.5
+#define PANELS 256
+#define FULL_MOST 96
+
+typedef struct rim {
+  const ylm__contour *k;
+  const double *c, *u, *v, *normal; /* centre, half axes; the normal as seen from x: n.c > 0 */
+  double sign, size, solid_angle;   /* size: an upper bound of |y'| */
+} rim;
+
+static void place(const rim *r, double phi, double *y, double *dy) {
+  double c = cos(phi), s = sin(phi);
+  for (int a = 0; a < 3; a++) {
+    y[a] = r->c[a] + c * r->u[a] + s * r->v[a];
+    dy[a] = c * r->v[a] - s * r->u[a];
+  }
+}
+
+/* Fills node i at angle phi with the weight. */
+static void node(rim *r, double phi, double weight, double *s, double *m, double *inverse) {
+  double y[3], dy[3], c[3];
+  place(r, phi, y, dy);
+  ylm__cross(y, dy, c);
+  double r2 = ylm__dot(y, y);
+  *inverse = 1 / sqrt(r2);
+  for (int a = 0; a < 3; a++) {
+    s[a] = y[a] * *inverse;
+    m[a] = r->sign * weight * c[a] / r2;
+  }
+  r->solid_angle += ylm__dot(r->normal, m) / (1 + ylm__dot(r->normal, s));
+}
+
+static ylm_status panel(rim *r, double from, double to) {
+  const ylm__rules *rules = r->k->rules;
+  int rule = ylm__rule_for(rules, r->k->lmax + 3, 1.2), n;
+  if (rule < 2) rule = 2;
+  n = rules->length[rule];
+  double s[YLM__MOST_NODES][3], m[YLM__MOST_NODES][3], inverse[YLM__MOST_NODES];
+  for (int i = 0; i < n; i++)
+    node(r, 0.5 * (from + to) + 0.5 * (to - from) * rules->x[rule][i],
+         0.5 * (to - from) * rules->w[rule][i], s[i], m[i], inverse + i);
+  return ylm__contour_nodes(r->k, n, (const double(*)[3])s, (const double(*)[3])m, inverse, true);
+}
+
+/* The rim between two angles, in panels that shrink towards x. */
+static ylm_status part(rim *r, double from, double to) {
+  double stack[PANELS][2];
+  int top = 0;
+  stack[top][0] = from, stack[top++][1] = to;
+  while (top > 0) {
+    double a = stack[--top][0], b = stack[top][1], y[3], dy[3];
+    place(r, 0.5 * (a + b), y, dy);
+    double half = 0.5 * (b - a) * r->size;
+    bool small = half * RATIO <= sqrt(ylm__dot(y, y)) && b - a <= 1.6;
+    if (!small && top + 2 <= PANELS && b - a > 1e-13) {
+      stack[top][0] = 0.5 * (a + b), stack[top++][1] = b;
+      stack[top][0] = a, stack[top++][1] = 0.5 * (a + b);
+      continue;
+    }
+    ylm_status s = panel(r, a, b);
+    if (s != YLM_OK) return s;
+  }
+  return YLM_OK;
+}
+
+/* Equal steps converge geometrically on a whole rim that keeps its distance; 0: too slowly. */
+static int equal_steps(const rim *r) {
+  double across = ylm__dot(r->c, r->c) + r->size * r->size;
+  double cu = ylm__dot(r->c, r->u), cv = ylm__dot(r->c, r->v);
+  double swing = 2 * sqrt(cu * cu + cv * cv), ratio = across / fmax(swing, 1e-300);
+  double n = (37 + 1.5 * r->k->lmax) / (0.7 * acosh(fmax(1, ratio))) + 4;
+  double least = r->k->lmax + 12;
+  n = fmax(n, least);
+  return n <= FULL_MOST ? (int)ceil(n) : 0;
+}
+
+static ylm_status full(rim *r, int n) {
+  double s[FULL_MOST][3], m[FULL_MOST][3], inverse[FULL_MOST];
+  for (int i = 0; i < n; i++) node(r, 2 * M_PI * i / n, 2 * M_PI / n, s[i], m[i], inverse + i);
+  return ylm__contour_nodes(r->k, n, (const double(*)[3])s, (const double(*)[3])m, inverse, true);
+}
+
+/* The part above the horizon, between the angles from and to, and the chord that closes it. */
+static ylm_status above(rim *r, double from, double to, const double *up) {
+  double a[3], b[3], da[3], db[3], sides[3][3];
+  ylm_status s = part(r, from, to);
+  place(r, from, a, da);
+  place(r, to, b, db);
+  if (s == YLM_OK) ylm__contour_arc(r->k, b, a, r->sign, false, &s);
+  if (s == YLM_OK) s = ylm__contour_cut(r->k, b, db, up, r->sign);
+  if (s == YLM_OK) s = ylm__contour_cut(r->k, a, da, up, -r->sign);
+  /* the solid angle's integral along the chord: that of the arc a to b on its great circle */
+  for (int q = 0; q < 3; q++) sides[0][q] = r->normal[q];
+  double la = sqrt(ylm__dot(a, a)), lb = sqrt(ylm__dot(b, b));
+  for (int q = 0; q < 3; q++) sides[1][q] = b[q] / lb, sides[2][q] = a[q] / la;
+  double cross[3];
+  ylm__cross(sides[1], sides[2], cross);
+  r->solid_angle += r->sign * 2 *
+                    atan2(ylm__dot(cross, sides[0]), 1 + ylm__dot(sides[0], sides[1]) +
+                                                         ylm__dot(sides[1], sides[2]) +
+                                                         ylm__dot(sides[2], sides[0]));
+  return s;
+}
+
+/* Seven points, exact to degree 5 (Stroud 1971, S2 5-1). */
+static ylm_status from_far(const rim *r) {
+  double y[7][3], w[7], n[3];
+  ylm__cross(r->u, r->v, n);
+  double area = M_PI * sqrt(ylm__dot(n, n));
+  memcpy(y[0], r->c, sizeof y[0]);
+  w[0] = area / 4;
+  for (int i = 0; i < 6; i++) {
+    double c = sqrt(2.0 / 3) * cos(M_PI * i / 3), s = sqrt(2.0 / 3) * sin(M_PI * i / 3);
+    for (int q = 0; q < 3; q++) y[1 + i][q] = r->c[q] + c * r->u[q] + s * r->v[q];
+    w[1 + i] = area / 8;
+  }
+  return ylm__contour_points(r->k, 7, (const double(*)[3])y, w, r->normal);
+}
+
+/* Does x, in the ellipse's plane, lie in it? */
+static bool holds(const double *c, const double *u, const double *v) {
+  double uu = ylm__dot(u, u), uv = ylm__dot(u, v), vv = ylm__dot(v, v), det = uu * vv - uv * uv;
+  double cu = ylm__dot(c, u), cv = ylm__dot(c, v);
+  double a = (cu * vv - cv * uv) / det, b = (cv * uu - cu * uv) / det;
+  return a * a + b * b <= 1 + 1e-14;
+}
+
+ylm_status ylm__contour_ellipse(const ylm__contour *k, const double (*ellipse)[3],
+                                const double *normal, const double *horizon) {
+  const double *c = ellipse[0], *u = ellipse[1], *v = ellipse[2];
+  double height = ylm__dot(c, normal), sign = height < 0 ? -1 : 1, facing[3], turn[3];
+  ylm__contour_clear(k);
+  for (int a = 0; a < 3; a++) facing[a] = sign * normal[a];
+  ylm__cross(u, v, turn);
+  if (ylm__dot(turn, normal) < 0) sign = -sign; /* counter-clockwise about `facing` counts */
+  double uu = ylm__dot(u, u), vv = ylm__dot(v, v), size = sqrt(uu + vv);
+  double distance = sqrt(ylm__dot(c, c));
+  if (fabs(height) <= YLM__EDGE_ON * (distance + size))
+    return holds(c, u, v) ? ylm__contour_touched(k) : YLM_OK;
+  /* |y'| is at most the longer half axis, where these are at right angles */
+  if (fabs(ylm__dot(u, v)) <= 1e-9 * size * size) size = sqrt(fmax(uu, vv));
+  rim r = {k, c, u, v, facing, sign, size, 0};
+  double h = 0, hu = 0, hv = 0, swing = 0;
+  if (horizon) {
+    h = ylm__dot(c, horizon), hu = ylm__dot(u, horizon), hv = ylm__dot(v, horizon);
+    swing = sqrt(hu * hu + hv * hv);
+    if (h <= -swing) return YLM_OK;
+  }
+  ylm_status s;
+  if (horizon && h < swing) {
+    double middle = atan2(hv, hu), wide = acos(-h / swing);
+    s = above(&r, middle - wide, middle + wide, horizon);
+  } else if ((k->lmax + 4) * size < YLM__FAR * distance) {
+    return from_far(&r);
+  } else {
+    int n = equal_steps(&r);
+    s = n ? full(&r, n) : part(&r, 0, 2 * M_PI);
+  }
+  k->value[0] = fabs(r.solid_angle) * sqrt(1 / (4 * M_PI));
+  return s;
+}
