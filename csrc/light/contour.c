@@ -8,9 +8,9 @@
 
 static const int row[6] = {0, 0, 0, 1, 1, 2}, column[6] = {0, 1, 2, 1, 2, 2};
 
-ylm_status ylm__contour_make(ylm__contour *k, const ylm__rules *rules, int lmax) {
+ylm_status ylm__contour_make(ylm__contour *k, int lmax) {
   size_t count = ylm_sh_count(lmax);
-  *k = (ylm__contour){.rules = rules, .lmax = lmax, .count = count};
+  *k = (ylm__contour){.lmax = lmax, .count = count};
   k->y = ylm_alloc(YLM__BATCH * count * 10, sizeof *k->y);
   if (!k->y) return YLM_ENOMEM;
   k->dy = k->y + YLM__BATCH * count;
@@ -73,11 +73,11 @@ bool ylm__contour_arc(const ylm__contour *k, const double *v, const double *w, d
   ylm__cross(n, a, b);
   ylm__cross(along, n, foot); /* the foot of the perpendicular: at distance ln/ld, this way */
   double angle = atan2(ln / lv, ylm__dot(w, a));
-  int rule = ylm__rule_for(k->rules, k->lmax + 3, angle), nodes = k->rules->length[rule];
+  const ylm__rule *rule = ylm__rule_for(k->lmax + 3, angle, 8);
   double s[YLM__MOST_NODES][3], m[YLM__MOST_NODES][3], inverse[YLM__MOST_NODES];
-  for (int i = 0; i < nodes; i++) {
-    double t = 0.5 * angle * (k->rules->x[rule][i] + 1), cosine = cos(t), sine = sin(t);
-    double weight = sign * 0.5 * angle * k->rules->w[rule][i];
+  for (int i = 0; i < rule->n; i++) {
+    double t = 0.5 * angle * (rule->x[i] + 1), cosine = cos(t), sine = sin(t);
+    double weight = sign * 0.5 * angle * rule->w[i];
     for (int c = 0; c < 3; c++) {
       s[i][c] = cosine * a[c] + sine * b[c];
       m[i][c] = weight * n[c];
@@ -85,7 +85,7 @@ bool ylm__contour_arc(const ylm__contour *k, const double *v, const double *w, d
     inverse[i] = ylm__dot(s[i], foot) * ld / ln;
   }
   *status =
-      ylm__contour_nodes(k, nodes, (const double(*)[3])s, (const double(*)[3])m, inverse, moves);
+      ylm__contour_nodes(k, rule->n, (const double(*)[3])s, (const double(*)[3])m, inverse, moves);
   return true;
 }
 

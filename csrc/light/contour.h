@@ -20,23 +20,26 @@
 /* The highest degree of exact flat lights. */
 #define YLM__CONTOUR_LMAX 60
 
-/* Gauss-Legendre rules of the lengths that are used. */
-#define YLM__RULES 7
+/* Gauss-Legendre rules, shortest first: gen/gauss.c. */
+#define YLM__RULES 21
 #define YLM__MOST_NODES 96
-typedef struct ylm__rules {
-  int length[YLM__RULES];
-  double x[YLM__RULES][YLM__MOST_NODES], w[YLM__RULES][YLM__MOST_NODES];
-} ylm__rules;
-void ylm__rules_make(ylm__rules *r);
-/* n nodes in -1 .. 1, ascending or not, and their weights. */
-void ylm__gauss(int n, double *x, double *w);
-/* The rule for an arc of an angle, polynomials of degree l on it. */
-int ylm__rule_for(const ylm__rules *r, int l, double angle);
+typedef struct ylm__rule {
+  int n;
+  double fine, rough; /* degree times half angle that it integrates to 1e-16, to 1e-10 */
+  double x[YLM__MOST_NODES], w[YLM__MOST_NODES]; /* zeros behind the n-th */
+} ylm__rule;
+extern const ylm__rule ylm__rule_table[YLM__RULES];
+/* The rule for an arc of an angle, polynomials of degree l on it; of `least` nodes or more. */
+static inline const ylm__rule *ylm__rule_for(int l, double angle, int least) {
+  const ylm__rule *r = ylm__rule_table;
+  double need = 0.5 * l * angle;
+  for (int i = 1; i < YLM__RULES && (r->fine < need || r->n < least); i++) r++;
+  return r;
+}
 
 /* Where sums go, and scratch for the basis at BATCH nodes. */
 #define YLM__BATCH 16
 typedef struct ylm__contour {
-  const ylm__rules *rules;
   int lmax;
   size_t count;
   double *y, *dy, *ddy; /* [BATCH][count], ..[3], ..[6] */
@@ -44,7 +47,7 @@ typedef struct ylm__contour {
       *hessian; /* [count], [count][3], [count][6]; the last two may be NULL */
 } ylm__contour;
 /* YLM_ENOMEM; to be freed with ylm_free(k->y). */
-ylm_status ylm__contour_make(ylm__contour *k, const ylm__rules *rules, int lmax);
+ylm_status ylm__contour_make(ylm__contour *k, int lmax);
 /* Zeros to start from. */
 void ylm__contour_clear(const ylm__contour *k);
 

@@ -39,15 +39,13 @@ static void node(rim *r, double phi, double weight, double *s, double *m, double
 }
 
 static ylm_status panel(rim *r, double from, double to) {
-  const ylm__rules *rules = r->k->rules;
-  int rule = ylm__rule_for(rules, r->k->lmax + 3, 1.2), n;
-  if (rule < 2) rule = 2;
-  n = rules->length[rule];
+  const ylm__rule *rule = ylm__rule_for(r->k->lmax + 3, 1.2, 24);
   double s[YLM__MOST_NODES][3], m[YLM__MOST_NODES][3], inverse[YLM__MOST_NODES];
-  for (int i = 0; i < n; i++)
-    node(r, 0.5 * (from + to) + 0.5 * (to - from) * rules->x[rule][i],
-         0.5 * (to - from) * rules->w[rule][i], s[i], m[i], inverse + i);
-  return ylm__contour_nodes(r->k, n, (const double(*)[3])s, (const double(*)[3])m, inverse, true);
+  for (int i = 0; i < rule->n; i++)
+    node(r, 0.5 * (from + to) + 0.5 * (to - from) * rule->x[i], 0.5 * (to - from) * rule->w[i],
+         s[i], m[i], inverse + i);
+  return ylm__contour_nodes(r->k, rule->n, (const double(*)[3])s, (const double(*)[3])m, inverse,
+                            true);
 }
 
 /* The rim between two angles, in panels that shrink towards x. */

@@ -2,7 +2,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "polygon.h"
+#include "polygon_kernel.h"
 #include "ylm_sh.h"
 
 void ylm_polygons_free(ylm_polygons *p) {
@@ -37,25 +37,34 @@ static ylm_status one_light(const ylm__contour *k, const ylm_polygons *p, size_t
                : ylm__contour_ellipse(k, rows, p->normal + 3 * i, up);
 }
 
-ylm_status ylm__polygon_exactly(const ylm_polygons *p, const ylm_field_query *q, size_t n,
-                                const double (*x)[3], double *sum, uint8_t *inside) {
+ylm_status ylm__polygon_add(const ylm_polygons *p, const ylm__contour *k, size_t light,
+                            const double *x, double *sum, uint8_t *inside) {
+  size_t wide = 10 * k->count, used = k->hessian ? wide : k->gradient ? 4 * k->count : k->count;
+  ylm_status s = one_light(k, p, light, x);
+  if (s == YLM_EDOMAIN) *inside = 1, s = YLM_OK;
+  for (size_t c = 0; c < 3; c++)
+    for (size_t t = 0; t < used; t++) sum[c * wide + t] += p->radiance[3 * light + c] * k->value[t];
+  return s;
+}
+
+ylm_status ylm__polygon_exactly(const ylm_polygons *p, const ylm__flat_plan *plan,
+                                const ylm_field_query *q, size_t n, const double (*x)[3],
+                                double *sum, uint8_t *inside) {
   size_t count = ylm_sh_count(q->lmax), wide = 10 * count;
   bool h = q->want & (YLM_WANT_HESSIAN | YLM_WANT_METRIC), g = h || (q->want & YLM_WANT_GRADIENT);
+  ylm__flat_range *kernel = plan ? plan->range : NULL;
   ylm__contour k;
   double *one = ylm_alloc_zero(wide, sizeof *one);
-  ylm_status s = ylm__contour_make(&k, &p->rules, q->lmax);
+  ylm_status s = ylm__contour_make(&k, q->lmax);
   if (!one) s = YLM_ENOMEM;
   k.value = one;
   k.gradient = g && one ? one + count : NULL;
   k.hessian = h && one ? one + 4 * count : NULL;
+  if (s == YLM_OK && kernel) s = kernel(plan, &k, n, x, sum, inside);
   for (size_t i = 0; i < n && s == YLM_OK; i++)
-    for (size_t l = 0; l < p->n && s == YLM_OK; l++) {
-      s = one_light(&k, p, l, x[i]);
-      if (s == YLM_EDOMAIN) inside[i] = 1, s = YLM_OK;
-      for (size_t c = 0; c < 3; c++)
-        for (size_t t = 0; t < (h ? wide : g ? 4 * count : count); t++)
-          sum[(3 * i + c) * wide + t] += p->radiance[3 * l + c] * one[t];
-    }
+    for (size_t l = 0; l < p->n && s == YLM_OK; l++)
+      if (!kernel || !p->sides[l])
+        s = ylm__polygon_add(p, &k, l, x[i], sum + 3 * i * wide, inside + i);
   ylm_free(k.y);
   ylm_free(one);
   return s;
@@ -65,6 +74,7 @@ ylm_status ylm__polygon_exactly(const ylm_polygons *p, const ylm_field_query *q,
 
 typedef struct job {
   const ylm_polygons *p;
+  const ylm__flat_plan *plan; /* NULL: by the reference */
   const ylm_field_query *q;
   const void *points;
   ylm_field_result *r;
@@ -81,8 +91,9 @@ static ylm_status run(void *context, size_t begin, size_t end, int worker) {
   for (size_t i = 0; i < 3 * n; i++)
     x[i / 3][i % 3] = q->dtype == YLM_DOUBLE ? ((const double *)j->points)[3 * begin + i]
                                              : (double)((const float *)j->points)[3 * begin + i];
-  ylm_status s = (j->p->exact ? ylm__polygon_exactly : ylm__polygon_spheres)(
-      j->p, q, n, (const double(*)[3])x, sum, inside);
+  const double(*at)[3] = (const double(*)[3])x;
+  ylm_status s = j->p->exact ? ylm__polygon_exactly(j->p, j->plan, q, n, at, sum, inside)
+                             : ylm__polygon_spheres(j->p, q, n, at, sum, inside);
   for (size_t i = 0; i < n && s == YLM_OK; i++) {
     ylm__field_write(q, begin + i, sum + 3 * i * wide, wide, j->r);
     if (j->r->inside) j->r->inside[begin + i] = inside[i];
@@ -91,19 +102,30 @@ static ylm_status run(void *context, size_t begin, size_t end, int worker) {
   return s;
 }
 
-static ylm_status evaluate(const ylm_field *f, const ylm_field_query *q, size_t n,
-                           const void *points, ylm_field_result *r, ylm_error *e) {
-  const ylm_polygons *p = f->self;
+ylm_status ylm_polygons_evaluate(const ylm_polygons *p, ylm_isa isa, const ylm_field_query *q,
+                                 size_t n, const void *points, ylm_field_result *r, ylm_error *e) {
+  if (!ylm_isa_available(isa))
+    return ylm_fail(e, YLM_EINVAL, "no kernels for '%s' here", ylm_isa_name(isa));
   ylm_status s =
       ylm__field_check(q, n, points, r, p->exact ? YLM__CONTOUR_LMAX : YLM_LIGHT_LMAX, e);
   if (s != YLM_OK) return s;
-  job j = {p, q, points, r};
-  /* few points and threads to spare: smaller blocks, the same for every number of threads */
-  size_t grain = n >= 8 * YLM__POLYGON_BLOCK ? YLM__POLYGON_BLOCK : 8;
-  s = ylm_parallel(n, grain, q->threads, run, &j, q->progress, "polygons");
+  ylm__flat_plan plan = {0};
+  job j = {p, NULL, q, points, r};
+  if (p->exact && !p->clipped && ylm__flat_kernel(isa)) {
+    s = ylm__flat_plan_make(&plan, p, q, isa);
+    j.plan = &plan;
+  }
+  size_t grain = n < 512 ? 8 : q->lmax <= 10 ? YLM__POLYGON_BLOCK : 64;
+  if (s == YLM_OK) s = ylm_parallel(n, grain, q->threads, run, &j, q->progress, "polygons");
+  ylm__flat_plan_free(&plan);
   if (s != YLM_OK) return ylm_fail(e, s, "%s", ylm_status_text(s));
   r->pairs += (uint64_t)n * p->n;
   return YLM_OK;
+}
+
+static ylm_status evaluate(const ylm_field *f, const ylm_field_query *q, size_t n,
+                           const void *points, ylm_field_result *r, ylm_error *e) {
+  return ylm_polygons_evaluate(f->self, ylm_isa_current(), q, n, points, r, e);
 }
 
 /* -- making them ---------------------------------------------------------------------------- */
@@ -172,7 +194,6 @@ ylm_status ylm_polygons_create(size_t n, const int *sides, const double *vertice
   if (!p) return YLM_ENOMEM;
   p->field = (ylm_field){.self = p, .evaluate = evaluate, .crosses = ylm__polygon_crosses};
   p->exact = exact;
-  ylm__rules_make(&p->rules);
   ylm_status s = allocate(p, n, total);
   if (s == YLM_OK) s = set_horizon(p, horizon, e);
   for (size_t i = 0; i < n && s == YLM_OK; i++) {

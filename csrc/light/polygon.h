@@ -15,8 +15,7 @@ struct ylm_polygons {
   double *radiance;          /* [n][3] */
   double *normal, *centroid; /* [n][3], the normal of length 1 */
   double *radius, *reach; /* [n]: of a disk of the same area; farthest vertex from the centroid */
-  ylm__rules rules;
-  ylm_lights **sphere; /* [n], of the approximation: unit radiance */
+  ylm_lights **sphere;    /* [n], of the approximation: unit radiance */
 };
 
 /* Rows of vertices that a light of so many sides has. */
@@ -28,14 +27,12 @@ ylm_status ylm__polygon_describe(size_t index, int sides, const double *vertices
 /* polygon_shape.c: the field's `crosses`. */
 ylm_status ylm__polygon_crosses(const ylm_field *f, size_t n, const double *boxes, uint8_t *out);
 
-/* Sums of all flat lights at n points x: sum [n][3][10 count] (value, gradient, Hessian as far as
-   wanted), inside [n]. Sums come zeroed. */
+/* The approximation: sums of all flat lights at n points x: sum [n][3][10 count] (value, gradient,
+   Hessian as far as wanted), inside [n]. Sums come zeroed. */
 ylm_status ylm__polygon_spheres(const ylm_polygons *p, const ylm_field_query *q, size_t n,
-                                const double (*x)[3], double *sum, uint8_t *inside);
-ylm_status ylm__polygon_exactly(const ylm_polygons *p, const ylm_field_query *q, size_t n,
                                 const double (*x)[3], double *sum, uint8_t *inside);
 
 /* Points of a block of work. */
-#define YLM__POLYGON_BLOCK 64
+#define YLM__POLYGON_BLOCK 256
 
 #endif

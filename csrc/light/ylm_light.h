@@ -143,6 +143,13 @@ YLM_API void ylm_polygons_free(ylm_polygons *polygons);
 YLM_API size_t ylm_polygons_count(const ylm_polygons *polygons);
 /* Their light field (ylm_base.h); lives as long as the object. Exact: lmax <= 60. */
 YLM_API const ylm_field *ylm_polygons_field(const ylm_polygons *polygons);
+/* The field's `evaluate` by the kernels of a given instruction set. YLM_ISA_reference sums node by
+   node and judges the others, which take exact polygons without a horizon; what they cannot, on a
+   light, edge-on or far, and ellipses, goes to the reference. A point's result depends on the point
+   and the lights alone. YLM_EINVAL: isa is not available. */
+YLM_API ylm_status ylm_polygons_evaluate(const ylm_polygons *polygons, ylm_isa isa,
+                                         const ylm_field_query *q, size_t n, const void *points,
+                                         ylm_field_result *r, ylm_error *e);
 
 /* -- sums of fields: csrc/light/sum.c ---------------------------------------------------------- */
 

@@ -176,6 +176,8 @@ static ylm_isa check_isa(lua_State *L, int i) {
 static ylm_status call_field(lua_State *L, const ylm_field *f, const ylm_field_query *q, size_t n,
                              const void *points, ylm_field_result *r, ylm_error *e) {
   if (lua_isnil(L, ISA)) return f->evaluate(f, q, n, points, r, e);
+  ylm_polygons *p = ylmL_polygons(L, OBJECT);
+  if (p) return ylm_polygons_evaluate(p, check_isa(L, ISA), q, n, points, r, e);
   return ylm_lights_evaluate(check_lights(L, OBJECT), check_isa(L, ISA), q, n, points, r, e);
 }
 

@@ -13,6 +13,11 @@ static const ylm_field *polygons_field(void *object) {
   return *p ? ylm_polygons_field(*p) : NULL;
 }
 
+ylm_polygons *ylmL_polygons(lua_State *L, int i) {
+  ylm_polygons **p = ylmL_test(L, i, POLYGONS);
+  return p ? *p : NULL;
+}
+
 static int polygons_gc(lua_State *L) {
   ylm_polygons **p = ylmL_check(L, 1, POLYGONS);
   ylm_polygons_free(*p);

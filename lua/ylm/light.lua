@@ -133,8 +133,8 @@ local function gather(n, name, value, parts, run, depth)
     flush()
     parts[#parts + 1] = value
   elseif kind == "polygon_light" or kind == "disk_light" then
-    parts.others = parts.others or {}
-    table.insert(parts.others, value.field)
+    parts.flat = parts.flat or {}
+    table.insert(parts.flat, value)
   elseif core.has_field(value) and kind ~= "ylm.grid" then
     parts.others = parts.others or {}
     table.insert(parts.others, value)
@@ -154,6 +154,11 @@ end
 function light.pack(n, name, lights)
   local parts, run = {}, { at = {}, radius = {}, radiance = {} }
   gather(n, name, lights, parts, run, 0)
+  if parts.flat then
+    parts.others = parts.others or {}
+    local message, code = require("ylm.light_polygon").join(name, parts.flat, parts.others)
+    if message then return nil, message, code end
+  end
   if parts.others then
     local spheres = parts[2] and core.lights_join(parts) or parts[1]
     for _, other in ipairs(parts.others) do parts[#parts + 1] = other end

@@ -50,6 +50,29 @@ local function pack(name, list, method, horizon, fail)
   return check.result(name, nil, message, code)
 end
 
+--- Appends to `out` one object for all flat lights of the same method and horizon; message, code on failure.
+function polygon.join(name, lights, out)
+  local groups, order = {}, {}
+  for _, l in ipairs(lights) do
+    local h = l.horizon
+    local key = h and ("%s %.17g %.17g %.17g"):format(l.method, h[1], h[2], h[3]) or l.method
+    if not groups[key] then
+      groups[key] = {}
+      order[#order + 1] = groups[key]
+    end
+    table.insert(groups[key], l)
+  end
+  for _, group in ipairs(order) do
+    if #group == 1 then
+      out[#out + 1] = group[1].field
+    else
+      local object, message, code = pack(name, group, group[1].method, group[1].horizon, check.fail)
+      if not object then return message, code end
+      out[#out + 1] = object
+    end
+  end
+end
+
 polygon.polygon_light = form.define("polygon_light", {
   about = "A planar convex polygon that emits the same radiance to both sides.",
   fields = {

@@ -9,6 +9,7 @@ targets[#targets + 1] = { "csrc/sh/gen/sh_table.h", "ylm.codegen.sh_table", 24 }
 for lmax = 0, 10 do
   targets[#targets + 1] = { ("csrc/light/gen/moments_%d.isa.c"):format(lmax), "ylm.codegen.moments", lmax }
 end
+targets[#targets + 1] = { "csrc/light/gen/gauss.c", "ylm.codegen.gauss" }
 targets[#targets + 1] = { "csrc/sh/gen/polynomial.h", "ylm.codegen.polynomial", 6 }
 targets[#targets + 1] = { "csrc/sh/gen/rotate_low.h", "ylm.codegen.rotate" }
 targets[#targets + 1] = { "csrc/sh/gen/gaunt_low.h", "ylm.codegen.gaunt" }
