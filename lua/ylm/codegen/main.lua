@@ -3,7 +3,8 @@
 local main = {}
 
 main.usage = [[
-usage: ylm codegen --lmax N [options]      print C or GLSL that evaluates spherical harmonics
+usage: ylm codegen --lmax N [options]      print C or GLSL that evaluates spherical harmonics, N up to 150 (C in
+                                           double) or 100 (GLSL; C in float); long: 1 MB at lmax 25 with Hessians
        ylm codegen --count [--lmax N]      operations of our formulas and of SCD, for each lmax to N (8)
        ylm codegen --write | --check       write, or compare, every generated file of the source tree
 
@@ -51,11 +52,17 @@ local function parse(args)
         o[choices[word][1]] = choices[word][2][value]
         if o[choices[word][1]] == nil then return nil, ("%s cannot be '%s'"):format(word, value) end
       elseif word == "--lmax" then
-        o.lmax = value:match("^%d%d?$") and tonumber(value)
-        if not o.lmax or o.lmax > 30 then return nil, "--lmax must be an integer from 0 to 30" end
+        o.lmax = value:match("^%d%d?%d?$") and tonumber(value)
+        if not o.lmax then return nil, "--lmax must be an integer, 0 or more" end
       else o[texts[word]] = value end
     end
     i = i + 1
+  end
+  -- Constants grow like 2^lmax: a float holds those of 100, a double those of 150 and more. --count makes all below too.
+  local highest = o.count and 30 or o.language == "glsl" and 100 or 150
+  if o.lmax and o.lmax > highest then
+    return nil, ("--lmax must be an integer from 0 to %d%s"):format(highest, o.count and " with --count"
+      or o.language == "glsl" and " for glsl, whose numbers are floats" or "")
   end
   if o.name and not o.name:match("^[%a_][%w_]*$") then return nil, "--name must be an identifier" end
   if o.method == "scd" and (o.solid or not o.lmax) and not o.count then
