@@ -336,6 +336,35 @@ describe("sphere lights", function()
           end
         end)
 
+        it("keep lambda's digits where two eigenvalues are almost alike: " .. isa, function()
+          -- Six lamps around the point along turned axes: at lmax 0 eigenvalues of about 3.6, 3.6 (1 - gap), -2.8.
+          local turns = random_points(40, 1, 1)
+          local worst, dworst = 0, 0
+          for _, gap in ipairs { 0, 1e-12, 1e-8, 1e-5, 1e-3 } do
+            for i, turn in ipairs(turns) do
+              local frame, lamps = ylm.sh.rotation(0, { axis = turn, angle = i }).matrix, {}
+              for k = 1, 3 do
+                local x, y, z = frame[1][k], frame[2][k], frame[3][k]
+                for side = -4, 4, 8 do
+                  lamps[#lamps + 1] = ylm.sphere_light { at = { side * x, side * y, side * z }, radius = 0.5,
+                    radiance = k == 3 and 0.2 or k == 2 and 1 + gap or 1 }
+                end
+              end
+              local packed = light.pack(1, "spec", lamps)
+              local o = { derivatives = 2, channels = "luminance", metric = "luminance" }
+              local function lambda(dtype, kernels)
+                return (select(4, light.evaluate("spec", 0, packed, ylm.zeros({ 1, 3 }, dtype), o, kernels))).lambda[1]
+              end
+              local truth = lambda("double", "reference")
+              assert.is_true(truth > 1e-4)
+              worst = math.max(worst, math.abs(lambda("float", isa) / truth - 1))
+              dworst = math.max(dworst, math.abs(lambda("double", isa) / truth - 1))
+            end
+          end
+          assert.is_true(worst < 4e-6, worst)
+          assert.is_true(dworst < 1e-14, dworst)
+        end)
+
         it("agrees with the reference for all channels, derivatives and metrics: " .. isa, function()
           local packed = light.pack(1, "spec", random_lights(17, 4, 2))
           local points = random_points(19, 4, 1)
