@@ -166,6 +166,23 @@ describe("image files", function()
     end
   end)
 
+  it("end, wherever in a file of many layers the disk is full", function()
+    local name = path "layers.exr"
+    for _, blocks in ipairs { 0, 1, 40, 80, 120, 160 } do
+      local out = pictures.on_full_disk(scratch, ([[
+        local ylm, pictures = require "ylm", require "spec.support.pictures"
+        local image = pictures.noise(ylm, 90, 90, 3, 2)
+        for i = 1, 5 do image:add(("layer%%d"):format(i), 3) end
+        for i = 1, 5 do
+          local from, to = image:layer(), image:layer(("layer%%d"):format(i))
+          for y = 1, 90 do for x = 1, 90 do to:set(y, x, 1, from:get(y, x, 2)) end end
+        end
+        print(image:save(%q))]]):format(name), blocks)
+      assert.truthy(out:find("^nil\t.*layers.exr: cannot be .*: .*\tEIO"), blocks .. ": " .. out)
+      assert.is_true(no_leftovers "layers.exr")
+    end
+  end)
+
   it("fail with the system's words where a folder is missing or is no folder", function()
     local a = ylm.image { size = { 4, 4 } }
     folder:write("file", "x")

@@ -13,6 +13,7 @@ struct ylm_file {
   FILE *stream;
   char *target, *temporary;
   bool failed;
+  int code; /* errno of the first failure */
 };
 
 uint64_t ylm_crc64(uint64_t crc, const void *data, size_t size) {
@@ -154,7 +155,10 @@ ylm_status ylm_file_create(const char *path, ylm_file **out, ylm_error *e) {
 }
 
 ylm_status ylm_file_write(ylm_file *f, const void *data, size_t size) {
-  if (size && fwrite(data, 1, size, f->stream) != size) f->failed = true;
+  if (size && !f->failed && fwrite(data, 1, size, f->stream) != size) {
+    f->failed = true;
+    f->code = errno;
+  }
   return f->failed ? YLM_EIO : YLM_OK;
 }
 
@@ -167,7 +171,7 @@ ylm_status ylm_file_commit(ylm_file *f, ylm_error *e) {
   errno = 0;
   bool bad = f->failed || ferror(f->stream) || fflush(f->stream) != 0;
   if (!bad && fsync(fileno(f->stream)) != 0 && errno != EINVAL && errno != EROFS) bad = true;
-  int code = errno;
+  int code = f->failed ? f->code : errno;
   if (fclose(f->stream) != 0) bad = true;
   if (!bad && rename(f->temporary, f->target) != 0) {
     bad = true;

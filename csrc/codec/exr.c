@@ -45,12 +45,19 @@ typedef struct stream {
   char message[160];
 } stream;
 
+/* Keeps the first message of a file that is read. */
 static void on_error(exr_const_context_t c, exr_result_t code, const char *text) {
   void *user = NULL;
   (void)code;
   if (!c || exr_get_user_data(c, &user) != EXR_ERR_SUCCESS || !user) return;
   stream *s = user;
   if (!s->message[0]) snprintf(s->message, sizeof s->message, "%s", text);
+}
+
+/* While a file is written the library may hold the lock that exr_get_user_data takes: asking for
+   the stream from here would wait for ever. What went wrong with the file is known to the file. */
+static void on_write_error(exr_const_context_t c, exr_result_t code, const char *text) {
+  (void)c, (void)code, (void)text;
 }
 
 static int64_t on_read(exr_const_context_t c, void *user, void *out, uint64_t n, uint64_t at,
@@ -72,10 +79,11 @@ static int64_t on_size(exr_const_context_t c, void *user) {
 static int64_t on_write(exr_const_context_t c, void *user, const void *data, uint64_t n,
                         uint64_t at, exr_stream_error_func_ptr_t error) {
   stream *s = user;
+  (void)c;
+  (void)error;
   if (fseeko(ylm_file_stream(s->file), (off_t)at, SEEK_SET) != 0 ||
       ylm_file_write(s->file, data, (size_t)n) != YLM_OK) {
     s->failed = true;
-    error(c, EXR_ERR_WRITE_IO, "cannot be written");
     return -1;
   }
   return (int64_t)n;
@@ -200,6 +208,7 @@ ylm_status ylm__exr_write(const ylm_image *image, const ylm_layer *layer, const 
   if (st != YLM_OK) return st;
   exr_context_initializer_t init = settings(&s);
   init.write_fn = on_write;
+  init.error_handler_fn = on_write_error;
   exr_context_t c = NULL;
   exr_result_t r = exr_start_write(&c, path, EXR_WRITE_FILE_DIRECTLY, &init);
   if (r == EXR_ERR_SUCCESS)
@@ -212,8 +221,7 @@ ylm_status ylm__exr_write(const ylm_image *image, const ylm_layer *layer, const 
   if (r == EXR_ERR_SUCCESS || s.failed) return ylm_file_commit(s.file, e);
   ylm_file_discard(s.file);
   st = r == EXR_ERR_OUT_OF_MEMORY ? YLM_ENOMEM : YLM_EINVAL;
-  return ylm_fail(e, st, "%s: OpenEXR: %s", path,
-                  s.message[0] ? s.message : exr_get_error_code_as_string(r));
+  return ylm_fail(e, st, "%s: OpenEXR: %s", path, exr_get_error_code_as_string(r));
 }
 
 /* -- reading ---------------------------------------------------------------------------- */

@@ -62,7 +62,8 @@ function file.load(path, options)
 end
 
 describe "array:save" {
-  about = "Writes the array as .npy (NumPy's format, version 1), float32 or float64, C order.",
+  about = "Writes the array as .npy (NumPy's format, version 1), float32 or float64, C order. Nothing is lost: the "
+    .. "convention of coefficients stands in a comment of the header, which NumPy reads over and ylm.load heeds.",
   arguments = { { "path", "string", "ends in .npy" } },
   returns = { { "ok", "boolean", "true" } },
   errors = "raises on another ending; nil, message, code where the file cannot be written",

@@ -50,9 +50,9 @@ function pictures.spoil(text, most, seed, try)
 end
 
 --- Runs a Lua script in another process whose files cannot grow beyond a few kilobytes; what it prints.
-function pictures.on_full_disk(scratch, script)
+function pictures.on_full_disk(scratch, script, blocks)
   local lua = os.getenv "YLM_LUA" or "lua5.4"
-  return scratch.capture(("trap '' XFSZ; ulimit -f 2; %s -e %s"):format(lua, scratch.quote(script)))
+  return scratch.capture(("trap '' XFSZ; ulimit -f %d; timeout 60 %s -e %s"):format(blocks or 2, lua, scratch.quote(script)))
 end
 
 return pictures
