@@ -21,8 +21,8 @@ end
 local function run_c(folder, name, text, optimise)
   local program = folder.path .. "/" .. name
   local cc = os.getenv("CC") or "cc"
-  local out, status = capture(cc .. " -std=gnu11 -Wall -Wextra -Werror " .. (optimise or "-O1") .. " -Wno-unused-function -o " .. quote(program)
-    .. " " .. quote(folder:write(name .. ".c", text)) .. " -lm")
+  local out, status = capture(cc .. " -std=gnu11 -Wall -Wextra -Werror " .. (optimise or "-O1")
+    .. " -Wno-unused-function -o " .. quote(program) .. " " .. quote(folder:write(name .. ".c", text)) .. " -lm")
   assert(status == 0, out)
   out, status = capture(quote(program))
   assert(status == 0, out)
@@ -137,10 +137,10 @@ describe("ylm.codegen", function()
     end)
 
     it("agrees at high degrees, where functions are long: lmax 32 with gradients, 60, 150", function()
-      for _, v in ipairs { { 0.3, -1.1, 0.7 }, { 0.001, 0.002, -1 } } do
+      for _, u in ipairs { { 0.3, -1.1, 0.7 }, { 0.001, 0.002, -1 } } do
         for lmax, derivatives in pairs { [32] = 1, [60] = 0, [150] = 0 } do
           local request = { lmax = lmax, derivatives = derivatives, name = "f" }
-          assert_same(evaluate_c(folder, request, v, "-O0"), evaluate_ylm(request, v), 1e-11)
+          assert_same(evaluate_c(folder, request, u, "-O0"), evaluate_ylm(request, u), 1e-11)
         end
       end
     end)
@@ -226,7 +226,8 @@ describe("ylm.codegen", function()
     it("refuses what it does not know, with exit code 2", function()
       for arguments, says in pairs {
         ["--lmax -1"] = "%-%-lmax must be", ["--lmax 151"] = "from 0 to 150",
-        ["--lmax 101 --language glsl"] = "from 0 to 100 for glsl", ["--count --lmax 31"] = "from 0 to 30 with %-%-count", ["--lmax x"] = "must be",
+        ["--lmax 101 --language glsl"] = "from 0 to 100 for glsl",
+        ["--count --lmax 31"] = "from 0 to 30 with %-%-count", ["--lmax x"] = "must be",
         [""] = "lmax is missing", ["--lmax"] = "wants a value", ["--lmx 4"] = "unknown option %-%-lmx",
         ["--lmax 4 --language rust"] = "cannot be 'rust'",
         ["--lmax 4 --derivatives 3"] = "cannot be '3'", ["--lmax 4 --name 4x"] = "identifier",
