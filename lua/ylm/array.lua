@@ -215,6 +215,23 @@ end
 
 methods.__len = function(a) return open(a, "#")[1] end
 
+describe "array:to" {
+  about = "Copies the array to a device's memory.",
+  arguments = { { "gpu", "gpu", "of ylm.vulkan.open" } },
+  returns = { { "copy", "gpu_array", "or nil, message, code: 'ENOMEM', 'ELIMIT', 'EDEVICE'" } },
+  errors = "raises where the array or the device has been closed",
+  example = [[
+local gpu = ylm.vulkan.open()
+if gpu then
+  local there = ylm.zeros({ 100, 3 }, "float"):to(gpu)
+  assert(there.shape[1] == 100 and there.seconds >= 0)
+end]],
+}
+function methods.to(a, gpu)
+  open(a, "to")
+  return require "ylm.vulkan".__to(a, gpu)
+end
+
 methods.__index = function(a, key)
   if type(key) == "number" then
     local shape = open(a, "array")

@@ -1,0 +1,47 @@
+# The Vulkan part: built where the headers and glslc are; without them `make` goes on and ylm.vulkan says what to install.
+# Nothing is linked: libvulkan is opened at run time. shaders/*.comp become SPIR-V that the library holds.
+
+GLSLC       ?= glslc
+GLSLFLAGS   := --target-env=vulkan1.2 -O -Werror -fshader-stage=comp -mfmt=c -Ishaders -Ishaders/gen
+SHADERS     := $(patsubst shaders/%.comp,%,$(filter-out %.real.comp,$(wildcard shaders/*.comp))) \
+               $(foreach s,$(patsubst shaders/%.real.comp,%,$(wildcard shaders/*.real.comp)),$(s)_float $(s)_double)
+SPIRV       := $(BUILD)/obj/vulkan/spirv
+OBJ_vulkan  := $(call objects,vulkan) $(BUILD)/obj/vulkan/shaders.o
+WITH_VULKAN ?= $(and $(wildcard csrc/lua/vulkan.c),$(wildcard /usr/include/vulkan/vulkan.h /usr/local/include/vulkan/vulkan.h),\
+                 $(shell command -v $(GLSLC)))
+
+ifneq ($(WITH_VULKAN),)
+LIBS += $(BUILD)/lib/libylm_vulkan.so
+HAVE += vulkan
+endif
+
+define GLSL
+	@mkdir -p $(@D)
+	$(call say,GLSL,$@)
+	$(Q)$(GLSLC) $(GLSLFLAGS) $(1) -MD -MF $@.d -MT $@ $< -o $@
+endef
+
+$(SPIRV)/%_float.inc: shaders/%.real.comp
+	$(call GLSL)
+$(SPIRV)/%_double.inc: shaders/%.real.comp
+	$(call GLSL,-DYLM_DOUBLE)
+$(SPIRV)/%.inc: shaders/%.comp
+	$(call GLSL)
+
+# One table of all kernels, by name.
+$(BUILD)/obj/vulkan/shaders.c: $(foreach s,$(SHADERS),$(SPIRV)/$(s).inc) csrc/vulkan/build.mk
+	@mkdir -p $(@D)
+	@{ echo '#include "gpu.h"'; for s in $(SHADERS); do \
+	  echo "static const uint32_t code_$$s[] ="; echo "#include \"spirv/$$s.inc\""; echo ';'; done; \
+	  echo 'const ylm__shader ylm__shaders[] = {'; for s in $(SHADERS); do \
+	  echo "    {\"$$s\", code_$$s, sizeof code_$$s},"; done; echo '    {NULL, NULL, 0}};'; } > $@
+
+$(BUILD)/obj/vulkan/shaders.o: $(BUILD)/obj/vulkan/shaders.c
+	$(call say,CC,$@)
+	$(Q)$(CC) $(CFLAGS) -Icsrc/vulkan -c $< -o $@
+
+$(BUILD)/lib/libylm_vulkan.so: $(OBJ_vulkan) $(BUILD)/lib/libylm.so
+	@mkdir -p $(@D)
+	$(call say,LINK,$@)
+	$(Q)$(CC) $(LDFLAGS) -Wl,-soname,libylm_vulkan.so -Wl,-rpath,'$$ORIGIN' $(OBJ_vulkan) -L$(BUILD)/lib -lylm -ldl -lm -o $@
+

@@ -1,0 +1,234 @@
+/*
+** ylm_vulkan.h - compute on a graphics processor: devices, memory, kernels, work.
+**
+** libvulkan is opened when it is first needed; nothing is linked against it. Kernels
+** are the files of shaders/, compiled to SPIR-V when ylm is built and embedded.
+**
+** Ownership   whoever gets a pointer from a *_create / *_open frees it with the matching
+**             *_free; every *_free accepts NULL. Buffers keep their device's memory of
+**             itself alive: they may be freed before or after it. Kernels belong to the
+**             device and are never freed by the caller.
+** Threads     a device and all that belongs to it is used by one thread at a time;
+**             different devices are independent.
+** Errors      YLM_EMISSING   no libvulkan, no driver, no such device, a feature it lacks
+**             YLM_ENOMEM     memory of the device or of this machine ran out
+**             YLM_ELIMIT     more than the device's limits allow
+**             YLM_EDEVICE    a driver failed, or the device was lost; from then on everything
+**                            that uses the device answers so (but *_free and _close)
+**             YLM_ECLOSED    after ylm_gpu_close
+** Time        calls return when the device is done. No dispatch is meant to run longer than
+**             YLM_GPU_SLICE seconds: ylm_gpu_run cuts work into slices of groups.
+*/
+#ifndef YLM_VULKAN_H
+#define YLM_VULKAN_H
+
+#include "ylm_base.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* -- devices --------------------------------------------------------------- */
+
+typedef enum ylm_gpu_type {
+  YLM_GPU_OTHER,
+  YLM_GPU_INTEGRATED,
+  YLM_GPU_DISCRETE,
+  YLM_GPU_VIRTUAL,
+  YLM_GPU_CPU /* a driver in software */
+} ylm_gpu_type;
+
+/* "other", "integrated", "discrete", "virtual", "cpu". */
+YLM_API const char *ylm_gpu_type_name(ylm_gpu_type t);
+
+typedef struct ylm_gpu_info {
+  char name[256], driver[256]; /* "llvmpipe (LLVM 15.0.6, 256 bits)", "llvmpipe Mesa 22.3.6" */
+  ylm_gpu_type type;
+  uint32_t vulkan[3];        /* version of the interface */
+  bool usable;               /* Vulkan 1.2 and a queue that computes: ylm_gpu_open takes it */
+  bool float64, int64;       /* types in shaders */
+  bool timestamps;           /* the queue measures time; else wall time stands in */
+  uint32_t subgroup;         /* invocations that run in lockstep */
+  uint32_t binds;            /* buffers of one kernel */
+  uint32_t group_size;       /* invocations of a group */
+  uint32_t groups;           /* groups of a dispatch (longer ones are cut) */
+  uint64_t shared_bytes;     /* memory shared within a group */
+  uint64_t bind_bytes;       /* of a buffer as a kernel sees it: longer ones go in passes */
+  uint64_t allocation_bytes; /* the longest buffer */
+  uint64_t memory_bytes;     /* the device's own memory */
+} ylm_gpu_info;
+
+/* Every device there is, in the loader's order; the caller frees *list with ylm_free.
+   YLM_EMISSING (no loader, no driver), YLM_EDEVICE, YLM_ENOMEM. */
+YLM_API ylm_status ylm_gpu_list(ylm_gpu_info **list, size_t *n, ylm_error *e);
+
+typedef struct ylm_gpu_options {
+  int index;        /* of ylm_gpu_list, or -1: by name, or the best (discrete before integrated) */
+  const char *name; /* NULL, or part of the name in any case */
+  bool validate;    /* with the Khronos validation layer; YLM_VULKAN_VALIDATION=1 says so too */
+  bool staging;     /* copy by way of staging memory even where the host sees the device's */
+} ylm_gpu_options;
+
+typedef struct ylm_gpu ylm_gpu;
+
+/*
+** ylm_gpu_open - open a device.
+**
+** The environment's YLM_VULKAN_LIBRARY names another libvulkan (for tests).
+** YLM_EMISSING, YLM_ERANGE (index), YLM_EDEVICE, YLM_ENOMEM.
+*/
+YLM_API ylm_status ylm_gpu_open(const ylm_gpu_options *o, ylm_gpu **g, ylm_error *e);
+/* Gives back all the device holds, buffers' memory included; what uses it afterwards is
+   refused with YLM_ECLOSED. YLM_EBUSY, from a progress function, while it works. */
+YLM_API ylm_status ylm_gpu_close(ylm_gpu *g);
+/* Counts users: a device is closed and freed by the last ylm_gpu_free. */
+YLM_API ylm_gpu *ylm_gpu_share(ylm_gpu *g);
+YLM_API void ylm_gpu_free(ylm_gpu *g);
+YLM_API const ylm_gpu_info *ylm_gpu_about(const ylm_gpu *g);
+/* YLM_OK, or why the device is of no use: YLM_ECLOSED, YLM_EDEVICE. */
+YLM_API ylm_status ylm_gpu_state(const ylm_gpu *g, ylm_error *e);
+/* Behaves from now on as if the driver had said that the device is lost (for tests). */
+YLM_API void ylm_gpu_lose(ylm_gpu *g);
+/* Uses the interface wrongly, for the validation layer to complain (for tests). */
+YLM_API void ylm_gpu_blunder(ylm_gpu *g);
+/* Number of warnings and errors of the validation layer so far, and the first of them ("").
+   Also of a closed device. */
+YLM_API size_t ylm_gpu_messages(const ylm_gpu *g, const char **first);
+
+/* What a device has been used for so far. */
+typedef struct ylm_gpu_use {
+  uint64_t buffers, bytes;       /* that there are now */
+  uint64_t uploaded, downloaded; /* bytes */
+  double upload, download, run;  /* seconds, of copies and of ylm_gpu_run */
+  uint64_t dispatches, submissions, pipelines;
+} ylm_gpu_use;
+YLM_API ylm_gpu_use ylm_gpu_used(const ylm_gpu *g);
+
+/* -- buffers --------------------------------------------------------------- */
+
+typedef struct ylm_gpu_buffer ylm_gpu_buffer;
+
+/* `bytes` of the device's memory, not cleared; 0 is allowed. YLM_ENOMEM, YLM_ELIMIT. */
+YLM_API ylm_status ylm_gpu_buffer_create(ylm_gpu *g, uint64_t bytes, ylm_gpu_buffer **b,
+                                         ylm_error *e);
+YLM_API void ylm_gpu_buffer_free(ylm_gpu_buffer *b);
+YLM_API uint64_t ylm_gpu_buffer_bytes(const ylm_gpu_buffer *b);
+YLM_API ylm_gpu *ylm_gpu_buffer_device(const ylm_gpu_buffer *b);
+
+/* Copies that have happened when the call returns. YLM_EOVERFLOW (outside of the buffer). */
+YLM_API ylm_status ylm_gpu_upload(ylm_gpu_buffer *b, uint64_t offset, uint64_t bytes,
+                                  const void *data, ylm_error *e);
+YLM_API ylm_status ylm_gpu_download(const ylm_gpu_buffer *b, uint64_t offset, uint64_t bytes,
+                                    void *data, ylm_error *e);
+/* The two in one: a buffer with those bytes. */
+YLM_API ylm_status ylm_gpu_buffer_from(ylm_gpu *g, uint64_t bytes, const void *data,
+                                       ylm_gpu_buffer **b, ylm_error *e);
+
+/* -- kernels --------------------------------------------------------------- */
+
+#define YLM_GPU_BINDS 12       /* buffers of a kernel at most */
+#define YLM_GPU_CONSTANTS 12   /* specialisation constants of a kernel at most */
+#define YLM_GPU_PUSH_BYTES 124 /* push constants of a kernel at most */
+
+typedef struct ylm_gpu_kernel ylm_gpu_kernel;
+
+/*
+** ylm_gpu_kernel_get - the kernel shaders/NAME.comp with these specialisation constants.
+**
+** A file NAME.real.comp is compiled twice: NAME_float and NAME_double (which needs
+** float64). Constant k has constant_id k, 32 bits; constant 0 is the size of a group
+** (local_size_x_id = 0). Made once, then found again: ask for it in each call.
+** Set 0, bindings 0 .. n-1 are storage buffers; shaders/ylm.glsl has the rest.
+**
+** YLM_EINVAL (no such name), YLM_EMISSING (float64, int64, too many buffers), YLM_ELIMIT
+** (group size)
+*/
+YLM_API ylm_status ylm_gpu_kernel_get(ylm_gpu *g, const char *name, int constants,
+                                      const uint32_t *constant, ylm_gpu_kernel **k, ylm_error *e);
+
+/* -- work ------------------------------------------------------------------ */
+
+#define YLM_GPU_SLICE 0.05 /* seconds: what no dispatch should take */
+
+/* `bytes` of a buffer from `offset` (a multiple of 256) on; bytes 0: to its end. */
+typedef struct ylm_gpu_bind {
+  ylm_gpu_buffer *buffer;
+  uint64_t offset, bytes;
+} ylm_gpu_bind;
+
+typedef enum ylm_gpu_verb {
+  YLM_GPU_DISPATCH, /* `groups` groups of `kernel` */
+  YLM_GPU_FILL,     /* bind[0] with the 32 bits of `value`; offset and bytes multiples of 4 */
+  YLM_GPU_COPY      /* bind[0] to bind[1], as many bytes as bind[0] has; multiples of 4 */
+} ylm_gpu_verb;
+
+/*
+** One step of work. Each step sees what the steps before it wrote.
+**
+** A dispatch of `groups` groups is run in slices: a shader asks ylm_group() of
+** shaders/ylm.glsl which group it is. The push constants are those of the caller after
+** one uint that is the slice's own (see PUSH there).
+** `cost` is that of a group, in any unit that stays the same for a kernel (say, light x
+** point pairs); with it the time that a slice will take is foreseen. 0 counts as 1.
+** `stage` is for progress and times: a literal.
+*/
+typedef struct ylm_gpu_work {
+  ylm_gpu_verb verb;
+  const char *stage;
+  ylm_gpu_kernel *kernel;
+  uint64_t groups;
+  double cost;
+  const void *push;
+  size_t push_bytes; /* a multiple of 4, at most YLM_GPU_PUSH_BYTES */
+  int binds;
+  ylm_gpu_bind bind[YLM_GPU_BINDS];
+  uint32_t value;
+} ylm_gpu_work;
+
+#define YLM_GPU_STAGES 16
+
+/* Times by stage, added to what stands there; zero it first. */
+typedef struct ylm_gpu_times {
+  int stages;
+  struct ylm_gpu_stage {
+    const char *name;
+    double seconds; /* on the device, by its timestamps (else wall time) */
+    double longest; /* of one dispatch */
+    uint64_t dispatches;
+  } stage[YLM_GPU_STAGES]; /* later ones are added to the last */
+} ylm_gpu_times;
+
+/*
+** ylm_gpu_run - do `n` steps of work in order and wait for them.
+**
+** As many slices as are foreseen to take some milliseconds go into one submission; between
+** submissions progress is reported, in parts of 10000 by cost, and may cancel (buffers then
+** hold part of the results). A kernel's first group is run alone, to measure it.
+**   times     may be NULL
+**   progress  may be NULL
+** YLM_ECANCELLED, YLM_EDEVICE, YLM_ELIMIT (a bind longer than bind_bytes), YLM_EINVAL (a bind
+** that is missing or misaligned), YLM_EOVERFLOW (a bind outside of its buffer), YLM_ENOMEM
+*/
+YLM_API ylm_status ylm_gpu_run(ylm_gpu *g, size_t n, const ylm_gpu_work *work, ylm_gpu_times *times,
+                               const ylm_progress *progress, ylm_error *e);
+
+/*
+** ylm_gpu_rows - how many of `n` rows to handle in one pass, a multiple of 64 or all n: such
+** that a pass of rows of `row_bytes` each (the widest array; a multiple of 4) neither passes
+** what a kernel can see of a buffer nor `bytes` in all its arrays, of `sum_bytes` a row.
+** Offsets of passes are then aligned for ylm_gpu_bind. 0 only where n is 0 or 64 rows are
+** too long.
+*/
+YLM_API size_t ylm_gpu_rows(const ylm_gpu *g, size_t n, size_t row_bytes, size_t sum_bytes,
+                            uint64_t bytes);
+
+/*
+** ylm_gpu_peak - the device's peaks as small kernels reach them: operations per second of
+** float (a fused multiplication and addition is two), bytes per second read or written.
+*/
+YLM_API ylm_status ylm_gpu_peak(ylm_gpu *g, double *flops, double *bytes, ylm_error *e);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

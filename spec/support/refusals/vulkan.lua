@@ -1,0 +1,46 @@
+-- What computing on a device refuses: see spec/refusals_spec.lua. Nothing here needs a driver.
+
+local objects = require "ylm.reference".objects
+
+local function rows(...)
+  local out = {}
+  for i = 1, select("#", ...), 2 do
+    out[#out + 1] = { call = select(i, ...), says = (select(i + 1, ...)) }
+  end
+  return out
+end
+
+--- A method of an object that only a device makes.
+local function method(object, name)
+  return function(...) return objects[object].methods[name](...) end
+end
+
+return {
+  ["vulkan.devices"] = rows(
+    function(ylm) return ylm.vulkan.devices(1) end, "no argument expected, got 1"),
+  ["vulkan.open"] = rows(
+    function(ylm) return ylm.vulkan.open("lavapipe") end, "a table of options expected, got 'lavapipe'",
+    function(ylm) return ylm.vulkan.open { devices = 1 } end, "no field 'devices' %(did you mean 'device'%?%)",
+    function(ylm) return ylm.vulkan.open { device = 0 } end, "device must be a number from 1, or part of a device's name, got 0",
+    function(ylm) return ylm.vulkan.open { device = 1.5 } end, "device must be",
+    function(ylm) return ylm.vulkan.open { device = "" } end, "device must be",
+    function(ylm) return ylm.vulkan.open { validate = 1 } end, "validate must be true or false"),
+  ["gpu:array"] = rows(
+    function() return method("gpu", "array")({}, { 1 }) end, "a gpu expected before the colon, got a table"),
+  ["gpu:peak"] = rows(
+    function() return method("gpu", "peak")(nil) end, "a gpu expected before the colon, got nil"),
+  ["gpu:close"] = rows(
+    function() return method("gpu", "close")("x") end, "a gpu expected before the colon, got 'x'"),
+  ["gpu_array:download"] = rows(
+    function(ylm) return method("gpu_array", "download")(ylm.zeros { 2 }) end, "a gpu_array expected before the colon, got an array of 2"),
+  ["gpu_array:close"] = rows(
+    function() return method("gpu_array", "close")(1) end, "a gpu_array expected before the colon, got 1"),
+  ["array:to"] = rows(
+    function(ylm) return ylm.zeros({ 2 }):to(1) end, "a gpu expected, got 1",
+    function(ylm) return ylm.zeros({ 2 }):to() end, "a gpu expected, got nil",
+    function(ylm)
+      local a = ylm.zeros { 2 }
+      a:close()
+      return a:to()
+    end, "to: the array has been closed"),
+}
