@@ -123,6 +123,8 @@ describe("the command-line tool", function()
       ["view x.ylm -o x.exr"] = "view: x.exr: the name must end in .png",
       ["render " .. scene .. " -o x.png --size 0x9"] = "size must be { width, height }, integers from 1 to 65536",
       ["render " .. scene .. " -o x.png --samples -1"] = "samples must be an integer >= 1",
+      ["bake " .. scene .. " -o x.ylm --occupied nowhere"] = "--occupied is camera, vertices or everywhere, got 'nowhere'",
+      ["help --json zeros"] = "no option --json", ["bench --json"] = "no option --json",
     } do
       local _, code, err = ylm(words)
       assert.equal(2, code, words .. ": " .. err)
@@ -199,6 +201,14 @@ describe("the command-line tool", function()
     assert.equal(4, select(2, ylm("compare " .. images .. " --max-mse 0")))
     assert.equal(4, select(2, ylm("compare " .. images .. " --min-psnr 1000")))
     assert.equal(0, select(2, ylm("compare " .. images .. " --max-mse 1e9 --min-psnr -1000")))
+    for words, says in pairs { ["render " .. scene .. " -o x.png --grid " .. quote(path .. "/grid.exr")] = "not a grid",
+      ["view " .. quote(path .. "/grid.exr") .. " -o x.png"] = "not a grid",
+      ["compare " .. quote(path .. "/lamp.ylm") .. " " .. quote(path .. "/lamp.ylm")] = "not an image" } do
+      out, code, err = ylm(words)
+      assert.equal(1, code, err)
+      assert.equal("", out)
+      assert.truthy(err:find(says .. "\n$"), err)
+    end
     _, code, err = ylm("compare " .. scene .. " " .. scene)
     assert.equal(1, code)
     assert.truthy(err:find("lamp.lua: not a file that ylm knows", 1, true), err)
@@ -214,6 +224,17 @@ describe("the command-line tool", function()
       .. " --quantity error --log --levels --size 160x90 -o " .. scratch.quote(picture))
     assert.equal(0, code, err)
     assert.equal("\137PNG", folder:read("grid.png"):sub(1, 4))
+    local out
+    out, code, err = ylm("view " .. scratch.quote(folder.path .. "/lamp.ylm") .. " --json --size 64x36 -o "
+      .. scratch.quote(picture))
+    assert.equal(0, code, err)
+    assert.equal(('{"output":%q}\n'):format(picture), out)
+    for words, says in pairs { ["--quantity eror"] = "did you mean 'error'", ["--range 1,0"] = "least < largest, got {1, 0}",
+      ["--size 0x0"] = "got {0, 0}" } do
+      _, code, err = ylm("view " .. scratch.quote(folder.path .. "/lamp.ylm") .. " " .. words .. " -o x.png")
+      assert.equal(2, code, err)
+      assert.truthy(err:find(says, 1, true), err)
+    end
   end)
 
   it("writes JSON that escapes what it must", function()

@@ -50,13 +50,18 @@ function check.result(name, first, message, code, ...)
   return first, message, code, ...
 end
 
---- What a value is, for messages: "a table", "nil", "-1", "'text'", "a ylm.array of 2x3".
+--- What a value is, for messages: "a table", "{1, 0}", "nil", "-1", "'text'", "an array of 2x3".
 function check.describe(value)
   local t = type(value)
   if t == "number" or t == "boolean" or t == "nil" then return tostring(value) end
   if t == "string" then
     if #value > 40 then value = value:sub(1, 37) .. "..." end
     return "'" .. value .. "'"
+  end
+  if t == "table" and getmetatable(value) == nil and #value > 0 and #value <= 4 then
+    local words = {}
+    for i, x in ipairs(value) do if type(x) == "number" then words[i] = ("%.14g"):format(x) end end
+    if #words == #value then return "{" .. table.concat(words, ", ") .. "}" end
   end
   local object = core.type(value)
   if object == "ylm.array" then

@@ -4,9 +4,10 @@ local check = require "ylm.check"
 
 local arguments = {}
 
---- Every command has these.
+local json = { "json", nil, nil, "results as JSON on stdout" }
+
+--- Every command has these, and --json unless it says json = false: it has no results but text.
 local common = {
-  { "json", nil, nil, "results as JSON on stdout" },
   { "quiet", "-q", nil, "no progress bar, no messages but errors" },
   { "help", "-h", nil, "this text" },
 }
@@ -14,6 +15,7 @@ local common = {
 local function declared(command)
   local list = {}
   for _, option in ipairs(command.options or {}) do list[#list + 1] = option end
+  if command.json ~= false then list[#list + 1] = json end
   for _, option in ipairs(common) do list[#list + 1] = option end
   return list
 end
@@ -90,7 +92,7 @@ end
 --- How a command is used, with its options.
 function arguments.usage(name, command)
   if command.text then return command.text() end
-  local lines = { ("usage: ylm %s %s"):format(name, command.usage), "", "  " .. command.summary, "" }
+  local lines = { (("usage: ylm %s %s"):format(name, command.usage):gsub(" +$", "")), "", "  " .. command.summary, "" }
   for _, option in ipairs(declared(command)) do
     local word = (option[2] and option[2] .. ", " or "    ") .. "--" .. option[1]
     if option[3] then word = word .. " " .. option[3] end

@@ -18,6 +18,10 @@ return {
     local ylm = require "ylm"
     if not given.output then status.stop(status.usage, "bake: -o FILE says where the grid goes") end
     status.need_output("bake", given.output, "ylm", "vtu")
+    local where = given.occupied or "camera"
+    if where ~= "camera" and where ~= "vertices" and where ~= "everywhere" then
+      status.stop(status.usage, "bake: --occupied is camera, vertices or everywhere, got '%s'", where)
+    end
     local scene = status.need_scene(ylm.load_scene(given[1]))
     if not scene.probes then
       status.stop(status.script, "%s: the scene has no probes to bake (probes = adaptive_grid { ... })", given[1])

@@ -5,6 +5,7 @@ local status = require "ylm.cli.status"
 return {
   summary = "ns per point and per light-point pair, in a build tree (make bench)",
   usage = "",
+  json = false,
   run = function()
     local root = os.getenv "YLM_ROOT"
     if not root or root == "" then status.stop(status.failed, "bench runs from a build tree: use build/ylm") end

@@ -22,10 +22,7 @@ return {
     end
     local images = {}
     for i = 1, 2 do
-      images[i] = status.need(ylm.load(given[i]))
-      if require "ylm.form".kind(images[i]) ~= "ylm.image" then
-        status.stop(status.failed, "%s: not an image", given[i])
-      end
+      images[i] = status.need_kind("ylm.image", "an image", given[i], ylm.load(given[i]))
     end
     local metrics = status.need(images[1]:compare(images[2]))
     report.print(given, metrics, not given.json and order or nil)

@@ -6,6 +6,7 @@ return {
   summary = "help on a form, a function or a method; 'ylm help all' lists them",
   usage = "WORD",
   least = 0,
+  json = false,
   most = 1,
   run = function(given)
     local help = require "ylm.help"

@@ -33,7 +33,7 @@ return {
       progress = report.progress(given) }
     if method == "grid" then
       options.shading, options.interpolation = given.shading, given.interpolation
-      if given.grid then options.grid = status.need(ylm.load(given.grid))
+      if given.grid then options.grid = status.need_kind("ylm.grid", "a grid", given.grid, ylm.load(given.grid))
       elseif not scene.probes then
         status.stop(status.script, "%s: the scene has no probes; add some, or use --method reference", given[1])
       end

@@ -6,6 +6,7 @@ return {
   summary = "runs an experiment: any Lua program, trusted, with `arg` as usual",
   usage = "FILE.lua [ARGUMENTS]",
   least = 1,
+  json = false,
   rest = true,
   run = function(given)
     local path = given[1]

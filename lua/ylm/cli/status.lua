@@ -42,6 +42,13 @@ function status.need(first, message, code, ...)
   return first, message, code, ...
 end
 
+--- The same for what a file holds, which must be of a kind ("ylm.grid") that `words` name ("a grid").
+function status.need_kind(kind, words, path, first, message, code)
+  status.need(first, message, code)
+  if require "ylm.form".kind(first) ~= kind then status.stop(status.failed, "%s: not %s", path, words) end
+  return first
+end
+
 --- The same for scene files, whose mistakes have a status of their own.
 function status.need_scene(first, message, code)
   if first == nil then status.stop(of_code[code] or status.failed, tostring(message)) end

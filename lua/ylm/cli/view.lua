@@ -20,15 +20,20 @@ return {
   run = function(given)
     local ylm = require "ylm"
     if given.output then status.need_output("view", given.output, "png") end
-    local object = status.need(ylm.load(given[1]))
+    local object = status.need_kind("ylm.grid", "a grid", given[1], ylm.load(given[1]))
     local options = { object }
     for _, name in ipairs { "quantity", "range", "log", "slices", "levels", "title", "size" } do
       options[name] = given[name]
     end
-    local picture = ylm.view(options)
+    local good, picture = pcall(ylm.view, options) -- what it refuses stood on the command line
+    if not good then
+      if tostring(picture):find "^view: " then status.stop(status.usage, "%s", picture) end
+      error(picture, 0)
+    end
     if given.output then
       status.need(picture:save(given.output))
-      report.say(given, "%s", given.output)
+      if given.json then report.print(given, { output = given.output })
+      else report.say(given, "%s", given.output) end
     else
       status.need(picture:show())
     end
