@@ -288,7 +288,7 @@ describe("ylm.polygon_light", function()
     assert(adaptive.stats.points > 8)
   end)
 
-  it("goes into scenes: baked, rendered and referenced; rays are refused in words", function()
+  it("goes into scenes: baked, rendered, referenced and ray cast", function()
     local scene = ylm.scene "a room under a triangle" {
       camera = ylm.camera { from = { 0, 1, 3 }, at = { 0, 0.2, 0 } },
       geometry = { ylm.quad { corner = { -1, 0, 1 }, u = { 2, 0, 0 }, v = { 0, 0, -2 } } },
@@ -300,9 +300,78 @@ describe("ylm.polygon_light", function()
     local image = scene:render { grid = grid, size = { 24, 16 } }
     local truth = scene:reference { size = { 24, 16 }, lmax = 3 }
     assert(image:compare(truth).rmse < 0.05 * image:compare(truth).peak)
-    local ok, message = pcall(function() return scene:raycast { size = { 8, 8 }, samples = 1 } end)
-    assert.is_false(ok)
-    assert.matches("polygon and disk lights need bake or reference", message)
+    assert(scene:raycast { size = { 8, 8 }, samples = 1 })
+  end)
+
+  describe("and disk_light in pictures", function()
+    --- A floor under a square, a small triangle far up and a tilted disk.
+    local function floor(more)
+      local scene = {
+        camera = ylm.camera { from = { 0, 3, 0.01 }, at = { 0, 0, 0 }, fov = 60 },
+        geometry = { ylm.quad { corner = { -1, 0, 1 }, u = { 2, 0, 0 }, v = { 0, 0, -2 } } },
+        lights = {
+          ylm.polygon_light { vertices = { { -0.9, 0.3, -0.9 }, { -0.5, 0.3, -0.9 }, { -0.5, 0.3, -0.5 },
+            { -0.9, 0.3, -0.5 } }, radiance = { 3, 2, 1 } },
+          ylm.polygon_light { vertices = { { 10, 60, 0 }, { 12, 60, 0 }, { 10, 60, 2 } }, radiance = 900 },
+          ylm.disk_light { at = { 0.6, 0.4, 0.6 }, normal = { 1, 2, 0 }, radius = 0.3, radiance = { 0.5, 1, 2 } },
+        },
+      }
+      for k, v in pairs(more or {}) do scene[k] = v end
+      return ylm.scene "floor" (scene)
+    end
+
+    it("are sampled without bias: rays without shadows bring what high degrees give", function()
+      local scene, size = floor(), { 16, 16 }
+      local rays = scene:raycast { size = size, samples = 1024, pixel_samples = 1, shadows = false }
+      local truth = scene:reference { size = size, samples = 1, lmax = 30, visibility = "none" }
+      local a, b = rays:layer():totable(), truth:layer():totable()
+      local sum_a, sum_b = { 0, 0, 0 }, { 0, 0, 0 }
+      for y = 1, 16 do
+        for x = 1, 16 do
+          for c = 1, 3 do
+            sum_a[c], sum_b[c] = sum_a[c] + a[y][x][c], sum_b[c] + b[y][x][c]
+            assert.is_near(b[y][x][c], a[y][x][c], 0.02 * math.max(b[y][x][c], 0.2))
+          end
+        end
+      end
+      for c = 1, 3 do assert.is_near(1, sum_a[c] / sum_b[c], 2e-3) end
+    end)
+
+    it("are drawn as emitters from both sides, in every kind of picture", function()
+      local probes = ylm.uniform_grid { cells = { 2, 2, 2 }, lmax = 1, bounds = { { -1, -1, -1 }, { 1, 1, 1 } } }
+      for _, side in ipairs { 1, -1 } do
+        local scene = floor { camera = ylm.camera { from = { -0.7, 0.3 + side, -0.7 }, at = { -0.7, 0.3, -0.7 },
+          up = { 0, 0, 1 }, fov = 10 }, geometry = {}, probes = probes }
+        local size = { 4, 4 }
+        for _, image in ipairs { scene:raycast { size = size, pixel_samples = 1 },
+          scene:reference { size = size, samples = 1 },
+          (scene:render { size = size, samples = 1, grid = scene:bake { occupied = "everywhere" } }) } do
+          assert.equal(1, image:layer "emitter":get(2, 2, 1))
+          assert.equal(3, image:layer():get(2, 2, 1))
+          assert.equal(1, image:layer():get(2, 2, 3))
+        end
+      end
+      local disk = floor { camera = ylm.camera { from = { 1.1, 1.4, 0.6 }, at = { 0.6, 0.4, 0.6 }, fov = 10 } }
+      assert.equal(2, disk:raycast { size = { 2, 2 }, pixel_samples = 1 }:layer():get(1, 1, 3))
+    end)
+
+    it("throw shadows, but not those of the wall that they hang on", function()
+      local light = ylm.polygon_light { vertices = { { -0.2, 1, -0.2 }, { 0.2, 1, -0.2 }, { 0.2, 1, 0.2 },
+        { -0.2, 1, 0.2 } }, radiance = 10 }
+      local function brightness(lid)
+        local geometry = { ylm.quad { corner = { -1, 0, 1 }, u = { 2, 0, 0 }, v = { 0, 0, -2 } } }
+        if lid then
+          geometry[2] = ylm.quad { corner = { -0.5, lid, 0.5 }, u = { 1, 0, 0 }, v = { 0, 0, -1 } }
+        end
+        local image = floor { geometry = geometry, lights = { light },
+          camera = ylm.camera { from = { 0.3, 0.2, 0 }, at = { 0, 0, 0 }, fov = 5 } }
+          :raycast { size = { 4, 4 }, samples = 64, pixel_samples = 1 }
+        return image:layer():get(2, 2, 1)
+      end
+      assert.equal(0, brightness(0.5))
+      assert.is_near(1, brightness(1) / brightness(), 1e-4)
+      assert.is_near(1, brightness(1.5) / brightness(), 1e-4)
+    end)
   end)
 
   it("marks points on it, and gives the field of half the sphere there", function()

@@ -81,8 +81,9 @@ static ylm_shade_mesh read_mesh(lua_State *L, int i) {
                           occludes};
 }
 
-/* Lamps as floats from double arrays at [n][3], radius [n], radiance [n][3]; the floats live in an
-   array left on the stack. */
+/* Lamps as floats from double arrays at [n][3], radius [n], radiance [n][3], and of flat lamps,
+   which may be nil, triangles [t][9], disks [d][7], radiance [t+d][3]; the floats live in an array
+   left on the stack. */
 static bool read_lamps(lua_State *L, int i, ylm_shade_lamps *lamps) {
   ylmL_array *at = ylmL_array_check(L, i), *r = ylmL_array_check(L, i + 1);
   ylmL_array *c = ylmL_array_check(L, i + 2);
@@ -90,9 +91,19 @@ static bool read_lamps(lua_State *L, int i, ylm_shade_lamps *lamps) {
   if (at->dtype != YLM_DOUBLE || r->dtype != YLM_DOUBLE || c->dtype != YLM_DOUBLE ||
       at->count != 3 * n || c->count != 3 * n)
     luaL_argerror(L, i, "double arrays [n][3], [n], [n][3] expected");
-  ylmL_array *all = ylmL_array_new(L, YLM_FLOAT, 2, (size_t[]){n, 7});
+  ylmL_array *t = ylmL_array_opt(L, i + 3), *d = ylmL_array_opt(L, i + 4),
+             *more = ylmL_array_opt(L, i + 5);
+  size_t nt = t ? t->count / 9 : 0, nd = d ? d->count / 7 : 0, flat = 9 * nt + 7 * nd;
+  if ((more ? more->count : 0) != 3 * (nt + nd) || (t && t->dtype != YLM_DOUBLE) ||
+      (d && d->dtype != YLM_DOUBLE) || (more && more->dtype != YLM_DOUBLE))
+    luaL_argerror(L, i + 3, "double arrays [t][9], [d][7], [t+d][3] expected");
+  ylmL_array *all = ylmL_array_new(L, YLM_FLOAT, 1, (size_t[]){7 * n + flat + 3 * (nt + nd)});
   if (!all) return false;
-  float *sphere = all->data, *radiance = sphere + 4 * n;
+  float *sphere = all->data, *radiance = sphere + 4 * n, *shape = radiance + 3 * (n + nt + nd);
+  for (size_t k = 0; k < 9 * nt; k++) shape[k] = (float)((const double *)t->data)[k];
+  for (size_t k = 0; k < 7 * nd; k++) shape[9 * nt + k] = (float)((const double *)d->data)[k];
+  for (size_t k = 0; k < 3 * (nt + nd); k++)
+    radiance[3 * n + k] = (float)((const double *)more->data)[k];
   for (size_t k = 0; k < n; k++) {
     for (size_t a = 0; a < 3; a++) {
       sphere[4 * k + a] = (float)((const double *)at->data)[3 * k + a];
@@ -100,15 +111,17 @@ static bool read_lamps(lua_State *L, int i, ylm_shade_lamps *lamps) {
     }
     sphere[4 * k + 3] = (float)((const double *)r->data)[k];
   }
-  *lamps = (ylm_shade_lamps){n, sphere, radiance};
+  *lamps = (ylm_shade_lamps){{n, nt, nd, sphere, shape, shape + 9 * nt}, radiance};
   return true;
 }
 
-/* shade_scene(meshes, albedos, occludes, at, radius, radiance) -> scene */
+/* shade_scene(meshes, albedos, occludes, at, radius, radiance, triangles, disks, radiance of these)
+   -> scene; the last three may be nil */
 static int shade_scene(lua_State *L) {
   ylm_error e = {0};
   ylm_shade_lamps lamps;
   for (int i = 1; i <= 3; i++) luaL_checktype(L, i, LUA_TTABLE);
+  lua_settop(L, 9);
   size_t n = lua_rawlen(L, 1);
   if (!read_lamps(L, 4, &lamps)) return ylmL_result(L, 0, YLM_ENOMEM, NULL);
   ylm_shade_mesh *mesh = lua_newuserdata(L, (n + 1) * sizeof *mesh);

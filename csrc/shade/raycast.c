@@ -13,14 +13,14 @@ typedef struct job {
   int samples;
   bool shadows;
   uint64_t seed;
-  size_t chunks;
+  size_t chunks, spheres; /* chunks of all lamps; of these, of spheres */
   ylm_shade_weights_fn *weights;
   float *out;
   atomic_uint_fast64_t rays;
 } job;
 
 typedef struct scratch {
-  float *weight, *sum; /* [chunks*YLM_LAMP_CHUNK], [chunks] */
+  float *weight, *sum; /* [chunks*YLM_LAMP_CHUNK], [chunks]: spheres, then patches */
   ylm_trace_ray *ray;  /* [samples] */
   float (*value)[3];   /* [samples]: irradiance that the ray brings if nothing is hit */
 } scratch;
@@ -96,7 +96,9 @@ static size_t gather(const job *j, size_t i, const scratch *s, double E[3]) {
   ylm_rng rng;
   ylm_rng_seed(&rng, j->seed, i);
   E[0] = E[1] = E[2] = 0;
-  j->weights(j->chunks, scene->lamp, scene->lamp_luminance, x, n, s->weight, s->sum);
+  size_t before = j->spheres * YLM_LAMP_CHUNK; /* places of spheres */
+  j->weights(j->spheres, scene->lamp, scene->lamp_luminance, x, n, s->weight, s->sum);
+  ylm__shade_patch_weights(scene, x, n, s->weight + before, s->sum + j->spheres);
   for (size_t b = 0; b < j->chunks; b++) total += s->sum[b];
   if (!(total > 0)) return 0;
   walk w = {0};
@@ -105,12 +107,15 @@ static size_t gather(const job *j, size_t i, const scratch *s, double E[3]) {
     double target = (k + ylm_rng_double(&rng)) / j->samples * total;
     double u0 = wrap(s0 + k * 0.75487766624669276), u1 = wrap(s1 + k * 0.56984029099805327);
     walk_to(&w, s, j->chunks, target);
-    if (!(s->weight[w.lamp] > 0) || w.lamp >= scene->lamps) continue;
-    double e = sample_lamp(scene, w.lamp, x, n, u0, u1, &s->ray[rays]);
+    if (!(s->weight[w.lamp] > 0)) continue; /* padding has none */
+    bool flat = w.lamp >= before;
+    size_t lamp = flat ? scene->lamps + (w.lamp - before) : w.lamp; /* row of its radiance */
+    double e = flat ? ylm__shade_patch_sample(scene, w.lamp - before, x, n, u0, u1, &s->ray[rays])
+                    : sample_lamp(scene, w.lamp, x, n, u0, u1, &s->ray[rays]);
     if (!(e > 0)) continue;
     e *= total / s->weight[w.lamp] / j->samples;
     for (int c = 0; c < 3; c++)
-      s->value[rays][c] = (float)e * scene->lamp_radiance[3 * w.lamp + (size_t)c];
+      s->value[rays][c] = (float)e * scene->lamp_radiance[3 * lamp + (size_t)c];
     rays++;
   }
   if (j->shadows) ylm_trace_occluded(scene->trace, rays, s->ray);
@@ -146,11 +151,14 @@ ylm_status ylm_shade_raycast(const ylm_shade_view *v, int samples, bool shadows,
                              int threads, const ylm_progress *progress, float *out,
                              uint64_t *rays) {
   if (samples < 1 || samples > 65536) return YLM_ERANGE;
+  size_t spheres = (v->scene->lamps + YLM_LAMP_CHUNK - 1) / YLM_LAMP_CHUNK;
+  size_t patches = v->scene->triangles + v->scene->disks;
   job j = {.view = v,
            .samples = samples,
            .shadows = shadows,
            .seed = seed,
-           .chunks = (v->scene->lamps + YLM_LAMP_CHUNK - 1) / YLM_LAMP_CHUNK,
+           .spheres = spheres,
+           .chunks = spheres + (patches + YLM_LAMP_CHUNK - 1) / YLM_LAMP_CHUNK,
            .weights = ylm__shade_kernels().weights,
            .out = out};
   ylm_status s = ylm_parallel(v->points, GRAIN, threads, run, &j, progress, "raycast");

@@ -55,22 +55,41 @@ static ylm_status copy_mesh(shade_mesh *m, size_t i, const ylm_shade_mesh *in, y
   return YLM_OK;
 }
 
+/* n floats, copied. */
+static float *copy_floats(size_t n, const float *from) {
+  float *to = ylm_alloc(n, sizeof *to);
+  if (to && n) memcpy(to, from, n * sizeof *to);
+  return to;
+}
+
+static float luminance_of(const float *c) {
+  return 0.2126f * fabsf(c[0]) + 0.7152f * fabsf(c[1]) + 0.0722f * fabsf(c[2]);
+}
+
 static ylm_status copy_lamps(ylm_shade_scene *s, const ylm_shade_lamps *l, ylm_error *e) {
-  size_t where, padded = (l->count + YLM_LAMP_CHUNK - 1) / YLM_LAMP_CHUNK * YLM_LAMP_CHUNK;
-  if (!ylm_all_finite(YLM_FLOAT, l->radiance, 3 * l->count, &where))
+  const ylm_trace_lamps *shape = &l->shape;
+  size_t count = shape->spheres, patches = shape->triangles + shape->disks, where;
+  size_t padded = (count + YLM_LAMP_CHUNK - 1) / YLM_LAMP_CHUNK * YLM_LAMP_CHUNK;
+  if (!ylm_all_finite(YLM_FLOAT, l->radiance, 3 * (count + patches), &where))
     return ylm_fail(e, YLM_EDOMAIN, "the radiance of lamp %zu is not finite", where / 3 + 1);
   for (int a = 0; a < 4; a++)
     if (!(s->lamp[a] = ylm_alloc_zero(padded, sizeof(float)))) return YLM_ENOMEM;
   s->lamp_luminance = ylm_alloc_zero(padded, sizeof(float));
-  s->lamp_radiance = ylm_alloc(l->count, 12);
-  if (!s->lamp_luminance || !s->lamp_radiance) return YLM_ENOMEM;
-  s->lamps = l->count;
-  memcpy(s->lamp_radiance, l->radiance, l->count * 12);
-  for (size_t i = 0; i < l->count; i++) {
-    const float *c = &l->radiance[3 * i];
-    for (int a = 0; a < 4; a++) s->lamp[a][i] = l->spheres[4 * i + a];
-    s->lamp_luminance[i] = 0.2126f * fabsf(c[0]) + 0.7152f * fabsf(c[1]) + 0.0722f * fabsf(c[2]);
+  s->lamp_radiance = copy_floats(3 * (count + patches), l->radiance);
+  s->triangle = copy_floats(9 * shape->triangles, shape->triangle);
+  s->disk = copy_floats(7 * shape->disks, shape->disk);
+  s->patch_luminance = ylm_alloc(patches, sizeof(float));
+  if (!s->lamp_luminance || !s->lamp_radiance || !s->triangle || !s->disk || !s->patch_luminance)
+    return YLM_ENOMEM;
+  s->lamps = count;
+  s->triangles = shape->triangles;
+  s->disks = shape->disks;
+  for (size_t i = 0; i < count; i++) {
+    for (int a = 0; a < 4; a++) s->lamp[a][i] = shape->sphere[4 * i + a];
+    s->lamp_luminance[i] = luminance_of(&l->radiance[3 * i]);
   }
+  for (size_t i = 0; i < patches; i++)
+    s->patch_luminance[i] = luminance_of(&l->radiance[3 * (count + i)]);
   return YLM_OK;
 }
 
@@ -81,7 +100,7 @@ static ylm_status trace_scene(ylm_shade_scene *s, const ylm_shade_mesh *mesh,
   for (size_t i = 0; i < s->meshes; i++)
     m[i] = (ylm_trace_mesh){mesh[i].positions, mesh[i].vertices, mesh[i].triangles, mesh[i].count,
                             mesh[i].occludes};
-  ylm_status status = ylm_trace_create(s->meshes, m, lamps->count, lamps->spheres, &s->trace, e);
+  ylm_status status = ylm_trace_create(s->meshes, m, &lamps->shape, &s->trace, e);
   ylm_free(m);
   return status;
 }
@@ -122,6 +141,9 @@ void ylm_shade_scene_free(ylm_shade_scene *s) {
   for (int a = 0; a < 4; a++) ylm_free(s->lamp[a]);
   ylm_free(s->lamp_luminance);
   ylm_free(s->lamp_radiance);
+  ylm_free(s->triangle);
+  ylm_free(s->disk);
+  ylm_free(s->patch_luminance);
   ylm_free(s->mesh);
   ylm_free(s);
 }

@@ -22,7 +22,10 @@ struct ylm_shade_scene {
   size_t lamps;
   float *lamp[4]; /* x, y, z, radius: each [lamps], padded to a multiple of YLM_LAMP_CHUNK */
   float *lamp_luminance;
-  float *lamp_radiance; /* [lamps][3] */
+  float *lamp_radiance; /* [lamps + triangles + disks][3] */
+  size_t triangles, disks; /* of flat lights: "patches", triangles first */
+  float *triangle, *disk;  /* [triangles][9], [disks][7] */
+  float *patch_luminance;  /* [triangles + disks] */
 };
 
 /* One shaded part of a pixel: a place on a triangle, and its share of the pixel's samples. */
@@ -125,6 +128,17 @@ typedef struct shade_light {
 /* Radiance of n points from `first` on; x and out begin at the first of them. light.c */
 void ylm__shade_points(const ylm_shade_view *v, ylm_shade_dot_fn *dot, size_t first, size_t n,
                        const shade_light *x, float *out);
+
+/* -- patch.c ------------------------------------------------------------------ */
+
+/* For each patch the luminance times a bound of about its unshadowed irradiance over pi, above 0
+   wherever it brings light; `weight` is padded to chunks, `sum` over them. */
+void ylm__shade_patch_weights(const ylm_shade_scene *s, const float x[3], const float n[3],
+                              float *weight, float *sum);
+/* A ray from x to a random place on patch i and the irradiance that it brings for radiance 1:
+   uniform in the solid angle of triangles that fill much of it (Arvo 1995), else by area. */
+double ylm__shade_patch_sample(const ylm_shade_scene *s, size_t i, const float x[3],
+                               const float n[3], double u0, double u1, ylm_trace_ray *ray);
 
 /* -- sampling.c ---------------------------------------------------------------- */
 

@@ -46,11 +46,11 @@ typedef struct ylm_shade_mesh {
   bool occludes; /* false: seen, but never in the way of light */
 } ylm_shade_mesh;
 
-/* Sphere lamps: drawn as emitters, sampled by ylm_shade_raycast; they never occlude. */
+/* Lamps, spheres and flat ones that emit to both sides: drawn as emitters, sampled by
+   ylm_shade_raycast; they never occlude. */
 typedef struct ylm_shade_lamps {
-  size_t count;
-  const float *spheres;  /* [count][4]  centre and radius >= 0, scene units   */
-  const float *radiance; /* [count][3]  W sr^-1 m^-2, linear Rec. 709         */
+  ylm_trace_lamps shape;
+  const float *radiance; /* [spheres + triangles + disks][3]  W sr^-1 m^-2, linear Rec. 709 */
 } ylm_shade_lamps;
 
 /* YLM_OK; YLM_EINVAL, YLM_EDOMAIN, YLM_EOVERFLOW, YLM_ENOMEM, YLM_EDEVICE as ylm_trace_create and
@@ -189,8 +189,8 @@ YLM_API ylm_status ylm_shade_coefficients(const ylm_shade_view *view, size_t fir
 ** ylm_shade_raycast - radiance of every shading point by sampling the lamps themselves.
 **
 ** Each of `samples` strata chooses a lamp in proportion to (a bound of) its unshadowed luminous
-** irradiance, then a direction uniform in the solid angle it fills; a ray that starts at the point
-** and ends at the lamp decides. No SH, no grid, no occlusion_distance.
+** irradiance, then a direction uniform in the solid angle it fills (disks, and triangles that fill
+** little: a place uniform in area); a ray that starts at the point and ends at the lamp decides. No SH, no grid, no occlusion_distance.
 **
 **   samples  in   shadow rays per shading point, 1 .. 65536
 **   out      out  [points][3]
@@ -200,6 +200,7 @@ YLM_API ylm_status ylm_shade_coefficients(const ylm_shade_view *view, size_t fir
 ** Cost     points * (lamps + samples rays)
 ** Source   Shirley, Wang, Zimmerman 1996, "Monte Carlo Techniques for Direct Lighting
 *Calculations";
+**          Arvo 1995, "Stratified Sampling of Spherical Triangles";
 **          Roberts 2018, "The Unreasonable Effectiveness of Quasirandom Sequences" (R2)
 */
 YLM_API ylm_status ylm_shade_raycast(const ylm_shade_view *view, int samples, bool shadows,

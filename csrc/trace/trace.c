@@ -21,7 +21,8 @@ _Static_assert(offsetof(ylm_trace_ray, far) == offsetof(struct RTCRay, tfar), "f
 struct ylm_trace {
   RTCDevice device;
   RTCScene occluders, others;
-  uint32_t meshes; /* geometry ids below are meshes, this one is the lamps */
+  uint32_t meshes; /* geometry ids below are meshes; this one and the next two are lamps */
+  uint32_t spheres, triangles;
   float lo[3], hi[3];
 };
 
@@ -103,23 +104,68 @@ static ylm_status add_mesh(ylm_trace *t, uint32_t id, const ylm_trace_mesh *m, y
   return YLM_OK;
 }
 
-static ylm_status add_lamps(ylm_trace *t, size_t n, const float *spheres, ylm_error *e) {
-  if (n == 0) return YLM_OK;
-  if (n > UINT32_MAX) return ylm_fail(e, YLM_EOVERFLOW, "more than 2^32 lamps");
-  for (size_t i = 0; i < 4 * n; i++)
-    if (!isfinite(spheres[i]) || (i % 4 == 3 && spheres[i] < 0))
-      return ylm_fail(e, YLM_EDOMAIN, "lamp %zu has no finite place or radius", i / 4 + 1);
-  RTCGeometry g = rtcNewGeometry(t->device, RTC_GEOMETRY_TYPE_SPHERE_POINT);
-  float *p =
-      g ? rtcSetNewGeometryBuffer(g, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT4, 16, n) : NULL;
-  if (!p) {
-    if (g) rtcReleaseGeometry(g);
-    ylm_status s = device_status(t->device, e);
-    return s == YLM_OK ? YLM_ENOMEM : s;
+/* A buffer of `n` elements of `width` floats, copied to slot 0 of its kind; false: no memory. */
+static bool fill(RTCGeometry g, enum RTCBufferType type, enum RTCFormat format, size_t n,
+                 size_t width, const float *from, size_t step) {
+  float *p = rtcSetNewGeometryBuffer(g, type, 0, format, 4 * width, n);
+  for (size_t i = 0; p && i < n; i++) memcpy(p + i * width, from + i * step, 4 * width);
+  return p != NULL;
+}
+
+/* Takes the geometry over, or says why it could not be made. */
+static ylm_status finish_lamps(ylm_trace *t, RTCGeometry g, bool filled, uint32_t id,
+                               ylm_error *e) {
+  if (g && filled) {
+    attach(t->others, g, id);
+    return YLM_OK;
   }
-  memcpy(p, spheres, n * 16);
-  attach(t->others, g, t->meshes);
-  return YLM_OK;
+  if (g) rtcReleaseGeometry(g);
+  ylm_status s = device_status(t->device, e);
+  return s == YLM_OK ? YLM_ENOMEM : s;
+}
+
+static ylm_status add_spheres(ylm_trace *t, const ylm_trace_lamps *l, ylm_error *e) {
+  if (!l->spheres) return YLM_OK;
+  RTCGeometry g = rtcNewGeometry(t->device, RTC_GEOMETRY_TYPE_SPHERE_POINT);
+  bool ok = g && fill(g, RTC_BUFFER_TYPE_VERTEX, RTC_FORMAT_FLOAT4, l->spheres, 4, l->sphere, 4);
+  return finish_lamps(t, g, ok, t->meshes, e);
+}
+
+static ylm_status add_triangles(ylm_trace *t, const ylm_trace_lamps *l, ylm_error *e) {
+  size_t n = l->triangles;
+  if (!n) return YLM_OK;
+  RTCGeometry g = rtcNewGeometry(t->device, RTC_GEOMETRY_TYPE_TRIANGLE);
+  bool ok = g && fill(g, RTC_BUFFER_TYPE_VERTEX, RTC_FORMAT_FLOAT3, 3 * n, 3, l->triangle, 3);
+  uint32_t *k =
+      ok ? rtcSetNewGeometryBuffer(g, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 12, n) : NULL;
+  for (size_t i = 0; k && i < 3 * n; i++) k[i] = (uint32_t)i;
+  return finish_lamps(t, g, k != NULL, t->meshes + 1, e);
+}
+
+static ylm_status add_disks(ylm_trace *t, const ylm_trace_lamps *l, ylm_error *e) {
+  size_t n = l->disks;
+  if (!n) return YLM_OK;
+  RTCGeometry g = rtcNewGeometry(t->device, RTC_GEOMETRY_TYPE_ORIENTED_DISC_POINT);
+  bool ok = g && fill(g, RTC_BUFFER_TYPE_VERTEX, RTC_FORMAT_FLOAT4, n, 4, l->disk, 7) &&
+            fill(g, RTC_BUFFER_TYPE_NORMAL, RTC_FORMAT_FLOAT3, n, 3, l->disk + 4, 7);
+  return finish_lamps(t, g, ok, t->meshes + 2, e);
+}
+
+static ylm_status add_lamps(ylm_trace *t, const ylm_trace_lamps *l, ylm_error *e) {
+  size_t where;
+  if (l->spheres > UINT32_MAX / 4 || l->triangles > UINT32_MAX / 4 || l->disks > UINT32_MAX / 4)
+    return ylm_fail(e, YLM_EOVERFLOW, "more than 2^30 lamps");
+  for (size_t i = 0; i < 4 * l->spheres; i++)
+    if (!isfinite(l->sphere[i]) || (i % 4 == 3 && l->sphere[i] < 0))
+      return ylm_fail(e, YLM_EDOMAIN, "lamp %zu has no finite place or radius", i / 4 + 1);
+  if (!ylm_all_finite(YLM_FLOAT, l->triangle, 9 * l->triangles, &where) ||
+      !ylm_all_finite(YLM_FLOAT, l->disk, 7 * l->disks, &where))
+    return ylm_fail(e, YLM_EDOMAIN, "a flat lamp is not finite");
+  t->spheres = (uint32_t)l->spheres;
+  t->triangles = (uint32_t)l->triangles;
+  ylm_status s = add_spheres(t, l, e);
+  if (s == YLM_OK) s = add_triangles(t, l, e);
+  return s == YLM_OK ? add_disks(t, l, e) : s;
 }
 
 static RTCScene new_scene(RTCDevice d) {
@@ -128,10 +174,10 @@ static RTCScene new_scene(RTCDevice d) {
   return s;
 }
 
-static ylm_status build(ylm_trace *t, size_t mesh_count, const ylm_trace_mesh *meshes, size_t lamps,
-                        const float *spheres, ylm_error *e) {
+static ylm_status build(ylm_trace *t, size_t mesh_count, const ylm_trace_mesh *meshes,
+                        const ylm_trace_lamps *lamps, ylm_error *e) {
   bool any = false;
-  if (mesh_count > INT32_MAX) return ylm_fail(e, YLM_EOVERFLOW, "more than 2^31 meshes");
+  if (mesh_count > INT32_MAX - 3) return ylm_fail(e, YLM_EOVERFLOW, "more than 2^31 meshes");
   t->meshes = (uint32_t)mesh_count;
   t->device = rtcNewDevice("threads=1,set_affinity=0");
   if (!t->device) return device_status(NULL, e);
@@ -144,20 +190,20 @@ static ylm_status build(ylm_trace *t, size_t mesh_count, const ylm_trace_mesh *m
     if (s != YLM_OK) return s;
     grow_bounds(t, &any, &meshes[i]);
   }
-  ylm_status s = add_lamps(t, lamps, spheres, e);
+  ylm_status s = add_lamps(t, lamps, e);
   if (s != YLM_OK) return s;
   rtcCommitScene(t->occluders);
   rtcCommitScene(t->others);
   return device_status(t->device, e);
 }
 
-ylm_status ylm_trace_create(size_t mesh_count, const ylm_trace_mesh *meshes, size_t lamps,
-                            const float *spheres, ylm_trace **out, ylm_error *e) {
+ylm_status ylm_trace_create(size_t mesh_count, const ylm_trace_mesh *meshes,
+                            const ylm_trace_lamps *lamps, ylm_trace **out, ylm_error *e) {
   *out = NULL;
   ylm_trace *t = ylm_alloc_zero(1, sizeof *t);
   if (!t) return YLM_ENOMEM;
   unsigned mode = enter_fast_mode();
-  ylm_status s = build(t, mesh_count, meshes, lamps, spheres, e);
+  ylm_status s = build(t, mesh_count, meshes, lamps, e);
   leave_fast_mode(mode);
   if (s == YLM_OK)
     *out = t;
@@ -199,11 +245,14 @@ static struct RTCIntersectContext context_for(bool coherent) {
 }
 
 static void read_hit(const ylm_trace *t, const struct RTCRayHit *r, ylm_trace_hit *h) {
-  bool lamp = r->hit.geomID == t->meshes;
+  uint32_t kind = r->hit.geomID - t->meshes; /* 0 sphere, 1 triangle, 2 disk */
+  bool lamp = r->hit.geomID != RTC_INVALID_GEOMETRY_ID && r->hit.geomID >= t->meshes;
   h->mesh = r->hit.geomID == RTC_INVALID_GEOMETRY_ID ? YLM_TRACE_NOTHING
             : lamp                                   ? YLM_TRACE_LAMP
                                                      : (int32_t)r->hit.geomID;
-  h->element = r->hit.primID;
+  h->element = r->hit.primID + (!lamp || kind == 0 ? 0
+                                : kind == 1        ? t->spheres
+                                                   : t->spheres + t->triangles);
   h->t = r->ray.tfar;
   h->u = r->hit.u;
   h->v = r->hit.v;

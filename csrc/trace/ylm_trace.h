@@ -26,6 +26,15 @@ typedef struct ylm_trace_mesh {
   bool occludes; /* false: seen by primary rays, ignored by occlusion rays */
 } ylm_trace_mesh;
 
+/* Lamps that primary rays see, from both sides. Hits count them as elements: spheres, then
+   triangles, then disks. */
+typedef struct ylm_trace_lamps {
+  size_t spheres, triangles, disks;
+  const float *sphere;   /* [spheres][4]    centre, radius >= 0         */
+  const float *triangle; /* [triangles][9]  three corners               */
+  const float *disk;     /* [disks][7]      centre, radius >= 0, normal */
+} ylm_trace_lamps;
+
 /* A ray from org + near*dir to org + far*dir. `reserved` need not be set. 16-byte aligned. */
 typedef struct ylm_trace_ray {
   float org[3], near;
@@ -49,7 +58,7 @@ enum { YLM_TRACE_NOTHING = -1, YLM_TRACE_LAMP = -2 };
 ** ylm_trace_create - build the structures that rays are traced through.
 **
 **   meshes   in   [mesh_count]     finite positions
-**   spheres  in   [lamps][4]       centre and radius >= 0 of lamps that primary rays see
+**   lamps    in   what primary rays see and occlusion rays do not
 **   out      out  to be freed with ylm_trace_free
 **
 ** Returns  YLM_OK; YLM_EINVAL (an index >= vertices), YLM_EDOMAIN (not finite, radius < 0),
@@ -57,8 +66,8 @@ enum { YLM_TRACE_NOTHING = -1, YLM_TRACE_LAMP = -2 };
 ** Cost     about 1 s per million triangles, on one thread, so that the tree, and with it which of
 **          two equally near triangles is hit, does not depend on the machine
 */
-YLM_API ylm_status ylm_trace_create(size_t mesh_count, const ylm_trace_mesh *meshes, size_t lamps,
-                                    const float *spheres, ylm_trace **out, ylm_error *e);
+YLM_API ylm_status ylm_trace_create(size_t mesh_count, const ylm_trace_mesh *meshes,
+                                    const ylm_trace_lamps *lamps, ylm_trace **out, ylm_error *e);
 YLM_API void ylm_trace_free(ylm_trace *t);
 
 /* Box around the meshes, lamps left out; all zero where there are none. */

@@ -106,6 +106,16 @@ function light.arrays(packed)
   return check.result("lights", core.lights_arrays(packed))
 end
 
+--- What light.pack made -> the polygons and disks in it.
+local flat_of = setmetatable({}, { __mode = "k" })
+
+--- Of the flat lights in what light.pack returned: corners of triangles [t][9], disks [d][7] (centre, radius, normal)
+-- and radiances [t+d][3], as new double arrays; nil where there are none.
+function light.patches(packed)
+  local flat = flat_of[packed]
+  if flat then return require("ylm.light_polygon").patches(flat) end
+end
+
 -- Packing ----------------------------------------------------------------------------
 
 --- Gathers lights in order: runs of single ones become one packed object each.
@@ -162,10 +172,13 @@ function light.pack(n, name, lights)
   if parts.others then
     local spheres = parts[2] and core.lights_join(parts) or parts[1]
     for _, other in ipairs(parts.others) do parts[#parts + 1] = other end
-    if #parts == 1 then return parts[1] end
+    if #parts == 1 then
+      flat_of[parts[1]] = parts.flat
+      return parts[1]
+    end
     local sum, message, code = check.result(name, core.light_sum(parts))
     if not sum then return nil, message, code end
-    spheres_of[sum] = spheres
+    spheres_of[sum], flat_of[sum] = spheres, parts.flat
     return sum
   end
   if #parts == 0 then return check.bad(n, name, "at least one light expected, got an empty list") end

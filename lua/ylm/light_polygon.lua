@@ -73,6 +73,33 @@ function polygon.join(name, lights, out)
   end
 end
 
+--- What rays see of flat lights: triangles [t][9], disks [d][7], radiances [t+d][3], double arrays.
+function polygon.patches(lights)
+  local triangles, disks, radiances, later = {}, {}, {}, {}
+  for _, l in ipairs(lights) do
+    local v = l.vertices
+    for i = 2, v and #v - 1 or 0 do
+      local t = {}
+      for _, p in ipairs { v[1], v[i], v[i + 1] } do for k = 1, 3 do t[#t + 1] = p[k] end end
+      triangles[#triangles + 1] = t
+      radiances[#radiances + 1] = l.radiance
+    end
+    if not v then
+      local n = l.normal
+      local length = math.sqrt(n[1] ^ 2 + n[2] ^ 2 + n[3] ^ 2)
+      disks[#disks + 1] = { l.at[1], l.at[2], l.at[3], l.radius, n[1] / length, n[2] / length, n[3] / length }
+      later[#later + 1] = l.radiance
+    end
+  end
+  for _, c in ipairs(later) do radiances[#radiances + 1] = c end
+  local function pack_rows(rows, width)
+    local a = assert(core.array_zeros({ #rows, width }, "double"))
+    if #rows > 0 then core.array_fill(a, rows) end
+    return a
+  end
+  return pack_rows(triangles, 9), pack_rows(disks, 7), pack_rows(radiances, 3)
+end
+
 polygon.polygon_light = form.define("polygon_light", {
   about = "A planar convex polygon that emits the same radiance to both sides.",
   fields = {

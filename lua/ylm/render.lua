@@ -170,7 +170,8 @@ local function trace(name, s)
   local at, radius, radiance = light.arrays(lights)
   if not at then return nil, radius, radiance end
   local handle
-  handle, message, code = check.result(name, lib.shade_scene(meshes, albedos, occludes, at, radius, radiance))
+  handle, message, code = check.result(name, lib.shade_scene(meshes, albedos, occludes, at, radius, radiance,
+    light.patches(lights)))
   if not handle then return nil, message, code end
   local lo, hi = lib.shade_bounds(handle)
   local new = { parts = parts, handle = handle, lights = lights, lo = lo, hi = hi, lib = lib,
@@ -432,9 +433,6 @@ end
 
 --- Renders a prepared view by sampling the lamps.
 local function by_rays(name, p, o)
-  if core.type(p.traced.lights) ~= "ylm.lights" then
-    return check.fail("%s: rays are aimed at sphere lights; polygon and disk lights need bake or reference", name)
-  end
   check_truth(name, p, o)
   local start = core.seconds()
   local report = new_report(p)

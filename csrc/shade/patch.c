@@ -1,0 +1,173 @@
+/* patch.c - flat lights for ray casting: triangles and disks, how bright they may be and where on
+   them rays end. */
+#include <math.h>
+#include <string.h>
+
+#include "view.h"
+
+#define PI 3.14159265358979323846
+/* Triangles that fill a smaller solid angle are sampled by area. */
+#define SMALL 1e-4
+
+static double dot(const double *a, const double *b) {
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+static void cross(const double *a, const double *b, double *c) {
+  c[0] = a[1] * b[2] - a[2] * b[1];
+  c[1] = a[2] * b[0] - a[0] * b[2];
+  c[2] = a[0] * b[1] - a[1] * b[0];
+}
+
+/* A triangle's corners about x, its unnormalised normal (twice the area) and solid angle. */
+static double triangle_about(const float *corners, const float x[3], double v[3][3], double n[3]) {
+  double r[3], d[3], a[3], b[3];
+  for (int i = 0; i < 3; i++) {
+    for (int k = 0; k < 3; k++) v[i][k] = (double)corners[3 * i + k] - (double)x[k];
+    r[i] = sqrt(dot(v[i], v[i]));
+  }
+  for (int k = 0; k < 3; k++) a[k] = v[1][k] - v[0][k], b[k] = v[2][k] - v[0][k];
+  cross(a, b, n);
+  for (int i = 0; i < 3; i++) d[i] = dot(v[i], v[(i + 1) % 3]);
+  return fabs(2 *
+              atan2(dot(n, v[0]), r[0] * r[1] * r[2] + d[0] * r[2] + d[1] * r[0] + d[2] * r[1]));
+}
+
+/* Bound of the cosine at the surface over what of a patch is above its horizon; 0: nothing is. */
+static double triangle_weight(const float *corners, const float x[3], const float n[3]) {
+  double v[3][3], across[3], most = 0;
+  double omega = triangle_about(corners, x, v, across);
+  for (int i = 0; i < 3; i++) {
+    double h = v[i][0] * (double)n[0] + v[i][1] * (double)n[1] + v[i][2] * (double)n[2];
+    double r = sqrt(dot(v[i], v[i]));
+    most = fmax(most, r > 0 ? h / r : 1);
+  }
+  /* between corners the cosine may be larger: never below a fifth where anything is visible */
+  return most > 0 ? omega / PI * fmax(most, 0.2) : 0;
+}
+
+static double disk_weight(const float *disk, const float x[3], const float n[3]) {
+  double v[3], m[3], up = 0, nm = 0, r = (double)disk[3];
+  for (int k = 0; k < 3; k++) {
+    v[k] = (double)disk[k] - (double)x[k];
+    m[k] = (double)disk[4 + k];
+    up += v[k] * (double)n[k];
+    nm += m[k] * (double)n[k];
+  }
+  double highest = up + r * sqrt(fmax(0, 1 - nm * nm)), d2 = dot(v, v), d = sqrt(d2);
+  if (!(highest > 0)) return 0;
+  double facing = fabs(dot(v, m)) / fmax(d, 1e-30), near = fmax(d - r, 0.2 * r);
+  double omega = 2 * PI * (1 - d / sqrt(d2 + r * r)) * fmax(facing, 0.1);
+  return omega / PI * fmin(1, fmax(0.2, highest / near));
+}
+
+void ylm__shade_patch_weights(const ylm_shade_scene *s, const float x[3], const float n[3],
+                              float *weight, float *sum) {
+  size_t count = s->triangles + s->disks;
+  for (size_t b = 0; b * YLM_LAMP_CHUNK < count; b++) {
+    double total = 0;
+    for (size_t i = b * YLM_LAMP_CHUNK; i < (b + 1) * YLM_LAMP_CHUNK; i++) {
+      double w = 0;
+      if (i < s->triangles)
+        w = triangle_weight(s->triangle + 9 * i, x, n);
+      else if (i < count)
+        w = disk_weight(s->disk + 7 * (i - s->triangles), x, n);
+      weight[i] = i < count ? (float)(w * (double)s->patch_luminance[i]) : 0;
+      total += (double)weight[i];
+    }
+    sum[b] = (float)total;
+  }
+}
+
+/* A direction uniform in a spherical triangle (Arvo 1995): corners a, b, c of length 1. */
+static void in_spherical_triangle(const double a[3], const double b[3], const double c[3],
+                                  double u0, double u1, double out[3]) {
+  double n[3][3], angle[3];
+  cross(a, b, n[0]), cross(b, c, n[1]), cross(c, a, n[2]);
+  for (int i = 0; i < 3; i++) {
+    double l = sqrt(dot(n[i], n[i]));
+    for (int k = 0; k < 3; k++) n[i][k] /= l > 0 ? l : 1;
+  }
+  for (int i = 0; i < 3; i++) /* inner angles at a, b, c */
+    angle[i] = acos(fmax(-1, fmin(1, -dot(n[i], n[(i + 2) % 3]))));
+  double area = u0 * (angle[0] + angle[1] + angle[2] - PI);
+  double s = sin(area - angle[0]), t = cos(area - angle[0]), cosine = dot(a, b);
+  double u = t - cos(angle[0]), v = s + sin(angle[0]) * cosine;
+  double q = ((v * t - u * s) * cos(angle[0]) - v) / ((v * s + u * t) * sin(angle[0]));
+  q = q > -1 ? fmin(q, 1) : -1; /* where rounding left the domain, or no number */
+  double perp[3], ca = dot(c, a), l, edge[3];
+  for (int k = 0; k < 3; k++) perp[k] = c[k] - ca * a[k];
+  l = sqrt(dot(perp, perp));
+  for (int k = 0; k < 3; k++)
+    edge[k] = q * a[k] + sqrt(fmax(0, 1 - q * q)) * perp[k] / (l > 0 ? l : 1);
+  double z = 1 - u1 * (1 - dot(edge, b)), eb = dot(edge, b), side[3];
+  for (int k = 0; k < 3; k++) side[k] = edge[k] - eb * b[k];
+  l = sqrt(dot(side, side));
+  for (int k = 0; k < 3; k++)
+    out[k] = z * b[k] + sqrt(fmax(0, 1 - z * z)) * side[k] / (l > 0 ? l : 1);
+}
+
+/* The place at fractions of a triangle's area. */
+static void in_triangle(double v[3][3], double u0, double u1, double out[3]) {
+  double r = sqrt(u0);
+  for (int k = 0; k < 3; k++)
+    out[k] = (1 - r) * v[0][k] + r * (1 - u1) * v[1][k] + r * u1 * v[2][k];
+}
+
+/* Irradiance through a place y of a patch, for unit radiance: cosines over distance squared times
+   the area. */
+static double by_area(const double y[3], const double m[3], double area, const float n[3]) {
+  double r2 = dot(y, y), up = y[0] * (double)n[0] + y[1] * (double)n[1] + y[2] * (double)n[2];
+  return up > 0 && r2 > 0 ? up * fabs(dot(y, m)) * area / (r2 * r2) : 0;
+}
+
+static double sample_triangle(const float *corners, const float x[3], const float n[3], double u0,
+                              double u1, double y[3]) {
+  double v[3][3], across[3], omega = triangle_about(corners, x, v, across);
+  double twice = sqrt(dot(across, across)), m[3];
+  for (int k = 0; k < 3; k++) m[k] = across[k] / (twice > 0 ? twice : 1);
+  if (omega < SMALL) {
+    in_triangle(v, u0, u1, y);
+    return by_area(y, m, twice / 2, n);
+  }
+  double w[3][3], s[3];
+  for (int i = 0; i < 3; i++) {
+    double r = sqrt(dot(v[i], v[i]));
+    for (int k = 0; k < 3; k++) w[i][k] = v[i][k] / r;
+  }
+  in_spherical_triangle(w[0], w[1], w[2], u0, u1, s);
+  double along = dot(s, m), h = dot(v[0], m), t = h / along;
+  if (!(t > 0) || !isfinite(t)) return 0;
+  for (int k = 0; k < 3; k++) y[k] = t * s[k];
+  double up = s[0] * (double)n[0] + s[1] * (double)n[1] + s[2] * (double)n[2];
+  return fmax(0, up) * omega;
+}
+
+static double sample_disk(const float *disk, const float x[3], const float n[3], double u0,
+                          double u1, double y[3]) {
+  float a[3], b[3];
+  double r = (double)disk[3], m[3], q = r * sqrt(u0);
+  ylm__shade_basis(disk + 4, a, b);
+  for (int k = 0; k < 3; k++) {
+    m[k] = (double)disk[4 + k];
+    y[k] = (double)disk[k] - (double)x[k] +
+           q * (cos(2 * PI * u1) * (double)a[k] + sin(2 * PI * u1) * (double)b[k]);
+  }
+  return by_area(y, m, PI * r * r, n);
+}
+
+double ylm__shade_patch_sample(const ylm_shade_scene *s, size_t i, const float x[3],
+                               const float n[3], double u0, double u1, ylm_trace_ray *ray) {
+  double y[3] = {0, 0, 0}, e;
+  e = i < s->triangles ? sample_triangle(s->triangle + 9 * i, x, n, u0, u1, y)
+                       : sample_disk(s->disk + 7 * (i - s->triangles), x, n, u0, u1, y);
+  double d = sqrt(dot(y, y));
+  if (!(e > 0) || !(d > 0)) return 0;
+  for (int k = 0; k < 3; k++) {
+    ray->org[k] = x[k];
+    ray->dir[k] = (float)(y[k] / d);
+  }
+  ray->near = 0;
+  /* a light may lie on a wall: the ray ends just before it */
+  ray->far = fmaxf(0, (float)(d * (1 - 1e-5)) - ylm_trace_offset(s->trace));
+  return e;
+}
