@@ -92,13 +92,14 @@ typedef struct ylm__moment_kernel {
               void *sums);
 } ylm__moment_kernel;
 
-/* A sparse matrix: row i is the sum of coef[t] * x[index[t]] over t = start[i] .. start[i+1]-1. */
-typedef struct ylm__rows {
-  size_t n;
-  uint32_t *start, *index;
-  double *coef;
-  float *coef_f;
-} ylm__rows;
+typedef ylm_light_rows ylm__rows;
+
+/* Room for n rows with so many terms in all; rows are then made one after the other. */
+ylm_status ylm__rows_create(ylm__rows *r, size_t n, size_t terms);
+/* Adds a term to the row being built. */
+void ylm__rows_term(ylm__rows *r, size_t index, double coef);
+void ylm__rows_end(ylm__rows *r);
+void ylm__rows_free(ylm__rows *r);
 
 /*
 ** What follows from the sums of one set of channels. Rows are in the order of the results:
@@ -108,6 +109,16 @@ typedef struct ylm__rows {
 typedef struct ylm__map {
   ylm__rows value, gradient, bend;
 } ylm__map;
+
+/* The maps for the kinds of `need` out of sums of `kinds`. */
+ylm_status ylm__map_create(ylm__map *map, int lmax, int need, int kinds, double grow);
+void ylm__map_free(ylm__map *map);
+/* H_ab L_lm from U. */
+ylm_status ylm__map_hessian(ylm__rows *r, int lmax);
+/* Y_km over (monic polynomial in z) times Re or Im (x+iy)^|m|. */
+double ylm__harmonic_scale(int k, int m, double grow);
+/* The kinds of sums that results of `channels` channels need. */
+int ylm__kinds_of(const ylm_field_query *q, int channels);
 
 /* How a query is answered: what is summed in which channels, and how results follow. */
 typedef struct ylm__plan {

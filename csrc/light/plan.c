@@ -6,14 +6,14 @@
 
 /* -- sparse matrices that are built row by row -------------------------------------- */
 
-static void rows_free(ylm__rows *r) {
+void ylm__rows_free(ylm__rows *r) {
   ylm_free(r->start);
   ylm_free(r->index);
   ylm_free(r->coef);
   ylm_free(r->coef_f);
 }
 
-static ylm_status rows_create(ylm__rows *r, size_t n, size_t terms) {
+ylm_status ylm__rows_create(ylm__rows *r, size_t n, size_t terms) {
   r->n = 0;
   r->start = ylm_alloc_zero(n + 1, sizeof *r->start);
   r->index = ylm_alloc(terms, sizeof *r->index);
@@ -22,8 +22,7 @@ static ylm_status rows_create(ylm__rows *r, size_t n, size_t terms) {
   return r->start && r->index && r->coef && r->coef_f ? YLM_OK : YLM_ENOMEM;
 }
 
-/* Adds a term to the row being built. */
-static void term(ylm__rows *r, size_t index, double coef) {
+void ylm__rows_term(ylm__rows *r, size_t index, double coef) {
   if (coef == 0) return;
   uint32_t t = r->start[r->n + 1]++;
   r->index[t] = (uint32_t)index;
@@ -31,7 +30,7 @@ static void term(ylm__rows *r, size_t index, double coef) {
   r->coef_f[t] = (float)coef;
 }
 
-static void end_row(ylm__rows *r) {
+void ylm__rows_end(ylm__rows *r) {
   r->n++;
   r->start[r->n + 1] = r->start[r->n];
 }
@@ -58,8 +57,7 @@ static double weight_scale(int kind, int k) {
   return -M_PI * (k - 1.0) * (k + 1.0) * (k + 2.0) / (2.0 * k + 1);
 }
 
-/* Y_km over (monic polynomial in z) times Re or Im (x+iy)^|m|. */
-static double harmonic_scale(int k, int m, double grow) {
+double ylm__harmonic_scale(int k, int m, double grow) {
   double c = sqrt(0.25 / M_PI) * (m ? M_SQRT2 : 1);
   for (int j = 1; j <= m; j++) c *= -sqrt((2.0 * j + 1) / (2.0 * j));
   for (int j = m + 1; j <= k; j++)
@@ -78,7 +76,7 @@ static ylm_status layout_create(layout *y, int lmax, int kinds, double grow) {
   for (int m = 0; m <= K; m++)
     for (int side = 0; side < (m ? 2 : 1); side++)
       for (int k = m; k <= K; k++) {
-        double norm = harmonic_scale(k, m, grow);
+        double norm = ylm__harmonic_scale(k, m, grow);
         for (int kind = 0; kind < 3; kind++) {
           if (!ylm__has(lmax, kinds, kind, k)) continue;
           size_t i = place(y, kind, k, side ? -m : m);
@@ -98,7 +96,7 @@ static void layout_free(layout *y) {
 static void moment(ylm__rows *r, const layout *y, int kind, int k, int m, double coef) {
   if (coef == 0) return;
   size_t i = place(y, kind, k, m);
-  term(r, y->at[i], coef * y->scale[i]);
+  ylm__rows_term(r, y->at[i], coef * y->scale[i]);
 }
 
 /* -- the maps of DESIGN section 4 -------------------------------------------------------- */
@@ -116,11 +114,11 @@ static int neighbours(int m, int out[6]) {
 
 static ylm_status map_value(ylm__rows *r, const layout *y) {
   size_t n = (size_t)(y->lmax + 1) * (size_t)(y->lmax + 1);
-  if (rows_create(r, n, n) != YLM_OK) return YLM_ENOMEM;
+  if (ylm__rows_create(r, n, n) != YLM_OK) return YLM_ENOMEM;
   for (int l = 0; l <= y->lmax; l++)
     for (int m = -l; m <= l; m++) {
       moment(r, y, 0, l, m, 1);
-      end_row(r);
+      ylm__rows_end(r);
     }
   return YLM_OK;
 }
@@ -128,7 +126,7 @@ static ylm_status map_value(ylm__rows *r, const layout *y) {
 /* A row of up[l] * sum_m' X_a^l[m,m'] x_(l+1)m' + down * sum_m' X_a^(l-1)[m',m] x_(l-1)m'. */
 static ylm_status map_gradient(ylm__rows *r, const layout *y) {
   size_t n = (size_t)(y->lmax + 1) * (size_t)(y->lmax + 1);
-  if (rows_create(r, 3 * n, 3 * n * 12) != YLM_OK) return YLM_ENOMEM;
+  if (ylm__rows_create(r, 3 * n, 3 * n * 12) != YLM_OK) return YLM_ENOMEM;
   for (int l = 0; l <= y->lmax; l++)
     for (int m = -l; m <= l; m++) {
       int near[6], count = neighbours(m, near);
@@ -137,7 +135,7 @@ static ylm_status map_gradient(ylm__rows *r, const layout *y) {
           moment(r, y, 1, l + 1, near[i], ylm__coupling(a, l, m, near[i]) / (l + 1));
           if (l >= 2) moment(r, y, 1, l - 1, near[i], -ylm__coupling(a, l - 1, near[i], m) / l);
         }
-        end_row(r);
+        ylm__rows_end(r);
       }
     }
   return YLM_OK;
@@ -146,7 +144,7 @@ static ylm_status map_gradient(ylm__rows *r, const layout *y) {
 /* U_a[k,m], k = 0 .. lmax+1 (row 0 is empty). */
 static ylm_status map_bend(ylm__rows *r, const layout *y) {
   size_t n = (size_t)(y->lmax + 2) * (size_t)(y->lmax + 2);
-  if (rows_create(r, 3 * n, 3 * n * 12) != YLM_OK) return YLM_ENOMEM;
+  if (ylm__rows_create(r, 3 * n, 3 * n * 12) != YLM_OK) return YLM_ENOMEM;
   for (int k = 0; k <= y->lmax + 1; k++)
     for (int m = -k; m <= k; m++) {
       int near[6], count = neighbours(m, near);
@@ -155,17 +153,16 @@ static ylm_status map_bend(ylm__rows *r, const layout *y) {
           moment(r, y, 2, k + 1, near[i], (k + 1) * ylm__coupling(a, k, m, near[i]));
           if (k != 2) moment(r, y, 2, k - 1, near[i], -k * ylm__coupling(a, k - 1, near[i], m));
         }
-        end_row(r);
+        ylm__rows_end(r);
       }
     }
   return YLM_OK;
 }
 
-/* H_ab L_lm from U. */
-static ylm_status map_hessian(ylm__rows *r, int lmax) {
+ylm_status ylm__map_hessian(ylm__rows *r, int lmax) {
   static const int row[6] = {0, 0, 0, 1, 1, 2}, column[6] = {0, 1, 2, 1, 2, 2};
   size_t n = (size_t)(lmax + 1) * (size_t)(lmax + 1);
-  if (rows_create(r, 6 * n, 6 * n * 12) != YLM_OK) return YLM_ENOMEM;
+  if (ylm__rows_create(r, 6 * n, 6 * n * 12) != YLM_OK) return YLM_ENOMEM;
   for (int l = 0; l <= lmax; l++)
     for (int m = -l; m <= l; m++) {
       int near[6], count = neighbours(m, near);
@@ -173,17 +170,16 @@ static ylm_status map_hessian(ylm__rows *r, int lmax) {
         int a = row[j], b = column[j];
         for (int i = 0; i < count; i++) {
           int p = near[i], up = (l + 1) * (l + 2) + p, down = (l - 1) * l + p;
-          term(r, (size_t)(3 * up + b), -ylm__coupling(a, l, m, p) / (l + 1));
-          if (l >= 2) term(r, (size_t)(3 * down + b), ylm__coupling(a, l - 1, p, m) / l);
+          ylm__rows_term(r, (size_t)(3 * up + b), -ylm__coupling(a, l, m, p) / (l + 1));
+          if (l >= 2) ylm__rows_term(r, (size_t)(3 * down + b), ylm__coupling(a, l - 1, p, m) / l);
         }
-        end_row(r);
+        ylm__rows_end(r);
       }
     }
   return YLM_OK;
 }
 
-/* The maps for the kinds of `need` out of sums of `kinds`. */
-static ylm_status map_create(ylm__map *map, int lmax, int need, int kinds, double grow) {
+ylm_status ylm__map_create(ylm__map *map, int lmax, int need, int kinds, double grow) {
   layout y = {0};
   if (!need) return YLM_OK;
   ylm_status s = layout_create(&y, lmax, kinds, grow);
@@ -194,16 +190,15 @@ static ylm_status map_create(ylm__map *map, int lmax, int need, int kinds, doubl
   return s;
 }
 
-static void map_free(ylm__map *map) {
-  rows_free(&map->value);
-  rows_free(&map->gradient);
-  rows_free(&map->bend);
+void ylm__map_free(ylm__map *map) {
+  ylm__rows_free(&map->value);
+  ylm__rows_free(&map->gradient);
+  ylm__rows_free(&map->bend);
 }
 
 /* -- plans ------------------------------------------------------------------------------- */
 
-/* The kinds that results of `channels` channels need. */
-static int needs(const ylm_field_query *q, int channels) {
+int ylm__kinds_of(const ylm_field_query *q, int channels) {
   int kinds = 0;
   if (q->channels == channels) {
     if (q->want & YLM_WANT_VALUE) kinds |= YLM__M0;
@@ -222,24 +217,26 @@ static int with_kernel(int kinds) {
 ylm_status ylm__plan_create(ylm__plan *p, const ylm_lights *lights, const ylm_field_query *q,
                             const ylm__moment_kernel *kernel) {
   *p = (ylm__plan){.q = q, .lights = lights, .kernel = kernel};
-  p->need_lum = needs(q, 1);
-  p->need_rgb = needs(q, 3);
+  p->need_lum = ylm__kinds_of(q, 1);
+  p->need_rgb = ylm__kinds_of(q, 3);
   p->kinds_rgb = with_kernel(p->need_rgb);
   p->kinds_lum = with_kernel(p->need_lum & ~p->kinds_rgb);
   p->n_lum = ylm__sum_count(q->lmax, p->kinds_lum);
   p->n_rgb = ylm__sum_count(q->lmax, p->kinds_rgb);
-  ylm_status s = map_create(&p->rgb, q->lmax, p->need_rgb, p->kinds_rgb, kernel->grow);
+  ylm_status s = ylm__map_create(&p->rgb, q->lmax, p->need_rgb, p->kinds_rgb, kernel->grow);
   if (s == YLM_OK)
-    s = map_create(&p->lum, q->lmax, p->need_lum & p->kinds_lum, p->kinds_lum, kernel->grow);
+    s = ylm__map_create(&p->lum, q->lmax, p->need_lum & p->kinds_lum, p->kinds_lum, kernel->grow);
   if (s == YLM_OK)
-    s = map_create(&p->mixed, q->lmax, p->need_lum & ~p->kinds_lum, p->kinds_rgb, kernel->grow);
-  if (s == YLM_OK && (p->need_lum | p->need_rgb) & YLM__M2) s = map_hessian(&p->hessian, q->lmax);
+    s = ylm__map_create(&p->mixed, q->lmax, p->need_lum & ~p->kinds_lum, p->kinds_rgb,
+                        kernel->grow);
+  if (s == YLM_OK && (p->need_lum | p->need_rgb) & YLM__M2)
+    s = ylm__map_hessian(&p->hessian, q->lmax);
   return s;
 }
 
 void ylm__plan_free(ylm__plan *p) {
-  map_free(&p->lum);
-  map_free(&p->mixed);
-  map_free(&p->rgb);
-  rows_free(&p->hessian);
+  ylm__map_free(&p->lum);
+  ylm__map_free(&p->mixed);
+  ylm__map_free(&p->rgb);
+  ylm__rows_free(&p->hessian);
 }

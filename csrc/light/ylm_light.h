@@ -95,6 +95,43 @@ YLM_API ylm_status ylm_lights_evaluate(const ylm_lights *lights, ylm_isa isa,
                                        const ylm_field_query *q, size_t n, const void *points,
                                        ylm_field_result *r, ylm_error *e);
 
+/* -- for kernels elsewhere: csrc/light/maps.c ------------------------------------------------ */
+
+/* A sparse matrix: row i is the sum of coef[t] * x[index[t]] over t = start[i] .. start[i+1]-1. */
+typedef struct ylm_light_rows {
+  size_t n;
+  uint32_t *start, *index;
+  double *coef;
+  float *coef_f;
+} ylm_light_rows;
+
+/*
+** How results follow from sums over lights. Rows are in the order of the results: coefficient
+** l(l+1)+m, then x y z, or xx xy xz yy yz zz. `bend` makes U of DESIGN section 4, [(lmax+2)^2][3],
+** from the sums, and `hessian` the Hessians from U; without a bend they follow from the sums.
+*/
+typedef struct ylm_light_maps {
+  size_t sums; /* how many there are of a channel */
+  ylm_light_rows value, gradient, bend, hessian;
+} ylm_light_maps;
+
+/*
+** ylm_light_maps_create - for the sums of merged moments.
+**
+** Kinds of sums are bits: 1 those that values need, 2 gradients, 4 Hessians. Per light,
+** unnormalised weights of a kind times monic Legendre polynomials in z times Re or Im (x+iy)^m are
+** summed, in the order of csrc/light/moments.h.
+**   need   in   kinds of the results; a subset of `kinds`
+**   kinds  in   kinds that are summed
+** To be freed in any case. YLM_ENOMEM.
+*/
+YLM_API ylm_status ylm_light_maps_create(int lmax, int need, int kinds, ylm_light_maps *maps);
+/* For the sums of the product rule with 0, 1 or 2 derivatives, see shaders/product.real.comp. */
+YLM_API ylm_status ylm_light_product_maps_create(int lmax, int derivatives, ylm_light_maps *maps);
+YLM_API void ylm_light_maps_free(ylm_light_maps *maps);
+/* The kinds of sums that a query needs in luminance and in rgb. */
+YLM_API void ylm_light_kinds(const ylm_field_query *q, int *lum, int *rgb);
+
 /* -- flat lights: csrc/light/polygon.c, contour*.c ----------------------------------------------
  */
 

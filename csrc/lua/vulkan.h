@@ -35,7 +35,9 @@ void ylmL_gpu_type(lua_State *L, const char *name, const luaL_Reg *methods);
 
 /* Each X(name) is a file vulkan_NAME.c with ylmL_open_vulkan_NAME(L), which adds functions to the
    table on top. */
-#define YLML_VULKAN_BINDINGS(X) X(array)
+#define YLML_VULKAN_BINDINGS(X)                                                                     \
+  X(array)                                                                                         \
+  X(light)
 
 #define X(name) void ylmL_open_vulkan_##name(lua_State *L);
 YLML_VULKAN_BINDINGS(X)

@@ -23,6 +23,7 @@
 #define YLM_VULKAN_H
 
 #include "ylm_base.h"
+#include "ylm_light.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -227,6 +228,46 @@ YLM_API size_t ylm_gpu_rows(const ylm_gpu *g, size_t n, size_t row_bytes, size_t
 ** float (a fused multiplication and addition is two), bytes per second read or written.
 */
 YLM_API ylm_status ylm_gpu_peak(ylm_gpu *g, double *flops, double *bytes, ylm_error *e);
+
+/* -- sphere lights: lights.c -------------------------------------------------- */
+
+/* Highest degrees: of merged moments, of the product rule. */
+#define YLM_GPU_LMAX 10
+#define YLM_GPU_PRODUCT_LMAX 8
+
+/* How a field is summed; all give the same. */
+typedef enum ylm_gpu_method {
+  YLM_GPU_MERGED,  /* merged moments: the fastest */
+  YLM_GPU_FORWARD, /* product rule per light, all orders m in one dispatch (to compare with) */
+  YLM_GPU_REVERSED /* product rule, a dispatch for each order m (Mezieres et al. 2022) */
+} ylm_gpu_method;
+
+/* Lights in the device's memory, with what evaluating them needs there. */
+typedef struct ylm_gpu_lights ylm_gpu_lights;
+
+/*
+** ylm_gpu_lights_create - put lights onto a device.
+**
+** `lights` must outlive the object (it answers which boxes lights cross). The copy in double is
+** made at the first query in double. YLM_ENOMEM, YLM_ELIMIT, YLM_EDEVICE, YLM_ECLOSED.
+*/
+YLM_API ylm_status ylm_gpu_lights_create(ylm_gpu *g, const ylm_lights *lights,
+                                         ylm_gpu_method method, ylm_gpu_lights **l, ylm_error *e);
+YLM_API void ylm_gpu_lights_free(ylm_gpu_lights *l);
+
+/*
+** Their light field (ylm_base.h), which lives as long as the object.
+**
+** As ylm_lights_evaluate, but for lmax <= YLM_GPU_LMAX (YLM_GPU_PRODUCT_LMAX), and for
+** YLM_EMISSING (double on a device without float64) and what ylm_gpu_run returns. A result
+** depends on the point, the lights and the device, not on the other points.
+** Accuracy  as ylm_lights_evaluate; lights are summed in chunks, these with compensation
+** Memory    at most 96 MiB of the device's for a pass
+*/
+YLM_API const ylm_field *ylm_gpu_lights_field(const ylm_gpu_lights *l);
+YLM_API ylm_gpu *ylm_gpu_lights_device(const ylm_gpu_lights *l);
+/* Times of everything that the field has done so far, by stage. */
+YLM_API const ylm_gpu_times *ylm_gpu_lights_times(const ylm_gpu_lights *l);
 
 #ifdef __cplusplus
 }

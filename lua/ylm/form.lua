@@ -133,6 +133,11 @@ function types.bounds(x)
   return { lo, hi }
 end
 
+function types.gpu(x)
+  if core.type(x) == "ylm.gpu" then return x end
+  return nil, "an open device (ylm.vulkan.open)"
+end
+
 function types.array(x)
   if core.type(x) == "ylm.array" then return x end
   return nil, "an array (ylm.array)"

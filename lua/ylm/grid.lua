@@ -7,13 +7,16 @@ local form = require "ylm.form"
 local describe = require "ylm.reference".describe
 local outputs = require "ylm.outputs"
 
+local device_lights = require "ylm.vulkan_light"
+
 local grid = {}
 local methods = core.metatable "ylm.grid"
 
 require "ylm.reference".object "grid" {
   about = "A baked grid of probes. What it was described with can be read from it: grid.lmax, grid.bounds, ...",
   fields = {
-    { "stats", "table", "points, cells, leaves, levels, pairs, invalid, seconds, ...; with a tolerance met and error" },
+    { "stats", "table", "points, cells, leaves, levels, pairs, invalid, seconds, ...; with a tolerance met and error; baked on a "
+      .. "device stages: by name { seconds, longest, dispatches }" },
   },
 }
 
@@ -121,7 +124,12 @@ local bake_options = {
   { "max_points", "integer", min = 8, max = 2 ^ 32 - 2, default = 2 ^ 24, about = "nil, message, 'ELIMIT' beyond" },
   { "threads", "integer", min = 1, max = 1024, optional = true, about = "default: YLM_THREADS or all cores" },
   { "progress", "progress", optional = true, about = "called as f(done, total, stage); returning false cancels" },
+  { "device", "gpu", optional = true,
+    about = "sphere lights to lmax 10 are summed there; grid.stats.stages says how long that took" },
 }
+
+--- Grid -> times by stage of the device that it was baked on.
+local stages_of = setmetatable({}, { __mode = "k" })
 
 --- Grid -> the lights it was baked from.
 local baked_from = setmetatable({}, { __mode = "k" })
@@ -137,7 +145,7 @@ describe "bake" {
   options = bake_options,
   returns = { { "grid", "grid", "grid.stats says what was done, and with a tolerance the error that was measured" } },
   errors = "raises on bad arguments; nil, message, code where memory or max_points are exceeded; "
-    .. "nil, 'cancelled', 'ECANCELLED' where progress returns false",
+    .. "nil, 'cancelled', 'ECANCELLED' where progress returns false; nil, message, code where a device fails",
   example = [[
 local lamp = ylm.sphere_light { at = { 0, 2, 0 }, radius = 0.1, radiance = { 10, 8, 6 } }
 local floor = {}
@@ -171,6 +179,17 @@ function grid.bake(description, lights, given)
   end
   local cells = description.cells or { 1, 1, 1 }
   local progress = o.progress and require "ylm.progress".of(o.progress) or nil
+  local on, made = object, nil
+  if o.device then
+    if type(object) == "function" then return check.bad(3, "bake", "device: a device sums sphere lights, and no others") end
+    if description.dynamic then
+      return check.bad(3, "bake", "device: a dynamic grid follows its lights on the processor")
+    end
+    local failed
+    on, made, failed = device_lights.on(3, "bake", object, o)
+    if not on then return nil, made, failed end
+  end
+  local before = device_lights.times(on)
   local baked, message, code = check.result("bake", core.grid_bake({
     kind = KIND[kind], lmax = description.lmax, depth = description.depth or 0, cells = cells,
     bounds = { box[1][1], box[1][2], box[1][3], box[2][1], box[2][2], box[2][3] },
@@ -179,8 +198,13 @@ function grid.bake(description, lights, given)
     metric = METRIC[description.metric],
     threshold = description.threshold or -1, tolerance = description.tolerance or 0,
     continuous = description.continuous and 1 or 0, dynamic = description.dynamic and 1 or 0,
-  }, object, occupied, o.seed, o.threads or 0, o.max_points, progress))
-  if baked == nil then return nil, message, code end
+  }, on, occupied, o.seed, o.threads or 0, o.max_points, progress))
+  if baked == nil then
+    if made then on:close() end
+    return nil, message, code
+  end
+  stages_of[baked] = device_lights.times(on, before)
+  if made then on:close() end
   if core.type(object) == "ylm.lights" then baked_from[baked] = object end
   return baked
 end
@@ -411,7 +435,11 @@ methods.__index = function(g, key)
   local method = rawget(methods, key)
   if method ~= nil or type(key) ~= "string" then return method end
   open(g, key)
-  if key == "stats" then return core.grid_stats(g) end
+  if key == "stats" then
+    local stats = core.grid_stats(g)
+    stats.stages = stages_of[g]
+    return stats
+  end
   return core.grid_form(g)[key]
 end
 

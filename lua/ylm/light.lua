@@ -189,6 +189,9 @@ end
 --- Argument `n` of `name` as an open object with a light field: such an object itself, or lights packed.
 function light.field(n, name, value)
   if core.grid_is_open(value) == false then return check.bad(n, name, "the grid has been closed") end
+  if core.type(value) == "ylm.gpu_lights" and not require "ylm.vulkan_light".is_open(value) then
+    return check.bad(n, name, "the lights have been closed")
+  end
   if core.has_field(value) and core.type(value) ~= "ylm.lights" then return value end
   return light.pack(n, name, value)
 end
@@ -206,6 +209,9 @@ local options = {
   { "threads", "integer", min = 1, max = 1024, optional = true, about = "default: YLM_THREADS or all cores" },
   { "out", "any", optional = true, about = "an array, or a list of them, shaped and typed like the results, which they take" },
   { "progress", "progress", optional = true, about = "called as f(done, total, stage); returning false cancels" },
+  { "device", "gpu", optional = true, about = "sphere lights to lmax 10 are summed there; gpu:lights copies them once" },
+  { "method", "choice", of = { "merged", "forward", "reversed" }, optional = true,
+    about = "on a device: merged moments (default), or the papers' product rule for comparison, see gpu:lights" },
 }
 
 --- The field of any object that has one (lights, grids) at points [n][3]: what ylm.light_field does.
@@ -240,7 +246,8 @@ describe "light_field" {
     { "ddL", "array", "[n][channels][(lmax+1)^2][6], or nil: xx xy xz yy yz zz" },
     { "report", "table", "inside [n]: 1 in or on a light, else 0; pairs: evaluations; with metric lambda, norm [n]" },
   },
-  errors = "raises on bad arguments; nil, 'cancelled', 'ECANCELLED' where progress returns false",
+  errors = "raises on bad arguments; nil, 'cancelled', 'ECANCELLED' where progress returns false; nil, message, code where "
+    .. "a device fails",
   example = [[
 local lamp = ylm.sphere_light { at = { 0, 2, 0 }, radius = 0.1, radiance = { 10, 8, 6 } }
 local L, dL = ylm.light_field(4, lamp, { { 0, 0, 0 }, { 1, 0, 0 } }, { derivatives = 1 })
@@ -250,11 +257,17 @@ assert(#L == 2 and L.shape[2] == 3 and L.shape[3] == 25 and dL.shape[4] == 3)]],
 function light.light_field(lmax, lights, points, given)
   check.integer(1, "light_field", "lmax", lmax, 0, 100)
   local o = form.options(4, "light_field", options, given)
-  local object = light.field(2, "light_field", lights)
+  local object, made = light.field(2, "light_field", lights)
+  if o.device or o.method then
+    local code
+    object, made, code = require "ylm.vulkan_light".on(4, "light_field", object, o)
+    if not object then return nil, made, code end
+  end
   local dtype = o.dtype
   if not dtype then dtype = core.type(points) == "ylm.array" and points.dtype or "float" end
   local p, single = array.points(3, "light_field", points, dtype)
   local L, dL, ddL, report = light.evaluate("light_field", lmax, object, p, o, nil, points)
+  if made then object:close() end
   if L == nil or not single then return L, dL, ddL, report end
   return L[1], dL and dL[1], ddL and ddL[1], report
 end

@@ -43,6 +43,8 @@ reference.object "gpu_array" {
   },
 }
 
+gpu_methods.lights = require "ylm.vulkan_light".lights
+
 local INSTALL = "computing on a GPU needs libylm_vulkan: install glslc and libvulkan-dev and run make again (%s)"
 
 --- Array in the device's memory -> seconds that its upload took.
@@ -53,9 +55,12 @@ local furnished = false
 --- Gives the binding's object types their methods and fields.
 local function furnish()
   furnished = true
-  local gpu, array = core.metatable "ylm.gpu", core.metatable "ylm.gpu_array"
-  for name, method in pairs(gpu_methods) do gpu[name] = method end
-  for name, method in pairs(array_methods) do array[name] = method end
+  local types = { ["ylm.gpu"] = gpu_methods, ["ylm.gpu_array"] = array_methods,
+    ["ylm.gpu_lights"] = require "ylm.vulkan_light".methods }
+  for name, methods in pairs(types) do
+    local metatable = core.metatable(name)
+    for key, method in pairs(methods) do metatable[key] = method end
+  end
 end
 
 --- The binding of libylm_vulkan.so, or nil, message, "EMISSING".

@@ -22,6 +22,13 @@ local languages = {
     pure = function(text) return text end,
     sqrt = "sqrt(%s)",
   },
+  -- GLSL of either precision: real and REAL(constant) are macros (shaders/ylm.glsl).
+  shader = {
+    temporary = "real %s = %s;",
+    constant = function(text) return "REAL(" .. text .. "lf)" end,
+    pure = function(text) return "REAL(" .. text .. "lf)" end,
+    sqrt = "sqrt(%s)",
+  },
 }
 
 --- A constant with enough digits to read back, and always a decimal point or an exponent.
@@ -34,7 +41,8 @@ end
 
 local precedence = { ["+"] = 1, ["-"] = 1, ["*"] = 2, ["/"] = 2, negate = 3 }
 
---- The statements, one a line, that compute `outputs` ({ array, index, node }).
+--- The statements, one a line, that compute `outputs` ({ array, index, node }, or { form, node } where form is the
+-- statement with %s for the expression).
 function emit.statements(outputs, language)
   local style = assert(languages[language])
   local roots = {}
@@ -85,7 +93,7 @@ function emit.statements(outputs, language)
     else
       text = text_of(out.node)
     end
-    lines[#lines + 1] = ("%s[%d] = %s;"):format(out.array, out.index, text)
+    lines[#lines + 1] = out.form and out.form:format(text) or ("%s[%d] = %s;"):format(out.array, out.index, text)
   end
   return lines
 end

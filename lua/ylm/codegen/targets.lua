@@ -14,4 +14,8 @@ targets[#targets + 1] = { "csrc/sh/gen/polynomial.h", "ylm.codegen.polynomial", 
 targets[#targets + 1] = { "csrc/sh/gen/rotate_low.h", "ylm.codegen.rotate" }
 targets[#targets + 1] = { "csrc/sh/gen/gaunt_low.h", "ylm.codegen.gaunt" }
 
+targets[#targets + 1] = { "shaders/gen/eigenvalue.glsl", "ylm.codegen.eigenvalue" }
+targets[#targets + 1] = { "shaders/gen/moments.glsl", "ylm.codegen.moments_glsl", 10 }
+targets[#targets + 1] = { "shaders/gen/product.glsl", "ylm.codegen.product_glsl", 8 }
+
 return targets

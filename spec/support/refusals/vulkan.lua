@@ -31,6 +31,11 @@ return {
     function() return method("gpu", "peak")(nil) end, "a gpu expected before the colon, got nil"),
   ["gpu:close"] = rows(
     function() return method("gpu", "close")("x") end, "a gpu expected before the colon, got 'x'"),
+  ["gpu:lights"] = rows(
+    function(ylm) return method("gpu", "lights")({}, ylm.sphere_light { at = { 0, 0, 0 } }) end,
+      "a gpu expected before the colon, got a table"),
+  ["gpu_lights:close"] = rows(
+    function() return method("gpu_lights", "close")(nil) end, "gpu_lights expected before the colon, got nil"),
   ["gpu_array:download"] = rows(
     function(ylm) return method("gpu_array", "download")(ylm.zeros { 2 }) end, "a gpu_array expected before the colon, got an array of 2"),
   ["gpu_array:close"] = rows(

@@ -1,0 +1,89 @@
+/* vulkan_light.c - sphere lights in a device's memory, an object with a light field. */
+#include "vulkan.h"
+
+#include "ylm_light.h"
+
+#define GPU_LIGHTS "ylm.gpu_lights"
+
+/* The lights on the device, and those that they were made from. */
+typedef struct device_lights {
+  ylm_gpu_lights *on; /* NULL once closed */
+  ylm_lights **from;  /* in the userdata that `keep` holds in the registry; its NULL: closed */
+  int keep, method;
+} device_lights;
+
+static const ylm_field *field_of(void *object) {
+  const device_lights *d = object;
+  return d->on && *d->from ? ylm_gpu_lights_field(d->on) : NULL;
+}
+
+/* gpu_lights_create(gpu, lights, method number) -> lights on the device */
+static int create(lua_State *L) {
+  ylm_error e = {YLM_OK, ""};
+  lua_settop(L, 3);
+  ylm_gpu *g = ylmL_gpu_check(L, 1);
+  ylm_lights **from = ylmL_check(L, 2, "ylm.lights");
+  if (!*from) luaL_argerror(L, 2, "the lights have been closed");
+  int method = (int)luaL_checknumber(L, 3);
+  device_lights *d = lua_newuserdata(L, sizeof *d);
+  *d = (device_lights){NULL, from, LUA_NOREF, method};
+  luaL_getmetatable(L, GPU_LIGHTS);
+  lua_setmetatable(L, -2);
+  lua_pushvalue(L, 2);
+  d->keep = luaL_ref(L, LUA_REGISTRYINDEX);
+  ylm_status s = ylm_gpu_lights_create(g, *from, (ylm_gpu_method)method, &d->on, &e);
+  return ylmL_result(L, 1, s, &e);
+}
+
+static int release(lua_State *L) {
+  device_lights *d = ylmL_check(L, 1, GPU_LIGHTS);
+  ylm_gpu_lights_free(d->on);
+  d->on = NULL;
+  luaL_unref(L, LUA_REGISTRYINDEX, d->keep);
+  d->keep = LUA_NOREF;
+  return 0;
+}
+
+static int close_lights(lua_State *L) {
+  ylmL_check(L, 1, GPU_LIGHTS);
+  if (ylmL_busy(L, 1) != YLM_OK) return ylmL_result(L, 0, YLM_EBUSY, NULL);
+  return release(L);
+}
+
+/* gpu_lights_info(lights) -> count, method number; nil once closed */
+static int info(lua_State *L) {
+  const device_lights *d = ylmL_check(L, 1, GPU_LIGHTS);
+  if (!field_of((void *)(uintptr_t)d)) return 0;
+  ylmL_push_count(L, ylm_lights_count(*d->from));
+  lua_pushnumber(L, d->method);
+  return 2;
+}
+
+/* gpu_lights_on(lights, gpu) -> whether they are in that device's memory */
+static int on(lua_State *L) {
+  const device_lights *d = ylmL_check(L, 1, GPU_LIGHTS);
+  lua_pushboolean(L, d->on && ylm_gpu_lights_device(d->on) == ylmL_gpu_check(L, 2));
+  return 1;
+}
+
+/* gpu_lights_times(lights) -> times of all that was done, by stage */
+static int times(lua_State *L) {
+  const device_lights *d = ylmL_check(L, 1, GPU_LIGHTS);
+  if (!d->on) luaL_argerror(L, 1, "the lights have been closed");
+  ylmL_gpu_push_times(L, ylm_gpu_lights_times(d->on));
+  return 1;
+}
+
+static const luaL_Reg functions[] = {
+    {"gpu_lights_create", create}, {"gpu_lights_close", close_lights}, {"gpu_lights_info", info},
+    {"gpu_lights_on", on},         {"gpu_lights_times", times},        {NULL, NULL}};
+
+static const luaL_Reg methods[] = {{"__gc", release}, {NULL, NULL}};
+
+void ylmL_open_vulkan_light(lua_State *L) {
+  luaL_setfuncs(L, functions, 0);
+  ylmL_gpu_type(L, GPU_LIGHTS, methods);
+  luaL_getmetatable(L, GPU_LIGHTS);
+  ylmL_type_has_field(L, field_of);
+  lua_pop(L, 1);
+}

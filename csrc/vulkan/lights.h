@@ -1,0 +1,104 @@
+/*
+** lights.h - sums over sphere lights on a device: what lights.c, lights_plan.c and lights_work.c
+** share. Private.
+**
+** Sums lie in the device's memory as [sum][stride], stride being the points of a pass rounded up
+** to whole groups, so that neighbouring invocations read neighbouring numbers.
+*/
+#ifndef YLM_GPU_LIGHTS_H
+#define YLM_GPU_LIGHTS_H
+
+#include "ylm_light.h"
+#include "ylm_vulkan.h"
+
+#define GROUP 64u /* points of a group */
+#define MAX_PASSES 16
+
+/* A sparse matrix in the device's memory. */
+typedef struct device_rows {
+  uint32_t n, terms;
+  ylm_gpu_buffer *start, *index, *coef;
+} device_rows;
+
+/* From sums to results; without a bend Hessians follow from the sums themselves. */
+typedef struct device_maps {
+  device_rows value, gradient, bend, hessian;
+} device_maps;
+
+/* Sums in some channels, by passes over ranges of orders m. */
+typedef struct sum_set {
+  uint32_t channel_first, channels; /* 0 3: rgb; 3 1: luminance; channels 0: none */
+  uint32_t kinds, sums;             /* of each channel */
+  int passes;
+  struct sum_pass {
+    uint32_t m_first, m_last, sums;
+  } pass[MAX_PASSES];
+} sum_set;
+
+/* What a query comes to: made once, then found again. */
+typedef struct sum_plan {
+  struct sum_plan *next;
+  int lmax, need_lum, need_rgb; /* kinds of results in each */
+  ylm_dtype dtype;
+  sum_set lum, rgb;
+  int mixed; /* kinds that luminance takes from the rgb sums */
+  device_maps from_lum, from_rgb, from_mixed;
+  device_rows mix; /* luminance of rgb sums */
+} sum_plan;
+
+enum {
+  BUFFER_POINTS,
+  BUFFER_PARTIAL,
+  BUFFER_TOTAL, /* luminance, then red, green, blue */
+  BUFFER_LOST,
+  BUFFER_MIXED,
+  BUFFER_BEND,
+  BUFFER_METRIC_VALUE,
+  BUFFER_METRIC_HESSIAN,
+  BUFFER_VALUE,
+  BUFFER_GRADIENT,
+  BUFFER_HESSIAN,
+  BUFFER_LAMBDA,
+  BUFFER_NORM,
+  BUFFER_INSIDE,
+  BUFFERS
+};
+
+struct ylm_gpu_lights {
+  ylm_field field;
+  ylm_gpu *gpu;
+  const ylm_lights *lights;
+  ylm_gpu_method method;
+  uint32_t active, chunk;   /* lights that emit; lights whose sum is begun at zero */
+  ylm_gpu_buffer *lamps[2]; /* by dtype; NULL: not there yet */
+  sum_plan *plans;
+  ylm_gpu_buffer *scratch[BUFFERS];
+  ylm_gpu_times times;
+};
+
+/* -- lights_plan.c ------------------------------------------------------------ */
+
+/* The plan of a query, which the object keeps. */
+ylm_status ylm__sum_plan_get(ylm_gpu_lights *l, const ylm_field_query *q, const sum_plan **p,
+                             ylm_error *e);
+void ylm__sum_plans_free(sum_plan *p);
+
+/* -- lights_work.c ------------------------------------------------------------ */
+
+/* Bytes of the device's memory that a point takes beside partial sums, of the widest of its
+   arrays, and of the partial sums of one chunk. */
+typedef struct sum_size {
+  size_t all, widest, partial;
+} sum_size;
+sum_size ylm__sum_size(const sum_plan *p, const ylm_field_query *q);
+
+/* Evaluates the n points in BUFFER_POINTS; results are left in the scratch buffers. */
+ylm_status ylm__sum_run(ylm_gpu_lights *l, const sum_plan *p, const ylm_field_query *q, uint32_t n,
+                        uint32_t chunks_at_once, const ylm_progress *progress, ylm_error *e);
+
+/* -- lights.c ------------------------------------------------------------------- */
+
+/* Scratch of at least so many bytes. */
+ylm_status ylm__lights_scratch(ylm_gpu_lights *l, int which, uint64_t bytes, ylm_error *e);
+
+#endif

@@ -1,0 +1,182 @@
+/* lights_plan.c - what has to be summed for a query, and the maps to results, on a device. */
+#include <string.h>
+
+#include "lights.h"
+
+/* Sums that an invocation keeps in registers: 255 of them hold these and what a light needs. */
+#define BUDGET 128
+/* Plans that are kept. */
+#define KEPT 8
+
+/* -- matrices --------------------------------------------------------------------- */
+
+static void rows_free(device_rows *r) {
+  ylm_gpu_buffer_free(r->start);
+  ylm_gpu_buffer_free(r->index);
+  ylm_gpu_buffer_free(r->coef);
+}
+
+static ylm_status rows_upload(ylm_gpu *g, const ylm_light_rows *from, ylm_dtype t, device_rows *r,
+                              ylm_error *e) {
+  if (!from->n) return YLM_OK;
+  uint32_t terms = from->start[from->n];
+  r->n = (uint32_t)from->n;
+  r->terms = terms;
+  ylm_status s = ylm_gpu_buffer_from(g, (from->n + 1) * 4, from->start, &r->start, e);
+  if (s == YLM_OK) s = ylm_gpu_buffer_from(g, terms * 4u, from->index, &r->index, e);
+  const void *coef = t == YLM_DOUBLE ? (const void *)from->coef : (const void *)from->coef_f;
+  if (s == YLM_OK) s = ylm_gpu_buffer_from(g, terms * ylm_dtype_size(t), coef, &r->coef, e);
+  return s;
+}
+
+static void maps_free(device_maps *m) {
+  rows_free(&m->value);
+  rows_free(&m->gradient);
+  rows_free(&m->bend);
+  rows_free(&m->hessian);
+}
+
+/* How many derivatives go with kinds. */
+static int derivatives_of(uint32_t kinds) { return kinds & 4 ? 2 : kinds & 2 ? 1 : 0; }
+
+/* The maps for results of kinds `need` from a set's sums; *sums is how many there are. */
+static ylm_status maps_create(const ylm_gpu_lights *l, const sum_plan *p, int need,
+                              const sum_set *set, device_maps *m, ylm_error *e) {
+  ylm_light_maps maps = {0};
+  if (!need) return YLM_OK;
+  ylm_status s = l->method == YLM_GPU_MERGED
+                     ? ylm_light_maps_create(p->lmax, need, (int)set->kinds, &maps)
+                     : ylm_light_product_maps_create(p->lmax, derivatives_of(set->kinds), &maps);
+  if (s == YLM_OK) s = rows_upload(l->gpu, &maps.value, p->dtype, &m->value, e);
+  if (s == YLM_OK) s = rows_upload(l->gpu, &maps.gradient, p->dtype, &m->gradient, e);
+  if (s == YLM_OK) s = rows_upload(l->gpu, &maps.bend, p->dtype, &m->bend, e);
+  if (s == YLM_OK) s = rows_upload(l->gpu, &maps.hessian, p->dtype, &m->hessian, e);
+  ylm_light_maps_free(&maps);
+  return s == YLM_ENOMEM ? ylm_fail(e, s, "%s", ylm_status_text(s)) : s;
+}
+
+/* Luminance of rgb sums as a matrix. */
+static ylm_status mix_create(ylm_gpu *g, uint32_t sums, ylm_dtype t, device_rows *r, ylm_error *e) {
+  static const double weight[3] = {YLM_LUMINANCE_R, YLM_LUMINANCE_G, YLM_LUMINANCE_B};
+  ylm_light_rows m = {sums, ylm_alloc(sums + 1, 4), ylm_alloc(3 * sums, 4),
+                      ylm_alloc(3 * sums, sizeof(double)), ylm_alloc(3 * sums, sizeof(float))};
+  bool ok = m.start && m.index && m.coef && m.coef_f;
+  for (uint32_t i = 0; ok && i <= sums; i++) m.start[i] = 3 * i;
+  for (uint32_t i = 0; ok && i < 3 * sums; i++) {
+    m.index[i] = i / 3 + i % 3 * sums;
+    m.coef[i] = weight[i % 3];
+    m.coef_f[i] = (float)weight[i % 3];
+  }
+  ylm_status s =
+      ok ? rows_upload(g, &m, t, r, e) : ylm_fail(e, YLM_ENOMEM, "%s", ylm_status_text(YLM_ENOMEM));
+  ylm_free(m.start);
+  ylm_free(m.index);
+  ylm_free(m.coef);
+  ylm_free(m.coef_f);
+  return s;
+}
+
+/* -- passes ------------------------------------------------------------------------- */
+
+/* The number of sums of one order m. */
+static uint32_t width_of(ylm_gpu_method method, int lmax, uint32_t kinds, int m) {
+  static const int parts[3] = {1, 4, 10};
+  int n = 0;
+  if (method != YLM_GPU_MERGED)
+    n = m <= lmax ? (lmax + 1 - m) * parts[derivatives_of(kinds)] : 0;
+  else
+    for (int k = m; k <= lmax + 2; k++)
+      n +=
+          (kinds & 1 && k <= lmax) + (kinds & 2 && k >= 1 && k <= lmax + 1) + (kinds & 4 && k != 1);
+  return (uint32_t)(m ? 2 * n : n);
+}
+
+/* Cuts the orders into passes that fit into registers; the paper's loops are all or one at a time.
+ */
+static void cut(ylm_gpu_method method, int lmax, sum_set *set) {
+  static const uint32_t most[] = {
+      [YLM_GPU_MERGED] = BUDGET, [YLM_GPU_FORWARD] = UINT32_MAX, [YLM_GPU_REVERSED] = 0};
+  set->passes = 0;
+  set->sums = 0;
+  for (int m = 0; m <= lmax + 2; m++) {
+    uint32_t n = width_of(method, lmax, set->kinds, m);
+    if (!n) break;
+    struct sum_pass *last = set->passes ? &set->pass[set->passes - 1] : NULL;
+    set->sums += n;
+    if (last && last->sums + n <= most[method]) {
+      last->m_last = (uint32_t)m;
+      last->sums += n;
+    } else
+      set->pass[set->passes++] = (struct sum_pass){(uint32_t)m, (uint32_t)m, n};
+  }
+}
+
+/* The product rule sums all that lower derivatives need too. */
+static uint32_t expand(ylm_gpu_method method, int kinds) {
+  if (method == YLM_GPU_MERGED) return (uint32_t)kinds;
+  return kinds & 4 ? 7 : kinds & 2 ? 3 : kinds & 1;
+}
+
+/* -- plans ---------------------------------------------------------------------------- */
+
+static void plan_free(sum_plan *p) {
+  maps_free(&p->from_lum);
+  maps_free(&p->from_rgb);
+  maps_free(&p->from_mixed);
+  rows_free(&p->mix);
+  ylm_free(p);
+}
+
+void ylm__sum_plans_free(sum_plan *p) {
+  while (p) {
+    sum_plan *next = p->next;
+    plan_free(p);
+    p = next;
+  }
+}
+
+static ylm_status fill(const ylm_gpu_lights *l, sum_plan *p, ylm_error *e) {
+  p->rgb = (sum_set){.channels = p->need_rgb ? 3 : 0, .kinds = expand(l->method, p->need_rgb)};
+  p->mixed = p->need_lum & (int)p->rgb.kinds;
+  int own = p->need_lum & ~p->mixed;
+  p->lum = (sum_set){.channel_first = 3, .channels = own ? 1 : 0, .kinds = expand(l->method, own)};
+  cut(l->method, p->lmax, &p->rgb);
+  cut(l->method, p->lmax, &p->lum);
+  ylm_status s = maps_create(l, p, own, &p->lum, &p->from_lum, e);
+  if (s == YLM_OK) s = maps_create(l, p, p->need_rgb, &p->rgb, &p->from_rgb, e);
+  if (s == YLM_OK) s = maps_create(l, p, p->mixed, &p->rgb, &p->from_mixed, e);
+  if (s == YLM_OK && p->mixed) s = mix_create(l->gpu, p->rgb.sums, p->dtype, &p->mix, e);
+  return s;
+}
+
+ylm_status ylm__sum_plan_get(ylm_gpu_lights *l, const ylm_field_query *q, const sum_plan **out,
+                             ylm_error *e) {
+  sum_plan want = {.lmax = q->lmax, .dtype = q->dtype};
+  int n = 0;
+  ylm_light_kinds(q, &want.need_lum, &want.need_rgb);
+  for (sum_plan **link = &l->plans; *link; link = &(*link)->next) {
+    sum_plan *p = *link;
+    if (p->lmax == want.lmax && p->dtype == want.dtype && p->need_lum == want.need_lum &&
+        p->need_rgb == want.need_rgb) {
+      *link = p->next; /* to the front */
+      p->next = l->plans;
+      *out = l->plans = p;
+      return YLM_OK;
+    }
+    if (++n == KEPT) {
+      ylm__sum_plans_free(p->next);
+      p->next = NULL;
+    }
+  }
+  sum_plan *p = ylm_alloc(1, sizeof *p);
+  if (!p) return ylm_fail(e, YLM_ENOMEM, "%s", ylm_status_text(YLM_ENOMEM));
+  *p = want;
+  ylm_status s = fill(l, p, e);
+  if (s != YLM_OK) {
+    plan_free(p);
+    return s;
+  }
+  p->next = l->plans;
+  *out = l->plans = p;
+  return YLM_OK;
+}

@@ -1,0 +1,262 @@
+/* lights_work.c - the steps that evaluate a pass of points: sums, their reduction, maps, metric. */
+#include <string.h>
+
+#include "lights.h"
+
+#define ROWS 8u /* rows of a group of shaders/rows.real.comp */
+#define PUSH_WORDS 12
+
+/* -- lists of steps ------------------------------------------------------------------ */
+
+typedef struct step_list {
+  ylm_gpu_lights *l;
+  const sum_plan *p;
+  const ylm_field_query *q;
+  uint32_t n, stride;
+  ylm_gpu_work *work;
+  uint32_t (*push)[PUSH_WORDS];
+  size_t steps, room;
+  ylm_status status; /* of the first failure; later calls do nothing */
+  ylm_error *e;
+} step_list;
+
+/* Room for one more step; NULL after a failure. */
+static ylm_gpu_work *next_step(step_list *s, const char *stage) {
+  if (s->status != YLM_OK) return NULL;
+  if (s->steps == s->room) {
+    size_t room = s->room ? 2 * s->room : 32;
+    void *work = ylm_realloc(s->work, s->steps * sizeof *s->work, room, sizeof *s->work);
+    if (work) s->work = work;
+    void *push =
+        work ? ylm_realloc(s->push, s->steps * sizeof *s->push, room, sizeof *s->push) : NULL;
+    if (!push) {
+      s->status = ylm_fail(s->e, YLM_ENOMEM, "%s", ylm_status_text(YLM_ENOMEM));
+      return NULL;
+    }
+    s->push = push;
+    s->room = room;
+  }
+  ylm_gpu_work *w = &s->work[s->steps];
+  *w = (ylm_gpu_work){.stage = stage};
+  s->steps++;
+  return w;
+}
+
+static void clear(step_list *s, int which, uint64_t bytes) {
+  ylm_gpu_work *w = bytes ? next_step(s, "clearing") : NULL;
+  if (!w) return;
+  w->verb = YLM_GPU_FILL;
+  w->binds = 1;
+  w->bind[0] = (ylm_gpu_bind){s->l->scratch[which], 0, bytes};
+}
+
+/* A dispatch of the kernel NAME in the plan's precision. */
+static void dispatch(step_list *s, const char *stage, const char *name, int constants,
+                     const uint32_t *constant, uint64_t groups, double cost, int words,
+                     const uint32_t *push, int binds, const ylm_gpu_bind *bind) {
+  char full[32];
+  ylm_gpu_kernel *kernel = NULL;
+  size_t k = 0;
+  if (s->status != YLM_OK || !groups) return;
+  while (name[k]) full[k] = name[k], k++;
+  strcpy(full + k, s->p->dtype == YLM_DOUBLE ? "_double" : "_float");
+  s->status = ylm_gpu_kernel_get(s->l->gpu, full, constants, constant, &kernel, s->e);
+  ylm_gpu_work *w = next_step(s, stage);
+  if (!w) return;
+  w->kernel = kernel;
+  w->groups = groups;
+  w->cost = cost;
+  w->push_bytes = (size_t)words * 4;
+  memcpy(s->push[s->steps - 1], push, w->push_bytes);
+  w->binds = binds;
+  memcpy(w->bind, bind, (size_t)binds * sizeof *bind);
+}
+
+static ylm_gpu_bind whole(ylm_gpu_buffer *b) { return (ylm_gpu_bind){b, 0, 0}; }
+
+/* -- sums ------------------------------------------------------------------------------ */
+
+static size_t real_size(const step_list *s) { return ylm_dtype_size(s->p->dtype); }
+
+/* One chunk range of all passes of a set, into BUFFER_PARTIAL. */
+static void add_sums(step_list *s, const sum_set *set, uint32_t chunk_first, uint32_t chunks) {
+  const ylm_gpu_lights *l = s->l;
+  const bool merged = l->method == YLM_GPU_MERGED;
+  uint32_t kinds = merged ? set->kinds : set->kinds & 4 ? 2 : set->kinds & 2 ? 1 : 0;
+  uint32_t push[] = {s->n,        s->stride, l->active,          l->chunk,
+                     chunk_first, chunks,    set->channel_first, set->sums};
+  ylm_gpu_bind bind[] = {whole(l->scratch[BUFFER_POINTS]), whole(l->lamps[s->p->dtype]),
+                         whole(l->scratch[BUFFER_PARTIAL]), whole(l->scratch[BUFFER_INSIDE])};
+  for (int i = 0; i < set->passes; i++) {
+    const struct sum_pass *pass = &set->pass[i];
+    uint32_t constant[] = {GROUP, (uint32_t)s->p->lmax, kinds, pass->m_first, pass->m_last};
+    dispatch(s, "lights", merged ? "moments" : "product", 5, constant,
+             (uint64_t)(s->stride / GROUP) * chunks * set->channels, (double)l->chunk * GROUP, 8,
+             push, 4, bind);
+  }
+}
+
+/* Adds these partial sums to the totals, which begin at element `total`. */
+static void add_reduction(step_list *s, const sum_set *set, uint64_t total, uint32_t chunks) {
+  uint32_t row = set->sums * s->stride, elements = set->channels * row, constant[] = {GROUP};
+  uint32_t push[] = {elements, row, chunks};
+  uint64_t at = total * s->stride * real_size(s), bytes = elements * real_size(s);
+  ylm_gpu_bind bind[] = {whole(s->l->scratch[BUFFER_PARTIAL]),
+                         {s->l->scratch[BUFFER_TOTAL], at, bytes},
+                         {s->l->scratch[BUFFER_LOST], at, bytes}};
+  dispatch(s, "adding", "reduce", 1, constant, elements / GROUP, chunks, 3, push, 3, bind);
+}
+
+static void add_set(step_list *s, const sum_set *set, uint64_t total, uint32_t at_once) {
+  uint32_t all = (s->l->active + s->l->chunk - 1) / s->l->chunk;
+  for (uint32_t first = 0; set->channels && first < all; first += at_once) {
+    uint32_t chunks = all - first < at_once ? all - first : at_once;
+    add_sums(s, set, first, chunks);
+    add_reduction(s, set, total, chunks);
+  }
+}
+
+/* -- maps -------------------------------------------------------------------------------- */
+
+/* Sums in a buffer: element `first` on. */
+typedef struct place {
+  int buffer;
+  uint32_t first;
+} place;
+
+/* y = A x. Results go to y's element `first` + row * to_row + point * to_point. */
+static void add_rows(step_list *s, const device_rows *A, place x, place y, uint32_t to_row,
+                     uint32_t to_point) {
+  uint32_t constant[] = {GROUP},
+           push[] = {s->n, s->stride, A->n, x.first * s->stride, y.first, to_row, to_point};
+  if (!A->n) return;
+  ylm_gpu_bind bind[] = {whole(s->l->scratch[x.buffer]), whole(s->l->scratch[y.buffer]),
+                         whole(A->start), whole(A->index), whole(A->coef)};
+  dispatch(s, "coefficients", "rows", 1, constant,
+           (uint64_t)(s->stride / GROUP) * ((A->n + ROWS - 1) / ROWS),
+           (double)A->terms / A->n * ROWS * GROUP, 7, push, 5, bind);
+}
+
+/* The sums that kind `kind` of channel c of `channels` follows from, and the maps. */
+static place source(const step_list *s, int kind, int channels, uint32_t c, const device_maps **m) {
+  const sum_plan *p = s->p;
+  uint32_t lum = p->lum.channels ? p->lum.sums : 0;
+  if (channels == 3) return *m = &p->from_rgb, (place){BUFFER_TOTAL, lum + c * p->rgb.sums};
+  if (p->mixed & kind) return *m = &p->from_mixed, (place){BUFFER_MIXED, 0};
+  return *m = &p->from_lum, (place){BUFFER_TOTAL, 0};
+}
+
+/* Hessians of channel c, to y. */
+static void add_hessian(step_list *s, int channels, uint32_t c, place y, uint32_t to_row,
+                        uint32_t to_point) {
+  const device_maps *m;
+  place x = source(s, 4, channels, c, &m);
+  if (m->bend.n) {
+    add_rows(s, &m->bend, x, (place){BUFFER_BEND, 0}, s->stride, 1);
+    x = (place){BUFFER_BEND, 0};
+  }
+  add_rows(s, &m->hessian, x, y, to_row, to_point);
+}
+
+static void add_results(step_list *s) {
+  const ylm_field_query *q = s->q;
+  uint32_t count = (uint32_t)(q->lmax + 1) * (uint32_t)(q->lmax + 1), C = (uint32_t)q->channels;
+  const device_maps *m;
+  for (uint32_t c = 0; c < C; c++) {
+    if (q->want & YLM_WANT_VALUE) {
+      place x = source(s, 1, q->channels, c, &m);
+      add_rows(s, &m->value, x, (place){BUFFER_VALUE, c * count}, 1, C * count);
+    }
+    if (q->want & YLM_WANT_GRADIENT) {
+      place x = source(s, 2, q->channels, c, &m);
+      add_rows(s, &m->gradient, x, (place){BUFFER_GRADIENT, c * 3 * count}, 1, C * 3 * count);
+    }
+    if (q->want & YLM_WANT_HESSIAN)
+      add_hessian(s, q->channels, c, (place){BUFFER_HESSIAN, c * 6 * count}, 1, C * 6 * count);
+  }
+}
+
+static void add_metric(step_list *s) {
+  const ylm_field_query *q = s->q;
+  uint32_t count = (uint32_t)(q->lmax + 1) * (uint32_t)(q->lmax + 1);
+  uint32_t channels = (uint32_t)q->metric_channels, constant[] = {GROUP};
+  const device_maps *m;
+  for (uint32_t c = 0; c < channels; c++) {
+    place x = source(s, 1, q->metric_channels, c, &m);
+    add_rows(s, &m->value, x, (place){BUFFER_METRIC_VALUE, c * count * s->stride}, s->stride, 1);
+    add_hessian(s, q->metric_channels, c, (place){BUFFER_METRIC_HESSIAN, c * 6 * count * s->stride},
+                s->stride, 1);
+  }
+  uint32_t push[] = {s->n, s->stride, channels * count};
+  ylm_gpu_bind bind[] = {whole(s->l->scratch[BUFFER_METRIC_VALUE]),
+                         whole(s->l->scratch[BUFFER_METRIC_HESSIAN]),
+                         whole(s->l->scratch[BUFFER_LAMBDA]), whole(s->l->scratch[BUFFER_NORM])};
+  dispatch(s, "metric", "metric", 1, constant, s->stride / GROUP, channels * count, 3, push, 4,
+           bind);
+}
+
+/* -- memory -------------------------------------------------------------------------------- */
+
+/* Elements of type real that a point takes in each buffer (BUFFER_PARTIAL: of one chunk). */
+static void elements(const sum_plan *p, const ylm_field_query *q, size_t n[BUFFERS]) {
+  size_t count = (size_t)(q->lmax + 1) * (size_t)(q->lmax + 1), C = (size_t)q->channels;
+  size_t bend = 3 * (size_t)(q->lmax + 2) * (size_t)(q->lmax + 2);
+  size_t lum = p->lum.channels * p->lum.sums, rgb = p->rgb.channels * p->rgb.sums;
+  size_t metric = q->want & YLM_WANT_METRIC ? (size_t)q->metric_channels * count : 0;
+  memset(n, 0, BUFFERS * sizeof *n);
+  n[BUFFER_POINTS] = 3;
+  n[BUFFER_PARTIAL] = lum > rgb ? lum : rgb;
+  n[BUFFER_TOTAL] = n[BUFFER_LOST] = lum + rgb;
+  n[BUFFER_MIXED] = p->mixed ? p->rgb.sums : 0;
+  n[BUFFER_BEND] = (p->need_lum | p->need_rgb) & 4 ? bend : 0;
+  n[BUFFER_METRIC_VALUE] = metric;
+  n[BUFFER_METRIC_HESSIAN] = 6 * metric;
+  n[BUFFER_LAMBDA] = n[BUFFER_NORM] = metric ? 1 : 0;
+  n[BUFFER_VALUE] = q->want & YLM_WANT_VALUE ? C * count : 0;
+  n[BUFFER_GRADIENT] = q->want & YLM_WANT_GRADIENT ? 3 * C * count : 0;
+  n[BUFFER_HESSIAN] = q->want & YLM_WANT_HESSIAN ? 6 * C * count : 0;
+  n[BUFFER_INSIDE] = 1;
+}
+
+sum_size ylm__sum_size(const sum_plan *p, const ylm_field_query *q) {
+  size_t n[BUFFERS], real = ylm_dtype_size(p->dtype);
+  sum_size s = {0, 0, 0};
+  elements(p, q, n);
+  for (int i = 0; i < BUFFERS; i++) {
+    if (n[i] * real > s.widest) s.widest = n[i] * real;
+    if (i != BUFFER_PARTIAL) s.all += n[i] * real;
+  }
+  s.partial = n[BUFFER_PARTIAL] * real;
+  return s;
+}
+
+/* -- a pass ----------------------------------------------------------------------------------- */
+
+static void reserve(step_list *s, uint32_t chunks) {
+  size_t n[BUFFERS];
+  elements(s->p, s->q, n);
+  n[BUFFER_PARTIAL] *= chunks;
+  for (int i = 0; i < BUFFERS && s->status == YLM_OK; i++)
+    s->status = ylm__lights_scratch(s->l, i, n[i] * s->stride * real_size(s), s->e);
+  clear(s, BUFFER_TOTAL, n[BUFFER_TOTAL] * s->stride * real_size(s));
+  clear(s, BUFFER_LOST, n[BUFFER_LOST] * s->stride * real_size(s));
+  clear(s, BUFFER_INSIDE, s->stride * 4);
+}
+
+ylm_status ylm__sum_run(ylm_gpu_lights *l, const sum_plan *p, const ylm_field_query *q, uint32_t n,
+                        uint32_t at_once, const ylm_progress *progress, ylm_error *e) {
+  step_list s = {.l = l, .p = p, .q = q, .n = n, .stride = (n + GROUP - 1) / GROUP * GROUP, .e = e};
+  reserve(&s, at_once);
+  add_set(&s, &p->lum, 0, at_once);
+  add_set(&s, &p->rgb, p->lum.channels * p->lum.sums, at_once);
+  if (p->mixed)
+    add_rows(&s, &p->mix, (place){BUFFER_TOTAL, p->lum.channels * p->lum.sums},
+             (place){BUFFER_MIXED, 0}, s.stride, 1);
+  add_results(&s);
+  if (q->want & YLM_WANT_METRIC) add_metric(&s);
+  for (size_t i = 0; i < s.steps; i++) s.work[i].push = s.push[i];
+  if (s.status == YLM_OK) s.status = ylm_gpu_run(l->gpu, s.steps, s.work, &l->times, progress, e);
+  ylm_free(s.work);
+  ylm_free(s.push);
+  return s.status;
+}

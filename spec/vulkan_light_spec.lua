@@ -1,0 +1,313 @@
+-- Sums over sphere lights on a device, against those of the processor. On Mesa's lavapipe, where there is no other device.
+
+local core = require "ylm.c.core"
+local light = require "ylm.light"
+local ylm = require "ylm"
+
+local sqrt = math.sqrt
+local devices, missing = ylm.vulkan.devices()
+
+--- A generator of numbers in 0 .. 1, the same everywhere (Lehmer).
+local function random(seed)
+  local state = seed * 7919 % 2147483647
+  return function()
+    state = state * 48271 % 2147483647
+    return state / 2147483647
+  end
+end
+
+local function random_points(n, edge, seed)
+  local next, points = random(seed), {}
+  for i = 1, n do points[i] = { (next() - 0.5) * edge, (next() - 0.5) * edge, (next() - 0.5) * edge } end
+  return points
+end
+
+--- n small coloured lights, some negative, every seventh of radius 0.
+local function random_lights(n, edge, seed)
+  local next, radii, colours = random(seed + 1000), {}, {}
+  for i = 1, n do
+    radii[i] = i % 7 == 0 and 0 or 0.01 + 0.04 * next()
+    colours[i] = { next(), next(), next() - 0.1 }
+  end
+  return ylm.sphere_lights { at = random_points(n, edge, seed), radius = radii, radiance = colours }
+end
+
+--- The largest distance between rows of a and b, relative to the L2 norm of b's row; NaN counts.
+local function worst(a, b)
+  local largest = 0
+  for i = 1, #b do
+    local _, e, n = core.array_distance(a[i], b[i])
+    local x = n > 0 and e / n or e
+    if not (x <= largest) then largest = x end
+  end
+  return largest
+end
+
+describe("lights on a device", function()
+  if not devices then
+    it("are summed", function() pending("no Vulkan device: " .. missing) end)
+    return
+  end
+
+  local chosen, gpu = 1, nil
+  for i, d in ipairs(devices) do if d.type == "cpu" and d.usable then chosen = i end end
+  setup(function() gpu = assert(ylm.vulkan.open { device = chosen, validate = true }) end)
+  teardown(function()
+    gpu:close()
+    assert.equal("", gpu.message)
+    assert.equal(0, gpu.messages)
+  end)
+
+  --- light_field on the device and by the processor, as two lists; `o` gets the device.
+  local function both(lmax, lights, points, o)
+    local plain = {}
+    for k, v in pairs(o) do if k ~= "method" then plain[k] = v end end
+    o.device = gpu
+    local there, here = { ylm.light_field(lmax, lights, points, o) }, { ylm.light_field(lmax, lights, points, plain) }
+    assert(there[1], there[2])
+    return there, here
+  end
+
+  --- Asserts that values, derivatives and the report agree to `bound`.
+  local function agree(lmax, lights, points, o, bound)
+    local there, here = both(lmax, lights, points, o)
+    for k = 1, (o.derivatives or 0) + 1 do
+      assert.same(here[k].shape, there[k].shape)
+      assert.equal(here[k].dtype, there[k].dtype)
+      local w = worst(there[k], here[k])
+      assert(w <= bound, ("lmax %d, derivatives %d: %g"):format(lmax, k - 1, w))
+    end
+    for _, key in ipairs { "lambda", "norm" } do
+      if o.metric then
+        local a, b = there[4][key], here[4][key]
+        for i = 1, #a do
+          local x, y = a:get(i), b:get(i)
+          assert(math.abs(x - y) <= bound * math.abs(y), ("%s of point %d: %.9g, not %.9g"):format(key, i, x, y))
+        end
+      end
+    end
+    local _, differ = core.array_distance(there[4].inside, here[4].inside)
+    assert.equal(0, differ)
+    assert.equal(here[4].pairs, there[4].pairs)
+    return there, here
+  end
+
+  --- 101 points, one of them in a light, one at its centre.
+  local lamps = random_lights(150, 4, 5)
+  local big = ylm.sphere_light { at = { 0.5, 0.25, -0.5 }, radius = 0.375, radiance = { 2, 1, 0.5 } }
+  local lights = { lamps, big }
+  local points = random_points(99, 3, 6)
+  points[100], points[101] = { 0.5, 0.25, -0.5 }, { 0.625, 0.25, -0.5 }
+
+  describe("agreement", function()
+    for lmax = 0, 10 do
+      it(("to 1e-5 in float with gradients at lmax %d, in and out of lights"):format(lmax), function()
+        local there = agree(lmax, lights, points, { derivatives = 1, channels = "luminance" }, 1e-5)
+        assert.equal(1, there[4].inside:get(100))
+        assert.equal(1, there[4].inside:get(101))
+        assert.near(sqrt(4 * math.pi) * (2 * 0.2126 + 0.7152 + 0.5 * 0.0722), there[1]:get(100, 1, 1), 1)
+      end)
+    end
+
+    for _, lmax in ipairs { 0, 4, 10 } do
+      it(("to 1e-5 in float with Hessians and the metric at lmax %d"):format(lmax), function()
+        agree(lmax, lights, points, { derivatives = 2, channels = "luminance", metric = "luminance" }, 1e-5)
+      end)
+    end
+
+    it("of rgb, with the metric of luminance or of rgb", function()
+      for _, metric in ipairs { "luminance", "rgb" } do
+        agree(3, lights, points, { derivatives = 1, metric = metric }, 1e-5)
+        agree(3, lights, points, { metric = metric }, 1e-5)
+      end
+      agree(3, lights, points, { derivatives = 2, metric = "luminance" }, 1e-5)
+    end)
+
+    it("to 1e-12 in double", function()
+      if not gpu.limits.float64 then pending "the device does not compute in double" end
+      agree(3, lights, points, { derivatives = 2, dtype = "double", metric = "luminance" }, 1e-12)
+      agree(8, lights, points, { derivatives = 1, dtype = "double", channels = "luminance" }, 1e-12)
+    end)
+
+    for _, method in ipairs { "forward", "reversed" } do
+      it("of the product rule with loops " .. method, function()
+        agree(2, lights, points, { derivatives = 2, metric = "luminance", method = method }, 1e-5)
+        agree(4, lights, points, { derivatives = 1, channels = "luminance", method = method }, 1e-5)
+        agree(3, lights, points, { channels = "luminance", method = method }, 1e-5)
+        if gpu.limits.float64 then
+          agree(2, lights, points, { derivatives = 2, channels = "luminance", dtype = "double", method = method }, 1e-12)
+        end
+      end)
+    end
+
+    it("of ten thousand lights, of one, and of lights that are all of radius 0", function()
+      agree(2, random_lights(10000, 6, 8), random_points(65, 2, 9), { derivatives = 1, channels = "luminance" }, 1e-5)
+      agree(2, big, points, { derivatives = 1, channels = "luminance" }, 1e-5)
+      local there = agree(2, ylm.sphere_lights { at = { { 0, 0, 0 }, { 1, 0, 0 } }, radius = 0 }, points,
+        { derivatives = 1, channels = "luminance" }, 0)
+      assert.equal(0, there[1]:get(3, 1, 1))
+      assert.equal(0, there[4].pairs)
+    end)
+
+    it("of any number of points, none included", function()
+      for _, n in ipairs { 1, 2, 63, 64, 65, 129 } do
+        agree(2, lamps, random_points(n, 3, n), { derivatives = 1, channels = "luminance" }, 1e-5)
+      end
+      local none = ylm.zeros({ 0, 3 }, "float")
+      local L, dL = ylm.light_field(2, lamps, none, { derivatives = 1, device = gpu })
+      assert.same({ 0, 3, 9 }, L.shape)
+      assert.same({ 0, 3, 9, 3 }, dL.shape)
+    end)
+
+    it("of more points than go into one pass", function()
+      agree(2, big, ylm.array(random_points(70000, 4, 4), "float"), { derivatives = 1 }, 2e-5)
+    end)
+
+    it("near a light's surface and far away, against double, as accurate as the processor's float", function()
+      local next = random(17)
+      local function exact(x) return math.floor(x * 1048576) / 1048576 end
+      for _, ratio in ipairs { 1.001, 1.01, 1.1, 2, 10, 100, 1e4 } do
+        local at = { exact(next()), exact(next()), exact(next()) }
+        local x = { exact(2 + next()), exact(next() - 2), exact(next()) }
+        local d = sqrt((x[1] - at[1]) ^ 2 + (x[2] - at[2]) ^ 2 + (x[3] - at[3]) ^ 2)
+        local r = exact(d / ratio)
+        local lamp = ylm.sphere_light { at = at, radius = r, radiance = 1 }
+        local o = { derivatives = 2, channels = "luminance", device = gpu }
+        local there = { ylm.light_field(4, lamp, { x }, o) }
+        local truth = { light.evaluate("light_field", 4, light.pack(2, "light_field", lamp), ylm.array({ x }, "double"),
+          { derivatives = 2, channels = "luminance" }, "reference") }
+        for k = 1, 3 do
+          local e = worst(ylm.array(there[k]:totable(), "double"), truth[k])
+          local bound = 4e-6 + 1.5e-7 * d / (d - r)
+          assert(e <= bound, ("d/r %g, %d derivatives: %g > %g"):format(ratio, k - 1, e, bound))
+        end
+      end
+    end)
+  end)
+
+  describe("properties", function()
+    it("a point's result does not depend on the others", function()
+      local o = { derivatives = 1, device = gpu }
+      local all = { ylm.light_field(3, lamps, points, o) }
+      local one = { ylm.light_field(3, lamps, points[77], o) }
+      for k = 1, 2 do
+        local _, e = core.array_distance(all[k][77], one[k])
+        assert.equal(0, e)
+      end
+    end)
+
+    it("lights stay in the device's memory in an object that stands for lights", function()
+      local there = gpu:lights(lights)
+      assert.equal(151, there.count)
+      assert.equal("merged", there.method)
+      local a = ylm.light_field(2, there, points)
+      assert.equal(0, (select(2, core.array_distance(a, (ylm.light_field(2, lights, points, { device = gpu }))))))
+      local before = there.stages.lights.dispatches
+      ylm.light_field(2, there, points, { device = gpu, method = "merged" })
+      assert(there.stages.lights.dispatches > before and there.stages.lights.seconds > 0)
+      local arrays = gpu.stats.arrays
+      there:close()
+      assert(gpu.stats.arrays < arrays)
+      assert.equal("ylm.gpu_lights (closed)", tostring(there))
+      there:close()
+    end)
+
+    it("memory of a call's own lights is given back when it returns", function()
+      collectgarbage()
+      collectgarbage()
+      local arrays = gpu.stats.arrays
+      ylm.light_field(2, lights, points, { device = gpu })
+      assert.equal(arrays, gpu.stats.arrays)
+      assert.has_error(function() ylm.light_field(11, lights, points, { device = gpu }) end)
+      collectgarbage()
+      collectgarbage()
+      assert.equal(arrays, gpu.stats.arrays)
+    end)
+
+    it("progress counts points, and cancels", function()
+      local many, where = random_lights(10000, 6, 8), ylm.array(random_points(2000, 2, 9), "float")
+      local last, calls = 0, 0
+      local L = ylm.light_field(2, many, where, { channels = "luminance", device = gpu, progress = function(done, total, stage)
+        assert(done >= last and done <= total and total == 2000 and stage == "lights")
+        last, calls = done, calls + 1
+      end })
+      assert(L and calls >= 1 and last == 2000)
+      local none, message, code = ylm.light_field(2, many, where, { device = gpu, progress = function() return false end })
+      assert.is_nil(none)
+      assert.same({ "cancelled", "ECANCELLED" }, { message, code })
+    end)
+
+    it("lights cannot be closed by a progress function of a call that uses them", function()
+      local there, ok, says = gpu:lights(lamps), nil, nil
+      assert(ylm.light_field(2, there, points, { progress = function() ok, says = pcall(there.close, there) end }))
+      assert(ok == false and says:find "in use", says)
+      there:close()
+    end)
+  end)
+
+  describe("refusals", function()
+    local function refused(says, f, ...)
+      local ok, message = pcall(f, ...)
+      assert(not ok and message:find(says), message)
+      assert(message:find("^spec/vulkan_light_spec.lua:%d+: "), message)
+    end
+
+    it("degrees beyond those that there are kernels for", function()
+      refused("lmax must be 0 .. 10 for lights on a device, got 11", function()
+        return (ylm.light_field(11, lamps, points, { device = gpu }))
+      end)
+      refused("lmax must be 0 .. 8 for lights on a device with this method, got 9", function()
+        return (ylm.light_field(9, lamps, points, { device = gpu, method = "reversed" }))
+      end)
+    end)
+
+    it("what is no sphere light, no lights, points that are none", function()
+      local disk = ylm.disk_light { at = { 0, 0, 0 }, normal = { 0, 0, 1 }, radius = 1 }
+      refused("a device sums sphere lights", function()
+        return (ylm.light_field(2, { disk, big }, points, { device = gpu }))
+      end)
+      refused("at least one light expected", function() return (ylm.light_field(2, {}, points, { device = gpu })) end)
+      refused("a device sums sphere lights", function() return (gpu:lights(disk)) end)
+      refused("row 2 is not finite", function()
+        return (ylm.light_field(2, big, { { 0, 0, 0 }, { 0, 0 / 0, 0 } }, { device = gpu }))
+      end)
+      refused("point 1 is beyond 1e%+15", function()
+        return (ylm.light_field(2, big, { { 0, 1e16, 0 } }, { device = gpu }))
+      end)
+    end)
+
+    it("a method without a device, lights of another device, closed lights, what is no device", function()
+      refused("method: a choice for computing on a device", function()
+        return (ylm.light_field(2, big, points, { method = "merged" }))
+      end)
+      local there, other = gpu:lights(big), assert(ylm.vulkan.open { device = chosen })
+      refused("device: the lights are on another", function()
+        return (ylm.light_field(2, there, points, { device = other }))
+      end)
+      refused("method: gpu:lights has chosen it", function()
+        return (ylm.light_field(2, there, points, { device = gpu, method = "forward" }))
+      end)
+      refused("method: gpu:lights has chosen it", function()
+        return (ylm.light_field(2, there, points, { method = "merged" }))
+      end)
+      there:close()
+      refused("the lights have been closed", function() return (ylm.light_field(2, there, points)) end)
+      refused("the lights have been closed", function() return there.count end)
+      refused("device must be an open device", function() return (ylm.light_field(2, big, points, { device = 1 })) end)
+      other:close()
+      refused("closed", function() return (ylm.light_field(2, big, points, { device = other })) end)
+    end)
+
+    it("a device that was lost, in words; the processor goes on", function()
+      local own = assert(ylm.vulkan.open { device = chosen })
+      local there = own:lights(big)
+      require "ylm.c.vulkan".gpu_lose(own)
+      for _, lost in ipairs { there, big } do
+        local L, message, code = ylm.light_field(2, lost, points, { device = own })
+        assert(L == nil and code == "EDEVICE" and #message > 0, tostring(message))
+      end
+      assert(ylm.light_field(2, big, points))
+      own:close()
+    end)
+  end)
+end)
