@@ -558,7 +558,7 @@ describe("ylm.textured_light", function()
     core.array_fill(image:layer(), rows)
     local function make(tolerance)
       return ylm.textured_light { corner = { 0, 0, 0 }, u = { 2, 0, 0 }, v = { 0, 1, 0 }, image = image,
-        tolerance = tolerance }
+        tolerance = tolerance, largest = 1 }
     end
     local merged = make(0.1)
     assert.equal(2, merged.count)
@@ -567,5 +567,33 @@ describe("ylm.textured_light", function()
     local sum = 0
     for i = 1, 2 do sum = sum + math.pi * radius[i] ^ 2 * radiance:get(i, 1) end
     assert.is_near(2 * power, sum, 1e-6)
+  end)
+
+  it("stays near the full set of texels, whatever the image's shape", function()
+    for _, size in ipairs { { 61, 37 }, { 1, 7 }, { 5, 1 }, { 1, 1 }, { 33, 32 } } do
+      local w, h = size[1], size[2]
+      local image = ylm.image { size = size, layers = { { "radiance", 3 } } }
+      local rows, at, radiance = {}, {}, {}
+      for y = 1, h do
+        rows[y] = {}
+        for x = 1, w do
+          local u, v = (x - 0.5) / w, (y - 0.5) / h
+          local bright = (u - 0.7) ^ 2 + (v - 0.3) ^ 2 < 0.01
+          rows[y][x] = bright and { 4, 3.6, 3 } or { 0.3 + 0.4 * v, 0.4 + 0.4 * v, 0.9 }
+          at[#at + 1], radiance[#radiance + 1] = { -1 + 2 * u, 0.75 - 1.5 * v, 0 }, rows[y][x]
+        end
+      end
+      core.array_fill(image:layer(), rows)
+      local full = ylm.sphere_lights { at = at, radius = math.sqrt(3 / (w * h) / math.pi), radiance = radiance }
+      local x = { { 0, 0, -1 }, { 0.7, 0.4, -1.2 }, { -0.6, -0.3, -1.5 } }
+      local truth = ylm.light_field(4, full, x, { dtype = "double" })
+      for _, tolerance in ipairs { 0, 0.01, 0.1 } do
+        local lights = ylm.textured_light { corner = { -1, -0.75, 0 }, u = { 2, 0, 0 }, v = { 0, 1.5, 0 }, image = image,
+          tolerance = tolerance }
+        local e = relative(ylm.light_field(4, lights, x, { dtype = "double" }), truth)
+        assert(e < 4e-3, ("%dx%d tolerance %g: %.1e"):format(w, h, tolerance, e))
+        if w == 61 and tolerance == 0.1 then assert(lights.count < w * h / 5) end
+      end
+    end
   end)
 end)

@@ -9,6 +9,7 @@ local cases = {
   { "gradient_2022_table1.lua", "quick", "sloan, paper +67%.5" },
   { "gradient_2022_fig5.lua", "%s quick", "light's gradient: .* at most [%d.]+e%-" },
   { "gradient_2022_triangles.lua", "%s quick", "by shape" },
+  { "gradient_2022_table4.lua", "%s quick", "Table 4: .*%d+%.%d+ .*3 bands" },
 }
 
 describe("examples/papers", function()

@@ -155,8 +155,9 @@ polygon.disk_light = form.define("disk_light", {
 
 -- Textures -----------------------------------------------------------------------------------
 
---- Splits texels x0 .. x1, y0 .. y1 (one-based) until each part is of one colour to the tolerance.
-local function merge(texels, x0, y0, x1, y1, tolerance, emit)
+--- Splits texels x0 .. x1, y0 .. y1 (one-based) until each part is of one colour to the tolerance, and at most
+-- `wide` by `high` texels.
+local function merge(texels, x0, y0, x1, y1, tolerance, wide, high, emit)
   local sum, n, lo, hi = { 0, 0, 0 }, 0, { 1e300, 1e300, 1e300 }, { -1e300, -1e300, -1e300 }
   for y = y0, y1 do
     for x = x0, x1 do
@@ -172,15 +173,16 @@ local function merge(texels, x0, y0, x1, y1, tolerance, emit)
   local spread = math.max(hi[1] - lo[1], hi[2] - lo[2], hi[3] - lo[3])
   -- parts of strange proportions would make bad spheres
   local long = math.max((x1 - x0 + 1) / (y1 - y0 + 1), (y1 - y0 + 1) / (x1 - x0 + 1))
-  if (spread <= tolerance and long <= 2) or n == 1 then
+  local small = x1 - x0 + 1 <= wide and y1 - y0 + 1 <= high
+  if (spread <= tolerance and long <= 2 and small) or n == 1 then
     return emit(x0, y0, x1, y1, { sum[1] / n, sum[2] / n, sum[3] / n })
   end
   local mx, my = math.floor((x0 + x1) / 2), math.floor((y0 + y1) / 2)
   local split_x, split_y = x1 > x0 and (x1 - x0) * 2 >= y1 - y0, y1 > y0 and (y1 - y0) * 2 >= x1 - x0
-  merge(texels, x0, y0, split_x and mx or x1, split_y and my or y1, tolerance, emit)
-  if split_x then merge(texels, mx + 1, y0, x1, split_y and my or y1, tolerance, emit) end
-  if split_y then merge(texels, x0, my + 1, split_x and mx or x1, y1, tolerance, emit) end
-  if split_x and split_y then merge(texels, mx + 1, my + 1, x1, y1, tolerance, emit) end
+  merge(texels, x0, y0, split_x and mx or x1, split_y and my or y1, tolerance, wide, high, emit)
+  if split_x then merge(texels, mx + 1, y0, x1, split_y and my or y1, tolerance, wide, high, emit) end
+  if split_y then merge(texels, x0, my + 1, split_x and mx or x1, y1, tolerance, wide, high, emit) end
+  if split_x and split_y then merge(texels, mx + 1, my + 1, x1, y1, tolerance, wide, high, emit) end
 end
 
 polygon.textured_light = form.define("textured_light", {
@@ -194,6 +196,9 @@ polygon.textured_light = form.define("textured_light", {
     { "tolerance", "number", min = 0, default = 0,
       about = "texels this near in every channel, times the largest value, "
       .. "become one; 0 merges equal ones only" },
+    { "largest", "number", above = 0, max = 1, default = 1 / 8,
+      about = "most of the image's width and height that one sphere may stand for: a large sphere is near in front "
+      .. "of the image, and wrong there" },
   },
   build = function(values, fail)
     local layer = values.image:layer()
@@ -216,7 +221,8 @@ polygon.textured_light = form.define("textured_light", {
       for _, t in ipairs(row) do for c = 1, #t do largest = math.max(largest, math.abs(t[c])) end end
     end
     local at, radius, radiance = {}, {}, {}
-    merge(texels, 1, 1, w, h, values.tolerance * largest, function(x0, y0, x1, y1, colour)
+    local wide, high = math.max(1, values.largest * w), math.max(1, values.largest * h)
+    merge(texels, 1, 1, w, h, values.tolerance * largest, wide, high, function(x0, y0, x1, y1, colour)
       if colour[1] == 0 and colour[2] == 0 and colour[3] == 0 then return end
       local s, t = (x0 - 1 + x1) / (2 * w), 1 - (y0 - 1 + y1) / (2 * h)
       local k = #at + 1
@@ -231,7 +237,7 @@ polygon.textured_light = form.define("textured_light", {
 (function()
   local image = ylm.image { size = { 4, 2 }, layers = { { "radiance", 3 } } }
   image:fill(1, 1, 4, 2, { 1, 2, 3 })
-  local lights = ylm.textured_light { corner = { 0, 0, 0 }, u = { 2, 0, 0 }, v = { 0, 1, 0 }, image = image }
+  local lights = ylm.textured_light { corner = { 0, 0, 0 }, u = { 2, 0, 0 }, v = { 0, 1, 0 }, image = image, largest = 1 }
   assert(lights.count == 1)
   return lights
 end)()]],
