@@ -6,8 +6,9 @@
 -- Writes lobes_projection.png, lobes_rotation.png and lobes_product.png, and prints what they show.
 
 local ylm = require "ylm"
+local common = dofile((arg[0]:match "^(.*/)" or "./") .. "common.lua")
 
-local folder = arg and arg[1] or "."
+local folder = common.folder(arg[1] or ".")
 
 --- Pictures need VTK; without it the numbers are printed all the same.
 local function save(vectors, labels, title, name)

@@ -8,8 +8,9 @@
 -- distance 2 of radius 0.5: the analytic form with explicit polynomials against the moments that ylm sums.
 
 local ylm = require "ylm"
+local common = dofile((arg[0]:match "^(.*/)" or "./") .. "../common.lua")
 
-local folder, quick = arg and arg[1] or ".", arg and arg[2] == "quick"
+local folder, quick = common.folder(arg[1] or "."), arg[2] == "quick"
 local size = quick and 32 or 256
 local l, m = 6, 3
 local index = ylm.sh.index(l, m)

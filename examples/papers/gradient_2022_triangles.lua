@@ -7,8 +7,9 @@
 -- sphere alone, "times cos" the paper's Eq. 26; both against the exact polygon.
 
 local ylm = require "ylm"
+local common = dofile((arg[0]:match "^(.*/)" or "./") .. "../common.lua")
 
-local folder, quick = arg and arg[1] or ".", arg and arg[2] == "quick"
+local folder, quick = common.folder(arg[1] or "."), arg[2] == "quick"
 
 local points = {}
 for i = 0, quick and 2 or 5 do

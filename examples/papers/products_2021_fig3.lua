@@ -7,8 +7,9 @@
 -- n = 10, 15 and 20 on its processor.
 
 local ylm = require "ylm"
+local common = dofile((arg[0]:match "^(.*/)" or "./") .. "../common.lua")
 
-local folder, quick = arg and arg[1] or ".", arg and arg[2] == "quick"
+local folder, quick = common.folder(arg[1] or "."), arg[2] == "quick"
 local paper = { [10] = 3.0, [15] = 9.9, [20] = 21.7 }
 
 --- Microseconds of one product, the least of some runs over the same rows.

@@ -8,8 +8,9 @@
 -- One thread, float, microseconds per product.
 
 local ylm = require "ylm"
+local common = dofile((arg[0]:match "^(.*/)" or "./") .. "../common.lua")
 
-local folder, quick = arg and arg[1] or ".", arg and arg[2] == "quick"
+local folder, quick = common.folder(arg[1] or "."), arg[2] == "quick"
 local unpack = table.unpack or unpack -- luacheck: ignore
 
 local methods = {
