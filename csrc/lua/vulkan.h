@@ -35,9 +35,10 @@ void ylmL_gpu_type(lua_State *L, const char *name, const luaL_Reg *methods);
 
 /* Each X(name) is a file vulkan_NAME.c with ylmL_open_vulkan_NAME(L), which adds functions to the
    table on top. */
-#define YLML_VULKAN_BINDINGS(X)                                                                     \
+#define YLML_VULKAN_BINDINGS(X)                                                                    \
   X(array)                                                                                         \
-  X(light)
+  X(light)                                                                                         \
+  X(sh)
 
 #define X(name) void ylmL_open_vulkan_##name(lua_State *L);
 YLML_VULKAN_BINDINGS(X)

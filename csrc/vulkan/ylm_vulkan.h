@@ -269,6 +269,23 @@ YLM_API ylm_gpu *ylm_gpu_lights_device(const ylm_gpu_lights *l);
 /* Times of everything that the field has done so far, by stage. */
 YLM_API const ylm_gpu_times *ylm_gpu_lights_times(const ylm_gpu_lights *l);
 
+/* -- spherical harmonics ----------------------------------------------------- */
+
+/*
+** ylm_gpu_sh_eval - ylm_sh_eval on the device; arrays are the host's, copied in passes.
+**
+**   lmax   in   0 .. YLM_LMAX; with float 0 .. 128
+**   p      in   [n][3], y [n][count], dy [n][count][3], ddy [n][count][6]: as ylm_sh_eval has them
+**   times  out  stage "spherical harmonics"; may be NULL
+** YLM_ERANGE, YLM_EDOMAIN (points), YLM_EMISSING (double without float64), YLM_ELIMIT,
+** YLM_ENOMEM, YLM_EDEVICE, YLM_ECANCELLED
+** Accuracy relative to the largest of its degree: 1e-12 (double), 1e-5 (float)
+*/
+YLM_API ylm_status ylm_gpu_sh_eval(ylm_gpu *g, int lmax, int derivatives, bool solid, ylm_dtype t,
+                                   size_t n, const void *p, void *y, void *dy, void *ddy,
+                                   ylm_gpu_times *times, const ylm_progress *progress,
+                                   ylm_error *e);
+
 #ifdef __cplusplus
 }
 #endif

@@ -113,6 +113,8 @@ local eval_options = {
   { "kernel", "choice", of = { "reference", "sse2", "neon", "avx2", "avx512" }, optional = true,
     about = "the kernel set; default: the one in ylm.info().kernel" },
   { "threads", "integer", min = 0, max = 1024, default = 0, about = "0: YLM_THREADS or all cores" },
+  { "device", "object", of = "ylm.gpu", optional = true,
+    about = "a gpu of ylm.vulkan.open that computes instead; float to lmax 128, the method is solid" },
   { "out", "any", optional = true,
     about = "an array for the values, or a list of arrays {Y, dY, ddY}, to be written and returned" },
   { "progress", "progress", optional = true },
@@ -172,6 +174,17 @@ local function dtype_of(points, asked)
   return core.type(points) == "ylm.array" and select(2, core.array_info(points)) or "double"
 end
 
+--- Evaluates on a device; true, or nil, message, code.
+local function eval_on(gpu, lmax, p, out, options)
+  if options.method ~= "solid" or options.kernel then
+    return check.bad(3, "eval", "device goes with method 'solid' and without kernel")
+  end
+  local binding, message, code = require "ylm.vulkan".__use(3, "eval", gpu)
+  if not binding then return nil, message, code end
+  return check.result("eval", binding.gpu_sh_eval(gpu, lmax, p, out[1], out[2], out[3], options.solid,
+    progress.of(options.progress)))
+end
+
 describe "sh.eval" {
   about = "Evaluates every basis function of degree <= lmax at points, with derivatives.\n"
     .. "Y is taken at v/|v|, its derivatives are those of Y(v/|v|) with respect to v; exact at the poles too.",
@@ -187,7 +200,7 @@ describe "sh.eval" {
     { "ddY", "array", "[n][(lmax+1)^2][6]: xx xy xz yy yz zz, with derivatives = 2" },
   },
   errors = "raises on zero and non-finite points, naming the row, and where results are not representable; "
-    .. "nil, message, code where memory runs out or progress cancels",
+    .. "nil, message, code where memory runs out, progress cancels or a device fails",
   example = [[
 local Y, dY = ylm.sh.eval(4, { { 0, 0, 1 }, { 1, 2, 3 } }, { derivatives = 1 })
 assert(#Y == 2 and Y.shape[2] == 25 and dY.shape[3] == 3)]],
@@ -202,6 +215,11 @@ function sh.eval(lmax, points, options)
   local out, message, code = results("eval", options, single, n, count, dtype)
   if not out then return nil, message, code end
   local ok
+  if options.device then
+    ok, message, code = eval_on(options.device, lmax, p, out, options)
+    if not ok then return nil, message, code end
+    return out[1], out[2], out[3]
+  end
   ok, message, code = check.result("eval", core.sh_eval(lmax, p, out[1], out[2], out[3], options.solid,
     options.method, options.threads, options.kernel, progress.of(options.progress)))
   if not ok then return nil, message, code end

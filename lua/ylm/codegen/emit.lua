@@ -1,4 +1,5 @@
---- Turns outputs (nodes with names) into statements of C or GLSL.
+--- Turns outputs (nodes with names) into statements of C or GLSL; "shader" is GLSL for shaders/*.real.comp, whose
+-- element type is `real` and whose outputs go where macros say.
 --
 -- A node that is used more than once gets a temporary, in the order in which outputs need it; what
 -- is used once is written where it is used, unless the line grows too long.
@@ -43,7 +44,8 @@ local precedence = { ["+"] = 1, ["-"] = 1, ["*"] = 2, ["/"] = 2, negate = 3 }
 
 --- The statements, one a line, that compute `outputs` ({ array, index, node }, or { form, node } where form is the
 -- statement with %s for the expression).
-function emit.statements(outputs, language)
+-- before(output), where given, returns a line that precedes an output's statements, or nil.
+function emit.statements(outputs, language, before)
   local style = assert(languages[language])
   local roots = {}
   for i, out in ipairs(outputs) do roots[i] = out.node end
@@ -88,6 +90,7 @@ function emit.statements(outputs, language)
 
   for _, out in ipairs(outputs) do
     local text
+    lines[#lines + 1] = before and before(out)
     if out.node.op == "constant" then
       text = style.pure(number(out.node.value))
     else

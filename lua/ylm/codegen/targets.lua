@@ -13,6 +13,8 @@ targets[#targets + 1] = { "csrc/light/gen/gauss.c", "ylm.codegen.gauss" }
 targets[#targets + 1] = { "csrc/sh/gen/polynomial.h", "ylm.codegen.polynomial", 6 }
 targets[#targets + 1] = { "csrc/sh/gen/rotate_low.h", "ylm.codegen.rotate" }
 targets[#targets + 1] = { "csrc/sh/gen/gaunt_low.h", "ylm.codegen.gaunt" }
+targets[#targets + 1] = { "shaders/gen/sh.glsl", "ylm.codegen.sh_shader", { lmax = 4, solid = false } }
+targets[#targets + 1] = { "shaders/gen/sh_solid.glsl", "ylm.codegen.sh_shader", { lmax = 4, solid = true } }
 
 targets[#targets + 1] = { "shaders/gen/eigenvalue.glsl", "ylm.codegen.eigenvalue" }
 targets[#targets + 1] = { "shaders/gen/moments.glsl", "ylm.codegen.moments_glsl", 10 }

@@ -1,0 +1,177 @@
+/* sh.c - spherical harmonics on the device: low degrees unrolled, higher ones by recurrences. */
+#include "ylm_sh.h"
+#include "ylm_vulkan.h"
+
+#include <float.h>
+#include <math.h>
+
+enum { UNROLLED_LMAX = 4, FLOAT_LMAX = 128, GROUP = 64 };
+#define PASS_BYTES ((uint64_t)64 << 20)
+#define STAGE "spherical harmonics"
+
+typedef struct job {
+  ylm_gpu *g;
+  int lmax, order;
+  bool solid;
+  ylm_dtype t;
+  size_t count, rows;              /* coefficients; points of a pass */
+  ylm_gpu_buffer *points, *out[3]; /* of one pass */
+  ylm_gpu_buffer *none, *table;
+  ylm_gpu_kernel *kernel;
+} job;
+
+static const size_t width[3] = {1, 3, 6};
+
+static void clear(job *j) {
+  ylm_gpu_buffer_free(j->points);
+  for (int k = 0; k < 3; k++) ylm_gpu_buffer_free(j->out[k]);
+  ylm_gpu_buffer_free(j->none);
+  ylm_gpu_buffer_free(j->table);
+}
+
+static ylm_status choose_kernel(job *j, ylm_error *e) {
+  bool low = j->lmax <= UNROLLED_LMAX;
+  const char *name = low                  ? j->t == YLM_DOUBLE ? "sh_double" : "sh_float"
+                     : j->t == YLM_DOUBLE ? "sh_recurrence_double"
+                                          : "sh_recurrence_float";
+  uint32_t unrolled[] = {GROUP, (uint32_t)j->lmax, (uint32_t)j->order, j->solid};
+  uint32_t recurrence[] = {GROUP, (uint32_t)j->order, j->solid};
+  return ylm_gpu_kernel_get(j->g, name, low ? 4 : 3, low ? unrolled : recurrence, &j->kernel, e);
+}
+
+/* What csrc/sh refuses of points, in the same words. */
+static ylm_status check_points(const job *j, size_t n, const void *p, ylm_error *e) {
+  bool real = j->t == YLM_DOUBLE;
+  double exponent = (real ? DBL_MAX_EXP : FLT_MAX_EXP) - 3 - 2 * log2(j->lmax + 1.0);
+  double least = 0, most = real ? DBL_MAX : FLT_MAX;
+  if (j->solid && j->lmax > 0) most = fmin(most, exp2(exponent / j->lmax) / sqrt(3));
+  if (!j->solid && j->order > 0) least = exp2(-exponent / j->order);
+  for (size_t i = 0; i < n; i++) {
+    double largest = 0;
+    for (size_t c = 3 * i; c < 3 * i + 3; c++) {
+      double x = real ? ((const double *)p)[c] : (double)((const float *)p)[c];
+      if (!isfinite(x)) return ylm_fail(e, YLM_EDOMAIN, "point %zu is not finite", i + 1);
+      largest = fmax(largest, fabs(x));
+    }
+    if (largest == 0 && !j->solid)
+      return ylm_fail(e, YLM_EDOMAIN, "point %zu is zero: it has no direction", i + 1);
+    if (largest > most)
+      return ylm_fail(e, YLM_ERANGE, "point %zu is too long: |v|^%d overflows", i + 1, j->lmax);
+    if (largest < least)
+      return ylm_fail(e, YLM_ERANGE, "point %zu is too short: derivatives overflow", i + 1);
+  }
+  return YLM_OK;
+}
+
+/* The coefficients a b e A B b' c' of csrc/sh/sh_kernel.h for degree l and order q <= l. */
+static void coefficients(int l, int q, double k[7]) {
+  double n = 2.0 * l + 1, rho = sqrt(n / (n - 2)), d = (double)(l - q) * (l + q);
+  bool last = q == l;
+  k[0] = !last ? sqrt(n * (n - 2) / d) : l == 1 ? -sqrt(3) : -sqrt(n / (n - 1));
+  k[1] = l <= q + 1 ? 0 : sqrt(n * (l - 1 - q) * (l - 1 + q) / ((n - 4) * d));
+  k[2] = rho * sqrt(d);
+  k[3] = -0.5 * rho * sqrt((double)(l + q - 1) * (l + q) * (q == 1 ? 2 : 1));
+  k[4] = 0.5 * rho * sqrt((double)(l - q - 1) * (l - q) * (q == 0 ? 2 : 1));
+  k[6] = last ? 0 : rho * sqrt((double)(l + q) / (l - q));
+  k[5] = last ? 0 : k[0] - k[6];
+}
+
+/* The table of the recurrences, degrees 1 .. lmax. */
+static ylm_status create_table(job *j, ylm_error *e) {
+  size_t n = (size_t)j->lmax * ((size_t)j->lmax + 3) / 2 * 7, size = ylm_dtype_size(j->t);
+  void *table = ylm_alloc(n, size);
+  double k[7], *d = table;
+  float *f = table;
+  if (!table) return ylm_fail(e, YLM_ENOMEM, "%s", ylm_status_text(YLM_ENOMEM));
+  for (int l = 1; l <= j->lmax; l++)
+    for (int q = 0; q <= l; q++) {
+      coefficients(l, q, k);
+      for (int i = 0; i < 7; i++)
+        if (j->t == YLM_DOUBLE)
+          *d++ = k[i];
+        else
+          *f++ = (float)k[i];
+    }
+  ylm_status s = ylm_gpu_buffer_from(j->g, n * size, table, &j->table, e);
+  ylm_free(table);
+  return s;
+}
+
+/* Buffers of one pass. */
+static ylm_status prepare(job *j, size_t n, ylm_error *e) {
+  size_t size = ylm_dtype_size(j->t), row = width[j->order] * j->count * size, sum = 3 * size;
+  for (int k = 0; k <= j->order; k++) sum += width[k] * j->count * size;
+  uint64_t bind = ylm_gpu_about(j->g)->bind_bytes;
+  if (row > bind)
+    return ylm_fail(e, YLM_ELIMIT, "the device sees too little of a buffer for lmax %d", j->lmax);
+  j->rows = n;
+  if (j->rows > PASS_BYTES / sum) j->rows = PASS_BYTES / sum;
+  if (j->rows > bind / row) j->rows = bind / row;
+  if (j->rows < 1) j->rows = 1;
+  ylm_status s = choose_kernel(j, e);
+  if (s == YLM_OK) s = ylm_gpu_buffer_create(j->g, j->rows * 3 * size, &j->points, e);
+  for (int k = 0; s == YLM_OK && k <= j->order; k++)
+    s = ylm_gpu_buffer_create(j->g, j->rows * width[k] * j->count * size, &j->out[k], e);
+  if (s == YLM_OK) s = ylm_gpu_buffer_create(j->g, 0, &j->none, e);
+  return s == YLM_OK && j->lmax > UNROLLED_LMAX ? create_table(j, e) : s;
+}
+
+static ylm_status pass(job *j, size_t at, size_t n, const void *p, void *const out[3],
+                       ylm_gpu_times *times, const ylm_progress *progress, ylm_error *e) {
+  size_t size = ylm_dtype_size(j->t);
+  uint32_t push[2] = {(uint32_t)n, (uint32_t)j->lmax};
+  ylm_gpu_work w = {.verb = YLM_GPU_DISPATCH,
+                    .stage = STAGE,
+                    .kernel = j->kernel,
+                    .groups = (n + GROUP - 1) / GROUP,
+                    .cost = (double)j->count,
+                    .push = push,
+                    .push_bytes = j->table ? 8 : 4,
+                    .binds = j->table ? 5 : 4,
+                    .bind = {{.buffer = j->points}, [4] = {.buffer = j->table}}};
+  for (int k = 0; k < 3; k++) w.bind[1 + k].buffer = k <= j->order ? j->out[k] : j->none;
+  ylm_status s = ylm_gpu_upload(j->points, 0, n * 3 * size, (const char *)p + at * 3 * size, e);
+  if (s == YLM_OK) s = ylm_gpu_run(j->g, 1, &w, times, progress, e);
+  for (int k = 0; s == YLM_OK && k <= j->order; k++) {
+    size_t row = width[k] * j->count * size;
+    if (out[k]) s = ylm_gpu_download(j->out[k], 0, n * row, (char *)out[k] + at * row, e);
+  }
+  return s;
+}
+
+/* Progress of a pass as part of the whole. */
+typedef struct part {
+  const ylm_progress *whole;
+  double begin, share;
+} part;
+
+static bool step(void *user, uint64_t done, uint64_t total, const char *stage) {
+  const part *p = user;
+  double x = p->begin + p->share * (total ? (double)done / (double)total : 1);
+  return ylm_report(p->whole, (uint64_t)(x * 10000 + 0.5), 10000, stage) == YLM_OK;
+}
+
+ylm_status ylm_gpu_sh_eval(ylm_gpu *g, int lmax, int derivatives, bool solid, ylm_dtype t, size_t n,
+                           const void *p, void *y, void *dy, void *ddy, ylm_gpu_times *times,
+                           const ylm_progress *progress, ylm_error *e) {
+  job j = {.g = g, .lmax = lmax, .order = derivatives, .solid = solid, .t = t};
+  void *const out[3] = {y, dy, ddy};
+  ylm_status s = ylm_gpu_state(g, e);
+  if (s != YLM_OK) return s;
+  if (lmax < 0 || lmax > YLM_LMAX || derivatives < 0 || derivatives > 2)
+    return ylm_fail(e, YLM_ERANGE, "%s", ylm_status_text(YLM_ERANGE));
+  if (t == YLM_FLOAT && lmax > FLOAT_LMAX)
+    return ylm_fail(e, YLM_ERANGE, "float on a device goes to lmax %d: ask for double", FLOAT_LMAX);
+  s = check_points(&j, n, p, e);
+  if (s != YLM_OK || n == 0) return s;
+  j.count = ylm_sh_count(lmax);
+  s = prepare(&j, n, e);
+  for (size_t at = 0, rows; s == YLM_OK && at < n; at += rows) {
+    rows = n - at < j.rows ? n - at : j.rows;
+    part share = {progress, (double)at / (double)n, (double)rows / (double)n};
+    ylm_progress inner = {step, &share};
+    s = pass(&j, at, rows, p, out, times, progress ? &inner : NULL, e);
+  }
+  clear(&j);
+  return s;
+}
