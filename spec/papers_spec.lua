@@ -32,4 +32,17 @@ describe("examples/papers", function()
     assert.equal(0, status, out)
     assert(out:find("two lights, projected by quadrature", 1, true) and out:find("........#................", 1, true), out)
   end)
+
+  it("runs 04_moving_lights.lua, a small one", function()
+    local folder = scratch.new()
+    local out, status = scratch.capture(("%s examples/04_moving_lights.lua --out %s --width 64 --height 48 --samples 1 "
+      .. "--rays 1 --frames 3 --depth 6 --tolerance 0.05"):format(os.getenv "YLM_LUA" or "lua5.4",
+      scratch.quote(folder.path)))
+    local sheet = io.open(folder.path .. "/moving.png", "rb")
+    if sheet then sheet:close() end
+    folder:remove()
+    assert.equal(0, status, out)
+    assert(sheet, out)
+    assert(out:find("frames per second", 1, true), out)
+  end)
 end)

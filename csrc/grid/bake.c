@@ -59,12 +59,12 @@ static bool forward(void *user, uint64_t done, uint64_t total, const char *stage
 }
 
 /* Asks a field, and keeps the time. */
-static ylm_status ask(baker *b, const ylm_field *field, int want, size_t n, const float *points,
-                      ylm_field_result *r) {
+static ylm_status ask(baker *b, const ylm_field *field, int want, int channels, size_t n,
+                      const float *points, ylm_field_result *r) {
   const ylm_grid_form *f = &b->g->view.form;
   ylm_progress progress = {forward, b};
   ylm_field_query q = {.lmax = f->lmax,
-                       .channels = f->channels,
+                       .channels = channels,
                        .want = want,
                        .metric_channels = f->metric_channels == 3 ? 3 : 1,
                        .dtype = YLM_FLOAT,
@@ -81,11 +81,11 @@ static ylm_status ask(baker *b, const ylm_field *field, int want, size_t n, cons
 ylm_status baker_values(baker *b, size_t n, const float *points, float *value, uint8_t *inside) {
   ylm_field_result r = {.value = value, .inside = inside};
   memset(inside, 0, n);
-  return ask(b, b->source->field, YLM_WANT_VALUE, n, points, &r);
+  return ask(b, b->source->field, YLM_WANT_VALUE, b->g->view.form.channels, n, points, &r);
 }
 
-ylm_status baker_ask(baker *b, const ylm_field *field, bool metric, size_t n,
-                     const field_block *k) {
+ylm_status baker_ask(baker *b, const ylm_field *field, size_t n, field_block *k) {
+  const ylm_grid_form *f = &b->g->view.form;
   ylm_field_result r = {.value = k->value,
                         .gradient = k->gradient,
                         .hessian = k->hessian,
@@ -94,11 +94,24 @@ ylm_status baker_ask(baker *b, const ylm_field *field, bool metric, size_t n,
                         .inside = k->inside};
   memset(k->inside, 0, n);
   int want = YLM_WANT_VALUE | YLM_WANT_GRADIENT | (k->hessian ? YLM_WANT_HESSIAN : 0);
-  if (metric && b->g->view.form.metric_channels)
+  if (f->metric_channels)
     want |= YLM_WANT_METRIC;
   else
     for (size_t i = 0; i < n; i++) k->lambda[i] = k->norm[i] = NAN;
-  return ask(b, field, want, n, k->position, &r);
+  k->hessian_channels = f->channels;
+  return ask(b, field, want, f->channels, n, k->position, &r);
+}
+
+ylm_status baker_ask_few(baker *b, const ylm_field *field, size_t n, field_block *k) {
+  const ylm_grid_form *f = &b->g->view.form;
+  ylm_field_result r = {.value = k->value, .gradient = k->gradient, .inside = k->inside};
+  ylm_status s = ask(b, field, YLM_WANT_VALUE | YLM_WANT_GRADIENT, f->channels, n, k->position, &r);
+  if (s != YLM_OK || !k->hessian) return s;
+  ylm_field_result h = {.hessian = k->hessian, .inside = k->inside};
+  k->hessian_channels = f->metric_channels;
+  s = ask(b, field, YLM_WANT_HESSIAN, f->metric_channels, n, k->position, &h);
+  b->g->stats.pairs -= h.pairs; /* the same pairs again */
+  return s;
 }
 
 void ylm__grid_asked(const ylm_grid *g, uint32_t point, float out[3]) {
@@ -110,7 +123,7 @@ void ylm__grid_asked(const ylm_grid *g, uint32_t point, float out[3]) {
 /* Points that are evaluated together: those of a list, or from `first` on. */
 typedef struct evaluation {
   baker *b;
-  const field_block *block;
+  field_block *block;
   const uint32_t *list;
   size_t first;
 } evaluation;
@@ -167,7 +180,7 @@ static ylm_status evaluate_block(const evaluation *j, size_t n) {
   baker *b = j->b;
   for (size_t i = 0; i < n; i++)
     ylm__grid_asked(b->g, (uint32_t)point_of(j, i), j->block->position + 3 * i);
-  ylm_status s = baker_ask(b, b->source->field, true, n, j->block);
+  ylm_status s = baker_ask(b, b->source->field, n, j->block);
   if (s != YLM_OK) return s;
   s = ylm_parallel(n, 64, b->source->threads, store_block, (void *)(uintptr_t)j, NULL, NULL);
   return s == YLM_EDOMAIN ? not_finite(b, n, j->block) : s;

@@ -261,24 +261,52 @@ static void note_corners(ylm_grid *g, const ylm_grid_cell *parent) {
   }
 }
 
+/* The finest lattice cell on a side of a point; false if that is outside of the grid. */
+static bool side_of(const ylm_grid *g, const uint32_t at[3], int side, uint32_t beside[3]) {
+  bool out = false;
+  for (int a = 0; a < 3; a++) {
+    out |= side >> a & 1 ? at[a] == g->view.resolution[a] : at[a] == 0;
+    beside[a] = side >> a & 1 ? at[a] : at[a] - 1;
+  }
+  return !out;
+}
+
+typedef struct hanging_job {
+  const ylm_grid *g;
+  uint8_t *hanging; /* [evaluated] one bit per side */
+} hanging_job;
+
+static ylm_status find_hanging(void *context, size_t begin, size_t end, int worker) {
+  (void)worker;
+  const hanging_job *j = context;
+  for (size_t p = begin; p < end; p++) {
+    const uint32_t *at = j->g->lattice + 3 * p;
+    uint32_t beside[3];
+    j->hanging[p] = 0;
+    for (int side = 0; side < 8; side++)
+      if (side_of(j->g, at, side, beside) && hangs(j->g, &j->g->cell[finest(j->g, beside)], at))
+        j->hanging[p] |= (uint8_t)(1 << side);
+  }
+  return YLM_OK;
+}
+
+/* Splitting makes no point hang that did not: a corner of a cell is a corner of its child there. */
 ylm_status ylm__grid_make_continuous(ylm_grid *g, int threads) {
-  uint32_t resolution = g->view.resolution[0];
-  ylm_status s = YLM_OK;
+  uint8_t *hanging = ylm_alloc(g->evaluated, 1);
+  if (!hanging) return YLM_ENOMEM;
   for (size_t i = 0; i < g->view.octree_cells; i++)
     if (g->cell[i].child) note_corners(g, &g->cell[i]);
-  for (size_t p = 0; p < g->evaluated && s == YLM_OK; p++) {
-    uint32_t at[3];
-    memcpy(at, g->lattice + 3 * p, sizeof at);
+  hanging_job j = {g, hanging};
+  ylm_status s = ylm_parallel(g->evaluated, 512, threads, find_hanging, &j, NULL, NULL);
+  for (size_t p = 0; p < g->evaluated && s == YLM_OK; p++)
     for (int side = 0; side < 8 && s == YLM_OK; side++) {
-      uint32_t beside[3];
-      bool out = false;
-      for (int a = 0; a < 3; a++) {
-        out |= side >> a & 1 ? at[a] == resolution : at[a] == 0;
-        beside[a] = side >> a & 1 ? at[a] : at[a] - 1;
-      }
-      if (!out) s = split_beside(g, at, beside);
+      uint32_t at[3], beside[3];
+      if (!(hanging[p] >> side & 1)) continue;
+      memcpy(at, g->lattice + 3 * p, sizeof at); /* splitting may move the array */
+      side_of(g, at, side, beside);
+      s = split_beside(g, at, beside);
     }
-  }
+  ylm_free(hanging);
   return s == YLM_OK ? ylm__grid_interpolate_points(g, NULL, threads) : s;
 }
 

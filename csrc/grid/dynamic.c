@@ -92,6 +92,7 @@ ylm_status ylm__dynamic_begin(ylm_grid *g, const ylm_grid_source *source, ylm_er
 ylm_status ylm__dynamic_end(ylm_grid *g, occupancy *occupied) {
   g->dynamic->occupied = *occupied;
   *occupied = (occupancy){0};
+  ylm__dynamic_sign_all(g, g->dynamic->source.threads);
   g->stats.bytes += ylm__dynamic_bytes(g->dynamic);
   return YLM_OK;
 }
@@ -105,6 +106,9 @@ void ylm__dynamic_free(grid_dynamic *d) {
   ylm_free(d->hessian);
   ylm_free(d->size);
   ylm_free(d->drift);
+  ylm_free(d->sign);
+  ylm_free(d->born_sign);
+  ylm_free(d->cell_sign);
   ylm_free(d->occupied_points);
   occupancy_free(&d->occupied);
   lattice_hash_free(&d->forced);
@@ -114,7 +118,9 @@ void ylm__dynamic_free(grid_dynamic *d) {
 size_t ylm__dynamic_bytes(const grid_dynamic *d) {
   if (!d) return 0;
   return sizeof *d + d->lamps * (sizeof *d->lamp + sizeof *d->mover_of) +
-         d->movers * (sizeof *d->mover + d->room) + d->room * (d->bends + 2) * sizeof(float) +
+         d->movers * (sizeof *d->mover + d->room) +
+         d->room * ((d->bends + 2) * sizeof(float) + sizeof *d->sign) +
+         (d->born_room + d->cell_room) * sizeof *d->sign +
          d->source.occupied * 3 * ylm_dtype_size(d->source.occupied_dtype);
 }
 
@@ -136,6 +142,7 @@ ylm_status ylm__dynamic_reserve(ylm_grid *g) {
   size_t was = d->room, room = g->points + g->points / 4, row = d->bends * sizeof(float);
   if (room > SIZE_MAX / (row + 8)) return YLM_ENOMEM;
   if (row && !grow(&d->hessian, was * row, room * row)) return YLM_ENOMEM;
+  if (!grow(&d->sign, was * sizeof *d->sign, room * sizeof *d->sign)) return YLM_ENOMEM;
   if (!grow(&d->size, was * sizeof(float), room * sizeof(float)) ||
       !grow(&d->drift, was * sizeof(float), room * sizeof(float)))
     return YLM_ENOMEM;
@@ -147,12 +154,13 @@ ylm_status ylm__dynamic_reserve(ylm_grid *g) {
 
 bool ylm__dynamic_bends(const ylm_grid *g) { return g->dynamic && g->dynamic->bends > 0; }
 
-/* Coefficient i's six numbers of channel c of the metric, out of a block's row. */
-static void metric_hessian(const ylm_grid *g, const float *row, size_t c, size_t i, float out[6]) {
+/* Coefficient i's six numbers of channel c of the metric, out of a block's row of `channels`. */
+static void metric_hessian(const ylm_grid *g, int channels, const float *row, size_t c, size_t i,
+                           float out[6]) {
   static const float weight[3] = {(float)YLM_LUMINANCE_R, (float)YLM_LUMINANCE_G,
                                   (float)YLM_LUMINANCE_B};
   size_t count = (size_t)g->view.count;
-  bool mix = g->view.form.channels == 3 && g->view.form.metric_channels == 1;
+  bool mix = channels == 3 && g->view.form.metric_channels == 1;
   for (size_t a = 0; a < 6; a++) {
     if (!mix) {
       out[a] = row[(c * count + i) * 6 + a];
@@ -167,12 +175,12 @@ static void metric_hessian(const ylm_grid *g, const float *row, size_t c, size_t
 static void put_hessian(ylm_grid *g, uint32_t p, const field_block *k, size_t i, bool add) {
   grid_dynamic *d = g->dynamic;
   if (!d->bends) return;
-  const float *row = k->hessian + i * 6 * g->width;
+  const float *row = k->hessian + i * 6 * (size_t)k->hessian_channels * (size_t)g->view.count;
   float *to = d->hessian + p * d->bends, h[6];
   size_t count = (size_t)g->view.count, channels = (size_t)g->view.form.metric_channels;
   for (size_t c = 0; c < channels; c++)
     for (size_t j = 0; j < count; j++, to += 6) {
-      metric_hessian(g, row, c, j, h);
+      metric_hessian(g, k->hessian_channels, row, c, j, h);
       for (size_t a = 0; a < 6; a++) to[a] = h[a] + (add ? to[a] : 0);
     }
 }
@@ -192,6 +200,7 @@ void ylm__dynamic_store(ylm_grid *g, uint32_t p, const field_block *k, size_t i)
   put_hessian(g, p, k, i, false);
   d->size[p] = (float)norm_of(ylm__grid_row(g, p, 0), g->width);
   d->drift[p] = 0;
+  ylm__dynamic_sign(g, p);
   all_current(d, p);
 }
 
@@ -212,6 +221,16 @@ void ylm__dynamic_add(ylm_grid *g, uint32_t p, const field_block *k, size_t i) {
   g->dynamic->drift[p] += (float)(ROUNDING * (before + change));
 }
 
+/* cos(2/3 acos(t)) for t = (1+u)/2 in 0 .. 1, to 4e-9: Chebyshev interpolation (csrc/light). */
+static float third(float u) {
+  static const float c[] = {0.766044443f,     0.247409067f,    -0.0155091689f,   0.00246634011f,
+                            -0.000504279435f, 0.000116495476f, -2.84967340e-05f, 7.3851101e-06f,
+                            -2.49732176e-06f, 7.1227402e-07f};
+  float s = c[9];
+  for (int i = 8; i >= 0; i--) s = s * u + c[i];
+  return s;
+}
+
 /* The largest absolute eigenvalue of a symmetric matrix xx xy xz yy yz zz (Smith 1961). */
 static double largest_eigenvalue(const float h[6]) {
   double xx = (double)h[0], xy = (double)h[1], xz = (double)h[2], yy = (double)h[3],
@@ -221,9 +240,10 @@ static double largest_eigenvalue(const float h[6]) {
   if (!(p > 0)) return fabs(mean);
   double r =
       (a * (b * c - yz * yz) - xy * (xy * c - yz * xz) + xz * (xy * yz - b * xz)) / (2 * p2 * p);
-  double angle = acos(r < -1 ? -1 : r > 1 ? 1 : r) / 3;
-  return fmax(fabs(mean + 2 * p * cos(angle)),
-              fabs(mean + 2 * p * cos(angle + 2.09439510239319549231)));
+  float t = (float)(r < -1 ? -1 : r > 1 ? 1 : r);
+  double high = mean + 2 * p * (double)third(2 * sqrtf((1 + t) / 2) - 1);
+  double low = mean - 2 * p * (double)third(2 * sqrtf((1 - t) / 2) - 1);
+  return fmax(fabs(high), fabs(low));
 }
 
 void ylm__dynamic_measure(ylm_grid *g, uint32_t p) {
@@ -232,6 +252,7 @@ void ylm__dynamic_measure(ylm_grid *g, uint32_t p) {
   const float *row = ylm__grid_row(g, p, 0);
   size_t count = (size_t)g->view.count;
   d->size[p] = (float)norm_of(row, g->width);
+  ylm__dynamic_sign(g, p);
   if (!d->bends) return;
   double lambda = 0, norm = 0;
   for (size_t i = 0; i < d->bends; i += 6) {
@@ -262,5 +283,6 @@ void ylm__dynamic_move(ylm_grid *g, uint32_t from, uint32_t to) {
     memcpy(d->hessian + to * d->bends, d->hessian + from * d->bends, d->bends * sizeof *d->hessian);
   d->size[to] = d->size[from];
   d->drift[to] = d->drift[from];
+  d->sign[to] = d->sign[from];
   for (size_t m = 0; m < d->movers; m++) d->mover[m].seen[to] = d->mover[m].seen[from];
 }

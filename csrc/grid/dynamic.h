@@ -46,6 +46,11 @@ typedef struct grid_dynamic {
   float *size;        /* [room] norm of a point's values, all channels */
   float *drift;       /* [room] bound of what rounding has added up to */
 
+  /* Signatures: of evaluated points [room], of interpolated ones, of cells. sign.c */
+  uint64_t *sign, *born_sign, *cell_sign, form_sign;
+  size_t born_room, cell_room;
+  bool is_signed;
+
   occupancy occupied;
   ylm_grid_source source; /* of the bake, with a copy of its shading points; no field, no lights */
   void *occupied_points;
@@ -79,6 +84,10 @@ void ylm__dynamic_store(ylm_grid *g, uint32_t p, const field_block *k, size_t i)
 void ylm__dynamic_add(ylm_grid *g, uint32_t p, const field_block *k, size_t i);
 /* Lambda, norm and size of point p from its data. */
 void ylm__dynamic_measure(ylm_grid *g, uint32_t p);
+/* Signs an evaluated point's data. */
+void ylm__dynamic_sign(ylm_grid *g, uint32_t p);
+/* Signs what follows from signed points: filled and interpolated ones, cells. */
+void ylm__dynamic_sign_all(ylm_grid *g, int threads);
 /* Moves everything of point `from` to `to`. */
 void ylm__dynamic_move(ylm_grid *g, uint32_t from, uint32_t to);
 

@@ -130,7 +130,8 @@ ylm_status cell_list_push(cell_list *list, uint32_t cell);
 /* What the field writes for a block of points. */
 typedef struct field_block {
   float *position, *value, *gradient, *lambda, *norm;
-  float *hessian; /* [n][channels][count][6]; NULL where the grid is not dynamic */
+  float *hessian; /* [n][hessian_channels][count][6]; NULL where the grid is not dynamic */
+  int hessian_channels;
   uint8_t *inside;
   size_t room; /* points */
 } field_block;
@@ -170,8 +171,10 @@ ylm_status baker_point(baker *b, const uint32_t at[3], uint8_t flags, uint32_t *
 ylm_status baker_evaluate(baker *b);
 /* Evaluates the n points `list` anew. */
 ylm_status baker_evaluate_list(baker *b, size_t n, const uint32_t *list);
-/* Asks a field for the block's results at its first n positions, with or without the metric. */
-ylm_status baker_ask(baker *b, const ylm_field *field, bool metric, size_t n, const field_block *k);
+/* Asks a field for the block's results at its first n positions. */
+ylm_status baker_ask(baker *b, const ylm_field *field, size_t n, field_block *k);
+/* The same for few lights: no metric, and Hessians only of the channels that the metric is of. */
+ylm_status baker_ask_few(baker *b, const ylm_field *field, size_t n, field_block *k);
 /* Room in a block for the results of n points. */
 ylm_status baker_reserve_block(baker *b, field_block *k, size_t n);
 /* The float position that the field is asked at for a point. */

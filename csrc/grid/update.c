@@ -19,6 +19,7 @@ typedef struct undo {
   ylm_grid_cell *cell; /* the old cells, while new ones are made; else NULL */
   uint8_t *flags;
   float *lambda, *norm, *size, *drift;
+  uint64_t *sign;
   mover *mover;     /* [movers], with copies of `seen` */
   uint32_t *logged; /* points whose rows follow */
   float *data, *hessian;
@@ -66,8 +67,10 @@ static ylm_status remember(update *u) {
   o->norm = copy(g->norm, g->points * sizeof *o->norm);
   o->size = copy(d->size, g->evaluated * sizeof *o->size);
   o->drift = copy(d->drift, g->evaluated * sizeof *o->drift);
+  o->sign = copy(d->sign, g->evaluated * sizeof *o->sign);
   o->mover = copy(d->mover, d->movers * sizeof *o->mover);
-  if (!o->flags || !o->lambda || !o->norm || !o->size || !o->drift || !o->mover) return YLM_ENOMEM;
+  if (!o->flags || !o->lambda || !o->norm || !o->size || !o->drift || !o->sign || !o->mover)
+    return YLM_ENOMEM;
   for (size_t m = 0; m < d->movers; m++) o->mover[m].seen = NULL;
   o->movers = d->movers;
   for (size_t m = 0; m < d->movers; m++) {
@@ -122,6 +125,7 @@ static void restore(update *u) {
   memcpy(g->norm, o->norm, g->points * sizeof *g->norm);
   memcpy(d->size, o->size, g->evaluated * sizeof *d->size);
   memcpy(d->drift, o->drift, g->evaluated * sizeof *d->drift);
+  memcpy(d->sign, o->sign, g->evaluated * sizeof *d->sign);
   for (size_t i = 0; i < o->logs; i++) {
     size_t p = o->logged[i];
     memcpy(g->data + p * row, o->data + i * row, row * sizeof *g->data);
@@ -151,6 +155,7 @@ static void forget(update *u) {
   ylm_free(o->norm);
   ylm_free(o->size);
   ylm_free(o->drift);
+  ylm_free(o->sign);
   ylm_free(o->logged);
   ylm_free(o->data);
   ylm_free(o->hessian);
@@ -333,11 +338,11 @@ static ylm_status shift_points(update *u, const lamp *a, const lamp *b, size_t n
     }
   ylm_status s = ylm_lights_create(2, at, radius, radiance, &pair, u->b.e);
   if (s == YLM_OK) s = baker_reserve_block(&u->b, &u->b.block, n);
-  const field_block *k = &u->b.block;
+  field_block *k = &u->b.block;
   for (size_t i = 0; s == YLM_OK && i < n; i += k->room) {
     size_t now = n - i < k->room ? n - i : k->room;
     for (size_t p = 0; p < now; p++) ylm__grid_asked(u->g, list[i + p], k->position + 3 * p);
-    s = baker_ask(&u->b, ylm_lights_field(pair), false, now, k);
+    s = baker_ask_few(&u->b, ylm_lights_field(pair), now, k);
     shift_job j = {u->g, k, list + i};
     if (s == YLM_OK) s = ylm_parallel(now, 64, u->source.threads, add_range, &j, NULL, NULL);
   }
@@ -563,6 +568,7 @@ static ylm_status follow(update *u) {
   }
   commit(u, of);
   retire(u->d, g->evaluated);
+  ylm__dynamic_sign_all(g, u->source.threads);
   ylm__grid_sync(g);
   return s;
 }

@@ -123,6 +123,13 @@ YLM_API ylm_status ylm_grid_bake(const ylm_grid_form *form, const ylm_grid_sourc
                                  ylm_grid **g, ylm_error *e);
 YLM_API void ylm_grid_free(ylm_grid *g);
 
+/* How many points were outside, and how many in voxels without data of their own (there the
+   nearest evaluated ancestor answers, in a uniform grid the nearest voxel that has data). */
+typedef struct ylm_grid_report {
+  uint64_t outside, unbaked;
+  double seconds;
+} ylm_grid_report;
+
 /* -- moving lights ------------------------------------------------------------- */
 
 typedef struct ylm_grid_change {
@@ -155,6 +162,21 @@ typedef struct ylm_grid_change {
 YLM_API ylm_status ylm_grid_update(ylm_grid *g, const ylm_grid_change *change, ylm_error *e);
 /* True while an update runs: the grid must not be used from its progress function. */
 YLM_API bool ylm_grid_updating(const ylm_grid *g);
+
+/*
+** ylm_grid_sign - signatures of what samples at n points depend on, of a dynamic grid.
+**
+** A sample at a point is what it was if its signature is what it was; 0 promises nothing. So what
+** has been computed from samples can be kept over updates.
+**
+**   points  in   [n][3]
+**   sign    out  [n]
+**   report  out  outside and unbaked are added to
+**
+** Returns  false where the grid has no signatures: it is not dynamic
+*/
+YLM_API bool ylm_grid_sign(const ylm_grid *g, size_t n, const float *points, uint64_t *sign,
+                           ylm_grid_report *report);
 
 /* -- looking inside ---------------------------------------------------------- */
 
@@ -232,13 +254,6 @@ typedef struct ylm_grid_query {
   int threads;                  /* 0: the default */
   const ylm_progress *progress; /* may be NULL */
 } ylm_grid_query;
-
-/* How many points were outside, and how many in voxels without data of their own (there the
-   nearest evaluated ancestor answers, in a uniform grid the nearest voxel that has data). */
-typedef struct ylm_grid_report {
-  uint64_t outside, unbaked;
-  double seconds;
-} ylm_grid_report;
 
 /*
 ** ylm_grid_sample - interpolate coefficients at n points.

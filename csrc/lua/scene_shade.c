@@ -81,10 +81,7 @@ static ylm_shade_mesh read_mesh(lua_State *L, int i) {
                           occludes};
 }
 
-/* Lamps as floats from double arrays at [n][3], radius [n], radiance [n][3], and of flat lamps,
-   which may be nil, triangles [t][9], disks [d][7], radiance [t+d][3]; the floats live in an array
-   left on the stack. */
-static bool read_lamps(lua_State *L, int i, ylm_shade_lamps *lamps) {
+bool ylmL_shade_lamps(lua_State *L, int i, ylm_shade_lamps *lamps) {
   ylmL_array *at = ylmL_array_check(L, i), *r = ylmL_array_check(L, i + 1);
   ylmL_array *c = ylmL_array_check(L, i + 2);
   size_t n = r->count;
@@ -123,7 +120,7 @@ static int shade_scene(lua_State *L) {
   for (int i = 1; i <= 3; i++) luaL_checktype(L, i, LUA_TTABLE);
   lua_settop(L, 9);
   size_t n = lua_rawlen(L, 1);
-  if (!read_lamps(L, 4, &lamps)) return ylmL_result(L, 0, YLM_ENOMEM, NULL);
+  if (!ylmL_shade_lamps(L, 4, &lamps)) return ylmL_result(L, 0, YLM_ENOMEM, NULL);
   ylm_shade_mesh *mesh = lua_newuserdata(L, (n + 1) * sizeof *mesh);
   for (size_t i = 0; i < n; i++) mesh[i] = read_mesh(L, (int)i + 1);
   ylm_shade_scene **s = lua_newuserdata(L, sizeof *s);

@@ -13,4 +13,9 @@ ylm_shade_view *ylmL_shade_view(lua_State *L, int i);
    NULL: *s says why. */
 ylmL_array *ylmL_shade_result(lua_State *L, int i, int axes, const size_t *shape, ylm_status *s);
 
+/* Lamps as floats from double arrays at [n][3], radius [n], radiance [n][3] from i on, and of flat
+   lamps, which may be nil, triangles [t][9], disks [d][7], radiance [t+d][3]; the floats live in an
+   array left on the stack. False without memory. */
+bool ylmL_shade_lamps(lua_State *L, int i, ylm_shade_lamps *lamps);
+
 #endif

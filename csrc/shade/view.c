@@ -136,6 +136,7 @@ ylm_status ylm_shade_view_create(const ylm_shade_scene *scene, const ylm_camera 
   if (!v) return YLM_ENOMEM;
   v->scene = scene;
   v->o = *o;
+  v->frame = frame;
   s = ylm__shade_primary(v, &frame);
   if (s == YLM_OK) s = make_transfer(v);
   v->o.progress = NULL;
@@ -222,12 +223,35 @@ ylm_status ylm_shade_resolve(const ylm_shade_view *v, int channels, const float 
   return ylm_parallel(v->stats.pixels, 4096, threads, resolve_pixels, &j, NULL, NULL);
 }
 
+typedef struct compose_job {
+  const ylm_shade_view *v;
+  const float *colours, *background;
+  float *out;
+} compose_job;
+
+static ylm_status compose_pixels(void *context, size_t begin, size_t end, int worker) {
+  (void)worker;
+  const compose_job *j = context;
+  const ylm_shade_view *v = j->v;
+  resolve_job values = {.v = v, .channels = 3, .values = j->colours};
+  for (size_t p = begin; p < end; p++) {
+    const shade_pixel *q = &v->pixel[p];
+    float rest = fmaxf(0, 1 - q->coverage - q->emitter), sum[3];
+    for (int c = 0; c < 3; c++) sum[c] = q->lamps[c] + rest * j->background[c];
+    for (size_t i = q[0].first; i < q[1].first; i++) {
+      float weight = v->entry[i].weight;
+      for (int c = 0; c < 3; c++)
+        sum[c] += weight * (v->corner ? entry_value(&values, i, c) : j->colours[3 * i + (size_t)c]);
+    }
+    memcpy(j->out + 3 * p, sum, sizeof sum);
+  }
+  return YLM_OK;
+}
+
 ylm_status ylm_shade_compose(const ylm_shade_view *v, const float *colours,
                              const float background[3], int threads, float *out) {
-  ylm_status s = ylm_shade_resolve(v, 3, colours, background, false, threads, out);
-  for (size_t p = 0; s == YLM_OK && p < v->stats.pixels; p++)
-    for (int c = 0; c < 3; c++) out[3 * p + (size_t)c] += v->pixel[p].lamps[c];
-  return s;
+  compose_job j = {v, colours, background, out};
+  return ylm_parallel(v->stats.pixels, 4096, threads, compose_pixels, &j, NULL, NULL);
 }
 
 /* -- layers -------------------------------------------------------------------- */

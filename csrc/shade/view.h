@@ -47,9 +47,17 @@ typedef struct shade_pixel {
   float lamps[3], coverage, emitter;
 } shade_pixel;
 
+/* Right, up and forward of a camera: dir = forward + x*right + y*up, x and y from -1 to 1 over
+   the image; dir has length 1 along the view axis. camera.c */
+typedef struct shade_frame {
+  double from[3], right[3], up[3], forward[3];
+  double pixel; /* height of a pixel at distance 1 */
+} shade_frame;
+
 struct ylm_shade_view {
   const ylm_shade_scene *scene;
   ylm_shade_options o;
+  shade_frame frame;
   ylm_shade_stats stats;
   size_t entries, points;
   shade_entry *entry;    /* [entries] in the order of pixels        */
@@ -66,12 +74,6 @@ void ylm__shade_surface(const ylm_shade_scene *s, const shade_entry *e, shade_su
 void ylm__shade_vertex(const ylm_shade_scene *s, uint32_t mesh, uint32_t vertex, bool back,
                        shade_surface *out);
 
-/* Right, up and forward of a camera: dir = forward + x*right + y*up, x and y from -1 to 1 over
-   the image; dir has length 1 along the view axis. camera.c */
-typedef struct shade_frame {
-  double from[3], right[3], up[3], forward[3];
-  double pixel; /* height of a pixel at distance 1 */
-} shade_frame;
 ylm_status ylm__shade_frame(const ylm_camera *c, int width, int height, shade_frame *f,
                             ylm_error *e);
 

@@ -174,6 +174,26 @@ YLM_API ylm_status ylm_shade_grid(const ylm_shade_view *view, const ylm_grid *gr
                                   const ylm_progress *progress, float *out, ylm_grid_report *report,
                                   ylm_error *e);
 
+/* What a view looked like under a dynamic grid: kept from one rendering to the next. */
+typedef struct ylm_shade_memory ylm_shade_memory;
+YLM_API ylm_status ylm_shade_memory_create(const ylm_shade_view *view, ylm_shade_memory **memory);
+YLM_API void ylm_shade_memory_free(ylm_shade_memory *memory);
+
+/*
+** ylm_shade_grid_again - ylm_shade_grid, which samples only what has changed since the last time.
+**
+**   memory  in/out  made for this view; 20 bytes per shading point
+**   fresh   out     points that were sampled
+**
+** Points whose signature (ylm_grid_sign) is that of the last time keep their radiance; results are
+** those of ylm_shade_grid. A grid that is not dynamic has no signatures: all is sampled.
+** Threads  one memory is for one caller at a time
+*/
+YLM_API ylm_status ylm_shade_grid_again(const ylm_shade_view *view, ylm_shade_memory *memory,
+                                        const ylm_grid *grid, ylm_grid_interpolation interpolation,
+                                        int threads, const ylm_progress *progress, float *out,
+                                        ylm_grid_report *report, uint64_t *fresh, ylm_error *e);
+
 /* Level of the leaf that holds each shading point and the error estimated for it (NaN: unknown);
    level, error [points]. */
 YLM_API ylm_status ylm_shade_grid_cells(const ylm_shade_view *view, const ylm_grid *grid,
@@ -243,6 +263,17 @@ YLM_API ylm_status ylm_shade_layer_write(const ylm_shade_view *view, ylm_shade_l
    colours [points][3], out [height][width][3]. */
 YLM_API ylm_status ylm_shade_compose(const ylm_shade_view *view, const float *colours,
                                      const float background[3], int threads, float *out);
+
+/*
+** ylm_shade_draw_lamps - draw spheres over an image of the view: lamps that are not in its scene.
+**
+** A lamp covers the part of a pixel by which the pixel's centre is inside of its rim, where no
+** surface is nearer than its centre; farther lamps first.
+**
+**   out  in/out  [height][width][3]
+*/
+YLM_API ylm_status ylm_shade_draw_lamps(const ylm_shade_view *view, const ylm_shade_lamps *lamps,
+                                        int threads, float *out);
 
 #ifdef __cplusplus
 }

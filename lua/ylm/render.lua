@@ -292,6 +292,10 @@ local function picture(name, p, radiance, o, cells)
   if not out then return nil, message, code end
   local function done(...) return assert(check.result(name, ...)) end
   done(lib.shade_compose(view, radiance, p.scene.background or { 0, 0, 0 }, threads, out:layer "radiance"))
+  if o.lamps then
+    local at, radius, emitted = light.arrays(light.pack(1, name, o.lamps))
+    done(lib.shade_draw_lamps(view, threads, out:layer "radiance", at, radius, emitted))
+  end
   if o.layers then
     for _, layer in ipairs { "normal", "position", "depth", "albedo", "coverage", "emitter" } do
       done(lib.shade_layer(view, layer, threads, out:layer(layer)))
@@ -381,6 +385,20 @@ local function check_truth(name, p, o)
   end
 end
 
+--- Radiance of a view under a dynamic grid: only what changed since the last time is sampled.
+local function shade_again(name, p, o, bar)
+  local m = made[p.view]
+  if not m.memory then
+    local memory, message, code = check.result(name, p.lib.shade_memory(p.view))
+    if not memory then return nil, message, code end
+    m.radiance, message, code = core.array_zeros({ p.stats.points, 3 }, "float")
+    if not m.radiance then return nil, message, code end
+    m.memory = memory
+  end
+  return check.result(name, p.lib.shade_grid_again(p.view, m.memory, o.grid, o.interpolation, o.threads or 0, bar,
+    m.radiance))
+end
+
 --- Renders a prepared view by a grid, or any object with a light field.
 local function by_grid(name, p, o)
   check_truth(name, p, o)
@@ -389,8 +407,12 @@ local function by_grid(name, p, o)
   local report, cells = new_report(p), nil
   local radiance, outside, unbaked, seconds
   if core.type(grid) == "ylm.grid" and lib.shade_grid then
-    radiance, outside, unbaked, seconds =
-      check.result(name, lib.shade_grid(p.view, grid, o.interpolation, threads, bar))
+    if grid.dynamic then
+      radiance, outside, unbaked, seconds, report.fresh = shade_again(name, p, o, bar)
+    else
+      radiance, outside, unbaked, seconds =
+        check.result(name, lib.shade_grid(p.view, grid, o.interpolation, threads, bar))
+    end
     if not radiance then return nil, outside, unbaked end
     report.outside, report.unbaked = outside, unbaked
     if o.layers then
@@ -452,7 +474,10 @@ end
 -- Methods of prepared views --------------------------------------------------------------------
 
 local prepare_options = list(view_fields "samples", transfer_fields, common)
-local prepared_render = list(grid_fields, layer_fields, common)
+local prepared_render = list(grid_fields, {
+  { "lamps", "any", optional = true,
+    about = "sphere lights to draw that are not in the prepared scene, because they move" },
+}, layer_fields, common)
 local prepared_reference = list(reference_fields, layer_fields, common)
 local prepared_raycast = list(ray_fields, {
   { "seed", "integer", min = 0, max = 2 ^ 32, optional = true, about = "default: that of the view" },
@@ -489,10 +514,12 @@ function render.prepare(s, given)
 end
 
 describe "prepared:render" {
-  about = "Shades a prepared view by a grid. Only sampling and shading are done, report.seconds.light says how long.",
+  about = "Shades a prepared view by a grid. Only sampling and shading are done, report.seconds.light says how long. "
+    .. "Of a grid made with dynamic = true only what grid:update changed since the last time is sampled.",
   arguments = { { "options", "table", "grid is needed" } },
   options = prepared_render,
-  returns = { { "image", "image", "" }, { "report", "table", report_text .. "outside, unbaked: shading points" } },
+  returns = { { "image", "image", "" }, { "report", "table", report_text .. "outside, unbaked: shading points; "
+    .. "of a dynamic grid fresh: those that were sampled" } },
   errors = "raises on a bad option; nil, message, code where memory runs out or it is cancelled",
   example = one_lamp .. [[
 local view = scene:prepare { size = { 32, 18 }, samples = 4 }

@@ -1,0 +1,109 @@
+/* lamps.c - lamps drawn over an image without rays: those that move are not in the traced scene. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "view.h"
+
+/* A lamp as the camera sees it. */
+typedef struct disc {
+  double to[3];       /* unit vector from the camera */
+  double depth, half; /* along the view axis; chord of half the angle it fills */
+  double x, y, reach; /* in pixels */
+  const float *radiance;
+} disc;
+
+typedef struct lamps_job {
+  const ylm_shade_view *v;
+  const disc *disc;
+  size_t n;
+  float *out;
+} lamps_job;
+
+static double dot3(const double a[3], const double b[3]) {
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+/* False if the lamp is behind the camera or around it, or off the image. */
+static bool project(const ylm_shade_view *v, const float sphere[4], const float *radiance,
+                    disc *d) {
+  const shade_frame *f = &v->frame;
+  double to[3], width = v->o.width, height = v->o.height, r = (double)sphere[3];
+  for (int a = 0; a < 3; a++) to[a] = (double)sphere[a] - f->from[a];
+  double far = sqrt(dot3(to, to)), z = dot3(to, f->forward);
+  if (!(r > 0) || !(z > r) || !(far > r)) return false;
+  double x = dot3(to, f->right) / dot3(f->right, f->right) / z;
+  double y = dot3(to, f->up) / dot3(f->up, f->up) / z;
+  *d = (disc){.depth = z, .half = 2 * sin(asin(r / far) / 2), .radiance = radiance};
+  for (int a = 0; a < 3; a++) d->to[a] = to[a] / far;
+  d->x = (x + 1) / 2 * width;
+  d->y = (1 - y) / 2 * height;
+  /* An ellipse: at most this far from the projected centre. */
+  d->reach = 1 + tan(d->half) * (far / z) * (far / z) * 1.5 / f->pixel;
+  return d->x + d->reach > 0 && d->x - d->reach < width && d->y + d->reach > 0 &&
+         d->y - d->reach < height;
+}
+
+/* How much of the pixel lies on the disc: by the distance of its centre from the rim. */
+static double covered(const ylm_shade_view *v, const disc *d, int px, int py) {
+  const shade_frame *f = &v->frame;
+  double x = 2 * (px + 0.5) / v->o.width - 1, y = 1 - 2 * (py + 0.5) / v->o.height, u[3];
+  for (int a = 0; a < 3; a++) u[a] = f->forward[a] + x * f->right[a] + y * f->up[a];
+  double length = sqrt(dot3(u, u)), cosine = dot3(u, d->to) / length;
+  /* Chords for angles: lamps are small, and what is far off is not covered by either. */
+  double off = sqrt(2 * (cosine < 1 ? 1 - cosine : 0)), pixel = f->pixel / (length * sqrt(length));
+  double radius = d->half / pixel, in = radius - off / pixel + 0.5;
+  in = in < 0 ? 0 : in > 1 ? 1 : in;
+  return radius < 0.5 ? in * 4 * radius * radius : in;
+}
+
+/* The part of a pixel that shows nothing nearer than `depth`. */
+static double open_part(const ylm_shade_view *v, size_t pixel, double depth) {
+  const shade_pixel *q = &v->pixel[pixel];
+  double hidden = 0;
+  for (size_t i = q[0].first; i < q[1].first; i++)
+    if ((double)v->entry[i].depth < depth) hidden += (double)v->entry[i].weight;
+  return hidden < 1 ? 1 - hidden : 0;
+}
+
+static void draw(const lamps_job *j, const disc *d, int top, int bottom) {
+  const ylm_shade_view *v = j->v;
+  int x0 = (int)fmax(0, floor(d->x - d->reach)), y0 = (int)fmax(top, floor(d->y - d->reach));
+  int x1 = (int)fmin(v->o.width, ceil(d->x + d->reach));
+  int y1 = (int)fmin(bottom, ceil(d->y + d->reach));
+  for (int y = y0; y < y1; y++)
+    for (int x = x0; x < x1; x++) {
+      double part = covered(v, d, x, y);
+      size_t pixel = (size_t)y * (size_t)v->o.width + (size_t)x;
+      if (part > 0) part *= open_part(v, pixel, d->depth);
+      for (int c = 0; part > 0 && c < 3; c++) {
+        float *to = &j->out[3 * pixel + (size_t)c];
+        *to += (float)part * (d->radiance[c] - *to);
+      }
+    }
+}
+
+static ylm_status draw_rows(void *context, size_t begin, size_t end, int worker) {
+  (void)worker;
+  const lamps_job *j = context;
+  for (size_t i = 0; i < j->n; i++) draw(j, &j->disc[i], (int)begin, (int)end);
+  return YLM_OK;
+}
+
+static int far_first(const void *a, const void *b) {
+  double x = ((const disc *)a)->depth, y = ((const disc *)b)->depth;
+  return x > y ? -1 : x < y;
+}
+
+ylm_status ylm_shade_draw_lamps(const ylm_shade_view *v, const ylm_shade_lamps *lamps, int threads,
+                                float *out) {
+  disc *d = ylm_alloc(lamps->shape.spheres, sizeof *d);
+  lamps_job j = {v, d, 0, out};
+  if (!d) return YLM_ENOMEM;
+  for (size_t i = 0; i < lamps->shape.spheres; i++)
+    j.n += project(v, lamps->shape.sphere + 4 * i, lamps->radiance + 3 * i, &d[j.n]);
+  qsort(d, j.n, sizeof *d, far_first);
+  ylm_status s = ylm_parallel((size_t)v->o.height, 32, threads, draw_rows, &j, NULL, NULL);
+  ylm_free(d);
+  return s;
+}
