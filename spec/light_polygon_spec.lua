@@ -374,6 +374,42 @@ describe("ylm.polygon_light", function()
     end)
   end)
 
+  it("and disk_light stand in scene files, bake to a tolerance there and are shown", function()
+    local folder = require("spec.support.scratch").new()
+    local path = folder:write("flat.lua", [[
+return scene "flat" {
+  camera = camera { from = { 0, 1, 3 }, at = { 0, 0.2, 0 } },
+  geometry = { quad { corner = { -1, 0, 1 }, u = { 2, 0, 0 }, v = { 0, 0, -2 } } },
+  lights = {
+    polygon_light { vertices = { { -1, 2, -1 }, { 1, 2, -1 }, { 0, 2, 1 } }, radiance = 3, horizon = { 0, 1, 0 } },
+    disk_light { at = { 0.5, 1, 0 }, normal = { 1, 0, 0 }, radius = 0.2 },
+  },
+  probes = adaptive_grid { lmax = 3, depth = 5, tolerance = 0.02 },
+}]])
+    local scene = assert(ylm.load_scene(path))
+    local grid = assert(scene:bake { size = { 32, 24 }, samples = 1 })
+    assert(grid.stats.error <= 0.02, grid.stats.error)
+    local truth = scene:reference { size = { 32, 24 }, samples = 1, lmax = 3 }
+    local image = scene:render { grid = grid, size = { 32, 24 }, samples = 1 }
+    assert(image:compare(truth).rmse < 0.01 * image:compare(truth).peak)
+    local refused, message = ylm.load_scene(folder:write("bad.lua",
+      "local t = textured_light { corner = { 0, 0, 0 } } return scene 'x' {}"))
+    assert(refused == nil and message:find "there is no 'textured_light' in a scene file", message)
+    if require("ylm.picture").vtk() then
+      for _, what in ipairs { { scene = scene, lights = true }, { lights = scene.lights[2] }, { lights = scene.lights } } do
+        what.size = { 160, 160 }
+        local picture = folder.path .. "/lights.png"
+        assert(ylm.view(what):save(picture))
+        local lit = 0
+        for _, row in ipairs(ylm.load(picture):layer():totable()) do
+          for _, p in ipairs(row) do if p[3] > 0.3 then lit = lit + 1 end end
+        end
+        assert(lit > 20, lit)
+      end
+    end
+    folder:remove()
+  end)
+
   it("marks points on it, and gives the field of half the sphere there", function()
     local light = ylm.polygon_light { vertices = { { -1, 0, -1 }, { 1, 0, -1 }, { 0, 0, 1 } } }
     local on = { { 1, 0, -1 }, { 0, 0, 0 }, { 0.5, 0, -1 }, { 0.5, 0, 0 }, { 0, 1, 0 }, { 2, 0, 0 } }

@@ -68,7 +68,8 @@ for _, n in ipairs(quick and { 1, 4 } or { 1, 2, 4, 8, 12 }) do
 end
 local ok, message = ylm.plot { series = { { x = x, y = bare, label = "sphere" }, { x = x, y = cosine,
   label = "times |cos|" } },
-  log = true, title = "A square light of triangles", x_label = "triangles", y_label = "relative L2 error" }
+  log = true, legend = "bottom left",
+  title = "A square light of triangles", x_label = "triangles", y_label = "relative L2 error" }
   :save(folder .. "/gradient_2022_triangles.png")
 print(ok and "wrote gradient_2022_triangles.png" or "no picture: " .. tostring(message))
 

@@ -173,7 +173,7 @@ function light.pack(n, name, lights)
     local spheres = parts[2] and core.lights_join(parts) or parts[1]
     for _, other in ipairs(parts.others) do parts[#parts + 1] = other end
     if #parts == 1 then
-      flat_of[parts[1]] = parts.flat
+      if parts.flat then flat_of[parts[1]] = parts.flat end
       return parts[1]
     end
     local sum, message, code = check.result(name, core.light_sum(parts))

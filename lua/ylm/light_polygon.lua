@@ -123,7 +123,7 @@ polygon.polygon_light = form.define("polygon_light", {
 })
 
 --- Two unit vectors at right angles to n and to each other.
-local function frame(n)
+function polygon.frame(n)
   local length = math.sqrt(n[1] ^ 2 + n[2] ^ 2 + n[3] ^ 2)
   local x, y, z = n[1] / length, n[2] / length, n[3] / length
   local s = z < 0 and -1 or 1
@@ -144,7 +144,7 @@ polygon.disk_light = form.define("disk_light", {
     { "horizon", "vector", optional = true, about = "as of polygon_light" },
   },
   build = function(values, fail)
-    local u, v = frame(values.normal)
+    local u, v = polygon.frame(values.normal)
     local r = values.radius
     values.axes = { values.at, { r * u[1], r * u[2], r * u[3] }, { r * v[1], r * v[2], r * v[3] } }
     values.field = pack("disk_light", { values }, values.method, values.horizon, fail)

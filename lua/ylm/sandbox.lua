@@ -259,13 +259,16 @@ local function names_of(t)
 end
 
 --- The files of lua/ylm whose forms describe scenes.
-local describing = { camera = true, material = true, geometry = true, light = true, grid = true, scene = true }
+local describing = { camera = true, material = true, geometry = true, light = true, light_polygon = true, grid = true,
+  scene = true }
+--- Forms of these that are not for files: there are no images in them.
+local withheld = { scene = true, textured_light = true }
 
 --- The constructors, as files see them.
 local function constructors(env, state)
   for home in pairs(describing) do require("ylm." .. home) end
   for name, definition in pairs(form.defined) do
-    if name ~= "scene" and describing[definition.home] then
+    if not withheld[name] and describing[definition.home] then
       local construct = definition.construct
       env[name] = function(given)
         local object, message, code = construct(unwrap(given))

@@ -707,18 +707,61 @@ local function encode(x)
   return x <= 0.0031308 and 12.92 * x or 1.055 * x ^ (1 / 2.4) - 0.055
 end
 
+--- The colour of a light on the screen; a little white keeps saturated ones visible.
+local function lit(rgb)
+  local most = math.max(rgb[1], rgb[2], rgb[3], 1e-30)
+  for a = 1, 3 do rgb[a] = 0.15 + 0.85 * encode(math.max(0, rgb[a]) / most) end
+  return rgb
+end
+
+--- Triangles [t][9], and disks [d][7] as 48-gons, in the colours of radiance [t+d][3].
+local function add_flat_lights(stage, triangles, disks, radiance)
+  local position, colour, index = {}, {}, {} -- three rows to a triangle, no corner shared
+  local rgb, list = core.array_totable(radiance), core.array_totable(triangles)
+  local function corner(x, y, z, c)
+    position[#position + 1], colour[#colour + 1] = { x, y, z }, c
+    if #position % 3 == 0 then index[#index + 1] = { #position - 2, #position - 1, #position } end
+  end
+  for i, t in ipairs(list) do
+    local c = lit(rgb[i])
+    for k = 0, 2 do corner(t[3 * k + 1], t[3 * k + 2], t[3 * k + 3], c) end
+  end
+  for i, d in ipairs(core.array_totable(disks)) do
+    local c = lit(rgb[#list + i])
+    local u, w = require "ylm.light_polygon".frame { d[5], d[6], d[7] }
+    local function rim(k)
+      local a, b = d[4] * math.cos(math.pi * k / 24), d[4] * math.sin(math.pi * k / 24)
+      corner(d[1] + a * u[1] + b * w[1], d[2] + a * u[2] + b * w[2], d[3] + a * u[3] + b * w[3], c)
+    end
+    for k = 0, 47 do
+      corner(d[1], d[2], d[3], c)
+      rim(k)
+      rim(k + 1)
+    end
+  end
+  local function numbers(threes)
+    local a = assert(core.array_zeros({ #threes, 3 }, "double"))
+    core.array_fill(a, threes)
+    return a
+  end
+  local shape = core.shape(3)
+  run(core.shape_mesh(shape, numbers(position), nil, numbers(colour), numbers(index), 1))
+  add_surface(stage, shape, { ambient = 1, diffuse = 0, specular = 0 })
+end
+
 function fill.lights(stage, v)
   local light = require "ylm.light"
-  local packed = form.kind(v.lights) == "ylm.lights" and v.lights or light.pack(1, "view", v.lights)
+  local packed = core.has_field(v.lights) and v.lights or light.pack(1, "view", v.lights)
+  local triangles, disks, flat = light.patches(packed)
+  if triangles then add_flat_lights(stage, triangles, disks, flat) end
   local at, radius, radiance = light.arrays(packed)
   local c, r = core.array_totable(radiance), core.array_totable(radius)
   local least = stage.bounds and diagonal(stage.bounds) * 0.0022 or 0
   for i, rgb in ipairs(c) do
-    local most = math.max(rgb[1], rgb[2], rgb[3], 1e-30)
-    -- The colour of the light; a little white keeps saturated ones visible.
-    for a = 1, 3 do rgb[a] = 0.15 + 0.85 * encode(math.max(0, rgb[a]) / most) end
+    lit(rgb)
     r[i] = math.max(r[i], least)
   end
+  if #r == 0 then return end
   core.array_fill(radiance, c)
   core.array_fill(radius, r)
   local shape = core.shape(3)
