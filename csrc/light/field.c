@@ -92,10 +92,15 @@ static ylm_status sum(const ylm_lights *lights, ylm_isa isa, const ylm_field_que
   return s;
 }
 
+ylm_status ylm__lights_check(const ylm_field_query *q, ylm_isa isa, size_t n, const void *points,
+                             const ylm_field_result *r, ylm_error *e) {
+  ylm_status s = check_query(q, isa, r, e);
+  return s == YLM_OK ? check_points(q, n, points, e) : s;
+}
+
 ylm_status ylm_lights_evaluate(const ylm_lights *lights, ylm_isa isa, const ylm_field_query *q,
                                size_t n, const void *points, ylm_field_result *r, ylm_error *e) {
-  ylm_status s = check_query(q, isa, r, e);
-  if (s == YLM_OK) s = check_points(q, n, points, e);
+  ylm_status s = ylm__lights_check(q, isa, n, points, r, e);
   if (s != YLM_OK) return s;
   s = n ? sum(lights, isa, q, n, points, r) : YLM_OK;
   if (s != YLM_OK) return ylm_fail(e, s, "%s", ylm_status_text(s));

@@ -19,6 +19,7 @@ struct ylm_lights {
   size_t active;                  /* number of lights with a radius above 0 */
   ylm__lamp_f *lamp_f;            /* [active], in the order given */
   ylm__lamp_d *lamp_d;
+  struct ylm_light_tree *tree; /* NULL until a cut needs it */
 };
 
 /* How many channels of each kind of sum a query needs: 0, 1 (luminance) or 3 (rgb). */
@@ -43,6 +44,14 @@ double ylm__coupling(int a, int k, int p, int m);
 /* The reference: product rule, double, points begin .. end-1. */
 ylm_status ylm__reference_range(const ylm_lights *lights, const ylm_field_query *q, size_t begin,
                                 size_t end, const void *points, ylm_field_result *r);
+
+/* The tree of a set of lights, or NULL; YLM_ENOMEM. */
+ylm_status ylm__tree_create(const ylm_lights *lights, int threads, struct ylm_light_tree **tree);
+void ylm__tree_free(struct ylm_light_tree *tree);
+
+/* A query about sphere lights is sound. */
+ylm_status ylm__lights_check(const ylm_field_query *q, ylm_isa isa, size_t n, const void *points,
+                             const ylm_field_result *r, ylm_error *e);
 
 /* Whether lights' surfaces meet boxes. */
 ylm_status ylm__crosses(const ylm_field *f, size_t n, const double *boxes, uint8_t *out);

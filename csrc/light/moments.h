@@ -141,9 +141,15 @@ void ylm__plan_free(ylm__plan *p);
  *end-1. scratch is NULL at a worker's first call; what it then holds is freed by the caller. */
 typedef ylm_status ylm__sum_range(const ylm__plan *p, void **scratch, size_t begin, size_t end,
                                   const void *points, ylm_field_result *r);
+struct ylm__tree_plan;
+/* The same over a tree of lights (tree.h); scratch is of three, the first of which begins with the
+   number of lights and proxies that were summed, a uint64_t. */
+typedef ylm_status ylm__tree_range(const struct ylm__tree_plan *p, void **scratch, size_t begin,
+                                   size_t end, const void *points, ylm_field_result *r);
 typedef struct ylm__kernel_set {
   const ylm__moment_kernel *moments;
   ylm__sum_range *range;
+  ylm__tree_range *tree;
 } ylm__kernel_set;
 /* False where there are none (the reference). */
 bool ylm__kernels_of(ylm_isa isa, int lmax, ylm_dtype t, ylm__kernel_set *set);

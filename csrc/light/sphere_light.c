@@ -87,6 +87,7 @@ void ylm_lights_free(ylm_lights *l) {
   ylm_free(l->radiance);
   ylm_free(l->lamp_f);
   ylm_free(l->lamp_d);
+  ylm__tree_free(l->tree);
   ylm_free(l);
 }
 

@@ -1,11 +1,13 @@
 /* sum.isa.c - the loop over points and lights around the moment kernels, for both element types. */
 #include "ylm_simd.h"
 
-#include "moments.h"
+#include "tree.h"
 
 #if defined(__x86_64__)
 #include <immintrin.h>
 #endif
+
+#include "tree_walk.h"
 
 /* -- float --------------------------------------------------------------------------- */
 
@@ -18,6 +20,10 @@
 #define COEF coef_f
 #define TINY 1e-30f
 #define RANGE YLM_KERNEL(ylm__sum_range_f)
+#define TREE_RANGE YLM_KERNEL(ylm__tree_range_f)
+#define SMALL 1e-4f
+#define PROXIES proxies_f
+#define LEAVES leaf_f
 
 YLM_INLINE V NAME(root)(V x) {
 #if defined(__AVX512F__)
@@ -43,6 +49,7 @@ YLM_INLINE V NAME(third)(V u) {
 }
 
 #include "sum_body.h"
+#include "tree_body.h"
 
 #undef REAL
 #undef V
@@ -53,6 +60,12 @@ YLM_INLINE V NAME(third)(V u) {
 #undef COEF
 #undef TINY
 #undef RANGE
+#undef TREE_RANGE
+#undef SMALL
+#undef PROXIES
+#undef LEAVES
+#undef LIST
+#undef BROAD
 
 /* -- double -------------------------------------------------------------------------- */
 
@@ -65,6 +78,10 @@ YLM_INLINE V NAME(third)(V u) {
 #define COEF coef
 #define TINY 1e-280
 #define RANGE YLM_KERNEL(ylm__sum_range_d)
+#define TREE_RANGE YLM_KERNEL(ylm__tree_range_d)
+#define SMALL 1e-8
+#define PROXIES proxies_d
+#define LEAVES leaf_d
 
 YLM_INLINE V NAME(root)(V x) {
 #if defined(__AVX512F__)
@@ -95,3 +112,4 @@ YLM_INLINE V NAME(third)(V u) {
 }
 
 #include "sum_body.h"
+#include "tree_body.h"

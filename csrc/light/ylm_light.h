@@ -95,6 +95,58 @@ YLM_API ylm_status ylm_lights_evaluate(const ylm_lights *lights, ylm_isa isa,
                                        const ylm_field_query *q, size_t n, const void *points,
                                        ylm_field_result *r, ylm_error *e);
 
+/* -- many lights: csrc/light/tree*.c ------------------------------------------------------------
+ */
+
+/*
+** The field of sphere lights to a tolerance: lights that are far away from a point in relation to
+** what they span are summed as four proxy lights, by a tree that the lights keep once it is made.
+**
+**     ylm_light_cut *cut;
+**     if (ylm_light_cut_create(lamps, 1e-2, 0, &cut, &error) == YLM_OK) {
+**       const ylm_field *field = ylm_light_cut_field(cut);
+**       ...
+**       ylm_light_cut_free(cut);
+**     }
+**
+** The distance of the coefficients from the exact ones, in the L2 norm over all coefficients and
+** channels, is at most `tolerance` times the norm of the field that the lights would have if every
+** radiance were replaced by its absolute value: for lights that are not negative, the field itself.
+** Gradients and Hessians keep the same tolerance, each beside its own norm (Frobenius), or beside
+** 1/64 of the sum of the lights' norms where they cancel to less; so does lambda beside itself.
+** That holds at 99.9 % of points; at the others it is at most four times as much
+** (docs/performance.md). It comes on top of what float rounds, see ylm_lights_evaluate.
+** A point's result depends on the point, the lights and the query's lmax, channels, want and dtype
+** alone: neither on threads nor on other points. Sets of some thousand lights, and the reference's,
+** are summed exactly; `pairs` counts what was summed, proxies included.
+*/
+typedef struct ylm_light_cut ylm_light_cut;
+
+#define YLM_LIGHT_TOLERANCE_LEAST 1e-6
+#define YLM_LIGHT_TOLERANCE_MOST 0.5
+
+/*
+** ylm_light_cut_create - the field of `lights`, which must outlive it, to a tolerance.
+**
+**   tolerance  in  YLM_LIGHT_TOLERANCE_LEAST .. YLM_LIGHT_TOLERANCE_MOST
+**   threads    in  to make the tree with, if it is not there yet; 0: the default
+**
+** Returns  YLM_OK; YLM_ERANGE (tolerance); YLM_ENOMEM
+** Cost     O(n log n) and some 300 bytes per light where the tree is made
+** Threads  makes the lights' tree, so not to be called for the same lights at the same time
+** Source   docs/math.md "Many lights"; Walter et al. 2005 for the idea of a cut
+*/
+YLM_API ylm_status ylm_light_cut_create(ylm_lights *lights, double tolerance, int threads,
+                                        ylm_light_cut **cut, ylm_error *e);
+YLM_API void ylm_light_cut_free(ylm_light_cut *cut);
+YLM_API const ylm_field *ylm_light_cut_field(const ylm_light_cut *cut);
+/* The field's `evaluate` by the kernels of a given instruction set, as ylm_lights_evaluate. */
+YLM_API ylm_status ylm_light_cut_evaluate(const ylm_light_cut *cut, ylm_isa isa,
+                                          const ylm_field_query *q, size_t n, const void *points,
+                                          ylm_field_result *r, ylm_error *e);
+/* The memory that the lights' tree takes; 0 where there is none. */
+YLM_API size_t ylm_lights_tree_bytes(const ylm_lights *lights);
+
 /* -- for kernels elsewhere: csrc/light/maps.c ------------------------------------------------ */
 
 /* A sparse matrix: row i is the sum of coef[t] * x[index[t]] over t = start[i] .. start[i+1]-1. */

@@ -30,6 +30,7 @@
   X(grid)                                                                                          \
   X(light)                                                                                         \
   X(light_polygon)                                                                                 \
+  X(light_tree)                                                                                    \
   X(sandbox)                                                                                       \
   X(sh)                                                                                            \
   X(sh_rotate)                                                                                     \

@@ -178,6 +178,8 @@ static ylm_status call_field(lua_State *L, const ylm_field *f, const ylm_field_q
   if (lua_isnil(L, ISA)) return f->evaluate(f, q, n, points, r, e);
   ylm_polygons *p = ylmL_polygons(L, OBJECT);
   if (p) return ylm_polygons_evaluate(p, check_isa(L, ISA), q, n, points, r, e);
+  if (ylmL_test(L, OBJECT, "ylm.light_cut"))
+    return ylm_light_cut_evaluate(f->self, check_isa(L, ISA), q, n, points, r, e);
   return ylm_lights_evaluate(check_lights(L, OBJECT), check_isa(L, ISA), q, n, points, r, e);
 }
 

@@ -4,6 +4,7 @@ local array = require "ylm.array"
 local check = require "ylm.check"
 local core = require "ylm.c.core"
 local form = require "ylm.form"
+local light = require "ylm.light"
 local describe = require "ylm.reference".describe
 local outputs = require "ylm.outputs"
 
@@ -122,6 +123,7 @@ local bake_options = {
   { "bounds", "bounds", optional = true, about = "where the description has none" },
   { "seed", "integer", min = 0, max = 2 ^ 53, default = 1, about = "of the choice of held-out points" },
   { "max_points", "integer", min = 8, max = 2 ^ 32 - 2, default = 2 ^ 24, about = "nil, message, 'ELIMIT' beyond" },
+  light.tolerance_option "light_tolerance",
   { "threads", "integer", min = 1, max = 1024, optional = true, about = "default: YLM_THREADS or all cores" },
   { "progress", "progress", optional = true, about = "called as f(done, total, stage); returning false cancels" },
   { "device", "gpu", optional = true,
@@ -162,8 +164,16 @@ function grid.bake(description, lights, given)
     return check.bad(1, "bake", "an adaptive_grid or a uniform_grid expected, got %s", check.describe(description))
   end
   local o = form.options(3, "bake", bake_options, given)
-  local object = lights
-  if type(lights) ~= "function" then object = require "ylm.light".field(2, "bake", lights) end
+  if description.dynamic and o.light_tolerance then
+    return check.bad(3, "bake", "a grid with dynamic = true sums its lights exactly: leave light_tolerance out")
+  end
+  local packed, object, failed, why = lights, lights
+  if type(lights) ~= "function" then
+    packed, failed, why = light.field(2, "bake", lights)
+    if not packed then return nil, failed, why end
+    object, failed, why = light.within("bake", packed, o.light_tolerance, o.threads)
+    if not object then return nil, failed, why end
+  end
   if description.dynamic and core.type(object) ~= "ylm.lights" then
     return check.bad(2, "bake", "a grid with dynamic = true follows sphere lights, this is baked from %s",
       type(object) == "function" and "a function" or "another light field")
@@ -181,11 +191,13 @@ function grid.bake(description, lights, given)
   local progress = o.progress and require "ylm.progress".of(o.progress) or nil
   local on, made = object, nil
   if o.device then
+    if o.light_tolerance then
+      return check.bad(3, "bake", "light_tolerance: a device sums all lights; leave one out")
+    end
     if type(object) == "function" then return check.bad(3, "bake", "device: a device sums sphere lights, and no others") end
     if description.dynamic then
       return check.bad(3, "bake", "device: a dynamic grid follows its lights on the processor")
     end
-    local failed
     on, made, failed = device_lights.on(3, "bake", object, o)
     if not on then return nil, made, failed end
   end
@@ -205,7 +217,7 @@ function grid.bake(description, lights, given)
   end
   stages_of[baked] = device_lights.times(on, before)
   if made then on:close() end
-  if core.type(object) == "ylm.lights" then baked_from[baked] = object end
+  if core.type(packed) == "ylm.lights" then baked_from[baked] = packed end
   return baked
 end
 
@@ -259,7 +271,7 @@ assert(report.lights == 1 and report.points > 0)]],
 function methods.update(g, lights, given)
   open(g, "update")
   local o = form.options(2, "update", update_options, given)
-  local object = require "ylm.light".field(1, "update", lights)
+  local object = light.field(1, "update", lights)
   if core.type(object) ~= "ylm.lights" then
     return check.bad(1, "update", "a dynamic grid follows sphere lights, got another light field")
   end

@@ -94,7 +94,7 @@ light.sphere_lights = form.define("sphere_lights", {
 })
 
 --- What light.pack made of spheres and others -> the spheres, which alone are drawn and aimed at.
-local spheres_of = setmetatable({}, { __mode = "k" })
+local spheres_of, others_of = setmetatable({}, { __mode = "k" }), setmetatable({}, { __mode = "k" })
 
 --- Centres [n][3], radii [n] and radiances [n][3] of the spheres in what light.pack returned, as new double arrays.
 function light.arrays(packed)
@@ -178,7 +178,7 @@ function light.pack(n, name, lights)
     end
     local sum, message, code = check.result(name, core.light_sum(parts))
     if not sum then return nil, message, code end
-    spheres_of[sum], flat_of[sum] = spheres, parts.flat
+    spheres_of[sum], others_of[sum], flat_of[sum] = spheres, parts.others, parts.flat
     return sum
   end
   if #parts == 0 then return check.bad(n, name, "at least one light expected, got an empty list") end
@@ -196,6 +196,30 @@ function light.field(n, name, value)
   return light.pack(n, name, value)
 end
 
+-- To a tolerance ------------------------------------------------------------------------
+
+--- The option that says how exactly lights are summed, by the name it has here.
+function light.tolerance_option(name)
+  return { name, "number", min = 1e-6, max = 0.5, optional = true,
+    about = "many sphere lights are summed by a tree, to this part of the light there is (its derivatives: of theirs) "
+      .. "at 99.9 % of points; default: exactly" }
+end
+
+--- A packed object to a tolerance (nil: as it is). Its sphere lights are summed by a tree, which they keep; others as
+-- ever.
+function light.within(name, object, tolerance, threads)
+  if not tolerance then return object end
+  if core.type(object) == "ylm.lights" then
+    return check.result(name, core.light_cut(object, tolerance, threads or 0))
+  end
+  if not spheres_of[object] then return object end
+  local cut, message, code = check.result(name, core.light_cut(spheres_of[object], tolerance, threads or 0))
+  if not cut then return nil, message, code end
+  local parts = { cut }
+  for i, other in ipairs(others_of[object]) do parts[i + 1] = other end
+  return check.result(name, core.light_sum(parts))
+end
+
 -- ylm.light_field ------------------------------------------------------------------------
 
 --- What light.evaluate and ylm.light_field take as options.
@@ -206,6 +230,7 @@ local options = {
     about = "also report.lambda (norm of the Hessians' largest eigenvalues) and report.norm, of these channels" },
   { "dtype", "choice", of = { "float", "double" }, optional = true,
     about = "element type; that of the points where they are an array, else float" },
+  light.tolerance_option "tolerance",
   { "threads", "integer", min = 1, max = 1024, optional = true, about = "default: YLM_THREADS or all cores" },
   { "out", "any", optional = true, about = "an array, or a list of them, shaped and typed like the results, which they take" },
   { "progress", "progress", optional = true, about = "called as f(done, total, stage); returning false cancels" },
@@ -257,12 +282,15 @@ assert(#L == 2 and L.shape[2] == 3 and L.shape[3] == 25 and dL.shape[4] == 3)]],
 function light.light_field(lmax, lights, points, given)
   check.integer(1, "light_field", "lmax", lmax, 0, 100)
   local o = form.options(4, "light_field", options, given)
-  local object, made = light.field(2, "light_field", lights)
+  local object, made, code = light.field(2, "light_field", lights)
+  if not object then return nil, made, code end
   if o.device or o.method then
-    local code
+    if o.tolerance then return check.bad(4, "light_field", "tolerance: a device sums all lights; leave one out") end
     object, made, code = require "ylm.vulkan_light".on(4, "light_field", object, o)
-    if not object then return nil, made, code end
+  else
+    object, made, code = light.within("light_field", object, o.tolerance, o.threads)
   end
+  if not object then return nil, made, code end
   local dtype = o.dtype
   if not dtype then dtype = core.type(points) == "ylm.array" and points.dtype or "float" end
   local p, single = array.points(3, "light_field", points, dtype)

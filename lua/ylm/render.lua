@@ -100,8 +100,12 @@ local grid_fields = {
     about = "of the grid" },
 }
 
+-- Of the bake that a render without a grid makes first.
+local baked_fields = { light.tolerance_option "light_tolerance" }
+
 local reference_fields = {
   { "dtype", "choice", of = { "float", "double" }, default = "float", about = "in which light is summed" },
+  light.tolerance_option "light_tolerance",
 }
 
 local ray_fields = {
@@ -440,16 +444,19 @@ local function by_lights(name, p, o)
   check_truth(name, p, o)
   local start = core.seconds()
   local report = new_report(p)
-  local radiance, pairs, code = check.result(name, p.lib.shade_field(p.view, p.traced.lights, o.dtype, o.threads or 0,
+  local lights, message, code = light.within(name, p.traced.lights, o.light_tolerance, o.threads)
+  if not lights then return nil, message, code end
+  local radiance, pairs
+  radiance, pairs, code = check.result(name, p.lib.shade_field(p.view, lights, o.dtype, o.threads or 0,
     progress.resolve(o.progress)))
   if not radiance then return nil, pairs, code end
   local seconds = core.seconds() - start
   report.pairs = pairs
-  local out, message
+  local out
   out, message, code = picture(name, p, radiance, o)
   if not out then return nil, message, code end
   finish(report, start, seconds)
-  sign(out, p, "reference", report, { dtype = o.dtype, pairs = ("%.0f"):format(pairs) })
+  sign(out, p, "reference", report, { dtype = o.dtype, light_tolerance = o.light_tolerance, pairs = ("%.0f"):format(pairs) })
   return out, report
 end
 
@@ -620,6 +627,7 @@ local bake_options = list(view_fields "samples", {
       .. "a prepared view, or an array [n][3]" },
   { "shading", "choice", of = { "pixel", "vertex" }, default = "pixel",
     about = "with 'camera': what rays hit, or the vertices of the triangles they hit" },
+  light.tolerance_option "light_tolerance",
 }, common)
 
 --- The shading points that a bake is to serve, as an array; nil: everywhere. Else false, message, code.
@@ -672,10 +680,10 @@ function render.bake(s, given)
         or "occupied is empty")
   end
   return require("ylm.grid").bake(probes, t.lights, { occupied = points, bounds = bounds_of(t), threads = o.threads,
-    progress = o.progress })
+    progress = o.progress, light_tolerance = o.light_tolerance })
 end
 
-local render_options = list(view_fields "samples", transfer_fields, grid_fields, layer_fields, common)
+local render_options = list(view_fields "samples", transfer_fields, grid_fields, baked_fields, layer_fields, common)
 
 describe "scene:render" {
   about = "Renders a scene by a grid (default: scene:bake of what the camera sees).",
@@ -693,13 +701,17 @@ function render.render(s, given)
   check_scene("render", s)
   local o = form.options(1, "render", render_options, given)
   if not (o.grid == nil and s.probes) then check_grid("render", o.grid) end
+  if o.grid and o.light_tolerance then
+    return check.fail "render: light_tolerance is for baking the scene's probes, this grid is baked: leave one out"
+  end
   o.lmax = o.lmax or default_lmax(s, o.grid)
   local view, message, code = prepare("render", s, o)
   if not view then return nil, message, code end
   if not o.grid and made[view].stats.points == 0 then
     o.grid = made[view].traced.lights -- no grid can be baked for no points; no point will ask what light there is
   elseif not o.grid then
-    o.grid, message, code = render.bake(s, { occupied = view, threads = o.threads, progress = o.progress })
+    o.grid, message, code = render.bake(s, { occupied = view, threads = o.threads, progress = o.progress,
+      light_tolerance = o.light_tolerance })
     if not o.grid then return nil, message, code end
   end
   return by_grid("render", open("render", view), o)

@@ -12,6 +12,7 @@ return {
     { "occupied", nil, "NAME", "where light is needed: camera (default), vertices or everywhere" },
     { "size", "-s", "WxH", "of the image whose camera decides, default that of render" },
     { "samples", "-n", "N", "per pixel of it" },
+    { "light_tolerance", nil, "N", "sum many lights by a tree, to this part of the light; default: exactly" },
     { "threads", "-j", "N", "default: YLM_THREADS or all cores" },
   },
   run = function(given)
@@ -27,7 +28,8 @@ return {
       status.stop(status.script, "%s: the scene has no probes to bake (probes = adaptive_grid { ... })", given[1])
     end
     local grid = status.need(scene:bake { occupied = given.occupied, size = given.size, samples = given.samples,
-      threads = given.threads, progress = report.progress(given) })
+      light_tolerance = given.light_tolerance, threads = given.threads,
+      progress = report.progress(given) })
     status.need(grid:save(given.output))
     report.print(given, grid.stats)
   end,

@@ -18,6 +18,7 @@ return {
     { "shading", nil, "NAME", "pixel or vertex" },
     { "interpolation", nil, "NAME", "hermite, taylor or linear" },
     { "exposure", nil, "N", "of a .png, in stops" },
+    { "light_tolerance", nil, "N", "sum many lights by a tree, to this part of the light; default: exactly" },
     { "threads", "-j", "N", "default: YLM_THREADS or all cores" },
   },
   run = function(given)
@@ -31,6 +32,7 @@ return {
     local scene = status.need_scene(ylm.load_scene(given[1]))
     local options = { size = given.size, samples = given.samples, threads = given.threads,
       progress = report.progress(given) }
+    if method ~= "raycast" then options.light_tolerance = given.light_tolerance end
     if method == "grid" then
       options.shading, options.interpolation = given.shading, given.interpolation
       if given.grid then options.grid = status.need_kind("ylm.grid", "a grid", given.grid, ylm.load(given.grid))

@@ -76,6 +76,11 @@ return {
     { call = function(ylm)
       return ylm.bake(ylm.uniform_grid { bounds = box, cells = 1, lmax = 1, dynamic = true }, small(ylm))
     end, says = "dynamic = true follows sphere lights, this is baked from another light field" },
+    { call = function(ylm)
+      return ylm.bake(ylm.uniform_grid { bounds = box, cells = 1, lmax = 1, dynamic = true }, lamp(ylm),
+        { light_tolerance = 1e-2 })
+    end, says = "dynamic = true sums its lights exactly: leave light_tolerance out" },
+    { call = bake({ light_tolerance = 0 }), says = "light_tolerance must be a number >= 1e%-06 and <= 0.5, got 0" },
     { call = function(ylm) return ylm.bake() end, says = "an adaptive_grid or a uniform_grid expected, got nil" },
     { call = function(ylm) return ylm.bake(lamp(ylm), lamp(ylm)) end,
       says = "an adaptive_grid or a uniform_grid expected" },

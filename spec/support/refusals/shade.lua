@@ -100,14 +100,16 @@ return {
   ["scene:render"] = options("render", joined(view_cases, {
     { {}, "field 'grid' is missing" }, { { grid = 5 }, "grid must be a grid" },
     { { interpolation = "cubic" }, "interpolation" },
-    { { layers = 1 }, "layers must be" },
+    { { layers = 1 }, "layers must be" }, { { light_tolerance = 0 }, "light_tolerance must be a number >= 1e%-06" },
   })),
-  ["scene:reference"] = options("reference", joined(view_cases, { { { dtype = "half" }, "dtype must be" } })),
+  ["scene:reference"] = options("reference", joined(view_cases, { { { dtype = "half" }, "dtype must be" },
+    { { light_tolerance = 2 }, "light_tolerance must be a number >= 1e%-06 and <= 0.5, got 2" } })),
   ["scene:raycast"] = options("raycast", {
     { { samples = 0 }, "samples must be" }, { { pixel_samples = 0 }, "pixel_samples must be" },
     { { shadows = 1 }, "shadows must be" }, { { lmax = 4 }, "no field 'lmax'" },
   }),
   ["scene:bake"] = joined(options("bake", {
+    { { light_tolerance = -1 }, "light_tolerance must be a number >= 1e%-06" },
     { {}, "has no probes" }, { { probes = 5 }, "probes must be" }, { { samples = 0 }, "samples must be" },
   }), {
     { call = function(ylm)

@@ -1,0 +1,124 @@
+/*
+** tree.h - the tree over sphere lights, as its builder makes it and the kernels walk it.
+**
+** Private to csrc/light. A group holds two nodes side by side, so that a vector tests several
+*groups at once. A node stands for the lights below it: seen from far away by four proxy lights,
+** from near by its own group or, where it is a leaf, by its lights themselves.
+**
+** The tests work in the tree's units, in which the root's reach is 1 and all strengths add up to 1;
+** the lights and proxies that are summed keep the units of the scene.
+*/
+#ifndef YLM_LIGHT_TREE_H
+#define YLM_LIGHT_TREE_H
+
+#include "moments.h"
+
+#define YLM__LEAF 8    /* most lights of a leaf */
+#define YLM__GROUP 2   /* nodes of a group */
+#define YLM__PROXIES 4 /* lights that stand for a node; leaves with as many have none */
+
+/* Where a field of a block of lights stands: blocks are [field][lights]. */
+enum { YLM__X, YLM__Y, YLM__Z, YLM__R, YLM__E, YLM__LUM = YLM__E + 3, YLM__FIELDS };
+
+/* What strengths are: of the norm over rgb, or of luminance. */
+enum { YLM__STRENGTH_RGB, YLM__STRENGTH_LUM, YLM__STRENGTHS };
+
+/*
+** Nodes beside each other, field by field. The error of a node's proxies at the distance D is about
+**   G_(2+k)/D^(4+k) second + G_(3+k)/D^(5+k) third + G_(4+k)/D^(6+k) fourth
+** for the k-th derivative (tree_bound.c has G).
+*/
+typedef struct ylm__group {
+  float at[3][YLM__GROUP];                    /* centroid */
+  float reach[YLM__GROUP];                    /* of lights and proxies about it */
+  float strength[YLM__STRENGTHS][YLM__GROUP]; /* sum of |e| r^2 */
+  float second[YLM__STRENGTHS][YLM__GROUP];   /* moments that the proxies miss */
+  float third[YLM__STRENGTHS][YLM__GROUP];
+  float fourth[YLM__GROUP];   /* times strength */
+  uint32_t child[YLM__GROUP]; /* a group, or YLM__IS_LEAF | lights << YLM__COUNT_AT | leaf */
+} ylm__group;
+
+#define YLM__IS_LEAF 0x80000000u
+#define YLM__COUNT_AT 27 /* lights of a leaf, 0 .. 8, above the leaf's number */
+#define YLM__LEAF_MASK ((1u << YLM__COUNT_AT) - 1)
+#define YLM__NO_NODE YLM__IS_LEAF /* an empty place: a leaf without lights */
+
+typedef float ylm__leaf_f[YLM__FIELDS][YLM__LEAF];
+typedef double ylm__leaf_d[YLM__FIELDS][YLM__LEAF];
+typedef float ylm__proxies_f[YLM__FIELDS][YLM__PROXIES];
+typedef double ylm__proxies_d[YLM__FIELDS][YLM__PROXIES];
+
+typedef struct ylm_light_tree {
+  const ylm_lights *lights;
+  double centre[3], size, total; /* the tree's units: origin, length, strength */
+  ylm__group *group;             /* group 0 is empty, group 1 the root */
+  uint32_t groups, leaves;
+  int depth;           /* groups on the longest way down */
+  ylm__leaf_f *leaf_f; /* [leaves] */
+  ylm__leaf_d *leaf_d;
+  ylm__proxies_f *proxies_f; /* [groups][YLM__GROUP] */
+  ylm__proxies_d *proxies_d;
+} ylm_light_tree;
+
+/* Hessians of lights that together are below this part of the tolerance, by the sum of their norms,
+   are left out: errors of one sign, but bounded with much to spare. */
+#define YLM__SKIP 2
+/* Norms that cancel to less than this part of the sum of the lights' norms count as so much. */
+#define YLM__CANCELLED 64
+
+/* Fewer lights than this are never worth a tree, and 2^27 do not fit. */
+#define YLM__FEW 600
+
+/* -- tree_build.c: cutting the lights into groups -----------------------------------------------
+ */
+
+/* A node while the tree is built: lights order[begin] .. order[end-1]. */
+typedef struct ylm__branch {
+  uint32_t begin, end;
+} ylm__branch;
+
+/* -- tree_proxy.c -------------------------------------------------------------------------------
+ */
+
+/* Fills place `k` of group `g`: centroid, reach, what the proxies miss, and the proxies. `order`
+   names `n` lights. */
+void ylm__tree_node(ylm_light_tree *t, uint32_t g, int k, const uint32_t *order, size_t n);
+
+/* -- tree_bound.c -------------------------------------------------------------------------------
+ */
+
+/* The norms G_j of the j-th derivatives of a small light's coefficients at distance 1 for unit
+   e r^2, over degrees 0 .. lmax: j = 0 .. 6. */
+#define YLM__NORMS 7
+void ylm__tree_norms(int lmax, double G[YLM__NORMS]);
+
+/*
+** How a query is answered by a tree. `at[k]`: the strength that the k-th derivative's error is
+** measured by. A node is far for the k-th derivative where, with u = 1/D,
+**   u^(6+k) (second c[k][0] + third c[k][1] u + strength fourth c[k][2] u^2)^2 <= B_k strength
+** with B_k = (share_k tolerance scale_k/G_k)^2 / (sum over lights of strength u^(2+k)): the sum of
+** the squares of all errors is then at most (share tolerance scale_k)^2, however many nodes there
+*are.
+*/
+typedef struct ylm__tree_plan {
+  const ylm_light_tree *tree;
+  const ylm__plan *sums;  /* of the results */
+  const ylm__plan *pilot; /* of the scales: luminance sums of the strengths */
+  double tolerance;
+  bool want[3]; /* values, gradients, Hessians (or the metric) */
+  int at[3];
+  float c[3][3];              /* G_(2+k+j)/G_k */
+  double norm[3];             /* G_k */
+  double share[3];            /* how much of the bounds counts, inverse */
+  float widest, pilot_widest; /* largest reach/D of a node that is not opened */
+  int far_lum, far_rgb;       /* kinds that are summed of lights whose Hessians are negligible */
+  uint32_t *far_at;           /* [sums of far_lum, then of far_rgb]: where they stand among sums' */
+} ylm__tree_plan;
+
+ylm_status ylm__tree_plan_create(ylm__tree_plan *p, const ylm_light_tree *t, double tolerance,
+                                 const ylm__plan *sums, const ylm__plan *pilot);
+/* True if so many lights are summed faster by a tree. */
+bool ylm__tree_pays(const ylm_light_tree *t, int lmax, double tolerance);
+void ylm__tree_plan_free(ylm__tree_plan *p);
+
+#endif

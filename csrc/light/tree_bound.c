@@ -1,0 +1,101 @@
+/* tree_bound.c - how far proxies are from what they stand for, and what that means for a query. */
+#include "tree.h"
+
+#include <math.h>
+
+/*
+** Bounds by Taylor's formula are some ten times what errors are: the directions of moments and
+** derivatives seldom agree. How much of them counts was chosen so that spec/bench/many_lights.c
+*finds
+** the 99.9 % quantile of errors below the tolerance in all its scenes. Hessians of lights on walls
+** have the least to spare: there the errors of many nodes have the same sign.
+*/
+#define SHARE_VALUE 5
+#define SHARE_GRADIENT 4.5
+#define SHARE_HESSIAN 2.5
+#define SHARE_METRIC 4 /* eigenvalues forgive more */
+/* reach/D of nodes beyond which Taylor's formula says little; and in the pilot, whose nodes are one
+   light each and whose norms may be off by a third */
+#define WIDEST 0.6f
+#define PILOT_WIDEST 0.5f
+
+/*
+** The mean over the sphere of |j-th derivatives of d^a Y_lm|^2 at d = 1, all 3^j of them: a
+*gradient
+** has the degrees l+1 and l-1 in the shares of vector spherical harmonics,
+**   n_j(l,a) = (l+1)/(2l+1) (a-l)^2 n_(j-1)(l+1,a-1) + l/(2l+1) (a+l+1)^2 n_(j-1)(l-1,a-1),
+** n_0 = 1 (times 1/4pi, summed over m, it is the same in every direction).
+*/
+static double derivative_square(int j, int l, int a) {
+  if (j == 0) return 1;
+  double up = a - l, down = a + l + 1;
+  double s = (l + 1.0) / (2 * l + 1) * up * up * derivative_square(j - 1, l + 1, a - 1);
+  if (l > 0) s += l / (2.0 * l + 1) * down * down * derivative_square(j - 1, l - 1, a - 1);
+  return s;
+}
+
+void ylm__tree_norms(int lmax, double G[YLM__NORMS]) {
+  for (int j = 0; j < YLM__NORMS; j++) {
+    double s = 0;
+    for (int l = 0; l <= lmax; l++) s += (2 * l + 1) * derivative_square(j, l, -2);
+    G[j] = sqrt(M_PI / 4 * s); /* a small light's coefficients are pi e r^2/d^2 Y_lm */
+  }
+}
+
+/* Places of the sums of `few` kinds among those of `all`, in the kernels' order (moments.h). */
+static void find_places(int lmax, int all, int few, uint32_t *at) {
+  uint32_t next = 0;
+  int K = ylm__degree_of(lmax, all);
+  for (int m = 0; m <= K; m++)
+    for (int side = 0; side < (m ? 2 : 1); side++)
+      for (int k = m; k <= K; k++)
+        for (int kind = 0; kind < 3; kind++) {
+          if (ylm__has(lmax, few, kind, k)) *at++ = next;
+          next += ylm__has(lmax, all, kind, k);
+        }
+}
+
+ylm_status ylm__tree_plan_create(ylm__tree_plan *p, const ylm_light_tree *t, double tolerance,
+                                 const ylm__plan *sums, const ylm__plan *pilot) {
+  const ylm_field_query *q = sums->q;
+  bool metric = q->want & YLM_WANT_METRIC, rgb = q->channels == 3;
+  int hessians = q->want & YLM_WANT_HESSIAN ? q->channels : 0;
+  if (metric && q->metric_channels > hessians) hessians = q->metric_channels;
+  *p = (ylm__tree_plan){.tree = t, .sums = sums, .pilot = pilot, .tolerance = tolerance};
+  p->want[0] = metric || q->want & YLM_WANT_VALUE;
+  p->want[1] = q->want & YLM_WANT_GRADIENT;
+  p->want[2] = hessians;
+  if (metric && q->metric_channels == 3) rgb = true;
+  p->at[0] = p->at[1] = rgb ? YLM__STRENGTH_RGB : YLM__STRENGTH_LUM;
+  p->at[2] = hessians == 3 ? YLM__STRENGTH_RGB : YLM__STRENGTH_LUM;
+  double G[YLM__NORMS];
+  ylm__tree_norms(q->lmax, G);
+  for (int k = 0; k < 3; k++) {
+    p->norm[k] = G[k];
+    for (int j = 0; j < 3; j++) p->c[k][j] = (float)(G[2 + k + j] / G[k]);
+  }
+  p->share[0] = SHARE_VALUE;
+  p->share[1] = SHARE_GRADIENT;
+  p->share[2] = q->want & YLM_WANT_HESSIAN ? SHARE_HESSIAN : SHARE_METRIC;
+  p->widest = WIDEST;
+  p->pilot_widest = PILOT_WIDEST * fminf(1, sqrtf(5.0f / (float)(q->lmax + 1)));
+  p->far_lum = sums->kinds_lum & ~YLM__M2;
+  p->far_rgb = sums->kinds_rgb & ~YLM__M2;
+  size_t lum = (size_t)ylm__sum_count(q->lmax, p->far_lum);
+  size_t all = lum + (size_t)ylm__sum_count(q->lmax, p->far_rgb);
+  p->far_at = ylm_alloc(all, sizeof *p->far_at);
+  if (!p->far_at) return YLM_ENOMEM;
+  find_places(q->lmax, sums->kinds_lum, p->far_lum, p->far_at);
+  find_places(q->lmax, sums->kinds_rgb, p->far_rgb, p->far_at + lum);
+  return YLM_OK;
+}
+
+void ylm__tree_plan_free(ylm__tree_plan *p) { ylm_free(p->far_at); }
+
+/* Between 500 and 5000 lights and proxies are summed instead of 10^4 uniform lights, where
+   tolerances are 0.1 to 0.001 and lmax is 1 to 8; this is a third more, and pairs of a tree cost
+   more. */
+bool ylm__tree_pays(const ylm_light_tree *t, int lmax, double tolerance) {
+  double sums = (YLM__FEW + 20.0 * lmax * lmax) * cbrt(0.1 / tolerance);
+  return t && (double)t->lights->active >= sums;
+}

@@ -1,0 +1,221 @@
+/*
+** many_lights.c - error against speed of the tree of lights, and time against their number.
+**
+** Error: of value, gradient, Hessian (L2 over channels and coefficients, Frobenius over axes) and
+** lambda, each divided by that of the lights with the absolute values of their radiance, all
+*against
+** the exact sum; in units of the tolerance, the 99.9 % quantile and the largest over points.
+** Promised: at most 1 and at most 4. BENCH=quick takes fewer points.
+*/
+#include <math.h>
+
+#include "bench.h"
+#include "ylm_light.h"
+
+#ifndef LMAX
+#define LMAX 4
+#endif
+#define COUNT ((LMAX + 1) * (LMAX + 1))
+#define WIDTH (3 * COUNT)
+
+static const double tolerances[] = {1e-1, 1e-2, 1e-3};
+
+/* -- scenes in the unit cube ----------------------------------------------------------------- */
+
+typedef struct lamps {
+  size_t n;
+  double *at, *radius, *radiance;
+} lamps;
+
+enum { UNIFORM, CLUSTERED, WALLS, RADII, SIGNS, ALL, SCENES };
+static const char *const names[SCENES] = {"uniform",      "clustered", "wall-mounted",
+                                          "mixed radius", "signs",     "all of it"};
+
+static double normal(ylm_rng *r) {
+  double s = 0;
+  for (int i = 0; i < 12; i++) s += ylm_rng_double(r);
+  return s - 6;
+}
+
+static lamps scene(int kind, size_t n) {
+  lamps l = {n, ylm_alloc(n, 24), ylm_alloc(n, 8), ylm_alloc(n, 24)};
+  ylm_rng r;
+  ylm_rng_seed(&r, 7, (uint64_t)kind);
+  double centre[100][4], size = 0.25 * pow((double)n, -1.0 / 3);
+  for (int i = 0; i < 100; i++)
+    for (int a = 0; a < 4; a++) centre[i][a] = ylm_rng_double(&r);
+  bool coloured = kind == SIGNS || kind == ALL || kind == CLUSTERED,
+       signs = kind == SIGNS || kind == ALL;
+  for (size_t i = 0; i < n; i++) {
+    double *at = l.at + 3 * i;
+    int how = kind == ALL ? (int)(i % 3) : kind == SIGNS ? (int)(i & 1) : kind;
+    for (int a = 0; a < 3; a++) at[a] = ylm_rng_double(&r);
+    if (how == WALLS) {
+      uint32_t wall = ylm_rng_u32(&r) % 5;
+      at[wall % 3] = wall < 3 ? 0.999 : 0.001;
+    }
+    if (how == CLUSTERED) {
+      const double *c = centre[ylm_rng_u32(&r) % 100];
+      for (int a = 0; a < 3; a++) at[a] = c[a] + 0.03 * c[3] * normal(&r);
+    }
+    l.radius[i] = size;
+    if (kind == RADII || kind == ALL) l.radius[i] *= exp(log(100) * (ylm_rng_double(&r) - 0.7));
+    double e = 1, sign = signs && ylm_rng_u32(&r) & 1 ? -1 : 1;
+    for (int a = 0; a < 3; a++)
+      l.radiance[3 * i + (size_t)a] = sign * e * (coloured ? ylm_rng_double(&r) : 1 + 0.5 * a);
+    if (kind == ALL) l.radiance[3 * i] *= ylm_rng_u32(&r) & 1 ? -1 : 1;
+  }
+  return l;
+}
+
+static void scene_free(lamps *l) {
+  ylm_free(l->at);
+  ylm_free(l->radius);
+  ylm_free(l->radiance);
+}
+
+/* Half the points anywhere, half on a floor. */
+static double *places(size_t n) {
+  double *p = ylm_alloc(n, 3 * sizeof *p);
+  ylm_rng r;
+  ylm_rng_seed(&r, 3, 3);
+  for (size_t i = 0; i < n; i++)
+    for (size_t a = 0; a < 3; a++) p[3 * i + a] = a == 1 && i & 1 ? 0.01 : ylm_rng_double(&r);
+  return p;
+}
+
+/* -- errors ------------------------------------------------------------------------------------ */
+
+/* What is asked for, with what error is looked at: each with nothing stricter beside it. */
+enum { VALUE, GRADIENT, BAKE, HESSIAN, FORMS };
+static const int wants[FORMS] = {YLM_WANT_VALUE, YLM_WANT_VALUE | YLM_WANT_GRADIENT,
+                                 YLM_WANT_VALUE | YLM_WANT_GRADIENT | YLM_WANT_METRIC,
+                                 YLM_WANT_VALUE | YLM_WANT_GRADIENT | YLM_WANT_HESSIAN};
+static const char *const forms[FORMS] = {"value", "gradient", "lambda", "Hessian"};
+
+typedef struct answer {
+  void *value, *gradient, *hessian, *lambda, *norm;
+  double seconds, pairs;
+} answer;
+
+static answer ask(const ylm_field *f, ylm_dtype t, size_t n, const void *points, int form) {
+  size_t b = ylm_dtype_size(t);
+  answer a = {ylm_alloc(n, b * WIDTH),
+              ylm_alloc(n, 3 * b * WIDTH),
+              form == HESSIAN ? ylm_alloc(n, 6 * b * WIDTH) : NULL,
+              ylm_alloc(n, b),
+              ylm_alloc(n, b),
+              0,
+              0};
+  ylm_field_query q = {
+      .lmax = LMAX, .channels = 3, .want = wants[form], .metric_channels = 1, .dtype = t};
+  ylm_field_result r = {a.value, a.gradient, a.hessian, a.lambda, a.norm, NULL, 0};
+  double begin = ylm_seconds();
+  if (f->evaluate(f, &q, n, points, &r, NULL) != YLM_OK) abort();
+  a.seconds = ylm_seconds() - begin;
+  a.pairs = (double)r.pairs;
+  return a;
+}
+
+static void answer_free(answer *a) {
+  ylm_free(a->value), ylm_free(a->gradient), ylm_free(a->hessian);
+  ylm_free(a->lambda), ylm_free(a->norm);
+}
+
+/* Distance of x from y over `width` numbers; y NULL: from zero. */
+static double distance(const double *x, const double *y, size_t width, bool tensor) {
+  static const double times[6] = {1, 2, 2, 1, 2, 1};
+  double s = 0;
+  for (size_t i = 0; i < width; i++) {
+    double d = x[i] - (y ? y[i] : 0);
+    s += (tensor ? times[i % 6] : 1) * d * d;
+  }
+  return sqrt(s);
+}
+
+/* The error of point i in what a form looks at. */
+static double error_of(const answer *a, const answer *exact, const answer *whole, size_t i,
+                       int form) {
+  size_t w = form == BAKE ? 1 : form == VALUE ? WIDTH : form == GRADIENT ? 3 * WIDTH : 6 * WIDTH;
+  const double *x[3];
+  const answer *from[3] = {a, exact, whole};
+  for (int k = 0; k < 3; k++) {
+    const double *all[FORMS] = {from[k]->value, from[k]->gradient, from[k]->lambda,
+                                from[k]->hessian};
+    x[k] = all[form] + i * w;
+  }
+  return distance(x[0], x[1], w, form == HESSIAN) / distance(x[2], NULL, w, form == HESSIAN);
+}
+
+static int upwards(const void *a, const void *b) {
+  double x = *(const double *)a, y = *(const double *)b;
+  return (x > y) - (x < y);
+}
+
+static ylm_lights *lights_of(const lamps *l) {
+  ylm_lights *lights = NULL;
+  if (ylm_lights_create(l->n, l->at, l->radius, l->radiance, &lights, NULL) != YLM_OK) abort();
+  return lights;
+}
+
+static ylm_light_cut *cut_of(ylm_lights *lights, double tolerance) {
+  ylm_light_cut *cut = NULL;
+  if (ylm_light_cut_create(lights, tolerance, 0, &cut, NULL) != YLM_OK) abort();
+  return cut;
+}
+
+/* Errors in double of a scene: true if they are as promised. */
+static bool measure_errors(int kind, size_t lights, size_t n) {
+  lamps l = scene(kind, lights);
+  ylm_lights *given = lights_of(&l), *positive;
+  for (size_t i = 0; i < 3 * l.n; i++) l.radiance[i] = fabs(l.radiance[i]);
+  positive = lights_of(&l);
+  double *points = places(n), *e = ylm_alloc(n, sizeof *e);
+  double high[3][FORMS], most[3][FORMS], pairs[3][FORMS];
+  bool kept = true;
+  for (int form = 0; form < FORMS; form++) {
+    answer exact = ask(ylm_lights_field(given), YLM_DOUBLE, n, points, form);
+    answer whole = ask(ylm_lights_field(positive), YLM_DOUBLE, n, points, form);
+    for (int t = 0; t < 3; t++) {
+      ylm_light_cut *cut = cut_of(given, tolerances[t]);
+      answer a = ask(ylm_light_cut_field(cut), YLM_DOUBLE, n, points, form);
+      for (size_t i = 0; i < n; i++) e[i] = error_of(&a, &exact, &whole, i, form) / tolerances[t];
+      qsort(e, n, sizeof *e, upwards);
+      high[t][form] = e[(size_t)ceil(0.999 * (double)n) - 1], most[t][form] = e[n - 1];
+      pairs[t][form] = a.pairs / (double)n;
+      kept = kept && high[t][form] <= 1 && most[t][form] <= 4;
+      answer_free(&a);
+      ylm_light_cut_free(cut);
+    }
+    answer_free(&exact);
+    answer_free(&whole);
+  }
+  for (int t = 0; t < 3; t++) {
+    printf("%-13s %-9g", names[kind], tolerances[t]);
+    for (int k = 0; k < FORMS; k++)
+      printf("  %5.2f %5.2f %6.0f", high[t][k], most[t][k], pairs[t][k]);
+    printf("\n");
+    fflush(stdout);
+  }
+  ylm_free(points), ylm_free(e);
+  ylm_lights_free(given), ylm_lights_free(positive);
+  scene_free(&l);
+  return kept;
+}
+
+int main(void) {
+  static const size_t numbers[] = {10000, 100000};
+  bool quick = bench_is_quick(), kept = true;
+  for (int i = 0; i < (quick ? 1 : 2); i++) {
+    size_t n = quick ? 1000 : i == 0 ? 10000 : 2000;
+    printf(
+        "tree of lights: errors over tolerance (99.9 %%, largest) and lights and proxies summed, "
+        "%zu lights, %zu points, lmax %d\n%-13s %-9s",
+        numbers[i], n, LMAX, "lights", "tolerance");
+    for (int k = 0; k < FORMS; k++) printf("  %-18s", forms[k]);
+    printf("\n");
+    for (int kind = 0; kind < SCENES; kind++) kept &= measure_errors(kind, numbers[i], n);
+  }
+  printf("%s\n", kept ? "all within the tolerance" : "NOT within the tolerance");
+  return !kept;
+}
