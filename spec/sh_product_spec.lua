@@ -170,6 +170,18 @@ describe("ylm.sh.product", function()
     assert(relative(out, c) < 1e-6)
   end)
 
+  it("reports progress, stops when told to, and keeps its factors open meanwhile", function()
+    local a, last = random_vectors(300, 5), nil
+    local whole = ylm.sh.product(a, a, { progress = function(done, total, stage) last = { done, total, stage } end })
+    assert.same({ 300, 300, "product" }, last)
+    assert.equal(0, (core.array_distance(whole, (ylm.sh.product(a, a)))))
+    assert.same({ nil, "cancelled", "ECANCELLED" }, { ylm.sh.product(a, a, { progress = function() return false end }) })
+    assert.has_error(function() ylm.sh.product(a, a, { progress = function() a:close() end }) end)
+    local M = ylm.sh.transfer(a[1], 5)
+    assert.same({ nil, "cancelled", "ECANCELLED" },
+      { ylm.sh.transfer_apply(M, a, { progress = function() return false end }) })
+  end)
+
   it("tells the time of its stages", function()
     local a = random_vectors(50, 7)
     local _, seconds = ylm.sh.product(a, a, { method = "fourier", stages = true })

@@ -130,9 +130,67 @@ describe("ylm.sh.project", function()
         assert.equal("pixels", report.method)
         local wanted = ylm.sh.project(2, function(x, y, z) return 1 + x, y * z, z end)
         assert(relative(c, wanted) < 2e-3, mapping .. " " .. relative(c, wanted))
+        -- the estimate is of the worst channel, and neither blind nor absurd
+        local worst = 0
+        for ch = 1, 3 do
+          local _, difference = core.array_distance(c[ch], wanted[ch])
+          worst = math.max(worst, difference)
+        end
+        assert(report.error > 0.5 * worst and report.error < 10 * worst + 1e-3, ("%s %g %g"):format(mapping, report.error, worst))
+        -- through files: half a byte's exponent in .hdr, float in .exr
+        for _, ending in ipairs { ".exr", ".hdr" } do
+          local name = os.tmpname()
+          os.remove(name)
+          -- .hdr holds no negative numbers: two more everywhere
+          for row = 1, size[2] do
+            for column = 1, size[1] do
+              local d = list[(row - 1) * size[1] + column]
+              rows[row][column] = { 3 + d[1], 2 + d[2] * d[3], 2 + d[3] }
+            end
+          end
+          core.array_fill(image:layer "radiance", rows)
+          assert(image:save(name .. ending))
+          local back = assert(ylm.load(name .. ending))
+          os.remove(name .. ending)
+          local direct = ylm.sh.project(2, image, { mapping = mapping, up = up })
+          local got = ylm.sh.project(2, back, { mapping = mapping, up = up })
+          assert(relative(got, direct) < (ending == ".hdr" and 5e-3 or 1e-6), ending .. relative(got, direct))
+        end
       end
     end)
   end
+
+  it("estimates the error of random samples: within four standard errors, each coefficient", function()
+    local directions, values = {}, {}
+    local d = core.sh_samples(100, 11, 1)
+    for i, v in ipairs(d:totable()) do
+      directions[i], values[i] = v, math.max(0, v[3]) + 0.3 * v[1] * v[2]
+    end
+    local c, report = ylm.sh.project(3, { directions = directions, values = values })
+    local exact = ylm.sh.project(3, function(x, y, z) return math.max(0, z) + 0.3 * x * y end, { samples = 200000 })
+    assert.equal("samples", report.method)
+    for i = 1, 16 do assert(math.abs(c[i] - exact[i]) < 4 * report.standard_error[i] + 1e-4) end
+    -- as 1/sqrt(n): the deviation of f Y_00 is about 0.35
+    assert(report.error > 0.01 and report.error < 0.2)
+  end)
+
+  it("writes where it is told, reports, and stops when told to", function()
+    local calls, out = 0, ylm.zeros({ 9 }, "float")
+    local function f(_, _, z) return z end
+    local c = ylm.sh.project(2, f, { out = out, dtype = "float", samples = 5000, progress = function(done, total, stage)
+      calls = calls + 1
+      assert(done <= total and stage == "evaluate")
+    end })
+    assert.equal(out, c)
+    assert.is_near(math.sqrt(4 * pi / 3), out[3], 1e-6)
+    assert(calls > 3)
+    for _, method in ipairs { "quadrature", "montecarlo" } do
+      local none, message, code = ylm.sh.project(2, f, { method = method, progress = function() return false end })
+      assert.same({ nil, "cancelled", "ECANCELLED" }, { none, message, code })
+    end
+    local image = ylm.image { size = { 256, 128 }, layers = { { "radiance", 1 } } }
+    assert.same({ nil, "cancelled", "ECANCELLED" }, { ylm.sh.project(2, image, { progress = function() return false end }) })
+  end)
 end)
 
 describe("ylm.sh.zonal, .cap, .convolve", function()
@@ -212,8 +270,10 @@ describe("ylm.sh.sky", function()
     local seen = 0
     for _, set in ipairs(reference()) do
       if set.kind == "overcast" then
-        local c = ylm.sh.sky(5, { zenith = set.u })
-        assert(relative(c, ylm.array(set.c)) < 1e-13)
+        local c, f, report = ylm.sh.sky(5, { zenith = set.u })
+        assert(relative(c, ylm.array(set.c)) < 1e-14)
+        assert.equal("closed form", report.method)
+        assert(relative(ylm.sh.project(5, f, { samples = 200000 }), c) < 1e-3)
         seen = seen + 1
       end
     end
@@ -226,6 +286,11 @@ describe("ylm.sh.sky", function()
       assert.is_near(5, f(0, 0, 1), 1e-12)
       assert(f(math.sqrt(0.5), 0, math.sqrt(0.5)) > f(-math.sqrt(0.5), 0, math.sqrt(0.5)))
       assert.equal(0, f(0, 0, -1))
+      -- the error that it reports covers what a much finer rule says
+      local coarse, _, report = ylm.sh.sky(8, { kind = kind, sun = { 1, 0, 1 }, luminance = 5, nodes = 24 })
+      local _, off = core.array_distance(coarse, (ylm.sh.sky(8, { kind = kind, sun = { 1, 0, 1 }, luminance = 5,
+        nodes = 300 })))
+      assert(off < 2 * report.error and report.error < 0.05, ("%s %g %g"):format(kind, off, report.error))
       local turned = ylm.sh.sky(4, { kind = kind, sun = { 0, 1, 1 }, luminance = 5 })
       assert(relative(ylm.sh.rotate(c, { axis = { 0, 0, 1 }, angle = pi / 2 }), turned) < 1e-3)
       local y_up = ylm.sh.sky(4, { kind = kind, zenith = { 0, 3, 0 }, sun = { 1, 1, 0 }, luminance = 5 })

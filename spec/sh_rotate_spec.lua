@@ -179,6 +179,21 @@ describe("ylm.sh.rotate", function()
     assert.equal(0, (core.array_distance(out, ylm.sh.rotate(c, r, { threads = 1 }))))
   end)
 
+  it("reports progress, and stops when told to", function()
+    local c = random_vectors(600, 4)
+    local object = ylm.sh.rotation(4, { zyz = { 1, 2, 3 } })
+    for _, r in ipairs { object, { zyz = { 1, 2, 3 } } } do
+      local last
+      ylm.sh.rotate(c, r, { progress = function(done, total, stage) last = { done, total, stage } end })
+      assert.same({ 600, 600, "rotate" }, last)
+      assert.same({ nil, "cancelled", "ECANCELLED" }, { ylm.sh.rotate(c, r, { progress = function() return false end }) })
+    end
+    assert.same({ nil, "cancelled", "ECANCELLED" },
+      { ylm.sh.convert(c, "plain", { progress = function() return false end }) })
+    assert.same({ nil, "cancelled", "ECANCELLED" },
+      { ylm.sh.reconstruct(c, ylm.array { { 1, 2, 3 }, { 0, 0, 1 } }, { progress = function() return false end }) })
+  end)
+
   it("keeps shape, type and convention", function()
     local c = ylm.sh.convert(ylm.array({ { { 1, 2, 3, 4 } } }, "float"), "ylm irradiance")
     local turned = ylm.sh.rotate(c, { zyz = { 0, 1, 0 } })

@@ -54,21 +54,24 @@ static int sh_eval(lua_State *L) {
   return ylmL_result_progress(L, 1, s, &e, &progress);
 }
 
-/* sh_reconstruct(lmax, c [rows][count], points [n][3], out [rows][n], threads), all of one type */
+/* sh_reconstruct(lmax, c [rows][count], points [n][3], out [rows][n], threads, progress), all of
+ * one type */
 static int sh_reconstruct(lua_State *L) {
   ylmL_array *c = ylmL_array_check(L, 2), *p = ylmL_array_check(L, 3),
              *out = ylmL_array_check(L, 4);
   ylm_error e = {YLM_OK, ""};
+  ylmL_progress progress;
   int lmax = (int)luaL_checknumber(L, 1);
   if (lmax < 0 || lmax > YLM_LMAX) return ylmL_result(L, 0, YLM_ERANGE, NULL);
   size_t count = ylm_sh_count(lmax), rows = c->count / count, n = p->count / 3;
   if (c->count != rows * count || p->count != 3 * n || out->count != rows * n)
     return ylmL_result(L, 0, YLM_ESHAPE, NULL);
   if (c->dtype != p->dtype || out->dtype != p->dtype) return ylmL_result(L, 0, YLM_ETYPE, NULL);
-  ylm_status s = ylm_sh_reconstruct(lmax, p->dtype, rows, c->data, n, p->data, out->data,
-                                    (int)luaL_optnumber(L, 5, 0), &e);
+  ylm_status s =
+      ylm_sh_reconstruct(lmax, p->dtype, rows, c->data, n, p->data, out->data,
+                         (int)luaL_optnumber(L, 5, 0), ylmL_progress_begin(L, 6, &progress), &e);
   lua_pushboolean(L, s == YLM_OK);
-  return ylmL_result(L, 1, s, &e);
+  return ylmL_result_progress(L, 1, s, &e, &progress);
 }
 
 static double number_at(const ylmL_array *a, size_t i) {

@@ -45,8 +45,8 @@ static int sh_product_plan(lua_State *L) {
   return 3;
 }
 
-/* sh_product(plan, {arrays}, out, threads, want stages) -> true, or seconds of the three stages.
-   A factor of one row is used for all rows of out. */
+/* sh_product(plan, {arrays}, out, threads, want stages, progress) -> true, or seconds of the three
+   stages. A factor of one row is used for all rows of out. */
 static int sh_product(lua_State *L) {
   handle *h = ylmL_check(L, 1, PRODUCT);
   luaL_checktype(L, 2, LUA_TTABLE);
@@ -54,6 +54,8 @@ static int sh_product(lua_State *L) {
   const void *factor[YLM_SH_PRODUCT_FACTORS];
   size_t stride[YLM_SH_PRODUCT_FACTORS], count = ylm_sh_count(h->lmax), rows = out->count / count;
   double stage[3] = {0, 0, 0};
+  lua_settop(L, 6); /* the factors come on top: a progress function must not close them */
+  luaL_checkstack(L, YLM_SH_PRODUCT_FACTORS + 4, "factors");
   ylm_status s = out->count == rows * count && h->plan ? YLM_OK : YLM_ESHAPE;
   for (int i = 0; i < h->factors; i++) {
     lua_rawgeti(L, 2, i + 1);
@@ -63,13 +65,14 @@ static int sh_product(lua_State *L) {
     if (a->count != count && a->count != out->count) s = YLM_ESHAPE;
     if (a->dtype != out->dtype) s = YLM_ETYPE;
     if (a->data == out->data) s = YLM_EINVAL;
-    lua_pop(L, 1); /* the table holds it */
   }
   bool timed = lua_toboolean(L, 5);
+  ylmL_progress progress;
+  const ylm_progress *report = ylmL_progress_begin(L, 6, &progress);
   if (s == YLM_OK)
     s = ylm_sh_product_apply(h->plan, out->dtype, rows, factor, stride, out->data,
-                             (int)luaL_optnumber(L, 4, 0), timed ? stage : NULL);
-  if (s != YLM_OK) return ylmL_result(L, 0, s, NULL);
+                             (int)luaL_optnumber(L, 4, 0), report, timed ? stage : NULL);
+  if (s != YLM_OK) return ylmL_result_progress(L, 0, s, NULL, &progress);
   if (!timed) {
     lua_pushboolean(L, 1);
     return 1;
@@ -96,10 +99,12 @@ static int sh_transfer(lua_State *L) {
   return ylmL_result(L, 1, s, &e);
 }
 
-/* sh_transfer_apply(matrix [n][n], in [rows][n], out, threads) -> true */
+/* sh_transfer_apply(matrix [n][n], in [rows][n], out, threads, progress) -> true */
 static int sh_transfer_apply(lua_State *L) {
   ylmL_array *m = ylmL_array_check(L, 1), *in = ylmL_array_check(L, 2),
              *out = ylmL_array_check(L, 3);
+  ylmL_progress progress;
+  const ylm_progress *report = ylmL_progress_begin(L, 5, &progress);
   size_t n = m->shape[m->axes - 1];
   ylm_status s =
       n && m->count == n * n && in->count % n == 0 && in->count == out->count ? YLM_OK : YLM_ESHAPE;
@@ -107,9 +112,9 @@ static int sh_transfer_apply(lua_State *L) {
   if (s == YLM_OK && in->data == out->data) s = YLM_EINVAL;
   if (s == YLM_OK)
     s = ylm_sh_transfer_apply(n, in->dtype, m->data, in->count / n, in->data, out->data,
-                              (int)luaL_optnumber(L, 4, 0));
+                              (int)luaL_optnumber(L, 4, 0), report);
   lua_pushboolean(L, 1);
-  return ylmL_result(L, 1, s, NULL);
+  return ylmL_result_progress(L, 1, s, NULL, &progress);
 }
 
 static const luaL_Reg functions[] = {{"sh_product_plan", sh_product_plan},

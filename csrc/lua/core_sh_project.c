@@ -33,26 +33,53 @@ static int sh_samples(lua_State *L) {
 }
 
 /* sh_project(lmax, directions [n][3], weights [n] | nil, values [n][channels], out
-   [channels][count], threads)
+   [channels][count], threads, progress, squares [channels][count] | nil)
    -> true; all double */
 static int sh_project(lua_State *L) {
   int lmax = (int)luaL_checknumber(L, 1);
   ylmL_array *d = ylmL_array_check(L, 2), *w = ylmL_array_opt(L, 3), *v = ylmL_array_check(L, 4);
-  ylmL_array *out = ylmL_array_check(L, 5);
+  ylmL_array *out = ylmL_array_check(L, 5), *square = ylmL_array_opt(L, 8);
   ylm_error e = {YLM_OK, ""};
+  ylmL_progress progress;
   size_t n = d->count / 3;
   if (lmax < 0 || lmax > YLM_LMAX) return ylmL_result(L, 0, YLM_ERANGE, NULL);
   size_t channels = n ? v->count / n : 1, count = ylm_sh_count(lmax);
   if (d->count != 3 * n || v->count != n * channels || (n && channels == 0) || channels > 1000 ||
-      (w && w->count != n) || out->count != channels * count)
+      (w && w->count != n) || out->count != channels * count ||
+      (square && square->count != out->count))
     return ylmL_result(L, 0, YLM_ESHAPE, NULL);
   if (d->dtype != YLM_DOUBLE || v->dtype != YLM_DOUBLE || out->dtype != YLM_DOUBLE ||
-      (w && w->dtype != YLM_DOUBLE))
+      (w && w->dtype != YLM_DOUBLE) || (square && square->dtype != YLM_DOUBLE))
     return ylmL_result(L, 0, YLM_ETYPE, NULL);
-  ylm_status s = ylm_sh_project_samples(lmax, n, d->data, w ? w->data : NULL, (int)channels,
-                                        v->data, out->data, (int)luaL_optnumber(L, 6, 0), &e);
+  ylm_status s =
+      ylm_sh_project_samples(lmax, n, d->data, w ? w->data : NULL, (int)channels, v->data,
+                             out->data, square ? square->data : NULL, (int)luaL_optnumber(L, 6, 0),
+                             ylmL_progress_begin(L, 7, &progress), &e);
   lua_pushboolean(L, 1);
-  return ylmL_result(L, 1, s, &e);
+  return ylmL_result_progress(L, 1, s, &e, &progress);
+}
+
+/* sh_halve(width, height, faces, directions, weights, values [n][channels]) -> the same three,
+ * coarser */
+static int sh_halve(lua_State *L) {
+  int width = (int)luaL_checknumber(L, 1), height = (int)luaL_checknumber(L, 2),
+      faces = (int)luaL_checknumber(L, 3);
+  ylmL_array *d = ylmL_array_check(L, 4), *w = ylmL_array_check(L, 5), *v = ylmL_array_check(L, 6);
+  size_t n = w->count;
+  if (width < 1 || faces < 1 || height < faces || height % faces ||
+      n != (size_t)width * (size_t)height || d->count != 3 * n || v->count % n)
+    return ylmL_result(L, 0, YLM_ESHAPE, NULL);
+  if (d->dtype != YLM_DOUBLE || w->dtype != YLM_DOUBLE || v->dtype != YLM_DOUBLE)
+    return ylmL_result(L, 0, YLM_ETYPE, NULL);
+  size_t channels = v->count / n, coarse = ylm_sh_halved(width, height, faces);
+  size_t d_shape[2] = {coarse, 3}, v_shape[2] = {coarse, channels};
+  ylmL_array *d2 = ylmL_array_new(L, YLM_DOUBLE, 2, d_shape),
+             *w2 = d2 ? ylmL_array_new(L, YLM_DOUBLE, 1, d_shape) : NULL,
+             *v2 = w2 ? ylmL_array_new(L, YLM_DOUBLE, 2, v_shape) : NULL;
+  if (!v2) return ylmL_result(L, 0, YLM_ENOMEM, NULL);
+  ylm_sh_halve_pixels(width, height, faces, (int)channels, d->data, w->data, v->data, d2->data,
+                      w2->data, v2->data);
+  return 3;
 }
 
 /* sh_degree_scale(c [..][count], out, lmax, {factor of each degree}) -> true; out may be c */
@@ -97,13 +124,14 @@ static int array_range(lua_State *L) {
   return 2;
 }
 
-/* sh_random(array, seed): uniform in -1 .. 1 */
+/* sh_random(array, seed, low, high): uniform in low .. high */
 static int sh_random(lua_State *L) {
   ylmL_array *a = ylmL_array_check(L, 1);
+  double low = (double)luaL_checknumber(L, 3), high = (double)luaL_checknumber(L, 4);
   ylm_rng r;
   ylm_rng_seed(&r, (uint64_t)luaL_checknumber(L, 2), 1);
   for (size_t i = 0; i < a->count; i++) {
-    double x = 2 * ylm_rng_double(&r) - 1;
+    double x = low + (high - low) * ylm_rng_double(&r);
     if (a->dtype == YLM_DOUBLE)
       ((double *)a->data)[i] = x;
     else
@@ -141,6 +169,7 @@ static int sh_relative_error(lua_State *L) {
 static const luaL_Reg functions[] = {{"sh_rule", sh_rule},
                                      {"sh_samples", sh_samples},
                                      {"sh_project", sh_project},
+                                     {"sh_halve", sh_halve},
                                      {"sh_degree_scale", sh_degree_scale},
                                      {"sh_array_range", array_range},
                                      {"sh_random", sh_random},

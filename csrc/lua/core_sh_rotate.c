@@ -90,7 +90,7 @@ static ylm_status rows_of(int lmax, const ylmL_array *in, const ylmL_array *out,
   return in->dtype == out->dtype ? YLM_OK : YLM_ETYPE;
 }
 
-/* sh_rotate(plan, {9}, lmax, in, out, threads) -> true */
+/* sh_rotate(plan, {9}, lmax, in, out, threads, progress) -> true */
 static int sh_rotate(lua_State *L) {
   handle *h = ylmL_check(L, 1, ROTATOR);
   double r[9];
@@ -98,13 +98,15 @@ static int sh_rotate(lua_State *L) {
   numbers(L, 2, 9, r);
   int lmax = (int)luaL_checknumber(L, 3);
   ylmL_array *in = ylmL_array_check(L, 4), *out = ylmL_array_check(L, 5);
+  ylmL_progress progress;
   size_t rows;
   ylm_status s = rows_of(lmax, in, out, &rows);
+  const ylm_progress *report = ylmL_progress_begin(L, 7, &progress);
   if (s == YLM_OK)
     s = ylm_sh_rotate(h->object, r, lmax, in->dtype, rows, in->data, out->data,
-                      (int)luaL_optnumber(L, 6, 0), &e);
+                      (int)luaL_optnumber(L, 6, 0), report, &e);
   lua_pushboolean(L, 1);
-  return ylmL_result(L, 1, s, &e);
+  return ylmL_result_progress(L, 1, s, &e, &progress);
 }
 
 /* sh_rotation(plan, {9}, lmax, dtype) -> rotation */
@@ -122,19 +124,21 @@ static int sh_rotation(lua_State *L) {
   return ylmL_result(L, 1, s, &e);
 }
 
-/* sh_rotation_apply(rotation, lmax, in, out, threads) -> true */
+/* sh_rotation_apply(rotation, lmax, in, out, threads, progress) -> true */
 static int sh_rotation_apply(lua_State *L) {
   handle *h = ylmL_check(L, 1, ROTATION);
   int lmax = (int)luaL_checknumber(L, 2);
   ylmL_array *in = ylmL_array_check(L, 3), *out = ylmL_array_check(L, 4);
+  ylmL_progress progress;
+  const ylm_progress *report = ylmL_progress_begin(L, 6, &progress);
   size_t rows;
   ylm_status s = rows_of(lmax, in, out, &rows);
   if (s == YLM_OK && in->dtype != ylm_sh_rotation_dtype(h->object)) s = YLM_ETYPE;
   if (s == YLM_OK)
     s = ylm_sh_rotation_apply(h->object, lmax, rows, in->data, out->data,
-                              (int)luaL_optnumber(L, 5, 0));
+                              (int)luaL_optnumber(L, 5, 0), report);
   lua_pushboolean(L, 1);
-  return ylmL_result(L, 1, s, NULL);
+  return ylmL_result_progress(L, 1, s, NULL, &progress);
 }
 
 /* sh_rotation_block(rotation, l, out double [2l+1][2l+1]) -> true */
@@ -189,14 +193,16 @@ static int sh_convention_name(lua_State *L) {
   return 1;
 }
 
-/* sh_convert(from, to, lmax, rows, in, out) -> true; the arrays' sizes were made to fit by the
- * caller */
+/* sh_convert(from, to, lmax, rows, in, out, threads, progress) -> true; the arrays' sizes were made
+ * to fit by the caller */
 static int sh_convert(lua_State *L) {
   uint32_t from = (uint32_t)luaL_checknumber(L, 1), to = (uint32_t)luaL_checknumber(L, 2);
   int lmax = (int)luaL_checknumber(L, 3);
   int64_t rows;
   ylmL_array *in = ylmL_array_check(L, 5), *out = ylmL_array_check(L, 6);
   ylm_error e = {YLM_OK, ""};
+  ylmL_progress progress;
+  const ylm_progress *report = ylmL_progress_begin(L, 8, &progress);
   ylm_status s = YLM_OK;
   if (!ylmL_toint64(L, 4, &rows) || rows < 0 || lmax < 0 || lmax > YLM_LMAX)
     s = YLM_ERANGE;
@@ -214,10 +220,11 @@ static int sh_convert(lua_State *L) {
       s = YLM_ESHAPE;
   }
   if (s == YLM_OK)
-    s = ylm_sh_convert(from, to, lmax, in->dtype, (size_t)rows, in->data, out->data, &e);
+    s = ylm_sh_convert(from, to, lmax, in->dtype, (size_t)rows, in->data, out->data,
+                       (int)luaL_optnumber(L, 7, 0), report, &e);
   if (s == YLM_OK) out->convention = to;
   lua_pushboolean(L, 1);
-  return ylmL_result(L, 1, s, &e);
+  return ylmL_result_progress(L, 1, s, &e, &progress);
 }
 
 /* sh_resize(lmax, new lmax, rows, in, out) -> true */

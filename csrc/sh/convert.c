@@ -260,41 +260,61 @@ static ylm_status check(uint32_t from, uint32_t to, int lmax, size_t rows, ylm_e
   return YLM_OK;
 }
 
-/* Converts the groups; scratch: [from numbers], [channels][count], the same again, [to numbers]. */
-static ylm_status run(const shape *f, const shape *g, size_t channels, const double *factor,
-                      const ylm_sh_rotator *p, const double r[9], bool mirrored, ylm_dtype t,
-                      size_t groups, const void *in, void *out, double *x, double *c, double *d,
-                      double *y) {
-  size_t nf = f->numbers * channels / f->channels, ng = g->numbers * channels / g->channels;
-  for (size_t group = 0; group < groups; group++) {
+typedef struct job {
+  const shape *from, *to;
+  size_t channels;         /* of a group: as many as the larger of the two shapes holds */
+  const double *factor;    /* [lmax+1] */
+  const ylm_sh_rotator *p; /* where axes change: by r */
+  const double *r;
+  bool mirrored;
+  ylm_dtype t;
+  const void *in;
+  void *out;
+} job;
+
+/* Groups begin .. end-1. */
+static ylm_status run(void *context, size_t begin, size_t end, int worker) {
+  (void)worker;
+  const job *j = context;
+  const shape *f = j->from, *g = j->to;
+  size_t channels = j->channels, nf = f->numbers * channels / f->channels,
+         ng = g->numbers * channels / g->channels;
+  /* a complex vector has 2 numbers a coefficient, unity's group of three 28 */
+  size_t room = channels * 2 * f->count + 4;
+  double *x = ylm_alloc(4 * room, sizeof *x), *c = x + room, *d = c + room, *y = d + room;
+  if (!x) return YLM_ENOMEM;
+  ylm_status s = YLM_OK;
+  for (size_t group = begin; group < end && s == YLM_OK; group++) {
     for (size_t i = 0; i < nf; i++)
-      x[i] = t == YLM_DOUBLE ? ((const double *)in)[group * nf + i]
-                             : (double)((const float *)in)[group * nf + i];
+      x[i] = j->t == YLM_DOUBLE ? ((const double *)j->in)[group * nf + i]
+                                : (double)((const float *)j->in)[group * nf + i];
     for (size_t k = 0; k < channels; k += f->channels)
       decode(f, x + k * f->numbers, c + k * f->count);
     for (size_t k = 0; k < channels; k++)
       for (int l = 0; l <= f->lmax; l++)
         for (int m = -l; m <= l; m++)
-          c[k * f->count + ylm_sh_index(l, m)] *= mirrored && (l & 1) ? -factor[l] : factor[l];
-    if (p) {
-      ylm_status s = ylm_sh_rotate(p, r, f->lmax, YLM_DOUBLE, channels, c, d, 1, NULL);
-      if (s != YLM_OK) return s;
-    } else
+          c[k * f->count + ylm_sh_index(l, m)] *=
+              j->mirrored && (l & 1) ? -j->factor[l] : j->factor[l];
+    if (j->p)
+      s = ylm_sh_rotate(j->p, j->r, f->lmax, YLM_DOUBLE, channels, c, d, 1, NULL, NULL);
+    else
       memcpy(d, c, channels * f->count * sizeof *d);
     for (size_t k = 0; k < channels; k += g->channels)
       encode(g, d + k * f->count, y + k * g->numbers);
     for (size_t i = 0; i < ng; i++) {
-      if (t == YLM_DOUBLE)
-        ((double *)out)[group * ng + i] = y[i];
+      if (j->t == YLM_DOUBLE)
+        ((double *)j->out)[group * ng + i] = y[i];
       else
-        ((float *)out)[group * ng + i] = (float)y[i];
+        ((float *)j->out)[group * ng + i] = (float)y[i];
     }
   }
-  return YLM_OK;
+  ylm_free(x);
+  return s;
 }
 
 ylm_status ylm_sh_convert(uint32_t from, uint32_t to, int lmax, ylm_dtype t, size_t rows,
-                          const void *in, void *out, ylm_error *e) {
+                          const void *in, void *out, int threads, const ylm_progress *progress,
+                          ylm_error *e) {
   ylm_status s = check(from, to, lmax, rows, e);
   if (s != YLM_OK) return s;
   shape f = shape_of(ylm_sh_convention_system(from), lmax),
@@ -305,21 +325,21 @@ ylm_status ylm_sh_convert(uint32_t from, uint32_t to, int lmax, ylm_dtype t, siz
   ylm_sh_rotator *p = NULL;
   if (change_of_axes(from, to, r, &mirrored)) s = ylm_sh_rotator_create(lmax, &p, e);
   if (s != YLM_OK) return s;
-  /* a complex vector has 2 numbers a coefficient, unity's group of three 28 */
-  size_t room = channels * 2 * f.count + 4;
-  double *memory = ylm_alloc(4 * room + (size_t)lmax + 1, sizeof *memory),
-         *factor = memory + 4 * room;
-  if (!memory) s = YLM_ENOMEM;
+  double *factor = ylm_alloc((size_t)lmax + 1, sizeof *factor);
+  if (!factor) s = YLM_ENOMEM;
   if (s == YLM_OK) {
     int qf = quantity(from), qt = quantity(to);
     for (int l = 0; l <= lmax; l++) {
       double a = qf && qt ? 1 : qt ? ylm_sh_cosine_factor(l) : qf ? 1 / ylm_sh_cosine_factor(l) : 1;
       factor[l] = a * (qf == 2 ? PI : 1) / (qt == 2 ? PI : 1);
     }
-    s = run(&f, &g, channels, factor, p, r, mirrored, t, rows / channels, in, out, memory,
-            memory + room, memory + 2 * room, memory + 3 * room);
+    job j = {&f, &g, channels, factor, p, r, mirrored, t, in, out};
+    size_t groups = rows / channels;
+    s = groups <= 256 && !progress
+            ? run(&j, 0, groups, 0)
+            : ylm_parallel(groups, 256, threads, run, &j, progress, "convert");
   }
-  ylm_free(memory);
+  ylm_free(factor);
   ylm_sh_rotator_free(p);
   return s;
 }

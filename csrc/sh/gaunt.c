@@ -247,7 +247,8 @@ static ylm_status transfer_rows(void *context, size_t begin, size_t end, int wor
 }
 
 ylm_status ylm_sh_transfer_apply(size_t n, ylm_dtype t, const void *matrix, size_t rows,
-                                 const void *in, void *out, int threads) {
+                                 const void *in, void *out, int threads,
+                                 const ylm_progress *progress) {
   transfer_job j = {n, t, matrix, in, out};
-  return ylm_parallel(rows, 64, threads, transfer_rows, &j, NULL, NULL);
+  return ylm_parallel(rows, 64, threads, transfer_rows, &j, progress, "transfer");
 }

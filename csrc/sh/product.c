@@ -418,10 +418,10 @@ static ylm_status run(void *context, size_t r, size_t end, int worker) {
 
 ylm_status ylm_sh_product_apply(const ylm_sh_product *p, ylm_dtype t, size_t rows,
                                 const void *const *factor, const size_t *stride, void *out,
-                                int threads, double *stage) {
+                                int threads, const ylm_progress *progress, double *stage) {
   size_t same[YLM_SH_PRODUCT_FACTORS];
   for (int i = 0; i < p->factors; i++) same[i] = stride ? stride[i] : ylm_sh_count(p->lmax);
   job j = {p, t, factor, same, out, scratch_of(p, t), stage};
-  if (rows <= 64 || stage) return run(&j, 0, rows, 0);
-  return ylm_parallel(rows, 64, threads, run, &j, NULL, NULL);
+  if ((rows <= 64 && !progress) || stage) return run(&j, 0, rows, 0);
+  return ylm_parallel(rows, 64, threads, run, &j, progress, "product");
 }

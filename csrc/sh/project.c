@@ -52,14 +52,16 @@ typedef struct job {
   int lmax, channels;
   size_t n;
   const double *direction, *weight, *value;
-  double *partial; /* [blocks of GRAIN][channels][count] */
+  bool squares;    /* as many numbers again behind */
+  double *partial; /* [blocks of GRAIN][1 or 2][channels][count] */
 } job;
 
 static ylm_status run(void *context, size_t begin, size_t end, int worker) {
   (void)worker;
   const job *j = context;
   size_t count = ylm_sh_count(j->lmax), channels = (size_t)j->channels;
-  double *out = j->partial + begin / GRAIN * channels * count, p[BLOCK][3], wf[BLOCK];
+  size_t size = channels * count;
+  double *out = j->partial + begin / GRAIN * size * (j->squares ? 2 : 1), p[BLOCK][3], wf[BLOCK];
   double *y = ylm_alloc(BLOCK * count, sizeof *y);
   if (!y) return YLM_ENOMEM;
   ylm_status s = YLM_OK;
@@ -77,6 +79,11 @@ static ylm_status run(void *context, size_t begin, size_t end, int worker) {
                 j->value[(i + k) * channels + c];
       for (size_t k = 0; k < n; k++)
         for (size_t q = 0; q < count; q++) out[c * count + q] += wf[k] * y[k * count + q];
+      for (size_t k = 0; k < n && j->squares; k++)
+        for (size_t q = 0; q < count; q++) {
+          double term = wf[k] * y[k * count + q];
+          out[size + c * count + q] += term * term;
+        }
     }
   }
   ylm_free(y);
@@ -84,8 +91,8 @@ static ylm_status run(void *context, size_t begin, size_t end, int worker) {
 }
 
 ylm_status ylm_sh_project_samples(int lmax, size_t n, const double *direction, const double *weight,
-                                  int channels, const double *value, double *out, int threads,
-                                  ylm_error *e) {
+                                  int channels, const double *value, double *out, double *square,
+                                  int threads, const ylm_progress *progress, ylm_error *e) {
   if (lmax < 0 || lmax > YLM_LMAX || channels < 1)
     return ylm_fail(e, YLM_ERANGE, "lmax must be from 0 to %d, got %d", YLM_LMAX, lmax);
   for (size_t i = 0; i < n; i++) {
@@ -96,13 +103,53 @@ ylm_status ylm_sh_project_samples(int lmax, size_t n, const double *direction, c
                       length == 0 ? "zero" : "not finite");
   }
   size_t size = (size_t)channels * ylm_sh_count(lmax), blocks = n / GRAIN + (n % GRAIN != 0);
+  size_t width = square ? 2 * size : size;
   memset(out, 0, size * sizeof *out);
-  job j = {
-      lmax, channels, n, direction, weight, value, ylm_alloc_zero(blocks, size * sizeof(double))};
+  if (square) memset(square, 0, size * sizeof *square);
+  job j = {lmax,
+           channels,
+           n,
+           direction,
+           weight,
+           value,
+           square != NULL,
+           ylm_alloc_zero(blocks, width * sizeof(double))};
   if (!j.partial) return YLM_ENOMEM;
-  ylm_status s = ylm_parallel(n, GRAIN, threads, run, &j, NULL, NULL);
+  ylm_status s = ylm_parallel(n, GRAIN, threads, run, &j, progress, "project");
   for (size_t b = 0; b < blocks && s == YLM_OK; b++)
-    for (size_t k = 0; k < size; k++) out[k] += j.partial[b * size + k];
+    for (size_t k = 0; k < size; k++) {
+      out[k] += j.partial[b * width + k];
+      if (square) square[k] += j.partial[b * width + size + k];
+    }
   ylm_free(j.partial);
   return s;
+}
+
+size_t ylm_sh_halved(int width, int height, int faces) {
+  return (size_t)((width + 1) / 2) * (size_t)((height / faces + 1) / 2) * (size_t)faces;
+}
+
+void ylm_sh_halve_pixels(int width, int height, int faces, int channels, const double *direction,
+                         const double *weight, const double *value, double *coarse_direction,
+                         double *coarse_weight, double *coarse_value) {
+  int rows = height / faces;
+  for (int face = 0; face < faces; face++)
+    for (int y = 0; y < rows; y += 2)
+      for (int x = 0; x < width; x += 2, coarse_direction += 3, coarse_value += channels) {
+        double d[3] = {0, 0, 0}, sum = 0;
+        for (int c = 0; c < channels; c++) coarse_value[c] = 0;
+        for (int v = y; v < y + 2 && v < rows; v++)
+          for (int u = x; u < x + 2 && u < width; u++) {
+            size_t i = (size_t)(face * rows + v) * (size_t)width + (size_t)u;
+            sum += weight[i];
+            for (int k = 0; k < 3; k++) d[k] += weight[i] * direction[3 * i + (size_t)k];
+            for (int c = 0; c < channels; c++)
+              coarse_value[c] += weight[i] * value[i * (size_t)channels + (size_t)c];
+          }
+        double length = sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
+        if (!(length > 0)) sum = 0; /* outside of an angular map, or opposite directions */
+        *coarse_weight++ = sum;
+        for (int k = 0; k < 3; k++) coarse_direction[k] = sum > 0 ? d[k] / length : 0;
+        for (int c = 0; c < channels; c++) coarse_value[c] = sum > 0 ? coarse_value[c] / sum : 0;
+      }
 }

@@ -45,7 +45,8 @@ static ylm_status block(void *context, size_t begin, size_t end, int worker) {
 }
 
 ylm_status ylm_sh_reconstruct(int lmax, ylm_dtype t, size_t rows, const void *c, size_t n,
-                              const void *p, void *out, int threads, ylm_error *e) {
+                              const void *p, void *out, int threads, const ylm_progress *progress,
+                              ylm_error *e) {
   if (lmax < 0 || lmax > YLM_LMAX)
     return ylm_fail(e, YLM_ERANGE, "lmax must be from 0 to %d, got %d", YLM_LMAX, lmax);
   ylm_sh_how how = {.isa = -1};
@@ -56,7 +57,7 @@ ylm_status ylm_sh_reconstruct(int lmax, ylm_dtype t, size_t rows, const void *c,
   task k = {lmax, t, rows, n, c, p, out, NULL};
   k.basis = ylm_alloc((size_t)threads * BLOCK * ylm_sh_count(lmax), ylm_dtype_size(t));
   if (!k.basis) return ylm_fail(e, YLM_ENOMEM, "no memory for degree %d", lmax);
-  s = ylm_parallel(n, BLOCK, threads, block, &k, NULL, NULL);
+  s = ylm_parallel(n, BLOCK, threads, block, &k, progress, "reconstruct");
   ylm_free(k.basis);
   return s == YLM_OK ? s : ylm_fail(e, s, "%s", ylm_status_text(s));
 }

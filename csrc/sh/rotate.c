@@ -555,15 +555,17 @@ static ylm_status run(void *context, size_t begin, size_t end, int worker) {
 }
 
 ylm_status ylm_sh_rotation_apply(const ylm_sh_rotation *r, int lmax, size_t rows, const void *in,
-                                 void *out, int threads) {
+                                 void *out, int threads, const ylm_progress *progress) {
   if (lmax < 0 || lmax > r->lmax) return YLM_ERANGE;
   job j = {r, lmax, in, out};
-  if (rows <= 256) return run(&j, 0, rows, 0);
-  return ylm_parallel(rows, 256, threads, run, &j, NULL, NULL);
+  size_t grain = lmax > 15 ? 64 : 256;
+  if (rows <= grain && !progress) return run(&j, 0, rows, 0);
+  return ylm_parallel(rows, grain, threads, run, &j, progress, "rotate");
 }
 
 ylm_status ylm_sh_rotate(const ylm_sh_rotator *p, const double r[9], int lmax, ylm_dtype t,
-                         size_t rows, const void *in, void *out, int threads, ylm_error *e) {
+                         size_t rows, const void *in, void *out, int threads,
+                         const ylm_progress *progress, ylm_error *e) {
   double exact[9];
   ylm__angles a;
   ylm_status s = check_lmax(p, lmax, e);
@@ -580,11 +582,11 @@ ylm_status ylm_sh_rotate(const ylm_sh_rotator *p, const double r[9], int lmax, y
       else
         k->one_f(p, lmax, &a, (const float *)in + i * count, (float *)out + i * count);
     }
-    return YLM_OK;
+    return ylm_report(progress, rows, rows, "rotate");
   }
   ylm_sh_rotation *blocks;
   s = create(p, &a, lmax, t, &blocks);
-  if (s == YLM_OK) s = ylm_sh_rotation_apply(blocks, lmax, rows, in, out, threads);
+  if (s == YLM_OK) s = ylm_sh_rotation_apply(blocks, lmax, rows, in, out, threads, progress);
   ylm_sh_rotation_free(blocks);
   return s;
 }

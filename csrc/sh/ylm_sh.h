@@ -22,6 +22,9 @@ extern "C" {
 static inline size_t ylm_sh_count(int lmax) { return ((size_t)lmax + 1) * ((size_t)lmax + 1); }
 static inline size_t ylm_sh_index(int l, int m) { return (size_t)(l * (l + 1) + m); }
 
+/* Functions that take `progress` (NULL: none) report it between blocks of rows or points, and
+   return YLM_ECANCELLED where it wants no more; what is done by then stays in the results. */
+
 /* Conventions of coefficient arrays (ylmL_array.convention); the list grows in convert.c. */
 #define YLM_SH_NATIVE 0
 
@@ -101,7 +104,8 @@ YLM_API const char *ylm_sh_method_name(ylm_sh_method m);
 ** Cost     O(n (rows + 1) lmax^2)
 */
 YLM_API ylm_status ylm_sh_reconstruct(int lmax, ylm_dtype t, size_t rows, const void *c, size_t n,
-                                      const void *p, void *out, int threads, ylm_error *e);
+                                      const void *p, void *out, int threads,
+                                      const ylm_progress *progress, ylm_error *e);
 
 /* -- rotation: csrc/sh/rotate.c ---------------------------------------------------------------- */
 
@@ -143,7 +147,8 @@ YLM_API ylm_status ylm_sh_rotation_check(const double r[9], double out[9], ylm_e
 ** Source   Pinchon & Hoggan 2007, Sec. 2; docs/math.md "Rotation"
 */
 YLM_API ylm_status ylm_sh_rotate(const ylm_sh_rotator *p, const double r[9], int lmax, ylm_dtype t,
-                                 size_t rows, const void *in, void *out, int threads, ylm_error *e);
+                                 size_t rows, const void *in, void *out, int threads,
+                                 const ylm_progress *progress, ylm_error *e);
 
 /*
 ** A rotation prepared for batches: its blocks, one (2l+1)x(2l+1) matrix for each low degree; above,
@@ -162,7 +167,8 @@ YLM_API ylm_dtype ylm_sh_rotation_dtype(const ylm_sh_rotation *r);
 YLM_API ylm_status ylm_sh_rotation_block(const ylm_sh_rotation *r, int l, double *out);
 /* As ylm_sh_rotate, for arrays of the rotation's type and any lmax up to its own; out may be in. */
 YLM_API ylm_status ylm_sh_rotation_apply(const ylm_sh_rotation *r, int lmax, size_t rows,
-                                         const void *in, void *out, int threads);
+                                         const void *in, void *out, int threads,
+                                         const ylm_progress *progress);
 
 /*
 ** The recurrence of Ivanic & Ruedenberg 1996 (corrected 1998), which judges the others:
@@ -191,8 +197,9 @@ YLM_API ylm_status ylm_sh_rotation_reference(const double r[9], int lmax, double
 #define YLM_SH_SYSTEM_LIST(X)                                                                      \
   X(ylm, "ylm")                                                                                    \
   X(plain, "plain")                                                                                \
-  X(n3d, "n3d") X(sn3d, "sn3d") X(scipy, "scipy") X(unity, "unity") X(threejs, "three.js")         \
-      X(filament, "filament")
+  X(n3d, "n3d")                                                                                    \
+  X(sn3d, "sn3d") X(scipy, "scipy") X(unity, "unity") X(threejs, "three.js") X(filament, "filamen" \
+                                                                                         "t")
 
 typedef enum ylm_sh_system {
 #define X(name, text) YLM_SH_SYSTEM_##name,
@@ -232,7 +239,8 @@ YLM_API ylm_status ylm_sh_convention_name(uint32_t convention, char text[64]);
 ** Source   docs/conventions.md, "Conventions of others"; Sloan 2008, appendix A10 (unity)
 */
 YLM_API ylm_status ylm_sh_convert(uint32_t from, uint32_t to, int lmax, ylm_dtype t, size_t rows,
-                                  const void *in, void *out, ylm_error *e);
+                                  const void *in, void *out, int threads,
+                                  const ylm_progress *progress, ylm_error *e);
 
 /* A(l) = 2 pi times the integral of t P_l(t) over 0 .. 1: the factor from radiance to irradiance.
  */
@@ -303,7 +311,7 @@ YLM_API size_t ylm_sh_product_integrals(const ylm_sh_product *p);
 */
 YLM_API ylm_status ylm_sh_product_apply(const ylm_sh_product *p, ylm_dtype t, size_t rows,
                                         const void *const *factor, const size_t *stride, void *out,
-                                        int threads, double *stage);
+                                        int threads, const ylm_progress *progress, double *stage);
 
 /*
 ** ylm_sh_transfer - the matrix that multiplies by a function: (M a)_i = sum_j M_ij a_j.
@@ -320,7 +328,8 @@ YLM_API ylm_status ylm_sh_transfer(int clmax, const double *c, int lmax, double 
 
 /* out[r] = M in[r]: `n` numbers a row, M [n][n]; out is not in. */
 YLM_API ylm_status ylm_sh_transfer_apply(size_t n, ylm_dtype t, const void *matrix, size_t rows,
-                                         const void *in, void *out, int threads);
+                                         const void *in, void *out, int threads,
+                                         const ylm_progress *progress);
 
 /* -- projection: csrc/sh/project.c ----------------------------------------------------------- */
 
@@ -353,13 +362,32 @@ YLM_API void ylm_sh_sphere_samples(int side, uint64_t seed, uint64_t stream, dou
 **   weight     in   [n] sr; NULL: 4 pi / n each
 **   value      in   [n][channels]
 **   out        out  [channels][(lmax+1)^2]
+**   square     out  [channels][(lmax+1)^2], the sums of squares of the same terms; NULL: not wanted
 **
 ** Returns  YLM_OK; YLM_ERANGE (lmax), YLM_EDOMAIN (a direction: `e` names it), YLM_ENOMEM
 ** Threads  the sums do not depend on their number
 */
 YLM_API ylm_status ylm_sh_project_samples(int lmax, size_t n, const double *direction,
                                           const double *weight, int channels, const double *value,
-                                          double *out, int threads, ylm_error *e);
+                                          double *out, double *square, int threads,
+                                          const ylm_progress *progress, ylm_error *e);
+
+/*
+** ylm_sh_halve_pixels - an image of the sphere from blocks of 2 x 2 of its pixels, to see what its
+*resolution costs.
+**
+**   width, height  in   height is that of all `faces` that lie one above the other
+**   faces          in   1, or 6 for a cube map: no block reaches over a border
+**   direction      in   [height * width][3] unit;  weight [height * width] sr
+**   value          in   [height * width][channels]
+**   coarse_*       out  [ylm_sh_halved(width, height, faces)] of the same: mean direction, sum of
+*weights, mean value
+*/
+YLM_API size_t ylm_sh_halved(int width, int height, int faces);
+YLM_API void ylm_sh_halve_pixels(int width, int height, int faces, int channels,
+                                 const double *direction, const double *weight, const double *value,
+                                 double *coarse_direction, double *coarse_weight,
+                                 double *coarse_value);
 
 #ifdef __cplusplus
 }

@@ -2,11 +2,13 @@
 --
 -- Real, orthonormal, with the Condon-Shortley phase; indices are one-based, index(l, m) = l(l+1) + m + 1.
 
+local args = require "ylm.sh_args"
 local array = require "ylm.array"
 local check = require "ylm.check"
 local core = require "ylm.c.core"
 local describe = require "ylm.reference".describe
 local form = require "ylm.form"
+local outputs = require "ylm.outputs"
 local progress = require "ylm.progress"
 
 local sh = {}
@@ -83,11 +85,7 @@ function sh.degree(index)
   return l, index - 1 - l * (l + 1)
 end
 
---- The lmax of a whole number of coefficients, or nil.
-local function lmax_of(count)
-  local l = math.floor(math.sqrt(count) + 0.5) - 1
-  if l >= 0 and l <= core.sh_lmax and (l + 1) * (l + 1) == count then return l end
-end
+local lmax_of = args.lmax_of
 
 describe "sh.lmax" {
   about = "The highest degree of a number of coefficients; the inverse of sh.count.",
@@ -112,36 +110,13 @@ local eval_options = {
     about = "the others are kept for comparison; they may be singular at the poles" },
   { "kernel", "choice", of = { "reference", "sse2", "neon", "avx2", "avx512" }, optional = true,
     about = "the kernel set; default: the one in ylm.info().kernel" },
-  { "threads", "integer", min = 0, max = 1024, default = 0, about = "0: YLM_THREADS or all cores" },
+  args.threads,
   { "device", "object", of = "ylm.gpu", optional = true,
     about = "a gpu of ylm.vulkan.open that computes instead; float to lmax 128, the method is solid" },
   { "out", "any", optional = true,
     about = "an array for the values, or a list of arrays {Y, dY, ddY}, to be written and returned" },
   { "progress", "progress", optional = true },
 }
-
-local function shape_text(shape)
-  local words = {}
-  for i = 1, #shape do words[i] = ("%d"):format(shape[i]) end
-  return table.concat(words, "x")
-end
-
---- Checks that `out` is an open array of that shape and type; else makes one.
-local function result_array(name, what, out, shape, dtype)
-  if out == nil then
-    return check.result(name, core.array_zeros(shape, dtype))
-  end
-  if core.type(out) ~= "ylm.array" then
-    return check.fail("%s: out must hold an array for %s, got %s", name, what, check.describe(out))
-  end
-  local own, type_, _, is_open = core.array_info(out)
-  if not is_open or type_ ~= dtype or shape_text(own) ~= shape_text(shape) then
-    return check.fail("%s: out for %s must be a %s array of %s, got %s of %s", name, what, dtype,
-      shape_text(shape), is_open and type_ or "a closed array", shape_text(own))
-  end
-  core.array_set_convention(out, 0)
-  return out
-end
 
 --- The shape of the results of order k (0 values, 1 gradients, 2 Hessians).
 local function shape_of(single, n, count, k)
@@ -151,19 +126,17 @@ local function shape_of(single, n, count, k)
 end
 
 --- Arrays for the results of orders 0 .. derivatives; nil, message, code where memory runs out.
-local function results(name, options, single, n, count, dtype)
-  local out = options.out
-  if out == nil then out = {}
-  elseif core.type(out) == "ylm.array" then out = { out }
-  elseif type(out) ~= "table" then
-    return check.fail("%s: out must be an array or a list of arrays, got %s", name, check.describe(out))
-  end
-  local arrays = {}
-  for k = 0, options.derivatives do
-    local a, message, code = result_array(name, ({ "values", "gradients", "Hessians" })[k + 1], out[k + 1],
-      shape_of(single, n, count, k), dtype)
-    if not a then return nil, message, code end
-    arrays[k + 1] = a
+local function results(options, single, n, count, dtype, points)
+  local shapes, arrays = {}, {}
+  for k = 0, options.derivatives do shapes[k + 1] = shape_of(single, n, count, k) end
+  local given = { outputs.of(3, "eval", options.out, dtype, shapes, points) }
+  for k, shape in ipairs(shapes) do
+    arrays[k] = given[k]
+    if not arrays[k] then
+      local message, code
+      arrays[k], message, code = check.result("eval", core.array_zeros(shape, dtype))
+      if not arrays[k] then return nil, message, code end
+    end
   end
   return arrays
 end
@@ -212,7 +185,7 @@ function sh.eval(lmax, points, options)
   local dtype = dtype_of(points, options.dtype)
   local p, single = array.points(2, "eval", points, dtype)
   local n, count = core.array_info(p)[1], (lmax + 1) * (lmax + 1)
-  local out, message, code = results("eval", options, single, n, count, dtype)
+  local out, message, code = results(options, single, n, count, dtype, p)
   if not out then return nil, message, code end
   local ok
   if options.device then
@@ -226,10 +199,7 @@ function sh.eval(lmax, points, options)
   return out[1], out[2], out[3]
 end
 
-local reconstruct_options = {
-  { "threads", "integer", min = 0, max = 1024, default = 0, about = "0: YLM_THREADS or all cores" },
-  { "out", "any", optional = true, about = "the array to be written and returned" },
-}
+local reconstruct_options = { args.threads, args.out, args.progress }
 
 describe "sh.reconstruct" {
   about = "The functions that coefficients stand for, at points: sum over k of c_k Y_k(v/|v|).",
@@ -266,10 +236,11 @@ function sh.reconstruct(c, points, options)
   local n = core.array_info(p)[1]
   shape[#shape] = n
   if one_point and #shape > 1 then shape[#shape] = nil end
-  local out, message, code = result_array("reconstruct", "values", options.out, shape, dtype)
+  local out, message, code = args.result("reconstruct", options.out, shape, dtype, 0, { coefficients, p })
   if not out then return nil, message, code end
   local ok
-  ok, message, code = check.result("reconstruct", core.sh_reconstruct(lmax, coefficients, p, out, options.threads))
+  ok, message, code = check.result("reconstruct", core.sh_reconstruct(lmax, coefficients, p, out, options.threads,
+    progress.of(options.progress)))
   if not ok then return nil, message, code end
   if one_row and one_point and options.out == nil then return out[1] end
   return out

@@ -44,8 +44,14 @@ function args.coefficients(n, name, value, limit)
   return c, lmax, shape, dtype, rows, convention
 end
 
---- An array for results: `out` if it fits, else a new one.
-function args.result(name, out, shape, dtype, convention)
+local function extents(shape)
+  local words = {}
+  for i, extent in ipairs(shape) do words[i] = ("%d"):format(extent) end
+  return table.concat(words, "x")
+end
+
+--- An array for results: `out` if it fits, else a new one. `sources` are arrays that are read while it is written.
+function args.result(name, out, shape, dtype, convention, sources)
   if out == nil then
     local a, message, code = check.result(name, core.array_zeros(shape, dtype))
     if not a then return nil, message, code end
@@ -56,9 +62,13 @@ function args.result(name, out, shape, dtype, convention)
     return check.fail("%s: out must be an array, got %s", name, check.describe(out))
   end
   local own, own_type, _, is_open = core.array_info(out)
-  if not is_open or own_type ~= dtype or table.concat(own, "x") ~= table.concat(shape, "x") then
-    return check.fail("%s: out must be a %s array of %s, got %s of %s", name, dtype, table.concat(shape, "x"),
-      is_open and own_type or "a closed array", table.concat(own, "x"))
+  if not is_open then return check.fail("%s: out: the array has been closed", name) end
+  if own_type ~= dtype or extents(own) ~= extents(shape) then
+    return check.fail("%s: out must be a %s array of %s, got a %s array of %s", name, dtype, extents(shape), own_type,
+      extents(own))
+  end
+  for _, source in ipairs(sources or {}) do
+    if core.array_overlap(out, source) then return check.fail("%s: out shares memory with an argument", name) end
   end
   core.array_set_convention(out, convention or 0)
   return out
@@ -71,7 +81,9 @@ function args.as(a, dtype)
   return core.array_convert(a, dtype)
 end
 
-args.threads = { "threads", "integer", min = 0, max = 1024, default = 0, about = "0: YLM_THREADS or all cores" }
+args.threads = { "threads", "integer", min = 1, max = 1024, optional = true,
+  about = "default: YLM_THREADS or all cores" }
+args.progress = { "progress", "progress", optional = true }
 args.out = { "out", "array", optional = true, about = "the array to be written and returned" }
 args.dtype = { "dtype", "choice", of = { "float", "double" }, optional = true, about = "default: that of the argument" }
 

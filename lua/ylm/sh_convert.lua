@@ -6,6 +6,7 @@ local check = require "ylm.check"
 local core = require "ylm.c.core"
 local describe = require "ylm.reference".describe
 local form = require "ylm.form"
+local progress = require "ylm.progress"
 
 local convert = {}
 
@@ -70,6 +71,7 @@ end
 local convert_options = {
   { "from", "string", optional = true,
     about = "what the coefficients are, where they do not say so themselves; default: 'ylm'" },
+  args.threads, args.out, args.progress,
 }
 
 describe "sh.convert" {
@@ -110,10 +112,11 @@ function convert.convert(c, to, options)
   if not finite then return check.bad(1, "convert", "coefficients: number %d is not finite", where) end
   local lead, rows, lmax = measure(1, "convert", a, source_system)
   local shape = shape_in(1, "convert", lead, lmax, target_system)
-  local out, message, code = args.result("convert", nil, shape, dtype, target)
+  local out, message, code = args.result("convert", options.out, shape, dtype, target, { a })
   if not out then return nil, message, code end
   local ok
-  ok, message, code = check.result("convert", core.sh_convert(source, target, lmax, rows, a, out))
+  ok, message, code = check.result("convert", core.sh_convert(source, target, lmax, rows, a, out, options.threads,
+    progress.of(options.progress)))
   if not ok then return nil, message, code end
   return out
 end

@@ -5,6 +5,7 @@ local check = require "ylm.check"
 local core = require "ylm.c.core"
 local describe = require "ylm.reference".describe
 local form = require "ylm.form"
+local progress = require "ylm.progress"
 
 local product = {}
 
@@ -35,7 +36,7 @@ local product_options = {
     about = "what the steps of 'recursive' are done by" },
   { "stages", "boolean", default = false,
     about = "also return the seconds of transform, multiplication, transform back" },
-  args.dtype, args.threads, args.out,
+  args.dtype, args.threads, args.out, args.progress,
 }
 
 --- The shape that all factors broadcast to: the largest number of rows, others have as many or one.
@@ -104,12 +105,9 @@ function product.product(...)
   local arrays = {}
   for i, c in ipairs(list) do arrays[i] = args.as(c.c, dtype) end
   local out
-  out, message, code = args.result("product", options.out, shape, dtype, list[1].convention)
+  out, message, code = args.result("product", options.out, shape, dtype, list[1].convention, arrays)
   if not out then return nil, message, code end
-  for i = 1, n do
-    if arrays[i] == out then return check.fail("product: out must not be a factor") end
-  end
-  local a, b, c = core.sh_product(p, arrays, out, options.threads, options.stages)
+  local a, b, c = core.sh_product(p, arrays, out, options.threads, options.stages, progress.of(options.progress))
   if not a then return check.result("product", nil, b, c) end
   if options.stages then return out, { a, b, c } end
   return out
@@ -178,7 +176,7 @@ function product.transfer(b, lmax, options)
   return result
 end
 
-local apply_options = { args.threads, args.out }
+local apply_options = { args.threads, args.out, args.progress }
 
 describe "sh.transfer_apply" {
   about = "Applies a transfer matrix (symmetric, from sh.transfer) to vectors of coefficients.",
@@ -204,11 +202,11 @@ function product.transfer_apply(M, c, options)
   if not size or #size ~= 2 or size[1] ~= n or size[2] ~= n then
     return check.bad(1, "transfer_apply", "a matrix of %dx%d expected, got %s", n, n, check.describe(M))
   end
-  local out, message, code = args.result("transfer_apply", options.out, shape, dtype, convention)
+  M = args.as(M, dtype)
+  local out, message, code = args.result("transfer_apply", options.out, shape, dtype, convention, { a, M })
   if not out then return nil, message, code end
-  if out == a then return check.fail("transfer_apply: out must not be c") end
   local ok
-  ok, message, code = core.sh_transfer_apply(args.as(M, dtype), a, out, options.threads)
+  ok, message, code = core.sh_transfer_apply(M, a, out, options.threads, progress.of(options.progress))
   if not ok then return check.result("transfer_apply", nil, message, code) end
   return out
 end

@@ -6,6 +6,7 @@ local check = require "ylm.check"
 local core = require "ylm.c.core"
 local describe = require "ylm.reference".describe
 local form = require "ylm.form"
+local progress = require "ylm.progress"
 
 local project = {}
 
@@ -23,14 +24,22 @@ local project_options = {
   { "up", "choice", of = { "z", "y" }, default = "z", about = "of an image: where its pole is" },
   { "layer", "string", optional = true, about = "of an image; default: the first" },
   { "dtype", "choice", of = { "float", "double" }, default = "double", about = "of the result" },
-  args.threads,
+  args.threads, args.out, args.progress,
 }
 
---- Values of a Lua function at directions [n][3]: array [n][channels].
-local function evaluate(f, directions)
+local cancelled = {}
+
+--- Reports progress of work done in Lua; where it wants no more, raises `cancelled`, which sh.project catches.
+local function report(o, done, total)
+  if o.progress and o.progress(done, total, "evaluate") == false then error(cancelled, 0) end
+end
+
+--- Values of a Lua function at directions [n][3]: array [n][channels]. `before` evaluations were done of `total`.
+local function evaluate(f, directions, o, before, total)
   local d = core.array_totable(directions)
   local values, channels = {}, nil
   for i, v in ipairs(d) do
+    if i % 1000 == 0 then report(o, before + i, total) end
     local r, g, b = f(v[1], v[2], v[3])
     local width = b ~= nil and 3 or 1
     channels = channels or width
@@ -45,16 +54,21 @@ local function evaluate(f, directions)
   return (array.array(values)), channels
 end
 
---- Coefficients [channels][count] of weighted samples; nil, message, code.
-local function of_samples(lmax, directions, weights, values, threads)
+--- Coefficients [channels][count] of weighted samples, and their terms' squares if wanted; nil, message, code.
+local function of_samples(lmax, directions, weights, values, threads, progress_, squares)
   local shape = core.array_info(values)
   local channels = #shape == 1 and 1 or shape[2]
   local out, message, code = core.array_zeros({ channels, (lmax + 1) ^ 2 }, "double")
   if not out then return nil, message, code end
+  local square
+  if squares then
+    square, message, code = core.array_zeros({ channels, (lmax + 1) ^ 2 }, "double")
+    if not square then return nil, message, code end
+  end
   local ok
-  ok, message, code = core.sh_project(lmax, directions, weights, values, out, threads)
+  ok, message, code = core.sh_project(lmax, directions, weights, values, out, threads, progress_, square)
   if not ok then return check.result("project", nil, message, code) end
-  return out
+  return out, square
 end
 
 --- The difference's norm, channel by channel the largest.
@@ -70,15 +84,18 @@ end
 --- By the product rule; its error is estimated by a rule of about half as many points.
 local function by_quadrature(lmax, f, o)
   local nodes = o.samples and math.max(1, math.floor(math.sqrt(o.samples / 2))) or 4 * lmax + 16
-  local function rule(n)
+  local fewer = math.max(1, math.floor(nodes * 0.7))
+  local total = 2 * nodes ^ 2 + 2 * fewer ^ 2
+  local function rule(n, before)
     local d, w = core.sh_rule(n, 2 * n, -1, 1)
     if not d then return check.result("project", nil, w, "ENOMEM") end
-    return of_samples(lmax, d, w, evaluate(f, d), o.threads)
+    return of_samples(lmax, d, w, evaluate(f, d, o, before, total), o.threads)
   end
-  local c, message, code = rule(nodes)
+  local c, message, code = rule(nodes, 0)
   if not c then return nil, message, code end
   local rough
-  rough, message, code = rule(math.max(1, math.floor(nodes * 0.7)))
+  rough, message, code = rule(fewer, 2 * nodes ^ 2)
+  report(o, total, total)
   if not rough then return nil, message, code end
   return c, { method = "quadrature", samples = 2 * nodes * nodes, error = distance(c, rough) }
 end
@@ -93,7 +110,7 @@ local function by_montecarlo(lmax, f, o)
     local d, message, code = core.sh_samples(side, o.seed, k)
     if not d then return nil, message, code end
     local c
-    c, message, code = of_samples(lmax, d, nil, evaluate(f, d), o.threads)
+    c, message, code = of_samples(lmax, d, nil, evaluate(f, d, o, (k - 1) * side ^ 2, REPLICATES * side ^ 2), o.threads)
     if not c then return nil, message, code end
     local t = core.array_totable(c)
     sum, squares = sum or {}, squares or {}
@@ -105,6 +122,7 @@ local function by_montecarlo(lmax, f, o)
       end
     end
   end
+  report(o, REPLICATES * side ^ 2, REPLICATES * side ^ 2)
   local mean, standard, worst = {}, {}, 0
   for ch, row in ipairs(sum) do
     mean[ch], standard[ch] = {}, {}
@@ -121,8 +139,30 @@ local function by_montecarlo(lmax, f, o)
     standard_error = #standard == 1 and (array.array(standard[1])) or (array.array(standard)) }
 end
 
---- Of an image of the whole sphere: every pixel with its solid angle.
+--- Of a Lua function; what it raises passes.
+local function of_function(lmax, f, o)
+  local by = o.method == "montecarlo" and by_montecarlo or by_quadrature
+  if not o.progress then return by(lmax, f, o) end
+  local ok, c, about, code = pcall(by, lmax, f, o)
+  if ok then return c, about, code end
+  if c == cancelled then return nil, "cancelled", "ECANCELLED" end
+  error(c, 0)
+end
+
+local shapes = {
+  latlong = { function(w, h) return w == 2 * h end, "twice as wide as high" },
+  angular = { function(w, h) return w == h end, "as wide as high" },
+  cube = { function(w, h) return h == 6 * w end, "six times as high as wide, its faces one above the other" },
+}
+
+--- Of an image of the whole sphere: every pixel with its solid angle. The error is that of taking a pixel's direction
+-- for its whole area, which falls with the square of its size: a third of what blocks of 2 x 2 pixels differ by.
 local function of_image(lmax, image, o)
+  local size = image.size
+  if not shapes[o.mapping][1](size[1], size[2]) then
+    return check.bad(2, "project", "an image for mapping '%s' is %s, got %dx%d", o.mapping, shapes[o.mapping][2], size[1],
+      size[2])
+  end
   local directions, angles, code = image:directions { mapping = o.mapping, up = o.up }
   if not directions then return nil, angles, code end
   local layer = image:layer(o.layer)
@@ -136,9 +176,14 @@ local function of_image(lmax, image, o)
       math.floor(pixel / shape[2]) + 1)
   end
   local c, message
-  c, message, code = of_samples(lmax, directions, angles, values, o.threads)
+  c, message, code = of_samples(lmax, directions, angles, values, o.threads, o.progress)
   if not c then return nil, message, code end
-  return c, { method = "pixels", samples = n }
+  local d2, w2, v2 = core.sh_halve(shape[2], shape[1], o.mapping == "cube" and 6 or 1, directions, angles, values)
+  if not d2 then return nil, w2, v2 end
+  local rough
+  rough, message, code = of_samples(lmax, d2, w2, v2, o.threads)
+  if not rough then return nil, message, code end
+  return c, { method = "pixels", samples = n, error = distance(c, rough) / 3 }
 end
 
 --- Of { directions =, values =, weights = }.
@@ -171,9 +216,22 @@ local function of_table(lmax, t, o)
     if not finite then return check.bad(2, "project", "samples: number %d of values or weights is not finite",
       where) end
   end
-  local c, message, code = of_samples(lmax, d, w, v, o.threads)
-  if not c then return nil, message, code end
-  return c, { method = "samples", samples = n }
+  local c, square, code = of_samples(lmax, d, w, v, o.threads, o.progress, true)
+  if not c then return nil, square, code end
+  if n < 2 then return c, { method = "samples", samples = n } end
+  local sums, squares, standard, worst = core.array_totable(c), core.array_totable(square), {}, 0
+  for ch, row in ipairs(sums) do
+    local norm = 0
+    standard[ch] = {}
+    for i, sum in ipairs(row) do
+      local variance = math.max(0, squares[ch][i] - sum * sum / n) * n / (n - 1)
+      standard[ch][i] = math.sqrt(variance)
+      norm = norm + variance
+    end
+    worst = math.max(worst, math.sqrt(norm))
+  end
+  return c, { method = "samples", samples = n, error = worst,
+    standard_error = #standard == 1 and (array.array(standard[1])) or (array.array(standard)) }
 end
 
 describe "sh.project" {
@@ -188,10 +246,13 @@ describe "sh.project" {
   options = project_options,
   returns = {
     { "c", "array", "[(lmax+1)^2], or [channels][(lmax+1)^2]" },
-    { "report", "table", "method, samples; error: an estimate of the norm of what is wrong (functions); "
-      .. "standard_error: of each coefficient (montecarlo)" },
+    { "report", "table", "method, samples; error: an estimate of the norm of what is wrong, of the worst channel: by a "
+      .. "rule of half as many points (quadrature), the spread of 8 sets (montecarlo), blocks of 2 x 2 pixels (images), "
+      .. "or as if samples were independent at random, an upper bound for others (samples); "
+      .. "standard_error: of each coefficient (montecarlo, samples)" },
   },
-  errors = "raises where the function returns something else, shapes do not fit, or a number is not finite",
+  errors = "raises where the function returns something else, shapes do not fit (a latitude-longitude image is twice as "
+    .. "wide as high), or a number is not finite; nil, 'cancelled', 'ECANCELLED' where progress returns false",
   example = [[
 local c, report = ylm.sh.project(2, function(x, y, z) return z * z end)
 assert(math.abs(ylm.sh.reconstruct(c, { 0, 0.6, 0.8 }) - 0.64) < 1e-13 and report.error < 1e-13)]],
@@ -200,19 +261,23 @@ assert(math.abs(ylm.sh.reconstruct(c, { 0, 0.6, 0.8 }) - 0.64) < 1e-13 and repor
 function project.project(lmax, f, options)
   check.integer(1, "project", "lmax", lmax, 0, core.sh_lmax)
   local o = form.options(3, "project", project_options, options)
-  local c, report, code
-  if type(f) == "function" then
-    if o.method == "montecarlo" then c, report, code = by_montecarlo(lmax, f, o)
-    else c, report, code = by_quadrature(lmax, f, o) end
-  elseif core.type(f) == "ylm.image" then c, report, code = of_image(lmax, f, o)
-  elseif type(f) == "table" and not form.kind(f) then c, report, code = of_table(lmax, f, o)
+  o.progress = progress.of(o.progress)
+  local c, about, code
+  if type(f) == "function" then c, about, code = of_function(lmax, f, o)
+  elseif core.type(f) == "ylm.image" then c, about, code = of_image(lmax, f, o)
+  elseif type(f) == "table" and not form.kind(f) then c, about, code = of_table(lmax, f, o)
   else
     return check.bad(2, "project", "a function, an image or { directions =, values = } expected, got %s",
       check.describe(f))
   end
-  if not c then return nil, report, code end
+  if not c then return nil, about, code end
   if core.array_info(c)[1] == 1 then c = core.array_reshape(c, { (lmax + 1) ^ 2 }) end
-  return args.as(c, o.dtype), report
+  c = args.as(c, o.dtype)
+  if not o.out then return c, about end
+  local shape = core.array_info(c)
+  local out = args.result("project", o.out, shape, o.dtype)
+  assert(core.sh_resize(lmax, lmax, #shape == 1 and 1 or shape[1], c, out))
+  return out, about
 end
 
 -- Zonal functions ----------------------------------------------------------------------------
@@ -402,7 +467,8 @@ local sky_options = {
   { "sun", "vector", optional = true,
     about = "towards the sun; 'clear' and 'partly cloudy' need it, above the horizon" },
   { "luminance", "number", min = 0, default = 1, about = "at the zenith" },
-  { "nodes", "integer", min = 4, max = 2000, default = 96, about = "of the quadrature over the upper half" },
+  { "nodes", "integer", min = 4, max = 2000, default = 96,
+    about = "of the quadrature over the upper half; overcast skies need none" },
 }
 
 local function unit(v)
@@ -433,6 +499,34 @@ local function sky_function(o, zenith, sun)
   end
 end
 
+--- Coefficients [1][count] of what shines from above the horizon alone, by a rule for that half.
+local function above(lmax, f, zenith, nodes)
+  local d, w = core.sh_rule(nodes, 2 * nodes, 0, 1)
+  if not d then return check.result("sky", nil, w, "ENOMEM") end
+  -- the half above z, turned so that z is the zenith (a reflection serves as well)
+  local h = { zenith[1], zenith[2], zenith[3] - 1 }
+  local hh = h[1] ^ 2 + h[2] ^ 2 + h[3] ^ 2
+  local directions, values = core.array_totable(d), {}
+  for i, v in ipairs(directions) do
+    if hh > 0 then
+      local t = 2 * (v[1] * h[1] + v[2] * h[2] + v[3] * h[3]) / hh
+      v[1], v[2], v[3] = v[1] - t * h[1], v[2] - t * h[2], v[3] - t * h[3]
+    end
+    values[i] = { f(v[1], v[2], v[3]) }
+  end
+  return of_samples(lmax, (array.array(directions)), w, (array.array(values)))
+end
+
+--- Zonal coefficients of (1 + 2 cos theta)/3 above the horizon: integrals of P_l and of t P_l over 0 .. 1.
+local function overcast(lmax, luminance)
+  local p, z = legendre(lmax, 0), {}
+  for l = 0, lmax do
+    local mean = l == 0 and 1 or (p[l - 1] - p[l + 1]) / (2 * l + 1)
+    z[l + 1] = luminance * math.sqrt(pi * (2 * l + 1)) / 3 * (mean + core.sh_cosine_factor(l) / pi)
+  end
+  return z
+end
+
 describe "sh.sky" {
   about = "The coefficients of a CIE sky over the horizon: overcast, clear or partly cloudy, with the position of the sun.",
   arguments = { { "lmax", "integer", "highest degree" }, { "options?", "table", "see the options" } },
@@ -440,6 +534,8 @@ describe "sh.sky" {
   returns = {
     { "c", "array", "[(lmax+1)^2], in the unit of the zenith's luminance" },
     { "sky", "function", "the luminance itself, f(x, y, z) of a unit direction" },
+    { "report", "table", "method: 'closed form' (overcast) or 'quadrature', whose error is estimated by a rule of half as "
+      .. "many points: samples, error (of the norm)" },
   },
   errors = "raises where a sky needs a sun above the horizon and has none",
   example = [[
@@ -458,22 +554,14 @@ function project.sky(lmax, options)
     end
   end
   local f = sky_function(o, zenith, sun)
-  -- a rule for the half above z, turned so that z is the zenith (a reflection serves as well)
-  local d, w = core.sh_rule(o.nodes, 2 * o.nodes, 0, 1)
-  if not d then return check.result("sky", nil, w, "ENOMEM") end
-  local h = { zenith[1], zenith[2], zenith[3] - 1 }
-  local hh = h[1] ^ 2 + h[2] ^ 2 + h[3] ^ 2
-  local directions, values = core.array_totable(d), {}
-  for i, v in ipairs(directions) do
-    if hh > 0 then
-      local t = 2 * (v[1] * h[1] + v[2] * h[2] + v[3] * h[3]) / hh
-      v[1], v[2], v[3] = v[1] - t * h[1], v[2] - t * h[2], v[3] - t * h[3]
-    end
-    values[i] = { f(v[1], v[2], v[3]) }
-  end
-  local c, message, code = of_samples(lmax, (array.array(directions)), w, (array.array(values)), 0)
+  if o.kind == "overcast" then return project.zonal(overcast(lmax, o.luminance), zenith), f, { method = "closed form" } end
+  local c, message, code = above(lmax, f, zenith, o.nodes)
   if not c then return nil, message, code end
-  return core.array_reshape(c, { (lmax + 1) ^ 2 }), f
+  local rough
+  rough, message, code = above(lmax, f, zenith, math.floor(0.7 * o.nodes))
+  if not rough then return nil, message, code end
+  return core.array_reshape(c, { (lmax + 1) ^ 2 }), f,
+    { method = "quadrature", samples = 2 * o.nodes ^ 2, error = distance(c, rough) }
 end
 
 return project

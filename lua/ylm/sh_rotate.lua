@@ -5,6 +5,7 @@ local check = require "ylm.check"
 local core = require "ylm.c.core"
 local describe = require "ylm.reference".describe
 local form = require "ylm.form"
+local progress = require "ylm.progress"
 
 local rotate = {}
 
@@ -145,7 +146,8 @@ end
 local rotate_options = {
   { "method", "choice", of = { "fast", "reference" }, default = "fast",
     about = "reference: the recurrence of Ivanic & Ruedenberg, slow" },
-  args.threads, args.out,
+  args.threads, { "out", "array", optional = true, about = "the array to be written and returned; may be c" },
+  args.progress,
 }
 
 --- The reference: blocks of the recurrence times each row.
@@ -210,20 +212,21 @@ function rotate.rotate(c, rotation, options)
     end
   else matrix = matrix_of(2, "rotate", rotation) end
   if options.method == "reference" then
+    if options.out then return check.fail("rotate: method 'reference' makes a new array, it takes no out") end
     if object then matrix = numbers(rotate.about[object].matrix, 9) end
     local result = core.array_reshape(by_reference(matrix, lmax, a, dtype, rows), shape)
     core.array_set_convention(result, convention)
     return result
   end
-  out, message, code = args.result("rotate", options.out, shape, dtype, convention)
+  out, message, code = args.result("rotate", options.out, shape, dtype, convention, options.out ~= c and { a } or {})
   if not out then return nil, message, code end
   local ok
   if object then
-    ok, message, code = core.sh_rotation_apply(object, lmax, a, out, options.threads)
+    ok, message, code = core.sh_rotation_apply(object, lmax, a, out, options.threads, progress.of(options.progress))
   else
     p, message, code = plan(lmax)
     if not p then return nil, message, code end
-    ok, message, code = core.sh_rotate(p, matrix, lmax, a, out, options.threads)
+    ok, message, code = core.sh_rotate(p, matrix, lmax, a, out, options.threads, progress.of(options.progress))
   end
   if not ok then return check.result("rotate", nil, message, code) end
   return out

@@ -150,11 +150,13 @@ end
 
 local random_options = {
   { "seed", "integer", min = 0, max = 2 ^ 53, default = 1 },
+  { "low", "number", default = -1, about = "the least number" },
+  { "high", "number", default = 1, about = "what numbers stay below" },
   { "dtype", "choice", of = { "float", "double" }, default = "double" },
 }
 
 describe "sh.random" {
-  about = "Random coefficients, uniform in [-1, 1): the same for the same seed everywhere.",
+  about = "Random coefficients, uniform from low to high: the same for the same seed everywhere.",
   arguments = { { "rows", "integer", "how many vectors" }, { "lmax", "integer", "" }, { "options?", "table", "" } },
   options = random_options,
   returns = { { "c", "array", "[rows][(lmax+1)^2]" } },
@@ -169,7 +171,7 @@ function window.random(rows, lmax, options)
   local o = form.options(3, "random", random_options, options)
   local out, message, code = args.result("random", nil, { rows, (lmax + 1) ^ 2 }, o.dtype)
   if not out then return nil, message, code end
-  core.sh_random(out, o.seed)
+  core.sh_random(out, o.seed, o.low, o.high)
   return out
 end
 

@@ -15,7 +15,7 @@ typedef struct job {
 
 static void multiply(void *context) {
   job *j = context;
-  ylm_sh_product_apply(j->plan, j->t, j->rows, j->factor, NULL, j->out, 1, NULL);
+  ylm_sh_product_apply(j->plan, j->t, j->rows, j->factor, NULL, j->out, 1, NULL, NULL);
 }
 
 /* Nanoseconds for a product; 0 where the method does not do the size. */

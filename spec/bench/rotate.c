@@ -18,12 +18,12 @@ typedef struct job {
 
 static void one(void *context) {
   job *j = context;
-  ylm_sh_rotate(j->plan, j->r, j->lmax, j->t, 1, j->in, j->out, 1, NULL);
+  ylm_sh_rotate(j->plan, j->r, j->lmax, j->t, 1, j->in, j->out, 1, NULL, NULL);
 }
 
 static void batch(void *context) {
   job *j = context;
-  ylm_sh_rotation_apply(j->rotation, j->lmax, j->rows, j->in, j->out, 1);
+  ylm_sh_rotation_apply(j->rotation, j->lmax, j->rows, j->in, j->out, 1, NULL);
 }
 
 static void create(void *context) {

@@ -60,13 +60,23 @@ return {
     function(ylm) return ylm.sh.eval(2, up, { method = "magic" }) end, "method must be one of",
     function(ylm) return ylm.sh.eval(2, up, { kernel = "mmx" }) end, "kernel must be one of",
     function(ylm) return ylm.sh.eval(2, up, { threads = -1 }) end, "threads must be",
+    function(ylm) return ylm.sh.eval(2, up, { threads = 0 }) end, "threads must be an integer >= 1",
+    function(ylm)
+      local both = ylm.zeros { 4, 3 }
+      for i = 1, 4 do both:set(i, 1, 1) end
+      return ylm.sh.eval(1, both, { derivatives = 1, out = { nil, both } })
+    end, "out%[2%] must be a double array of 4x4x3",
+    function(ylm)
+      local p = ylm.array { { 1, 2, 3 } }
+      return ylm.sh.eval(0, p, { out = p[1] })
+    end, "out%[1%] must be a double array of 1x1",
     function(ylm) return ylm.sh.eval(2, up, { progress = 3 }) end, "progress must be",
     function(ylm) return ylm.sh.eval(2, up, 7) end, "a table of options expected",
     function(ylm) return ylm.sh.eval(2, up, { out = ylm.zeros({ 8 }) }) end,
-    "out for values must be a double array of 9",
+    "out%[1%] must be a double array of 9",
     function(ylm) return ylm.sh.eval(2, up, { out = 5 }) end, "out must be an array",
     function(ylm) return ylm.sh.eval(2, up, { out = { ylm.zeros({ 9 }), up }, derivatives = 1 }) end,
-    "out must hold an array for gradients",
+    "out%[2%] must be an array",
     function(ylm) return ylm.sh.eval(7, up, { method = "polynomial" }) end, "method 'polynomial' goes to lmax 6",
     function(ylm) return ylm.sh.eval(2, up, { method = "sloan", derivatives = 2 }) end, "no second derivatives",
     function(ylm) return ylm.sh.eval(2, up, { method = "scd", solid = true }) end, "has no solid harmonics",
@@ -81,5 +91,10 @@ return {
     function(ylm) return ylm.sh.reconstruct({ 1 }, { 0, 0, 0 }) end, "point 1 is zero",
     function(ylm) return ylm.sh.reconstruct({ 1 }, { nan, 0, 0 }) end, "row 1 is not finite",
     function(ylm) return ylm.sh.reconstruct({ 1 }, up, { thread = 1 }) end, "did you mean 'threads'",
-    function(ylm) return ylm.sh.reconstruct({ 1 }, { up, up }, { out = ylm.zeros(3) }) end, "out for values must be"),
+    function(ylm) return ylm.sh.reconstruct({ 1 }, { up, up }, { out = ylm.zeros(3) }) end, "out must be a double array of 2",
+    function(ylm) return ylm.sh.reconstruct({ 1 }, up, { threads = 0 }) end, "threads must be an integer >= 1",
+    function(ylm)
+      local p = ylm.array { { 1, 0, 0 }, { 0, 1, 0 }, { 0, 0, 1 } }
+      return ylm.sh.reconstruct({ { 1 }, { 2 }, { 3 } }, p, { out = p })
+    end, "out shares memory with an argument"),
 }

@@ -31,7 +31,17 @@ return {
     { call = function(ylm)
       local a = ylm.array(c)
       return ylm.sh.product(a, a, { out = a })
-    end, says = "out must not be a factor" },
+    end, says = "out shares memory with an argument" },
+    { call = function(ylm)
+      local a = ylm.zeros { 2, 4 }
+      return ylm.sh.product(a, c, { out = a[1]:reshape { 4 } })
+    end, says = "out must be a double array of 2x4" },
+    { call = function(ylm)
+      local a = ylm.array { c, c }
+      return ylm.sh.product(a[1], c, { out = a[1] })
+    end, says = "out shares memory with an argument" },
+    { call = function(ylm) return ylm.sh.product(c, c, { threads = 0 }) end, says = "threads must be an integer >= 1" },
+    { call = function(ylm) return ylm.sh.product(c, c, { progress = 1 }) end, says = "progress must be a function" },
   },
   ["sh.product_method"] = {
     { call = function(ylm) return ylm.sh.product_method(-1, 2) end, says = "lmax must be an integer from 0 to 100" },

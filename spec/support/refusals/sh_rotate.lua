@@ -59,6 +59,18 @@ for _, case in ipairs {
   { call = function(ylm) return ylm.sh.rotate(c, turn, { thraeds = 1 }) end, says = "did you mean 'threads'" },
   { call = function(ylm) return ylm.sh.rotate(c, turn, { out = ylm.zeros { 3 } }) end,
     says = "out must be a double array of 4" },
+  { call = function(ylm) return ylm.sh.rotate(c, turn, { threads = 0 }) end, says = "threads must be an integer >= 1" },
+  { call = function(ylm)
+    local a = ylm.array { c, c, c }
+    return ylm.sh.rotate(a[2], turn, { out = ylm.array(a)[2], progress = 7 })
+  end, says = "progress must be a function" },
+  { call = function(ylm)
+    local a = ylm.zeros { 8 }
+    return ylm.sh.rotate(a:reshape { 2, 4 }, turn, { out = a:reshape { 2, 4 } })
+  end, says = "out shares memory with an argument" },
+  { call = function(ylm)
+    return ylm.sh.rotate(c, turn, { method = "reference", out = ylm.zeros { 4 } })
+  end, says = "takes no out" },
   { call = function(ylm) return ylm.sh.rotate(c, turn, { method = "slow" }) end, says = "method must be one of" },
 } do rotate[#rotate + 1] = case end
 
@@ -83,6 +95,12 @@ local convert = {
   { call = function(ylm) return ylm.sh.convert(ylm.zeros { 16 }, "ylm", { from = "ylm irradiance" }) end,
     says = "irradiance holds nothing of degree 3" },
   { call = function(ylm) return ylm.sh.convert(c, "plain", { form = "ylm" }) end, says = "did you mean 'from'" },
+  { call = function(ylm) return ylm.sh.convert(c, "plain", { threads = 0 }) end,
+    says = "threads must be an integer >= 1" },
+  { call = function(ylm)
+    local a = ylm.array(c)
+    return ylm.sh.convert(a, "plain", { out = a })
+  end, says = "out shares memory with an argument" },
 }
 
 local resize = list(bad_coefficients(function(ylm, x) return ylm.sh.resize(x, 1) end))
