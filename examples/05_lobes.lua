@@ -3,7 +3,8 @@
 --
 --     lua examples/05_lobes.lua [folder for pictures]
 --
--- Writes lobes_projection.png, lobes_rotation.png and lobes_product.png, and prints what they show.
+-- Writes lobes_bands.png (Fig. 5), lobes_projection.png (Figs. 6-8), lobes_rotation.png and lobes_product.png
+-- (Fig. 10), and prints what they show and the matrix of Fig. 9. Orange is positive, blue negative.
 
 local ylm = require "ylm"
 local common = dofile((arg[0]:match "^(.*/)" or "./") .. "common.lua")
@@ -11,11 +12,23 @@ local common = dofile((arg[0]:match "^(.*/)" or "./") .. "common.lua")
 local folder = common.folder(arg[1] or ".")
 
 --- Pictures need VTK; without it the numbers are printed all the same.
-local function save(vectors, labels, title, name)
-  local ok, message = ylm.view { sh = vectors, labels = labels, title = title, size = { 1280, 480 } }:save(folder
-    .. "/" .. name)
+local function save(vectors, labels, title, name, height)
+  local ok, message = ylm.view { sh = vectors, labels = labels, title = title, size = { 1280, height or 480 },
+    direction = { 0, -1, 0.1 } }:save(folder .. "/" .. name)
   print(ok and ("wrote " .. folder .. "/" .. name) or ("no picture: " .. tostring(message)))
 end
+
+-- Fig. 5: the first five bands, a band to a row: 45 places, those beyond a band empty.
+local bands, names = {}, {}
+for l = 0, 4 do
+  for m = -4, 4 do
+    local c = ylm.zeros { 25 }
+    if math.abs(m) <= l then c:set(ylm.sh.index(l, m), 1) end
+    bands[#bands + 1] = c:totable()
+    names[#names + 1] = math.abs(m) <= l and ("%d, %d"):format(l, m) or ""
+  end
+end
+save(bands, names, "The first five bands, each Y(l, m)", "lobes_bands.png", 800)
 
 -- Two lights at right angles to each other: Green's example, with the "-3" inside.
 local function light(x, y, z)
@@ -24,16 +37,17 @@ local function light(x, y, z)
   return math.max(0, 5 * math.cos(theta) - 4) + math.max(0, -4 * math.sin(theta - math.pi) * math.cos(phi - 2.5) - 3)
 end
 
--- Figs. 6-8: projections of more and more bands, and the window that takes the ringing away.
+-- Fig. 7: the light itself, nearly; Figs. 6, 8: projections of more and more bands, and the window against ringing.
 local c, report = ylm.sh.project(5, light, { samples = 100000 })
 print(("two lights, projected by quadrature (error %.1e):"):format(report.error))
 print((ylm.sh.summary(c)))
-local vectors, labels = {}, {}
+local WHOLE = 30
+local vectors, labels = { (ylm.sh.project(WHOLE, light, { samples = 100000 })):totable() }, { "the light" }
 for lmax = 0, 5 do
-  vectors[#vectors + 1] = ylm.sh.resize(ylm.sh.resize(c, lmax), 5):totable()
-  labels[#labels + 1] = lmax + 1 .. " bands"
+  vectors[#vectors + 1] = ylm.sh.resize(ylm.sh.resize(c, lmax), WHOLE):totable()
+  labels[#labels + 1] = lmax == 0 and "1 band" or lmax + 1 .. " bands"
 end
-vectors[#vectors + 1] = ylm.sh.window(c, "hann"):totable()
+vectors[#vectors + 1] = ylm.sh.resize(ylm.sh.window(c, "hann"), WHOLE):totable()
 labels[#labels + 1] = "Hann window"
 save(vectors, labels, "Two lights", "lobes_projection.png")
 

@@ -237,6 +237,37 @@ describe("the command-line tool", function()
     end
   end)
 
+  it("shows SH vectors of .npy files, their product and what a rotation makes of them", function()
+    local ylm_ = require "ylm"
+    local quote, path = scratch.quote, folder.path
+    assert(ylm_.array({ { 1, 0, 2, 0 }, { 1, 0, 0, 0 } }):save(path .. "/two.npy"))
+    assert(ylm_.array({ 0, 0, 0, 0, 0, 0, 1, 0, 0 }):save(path .. "/one.npy"))
+    assert(ylm_.array({ 1, 2, 3 }):save(path .. "/bad.npy"))
+    local files = quote(path .. "/two.npy") .. " " .. quote(path .. "/one.npy")
+    local picture = path .. "/lobes.png"
+    local drawn = pcall(require, "ylm.c.vtk")
+    if drawn then
+      local out, code, err = ylm("view " .. files .. " --product --rotate 1,0,0 --size 160x90 -o " .. quote(picture))
+      assert.equal(0, code, err)
+      assert.equal("\137PNG", folder:read("lobes.png"):sub(1, 4))
+      for _, label in ipairs { "two 1: ylm, lmax 2", "two 2: ", "one: ", "product: ", "product, turned: ", "l 2 " } do
+        assert.truthy(out:find(label, 1, true), out)
+      end
+      out, code, err = ylm("view " .. files .. " --json --size 160x90 -o " .. quote(picture))
+      assert.equal(0, code, err)
+      assert.truthy(out:find('"energy":[1,4,0],"label":"two 1","lmax":2', 1, true), out)
+    end
+    local _, code, err = ylm("view " .. quote(path .. "/bad.npy") .. " -o " .. quote(picture))
+    assert.equal(1, code)
+    assert.truthy(err:find("bad.npy: [..][(lmax+1)^2] coefficients expected", 1, true), err)
+    _, code, err = ylm("view " .. quote(path .. "/one.npy") .. " --product -o " .. quote(picture))
+    assert.equal(2, code)
+    assert.truthy(err:find("--product wants 2 to 16 vectors, got 1", 1, true), err)
+    _, code, err = ylm("view " .. quote(path .. "/one.npy") .. " --log -o " .. quote(picture))
+    assert.equal(2, code)
+    assert.truthy(err:find("--log is for grids", 1, true), err)
+  end)
+
   it("writes JSON that escapes what it must", function()
     local json = require "ylm.cli.report".json
     assert.equal('{"a":[1,2.5,null],"b":"x\\"\\\\\\n\\u0001","c":{"d":true},"e":[]}',

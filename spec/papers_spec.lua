@@ -5,7 +5,7 @@ local scratch = require "spec.support.scratch"
 local cases = {
   { "products_2021_fig3.lua", "%s quick", " 20 .*%(21%.7%)" },
   { "products_2021_fig4.lua", "%s quick", "k = 8: 7 factors" },
-  { "products_2021_table1.lua", "5", "paper 0%.87 0%.88" },
+  { "products_2021_table1.lua", "5", "paper +0%.87 +0%.88" },
   { "gradient_2022_table1.lua", "quick", "sloan, paper +67%.5" },
   { "gradient_2022_fig5.lua", "%s quick", "light's gradient: .* at most [%d.]+e%-" },
   { "gradient_2022_triangles.lua", "%s quick", "by shape" },

@@ -251,9 +251,10 @@ methods.__newindex = function(a, key, value)
 end
 
 methods.__tostring = function(a)
-  local shape, dtype, _, is_open = core.array_info(a)
+  local shape, dtype, convention, is_open = core.array_info(a)
   if not is_open then return "ylm.array (closed)" end
-  return ("ylm.array %s [%s]"):format(dtype, table.concat(shape, "]["))
+  return ("ylm.array %s [%s]%s"):format(dtype, table.concat(shape, "]["),
+    convention ~= 0 and ", " .. array.convention_name(convention) or "")
 end
 
 --- The name of a convention number.

@@ -231,7 +231,7 @@ function window.summary(c)
     table.concat(shape, "]["):gsub("%.0", ""), dtype) }
   for i = 1, math.min(rows, 3) do
     local first = {}
-    for k = 1, math.min(9, #flat[i]) do first[k] = ("%.4g"):format(flat[i][k]) end
+    for k = 1, math.min(9, #flat[i]) do first[k] = ("%.4g"):format(flat[i][k] + 0) end -- no -0
     lines[#lines + 1] = "  " .. table.concat(first, " ") .. (#flat[i] > 9 and " .." or "")
   end
   if rows > 3 then lines[#lines + 1] = ("  .. %d rows"):format(rows) end
