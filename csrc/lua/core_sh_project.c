@@ -109,15 +109,32 @@ static int sh_degree_scale(lua_State *L) {
   return 1;
 }
 
-/* array_range(a) -> smallest, largest */
-static int array_range(lua_State *L) {
+/* sh_windowed_range(parts double [rows][lmax+1][n], {factor of each degree}) -> smallest, largest
+   of the sums over degrees of factor times part */
+static int windowed_range(lua_State *L) {
   ylmL_array *a = ylmL_array_check(L, 1);
-  double lo = 1e308, hi = -1e308;
-  for (size_t i = 0; i < a->count; i++) {
-    double x =
-        a->dtype == YLM_DOUBLE ? ((const double *)a->data)[i] : (double)((const float *)a->data)[i];
-    if (x < lo) lo = x;
-    if (x > hi) hi = x;
+  luaL_checktype(L, 2, LUA_TTABLE);
+  if (a->dtype != YLM_DOUBLE || a->axes != 3) return ylmL_result(L, 0, YLM_ESHAPE, NULL);
+  size_t rows = a->shape[0], degrees = a->shape[1], n = a->shape[2];
+  double factor[YLM_LMAX + 1], lo = 1e308, hi = -1e308, sum[256];
+  if (degrees > YLM_LMAX + 1) return ylmL_result(L, 0, YLM_ERANGE, NULL);
+  for (size_t l = 0; l < degrees; l++) {
+    lua_rawgeti(L, 2, (int)l + 1);
+    factor[l] = (double)luaL_checknumber(L, -1);
+    lua_pop(L, 1);
+  }
+  for (size_t r = 0; r < rows; r++) {
+    const double *part = (const double *)a->data + r * degrees * n;
+    for (size_t i = 0; i < n; i += 256) {
+      size_t m = n - i < 256 ? n - i : 256;
+      for (size_t k = 0; k < m; k++) sum[k] = 0;
+      for (size_t l = 0; l < degrees; l++)
+        for (size_t k = 0; k < m; k++) sum[k] += factor[l] * part[l * n + i + k];
+      for (size_t k = 0; k < m; k++) {
+        if (sum[k] < lo) lo = sum[k];
+        if (sum[k] > hi) hi = sum[k];
+      }
+    }
   }
   lua_pushnumber(L, lo);
   lua_pushnumber(L, hi);
@@ -171,7 +188,7 @@ static const luaL_Reg functions[] = {{"sh_rule", sh_rule},
                                      {"sh_project", sh_project},
                                      {"sh_halve", sh_halve},
                                      {"sh_degree_scale", sh_degree_scale},
-                                     {"sh_array_range", array_range},
+                                     {"sh_windowed_range", windowed_range},
                                      {"sh_random", sh_random},
                                      {"sh_relative_error", sh_relative_error},
                                      {NULL, NULL}};

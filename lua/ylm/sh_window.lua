@@ -81,6 +81,24 @@ local function energy(a)
   return norm * norm
 end
 
+--- What each degree of each row contributes at the directions, [rows][lmax+1][n]: a window only scales these.
+local function parts_of(plain, rows, lmax, directions)
+  local count = (lmax + 1) ^ 2
+  local alone, message, code = core.array_zeros({ rows, lmax + 1, count }, "double")
+  if not alone then return nil, message, code end
+  local flat, list = core.array_totable(core.array_reshape(plain, { rows, count })), {}
+  for r = 1, rows do
+    list[r] = {}
+    for l = 0, lmax do
+      local row = {}
+      for k = 1, count do row[k] = k > l * l and k <= (l + 1) ^ 2 and flat[r][k] or 0 end
+      list[r][l + 1] = row
+    end
+  end
+  core.array_fill(alone, list)
+  return require("ylm.sh").reconstruct(alone, directions)
+end
+
 describe "sh.dering" {
   about = "The widest window that leaves no direction below a minimum, and what it costs.\n"
     .. "All rows (the channels of a colour) get the same window. A minimum a little below 0 costs far less than 0.",
@@ -100,8 +118,7 @@ assert(report.before.minimum < -0.04 and report.reached and report.contrast_lost
 }
 function window.dering(c, options)
   local o = form.options(2, "dering", dering_options, options)
-  local a, lmax, shape, dtype, _, convention = args.coefficients(1, "dering", c)
-  local sh = require "ylm.sh"
+  local a, lmax, shape, dtype, rows, convention = args.coefficients(1, "dering", c)
   local nodes = o.nodes or 6 * lmax + 12
   local directions, weights = core.sh_rule(nodes, 2 * nodes, -1, 1)
   if not directions then return check.result("dering", nil, weights, "ENOMEM") end
@@ -110,13 +127,11 @@ function window.dering(c, options)
   local out, message, code = args.result("dering", nil, shape, "double")
   if not out then return nil, message, code end
   local f = shapes[o.window]
+  local parts
+  parts, message, code = parts_of(plain, rows, lmax, directions)
+  if not parts then return nil, message, code end
   local function range(width)
-    local source = plain
-    if width then
-      assert(core.sh_degree_scale(plain, out, lmax, factors_of(f, width, lmax)))
-      source = out
-    end
-    return core.sh_array_range(sh.reconstruct(source, directions))
+    return core.sh_windowed_range(parts, factors_of(width and f or function() return 1 end, width, lmax))
   end
   local before, top = range(nil)
   local report = { before = { minimum = before, maximum = top } }
@@ -136,6 +151,7 @@ function window.dering(c, options)
     width = narrow
   end
   local lo, hi = range(width)
+  if width then assert(core.sh_degree_scale(plain, out, lmax, factors_of(f, width, lmax))) end
   report.width, report.minimum, report.maximum, report.reached = width, lo, hi, lo >= o.minimum
   local kept = width and energy(out) or energy(plain)
   local all = energy(plain)

@@ -9,5 +9,7 @@ $(BUILD)/bench/%: spec/bench/%.c $(BUILD)/lib/libylm.so
 	$(Q)$(CC) $(CFLAGS) $< -L$(BUILD)/lib $(BENCH_LIBS_$*) -lylm -lm \
 	  -Wl,-rpath,'$$ORIGIN/../lib' -o $@
 
-bench: $(BENCHES)   ## measure: peaks of this machine, then ns per point and per pair (PEER=prefix compares)
+bench: all $(BENCHES)   ## measure: peaks of this machine, then ns per point and per pair (PEER=prefix compares)
 	@for b in $(filter %/peak,$(BENCHES)) $(filter-out %/peak,$(BENCHES)); do PEER=$(PEER) $$b || exit 1; echo; done
+	@for l in luajit lua5.4; do if command -v $$l >/dev/null; then \
+	  YLM_LUA=$$l $(BUILD)/ylm run spec/bench/calls.lua || exit 1; fi; done
