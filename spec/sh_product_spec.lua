@@ -221,6 +221,21 @@ describe("ylm.sh.transfer", function()
     assert(relative(ylm.sh.transfer_apply(M, c), ylm.sh.product(c, ylm.sh.resize(y22, 4))) < 1e-14)
   end)
 
+  it("is applied to batches of any number of rows", function()
+    math.randomseed(seed)
+    for _, lmax in ipairs { 0, 1, 3, 5, 8 } do
+      local b = random_vectors(1, lmax)[1]
+      for _, dtype in ipairs { "float", "double" } do
+        local M = ylm.sh.transfer(b, lmax, { dtype = dtype })
+        for _, rows in ipairs { 1, 7, 8, 70 } do
+          local c = random_vectors(rows, lmax, dtype)
+          assert(relative(ylm.sh.transfer_apply(M, c, { threads = 2 }), ylm.sh.product(c, ylm.array(b, dtype)))
+            < (dtype == "float" and 2e-6 or 1e-13), "seed " .. seed)
+        end
+      end
+    end
+  end)
+
   it("takes functions of higher degree than the vectors, which matter up to twice their lmax", function()
     math.randomseed(seed)
     local b, c = random_vectors(1, 9), random_vectors(5, 3)

@@ -273,7 +273,7 @@ describe("ylm.sh.sky", function()
         local c, f, report = ylm.sh.sky(5, { zenith = set.u })
         assert(relative(c, ylm.array(set.c)) < 1e-14)
         assert.equal("closed form", report.method)
-        assert(relative(ylm.sh.project(5, f, { samples = 200000 }), c) < 1e-3)
+        assert(relative(ylm.sh.project(5, f, { samples = 20000 }), c) < 1e-2)
         seen = seen + 1
       end
     end
@@ -289,7 +289,7 @@ describe("ylm.sh.sky", function()
       -- the error that it reports covers what a much finer rule says
       local coarse, _, report = ylm.sh.sky(8, { kind = kind, sun = { 1, 0, 1 }, luminance = 5, nodes = 24 })
       local _, off = core.array_distance(coarse, (ylm.sh.sky(8, { kind = kind, sun = { 1, 0, 1 }, luminance = 5,
-        nodes = 300 })))
+        nodes = 90 })))
       assert(off < 2 * report.error and report.error < 0.05, ("%s %g %g"):format(kind, off, report.error))
       local turned = ylm.sh.sky(4, { kind = kind, sun = { 0, 1, 1 }, luminance = 5 })
       assert(relative(ylm.sh.rotate(c, { axis = { 0, 0, 1 }, angle = pi / 2 }), turned) < 1e-3)

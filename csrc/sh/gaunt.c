@@ -218,37 +218,53 @@ ylm_status ylm_sh_transfer(int clmax, const double *c, int lmax, double *matrix,
 }
 
 typedef struct transfer_job {
-  size_t n;
+  size_t n, padded;
   ylm_dtype t;
-  const void *matrix, *in;
-  void *out;
+  const void *matrix; /* [n][padded] */
+  const char *in;
+  char *out;
+  const ylm__product_kernels *kernels;
 } transfer_job;
+
+#define PLAIN(name, T)                                                                             \
+  /* M is symmetric: its rows are its columns. */                                                  \
+  static void name(size_t n, size_t padded, const T *m, size_t rows, const T *in, T *out) {        \
+    for (; rows > 0; rows--, in += n, out += n) {                                                  \
+      memset(out, 0, n * sizeof *out);                                                             \
+      for (size_t k = 0; k < n; k++)                                                               \
+        for (size_t i = 0; i < n; i++) out[i] += m[k * padded + i] * in[k];                        \
+    }                                                                                              \
+  }
+PLAIN(transfer_plain_f, float)
+PLAIN(transfer_plain_d, double)
 
 static ylm_status transfer_rows(void *context, size_t begin, size_t end, int worker) {
   (void)worker;
   const transfer_job *j = context;
-  size_t n = j->n;
-  for (size_t r = begin; r < end; r++) {
-    if (j->t == YLM_DOUBLE) {
-      const double *in = (const double *)j->in + r * n, *m = j->matrix;
-      double *out = (double *)j->out + r * n;
-      memset(out, 0, n * sizeof *out);
-      for (size_t k = 0; k < n; k++) /* M is symmetric: its rows are its columns */
-        for (size_t i = 0; i < n; i++) out[i] += m[k * n + i] * in[k];
-    } else {
-      const float *in = (const float *)j->in + r * n, *m = j->matrix;
-      float *out = (float *)j->out + r * n;
-      memset(out, 0, n * sizeof *out);
-      for (size_t k = 0; k < n; k++)
-        for (size_t i = 0; i < n; i++) out[i] += m[k * n + i] * in[k];
-    }
-  }
+  size_t offset = begin * j->n * ylm_dtype_size(j->t), rows = end - begin;
+  const void *in = j->in + offset;
+  void *out = j->out + offset;
+  if (j->t == YLM_DOUBLE)
+    (j->kernels ? j->kernels->transfer_d : transfer_plain_d)(j->n, j->padded, j->matrix, rows, in,
+                                                             out);
+  else
+    (j->kernels ? j->kernels->transfer_f : transfer_plain_f)(j->n, j->padded, j->matrix, rows, in,
+                                                             out);
   return YLM_OK;
 }
 
 ylm_status ylm_sh_transfer_apply(size_t n, ylm_dtype t, const void *matrix, size_t rows,
                                  const void *in, void *out, int threads,
                                  const ylm_progress *progress) {
-  transfer_job j = {n, t, matrix, in, out};
-  return ylm_parallel(rows, 64, threads, transfer_rows, &j, progress, "transfer");
+  size_t size = ylm_dtype_size(t), lanes = 128 / size, padded = (n + lanes - 1) / lanes * lanes;
+  char *copy = ylm_alloc_zero(n * padded, size);
+  if (!copy) return YLM_ENOMEM;
+  for (size_t k = 0; k < n; k++)
+    memcpy(copy + k * padded * size, (const char *)matrix + k * n * size, n * size);
+  transfer_job j = {n, padded, t, copy, in, out, ylm__product_kernels_now()};
+  ylm_status s = rows <= 64 && !progress
+                     ? transfer_rows(&j, 0, rows, 0)
+                     : ylm_parallel(rows, 64, threads, transfer_rows, &j, progress, "transfer");
+  ylm_free(copy);
+  return s;
 }

@@ -16,7 +16,7 @@ const char *ylm_sh_product_method_name(ylm_sh_product_method m) {
   return (unsigned)m < YLM_SH_PRODUCT_METHOD_COUNT ? names[m] : "?";
 }
 
-static const ylm__product_kernels *choose_kernels(void) {
+const ylm__product_kernels *ylm__product_kernels_now(void) {
   switch (ylm_isa_current()) {
 #define X(isa)                                                                                     \
   case YLM_ISA_##isa: return &ylm__product_kernels_##isa;
@@ -216,7 +216,7 @@ ylm_status ylm_sh_product_create(int lmax, int factors, ylm_sh_product_method me
   p->lmax = lmax;
   p->factors = factors;
   p->method = method;
-  p->kernels = choose_kernels();
+  p->kernels = ylm__product_kernels_now();
   ylm_status s = YLM_OK;
   switch (method) {
   case YLM_SH_PRODUCT_gaunt: s = ylm__gaunt_create(lmax, &p->gaunt, e); break;

@@ -90,6 +90,11 @@ typedef struct ylm__product_kernels {
   void (*gaunt_f)(int lmax, const float *a, const float *b,
                   float *out); /* lmax <= PRODUCT_GAUNT_LOW */
   void (*gaunt_d)(int lmax, const double *a, const double *b, double *out);
+  /* transfer matrices: m [n][padded], symmetric, 64 bytes aligned, padded to 128 bytes a row */
+  void (*transfer_f)(size_t n, size_t padded, const float *m, size_t rows, const float *in,
+                     float *out);
+  void (*transfer_d)(size_t n, size_t padded, const double *m, size_t rows, const double *in,
+                     double *out);
   int lanes_f, lanes_d;
 } ylm__product_kernels;
 
@@ -106,6 +111,9 @@ typedef struct ylm__product_kernels {
 #define X(isa) extern const ylm__product_kernels ylm__product_kernels_##isa;
 PRODUCT_ISAS(X)
 #undef X
+
+/* The vector kernels in use; NULL for the plain forms. */
+const ylm__product_kernels *ylm__product_kernels_now(void);
 
 ylm_status ylm__gaunt_create(int lmax, ylm__gaunt **out, ylm_error *e);
 void ylm__gaunt_free(ylm__gaunt *g);

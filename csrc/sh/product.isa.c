@@ -15,6 +15,7 @@
 #include "product_kernel.h"
 
 #include "product_batch.h"
+#include "transfer_kernel.h"
 
 #undef T
 #undef V
@@ -37,7 +38,8 @@
 #include "product_kernel.h"
 
 #include "product_batch.h"
+#include "transfer_kernel.h"
 
 const ylm__product_kernels YLM_KERNEL(ylm__product_kernels) = {
-    dense_f, dense_d,     separable_f, separable_d, batch_f,
-    batch_d, gaunt_low_f, gaunt_low_d, YLM_VF,      YLM_VD};
+    dense_f,     dense_d,     separable_f, separable_d, batch_f, batch_d,
+    gaunt_low_f, gaunt_low_d, transfer_f,  transfer_d,  YLM_VF,  YLM_VD};

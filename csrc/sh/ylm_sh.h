@@ -198,8 +198,9 @@ YLM_API ylm_status ylm_sh_rotation_reference(const double r[9], int lmax, double
   X(ylm, "ylm")                                                                                    \
   X(plain, "plain")                                                                                \
   X(n3d, "n3d")                                                                                    \
-  X(sn3d, "sn3d") X(scipy, "scipy") X(unity, "unity") X(threejs, "three.js") X(filament, "filamen" \
-                                                                                         "t")
+  X(sn3d, "sn3d")                                                                                  \
+  X(scipy, "scipy") X(unity, "unity") X(threejs, "three.js") X(filament, "filamen"                 \
+                                                                         "t")
 
 typedef enum ylm_sh_system {
 #define X(name, text) YLM_SH_SYSTEM_##name,
@@ -326,7 +327,7 @@ YLM_API ylm_status ylm_sh_product_apply(const ylm_sh_product *p, ylm_dtype t, si
 YLM_API ylm_status ylm_sh_transfer(int clmax, const double *c, int lmax, double *matrix,
                                    ylm_error *e);
 
-/* out[r] = M in[r]: `n` numbers a row, M [n][n]; out is not in. */
+/* out[r] = M in[r]: `n` numbers a row, M [n][n], symmetric; out is not in. YLM_OK, YLM_ENOMEM. */
 YLM_API ylm_status ylm_sh_transfer_apply(size_t n, ylm_dtype t, const void *matrix, size_t rows,
                                          const void *in, void *out, int threads,
                                          const ylm_progress *progress);
