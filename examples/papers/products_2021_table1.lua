@@ -6,7 +6,7 @@
 -- minus exact coefficients over the norm of the exact ones. The paper draws coefficients uniformly from [-1, 1]. Its
 -- numbers are not the mean error of that ("mean"), nor the sum of squared differences over the sum of squares
 -- ("squares"), which is nearer; for k = 4, 5, 6 they are to 0.02 the mean error of coefficients from [0, 1] ("positive"), whose
--- products gather around one direction. No reading that was tried gives the printed rows for k = 7 and 8: neither
+-- products gather around one direction. For k = 7 "squares" comes as near, for k = 8 nothing that was tried: neither
 -- another order of the multiplications (a balanced tree: within 0.02 of the chain), nor errors against the
 -- approximation's norm, L1 or largest-coefficient errors, medians, equal factors, or other ranges.
 
