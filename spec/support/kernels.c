@@ -168,7 +168,7 @@ static void rotations_and_products(void) {
       size_t count = ylm_sh_count(lmax), n = POINTS * count;
       const void *a = t ? (const void *)cd : cf;
       const void *b = t ? (const void *)(cd + n) : cf + n;
-      stop("rotate", ylm_sh_rotate(rotator, r, lmax, (ylm_dtype)t, POINTS, a, out, 1, &e));
+      stop("rotate", ylm_sh_rotate(rotator, r, lmax, (ylm_dtype)t, POINTS, a, out, 1, NULL, &e));
       result("rotate", (ylm_dtype)t, n, out);
       for (int m = 0; m < 3; m++) {
         ylm_sh_product *p;
@@ -176,7 +176,7 @@ static void rotations_and_products(void) {
         const void *factor[2] = {a, b};
         size_t stride[2] = {count, count};
         stop("product",
-             ylm_sh_product_apply(p, (ylm_dtype)t, POINTS, factor, stride, out, 1, NULL));
+             ylm_sh_product_apply(p, (ylm_dtype)t, POINTS, factor, stride, out, 1, NULL, NULL));
         result("product", (ylm_dtype)t, n, out);
         ylm_sh_product_free(p);
       }
