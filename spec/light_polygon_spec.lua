@@ -454,6 +454,28 @@ return scene "flat" {
     end
   end)
 
+  it("is the sum of parts that are small enough to be summed over their area", function()
+    local function parts(p, q, r, depth, out)
+      if depth == 0 then
+        out[#out + 1] = ylm.polygon_light { vertices = { p, q, r } }
+        return out
+      end
+      local function mean(u, v) return { (u[1] + v[1]) / 2, (u[2] + v[2]) / 2, (u[3] + v[3]) / 2 } end
+      local a, b, c = mean(p, q), mean(q, r), mean(r, p)
+      parts(p, a, c, depth - 1, out)
+      parts(a, q, b, depth - 1, out)
+      parts(c, b, r, depth - 1, out)
+      return parts(a, b, c, depth - 1, out)
+    end
+    local whole = ylm.polygon_light { vertices = triangle }
+    for distance, depth in pairs { [15] = 5, [50] = 3, [150] = 2 } do
+      local some = parts(triangle[1], triangle[2], triangle[3], depth, {})
+      local x = ylm.array({ { 0.1 * distance, -distance, 0.3 * distance }, { distance, 0.2, 0.9 * distance } }, "double")
+      local a, b = { ylm.light_field(4, whole, x, { derivatives = 2 }) }, { ylm.light_field(4, some, x, { derivatives = 2 }) }
+      for k = 1, 3 do assert(relative(a[k], b[k]) < 1e-12, ("%d: %.1e"):format(distance, relative(a[k], b[k]))) end
+    end
+  end)
+
   it("meets the boxes that its face meets, for grids to refine there", function()
     local function cells(z, occupied)
       local light = ylm.polygon_light { vertices = { { 0.1, 0.1, z }, { 0.9, 0.1, z }, { 0.1, 0.15, z } } }

@@ -56,6 +56,13 @@ YLM_INLINE V angle_of(V cosine, V sine) {
   return 8 * t * s;
 }
 
+/* Half the angle of (cosine, sine), sine > 0, accurate relative to itself. */
+YLM_INLINE V half_angle(V cosine, V sine) {
+  V sum = root(0.5 * (1 + absolute(cosine))), other = 0.5 * sine / sum;
+  VI sharp = cosine > 0;
+  return angle_of(ylm_vd_select(sharp, sum, other), ylm_vd_select(sharp, other, sum));
+}
+
 /* cos and sin of |t| <= pi/2 by their series. */
 YLM_INLINE void turn(V t, V *cosine, V *sine) {
   static const double c[12] = {1,
@@ -150,8 +157,9 @@ YLM_INLINE void edge_moments(const ylm__flat_plan *plan, const int kinds, v3 v, 
   V ln = root(dot(n, n)), h = ln / length;
   *normal = scale(n, 1 / ln);
   v3 foot = cross(along, *normal);
-  V from = angle_of(h / r0, dot(v, along) / r0), to = angle_of(h / r1, dot(w, along) / r1);
-  V middle = 0.5 * (from + to), half = 0.5 * (to - from);
+  /* edges cancel where a polygon is small: the angle needs its relative accuracy, not the place */
+  V half = half_angle(dot(v, w) / (r0 * r1), ln / (r0 * r1));
+  V middle = angle_of(h / r0, dot(v, along) / r0) + half;
   int rule[LANES];
   bool alike;
   int count = choose(plan, half, rule, &alike);
