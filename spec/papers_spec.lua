@@ -33,6 +33,15 @@ describe("examples/papers", function()
     assert(out:find("two lights, projected by quadrature", 1, true) and out:find("........#................", 1, true), out)
   end)
 
+  it("runs 06_many_lights.lua, a small one", function()
+    local folder = scratch.new()
+    local out, status = scratch.capture(("%s examples/06_many_lights.lua --folder %s --count 4000 --most 1000"):format(
+      os.getenv "YLM_LUA" or "lua5.4", scratch.quote(folder.path)))
+    folder:remove()
+    assert.equal(0, status, out)
+    assert(out:find "4,000 lamps, lmax 4, rgb" and out:find "\n1,000 ", out)
+  end)
+
   it("runs 04_moving_lights.lua, a small one", function()
     local folder = scratch.new()
     local out, status = scratch.capture(("%s examples/04_moving_lights.lua --out %s --width 64 --height 48 --samples 1 "

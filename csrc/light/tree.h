@@ -67,7 +67,7 @@ typedef struct ylm_light_tree {
 #define YLM__CANCELLED 64
 
 /* Fewer lights than this are never worth a tree, and 2^27 do not fit. */
-#define YLM__FEW 600
+#define YLM__FEW 800
 
 /* -- tree_build.c: cutting the lights into groups -----------------------------------------------
  */

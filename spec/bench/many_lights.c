@@ -8,6 +8,7 @@
 ** Promised: at most 1 and at most 4. BENCH=quick takes fewer points.
 */
 #include <math.h>
+#include <time.h>
 
 #include "bench.h"
 #include "ylm_light.h"
@@ -107,8 +108,12 @@ static answer ask(const ylm_field *f, ylm_dtype t, size_t n, const void *points,
               ylm_alloc(n, b),
               0,
               0};
-  ylm_field_query q = {
-      .lmax = LMAX, .channels = 3, .want = wants[form], .metric_channels = 1, .dtype = t};
+  ylm_field_query q = {.lmax = LMAX,
+                       .channels = 3,
+                       .want = wants[form],
+                       .metric_channels = 1,
+                       .dtype = t,
+                       .threads = t == YLM_FLOAT};
   ylm_field_result r = {a.value, a.gradient, a.hessian, a.lambda, a.norm, NULL, 0};
   double begin = ylm_seconds();
   if (f->evaluate(f, &q, n, points, &r, NULL) != YLM_OK) abort();
@@ -203,6 +208,62 @@ static bool measure_errors(int kind, size_t lights, size_t n) {
   return kept;
 }
 
+/* -- time ------------------------------------------------------------------------------------- */
+
+/* The least processor time of three, in microseconds per point: other processes do not count. */
+static double time_of(const ylm_field *f, size_t n, const float *points, int form) {
+  double least = 1e30;
+  for (int turn = 0; turn < 3; turn++) {
+    struct timespec a, b;
+    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &a);
+    answer x = ask(f, YLM_FLOAT, n, points, form);
+    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &b);
+    answer_free(&x);
+    least = fmin(least, (double)(b.tv_sec - a.tv_sec) + 1e-9 * (double)(b.tv_nsec - a.tv_nsec));
+  }
+  return 1e6 * least / (double)n;
+}
+
+static void print_times(const ylm_field *f, size_t n, const float *points) {
+  for (int form = 0; form < HESSIAN; form++) printf(" %9.2f", time_of(f, n, points, form));
+  printf("\n");
+  fflush(stdout);
+}
+
+/* Uniform lights of fixed power in all. */
+static void measure_times(size_t most) {
+  static const size_t points = 256;
+  double *at = places(points);
+  float *p = ylm_alloc(3 * points, sizeof *p);
+  for (size_t i = 0; i < 3 * points; i++) p[i] = (float)at[i];
+  printf(
+      "us per point, one thread, %zu points, lmax %d, rgb, uniform lights of fixed power in all\n"
+      "%8s  %-9s %9s %9s %9s\n",
+      points, LMAX, "lights", "tolerance", "value", "gradient", "bake");
+  for (size_t n = 1000; n <= most; n *= 10) {
+    lamps l = scene(UNIFORM, n);
+    for (size_t i = 0; i < n; i++) l.radius[i] = 0.5 / sqrt((double)n) / 20;
+    ylm_lights *lights = lights_of(&l);
+    if (n <= 100000) {
+      printf("%8zu  %-9s", n, "exact");
+      print_times(ylm_lights_field(lights), points, p);
+    }
+    double begin = ylm_seconds();
+    for (double tolerance = 1e-1; n >= 1000 && tolerance > 5e-4; tolerance /= 10) {
+      ylm_light_cut *cut = cut_of(lights, tolerance);
+      if (tolerance > 0.05 && n > 1000)
+        printf("%8zu  tree made in %.2f s, %.0f bytes per light\n", n, ylm_seconds() - begin,
+               (double)ylm_lights_tree_bytes(lights) / (double)n);
+      printf("%8zu  %-9.3g", n, tolerance);
+      print_times(ylm_light_cut_field(cut), points, p);
+      ylm_light_cut_free(cut);
+    }
+    ylm_lights_free(lights);
+    scene_free(&l);
+  }
+  ylm_free(at), ylm_free(p);
+}
+
 int main(void) {
   static const size_t numbers[] = {10000, 100000};
   bool quick = bench_is_quick(), kept = true;
@@ -216,6 +277,7 @@ int main(void) {
     printf("\n");
     for (int kind = 0; kind < SCENES; kind++) kept &= measure_errors(kind, numbers[i], n);
   }
+  measure_times(quick ? 10000 : 1000000);
   printf("%s\n", kept ? "all within the tolerance" : "NOT within the tolerance");
   return !kept;
 }
