@@ -37,6 +37,7 @@ void ylmL_gpu_type(lua_State *L, const char *name, const luaL_Reg *methods);
    table on top. */
 #define YLML_VULKAN_BINDINGS(X)                                                                    \
   X(array)                                                                                         \
+  X(grid)                                                                                          \
   X(light)                                                                                         \
   X(sh)
 

@@ -23,6 +23,7 @@
 #define YLM_VULKAN_H
 
 #include "ylm_base.h"
+#include "ylm_grid.h"
 #include "ylm_light.h"
 
 #ifdef __cplusplus
@@ -285,6 +286,32 @@ YLM_API ylm_status ylm_gpu_sh_eval(ylm_gpu *g, int lmax, int derivatives, bool s
                                    size_t n, const void *p, void *y, void *dy, void *ddy,
                                    ylm_gpu_times *times, const ylm_progress *progress,
                                    ylm_error *e);
+
+/* -- grids: grid.c ------------------------------------------------------------- */
+
+/* A copy of a grid in the device's memory. */
+typedef struct ylm_gpu_grid ylm_gpu_grid;
+
+/* YLM_ELIMIT where the grid has more data than a kernel sees; YLM_ENOMEM, YLM_EDEVICE. */
+YLM_API ylm_status ylm_gpu_grid_create(ylm_gpu *g, const ylm_grid *grid, ylm_gpu_grid **k,
+                                       ylm_error *e);
+YLM_API void ylm_gpu_grid_free(ylm_gpu_grid *k);
+YLM_API ylm_gpu *ylm_gpu_grid_device(const ylm_gpu_grid *k);
+YLM_API uint64_t ylm_gpu_grid_bytes(const ylm_gpu_grid *k);
+
+/*
+** ylm_gpu_grid_sample - ylm_grid_sample on the device, in float.
+**
+** `grid` is the one that was copied: it answers where it has no data of its own. Points are
+** located in double where the device has float64; without it, fractions of a voxel's edges are
+** off by up to 2^(depth - 24). Results within 1e-5 of ylm_grid_sample.
+**   times  stages "locate", "sample"; may be NULL
+** YLM_EINVAL (the grid was updated since), YLM_ENOMEM, YLM_EDEVICE, YLM_ECANCELLED
+*/
+YLM_API ylm_status ylm_gpu_grid_sample(ylm_gpu_grid *k, const ylm_grid *grid,
+                                       const ylm_grid_query *q, size_t n, const void *points,
+                                       float *value, float *gradient, ylm_grid_report *report,
+                                       ylm_gpu_times *times, ylm_error *e);
 
 #ifdef __cplusplus
 }

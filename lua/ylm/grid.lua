@@ -296,6 +296,8 @@ local sample_options = {
     about = "points outside of the bounds: those of the nearest point inside, or NaN" },
   { "dtype", "choice", of = { "float", "double" }, default = "float", about = "of the results" },
   { "threads", "integer", min = 1, max = 1024, optional = true, about = "default: YLM_THREADS or all cores" },
+  { "device", "gpu", optional = true,
+    about = "interpolates there, in float, with the copy of grid:to(gpu), made where there is none; report.stages" },
   { "out", "any", optional = true, about = "an array, or a list of two, shaped and typed like the results, which they take" },
   { "progress", "progress", optional = true, about = "called as f(done, total, stage); returning false cancels" },
 }
@@ -328,11 +330,36 @@ function methods.sample(g, points, given)
   local shapes = { shape, o.derivatives > 0 and { shape[1], shape[2], shape[3], 3 } or nil }
   local out1, out2 = outputs.of(2, "sample", o.out, o.dtype, shapes, points)
   local progress = o.progress and require "ylm.progress".of(o.progress) or nil
+  if o.device then
+    local c, dc, report = require "ylm.vulkan_grid".sample(g, p, o, INTERPOLATION[o.interpolation], out1, out2, progress)
+    if c and single and not out1 then c, dc = c[1], dc and dc[1] end
+    return c, dc, report
+  end
   local c, dc, outside, unbaked, seconds = check.result("sample", core.grid_sample(g, p, INTERPOLATION[o.interpolation],
     o.derivatives, o.outside == "nan", o.dtype, o.threads or 0, progress, out1, out2))
   if c == nil then return nil, dc, outside end
   if single and not out1 then c, dc = c[1], dc and dc[1] end
   return c, dc, { outside = outside, unbaked = unbaked, seconds = seconds }
+end
+
+describe "grid:to" {
+  about = "Copies the grid's coefficients, gradients and cells to a device's memory, where grid:sample uses them by "
+    .. "device = gpu. Copies anew where there is a copy, as after an update.",
+  arguments = { { "gpu", "gpu", "of ylm.vulkan.open" } },
+  returns = { { "copy", "gpu_grid", "or nil, message, code: 'ELIMIT' (more data than a kernel sees), 'ENOMEM', 'EDEVICE'" } },
+  errors = "raises where the grid or the device has been closed",
+  example = [[
+local gpu = ylm.vulkan.open()
+local grid = ylm.bake(ylm.uniform_grid { bounds = { { -1, -1, -1 }, { 1, 1, 1 } }, cells = 2, lmax = 1 },
+  ylm.sphere_light { at = { 0, 2, 0 } })
+if gpu then
+  assert(grid:to(gpu).bytes > 0)
+  local c, _, report = grid:sample({ { 0, 0, 0 } }, { device = gpu })
+  assert(c.shape[3] == 4 and report.stages.sample.seconds >= 0)
+end]],
+}
+function methods.to(g, gpu)
+  return require "ylm.vulkan_grid".to(open(g, "to"), gpu)
 end
 
 describe "grid:points" {

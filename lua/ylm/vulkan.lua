@@ -56,7 +56,7 @@ local furnished = false
 local function furnish()
   furnished = true
   local types = { ["ylm.gpu"] = gpu_methods, ["ylm.gpu_array"] = array_methods,
-    ["ylm.gpu_lights"] = require "ylm.vulkan_light".methods }
+    ["ylm.gpu_lights"] = require "ylm.vulkan_light".methods, ["ylm.gpu_grid"] = require "ylm.vulkan_grid".methods }
   for name, methods in pairs(types) do
     local metatable = core.metatable(name)
     for key, method in pairs(methods) do metatable[key] = method end

@@ -40,6 +40,14 @@ return {
     function(ylm) return method("gpu_array", "download")(ylm.zeros { 2 }) end, "a gpu_array expected before the colon, got an array of 2"),
   ["gpu_array:close"] = rows(
     function() return method("gpu_array", "close")(1) end, "a gpu_array expected before the colon, got 1"),
+  ["gpu_grid:close"] = rows(
+    function() return method("gpu_grid", "close")({}) end, "a gpu_grid expected before the colon, got a table"),
+  ["grid:to"] = rows(
+    function(ylm)
+      local grid = ylm.bake(ylm.uniform_grid { bounds = { { 0, 0, 0 }, { 1, 1, 1 } }, cells = 1, lmax = 0 },
+        ylm.sphere_light { at = { 0, 2, 0 } })
+      return grid:to()
+    end, "a gpu expected, got nil"),
   ["array:to"] = rows(
     function(ylm) return ylm.zeros({ 2 }):to(1) end, "a gpu expected, got 1",
     function(ylm) return ylm.zeros({ 2 }):to() end, "a gpu expected, got nil",

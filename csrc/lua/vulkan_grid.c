@@ -1,0 +1,122 @@
+/* vulkan_grid.c - grids in a device's memory. Arguments come sorted from lua/ylm/vulkan_grid.lua.
+ */
+#include "vulkan.h"
+
+#include <string.h>
+
+#define GRID "ylm.grid"
+#define GPU_GRID "ylm.gpu_grid"
+
+static ylm_grid *grid_at(lua_State *L, int i) {
+  ylm_grid **g = ylmL_check(L, i, GRID);
+  if (!*g) luaL_argerror(L, i, "the grid has been closed");
+  if (ylm_grid_updating(*g)) luaL_argerror(L, i, "the grid is being updated");
+  return *g;
+}
+
+static ylm_gpu_grid *copy_at(lua_State *L, int i) {
+  ylm_gpu_grid **k = ylmL_check(L, i, GPU_GRID);
+  if (!*k) luaL_argerror(L, i, "the copy has been closed");
+  return *k;
+}
+
+/* gpu_grid_create(gpu, grid) -> copy, seconds */
+static int create(lua_State *L) {
+  ylm_error e = {YLM_OK, ""};
+  double start = ylm_seconds();
+  ylm_gpu *g = ylmL_gpu_check(L, 1);
+  const ylm_grid *grid = grid_at(L, 2);
+  ylm_gpu_grid **k = lua_newuserdata(L, sizeof *k);
+  *k = NULL;
+  luaL_getmetatable(L, GPU_GRID);
+  lua_setmetatable(L, -2);
+  ylm_status s = ylm_gpu_grid_create(g, grid, k, &e);
+  lua_pushnumber(L, (lua_Number)(ylm_seconds() - start));
+  return ylmL_result(L, 2, s, &e);
+}
+
+/* gpu_grid_info(copy) -> bytes, or nil once closed */
+static int info(lua_State *L) {
+  ylm_gpu_grid **k = ylmL_check(L, 1, GPU_GRID);
+  if (!*k) return 0;
+  ylmL_push_count(L, ylm_gpu_grid_bytes(*k));
+  return 1;
+}
+
+static int gc(lua_State *L) {
+  ylm_gpu_grid **k = ylmL_check(L, 1, GPU_GRID);
+  ylm_gpu_grid_free(*k);
+  *k = NULL;
+  return 0;
+}
+
+static int close_copy(lua_State *L) {
+  if (ylmL_busy(L, 1) != YLM_OK) return ylmL_result(L, 0, YLM_EBUSY, NULL);
+  return gc(L);
+}
+
+/* The float array at stack index `given` if it has that shape, else a new one; NULL: see *s. */
+static float *output(lua_State *L, int given, int axes, const size_t *shape, ylm_status *s) {
+  ylmL_array *a = ylmL_array_opt(L, given);
+  if (a) {
+    bool fits = a->axes == axes && memcmp(a->shape, shape, (size_t)axes * sizeof *shape) == 0;
+    if (a->dtype != YLM_FLOAT)
+      *s = YLM_ETYPE;
+    else if (!fits)
+      *s = YLM_ESHAPE;
+    lua_pushvalue(L, given);
+  } else {
+    a = ylmL_array_new(L, YLM_FLOAT, axes, shape);
+    if (!a) *s = YLM_ENOMEM, lua_pushnil(L);
+  }
+  return a ? a->data : NULL;
+}
+
+/* gpu_grid_sample(copy, grid, points, interpolation, derivatives, nan, progress, out | nil,
+   out | nil) -> value, gradient | nil, outside, unbaked, seconds, times */
+static int sample(lua_State *L) {
+  lua_settop(L, 9);
+  ylm_gpu_grid *k = copy_at(L, 1);
+  const ylm_grid *grid = grid_at(L, 2);
+  const ylm_grid_view *v = ylm_grid_look(grid);
+  const ylmL_array *points = ylmL_array_check(L, 3);
+  ylm_error e = {YLM_OK, ""};
+  ylm_grid_report report = {0};
+  ylm_gpu_times times = {0};
+  ylmL_progress progress;
+  ylm_grid_query q = {.interpolation = (ylm_grid_interpolation)(int)luaL_checknumber(L, 4),
+                      .nan_outside = lua_toboolean(L, 6),
+                      .point_dtype = points->dtype,
+                      .dtype = YLM_FLOAT,
+                      .progress = ylmL_progress_begin(L, 7, &progress)};
+  size_t shape[4] = {points->count / 3, (size_t)v->form.channels, (size_t)v->count, 3};
+  ylm_status s = YLM_OK;
+  float *gradient = NULL, *value = output(L, 8, 3, shape, &s);
+  if (luaL_checknumber(L, 5) > 0)
+    gradient = output(L, 9, 4, shape, &s);
+  else
+    lua_pushnil(L);
+  if (s == YLM_OK)
+    s = ylm_gpu_grid_sample(k, grid, &q, shape[0], points->data, value, gradient, &report, &times,
+                            &e);
+  if (s == YLM_OK) {
+    ylmL_push_count(L, report.outside);
+    ylmL_push_count(L, report.unbaked);
+    lua_pushnumber(L, (lua_Number)report.seconds);
+    ylmL_gpu_push_times(L, &times);
+  }
+  return ylmL_result_progress(L, 6, s, &e, &progress);
+}
+
+static const luaL_Reg functions[] = {{"gpu_grid_create", create},
+                                     {"gpu_grid_info", info},
+                                     {"gpu_grid_close", close_copy},
+                                     {"gpu_grid_sample", sample},
+                                     {NULL, NULL}};
+
+static const luaL_Reg methods[] = {{"__gc", gc}, {NULL, NULL}};
+
+void ylmL_open_vulkan_grid(lua_State *L) {
+  luaL_setfuncs(L, functions, 0);
+  ylmL_gpu_type(L, GPU_GRID, methods);
+}

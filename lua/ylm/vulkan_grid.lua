@@ -1,0 +1,102 @@
+--- Grids in a device's memory: grid:to, and what the option `device` of grid:sample does.
+
+local check = require "ylm.check"
+local core = require "ylm.c.core"
+local describe = require "ylm.reference".describe
+local reference = require "ylm.reference"
+
+local vulkan_grid = {}
+
+local methods = {}
+vulkan_grid.methods = methods
+
+reference.object "gpu_grid" {
+  about = "A grid's copy in a device's memory; grid:sample finds it by device = gpu.",
+  methods = methods,
+  fields = {
+    { "bytes", "integer", "of the device's memory" },
+    { "seconds", "number", "that copying took" },
+  },
+}
+
+--- Grid -> { gpu -> copy }; copy -> seconds.
+local copies = setmetatable({}, { __mode = "k" })
+local seconds_of = setmetatable({}, { __mode = "k" })
+
+local function binding() return assert(require "ylm.vulkan".__binding()) end
+
+--- The copy of a grid on a device, made where there is none that is open; or nil, message, code.
+-- Argument `n` of `name` is the device.
+local function copy_of(n, name, grid, gpu)
+  local c, message, code = require "ylm.vulkan".__use(n, name, gpu)
+  if not c then return nil, message, code end
+  local by_gpu = copies[grid]
+  if not by_gpu then
+    by_gpu = setmetatable({}, { __mode = "k" })
+    copies[grid] = by_gpu
+  end
+  local copy = by_gpu[gpu]
+  if copy and c.gpu_grid_info(copy) then return copy end
+  local seconds
+  copy, seconds, code = check.result(name, c.gpu_grid_create(gpu, grid))
+  if not copy then return nil, seconds, code end
+  by_gpu[gpu] = copy
+  seconds_of[copy] = seconds
+  return copy
+end
+
+--- grid:to(gpu).
+function vulkan_grid.to(grid, gpu)
+  local by_gpu = copies[grid]
+  local old = core.type(gpu) == "ylm.gpu" and by_gpu and by_gpu[gpu]
+  if old then
+    by_gpu[gpu] = nil
+    binding().gpu_grid_close(old)
+  end
+  return copy_of(1, "to", grid, gpu)
+end
+
+--- What grid:sample does with device = gpu: its results, or nil, message, code.
+function vulkan_grid.sample(grid, points, o, interpolation, out1, out2, progress)
+  if o.dtype == "double" and out1 then
+    return check.bad(2, "sample", "device: results are float, and out takes float arrays")
+  end
+  local copy, message, code = copy_of(2, "sample", grid, o.device)
+  if not copy then return nil, message, code end
+  local c, dc, outside, unbaked, seconds, stages = check.result("sample", binding().gpu_grid_sample(copy, grid, points,
+    interpolation, o.derivatives, o.outside == "nan", progress, out1, out2))
+  if c == nil then return nil, dc, outside end
+  if o.dtype == "double" then c, dc = core.array_convert(c, "double"), dc and core.array_convert(dc, "double") end
+  return c, dc, { outside = outside, unbaked = unbaked, seconds = seconds, stages = stages }
+end
+
+describe "gpu_grid:close" {
+  about = "Gives back the memory at once; the grid itself stays.",
+  arguments = {},
+  returns = {},
+  errors = "raises from the progress function of a call that uses the copy",
+  example = [[
+local gpu = ylm.vulkan.open()
+local grid = ylm.bake(ylm.uniform_grid { bounds = { { -1, -1, -1 }, { 1, 1, 1 } }, cells = 2, lmax = 1 },
+  ylm.sphere_light { at = { 0, 2, 0 } })
+if gpu then grid:to(gpu):close() end]],
+}
+function methods.close(copy)
+  if core.type(copy) ~= "ylm.gpu_grid" then
+    return check.fail("close: a gpu_grid expected before the colon, got %s", check.describe(copy))
+  end
+  check.result("close", binding().gpu_grid_close(copy))
+end
+
+function methods.__index(copy, key)
+  local method = methods[key]
+  if method then return method end
+  if key == "bytes" then return binding().gpu_grid_info(copy) end
+  if key == "seconds" then return seconds_of[copy] end
+end
+
+function methods.__newindex(_, key)
+  return check.fail("gpu_grid: cannot set %s", check.describe(key))
+end
+
+return vulkan_grid

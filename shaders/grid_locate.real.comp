@@ -1,0 +1,52 @@
+/* Where points are in a grid: the cell whose corners are interpolated, and the fractions of its edges. One item a point. */
+#version 450
+#extension GL_GOOGLE_include_directive : require
+#include "ylm.glsl"
+#include "grid.glsl"
+
+layout(set = 0, binding = 0) readonly buffer Cells { Cell cell[]; };
+layout(set = 0, binding = 1) readonly buffer Table { uint table[]; }; /* uniform: cells by lattice coordinates */
+layout(set = 0, binding = 2) readonly buffer Bounds { real lo[3], hi[3], scale[3]; };
+layout(set = 0, binding = 3) readonly buffer Points { real point[]; }; /* [n][3] */
+layout(set = 0, binding = 4) writeonly buffer Places { uvec4 place[]; };
+layout(set = 0, binding = 5) buffer Counts { uint outside, unbaked, elsewhere; };
+PUSH {
+  uint first;
+  uint n, depth, uniform_grid;
+  uint resolution[3];
+};
+
+void main() {
+  uint i = ylm_item(first);
+  if (i >= n) return;
+  real at[3];
+  uint c[3];
+  bool away = false;
+  for (int a = 0; a < 3; a++) {
+    real p = point[3 * i + a], last = real(resolution[a]);
+    bool inside = p >= lo[a] && p <= hi[a];
+    at[a] = inside ? min((p - lo[a]) * scale[a], last) : p > hi[a] ? last : real(0);
+    away = away || !inside;
+    c[a] = min(uint(at[a]), resolution[a] - 1);
+  }
+  uint k = uniform_grid != 0 ? table[(c[2] * resolution[1] + c[1]) * resolution[0] + c[0]] : 0;
+  if (k != NONE && uniform_grid == 0) {
+    while (cell[k].child != 0) {
+      uint shift = depth - (cell[k].info & LEVEL) - 1;
+      k = cell[k].child + ((c[0] >> shift & 1) | (c[1] >> shift & 1) << 1 | (c[2] >> shift & 1) << 2);
+    }
+    if ((cell[k].info & ELSEWHERE) != 0) k = NONE;
+  }
+  if (k == NONE) { /* the host samples it */
+    atomicAdd(elsewhere, 1);
+    place[i] = uvec4(NONE, 0, 0, 0);
+    return;
+  }
+  if (away) atomicAdd(outside, 1);
+  if ((cell[k].info & HAS_DATA) == 0) atomicAdd(unbaked, 1);
+  k = cell[k].source;
+  vec3 t;
+  for (int a = 0; a < 3; a++)
+    t[a] = float(clamp((at[a] - real(cell[k].origin[a])) / real(cell[k].edge), real(0), real(1)));
+  place[i] = uvec4(k | (away ? AWAY : 0), floatBitsToUint(t));
+}
