@@ -25,39 +25,7 @@ PUSH {
 shared float weight[POINTS * SETS * 32];
 shared uint from[POINTS];
 
-struct Axis {
-  float l[2], s[2], k[2];
-};
-
-Axis values(float t, float edge) {
-  float u = 1.0 - t, s = INTERPOLATION == 0 ? t * u * (u - t) : 0.0;
-  float k = INTERPOLATION == 0 ? edge * t * u * u : INTERPOLATION == 1 ? edge * t * u : 0.0;
-  return Axis(float[](u, t), float[](s, -s), float[](k, INTERPOLATION == 0 ? -edge * t * t * u : -k));
-}
-
-Axis slopes(float t, float edge) {
-  float u = 1.0 - t, rate = 1.0 / edge, s = INTERPOLATION == 0 ? rate * (1.0 - 6.0 * t * u) : 0.0;
-  float k = INTERPOLATION == 0 ? u * (u - 2.0 * t) : INTERPOLATION == 1 ? u - t : 0.0;
-  return Axis(float[](-rate, rate), float[](s, -s), float[](k, INTERPOLATION == 0 ? t * (t - 2.0 * u) : -k));
-}
-
-/* Weights of a point's value (set 0) or derivative along axis set - 1. */
-void weights(uint p, uint set, uint k, vec3 t) {
-  Axis f[3];
-  for (int a = 0; a < 3; a++) {
-    float edge = float(cell[k].edge) * unit[a];
-    f[a] = set == a + 1 ? slopes(t[a], edge) : values(t[a], edge);
-  }
-  uint at = (p * SETS + set) * 32;
-  for (uint c = 0; c < 8; c++) {
-    uint i = c & 1, j = c >> 1 & 1, m = c >> 2;
-    float ll = f[1].l[j] * f[2].l[m], xl = f[0].l[i] * f[2].l[m], xy = f[0].l[i] * f[1].l[j];
-    weight[at + c] = (f[0].l[i] + f[0].s[i]) * ll + (f[1].s[j] * xl + f[2].s[m] * xy);
-    weight[at + 8 + c] = f[0].k[i] * ll;
-    weight[at + 16 + c] = f[1].k[j] * xl;
-    weight[at + 24 + c] = f[2].k[m] * xy;
-  }
-}
+#include "grid_weights.glsl"
 
 void main() {
   uint begin = ylm_group(first) * POINTS, points = min(POINTS, n - begin);
@@ -66,7 +34,7 @@ void main() {
     uvec4 x = place[begin + p];
     uint k = x.x;
     if (set == 0) from[p] = k;
-    if (k != NONE) weights(p, set, k & ~AWAY, uintBitsToFloat(x.yzw));
+    if (k != NONE) weights(q * 32, set, k & ~AWAY, uintBitsToFloat(x.yzw));
   }
   barrier();
   for (uint q = gl_LocalInvocationID.x; q < points * width; q += gl_WorkGroupSize.x) {

@@ -458,6 +458,61 @@ describe("ylm.vulkan", function()
     end)
   end)
 
+  describe("scene:render", function()
+    if not pcall(require, "ylm.c.scene") then return end
+
+    local function scene(channels)
+      return ylm.scene "floor" {
+        camera = ylm.camera { from = { 0.2, 1.3, 2.4 }, at = { 0, 0.2, 0 }, fov = 45 },
+        geometry = {
+          ylm.quad { corner = { -1, 0, 1 }, u = { 2, 0, 0 }, v = { 0, 0, -2 }, divide = 8,
+            material = ylm.matte { albedo = { 0.7, 0.5, 0.3 } } },
+          ylm.sphere { at = { 0, 0.35, 0 }, radius = 0.3, material = ylm.matte { albedo = 0.6 } },
+        },
+        lights = { ylm.sphere_light { at = { 0.7, 0.8, 0.4 }, radius = 0.1, radiance = { 20, 15, 10 } },
+          ylm.sphere_light { at = { -0.9, 0.5, 0.2 }, radius = 0.05, radiance = { 10, 20, 40 } } },
+        probes = ylm.adaptive_grid { lmax = 3, depth = 3, threshold = 2, channels = channels },
+      }
+    end
+
+    it("gives the CPU's image, for rgb and luminance grids, of all interpolations", function()
+      local gpu = open()
+      for _, channels in ipairs { "rgb", "luminance" } do
+        local s = scene(channels)
+        local grid = assert(s:bake())
+        local o = { grid = grid, size = { 40, 30 }, samples = 1 }
+        for _, interpolation in ipairs { "hermite", "linear" } do
+          o.interpolation, o.device = interpolation, nil
+          local image, report = s:render(o)
+          o.device = gpu
+          local there, other = assert(s:render(o))
+          local a, b = image:layer(), there:layer()
+          local n, largest, most = 40 * 30 * 3, 0, 0
+          local x, y = a:reshape({ n }):totable(), b:reshape({ n }):totable()
+          for i = 1, n do
+            largest, most = math.max(largest, math.abs(x[i])), math.max(most, math.abs(x[i] - y[i]))
+          end
+          assert(largest > 0.1 and most <= 1e-5 * largest, most / largest)
+          assert.equal(report.outside, other.outside)
+          assert.equal(report.unbaked, other.unbaked)
+          assert(other.stages.shade.seconds > 0)
+        end
+      end
+    end)
+
+    it("refuses fields that are no grid, and passes a lost device on", function()
+      local gpu, s = open(), scene "rgb"
+      local lamp = ylm.sphere_light { at = { 0, 1, 0 } }
+      local ok, message = pcall(s.render, s, { grid = lamp, device = gpu, size = { 8, 8 }, samples = 1 })
+      assert(not ok and message:find("grid must be a grid", 1, true), tostring(message))
+      local grid = assert(s:bake())
+      binding.gpu_lose(gpu)
+      local image, code
+      image, message, code = s:render { grid = grid, device = gpu, size = { 8, 8 }, samples = 1 }
+      assert(image == nil and code == "EDEVICE" and message:find("was lost", 1, true))
+    end)
+  end)
+
   describe("work", function()
     it("is cut into slices that are short, and says how it goes", function()
       local gpu = open()

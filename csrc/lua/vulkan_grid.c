@@ -108,11 +108,43 @@ static int sample(lua_State *L) {
   return ylmL_result_progress(L, 6, s, &e, &progress);
 }
 
-static const luaL_Reg functions[] = {{"gpu_grid_create", create},
-                                     {"gpu_grid_info", info},
-                                     {"gpu_grid_close", close_copy},
-                                     {"gpu_grid_sample", sample},
-                                     {NULL, NULL}};
+/* gpu_grid_shade(copy, grid, points [n][3], transfer [n][row], albedo [n][3], interpolation,
+   progress) -> radiance [n][3], outside, unbaked, seconds, times; all float */
+static int shade(lua_State *L) {
+  lua_settop(L, 7);
+  ylm_gpu_grid *k = copy_at(L, 1);
+  const ylm_grid *grid = grid_at(L, 2);
+  const ylmL_array *points = ylmL_array_check(L, 3), *transfer = ylmL_array_check(L, 4),
+                   *albedo = ylmL_array_check(L, 5);
+  ylm_error e = {YLM_OK, ""};
+  ylm_grid_report report = {0};
+  ylm_gpu_times times = {0};
+  ylmL_progress progress;
+  size_t n = points->count / 3, row = transfer->shape[transfer->axes - 1];
+  if (points->dtype != YLM_FLOAT || transfer->dtype != YLM_FLOAT || albedo->dtype != YLM_FLOAT)
+    return ylmL_result(L, 0, YLM_ETYPE, NULL);
+  if (points->count != 3 * n || transfer->count != n * row || albedo->count != 3 * n)
+    return ylmL_result(L, 0, YLM_ESHAPE, NULL);
+  ylm_grid_query q = {.interpolation = (ylm_grid_interpolation)(int)luaL_checknumber(L, 6),
+                      .point_dtype = YLM_FLOAT,
+                      .dtype = YLM_FLOAT,
+                      .progress = ylmL_progress_begin(L, 7, &progress)};
+  ylmL_array *out = ylmL_array_new(L, YLM_FLOAT, 2, (size_t[]){n, 3});
+  if (!out) return ylmL_result(L, 0, YLM_ENOMEM, NULL);
+  ylm_status s = ylm_gpu_grid_shade(k, grid, &q, n, points->data, row, transfer->data, out->data,
+                                    &report, &times, &e);
+  for (size_t i = 0; s == YLM_OK && i < 3 * n; i++)
+    ((float *)out->data)[i] *= 0.318309886183790671f * ((const float *)albedo->data)[i];
+  ylmL_push_count(L, report.outside);
+  ylmL_push_count(L, report.unbaked);
+  lua_pushnumber(L, (lua_Number)report.seconds);
+  ylmL_gpu_push_times(L, &times);
+  return ylmL_result_progress(L, 5, s, &e, &progress);
+}
+
+static const luaL_Reg functions[] = {{"gpu_grid_create", create},    {"gpu_grid_info", info},
+                                     {"gpu_grid_close", close_copy}, {"gpu_grid_sample", sample},
+                                     {"gpu_grid_shade", shade},      {NULL, NULL}};
 
 static const luaL_Reg methods[] = {{"__gc", gc}, {NULL, NULL}};
 

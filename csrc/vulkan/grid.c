@@ -29,7 +29,7 @@ struct ylm_gpu_grid {
   ylm_gpu_buffer *cells, *table, *data, *bounds, *counts;
   /* Of a pass, kept for the next. */
   size_t rows;
-  ylm_gpu_buffer *points, *places, *value, *gradient;
+  ylm_gpu_buffer *points, *places, *value, *gradient, *transfer;
 };
 
 /* -- copying ------------------------------------------------------------------------ */
@@ -118,8 +118,8 @@ ylm_status ylm_gpu_grid_create(ylm_gpu *g, const ylm_grid *grid, ylm_gpu_grid **
 }
 
 static void free_pass(ylm_gpu_grid *k) {
-  ylm_gpu_buffer **of_pass[] = {&k->points, &k->places, &k->value, &k->gradient};
-  for (int i = 0; i < 4; i++) {
+  ylm_gpu_buffer **of_pass[] = {&k->points, &k->places, &k->value, &k->gradient, &k->transfer};
+  for (int i = 0; i < 5; i++) {
     ylm_gpu_buffer_free(*of_pass[i]);
     *of_pass[i] = NULL;
   }
@@ -153,20 +153,27 @@ typedef struct sampling {
   const ylm_grid_query *q;
   const char *points;
   float *value, *gradient;
+  const float *transfer; /* [n][row]: value is then radiance [n][3] */
+  size_t row;
   void *scratch; /* points of a pass in the type they are located in, places */
   ylm_gpu_times *times;
   ylm_grid_report *report;
 } sampling;
 
 /* Buffers for passes of up to `rows` points. */
-static ylm_status reserve(ylm_gpu_grid *k, size_t rows, bool gradient, ylm_error *e) {
-  if (rows <= k->rows && (k->gradient || !gradient)) return YLM_OK;
-  size_t value = k->width * sizeof(float);
+static ylm_status reserve(const sampling *m, size_t rows, ylm_error *e) {
+  ylm_gpu_grid *k = m->k;
+  bool gradient = m->gradient != NULL;
+  size_t value = (k->width > 3 ? k->width : 3) * sizeof(float),
+         transfer = rows * m->row * sizeof(float);
+  bool seen = !m->transfer || (k->transfer && ylm_gpu_buffer_bytes(k->transfer) >= transfer);
+  if (rows <= k->rows && (k->gradient || !gradient) && seen) return YLM_OK;
   free_pass(k);
   ylm_status s = ylm_gpu_buffer_create(k->g, rows * (k->wide ? 24 : 12), &k->points, e);
   if (s == YLM_OK) s = ylm_gpu_buffer_create(k->g, rows * 16, &k->places, e);
   if (s == YLM_OK) s = ylm_gpu_buffer_create(k->g, rows * value, &k->value, e);
   if (s == YLM_OK && gradient) s = ylm_gpu_buffer_create(k->g, rows * 3 * value, &k->gradient, e);
+  if (s == YLM_OK && m->transfer) s = ylm_gpu_buffer_create(k->g, transfer, &k->transfer, e);
   if (s == YLM_OK) k->rows = rows;
   return s;
 }
@@ -185,6 +192,12 @@ static ylm_status upload_points(const sampling *m, size_t at, size_t n, ylm_erro
   return ylm_gpu_upload(m->k->points, 0, n * size, m->scratch, e);
 }
 
+/* Coefficients of a channel that both the grid and the transfer vectors have. */
+static size_t common(const sampling *m) {
+  size_t given = m->k->width / (size_t)m->k->form.channels;
+  return m->row < given ? m->row : given;
+}
+
 static ylm_status dispatch(const sampling *m, size_t n, ylm_error *e) {
   ylm_gpu_grid *k = m->k;
   const ylm_grid_view *v = ylm_grid_look(m->grid);
@@ -199,6 +212,11 @@ static ylm_status dispatch(const sampling *m, size_t n, ylm_error *e) {
     where.resolution[a] = k->resolution[a];
     what.unit[a] = (float)((v->form.bounds[3 + a] - v->form.bounds[a]) / k->resolution[a]);
   }
+  struct {
+    uint32_t n, stride, given, row, count;
+    float unit[3];
+  } shade = {(uint32_t)n,      (uint32_t)k->stride, (uint32_t)(k->width / (size_t)k->form.channels),
+             (uint32_t)m->row, (uint32_t)common(m), {what.unit[0], what.unit[1], what.unit[2]}};
   ylm_gpu_work w[] = {
       {.verb = YLM_GPU_FILL, .stage = "locate", .binds = 1, .bind = {{.buffer = k->counts}}},
       {.verb = YLM_GPU_DISPATCH,
@@ -226,10 +244,40 @@ static ylm_status dispatch(const sampling *m, size_t n, ylm_error *e) {
                 {.buffer = k->value},
                 {.buffer = m->gradient ? k->gradient : k->counts}}}};
   uint32_t constant[] = {GROUP, (uint32_t)m->q->interpolation, m->gradient != NULL};
+  if (m->transfer) {
+    w[2].stage = "shade";
+    w[2].push = &shade;
+    w[2].push_bytes = sizeof shade;
+    w[2].bind[3].buffer = k->transfer;
+    w[2].bind[4].buffer = k->value;
+    constant[2] = (uint32_t)k->form.channels;
+  }
   ylm_status s = ylm_gpu_kernel_get(k->g, k->wide ? "grid_locate_double" : "grid_locate_float", 1,
                                     constant, &w[1].kernel, e);
-  if (s == YLM_OK) s = ylm_gpu_kernel_get(k->g, "grid_sample", 3, constant, &w[2].kernel, e);
+  if (s == YLM_OK)
+    s = ylm_gpu_kernel_get(k->g, m->transfer ? "grid_shade" : "grid_sample", 3, constant,
+                           &w[2].kernel, e);
   return s == YLM_OK ? ylm_gpu_run(k->g, 3, w, m->times, NULL, e) : s;
+}
+
+/* Radiance of points that the host has sampled. */
+static ylm_status shade_host(const sampling *m, size_t at, size_t n, const ylm_grid_query *q,
+                             ylm_grid_report *r, ylm_error *e) {
+  size_t w = m->k->width, channels = (size_t)m->k->form.channels, given = w / channels;
+  float *L = ylm_alloc(n * w, sizeof *L);
+  if (!L) return ylm_fail(e, YLM_ENOMEM, "%s", ylm_status_text(YLM_ENOMEM));
+  const void *points = m->points + at * 3 * ylm_dtype_size(q->point_dtype);
+  ylm_status s = ylm_grid_sample(m->grid, q, n, points, L, NULL, r, e);
+  for (size_t i = 0; s == YLM_OK && i < n; i++)
+    for (size_t c = 0; c < 3; c++) {
+      const float *T = m->transfer + (at + i) * m->row;
+      const float *x = L + i * w + (channels == 3 ? c * given : 0);
+      float sum = 0;
+      for (size_t j = 0; j < common(m); j++) sum += T[j] * x[j];
+      m->value[3 * (at + i) + c] = sum;
+    }
+  ylm_free(L);
+  return s;
 }
 
 /* Samples on the host what the device left. */
@@ -245,8 +293,13 @@ static ylm_status patch(const sampling *m, size_t at, size_t n, ylm_error *e) {
     end = i + 1;
     if (place[i][0] != NONE) continue;
     while (end < n && place[end][0] == NONE) end++;
-    s = ylm_grid_sample(m->grid, &q, end - i, m->points + (at + i) * size, m->value + (at + i) * w,
-                        m->gradient ? m->gradient + (at + i) * 3 * w : NULL, &r, e);
+    if (m->transfer)
+      s = shade_host(m, at + i, end - i, &q, &r, e);
+    else
+      s = ylm_grid_sample(m->grid, &q, end - i, m->points + (at + i) * size,
+                          m->value + (at + i) * w,
+                          m->gradient ? m->gradient + (at + i) * 3 * w : NULL, &r, e);
+    if (s != YLM_OK) break;
     m->report->outside += r.outside;
     m->report->unbaked += r.unbaked;
   }
@@ -254,9 +307,11 @@ static ylm_status patch(const sampling *m, size_t at, size_t n, ylm_error *e) {
 }
 
 static ylm_status pass(const sampling *m, size_t at, size_t n, ylm_error *e) {
-  size_t w = m->k->width;
+  size_t w = m->transfer ? 3 : m->k->width;
   uint32_t counts[3];
   ylm_status s = upload_points(m, at, n, e);
+  if (s == YLM_OK && m->transfer)
+    s = ylm_gpu_upload(m->k->transfer, 0, n * m->row * 4, m->transfer + at * m->row, e);
   if (s == YLM_OK) s = dispatch(m, n, e);
   if (s == YLM_OK) s = ylm_gpu_download(m->k->counts, 0, sizeof counts, counts, e);
   if (s == YLM_OK) s = ylm_gpu_download(m->k->value, 0, n * w * 4, m->value + at * w, e);
@@ -268,30 +323,61 @@ static ylm_status pass(const sampling *m, size_t at, size_t n, ylm_error *e) {
   return counts[2] ? patch(m, at, n, e) : YLM_OK;
 }
 
-ylm_status ylm_gpu_grid_sample(ylm_gpu_grid *k, const ylm_grid *grid, const ylm_grid_query *q,
-                               size_t n, const void *points, float *value, float *gradient,
-                               ylm_grid_report *report, ylm_gpu_times *times, ylm_error *e) {
+/* All passes over n points. */
+static ylm_status passes(sampling *m, size_t n, ylm_grid_report *report, ylm_error *e) {
   double start = ylm_seconds();
-  size_t row = k->width * sizeof(float) * (gradient ? 3 : 1), rows = n;
+  ylm_gpu_grid *k = m->k;
+  size_t wide = k->width * (m->gradient ? 3 : 1), rows = n;
+  size_t row = (wide > m->row ? wide : m->row) * sizeof(float);
+  const ylm_grid *grid = m->grid;
   ylm_grid_report r = {0};
-  sampling m = {k, grid, q, points, value, gradient, NULL, times, &r};
+  m->report = &r;
   ylm_status s = ylm_gpu_state(k->g, e);
   if (s == YLM_OK && ylm_grid_look(grid)->stats->update.updates != k->updates)
-    s = ylm_fail(e, YLM_EINVAL, "the grid was updated since it was copied to the device: copy it again");
+    s = ylm_fail(e, YLM_EINVAL,
+                 "the grid was updated since it was copied to the device: copy it again");
   if (s != YLM_OK) return s;
   if (rows > PASS_BYTES / row) rows = PASS_BYTES / row;
   if (rows > ylm_gpu_about(k->g)->bind_bytes / row) rows = ylm_gpu_about(k->g)->bind_bytes / row;
   if (rows < 1) rows = 1;
-  m.scratch = ylm_alloc(rows, 24);
-  s = m.scratch ? reserve(k, rows, gradient != NULL, e)
-                : ylm_fail(e, YLM_ENOMEM, "%s", ylm_status_text(YLM_ENOMEM));
+  m->scratch = ylm_alloc(rows, 24);
+  s = m->scratch ? reserve(m, rows, e) : ylm_fail(e, YLM_ENOMEM, "%s", ylm_status_text(YLM_ENOMEM));
   for (size_t at = 0, now; s == YLM_OK && at < n; at += now) {
     now = n - at < rows ? n - at : rows;
-    s = pass(&m, at, now, e);
-    if (s == YLM_OK) s = ylm_report(q->progress, at + now, n, "sampling");
+    s = pass(m, at, now, e);
+    if (s == YLM_OK)
+      s = ylm_report(m->q->progress, at + now, n, m->transfer ? "shading" : "sampling");
   }
-  ylm_free(m.scratch);
+  ylm_free(m->scratch);
   r.seconds = ylm_seconds() - start;
   if (report) *report = r;
   return s;
+}
+
+ylm_status ylm_gpu_grid_sample(ylm_gpu_grid *k, const ylm_grid *grid, const ylm_grid_query *q,
+                               size_t n, const void *points, float *value, float *gradient,
+                               ylm_grid_report *report, ylm_gpu_times *times, ylm_error *e) {
+  sampling m = {.k = k,
+                .grid = grid,
+                .q = q,
+                .points = points,
+                .value = value,
+                .gradient = gradient,
+                .times = times};
+  return passes(&m, n, report, e);
+}
+
+ylm_status ylm_gpu_grid_shade(ylm_gpu_grid *k, const ylm_grid *grid, const ylm_grid_query *q,
+                              size_t n, const float *points, size_t row, const float *transfer,
+                              float *radiance, ylm_grid_report *report, ylm_gpu_times *times,
+                              ylm_error *e) {
+  sampling m = {.k = k,
+                .grid = grid,
+                .q = q,
+                .points = (const char *)points,
+                .value = radiance,
+                .transfer = transfer,
+                .row = row,
+                .times = times};
+  return passes(&m, n, report, e);
 }

@@ -313,6 +313,20 @@ YLM_API ylm_status ylm_gpu_grid_sample(ylm_gpu_grid *k, const ylm_grid *grid,
                                        float *value, float *gradient, ylm_grid_report *report,
                                        ylm_gpu_times *times, ylm_error *e);
 
+/*
+** ylm_gpu_grid_shade - the grid at shading points, dotted with their transfer vectors.
+**
+**   points    in   [n][3], in float (q->point_dtype)
+**   transfer  in   [n][row]
+**   radiance  out  [n][3]: sum over coefficients that both have; a luminance grid gives grey
+**   times     stages "locate", "shade"; may be NULL
+** As ylm_gpu_grid_sample.
+*/
+YLM_API ylm_status ylm_gpu_grid_shade(ylm_gpu_grid *k, const ylm_grid *grid,
+                                      const ylm_grid_query *q, size_t n, const float *points,
+                                      size_t row, const float *transfer, float *radiance,
+                                      ylm_grid_report *report, ylm_gpu_times *times, ylm_error *e);
+
 #ifdef __cplusplus
 }
 #endif

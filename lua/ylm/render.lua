@@ -98,6 +98,8 @@ local grid_fields = {
   { "grid", "any", optional = true, about = "what scene:bake or ylm.bake returned" },
   { "interpolation", "choice", of = { "hermite", "taylor", "linear" }, default = "hermite",
     about = "of the grid" },
+  { "device", "gpu", optional = true,
+    about = "a gpu of ylm.vulkan.open samples the grid and shades; report.stages has its times" },
 }
 
 -- Of the bake that a render without a grid makes first.
@@ -410,8 +412,13 @@ local function by_grid(name, p, o)
   local bar, threads = progress.resolve(o.progress), o.threads or 0
   local report, cells = new_report(p), nil
   local radiance, outside, unbaked, seconds
+  if o.device and core.type(grid) ~= "ylm.grid" then
+    return check.bad(1, name, "device: a baked grid expected, got %s", check.describe(grid))
+  end
   if core.type(grid) == "ylm.grid" and lib.shade_grid then
-    if grid.dynamic then
+    if o.device then
+      radiance, outside, unbaked, seconds, report.stages = require "ylm.vulkan_grid".shade(name, lib, p.view, o, bar)
+    elseif grid.dynamic then
       radiance, outside, unbaked, seconds, report.fresh = shade_again(name, p, o, bar)
     else
       radiance, outside, unbaked, seconds =

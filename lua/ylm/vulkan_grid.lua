@@ -70,6 +70,29 @@ function vulkan_grid.sample(grid, points, o, interpolation, out1, out2, progress
   return c, dc, { outside = outside, unbaked = unbaked, seconds = seconds, stages = stages }
 end
 
+--- Shading points of a view -> their positions, transfer vectors and albedo, kept while the view is.
+local surfaces = setmetatable({}, { __mode = "k" })
+
+local INTERPOLATION = { hermite = 0, taylor = 1, linear = 2 }
+
+--- What scene:render does with device = gpu: radiance [n][3], outside, unbaked, seconds, stages.
+function vulkan_grid.shade(name, lib, view, o, progress)
+  local copy, message, code = copy_of(1, name, o.grid, o.device)
+  if not copy then return nil, message, code end
+  local s = surfaces[view]
+  if not s then
+    s = {}
+    local position, normal, albedo = lib.shade_points(view)
+    if not position then return nil, normal, albedo end
+    s.position, s.albedo = position, albedo
+    s.transfer, message, code = lib.shade_transfer(view)
+    if not s.transfer then return nil, message, code end
+    surfaces[view] = s
+  end
+  return check.result(name, binding().gpu_grid_shade(copy, o.grid, s.position, s.transfer, s.albedo,
+    INTERPOLATION[o.interpolation], progress))
+end
+
 describe "gpu_grid:close" {
   about = "Gives back the memory at once; the grid itself stays.",
   arguments = {},
