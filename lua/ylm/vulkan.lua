@@ -7,6 +7,7 @@ local core = require "ylm.c.core"
 local describe = require "ylm.reference".describe
 local form = require "ylm.form"
 local reference = require "ylm.reference"
+local grid_methods = require "ylm.vulkan_grid".methods
 
 local vulkan = {}
 
@@ -56,7 +57,7 @@ local furnished = false
 local function furnish()
   furnished = true
   local types = { ["ylm.gpu"] = gpu_methods, ["ylm.gpu_array"] = array_methods,
-    ["ylm.gpu_lights"] = require "ylm.vulkan_light".methods, ["ylm.gpu_grid"] = require "ylm.vulkan_grid".methods }
+    ["ylm.gpu_lights"] = require "ylm.vulkan_light".methods, ["ylm.gpu_grid"] = grid_methods }
   for name, methods in pairs(types) do
     local metatable = core.metatable(name)
     for key, method in pairs(methods) do metatable[key] = method end
