@@ -79,17 +79,22 @@ static inline int ylm__sum_count(int lmax, int kinds) {
 /*
 ** A kernel, for one lmax (or any), dtype and instruction set. All pointers are to vectors.
 **   grow     factor per degree of the recurrences in z, which keeps high degrees from underflowing
-**   prepare  geometry and weights of `n` <= YLM__TILE lights; emission as `lum` says: luminance
-**            or 1. Lanes inside of a light are added to `inside` (a mask of all ones).
+**   prepare  geometry and weights of `n` <= YLM__TILE lights; the weights of all kinds (bright 7),
+*of
+**            the third alone (4) or of none (0) times luminance. Lanes inside of a light are added
+**            to `inside` (a mask of all ones).
 **   sum      adds n lights' products to sums; `state` holds 2*YLM__TILE vectors of scratch
+**   sum_rgb  the same for three channels, whose sums are `stride` apart: times emission [n][3]
 */
 typedef struct ylm__moment_kernel {
   int lanes;
   double grow;
-  void (*prepare)(int lmax, int kinds, int n, const void *lamps, bool lum, const void *xyz,
+  void (*prepare)(int lmax, int kinds, int n, const void *lamps, int bright, const void *xyz,
                   void *geometry, void *weights, void *inside);
   void (*sum)(int lmax, int kinds, int n, const void *geometry, const void *weights, void *state,
               void *sums);
+  void (*sum_rgb)(int lmax, int kinds, int n, const void *geometry, const void *weights,
+                  const void *emission, void *state, void *sums, int stride);
 } ylm__moment_kernel;
 
 typedef ylm_light_rows ylm__rows;

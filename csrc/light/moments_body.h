@@ -31,10 +31,11 @@ static inline void NAME(find_constants)(NAME(constants) * c, int degree) {
 #endif
 }
 
-/* One light's geometry and weights for LANES points. */
+/* One light's geometry and weights for LANES points: times `emission`, and the third kind's times
+   `bent` too. */
 YLM_INLINE void NAME(prepare_one)(const int lmax, const int kinds, const NAME(constants) * con,
-                                  const LAMP *lamp, REAL emission, V x, V y, V z, V *g, V *w,
-                                  VI *inside) {
+                                  const LAMP *lamp, REAL emission, REAL bent, V x, V y, V z, V *g,
+                                  V *w, VI *inside) {
   const int K = ylm__degree_of(lmax, kinds);
   (void)con;
   x = lamp->at[0] - x, y = lamp->at[1] - y, z = lamp->at[2] - z;
@@ -50,7 +51,7 @@ YLM_INLINE void NAME(prepare_one)(const int lmax, const int kinds, const NAME(co
   g[0] = GROW * z;
   if (FINE(lmax)) /* by half of what |w|^2 exceeds 1 */
     g[ylm__rest_of_z(lmax)] = (REAL)(-0.5 * GROW) * z * ((z - 1) * (z + 1) + (x * x + y * y));
-  V far = d2 * invd * invh * invh * invh, once = NAME(reciprocal)(1 + alpha), u[LMAX + 4];
+  V far = bent * (d2 * invd * invh * invh * invh), once = NAME(reciprocal)(1 + alpha), u[LMAX + 4];
   V delta = t * t * once, e = {0}, c = x, s = y;
   u[0] = es;
   /* two recurrences, one beside the other because each waits for itself */
@@ -83,8 +84,8 @@ YLM_INLINE void NAME(prepare_one)(const int lmax, const int kinds, const NAME(co
   }
 }
 
-static void NAME(prepare)(int lmax, int kinds, int n, const void *lamps, bool lum, const void *xyz,
-                          void *geometry, void *weights, void *inside) {
+static void NAME(prepare)(int lmax, int kinds, int n, const void *lamps, int bright,
+                          const void *xyz, void *geometry, void *weights, void *inside) {
   const LAMP *lamp = lamps;
   const V *at = xyz;
   V *g = geometry, *w = weights;
@@ -94,18 +95,21 @@ static void NAME(prepare)(int lmax, int kinds, int n, const void *lamps, bool lu
 #define X(set)                                                                                     \
   if (kinds == set)                                                                                \
     for (int j = 0; j < n; j++) NAME(prepare_one)                                                  \
-  (FIXED(lmax), set, &con, &lamp[j], lum ? lamp[j].luminance : (REAL)1, at[0], at[1], at[2],       \
-   g + j * G, w + j * W, inside);
+  (FIXED(lmax), set, &con, &lamp[j], bright & YLM__M0 ? lamp[j].luminance : (REAL)1,               \
+   bright == YLM__M2 ? lamp[j].luminance : (REAL)1, at[0], at[1], at[2], g + j * G, w + j * W,     \
+   inside);
   YLM__KIND_SETS(X)
 #undef X
 }
 
 /*
 ** Adds the products of one light for degrees k0 .. k1-1 of the column (m, side), side 0 the real
-** and 1 the imaginary part, to the sums at a. A column that ends early is resumed from `state`.
+** and 1 the imaginary part, to the sums at a: one for each kind, or with `rgb` three, weighted with
+** the emission e. A column that ends early is resumed from `state`.
 */
-YLM_INLINE void NAME(segment)(const int lmax, const int kinds, const int m, const int side,
-                              const int k0, const int k1, const V *g, const V *w, V *state, V *a) {
+YLM_INLINE void NAME(segment)(const int lmax, const int kinds, const bool rgb, const int m,
+                              const int side, const int k0, const int k1, const V *g, const V *w,
+                              const V *e, V *state, V *a) {
   const int K = ylm__degree_of(lmax, kinds);
   V z = g[0], rest = g[ylm__rest_of_z(lmax)], q, before = {0};
   if (k0 > m)
@@ -118,8 +122,13 @@ YLM_INLINE void NAME(segment)(const int lmax, const int kinds, const int m, cons
     for (int kind = 0; kind < 3; kind++)
       if (ylm__has(lmax, kinds, kind, k)) {
         V weight = w[ylm__weight_at(lmax, kind, k)];
-        *a = k == 0 ? *a + weight : *a + q * weight;
-        a++;
+        if (!rgb) {
+          *a = k == 0 ? *a + weight : *a + q * weight;
+          a++;
+          continue;
+        }
+        V term = k == 0 ? weight : q * weight;
+        for (int c = 0; c < 3; c++) *a += e[c] * term, a++;
       }
     if (k == K) break;
     V next;
@@ -134,28 +143,39 @@ YLM_INLINE void NAME(segment)(const int lmax, const int kinds, const int m, cons
 
 #ifndef ANY_LMAX
 
+/* A pass over a tile: sums first .. first+count-1 of all channels are in a, channel by channel in
+   memory and together in a. */
 #define PASS(first, count)                                                                         \
   {                                                                                                \
-    V *total = sums + (first), a[count];                                                           \
+    V *total = sums + (first), a[CHANNELS * (count)];                                              \
     UNROLL                                                                                         \
-    for (int i = 0; i < (count); i++) a[i] = total[i];                                             \
+    for (int i = 0; i < CHANNELS * (count); i++)                                                   \
+      a[i] = total[i % CHANNELS * stride + i / CHANNELS];                                          \
     for (int j = 0; j < n; j++) {                                                                  \
       const V *g = geometry + j * ylm__geometry_slots(LMAX);                                       \
       const V *w = weights + j * ylm__weight_slots(LMAX);                                          \
+      const V *e = emission + 3 * j;                                                               \
       V *saved = state + 2 * j;                                                                    \
-      (void)saved;
+      (void)saved, (void)e;
 #define SEGMENT(m, side, k0, k1, offset)                                                           \
-  NAME(segment)(LMAX, KINDS, m, side, k0, k1, g, w, saved, a + (offset));
+  NAME(segment)                                                                                    \
+  (LMAX, KINDS, CHANNELS == 3, m, side, k0, k1, g, w, e, saved, a + CHANNELS * (offset));
 #define END(count)                                                                                 \
   }                                                                                                \
   UNROLL                                                                                           \
-  for (int i = 0; i < (count); i++) total[i] = a[i];                                               \
+  for (int i = 0; i < CHANNELS * (count); i++) total[i % CHANNELS * stride + i / CHANNELS] = a[i]; \
   }
 
 #define SUM(set)                                                                                   \
   static void NAME(sum_##set)(int n, const V *geometry, const V *weights, V *state, V *sums) {     \
-    enum { KINDS = set };                                                                          \
+    enum { KINDS = set, CHANNELS = 1, stride = 0 };                                                \
+    const V *emission = NULL;                                                                      \
     PLAN_##set                                                                                     \
+  }                                                                                                \
+  static void NAME(sum_rgb_##set)(int n, const V *geometry, const V *weights, const V *emission,   \
+                                  V *state, V *sums, int stride) {                                 \
+    enum { KINDS = set, CHANNELS = 3 };                                                            \
+    PLAN_RGB_##set                                                                                 \
   }
 YLM__KIND_SETS(SUM)
 #undef SUM
@@ -168,6 +188,15 @@ static void NAME(sum)(int lmax, int kinds, int n, const void *geometry, const vo
   (void)lmax;
 #define X(set)                                                                                     \
   if (kinds == set) NAME(sum_##set)(n, geometry, weights, state, sums);
+  YLM__KIND_SETS(X)
+#undef X
+}
+
+static void NAME(sum_rgb)(int lmax, int kinds, int n, const void *geometry, const void *weights,
+                          const void *emission, void *state, void *sums, int stride) {
+  (void)lmax;
+#define X(set)                                                                                     \
+  if (kinds == set) NAME(sum_rgb_##set)(n, geometry, weights, emission, state, sums, stride);
   YLM__KIND_SETS(X)
 #undef X
 }

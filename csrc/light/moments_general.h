@@ -20,6 +20,8 @@ typedef struct NAME(chunk) {
   const V *q, *before;     /* polynomials at the first degree and before it, */
   int q_step, before_step; /* of each light this far apart */
   const REAL *beta;        /* from the first degree on */
+  const V *emission;       /* three channels: [n][3] */
+  int stride;              /* and sums of one are this far from those of the next */
   V *state;                /* polynomials behind the last degree: [n][2] */
 } NAME(chunk);
 
@@ -31,27 +33,34 @@ typedef struct NAME(chunk) {
        ? 1                                                                                         \
        : WIDTH(kinds) * (full) + ((tail) < 0 ? 0 : ((kinds) >> 1 & 1) + 2 * ((kinds) >> 2 & 1)))
 #define TAIL(kinds) ((kinds)&YLM__M2 ? 2 : (kinds)&YLM__M1 ? 1 : 0)
-#define MOST(kinds) (ROOM / WIDTH(kinds))
-#define LAST(kinds) ((ROOM - SUMS(kinds, 0, TAIL(kinds))) / WIDTH(kinds))
+#define MOST(kinds, channels) (ROOM / (channels) / WIDTH(kinds))
+#define LAST(kinds, channels) ((ROOM / (channels)-SUMS(kinds, 0, TAIL(kinds))) / WIDTH(kinds))
 
 /* Adds a chunk of `full` degrees <= lmax to a, and `tail` degrees above if it is the last of a
-   column; tail -1: another follows. s has room for the sums. */
-YLM_INLINE void NAME(add_chunk)(const int kinds, const int full, const int tail, const bool fine,
-                                const NAME(chunk) * chunk, V *a, V *s) {
-  const int count = SUMS(kinds, full, tail), degrees = tail < 0 ? full : full + tail;
+   column; tail -1: another follows. s has room for the sums of all channels. */
+YLM_INLINE void NAME(add_chunk)(const int kinds, const int channels, const int full, const int tail,
+                                const bool fine, const NAME(chunk) * chunk, V *a, V *s) {
+  const int count = channels * SUMS(kinds, full, tail), degrees = tail < 0 ? full : full + tail;
   const NAME(chunk) c = *chunk;
   UNROLL_ALL
-  for (int i = 0; i < count; i++) s[i] = a[i];
+  for (int i = 0; i < count; i++) s[i] = a[i % channels * c.stride + i / channels];
   for (int j = 0; j < c.n; j++) {
-    const V *g = c.g + j * c.G;
+    const V *g = c.g + j * c.G, *e = c.emission + 3 * j;
     V z = g[0], rest = g[c.rest], q = c.q[j * c.q_step], before = c.before[j * c.before_step];
     int i = 0;
     UNROLL_ALL
     for (int d = 0; d < degrees; d++) {
       UNROLL_ALL
       for (int kind = 0; kind < 3; kind++)
-        if (kinds & (1 << kind) && (tail < 0 || d < full + kind))
-          s[i] += q * c.w[kind][j * c.W + d], i++;
+        if (kinds & (1 << kind) && (tail < 0 || d < full + kind)) {
+          const V *w = c.w[kind] + j * c.W + d;
+          if (channels == 1) {
+            s[i] += q * *w, i++;
+            continue;
+          }
+          V term = q * *w;
+          for (int channel = 0; channel < 3; channel++) s[i] += e[channel] * term, i++;
+        }
       if (tail >= 0 && d == degrees - 1) break;
       V next = fine ? z * q + (rest * q - c.beta[d] * before) : z * q - c.beta[d] * before;
       before = q, q = next;
@@ -59,83 +68,95 @@ YLM_INLINE void NAME(add_chunk)(const int kinds, const int full, const int tail,
     if (tail < 0) c.state[2 * j] = q, c.state[2 * j + 1] = before;
   }
   UNROLL_ALL
-  for (int i = 0; i < count; i++) a[i] = s[i];
+  for (int i = 0; i < count; i++) a[i % channels * c.stride + i / channels] = s[i];
 }
 
 /* The columns of a set of kinds, for all lights of a tile: `full` degrees <= lmax; returns where a
    goes on. */
-#define CASE(set, fine, f)                                                                         \
+#define CASE(set, channels, fine, f)                                                               \
   case f:                                                                                          \
-    if ((f) >= -(TAIL(set) / 2) && (f) <= LAST(set)) {                                             \
-      V s[SUMS(set, f, 0) > 0 ? SUMS(set, f, 0) : 1];                                              \
-      NAME(add_chunk)(set, f, TAIL(set), fine, c, a, s);                                           \
+    if ((f) >= -(TAIL(set) / 2) && (f) <= LAST(set, channels)) {                                   \
+      V s[SUMS(set, f, 0) > 0 ? (channels)*SUMS(set, f, TAIL(set)) : 1];                           \
+      NAME(add_chunk)(set, channels, f, TAIL(set), fine, c, a, s);                                 \
     }                                                                                              \
     break;
-#define COLUMN(name, set, fine)                                                                    \
+#define FIVE(set, channels, fine, f)                                                               \
+  CASE(set, channels, fine, f)                                                                     \
+  CASE(set, channels, fine, f + 1)                                                                 \
+  CASE(set, channels, fine, f + 2)                                                                 \
+  CASE(set, channels, fine, f + 3)                                                                 \
+  CASE(set, channels, fine, f + 4)
+#define COLUMN(name, set, channels, fine)                                                          \
   static V *NAME(name##set)(int full, NAME(chunk) * c, V * a) {                                    \
-    while (full > LAST(set)) {                                                                     \
-      V s[SUMS(set, MOST(set), -1)];                                                               \
-      NAME(add_chunk)(set, MOST(set), -1, fine, c, a, s);                                          \
-      a += SUMS(set, MOST(set), -1), full -= MOST(set);                                            \
-      for (int kind = 0; kind < 3; kind++) c->w[kind] += MOST(set);                                \
-      c->beta += MOST(set);                                                                        \
+    enum { most = MOST(set, channels) };                                                           \
+    while (full > LAST(set, channels)) {                                                           \
+      V s[(channels)*SUMS(set, most, -1)];                                                         \
+      NAME(add_chunk)(set, channels, most, -1, fine, c, a, s);                                     \
+      a += SUMS(set, most, -1), full -= most;                                                      \
+      for (int kind = 0; kind < 3; kind++) c->w[kind] += most;                                     \
+      c->beta += most;                                                                             \
       c->q = c->state, c->before = c->state + 1, c->q_step = c->before_step = 2;                   \
     }                                                                                              \
     switch (full) {                                                                                \
-      CASE(set, fine, -1)                                                                          \
-      CASE(set, fine, 0)                                                                           \
-      CASE(set, fine, 1)                                                                           \
-      CASE(set, fine, 2) CASE(set, fine, 3) CASE(set, fine, 4) CASE(set, fine, 5)                  \
-          CASE(set, fine, 6) CASE(set, fine, 7) CASE(set, fine, 8) CASE(set, fine, 9)              \
-              CASE(set, fine, 10) CASE(set, fine, 11) CASE(set, fine, 12) CASE(set, fine, 13)      \
-                  CASE(set, fine, 14) CASE(set, fine, 15) CASE(set, fine, 16) CASE(set, fine, 17)  \
-                      CASE(set, fine, 18) CASE(set, fine, 19) CASE(set, fine, 20)                  \
-                          CASE(set, fine, 21) CASE(set, fine, 22) CASE(set, fine, 23)              \
-                              CASE(set, fine, 24)                                                  \
+      CASE(set, channels, fine, -1)                                                                \
+      FIVE(set, channels, fine, 0)                                                                 \
+      FIVE(set, channels, fine, 5)                                                                 \
+      FIVE(set, channels, fine, 10)                                                                \
+      FIVE(set, channels, fine, 15)                                                                \
+      FIVE(set, channels, fine, 20)                                                                \
     }                                                                                              \
     return a + SUMS(set, full, TAIL(set));                                                         \
   }
-
-#define COLUMNS(set) COLUMN(plain_, set, false) COLUMN(fine_, set, FINE(LMAX) > 0)
+#define COLUMNS(set)                                                                               \
+  COLUMN(plain_, set, 1, false)                                                                    \
+  COLUMN(fine_, set, 1, FINE(LMAX) > 0)                                                            \
+  COLUMN(plain_rgb_, set, 3, false)                                                                \
+  COLUMN(fine_rgb_, set, 3, FINE(LMAX) > 0)
 YLM__KIND_SETS(COLUMNS)
 
-static void NAME(sum)(int lmax, int kinds, int n, const void *geometry, const void *weights,
-                      void *state, void *sums) {
-  typedef V *column(int full, NAME(chunk) * c, V * a);
-  static column *const plain[8] = {[1] = NAME(plain_1),
-                                   [3] = NAME(plain_3),
-                                   [4] = NAME(plain_4),
-                                   [5] = NAME(plain_5),
-                                   [7] = NAME(plain_7)};
-  static column *const fine[8] = {[1] = NAME(fine_1),
-                                  [3] = NAME(fine_3),
-                                  [4] = NAME(fine_4),
-                                  [5] = NAME(fine_5),
-                                  [7] = NAME(fine_7)};
-  const V *g = geometry, *w = weights, zero = {0}, one = zero + 1;
+typedef V *NAME(column)(int full, NAME(chunk) * c, V *a);
+
+/* All columns of a tile, those of low order by `fine`. */
+static void NAME(add_columns)(int lmax, int kinds, NAME(column) * plain, NAME(column) * fine,
+                              NAME(chunk) * c, const V *g, const V *w, V *a) {
+  const V zero = {0}, one = zero + 1;
   const int K = ylm__degree_of(lmax, kinds);
   double inverse[LMAX + 3];
   REAL beta[LMAX + 3];
-  V *a = sums;
+  c->G = ylm__geometry_slots(lmax), c->W = ylm__weight_slots(lmax), c->rest = ylm__rest_of_z(lmax);
+  c->g = g;
   for (int k = 0; k <= K; k++) inverse[k] = GROW * GROW / (4.0 * k * k - 1);
   for (int m = 0; m <= K; m++) {
     for (int k = m; k <= K; k++) beta[k] = (REAL)((double)(k * k - m * m) * inverse[k]);
     for (int side = 0; side < (m ? 2 : 1); side++) {
-      NAME(chunk)
-      c = {.n = n,
-           .G = ylm__geometry_slots(lmax),
-           .W = ylm__weight_slots(lmax),
-           .rest = ylm__rest_of_z(lmax),
-           .g = g,
-           .q = m ? g + 2 * m - 1 + side : &one,
-           .before = &zero,
-           .beta = beta + m,
-           .state = state};
-      c.q_step = m ? c.G : 0;
-      for (int kind = 0; kind < 3; kind++) c.w[kind] = w + ylm__weight_at(lmax, kind, m);
-      a = (m < FINE(lmax) ? fine : plain)[kinds](lmax + 1 - m, &c, a);
+      c->q = m ? g + 2 * m - 1 + side : &one, c->q_step = m ? c->G : 0;
+      c->before = &zero, c->before_step = 0;
+      c->beta = beta + m;
+      for (int kind = 0; kind < 3; kind++) c->w[kind] = w + ylm__weight_at(lmax, kind, m);
+      a = (m < FINE(lmax) ? fine : plain)(lmax + 1 - m, c, a);
     }
   }
+}
+
+static void NAME(sum)(int lmax, int kinds, int n, const void *geometry, const void *weights,
+                      void *state, void *sums) {
+  NAME(chunk) c = {.n = n, .state = state, .emission = geometry};
+#define X(set)                                                                                     \
+  if (kinds == set)                                                                                \
+    NAME(add_columns)(lmax, set, NAME(plain_##set), NAME(fine_##set), &c, geometry, weights, sums);
+  YLM__KIND_SETS(X)
+#undef X
+}
+
+static void NAME(sum_rgb)(int lmax, int kinds, int n, const void *geometry, const void *weights,
+                          const void *emission, void *state, void *sums, int stride) {
+  NAME(chunk) c = {.n = n, .state = state, .emission = emission, .stride = stride};
+#define X(set)                                                                                     \
+  if (kinds == set)                                                                                \
+    NAME(add_columns)                                                                              \
+    (lmax, set, NAME(plain_rgb_##set), NAME(fine_rgb_##set), &c, geometry, weights, sums);
+  YLM__KIND_SETS(X)
+#undef X
 }
 
 #undef ROOM
@@ -145,5 +166,6 @@ static void NAME(sum)(int lmax, int kinds, int n, const void *geometry, const vo
 #undef MOST
 #undef LAST
 #undef CASE
+#undef FIVE
 #undef COLUMN
 #undef COLUMNS

@@ -163,7 +163,7 @@ const ylm__moment_kernel *KERNEL_NAME(int dtype);
 /* The kernel for a dtype. */
 const ylm__moment_kernel *KERNEL_NAME(int dtype) {
   static const ylm__moment_kernel kernels[2] = {
-      {YLM_VF, GROW, YLM_PASTE(prepare, f), YLM_PASTE(sum, f)},
-      {YLM_VD, GROW, YLM_PASTE(prepare, d), YLM_PASTE(sum, d)}};
+      {YLM_VF, GROW, YLM_PASTE(prepare, f), YLM_PASTE(sum, f), YLM_PASTE(sum_rgb, f)},
+      {YLM_VD, GROW, YLM_PASTE(prepare, d), YLM_PASTE(sum, d), YLM_PASTE(sum_rgb, d)}};
   return &kernels[dtype == YLM_DOUBLE];
 }

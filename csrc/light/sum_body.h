@@ -58,7 +58,7 @@ static void NAME(apply)(const ylm__rows *A, size_t first, size_t n, const V *x, 
 
 /* Scratch of one worker. */
 typedef struct NAME(work) {
-  V *geometry, *weights, *scaled, *state;
+  V *geometry, *weights, *scaled, *emission, *state;
   V *lum, *rgb, *mixed; /* sums: [n_lum], [3][n_rgb], [n_rgb] */
   V *part, *lost; /* of the block at hand, and what the totals lost: as lum and rgb together */
   V *bend, *out;  /* U, and one channel of results */
@@ -68,56 +68,56 @@ static ylm_status NAME(work_create)(NAME(work) * k, const ylm__plan *p, void **s
   int lmax = p->q->lmax;
   size_t count = (size_t)(lmax + 1) * (size_t)(lmax + 1), G = (size_t)ylm__geometry_slots(lmax);
   size_t W = (size_t)ylm__weight_slots(lmax), lum = (size_t)p->n_lum, rgb = (size_t)p->n_rgb;
-  size_t sizes[] = {YLM__TILE * G, YLM__TILE * W, YLM__TILE * W,
-                    2 * YLM__TILE, lum + 3 * rgb, rgb,
-                    lum + 3 * rgb, lum + 3 * rgb, 3 * (size_t)(lmax + 2) * (size_t)(lmax + 2),
+  size_t sizes[] = {YLM__TILE * G, YLM__TILE * W,
+                    YLM__TILE * W, 3 * YLM__TILE,
+                    2 * YLM__TILE, lum + 3 * rgb,
+                    rgb,           lum + 3 * rgb,
+                    lum + 3 * rgb, 3 * (size_t)(lmax + 2) * (size_t)(lmax + 2),
                     6 * count};
   size_t total = 0;
   for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++) total += sizes[i];
   if (!*scratch) *scratch = ylm_alloc_zero(total, sizeof(V));
   V *at = *scratch;
   if (!at) return YLM_ENOMEM;
-  V **slots[] = {&k->geometry, &k->weights, &k->scaled, &k->state, &k->lum,
-                 &k->mixed,    &k->part,    &k->lost,   &k->bend,  &k->out};
+  V **slots[] = {&k->geometry, &k->weights, &k->scaled, &k->emission, &k->state, &k->lum,
+                 &k->mixed,    &k->part,    &k->lost,   &k->bend,     &k->out};
   for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++) *slots[i] = at, at += sizes[i];
   k->rgb = k->lum + lum;
   return YLM_OK;
 }
 
-/* The weights of `kinds` times each light's radiance in channel c (0 .. 2), or its luminance (3).
- */
-static void NAME(scale)(const ylm__plan *p, int kinds, int n, const LAMP *lamps, int c, const V *w,
+/* The weights of `kinds` times each light's luminance. */
+static void NAME(scale)(const ylm__plan *p, int kinds, int n, const LAMP *lamps, const V *w,
                         V *out) {
   int lmax = p->q->lmax, W = ylm__weight_slots(lmax);
   int edges[4] = {0, lmax + 1, 2 * lmax + 3, W};
-  for (int j = 0; j < n; j++) {
-    REAL e = c == 3 ? lamps[j].luminance : lamps[j].rgb[c];
+  for (int j = 0; j < n; j++)
     for (int kind = 0; kind < 3; kind++)
       for (int i = edges[kind]; kinds & (1 << kind) && i < edges[kind + 1]; i++)
-        out[j * W + i] = e * w[j * W + i];
-  }
+        out[j * W + i] = lamps[j].luminance * w[j * W + i];
 }
 
-/* Adds n lights to the sums at `to`, laid out as lum and rgb of the work. */
+/*
+** Adds n lights to the sums at `to`, laid out as lum and rgb of the work. Three channels share
+** their polynomials; beside them luminance has the third kind as a rule, which nobody else uses and
+** which therefore has luminance in its weights.
+*/
 static void NAME(add_tile)(const ylm__plan *p, NAME(work) * k, int n, const LAMP *lamps,
                            const V *xyz, V *to, VI *inside) {
   const ylm__moment_kernel *kernel = p->kernel;
   int lmax = p->q->lmax, all = p->kinds_lum | p->kinds_rgb;
+  int bright = !p->kinds_rgb ? 7 : p->kinds_lum == YLM__M2 ? YLM__M2 : 0;
   if (all == (YLM__M1 | YLM__M2)) all = 7;
-  kernel->prepare(lmax, all, n, lamps, p->kinds_rgb == 0, xyz, k->geometry, k->weights, inside);
-  if (p->kinds_rgb == 0) {
-    kernel->sum(lmax, p->kinds_lum, n, k->geometry, k->weights, k->state, to);
-    return;
+  kernel->prepare(lmax, all, n, lamps, bright, xyz, k->geometry, k->weights, inside);
+  if (p->kinds_rgb) {
+    for (int j = 0; j < n; j++)
+      for (int c = 0; c < 3; c++) k->emission[3 * j + c] = (V){0} + lamps[j].rgb[c];
+    kernel->sum_rgb(lmax, p->kinds_rgb, n, k->geometry, k->weights, k->emission, k->state,
+                    to + p->n_lum, p->n_rgb);
   }
-  for (int c = 0; c < 3; c++) {
-    NAME(scale)(p, p->kinds_rgb, n, lamps, c, k->weights, k->scaled);
-    kernel->sum(lmax, p->kinds_rgb, n, k->geometry, k->scaled, k->state,
-                to + p->n_lum + c * p->n_rgb);
-  }
-  if (p->kinds_lum) {
-    NAME(scale)(p, p->kinds_lum, n, lamps, 3, k->weights, k->scaled);
-    kernel->sum(lmax, p->kinds_lum, n, k->geometry, k->scaled, k->state, to);
-  }
+  if (!p->kinds_lum) return;
+  if (!bright) NAME(scale)(p, p->kinds_lum, n, lamps, k->weights, k->scaled);
+  kernel->sum(lmax, p->kinds_lum, n, k->geometry, bright ? k->weights : k->scaled, k->state, to);
 }
 
 /* Sums over all lights at LANES points: blocks of them, added up with compensation (Kahan). */

@@ -17,6 +17,16 @@
     SEGMENT(2, 0, 2, 3, 5) SEGMENT(2, 1, 2, 3, 6) END(7)
 #define PLAN_7 PASS(0, 10) SEGMENT(0, 0, 0, 3, 0) SEGMENT(1, 0, 1, 3, 4) SEGMENT(1, 1, 1, 3, 6) \
     SEGMENT(2, 0, 2, 3, 8) SEGMENT(2, 1, 2, 3, 9) END(10)
+#define PLAN_RGB_1 PASS(0, 1) SEGMENT(0, 0, 0, 1, 0) END(1)
+#define PLAN_RGB_3 PASS(0, 4) SEGMENT(0, 0, 0, 2, 0) SEGMENT(1, 0, 1, 2, 2) \
+    SEGMENT(1, 1, 1, 2, 3) END(4)
+#define PLAN_RGB_4 PASS(0, 6) SEGMENT(0, 0, 0, 3, 0) SEGMENT(1, 0, 1, 3, 2) \
+    SEGMENT(1, 1, 1, 3, 3) SEGMENT(2, 0, 2, 3, 4) SEGMENT(2, 1, 2, 3, 5) END(6)
+#define PLAN_RGB_5 PASS(0, 7) SEGMENT(0, 0, 0, 3, 0) SEGMENT(1, 0, 1, 3, 3) \
+    SEGMENT(1, 1, 1, 3, 4) SEGMENT(2, 0, 2, 3, 5) SEGMENT(2, 1, 2, 3, 6) END(7)
+#define PLAN_RGB_7 PASS(0, 8) SEGMENT(0, 0, 0, 3, 0) SEGMENT(1, 0, 1, 3, 4) \
+    SEGMENT(1, 1, 1, 3, 6) END(8) PASS(8, 2) SEGMENT(2, 0, 2, 3, 0) SEGMENT(2, 1, 2, 3, 1) \
+    END(2)
 #else
 #define PLAN_1 PASS(0, 1) SEGMENT(0, 0, 0, 1, 0) END(1)
 #define PLAN_3 PASS(0, 4) SEGMENT(0, 0, 0, 2, 0) SEGMENT(1, 0, 1, 2, 2) SEGMENT(1, 1, 1, 2, 3) \
@@ -27,6 +37,17 @@
     SEGMENT(2, 0, 2, 3, 5) SEGMENT(2, 1, 2, 3, 6) END(7)
 #define PLAN_7 PASS(0, 10) SEGMENT(0, 0, 0, 3, 0) SEGMENT(1, 0, 1, 3, 4) SEGMENT(1, 1, 1, 3, 6) \
     SEGMENT(2, 0, 2, 3, 8) SEGMENT(2, 1, 2, 3, 9) END(10)
+#define PLAN_RGB_1 PASS(0, 1) SEGMENT(0, 0, 0, 1, 0) END(1)
+#define PLAN_RGB_3 PASS(0, 4) SEGMENT(0, 0, 0, 2, 0) SEGMENT(1, 0, 1, 2, 2) \
+    SEGMENT(1, 1, 1, 2, 3) END(4)
+#define PLAN_RGB_4 PASS(0, 4) SEGMENT(0, 0, 0, 3, 0) SEGMENT(1, 0, 1, 3, 2) \
+    SEGMENT(1, 1, 1, 3, 3) END(4) PASS(4, 2) SEGMENT(2, 0, 2, 3, 0) SEGMENT(2, 1, 2, 3, 1) \
+    END(2)
+#define PLAN_RGB_5 PASS(0, 4) SEGMENT(0, 0, 0, 3, 0) SEGMENT(1, 0, 1, 3, 3) END(4) PASS(4, 3) \
+    SEGMENT(1, 1, 1, 3, 0) SEGMENT(2, 0, 2, 3, 1) SEGMENT(2, 1, 2, 3, 2) END(3)
+#define PLAN_RGB_7 PASS(0, 4) SEGMENT(0, 0, 0, 3, 0) END(4) PASS(4, 4) SEGMENT(1, 0, 1, 3, 0) \
+    SEGMENT(1, 1, 1, 3, 2) END(4) PASS(8, 2) SEGMENT(2, 0, 2, 3, 0) SEGMENT(2, 1, 2, 3, 1) \
+    END(2)
 #endif
 #define KERNEL_NAME YLM_KERNEL(ylm__moments_0)
 #include "../moments_kernel.h"

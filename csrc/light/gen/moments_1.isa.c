@@ -21,6 +21,19 @@
 #define PLAN_7 PASS(0, 24) SEGMENT(0, 0, 0, 4, 0) SEGMENT(1, 0, 1, 4, 7) SEGMENT(1, 1, 1, 4, 12) \
     SEGMENT(2, 0, 2, 4, 17) SEGMENT(2, 1, 2, 4, 20) SEGMENT(3, 0, 3, 4, 23) END(24) PASS(24, 1) \
     SEGMENT(3, 1, 3, 4, 0) END(1)
+#define PLAN_RGB_1 PASS(0, 4) SEGMENT(0, 0, 0, 2, 0) SEGMENT(1, 0, 1, 2, 2) \
+    SEGMENT(1, 1, 1, 2, 3) END(4)
+#define PLAN_RGB_3 PASS(0, 7) SEGMENT(0, 0, 0, 3, 0) SEGMENT(1, 0, 1, 3, 4) END(7) PASS(7, 5) \
+    SEGMENT(1, 1, 1, 3, 0) SEGMENT(2, 0, 2, 3, 3) SEGMENT(2, 1, 2, 3, 4) END(5)
+#define PLAN_RGB_4 PASS(0, 7) SEGMENT(0, 0, 0, 4, 0) SEGMENT(1, 0, 1, 4, 3) \
+    SEGMENT(1, 1, 1, 4, 5) END(7) PASS(7, 6) SEGMENT(2, 0, 2, 4, 0) SEGMENT(2, 1, 2, 4, 2) \
+    SEGMENT(3, 0, 3, 4, 4) SEGMENT(3, 1, 3, 4, 5) END(6)
+#define PLAN_RGB_5 PASS(0, 8) SEGMENT(0, 0, 0, 4, 0) SEGMENT(1, 0, 1, 4, 5) END(8) PASS(8, 8) \
+    SEGMENT(1, 1, 1, 4, 0) SEGMENT(2, 0, 2, 4, 3) SEGMENT(2, 1, 2, 4, 5) SEGMENT(3, 0, 3, 4, 7) \
+    END(8) PASS(16, 1) SEGMENT(3, 1, 3, 4, 0) END(1)
+#define PLAN_RGB_7 PASS(0, 7) SEGMENT(0, 0, 0, 4, 0) END(7) PASS(7, 5) SEGMENT(1, 0, 1, 4, 0) \
+    END(5) PASS(12, 8) SEGMENT(1, 1, 1, 4, 0) SEGMENT(2, 0, 2, 4, 5) END(8) PASS(20, 5) \
+    SEGMENT(2, 1, 2, 4, 0) SEGMENT(3, 0, 3, 4, 3) SEGMENT(3, 1, 3, 4, 4) END(5)
 #else
 #define PLAN_1 PASS(0, 4) SEGMENT(0, 0, 0, 2, 0) SEGMENT(1, 0, 1, 2, 2) SEGMENT(1, 1, 1, 2, 3) \
     END(4)
@@ -35,6 +48,23 @@
 #define PLAN_7 PASS(0, 12) SEGMENT(0, 0, 0, 4, 0) SEGMENT(1, 0, 1, 4, 7) END(12) PASS(12, 12) \
     SEGMENT(1, 1, 1, 4, 0) SEGMENT(2, 0, 2, 4, 5) SEGMENT(2, 1, 2, 4, 8) SEGMENT(3, 0, 3, 4, 11) \
     END(12) PASS(24, 1) SEGMENT(3, 1, 3, 4, 0) END(1)
+#define PLAN_RGB_1 PASS(0, 4) SEGMENT(0, 0, 0, 2, 0) SEGMENT(1, 0, 1, 2, 2) \
+    SEGMENT(1, 1, 1, 2, 3) END(4)
+#define PLAN_RGB_3 PASS(0, 4) SEGMENT(0, 0, 0, 3, 0) END(4) PASS(4, 3) SEGMENT(1, 0, 1, 3, 0) \
+    END(3) PASS(7, 4) SEGMENT(1, 1, 1, 3, 0) SEGMENT(2, 0, 2, 3, 3) END(4) PASS(11, 1) \
+    SEGMENT(2, 1, 2, 3, 0) END(1)
+#define PLAN_RGB_4 PASS(0, 3) SEGMENT(0, 0, 0, 4, 0) END(3) PASS(3, 4) SEGMENT(1, 0, 1, 4, 0) \
+    SEGMENT(1, 1, 1, 4, 2) END(4) PASS(7, 4) SEGMENT(2, 0, 2, 4, 0) SEGMENT(2, 1, 2, 4, 2) \
+    END(4) PASS(11, 2) SEGMENT(3, 0, 3, 4, 0) SEGMENT(3, 1, 3, 4, 1) END(2)
+#define PLAN_RGB_5 PASS(0, 4) SEGMENT(0, 0, 0, 3, 0) END(4) PASS(4, 4) SEGMENT(0, 0, 3, 4, 0) \
+    SEGMENT(1, 0, 1, 4, 1) END(4) PASS(8, 3) SEGMENT(1, 1, 1, 4, 0) END(3) PASS(11, 4) \
+    SEGMENT(2, 0, 2, 4, 0) SEGMENT(2, 1, 2, 4, 2) END(4) PASS(15, 2) SEGMENT(3, 0, 3, 4, 0) \
+    SEGMENT(3, 1, 3, 4, 1) END(2)
+#define PLAN_RGB_7 PASS(0, 4) SEGMENT(0, 0, 0, 2, 0) END(4) PASS(4, 3) SEGMENT(0, 0, 2, 4, 0) \
+    END(3) PASS(7, 4) SEGMENT(1, 0, 1, 3, 0) END(4) PASS(11, 1) SEGMENT(1, 0, 3, 4, 0) END(1) \
+    PASS(12, 4) SEGMENT(1, 1, 1, 3, 0) END(4) PASS(16, 4) SEGMENT(1, 1, 3, 4, 0) \
+    SEGMENT(2, 0, 2, 4, 1) END(4) PASS(20, 4) SEGMENT(2, 1, 2, 4, 0) SEGMENT(3, 0, 3, 4, 3) \
+    END(4) PASS(24, 1) SEGMENT(3, 1, 3, 4, 0) END(1)
 #endif
 #define KERNEL_NAME YLM_KERNEL(ylm__moments_1)
 #include "../moments_kernel.h"

@@ -23,6 +23,25 @@
     SEGMENT(1, 1, 1, 5, 0) SEGMENT(2, 0, 2, 5, 8) SEGMENT(2, 1, 2, 5, 14) \
     SEGMENT(3, 0, 3, 5, 20) END(23) PASS(41, 5) SEGMENT(3, 1, 3, 5, 0) SEGMENT(4, 0, 4, 5, 3) \
     SEGMENT(4, 1, 4, 5, 4) END(5)
+#define PLAN_RGB_1 PASS(0, 8) SEGMENT(0, 0, 0, 3, 0) SEGMENT(1, 0, 1, 3, 3) \
+    SEGMENT(1, 1, 1, 3, 5) SEGMENT(2, 0, 2, 3, 7) END(8) PASS(8, 1) SEGMENT(2, 1, 2, 3, 0) \
+    END(1)
+#define PLAN_RGB_3 PASS(0, 6) SEGMENT(0, 0, 0, 4, 0) END(6) PASS(6, 5) SEGMENT(1, 0, 1, 4, 0) \
+    END(5) PASS(11, 8) SEGMENT(1, 1, 1, 4, 0) SEGMENT(2, 0, 2, 4, 5) END(8) PASS(19, 5) \
+    SEGMENT(2, 1, 2, 4, 0) SEGMENT(3, 0, 3, 4, 3) SEGMENT(3, 1, 3, 4, 4) END(5)
+#define PLAN_RGB_4 PASS(0, 7) SEGMENT(0, 0, 0, 5, 0) SEGMENT(1, 0, 1, 5, 4) END(7) PASS(7, 6) \
+    SEGMENT(1, 1, 1, 5, 0) SEGMENT(2, 0, 2, 5, 3) END(6) PASS(13, 8) SEGMENT(2, 1, 2, 5, 0) \
+    SEGMENT(3, 0, 3, 5, 3) SEGMENT(3, 1, 3, 5, 5) SEGMENT(4, 0, 4, 5, 7) END(8) PASS(21, 1) \
+    SEGMENT(4, 1, 4, 5, 0) END(1)
+#define PLAN_RGB_5 PASS(0, 7) SEGMENT(0, 0, 0, 5, 0) END(7) PASS(7, 5) SEGMENT(1, 0, 1, 5, 0) \
+    END(5) PASS(12, 5) SEGMENT(1, 1, 1, 5, 0) END(5) PASS(17, 8) SEGMENT(2, 0, 2, 5, 0) \
+    SEGMENT(2, 1, 2, 5, 4) END(8) PASS(25, 6) SEGMENT(3, 0, 3, 5, 0) SEGMENT(3, 1, 3, 5, 2) \
+    SEGMENT(4, 0, 4, 5, 4) SEGMENT(4, 1, 4, 5, 5) END(6)
+#define PLAN_RGB_7 PASS(0, 7) SEGMENT(0, 0, 0, 3, 0) END(7) PASS(7, 3) SEGMENT(0, 0, 3, 5, 0) \
+    END(3) PASS(10, 8) SEGMENT(1, 0, 1, 5, 0) END(8) PASS(18, 8) SEGMENT(1, 1, 1, 5, 0) END(8) \
+    PASS(26, 6) SEGMENT(2, 0, 2, 5, 0) END(6) PASS(32, 6) SEGMENT(2, 1, 2, 5, 0) END(6) \
+    PASS(38, 8) SEGMENT(3, 0, 3, 5, 0) SEGMENT(3, 1, 3, 5, 3) SEGMENT(4, 0, 4, 5, 6) \
+    SEGMENT(4, 1, 4, 5, 7) END(8)
 #else
 #define PLAN_1 PASS(0, 9) SEGMENT(0, 0, 0, 3, 0) SEGMENT(1, 0, 1, 3, 3) SEGMENT(1, 1, 1, 3, 5) \
     SEGMENT(2, 0, 2, 3, 7) SEGMENT(2, 1, 2, 3, 8) END(9)
@@ -40,6 +59,34 @@
     END(8) PASS(18, 8) SEGMENT(1, 1, 1, 5, 0) END(8) PASS(26, 12) SEGMENT(2, 0, 2, 5, 0) \
     SEGMENT(2, 1, 2, 5, 6) END(12) PASS(38, 8) SEGMENT(3, 0, 3, 5, 0) SEGMENT(3, 1, 3, 5, 3) \
     SEGMENT(4, 0, 4, 5, 6) SEGMENT(4, 1, 4, 5, 7) END(8)
+#define PLAN_RGB_1 PASS(0, 3) SEGMENT(0, 0, 0, 3, 0) END(3) PASS(3, 4) SEGMENT(1, 0, 1, 3, 0) \
+    SEGMENT(1, 1, 1, 3, 2) END(4) PASS(7, 2) SEGMENT(2, 0, 2, 3, 0) SEGMENT(2, 1, 2, 3, 1) \
+    END(2)
+#define PLAN_RGB_3 PASS(0, 3) SEGMENT(0, 0, 0, 2, 0) END(3) PASS(3, 3) SEGMENT(0, 0, 2, 4, 0) \
+    END(3) PASS(6, 4) SEGMENT(1, 0, 1, 3, 0) END(4) PASS(10, 1) SEGMENT(1, 0, 3, 4, 0) END(1) \
+    PASS(11, 4) SEGMENT(1, 1, 1, 3, 0) END(4) PASS(15, 4) SEGMENT(1, 1, 3, 4, 0) \
+    SEGMENT(2, 0, 2, 4, 1) END(4) PASS(19, 4) SEGMENT(2, 1, 2, 4, 0) SEGMENT(3, 0, 3, 4, 3) \
+    END(4) PASS(23, 1) SEGMENT(3, 1, 3, 4, 0) END(1)
+#define PLAN_RGB_4 PASS(0, 4) SEGMENT(0, 0, 0, 5, 0) END(4) PASS(4, 3) SEGMENT(1, 0, 1, 5, 0) \
+    END(3) PASS(7, 3) SEGMENT(1, 1, 1, 5, 0) END(3) PASS(10, 3) SEGMENT(2, 0, 2, 5, 0) END(3) \
+    PASS(13, 3) SEGMENT(2, 1, 2, 5, 0) END(3) PASS(16, 4) SEGMENT(3, 0, 3, 5, 0) \
+    SEGMENT(3, 1, 3, 5, 2) END(4) PASS(20, 2) SEGMENT(4, 0, 4, 5, 0) SEGMENT(4, 1, 4, 5, 1) \
+    END(2)
+#define PLAN_RGB_5 PASS(0, 3) SEGMENT(0, 0, 0, 2, 0) END(3) PASS(3, 4) SEGMENT(0, 0, 2, 5, 0) \
+    END(4) PASS(7, 4) SEGMENT(1, 0, 1, 4, 0) END(4) PASS(11, 1) SEGMENT(1, 0, 4, 5, 0) END(1) \
+    PASS(12, 4) SEGMENT(1, 1, 1, 4, 0) END(4) PASS(16, 1) SEGMENT(1, 1, 4, 5, 0) END(1) \
+    PASS(17, 4) SEGMENT(2, 0, 2, 5, 0) END(4) PASS(21, 4) SEGMENT(2, 1, 2, 5, 0) END(4) \
+    PASS(25, 4) SEGMENT(3, 0, 3, 5, 0) SEGMENT(3, 1, 3, 5, 2) END(4) PASS(29, 2) \
+    SEGMENT(4, 0, 4, 5, 0) SEGMENT(4, 1, 4, 5, 1) END(2)
+#define PLAN_RGB_7 PASS(0, 4) SEGMENT(0, 0, 0, 2, 0) END(4) PASS(4, 3) SEGMENT(0, 0, 2, 3, 0) \
+    END(3) PASS(7, 3) SEGMENT(0, 0, 3, 5, 0) END(3) PASS(10, 2) SEGMENT(1, 0, 1, 2, 0) END(2) \
+    PASS(12, 3) SEGMENT(1, 0, 2, 3, 0) END(3) PASS(15, 3) SEGMENT(1, 0, 3, 5, 0) END(3) \
+    PASS(18, 2) SEGMENT(1, 1, 1, 2, 0) END(2) PASS(20, 3) SEGMENT(1, 1, 2, 3, 0) END(3) \
+    PASS(23, 3) SEGMENT(1, 1, 3, 5, 0) END(3) PASS(26, 3) SEGMENT(2, 0, 2, 3, 0) END(3) \
+    PASS(29, 3) SEGMENT(2, 0, 3, 5, 0) END(3) PASS(32, 3) SEGMENT(2, 1, 2, 3, 0) END(3) \
+    PASS(35, 3) SEGMENT(2, 1, 3, 5, 0) END(3) PASS(38, 3) SEGMENT(3, 0, 3, 5, 0) END(3) \
+    PASS(41, 4) SEGMENT(3, 1, 3, 5, 0) SEGMENT(4, 0, 4, 5, 3) END(4) PASS(45, 1) \
+    SEGMENT(4, 1, 4, 5, 0) END(1)
 #endif
 #define KERNEL_NAME YLM_KERNEL(ylm__moments_2)
 #include "../moments_kernel.h"

@@ -26,6 +26,31 @@
     SEGMENT(1, 1, 1, 6, 0) SEGMENT(2, 0, 2, 6, 11) END(20) PASS(44, 24) SEGMENT(2, 1, 2, 6, 0) \
     SEGMENT(3, 0, 3, 6, 9) SEGMENT(3, 1, 3, 6, 15) SEGMENT(4, 0, 4, 6, 21) END(24) PASS(68, 5) \
     SEGMENT(4, 1, 4, 6, 0) SEGMENT(5, 0, 5, 6, 3) SEGMENT(5, 1, 5, 6, 4) END(5)
+#define PLAN_RGB_1 PASS(0, 7) SEGMENT(0, 0, 0, 4, 0) SEGMENT(1, 0, 1, 4, 4) END(7) PASS(7, 8) \
+    SEGMENT(1, 1, 1, 4, 0) SEGMENT(2, 0, 2, 4, 3) SEGMENT(2, 1, 2, 4, 5) SEGMENT(3, 0, 3, 4, 7) \
+    END(8) PASS(15, 1) SEGMENT(3, 1, 3, 4, 0) END(1)
+#define PLAN_RGB_3 PASS(0, 8) SEGMENT(0, 0, 0, 5, 0) END(8) PASS(8, 7) SEGMENT(1, 0, 1, 5, 0) \
+    END(7) PASS(15, 7) SEGMENT(1, 1, 1, 5, 0) END(7) PASS(22, 5) SEGMENT(2, 0, 2, 5, 0) END(5) \
+    PASS(27, 8) SEGMENT(2, 1, 2, 5, 0) SEGMENT(3, 0, 3, 5, 5) END(8) PASS(35, 5) \
+    SEGMENT(3, 1, 3, 5, 0) SEGMENT(4, 0, 4, 5, 3) SEGMENT(4, 1, 4, 5, 4) END(5)
+#define PLAN_RGB_4 PASS(0, 5) SEGMENT(0, 0, 0, 6, 0) END(5) PASS(5, 8) SEGMENT(1, 0, 1, 6, 0) \
+    SEGMENT(1, 1, 1, 6, 4) END(8) PASS(13, 8) SEGMENT(2, 0, 2, 6, 0) SEGMENT(2, 1, 2, 6, 4) \
+    END(8) PASS(21, 8) SEGMENT(3, 0, 3, 6, 0) SEGMENT(3, 1, 3, 6, 3) SEGMENT(4, 0, 4, 6, 6) \
+    END(8) PASS(29, 4) SEGMENT(4, 1, 4, 6, 0) SEGMENT(5, 0, 5, 6, 2) SEGMENT(5, 1, 5, 6, 3) \
+    END(4)
+#define PLAN_RGB_5 PASS(0, 8) SEGMENT(0, 0, 0, 5, 0) END(8) PASS(8, 8) SEGMENT(0, 0, 5, 6, 0) \
+    SEGMENT(1, 0, 1, 6, 1) END(8) PASS(16, 7) SEGMENT(1, 1, 1, 6, 0) END(7) PASS(23, 6) \
+    SEGMENT(2, 0, 2, 6, 0) END(6) PASS(29, 6) SEGMENT(2, 1, 2, 6, 0) END(6) PASS(35, 8) \
+    SEGMENT(3, 0, 3, 6, 0) SEGMENT(3, 1, 3, 6, 4) END(8) PASS(43, 6) SEGMENT(4, 0, 4, 6, 0) \
+    SEGMENT(4, 1, 4, 6, 2) SEGMENT(5, 0, 5, 6, 4) SEGMENT(5, 1, 5, 6, 5) END(6)
+#define PLAN_RGB_7 PASS(0, 7) SEGMENT(0, 0, 0, 3, 0) END(7) PASS(7, 6) SEGMENT(0, 0, 3, 6, 0) \
+    END(6) PASS(13, 8) SEGMENT(1, 0, 1, 4, 0) END(8) PASS(21, 3) SEGMENT(1, 0, 4, 6, 0) END(3) \
+    PASS(24, 8) SEGMENT(1, 1, 1, 4, 0) END(8) PASS(32, 3) SEGMENT(1, 1, 4, 6, 0) END(3) \
+    PASS(35, 8) SEGMENT(2, 0, 2, 5, 0) END(8) PASS(43, 1) SEGMENT(2, 0, 5, 6, 0) END(1) \
+    PASS(44, 8) SEGMENT(2, 1, 2, 5, 0) END(8) PASS(52, 7) SEGMENT(2, 1, 5, 6, 0) \
+    SEGMENT(3, 0, 3, 6, 1) END(7) PASS(59, 6) SEGMENT(3, 1, 3, 6, 0) END(6) PASS(65, 8) \
+    SEGMENT(4, 0, 4, 6, 0) SEGMENT(4, 1, 4, 6, 3) SEGMENT(5, 0, 5, 6, 6) SEGMENT(5, 1, 5, 6, 7) \
+    END(8)
 #else
 #define PLAN_1 PASS(0, 12) SEGMENT(0, 0, 0, 4, 0) SEGMENT(1, 0, 1, 4, 4) SEGMENT(1, 1, 1, 4, 7) \
     SEGMENT(2, 0, 2, 4, 10) END(12) PASS(12, 4) SEGMENT(2, 1, 2, 4, 0) SEGMENT(3, 0, 3, 4, 2) \
@@ -48,6 +73,46 @@
     SEGMENT(2, 0, 2, 6, 0) END(9) PASS(44, 9) SEGMENT(2, 1, 2, 6, 0) END(9) PASS(53, 12) \
     SEGMENT(3, 0, 3, 6, 0) SEGMENT(3, 1, 3, 6, 6) END(12) PASS(65, 8) SEGMENT(4, 0, 4, 6, 0) \
     SEGMENT(4, 1, 4, 6, 3) SEGMENT(5, 0, 5, 6, 6) SEGMENT(5, 1, 5, 6, 7) END(8)
+#define PLAN_RGB_1 PASS(0, 4) SEGMENT(0, 0, 0, 4, 0) END(4) PASS(4, 3) SEGMENT(1, 0, 1, 4, 0) \
+    END(3) PASS(7, 3) SEGMENT(1, 1, 1, 4, 0) END(3) PASS(10, 4) SEGMENT(2, 0, 2, 4, 0) \
+    SEGMENT(2, 1, 2, 4, 2) END(4) PASS(14, 2) SEGMENT(3, 0, 3, 4, 0) SEGMENT(3, 1, 3, 4, 1) \
+    END(2)
+#define PLAN_RGB_3 PASS(0, 3) SEGMENT(0, 0, 0, 2, 0) END(3) PASS(3, 4) SEGMENT(0, 0, 2, 4, 0) \
+    END(4) PASS(7, 1) SEGMENT(0, 0, 4, 5, 0) END(1) PASS(8, 4) SEGMENT(1, 0, 1, 3, 0) END(4) \
+    PASS(12, 3) SEGMENT(1, 0, 3, 5, 0) END(3) PASS(15, 4) SEGMENT(1, 1, 1, 3, 0) END(4) \
+    PASS(19, 3) SEGMENT(1, 1, 3, 5, 0) END(3) PASS(22, 4) SEGMENT(2, 0, 2, 4, 0) END(4) \
+    PASS(26, 1) SEGMENT(2, 0, 4, 5, 0) END(1) PASS(27, 4) SEGMENT(2, 1, 2, 4, 0) END(4) \
+    PASS(31, 4) SEGMENT(2, 1, 4, 5, 0) SEGMENT(3, 0, 3, 5, 1) END(4) PASS(35, 4) \
+    SEGMENT(3, 1, 3, 5, 0) SEGMENT(4, 0, 4, 5, 3) END(4) PASS(39, 1) SEGMENT(4, 1, 4, 5, 0) \
+    END(1)
+#define PLAN_RGB_4 PASS(0, 4) SEGMENT(0, 0, 0, 5, 0) END(4) PASS(4, 1) SEGMENT(0, 0, 5, 6, 0) \
+    END(1) PASS(5, 4) SEGMENT(1, 0, 1, 6, 0) END(4) PASS(9, 4) SEGMENT(1, 1, 1, 6, 0) END(4) \
+    PASS(13, 4) SEGMENT(2, 0, 2, 6, 0) END(4) PASS(17, 4) SEGMENT(2, 1, 2, 6, 0) END(4) \
+    PASS(21, 3) SEGMENT(3, 0, 3, 6, 0) END(3) PASS(24, 3) SEGMENT(3, 1, 3, 6, 0) END(3) \
+    PASS(27, 4) SEGMENT(4, 0, 4, 6, 0) SEGMENT(4, 1, 4, 6, 2) END(4) PASS(31, 2) \
+    SEGMENT(5, 0, 5, 6, 0) SEGMENT(5, 1, 5, 6, 1) END(2)
+#define PLAN_RGB_5 PASS(0, 3) SEGMENT(0, 0, 0, 2, 0) END(3) PASS(3, 4) SEGMENT(0, 0, 2, 4, 0) \
+    END(4) PASS(7, 2) SEGMENT(0, 0, 4, 6, 0) END(2) PASS(9, 3) SEGMENT(1, 0, 1, 3, 0) END(3) \
+    PASS(12, 4) SEGMENT(1, 0, 3, 6, 0) END(4) PASS(16, 3) SEGMENT(1, 1, 1, 3, 0) END(3) \
+    PASS(19, 4) SEGMENT(1, 1, 3, 6, 0) END(4) PASS(23, 4) SEGMENT(2, 0, 2, 4, 0) END(4) \
+    PASS(27, 2) SEGMENT(2, 0, 4, 6, 0) END(2) PASS(29, 4) SEGMENT(2, 1, 2, 4, 0) END(4) \
+    PASS(33, 2) SEGMENT(2, 1, 4, 6, 0) END(2) PASS(35, 4) SEGMENT(3, 0, 3, 6, 0) END(4) \
+    PASS(39, 4) SEGMENT(3, 1, 3, 6, 0) END(4) PASS(43, 4) SEGMENT(4, 0, 4, 6, 0) \
+    SEGMENT(4, 1, 4, 6, 2) END(4) PASS(47, 2) SEGMENT(5, 0, 5, 6, 0) SEGMENT(5, 1, 5, 6, 1) \
+    END(2)
+#define PLAN_RGB_7 PASS(0, 4) SEGMENT(0, 0, 0, 2, 0) END(4) PASS(4, 3) SEGMENT(0, 0, 2, 3, 0) \
+    END(3) PASS(7, 3) SEGMENT(0, 0, 3, 4, 0) END(3) PASS(10, 3) SEGMENT(0, 0, 4, 6, 0) END(3) \
+    PASS(13, 2) SEGMENT(1, 0, 1, 2, 0) END(2) PASS(15, 3) SEGMENT(1, 0, 2, 3, 0) END(3) \
+    PASS(18, 3) SEGMENT(1, 0, 3, 4, 0) END(3) PASS(21, 3) SEGMENT(1, 0, 4, 6, 0) END(3) \
+    PASS(24, 2) SEGMENT(1, 1, 1, 2, 0) END(2) PASS(26, 3) SEGMENT(1, 1, 2, 3, 0) END(3) \
+    PASS(29, 3) SEGMENT(1, 1, 3, 4, 0) END(3) PASS(32, 3) SEGMENT(1, 1, 4, 6, 0) END(3) \
+    PASS(35, 3) SEGMENT(2, 0, 2, 3, 0) END(3) PASS(38, 3) SEGMENT(2, 0, 3, 4, 0) END(3) \
+    PASS(41, 3) SEGMENT(2, 0, 4, 6, 0) END(3) PASS(44, 3) SEGMENT(2, 1, 2, 3, 0) END(3) \
+    PASS(47, 3) SEGMENT(2, 1, 3, 4, 0) END(3) PASS(50, 3) SEGMENT(2, 1, 4, 6, 0) END(3) \
+    PASS(53, 3) SEGMENT(3, 0, 3, 4, 0) END(3) PASS(56, 3) SEGMENT(3, 0, 4, 6, 0) END(3) \
+    PASS(59, 3) SEGMENT(3, 1, 3, 4, 0) END(3) PASS(62, 3) SEGMENT(3, 1, 4, 6, 0) END(3) \
+    PASS(65, 3) SEGMENT(4, 0, 4, 6, 0) END(3) PASS(68, 4) SEGMENT(4, 1, 4, 6, 0) \
+    SEGMENT(5, 0, 5, 6, 3) END(4) PASS(72, 1) SEGMENT(5, 1, 5, 6, 0) END(1)
 #endif
 #define KERNEL_NAME YLM_KERNEL(ylm__moments_3)
 #include "../moments_kernel.h"

@@ -31,6 +31,41 @@
     SEGMENT(2, 1, 2, 7, 12) END(24) PASS(68, 24) SEGMENT(3, 0, 3, 7, 0) SEGMENT(3, 1, 3, 7, 9) \
     SEGMENT(4, 0, 4, 7, 18) END(24) PASS(92, 14) SEGMENT(4, 1, 4, 7, 0) SEGMENT(5, 0, 5, 7, 6) \
     SEGMENT(5, 1, 5, 7, 9) SEGMENT(6, 0, 6, 7, 12) SEGMENT(6, 1, 6, 7, 13) END(14)
+#define PLAN_RGB_1 PASS(0, 5) SEGMENT(0, 0, 0, 5, 0) END(5) PASS(5, 8) SEGMENT(1, 0, 1, 5, 0) \
+    SEGMENT(1, 1, 1, 5, 4) END(8) PASS(13, 8) SEGMENT(2, 0, 2, 5, 0) SEGMENT(2, 1, 2, 5, 3) \
+    SEGMENT(3, 0, 3, 5, 6) END(8) PASS(21, 4) SEGMENT(3, 1, 3, 5, 0) SEGMENT(4, 0, 4, 5, 2) \
+    SEGMENT(4, 1, 4, 5, 3) END(4)
+#define PLAN_RGB_3 PASS(0, 7) SEGMENT(0, 0, 0, 4, 0) END(7) PASS(7, 3) SEGMENT(0, 0, 4, 6, 0) \
+    END(3) PASS(10, 8) SEGMENT(1, 0, 1, 5, 0) END(8) PASS(18, 1) SEGMENT(1, 0, 5, 6, 0) END(1) \
+    PASS(19, 8) SEGMENT(1, 1, 1, 5, 0) END(8) PASS(27, 8) SEGMENT(1, 1, 5, 6, 0) \
+    SEGMENT(2, 0, 2, 6, 1) END(8) PASS(35, 7) SEGMENT(2, 1, 2, 6, 0) END(7) PASS(42, 5) \
+    SEGMENT(3, 0, 3, 6, 0) END(5) PASS(47, 8) SEGMENT(3, 1, 3, 6, 0) SEGMENT(4, 0, 4, 6, 5) \
+    END(8) PASS(55, 5) SEGMENT(4, 1, 4, 6, 0) SEGMENT(5, 0, 5, 6, 3) SEGMENT(5, 1, 5, 6, 4) \
+    END(5)
+#define PLAN_RGB_4 PASS(0, 6) SEGMENT(0, 0, 0, 7, 0) END(6) PASS(6, 5) SEGMENT(1, 0, 1, 7, 0) \
+    END(5) PASS(11, 5) SEGMENT(1, 1, 1, 7, 0) END(5) PASS(16, 5) SEGMENT(2, 0, 2, 7, 0) END(5) \
+    PASS(21, 5) SEGMENT(2, 1, 2, 7, 0) END(5) PASS(26, 8) SEGMENT(3, 0, 3, 7, 0) \
+    SEGMENT(3, 1, 3, 7, 4) END(8) PASS(34, 8) SEGMENT(4, 0, 4, 7, 0) SEGMENT(4, 1, 4, 7, 3) \
+    SEGMENT(5, 0, 5, 7, 6) END(8) PASS(42, 4) SEGMENT(5, 1, 5, 7, 0) SEGMENT(6, 0, 6, 7, 2) \
+    SEGMENT(6, 1, 6, 7, 3) END(4)
+#define PLAN_RGB_5 PASS(0, 7) SEGMENT(0, 0, 0, 4, 0) END(7) PASS(7, 4) SEGMENT(0, 0, 4, 7, 0) \
+    END(4) PASS(11, 8) SEGMENT(1, 0, 1, 6, 0) END(8) PASS(19, 1) SEGMENT(1, 0, 6, 7, 0) END(1) \
+    PASS(20, 8) SEGMENT(1, 1, 1, 6, 0) END(8) PASS(28, 1) SEGMENT(1, 1, 6, 7, 0) END(1) \
+    PASS(29, 8) SEGMENT(2, 0, 2, 7, 0) END(8) PASS(37, 8) SEGMENT(2, 1, 2, 7, 0) END(8) \
+    PASS(45, 6) SEGMENT(3, 0, 3, 7, 0) END(6) PASS(51, 6) SEGMENT(3, 1, 3, 7, 0) END(6) \
+    PASS(57, 8) SEGMENT(4, 0, 4, 7, 0) SEGMENT(4, 1, 4, 7, 4) END(8) PASS(65, 6) \
+    SEGMENT(5, 0, 5, 7, 0) SEGMENT(5, 1, 5, 7, 2) SEGMENT(6, 0, 6, 7, 4) SEGMENT(6, 1, 6, 7, 5) \
+    END(6)
+#define PLAN_RGB_7 PASS(0, 7) SEGMENT(0, 0, 0, 3, 0) END(7) PASS(7, 8) SEGMENT(0, 0, 3, 6, 0) \
+    END(8) PASS(15, 1) SEGMENT(0, 0, 6, 7, 0) END(1) PASS(16, 8) SEGMENT(1, 0, 1, 4, 0) END(8) \
+    PASS(24, 6) SEGMENT(1, 0, 4, 7, 0) END(6) PASS(30, 8) SEGMENT(1, 1, 1, 4, 0) END(8) \
+    PASS(38, 6) SEGMENT(1, 1, 4, 7, 0) END(6) PASS(44, 6) SEGMENT(2, 0, 2, 4, 0) END(6) \
+    PASS(50, 6) SEGMENT(2, 0, 4, 7, 0) END(6) PASS(56, 6) SEGMENT(2, 1, 2, 4, 0) END(6) \
+    PASS(62, 6) SEGMENT(2, 1, 4, 7, 0) END(6) PASS(68, 8) SEGMENT(3, 0, 3, 6, 0) END(8) \
+    PASS(76, 1) SEGMENT(3, 0, 6, 7, 0) END(1) PASS(77, 8) SEGMENT(3, 1, 3, 6, 0) END(8) \
+    PASS(85, 7) SEGMENT(3, 1, 6, 7, 0) SEGMENT(4, 0, 4, 7, 1) END(7) PASS(92, 6) \
+    SEGMENT(4, 1, 4, 7, 0) END(6) PASS(98, 8) SEGMENT(5, 0, 5, 7, 0) SEGMENT(5, 1, 5, 7, 3) \
+    SEGMENT(6, 0, 6, 7, 6) SEGMENT(6, 1, 6, 7, 7) END(8)
 #else
 #define PLAN_1 PASS(0, 9) SEGMENT(0, 0, 0, 5, 0) SEGMENT(1, 0, 1, 5, 5) END(9) PASS(9, 12) \
     SEGMENT(1, 1, 1, 5, 0) SEGMENT(2, 0, 2, 5, 4) SEGMENT(2, 1, 2, 5, 7) SEGMENT(3, 0, 3, 5, 10) \
@@ -60,6 +95,62 @@
     PASS(86, 12) SEGMENT(4, 0, 4, 7, 0) SEGMENT(4, 1, 4, 7, 6) END(12) PASS(98, 8) \
     SEGMENT(5, 0, 5, 7, 0) SEGMENT(5, 1, 5, 7, 3) SEGMENT(6, 0, 6, 7, 6) SEGMENT(6, 1, 6, 7, 7) \
     END(8)
+#define PLAN_RGB_1 PASS(0, 4) SEGMENT(0, 0, 0, 4, 0) END(4) PASS(4, 1) SEGMENT(0, 0, 4, 5, 0) \
+    END(1) PASS(5, 4) SEGMENT(1, 0, 1, 5, 0) END(4) PASS(9, 4) SEGMENT(1, 1, 1, 5, 0) END(4) \
+    PASS(13, 3) SEGMENT(2, 0, 2, 5, 0) END(3) PASS(16, 3) SEGMENT(2, 1, 2, 5, 0) END(3) \
+    PASS(19, 4) SEGMENT(3, 0, 3, 5, 0) SEGMENT(3, 1, 3, 5, 2) END(4) PASS(23, 2) \
+    SEGMENT(4, 0, 4, 5, 0) SEGMENT(4, 1, 4, 5, 1) END(2)
+#define PLAN_RGB_3 PASS(0, 3) SEGMENT(0, 0, 0, 2, 0) END(3) PASS(3, 4) SEGMENT(0, 0, 2, 4, 0) \
+    END(4) PASS(7, 3) SEGMENT(0, 0, 4, 6, 0) END(3) PASS(10, 4) SEGMENT(1, 0, 1, 3, 0) END(4) \
+    PASS(14, 4) SEGMENT(1, 0, 3, 5, 0) END(4) PASS(18, 1) SEGMENT(1, 0, 5, 6, 0) END(1) \
+    PASS(19, 4) SEGMENT(1, 1, 1, 3, 0) END(4) PASS(23, 4) SEGMENT(1, 1, 3, 5, 0) END(4) \
+    PASS(27, 1) SEGMENT(1, 1, 5, 6, 0) END(1) PASS(28, 4) SEGMENT(2, 0, 2, 4, 0) END(4) \
+    PASS(32, 3) SEGMENT(2, 0, 4, 6, 0) END(3) PASS(35, 4) SEGMENT(2, 1, 2, 4, 0) END(4) \
+    PASS(39, 3) SEGMENT(2, 1, 4, 6, 0) END(3) PASS(42, 4) SEGMENT(3, 0, 3, 5, 0) END(4) \
+    PASS(46, 1) SEGMENT(3, 0, 5, 6, 0) END(1) PASS(47, 4) SEGMENT(3, 1, 3, 5, 0) END(4) \
+    PASS(51, 4) SEGMENT(3, 1, 5, 6, 0) SEGMENT(4, 0, 4, 6, 1) END(4) PASS(55, 4) \
+    SEGMENT(4, 1, 4, 6, 0) SEGMENT(5, 0, 5, 6, 3) END(4) PASS(59, 1) SEGMENT(5, 1, 5, 6, 0) \
+    END(1)
+#define PLAN_RGB_4 PASS(0, 4) SEGMENT(0, 0, 0, 5, 0) END(4) PASS(4, 2) SEGMENT(0, 0, 5, 7, 0) \
+    END(2) PASS(6, 4) SEGMENT(1, 0, 1, 6, 0) END(4) PASS(10, 1) SEGMENT(1, 0, 6, 7, 0) END(1) \
+    PASS(11, 4) SEGMENT(1, 1, 1, 6, 0) END(4) PASS(15, 1) SEGMENT(1, 1, 6, 7, 0) END(1) \
+    PASS(16, 4) SEGMENT(2, 0, 2, 6, 0) END(4) PASS(20, 1) SEGMENT(2, 0, 6, 7, 0) END(1) \
+    PASS(21, 4) SEGMENT(2, 1, 2, 6, 0) END(4) PASS(25, 1) SEGMENT(2, 1, 6, 7, 0) END(1) \
+    PASS(26, 4) SEGMENT(3, 0, 3, 7, 0) END(4) PASS(30, 4) SEGMENT(3, 1, 3, 7, 0) END(4) \
+    PASS(34, 3) SEGMENT(4, 0, 4, 7, 0) END(3) PASS(37, 3) SEGMENT(4, 1, 4, 7, 0) END(3) \
+    PASS(40, 4) SEGMENT(5, 0, 5, 7, 0) SEGMENT(5, 1, 5, 7, 2) END(4) PASS(44, 2) \
+    SEGMENT(6, 0, 6, 7, 0) SEGMENT(6, 1, 6, 7, 1) END(2)
+#define PLAN_RGB_5 PASS(0, 3) SEGMENT(0, 0, 0, 2, 0) END(3) PASS(3, 4) SEGMENT(0, 0, 2, 4, 0) \
+    END(4) PASS(7, 4) SEGMENT(0, 0, 4, 7, 0) END(4) PASS(11, 3) SEGMENT(1, 0, 1, 3, 0) END(3) \
+    PASS(14, 4) SEGMENT(1, 0, 3, 5, 0) END(4) PASS(18, 2) SEGMENT(1, 0, 5, 7, 0) END(2) \
+    PASS(20, 3) SEGMENT(1, 1, 1, 3, 0) END(3) PASS(23, 4) SEGMENT(1, 1, 3, 5, 0) END(4) \
+    PASS(27, 2) SEGMENT(1, 1, 5, 7, 0) END(2) PASS(29, 4) SEGMENT(2, 0, 2, 4, 0) END(4) \
+    PASS(33, 4) SEGMENT(2, 0, 4, 7, 0) END(4) PASS(37, 4) SEGMENT(2, 1, 2, 4, 0) END(4) \
+    PASS(41, 4) SEGMENT(2, 1, 4, 7, 0) END(4) PASS(45, 4) SEGMENT(3, 0, 3, 5, 0) END(4) \
+    PASS(49, 2) SEGMENT(3, 0, 5, 7, 0) END(2) PASS(51, 4) SEGMENT(3, 1, 3, 5, 0) END(4) \
+    PASS(55, 2) SEGMENT(3, 1, 5, 7, 0) END(2) PASS(57, 4) SEGMENT(4, 0, 4, 7, 0) END(4) \
+    PASS(61, 4) SEGMENT(4, 1, 4, 7, 0) END(4) PASS(65, 4) SEGMENT(5, 0, 5, 7, 0) \
+    SEGMENT(5, 1, 5, 7, 2) END(4) PASS(69, 2) SEGMENT(6, 0, 6, 7, 0) SEGMENT(6, 1, 6, 7, 1) \
+    END(2)
+#define PLAN_RGB_7 PASS(0, 4) SEGMENT(0, 0, 0, 2, 0) END(4) PASS(4, 3) SEGMENT(0, 0, 2, 3, 0) \
+    END(3) PASS(7, 3) SEGMENT(0, 0, 3, 4, 0) END(3) PASS(10, 3) SEGMENT(0, 0, 4, 5, 0) END(3) \
+    PASS(13, 3) SEGMENT(0, 0, 5, 7, 0) END(3) PASS(16, 2) SEGMENT(1, 0, 1, 2, 0) END(2) \
+    PASS(18, 3) SEGMENT(1, 0, 2, 3, 0) END(3) PASS(21, 3) SEGMENT(1, 0, 3, 4, 0) END(3) \
+    PASS(24, 3) SEGMENT(1, 0, 4, 5, 0) END(3) PASS(27, 3) SEGMENT(1, 0, 5, 7, 0) END(3) \
+    PASS(30, 2) SEGMENT(1, 1, 1, 2, 0) END(2) PASS(32, 3) SEGMENT(1, 1, 2, 3, 0) END(3) \
+    PASS(35, 3) SEGMENT(1, 1, 3, 4, 0) END(3) PASS(38, 3) SEGMENT(1, 1, 4, 5, 0) END(3) \
+    PASS(41, 3) SEGMENT(1, 1, 5, 7, 0) END(3) PASS(44, 3) SEGMENT(2, 0, 2, 3, 0) END(3) \
+    PASS(47, 3) SEGMENT(2, 0, 3, 4, 0) END(3) PASS(50, 3) SEGMENT(2, 0, 4, 5, 0) END(3) \
+    PASS(53, 3) SEGMENT(2, 0, 5, 7, 0) END(3) PASS(56, 3) SEGMENT(2, 1, 2, 3, 0) END(3) \
+    PASS(59, 3) SEGMENT(2, 1, 3, 4, 0) END(3) PASS(62, 3) SEGMENT(2, 1, 4, 5, 0) END(3) \
+    PASS(65, 3) SEGMENT(2, 1, 5, 7, 0) END(3) PASS(68, 3) SEGMENT(3, 0, 3, 4, 0) END(3) \
+    PASS(71, 3) SEGMENT(3, 0, 4, 5, 0) END(3) PASS(74, 3) SEGMENT(3, 0, 5, 7, 0) END(3) \
+    PASS(77, 3) SEGMENT(3, 1, 3, 4, 0) END(3) PASS(80, 3) SEGMENT(3, 1, 4, 5, 0) END(3) \
+    PASS(83, 3) SEGMENT(3, 1, 5, 7, 0) END(3) PASS(86, 3) SEGMENT(4, 0, 4, 5, 0) END(3) \
+    PASS(89, 3) SEGMENT(4, 0, 5, 7, 0) END(3) PASS(92, 3) SEGMENT(4, 1, 4, 5, 0) END(3) \
+    PASS(95, 3) SEGMENT(4, 1, 5, 7, 0) END(3) PASS(98, 3) SEGMENT(5, 0, 5, 7, 0) END(3) \
+    PASS(101, 4) SEGMENT(5, 1, 5, 7, 0) SEGMENT(6, 0, 6, 7, 3) END(4) PASS(105, 1) \
+    SEGMENT(6, 1, 6, 7, 0) END(1)
 #endif
 #define KERNEL_NAME YLM_KERNEL(ylm__moments_4)
 #include "../moments_kernel.h"

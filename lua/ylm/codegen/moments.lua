@@ -3,7 +3,8 @@
 -- The arithmetic is in csrc/light/moments_body.h. What is planned here is which of the sums
 -- (a column is all degrees k of one (m, side), in which polynomials are found by recurrence) are kept
 -- in registers together during one pass over a tile of lights. A column that does not fit is
--- cut, and its recurrence carried over in memory.
+-- cut, and its recurrence carried over in memory. PLAN is for one channel, PLAN_RGB for three that share the
+-- recurrences: its sums are threefold.
 
 --- The sets of kinds of sums that kernels exist for: bits 1 value, 2 gradient, 4 Hessian (moments.h).
 local sets = { 1, 3, 4, 5, 7 }
@@ -88,7 +89,7 @@ local function macro(out, head, words)
   out[#out + 1] = line
 end
 
-local function plan_text(out, lmax, set, budget)
+local function plan_text(out, name, lmax, set, budget)
   local words = {}
   for _, pass in ipairs(plan(lmax, set, budget)) do
     words[#words + 1] = ("PASS(%d, %d)"):format(pass.first, pass.count)
@@ -97,7 +98,7 @@ local function plan_text(out, lmax, set, budget)
     end
     words[#words + 1] = ("END(%d)"):format(pass.count)
   end
-  macro(out, ("#define PLAN_%d"):format(set), words)
+  macro(out, ("#define %s_%d"):format(name, set), words)
 end
 
 return function(lmax)
@@ -111,7 +112,8 @@ return function(lmax)
   out[#out + 1] = ("#define LMAX %d"):format(lmax)
   for i, budget in ipairs(budgets) do
     out[#out + 1] = i == 1 and "#if " .. budget[2] or "#else"
-    for _, set in ipairs(sets) do plan_text(out, lmax, set, budget[1]) end
+    for _, set in ipairs(sets) do plan_text(out, "PLAN", lmax, set, budget[1]) end
+    for _, set in ipairs(sets) do plan_text(out, "PLAN_RGB", lmax, set, budget[1] / 3) end
   end
   out[#out + 1] = "#endif"
   out[#out + 1] = ("#define KERNEL_NAME YLM_KERNEL(ylm__moments_%d)"):format(lmax)
