@@ -2,8 +2,10 @@
 #include "ylm_base.h"
 
 #include <math.h>
+#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/mman.h>
 
 /* Bytes to ask for, rounded up to the alignment; 0 if that is too many. */
 static size_t block_size(size_t count, size_t size) {
@@ -14,9 +16,27 @@ static size_t block_size(size_t count, size_t size) {
   return (bytes + YLM_ALIGN - 1) / YLM_ALIGN * YLM_ALIGN;
 }
 
+/*
+** Blocks from this size on ask for huge pages: a grid of 10^5 points is 10^4 times 4 KiB, whose
+** page faults cost as much as the arithmetic of a small bake.
+*/
+#define LARGE ((size_t)4 << 20)
+
+static void advise(void *p, size_t bytes) {
+#ifdef MADV_HUGEPAGE
+  const uintptr_t page = 1 << 21, begin = ((uintptr_t)p + page - 1) & ~(page - 1);
+  const uintptr_t end = ((uintptr_t)p + bytes) & ~(page - 1);
+  if (bytes >= LARGE && begin < end) madvise((void *)begin, end - begin, MADV_HUGEPAGE);
+#else
+  (void)p, (void)bytes;
+#endif
+}
+
 void *ylm_alloc(size_t count, size_t size) {
   size_t bytes = block_size(count, size);
-  return bytes ? aligned_alloc(YLM_ALIGN, bytes) : NULL;
+  void *p = bytes ? aligned_alloc(YLM_ALIGN, bytes) : NULL;
+  if (p) advise(p, bytes);
+  return p;
 }
 
 void *ylm_alloc_zero(size_t count, size_t size) {
@@ -26,8 +46,8 @@ void *ylm_alloc_zero(size_t count, size_t size) {
 }
 
 void *ylm_realloc(void *p, size_t used, size_t count, size_t size) {
+  void *q = ylm_alloc(count, size);
   size_t bytes = block_size(count, size);
-  void *q = bytes ? aligned_alloc(YLM_ALIGN, bytes) : NULL;
   if (!q) return NULL;
   if (p && used) memcpy(q, p, used < bytes ? used : bytes);
   free(p);
@@ -46,7 +66,27 @@ bool ylm_shape_count(int axes, const size_t *shape, size_t *count) {
   return true;
 }
 
+/* Whether any of n numbers has the exponent of infinities and NaNs; without branches, so that it
+   becomes vector code. */
+static bool any_float(const void *x, size_t n) {
+  uint32_t bits, bad = 0;
+  for (size_t i = 0; i < n; i++) {
+    memcpy(&bits, (const char *)x + 4 * i, 4);
+    bad |= (bits & 0x7f800000u) == 0x7f800000u;
+  }
+  return bad;
+}
+static bool any_double(const void *x, size_t n) {
+  uint64_t bits, bad = 0;
+  for (size_t i = 0; i < n; i++) {
+    memcpy(&bits, (const char *)x + 8 * i, 8);
+    bad |= (bits & 0x7ff0000000000000u) == 0x7ff0000000000000u;
+  }
+  return bad;
+}
+
 bool ylm_all_finite(ylm_dtype t, const void *x, size_t n, size_t *where) {
+  if (t == YLM_DOUBLE ? !any_double(x, n) : !any_float(x, n)) return true;
   const float *f = x;
   const double *d = x;
   for (size_t i = 0; i < n; i++) {

@@ -325,7 +325,8 @@ static bool take_corners(baker *b, ylm_grid_cell *c) {
   return true;
 }
 
-ylm_status baker_corners(baker *b) {
+/* Finds the corners of the wave's cells; new points wait. */
+static ylm_status find_corners(baker *b) {
   ylm_grid *g = b->g;
   for (size_t i = 0; i < b->wave.n; i++) {
     ylm_grid_cell *c = &g->cell[b->wave.cell[i]];
@@ -337,7 +338,15 @@ ylm_status baker_corners(baker *b) {
       if (s != YLM_OK) return s;
     }
   }
-  ylm_status s = baker_evaluate(b);
+  return YLM_OK;
+}
+
+ylm_status baker_corners(baker *b) {
+  ylm_grid *g = b->g;
+  double t = ylm_seconds();
+  ylm_status s = find_corners(b);
+  g->stats.lattice_seconds += ylm_seconds() - t;
+  if (s == YLM_OK) s = baker_evaluate(b);
   if (s != YLM_OK) return s;
   for (size_t i = 0; i < b->wave.n; i++) {
     ylm_grid_cell *c = &g->cell[b->wave.cell[i]];
@@ -392,11 +401,15 @@ static void find_shared_corners(baker *b) {
 ylm_status baker_finish(baker *b, bool last) {
   ylm_grid *g = b->g;
   g->view.octree_cells = g->cells;
+  double t = ylm_seconds();
   find_shared_corners(b);
+  g->stats.lattice_seconds += ylm_seconds() - t;
   ylm_status s = ylm__grid_fill_invalid(g);
   ylm__grid_find_baked(g);
+  t = ylm_seconds();
   bool continuous = g->view.form.kind == YLM_GRID_ADAPTIVE && g->view.form.continuous;
   if (s == YLM_OK && last && continuous) s = ylm__grid_make_continuous(g, b->source->threads);
+  g->stats.continuity_seconds += ylm_seconds() - t;
   return s == YLM_OK ? ylm__grid_finish(g) : s;
 }
 
@@ -444,10 +457,12 @@ static ylm_status bake_uniform(baker *b) {
   uint8_t *mark = ylm_alloc_zero(n, 1);
   if (!mark) return YLM_ENOMEM;
   ylm_status s = YLM_OK;
+  double t = ylm_seconds();
   if (!b->source->occupied_points)
     memset(mark, 1, n);
   else
     s = occupancy_mark_uniform(g, b->source, mark, &g->stats.outside);
+  g->stats.occupancy_seconds = ylm_seconds() - t;
   for (size_t i = 0; i < n && s == YLM_OK; i++) {
     if (!mark[i]) continue;
     s = ylm__grid_reserve_cells(g, 1);
@@ -468,7 +483,9 @@ static ylm_status bake_uniform(baker *b) {
 static ylm_status bake(baker *b) {
   b->stage = b->stage_text;
   if (b->g->view.form.kind == YLM_GRID_UNIFORM) return bake_uniform(b);
+  double t = ylm_seconds();
   ylm_status s = occupancy_build(&b->occupied, b->g, b->source, &b->g->stats.outside);
+  b->g->stats.occupancy_seconds = ylm_seconds() - t;
   if (s == YLM_OK) s = baker_root(b);
   if (s != YLM_OK) return s;
   return b->g->view.form.tolerance > 0 ? ylm__grid_bake_tolerance(b) : bake_threshold(b);

@@ -24,11 +24,12 @@ static bool source_cell(const ylm_grid *g, const ylm_grid_source *s, size_t i, u
   return inside;
 }
 
-/* Sorts 48-bit codes by their bytes, least significant first. */
-static ylm_status sort_codes(uint64_t *code, size_t n) {
+/* Sorts codes of `bits` bits by their bytes, least significant first. */
+static ylm_status sort_codes(uint64_t **codes, size_t n, int bits) {
+  uint64_t *code = *codes;
   uint64_t *other = ylm_alloc(n, sizeof *other), *from = code, *to = other;
   if (!other) return YLM_ENOMEM;
-  for (int shift = 0; shift < 48; shift += 8) {
+  for (int shift = 0; shift < bits; shift += 8) {
     size_t count[257] = {0};
     for (size_t i = 0; i < n; i++) count[(from[i] >> shift & 255) + 1]++;
     for (int k = 0; k < 256; k++) count[k + 1] += count[k];
@@ -37,7 +38,8 @@ static ylm_status sort_codes(uint64_t *code, size_t n) {
     from = to;
     to = swap;
   }
-  ylm_free(other); /* an even number of passes ends in `code` */
+  ylm_free(to);
+  *codes = from;
   return YLM_OK;
 }
 
@@ -69,7 +71,7 @@ static ylm_status collect_codes(occupancy *o, const ylm_grid *g, const ylm_grid_
     }
     o->code[o->codes++] = code;
   }
-  if (sort_codes(o->code, o->codes) != YLM_OK) return YLM_ENOMEM;
+  if (sort_codes(&o->code, o->codes, 3 * o->depth) != YLM_OK) return YLM_ENOMEM;
   size_t unique = 0;
   for (size_t i = 0; i < o->codes; i++)
     if (!unique || o->code[unique - 1] != o->code[i]) o->code[unique++] = o->code[i];

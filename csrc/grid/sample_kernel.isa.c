@@ -9,6 +9,10 @@
 #include "grid.h"
 #include "ylm_simd.h"
 
+#if defined(__AVX512F__)
+#include <immintrin.h>
+#endif
+
 YLM_GRID_WEIGHTS(ylm_vf)
 
 #define POINTS 4
@@ -23,7 +27,11 @@ YLM_INLINE void store_some(float *out, ylm_vf v, int n) {
   if (n >= YLM_VF)
     ylm_vf_store(out, v);
   else
-    for (int i = 0; i < n; i++) out[i] = v[i];
+#if defined(__AVX512F__)
+    _mm512_mask_storeu_ps(out, (__mmask16)((1u << n) - 1), (__m512)v);
+#else
+    memcpy(out, &v, (size_t)n * sizeof *out);
+#endif
 }
 
 /* POINTS points from w[r * BATCH], `columns` vectors from column j on. */

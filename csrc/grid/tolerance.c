@@ -48,10 +48,10 @@ typedef struct refiner {
   baker *b;
   double tolerance, tight;
   ratios ratio;
-  cell_list tested;
-  float *row;             /* [width] */
-  float *points;          /* [HELD_OUT][3] */
-  float *exact, *sampled; /* [HELD_OUT][width] */
+  cell_list tested, centre; /* cells to measure, and the points at their centres */
+  float *row;               /* [width], for each worker */
+  float *points;            /* [HELD_OUT][3] */
+  float *exact, *sampled;   /* [HELD_OUT][width] */
   uint8_t *inside;
   verdict *verdict;
   size_t held, verdicts;
@@ -121,26 +121,51 @@ static bool take_residual(const baker *b, ylm_grid_cell *c, uint32_t centre) {
   return true;
 }
 
+/* Residuals of the cells begin .. end-1 of r->tested, whose centres are in r->centre. */
+static ylm_status find_residuals(void *context, size_t begin, size_t end, int worker) {
+  const refiner *r = context;
+  const baker *b = r->b;
+  const ylm_grid *g = b->g;
+  float *row = r->row + (size_t)worker * (g->stride + ROW_PADDING);
+  for (size_t i = begin; i < end; i++) {
+    ylm_grid_cell *c = &g->cell[r->tested.cell[i]];
+    uint32_t centre = r->centre.cell[i];
+    if (take_residual(b, c, centre)) {
+      r->centre.cell[i] = YLM_GRID_NONE;
+      continue;
+    }
+    ylm__grid_interpolate(g, c, (const float[3]){0.5f, 0.5f, 0.5f}, row, NULL);
+    c->residual = (float)distance(row, ylm__grid_row(g, centre, 0), g->width);
+  }
+  return YLM_OK;
+}
+
 /* Evaluates the centres of the cells in r->tested and keeps what the interpolant misses there. */
 static ylm_status measure(refiner *r) {
   baker *b = r->b;
   ylm_grid *g = b->g;
-  uint32_t point;
   ylm_status s = YLM_OK;
-  for (int pass = 0; pass < 2 && s == YLM_OK; pass++) {
-    for (size_t i = 0; i < r->tested.n && s == YLM_OK; i++) {
-      ylm_grid_cell *c = &g->cell[r->tested.cell[i]];
-      uint32_t half = ylm__grid_edge(g, c) / 2, at[3];
-      for (int a = 0; a < 3; a++) at[a] = c->origin[a] + half;
-      s = baker_point(b, at, YLM_GRID_POINT_TESTED, &point);
-      if (pass == 0 || s != YLM_OK || take_residual(b, c, point)) continue;
-      ylm__grid_interpolate(g, c, (const float[3]){0.5f, 0.5f, 0.5f}, r->row, NULL);
-      c->residual = (float)distance(r->row, ylm__grid_row(g, point, 0), g->width);
-      double e2 = metric_squared(r, c);
-      if (e2 > 0 && isfinite(e2) && !r->frozen) ratios_add(&r->ratio, (double)c->residual / e2);
-    }
-    if (pass == 0 && s == YLM_OK) s = baker_evaluate(b);
+  double t = ylm_seconds();
+  r->centre.n = 0;
+  for (size_t i = 0; i < r->tested.n && s == YLM_OK; i++) {
+    const ylm_grid_cell *c = &g->cell[r->tested.cell[i]];
+    uint32_t half = ylm__grid_edge(g, c) / 2, at[3], point;
+    for (int a = 0; a < 3; a++) at[a] = c->origin[a] + half;
+    s = baker_point(b, at, YLM_GRID_POINT_TESTED, &point);
+    if (s == YLM_OK) s = cell_list_push(&r->centre, point);
   }
+  g->stats.lattice_seconds += ylm_seconds() - t;
+  if (s == YLM_OK) s = baker_evaluate(b);
+  t = ylm_seconds();
+  if (s == YLM_OK)
+    s = ylm_parallel(r->tested.n, 64, b->source->threads, find_residuals, r, NULL, NULL);
+  for (size_t i = 0; i < r->tested.n && s == YLM_OK && !r->frozen; i++) {
+    if (r->centre.cell[i] == YLM_GRID_NONE) continue;
+    const ylm_grid_cell *c = &g->cell[r->tested.cell[i]];
+    double e2 = metric_squared(r, c);
+    if (e2 > 0 && isfinite(e2)) ratios_add(&r->ratio, (double)c->residual / e2);
+  }
+  g->stats.residual_seconds += ylm_seconds() - t;
   r->tested.n = 0;
   return s;
 }
@@ -299,7 +324,8 @@ static bool satisfied(refiner *r, bool *limited) {
 
 static ylm_status begin(refiner *r) {
   size_t w = r->b->g->width;
-  r->row = ylm_alloc(r->b->g->stride + ROW_PADDING, sizeof *r->row);
+  r->row = ylm_alloc((size_t)ylm_threads(r->b->source->threads) * (r->b->g->stride + ROW_PADDING),
+                     sizeof *r->row);
   r->points = ylm_alloc(HELD_OUT, 3 * sizeof *r->points);
   r->exact = ylm_alloc(HELD_OUT, w * sizeof *r->exact);
   r->sampled = ylm_alloc(HELD_OUT, w * sizeof *r->sampled + sizeof(double));
@@ -345,6 +371,7 @@ static void end(refiner *r) {
   ylm_free(r->inside);
   ylm_free(r->verdict);
   ylm_free(r->tested.cell);
+  ylm_free(r->centre.cell);
 }
 
 ylm_status ylm__grid_bake_tolerance(baker *b) {

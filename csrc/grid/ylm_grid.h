@@ -97,12 +97,17 @@ typedef struct ylm_grid_stats {
   double seconds;         /* of the whole bake */
   double field_seconds;   /* of these, inside of the light field */
   double verify_seconds;  /* of these, for the verification of a tolerance (field included) */
-  uint64_t verified;      /* held-out points compared with the field */
-  uint64_t rounds;        /* of refinement and verification */
-  double error;           /* 99 % quantile of their relative errors; NaN: not measured */
-  double largest_error;   /* the largest of them */
-  bool met;               /* error <= tolerance */
-  bool limited;           /* not met because the depth is reached where it would refine */
+  /* of `seconds`, without the field; what is left is bookkeeping. 0 in a grid that was loaded */
+  double occupancy_seconds;  /* the octree of shading points */
+  double lattice_seconds;    /* finding corners by their lattice coordinates */
+  double residual_seconds;   /* interpolation errors at the centres of voxels */
+  double continuity_seconds; /* making the interpolant continuous */
+  uint64_t verified;         /* held-out points compared with the field */
+  uint64_t rounds;           /* of refinement and verification */
+  double error;              /* 99 % quantile of their relative errors; NaN: not measured */
+  double largest_error;      /* the largest of them */
+  bool met;                  /* error <= tolerance */
+  bool limited;              /* not met because the depth is reached where it would refine */
   ylm_grid_update_stats update;
 } ylm_grid_stats;
 

@@ -226,7 +226,8 @@ static void push_update(lua_State *L, const ylm_grid_update_stats *u) {
   COUNT(updates)
   COUNT(lights)
   COUNT(points)
-  COUNT(exact) COUNT(skipped) COUNT(added) COUNT(removed) COUNT(pairs) COUNT(verified)
+  COUNT(exact)
+  COUNT(skipped) COUNT(added) COUNT(removed) COUNT(pairs) COUNT(verified)
 #undef COUNT
       ylmL_set_number(L, "seconds", u->seconds);
   ylmL_set_number(L, "field_seconds", u->field_seconds);
@@ -345,12 +346,17 @@ static int grid_stats(lua_State *L) {
   COUNT(points)
   COUNT(tested)
   COUNT(interpolated)
-  COUNT(cells) COUNT(leaves) COUNT(occupied) COUNT(continuity) COUNT(levels) COUNT(pairs)
-      COUNT(invalid) COUNT(outside) COUNT(bytes)
+  COUNT(cells)
+  COUNT(leaves) COUNT(occupied) COUNT(continuity) COUNT(levels) COUNT(pairs) COUNT(invalid)
+      COUNT(outside) COUNT(bytes)
 #undef COUNT
           ylmL_set_number(L, "seconds", s->seconds);
   ylmL_set_number(L, "field_seconds", s->field_seconds);
   ylmL_set_number(L, "verify_seconds", s->verify_seconds);
+  ylmL_set_number(L, "occupancy_seconds", s->occupancy_seconds);
+  ylmL_set_number(L, "lattice_seconds", s->lattice_seconds);
+  ylmL_set_number(L, "residual_seconds", s->residual_seconds);
+  ylmL_set_number(L, "continuity_seconds", s->continuity_seconds);
   if (s->update.updates) {
     push_update(L, &s->update);
     lua_setfield(L, -2, "update");

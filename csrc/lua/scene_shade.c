@@ -297,6 +297,17 @@ static int shade_points(lua_State *L) {
   return 4;
 }
 
+/* shade_positions(view) -> [n][3] */
+static int shade_positions(lua_State *L) {
+  ylm_shade_view *v = ylmL_shade_view(L, 1);
+  ylm_shade_stats stats;
+  ylm_shade_view_stats(v, &stats);
+  ylmL_array *a = ylmL_array_new(L, YLM_FLOAT, 2, (size_t[]){stats.points, 3});
+  if (!a) return ylmL_result(L, 0, YLM_ENOMEM, NULL);
+  if (stats.points) memcpy(a->data, ylm_shade_view_positions(v), stats.points * 12);
+  return 1;
+}
+
 /* shade_transfer(view) -> [n][count] */
 static int shade_transfer(lua_State *L) {
   ylm_shade_view *v = ylmL_shade_view(L, 1);
@@ -451,6 +462,7 @@ static const luaL_Reg functions[] = {{"shade_scene", shade_scene},
                                      {"shade_close_view", view_close},
                                      {"shade_stats", shade_stats},
                                      {"shade_points", shade_points},
+                                     {"shade_positions", shade_positions},
                                      {"shade_transfer", shade_transfer},
                                      {"shade_field", shade_field},
                                      {"shade_coefficients", shade_coefficients},

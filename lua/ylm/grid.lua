@@ -16,8 +16,10 @@ local methods = core.metatable "ylm.grid"
 require "ylm.reference".object "grid" {
   about = "A baked grid of probes. What it was described with can be read from it: grid.lmax, grid.bounds, ...",
   fields = {
-    { "stats", "table", "points, cells, leaves, levels, pairs, invalid, seconds, ...; with a tolerance met and error; baked on a "
-      .. "device stages: by name { seconds, longest, dispatches }" },
+    { "stats", "table", "points, cells, leaves, levels, pairs, invalid, bytes, ...; with a tolerance met and error; "
+      .. "seconds, of which field_seconds in the light field, occupancy_, lattice_, residual_ and continuity_seconds in "
+      .. "parts of the bake, verify_seconds (field included) to verify; baked on a device stages: by name "
+      .. "{ seconds, longest, dispatches }" },
   },
 }
 

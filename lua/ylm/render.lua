@@ -642,7 +642,7 @@ local function occupied_points(s, t, o)
   local x = o.occupied
   if x == "everywhere" then return nil end
   if x == "vertices" then return t.lib.shade_vertices(t.handle) end
-  if core.type(x) == "ylm.prepared" then return (t.lib.shade_points(open("bake", x).view)) end
+  if core.type(x) == "ylm.prepared" then return t.lib.shade_positions(open("bake", x).view) end
   if core.type(x) == "ylm.array" then return x end
   if x ~= "camera" then
     return check.fail("bake: occupied must be 'camera', 'vertices', 'everywhere', a prepared view or an array, got %s",
@@ -652,7 +652,7 @@ local function occupied_points(s, t, o)
     shading = o.shading, visibility = "none", transfer_samples = 1, lmax = 0, threads = o.threads,
     progress = o.progress })
   if not view then return false, message, code end
-  local points = t.lib.shade_points(view)
+  local points = t.lib.shade_positions(view)
   view:close()
   return points
 end

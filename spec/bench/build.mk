@@ -1,15 +1,22 @@
 # Benchmarks: each spec/bench/NAME.c is a program over the libraries; bench.h has the timing.
+# scaling.lua plots how times grow, by VTK.
 
-BENCHES := $(patsubst spec/bench/%.c,$(BUILD)/bench/%,$(wildcard spec/bench/*.c))
+BENCHES := $(patsubst spec/bench/%.c,$(BUILD)/bench/%,$(filter-out $(if $(WITH_SCENE),,%/transfer.c),$(wildcard spec/bench/*.c)))
 PEER    ?=
+BENCH   ?=
+# BENCH=quick: all, briefly; BENCH="light sh": these.
+benches := $(filter-out quick,$(BENCH))
+BENCH_LIBS_transfer := -lylm_scene -lembree3
 
-$(BUILD)/bench/%: spec/bench/%.c $(BUILD)/lib/libylm.so
+$(BUILD)/bench/%: spec/bench/%.c $(wildcard spec/bench/*.h) $(LIBS)
 	@mkdir -p $(@D)
 	$(call say,CC,$@)
 	$(Q)$(CC) $(CFLAGS) $< -L$(BUILD)/lib $(BENCH_LIBS_$*) -lylm -lm \
 	  -Wl,-rpath,'$$ORIGIN/../lib' -o $@
 
-bench: all $(BENCHES)   ## measure: peaks of this machine, then ns per point and per pair (PEER=prefix compares)
-	@for b in $(filter %/peak,$(BENCHES)) $(filter-out %/peak,$(BENCHES)); do PEER=$(PEER) $$b || exit 1; echo; done
-	@for l in luajit lua5.4; do if command -v $$l >/dev/null; then \
-	  YLM_LUA=$$l $(BUILD)/ylm run spec/bench/calls.lua || exit 1; fi; done
+bench: $(BENCHES) all   ## measure: peaks of this machine, then kernels, grids, rays, plots into out/bench (PEER=prefix compares; BENCH=quick or names)
+	@for b in $(filter %/peak,$(BENCHES)) $(filter-out %/peak,$(BENCHES)); do \
+	  case " $(or $(benches),$${b##*/}) " in *" $${b##*/} "*) BENCH=$(filter quick,$(BENCH)) PEER=$(PEER) $$b || exit 1; echo;; esac; done
+	@case " $(or $(benches),calls) " in *" calls "*) for l in luajit lua5.4; do if command -v $$l >/dev/null; then \
+	  YLM_LUA=$$l $(BUILD)/ylm run spec/bench/calls.lua || exit 1; fi; done;; esac
+	@case " $(or $(benches),scaling) " in *" scaling "*) BENCH=$(filter quick,$(BENCH)) $(BUILD)/ylm run spec/bench/scaling.lua $(OUT)/bench;; esac
