@@ -34,15 +34,16 @@ YLM_INLINE void store_some(float *out, ylm_vf v, int n) {
 #endif
 }
 
-/* POINTS points from w[r * BATCH], `columns` vectors from column j on. */
-YLM_INLINE void block(const sample_batch *b, int rows, const float *w, int j, int columns,
-                      float *const *out, int points) {
+/* `most` points, of which `points` are wanted, from w[r * BATCH], `columns` vectors from column j
+   on. */
+YLM_INLINE void block(const sample_batch *b, int rows, const float *w, int j, const int columns,
+                      float *const *out, const int most, int points) {
   ylm_vf sum[POINTS][COLUMNS] = {{{0}}};
   for (int r = 0; r < rows; r++) {
     const float *row = b->row[r] + j;
     ylm_vf v[COLUMNS];
     for (int c = 0; c < columns; c++) v[c] = ylm_vf_load(row + c * YLM_VF);
-    for (int p = 0; p < POINTS; p++) {
+    for (int p = 0; p < most; p++) {
       ylm_vf x = ylm_vf_set(w[r * BATCH + p]);
       for (int c = 0; c < columns; c++) sum[p][c] += x * v[c];
     }
@@ -52,20 +53,30 @@ YLM_INLINE void block(const sample_batch *b, int rows, const float *w, int j, in
       store_some(out[p] + j + c * YLM_VF, sum[p][c], b->width - j - c * YLM_VF);
 }
 
-/* The product for all points of the batch. */
+/* All columns of a few points. */
+YLM_INLINE void columns_of(const sample_batch *b, int rows, const float *w, float *const *out,
+                           const int most, int points) {
+  int vectors = (b->width + YLM_VF - 1) / YLM_VF, j = 0;
+  for (; vectors >= COLUMNS; vectors -= COLUMNS, j += COLUMNS * YLM_VF)
+    block(b, rows, w, j, COLUMNS, out, most, points);
+#if COLUMNS > 2
+  if (vectors == 4) block(b, rows, w, j, 4, out, most, points);
+  if (vectors == 3) block(b, rows, w, j, 3, out, most, points);
+  if (vectors == 2) block(b, rows, w, j, 2, out, most, points);
+#endif
+  if (vectors == 1) block(b, rows, w, j, 1, out, most, points);
+}
+
+/* The product for all points of the batch; one point by itself, as residuals and continuity ask for
+   it, does not pay for four. */
 static void mix(const sample_batch *b, const float *w, float *const *out) {
   int rows = b->interpolation == YLM_GRID_LINEAR ? 8 : ROWS;
   for (int p = 0; p < b->points; p += POINTS) {
-    int left = b->points - p < POINTS ? b->points - p : POINTS, j = 0;
-    int vectors = (b->width + YLM_VF - 1) / YLM_VF;
-    for (; vectors >= COLUMNS; vectors -= COLUMNS, j += COLUMNS * YLM_VF)
-      block(b, rows, w + p, j, COLUMNS, out + p, left);
-#if COLUMNS > 2
-    if (vectors == 4) block(b, rows, w + p, j, 4, out + p, left);
-    if (vectors == 3) block(b, rows, w + p, j, 3, out + p, left);
-    if (vectors == 2) block(b, rows, w + p, j, 2, out + p, left);
-#endif
-    if (vectors == 1) block(b, rows, w + p, j, 1, out + p, left);
+    int left = b->points - p < POINTS ? b->points - p : POINTS;
+    if (left == 1)
+      columns_of(b, rows, w + p, out + p, 1, 1);
+    else
+      columns_of(b, rows, w + p, out + p, POINTS, left);
   }
 }
 

@@ -32,7 +32,7 @@ enum { YLM__M0 = 1, YLM__M1 = 2, YLM__M2 = 4 };
 /* Lights whose geometry is kept at once, in the first-level cache. */
 #define YLM__TILE 8
 /* Lights after which a partial sum is added to the total; a multiple of YLM__TILE. */
-#define YLM__BLOCK 128
+#define YLM__BLOCK 256
 /* The lmax with kernels of their own: gen/moments_N.isa.c. */
 #define YLM__SPECIAL_LIST(X, isa)                                                                  \
   X(isa, 0)                                                                                        \

@@ -77,20 +77,20 @@ local function plot(name, title, xs, axis, y_axis, measure)
 end
 
 local few = ylm.array(places(32, 2, 3), "float")
-plot("lights", "Time per point against the number of lights (lmax 4, float, one thread)",
+plot("lights", "Time per point against lights (lmax 4, float, one thread)",
   { 1, 10, 100, 1000, 10000, 100000 }, { label = "lights", log = true },
   { label = "microseconds per point", log = true },
   function(n, form) return time(lamps(n), few, 4, form) / 32 * 1e6 end)
 
 local some = lamps(2516)
-plot("points", "Time of 2516 lights against the number of points (lmax 4, float, one thread)",
+plot("points", "Time of 2516 lights against points (lmax 4, float, one thread)",
   { 1, 4, 16, 64, 256, 1024 }, { label = "points", log = true }, { label = "milliseconds", log = true },
   function(n, form) return time(some, ylm.array(places(n, 2, 3), "float"), 4, form) * 1e3 end)
 
 local degrees = {}
 for l = 0, 30, quick and 5 or 1 do degrees[#degrees + 1] = l end
 local middling = lamps(500)
-plot("lmax", "Time per pair of light and point against lmax (float, one thread)", degrees, { label = "lmax" },
+plot("lmax", "Time per light-point pair against lmax (float, one thread)", degrees, { label = "lmax" },
   { label = "nanoseconds per pair" },
   function(lmax, form) return time(middling, few, lmax, form) / 32 / 500 * 1e9 end)
 
