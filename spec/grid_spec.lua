@@ -559,8 +559,11 @@ describe("grid files", function()
       end
     end
     assert.equal(0, core.array_distance(a:sample(occupied), b:sample(occupied)))
+    -- where the time of a bake went is known to the grid that was baked only
+    local lost = { bytes = true, occupancy_seconds = true, lattice_seconds = true, residual_seconds = true,
+      continuity_seconds = true }
     for key, value in pairs(a.stats) do
-      if key ~= "bytes" and value == value then assert.equal(value, b.stats[key], key) end
+      if not lost[key] and value == value then assert.equal(value, b.stats[key], key) end
     end
   end
 
