@@ -117,19 +117,31 @@ static void table(job *j, double peak[2]) {
   }
 }
 
-/* What all threads bring, for some forms. */
+static double process_cpu(void) {
+  struct timespec t;
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
+  return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+/* What all threads bring, for some forms: by wall time, and by what the threads' processor time
+   would allow, which others on the machine do not spoil as much. */
 static void threads(job *j) {
   int all = ylm_threads(0);
-  printf("\n%d threads over one, wall time of 2048 points (least of several)\n", all);
+  printf("\n%d threads over one, 2048 points: by wall time (by processor time), least of several\n",
+         all);
   if (!reserve(j, 2048, 8)) return;
   for (size_t f = 0; f < sizeof forms / sizeof *forms; f++) {
     if (forms[f].t == YLM_DOUBLE && forms[f].want != 7) continue;
     printf("  %-16s", forms[f].name);
     for (int lmax = 4; lmax <= 8; lmax += 4) {
-      double t[2];
+      double t[2], cpu[2];
       ask(j, &forms[f], lmax);
-      for (int k = 0; k < 2; k++) j->q.threads = k ? all : 1, t[k] = bench_wall(evaluate, j);
-      printf("  lmax %d: %.2f", lmax, t[0] / t[1]);
+      for (int k = 0; k < 2; k++) {
+        j->q.threads = k ? all : 1;
+        t[k] = bench_wall(evaluate, j);
+        cpu[k] = bench_least(evaluate, j, process_cpu);
+      }
+      printf("  lmax %d: %.2f (%.2f)", lmax, t[0] / t[1], all * cpu[0] / cpu[1]);
     }
     printf("\n");
   }
