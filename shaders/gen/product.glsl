@@ -3,7 +3,8 @@
 **   real, REAL(c)     float or double, and a constant of that type
 **   LMAX, DERIVATIVES specialisation constants; 0, 1 or 2 derivatives
 **   M_FIRST, M_LAST   specialisation constants: the orders m that are summed here
-** Operations per light at lmax 4 with 0, 1, 2 derivatives: 110, 631, 2140; lmax 8: 380, 2305, 7984. */
+** Operations per light with 0, 1, 2 derivatives: lmax 4 110, 631, 2140;
+** lmax 8 380, 2305, 7984. */
 #define HAS(derivatives, l) ((derivatives) <= DERIVATIVES && (l) <= LMAX)
 #define ORDER(m) (M_FIRST <= (m) && (m) <= M_LAST)
 

@@ -20,3 +20,10 @@ bench: $(BENCHES) all   ## measure: peaks of this machine, then kernels, grids, 
 	@case " $(or $(benches),calls) " in *" calls "*) for l in luajit lua5.4; do if command -v $$l >/dev/null; then \
 	  YLM_LUA=$$l $(BUILD)/ylm run spec/bench/calls.lua || exit 1; fi; done;; esac
 	@case " $(or $(benches),scaling) " in *" scaling "*) BENCH=$(filter quick,$(BENCH)) $(BUILD)/ylm run spec/bench/scaling.lua $(OUT)/bench;; esac
+
+# spec/bench/vulkan_*.lua run over every device that Vulkan offers.
+BENCH_LUA ?= $(lastword $(LUAS))
+bench-vulkan: all   ## measure every Vulkan device: ns per pair beside its peaks and the paper's milliseconds
+	@for b in $(sort $(wildcard spec/bench/vulkan*.lua)); do LUA_PATH='lua/?.lua;lua/?/init.lua;;' \
+	  LUA_CPATH='$(BUILD)/$(patsubst luajit,lua5.1,$(BENCH_LUA))/?.so;;' $(BENCH_LUA) $$b || exit 1; done
+.PHONY: bench-vulkan

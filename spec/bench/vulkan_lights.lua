@@ -1,0 +1,99 @@
+-- Sums over sphere lights on every Vulkan device: ns per light x point pair and the part of the device's measured
+-- multiply-add peak, merged moments beside the papers' product rule with its loops forward and reversed.
+--
+--     make bench-vulkan
+--
+-- The task is Table 2 of Mezieres et al. 2022: 8^3 grid points, 648 spheres, values and gradients, one channel, 5 to 9
+-- bands (lmax 4 to 8); its milliseconds stand beside (RTX 2080, GLSL).
+
+local moments = require "ylm.codegen.moments_glsl"
+local product = require "ylm.codegen.product_glsl"
+local ylm = require "ylm"
+
+local LIGHTS, EDGE = 648, 8
+local paper = { [4] = { 4.08, 2.22 }, [5] = { 5.98, 2.96 }, [6] = { 7.24, 3.77 }, [7] = { 12.73, 4.76 },
+  [8] = { 22.26, 5.18 } } -- forward, reversed
+local GEOMETRY = 40 -- operations per light before the generated ones: about, from shaders/moments.real.comp
+
+--- Numbers in 0 .. 1, the same everywhere.
+local state = 12345
+local function random()
+  state = state * 48271 % 2147483647
+  return state / 2147483647
+end
+
+local at, radius = {}, {}
+for i = 1, LIGHTS do
+  at[i], radius[i] = { 4 * random() - 2, 4 * random() - 2, 4 * random() - 2 }, 0.01 + 0.04 * random()
+end
+local lamps = ylm.sphere_lights { at = at, radius = radius }
+local points = ylm.zeros({ EDGE ^ 3, 3 }, "float")
+for i = 0, EDGE ^ 3 - 1 do
+  local k = { i % EDGE, math.floor(i / EDGE) % EDGE, math.floor(i / EDGE ^ 2) }
+  for a = 1, 3 do points:set(i + 1, a, 2 * k[a] / (EDGE - 1) - 1) end
+end
+
+--- Seconds on the device of one evaluation, by stage: of the least of `times`; the first, which compiles, left out.
+local function seconds(lights, lmax, o, times)
+  local best
+  for i = 0, times do
+    local before = lights.stages
+    ylm.light_field(lmax, lights, points, o)
+    local sum, sums = 0, 0
+    for stage, t in pairs(lights.stages) do
+      local s = t.seconds - (before[stage] and before[stage].seconds or 0)
+      sum, sums = sum + s, stage == "lights" and s or sums
+    end
+    if i > 0 and (not best or sum < best[1]) then best = { sum, sums } end
+  end
+  return best[1], best[2]
+end
+
+local function bench(gpu)
+  local flops, bytes = gpu:peak()
+  if not flops then return print(gpu.name .. ": " .. tostring(bytes)) end
+  for _ = 1, 4 do -- the best of five, as times are the least of many
+    local f, b = gpu:peak()
+    flops, bytes = math.max(flops, f), math.max(bytes, b)
+  end
+  print(("%s (%s): %.1f Gflop/s, %.1f GB/s measured"):format(gpu.name, gpu.type, flops / 1e9, bytes / 1e9))
+  if gpu.type == "cpu" then print "a driver in software: its figures say nothing of a GPU" end
+  local pairs_ = LIGHTS * EDGE ^ 3
+  local merged = gpu:lights(lamps)
+  local forward = gpu:lights(lamps, { method = "forward" })
+  local reversed = gpu:lights(lamps, { method = "reversed" })
+  print(("%d points x %d lights, float, values and gradients; ms of all stages, sums alone: ns a pair, %% of peak")
+    :format(EDGE ^ 3, LIGHTS))
+  print "lmax |            merged |           forward |          reversed | 2022 forw.  rev. (ms)"
+  local function cell(lights, lmax, o, operations)
+    local all, sums = seconds(lights, lmax, o, 25)
+    return ("%8.2f %5.2f %3.0f%%"):format(all * 1e3, sums / pairs_ * 1e9, 100 * (operations + GEOMETRY) * pairs_ / sums / flops)
+  end
+  for lmax = 4, 8 do
+    local o = { derivatives = 1, channels = "luminance" }
+    local p = product.operations(lmax, 1)
+    print(("%4d | %s | %s | %s | %10.2f %5.2f"):format(lmax, cell(merged, lmax, o, moments.operations(lmax, 3)),
+      cell(forward, lmax, o, p), cell(reversed, lmax, o, p), paper[lmax][1], paper[lmax][2]))
+  end
+  print "values, gradients and the metric, luminance (what a bake asks for)"
+  for _, lmax in ipairs { 4, 8 } do
+    print(("%4d | %s"):format(lmax, cell(merged, lmax, { derivatives = 1, channels = "luminance", metric = "luminance" },
+      moments.operations(lmax, 7))))
+  end
+  merged:close()
+  forward:close()
+  reversed:close()
+end
+
+local devices, message = ylm.vulkan.devices()
+if not devices then
+  print(message)
+  os.exit(0)
+end
+for i, d in ipairs(devices) do
+  if d.usable then
+    local gpu = assert(ylm.vulkan.open { device = i })
+    bench(gpu)
+    gpu:close()
+  end
+end

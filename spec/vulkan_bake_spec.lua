@@ -1,0 +1,248 @@
+-- Grids baked with the sums on a device, against the processor's. On Mesa's lavapipe, where there is no other device.
+
+local core = require "ylm.c.core"
+local ylm = require "ylm"
+
+local devices, missing = ylm.vulkan.devices()
+
+local function random(seed)
+  local x = seed % 2147483647
+  return function()
+    x = x * 16807 % 2147483647
+    return x / 2147483647
+  end
+end
+
+local function points_in(n, lo, hi, seed)
+  local r, t = random(seed), {}
+  for i = 1, n do
+    t[i] = { lo[1] + (hi[1] - lo[1]) * r(), lo[2] + (hi[2] - lo[2]) * r(), lo[3] + (hi[3] - lo[3]) * r() }
+  end
+  return ylm.array(t, "double")
+end
+
+local box = { { -1, -1, -1 }, { 1, 1, 1 } }
+local floor_points = points_in(400, { -1, -1, -1 }, { 1, -0.9, 1 }, 7)
+
+--- Lights of many sizes about the box, one of radius 0, one on a corner of the lattice.
+local function lamps_of(n)
+  local r, at, radii, colours = random(91), {}, {}, {}
+  for i = 1, n do
+    at[i] = { 4 * r() - 2, 4 * r() - 2, 4 * r() - 2 }
+    radii[i] = i == 5 and 0 or 0.02 + 0.2 * r() ^ 4
+    colours[i] = { r(), r(), r() }
+  end
+  at[1], radii[1] = { -1, -1, -1 }, 0.1
+  return ylm.sphere_lights { at = at, radius = radii, radiance = colours }
+end
+
+--- Cells by "x y z size": { leaf, error }.
+local function cells_of(grid)
+  local cells, out, n = grid:cells(), {}, 0
+  local size, origin, level = cells.size:totable(), cells.origin:totable(), cells.level:totable()
+  local leaf, metric = cells.leaf:totable(), cells.error:totable()
+  for i = 1, #origin do
+    local o = origin[i]
+    out[("%.9g %.9g %.9g %d"):format(o[1], o[2], o[3], level[i])] = { leaf = leaf[i] == 1, error = metric[i], size = size[i] }
+    n = n + 1
+  end
+  return out, n
+end
+
+--- Asserts that cells which both grids have are split in both or in neither, unless their error is within 1e-4 of the
+-- threshold, and that errors agree. Returns the number of cells compared, and of those that may differ.
+local function same_cells(here, there, threshold)
+  local a, b = cells_of(here), cells_of(there)
+  local n, close = 0, 0
+  for key, x in pairs(a) do
+    local y = b[key]
+    if y then
+      n = n + 1
+      if x.error == x.error then
+        assert(math.abs(x.error - y.error) <= 2e-5 * math.abs(x.error), ("%s: %.9g, not %.9g"):format(key, y.error, x.error))
+      else assert(y.error ~= y.error, key) end
+      if x.leaf ~= y.leaf then
+        close = close + 1
+        assert(threshold and math.abs(x.error - threshold) < 1e-4 * threshold,
+          ("cell %s: error %.9g, %s"):format(key, x.error, x.leaf and "split on the device alone" or "not split on the device"))
+      end
+    end
+  end
+  return n, close
+end
+
+--- Asserts that evaluated points which both grids have hold the same, relative to the norm of a row.
+local function same_points(here, there, bound)
+  local a, b = here:points(), there:points()
+  local row = {}
+  for i, p in ipairs(b.position:totable()) do row[("%.9g %.9g %.9g"):format(p[1], p[2], p[3])] = i end
+  local n = 0
+  for i, p in ipairs(a.position:totable()) do
+    local k = row[("%.9g %.9g %.9g"):format(p[1], p[2], p[3])]
+    if k and a.interpolated:get(i) == 0 then
+      n = n + 1
+      for _, key in ipairs { "value", "gradient" } do
+        local _, e, norm = core.array_distance(b[key][k], a[key][i])
+        assert(e <= bound * norm, ("%s of point %d: %g"):format(key, i, e / norm))
+      end
+      assert.equal(a.invalid:get(i), b.invalid:get(k))
+    end
+  end
+  return n
+end
+
+describe("baking on a device", function()
+  if not devices then
+    it("bakes", function() pending("no Vulkan device: " .. missing) end)
+    return
+  end
+
+  local chosen, gpu = 1, nil
+  for i, d in ipairs(devices) do if d.type == "cpu" and d.usable then chosen = i end end
+  setup(function() gpu = assert(ylm.vulkan.open { device = chosen, validate = true }) end)
+  teardown(function()
+    gpu:close()
+    assert.equal("", gpu.message)
+    assert.equal(0, gpu.messages)
+  end)
+
+  --- The grid of a description by the processor and on the device.
+  local function both(description, lights, o)
+    local here = assert(ylm.bake(description, lights, o))
+    local with = { device = gpu }
+    for k, v in pairs(o or {}) do with[k] = v end
+    local there = assert(ylm.bake(description, lights, with))
+    return here, there
+  end
+
+  describe("agreement with the processor", function()
+    it("of a uniform grid, a light on a corner", function()
+      local here, there = both(ylm.uniform_grid { bounds = box, cells = { 5, 4, 3 }, lmax = 2 }, lamps_of(40))
+      assert.equal(60, (same_cells(here, there)))
+      assert.equal(120, same_points(here, there, 1e-5))
+      assert(here.stats.invalid >= 1)
+      for _, key in ipairs { "points", "cells", "leaves", "pairs", "invalid" } do
+        assert.equal(here.stats[key], there.stats[key], key)
+      end
+    end)
+
+    it("of a uniform grid without the metric, where points are", function()
+      local here, there = both(ylm.uniform_grid { bounds = box, cells = 4, lmax = 2, metric_channels = "none" }, lamps_of(40),
+        { occupied = floor_points })
+      assert.equal(16, (same_cells(here, there)))
+      assert.equal(here.stats.points, same_points(here, there, 1e-5))
+    end)
+
+    for _, metric in ipairs { "relative", "absolute" } do
+      it("of an adaptive grid with a threshold of the " .. metric .. " metric", function()
+        local threshold = metric == "relative" and 0.5 or 0.05
+        local here, there = both(ylm.adaptive_grid { bounds = box, lmax = 2, depth = 4, metric = metric, threshold = threshold },
+          lamps_of(40), { occupied = floor_points })
+        local n, close = same_cells(here, there, threshold)
+        assert(n > 200 and close <= 2, ("%d cells, %d near the threshold"):format(n, close))
+        assert(same_points(here, there, 1e-5) > 100)
+        if close == 0 then
+          assert.equal(here.stats.points, there.stats.points)
+          local a, b = here:sample(floor_points), there:sample(floor_points)
+          local _, e, norm = core.array_distance(b, a)
+          assert(e <= 1e-5 * norm)
+        end
+      end)
+    end
+
+    it("of an adaptive grid whose cells stand on the threshold: they alone may differ", function()
+      -- the error of one of the processor's leaves is the threshold
+      local description = { bounds = box, lmax = 2, depth = 3, threshold = 0.5 }
+      local first = ylm.bake(ylm.adaptive_grid(description), lamps_of(40), { occupied = floor_points })
+      local errors = {}
+      for _, c in pairs((cells_of(first))) do if c.error == c.error then errors[#errors + 1] = c.error end end
+      table.sort(errors)
+      for _, q in ipairs { 0.3, 0.6 } do
+        description.threshold = errors[math.floor(q * #errors)]
+        local here, there = both(ylm.adaptive_grid(description), lamps_of(40), { occupied = floor_points })
+        assert(same_cells(here, there, description.threshold) > 50)
+      end
+    end)
+
+    it("of an adaptive grid with a tolerance, which it keeps", function()
+      local here, there = both(ylm.adaptive_grid { bounds = box, lmax = 2, depth = 4, tolerance = 0.03 }, lamps_of(40),
+        { occupied = floor_points })
+      local n, close = 0, 0
+      local a, b = cells_of(here), cells_of(there)
+      for key, x in pairs(a) do
+        if b[key] then n, close = n + 1, close + (x.leaf ~= b[key].leaf and 1 or 0) end
+      end
+      -- a decision compares a measured residual with a quantile of others: both differ in their last digits
+      assert(n > 100 and close <= 0.01 * n, ("%d of %d cells differ"):format(close, n))
+      assert.equal(here.stats.met, there.stats.met)
+      assert(math.abs(here.stats.error - there.stats.error) < 0.05 * here.stats.error)
+    end)
+
+    it("of an adaptive grid in rgb with the metric of rgb, from lights that lie there", function()
+      local lamps = lamps_of(40)
+      local description = ylm.adaptive_grid { bounds = box, lmax = 2, depth = 3, metric_channels = "rgb", threshold = 0.5 }
+      local here = assert(ylm.bake(description, lamps, { occupied = floor_points }))
+      local there = assert(ylm.bake(description, gpu:lights(lamps), { occupied = floor_points }))
+      assert(same_cells(here, there, 0.5) > 50)
+    end)
+  end)
+
+  describe("what comes back", function()
+    it("has times by stage, saves and loads, and is the same each time", function()
+      local description = ylm.adaptive_grid { bounds = box, lmax = 2, depth = 3, threshold = 0.5 }
+      local a = assert(ylm.bake(description, lamps_of(40), { occupied = floor_points, device = gpu }))
+      local b = assert(ylm.bake(description, lamps_of(40), { occupied = floor_points, device = gpu }))
+      for _, stage in ipairs { "lights", "adding", "coefficients", "metric" } do
+        assert(a.stats.stages[stage].seconds > 0 and a.stats.stages[stage].dispatches >= 1, stage)
+      end
+      assert.is_nil(ylm.bake(description, lamps_of(40), { occupied = floor_points }).stats.stages)
+      local _, e = core.array_distance(a:points().value, b:points().value)
+      assert.equal(0, e)
+      local path = os.tmpname() .. ".ylm"
+      assert(a:save(path))
+      local c = assert(ylm.load(path))
+      os.remove(path)
+      assert.equal(0, (select(2, core.array_distance(a:points().value, c:points().value))))
+    end)
+
+    it("is nothing where progress says so, where the device is lost or closed, and the memory is given back", function()
+      local description = ylm.adaptive_grid { bounds = box, lmax = 2, depth = 3, threshold = 0.5 }
+      collectgarbage()
+      collectgarbage()
+      local arrays = gpu.stats.arrays
+      local none, message, code = ylm.bake(description, lamps_of(40), { device = gpu, progress = function() return false end })
+      assert.is_nil(none)
+      assert.same({ "cancelled", "ECANCELLED" }, { message, code })
+      assert.equal(arrays, gpu.stats.arrays)
+      local own = assert(ylm.vulkan.open { device = chosen })
+      require "ylm.c.vulkan".gpu_lose(own)
+      none, message, code = ylm.bake(description, lamps_of(40), { device = own })
+      assert(none == nil and #message > 0)
+      assert.equal("EDEVICE", code)
+      own:close()
+      assert.has_error(function() ylm.bake(description, lamps_of(40), { device = own }) end)
+    end)
+  end)
+
+  describe("refusals", function()
+    local function refused(says, f)
+      local ok, message = pcall(f)
+      assert(not ok and message:find(says), message)
+      assert(message:find("^spec/vulkan_bake_spec.lua:%d+: "), message)
+    end
+    local uniform = ylm.uniform_grid { bounds = box, cells = 2, lmax = 1 }
+
+    it("fields that are no sphere lights, degrees without kernels, a dynamic grid", function()
+      refused("a device sums sphere lights", function() return (ylm.bake(uniform, function() end, { device = gpu })) end)
+      local grid = ylm.bake(uniform, lamps_of(5))
+      refused("a device sums sphere lights", function() return (ylm.bake(uniform, grid, { device = gpu })) end)
+      refused("lmax must be 0 .. 10", function()
+        return (ylm.bake(ylm.uniform_grid { bounds = box, cells = 2, lmax = 11 }, lamps_of(5), { device = gpu }))
+      end)
+      refused("a dynamic grid follows its lights on the processor", function()
+        return (ylm.bake(ylm.uniform_grid { bounds = box, cells = 2, dynamic = true }, lamps_of(5), { device = gpu }))
+      end)
+      refused("device must be an open device", function() return (ylm.bake(uniform, lamps_of(5), { device = "gpu" })) end)
+    end)
+  end)
+end)
