@@ -195,6 +195,7 @@ describe("baking on a device", function()
       for _, stage in ipairs { "lights", "adding", "coefficients", "metric" } do
         assert(a.stats.stages[stage].seconds > 0 and a.stats.stages[stage].dispatches >= 1, stage)
       end
+      assert(a.stats.stages.upload.seconds > 0 and a.stats.stages.download.seconds > 0)
       assert.is_nil(ylm.bake(description, lamps_of(40), { occupied = floor_points }).stats.stages)
       local _, e = core.array_distance(a:points().value, b:points().value)
       assert.equal(0, e)

@@ -105,6 +105,18 @@ static bool forward(void *user, uint64_t done, uint64_t total, const char *stage
   return ylm_report(p->outer, p->begin + here, p->all, "lights") == YLM_OK;
 }
 
+/* Adds the wall time of a copy since `start` to a stage of the object's times. */
+static void add_copy(ylm_gpu_lights *l, const char *name, double start) {
+  ylm_gpu_times *t = &l->times;
+  double seconds = ylm_seconds() - start;
+  int i = 0;
+  while (i < t->stages && strcmp(t->stage[i].name, name) != 0) i++;
+  if (i == YLM_GPU_STAGES) return;
+  if (i == t->stages) t->stage[t->stages++] = (struct ylm_gpu_stage){name, 0, 0, 0};
+  t->stage[i].seconds += seconds;
+  if (seconds > t->stage[i].longest) t->stage[i].longest = seconds;
+}
+
 /* Copies results of points begin .. begin+n-1 to their places. */
 static ylm_status download(const ylm_gpu_lights *l, const ylm_field_query *q, size_t begin,
                            size_t n, ylm_field_result *r, ylm_error *e) {
@@ -158,13 +170,17 @@ static ylm_status evaluate(const ylm_field *f, const ylm_field_query *q, size_t 
     pass_progress pass = {q->progress, begin, now, n};
     ylm_progress progress = {forward, &pass};
     s = ylm__lights_scratch(l, BUFFER_POINTS, places * point, e);
+    double start = ylm_seconds();
     if (s == YLM_OK)
       s = ylm_gpu_upload(l->scratch[BUFFER_POINTS], 0, now * point,
                          (const char *)points + begin * point, e);
+    add_copy(l, "upload", start);
     if (s == YLM_OK)
       s = ylm__sum_run(l, plan, q, (uint32_t)now, (uint32_t)at_once, q->progress ? &progress : NULL,
                        e);
+    start = ylm_seconds();
     if (s == YLM_OK) s = download(l, q, begin, now, r, e);
+    add_copy(l, "download", start);
   }
   if (s == YLM_OK) r->pairs += (uint64_t)n * l->active;
   return s;

@@ -267,7 +267,8 @@ YLM_API void ylm_gpu_lights_free(ylm_gpu_lights *l);
 */
 YLM_API const ylm_field *ylm_gpu_lights_field(const ylm_gpu_lights *l);
 YLM_API ylm_gpu *ylm_gpu_lights_device(const ylm_gpu_lights *l);
-/* Times of everything that the field has done so far, by stage. */
+/* Times of everything that the field has done so far, by stage; "upload" of points and "download"
+   of results by the host's clock, with no dispatches. */
 YLM_API const ylm_gpu_times *ylm_gpu_lights_times(const ylm_gpu_lights *l);
 
 /* -- spherical harmonics ----------------------------------------------------- */

@@ -21,7 +21,8 @@ reference.object "gpu_lights" {
   fields = {
     { "count", "integer", "lights" },
     { "method", "string", "how they are summed" },
-    { "stages", "table", "what was done so far: by stage { seconds, longest (dispatch), dispatches }" },
+    { "stages", "table", "what was done so far: by stage { seconds, longest (dispatch), dispatches }; upload and download "
+      .. "by the host's clock" },
   },
 }
 
