@@ -72,7 +72,7 @@ local function plot(name, title, xs, axis, y_axis, measure)
     print(("  %-14s %s"):format(form.label, table.concat(words, "  ")))
   end
   local saved, message = ylm.plot { title = title, series = series, x_label = axis.label, x_log = axis.log or false,
-    y_label = y_axis.label, y_log = y_axis.log or false }:save(folder .. "scaling_" .. name .. ".png")
+    y_label = y_axis.label, y_log = y_axis.log or false, y_range = y_axis.range }:save(folder .. "scaling_" .. name .. ".png")
   if not saved then print("  no picture: " .. tostring(message)) end
 end
 
@@ -100,7 +100,7 @@ local many = ylm.array(places(quick and 512 or 2048, 2, 3), "float")
 if most > 1 then
   local one = {}
   plot("threads", "Speed-up by threads (2516 lights, lmax 4, float; wall time)", counts, { label = "threads" },
-    { label = "times as fast as one thread" },
+    { label = "times as fast as one thread", range = { 0, most + 0.2 } },
     function(n, form)
       local t = time(some, many, 4, { derivatives = form.derivatives, channels = form.channels, threads = n, wall = true })
       one[form] = one[form] or t
