@@ -203,8 +203,8 @@ YLM_API void ylm_light_kinds(const ylm_field_query *q, int *lum, int *rgb);
 **            sphere at the centroid whose disc has the polygon's area, times |cos gamma|; gradient
 **            and Hessian of that function are exact
 ** Accuracy   of values, gradients and Hessians, each relative to its norm over all degrees: 1e-12,
-**            but 1e-14 lmax / a for slivers that are seen at an angle a across and are not far; a
-**            light whose size over distance is below 0.02/(lmax+4) is summed over its area
+**            but 1e-14 lmax / (a |cos gamma|) for slivers that are seen at an angle a across, gamma
+**            off the normal, and are not far; a light whose size over distance is below 0.02/(lmax+4) is summed over its area
 ** Edge-on    points in the plane but not on the light: all zero (derivatives jump there; the mean
 **            of both sides is 0). Points on it: half a sphere, derivatives 0, and `inside` is set,
 **            as in or on the sphere of the approximation
