@@ -13,24 +13,22 @@ describe("NEON kernels", function()
       if not has(program) then missing = program .. " is not installed" end
     end
     if missing then return end
-    folder = scratch.new()
+    -- Kept in the build folder, so that the next Lua and the next run find it made.
+    folder = { path = (os.getenv "YLM_BUILD" or "build") .. "/neon" }
     -- By the Makefile itself; without optimisation, because that is compiled in seconds.
     local out, status = scratch.capture(table.concat({ "env -u MAKEFLAGS -u MAKELEVEL -u LD_PRELOAD make -j2",
       "BUILD=" .. quote(folder.path), "CC=" .. cc, "OPT=-O0 SANITIZE= LUAS= WITH_SCENE=",
       quote(folder.path .. "/lib/libylm.so") }, " "))
     assert(status == 0 and not out:find "warning", out)
   end)
-  teardown(function() if folder then folder:remove() end end)
 
   --- Links spec/support/NAME.c with the library's objects and runs it; returns what it prints and its exit status.
   local function run(name, ...)
     local program = quote(folder.path .. "/" .. name)
-    if not scratch.shell("test -x " .. program) then
-      local out, status = scratch.capture(table.concat({ "env -u LD_PRELOAD", cc,
-        "-std=gnu11 -O0 -Wall -Wextra -Werror -fopenmp -static -Icsrc/base -Icsrc/sh -Icsrc/light -Icsrc/grid",
-        "spec/support/" .. name .. ".c", "$(find " .. quote(folder.path) .. "/obj -name '*.o')", "-lm -o", program }, " "))
-      assert(status == 0, out)
-    end
+    local out, status = scratch.capture(table.concat({ "env -u LD_PRELOAD", cc,
+      "-std=gnu11 -O0 -Wall -Wextra -Werror -fopenmp -static -Icsrc/base -Icsrc/sh -Icsrc/light -Icsrc/grid",
+      "spec/support/" .. name .. ".c", "$(find " .. quote(folder.path) .. "/obj -name '*.o')", "-lm -o", program }, " "))
+    assert(status == 0, out)
     local words = { ... }
     return scratch.capture(("env -u LD_PRELOAD %s qemu-aarch64 %s %s"):format(words[1] or "", program,
       table.concat(words, " ", 2)))
