@@ -1,26 +1,12 @@
 local core = require "ylm.c.core"
 local ylm = require "ylm"
+local numbers = require "spec.support.random"
 
 local SEED = 20251121
 
---- Numbers that are the same under every Lua: a linear congruence of Park and Miller.
-local function random(seed)
-  local x = seed % 2147483647
-  return function()
-    x = x * 16807 % 2147483647
-    return x / 2147483647
-  end
-end
+local random, points_in = numbers.minimal, numbers.points_in
 
 local box = { { -1, -1, -1 }, { 1, 1, 1 } }
-
-local function points_in(n, lo, hi, seed)
-  local r, t = random(seed), {}
-  for i = 1, n do
-    t[i] = { lo[1] + (hi[1] - lo[1]) * r(), lo[2] + (hi[2] - lo[2]) * r(), lo[3] + (hi[3] - lo[3]) * r() }
-  end
-  return ylm.array(t, "double")
-end
 
 --- Sorted relative errors |a_i - b_i| / |b_i| of rows.
 local function errors(a, b)

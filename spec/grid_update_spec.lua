@@ -2,17 +2,11 @@
 
 local core = require "ylm.c.core"
 local ylm = require "ylm"
+local numbers = require "spec.support.random"
 
 local SEED = 20251123
 
---- Numbers that are the same under every Lua: a linear congruence of Park and Miller.
-local function random(seed)
-  local x = seed % 2147483647
-  return function()
-    x = x * 16807 % 2147483647
-    return x / 2147483647
-  end
-end
+local random = numbers.minimal
 
 local box = { { -1, -1, -1 }, { 1, 1, 1 } }
 

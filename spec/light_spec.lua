@@ -1,4 +1,5 @@
 local ylm = require "ylm"
+local numbers = require "spec.support.random"
 local core = require "ylm.c.core"
 local light = require "ylm.light"
 
@@ -38,21 +39,7 @@ local function relative(a, b)
   return e / n
 end
 
---- A generator of numbers in 0 .. 1, the same everywhere (Lehmer).
-local function random(seed)
-  local state = seed * 7919 % 2147483647
-  return function()
-    state = state * 48271 % 2147483647
-    return state / 2147483647
-  end
-end
-
---- n points in a cube of the given edge about the origin.
-local function random_points(n, edge, seed)
-  local next, points = random(seed), {}
-  for i = 1, n do points[i] = { (next() - 0.5) * edge, (next() - 0.5) * edge, (next() - 0.5) * edge } end
-  return points
-end
+local random, random_points = numbers.spread, numbers.points
 
 --- n small coloured lights, some of them negative, as one object.
 local function random_lights(n, edge, seed)

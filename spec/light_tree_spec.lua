@@ -1,17 +1,11 @@
 local ylm = require "ylm"
+local numbers = require "spec.support.random"
 local core = require "ylm.c.core"
 local light = require "ylm.light"
 
 -- Scenes, in the unit cube -----------------------------------------------------------------
 
---- A generator of numbers in 0 .. 1, the same everywhere (Lehmer).
-local function random(seed)
-  local state = seed * 7919 % 2147483647
-  return function()
-    state = state * 48271 % 2147483647
-    return state / 2147483647
-  end
-end
+local random = numbers.spread
 
 --- What a kind of scene does to light i: place, radius, radiance.
 local kinds = {}

@@ -2,24 +2,12 @@
 
 local core = require "ylm.c.core"
 local ylm = require "ylm"
+local numbers = require "spec.support.random"
+local device = require "spec.support.gpu"
 
-local devices, missing = ylm.vulkan.devices()
+local chosen, missing = device.choose()
 
-local function random(seed)
-  local x = seed % 2147483647
-  return function()
-    x = x * 16807 % 2147483647
-    return x / 2147483647
-  end
-end
-
-local function points_in(n, lo, hi, seed)
-  local r, t = random(seed), {}
-  for i = 1, n do
-    t[i] = { lo[1] + (hi[1] - lo[1]) * r(), lo[2] + (hi[2] - lo[2]) * r(), lo[3] + (hi[3] - lo[3]) * r() }
-  end
-  return ylm.array(t, "double")
-end
+local random, points_in = numbers.minimal, numbers.points_in
 
 local box = { { -1, -1, -1 }, { 1, 1, 1 } }
 local floor_points = points_in(400, { -1, -1, -1 }, { 1, -0.9, 1 }, 7)
@@ -92,19 +80,14 @@ local function same_points(here, there, bound)
 end
 
 describe("baking on a device", function()
-  if not devices then
+  if not chosen then
     it("bakes", function() pending("no Vulkan device: " .. missing) end)
     return
   end
 
-  local chosen, gpu = 1, nil
-  for i, d in ipairs(devices) do if d.type == "cpu" and d.usable then chosen = i end end
+  local gpu
   setup(function() gpu = assert(ylm.vulkan.open { device = chosen, validate = true }) end)
-  teardown(function()
-    gpu:close()
-    assert.equal("", gpu.message)
-    assert.equal(0, gpu.messages)
-  end)
+  teardown(function() device.close_silent(gpu) end)
 
   --- The grid of a description by the processor and on the device.
   local function both(description, lights, o)

@@ -3,24 +3,13 @@
 local core = require "ylm.c.core"
 local light = require "ylm.light"
 local ylm = require "ylm"
+local numbers = require "spec.support.random"
+local device = require "spec.support.gpu"
+
+local chosen, missing = device.choose()
 
 local sqrt = math.sqrt
-local devices, missing = ylm.vulkan.devices()
-
---- A generator of numbers in 0 .. 1, the same everywhere (Lehmer).
-local function random(seed)
-  local state = seed * 7919 % 2147483647
-  return function()
-    state = state * 48271 % 2147483647
-    return state / 2147483647
-  end
-end
-
-local function random_points(n, edge, seed)
-  local next, points = random(seed), {}
-  for i = 1, n do points[i] = { (next() - 0.5) * edge, (next() - 0.5) * edge, (next() - 0.5) * edge } end
-  return points
-end
+local random, random_points = numbers.spread, numbers.points
 
 --- n small coloured lights, some negative, every seventh of radius 0.
 local function random_lights(n, edge, seed)
@@ -44,19 +33,14 @@ local function worst(a, b)
 end
 
 describe("lights on a device", function()
-  if not devices then
+  if not chosen then
     it("are summed", function() pending("no Vulkan device: " .. missing) end)
     return
   end
 
-  local chosen, gpu = 1, nil
-  for i, d in ipairs(devices) do if d.type == "cpu" and d.usable then chosen = i end end
+  local gpu
   setup(function() gpu = assert(ylm.vulkan.open { device = chosen, validate = true }) end)
-  teardown(function()
-    gpu:close()
-    assert.equal("", gpu.message)
-    assert.equal(0, gpu.messages)
-  end)
+  teardown(function() device.close_silent(gpu) end)
 
   --- light_field on the device and by the processor, as two lists; `o` gets the device.
   local function both(lmax, lights, points, o)

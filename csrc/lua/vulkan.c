@@ -15,16 +15,6 @@ void ylmL_gpu_type(lua_State *L, const char *name, const luaL_Reg *methods) {
   lua_pop(L, 1);
 }
 
-static void set_number(lua_State *L, const char *name, double x) {
-  lua_pushnumber(L, (lua_Number)x);
-  lua_setfield(L, -2, name);
-}
-
-static void set_count(lua_State *L, const char *name, uint64_t n) {
-  ylmL_push_count(L, n);
-  lua_setfield(L, -2, name);
-}
-
 static void set_boolean(lua_State *L, const char *name, bool x) {
   lua_pushboolean(L, x);
   lua_setfield(L, -2, name);
@@ -44,14 +34,14 @@ static void push_info(lua_State *L, const ylm_gpu_info *i) {
   set_boolean(L, "float64", i->float64);
   set_boolean(L, "int64", i->int64);
   set_boolean(L, "timestamps", i->timestamps);
-  set_count(L, "subgroup", i->subgroup);
-  set_count(L, "binds", i->binds);
-  set_count(L, "group_size", i->group_size);
-  set_count(L, "groups", i->groups);
-  set_count(L, "shared_bytes", i->shared_bytes);
-  set_count(L, "bind_bytes", i->bind_bytes);
-  set_count(L, "allocation_bytes", i->allocation_bytes);
-  set_count(L, "memory_bytes", i->memory_bytes);
+  ylmL_set_count(L, "subgroup", i->subgroup);
+  ylmL_set_count(L, "binds", i->binds);
+  ylmL_set_count(L, "group_size", i->group_size);
+  ylmL_set_count(L, "groups", i->groups);
+  ylmL_set_count(L, "shared_bytes", i->shared_bytes);
+  ylmL_set_count(L, "bind_bytes", i->bind_bytes);
+  ylmL_set_count(L, "allocation_bytes", i->allocation_bytes);
+  ylmL_set_count(L, "memory_bytes", i->memory_bytes);
 }
 
 /* gpu_devices() -> list of tables */
@@ -122,16 +112,16 @@ static int gpu_messages(lua_State *L) {
 static int gpu_used(lua_State *L) {
   ylm_gpu_use u = ylm_gpu_used(ylmL_gpu_check(L, 1));
   lua_createtable(L, 0, 10);
-  set_count(L, "arrays", u.buffers);
-  set_count(L, "bytes", u.bytes);
-  set_count(L, "uploaded", u.uploaded);
-  set_count(L, "downloaded", u.downloaded);
-  set_number(L, "upload_seconds", u.upload);
-  set_number(L, "download_seconds", u.download);
-  set_number(L, "run_seconds", u.run);
-  set_count(L, "dispatches", u.dispatches);
-  set_count(L, "submissions", u.submissions);
-  set_count(L, "pipelines", u.pipelines);
+  ylmL_set_count(L, "arrays", u.buffers);
+  ylmL_set_count(L, "bytes", u.bytes);
+  ylmL_set_count(L, "uploaded", u.uploaded);
+  ylmL_set_count(L, "downloaded", u.downloaded);
+  ylmL_set_number(L, "upload_seconds", u.upload);
+  ylmL_set_number(L, "download_seconds", u.download);
+  ylmL_set_number(L, "run_seconds", u.run);
+  ylmL_set_count(L, "dispatches", u.dispatches);
+  ylmL_set_count(L, "submissions", u.submissions);
+  ylmL_set_count(L, "pipelines", u.pipelines);
   return 1;
 }
 
@@ -161,9 +151,9 @@ void ylmL_gpu_push_times(lua_State *L, const ylm_gpu_times *t) {
   lua_createtable(L, 0, t->stages);
   for (int i = 0; i < t->stages; i++) {
     lua_createtable(L, 0, 3);
-    set_number(L, "seconds", t->stage[i].seconds);
-    set_number(L, "longest", t->stage[i].longest);
-    set_count(L, "dispatches", t->stage[i].dispatches);
+    ylmL_set_number(L, "seconds", t->stage[i].seconds);
+    ylmL_set_number(L, "longest", t->stage[i].longest);
+    ylmL_set_count(L, "dispatches", t->stage[i].dispatches);
     lua_setfield(L, -2, t->stage[i].name);
   }
 }

@@ -11,6 +11,7 @@ local function extents(shape)
   for i, extent in ipairs(shape) do words[i] = ("%d"):format(extent) end
   return table.concat(words, "x")
 end
+outputs.extents = extents
 
 --- The option `out` (nil, an array, or a list of them) of argument `n` of `name`, as one array or nil for each
 -- of `shapes`. Raises unless all are open, of `dtype` and of their shape, and share no memory with one another

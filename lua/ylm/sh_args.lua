@@ -44,11 +44,7 @@ function args.coefficients(n, name, value, limit)
   return c, lmax, shape, dtype, rows, convention
 end
 
-local function extents(shape)
-  local words = {}
-  for i, extent in ipairs(shape) do words[i] = ("%d"):format(extent) end
-  return table.concat(words, "x")
-end
+local extents = require "ylm.outputs".extents
 
 --- An array for results: `out` if it fits, else a new one. `sources` are arrays that are read while it is written.
 function args.result(name, out, shape, dtype, convention, sources)
