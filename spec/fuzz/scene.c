@@ -24,7 +24,7 @@ static char folder[] = "/tmp/ylm-fuzz-XXXXXX", path[64], mesh[64];
 static const char setup[] =
     "package.path = 'lua/?.lua;lua/?/init.lua'\n"
     "local sandbox, form, check = require 'ylm.sandbox', require 'ylm.form', require 'ylm.check'\n"
-    "local limits = { instructions = 2e5, seconds = 5, memory = 4e6, triangles = 2e4, cells = "
+    "local limits = { instructions = 3e4, seconds = 5, memory = 4e6, triangles = 2e4, cells = "
     "1e4,\n"
     "  lmax = 8, depth = 6, file_size = 65536 }\n"
     "local codes = { EFORMAT = 1, ELIMIT = 1, EINVAL = 1, EIO = 1, ENOMEM = 1, EMISSING = 1,\n"
