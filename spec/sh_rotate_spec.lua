@@ -42,6 +42,55 @@ local function relative(a, b)
   return difference / norm
 end
 
+--- The 24 rotations of the cube, as matrices of whole numbers.
+local function cube_rotations()
+  local list = {}
+  for _, p in ipairs { { 1, 2, 3, 1 }, { 2, 3, 1, 1 }, { 3, 1, 2, 1 }, { 1, 3, 2, -1 }, { 2, 1, 3, -1 }, { 3, 2, 1, -1 } } do
+    for _, x in ipairs { 1, -1 } do
+      for _, y in ipairs { 1, -1 } do
+        local m = { { 0, 0, 0 }, { 0, 0, 0 }, { 0, 0, 0 } }
+        m[1][p[1]], m[2][p[2]], m[3][p[3]] = x, y, x * y * p[4]
+        list[#list + 1] = m
+      end
+    end
+  end
+  return list
+end
+
+--- A cube rotation as people write it: rounded angles, axes and quaternions of unit length.
+local function descriptions(m)
+  local atan2 = math.atan2 or math.atan -- luacheck: ignore 143
+  local trace = m[1][1] + m[2][2] + m[3][3]
+  local angle = math.acos((trace - 1) / 2)
+  local axis = { m[3][2] - m[2][3], m[1][3] - m[3][1], m[2][1] - m[1][2] }
+  if trace == 3 then axis = { 0, 0, 1 } end
+  if trace == -1 then
+    -- R + I is twice the axis times itself
+    for j = 1, 3 do
+      local column = { m[1][j], m[2][j], m[3][j] }
+      column[j] = column[j] + 1
+      if column[j] > 0 then axis = column end
+    end
+  end
+  local n = math.sqrt(axis[1] ^ 2 + axis[2] ^ 2 + axis[3] ^ 2)
+  local unit, quaternion = {}, { math.cos(angle / 2) }
+  for i = 1, 3 do unit[i], quaternion[i + 1] = axis[i] / n, math.sin(angle / 2) * axis[i] / n end
+  local zyz = { atan2(m[2][3], m[1][3]), math.acos(m[3][3]), atan2(m[3][2], -m[3][1]) }
+  if m[3][3] ~= 0 then zyz = { atan2(m[3][3] * m[2][1], m[3][3] * m[1][1]), math.acos(m[3][3]), 0 } end
+  -- by axis and angle, as a matrix with the rounding of sine and cosine in it
+  local c, s, rounded = math.cos(angle), math.sin(angle), {}
+  for i = 1, 3 do
+    rounded[i] = {}
+    for j = 1, 3 do
+      local k = 6 - i - j
+      local cross = i == j and 0 or ((j - i) % 3 == 1 and -1 or 1) * unit[k]
+      rounded[i][j] = (1 - c) * unit[i] * unit[j] + (i == j and c or 0) + s * cross
+    end
+  end
+  return { axis = { axis = axis, angle = angle }, unit = { axis = unit, angle = angle },
+    quaternion = { quaternion = quaternion }, zyz = { zyz = zyz }, matrix = rounded }
+end
+
 describe("ylm.sh.rotate", function()
   it("turns functions as R turns vectors: a lobe along z, turned about x by 90 degrees, looks along -y", function()
     local c = ylm.sh.rotate(ylm.sh.eval(3, { 0, 0, 1 }), { axis = { 1, 0, 0 }, angle = math.pi / 2 })
@@ -79,6 +128,73 @@ describe("ylm.sh.rotate", function()
     assert.same({ 0, 0, 0, 1, 0 }, e[1])
     assert.same({ 0, -1, 0, 0, 0 }, e[2])
     assert.same({ 0, 0, -0.5, 0, -math.sqrt(0.75) }, e[3])
+  end)
+
+  it("knows the cube's 24 rotations from matrices, axes, quaternions and ZYZ angles", function()
+    local list = cube_rotations()
+    assert.equal(24, #list)
+    for _, m in ipairs(list) do
+      local exact = ylm.sh.rotation(8, m)
+      assert.same(m, exact.matrix)
+      for kind, r in pairs(descriptions(m)) do
+        local same = ylm.sh.rotation(8, r)
+        assert.same(m, same.matrix, kind)
+        for l = 0, 8 do assert.same(exact:block(l):totable(), same:block(l):totable()) end
+      end
+      -- degree 1 is m itself, of (-y, z, -x)
+      local block, axis, sign = exact:block(1), { 2, 3, 1 }, { -1, 1, -1 }
+      for i = 1, 3 do
+        for j = 1, 3 do assert.equal(sign[i] * sign[j] * m[axis[i]][axis[j]], block:get(i, j)) end
+      end
+    end
+  end)
+
+  it("comes back after four quarter turns about any axis, to 3 units in the last place of the largest", function()
+    for dtype, unit in pairs { double = 2 ^ -52, float = 2 ^ -23 } do
+      for _, lmax in ipairs { 3, 6, 12 } do
+        local c = random_vectors(20, lmax, dtype)
+        for _, axis in ipairs { { 1, 0, 0 }, { 0, 1, 0 }, { 0, -1, 0 } } do
+          local r = ylm.sh.rotation(lmax, { axis = axis, angle = math.pi / 2 }, { dtype = dtype })
+          local one, all = c[1], c
+          for _ = 1, 4 do one, all = ylm.sh.rotate(one, r), ylm.sh.rotate(all, r) end
+          assert((core.array_distance(one, c[1])) <= 3 * unit)
+          assert((core.array_distance(all, c)) <= 3 * unit)
+        end
+      end
+    end
+  end)
+
+  it("has the roots and zeros of quarter turns to the last place, to degree 128", function()
+    local r = ylm.sh.rotation(128, { axis = { 1, 0, 0 }, angle = math.pi / 2 })
+    for _, l in ipairs { 1, 2, 5, 8, 31, 64, 128 } do
+      -- its entries (q, +-l) are sqrt of a binomial distribution, down to 2^-l
+      local block, p = r:block(l), 1
+      for k = 1, l do p = p * (2 * k - 1) / (2 * k) end
+      for q = 0, l do
+        local seen = 0
+        for _, at in ipairs { { q, l }, { q, -l }, { -q, l }, { -q, -l } } do
+          seen = math.max(seen, math.abs(block:get(l + 1 + at[1], l + 1 + at[2])))
+        end
+        assert.is_near(1, seen / math.sqrt((q == 0 and 2 or 4) * p), 1e-14)
+        p = p * (l - q) / (l + q + 1)
+      end
+    end
+    -- zeros that no symmetry asks for
+    for _, at in ipairs { { 8, 2, 6 }, { 8, 6, 2 }, { 11, 4, 8 }, { 32, 4, 30 } } do
+      local l, block = at[1], r:block(at[1])
+      for _, s in ipairs { { 1, 1 }, { 1, -1 }, { -1, 1 }, { -1, -1 } } do
+        assert.equal(0, block:get(l + 1 + s[1] * at[2], l + 1 + s[2] * at[3]))
+      end
+    end
+  end)
+
+  it("turns the basis as eval does, to degree 128", function()
+    local p = { 0.36, -0.48, 0.8 }
+    local r = ylm.sh.rotation(128, { quaternion = { 0.7, -0.4, 0.3, 0.6 } })
+    local moved = {}
+    for i = 1, 3 do moved[i] = r.matrix[i][1] * p[1] + r.matrix[i][2] * p[2] + r.matrix[i][3] * p[3] end
+    local error = relative(ylm.sh.rotate(ylm.sh.eval(128, p), r), ylm.sh.eval(128, moved))
+    assert(error < 1e-13, error)
   end)
 
   it("is orthogonal and composes, to degree 60", function()

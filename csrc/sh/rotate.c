@@ -92,8 +92,6 @@ static const ylm__rotate_kernels *choose_kernels(void) {
 /* -- the plan ------------------------------------------------------------------------------------
  */
 
-static int class_of(int m) { return (m & 1) * 2 + (m < 0); }
-
 /* Writes J of degree l in class order: for each class its columns, rows in the partner class. */
 static void pack(int l, const double *dense, double *packed) {
   int n = 2 * l + 1, row = rotate_row(l);
@@ -142,14 +140,6 @@ void ylm_sh_rotator_free(ylm_sh_rotator *p) {
   ylm_free(p);
 }
 
-/* J couples classes only: what the recurrence leaves elsewhere is rounding. */
-static void clean(int l, double *dense) {
-  int n = 2 * l + 1;
-  for (int q = -l; q <= l; q++)
-    for (int m = -l; m <= l; m++)
-      if (class_partner(l, class_of(m)) != class_of(q)) dense[(q + l) * n + (m + l)] = 0;
-}
-
 ylm_status ylm_sh_rotator_create(int lmax, ylm_sh_rotator **out, ylm_error *e) {
   *out = NULL;
   if (lmax < 0 || lmax > YLM_SH_ROTATE_LMAX)
@@ -177,14 +167,12 @@ ylm_status ylm_sh_rotator_create(int lmax, ylm_sh_rotator **out, ylm_error *e) {
   p->panels_f = ylm_alloc(panels, sizeof(float));
   p->packed_d = ylm_alloc_zero(packed, sizeof(double));
   p->packed_f = ylm_alloc_zero(packed, sizeof(float));
-  static const double x90[9] = {1, 0, 0, 0, 0, -1, 0, 1, 0};
   if (!p->dense || !p->dense_at || !p->packed_at || !p->packed_d || !p->packed_f || !p->panel_at ||
-      !p->panels_d || !p->panels_f || ylm_sh_rotation_reference(x90, lmax, p->dense) != YLM_OK) {
+      !p->panels_d || !p->panels_f || ylm__sh_quarter_turns(lmax, p->dense) != YLM_OK) {
     ylm_sh_rotator_free(p);
     return YLM_ENOMEM;
   }
   for (int l = 0; l <= lmax; l++) {
-    clean(l, p->dense + p->dense_at[l]);
     pack(l, p->dense + p->dense_at[l], p->packed_d + p->packed_at[l]);
     if (p->kernels)
       pack_panels(l, p->kernels->panel, p->dense + p->dense_at[l], p->panels_d + p->panel_at[l]);
@@ -214,7 +202,22 @@ static double departure(const double r[9], double d[6]) {
   return worst;
 }
 
+/* Is r one of the cube's 24 rotations to twice the rounding of 1? Then *out is that one. Products
+   of sines and cosines of quarter turns, axes along diagonals and unit quaternions are no further
+   off. */
+static bool snap(const double r[9], double out[9]) {
+  double m[9], d[6];
+  for (int i = 0; i < 9; i++) {
+    m[i] = fabs(r[i]) <= 4.5e-16 ? 0 : r[i] < 0 ? -1 : 1;
+    if (!(fabs(r[i] - m[i]) <= 4.5e-16)) return false;
+  }
+  if (departure(m, d) != 0 || determinant(m) != 1) return false;
+  memcpy(out, m, sizeof m);
+  return true;
+}
+
 ylm_status ylm_sh_rotation_check(const double r[9], double out[9], ylm_error *e) {
+  if (snap(r, out)) return YLM_OK;
   double d[6], m[9], worst = departure(r, d);
   if (!(worst < 1e-5)) {
     for (int i = 0; i < 9; i++)

@@ -49,6 +49,9 @@ static inline int class_columns(int l, int c) {
   default: return (l + 1) / 2; /* CO, SO: m = 1, 3 .. */
   }
 }
+/* The class that coefficient m belongs to. */
+static inline int class_of(int m) { return (m & 1) * 2 + (m < 0); }
+
 /* The class that J takes to class c at degree l: an involution. */
 static inline int class_partner(int l, int c) {
   static const int even[4] = {0, 2, 1, 3}, odd[4] = {3, 1, 2, 0};
@@ -88,6 +91,9 @@ typedef struct ylm__rotate_kernels {
   void (*apply_d)(const ylm__rotate_batch *b, int lmax, size_t rows, const double *in, double *out);
   int panel; /* rows of J in a panel */
 } ylm__rotate_kernels;
+
+/* J of degrees 0 .. lmax, one after the other, [2l+1][2l+1] row-major: quarter.c. YLM_ENOMEM. */
+ylm_status ylm__sh_quarter_turns(int lmax, double *blocks);
 
 struct ylm_sh_rotator {
   int lmax;

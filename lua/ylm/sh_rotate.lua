@@ -145,7 +145,7 @@ end
 
 local rotate_options = {
   { "method", "choice", of = { "fast", "reference" }, default = "fast",
-    about = "reference: the recurrence of Ivanic & Ruedenberg, slow" },
+    about = "reference: the recurrence of Ivanic & Ruedenberg, slow; it is 1e-14 off at degree 64, 1e-8 at 128" },
   args.threads, { "out", "array", optional = true, about = "the array to be written and returned; may be c" },
   args.progress,
 }
@@ -178,7 +178,7 @@ end
 
 describe "sh.rotate" {
   about = "Turns functions given by coefficients: the result at s is the argument at R^-1 s.\n"
-    .. "Identity, quarter and half turns about the axes are exact.",
+    .. "Identity, quarter and half turns about the axes and their products are exact.",
   arguments = {
     { "c", "array|table", "[..][(lmax+1)^2], lmax up to 128" },
     { "rotation", "table|array|sh_rotation",
