@@ -86,12 +86,13 @@ static double *node_table(int lmax, int nodes, double **weights) {
   return memory;
 }
 
-ylm_status ylm__gaunt_create(int lmax, ylm__gaunt **out, ylm_error *e) {
+ylm_status ylm__gaunt_create(int lmax, int top, ylm__gaunt **out, ylm_error *e) {
   *out = NULL;
-  if (lmax > 30)
-    return ylm_fail(e, YLM_ELIMIT, "tables of integrals are made up to lmax 30, got %d", lmax);
-  int nodes = 3 * lmax / 2 + 1;
-  double *weights, *table = node_table(lmax, nodes, &weights),
+  if (top > 30)
+    return ylm_fail(e, YLM_ELIMIT, "tables of integrals are made up to degree 30, needed is %d",
+                    top);
+  int nodes = (lmax + 2 * top) / 2 + 1;
+  double *weights, *table = node_table(top, nodes, &weights),
                    *pair = ylm_alloc((size_t)nodes, sizeof *pair);
   ylm__gaunt *g = ylm_alloc_zero(1, sizeof *g);
   size_t ni = 0, nj = 0, nf = 0, nk = 0, nv = 0, ri = 0, rj = 0, rf = 0, rk = 0, rv = 0;
@@ -99,14 +100,14 @@ ylm_status ylm__gaunt_create(int lmax, ylm__gaunt **out, ylm_error *e) {
 #define ROW(l, m) (table + ((size_t)((l) * ((l) + 1) / 2 + ((m) < 0 ? -(m) : (m)))) * (size_t)nodes)
   for (int l1 = 0; l1 <= lmax; l1++)
     for (int m1 = -l1; m1 <= l1; m1++)
-      for (int l2 = l1; l2 <= lmax; l2++)
+      for (int l2 = l1; l2 <= top; l2++)
         for (int m2 = l2 == l1 ? m1 : -l2; m2 <= l2; m2++) {
           size_t before = nk;
           const double *a = ROW(l1, m1), *b = ROW(l2, m2);
           for (int h = 0; h < nodes; h++) pair[h] = a[h] * b[h] * weights[h];
           int am1 = m1 < 0 ? -m1 : m1, am2 = m2 < 0 ? -m2 : m2,
               difference = am1 > am2 ? am1 - am2 : am2 - am1;
-          for (int l3 = l2 - l1; l3 <= l1 + l2 && l3 <= lmax; l3 += 2)
+          for (int l3 = l2 - l1; l3 <= l1 + l2 && l3 <= top; l3 += 2)
             for (int which = 0; which < 4; which++) { /* m3 = +-(m1 + m2), +-|m1 - m2| */
               int m3 = which & 2 ? difference : am1 + am2;
               if (m3 > l3 || ((which & 2) && difference == am1 + am2) || ((which & 1) && m3 == 0))

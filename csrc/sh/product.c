@@ -206,9 +206,6 @@ ylm_status ylm_sh_product_create(int lmax, int factors, ylm_sh_product_method me
       (unsigned)inner >= YLM_SH_PRODUCT_METHOD_COUNT)
     return ylm_fail(e, YLM_EINVAL, "no such method");
   if (method == YLM_SH_PRODUCT_auto) method = best(lmax, factors);
-  if (method == YLM_SH_PRODUCT_gaunt && factors != 2)
-    return ylm_fail(e, YLM_EINVAL,
-                    "method 'gaunt' multiplies two factors; 'recursive' or 'brute' take more");
   if (method == YLM_SH_PRODUCT_recursive && inner == YLM_SH_PRODUCT_recursive)
     return ylm_fail(e, YLM_EINVAL, "the steps of 'recursive' need another method");
   ylm_sh_product *p = ylm_alloc_zero(1, sizeof *p);
@@ -219,7 +216,9 @@ ylm_status ylm_sh_product_create(int lmax, int factors, ylm_sh_product_method me
   p->kernels = ylm__product_kernels_now();
   ylm_status s = YLM_OK;
   switch (method) {
-  case YLM_SH_PRODUCT_gaunt: s = ylm__gaunt_create(lmax, &p->gaunt, e); break;
+  case YLM_SH_PRODUCT_gaunt:
+    s = ylm__gaunt_create(lmax, product_gaunt_top(lmax, factors), &p->gaunt, e);
+    break;
   case YLM_SH_PRODUCT_fourier: s = ylm__fourier_create(lmax, factors, &p->fourier, e); break;
   case YLM_SH_PRODUCT_brute: s = ylm__brute_create(lmax, factors, &p->brute, e); break;
   case YLM_SH_PRODUCT_recursive:
@@ -298,6 +297,38 @@ static void plain_f(const ylm_sh_product *p, const float *const *c, float *out, 
   for (size_t i = 0; i < count; i++) out[i] = (float)scratch[i];
 }
 
+/* Two factors of a degree for which there are generated kernels. */
+static bool low_gaunt(const ylm_sh_product *p) {
+  return p->method == YLM_SH_PRODUCT_gaunt && p->factors == 2 && p->lmax <= PRODUCT_GAUNT_LOW;
+}
+
+/* One factor after the other, by the tables; exact, because the partial product keeps every degree
+ * that can still reach the result. */
+#define CHAIN(S, T)                                                                                \
+  static void chain_##S(const ylm_sh_product *p, const T *const *c, T *out, T *scratch) {          \
+    size_t size = ylm_sh_count(p->lmax) * sizeof(T);                                               \
+    if (p->factors == 2) {                                                                         \
+      memset(out, 0, size);                                                                        \
+      ylm__gaunt_##S(p->gaunt, c[0], c[1], out);                                                   \
+      return;                                                                                      \
+    }                                                                                              \
+    size_t wide = ylm_sh_count(product_gaunt_top(p->lmax, p->factors));                            \
+    T *product = scratch, *next = product + wide, *factor = next + wide;                           \
+    memset(scratch, 0, 3 * wide * sizeof(T));                                                      \
+    memcpy(product, c[0], size);                                                                   \
+    for (int i = 1; i < p->factors; i++) {                                                         \
+      memcpy(factor, c[i], size);                                                                  \
+      memset(next, 0, wide * sizeof(T));                                                           \
+      ylm__gaunt_##S(p->gaunt, product, factor, next);                                             \
+      T *swap = product;                                                                           \
+      product = next;                                                                              \
+      next = swap;                                                                                 \
+    }                                                                                              \
+    memcpy(out, product, size);                                                                    \
+  }
+CHAIN(f, float)
+CHAIN(d, double)
+
 #define ROW(S, T, OTHER, PLAIN)                                                                    \
   static void row_##S(const ylm_sh_product *p, const T *const *c, T *out, void *scratch,           \
                       double *stage) {                                                             \
@@ -305,12 +336,10 @@ static void plain_f(const ylm_sh_product *p, const float *const *c, float *out, 
     const ylm__product_kernels *k = p->kernels;                                                    \
     switch (p->method) {                                                                           \
     case YLM_SH_PRODUCT_gaunt:                                                                     \
-      if (k && p->lmax <= PRODUCT_GAUNT_LOW) {                                                     \
+      if (k && low_gaunt(p))                                                                       \
         k->gaunt_##S(p->lmax, c[0], c[1], out);                                                    \
-        break;                                                                                     \
-      }                                                                                            \
-      memset(out, 0, size);                                                                        \
-      ylm__gaunt_##S(p->gaunt, c[0], c[1], out);                                                   \
+      else                                                                                         \
+        chain_##S(p, c, out, scratch);                                                             \
       break;                                                                                       \
     case YLM_SH_PRODUCT_fourier: ylm__fourier_##S(p->fourier, c, out, scratch, stage); break;      \
     case YLM_SH_PRODUCT_brute:                                                                     \
@@ -346,6 +375,9 @@ ROW(d, double, float, plain(p, c, out))
 static size_t scratch_of(const ylm_sh_product *p, ylm_dtype t) {
   size_t size = ylm_dtype_size(t), count = ylm_sh_count(p->lmax);
   switch (p->method) {
+  case YLM_SH_PRODUCT_gaunt:
+    return p->factors == 2 ? YLM_ALIGN
+                           : 3 * ylm_sh_count(product_gaunt_top(p->lmax, p->factors)) * size;
   case YLM_SH_PRODUCT_fourier: return ylm__fourier_scratch(p->fourier);
   case YLM_SH_PRODUCT_recursive: return 2 * count * size + YLM_ALIGN + scratch_of(p->inner, t);
   case YLM_SH_PRODUCT_quadrature: {
@@ -360,8 +392,7 @@ static size_t scratch_of(const ylm_sh_product *p, ylm_dtype t) {
 /* The number of products that the kernels do at once; 0 if they do one at a time. */
 static size_t lanes_of(const job *j) {
   const ylm__product_kernels *k = j->p->kernels;
-  bool low = j->p->method == YLM_SH_PRODUCT_gaunt && j->p->lmax <= PRODUCT_GAUNT_LOW;
-  if (!k || j->stage || !(low || j->p->method == YLM_SH_PRODUCT_quadrature)) return 0;
+  if (!k || j->stage || !(low_gaunt(j->p) || j->p->method == YLM_SH_PRODUCT_quadrature)) return 0;
   return (size_t)(j->t == YLM_DOUBLE ? k->lanes_d : k->lanes_f);
 }
 

@@ -51,6 +51,10 @@ struct ylm_sh_product {
   ylm_sh_product *inner; /* of the recursive approximation: two factors */
 };
 
+/* The degree to which the sparse tables carry a product of k factors: after j of them, degrees
+ * above (k - j + 1) lmax can no longer reach the result. */
+static inline int product_gaunt_top(int lmax, int factors) { return (factors + 1) / 2 * lmax; }
+
 /* Rows of l's padded for a vector store. */
 static inline int product_padded(int n, int lanes) { return (n + lanes - 1) / lanes * lanes; }
 /* Degrees l <= lmax with l - m even (parity 0) or odd (1). */
@@ -115,7 +119,8 @@ PRODUCT_ISAS(X)
 /* The vector kernels in use; NULL for the plain forms. */
 const ylm__product_kernels *ylm__product_kernels_now(void);
 
-ylm_status ylm__gaunt_create(int lmax, ylm__gaunt **out, ylm_error *e);
+/* Integrals of Y_i Y_j Y_k, i to degree lmax, j and k to degree top >= lmax. */
+ylm_status ylm__gaunt_create(int lmax, int top, ylm__gaunt **out, ylm_error *e);
 void ylm__gaunt_free(ylm__gaunt *g);
 size_t ylm__gaunt_count(const ylm__gaunt *g);
 void ylm__gaunt_f(const ylm__gaunt *g, const float *a, const float *b, float *out);

@@ -31,7 +31,8 @@ local methods = { "auto", "gaunt", "fourier", "quadrature", "brute", "recursive"
 
 local product_options = {
   { "method", "choice", of = methods, default = "auto",
-    about = "auto: the fastest for the size. All are exact but 'recursive', which cuts off after every multiplication" },
+    about = "auto: the fastest for the size. All are exact but 'recursive', which cuts off after every multiplication. "
+      .. "'gaunt': (k+1)/2 lmax, rounded down to a multiple of lmax, is at most 30 for k factors" },
   { "inner", "choice", of = { "auto", "gaunt", "fourier", "quadrature", "brute" }, default = "auto",
     about = "what the steps of 'recursive' are done by" },
   { "stages", "boolean", default = false,
@@ -120,7 +121,7 @@ describe "sh.product_method" {
     { "method?", "string", "default 'auto'" },
   },
   returns = { { "method", "string", "" },
-    { "integrals", "integer", "of Y_i Y_j Y_k with i <= j, any k; 0 if the method uses none" } },
+    { "integrals", "integer", "of Y_i Y_j Y_k with i <= j, any k, that the method's table holds; 0 if it uses none" } },
   errors = "raises where the sizes are out of range, or the method does not do them",
   example = [[
 local method, integrals = ylm.sh.product_method(2, 2, "gaunt")
