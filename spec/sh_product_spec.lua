@@ -123,7 +123,7 @@ describe("ylm.sh.product", function()
     end
   end)
 
-  it("carries sparse tables through as many factors as reach degree 30, and says so beyond", function()
+  it("carries sparse tables through as many factors as reach degree 30", function()
     for _, case in ipairs { { 3, 15 }, { 4, 9 }, { 5, 6 }, { 6, 4 }, { 7, 3 }, { 16, 1 } } do
       local k, lmax = case[1], case[2]
       local factors = {}
@@ -132,9 +132,6 @@ describe("ylm.sh.product", function()
       assert(relative(multiply(factors, { method = "gaunt" }), q) < 1e-12, k .. " factors, seed " .. seed)
       assert(relative(multiply(factors, { method = "gaunt", dtype = "float" }), q) < 1e-5, k .. " factors, seed " .. seed)
     end
-    local c = ylm.zeros({ 17 ^ 2 }, "double")
-    local ok, message = pcall(ylm.sh.product, c, c, c, { method = "gaunt" })
-    assert(not ok and message:find("up to degree 30, needed is 32", 1, true), message)
   end)
 
   it("agrees between its methods to n = 20, and with a rule for more factors", function()

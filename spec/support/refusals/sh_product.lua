@@ -19,7 +19,10 @@ return {
       says = "'ylm irradiance' does not fit to 'ylm'" },
     { call = function(ylm) return ylm.sh.product(c, c, { method = "fft" }) end, says = "method must be one of" },
     { call = function(ylm) return ylm.sh.product(c, c, { metod = "auto" }) end, says = "did you mean 'method'" },
-    { call = function(ylm) return ylm.sh.product(c, c, c, { method = "gaunt" }) end, says = "'gaunt' multiplies two" },
+    { call = function(ylm)
+      local wide = ylm.zeros { 17 ^ 2 }
+      return ylm.sh.product(wide, wide, wide, { method = "gaunt" })
+    end, says = "up to degree 30, needed is 32" },
     { call = function(ylm)
       local big = ylm.zeros { 400 }
       return ylm.sh.product(big, big, big, { method = "brute" })
@@ -48,7 +51,7 @@ return {
     { call = function(ylm) return ylm.sh.product_method(1e6, 2) end, says = "lmax must be an integer" },
     { call = function(ylm) return ylm.sh.product_method(2, 17) end, says = "factors must be an integer from 2 to 16" },
     { call = function(ylm) return ylm.sh.product_method(2, 2, "x") end, says = "one of 'auto'.*got 'x'" },
-    { call = function(ylm) return ylm.sh.product_method(40, 2, "gaunt") end, says = "up to lmax 30, got 40" },
+    { call = function(ylm) return ylm.sh.product_method(40, 2, "gaunt") end, says = "up to degree 30, needed is 40" },
   },
   ["sh.transfer"] = {
     { call = function(ylm) return ylm.sh.transfer(nil, 2) end, says = "got nil" },
