@@ -37,15 +37,25 @@ local function layout(v, width, height)
   return l
 end
 
+--- Words on the picture; where the scene may lie behind them, on a plate of the background's colour.
+local function words(v, canvas, text, x, y, style)
+  if v.camera then
+    local w, h = picture.text(nil, text, 0, 0, style)
+    local pad, c = math.floor(style.size * 0.4), v.theme.background
+    core.canvas_rectangle(canvas, x - pad, y - pad, w + 2 * pad, h + 2 * pad, { c[1], c[2], c[3], 0.7 })
+  end
+  picture.text(canvas, text, x, y, style)
+end
+
 --- Titles, captions, bars and labels over a drawn scene.
 local function annotate(v, canvas, l, without_caption)
   local _, height = core.canvas_size(canvas)
   if l.title then
-    picture.text(canvas, v.title, l.margin, l.title, { size = math.floor(l.font * 1.35), bold = true,
+    words(v, canvas, v.title, l.margin, l.title, { size = math.floor(l.font * 1.35), bold = true,
       colour = v.theme.text })
   end
   if l.caption and not without_caption then
-    picture.text(canvas, l.caption_text, l.margin, l.caption, { size = l.font, colour = v.theme.dim })
+    words(v, canvas, l.caption_text, l.margin, l.caption, { size = l.font, colour = v.theme.dim })
   end
   v.drawn_bars = {}
   local room = l.bottom - l.top - 2 * l.margin
