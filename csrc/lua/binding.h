@@ -26,6 +26,9 @@
 #define YLML_CORE_BINDINGS(X)                                                                      \
   X(array)                                                                                         \
   X(figure)                                                                                        \
+  X(figure_canvas)                                                                                 \
+  X(figure_numbers)                                                                                \
+  X(figure_volume)                                                                                 \
   X(array_file)                                                                                    \
   X(grid)                                                                                          \
   X(light)                                                                                         \

@@ -37,6 +37,26 @@ static inline void ylmL_numbers(lua_State *L, int i, int n, double *out) {
   }
 }
 
+/* Cells from i on: origin, size, level | nil, drawn | nil, corner | nil. */
+static inline ylm_figure_cells ylmL_cells(lua_State *L, int i) {
+  ylm_figure_cells c = {0, NULL, NULL, NULL, NULL, NULL};
+  c.origin = ylmL_doubles(L, i, 3, &c.n);
+  c.size = ylmL_doubles_of(L, i + 1, 3, c.n);
+  c.level = ylmL_doubles_of(L, i + 2, 1, c.n);
+  c.drawn = ylmL_doubles_of(L, i + 3, 1, c.n);
+  c.corner = ylmL_doubles_of(L, i + 4, 8, c.n);
+  return c;
+}
+
+/* Pushes {x0, y0, z0, x1, y1, z1}. */
+static inline void ylmL_push_bounds(lua_State *L, const double b[6]) {
+  lua_createtable(L, 6, 0);
+  for (int i = 0; i < 6; i++) {
+    lua_pushnumber(L, b[i]);
+    lua_rawseti(L, -2, i + 1);
+  }
+}
+
 /* The scale at i, i+1, i+2, i+3: map name, least, largest, logarithmic. */
 static inline ylm_figure_scale ylmL_scale(lua_State *L, int i) {
   ylm_figure_scale s = {luaL_checkstring(L, i), (double)luaL_checknumber(L, i + 1),
