@@ -3,11 +3,13 @@
 local core = require "ylm.c.core"
 local ylm = require "ylm"
 local numbers = require "spec.support.random"
+local bakes = require "spec.support.bakes"
 local device = require "spec.support.gpu"
 
 local chosen, missing = device.choose()
 
 local random, points_in = numbers.minimal, numbers.points_in
+local cells_of, same_cells, same_points = bakes.cells_of, bakes.same_cells, bakes.same_points
 
 local box = { { -1, -1, -1 }, { 1, 1, 1 } }
 local floor_points = points_in(400, { -1, -1, -1 }, { 1, -0.9, 1 }, 7)
@@ -22,61 +24,6 @@ local function lamps_of(n)
   end
   at[1], radii[1] = { -1, -1, -1 }, 0.1
   return ylm.sphere_lights { at = at, radius = radii, radiance = colours }
-end
-
---- Cells by "x y z size": { leaf, error }.
-local function cells_of(grid)
-  local cells, out, n = grid:cells(), {}, 0
-  local size, origin, level = cells.size:totable(), cells.origin:totable(), cells.level:totable()
-  local leaf, metric = cells.leaf:totable(), cells.error:totable()
-  for i = 1, #origin do
-    local o = origin[i]
-    out[("%.9g %.9g %.9g %d"):format(o[1], o[2], o[3], level[i])] = { leaf = leaf[i] == 1, error = metric[i], size = size[i] }
-    n = n + 1
-  end
-  return out, n
-end
-
---- Asserts that cells which both grids have are split in both or in neither, unless their error is within 1e-4 of the
--- threshold, and that errors agree. Returns the number of cells compared, and of those that may differ.
-local function same_cells(here, there, threshold)
-  local a, b = cells_of(here), cells_of(there)
-  local n, close = 0, 0
-  for key, x in pairs(a) do
-    local y = b[key]
-    if y then
-      n = n + 1
-      if x.error == x.error then
-        assert(math.abs(x.error - y.error) <= 2e-5 * math.abs(x.error), ("%s: %.9g, not %.9g"):format(key, y.error, x.error))
-      else assert(y.error ~= y.error, key) end
-      if x.leaf ~= y.leaf then
-        close = close + 1
-        assert(threshold and math.abs(x.error - threshold) < 1e-4 * threshold,
-          ("cell %s: error %.9g, %s"):format(key, x.error, x.leaf and "split on the device alone" or "not split on the device"))
-      end
-    end
-  end
-  return n, close
-end
-
---- Asserts that evaluated points which both grids have hold the same, relative to the norm of a row.
-local function same_points(here, there, bound)
-  local a, b = here:points(), there:points()
-  local row = {}
-  for i, p in ipairs(b.position:totable()) do row[("%.9g %.9g %.9g"):format(p[1], p[2], p[3])] = i end
-  local n = 0
-  for i, p in ipairs(a.position:totable()) do
-    local k = row[("%.9g %.9g %.9g"):format(p[1], p[2], p[3])]
-    if k and a.interpolated:get(i) == 0 then
-      n = n + 1
-      for _, key in ipairs { "value", "gradient" } do
-        local _, e, norm = core.array_distance(b[key][k], a[key][i])
-        assert(e <= bound * norm, ("%s of point %d: %g"):format(key, i, e / norm))
-      end
-      assert.equal(a.invalid:get(i), b.invalid:get(k))
-    end
-  end
-  return n
 end
 
 describe("baking on a device", function()

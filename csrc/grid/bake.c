@@ -491,8 +491,7 @@ static ylm_status bake(baker *b) {
   return b->g->view.form.tolerance > 0 ? ylm__grid_bake_tolerance(b) : bake_threshold(b);
 }
 
-/* What is wrong with a source, if anything. */
-static ylm_status check_source(const ylm_grid_source *s, bool dynamic, ylm_error *e) {
+ylm_status ylm__grid_check_source(const ylm_grid_source *s, bool dynamic, ylm_error *e) {
   size_t bad;
   if (!s->field || !s->field->evaluate) return ylm_fail(e, YLM_EINVAL, "no light field");
   if (dynamic && !s->lights)
@@ -525,7 +524,7 @@ ylm_status ylm_grid_bake(const ylm_grid_form *form, const ylm_grid_source *sourc
   double begin = ylm_seconds();
   *out = NULL;
   ylm_status s = ylm__grid_check_form(form, e);
-  if (s == YLM_OK) s = check_source(source, form->dynamic, e);
+  if (s == YLM_OK) s = ylm__grid_check_source(source, form->dynamic, e);
   if (s != YLM_OK) return s;
   baker b = {.g = ylm__grid_new(form), .source = source, .e = e};
   s = b.g ? YLM_OK : YLM_ENOMEM;

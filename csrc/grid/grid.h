@@ -53,6 +53,8 @@ typedef struct grid_birth {
 ylm_grid *ylm__grid_new(const ylm_grid_form *form);
 /* Checks what can be checked of a form; the sentence names the field. */
 ylm_status ylm__grid_check_form(const ylm_grid_form *form, ylm_error *e);
+/* The same of a source. */
+ylm_status ylm__grid_check_source(const ylm_grid_source *s, bool dynamic, ylm_error *e);
 /* Room for `more` cells or points beyond those there are. */
 ylm_status ylm__grid_reserve_cells(ylm_grid *g, size_t more);
 ylm_status ylm__grid_reserve_points(ylm_grid *g, size_t more);

@@ -244,6 +244,46 @@ YLM_API void ylm_grid_box(const ylm_grid *g, size_t cell, double out[6]);
 */
 YLM_API uint32_t ylm_grid_locate(const ylm_grid *g, const double p[3], bool finest, bool *outside);
 
+/* -- octrees that were refined elsewhere: assemble.c --------------------------- */
+
+/* Where the cells and points of a grid in the making are written. */
+typedef struct ylm_grid_parts {
+  ylm_grid_cell *cell;
+  uint32_t *lattice; /* [points][3] */
+  size_t stride;     /* of `data` */
+  float *data;       /* [points][4][stride]: value and gradient at the lattice position itself */
+  float *lambda, *norm;
+  uint8_t *flags; /* [points] YLM_GRID_POINT_INVALID or 0 */
+} ylm_grid_parts;
+
+/*
+** ylm_grid_begin, _room, _end - a grid whose octree somebody else refines (csrc/vulkan does) and
+** whose points he evaluates, by the rules of ylm_grid_bake; ylm_grid_end does what follows: points
+** in lights, continuity, counts.
+**
+** Of a cell he writes origin, level, child, error, corner and the flags LEAF, OCCUPIED, CROSSED;
+** cells 0 .. n-1 are an octree: parents before their children. Corners are YLM_GRID_NONE where a
+** cell is not occupied; others that were evaluated for its neighbours are found here. Room may be
+** asked for more than once: what was written is kept, at another address. Stats are written by
+** way of ylm_grid_stats_of; those that can be counted are counted by ylm_grid_end.
+**
+** ylm_grid_begin   as ylm_grid_bake checks its arguments; only for adaptive grids that are not
+**                  dynamic (YLM_EINVAL). The caller frees the grid where anything fails.
+** ylm_grid_room    YLM_ENOMEM, YLM_ELIMIT
+** ylm_grid_end     YLM_EINVAL where the cells are no octree or its corners are not where they
+*should
+**                  be, YLM_ENOMEM
+*/
+YLM_API ylm_status ylm_grid_begin(const ylm_grid_form *form, const ylm_grid_source *source,
+                                  ylm_grid **g, ylm_error *e);
+YLM_API ylm_status ylm_grid_room(ylm_grid *g, size_t cells, size_t points, ylm_grid_parts *parts,
+                                 ylm_error *e);
+YLM_API ylm_status ylm_grid_end(ylm_grid *g, const ylm_grid_source *source, size_t cells,
+                                size_t points, ylm_error *e);
+YLM_API ylm_grid_stats *ylm_grid_stats_of(ylm_grid *g);
+/* The voxel of the finest lattice that holds p, outside the nearest one; true if p was inside. */
+YLM_API bool ylm_grid_voxel(const ylm_grid *g, const double p[3], uint32_t voxel[3]);
+
 /* -- sampling ---------------------------------------------------------------- */
 
 typedef enum ylm_grid_interpolation {

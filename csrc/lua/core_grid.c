@@ -1,28 +1,17 @@
 /* core_grid.c - ylm.grid: baking, sampling, looking inside, files. Methods are in lua/ylm/grid.lua.
  */
-#include "binding.h"
+#include "binding_grid.h"
 
 #include <math.h>
 #include <string.h>
 
-#include "ylm_grid.h"
-
-#define GRID "ylm.grid"
+#define GRID YLM_GRID_TYPE
 
 static ylm_grid *check_grid(lua_State *L, int i) {
   ylm_grid **g = ylmL_check(L, i, GRID);
   if (!*g) luaL_argerror(L, i, "the grid has been closed");
   if (ylm_grid_updating(*g)) luaL_argerror(L, i, "the grid is being updated");
   return *g;
-}
-
-/* A grid object that holds nothing yet, on the stack. */
-static ylm_grid **push_empty(lua_State *L) {
-  ylm_grid **g = lua_newuserdata(L, sizeof *g);
-  *g = NULL;
-  luaL_getmetatable(L, GRID);
-  lua_setmetatable(L, -2);
-  return g;
 }
 
 static const ylm_field *field_of(void *object) {
@@ -138,46 +127,6 @@ static ylm_status lua_field_evaluate(const ylm_field *base, const ylm_field_quer
 
 /* -- baking ---------------------------------------------------------------------------------- */
 
-static double number(lua_State *L, int table, const char *name) {
-  lua_getfield(L, table, name);
-  double x = luaL_checknumber(L, -1);
-  lua_pop(L, 1);
-  return x;
-}
-
-/* Numbers 1 .. n of list `name` in the table. */
-static void list(lua_State *L, int table, const char *name, int n, double *out) {
-  lua_getfield(L, table, name);
-  luaL_checktype(L, -1, LUA_TTABLE);
-  for (int i = 0; i < n; i++) {
-    lua_rawgeti(L, -1, i + 1);
-    out[i] = luaL_checknumber(L, -1);
-    lua_pop(L, 1);
-  }
-  lua_pop(L, 1);
-}
-
-/* The table that lua/ylm/grid.lua fills completely. */
-static ylm_grid_form read_form(lua_State *L, int i) {
-  ylm_grid_form f = {0};
-  double cells[3];
-  luaL_checktype(L, i, LUA_TTABLE);
-  f.kind = (ylm_grid_kind)(int)number(L, i, "kind");
-  list(L, i, "bounds", 6, f.bounds);
-  f.lmax = (int)number(L, i, "lmax");
-  f.channels = (int)number(L, i, "channels");
-  f.metric_channels = (int)number(L, i, "metric_channels");
-  f.depth = (int)number(L, i, "depth");
-  list(L, i, "cells", 3, cells);
-  for (int a = 0; a < 3; a++) f.cells[a] = (uint32_t)cells[a];
-  f.metric = (ylm_grid_metric)(int)number(L, i, "metric");
-  f.threshold = number(L, i, "threshold");
-  f.tolerance = number(L, i, "tolerance");
-  f.continuous = number(L, i, "continuous") != 0;
-  f.dynamic = number(L, i, "dynamic") != 0;
-  return f;
-}
-
 /* The sphere lights at `i`, or NULL. */
 static const ylm_lights *test_lights(lua_State *L, int i) {
   ylm_lights **l = ylmL_test(L, i, "ylm.lights");
@@ -191,22 +140,13 @@ static const ylm_lights *test_lights(lua_State *L, int i) {
 static int grid_bake(lua_State *L) {
   lua_settop(L, 7);
   luaL_checkstack(L, 20, "grid_bake");
-  ylm_grid_form form = read_form(L, 1);
-  ylmL_array *occupied = ylmL_array_opt(L, 3);
+  ylm_grid_form form = ylmL_grid_form(L, 1);
   ylmL_progress progress;
   lua_field own = {.base = {.self = &own, .evaluate = lua_field_evaluate}, .L = L, .index = 2};
-  ylm_grid_source source = {.seed = (uint64_t)luaL_checknumber(L, 4),
-                            .threads = (int)luaL_checknumber(L, 5),
-                            .max_points = (size_t)luaL_checknumber(L, 6),
-                            .progress = ylmL_progress_begin(L, 7, &progress)};
+  ylm_grid_source source = ylmL_grid_source(L, &progress);
   source.field = lua_isfunction(L, 2) ? &own.base : ylmL_field_check(L, 2);
   source.lights = test_lights(L, 2);
-  if (occupied) {
-    source.occupied = occupied->count / 3;
-    source.occupied_points = occupied->data;
-    source.occupied_dtype = occupied->dtype;
-  }
-  ylm_grid **g = push_empty(L);
+  ylm_grid **g = ylmL_grid_new(L);
   ylm_error e = {0};
   ylm_status s = ylm_grid_bake(&form, &source, g, &e);
   if (own.raised) return lua_error(L);
@@ -227,7 +167,8 @@ static void push_update(lua_State *L, const ylm_grid_update_stats *u) {
   COUNT(lights)
   COUNT(points)
   COUNT(exact)
-  COUNT(skipped) COUNT(added) COUNT(removed) COUNT(pairs) COUNT(verified)
+  COUNT(skipped)
+  COUNT(added) COUNT(removed) COUNT(pairs) COUNT(verified)
 #undef COUNT
       ylmL_set_number(L, "seconds", u->seconds);
   ylmL_set_number(L, "field_seconds", u->field_seconds);
@@ -347,8 +288,9 @@ static int grid_stats(lua_State *L) {
   COUNT(tested)
   COUNT(interpolated)
   COUNT(cells)
-  COUNT(leaves) COUNT(occupied) COUNT(continuity) COUNT(levels) COUNT(pairs) COUNT(invalid)
-      COUNT(outside) COUNT(bytes)
+  COUNT(leaves)
+  COUNT(occupied) COUNT(continuity) COUNT(levels) COUNT(pairs) COUNT(invalid) COUNT(outside)
+      COUNT(bytes)
 #undef COUNT
           ylmL_set_number(L, "seconds", s->seconds);
   ylmL_set_number(L, "field_seconds", s->field_seconds);
@@ -543,7 +485,7 @@ static int grid_write(lua_State *L) {
 
 static int grid_read(lua_State *L) {
   ylm_error e = {0};
-  ylm_grid **g = push_empty(L);
+  ylm_grid **g = ylmL_grid_new(L);
   ylm_status s = ylm_grid_read(luaL_checkstring(L, 1), g, &e);
   if (s == YLM_OK) ylmL_charge(L, ylm_grid_look(*g)->stats->bytes);
   return ylmL_result(L, 1, s, &e);
@@ -565,7 +507,7 @@ static int grid_decode(lua_State *L) {
   ylm_error e = {0};
   size_t size;
   const char *data = luaL_checklstring(L, 1, &size);
-  ylm_grid **g = push_empty(L);
+  ylm_grid **g = ylmL_grid_new(L);
   return ylmL_result(L, 1, ylm_grid_decode((const unsigned char *)data, size, "grid", g, &e), &e);
 }
 

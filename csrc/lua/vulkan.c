@@ -131,6 +131,13 @@ static int gpu_lose(lua_State *L) {
   return 0;
 }
 
+/* gpu_shrink(gpu, memory bytes | 0, bytes that kernels see | 0, without double): for specs */
+static int gpu_shrink(lua_State *L) {
+  ylm_gpu_shrink(ylmL_gpu_check(L, 1), (uint64_t)luaL_checknumber(L, 2),
+                 (uint64_t)luaL_checknumber(L, 3), lua_toboolean(L, 4));
+  return 0;
+}
+
 /* gpu_blunder(gpu): something for the validation layer to complain about; for specs */
 static int gpu_blunder(lua_State *L) {
   ylm_gpu_blunder(ylmL_gpu_check(L, 1));
@@ -194,11 +201,19 @@ static int gpu_spin(lua_State *L) {
   return ylmL_result_progress(L, 2, s, &e, &progress);
 }
 
-static const luaL_Reg functions[] = {
-    {"gpu_devices", devices}, {"gpu_open", gpu_open}, {"gpu_close", gpu_close},
-    {"gpu_state", gpu_state}, {"gpu_info", gpu_info}, {"gpu_messages", gpu_messages},
-    {"gpu_used", gpu_used},   {"gpu_lose", gpu_lose}, {"gpu_blunder", gpu_blunder},
-    {"gpu_peak", gpu_peak},   {"gpu_spin", gpu_spin}, {NULL, NULL}};
+static const luaL_Reg functions[] = {{"gpu_devices", devices},
+                                     {"gpu_open", gpu_open},
+                                     {"gpu_close", gpu_close},
+                                     {"gpu_state", gpu_state},
+                                     {"gpu_info", gpu_info},
+                                     {"gpu_messages", gpu_messages},
+                                     {"gpu_used", gpu_used},
+                                     {"gpu_lose", gpu_lose},
+                                     {"gpu_shrink", gpu_shrink},
+                                     {"gpu_blunder", gpu_blunder},
+                                     {"gpu_peak", gpu_peak},
+                                     {"gpu_spin", gpu_spin},
+                                     {NULL, NULL}};
 
 static const luaL_Reg methods[] = {{"__gc", gpu_gc}, {NULL, NULL}};
 

@@ -1,6 +1,7 @@
 /* vulkan_light.c - sphere lights in a device's memory, an object with a light field. */
 #include "vulkan.h"
 
+#include "binding_grid.h"
 #include "ylm_light.h"
 
 #define GPU_LIGHTS "ylm.gpu_lights"
@@ -74,9 +75,32 @@ static int times(lua_State *L) {
   return 1;
 }
 
-static const luaL_Reg functions[] = {
-    {"gpu_lights_create", create}, {"gpu_lights_close", close_lights}, {"gpu_lights_info", info},
-    {"gpu_lights_on", on},         {"gpu_lights_times", times},        {NULL, NULL}};
+/*
+** gpu_grid_bake(form table, lights on a device, occupied [n][3] | nil, seed, threads, max_points,
+*progress) -> grid
+*/
+static int grid_bake(lua_State *L) {
+  lua_settop(L, 7);
+  luaL_checkstack(L, 20, "gpu_grid_bake");
+  ylm_grid_form form = ylmL_grid_form(L, 1);
+  const device_lights *d = ylmL_check(L, 2, GPU_LIGHTS);
+  if (!field_of((void *)(uintptr_t)d)) luaL_argerror(L, 2, "the lights have been closed");
+  ylmL_progress progress;
+  ylm_grid_source source = ylmL_grid_source(L, &progress);
+  ylm_grid **g = ylmL_grid_new(L);
+  ylm_error e = {0};
+  ylm_status s = ylm_gpu_grid_bake(d->on, &form, &source, g, &e);
+  if (s == YLM_OK) ylmL_charge(L, ylm_grid_look(*g)->stats->bytes);
+  return ylmL_result_progress(L, 1, s, &e, &progress);
+}
+
+static const luaL_Reg functions[] = {{"gpu_lights_create", create},
+                                     {"gpu_lights_close", close_lights},
+                                     {"gpu_lights_info", info},
+                                     {"gpu_lights_on", on},
+                                     {"gpu_lights_times", times},
+                                     {"gpu_grid_bake", grid_bake},
+                                     {NULL, NULL}};
 
 static const luaL_Reg methods[] = {{"__gc", release}, {NULL, NULL}};
 

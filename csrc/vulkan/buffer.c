@@ -26,6 +26,9 @@ ylm_status ylm_gpu_buffer_create(ylm_gpu *g, uint64_t bytes, ylm_gpu_buffer **ou
   if (bytes > g->info.memory_bytes)
     return ylm_fail(e, YLM_ENOMEM, "'%s' has %.0f MiB of memory, %.0f are needed", g->info.name,
                     (double)g->info.memory_bytes / 1048576, (double)bytes / 1048576);
+  if (g->quota && bytes > g->quota - (g->use.bytes < g->quota ? g->use.bytes : g->quota))
+    return ylm_fail(e, YLM_ENOMEM, "'%s' has no %.1f MiB of memory left", g->info.name,
+                    (double)bytes / 1048576);
   if (bytes > g->info.allocation_bytes)
     return ylm_fail(e, YLM_ELIMIT, "a buffer of '%s' has %.0f MiB at most, %.0f are needed",
                     g->info.name, (double)g->info.allocation_bytes / 1048576,

@@ -314,6 +314,12 @@ ylm_status ylm_gpu_state(const ylm_gpu *g, ylm_error *e) {
 
 void ylm_gpu_lose(ylm_gpu *g) { g->lost = true; }
 
+void ylm_gpu_shrink(ylm_gpu *g, uint64_t memory_bytes, uint64_t bind_bytes, bool narrow) {
+  if (memory_bytes) g->info.memory_bytes = g->quota = memory_bytes;
+  if (bind_bytes) g->info.bind_bytes = bind_bytes / 256 * 256;
+  if (narrow) g->info.float64 = false;
+}
+
 void ylm_gpu_blunder(ylm_gpu *g) {
   if (ylm_gpu_state(g, NULL) == YLM_OK && g->vk.messenger) ylm__gpu_barrier(g); /* not recording */
 }

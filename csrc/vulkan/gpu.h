@@ -144,6 +144,7 @@ struct ylm_gpu {
   struct ylm_gpu_buffer *buffers; /* all there are */
   struct ylm_gpu_kernel *kernels;
   uint32_t allocations;
+  uint64_t quota; /* of all buffers together, for tests; 0: none */
   ylm_gpu_use use;
   YLM_VK_DEVICE(X)
 };

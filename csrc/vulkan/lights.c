@@ -105,8 +105,7 @@ static bool forward(void *user, uint64_t done, uint64_t total, const char *stage
   return ylm_report(p->outer, p->begin + here, p->all, "lights") == YLM_OK;
 }
 
-/* Adds the wall time of a copy since `start` to a stage of the object's times. */
-static void add_copy(ylm_gpu_lights *l, const char *name, double start) {
+void ylm__lights_copied(ylm_gpu_lights *l, const char *name, double start) {
   ylm_gpu_times *t = &l->times;
   double seconds = ylm_seconds() - start;
   int i = 0;
@@ -146,6 +145,23 @@ static ylm_status download(const ylm_gpu_lights *l, const ylm_field_query *q, si
   return s;
 }
 
+ylm_status ylm__lights_reach(const ylm_gpu_lights *l, const sum_plan *plan,
+                             const ylm_field_query *q, size_t n, size_t other, sum_reach *r,
+                             ylm_error *e) {
+  sum_size size = ylm__sum_size(plan, q);
+  uint32_t chunks = (l->active + l->chunk - 1) / l->chunk, some = chunks < 8 ? chunks : 8;
+  size_t widest = size.widest > other ? size.widest : other;
+  r->rows = ylm_gpu_rows(l->gpu, n, widest, size.all + other + some * size.partial, PASS_BYTES);
+  if (!r->rows) return ylm_fail(e, YLM_ELIMIT, "the device has too little memory for 64 points");
+  uint64_t room = ylm_gpu_about(l->gpu)->bind_bytes;
+  if (room > PARTIAL_BYTES) room = PARTIAL_BYTES;
+  r->places = (r->rows + GROUP - 1) / GROUP * GROUP;
+  uint64_t at_once = room / (r->places * size.partial + 1);
+  if (at_once > chunks) at_once = chunks;
+  r->at_once = at_once < 1 ? 1 : (uint32_t)at_once;
+  return YLM_OK;
+}
+
 static ylm_status evaluate(const ylm_field *f, const ylm_field_query *q, size_t n,
                            const void *points, ylm_field_result *r, ylm_error *e) {
   ylm_gpu_lights *l = (ylm_gpu_lights *)(uintptr_t)f->self;
@@ -154,33 +170,26 @@ static ylm_status evaluate(const ylm_field *f, const ylm_field_query *q, size_t 
   if (s == YLM_OK) s = upload(l, q->dtype, e);
   if (s == YLM_OK) s = ylm__sum_plan_get(l, q, &plan, e);
   if (s != YLM_OK || !n) return s;
-  sum_size size = ylm__sum_size(plan, q);
-  uint32_t chunks = (l->active + l->chunk - 1) / l->chunk, some = chunks < 8 ? chunks : 8;
-  size_t rows = ylm_gpu_rows(l->gpu, n, size.widest, size.all + some * size.partial, PASS_BYTES);
-  if (!rows) return ylm_fail(e, YLM_ELIMIT, "the device has too little memory for 64 points");
-  uint64_t room = ylm_gpu_about(l->gpu)->bind_bytes;
-  if (room > PARTIAL_BYTES) room = PARTIAL_BYTES;
-  uint64_t places = (rows + GROUP - 1) / GROUP * GROUP,
-           at_once = room / (places * size.partial + 1);
-  if (at_once > chunks) at_once = chunks;
-  if (at_once < 1) at_once = 1;
+  sum_reach reach;
+  s = ylm__lights_reach(l, plan, q, n, 0, &reach, e);
+  if (s != YLM_OK) return s;
+  size_t rows = reach.rows;
   size_t point = 3 * ylm_dtype_size(q->dtype);
   for (size_t begin = 0; begin < n && s == YLM_OK; begin += rows) {
     size_t now = n - begin < rows ? n - begin : rows;
     pass_progress pass = {q->progress, begin, now, n};
     ylm_progress progress = {forward, &pass};
-    s = ylm__lights_scratch(l, BUFFER_POINTS, places * point, e);
+    s = ylm__lights_scratch(l, BUFFER_POINTS, reach.places * point, e);
     double start = ylm_seconds();
     if (s == YLM_OK)
       s = ylm_gpu_upload(l->scratch[BUFFER_POINTS], 0, now * point,
                          (const char *)points + begin * point, e);
-    add_copy(l, "upload", start);
+    ylm__lights_copied(l, "upload", start);
     if (s == YLM_OK)
-      s = ylm__sum_run(l, plan, q, (uint32_t)now, (uint32_t)at_once, q->progress ? &progress : NULL,
-                       e);
+      s = ylm__sum_run(l, plan, q, (uint32_t)now, reach.at_once, q->progress ? &progress : NULL, e);
     start = ylm_seconds();
     if (s == YLM_OK) s = download(l, q, begin, now, r, e);
-    add_copy(l, "download", start);
+    ylm__lights_copied(l, "download", start);
   }
   if (s == YLM_OK) r->pairs += (uint64_t)n * l->active;
   return s;

@@ -100,5 +100,21 @@ ylm_status ylm__sum_run(ylm_gpu_lights *l, const sum_plan *p, const ylm_field_qu
 
 /* Scratch of at least so many bytes. */
 ylm_status ylm__lights_scratch(ylm_gpu_lights *l, int which, uint64_t bytes, ylm_error *e);
+/* Whether the surfaces on which the field jumps are those of l->lights alone: then octree_split.c
+   asks the device which voxels they cross, else the field. */
+static inline bool ylm__lights_are_spheres(const ylm_gpu_lights *l) { return l->lights != NULL; }
+/* Adds the wall time of a copy since `start` to a stage of the object's times. */
+void ylm__lights_copied(ylm_gpu_lights *l, const char *name, double start);
+
+/* How many points go into a pass, the same in whole groups, and how many chunks' sums at once. */
+typedef struct sum_reach {
+  size_t rows;
+  uint64_t places;
+  uint32_t at_once;
+} sum_reach;
+/* For n points, each of which takes `other` bytes in an array of the caller. YLM_ELIMIT. */
+ylm_status ylm__lights_reach(const ylm_gpu_lights *l, const sum_plan *plan,
+                             const ylm_field_query *q, size_t n, size_t other, sum_reach *r,
+                             ylm_error *e);
 
 #endif

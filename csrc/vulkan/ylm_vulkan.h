@@ -91,6 +91,9 @@ YLM_API const ylm_gpu_info *ylm_gpu_about(const ylm_gpu *g);
 YLM_API ylm_status ylm_gpu_state(const ylm_gpu *g, ylm_error *e);
 /* Behaves from now on as if the driver had said that the device is lost (for tests). */
 YLM_API void ylm_gpu_lose(ylm_gpu *g);
+/* Behaves from now on as a device with so many bytes of memory in all, so many for a kernel to see
+   of a buffer, and without float64 (for tests). 0: as it is. */
+YLM_API void ylm_gpu_shrink(ylm_gpu *g, uint64_t memory_bytes, uint64_t bind_bytes, bool narrow);
 /* Uses the interface wrongly, for the validation layer to complain (for tests). */
 YLM_API void ylm_gpu_blunder(ylm_gpu *g);
 /* Number of warnings and errors of the validation layer so far, and the first of them ("").
@@ -270,6 +273,28 @@ YLM_API ylm_gpu *ylm_gpu_lights_device(const ylm_gpu_lights *l);
 /* Times of everything that the field has done so far, by stage; "upload" of points and "download"
    of results by the host's clock, with no dispatches. */
 YLM_API const ylm_gpu_times *ylm_gpu_lights_times(const ylm_gpu_lights *l);
+
+/* -- adaptive grids: octree.c --------------------------------------------------- */
+
+/*
+** ylm_gpu_grid_bake - ylm_grid_bake of an adaptive grid with a threshold, refined on the device.
+**
+** Occupancy, corners, their light field, the metric and what is split stay on the device; the host
+** reads counts for each level, and everything at the end. Then ylm_grid_end does what remains.
+**
+**   form    in   YLM_GRID_ADAPTIVE with a threshold, not dynamic; lmax as the lights can
+**   source  in   its field and lights are not read; shading points of either type on any device
+**   g       out  as by ylm_grid_bake with the lights' field: cells and points in the same order,
+**                cells the same but where |error - threshold| < 1e-4 threshold
+** Times     in those of the lights: "occupancy", "points" (finding corners, positions, data),
+**           those of sums, "crossing", "subdivide"; "upload" and "download" by the host's clock
+** Returns   what ylm_grid_bake returns, and ylm_gpu_run. YLM_ELIMIT: a level's voxels take 32
+**           bytes each, points 8, of what a kernel sees of a buffer
+** Results   the same to the bit each time, on the same device
+** Source    Iwasaki & Dobashi 2025, Sec. 5.1
+*/
+YLM_API ylm_status ylm_gpu_grid_bake(ylm_gpu_lights *l, const ylm_grid_form *form,
+                                     const ylm_grid_source *source, ylm_grid **g, ylm_error *e);
 
 /* -- spherical harmonics ----------------------------------------------------- */
 

@@ -129,7 +129,8 @@ local bake_options = {
   { "threads", "integer", min = 1, max = 1024, optional = true, about = "default: YLM_THREADS or all cores" },
   { "progress", "progress", optional = true, about = "called as f(done, total, stage); returning false cancels" },
   { "device", "gpu", optional = true,
-    about = "sphere lights to lmax 10 are summed there; grid.stats.stages says how long that took" },
+    about = "sphere lights to lmax 10 are summed there, adaptive grids with a threshold refined there; "
+      .. "grid.stats.stages says how long that took" },
 }
 
 --- Grid -> times by stage of the device that it was baked on.
@@ -204,7 +205,8 @@ function grid.bake(description, lights, given)
     if not on then return nil, made, failed end
   end
   local before = device_lights.times(on)
-  local baked, message, code = check.result("bake", core.grid_bake({
+  local bake = device_lights.baker(on, description) or core.grid_bake
+  local baked, message, code = check.result("bake", bake({
     kind = KIND[kind], lmax = description.lmax, depth = description.depth or 0, cells = cells,
     bounds = { box[1][1], box[1][2], box[1][3], box[2][1], box[2][2], box[2][3] },
     channels = description.channels == "rgb" and 3 or 1,

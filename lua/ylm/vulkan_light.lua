@@ -89,6 +89,12 @@ function vulkan_light.on(n, name, object, o)
   return lights, true
 end
 
+--- What bakes a grid from lights on a device, in place of core.grid_bake: adaptive grids with a threshold are refined
+-- there, level by level. Nil where the processor decides.
+function vulkan_light.baker(object, description)
+  if core.type(object) == "ylm.gpu_lights" and description.threshold then return binding().gpu_grid_bake end
+end
+
 --- Times by stage of an object on a device, less what they were before; nil for other objects.
 function vulkan_light.times(object, before)
   if core.type(object) ~= "ylm.gpu_lights" then return end

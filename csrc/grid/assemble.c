@@ -1,0 +1,123 @@
+/* assemble.c - a grid of cells and points that were found elsewhere: on a device. */
+#include "grid.h"
+
+#include <math.h>
+
+ylm_status ylm_grid_begin(const ylm_grid_form *form, const ylm_grid_source *source, ylm_grid **out,
+                          ylm_error *e) {
+  *out = NULL;
+  ylm_status s = ylm__grid_check_form(form, e);
+  if (s == YLM_OK) s = ylm__grid_check_source(source, form->dynamic, e);
+  if (s != YLM_OK) return s;
+  if (form->kind != YLM_GRID_ADAPTIVE || form->dynamic)
+    return ylm_fail(e, YLM_EINVAL, "an adaptive grid is wanted that is not dynamic");
+  *out = ylm__grid_new(form);
+  return *out ? YLM_OK : ylm_fail(e, YLM_ENOMEM, "%s", ylm_status_text(YLM_ENOMEM));
+}
+
+/* Arrays are grown by what their users have declared: so all that was written is kept. */
+ylm_status ylm_grid_room(ylm_grid *g, size_t cells, size_t points, ylm_grid_parts *parts,
+                         ylm_error *e) {
+  ylm_status s = YLM_OK;
+  if (cells > g->cells) s = ylm__grid_reserve_cells(g, cells - g->cells);
+  if (s == YLM_OK && points > g->points) s = ylm__grid_reserve_points(g, points - g->points);
+  if (s != YLM_OK)
+    return ylm_fail(e, s,
+                    s == YLM_ENOMEM ? "the grid does not fit into memory"
+                                    : "more cells or points than a grid can have");
+  if (cells > g->cells) g->cells = cells;
+  if (points > g->points) g->points = points;
+  *parts = (ylm_grid_parts){g->cell, g->lattice, g->stride, g->data, g->lambda, g->norm, g->flags};
+  return YLM_OK;
+}
+
+ylm_grid_stats *ylm_grid_stats_of(ylm_grid *g) { return &g->stats; }
+
+bool ylm_grid_voxel(const ylm_grid *g, const double p[3], uint32_t voxel[3]) {
+  double at[3];
+  bool inside = ylm__grid_coordinates(g, p, at);
+  for (int a = 0; a < 3; a++) {
+    uint32_t last = g->view.resolution[a] - 1, c = (uint32_t)at[a];
+    voxel[a] = c > last ? last : c;
+  }
+  return inside;
+}
+
+/* -- checking ------------------------------------------------------------------------------ */
+
+/* Corners of an occupied cell are points, and where they should be; others have none. */
+static bool corners_hold(const ylm_grid *g, const ylm_grid_cell *c) {
+  uint32_t edge = ylm__grid_edge(g, c);
+  for (int k = 0; k < 8; k++) {
+    uint32_t p = c->corner[k];
+    if (!(c->flags & YLM_GRID_OCCUPIED)) {
+      if (p != YLM_GRID_NONE) return false;
+      continue;
+    }
+    if (p >= g->points) return false;
+    for (int a = 0; a < 3; a++)
+      if (g->lattice[3 * (size_t)p + (size_t)a] != c->origin[a] + (k >> a & 1 ? edge : 0))
+        return false;
+  }
+  return true;
+}
+
+/* The children of cell i follow those of all cells before it, and lie where they should. */
+static bool children_hold(const ylm_grid *g, size_t i, size_t next) {
+  const ylm_grid_cell *c = &g->cell[i];
+  if (c->child != next || g->cells - next < 8 || c->level >= g->view.form.depth) return false;
+  uint32_t half = ylm__grid_edge(g, c) / 2;
+  for (uint32_t k = 0; k < 8; k++) {
+    const ylm_grid_cell *d = &g->cell[next + k];
+    if (d->level != c->level + 1) return false;
+    for (int a = 0; a < 3; a++)
+      if (d->origin[a] != c->origin[a] + (k >> a & 1 ? half : 0)) return false;
+  }
+  return true;
+}
+
+static bool octree_holds(const ylm_grid *g) {
+  const uint8_t known = YLM_GRID_LEAF | YLM_GRID_OCCUPIED | YLM_GRID_CROSSED;
+  size_t next = 1;
+  if (!g->cells || !g->points) return false;
+  const ylm_grid_cell *root = g->cell;
+  if (root->level || root->origin[0] || root->origin[1] || root->origin[2]) return false;
+  for (size_t i = 0; i < g->cells; i++) {
+    const ylm_grid_cell *c = &g->cell[i];
+    if (i >= next || c->flags & ~known || !corners_hold(g, c)) return false;
+    if (!(c->flags & YLM_GRID_LEAF) != (c->child != 0)) return false;
+    if (!c->child) continue;
+    if (!children_hold(g, i, next)) return false;
+    next += 8;
+  }
+  return next == g->cells;
+}
+
+/* -- finishing ----------------------------------------------------------------------------- */
+
+/* What a cell has that nobody wrote. */
+static void complete_cells(ylm_grid *g) {
+  for (size_t i = 0; i < g->cells; i++) {
+    g->cell[i].residual = NAN;
+    g->cell[i].source = g->cell[i].detail = 0;
+  }
+}
+
+ylm_status ylm_grid_end(ylm_grid *g, const ylm_grid_source *source, size_t cells, size_t points,
+                        ylm_error *e) {
+  if (cells > g->cells || points > g->points)
+    return ylm_fail(e, YLM_EINVAL, "no room was asked for so many cells or points");
+  g->cells = cells;
+  g->points = g->evaluated = points;
+  if (!octree_holds(g)) return ylm_fail(e, YLM_EINVAL, "the cells are no octree");
+  complete_cells(g);
+  ylm_status s = lattice_hash_reserve(&g->hash, points);
+  double t = ylm_seconds();
+  for (size_t i = 0; s == YLM_OK && i < points; i++)
+    *lattice_hash_at(&g->hash, lattice_key(g->lattice + 3 * i)) = (uint32_t)i;
+  g->stats.lattice_seconds += ylm_seconds() - t;
+  baker b = {.g = g, .source = source, .e = e};
+  if (s == YLM_OK) s = baker_finish(&b, true);
+  baker_free(&b);
+  return s == YLM_OK ? YLM_OK : ylm__grid_no_room(s, source, e);
+}

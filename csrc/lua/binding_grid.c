@@ -1,0 +1,64 @@
+/* binding_grid.c - how a bake is asked for: the form, its source, the object that is to be the
+ * grid. */
+#include "binding_grid.h"
+
+ylm_grid **ylmL_grid_new(lua_State *L) {
+  ylm_grid **g = lua_newuserdata(L, sizeof *g);
+  *g = NULL;
+  luaL_getmetatable(L, YLM_GRID_TYPE);
+  lua_setmetatable(L, -2);
+  return g;
+}
+
+static double number(lua_State *L, int table, const char *name) {
+  lua_getfield(L, table, name);
+  double x = luaL_checknumber(L, -1);
+  lua_pop(L, 1);
+  return x;
+}
+
+/* Numbers 1 .. n of list `name` in the table. */
+static void list(lua_State *L, int table, const char *name, int n, double *out) {
+  lua_getfield(L, table, name);
+  luaL_checktype(L, -1, LUA_TTABLE);
+  for (int i = 0; i < n; i++) {
+    lua_rawgeti(L, -1, i + 1);
+    out[i] = luaL_checknumber(L, -1);
+    lua_pop(L, 1);
+  }
+  lua_pop(L, 1);
+}
+
+ylm_grid_form ylmL_grid_form(lua_State *L, int i) {
+  ylm_grid_form f = {0};
+  double cells[3];
+  luaL_checktype(L, i, LUA_TTABLE);
+  f.kind = (ylm_grid_kind)(int)number(L, i, "kind");
+  list(L, i, "bounds", 6, f.bounds);
+  f.lmax = (int)number(L, i, "lmax");
+  f.channels = (int)number(L, i, "channels");
+  f.metric_channels = (int)number(L, i, "metric_channels");
+  f.depth = (int)number(L, i, "depth");
+  list(L, i, "cells", 3, cells);
+  for (int a = 0; a < 3; a++) f.cells[a] = (uint32_t)cells[a];
+  f.metric = (ylm_grid_metric)(int)number(L, i, "metric");
+  f.threshold = number(L, i, "threshold");
+  f.tolerance = number(L, i, "tolerance");
+  f.continuous = number(L, i, "continuous") != 0;
+  f.dynamic = number(L, i, "dynamic") != 0;
+  return f;
+}
+
+ylm_grid_source ylmL_grid_source(lua_State *L, ylmL_progress *progress) {
+  const ylmL_array *occupied = ylmL_array_opt(L, 3);
+  ylm_grid_source s = {.seed = (uint64_t)luaL_checknumber(L, 4),
+                       .threads = (int)luaL_checknumber(L, 5),
+                       .max_points = (size_t)luaL_checknumber(L, 6),
+                       .progress = ylmL_progress_begin(L, 7, progress)};
+  if (occupied) {
+    s.occupied = occupied->count / 3;
+    s.occupied_points = occupied->data;
+    s.occupied_dtype = occupied->dtype;
+  }
+  return s;
+}

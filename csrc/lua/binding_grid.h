@@ -1,0 +1,18 @@
+/* binding_grid.h - how a bake is asked for, of the processor or of a device: binding_grid.c,
+   compiled into every binding. */
+#ifndef YLM_LUA_BINDING_GRID_H
+#define YLM_LUA_BINDING_GRID_H
+
+#include "binding.h"
+#include "ylm_grid.h"
+
+#define YLM_GRID_TYPE "ylm.grid"
+
+/* A grid object that holds nothing yet, on the stack. */
+ylm_grid **ylmL_grid_new(lua_State *L);
+/* The table at `i`, which lua/ylm/grid.lua fills completely. */
+ylm_grid_form ylmL_grid_form(lua_State *L, int i);
+/* A source from the stack: 3 occupied [n][3] | nil, 4 seed, 5 threads, 6 max_points, 7 progress. */
+ylm_grid_source ylmL_grid_source(lua_State *L, ylmL_progress *progress);
+
+#endif

@@ -1,0 +1,177 @@
+/* octree.c - adaptive grids on a device: the loop over levels. */
+#include "octree.h"
+
+#include <math.h>
+#include <stdio.h>
+
+/* -- progress and counts ------------------------------------------------------------------- */
+
+/* Progress of some work as progress of the present stage. */
+static bool forward(void *user, uint64_t done, uint64_t total, const char *stage) {
+  const octree *t = user;
+  (void)stage;
+  uint64_t here = total ? (uint64_t)((double)t->now * (double)done / (double)total) : 0;
+  return ylm_report(t->source->progress, t->done + here, t->of, t->stage) == YLM_OK;
+}
+
+void octree_stage(octree *t, const char *stage, int level) {
+  if (stage)
+    snprintf(t->stage, sizeof t->stage, "%s", stage);
+  else
+    snprintf(t->stage, sizeof t->stage, "level %d", level);
+  t->done = t->now = 0;
+  t->of = 1;
+}
+
+ylm_status octree_counts(octree *t, uint32_t count[COUNTS]) {
+  ylm_status s = steps_run(&t->q);
+  if (s == YLM_OK) s = ylm_gpu_download(t->counts, 0, COUNTS * 4, count, t->e);
+  steps_fill(&t->q, t->counts, 0);
+  return s;
+}
+
+/* -- beginning ----------------------------------------------------------------------------- */
+
+/* Where the lattice's planes are, so that all positions are the host's to the bit. */
+static ylm_status upload_axes(octree *t) {
+  size_t n = (size_t)t->resolution + 1;
+  float *f = ylm_alloc(3 * n, 2 * sizeof *f);
+  double *d = ylm_alloc(3 * n, sizeof *d);
+  ylm_status s = f && d ? YLM_OK : ylm_fail(t->e, YLM_ENOMEM, "%s", ylm_status_text(YLM_ENOMEM));
+  for (size_t i = 0; s == YLM_OK && i < n; i++) {
+    double at[3];
+    ylm_grid_position(t->grid, (uint32_t[]){(uint32_t)i, (uint32_t)i, (uint32_t)i}, at);
+    for (size_t a = 0; a < 3; a++) {
+      size_t k = a * n + i;
+      d[k] = at[a];
+      f[2 * k] = (float)at[a];
+      f[2 * k + 1] = (float)(at[a] - (double)f[2 * k]);
+    }
+  }
+  if (s == YLM_OK) s = ylm_gpu_buffer_from(t->g, 3 * n * 2 * sizeof *f, f, &t->axes, t->e);
+  if (s == YLM_OK && ylm_gpu_about(t->g)->float64)
+    s = ylm_gpu_buffer_from(t->g, 3 * n * sizeof *d, d, &t->exact, t->e);
+  ylm_free(f);
+  ylm_free(d);
+  return s;
+}
+
+/* The root is the only voxel of level 0, and a surface may cross it. */
+static ylm_status begin_root(octree *t) {
+  static const uint32_t voxel[4] = {0, 0, 0, 0}, state = STATE_ASKED, first = 0;
+  octree_level *root = &t->level[0];
+  root->voxels = 1;
+  t->levels = 1;
+  t->asks = 1;
+  ylm_status s = ylm_gpu_buffer_from(t->g, sizeof voxel, voxel, &root->voxel, t->e);
+  if (s == YLM_OK) s = ylm_gpu_buffer_from(t->g, 4, &state, &root->state, t->e);
+  if (s == YLM_OK) s = ylm_gpu_buffer_from(t->g, 4, &first, &t->asked, t->e);
+  return s;
+}
+
+/* The lights can be asked for what the form wants, everywhere within its bounds. */
+static ylm_status check(const octree *t) {
+  const ylm_grid_form *f = &t->form;
+  ylm_field_query q = {.lmax = f->lmax,
+                       .channels = f->channels,
+                       .want = YLM_WANT_VALUE | YLM_WANT_GRADIENT | YLM_WANT_METRIC,
+                       .metric_channels = f->metric_channels,
+                       .dtype = YLM_FLOAT};
+  float none[3] = {0, 0, 0};
+  ylm_field_result r = {
+      .value = none, .gradient = none, .lambda = none, .norm = none, .inside = NULL};
+  const ylm_field *field = ylm_gpu_lights_field(t->l);
+  ylm_status s = field->evaluate(field, &q, 0, none, &r, t->e);
+  for (int i = 0; s == YLM_OK && i < 6; i++)
+    if (fabs((double)(float)f->bounds[i]) > YLM_LIGHT_EXTENT)
+      s = ylm_fail(t->e, YLM_ERANGE, "bounds: the grid reaches beyond %g", YLM_LIGHT_EXTENT);
+  return s;
+}
+
+static ylm_status begin(octree *t, const ylm_grid_form *form) {
+  const ylm_grid_source *source = t->source;
+  ylm_status s = ylm_gpu_state(t->g, t->e);
+  if (s == YLM_OK) s = ylm_grid_begin(form, source, &t->grid, t->e);
+  if (s != YLM_OK) return s;
+  if (!(form->threshold >= 0) || form->tolerance > 0)
+    return ylm_fail(t->e, YLM_EINVAL, "a threshold is wanted");
+  const ylm_grid_view *v = ylm_grid_look(t->grid);
+  t->form = *form;
+  t->stats = ylm_grid_stats_of(t->grid);
+  t->resolution = v->resolution[0];
+  t->width = (uint32_t)(v->count * form->channels);
+  t->stride = (uint32_t)v->stride;
+  t->all = !source->occupied_points;
+  t->progress = (ylm_progress){forward, t};
+  t->q = (step_queue){.g = t->g,
+                      .times = &t->l->times,
+                      .progress = source->progress ? &t->progress : NULL,
+                      .e = t->e};
+  s = check(t);
+  if (s == YLM_OK) s = ylm_gpu_buffer_create(t->g, COUNTS * 4, &t->counts, t->e);
+  if (s == YLM_OK) s = upload_axes(t);
+  if (s == YLM_OK) s = begin_root(t);
+  octree_stage(t, "occupancy", 0);
+  t->q.stage = "occupancy";
+  steps_fill(&t->q, t->counts, 0);
+  return s;
+}
+
+/* -- baking -------------------------------------------------------------------------------- */
+
+static ylm_status levels(octree *t) {
+  double start = ylm_seconds();
+  ylm_status s = octree_occupy(t);
+  t->stats->occupancy_seconds = ylm_seconds() - start;
+  for (int level = 0; s == YLM_OK && level < t->levels; level++) {
+    octree_stage(t, NULL, level);
+    s = octree_corners(t, level);
+    if (s == YLM_OK) s = octree_split(t, level);
+  }
+  if (s == YLM_OK) octree_stage(t, "download", 0);
+  return s == YLM_OK ? octree_result(t) : s;
+}
+
+/* Frees what is on the device, and the grid if nobody took it. */
+static void clean(octree *t) {
+  for (int k = 0; k < OCTREE_LEVELS; k++) {
+    octree_level *v = &t->level[k];
+    ylm_gpu_buffer *gone[] = {
+        t->occupied[k].bits, t->occupied[k].before, v->voxel, v->state, v->error, v->corner};
+    for (int i = 0; i < 6; i++) ylm_gpu_buffer_free(gone[i]);
+  }
+  for (size_t i = 0; i < t->chunks; i++) {
+    ylm_gpu_buffer_free(t->chunk[i].data);
+    ylm_gpu_buffer_free(t->chunk[i].extra);
+  }
+  ylm_free(t->chunk);
+  ylm_gpu_buffer *gone[] = {t->counts,    t->axes,      t->exact, t->asked, t->sphere,
+                            t->before[0], t->before[1], t->key,   t->ratio, t->slot};
+  for (int i = 0; i < 10; i++) ylm_gpu_buffer_free(gone[i]);
+  steps_free(&t->q);
+  ylm_grid_free(t->grid);
+}
+
+ylm_status ylm_gpu_grid_bake(ylm_gpu_lights *l, const ylm_grid_form *form,
+                             const ylm_grid_source *source, ylm_grid **out, ylm_error *e) {
+  double start = ylm_seconds();
+  ylm_grid_source own = *source;
+  own.field = ylm_gpu_lights_field(l);
+  *out = NULL;
+  octree *t = ylm_alloc_zero(1, sizeof *t);
+  if (!t) return ylm_fail(e, YLM_ENOMEM, "%s", ylm_status_text(YLM_ENOMEM));
+  t->g = l->gpu;
+  t->l = l;
+  t->source = &own;
+  t->e = e;
+  ylm_status s = begin(t, form);
+  if (s == YLM_OK) s = levels(t);
+  if (s == YLM_OK) {
+    t->stats->seconds = ylm_seconds() - start;
+    *out = t->grid;
+    t->grid = NULL;
+  }
+  clean(t);
+  ylm_free(t);
+  return s;
+}

@@ -1,0 +1,120 @@
+/*
+** octree.h - an adaptive grid refined level by level on a device (Iwasaki & Dobashi 2025,
+*Sec. 5.1):
+** what the files octree*.c share. Private.
+**
+**   octree.c            the loop over levels
+**   octree_occupancy.c  which nodes hold shading points, for all levels at once
+**   octree_points.c     the corners of a level's voxels, each once; their light field
+**   octree_split.c      surfaces of lights, the metric, what is split, the voxels that come next
+**   octree_result.c     back to the host, as cells and points of a ylm_grid
+**
+** A level is the array of its voxels: the cells that hold shading points, in the order in which
+** ylm_grid_bake has them. Points are numbered as there. So cells, points and their order are those
+** of the processor's grid, whatever the device does first. The host reads a few counts per level.
+*/
+#ifndef YLM_GPU_OCTREE_H
+#define YLM_GPU_OCTREE_H
+
+#include "lights.h"
+#include "steps.h"
+
+#define OCTREE_LEVELS (YLM_GRID_MAX_DEPTH + 1)
+
+/* Words of the buffer `counts`. */
+enum {
+  COUNT_OUTSIDE, /* shading points outside of the bounds */
+  COUNT_FRESH,   /* points that a level adds */
+  COUNT_BAD,     /* the complement of the lowest point where the field is not finite; 0: none */
+  COUNT_ASKED,   /* voxels of the next level that a surface may cross */
+  COUNT_SPLITS,
+  COUNT_VOXELS, /* of the next level */
+  COUNT_PLACED, /* of those asked */
+  COUNTS
+};
+
+/* Of a voxel's state: shaders/octree.glsl. */
+enum { STATE_ASKED = 0x400, STATE_SPLIT = 0x200, STATE_CROSSED = 0x100, STATE_CHILDREN = 0xff };
+
+/* Nodes of a level that hold shading points: a bit for each child of each such node of the level
+   above, and how many bits there are in the words before. */
+typedef struct octree_occupied {
+  ylm_gpu_buffer *bits, *before;
+  uint32_t words;
+} octree_occupied;
+
+typedef struct octree_level {
+  uint32_t voxels, splits;
+  ylm_gpu_buffer *voxel;  /* uvec4: key (two words), rank among occupied nodes, cell of the level */
+  ylm_gpu_buffer *state;  /* uint */
+  ylm_gpu_buffer *error;  /* float */
+  ylm_gpu_buffer *corner; /* uint [8]: points */
+} octree_level;
+
+/* Data of points that the host has not got yet. */
+typedef struct octree_chunk {
+  ylm_gpu_buffer *data, *extra; /* shaders/octree_store.comp */
+  uint32_t first, points;
+} octree_chunk;
+
+typedef struct octree {
+  ylm_gpu *g;
+  ylm_gpu_lights *l;
+  const ylm_grid_source *source;
+  ylm_grid *grid; /* in the making */
+  ylm_grid_form form;
+  ylm_grid_stats *stats;
+  ylm_error *e;
+  uint32_t resolution, width, stride;
+  bool all; /* every voxel is occupied */
+  step_queue q;
+  ylm_gpu_buffer *counts;
+  ylm_gpu_buffer *axes;  /* vec2 [3][resolution + 1]: the nearest float, what it lacks */
+  ylm_gpu_buffer *exact; /* the same as double */
+  octree_occupied occupied[OCTREE_LEVELS]; /* of level k; 0 has none */
+
+  octree_level level[OCTREE_LEVELS];
+  int levels;
+  ylm_gpu_buffer *asked; /* voxels of the present level that a surface may cross */
+  uint32_t asks;
+  ylm_gpu_buffer *sphere; /* dvec4: centres and radii of lights */
+  uint32_t spheres;
+  ylm_gpu_buffer *before[2]; /* prefix sums of the present level */
+
+  uint32_t points, room; /* there are; there is room for */
+  ylm_gpu_buffer *key, *ratio;
+  ylm_gpu_buffer *slot;
+  uint32_t slots; /* a power of two */
+  octree_chunk *chunk;
+  size_t chunks, chunk_room;
+  uint64_t pending; /* bytes of chunks */
+
+  /* Progress of a part of the bake: done .. done + now of all. */
+  char stage[24];
+  uint64_t done, now, of;
+  ylm_progress progress;
+} octree;
+
+/* The edge of cells of a level, in units of the lattice. */
+static inline uint32_t octree_edge(const octree *t, int level) {
+  return 1u << (t->form.depth - level);
+}
+/* Reads the counts; zeroes them for what comes next. */
+ylm_status octree_counts(octree *t, uint32_t count[COUNTS]);
+/* What progress reports from here on: a stage, or a level (stage NULL). */
+void octree_stage(octree *t, const char *stage, int level);
+
+ylm_status octree_occupy(octree *t);
+/* Corners of the voxels of a level; points that they add are evaluated. */
+ylm_status octree_corners(octree *t, int level);
+/* Decides about the voxels of a level; makes the next level, without voxels where nothing is split.
+ */
+ylm_status octree_split(octree *t, int level);
+/* Lattice coordinates of a key. */
+void octree_unpack(const uint32_t key[2], uint32_t at[3]);
+/* Data of all points so far to the host. */
+ylm_status octree_flush(octree *t);
+/* The grid from what is on the device. */
+ylm_status octree_result(octree *t);
+
+#endif

@@ -1,0 +1,158 @@
+/* octree_result.c - an octree from a device as a ylm_grid: data of points, points, cells. */
+#include <math.h>
+#include <string.h>
+
+#include "octree.h"
+
+#define PART ((size_t)1 << 16) /* points whose keys are unpacked at a time */
+
+void octree_unpack(const uint32_t key[2], uint32_t at[3]) {
+  at[0] = key[0] & 0x1ffff;
+  at[1] = key[0] >> 17 | (key[1] & 3) << 15;
+  at[2] = key[1] >> 2;
+}
+
+/* -- points -------------------------------------------------------------------------------- */
+
+static ylm_status take_chunk(octree *t, const octree_chunk *c, const ylm_grid_parts *parts) {
+  size_t first = c->first, n = c->points, row = 4 * (size_t)t->stride;
+  float inside[1024];
+  ylm_status s =
+      ylm_gpu_download(c->data, 0, n * row * sizeof(float), parts->data + first * row, t->e);
+  if (s == YLM_OK) s = ylm_gpu_download(c->extra, 0, 4 * n, parts->lambda + first, t->e);
+  if (s == YLM_OK) s = ylm_gpu_download(c->extra, 4 * n, 4 * n, parts->norm + first, t->e);
+  for (size_t i = 0, now; s == YLM_OK && i < n; i += now) {
+    now = n - i < 1024 ? n - i : 1024;
+    s = ylm_gpu_download(c->extra, 8 * n + 4 * i, 4 * now, inside, t->e);
+    for (size_t k = 0; s == YLM_OK && k < now; k++)
+      parts->flags[first + i + k] = inside[k] > 0 ? YLM_GRID_POINT_INVALID : 0;
+  }
+  return s;
+}
+
+ylm_status octree_flush(octree *t) {
+  ylm_grid_parts parts;
+  size_t points = 0;
+  for (size_t i = 0; i < t->chunks; i++)
+    if (t->chunk[i].first + t->chunk[i].points > points)
+      points = t->chunk[i].first + t->chunk[i].points;
+  double start = ylm_seconds();
+  ylm_status s = ylm_grid_room(t->grid, 0, points, &parts, t->e);
+  for (size_t i = 0; i < t->chunks; i++) {
+    octree_chunk *c = &t->chunk[i];
+    if (s == YLM_OK) s = take_chunk(t, c, &parts);
+    if (s == YLM_OK) s = ylm_report(t->source->progress, i + 1, t->chunks, t->stage);
+    ylm_gpu_buffer_free(c->data);
+    ylm_gpu_buffer_free(c->extra);
+  }
+  ylm__lights_copied(t->l, "download", start);
+  t->chunks = 0;
+  t->pending = 0;
+  return s;
+}
+
+static ylm_status take_points(octree *t, const ylm_grid_parts *parts) {
+  uint32_t(*key)[2] = ylm_alloc(PART, sizeof *key);
+  ylm_status s = key ? YLM_OK : ylm_fail(t->e, YLM_ENOMEM, "%s", ylm_status_text(YLM_ENOMEM));
+  for (size_t i = 0, now; s == YLM_OK && i < t->points; i += now) {
+    now = t->points - i < PART ? t->points - i : PART;
+    s = ylm_gpu_download(t->key, 8 * i, 8 * now, key, t->e);
+    for (size_t k = 0; s == YLM_OK && k < now; k++)
+      octree_unpack(key[k], parts->lattice + 3 * (i + k));
+  }
+  ylm_free(key);
+  return s;
+}
+
+/* -- cells --------------------------------------------------------------------------------- */
+
+/* A level's voxels on the host. */
+typedef struct voxels {
+  uint32_t (*voxel)[4], *state, (*corner)[8];
+  float *error;
+} voxels;
+
+static void voxels_free(voxels *v) {
+  ylm_free(v->voxel);
+  ylm_free(v->state);
+  ylm_free(v->corner);
+  ylm_free(v->error);
+}
+
+static ylm_status voxels_take(const octree *t, const octree_level *l, voxels *v) {
+  size_t n = l->voxels;
+  *v = (voxels){ylm_alloc(n, sizeof *v->voxel), ylm_alloc(n, sizeof *v->state),
+                ylm_alloc(n, sizeof *v->corner), ylm_alloc(n, sizeof *v->error)};
+  if (!v->voxel || !v->state || !v->corner || !v->error)
+    return ylm_fail(t->e, YLM_ENOMEM, "%s", ylm_status_text(YLM_ENOMEM));
+  ylm_status s = ylm_gpu_download(l->voxel, 0, n * sizeof *v->voxel, v->voxel, t->e);
+  if (s == YLM_OK) s = ylm_gpu_download(l->state, 0, n * sizeof *v->state, v->state, t->e);
+  if (s == YLM_OK) s = ylm_gpu_download(l->corner, 0, n * sizeof *v->corner, v->corner, t->e);
+  if (s == YLM_OK) s = ylm_gpu_download(l->error, 0, n * sizeof *v->error, v->error, t->e);
+  return s;
+}
+
+/* Eight children of a cell, from number `first` on. */
+static void add_children(const octree *t, ylm_grid_cell *cell, size_t parent, size_t first) {
+  const ylm_grid_cell *p = &cell[parent];
+  uint32_t half = octree_edge(t, p->level + 1);
+  for (uint32_t k = 0; k < 8; k++) {
+    ylm_grid_cell *c = &cell[first + k];
+    *c = (ylm_grid_cell){.level = (uint8_t)(p->level + 1), .error = NAN, .flags = YLM_GRID_LEAF};
+    for (int a = 0; a < 3; a++) c->origin[a] = p->origin[a] + (k >> a & 1 ? half : 0);
+    for (int i = 0; i < 8; i++) c->corner[i] = YLM_GRID_NONE;
+  }
+  cell[parent].child = (uint32_t)first;
+  cell[parent].flags &= (uint8_t)~YLM_GRID_LEAF;
+}
+
+/* Writes what is known of the cells `begin` .. `end` - 1 of a level, and their children from there
+   on; *next is behind the last. False: the device's numbers do not fit together. */
+static bool write_level(const octree *t, const octree_level *l, const voxels *v,
+                        ylm_grid_cell *cell, size_t begin, size_t end, size_t *next) {
+  *next = end;
+  for (size_t i = 0; i < l->voxels; i++) {
+    if (v->voxel[i][3] >= end - begin || *next - end > 8 * (size_t)l->splits) return false;
+    ylm_grid_cell *c = &cell[begin + v->voxel[i][3]];
+    c->flags |= YLM_GRID_OCCUPIED;
+    if (v->state[i] & STATE_CROSSED) c->flags |= YLM_GRID_CROSSED;
+    c->error = v->error[i];
+    memcpy(c->corner, v->corner[i], sizeof c->corner);
+    if (!(v->state[i] & STATE_SPLIT)) continue;
+    if (*next - end == 8 * (size_t)l->splits) return false;
+    add_children(t, cell, begin + v->voxel[i][3], *next);
+    *next += 8;
+  }
+  return *next - end == 8 * (size_t)l->splits;
+}
+
+static ylm_status take_cells(octree *t, ylm_grid_cell *cell, size_t cells) {
+  size_t begin = 0, end = 1, next = 1;
+  ylm_status s = YLM_OK;
+  cell[0] = (ylm_grid_cell){.error = NAN, .flags = YLM_GRID_LEAF};
+  for (int k = 0; s == YLM_OK && k < t->levels; k++) {
+    voxels v;
+    s = voxels_take(t, &t->level[k], &v);
+    bool fits = s != YLM_OK || write_level(t, &t->level[k], &v, cell, begin, end, &next);
+    voxels_free(&v);
+    if (!fits) s = ylm_fail(t->e, YLM_EDEVICE, "'%s' made no octree", ylm_gpu_about(t->g)->name);
+    begin = end;
+    end = next;
+  }
+  return s == YLM_OK && end != cells
+             ? ylm_fail(t->e, YLM_EDEVICE, "'%s' made no octree", ylm_gpu_about(t->g)->name)
+             : s;
+}
+
+ylm_status octree_result(octree *t) {
+  ylm_grid_parts parts;
+  size_t cells = 1;
+  for (int k = 0; k < t->levels; k++) cells += 8 * (size_t)t->level[k].splits;
+  ylm_status s = octree_flush(t);
+  double start = ylm_seconds();
+  if (s == YLM_OK) s = ylm_grid_room(t->grid, cells, t->points, &parts, t->e);
+  if (s == YLM_OK) s = take_points(t, &parts);
+  if (s == YLM_OK) s = take_cells(t, parts.cell, cells);
+  ylm__lights_copied(t->l, "download", start);
+  return s == YLM_OK ? ylm_grid_end(t->grid, t->source, cells, t->points, t->e) : s;
+}

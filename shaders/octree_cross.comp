@@ -1,0 +1,45 @@
+/* Which of the voxels `asked` the surface of a sphere crosses, as csrc/light/crosses.c says, to the bit. A group asks
+   64 of them about a chunk of spheres. */
+#version 450
+#extension GL_GOOGLE_include_directive : require
+#include "ylm.glsl"
+#include "octree.glsl"
+
+layout(set = 0, binding = 0) readonly buffer Spheres { dvec4 sphere[]; }; /* centre, radius */
+layout(set = 0, binding = 1) readonly buffer Asked { uint asked[]; };
+layout(set = 0, binding = 2) readonly buffer Voxels { uvec4 voxel[]; };
+layout(set = 0, binding = 3) readonly buffer Axes { double axis[]; }; /* [3][resolution + 1] */
+layout(set = 0, binding = 4) buffer States { uint state[]; };
+
+PUSH {
+  uint first;
+  uint n, edge, resolution;
+  uint spheres, chunk;
+};
+
+void main() {
+  uint blocks = (n + gl_WorkGroupSize.x - 1) / gl_WorkGroupSize.x, group = ylm_group(first);
+  uint i = (group % blocks) * gl_WorkGroupSize.x + gl_LocalInvocationID.x;
+  if (i >= n) return;
+  uint w = asked[i], begin = (group / blocks) * chunk, end = min(begin + chunk, spheres);
+  uvec3 c = unpacked(voxel[w].xy);
+  double lo[3], hi[3];
+  for (uint a = 0; a < 3; a++) {
+    uint at = a * (resolution + 1) + c[a];
+    lo[a] = axis[at];
+    hi[a] = axis[at + edge];
+  }
+  bool crossed = false;
+  for (uint k = begin; k < end; k++) { /* no early end: groups take as long as was foreseen */
+    dvec4 s = sphere[k];
+    precise double near = 0.0lf, far = 0.0lf, r2 = s.w * s.w;
+    for (uint a = 0; a < 3; a++) {
+      precise double x = lo[a] - s[a], y = s[a] - hi[a];
+      precise double away = max(max(x, y), 0.0lf), across = min(x, y), away2 = away * away, across2 = across * across;
+      near = near + away2;
+      far = far + across2;
+    }
+    crossed = crossed || (near <= r2 && r2 <= far);
+  }
+  if (crossed) atomicOr(state[w], CROSSED);
+}

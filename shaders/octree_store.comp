@@ -1,0 +1,52 @@
+/*
+** What the lights' sums give at points, in the order in which a grid keeps it. Sums were asked for at the nearest
+** float positions; the gradient carries the value to the lattice. A point's ratio is what a cell's metric is the mean
+** of; -1: in a light.
+*/
+#version 450
+#extension GL_GOOGLE_include_directive : require
+#include "ylm.glsl"
+#include "octree.glsl"
+
+layout(set = 0, binding = 0) readonly buffer Value { float value[]; };       /* [n][width] */
+layout(set = 0, binding = 1) readonly buffer Gradient { float gradient[]; }; /* [n][width][3] */
+layout(set = 0, binding = 2) readonly buffer Lambda { float lambda[]; };
+layout(set = 0, binding = 3) readonly buffer Norm { float norm[]; };
+layout(set = 0, binding = 4) readonly buffer Inside { uint inside[]; };
+layout(set = 0, binding = 5) readonly buffer Keys { uvec2 key[]; };
+layout(set = 0, binding = 6) readonly buffer Axes { vec2 axis[]; };
+layout(set = 0, binding = 7) writeonly buffer Data { float data[]; };   /* [n][4][stride] */
+layout(set = 0, binding = 8) writeonly buffer Extra { float extra[]; }; /* lambda, norm, 1 in a light: [3][n] */
+layout(set = 0, binding = 9) writeonly buffer Ratio { float ratio[]; };
+layout(set = 0, binding = 10) buffer Counts { uint count[]; };
+
+PUSH {
+  uint first;
+  uint n, begin, resolution;
+  uint width, stride, relative;
+};
+
+bool finite(float x) { return (floatBitsToUint(x) & 0x7f800000) != 0x7f800000; }
+
+void main() {
+  uint item = ylm_item(first), i = item / stride, c = item % stride, to = i * 4 * stride + c;
+  if (i >= n) return;
+  vec3 slope = vec3(0.0);
+  float v = 0.0;
+  if (c < width) {
+    uvec3 at = unpacked(key[begin + i]);
+    uint from = i * width + c;
+    slope = vec3(gradient[3 * from], gradient[3 * from + 1], gradient[3 * from + 2]);
+    v = value[from];
+    for (uint a = 0; a < 3; a++) v += axis[a * (resolution + 1) + at[a]].y * slope[a];
+    if (!finite(v) || !finite(slope.x) || !finite(slope.y) || !finite(slope.z)) atomicMax(count[2], ~(begin + i));
+  }
+  data[to] = v;
+  for (uint a = 0; a < 3; a++) data[to + (a + 1) * stride] = slope[a];
+  if (c != 0) return;
+  float l = lambda[i], m = norm[i];
+  extra[i] = l;
+  extra[n + i] = m;
+  extra[2 * n + i] = inside[i] != 0 ? 1.0 : 0.0;
+  ratio[begin + i] = inside[i] != 0 ? -1.0 : !(l > 0.0) ? 0.0 : relative != 0 ? l / m : l;
+}

@@ -1,0 +1,55 @@
+/*
+** The voxel of the finest lattice that holds each shading point, whatever the type of the points and without
+** rounding: the bits of a number, as an integer that orders like the number, among those of the numbers at which
+** voxels begin, which the host has found.
+*/
+#version 450
+#extension GL_GOOGLE_include_directive : require
+#include "ylm.glsl"
+
+layout(constant_id = 1) const uint WORDS = 1; /* of a number: 1 float, 2 double */
+
+layout(set = 0, binding = 0) readonly buffer Points { uint word[]; }; /* [n][3][WORDS] */
+/* [3][voxels - 1]: where they begin; [3][2]: the first and the last number inside of the bounds */
+layout(set = 0, binding = 1) readonly buffer Fences { uvec2 fence[]; };
+layout(set = 0, binding = 2) writeonly buffer Places { uint place[]; }; /* [n][3]: x and y, z, rank */
+layout(set = 0, binding = 3) buffer Counts { uint count[]; };
+
+PUSH {
+  uint first;
+  uint n, voxels;
+  uint high; /* which word of a double is the high one */
+};
+
+/* Ordered like the number at `at`; the high word first. */
+uvec2 order_of(uint at) {
+  uint h = word[WORDS * at + (WORDS == 2 ? high : 0)], l = WORDS == 2 ? word[WORDS * at + 1 - high] : 0;
+  if (WORDS == 2) return (h >> 31) != 0 ? uvec2(~h, ~l) : uvec2(h | 0x80000000, l);
+  return uvec2((h >> 31) != 0 ? ~h : h | 0x80000000, 0);
+}
+
+bool below(uvec2 a, uvec2 b) { return a.x < b.x || (a.x == b.x && a.y < b.y); }
+
+void main() {
+  uint i = ylm_item(first);
+  if (i >= n) return;
+  uint c[3];
+  bool outside = false;
+  for (uint a = 0; a < 3; a++) {
+    uvec2 x = order_of(3 * i + a);
+    uint lo = 0, hi = voxels - 1, begin = a * (voxels - 1), end = 3 * (voxels - 1) + 2 * a;
+    while (lo < hi) { /* fence k is where voxel k + 1 begins */
+      uint middle = (lo + hi) / 2;
+      if (below(x, fence[begin + middle]))
+        hi = middle;
+      else
+        lo = middle + 1;
+    }
+    c[a] = lo;
+    outside = outside || below(x, fence[end]) || below(fence[end + 1], x);
+  }
+  if (outside) atomicAdd(count[0], 1);
+  place[3 * i] = c[0] | c[1] << 16;
+  place[3 * i + 1] = c[2];
+  place[3 * i + 2] = 0;
+}

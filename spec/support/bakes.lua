@@ -1,0 +1,91 @@
+--- Grids baked in two ways, compared: on a device and by the processor.
+
+local assert = require "luassert"
+local core = require "ylm.c.core"
+
+local bakes = {}
+
+--- Cells by "x y z level": { leaf, error, size }.
+local function cells_of(grid)
+  local cells, out, n = grid:cells(), {}, 0
+  local size, origin, level = cells.size:totable(), cells.origin:totable(), cells.level:totable()
+  local leaf, metric = cells.leaf:totable(), cells.error:totable()
+  for i = 1, #origin do
+    local o = origin[i]
+    local key = ("%.9g %.9g %.9g %d"):format(o[1], o[2], o[3], level[i])
+    out[key] = { leaf = leaf[i] == 1, error = metric[i], size = size[i] }
+    n = n + 1
+  end
+  return out, n
+end
+bakes.cells_of = cells_of
+
+--- Asserts that cells which both grids have are split in both or in neither, unless their error is within 1e-4 of the
+-- threshold, and that errors agree. Returns the number of cells compared, and of those that may differ.
+function bakes.same_cells(here, there, threshold)
+  local a, b = cells_of(here), cells_of(there)
+  local n, close = 0, 0
+  for key, x in pairs(a) do
+    local y = b[key]
+    if y then
+      n = n + 1
+      if x.error == x.error then
+        assert(math.abs(x.error - y.error) <= 2e-5 * math.abs(x.error),
+          ("%s: %.9g, not %.9g"):format(key, y.error, x.error))
+      else assert(y.error ~= y.error, key) end
+      if x.leaf ~= y.leaf then
+        close = close + 1
+        assert(threshold and math.abs(x.error - threshold) < 1e-4 * threshold,
+          ("cell %s: error %.9g, %s"):format(key, x.error,
+            x.leaf and "split on the device alone" or "not split on the device"))
+      end
+    end
+  end
+  return n, close
+end
+
+--- Asserts that evaluated points which both grids have hold the same, relative to the norm of a row.
+function bakes.same_points(here, there, bound)
+  local a, b = here:points(), there:points()
+  local row = {}
+  for i, p in ipairs(b.position:totable()) do row[("%.9g %.9g %.9g"):format(p[1], p[2], p[3])] = i end
+  local n = 0
+  for i, p in ipairs(a.position:totable()) do
+    local k = row[("%.9g %.9g %.9g"):format(p[1], p[2], p[3])]
+    if k and a.interpolated:get(i) == 0 then
+      n = n + 1
+      for _, key in ipairs { "value", "gradient" } do
+        local _, e, norm = core.array_distance(b[key][k], a[key][i])
+        assert(e <= bound * norm, ("%s of point %d: %g"):format(key, i, e / norm))
+      end
+      assert.equal(a.invalid:get(i), b.invalid:get(k))
+    end
+  end
+  return n
+end
+
+local CELLS = { "origin", "size", "level", "leaf", "occupied", "baked", "crossed", "added", "corners" }
+local POINTS = { "position", "invalid", "interpolated" }
+local COUNTS = { "points", "cells", "leaves", "occupied", "levels", "continuity", "interpolated", "pairs", "invalid",
+  "outside" }
+
+--- Asserts that two grids hold the same cells and points in the same order, and the same numbers within the bound that
+-- agreement with the processor has.
+function bakes.same(here, there)
+  for _, key in ipairs(COUNTS) do assert.equal(here.stats[key], there.stats[key], key) end
+  local a, b = here:cells { added = true }, there:cells { added = true }
+  for _, key in ipairs(CELLS) do assert.equal(0, (select(2, core.array_distance(b[key], a[key]))), key) end
+  bakes.same_cells(here, there)
+  a, b = here:points(), there:points()
+  for _, key in ipairs(POINTS) do assert.equal(0, (select(2, core.array_distance(b[key], a[key]))), key) end
+  bakes.same_points(here, there, 1e-5)
+end
+
+--- Do two grids hold the same cells and points, to the bit? As files: after the header, which has times, before the
+-- checksum.
+function bakes.identical(one, other)
+  local function body(grid) return core.grid_encode(grid, false):sub(241, -9) end
+  return body(one) == body(other)
+end
+
+return bakes

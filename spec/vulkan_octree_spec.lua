@@ -1,0 +1,311 @@
+-- Adaptive grids with a threshold, refined level by level on a device, against the processor's. On Mesa's lavapipe,
+-- where there is no other device.
+
+local ylm = require "ylm"
+local bakes = require "spec.support.bakes"
+local device = require "spec.support.gpu"
+local numbers = require "spec.support.random"
+
+local chosen, missing = device.choose()
+local points_in = numbers.points_in
+
+local box = { { -1, -1, -1 }, { 1, 1, 1 } }
+local floor = points_in(400, { -1, -1, -1 }, { 1, -0.9, 1 }, 7)
+
+--- n lights of many sizes about the box, some of radius 0.
+local function lamps_of(n, size)
+  local r, at, radii, colours = numbers.minimal(91), {}, {}, {}
+  for i = 1, n do
+    at[i] = { 4 * r() - 2, 4 * r() - 2, 4 * r() - 2 }
+    radii[i] = i % 9 == 5 and 0 or (size or 0.2) * (0.1 + r() ^ 4)
+    colours[i] = { r(), r(), r() }
+  end
+  return ylm.sphere_lights { at = at, radius = radii, radiance = colours }
+end
+
+local lamps = lamps_of(40)
+
+describe("an adaptive grid refined on a device", function()
+  if not chosen then
+    it("is baked", function() pending("no Vulkan device: " .. missing) end)
+    return
+  end
+
+  local gpu
+  setup(function() gpu = assert(ylm.vulkan.open { device = chosen, validate = true }) end)
+  teardown(function() device.close_silent(gpu) end)
+
+  local function description(o)
+    local d = { bounds = box, lmax = 2, depth = 4, threshold = 0.5 }
+    for k, v in pairs(o) do d[k] = v end
+    return ylm.adaptive_grid(d)
+  end
+
+  --- The grid by the processor and on the device `on`.
+  local function both(o, lights, occupied, on)
+    local d = description(o)
+    local here = assert(ylm.bake(d, lights, { occupied = occupied }))
+    local there = assert(ylm.bake(d, lights, { occupied = occupied, device = on or gpu }))
+    assert(there.stats.stages.subdivide, "it was not refined on the device")
+    return here, there
+  end
+
+  local function same(...)
+    local here, there = both(...)
+    bakes.same(here, there)
+    return here, there
+  end
+
+  describe("has the processor's cells and points, in their order", function()
+    for depth = 0, 8 do
+      it("at depth " .. depth, function()
+        local here = same({ depth = depth, threshold = 0.05, lmax = 1 }, lamps, floor)
+        assert(here.stats.levels == depth + 1 or depth > 5)
+      end)
+    end
+
+    for _, lmax in ipairs { 0, 3, 7, 10 } do
+      it("at lmax " .. lmax, function() same({ lmax = lmax, depth = 3 }, lamps, floor) end)
+    end
+
+    it("with the absolute metric, and with that of rgb", function()
+      same({ metric = "absolute", threshold = 0.05 }, lamps, floor)
+      same({ metric_channels = "rgb" }, lamps, floor)
+      same({ metric_channels = "rgb", metric = "absolute", threshold = 0.05 }, lamps, floor)
+      same({ channels = "luminance" }, lamps, floor)
+    end)
+
+    it("under one light, lights that do not shine, ten thousand", function()
+      same({}, ylm.sphere_light { at = { 0.3, 0.1, -1.2 }, radius = 0.1, radiance = { 1, 2, 3 } }, floor)
+      local here = same({ threshold = 0 }, ylm.sphere_light { at = { 0, 0, 0 }, radius = 0 }, floor)
+      assert.equal(1, here.stats.cells)
+      same({ depth = 3, threshold = 5 }, lamps_of(10000, 0.01), floor)
+    end)
+
+    it("where every voxel is occupied", function()
+      local here = same({ depth = 3, threshold = 0.1 }, lamps)
+      assert(here.stats.levels == 4 and here.stats.occupied == here.stats.leaves)
+    end)
+
+    it("where lights' surfaces cross voxels and corners lie in lights", function()
+      local big = ylm.sphere_lights { at = { { 0.1, -0.9, 0 }, { -1, -1, -1 }, { 0.7, -1, 0.6 } },
+        radius = { 0.5, 0.25, 0.01 }, radiance = { 1, 2, 3 } }
+      local here = same({ threshold = 100 }, big, floor)
+      assert(here.stats.invalid > 5 and here.stats.levels == 5)
+      -- all of the grid in a light
+      here = same({ threshold = 0 }, ylm.sphere_light { at = { 0, 0, 0 }, radius = 2, radiance = 1 }, floor)
+      assert.equal(8, here.stats.invalid)
+      -- surfaces in planes of the lattice: they touch voxels' faces
+      same({ threshold = 100, depth = 5 }, ylm.sphere_lights { at = { { 0, -1, 0 }, { 0.5, -0.5, 0.25 } },
+        radius = { 0.25, 0.125 }, radiance = { 1, 1 } }, floor)
+    end)
+
+    it("in boxes that are no cubes, far from the origin, small, and with points outside", function()
+      local here = same({ bounds = { { -2, -1, -0.25 }, { 1, 0, 1 } } }, lamps, floor)
+      assert(here.stats.outside > 0)
+      local far = points_in(300, { 10000, -5000, 7 }, { 10003, -4999, 9 }, 3)
+      local two = ylm.sphere_lights { at = { { 10001, -4999.5, 6.5 }, { 10002, -5001, 8 } }, radius = { 0.1, 0.2 },
+        radiance = { 1, 2 } }
+      same({ bounds = { { 10000, -5000, 7 }, { 10003, -4999, 9 } }, threshold = 0.02 }, two, far)
+      local tiny = points_in(300, { 0, 0, 0 }, { 1e-6, 1e-6, 2e-6 }, 3)
+      same({ bounds = { { 0, 0, 0 }, { 1e-6, 1e-6, 2e-6 } } },
+        ylm.sphere_light { at = { 1e-6, 5e-7, -1e-6 }, radius = 2e-7, radiance = 1 }, tiny)
+      here = same({}, lamps, ylm.array({ { 5, 5, 5 }, { -9, 0, 0 }, { 0, 1e300, 0 } }, "double"))
+      assert.equal(3, here.stats.outside)
+      same({}, lamps, ylm.array({ { 5, 5, 5 }, { -9, 0, 0 }, { 0, 1e30, 0 } }, "float"))
+    end)
+
+    it("where points lie on faces of voxels, and next to them by one bit, as float and as double", function()
+      local bounds = { { -0.3, -1, 0 }, { 0.9, 1.7, 1e-3 } }
+      for _, dtype in ipairs { "float", "double" } do
+        local at, bit = {}, dtype == "float" and 2 ^ -23 or 2 ^ -52
+        for i = 0, 64 do
+          for k = -1, 1 do
+            local p = {}
+            for a = 1, 3 do
+              local x = bounds[1][a] + (bounds[2][a] - bounds[1][a]) * ((i * (2 * a - 1)) % 65) / 64
+              p[a] = x == 0 and k * 1e-30 or x * (1 + k * bit)
+            end
+            at[#at + 1] = p
+          end
+        end
+        local here = same({ bounds = bounds, depth = 6, threshold = 0, lmax = 0, continuous = false },
+          ylm.sphere_light { at = { 0, 0, 3 }, radius = 0.1, radiance = 1 }, ylm.array(at, dtype))
+        assert(here.stats.levels == 7 and here.stats.outside > 0)
+      end
+    end)
+
+    it("at depth 16, along few points", function()
+      local here = same({ bounds = { { 0, 0, 0 }, { 1, 1, 1 } }, depth = 16, threshold = 0, lmax = 0 },
+        ylm.sphere_light { at = { 0, 0, 3 }, radius = 0.1, radiance = 1 },
+        { { 1, 1, 1 }, { 0, 0, 0 }, { 0.3, 0.7, 0.1 }, { 0.3, 0.7, 0.1 + 2 ^ -16 }, { 0.99999, 1, 0 } })
+      assert.equal(17, here.stats.levels)
+    end)
+
+    it("from product-rule sums too", function()
+      local d = description { lmax = 1 }
+      local here = assert(ylm.bake(d, lamps, { occupied = floor }))
+      bakes.same(here, assert(ylm.bake(d, gpu:lights(lamps, { method = "forward" }), { occupied = floor })))
+    end)
+
+    it("on a device that does not compute in double, and by way of staging memory", function()
+      local own = assert(ylm.vulkan.open { device = chosen, staging = true, validate = true })
+      require "ylm.c.vulkan".gpu_shrink(own, 0, 0, true)
+      same({}, lamps, floor, own)
+      same({ threshold = 100 }, ylm.sphere_light { at = { 0.1, -0.9, 0 }, radius = 0.5, radiance = 1 }, floor, own)
+      device.close_silent(own)
+    end)
+
+    it("but where the threshold is the error of a cell, within 1e-4", function()
+      local first = ylm.bake(description {}, lamps, { occupied = floor })
+      local errors = {}
+      for _, c in pairs((bakes.cells_of(first))) do
+        if c.error == c.error and c.error > 0 then errors[#errors + 1] = c.error end
+      end
+      table.sort(errors)
+      for _, q in ipairs { 0.2, 0.5, 0.8 } do
+        local threshold = errors[math.ceil(q * #errors)]
+        local here, there = both({ threshold = threshold }, lamps, floor)
+        local n, close = bakes.same_cells(here, there, threshold)
+        assert(n > 50 and close <= 2, ("%d cells, %d near the threshold"):format(n, close))
+        if close == 0 then bakes.same(here, there) end
+      end
+    end)
+  end)
+
+  describe("is", function()
+    it("the same to the bit each time, in small passes too", function()
+      local d = description { threshold = 0.05, lmax = 4 }
+      local first = assert(ylm.bake(d, lamps, { occupied = floor, device = gpu }))
+      for _ = 1, 3 do assert(bakes.identical(first, assert(ylm.bake(d, lamps, { occupied = floor, device = gpu })))) end
+      local own = assert(ylm.vulkan.open { device = chosen })
+      require "ylm.c.vulkan".gpu_shrink(own, 0, 400 * 1024) -- some hundred points a pass
+      assert(bakes.identical(first, assert(ylm.bake(d, lamps, { occupied = floor, device = own }))))
+      require "ylm.c.vulkan".gpu_shrink(own, 0, 2048)
+      local none, message, code = ylm.bake(d, lamps, { occupied = floor, device = own })
+      assert(none == nil and code == "ELIMIT", message)
+      own:close()
+    end)
+
+    it("a grid like others: timed by stage, saved, loaded, sampled", function()
+      local grid = assert(ylm.bake(description {}, lamps, { occupied = floor, device = gpu }))
+      for _, stage in ipairs { "occupancy", "points", "lights", "adding", "coefficients", "metric", "crossing",
+        "subdivide" } do
+        assert(grid.stats.stages[stage].seconds > 0 and grid.stats.stages[stage].dispatches >= 1, stage)
+      end
+      for _, copy in ipairs { "upload", "download" } do assert(grid.stats.stages[copy].seconds > 0, copy) end
+      assert(grid.stats.seconds > grid.stats.field_seconds and grid.stats.occupancy_seconds > 0)
+      local path = os.tmpname() .. ".ylm"
+      assert(grid:save(path))
+      local loaded = assert(ylm.load(path))
+      os.remove(path)
+      assert(bakes.identical(grid, loaded))
+      assert(grid:sample(floor, { device = gpu }))
+    end)
+
+    it("refused where it needs more points than max_points", function()
+      local needs = ylm.bake(description {}, lamps, { occupied = floor }).stats.points
+      assert(ylm.bake(description {}, lamps, { occupied = floor, device = gpu, max_points = needs }))
+      local o = { occupied = floor, device = gpu, max_points = needs - 1 }
+      local none, message, code = ylm.bake(description {}, lamps, o)
+      assert.is_nil(none)
+      assert.same({ ("the grid needs more than %d points"):format(needs - 1), "ELIMIT" }, { message, code })
+      o.device = nil
+      assert.same({ message, code }, { select(2, ylm.bake(description {}, lamps, o)) })
+    end)
+
+    it("the processor's where there is a tolerance", function()
+      local grid = assert(ylm.bake(ylm.adaptive_grid { bounds = box, lmax = 1, depth = 2, tolerance = 0.1 }, lamps,
+        { occupied = floor, device = gpu }))
+      assert(grid.stats.stages.lights and not grid.stats.stages.subdivide)
+    end)
+  end)
+
+  describe("when it cannot be finished", function()
+    --- Bakes on `own` after `prepare`, expects nothing but a failure, and nothing left of it. Returns message, code.
+    local function failed(own, o)
+      collectgarbage()
+      collectgarbage()
+      local arrays = own.stats.arrays
+      o.occupied, o.device = floor, own
+      local none, message, code = ylm.bake(description {}, lamps, o)
+      assert.is_nil(none)
+      assert.equal(arrays, own.stats.arrays)
+      return message, code
+    end
+
+    it("is cancelled wherever progress says so, which counts up within each stage", function()
+      local stages, calls, last, before = {}, 0, nil, 0
+      assert(ylm.bake(description {}, lamps, { occupied = floor, device = gpu, progress = function(done, total, stage)
+        assert(done <= total)
+        if stage ~= last then stages[#stages + 1], before = stage, 0 end
+        assert(done / total >= before)
+        last, before, calls = stage, done / total, calls + 1
+      end }))
+      assert.same({ "occupancy", "level 0", "level 1", "level 2", "level 3", "level 4", "download" }, stages)
+      for stop = 1, calls, 3 do
+        local n = 0
+        local message, code = failed(gpu, { progress = function()
+          n = n + 1
+          return n < stop
+        end })
+        assert.same({ "cancelled", "ECANCELLED", stop }, { message, code, n })
+      end
+    end)
+
+    it("for want of memory says so, gives back what it took, and the device goes on working", function()
+      local own = assert(ylm.vulkan.open { device = chosen, validate = true })
+      local shrink, whole = require "ylm.c.vulkan".gpu_shrink, own.limits.memory_bytes
+      local codes, good = {}, 0
+      for k = 8, 24 do
+        shrink(own, 2 ^ k, 0)
+        local grid, message, code = ylm.bake(description {}, lamps, { occupied = floor, device = own })
+        if grid then good = good + 1 else codes[code] = message end
+        collectgarbage()
+        collectgarbage()
+        assert.equal(0, own.stats.arrays)
+      end
+      assert(good >= 1 and codes.ENOMEM and next(codes) == "ENOMEM" and next(codes, "ENOMEM") == nil)
+      assert(codes.ENOMEM:find("MiB of memory"), codes.ENOMEM)
+      shrink(own, whole, 0)
+      same({}, lamps, floor, own)
+      device.close_silent(own)
+    end)
+
+    it("for a device that is lost, says so", function()
+      local own = assert(ylm.vulkan.open { device = chosen })
+      local n = 0
+      local message, code = failed(own, { progress = function()
+        n = n + 1
+        if n == 6 then require "ylm.c.vulkan".gpu_lose(own) end
+      end })
+      assert(code == "EDEVICE" and message:find("was lost"), message)
+      own:close()
+    end)
+  end)
+
+  describe("does not keep the device busy", function()
+    it("for longer than 50 ms at a time, once kernels are compiled", function()
+      if not gpu.limits.timestamps then pending("the device measures no times") return end
+      -- the least of several runs: other programs have this machine's processors too
+      local many, d = lamps_of(10000, 0.01), description { lmax = 4, depth = 3, threshold = 5 }
+      local longest
+      for _ = 1, 12 do
+        local there = gpu:lights(many)
+        assert(ylm.bake(d, there, { occupied = floor }))
+        local first = not longest
+        longest = longest or {}
+        for stage, t in pairs(there.stages) do
+          if t.dispatches > 0 and not first then longest[stage] = math.min(longest[stage] or math.huge, t.longest) end
+        end
+        there:close()
+        local most = 0
+        for _, seconds in pairs(longest) do most = math.max(most, seconds) end
+        if not first and most <= 0.05 then return end
+      end
+      for stage, seconds in pairs(longest) do
+        assert(seconds <= 0.05, ("a dispatch of '%s' takes %.0f ms"):format(stage, seconds * 1e3))
+      end
+    end)
+  end)
+end)
