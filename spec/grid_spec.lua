@@ -133,6 +133,16 @@ describe("ylm.bake: convention", function()
 end)
 
 describe("ylm.bake: properties", function()
+  it("keeps what it had while its arrays grow beyond some megabytes", function()
+    local n = 17 -- 18^3 points of 1280 bytes: pages that move, where smaller arrays are copied
+    local grid = ylm.bake(ylm.uniform_grid { bounds = box, cells = n, lmax = 4 }, lamps)
+    local points = grid:points()
+    local exact = ylm.light_field(4, lamps, points.position, { dtype = "float" })
+    local e = errors(points.value, exact)
+    assert.equal((n + 1) ^ 3, #points.position)
+    assert.is_true(quantile(e, 0.99) < 1e-5, quantile(e, 0.99))
+  end)
+
   it("is exact for cubics and for trilinear functions", function()
     local function cubic(x, y, z)
       return 1 + x - 2 * y + z * z - x * x * y + 0.5 * z ^ 3 + x * y * z + y * y * y - x * z * z,

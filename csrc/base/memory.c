@@ -1,4 +1,7 @@
 /* memory.c - aligned blocks whose sizes cannot overflow, and shapes. */
+#ifndef _GNU_SOURCE
+#define _GNU_SOURCE /* mremap */
+#endif
 #include "ylm_base.h"
 
 #include <math.h>
@@ -55,6 +58,42 @@ void *ylm_realloc(void *p, size_t used, size_t count, size_t size) {
 }
 
 void ylm_free(void *p) { free(p); }
+
+/* Pages of their own for what is LARGE, where they can be moved; under a sanitizer, which could not
+   watch their ends, everything is copied. */
+#if defined(MREMAP_MAYMOVE) && defined(MADV_HUGEPAGE) && !defined(__SANITIZE_ADDRESS__)
+
+void *ylm_regrow(void *p, size_t old, size_t bytes) {
+  if (bytes < LARGE) return ylm_realloc(p, old, bytes, 1);
+  if (bytes > PTRDIFF_MAX) return NULL;
+  void *q = old >= LARGE
+                ? mremap(p, old, bytes, MREMAP_MAYMOVE)
+                : mmap(NULL, bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+  if (q == MAP_FAILED) return NULL;
+  if (old >= LARGE) return q;
+  madvise(q, bytes, MADV_HUGEPAGE); /* all of it, so that it stays one mapping */
+  if (p) memcpy(q, p, old);
+  free(p);
+  return q;
+}
+
+void ylm_regrow_free(void *p, size_t bytes) {
+  if (bytes >= LARGE)
+    munmap(p, bytes);
+  else
+    free(p);
+}
+
+#else
+
+void *ylm_regrow(void *p, size_t old, size_t bytes) { return ylm_realloc(p, old, bytes, 1); }
+
+void ylm_regrow_free(void *p, size_t bytes) {
+  (void)bytes;
+  free(p);
+}
+
+#endif
 
 bool ylm_shape_count(int axes, const size_t *shape, size_t *count) {
   size_t n = 1, bytes;

@@ -97,6 +97,21 @@ YLM_API void *ylm_alloc_zero(size_t count, size_t size) __attribute__((malloc));
 YLM_API void *ylm_realloc(void *p, size_t used, size_t count, size_t size);
 YLM_API void ylm_free(void *p);
 
+/*
+** ylm_regrow - the same for arrays that become large: from some megabytes on, the system moves
+*their
+** pages instead of copying what is in them, where it can.
+**
+**   p      in   NULL, or what the last call for this array gave
+**   old    in   bytes asked for then; 0 with NULL
+**   bytes  in   > 0; no fewer than before
+**
+** Returns NULL where memory runs out; p then stays valid. Such an array is freed by ylm_regrow_free
+** with its last size.
+*/
+YLM_API void *ylm_regrow(void *p, size_t old, size_t bytes);
+YLM_API void ylm_regrow_free(void *p, size_t bytes);
+
 /* -- element types and shapes ---------------------------------------------- */
 
 typedef enum ylm_dtype { YLM_FLOAT = 0, YLM_DOUBLE = 1 } ylm_dtype;

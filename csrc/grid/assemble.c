@@ -1,5 +1,5 @@
 /* assemble.c - a grid of cells and points that were found elsewhere: on a device. */
-#include "grid.h"
+#include "baker.h"
 
 #include <math.h>
 
@@ -117,7 +117,7 @@ ylm_status ylm_grid_end(ylm_grid *g, const ylm_grid_source *source, size_t cells
     *lattice_hash_at(&g->hash, lattice_key(g->lattice + 3 * i)) = (uint32_t)i;
   g->stats.lattice_seconds += ylm_seconds() - t;
   baker b = {.g = g, .source = source, .e = e};
-  if (s == YLM_OK) s = baker_finish(&b, true);
+  if (s == YLM_OK) s = baker_finish(&b);
   baker_free(&b);
   return s == YLM_OK ? YLM_OK : ylm__grid_no_room(s, source, e);
 }

@@ -14,89 +14,6 @@
 #include <math.h>
 #include <string.h>
 
-/* -- points inside lights ---------------------------------------------------------------- */
-
-/* Per point, while filling. */
-typedef struct filling {
-  double *weight; /* [invalid] */
-  uint32_t *slot; /* [points] place among the invalid ones, YLM_GRID_NONE: valid or filled */
-  float *sum;     /* [invalid][4][stride] */
-} filling;
-
-/* Adds the first-order expansion about point q to the sums of point p. */
-static void add_neighbour(const ylm_grid *g, filling *f, uint32_t p, uint32_t q) {
-  double a[3], b[3], d2 = 0;
-  ylm_grid_position(g, g->lattice + 3 * (size_t)p, a);
-  ylm_grid_position(g, g->lattice + 3 * (size_t)q, b);
-  for (int i = 0; i < 3; i++) d2 += (a[i] - b[i]) * (a[i] - b[i]);
-  float w = (float)(1 / d2), dx[3];
-  for (int i = 0; i < 3; i++) dx[i] = (float)(a[i] - b[i]);
-  const float *row[4];
-  for (int r = 0; r < 4; r++) row[r] = ylm__grid_row(g, q, r);
-  float *to = f->sum + (size_t)f->slot[p] * 4 * g->stride;
-  for (size_t j = 0; j < g->width; j++) {
-    to[j] += w * (row[0][j] + dx[0] * row[1][j] + dx[1] * row[2][j] + dx[2] * row[3][j]);
-    for (size_t r = 1; r < 4; r++) to[r * g->stride + j] += w * row[r][j];
-  }
-  f->weight[f->slot[p]] += (double)w;
-}
-
-/* Sums over the cells of one level; returns whether anything was added. */
-static bool gather(const ylm_grid *g, filling *f, int level) {
-  bool any = false;
-  for (size_t i = 0; i < g->cells; i++) {
-    const ylm_grid_cell *c = &g->cell[i];
-    if (c->level != level || c->flags & YLM_GRID_ADDED) continue;
-    for (int k = 0; k < 8; k++) {
-      uint32_t p = c->corner[k];
-      if (p == YLM_GRID_NONE || f->slot[p] == YLM_GRID_NONE) continue;
-      for (int m = 0; m < 8; m++) {
-        uint32_t q = c->corner[m];
-        if (q == YLM_GRID_NONE || f->slot[q] != YLM_GRID_NONE) continue;
-        add_neighbour(g, f, p, q);
-        any = true;
-      }
-    }
-  }
-  return any;
-}
-
-/* Means from the sums; those points count as valid from now on. */
-static void settle(ylm_grid *g, filling *f) {
-  for (size_t p = 0; p < g->evaluated; p++) {
-    uint32_t slot = f->slot[p];
-    if (slot == YLM_GRID_NONE || !(f->weight[slot] > 0)) continue;
-    float scale = (float)(1 / f->weight[slot]), *to = g->data + p * 4 * g->stride;
-    const float *from = f->sum + (size_t)slot * 4 * g->stride;
-    for (size_t j = 0; j < 4 * g->stride; j++) to[j] = scale * from[j];
-    f->slot[p] = YLM_GRID_NONE;
-  }
-}
-
-ylm_status ylm__grid_fill_invalid(ylm_grid *g) {
-  uint32_t invalid = 0;
-  for (size_t p = 0; p < g->evaluated; p++) invalid += (g->flags[p] & YLM_GRID_POINT_INVALID) != 0;
-  if (!invalid) return YLM_OK;
-  filling f = {ylm_alloc_zero(invalid, sizeof *f.weight), ylm_alloc(g->evaluated, sizeof *f.slot),
-               ylm_alloc_zero(invalid, 4 * g->stride * sizeof *f.sum)};
-  ylm_status s = f.weight && f.slot && f.sum ? YLM_OK : YLM_ENOMEM;
-  if (s == YLM_OK) {
-    uint32_t next = 0;
-    for (size_t p = 0; p < g->evaluated; p++)
-      f.slot[p] = g->flags[p] & YLM_GRID_POINT_INVALID ? next++ : YLM_GRID_NONE;
-    /* Finest cells first; what is deeper inside follows from what has been filled. */
-    int depth = g->view.form.kind == YLM_GRID_UNIFORM ? 0 : g->view.form.depth;
-    for (int level = depth; level >= 0; level--)
-      while (gather(g, &f, level)) settle(g, &f);
-  }
-  ylm_free(f.weight);
-  ylm_free(f.slot);
-  ylm_free(f.sum);
-  return s;
-}
-
-/* -- continuity ------------------------------------------------------------------------------ */
-
 /* Lambda and norm at fraction t of a cell: trilinear. */
 static void interpolate_metric(ylm_grid *g, const ylm_grid_cell *c, const float t[3], size_t to) {
   float lambda = 0, norm = 0;
@@ -140,24 +57,42 @@ typedef struct interpolation {
   size_t first;          /* of the level at hand */
 } interpolation;
 
+/* Data of the n points that were born of one cell, the first of which is order[0]. */
+static void interpolate_births(ylm_grid *g, const uint32_t *order, int n, const ylm_grid_cell *c) {
+  sample_batch b = {.points = n,
+                    .width = (int)g->width,
+                    .derivatives = 1,
+                    .sparse = true,
+                    .interpolation = YLM_GRID_HERMITE};
+  ylm__grid_set_cell(g, c, &b);
+  for (int i = 0; i < n; i++) {
+    size_t p = g->evaluated + order[i];
+    uint32_t place = g->birth[order[i]].place;
+    float *to = g->data + p * 4 * g->stride, t[3];
+    for (int a = 0; a < 3; a++, place /= 3) b.t[a][i] = t[a] = 0.5f * (float)(place % 3);
+    b.value[i] = to;
+    for (size_t a = 0; a < 3; a++) b.gradient[a][i] = to + (a + 1) * g->stride;
+    for (size_t r = 0; r < 4; r++)
+      memset(to + r * g->stride + g->width, 0, (g->stride - g->width) * sizeof *to);
+    interpolate_metric(g, c, t, p);
+  }
+  ylm__grid_kernel()(&b);
+}
+
 static ylm_status interpolate_range(void *context, size_t begin, size_t end, int worker) {
   (void)worker;
   const interpolation *j = context;
   ylm_grid *g = j->g;
-  for (size_t i = begin; i < end; i++) {
-    uint32_t born = j->order[j->first + i];
-    const ylm_grid_cell *c = &g->cell[g->birth[born].cell];
-    size_t p = g->evaluated + born;
+  for (size_t i = begin; i < end;) {
+    const uint32_t *order = j->order + j->first + i;
+    uint32_t cell = g->birth[order[0]].cell;
+    const ylm_grid_cell *c = &g->cell[cell];
     bool wanted = !j->changed;
     for (int k = 0; k < 8 && !wanted; k++) wanted = j->changed[c->corner[k]];
-    if (!wanted) continue;
-    uint32_t n = g->birth[born].place;
-    float t[3] = {0.5f * (float)(n % 3), 0.5f * (float)(n / 3 % 3), 0.5f * (float)(n / 9)};
-    float *to = g->data + p * 4 * g->stride;
-    memset(to, 0, 4 * g->stride * sizeof *to);
-    ylm__grid_interpolate(g, c, t, to, to + g->stride);
-    interpolate_metric(g, c, t, p);
-    if (j->changed) j->changed[p] = 1;
+    int n = 0;
+    for (; i < end && n < BATCH && g->birth[order[n]].cell == cell; n++, i++)
+      if (j->changed && wanted) j->changed[g->evaluated + order[n]] = 1;
+    if (wanted) interpolate_births(g, order, n, c);
   }
   return YLM_OK;
 }
@@ -182,39 +117,33 @@ ylm_status ylm__grid_interpolate_points(ylm_grid *g, uint8_t *changed, int threa
   return YLM_OK;
 }
 
-/* Gives the children of a cell the corners they lack: evaluated points where there are any. */
+/* Gives the new children of a cell their corners: its own, evaluated points where there are any, or
+   points that they alone share. */
 static ylm_status complete_children(ylm_grid *g, uint32_t parent) {
-  uint32_t shared[27], first = g->cell[parent].child;
-  for (int n = 0; n < 27; n++) shared[n] = YLM_GRID_NONE;
-  for (uint32_t k = 0; k < 8; k++)
-    for (uint32_t i = 0; i < 8; i++) {
-      ylm_grid_cell *c = &g->cell[first + k];
-      if (c->corner[i] != YLM_GRID_NONE) continue;
-      uint32_t edge = ylm__grid_edge(g, c), at[3];
-      int n = 0, power = 1;
-      for (int a = 0; a < 3; a++, power *= 3) {
-        at[a] = c->origin[a] + (i >> a & 1 ? edge : 0);
-        n += power * (int)((k >> a & 1) + (i >> a & 1));
-      }
-      if (shared[n] == YLM_GRID_NONE) shared[n] = lattice_hash_find(&g->hash, lattice_key(at));
-      if (shared[n] == YLM_GRID_NONE) {
-        ylm_status s = add_interpolated(g, parent, n, &shared[n]);
-        if (s != YLM_OK) return s;
-      }
-      g->cell[first + k].corner[i] = shared[n];
-    }
-  return YLM_OK;
-}
-
-/* The leaf that holds the finest cell `at`, with added cells. */
-static uint32_t finest(const ylm_grid *g, const uint32_t at[3]) {
-  uint32_t cell = 0;
-  while (g->cell[cell].child) {
-    int shift = g->view.form.depth - g->cell[cell].level - 1;
-    cell = g->cell[cell].child +
-           ((at[0] >> shift & 1) | (at[1] >> shift & 1) << 1 | (at[2] >> shift & 1) << 2);
+  const ylm_grid_cell *c = &g->cell[parent];
+  uint32_t point[27], first = c->child, half = ylm__grid_edge(g, c) / 2;
+  uint64_t key[27];
+  for (uint32_t n = 0; n < 27; n++) {
+    uint32_t place[3] = {n % 3, n / 3 % 3, n / 9}, at[3];
+    for (int a = 0; a < 3; a++) at[a] = c->origin[a] + place[a] * half;
+    key[n] = lattice_key(at);
+    if (place[0] == 1 || place[1] == 1 || place[2] == 1) {
+      point[n] = YLM_GRID_NONE;
+      lattice_hash_prefetch(&g->hash, key[n]);
+    } else
+      point[n] = c->corner[place[0] / 2 + place[1] + place[2] * 2];
   }
-  return cell;
+  for (uint32_t n = 0; n < 27; n++) {
+    if (point[n] == YLM_GRID_NONE) point[n] = lattice_hash_find(&g->hash, key[n]);
+    if (point[n] != YLM_GRID_NONE) continue;
+    ylm_status s = add_interpolated(g, parent, (int)n, &point[n]);
+    if (s != YLM_OK) return s;
+  }
+  for (uint32_t k = 0; k < 8; k++)
+    for (uint32_t i = 0; i < 8; i++)
+      g->cell[first + k].corner[i] =
+          point[(k & 1) + (i & 1) + 3 * ((k >> 1 & 1) + (i >> 1 & 1)) + 9 * ((k >> 2) + (i >> 2))];
+  return YLM_OK;
 }
 
 /* True if the point lies inside of a face or an edge of the cell that it touches. */
@@ -235,7 +164,7 @@ static int level_of(const ylm_grid *g, const uint32_t at[3]) {
    data of its own only notes the level down to which sampling has to look for such points. */
 static ylm_status split_beside(ylm_grid *g, const uint32_t at[3], const uint32_t beside[3]) {
   for (;;) {
-    uint32_t cell = finest(g, beside), first;
+    uint32_t cell = ylm__grid_finest(g, beside), first;
     ylm_grid_cell *c = &g->cell[cell];
     if (!hangs(g, c, at)) return YLM_OK;
     if (!(c->flags & (YLM_GRID_BAKED | YLM_GRID_ADDED))) {
@@ -284,7 +213,8 @@ static ylm_status find_hanging(void *context, size_t begin, size_t end, int work
     uint32_t beside[3];
     j->hanging[p] = 0;
     for (int side = 0; side < 8; side++)
-      if (side_of(j->g, at, side, beside) && hangs(j->g, &j->g->cell[finest(j->g, beside)], at))
+      if (side_of(j->g, at, side, beside) &&
+          hangs(j->g, &j->g->cell[ylm__grid_finest(j->g, beside)], at))
         j->hanging[p] |= (uint8_t)(1 << side);
   }
   return YLM_OK;
@@ -297,7 +227,8 @@ ylm_status ylm__grid_make_continuous(ylm_grid *g, int threads) {
   for (size_t i = 0; i < g->view.octree_cells; i++)
     if (g->cell[i].child) note_corners(g, &g->cell[i]);
   hanging_job j = {g, hanging};
-  ylm_status s = ylm_parallel(g->evaluated, 512, threads, find_hanging, &j, NULL, NULL);
+  ylm_status s = ylm__grid_build_table(g);
+  if (s == YLM_OK) s = ylm_parallel(g->evaluated, 512, threads, find_hanging, &j, NULL, NULL);
   for (size_t p = 0; p < g->evaluated && s == YLM_OK; p++)
     for (int side = 0; side < 8 && s == YLM_OK; side++) {
       uint32_t at[3], beside[3];
@@ -308,62 +239,4 @@ ylm_status ylm__grid_make_continuous(ylm_grid *g, int threads) {
     }
   ylm_free(hanging);
   return s == YLM_OK ? ylm__grid_interpolate_points(g, NULL, threads) : s;
-}
-
-/* -- voxels without data, while sampling ------------------------------------------------------- */
-
-/* Gives the virtual cell the corner at place n of its own half-edge lattice: an evaluated point's
-   rows, or rows interpolated into `to`. */
-static void virtual_corner(const ylm_grid *g, const virtual_cell *v, const uint32_t place[3],
-                           float *to, const float *row[4]) {
-  uint32_t half = v->edge / 2, at[3];
-  int corner = 0, middle = 0;
-  float t[3];
-  for (int a = 0; a < 3; a++) {
-    at[a] = v->origin[a] + place[a] * half;
-    t[a] = 0.5f * (float)place[a];
-    middle += place[a] == 1;
-    corner |= (int)(place[a] / 2) << a;
-  }
-  uint32_t point = middle ? lattice_hash_find(&g->hash, lattice_key(at)) : YLM_GRID_NONE;
-  for (int r = 0; r < 4; r++) {
-    if (!middle) /* its rows may lie in the room that the next descent writes to */
-      row[r] = memcpy(to + (size_t)r * g->stride, v->row[8 * r + corner], g->stride * sizeof *to);
-    else if (point != YLM_GRID_NONE)
-      row[r] = ylm__grid_row(g, point, r);
-    else
-      row[r] = to + (size_t)r * g->stride;
-  }
-  if (middle && point == YLM_GRID_NONE) ylm__grid_mix(g, v->row, v->edge, t, to, to + g->stride);
-}
-
-/* Replaces the virtual cell by its child number k; `to` is room for eight corners. */
-static void virtual_descend(const ylm_grid *g, virtual_cell *v, uint32_t k, float *to) {
-  const float *row[32];
-  for (uint32_t i = 0; i < 8; i++) {
-    uint32_t place[3];
-    const float *corner[4];
-    for (int a = 0; a < 3; a++) place[a] = (k >> a & 1) + (i >> a & 1);
-    virtual_corner(g, v, place, to + i * 4 * g->stride, corner);
-    for (uint32_t r = 0; r < 4; r++) row[8 * r + i] = corner[r];
-  }
-  memcpy(v->row, row, sizeof row);
-  v->edge /= 2;
-  for (int a = 0; a < 3; a++) v->origin[a] += k >> a & 1 ? v->edge : 0;
-}
-
-void ylm__grid_virtual(const ylm_grid *g, uint32_t leaf, const double at[3], virtual_cell *v,
-                       float *scratch) {
-  const ylm_grid_cell *c = &g->cell[leaf], *from = &g->cell[c->source];
-  memcpy(v->origin, from->origin, sizeof v->origin);
-  v->edge = ylm__grid_edge(g, from);
-  for (int r = 0; r < 4; r++)
-    for (int k = 0; k < 8; k++) v->row[8 * r + k] = ylm__grid_row(g, from->corner[k], r);
-  uint32_t last = 1u << (g->view.form.depth - c->detail);
-  for (int level = 0; v->edge > last; level++) {
-    uint32_t k = 0;
-    for (int a = 0; a < 3; a++) k |= (uint32_t)(at[a] >= v->origin[a] + v->edge / 2) << a;
-    /* Children interpolate from their parent: two rooms in turn. */
-    virtual_descend(g, v, k, scratch + (size_t)(level & 1) * 32 * g->stride);
-  }
 }

@@ -9,7 +9,7 @@
 #ifndef YLM_GRID_DYNAMIC_H
 #define YLM_GRID_DYNAMIC_H
 
-#include "grid.h"
+#include "baker.h"
 
 #define STATES 64         /* of a mover: as many as are remembered */
 #define EVICT_ALL STATES  /* every state but the present one */
@@ -33,6 +33,11 @@ typedef struct mover {
   uint64_t moved; /* the update of its last change */
   uint8_t *seen;  /* [room] the state that each point's data have it in */
 } mover;
+
+/* Ratios of measured error to the square of the metric, counted by powers of sqrt 2. */
+typedef struct ratios {
+  uint64_t count[256], n;
+} ratios;
 
 typedef struct grid_dynamic {
   lamp *lamp; /* as of the last update */

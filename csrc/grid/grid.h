@@ -6,10 +6,13 @@
 
 #define ROWS 32 /* what a voxel's interpolant is made of: 8 corners x (value, 3 derivatives) */
 
-/* Points by lattice coordinates. */
+/* Points by lattice coordinates: open addressing, a key beside its value. */
+typedef struct lattice_entry {
+  uint64_t key;
+  uint32_t value; /* YLM_GRID_NONE: free */
+} lattice_entry;
 typedef struct lattice_hash {
-  uint64_t *key;
-  uint32_t *value;
+  lattice_entry *entry;
   size_t size, used; /* size is a power of two */
 } lattice_hash;
 
@@ -23,6 +26,7 @@ struct ylm_grid {
 
   uint32_t *lattice; /* [points][3] */
   float *data;       /* [points][4][stride], and some floats of padding behind the last */
+  size_t data_bytes;
   float *lambda, *norm;
   uint8_t *flags;
   size_t points, point_room, evaluated, stride;
@@ -80,6 +84,23 @@ bool ylm__grid_coordinates(const ylm_grid *g, const double p[3], double out[3]);
 /* The leaf under clamped lattice coordinates; the box moves the coordinates where a uniform grid
    has no data. */
 uint32_t ylm__grid_leaf(const ylm_grid *g, const double at[3]);
+/* Cells by coarse coordinates, as a beginning for the next; it stays good while leaves are split.
+ */
+ylm_status ylm__grid_build_table(ylm_grid *g);
+static inline size_t ylm__grid_table_index(const ylm_grid *g, uint32_t x, uint32_t y, uint32_t z) {
+  return ((size_t)z * g->top[1] + y) * g->top[0] + x;
+}
+/* The leaf that holds the finest lattice cell `at`, cells added for continuity included. */
+static inline uint32_t ylm__grid_finest(const ylm_grid *g, const uint32_t at[3]) {
+  int top = g->top_shift;
+  uint32_t cell = g->table[ylm__grid_table_index(g, at[0] >> top, at[1] >> top, at[2] >> top)];
+  for (const ylm_grid_cell *c = &g->cell[cell]; c->child; c = &g->cell[cell]) {
+    int shift = g->view.form.depth - c->level - 1;
+    cell =
+        c->child + ((at[0] >> shift & 1) | (at[1] >> shift & 1) << 1 | (at[2] >> shift & 1) << 2);
+  }
+  return cell;
+}
 
 /* -- lattice.c: Morton codes and the hash of points ------------------------------ */
 
@@ -94,6 +115,8 @@ ylm_status lattice_hash_reserve(lattice_hash *h, size_t entries);
 uint32_t *lattice_hash_at(lattice_hash *h, uint64_t key);
 /* The value of a key, YLM_GRID_NONE if there is none. */
 uint32_t lattice_hash_find(const lattice_hash *h, uint64_t key);
+/* Brings the place of a key that will be looked for into the cache. */
+void lattice_hash_prefetch(const lattice_hash *h, uint64_t key);
 /* Forgets a key, if it is there. */
 void lattice_hash_remove(lattice_hash *h, uint64_t key);
 void lattice_hash_free(lattice_hash *h);
@@ -115,115 +138,28 @@ typedef struct occupancy {
 ylm_status occupancy_build(occupancy *o, const ylm_grid *g, const ylm_grid_source *s,
                            uint64_t *outside);
 /* Uniform grids: one byte per voxel. */
-ylm_status occupancy_mark_uniform(const ylm_grid *g, const ylm_grid_source *s, uint8_t *mark,
-                                  uint64_t *outside);
-bool occupancy_test(const occupancy *o, int level, const uint32_t node[3]);
+void occupancy_mark_uniform(const ylm_grid *g, const ylm_grid_source *s, uint8_t *mark,
+                            uint64_t *outside);
+/* Which of the eight children of a voxel that is not of the finest level are occupied, as bits;
+   `origin` in lattice coordinates. */
+uint8_t occupancy_children(const occupancy *o, int level, const uint32_t origin[3]);
 void occupancy_free(occupancy *o);
 
-/* -- bake.c ------------------------------------------------------------------------ */
-
-/* A list of cells. */
-typedef struct cell_list {
-  uint32_t *cell;
-  size_t n, room;
-} cell_list;
-ylm_status cell_list_push(cell_list *list, uint32_t cell);
-
-/* What the field writes for a block of points. */
-typedef struct field_block {
-  float *position, *value, *gradient, *lambda, *norm;
-  float *hessian; /* [n][hessian_channels][count][6]; NULL where the grid is not dynamic */
-  int hessian_channels;
-  uint8_t *inside;
-  size_t room; /* points */
-} field_block;
-
-/* A bake under way. */
-typedef struct baker {
-  ylm_grid *g;
-  const ylm_grid_source *source;
-  ylm_error *e;
-  occupancy occupied;
-  cell_list wave, next; /* cells to decide about, their children that come next */
-  field_block block;
-  const char *stage; /* for progress */
-  char stage_text[48];
-  uint8_t *used; /* updates: by point, whether a cell or a test wants it; else NULL */
-  size_t used_room;
-  /* Updates: the cells before, which new cells in the same place (cell.source, while baking) take
-     corners, residuals and crossings from, as far as these cannot have changed; else NULL. */
-  const ylm_grid_cell *before;
-  const uint8_t *changed;  /* by point that was there */
-  const double *unsettled; /* [unsettleds][6] boxes around lights that changed */
-  size_t unsettleds;
-} baker;
-
-/* The root alone, occupied, is the wave. */
-ylm_status baker_root(baker *b);
-/* Splits by the threshold until nothing is above it. */
-ylm_status baker_refine_threshold(baker *b);
-/* Frees what a baker holds, the grid and the occupancy excepted. */
-void baker_free(baker *b);
-/* Returns s; says in `e` what ran out, if s is YLM_ENOMEM or YLM_ELIMIT. */
-ylm_status ylm__grid_no_room(ylm_status s, const ylm_grid_source *source, ylm_error *e);
-
-/* The index of the point at lattice coordinates; a new one waits for baker_evaluate. */
-ylm_status baker_point(baker *b, const uint32_t at[3], uint8_t flags, uint32_t *index);
-/* Evaluates all points that wait, in blocks through the field. */
-ylm_status baker_evaluate(baker *b);
-/* Evaluates the n points `list` anew. */
-ylm_status baker_evaluate_list(baker *b, size_t n, const uint32_t *list);
-/* Asks a field for the block's results at its first n positions. */
-ylm_status baker_ask(baker *b, const ylm_field *field, size_t n, field_block *k);
-/* The same for few lights: no metric, and Hessians only of the channels that the metric is of. */
-ylm_status baker_ask_few(baker *b, const ylm_field *field, size_t n, field_block *k);
-/* Room in a block for the results of n points. */
-ylm_status baker_reserve_block(baker *b, field_block *k, size_t n);
-/* The float position that the field is asked at for a point. */
-void ylm__grid_asked(const ylm_grid *g, uint32_t point, float out[3]);
-/* Values alone at n free points. */
-ylm_status baker_values(baker *b, size_t n, const float *points, float *value, uint8_t *inside);
-/* Evaluates what the cells of the wave lack at their corners, computes their metric, and finds
-   which of them a light's surface crosses. */
-ylm_status baker_corners(baker *b);
-/* The cell in the same place before an update; NULL: none, or no update. */
-static inline const ylm_grid_cell *baker_before(const baker *b, const ylm_grid_cell *c) {
-  return b->before && c->source != YLM_GRID_NONE ? &b->before[c->source] : NULL;
-}
-/* Splits a cell; its occupied children come next. */
-ylm_status baker_split(baker *b, uint32_t cell);
-/* The children that came next become the wave. */
-void baker_advance(baker *b);
-/* Fills points in lights and finishes: then the grid can be sampled. `last`: makes it continuous,
-   if that is asked for; nothing may be refined after that. */
-ylm_status baker_finish(baker *b, bool last);
-/* The metric of a cell that has its corners: mean over the valid ones of lambda D^2/2, or of that
-   over the norm. */
-float baker_metric(const baker *b, const ylm_grid_cell *c, ylm_grid_metric metric);
-
-/* -- tolerance.c -------------------------------------------------------------------- */
-
-/* Ratios of measured error to the square of the metric, counted by powers of sqrt 2. */
-typedef struct ratios {
-  uint64_t count[256], n;
-} ratios;
-
-ylm_status ylm__grid_bake_tolerance(baker *b);
-/* Refines from the root by what the bake has learnt, then compares held-out points of voxels with
-   changed corners (changed: by point; points from `known` on are new). Fills `verified`, `error`
-   and `met` of the dynamic state's stats. */
-ylm_status ylm__grid_update_tolerance(baker *b, const uint8_t *changed, size_t known);
-
-/* -- continuity.c ------------------------------------------------------------------- */
+/* -- invalid.c ---------------------------------------------------------------------- */
 
 /* First-order values for points in lights, from valid corners of the cells they belong to. */
 ylm_status ylm__grid_fill_invalid(ylm_grid *g);
+
+/* -- continuity.c ------------------------------------------------------------------- */
+
 /* Splits leaves that have data until every evaluated point is a corner of all of them that it
    touches; leaves without data note how far sampling has to descend (cell.detail). */
 ylm_status ylm__grid_make_continuous(ylm_grid *g, int threads);
 /* Computes interpolated points: all, or those that depend on points with changed[point] != 0, which
    are then marked themselves. */
 ylm_status ylm__grid_interpolate_points(ylm_grid *g, uint8_t *changed, int threads);
+
+/* -- virtual.c ---------------------------------------------------------------------- */
 
 /* A cell that exists only while a leaf without data is sampled. */
 typedef struct virtual_cell {
@@ -253,6 +189,7 @@ ylm_status ylm__grid_evaluate(const ylm_field *f, const ylm_field_query *q, size
 typedef struct sample_batch {
   int points, width, derivatives; /* derivatives: 0, or 1: gradients too */
   ylm_grid_interpolation interpolation;
+  bool sparse;               /* points are at halves of edges, where most weights are 0 */
   float edge[3];             /* of the cell, scene units */
   float t[3][BATCH];         /* fractions of the edges */
   const float *row[ROWS];    /* value of the 8 corners, d/dx of them, d/dy, d/dz */
@@ -261,6 +198,8 @@ typedef struct sample_batch {
 } sample_batch;
 typedef void sample_kernel(const sample_batch *b);
 sample_kernel *ylm__grid_kernel(void);
+/* Gives the batch the edges and rows of a cell. */
+void ylm__grid_set_cell(const ylm_grid *g, const ylm_grid_cell *c, sample_batch *b);
 sample_kernel ylm_k_grid_sample_reference, ylm_k_grid_sample_sse2, ylm_k_grid_sample_neon,
     ylm_k_grid_sample_avx2, ylm_k_grid_sample_avx512;
 /* Kernels read up to this many floats past a row's end. */

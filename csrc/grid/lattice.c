@@ -25,7 +25,7 @@ static uint64_t mix(uint64_t x) {
 /* The place of a key, or the free place where it would stand. */
 static size_t place(const lattice_hash *h, uint64_t key) {
   size_t i = (size_t)mix(key) & (h->size - 1);
-  while (h->value[i] != YLM_GRID_NONE && h->key[i] != key) i = (i + 1) & (h->size - 1);
+  while (h->entry[i].value != YLM_GRID_NONE && h->entry[i].key != key) i = (i + 1) & (h->size - 1);
   return i;
 }
 
@@ -33,19 +33,12 @@ ylm_status lattice_hash_reserve(lattice_hash *h, size_t entries) {
   size_t size = h->size ? h->size : 256;
   while (size < entries * 2 + 16) size *= 2;
   if (size == h->size) return YLM_OK;
-  lattice_hash grown = {ylm_alloc(size, sizeof *grown.key), ylm_alloc(size, sizeof *grown.value),
-                        size, h->used};
-  if (!grown.key || !grown.value) {
-    lattice_hash_free(&grown);
-    return YLM_ENOMEM;
-  }
-  for (size_t i = 0; i < size; i++) grown.value[i] = YLM_GRID_NONE;
-  for (size_t i = 0; i < h->size; i++) {
-    if (h->value[i] == YLM_GRID_NONE) continue;
-    size_t k = place(&grown, h->key[i]);
-    grown.key[k] = h->key[i];
-    grown.value[k] = h->value[i];
-  }
+  lattice_hash grown = {ylm_alloc(size, sizeof *grown.entry), size, h->used};
+  if (!grown.entry) return YLM_ENOMEM;
+  for (size_t i = 0; i < size; i++) grown.entry[i].value = YLM_GRID_NONE;
+  for (size_t i = 0; i < h->size; i++)
+    if (h->entry[i].value != YLM_GRID_NONE)
+      grown.entry[place(&grown, h->entry[i].key)] = h->entry[i];
   lattice_hash_free(h);
   *h = grown;
   return YLM_OK;
@@ -53,13 +46,17 @@ ylm_status lattice_hash_reserve(lattice_hash *h, size_t entries) {
 
 uint32_t *lattice_hash_at(lattice_hash *h, uint64_t key) {
   size_t i = place(h, key);
-  if (h->value[i] == YLM_GRID_NONE) h->used++;
-  h->key[i] = key;
-  return &h->value[i];
+  if (h->entry[i].value == YLM_GRID_NONE) h->used++;
+  h->entry[i].key = key;
+  return &h->entry[i].value;
 }
 
 uint32_t lattice_hash_find(const lattice_hash *h, uint64_t key) {
-  return h->size ? h->value[place(h, key)] : YLM_GRID_NONE;
+  return h->size ? h->entry[place(h, key)].value : YLM_GRID_NONE;
+}
+
+void lattice_hash_prefetch(const lattice_hash *h, uint64_t key) {
+  if (h->size) __builtin_prefetch(&h->entry[(size_t)mix(key) & (h->size - 1)]);
 }
 
 /* Backward-shift deletion: entries behind the gap move into it unless they are where they belong.
@@ -67,20 +64,18 @@ uint32_t lattice_hash_find(const lattice_hash *h, uint64_t key) {
 void lattice_hash_remove(lattice_hash *h, uint64_t key) {
   if (!h->size) return;
   size_t mask = h->size - 1, gap = place(h, key);
-  if (h->value[gap] == YLM_GRID_NONE) return;
-  for (size_t i = (gap + 1) & mask; h->value[i] != YLM_GRID_NONE; i = (i + 1) & mask) {
-    size_t home = (size_t)mix(h->key[i]) & mask;
+  if (h->entry[gap].value == YLM_GRID_NONE) return;
+  for (size_t i = (gap + 1) & mask; h->entry[i].value != YLM_GRID_NONE; i = (i + 1) & mask) {
+    size_t home = (size_t)mix(h->entry[i].key) & mask;
     if (((i - home) & mask) < ((i - gap) & mask)) continue;
-    h->key[gap] = h->key[i];
-    h->value[gap] = h->value[i];
+    h->entry[gap] = h->entry[i];
     gap = i;
   }
-  h->value[gap] = YLM_GRID_NONE;
+  h->entry[gap].value = YLM_GRID_NONE;
   h->used--;
 }
 
 void lattice_hash_free(lattice_hash *h) {
-  ylm_free(h->key);
-  ylm_free(h->value);
+  ylm_free(h->entry);
   *h = (lattice_hash){0};
 }

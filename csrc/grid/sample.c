@@ -26,7 +26,7 @@ static void set_edge(const ylm_grid *g, uint32_t edge, sample_batch *b) {
 }
 
 /* Points the batch's rows at the corners of a cell. */
-static void set_cell(const ylm_grid *g, const ylm_grid_cell *c, sample_batch *b) {
+void ylm__grid_set_cell(const ylm_grid *g, const ylm_grid_cell *c, sample_batch *b) {
   set_edge(g, ylm__grid_edge(g, c), b);
   for (int r = 0; r < 4; r++)
     for (int k = 0; k < 8; k++) b->row[8 * r + k] = ylm__grid_row(g, c->corner[k], r);
@@ -201,7 +201,7 @@ static ylm_status sample_range(void *context, size_t begin, size_t end, int work
       i++;
       continue;
     }
-    if (cell != last) set_cell(s->g, &s->g->cell[cell], &b);
+    if (cell != last) ylm__grid_set_cell(s->g, &s->g->cell[cell], &b);
     last = cell;
     b.points = 0;
     while (i < end && b.points < BATCH) {

@@ -80,6 +80,31 @@ static void mix(const sample_batch *b, const float *w, float *const *out) {
   }
 }
 
+/* The same for points most of whose weights are 0, as at the middles of edges and faces: rows of
+   weight 0 are left out. */
+static void mix_few(const sample_batch *b, const float *w, float *const *out) {
+  for (int p = 0; p < b->points; p++) {
+    const float *row[ROWS];
+    float x[ROWS];
+    int n = 0;
+    for (int r = 0; r < ROWS; r++) {
+      row[n] = b->row[r];
+      x[n] = w[r * BATCH + p];
+      n += x[n] != 0;
+    }
+    for (int j = 0; j < b->width; j += COLUMNS * YLM_VF) {
+      ylm_vf sum[COLUMNS] = {{0}};
+      int columns = (b->width - j + YLM_VF - 1) / YLM_VF;
+      for (int r = 0; r < n && columns >= COLUMNS; r++)
+        for (int c = 0; c < COLUMNS; c++) sum[c] += x[r] * ylm_vf_load(row[r] + j + c * YLM_VF);
+      for (int c = 0; c < columns && columns < COLUMNS; c++)
+        for (int r = 0; r < n; r++) sum[c] += x[r] * ylm_vf_load(row[r] + j + c * YLM_VF);
+      for (int c = 0; c < COLUMNS && c < columns; c++)
+        store_some(out[p] + j + c * YLM_VF, sum[c], b->width - j - c * YLM_VF);
+    }
+  }
+}
+
 void YLM_KERNEL(ylm_k_grid_sample)(const sample_batch *b) {
   float w[ROWS * BATCH] __attribute__((aligned(64)));
   ylm_vf some[ROWS];
@@ -96,6 +121,6 @@ void YLM_KERNEL(ylm_k_grid_sample)(const sample_batch *b) {
       weights(&f[0], &f[1], &f[2], some, 1);
       for (int r = 0; r < ROWS; r++) ylm_vf_store(w + r * BATCH + p, some[r]);
     }
-    mix(b, w, d ? b->gradient[d - 1] : b->value);
+    (b->sparse ? mix_few : mix)(b, w, d ? b->gradient[d - 1] : b->value);
   }
 }

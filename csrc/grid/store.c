@@ -100,7 +100,7 @@ void ylm_grid_free(ylm_grid *g) {
   if (!g) return;
   ylm_free(g->cell);
   ylm_free(g->lattice);
-  ylm_free(g->data);
+  ylm_regrow_free(g->data, g->data_bytes);
   ylm_free(g->lambda);
   ylm_free(g->norm);
   ylm_free(g->flags);
@@ -138,10 +138,10 @@ ylm_status ylm__grid_reserve_points(ylm_grid *g, size_t more) {
   size_t room = g->point_room * 2 > wanted ? g->point_room * 2 : wanted;
   size_t record = 4 * g->stride * sizeof(float), padding = ROW_PADDING * sizeof(float);
   if (room > SIZE_MAX / record - 1) return YLM_ENOMEM;
-  float *data = ylm_realloc(g->data, n * record, room * record + padding, 1);
+  float *data = ylm_regrow(g->data, g->data_bytes, room * record + padding);
   if (!data) return YLM_ENOMEM;
-  memset((char *)data + room * record, 0, padding);
   g->data = data;
+  g->data_bytes = room * record + padding;
   if (!grow(&g->lattice, n, room, 3 * sizeof *g->lattice) ||
       !grow(&g->lambda, n, room, sizeof *g->lambda) || !grow(&g->norm, n, room, sizeof *g->norm) ||
       !grow(&g->flags, n, room, 1))
@@ -213,16 +213,12 @@ void ylm__grid_count(ylm_grid *g) {
     s->invalid += (g->flags[i] & YLM_GRID_POINT_INVALID) != 0;
     s->tested += (g->flags[i] & YLM_GRID_POINT_TESTED) != 0;
   }
-  s->bytes = g->hash.size * (sizeof *g->hash.key + sizeof *g->hash.value);
+  s->bytes = g->hash.size * sizeof *g->hash.entry;
   size_t table = (size_t)g->top[0] * g->top[1] * g->top[2];
   s->bytes += g->cell_room * sizeof *g->cell + table * sizeof *g->table +
               g->point_room *
                   (4 * g->stride * sizeof(float) + 3 * sizeof *g->lattice + 2 * sizeof(float) + 1);
   s->bytes += g->birth_room * sizeof *g->birth + ylm__dynamic_bytes(g->dynamic);
-}
-
-static size_t table_index(const ylm_grid *g, uint32_t x, uint32_t y, uint32_t z) {
-  return ((size_t)z * g->top[1] + y) * g->top[0] + x;
 }
 
 /* Writes a cell into the part of the table that it covers. */
@@ -233,7 +229,7 @@ static void cover(ylm_grid *g, uint32_t cell) {
   for (uint32_t z = 0; z < n; z++)
     for (uint32_t y = 0; y < n; y++)
       for (uint32_t x = 0; x < n; x++)
-        g->table[table_index(g, o[0] + x, o[1] + y, o[2] + z)] = cell;
+        g->table[ylm__grid_table_index(g, o[0] + x, o[1] + y, o[2] + z)] = cell;
 }
 
 /* Voxels without data take the nearest (counted in faces) that has some. */
@@ -260,7 +256,7 @@ static ylm_status spread_table(ylm_grid *g) {
   return YLM_OK;
 }
 
-static ylm_status build_table(ylm_grid *g) {
+ylm_status ylm__grid_build_table(ylm_grid *g) {
   bool uniform = g->view.form.kind == YLM_GRID_UNIFORM;
   int level = 0;
   if (!uniform)
@@ -284,7 +280,7 @@ static ylm_status build_table(ylm_grid *g) {
 ylm_status ylm__grid_finish(ylm_grid *g) {
   ylm__grid_find_baked(g);
   find_sources(g);
-  ylm_status s = build_table(g);
+  ylm_status s = ylm__grid_build_table(g);
   if (s != YLM_OK) return s;
   ylm__grid_count(g);
   ylm__grid_sync(g);
@@ -314,13 +310,7 @@ uint32_t ylm__grid_leaf(const ylm_grid *g, const double at[3]) {
     uint32_t last = g->view.resolution[a] - 1, i = (uint32_t)at[a];
     c[a] = i > last ? last : i;
   }
-  uint32_t cell =
-      g->table[table_index(g, c[0] >> g->top_shift, c[1] >> g->top_shift, c[2] >> g->top_shift)];
-  for (const ylm_grid_cell *n = &g->cell[cell]; n->child; n = &g->cell[cell]) {
-    int shift = g->view.form.depth - n->level - 1;
-    cell = n->child + ((c[0] >> shift & 1) | (c[1] >> shift & 1) << 1 | (c[2] >> shift & 1) << 2);
-  }
-  return cell;
+  return ylm__grid_finest(g, c);
 }
 
 const ylm_grid_view *ylm_grid_look(const ylm_grid *g) { return &g->view; }

@@ -1,0 +1,127 @@
+/* undo.c - an update that fails or is cancelled is taken back. */
+#include "update.h"
+
+#include <string.h>
+
+static void *copy(const void *from, size_t bytes) {
+  void *to = ylm_alloc(bytes, 1);
+  if (to && bytes) memcpy(to, from, bytes);
+  return to;
+}
+
+/* Keeps everything but rows of data. */
+ylm_status update_remember(update *u) {
+  const ylm_grid *g = u->g;
+  const grid_dynamic *d = u->d;
+  undo *o = &u->old;
+  o->points = g->points;
+  o->evaluated = g->evaluated;
+  o->cells = g->cells;
+  o->cell_room = g->cell_room;
+  o->flags = copy(g->flags, g->points);
+  o->lambda = copy(g->lambda, g->points * sizeof *o->lambda);
+  o->norm = copy(g->norm, g->points * sizeof *o->norm);
+  o->size = copy(d->size, g->evaluated * sizeof *o->size);
+  o->drift = copy(d->drift, g->evaluated * sizeof *o->drift);
+  o->sign = copy(d->sign, g->evaluated * sizeof *o->sign);
+  o->mover = copy(d->mover, d->movers * sizeof *o->mover);
+  if (!o->flags || !o->lambda || !o->norm || !o->size || !o->drift || !o->sign || !o->mover)
+    return YLM_ENOMEM;
+  for (size_t m = 0; m < d->movers; m++) o->mover[m].seen = NULL;
+  o->movers = d->movers;
+  for (size_t m = 0; m < d->movers; m++) {
+    o->mover[m].seen = copy(d->mover[m].seen, g->evaluated);
+    if (!o->mover[m].seen) return YLM_ENOMEM;
+  }
+  return YLM_OK;
+}
+
+/* Keeps the rows of the points that will be written. */
+ylm_status update_log_rows(update *u) {
+  const ylm_grid *g = u->g;
+  undo *o = &u->old;
+  size_t invalid = 0, row = 4 * g->stride, bends = u->d->bends;
+  for (size_t p = 0; p < g->evaluated; p++) invalid += (g->flags[p] & YLM_GRID_POINT_INVALID) != 0;
+  size_t most = u->exacts + u->shifts + invalid;
+  o->logged = ylm_alloc(most, sizeof *o->logged);
+  o->data = ylm_alloc(most, row * sizeof *o->data);
+  o->hessian = ylm_alloc(most, bends * sizeof *o->hessian);
+  if (!o->logged || !o->data || !o->hessian) return YLM_ENOMEM;
+  for (size_t i = 0; i < u->exacts; i++) o->logged[o->logs++] = u->exact[i];
+  for (size_t i = 0; i < u->shifts; i++) o->logged[o->logs++] = u->shift[i];
+  for (uint32_t p = 0; p < g->evaluated; p++)
+    if (g->flags[p] & YLM_GRID_POINT_INVALID && !u->changed[p]) o->logged[o->logs++] = p;
+  for (size_t i = 0; i < o->logs; i++) {
+    size_t p = o->logged[i];
+    memcpy(o->data + i * row, g->data + p * row, row * sizeof *o->data);
+    if (bends)
+      memcpy(o->hessian + i * bends, u->d->hessian + p * bends, bends * sizeof *o->hessian);
+  }
+  return YLM_OK;
+}
+
+void update_restore(update *u) {
+  ylm_grid *g = u->g;
+  grid_dynamic *d = u->d;
+  undo *o = &u->old;
+  size_t row = 4 * g->stride, bends = d->bends;
+  for (size_t p = o->points; p < g->points; p++)
+    lattice_hash_remove(&g->hash, lattice_key(g->lattice + 3 * p));
+  g->points = o->points;
+  g->evaluated = o->evaluated;
+  if (o->cell) {
+    ylm_free(g->cell);
+    g->cell = o->cell;
+    g->cells = o->cells;
+    g->cell_room = o->cell_room;
+    o->cell = NULL;
+  }
+  memcpy(g->flags, o->flags, g->points);
+  memcpy(g->lambda, o->lambda, g->points * sizeof *g->lambda);
+  memcpy(g->norm, o->norm, g->points * sizeof *g->norm);
+  memcpy(d->size, o->size, g->evaluated * sizeof *d->size);
+  memcpy(d->drift, o->drift, g->evaluated * sizeof *d->drift);
+  memcpy(d->sign, o->sign, g->evaluated * sizeof *d->sign);
+  for (size_t i = 0; i < o->logs; i++) {
+    size_t p = o->logged[i];
+    memcpy(g->data + p * row, o->data + i * row, row * sizeof *g->data);
+    if (bends) memcpy(d->hessian + p * bends, o->hessian + i * bends, bends * sizeof *d->hessian);
+  }
+  for (size_t m = 0; m < d->movers; m++) {
+    uint8_t *seen = d->mover[m].seen;
+    if (m >= o->movers) {
+      ylm_free(seen);
+      continue;
+    }
+    memcpy(seen, o->mover[m].seen, g->evaluated);
+    mover was = o->mover[m];
+    was.seen = seen;
+    d->mover[m] = was;
+  }
+  d->movers = o->movers;
+  ylm__grid_sync(g);
+}
+
+void update_forget(update *u) {
+  undo *o = &u->old;
+  for (size_t m = 0; m < o->movers; m++) ylm_free(o->mover[m].seen);
+  ylm_free(o->mover);
+  ylm_free(o->flags);
+  ylm_free(o->lambda);
+  ylm_free(o->norm);
+  ylm_free(o->size);
+  ylm_free(o->drift);
+  ylm_free(o->sign);
+  ylm_free(o->logged);
+  ylm_free(o->data);
+  ylm_free(o->hessian);
+  ylm_free(o->cell);
+  ylm_free(u->now);
+  ylm_free(u->origin);
+  ylm_free(u->change);
+  ylm_free(u->exact);
+  ylm_free(u->shift);
+  ylm_free(u->changed);
+  ylm_free(u->boxes);
+  baker_free(&u->b);
+}

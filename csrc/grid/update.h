@@ -1,0 +1,70 @@
+/* update.h - an update under way, shared by the files it takes. */
+#ifndef YLM_GRID_UPDATE_H
+#define YLM_GRID_UPDATE_H
+
+#include "dynamic.h"
+
+/* What was, to be taken back. Points are those that were in the grid, interpolated ones too. */
+typedef struct undo {
+  size_t points, evaluated, cells, cell_room, movers;
+  ylm_grid_cell *cell; /* the old cells, while new ones are made; else NULL */
+  uint8_t *flags;
+  float *lambda, *norm, *size, *drift;
+  uint64_t *sign;
+  mover *mover;     /* [movers], with copies of `seen` */
+  uint32_t *logged; /* points whose rows follow */
+  float *data, *hessian;
+  size_t logs;
+} undo;
+
+typedef struct update {
+  ylm_grid *g;
+  grid_dynamic *d;
+  baker b;
+  ylm_grid_source source;
+  double tolerance;
+  lamp *now;
+  int64_t *origin; /* [lamps now] */
+  lamp_change *change;
+  size_t lamps, changes;
+  uint32_t *exact, *shift; /* points to evaluate with all lights, with what changed */
+  size_t exacts, shifts;
+  uint8_t *changed; /* [points at the beginning] data are not what they were */
+  double *boxes;    /* [2 changes][6] around lights that changed */
+  undo old;
+  bool over; /* nothing can be taken back any more */
+  ylm_grid_update_stats stats;
+} update;
+
+/* -- undo.c ----------------------------------------------------------------------------- */
+
+/* Keeps everything but rows of data. */
+ylm_status update_remember(update *u);
+/* Keeps the rows of the points that will be written. */
+ylm_status update_log_rows(update *u);
+/* Takes everything back. */
+void update_restore(update *u);
+/* Frees what an update holds, the grid excepted. */
+void update_forget(update *u);
+
+/* -- movers.c --------------------------------------------------------------------------- */
+
+/* The light set becomes the new one; whoever changed is a mover from now on. The arrays are changed
+   only where nothing can fail any more, `of` is the new mover_of. */
+ylm_status update_enter_changes(update *u, int32_t *of);
+/* Forgets movers that all points have in their present state. */
+void update_retire(grid_dynamic *d, size_t points);
+
+/* -- shift.c ---------------------------------------------------------------------------- */
+
+/* Which points are to be evaluated anew, and which get the difference. */
+ylm_status update_choose_points(update *u);
+/* Every mover, one state after the other: its points that are listed in u->shift. */
+ylm_status update_shift_all(update *u);
+
+/* -- update_tree.c ---------------------------------------------------------------------- */
+
+ylm_status update_octree(update *u);
+ylm_status update_uniform(update *u);
+
+#endif

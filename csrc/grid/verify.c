@@ -1,0 +1,162 @@
+/* verify.c - held-out shading points against the light field. */
+#include "tolerance.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Shading point k in float. */
+static void shading_point(const ylm_grid_source *s, size_t k, float out[3]) {
+  for (size_t a = 0; a < 3; a++)
+    out[a] = s->occupied_dtype == YLM_DOUBLE
+                 ? (float)((const double *)s->occupied_points)[3 * k + a]
+                 : ((const float *)s->occupied_points)[3 * k + a];
+}
+
+void refiner_draw(const refiner *r, ylm_rng *rng, float out[3]) {
+  const ylm_grid_source *s = r->b->source;
+  const double *box = r->b->g->view.form.bounds;
+  if (s->occupied_points)
+    shading_point(s, (size_t)(ylm_rng_double(rng) * (double)s->occupied), out);
+  else
+    for (size_t a = 0; a < 3; a++)
+      out[a] = (float)(box[a] + (box[a + 3] - box[a]) * ylm_rng_double(rng));
+}
+
+uint32_t refiner_leaf(const ylm_grid *g, const float x[3]) {
+  return ylm_grid_locate(g, (double[3]){(double)x[0], (double)x[1], (double)x[2]}, false, NULL);
+}
+
+/* Chooses points for this round: all, if there are not more. One that rounding to float moved out
+   of occupied voxels is left out. */
+static void hold_out(refiner *r, uint64_t round) {
+  const ylm_grid_source *s = r->b->source;
+  const ylm_grid *g = r->b->g;
+  bool all = s->occupied_points && s->occupied < HELD_OUT;
+  ylm_rng rng;
+  ylm_rng_seed(&rng, s->seed, round);
+  r->held = 0;
+  for (size_t i = 0, n = all ? s->occupied : HELD_OUT; i < n; i++) {
+    float *x = r->points + 3 * r->held;
+    if (all)
+      shading_point(s, i, x);
+    else
+      refiner_draw(r, &rng, x);
+    uint32_t leaf = refiner_leaf(g, x);
+    if (g->cell[leaf].flags & YLM_GRID_OCCUPIED) r->verdict[r->held++].leaf = leaf;
+  }
+}
+
+/* Errors of held-out points begin .. end-1, interpolated in their leaves. */
+static ylm_status compare_range(void *context, size_t begin, size_t end, int worker) {
+  refiner *r = context;
+  const ylm_grid *g = r->b->g;
+  float *row = r->row + (size_t)worker * (g->stride + ROW_PADDING);
+  for (size_t i = begin; i < end; i++) {
+    const ylm_grid_cell *c = &g->cell[r->verdict[i].leaf];
+    const float *x = r->points + 3 * i;
+    double at[3], edge = ylm__grid_edge(g, c);
+    float t[3];
+    ylm__grid_coordinates(g, (double[3]){(double)x[0], (double)x[1], (double)x[2]}, at);
+    for (int a = 0; a < 3; a++) t[a] = (float)((at[a] - c->origin[a]) / edge);
+    ylm__grid_interpolate(g, c, t, row, NULL);
+    r->verdict[i].error = refiner_distance(row, r->exact + i * g->width, g->width);
+  }
+  return YLM_OK;
+}
+
+ylm_status refiner_compare(refiner *r) {
+  baker *b = r->b;
+  ylm_status s = baker_values(b, r->held, r->points, r->exact, r->inside);
+  if (s == YLM_OK) s = ylm_parallel(r->held, 64, b->source->threads, compare_range, r, NULL, NULL);
+  r->verdicts = 0;
+  for (size_t i = 0; i < r->held && s == YLM_OK; i++)
+    if (!r->inside[i]) r->verdict[r->verdicts++] = r->verdict[i];
+  return s;
+}
+
+ylm_status refiner_compare_finished(refiner *r) {
+  ylm_grid *g = r->b->g;
+  ylm_grid_query q = {
+      .point_dtype = YLM_FLOAT, .dtype = YLM_FLOAT, .threads = r->b->source->threads};
+  float *sampled = ylm_alloc(r->held, g->width * sizeof *sampled);
+  if (!sampled) return YLM_ENOMEM;
+  ylm_status s = ylm_grid_sample(g, &q, r->held, r->points, sampled, NULL, NULL, r->b->e);
+  r->verdicts = 0;
+  for (size_t i = 0; i < r->held && s == YLM_OK; i++) {
+    if (r->inside[i]) continue;
+    size_t k = i * g->width;
+    r->verdict[r->verdicts++] = (verdict){refiner_distance(sampled + k, r->exact + k, g->width),
+                                          refiner_leaf(g, r->points + 3 * i)};
+  }
+  ylm_free(sampled);
+  return s;
+}
+
+static int by_error(const void *a, const void *b) {
+  double x = ((const verdict *)a)->error, y = ((const verdict *)b)->error;
+  return x < y ? -1 : x > y;
+}
+
+static int downwards(const void *a, const void *b) {
+  double x = *(const double *)a, y = *(const double *)b;
+  return x > y ? -1 : x < y;
+}
+
+void refiner_quantiles(refiner *r, double *error, double *largest) {
+  size_t n = r->verdicts;
+  *error = *largest = 0;
+  if (!n) return;
+  qsort(r->verdict, n, sizeof *r->verdict, by_error);
+  *error = r->verdict[(size_t)ceil(0.99 * (double)n) - 1].error;
+  *largest = r->verdict[n - 1].error;
+}
+
+/* Writes what the comparison says to the grid's stats. */
+void refiner_report(refiner *r, bool limited) {
+  ylm_grid_stats *s = &r->b->g->stats;
+  s->verified = r->verdicts;
+  refiner_quantiles(r, &s->error, &s->largest_error);
+  s->met = s->error <= r->tolerance;
+  s->limited = !s->met && limited;
+}
+
+/*
+** True if refinement may stop. Else `tight` has grown so that the estimates of the voxels in which
+** points failed (but for a few, which are split because of their points) exceed the tolerance.
+** The margin below 1 % is for the next person's held-out points.
+*/
+bool refiner_satisfied(refiner *r, bool *limited) {
+  const ylm_grid *g = r->b->g;
+  double estimates[HELD_OUT];
+  size_t refinable = 0, stuck = 0, n = r->verdicts;
+  for (size_t i = 0; i < n; i++) {
+    const ylm_grid_cell *c = &g->cell[r->verdict[i].leaf];
+    if (!(r->verdict[i].error > r->tolerance)) continue;
+    if (c->level < g->view.form.depth)
+      estimates[refinable++] = refiner_estimate(r, c);
+    else
+      stuck++;
+  }
+  double all = (double)n;
+  *limited = stuck > 0;
+  if ((double)(refinable + stuck) <= 0.006 * all || (double)refinable <= 0.001 * all) return true;
+  if ((double)stuck > 0.01 * all && (double)refinable <= 0.005 * all) return true;
+  qsort(estimates, refinable, sizeof *estimates, downwards);
+  size_t caught = refinable - (size_t)(0.004 * all);
+  double wanted = 1.001 * r->tolerance / estimates[caught - 1];
+  if (wanted > 1.5 * r->tight) wanted = 1.5 * r->tight;
+  if (wanted > r->tight) r->tight = wanted;
+  return false;
+}
+
+ylm_status refiner_verify(refiner *r, uint64_t round) {
+  baker *b = r->b;
+  double t = ylm_seconds();
+  b->stage = "verifying";
+  hold_out(r, round);
+  ylm_status s = ylm__grid_fill_invalid(b->g);
+  if (s == YLM_OK) s = refiner_compare(r);
+  b->g->stats.verify_seconds += ylm_seconds() - t;
+  return s;
+}
