@@ -131,10 +131,12 @@ static int gpu_lose(lua_State *L) {
   return 0;
 }
 
-/* gpu_shrink(gpu, memory bytes | 0, bytes that kernels see | 0, without double): for specs */
+/* gpu_shrink(gpu, memory bytes | 0, bytes that kernels see | 0, buffers of a kernel | 0, without
+   double): for specs */
 static int gpu_shrink(lua_State *L) {
   ylm_gpu_shrink(ylmL_gpu_check(L, 1), (uint64_t)luaL_checknumber(L, 2),
-                 (uint64_t)luaL_checknumber(L, 3), lua_toboolean(L, 4));
+                 (uint64_t)luaL_checknumber(L, 3), (uint32_t)luaL_checknumber(L, 4),
+                 lua_toboolean(L, 5));
   return 0;
 }
 

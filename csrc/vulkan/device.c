@@ -314,9 +314,11 @@ ylm_status ylm_gpu_state(const ylm_gpu *g, ylm_error *e) {
 
 void ylm_gpu_lose(ylm_gpu *g) { g->lost = true; }
 
-void ylm_gpu_shrink(ylm_gpu *g, uint64_t memory_bytes, uint64_t bind_bytes, bool narrow) {
+void ylm_gpu_shrink(ylm_gpu *g, uint64_t memory_bytes, uint64_t bind_bytes, uint32_t binds,
+                    bool narrow) {
   if (memory_bytes) g->info.memory_bytes = g->quota = memory_bytes;
   if (bind_bytes) g->info.bind_bytes = bind_bytes / 256 * 256;
+  if (binds) g->info.binds = binds;
   if (narrow) g->info.float64 = false;
 }
 

@@ -6,13 +6,18 @@
 
 /* -- progress and counts ------------------------------------------------------------------- */
 
-/* Progress of some work as progress of the present stage. */
+/* Progress of some work as progress of the present stage: at its first word, then now and then. */
 static bool forward(void *user, uint64_t done, uint64_t total, const char *stage) {
-  const octree *t = user;
+  octree *t = user;
+  double now = ylm_seconds();
   (void)stage;
+  if (now - t->told < 0.1) return true;
+  t->told = now;
   uint64_t here = total ? (uint64_t)((double)t->now * (double)done / (double)total) : 0;
   return ylm_report(t->source->progress, t->done + here, t->of, t->stage) == YLM_OK;
 }
+
+ylm_status octree_report(octree *t) { return forward(t, 0, 0, NULL) ? YLM_OK : YLM_ECANCELLED; }
 
 void octree_stage(octree *t, const char *stage, int level) {
   if (stage)
@@ -21,6 +26,7 @@ void octree_stage(octree *t, const char *stage, int level) {
     snprintf(t->stage, sizeof t->stage, "level %d", level);
   t->done = t->now = 0;
   t->of = 1;
+  t->told = -1;
 }
 
 ylm_status octree_counts(octree *t, uint32_t count[COUNTS]) {
@@ -128,7 +134,6 @@ static ylm_status levels(octree *t) {
     s = octree_corners(t, level);
     if (s == YLM_OK) s = octree_split(t, level);
   }
-  if (s == YLM_OK) octree_stage(t, "download", 0);
   return s == YLM_OK ? octree_result(t) : s;
 }
 
@@ -158,6 +163,7 @@ ylm_status ylm_gpu_grid_bake(ylm_gpu_lights *l, const ylm_grid_form *form,
   ylm_grid_source own = *source;
   own.field = ylm_gpu_lights_field(l);
   *out = NULL;
+  if (ylm_gpu_about(l->gpu)->binds < OCTREE_BINDS) return ylm_grid_bake(form, &own, out, e);
   octree *t = ylm_alloc_zero(1, sizeof *t);
   if (!t) return ylm_fail(e, YLM_ENOMEM, "%s", ylm_status_text(YLM_ENOMEM));
   t->g = l->gpu;

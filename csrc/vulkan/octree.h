@@ -20,6 +20,7 @@
 #include "steps.h"
 
 #define OCTREE_LEVELS (YLM_GRID_MAX_DEPTH + 1)
+#define OCTREE_BINDS 11 /* buffers of a kernel at most */
 
 /* Words of the buffer `counts`. */
 enum {
@@ -92,6 +93,7 @@ typedef struct octree {
   /* Progress of a part of the bake: done .. done + now of all. */
   char stage[24];
   uint64_t done, now, of;
+  double told; /* when progress was last reported */
   ylm_progress progress;
 } octree;
 
@@ -103,6 +105,8 @@ static inline uint32_t octree_edge(const octree *t, int level) {
 ylm_status octree_counts(octree *t, uint32_t count[COUNTS]);
 /* What progress reports from here on: a stage, or a level (stage NULL). */
 void octree_stage(octree *t, const char *stage, int level);
+/* Reports `done`; YLM_ECANCELLED. */
+ylm_status octree_report(octree *t);
 
 ylm_status octree_occupy(octree *t);
 /* Corners of the voxels of a level; points that they add are evaluated. */

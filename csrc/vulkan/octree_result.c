@@ -41,7 +41,7 @@ ylm_status octree_flush(octree *t) {
   for (size_t i = 0; i < t->chunks; i++) {
     octree_chunk *c = &t->chunk[i];
     if (s == YLM_OK) s = take_chunk(t, c, &parts);
-    if (s == YLM_OK) s = ylm_report(t->source->progress, i + 1, t->chunks, t->stage);
+    if (s == YLM_OK) s = octree_report(t);
     ylm_gpu_buffer_free(c->data);
     ylm_gpu_buffer_free(c->extra);
   }
@@ -148,6 +148,7 @@ ylm_status octree_result(octree *t) {
   ylm_grid_parts parts;
   size_t cells = 1;
   for (int k = 0; k < t->levels; k++) cells += 8 * (size_t)t->level[k].splits;
+  octree_stage(t, "download", 0);
   ylm_status s = octree_flush(t);
   double start = ylm_seconds();
   if (s == YLM_OK) s = ylm_grid_room(t->grid, cells, t->points, &parts, t->e);

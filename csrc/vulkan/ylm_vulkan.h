@@ -91,9 +91,10 @@ YLM_API const ylm_gpu_info *ylm_gpu_about(const ylm_gpu *g);
 YLM_API ylm_status ylm_gpu_state(const ylm_gpu *g, ylm_error *e);
 /* Behaves from now on as if the driver had said that the device is lost (for tests). */
 YLM_API void ylm_gpu_lose(ylm_gpu *g);
-/* Behaves from now on as a device with so many bytes of memory in all, so many for a kernel to see
-   of a buffer, and without float64 (for tests). 0: as it is. */
-YLM_API void ylm_gpu_shrink(ylm_gpu *g, uint64_t memory_bytes, uint64_t bind_bytes, bool narrow);
+/* Behaves from now on as a smaller device (for tests): so many bytes of memory in all, so many for
+   a kernel to see of a buffer, so many buffers of a kernel, no float64. 0: as it is. */
+YLM_API void ylm_gpu_shrink(ylm_gpu *g, uint64_t memory_bytes, uint64_t bind_bytes, uint32_t binds,
+                            bool narrow);
 /* Uses the interface wrongly, for the validation layer to complain (for tests). */
 YLM_API void ylm_gpu_blunder(ylm_gpu *g);
 /* Number of warnings and errors of the validation layer so far, and the first of them ("").
@@ -290,6 +291,7 @@ YLM_API const ylm_gpu_times *ylm_gpu_lights_times(const ylm_gpu_lights *l);
 **           those of sums, "crossing", "subdivide"; "upload" and "download" by the host's clock
 ** Returns   what ylm_grid_bake returns, and ylm_gpu_run. YLM_ELIMIT: a level's voxels take 32
 **           bytes each, points 8, of what a kernel sees of a buffer
+**           On a device whose kernels have fewer than 11 buffers the host decides, by ylm_grid_bake
 ** Results   the same to the bit each time, on the same device
 ** Source    Iwasaki & Dobashi 2025, Sec. 5.1
 */

@@ -1,0 +1,99 @@
+-- An adaptive grid with a threshold, refined on every Vulkan device and by the processor: seconds of its stages side by
+-- side. A floor and a sphere of 2 x 10^5 shading points, 1000 lamps over them, lmax 4, rgb, depth 7, relative metric.
+--
+--     make bench-vulkan
+--
+-- The device's stages are of its timestamps, upload and download of the host's clock; "the rest" is what the host waits
+-- and does beside them. The processor uses all of its threads.
+
+local ylm = require "ylm"
+
+local quick = os.getenv "BENCH" == "quick"
+local LIGHTS, POINTS, TIMES = quick and 100 or 1000, 200000, quick and 1 or 3
+
+local state = 4321
+local function random()
+  state = state * 48271 % 2147483647
+  return state / 2147483647
+end
+
+local at, radius, radiance = {}, {}, {}
+for i = 1, LIGHTS do
+  at[i], radius[i] = { 4 * random() - 2, 0.3 + 1.5 * random(), 4 * random() - 2 }, 0.01 + 0.02 * random()
+  radiance[i] = { 20 * random(), 20 * random(), 20 * random() }
+end
+local lamps = ylm.sphere_lights { at = at, radius = radius, radiance = radiance }
+
+local occupied = ylm.zeros({ POINTS, 3 }, "float")
+for i = 1, POINTS do
+  local x, y, z = 4 * random() - 2, 0, 4 * random() - 2
+  if i % 4 == 0 then
+    local c, turn = 2 * random() - 1, 2 * math.pi * random()
+    local s = 0.5 * math.sqrt(1 - c * c)
+    x, y, z = s * math.cos(turn), 0.5 + 0.5 * c, s * math.sin(turn)
+  end
+  occupied:set(i, 1, x)
+  occupied:set(i, 2, y)
+  occupied:set(i, 3, z)
+end
+local form = ylm.adaptive_grid { bounds = { { -2, -0.5, -2 }, { 2, 3.5, 2 } }, lmax = 4, depth = 7, metric = "relative",
+  threshold = 1.2 }
+
+--- The grid's seconds by stage, of the fastest of some bakes; the first, which compiles, left out.
+local function fastest(lights, stages_of)
+  local best
+  for i = 0, TIMES do
+    local grid = assert(ylm.bake(form, lights, { occupied = occupied }))
+    local stages = stages_of(grid.stats)
+    stages.all, stages.grid = grid.stats.seconds, grid.stats
+    if i > 0 and (not best or stages.all < best.all) then best = stages end
+    grid:close()
+  end
+  return best
+end
+
+local function by_processor(s)
+  return { occupancy = s.occupancy_seconds, points = s.lattice_seconds, sums = s.field_seconds,
+    continuity = s.continuity_seconds }
+end
+
+local SUMS = { "clearing", "lights", "adding", "coefficients", "metric" }
+
+local function on_device(s)
+  local function of(name) return s.stages[name] and s.stages[name].seconds or 0 end
+  local out = { occupancy = of "occupancy", points = of "points", sums = 0, crossing = of "crossing",
+    subdivide = of "subdivide", copies = of "upload" + of "download", continuity = s.continuity_seconds }
+  for _, name in ipairs(SUMS) do out.sums = out.sums + of(name) end
+  return out
+end
+
+local COLUMNS = { "occupancy", "points", "sums", "crossing", "subdivide", "copies", "continuity" }
+
+local function row(name, stages)
+  local cells, rest = {}, stages.all
+  for i, column in ipairs(COLUMNS) do
+    local x = stages[column]
+    cells[i] = x and ("%10.2f"):format(x * 1e3) or (" "):rep(9) .. "-"
+    rest = rest - (x or 0)
+  end
+  print(("%-28.28s %s %9.2f %9.1f"):format(name, table.concat(cells, " "), rest * 1e3, stages.all * 1e3))
+end
+
+local devices, message = ylm.vulkan.devices()
+if not devices then return print("no Vulkan device: " .. message) end
+local here = fastest(lamps, by_processor)
+print(("An adaptive grid: %d shading points, %d lights, %d grid points, %d cells, milliseconds"):format(POINTS, LIGHTS,
+  here.grid.points, here.grid.cells))
+print((" "):rep(28) .. "  occupancy     points       sums   crossing  subdivide     copies continuity  the rest       all")
+row("this processor", here)
+for i, device in ipairs(devices) do
+  if device.usable then
+    local gpu, why = ylm.vulkan.open { device = i }
+    if gpu then
+      local there = fastest(gpu:lights(lamps), on_device)
+      assert(math.abs(there.grid.points - here.grid.points) <= 0.001 * here.grid.points)
+      row(gpu.name, there)
+      gpu:close()
+    else print(device.name .. ": " .. why) end
+  end
+end
