@@ -5,4 +5,5 @@ files["spec/**/*_spec.lua"] = { std = "max+busted" }
 files["spec/support/refusals/*.lua"] = { max_line_length = 160 } -- one case a line
 exclude_files = { "build/**", "out/**" }
 files["examples/scenes"] = { read_globals = { "scene", "camera", "matte", "quad", "box", "sphere", "torus",
-  "knot", "mesh", "sphere_light", "sphere_lights", "adaptive_grid", "uniform_grid" } }
+  "knot", "mesh", "sphere_light", "sphere_lights",
+  "polygon_light", "disk_light", "textured_light", "adaptive_grid", "uniform_grid" } }

@@ -355,6 +355,32 @@ describe("ylm.polygon_light", function()
       assert.equal(2, disk:raycast { size = { 2, 2 }, pixel_samples = 1 }:layer():get(1, 1, 3))
     end)
 
+    it("are cut at their horizon for rays too", function()
+      local up = { 0, 0.8, 0.6 }
+      local lights = {
+        ylm.polygon_light { vertices = { { -0.9, 0.1, -0.9 }, { -0.9, 0.1, 0.9 }, { -0.9, 1, 0.9 }, { -0.9, 1, -0.9 } },
+          horizon = up, radiance = { 3, 2, 1 } },
+        ylm.disk_light { at = { 0.6, 0.5, -0.4 }, normal = { 1, 0, 0 }, radius = 0.4, radiance = { 1, 2, 3 }, horizon = up },
+      }
+      local scene, size = floor { lights = lights }, { 12, 12 }
+      local rays = scene:raycast { size = size, samples = 1024, pixel_samples = 1, shadows = false }
+      local truth = scene:reference { size = size, samples = 1, lmax = 30, visibility = "none" }
+      local whole = floor { lights = { ylm.polygon_light { vertices = lights[1].vertices, radiance = 3 } } }
+        :raycast { size = size, samples = 1024, pixel_samples = 1, shadows = false }
+      local a, b, c, covered = rays:layer():totable(), truth:layer():totable(), whole:layer():totable(),
+        rays:layer "coverage"
+      local less = 0
+      for y = 1, 12 do
+        for x = 1, 12 do
+          if covered:get(y, x, 1) == 1 then
+            for k = 1, 3 do assert.is_near(b[y][x][k], a[y][x][k], 0.06 * math.max(b[y][x][k], 0.3)) end
+            if a[y][x][1] < 0.9 * c[y][x][1] then less = less + 1 end
+          end
+        end
+      end
+      assert(less >= 10, less)
+    end)
+
     it("throw shadows, but not those of the wall that they hang on", function()
       local light = ylm.polygon_light { vertices = { { -0.2, 1, -0.2 }, { 0.2, 1, -0.2 }, { 0.2, 1, 0.2 },
         { -0.2, 1, 0.2 } }, radiance = 10 }
@@ -392,9 +418,6 @@ return scene "flat" {
     local truth = scene:reference { size = { 32, 24 }, samples = 1, lmax = 3 }
     local image = scene:render { grid = grid, size = { 32, 24 }, samples = 1 }
     assert(image:compare(truth).rmse < 0.01 * image:compare(truth).peak)
-    local refused, message = ylm.load_scene(folder:write("bad.lua",
-      "local t = textured_light { corner = { 0, 0, 0 } } return scene 'x' {}"))
-    assert(refused == nil and message:find "there is no 'textured_light' in a scene file", message)
     if require("ylm.picture").vtk() then
       for _, what in ipairs { { scene = scene, lights = true }, { lights = scene.lights[2] }, { lights = scene.lights } } do
         what.size = { 160, 160 }
@@ -581,77 +604,5 @@ describe("ylm.disk_light", function()
     local light = ylm.disk_light { at = { 0, 2, 0 }, normal = { 0, 1, 0 }, radius = 0.5 }
     local _, _, _, report = ylm.light_field(1, light, { { 0, 2, 0 }, { 0.3, 2, 0.3 }, { 0.6, 2, 0 }, { 0, 1, 0 } })
     assert.same({ 1, 1, 0, 0 }, report.inside:totable())
-  end)
-end)
-
-describe("ylm.textured_light", function()
-  it("makes a sphere of each texel, of its area and colour, row 1 at the top", function()
-    local image = ylm.image { size = { 2, 2 }, layers = { { "radiance", 3 } } }
-    core.array_fill(image:layer(), { { { 1, 0, 0 }, { 0, 2, 0 } }, { { 0, 0, 3 }, { 4, 4, 4 } } })
-    local lights = ylm.textured_light { corner = { 0, 0, 0 }, u = { 2, 0, 0 }, v = { 0, 2, 0 }, image = image }
-    assert.equal(4, lights.count)
-    local at, radius, radiance = require("ylm.light").arrays(lights.lights)
-    local seen = {}
-    for i = 1, 4 do
-      assert.is_near(math.sqrt(1 / math.pi), radius[i], 1e-15)
-      seen[("%g %g"):format(at:get(i, 1), at:get(i, 2))] = { radiance:get(i, 1), radiance:get(i, 2), radiance:get(i,
-        3) }
-    end
-    assert.same({ 1, 0, 0 }, seen["0.5 1.5"])
-    assert.same({ 0, 2, 0 }, seen["1.5 1.5"])
-    assert.same({ 0, 0, 3 }, seen["0.5 0.5"])
-  end)
-
-  it("merges similar texels by a quadtree, keeping the power", function()
-    local image = ylm.image { size = { 16, 8 }, layers = { { "radiance", 3 } } }
-    local rows, power = {}, 0
-    for y = 1, 8 do
-      rows[y] = {}
-      for x = 1, 16 do
-        local v = x <= 8 and 1 or 2 + 0.01 * y
-        rows[y][x] = { v, v, v }
-        power = power + v / 128
-      end
-    end
-    core.array_fill(image:layer(), rows)
-    local function make(tolerance)
-      return ylm.textured_light { corner = { 0, 0, 0 }, u = { 2, 0, 0 }, v = { 0, 1, 0 }, image = image,
-        tolerance = tolerance, largest = 1 }
-    end
-    local merged = make(0.1)
-    assert.equal(2, merged.count)
-    assert(make(0).count > 16)
-    local _, radius, radiance = require("ylm.light").arrays(merged.lights)
-    local sum = 0
-    for i = 1, 2 do sum = sum + math.pi * radius[i] ^ 2 * radiance:get(i, 1) end
-    assert.is_near(2 * power, sum, 1e-6)
-  end)
-
-  it("stays near the full set of texels, whatever the image's shape", function()
-    for _, size in ipairs { { 61, 37 }, { 1, 7 }, { 5, 1 }, { 1, 1 }, { 33, 32 } } do
-      local w, h = size[1], size[2]
-      local image = ylm.image { size = size, layers = { { "radiance", 3 } } }
-      local rows, at, radiance = {}, {}, {}
-      for y = 1, h do
-        rows[y] = {}
-        for x = 1, w do
-          local u, v = (x - 0.5) / w, (y - 0.5) / h
-          local bright = (u - 0.7) ^ 2 + (v - 0.3) ^ 2 < 0.01
-          rows[y][x] = bright and { 4, 3.6, 3 } or { 0.3 + 0.4 * v, 0.4 + 0.4 * v, 0.9 }
-          at[#at + 1], radiance[#radiance + 1] = { -1 + 2 * u, 0.75 - 1.5 * v, 0 }, rows[y][x]
-        end
-      end
-      core.array_fill(image:layer(), rows)
-      local full = ylm.sphere_lights { at = at, radius = math.sqrt(3 / (w * h) / math.pi), radiance = radiance }
-      local x = { { 0, 0, -1 }, { 0.7, 0.4, -1.2 }, { -0.6, -0.3, -1.5 } }
-      local truth = ylm.light_field(4, full, x, { dtype = "double" })
-      for _, tolerance in ipairs { 0, 0.01, 0.1 } do
-        local lights = ylm.textured_light { corner = { -1, -0.75, 0 }, u = { 2, 0, 0 }, v = { 0, 1.5, 0 }, image = image,
-          tolerance = tolerance }
-        local e = relative(ylm.light_field(4, lights, x, { dtype = "double" }), truth)
-        assert(e < 4e-3, ("%dx%d tolerance %g: %.1e"):format(w, h, tolerance, e))
-        if w == 61 and tolerance == 0.1 then assert(lights.count < w * h / 5) end
-      end
-    end
   end)
 end)

@@ -230,6 +230,95 @@ describe("the sandbox of scene files", function()
     assert.equal("ELIMIT", code, message)
   end)
 
+  it("reads textures so too, and no more texels than are allowed, whatever their headers say", function()
+    scratch.shell("cd " .. scratch.quote(folder.path) .. " && mkdir -p pictures && cd pictures && ln -sf /etc/passwd link.png"
+      .. " && ln -sf ../outside.exr out.exr && rm -f pipe.png && mkfifo pipe.png && mkdir -p folder.png")
+    local function image(w, h)
+      local x = ylm.image { size = { w, h }, layers = { { "radiance", 3 } } }
+      x:fill(1, 1, w, h, { 1, 2, 3 })
+      return x
+    end
+    assert(image(4, 2):save(folder.path .. "/outside.exr"))
+    for _, name in ipairs { "here.exr", "here.hdr", "here.png", "here.pfm" } do
+      assert(image(4, 2):save(folder.path .. "/pictures/" .. name))
+    end
+    assert(image(64, 64):save(folder.path .. "/pictures/large.png"))
+    local many = {}
+    for i = 1, 12 do many[i] = { "layer" .. i, 4 } end
+    assert(ylm.image { size = { 64, 64 }, layers = many }:save(folder.path .. "/pictures/many.exr"))
+    local nan = image(4, 2)
+    nan:layer():set(2, 2, 3, 0 / 0)
+    assert(nan:save(folder.path .. "/pictures/nan.exr"))
+    local whole = io.open(folder.path .. "/pictures/large.png", "rb"):read "*a"
+    folder:write("pictures/cut.png", whole:sub(1, #whole - 40))
+    -- headers that promise much more than there is: 20000 x 20000 in every format
+    folder:write("pictures/bomb.png", whole:sub(1, 16) .. "\0\0\78\32\0\0\78\32\8\2\0\0\0\108\18\209\110" .. whole:sub(34))
+    folder:write("pictures/bomb.hdr", "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 20000 +X 20000\n" .. ("\2"):rep(999))
+    folder:write("pictures/bomb.pfm", "PF\n20000 20000\n-1.0\n" .. ("\0"):rep(999))
+    local exr = io.open(folder.path .. "/pictures/here.exr", "rb"):read "*a"
+    local at = exr:find("dataWindow", 1, true) + #"dataWindow\0box2i\0" + 4
+    folder:write("pictures/bomb.exr", exr:sub(1, at + 7) .. "\31\78\0\0\31\78\0\0" .. exr:sub(at + 16))
+
+    local function panel(fields, limits)
+      return try(("\nreturn scene 'x' { lights = textured_light { corner = { 0, 0, 0 }, u = { 1, 0, 0 }, v = { 0, 1, 0 }, "
+        .. "%s } }"):format(fields), limits, "pictures/attack.lua")
+    end
+    for _, name in ipairs { "here.exr", "here.hdr", "here.png", "here.pfm", "./here.png" } do
+      local scene = assert(panel(("file = %q"):format(name)))
+      assert.equal(4, scene.lights[1].texels.shape[2], name)
+    end
+    for name, says in pairs {
+      ["../outside.exr"] = "without '..'", ["/etc/passwd"] = "relative", ["out.exr"] = "link that leads out",
+      ["link.png"] = "link that leads out", ["pipe.png"] = "not a regular file", ["folder.png"] = "not a regular file",
+      [""] = "relative", ["missing.png"] = "no such file", ["here.png\0"] = "relative", ["attack.lua"] = "not an image",
+      ["nan.exr"] = "image must be finite", ["cut.png"] = "cut.png: ", ["bomb.png"] = "numbers", ["bomb.hdr"] = "numbers",
+      ["bomb.pfm"] = "numbers", ["bomb.exr"] = "bomb.exr: ",
+    } do
+      local scene, message, code = panel(("file = %q"):format(name))
+      assert.is_nil(scene, name)
+      assert.truthy(message:find(says, 1, true), name .. ": " .. message)
+      assert.truthy(message:find("pictures/attack.lua:2: textured_light: ", 1, true), name .. ": " .. message)
+      assert.truthy(code == "EFORMAT" or code == "EIO" or code == "ELIMIT", code)
+    end
+    for _, case in ipairs {
+      { "file = 'large.png'", { texels = 64 * 64 - 1 }, "more than" },
+      { "file = 'many.exr'", { texels = 64 * 64 }, "more than 16384 numbers" },
+      { "file = 'many.exr'", { file_size = 500 }, "more than 500 bytes" },
+      { "image = { { 1, 2 }, { 3, 4 } }", { texels = 3 }, "more than 3 texels in one scene file" },
+      { "image = (function() local r = {} for i = 1, 2000 do r[i] = 1 end return { r, r, r } end)()", { texels = 5999 },
+        "more than 5999 texels" },
+    } do
+      local scene, message, code = panel(case[1], case[2])
+      assert.is_nil(scene)
+      assert.truthy(message:find(case[3], 1, true), message)
+      assert.equal("ELIMIT", code, message)
+    end
+    assert(panel("file = 'large.png'", { texels = 64 * 64 }))
+    -- of all together
+    local two = "local function t() return textured_light { corner = { 0, 0, 0 }, u = { 1, 0, 0 }, v = { 0, 1, 0 }, "
+      .. "file = 'pictures/here.png' } end return scene 'x' { lights = { t(), t() } }"
+    assert(try(two, { texels = 16 }))
+    refuses("ELIMIT", "more than", two, { texels = 15 })
+    -- what a description may not be
+    for fields, says in pairs {
+      ["image = function() end"] = "cannot be part of a description", ["image = scene 'y' {}"] = "got a scene",
+      ["image = { { box {} } }"] = "image", ["image = { 1 }"] = "rows of texels", ["image = { {}, { 1 } }"] = "rows of texels",
+      ["image = { { 1 }, nil, { 1 } }, file = 'here.png'"] = "image or file, not both",
+      ["image = { { 1, 2 }, { x = 3 } }"] = "does not fit", ["image = { { 0 / 0 } }"] = "image must be finite",
+      ["file = {}"] = "file must be a string", ["image = 'here.png'"] = "rows of texels",
+      ["image = { { 1 } }, largest = 0"] = "largest must be",
+    } do
+      local scene, message, code = panel(fields)
+      assert.is_nil(scene, fields)
+      assert.truthy(message:find(says, 1, true), fields .. ": " .. message)
+      assert.equal("EFORMAT", code, message)
+    end
+    local scene = assert(panel "image = { { 1 } }")
+    assert.truthy(scene.lights[1].count == 1)
+    refuses("EFORMAT", "a textured_light is a description: its field 'texels' cannot be read",
+      "local t = textured_light { corner = { 0, 0, 0 }, u = { 1, 0, 0 }, v = { 0, 1, 0 }, image = { { 1 } } }.texels")
+  end)
+
   it("shows a terminal nothing to obey", function()
     local _, message = try "error('\\27[2J\\7')"
     assert.is_nil(message:find("%c"))

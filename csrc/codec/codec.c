@@ -38,8 +38,10 @@ ylm_codec_kind ylm_codec_recognise(const unsigned char *p, size_t size) {
   return YLM_CODEC_NONE;
 }
 
-ylm_status ylm_codec_parse(const unsigned char *bytes, size_t size, const char *name, bool raw,
-                           ylm_image **image, ylm_error *e) {
+static const ylm_codec_input any;
+
+ylm_status ylm_codec_parse(const unsigned char *bytes, size_t size, const char *name,
+                           const ylm_codec_input *input, ylm_image **image, ylm_error *e) {
   static ylm_codec_parser *const parsers[] = {
       [YLM_CODEC_EXR] = ylm__exr_parse,
       [YLM_CODEC_HDR] = ylm__hdr_parse,
@@ -51,31 +53,45 @@ ylm_status ylm_codec_parse(const unsigned char *bytes, size_t size, const char *
   if (kind == YLM_CODEC_NONE)
     return ylm_fail(e, YLM_EFORMAT, "%s: not an image that is known (EXR, PNG, Radiance, PFM)",
                     name);
-  return parsers[kind](bytes, size, name, raw, image, e);
+  return parsers[kind](bytes, size, name, input ? input : &any, image, e);
 }
 
-ylm_status ylm_codec_read(const char *path, bool raw, ylm_image **image, ylm_error *e) {
+ylm_status ylm_codec_read(const char *path, const ylm_codec_input *input, ylm_image **image,
+                          ylm_error *e) {
   unsigned char *bytes;
   size_t size;
   *image = NULL;
-  ylm_status s = ylm_file_read(path, 0, &bytes, &size, e);
+  ylm_status s = ylm_file_read(path, input ? input->bytes : 0, &bytes, &size, e);
   if (s != YLM_OK) return s;
-  s = ylm_codec_parse(bytes, size, path, raw, image, e);
+  s = ylm_codec_parse(bytes, size, path, input, image, e);
   ylm_free(bytes);
   return s;
 }
 
-ylm_status ylm__codec_start(const char *name, uint64_t width, uint64_t height, int channels,
-                            size_t size, size_t least, ylm_image **image, ylm_error *e) {
-  *image = NULL;
+ylm_status ylm__codec_check_size(const char *name, const ylm_codec_input *input, uint64_t width,
+                                 uint64_t height, int channels, ylm_error *e) {
   if (width < 1 || height < 1 || width > YLM_IMAGE_MAX_SIDE || height > YLM_IMAGE_MAX_SIDE ||
       width * height > YLM_IMAGE_MAX_PIXELS)
     return ylm_fail(e, YLM_ELIMIT, "%s: %llu x %llu pixels: sides are limited to 1 .. %d", name,
                     (unsigned long long)width, (unsigned long long)height, YLM_IMAGE_MAX_SIDE);
+  if (input->numbers && width * height > input->numbers / (uint64_t)channels)
+    return ylm_fail(e, YLM_ELIMIT,
+                    "%s: %llu x %llu pixels of %d channels are more than %llu numbers", name,
+                    (unsigned long long)width, (unsigned long long)height, channels,
+                    (unsigned long long)input->numbers);
+  return YLM_OK;
+}
+
+ylm_status ylm__codec_start(const char *name, const ylm_codec_input *input, uint64_t width,
+                            uint64_t height, int channels, size_t size, size_t least,
+                            ylm_image **image, ylm_error *e) {
+  *image = NULL;
+  ylm_status s = ylm__codec_check_size(name, input, width, height, channels, e);
+  if (s != YLM_OK) return s;
   if (size < least)
     return ylm_fail(e, YLM_EFORMAT, "%s: truncated: %zu bytes cannot hold %d x %d pixels", name,
                     size, (int)width, (int)height);
-  ylm_status s = ylm_image_create((int)width, (int)height, image, e);
+  s = ylm_image_create((int)width, (int)height, image, e);
   if (s == YLM_OK) s = ylm_image_add(*image, "radiance", channels, e);
   if (s != YLM_OK) {
     ylm_image_free(*image);

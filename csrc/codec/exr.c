@@ -238,6 +238,7 @@ typedef struct reading {
   stream s;
   exr_context_t c;
   const char *name;
+  const ylm_codec_input *input;
   ylm_error *e;
   int channels;
   channel channel[MAX_CHANNELS];
@@ -446,10 +447,9 @@ static ylm_status check_size(reading *r, int64_t width, int64_t height) {
                how == EXR_COMPRESSION_ZIP || how == EXR_COMPRESSION_ZIPS ||
                how == EXR_COMPRESSION_PXR24;
   uint64_t pixels = (uint64_t)width * (uint64_t)height;
-  if (width < 1 || height < 1 || width > YLM_IMAGE_MAX_SIDE || height > YLM_IMAGE_MAX_SIDE ||
-      pixels > YLM_IMAGE_MAX_PIXELS)
-    return ylm_fail(r->e, YLM_ELIMIT, "%s: %lld x %lld pixels: sides are limited to 1 .. %d",
-                    r->name, (long long)width, (long long)height, YLM_IMAGE_MAX_SIDE);
+  ylm_status st = ylm__codec_check_size(r->name, r->input, (uint64_t)width, (uint64_t)height,
+                                        r->channels, r->e);
+  if (st != YLM_OK) return st;
   if (pixels * 2 * (uint64_t)r->channels / (plain ? 1100 : 50000) > r->s.size)
     return fail(r, "truncated");
   return YLM_OK;
@@ -479,15 +479,15 @@ static ylm_status read_all(reading *r) {
   return YLM_OK;
 }
 
-ylm_status ylm__exr_parse(const unsigned char *bytes, size_t size, const char *name, bool raw,
-                          ylm_image **image, ylm_error *e) {
-  (void)raw;
+ylm_status ylm__exr_parse(const unsigned char *bytes, size_t size, const char *name,
+                          const ylm_codec_input *input, ylm_image **image, ylm_error *e) {
   *image = NULL;
   reading *r = ylm_alloc_zero(1, sizeof *r);
   if (!r) return ylm_fail(e, YLM_ENOMEM, "%s: memory ran out", name);
   r->s.bytes = bytes;
   r->s.size = size;
   r->name = name;
+  r->input = input;
   r->e = e;
   exr_context_initializer_t init = settings(&r->s);
   init.read_fn = on_read;

@@ -132,9 +132,8 @@ static ylm_status read_header(parser *s, const char *name, layout *l, ylm_error 
   return YLM_OK;
 }
 
-ylm_status ylm__hdr_parse(const unsigned char *bytes, size_t size, const char *name, bool raw,
-                          ylm_image **image, ylm_error *e) {
-  (void)raw;
+ylm_status ylm__hdr_parse(const unsigned char *bytes, size_t size, const char *name,
+                          const ylm_codec_input *input, ylm_image **image, ylm_error *e) {
   parser s = {bytes, size, 0};
   layout l;
   *image = NULL;
@@ -142,7 +141,7 @@ ylm_status ylm__hdr_parse(const unsigned char *bytes, size_t size, const char *n
   if (st != YLM_OK) return st;
   uint64_t w = l.transposed ? l.rows : l.columns, h = l.transposed ? l.columns : l.rows;
   /* a run of 127 equal bytes takes two: 4*columns bytes take at least columns/16 */
-  st = ylm__codec_start(name, w, h, 3, size, (size_t)(l.rows * (l.columns / 32)), image, e);
+  st = ylm__codec_start(name, input, w, h, 3, size, (size_t)(l.rows * (l.columns / 32)), image, e);
   if (st != YLM_OK) return st;
   unsigned char *row = ylm_alloc((size_t)l.columns, 4);
   if (!row) st = ylm_fail(e, YLM_ENOMEM, "%s: memory ran out", name);

@@ -30,9 +30,8 @@ static float load(const unsigned char *p, bool big) {
   return f;
 }
 
-ylm_status ylm__pfm_parse(const unsigned char *p, size_t size, const char *name, bool raw,
-                          ylm_image **image, ylm_error *e) {
-  (void)raw;
+ylm_status ylm__pfm_parse(const unsigned char *p, size_t size, const char *name,
+                          const ylm_codec_input *input, ylm_image **image, ylm_error *e) {
   char word[32], *end;
   size_t at = 2;
   uint64_t w, h;
@@ -46,8 +45,8 @@ ylm_status ylm__pfm_parse(const unsigned char *p, size_t size, const char *name,
   at++;                  /* exactly one byte of white space */
   uint64_t need = w * h; /* each has at most 9 digits */
   if (need > YLM_IMAGE_MAX_PIXELS) need = YLM_IMAGE_MAX_PIXELS;
-  ylm_status s =
-      ylm__codec_start(name, w, h, channels, size, at + need * (size_t)channels * 4, image, e);
+  ylm_status s = ylm__codec_start(name, input, w, h, channels, size,
+                                  at + need * (size_t)channels * 4, image, e);
   if (s != YLM_OK) return s;
   size_t row = (size_t)w * (size_t)channels;
   for (size_t y = 0; y < h; y++)

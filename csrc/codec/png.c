@@ -64,8 +64,8 @@ typedef struct work {
   png_bytep *rows;
 } work;
 
-static ylm_status read_all(png_structp png, png_infop info, const char *name, bool raw, work *w,
-                           size_t size, ylm_error *e) {
+static ylm_status read_all(png_structp png, png_infop info, const char *name,
+                           const ylm_codec_input *input, work *w, size_t size, ylm_error *e) {
   png_read_info(png, info);
   uint32_t width = png_get_image_width(png, info), height = png_get_image_height(png, info);
   uint64_t packed = png_get_rowbytes(png, info); /* as the file has them */
@@ -75,7 +75,8 @@ static ylm_status read_all(png_structp png, png_infop info, const char *name, bo
   int channels = png_get_channels(png, info), bits = png_get_bit_depth(png, info);
   /* deflate expands at most 1032 times */
   uint64_t least = packed * height / 1032;
-  ylm_status s = ylm__codec_start(name, width, height, channels, size, (size_t)least, &w->image, e);
+  ylm_status s =
+      ylm__codec_start(name, input, width, height, channels, size, (size_t)least, &w->image, e);
   if (s != YLM_OK) return s;
   size_t row = png_get_rowbytes(png, info);
   w->pixels = ylm_alloc_zero(row, height);
@@ -84,7 +85,8 @@ static ylm_status read_all(png_structp png, png_infop info, const char *name, bo
   for (size_t y = 0; y < height; y++) w->rows[y] = w->pixels + y * row;
   png_read_image(png, w->rows);
   png_read_end(png, NULL);
-  to_linear(&w->image->layer[0], w->pixels, (size_t)width * height * (size_t)channels, bits, raw);
+  to_linear(&w->image->layer[0], w->pixels, (size_t)width * height * (size_t)channels, bits,
+            input->raw);
   return YLM_OK;
 }
 
@@ -101,8 +103,8 @@ static bool chunks_fit(const unsigned char *p, size_t size) {
   return false;
 }
 
-ylm_status ylm__png_parse(const unsigned char *bytes, size_t size, const char *name, bool raw,
-                          ylm_image **image, ylm_error *e) {
+ylm_status ylm__png_parse(const unsigned char *bytes, size_t size, const char *name,
+                          const ylm_codec_input *input, ylm_image **image, ylm_error *e) {
   *image = NULL;
   if (!chunks_fit(bytes, size)) return ylm_fail(e, YLM_EFORMAT, "%s: truncated or damaged", name);
   state st = {.bytes = bytes, .size = size};
@@ -122,7 +124,7 @@ ylm_status ylm__png_parse(const unsigned char *bytes, size_t size, const char *n
     png_set_user_limits(png, YLM_IMAGE_MAX_SIDE, YLM_IMAGE_MAX_SIDE);
     png_set_chunk_malloc_max(png, size < 1 << 20 ? 16 * size + 65536 : 1 << 24);
     png_set_chunk_cache_max(png, 64);
-    s = read_all(png, info, name, raw, w, size, e);
+    s = read_all(png, info, name, input, w, size, e);
   }
   png_destroy_read_struct(&png, &info, NULL);
   if (w) {

@@ -49,17 +49,26 @@ typedef enum ylm_codec_kind {
 /* What the first bytes say. */
 YLM_API ylm_codec_kind ylm_codec_recognise(const unsigned char *bytes, size_t size);
 
+/* What a reader may be told; zeros are the defaults. */
+typedef struct ylm_codec_input {
+  bool raw; /* png: k/255 or k/65535 as they stand, not decoded from sRGB */
+  uint64_t
+      numbers;  /* most that the image may hold, pixels times channels; 0: no limit of its own */
+  size_t bytes; /* most of the file; 0: any */
+} ylm_codec_input;
+
 /*
 ** ylm_codec_parse - an image from a file's bytes, by content.
 **
-** PNG numbers are decoded from sRGB to linear (`raw`: k/255 or k/65535 as they stand). Formats
-** without layer names give one layer "radiance"; an EXR of ylm gives back its layers in order.
-** Returns  YLM_OK; YLM_EFORMAT, YLM_ELIMIT, YLM_ENOMEM
+** PNG numbers are decoded from sRGB to linear. Formats without layer names give one layer
+** "radiance"; an EXR of ylm gives back its layers in order. `input` may be NULL.
+** Returns  YLM_OK; YLM_EFORMAT, YLM_ELIMIT (before memory is taken), YLM_ENOMEM
 */
 YLM_API ylm_status ylm_codec_parse(const unsigned char *bytes, size_t size, const char *name,
-                                   bool raw, ylm_image **image, ylm_error *e);
+                                   const ylm_codec_input *input, ylm_image **image, ylm_error *e);
 /* The same from a file; errors of ylm_file_read too. */
-YLM_API ylm_status ylm_codec_read(const char *path, bool raw, ylm_image **image, ylm_error *e);
+YLM_API ylm_status ylm_codec_read(const char *path, const ylm_codec_input *input, ylm_image **image,
+                                  ylm_error *e);
 
 #ifdef __cplusplus
 }

@@ -184,6 +184,39 @@ YLM_API void ylm_light_maps_free(ylm_light_maps *maps);
 /* The kinds of sums that a query needs in luminance and in rgb. */
 YLM_API void ylm_light_kinds(const ylm_field_query *q, int *lum, int *rgb);
 
+/* -- textured parallelograms: csrc/light/texture.c ----------------------------------------------
+ */
+
+/*
+** An image on a parallelogram, which is cut into parts: a quadtree whose leaves are of one colour
+*to
+** `tolerance`, at most twice as long as wide, and no larger than `largest` of the image's width and
+** height. Parts without any radiance are left out.
+**
+** Source   Mezieres et al. 2022, Fig. 9 (a sphere for each texel) and Sec. 6 (the quadtree)
+*/
+typedef struct ylm_light_texture {
+  double corner[3], u[3], v[3]; /* the image's bottom left, to its bottom right, to its top left */
+  size_t width, height;         /* 1 .. 2^16 each */
+  const float *texel;           /* [height][width][3], the top row first; finite; W sr^-1 m^-2 */
+  double scale;                 /* multiplies it */
+  double tolerance;             /* >= 0, of the largest number in the image */
+  double largest;               /* 0 < largest <= 1 */
+} ylm_light_texture;
+
+/* For each part the sphere at its centre whose disc has its area: at [n][3], radius [n], radiance
+   [n][3], the part's mean. Returns n; with at NULL nothing is written. O(texels log texels). */
+YLM_API size_t ylm_light_texture_spheres(const ylm_light_texture *t, double *at, double *radius,
+                                         double *radiance);
+/* The parts themselves: vertices [n][4][3], counter-clockwise seen with u to the right and v up. */
+YLM_API size_t ylm_light_texture_quads(const ylm_light_texture *t, double *vertices,
+                                       double *radiance);
+/* The whole parallelogram as a regular net of at most `across` tiles a side, cut at texels, two
+   triangles each: triangles [n][9], radiance [n][3] the mean of absolute values, both halves of a
+   tile alike. What rays are aimed at. Returns n. */
+YLM_API size_t ylm_light_texture_tiles(const ylm_light_texture *t, size_t across, double *triangles,
+                                       double *radiance);
+
 /* -- flat lights: csrc/light/polygon.c, contour*.c ----------------------------------------------
  */
 
@@ -204,7 +237,8 @@ YLM_API void ylm_light_kinds(const ylm_field_query *q, int *lum, int *rgb);
 **            and Hessian of that function are exact
 ** Accuracy   of values, gradients and Hessians, each relative to its norm over all degrees: 1e-12,
 **            but 1e-14 lmax / (a |cos gamma|) for slivers that are seen at an angle a across, gamma
-**            off the normal, and are not far; a light whose size over distance is below 0.02/(lmax+4) is summed over its area
+**            off the normal, and are not far; a light whose size over distance is below
+*0.02/(lmax+4) is summed over its area
 ** Edge-on    points in the plane but not on the light: all zero (derivatives jump there; the mean
 **            of both sides is 0). Points on it: half a sphere, derivatives 0, and `inside` is set,
 **            as in or on the sphere of the approximation

@@ -97,8 +97,87 @@ static int light_sum(lua_State *L) {
   return ylmL_result(L, 1, ylm_field_sum_create(n, fields, &s->sum), NULL);
 }
 
-static const luaL_Reg functions[] = {
-    {"polygons_create", polygons_create}, {"light_sum", light_sum}, {NULL, NULL}};
+/* The texture in arguments 1 to 6: texels float [h][w][3], {corner, u, v: 9 numbers}, scale,
+ * tolerance, largest. */
+static ylm_light_texture read_texture(lua_State *L) {
+  ylmL_array *a = ylmL_array_check(L, 1);
+  ylm_light_texture t = {.texel = a->data,
+                         .scale = (double)luaL_checknumber(L, 3),
+                         .tolerance = (double)luaL_checknumber(L, 4),
+                         .largest = (double)luaL_checknumber(L, 5)};
+  if (a->dtype != YLM_FLOAT || a->axes != 3 || a->shape[2] != 3 || a->count == 0)
+    luaL_argerror(L, 1, "a float array [height][width][3] expected");
+  t.height = a->shape[0];
+  t.width = a->shape[1];
+  luaL_checktype(L, 2, LUA_TTABLE);
+  for (int i = 0; i < 9; i++) {
+    lua_rawgeti(L, 2, i + 1);
+    (i < 3 ? t.corner : i < 6 ? t.u : t.v)[i % 3] = (double)luaL_checknumber(L, -1);
+    lua_pop(L, 1);
+  }
+  return t;
+}
+
+/* texture_texels(float [h][w] or [h][w][c]) -> float [h][w][3]; one or two channels are grey (and
+   alpha), the fourth is left out */
+static int texture_texels(lua_State *L) {
+  ylmL_array *a = ylmL_array_check(L, 1);
+  size_t channels = a->axes == 3 ? a->shape[2] : 1;
+  if (a->dtype != YLM_FLOAT || a->axes < 2 || a->axes > 3 || channels < 1)
+    return ylmL_result(L, 0, YLM_ESHAPE, NULL);
+  ylmL_array *out = ylmL_array_new(L, YLM_FLOAT, 3, (size_t[]){a->shape[0], a->shape[1], 3});
+  if (!out) return ylmL_result(L, 0, YLM_ENOMEM, NULL);
+  const float *from = a->data;
+  float *to = out->data;
+  for (size_t i = 0; i < a->shape[0] * a->shape[1]; i++, from += channels, to += 3)
+    for (size_t c = 0; c < 3; c++) to[c] = from[channels < 3 ? 0 : c];
+  return 1;
+}
+
+static ylmL_array *rows(lua_State *L, size_t n, size_t width) {
+  return ylmL_array_new(L, YLM_DOUBLE, width ? 2 : 1, (size_t[]){n, width});
+}
+
+/* texture_spheres(texels, {9}, scale, tolerance, largest) -> at [n][3], radius [n], radiance [n][3]
+ */
+static int texture_spheres(lua_State *L) {
+  ylm_light_texture t = read_texture(L);
+  size_t n = ylm_light_texture_spheres(&t, NULL, NULL, NULL);
+  ylmL_array *at = rows(L, n, 3), *radius = at ? rows(L, n, 0) : NULL;
+  ylmL_array *radiance = radius ? rows(L, n, 3) : NULL;
+  if (!radiance) return ylmL_result(L, 0, YLM_ENOMEM, NULL);
+  if (n > 0) ylm_light_texture_spheres(&t, at->data, radius->data, radiance->data);
+  return 3;
+}
+
+/* texture_quads(as texture_spheres) -> vertices [n*4][3], radiance [n][3] */
+static int texture_quads(lua_State *L) {
+  ylm_light_texture t = read_texture(L);
+  size_t n = ylm_light_texture_quads(&t, NULL, NULL);
+  ylmL_array *vertices = rows(L, 4 * n, 3), *radiance = vertices ? rows(L, n, 3) : NULL;
+  if (!radiance) return ylmL_result(L, 0, YLM_ENOMEM, NULL);
+  if (n > 0) ylm_light_texture_quads(&t, vertices->data, radiance->data);
+  return 2;
+}
+
+/* texture_tiles(as texture_spheres, across) -> triangles [n][9], radiance [n][3] */
+static int texture_tiles(lua_State *L) {
+  ylm_light_texture t = read_texture(L);
+  size_t across = (size_t)luaL_checknumber(L, 6);
+  size_t n = ylm_light_texture_tiles(&t, across, NULL, NULL);
+  ylmL_array *triangles = rows(L, n, 9), *radiance = triangles ? rows(L, n, 3) : NULL;
+  if (!radiance) return ylmL_result(L, 0, YLM_ENOMEM, NULL);
+  ylm_light_texture_tiles(&t, across, triangles->data, radiance->data);
+  return 2;
+}
+
+static const luaL_Reg functions[] = {{"polygons_create", polygons_create},
+                                     {"light_sum", light_sum},
+                                     {"texture_texels", texture_texels},
+                                     {"texture_spheres", texture_spheres},
+                                     {"texture_quads", texture_quads},
+                                     {"texture_tiles", texture_tiles},
+                                     {NULL, NULL}};
 static const luaL_Reg polygons_methods[] = {{"__gc", polygons_gc}, {NULL, NULL}};
 static const luaL_Reg sum_methods[] = {{"__gc", sum_gc}, {NULL, NULL}};
 

@@ -17,12 +17,14 @@ static int image_write(lua_State *L) {
   return ylmL_result(L, 1, s, &e);
 }
 
-/* image_read(path, raw) -> image */
+/* image_read(path, raw, numbers or nil, bytes or nil) -> image; the last two are limits */
 static int image_read(lua_State *L) {
   const char *path = luaL_checkstring(L, 1);
   ylm_error e = {0};
+  ylm_codec_input input = {lua_toboolean(L, 2), (uint64_t)luaL_optnumber(L, 3, 0),
+                           (size_t)luaL_optnumber(L, 4, 0)};
   ylm_image **image = ylmL_image_new(L);
-  ylm_status s = ylm_codec_read(path, lua_toboolean(L, 2), image, &e);
+  ylm_status s = ylm_codec_read(path, &input, image, &e);
   return ylmL_result(L, 1, s, &e);
 }
 

@@ -156,16 +156,20 @@ static double sample_disk(const float *disk, const float x[3], const float n[3],
 }
 
 double ylm__shade_patch_sample(const ylm_shade_scene *s, size_t i, const float x[3],
-                               const float n[3], double u0, double u1, ylm_trace_ray *ray) {
-  double y[3] = {0, 0, 0}, e;
+                               const float n[3], double u0, double u1, ylm_trace_ray *ray,
+                               const float **radiance) {
+  double y[3] = {0, 0, 0}, p[3], e;
   e = i < s->triangles ? sample_triangle(s->triangle + 9 * i, x, n, u0, u1, y)
                        : sample_disk(s->disk + 7 * (i - s->triangles), x, n, u0, u1, y);
-  double d = sqrt(dot(y, y));
-  if (!(e > 0) || !(d > 0)) return 0;
+  double d = sqrt(dot(y, y)), above = 0;
+  for (int k = 0; s->horizon && k < 3; k++) above += (double)s->horizon[3 * i + (size_t)k] * y[k];
+  if (!(e > 0) || !(d > 0) || above < 0) return 0;
   for (int k = 0; k < 3; k++) {
     ray->org[k] = x[k];
     ray->dir[k] = (float)(y[k] / d);
+    p[k] = (double)x[k] + y[k];
   }
+  *radiance = ylm__shade_patch_radiance(s, i, p);
   ray->near = 0;
   /* a light may lie on a wall: the ray ends just before it */
   ray->far = fmaxf(0, (float)(d * (1 - 1e-5)) - ylm_trace_offset(s->trace));

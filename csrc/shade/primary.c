@@ -118,6 +118,15 @@ static bool append_groups(row *r, const scratch *s, int groups, int count, int s
   return true;
 }
 
+/* What the lamp that a ray hit emits there, [3]. */
+static const float *lamp_radiance(const ylm_shade_scene *s, const ylm_trace_hit *h,
+                                  const ylm_trace_ray *ray) {
+  double p[3];
+  if (h->element < s->lamps) return s->lamp_radiance + 3 * h->element;
+  for (int a = 0; a < 3; a++) p[a] = (double)ray->org[a] + (double)h->t * (double)ray->dir[a];
+  return ylm__shade_patch_radiance(s, h->element - s->lamps, p);
+}
+
 /* Groups what the rays of one pixel hit; appends to the row and fills the pixel. */
 static bool finish_pixel(job *j, row *r, shade_pixel *p, const scratch *s, const ylm_trace_ray *ray,
                          const ylm_trace_hit *hit) {
@@ -127,8 +136,9 @@ static bool finish_pixel(job *j, row *r, shade_pixel *p, const scratch *s, const
   for (int i = 0; i < samples; i++) {
     const ylm_trace_hit *h = &hit[i];
     if (h->mesh == YLM_TRACE_LAMP) {
+      const float *seen = lamp_radiance(v->scene, h, &ray[i]);
       lamps++;
-      for (int c = 0; c < 3; c++) light[c] += v->scene->lamp_radiance[3 * h->element + c];
+      for (int c = 0; c < 3; c++) light[c] += seen[c];
     }
     if (h->mesh < 0) continue;
     shade_entry *e = &s->entry[count];
@@ -205,8 +215,7 @@ static ylm_status join_rows(ylm_shade_view *v, row *rows) {
   v->entries = total;
   total = 0;
   for (size_t y = 0; y < height; y++) {
-    if (rows[y].count)
-      memcpy(v->entry + total, rows[y].entry, rows[y].count * sizeof *v->entry);
+    if (rows[y].count) memcpy(v->entry + total, rows[y].entry, rows[y].count * sizeof *v->entry);
     for (size_t x = 0; x < width; x++) v->pixel[y * width + x].first += total;
     total += rows[y].count;
     ylm_free(rows[y].entry);

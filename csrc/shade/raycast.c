@@ -109,13 +109,13 @@ static size_t gather(const job *j, size_t i, const scratch *s, double E[3]) {
     walk_to(&w, s, j->chunks, target);
     if (!(s->weight[w.lamp] > 0)) continue; /* padding has none */
     bool flat = w.lamp >= before;
-    size_t lamp = flat ? scene->lamps + (w.lamp - before) : w.lamp; /* row of its radiance */
-    double e = flat ? ylm__shade_patch_sample(scene, w.lamp - before, x, n, u0, u1, &s->ray[rays])
+    const float *radiance = scene->lamp_radiance + (flat ? 0 : 3 * w.lamp);
+    double e = flat ? ylm__shade_patch_sample(scene, w.lamp - before, x, n, u0, u1, &s->ray[rays],
+                                              &radiance)
                     : sample_lamp(scene, w.lamp, x, n, u0, u1, &s->ray[rays]);
     if (!(e > 0)) continue;
     e *= total / s->weight[w.lamp] / j->samples;
-    for (int c = 0; c < 3; c++)
-      s->value[rays][c] = (float)e * scene->lamp_radiance[3 * lamp + (size_t)c];
+    for (int c = 0; c < 3; c++) s->value[rays][c] = (float)e * radiance[c];
     rays++;
   }
   if (j->shadows) ylm_trace_occluded(scene->trace, rays, s->ray);

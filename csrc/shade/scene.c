@@ -79,6 +79,7 @@ static ylm_status copy_lamps(ylm_shade_scene *s, const ylm_shade_lamps *l, ylm_e
   s->triangle = copy_floats(9 * shape->triangles, shape->triangle);
   s->disk = copy_floats(7 * shape->disks, shape->disk);
   s->patch_luminance = ylm_alloc(patches, sizeof(float));
+  if (l->horizon && !(s->horizon = copy_floats(3 * patches, l->horizon))) return YLM_ENOMEM;
   if (!s->lamp_luminance || !s->lamp_radiance || !s->triangle || !s->disk || !s->patch_luminance)
     return YLM_ENOMEM;
   s->lamps = count;
@@ -90,7 +91,7 @@ static ylm_status copy_lamps(ylm_shade_scene *s, const ylm_shade_lamps *l, ylm_e
   }
   for (size_t i = 0; i < patches; i++)
     s->patch_luminance[i] = luminance_of(&l->radiance[3 * (count + i)]);
-  return YLM_OK;
+  return ylm__shade_copy_textures(s, l, e);
 }
 
 static ylm_status trace_scene(ylm_shade_scene *s, const ylm_shade_mesh *mesh,
@@ -144,6 +145,8 @@ void ylm_shade_scene_free(ylm_shade_scene *s) {
   ylm_free(s->triangle);
   ylm_free(s->disk);
   ylm_free(s->patch_luminance);
+  ylm_free(s->horizon);
+  ylm__shade_free_textures(s);
   ylm_free(s->mesh);
   ylm_free(s);
 }

@@ -15,6 +15,14 @@ typedef struct shade_mesh {
   ylm_material material;
 } shade_mesh;
 
+/* A texture as copied. */
+typedef struct shade_texture {
+  double corner[3], across[3], up[3]; /* s = across.(p - corner) from 0 to 1, upwards by up */
+  size_t width, height;
+  float *texel;         /* [height][width][3], times the scale */
+  size_t first, behind; /* its triangles: first .. behind-1 */
+} shade_texture;
+
 struct ylm_shade_scene {
   ylm_trace *trace;
   shade_mesh *mesh;
@@ -22,10 +30,13 @@ struct ylm_shade_scene {
   size_t lamps;
   float *lamp[4]; /* x, y, z, radius: each [lamps], padded to a multiple of YLM_LAMP_CHUNK */
   float *lamp_luminance;
-  float *lamp_radiance; /* [lamps + triangles + disks][3] */
+  float *lamp_radiance;    /* [lamps + triangles + disks][3] */
   size_t triangles, disks; /* of flat lights: "patches", triangles first */
   float *triangle, *disk;  /* [triangles][9], [disks][7] */
   float *patch_luminance;  /* [triangles + disks] */
+  float *horizon;          /* [triangles + disks][3] or NULL */
+  size_t textures;
+  shade_texture *texture; /* in the order of their triangles */
 };
 
 /* One shaded part of a pixel: a place on a triangle, and its share of the pixel's samples. */
@@ -137,10 +148,18 @@ void ylm__shade_points(const ylm_shade_view *v, ylm_shade_dot_fn *dot, size_t fi
    wherever it brings light; `weight` is padded to chunks, `sum` over them. */
 void ylm__shade_patch_weights(const ylm_shade_scene *s, const float x[3], const float n[3],
                               float *weight, float *sum);
-/* A ray from x to a random place on patch i and the irradiance that it brings for radiance 1:
-   uniform in the solid angle of triangles that fill much of it (Arvo 1995), else by area. */
+/* A ray from x to a random place on patch i, the radiance there and the irradiance that it brings
+   for radiance 1: uniform in the solid angle of triangles that fill much of it (Arvo 1995), else by
+   area. */
 double ylm__shade_patch_sample(const ylm_shade_scene *s, size_t i, const float x[3],
-                               const float n[3], double u0, double u1, ylm_trace_ray *ray);
+                               const float n[3], double u0, double u1, ylm_trace_ray *ray,
+                               const float **radiance);
+
+/* texture.c: copies textures; their triangles are the last of s->triangles. */
+ylm_status ylm__shade_copy_textures(ylm_shade_scene *s, const ylm_shade_lamps *l, ylm_error *e);
+void ylm__shade_free_textures(ylm_shade_scene *s);
+/* The radiance of patch i at the place p on it, [3]. */
+const float *ylm__shade_patch_radiance(const ylm_shade_scene *s, size_t i, const double p[3]);
 
 /* -- sampling.c ---------------------------------------------------------------- */
 

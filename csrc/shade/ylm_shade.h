@@ -46,11 +46,26 @@ typedef struct ylm_shade_mesh {
   bool occludes; /* false: seen, but never in the way of light */
 } ylm_shade_mesh;
 
+/* An image on a parallelogram, which emits it to both sides. */
+typedef struct ylm_shade_texture {
+  double corner[3], u[3], v[3]; /* its bottom left, to its bottom right, to its top left */
+  size_t width, height;
+  const float *texel; /* [height][width][3], the top row first; W sr^-1 m^-2 */
+  double scale;       /* multiplies it */
+  size_t triangles;   /* how many cover it */
+} ylm_shade_texture;
+
 /* Lamps, spheres and flat ones that emit to both sides: drawn as emitters, sampled by
-   ylm_shade_raycast; they never occlude. */
+   ylm_shade_raycast; they never occlude. The last triangles are those of textures, one after the
+   other: their radiance is the texture's where they are hit, what stands in `radiance` says how
+   often rays are aimed at them (0: never). */
 typedef struct ylm_shade_lamps {
   ylm_trace_lamps shape;
   const float *radiance; /* [spheres + triangles + disks][3]  W sr^-1 m^-2, linear Rec. 709 */
+  const float *horizon;  /* [triangles + disks][3] or NULL: what of a lamp is below the plane across
+                            it through a shading point brings no light there; 0: all does */
+  size_t textures;
+  const ylm_shade_texture *texture;
 } ylm_shade_lamps;
 
 /* YLM_OK; YLM_EINVAL, YLM_EDOMAIN, YLM_EOVERFLOW, YLM_ENOMEM, YLM_EDEVICE as ylm_trace_create and
@@ -210,7 +225,8 @@ YLM_API ylm_status ylm_shade_coefficients(const ylm_shade_view *view, size_t fir
 **
 ** Each of `samples` strata chooses a lamp in proportion to (a bound of) its unshadowed luminous
 ** irradiance, then a direction uniform in the solid angle it fills (disks, and triangles that fill
-** little: a place uniform in area); a ray that starts at the point and ends at the lamp decides. No SH, no grid, no occlusion_distance.
+** little: a place uniform in area); a ray that starts at the point and ends at the lamp decides. No
+*SH, no grid, no occlusion_distance.
 **
 **   samples  in   shadow rays per shading point, 1 .. 65536
 **   out      out  [points][3]

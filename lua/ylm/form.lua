@@ -25,6 +25,8 @@ form.names = {}
 --- While a scene file runs: observer(definition, values, fail) sees checked values before they
 -- are built, so that lua/ylm/sandbox.lua can bound sizes and resolve the names of files.
 form.observer = nil
+--- Then too: budget(what) is how much of `what` the file may still describe; budget(what, n, fail) takes n of it.
+form.budget = nil
 
 -- Each type: function(value, field) -> value or nil, "what is wanted". ---------
 

@@ -18,7 +18,8 @@ local ylm = {}
 local contents = {
   { "ylm.array", "array", "zeros" },
   { "ylm.light", "sphere_light", "sphere_lights", "light_field" },
-  { "ylm.light_polygon", "polygon_light", "disk_light", "textured_light" },
+  { "ylm.light_polygon", "polygon_light", "disk_light" },
+  { "ylm.light_textured", "textured_light" },
   { "ylm.grid", "adaptive_grid", "uniform_grid", "bake" },
   { "ylm.material", "matte" },
   { "ylm.camera", "camera" },

@@ -93,12 +93,16 @@ light.sphere_lights = form.define("sphere_lights", {
   example = "sphere_lights { at = { {0, 2, 0}, {1, 2, 0} }, radius = { 0.1, 0.2 }, radiance = 10 }",
 })
 
---- What light.pack made of spheres and others -> the spheres, which alone are drawn and aimed at.
+--- What light.pack made of spheres and others -> the spheres, the others.
 local spheres_of, others_of = setmetatable({}, { __mode = "k" }), setmetatable({}, { __mode = "k" })
+--- What light.pack made with spheres that stand for parts of images -> the other spheres, or false: none.
+local drawn_of = setmetatable({}, { __mode = "k" })
 
---- Centres [n][3], radii [n] and radiances [n][3] of the spheres in what light.pack returned, as new double arrays.
+--- Centres [n][3], radii [n] and radiances [n][3] of the spheres in what light.pack returned, as new double arrays:
+-- of those that are drawn and aimed at, not those that stand for an image.
 function light.arrays(packed)
-  if core.type(packed) ~= "ylm.lights" then packed = spheres_of[packed] end
+  if drawn_of[packed] ~= nil then packed = drawn_of[packed]
+  elseif core.type(packed) ~= "ylm.lights" then packed = spheres_of[packed] end
   if not packed then
     local function none(...) return assert(core.array_zeros({ 0, ... }, "double")) end
     return none(3), none(), none(3)
@@ -106,14 +110,16 @@ function light.arrays(packed)
   return check.result("lights", core.lights_arrays(packed))
 end
 
---- What light.pack made -> the polygons and disks in it.
+--- What light.pack made -> the polygons, disks and textured lights in it.
 local flat_of = setmetatable({}, { __mode = "k" })
 
 --- Of the flat lights in what light.pack returned: corners of triangles [t][9], disks [d][7] (centre, radius, normal)
--- and radiances [t+d][3], as new double arrays; nil where there are none.
-function light.patches(packed)
+-- and radiances and horizons [t+d][6], as new double arrays, and a list of textures, see polygon.patches; nil where there
+-- are none.
+-- Images are covered by `tiles` (8) times as many tiles.
+function light.patches(packed, tiles)
   local flat = flat_of[packed]
-  if flat then return require("ylm.light_polygon").patches(flat) end
+  if flat then return require("ylm.light_polygon").patches(flat, tiles or 8) end
 end
 
 -- Packing ----------------------------------------------------------------------------
@@ -145,6 +151,11 @@ local function gather(n, name, value, parts, run, depth)
   elseif kind == "polygon_light" or kind == "disk_light" then
     parts.flat = parts.flat or {}
     table.insert(parts.flat, value)
+  elseif kind == "textured_light" then
+    local list = value.lights and "texels" or "others"
+    parts[list], parts.textured = parts[list] or {}, parts.textured or {}
+    table.insert(parts[list], value.lights or value.field)
+    table.insert(parts.textured, value)
   elseif core.has_field(value) and kind ~= "ylm.grid" then
     parts.others = parts.others or {}
     table.insert(parts.others, value)
@@ -164,26 +175,40 @@ end
 function light.pack(n, name, lights)
   local parts, run = {}, { at = {}, radius = {}, radiance = {} }
   gather(n, name, lights, parts, run, 0)
+  local others, drawn, spheres, message, code = parts.others or {}
   if parts.flat then
-    parts.others = parts.others or {}
-    local message, code = require("ylm.light_polygon").join(name, parts.flat, parts.others)
+    message, code = require("ylm.light_polygon").join(name, parts.flat, others)
     if message then return nil, message, code end
   end
-  if parts.others then
-    local spheres = parts[2] and core.lights_join(parts) or parts[1]
-    for _, other in ipairs(parts.others) do parts[#parts + 1] = other end
-    if #parts == 1 then
-      if parts.flat then flat_of[parts[1]] = parts.flat end
-      return parts[1]
-    end
-    local sum, message, code = check.result(name, core.light_sum(parts))
-    if not sum then return nil, message, code end
-    spheres_of[sum], others_of[sum], flat_of[sum] = spheres, parts.others, parts.flat
-    return sum
+  drawn = parts[1]
+  if parts[2] then
+    drawn, message, code = check.result(name, core.lights_join(parts))
+    if not drawn then return nil, message, code end
   end
-  if #parts == 0 then return check.bad(n, name, "at least one light expected, got an empty list") end
-  if #parts == 1 then return parts[1] end
-  return check.result(name, core.lights_join(parts))
+  spheres = drawn
+  if parts.texels then -- joined even where there is one, so that the result is not the light's own
+    if drawn then table.insert(parts.texels, 1, drawn) end
+    spheres, message, code = check.result(name, core.lights_join(parts.texels))
+    if not spheres then return nil, message, code end
+  end
+  local result = spheres or others[1]
+  if not result then return check.bad(n, name, "at least one light expected, got an empty list") end
+  if others[spheres and 1 or 2] then
+    local fields = { spheres }
+    for _, other in ipairs(others) do fields[#fields + 1] = other end
+    result, message, code = check.result(name, core.light_sum(fields))
+    if not result then return nil, message, code end
+    spheres_of[result], others_of[result] = spheres, others
+  end
+  if parts.texels then drawn_of[result] = drawn or false end
+  if parts.flat or parts.textured then
+    local flat = {}
+    for _, list in ipairs { parts.flat or {}, parts.textured or {} } do
+      for _, l in ipairs(list) do flat[#flat + 1] = l end
+    end
+    flat_of[result] = flat
+  end
+  return result
 end
 
 --- Argument `n` of `name` as an open object with a light field: such an object itself, or lights packed.

@@ -1,12 +1,10 @@
---- Lights that are no spheres: ylm.polygon_light, ylm.disk_light, ylm.textured_light.
+--- Flat lights of one radiance: ylm.polygon_light, ylm.disk_light.
 
 local check = require "ylm.check"
 local core = require "ylm.c.core"
 local form = require "ylm.form"
 
 local polygon = {}
-
-local pi = math.pi
 
 --- A list of three or more points from a table or an array; nil if it is none.
 local function points_of(value)
@@ -73,23 +71,40 @@ function polygon.join(name, lights, out)
   end
 end
 
---- What rays see of flat lights: triangles [t][9], disks [d][7], radiances [t+d][3], double arrays.
-function polygon.patches(lights)
-  local triangles, disks, radiances, later = {}, {}, {}, {}
+local function emission(c, horizon)
+  local h = horizon or { 0, 0, 0 }
+  return { c[1], c[2], c[3], h[1], h[2], h[3] }
+end
+
+--- What rays see of flat lights: triangles [t][9], disks [d][7], radiances and horizons (0: none) [t+d][6], double
+-- arrays; the last triangles
+-- are those of textures, `tiles` a side at most, of which there is a list too: { texels, {corner, u, v}, scale, triangles }.
+function polygon.patches(lights, tiles)
+  local triangles, disks, radiances, textured, later = {}, {}, {}, {}, {}
+  for _, l in ipairs(lights) do
+    if form.kind(l) == "textured_light" then textured[#textured + 1] = l end
+  end
   for _, l in ipairs(lights) do
     local v = l.vertices
     for i = 2, v and #v - 1 or 0 do
       local t = {}
       for _, p in ipairs { v[1], v[i], v[i + 1] } do for k = 1, 3 do t[#t + 1] = p[k] end end
       triangles[#triangles + 1] = t
-      radiances[#radiances + 1] = l.radiance
+      radiances[#radiances + 1] = emission(l.radiance, l.horizon)
     end
-    if not v then
+    if form.kind(l) == "disk_light" then
       local n = l.normal
       local length = math.sqrt(n[1] ^ 2 + n[2] ^ 2 + n[3] ^ 2)
       disks[#disks + 1] = { l.at[1], l.at[2], l.at[3], l.radius, n[1] / length, n[2] / length, n[3] / length }
-      later[#later + 1] = l.radiance
+      later[#later + 1] = emission(l.radiance, l.horizon)
     end
+  end
+  for i, l in ipairs(textured) do
+    local corners, means = require("ylm.light_textured").tiles(l, tiles)
+    for k, t in ipairs(corners) do
+      triangles[#triangles + 1], radiances[#radiances + 1] = t, emission(means[k])
+    end
+    textured[i] = { l.texels, l.frame, l.scale, #corners }
   end
   for _, c in ipairs(later) do radiances[#radiances + 1] = c end
   local function pack_rows(rows, width)
@@ -97,7 +112,7 @@ function polygon.patches(lights)
     if #rows > 0 then core.array_fill(a, rows) end
     return a
   end
-  return pack_rows(triangles, 9), pack_rows(disks, 7), pack_rows(radiances, 3)
+  return pack_rows(triangles, 9), pack_rows(disks, 7), pack_rows(radiances, 6), textured
 end
 
 polygon.polygon_light = form.define("polygon_light", {
@@ -108,7 +123,8 @@ polygon.polygon_light = form.define("polygon_light", {
     { "radiance", "colour", default = 1, unit = "W sr^-1 m^-2", about = "number or {r, g, b}; may be negative" },
     method_field,
     { "horizon", "vector", optional = true,
-      about = "cut off what lies below the plane across it through each shading point" },
+      about = "cut off what lies below the plane across it through each shading point, in light fields and for rays "
+        .. "(pictures show the whole)" },
   },
   build = function(values, fail)
     local vertices = points_of(values.vertices)
@@ -151,96 +167,6 @@ polygon.disk_light = form.define("disk_light", {
     return setmetatable(values, form.defined.disk_light.metatable)
   end,
   example = "disk_light { at = {0, 2, 0}, normal = {0, -1, 0}, radius = 0.3, radiance = 20 }",
-})
-
--- Textures -----------------------------------------------------------------------------------
-
---- Splits texels x0 .. x1, y0 .. y1 (one-based) until each part is of one colour to the tolerance, and at most
--- `wide` by `high` texels.
-local function merge(texels, x0, y0, x1, y1, tolerance, wide, high, emit)
-  local sum, n, lo, hi = { 0, 0, 0 }, 0, { 1e300, 1e300, 1e300 }, { -1e300, -1e300, -1e300 }
-  for y = y0, y1 do
-    for x = x0, x1 do
-      local t = texels[y][x]
-      n = n + 1
-      for c = 1, 3 do
-        local v = t[c] or t[1]
-        sum[c] = sum[c] + v
-        lo[c], hi[c] = math.min(lo[c], v), math.max(hi[c], v)
-      end
-    end
-  end
-  local spread = math.max(hi[1] - lo[1], hi[2] - lo[2], hi[3] - lo[3])
-  -- parts of strange proportions would make bad spheres
-  local long = math.max((x1 - x0 + 1) / (y1 - y0 + 1), (y1 - y0 + 1) / (x1 - x0 + 1))
-  local small = x1 - x0 + 1 <= wide and y1 - y0 + 1 <= high
-  if (spread <= tolerance and long <= 2 and small) or n == 1 then
-    return emit(x0, y0, x1, y1, { sum[1] / n, sum[2] / n, sum[3] / n })
-  end
-  local mx, my = math.floor((x0 + x1) / 2), math.floor((y0 + y1) / 2)
-  local split_x, split_y = x1 > x0 and (x1 - x0) * 2 >= y1 - y0, y1 > y0 and (y1 - y0) * 2 >= x1 - x0
-  merge(texels, x0, y0, split_x and mx or x1, split_y and my or y1, tolerance, wide, high, emit)
-  if split_x then merge(texels, mx + 1, y0, x1, split_y and my or y1, tolerance, wide, high, emit) end
-  if split_y then merge(texels, x0, my + 1, split_x and mx or x1, y1, tolerance, wide, high, emit) end
-  if split_x and split_y then merge(texels, mx + 1, my + 1, x1, y1, tolerance, wide, high, emit) end
-end
-
-polygon.textured_light = form.define("textured_light", {
-  about = "A parallelogram with an image, as spheres: one for each texel, or for each group of similar texels (a quadtree).",
-  fields = {
-    { "corner", "point", unit = "scene units", about = "the image's bottom left" },
-    { "u", "vector", unit = "scene units", about = "to its bottom right" },
-    { "v", "vector", unit = "scene units", about = "to its top left" },
-    { "image", "object", of = "ylm.image", about = "its first layer is radiance" },
-    { "scale", "number", default = 1, about = "multiplies the image" },
-    { "tolerance", "number", min = 0, default = 0,
-      about = "texels this near in every channel, times the largest value, "
-      .. "become one; 0 merges equal ones only" },
-    { "largest", "number", above = 0, max = 1, default = 1 / 8,
-      about = "most of the image's width and height that one sphere may stand for: a large sphere is near in front "
-      .. "of the image, and wrong there" },
-  },
-  build = function(values, fail)
-    local layer = values.image:layer()
-    local texels, shape = core.array_totable(layer), core.array_info(layer)
-    local h, w = shape[1], shape[2]
-    if w * h > 2 ^ 22 then return fail(("image must have at most 2^22 texels, got %dx%d"):format(w, h)) end
-    local finite = core.array_finite(layer)
-    if not finite then return fail("image must be finite") end
-    if #shape == 2 or shape[3] == 1 then
-      for _, row in ipairs(texels) do
-        for x, t in ipairs(row) do row[x] = type(t) == "table" and t or { t } end
-      end
-    end
-    local u, v, corner = values.u, values.v, values.corner
-    local nx, ny, nz = u[2] * v[3] - u[3] * v[2], u[3] * v[1] - u[1] * v[3], u[1] * v[2] - u[2] * v[1]
-    local area = math.sqrt(nx * nx + ny * ny + nz * nz)
-    if area == 0 then return fail("u and v must not be parallel") end
-    local largest = 0
-    for _, row in ipairs(texels) do
-      for _, t in ipairs(row) do for c = 1, #t do largest = math.max(largest, math.abs(t[c])) end end
-    end
-    local at, radius, radiance = {}, {}, {}
-    local wide, high = math.max(1, values.largest * w), math.max(1, values.largest * h)
-    merge(texels, 1, 1, w, h, values.tolerance * largest, wide, high, function(x0, y0, x1, y1, colour)
-      if colour[1] == 0 and colour[2] == 0 and colour[3] == 0 then return end
-      local s, t = (x0 - 1 + x1) / (2 * w), 1 - (y0 - 1 + y1) / (2 * h)
-      local k = #at + 1
-      at[k] = { corner[1] + s * u[1] + t * v[1], corner[2] + s * u[2] + t * v[2], corner[3] + s * u[3] + t * v[3] }
-      radius[k] = math.sqrt(area * (x1 - x0 + 1) * (y1 - y0 + 1) / (w * h) / pi)
-      radiance[k] = { colour[1] * values.scale, colour[2] * values.scale, colour[3] * values.scale }
-    end)
-    if #at == 0 then return fail("the image is black") end
-    return require("ylm.light").sphere_lights { at = at, radius = radius, radiance = radiance }
-  end,
-  example = [[
-(function()
-  local image = ylm.image { size = { 4, 2 }, layers = { { "radiance", 3 } } }
-  image:fill(1, 1, 4, 2, { 1, 2, 3 })
-  local lights = ylm.textured_light { corner = { 0, 0, 0 }, u = { 2, 0, 0 }, v = { 0, 1, 0 }, image = image, largest = 1 }
-  assert(lights.count == 1)
-  return lights
-end)()]],
 })
 
 return polygon

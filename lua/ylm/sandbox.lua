@@ -19,10 +19,11 @@ sandbox.limits = {
   { "seconds", "number", above = 0, default = 60, unit = "s", about = "of processor time" },
   { "memory", "number", min = 65536, default = 2 ^ 28, unit = "bytes", about = "for Lua's values" },
   { "triangles", "number", min = 0, default = 2e7, about = "of all geometry together" },
+  { "texels", "number", min = 0, default = 2 ^ 20, about = "of all textures together" },
   { "cells", "number", min = 0, default = 2 ^ 24, about = "of all uniform grids together" },
   { "lmax", "number", min = 0, default = 64, about = "of any grid" },
   { "depth", "number", min = 0, default = 12, about = "of any adaptive grid" },
-  { "file_size", "number", min = 0, default = 2 ^ 28, unit = "bytes", about = "of the scene file and of each mesh" },
+  { "file_size", "number", min = 0, default = 2 ^ 28, unit = "bytes", about = "of the scene file, each mesh and each image" },
 }
 
 -- Numbers: mathematics with a generator that is the same everywhere ------------------
@@ -205,7 +206,8 @@ end
 
 --- The observer of forms (see form.observer): counts what is described, resolves file names.
 local function observer(folder, limits, state)
-  local left = { triangles = limits.triangles, cells = limits.cells }
+  local left = { triangles = limits.triangles, cells = limits.cells, texels = limits.texels,
+    file_size = limits.file_size } -- of each file: not used up
   local function take(what, n, fail)
     left[what] = left[what] - n
     if left[what] < 0 then
@@ -213,7 +215,11 @@ local function observer(folder, limits, state)
       return fail(("more than %.0f %s in one scene file"):format(limits[what], what))
     end
   end
-  return function(definition, values, fail)
+  local function budget(what, n, fail)
+    if n then take(what, n, fail) end
+    return left[what]
+  end
+  return budget, function(definition, values, fail)
     for _, field in ipairs(definition.fields) do
       local name = field[1]
       if values[name] ~= nil and (name == "file" or field[2] == "path") then
@@ -227,7 +233,7 @@ local function observer(folder, limits, state)
           return fail(("%s has more than %.0f bytes"):format(values[name], limits.file_size))
         end
         -- Every further corner of a polygon is a triangle, and takes two bytes of text at least.
-        take("triangles", size / 2, fail)
+        if is_geometry(definition) then take("triangles", size / 2, fail) end
         values[name] = real
       end
     end
@@ -259,16 +265,14 @@ local function names_of(t)
 end
 
 --- The files of lua/ylm whose forms describe scenes.
-local describing = { camera = true, material = true, geometry = true, light = true, light_polygon = true, grid = true,
-  scene = true }
---- Forms of these that are not for files: there are no images in them.
-local withheld = { scene = true, textured_light = true }
+local describing = { camera = true, material = true, geometry = true, light = true, light_polygon = true,
+  light_textured = true, grid = true, scene = true }
 
 --- The constructors, as files see them.
 local function constructors(env, state)
   for home in pairs(describing) do require("ylm." .. home) end
   for name, definition in pairs(form.defined) do
-    if not withheld[name] and describing[definition.home] then
+    if name ~= "scene" and describing[definition.home] then
       local construct = definition.construct
       env[name] = function(given)
         local object, message, code = construct(unwrap(given))
@@ -391,9 +395,10 @@ function sandbox.run(path, limits)
   end
 
   local restore, compile_again = guarded_strings(source), without_jit()
-  form.observer, check.boundary = observer(folder, limits, state), work
+  form.budget, form.observer = observer(folder, limits, state)
+  check.boundary = work
   local called, ok, result, reason = pcall(core.bounded_call, work, limits.instructions, limits.memory, limits.seconds)
-  form.observer, check.boundary = nil, false
+  form.budget, form.observer, check.boundary = nil, nil, false
   restore()
   compile_again()
   if not called then error(ok, 0) end

@@ -26,7 +26,7 @@ local is_part = {
 
 local wanted_part = {
   geometry = "geometry (a quad, sphere, box, torus, knot or mesh)",
-  lights = "a light (sphere_light, sphere_lights, polygon_light, disk_light)",
+  lights = "a light (sphere_light, sphere_lights, polygon_light, disk_light, textured_light)",
 }
 
 function form.types.parts(x)

@@ -60,16 +60,32 @@ local function lit(rgb)
   return rgb
 end
 
---- Triangles [t][9], and disks [d][7] as 48-gons, in the colours of radiance [t+d][3].
-local function add_flat_lights(stage, triangles, disks, radiance)
+--- The tiles of images in the colours of their radiances, the brightest of each image as bright as can be.
+local function colour_tiles(rgb, first, textures)
+  for _, t in ipairs(textures) do
+    local most = 1e-30
+    for i = first, first + t[4] - 1 do most = math.max(most, rgb[i][1], rgb[i][2], rgb[i][3]) end
+    for i = first, first + t[4] - 1 do
+      for a = 1, 3 do rgb[i][a] = encode(rgb[i][a] / most) end
+    end
+    first = first + t[4]
+  end
+end
+
+--- Triangles [t][9], and disks [d][7] as 48-gons, in the colours of radiance [t+d][..]; the last triangles are textures'.
+local function add_flat_lights(stage, triangles, disks, radiance, textures)
   local position, colour, index = {}, {}, {} -- three rows to a triangle, no corner shared
   local rgb, list = core.array_totable(radiance), core.array_totable(triangles)
   local function corner(x, y, z, c)
     position[#position + 1], colour[#colour + 1] = { x, y, z }, c
     if #position % 3 == 0 then index[#index + 1] = { #position - 2, #position - 1, #position } end
   end
+  for i, c in ipairs(rgb) do rgb[i] = { c[1], c[2], c[3] } end
+  local plain = #list
+  for _, t in ipairs(textures) do plain = plain - t[4] end
+  colour_tiles(rgb, plain + 1, textures)
   for i, t in ipairs(list) do
-    local c = lit(rgb[i])
+    local c = i <= plain and lit(rgb[i]) or rgb[i]
     for k = 0, 2 do corner(t[3 * k + 1], t[3 * k + 2], t[3 * k + 3], c) end
   end
   for i, d in ipairs(core.array_totable(disks)) do
@@ -98,8 +114,8 @@ end
 function fill.lights(stage, v)
   local light = require "ylm.light"
   local packed = core.has_field(v.lights) and v.lights or light.pack(1, "view", v.lights)
-  local triangles, disks, flat = light.patches(packed)
-  if triangles then add_flat_lights(stage, triangles, disks, flat) end
+  local triangles, disks, flat, textures = light.patches(packed, 64)
+  if triangles then add_flat_lights(stage, triangles, disks, flat, textures) end
   local at, radius, radiance = light.arrays(packed)
   local c, r = core.array_totable(radiance), core.array_totable(radius)
   local least = stage.bounds and drawing.diagonal(stage.bounds) * 0.0022 or 0

@@ -7,7 +7,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
   ylm_error e;
   ylm_image *image;
   if (ylm_codec_recognise(data, size) != FUZZ_FORMAT) return -1; /* not into the corpus */
-  if (ylm_codec_parse(data, size, "fuzz", false, &image, &e) != YLM_OK) {
+  if (ylm_codec_parse(data, size, "fuzz", NULL, &image, &e) != YLM_OK) {
     if (image) __builtin_trap();
     return 0;
   }

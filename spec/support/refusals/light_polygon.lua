@@ -63,7 +63,25 @@ return {
   },
   textured_light = {
     { call = function(ylm) return ylm.textured_light {} end, says = "field 'corner' is missing" },
-    { call = texture { image = 3 }, says = "image must be a ylm.image, got 3" },
+    { call = texture { image = 3 }, says = "image must be a ylm.image or rows of texels, got 3" },
+    { call = texture { image = {} }, says = "image must be a ylm.image or rows" },
+    { call = texture { image = { 1, 2 } }, says = "image must be a ylm.image or rows" },
+    { call = texture { image = { { 1, 2 }, { 3 } } }, says = "2 rows of 2 numbers each expected, element %d does not fit" },
+    { call = texture { image = { { 1, { 2, 3, 4 } } } }, says = "1 rows of 2 numbers each expected" },
+    { call = texture { image = { { { 1, 2 } } } }, says = "texels are numbers or {r, g, b}, got 2 numbers" },
+    { call = texture { image = { { 1, nan } } }, says = "image must be finite" },
+    { call = texture { image = { { 1, "x" } } }, says = "element 2 does not fit" },
+    { call = texture { file = "x.png" }, says = "give image or file, not both" },
+    { call = function(ylm)
+      return ylm.textured_light { corner = { 0, 0, 0 }, u = { 1, 0, 0 }, v = { 0, 1, 0 } }
+    end, says = "field 'image' is missing" },
+    { call = function(ylm)
+      return ylm.textured_light { corner = { 0, 0, 0 }, u = { 1, 0, 0 }, v = { 0, 1, 0 }, file = "" }
+    end, says = "file must be a file name" },
+    { call = texture { method = "sphere" }, says = "method must be one of 'spheres', 'exact'.*did you mean 'spheres'" },
+    { call = texture { corner = { 0, 1e16, 0 } }, says = "corner is too far out" },
+    { call = texture { u = { 1e-160, 0, 0 } }, says = "u must be from 1e%-15 to 1e15 long" },
+    { call = texture { v = { 1, 1e-9, 0 } }, says = "u and v must not be parallel" },
     { call = texture {}, says = "the image is black" },
     { call = texture { v = { 2, 0, 0 } }, says = "u and v must not be parallel" },
     { call = texture { tolerance = -1 }, says = "tolerance must be a number >= 0" },
