@@ -59,9 +59,9 @@ ylm_status ylm__crosses(const ylm_field *f, size_t n, const double *boxes, uint8
 /* For fields that are no sums of spheres (sum.c): a query is sound, lmax <= most. */
 ylm_status ylm__field_check(const ylm_field_query *q, size_t n, const void *points,
                             const ylm_field_result *r, int most, ylm_error *e);
-/* Writes what q wants for a point from sums [3 channels][wide]: value [count], gradient [count][3],
-   Hessian [count][6] in that order. */
-void ylm__field_write(const ylm_field_query *q, size_t point, const double *sum, size_t wide,
-                      ylm_field_result *r);
+/* Writes what q wants for a point from sums [channels][wide]: value [count], gradient [count][3],
+   Hessian [count][6] in that order; channels 3, or 1 where luminance is all that is wanted. */
+void ylm__field_write(const ylm_field_query *q, size_t point, int channels, const double *sum,
+                      size_t wide, ylm_field_result *r);
 
 #endif

@@ -95,7 +95,7 @@ static ylm_status run(void *context, size_t begin, size_t end, int worker) {
   ylm_status s = j->p->exact ? ylm__polygon_exactly(j->p, j->plan, q, n, at, sum, inside)
                              : ylm__polygon_spheres(j->p, q, n, at, sum, inside);
   for (size_t i = 0; i < n && s == YLM_OK; i++) {
-    ylm__field_write(q, begin + i, sum + 3 * i * wide, wide, j->r);
+    ylm__field_write(q, begin + i, 3, sum + 3 * i * wide, wide, j->r);
     if (j->r->inside) j->r->inside[begin + i] = inside[i];
   }
   ylm_free(sum);

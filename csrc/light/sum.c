@@ -57,34 +57,33 @@ static void put(ylm_dtype t, void *out, size_t i, double x) {
     ((float *)out)[i] = (float)x;
 }
 
-void ylm__field_write(const ylm_field_query *q, size_t point, const double *sum, size_t wide,
-                      ylm_field_result *r) {
+/* Number `at` of channel c, of luminance where `sum` has three and one is asked for. */
+static double channel_of(const double *sum, int from, int to, int c, size_t wide, size_t at) {
+  if (from == 1) return sum[at];
+  if (to == 3) return sum[(size_t)c * wide + at];
+  return YLM_LUMINANCE_R * sum[at] + YLM_LUMINANCE_G * sum[wide + at] +
+         YLM_LUMINANCE_B * sum[2 * wide + at];
+}
+
+void ylm__field_write(const ylm_field_query *q, size_t point, int channels, const double *sum,
+                      size_t wide, ylm_field_result *r) {
   size_t count = ylm_sh_count(q->lmax);
-  static const double luminance[3] = {YLM_LUMINANCE_R, YLM_LUMINANCE_G, YLM_LUMINANCE_B};
   void *out[3] = {q->want & YLM_WANT_VALUE ? r->value : NULL,
                   q->want & YLM_WANT_GRADIENT ? r->gradient : NULL,
                   q->want & YLM_WANT_HESSIAN ? r->hessian : NULL};
   static const size_t width[3] = {1, 3, 6}, before[3] = {0, 1, 4};
   for (int k = 0; k < 3; k++)
     for (int c = 0; out[k] && c < q->channels; c++)
-      for (size_t i = 0; i < width[k] * count; i++) {
-        size_t at = before[k] * count + i;
-        double x = q->channels == 3 ? sum[(size_t)c * wide + at]
-                                    : luminance[0] * sum[at] + luminance[1] * sum[wide + at] +
-                                          luminance[2] * sum[2 * wide + at];
-        put(q->dtype, out[k], (point * (size_t)q->channels + (size_t)c) * width[k] * count + i, x);
-      }
+      for (size_t i = 0; i < width[k] * count; i++)
+        put(q->dtype, out[k], (point * (size_t)q->channels + (size_t)c) * width[k] * count + i,
+            channel_of(sum, channels, q->channels, c, wide, before[k] * count + i));
   if (!(q->want & YLM_WANT_METRIC)) return;
   double lambda = 0, norm = 0;
   for (int c = 0; c < q->metric_channels; c++)
     for (size_t i = 0; i < count; i++) {
-      double h[6], x = 0;
-      memset(h, 0, sizeof h);
-      for (int s = 0; s < 3; s++) {
-        double w = q->metric_channels == 3 ? s == c : luminance[s];
-        x += w * sum[(size_t)s * wide + i];
-        for (size_t a = 0; a < 6; a++) h[a] += w * sum[(size_t)s * wide + 4 * count + 6 * i + a];
-      }
+      double h[6], x = channel_of(sum, channels, q->metric_channels, c, wide, i);
+      for (size_t a = 0; a < 6; a++)
+        h[a] = channel_of(sum, channels, q->metric_channels, c, wide, 4 * count + 6 * i + a);
       double e = largest_eigenvalue(h);
       lambda += e * e;
       norm += x * x;
@@ -105,52 +104,65 @@ struct ylm_field_sum {
 /* Points of one step: results of a part are kept for as many. */
 #define STEP 256
 
+/* What is asked of a part: no more than the whole needs, in the type of the whole. */
+static ylm_field_query part_query(const ylm_field_query *q) {
+  bool metric = q->want & YLM_WANT_METRIC;
+  ylm_field_query part = {.lmax = q->lmax,
+                          .channels = metric && q->metric_channels == 3 ? 3 : q->channels,
+                          .metric_channels = 1,
+                          .dtype = q->dtype,
+                          .threads = q->threads};
+  if (metric || (q->want & YLM_WANT_VALUE)) part.want |= YLM_WANT_VALUE;
+  if (q->want & YLM_WANT_GRADIENT) part.want |= YLM_WANT_GRADIENT;
+  if (metric || (q->want & YLM_WANT_HESSIAN)) part.want |= YLM_WANT_HESSIAN;
+  return part;
+}
+
+/* to[i * step ..] += width numbers of row i, for n rows. */
+static void add_rows(ylm_dtype t, const void *from, size_t n, size_t width, double *to,
+                     size_t step) {
+  for (size_t i = 0; i < n; i++)
+    for (size_t k = 0; k < width; k++)
+      to[i * step + k] += t == YLM_DOUBLE ? ((const double *)from)[i * width + k]
+                                          : (double)((const float *)from)[i * width + k];
+}
+
 static ylm_status evaluate(const ylm_field *f, const ylm_field_query *q, size_t n,
                            const void *points, ylm_field_result *r, ylm_error *e) {
   const ylm_field_sum *s = f->self;
   ylm_status status = ylm__field_check(q, n, points, r, YLM_LIGHT_LMAX, e);
   if (status != YLM_OK) return status;
-  size_t count = ylm_sh_count(q->lmax), wide = 10 * count;
-  bool hessian = q->want & (YLM_WANT_HESSIAN | YLM_WANT_METRIC);
-  /* every part in rgb and double; sums are written in the end */
-  ylm_field_query part = {.lmax = q->lmax,
-                          .channels = 3,
-                          .metric_channels = 1,
-                          .dtype = YLM_DOUBLE,
-                          .threads = q->threads,
-                          .want = YLM_WANT_VALUE | YLM_WANT_GRADIENT |
-                                  (hessian ? YLM_WANT_HESSIAN : 0)};
-  double *one = ylm_alloc(STEP * 3 * wide, sizeof *one),
-         *sum = ylm_alloc(STEP * 3 * wide, sizeof *sum);
-  double x[STEP][3];
+  ylm_field_query part = part_query(q);
+  size_t count = ylm_sh_count(q->lmax), wide = 10 * count, channels = (size_t)part.channels;
+  size_t size = ylm_dtype_size(q->dtype), rows = STEP * channels * count;
+  char *one = ylm_alloc(rows * 10, size);
+  double *sum = ylm_alloc(STEP * channels * wide, sizeof *sum);
   uint8_t inside[STEP], any[STEP];
   if (!one || !sum) status = YLM_ENOMEM;
   for (size_t begin = 0; begin < n && status == YLM_OK; begin += STEP) {
     size_t m = n - begin < STEP ? n - begin : STEP;
-    for (size_t i = 0; i < 3 * m; i++)
-      x[i / 3][i % 3] = q->dtype == YLM_DOUBLE ? ((const double *)points)[3 * begin + i]
-                                               : (double)((const float *)points)[3 * begin + i];
-    memset(sum, 0, m * 3 * wide * sizeof *sum);
+    memset(sum, 0, m * channels * wide * sizeof *sum);
     memset(any, 0, sizeof any);
     for (size_t k = 0; k < s->n && status == YLM_OK; k++) {
-      double *v = one, *g = v + m * 3 * count, *h = g + m * 9 * count;
-      ylm_field_result result = {.value = v, .gradient = g, .hessian = h, .inside = inside};
+      ylm_field_result result = {
+          .value = part.want & YLM_WANT_VALUE ? one : NULL,
+          .gradient = part.want & YLM_WANT_GRADIENT ? one + rows * size : NULL,
+          .hessian = part.want & YLM_WANT_HESSIAN ? one + 4 * rows * size : NULL,
+          .inside = inside};
       memset(inside, 0, sizeof inside);
-      status = s->parts[k]->evaluate(s->parts[k], &part, m, x, &result, e);
+      status = s->parts[k]->evaluate(s->parts[k], &part, m, (const char *)points + 3 * begin * size,
+                                     &result, e);
       r->pairs += result.pairs;
-      for (size_t i = 0; i < m && status == YLM_OK; i++) {
-        any[i] |= inside[i];
-        for (size_t c = 0; c < 3; c++) {
-          double *to = sum + (i * 3 + c) * wide;
-          for (size_t t = 0; t < count; t++) to[t] += v[(i * 3 + c) * count + t];
-          for (size_t t = 0; t < 3 * count; t++) to[count + t] += g[(i * 3 + c) * 3 * count + t];
-          for (size_t t = 0; hessian && t < 6 * count; t++)
-            to[4 * count + t] += h[(i * 3 + c) * 6 * count + t];
-        }
-      }
+      if (status != YLM_OK) break;
+      for (size_t i = 0; i < m; i++) any[i] |= inside[i];
+      if (result.value) add_rows(q->dtype, result.value, m * channels, count, sum, wide);
+      if (result.gradient)
+        add_rows(q->dtype, result.gradient, m * channels, 3 * count, sum + count, wide);
+      if (result.hessian)
+        add_rows(q->dtype, result.hessian, m * channels, 6 * count, sum + 4 * count, wide);
     }
     for (size_t i = 0; i < m && status == YLM_OK; i++) {
-      ylm__field_write(q, begin + i, sum + i * 3 * wide, wide, r);
+      ylm__field_write(q, begin + i, part.channels, sum + i * channels * wide, wide, r);
       if (r->inside) r->inside[begin + i] = any[i];
     }
     if (status == YLM_OK) status = ylm_report(q->progress, begin + m, n, "lights");

@@ -178,8 +178,8 @@ function grid.bake(description, lights, given)
     if not object then return nil, failed, why end
   end
   if description.dynamic and core.type(object) ~= "ylm.lights" then
-    return check.bad(2, "bake", "a grid with dynamic = true follows sphere lights, this is baked from %s",
-      type(object) == "function" and "a function" or "another light field")
+    return check.bad(2, "bake", "a grid with dynamic = true follows sphere lights, this is baked from %s: bake that into "
+      .. "a second grid, or leave dynamic out", light.other(object))
   end
   local occupied
   if o.occupied ~= nil then
@@ -277,7 +277,8 @@ function methods.update(g, lights, given)
   local o = form.options(2, "update", update_options, given)
   local object = light.field(1, "update", lights)
   if core.type(object) ~= "ylm.lights" then
-    return check.bad(1, "update", "a dynamic grid follows sphere lights, got another light field")
+    return check.bad(1, "update", "a dynamic grid follows sphere lights, got %s: bake that into a second grid",
+      light.other(object))
   end
   if not core.grid_form(g).dynamic then
     return check.fail("update: this grid does not follow lights: make it with dynamic = true (a loaded grid never does)")

@@ -211,6 +211,18 @@ function light.pack(n, name, lights)
   return result
 end
 
+--- What a light field is that is not of spheres alone, in words.
+function light.other(object)
+  local kinds, seen = {}, {}
+  for _, l in ipairs(flat_of[object] or {}) do
+    local kind = form.kind(l)
+    if not seen[kind] and not l.lights then kinds[#kinds + 1] = kind end
+    seen[kind] = true
+  end
+  return kinds[1] and "a " .. table.concat(kinds, ", a ") or type(object) == "function" and "a function"
+    or "another light field"
+end
+
 --- Argument `n` of `name` as an open object with a light field: such an object itself, or lights packed.
 function light.field(n, name, value)
   if core.grid_is_open(value) == false then return check.bad(n, name, "the grid has been closed") end

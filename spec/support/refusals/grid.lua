@@ -74,6 +74,10 @@ return {
   },
   bake = {
     { call = function(ylm)
+      return ylm.bake(ylm.uniform_grid { bounds = box, cells = 1, lmax = 1, dynamic = true },
+        { lamp(ylm), ylm.disk_light { at = { 0, 0, 9 }, normal = { 0, 0, 1 } } })
+    end, says = "follows sphere lights, this is baked from a disk_light: bake that into a second grid, or leave dynamic out" },
+    { call = function(ylm)
       return ylm.bake(ylm.uniform_grid { bounds = box, cells = 1, lmax = 1, dynamic = true }, small(ylm))
     end, says = "dynamic = true follows sphere lights, this is baked from another light field" },
     { call = function(ylm)
