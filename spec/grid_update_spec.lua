@@ -1,6 +1,7 @@
 --- grid:update: grids that follow moving lights. What a fresh bake of the same lights gives judges all of it.
 
 local core = require "ylm.c.core"
+local light = require "ylm.light"
 local ylm = require "ylm"
 local numbers = require "spec.support.random"
 
@@ -23,6 +24,19 @@ local function floor_points(n, seed)
   return ylm.array(t, "double")
 end
 
+--- Points on the faces of small voxels, where data of more than one voxel meet.
+local function face_points(n, seed)
+  local r, t = random(seed), {}
+  for i = 1, n do
+    t[i] = { 2 * r() - 1, 0.3 * r(), 2 * r() - 1 }
+    for axis = 1, 3 do
+      if r() < 0.4 then t[i][axis] = math.floor(t[i][axis] * 64) / 64 end
+    end
+  end
+  return ylm.array(t, "double")
+end
+
+local faces = face_points(3000, SEED)
 local everywhere, occupied = points_in(3000, SEED), floor_points(3000, SEED)
 
 --- Sorted relative errors |a_i - b_i| / |b_i| of rows.
@@ -305,6 +319,29 @@ describe("grid:update", function()
     end
     local e = worst(grid:sample(ylm.array(low, "double")), grid:sample(ylm.array(high, "double")))
     assert.is_true(e <= 2e-6, e)
+  end)
+
+  it("makes continuity anew only around points that came or went: what it is when made anew everywhere", function()
+    local changes = 0
+    for _, d in ipairs { descriptions[2], descriptions[4], descriptions[5] } do
+      local near, whole = bake(d, lamps(0), true), bake(d, lamps(0), true)
+      for k = 1, 12 do
+        local lights = lamps(0.11 * k + (k % 4 == 0 and 1 or 0))
+        local report = update(near, lights)
+        assert(core.grid_update(whole, light.field(1, "update", lights), -1, 1, nil, true))
+        changes = changes + report.added + report.removed
+        assert.equal(whole.stats.points, near.stats.points)
+        assert.equal(whole.stats.interpolated, near.stats.interpolated)
+        assert.equal(whole.stats.continuity, near.stats.continuity)
+        for _, p in ipairs { everywhere, occupied, faces } do
+          local a, da = near:sample(p, { derivatives = 1 })
+          local b, db = whole:sample(p, { derivatives = 1 })
+          assert.equal(0, (core.array_distance(a, b)), d.name)
+          assert.equal(0, (core.array_distance(da, db)), d.name)
+        end
+      end
+    end
+    assert.is_true(changes > 1000, changes) -- else nothing has been tested
   end)
 
   it("gives the same whatever the number of threads", function()

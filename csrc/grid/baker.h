@@ -78,6 +78,12 @@ static inline const ylm_grid_cell *baker_before(const baker *b, const ylm_grid_c
 ylm_status baker_split(baker *b, uint32_t cell);
 /* The children that came next become the wave. */
 void baker_advance(baker *b);
+/* Finds the corners of the wave's cells; new points wait, in the order of cells. */
+ylm_status baker_find_corners(baker *b);
+/* b->parent, of cells that somebody else has made. */
+ylm_status baker_find_parents(baker *b);
+/* Corners that unoccupied cells share with others: of cells with only[cell] != 0. */
+void baker_find_shared(baker *b, const uint8_t *only);
 /* Fills points in lights, makes the grid continuous, if that is asked for, and finishes: then it
    can be sampled. Nothing may be refined after that. */
 ylm_status baker_finish(baker *b);

@@ -1,5 +1,5 @@
 /*
-** continuity.c - no jumps across faces that change level, and values for points inside lights.
+** continuity.c - no jumps across faces that change level.
 **
 ** A leaf that has an evaluated point inside of one of its faces or edges is split, until there is
 ** none. A new corner that nobody evaluated takes value and gradient from the interpolant of the
@@ -87,7 +87,7 @@ static ylm_status interpolate_range(void *context, size_t begin, size_t end, int
     const uint32_t *order = j->order + j->first + i;
     uint32_t cell = g->birth[order[0]].cell;
     const ylm_grid_cell *c = &g->cell[cell];
-    bool wanted = !j->changed;
+    bool wanted = !j->changed || j->changed[g->evaluated + order[0]];
     for (int k = 0; k < 8 && !wanted; k++) wanted = j->changed[c->corner[k]];
     int n = 0;
     for (; i < end && n < BATCH && g->birth[order[n]].cell == cell; n++, i++)
@@ -117,81 +117,122 @@ ylm_status ylm__grid_interpolate_points(ylm_grid *g, uint8_t *changed, int threa
   return YLM_OK;
 }
 
-/* Gives the new children of a cell their corners: its own, evaluated points where there are any, or
-   points that they alone share. */
-static ylm_status complete_children(ylm_grid *g, uint32_t parent) {
-  const ylm_grid_cell *c = &g->cell[parent];
-  uint32_t point[27], first = c->child, half = ylm__grid_edge(g, c) / 2;
+/* The corners (bits) around places 0 .. 26 of a cell's half-edge lattice: the ends of an edge,
+   those of a face; one alone is the corner itself. */
+static const uint8_t around[27] = {0x01, 0x03, 0x02, 0x05, 0x0f, 0x0a, 0x04, 0x0c, 0x08,
+                                   0x11, 0x33, 0x22, 0x55, 0xff, 0xaa, 0x44, 0xcc, 0x88,
+                                   0x10, 0x30, 0x20, 0x50, 0xf0, 0xa0, 0x40, 0xc0, 0x80};
+#define CENTRE 13
+static bool is_corner(uint32_t n) { return (around[n] & (around[n] - 1)) == 0; }
+
+/* A box, of a cell or of what would be one, with those of its corners that are evaluated points. */
+typedef struct touched_box {
+  uint32_t origin[3], edge, corner[8];
+} touched_box;
+
+static touched_box box_of(const ylm_grid *g, const ylm_grid_cell *c) {
+  touched_box b = {.edge = ylm__grid_edge(g, c)};
+  memcpy(b.origin, c->origin, sizeof b.origin);
+  for (int k = 0; k < 8; k++)
+    b.corner[k] = c->corner[k] < g->evaluated ? c->corner[k] : YLM_GRID_NONE;
+  return b;
+}
+
+/*
+** The evaluated points at the places of a box, YLM_GRID_NONE where there is none; true if there are
+** any in its edges or faces but for the corners. Such a point, at the middle or anywhere else, is
+*the
+** corner of an occupied voxel that touches the edge or face, and all ancestors of that were
+** evaluated: of the box's size, which has the ends of the edge or the corners of the face, and of
+** half its size, which has the middle. So where there is nothing there, there is nothing finer.
+*/
+static bool find_middles(const ylm_grid *g, const touched_box *b, uint32_t point[27]) {
   uint64_t key[27];
+  uint32_t half = b->edge / 2, wanted = 0;
+  uint8_t corners = 0;
+  for (int k = 0; k < 8; k++) corners |= (uint8_t)((b->corner[k] != YLM_GRID_NONE) << k);
   for (uint32_t n = 0; n < 27; n++) {
-    uint32_t place[3] = {n % 3, n / 3 % 3, n / 9}, at[3];
-    for (int a = 0; a < 3; a++) at[a] = c->origin[a] + place[a] * half;
-    key[n] = lattice_key(at);
-    if (place[0] == 1 || place[1] == 1 || place[2] == 1) {
-      point[n] = YLM_GRID_NONE;
-      lattice_hash_prefetch(&g->hash, key[n]);
-    } else
-      point[n] = c->corner[place[0] / 2 + place[1] + place[2] * 2];
+    point[n] = is_corner(n) ? b->corner[__builtin_ctz(around[n])] : YLM_GRID_NONE;
+    if (!half || is_corner(n) || (around[n] & corners) != around[n]) continue;
+    key[n] = lattice_key((const uint32_t[3]){
+        b->origin[0] + n % 3 * half, b->origin[1] + n / 3 % 3 * half, b->origin[2] + n / 9 * half});
+    lattice_hash_prefetch(&g->hash, key[n]);
+    wanted |= 1u << n;
   }
+  bool any = false;
   for (uint32_t n = 0; n < 27; n++) {
-    if (point[n] == YLM_GRID_NONE) point[n] = lattice_hash_find(&g->hash, key[n]);
+    if (!(wanted >> n & 1)) continue;
+    point[n] = lattice_hash_find(&g->hash, key[n]);
+    any |= point[n] != YLM_GRID_NONE && n != CENTRE;
+  }
+  return any;
+}
+
+/* Where corner i of child k stands among the 27. */
+static uint32_t place_of(uint32_t k, uint32_t i) {
+  return (k & 1) + (i & 1) + 3 * ((k >> 1 & 1) + (i >> 1 & 1)) + 9 * ((k >> 2) + (i >> 2));
+}
+
+/* Gives the new children of a cell their corners: its own, evaluated points where there are any
+   (`point`), or points that they alone share. */
+static ylm_status complete_children(ylm_grid *g, uint32_t parent, uint32_t point[27]) {
+  uint32_t first = g->cell[parent].child;
+  for (uint32_t n = 0; n < 27; n++) {
+    if (is_corner(n)) point[n] = g->cell[parent].corner[__builtin_ctz(around[n])];
     if (point[n] != YLM_GRID_NONE) continue;
     ylm_status s = add_interpolated(g, parent, (int)n, &point[n]);
     if (s != YLM_OK) return s;
   }
   for (uint32_t k = 0; k < 8; k++)
-    for (uint32_t i = 0; i < 8; i++)
-      g->cell[first + k].corner[i] =
-          point[(k & 1) + (i & 1) + 3 * ((k >> 1 & 1) + (i >> 1 & 1)) + 9 * ((k >> 2) + (i >> 2))];
+    for (uint32_t i = 0; i < 8; i++) g->cell[first + k].corner[i] = point[place_of(k, i)];
   return YLM_OK;
 }
 
-/* True if the point lies inside of a face or an edge of the cell that it touches. */
-static bool hangs(const ylm_grid *g, const ylm_grid_cell *c, const uint32_t at[3]) {
-  uint32_t edge = ylm__grid_edge(g, c);
-  int inner = 0;
-  for (int a = 0; a < 3; a++) inner += at[a] != c->origin[a] && at[a] != c->origin[a] + edge;
-  return inner == 1 || inner == 2;
+/* Splits a leaf that has data while evaluated points lie in its faces or edges. */
+static ylm_status split_leaf(ylm_grid *g, uint32_t cell) {
+  uint32_t point[27], first;
+  touched_box box = box_of(g, &g->cell[cell]);
+  if (!find_middles(g, &box, point)) return YLM_OK;
+  ylm_status s = ylm__grid_split(g, cell, &first);
+  if (s != YLM_OK) return s;
+  for (uint32_t k = 0; k < 8; k++) g->cell[first + k].flags = YLM_GRID_ADDED;
+  s = complete_children(g, cell, point);
+  for (uint32_t k = 0; k < 8 && s == YLM_OK; k++) s = split_leaf(g, first + k);
+  return s;
 }
 
-/* The level at which a lattice point first is a corner. */
-static int level_of(const ylm_grid *g, const uint32_t at[3]) {
-  uint32_t bits = at[0] | at[1] | at[2] | g->view.resolution[0];
-  return g->view.form.depth - __builtin_ctz(bits);
-}
-
-/* Splits the leaf on one side of an evaluated point until the point is its corner. A leaf without
-   data of its own only notes the level down to which sampling has to look for such points. */
-static ylm_status split_beside(ylm_grid *g, const uint32_t at[3], const uint32_t beside[3]) {
-  for (;;) {
-    uint32_t cell = ylm__grid_finest(g, beside), first;
-    ylm_grid_cell *c = &g->cell[cell];
-    if (!hangs(g, c, at)) return YLM_OK;
-    if (!(c->flags & (YLM_GRID_BAKED | YLM_GRID_ADDED))) {
-      int level = level_of(g, at);
-      if (level > c->detail) c->detail = (uint16_t)level;
-      return YLM_OK;
-    }
-    ylm_status s = ylm__grid_split(g, cell, &first);
-    if (s != YLM_OK) return s;
-    for (uint32_t k = 0; k < 8; k++) g->cell[first + k].flags = YLM_GRID_ADDED;
-    s = complete_children(g, cell);
-    if (s != YLM_OK) return s;
-  }
-}
-
-/* Leaves without data note the level at which corners of their own were evaluated. */
-static void note_corners(ylm_grid *g, const ylm_grid_cell *parent) {
+/* The level down to which evaluated points touch a box of `level`; 0: there are none. */
+static int finest_middle(const ylm_grid *g, const touched_box *b, int level) {
+  uint32_t point[27];
+  if (!find_middles(g, b, point)) return 0;
+  int found = level + 1;
   for (uint32_t k = 0; k < 8; k++) {
-    ylm_grid_cell *c = &g->cell[parent->child + k];
-    if (c->flags & YLM_GRID_BAKED) continue;
-    for (uint32_t i = 0; i < 8; i++)
-      if (i != k && c->corner[i] != YLM_GRID_NONE) c->detail = c->level;
+    touched_box child = {.edge = b->edge / 2};
+    for (int a = 0; a < 3; a++) child.origin[a] = b->origin[a] + (k >> a & 1 ? b->edge / 2 : 0);
+    for (uint32_t i = 0; i < 8; i++) child.corner[i] = point[place_of(k, i)];
+    int below = finest_middle(g, &child, level + 1);
+    if (below > found) found = below;
   }
+  return found;
 }
 
-/* The finest lattice cell on a side of a point; false if that is outside of the grid. */
-static bool side_of(const ylm_grid *g, const uint32_t at[3], int side, uint32_t beside[3]) {
+ylm_status ylm__grid_continue_leaf(ylm_grid *g, uint32_t cell) {
+  ylm_grid_cell *c = &g->cell[cell];
+  if (c->flags & YLM_GRID_BAKED) return split_leaf(g, cell);
+  /* A leaf without data notes the level down to which sampling has to look for such points. */
+  touched_box box = box_of(g, c);
+  int detail = finest_middle(g, &box, c->level), corners = 0;
+  for (int i = 0; i < 8; i++) corners += c->corner[i] != YLM_GRID_NONE;
+  bool own = corners > (cell > 0 && c->corner[(cell - 1) & 7] != YLM_GRID_NONE);
+  if (!detail && own) detail = c->level;
+  c->detail = (uint16_t)detail;
+  return YLM_OK;
+}
+
+/* -- which leaves ---------------------------------------------------------------------------------
+ */
+
+bool ylm__grid_side(const ylm_grid *g, const uint32_t at[3], int side, uint32_t beside[3]) {
   bool out = false;
   for (int a = 0; a < 3; a++) {
     out |= side >> a & 1 ? at[a] == g->view.resolution[a] : at[a] == 0;
@@ -200,9 +241,17 @@ static bool side_of(const ylm_grid *g, const uint32_t at[3], int side, uint32_t 
   return !out;
 }
 
+/* True if the point is not a corner of the cell that it touches. */
+static bool hangs(const ylm_grid *g, const ylm_grid_cell *c, const uint32_t at[3]) {
+  uint32_t edge = ylm__grid_edge(g, c);
+  bool corner = true;
+  for (int a = 0; a < 3; a++) corner &= at[a] == c->origin[a] || at[a] == c->origin[a] + edge;
+  return !corner;
+}
+
 typedef struct hanging_job {
   const ylm_grid *g;
-  uint8_t *hanging; /* [evaluated] one bit per side */
+  uint8_t *leaf; /* [cells] that an evaluated point touches, or leaves without data */
 } hanging_job;
 
 static ylm_status find_hanging(void *context, size_t begin, size_t end, int worker) {
@@ -211,32 +260,24 @@ static ylm_status find_hanging(void *context, size_t begin, size_t end, int work
   for (size_t p = begin; p < end; p++) {
     const uint32_t *at = j->g->lattice + 3 * p;
     uint32_t beside[3];
-    j->hanging[p] = 0;
-    for (int side = 0; side < 8; side++)
-      if (side_of(j->g, at, side, beside) &&
-          hangs(j->g, &j->g->cell[ylm__grid_finest(j->g, beside)], at))
-        j->hanging[p] |= (uint8_t)(1 << side);
+    for (int side = 0; side < 8; side++) {
+      if (!ylm__grid_side(j->g, at, side, beside)) continue;
+      uint32_t cell = ylm__grid_finest(j->g, beside);
+      const ylm_grid_cell *c = &j->g->cell[cell];
+      if (!(c->flags & YLM_GRID_BAKED) || hangs(j->g, c, at))
+        __atomic_store_n(&j->leaf[cell], 1, __ATOMIC_RELAXED);
+    }
   }
   return YLM_OK;
 }
 
-/* Splitting makes no point hang that did not: a corner of a cell is a corner of its child there. */
 ylm_status ylm__grid_make_continuous(ylm_grid *g, int threads) {
-  uint8_t *hanging = ylm_alloc(g->evaluated, 1);
-  if (!hanging) return YLM_ENOMEM;
-  for (size_t i = 0; i < g->view.octree_cells; i++)
-    if (g->cell[i].child) note_corners(g, &g->cell[i]);
-  hanging_job j = {g, hanging};
-  ylm_status s = ylm__grid_build_table(g);
+  size_t cells = g->cells;
+  hanging_job j = {g, ylm_alloc_zero(cells, 1)};
+  ylm_status s = j.leaf ? ylm__grid_build_table(g) : YLM_ENOMEM;
   if (s == YLM_OK) s = ylm_parallel(g->evaluated, 512, threads, find_hanging, &j, NULL, NULL);
-  for (size_t p = 0; p < g->evaluated && s == YLM_OK; p++)
-    for (int side = 0; side < 8 && s == YLM_OK; side++) {
-      uint32_t at[3], beside[3];
-      if (!(hanging[p] >> side & 1)) continue;
-      memcpy(at, g->lattice + 3 * p, sizeof at); /* splitting may move the array */
-      side_of(g, at, side, beside);
-      s = split_beside(g, at, beside);
-    }
-  ylm_free(hanging);
+  for (size_t i = 0; i < cells && s == YLM_OK; i++)
+    if (j.leaf[i]) s = ylm__grid_continue_leaf(g, (uint32_t)i);
+  ylm_free(j.leaf);
   return s == YLM_OK ? ylm__grid_interpolate_points(g, NULL, threads) : s;
 }

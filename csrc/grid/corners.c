@@ -1,7 +1,6 @@
-/* corners.c - cells under way: their corners, metric, crossing lights, and children. */
+/* corners.c - points at lattice coordinates, and which of them are the corners of cells. */
 #include "dynamic.h"
 
-#include <math.h>
 #include <string.h>
 
 /* -- points --------------------------------------------------------------------------------- */
@@ -43,73 +42,6 @@ ylm_status baker_point(baker *b, const uint32_t at[3], uint8_t flags, uint32_t *
 static void corner_at(const ylm_grid *g, const ylm_grid_cell *c, int k, uint32_t at[3]) {
   uint32_t edge = ylm__grid_edge(g, c);
   for (int a = 0; a < 3; a++) at[a] = c->origin[a] + (k >> a & 1 ? edge : 0);
-}
-
-float baker_metric(const baker *b, const ylm_grid_cell *c, ylm_grid_metric metric) {
-  const ylm_grid *g = b->g;
-  if (!g->view.form.metric_channels) return NAN;
-  double box = 0, sum = 0, edge = ylm__grid_edge(g, c);
-  int n = 0;
-  for (int a = 0; a < 3; a++) box += edge / g->scale[a] * (edge / g->scale[a]);
-  for (int k = 0; k < 8; k++) {
-    uint32_t p = c->corner[k];
-    if (g->flags[p] & YLM_GRID_POINT_INVALID) continue;
-    double x = (double)g->lambda[p], norm = (double)g->norm[p];
-    n++;
-    if (x > 0) sum += metric == YLM_GRID_RELATIVE ? x / norm : x;
-  }
-  return n ? (float)(sum / n * box / 2) : 0;
-}
-
-/* True if no light crossed the cell before an update, and none that changed is near it. */
-static bool settled(const baker *b, uint32_t cell) {
-  const ylm_grid_cell *old = baker_before(b, &b->g->cell[cell]);
-  double box[6];
-  if (!old || old->flags & YLM_GRID_CROSSED) return false;
-  ylm_grid_box(b->g, cell, box);
-  for (size_t i = 0; i < b->unsettleds; i++) {
-    const double *u = b->unsettled + 6 * i;
-    bool apart = false;
-    for (int a = 0; a < 3; a++) apart |= box[a] > u[a + 3] || u[a] > box[a + 3];
-    if (!apart) return false;
-  }
-  return true;
-}
-
-/*
-** Asks which cells of the wave a light's surface crosses. Cells come with their parent's answer: a
-** surface that meets a child meets its parent, so only children of crossed cells are asked about.
-*/
-static ylm_status find_crossed(baker *b) {
-  const ylm_field *f = b->source->field;
-  ylm_grid *g = b->g;
-  size_t n = 0;
-  for (size_t i = 0; i < b->wave.n; i++) {
-    ylm_grid_cell *c = &g->cell[b->wave.cell[i]];
-    if (!f->crosses || settled(b, b->wave.cell[i])) c->flags &= (uint8_t)~YLM_GRID_CROSSED;
-    n += (c->flags & YLM_GRID_CROSSED) != 0;
-  }
-  if (!n) return YLM_OK;
-  double *box = ylm_alloc(n, 6 * sizeof *box);
-  uint8_t *out = ylm_alloc_zero(n, 1);
-  if (!box || !out) {
-    ylm_free(box);
-    ylm_free(out);
-    return YLM_ENOMEM;
-  }
-  for (size_t i = 0, k = 0; i < b->wave.n; i++)
-    if (g->cell[b->wave.cell[i]].flags & YLM_GRID_CROSSED)
-      ylm_grid_box(g, b->wave.cell[i], box + 6 * k++);
-  double t = ylm_seconds();
-  ylm_status s = f->crosses(f, n, box, out);
-  g->stats.field_seconds += ylm_seconds() - t;
-  for (size_t i = 0, k = 0; i < b->wave.n; i++) {
-    ylm_grid_cell *c = &g->cell[b->wave.cell[i]];
-    if (c->flags & YLM_GRID_CROSSED && !out[k++]) c->flags &= (uint8_t)~YLM_GRID_CROSSED;
-  }
-  ylm_free(box);
-  ylm_free(out);
-  return s;
 }
 
 /*
@@ -205,7 +137,7 @@ static ylm_status look_in_wave(void *context, size_t begin, size_t end, int work
 }
 
 /* Finds the corners of the wave's cells; new points wait, in the order of cells. */
-static ylm_status find_corners(baker *b) {
+ylm_status baker_find_corners(baker *b) {
   ylm_grid *g = b->g;
   ylm_parallel(b->wave.n, 512, b->source->threads, look_in_wave, b, NULL, NULL);
   for (size_t j = 0; j < b->wave.n; j++) {
@@ -224,65 +156,29 @@ static ylm_status find_corners(baker *b) {
   return YLM_OK;
 }
 
-static ylm_status find_metric(void *context, size_t begin, size_t end, int worker) {
+typedef struct shared_job {
+  const baker *b;
+  const uint8_t *only; /* [cells]; NULL: all */
+} shared_job;
+
+static ylm_status find_shared_corners(void *context, size_t begin, size_t end, int worker) {
   (void)worker;
-  const baker *b = context;
-  for (size_t i = begin; i < end; i++) {
-    ylm_grid_cell *c = &b->g->cell[b->wave.cell[i]];
-    c->error = baker_metric(b, c, b->g->view.form.metric);
-  }
+  const shared_job *j = context;
+  family f = NOBODY;
+  for (size_t i = begin; i < end; i++)
+    if (!j->only || j->only[i]) look_for_corners(j->b, (uint32_t)i, &f);
   return YLM_OK;
-}
-
-ylm_status baker_corners(baker *b) {
-  ylm_grid *g = b->g;
-  double t = ylm_seconds();
-  ylm_status s = find_corners(b);
-  g->stats.lattice_seconds += ylm_seconds() - t;
-  if (s == YLM_OK) s = baker_evaluate(b);
-  if (s == YLM_OK) s = ylm_parallel(b->wave.n, 512, b->source->threads, find_metric, b, NULL, NULL);
-  return s == YLM_OK && g->view.form.kind != YLM_GRID_UNIFORM ? find_crossed(b) : s;
-}
-
-ylm_status baker_split(baker *b, uint32_t cell) {
-  ylm_grid *g = b->g;
-  uint32_t first;
-  ylm_status s = ylm__grid_split(g, cell, &first);
-  if (s == YLM_OK) s = cell_list_push(&b->parent, cell);
-  if (s != YLM_OK) return s;
-  const ylm_grid_cell *old = baker_before(b, &g->cell[cell]);
-  if (old && old->flags & YLM_GRID_LEAF) old = NULL; /* it had none, or for continuity only */
-  g->cell[cell].flags &= (uint8_t)~YLM_GRID_LEAF;
-  uint8_t occupied = occupancy_children(&b->occupied, g->cell[cell].level, g->cell[cell].origin);
-  for (uint32_t k = first; k < first + 8; k++) {
-    ylm_grid_cell *c = &g->cell[k];
-    c->flags = YLM_GRID_LEAF;
-    if (b->before) c->source = old ? old->child + (k - first) : YLM_GRID_NONE;
-    if (!(occupied >> (k - first) & 1)) continue;
-    c->flags |= YLM_GRID_OCCUPIED | (g->cell[cell].flags & YLM_GRID_CROSSED);
-    s = cell_list_push(&b->next, k);
-    if (s != YLM_OK) return s;
-  }
-  return YLM_OK;
-}
-
-void baker_advance(baker *b) {
-  cell_list spent = b->wave;
-  b->wave = b->next;
-  b->next = spent;
-  b->next.n = 0;
 }
 
 /* Corners of unoccupied cells that were evaluated for their neighbours. */
-static ylm_status find_shared_corners(void *context, size_t begin, size_t end, int worker) {
-  (void)worker;
-  family f = NOBODY;
-  for (size_t j = begin; j < end; j++) look_for_corners(context, (uint32_t)j, &f);
-  return YLM_OK;
+void baker_find_shared(baker *b, const uint8_t *only) {
+  shared_job j = {b, only};
+  ylm_parallel(b->g->view.octree_cells, 1024, b->source->threads, find_shared_corners, &j, NULL,
+               NULL);
 }
 
 /* The parents of cells that somebody else has made. */
-static ylm_status find_parents(baker *b) {
+ylm_status baker_find_parents(baker *b) {
   const ylm_grid *g = b->g;
   ylm_status s = YLM_OK;
   if (g->view.form.kind == YLM_GRID_UNIFORM || b->parent.n == (g->cells - 1) / 8) return YLM_OK;
@@ -291,22 +187,4 @@ static ylm_status find_parents(baker *b) {
   for (size_t i = 0; i < g->cells && s == YLM_OK; i++)
     if (g->cell[i].child) b->parent.cell[(g->cell[i].child - 1) / 8] = (uint32_t)i;
   return s;
-}
-
-ylm_status baker_finish(baker *b) {
-  ylm_grid *g = b->g;
-  int threads = b->source->threads;
-  g->view.octree_cells = g->cells;
-  ylm_status s = find_parents(b);
-  if (s != YLM_OK) return s;
-  double t = ylm_seconds();
-  ylm_parallel(g->cells, 1024, threads, find_shared_corners, b, NULL, NULL);
-  g->stats.lattice_seconds += ylm_seconds() - t;
-  s = ylm__grid_fill_invalid(g);
-  t = ylm_seconds();
-  ylm__grid_find_baked(g);
-  bool continuous = g->view.form.kind == YLM_GRID_ADAPTIVE && g->view.form.continuous;
-  if (s == YLM_OK && continuous) s = ylm__grid_make_continuous(g, threads);
-  g->stats.continuity_seconds += ylm_seconds() - t;
-  return s == YLM_OK ? ylm__grid_finish(g) : s;
 }

@@ -91,8 +91,9 @@ void ylm__dynamic_add(ylm_grid *g, uint32_t p, const field_block *k, size_t i);
 void ylm__dynamic_measure(ylm_grid *g, uint32_t p);
 /* Signs an evaluated point's data. */
 void ylm__dynamic_sign(ylm_grid *g, uint32_t p);
-/* Signs what follows from signed points: filled and interpolated ones, cells. */
-void ylm__dynamic_sign_all(ylm_grid *g, int threads);
+/* Signs the rest: points in lights, interpolated ones (all, or those with changed[point] != 0), and
+   cells. */
+void ylm__dynamic_sign_all(ylm_grid *g, const uint8_t *changed, int threads);
 /* Moves everything of point `from` to `to`. */
 void ylm__dynamic_move(ylm_grid *g, uint32_t from, uint32_t to);
 

@@ -2,9 +2,9 @@
 ** sign.c - what a sample depends on, as one number, so that whoever keeps samples of a dynamic grid
 ** asks again only for those that an update has changed.
 **
-** The signature of an evaluated point is a hash of its data, that of an interpolated one follows
-** from the corners it is interpolated from, that of a cell from its place and its corners. Equal
-** signatures mean equal samples, whatever happened in between, but for one chance in 2^64.
+** The signature of a point is a hash of its data, that of a cell follows from its place and its
+** corners. Equal signatures mean equal samples, whatever happened in between, but for one chance in
+** 2^64.
 */
 #include "dynamic.h"
 
@@ -18,9 +18,9 @@ static inline uint64_t mix(uint64_t x) {
   return x ^ x >> 31;
 }
 
-void ylm__dynamic_sign(ylm_grid *g, uint32_t p) {
+static uint64_t sign_data(const ylm_grid *g, size_t p) {
   uint64_t h[4] = {1, 2, 3, 4}, x;
-  const char *row = (const char *)ylm__grid_row(g, p, 0);
+  const char *row = (const char *)(g->data + p * 4 * g->stride);
   size_t words = 4 * g->stride * sizeof(float) / 8; /* the stride is a multiple of 8 */
   for (size_t i = 0; i < words; i += 4)
     for (size_t k = 0; k < 4; k++) {
@@ -28,7 +28,24 @@ void ylm__dynamic_sign(ylm_grid *g, uint32_t p) {
       h[k] = (h[k] ^ x) * 0x9e3779b97f4a7c15u;
       h[k] ^= h[k] >> 29;
     }
-  g->dynamic->sign[p] = mix(h[0] + 3 * mix(h[1] + 5 * mix(h[2] + 7 * mix(h[3]))));
+  return mix(h[0] + 3 * mix(h[1] + 5 * mix(h[2] + 7 * mix(h[3]))));
+}
+
+void ylm__dynamic_sign(ylm_grid *g, uint32_t p) { g->dynamic->sign[p] = sign_data(g, p); }
+
+typedef struct born_job {
+  ylm_grid *g;
+  const uint8_t *changed;
+} born_job;
+
+static ylm_status sign_born(void *context, size_t begin, size_t end, int worker) {
+  (void)worker;
+  const born_job *j = context;
+  for (size_t i = begin; i < end; i++) {
+    size_t p = j->g->evaluated + i;
+    if (!j->changed || j->changed[p]) j->g->dynamic->born_sign[i] = sign_data(j->g, p);
+  }
+  return YLM_OK;
 }
 
 static uint64_t corners(const ylm_grid *g, const ylm_grid_cell *c) {
@@ -70,17 +87,17 @@ static uint64_t sign_form(const ylm_grid_form *f) {
 /* Room for `n` numbers at *p, which has room for *room. */
 static bool room_for(uint64_t **p, size_t *room, size_t n) {
   if (n <= *room) return true;
-  ylm_free(*p);
-  *room = 0;
-  *p = ylm_alloc(n + n / 4, sizeof **p);
-  if (!*p) return false;
+  uint64_t *more = ylm_realloc(*p, *room * sizeof **p, n + n / 4, sizeof **p);
+  if (!more) return false;
+  *p = more;
   *room = n + n / 4;
   return true;
 }
 
-void ylm__dynamic_sign_all(ylm_grid *g, int threads) {
+void ylm__dynamic_sign_all(ylm_grid *g, const uint8_t *changed, int threads) {
   grid_dynamic *d = g->dynamic;
   size_t born = g->points - g->evaluated;
+  born_job j = {g, d->is_signed ? changed : NULL};
   d->is_signed = false;
   d->form_sign = sign_form(&g->view.form);
   if (!room_for(&d->born_sign, &d->born_room, born) ||
@@ -88,8 +105,7 @@ void ylm__dynamic_sign_all(ylm_grid *g, int threads) {
     return; /* without signatures, everything is asked for again */
   for (uint32_t p = 0; p < g->evaluated; p++)
     if (g->flags[p] & YLM_GRID_POINT_INVALID) ylm__dynamic_sign(g, p); /* has been filled */
-  for (size_t i = 0; i < born; i++)
-    d->born_sign[i] = corners(g, &g->cell[g->birth[i].cell]) + mix(g->birth[i].place + 1);
+  ylm_parallel(born, 512, threads, sign_born, &j, NULL, NULL);
   d->is_signed = ylm_parallel(g->cells, 4096, threads, sign_cells, g, NULL, NULL) == YLM_OK;
 }
 

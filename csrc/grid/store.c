@@ -266,9 +266,10 @@ ylm_status ylm__grid_build_table(ylm_grid *g) {
   g->top_shift = uniform ? 0 : g->view.form.depth - level;
   for (int a = 0; a < 3; a++) g->top[a] = uniform ? g->view.resolution[a] : 1u << level;
   size_t n = (size_t)g->top[0] * g->top[1] * g->top[2];
+  uint32_t *table = ylm_alloc(n, sizeof *table);
+  if (!table) return YLM_ENOMEM;
   ylm_free(g->table);
-  g->table = ylm_alloc(n, sizeof *g->table);
-  if (!g->table) return YLM_ENOMEM;
+  g->table = table;
   for (size_t i = 0; i < n; i++) g->table[i] = YLM_GRID_NONE;
   for (size_t i = 0; i < g->cells; i++) {
     const ylm_grid_cell *c = &g->cell[i];

@@ -70,7 +70,7 @@ static ylm_status follow(update *u) {
   }
   commit(u, of);
   update_retire(u->d, g->evaluated);
-  ylm__dynamic_sign_all(g, u->source.threads);
+  ylm__dynamic_sign_all(g, u->whole ? NULL : u->changed, u->source.threads);
   ylm__grid_sync(g);
   return s;
 }
@@ -95,8 +95,11 @@ ylm_status ylm_grid_update(ylm_grid *g, const ylm_grid_change *change, ylm_error
   if (isnan(change->tolerance) || isinf(change->tolerance))
     return ylm_fail(e, YLM_EDOMAIN, "tolerance: a number, got %g", change->tolerance);
   ylm_grid_stats before = g->stats;
-  update u = {
-      .g = g, .d = g->dynamic, .source = g->dynamic->source, .tolerance = change->tolerance};
+  update u = {.g = g,
+              .d = g->dynamic,
+              .source = g->dynamic->source,
+              .tolerance = change->tolerance,
+              .whole = change->everywhere};
   if (u.tolerance < 0)
     u.tolerance = g->view.form.tolerance > 0 ? g->view.form.tolerance / 8 : DEFAULT_TOLERANCE;
   u.source.lights = change->lights;

@@ -32,7 +32,8 @@ typedef struct update {
   uint8_t *changed; /* [points at the beginning] data are not what they were */
   double *boxes;    /* [2 changes][6] around lights that changed */
   undo old;
-  bool over; /* nothing can be taken back any more */
+  bool over;  /* nothing can be taken back any more */
+  bool whole; /* continuity is made anew everywhere */
   ylm_grid_update_stats stats;
 } update;
 
@@ -66,5 +67,11 @@ ylm_status update_shift_all(update *u);
 
 ylm_status update_octree(update *u);
 ylm_status update_uniform(update *u);
+
+/* -- repair.c --------------------------------------------------------------------------- */
+
+/* Drops points and makes the new octree continuous: around points that came or went, or everywhere.
+   Where it fails with u->over, only the root voxel is good. */
+ylm_status update_repair(update *u, bool everywhere);
 
 #endif

@@ -42,37 +42,11 @@ static ylm_status keep_octree(update *u) {
   return s;
 }
 
-/* Points that are used take the first places, those that come last fill the gaps. */
-static ylm_status drop_points(update *u) {
-  ylm_grid *g = u->g;
-  size_t live = 0, from = g->points;
-  uint32_t *place = ylm_alloc(g->points, sizeof *place);
-  if (!place) return YLM_ENOMEM;
-  for (size_t p = 0; p < g->points; p++) {
-    bool was = p < u->old.evaluated, interpolated = !was && p < u->old.points;
-    if (interpolated) u->b.used[p] = 0;
-    live += u->b.used[p];
-    place[p] = (uint32_t)p;
-    if (was && !u->b.used[p]) {
-      u->stats.removed++;
-      lattice_hash_remove(&g->hash, lattice_key(g->lattice + 3 * p));
-    }
-  }
-  u->stats.added = live + u->stats.removed - u->old.evaluated;
-  for (size_t to = 0; to < live; to++) {
-    if (u->b.used[to]) continue;
-    do from--;
-    while (!u->b.used[from]);
-    place[from] = (uint32_t)to;
-    ylm__dynamic_move(g, (uint32_t)from, (uint32_t)to);
-    *lattice_hash_at(&g->hash, lattice_key(g->lattice + 3 * to)) = (uint32_t)to;
-  }
-  for (size_t i = 0; i < g->cells; i++)
-    for (int k = 0; k < 8; k++)
-      if (g->cell[i].corner[k] != YLM_GRID_NONE) g->cell[i].corner[k] = place[g->cell[i].corner[k]];
-  g->points = g->evaluated = live;
-  ylm_free(place);
-  return YLM_OK;
+/* True if it is not worth while to look what of the continuity may stay. */
+static bool many_came_or_went(const update *u) {
+  size_t n = u->g->points - u->old.points;
+  for (size_t p = 0; p < u->old.evaluated; p++) n += !u->b.used[p];
+  return n > u->old.evaluated / 4;
 }
 
 /* When memory runs out where nothing can be taken back: the root voxel alone, which needs none. */
@@ -114,13 +88,12 @@ ylm_status update_octree(update *u) {
   ylm_status s = refine(u);
   if (s != YLM_OK) return s;
   if (same_octree(u)) return keep_octree(u);
-  s = drop_points(u);
-  if (s != YLM_OK) return s;
+  u->whole |= many_came_or_went(u);
+  s = update_repair(u, u->whole);
+  if (s != YLM_OK && u->over) collapse(u->g);
+  if (!u->over) return s;
   ylm_free(u->old.cell);
   u->old.cell = NULL;
-  u->over = true;
-  s = baker_finish(&u->b);
-  if (s != YLM_OK) collapse(u->g);
   return s;
 }
 

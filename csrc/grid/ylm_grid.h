@@ -138,11 +138,13 @@ typedef struct ylm_grid_report {
 /* -- moving lights ------------------------------------------------------------- */
 
 typedef struct ylm_grid_change {
-  const ylm_lights *lights;     /* all lights as they are now */
-  const ylm_field *field;       /* their field; NULL: that of `lights` */
-  double tolerance;             /* what is left alone may be off by this, relative; 0: nothing is;
-                                   negative: an eighth of the grid's tolerance, 1e-3 if it has none */
-  int threads;                  /* 0: the default */
+  const ylm_lights *lights; /* all lights as they are now */
+  const ylm_field *field;   /* their field; NULL: that of `lights` */
+  double tolerance;         /* what is left alone may be off by this, relative; 0: nothing is;
+                               negative: an eighth of the grid's tolerance, 1e-3 if it has none */
+  bool everywhere;          /* makes continuity anew everywhere, not only around points that came
+                               or went: to compare */
+  int threads;              /* 0: the default */
   const ylm_progress *progress; /* may be NULL */
 } ylm_grid_change;
 

@@ -180,15 +180,16 @@ static void push_update(lua_State *L, const ylm_grid_update_stats *u) {
   set_boolean(L, "rebaked", u->rebaked);
 }
 
-/* grid_update(grid, lights, tolerance or -1, threads, progress) -> what it did */
+/* grid_update(grid, lights, tolerance or -1, threads, progress, everywhere) -> what it did */
 static int grid_update(lua_State *L) {
-  lua_settop(L, 5);
+  lua_settop(L, 6);
   ylm_grid *g = check_grid(L, 1);
   ylmL_progress progress;
   ylm_error e = {0};
   ylm_grid_change change = {.lights = test_lights(L, 2),
                             .field = ylmL_field_check(L, 2),
                             .tolerance = luaL_checknumber(L, 3),
+                            .everywhere = lua_toboolean(L, 6),
                             .threads = (int)luaL_checknumber(L, 4),
                             .progress = ylmL_progress_begin(L, 5, &progress)};
   if (!change.lights) return luaL_argerror(L, 2, "lights expected");
