@@ -1,5 +1,5 @@
 /*
-** lamps.glsl - sums over lights for one point an invocation: what moments and product share.
+** lamps.glsl - sums over lights for one point an invocation: what moments, flat and product share.
 **
 ** A group sums one chunk of lights in one channel at gl_WorkGroupSize.x points: group number
 ** = point group + point groups * (chunk + chunks * channel). Lights come in tiles through shared
@@ -10,16 +10,20 @@
 layout(constant_id = 1) const uint LMAX = 4;
 layout(constant_id = 3) const uint M_FIRST = 0;
 layout(constant_id = 4) const uint M_LAST = 12;
+layout(constant_id = 5) const bool FLAT = false; /* lights have a normal */
 
 #ifdef YLM_DOUBLE
 #define rvec4 dvec4
+#define rmat2x3 dmat2x3
 #else
 #define rvec4 vec4
+#define rmat2x3 mat2x3
 #endif
 
 #define TILE 64u /* lights in shared memory */
 
-/* Lights: (x, y, z, r^2), (what r^2 lost, r, 0, luminance), (red, green, blue, 0). */
+/* Lights: (x, y, z, r^2), (what r^2 lost, r, plain, luminance), (red, green, blue, 0) and, where FLAT, (normal, 0).
+   `plain` is 1 for spheres, 0 for flat lights; spheres among flat lights have no normal. */
 layout(set = 0, binding = 0) readonly buffer Points { real point[]; };
 layout(set = 0, binding = 1) readonly buffer Lamps { rvec4 lamp[]; };
 layout(set = 0, binding = 2) writeonly buffer Partial { real partial[]; };
@@ -32,9 +36,11 @@ PUSH {
   uint chunk_first, chunks; /* chunks of this work, of which the first is chunk_first */
   uint channel_first;  /* 0 1 2: red green blue; 3: luminance */
   uint sums;           /* a channel's */
+  uint parts, part_row; /* of these: where those times derivatives of the cosine begin, and how many of each */
 };
 
-shared rvec4 tile[2 * TILE];
+const uint LAMP_ROWS = FLAT ? 4u : 3u, TILE_ROWS = FLAT ? 3u : 2u;
+shared rvec4 tile[TILE_ROWS * TILE];
 
 /* 1/sqrt(x) to the last bits: the driver's may be two units off, in double as coarse as in float. */
 real inverse_root(real x) {
@@ -51,4 +57,19 @@ real difference(real d2, real r2, real lost) {
   precise real h2 = d2 - r2;
   h2 = h2 - lost;
   return h2;
+}
+
+/*
+** What a flat light's sphere is multiplied by: |cos gamma| (Mezieres et al. 2022, Eqs. 24-28), its gradient by the
+** light's position (yzw) and its Hessian (xx xy xz, yy yz zz). w: the light's direction; id: 1/d; in a light 0.
+*/
+rvec4 cosine(rvec3 normal, real plain, rvec3 w, real id, out rmat2x3 bend) {
+  real c = dot(normal, w);
+  rvec3 n = c < REAL(0.0lf) ? -normal : normal;
+  c = abs(c);
+  rvec3 m = REAL(3.0lf) * c * w - n; /* -(n w + w n) + 3 c w w = m w - w n */
+  real i2 = id * id;
+  bend = rmat2x3(m.x * w.x - w.x * n.x - c, m.x * w.y - w.x * n.y, m.x * w.z - w.x * n.z,
+                 m.y * w.y - w.y * n.y - c, m.y * w.z - w.y * n.z, m.z * w.z - w.z * n.z - c) * i2;
+  return id > REAL(0.0lf) ? rvec4(plain + c, (n - c * w) * id) : rvec4(1.0, 0.0, 0.0, 0.0);
 }

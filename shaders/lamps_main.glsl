@@ -13,14 +13,18 @@ void main() {
     uint n = min(TILE, end - tile_first);
     barrier();
     for (uint j = gl_LocalInvocationID.x; j < n; j += gl_WorkGroupSize.x) {
-      uint from = 3u * (tile_first + j);
+      uint from = LAMP_ROWS * (tile_first + j), to = TILE_ROWS * j;
       rvec4 b = lamp[from + 1u];
       if (channel < 3u) b.w = lamp[from + 2u][channel];
-      tile[2u * j] = lamp[from];
-      tile[2u * j + 1u] = b;
+      tile[to] = lamp[from];
+      tile[to + 1u] = b;
+      if (FLAT) tile[to + 2u] = lamp[from + 3u];
     }
     barrier();
-    for (uint j = 0u; j < n; j++) all_outside = add(at, tile[2u * j], tile[2u * j + 1u]) && all_outside;
+    for (uint j = 0u; j < TILE_ROWS * n; j += TILE_ROWS) {
+      rvec3 normal = FLAT ? tile[j + TILE_ROWS - 1u].xyz : rvec3(0.0);
+      all_outside = add(at, tile[j], tile[j + 1u], normal) && all_outside;
+    }
   }
   if (i >= points) return;
   store_at = row * sums * stride + i;

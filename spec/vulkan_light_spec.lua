@@ -169,6 +169,89 @@ describe("lights on a device", function()
     end)
   end)
 
+  describe("agreement of flat lights", function()
+    --- Triangles with method = "sphere", negative ones too, and a disk.
+    local next, triangles = random(31), {}
+    for i = 1, 40 do
+      local at, vertices = { 4 * next(), 4 * next(), 4 * next() }, {}
+      for k = 1, 3 do
+        vertices[k] = { at[1] - 2 + 0.3 * next(), at[2] - 2 + 0.3 * next(), at[3] - 2 + 0.3 * next() }
+      end
+      triangles[i] = ylm.polygon_light { vertices = vertices, method = "sphere", radiance = { next(), next(), next() - 0.1 } }
+    end
+    local disk = ylm.disk_light { at = { 0.5, 0.25, -0.5 }, normal = { 0, 1, 2 }, radius = 0.375, radiance = { 2, 1, 0.5 },
+      method = "sphere" }
+    local flat, mixed = { triangles, disk }, { lamps, triangles, disk }
+
+    for _, lmax in ipairs { 0, 1, 4 } do
+      it(("to 1e-5 in float with Hessians and the metric at lmax %d, in and out of lights"):format(lmax), function()
+        local there = agree(lmax, flat, points, { derivatives = 2, channels = "luminance", metric = "luminance" }, 1e-5)
+        assert.equal(1, there[4].inside:get(100))
+        assert.equal(0, there[4].inside:get(1))
+      end)
+    end
+
+    it("to 1e-5 of values alone, and with gradients to lmax 10", function()
+      agree(3, flat, points, { channels = "luminance" }, 1e-5)
+      agree(3, flat, points, { derivatives = 1 }, 1e-5)
+      agree(10, flat, points, { derivatives = 1, channels = "luminance" }, 1e-5)
+    end)
+
+    it("to 1e-12 in double", function()
+      if not gpu.limits.float64 then pending "the device does not compute in double" end
+      agree(3, mixed, points, { derivatives = 2, dtype = "double", metric = "luminance" }, 1e-12)
+    end)
+
+    it("beside spheres, of rgb, with the metric of luminance or of rgb", function()
+      agree(3, mixed, points, { derivatives = 1, metric = "luminance" }, 1e-5)
+      agree(3, mixed, points, { derivatives = 1, metric = "rgb" }, 1e-5)
+    end)
+
+    for _, method in ipairs { "forward", "reversed" } do
+      it("of the product rule with loops " .. method, function()
+        agree(2, mixed, points, { derivatives = 2, channels = "luminance", metric = "luminance", method = method }, 1e-5)
+        agree(4, flat, points, { derivatives = 1, channels = "luminance", method = method }, 1e-5)
+        if gpu.limits.float64 then
+          agree(1, flat, points, { derivatives = 2, channels = "luminance", dtype = "double", method = method }, 1e-12)
+        end
+      end)
+    end
+
+    it("of one triangle, gradients being those of values that are near", function()
+      local one, x, h = triangles[1], { 0.3, -0.2, 0.4 }, 1e-4
+      if not gpu.limits.float64 then pending "the device does not compute in double" end
+      local there = gpu:lights(one)
+      local function value(a, d)
+        local p = { x[1], x[2], x[3] }
+        p[a] = p[a] + d
+        return ylm.light_field(2, there, { p }, { channels = "luminance", dtype = "double" })
+      end
+      local _, dL = ylm.light_field(2, there, { x }, { channels = "luminance", dtype = "double", derivatives = 1 })
+      for a = 1, 3 do
+        local up, down = value(a, h), value(a, -h)
+        for k = 1, 9 do
+          assert.near((up:get(1, 1, k) - down:get(1, 1, k)) / (2 * h), dL:get(1, 1, k, a), 1e-8)
+        end
+      end
+      there:close()
+    end)
+
+    it("in objects that stand for lights and count them all, and in bakes", function()
+      local there = gpu:lights(mixed)
+      assert.equal(150 + 41, there.count)
+      local form = ylm.uniform_grid { bounds = { { -1, -1, -1 }, { 1, 1, 1 } }, cells = 3, lmax = 2 }
+      local a, b = assert(ylm.bake(form, there)), assert(ylm.bake(form, mixed))
+      assert.same(b.stats.points, a.stats.points)
+      assert.equal(b.stats.pairs, a.stats.pairs)
+      assert(worst(a:sample(points), b:sample(points)) <= 1e-5)
+      local adaptive = ylm.adaptive_grid { bounds = form.bounds, lmax = 1, depth = 3, threshold = 3 }
+      a, b = assert(ylm.bake(adaptive, there)), assert(ylm.bake(adaptive, mixed))
+      assert.equal(b.stats.cells, a.stats.cells)
+      assert(a.stats.cells > 9 and a.stats.cells < 585)
+      there:close()
+    end)
+  end)
+
   describe("properties", function()
     it("a point's result does not depend on the others", function()
       local o = { derivatives = 1, device = gpu }
@@ -251,7 +334,15 @@ describe("lights on a device", function()
         return (ylm.light_field(2, { disk, big }, points, { device = gpu }))
       end)
       refused("at least one light expected", function() return (ylm.light_field(2, {}, points, { device = gpu })) end)
-      refused("a device sums sphere lights", function() return (gpu:lights(disk)) end)
+      refused("a device sums sphere lights, and flat ones with method = 'sphere'", function() return (gpu:lights(disk)) end)
+      local there = gpu:lights(big)
+      refused("a device sums sphere lights", function() return (gpu:lights { there, big }) end)
+      refused("a device sums all of them", function() return (ylm.light_field(2, there, points, { tolerance = 0.01 })) end)
+      refused("a device sums all of them", function()
+        return (ylm.bake(ylm.uniform_grid { bounds = { { -1, -1, -1 }, { 1, 1, 1 } }, cells = 1, lmax = 1 }, there,
+          { light_tolerance = 0.01 }))
+      end)
+      there:close()
       refused("row 2 is not finite", function()
         return (ylm.light_field(2, big, { { 0, 0, 0 }, { 0, 0 / 0, 0 } }, { device = gpu }))
       end)

@@ -12,17 +12,14 @@ ylm__channels ylm__channels_of(const ylm_field_query *q) {
   return (ylm__channels){value, q->want & YLM_WANT_GRADIENT ? q->channels : 0, hessian};
 }
 
-static ylm_status check_query(const ylm_field_query *q, ylm_isa isa, const ylm_field_result *r,
+static ylm_status check_query(const ylm_field_query *q, int most, const ylm_field_result *r,
                               ylm_error *e) {
-  if (q->lmax < 0 || q->lmax > YLM_LIGHT_LMAX)
-    return ylm_fail(e, YLM_ERANGE, "lmax must be 0 .. %d for lights, got %d", YLM_LIGHT_LMAX,
-                    q->lmax);
+  if (q->lmax < 0 || q->lmax > most)
+    return ylm_fail(e, YLM_ERANGE, "lmax must be 0 .. %d for lights, got %d", most, q->lmax);
   if (q->channels != 1 && q->channels != 3)
     return ylm_fail(e, YLM_EINVAL, "channels must be 1 or 3, got %d", q->channels);
   if ((q->want & YLM_WANT_METRIC) && q->metric_channels != 1 && q->metric_channels != 3)
     return ylm_fail(e, YLM_EINVAL, "metric_channels must be 1 or 3, got %d", q->metric_channels);
-  if (!ylm_isa_available(isa))
-    return ylm_fail(e, YLM_EINVAL, "no kernels for '%s' here", ylm_isa_name(isa));
   if (((q->want & YLM_WANT_VALUE) && !r->value) ||
       ((q->want & YLM_WANT_GRADIENT) && !r->gradient) ||
       ((q->want & YLM_WANT_HESSIAN) && !r->hessian))
@@ -92,10 +89,17 @@ static ylm_status sum(const ylm_lights *lights, ylm_isa isa, const ylm_field_que
   return s;
 }
 
+ylm_status ylm_light_check(const ylm_field_query *q, int most, size_t n, const void *points,
+                           const ylm_field_result *r, ylm_error *e) {
+  ylm_status s = check_query(q, most, r, e);
+  return s == YLM_OK ? check_points(q, n, points, e) : s;
+}
+
 ylm_status ylm__lights_check(const ylm_field_query *q, ylm_isa isa, size_t n, const void *points,
                              const ylm_field_result *r, ylm_error *e) {
-  ylm_status s = check_query(q, isa, r, e);
-  return s == YLM_OK ? check_points(q, n, points, e) : s;
+  if (!ylm_isa_available(isa))
+    return ylm_fail(e, YLM_EINVAL, "no kernels for '%s' here", ylm_isa_name(isa));
+  return ylm_light_check(q, YLM_LIGHT_LMAX, n, points, r, e);
 }
 
 ylm_status ylm_lights_evaluate(const ylm_lights *lights, ylm_isa isa, const ylm_field_query *q,

@@ -15,7 +15,7 @@ void ylm__rows_free(ylm__rows *r) {
 
 ylm_status ylm__rows_create(ylm__rows *r, size_t n, size_t terms) {
   r->n = 0;
-  r->start = ylm_alloc_zero(n + 1, sizeof *r->start);
+  r->start = ylm_alloc_zero(n + 2, sizeof *r->start); /* ylm__rows_end begins one more */
   r->index = ylm_alloc(terms, sizeof *r->index);
   r->coef = ylm_alloc(terms, sizeof *r->coef);
   r->coef_f = ylm_alloc(terms, sizeof *r->coef_f);

@@ -180,9 +180,19 @@ typedef struct ylm_light_maps {
 YLM_API ylm_status ylm_light_maps_create(int lmax, int need, int kinds, ylm_light_maps *maps);
 /* For the sums of the product rule with 0, 1 or 2 derivatives, see shaders/product.real.comp. */
 YLM_API ylm_status ylm_light_product_maps_create(int lmax, int derivatives, ylm_light_maps *maps);
+/*
+** For merged moments of spheres times a cosine c that differs from light to light, as flat lights
+** are approximated, with 0, 1 or 2 derivatives, lmax <= 10. First the sums of kinds 1, 3 or 7 times
+** c; with derivatives those of kinds 1 (3 with Hessians) times c's derivatives by the light's x, y,
+** z, one after the other; with Hessians those of kind 1 times c's second derivatives xx .. zz.
+*/
+YLM_API ylm_status ylm_light_flat_maps_create(int lmax, int derivatives, ylm_light_maps *maps);
 YLM_API void ylm_light_maps_free(ylm_light_maps *maps);
 /* The kinds of sums that a query needs in luminance and in rgb. */
 YLM_API void ylm_light_kinds(const ylm_field_query *q, int *lum, int *rgb);
+/* What ylm_lights_evaluate refuses of a query, with lmax at most `most`, in its words. */
+YLM_API ylm_status ylm_light_check(const ylm_field_query *q, int most, size_t n, const void *points,
+                                   const ylm_field_result *r, ylm_error *e);
 
 /* -- textured parallelograms: csrc/light/texture.c ----------------------------------------------
  */
@@ -266,6 +276,11 @@ YLM_API void ylm_polygons_free(ylm_polygons *polygons);
 YLM_API size_t ylm_polygons_count(const ylm_polygons *polygons);
 /* Their light field (ylm_base.h); lives as long as the object. Exact: lmax <= 60. */
 YLM_API const ylm_field *ylm_polygons_field(const ylm_polygons *polygons);
+/* The approximation, as long as the object lives: centres [n][3], radii [n], normals of length 1
+   [n][3], radiances [n][3]. False, and nothing written, where lights are exact. */
+YLM_API bool ylm_polygons_spheres(const ylm_polygons *polygons, const double **at,
+                                  const double **radius, const double **normal,
+                                  const double **radiance);
 /* The field's `evaluate` by the kernels of a given instruction set. YLM_ISA_reference sums node by
    node and judges the others, which take exact polygons without a horizon; what they cannot, on a
    light, edge-on or far, and ellipses, goes to the reference. A point's result depends on the point

@@ -54,6 +54,14 @@ static int polygons_create(lua_State *L) {
   return ylmL_result(L, 1, s, &e);
 }
 
+/* polygons_spheres(object) -> whether it is polygons, approximated by spheres */
+static int polygons_spheres(lua_State *L) {
+  const ylm_polygons *p = ylmL_polygons(L, 1);
+  const double *unused;
+  lua_pushboolean(L, p && ylm_polygons_spheres(p, &unused, &unused, &unused, &unused));
+  return 1;
+}
+
 /* A sum keeps what it is made of in its environment table: uservalues differ between versions, the
    registry does not. */
 typedef struct sum {
@@ -172,6 +180,7 @@ static int texture_tiles(lua_State *L) {
 }
 
 static const luaL_Reg functions[] = {{"polygons_create", polygons_create},
+                                     {"polygons_spheres", polygons_spheres},
                                      {"light_sum", light_sum},
                                      {"texture_texels", texture_texels},
                                      {"texture_spheres", texture_spheres},

@@ -1,4 +1,4 @@
-/* vulkan_light.c - sphere lights in a device's memory, an object with a light field. */
+/* vulkan_light.c - lights in a device's memory, an object with a light field. */
 #include "vulkan.h"
 
 #include "binding_grid.h"
@@ -8,31 +8,37 @@
 
 /* The lights on the device, and those that they were made from. */
 typedef struct device_lights {
-  ylm_gpu_lights *on; /* NULL once closed */
-  ylm_lights **from;  /* in the userdata that `keep` holds in the registry; its NULL: closed */
-  int keep, method;
+  ylm_gpu_lights *on;  /* NULL once closed */
+  ylm_lights **from;   /* in the userdata that `keep` holds in the registry; its NULL: closed */
+  ylm_polygons **flat; /* the same. Both: NULL where there are none */
+  int keep[2], method;
 } device_lights;
 
 static const ylm_field *field_of(void *object) {
   const device_lights *d = object;
-  return d->on && *d->from ? ylm_gpu_lights_field(d->on) : NULL;
+  bool open = (!d->from || *d->from) && (!d->flat || *d->flat);
+  return d->on && open ? ylm_gpu_lights_field(d->on) : NULL;
 }
 
-/* gpu_lights_create(gpu, lights, method number) -> lights on the device */
+/* gpu_lights_create(gpu, lights | nil, polygons | nil, method number) -> lights on the device */
 static int create(lua_State *L) {
   ylm_error e = {YLM_OK, ""};
-  lua_settop(L, 3);
+  lua_settop(L, 4);
   ylm_gpu *g = ylmL_gpu_check(L, 1);
-  ylm_lights **from = ylmL_check(L, 2, "ylm.lights");
-  if (!*from) luaL_argerror(L, 2, "the lights have been closed");
-  int method = (int)luaL_checknumber(L, 3);
+  ylm_lights **from = lua_isnil(L, 2) ? NULL : ylmL_check(L, 2, "ylm.lights");
+  ylm_polygons **flat = lua_isnil(L, 3) ? NULL : ylmL_check(L, 3, "ylm.polygons");
+  if ((from && !*from) || (flat && !*flat)) luaL_argerror(L, 2, "the lights have been closed");
+  int method = (int)luaL_checknumber(L, 4);
   device_lights *d = lua_newuserdata(L, sizeof *d);
-  *d = (device_lights){NULL, from, LUA_NOREF, method};
+  *d = (device_lights){NULL, from, flat, {LUA_NOREF, LUA_NOREF}, method};
   luaL_getmetatable(L, GPU_LIGHTS);
   lua_setmetatable(L, -2);
-  lua_pushvalue(L, 2);
-  d->keep = luaL_ref(L, LUA_REGISTRYINDEX);
-  ylm_status s = ylm_gpu_lights_create(g, *from, (ylm_gpu_method)method, &d->on, &e);
+  for (int i = 0; i < 2; i++) {
+    lua_pushvalue(L, 2 + i);
+    d->keep[i] = luaL_ref(L, LUA_REGISTRYINDEX);
+  }
+  ylm_status s = ylm_gpu_lights_create(g, from ? *from : NULL, flat ? *flat : NULL,
+                                       (ylm_gpu_method)method, &d->on, &e);
   return ylmL_result(L, 1, s, &e);
 }
 
@@ -40,8 +46,12 @@ static int release(lua_State *L) {
   device_lights *d = ylmL_check(L, 1, GPU_LIGHTS);
   ylm_gpu_lights_free(d->on);
   d->on = NULL;
-  luaL_unref(L, LUA_REGISTRYINDEX, d->keep);
-  d->keep = LUA_NOREF;
+  for (int i = 0; i < 2; i++) {
+    luaL_unref(L, LUA_REGISTRYINDEX, d->keep[i]);
+    d->keep[i] = LUA_NOREF;
+  }
+  d->from = NULL;
+  d->flat = NULL;
   return 0;
 }
 
@@ -55,7 +65,8 @@ static int close_lights(lua_State *L) {
 static int info(lua_State *L) {
   const device_lights *d = ylmL_check(L, 1, GPU_LIGHTS);
   if (!field_of((void *)(uintptr_t)d)) return 0;
-  ylmL_push_count(L, ylm_lights_count(*d->from));
+  ylmL_push_count(L, (d->from ? ylm_lights_count(*d->from) : 0) +
+                         (d->flat ? ylm_polygons_count(*d->flat) : 0));
   lua_pushnumber(L, d->method);
   return 2;
 }

@@ -15,10 +15,12 @@ LIBS += $(BUILD)/lib/libylm_vulkan.so
 HAVE += vulkan
 endif
 
+# Every file that is included becomes a target of its own without a rule (gcc's -MP), so that deleting one breaks nothing.
 define GLSL
 	@mkdir -p $(@D)
 	$(call say,GLSL,$@)
 	$(Q)$(GLSLC) $(GLSLFLAGS) $(1) -MD -MF $@.d -MT $@ $< -o $@
+	@for f in $$(sed 's/^[^:]*://; s/\\$$//' $@.d); do echo "$$f:"; done > $@.p && cat $@.p >> $@.d && rm $@.p
 endef
 
 $(SPIRV)/%_float.inc: shaders/%.real.comp

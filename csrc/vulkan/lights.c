@@ -1,4 +1,4 @@
-/* lights.c - sphere lights in a device's memory, and their light field. */
+/* lights.c - lights in a device's memory, and their light field. */
 #include "lights.h"
 
 #include <math.h>
@@ -9,51 +9,69 @@
 
 /* -- lamps ------------------------------------------------------------------------------ */
 
-/* Three vectors of four for each light that emits: see shaders/lamps.glsl. */
-static void pack_float(const ylm_lights *lights, float *to) {
-  const double *at, *radius, *rgb;
-  ylm_lights_arrays(lights, &at, &radius, &rgb);
-  for (size_t i = 0, n = ylm_lights_count(lights); i < n; i++) {
-    if (radius[i] == 0) continue;
-    float r = (float)radius[i], color[3];
-    double r2 = (double)r * (double)r; /* exact */
-    float high = (float)r2;
-    for (int a = 0; a < 3; a++) to[a] = (float)at[3 * i + a], color[a] = (float)rgb[3 * i + a];
-    double lum = YLM_LUMINANCE_R * rgb[3 * i] + YLM_LUMINANCE_G * rgb[3 * i + 1] +
-                 YLM_LUMINANCE_B * rgb[3 * i + 2];
-    float rest[9] = {
-        high, (float)(r2 - (double)high), r, 0, (float)lum, color[0], color[1], color[2], 0};
-    memcpy(to + 3, rest, sizeof rest);
-    to += 12;
-  }
+/* Lights as arrays: spheres, or the spheres that approximate flat lights, with normals. */
+typedef struct lamp_arrays {
+  size_t n;
+  const double *at, *radius, *rgb, *normal;
+} lamp_arrays;
+
+static lamp_arrays spheres_of(const ylm_gpu_lights *l) {
+  lamp_arrays a = {0};
+  if (!l->lights) return a;
+  a.n = ylm_lights_count(l->lights);
+  ylm_lights_arrays(l->lights, &a.at, &a.radius, &a.rgb);
+  return a;
 }
 
-static void pack_double(const ylm_lights *lights, double *to) {
-  const double *at, *radius, *rgb;
-  ylm_lights_arrays(lights, &at, &radius, &rgb);
-  for (size_t i = 0, n = ylm_lights_count(lights); i < n; i++) {
-    if (radius[i] == 0) continue;
-    double r = radius[i], high = r * r;
-    double lum = YLM_LUMINANCE_R * rgb[3 * i] + YLM_LUMINANCE_G * rgb[3 * i + 1] +
-                 YLM_LUMINANCE_B * rgb[3 * i + 2];
-    double rest[9] = {high,           fma(r, r, -high), r, 0, lum, rgb[3 * i],
-                      rgb[3 * i + 1], rgb[3 * i + 2],   0};
-    memcpy(to, at + 3 * i, 3 * sizeof *to);
-    memcpy(to + 3, rest, sizeof rest);
-    to += 12;
+static lamp_arrays flat_of(const ylm_gpu_lights *l) {
+  lamp_arrays a = {0};
+  if (l->polygons && ylm_polygons_spheres(l->polygons, &a.at, &a.radius, &a.normal, &a.rgb))
+    a.n = ylm_polygons_count(l->polygons);
+  return a;
+}
+
+/* Rows of four numbers of a light: see shaders/lamps.glsl. */
+static size_t lamp_rows(const ylm_gpu_lights *l) { return l->polygons ? 4 : 3; }
+
+/* Light i of a. */
+static void lamp(const lamp_arrays *a, size_t i, ylm_dtype t, double x[16]) {
+  const double *rgb = a->rgb + 3 * i;
+  double r = t == YLM_FLOAT ? (double)(float)a->radius[i] : a->radius[i];
+  /* in float r^2 is exact in double; there the rest is by fma */
+  double square = r * r, high = t == YLM_FLOAT ? (double)(float)square : square;
+  double low = t == YLM_FLOAT ? square - high : fma(r, r, -square);
+  double lum = YLM_LUMINANCE_R * rgb[0] + YLM_LUMINANCE_G * rgb[1] + YLM_LUMINANCE_B * rgb[2];
+  double plain = a->normal ? 0 : 1;
+  double rest[9] = {high, low, r, plain, lum, rgb[0], rgb[1], rgb[2], 0};
+  memcpy(x, a->at + 3 * i, 3 * sizeof *x);
+  memcpy(x + 3, rest, sizeof rest);
+  for (size_t k = 0; k < 3; k++) x[12 + k] = a->normal ? a->normal[3 * i + k] : 0;
+  x[15] = 0;
+}
+
+/* Packs lights that emit, from the size_t-th number on; returns where the next go. */
+static size_t pack(const lamp_arrays *a, ylm_dtype t, size_t wide, void *to, size_t next) {
+  for (size_t i = 0; i < a->n; i++) {
+    double x[16];
+    if (a->radius[i] == 0) continue;
+    lamp(a, i, t, x);
+    for (size_t k = 0; k < wide; k++, next++)
+      if (t == YLM_DOUBLE)
+        ((double *)to)[next] = x[k];
+      else
+        ((float *)to)[next] = (float)x[k];
   }
+  return next;
 }
 
 /* Uploads the lights in a precision, once. */
 static ylm_status upload(ylm_gpu_lights *l, ylm_dtype t, ylm_error *e) {
   if (l->lamps[t]) return YLM_OK;
-  size_t bytes = (size_t)l->active * 12 * ylm_dtype_size(t);
+  size_t wide = 4 * lamp_rows(l), bytes = (size_t)l->active * wide * ylm_dtype_size(t);
+  lamp_arrays spheres = spheres_of(l), flat = flat_of(l);
   void *packed = ylm_alloc(bytes, 1);
   if (!packed) return ylm_fail(e, YLM_ENOMEM, "%s", ylm_status_text(YLM_ENOMEM));
-  if (t == YLM_DOUBLE)
-    pack_double(l->lights, packed);
-  else
-    pack_float(l->lights, packed);
+  pack(&flat, t, wide, packed, pack(&spheres, t, wide, packed, 0));
   ylm_status s = ylm_gpu_buffer_from(l->gpu, bytes, packed, &l->lamps[t], e);
   ylm_free(packed);
   return s;
@@ -72,20 +90,11 @@ ylm_status ylm__lights_scratch(ylm_gpu_lights *l, int which, uint64_t bytes, ylm
 static ylm_status check(const ylm_gpu_lights *l, const ylm_field_query *q, size_t n,
                         const void *points, ylm_field_result *r, ylm_error *e) {
   int most = l->method == YLM_GPU_MERGED ? YLM_GPU_LMAX : YLM_GPU_PRODUCT_LMAX;
-  size_t where;
-  ylm_status s = ylm_lights_evaluate(l->lights, YLM_ISA_reference, q, 0, points, r, e);
-  if (s != YLM_OK) return s;
-  if (q->lmax > most)
+  if (q->lmax > most && q->lmax <= YLM_LIGHT_LMAX)
     return ylm_fail(e, YLM_ERANGE, "lmax must be 0 .. %d for lights on a device%s, got %d", most,
                     most < YLM_GPU_LMAX ? " with this method" : "", q->lmax);
-  if (!ylm_all_finite(q->dtype, points, 3 * n, &where))
-    return ylm_fail(e, YLM_EDOMAIN, "point %zu is not finite", where / 3 + 1);
-  for (size_t i = 0; i < 3 * n; i++) {
-    double x =
-        q->dtype == YLM_DOUBLE ? ((const double *)points)[i] : (double)((const float *)points)[i];
-    if (fabs(x) > YLM_LIGHT_EXTENT)
-      return ylm_fail(e, YLM_ERANGE, "point %zu is beyond %g", i / 3 + 1, YLM_LIGHT_EXTENT);
-  }
+  ylm_status s = ylm_light_check(q, YLM_LIGHT_LMAX, n, points, r, e);
+  if (s != YLM_OK) return s;
   if (q->dtype == YLM_DOUBLE && !ylm_gpu_about(l->gpu)->float64)
     return ylm_fail(e, YLM_EMISSING, "'%s' does not compute in double",
                     ylm_gpu_about(l->gpu)->name);
@@ -197,8 +206,16 @@ static ylm_status evaluate(const ylm_field *f, const ylm_field_query *q, size_t 
 
 static ylm_status crosses(const ylm_field *f, size_t n, const double *boxes, uint8_t *out) {
   const ylm_gpu_lights *l = f->self;
-  const ylm_field *field = ylm_lights_field(l->lights);
-  return field->crosses(field, n, boxes, out);
+  const ylm_field *spheres = l->lights ? ylm_lights_field(l->lights) : NULL,
+                  *flat = l->polygons ? ylm_polygons_field(l->polygons) : NULL;
+  if (!spheres || !flat)
+    return flat ? flat->crosses(flat, n, boxes, out) : spheres->crosses(spheres, n, boxes, out);
+  uint8_t *more = ylm_alloc(n, 1);
+  ylm_status s = more ? spheres->crosses(spheres, n, boxes, out) : YLM_ENOMEM;
+  if (s == YLM_OK) s = flat->crosses(flat, n, boxes, more);
+  for (size_t i = 0; s == YLM_OK && i < n; i++) out[i] |= more[i];
+  ylm_free(more);
+  return s;
 }
 
 /* -- the object ------------------------------------------------------------------------------ */
@@ -213,23 +230,34 @@ static uint32_t chunk_of(const ylm_gpu *g, uint32_t active) {
   return chunk < 16 ? 16 : chunk > 1024 ? 1024 : chunk;
 }
 
-ylm_status ylm_gpu_lights_create(ylm_gpu *g, const ylm_lights *lights, ylm_gpu_method method,
-                                 ylm_gpu_lights **out, ylm_error *e) {
-  const double *radius;
-  size_t active = 0;
+/* Lights of `a` that emit. */
+static size_t emitting(const lamp_arrays *a) {
+  size_t n = 0;
+  for (size_t i = 0; i < a->n; i++) n += a->radius[i] > 0;
+  return n;
+}
+
+ylm_status ylm_gpu_lights_create(ylm_gpu *g, const ylm_lights *lights, const ylm_polygons *polygons,
+                                 ylm_gpu_method method, ylm_gpu_lights **out, ylm_error *e) {
+  const double *unused;
   *out = NULL;
-  ylm_lights_arrays(lights, NULL, &radius, NULL);
-  for (size_t i = 0, n = ylm_lights_count(lights); i < n; i++) active += radius[i] > 0;
-  if (active > 1u << 28) return ylm_fail(e, YLM_ELIMIT, "more than 2^28 lights");
+  if (!lights && !polygons) return ylm_fail(e, YLM_EINVAL, "no lights");
+  if (polygons && !ylm_polygons_spheres(polygons, &unused, &unused, &unused, &unused))
+    return ylm_fail(e, YLM_EINVAL,
+                    "a device sums sphere lights, and flat ones with method = \"sphere\"");
   ylm_gpu_lights *l = ylm_alloc_zero(1, sizeof *l);
   if (!l) return ylm_fail(e, YLM_ENOMEM, "%s", ylm_status_text(YLM_ENOMEM));
   l->gpu = ylm_gpu_share(g);
   l->lights = lights;
+  l->polygons = polygons;
   l->method = method;
+  lamp_arrays spheres = spheres_of(l), flat = flat_of(l);
+  size_t active = emitting(&spheres) + emitting(&flat);
+  ylm_status s = active > 1u << 28 ? ylm_fail(e, YLM_ELIMIT, "more than 2^28 lights") : YLM_OK;
   l->active = (uint32_t)active;
   l->chunk = chunk_of(g, l->active);
   l->field = (ylm_field){.self = l, .evaluate = evaluate, .crosses = crosses};
-  ylm_status s = upload(l, YLM_FLOAT, e);
+  if (s == YLM_OK) s = upload(l, YLM_FLOAT, e);
   if (s != YLM_OK) {
     ylm_gpu_lights_free(l);
     return s;

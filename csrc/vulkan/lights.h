@@ -12,7 +12,7 @@
 #include "ylm_vulkan.h"
 
 #define GROUP 64u /* points of a group */
-#define MAX_PASSES 16
+#define MAX_PASSES 32
 
 /* A sparse matrix in the device's memory. */
 typedef struct device_rows {
@@ -25,13 +25,18 @@ typedef struct device_maps {
   device_rows value, gradient, bend, hessian;
 } device_maps;
 
-/* Sums in some channels, by passes over ranges of orders m. */
+/*
+** Sums in some channels, by passes over ranges of orders m. Merged moments of flat lights have
+** parts: three times `part` sums from `parts` on for derivatives of the cosine, six times for
+** second derivatives, which passes with `bend` sum.
+*/
 typedef struct sum_set {
   uint32_t channel_first, channels; /* 0 3: rgb; 3 1: luminance; channels 0: none */
   uint32_t kinds, sums;             /* of each channel */
   int passes;
   struct sum_pass {
-    uint32_t m_first, m_last, sums;
+    uint32_t m_first, m_last, sums, parts, part;
+    bool bend;
   } pass[MAX_PASSES];
 } sum_set;
 
@@ -67,7 +72,8 @@ enum {
 struct ylm_gpu_lights {
   ylm_field field;
   ylm_gpu *gpu;
-  const ylm_lights *lights;
+  const ylm_lights *lights;     /* NULL: none */
+  const ylm_polygons *polygons; /* approximated by spheres times a cosine; NULL: none */
   ylm_gpu_method method;
   uint32_t active, chunk;   /* lights that emit; lights whose sum is begun at zero */
   ylm_gpu_buffer *lamps[2]; /* by dtype; NULL: not there yet */
@@ -102,7 +108,9 @@ ylm_status ylm__sum_run(ylm_gpu_lights *l, const sum_plan *p, const ylm_field_qu
 ylm_status ylm__lights_scratch(ylm_gpu_lights *l, int which, uint64_t bytes, ylm_error *e);
 /* Whether the surfaces on which the field jumps are those of l->lights alone: then octree_split.c
    asks the device which voxels they cross, else the field. */
-static inline bool ylm__lights_are_spheres(const ylm_gpu_lights *l) { return l->lights != NULL; }
+static inline bool ylm__lights_are_spheres(const ylm_gpu_lights *l) {
+  return l->lights && !l->polygons;
+}
 /* Adds the wall time of a copy since `start` to a stage of the object's times. */
 void ylm__lights_copied(ylm_gpu_lights *l, const char *name, double start);
 

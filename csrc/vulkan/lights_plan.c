@@ -43,10 +43,12 @@ static int derivatives_of(uint32_t kinds) { return kinds & 4 ? 2 : kinds & 2 ? 1
 static ylm_status maps_create(const ylm_gpu_lights *l, const sum_plan *p, int need,
                               const sum_set *set, device_maps *m, ylm_error *e) {
   ylm_light_maps maps = {0};
+  int derivatives = derivatives_of(set->kinds);
   if (!need) return YLM_OK;
-  ylm_status s = l->method == YLM_GPU_MERGED
-                     ? ylm_light_maps_create(p->lmax, need, (int)set->kinds, &maps)
-                     : ylm_light_product_maps_create(p->lmax, derivatives_of(set->kinds), &maps);
+  ylm_status s = l->method != YLM_GPU_MERGED
+                     ? ylm_light_product_maps_create(p->lmax, derivatives, &maps)
+                 : l->polygons ? ylm_light_flat_maps_create(p->lmax, derivatives, &maps)
+                               : ylm_light_maps_create(p->lmax, need, (int)set->kinds, &maps);
   if (s == YLM_OK) s = rows_upload(l->gpu, &maps.value, p->dtype, &m->value, e);
   if (s == YLM_OK) s = rows_upload(l->gpu, &maps.gradient, p->dtype, &m->gradient, e);
   if (s == YLM_OK) s = rows_upload(l->gpu, &maps.bend, p->dtype, &m->bend, e);
@@ -91,29 +93,59 @@ static uint32_t width_of(ylm_gpu_method method, int lmax, uint32_t kinds, int m)
   return (uint32_t)(m ? 2 * n : n);
 }
 
-/* Cuts the orders into passes that fit into registers; the paper's loops are all or one at a time.
- */
-static void cut(ylm_gpu_method method, int lmax, sum_set *set) {
+/* Sums of all orders. */
+static uint32_t sums_of(ylm_gpu_method method, int lmax, uint32_t kinds) {
+  uint32_t n = 0;
+  for (int m = 0; m <= lmax + 2; m++) n += width_of(method, lmax, kinds, m);
+  return n;
+}
+
+/*
+** Cuts the orders into passes that fit into registers; the paper's loops are all or one at a time.
+** Beside the sums of `kinds`, a pass has `times` those of `parted`, which lie at first->parts.
+*/
+static void cut(ylm_gpu_method method, int lmax, uint32_t kinds, uint32_t parted, uint32_t times,
+                struct sum_pass first, sum_set *set) {
   static const uint32_t most[] = {
       [YLM_GPU_MERGED] = BUDGET, [YLM_GPU_FORWARD] = UINT32_MAX, [YLM_GPU_REVERSED] = 0};
-  set->passes = 0;
-  set->sums = 0;
+  struct sum_pass *last = NULL;
   for (int m = 0; m <= lmax + 2; m++) {
-    uint32_t n = width_of(method, lmax, set->kinds, m);
+    uint32_t n = width_of(method, lmax, kinds, m) + times * width_of(method, lmax, parted, m);
     if (!n) break;
-    struct sum_pass *last = set->passes ? &set->pass[set->passes - 1] : NULL;
     set->sums += n;
     if (last && last->sums + n <= most[method]) {
       last->m_last = (uint32_t)m;
       last->sums += n;
-    } else
-      set->pass[set->passes++] = (struct sum_pass){(uint32_t)m, (uint32_t)m, n};
+    } else {
+      last = &set->pass[set->passes++];
+      *last = first;
+      last->m_first = last->m_last = (uint32_t)m;
+      last->sums = n;
+    }
   }
 }
 
-/* The product rule sums all that lower derivatives need too. */
-static uint32_t expand(ylm_gpu_method method, int kinds) {
-  if (method == YLM_GPU_MERGED) return (uint32_t)kinds;
+/* The passes of a set. */
+static void cut_set(const ylm_gpu_lights *l, int lmax, sum_set *set) {
+  struct sum_pass pass = {0};
+  if (l->method != YLM_GPU_MERGED || !l->polygons || set->kinds < 2) {
+    cut(l->method, lmax, set->kinds, 0, 0, pass, set);
+    return;
+  }
+  uint32_t parted = set->kinds & 4 ? 3 : 1;
+  pass.parts = sums_of(l->method, lmax, set->kinds);
+  pass.part = sums_of(l->method, lmax, parted);
+  cut(l->method, lmax, set->kinds, parted, 3, pass, set);
+  if (!(set->kinds & 4)) return;
+  pass.parts += 3 * pass.part;
+  pass.part = sums_of(l->method, lmax, 1);
+  pass.bend = true;
+  cut(l->method, lmax, 0, 1, 6, pass, set);
+}
+
+/* The product rule, and flat lights, sum all that lower derivatives need too. */
+static uint32_t expand(const ylm_gpu_lights *l, int kinds) {
+  if (l->method == YLM_GPU_MERGED && !l->polygons) return (uint32_t)kinds;
   return kinds & 4 ? 7 : kinds & 2 ? 3 : kinds & 1;
 }
 
@@ -136,12 +168,12 @@ void ylm__sum_plans_free(sum_plan *p) {
 }
 
 static ylm_status fill(const ylm_gpu_lights *l, sum_plan *p, ylm_error *e) {
-  p->rgb = (sum_set){.channels = p->need_rgb ? 3 : 0, .kinds = expand(l->method, p->need_rgb)};
+  p->rgb = (sum_set){.channels = p->need_rgb ? 3 : 0, .kinds = expand(l, p->need_rgb)};
   p->mixed = p->need_lum & (int)p->rgb.kinds;
   int own = p->need_lum & ~p->mixed;
-  p->lum = (sum_set){.channel_first = 3, .channels = own ? 1 : 0, .kinds = expand(l->method, own)};
-  cut(l->method, p->lmax, &p->rgb);
-  cut(l->method, p->lmax, &p->lum);
+  p->lum = (sum_set){.channel_first = 3, .channels = own ? 1 : 0, .kinds = expand(l, own)};
+  cut_set(l, p->lmax, &p->rgb);
+  cut_set(l, p->lmax, &p->lum);
   ylm_status s = maps_create(l, p, own, &p->lum, &p->from_lum, e);
   if (s == YLM_OK) s = maps_create(l, p, p->need_rgb, &p->rgb, &p->from_rgb, e);
   if (s == YLM_OK) s = maps_create(l, p, p->mixed, &p->rgb, &p->from_mixed, e);

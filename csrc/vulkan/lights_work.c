@@ -83,16 +83,20 @@ static void add_sums(step_list *s, const sum_set *set, uint32_t chunk_first, uin
   const ylm_gpu_lights *l = s->l;
   const bool merged = l->method == YLM_GPU_MERGED;
   uint32_t kinds = merged ? set->kinds : set->kinds & 4 ? 2 : set->kinds & 2 ? 1 : 0;
-  uint32_t push[] = {s->n,        s->stride, l->active,          l->chunk,
-                     chunk_first, chunks,    set->channel_first, set->sums};
   ylm_gpu_bind bind[] = {whole(l->scratch[BUFFER_POINTS]), whole(l->lamps[s->p->dtype]),
                          whole(l->scratch[BUFFER_PARTIAL]), whole(l->scratch[BUFFER_INSIDE])};
   for (int i = 0; i < set->passes; i++) {
     const struct sum_pass *pass = &set->pass[i];
-    uint32_t constant[] = {GROUP, (uint32_t)s->p->lmax, kinds, pass->m_first, pass->m_last};
-    dispatch(s, "lights", merged ? "moments" : "product", 5, constant,
-             (uint64_t)(s->stride / GROUP) * chunks * set->channels, (double)l->chunk * GROUP, 8,
-             push, 4, bind);
+    uint32_t constant[] = {GROUP,         (uint32_t)s->p->lmax, kinds,
+                           pass->m_first, pass->m_last,         l->polygons != NULL};
+    uint32_t push[] = {s->n,   s->stride,          l->active, l->chunk,    chunk_first,
+                       chunks, set->channel_first, set->sums, pass->parts, pass->part};
+    const char *name = !merged       ? "product"
+                       : pass->bend  ? "flat_bend"
+                       : l->polygons ? "flat"
+                                     : "moments";
+    dispatch(s, "lights", name, 6, constant, (uint64_t)(s->stride / GROUP) * chunks * set->channels,
+             (double)l->chunk * GROUP, 10, push, 4, bind);
   }
 }
 

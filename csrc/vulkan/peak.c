@@ -1,19 +1,25 @@
 /* peak.c - what the device computes and moves at best, measured. */
 #include "ylm_vulkan.h"
 
-enum { GROUP = 64, TRIES = 4 };
+enum { GROUP = 64, TRIES = 200 };
 
-/* Runs the work several times and returns operations per second of the best; `amount` of them
-   are in one run. */
+/* The best of several runs, until LONG seconds have passed without a better one: who shares the
+   device makes a run slower, never faster. */
+#define LONG 0.25
+
+/* Operations per second of the best; `amount` of them are in one run. */
 static ylm_status best(ylm_gpu *g, const ylm_gpu_work *w, double amount, double *rate,
                        ylm_error *e) {
+  double start = ylm_seconds();
   *rate = 0;
-  for (int i = 0; i < TRIES; i++) {
+  for (int i = 0; i < TRIES && (i < 4 || ylm_seconds() - start < LONG); i++) {
     ylm_gpu_times t = {0};
     ylm_status s = ylm_gpu_run(g, 1, w, &t, NULL, e);
     if (s != YLM_OK) return s;
     double now = t.stage[0].seconds > 0 ? amount / t.stage[0].seconds : 0;
-    if (i > 0 && now > *rate) *rate = now; /* the first learns and compiles */
+    if (i == 0 || now <= *rate) continue; /* the first learns and compiles */
+    if (now > 1.02 * *rate) start = ylm_seconds();
+    *rate = now;
   }
   return YLM_OK;
 }
@@ -66,7 +72,7 @@ static ylm_status copy_peak(ylm_gpu *g, size_t items, double *bytes, ylm_error *
 
 ylm_status ylm_gpu_peak(ylm_gpu *g, double *flops, double *bytes, ylm_error *e) {
   bool software = ylm_gpu_about(g)->type == YLM_GPU_CPU;
-  ylm_status s = fma_peak(g, software ? 1 << 14 : 1 << 20, software ? 256 : 1024, flops, e);
+  ylm_status s = fma_peak(g, software ? 1 << 13 : 1 << 20, software ? 64 : 1024, flops, e);
   size_t items = software ? 1 << 20 : 1 << 22; /* 16, 64 MiB: more than caches hold */
   return s == YLM_OK ? copy_peak(g, items, bytes, e) : s;
 }

@@ -234,7 +234,7 @@ YLM_API size_t ylm_gpu_rows(const ylm_gpu *g, size_t n, size_t row_bytes, size_t
 */
 YLM_API ylm_status ylm_gpu_peak(ylm_gpu *g, double *flops, double *bytes, ylm_error *e);
 
-/* -- sphere lights: lights.c -------------------------------------------------- */
+/* -- lights: lights.c --------------------------------------------------------- */
 
 /* Highest degrees: of merged moments, of the product rule. */
 #define YLM_GPU_LMAX 10
@@ -251,13 +251,16 @@ typedef enum ylm_gpu_method {
 typedef struct ylm_gpu_lights ylm_gpu_lights;
 
 /*
-** ylm_gpu_lights_create - put lights onto a device.
+** ylm_gpu_lights_create - put lights onto a device: spheres, flat lights approximated by spheres
+** times a cosine (Mezieres et al. 2022, Eqs. 24-28; not exact ones), or both; NULL: none of these.
 **
-** `lights` must outlive the object (it answers which boxes lights cross). The copy in double is
-** made at the first query in double. YLM_ENOMEM, YLM_ELIMIT, YLM_EDEVICE, YLM_ECLOSED.
+** They must outlive the object (they answer which boxes lights cross). The copy in double is
+** made at the first query in double. YLM_EINVAL (exact flat lights, none at all), YLM_ENOMEM,
+** YLM_ELIMIT, YLM_EDEVICE, YLM_ECLOSED.
 */
 YLM_API ylm_status ylm_gpu_lights_create(ylm_gpu *g, const ylm_lights *lights,
-                                         ylm_gpu_method method, ylm_gpu_lights **l, ylm_error *e);
+                                         const ylm_polygons *polygons, ylm_gpu_method method,
+                                         ylm_gpu_lights **l, ylm_error *e);
 YLM_API void ylm_gpu_lights_free(ylm_gpu_lights *l);
 
 /*
@@ -266,7 +269,8 @@ YLM_API void ylm_gpu_lights_free(ylm_gpu_lights *l);
 ** As ylm_lights_evaluate, but for lmax <= YLM_GPU_LMAX (YLM_GPU_PRODUCT_LMAX), and for
 ** YLM_EMISSING (double on a device without float64) and what ylm_gpu_run returns. A result
 ** depends on the point, the lights and the device, not on the other points.
-** Accuracy  as ylm_lights_evaluate; lights are summed in chunks, these with compensation
+** Accuracy  as ylm_lights_evaluate; lights are summed in chunks, these with compensation. A flat
+**           light's share is within 1e-7/|cos gamma| more in float, as its position is rounded
 ** Memory    at most 96 MiB of the device's for a pass
 */
 YLM_API const ylm_field *ylm_gpu_lights_field(const ylm_gpu_lights *l);

@@ -129,8 +129,8 @@ local bake_options = {
   { "threads", "integer", min = 1, max = 1024, optional = true, about = "default: YLM_THREADS or all cores" },
   { "progress", "progress", optional = true, about = "called as f(done, total, stage); returning false cancels" },
   { "device", "gpu", optional = true,
-    about = "sphere lights to lmax 10 are summed there, adaptive grids with a threshold refined there; "
-      .. "grid.stats.stages says how long that took" },
+    about = "sphere lights, and flat ones with method = 'sphere', are summed there to lmax 10, adaptive grids with a "
+      .. "threshold refined there; grid.stats.stages says how long that took" },
 }
 
 --- Grid -> times by stage of the device that it was baked on.
@@ -197,7 +197,7 @@ function grid.bake(description, lights, given)
     if o.light_tolerance then
       return check.bad(3, "bake", "light_tolerance: a device sums all lights; leave one out")
     end
-    if type(object) == "function" then return check.bad(3, "bake", "device: a device sums sphere lights, and no others") end
+    if type(object) == "function" then return check.bad(3, "bake", "device: a device sums sphere lights, and no functions") end
     if description.dynamic then
       return check.bad(3, "bake", "device: a dynamic grid follows its lights on the processor")
     end

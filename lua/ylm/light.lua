@@ -233,6 +233,13 @@ function light.field(n, name, value)
   return light.pack(n, name, value)
 end
 
+--- What light.pack returned, as sphere lights (or nil) and a list of other objects with a light field.
+function light.parts(packed)
+  if core.type(packed) == "ylm.lights" then return packed, {} end
+  if others_of[packed] then return spheres_of[packed], others_of[packed] end
+  return nil, { packed }
+end
+
 -- To a tolerance ------------------------------------------------------------------------
 
 --- The option that says how exactly lights are summed, by the name it has here.
@@ -246,6 +253,12 @@ end
 -- ever.
 function light.within(name, object, tolerance, threads)
   if not tolerance then return object end
+  local _, others = light.parts(object)
+  for _, other in ipairs(others) do
+    if core.type(other) == "ylm.gpu_lights" then
+      return check.fail("%s: a tolerance is for lights on the processor: a device sums all of them", name)
+    end
+  end
   if core.type(object) == "ylm.lights" then
     return check.result(name, core.light_cut(object, tolerance, threads or 0))
   end
@@ -271,7 +284,8 @@ local options = {
   { "threads", "integer", min = 1, max = 1024, optional = true, about = "default: YLM_THREADS or all cores" },
   { "out", "any", optional = true, about = "an array, or a list of them, shaped and typed like the results, which they take" },
   { "progress", "progress", optional = true, about = "called as f(done, total, stage); returning false cancels" },
-  { "device", "gpu", optional = true, about = "sphere lights to lmax 10 are summed there; gpu:lights copies them once" },
+  { "device", "gpu", optional = true, about = "sphere lights, and flat ones with method = 'sphere', are summed there to "
+    .. "lmax 10; gpu:lights copies them once" },
   { "method", "choice", of = { "merged", "forward", "reversed" }, optional = true,
     about = "on a device: merged moments (default), or the papers' product rule for comparison, see gpu:lights" },
 }

@@ -111,7 +111,7 @@ local eval_options = {
   { "kernel", "choice", of = { "reference", "sse2", "neon", "avx2", "avx512" }, optional = true,
     about = "the kernel set; default: the one in ylm.info().kernel" },
   args.threads,
-  { "device", "object", of = "ylm.gpu", optional = true,
+  { "device", "gpu", optional = true,
     about = "a gpu of ylm.vulkan.open that computes instead; float to lmax 128, the method is solid" },
   { "out", "any", optional = true,
     about = "an array for the values, or a list of arrays {Y, dY, ddY}, to be written and returned" },

@@ -1,4 +1,4 @@
---- Sphere lights in a device's memory: gpu:lights, and what the option `device` of other functions does with lights.
+--- Lights in a device's memory: gpu:lights, and what the option `device` of other functions does with lights.
 
 local check = require "ylm.check"
 local core = require "ylm.c.core"
@@ -16,7 +16,7 @@ local METHODS = { merged = 0, forward = 1, reversed = 2 }
 local NAMES = { [0] = "merged", "forward", "reversed" }
 
 reference.object "gpu_lights" {
-  about = "Sphere lights in a device's memory; stands wherever lights stand.",
+  about = "Lights in a device's memory; stands wherever lights stand.",
   methods = methods,
   fields = {
     { "count", "integer", "lights" },
@@ -28,11 +28,21 @@ reference.object "gpu_lights" {
 
 local function binding() return assert(require "ylm.vulkan".__binding()) end
 
---- Packed lights -> the object on the device; argument `n` of `name` is the device.
-local function create(n, name, gpu, packed, method)
+local NO_OTHERS = "a device sums sphere lights, and flat ones with method = 'sphere'; no others"
+
+--- What light.pack made, argument `n` of `name`: sphere lights and flat lights that are approximated, either may be nil.
+local function parts_of(n, name, packed)
+  local spheres, others = require "ylm.light".parts(packed)
+  local flat = others[1]
+  if others[2] or flat and not core.polygons_spheres(flat) then return check.bad(n, name, NO_OTHERS) end
+  return { spheres = spheres, flat = flat }
+end
+
+--- Parts -> the object on the device; argument `n` of `name` is the device.
+local function create(n, name, gpu, parts, method)
   local c, message, code = require "ylm.vulkan".__use(n, name, gpu)
   if not c then return nil, message, code end
-  return check.result(name, c.gpu_lights_create(gpu, packed, METHODS[method]))
+  return check.result(name, c.gpu_lights_create(gpu, parts.spheres, parts.flat, METHODS[method]))
 end
 
 local lights_options = {
@@ -42,21 +52,22 @@ local lights_options = {
 }
 
 describe "gpu:lights" {
-  about = "Copies sphere lights to the device's memory: for light_field and bake, which then compute there, to lmax 10.",
+  about = "Copies lights to the device's memory, spheres and flat ones with method = 'sphere': for light_field and bake, "
+    .. "which then compute there, to lmax 10.",
   arguments = {
-    { "lights", "light|list", "sphere lights" },
+    { "lights", "light|list", "sphere lights, polygon and disk lights with method = 'sphere'" },
     { "options?", "table", "see the options" },
   },
   options = lights_options,
   returns = { { "lights", "gpu_lights", "or nil, message, code: 'ENOMEM', 'ELIMIT', 'EDEVICE'" } },
-  errors = "raises on what is no sphere light, and where the device has been closed",
+  errors = "raises on other lights, and where the device has been closed",
   example = [[
 local gpu = ylm.vulkan.open()
 if gpu then
   local lamps = gpu:lights(ylm.sphere_light { at = { 0, 2, 0 } })
   assert(#ylm.light_field(2, lamps, { { 0, 0, 0 } }) == 1 and lamps.count == 1)
 end]],
-  source = "Mezieres et al. 2022, Sec. 5.1 (reversed); Iwasaki & Dobashi 2025, Eqs. 6, 15",
+  source = "Mezieres et al. 2022, Sec. 5.1 (reversed), Eqs. 24-28 (flat lights); Iwasaki & Dobashi 2025, Eqs. 6, 15",
 }
 function vulkan_light.lights(gpu, lights, given)
   if core.type(gpu) ~= "ylm.gpu" then
@@ -64,8 +75,7 @@ function vulkan_light.lights(gpu, lights, given)
   end
   local o = form.options(2, "lights", lights_options, given)
   local packed = require "ylm.light".pack(1, "lights", lights)
-  if core.type(packed) ~= "ylm.lights" then return check.bad(1, "lights", "a device sums sphere lights, and no others") end
-  return create(1, "lights", gpu, packed, o.method)
+  return create(1, "lights", gpu, parts_of(1, "lights", packed), o.method)
 end
 
 --- What has a light field, for a function `name` with the options o.device and o.method (argument `n`): the object
@@ -83,8 +93,7 @@ function vulkan_light.on(n, name, object, o)
     if o.method and o.method ~= object.method then return check.bad(n, name, "method: gpu:lights has chosen it") end
     return object
   end
-  if core.type(object) ~= "ylm.lights" then return check.bad(2, name, "a device sums sphere lights, and no others") end
-  local lights, message, code = create(n, name, o.device, object, o.method or "merged")
+  local lights, message, code = create(n, name, o.device, parts_of(2, name, object), o.method or "merged")
   if not lights then return nil, message, code end
   return lights, true
 end

@@ -3,1534 +3,1554 @@
 **   real, REAL(c)     float or double, and a constant of that type
 **   LMAX, KINDS       specialisation constants: 1 value, 2 gradient, 4 Hessian, added up
 **   M_FIRST, M_LAST   specialisation constants: the orders m that are summed here
+** Of sums of each kind k = 0, 1, 2 the includer says, by default in shaders/sums.glsl, what they are:
+**   SUMk(a) declares, CLEARk(a), ADDk(a, e), STOREk(n, p, a): number n among all, p among those with PART1
 ** Operations per light with all kinds, a sum's multiply-add counted as two: lmax 10 1409, 4 371. */
 #define HAS0(k) ((KINDS & 1) != 0 && (k) <= LMAX)
 #define HAS1(k) ((KINDS & 2) != 0 && (k) <= LMAX + 1)
 #define HAS2(k) ((KINDS & 4) != 0 && (k) <= LMAX + 2)
 #define ORDER(m) (M_FIRST <= (m) && (m) <= M_LAST)
 
-real a0, a1, a2, a3, a4, a5, a6, a7, a8, a9, a10, a11;
-real a12, a13, a14, a15, a16, a17, a18, a19, a20, a21, a22, a23;
-real a24, a25, a26, a27, a28, a29, a30, a31, a32, a33, a34, a35;
-real a36, a37, a38, a39, a40, a41, a42, a43, a44, a45, a46, a47;
-real a48, a49, a50, a51, a52, a53, a54, a55, a56, a57, a58, a59;
-real a60, a61, a62, a63, a64, a65, a66, a67, a68, a69, a70, a71;
-real a72, a73, a74, a75, a76, a77, a78, a79, a80, a81, a82, a83;
-real a84, a85, a86, a87, a88, a89, a90, a91, a92, a93, a94, a95;
-real a96, a97, a98, a99, a100, a101, a102, a103, a104, a105, a106, a107;
-real a108, a109, a110, a111, a112, a113, a114, a115, a116, a117, a118, a119;
-real a120, a121, a122, a123, a124, a125, a126, a127, a128, a129, a130, a131;
-real a132, a133, a134, a135, a136, a137, a138, a139, a140, a141, a142, a143;
-real a144, a145, a146, a147, a148, a149, a150, a151, a152, a153, a154, a155;
-real a156, a157, a158, a159, a160, a161, a162, a163, a164, a165, a166, a167;
-real a168, a169, a170, a171, a172, a173, a174, a175, a176, a177, a178, a179;
-real a180, a181, a182, a183, a184, a185, a186, a187, a188, a189, a190, a191;
-real a192, a193, a194, a195, a196, a197, a198, a199, a200, a201, a202, a203;
-real a204, a205, a206, a207, a208, a209, a210, a211, a212, a213, a214, a215;
-real a216, a217, a218, a219, a220, a221, a222, a223, a224, a225, a226, a227;
-real a228, a229, a230, a231, a232, a233, a234, a235, a236, a237, a238, a239;
-real a240, a241, a242, a243, a244, a245, a246, a247, a248, a249, a250, a251;
-real a252, a253, a254, a255, a256, a257, a258, a259, a260, a261, a262, a263;
-real a264, a265, a266, a267, a268, a269, a270, a271, a272, a273, a274, a275;
-real a276, a277, a278, a279, a280, a281, a282, a283, a284, a285, a286, a287;
-real a288, a289, a290, a291, a292, a293, a294, a295, a296, a297, a298, a299;
-real a300, a301, a302, a303, a304, a305, a306, a307, a308, a309, a310, a311;
-real a312, a313, a314, a315, a316, a317, a318, a319, a320, a321, a322, a323;
-real a324, a325, a326, a327, a328, a329, a330, a331, a332, a333, a334, a335;
-real a336, a337, a338, a339, a340, a341, a342, a343, a344, a345, a346, a347;
-real a348, a349, a350, a351, a352, a353, a354, a355, a356, a357, a358, a359;
-real a360, a361, a362, a363, a364, a365, a366, a367, a368, a369, a370, a371;
-real a372, a373, a374, a375, a376, a377, a378, a379, a380, a381, a382, a383;
-real a384, a385, a386, a387, a388, a389, a390, a391, a392, a393, a394, a395;
-real a396, a397, a398, a399, a400, a401, a402, a403, a404, a405, a406, a407;
-real a408, a409, a410, a411, a412, a413, a414, a415, a416, a417, a418, a419;
-real a420, a421, a422, a423, a424, a425, a426, a427, a428, a429;
+SUM0(a0) SUM2(a1) SUM0(a2) SUM1(a3) SUM0(a4) SUM1(a5) SUM2(a6) SUM0(a7)
+SUM1(a8) SUM2(a9) SUM0(a10) SUM1(a11) SUM2(a12) SUM0(a13) SUM1(a14) SUM2(a15)
+SUM0(a16) SUM1(a17) SUM2(a18) SUM0(a19) SUM1(a20) SUM2(a21) SUM0(a22) SUM1(a23)
+SUM2(a24) SUM0(a25) SUM1(a26) SUM2(a27) SUM0(a28) SUM1(a29) SUM2(a30) SUM1(a31)
+SUM2(a32) SUM2(a33) SUM0(a34) SUM1(a35) SUM0(a36) SUM1(a37) SUM2(a38) SUM0(a39)
+SUM1(a40) SUM2(a41) SUM0(a42) SUM1(a43) SUM2(a44) SUM0(a45) SUM1(a46) SUM2(a47)
+SUM0(a48) SUM1(a49) SUM2(a50) SUM0(a51) SUM1(a52) SUM2(a53) SUM0(a54) SUM1(a55)
+SUM2(a56) SUM0(a57) SUM1(a58) SUM2(a59) SUM0(a60) SUM1(a61) SUM2(a62) SUM1(a63)
+SUM2(a64) SUM2(a65) SUM0(a66) SUM1(a67) SUM0(a68) SUM1(a69) SUM2(a70) SUM0(a71)
+SUM1(a72) SUM2(a73) SUM0(a74) SUM1(a75) SUM2(a76) SUM0(a77) SUM1(a78) SUM2(a79)
+SUM0(a80) SUM1(a81) SUM2(a82) SUM0(a83) SUM1(a84) SUM2(a85) SUM0(a86) SUM1(a87)
+SUM2(a88) SUM0(a89) SUM1(a90) SUM2(a91) SUM0(a92) SUM1(a93) SUM2(a94) SUM1(a95)
+SUM2(a96) SUM2(a97) SUM0(a98) SUM1(a99) SUM2(a100) SUM0(a101) SUM1(a102) SUM2(a103)
+SUM0(a104) SUM1(a105) SUM2(a106) SUM0(a107) SUM1(a108) SUM2(a109) SUM0(a110) SUM1(a111)
+SUM2(a112) SUM0(a113) SUM1(a114) SUM2(a115) SUM0(a116) SUM1(a117) SUM2(a118) SUM0(a119)
+SUM1(a120) SUM2(a121) SUM0(a122) SUM1(a123) SUM2(a124) SUM1(a125) SUM2(a126) SUM2(a127)
+SUM0(a128) SUM1(a129) SUM2(a130) SUM0(a131) SUM1(a132) SUM2(a133) SUM0(a134) SUM1(a135)
+SUM2(a136) SUM0(a137) SUM1(a138) SUM2(a139) SUM0(a140) SUM1(a141) SUM2(a142) SUM0(a143)
+SUM1(a144) SUM2(a145) SUM0(a146) SUM1(a147) SUM2(a148) SUM0(a149) SUM1(a150) SUM2(a151)
+SUM0(a152) SUM1(a153) SUM2(a154) SUM1(a155) SUM2(a156) SUM2(a157) SUM0(a158) SUM1(a159)
+SUM2(a160) SUM0(a161) SUM1(a162) SUM2(a163) SUM0(a164) SUM1(a165) SUM2(a166) SUM0(a167)
+SUM1(a168) SUM2(a169) SUM0(a170) SUM1(a171) SUM2(a172) SUM0(a173) SUM1(a174) SUM2(a175)
+SUM0(a176) SUM1(a177) SUM2(a178) SUM0(a179) SUM1(a180) SUM2(a181) SUM1(a182) SUM2(a183)
+SUM2(a184) SUM0(a185) SUM1(a186) SUM2(a187) SUM0(a188) SUM1(a189) SUM2(a190) SUM0(a191)
+SUM1(a192) SUM2(a193) SUM0(a194) SUM1(a195) SUM2(a196) SUM0(a197) SUM1(a198) SUM2(a199)
+SUM0(a200) SUM1(a201) SUM2(a202) SUM0(a203) SUM1(a204) SUM2(a205) SUM0(a206) SUM1(a207)
+SUM2(a208) SUM1(a209) SUM2(a210) SUM2(a211) SUM0(a212) SUM1(a213) SUM2(a214) SUM0(a215)
+SUM1(a216) SUM2(a217) SUM0(a218) SUM1(a219) SUM2(a220) SUM0(a221) SUM1(a222) SUM2(a223)
+SUM0(a224) SUM1(a225) SUM2(a226) SUM0(a227) SUM1(a228) SUM2(a229) SUM0(a230) SUM1(a231)
+SUM2(a232) SUM1(a233) SUM2(a234) SUM2(a235) SUM0(a236) SUM1(a237) SUM2(a238) SUM0(a239)
+SUM1(a240) SUM2(a241) SUM0(a242) SUM1(a243) SUM2(a244) SUM0(a245) SUM1(a246) SUM2(a247)
+SUM0(a248) SUM1(a249) SUM2(a250) SUM0(a251) SUM1(a252) SUM2(a253) SUM0(a254) SUM1(a255)
+SUM2(a256) SUM1(a257) SUM2(a258) SUM2(a259) SUM0(a260) SUM1(a261) SUM2(a262) SUM0(a263)
+SUM1(a264) SUM2(a265) SUM0(a266) SUM1(a267) SUM2(a268) SUM0(a269) SUM1(a270) SUM2(a271)
+SUM0(a272) SUM1(a273) SUM2(a274) SUM0(a275) SUM1(a276) SUM2(a277) SUM1(a278) SUM2(a279)
+SUM2(a280) SUM0(a281) SUM1(a282) SUM2(a283) SUM0(a284) SUM1(a285) SUM2(a286) SUM0(a287)
+SUM1(a288) SUM2(a289) SUM0(a290) SUM1(a291) SUM2(a292) SUM0(a293) SUM1(a294) SUM2(a295)
+SUM0(a296) SUM1(a297) SUM2(a298) SUM1(a299) SUM2(a300) SUM2(a301) SUM0(a302) SUM1(a303)
+SUM2(a304) SUM0(a305) SUM1(a306) SUM2(a307) SUM0(a308) SUM1(a309) SUM2(a310) SUM0(a311)
+SUM1(a312) SUM2(a313) SUM0(a314) SUM1(a315) SUM2(a316) SUM1(a317) SUM2(a318) SUM2(a319)
+SUM0(a320) SUM1(a321) SUM2(a322) SUM0(a323) SUM1(a324) SUM2(a325) SUM0(a326) SUM1(a327)
+SUM2(a328) SUM0(a329) SUM1(a330) SUM2(a331) SUM0(a332) SUM1(a333) SUM2(a334) SUM1(a335)
+SUM2(a336) SUM2(a337) SUM0(a338) SUM1(a339) SUM2(a340) SUM0(a341) SUM1(a342) SUM2(a343)
+SUM0(a344) SUM1(a345) SUM2(a346) SUM0(a347) SUM1(a348) SUM2(a349) SUM1(a350) SUM2(a351)
+SUM2(a352) SUM0(a353) SUM1(a354) SUM2(a355) SUM0(a356) SUM1(a357) SUM2(a358) SUM0(a359)
+SUM1(a360) SUM2(a361) SUM0(a362) SUM1(a363) SUM2(a364) SUM1(a365) SUM2(a366) SUM2(a367)
+SUM0(a368) SUM1(a369) SUM2(a370) SUM0(a371) SUM1(a372) SUM2(a373) SUM0(a374) SUM1(a375)
+SUM2(a376) SUM1(a377) SUM2(a378) SUM2(a379) SUM0(a380) SUM1(a381) SUM2(a382) SUM0(a383)
+SUM1(a384) SUM2(a385) SUM0(a386) SUM1(a387) SUM2(a388) SUM1(a389) SUM2(a390) SUM2(a391)
+SUM0(a392) SUM1(a393) SUM2(a394) SUM0(a395) SUM1(a396) SUM2(a397) SUM1(a398) SUM2(a399)
+SUM2(a400) SUM0(a401) SUM1(a402) SUM2(a403) SUM0(a404) SUM1(a405) SUM2(a406) SUM1(a407)
+SUM2(a408) SUM2(a409) SUM0(a410) SUM1(a411) SUM2(a412) SUM1(a413) SUM2(a414) SUM2(a415)
+SUM0(a416) SUM1(a417) SUM2(a418) SUM1(a419) SUM2(a420) SUM2(a421) SUM1(a422) SUM2(a423)
+SUM2(a424) SUM1(a425) SUM2(a426) SUM2(a427) SUM2(a428) SUM2(a429)
 
 void clear_sums() {
-  a0 = REAL(0.0lf);
-  a1 = REAL(0.0lf);
-  a2 = REAL(0.0lf);
-  a3 = REAL(0.0lf);
-  a4 = REAL(0.0lf);
-  a5 = REAL(0.0lf);
-  a6 = REAL(0.0lf);
-  a7 = REAL(0.0lf);
-  a8 = REAL(0.0lf);
-  a9 = REAL(0.0lf);
-  a10 = REAL(0.0lf);
-  a11 = REAL(0.0lf);
-  a12 = REAL(0.0lf);
-  a13 = REAL(0.0lf);
-  a14 = REAL(0.0lf);
-  a15 = REAL(0.0lf);
-  a16 = REAL(0.0lf);
-  a17 = REAL(0.0lf);
-  a18 = REAL(0.0lf);
-  a19 = REAL(0.0lf);
-  a20 = REAL(0.0lf);
-  a21 = REAL(0.0lf);
-  a22 = REAL(0.0lf);
-  a23 = REAL(0.0lf);
-  a24 = REAL(0.0lf);
-  a25 = REAL(0.0lf);
-  a26 = REAL(0.0lf);
-  a27 = REAL(0.0lf);
-  a28 = REAL(0.0lf);
-  a29 = REAL(0.0lf);
-  a30 = REAL(0.0lf);
-  a31 = REAL(0.0lf);
-  a32 = REAL(0.0lf);
-  a33 = REAL(0.0lf);
-  a34 = REAL(0.0lf);
-  a35 = REAL(0.0lf);
-  a36 = REAL(0.0lf);
-  a37 = REAL(0.0lf);
-  a38 = REAL(0.0lf);
-  a39 = REAL(0.0lf);
-  a40 = REAL(0.0lf);
-  a41 = REAL(0.0lf);
-  a42 = REAL(0.0lf);
-  a43 = REAL(0.0lf);
-  a44 = REAL(0.0lf);
-  a45 = REAL(0.0lf);
-  a46 = REAL(0.0lf);
-  a47 = REAL(0.0lf);
-  a48 = REAL(0.0lf);
-  a49 = REAL(0.0lf);
-  a50 = REAL(0.0lf);
-  a51 = REAL(0.0lf);
-  a52 = REAL(0.0lf);
-  a53 = REAL(0.0lf);
-  a54 = REAL(0.0lf);
-  a55 = REAL(0.0lf);
-  a56 = REAL(0.0lf);
-  a57 = REAL(0.0lf);
-  a58 = REAL(0.0lf);
-  a59 = REAL(0.0lf);
-  a60 = REAL(0.0lf);
-  a61 = REAL(0.0lf);
-  a62 = REAL(0.0lf);
-  a63 = REAL(0.0lf);
-  a64 = REAL(0.0lf);
-  a65 = REAL(0.0lf);
-  a66 = REAL(0.0lf);
-  a67 = REAL(0.0lf);
-  a68 = REAL(0.0lf);
-  a69 = REAL(0.0lf);
-  a70 = REAL(0.0lf);
-  a71 = REAL(0.0lf);
-  a72 = REAL(0.0lf);
-  a73 = REAL(0.0lf);
-  a74 = REAL(0.0lf);
-  a75 = REAL(0.0lf);
-  a76 = REAL(0.0lf);
-  a77 = REAL(0.0lf);
-  a78 = REAL(0.0lf);
-  a79 = REAL(0.0lf);
-  a80 = REAL(0.0lf);
-  a81 = REAL(0.0lf);
-  a82 = REAL(0.0lf);
-  a83 = REAL(0.0lf);
-  a84 = REAL(0.0lf);
-  a85 = REAL(0.0lf);
-  a86 = REAL(0.0lf);
-  a87 = REAL(0.0lf);
-  a88 = REAL(0.0lf);
-  a89 = REAL(0.0lf);
-  a90 = REAL(0.0lf);
-  a91 = REAL(0.0lf);
-  a92 = REAL(0.0lf);
-  a93 = REAL(0.0lf);
-  a94 = REAL(0.0lf);
-  a95 = REAL(0.0lf);
-  a96 = REAL(0.0lf);
-  a97 = REAL(0.0lf);
-  a98 = REAL(0.0lf);
-  a99 = REAL(0.0lf);
-  a100 = REAL(0.0lf);
-  a101 = REAL(0.0lf);
-  a102 = REAL(0.0lf);
-  a103 = REAL(0.0lf);
-  a104 = REAL(0.0lf);
-  a105 = REAL(0.0lf);
-  a106 = REAL(0.0lf);
-  a107 = REAL(0.0lf);
-  a108 = REAL(0.0lf);
-  a109 = REAL(0.0lf);
-  a110 = REAL(0.0lf);
-  a111 = REAL(0.0lf);
-  a112 = REAL(0.0lf);
-  a113 = REAL(0.0lf);
-  a114 = REAL(0.0lf);
-  a115 = REAL(0.0lf);
-  a116 = REAL(0.0lf);
-  a117 = REAL(0.0lf);
-  a118 = REAL(0.0lf);
-  a119 = REAL(0.0lf);
-  a120 = REAL(0.0lf);
-  a121 = REAL(0.0lf);
-  a122 = REAL(0.0lf);
-  a123 = REAL(0.0lf);
-  a124 = REAL(0.0lf);
-  a125 = REAL(0.0lf);
-  a126 = REAL(0.0lf);
-  a127 = REAL(0.0lf);
-  a128 = REAL(0.0lf);
-  a129 = REAL(0.0lf);
-  a130 = REAL(0.0lf);
-  a131 = REAL(0.0lf);
-  a132 = REAL(0.0lf);
-  a133 = REAL(0.0lf);
-  a134 = REAL(0.0lf);
-  a135 = REAL(0.0lf);
-  a136 = REAL(0.0lf);
-  a137 = REAL(0.0lf);
-  a138 = REAL(0.0lf);
-  a139 = REAL(0.0lf);
-  a140 = REAL(0.0lf);
-  a141 = REAL(0.0lf);
-  a142 = REAL(0.0lf);
-  a143 = REAL(0.0lf);
-  a144 = REAL(0.0lf);
-  a145 = REAL(0.0lf);
-  a146 = REAL(0.0lf);
-  a147 = REAL(0.0lf);
-  a148 = REAL(0.0lf);
-  a149 = REAL(0.0lf);
-  a150 = REAL(0.0lf);
-  a151 = REAL(0.0lf);
-  a152 = REAL(0.0lf);
-  a153 = REAL(0.0lf);
-  a154 = REAL(0.0lf);
-  a155 = REAL(0.0lf);
-  a156 = REAL(0.0lf);
-  a157 = REAL(0.0lf);
-  a158 = REAL(0.0lf);
-  a159 = REAL(0.0lf);
-  a160 = REAL(0.0lf);
-  a161 = REAL(0.0lf);
-  a162 = REAL(0.0lf);
-  a163 = REAL(0.0lf);
-  a164 = REAL(0.0lf);
-  a165 = REAL(0.0lf);
-  a166 = REAL(0.0lf);
-  a167 = REAL(0.0lf);
-  a168 = REAL(0.0lf);
-  a169 = REAL(0.0lf);
-  a170 = REAL(0.0lf);
-  a171 = REAL(0.0lf);
-  a172 = REAL(0.0lf);
-  a173 = REAL(0.0lf);
-  a174 = REAL(0.0lf);
-  a175 = REAL(0.0lf);
-  a176 = REAL(0.0lf);
-  a177 = REAL(0.0lf);
-  a178 = REAL(0.0lf);
-  a179 = REAL(0.0lf);
-  a180 = REAL(0.0lf);
-  a181 = REAL(0.0lf);
-  a182 = REAL(0.0lf);
-  a183 = REAL(0.0lf);
-  a184 = REAL(0.0lf);
-  a185 = REAL(0.0lf);
-  a186 = REAL(0.0lf);
-  a187 = REAL(0.0lf);
-  a188 = REAL(0.0lf);
-  a189 = REAL(0.0lf);
-  a190 = REAL(0.0lf);
-  a191 = REAL(0.0lf);
-  a192 = REAL(0.0lf);
-  a193 = REAL(0.0lf);
-  a194 = REAL(0.0lf);
-  a195 = REAL(0.0lf);
-  a196 = REAL(0.0lf);
-  a197 = REAL(0.0lf);
-  a198 = REAL(0.0lf);
-  a199 = REAL(0.0lf);
-  a200 = REAL(0.0lf);
-  a201 = REAL(0.0lf);
-  a202 = REAL(0.0lf);
-  a203 = REAL(0.0lf);
-  a204 = REAL(0.0lf);
-  a205 = REAL(0.0lf);
-  a206 = REAL(0.0lf);
-  a207 = REAL(0.0lf);
-  a208 = REAL(0.0lf);
-  a209 = REAL(0.0lf);
-  a210 = REAL(0.0lf);
-  a211 = REAL(0.0lf);
-  a212 = REAL(0.0lf);
-  a213 = REAL(0.0lf);
-  a214 = REAL(0.0lf);
-  a215 = REAL(0.0lf);
-  a216 = REAL(0.0lf);
-  a217 = REAL(0.0lf);
-  a218 = REAL(0.0lf);
-  a219 = REAL(0.0lf);
-  a220 = REAL(0.0lf);
-  a221 = REAL(0.0lf);
-  a222 = REAL(0.0lf);
-  a223 = REAL(0.0lf);
-  a224 = REAL(0.0lf);
-  a225 = REAL(0.0lf);
-  a226 = REAL(0.0lf);
-  a227 = REAL(0.0lf);
-  a228 = REAL(0.0lf);
-  a229 = REAL(0.0lf);
-  a230 = REAL(0.0lf);
-  a231 = REAL(0.0lf);
-  a232 = REAL(0.0lf);
-  a233 = REAL(0.0lf);
-  a234 = REAL(0.0lf);
-  a235 = REAL(0.0lf);
-  a236 = REAL(0.0lf);
-  a237 = REAL(0.0lf);
-  a238 = REAL(0.0lf);
-  a239 = REAL(0.0lf);
-  a240 = REAL(0.0lf);
-  a241 = REAL(0.0lf);
-  a242 = REAL(0.0lf);
-  a243 = REAL(0.0lf);
-  a244 = REAL(0.0lf);
-  a245 = REAL(0.0lf);
-  a246 = REAL(0.0lf);
-  a247 = REAL(0.0lf);
-  a248 = REAL(0.0lf);
-  a249 = REAL(0.0lf);
-  a250 = REAL(0.0lf);
-  a251 = REAL(0.0lf);
-  a252 = REAL(0.0lf);
-  a253 = REAL(0.0lf);
-  a254 = REAL(0.0lf);
-  a255 = REAL(0.0lf);
-  a256 = REAL(0.0lf);
-  a257 = REAL(0.0lf);
-  a258 = REAL(0.0lf);
-  a259 = REAL(0.0lf);
-  a260 = REAL(0.0lf);
-  a261 = REAL(0.0lf);
-  a262 = REAL(0.0lf);
-  a263 = REAL(0.0lf);
-  a264 = REAL(0.0lf);
-  a265 = REAL(0.0lf);
-  a266 = REAL(0.0lf);
-  a267 = REAL(0.0lf);
-  a268 = REAL(0.0lf);
-  a269 = REAL(0.0lf);
-  a270 = REAL(0.0lf);
-  a271 = REAL(0.0lf);
-  a272 = REAL(0.0lf);
-  a273 = REAL(0.0lf);
-  a274 = REAL(0.0lf);
-  a275 = REAL(0.0lf);
-  a276 = REAL(0.0lf);
-  a277 = REAL(0.0lf);
-  a278 = REAL(0.0lf);
-  a279 = REAL(0.0lf);
-  a280 = REAL(0.0lf);
-  a281 = REAL(0.0lf);
-  a282 = REAL(0.0lf);
-  a283 = REAL(0.0lf);
-  a284 = REAL(0.0lf);
-  a285 = REAL(0.0lf);
-  a286 = REAL(0.0lf);
-  a287 = REAL(0.0lf);
-  a288 = REAL(0.0lf);
-  a289 = REAL(0.0lf);
-  a290 = REAL(0.0lf);
-  a291 = REAL(0.0lf);
-  a292 = REAL(0.0lf);
-  a293 = REAL(0.0lf);
-  a294 = REAL(0.0lf);
-  a295 = REAL(0.0lf);
-  a296 = REAL(0.0lf);
-  a297 = REAL(0.0lf);
-  a298 = REAL(0.0lf);
-  a299 = REAL(0.0lf);
-  a300 = REAL(0.0lf);
-  a301 = REAL(0.0lf);
-  a302 = REAL(0.0lf);
-  a303 = REAL(0.0lf);
-  a304 = REAL(0.0lf);
-  a305 = REAL(0.0lf);
-  a306 = REAL(0.0lf);
-  a307 = REAL(0.0lf);
-  a308 = REAL(0.0lf);
-  a309 = REAL(0.0lf);
-  a310 = REAL(0.0lf);
-  a311 = REAL(0.0lf);
-  a312 = REAL(0.0lf);
-  a313 = REAL(0.0lf);
-  a314 = REAL(0.0lf);
-  a315 = REAL(0.0lf);
-  a316 = REAL(0.0lf);
-  a317 = REAL(0.0lf);
-  a318 = REAL(0.0lf);
-  a319 = REAL(0.0lf);
-  a320 = REAL(0.0lf);
-  a321 = REAL(0.0lf);
-  a322 = REAL(0.0lf);
-  a323 = REAL(0.0lf);
-  a324 = REAL(0.0lf);
-  a325 = REAL(0.0lf);
-  a326 = REAL(0.0lf);
-  a327 = REAL(0.0lf);
-  a328 = REAL(0.0lf);
-  a329 = REAL(0.0lf);
-  a330 = REAL(0.0lf);
-  a331 = REAL(0.0lf);
-  a332 = REAL(0.0lf);
-  a333 = REAL(0.0lf);
-  a334 = REAL(0.0lf);
-  a335 = REAL(0.0lf);
-  a336 = REAL(0.0lf);
-  a337 = REAL(0.0lf);
-  a338 = REAL(0.0lf);
-  a339 = REAL(0.0lf);
-  a340 = REAL(0.0lf);
-  a341 = REAL(0.0lf);
-  a342 = REAL(0.0lf);
-  a343 = REAL(0.0lf);
-  a344 = REAL(0.0lf);
-  a345 = REAL(0.0lf);
-  a346 = REAL(0.0lf);
-  a347 = REAL(0.0lf);
-  a348 = REAL(0.0lf);
-  a349 = REAL(0.0lf);
-  a350 = REAL(0.0lf);
-  a351 = REAL(0.0lf);
-  a352 = REAL(0.0lf);
-  a353 = REAL(0.0lf);
-  a354 = REAL(0.0lf);
-  a355 = REAL(0.0lf);
-  a356 = REAL(0.0lf);
-  a357 = REAL(0.0lf);
-  a358 = REAL(0.0lf);
-  a359 = REAL(0.0lf);
-  a360 = REAL(0.0lf);
-  a361 = REAL(0.0lf);
-  a362 = REAL(0.0lf);
-  a363 = REAL(0.0lf);
-  a364 = REAL(0.0lf);
-  a365 = REAL(0.0lf);
-  a366 = REAL(0.0lf);
-  a367 = REAL(0.0lf);
-  a368 = REAL(0.0lf);
-  a369 = REAL(0.0lf);
-  a370 = REAL(0.0lf);
-  a371 = REAL(0.0lf);
-  a372 = REAL(0.0lf);
-  a373 = REAL(0.0lf);
-  a374 = REAL(0.0lf);
-  a375 = REAL(0.0lf);
-  a376 = REAL(0.0lf);
-  a377 = REAL(0.0lf);
-  a378 = REAL(0.0lf);
-  a379 = REAL(0.0lf);
-  a380 = REAL(0.0lf);
-  a381 = REAL(0.0lf);
-  a382 = REAL(0.0lf);
-  a383 = REAL(0.0lf);
-  a384 = REAL(0.0lf);
-  a385 = REAL(0.0lf);
-  a386 = REAL(0.0lf);
-  a387 = REAL(0.0lf);
-  a388 = REAL(0.0lf);
-  a389 = REAL(0.0lf);
-  a390 = REAL(0.0lf);
-  a391 = REAL(0.0lf);
-  a392 = REAL(0.0lf);
-  a393 = REAL(0.0lf);
-  a394 = REAL(0.0lf);
-  a395 = REAL(0.0lf);
-  a396 = REAL(0.0lf);
-  a397 = REAL(0.0lf);
-  a398 = REAL(0.0lf);
-  a399 = REAL(0.0lf);
-  a400 = REAL(0.0lf);
-  a401 = REAL(0.0lf);
-  a402 = REAL(0.0lf);
-  a403 = REAL(0.0lf);
-  a404 = REAL(0.0lf);
-  a405 = REAL(0.0lf);
-  a406 = REAL(0.0lf);
-  a407 = REAL(0.0lf);
-  a408 = REAL(0.0lf);
-  a409 = REAL(0.0lf);
-  a410 = REAL(0.0lf);
-  a411 = REAL(0.0lf);
-  a412 = REAL(0.0lf);
-  a413 = REAL(0.0lf);
-  a414 = REAL(0.0lf);
-  a415 = REAL(0.0lf);
-  a416 = REAL(0.0lf);
-  a417 = REAL(0.0lf);
-  a418 = REAL(0.0lf);
-  a419 = REAL(0.0lf);
-  a420 = REAL(0.0lf);
-  a421 = REAL(0.0lf);
-  a422 = REAL(0.0lf);
-  a423 = REAL(0.0lf);
-  a424 = REAL(0.0lf);
-  a425 = REAL(0.0lf);
-  a426 = REAL(0.0lf);
-  a427 = REAL(0.0lf);
-  a428 = REAL(0.0lf);
-  a429 = REAL(0.0lf);
+  CLEAR0(a0);
+  CLEAR2(a1);
+  CLEAR0(a2);
+  CLEAR1(a3);
+  CLEAR0(a4);
+  CLEAR1(a5);
+  CLEAR2(a6);
+  CLEAR0(a7);
+  CLEAR1(a8);
+  CLEAR2(a9);
+  CLEAR0(a10);
+  CLEAR1(a11);
+  CLEAR2(a12);
+  CLEAR0(a13);
+  CLEAR1(a14);
+  CLEAR2(a15);
+  CLEAR0(a16);
+  CLEAR1(a17);
+  CLEAR2(a18);
+  CLEAR0(a19);
+  CLEAR1(a20);
+  CLEAR2(a21);
+  CLEAR0(a22);
+  CLEAR1(a23);
+  CLEAR2(a24);
+  CLEAR0(a25);
+  CLEAR1(a26);
+  CLEAR2(a27);
+  CLEAR0(a28);
+  CLEAR1(a29);
+  CLEAR2(a30);
+  CLEAR1(a31);
+  CLEAR2(a32);
+  CLEAR2(a33);
+  CLEAR0(a34);
+  CLEAR1(a35);
+  CLEAR0(a36);
+  CLEAR1(a37);
+  CLEAR2(a38);
+  CLEAR0(a39);
+  CLEAR1(a40);
+  CLEAR2(a41);
+  CLEAR0(a42);
+  CLEAR1(a43);
+  CLEAR2(a44);
+  CLEAR0(a45);
+  CLEAR1(a46);
+  CLEAR2(a47);
+  CLEAR0(a48);
+  CLEAR1(a49);
+  CLEAR2(a50);
+  CLEAR0(a51);
+  CLEAR1(a52);
+  CLEAR2(a53);
+  CLEAR0(a54);
+  CLEAR1(a55);
+  CLEAR2(a56);
+  CLEAR0(a57);
+  CLEAR1(a58);
+  CLEAR2(a59);
+  CLEAR0(a60);
+  CLEAR1(a61);
+  CLEAR2(a62);
+  CLEAR1(a63);
+  CLEAR2(a64);
+  CLEAR2(a65);
+  CLEAR0(a66);
+  CLEAR1(a67);
+  CLEAR0(a68);
+  CLEAR1(a69);
+  CLEAR2(a70);
+  CLEAR0(a71);
+  CLEAR1(a72);
+  CLEAR2(a73);
+  CLEAR0(a74);
+  CLEAR1(a75);
+  CLEAR2(a76);
+  CLEAR0(a77);
+  CLEAR1(a78);
+  CLEAR2(a79);
+  CLEAR0(a80);
+  CLEAR1(a81);
+  CLEAR2(a82);
+  CLEAR0(a83);
+  CLEAR1(a84);
+  CLEAR2(a85);
+  CLEAR0(a86);
+  CLEAR1(a87);
+  CLEAR2(a88);
+  CLEAR0(a89);
+  CLEAR1(a90);
+  CLEAR2(a91);
+  CLEAR0(a92);
+  CLEAR1(a93);
+  CLEAR2(a94);
+  CLEAR1(a95);
+  CLEAR2(a96);
+  CLEAR2(a97);
+  CLEAR0(a98);
+  CLEAR1(a99);
+  CLEAR2(a100);
+  CLEAR0(a101);
+  CLEAR1(a102);
+  CLEAR2(a103);
+  CLEAR0(a104);
+  CLEAR1(a105);
+  CLEAR2(a106);
+  CLEAR0(a107);
+  CLEAR1(a108);
+  CLEAR2(a109);
+  CLEAR0(a110);
+  CLEAR1(a111);
+  CLEAR2(a112);
+  CLEAR0(a113);
+  CLEAR1(a114);
+  CLEAR2(a115);
+  CLEAR0(a116);
+  CLEAR1(a117);
+  CLEAR2(a118);
+  CLEAR0(a119);
+  CLEAR1(a120);
+  CLEAR2(a121);
+  CLEAR0(a122);
+  CLEAR1(a123);
+  CLEAR2(a124);
+  CLEAR1(a125);
+  CLEAR2(a126);
+  CLEAR2(a127);
+  CLEAR0(a128);
+  CLEAR1(a129);
+  CLEAR2(a130);
+  CLEAR0(a131);
+  CLEAR1(a132);
+  CLEAR2(a133);
+  CLEAR0(a134);
+  CLEAR1(a135);
+  CLEAR2(a136);
+  CLEAR0(a137);
+  CLEAR1(a138);
+  CLEAR2(a139);
+  CLEAR0(a140);
+  CLEAR1(a141);
+  CLEAR2(a142);
+  CLEAR0(a143);
+  CLEAR1(a144);
+  CLEAR2(a145);
+  CLEAR0(a146);
+  CLEAR1(a147);
+  CLEAR2(a148);
+  CLEAR0(a149);
+  CLEAR1(a150);
+  CLEAR2(a151);
+  CLEAR0(a152);
+  CLEAR1(a153);
+  CLEAR2(a154);
+  CLEAR1(a155);
+  CLEAR2(a156);
+  CLEAR2(a157);
+  CLEAR0(a158);
+  CLEAR1(a159);
+  CLEAR2(a160);
+  CLEAR0(a161);
+  CLEAR1(a162);
+  CLEAR2(a163);
+  CLEAR0(a164);
+  CLEAR1(a165);
+  CLEAR2(a166);
+  CLEAR0(a167);
+  CLEAR1(a168);
+  CLEAR2(a169);
+  CLEAR0(a170);
+  CLEAR1(a171);
+  CLEAR2(a172);
+  CLEAR0(a173);
+  CLEAR1(a174);
+  CLEAR2(a175);
+  CLEAR0(a176);
+  CLEAR1(a177);
+  CLEAR2(a178);
+  CLEAR0(a179);
+  CLEAR1(a180);
+  CLEAR2(a181);
+  CLEAR1(a182);
+  CLEAR2(a183);
+  CLEAR2(a184);
+  CLEAR0(a185);
+  CLEAR1(a186);
+  CLEAR2(a187);
+  CLEAR0(a188);
+  CLEAR1(a189);
+  CLEAR2(a190);
+  CLEAR0(a191);
+  CLEAR1(a192);
+  CLEAR2(a193);
+  CLEAR0(a194);
+  CLEAR1(a195);
+  CLEAR2(a196);
+  CLEAR0(a197);
+  CLEAR1(a198);
+  CLEAR2(a199);
+  CLEAR0(a200);
+  CLEAR1(a201);
+  CLEAR2(a202);
+  CLEAR0(a203);
+  CLEAR1(a204);
+  CLEAR2(a205);
+  CLEAR0(a206);
+  CLEAR1(a207);
+  CLEAR2(a208);
+  CLEAR1(a209);
+  CLEAR2(a210);
+  CLEAR2(a211);
+  CLEAR0(a212);
+  CLEAR1(a213);
+  CLEAR2(a214);
+  CLEAR0(a215);
+  CLEAR1(a216);
+  CLEAR2(a217);
+  CLEAR0(a218);
+  CLEAR1(a219);
+  CLEAR2(a220);
+  CLEAR0(a221);
+  CLEAR1(a222);
+  CLEAR2(a223);
+  CLEAR0(a224);
+  CLEAR1(a225);
+  CLEAR2(a226);
+  CLEAR0(a227);
+  CLEAR1(a228);
+  CLEAR2(a229);
+  CLEAR0(a230);
+  CLEAR1(a231);
+  CLEAR2(a232);
+  CLEAR1(a233);
+  CLEAR2(a234);
+  CLEAR2(a235);
+  CLEAR0(a236);
+  CLEAR1(a237);
+  CLEAR2(a238);
+  CLEAR0(a239);
+  CLEAR1(a240);
+  CLEAR2(a241);
+  CLEAR0(a242);
+  CLEAR1(a243);
+  CLEAR2(a244);
+  CLEAR0(a245);
+  CLEAR1(a246);
+  CLEAR2(a247);
+  CLEAR0(a248);
+  CLEAR1(a249);
+  CLEAR2(a250);
+  CLEAR0(a251);
+  CLEAR1(a252);
+  CLEAR2(a253);
+  CLEAR0(a254);
+  CLEAR1(a255);
+  CLEAR2(a256);
+  CLEAR1(a257);
+  CLEAR2(a258);
+  CLEAR2(a259);
+  CLEAR0(a260);
+  CLEAR1(a261);
+  CLEAR2(a262);
+  CLEAR0(a263);
+  CLEAR1(a264);
+  CLEAR2(a265);
+  CLEAR0(a266);
+  CLEAR1(a267);
+  CLEAR2(a268);
+  CLEAR0(a269);
+  CLEAR1(a270);
+  CLEAR2(a271);
+  CLEAR0(a272);
+  CLEAR1(a273);
+  CLEAR2(a274);
+  CLEAR0(a275);
+  CLEAR1(a276);
+  CLEAR2(a277);
+  CLEAR1(a278);
+  CLEAR2(a279);
+  CLEAR2(a280);
+  CLEAR0(a281);
+  CLEAR1(a282);
+  CLEAR2(a283);
+  CLEAR0(a284);
+  CLEAR1(a285);
+  CLEAR2(a286);
+  CLEAR0(a287);
+  CLEAR1(a288);
+  CLEAR2(a289);
+  CLEAR0(a290);
+  CLEAR1(a291);
+  CLEAR2(a292);
+  CLEAR0(a293);
+  CLEAR1(a294);
+  CLEAR2(a295);
+  CLEAR0(a296);
+  CLEAR1(a297);
+  CLEAR2(a298);
+  CLEAR1(a299);
+  CLEAR2(a300);
+  CLEAR2(a301);
+  CLEAR0(a302);
+  CLEAR1(a303);
+  CLEAR2(a304);
+  CLEAR0(a305);
+  CLEAR1(a306);
+  CLEAR2(a307);
+  CLEAR0(a308);
+  CLEAR1(a309);
+  CLEAR2(a310);
+  CLEAR0(a311);
+  CLEAR1(a312);
+  CLEAR2(a313);
+  CLEAR0(a314);
+  CLEAR1(a315);
+  CLEAR2(a316);
+  CLEAR1(a317);
+  CLEAR2(a318);
+  CLEAR2(a319);
+  CLEAR0(a320);
+  CLEAR1(a321);
+  CLEAR2(a322);
+  CLEAR0(a323);
+  CLEAR1(a324);
+  CLEAR2(a325);
+  CLEAR0(a326);
+  CLEAR1(a327);
+  CLEAR2(a328);
+  CLEAR0(a329);
+  CLEAR1(a330);
+  CLEAR2(a331);
+  CLEAR0(a332);
+  CLEAR1(a333);
+  CLEAR2(a334);
+  CLEAR1(a335);
+  CLEAR2(a336);
+  CLEAR2(a337);
+  CLEAR0(a338);
+  CLEAR1(a339);
+  CLEAR2(a340);
+  CLEAR0(a341);
+  CLEAR1(a342);
+  CLEAR2(a343);
+  CLEAR0(a344);
+  CLEAR1(a345);
+  CLEAR2(a346);
+  CLEAR0(a347);
+  CLEAR1(a348);
+  CLEAR2(a349);
+  CLEAR1(a350);
+  CLEAR2(a351);
+  CLEAR2(a352);
+  CLEAR0(a353);
+  CLEAR1(a354);
+  CLEAR2(a355);
+  CLEAR0(a356);
+  CLEAR1(a357);
+  CLEAR2(a358);
+  CLEAR0(a359);
+  CLEAR1(a360);
+  CLEAR2(a361);
+  CLEAR0(a362);
+  CLEAR1(a363);
+  CLEAR2(a364);
+  CLEAR1(a365);
+  CLEAR2(a366);
+  CLEAR2(a367);
+  CLEAR0(a368);
+  CLEAR1(a369);
+  CLEAR2(a370);
+  CLEAR0(a371);
+  CLEAR1(a372);
+  CLEAR2(a373);
+  CLEAR0(a374);
+  CLEAR1(a375);
+  CLEAR2(a376);
+  CLEAR1(a377);
+  CLEAR2(a378);
+  CLEAR2(a379);
+  CLEAR0(a380);
+  CLEAR1(a381);
+  CLEAR2(a382);
+  CLEAR0(a383);
+  CLEAR1(a384);
+  CLEAR2(a385);
+  CLEAR0(a386);
+  CLEAR1(a387);
+  CLEAR2(a388);
+  CLEAR1(a389);
+  CLEAR2(a390);
+  CLEAR2(a391);
+  CLEAR0(a392);
+  CLEAR1(a393);
+  CLEAR2(a394);
+  CLEAR0(a395);
+  CLEAR1(a396);
+  CLEAR2(a397);
+  CLEAR1(a398);
+  CLEAR2(a399);
+  CLEAR2(a400);
+  CLEAR0(a401);
+  CLEAR1(a402);
+  CLEAR2(a403);
+  CLEAR0(a404);
+  CLEAR1(a405);
+  CLEAR2(a406);
+  CLEAR1(a407);
+  CLEAR2(a408);
+  CLEAR2(a409);
+  CLEAR0(a410);
+  CLEAR1(a411);
+  CLEAR2(a412);
+  CLEAR1(a413);
+  CLEAR2(a414);
+  CLEAR2(a415);
+  CLEAR0(a416);
+  CLEAR1(a417);
+  CLEAR2(a418);
+  CLEAR1(a419);
+  CLEAR2(a420);
+  CLEAR2(a421);
+  CLEAR1(a422);
+  CLEAR2(a423);
+  CLEAR2(a424);
+  CLEAR1(a425);
+  CLEAR2(a426);
+  CLEAR2(a427);
+  CLEAR2(a428);
+  CLEAR2(a429);
 }
 
 /* Adds one light. x, y, z: its direction; delta: 1 - h/d; es: radiance r^2/d^2; invh: 1/h; far: d/h^3;
 ** first: es/(1+alpha), in a light twice the radiance (and es = 0). */
 void add_light(real x, real y, real z, real delta, real es, real invh, real far, real first) {
-  a0 += first;
-  a1 += es * far;
-  a2 += z * es;
+  ADD0(a0, first);
+  ADD2(a1, es * far);
+  ADD0(a2, z * es);
   real t1 = es * invh;
-  a3 += z * t1;
+  ADD1(a3, z * t1);
   real t2 = delta * es;
   real t3 = es - t2;
   real t4 = z * z - REAL(0.33333333333333331lf);
-  a4 += t3 * t4;
+  ADD0(a4, t3 * t4);
   real t5 = invh * t3;
-  a5 += t5 * t4;
+  ADD1(a5, t5 * t4);
   real t6 = t2 * REAL(0.2lf) + delta * t3;
   real t7 = t3 - t6 * REAL(1.25lf);
   real t8 = far * (t7 + es * REAL(0.66666666666666663lf));
-  a6 += t8 * t4;
+  ADD2(a6, t8 * t4);
   real t9 = z * t4 - z * REAL(0.26666666666666666lf);
-  a7 += t7 * t9;
+  ADD0(a7, t7 * t9);
   real t10 = invh * t7;
-  a8 += t10 * t9;
+  ADD1(a8, t10 * t9);
   real t11 = t6 * REAL(0.35714285714285715lf) + delta * t7;
   real t12 = t7 - t11 * REAL(1.4lf);
   real t13 = far * (t12 + t3 * REAL(0.75lf));
-  a9 += t13 * t9;
+  ADD2(a9, t13 * t9);
   real t14 = z * t9 - t4 * REAL(0.25714285714285712lf);
-  a10 += t12 * t14;
+  ADD0(a10, t12 * t14);
   real t15 = invh * t12;
-  a11 += t15 * t14;
+  ADD1(a11, t15 * t14);
   real t16 = t11 * REAL(0.46666666666666667lf) + delta * t12;
   real t17 = t12 - t16 * REAL(1.5lf);
   real t18 = far * (t17 + t7 * REAL(0.8lf));
-  a12 += t18 * t14;
+  ADD2(a12, t18 * t14);
   real t19 = z * t14 - t9 * REAL(0.25396825396825395lf);
-  a13 += t17 * t19;
+  ADD0(a13, t17 * t19);
   real t20 = invh * t17;
-  a14 += t20 * t19;
+  ADD1(a14, t20 * t19);
   real t21 = t16 * REAL(0.54545454545454541lf) + delta * t17;
   real t22 = t17 - t21 * REAL(1.5714285714285714lf);
   real t23 = far * (t22 + t12 * REAL(0.83333333333333337lf));
-  a15 += t23 * t19;
+  ADD2(a15, t23 * t19);
   real t24 = z * t19 - t14 * REAL(0.25252525252525254lf);
-  a16 += t22 * t24;
+  ADD0(a16, t22 * t24);
   real t25 = invh * t22;
-  a17 += t25 * t24;
+  ADD1(a17, t25 * t24);
   real t26 = t21 * REAL(0.60439560439560436lf) + delta * t22;
   real t27 = t22 - t26 * REAL(1.625lf);
   real t28 = far * (t27 + t17 * REAL(0.8571428571428571lf));
-  a18 += t28 * t24;
+  ADD2(a18, t28 * t24);
   real t29 = z * t24 - t19 * REAL(0.25174825174825177lf);
-  a19 += t27 * t29;
+  ADD0(a19, t27 * t29);
   real t30 = invh * t27;
-  a20 += t30 * t29;
+  ADD1(a20, t30 * t29);
   real t31 = t26 * REAL(0.65lf) + delta * t27;
   real t32 = t27 - t31 * REAL(1.6666666666666667lf);
   real t33 = far * (t32 + t22 * REAL(0.875lf));
-  a21 += t33 * t29;
+  ADD2(a21, t33 * t29);
   real t34 = z * t29 - t24 * REAL(0.25128205128205128lf);
-  a22 += t32 * t34;
+  ADD0(a22, t32 * t34);
   real t35 = invh * t32;
-  a23 += t35 * t34;
+  ADD1(a23, t35 * t34);
   real t36 = t31 * REAL(0.68627450980392157lf) + delta * t32;
   real t37 = t32 - t36 * REAL(1.7lf);
   real t38 = far * (t37 + t27 * REAL(0.88888888888888884lf));
-  a24 += t38 * t34;
+  ADD2(a24, t38 * t34);
   real t39 = z * t34 - t29 * REAL(0.25098039215686274lf);
-  a25 += t37 * t39;
+  ADD0(a25, t37 * t39);
   real t40 = invh * t37;
-  a26 += t40 * t39;
+  ADD1(a26, t40 * t39);
   real t41 = t36 * REAL(0.71578947368421053lf) + delta * t37;
   real t42 = t37 - t41 * REAL(1.7272727272727273lf);
   real t43 = far * (t42 + t32 * REAL(0.9lf));
-  a27 += t43 * t39;
+  ADD2(a27, t43 * t39);
   real t44 = z * t39 - t34 * REAL(0.25077399380804954lf);
-  a28 += t42 * t44;
+  ADD0(a28, t42 * t44);
   real t45 = invh * t42;
-  a29 += t45 * t44;
+  ADD1(a29, t45 * t44);
   real t46 = t41 * REAL(0.74025974025974028lf) + delta * t42;
   real t47 = t42 - t46 * REAL(1.75lf);
   real t48 = far * (t47 + t37 * REAL(0.90909090909090906lf));
-  a30 += t48 * t44;
+  ADD2(a30, t48 * t44);
   real t49 = invh * t47;
   real t50 = z * t44 - t39 * REAL(0.25062656641604009lf);
-  a31 += t49 * t50;
+  ADD1(a31, t49 * t50);
   real t51 = t46 * REAL(0.76086956521739135lf) + delta * t47;
   real t52 = t47 - t51 * REAL(1.7692307692307692lf);
   real t53 = far * (t52 + t42 * REAL(0.91666666666666663lf));
-  a32 += t53 * t50;
+  ADD2(a32, t53 * t50);
   real t54 = (t51 * REAL(0.77846153846153843lf) + delta * t52) * REAL(1.7857142857142858lf);
   real t55 = far * (t52 - t54 + t47 * REAL(0.92307692307692313lf));
-  a33 += t55 * (z * t50 - t44 * REAL(0.25051759834368531lf));
-  a34 += x * es;
-  a35 += x * t1;
+  ADD2(a33, t55 * (z * t50 - t44 * REAL(0.25051759834368531lf)));
+  ADD0(a34, x * es);
+  ADD1(a35, x * t1);
   real t56 = x * z;
-  a36 += t3 * t56;
-  a37 += t5 * t56;
-  a38 += t8 * t56;
+  ADD0(a36, t3 * t56);
+  ADD1(a37, t5 * t56);
+  ADD2(a38, t8 * t56);
   real t57 = z * t56 - x * REAL(0.2lf);
-  a39 += t7 * t57;
-  a40 += t10 * t57;
-  a41 += t13 * t57;
+  ADD0(a39, t7 * t57);
+  ADD1(a40, t10 * t57);
+  ADD2(a41, t13 * t57);
   real t58 = z * t57 - t56 * REAL(0.22857142857142856lf);
-  a42 += t12 * t58;
-  a43 += t15 * t58;
-  a44 += t18 * t58;
+  ADD0(a42, t12 * t58);
+  ADD1(a43, t15 * t58);
+  ADD2(a44, t18 * t58);
   real t59 = z * t58 - t57 * REAL(0.23809523809523808lf);
-  a45 += t17 * t59;
-  a46 += t20 * t59;
-  a47 += t23 * t59;
+  ADD0(a45, t17 * t59);
+  ADD1(a46, t20 * t59);
+  ADD2(a47, t23 * t59);
   real t60 = z * t59 - t58 * REAL(0.24242424242424243lf);
-  a48 += t22 * t60;
-  a49 += t25 * t60;
-  a50 += t28 * t60;
+  ADD0(a48, t22 * t60);
+  ADD1(a49, t25 * t60);
+  ADD2(a50, t28 * t60);
   real t61 = z * t60 - t59 * REAL(0.24475524475524477lf);
-  a51 += t27 * t61;
-  a52 += t30 * t61;
-  a53 += t33 * t61;
+  ADD0(a51, t27 * t61);
+  ADD1(a52, t30 * t61);
+  ADD2(a53, t33 * t61);
   real t62 = z * t61 - t60 * REAL(0.24615384615384617lf);
-  a54 += t32 * t62;
-  a55 += t35 * t62;
-  a56 += t38 * t62;
+  ADD0(a54, t32 * t62);
+  ADD1(a55, t35 * t62);
+  ADD2(a56, t38 * t62);
   real t63 = z * t62 - t61 * REAL(0.24705882352941178lf);
-  a57 += t37 * t63;
-  a58 += t40 * t63;
-  a59 += t43 * t63;
+  ADD0(a57, t37 * t63);
+  ADD1(a58, t40 * t63);
+  ADD2(a59, t43 * t63);
   real t64 = z * t63 - t62 * REAL(0.24767801857585139lf);
-  a60 += t42 * t64;
-  a61 += t45 * t64;
-  a62 += t48 * t64;
+  ADD0(a60, t42 * t64);
+  ADD1(a61, t45 * t64);
+  ADD2(a62, t48 * t64);
   real t65 = z * t64 - t63 * REAL(0.24812030075187969lf);
-  a63 += t49 * t65;
-  a64 += t53 * t65;
-  a65 += t55 * (z * t65 - t64 * REAL(0.2484472049689441lf));
-  a66 += y * es;
-  a67 += y * t1;
+  ADD1(a63, t49 * t65);
+  ADD2(a64, t53 * t65);
+  ADD2(a65, t55 * (z * t65 - t64 * REAL(0.2484472049689441lf)));
+  ADD0(a66, y * es);
+  ADD1(a67, y * t1);
   real t66 = y * z;
-  a68 += t3 * t66;
-  a69 += t5 * t66;
-  a70 += t8 * t66;
+  ADD0(a68, t3 * t66);
+  ADD1(a69, t5 * t66);
+  ADD2(a70, t8 * t66);
   real t67 = z * t66 - y * REAL(0.2lf);
-  a71 += t7 * t67;
-  a72 += t10 * t67;
-  a73 += t13 * t67;
+  ADD0(a71, t7 * t67);
+  ADD1(a72, t10 * t67);
+  ADD2(a73, t13 * t67);
   real t68 = z * t67 - REAL(0.22857142857142856lf) * t66;
-  a74 += t12 * t68;
-  a75 += t15 * t68;
-  a76 += t18 * t68;
+  ADD0(a74, t12 * t68);
+  ADD1(a75, t15 * t68);
+  ADD2(a76, t18 * t68);
   real t69 = z * t68 - REAL(0.23809523809523808lf) * t67;
-  a77 += t17 * t69;
-  a78 += t20 * t69;
-  a79 += t23 * t69;
+  ADD0(a77, t17 * t69);
+  ADD1(a78, t20 * t69);
+  ADD2(a79, t23 * t69);
   real t70 = z * t69 - REAL(0.24242424242424243lf) * t68;
-  a80 += t22 * t70;
-  a81 += t25 * t70;
-  a82 += t28 * t70;
+  ADD0(a80, t22 * t70);
+  ADD1(a81, t25 * t70);
+  ADD2(a82, t28 * t70);
   real t71 = z * t70 - REAL(0.24475524475524477lf) * t69;
-  a83 += t27 * t71;
-  a84 += t30 * t71;
-  a85 += t33 * t71;
+  ADD0(a83, t27 * t71);
+  ADD1(a84, t30 * t71);
+  ADD2(a85, t33 * t71);
   real t72 = z * t71 - REAL(0.24615384615384617lf) * t70;
-  a86 += t32 * t72;
-  a87 += t35 * t72;
-  a88 += t38 * t72;
+  ADD0(a86, t32 * t72);
+  ADD1(a87, t35 * t72);
+  ADD2(a88, t38 * t72);
   real t73 = z * t72 - REAL(0.24705882352941178lf) * t71;
-  a89 += t37 * t73;
-  a90 += t40 * t73;
-  a91 += t43 * t73;
+  ADD0(a89, t37 * t73);
+  ADD1(a90, t40 * t73);
+  ADD2(a91, t43 * t73);
   real t74 = z * t73 - REAL(0.24767801857585139lf) * t72;
-  a92 += t42 * t74;
-  a93 += t45 * t74;
-  a94 += t48 * t74;
+  ADD0(a92, t42 * t74);
+  ADD1(a93, t45 * t74);
+  ADD2(a94, t48 * t74);
   real t75 = z * t74 - REAL(0.24812030075187969lf) * t73;
-  a95 += t49 * t75;
-  a96 += t53 * t75;
-  a97 += t55 * (z * t75 - REAL(0.2484472049689441lf) * t74);
+  ADD1(a95, t49 * t75);
+  ADD2(a96, t53 * t75);
+  ADD2(a97, t55 * (z * t75 - REAL(0.2484472049689441lf) * t74));
   real t76 = x * x - y * y;
-  a98 += t3 * t76;
-  a99 += t5 * t76;
-  a100 += t8 * t76;
+  ADD0(a98, t3 * t76);
+  ADD1(a99, t5 * t76);
+  ADD2(a100, t8 * t76);
   real t77 = z * t76;
-  a101 += t7 * t77;
-  a102 += t10 * t77;
-  a103 += t13 * t77;
+  ADD0(a101, t7 * t77);
+  ADD1(a102, t10 * t77);
+  ADD2(a103, t13 * t77);
   real t78 = z * t77 - t76 * REAL(0.14285714285714285lf);
-  a104 += t12 * t78;
-  a105 += t15 * t78;
-  a106 += t18 * t78;
+  ADD0(a104, t12 * t78);
+  ADD1(a105, t15 * t78);
+  ADD2(a106, t18 * t78);
   real t79 = z * t78 - t77 * REAL(0.19047619047619047lf);
-  a107 += t17 * t79;
-  a108 += t20 * t79;
-  a109 += t23 * t79;
+  ADD0(a107, t17 * t79);
+  ADD1(a108, t20 * t79);
+  ADD2(a109, t23 * t79);
   real t80 = z * t79 - t78 * REAL(0.21212121212121213lf);
-  a110 += t22 * t80;
-  a111 += t25 * t80;
-  a112 += t28 * t80;
+  ADD0(a110, t22 * t80);
+  ADD1(a111, t25 * t80);
+  ADD2(a112, t28 * t80);
   real t81 = z * t80 - t79 * REAL(0.22377622377622378lf);
-  a113 += t27 * t81;
-  a114 += t30 * t81;
-  a115 += t33 * t81;
+  ADD0(a113, t27 * t81);
+  ADD1(a114, t30 * t81);
+  ADD2(a115, t33 * t81);
   real t82 = z * t81 - t80 * REAL(0.23076923076923078lf);
-  a116 += t32 * t82;
-  a117 += t35 * t82;
-  a118 += t38 * t82;
+  ADD0(a116, t32 * t82);
+  ADD1(a117, t35 * t82);
+  ADD2(a118, t38 * t82);
   real t83 = z * t82 - t81 * REAL(0.23529411764705882lf);
-  a119 += t37 * t83;
-  a120 += t40 * t83;
-  a121 += t43 * t83;
+  ADD0(a119, t37 * t83);
+  ADD1(a120, t40 * t83);
+  ADD2(a121, t43 * t83);
   real t84 = z * t83 - t82 * REAL(0.23839009287925697lf);
-  a122 += t42 * t84;
-  a123 += t45 * t84;
-  a124 += t48 * t84;
+  ADD0(a122, t42 * t84);
+  ADD1(a123, t45 * t84);
+  ADD2(a124, t48 * t84);
   real t85 = z * t84 - t83 * REAL(0.24060150375939848lf);
-  a125 += t49 * t85;
-  a126 += t53 * t85;
-  a127 += t55 * (z * t85 - t84 * REAL(0.24223602484472051lf));
+  ADD1(a125, t49 * t85);
+  ADD2(a126, t53 * t85);
+  ADD2(a127, t55 * (z * t85 - t84 * REAL(0.24223602484472051lf)));
   real t86 = x * y;
   real t87 = t86 + t86;
-  a128 += t3 * t87;
-  a129 += t5 * t87;
-  a130 += t8 * t87;
+  ADD0(a128, t3 * t87);
+  ADD1(a129, t5 * t87);
+  ADD2(a130, t8 * t87);
   real t88 = z * t87;
-  a131 += t7 * t88;
-  a132 += t10 * t88;
-  a133 += t13 * t88;
+  ADD0(a131, t7 * t88);
+  ADD1(a132, t10 * t88);
+  ADD2(a133, t13 * t88);
   real t89 = z * t88 - t87 * REAL(0.14285714285714285lf);
-  a134 += t12 * t89;
-  a135 += t15 * t89;
-  a136 += t18 * t89;
+  ADD0(a134, t12 * t89);
+  ADD1(a135, t15 * t89);
+  ADD2(a136, t18 * t89);
   real t90 = z * t89 - REAL(0.19047619047619047lf) * t88;
-  a137 += t17 * t90;
-  a138 += t20 * t90;
-  a139 += t23 * t90;
+  ADD0(a137, t17 * t90);
+  ADD1(a138, t20 * t90);
+  ADD2(a139, t23 * t90);
   real t91 = z * t90 - REAL(0.21212121212121213lf) * t89;
-  a140 += t22 * t91;
-  a141 += t25 * t91;
-  a142 += t28 * t91;
+  ADD0(a140, t22 * t91);
+  ADD1(a141, t25 * t91);
+  ADD2(a142, t28 * t91);
   real t92 = z * t91 - REAL(0.22377622377622378lf) * t90;
-  a143 += t27 * t92;
-  a144 += t30 * t92;
-  a145 += t33 * t92;
+  ADD0(a143, t27 * t92);
+  ADD1(a144, t30 * t92);
+  ADD2(a145, t33 * t92);
   real t93 = z * t92 - REAL(0.23076923076923078lf) * t91;
-  a146 += t32 * t93;
-  a147 += t35 * t93;
-  a148 += t38 * t93;
+  ADD0(a146, t32 * t93);
+  ADD1(a147, t35 * t93);
+  ADD2(a148, t38 * t93);
   real t94 = z * t93 - REAL(0.23529411764705882lf) * t92;
-  a149 += t37 * t94;
-  a150 += t40 * t94;
-  a151 += t43 * t94;
+  ADD0(a149, t37 * t94);
+  ADD1(a150, t40 * t94);
+  ADD2(a151, t43 * t94);
   real t95 = z * t94 - REAL(0.23839009287925697lf) * t93;
-  a152 += t42 * t95;
-  a153 += t45 * t95;
-  a154 += t48 * t95;
+  ADD0(a152, t42 * t95);
+  ADD1(a153, t45 * t95);
+  ADD2(a154, t48 * t95);
   real t96 = z * t95 - REAL(0.24060150375939848lf) * t94;
-  a155 += t49 * t96;
-  a156 += t53 * t96;
-  a157 += t55 * (z * t96 - REAL(0.24223602484472051lf) * t95);
+  ADD1(a155, t49 * t96);
+  ADD2(a156, t53 * t96);
+  ADD2(a157, t55 * (z * t96 - REAL(0.24223602484472051lf) * t95));
   real t97 = x * t76 - y * t87;
-  a158 += t7 * t97;
-  a159 += t10 * t97;
-  a160 += t13 * t97;
+  ADD0(a158, t7 * t97);
+  ADD1(a159, t10 * t97);
+  ADD2(a160, t13 * t97);
   real t98 = z * t97;
-  a161 += t12 * t98;
-  a162 += t15 * t98;
-  a163 += t18 * t98;
+  ADD0(a161, t12 * t98);
+  ADD1(a162, t15 * t98);
+  ADD2(a163, t18 * t98);
   real t99 = z * t98 - t97 * REAL(0.1111111111111111lf);
-  a164 += t17 * t99;
-  a165 += t20 * t99;
-  a166 += t23 * t99;
+  ADD0(a164, t17 * t99);
+  ADD1(a165, t20 * t99);
+  ADD2(a166, t23 * t99);
   real t100 = z * t99 - t98 * REAL(0.16161616161616163lf);
-  a167 += t22 * t100;
-  a168 += t25 * t100;
-  a169 += t28 * t100;
+  ADD0(a167, t22 * t100);
+  ADD1(a168, t25 * t100);
+  ADD2(a169, t28 * t100);
   real t101 = z * t100 - t99 * REAL(0.1888111888111888lf);
-  a170 += t27 * t101;
-  a171 += t30 * t101;
-  a172 += t33 * t101;
+  ADD0(a170, t27 * t101);
+  ADD1(a171, t30 * t101);
+  ADD2(a172, t33 * t101);
   real t102 = z * t101 - t100 * REAL(0.20512820512820512lf);
-  a173 += t32 * t102;
-  a174 += t35 * t102;
-  a175 += t38 * t102;
+  ADD0(a173, t32 * t102);
+  ADD1(a174, t35 * t102);
+  ADD2(a175, t38 * t102);
   real t103 = z * t102 - t101 * REAL(0.21568627450980393lf);
-  a176 += t37 * t103;
-  a177 += t40 * t103;
-  a178 += t43 * t103;
+  ADD0(a176, t37 * t103);
+  ADD1(a177, t40 * t103);
+  ADD2(a178, t43 * t103);
   real t104 = z * t103 - t102 * REAL(0.22291021671826625lf);
-  a179 += t42 * t104;
-  a180 += t45 * t104;
-  a181 += t48 * t104;
+  ADD0(a179, t42 * t104);
+  ADD1(a180, t45 * t104);
+  ADD2(a181, t48 * t104);
   real t105 = z * t104 - t103 * REAL(0.22807017543859648lf);
-  a182 += t49 * t105;
-  a183 += t53 * t105;
-  a184 += t55 * (z * t105 - t104 * REAL(0.2318840579710145lf));
+  ADD1(a182, t49 * t105);
+  ADD2(a183, t53 * t105);
+  ADD2(a184, t55 * (z * t105 - t104 * REAL(0.2318840579710145lf)));
   real t106 = x * t87 + y * t76;
-  a185 += t7 * t106;
-  a186 += t10 * t106;
-  a187 += t13 * t106;
+  ADD0(a185, t7 * t106);
+  ADD1(a186, t10 * t106);
+  ADD2(a187, t13 * t106);
   real t107 = z * t106;
-  a188 += t12 * t107;
-  a189 += t15 * t107;
-  a190 += t18 * t107;
+  ADD0(a188, t12 * t107);
+  ADD1(a189, t15 * t107);
+  ADD2(a190, t18 * t107);
   real t108 = z * t107 - t106 * REAL(0.1111111111111111lf);
-  a191 += t17 * t108;
-  a192 += t20 * t108;
-  a193 += t23 * t108;
+  ADD0(a191, t17 * t108);
+  ADD1(a192, t20 * t108);
+  ADD2(a193, t23 * t108);
   real t109 = z * t108 - REAL(0.16161616161616163lf) * t107;
-  a194 += t22 * t109;
-  a195 += t25 * t109;
-  a196 += t28 * t109;
+  ADD0(a194, t22 * t109);
+  ADD1(a195, t25 * t109);
+  ADD2(a196, t28 * t109);
   real t110 = z * t109 - REAL(0.1888111888111888lf) * t108;
-  a197 += t27 * t110;
-  a198 += t30 * t110;
-  a199 += t33 * t110;
+  ADD0(a197, t27 * t110);
+  ADD1(a198, t30 * t110);
+  ADD2(a199, t33 * t110);
   real t111 = z * t110 - REAL(0.20512820512820512lf) * t109;
-  a200 += t32 * t111;
-  a201 += t35 * t111;
-  a202 += t38 * t111;
+  ADD0(a200, t32 * t111);
+  ADD1(a201, t35 * t111);
+  ADD2(a202, t38 * t111);
   real t112 = z * t111 - REAL(0.21568627450980393lf) * t110;
-  a203 += t37 * t112;
-  a204 += t40 * t112;
-  a205 += t43 * t112;
+  ADD0(a203, t37 * t112);
+  ADD1(a204, t40 * t112);
+  ADD2(a205, t43 * t112);
   real t113 = z * t112 - REAL(0.22291021671826625lf) * t111;
-  a206 += t42 * t113;
-  a207 += t45 * t113;
-  a208 += t48 * t113;
+  ADD0(a206, t42 * t113);
+  ADD1(a207, t45 * t113);
+  ADD2(a208, t48 * t113);
   real t114 = z * t113 - REAL(0.22807017543859648lf) * t112;
-  a209 += t49 * t114;
-  a210 += t53 * t114;
-  a211 += t55 * (z * t114 - REAL(0.2318840579710145lf) * t113);
+  ADD1(a209, t49 * t114);
+  ADD2(a210, t53 * t114);
+  ADD2(a211, t55 * (z * t114 - REAL(0.2318840579710145lf) * t113));
   real t115 = x * t97 - y * t106;
-  a212 += t12 * t115;
-  a213 += t15 * t115;
-  a214 += t18 * t115;
+  ADD0(a212, t12 * t115);
+  ADD1(a213, t15 * t115);
+  ADD2(a214, t18 * t115);
   real t116 = z * t115;
-  a215 += t17 * t116;
-  a216 += t20 * t116;
-  a217 += t23 * t116;
+  ADD0(a215, t17 * t116);
+  ADD1(a216, t20 * t116);
+  ADD2(a217, t23 * t116);
   real t117 = z * t116 - t115 * REAL(0.090909090909090912lf);
-  a218 += t22 * t117;
-  a219 += t25 * t117;
-  a220 += t28 * t117;
+  ADD0(a218, t22 * t117);
+  ADD1(a219, t25 * t117);
+  ADD2(a220, t28 * t117);
   real t118 = z * t117 - t116 * REAL(0.13986013986013987lf);
-  a221 += t27 * t118;
-  a222 += t30 * t118;
-  a223 += t33 * t118;
+  ADD0(a221, t27 * t118);
+  ADD1(a222, t30 * t118);
+  ADD2(a223, t33 * t118);
   real t119 = z * t118 - t117 * REAL(0.16923076923076924lf);
-  a224 += t32 * t119;
-  a225 += t35 * t119;
-  a226 += t38 * t119;
+  ADD0(a224, t32 * t119);
+  ADD1(a225, t35 * t119);
+  ADD2(a226, t38 * t119);
   real t120 = z * t119 - t118 * REAL(0.18823529411764706lf);
-  a227 += t37 * t120;
-  a228 += t40 * t120;
-  a229 += t43 * t120;
+  ADD0(a227, t37 * t120);
+  ADD1(a228, t40 * t120);
+  ADD2(a229, t43 * t120);
   real t121 = z * t120 - t119 * REAL(0.20123839009287925lf);
-  a230 += t42 * t121;
-  a231 += t45 * t121;
-  a232 += t48 * t121;
+  ADD0(a230, t42 * t121);
+  ADD1(a231, t45 * t121);
+  ADD2(a232, t48 * t121);
   real t122 = z * t121 - t120 * REAL(0.21052631578947367lf);
-  a233 += t49 * t122;
-  a234 += t53 * t122;
-  a235 += t55 * (z * t122 - t121 * REAL(0.21739130434782608lf));
+  ADD1(a233, t49 * t122);
+  ADD2(a234, t53 * t122);
+  ADD2(a235, t55 * (z * t122 - t121 * REAL(0.21739130434782608lf)));
   real t123 = x * t106 + y * t97;
-  a236 += t12 * t123;
-  a237 += t15 * t123;
-  a238 += t18 * t123;
+  ADD0(a236, t12 * t123);
+  ADD1(a237, t15 * t123);
+  ADD2(a238, t18 * t123);
   real t124 = z * t123;
-  a239 += t17 * t124;
-  a240 += t20 * t124;
-  a241 += t23 * t124;
+  ADD0(a239, t17 * t124);
+  ADD1(a240, t20 * t124);
+  ADD2(a241, t23 * t124);
   real t125 = z * t124 - t123 * REAL(0.090909090909090912lf);
-  a242 += t22 * t125;
-  a243 += t25 * t125;
-  a244 += t28 * t125;
+  ADD0(a242, t22 * t125);
+  ADD1(a243, t25 * t125);
+  ADD2(a244, t28 * t125);
   real t126 = z * t125 - REAL(0.13986013986013987lf) * t124;
-  a245 += t27 * t126;
-  a246 += t30 * t126;
-  a247 += t33 * t126;
+  ADD0(a245, t27 * t126);
+  ADD1(a246, t30 * t126);
+  ADD2(a247, t33 * t126);
   real t127 = z * t126 - REAL(0.16923076923076924lf) * t125;
-  a248 += t32 * t127;
-  a249 += t35 * t127;
-  a250 += t38 * t127;
+  ADD0(a248, t32 * t127);
+  ADD1(a249, t35 * t127);
+  ADD2(a250, t38 * t127);
   real t128 = z * t127 - REAL(0.18823529411764706lf) * t126;
-  a251 += t37 * t128;
-  a252 += t40 * t128;
-  a253 += t43 * t128;
+  ADD0(a251, t37 * t128);
+  ADD1(a252, t40 * t128);
+  ADD2(a253, t43 * t128);
   real t129 = z * t128 - REAL(0.20123839009287925lf) * t127;
-  a254 += t42 * t129;
-  a255 += t45 * t129;
-  a256 += t48 * t129;
+  ADD0(a254, t42 * t129);
+  ADD1(a255, t45 * t129);
+  ADD2(a256, t48 * t129);
   real t130 = z * t129 - REAL(0.21052631578947367lf) * t128;
-  a257 += t49 * t130;
-  a258 += t53 * t130;
-  a259 += t55 * (z * t130 - REAL(0.21739130434782608lf) * t129);
+  ADD1(a257, t49 * t130);
+  ADD2(a258, t53 * t130);
+  ADD2(a259, t55 * (z * t130 - REAL(0.21739130434782608lf) * t129));
   real t131 = x * t115 - y * t123;
-  a260 += t17 * t131;
-  a261 += t20 * t131;
-  a262 += t23 * t131;
+  ADD0(a260, t17 * t131);
+  ADD1(a261, t20 * t131);
+  ADD2(a262, t23 * t131);
   real t132 = z * t131;
-  a263 += t22 * t132;
-  a264 += t25 * t132;
-  a265 += t28 * t132;
+  ADD0(a263, t22 * t132);
+  ADD1(a264, t25 * t132);
+  ADD2(a265, t28 * t132);
   real t133 = z * t132 - t131 * REAL(0.076923076923076927lf);
-  a266 += t27 * t133;
-  a267 += t30 * t133;
-  a268 += t33 * t133;
+  ADD0(a266, t27 * t133);
+  ADD1(a267, t30 * t133);
+  ADD2(a268, t33 * t133);
   real t134 = z * t133 - t132 * REAL(0.12307692307692308lf);
-  a269 += t32 * t134;
-  a270 += t35 * t134;
-  a271 += t38 * t134;
+  ADD0(a269, t32 * t134);
+  ADD1(a270, t35 * t134);
+  ADD2(a271, t38 * t134);
   real t135 = z * t134 - t133 * REAL(0.15294117647058825lf);
-  a272 += t37 * t135;
-  a273 += t40 * t135;
-  a274 += t43 * t135;
+  ADD0(a272, t37 * t135);
+  ADD1(a273, t40 * t135);
+  ADD2(a274, t43 * t135);
   real t136 = z * t135 - t134 * REAL(0.17337461300309598lf);
-  a275 += t42 * t136;
-  a276 += t45 * t136;
-  a277 += t48 * t136;
+  ADD0(a275, t42 * t136);
+  ADD1(a276, t45 * t136);
+  ADD2(a277, t48 * t136);
   real t137 = z * t136 - t135 * REAL(0.18796992481203006lf);
-  a278 += t49 * t137;
-  a279 += t53 * t137;
-  a280 += t55 * (z * t137 - t136 * REAL(0.19875776397515527lf));
+  ADD1(a278, t49 * t137);
+  ADD2(a279, t53 * t137);
+  ADD2(a280, t55 * (z * t137 - t136 * REAL(0.19875776397515527lf)));
   real t138 = x * t123 + y * t115;
-  a281 += t17 * t138;
-  a282 += t20 * t138;
-  a283 += t23 * t138;
+  ADD0(a281, t17 * t138);
+  ADD1(a282, t20 * t138);
+  ADD2(a283, t23 * t138);
   real t139 = z * t138;
-  a284 += t22 * t139;
-  a285 += t25 * t139;
-  a286 += t28 * t139;
+  ADD0(a284, t22 * t139);
+  ADD1(a285, t25 * t139);
+  ADD2(a286, t28 * t139);
   real t140 = z * t139 - t138 * REAL(0.076923076923076927lf);
-  a287 += t27 * t140;
-  a288 += t30 * t140;
-  a289 += t33 * t140;
+  ADD0(a287, t27 * t140);
+  ADD1(a288, t30 * t140);
+  ADD2(a289, t33 * t140);
   real t141 = z * t140 - REAL(0.12307692307692308lf) * t139;
-  a290 += t32 * t141;
-  a291 += t35 * t141;
-  a292 += t38 * t141;
+  ADD0(a290, t32 * t141);
+  ADD1(a291, t35 * t141);
+  ADD2(a292, t38 * t141);
   real t142 = z * t141 - REAL(0.15294117647058825lf) * t140;
-  a293 += t37 * t142;
-  a294 += t40 * t142;
-  a295 += t43 * t142;
+  ADD0(a293, t37 * t142);
+  ADD1(a294, t40 * t142);
+  ADD2(a295, t43 * t142);
   real t143 = z * t142 - REAL(0.17337461300309598lf) * t141;
-  a296 += t42 * t143;
-  a297 += t45 * t143;
-  a298 += t48 * t143;
+  ADD0(a296, t42 * t143);
+  ADD1(a297, t45 * t143);
+  ADD2(a298, t48 * t143);
   real t144 = z * t143 - REAL(0.18796992481203006lf) * t142;
-  a299 += t49 * t144;
-  a300 += t53 * t144;
-  a301 += t55 * (z * t144 - REAL(0.19875776397515527lf) * t143);
+  ADD1(a299, t49 * t144);
+  ADD2(a300, t53 * t144);
+  ADD2(a301, t55 * (z * t144 - REAL(0.19875776397515527lf) * t143));
   real t145 = x * t131 - y * t138;
-  a302 += t22 * t145;
-  a303 += t25 * t145;
-  a304 += t28 * t145;
+  ADD0(a302, t22 * t145);
+  ADD1(a303, t25 * t145);
+  ADD2(a304, t28 * t145);
   real t146 = z * t145;
-  a305 += t27 * t146;
-  a306 += t30 * t146;
-  a307 += t33 * t146;
+  ADD0(a305, t27 * t146);
+  ADD1(a306, t30 * t146);
+  ADD2(a307, t33 * t146);
   real t147 = z * t146 - t145 * REAL(0.066666666666666666lf);
-  a308 += t32 * t147;
-  a309 += t35 * t147;
-  a310 += t38 * t147;
+  ADD0(a308, t32 * t147);
+  ADD1(a309, t35 * t147);
+  ADD2(a310, t38 * t147);
   real t148 = z * t147 - t146 * REAL(0.10980392156862745lf);
-  a311 += t37 * t148;
-  a312 += t40 * t148;
-  a313 += t43 * t148;
+  ADD0(a311, t37 * t148);
+  ADD1(a312, t40 * t148);
+  ADD2(a313, t43 * t148);
   real t149 = z * t148 - t147 * REAL(0.13931888544891641lf);
-  a314 += t42 * t149;
-  a315 += t45 * t149;
-  a316 += t48 * t149;
+  ADD0(a314, t42 * t149);
+  ADD1(a315, t45 * t149);
+  ADD2(a316, t48 * t149);
   real t150 = z * t149 - t148 * REAL(0.16040100250626566lf);
-  a317 += t49 * t150;
-  a318 += t53 * t150;
-  a319 += t55 * (z * t150 - t149 * REAL(0.17598343685300208lf));
+  ADD1(a317, t49 * t150);
+  ADD2(a318, t53 * t150);
+  ADD2(a319, t55 * (z * t150 - t149 * REAL(0.17598343685300208lf)));
   real t151 = x * t138 + y * t131;
-  a320 += t22 * t151;
-  a321 += t25 * t151;
-  a322 += t28 * t151;
+  ADD0(a320, t22 * t151);
+  ADD1(a321, t25 * t151);
+  ADD2(a322, t28 * t151);
   real t152 = z * t151;
-  a323 += t27 * t152;
-  a324 += t30 * t152;
-  a325 += t33 * t152;
+  ADD0(a323, t27 * t152);
+  ADD1(a324, t30 * t152);
+  ADD2(a325, t33 * t152);
   real t153 = z * t152 - t151 * REAL(0.066666666666666666lf);
-  a326 += t32 * t153;
-  a327 += t35 * t153;
-  a328 += t38 * t153;
+  ADD0(a326, t32 * t153);
+  ADD1(a327, t35 * t153);
+  ADD2(a328, t38 * t153);
   real t154 = z * t153 - REAL(0.10980392156862745lf) * t152;
-  a329 += t37 * t154;
-  a330 += t40 * t154;
-  a331 += t43 * t154;
+  ADD0(a329, t37 * t154);
+  ADD1(a330, t40 * t154);
+  ADD2(a331, t43 * t154);
   real t155 = z * t154 - REAL(0.13931888544891641lf) * t153;
-  a332 += t42 * t155;
-  a333 += t45 * t155;
-  a334 += t48 * t155;
+  ADD0(a332, t42 * t155);
+  ADD1(a333, t45 * t155);
+  ADD2(a334, t48 * t155);
   real t156 = z * t155 - REAL(0.16040100250626566lf) * t154;
-  a335 += t49 * t156;
-  a336 += t53 * t156;
-  a337 += t55 * (z * t156 - REAL(0.17598343685300208lf) * t155);
+  ADD1(a335, t49 * t156);
+  ADD2(a336, t53 * t156);
+  ADD2(a337, t55 * (z * t156 - REAL(0.17598343685300208lf) * t155));
   real t157 = x * t145 - y * t151;
-  a338 += t27 * t157;
-  a339 += t30 * t157;
-  a340 += t33 * t157;
+  ADD0(a338, t27 * t157);
+  ADD1(a339, t30 * t157);
+  ADD2(a340, t33 * t157);
   real t158 = z * t157;
-  a341 += t32 * t158;
-  a342 += t35 * t158;
-  a343 += t38 * t158;
+  ADD0(a341, t32 * t158);
+  ADD1(a342, t35 * t158);
+  ADD2(a343, t38 * t158);
   real t159 = z * t158 - t157 * REAL(0.058823529411764705lf);
-  a344 += t37 * t159;
-  a345 += t40 * t159;
-  a346 += t43 * t159;
+  ADD0(a344, t37 * t159);
+  ADD1(a345, t40 * t159);
+  ADD2(a346, t43 * t159);
   real t160 = z * t159 - t158 * REAL(0.099071207430340563lf);
-  a347 += t42 * t160;
-  a348 += t45 * t160;
-  a349 += t48 * t160;
+  ADD0(a347, t42 * t160);
+  ADD1(a348, t45 * t160);
+  ADD2(a349, t48 * t160);
   real t161 = z * t160 - t159 * REAL(0.12781954887218044lf);
-  a350 += t49 * t161;
-  a351 += t53 * t161;
-  a352 += t55 * (z * t161 - t160 * REAL(0.14906832298136646lf));
+  ADD1(a350, t49 * t161);
+  ADD2(a351, t53 * t161);
+  ADD2(a352, t55 * (z * t161 - t160 * REAL(0.14906832298136646lf)));
   real t162 = x * t151 + y * t145;
-  a353 += t27 * t162;
-  a354 += t30 * t162;
-  a355 += t33 * t162;
+  ADD0(a353, t27 * t162);
+  ADD1(a354, t30 * t162);
+  ADD2(a355, t33 * t162);
   real t163 = z * t162;
-  a356 += t32 * t163;
-  a357 += t35 * t163;
-  a358 += t38 * t163;
+  ADD0(a356, t32 * t163);
+  ADD1(a357, t35 * t163);
+  ADD2(a358, t38 * t163);
   real t164 = z * t163 - t162 * REAL(0.058823529411764705lf);
-  a359 += t37 * t164;
-  a360 += t40 * t164;
-  a361 += t43 * t164;
+  ADD0(a359, t37 * t164);
+  ADD1(a360, t40 * t164);
+  ADD2(a361, t43 * t164);
   real t165 = z * t164 - REAL(0.099071207430340563lf) * t163;
-  a362 += t42 * t165;
-  a363 += t45 * t165;
-  a364 += t48 * t165;
+  ADD0(a362, t42 * t165);
+  ADD1(a363, t45 * t165);
+  ADD2(a364, t48 * t165);
   real t166 = z * t165 - REAL(0.12781954887218044lf) * t164;
-  a365 += t49 * t166;
-  a366 += t53 * t166;
-  a367 += t55 * (z * t166 - REAL(0.14906832298136646lf) * t165);
+  ADD1(a365, t49 * t166);
+  ADD2(a366, t53 * t166);
+  ADD2(a367, t55 * (z * t166 - REAL(0.14906832298136646lf) * t165));
   real t167 = x * t157 - y * t162;
-  a368 += t32 * t167;
-  a369 += t35 * t167;
-  a370 += t38 * t167;
+  ADD0(a368, t32 * t167);
+  ADD1(a369, t35 * t167);
+  ADD2(a370, t38 * t167);
   real t168 = z * t167;
-  a371 += t37 * t168;
-  a372 += t40 * t168;
-  a373 += t43 * t168;
+  ADD0(a371, t37 * t168);
+  ADD1(a372, t40 * t168);
+  ADD2(a373, t43 * t168);
   real t169 = z * t168 - t167 * REAL(0.052631578947368418lf);
-  a374 += t42 * t169;
-  a375 += t45 * t169;
-  a376 += t48 * t169;
+  ADD0(a374, t42 * t169);
+  ADD1(a375, t45 * t169);
+  ADD2(a376, t48 * t169);
   real t170 = z * t169 - t168 * REAL(0.090225563909774431lf);
-  a377 += t49 * t170;
-  a378 += t53 * t170;
-  a379 += t55 * (z * t170 - t169 * REAL(0.11801242236024845lf));
+  ADD1(a377, t49 * t170);
+  ADD2(a378, t53 * t170);
+  ADD2(a379, t55 * (z * t170 - t169 * REAL(0.11801242236024845lf)));
   real t171 = x * t162 + y * t157;
-  a380 += t32 * t171;
-  a381 += t35 * t171;
-  a382 += t38 * t171;
+  ADD0(a380, t32 * t171);
+  ADD1(a381, t35 * t171);
+  ADD2(a382, t38 * t171);
   real t172 = z * t171;
-  a383 += t37 * t172;
-  a384 += t40 * t172;
-  a385 += t43 * t172;
+  ADD0(a383, t37 * t172);
+  ADD1(a384, t40 * t172);
+  ADD2(a385, t43 * t172);
   real t173 = z * t172 - t171 * REAL(0.052631578947368418lf);
-  a386 += t42 * t173;
-  a387 += t45 * t173;
-  a388 += t48 * t173;
+  ADD0(a386, t42 * t173);
+  ADD1(a387, t45 * t173);
+  ADD2(a388, t48 * t173);
   real t174 = z * t173 - REAL(0.090225563909774431lf) * t172;
-  a389 += t49 * t174;
-  a390 += t53 * t174;
-  a391 += t55 * (z * t174 - REAL(0.11801242236024845lf) * t173);
+  ADD1(a389, t49 * t174);
+  ADD2(a390, t53 * t174);
+  ADD2(a391, t55 * (z * t174 - REAL(0.11801242236024845lf) * t173));
   real t175 = x * t167 - y * t171;
-  a392 += t37 * t175;
-  a393 += t40 * t175;
-  a394 += t43 * t175;
+  ADD0(a392, t37 * t175);
+  ADD1(a393, t40 * t175);
+  ADD2(a394, t43 * t175);
   real t176 = z * t175;
-  a395 += t42 * t176;
-  a396 += t45 * t176;
-  a397 += t48 * t176;
+  ADD0(a395, t42 * t176);
+  ADD1(a396, t45 * t176);
+  ADD2(a397, t48 * t176);
   real t177 = z * t176 - t175 * REAL(0.047619047619047616lf);
-  a398 += t49 * t177;
-  a399 += t53 * t177;
-  a400 += t55 * (z * t177 - t176 * REAL(0.082815734989648032lf));
+  ADD1(a398, t49 * t177);
+  ADD2(a399, t53 * t177);
+  ADD2(a400, t55 * (z * t177 - t176 * REAL(0.082815734989648032lf)));
   real t178 = x * t171 + y * t167;
-  a401 += t37 * t178;
-  a402 += t40 * t178;
-  a403 += t43 * t178;
+  ADD0(a401, t37 * t178);
+  ADD1(a402, t40 * t178);
+  ADD2(a403, t43 * t178);
   real t179 = z * t178;
-  a404 += t42 * t179;
-  a405 += t45 * t179;
-  a406 += t48 * t179;
+  ADD0(a404, t42 * t179);
+  ADD1(a405, t45 * t179);
+  ADD2(a406, t48 * t179);
   real t180 = z * t179 - t178 * REAL(0.047619047619047616lf);
-  a407 += t49 * t180;
-  a408 += t53 * t180;
-  a409 += t55 * (z * t180 - REAL(0.082815734989648032lf) * t179);
+  ADD1(a407, t49 * t180);
+  ADD2(a408, t53 * t180);
+  ADD2(a409, t55 * (z * t180 - REAL(0.082815734989648032lf) * t179));
   real t181 = x * t175 - y * t178;
-  a410 += t42 * t181;
-  a411 += t45 * t181;
-  a412 += t48 * t181;
+  ADD0(a410, t42 * t181);
+  ADD1(a411, t45 * t181);
+  ADD2(a412, t48 * t181);
   real t182 = z * t181;
-  a413 += t49 * t182;
-  a414 += t53 * t182;
-  a415 += t55 * (z * t182 - t181 * REAL(0.043478260869565216lf));
+  ADD1(a413, t49 * t182);
+  ADD2(a414, t53 * t182);
+  ADD2(a415, t55 * (z * t182 - t181 * REAL(0.043478260869565216lf)));
   real t183 = x * t178 + y * t175;
-  a416 += t42 * t183;
-  a417 += t45 * t183;
-  a418 += t48 * t183;
+  ADD0(a416, t42 * t183);
+  ADD1(a417, t45 * t183);
+  ADD2(a418, t48 * t183);
   real t184 = z * t183;
-  a419 += t49 * t184;
-  a420 += t53 * t184;
-  a421 += t55 * (z * t184 - t183 * REAL(0.043478260869565216lf));
+  ADD1(a419, t49 * t184);
+  ADD2(a420, t53 * t184);
+  ADD2(a421, t55 * (z * t184 - t183 * REAL(0.043478260869565216lf)));
   real t185 = x * t181 - y * t183;
-  a422 += t49 * t185;
-  a423 += t53 * t185;
-  a424 += t55 * (z * t185);
+  ADD1(a422, t49 * t185);
+  ADD2(a423, t53 * t185);
+  ADD2(a424, t55 * (z * t185));
   real t186 = x * t183 + y * t181;
-  a425 += t49 * t186;
-  a426 += t53 * t186;
-  a427 += t55 * (z * t186);
-  a428 += t55 * (x * t185 - y * t186);
-  a429 += t55 * (x * t186 + y * t185);
+  ADD1(a425, t49 * t186);
+  ADD2(a426, t53 * t186);
+  ADD2(a427, t55 * (z * t186));
+  ADD2(a428, t55 * (x * t185 - y * t186));
+  ADD2(a429, t55 * (x * t186 + y * t185));
 }
 
-/* Hands each sum and its number to STORE(number, sum). */
+/* Hands each sum and its numbers to STORE: p counts values, and what gradients need where PART1 says so. */
 void store_sums() {
-  uint n = 0u;
-  if (HAS0(0)) { if (ORDER(0)) { STORE(n, a0); } n++; }
-  if (HAS2(0)) { if (ORDER(0)) { STORE(n, a1); } n++; }
-  if (HAS0(1)) { if (ORDER(0)) { STORE(n, a2); } n++; }
-  if (HAS1(1)) { if (ORDER(0)) { STORE(n, a3); } n++; }
-  if (HAS0(2)) { if (ORDER(0)) { STORE(n, a4); } n++; }
-  if (HAS1(2)) { if (ORDER(0)) { STORE(n, a5); } n++; }
-  if (HAS2(2)) { if (ORDER(0)) { STORE(n, a6); } n++; }
-  if (HAS0(3)) { if (ORDER(0)) { STORE(n, a7); } n++; }
-  if (HAS1(3)) { if (ORDER(0)) { STORE(n, a8); } n++; }
-  if (HAS2(3)) { if (ORDER(0)) { STORE(n, a9); } n++; }
-  if (HAS0(4)) { if (ORDER(0)) { STORE(n, a10); } n++; }
-  if (HAS1(4)) { if (ORDER(0)) { STORE(n, a11); } n++; }
-  if (HAS2(4)) { if (ORDER(0)) { STORE(n, a12); } n++; }
-  if (HAS0(5)) { if (ORDER(0)) { STORE(n, a13); } n++; }
-  if (HAS1(5)) { if (ORDER(0)) { STORE(n, a14); } n++; }
-  if (HAS2(5)) { if (ORDER(0)) { STORE(n, a15); } n++; }
-  if (HAS0(6)) { if (ORDER(0)) { STORE(n, a16); } n++; }
-  if (HAS1(6)) { if (ORDER(0)) { STORE(n, a17); } n++; }
-  if (HAS2(6)) { if (ORDER(0)) { STORE(n, a18); } n++; }
-  if (HAS0(7)) { if (ORDER(0)) { STORE(n, a19); } n++; }
-  if (HAS1(7)) { if (ORDER(0)) { STORE(n, a20); } n++; }
-  if (HAS2(7)) { if (ORDER(0)) { STORE(n, a21); } n++; }
-  if (HAS0(8)) { if (ORDER(0)) { STORE(n, a22); } n++; }
-  if (HAS1(8)) { if (ORDER(0)) { STORE(n, a23); } n++; }
-  if (HAS2(8)) { if (ORDER(0)) { STORE(n, a24); } n++; }
-  if (HAS0(9)) { if (ORDER(0)) { STORE(n, a25); } n++; }
-  if (HAS1(9)) { if (ORDER(0)) { STORE(n, a26); } n++; }
-  if (HAS2(9)) { if (ORDER(0)) { STORE(n, a27); } n++; }
-  if (HAS0(10)) { if (ORDER(0)) { STORE(n, a28); } n++; }
-  if (HAS1(10)) { if (ORDER(0)) { STORE(n, a29); } n++; }
-  if (HAS2(10)) { if (ORDER(0)) { STORE(n, a30); } n++; }
-  if (HAS1(11)) { if (ORDER(0)) { STORE(n, a31); } n++; }
-  if (HAS2(11)) { if (ORDER(0)) { STORE(n, a32); } n++; }
-  if (HAS2(12)) { if (ORDER(0)) { STORE(n, a33); } n++; }
-  if (HAS0(1)) { if (ORDER(1)) { STORE(n, a34); } n++; }
-  if (HAS1(1)) { if (ORDER(1)) { STORE(n, a35); } n++; }
-  if (HAS0(2)) { if (ORDER(1)) { STORE(n, a36); } n++; }
-  if (HAS1(2)) { if (ORDER(1)) { STORE(n, a37); } n++; }
-  if (HAS2(2)) { if (ORDER(1)) { STORE(n, a38); } n++; }
-  if (HAS0(3)) { if (ORDER(1)) { STORE(n, a39); } n++; }
-  if (HAS1(3)) { if (ORDER(1)) { STORE(n, a40); } n++; }
-  if (HAS2(3)) { if (ORDER(1)) { STORE(n, a41); } n++; }
-  if (HAS0(4)) { if (ORDER(1)) { STORE(n, a42); } n++; }
-  if (HAS1(4)) { if (ORDER(1)) { STORE(n, a43); } n++; }
-  if (HAS2(4)) { if (ORDER(1)) { STORE(n, a44); } n++; }
-  if (HAS0(5)) { if (ORDER(1)) { STORE(n, a45); } n++; }
-  if (HAS1(5)) { if (ORDER(1)) { STORE(n, a46); } n++; }
-  if (HAS2(5)) { if (ORDER(1)) { STORE(n, a47); } n++; }
-  if (HAS0(6)) { if (ORDER(1)) { STORE(n, a48); } n++; }
-  if (HAS1(6)) { if (ORDER(1)) { STORE(n, a49); } n++; }
-  if (HAS2(6)) { if (ORDER(1)) { STORE(n, a50); } n++; }
-  if (HAS0(7)) { if (ORDER(1)) { STORE(n, a51); } n++; }
-  if (HAS1(7)) { if (ORDER(1)) { STORE(n, a52); } n++; }
-  if (HAS2(7)) { if (ORDER(1)) { STORE(n, a53); } n++; }
-  if (HAS0(8)) { if (ORDER(1)) { STORE(n, a54); } n++; }
-  if (HAS1(8)) { if (ORDER(1)) { STORE(n, a55); } n++; }
-  if (HAS2(8)) { if (ORDER(1)) { STORE(n, a56); } n++; }
-  if (HAS0(9)) { if (ORDER(1)) { STORE(n, a57); } n++; }
-  if (HAS1(9)) { if (ORDER(1)) { STORE(n, a58); } n++; }
-  if (HAS2(9)) { if (ORDER(1)) { STORE(n, a59); } n++; }
-  if (HAS0(10)) { if (ORDER(1)) { STORE(n, a60); } n++; }
-  if (HAS1(10)) { if (ORDER(1)) { STORE(n, a61); } n++; }
-  if (HAS2(10)) { if (ORDER(1)) { STORE(n, a62); } n++; }
-  if (HAS1(11)) { if (ORDER(1)) { STORE(n, a63); } n++; }
-  if (HAS2(11)) { if (ORDER(1)) { STORE(n, a64); } n++; }
-  if (HAS2(12)) { if (ORDER(1)) { STORE(n, a65); } n++; }
-  if (HAS0(1)) { if (ORDER(1)) { STORE(n, a66); } n++; }
-  if (HAS1(1)) { if (ORDER(1)) { STORE(n, a67); } n++; }
-  if (HAS0(2)) { if (ORDER(1)) { STORE(n, a68); } n++; }
-  if (HAS1(2)) { if (ORDER(1)) { STORE(n, a69); } n++; }
-  if (HAS2(2)) { if (ORDER(1)) { STORE(n, a70); } n++; }
-  if (HAS0(3)) { if (ORDER(1)) { STORE(n, a71); } n++; }
-  if (HAS1(3)) { if (ORDER(1)) { STORE(n, a72); } n++; }
-  if (HAS2(3)) { if (ORDER(1)) { STORE(n, a73); } n++; }
-  if (HAS0(4)) { if (ORDER(1)) { STORE(n, a74); } n++; }
-  if (HAS1(4)) { if (ORDER(1)) { STORE(n, a75); } n++; }
-  if (HAS2(4)) { if (ORDER(1)) { STORE(n, a76); } n++; }
-  if (HAS0(5)) { if (ORDER(1)) { STORE(n, a77); } n++; }
-  if (HAS1(5)) { if (ORDER(1)) { STORE(n, a78); } n++; }
-  if (HAS2(5)) { if (ORDER(1)) { STORE(n, a79); } n++; }
-  if (HAS0(6)) { if (ORDER(1)) { STORE(n, a80); } n++; }
-  if (HAS1(6)) { if (ORDER(1)) { STORE(n, a81); } n++; }
-  if (HAS2(6)) { if (ORDER(1)) { STORE(n, a82); } n++; }
-  if (HAS0(7)) { if (ORDER(1)) { STORE(n, a83); } n++; }
-  if (HAS1(7)) { if (ORDER(1)) { STORE(n, a84); } n++; }
-  if (HAS2(7)) { if (ORDER(1)) { STORE(n, a85); } n++; }
-  if (HAS0(8)) { if (ORDER(1)) { STORE(n, a86); } n++; }
-  if (HAS1(8)) { if (ORDER(1)) { STORE(n, a87); } n++; }
-  if (HAS2(8)) { if (ORDER(1)) { STORE(n, a88); } n++; }
-  if (HAS0(9)) { if (ORDER(1)) { STORE(n, a89); } n++; }
-  if (HAS1(9)) { if (ORDER(1)) { STORE(n, a90); } n++; }
-  if (HAS2(9)) { if (ORDER(1)) { STORE(n, a91); } n++; }
-  if (HAS0(10)) { if (ORDER(1)) { STORE(n, a92); } n++; }
-  if (HAS1(10)) { if (ORDER(1)) { STORE(n, a93); } n++; }
-  if (HAS2(10)) { if (ORDER(1)) { STORE(n, a94); } n++; }
-  if (HAS1(11)) { if (ORDER(1)) { STORE(n, a95); } n++; }
-  if (HAS2(11)) { if (ORDER(1)) { STORE(n, a96); } n++; }
-  if (HAS2(12)) { if (ORDER(1)) { STORE(n, a97); } n++; }
-  if (HAS0(2)) { if (ORDER(2)) { STORE(n, a98); } n++; }
-  if (HAS1(2)) { if (ORDER(2)) { STORE(n, a99); } n++; }
-  if (HAS2(2)) { if (ORDER(2)) { STORE(n, a100); } n++; }
-  if (HAS0(3)) { if (ORDER(2)) { STORE(n, a101); } n++; }
-  if (HAS1(3)) { if (ORDER(2)) { STORE(n, a102); } n++; }
-  if (HAS2(3)) { if (ORDER(2)) { STORE(n, a103); } n++; }
-  if (HAS0(4)) { if (ORDER(2)) { STORE(n, a104); } n++; }
-  if (HAS1(4)) { if (ORDER(2)) { STORE(n, a105); } n++; }
-  if (HAS2(4)) { if (ORDER(2)) { STORE(n, a106); } n++; }
-  if (HAS0(5)) { if (ORDER(2)) { STORE(n, a107); } n++; }
-  if (HAS1(5)) { if (ORDER(2)) { STORE(n, a108); } n++; }
-  if (HAS2(5)) { if (ORDER(2)) { STORE(n, a109); } n++; }
-  if (HAS0(6)) { if (ORDER(2)) { STORE(n, a110); } n++; }
-  if (HAS1(6)) { if (ORDER(2)) { STORE(n, a111); } n++; }
-  if (HAS2(6)) { if (ORDER(2)) { STORE(n, a112); } n++; }
-  if (HAS0(7)) { if (ORDER(2)) { STORE(n, a113); } n++; }
-  if (HAS1(7)) { if (ORDER(2)) { STORE(n, a114); } n++; }
-  if (HAS2(7)) { if (ORDER(2)) { STORE(n, a115); } n++; }
-  if (HAS0(8)) { if (ORDER(2)) { STORE(n, a116); } n++; }
-  if (HAS1(8)) { if (ORDER(2)) { STORE(n, a117); } n++; }
-  if (HAS2(8)) { if (ORDER(2)) { STORE(n, a118); } n++; }
-  if (HAS0(9)) { if (ORDER(2)) { STORE(n, a119); } n++; }
-  if (HAS1(9)) { if (ORDER(2)) { STORE(n, a120); } n++; }
-  if (HAS2(9)) { if (ORDER(2)) { STORE(n, a121); } n++; }
-  if (HAS0(10)) { if (ORDER(2)) { STORE(n, a122); } n++; }
-  if (HAS1(10)) { if (ORDER(2)) { STORE(n, a123); } n++; }
-  if (HAS2(10)) { if (ORDER(2)) { STORE(n, a124); } n++; }
-  if (HAS1(11)) { if (ORDER(2)) { STORE(n, a125); } n++; }
-  if (HAS2(11)) { if (ORDER(2)) { STORE(n, a126); } n++; }
-  if (HAS2(12)) { if (ORDER(2)) { STORE(n, a127); } n++; }
-  if (HAS0(2)) { if (ORDER(2)) { STORE(n, a128); } n++; }
-  if (HAS1(2)) { if (ORDER(2)) { STORE(n, a129); } n++; }
-  if (HAS2(2)) { if (ORDER(2)) { STORE(n, a130); } n++; }
-  if (HAS0(3)) { if (ORDER(2)) { STORE(n, a131); } n++; }
-  if (HAS1(3)) { if (ORDER(2)) { STORE(n, a132); } n++; }
-  if (HAS2(3)) { if (ORDER(2)) { STORE(n, a133); } n++; }
-  if (HAS0(4)) { if (ORDER(2)) { STORE(n, a134); } n++; }
-  if (HAS1(4)) { if (ORDER(2)) { STORE(n, a135); } n++; }
-  if (HAS2(4)) { if (ORDER(2)) { STORE(n, a136); } n++; }
-  if (HAS0(5)) { if (ORDER(2)) { STORE(n, a137); } n++; }
-  if (HAS1(5)) { if (ORDER(2)) { STORE(n, a138); } n++; }
-  if (HAS2(5)) { if (ORDER(2)) { STORE(n, a139); } n++; }
-  if (HAS0(6)) { if (ORDER(2)) { STORE(n, a140); } n++; }
-  if (HAS1(6)) { if (ORDER(2)) { STORE(n, a141); } n++; }
-  if (HAS2(6)) { if (ORDER(2)) { STORE(n, a142); } n++; }
-  if (HAS0(7)) { if (ORDER(2)) { STORE(n, a143); } n++; }
-  if (HAS1(7)) { if (ORDER(2)) { STORE(n, a144); } n++; }
-  if (HAS2(7)) { if (ORDER(2)) { STORE(n, a145); } n++; }
-  if (HAS0(8)) { if (ORDER(2)) { STORE(n, a146); } n++; }
-  if (HAS1(8)) { if (ORDER(2)) { STORE(n, a147); } n++; }
-  if (HAS2(8)) { if (ORDER(2)) { STORE(n, a148); } n++; }
-  if (HAS0(9)) { if (ORDER(2)) { STORE(n, a149); } n++; }
-  if (HAS1(9)) { if (ORDER(2)) { STORE(n, a150); } n++; }
-  if (HAS2(9)) { if (ORDER(2)) { STORE(n, a151); } n++; }
-  if (HAS0(10)) { if (ORDER(2)) { STORE(n, a152); } n++; }
-  if (HAS1(10)) { if (ORDER(2)) { STORE(n, a153); } n++; }
-  if (HAS2(10)) { if (ORDER(2)) { STORE(n, a154); } n++; }
-  if (HAS1(11)) { if (ORDER(2)) { STORE(n, a155); } n++; }
-  if (HAS2(11)) { if (ORDER(2)) { STORE(n, a156); } n++; }
-  if (HAS2(12)) { if (ORDER(2)) { STORE(n, a157); } n++; }
-  if (HAS0(3)) { if (ORDER(3)) { STORE(n, a158); } n++; }
-  if (HAS1(3)) { if (ORDER(3)) { STORE(n, a159); } n++; }
-  if (HAS2(3)) { if (ORDER(3)) { STORE(n, a160); } n++; }
-  if (HAS0(4)) { if (ORDER(3)) { STORE(n, a161); } n++; }
-  if (HAS1(4)) { if (ORDER(3)) { STORE(n, a162); } n++; }
-  if (HAS2(4)) { if (ORDER(3)) { STORE(n, a163); } n++; }
-  if (HAS0(5)) { if (ORDER(3)) { STORE(n, a164); } n++; }
-  if (HAS1(5)) { if (ORDER(3)) { STORE(n, a165); } n++; }
-  if (HAS2(5)) { if (ORDER(3)) { STORE(n, a166); } n++; }
-  if (HAS0(6)) { if (ORDER(3)) { STORE(n, a167); } n++; }
-  if (HAS1(6)) { if (ORDER(3)) { STORE(n, a168); } n++; }
-  if (HAS2(6)) { if (ORDER(3)) { STORE(n, a169); } n++; }
-  if (HAS0(7)) { if (ORDER(3)) { STORE(n, a170); } n++; }
-  if (HAS1(7)) { if (ORDER(3)) { STORE(n, a171); } n++; }
-  if (HAS2(7)) { if (ORDER(3)) { STORE(n, a172); } n++; }
-  if (HAS0(8)) { if (ORDER(3)) { STORE(n, a173); } n++; }
-  if (HAS1(8)) { if (ORDER(3)) { STORE(n, a174); } n++; }
-  if (HAS2(8)) { if (ORDER(3)) { STORE(n, a175); } n++; }
-  if (HAS0(9)) { if (ORDER(3)) { STORE(n, a176); } n++; }
-  if (HAS1(9)) { if (ORDER(3)) { STORE(n, a177); } n++; }
-  if (HAS2(9)) { if (ORDER(3)) { STORE(n, a178); } n++; }
-  if (HAS0(10)) { if (ORDER(3)) { STORE(n, a179); } n++; }
-  if (HAS1(10)) { if (ORDER(3)) { STORE(n, a180); } n++; }
-  if (HAS2(10)) { if (ORDER(3)) { STORE(n, a181); } n++; }
-  if (HAS1(11)) { if (ORDER(3)) { STORE(n, a182); } n++; }
-  if (HAS2(11)) { if (ORDER(3)) { STORE(n, a183); } n++; }
-  if (HAS2(12)) { if (ORDER(3)) { STORE(n, a184); } n++; }
-  if (HAS0(3)) { if (ORDER(3)) { STORE(n, a185); } n++; }
-  if (HAS1(3)) { if (ORDER(3)) { STORE(n, a186); } n++; }
-  if (HAS2(3)) { if (ORDER(3)) { STORE(n, a187); } n++; }
-  if (HAS0(4)) { if (ORDER(3)) { STORE(n, a188); } n++; }
-  if (HAS1(4)) { if (ORDER(3)) { STORE(n, a189); } n++; }
-  if (HAS2(4)) { if (ORDER(3)) { STORE(n, a190); } n++; }
-  if (HAS0(5)) { if (ORDER(3)) { STORE(n, a191); } n++; }
-  if (HAS1(5)) { if (ORDER(3)) { STORE(n, a192); } n++; }
-  if (HAS2(5)) { if (ORDER(3)) { STORE(n, a193); } n++; }
-  if (HAS0(6)) { if (ORDER(3)) { STORE(n, a194); } n++; }
-  if (HAS1(6)) { if (ORDER(3)) { STORE(n, a195); } n++; }
-  if (HAS2(6)) { if (ORDER(3)) { STORE(n, a196); } n++; }
-  if (HAS0(7)) { if (ORDER(3)) { STORE(n, a197); } n++; }
-  if (HAS1(7)) { if (ORDER(3)) { STORE(n, a198); } n++; }
-  if (HAS2(7)) { if (ORDER(3)) { STORE(n, a199); } n++; }
-  if (HAS0(8)) { if (ORDER(3)) { STORE(n, a200); } n++; }
-  if (HAS1(8)) { if (ORDER(3)) { STORE(n, a201); } n++; }
-  if (HAS2(8)) { if (ORDER(3)) { STORE(n, a202); } n++; }
-  if (HAS0(9)) { if (ORDER(3)) { STORE(n, a203); } n++; }
-  if (HAS1(9)) { if (ORDER(3)) { STORE(n, a204); } n++; }
-  if (HAS2(9)) { if (ORDER(3)) { STORE(n, a205); } n++; }
-  if (HAS0(10)) { if (ORDER(3)) { STORE(n, a206); } n++; }
-  if (HAS1(10)) { if (ORDER(3)) { STORE(n, a207); } n++; }
-  if (HAS2(10)) { if (ORDER(3)) { STORE(n, a208); } n++; }
-  if (HAS1(11)) { if (ORDER(3)) { STORE(n, a209); } n++; }
-  if (HAS2(11)) { if (ORDER(3)) { STORE(n, a210); } n++; }
-  if (HAS2(12)) { if (ORDER(3)) { STORE(n, a211); } n++; }
-  if (HAS0(4)) { if (ORDER(4)) { STORE(n, a212); } n++; }
-  if (HAS1(4)) { if (ORDER(4)) { STORE(n, a213); } n++; }
-  if (HAS2(4)) { if (ORDER(4)) { STORE(n, a214); } n++; }
-  if (HAS0(5)) { if (ORDER(4)) { STORE(n, a215); } n++; }
-  if (HAS1(5)) { if (ORDER(4)) { STORE(n, a216); } n++; }
-  if (HAS2(5)) { if (ORDER(4)) { STORE(n, a217); } n++; }
-  if (HAS0(6)) { if (ORDER(4)) { STORE(n, a218); } n++; }
-  if (HAS1(6)) { if (ORDER(4)) { STORE(n, a219); } n++; }
-  if (HAS2(6)) { if (ORDER(4)) { STORE(n, a220); } n++; }
-  if (HAS0(7)) { if (ORDER(4)) { STORE(n, a221); } n++; }
-  if (HAS1(7)) { if (ORDER(4)) { STORE(n, a222); } n++; }
-  if (HAS2(7)) { if (ORDER(4)) { STORE(n, a223); } n++; }
-  if (HAS0(8)) { if (ORDER(4)) { STORE(n, a224); } n++; }
-  if (HAS1(8)) { if (ORDER(4)) { STORE(n, a225); } n++; }
-  if (HAS2(8)) { if (ORDER(4)) { STORE(n, a226); } n++; }
-  if (HAS0(9)) { if (ORDER(4)) { STORE(n, a227); } n++; }
-  if (HAS1(9)) { if (ORDER(4)) { STORE(n, a228); } n++; }
-  if (HAS2(9)) { if (ORDER(4)) { STORE(n, a229); } n++; }
-  if (HAS0(10)) { if (ORDER(4)) { STORE(n, a230); } n++; }
-  if (HAS1(10)) { if (ORDER(4)) { STORE(n, a231); } n++; }
-  if (HAS2(10)) { if (ORDER(4)) { STORE(n, a232); } n++; }
-  if (HAS1(11)) { if (ORDER(4)) { STORE(n, a233); } n++; }
-  if (HAS2(11)) { if (ORDER(4)) { STORE(n, a234); } n++; }
-  if (HAS2(12)) { if (ORDER(4)) { STORE(n, a235); } n++; }
-  if (HAS0(4)) { if (ORDER(4)) { STORE(n, a236); } n++; }
-  if (HAS1(4)) { if (ORDER(4)) { STORE(n, a237); } n++; }
-  if (HAS2(4)) { if (ORDER(4)) { STORE(n, a238); } n++; }
-  if (HAS0(5)) { if (ORDER(4)) { STORE(n, a239); } n++; }
-  if (HAS1(5)) { if (ORDER(4)) { STORE(n, a240); } n++; }
-  if (HAS2(5)) { if (ORDER(4)) { STORE(n, a241); } n++; }
-  if (HAS0(6)) { if (ORDER(4)) { STORE(n, a242); } n++; }
-  if (HAS1(6)) { if (ORDER(4)) { STORE(n, a243); } n++; }
-  if (HAS2(6)) { if (ORDER(4)) { STORE(n, a244); } n++; }
-  if (HAS0(7)) { if (ORDER(4)) { STORE(n, a245); } n++; }
-  if (HAS1(7)) { if (ORDER(4)) { STORE(n, a246); } n++; }
-  if (HAS2(7)) { if (ORDER(4)) { STORE(n, a247); } n++; }
-  if (HAS0(8)) { if (ORDER(4)) { STORE(n, a248); } n++; }
-  if (HAS1(8)) { if (ORDER(4)) { STORE(n, a249); } n++; }
-  if (HAS2(8)) { if (ORDER(4)) { STORE(n, a250); } n++; }
-  if (HAS0(9)) { if (ORDER(4)) { STORE(n, a251); } n++; }
-  if (HAS1(9)) { if (ORDER(4)) { STORE(n, a252); } n++; }
-  if (HAS2(9)) { if (ORDER(4)) { STORE(n, a253); } n++; }
-  if (HAS0(10)) { if (ORDER(4)) { STORE(n, a254); } n++; }
-  if (HAS1(10)) { if (ORDER(4)) { STORE(n, a255); } n++; }
-  if (HAS2(10)) { if (ORDER(4)) { STORE(n, a256); } n++; }
-  if (HAS1(11)) { if (ORDER(4)) { STORE(n, a257); } n++; }
-  if (HAS2(11)) { if (ORDER(4)) { STORE(n, a258); } n++; }
-  if (HAS2(12)) { if (ORDER(4)) { STORE(n, a259); } n++; }
-  if (HAS0(5)) { if (ORDER(5)) { STORE(n, a260); } n++; }
-  if (HAS1(5)) { if (ORDER(5)) { STORE(n, a261); } n++; }
-  if (HAS2(5)) { if (ORDER(5)) { STORE(n, a262); } n++; }
-  if (HAS0(6)) { if (ORDER(5)) { STORE(n, a263); } n++; }
-  if (HAS1(6)) { if (ORDER(5)) { STORE(n, a264); } n++; }
-  if (HAS2(6)) { if (ORDER(5)) { STORE(n, a265); } n++; }
-  if (HAS0(7)) { if (ORDER(5)) { STORE(n, a266); } n++; }
-  if (HAS1(7)) { if (ORDER(5)) { STORE(n, a267); } n++; }
-  if (HAS2(7)) { if (ORDER(5)) { STORE(n, a268); } n++; }
-  if (HAS0(8)) { if (ORDER(5)) { STORE(n, a269); } n++; }
-  if (HAS1(8)) { if (ORDER(5)) { STORE(n, a270); } n++; }
-  if (HAS2(8)) { if (ORDER(5)) { STORE(n, a271); } n++; }
-  if (HAS0(9)) { if (ORDER(5)) { STORE(n, a272); } n++; }
-  if (HAS1(9)) { if (ORDER(5)) { STORE(n, a273); } n++; }
-  if (HAS2(9)) { if (ORDER(5)) { STORE(n, a274); } n++; }
-  if (HAS0(10)) { if (ORDER(5)) { STORE(n, a275); } n++; }
-  if (HAS1(10)) { if (ORDER(5)) { STORE(n, a276); } n++; }
-  if (HAS2(10)) { if (ORDER(5)) { STORE(n, a277); } n++; }
-  if (HAS1(11)) { if (ORDER(5)) { STORE(n, a278); } n++; }
-  if (HAS2(11)) { if (ORDER(5)) { STORE(n, a279); } n++; }
-  if (HAS2(12)) { if (ORDER(5)) { STORE(n, a280); } n++; }
-  if (HAS0(5)) { if (ORDER(5)) { STORE(n, a281); } n++; }
-  if (HAS1(5)) { if (ORDER(5)) { STORE(n, a282); } n++; }
-  if (HAS2(5)) { if (ORDER(5)) { STORE(n, a283); } n++; }
-  if (HAS0(6)) { if (ORDER(5)) { STORE(n, a284); } n++; }
-  if (HAS1(6)) { if (ORDER(5)) { STORE(n, a285); } n++; }
-  if (HAS2(6)) { if (ORDER(5)) { STORE(n, a286); } n++; }
-  if (HAS0(7)) { if (ORDER(5)) { STORE(n, a287); } n++; }
-  if (HAS1(7)) { if (ORDER(5)) { STORE(n, a288); } n++; }
-  if (HAS2(7)) { if (ORDER(5)) { STORE(n, a289); } n++; }
-  if (HAS0(8)) { if (ORDER(5)) { STORE(n, a290); } n++; }
-  if (HAS1(8)) { if (ORDER(5)) { STORE(n, a291); } n++; }
-  if (HAS2(8)) { if (ORDER(5)) { STORE(n, a292); } n++; }
-  if (HAS0(9)) { if (ORDER(5)) { STORE(n, a293); } n++; }
-  if (HAS1(9)) { if (ORDER(5)) { STORE(n, a294); } n++; }
-  if (HAS2(9)) { if (ORDER(5)) { STORE(n, a295); } n++; }
-  if (HAS0(10)) { if (ORDER(5)) { STORE(n, a296); } n++; }
-  if (HAS1(10)) { if (ORDER(5)) { STORE(n, a297); } n++; }
-  if (HAS2(10)) { if (ORDER(5)) { STORE(n, a298); } n++; }
-  if (HAS1(11)) { if (ORDER(5)) { STORE(n, a299); } n++; }
-  if (HAS2(11)) { if (ORDER(5)) { STORE(n, a300); } n++; }
-  if (HAS2(12)) { if (ORDER(5)) { STORE(n, a301); } n++; }
-  if (HAS0(6)) { if (ORDER(6)) { STORE(n, a302); } n++; }
-  if (HAS1(6)) { if (ORDER(6)) { STORE(n, a303); } n++; }
-  if (HAS2(6)) { if (ORDER(6)) { STORE(n, a304); } n++; }
-  if (HAS0(7)) { if (ORDER(6)) { STORE(n, a305); } n++; }
-  if (HAS1(7)) { if (ORDER(6)) { STORE(n, a306); } n++; }
-  if (HAS2(7)) { if (ORDER(6)) { STORE(n, a307); } n++; }
-  if (HAS0(8)) { if (ORDER(6)) { STORE(n, a308); } n++; }
-  if (HAS1(8)) { if (ORDER(6)) { STORE(n, a309); } n++; }
-  if (HAS2(8)) { if (ORDER(6)) { STORE(n, a310); } n++; }
-  if (HAS0(9)) { if (ORDER(6)) { STORE(n, a311); } n++; }
-  if (HAS1(9)) { if (ORDER(6)) { STORE(n, a312); } n++; }
-  if (HAS2(9)) { if (ORDER(6)) { STORE(n, a313); } n++; }
-  if (HAS0(10)) { if (ORDER(6)) { STORE(n, a314); } n++; }
-  if (HAS1(10)) { if (ORDER(6)) { STORE(n, a315); } n++; }
-  if (HAS2(10)) { if (ORDER(6)) { STORE(n, a316); } n++; }
-  if (HAS1(11)) { if (ORDER(6)) { STORE(n, a317); } n++; }
-  if (HAS2(11)) { if (ORDER(6)) { STORE(n, a318); } n++; }
-  if (HAS2(12)) { if (ORDER(6)) { STORE(n, a319); } n++; }
-  if (HAS0(6)) { if (ORDER(6)) { STORE(n, a320); } n++; }
-  if (HAS1(6)) { if (ORDER(6)) { STORE(n, a321); } n++; }
-  if (HAS2(6)) { if (ORDER(6)) { STORE(n, a322); } n++; }
-  if (HAS0(7)) { if (ORDER(6)) { STORE(n, a323); } n++; }
-  if (HAS1(7)) { if (ORDER(6)) { STORE(n, a324); } n++; }
-  if (HAS2(7)) { if (ORDER(6)) { STORE(n, a325); } n++; }
-  if (HAS0(8)) { if (ORDER(6)) { STORE(n, a326); } n++; }
-  if (HAS1(8)) { if (ORDER(6)) { STORE(n, a327); } n++; }
-  if (HAS2(8)) { if (ORDER(6)) { STORE(n, a328); } n++; }
-  if (HAS0(9)) { if (ORDER(6)) { STORE(n, a329); } n++; }
-  if (HAS1(9)) { if (ORDER(6)) { STORE(n, a330); } n++; }
-  if (HAS2(9)) { if (ORDER(6)) { STORE(n, a331); } n++; }
-  if (HAS0(10)) { if (ORDER(6)) { STORE(n, a332); } n++; }
-  if (HAS1(10)) { if (ORDER(6)) { STORE(n, a333); } n++; }
-  if (HAS2(10)) { if (ORDER(6)) { STORE(n, a334); } n++; }
-  if (HAS1(11)) { if (ORDER(6)) { STORE(n, a335); } n++; }
-  if (HAS2(11)) { if (ORDER(6)) { STORE(n, a336); } n++; }
-  if (HAS2(12)) { if (ORDER(6)) { STORE(n, a337); } n++; }
-  if (HAS0(7)) { if (ORDER(7)) { STORE(n, a338); } n++; }
-  if (HAS1(7)) { if (ORDER(7)) { STORE(n, a339); } n++; }
-  if (HAS2(7)) { if (ORDER(7)) { STORE(n, a340); } n++; }
-  if (HAS0(8)) { if (ORDER(7)) { STORE(n, a341); } n++; }
-  if (HAS1(8)) { if (ORDER(7)) { STORE(n, a342); } n++; }
-  if (HAS2(8)) { if (ORDER(7)) { STORE(n, a343); } n++; }
-  if (HAS0(9)) { if (ORDER(7)) { STORE(n, a344); } n++; }
-  if (HAS1(9)) { if (ORDER(7)) { STORE(n, a345); } n++; }
-  if (HAS2(9)) { if (ORDER(7)) { STORE(n, a346); } n++; }
-  if (HAS0(10)) { if (ORDER(7)) { STORE(n, a347); } n++; }
-  if (HAS1(10)) { if (ORDER(7)) { STORE(n, a348); } n++; }
-  if (HAS2(10)) { if (ORDER(7)) { STORE(n, a349); } n++; }
-  if (HAS1(11)) { if (ORDER(7)) { STORE(n, a350); } n++; }
-  if (HAS2(11)) { if (ORDER(7)) { STORE(n, a351); } n++; }
-  if (HAS2(12)) { if (ORDER(7)) { STORE(n, a352); } n++; }
-  if (HAS0(7)) { if (ORDER(7)) { STORE(n, a353); } n++; }
-  if (HAS1(7)) { if (ORDER(7)) { STORE(n, a354); } n++; }
-  if (HAS2(7)) { if (ORDER(7)) { STORE(n, a355); } n++; }
-  if (HAS0(8)) { if (ORDER(7)) { STORE(n, a356); } n++; }
-  if (HAS1(8)) { if (ORDER(7)) { STORE(n, a357); } n++; }
-  if (HAS2(8)) { if (ORDER(7)) { STORE(n, a358); } n++; }
-  if (HAS0(9)) { if (ORDER(7)) { STORE(n, a359); } n++; }
-  if (HAS1(9)) { if (ORDER(7)) { STORE(n, a360); } n++; }
-  if (HAS2(9)) { if (ORDER(7)) { STORE(n, a361); } n++; }
-  if (HAS0(10)) { if (ORDER(7)) { STORE(n, a362); } n++; }
-  if (HAS1(10)) { if (ORDER(7)) { STORE(n, a363); } n++; }
-  if (HAS2(10)) { if (ORDER(7)) { STORE(n, a364); } n++; }
-  if (HAS1(11)) { if (ORDER(7)) { STORE(n, a365); } n++; }
-  if (HAS2(11)) { if (ORDER(7)) { STORE(n, a366); } n++; }
-  if (HAS2(12)) { if (ORDER(7)) { STORE(n, a367); } n++; }
-  if (HAS0(8)) { if (ORDER(8)) { STORE(n, a368); } n++; }
-  if (HAS1(8)) { if (ORDER(8)) { STORE(n, a369); } n++; }
-  if (HAS2(8)) { if (ORDER(8)) { STORE(n, a370); } n++; }
-  if (HAS0(9)) { if (ORDER(8)) { STORE(n, a371); } n++; }
-  if (HAS1(9)) { if (ORDER(8)) { STORE(n, a372); } n++; }
-  if (HAS2(9)) { if (ORDER(8)) { STORE(n, a373); } n++; }
-  if (HAS0(10)) { if (ORDER(8)) { STORE(n, a374); } n++; }
-  if (HAS1(10)) { if (ORDER(8)) { STORE(n, a375); } n++; }
-  if (HAS2(10)) { if (ORDER(8)) { STORE(n, a376); } n++; }
-  if (HAS1(11)) { if (ORDER(8)) { STORE(n, a377); } n++; }
-  if (HAS2(11)) { if (ORDER(8)) { STORE(n, a378); } n++; }
-  if (HAS2(12)) { if (ORDER(8)) { STORE(n, a379); } n++; }
-  if (HAS0(8)) { if (ORDER(8)) { STORE(n, a380); } n++; }
-  if (HAS1(8)) { if (ORDER(8)) { STORE(n, a381); } n++; }
-  if (HAS2(8)) { if (ORDER(8)) { STORE(n, a382); } n++; }
-  if (HAS0(9)) { if (ORDER(8)) { STORE(n, a383); } n++; }
-  if (HAS1(9)) { if (ORDER(8)) { STORE(n, a384); } n++; }
-  if (HAS2(9)) { if (ORDER(8)) { STORE(n, a385); } n++; }
-  if (HAS0(10)) { if (ORDER(8)) { STORE(n, a386); } n++; }
-  if (HAS1(10)) { if (ORDER(8)) { STORE(n, a387); } n++; }
-  if (HAS2(10)) { if (ORDER(8)) { STORE(n, a388); } n++; }
-  if (HAS1(11)) { if (ORDER(8)) { STORE(n, a389); } n++; }
-  if (HAS2(11)) { if (ORDER(8)) { STORE(n, a390); } n++; }
-  if (HAS2(12)) { if (ORDER(8)) { STORE(n, a391); } n++; }
-  if (HAS0(9)) { if (ORDER(9)) { STORE(n, a392); } n++; }
-  if (HAS1(9)) { if (ORDER(9)) { STORE(n, a393); } n++; }
-  if (HAS2(9)) { if (ORDER(9)) { STORE(n, a394); } n++; }
-  if (HAS0(10)) { if (ORDER(9)) { STORE(n, a395); } n++; }
-  if (HAS1(10)) { if (ORDER(9)) { STORE(n, a396); } n++; }
-  if (HAS2(10)) { if (ORDER(9)) { STORE(n, a397); } n++; }
-  if (HAS1(11)) { if (ORDER(9)) { STORE(n, a398); } n++; }
-  if (HAS2(11)) { if (ORDER(9)) { STORE(n, a399); } n++; }
-  if (HAS2(12)) { if (ORDER(9)) { STORE(n, a400); } n++; }
-  if (HAS0(9)) { if (ORDER(9)) { STORE(n, a401); } n++; }
-  if (HAS1(9)) { if (ORDER(9)) { STORE(n, a402); } n++; }
-  if (HAS2(9)) { if (ORDER(9)) { STORE(n, a403); } n++; }
-  if (HAS0(10)) { if (ORDER(9)) { STORE(n, a404); } n++; }
-  if (HAS1(10)) { if (ORDER(9)) { STORE(n, a405); } n++; }
-  if (HAS2(10)) { if (ORDER(9)) { STORE(n, a406); } n++; }
-  if (HAS1(11)) { if (ORDER(9)) { STORE(n, a407); } n++; }
-  if (HAS2(11)) { if (ORDER(9)) { STORE(n, a408); } n++; }
-  if (HAS2(12)) { if (ORDER(9)) { STORE(n, a409); } n++; }
-  if (HAS0(10)) { if (ORDER(10)) { STORE(n, a410); } n++; }
-  if (HAS1(10)) { if (ORDER(10)) { STORE(n, a411); } n++; }
-  if (HAS2(10)) { if (ORDER(10)) { STORE(n, a412); } n++; }
-  if (HAS1(11)) { if (ORDER(10)) { STORE(n, a413); } n++; }
-  if (HAS2(11)) { if (ORDER(10)) { STORE(n, a414); } n++; }
-  if (HAS2(12)) { if (ORDER(10)) { STORE(n, a415); } n++; }
-  if (HAS0(10)) { if (ORDER(10)) { STORE(n, a416); } n++; }
-  if (HAS1(10)) { if (ORDER(10)) { STORE(n, a417); } n++; }
-  if (HAS2(10)) { if (ORDER(10)) { STORE(n, a418); } n++; }
-  if (HAS1(11)) { if (ORDER(10)) { STORE(n, a419); } n++; }
-  if (HAS2(11)) { if (ORDER(10)) { STORE(n, a420); } n++; }
-  if (HAS2(12)) { if (ORDER(10)) { STORE(n, a421); } n++; }
-  if (HAS1(11)) { if (ORDER(11)) { STORE(n, a422); } n++; }
-  if (HAS2(11)) { if (ORDER(11)) { STORE(n, a423); } n++; }
-  if (HAS2(12)) { if (ORDER(11)) { STORE(n, a424); } n++; }
-  if (HAS1(11)) { if (ORDER(11)) { STORE(n, a425); } n++; }
-  if (HAS2(11)) { if (ORDER(11)) { STORE(n, a426); } n++; }
-  if (HAS2(12)) { if (ORDER(11)) { STORE(n, a427); } n++; }
-  if (HAS2(12)) { if (ORDER(12)) { STORE(n, a428); } n++; }
-  if (HAS2(12)) { if (ORDER(12)) { STORE(n, a429); } n++; }
+  uint n = 0u, p = 0u;
+  if (HAS0(0)) { if (ORDER(0)) { STORE0(n, p, a0); } n++; p++; }
+  if (HAS2(0)) { if (ORDER(0)) { STORE2(n, p, a1); } n++; }
+  if (HAS0(1)) { if (ORDER(0)) { STORE0(n, p, a2); } n++; p++; }
+  if (HAS1(1)) { if (ORDER(0)) { STORE1(n, p, a3); } n++; p += PART1; }
+  if (HAS0(2)) { if (ORDER(0)) { STORE0(n, p, a4); } n++; p++; }
+  if (HAS1(2)) { if (ORDER(0)) { STORE1(n, p, a5); } n++; p += PART1; }
+  if (HAS2(2)) { if (ORDER(0)) { STORE2(n, p, a6); } n++; }
+  if (HAS0(3)) { if (ORDER(0)) { STORE0(n, p, a7); } n++; p++; }
+  if (HAS1(3)) { if (ORDER(0)) { STORE1(n, p, a8); } n++; p += PART1; }
+  if (HAS2(3)) { if (ORDER(0)) { STORE2(n, p, a9); } n++; }
+  if (HAS0(4)) { if (ORDER(0)) { STORE0(n, p, a10); } n++; p++; }
+  if (HAS1(4)) { if (ORDER(0)) { STORE1(n, p, a11); } n++; p += PART1; }
+  if (HAS2(4)) { if (ORDER(0)) { STORE2(n, p, a12); } n++; }
+  if (HAS0(5)) { if (ORDER(0)) { STORE0(n, p, a13); } n++; p++; }
+  if (HAS1(5)) { if (ORDER(0)) { STORE1(n, p, a14); } n++; p += PART1; }
+  if (HAS2(5)) { if (ORDER(0)) { STORE2(n, p, a15); } n++; }
+  if (HAS0(6)) { if (ORDER(0)) { STORE0(n, p, a16); } n++; p++; }
+  if (HAS1(6)) { if (ORDER(0)) { STORE1(n, p, a17); } n++; p += PART1; }
+  if (HAS2(6)) { if (ORDER(0)) { STORE2(n, p, a18); } n++; }
+  if (HAS0(7)) { if (ORDER(0)) { STORE0(n, p, a19); } n++; p++; }
+  if (HAS1(7)) { if (ORDER(0)) { STORE1(n, p, a20); } n++; p += PART1; }
+  if (HAS2(7)) { if (ORDER(0)) { STORE2(n, p, a21); } n++; }
+  if (HAS0(8)) { if (ORDER(0)) { STORE0(n, p, a22); } n++; p++; }
+  if (HAS1(8)) { if (ORDER(0)) { STORE1(n, p, a23); } n++; p += PART1; }
+  if (HAS2(8)) { if (ORDER(0)) { STORE2(n, p, a24); } n++; }
+  if (HAS0(9)) { if (ORDER(0)) { STORE0(n, p, a25); } n++; p++; }
+  if (HAS1(9)) { if (ORDER(0)) { STORE1(n, p, a26); } n++; p += PART1; }
+  if (HAS2(9)) { if (ORDER(0)) { STORE2(n, p, a27); } n++; }
+  if (HAS0(10)) { if (ORDER(0)) { STORE0(n, p, a28); } n++; p++; }
+  if (HAS1(10)) { if (ORDER(0)) { STORE1(n, p, a29); } n++; p += PART1; }
+  if (HAS2(10)) { if (ORDER(0)) { STORE2(n, p, a30); } n++; }
+  if (HAS1(11)) { if (ORDER(0)) { STORE1(n, p, a31); } n++; p += PART1; }
+  if (HAS2(11)) { if (ORDER(0)) { STORE2(n, p, a32); } n++; }
+  if (HAS2(12)) { if (ORDER(0)) { STORE2(n, p, a33); } n++; }
+  if (HAS0(1)) { if (ORDER(1)) { STORE0(n, p, a34); } n++; p++; }
+  if (HAS1(1)) { if (ORDER(1)) { STORE1(n, p, a35); } n++; p += PART1; }
+  if (HAS0(2)) { if (ORDER(1)) { STORE0(n, p, a36); } n++; p++; }
+  if (HAS1(2)) { if (ORDER(1)) { STORE1(n, p, a37); } n++; p += PART1; }
+  if (HAS2(2)) { if (ORDER(1)) { STORE2(n, p, a38); } n++; }
+  if (HAS0(3)) { if (ORDER(1)) { STORE0(n, p, a39); } n++; p++; }
+  if (HAS1(3)) { if (ORDER(1)) { STORE1(n, p, a40); } n++; p += PART1; }
+  if (HAS2(3)) { if (ORDER(1)) { STORE2(n, p, a41); } n++; }
+  if (HAS0(4)) { if (ORDER(1)) { STORE0(n, p, a42); } n++; p++; }
+  if (HAS1(4)) { if (ORDER(1)) { STORE1(n, p, a43); } n++; p += PART1; }
+  if (HAS2(4)) { if (ORDER(1)) { STORE2(n, p, a44); } n++; }
+  if (HAS0(5)) { if (ORDER(1)) { STORE0(n, p, a45); } n++; p++; }
+  if (HAS1(5)) { if (ORDER(1)) { STORE1(n, p, a46); } n++; p += PART1; }
+  if (HAS2(5)) { if (ORDER(1)) { STORE2(n, p, a47); } n++; }
+  if (HAS0(6)) { if (ORDER(1)) { STORE0(n, p, a48); } n++; p++; }
+  if (HAS1(6)) { if (ORDER(1)) { STORE1(n, p, a49); } n++; p += PART1; }
+  if (HAS2(6)) { if (ORDER(1)) { STORE2(n, p, a50); } n++; }
+  if (HAS0(7)) { if (ORDER(1)) { STORE0(n, p, a51); } n++; p++; }
+  if (HAS1(7)) { if (ORDER(1)) { STORE1(n, p, a52); } n++; p += PART1; }
+  if (HAS2(7)) { if (ORDER(1)) { STORE2(n, p, a53); } n++; }
+  if (HAS0(8)) { if (ORDER(1)) { STORE0(n, p, a54); } n++; p++; }
+  if (HAS1(8)) { if (ORDER(1)) { STORE1(n, p, a55); } n++; p += PART1; }
+  if (HAS2(8)) { if (ORDER(1)) { STORE2(n, p, a56); } n++; }
+  if (HAS0(9)) { if (ORDER(1)) { STORE0(n, p, a57); } n++; p++; }
+  if (HAS1(9)) { if (ORDER(1)) { STORE1(n, p, a58); } n++; p += PART1; }
+  if (HAS2(9)) { if (ORDER(1)) { STORE2(n, p, a59); } n++; }
+  if (HAS0(10)) { if (ORDER(1)) { STORE0(n, p, a60); } n++; p++; }
+  if (HAS1(10)) { if (ORDER(1)) { STORE1(n, p, a61); } n++; p += PART1; }
+  if (HAS2(10)) { if (ORDER(1)) { STORE2(n, p, a62); } n++; }
+  if (HAS1(11)) { if (ORDER(1)) { STORE1(n, p, a63); } n++; p += PART1; }
+  if (HAS2(11)) { if (ORDER(1)) { STORE2(n, p, a64); } n++; }
+  if (HAS2(12)) { if (ORDER(1)) { STORE2(n, p, a65); } n++; }
+  if (HAS0(1)) { if (ORDER(1)) { STORE0(n, p, a66); } n++; p++; }
+  if (HAS1(1)) { if (ORDER(1)) { STORE1(n, p, a67); } n++; p += PART1; }
+  if (HAS0(2)) { if (ORDER(1)) { STORE0(n, p, a68); } n++; p++; }
+  if (HAS1(2)) { if (ORDER(1)) { STORE1(n, p, a69); } n++; p += PART1; }
+  if (HAS2(2)) { if (ORDER(1)) { STORE2(n, p, a70); } n++; }
+  if (HAS0(3)) { if (ORDER(1)) { STORE0(n, p, a71); } n++; p++; }
+  if (HAS1(3)) { if (ORDER(1)) { STORE1(n, p, a72); } n++; p += PART1; }
+  if (HAS2(3)) { if (ORDER(1)) { STORE2(n, p, a73); } n++; }
+  if (HAS0(4)) { if (ORDER(1)) { STORE0(n, p, a74); } n++; p++; }
+  if (HAS1(4)) { if (ORDER(1)) { STORE1(n, p, a75); } n++; p += PART1; }
+  if (HAS2(4)) { if (ORDER(1)) { STORE2(n, p, a76); } n++; }
+  if (HAS0(5)) { if (ORDER(1)) { STORE0(n, p, a77); } n++; p++; }
+  if (HAS1(5)) { if (ORDER(1)) { STORE1(n, p, a78); } n++; p += PART1; }
+  if (HAS2(5)) { if (ORDER(1)) { STORE2(n, p, a79); } n++; }
+  if (HAS0(6)) { if (ORDER(1)) { STORE0(n, p, a80); } n++; p++; }
+  if (HAS1(6)) { if (ORDER(1)) { STORE1(n, p, a81); } n++; p += PART1; }
+  if (HAS2(6)) { if (ORDER(1)) { STORE2(n, p, a82); } n++; }
+  if (HAS0(7)) { if (ORDER(1)) { STORE0(n, p, a83); } n++; p++; }
+  if (HAS1(7)) { if (ORDER(1)) { STORE1(n, p, a84); } n++; p += PART1; }
+  if (HAS2(7)) { if (ORDER(1)) { STORE2(n, p, a85); } n++; }
+  if (HAS0(8)) { if (ORDER(1)) { STORE0(n, p, a86); } n++; p++; }
+  if (HAS1(8)) { if (ORDER(1)) { STORE1(n, p, a87); } n++; p += PART1; }
+  if (HAS2(8)) { if (ORDER(1)) { STORE2(n, p, a88); } n++; }
+  if (HAS0(9)) { if (ORDER(1)) { STORE0(n, p, a89); } n++; p++; }
+  if (HAS1(9)) { if (ORDER(1)) { STORE1(n, p, a90); } n++; p += PART1; }
+  if (HAS2(9)) { if (ORDER(1)) { STORE2(n, p, a91); } n++; }
+  if (HAS0(10)) { if (ORDER(1)) { STORE0(n, p, a92); } n++; p++; }
+  if (HAS1(10)) { if (ORDER(1)) { STORE1(n, p, a93); } n++; p += PART1; }
+  if (HAS2(10)) { if (ORDER(1)) { STORE2(n, p, a94); } n++; }
+  if (HAS1(11)) { if (ORDER(1)) { STORE1(n, p, a95); } n++; p += PART1; }
+  if (HAS2(11)) { if (ORDER(1)) { STORE2(n, p, a96); } n++; }
+  if (HAS2(12)) { if (ORDER(1)) { STORE2(n, p, a97); } n++; }
+  if (HAS0(2)) { if (ORDER(2)) { STORE0(n, p, a98); } n++; p++; }
+  if (HAS1(2)) { if (ORDER(2)) { STORE1(n, p, a99); } n++; p += PART1; }
+  if (HAS2(2)) { if (ORDER(2)) { STORE2(n, p, a100); } n++; }
+  if (HAS0(3)) { if (ORDER(2)) { STORE0(n, p, a101); } n++; p++; }
+  if (HAS1(3)) { if (ORDER(2)) { STORE1(n, p, a102); } n++; p += PART1; }
+  if (HAS2(3)) { if (ORDER(2)) { STORE2(n, p, a103); } n++; }
+  if (HAS0(4)) { if (ORDER(2)) { STORE0(n, p, a104); } n++; p++; }
+  if (HAS1(4)) { if (ORDER(2)) { STORE1(n, p, a105); } n++; p += PART1; }
+  if (HAS2(4)) { if (ORDER(2)) { STORE2(n, p, a106); } n++; }
+  if (HAS0(5)) { if (ORDER(2)) { STORE0(n, p, a107); } n++; p++; }
+  if (HAS1(5)) { if (ORDER(2)) { STORE1(n, p, a108); } n++; p += PART1; }
+  if (HAS2(5)) { if (ORDER(2)) { STORE2(n, p, a109); } n++; }
+  if (HAS0(6)) { if (ORDER(2)) { STORE0(n, p, a110); } n++; p++; }
+  if (HAS1(6)) { if (ORDER(2)) { STORE1(n, p, a111); } n++; p += PART1; }
+  if (HAS2(6)) { if (ORDER(2)) { STORE2(n, p, a112); } n++; }
+  if (HAS0(7)) { if (ORDER(2)) { STORE0(n, p, a113); } n++; p++; }
+  if (HAS1(7)) { if (ORDER(2)) { STORE1(n, p, a114); } n++; p += PART1; }
+  if (HAS2(7)) { if (ORDER(2)) { STORE2(n, p, a115); } n++; }
+  if (HAS0(8)) { if (ORDER(2)) { STORE0(n, p, a116); } n++; p++; }
+  if (HAS1(8)) { if (ORDER(2)) { STORE1(n, p, a117); } n++; p += PART1; }
+  if (HAS2(8)) { if (ORDER(2)) { STORE2(n, p, a118); } n++; }
+  if (HAS0(9)) { if (ORDER(2)) { STORE0(n, p, a119); } n++; p++; }
+  if (HAS1(9)) { if (ORDER(2)) { STORE1(n, p, a120); } n++; p += PART1; }
+  if (HAS2(9)) { if (ORDER(2)) { STORE2(n, p, a121); } n++; }
+  if (HAS0(10)) { if (ORDER(2)) { STORE0(n, p, a122); } n++; p++; }
+  if (HAS1(10)) { if (ORDER(2)) { STORE1(n, p, a123); } n++; p += PART1; }
+  if (HAS2(10)) { if (ORDER(2)) { STORE2(n, p, a124); } n++; }
+  if (HAS1(11)) { if (ORDER(2)) { STORE1(n, p, a125); } n++; p += PART1; }
+  if (HAS2(11)) { if (ORDER(2)) { STORE2(n, p, a126); } n++; }
+  if (HAS2(12)) { if (ORDER(2)) { STORE2(n, p, a127); } n++; }
+  if (HAS0(2)) { if (ORDER(2)) { STORE0(n, p, a128); } n++; p++; }
+  if (HAS1(2)) { if (ORDER(2)) { STORE1(n, p, a129); } n++; p += PART1; }
+  if (HAS2(2)) { if (ORDER(2)) { STORE2(n, p, a130); } n++; }
+  if (HAS0(3)) { if (ORDER(2)) { STORE0(n, p, a131); } n++; p++; }
+  if (HAS1(3)) { if (ORDER(2)) { STORE1(n, p, a132); } n++; p += PART1; }
+  if (HAS2(3)) { if (ORDER(2)) { STORE2(n, p, a133); } n++; }
+  if (HAS0(4)) { if (ORDER(2)) { STORE0(n, p, a134); } n++; p++; }
+  if (HAS1(4)) { if (ORDER(2)) { STORE1(n, p, a135); } n++; p += PART1; }
+  if (HAS2(4)) { if (ORDER(2)) { STORE2(n, p, a136); } n++; }
+  if (HAS0(5)) { if (ORDER(2)) { STORE0(n, p, a137); } n++; p++; }
+  if (HAS1(5)) { if (ORDER(2)) { STORE1(n, p, a138); } n++; p += PART1; }
+  if (HAS2(5)) { if (ORDER(2)) { STORE2(n, p, a139); } n++; }
+  if (HAS0(6)) { if (ORDER(2)) { STORE0(n, p, a140); } n++; p++; }
+  if (HAS1(6)) { if (ORDER(2)) { STORE1(n, p, a141); } n++; p += PART1; }
+  if (HAS2(6)) { if (ORDER(2)) { STORE2(n, p, a142); } n++; }
+  if (HAS0(7)) { if (ORDER(2)) { STORE0(n, p, a143); } n++; p++; }
+  if (HAS1(7)) { if (ORDER(2)) { STORE1(n, p, a144); } n++; p += PART1; }
+  if (HAS2(7)) { if (ORDER(2)) { STORE2(n, p, a145); } n++; }
+  if (HAS0(8)) { if (ORDER(2)) { STORE0(n, p, a146); } n++; p++; }
+  if (HAS1(8)) { if (ORDER(2)) { STORE1(n, p, a147); } n++; p += PART1; }
+  if (HAS2(8)) { if (ORDER(2)) { STORE2(n, p, a148); } n++; }
+  if (HAS0(9)) { if (ORDER(2)) { STORE0(n, p, a149); } n++; p++; }
+  if (HAS1(9)) { if (ORDER(2)) { STORE1(n, p, a150); } n++; p += PART1; }
+  if (HAS2(9)) { if (ORDER(2)) { STORE2(n, p, a151); } n++; }
+  if (HAS0(10)) { if (ORDER(2)) { STORE0(n, p, a152); } n++; p++; }
+  if (HAS1(10)) { if (ORDER(2)) { STORE1(n, p, a153); } n++; p += PART1; }
+  if (HAS2(10)) { if (ORDER(2)) { STORE2(n, p, a154); } n++; }
+  if (HAS1(11)) { if (ORDER(2)) { STORE1(n, p, a155); } n++; p += PART1; }
+  if (HAS2(11)) { if (ORDER(2)) { STORE2(n, p, a156); } n++; }
+  if (HAS2(12)) { if (ORDER(2)) { STORE2(n, p, a157); } n++; }
+  if (HAS0(3)) { if (ORDER(3)) { STORE0(n, p, a158); } n++; p++; }
+  if (HAS1(3)) { if (ORDER(3)) { STORE1(n, p, a159); } n++; p += PART1; }
+  if (HAS2(3)) { if (ORDER(3)) { STORE2(n, p, a160); } n++; }
+  if (HAS0(4)) { if (ORDER(3)) { STORE0(n, p, a161); } n++; p++; }
+  if (HAS1(4)) { if (ORDER(3)) { STORE1(n, p, a162); } n++; p += PART1; }
+  if (HAS2(4)) { if (ORDER(3)) { STORE2(n, p, a163); } n++; }
+  if (HAS0(5)) { if (ORDER(3)) { STORE0(n, p, a164); } n++; p++; }
+  if (HAS1(5)) { if (ORDER(3)) { STORE1(n, p, a165); } n++; p += PART1; }
+  if (HAS2(5)) { if (ORDER(3)) { STORE2(n, p, a166); } n++; }
+  if (HAS0(6)) { if (ORDER(3)) { STORE0(n, p, a167); } n++; p++; }
+  if (HAS1(6)) { if (ORDER(3)) { STORE1(n, p, a168); } n++; p += PART1; }
+  if (HAS2(6)) { if (ORDER(3)) { STORE2(n, p, a169); } n++; }
+  if (HAS0(7)) { if (ORDER(3)) { STORE0(n, p, a170); } n++; p++; }
+  if (HAS1(7)) { if (ORDER(3)) { STORE1(n, p, a171); } n++; p += PART1; }
+  if (HAS2(7)) { if (ORDER(3)) { STORE2(n, p, a172); } n++; }
+  if (HAS0(8)) { if (ORDER(3)) { STORE0(n, p, a173); } n++; p++; }
+  if (HAS1(8)) { if (ORDER(3)) { STORE1(n, p, a174); } n++; p += PART1; }
+  if (HAS2(8)) { if (ORDER(3)) { STORE2(n, p, a175); } n++; }
+  if (HAS0(9)) { if (ORDER(3)) { STORE0(n, p, a176); } n++; p++; }
+  if (HAS1(9)) { if (ORDER(3)) { STORE1(n, p, a177); } n++; p += PART1; }
+  if (HAS2(9)) { if (ORDER(3)) { STORE2(n, p, a178); } n++; }
+  if (HAS0(10)) { if (ORDER(3)) { STORE0(n, p, a179); } n++; p++; }
+  if (HAS1(10)) { if (ORDER(3)) { STORE1(n, p, a180); } n++; p += PART1; }
+  if (HAS2(10)) { if (ORDER(3)) { STORE2(n, p, a181); } n++; }
+  if (HAS1(11)) { if (ORDER(3)) { STORE1(n, p, a182); } n++; p += PART1; }
+  if (HAS2(11)) { if (ORDER(3)) { STORE2(n, p, a183); } n++; }
+  if (HAS2(12)) { if (ORDER(3)) { STORE2(n, p, a184); } n++; }
+  if (HAS0(3)) { if (ORDER(3)) { STORE0(n, p, a185); } n++; p++; }
+  if (HAS1(3)) { if (ORDER(3)) { STORE1(n, p, a186); } n++; p += PART1; }
+  if (HAS2(3)) { if (ORDER(3)) { STORE2(n, p, a187); } n++; }
+  if (HAS0(4)) { if (ORDER(3)) { STORE0(n, p, a188); } n++; p++; }
+  if (HAS1(4)) { if (ORDER(3)) { STORE1(n, p, a189); } n++; p += PART1; }
+  if (HAS2(4)) { if (ORDER(3)) { STORE2(n, p, a190); } n++; }
+  if (HAS0(5)) { if (ORDER(3)) { STORE0(n, p, a191); } n++; p++; }
+  if (HAS1(5)) { if (ORDER(3)) { STORE1(n, p, a192); } n++; p += PART1; }
+  if (HAS2(5)) { if (ORDER(3)) { STORE2(n, p, a193); } n++; }
+  if (HAS0(6)) { if (ORDER(3)) { STORE0(n, p, a194); } n++; p++; }
+  if (HAS1(6)) { if (ORDER(3)) { STORE1(n, p, a195); } n++; p += PART1; }
+  if (HAS2(6)) { if (ORDER(3)) { STORE2(n, p, a196); } n++; }
+  if (HAS0(7)) { if (ORDER(3)) { STORE0(n, p, a197); } n++; p++; }
+  if (HAS1(7)) { if (ORDER(3)) { STORE1(n, p, a198); } n++; p += PART1; }
+  if (HAS2(7)) { if (ORDER(3)) { STORE2(n, p, a199); } n++; }
+  if (HAS0(8)) { if (ORDER(3)) { STORE0(n, p, a200); } n++; p++; }
+  if (HAS1(8)) { if (ORDER(3)) { STORE1(n, p, a201); } n++; p += PART1; }
+  if (HAS2(8)) { if (ORDER(3)) { STORE2(n, p, a202); } n++; }
+  if (HAS0(9)) { if (ORDER(3)) { STORE0(n, p, a203); } n++; p++; }
+  if (HAS1(9)) { if (ORDER(3)) { STORE1(n, p, a204); } n++; p += PART1; }
+  if (HAS2(9)) { if (ORDER(3)) { STORE2(n, p, a205); } n++; }
+  if (HAS0(10)) { if (ORDER(3)) { STORE0(n, p, a206); } n++; p++; }
+  if (HAS1(10)) { if (ORDER(3)) { STORE1(n, p, a207); } n++; p += PART1; }
+  if (HAS2(10)) { if (ORDER(3)) { STORE2(n, p, a208); } n++; }
+  if (HAS1(11)) { if (ORDER(3)) { STORE1(n, p, a209); } n++; p += PART1; }
+  if (HAS2(11)) { if (ORDER(3)) { STORE2(n, p, a210); } n++; }
+  if (HAS2(12)) { if (ORDER(3)) { STORE2(n, p, a211); } n++; }
+  if (HAS0(4)) { if (ORDER(4)) { STORE0(n, p, a212); } n++; p++; }
+  if (HAS1(4)) { if (ORDER(4)) { STORE1(n, p, a213); } n++; p += PART1; }
+  if (HAS2(4)) { if (ORDER(4)) { STORE2(n, p, a214); } n++; }
+  if (HAS0(5)) { if (ORDER(4)) { STORE0(n, p, a215); } n++; p++; }
+  if (HAS1(5)) { if (ORDER(4)) { STORE1(n, p, a216); } n++; p += PART1; }
+  if (HAS2(5)) { if (ORDER(4)) { STORE2(n, p, a217); } n++; }
+  if (HAS0(6)) { if (ORDER(4)) { STORE0(n, p, a218); } n++; p++; }
+  if (HAS1(6)) { if (ORDER(4)) { STORE1(n, p, a219); } n++; p += PART1; }
+  if (HAS2(6)) { if (ORDER(4)) { STORE2(n, p, a220); } n++; }
+  if (HAS0(7)) { if (ORDER(4)) { STORE0(n, p, a221); } n++; p++; }
+  if (HAS1(7)) { if (ORDER(4)) { STORE1(n, p, a222); } n++; p += PART1; }
+  if (HAS2(7)) { if (ORDER(4)) { STORE2(n, p, a223); } n++; }
+  if (HAS0(8)) { if (ORDER(4)) { STORE0(n, p, a224); } n++; p++; }
+  if (HAS1(8)) { if (ORDER(4)) { STORE1(n, p, a225); } n++; p += PART1; }
+  if (HAS2(8)) { if (ORDER(4)) { STORE2(n, p, a226); } n++; }
+  if (HAS0(9)) { if (ORDER(4)) { STORE0(n, p, a227); } n++; p++; }
+  if (HAS1(9)) { if (ORDER(4)) { STORE1(n, p, a228); } n++; p += PART1; }
+  if (HAS2(9)) { if (ORDER(4)) { STORE2(n, p, a229); } n++; }
+  if (HAS0(10)) { if (ORDER(4)) { STORE0(n, p, a230); } n++; p++; }
+  if (HAS1(10)) { if (ORDER(4)) { STORE1(n, p, a231); } n++; p += PART1; }
+  if (HAS2(10)) { if (ORDER(4)) { STORE2(n, p, a232); } n++; }
+  if (HAS1(11)) { if (ORDER(4)) { STORE1(n, p, a233); } n++; p += PART1; }
+  if (HAS2(11)) { if (ORDER(4)) { STORE2(n, p, a234); } n++; }
+  if (HAS2(12)) { if (ORDER(4)) { STORE2(n, p, a235); } n++; }
+  if (HAS0(4)) { if (ORDER(4)) { STORE0(n, p, a236); } n++; p++; }
+  if (HAS1(4)) { if (ORDER(4)) { STORE1(n, p, a237); } n++; p += PART1; }
+  if (HAS2(4)) { if (ORDER(4)) { STORE2(n, p, a238); } n++; }
+  if (HAS0(5)) { if (ORDER(4)) { STORE0(n, p, a239); } n++; p++; }
+  if (HAS1(5)) { if (ORDER(4)) { STORE1(n, p, a240); } n++; p += PART1; }
+  if (HAS2(5)) { if (ORDER(4)) { STORE2(n, p, a241); } n++; }
+  if (HAS0(6)) { if (ORDER(4)) { STORE0(n, p, a242); } n++; p++; }
+  if (HAS1(6)) { if (ORDER(4)) { STORE1(n, p, a243); } n++; p += PART1; }
+  if (HAS2(6)) { if (ORDER(4)) { STORE2(n, p, a244); } n++; }
+  if (HAS0(7)) { if (ORDER(4)) { STORE0(n, p, a245); } n++; p++; }
+  if (HAS1(7)) { if (ORDER(4)) { STORE1(n, p, a246); } n++; p += PART1; }
+  if (HAS2(7)) { if (ORDER(4)) { STORE2(n, p, a247); } n++; }
+  if (HAS0(8)) { if (ORDER(4)) { STORE0(n, p, a248); } n++; p++; }
+  if (HAS1(8)) { if (ORDER(4)) { STORE1(n, p, a249); } n++; p += PART1; }
+  if (HAS2(8)) { if (ORDER(4)) { STORE2(n, p, a250); } n++; }
+  if (HAS0(9)) { if (ORDER(4)) { STORE0(n, p, a251); } n++; p++; }
+  if (HAS1(9)) { if (ORDER(4)) { STORE1(n, p, a252); } n++; p += PART1; }
+  if (HAS2(9)) { if (ORDER(4)) { STORE2(n, p, a253); } n++; }
+  if (HAS0(10)) { if (ORDER(4)) { STORE0(n, p, a254); } n++; p++; }
+  if (HAS1(10)) { if (ORDER(4)) { STORE1(n, p, a255); } n++; p += PART1; }
+  if (HAS2(10)) { if (ORDER(4)) { STORE2(n, p, a256); } n++; }
+  if (HAS1(11)) { if (ORDER(4)) { STORE1(n, p, a257); } n++; p += PART1; }
+  if (HAS2(11)) { if (ORDER(4)) { STORE2(n, p, a258); } n++; }
+  if (HAS2(12)) { if (ORDER(4)) { STORE2(n, p, a259); } n++; }
+  if (HAS0(5)) { if (ORDER(5)) { STORE0(n, p, a260); } n++; p++; }
+  if (HAS1(5)) { if (ORDER(5)) { STORE1(n, p, a261); } n++; p += PART1; }
+  if (HAS2(5)) { if (ORDER(5)) { STORE2(n, p, a262); } n++; }
+  if (HAS0(6)) { if (ORDER(5)) { STORE0(n, p, a263); } n++; p++; }
+  if (HAS1(6)) { if (ORDER(5)) { STORE1(n, p, a264); } n++; p += PART1; }
+  if (HAS2(6)) { if (ORDER(5)) { STORE2(n, p, a265); } n++; }
+  if (HAS0(7)) { if (ORDER(5)) { STORE0(n, p, a266); } n++; p++; }
+  if (HAS1(7)) { if (ORDER(5)) { STORE1(n, p, a267); } n++; p += PART1; }
+  if (HAS2(7)) { if (ORDER(5)) { STORE2(n, p, a268); } n++; }
+  if (HAS0(8)) { if (ORDER(5)) { STORE0(n, p, a269); } n++; p++; }
+  if (HAS1(8)) { if (ORDER(5)) { STORE1(n, p, a270); } n++; p += PART1; }
+  if (HAS2(8)) { if (ORDER(5)) { STORE2(n, p, a271); } n++; }
+  if (HAS0(9)) { if (ORDER(5)) { STORE0(n, p, a272); } n++; p++; }
+  if (HAS1(9)) { if (ORDER(5)) { STORE1(n, p, a273); } n++; p += PART1; }
+  if (HAS2(9)) { if (ORDER(5)) { STORE2(n, p, a274); } n++; }
+  if (HAS0(10)) { if (ORDER(5)) { STORE0(n, p, a275); } n++; p++; }
+  if (HAS1(10)) { if (ORDER(5)) { STORE1(n, p, a276); } n++; p += PART1; }
+  if (HAS2(10)) { if (ORDER(5)) { STORE2(n, p, a277); } n++; }
+  if (HAS1(11)) { if (ORDER(5)) { STORE1(n, p, a278); } n++; p += PART1; }
+  if (HAS2(11)) { if (ORDER(5)) { STORE2(n, p, a279); } n++; }
+  if (HAS2(12)) { if (ORDER(5)) { STORE2(n, p, a280); } n++; }
+  if (HAS0(5)) { if (ORDER(5)) { STORE0(n, p, a281); } n++; p++; }
+  if (HAS1(5)) { if (ORDER(5)) { STORE1(n, p, a282); } n++; p += PART1; }
+  if (HAS2(5)) { if (ORDER(5)) { STORE2(n, p, a283); } n++; }
+  if (HAS0(6)) { if (ORDER(5)) { STORE0(n, p, a284); } n++; p++; }
+  if (HAS1(6)) { if (ORDER(5)) { STORE1(n, p, a285); } n++; p += PART1; }
+  if (HAS2(6)) { if (ORDER(5)) { STORE2(n, p, a286); } n++; }
+  if (HAS0(7)) { if (ORDER(5)) { STORE0(n, p, a287); } n++; p++; }
+  if (HAS1(7)) { if (ORDER(5)) { STORE1(n, p, a288); } n++; p += PART1; }
+  if (HAS2(7)) { if (ORDER(5)) { STORE2(n, p, a289); } n++; }
+  if (HAS0(8)) { if (ORDER(5)) { STORE0(n, p, a290); } n++; p++; }
+  if (HAS1(8)) { if (ORDER(5)) { STORE1(n, p, a291); } n++; p += PART1; }
+  if (HAS2(8)) { if (ORDER(5)) { STORE2(n, p, a292); } n++; }
+  if (HAS0(9)) { if (ORDER(5)) { STORE0(n, p, a293); } n++; p++; }
+  if (HAS1(9)) { if (ORDER(5)) { STORE1(n, p, a294); } n++; p += PART1; }
+  if (HAS2(9)) { if (ORDER(5)) { STORE2(n, p, a295); } n++; }
+  if (HAS0(10)) { if (ORDER(5)) { STORE0(n, p, a296); } n++; p++; }
+  if (HAS1(10)) { if (ORDER(5)) { STORE1(n, p, a297); } n++; p += PART1; }
+  if (HAS2(10)) { if (ORDER(5)) { STORE2(n, p, a298); } n++; }
+  if (HAS1(11)) { if (ORDER(5)) { STORE1(n, p, a299); } n++; p += PART1; }
+  if (HAS2(11)) { if (ORDER(5)) { STORE2(n, p, a300); } n++; }
+  if (HAS2(12)) { if (ORDER(5)) { STORE2(n, p, a301); } n++; }
+  if (HAS0(6)) { if (ORDER(6)) { STORE0(n, p, a302); } n++; p++; }
+  if (HAS1(6)) { if (ORDER(6)) { STORE1(n, p, a303); } n++; p += PART1; }
+  if (HAS2(6)) { if (ORDER(6)) { STORE2(n, p, a304); } n++; }
+  if (HAS0(7)) { if (ORDER(6)) { STORE0(n, p, a305); } n++; p++; }
+  if (HAS1(7)) { if (ORDER(6)) { STORE1(n, p, a306); } n++; p += PART1; }
+  if (HAS2(7)) { if (ORDER(6)) { STORE2(n, p, a307); } n++; }
+  if (HAS0(8)) { if (ORDER(6)) { STORE0(n, p, a308); } n++; p++; }
+  if (HAS1(8)) { if (ORDER(6)) { STORE1(n, p, a309); } n++; p += PART1; }
+  if (HAS2(8)) { if (ORDER(6)) { STORE2(n, p, a310); } n++; }
+  if (HAS0(9)) { if (ORDER(6)) { STORE0(n, p, a311); } n++; p++; }
+  if (HAS1(9)) { if (ORDER(6)) { STORE1(n, p, a312); } n++; p += PART1; }
+  if (HAS2(9)) { if (ORDER(6)) { STORE2(n, p, a313); } n++; }
+  if (HAS0(10)) { if (ORDER(6)) { STORE0(n, p, a314); } n++; p++; }
+  if (HAS1(10)) { if (ORDER(6)) { STORE1(n, p, a315); } n++; p += PART1; }
+  if (HAS2(10)) { if (ORDER(6)) { STORE2(n, p, a316); } n++; }
+  if (HAS1(11)) { if (ORDER(6)) { STORE1(n, p, a317); } n++; p += PART1; }
+  if (HAS2(11)) { if (ORDER(6)) { STORE2(n, p, a318); } n++; }
+  if (HAS2(12)) { if (ORDER(6)) { STORE2(n, p, a319); } n++; }
+  if (HAS0(6)) { if (ORDER(6)) { STORE0(n, p, a320); } n++; p++; }
+  if (HAS1(6)) { if (ORDER(6)) { STORE1(n, p, a321); } n++; p += PART1; }
+  if (HAS2(6)) { if (ORDER(6)) { STORE2(n, p, a322); } n++; }
+  if (HAS0(7)) { if (ORDER(6)) { STORE0(n, p, a323); } n++; p++; }
+  if (HAS1(7)) { if (ORDER(6)) { STORE1(n, p, a324); } n++; p += PART1; }
+  if (HAS2(7)) { if (ORDER(6)) { STORE2(n, p, a325); } n++; }
+  if (HAS0(8)) { if (ORDER(6)) { STORE0(n, p, a326); } n++; p++; }
+  if (HAS1(8)) { if (ORDER(6)) { STORE1(n, p, a327); } n++; p += PART1; }
+  if (HAS2(8)) { if (ORDER(6)) { STORE2(n, p, a328); } n++; }
+  if (HAS0(9)) { if (ORDER(6)) { STORE0(n, p, a329); } n++; p++; }
+  if (HAS1(9)) { if (ORDER(6)) { STORE1(n, p, a330); } n++; p += PART1; }
+  if (HAS2(9)) { if (ORDER(6)) { STORE2(n, p, a331); } n++; }
+  if (HAS0(10)) { if (ORDER(6)) { STORE0(n, p, a332); } n++; p++; }
+  if (HAS1(10)) { if (ORDER(6)) { STORE1(n, p, a333); } n++; p += PART1; }
+  if (HAS2(10)) { if (ORDER(6)) { STORE2(n, p, a334); } n++; }
+  if (HAS1(11)) { if (ORDER(6)) { STORE1(n, p, a335); } n++; p += PART1; }
+  if (HAS2(11)) { if (ORDER(6)) { STORE2(n, p, a336); } n++; }
+  if (HAS2(12)) { if (ORDER(6)) { STORE2(n, p, a337); } n++; }
+  if (HAS0(7)) { if (ORDER(7)) { STORE0(n, p, a338); } n++; p++; }
+  if (HAS1(7)) { if (ORDER(7)) { STORE1(n, p, a339); } n++; p += PART1; }
+  if (HAS2(7)) { if (ORDER(7)) { STORE2(n, p, a340); } n++; }
+  if (HAS0(8)) { if (ORDER(7)) { STORE0(n, p, a341); } n++; p++; }
+  if (HAS1(8)) { if (ORDER(7)) { STORE1(n, p, a342); } n++; p += PART1; }
+  if (HAS2(8)) { if (ORDER(7)) { STORE2(n, p, a343); } n++; }
+  if (HAS0(9)) { if (ORDER(7)) { STORE0(n, p, a344); } n++; p++; }
+  if (HAS1(9)) { if (ORDER(7)) { STORE1(n, p, a345); } n++; p += PART1; }
+  if (HAS2(9)) { if (ORDER(7)) { STORE2(n, p, a346); } n++; }
+  if (HAS0(10)) { if (ORDER(7)) { STORE0(n, p, a347); } n++; p++; }
+  if (HAS1(10)) { if (ORDER(7)) { STORE1(n, p, a348); } n++; p += PART1; }
+  if (HAS2(10)) { if (ORDER(7)) { STORE2(n, p, a349); } n++; }
+  if (HAS1(11)) { if (ORDER(7)) { STORE1(n, p, a350); } n++; p += PART1; }
+  if (HAS2(11)) { if (ORDER(7)) { STORE2(n, p, a351); } n++; }
+  if (HAS2(12)) { if (ORDER(7)) { STORE2(n, p, a352); } n++; }
+  if (HAS0(7)) { if (ORDER(7)) { STORE0(n, p, a353); } n++; p++; }
+  if (HAS1(7)) { if (ORDER(7)) { STORE1(n, p, a354); } n++; p += PART1; }
+  if (HAS2(7)) { if (ORDER(7)) { STORE2(n, p, a355); } n++; }
+  if (HAS0(8)) { if (ORDER(7)) { STORE0(n, p, a356); } n++; p++; }
+  if (HAS1(8)) { if (ORDER(7)) { STORE1(n, p, a357); } n++; p += PART1; }
+  if (HAS2(8)) { if (ORDER(7)) { STORE2(n, p, a358); } n++; }
+  if (HAS0(9)) { if (ORDER(7)) { STORE0(n, p, a359); } n++; p++; }
+  if (HAS1(9)) { if (ORDER(7)) { STORE1(n, p, a360); } n++; p += PART1; }
+  if (HAS2(9)) { if (ORDER(7)) { STORE2(n, p, a361); } n++; }
+  if (HAS0(10)) { if (ORDER(7)) { STORE0(n, p, a362); } n++; p++; }
+  if (HAS1(10)) { if (ORDER(7)) { STORE1(n, p, a363); } n++; p += PART1; }
+  if (HAS2(10)) { if (ORDER(7)) { STORE2(n, p, a364); } n++; }
+  if (HAS1(11)) { if (ORDER(7)) { STORE1(n, p, a365); } n++; p += PART1; }
+  if (HAS2(11)) { if (ORDER(7)) { STORE2(n, p, a366); } n++; }
+  if (HAS2(12)) { if (ORDER(7)) { STORE2(n, p, a367); } n++; }
+  if (HAS0(8)) { if (ORDER(8)) { STORE0(n, p, a368); } n++; p++; }
+  if (HAS1(8)) { if (ORDER(8)) { STORE1(n, p, a369); } n++; p += PART1; }
+  if (HAS2(8)) { if (ORDER(8)) { STORE2(n, p, a370); } n++; }
+  if (HAS0(9)) { if (ORDER(8)) { STORE0(n, p, a371); } n++; p++; }
+  if (HAS1(9)) { if (ORDER(8)) { STORE1(n, p, a372); } n++; p += PART1; }
+  if (HAS2(9)) { if (ORDER(8)) { STORE2(n, p, a373); } n++; }
+  if (HAS0(10)) { if (ORDER(8)) { STORE0(n, p, a374); } n++; p++; }
+  if (HAS1(10)) { if (ORDER(8)) { STORE1(n, p, a375); } n++; p += PART1; }
+  if (HAS2(10)) { if (ORDER(8)) { STORE2(n, p, a376); } n++; }
+  if (HAS1(11)) { if (ORDER(8)) { STORE1(n, p, a377); } n++; p += PART1; }
+  if (HAS2(11)) { if (ORDER(8)) { STORE2(n, p, a378); } n++; }
+  if (HAS2(12)) { if (ORDER(8)) { STORE2(n, p, a379); } n++; }
+  if (HAS0(8)) { if (ORDER(8)) { STORE0(n, p, a380); } n++; p++; }
+  if (HAS1(8)) { if (ORDER(8)) { STORE1(n, p, a381); } n++; p += PART1; }
+  if (HAS2(8)) { if (ORDER(8)) { STORE2(n, p, a382); } n++; }
+  if (HAS0(9)) { if (ORDER(8)) { STORE0(n, p, a383); } n++; p++; }
+  if (HAS1(9)) { if (ORDER(8)) { STORE1(n, p, a384); } n++; p += PART1; }
+  if (HAS2(9)) { if (ORDER(8)) { STORE2(n, p, a385); } n++; }
+  if (HAS0(10)) { if (ORDER(8)) { STORE0(n, p, a386); } n++; p++; }
+  if (HAS1(10)) { if (ORDER(8)) { STORE1(n, p, a387); } n++; p += PART1; }
+  if (HAS2(10)) { if (ORDER(8)) { STORE2(n, p, a388); } n++; }
+  if (HAS1(11)) { if (ORDER(8)) { STORE1(n, p, a389); } n++; p += PART1; }
+  if (HAS2(11)) { if (ORDER(8)) { STORE2(n, p, a390); } n++; }
+  if (HAS2(12)) { if (ORDER(8)) { STORE2(n, p, a391); } n++; }
+  if (HAS0(9)) { if (ORDER(9)) { STORE0(n, p, a392); } n++; p++; }
+  if (HAS1(9)) { if (ORDER(9)) { STORE1(n, p, a393); } n++; p += PART1; }
+  if (HAS2(9)) { if (ORDER(9)) { STORE2(n, p, a394); } n++; }
+  if (HAS0(10)) { if (ORDER(9)) { STORE0(n, p, a395); } n++; p++; }
+  if (HAS1(10)) { if (ORDER(9)) { STORE1(n, p, a396); } n++; p += PART1; }
+  if (HAS2(10)) { if (ORDER(9)) { STORE2(n, p, a397); } n++; }
+  if (HAS1(11)) { if (ORDER(9)) { STORE1(n, p, a398); } n++; p += PART1; }
+  if (HAS2(11)) { if (ORDER(9)) { STORE2(n, p, a399); } n++; }
+  if (HAS2(12)) { if (ORDER(9)) { STORE2(n, p, a400); } n++; }
+  if (HAS0(9)) { if (ORDER(9)) { STORE0(n, p, a401); } n++; p++; }
+  if (HAS1(9)) { if (ORDER(9)) { STORE1(n, p, a402); } n++; p += PART1; }
+  if (HAS2(9)) { if (ORDER(9)) { STORE2(n, p, a403); } n++; }
+  if (HAS0(10)) { if (ORDER(9)) { STORE0(n, p, a404); } n++; p++; }
+  if (HAS1(10)) { if (ORDER(9)) { STORE1(n, p, a405); } n++; p += PART1; }
+  if (HAS2(10)) { if (ORDER(9)) { STORE2(n, p, a406); } n++; }
+  if (HAS1(11)) { if (ORDER(9)) { STORE1(n, p, a407); } n++; p += PART1; }
+  if (HAS2(11)) { if (ORDER(9)) { STORE2(n, p, a408); } n++; }
+  if (HAS2(12)) { if (ORDER(9)) { STORE2(n, p, a409); } n++; }
+  if (HAS0(10)) { if (ORDER(10)) { STORE0(n, p, a410); } n++; p++; }
+  if (HAS1(10)) { if (ORDER(10)) { STORE1(n, p, a411); } n++; p += PART1; }
+  if (HAS2(10)) { if (ORDER(10)) { STORE2(n, p, a412); } n++; }
+  if (HAS1(11)) { if (ORDER(10)) { STORE1(n, p, a413); } n++; p += PART1; }
+  if (HAS2(11)) { if (ORDER(10)) { STORE2(n, p, a414); } n++; }
+  if (HAS2(12)) { if (ORDER(10)) { STORE2(n, p, a415); } n++; }
+  if (HAS0(10)) { if (ORDER(10)) { STORE0(n, p, a416); } n++; p++; }
+  if (HAS1(10)) { if (ORDER(10)) { STORE1(n, p, a417); } n++; p += PART1; }
+  if (HAS2(10)) { if (ORDER(10)) { STORE2(n, p, a418); } n++; }
+  if (HAS1(11)) { if (ORDER(10)) { STORE1(n, p, a419); } n++; p += PART1; }
+  if (HAS2(11)) { if (ORDER(10)) { STORE2(n, p, a420); } n++; }
+  if (HAS2(12)) { if (ORDER(10)) { STORE2(n, p, a421); } n++; }
+  if (HAS1(11)) { if (ORDER(11)) { STORE1(n, p, a422); } n++; p += PART1; }
+  if (HAS2(11)) { if (ORDER(11)) { STORE2(n, p, a423); } n++; }
+  if (HAS2(12)) { if (ORDER(11)) { STORE2(n, p, a424); } n++; }
+  if (HAS1(11)) { if (ORDER(11)) { STORE1(n, p, a425); } n++; p += PART1; }
+  if (HAS2(11)) { if (ORDER(11)) { STORE2(n, p, a426); } n++; }
+  if (HAS2(12)) { if (ORDER(11)) { STORE2(n, p, a427); } n++; }
+  if (HAS2(12)) { if (ORDER(12)) { STORE2(n, p, a428); } n++; }
+  if (HAS2(12)) { if (ORDER(12)) { STORE2(n, p, a429); } n++; }
 }

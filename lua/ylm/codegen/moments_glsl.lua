@@ -59,7 +59,7 @@ local function products(g, lmax)
     if k == m then q[k] = side == 0 and c[m] or s[m]
     elseif k == m + 1 then q[k] = z * q[m]
     else q[k] = z * q[k - 1] - recurrences.BETA(k - 1, m) * q[k - 2] end
-    outputs[#outputs + 1] = { form = ("a%d += %%s;"):format(n), node = q[k] * w[kind][k] }
+    outputs[#outputs + 1] = { form = ("ADD%d(a%d, %%s);"):format(kind, n), node = q[k] * w[kind][k] }
   end)
   return outputs
 end
@@ -78,13 +78,17 @@ end
 
 local function put(out, ...) out[#out + 1] = (...):format(select(2, ...)) end
 
---- Names a0 .. a(n-1) in lines.
-local function names(out, n)
-  for first = 0, n - 1, 12 do
-    local row = {}
-    for i = first, math.min(first + 11, n - 1) do row[#row + 1] = "a" .. i end
-    put(out, "real %s;", table.concat(row, ", "))
-  end
+--- Calls SUMk(a) for every sum of kind k, some in a line.
+local function names(out, lmax)
+  local row = {}
+  each_sum(lmax, function(_, _, _, kind, n)
+    row[#row + 1] = ("SUM%d(a%d)"):format(kind, n)
+    if #row == 8 then
+      put(out, "%s", table.concat(row, " "))
+      row = {}
+    end
+  end)
+  put(out, "%s", table.concat(row, " "))
 end
 
 function moments.text(lmax)
@@ -95,6 +99,8 @@ function moments.text(lmax)
   put(out, "**   real, REAL(c)     float or double, and a constant of that type")
   put(out, "**   LMAX, KINDS       specialisation constants: 1 value, 2 gradient, 4 Hessian, added up")
   put(out, "**   M_FIRST, M_LAST   specialisation constants: the orders m that are summed here")
+  put(out, "** Of sums of each kind k = 0, 1, 2 the includer says, by default in shaders/sums.glsl, what they are:")
+  put(out, "**   SUMk(a) declares, CLEARk(a), ADDk(a, e), STOREk(n, p, a): number n among all, p among those with PART1")
   put(out, "** Operations per light with all kinds, a sum's multiply-add counted as two: lmax %d %d, 4 %d. */", lmax,
     moments.operations(lmax), moments.operations(4))
   put(out, "#define HAS0(k) ((KINDS & 1) != 0 && (k) <= LMAX)")
@@ -102,10 +108,10 @@ function moments.text(lmax)
   put(out, "#define HAS2(k) ((KINDS & 4) != 0 && (k) <= LMAX + 2)")
   put(out, "#define ORDER(m) (M_FIRST <= (m) && (m) <= M_LAST)")
   put(out, "")
-  names(out, #outputs)
+  names(out, lmax)
   put(out, "")
   put(out, "void clear_sums() {")
-  for i = 0, #outputs - 1 do put(out, "  a%d = REAL(0.0lf);", i) end
+  each_sum(lmax, function(_, _, _, kind, n) put(out, "  CLEAR%d(a%d);", kind, n) end)
   put(out, "}")
   put(out, "")
   put(out, "/* Adds one light. x, y, z: its direction; delta: 1 - h/d; es: radiance r^2/d^2; invh: 1/h; far: d/h^3;")
@@ -114,11 +120,12 @@ function moments.text(lmax)
   for _, line in ipairs(emit.statements(outputs, "shader")) do put(out, "  %s", line) end
   put(out, "}")
   put(out, "")
-  put(out, "/* Hands each sum and its number to STORE(number, sum). */")
+  put(out, "/* Hands each sum and its numbers to STORE: p counts values, and what gradients need where PART1 says so. */")
   put(out, "void store_sums() {")
-  put(out, "  uint n = 0u;")
+  put(out, "  uint n = 0u, p = 0u;")
+  local counts = { [0] = "n++; p++;", "n++; p += PART1;", "n++;" }
   each_sum(lmax, function(m, _, k, kind, n)
-    put(out, "  if (HAS%d(%d)) { if (ORDER(%d)) { STORE(n, a%d); } n++; }", kind, k, m, n)
+    put(out, "  if (HAS%d(%d)) { if (ORDER(%d)) { STORE%d(n, p, a%d); } %s }", kind, k, m, kind, n, counts[kind])
   end)
   put(out, "}")
   return table.concat(out, "\n") .. "\n"

@@ -100,8 +100,9 @@ local function outputs_of(g, lmax)
     local Q, dQ, ddQ = q[l][1], q[l][2], q[l][3]
     local made = coefficient(g, F[l], Q * f, { Q * fx, Q * fy, dQ * f },
       { Q * fxx, Q * fxy, dQ * fx, -(Q * fxx), dQ * fy, ddQ * f })
-    for i, name in ipairs(parts) do
-      outputs[#outputs + 1] = { node = made[i], form = ("%s%d += %%s;"):format(name, n) }
+    for i in ipairs(parts) do
+      outputs[#outputs + 1] = { node = made[i], form = ("p%d = %%s;%s"):format(i - 1,
+        i == #parts and (" ADD(%d);"):format(n) or "") }
     end
   end)
   return outputs
@@ -128,6 +129,7 @@ function product.text(lmax)
   put(out, "**   real, REAL(c)     float or double, and a constant of that type")
   put(out, "**   LMAX, DERIVATIVES specialisation constants; 0, 1 or 2 derivatives")
   put(out, "**   M_FIRST, M_LAST   specialisation constants: the orders m that are summed here")
+  put(out, "**   ADD(n)            adds p0 .. p9, the parts of a coefficient, to vn, xn, yn, zn, xxn .. zzn")
   local function of(l) return product.operations(l, 0), product.operations(l, 1), product.operations(l, 2) end
   put(out, "** Operations per light with 0, 1, 2 derivatives: lmax 4 %d, %d, %d;", of(4))
   put(out, ("** lmax %d %%d, %%d, %%d. */"):format(lmax), of(lmax))
@@ -149,6 +151,7 @@ function product.text(lmax)
   put(out, "** bend: slope (2/d + d/h^2). Gradients and Hessians are by the light's position. */")
   put(out, "void add_light(real x, real y, real z, real id, real alpha, real u, real es, real first, real slope,")
   put(out, "               real bend) {")
+  put(out, "  real p0, p1, p2, p3, p4, p5, p6, p7, p8, p9;")
   for _, line in ipairs(emit.statements(outputs, "shader")) do put(out, "  %s", line) end
   put(out, "}")
   put(out, "")

@@ -1,0 +1,41 @@
+/* flat_bend.real.comp - flat.real.comp's sums of values times the Hessian of |cos gamma|, xx xy xz yy yz zz. */
+#version 450
+#extension GL_GOOGLE_include_directive : require
+#include "ylm.glsl"
+
+#include "lamps.glsl"
+const uint KINDS = 1;
+
+uint store_at;
+rmat2x3 factor;
+#define PART1 0u
+#define SUM0(a) real a##_xx, a##_xy, a##_xz, a##_yy, a##_yz, a##_zz;
+#define SUM1(a)
+#define SUM2(a)
+#define CLEAR0(a) a##_xx = a##_xy = a##_xz = a##_yy = a##_yz = a##_zz = REAL(0.0lf)
+#define CLEAR1(a)
+#define CLEAR2(a)
+#define ADD0(a, e)                                                                                 \
+  {                                                                                                \
+    real one = e;                                                                                  \
+    a##_xx += factor[0].x * one, a##_xy += factor[0].y * one, a##_xz += factor[0].z * one;         \
+    a##_yy += factor[1].x * one, a##_yz += factor[1].y * one, a##_zz += factor[1].z * one;         \
+  }
+#define ADD1(a, e)
+#define ADD2(a, e)
+#define STORE0(n, p, a)                                                                            \
+  put(p, 0u, a##_xx), put(p, 1u, a##_xy), put(p, 2u, a##_xz);                                      \
+  put(p, 3u, a##_yy), put(p, 4u, a##_yz), put(p, 5u, a##_zz)
+#define STORE1(n, p, a)
+#define STORE2(n, p, a)
+
+void put(uint p, uint k, real a) { partial[store_at + (parts + k * part_row + p) * stride] = a; }
+
+#include "gen/moments.glsl"
+
+void weigh(rvec3 direction, real id, rvec3 normal, real plain) {
+  rvec4 c = cosine(normal, plain, direction, id, factor);
+  if (id == REAL(0.0lf)) factor = rmat2x3(0.0);
+}
+#include "moments_add.glsl"
+#include "lamps_main.glsl"
