@@ -218,16 +218,8 @@ assert(math.abs(f[1] - math.sqrt(3 / (4 * math.pi))) < 1e-15 and f[2] == -f[1])]
 }
 function sh.reconstruct(c, points, options)
   options = form.options(3, "reconstruct", reconstruct_options, options)
-  local coefficients, one_row = array.rows(1, "reconstruct", "coefficients", c)
-  local shape, dtype, convention = core.array_info(coefficients)
-  local lmax = lmax_of(shape[#shape])
-  if not lmax then
-    return check.bad(1, "reconstruct", "(lmax+1)^2 coefficients expected in the last axis, got %d", shape[#shape])
-  end
-  if convention ~= 0 then
-    return check.bad(1, "reconstruct", "coefficients are of convention '%s': convert them first",
-      array.convention_name(convention))
-  end
+  local coefficients, lmax, shape, dtype = args.coefficients(1, "reconstruct", c)
+  local one_row = #shape == 1
   if dtype == "float" and core.type(points) == "ylm.array" and dtype_of(points) == "double" then
     dtype = "double"
     coefficients = core.array_convert(coefficients, dtype)
