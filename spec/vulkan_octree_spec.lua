@@ -297,6 +297,39 @@ describe("an adaptive grid refined on a device", function()
     end)
   end)
 
+  describe("while it is made", function()
+    --- Calls f with a progress function that calls `again`, which must raise `says`; f raises that then.
+    local function refused(says, f, again)
+      local ok, message = pcall(f, function() again() end)
+      assert(not ok and tostring(message):find(says), message)
+    end
+
+    it("lets nobody use the lights and copies that it uses, nor close the device", function()
+      local there = gpu:lights(lamps)
+      local function bake(progress)
+        return ylm.bake(description {}, there, { occupied = floor, progress = progress })
+      end
+      local function field(progress) return ylm.light_field(2, there, floor, { progress = progress }) end
+      local grid = ylm.bake(ylm.uniform_grid { bounds = box, cells = 2, lmax = 2 }, lamps)
+      local function sample(progress) return grid:sample(floor, { device = gpu, progress = progress }) end
+      for _, f in ipairs { bake, field } do
+        refused("the lights are in use by a call that has not returned", f, bake)
+        refused("the lights are in use by a call that has not returned", f, field)
+        refused("in use by a call that has not returned", f, function() gpu:close() end)
+        refused("in use by a call that has not returned", f, function() there:close() end)
+      end
+      refused("the grid's copy is in use by a call that has not returned", sample, sample)
+      assert(bake() and field() and sample())
+    end)
+
+    it("is refused where lights have no kernels", function()
+      local ok, message = pcall(function()
+        return (ylm.bake(description { lmax = 11 }, lamps, { occupied = floor, device = gpu }))
+      end)
+      assert(not ok and message:find("^spec/vulkan_octree_spec.lua:%d+: bake: lmax must be 0 .. 10"), message)
+    end)
+  end)
+
   describe("does not keep the device busy", function()
     it("for longer than 50 ms at a time, once kernels are compiled", function()
       if not gpu.limits.timestamps then pending("the device measures no times") return end

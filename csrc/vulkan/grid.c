@@ -29,6 +29,7 @@ struct ylm_gpu_grid {
   ylm_gpu_buffer *cells, *table, *data, *bounds, *counts;
   /* Of a pass, kept for the next. */
   size_t rows;
+  bool busy; /* a call has not returned: its progress function runs */
   ylm_gpu_buffer *points, *places, *value, *gradient, *transfer;
 };
 
@@ -333,6 +334,8 @@ static ylm_status passes(sampling *m, size_t n, ylm_grid_report *report, ylm_err
   ylm_grid_report r = {0};
   m->report = &r;
   ylm_status s = ylm_gpu_state(k->g, e);
+  if (s == YLM_OK && k->busy)
+    s = ylm_fail(e, YLM_EBUSY, "the grid's copy is in use by a call that has not returned");
   if (s == YLM_OK && ylm_grid_look(grid)->stats->update.updates != k->updates)
     s = ylm_fail(e, YLM_EINVAL,
                  "the grid was updated since it was copied to the device: copy it again");
@@ -342,12 +345,14 @@ static ylm_status passes(sampling *m, size_t n, ylm_grid_report *report, ylm_err
   if (rows < 1) rows = 1;
   m->scratch = ylm_alloc(rows, 24);
   s = m->scratch ? reserve(m, rows, e) : ylm_fail(e, YLM_ENOMEM, "%s", ylm_status_text(YLM_ENOMEM));
+  k->busy = true;
   for (size_t at = 0, now; s == YLM_OK && at < n; at += now) {
     now = n - at < rows ? n - at : rows;
     s = pass(m, at, now, e);
     if (s == YLM_OK)
       s = ylm_report(m->q->progress, at + now, n, m->transfer ? "shading" : "sampling");
   }
+  k->busy = false;
   ylm_free(m->scratch);
   r.seconds = ylm_seconds() - start;
   if (report) *report = r;

@@ -77,6 +77,11 @@ static ylm_status upload(ylm_gpu_lights *l, ylm_dtype t, ylm_error *e) {
   return s;
 }
 
+ylm_status ylm__lights_idle(const ylm_gpu_lights *l, ylm_error *e) {
+  if (!l->busy) return YLM_OK;
+  return ylm_fail(e, YLM_EBUSY, "the lights are in use by a call that has not returned");
+}
+
 ylm_status ylm__lights_scratch(ylm_gpu_lights *l, int which, uint64_t bytes, ylm_error *e) {
   ylm_gpu_buffer **b = &l->scratch[which];
   if (*b && ylm_gpu_buffer_bytes(*b) >= bytes) return YLM_OK;
@@ -175,7 +180,8 @@ static ylm_status evaluate(const ylm_field *f, const ylm_field_query *q, size_t 
                            const void *points, ylm_field_result *r, ylm_error *e) {
   ylm_gpu_lights *l = (ylm_gpu_lights *)(uintptr_t)f->self;
   const sum_plan *plan;
-  ylm_status s = check(l, q, n, points, r, e);
+  ylm_status s = ylm__lights_idle(l, e);
+  if (s == YLM_OK) s = check(l, q, n, points, r, e);
   if (s == YLM_OK) s = upload(l, q->dtype, e);
   if (s == YLM_OK) s = ylm__sum_plan_get(l, q, &plan, e);
   if (s != YLM_OK || !n) return s;
@@ -184,6 +190,7 @@ static ylm_status evaluate(const ylm_field *f, const ylm_field_query *q, size_t 
   if (s != YLM_OK) return s;
   size_t rows = reach.rows;
   size_t point = 3 * ylm_dtype_size(q->dtype);
+  l->busy = true;
   for (size_t begin = 0; begin < n && s == YLM_OK; begin += rows) {
     size_t now = n - begin < rows ? n - begin : rows;
     pass_progress pass = {q->progress, begin, now, n};
@@ -200,6 +207,7 @@ static ylm_status evaluate(const ylm_field *f, const ylm_field_query *q, size_t 
     if (s == YLM_OK) s = download(l, q, begin, now, r, e);
     ylm__lights_copied(l, "download", start);
   }
+  l->busy = false;
   if (s == YLM_OK) r->pairs += (uint64_t)n * l->active;
   return s;
 }

@@ -80,6 +80,7 @@ struct ylm_gpu_lights {
   sum_plan *plans;
   ylm_gpu_buffer *scratch[BUFFERS];
   ylm_gpu_times times;
+  bool busy; /* a call that uses them has not returned: its progress function runs */
 };
 
 /* -- lights_plan.c ------------------------------------------------------------ */
@@ -104,6 +105,8 @@ ylm_status ylm__sum_run(ylm_gpu_lights *l, const sum_plan *p, const ylm_field_qu
 
 /* -- lights.c ------------------------------------------------------------------- */
 
+/* YLM_EBUSY while a call uses the lights. */
+ylm_status ylm__lights_idle(const ylm_gpu_lights *l, ylm_error *e);
 /* Scratch of at least so many bytes. */
 ylm_status ylm__lights_scratch(ylm_gpu_lights *l, int which, uint64_t bytes, ylm_error *e);
 /* Whether the surfaces on which the field jumps are those of l->lights alone: then octree_split.c

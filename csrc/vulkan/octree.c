@@ -1,5 +1,6 @@
 /* octree.c - adaptive grids on a device: the loop over levels. */
 #include "octree.h"
+#include "gpu.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -170,8 +171,15 @@ ylm_status ylm_gpu_grid_bake(ylm_gpu_lights *l, const ylm_grid_form *form,
   t->l = l;
   t->source = &own;
   t->e = e;
-  ylm_status s = begin(t, form);
-  if (s == YLM_OK) s = levels(t);
+  ylm_status s = ylm__lights_idle(l, e);
+  if (s == YLM_OK) s = begin(t, form);
+  if (s == YLM_OK) {
+    l->busy = true;
+    t->g->running++; /* from progress functions it cannot be closed */
+    s = levels(t);
+    t->g->running--;
+    l->busy = false;
+  }
   if (s == YLM_OK) {
     t->stats->seconds = ylm_seconds() - start;
     *out = t->grid;
