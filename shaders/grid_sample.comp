@@ -1,5 +1,5 @@
 /*
-** Interpolates a grid at places: csrc/grid/sample_kernel.h says what the 32 weights of a cell's corners are.
+** Interpolates a grid at places: shaders/gen/interpolation.glsl has the 32 weights of a cell's corners.
 ** A group has POINTS points: first their weights, then every coefficient of all of them.
 */
 #version 450

@@ -1,6 +1,6 @@
 /*
 ** Radiance of shading points under a grid: its interpolant, dotted with transfer vectors. A group has POINTS points
-** and as many lanes for each; csrc/grid/sample_kernel.h says what the 32 weights of a cell's corners are.
+** and as many lanes for each; shaders/gen/interpolation.glsl has the 32 weights of a cell's corners.
 */
 #version 450
 #extension GL_GOOGLE_include_directive : require

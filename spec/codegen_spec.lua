@@ -103,6 +103,53 @@ describe("ylm.codegen", function()
       end
     end)
 
+    describe("of interpolation", function()
+      local expression, interpolation = require "ylm.codegen.expression", require "ylm.codegen.interpolation"
+
+      --- The number that a node stands for, with variables from a table.
+      local function number(n, at)
+        if n.op == "constant" then return n.value end
+        if n.op == "variable" then return at[n.name] end
+        local a, b = number(n.a, at), n.b and number(n.b, at)
+        if n.op == "negate" then return -a end
+        if n.op == "+" then return a + b end
+        if n.op == "-" then return a - b end
+        return n.op == "*" and a * b or a / b
+      end
+
+      it("have the slopes of the values that they come with", function()
+        local h, edge = 1e-5, 0.7
+        for _, kind in ipairs(interpolation.kinds) do
+          local v, d = interpolation.values(expression.graph(), kind), interpolation.slopes(expression.graph(), kind)
+          for _, which in ipairs { "l", "s", "k" } do
+            for e = 1, 2 do
+              for _, t in ipairs { 0, 0.2, 0.5, 0.9, 1 } do
+                local up, down = number(v[which][e], { t = t + h, edge = edge }), number(v[which][e], { t = t - h, edge = edge })
+                assert.near((up - down) / (2 * h * edge), number(d[which][e], { t = t, rate = 1 / edge }), 1e-8)
+              end
+            end
+          end
+        end
+      end)
+
+      it("reproduce cubics by Hermite's, what is linear by all", function()
+        local edge = 0.7
+        for _, kind in ipairs(interpolation.kinds) do
+          local v = interpolation.values(expression.graph(), kind)
+          for power = 0, kind == "hermite" and 3 or 1 do
+            for _, t in ipairs { 0, 0.3, 0.8, 1 } do
+              local at = { t = t, edge = edge }
+              local function f(which, e) return number(v[which][e], at) end
+              local slope = kind == "linear" and 0 or power / edge -- at the far end; at the near end only of t
+              local sum = (power == 0 and f("l", 1) + f("s", 1) or 0) + f("l", 2) + f("s", 2) + f("k", 2) * slope
+                + (power == 1 and kind ~= "linear" and f("k", 1) / edge or 0)
+              assert.near(power == 0 and 1 or t ^ power, sum, 1e-14)
+            end
+          end
+        end
+      end)
+    end)
+
     it("bear no dates and no absolute paths", function()
       for _, target in ipairs(targets) do
         local text = read(target[1])

@@ -5,7 +5,6 @@
 ** lanes; the product runs over blocks of 4 points x a few vectors of coefficients, so that a row's
 ** load is shared by the points. A column is summed in the same order whatever block it is in.
 */
-#include "sample_kernel.h"
 #include "grid.h"
 #include "ylm_simd.h"
 
@@ -13,7 +12,8 @@
 #include <immintrin.h>
 #endif
 
-YLM_GRID_WEIGHTS(ylm_vf)
+#define F ylm_vf
+#include "gen/interpolation.h"
 
 #define POINTS 4
 #if YLM_VECTOR_BYTES == 64

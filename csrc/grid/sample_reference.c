@@ -1,9 +1,9 @@
 /* sample_reference.c - sampling one voxel, one point and one coefficient after the other: the
    short form that judges the kernels. */
 #include "grid.h"
-#include "sample_kernel.h"
 
-YLM_GRID_WEIGHTS(float)
+#define F float
+#include "gen/interpolation.h"
 
 static void mix(const sample_batch *b, const float *w, float *out) {
   int rows = b->interpolation == YLM_GRID_LINEAR ? 8 : ROWS;

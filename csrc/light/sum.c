@@ -23,32 +23,21 @@ ylm_status ylm__field_check(const ylm_field_query *q, size_t n, const void *poin
   return YLM_OK;
 }
 
-/*
-** The largest absolute eigenvalue of a symmetric matrix xx xy xz yy yz zz (Smith 1961), with the
-*sine
-** of the angle as csrc/light/sum_body.h finds it, which keeps its digits where two are alike.
-*/
-static double largest_eigenvalue(const double h[6]) {
-  double mean = (h[0] + h[3] + h[5]) / 3, B[6], p2 = 0;
-  static const double weight[6] = {1, 2, 2, 1, 2, 1}; /* elements off the diagonal count twice */
-  for (int i = 0; i < 6; i++) B[i] = h[i] - (weight[i] == 1 ? mean : 0);
-  for (int i = 0; i < 6; i++) p2 += weight[i] * B[i] * B[i] / 6;
-  double p = sqrt(p2), r = 0, s2 = 0;
-  if (!(p > 0)) return fabs(mean);
-  for (int i = 0; i < 6; i++) B[i] /= p;
-  double square[6] = {
-      B[0] * B[0] + B[1] * B[1] + B[2] * B[2], B[0] * B[1] + B[1] * B[3] + B[2] * B[4],
-      B[0] * B[2] + B[1] * B[4] + B[2] * B[5], B[1] * B[1] + B[3] * B[3] + B[4] * B[4],
-      B[1] * B[2] + B[3] * B[4] + B[4] * B[5], B[2] * B[2] + B[4] * B[4] + B[5] * B[5]};
-  for (int i = 0; i < 6; i++) r += weight[i] * square[i] * B[i] / 6;
-  for (int i = 0; i < 6; i++) {
-    double c = square[i] - r * B[i] - (weight[i] == 1 ? 2 : 0);
-    s2 += weight[i] * c * c / 6;
-  }
-  double phi = atan2(sqrt(s2), r) / 3;
-  double high = mean + 2 * p * cos(phi), low = mean + 2 * p * cos(phi + 2.09439510239319549231);
-  return fmax(fabs(high), fabs(low));
-}
+/* -- the largest absolute eigenvalue of a symmetric matrix xx xy xz yy yz zz -- */
+
+static inline double larger(double a, double b) { return a > b ? a : b; }
+static inline double smaller(double a, double b) { return a < b ? a : b; }
+static inline double size(double a) { return fabs(a); }
+static inline double root(double a) { return sqrt(a); }
+static inline double choose(bool first, double a, double b) { return first ? a : b; }
+
+#define V double
+#define VI bool
+#define REAL double
+#define NAME(x) x
+#define TINY 1e-280
+#define FINE 1
+#include "gen/eigenvalue.h"
 
 static void put(ylm_dtype t, void *out, size_t i, double x) {
   if (t == YLM_DOUBLE)

@@ -7,44 +7,11 @@ YLM_INLINE V NAME(larger)(V a, V b) {
 
 YLM_INLINE V NAME(size)(V a) { return NAME(larger)(a, -a); }
 
-/*
-** The largest absolute eigenvalue of the symmetric matrices h = xx xy xz yy yz zz.
-** With q the mean of the trace and B = (H - q)/p scaled so that the squares of its elements sum to
-*6,
-** the extreme eigenvalues are q + 2p cos(acos(r)/3) and q - 2p cos(acos(-r)/3), r = det(B)/2;
-** with t = sqrt((1+r)/2) the first cosine is cos(2/3 acos(t)), smooth in t. Zero for zero.
-** Two eigenvalues alike: r is near 1 or -1 and 1-|r| has lost its digits, but B then nearly solves
-** B^2 - rB - 2 = 0, and 6(1-r^2) is the sum of the squares of that matrix's elements.
-** Accuracy a few roundings of the largest element, whatever the eigenvalues are
-** Source  Smith 1961, "Eigenvalues of a symmetric 3x3 matrix"
-*/
-static inline V NAME(largest_eigenvalue)(const V *h) {
-  V top = NAME(larger)(NAME(size)(h[0]), NAME(size)(h[1]));
-  for (int i = 2; i < 6; i++) top = NAME(larger)(top, NAME(size)(h[i]));
-  top = NAME(larger)(top, (V){0} + TINY);
-  V down = 1 / top, a = h[0] * down, b = h[1] * down, c = h[2] * down;
-  V d = h[3] * down, e = h[4] * down, f = h[5] * down;
-  V q = (a + d + f) * (REAL)(1.0 / 3), one = (V){0} + 1;
-  a -= q, d -= q, f -= q;
-  V p = NAME(root)((a * a + d * d + f * f + 2 * (b * b + c * c + e * e)) * (REAL)(1.0 / 6));
-  V up = 1 / NAME(larger)(p, (V){0} + TINY);
-  a *= up, b *= up, c *= up, d *= up, e *= up, f *= up;
-  V aa = a * a + b * b + c * c, dd = b * b + d * d + e * e, ff = c * c + e * e + f * f;
-  V ab = a * b + b * d + c * e, ac = a * c + b * e + c * f, de = b * c + d * e + e * f;
-  V r = (aa * a + dd * d + ff * f + 2 * (ab * b + ac * c + de * e)) * (REAL)(1.0 / 6);
-  aa -= r * a + 2, dd -= r * d + 2, ff -= r * f + 2;
-  ab -= r * b, ac -= r * c, de -= r * e;
-  V s = NAME(root)((aa * aa + dd * dd + ff * ff + 2 * (ab * ab + ac * ac + de * de)) *
-                   (REAL)(1.0 / 6)); /* sqrt(1 - r^2) */
-  /* sqrt((1+|r|)/2) and sqrt((1-|r|)/2), halves of the angle acos(|r|) */
-  V wide = NAME(root)((1 - NAME(larger)(-NAME(size)(r), -one)) / 2);
-  V narrow = -NAME(larger)(-(s / (2 * wide)), -one);
-  VI positive = r > 0;
-  V high = (V)(((VI)wide & positive) | ((VI)narrow & ~positive));
-  V low = (V)(((VI)narrow & positive) | ((VI)wide & ~positive));
-  high = NAME(third)(2 * high - 1), low = NAME(third)(2 * low - 1);
-  return NAME(larger)(NAME(size)(q + 2 * p * high), NAME(size)(q - 2 * p * low)) * top;
-}
+YLM_INLINE V NAME(smaller)(V a, V b) { return -NAME(larger)(-a, -b); }
+
+YLM_INLINE V NAME(choose)(VI first, V a, V b) { return (V)(((VI)a & first) | ((VI)b & ~first)); }
+
+#include "gen/eigenvalue.h"
 
 /* y = A x for the rows first .. first+n-1 of A. */
 static void NAME(apply)(const ylm__rows *A, size_t first, size_t n, const V *x, V *y) {

@@ -1,4 +1,5 @@
---- shaders/gen/eigenvalue.glsl: the largest absolute eigenvalue of a symmetric 3x3 matrix, as csrc/light/sum_body.h has it.
+--- The largest absolute eigenvalue of a symmetric 3x3 matrix, once for C (csrc/light/gen/eigenvalue.h) and once for GLSL
+-- (shaders/gen/eigenvalue.glsl).
 --
 -- With q the mean of the trace and B = (H - q)/p scaled so that the squares of its elements sum to 6, the extreme
 -- eigenvalues are q + 2p cos(acos(r)/3) and q - 2p cos(acos(-r)/3), r = det(B)/2 (Smith 1961). With t = sqrt((1+r)/2) the
@@ -17,30 +18,73 @@ local third = {
     -3.151308192173019e-11 },
 }
 
+--- The formulas; `languages` says what its words are. #x is a constant.
 local body = [[
-  real top = max(max(max(abs(h0), abs(h1)), max(abs(h2), abs(h3))), max(abs(h4), abs(h5)));
-  top = max(top, TINY);
-  real down = ONE / top, a = h0 * down, b = h1 * down, c = h2 * down;
+  real top = LARGER(LARGER(LARGER(SIZE(h0), SIZE(h1)), LARGER(SIZE(h2), SIZE(h3))), LARGER(SIZE(h4), SIZE(h5)));
+  top = LARGER(top, ALL(TINY));
+  real down = #1.0 / top, a = h0 * down, b = h1 * down, c = h2 * down;
   real d = h3 * down, e = h4 * down, f = h5 * down;
-  real q = (a + d + f) * THIRD;
+  real q = (a + d + f) * #0.33333333333333333;
   a -= q;
   d -= q;
   f -= q;
-  real p = sqrt((a * a + d * d + f * f + TWO * (b * b + c * c + e * e)) * SIXTH);
-  real up = ONE / max(p, TINY);
+  real p = ROOT((a * a + d * d + f * f + #2.0 * (b * b + c * c + e * e)) * #0.16666666666666667);
+  real up = #1.0 / LARGER(p, ALL(TINY));
   a *= up, b *= up, c *= up, d *= up, e *= up, f *= up;
   real aa = a * a + b * b + c * c, dd = b * b + d * d + e * e, ff = c * c + e * e + f * f;
   real ab = a * b + b * d + c * e, ac = a * c + b * e + c * f, de = b * c + d * e + e * f;
-  real r = (aa * a + dd * d + ff * f + TWO * (ab * b + ac * c + de * e)) * SIXTH;
-  aa -= r * a + TWO, dd -= r * d + TWO, ff -= r * f + TWO;
+  real r = (aa * a + dd * d + ff * f + #2.0 * (ab * b + ac * c + de * e)) * #0.16666666666666667;
+  aa -= r * a + #2.0, dd -= r * d + #2.0, ff -= r * f + #2.0;
   ab -= r * b, ac -= r * c, de -= r * e;
-  real s = sqrt((aa * aa + dd * dd + ff * ff + TWO * (ab * ab + ac * ac + de * de)) * SIXTH);
-  real wide = sqrt(HALF + HALF * min(abs(r), ONE)), narrow = min(HALF * s / wide, ONE);
-  bool positive = r > REAL(0.0lf);
-  real high = third(TWO * (positive ? wide : narrow) - ONE);
-  real low = third(TWO * (positive ? narrow : wide) - ONE);
-  return max(abs(q + TWO * p * high), abs(q - TWO * p * low)) * top;
+  /* sqrt(1 - r^2); sqrt((1+|r|)/2) and sqrt((1-|r|)/2), halves of the angle acos(|r|) */
+  real s = ROOT((aa * aa + dd * dd + ff * ff + #2.0 * (ab * ab + ac * ac + de * de)) * #0.16666666666666667);
+  real wide = ROOT(#0.5 + #0.5 * SMALLER(SIZE(r), ALL(#1.0))), narrow = SMALLER(#0.5 * s / wide, ALL(#1.0));
+  mask positive = r > #0.0;
+  real high = THIRD(#2.0 * CHOOSE(positive, wide, narrow) - #1.0);
+  real low = THIRD(#2.0 * CHOOSE(positive, narrow, wide) - #1.0);
+  return LARGER(SIZE(q + #2.0 * p * high), SIZE(q - #2.0 * p * low)) * top;
 ]]
+
+local languages = {
+  glsl = {
+    words = { LARGER = "max", SMALLER = "min", SIZE = "abs", ROOT = "sqrt", THIRD = "third", CHOOSE = "choose",
+      ALL = "" },
+    real = "real", mask = "bool", constant = "REAL(%slf)",
+    double = "#ifdef YLM_DOUBLE", third = "real third(real u) {", first = "  real s = %s;",
+    head = {
+      "#ifdef YLM_DOUBLE",
+      "#define TINY 1e-280lf",
+      "#else",
+      "#define TINY 1e-30",
+      "#endif",
+      "",
+      "real choose(bool first, real a, real b) { return first ? a : b; }",
+    },
+    start = "real largest_eigenvalue(real h0, real h1, real h2, real h3, real h4, real h5) {",
+    about = "",
+  },
+  c = {
+    words = { LARGER = "NAME(larger)", SMALLER = "NAME(smaller)", SIZE = "NAME(size)", ROOT = "NAME(root)",
+      THIRD = "NAME(third)", CHOOSE = "NAME(choose)", ALL = "(V){0} + " },
+    real = "V", mask = "VI", constant = "(REAL)%s",
+    double = "#if FINE", third = "static inline V NAME(third)(V u) {", first = "  V s = (V){0} + %s;",
+    head = {},
+    start = "static inline V NAME(largest_eigenvalue)(const V *h) {\n"
+      .. "  const V h0 = h[0], h1 = h[1], h2 = h[2], h3 = h[3], h4 = h[4], h5 = h[5];",
+    about = "\n** V, VI, REAL: numbers, comparisons, a constant's type; FINE: double; TINY: the least divisor; larger, smaller,"
+      .. "\n** size, root, choose(VI, V, V): functions NAME(x).",
+  },
+}
+
+--- The body in a language.
+local function body_in(language)
+  local text = body:gsub("#([%d%.]+)", function(x) return language.constant:format(x) end)
+  text = text:gsub("%f[%a]real%f[%A]", language.real):gsub("%f[%a]mask%f[%A]", language.mask)
+  return (text:gsub("%f[%u](%u+)%(", function(word)
+    local known = language.words[word]
+    return known and known .. "(" or nil
+  end))
+end
 
 --- Additions and multiplications: of the body, and of both polynomials.
 local function operations(coefficients)
@@ -48,46 +92,41 @@ local function operations(coefficients)
   return n + 2 * 2 * (#coefficients - 1)
 end
 
-local function number(x)
+local function number(language, x)
   for _, format in ipairs { "%.9g", "%.15g" } do
-    if (format):format(x) + 0 == x then return ("REAL(%slf)"):format((format):format(x)) end
+    if (format):format(x) + 0 == x then return language.constant:format((format):format(x)) end
   end
-  return ("REAL(%.17glf)"):format(x)
+  return language.constant:format(("%.17g"):format(x))
 end
 
 --- Horner's scheme as statements.
-local function horner(out, coefficients)
-  out[#out + 1] = ("  real s = %s;"):format(number(coefficients[#coefficients]))
-  for i = #coefficients - 1, 1, -1 do out[#out + 1] = ("  s = s * u + %s;"):format(number(coefficients[i])) end
+local function horner(out, language, coefficients)
+  out[#out + 1] = language.first:format(number(language, coefficients[#coefficients]))
+  for i = #coefficients - 1, 1, -1 do out[#out + 1] = ("  s = s * u + %s;"):format(number(language, coefficients[i])) end
   out[#out + 1] = "  return s;"
 end
 
-return function()
+--- The file's text in a language, "c" or "glsl".
+return function(name)
+  local language = languages[name]
   local out = {
     "/* GENERATED by lua/ylm/codegen/eigenvalue.lua; do not edit: make gen writes it anew.",
-    "** The largest absolute eigenvalue of the symmetric matrix xx xy xz yy yz zz; 0 for zero (Smith 1961).",
-    ("** Additions and multiplications: %d in float, %d in double; 3 divisions, 3 square roots. */")
-      :format(operations(third.single), operations(third.double)),
-    "#ifdef YLM_DOUBLE",
-    "#define TINY 1e-280lf",
-    "#else",
-    "#define TINY 1e-30",
-    "#endif",
-    "#define ONE REAL(1.0lf)",
-    "#define TWO REAL(2.0lf)",
-    "#define HALF REAL(0.5lf)",
-    "#define THIRD REAL(0.33333333333333333lf)",
-    "#define SIXTH REAL(0.16666666666666667lf)",
-    "",
-    "/* cos(2/3 acos((1+u)/2)) */",
-    "real third(real u) {",
-    "#ifdef YLM_DOUBLE",
+    "** The largest absolute eigenvalue of the symmetric matrix xx xy xz yy yz zz; 0 for zero. Two that are alike: r is",
+    "** near 1 or -1 and 1-|r| has lost its digits, but B = (H - q)/p then nearly solves B^2 - rB - 2 = 0, and 6(1-r^2) is",
+    "** the sum of the squares of that matrix's elements. Source: Smith 1961, \"Eigenvalues of a symmetric 3x3 matrix\"",
+    ("** Additions and multiplications: %d in float, %d in double; 3 divisions, 3 square roots.%s */")
+      :format(operations(third.single), operations(third.double), language.about),
   }
-  horner(out, third.double)
+  for _, line in ipairs(language.head) do out[#out + 1] = line end
+  out[#out + 1] = ""
+  out[#out + 1] = "/* cos(2/3 acos((1+u)/2)), Chebyshev interpolation: to 4e-9, 1e-15 */"
+  out[#out + 1] = language.third
+  out[#out + 1] = language.double
+  horner(out, language, third.double)
   out[#out + 1] = "#else"
-  horner(out, third.single)
+  horner(out, language, third.single)
   out[#out + 1] = "#endif\n}\n"
-  out[#out + 1] = "real largest_eigenvalue(real h0, real h1, real h2, real h3, real h4, real h5) {"
-  out[#out + 1] = body .. "}"
+  out[#out + 1] = language.start
+  out[#out + 1] = body_in(language) .. "}"
   return table.concat(out, "\n") .. "\n"
 end

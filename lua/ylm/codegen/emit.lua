@@ -23,6 +23,13 @@ local languages = {
     pure = function(text) return text end,
     sqrt = "sqrt(%s)",
   },
+  -- C for any element type F made of floats.
+  element = {
+    temporary = "const F %s = %s;",
+    constant = function(text) return text .. "f" end,
+    pure = function(text) return "zero + " .. text .. "f" end,
+    sqrt = "sqrtf(%s)",
+  },
   -- GLSL of either precision: real and REAL(constant) are macros (shaders/ylm.glsl).
   shader = {
     temporary = "real %s = %s;",

@@ -16,7 +16,10 @@ targets[#targets + 1] = { "csrc/sh/gen/gaunt_low.h", "ylm.codegen.gaunt" }
 targets[#targets + 1] = { "shaders/gen/sh.glsl", "ylm.codegen.sh_shader", { lmax = 4, solid = false } }
 targets[#targets + 1] = { "shaders/gen/sh_solid.glsl", "ylm.codegen.sh_shader", { lmax = 4, solid = true } }
 
-targets[#targets + 1] = { "shaders/gen/eigenvalue.glsl", "ylm.codegen.eigenvalue" }
+targets[#targets + 1] = { "shaders/gen/eigenvalue.glsl", "ylm.codegen.eigenvalue", "glsl" }
+targets[#targets + 1] = { "csrc/light/gen/eigenvalue.h", "ylm.codegen.eigenvalue", "c" }
+targets[#targets + 1] = { "shaders/gen/interpolation.glsl", "ylm.codegen.interpolation", "glsl" }
+targets[#targets + 1] = { "csrc/grid/gen/interpolation.h", "ylm.codegen.interpolation", "element" }
 targets[#targets + 1] = { "shaders/gen/moments.glsl", "ylm.codegen.moments_glsl", 10 }
 targets[#targets + 1] = { "shaders/gen/product.glsl", "ylm.codegen.product_glsl", 8 }
 
