@@ -1,4 +1,4 @@
--- Mezieres et al. 2022 (gradient), Table 4 (with Fig. 12) and Fig. 16: pictures under a square light that is cut into
+-- Mezieres et al. 2022 (gradient), Table 4 (with Fig. 12), Figs. 16 and 17: pictures under a square light that is cut into
 -- triangles, each replaced by a sphere or by a sphere times |cos gamma|, against the exact triangles.
 --
 --     lua examples/papers/gradient_2022_table4.lua [folder for pictures] [quick]
@@ -12,39 +12,15 @@
 
 local ylm = require "ylm"
 
-local folder, quick = arg and arg[1] or ".", arg and arg[2] == "quick"
+local here = arg[0]:match "^(.*/)" or "./"
+local common, triangles = dofile(here .. "../common.lua"), dofile(here .. "triangles_2022.lua")
+
+local folder, quick = common.folder(arg[1] or "."), arg[2] == "quick"
 local size = quick and { 40, 30 } or { 240, 180 }
 
 --- 2 nx ny triangles of a square of edge 1.6 above the corner, facing down and towards it, as corners.
-local function triangles(nx, ny)
-  local list = {}
-  local function p(s, t) return { -0.8 + 1.6 * s, 2.3 + 0.5 * t, 0.2 + 1.5 * t } end
-  for i = 0, nx - 1 do
-    for j = 0, ny - 1 do
-      local function q(a, b) return p((i + a) / nx, (j + b) / ny) end
-      list[#list + 1] = { q(0, 0), q(1, 0), q(0, 1) }
-      list[#list + 1] = { q(1, 0), q(1, 1), q(0, 1) }
-    end
-  end
-  return list
-end
-
---- What replaces triangles: "exact", "sphere" (times |cos gamma|) or "bare" (the sphere alone).
-local function lights(list, method)
-  local out = {}
-  for i, v in ipairs(list) do
-    if method == "bare" then
-      local at, u, w = {}, {}, {}
-      for a = 1, 3 do
-        at[a] = (v[1][a] + v[2][a] + v[3][a]) / 3
-        u[a], w[a] = v[2][a] - v[1][a], v[3][a] - v[1][a]
-      end
-      local n = { u[2] * w[3] - u[3] * w[2], u[3] * w[1] - u[1] * w[3], u[1] * w[2] - u[2] * w[1] }
-      local area = math.sqrt(n[1] ^ 2 + n[2] ^ 2 + n[3] ^ 2) / 2
-      out[i] = ylm.sphere_light { at = at, radius = math.sqrt(area / math.pi), radiance = 3 }
-    else out[i] = ylm.polygon_light { vertices = v, method = method, radiance = 3 } end
-  end
-  return out
+local function square(nx, ny)
+  return triangles.cut(nx, ny, function(s, t) return { -0.8 + 1.6 * s, 2.3 + 0.5 * t, 0.2 + 1.5 * t } end)
 end
 
 local white, red = ylm.matte { albedo = 0.7 }, ylm.matte { albedo = { 0.6, 0.2, 0.1 } }
@@ -58,10 +34,10 @@ local geometry = {
 local probes = ylm.uniform_grid { cells = { 7, 7, 7 }, lmax = 4 }
 
 --- The picture without interpolation and, with `grid`, the one by an 8^3 grid.
-local function pictures(list, method, lmax, grid)
+local function pictures(list, method, lmax, grid, radiance)
   local scene = ylm.scene "square of triangles" {
     camera = ylm.camera { from = { 0.3, 1.3, 3.4 }, at = { 0, 0.6, 0 }, fov = 42 },
-    geometry = geometry, lights = lights(list, method), probes = probes,
+    geometry = geometry, lights = triangles.lights(list, method, radiance or 3), probes = probes,
   }
   local view = scene:prepare { size = size, samples = quick and 1 or 4, lmax = lmax, visibility = "none" }
   local exact = view:reference { layers = false }
@@ -87,7 +63,7 @@ local printed = {
 print "Table 4: MAE x 1000 against exact triangles (paper's figure behind)"
 print "  lights           spheres   triangles approx.    spheres interp.    approx. interp."
 for _, n in ipairs(quick and { 4 } or { 12, 16, 20, 19 }) do
-  local list = triangles(n, n)
+  local list = square(n, n)
   local truth, truth_grid = pictures(list, "exact", 4, true)
   local bare, bare_grid = pictures(list, "bare", 4, true)
   local rough, rough_grid = pictures(list, "sphere", 4, true)
@@ -104,8 +80,38 @@ for _, n in ipairs(quick and { 4 } or { 12, 16, 20, 19 }) do
 end
 
 print "Fig. 16: 36 triangles, by bands: MAE x 1000 of the approximation (the paper: about the same from 5 to 9 bands)"
-local few = triangles(6, 3)
+local few = square(6, 3)
 for bands = 1, quick and 3 or 9 do
   local truth, rough = pictures(few, "exact", bands - 1), pictures(few, "sphere", bands - 1)
   print(("%3d bands %9.3f"):format(bands, mae(rough, truth)))
 end
+
+-- Fig. 17: narrow triangles of one area, and large ones; below each ten times the error.
+print "Fig. 17: one triangle, 5 bands: MAE x 1000 of the approximation"
+local narrow, large = {}, {}
+for _, stretch in ipairs { 1, 4, 16 } do
+  narrow[#narrow + 1] = { ("%d : 1"):format(stretch), triangles.stretched(0.3, stretch, 0, 1.9, 0.6), 5 }
+end
+for _, edge in ipairs { 0.4, 0.8, 1.6 } do
+  large[#large + 1] = { ("edge %.1f"):format(edge), triangles.equilateral(edge, 0, 1.9, 0.5), 0.7 / edge ^ 2 }
+end
+local w, h, gap = size[1], size[2], 6
+local black = ylm.image { size = size }
+local sheet = ylm.image { size = { 3 * (w + gap) - gap, 4 * (h + gap) - gap } }
+sheet:fill(1, 1, sheet.size[1], sheet.size[2], 1)
+for row, cases in ipairs { narrow, large } do
+  for column, case in ipairs(cases) do
+    local truth = pictures({ case[2] }, "exact", 4, false, case[3])
+    local rough = pictures({ case[2] }, "sphere", 4, false, case[3])
+    print(("%10s %9.3f"):format(case[1], mae(rough, truth)))
+    local x, y, peak = 1 + (column - 1) * (w + gap), 1 + (2 * row - 2) * (h + gap), truth:compare(truth).peak
+    sheet:paste(truth:difference(black, { scale = 1.2 / peak }), x, y)
+    sheet:paste(rough:difference(truth, { scale = 12 / peak }), x, y + h + gap)
+    if not quick then
+      sheet:text(x + 8, y + 8, case[1], { scale = 2, colour = 1 })
+      sheet:text(x + 8, y + h + gap + 8, "10 x error", { scale = 2, colour = 1 })
+    end
+  end
+end
+local saved, why = sheet:save(folder .. "/gradient_2022_fig17.png", { tone = "srgb" })
+print(saved and "wrote gradient_2022_fig17.png" or "no picture: " .. tostring(why))

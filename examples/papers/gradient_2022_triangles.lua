@@ -1,5 +1,5 @@
 -- Mezieres et al. 2022 (gradient), Figs. 15 and 17: triangles approximated by spheres times |cos gamma|, by number of
--- triangles, by band, by shape and by size, as coefficients. Pictures: gradient_2022_table4.lua.
+-- triangles, by band, by shape and by size, as coefficients. Pictures, those of Fig. 17 too: gradient_2022_table4.lua.
 --
 --     lua examples/papers/gradient_2022_triangles.lua [folder for pictures] [quick]
 --
@@ -7,7 +7,8 @@
 -- sphere alone, "times cos" the paper's Eq. 26; both against the exact polygon.
 
 local ylm = require "ylm"
-local common = dofile((arg[0]:match "^(.*/)" or "./") .. "../common.lua")
+local here = arg[0]:match "^(.*/)" or "./"
+local common, triangles = dofile(here .. "../common.lua"), dofile(here .. "triangles_2022.lua")
 
 local folder, quick = common.folder(arg[1] or "."), arg[2] == "quick"
 
@@ -19,34 +20,13 @@ end
 points = ylm.array(points)
 
 --- 2 n^2 triangles of the square.
-local function triangles(n)
-  local list = {}
-  for i = 0, n - 1 do
-    for j = 0, n - 1 do
-      local function p(a, b) return { -1 + 2 * (i + a) / n, 2, -1 + 2 * (j + b) / n } end
-      list[#list + 1] = { p(0, 0), p(1, 0), p(0, 1) }
-      list[#list + 1] = { p(1, 0), p(1, 1), p(0, 1) }
-    end
-  end
-  return list
+local function square(n)
+  return triangles.cut(n, n, function(x, z) return { -1 + 2 * x, 2, -1 + 2 * z } end)
 end
 
 --- The field of triangles by a method: "exact", "sphere" (times cos) or "bare".
 local function field(list, method, lmax)
-  local lights = {}
-  for i, v in ipairs(list) do
-    if method == "bare" then
-      local at, u, w = {}, {}, {}
-      for a = 1, 3 do
-        at[a] = (v[1][a] + v[2][a] + v[3][a]) / 3
-        u[a], w[a] = v[2][a] - v[1][a], v[3][a] - v[1][a]
-      end
-      local n = { u[2] * w[3] - u[3] * w[2], u[3] * w[1] - u[1] * w[3], u[1] * w[2] - u[2] * w[1] }
-      local area2 = math.sqrt(n[1] ^ 2 + n[2] ^ 2 + n[3] ^ 2)
-      lights[i] = ylm.sphere_light { at = at, radius = math.sqrt(area2 / (2 * math.pi)), radiance = 1 }
-    else lights[i] = ylm.polygon_light { vertices = v, method = method } end
-  end
-  return ylm.light_field(lmax, lights, points, { channels = "luminance", dtype = "double" })
+  return ylm.light_field(lmax, triangles.lights(list, method, 1), points, { channels = "luminance", dtype = "double" })
 end
 
 --- Mean over the points of the relative L2 error.
@@ -60,7 +40,7 @@ print "number of triangles (lmax 4, relative L2 error of the coefficients)"
 print "  triangles      sphere   times cos     gain"
 local x, bare, cosine = {}, {}, {}
 for _, n in ipairs(quick and { 1, 4 } or { 1, 2, 4, 8, 12 }) do
-  local list = triangles(n)
+  local list = square(n)
   local exact = field(list, "exact", 4)
   local a, b = error_of(field(list, "bare", 4), exact), error_of(field(list, "sphere", 4), exact)
   x[#x + 1], bare[#bare + 1], cosine[#cosine + 1] = #list, a, b
@@ -74,47 +54,65 @@ local ok, message = ylm.plot { series = { { x = x, y = bare, label = "sphere" },
 print(ok and "wrote gradient_2022_triangles.png" or "no picture: " .. tostring(message))
 
 -- Fig. 15: per band, over the plane that the square lights, and one coefficient along a line of it.
-local list = triangles(quick and 3 or 12)
+local list = square(quick and 3 or 12)
 local n = quick and 3 or 12
 local plane = {}
 for i = 0, n do
   for j = 0, n do plane[#plane + 1] = { -2 + 4 * i / n, 0, -2 + 4 * j / n } end
 end
 plane = ylm.array(plane, "double")
-local everywhere = points
-points = plane
-local exact, rough = field(list, "exact", 9), field(list, "sphere", 9)
-points = everywhere
-print(("by band (%d triangles; mean absolute error of a coefficient over the plane below)"):format(#list))
-print "  the paper prints 1e-8 for lights of unknown radiance, growing as the square of the band; here radiance is 1"
-local bands, errors = {}, {}
-for l = 0, 9 do
-  local sum, size = 0, 0
-  for i = 1, #plane do
-    for k = l * l + 1, (l + 1) ^ 2 do
-      sum = sum + math.abs(exact:get(i, 1, k) - rough:get(i, 1, k))
-      size = size + math.abs(exact:get(i, 1, k))
+--- Absolute errors summed over the coefficients of each band, mean over the plane; the same of the coefficients.
+local function by_band(lights)
+  local everywhere = points
+  points = plane
+  local exact, rough, errors, sizes = field(lights, "exact", 9), field(lights, "sphere", 9), {}, {}
+  points = everywhere
+  for l = 0, 9 do
+    local sum, size = 0, 0
+    for i = 1, #plane do
+      for k = l * l + 1, (l + 1) ^ 2 do
+        sum = sum + math.abs(exact:get(i, 1, k) - rough:get(i, 1, k))
+        size = size + math.abs(exact:get(i, 1, k))
+      end
     end
+    errors[l + 1], sizes[l + 1] = sum / #plane, size / #plane
   end
-  bands[l + 1], errors[l + 1] = l + 1, sum / #plane / (2 * l + 1)
-  print(("%3d. band %10.2e  relative to the band's own mean %9.2e"):format(l + 1, errors[l + 1], sum / size))
+  return errors, sizes
 end
-local scaled = {}
-for i, e in ipairs(errors) do scaled[i] = 1e5 * e end
+
+-- The paper prints 1e-8, growing as the square of the band, for lights that it does not describe. One small triangle has
+-- both: its second moments are not the sphere's, which Y's second derivatives turn into errors that grow with l on top
+-- of the solid angle's, and a band has 2l+1 coefficients. In pairs that make up squares the second moments cancel; what
+-- is left of many triangles is the solid angle's, and grows as 2l+1 does.
+local of_one = by_band { triangles.equilateral(0.05, 0, 2, 0) }
+local of_square, sizes = by_band(list)
+print(("Fig. 15d: by band (absolute errors summed over a band, mean over the plane below; radiance 1; the paper: 1e-8)\n"
+  .. "          triangle of edge 0.05   %d triangles of a square   relative to the band"):format(#list))
+local bands, square_law = {}, {}
+for b = 1, 10 do
+  bands[b], square_law[b] = b, of_one[1] * b * b
+  print(("%3d. band %22.2e %26.2e %22.2e"):format(b, of_one[b], of_square[b], of_square[b] / sizes[b]))
+end
+print(("band 10 over band 1: %.0f for the one triangle (the square of the band: 100), %.0f for %d"):format(
+  of_one[10] / of_one[1], of_square[10] / of_square[1], #list))
 local function report(name, saved, why)
   print(saved and ("wrote %s"):format(name) or ("no picture: %s"):format(tostring(why)))
 end
-report("gradient_2022_fig15d.png", ylm.plot { x = bands, y = scaled, x_label = "band", y_range = { 0, 10 },
-  y_label = "mean absolute error of a coefficient, times 1e5", title = "Triangles by spheres times |cos|: error by band",
-  caption = ("%d triangles of a square of edge 2, on the plane 2 below"):format(#list) }
+report("gradient_2022_fig15d.png", ylm.plot { log = true, legend = "top left", x_label = "band",
+  series = { { x = bands, y = of_square, label = ("%d triangles of a square of edge 2"):format(#list) },
+    { x = bands, y = of_one, label = "one triangle of edge 0.05" },
+    { x = bands, y = square_law, label = "square of the band", dash = "dashed", marker = "none" } },
+  y_label = "absolute error of a band, summed", title = "Triangles by spheres times |cos|: error by band",
+  y_range = { 1e-9, 1 }, caption = "mean over the plane 2 below, radiance 1" }
   :save(folder .. "/gradient_2022_fig15d.png"))
 local along, line = {}, {}
 for i = 0, 60 do
   along[i + 1] = -3 + i / 10
   line[i + 1] = { along[i + 1], 0, 0.7 }
 end
+local everywhere = points
 points = ylm.array(line, "double")
-local coarse, series = triangles(2), {}
+local coarse, series = square(2), {}
 for _, method in ipairs { "exact", "sphere", "bare" } do
   local L, y = field(coarse, method, 4), {}
   for i = 1, #line do y[i] = L:get(i, 1, ylm.sh.index(4, 2)) end
@@ -128,13 +126,12 @@ report("gradient_2022_fig15bc.png", ylm.plot { series = series, x_label = "x on 
 
 print "Fig. 17: by shape (one triangle of area 0.1 stretched; relative L2, lmax 4)"
 for _, stretch in ipairs { 1, 2, 4, 8, 16 } do
-  local h = math.sqrt(0.2 / stretch)
-  local t = { { { -h * stretch / 2, 2, 0 }, { h * stretch / 2, 2, 0 }, { 0, 2, h } } }
+  local t = { triangles.stretched(0.1, stretch, 0, 2, 0) }
   print(("%6d : 1 %11.2e"):format(stretch, error_of(field(t, "sphere", 4), field(t, "exact", 4))))
 end
 
 print "Fig. 17: by size (one equilateral triangle; relative L2, lmax 4)"
 for _, edge in ipairs { 0.05, 0.1, 0.2, 0.5, 1, 2 } do
-  local t = { { { -edge / 2, 2, 0 }, { edge / 2, 2, 0 }, { 0, 2, edge * math.sqrt(3) / 2 } } }
+  local t = { triangles.equilateral(edge, 0, 2, 0) }
   print(("%8.2f %11.2e"):format(edge, error_of(field(t, "sphere", 4), field(t, "exact", 4))))
 end
