@@ -32,7 +32,7 @@ local function pick(dY)
   return list
 end
 
---- Saves a, b and 1e6 times their difference beside each other; returns the largest difference.
+--- Saves a, b and 1e15 times their difference beside each other; returns the largest difference.
 local function picture(a, b, scale, gain, name)
   local image = ylm.image { size = { 3 * size, size }, layers = { { "radiance", 3 } } }
   local rows, worst = {}, 0
@@ -66,8 +66,8 @@ local _, solid = ylm.sh.eval(l, directions, { derivatives = 1 })
 local a, b, c = pick(polynomial), pick(recurrence), pick(solid)
 local largest = 0
 for _, v in ipairs(a) do for k = 1, 3 do largest = math.max(largest, math.abs(v[k])) end end
-print(("basis gradient: polynomials and recurrences differ by at most %.1e (picture: 1e6 times); largest component %.2f")
-  :format(picture(a, b, largest, 1e6, "gradient_2022_fig5_basis.png"), largest))
+print(("basis gradient: polynomials and recurrences differ by at most %.1e (picture: 1e15 times); largest component %.2f")
+  :format(picture(a, b, largest, 1e15, "gradient_2022_fig5_basis.png"), largest))
 local difference = 0
 for i, v in ipairs(a) do for k = 1, 3 do difference = math.max(difference, math.abs(v[k] - c[i][k])) end end
 print(("basis gradient: polynomials and solid harmonics differ by at most %.1e"):format(difference))
@@ -94,5 +94,5 @@ for i, d in ipairs(directions) do
 end
 largest = 0
 for _, v in ipairs(ours) do for k = 1, 3 do largest = math.max(largest, math.abs(v[k])) end end
-print(("light's gradient: explicit polynomials and moments differ by at most %.1e (picture: 1e6 times); largest component %.3f")
-  :format(picture(explicit, ours, largest, 1e6, "gradient_2022_fig5_light.png"), largest))
+print(("light's gradient: explicit polynomials and moments differ by at most %.1e (picture: 1e15 times); largest %.3f")
+  :format(picture(explicit, ours, largest, 1e15, "gradient_2022_fig5_light.png"), largest))
