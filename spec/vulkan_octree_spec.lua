@@ -82,6 +82,21 @@ describe("an adaptive grid refined on a device", function()
       same({ depth = 3, threshold = 5 }, lamps_of(10000, 0.01), floor)
     end)
 
+    it("under flat lights approximated by spheres, whose faces the processor looks for, and mixed ones", function()
+      local disk = ylm.disk_light { at = { 0.1, -0.9, 0 }, normal = { 0.1, 1, 0.2 }, radius = 0.3, radiance = { 1, 2, 3 },
+        method = "sphere" }
+      local triangle = ylm.polygon_light { vertices = { { -0.9, -0.3, 0.4 }, { -0.5, -0.95, 0.4 }, { -0.7, -0.7, 0.9 } },
+        radiance = { 3, 1, 2 }, method = "sphere" }
+      -- in its plane a flat light's Hessian is singular and rounding decides about errors: surfaces alone split here
+      local here, there = both({ metric = "absolute", threshold = 1e30 }, { disk, triangle }, floor)
+      bakes.same(here, there, 1e30)
+      assert(here.stats.levels == 5)
+      here, there = both({ metric = "absolute", threshold = 1e30 }, { disk, lamps, triangle,
+        ylm.sphere_light { at = { 0.6, -1, 0.5 }, radius = 0.1, radiance = 1 } }, floor)
+      bakes.same(here, there, 1e30)
+      assert(here.stats.invalid > 0)
+    end)
+
     it("where every voxel is occupied", function()
       local here = same({ depth = 3, threshold = 0.1 }, lamps)
       assert(here.stats.levels == 4 and here.stats.occupied == here.stats.leaves)

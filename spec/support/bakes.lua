@@ -21,8 +21,9 @@ end
 bakes.cells_of = cells_of
 
 --- Asserts that cells which both grids have are split in both or in neither, unless their error is within 1e-4 of the
--- threshold, and that errors agree. Returns the number of cells compared, and of those that may differ.
-function bakes.same_cells(here, there, threshold)
+-- threshold, and that errors agree within twice the bound (1e-5) of points. Returns the number of cells compared, and of
+-- those that may differ.
+function bakes.same_cells(here, there, threshold, bound)
   local a, b = cells_of(here), cells_of(there)
   local n, close = 0, 0
   for key, x in pairs(a) do
@@ -30,7 +31,7 @@ function bakes.same_cells(here, there, threshold)
     if y then
       n = n + 1
       if x.error == x.error then
-        assert(math.abs(x.error - y.error) <= 2e-5 * math.abs(x.error),
+        assert(math.abs(x.error - y.error) <= 2 * (bound or 1e-5) * math.abs(x.error),
           ("%s: %.9g, not %.9g"):format(key, y.error, x.error))
       else assert(y.error ~= y.error, key) end
       if x.leaf ~= y.leaf then
@@ -69,16 +70,16 @@ local POINTS = { "position", "invalid", "interpolated" }
 local COUNTS = { "points", "cells", "leaves", "occupied", "levels", "continuity", "interpolated", "pairs", "invalid",
   "outside" }
 
---- Asserts that two grids hold the same cells and points in the same order, and the same numbers within the bound that
--- agreement with the processor has.
-function bakes.same(here, there)
+--- Asserts that two grids hold the same cells and points in the same order, and the same numbers within the bound (1e-5)
+-- that agreement with the processor has.
+function bakes.same(here, there, bound)
   for _, key in ipairs(COUNTS) do assert.equal(here.stats[key], there.stats[key], key) end
   local a, b = here:cells { added = true }, there:cells { added = true }
   for _, key in ipairs(CELLS) do assert.equal(0, (select(2, core.array_distance(b[key], a[key]))), key) end
-  bakes.same_cells(here, there)
+  bakes.same_cells(here, there, nil, bound)
   a, b = here:points(), there:points()
   for _, key in ipairs(POINTS) do assert.equal(0, (select(2, core.array_distance(b[key], a[key]))), key) end
-  bakes.same_points(here, there, 1e-5)
+  bakes.same_points(here, there, bound or 1e-5)
 end
 
 --- Do two grids hold the same cells and points, to the bit? As files: after the header, which has times, before the
