@@ -102,6 +102,25 @@ static inline uint32_t ylm__grid_finest(const ylm_grid *g, const uint32_t at[3])
   return cell;
 }
 
+/* The leaf that was found last, and its box in lattice coordinates: neighbours often share it. */
+typedef struct leaf_cursor {
+  uint32_t leaf; /* YLM_GRID_NONE: none */
+  double low[3], high[3];
+} leaf_cursor;
+static inline uint32_t ylm__grid_leaf_again(const ylm_grid *g, leaf_cursor *c, const double at[3]) {
+  bool same = c->leaf != YLM_GRID_NONE;
+  for (int a = 0; a < 3; a++) same &= at[a] >= c->low[a] && at[a] < c->high[a];
+  if (same) return c->leaf;
+  c->leaf = ylm__grid_leaf(g, at);
+  const ylm_grid_cell *leaf = &g->cell[c->leaf];
+  uint32_t edge = ylm__grid_edge(g, leaf);
+  for (int a = 0; a < 3; a++) {
+    c->low[a] = leaf->origin[a];
+    c->high[a] = leaf->origin[a] + edge;
+  }
+  return c->leaf;
+}
+
 /* -- lattice.c: Morton codes and the hash of points ------------------------------ */
 
 /* Interleaves 16 bits of each coordinate, x lowest. */
@@ -202,7 +221,8 @@ typedef struct sample_batch {
 } sample_batch;
 typedef void sample_kernel(const sample_batch *b);
 sample_kernel *ylm__grid_kernel(void);
-/* Gives the batch the edges and rows of a cell. */
+/* Gives the batch the edges of cells of a size in lattice units, or edges and rows of a cell. */
+void ylm__grid_set_edge(const ylm_grid *g, uint32_t edge, sample_batch *b);
 void ylm__grid_set_cell(const ylm_grid *g, const ylm_grid_cell *c, sample_batch *b);
 sample_kernel ylm_k_grid_sample_reference, ylm_k_grid_sample_sse2, ylm_k_grid_sample_neon,
     ylm_k_grid_sample_avx2, ylm_k_grid_sample_avx512;

@@ -114,25 +114,16 @@ bool ylm_grid_sign(const ylm_grid *g, size_t n, const float *points, uint64_t *s
   const grid_dynamic *d = g->dynamic;
   if (!d || !d->is_signed) return false;
   bool uniform = g->view.form.kind == YLM_GRID_UNIFORM;
-  uint32_t leaf = YLM_GRID_NONE;
-  double low[3] = {0}, high[3] = {0};
+  leaf_cursor cursor = {.leaf = YLM_GRID_NONE};
   for (size_t i = 0; i < n; i++) {
     double at[3],
         p[3] = {(double)points[3 * i], (double)points[3 * i + 1], (double)points[3 * i + 2]};
     report->outside += !ylm__grid_coordinates(g, p, at);
-    bool same = leaf != YLM_GRID_NONE;
-    for (int a = 0; a < 3; a++) same &= at[a] >= low[a] && at[a] < high[a];
-    if (!same) {
-      leaf = ylm__grid_leaf(g, at);
-      uint32_t edge = ylm__grid_edge(g, &g->cell[leaf]);
-      for (int a = 0; a < 3; a++) {
-        low[a] = g->cell[leaf].origin[a];
-        high[a] = low[a] + edge;
-      }
-    }
+    uint32_t leaf = ylm__grid_leaf_again(g, &cursor, at);
     const ylm_grid_cell *c = &g->cell[leaf];
     bool moved = false;
-    for (int a = 0; uniform && a < 3; a++) moved |= !(at[a] >= low[a] && at[a] <= high[a]);
+    for (int a = 0; uniform && a < 3; a++)
+      moved |= !(at[a] >= cursor.low[a] && at[a] <= cursor.high[a]);
     report->unbaked += moved || !(c->flags & (YLM_GRID_BAKED | YLM_GRID_ADDED));
     sign[i] = d->cell_sign[leaf];
   }

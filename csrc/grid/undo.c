@@ -36,6 +36,20 @@ ylm_status update_remember(update *u) {
   return YLM_OK;
 }
 
+static ylm_status log_range(void *context, size_t begin, size_t end, int worker) {
+  (void)worker;
+  const update *u = context;
+  const undo *o = &u->old;
+  size_t row = 4 * u->g->stride, bends = u->d->bends;
+  for (size_t i = begin; i < end; i++) {
+    size_t p = o->logged[i];
+    memcpy(o->data + i * row, u->g->data + p * row, row * sizeof *o->data);
+    if (bends)
+      memcpy(o->hessian + i * bends, u->d->hessian + p * bends, bends * sizeof *o->hessian);
+  }
+  return YLM_OK;
+}
+
 /* Keeps the rows of the points that will be written. */
 ylm_status update_log_rows(update *u) {
   const ylm_grid *g = u->g;
@@ -51,13 +65,7 @@ ylm_status update_log_rows(update *u) {
   for (size_t i = 0; i < u->shifts; i++) o->logged[o->logs++] = u->shift[i];
   for (uint32_t p = 0; p < g->evaluated; p++)
     if (g->flags[p] & YLM_GRID_POINT_INVALID && !u->changed[p]) o->logged[o->logs++] = p;
-  for (size_t i = 0; i < o->logs; i++) {
-    size_t p = o->logged[i];
-    memcpy(o->data + i * row, g->data + p * row, row * sizeof *o->data);
-    if (bends)
-      memcpy(o->hessian + i * bends, u->d->hessian + p * bends, bends * sizeof *o->hessian);
-  }
-  return YLM_OK;
+  return ylm_parallel(o->logs, 64, u->source.threads, log_range, u, NULL, NULL);
 }
 
 void update_restore(update *u) {

@@ -66,13 +66,36 @@ static double open_part(const ylm_shade_view *v, size_t pixel, double depth) {
   return hidden < 1 ? 1 - hidden : 0;
 }
 
+/* What tells, without a root, that a pixel of a row is not on the disc: the direction to pixel x is
+   u = a + x right, and on it are those with (u . to)^2 >= cosine2 u . u. */
+typedef struct row_test {
+  double to[2], square[3], cosine2;
+} row_test;
+
+static row_test test_row(const ylm_shade_view *v, const disc *d, int py) {
+  const shade_frame *f = &v->frame;
+  double y = 1 - 2 * (py + 0.5) / v->o.height, a[3], wide = d->half + f->pixel;
+  for (int i = 0; i < 3; i++) a[i] = f->forward[i] + y * f->up[i];
+  double cosine = 1 - wide * wide / 2;
+  return (row_test){{dot3(a, d->to), dot3(f->right, d->to)},
+                    {dot3(a, a), 2 * dot3(a, f->right), dot3(f->right, f->right)},
+                    cosine > 0 ? cosine * cosine : 0};
+}
+
+static bool is_off(const row_test *t, double x) {
+  double along = t->to[0] + x * t->to[1];
+  return along * along < t->cosine2 * (t->square[0] + x * (t->square[1] + x * t->square[2]));
+}
+
 static void draw(const lamps_job *j, const disc *d, int top, int bottom) {
   const ylm_shade_view *v = j->v;
   int x0 = (int)fmax(0, floor(d->x - d->reach)), y0 = (int)fmax(top, floor(d->y - d->reach));
   int x1 = (int)fmin(v->o.width, ceil(d->x + d->reach));
   int y1 = (int)fmin(bottom, ceil(d->y + d->reach));
-  for (int y = y0; y < y1; y++)
+  for (int y = y0; y < y1; y++) {
+    row_test row = test_row(v, d, y);
     for (int x = x0; x < x1; x++) {
+      if (is_off(&row, 2 * (x + 0.5) / v->o.width - 1)) continue;
       double part = covered(v, d, x, y);
       size_t pixel = (size_t)y * (size_t)v->o.width + (size_t)x;
       if (part > 0) part *= open_part(v, pixel, d->depth);
@@ -81,6 +104,7 @@ static void draw(const lamps_job *j, const disc *d, int top, int bottom) {
         *to += (float)part * (d->radiance[c] - *to);
       }
     }
+  }
 }
 
 static ylm_status draw_rows(void *context, size_t begin, size_t end, int worker) {
