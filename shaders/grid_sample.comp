@@ -1,56 +1,60 @@
 /*
-** Interpolates a grid at places: shaders/gen/interpolation.glsl has the 32 weights of a cell's corners.
-** A group has POINTS points: first their weights, then every coefficient of all of them.
+** Interpolates a grid at places: shaders/gen/interpolation.glsl has the 32 weights of a cell's corners. A group has CHUNK
+** points in the order of cells; an invocation keeps a coefficient's numbers at all corners while it goes through a run of
+** points in one cell.
 */
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "ylm.glsl"
 #include "grid.glsl"
 
-layout(constant_id = 1) const uint INTERPOLATION = 0; /* hermite, taylor, linear */
 layout(constant_id = 2) const bool GRADIENT = false;
-const uint POINTS = 8, SETS = GRADIENT ? 4 : 1, ROWS = INTERPOLATION == 2 && !GRADIENT ? 8 : 32;
 
-layout(set = 0, binding = 0) readonly buffer Cells { Cell cell[]; };
-layout(set = 0, binding = 1) readonly buffer Data { float data[]; }; /* [points][4][stride] */
-layout(set = 0, binding = 2) readonly buffer Places { uvec4 place[]; };
-layout(set = 0, binding = 3) writeonly buffer Values { float value[]; };       /* [n][width] */
-layout(set = 0, binding = 4) writeonly buffer Gradients { float gradient[]; }; /* [n][width][3] */
 PUSH {
   uint first;
-  uint n, width, stride, nan_outside;
-  float unit[3]; /* a lattice cell in scene units */
+  uint n, stride, part_rows, width, nan_outside;
+  float unit[3];
 };
 
-shared float weight[POINTS * SETS * 32];
-shared uint from[POINTS];
+#include "grid_data.glsl"
+
+layout(set = 0, binding = 7) writeonly buffer Values { float value[]; };       /* [n][width] */
+layout(set = 0, binding = 8) writeonly buffer Gradients { float gradient[]; }; /* [n][width][3] */
+
+const uint SETS = GRADIENT ? 4 : 1, ROWS = INTERPOLATION == 2 && !GRADIENT ? 8 : 32;
+
+shared float weight[CHUNK * 33]; /* a place more, so that points are in different banks */
+shared uint item[CHUNK];
+shared bool away[CHUNK];
 
 #include "grid_weights.glsl"
 
 void main() {
-  uint begin = ylm_group(first) * POINTS, points = min(POINTS, n - begin);
-  for (uint q = gl_LocalInvocationID.x; q < points * SETS; q += gl_WorkGroupSize.x) {
-    uint p = q / SETS, set = q % SETS;
-    uvec4 x = place[begin + p];
-    uint k = x.x;
-    if (set == 0) from[p] = k;
-    if (k != NONE) weights(q * 32, set, k & ~AWAY, uintBitsToFloat(x.yzw));
-  }
-  barrier();
-  for (uint q = gl_LocalInvocationID.x; q < points * width; q += gl_WorkGroupSize.x) {
-    uint p = q / width, j = q % width, k = from[p];
-    if (k == NONE) continue;
-    bool none = (k & AWAY) != 0 && nan_outside != 0;
-    k &= ~AWAY;
-    vec4 sum = vec4(0.0);
-    for (uint r = 0; r < ROWS; r++) {
-      float x = data[(cell[k].corner[r & 7] * 4 + (r >> 3)) * stride + j];
-      for (uint set = 0; set < SETS; set++) sum[set] += weight[(p * SETS + set) * 32 + r] * x;
+  uint lane = gl_LocalInvocationID.x, i;
+  uvec4 x = find(ylm_group(first) * CHUNK, lane, i);
+  item[lane] = i;
+  away[lane] = (x.x & AWAY) != 0 && nan_outside != 0;
+  for (uint set = 0; set < SETS; set++) {
+    if (x.x != NONE) weights(lane * 33, set, x.x & ~AWAY, uintBitsToFloat(x.yzw));
+    barrier();
+    for (uint from = 0, to; from < CHUNK; from = to) {
+      to = end_of_run(from);
+      uint k = cell_of[from];
+      for (uint j = lane; k != NONE && j < width; j += CHUNK) {
+        float v[ROWS];
+        for (uint r = 0; r < ROWS; r++) v[r] = grid_data(cell[k].corner[r & 7], r >> 3, j);
+        for (uint p = from; p < to; p++) {
+          float sum = 0.0;
+          for (uint r = 0; r < ROWS; r++) sum += weight[p * 33 + r] * v[r];
+          if (away[p]) sum = uintBitsToFloat(0x7fc00000);
+          uint at = item[p] * width + j;
+          if (set == 0)
+            value[at] = sum;
+          else
+            gradient[3 * at + set - 1] = sum;
+        }
+      }
     }
-    if (none) sum = vec4(uintBitsToFloat(0x7fc00000));
-    uint at = (begin + p) * width + j;
-    value[at] = sum.x;
-    if (GRADIENT)
-      for (uint a = 0; a < 3; a++) gradient[3 * at + a] = sum[a + 1];
+    barrier();
   }
 }

@@ -1,51 +1,75 @@
 /*
-** Radiance of shading points under a grid: its interpolant, dotted with transfer vectors. A group has POINTS points
-** and as many lanes for each; shaders/gen/interpolation.glsl has the 32 weights of a cell's corners.
+** Radiance of shading points under a grid: its interpolant, dotted with transfer vectors, times albedo/pi. A group has
+** CHUNK points in the order of cells, an invocation for each; a cell's numbers (10 kB at lmax 4 in rgb) are read into
+** shared memory once for the run of points in it. shaders/gen/interpolation.glsl has the 32 weights of the corners.
 */
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "ylm.glsl"
 #include "grid.glsl"
 
-layout(constant_id = 1) const uint INTERPOLATION = 0; /* hermite, taylor, linear */
 layout(constant_id = 2) const uint CHANNELS = 3;
-const uint POINTS = 8, LANES = 8, ROWS = INTERPOLATION == 2 ? 8 : 32;
+layout(constant_id = 5) const bool ALBEDO = false;
 
-layout(set = 0, binding = 0) readonly buffer Cells { Cell cell[]; };
-layout(set = 0, binding = 1) readonly buffer Data { float data[]; }; /* [points][4][stride] */
-layout(set = 0, binding = 2) readonly buffer Places { uvec4 place[]; };
-layout(set = 0, binding = 3) readonly buffer Transfer { float transfer[]; }; /* [n][row] */
-layout(set = 0, binding = 4) writeonly buffer Radiance { float radiance[]; }; /* [n][3] */
 PUSH {
   uint first;
-  uint n, stride, given, row, count; /* coefficients of a channel, of a transfer vector, of both */
-  float unit[3];                     /* a lattice cell in scene units */
+  uint n, stride, part_rows, given, row, count; /* coefficients of a channel, of a transfer vector, of both */
+  float unit[3];
 };
 
-shared float weight[POINTS * 32];
-shared vec3 part[POINTS * LANES];
+#include "grid_data.glsl"
+
+layout(set = 0, binding = 7) readonly buffer Transfer { float transfer[]; };  /* [n][row] */
+layout(set = 0, binding = 8) readonly buffer Albedo { float albedo[]; };      /* [n][3] */
+layout(set = 0, binding = 9) writeonly buffer Radiance { float radiance[]; }; /* [n][3] */
+
+/* Fours of numbers of a coefficient; coefficients in shared memory at once. */
+const uint FOURS = INTERPOLATION == 2 ? 2 : 8, PITCH = FOURS + 1, TILE = 80;
+
+shared vec4 corners[TILE * PITCH];
+float weight[32];
 
 #include "grid_weights.glsl"
 
-void main() {
-  uint lane = gl_LocalInvocationID.x, p = lane / LANES, i = ylm_group(first) * POINTS + p;
-  uvec4 x = i < n ? place[i] : uvec4(NONE, 0, 0, 0);
-  bool here = x.x != NONE;
-  uint k = x.x & ~AWAY;
-  if (here && lane % LANES == 0) weights(p * 32, 0, k, uintBitsToFloat(x.yzw));
-  barrier();
-  vec3 sum = vec3(0.0);
-  for (uint j = lane % LANES; here && j < count; j += LANES) {
-    vec3 L = vec3(0.0);
-    for (uint r = 0; r < ROWS; r++) {
-      uint at = (cell[k].corner[r & 7] * 4 + (r >> 3)) * stride + j;
-      for (uint c = 0; c < CHANNELS; c++) L[c] += weight[p * 32 + r] * data[at + c * given];
-    }
-    sum += transfer[i * row + j] * L;
+/* Numbers begin .. begin+tile-1 of a cell, of all channels after one another, to shared memory. */
+void load(uint k, uint begin, uint tile) {
+  for (uint q = gl_LocalInvocationID.x; q < tile * FOURS * 4; q += CHUNK) {
+    uint r = q / tile, at = q - r * tile, j = begin + at;
+    corners[at * PITCH + r / 4][r % 4] = grid_data(cell[k].corner[r & 7], r >> 3, j / count * given + j % count);
   }
-  part[lane] = sum;
+}
+
+void main() {
+  uint lane = gl_LocalInvocationID.x, i, all = CHANNELS * count;
+  uvec4 x = find(ylm_group(first) * CHUNK, lane, i);
+  bool here = x.x != NONE;
+  vec4 w[FOURS];
+  vec3 sum = vec3(0.0);
+  if (here) {
+    weights(0, 0, x.x & ~AWAY, uintBitsToFloat(x.yzw));
+    for (uint r = 0; r < FOURS; r++) w[r] = vec4(weight[4 * r], weight[4 * r + 1], weight[4 * r + 2], weight[4 * r + 3]);
+  }
   barrier();
-  if (!here || lane % LANES != 0) return;
-  for (uint q = 1; q < LANES; q++) sum += part[lane + q];
-  for (uint c = 0; c < 3; c++) radiance[3 * i + c] = sum[CHANNELS == 1 ? 0 : c];
+  for (uint from = 0, to; from < CHUNK; from = to) {
+    to = end_of_run(from);
+    uint k = cell_of[from];
+    if (k == NONE) continue;
+    for (uint begin = 0; begin < all; begin += TILE) {
+      uint tile = min(TILE, all - begin);
+      barrier();
+      load(k, begin, tile);
+      barrier();
+      for (uint at = 0; lane >= from && lane < to && at < tile; at++) {
+        uint c = (begin + at) / count;
+        vec4 L = w[0] * corners[at * PITCH];
+        for (uint r = 1; r < FOURS; r++) L += w[r] * corners[at * PITCH + r];
+        sum[c] += transfer[i * row + begin + at - c * count] * (L.x + L.y + L.z + L.w);
+      }
+    }
+  }
+  if (!here) return;
+  for (uint c = 0; c < 3; c++) {
+    float s = sum[CHANNELS == 1 ? 0 : c];
+    radiance[3 * i + c] = ALBEDO ? s * 0.318309886183790671 * albedo[3 * i + c] : s;
+  }
 }

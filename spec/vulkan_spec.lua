@@ -458,6 +458,97 @@ describe("ylm.vulkan", function()
     end)
   end)
 
+  describe("grid:sample of arrays on the device", function()
+    local lamp = ylm.sphere_light { at = { 0.3, 1.4, -0.2 }, radius = 0.1, radiance = { 10, 8, 6 } }
+    local bounds = { { -1, -1, -1 }, { 1, 1, 1 } }
+    local function some_points(n, dtype)
+      local rows, seed = {}, 77
+      local function random()
+        seed = seed * 16807 % 2147483647
+        return seed / 2147483647 * 2.4 - 1.2
+      end
+      for i = 1, n do rows[i] = { random(), random(), random() } end
+      return ylm.array(rows, dtype)
+    end
+    local function near(a, b)
+      local _, e, n = require "ylm.c.core".array_distance(a, b)
+      assert(e <= 1e-6 * n, e / n)
+    end
+
+    it("leaves results there; nothing travels but what is asked for", function()
+      local gpu = open()
+      for _, dtype in ipairs(gpu.limits.float64 and { "float", "double" } or { "float" }) do
+        local grid = ylm.bake(ylm.uniform_grid { bounds = bounds, cells = { 4, 3, 5 }, lmax = 3 }, lamp)
+        local here = some_points(1000, dtype)
+        local there = here:to(gpu)
+        grid:to(gpu)
+        local before, c, dc, report = gpu.stats, grid:sample(there, { device = gpu, derivatives = 1 })
+        assert(c, dc)
+        local after = gpu.stats
+        assert.equal(before.uploaded, after.uploaded)
+        assert(after.downloaded - before.downloaded <= 12) -- counts
+        assert(report.stages.upload == nil and report.stages.download == nil and report.stages.sort.seconds >= 0)
+        local wanted, slopes, plain = grid:sample(here, { derivatives = 1 })
+        assert.same(wanted.shape, c.shape)
+        assert.equal("float", c.dtype)
+        near(c:download(), wanted)
+        near(dc:download(), slopes)
+        assert.equal(plain.outside, report.outside)
+        -- arrays of the host take results of points on the device, and the other way round
+        local out = ylm.zeros({ 1000, 3, 16 }, "float")
+        assert.equal(out, (grid:sample(there, { device = gpu, out = out })))
+        near(out, wanted)
+        assert.equal(c, (grid:sample(here, { device = gpu, out = c, interpolation = "linear" })))
+        near(c:download(), (grid:sample(here, { interpolation = "linear" })))
+        assert.equal(dc, (select(2, grid:sample(here, { device = gpu, out = { c, dc }, derivatives = 1 }))))
+        near(dc:download(), slopes)
+      end
+    end)
+
+    it("has the host answer where it has to", function()
+      local gpu = open()
+      local grid = ylm.bake(ylm.uniform_grid { bounds = bounds, cells = 6, lmax = 1 }, lamp,
+        { occupied = { { -0.9, -0.9, -0.9 }, { 0.4, 0.1, 0.3 } } })
+      local here = some_points(300, "float")
+      local c = assert(grid:sample(here:to(gpu), { device = gpu }))
+      near(c:download(), (grid:sample(here)))
+    end)
+
+    it("goes in passes, and reads data in parts where a kernel does not see all of them", function()
+      local gpu = open()
+      if gpu.limits.bind_bytes > 2 ^ 28 then pending "this device sees more than is tried here" end
+      local grid = ylm.bake(ylm.uniform_grid { bounds = bounds, cells = 33, lmax = 8, metric_channels = "none" }, lamp)
+      local copy = assert(grid:to(gpu))
+      assert(copy.bytes > gpu.limits.bind_bytes, copy.bytes)
+      local here = some_points(40000, "float")
+      local there = here:to(gpu)
+      local L = gpu:array(ylm.zeros({ 40000, 3, 81 }, "float"))
+      near(assert(grid:sample(there, { device = gpu, out = L })):download(), (grid:sample(here)))
+      copy:close()
+    end)
+
+    it("refuses arrays of other shapes and devices, closed ones, results in double", function()
+      local gpu, other = open(), assert(ylm.vulkan.open { device = 1 })
+      local grid = ylm.bake(ylm.uniform_grid { bounds = bounds, cells = 2, lmax = 1 }, lamp)
+      local there = some_points(10, "float"):to(gpu)
+      local function refused(says, points, o)
+        local ok, message = pcall(grid.sample, grid, points, o)
+        assert(not ok and message:find(says, 1, true), message)
+      end
+      refused("name the device", there, {})
+      refused("points must be [n][3]", gpu:array { 1, 2, 3 }, { device = gpu })
+      refused("another device", there, { device = other })
+      refused("results are float", there, { device = gpu, dtype = "double" })
+      refused("out[1] must be a float array of 10x3x4", there, { device = gpu, out = there })
+      refused("out must be an array", some_points(10, "float"), { out = there })
+      refused("must be on the device as the others are", there,
+        { device = gpu, derivatives = 1, out = { gpu:array(ylm.zeros({ 10, 3, 4 }, "float")), ylm.zeros { 1 } } })
+      there:close()
+      refused("the array has been closed", there, { device = gpu })
+      other:close()
+    end)
+  end)
+
   describe("scene:render", function()
     if not pcall(require, "ylm.c.scene") then return end
 
@@ -498,6 +589,19 @@ describe("ylm.vulkan", function()
           assert(other.stages.shade.seconds > 0)
         end
       end
+    end)
+
+    it("keeps a view's points on the device between frames", function()
+      local gpu, s = open(), scene "rgb"
+      local grid, view = assert(s:bake()), assert(s:prepare { size = { 40, 30 }, samples = 1 })
+      grid:to(gpu)
+      local o = { grid = grid, device = gpu, layers = false }
+      local first = assert(view:render(o))
+      local before = gpu.stats.uploaded
+      local image, report = assert(view:render(o))
+      assert.equal(before, gpu.stats.uploaded)
+      assert(report.stages.upload == nil and report.stages.sort.seconds >= 0)
+      assert.equal(0, (select(2, require "ylm.c.core".array_distance(image:layer(), first:layer()))))
     end)
 
     it("refuses fields that are no grid, and passes a lost device on", function()

@@ -49,6 +49,15 @@ void steps_dispatch(step_queue *q, const step_kernel *k, uint64_t items, int wor
   for (int i = 0; i < binds; i++) w->bind[i].buffer = buffer[i];
 }
 
+void steps_work(step_queue *q, const ylm_gpu_work *from) {
+  ylm_gpu_work *w = next_step(q);
+  if (!w) return;
+  const char *stage = w->stage;
+  *w = *from;
+  w->stage = stage;
+  memcpy(q->push[q->n - 1], from->push, from->push_bytes);
+}
+
 void steps_fill(step_queue *q, ylm_gpu_buffer *b, uint32_t value) {
   ylm_gpu_work *w = next_step(q);
   if (!w) return;

@@ -9,7 +9,7 @@
 #include "ylm_vulkan.h"
 
 #define STEP_GROUP 64u /* invocations of a group */
-#define STEP_WORDS 8
+#define STEP_WORDS 12
 
 typedef struct step_queue {
   ylm_gpu *g;
@@ -37,6 +37,8 @@ void steps_free(step_queue *q);
 /* A dispatch of `items` invocations, rounded up to groups. */
 void steps_dispatch(step_queue *q, const step_kernel *k, uint64_t items, int words,
                     const uint32_t *push, int binds, ylm_gpu_buffer *const *buffer);
+/* A step as it is, of the stage at hand; its push constants are copied. */
+void steps_work(step_queue *q, const ylm_gpu_work *w);
 void steps_fill(step_queue *q, ylm_gpu_buffer *b, uint32_t value);
 void steps_copy(step_queue *q, ylm_gpu_buffer *from, uint64_t bytes, ylm_gpu_buffer *to);
 

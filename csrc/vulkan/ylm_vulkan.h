@@ -331,33 +331,51 @@ YLM_API void ylm_gpu_grid_free(ylm_gpu_grid *k);
 YLM_API ylm_gpu *ylm_gpu_grid_device(const ylm_gpu_grid *k);
 YLM_API uint64_t ylm_gpu_grid_bytes(const ylm_gpu_grid *k);
 
+/* An array of the host's, or one in the device's memory; both NULL: none. */
+typedef struct ylm_gpu_input {
+  const void *host;
+  ylm_gpu_buffer *there;
+} ylm_gpu_input;
+typedef struct ylm_gpu_output {
+  void *host;
+  ylm_gpu_buffer *there;
+} ylm_gpu_output;
+
 /*
-** ylm_gpu_grid_sample - ylm_grid_sample on the device, in float.
+** ylm_gpu_grid_sample - ylm_grid_sample on the device, in float. What is in the device's memory
+** stays there; the host's arrays are copied.
 **
 ** `grid` is the one that was copied: it answers where it has no data of its own. Points are
 ** located in double where the device has float64; without it, fractions of a voxel's edges are
 ** off by up to 2^(depth - 24). Results within 1e-5 of ylm_grid_sample.
-**   times  stages "locate", "sample"; may be NULL
-** YLM_EINVAL (the grid was updated since), YLM_ENOMEM, YLM_EDEVICE, YLM_ECANCELLED
+**   points    in   [n][3] of q->point_dtype; finite, which is not checked of those on the device
+**   value     out  [n][channels][count], gradient [n][channels][count][3] or none
+**   times     stages "locate", "sort", "sample", and by the host's clock "upload", "download" of the
+**             host's arrays; may be NULL
+** YLM_EINVAL (the grid was updated since; an array is another device's), YLM_EMISSING (points in
+** double on a device without), YLM_ENOMEM, YLM_EDEVICE, YLM_ECANCELLED
 */
 YLM_API ylm_status ylm_gpu_grid_sample(ylm_gpu_grid *k, const ylm_grid *grid,
-                                       const ylm_grid_query *q, size_t n, const void *points,
-                                       float *value, float *gradient, ylm_grid_report *report,
-                                       ylm_gpu_times *times, ylm_error *e);
+                                       const ylm_grid_query *q, size_t n, ylm_gpu_input points,
+                                       ylm_gpu_output value, ylm_gpu_output gradient,
+                                       ylm_grid_report *report, ylm_gpu_times *times, ylm_error *e);
 
 /*
 ** ylm_gpu_grid_shade - the grid at shading points, dotted with their transfer vectors.
 **
-**   points    in   [n][3], in float (q->point_dtype)
+**   points    in   [n][3], of q->point_dtype
 **   transfer  in   [n][row]
-**   radiance  out  [n][3]: sum over coefficients that both have; a luminance grid gives grey
-**   times     stages "locate", "shade"; may be NULL
+**   albedo    in   [n][3], or none
+**   radiance  out  [n][3]: sum over coefficients that both have, times albedo/pi where there is
+**                  one; a luminance grid gives grey
+**   times     stages "locate", "sort", "shade", "upload", "download"; may be NULL
 ** As ylm_gpu_grid_sample.
 */
 YLM_API ylm_status ylm_gpu_grid_shade(ylm_gpu_grid *k, const ylm_grid *grid,
-                                      const ylm_grid_query *q, size_t n, const float *points,
-                                      size_t row, const float *transfer, float *radiance,
-                                      ylm_grid_report *report, ylm_gpu_times *times, ylm_error *e);
+                                      const ylm_grid_query *q, size_t n, ylm_gpu_input points,
+                                      size_t row, ylm_gpu_input transfer, ylm_gpu_input albedo,
+                                      ylm_gpu_output radiance, ylm_grid_report *report,
+                                      ylm_gpu_times *times, ylm_error *e);
 
 #ifdef __cplusplus
 }

@@ -302,15 +302,18 @@ local sample_options = {
   { "dtype", "choice", of = { "float", "double" }, default = "float", about = "of the results" },
   { "threads", "integer", min = 1, max = 1024, optional = true, about = "default: YLM_THREADS or all cores" },
   { "device", "gpu", optional = true,
-    about = "interpolates there, in float, with the copy of grid:to(gpu), made where there is none; report.stages" },
-  { "out", "any", optional = true, about = "an array, or a list of two, shaped and typed like the results, which they take" },
+    about = "interpolates there, in float, with the copy of grid:to(gpu), made where there is none; new results are where "
+      .. "the points are; report.stages" },
+  { "out", "any", optional = true, about = "an array, or a list of two, shaped and typed like the results, which they take; "
+    .. "with device also in its memory" },
   { "progress", "progress", optional = true, about = "called as f(done, total, stage); returning false cancels" },
 }
 
 describe "grid:sample" {
   about = "Interpolates coefficients at points. Fastest where neighbours in the array are neighbours in space.",
   arguments = {
-    { "points", "array|table", "[n][3] or one point, scene units" },
+    { "points", "array|table|gpu_array", "[n][3] or one point, scene units; with device also an array in its memory, whose "
+      .. "numbers are not checked" },
     { "options?", "table", "see the options" },
   },
   options = sample_options,
@@ -330,14 +333,18 @@ assert(c.shape[3] == 9 and dc.shape[4] == 3 and report.outside == 1)]],
 function methods.sample(g, points, given)
   open(g, "sample")
   local o = form.options(2, "sample", sample_options, given)
-  local p, single = array.points(1, "sample", points)
-  local shape = { #p, g.channels, (g.lmax + 1) ^ 2 }
+  local on_device, p, single = core.type(points) == "ylm.gpu_array", points, false
+  if on_device then require "ylm.vulkan_grid".check_points(points, o)
+  else p, single = array.points(1, "sample", points) end
+  local shape = { on_device and points.shape[1] or #p, g.channels, (g.lmax + 1) ^ 2 }
   local shapes = { shape, o.derivatives > 0 and { shape[1], shape[2], shape[3], 3 } or nil }
-  local out1, out2 = outputs.of(2, "sample", o.out, o.dtype, shapes, points)
+  local out1, out2
+  if o.device then out1, out2 = require "ylm.vulkan_grid".outputs(2, "sample", o.out, shapes) end
+  if not (out1 or out2) then out1, out2 = outputs.of(2, "sample", o.out, o.dtype, shapes, points) end
   local progress = o.progress and require "ylm.progress".of(o.progress) or nil
   if o.device then
     local c, dc, report = require "ylm.vulkan_grid".sample(g, p, o, INTERPOLATION[o.interpolation], out1, out2, progress)
-    if c and single and not out1 then c, dc = c[1], dc and dc[1] end
+    if c and single and core.type(c) == "ylm.array" and not out1 then c, dc = c[1], dc and dc[1] end
     return c, dc, report
   end
   local c, dc, outside, unbaked, seconds = check.result("sample", core.grid_sample(g, p, INTERPOLATION[o.interpolation],

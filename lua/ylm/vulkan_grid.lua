@@ -56,10 +56,51 @@ function vulkan_grid.to(grid, gpu)
   return copy_of(1, "to", grid, gpu)
 end
 
---- What grid:sample does with device = gpu: its results, or nil, message, code.
+--- Points on a device for grid:sample, with the options o: they are open, [n][3] and there.
+function vulkan_grid.check_points(points, o)
+  local shape, _, _, is_open = binding().gpu_array_info(points)
+  if not is_open then return check.bad(1, "sample", "points: the array has been closed") end
+  if #shape ~= 2 or shape[2] ~= 3 then
+    return check.bad(1, "sample", "points must be [n][3] on a device, got %s", tostring(points))
+  end
+  if not o.device then
+    return check.bad(2, "sample", "device: points are in a device's memory: name the device, or download them")
+  end
+end
+
+--- The entries of `out` that are on a device are open float arrays of these shapes; they and others as two values.
+function vulkan_grid.outputs(n, name, out, shapes)
+  if core.type(out) == "ylm.gpu_array" then out = { out } end
+  if type(out) ~= "table" or core.type(out) then return end
+  local found = false
+  for i = 1, #shapes do found = found or core.type(out[i]) == "ylm.gpu_array" end
+  if not found then return end
+  local extents = require "ylm.outputs".extents
+  for i in pairs(out) do
+    local a = out[i]
+    if not shapes[i] then return check.bad(n, name, "out takes %d arrays, got an entry %s", #shapes, check.describe(i)) end
+    if core.type(a) ~= "ylm.gpu_array" then
+      return check.bad(n, name, "out[%d] must be on the device as the others are, got %s", i, check.describe(a))
+    end
+    local shape, dtype, _, is_open = binding().gpu_array_info(a)
+    if not is_open then return check.bad(n, name, "out[%d]: the array has been closed", i) end
+    if dtype ~= "float" or extents(shape) ~= extents(shapes[i]) then
+      return check.bad(n, name, "out[%d] must be a float array of %s, got a %s array of %s", i, extents(shapes[i]), dtype,
+        extents(shape))
+    end
+    if i == 2 and out[1] == a then return check.bad(n, name, "out[2] shares memory with out[1]") end
+  end
+  return out[1], out[2]
+end
+
+--- What grid:sample does with device = gpu: its results, or nil, message, code. New results are where the points are.
 function vulkan_grid.sample(grid, points, o, interpolation, out1, out2, progress)
-  if o.dtype == "double" and out1 then
+  local there = core.type(points) == "ylm.gpu_array" or core.type(out1 or out2) == "ylm.gpu_array"
+  if o.dtype == "double" and (out1 or there) then
     return check.bad(2, "sample", "device: results are float, and out takes float arrays")
+  end
+  if (out1 or out2) and (points == out1 or points == out2) then
+    return check.bad(2, "sample", "out shares memory with the points")
   end
   local copy, message, code = copy_of(2, "sample", grid, o.device)
   if not copy then return nil, message, code end
@@ -70,8 +111,28 @@ function vulkan_grid.sample(grid, points, o, interpolation, out1, out2, progress
   return c, dc, { outside = outside, unbaked = unbaked, seconds = seconds, stages = stages }
 end
 
---- Shading points of a view -> their positions, transfer vectors and albedo, kept while the view is.
+--- Shading points of a view -> their positions, transfer vectors and albedo, kept while the view is; and copies of them
+-- on a device, by device.
 local surfaces = setmetatable({}, { __mode = "k" })
+
+--- The arrays of s on a device; where it has no memory for them, the host's, which are copied in each call.
+local function surface_on(gpu, s)
+  local there = s.there[gpu]
+  if there and select(4, binding().gpu_array_info(there.transfer)) then return there end
+  there = {}
+  for _, key in ipairs { "position", "transfer", "albedo" } do
+    local copy, _, code = binding().gpu_upload(gpu, s[key])
+    if not copy then
+      if code == "EDEVICE" then return s end -- the call that follows says so
+      for _, made in pairs(there) do binding().gpu_array_close(made) end
+      there = s
+      break
+    end
+    there[key] = copy
+  end
+  s.there[gpu] = there
+  return there
+end
 
 local INTERPOLATION = { hermite = 0, taylor = 1, linear = 2 }
 
@@ -81,7 +142,7 @@ function vulkan_grid.shade(name, lib, view, o, progress)
   if not copy then return nil, message, code end
   local s = surfaces[view]
   if not s then
-    s = {}
+    s = { there = setmetatable({}, { __mode = "k" }) }
     local position, normal, albedo = lib.shade_points(view)
     if not position then return nil, normal, albedo end
     s.position, s.albedo = position, albedo
@@ -89,6 +150,7 @@ function vulkan_grid.shade(name, lib, view, o, progress)
     if not s.transfer then return nil, message, code end
     surfaces[view] = s
   end
+  s = surface_on(o.device, s)
   return check.result(name, binding().gpu_grid_shade(copy, o.grid, s.position, s.transfer, s.albedo,
     INTERPOLATION[o.interpolation], progress))
 end

@@ -1,0 +1,29 @@
+/* gpu_grid.h - a grid in the device's memory: what grid_copy.c and grid.c share. Private. */
+#ifndef YLM_GPU_GRID_H
+#define YLM_GPU_GRID_H
+
+#include "steps.h"
+#include "ylm_grid.h"
+
+#define GRID_PARTS 4 /* grid.glsl: buffers that the data are cut into at most */
+#define GRID_NONE 0x3fffffffu
+
+struct ylm_gpu_grid {
+  ylm_gpu *g;
+  ylm_grid_form form;
+  uint64_t updates; /* of the grid, when it was copied */
+  uint32_t resolution[3];
+  size_t cell_count, width, stride;
+  bool wide; /* points are located in double */
+  bool busy; /* a call has not returned: its progress function runs */
+  ylm_gpu_buffer *cells, *table, *bounds, *counts;
+  /* Rows of coefficients and gradients, `part_rows` of the grid's points in each buffer. */
+  int parts;
+  size_t part_rows;
+  ylm_gpu_buffer *data[GRID_PARTS];
+  /* Of a pass, kept for the next: arrays of the host's, places, points in the order of cells. */
+  ylm_gpu_buffer *points, *places, *order, *tally, *value, *gradient, *transfer, *albedo;
+  step_queue queue;
+};
+
+#endif

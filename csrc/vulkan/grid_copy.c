@@ -1,0 +1,131 @@
+/* grid_copy.c - a grid's cells, coefficients and gradients in the device's memory. */
+#include <string.h>
+
+#include "gpu_grid.h"
+
+/* shaders/grid.glsl */
+typedef struct gpu_cell {
+  uint32_t corner[8], origin[3], edge, child, source, info, unused;
+} gpu_cell;
+enum { HAS_DATA = 0x100, ELSEWHERE = 0x200 };
+
+static void fill_cell(const ylm_grid_view *v, size_t i, gpu_cell *out) {
+  const ylm_grid_cell *c = &v->cell[i];
+  for (int k = 0; k < 8; k++) out->corner[k] = c->corner[k] == YLM_GRID_NONE ? 0 : c->corner[k];
+  memcpy(out->origin, c->origin, sizeof out->origin);
+  out->edge = v->form.kind == YLM_GRID_UNIFORM ? 1 : 1u << (v->form.depth - c->level);
+  out->child = c->child;
+  out->source = c->source;
+  out->info = c->level | (c->flags & (YLM_GRID_BAKED | YLM_GRID_ADDED) ? HAS_DATA : 0) |
+              (c->detail ? ELSEWHERE : 0);
+  out->unused = 0;
+}
+
+static ylm_status copy_cells(ylm_gpu_grid *k, const ylm_grid_view *v, ylm_error *e) {
+  gpu_cell *cell = ylm_alloc(v->cells, sizeof *cell);
+  if (!cell) return ylm_fail(e, YLM_ENOMEM, "%s", ylm_status_text(YLM_ENOMEM));
+  for (size_t i = 0; i < v->cells; i++) fill_cell(v, i, &cell[i]);
+  ylm_status s = ylm_gpu_buffer_from(k->g, v->cells * sizeof *cell, cell, &k->cells, e);
+  ylm_free(cell);
+  return s;
+}
+
+/* Uniform grids: the cell at each lattice place. */
+static ylm_status copy_table(ylm_gpu_grid *k, const ylm_grid_view *v, ylm_error *e) {
+  const uint32_t *r = v->resolution;
+  if (v->form.kind != YLM_GRID_UNIFORM) return ylm_gpu_buffer_create(k->g, 0, &k->table, e);
+  size_t n = (size_t)r[0] * r[1] * r[2];
+  uint32_t *table = ylm_alloc(n, sizeof *table);
+  if (!table) return ylm_fail(e, YLM_ENOMEM, "%s", ylm_status_text(YLM_ENOMEM));
+  for (size_t i = 0; i < n; i++) table[i] = GRID_NONE;
+  for (size_t i = 0; i < v->cells; i++) {
+    const uint32_t *o = v->cell[i].origin;
+    table[((size_t)o[2] * r[1] + o[1]) * r[0] + o[0]] = (uint32_t)i;
+  }
+  ylm_status s = ylm_gpu_buffer_from(k->g, n * sizeof *table, table, &k->table, e);
+  ylm_free(table);
+  return s;
+}
+
+static ylm_status copy_bounds(ylm_gpu_grid *k, const ylm_grid_view *v, ylm_error *e) {
+  double b[9];
+  float f[9];
+  for (int a = 0; a < 3; a++) {
+    b[a] = v->form.bounds[a];
+    b[3 + a] = v->form.bounds[3 + a];
+    b[6 + a] = v->resolution[a] / (b[3 + a] - b[a]);
+  }
+  for (int i = 0; i < 9; i++) f[i] = (float)b[i];
+  return k->wide ? ylm_gpu_buffer_from(k->g, sizeof b, b, &k->bounds, e)
+                 : ylm_gpu_buffer_from(k->g, sizeof f, f, &k->bounds, e);
+}
+
+/* As few parts of up to `most` rows as there can be. */
+static ylm_status copy_data(ylm_gpu_grid *k, const ylm_grid_view *v, uint64_t most, ylm_error *e) {
+  size_t row = 4 * v->stride, n = v->points;
+  ylm_status s = YLM_OK;
+  k->part_rows = most < n ? (size_t)most : n ? n : 1;
+  for (size_t at = 0; s == YLM_OK && (at < n || !k->parts); at += k->part_rows) {
+    size_t rows = n - at < k->part_rows ? n - at : k->part_rows;
+    s = ylm_gpu_buffer_from(k->g, rows * row * sizeof(float), v->data + at * row,
+                            &k->data[k->parts++], e);
+  }
+  return s;
+}
+
+ylm_status ylm_gpu_grid_create(ylm_gpu *g, const ylm_grid *grid, ylm_gpu_grid **out, ylm_error *e) {
+  const ylm_grid_view *v = ylm_grid_look(grid);
+  *out = NULL;
+  ylm_status s = ylm_gpu_state(g, e);
+  if (s != YLM_OK) return s;
+  uint64_t most = ylm_gpu_about(g)->bind_bytes, row = 4 * v->stride * sizeof(float);
+  uint64_t rows = most / row, bytes = (uint64_t)v->points * row;
+  if (v->cells >= GRID_NONE || v->cells > most / sizeof(gpu_cell) ||
+      (v->points && (v->points - 1) / GRID_PARTS >= rows))
+    return ylm_fail(e, YLM_ELIMIT,
+                    "the grid has %.0f MiB of data and %.0f of cells, kernels of '%s' see %.0f and "
+                    "%.0f",
+                    (double)bytes / 1048576, (double)v->cells * sizeof(gpu_cell) / 1048576,
+                    ylm_gpu_about(g)->name, (double)(GRID_PARTS * most) / 1048576,
+                    (double)most / 1048576);
+  ylm_gpu_grid *k = ylm_alloc_zero(1, sizeof *k);
+  if (!k) return ylm_fail(e, YLM_ENOMEM, "%s", ylm_status_text(YLM_ENOMEM));
+  k->g = ylm_gpu_share(g);
+  k->form = v->form;
+  k->updates = v->stats->update.updates;
+  memcpy(k->resolution, v->resolution, sizeof k->resolution);
+  k->width = (size_t)v->form.channels * (size_t)v->count;
+  k->stride = v->stride;
+  k->cell_count = v->cells;
+  k->wide = ylm_gpu_about(g)->float64;
+  s = copy_cells(k, v, e);
+  if (s == YLM_OK) s = copy_table(k, v, e);
+  if (s == YLM_OK) s = copy_bounds(k, v, e);
+  if (s == YLM_OK) s = copy_data(k, v, rows, e);
+  if (s == YLM_OK) s = ylm_gpu_buffer_create(g, 12, &k->counts, e);
+  if (s != YLM_OK) {
+    ylm_gpu_grid_free(k);
+    return s;
+  }
+  *out = k;
+  return YLM_OK;
+}
+
+void ylm_gpu_grid_free(ylm_gpu_grid *k) {
+  if (!k) return;
+  ylm_gpu_buffer *all[] = {k->cells, k->table, k->bounds, k->counts,   k->points,   k->places,
+                           k->order, k->tally, k->value,  k->gradient, k->transfer, k->albedo};
+  for (size_t i = 0; i < sizeof all / sizeof *all; i++) ylm_gpu_buffer_free(all[i]);
+  for (int i = 0; i < GRID_PARTS; i++) ylm_gpu_buffer_free(k->data[i]);
+  steps_free(&k->queue);
+  ylm_gpu_free(k->g);
+  ylm_free(k);
+}
+
+ylm_gpu *ylm_gpu_grid_device(const ylm_gpu_grid *k) { return k->g; }
+
+uint64_t ylm_gpu_grid_bytes(const ylm_gpu_grid *k) {
+  uint64_t bytes = ylm_gpu_buffer_bytes(k->cells) + ylm_gpu_buffer_bytes(k->table);
+  for (int i = 0; i < k->parts; i++) bytes += ylm_gpu_buffer_bytes(k->data[i]);
+  return bytes;
+}
