@@ -75,7 +75,13 @@ ylm_status ylm__sh_check_points(const ylm_sh_how *how, int lmax, ylm_dtype t, si
   return YLM_OK;
 }
 
-void ylm__sh_coefficients(int l, int q, double k[7]) {
+ylm_status ylm_sh_check_points(const ylm_sh_how *how, int lmax, ylm_dtype t, size_t n,
+                               const void *p, ylm_error *e) {
+  bool tame;
+  return ylm__sh_check_points(how, lmax, t, n, p, &tame, e);
+}
+
+void ylm_sh_coefficients(int l, int q, double k[7]) {
   double n = 2.0 * l + 1, rho = sqrt(n / (n - 2)), d = (double)(l - q) * (l + q);
   if (q == l) {
     k[0] = l == 1 ? -sqrt(3) : -sqrt(n / (n - 1));
@@ -108,7 +114,7 @@ static void *make_table(int lmax, ylm_dtype t) {
   double *d = table, k[7];
   for (int l = 1; table && l <= lmax; l++) {
     for (int q = 0; q <= l; q++, f += 7, d += 7) {
-      ylm__sh_coefficients(l, q, k);
+      ylm_sh_coefficients(l, q, k);
       for (int i = 0; i < 7; i++) {
         if (t == YLM_DOUBLE)
           d[i] = k[i];

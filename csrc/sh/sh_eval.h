@@ -70,7 +70,4 @@ ylm__sh_kernel ylm__sh_reference_float, ylm__sh_reference_double;
 YLM__SH_SETS(X)
 #undef X
 
-/* The coefficients a b e A B b' c' of sh_kernel.h for degree l and order q, 0 <= q <= l. */
-void ylm__sh_coefficients(int l, int q, double k[7]);
-
 #endif

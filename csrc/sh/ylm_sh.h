@@ -398,6 +398,15 @@ YLM_API void ylm_sh_halve_pixels(int width, int height, int faces, int channels,
                                  double *coarse_direction, double *coarse_weight,
                                  double *coarse_value);
 
+/* -- for kernels elsewhere: csrc/sh/eval.c ---------------------------------------------------- */
+
+/* What ylm_sh_eval_how refuses of points, in its words. */
+YLM_API ylm_status ylm_sh_check_points(const ylm_sh_how *how, int lmax, ylm_dtype t, size_t n,
+                                       const void *p, ylm_error *e);
+/* The coefficients a b e A B b' c' of the recurrences of csrc/sh/sh_kernel.h, for degree l > 0 and
+   order q, 0 .. l. */
+YLM_API void ylm_sh_coefficients(int l, int q, double k[7]);
+
 #ifdef __cplusplus
 }
 #endif

@@ -2,9 +2,6 @@
 #include "ylm_sh.h"
 #include "ylm_vulkan.h"
 
-#include <float.h>
-#include <math.h>
-
 enum { UNROLLED_LMAX = 4, FLOAT_LMAX = 128, GROUP = 64 };
 #define PASS_BYTES ((uint64_t)64 << 20)
 #define STAGE "spherical harmonics"
@@ -39,43 +36,6 @@ static ylm_status choose_kernel(job *j, ylm_error *e) {
   return ylm_gpu_kernel_get(j->g, name, low ? 4 : 3, low ? unrolled : recurrence, &j->kernel, e);
 }
 
-/* What csrc/sh refuses of points, in the same words. */
-static ylm_status check_points(const job *j, size_t n, const void *p, ylm_error *e) {
-  bool real = j->t == YLM_DOUBLE;
-  double exponent = (real ? DBL_MAX_EXP : FLT_MAX_EXP) - 3 - 2 * log2(j->lmax + 1.0);
-  double least = 0, most = real ? DBL_MAX : FLT_MAX;
-  if (j->solid && j->lmax > 0) most = fmin(most, exp2(exponent / j->lmax) / sqrt(3));
-  if (!j->solid && j->order > 0) least = exp2(-exponent / j->order);
-  for (size_t i = 0; i < n; i++) {
-    double largest = 0;
-    for (size_t c = 3 * i; c < 3 * i + 3; c++) {
-      double x = real ? ((const double *)p)[c] : (double)((const float *)p)[c];
-      if (!isfinite(x)) return ylm_fail(e, YLM_EDOMAIN, "point %zu is not finite", i + 1);
-      largest = fmax(largest, fabs(x));
-    }
-    if (largest == 0 && !j->solid)
-      return ylm_fail(e, YLM_EDOMAIN, "point %zu is zero: it has no direction", i + 1);
-    if (largest > most)
-      return ylm_fail(e, YLM_ERANGE, "point %zu is too long: |v|^%d overflows", i + 1, j->lmax);
-    if (largest < least)
-      return ylm_fail(e, YLM_ERANGE, "point %zu is too short: derivatives overflow", i + 1);
-  }
-  return YLM_OK;
-}
-
-/* The coefficients a b e A B b' c' of csrc/sh/sh_kernel.h for degree l and order q <= l. */
-static void coefficients(int l, int q, double k[7]) {
-  double n = 2.0 * l + 1, rho = sqrt(n / (n - 2)), d = (double)(l - q) * (l + q);
-  bool last = q == l;
-  k[0] = !last ? sqrt(n * (n - 2) / d) : l == 1 ? -sqrt(3) : -sqrt(n / (n - 1));
-  k[1] = l <= q + 1 ? 0 : sqrt(n * (l - 1 - q) * (l - 1 + q) / ((n - 4) * d));
-  k[2] = rho * sqrt(d);
-  k[3] = -0.5 * rho * sqrt((double)(l + q - 1) * (l + q) * (q == 1 ? 2 : 1));
-  k[4] = 0.5 * rho * sqrt((double)(l - q - 1) * (l - q) * (q == 0 ? 2 : 1));
-  k[6] = last ? 0 : rho * sqrt((double)(l + q) / (l - q));
-  k[5] = last ? 0 : k[0] - k[6];
-}
-
 /* The table of the recurrences, degrees 1 .. lmax. */
 static ylm_status create_table(job *j, ylm_error *e) {
   size_t n = (size_t)j->lmax * ((size_t)j->lmax + 3) / 2 * 7, size = ylm_dtype_size(j->t);
@@ -85,7 +45,7 @@ static ylm_status create_table(job *j, ylm_error *e) {
   if (!table) return ylm_fail(e, YLM_ENOMEM, "%s", ylm_status_text(YLM_ENOMEM));
   for (int l = 1; l <= j->lmax; l++)
     for (int q = 0; q <= l; q++) {
-      coefficients(l, q, k);
+      ylm_sh_coefficients(l, q, k);
       for (int i = 0; i < 7; i++)
         if (j->t == YLM_DOUBLE)
           *d++ = k[i];
@@ -162,7 +122,8 @@ ylm_status ylm_gpu_sh_eval(ylm_gpu *g, int lmax, int derivatives, bool solid, yl
     return ylm_fail(e, YLM_ERANGE, "%s", ylm_status_text(YLM_ERANGE));
   if (t == YLM_FLOAT && lmax > FLOAT_LMAX)
     return ylm_fail(e, YLM_ERANGE, "float on a device goes to lmax %d: ask for double", FLOAT_LMAX);
-  s = check_points(&j, n, p, e);
+  ylm_sh_how how = {.derivatives = derivatives, .solid = solid, .isa = -1};
+  s = ylm_sh_check_points(&how, lmax, t, n, p, e);
   if (s != YLM_OK || n == 0) return s;
   j.count = ylm_sh_count(lmax);
   s = prepare(&j, n, e);
