@@ -116,6 +116,11 @@ typedef struct ylmL_array {
 /* A new array of zeros, on the stack; NULL (nothing pushed) if the size overflows or memory
    runs out. */
 ylmL_array *ylmL_array_new(lua_State *L, ylm_dtype t, int axes, const size_t *shape);
+/* The array at `given` to be written to, or a new one where nil stands there; pushed. Where it does
+   not fit or cannot be made: YLM_ETYPE, YLM_ESHAPE, YLM_EOVERFLOW or YLM_ENOMEM in *s, which is
+   else left alone, and NULL. */
+ylmL_array *ylmL_array_result(lua_State *L, int given, ylm_dtype t, int axes, const size_t *shape,
+                              ylm_status *s);
 /* An array over elements that somebody else owns: give_back(owner) is called once the array and
    its views are gone; never where NULL is returned (nothing pushed). */
 ylmL_array *ylmL_array_share(lua_State *L, ylm_dtype t, int axes, const size_t *shape, void *data,

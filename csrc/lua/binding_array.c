@@ -62,6 +62,24 @@ ylmL_array *ylmL_array_new(lua_State *L, ylm_dtype t, int axes, const size_t *sh
   return a;
 }
 
+ylmL_array *ylmL_array_result(lua_State *L, int given, ylm_dtype t, int axes, const size_t *shape,
+                              ylm_status *s) {
+  if (lua_isnil(L, given)) {
+    ylmL_array *a = ylmL_array_new(L, t, axes, shape);
+    size_t count;
+    if (a) return a;
+    *s = ylm_shape_count(axes, shape, &count) ? YLM_ENOMEM : YLM_EOVERFLOW;
+    lua_pushnil(L);
+    return NULL;
+  }
+  ylmL_array *a = ylmL_array_check(L, given);
+  lua_pushvalue(L, given);
+  bool fits = a->axes == axes && memcmp(a->shape, shape, (size_t)axes * sizeof *shape) == 0;
+  if (a->dtype == t && fits) return a;
+  *s = a->dtype != t ? YLM_ETYPE : YLM_ESHAPE;
+  return NULL;
+}
+
 ylmL_array *ylmL_array_view(lua_State *L, int at, size_t k, int axes, const size_t *shape) {
   ylmL_array *parent = ylmL_array_check(L, at);
   ylmL_array *v = push_object(L);

@@ -168,7 +168,8 @@ static void push_update(lua_State *L, const ylm_grid_update_stats *u) {
   COUNT(points)
   COUNT(exact)
   COUNT(skipped)
-  COUNT(added) COUNT(removed) COUNT(pairs) COUNT(verified)
+  COUNT(added)
+  COUNT(removed) COUNT(pairs) COUNT(verified)
 #undef COUNT
       ylmL_set_number(L, "seconds", u->seconds);
   ylmL_set_number(L, "field_seconds", u->field_seconds);
@@ -219,26 +220,6 @@ static int grid_bounds(lua_State *L) {
 
 /* -- sampling --------------------------------------------------------------------------------- */
 
-/* The array at `given`, which must fit, or a new one, left on the stack. */
-static ylmL_array *output(lua_State *L, int given, ylm_dtype t, int axes, const size_t *shape,
-                          ylm_status *s) {
-  if (lua_isnil(L, given)) {
-    ylmL_array *a = ylmL_array_new(L, t, axes, shape);
-    size_t count;
-    if (a) return a;
-    *s = ylm_shape_count(axes, shape, &count) ? YLM_ENOMEM : YLM_EOVERFLOW;
-    lua_pushnil(L);
-    return NULL;
-  }
-  ylmL_array *a = ylmL_array_check(L, given);
-  lua_pushvalue(L, given);
-  if (a->dtype != t)
-    *s = YLM_ETYPE;
-  else if (a->axes != axes || memcmp(a->shape, shape, (size_t)axes * sizeof *shape) != 0)
-    *s = YLM_ESHAPE;
-  return a;
-}
-
 /*
 ** grid_sample(grid, points [n][3], interpolation number, derivatives, nan outside, dtype, threads,
 **             progress, out value | nil, out gradient | nil) -> value, gradient | nil, outside,
@@ -260,9 +241,9 @@ static int grid_sample(lua_State *L) {
   ylm_grid_report report = {0};
   ylm_error e = {0};
   ylm_status s = YLM_OK;
-  value = output(L, 9, q.dtype, 3, shape, &s);
+  value = ylmL_array_result(L, 9, q.dtype, 3, shape, &s);
   if (luaL_checknumber(L, 4) > 0)
-    gradient = output(L, 10, q.dtype, 4, shape, &s);
+    gradient = ylmL_array_result(L, 10, q.dtype, 4, shape, &s);
   else
     lua_pushnil(L);
   if (s == YLM_OK)
@@ -290,10 +271,10 @@ static int grid_stats(lua_State *L) {
   COUNT(interpolated)
   COUNT(cells)
   COUNT(leaves)
-  COUNT(occupied) COUNT(continuity) COUNT(levels) COUNT(pairs) COUNT(invalid) COUNT(outside)
-      COUNT(bytes)
+  COUNT(occupied)
+  COUNT(continuity) COUNT(levels) COUNT(pairs) COUNT(invalid) COUNT(outside) COUNT(bytes)
 #undef COUNT
-          ylmL_set_number(L, "seconds", s->seconds);
+      ylmL_set_number(L, "seconds", s->seconds);
   ylmL_set_number(L, "field_seconds", s->field_seconds);
   ylmL_set_number(L, "verify_seconds", s->verify_seconds);
   ylmL_set_number(L, "occupancy_seconds", s->occupancy_seconds);

@@ -119,27 +119,6 @@ static int lights_join(lua_State *L) {
   return push_lights(L, n, at, radius, rgb);
 }
 
-/* A fresh array of results on the stack, or the caller's at index `given`; NULL: see *s. */
-static void *result(lua_State *L, int given, ylm_dtype t, int axes, const size_t *shape,
-                    ylm_status *s) {
-  ylmL_array *a;
-  if (lua_isnil(L, given)) {
-    a = ylmL_array_new(L, t, axes, shape);
-    if (!a) {
-      size_t count;
-      lua_pushnil(L);
-      *s = ylm_shape_count(axes, shape, &count) ? YLM_ENOMEM : YLM_EOVERFLOW;
-      return NULL;
-    }
-    return a->data;
-  }
-  a = ylmL_array_check(L, given);
-  lua_pushvalue(L, given);
-  bool fits = a->axes == axes && memcmp(a->shape, shape, (size_t)axes * sizeof *shape) == 0;
-  *s = a->dtype != t ? YLM_ETYPE : !fits ? YLM_ESHAPE : *s;
-  return *s == YLM_OK ? a->data : NULL;
-}
-
 /* has_field(value) -> true for an object with a light field */
 static int has_field(lua_State *L) {
   bool yes = lua_type(L, 1) == LUA_TUSERDATA && luaL_getmetafield(L, 1, "__field");
@@ -212,20 +191,18 @@ static int field_evaluate(lua_State *L) {
   void **slots[3] = {&r.value, &r.gradient, &r.hessian};
   for (int i = 0; i < 3; i++) {
     shape[3] = i == 1 ? 3 : 6;
-    if (q.want & (1 << i))
-      *slots[i] = result(L, OUT_VALUE + i, q.dtype, i ? 4 : 3, shape, &s);
-    else
+    if (q.want & (1 << i)) {
+      ylmL_array *a = ylmL_array_result(L, OUT_VALUE + i, q.dtype, i ? 4 : 3, shape, &s);
+      *slots[i] = a ? a->data : NULL;
+    } else
       lua_pushnil(L);
   }
   for (int i = 0; i < 2; i++) {
     lua_pushnil(L);
     if (q.want & YLM_WANT_METRIC) {
-      void *p = result(L, lua_gettop(L), q.dtype, 1, shape, &s);
+      ylmL_array *a = ylmL_array_result(L, lua_gettop(L), q.dtype, 1, shape, &s);
       lua_remove(L, -2);
-      if (i)
-        r.norm = p;
-      else
-        r.lambda = p;
+      *(i ? &r.norm : &r.lambda) = a ? a->data : NULL;
     }
   }
   uint8_t *inside = lua_newuserdata(L, n + 1); /* collected whatever happens */

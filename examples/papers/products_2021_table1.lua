@@ -8,7 +8,9 @@
 -- ("squares"), which is nearer; for k = 4, 5, 6 they are to 0.02 the mean error of coefficients from [0, 1] ("positive"), whose
 -- products gather around one direction. For k = 7 "squares" comes as near, for k = 8 nothing that was tried: neither
 -- another order of the multiplications (a balanced tree: within 0.02 of the chain), nor errors against the
--- approximation's norm, L1 or largest-coefficient errors, medians, equal factors, or other ranges.
+-- approximation's norm, L1 or largest-coefficient errors, medians, ratios of mean or root mean square norms, errors over
+-- the sum of both norms, equal factors, coefficients that fall as 1/(l+1) or 1/sqrt(2l+1), a large or positive mean, or
+-- other ranges.
 
 local ylm = require "ylm"
 
