@@ -126,6 +126,10 @@ static bool write_level(const octree *t, const octree_level *l, const voxels *v,
   return *next - end == 8 * (size_t)l->splits;
 }
 
+static ylm_status no_octree(const octree *t) {
+  return ylm_fail(t->e, YLM_EDEVICE, "'%s' made no octree", ylm_gpu_about(t->g)->name);
+}
+
 static ylm_status take_cells(octree *t, ylm_grid_cell *cell, size_t cells) {
   size_t begin = 0, end = 1, next = 1;
   ylm_status s = YLM_OK;
@@ -135,13 +139,11 @@ static ylm_status take_cells(octree *t, ylm_grid_cell *cell, size_t cells) {
     s = voxels_take(t, &t->level[k], &v);
     bool fits = s != YLM_OK || write_level(t, &t->level[k], &v, cell, begin, end, &next);
     voxels_free(&v);
-    if (!fits) s = ylm_fail(t->e, YLM_EDEVICE, "'%s' made no octree", ylm_gpu_about(t->g)->name);
+    if (!fits) s = no_octree(t);
     begin = end;
     end = next;
   }
-  return s == YLM_OK && end != cells
-             ? ylm_fail(t->e, YLM_EDEVICE, "'%s' made no octree", ylm_gpu_about(t->g)->name)
-             : s;
+  return s == YLM_OK && end != cells ? no_octree(t) : s;
 }
 
 ylm_status octree_result(octree *t) {
@@ -155,5 +157,6 @@ ylm_status octree_result(octree *t) {
   if (s == YLM_OK) s = take_points(t, &parts);
   if (s == YLM_OK) s = take_cells(t, parts.cell, cells);
   ylm__lights_copied(t->l, "download", start);
-  return s == YLM_OK ? ylm_grid_end(t->grid, t->source, cells, t->points, t->e) : s;
+  if (s == YLM_OK) s = ylm_grid_end(t->grid, t->source, cells, t->points, t->e);
+  return s == YLM_EINVAL ? no_octree(t) : s; /* what is wrong is not the caller's doing */
 }
