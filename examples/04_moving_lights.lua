@@ -6,7 +6,7 @@
 -- What the camera sees and what occludes it is found out once (scene:prepare of the scene without lamps); a frame is
 --   grid:update   only what the lamps' motion changes beyond the tolerance is baked again,
 --   view:render   only shading points of voxels that changed are sampled; lamps are drawn where they are now.
--- --lamps is how many of the lanterns fly. With --device, the name or number of a GPU, lights are summed there, and every
+-- --lamps is how many of the lanterns fly. With --device, the name or number of a GPU, it sums lights and shades, and every
 -- frame is baked from nothing instead of updated.
 -- Leaves in out/: moving_01.png, ... and moving.png, the contact sheet. Times are printed by stage.
 
@@ -90,7 +90,7 @@ for frame = 1, option.frames do
   else
     report = good(grid:update(now))
   end
-  local picture, rendered = good(view:render { grid = grid, lamps = now, layers = false })
+  local picture, rendered = good(view:render { grid = grid, lamps = now, layers = false, device = device })
   local cpu = 1e3 * (os.clock() - clock)
   local update, shade, composed = 1e3 * report.seconds, 1e3 * rendered.seconds.light, 1e3 * rendered.seconds.image
   local fresh = 100 * (rendered.fresh or rendered.points) / rendered.points
