@@ -132,6 +132,20 @@ describe("ylm.bake: convention", function()
   end)
 end)
 
+describe("a grid's fields", function()
+  it("are what it was described with; resolution is the voxels along each axis", function()
+    local u = ylm.bake(ylm.uniform_grid { bounds = box, cells = { 2, 3, 4 }, lmax = 1, channels = "luminance" }, lamp)
+    local a = ylm.bake(ylm.adaptive_grid { bounds = box, depth = 3, lmax = 2, threshold = 50 }, lamp)
+    assert.same({ 2, 3, 4 }, u.resolution)
+    assert.same({ 8, 8, 8 }, a.resolution)
+    assert.same({ "uniform", 1, 1, "adaptive", 2, 3, 3, 50 },
+      { u.kind, u.lmax, u.channels, a.kind, a.lmax, a.channels, a.depth, a.threshold })
+    assert.same(box, u.bounds)
+    assert.equal(24, #u:cells().level)
+    assert.is_nil(u.depth)
+  end)
+end)
+
 describe("ylm.bake: properties", function()
   it("keeps what it had while its arrays grow beyond some megabytes", function()
     local n = 17 -- 18^3 points of 1280 bytes: pages that move, where smaller arrays are copied

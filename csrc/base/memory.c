@@ -64,8 +64,15 @@ void ylm_free(void *p) { free(p); }
 #if defined(MREMAP_MAYMOVE) && defined(MADV_HUGEPAGE) && !defined(__SANITIZE_ADDRESS__)
 
 void *ylm_regrow(void *p, size_t old, size_t bytes) {
-  if (bytes < LARGE) return ylm_realloc(p, old, bytes, 1);
   if (bytes > PTRDIFF_MAX) return NULL;
+  if (bytes < LARGE && old >= LARGE) {
+    void *small = ylm_alloc(bytes, 1);
+    if (!small) return NULL;
+    memcpy(small, p, bytes);
+    munmap(p, old);
+    return small;
+  }
+  if (bytes < LARGE) return ylm_realloc(p, old, bytes, 1);
   void *q = old >= LARGE
                 ? mremap(p, old, bytes, MREMAP_MAYMOVE)
                 : mmap(NULL, bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);

@@ -104,7 +104,7 @@ YLM_API void ylm_free(void *p);
 **
 **   p      in   NULL, or what the last call for this array gave
 **   old    in   bytes asked for then; 0 with NULL
-**   bytes  in   > 0; no fewer than before
+**   bytes  in   > 0; where fewer than before, what is behind is lost
 **
 ** Returns NULL where memory runs out; p then stays valid. Such an array is freed by ylm_regrow_free
 ** with its last size.

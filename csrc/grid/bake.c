@@ -52,6 +52,17 @@ ylm_status baker_root(baker *b) {
   return cell_list_push(&b->wave, 0);
 }
 
+/* Room for what is known before: voxels, and where all are occupied their points. */
+static ylm_status reserve_uniform(baker *b, const uint8_t *mark, size_t n) {
+  ylm_grid *g = b->g;
+  const uint32_t *r = g->view.resolution;
+  size_t cells = 0, points = (size_t)(r[0] + 1) * (r[1] + 1) * (r[2] + 1);
+  for (size_t i = 0; i < n; i++) cells += mark[i];
+  ylm_status s = ylm__grid_reserve_cells(g, cells);
+  bool all = cells == n && (!b->source->max_points || points <= b->source->max_points);
+  return s == YLM_OK && all ? ylm__grid_reserve_points(g, points) : s;
+}
+
 /* Voxels of a lattice, all or those that hold shading points. */
 static ylm_status bake_uniform(baker *b) {
   ylm_grid *g = b->g;
@@ -66,10 +77,10 @@ static ylm_status bake_uniform(baker *b) {
   else
     occupancy_mark_uniform(g, b->source, mark, &g->stats.outside);
   g->stats.occupancy_seconds = ylm_seconds() - t;
+  s = reserve_uniform(b, mark, n);
   for (size_t i = 0; i < n && s == YLM_OK; i++) {
     if (!mark[i]) continue;
-    s = ylm__grid_reserve_cells(g, 1);
-    if (s == YLM_OK) s = cell_list_push(&b->wave, (uint32_t)g->cells);
+    s = cell_list_push(&b->wave, (uint32_t)g->cells);
     if (s != YLM_OK) break;
     ylm_grid_cell c = {.error = NAN, .residual = NAN, .flags = YLM_GRID_LEAF | YLM_GRID_OCCUPIED};
     c.origin[0] = (uint32_t)(i % r[0]);
@@ -142,6 +153,7 @@ ylm_status ylm_grid_bake(const ylm_grid_form *form, const ylm_grid_source *sourc
     ylm_grid_free(b.g);
     return ylm__grid_no_room(s, source, e);
   }
+  if (!form->dynamic) ylm__grid_trim(b.g);
   b.g->stats.seconds = ylm_seconds() - begin;
   *out = b.g;
   return YLM_OK;

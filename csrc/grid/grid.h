@@ -62,6 +62,8 @@ ylm_status ylm__grid_check_source(const ylm_grid_source *s, bool dynamic, ylm_er
 /* Room for `more` cells or points beyond those there are. */
 ylm_status ylm__grid_reserve_cells(ylm_grid *g, size_t more);
 ylm_status ylm__grid_reserve_points(ylm_grid *g, size_t more);
+/* Gives back the room that growing has left over. */
+void ylm__grid_trim(ylm_grid *g);
 /* Eight children of a cell, with origins and levels; the index of the first through *first. */
 ylm_status ylm__grid_split(ylm_grid *g, uint32_t cell, uint32_t *first);
 /* Edge of a cell in lattice units. */

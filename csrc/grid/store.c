@@ -150,6 +150,25 @@ ylm_status ylm__grid_reserve_points(ylm_grid *g, size_t more) {
   return YLM_OK;
 }
 
+void ylm__grid_trim(ylm_grid *g) {
+  size_t n = g->points, bytes = (n * 4 * g->stride + ROW_PADDING) * sizeof(float);
+  if (!n || n == g->point_room) return;
+  float *data = ylm_regrow(g->data, g->data_bytes, bytes);
+  if (!data) return;
+  g->data = data;
+  g->data_bytes = bytes;
+  g->point_room = n; /* of all arrays, though the others may have more */
+  grow(&g->lattice, n, n, 3 * sizeof *g->lattice);
+  grow(&g->lambda, n, n, sizeof *g->lambda);
+  grow(&g->norm, n, n, sizeof *g->norm);
+  grow(&g->flags, n, n, 1);
+  if (grow(&g->cell, g->cells, g->cells, sizeof *g->cell)) g->cell_room = g->cells;
+  size_t born = n - g->evaluated;
+  if (born && grow(&g->birth, born, born, sizeof *g->birth)) g->birth_room = born;
+  ylm__grid_count(g);
+  ylm__grid_sync(g);
+}
+
 ylm_status ylm__grid_split(ylm_grid *g, uint32_t cell, uint32_t *first) {
   ylm_status s = ylm__grid_reserve_cells(g, 8);
   if (s != YLM_OK) return s;

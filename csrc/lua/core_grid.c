@@ -300,9 +300,10 @@ static int grid_stats(lua_State *L) {
   return 1;
 }
 
-/* grid_form(grid) -> table: kind, lmax, count, channels, depth, cells, bounds, metric, ... */
+/* grid_form(grid) -> table: kind, lmax, channels, bounds, resolution, depth, metric, ... */
 static int grid_form(lua_State *L) {
-  const ylm_grid_form *f = &ylm_grid_look(check_grid(L, 1))->form;
+  const ylm_grid_view *view = ylm_grid_look(check_grid(L, 1));
+  const ylm_grid_form *f = &view->form;
   lua_newtable(L);
   bool adaptive = f->kind == YLM_GRID_ADAPTIVE;
   lua_pushstring(L, adaptive ? "adaptive" : "uniform");
@@ -323,6 +324,12 @@ static int grid_form(lua_State *L) {
   }
   lua_setfield(L, -2, "bounds");
   set_boolean(L, "dynamic", f->dynamic);
+  lua_newtable(L);
+  for (int a = 0; a < 3; a++) {
+    ylmL_push_count(L, (uint64_t)view->resolution[a]);
+    lua_rawseti(L, -2, a + 1);
+  }
+  lua_setfield(L, -2, "resolution");
   if (adaptive) {
     ylmL_set_count(L, "depth", f->depth);
     set_boolean(L, "continuous", f->continuous);
@@ -330,14 +337,7 @@ static int grid_form(lua_State *L) {
     lua_setfield(L, -2, "metric");
     ylmL_set_number(L, f->tolerance > 0 ? "tolerance" : "threshold",
                     f->tolerance > 0 ? f->tolerance : f->threshold);
-    return 1;
   }
-  lua_newtable(L);
-  for (int a = 0; a < 3; a++) {
-    ylmL_push_count(L, (uint64_t)f->cells[a]);
-    lua_rawseti(L, -2, a + 1);
-  }
-  lua_setfield(L, -2, "cells");
   return 1;
 }
 

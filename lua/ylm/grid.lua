@@ -14,8 +14,17 @@ local grid = {}
 local methods = core.metatable "ylm.grid"
 
 require "ylm.reference".object "grid" {
-  about = "A baked grid of probes. What it was described with can be read from it: grid.lmax, grid.bounds, ...",
+  about = "A baked grid of probes. What it was described with can be read from it, but for the cells of a uniform "
+    .. "grid, since grid:cells() are the voxels themselves: they are grid.resolution.",
   fields = {
+    { "kind", "string", "'adaptive' or 'uniform'" },
+    { "resolution", "table", "{ nx, ny, nz }: voxels along each axis, of an adaptive grid those of its finest level" },
+    { "bounds", "table", "{ lowest, highest }, scene units" },
+    { "lmax", "integer", "of the coefficients" },
+    { "channels", "integer", "1 luminance, 3 rgb" },
+    { "metric_channels", "string", "what the error metric is of" },
+    { "dynamic", "boolean", "whether grid:update follows lights" },
+    { "depth", "integer", "finest level of an adaptive grid; its metric, continuous, and tolerance or threshold likewise" },
     { "stats", "table", "points, cells, leaves, levels, pairs, invalid, bytes, ...; with a tolerance met and error; "
       .. "seconds, of which field_seconds in the light field, occupancy_, lattice_, residual_ and continuity_seconds in "
       .. "parts of the bake (0 in a loaded grid), verify_seconds (field included) to verify; baked on a device stages: by name "
@@ -406,7 +415,7 @@ describe "grid:cells" {
   example = [[
 local lamp = ylm.sphere_light { at = { 0, 2, 0 } }
 local grid = ylm.bake(ylm.uniform_grid { bounds = { { -1, -1, -1 }, { 1, 1, 1 } }, cells = 2, lmax = 1 }, lamp)
-assert(#grid:cells().origin == 8)]],
+assert(#grid:cells().origin == 8 and grid.resolution[1] == 2)]],
 }
 function methods.cells(g, given)
   open(g, "cells")
