@@ -34,8 +34,13 @@ local function lamps(n)
   return ylm.sphere_lights { at = at, radius = 0.1 / math.sqrt(n), radiance = radiance }
 end
 
-local points = {}
-for i = 1, 300 do points[i] = { random(), i % 2 == 0 and 0.01 or random(), random() } end
+-- A floor and a wall, as dense as a bake's points: what lies together is summed together.
+local points, side = {}, 36
+for i = 0, side ^ 2 - 1 do
+  local x, y = (i % side + 0.5) / side, (math.floor(i / side) + 0.5) / side
+  points[#points + 1] = { x, 0.01, y }
+  points[#points + 1] = { x, y, 0.4 }
+end
 
 --- Coefficients and gradients (lmax 4, rgb) at the points, and microseconds a point: the least of three.
 local function field(lights, tolerance)
@@ -91,7 +96,8 @@ for i, tolerance in ipairs { 0.3, 0.1, 0.03, 0.01, 0.003, 0.001 } do
   speed[i], of_value[i], of_gradient[i], promised[i] = exact_time / time, value_most, gradient_most, tolerance
 end
 save(ylm.plot { log = true, title = ("%s lamps: error against speed"):format(common.thousands(n)),
-  x_label = "times as fast as the exact sum", y_label = "error, largest of 300 points", legend = "top left",
+  x_label = "times as fast as the exact sum", legend = "top left",
+  y_label = ("error, largest of %d points"):format(#points),
   series = { { x = speed, y = promised, label = "tolerance", dash = "dashed" },
     { x = speed, y = of_gradient, label = "gradient" }, { x = speed, y = of_value, label = "value" } } },
   "many_lights_error.png")

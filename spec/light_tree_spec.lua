@@ -108,15 +108,15 @@ describe("a tree of lights", function()
     end)
 
     it("sums fewer lights the larger the tolerance, and is exact without", function()
-      local lights, points = scene("uniform"), places(40)
+      local lights, points = scene("uniform"), places(400)
       local last = 1
       for _, tolerance in ipairs { 1e-3, 1e-2, 1e-1 } do
         local _, _, _, report = ylm.light_field(3, lights, points, { tolerance = tolerance })
-        assert.is_true(report.pairs < 0.8 * last * 40 * n_lights)
-        last = report.pairs / (40 * n_lights)
+        assert.is_true(report.pairs < 0.8 * last * 400 * n_lights)
+        last = report.pairs / (400 * n_lights)
       end
       local _, _, _, report = ylm.light_field(3, lights, points)
-      assert.equal(40 * n_lights, report.pairs)
+      assert.equal(400 * n_lights, report.pairs)
     end)
 
     it("is made once and kept by the lights", function()
@@ -226,7 +226,7 @@ describe("a tree of lights", function()
   end)
 
   describe("properties", function()
-    it("gives the same bits whatever the threads, the order and the other points", function()
+    it("gives the same bits whatever the threads and the order of points", function()
       local lights = scene("negative")
       for _, dtype in ipairs { "float", "double" } do
         local points = places(77, dtype)
@@ -241,9 +241,37 @@ describe("a tree of lights", function()
           assert.equal(0, (core.array_distance(one[k], three[k])))
           for i = 1, 77 do assert.equal(0, (core.array_distance(one[k][i], back[k][78 - i]))) end
         end
-        local alone = ylm.light_field(3, lights, ylm.array(rows[5], dtype), o)
-        assert.equal(0, (core.array_distance(alone, one[1][5])))
       end
+    end)
+
+    it("keeps the tolerance for points alone, in dense packets, far apart, and all in one place", function()
+      local lights, positive = scene("wall-mounted", 12000)
+      local next, sets = random(17), { alone = { { 0.3, 0.02, 0.4 } }, dense = {}, apart = {}, same = {}, line = {} }
+      for i = 1, 200 do
+        sets.dense[i] = { 0.4 + 0.02 * next(), 0.02, 0.5 + 0.02 * next() }
+        sets.apart[i] = { i % 2 + 0.4 * next(), next(), 40 * next() - 20 }
+        sets.same[i] = { 0.7, 0.1, 0.6 }
+        sets.line[i] = { 0.5, 0.5, i / 200 }
+      end
+      for name, set in pairs(sets) do
+        for _, dtype in ipairs { "float", "double" } do
+          local points = ylm.array(set, dtype)
+          local exact, whole = field(3, lights, points, all), field(3, positive, points, all)
+          local tree = field(3, lights, points, all, 1e-2)
+          assert.is_true(tree[4].pairs < exact[4].pairs, name)
+          check_errors(errors(tree, exact, whole, #set), 1e-2, name .. ", " .. dtype)
+        end
+      end
+      local tree = field(3, lights, ylm.array(sets.same, "float"), all, 1e-2)
+      for i = 2, 200 do assert.equal(0, (core.array_distance(tree[1][1], tree[1][i]))) end
+    end)
+
+    it("sums hardly more for packets of dense points than for each by itself", function()
+      local lights, points = scene("uniform"), {}
+      for i = 1, 256 do points[i] = { 0.5 + 0.05 * (i % 16) / 16, 0.02, 0.5 + 0.05 * math.ceil(i / 16) / 16 } end
+      local dense = field(3, lights, ylm.array(points, "float"), all, 1e-2)
+      local alone = field(3, lights, ylm.array({ points[1] }, "float"), all, 1e-2)
+      assert.is_true(dense[4].pairs < 1.6 * 256 * alone[4].pairs)
     end)
 
     it("sees nothing but light in and on a light, and says so", function()

@@ -57,7 +57,8 @@ YLM_INLINE V NAME(root)(V x) {
 #undef PROXIES
 #undef LEAVES
 #undef LIST
-#undef BROAD
+#undef VECTORS
+#undef CROWD
 
 /* -- double -------------------------------------------------------------------------- */
 

@@ -107,11 +107,12 @@ static void NAME(add_all)(const ylm__plan *p, NAME(work) * k, const V *xyz, VI *
   }
 }
 
-/* Writes rows of LANES numbers to `lanes` places that are `stride` apart. */
-static void NAME(put)(const V *rows, size_t n, int lanes, REAL *out, size_t stride) {
+/* Writes rows of LANES numbers to the `lanes` points of `to`, which have `stride` numbers each. */
+static void NAME(put)(const V *rows, size_t n, const size_t *to, int lanes, REAL *out,
+                      size_t stride) {
   const REAL *from = (const REAL *)rows;
   for (int lane = 0; lane < lanes; lane++)
-    for (size_t i = 0; i < n; i++) out[(size_t)lane * stride + i] = from[i * LANES + (size_t)lane];
+    for (size_t i = 0; i < n; i++) out[to[lane] * stride + i] = from[i * LANES + (size_t)lane];
 }
 
 /* The sums and the map that kind `kind` of channel c of `channels` follows from. */
@@ -122,35 +123,37 @@ static const V *NAME(source)(const ylm__plan *p, const NAME(work) * k, int kind,
   return *map = &p->mixed, k->mixed;
 }
 
-/* Value, gradient and Hessian of points point .. point+lanes-1. */
-static void NAME(results)(const ylm__plan *p, NAME(work) * k, size_t point, int lanes,
+/* Value, gradient and Hessian of the points of `to`. */
+static void NAME(results)(const ylm__plan *p, NAME(work) * k, const size_t *to, int lanes,
                           ylm_field_result *r) {
   const ylm_field_query *q = p->q;
   size_t count = (size_t)(q->lmax + 1) * (size_t)(q->lmax + 1), C = (size_t)q->channels;
   for (int c = 0; c < q->channels; c++) {
     const ylm__map *map;
-    size_t first = point * C + (size_t)c;
+    size_t first = (size_t)c;
     if (q->want & YLM_WANT_VALUE) {
       const V *sums = NAME(source)(p, k, YLM__M0, q->channels, c, &map);
       NAME(apply)(&map->value, 0, count, sums, k->out);
-      NAME(put)(k->out, count, lanes, (REAL *)r->value + first * count, C * count);
+      NAME(put)(k->out, count, to, lanes, (REAL *)r->value + first * count, C * count);
     }
     if (q->want & YLM_WANT_GRADIENT) {
       const V *sums = NAME(source)(p, k, YLM__M1, q->channels, c, &map);
       NAME(apply)(&map->gradient, 0, 3 * count, sums, k->out);
-      NAME(put)(k->out, 3 * count, lanes, (REAL *)r->gradient + first * 3 * count, C * 3 * count);
+      NAME(put)
+      (k->out, 3 * count, to, lanes, (REAL *)r->gradient + first * 3 * count, C * 3 * count);
     }
     if (q->want & YLM_WANT_HESSIAN) {
       const V *sums = NAME(source)(p, k, YLM__M2, q->channels, c, &map);
       NAME(apply)(&map->bend, 0, map->bend.n, sums, k->bend);
       NAME(apply)(&p->hessian, 0, 6 * count, k->bend, k->out);
-      NAME(put)(k->out, 6 * count, lanes, (REAL *)r->hessian + first * 6 * count, C * 6 * count);
+      NAME(put)
+      (k->out, 6 * count, to, lanes, (REAL *)r->hessian + first * 6 * count, C * 6 * count);
     }
   }
 }
 
 /* lambda and norm. */
-static void NAME(metric)(const ylm__plan *p, NAME(work) * k, size_t point, int lanes,
+static void NAME(metric)(const ylm__plan *p, NAME(work) * k, const size_t *to, int lanes,
                          ylm_field_result *r) {
   const ylm_field_query *q = p->q;
   size_t count = (size_t)(q->lmax + 1) * (size_t)(q->lmax + 1);
@@ -171,8 +174,8 @@ static void NAME(metric)(const ylm__plan *p, NAME(work) * k, size_t point, int l
   }
   lambda = NAME(root)(lambda);
   norm = NAME(root)(norm);
-  if (r->lambda) NAME(put)(&lambda, 1, lanes, (REAL *)r->lambda + point, 1);
-  if (r->norm) NAME(put)(&norm, 1, lanes, (REAL *)r->norm + point, 1);
+  if (r->lambda) NAME(put)(&lambda, 1, to, lanes, r->lambda, 1);
+  if (r->norm) NAME(put)(&norm, 1, to, lanes, r->norm, 1);
 }
 
 /* Luminance of rgb sums, where results need it and it is not summed by itself. */
@@ -194,13 +197,15 @@ ylm_status RANGE(const ylm__plan *p, void **scratch, size_t begin, size_t end, c
     int lanes = end - point < LANES ? (int)(end - point) : LANES;
     V xyz[3];
     VI inside = {0};
+    size_t to[LANES];
+    for (size_t i = 0; i < LANES; i++) to[i] = point + i;
     for (int i = 0; i < LANES; i++)
       for (int a = 0; a < 3; a++)
         xyz[a][i] = at[3 * (point + (size_t)(i < lanes ? i : 0)) + (size_t)a];
     NAME(add_all)(p, &k, xyz, &inside);
     NAME(mix)(p, &k);
-    NAME(results)(p, &k, point, lanes, r);
-    if (p->q->want & YLM_WANT_METRIC) NAME(metric)(p, &k, point, lanes, r);
+    NAME(results)(p, &k, to, lanes, r);
+    if (p->q->want & YLM_WANT_METRIC) NAME(metric)(p, &k, to, lanes, r);
     for (int i = 0; r->inside && i < lanes; i++) r->inside[point + (size_t)i] = inside[i] != 0;
   }
   return YLM_OK;

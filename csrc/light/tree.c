@@ -33,18 +33,20 @@ static ylm_field_query pilot_query(const ylm_field_query *q) {
 }
 
 /* Sums by the tree; the plans are made, the pairs counted. */
-static ylm_status sum(const ylm__tree_plan *plan, const ylm__kernel_set *set, size_t n,
+static ylm_status sum(ylm__tree_plan *plan, const ylm__kernel_set *set, size_t n,
                       const void *points, ylm_field_result *r) {
   const ylm_field_query *q = plan->sums->q;
   size_t workers = (size_t)ylm_threads(q->threads);
   job j = {plan, set->tree, ylm_alloc_zero(3 * workers, sizeof *j.scratch), points, r};
-  if (!j.scratch) return YLM_ENOMEM;
-  size_t lanes = (size_t)set->moments->lanes;
-  ylm_status s = ylm_parallel(n, 2 * lanes, q->threads, run, &j, q->progress, "lights");
-  for (size_t i = 0; i < workers; i++)
+  size_t *order = ylm__packets(q->dtype, n, points);
+  plan->order = order;
+  ylm_status s = j.scratch && order ? YLM_OK : YLM_ENOMEM;
+  if (s == YLM_OK) s = ylm_parallel(n, 2 * YLM__PACKET, q->threads, run, &j, q->progress, "lights");
+  for (size_t i = 0; j.scratch && i < workers; i++)
     if (j.scratch[3 * i]) r->pairs += *(const uint64_t *)j.scratch[3 * i];
-  for (size_t i = 0; i < 3 * workers; i++) ylm_free(j.scratch[i]);
+  for (size_t i = 0; j.scratch && i < 3 * workers; i++) ylm_free(j.scratch[i]);
   ylm_free(j.scratch);
+  ylm_free(order);
   return s;
 }
 

@@ -2,8 +2,10 @@
 ** tree.h - the tree over sphere lights, as its builder makes it and the kernels walk it.
 **
 ** Private to csrc/light. A group holds two nodes side by side, so that a vector tests several
-*groups at once. A node stands for the lights below it: seen from far away by four proxy lights,
-** from near by its own group or, where it is a leaf, by its lights themselves.
+** groups at once. A node stands for the lights below it: seen from far away by four proxy lights,
+** from near by its own group or, where it is a leaf, by its lights themselves. Points that lie
+** together walk down as a packet: what is far from all of them is summed with lanes that are
+** points.
 **
 ** The tests work in the tree's units, in which the root's reach is 1 and all strengths add up to 1;
 ** the lights and proxies that are summed keep the units of the scene.
@@ -16,6 +18,13 @@
 #define YLM__LEAF 8    /* most lights of a leaf */
 #define YLM__GROUP 2   /* nodes of a group */
 #define YLM__PROXIES 4 /* lights that stand for a node; leaves with as many have none */
+#define YLM__PACKET 16 /* points that walk together */
+/* Nodes that are too near, and smaller than this part of a packet's radius, are left to its points
+   if in all they have more lights than WORTH, so many as a packet sums about as fast. */
+#define YLM__LITTLE 0.5f
+#define YLM__WORTH 10000
+/* The points of a packet that fills less than one lane of so many walk alone. */
+#define YLM__LONELY 4
 
 /* Where a field of a block of lights stands: blocks are [field][lights]. */
 enum { YLM__X, YLM__Y, YLM__Z, YLM__R, YLM__E, YLM__LUM = YLM__E + 3, YLM__FIELDS };
@@ -34,8 +43,9 @@ typedef struct ylm__group {
   float strength[YLM__STRENGTHS][YLM__GROUP]; /* sum of |e| r^2 */
   float second[YLM__STRENGTHS][YLM__GROUP];   /* moments that the proxies miss */
   float third[YLM__STRENGTHS][YLM__GROUP];
-  float fourth[YLM__GROUP];   /* times strength */
-  uint32_t child[YLM__GROUP]; /* a group, or YLM__IS_LEAF | lights << YLM__COUNT_AT | leaf */
+  float fourth[YLM__GROUP];    /* times strength */
+  uint32_t lights[YLM__GROUP]; /* how many */
+  uint32_t child[YLM__GROUP];  /* a group, or YLM__IS_LEAF | lights << YLM__COUNT_AT | leaf */
 } ylm__group;
 
 #define YLM__IS_LEAF 0x80000000u
@@ -63,11 +73,13 @@ typedef struct ylm_light_tree {
 /* Hessians of lights that together are below this part of the tolerance, by the sum of their norms,
    are left out: errors of one sign, but bounded with much to spare. */
 #define YLM__SKIP 2
+/* Where light comes from one side, nodes' errors have one sign and add up: so much less counts. */
+#define YLM__ONE_SIGN 0.6
 /* Norms that cancel to less than this part of the sum of the lights' norms count as so much. */
 #define YLM__CANCELLED 64
 
 /* Fewer lights than this are never worth a tree, and 2^27 do not fit. */
-#define YLM__FEW 800
+#define YLM__FEW 512
 
 /* -- tree_build.c: cutting the lights into groups -----------------------------------------------
  */
@@ -98,7 +110,7 @@ void ylm__tree_norms(int lmax, double G[YLM__NORMS]);
 **   u^(6+k) (second c[k][0] + third c[k][1] u + strength fourth c[k][2] u^2)^2 <= B_k strength
 ** with B_k = (share_k tolerance scale_k/G_k)^2 / (sum over lights of strength u^(2+k)): the sum of
 ** the squares of all errors is then at most (share tolerance scale_k)^2, however many nodes there
-*are.
+** are. A packet's nodes are far from each of its points.
 */
 typedef struct ylm__tree_plan {
   const ylm_light_tree *tree;
@@ -111,12 +123,16 @@ typedef struct ylm__tree_plan {
   double norm[3];             /* G_k */
   double share[3];            /* how much of the bounds counts, inverse */
   float widest, pilot_widest; /* largest reach/D of a node that is not opened */
-  int far_lum, far_rgb;       /* kinds that are summed of lights whose Hessians are negligible */
-  uint32_t *far_at;           /* [sums of far_lum, then of far_rgb]: where they stand among sums' */
+  ylm__plan dim;              /* the sums of lights whose Hessians are negligible; has no maps */
+  uint32_t *dim_at;           /* [luminance sums of dim, then of a colour]: where among sums' */
+  const size_t *order;        /* [n] points of packets, one packet after the other */
 } ylm__tree_plan;
 
 ylm_status ylm__tree_plan_create(ylm__tree_plan *p, const ylm_light_tree *t, double tolerance,
                                  const ylm__plan *sums, const ylm__plan *pilot);
+/* The order of points in packets, all of which but the last have YLM__PACKET points that lie
+   together; to be freed, NULL where memory runs out. */
+size_t *ylm__packets(ylm_dtype type, size_t n, const void *points);
 /* True if so many lights are summed faster by a tree. */
 bool ylm__tree_pays(const ylm_light_tree *t, int lmax, double tolerance);
 void ylm__tree_plan_free(ylm__tree_plan *p);

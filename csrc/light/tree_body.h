@@ -1,29 +1,20 @@
 /*
 ** tree_body.h - the sum over a tree of lights for one element type, included by sum.isa.c after
-** sum_body.h. Here lanes are lights: each point has its own list of lights and proxies, so that its
-** result depends on nothing else. The moment kernels, which take one light for many points, see
-** many lights from one: u = (y - x)/r, all of radius 1; weights of kind k are off by r^k.
+** sum_body.h. A packet of points walks down the tree together, and sums what is far from all of
+** them with lanes that are points (tree_crowd.h); from nodes that are smaller than the packet and
+** too near, each point walks on alone, with lanes that are lights (tree_alone.h). A first walk, the
+** pilot's, finds the scales that errors are beside.
 */
 
-/* Groups on the stack that are taken several at a time. */
-#define BROAD 1024
-
-/* Lights to sum over: a whole number of tiles, and room for one more leaf. */
-#define LIST (YLM__TILE * LANES > 64 ? YLM__TILE * LANES : 64)
-
-typedef struct NAME(light_list) {
-  size_t n;
-  REAL field[YLM__FIELDS][LIST + YLM_VECTOR_BYTES] __attribute__((aligned(64)));
-} NAME(light_list);
+#include "tree_alone.h"
+#include "tree_crowd.h"
 
 /* Scratch of one worker beside what sums and scales need. */
 typedef struct NAME(tree_work) {
   uint64_t pairs; /* first: the caller reads it */
-  NAME(light_list) near, far;
-  V inverse[YLM__TILE], emission[4][YLM__TILE]; /* 1/r, and r, g, b, luminance of a tile */
-  V c[YLM__STRENGTHS][3];                       /* sums of strength u^(2+k) */
-  V *sums, *far_sums, *scaled;                  /* as lum and rgb of NAME(work), lanes are lights */
-  uint32_t *stack;
+  tree_walk walk;
+  NAME(alone) alone;
+  NAME(crowd) crowd;
   NAME(work) main, pilot;
 } NAME(tree_work);
 
@@ -31,194 +22,29 @@ static ylm_status NAME(tree_work_create)(const ylm__tree_plan *p, void **scratch
                                          NAME(tree_work) * *out) {
   NAME(tree_work) *k = scratch[0];
   const ylm__plan *sums = p->sums, *pilot = p->pilot;
-  int lmax = sums->q->lmax;
   if (!k) {
     size_t n = (size_t)(sums->n_lum + 3 * sums->n_rgb), m = (size_t)pilot->n_lum;
-    size_t W = (size_t)ylm__weight_slots(lmax) * YLM__TILE;
+    size_t dim = (size_t)(p->dim.n_lum + 3 * p->dim.n_rgb), most = n > m ? n : m;
+    size_t W = (size_t)ylm__weight_slots(sums->q->lmax) * YLM__TILE;
     size_t stack = BROAD + (size_t)(p->tree->depth + 2) * YLM__GROUP;
-    k = ylm_alloc_zero(1, sizeof *k + (2 * n + m + W) * sizeof(V) + stack * sizeof(uint32_t));
+    size_t vectors = most + dim + W + VECTORS * (n + dim + m);
+    k = ylm_alloc_zero(1, sizeof *k + vectors * sizeof(V) + stack * sizeof(uint32_t));
     if (!k) return YLM_ENOMEM;
     scratch[0] = k;
-    k->sums = (V *)(k + 1);
-    k->far_sums = k->sums + (n > m ? n : m);
-    k->scaled = k->far_sums + n;
-    k->stack = (uint32_t *)(k->scaled + W);
+    V *at = (V *)(k + 1);
+    k->alone.sums = at, at += most;
+    k->alone.dim_sums = at, at += dim;
+    k->alone.scaled = at, at += W;
+    k->crowd.sums = at, at += VECTORS * n;
+    k->crowd.dim_sums = at, at += VECTORS * dim;
+    k->crowd.pilot_sums = at, at += VECTORS * m;
+    k->walk.stack = (uint32_t *)at;
+    k->walk.plan = p;
   }
   if (NAME(work_create)(&k->main, sums, &scratch[1]) != YLM_OK) return YLM_ENOMEM;
   if (NAME(work_create)(&k->pilot, pilot, &scratch[2]) != YLM_OK) return YLM_ENOMEM;
   *out = k;
   return YLM_OK;
-}
-
-/* -- sums over a list --------------------------------------------------------------------- */
-
-YLM_INLINE V NAME(keep_lanes)(VI mask, V a) { return (V)((VI)a & mask); }
-
-/* Geometry and weights of up to LANES lights, the j-th vector of a tile; the pilot's sums too. */
-static void NAME(prepare_lights)(const ylm__tree_plan *p, NAME(tree_work) * k,
-                                 const NAME(light_list) * l, size_t i, int j, int kinds,
-                                 const REAL *x, bool pilot, VI *inside) {
-  static const LAMP unit = {{0, 0, 0}, 1, 1, {1, 1, 1}};
-  const NAME(work) *w = pilot ? &k->pilot : &k->main;
-  int lmax = p->sums->q->lmax;
-  const V *f[YLM__FIELDS];
-  for (int c = 0; c < YLM__FIELDS; c++) f[c] = (const V *)(l->field[c] + i);
-  V v[3], r = *f[YLM__R], d2 = {0};
-  for (int a = 0; a < 3; a++) v[a] = *f[YLM__X + a] - x[a], d2 += v[a] * v[a];
-  V d = NAME(root)(d2);
-  /* A far light may be larger and dimmer: quotients stay representable, results the same. */
-  V size = NAME(larger)(NAME(larger)(r, (REAL)SMALL * d), (V){0} + TINY), inverse = 1 / size;
-  V part = r * inverse;
-  part *= part;
-  for (int a = 0; a < 3; a++) v[a] *= -inverse;
-  VI in = {0};
-  p->sums->kernel->prepare(lmax, kinds, 1, &unit, false, v,
-                           w->geometry + j * ylm__geometry_slots(lmax),
-                           w->weights + j * ylm__weight_slots(lmax), &in);
-  *inside |= in & (r > 0);
-  k->inverse[j] = inverse;
-  for (int c = 0; c < 4; c++) k->emission[c][j] = *f[YLM__E + c] * part;
-  if (!pilot) return;
-  V u = NAME(keep_lanes)(d > r, 1 / NAME(larger)(d, (V){0} + TINY)), e2 = {0};
-  for (int c = 0; c < 3; c++) e2 += k->emission[c][j] * k->emission[c][j];
-  V strength[YLM__STRENGTHS] = {NAME(root)(e2), NAME(size)(k->emission[3][j])};
-  k->emission[3][j] = strength[p->at[0]];
-  for (int s = 0; s < YLM__STRENGTHS; s++) {
-    V e = strength[s] * size * size * u * u;
-    for (int n = 0; n < 3; n++) k->c[s][n] += e, e *= u;
-  }
-}
-
-/* The weights of `kinds` times the emission in channel c. */
-static void NAME(scale_lights)(const NAME(tree_work) * k, int lmax, int kinds, int n, int c,
-                               const V *w, V *out) {
-  int W = ylm__weight_slots(lmax);
-  int edges[4] = {0, ylm__weight_at(lmax, 1, 0), ylm__weight_at(lmax, 2, 0), W};
-  for (int j = 0; j < n; j++) {
-    V e = k->emission[c][j];
-    for (int kind = 0; kind < 3; kind++) {
-      for (int i = edges[kind]; kinds & (1 << kind) && i < edges[kind + 1]; i++)
-        out[j * W + i] = e * w[j * W + i];
-      e *= k->inverse[j];
-    }
-  }
-}
-
-/* Adds a list to sums of kinds_lum, then thrice of kinds_rgb, and empties it. */
-static void NAME(sum_list)(const ylm__tree_plan *p, NAME(tree_work) * k, NAME(light_list) * l,
-                           const REAL *x, bool pilot, int kinds_lum, int kinds_rgb, V *sums,
-                           VI *inside) {
-  const ylm__moment_kernel *kernel = p->sums->kernel;
-  const NAME(work) *w = pilot ? &k->pilot : &k->main;
-  int lmax = p->sums->q->lmax, all = kinds_lum | kinds_rgb;
-  int n_lum = ylm__sum_count(lmax, kinds_lum), n_rgb = ylm__sum_count(lmax, kinds_rgb);
-  if (all == (YLM__M1 | YLM__M2)) all = 7;
-  for (size_t i = l->n; i % LANES; i++)
-    for (int f = 0; f < YLM__FIELDS; f++) l->field[f][i] = f <= YLM__Z ? x[f] : 0;
-  for (size_t i = 0; all && i < l->n; i += YLM__TILE * LANES) {
-    size_t left = (l->n - i + LANES - 1) / LANES;
-    int n = left < YLM__TILE ? (int)left : YLM__TILE;
-    for (int j = 0; j < n; j++)
-      NAME(prepare_lights)(p, k, l, i + (size_t)(j * LANES), j, all, x, pilot, inside);
-    for (int c = 0; kinds_rgb && c < 3; c++) {
-      NAME(scale_lights)(k, lmax, kinds_rgb, n, c, w->weights, k->scaled);
-      kernel->sum(lmax, kinds_rgb, n, w->geometry, k->scaled, w->state, sums + n_lum + c * n_rgb);
-    }
-    if (kinds_lum) {
-      NAME(scale_lights)(k, lmax, kinds_lum, n, 3, w->weights, k->scaled);
-      kernel->sum(lmax, kinds_lum, n, w->geometry, k->scaled, w->state, sums);
-    }
-  }
-  k->pairs += l->n;
-  l->n = 0;
-}
-
-/* Sums over the lights of a vector, to lane `lane` of each. */
-static void NAME(add_lanes)(const V *sums, size_t n, int lane, V *to, const uint32_t *at) {
-  for (size_t i = 0; i < n; i++) {
-    REAL part[LANES];
-    memcpy(part, &sums[i], sizeof part);
-    for (int half = LANES / 2; half > 0; half /= 2)
-      for (int j = 0; j < half; j++) part[j] += part[j + half];
-    ((REAL *)&to[at ? at[i] : i])[lane] += part[0];
-  }
-}
-
-/* -- walking down ----------------------------------------------------------------------------- */
-
-/* The list of near lights, or of far ones whose Hessians are not wanted, is full: sum it. */
-static void NAME(flush)(const ylm__tree_plan *p, NAME(tree_work) * k, const REAL *x, bool pilot,
-                        NAME(light_list) * l, VI *inside) {
-  if (pilot)
-    NAME(sum_list)(p, k, l, x, true, p->pilot->kinds_lum, 0, k->sums, inside);
-  else if (l == &k->near)
-    NAME(sum_list)(p, k, l, x, false, p->sums->kinds_lum, p->sums->kinds_rgb, k->sums, inside);
-  else
-    NAME(sum_list)(p, k, l, x, false, p->far_lum, p->far_rgb, k->far_sums, inside);
-}
-
-/* Appends the first n lights of a block [FIELDS][width]. */
-YLM_INLINE void NAME(append)(NAME(light_list) * l, const REAL *block, const size_t width,
-                             size_t n) {
-  for (int f = 0; f < YLM__FIELDS; f++)
-    memcpy(l->field[f] + l->n, block + (size_t)f * width, width * sizeof *block);
-  l->n += n;
-}
-
-/* Appends one light for a node, of its strengths. */
-static void NAME(append_whole)(const ylm_light_tree *t, NAME(light_list) * l, const ylm__group *g,
-                               int k, REAL radius) {
-  size_t n = l->n++;
-  double per_area = radius > 0 ? t->total / ((double)radius * (double)radius) : 0;
-  for (int a = 0; a < 3; a++) {
-    l->field[YLM__X + a][n] = (REAL)(t->centre[a] + t->size * (double)g->at[a][k]);
-    l->field[YLM__E + a][n] =
-        (REAL)(0.57735026918962576 * (double)g->strength[YLM__STRENGTH_RGB][k] * per_area);
-  }
-  l->field[YLM__R][n] = radius;
-  l->field[YLM__LUM][n] = (REAL)((double)g->strength[YLM__STRENGTH_LUM][k] * per_area);
-}
-
-/* Sums over all lights as they are seen from a point. */
-static void NAME(walk)(const ylm__tree_plan *p, NAME(tree_work) * k, const seen_from *from,
-                       const REAL *x, VI *inside) {
-  const ylm_light_tree *t = p->tree;
-  size_t top = 0;
-  k->near.n = k->far.n = 0;
-  k->stack[top++] = 1;
-  while (top) {
-    const ylm__group *g[SIDE];
-    uint32_t at[SIDE];
-    int32_t closed[YLM_VF], dim[YLM_VF];
-    int most = top > BROAD - YLM__GROUP * SIDE ? 1 : SIDE; /* one by one the stack stays short */
-    for (int i = 0; i < SIDE; i++) {
-      at[i] = i < most && top ? k->stack[--top] : 0;
-      g[i] = &t->group[at[i]];
-    }
-    test_groups(p, g, from, closed, dim);
-    for (int i = 0; i < YLM_VF; i++) {
-      int place = i % YLM__GROUP;
-      const ylm__group *h = g[i / YLM__GROUP];
-      uint32_t child = h->child[place];
-      size_t node = (size_t)at[i / YLM__GROUP] * YLM__GROUP + (size_t)place;
-      uint32_t few = child & YLM__IS_LEAF ? child >> YLM__COUNT_AT & 15 : UINT32_MAX;
-      if (few == 0) continue;
-      if (!(child & YLM__IS_LEAF) && !closed[i]) {
-        k->stack[top++] = child;
-        continue;
-      }
-      NAME(light_list) *l = dim[i] && !from->pilot ? &k->far : &k->near;
-      if (closed[i] && from->pilot && few > 1)
-        NAME(append_whole)(t, l, h, place, t->PROXIES[node][YLM__R][0]);
-      else if (closed[i] && few > YLM__PROXIES)
-        NAME(append)(l, t->PROXIES[node][0], YLM__PROXIES, YLM__PROXIES);
-      else
-        NAME(append)(l, t->LEAVES[child & YLM__LEAF_MASK][0], YLM__LEAF, few);
-      if (l->n >= LIST) NAME(flush)(p, k, x, from->pilot, l, inside);
-    }
-  }
-  NAME(flush)(p, k, x, from->pilot, &k->near, inside);
-  if (!from->pilot) NAME(flush)(p, k, x, false, &k->far, inside);
 }
 
 /* -- scales --------------------------------------------------------------------------------- */
@@ -257,7 +83,7 @@ static void NAME(allow)(const ylm__tree_plan *p, const double norm[3], double c[
   double unit = p->tree->size * p->tree->size / p->tree->total, sum[3], part[3];
   for (int k = 0; k < 3; k++, unit *= p->tree->size) {
     part[k] = p->tolerance * fmax(norm[k], 1.0 / YLM__CANCELLED);
-    double share = p->share[k] * part[k];
+    double share = p->share[k] * part[k] * (1 - YLM__ONE_SIGN * fmin(norm[k] * norm[k], 1));
     from->allowed[k] = (float)(share * share * unit * c[p->at[k]][k]);
     sum[k] = unit * c[p->at[2]][k];
   }
@@ -266,31 +92,155 @@ static void NAME(allow)(const ylm__tree_plan *p, const double norm[3], double c[
   if (p->want[2] && small > 0) from->skip = (float)fmin(sqrt(sum[0] / small), sum[1] / small);
 }
 
+/* -- packets of points ------------------------------------------------------------------------ */
+
+typedef struct NAME(packet) {
+  size_t n, to[YLM__PACKET]; /* points, and which they are */
+  REAL x[YLM__PACKET][3];
+  seen_from from[YLM__PACKET], whole; /* each point, and all of them */
+  bool together;
+} NAME(packet);
+
+static void NAME(gather)(const ylm__tree_plan *p, const size_t *order, size_t n, const REAL *points,
+                         NAME(packet) * q, NAME(crowd) * c) {
+  const ylm_light_tree *t = p->tree;
+  float lo[3] = {INFINITY, INFINITY, INFINITY}, hi[3] = {-INFINITY, -INFINITY, -INFINITY}, d2 = 0;
+  q->n = n;
+  for (size_t i = 0; i < n; i++) {
+    q->to[i] = order[i];
+    for (int a = 0; a < 3; a++) {
+      q->x[i][a] = points[3 * order[i] + (size_t)a];
+      float x = (float)(((double)q->x[i][a] - t->centre[a]) / t->size);
+      q->from[i].x[a] = x, q->from[i].half[a] = q->from[i].radius = 0;
+      lo[a] = fminf(lo[a], x), hi[a] = fmaxf(hi[a], x);
+    }
+  }
+  for (int a = 0; a < 3; a++) {
+    q->whole.x[a] = lo[a] / 2 + hi[a] / 2;
+    q->whole.half[a] = fmaxf(hi[a] - q->whole.x[a], q->whole.x[a] - lo[a]);
+    d2 += q->whole.half[a] * q->whole.half[a];
+  }
+  q->whole.radius = sqrtf(d2);
+  q->together = n * YLM__LONELY >= LANES;
+  c->vectors = (int)((n + LANES - 1) / LANES);
+  for (int i = 0; i < c->vectors * LANES; i++)
+    for (int a = 0; a < 3; a++) c->xyz[i / LANES][a][i % LANES] = q->x[(size_t)i < n ? i : 0][a];
+}
+
+/* The packet's walk: leaves its points groups to walk on from. */
+static void NAME(begin_together)(NAME(tree_work) * k, const NAME(packet) * q, NAME(work) * w) {
+  static const uint32_t root = 1;
+  tree_walk *walk = &k->walk;
+  seen_from whole = q->whole;
+  walk->left[0] = root;
+  walk->n_left = 1;
+  if (!q->together) return;
+  walk->n_left = walk->lights_left = 0;
+  walk_from(walk, &root, 1);
+  k->pairs += q->n * NAME(walk_together)(walk, &k->crowd, w, &whole);
+  if (walk->lights_left > YLM__WORTH) return;
+  walk_from(walk, walk->left, walk->n_left);
+  walk->n_left = 0;
+  whole.radius = 0; /* nothing is left any more */
+  k->pairs += q->n * NAME(walk_together)(walk, &k->crowd, w, &whole);
+}
+
+/* The i-th point walks on alone. */
+static void NAME(go_on_alone)(NAME(tree_work) * k, NAME(packet) * q, size_t i, NAME(work) * w,
+                              VI *inside) {
+  walk_from(&k->walk, k->walk.left, k->walk.n_left);
+  k->pairs += NAME(walk_alone)(&k->walk, &k->alone, w, &q->from[i], q->x[i], inside);
+}
+
 static REAL NAME(total)(V x) {
   REAL s = 0;
   for (int i = 0; i < LANES; i++) s += x[i];
   return s;
 }
 
-/* -- a vector of points -------------------------------------------------------------------------
- */
+/* What errors each point of a packet allows, and all of them. */
+static void NAME(find_scales)(const ylm__tree_plan *p, NAME(tree_work) * k, NAME(packet) * q) {
+  NAME(crowd) *c = &k->crowd;
+  size_t m = (size_t)p->pilot->n_lum;
+  memset(c->pilot_sums, 0, VECTORS * m * sizeof(V));
+  memset(c->c, 0, sizeof c->c);
+  q->whole.pilot = true, q->whole.skip = INFINITY;
+  NAME(begin_together)(k, q, &k->pilot);
+  for (size_t i = 0; k->walk.n_left && i < q->n; i++) {
+    VI unused = {0};
+    V *sums = c->pilot_sums + i / LANES * m;
+    memset(k->alone.sums, 0, m * sizeof(V));
+    memset(k->alone.c, 0, sizeof k->alone.c);
+    q->from[i].pilot = true, q->from[i].skip = INFINITY;
+    NAME(go_on_alone)(k, q, i, &k->pilot, &unused);
+    NAME(add_lanes)(k->alone.sums, m, (int)(i % LANES), sums);
+    for (int s = 0; s < YLM__STRENGTHS; s++)
+      for (int j = 0; j < 3; j++) c->c[i / LANES][s][j][i % LANES] += NAME(total)(k->alone.c[s][j]);
+  }
+  for (int v = 0; v < c->vectors; v++) {
+    V down[3] = {{0}}, norm[3];
+    for (int j = 0; j < 3; j++) {
+      V sum = (REAL)p->norm[j] * c->c[v][p->at[0]][j];
+      down[j] = NAME(keep_lanes)(sum > 0, 1 / NAME(larger)(sum, (V){0} + TINY));
+    }
+    memcpy(k->pilot.lum, c->pilot_sums + (size_t)v * m, m * sizeof(V));
+    NAME(norms)(p, k, down, norm);
+    for (size_t i = (size_t)v * LANES, lane = 0; i < q->n && lane < LANES; i++, lane++) {
+      double at[3], power[YLM__STRENGTHS][3];
+      for (int j = 0; j < 3; j++) at[j] = (double)norm[j][lane];
+      for (int s = 0; s < YLM__STRENGTHS; s++)
+        for (int j = 0; j < 3; j++) power[s][j] = (double)c->c[v][s][j][lane];
+      NAME(allow)(p, at, power, &q->from[i]);
+      q->from[i].pilot = false;
+    }
+  }
+  q->whole.pilot = false, q->whole.skip = 0;
+  for (int j = 0; j < 3; j++) q->whole.allowed[j] = INFINITY;
+  for (size_t i = 0; i < q->n; i++) {
+    q->whole.skip = fmaxf(q->whole.skip, q->from[i].skip);
+    for (int j = 0; j < 3; j++)
+      q->whole.allowed[j] = fminf(q->whole.allowed[j], q->from[i].allowed[j]);
+  }
+  c->by.vectors = (int)((q->n + YLM_VF - 1) / YLM_VF);
+  for (size_t i = 0; i < (size_t)c->by.vectors * YLM_VF; i++) {
+    const seen_from *from = &q->from[i < q->n ? i : 0];
+    size_t v = i / YLM_VF, lane = i % YLM_VF;
+    for (int a = 0; a < 3; a++) c->by.x[v][a][lane] = from->x[a];
+    for (int j = 0; j < 3; j++) c->by.allowed[v][j][lane] = from->allowed[j];
+    c->by.skip[v][lane] = from->skip;
+  }
+}
 
-/* Sums over lights at one point, to lane `lane` of the sums of main. */
-static void NAME(add_point)(const ylm__tree_plan *p, NAME(tree_work) * k, seen_from *from,
-                            const REAL *x, int lane, VI *inside) {
-  const ylm__plan *s = p->sums;
-  size_t n = (size_t)(s->n_lum + 3 * s->n_rgb), lmax = (size_t)s->q->lmax;
-  size_t lum = (size_t)ylm__sum_count((int)lmax, p->far_lum);
-  size_t rgb = (size_t)ylm__sum_count((int)lmax, p->far_rgb);
-  memset(k->sums, 0, n * sizeof(V));
-  memset(k->far_sums, 0, n * sizeof(V));
-  VI in = {0};
-  NAME(walk)(p, k, from, x, &in);
-  NAME(add_lanes)(k->sums, n, lane, k->main.lum, NULL);
-  NAME(add_lanes)(k->far_sums, lum, lane, k->main.lum, p->far_at);
-  for (size_t c = 0; c < 3; c++) NAME(add_lanes)
-  (k->far_sums + lum + c * rgb, rgb, lane, k->main.rgb + c * (size_t)s->n_rgb, p->far_at + lum);
-  for (int i = 0; i < LANES; i++) (*inside)[lane] |= in[i];
+/* Adds sums without Hessians, [dim], to those with. */
+static void NAME(add_dim)(const ylm__tree_plan *p, const V *from, V *to) {
+  size_t lum = (size_t)p->dim.n_lum, rgb = (size_t)p->dim.n_rgb;
+  for (size_t i = 0; i < lum; i++) to[p->dim_at[i]] += from[i];
+  for (size_t c = 0; c < 3; c++)
+    for (size_t i = 0; i < rgb; i++)
+      to[(size_t)p->sums->n_lum + c * (size_t)p->sums->n_rgb + p->dim_at[lum + i]] +=
+          from[lum + c * rgb + i];
+}
+
+/* Sums over lights at the points of a packet. */
+static void NAME(sum_packet)(const ylm__tree_plan *p, NAME(tree_work) * k, NAME(packet) * q) {
+  NAME(crowd) *c = &k->crowd;
+  size_t n = (size_t)(p->sums->n_lum + 3 * p->sums->n_rgb);
+  size_t dim = (size_t)(p->dim.n_lum + 3 * p->dim.n_rgb);
+  memset(c->sums, 0, VECTORS * n * sizeof(V));
+  memset(c->dim_sums, 0, VECTORS * dim * sizeof(V));
+  memset(c->inside, 0, sizeof c->inside);
+  NAME(begin_together)(k, q, &k->main);
+  for (int v = 0; v < c->vectors; v++)
+    NAME(add_dim)(p, c->dim_sums + (size_t)v * dim, c->sums + (size_t)v * n);
+  for (size_t i = 0; k->walk.n_left && i < q->n; i++) {
+    VI inside = {0};
+    memset(k->alone.sums, 0, n * sizeof(V));
+    memset(k->alone.dim_sums, 0, dim * sizeof(V));
+    NAME(go_on_alone)(k, q, i, &k->main, &inside);
+    NAME(add_dim)(p, k->alone.dim_sums, k->alone.sums);
+    NAME(add_lanes)(k->alone.sums, n, (int)(i % LANES), c->sums + i / LANES * n);
+    for (int j = 0; j < LANES; j++) c->inside[i / LANES][i % LANES] |= inside[j];
+  }
 }
 
 ylm__tree_range TREE_RANGE;
@@ -298,44 +248,25 @@ ylm__tree_range TREE_RANGE;
 ylm_status TREE_RANGE(const ylm__tree_plan *p, void **scratch, size_t begin, size_t end,
                       const void *points, ylm_field_result *r) {
   NAME(tree_work) * k;
-  const REAL *all = points;
-  const ylm_light_tree *t = p->tree;
+  NAME(packet) q;
   if (NAME(tree_work_create)(p, scratch, &k) != YLM_OK) return YLM_ENOMEM;
-  size_t n = (size_t)(p->sums->n_lum + 3 * p->sums->n_rgb), m = (size_t)p->pilot->n_lum;
-  for (size_t point = begin; point < end; point += LANES) {
-    int lanes = end - point < LANES ? (int)(end - point) : LANES;
-    seen_from from[LANES];
-    double c[LANES][YLM__STRENGTHS][3];
-    V down[3] = {{0}}, norm[3];
-    VI inside = {0}, unused = {0};
-    memset(k->pilot.lum, 0, m * sizeof(V));
-    memset(k->main.lum, 0, n * sizeof(V));
-    for (int i = 0; i < lanes; i++) {
-      const REAL *x = all + 3 * (point + (size_t)i);
-      from[i] = (seen_from){.pilot = true, .skip = INFINITY};
-      for (int a = 0; a < 3; a++) from[i].x[a] = (float)(((double)x[a] - t->centre[a]) / t->size);
-      memset(k->sums, 0, m * sizeof(V));
-      memset(k->c, 0, sizeof k->c);
-      NAME(walk)(p, k, &from[i], x, &unused);
-      NAME(add_lanes)(k->sums, m, i, k->pilot.lum, NULL);
-      for (int s = 0; s < YLM__STRENGTHS; s++)
-        for (int j = 0; j < 3; j++) c[i][s][j] = (double)NAME(total)(k->c[s][j]);
-      for (int j = 0; j < 3; j++) {
-        double sum = p->norm[j] * c[i][p->at[0]][j];
-        down[j][i] = sum > 0 ? (REAL)fmin(1 / sum, 1 / (double)TINY) : 0;
-      }
+  size_t n = (size_t)(p->sums->n_lum + 3 * p->sums->n_rgb);
+  for (size_t first = begin; first < end; first += YLM__PACKET) {
+    size_t count = end - first < YLM__PACKET ? end - first : YLM__PACKET;
+    NAME(gather)(p, p->order + first, count, points, &q, &k->crowd);
+    NAME(find_scales)(p, k, &q);
+    NAME(sum_packet)(p, k, &q);
+    for (int v = 0; v < k->crowd.vectors; v++) {
+      size_t done = (size_t)v * LANES;
+      int lanes = count - done < LANES ? (int)(count - done) : LANES;
+      memcpy(k->main.lum, k->crowd.sums + (size_t)v * n, n * sizeof(V));
+      NAME(mix)(p->sums, &k->main);
+      NAME(results)(p->sums, &k->main, q.to + done, lanes, r);
+      if (p->sums->q->want & YLM_WANT_METRIC)
+        NAME(metric)(p->sums, &k->main, q.to + done, lanes, r);
+      for (int i = 0; r->inside && i < lanes; i++)
+        r->inside[q.to[done + (size_t)i]] = k->crowd.inside[v][i] != 0;
     }
-    NAME(norms)(p, k, down, norm);
-    for (int i = 0; i < lanes; i++) {
-      double at[3] = {(double)norm[0][i], (double)norm[1][i], (double)norm[2][i]};
-      NAME(allow)(p, at, c[i], &from[i]);
-      from[i].pilot = false;
-      NAME(add_point)(p, k, &from[i], all + 3 * (point + (size_t)i), i, &inside);
-    }
-    NAME(mix)(p->sums, &k->main);
-    NAME(results)(p->sums, &k->main, point, lanes, r);
-    if (p->sums->q->want & YLM_WANT_METRIC) NAME(metric)(p->sums, &k->main, point, lanes, r);
-    for (int i = 0; r->inside && i < lanes; i++) r->inside[point + (size_t)i] = inside[i] != 0;
   }
   return YLM_OK;
 }

@@ -23,12 +23,18 @@ enum { M0 = 0, M1 = 1, M2 = 4, M3 = 10, MR0 = 20, MR1 = 21, MOMENTS = 24 };
 /* How often an element of the list stands in the full tensor. */
 static const double times2[6] = {1, 2, 2, 1, 2, 1};
 static const double times3[10] = {1, 3, 3, 3, 6, 3, 1, 3, 3, 1};
+static const double times4[15] = {1, 4, 4, 6, 12, 6, 4, 12, 12, 4, 1, 4, 6, 4, 1};
 
 static const double corner[YLM__PROXIES][3] = {{1, 1, 1}, {1, -1, -1}, {-1, 1, -1}, {-1, -1, 1}};
 
+/* What is missed of the fourth moments counts so much, since most nodes miss it alike; and the
+   fourth moments themselves so much, for all that is higher. */
+#define MISSED 1.5
+#define HIGHER 0.25
+
 typedef struct cluster {
   double at[3], weight, reach, radius2; /* centroid, sum of |lum| r^2, r_p^2 */
-  double cov[6], fourth;                /* mean of x x, of (x^2 + r^2)^2 */
+  double cov[6], m4[15], fourth;        /* mean of x x, of x x x x, of (x^2 + r^2)^2 */
   double strength[YLM__STRENGTHS];
   double sum[3][MOMENTS];
 } cluster;
@@ -51,6 +57,15 @@ static void add_moments(double *m, double e, const double *x, double r2) {
       for (int c = b; c < 3; c++) m[k3++] += e * x[a] * x[b] * x[c];
     }
   }
+}
+
+/* Adds w x x x x: xxxx xxxy xxxz xxyy xxyz xxzz xyyy xyyz xyzz xzzz yyyy yyyz yyzz yzzz zzzz. */
+static void add_fourth(double *m, double w, const double *x) {
+  int k = 0;
+  for (int a = 0; a < 3; a++)
+    for (int b = a; b < 3; b++)
+      for (int c = b; c < 3; c++)
+        for (int d = c; d < 3; d++) m[k++] += w * x[a] * x[b] * x[c] * x[d];
 }
 
 /* The weighted centroid of n lights; the mean of their centres where nothing emits. */
@@ -86,6 +101,7 @@ static void find_moments(cluster *q, const ylm__lamp_d *lamps, const uint32_t *o
     double w = magnitude(l) * r2 / q->weight;
     for (int a = 0, k = 0; a < 3; a++)
       for (int b = a; b < 3; b++) q->cov[k++] += w * x[a] * x[b];
+    add_fourth(q->m4, w, x);
     q->fourth += w * (d2 + r2) * (d2 + r2);
   }
 }
@@ -160,6 +176,14 @@ static void find_missing(const cluster *q, double x[][3], double power[][3],
   }
 }
 
+/* What proxies miss of the fourth moments of geometry, with the 1/24 of Taylor's formula. */
+static double fourth_missing(const cluster *q, double x[][3]) {
+  double rest[15];
+  memcpy(rest, q->m4, sizeof rest);
+  for (int j = 0; j < YLM__PROXIES; j++) add_fourth(rest, -1.0 / YLM__PROXIES, x[j]);
+  return (MISSED * sqrt(tensor_square(rest, times4, 15)) + HIGHER * q->fourth) / 24;
+}
+
 static void write_proxies(ylm_light_tree *t, size_t i, const cluster *q, double x[][3],
                           double power[][3]) {
   for (int j = 0; j < YLM__PROXIES; j++) {
@@ -200,10 +224,11 @@ void ylm__tree_node(ylm_light_tree *t, uint32_t g, int k, const uint32_t *order,
   double s = t->size, s2 = s * s;
   for (int a = 0; a < 3; a++) to->at[a][k] = (float)((q.at[a] - t->centre[a]) / s);
   to->reach[k] = up(q.reach / s);
+  to->lights[k] = (uint32_t)n;
   for (int i = 0; i < YLM__STRENGTHS; i++) {
     to->strength[i][k] = (float)(q.strength[i] / t->total);
     to->second[i][k] = up(missing[best][i][0] / s2 / t->total);
     to->third[i][k] = up(missing[best][i][1] / s2 / s / t->total);
   }
-  to->fourth[k] = up(q.fourth / 24 / s2 / s2);
+  to->fourth[k] = up(fourth_missing(&q, x[best]) / s2 / s2);
 }

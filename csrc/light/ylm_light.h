@@ -116,8 +116,8 @@ YLM_API ylm_status ylm_lights_evaluate(const ylm_lights *lights, ylm_isa isa,
 ** 1/64 of the sum of the lights' norms where they cancel to less; so does lambda beside itself.
 ** That holds at 99.9 % of points; at the others it is at most four times as much
 ** (docs/performance.md). It comes on top of what float rounds, see ylm_lights_evaluate.
-** A point's result depends on the point, the lights and the query's lmax, channels, want and dtype
-** alone: neither on threads nor on other points. Sets of some thousand lights, and the reference's,
+** Points that lie together are summed in packets, so a point's result depends, within the tolerance,
+** on the other points of the query; but neither on their order nor on the number of threads. Sets of some thousand lights, and the reference's,
 ** are summed exactly; `pairs` counts what was summed, proxies included.
 */
 typedef struct ylm_light_cut ylm_light_cut;

@@ -1,0 +1,175 @@
+/*
+** tree_alone.h - sums over lists of lights and proxies from one point, for one element type;
+** included by tree_body.h. Here lanes are lights. The moment kernels, which take one light for many
+** points, see many lights from one: u = (y - x)/r, all of radius 1; weights of kind k are off by
+** r^k.
+*/
+
+/* Lights to sum over: a whole number of tiles, and room for one more leaf. */
+#define LIST (YLM__TILE * LANES > 64 ? YLM__TILE * LANES : 64)
+
+typedef struct NAME(light_list) {
+  size_t n;
+  REAL field[YLM__FIELDS][LIST + YLM_VECTOR_BYTES] __attribute__((aligned(64)));
+} NAME(light_list);
+
+/* What one point needs. */
+typedef struct NAME(alone) {
+  NAME(light_list) near, dim;
+  V inverse[YLM__TILE], emission[4][YLM__TILE]; /* 1/r, and r, g, b, luminance of a tile */
+  V c[YLM__STRENGTHS][3];                       /* sums of strength u^(2+k) */
+  V *sums, *dim_sums, *scaled;                  /* as those of points, lanes are lights */
+} NAME(alone);
+
+YLM_INLINE V NAME(keep_lanes)(VI mask, V a) { return (V)((VI)a & mask); }
+
+/* -- sums over a list --------------------------------------------------------------------- */
+
+/* Geometry and weights of up to LANES lights, the j-th vector of a tile; the pilot's sums too. */
+static void NAME(prepare_lights)(const ylm__tree_plan *p, NAME(alone) * k, const NAME(work) * w,
+                                 const NAME(light_list) * l, size_t i, int j, int kinds,
+                                 const REAL *x, bool pilot, VI *inside) {
+  static const LAMP unit = {{0, 0, 0}, 1, 1, {1, 1, 1}};
+  int lmax = p->sums->q->lmax;
+  const V *f[YLM__FIELDS];
+  for (int c = 0; c < YLM__FIELDS; c++) f[c] = (const V *)(l->field[c] + i);
+  V v[3], r = *f[YLM__R], d2 = {0};
+  for (int a = 0; a < 3; a++) v[a] = *f[YLM__X + a] - x[a], d2 += v[a] * v[a];
+  V d = NAME(root)(d2);
+  /* A far light may be larger and dimmer: quotients stay representable, results the same. */
+  V size = NAME(larger)(NAME(larger)(r, (REAL)SMALL * d), (V){0} + TINY), inverse = 1 / size;
+  V part = r * inverse;
+  part *= part;
+  for (int a = 0; a < 3; a++) v[a] *= -inverse;
+  VI in = {0};
+  p->sums->kernel->prepare(lmax, kinds, 1, &unit, false, v,
+                           w->geometry + j * ylm__geometry_slots(lmax),
+                           w->weights + j * ylm__weight_slots(lmax), &in);
+  *inside |= in & (r > 0);
+  k->inverse[j] = inverse;
+  for (int c = 0; c < 4; c++) k->emission[c][j] = *f[YLM__E + c] * part;
+  if (!pilot) return;
+  V u = NAME(keep_lanes)(d > r, 1 / NAME(larger)(d, (V){0} + TINY)), e2 = {0};
+  for (int c = 0; c < 3; c++) e2 += k->emission[c][j] * k->emission[c][j];
+  V strength[YLM__STRENGTHS] = {NAME(root)(e2), NAME(size)(k->emission[3][j])};
+  k->emission[3][j] = strength[p->at[0]];
+  for (int s = 0; s < YLM__STRENGTHS; s++) {
+    V e = strength[s] * size * size * u * u;
+    for (int n = 0; n < 3; n++) k->c[s][n] += e, e *= u;
+  }
+}
+
+/* The weights of `kinds` times the emission in channel c. */
+static void NAME(scale_lights)(const NAME(alone) * k, int lmax, int kinds, int n, int c, const V *w,
+                               V *out) {
+  int W = ylm__weight_slots(lmax);
+  int edges[4] = {0, ylm__weight_at(lmax, 1, 0), ylm__weight_at(lmax, 2, 0), W};
+  for (int j = 0; j < n; j++) {
+    V e = k->emission[c][j];
+    for (int kind = 0; kind < 3; kind++) {
+      for (int i = edges[kind]; kinds & (1 << kind) && i < edges[kind + 1]; i++)
+        out[j * W + i] = e * w[j * W + i];
+      e *= k->inverse[j];
+    }
+  }
+}
+
+/* Adds a list to the sums of a plan, luminance and then rgb, and empties it; how many they were. */
+static size_t NAME(sum_list)(const ylm__tree_plan *p, const ylm__plan *s, NAME(alone) * k,
+                             const NAME(work) * w, NAME(light_list) * l, const REAL *x, V *sums,
+                             VI *inside) {
+  const ylm__moment_kernel *kernel = s->kernel;
+  int lmax = s->q->lmax, all = s->kinds_lum | s->kinds_rgb;
+  size_t count = l->n;
+  if (all == (YLM__M1 | YLM__M2)) all = 7;
+  for (size_t i = l->n; i % LANES; i++)
+    for (int f = 0; f < YLM__FIELDS; f++) l->field[f][i] = f <= YLM__Z ? x[f] : 0;
+  for (size_t i = 0; all && i < l->n; i += YLM__TILE * LANES) {
+    size_t left = (l->n - i + LANES - 1) / LANES;
+    int n = left < YLM__TILE ? (int)left : YLM__TILE;
+    for (int j = 0; j < n; j++) NAME(prepare_lights)
+    (p, k, w, l, i + (size_t)(j * LANES), j, all, x, s == p->pilot, inside);
+    for (int c = 0; s->kinds_rgb && c < 3; c++) {
+      NAME(scale_lights)(k, lmax, s->kinds_rgb, n, c, w->weights, k->scaled);
+      kernel->sum(lmax, s->kinds_rgb, n, w->geometry, k->scaled, w->state,
+                  sums + s->n_lum + c * s->n_rgb);
+    }
+    if (s->kinds_lum) {
+      NAME(scale_lights)(k, lmax, s->kinds_lum, n, 3, w->weights, k->scaled);
+      kernel->sum(lmax, s->kinds_lum, n, w->geometry, k->scaled, w->state, sums);
+    }
+  }
+  l->n = 0;
+  return count;
+}
+
+/* Sums over the lights of a vector, to lane `lane` of each. */
+static void NAME(add_lanes)(const V *sums, size_t n, int lane, V *to) {
+  for (size_t i = 0; i < n; i++) {
+    REAL part[LANES];
+    memcpy(part, &sums[i], sizeof part);
+    for (int half = LANES / 2; half > 0; half /= 2)
+      for (int j = 0; j < half; j++) part[j] += part[j + half];
+    ((REAL *)&to[i])[lane] += part[0];
+  }
+}
+
+/* -- lists ----------------------------------------------------------------------------------- */
+
+/* One light for a node, of its strengths. */
+static LAMP NAME(whole)(const ylm_light_tree *t, size_t node) {
+  const ylm__group *g = &t->group[node / YLM__GROUP];
+  int k = (int)(node % YLM__GROUP);
+  REAL radius = t->PROXIES[node][YLM__R][0];
+  double per_area = radius > 0 ? t->total / ((double)radius * (double)radius) : 0;
+  LAMP l = {.radius = radius};
+  for (int a = 0; a < 3; a++) {
+    l.at[a] = (REAL)(t->centre[a] + t->size * (double)g->at[a][k]);
+    l.rgb[a] = (REAL)(0.57735026918962576 * (double)g->strength[YLM__STRENGTH_RGB][k] * per_area);
+  }
+  l.luminance = (REAL)((double)g->strength[YLM__STRENGTH_LUM][k] * per_area);
+  return l;
+}
+
+/* Appends the first n lights of a block [FIELDS][width]. */
+YLM_INLINE void NAME(append)(NAME(light_list) * l, const REAL *block, const size_t width,
+                             size_t n) {
+  for (int f = 0; f < YLM__FIELDS; f++)
+    memcpy(l->field[f] + l->n, block + (size_t)f * width, width * sizeof *block);
+  l->n += n;
+}
+
+static void NAME(append_whole)(NAME(light_list) * l, LAMP lamp) {
+  size_t n = l->n++;
+  for (int a = 0; a < 3; a++)
+    l->field[YLM__X + a][n] = lamp.at[a], l->field[YLM__E + a][n] = lamp.rgb[a];
+  l->field[YLM__R][n] = lamp.radius;
+  l->field[YLM__LUM][n] = lamp.luminance;
+}
+
+/* Sums over what a walk comes to, for one point; how many lights and proxies they were. */
+static size_t NAME(walk_alone)(tree_walk *walk, NAME(alone) * k, const NAME(work) * w,
+                               const seen_from *from, const REAL *x, VI *inside) {
+  const ylm__tree_plan *p = walk->plan;
+  const ylm_light_tree *t = p->tree;
+  const ylm__plan *sums = from->pilot ? p->pilot : p->sums;
+  size_t pairs = 0, n;
+  while ((n = walk_on(walk, from, NULL)) > 0)
+    for (size_t i = 0; i < n; i++) {
+      const note *seen = &walk->notes[i];
+      bool dim = seen->dim && !from->pilot;
+      NAME(light_list) *l = dim ? &k->dim : &k->near;
+      if (seen->what == OF_PROXIES)
+        NAME(append)(l, t->PROXIES[seen->index][0], YLM__PROXIES, YLM__PROXIES);
+      else if (seen->what == OF_LEAF)
+        NAME(append)(l, t->LEAVES[seen->index][0], YLM__LEAF, seen->count);
+      else
+        NAME(append_whole)(l, NAME(whole)(t, seen->index));
+      if (l->n >= LIST)
+        pairs += NAME(sum_list)(p, dim ? &p->dim : sums, k, w, l, x, dim ? k->dim_sums : k->sums,
+                                inside);
+    }
+  pairs += NAME(sum_list)(p, sums, k, w, &k->near, x, k->sums, inside);
+  if (!from->pilot) pairs += NAME(sum_list)(p, &p->dim, k, w, &k->dim, x, k->dim_sums, inside);
+  return pairs;
+}

@@ -1,0 +1,101 @@
+/*
+** tree_crowd.h - sums over lists of lights and proxies that a packet of points shares, for one
+** element type; included by tree_body.h. Here lanes are points, as in the exact sum.
+*/
+
+/* Vectors of points in a packet, and lights to sum over: room for one more leaf. */
+#define VECTORS (YLM__PACKET > LANES ? YLM__PACKET / LANES : 1)
+#define CROWD (YLM__BLOCK + YLM__LEAF)
+
+typedef struct NAME(lamp_list) {
+  size_t n;
+  LAMP lamp[CROWD];
+} NAME(lamp_list);
+
+/* What a packet needs; sums are of all its vectors. */
+typedef struct NAME(crowd) {
+  NAME(lamp_list) near, dim;
+  V xyz[VECTORS][3], c[VECTORS][YLM__STRENGTHS][3]; /* sums of strength u^(2+k) */
+  VI inside[VECTORS];
+  seen_by by;
+  int vectors;
+  V *sums, *dim_sums, *pilot_sums;
+} NAME(crowd);
+
+/* Appends the first n lights of a block [FIELDS][width]. */
+YLM_INLINE void NAME(append_lamps)(NAME(lamp_list) * l, const REAL *block, const size_t width,
+                                   size_t n) {
+  for (size_t i = 0; i < n; i++) {
+    LAMP *to = &l->lamp[l->n++];
+    for (size_t a = 0; a < 3; a++) {
+      to->at[a] = block[(YLM__X + a) * width + i];
+      to->rgb[a] = block[(YLM__E + a) * width + i];
+    }
+    to->radius = block[YLM__R * width + i];
+    to->luminance = block[YLM__LUM * width + i];
+  }
+}
+
+/* The pilot's: sums of strength u^(2+k), and lights whose luminance is their strength. */
+static void NAME(add_strengths)(const ylm__tree_plan *p, NAME(crowd) * k, NAME(lamp_list) * l) {
+  for (size_t i = 0; i < l->n; i++) {
+    LAMP *m = &l->lamp[i];
+    V e2 = (V){0} + (m->rgb[0] * m->rgb[0] + m->rgb[1] * m->rgb[1] + m->rgb[2] * m->rgb[2]);
+    REAL each[YLM__STRENGTHS] = {NAME(root)(e2)[0],
+                                 m->luminance < 0 ? -m->luminance : m->luminance};
+    m->luminance = each[p->at[0]];
+    for (int v = 0; v < k->vectors; v++) {
+      const V *x = k->xyz[v];
+      V dx = m->at[0] - x[0], dy = m->at[1] - x[1], dz = m->at[2] - x[2];
+      V d = NAME(root)(dx * dx + dy * dy + dz * dz);
+      V u = NAME(keep_lanes)(d > m->radius, 1 / NAME(larger)(d, (V){0} + TINY));
+      for (int s = 0; s < YLM__STRENGTHS; s++) {
+        V e = u * m->radius * (u * m->radius) * each[s];
+        for (int n = 0; n < 3; n++) k->c[v][s][n] += e, e *= u;
+      }
+    }
+  }
+}
+
+/* Adds a list to the sums of a plan for each vector of points, and empties it; how many pairs. */
+static size_t NAME(sum_lamps)(const ylm__tree_plan *p, const ylm__plan *s, NAME(crowd) * k,
+                              NAME(work) * w, NAME(lamp_list) * l, V *sums) {
+  size_t count = (size_t)(s->n_lum + 3 * s->n_rgb), n = l->n;
+  if (s == p->pilot) NAME(add_strengths)(p, k, l);
+  for (int v = 0; count && n && v < k->vectors; v++, sums += count) {
+    memset(w->part, 0, count * sizeof(V));
+    for (size_t i = 0; i < n; i += YLM__TILE) NAME(add_tile)
+    (s, w, n - i < YLM__TILE ? (int)(n - i) : YLM__TILE, &l->lamp[i], k->xyz[v], w->part,
+     &k->inside[v]);
+    for (size_t i = 0; i < count; i++) sums[i] += w->part[i];
+  }
+  l->n = 0;
+  return n;
+}
+
+/* Sums over what a walk comes to, for a packet of points; how many lights and proxies. */
+static size_t NAME(walk_together)(tree_walk *walk, NAME(crowd) * k, NAME(work) * w,
+                                  const seen_from *from) {
+  const ylm__tree_plan *p = walk->plan;
+  const ylm_light_tree *t = p->tree;
+  const ylm__plan *sums = from->pilot ? p->pilot : p->sums;
+  V *to = from->pilot ? k->pilot_sums : k->sums;
+  size_t pairs = 0, n;
+  while ((n = walk_on(walk, from, from->pilot ? NULL : &k->by)) > 0)
+    for (size_t i = 0; i < n; i++) {
+      const note *seen = &walk->notes[i];
+      bool dim = seen->dim && !from->pilot;
+      NAME(lamp_list) *l = dim ? &k->dim : &k->near;
+      if (seen->what == OF_PROXIES)
+        NAME(append_lamps)(l, t->PROXIES[seen->index][0], YLM__PROXIES, YLM__PROXIES);
+      else if (seen->what == OF_LEAF)
+        NAME(append_lamps)(l, t->LEAVES[seen->index][0], YLM__LEAF, seen->count);
+      else
+        l->lamp[l->n++] = NAME(whole)(t, seen->index);
+      if (l->n >= YLM__BLOCK)
+        pairs += NAME(sum_lamps)(p, dim ? &p->dim : sums, k, w, l, dim ? k->dim_sums : to);
+    }
+  pairs += NAME(sum_lamps)(p, sums, k, w, &k->near, to);
+  if (!from->pilot) pairs += NAME(sum_lamps)(p, &p->dim, k, w, &k->dim, k->dim_sums);
+  return pairs;
+}
