@@ -327,8 +327,8 @@ describe "grid:sample" {
   },
   options = sample_options,
   returns = {
-    { "c", "array", "[n][channels][(lmax+1)^2]" },
-    { "dc", "array", "[n][channels][(lmax+1)^2][3], or nil" },
+    { "c", "array", "[n][channels][(lmax+1)^2]; a gpu_array where the points or out are" },
+    { "dc", "array", "[n][channels][(lmax+1)^2][3], the same, or nil" },
     { "report", "table", "outside: points outside of the bounds; unbaked: points in voxels without data of their own, "
       .. "which the nearest evaluated ancestor (uniform: voxel) answers for; seconds" },
   },
