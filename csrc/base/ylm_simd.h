@@ -14,6 +14,10 @@
 #include <stdint.h>
 #include <string.h>
 
+#ifdef __x86_64__
+#include <immintrin.h>
+#endif
+
 #ifndef YLM_ISA
 #error "ylm_simd.h is for *.isa.c files: YLM_ISA is not defined"
 #endif
@@ -53,6 +57,32 @@ YLM_INLINE ylm_vf ylm_vf_select(ylm_vi m, ylm_vf a, ylm_vf b) {
 }
 YLM_INLINE ylm_vd ylm_vd_select(ylm_vl m, ylm_vd a, ylm_vd b) {
   return (ylm_vd)(((ylm_vl)a & m) | ((ylm_vl)b & ~m));
+}
+
+/* Square roots, correctly rounded. */
+YLM_INLINE ylm_vf ylm_vf_sqrt(ylm_vf x) {
+#if defined(__AVX512F__)
+  return (ylm_vf)_mm512_sqrt_ps((__m512)x);
+#elif defined(__AVX2__)
+  return (ylm_vf)_mm256_sqrt_ps((__m256)x);
+#elif defined(__x86_64__)
+  return (ylm_vf)_mm_sqrt_ps((__m128)x);
+#else
+  for (int i = 0; i < YLM_VF; i++) x[i] = sqrtf(x[i]);
+  return x;
+#endif
+}
+YLM_INLINE ylm_vd ylm_vd_sqrt(ylm_vd x) {
+#if defined(__AVX512F__)
+  return (ylm_vd)_mm512_sqrt_pd((__m512d)x);
+#elif defined(__AVX2__)
+  return (ylm_vd)_mm256_sqrt_pd((__m256d)x);
+#elif defined(__x86_64__)
+  return (ylm_vd)_mm_sqrt_pd((__m128d)x);
+#else
+  for (int i = 0; i < YLM_VD; i++) x[i] = sqrt(x[i]);
+  return x;
+#endif
 }
 
 #endif

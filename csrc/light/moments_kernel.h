@@ -10,10 +10,6 @@
 
 #include "moments.h"
 
-#if defined(__x86_64__)
-#include <immintrin.h>
-#endif
-
 #define UNROLL_ALL _Pragma("GCC unroll 32")
 #ifdef ANY_LMAX
 #define FIXED(lmax) (lmax)
@@ -54,7 +50,7 @@
 #if defined(__FMA__) || defined(__aarch64__)
 #define SQUARES(d2, r) ((d2) - (r) * (r))
 #else
-#define SQUARES(d2, r) ((NAME(root)(d2) - (r)) * (NAME(root)(d2) + (r)))
+#define SQUARES(d2, r) ((SQRT(d2) - (r)) * (SQRT(d2) + (r)))
 #endif
 
 /* -- float --------------------------------------------------------------------------- */
@@ -66,14 +62,7 @@
 #define LAMP ylm__lamp_f
 #define NAME(x) YLM_PASTE(x, f)
 
-YLM_INLINE V NAME(root)(V x) {
-#if YLM_VECTOR_BYTES == 16 && defined(__x86_64__)
-  return (V)_mm_sqrt_ps((__m128)x);
-#else
-  for (int i = 0; i < LANES; i++) x[i] = sqrtf(x[i]);
-  return x;
-#endif
-}
+#define SQRT ylm_vf_sqrt
 
 /* 1/sqrt(x): an estimate and Newton steps. */
 YLM_INLINE V NAME(rsqrt)(V x) {
@@ -85,7 +74,7 @@ YLM_INLINE V NAME(rsqrt)(V x) {
   y = y + y * (1 - x * y * y) * 0.5f;
   return y + y * (1 - x * y * y) * 0.5f;
 #else
-  return 1 / NAME(root)(x);
+  return 1 / SQRT(x);
 #endif
 }
 
@@ -106,6 +95,7 @@ YLM_INLINE V NAME(reciprocal)(V x) {
 #undef LANES
 #undef LAMP
 #undef NAME
+#undef SQRT
 
 /* -- double -------------------------------------------------------------------------- */
 
@@ -116,18 +106,7 @@ YLM_INLINE V NAME(reciprocal)(V x) {
 #define LAMP ylm__lamp_d
 #define NAME(x) YLM_PASTE(x, d)
 
-YLM_INLINE V NAME(root)(V x) {
-#if defined(__AVX512F__)
-  return (V)_mm512_sqrt_pd((__m512d)x);
-#elif defined(__AVX2__)
-  return (V)_mm256_sqrt_pd((__m256d)x);
-#elif defined(__x86_64__)
-  return (V)_mm_sqrt_pd((__m128d)x);
-#else
-  for (int i = 0; i < LANES; i++) x[i] = sqrt(x[i]);
-  return x;
-#endif
-}
+#define SQRT ylm_vd_sqrt
 
 YLM_INLINE V NAME(rsqrt)(V x) {
 #if defined(__AVX512F__)
@@ -135,7 +114,7 @@ YLM_INLINE V NAME(rsqrt)(V x) {
   y = y + y * (1 - x * y * y) * 0.5;
   return y + y * (1 - x * y * y) * 0.5;
 #else
-  return 1 / NAME(root)(x);
+  return 1 / SQRT(x);
 #endif
 }
 
@@ -157,6 +136,7 @@ YLM_INLINE V NAME(reciprocal)(V x) {
 #undef LANES
 #undef LAMP
 #undef NAME
+#undef SQRT
 
 const ylm__moment_kernel *KERNEL_NAME(int dtype);
 

@@ -4,10 +4,6 @@
 #include "polygon_kernel.h"
 #include "ylm_sh.h"
 
-#if defined(__x86_64__)
-#include <immintrin.h>
-#endif
-
 typedef ylm_vd V;
 typedef ylm_vl VI;
 #define LANES YLM_VD
@@ -18,19 +14,6 @@ typedef struct v3 {
 } v3;
 
 YLM_INLINE V set(double x) { return ylm_vd_set(x); }
-
-YLM_INLINE V root(V x) {
-#if defined(__AVX512F__)
-  return (V)_mm512_sqrt_pd((__m512d)x);
-#elif defined(__AVX2__)
-  return (V)_mm256_sqrt_pd((__m256d)x);
-#elif defined(__x86_64__)
-  return (V)_mm_sqrt_pd((__m128d)x);
-#else
-  for (int i = 0; i < LANES; i++) x[i] = sqrt(x[i]);
-  return x;
-#endif
-}
 
 YLM_INLINE V dot(v3 a, v3 b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
 YLM_INLINE v3 cross(v3 a, v3 b) {
@@ -49,8 +32,8 @@ YLM_INLINE bool any(VI m) {
 /* The angle of (cosine, sine), cosine >= 0: three halvings, then the series. */
 YLM_INLINE V angle_of(V cosine, V sine) {
   V t = sine / (1 + cosine);
-  t = t / (1 + root(1 + t * t));
-  t = t / (1 + root(1 + t * t));
+  t = t / (1 + ylm_vd_sqrt(1 + t * t));
+  t = t / (1 + ylm_vd_sqrt(1 + t * t));
   V u = t * t, s = set(1.0 / 25);
   for (int k = 11; k >= 0; k--) s = set(1.0 / (2 * k + 1)) - u * s;
   return 8 * t * s;
@@ -58,7 +41,7 @@ YLM_INLINE V angle_of(V cosine, V sine) {
 
 /* Half the angle of (cosine, sine), sine > 0, accurate relative to itself. */
 YLM_INLINE V half_angle(V cosine, V sine) {
-  V sum = root(0.5 * (1 + absolute(cosine))), other = 0.5 * sine / sum;
+  V sum = ylm_vd_sqrt(0.5 * (1 + absolute(cosine))), other = 0.5 * sine / sum;
   VI sharp = cosine > 0;
   return angle_of(ylm_vd_select(sharp, sum, other), ylm_vd_select(sharp, other, sum));
 }
@@ -154,7 +137,7 @@ YLM_INLINE int choose(const ylm__flat_plan *plan, V half, int *rule, bool *alike
 YLM_INLINE void edge_moments(const ylm__flat_plan *plan, const int kinds, v3 v, v3 w, V r0, V r1,
                              v3 e, double length, V *moment, v3 *normal) {
   v3 n = cross(v, e), along = scale(e, set(1 / length));
-  V ln = root(dot(n, n)), h = ln / length;
+  V ln = ylm_vd_sqrt(dot(n, n)), h = ln / length;
   *normal = scale(n, 1 / ln);
   v3 foot = cross(along, *normal);
   /* edges cancel where a polygon is small: the angle needs its relative accuracy, not the place */
@@ -233,7 +216,7 @@ YLM_INLINE V solid_angle(const double *vertex, const seen *s) {
     size = ylm_vd_select(size > 0, size, set(1));
     re /= size, im /= size;
   }
-  V size = root(re * re + im * im);
+  V size = ylm_vd_sqrt(re * re + im * im);
   size = ylm_vd_select(size > 0, size, set(1));
   V a = angle_of(absolute(re) / size, im / size);
   return 2 * ylm_vd_select(re < 0, M_PI - a, a);
@@ -254,7 +237,7 @@ YLM_INLINE void add_polygon(const ylm__flat_plan *plan, const int kinds, size_t 
     for (int i = 0; i < s.n; i++) {
       v3 at = spread(vertex + 3 * i);
       s.v[i] = (v3){at.x - x.x, at.y - x.y, at.z - x.z};
-      s.r[i] = root(dot(s.v[i], s.v[i]));
+      s.r[i] = ylm_vd_sqrt(dot(s.v[i], s.v[i]));
     }
     if (pass) break;
     *out = difficult(plan, light, &s);

@@ -28,13 +28,13 @@ ylm_status ylm__field_check(const ylm_field_query *q, size_t n, const void *poin
 static inline double larger(double a, double b) { return a > b ? a : b; }
 static inline double smaller(double a, double b) { return a < b ? a : b; }
 static inline double size(double a) { return fabs(a); }
-static inline double root(double a) { return sqrt(a); }
 static inline double choose(bool first, double a, double b) { return first ? a : b; }
 
 #define V double
 #define VI bool
 #define REAL double
 #define NAME(x) x
+#define SQRT sqrt
 #define TINY 1e-280
 #define FINE 1
 #include "gen/eigenvalue.h"

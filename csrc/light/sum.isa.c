@@ -3,10 +3,6 @@
 
 #include "tree.h"
 
-#if defined(__x86_64__)
-#include <immintrin.h>
-#endif
-
 #include "tree_walk.h"
 
 /* -- float --------------------------------------------------------------------------- */
@@ -25,19 +21,7 @@
 #define SMALL 1e-4f
 #define PROXIES proxies_f
 #define LEAVES leaf_f
-
-YLM_INLINE V NAME(root)(V x) {
-#if defined(__AVX512F__)
-  return (V)_mm512_sqrt_ps((__m512)x);
-#elif defined(__AVX2__)
-  return (V)_mm256_sqrt_ps((__m256)x);
-#elif defined(__x86_64__)
-  return (V)_mm_sqrt_ps((__m128)x);
-#else
-  for (int i = 0; i < LANES; i++) x[i] = sqrtf(x[i]);
-  return x;
-#endif
-}
+#define SQRT ylm_vf_sqrt
 
 #include "sum_body.h"
 #include "tree_body.h"
@@ -48,6 +32,7 @@ YLM_INLINE V NAME(root)(V x) {
 #undef LANES
 #undef LAMP
 #undef NAME
+#undef SQRT
 #undef COEF
 #undef TINY
 #undef FINE
@@ -76,19 +61,7 @@ YLM_INLINE V NAME(root)(V x) {
 #define SMALL 1e-8
 #define PROXIES proxies_d
 #define LEAVES leaf_d
-
-YLM_INLINE V NAME(root)(V x) {
-#if defined(__AVX512F__)
-  return (V)_mm512_sqrt_pd((__m512d)x);
-#elif defined(__AVX2__)
-  return (V)_mm256_sqrt_pd((__m256d)x);
-#elif defined(__x86_64__)
-  return (V)_mm_sqrt_pd((__m128d)x);
-#else
-  for (int i = 0; i < LANES; i++) x[i] = sqrt(x[i]);
-  return x;
-#endif
-}
+#define SQRT ylm_vd_sqrt
 
 #include "sum_body.h"
 #include "tree_body.h"

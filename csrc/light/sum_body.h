@@ -172,8 +172,8 @@ static void NAME(metric)(const ylm__plan *p, NAME(work) * k, const size_t *to, i
     NAME(apply)(&map->value, 0, count, sums, k->out);
     for (size_t i = 0; i < count; i++) norm += k->out[i] * k->out[i];
   }
-  lambda = NAME(root)(lambda);
-  norm = NAME(root)(norm);
+  lambda = SQRT(lambda);
+  norm = SQRT(norm);
   if (r->lambda) NAME(put)(&lambda, 1, to, lanes, r->lambda, 1);
   if (r->norm) NAME(put)(&norm, 1, to, lanes, r->norm, 1);
 }

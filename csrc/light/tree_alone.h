@@ -35,7 +35,7 @@ static void NAME(prepare_lights)(const ylm__tree_plan *p, NAME(alone) * k, const
   for (int c = 0; c < YLM__FIELDS; c++) f[c] = (const V *)(l->field[c] + i);
   V v[3], r = *f[YLM__R], d2 = {0};
   for (int a = 0; a < 3; a++) v[a] = *f[YLM__X + a] - x[a], d2 += v[a] * v[a];
-  V d = NAME(root)(d2);
+  V d = SQRT(d2);
   /* A far light may be larger and dimmer: quotients stay representable, results the same. */
   V size = NAME(larger)(NAME(larger)(r, (REAL)SMALL * d), (V){0} + TINY), inverse = 1 / size;
   V part = r * inverse;
@@ -51,7 +51,7 @@ static void NAME(prepare_lights)(const ylm__tree_plan *p, NAME(alone) * k, const
   if (!pilot) return;
   V u = NAME(keep_lanes)(d > r, 1 / NAME(larger)(d, (V){0} + TINY)), e2 = {0};
   for (int c = 0; c < 3; c++) e2 += k->emission[c][j] * k->emission[c][j];
-  V strength[YLM__STRENGTHS] = {NAME(root)(e2), NAME(size)(k->emission[3][j])};
+  V strength[YLM__STRENGTHS] = {SQRT(e2), NAME(size)(k->emission[3][j])};
   k->emission[3][j] = strength[p->at[0]];
   for (int s = 0; s < YLM__STRENGTHS; s++) {
     V e = strength[s] * size * size * u * u;

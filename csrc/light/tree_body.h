@@ -74,7 +74,7 @@ static void NAME(norms)(const ylm__tree_plan *p, NAME(tree_work) * k, const V do
     V x = w->out[i] * down[2];
     norm[2] += times[i % 6] * x * x;
   }
-  for (int n = 0; n < 3; n++) norm[n] = NAME(root)(norm[n]);
+  for (int n = 0; n < 3; n++) norm[n] = SQRT(norm[n]);
 }
 
 /* What errors a point allows, from those norms and from sums of strength u^(2+k) in scene units. */

@@ -41,13 +41,12 @@ static void NAME(add_strengths)(const ylm__tree_plan *p, NAME(crowd) * k, NAME(l
   for (size_t i = 0; i < l->n; i++) {
     LAMP *m = &l->lamp[i];
     V e2 = (V){0} + (m->rgb[0] * m->rgb[0] + m->rgb[1] * m->rgb[1] + m->rgb[2] * m->rgb[2]);
-    REAL each[YLM__STRENGTHS] = {NAME(root)(e2)[0],
-                                 m->luminance < 0 ? -m->luminance : m->luminance};
+    REAL each[YLM__STRENGTHS] = {SQRT(e2)[0], m->luminance < 0 ? -m->luminance : m->luminance};
     m->luminance = each[p->at[0]];
     for (int v = 0; v < k->vectors; v++) {
       const V *x = k->xyz[v];
       V dx = m->at[0] - x[0], dy = m->at[1] - x[1], dz = m->at[2] - x[2];
-      V d = NAME(root)(dx * dx + dy * dy + dz * dz);
+      V d = SQRT(dx * dx + dy * dy + dz * dz);
       V u = NAME(keep_lanes)(d > m->radius, 1 / NAME(larger)(d, (V){0} + TINY));
       for (int s = 0; s < YLM__STRENGTHS; s++) {
         V e = u * m->radius * (u * m->radius) * each[s];

@@ -56,19 +56,6 @@ YLM_INLINE ylm_vf side_by_side(const ylm__group *const *g, size_t offset) {
 }
 #define FIELD(name) side_by_side(g, offsetof(ylm__group, name))
 
-YLM_INLINE ylm_vf tree_root(ylm_vf x) {
-#if defined(__AVX512F__)
-  return (ylm_vf)_mm512_sqrt_ps((__m512)x);
-#elif defined(__AVX2__)
-  return (ylm_vf)_mm256_sqrt_ps((__m256)x);
-#elif defined(__x86_64__)
-  return (ylm_vf)_mm_sqrt_ps((__m128)x);
-#else
-  for (int i = 0; i < YLM_VF; i++) x[i] = sqrtf(x[i]);
-  return x;
-#endif
-}
-
 /* How far coordinates are from the middle of an interval beyond its ends; 0 inside. */
 YLM_INLINE ylm_vf beyond(ylm_vf x, float middle, float half) {
   x -= middle;
@@ -83,7 +70,7 @@ static void test_groups(const ylm__tree_plan *p, const ylm__group *const *g, con
   ylm_vf x = beyond(FIELD(at[0]), from->x[0], from->half[0]);
   ylm_vf y = beyond(FIELD(at[1]), from->x[1], from->half[1]);
   ylm_vf z = beyond(FIELD(at[2]), from->x[2], from->half[2]);
-  ylm_vf d = tree_root(x * x + y * y + z * z), u = 1 / d, reach = FIELD(reach);
+  ylm_vf d = ylm_vf_sqrt(x * x + y * y + z * z), u = 1 / d, reach = FIELD(reach);
   ylm_vi far = reach <= (from->pilot ? p->pilot_widest : p->widest) * d,
          away = d - reach > from->skip, little = reach < YLM__LITTLE * from->radius;
   if (!from->pilot) {
@@ -123,7 +110,7 @@ static bool test_points(const ylm__tree_plan *p, const ylm__group *g, int i, con
   bool closed = true, all_away = true;
   for (int v = 0; v < by->vectors && closed; v++) {
     ylm_vf x = g->at[0][i] - by->x[v][0], y = g->at[1][i] - by->x[v][1];
-    ylm_vf z = g->at[2][i] - by->x[v][2], d = tree_root(x * x + y * y + z * z), u = 1 / d;
+    ylm_vf z = g->at[2][i] - by->x[v][2], d = ylm_vf_sqrt(x * x + y * y + z * z), u = 1 / d;
     ylm_vi far = g->reach[i] <= p->widest * d, away = d - g->reach[i] > by->skip[v];
     ylm_vf power = ylm_vf_set(1);
     for (int k = 0; k < 3; k++) {

@@ -4,7 +4,7 @@
 ** the sum of the squares of that matrix's elements. Source: Smith 1961, "Eigenvalues of a symmetric 3x3 matrix"
 ** Additions and multiplications: 153 in float, 197 in double; 3 divisions, 3 square roots.
 ** V, VI, REAL: numbers, comparisons, a constant's type; FINE: double; TINY: the least divisor; larger, smaller,
-** size, root, choose(VI, V, V): functions NAME(x). */
+** size, choose(VI, V, V): functions NAME(x); SQRT(x). */
 
 /* cos(2/3 acos((1+u)/2)), Chebyshev interpolation: to 4e-9, 1e-15 */
 static inline V NAME(third)(V u) {
@@ -56,7 +56,7 @@ static inline V NAME(largest_eigenvalue)(const V *h) {
   a -= q;
   d -= q;
   f -= q;
-  V p = NAME(root)((a * a + d * d + f * f + (REAL)2.0 * (b * b + c * c + e * e)) * (REAL)0.16666666666666667);
+  V p = SQRT((a * a + d * d + f * f + (REAL)2.0 * (b * b + c * c + e * e)) * (REAL)0.16666666666666667);
   V up = (REAL)1.0 / NAME(larger)(p, (V){0} + (TINY));
   a *= up, b *= up, c *= up, d *= up, e *= up, f *= up;
   V aa = a * a + b * b + c * c, dd = b * b + d * d + e * e, ff = c * c + e * e + f * f;
@@ -65,8 +65,8 @@ static inline V NAME(largest_eigenvalue)(const V *h) {
   aa -= r * a + (REAL)2.0, dd -= r * d + (REAL)2.0, ff -= r * f + (REAL)2.0;
   ab -= r * b, ac -= r * c, de -= r * e;
   /* sqrt(1 - r^2); sqrt((1+|r|)/2) and sqrt((1-|r|)/2), halves of the angle acos(|r|) */
-  V s = NAME(root)((aa * aa + dd * dd + ff * ff + (REAL)2.0 * (ab * ab + ac * ac + de * de)) * (REAL)0.16666666666666667);
-  V wide = NAME(root)((REAL)0.5 + (REAL)0.5 * NAME(smaller)(NAME(size)(r), (V){0} + ((REAL)1.0))), narrow = NAME(smaller)((REAL)0.5 * s / wide, (V){0} + ((REAL)1.0));
+  V s = SQRT((aa * aa + dd * dd + ff * ff + (REAL)2.0 * (ab * ab + ac * ac + de * de)) * (REAL)0.16666666666666667);
+  V wide = SQRT((REAL)0.5 + (REAL)0.5 * NAME(smaller)(NAME(size)(r), (V){0} + ((REAL)1.0))), narrow = NAME(smaller)((REAL)0.5 * s / wide, (V){0} + ((REAL)1.0));
   VI positive = r > (REAL)0.0;
   V high = NAME(third)((REAL)2.0 * NAME(choose)(positive, wide, narrow) - (REAL)1.0);
   V low = NAME(third)((REAL)2.0 * NAME(choose)(positive, narrow, wide) - (REAL)1.0);

@@ -64,7 +64,7 @@ local languages = {
     about = "",
   },
   c = {
-    words = { LARGER = "NAME(larger)", SMALLER = "NAME(smaller)", SIZE = "NAME(size)", ROOT = "NAME(root)",
+    words = { LARGER = "NAME(larger)", SMALLER = "NAME(smaller)", SIZE = "NAME(size)", ROOT = "SQRT",
       THIRD = "NAME(third)", CHOOSE = "NAME(choose)", ALL = "(V){0} + " },
     real = "V", mask = "VI", constant = "(REAL)%s",
     double = "#if FINE", third = "static inline V NAME(third)(V u) {", first = "  V s = (V){0} + %s;",
@@ -72,7 +72,7 @@ local languages = {
     start = "static inline V NAME(largest_eigenvalue)(const V *h) {\n"
       .. "  const V h0 = h[0], h1 = h[1], h2 = h[2], h3 = h[3], h4 = h[4], h5 = h[5];",
     about = "\n** V, VI, REAL: numbers, comparisons, a constant's type; FINE: double; TINY: the least divisor; larger, smaller,"
-      .. "\n** size, root, choose(VI, V, V): functions NAME(x).",
+      .. "\n** size, choose(VI, V, V): functions NAME(x); SQRT(x).",
   },
 }
 
