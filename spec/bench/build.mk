@@ -24,6 +24,6 @@ bench: $(BENCHES) all   ## measure: peaks of this machine, then kernels, grids, 
 # spec/bench/vulkan_*.lua run over every device that Vulkan offers.
 BENCH_LUA ?= $(lastword $(LUAS))
 bench-vulkan: all   ## measure every Vulkan device: ns per pair beside its peaks and the paper's milliseconds
-	@for b in $(sort $(wildcard spec/bench/vulkan*.lua)); do LUA_PATH='lua/?.lua;lua/?/init.lua;;' \
+	@for b in $(sort $(wildcard spec/bench/vulkan*.lua)); do LUA_PATH='lua/?.lua;lua/?/init.lua;./?.lua;;' \
 	  LUA_CPATH='$(BUILD)/$(patsubst luajit,lua5.1,$(BENCH_LUA))/?.so;;' $(BENCH_LUA) $$b || exit 1; done
 .PHONY: bench-vulkan

@@ -6,23 +6,14 @@
 -- The device's stages are of its timestamps, upload and download of the host's clock; "the rest" is what the host waits
 -- and does beside them. The processor uses all of its threads.
 
+local bench_lamps = require "spec.bench.lamps"
 local ylm = require "ylm"
 
 local quick = os.getenv "BENCH" == "quick"
 local LIGHTS, POINTS, TIMES = quick and 100 or 1000, 200000, quick and 1 or 3
 
-local state = 4321
-local function random()
-  state = state * 48271 % 2147483647
-  return state / 2147483647
-end
-
-local at, radius, radiance = {}, {}, {}
-for i = 1, LIGHTS do
-  at[i], radius[i] = { 4 * random() - 2, 0.3 + 1.5 * random(), 4 * random() - 2 }, 0.01 + 0.02 * random()
-  radiance[i] = { 20 * random(), 20 * random(), 20 * random() }
-end
-local lamps = ylm.sphere_lights { at = at, radius = radius, radiance = radiance }
+local random = bench_lamps.random
+local lamps = bench_lamps.over_floor(LIGHTS, 0.3)
 
 local occupied = ylm.zeros({ POINTS, 3 }, "float")
 for i = 1, POINTS do

@@ -6,24 +6,14 @@
 -- Points, transfer vectors and albedo stay on the device between frames. Times are of the device's timestamps; the copy of
 -- radiance to the host stands apart, and what the host does is left out.
 
+local bench_lamps = require "spec.bench.lamps"
 local ylm = require "ylm"
 
 local quick = os.getenv "BENCH" == "quick"
 local LIGHTS, FRAMES = 1793, quick and 2 or 5
 local full, small = { 1920, 1080 }, { 192, 108 } -- small: quick, and for drivers in software
 
-local state = 4321
-local function random()
-  state = state * 48271 % 2147483647
-  return state / 2147483647
-end
-
-local at, radius, radiance = {}, {}, {}
-for i = 1, LIGHTS do
-  at[i], radius[i] = { 4 * random() - 2, 1 + 1.5 * random(), 4 * random() - 2 }, 0.01 + 0.02 * random()
-  radiance[i] = { 20 * random(), 20 * random(), 20 * random() }
-end
-local lamps = ylm.sphere_lights { at = at, radius = radius, radiance = radiance }
+local lamps = bench_lamps.over_floor(LIGHTS, 1)
 local scene = ylm.scene "bench" {
   camera = ylm.camera { from = { 0, 1.6, 2.6 }, at = { 0, 0.1, 0 }, fov = 60 },
   geometry = { ylm.quad { corner = { -4, 0, 4 }, u = { 8, 0, 0 }, v = { 0, 0, -8 } },

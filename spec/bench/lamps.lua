@@ -1,0 +1,24 @@
+--- What the benchmarks of Vulkan share: random numbers in 0 .. 1 that are the same everywhere, and lamps by them.
+
+local ylm = require "ylm"
+
+local lamps = {}
+
+local state = 4321
+
+function lamps.random()
+  state = state * 48271 % 2147483647
+  return state / 2147483647
+end
+
+--- n small sphere lights over a square of edge 4, `lowest` above the floor and up to 1.5 higher.
+function lamps.over_floor(n, lowest)
+  local random, at, radius, radiance = lamps.random, {}, {}, {}
+  for i = 1, n do
+    at[i], radius[i] = { 4 * random() - 2, lowest + 1.5 * random(), 4 * random() - 2 }, 0.01 + 0.02 * random()
+    radiance[i] = { 20 * random(), 20 * random(), 20 * random() }
+  end
+  return ylm.sphere_lights { at = at, radius = radius, radiance = radiance }
+end
+
+return lamps
