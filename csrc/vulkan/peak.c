@@ -72,7 +72,7 @@ static ylm_status copy_peak(ylm_gpu *g, size_t items, double *bytes, ylm_error *
 
 ylm_status ylm_gpu_peak(ylm_gpu *g, double *flops, double *bytes, ylm_error *e) {
   bool software = ylm_gpu_about(g)->type == YLM_GPU_CPU;
-  ylm_status s = fma_peak(g, software ? 1 << 13 : 1 << 20, software ? 64 : 1024, flops, e);
+  ylm_status s = fma_peak(g, software ? 1 << 14 : 1 << 20, 1024, flops, e);
   size_t items = software ? 1 << 20 : 1 << 22; /* 16, 64 MiB: more than caches hold */
   return s == YLM_OK ? copy_peak(g, items, bytes, e) : s;
 }
