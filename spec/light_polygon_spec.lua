@@ -1,10 +1,6 @@
-local core = require "ylm.c.core"
 local ylm = require "ylm"
 
-local function relative(a, b)
-  local _, difference, norm = core.array_distance(a, b)
-  return difference / norm
-end
+local relative = require "spec.support.vectors".relative
 
 --- Polygons of spec/data/polygon_light.txt: { kind =, x =, vertices =, value = {36}, gradient = {36 x 3} }.
 local function reference()

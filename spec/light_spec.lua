@@ -34,10 +34,7 @@ local function closeness(x, at, r)
 end
 
 --- The L2 norm of a-b relative to that of b.
-local function relative(a, b)
-  local _, e, n = core.array_distance(a, b)
-  return e / n
-end
+local relative = require "spec.support.vectors".relative
 
 local random, random_points = numbers.spread, numbers.points
 

@@ -2,11 +2,7 @@ local core = require "ylm.c.core"
 local ylm = require "ylm"
 local scratch = require "spec.support.scratch"
 
---- Norm of the difference over the norm of b.
-local function relative(a, b)
-  local _, difference, norm = core.array_distance(a, b)
-  return difference / norm
-end
+local relative = require "spec.support.vectors".relative
 
 --- A panel 2 by 1 with these rows of texels, standing over the origin.
 local function panel(image, more)

@@ -12,10 +12,7 @@ local function random_vectors(n, lmax, dtype)
   return ylm.array(rows, dtype)
 end
 
-local function relative(a, b)
-  local _, difference, norm = core.array_distance(a, b)
-  return difference / norm
-end
+local relative = require "spec.support.vectors".relative
 
 --- Records of spec/data/products.txt: { n =, factors = {..}, exact = row, truncated = row or nil }.
 local function reference()

@@ -3,10 +3,7 @@ local ylm = require "ylm"
 
 local pi = math.pi
 
-local function relative(a, b)
-  local _, difference, norm = core.array_distance(a, b)
-  return difference / norm
-end
+local relative = require "spec.support.vectors".relative
 
 --- Sets of spec/data/projections.txt: { kind =, u =, a =, b =, c = 36 numbers }.
 local function reference()

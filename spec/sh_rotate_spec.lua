@@ -36,11 +36,7 @@ local function random_vectors(n, lmax, dtype)
   return ylm.array(rows, dtype)
 end
 
---- Norm of the difference over the norm of b.
-local function relative(a, b)
-  local _, difference, norm = core.array_distance(a, b)
-  return difference / norm
-end
+local relative = require "spec.support.vectors".relative
 
 --- The 24 rotations of the cube, as matrices of whole numbers.
 local function cube_rotations()

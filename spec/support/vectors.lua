@@ -1,5 +1,7 @@
 --- Reference vectors of spec/data: read, grouped, compared.
 
+local core = require "ylm.c.core"
+
 local vectors = {}
 
 local function numbers(line)
@@ -75,6 +77,12 @@ function vectors.compare(set, results)
     end
   end
   return worst
+end
+
+--- Norm of the difference of two arrays over the norm of b.
+function vectors.relative(a, b)
+  local _, difference, norm = core.array_distance(a, b)
+  return difference / norm
 end
 
 return vectors
