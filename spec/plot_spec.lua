@@ -56,6 +56,18 @@ describe("ylm.plot", function()
     assert(ylm.plot({ size = { 200, 150 }, log = true, x = { -1 }, y = { -1 } }):pixels())
   end)
 
+  it("writes nothing between integers where all numbers are integers", function()
+    local p = ylm.plot { size = { 480, 240 }, x = { 1, 2, 3 }, y = { 0.5, 1, 2 } }
+    assert(p:pixels())
+    assert.same({ "1", "2", "3" }, p.axes.labels.x)
+    p = ylm.plot { size = { 480, 240 }, x = { 1, 2.5, 3 }, y = { 0.5, 1, 2 } }
+    assert(p:pixels())
+    assert.is_true(#p.axes.labels.x > 3)
+    p = ylm.plot { size = { 480, 240 }, x = { 1, 2 }, x_range = { 1, 1.5 }, y = { 0.5, 1 } }
+    assert(p:pixels())
+    assert.is_true(#p.axes.labels.x > 1)
+  end)
+
   it("dashes the diagonal: some pixels on it, some not", function()
     local p = ylm.plot { size = { 320, 240 }, log = true, diagonal = true, x = { 1e-3, 1 }, y = { 1e-4, 1e-4 },
       x_range = { 1e-3, 1 }, y_range = { 1e-4, 1 } }

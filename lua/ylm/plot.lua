@@ -109,8 +109,18 @@ end
 
 -- Drawing ---------------------------------------------------------------------------
 
-local function axis_for_c(lo, hi, log, most)
-  local ticks, labels = picture.ticks(lo, hi, log, most)
+--- Are all of an axis' numbers integers? Then nothing is written between integers.
+local function whole(series, key)
+  for _, s in ipairs(series) do
+    for i = 1, #s[key] do
+      if s[key][i] % 1 ~= 0 and check.is_number(s[key][i]) then return false end
+    end
+  end
+  return true
+end
+
+local function axis_for_c(lo, hi, log, most, integers)
+  local ticks, labels = picture.ticks(lo, hi, log, most, integers and hi - lo >= 1)
   return { least = lo, largest = hi, log = log, ticks = ticks, labels = labels }
 end
 
@@ -165,8 +175,8 @@ local function draw(p)
   local y0, y1 = axis_range(p.all, "y", "x", y_axis, x_axis)
   local chart = { supersample = p.supersample, font = font, background = theme.background, foreground = theme.text,
     legend = legends[p.legend] or 0, series = {},
-    x = axis_for_c(x0, x1, p.x_log, math.max(3, math.floor(width / font / 7))),
-    y = axis_for_c(y0, y1, p.y_log, math.max(3, math.floor(height / font / 4))) }
+    x = axis_for_c(x0, x1, p.x_log, math.max(3, math.floor(width / font / 7)), whole(p.all, "x")),
+    y = axis_for_c(y0, y1, p.y_log, math.max(3, math.floor(height / font / 4)), whole(p.all, "y")) }
   local l = layout(p, chart, width, height, font)
   chart.left, chart.right, chart.top, chart.bottom = l.left, l.right, l.top, l.bottom
   if width - l.left - l.right < 20 or height - l.top - l.bottom < 20 then
@@ -193,7 +203,7 @@ local function draw(p)
     { size = font, colour = theme.text, align = "middle" })
   if p.caption then picture.text(canvas, l.caption_text, l.pad, l.caption, { size = font, colour = theme.dim }) end
   local box = { l.left, l.top, width - l.left - l.right, height - l.top - l.bottom }
-  p.axes = { x = { x0, x1 }, y = { y0, y1 }, box = box }
+  p.axes = { x = { x0, x1 }, y = { y0, y1 }, box = box, labels = { x = chart.x.labels, y = chart.y.labels } }
   return canvas
 end
 
