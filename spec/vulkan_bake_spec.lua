@@ -6,8 +6,6 @@ local numbers = require "spec.support.random"
 local bakes = require "spec.support.bakes"
 local device = require "spec.support.gpu"
 
-local chosen, missing = device.choose()
-
 local random, points_in = numbers.minimal, numbers.points_in
 local cells_of, same_cells, same_points = bakes.cells_of, bakes.same_cells, bakes.same_points
 
@@ -27,14 +25,8 @@ local function lamps_of(n)
 end
 
 describe("baking on a device", function()
-  if not chosen then
-    it("bakes", function() pending("no Vulkan device: " .. missing) end)
-    return
-  end
-
-  local gpu
-  setup(function() gpu = assert(ylm.vulkan.open { device = chosen, validate = true }) end)
-  teardown(function() device.close_silent(gpu) end)
+  local gpu = device.here()
+  if not gpu then return end
 
   --- The grid of a description by the processor and on the device.
   local function both(description, lights, o)
@@ -145,7 +137,7 @@ describe("baking on a device", function()
       assert.is_nil(none)
       assert.same({ "cancelled", "ECANCELLED" }, { message, code })
       assert.equal(arrays, gpu.stats.arrays)
-      local own = assert(ylm.vulkan.open { device = chosen })
+      local own = device.open()
       require "ylm.c.vulkan".gpu_lose(own)
       none, message, code = ylm.bake(description, lamps_of(40), { device = own })
       assert(none == nil and #message > 0)

@@ -6,8 +6,6 @@ local ylm = require "ylm"
 local numbers = require "spec.support.random"
 local device = require "spec.support.gpu"
 
-local chosen, missing = device.choose()
-
 local sqrt = math.sqrt
 local random, random_points = numbers.spread, numbers.points
 
@@ -33,14 +31,8 @@ local function worst(a, b)
 end
 
 describe("lights on a device", function()
-  if not chosen then
-    it("are summed", function() pending("no Vulkan device: " .. missing) end)
-    return
-  end
-
-  local gpu
-  setup(function() gpu = assert(ylm.vulkan.open { device = chosen, validate = true }) end)
-  teardown(function() device.close_silent(gpu) end)
+  local gpu = device.here()
+  if not gpu then return end
 
   --- light_field on the device and by the processor, as two lists; `o` gets the device.
   local function both(lmax, lights, points, o)
@@ -355,7 +347,7 @@ describe("lights on a device", function()
       refused("method: a choice for computing on a device", function()
         return (ylm.light_field(2, big, points, { method = "merged" }))
       end)
-      local there, other = gpu:lights(big), assert(ylm.vulkan.open { device = chosen })
+      local there, other = gpu:lights(big), device.open()
       refused("device: the lights are on another", function()
         return (ylm.light_field(2, there, points, { device = other }))
       end)
@@ -374,7 +366,7 @@ describe("lights on a device", function()
     end)
 
     it("a device that was lost, in words; the processor goes on", function()
-      local own = assert(ylm.vulkan.open { device = chosen })
+      local own = device.open()
       local there = own:lights(big)
       require "ylm.c.vulkan".gpu_lose(own)
       for _, lost in ipairs { there, big } do

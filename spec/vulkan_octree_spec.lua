@@ -6,7 +6,6 @@ local bakes = require "spec.support.bakes"
 local device = require "spec.support.gpu"
 local numbers = require "spec.support.random"
 
-local chosen, missing = device.choose()
 local points_in = numbers.points_in
 
 local box = { { -1, -1, -1 }, { 1, 1, 1 } }
@@ -26,14 +25,8 @@ end
 local lamps = lamps_of(40)
 
 describe("an adaptive grid refined on a device", function()
-  if not chosen then
-    it("is baked", function() pending("no Vulkan device: " .. missing) end)
-    return
-  end
-
-  local gpu
-  setup(function() gpu = assert(ylm.vulkan.open { device = chosen, validate = true }) end)
-  teardown(function() device.close_silent(gpu) end)
+  local gpu = device.here()
+  if not gpu then return end
 
   local function description(o)
     local d = { bounds = box, lmax = 2, depth = 4, threshold = 0.5 }
@@ -171,7 +164,7 @@ describe("an adaptive grid refined on a device", function()
     end)
 
     it("on a device that does not compute in double, and by way of staging memory", function()
-      local own = assert(ylm.vulkan.open { device = chosen, staging = true, validate = true })
+      local own = device.open { staging = true, validate = true }
       require "ylm.c.vulkan".gpu_shrink(own, 0, 0, 0, true)
       same({}, lamps, floor, own)
       same({ threshold = 100 }, ylm.sphere_light { at = { 0.1, -0.9, 0 }, radius = 0.5, radiance = 1 }, floor, own)
@@ -200,7 +193,7 @@ describe("an adaptive grid refined on a device", function()
       local d = description { threshold = 0.05, lmax = 4 }
       local first = assert(ylm.bake(d, lamps, { occupied = floor, device = gpu }))
       for _ = 1, 3 do assert(bakes.identical(first, assert(ylm.bake(d, lamps, { occupied = floor, device = gpu })))) end
-      local own = assert(ylm.vulkan.open { device = chosen })
+      local own = device.open()
       require "ylm.c.vulkan".gpu_shrink(own, 0, 400 * 1024, 0) -- some hundred points a pass
       assert(bakes.identical(first, assert(ylm.bake(d, lamps, { occupied = floor, device = own }))))
       require "ylm.c.vulkan".gpu_shrink(own, 0, 2048, 0)
@@ -237,7 +230,7 @@ describe("an adaptive grid refined on a device", function()
     end)
 
     it("the processor's where there is a tolerance, or kernels see few buffers", function()
-      local own = assert(ylm.vulkan.open { device = chosen })
+      local own = device.open()
       require "ylm.c.vulkan".gpu_shrink(own, 0, 0, 8)
       local d = description {}
       local one = assert(ylm.bake(d, lamps, { occupied = floor, device = own }))
@@ -279,7 +272,7 @@ describe("an adaptive grid refined on a device", function()
     end)
 
     it("for want of memory says so, gives back what it took, and the device goes on working", function()
-      local own = assert(ylm.vulkan.open { device = chosen, validate = true })
+      local own = device.open { validate = true }
       local shrink, whole = require "ylm.c.vulkan".gpu_shrink, own.limits.memory_bytes
       local codes, good, first = {}, 0, nil
       for k = 8, 24 do
@@ -301,7 +294,7 @@ describe("an adaptive grid refined on a device", function()
     end)
 
     it("for a device that is lost, says so", function()
-      local own = assert(ylm.vulkan.open { device = chosen })
+      local own = device.open()
       local n = 0
       local message, code = failed(own, { progress = function()
         n = n + 1

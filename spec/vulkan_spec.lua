@@ -1,5 +1,6 @@
 -- Devices, their memory and their work. On Mesa's lavapipe, where there is no other device.
 
+local device = require "spec.support.gpu"
 local scratch = require "spec.support.scratch"
 local ylm = require "ylm"
 
@@ -55,26 +56,18 @@ describe("ylm.vulkan", function()
     return
   end
 
-  --- The device to test with: one in software, so that results do not depend on the machine.
-  local chosen = 1
-  for i, d in ipairs(devices) do if d.type == "cpu" and d.usable then chosen = i end end
-  local opened = {}
+  local chosen, opened = device.choose(), {}
 
   local function open(options)
     options = options or {}
-    options.device = options.device or chosen
     if options.validate == nil then options.validate = true end
-    local gpu = assert(ylm.vulkan.open(options))
+    local gpu = device.open(options)
     opened[#opened + 1] = gpu
     return gpu
   end
 
   after_each(function()
-    for _, gpu in ipairs(opened) do
-      gpu:close()
-      assert.equal("", gpu.message)
-      assert.equal(0, gpu.messages)
-    end
+    for _, gpu in ipairs(opened) do device.close_silent(gpu) end
     opened = {}
   end)
 
@@ -123,7 +116,7 @@ describe("ylm.vulkan", function()
 
     it("hear what the validation layer says", function()
       -- an array that outlives its device without our knowing cannot be made: so a bad use of the interface is
-      local gpu = assert(ylm.vulkan.open { device = chosen, validate = true })
+      local gpu = device.open { validate = true }
       assert.equal(0, gpu.messages)
       binding.gpu_blunder(gpu)
       assert(gpu.messages >= 1 and #gpu.message > 20, gpu.message)
@@ -202,7 +195,7 @@ describe("ylm.vulkan", function()
     end)
 
     it("keep their device open, and are refused once it is closed", function()
-      local gpu = ylm.vulkan.open { device = chosen, validate = true }
+      local gpu = device.open { validate = true }
       local there = gpu:array { 1, 2, 3 }
       gpu = nil -- luacheck: ignore
       collectgarbage()
@@ -231,7 +224,7 @@ describe("ylm.vulkan", function()
 
     it("are collected in any order", function()
       for order = 1, 2 do
-        local gpu = ylm.vulkan.open { device = chosen, validate = true }
+        local gpu = device.open { validate = true }
         local held = { gpu = gpu, list = {} }
         for i = 1, 20 do held.list[i] = gpu:array { i } end
         if order == 1 then held.list = nil else gpu, held.gpu = nil, nil end -- luacheck: ignore

@@ -1,10 +1,16 @@
---- The device that Vulkan specs of light run on.
+--- The device that Vulkan specs run on.
+--
+--     describe("lights on a device", function()
+--       local gpu = device.here()
+--       if not gpu then return end
 
+local busted = require "busted"
 local ylm = require "ylm"
 
 local gpu = {}
 
---- The number of the device to open: one in software where there is one. Without any: nil, message.
+--- The number of the device to open: one in software where there is one, so that results do not depend on the machine.
+-- Without any: nil, message.
 function gpu.choose()
   local devices, missing = ylm.vulkan.devices()
   if not devices then return nil, missing end
@@ -13,10 +19,29 @@ function gpu.choose()
   return chosen
 end
 
+--- Opens the chosen device with these options of ylm.vulkan.open.
+function gpu.open(options)
+  local o = { device = gpu.choose() }
+  for k, v in pairs(options or {}) do o[k] = v end
+  return assert(ylm.vulkan.open(o))
+end
+
 --- Closes a device that was opened with validation, which must have had nothing to say.
 function gpu.close_silent(open)
   open:close()
   assert(open.messages == 0 and open.message == "", open.message)
+end
+
+--- In a describe block: its device, opened with validation and closed behind it. Without any: nil, and a pending spec.
+function gpu.here()
+  local chosen, missing = gpu.choose()
+  if not chosen then
+    busted.pending("no Vulkan device: " .. missing)
+    return nil
+  end
+  local open = gpu.open { validate = true }
+  busted.teardown(function() gpu.close_silent(open) end)
+  return open
 end
 
 return gpu
