@@ -1,5 +1,5 @@
 /*
-** Spherical harmonics at points, any degree: the recurrences of csrc/sh/sh_kernel.h, which says what
+** Spherical harmonics at points, any degree: the loops around gen/recurrence.glsl; csrc/sh/sh_kernel.h says what
 ** the coefficients are. One item a point, which keeps nothing but what it writes: lower degrees are read
 ** back from the results, and D of degree l waits in the values of degree l + 1.
 */
@@ -20,6 +20,7 @@ PUSH {
   uint n, lmax;
 };
 
+#include "gen/recurrence.glsl"
 #include "unit.glsl"
 
 uint at;      /* of this point's results */
@@ -28,6 +29,9 @@ real inverse; /* 1 / |v| (solid: 1) */
 
 /* Where degree l, order m is. */
 uint place(int l, int m) { return at + uint(l * (l + 1) + m); }
+
+/* Cosine and sine of degree l, order q. */
+rvec2 pair(int l, int q) { return rvec2(value[place(l, q)], q > 0 ? value[place(l, -q)] : REAL(0)); }
 
 /* The value over |v| of degree l, order m; 0 beyond the degree. */
 real p(int l, int m) { return abs(m) <= l ? value[place(l, m)] * inverse : REAL(0); }
@@ -45,67 +49,65 @@ rvec3 climb_gradient(int l, int m) {
 
 rvec3 sine_gradient(int l, int q) { return q > 0 ? climb_gradient(l, -q) : rvec3(0); }
 
+/* Writes the cosine and, where q > 0, the sine of degree l, order q. */
+void put(int l, int q, real c, real s) {
+  value[place(l, q)] = c;
+  if (q > 0) value[place(l, -q)] = s;
+}
+
 /* Values of degree l; D is 0 where q = l. */
 void values(int l, uint k, real sign_z, real o, real r2) {
+  real c, s, dc, ds;
   for (int q = 0; q < l; q++, k += 7) {
-    for (int m = q; m >= -q; m -= max(2 * q, 1)) {
-      real f = value[place(l - 1, m)];
-      if (SOLID)
-        value[place(l, m)] = table[k] * w.z * f - (l - 2 >= q ? table[k + 1] * r2 * value[place(l - 2, m)] : REAL(0));
-      else {
-        real d = sign_z * table[k + 5] * (q < l - 1 ? value[place(l, m)] : REAL(0)) - table[k] * o * f;
-        value[place(l, m)] = sign_z * table[k + 6] * f + d;
-        if (l < int(lmax)) value[place(l + 1, m)] = d;
-      }
+    rvec2 f = pair(l - 1, q);
+    if (SOLID) {
+      rvec2 b = l - 2 >= q ? pair(l - 2, q) : rvec2(0);
+      sh_solid(table[k], table[k + 1], w.z, r2, f.x, f.y, b.x, b.y, c, s);
+    } else {
+      rvec2 d = q < l - 1 ? pair(l, q) : rvec2(0);
+      sh_stable(table[k], table[k + 5], table[k + 6], sign_z, o, f.x, f.y, d.x, d.y, c, s, dc, ds);
+      if (l < int(lmax)) put(l + 1, q, dc, ds);
     }
+    put(l, q, c, s);
   }
-  real c = value[place(l - 1, l - 1)], s = l > 1 ? value[place(l - 1, 1 - l)] : REAL(0);
-  value[place(l, l)] = table[k] * (w.x * c - w.y * s);
-  value[place(l, -l)] = table[k] * (w.x * s + w.y * c);
+  rvec2 f = pair(l - 1, l - 1);
+  sh_turn(table[k], w.x, w.y, f.x, f.y, c, s);
+  put(l, l, c, s);
 }
 
 /* Writes the derivatives of Y of degree l, order m from those of the solid harmonic. */
-void finish(int l, int m, rvec3 g, real hxx, real hxy, real hxz, real hyz, real hzz) {
+void finish(int l, int m, rvec3 g, real h[6]) {
   uint k = place(l, m);
-  real t = SOLID ? REAL(0) : real(l) * p(l, m);
-  rvec3 dy = g - t * w;
+  rvec3 dy = g;
+  if (!SOLID) sh_surface(real(l), p(l, m), w, g, dy);
   for (int c = 0; c < 3; c++) gradient[3 * k + c] = dy[c];
   if (ORDER < 2) return;
-  k *= 6;
-  if (SOLID) {
-    hessian[k] = hxx, hessian[k + 1] = hxy, hessian[k + 2] = hxz;
-    hessian[k + 3] = -hxx - hzz, hessian[k + 4] = hyz, hessian[k + 5] = hzz;
-    return;
-  }
-  rvec3 u = dy + (real(l - 2) / real(2 * l)) * t * w, lwd = real(l) * inverse * w;
-  real t2 = t * inverse, xx = hxx - t2 - 2 * u.x * lwd.x, zz = hzz - t2 - 2 * u.z * lwd.z;
-  hessian[k] = xx;
-  hessian[k + 1] = hxy - u.x * lwd.y - u.y * lwd.x;
-  hessian[k + 2] = hxz - u.x * lwd.z - u.z * lwd.x;
-  hessian[k + 3] = -real(l + 1) * t2 - xx - zz;
-  hessian[k + 4] = hyz - u.y * lwd.z - u.z * lwd.y;
-  hessian[k + 5] = zz;
+  real own[6] = h;
+  if (SOLID)
+    sh_yy(h[0], h[5], own[3]);
+  else
+    sh_surface_twice(real(l), inverse, p(l, m), w, real(l) * inverse * w, dy, h, own);
+  for (int c = 0; c < 6; c++) hessian[6 * k + c] = own[c];
 }
 
 /* Derivatives of degree l >= 1 from degree l-1, by the ladder. */
 void derivatives(int l, uint k) {
   int b = l - 1;
-  for (int q = 0; q <= l; q++, k += 7) {
-    real e = table[k + 2], A = q > 0 ? table[k + 3] : REAL(0), B = table[k + 4];
-    rvec3 low = rvec3(0), lows = rvec3(0), up = rvec3(0), ups = rvec3(0), same = rvec3(0), sames = rvec3(0);
-    if (ORDER > 1) {
-      if (q > 0) low = climb_gradient(b, q - 1), lows = sine_gradient(b, q - 1);
-      up = climb_gradient(b, q + 1), ups = sine_gradient(b, q + 1);
-      same = climb_gradient(b, q), sames = sine_gradient(b, q);
-    }
-    real pl = q > 0 ? p(b, q - 1) : REAL(0), pls = ps(b, q - 1), pu = p(b, q + 1), pus = ps(b, q + 1);
-    rvec3 x = A * low + B * up, y = B * ups - A * lows;
-    finish(l, q, rvec3(A * pl + B * pu, B * pus - A * pls, e * p(b, q)), x.x, x.y, e * same.x, e * same.y,
-           e * same.z);
-    if (q == 0) continue;
-    x = A * lows + B * ups;
-    finish(l, -q, rvec3(A * pls + B * pus, A * pl - B * pu, e * ps(b, q)), x.x, x.y, e * sames.x,
-           e * sames.y, e * sames.z);
+  rvec3 g;
+  real h[6] = real[6](0, 0, 0, 0, 0, 0), e = table[k + 2], B = table[k + 4];
+  sh_gradient_zero(e, B, p(b, 0), p(b, 1), ps(b, 1), g);
+  if (ORDER > 1) sh_hessian_zero(e, B, climb_gradient(b, 1), climb_gradient(b, 0), h);
+  finish(l, 0, g, h);
+  for (int q = 1; q <= l; q++) {
+    k += 7;
+    e = table[k + 2], B = table[k + 4];
+    real A = table[k + 3], cl = p(b, q - 1), sl = ps(b, q - 1), cu = p(b, q + 1), su = ps(b, q + 1);
+    sh_gradient_cosine(e, A, B, p(b, q), cl, sl, cu, su, g);
+    if (ORDER > 1) sh_hessian(e, A, B, climb_gradient(b, q - 1), climb_gradient(b, q + 1), climb_gradient(b, q), h);
+    finish(l, q, g, h);
+    sh_gradient_sine(e, A, B, ps(b, q), cl, sl, cu, su, g);
+    if (ORDER > 1) sh_hessian(e, A, B, sine_gradient(b, q - 1), sine_gradient(b, q + 1), sine_gradient(b, q), h);
+    finish(l, -q, g, h);
   }
 }
 

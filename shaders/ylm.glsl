@@ -20,9 +20,11 @@ layout(local_size_x_id = 0) in;
 
 #ifdef YLM_DOUBLE
 #define real double
+#define rvec2 dvec2
 #define rvec3 dvec3
 #else
 #define real float
+#define rvec2 vec2
 #define rvec3 vec3
 #endif
 #define REAL(x) real(x)

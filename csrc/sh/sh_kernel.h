@@ -10,10 +10,13 @@
 **   dS_lq/dy = -+ A S_(l-1)(q-1) +- B S_(l-1)(q+1)   (cosine with sine)
 **   dS_lq/dz = e S_(l-1)q
 ** whose seven coefficients a b e A B b' c' stand in job->table for each l, q. Second
-** derivatives climb it twice. Then derivatives of Y at v = d w follow from Iwasaki & Dobashi 2025, Eq. 17, with
-** trace(HY) = -l(l+1) Y / d^2. docs/math.md "Evaluating the basis" derives this.
+** derivatives climb it twice. Then derivatives of Y at v = d w follow from Iwasaki & Dobashi 2025,
+** Eq. 17, with trace(HY) = -l(l+1) Y / d^2. docs/math.md "Evaluating the basis" derives this. The
+** steps are generated, for shaders/sh_recurrence.real.comp too: gen/recurrence.h.
 */
 #include "sh_simd.h"
+
+#include "gen/recurrence.h"
 
 /* Columns that wait for a whole block; flushed when there are this many. */
 #define WAITING 96
@@ -69,26 +72,19 @@ YLM_INLINE void rotate_rows(state *s) {
 
 /* Values of degree l >= 1; `r2` is |v|^2 for solid harmonics, else unused. */
 YLM_INLINE void values(state *s, int l, const real *k, bool solid, vreal r2) {
-  vreal x = s->w[0], y = s->w[1], z = s->w[2];
-  const row f0 = s->f0, f1 = s->f1, f2 = s->f2;
+  const vreal z = s->w[2], sign = s->sign, o = s->o;
+  const row f0 = s->f0, f1 = s->f1, f2 = s->f2, d0 = s->d0, d1 = s->d1;
   const bool stable = sizeof(real) == sizeof(float) && !solid;
-  for (int q = 0; stable && q < l; q++, k += 7) {
-    const row d0 = s->d0, d1 = s->d1;
-    vreal ao = k[0] * s->o, b = k[5] * s->sign, c = k[6] * s->sign;
-    d0.c[q] = b * d1.c[q] - ao * f1.c[q];
-    d0.s[q] = b * d1.s[q] - ao * f1.s[q];
-    f0.c[q] = c * f1.c[q] + d0.c[q];
-    f0.s[q] = c * f1.s[q] + d0.s[q];
-  }
-  for (int q = 0; !stable && q < l; q++, k += 7) {
-    vreal az = k[0] * z, b = solid ? k[1] * r2 : sh_set(k[1]);
-    f0.c[q] = az * f1.c[q] - b * f2.c[q];
-    f0.s[q] = az * f1.s[q] - b * f2.s[q];
-  }
-  vreal ax = k[0] * x, ay = k[0] * y;
-  f0.c[l] = ax * f1.c[l - 1] - ay * f1.s[l - 1];
-  f0.s[l] = ax * f1.s[l - 1] + ay * f1.c[l - 1];
-  if (stable) s->d0.c[l] = s->d0.s[l] = sh_set(0);
+  for (int q = 0; q < l; q++, k += 7)
+    if (stable)
+      sh_stable(k[0], k[5], k[6], sign, o, f1.c[q], f1.s[q], d1.c[q], d1.s[q], &f0.c[q], &f0.s[q],
+                &d0.c[q], &d0.s[q]);
+    else if (solid)
+      sh_solid(k[0], k[1], z, r2, f1.c[q], f1.s[q], f2.c[q], f2.s[q], &f0.c[q], &f0.s[q]);
+    else
+      sh_plain(k[0], k[1], z, f1.c[q], f1.s[q], f2.c[q], f2.s[q], &f0.c[q], &f0.s[q]);
+  sh_turn(k[0], s->w[0], s->w[1], f1.c[l - 1], f1.s[l - 1], &f0.c[l], &f0.s[l]);
+  if (stable) d0.c[l] = d0.s[l] = sh_set(0);
 }
 
 /* A coefficient's gradient and Hessian: from those of the solid harmonic to those of Y. */
@@ -98,22 +94,16 @@ YLM_INLINE void finish(const state *s, int order, bool solid, real l, const vrea
     for (int c = 0; c < 3; c++) dy[c] = g[c];
     if (order < 2) return;
     for (int c = 0; c < 3; c++) scaled[c] = g[c];
-    h[3] = -h[0] - h[5];
+    sh_yy(h[0], h[5], &h[3]);
     for (int c = 0; c < 6; c++) ddy[c] = h[c];
     return;
   }
-  vreal t = l * p, u[3];
-  for (int c = 0; c < 3; c++) dy[c] = g[c] - t * s->w[c];
+  vreal u[3];
+  sh_surface(l, p, s->w, g, u);
+  for (int c = 0; c < 3; c++) dy[c] = u[c];
   if (order < 2) return;
-  vreal kt = ((l - 2) / (2 * l)) * t, t2 = t * s->inverse;
   for (int c = 0; c < 3; c++) scaled[c] = g[c] * s->inverse;
-  for (int c = 0; c < 3; c++) u[c] = dy[c] + kt * s->w[c];
-  ddy[0] = h[0] - t2 - u[0] * (lwd[0] + lwd[0]);
-  ddy[1] = h[1] - u[0] * lwd[1] - u[1] * lwd[0];
-  ddy[2] = h[2] - u[0] * lwd[2] - u[2] * lwd[0];
-  ddy[4] = h[4] - u[1] * lwd[2] - u[2] * lwd[1];
-  ddy[5] = h[5] - t2 - u[2] * (lwd[2] + lwd[2]);
-  ddy[3] = -(l + 1) * t2 - ddy[0] - ddy[5];
+  sh_surface_twice(l, s->inverse, p, s->w, lwd, u, h, ddy);
 }
 
 /* Derivatives of degree l from the rows of degree l-1. */
@@ -122,35 +112,19 @@ YLM_INLINE void derivatives(state *s, int l, const real *k, int order, bool soli
   const row p0 = s->p0, p1 = s->p1, g0 = s->g0, g1 = s->g1;
   vreal g[3], h[6], lwd[3];
   for (int c = 0; c < 3; c++) lwd[c] = (real)l * s->wd[c];
-  {
-    vreal e = sh_set(k[2]), B = sh_set(k[4]);
-    g[0] = B * p1.c[1], g[1] = B * p1.s[1], g[2] = e * p1.c[0];
-    if (order > 1) {
-      h[0] = B * g1.c[3], h[1] = B * g1.c[4];
-      h[2] = e * g1.c[0], h[4] = e * g1.c[1], h[5] = e * g1.c[2];
-    }
-    finish(s, order, solid, (real)l, lwd, p0.c[0], g, h, dy + 3 * l, ddy + 6 * l, g0.c);
-  }
+  sh_gradient_zero(k[2], k[4], p1.c[0], p1.c[1], p1.s[1], g);
+  if (order > 1) sh_hessian_zero(k[2], k[4], g1.c + 3, g1.c, h);
+  finish(s, order, solid, (real)l, lwd, p0.c[0], g, h, dy + 3 * l, ddy + 6 * l, g0.c);
   for (int q = 1; q <= l; q++) {
     k += 7;
-    vreal e = sh_set(k[2]), A = sh_set(k[3]), B = sh_set(k[4]);
-    const vreal *lc = g1.c + 3 * (q - 1), *ls = g1.s + 3 * (q - 1);
-    g[0] = A * p1.c[q - 1] + B * p1.c[q + 1];
-    g[1] = B * p1.s[q + 1] - A * p1.s[q - 1];
-    g[2] = e * p1.c[q];
-    if (order > 1) {
-      h[0] = A * lc[0] + B * lc[6], h[1] = A * lc[1] + B * lc[7];
-      h[2] = e * lc[3], h[4] = e * lc[4], h[5] = e * lc[5];
-    }
+    const real e = k[2], A = k[3], B = k[4];
+    const vreal *c = p1.c + q, *sine = p1.s + q, *gc = g1.c + 3 * q, *gs = g1.s + 3 * q;
+    sh_gradient_cosine(e, A, B, c[0], c[-1], sine[-1], c[1], sine[1], g);
+    if (order > 1) sh_hessian(e, A, B, gc - 3, gc + 3, gc, h);
     finish(s, order, solid, (real)l, lwd, p0.c[q], g, h, dy + 3 * (l + q), ddy + 6 * (l + q),
            g0.c + 3 * q);
-    g[0] = A * p1.s[q - 1] + B * p1.s[q + 1];
-    g[1] = A * p1.c[q - 1] - B * p1.c[q + 1];
-    g[2] = e * p1.s[q];
-    if (order > 1) {
-      h[0] = A * ls[0] + B * ls[6], h[1] = A * ls[1] + B * ls[7];
-      h[2] = e * ls[3], h[4] = e * ls[4], h[5] = e * ls[5];
-    }
+    sh_gradient_sine(e, A, B, sine[0], c[-1], sine[-1], c[1], sine[1], g);
+    if (order > 1) sh_hessian(e, A, B, gs - 3, gs + 3, gs, h);
     finish(s, order, solid, (real)l, lwd, p0.s[q], g, h, dy + 3 * (l - q), ddy + 6 * (l - q),
            g0.s + 3 * q);
   }

@@ -30,6 +30,14 @@ local languages = {
     pure = function(text) return "zero + " .. text .. "f" end,
     sqrt = "sqrtf(%s)",
   },
+  -- C for lanes: vectors vreal of elements real.
+  lanes = {
+    temporary = "const vreal %s = %s;",
+    scalar = "const real %s = %s;",
+    constant = function(text) return "(real)" .. text end,
+    pure = function(text) return "sh_set((real)" .. text .. ")" end,
+    sqrt = "YLM_SQRT(%s)",
+  },
   -- GLSL of either precision: real and REAL(constant) are macros (shaders/ylm.glsl).
   shader = {
     temporary = "real %s = %s;",
@@ -62,7 +70,7 @@ function emit.statements(outputs, language, before)
   local function name_it(n, text)
     count = count + 1
     names[n] = "t" .. count
-    lines[#lines + 1] = style.temporary:format(names[n], text)
+    lines[#lines + 1] = (n.scalar and style.scalar or style.temporary):format(names[n], text)
     return names[n]
   end
 

@@ -25,6 +25,7 @@ function expression.graph()
     local n = by_key[key]
     if not n then
       n = setmetatable({ graph = g, id = #nodes + 1, op = op, a = a, b = b }, node)
+      n.scalar = op == "constant" or (a and a.scalar and (not b or b.scalar)) or false
       nodes[n.id] = n
       by_key[key] = n
     end
@@ -38,9 +39,10 @@ function expression.graph()
     return n
   end
 
-  function g.variable(name)
+  --- scalar: the same number for all lanes of a vector; what follows from such numbers alone is one too (node.scalar).
+  function g.variable(name, scalar)
     local n = make("variable " .. name, "variable")
-    n.name = name
+    n.name, n.scalar = name, scalar or false
     return n
   end
 

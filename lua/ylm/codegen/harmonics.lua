@@ -35,13 +35,22 @@ function harmonics.coefficients(l, q)
   return a, b, e, A, B, a - c, c
 end
 
+--- c_(m+1), s_(m+1) from c_m, s_m: (x + iy)(c + is).
+function harmonics.turn(x, y, c, s) return x * c - y * s, x * s + y * c end
+
+--- The degree above in a recurrence in z, from f of one degree below and `before` of two: a z f - b r2 before.
+function harmonics.step(a, b, z, r2, f, before) return (a * z) * f - (b * r2) * before end
+
+--- The same from f and its difference d, which keeps its digits near the poles, with o = 1 - |z|: the new f and d.
+function harmonics.stable_step(a, b, c, o, f, d)
+  local difference = b * d - (a * o) * f
+  return c * f + difference, difference
+end
+
 --- c_m = r^m cos(m phi), s_m = r^m sin(m phi) for m = 0 .. lmax (2025, Eq. 14).
 local function azimuths(g, lmax, x, y)
   local c, s = { [0] = g.constant(1) }, { [0] = g.constant(0) }
-  for m = 1, lmax do
-    c[m] = x * c[m - 1] - y * s[m - 1]
-    s[m] = x * s[m - 1] + y * c[m - 1]
-  end
+  for m = 1, lmax do c[m], s[m] = harmonics.turn(x, y, c[m - 1], s[m - 1]) end
   return c, s
 end
 
@@ -56,7 +65,7 @@ local function polynomials(g, lmax, z, r2)
       else
         local k = l - 1
         local beta = (k * k - q * q) / (4 * k * k - 1)
-        p[l][q] = z * p[l - 1][q] - (beta * r2) * p[l - 2][q]
+        p[l][q] = harmonics.step(1, beta, z, r2, p[l - 1][q], p[l - 2][q])
       end
     end
   end
@@ -75,8 +84,7 @@ local function stable_polynomials(g, lmax, sign, o)
     p[q][q], n[q][q] = R, 1
     for l = q + 1, lmax do
       local A = (2 * l - 1) / (l + q)
-      d = (A - 1) * d - (A * o) * R
-      R = R + d
+      R, d = harmonics.stable_step(A, A - 1, 1, o, R, d)
       -- the monic polynomial's value at the pole: q^_l(1) = q^_(l-1)(1) (l+q) / (2l-1)
       pole = pole * (l + q) / (2 * l - 1)
       p[l][q], n[l][q] = (l + q) % 2 == 1 and sign * R or R, pole
@@ -96,6 +104,13 @@ local function values(p, n, c, s, l)
   return f
 end
 
+--- d/dx, d/dy, d/dz of the cosine and of the sine of order q from the degree below: c(q), s(q) are its functions, 0 where
+-- there is none.
+function harmonics.rise(e, A, B, c, s, q)
+  return { A * c(q - 1) + B * c(q + 1), B * s(q + 1) - A * s(q - 1), e * c(q) },
+    { A * s(q - 1) + B * s(q + 1), A * c(q - 1) - B * c(q + 1), e * s(q) }
+end
+
 --- d/dx and d/dy and d/dz of degree l from the functions `f` of degree l-1 (by m): { [m] = {x, y, z} }.
 local function climb(g, l, f)
   local zero = g.constant(0)
@@ -104,11 +119,8 @@ local function climb(g, l, f)
   local out = {}
   for q = 0, l do
     local e, A, B = ladder(l, q)
-    if q == 0 then out[0] = { B * c(1), B * s(1), e * c(0) }
-    else
-      out[q] = { A * c(q - 1) + B * c(q + 1), B * s(q + 1) - A * s(q - 1), e * c(q) }
-      out[-q] = { A * s(q - 1) + B * s(q + 1), A * c(q - 1) - B * c(q + 1), e * s(q) }
-    end
+    out[q], out[-q] = harmonics.rise(e, A, B, c, s, q)
+    if q == 0 then out[0] = harmonics.rise(e, A, B, c, s, 0) end
   end
   return out
 end
@@ -128,28 +140,32 @@ local function climb_twice(g, l, gradients)
   local out = {}
   for m = -l, l do
     local xx, zz = by_x[m][1], by_z[m][3]
-    out[m] = { xx, by_x[m][2], by_x[m][3], -xx - zz, by_y[m][3], zz }
+    out[m] = { xx, by_x[m][2], by_x[m][3], harmonics.harmonic_yy(xx, zz), by_y[m][3], zz }
   end
   return out
 end
 
 --- The gradient of Y(v/|v|) from that of the solid harmonic; tw = l Y / |v| times the unit vector.
-local function project(gradient, tw)
+function harmonics.project(gradient, tw)
   return { gradient[1] - tw[1], gradient[2] - tw[2], gradient[3] - tw[3] }
 end
 
+--- What of tw goes with dY into U, below.
+function harmonics.share(l) return (l - 2) / (2 * l) end
+
+--- yy of a solid harmonic's Hessian, whose trace is 0.
+function harmonics.harmonic_yy(xx, zz) return -xx - zz end
+
 --- The Hessian of Y(v/|v|): HS - t2 I - l (U wd^T + wd U^T), U = dY + (l-2)/(2l) tw, wd = w / |v|.
--- `lwd` is l wd, `lwd2` twice that, t2 = l Y / |v|^2; the trace is -(l+1) t2.
-local function project_twice(h, l, dy, tw, t2, lwd, lwd2)
-  local U = {}
-  for i = 1, 3 do U[i] = dy[i] + ((l - 2) / (2 * l)) * tw[i] end
+-- `lwd` is l wd, `lwd2` twice that, t2 = l Y / |v|^2; the trace is `trace` t2, trace = -(l+1).
+function harmonics.project_twice(h, trace, U, t2, lwd, lwd2)
   local xx = h[1] - t2 - U[1] * lwd2[1]
   local zz = h[6] - t2 - U[3] * lwd2[3]
   return {
     xx,
     h[2] - U[1] * lwd[2] - U[2] * lwd[1],
     h[3] - U[1] * lwd[3] - U[3] * lwd[1],
-    -(l + 1) * t2 - xx - zz,
+    trace * t2 - xx - zz,
     h[5] - U[2] * lwd[3] - U[3] * lwd[2],
     zz,
   }
@@ -190,11 +206,16 @@ function harmonics.build(g, lmax, options)
       if order > 0 then
         t = l * scaled[m]
         tw = { t * w[1], t * w[2], t * w[3] }
-        dy = (solid or l == 0) and gradients[m] or project(gradients[m], tw)
+        dy = (solid or l == 0) and gradients[m] or harmonics.project(gradients[m], tw)
         for i = 1, 3 do out("dY", 3 * k + i - 1, dy[i]) end
       end
       if order > 1 then
-        local h = (solid or l == 0) and hessians[m] or project_twice(hessians[m], l, dy, tw, t * scale, lwd, lwd2)
+        local h = hessians[m]
+        if not solid and l > 0 then
+          local U = {}
+          for i = 1, 3 do U[i] = dy[i] + harmonics.share(l) * tw[i] end
+          h = harmonics.project_twice(h, -(l + 1), U, t * scale, lwd, lwd2)
+        end
         for i = 1, 6 do out("ddY", 6 * k + i - 1, h[i]) end
       end
     end

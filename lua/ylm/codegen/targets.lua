@@ -16,6 +16,9 @@ targets[#targets + 1] = { "csrc/sh/gen/gaunt_low.h", "ylm.codegen.gaunt" }
 targets[#targets + 1] = { "shaders/gen/sh.glsl", "ylm.codegen.sh_shader", { lmax = 4, solid = false } }
 targets[#targets + 1] = { "shaders/gen/sh_solid.glsl", "ylm.codegen.sh_shader", { lmax = 4, solid = true } }
 
+targets[#targets + 1] = { "shaders/gen/recurrence.glsl", "ylm.codegen.recurrence", "shader" }
+targets[#targets + 1] = { "csrc/sh/gen/recurrence.h", "ylm.codegen.recurrence", "lanes" }
+
 targets[#targets + 1] = { "shaders/gen/eigenvalue.glsl", "ylm.codegen.eigenvalue", "glsl" }
 targets[#targets + 1] = { "csrc/light/gen/eigenvalue.h", "ylm.codegen.eigenvalue", "c" }
 targets[#targets + 1] = { "shaders/gen/interpolation.glsl", "ylm.codegen.interpolation", "glsl" }
