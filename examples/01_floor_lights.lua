@@ -14,11 +14,9 @@ local started = core.seconds()
 
 local here = arg[0]:match "^(.*/)" or "./"
 local common = dofile(here .. "common.lua")
-local option = common.options({ mesh = "", out = "out", width = 1280, height = 720, samples = 9, tolerance = 0.01,
-  exposure = 1.9, quiet = false, nopictures = false },
-  "ylm run examples/01_floor_lights.lua [--mesh FILE] [--out DIR] [--width N] [--height N] [--samples N] "
-    .. "[--tolerance X] [--exposure STOPS] [--nopictures] [--quiet]")
-local out = common.folder(option.out) .. "/"
+local option = common.options { mesh = "", out = "out", width = 1280, height = 720, samples = 9, tolerance = 0.01,
+  exposure = 1.9, quiet = false, nopictures = false }
+local out = option.out
 local progress = not option.quiet or nil
 local size, tone, exposure = { option.width, option.height }, "hable", option.exposure
 
@@ -189,11 +187,7 @@ end
 local above = ylm.camera { from = { 6.2, 6.4, 9.0 }, at = { 0, 0.45, 0 }, fov = 38 }
 local solid = { { mesh = scene.geometry[2].mesh, colour = { 0.80, 0.80, 0.82 } } }
 
---- Saves a picture and says so.
-local function save(picture, name)
-  assert(picture:save(out .. name))
-  print("  " .. out .. name)
-end
+local function save(picture, name) common.save(picture, out .. name) end
 
 --- A view of the grid from above, or by the scene's own camera.
 local function from_above(fields)

@@ -1,7 +1,7 @@
 -- Two lamps on the floor of a room: an adaptive grid against uniform grids of equal cost, shaded at the
 -- vertices as in the paper and at every pixel.
 --
---     ylm run examples/02_two_lamps.lua [--out DIR] [--width N] [--height N] [--samples N]
+--     ylm run examples/02_two_lamps.lua [--out DIR] [--width N] [--height N] [--samples N] [--exposure STOPS] [--quiet]
 --
 -- The experiment of Iwasaki & Dobashi 2025, Figs. 6 and 8, on examples/scenes/two_lamps.lua: absolute
 -- metric, threshold 0.15. Leaves two_lamps.png and two_lamps_errors.png.
@@ -10,11 +10,9 @@ local ylm = require "ylm"
 
 local here = arg[0]:match "^(.*/)" or "./"
 local common = dofile(here .. "common.lua")
-local option = common.options({ out = "out", width = 1024, height = 768, samples = 9, exposure = 1,
-  quiet = false },
-  "ylm run examples/02_two_lamps.lua [--out DIR] [--width N] [--height N] [--samples N] [--exposure STOPS] "
-    .. "[--quiet]")
-local out = common.folder(option.out) .. "/"
+local option = common.options { out = "out", width = 1024, height = 768, samples = 9, exposure = 1,
+  quiet = false }
+local out = option.out
 
 local scene = assert(ylm.load_scene(here .. "scenes/two_lamps.lua"))
 local kept = {}
@@ -64,14 +62,14 @@ compare "vertex"
 compare "pixel"
 
 local best = kept.pixel
-assert(best.ours.image:save(out .. "two_lamps.png", { tone = "hable", exposure = option.exposure }))
+common.save(best.ours.image, out .. "two_lamps.png", { tone = "hable", exposure = option.exposure })
 
 local function error_values(image) return common.error_values(image:difference(best.truth)) end
 
 local function shown(image, caption)
   return { image = image, tone = "hable", exposure = option.exposure, caption = caption }
 end
-assert(ylm.figure {
+common.save(ylm.figure {
   rows = {
     { shown(best.ours.image, ("adaptive: %d points, %.1f dB"):format(best.ours.stats.points, best.ours.error.psnr)),
       shown(best.equal.image, ("uniform %d^3: %d points, %.1f dB"):format(best.n, best.equal.stats.points,
@@ -82,5 +80,4 @@ assert(ylm.figure {
   bar = { range = { 1e-6, 1e-1 }, log = true, label = "|radiance - reference|", unit = "W sr^-1 m^-2" },
   width = 1600,
   title = "Two lamps on the floor, equal cost",
-}:save(out .. "two_lamps_errors.png"))
-print(out .. "two_lamps.png " .. out .. "two_lamps_errors.png")
+}, out .. "two_lamps_errors.png")

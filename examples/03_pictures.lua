@@ -1,18 +1,14 @@
 -- Every kind of picture that ylm.view, ylm.plot and ylm.figure make, of one small scene.
 --
---     ylm run examples/03_pictures.lua        (writes out/pictures/*.png and out/pictures/grid.vtu)
+--     ylm run examples/03_pictures.lua [--out out/pictures]
 --
 -- Metres, degrees, W sr^-1 m^-2; y is up.
 
 local ylm = require "ylm"
+local common = dofile((arg[0]:match "^(.*/)" or "./") .. "common.lua")
+local out = common.options({ out = "out/pictures" }).out
 
-local out = "out/pictures/"
-os.execute("mkdir -p " .. out)
-
-local function save(picture, name)
-  assert(picture:save(out .. name .. ".png"))
-  print(out .. name .. ".png")
-end
+local function save(picture, name) common.save(picture, out .. name .. ".png") end
 
 -- A knot over a floor, and a spiral of lamps (Vogel 1979) that nearly touch it ------------------
 

@@ -15,11 +15,9 @@ local core = require "ylm.c.core"
 
 local here = arg[0]:match "^(.*/)" or "./"
 local common = dofile(here .. "common.lua")
-local option = common.options({ out = "out", width = 480, height = 360, samples = 4, frames = 12, lamps = 3, step = 0.2,
-  tolerance = 0.02, depth = 9, exposure = 2.6, rays = 32, device = "", nopictures = false },
-  "ylm run examples/04_moving_lights.lua [--out DIR] [--width N] [--height N] [--samples N] [--frames N] [--lamps N] "
-    .. "[--step METRES] [--tolerance X] [--depth N] [--exposure STOPS] [--rays N] [--device NAME] [--nopictures]")
-local out = common.folder(option.out) .. "/"
+local option = common.options { out = "out", width = 480, height = 360, samples = 4, frames = 12, lamps = 3, step = 0.2,
+  tolerance = 0.02, depth = 9, exposure = 2.6, rays = 32, device = "", nopictures = false }
+local out = option.out
 local size = { option.width, option.height }
 
 --- Stops with the message of a call that failed.

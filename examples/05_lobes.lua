@@ -1,7 +1,7 @@
 -- Spherical harmonics as lobes: a light function, its projections, a window, a rotation, a product
 -- (Figs. 5-10 of Green 2003, "Spherical Harmonic Lighting: The Gritty Details").
 --
---     lua examples/05_lobes.lua [folder for pictures]
+--     lua examples/05_lobes.lua [--out DIR]
 --
 -- Writes lobes_bands.png (Fig. 5), lobes_projection.png (Figs. 6-8), lobes_rotation.png and lobes_product.png
 -- (Fig. 10), and prints what they show and the matrix of Fig. 9. Orange is positive, blue negative.
@@ -9,13 +9,12 @@
 local ylm = require "ylm"
 local common = dofile((arg[0]:match "^(.*/)" or "./") .. "common.lua")
 
-local folder = common.folder(arg[1] or ".")
+local out = common.options({ out = "out" }).out
 
 --- Pictures need VTK; without it the numbers are printed all the same.
 local function save(vectors, labels, title, name, height)
-  local ok, message = ylm.view { sh = vectors, labels = labels, title = title, size = { 1280, height or 480 },
-    direction = { 0, -1, 0.1 } }:save(folder .. "/" .. name)
-  print(ok and ("wrote " .. folder .. "/" .. name) or ("no picture: " .. tostring(message)))
+  common.save(ylm.view { sh = vectors, labels = labels, title = title, size = { 1280, height or 480 },
+    direction = { 0, -1, 0.1 } }, out .. name)
 end
 
 -- Fig. 5: the first five bands, a band to a row: 45 places, those beyond a band empty.

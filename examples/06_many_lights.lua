@@ -1,15 +1,13 @@
 -- Ten thousand lamps and more, to a tolerance: error against speed, and time against the number of lights.
 --
---     lua examples/06_many_lights.lua [--folder out] [--count 30000] [--most 1000000]
+--     lua examples/06_many_lights.lua [--out DIR] [--count 30000] [--most 100000]
 --
 -- Writes many_lights_error.png and many_lights_number.png, and prints what they show. Processor time of one thread.
 
 local ylm = require "ylm"
-local common = dofile((arg and arg[0] or "examples/06_many_lights.lua"):gsub("[^/]*$", "") .. "common.lua")
+local common = dofile((arg[0]:match "^(.*/)" or "./") .. "common.lua")
 
-local options = common.options({ folder = "out", count = 30000, most = 100000 },
-  "lua 06_many_lights.lua [--folder out] [--count 30000] [--most 100000]")
-common.folder(options.folder)
+local options = common.options { out = "out", count = 30000, most = 100000 }
 
 --- The same numbers in 0 .. 1 on every machine (Lehmer).
 local state = 12345
@@ -72,11 +70,7 @@ local function errors(a, b)
   return e[math.ceil(#e / 2)], e[#e]
 end
 
-local function save(plot, name)
-  local path = options.folder .. "/" .. name
-  local ok, message = plot:save(path)
-  print(ok and "wrote " .. path or "no picture: " .. tostring(message))
-end
+local function save(plot, name) common.save(plot, options.out .. name) end
 
 -- Error against speed -------------------------------------------------------------------------------
 

@@ -2,36 +2,55 @@
 
 local common = {}
 
---- Reads "--name value" and "--flag" into a copy of `defaults`; stops with the usage where a name is unknown.
--- A default of false makes a flag; the type of the default is the type of the value ("" for text).
-function common.options(defaults, usage)
-  local options = {}
-  for name, value in pairs(defaults) do options[name] = value end
-  local i = 1
-  while arg and arg[i] do
-    local name = arg[i]:match "^%-%-([%w_]+)$"
-    local default = defaults[name or ""]
-    local value = arg[i + 1]
-    if default == nil then error(("unknown option '%s'\nusage: %s"):format(arg[i], usage), 0) end
-    if default == false then options[name], i = true, i + 1
-    else
-      if type(default) == "number" then value = tonumber(value) end
-      if value == nil then error(("--%s needs a value\nusage: %s"):format(name, usage), 0) end
-      options[name], i = value, i + 2
-    end
+--- "usage: lua SCRIPT [--out out] [--quick] ...": the options by name, with what they are by default.
+local function usage(defaults)
+  local words = {}
+  for name, default in pairs(defaults) do
+    local value = default == "" and "TEXT" or tostring(default)
+    words[#words + 1] = default == false and ("[--%s]"):format(name) or ("[--%s %s]"):format(name, value)
   end
-  return options
+  table.sort(words)
+  return ("usage: %s %s"):format(arg[0], table.concat(words, " "))
 end
 
 --- Makes a folder, parents included; stops where nothing can be written there: before the work, not after it.
-function common.folder(path)
+local function folder(path)
   os.execute("mkdir -p '" .. path:gsub("'", "'\\''") .. "'")
   local name = path .. "/.writable"
   local file, message = io.open(name, "w")
   if not file then error(message, 0) end
   file:close()
   os.remove(name)
-  return path
+  return path .. "/"
+end
+
+--- Reads "--name value" and "--flag" into a copy of `defaults`; stops with the usage where a name is unknown.
+-- A default of false makes a flag; the type of the default is the type of the value ("" for text). `out` is a folder: it
+-- is made, and its name ends in a slash.
+function common.options(defaults)
+  local options = {}
+  for name, value in pairs(defaults) do options[name] = value end
+  local i = 1
+  while arg[i] do
+    local name = arg[i]:match "^%-%-([%w_]+)$"
+    local default = defaults[name or ""]
+    local value = arg[i + 1]
+    if default == nil then error(("unknown option '%s'\n%s"):format(arg[i], usage(defaults)), 0) end
+    if default == false then options[name], i = true, i + 1
+    else
+      if type(default) == "number" then value = tonumber(value) end
+      if value == nil then error(("--%s needs a value\n%s"):format(name, usage(defaults)), 0) end
+      options[name], i = value, i + 2
+    end
+  end
+  if options.out then options.out = folder(options.out) end
+  return options
+end
+
+--- Saves a picture and says so; where it cannot be drawn (no VTK), says why and goes on.
+function common.save(picture, path, options)
+  local ok, message = picture:save(path, options)
+  print(ok and "wrote " .. path or "no picture: " .. tostring(message))
 end
 
 --- A printer of rows: columns are { title, format } in order; nil cells print as "-".

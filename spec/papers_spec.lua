@@ -3,13 +3,16 @@
 local scratch = require "spec.support.scratch"
 
 local cases = {
-  { "products_2021_fig3.lua", "%s quick", " 20 .*%(21%.7%)" },
-  { "products_2021_fig4.lua", "%s quick", "k = 8: 7 factors" },
-  { "products_2021_table1.lua", "5", "paper +0%.87 +0%.88" },
-  { "gradient_2022_table1.lua", "quick", "sloan, paper +67%.5" },
-  { "gradient_2022_fig5.lua", "%s quick", "light's gradient: .* at most [%d.]+e%-" },
-  { "gradient_2022_triangles.lua", "%s quick", "by shape" },
-  { "gradient_2022_table4.lua", "%s quick", "Table 4: .*%d+%.%d+ .*3 bands" },
+  { "products_2021_fig3.lua", "--out %s --quick", " 20 .*%(21%.7%)" },
+  { "products_2021_fig4.lua", "--out %s --quick", "k = 8: 7 factors" },
+  { "products_2021_table1.lua", "--groups 5", "paper +0%.87 +0%.88" },
+  { "gradient_2022_table1.lua", "--quick", "sloan, paper +67%.5" },
+  { "gradient_2022_fig5.lua", "--out %s --quick", "light's gradient: .* at most [%d.]+e%-" },
+  { "gradient_2022_triangles.lua", "--out %s --quick", "by shape" },
+  { "hessian_2025_table1.lua", "--count 20", "lmax .*SCD.*\n  16 " },
+  { "hessian_2025_fig3.lua", "--out %s --n 12", "d2/dz2 of L_7%^2" },
+  { "hessian_2025_fig10.lua", "--out %s --depth 4 --samples 1 --width 48 --height 36", "divides MAPE by" },
+  { "gradient_2022_table4.lua", "--out %s --quick", "Table 4: .*%d+%.%d+ .*3 bands" },
 }
 
 describe("examples/papers", function()
@@ -26,7 +29,7 @@ describe("examples/papers", function()
 
   it("runs 05_lobes.lua, which prints Green's Fig. 9", function()
     local folder = scratch.new()
-    local out, status = scratch.capture(("%s examples/05_lobes.lua %s"):format(os.getenv "YLM_LUA" or "lua5.4",
+    local out, status = scratch.capture(("%s examples/05_lobes.lua --out %s"):format(os.getenv "YLM_LUA" or "lua5.4",
       scratch.quote(folder.path)))
     folder:remove()
     assert.equal(0, status, out)
@@ -35,7 +38,7 @@ describe("examples/papers", function()
 
   it("runs 06_many_lights.lua, a small one", function()
     local folder = scratch.new()
-    local out, status = scratch.capture(("%s examples/06_many_lights.lua --folder %s --count 4000 --most 1000"):format(
+    local out, status = scratch.capture(("%s examples/06_many_lights.lua --out %s --count 4000 --most 1000"):format(
       os.getenv "YLM_LUA" or "lua5.4", scratch.quote(folder.path)))
     folder:remove()
     assert.equal(0, status, out)

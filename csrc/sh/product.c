@@ -314,7 +314,8 @@ static bool low_gaunt(const ylm_sh_product *p) {
     }                                                                                              \
     size_t wide = ylm_sh_count(product_gaunt_top(p->lmax, p->factors));                            \
     T *product = scratch, *next = product + wide, *factor = next + wide;                           \
-    memset(scratch, 0, 3 * wide * sizeof(T));                                                      \
+    memset(product, 0, wide * sizeof(T));                                                          \
+    memset(factor, 0, wide * sizeof(T));                                                           \
     memcpy(product, c[0], size);                                                                   \
     for (int i = 1; i < p->factors; i++) {                                                         \
       memcpy(factor, c[i], size);                                                                  \

@@ -1,7 +1,7 @@
 -- Mezieres et al. 2022 (gradient), Fig. 5: gradients of a basis function and of a light's coefficient as
 -- pictures, by two ways, and their difference.
 --
---     lua examples/papers/gradient_2022_fig5.lua [folder for pictures] [quick]
+--     lua examples/papers/gradient_2022_fig5.lua [--out DIR] [--quick]
 --
 -- (l, m) = (6, 3). Columns are theta, rows phi; r, g, b are the components of the gradient, 0.5 is zero.
 -- Top: explicit polynomials against the (theta, phi) recurrences ("Sloan's like"). Bottom: a sphere light at
@@ -10,7 +10,8 @@
 local ylm = require "ylm"
 local common = dofile((arg[0]:match "^(.*/)" or "./") .. "../common.lua")
 
-local folder, quick = common.folder(arg[1] or "."), arg[2] == "quick"
+local option = common.options { out = "out", quick = false }
+local out, quick = option.out, option.quick
 local size = quick and 32 or 256
 local l, m = 6, 3
 local index = ylm.sh.index(l, m)
@@ -55,8 +56,7 @@ local function picture(a, b, scale, gain, name)
       for c = 1, 3 do layer:set(y, x, c, rows[y][x][c]) end
     end
   end
-  local ok, message = image:save(folder .. "/" .. name, { tone = "linear" })
-  print(ok and ("wrote %s"):format(name) or ("no picture: " .. tostring(message)))
+  common.save(image, out .. name, { tone = "linear" })
   return worst
 end
 

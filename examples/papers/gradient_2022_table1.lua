@@ -1,13 +1,14 @@
 -- Mezieres et al. 2022 (gradient), Table 1: time to evaluate the basis and its gradient, by method and band.
 --
---     lua examples/papers/gradient_2022_table1.lua [quick]
+--     lua examples/papers/gradient_2022_table1.lua [--quick]
 --
 -- Nanoseconds for one direction (of a thousand), one thread, float, beside the printed ones. "solid" is
 -- ours: Cartesian recurrences, vectorised over directions and exact at the poles.
 
 local ylm = require "ylm"
+local common = dofile((arg[0]:match "^(.*/)" or "./") .. "../common.lua")
 
-local quick = arg and arg[1] == "quick"
+local quick = common.options({ quick = false }).quick
 local bands = { 3, 4, 5, 6, 8, 10 }
 local printed = {
   polynomial = { 84.74, 115.56, 162.85, 244.87, 471.42, 864.27 },

@@ -1,7 +1,7 @@
 -- Mezieres et al. 2022 (gradient), Table 4 (with Fig. 12), Figs. 16 and 17: pictures under a square light that is cut into
 -- triangles, each replaced by a sphere or by a sphere times |cos gamma|, against the exact triangles.
 --
---     lua examples/papers/gradient_2022_table4.lua [folder for pictures] [quick]
+--     lua examples/papers/gradient_2022_table4.lua [--out DIR] [--quick]
 --
 -- The paper's pictures show an Armadillo and a Buddha (288, 512, 800 lights) and a white room (722) on a GPU; its
 -- scenes, lights and material are not published. Here: a knot and a ball in a corner of a room, the same numbers of
@@ -15,7 +15,8 @@ local ylm = require "ylm"
 local here = arg[0]:match "^(.*/)" or "./"
 local common, triangles = dofile(here .. "../common.lua"), dofile(here .. "triangles_2022.lua")
 
-local folder, quick = common.folder(arg[1] or "."), arg[2] == "quick"
+local option = common.options { out = "out", quick = false }
+local out, quick = option.out, option.quick
 local size = quick and { 40, 30 } or { 240, 180 }
 
 --- 2 nx ny triangles of a square of edge 1.6 above the corner, facing down and towards it, as corners.
@@ -51,8 +52,7 @@ local function mae(image, truth)
 end
 
 local function show(image, name, peak)
-  local ok, message = image:save(folder .. "/" .. name, { exposure = -math.log(peak) / math.log(2), tone = "srgb" })
-  print(ok and "wrote " .. name or "no picture: " .. tostring(message))
+  common.save(image, out .. name, { exposure = -math.log(peak) / math.log(2), tone = "srgb" })
 end
 
 local printed = {
@@ -113,5 +113,4 @@ for row, cases in ipairs { narrow, large } do
     end
   end
 end
-local saved, why = sheet:save(folder .. "/gradient_2022_fig17.png", { tone = "srgb" })
-print(saved and "wrote gradient_2022_fig17.png" or "no picture: " .. tostring(why))
+common.save(sheet, out .. "gradient_2022_fig17.png", { tone = "srgb" })

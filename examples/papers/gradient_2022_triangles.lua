@@ -1,7 +1,7 @@
 -- Mezieres et al. 2022 (gradient), Figs. 15 and 17: triangles approximated by spheres times |cos gamma|, by number of
 -- triangles, by band, by shape and by size, as coefficients. Pictures, those of Fig. 17 too: gradient_2022_table4.lua.
 --
---     lua examples/papers/gradient_2022_triangles.lua [folder for pictures] [quick]
+--     lua examples/papers/gradient_2022_triangles.lua [--out DIR] [--quick]
 --
 -- A square light of edge 2 in the plane y = 2, cut into triangles, seen from points below. "Sphere" is the
 -- sphere alone, "times cos" the paper's Eq. 26; both against the exact polygon.
@@ -10,7 +10,8 @@ local ylm = require "ylm"
 local here = arg[0]:match "^(.*/)" or "./"
 local common, triangles = dofile(here .. "../common.lua"), dofile(here .. "triangles_2022.lua")
 
-local folder, quick = common.folder(arg[1] or "."), arg[2] == "quick"
+local option = common.options { out = "out", quick = false }
+local out, quick = option.out, option.quick
 
 local points = {}
 for i = 0, quick and 2 or 5 do
@@ -24,9 +25,9 @@ local function square(n)
   return triangles.cut(n, n, function(x, z) return { -1 + 2 * x, 2, -1 + 2 * z } end)
 end
 
---- The field of triangles by a method: "exact", "sphere" (times cos) or "bare".
-local function field(list, method, lmax)
-  return ylm.light_field(lmax, triangles.lights(list, method, 1), points, { channels = "luminance", dtype = "double" })
+--- The field of triangles at points by a method: "exact", "sphere" (times cos) or "bare".
+local function field(list, method, lmax, at)
+  return ylm.light_field(lmax, triangles.lights(list, method, 1), at or points, { channels = "luminance", dtype = "double" })
 end
 
 --- Mean over the points of the relative L2 error.
@@ -46,12 +47,11 @@ for _, n in ipairs(quick and { 1, 4 } or { 1, 2, 4, 8, 12 }) do
   x[#x + 1], bare[#bare + 1], cosine[#cosine + 1] = #list, a, b
   print(("%11d %11.2e %11.2e %8.0f"):format(#list, a, b, a / b))
 end
-local ok, message = ylm.plot { series = { { x = x, y = bare, label = "sphere" }, { x = x, y = cosine,
+common.save(ylm.plot { series = { { x = x, y = bare, label = "sphere" }, { x = x, y = cosine,
   label = "times |cos|" } },
   log = true, legend = "bottom left",
-  title = "A square light of triangles", x_label = "triangles", y_label = "relative L2 error" }
-  :save(folder .. "/gradient_2022_triangles.png")
-print(ok and "wrote gradient_2022_triangles.png" or "no picture: " .. tostring(message))
+  title = "A square light of triangles", x_label = "triangles", y_label = "relative L2 error" },
+  out .. "gradient_2022_triangles.png")
 
 -- Fig. 15: per band, over the plane that the square lights, and one coefficient along a line of it.
 local list = square(quick and 3 or 12)
@@ -63,10 +63,7 @@ end
 plane = ylm.array(plane, "double")
 --- Absolute errors summed over the coefficients of each band, mean over the plane; the same of the coefficients.
 local function by_band(lights)
-  local everywhere = points
-  points = plane
-  local exact, rough, errors, sizes = field(lights, "exact", 9), field(lights, "sphere", 9), {}, {}
-  points = everywhere
+  local exact, rough, errors, sizes = field(lights, "exact", 9, plane), field(lights, "sphere", 9, plane), {}, {}
   for l = 0, 9 do
     local sum, size = 0, 0
     for i = 1, #plane do
@@ -95,34 +92,28 @@ for b = 1, 10 do
 end
 print(("band 10 over band 1: %.0f for the one triangle (the square of the band: 100), %.0f for %d"):format(
   of_one[10] / of_one[1], of_square[10] / of_square[1], #list))
-local function report(name, saved, why)
-  print(saved and ("wrote %s"):format(name) or ("no picture: %s"):format(tostring(why)))
-end
-report("gradient_2022_fig15d.png", ylm.plot { log = true, legend = "top left", x_label = "band",
+common.save(ylm.plot { log = true, legend = "top left", x_label = "band",
   series = { { x = bands, y = of_square, label = ("%d triangles of a square of edge 2"):format(#list) },
     { x = bands, y = of_one, label = "one triangle of edge 0.05" },
     { x = bands, y = square_law, label = "square of the band", dash = "dashed", marker = "none" } },
   y_label = "absolute error of a band, summed", title = "Triangles by spheres times |cos|: error by band",
-  y_range = { 1e-9, 1 }, caption = "mean over the plane 2 below, radiance 1" }
-  :save(folder .. "/gradient_2022_fig15d.png"))
+  y_range = { 1e-9, 1 }, caption = "mean over the plane 2 below, radiance 1" },
+  out .. "gradient_2022_fig15d.png")
 local along, line = {}, {}
 for i = 0, 60 do
   along[i + 1] = -3 + i / 10
   line[i + 1] = { along[i + 1], 0, 0.7 }
 end
-local everywhere = points
-points = ylm.array(line, "double")
 local coarse, series = square(2), {}
 for _, method in ipairs { "exact", "sphere", "bare" } do
-  local L, y = field(coarse, method, 4), {}
+  local L, y = field(coarse, method, 4, line), {}
   for i = 1, #line do y[i] = L:get(i, 1, ylm.sh.index(4, 2)) end
   series[#series + 1] = { x = along, y = y, marker = "none", dash = method == "sphere" and "dashed" or "solid",
     label = ({ exact = "exact triangles", sphere = "sphere times |cos|", bare = "sphere alone" })[method] }
 end
-points = everywhere
-report("gradient_2022_fig15bc.png", ylm.plot { series = series, x_label = "x on a line of the plane (scene units)",
-  y_label = "coefficient (4, 2)", title = "One coefficient of 8 triangles and of what replaces them" }
-  :save(folder .. "/gradient_2022_fig15bc.png"))
+common.save(ylm.plot { series = series, x_label = "x on a line of the plane (scene units)",
+  y_label = "coefficient (4, 2)", title = "One coefficient of 8 triangles and of what replaces them" },
+  out .. "gradient_2022_fig15bc.png")
 
 print "Fig. 17: by shape (one triangle of area 0.1 stretched; relative L2, lmax 4)"
 for _, stretch in ipairs { 1, 2, 4, 8, 16 } do

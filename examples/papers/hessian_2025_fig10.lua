@@ -1,7 +1,7 @@
 -- Iwasaki & Dobashi 2025, Fig. 10: grid points, bake time and image errors against the absolute error
 -- threshold, for the two lamps, on log-log axes.
 --
---     ylm run examples/papers/hessian_2025_fig10.lua [--out DIR] [--depth N] [--samples N]
+--     lua examples/papers/hessian_2025_fig10.lua [--out DIR] [--depth N] [--samples N] [--width N] [--height N]
 --
 -- The paper says that points and time fall linearly in log-log, and that halving the threshold halves MAPE
 -- and MAE (slope 1). The slopes printed here are least-squares fits over all thresholds that the depth allows.
@@ -10,9 +10,8 @@ local ylm = require "ylm"
 
 local here = arg[0]:match "^(.*/)" or "./"
 local common = dofile(here .. "../common.lua")
-local option = common.options({ out = "out", depth = 9, samples = 4, width = 1024, height = 768 },
-  "ylm run examples/papers/hessian_2025_fig10.lua [--out DIR] [--depth N] [--samples N] [--width N] [--height N]")
-local out = common.folder(option.out) .. "/"
+local option = common.options { out = "out", depth = 9, samples = 4, width = 1024, height = 768 }
+local out = option.out
 
 local scene = assert(ylm.load_scene(here .. "../scenes/two_lamps.lua"))
 local size = { option.width, option.height }
@@ -55,9 +54,8 @@ for _, what in ipairs {
   { "points", "grid points" }, { "seconds", "bake [s]" }, { "mape", "MAPE [%]" }, { "mae", "MAE" },
 } do
   local p = plot(what[1], what[2])
-  assert(p:save(out .. "hessian_2025_fig10_" .. what[1] .. ".png"))
+  common.save(p, out .. "hessian_2025_fig10_" .. what[1] .. ".png")
   pictures[#pictures + 1] = { image = p, caption = ("slope %.2f"):format(common.slope(data.threshold, data[what[1]])) }
 end
-assert(ylm.figure { rows = { { pictures[1], pictures[2] }, { pictures[3], pictures[4] } },
-  title = "Two lamps: cost and error against the threshold" }:save(out .. "hessian_2025_fig10.png"))
-print(out .. "hessian_2025_fig10.png")
+common.save(ylm.figure { rows = { { pictures[1], pictures[2] }, { pictures[3], pictures[4] } },
+  title = "Two lamps: cost and error against the threshold" }, out .. "hessian_2025_fig10.png")

@@ -1,7 +1,7 @@
 -- Iwasaki & Dobashi 2025, Fig. 3: components of the Hessian of SH coefficients of one sphere light on a
 -- square, ours (Eq. 15) beside finite differences of the coefficients themselves, and ten times their difference.
 --
---     ylm run examples/papers/hessian_2025_fig3.lua [--out DIR] [--n PIXELS]
+--     lua examples/papers/hessian_2025_fig3.lua [--out DIR] [--n PIXELS]
 --
 -- The paper prints "H_2^7" in the second row, which cannot exist (|m| <= l): H_7^2 is meant.
 
@@ -9,9 +9,8 @@ local ylm = require "ylm"
 
 local here = arg[0]:match "^(.*/)" or "./"
 local common = dofile(here .. "../common.lua")
-local option = common.options({ out = "out", n = 256 },
-  "ylm run examples/papers/hessian_2025_fig3.lua [--out DIR] [--n N]")
-local out, n, lmax = common.folder(option.out) .. "/", option.n, 7
+local option = common.options { out = "out", n = 256 }
+local out, n, lmax = option.out, option.n, 7
 
 local lamp = ylm.sphere_light { at = { 0.2, 1, 0.3 }, radius = 0.4, radiance = 1 }
 
@@ -86,12 +85,11 @@ for _, case in ipairs {
     { values = rows_of(wrong), caption = ("10 x |difference|, at most %.1e"):format(10 * worst / largest) },
   }
 end
-assert(ylm.figure {
+common.save(ylm.figure {
   rows = rows,
   bar = { range = { -1, 1 }, map = "coolwarm", label = "normalised by the largest" },
   title = "Hessian of SH coefficients of a sphere light",
   caption = "Sphere light of radius 0.4 at (0.2, 1, 0.3), seen from the square (0.5, 0, 0.5) to (-0.5, 0, -0.5). "
     .. "Finite differences: five points, step 0.002, double.",
-}:save(out .. "hessian_2025_fig3.png"))
+}, out .. "hessian_2025_fig3.png")
 print("The paper's pictures of the difference, scaled by ten, are black: no figure is printed there.")
-print(out .. "hessian_2025_fig3.png")

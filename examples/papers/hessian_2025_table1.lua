@@ -1,17 +1,18 @@
 -- Iwasaki & Dobashi 2025, Table 1: mean square error of the SH Hessian, ours against the
 -- spherical-coordinate derivatives (SCD), by lmax up to 16, poles and their surroundings included.
 --
---     ylm run examples/papers/hessian_2025_table1.lua
+--     lua examples/papers/hessian_2025_table1.lua [--count DIRECTIONS]
 --
 -- Truth is the scalar double reference kernel at the same directions (the specs hold it to 1e-13 of
 -- 50-digit vectors). The comparison method always computes in double; ours is run in double and in float.
 -- Entries of SCD that are not finite, those of the poles, are counted apart: a mean with them is no number.
 
 local ylm = require "ylm"
+local common = dofile((arg[0]:match "^(.*/)" or "./") .. "../common.lua")
 
-local count, seed = 10000, 20250811
+local count, seed = common.options({ count = 10000 }).count, 20250811
 
---- 10,000 random directions, then the poles and a ring of directions at each of three distances from them.
+--- `count` random directions, then the poles and a ring of directions at each of three distances from them.
 local function directions()
   local list = {}
   local state = seed

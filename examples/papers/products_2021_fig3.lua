@@ -1,6 +1,6 @@
 -- Xin et al. 2021, Fig. 3: time of the product of two functions by SH order n, and its three stages.
 --
---     lua examples/papers/products_2021_fig3.lua [folder for pictures] [quick]
+--     lua examples/papers/products_2021_fig3.lua [--out DIR] [--quick]
 --
 -- "Fourier" is the paper's method, "Gaunt" the traditional one, "quadrature" ours. One thread, float,
 -- microseconds per product, in batches of about 4000/n^2; the paper's speed-ups over the traditional method are
@@ -11,7 +11,8 @@
 local ylm = require "ylm"
 local common = dofile((arg[0]:match "^(.*/)" or "./") .. "../common.lua")
 
-local folder, quick = common.folder(arg[1] or "."), arg[2] == "quick"
+local option = common.options { out = "out", quick = false }
+local folder, quick = option.out, option.quick
 local paper = { [10] = 3.0, [15] = 9.9, [20] = 21.7 }
 local fftw = { x = { 8, 10, 12, 16, 20 }, y = { 3.9, 10.4, 14, 36, 127 }, label = "Fourier, with FFTW" }
 
@@ -65,12 +66,10 @@ for _, name in ipairs { "Gaunt", "Fourier", "quadrature" } do
   list[#list + 1] = { x = x, y = series[name], label = name }
 end
 list[#list + 1] = fftw
-local ok, message = ylm.plot { series = list, y_log = true, title = "Product of two functions", x_label = "SH order n",
-  y_label = "microseconds, one thread, float" }:save(folder .. "/products_2021_fig3.png")
-print(ok and "wrote products_2021_fig3.png" or "no picture: " .. tostring(message))
+common.save(ylm.plot { series = list, y_log = true, title = "Product of two functions", x_label = "SH order n",
+  y_label = "microseconds, one thread, float" }, folder .. "products_2021_fig3.png")
 list = {}
 for k, name in ipairs { "to Fourier series", "convolution", "back" } do list[k] = { x = x, y = stages[k],
   label = name } end
-ok, message = ylm.plot { series = list, y_log = true, title = "Stages of the Fourier method", x_label = "SH order n",
-  y_label = "microseconds" }:save(folder .. "/products_2021_fig3_stages.png")
-print(ok and "wrote products_2021_fig3_stages.png" or "no picture: " .. tostring(message))
+common.save(ylm.plot { series = list, y_log = true, title = "Stages of the Fourier method", x_label = "SH order n",
+  y_label = "microseconds" }, folder .. "products_2021_fig3_stages.png")

@@ -1,7 +1,7 @@
 -- Xin et al. 2021, Fig. 4: time of products of k-1 functions, k = 4, 6, 8, by SH order n, and the
 -- Fourier method's three stages.
 --
---     lua examples/papers/products_2021_fig4.lua [folder for pictures] [quick]
+--     lua examples/papers/products_2021_fig4.lua [--out DIR] [--quick]
 --
 -- brute: all integrals of k basis functions (the paper's "traditional brute-force"); traditional:
 -- recursive with Gaunt sums; recursive: with the Fourier method; Fourier: exact; quadrature: ours, exact.
@@ -10,7 +10,8 @@
 local ylm = require "ylm"
 local common = dofile((arg[0]:match "^(.*/)" or "./") .. "../common.lua")
 
-local folder, quick = common.folder(arg[1] or "."), arg[2] == "quick"
+local option = common.options { out = "out", quick = false }
+local out, quick = option.out, option.quick
 local unpack = table.unpack or unpack -- luacheck: ignore
 
 local methods = {
@@ -86,9 +87,7 @@ for _, k in ipairs { 4, 6, 8 } do
     { "products_2021_fig4_k%d.png", drawn, "Products of %d functions", "microseconds, one thread, float" },
     { "products_2021_fig4_stages_k%d.png", stages, "Stages of the Fourier method, %d functions", "microseconds" },
   } do
-    local name = picture[1]:format(k)
-    local ok, message = ylm.plot { series = picture[2], y_log = true, title = picture[3]:format(k - 1),
-      x_label = "SH order n", y_label = picture[4] }:save(folder .. "/" .. name)
-    print(ok and "wrote " .. name or "no picture: " .. tostring(message))
+    common.save(ylm.plot { series = picture[2], y_log = true, title = picture[3]:format(k - 1),
+      x_label = "SH order n", y_label = picture[4] }, out .. picture[1]:format(k))
   end
 end

@@ -1,6 +1,6 @@
 -- Xin et al. 2021, Table 1: relative L2 error of the recursive approximation, by SH order n and k.
 --
---     lua examples/papers/products_2021_table1.lua [groups, 100000]
+--     lua examples/papers/products_2021_table1.lua [--groups 100000]
 --
 -- Groups of k-1 functions with random coefficients to n = 20, cut to each n; a group's error is the norm of recursive
 -- minus exact coefficients over the norm of the exact ones. The paper draws coefficients uniformly from [-1, 1]. Its
@@ -13,8 +13,9 @@
 -- other ranges.
 
 local ylm = require "ylm"
+local common = dofile((arg[0]:match "^(.*/)" or "./") .. "../common.lua")
 
-local groups = tonumber(arg and arg[1]) or 100000
+local groups = common.options({ groups = 100000 }).groups
 local unpack = table.unpack or unpack -- luacheck: ignore
 
 local orders = { 3, 4, 5, 6, 7, 8, 9, 10, 12, 14, 16, 18, 20 }
