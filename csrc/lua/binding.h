@@ -46,6 +46,7 @@
 #define YLML_SCENE_BINDINGS(X)                                                                     \
   X(codec)                                                                                         \
   X(shade)                                                                                         \
+  X(shade_entries)                                                                                 \
   X(shade_grid)
 
 #define X(name) void ylmL_open_##name(lua_State *L);

@@ -27,6 +27,25 @@ ylmL_gpu_array *ylmL_gpu_array_new(lua_State *L, ylm_gpu *g, ylm_dtype t, int ax
 /* The array at `i`, open; raises otherwise. */
 ylmL_gpu_array *ylmL_gpu_array_check(lua_State *L, int i);
 
+/* An array of the host's or a device's: its numbers, type and extents; where it is nil, none: NULL,
+   count 0. */
+typedef struct ylmL_any_array {
+  void *host;
+  ylm_gpu_buffer *there;
+  ylm_dtype dtype;
+  int axes;
+  const size_t *shape;
+  size_t count;
+} ylmL_any_array;
+
+/* The one at `i`; raises on what is no open array. */
+ylmL_any_array ylmL_any(lua_State *L, int i);
+ylm_gpu_input ylmL_gpu_input(const ylmL_any_array *a);
+/* The float array at stack index `given` if it has that shape, else a new one, of the device's
+   memory (`there`) or the host's, is pushed; what it is. */
+ylm_gpu_output ylmL_gpu_output(lua_State *L, int given, ylm_gpu *there, int axes,
+                               const size_t *shape, ylm_status *s, ylm_error *e);
+
 /* Pushes times by stage: { name = { seconds =, longest =, dispatches = } }. */
 void ylmL_gpu_push_times(lua_State *L, const ylm_gpu_times *t);
 
@@ -39,6 +58,7 @@ void ylmL_gpu_type(lua_State *L, const char *name, const luaL_Reg *methods);
   X(array)                                                                                         \
   X(grid)                                                                                          \
   X(light)                                                                                         \
+  X(picture)                                                                                       \
   X(sh)
 
 #define X(name) void ylmL_open_vulkan_##name(lua_State *L);

@@ -32,6 +32,44 @@ ylmL_gpu_array *ylmL_gpu_array_new(lua_State *L, ylm_gpu *g, ylm_dtype t, int ax
   return a;
 }
 
+ylmL_any_array ylmL_any(lua_State *L, int i) {
+  if (lua_isnil(L, i)) return (ylmL_any_array){0};
+  if (ylmL_test(L, i, YLM_GPU_ARRAY)) {
+    const ylmL_gpu_array *a = ylmL_gpu_array_check(L, i);
+    return (ylmL_any_array){NULL, a->buffer, a->dtype, a->axes, a->shape, a->count};
+  }
+  const ylmL_array *a = ylmL_array_check(L, i);
+  return (ylmL_any_array){a->data, NULL, a->dtype, a->axes, a->shape, a->count};
+}
+
+ylm_gpu_input ylmL_gpu_input(const ylmL_any_array *a) { return (ylm_gpu_input){a->host, a->there}; }
+
+ylm_gpu_output ylmL_gpu_output(lua_State *L, int given, ylm_gpu *there, int axes,
+                               const size_t *shape, ylm_status *s, ylm_error *e) {
+  ylm_gpu_output none = {NULL, NULL};
+  if (!lua_isnil(L, given)) {
+    ylmL_any_array a = ylmL_any(L, given);
+    if (a.dtype != YLM_FLOAT)
+      *s = YLM_ETYPE;
+    else if (a.axes != axes || memcmp(a.shape, shape, (size_t)axes * sizeof *shape) != 0)
+      *s = YLM_ESHAPE;
+    lua_pushvalue(L, given);
+    return (ylm_gpu_output){a.host, a.there};
+  }
+  if (there) {
+    ylm_status made = YLM_OK;
+    ylmL_gpu_array *a = ylmL_gpu_array_new(L, there, YLM_FLOAT, axes, shape, &made, e);
+    if (a) return (ylm_gpu_output){NULL, a->buffer};
+    *s = made;
+  } else {
+    ylmL_array *a = ylmL_array_new(L, YLM_FLOAT, axes, shape);
+    if (a) return (ylm_gpu_output){a->data, NULL};
+    *s = YLM_ENOMEM;
+  }
+  lua_pushnil(L);
+  return none;
+}
+
 /* gpu_upload(gpu, array) -> gpu array, seconds */
 static int upload(lua_State *L) {
   ylm_error e = {YLM_OK, ""};

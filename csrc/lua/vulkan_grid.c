@@ -55,56 +55,6 @@ static int close_copy(lua_State *L) {
   return gc(L);
 }
 
-/* The array at `i`, the host's or a device's: its numbers, type and extents; nil: none, count 0. */
-typedef struct array_at {
-  void *host;
-  ylm_gpu_buffer *there;
-  ylm_dtype dtype;
-  int axes;
-  const size_t *shape;
-  size_t count;
-} array_at;
-
-static array_at any_array(lua_State *L, int i) {
-  if (lua_isnil(L, i)) return (array_at){0};
-  if (ylmL_test(L, i, YLM_GPU_ARRAY)) {
-    const ylmL_gpu_array *a = ylmL_gpu_array_check(L, i);
-    return (array_at){NULL, a->buffer, a->dtype, a->axes, a->shape, a->count};
-  }
-  const ylmL_array *a = ylmL_array_check(L, i);
-  return (array_at){a->data, NULL, a->dtype, a->axes, a->shape, a->count};
-}
-
-static ylm_gpu_input input(const array_at *a) { return (ylm_gpu_input){a->host, a->there}; }
-
-/* The float array at stack index `given` if it has that shape, else a new one, of the device's
-   memory (`there`) or the host's, is pushed; what it is. */
-static ylm_gpu_output output(lua_State *L, int given, ylm_gpu *there, int axes, const size_t *shape,
-                             ylm_status *s, ylm_error *e) {
-  ylm_gpu_output none = {NULL, NULL};
-  if (!lua_isnil(L, given)) {
-    array_at a = any_array(L, given);
-    if (a.dtype != YLM_FLOAT)
-      *s = YLM_ETYPE;
-    else if (a.axes != axes || memcmp(a.shape, shape, (size_t)axes * sizeof *shape) != 0)
-      *s = YLM_ESHAPE;
-    lua_pushvalue(L, given);
-    return (ylm_gpu_output){a.host, a.there};
-  }
-  if (there) {
-    ylm_status made = YLM_OK;
-    ylmL_gpu_array *a = ylmL_gpu_array_new(L, there, YLM_FLOAT, axes, shape, &made, e);
-    if (a) return (ylm_gpu_output){NULL, a->buffer};
-    *s = made;
-  } else {
-    ylmL_array *a = ylmL_array_new(L, YLM_FLOAT, axes, shape);
-    if (a) return (ylm_gpu_output){a->data, NULL};
-    *s = YLM_ENOMEM;
-  }
-  lua_pushnil(L);
-  return none;
-}
-
 /* gpu_grid_sample(copy, grid, points, interpolation, derivatives, nan, progress, out | nil,
    out | nil) -> value, gradient | nil, outside, unbaked, seconds, times. New results are where the
    points are. */
@@ -113,7 +63,7 @@ static int sample(lua_State *L) {
   ylm_gpu_grid *k = copy_at(L, 1);
   const ylm_grid *grid = grid_at(L, 2);
   const ylm_grid_view *v = ylm_grid_look(grid);
-  array_at points = any_array(L, 3);
+  ylmL_any_array points = ylmL_any(L, 3);
   ylm_error e = {YLM_OK, ""};
   ylm_grid_report report = {0};
   ylm_gpu_times times = {0};
@@ -126,14 +76,14 @@ static int sample(lua_State *L) {
   size_t shape[4] = {points.count / 3, (size_t)v->form.channels, (size_t)v->count, 3};
   ylm_gpu *there = points.there ? ylm_gpu_buffer_device(points.there) : NULL;
   ylm_status s = YLM_OK;
-  ylm_gpu_output gradient = {NULL, NULL}, value = output(L, 8, there, 3, shape, &s, &e);
+  ylm_gpu_output gradient = {NULL, NULL}, value = ylmL_gpu_output(L, 8, there, 3, shape, &s, &e);
   if (luaL_checknumber(L, 5) > 0)
-    gradient = output(L, 9, there, 4, shape, &s, &e);
+    gradient = ylmL_gpu_output(L, 9, there, 4, shape, &s, &e);
   else
     lua_pushnil(L);
   if (s == YLM_OK)
-    s = ylm_gpu_grid_sample(k, grid, &q, shape[0], input(&points), value, gradient, &report, &times,
-                            &e);
+    s = ylm_gpu_grid_sample(k, grid, &q, shape[0], ylmL_gpu_input(&points), value, gradient,
+                            &report, &times, &e);
   if (s == YLM_OK) {
     ylmL_push_count(L, report.outside);
     ylmL_push_count(L, report.unbaked);
@@ -144,12 +94,13 @@ static int sample(lua_State *L) {
 }
 
 /* gpu_grid_shade(copy, grid, points [n][3], transfer [n][row], albedo [n][3], interpolation,
-   progress) -> radiance [n][3], outside, unbaked, seconds, times; all float */
+   progress, out | nil) -> radiance [n][3], outside, unbaked, seconds, times; all float. It is where
+   the points are. */
 static int shade(lua_State *L) {
-  lua_settop(L, 7);
+  lua_settop(L, 8);
   ylm_gpu_grid *k = copy_at(L, 1);
   const ylm_grid *grid = grid_at(L, 2);
-  array_at points = any_array(L, 3), transfer = any_array(L, 4), albedo = any_array(L, 5);
+  ylmL_any_array points = ylmL_any(L, 3), transfer = ylmL_any(L, 4), albedo = ylmL_any(L, 5);
   ylm_error e = {YLM_OK, ""};
   ylm_grid_report report = {0};
   ylm_gpu_times times = {0};
@@ -164,11 +115,12 @@ static int shade(lua_State *L) {
                       .point_dtype = YLM_FLOAT,
                       .dtype = YLM_FLOAT,
                       .progress = ylmL_progress_begin(L, 7, &progress)};
-  ylmL_array *out = ylmL_array_new(L, YLM_FLOAT, 2, (size_t[]){n, 3});
-  if (!out) return ylmL_result(L, 0, YLM_ENOMEM, NULL);
-  ylm_gpu_output radiance = {out->data, NULL};
-  ylm_status s = ylm_gpu_grid_shade(k, grid, &q, n, input(&points), row, input(&transfer),
-                                    input(&albedo), radiance, &report, &times, &e);
+  ylm_gpu *there = points.there ? ylm_gpu_buffer_device(points.there) : NULL;
+  ylm_status s = YLM_OK;
+  ylm_gpu_output radiance = ylmL_gpu_output(L, 8, there, 2, (size_t[]){n, 3}, &s, &e);
+  if (s == YLM_OK)
+    s = ylm_gpu_grid_shade(k, grid, &q, n, ylmL_gpu_input(&points), row, ylmL_gpu_input(&transfer),
+                           ylmL_gpu_input(&albedo), radiance, &report, &times, &e);
   ylmL_push_count(L, report.outside);
   ylmL_push_count(L, report.unbaked);
   lua_pushnumber(L, (lua_Number)report.seconds);

@@ -87,14 +87,21 @@ static bool is_off(const row_test *t, double x) {
   return along * along < t->cosine2 * (t->square[0] + x * (t->square[1] + x * t->square[2]));
 }
 
+/* The box of a disc's pixels within rows top .. bottom-1: x0, x1, y0, y1. */
+static void box_of(const ylm_shade_view *v, const disc *d, int top, int bottom, int box[4]) {
+  box[0] = (int)fmax(0, floor(d->x - d->reach));
+  box[1] = (int)fmin(v->o.width, ceil(d->x + d->reach));
+  box[2] = (int)fmax(top, floor(d->y - d->reach));
+  box[3] = (int)fmin(bottom, ceil(d->y + d->reach));
+}
+
 static void draw(const lamps_job *j, const disc *d, int top, int bottom) {
   const ylm_shade_view *v = j->v;
-  int x0 = (int)fmax(0, floor(d->x - d->reach)), y0 = (int)fmax(top, floor(d->y - d->reach));
-  int x1 = (int)fmin(v->o.width, ceil(d->x + d->reach));
-  int y1 = (int)fmin(bottom, ceil(d->y + d->reach));
-  for (int y = y0; y < y1; y++) {
+  int box[4];
+  box_of(v, d, top, bottom, box);
+  for (int y = box[2]; y < box[3]; y++) {
     row_test row = test_row(v, d, y);
-    for (int x = x0; x < x1; x++) {
+    for (int x = box[0]; x < box[1]; x++) {
       if (is_off(&row, 2 * (x + 0.5) / v->o.width - 1)) continue;
       double part = covered(v, d, x, y);
       size_t pixel = (size_t)y * (size_t)v->o.width + (size_t)x;
@@ -119,15 +126,40 @@ static int far_first(const void *a, const void *b) {
   return x > y ? -1 : x < y;
 }
 
+/* The lamps in sight, the farthest first, which the caller frees; NULL without memory. */
+static disc *discs_of(const ylm_shade_view *v, const ylm_shade_lamps *lamps, size_t *n) {
+  disc *d = ylm_alloc(lamps->shape.spheres, sizeof *d);
+  *n = 0;
+  for (size_t i = 0; d && i < lamps->shape.spheres; i++)
+    *n += project(v, lamps->shape.sphere + 4 * i, lamps->radiance + 3 * i, &d[*n]);
+  if (d) qsort(d, *n, sizeof *d, far_first);
+  return d;
+}
+
 ylm_status ylm_shade_draw_lamps(const ylm_shade_view *v, const ylm_shade_lamps *lamps, int threads,
                                 float *out) {
-  disc *d = ylm_alloc(lamps->shape.spheres, sizeof *d);
-  lamps_job j = {v, d, 0, out};
+  lamps_job j = {.v = v, .out = out};
+  disc *d = discs_of(v, lamps, &j.n);
   if (!d) return YLM_ENOMEM;
-  for (size_t i = 0; i < lamps->shape.spheres; i++)
-    j.n += project(v, lamps->shape.sphere + 4 * i, lamps->radiance + 3 * i, &d[j.n]);
-  qsort(d, j.n, sizeof *d, far_first);
+  j.disc = d;
   ylm_status s = ylm_parallel((size_t)v->o.height, 32, threads, draw_rows, &j, NULL, NULL);
   ylm_free(d);
   return s;
+}
+
+ylm_status ylm_shade_view_discs(const ylm_shade_view *v, const ylm_shade_lamps *lamps, double *out,
+                                size_t *n) {
+  disc *d = discs_of(v, lamps, n);
+  if (!d) return YLM_ENOMEM;
+  for (size_t i = 0; i < *n; i++, out += YLM_SHADE_DISC) {
+    int box[4];
+    box_of(v, &d[i], 0, v->o.height, box);
+    memcpy(out, d[i].to, sizeof d[i].to);
+    out[3] = d[i].depth;
+    out[4] = d[i].half;
+    for (int c = 0; c < 3; c++) out[5 + c] = (double)d[i].radiance[c];
+    for (int c = 0; c < 4; c++) out[8 + c] = box[c];
+  }
+  ylm_free(d);
+  return YLM_OK;
 }

@@ -63,8 +63,7 @@ static ylm_status points_of_vertices(ylm_shade_view *v, shade_vertices *x) {
   return status;
 }
 
-/* Weights of an entry's triangle's corners. */
-static void corner_weights(const shade_entry *e, float w[3]) {
+void ylm__shade_corner_weights(const shade_entry *e, float w[3]) {
   w[0] = 1 - e->u - e->v;
   w[1] = e->u;
   w[2] = e->v;
@@ -89,7 +88,7 @@ static ylm_status transfer_by_vertices(ylm_shade_view *v, const shade_vertices *
   for (size_t i = 0; status == YLM_OK && i < v->entries; i++) {
     const uint32_t *c = x->corner[i];
     float w[3];
-    corner_weights(&v->entry[i], w);
+    ylm__shade_corner_weights(&v->entry[i], w);
     for (size_t k = 0; k < count; k++)
       v->transfer[i * count + k] =
           w[0] * T[c[0] * count + k] + w[1] * T[c[1] * count + k] + w[2] * T[c[2] * count + k];
@@ -190,7 +189,7 @@ static float entry_value(const resolve_job *j, size_t i, int c) {
   size_t n = (size_t)j->channels;
   if (!j->v->corner) return j->values[i * n + (size_t)c];
   float w[3], s = 0;
-  corner_weights(&j->v->entry[i], w);
+  ylm__shade_corner_weights(&j->v->entry[i], w);
   for (int k = 0; k < 3; k++) s += w[k] * j->values[j->v->corner[i][k] * n + (size_t)c];
   return s;
 }

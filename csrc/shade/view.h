@@ -85,6 +85,9 @@ void ylm__shade_surface(const ylm_shade_scene *s, const shade_entry *e, shade_su
 void ylm__shade_vertex(const ylm_shade_scene *s, uint32_t mesh, uint32_t vertex, bool back,
                        shade_surface *out);
 
+/* view.c: weights of an entry's triangle's corners. */
+void ylm__shade_corner_weights(const shade_entry *e, float w[3]);
+
 ylm_status ylm__shade_frame(const ylm_camera *c, int width, int height, shade_frame *f,
                             ylm_error *e);
 

@@ -291,6 +291,33 @@ YLM_API ylm_status ylm_shade_compose(const ylm_shade_view *view, const float *co
 YLM_API ylm_status ylm_shade_draw_lamps(const ylm_shade_view *view, const ylm_shade_lamps *lamps,
                                         int threads, float *out);
 
+/* -- what pictures are made of, for those that make them elsewhere --------------- */
+
+/* An entry is a part of a pixel: a shading point or, with a view per vertex, a place on a triangle
+   between three of them. Either array may be NULL. */
+typedef struct ylm_shade_entries {
+  double *first; /* [pixels + 1]    of each pixel's entries                                */
+  float *shown;  /* [pixels][4]     what lamps in sight add; the background's share        */
+  float *weight; /* [entries]       share of the pixel                                     */
+  float *depth;  /* [entries]       along the view axis                                    */
+  double *point; /* [entries][3]    per vertex: shading points; else entry i is point i    */
+  float *part;   /* [entries][3]    per vertex: their weights                              */
+} ylm_shade_entries;
+
+/* Writes them and returns their number; `out` NULL: the number alone. */
+YLM_API size_t ylm_shade_view_entries(const ylm_shade_view *view, const ylm_shade_entries *out);
+/* Right, up and forward: a pixel is seen in the direction forward + x right + y up, x and y from -1
+   to 1 over the image; the height of a pixel at distance 1. */
+YLM_API void ylm_shade_view_camera(const ylm_shade_view *view, double out[10]);
+
+#define YLM_SHADE_DISC 12
+
+/* Spheres as ylm_shade_draw_lamps draws them, the farthest first: the direction to each [3], its
+   depth, the chord of half the angle it fills, its radiance [3], and the box x0, x1, y0, y1 of its
+   pixels (x0 <= x < x1). disc [lamps->shape.spheres][YLM_SHADE_DISC]; *n: how many are in sight. */
+YLM_API ylm_status ylm_shade_view_discs(const ylm_shade_view *view, const ylm_shade_lamps *lamps,
+                                        double *disc, size_t *n);
+
 #ifdef __cplusplus
 }
 #endif

@@ -38,16 +38,6 @@ static bool narrows(const sampling *m) {
 /* Numbers of a result at each point. */
 static size_t width_of(const sampling *m) { return m->shade ? 3 : m->k->width; }
 
-/* Adds the host's time since `start` to a stage. */
-static void add_time(ylm_gpu_times *t, const char *name, double start) {
-  if (!t) return;
-  int i = 0;
-  while (i < t->stages && strcmp(t->stage[i].name, name) != 0) i++;
-  if (i == YLM_GPU_STAGES) return;
-  if (i == t->stages) t->stage[t->stages++] = (struct ylm_gpu_stage){name, 0, 0, 0};
-  t->stage[i].seconds += ylm_seconds() - start;
-}
-
 /* Copies rows at .. at+n-1 of an array of the host's to a buffer; others are used where they are.
  */
 static ylm_status bring(const sampling *m, const ylm_gpu_input *in, size_t at, size_t n,
@@ -56,7 +46,7 @@ static ylm_status bring(const sampling *m, const ylm_gpu_input *in, size_t at, s
   double start = ylm_seconds();
   ylm_status s = steps_reserve(m->k->g, room, n * bytes, e);
   if (s == YLM_OK) s = ylm_gpu_upload(*room, 0, n * bytes, (const char *)in->host + at * bytes, e);
-  add_time(m->times, "upload", start);
+  steps_copied(m->times, "upload", start);
   return s;
 }
 
@@ -74,7 +64,7 @@ static ylm_status fetch(const sampling *m, const ylm_gpu_output *out, size_t at,
   if (!out->host) return YLM_OK;
   double start = ylm_seconds();
   ylm_status s = ylm_gpu_download(from, 0, n * bytes, (char *)out->host + at * bytes, e);
-  add_time(m->times, "download", start);
+  steps_copied(m->times, "download", start);
   return s;
 }
 

@@ -130,3 +130,12 @@ ylm_status steps_reserve(ylm_gpu *g, ylm_gpu_buffer **b, uint64_t bytes, ylm_err
   *b = NULL;
   return ylm_gpu_buffer_create(g, bytes, b, e);
 }
+
+void steps_copied(ylm_gpu_times *t, const char *stage, double start) {
+  if (!t) return;
+  int i = 0;
+  while (i < t->stages && strcmp(t->stage[i].name, stage) != 0) i++;
+  if (i == YLM_GPU_STAGES) return;
+  if (i == t->stages) t->stage[t->stages++] = (struct ylm_gpu_stage){stage, 0, 0, 0};
+  t->stage[i].seconds += ylm_seconds() - start;
+}

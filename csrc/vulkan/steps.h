@@ -55,4 +55,7 @@ ylm_status steps_run(step_queue *q);
 /* A buffer of at least so many bytes in *b: the one that is there if it is long enough. */
 ylm_status steps_reserve(ylm_gpu *g, ylm_gpu_buffer **b, uint64_t bytes, ylm_error *e);
 
+/* Adds the host's seconds since `start` to a stage that dispatches nothing; times may be NULL. */
+void steps_copied(ylm_gpu_times *times, const char *stage, double start);
+
 #endif

@@ -350,7 +350,8 @@ typedef struct ylm_gpu_output {
 ** off by up to 2^(depth - 24). Results within 1e-5 of ylm_grid_sample.
 **   points    in   [n][3] of q->point_dtype; finite, which is not checked of those on the device
 **   value     out  [n][channels][count], gradient [n][channels][count][3] or none
-**   times     stages "locate", "sort", "sample", and by the host's clock "upload", "download" of the
+**   times     stages "locate", "sort", "sample", and by the host's clock "upload", "download" of
+*the
 **             host's arrays; may be NULL
 ** YLM_EINVAL (the grid was updated since; an array is another device's), YLM_EMISSING (points in
 ** double on a device without), YLM_ENOMEM, YLM_EDEVICE, YLM_ECANCELLED
@@ -376,6 +377,58 @@ YLM_API ylm_status ylm_gpu_grid_shade(ylm_gpu_grid *k, const ylm_grid *grid,
                                       size_t row, ylm_gpu_input transfer, ylm_gpu_input albedo,
                                       ylm_gpu_output radiance, ylm_grid_report *report,
                                       ylm_gpu_times *times, ylm_error *e);
+
+/* -- pictures: picture.c --------------------------------------------------------- */
+
+/*
+** What a view's pixels are made of: ylm_shade_entries of ylm_shade.h, as arrays of the host's.
+*Whole
+** numbers are doubles, and are checked.
+*/
+typedef struct ylm_gpu_pixels {
+  size_t width, height, entries, points;
+  const double *first;  /* [pixels + 1] of each pixel's entries                          */
+  const float *shown;   /* [pixels][4]  what lamps in sight add; the background's share  */
+  const float *weight;  /* [entries]    share of the pixel                               */
+  const float *depth;   /* [entries]    along the view axis                              */
+  const double *point;  /* [entries][3] points on whose triangle an entry is; NULL: entry i is
+                           point i                                                       */
+  const float *part;    /* [entries][3] their weights; NULL as `point`                   */
+  const double *camera; /* [10] ylm_shade_view_camera                                    */
+} ylm_gpu_pixels;
+
+/* They in a device's memory: 20 bytes a pixel, 8 an entry, with points 32. */
+typedef struct ylm_gpu_picture ylm_gpu_picture;
+
+/* YLM_EINVAL (entries out of order, points that there are not), YLM_ESHAPE, YLM_ERANGE; YLM_ELIMIT
+   where one array is longer than what a kernel sees; YLM_ENOMEM, YLM_EDEVICE. */
+YLM_API ylm_status ylm_gpu_picture_create(ylm_gpu *g, const ylm_gpu_pixels *p, ylm_gpu_picture **k,
+                                          ylm_error *e);
+YLM_API void ylm_gpu_picture_free(ylm_gpu_picture *k);
+/* Shading points whose radiance it takes; pixels that it has. */
+YLM_API void ylm_gpu_picture_size(const ylm_gpu_picture *k, size_t *points, size_t *pixels);
+
+#define YLM_GPU_DISC 12
+
+/*
+** ylm_gpu_picture_make - radiance of shading points to pixels, lamps drawn over them: what
+** ylm_shade_compose and ylm_shade_draw_lamps do.
+**
+**   radiance  in   [points][3]
+**   disc      in   [discs][YLM_GPU_DISC], from ylm_shade_view_discs: the farthest first
+**   image     out  [height][width][3]; the host's is what comes back
+**   times     stages "filter", "lamps", by the host's clock "upload" (radiance of the host's,
+*lamps;
+**             with finding which tiles of 8 x 8 pixels they touch), "download"; may be NULL
+** Within 1e-5 of the CPU's pixels. On a device without float64 rims of lamps are placed in float,
+*to
+** some 1e-4 of a pixel. YLM_EINVAL (an array is another device's), YLM_ENOMEM, YLM_ELIMIT,
+** YLM_EDEVICE, YLM_EBUSY, YLM_ECANCELLED
+*/
+YLM_API ylm_status ylm_gpu_picture_make(ylm_gpu_picture *k, ylm_gpu_input radiance,
+                                        const float background[3], size_t discs, const double *disc,
+                                        ylm_gpu_output image, ylm_gpu_times *times,
+                                        const ylm_progress *progress, ylm_error *e);
 
 #ifdef __cplusplus
 }

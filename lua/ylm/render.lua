@@ -99,7 +99,7 @@ local grid_fields = {
   { "interpolation", "choice", of = { "hermite", "taylor", "linear" }, default = "hermite",
     about = "of the grid" },
   { "device", "gpu", optional = true,
-    about = "a gpu of ylm.vulkan.open samples the grid and shades; report.stages has its times" },
+    about = "a gpu of ylm.vulkan.open samples the grid, shades and filters; report.stages has its times" },
 }
 
 -- Of the bake that a render without a grid makes first.
@@ -281,7 +281,16 @@ end
 
 -- Pictures ------------------------------------------------------------------------------------
 
---- An image of `radiance` [points][3] with the layers asked for.
+--- Writes the layer radiance from that of shading points [points][3], o.lamps drawn over it.
+local function compose(name, p, radiance, o, layer)
+  local lib, view, threads = p.lib, p.view, o.threads or 0
+  assert(check.result(name, lib.shade_compose(view, radiance, p.scene.background or { 0, 0, 0 }, threads, layer)))
+  if not o.lamps then return true end
+  local at, radius, emitted = light.arrays(light.pack(1, name, o.lamps))
+  return assert(check.result(name, lib.shade_draw_lamps(view, threads, layer, at, radius, emitted)))
+end
+
+--- An image with the layers asked for; `radiance` [points][3], or what writes that layer: function(layer) -> true.
 local function picture(name, p, radiance, o, cells)
   local layers = { { "radiance", 3 } }
   if o.layers then
@@ -297,11 +306,10 @@ local function picture(name, p, radiance, o, cells)
   local out, message, code = image.image { size = p.options.size, layers = layers }
   if not out then return nil, message, code end
   local function done(...) return assert(check.result(name, ...)) end
-  done(lib.shade_compose(view, radiance, p.scene.background or { 0, 0, 0 }, threads, out:layer "radiance"))
-  if o.lamps then
-    local at, radius, emitted = light.arrays(light.pack(1, name, o.lamps))
-    done(lib.shade_draw_lamps(view, threads, out:layer "radiance", at, radius, emitted))
-  end
+  local ok
+  if type(radiance) == "function" then ok, message, code = radiance(out:layer "radiance")
+  else ok, message, code = compose(name, p, radiance, o, out:layer "radiance") end
+  if not ok then return nil, message, code end
   if o.layers then
     for _, layer in ipairs { "normal", "position", "depth", "albedo", "coverage", "emitter" } do
       done(lib.shade_layer(view, layer, threads, out:layer(layer)))
@@ -405,20 +413,65 @@ local function shade_again(name, p, o, bar)
     m.radiance))
 end
 
+--- Levels and errors of the grid's cells at shading points, where layers are asked for; false, message, code.
+local function cells_of(p, o)
+  if not o.layers then return nil end
+  local level, error = p.lib.shade_grid_cells(p.view, o.grid, o.threads or 0)
+  if not level then return false, error, "ENOMEM" end
+  return { level = level, error = error }
+end
+
+--- Renders a prepared view by a grid on a device: an image, or with download = false a gpu_array [height][width][3].
+local function by_device(name, p, o)
+  local start, report, bar = core.seconds(), new_report(p), progress.resolve(o.progress)
+  local device = require "ylm.vulkan_image"
+  local function write(picture_of)
+    local done, message, code = device.render(name, p, o, picture_of, bar, compose)
+    if not done then return nil, message, code end
+    report.outside, report.unbaked, report.stages, report.seconds.light = done.outside, done.unbaked, done.stages, done.seconds
+    return true
+  end
+  local out, message, code
+  if o.download == false then
+    out, message, code = device.room(name, p, o)
+    if not out then return nil, message, code end
+    local ok
+    ok, message, code = write(out)
+    if not ok and out ~= o.out then out:close() end
+    if not ok then return nil, message, code end
+    return out, finish(report, start, report.seconds.light)
+  end
+  local cells
+  cells, message, code = cells_of(p, o)
+  if cells == false then return nil, message, code end
+  out, message, code = picture(name, p, write, o, cells)
+  if not out then return nil, message, code end
+  finish(report, start, report.seconds.light)
+  sign(out, p, "grid", report, { interpolation = o.interpolation, grid_points = o.grid.stats.points })
+  return out, report
+end
+
 --- Renders a prepared view by a grid, or any object with a light field.
 local function by_grid(name, p, o)
   check_truth(name, p, o)
+  if o.device then
+    if core.type(o.grid) ~= "ylm.grid" then
+      return check.bad(1, name, "device: a baked grid expected, got %s", check.describe(o.grid))
+    end
+    if o.out and o.download ~= false then
+      return check.bad(1, name, "out: a picture that comes back is a new image; download = false writes an array")
+    end
+    return by_device(name, p, o)
+  end
+  if o.download == false or o.out then
+    return check.bad(1, name, "%s: name the device that the picture is to stay on", o.out and "out" or "download")
+  end
   local start, grid, lib = core.seconds(), o.grid, p.lib
   local bar, threads = progress.resolve(o.progress), o.threads or 0
   local report, cells = new_report(p), nil
   local radiance, outside, unbaked, seconds
-  if o.device and core.type(grid) ~= "ylm.grid" then
-    return check.bad(1, name, "device: a baked grid expected, got %s", check.describe(grid))
-  end
   if core.type(grid) == "ylm.grid" and lib.shade_grid then
-    if o.device then
-      radiance, outside, unbaked, seconds, report.stages = require "ylm.vulkan_grid".shade(name, lib, p.view, o, bar)
-    elseif grid.dynamic then
+    if grid.dynamic then
       radiance, outside, unbaked, seconds, report.fresh = shade_again(name, p, o, bar)
     else
       radiance, outside, unbaked, seconds =
@@ -426,11 +479,8 @@ local function by_grid(name, p, o)
     end
     if not radiance then return nil, outside, unbaked end
     report.outside, report.unbaked = outside, unbaked
-    if o.layers then
-      local level, error = lib.shade_grid_cells(p.view, grid, threads)
-      if not level then return nil, error, "ENOMEM" end
-      cells = { level = level, error = error }
-    end
+    cells, outside, unbaked = cells_of(p, o)
+    if cells == false then return nil, outside, unbaked end
   else
     radiance, report.pairs, seconds = check.result(name, lib.shade_field(p.view, grid, "float", threads, bar))
     if not radiance then return nil, report.pairs, seconds end
@@ -491,6 +541,9 @@ local prepare_options = list(view_fields "samples", transfer_fields, common)
 local prepared_render = list(grid_fields, {
   { "lamps", "any", optional = true,
     about = "sphere lights to draw that are not in the prepared scene, because they move" },
+  { "download", "boolean", default = true,
+    about = "false: a picture made on the device stays there, as a gpu_array [height][width][3] of radiance" },
+  { "out", "any", optional = true, about = "with download = false: the gpu_array to be written and returned" },
 }, layer_fields, common)
 local prepared_reference = list(reference_fields, layer_fields, common)
 local prepared_raycast = list(ray_fields, {

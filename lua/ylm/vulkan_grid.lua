@@ -27,7 +27,7 @@ local function binding() return assert(require "ylm.vulkan".__binding()) end
 
 --- The copy of a grid on a device, made where there is none that is open; or nil, message, code.
 -- Argument `n` of `name` is the device.
-local function copy_of(n, name, grid, gpu)
+function vulkan_grid.copy_of(n, name, grid, gpu)
   local c, message, code = require "ylm.vulkan".__use(n, name, gpu)
   if not c then return nil, message, code end
   local by_gpu = copies[grid]
@@ -53,7 +53,7 @@ function vulkan_grid.to(grid, gpu)
     by_gpu[gpu] = nil
     binding().gpu_grid_close(old)
   end
-  return copy_of(1, "to", grid, gpu)
+  return vulkan_grid.copy_of(1, "to", grid, gpu)
 end
 
 --- Points on a device for grid:sample, with the options o: they are open, [n][3] and there.
@@ -102,57 +102,13 @@ function vulkan_grid.sample(grid, points, o, interpolation, out1, out2, progress
   if (out1 or out2) and (points == out1 or points == out2) then
     return check.bad(2, "sample", "out shares memory with the points")
   end
-  local copy, message, code = copy_of(2, "sample", grid, o.device)
+  local copy, message, code = vulkan_grid.copy_of(2, "sample", grid, o.device)
   if not copy then return nil, message, code end
   local c, dc, outside, unbaked, seconds, stages = check.result("sample", binding().gpu_grid_sample(copy, grid, points,
     interpolation, o.derivatives, o.outside == "nan", progress, out1, out2))
   if c == nil then return nil, dc, outside end
   if o.dtype == "double" then c, dc = core.array_convert(c, "double"), dc and core.array_convert(dc, "double") end
   return c, dc, { outside = outside, unbaked = unbaked, seconds = seconds, stages = stages }
-end
-
---- Shading points of a view -> their positions, transfer vectors and albedo, kept while the view is; and copies of them
--- on a device, by device.
-local surfaces = setmetatable({}, { __mode = "k" })
-
---- The arrays of s on a device; where it has no memory for them, the host's, which are copied in each call.
-local function surface_on(gpu, s)
-  local there = s.there[gpu]
-  if there and select(4, binding().gpu_array_info(there.transfer)) then return there end
-  there = {}
-  for _, key in ipairs { "position", "transfer", "albedo" } do
-    local copy, _, code = binding().gpu_upload(gpu, s[key])
-    if not copy then
-      if code == "EDEVICE" then return s end -- the call that follows says so
-      for _, made in pairs(there) do binding().gpu_array_close(made) end
-      there = s
-      break
-    end
-    there[key] = copy
-  end
-  s.there[gpu] = there
-  return there
-end
-
-local INTERPOLATION = { hermite = 0, taylor = 1, linear = 2 }
-
---- What scene:render does with device = gpu: radiance [n][3], outside, unbaked, seconds, stages.
-function vulkan_grid.shade(name, lib, view, o, progress)
-  local copy, message, code = copy_of(1, name, o.grid, o.device)
-  if not copy then return nil, message, code end
-  local s = surfaces[view]
-  if not s then
-    s = { there = setmetatable({}, { __mode = "k" }) }
-    local position, normal, albedo = lib.shade_points(view)
-    if not position then return nil, normal, albedo end
-    s.position, s.albedo = position, albedo
-    s.transfer, message, code = lib.shade_transfer(view)
-    if not s.transfer then return nil, message, code end
-    surfaces[view] = s
-  end
-  s = surface_on(o.device, s)
-  return check.result(name, binding().gpu_grid_shade(copy, o.grid, s.position, s.transfer, s.albedo,
-    INTERPOLATION[o.interpolation], progress))
 end
 
 describe "gpu_grid:close" {

@@ -1,0 +1,219 @@
+-- Pictures made on a device: shading points filtered into pixels, lamps drawn over them, whole frames. On Mesa's lavapipe,
+-- where there is no other device.
+
+local core = require "ylm.c.core"
+local support = require "spec.support.gpu"
+local ylm = require "ylm"
+
+local chosen, missing = support.choose()
+
+describe("ylm.vulkan pictures", function()
+  if not chosen or not pcall(require, "ylm.c.scene") then
+    it("are filtered", function() pending("no Vulkan device, or no Embree: " .. tostring(missing)) end)
+    return
+  end
+  local binding = ylm.vulkan.__binding()
+  local opened
+
+  local function open()
+    opened = support.open { validate = true }
+    return opened
+  end
+
+  after_each(function()
+    if opened then support.close_silent(opened) end
+    opened = nil
+  end)
+
+  --- A floor that does not fill the picture, a sphere over it, a lamp in sight; behind them a background.
+  local function scene(o)
+    return ylm.scene "floor" {
+      camera = ylm.camera { from = { 0.2, 1.3, 2.4 }, at = { 0, 0.3, 0 }, fov = 55 },
+      background = { 0.2, 0.1, 0.4 },
+      geometry = {
+        ylm.quad { corner = { -1, 0, 1 }, u = { 2, 0, 0 }, v = { 0, 0, -2 }, divide = 8,
+          material = ylm.matte { albedo = { 0.7, 0.5, 0.3 } } },
+        ylm.sphere { at = { 0, 0.35, 0 }, radius = 0.3, material = ylm.matte { albedo = 0.6 } },
+      },
+      lights = { ylm.sphere_light { at = { 0.7, 0.8, 0.4 }, radius = 0.1, radiance = { 20, 15, 10 } },
+        ylm.sphere_light { at = { -0.9, 0.5, 0.2 }, radius = 0.05, radiance = { 10, 20, 40 } } },
+      probes = ylm.adaptive_grid { lmax = 3, depth = 3, threshold = 2, channels = o and o.channels },
+    }
+  end
+
+  --- Are they the same within 1e-5 of the largest number?
+  local function same(a, b, bound)
+    local largest, most = core.array_distance(a, ylm.zeros(a.shape, "float")), core.array_distance(a, b)
+    assert(largest > 0.1 and most <= (bound or 1e-5) * largest, most / largest)
+  end
+
+  --- The picture of a prepared view by both, compared.
+  local function compare(gpu, view, o, bound)
+    o.layers = false
+    local here = assert(view:render(o))
+    o.device = gpu
+    local there, report = assert(view:render(o))
+    o.device = nil
+    same(here:layer(), there:layer(), bound)
+    return there, report
+  end
+
+  local flying = ylm.sphere_lights {
+    at = { { 0.1, 0.5, 0.9 }, { -0.2, 0.5, 0.8 }, { 0, 0.35, -0.5 }, { 0.12, 0.52, 0.6 }, { 0, 5, 9 }, { 0.6, 0.05, 0.2 },
+      { -0.9, 1.1, 0.3 } },
+    radius = { 0.05, 0.004, 0.2, 0.08, 0.1, 0.1, 0.15 },
+    radiance = { { 3, 2, 1 }, { 30, 2, 1 }, { 1, 2, 9 }, { 0, 5, 1 }, { 9, 9, 9 }, { 2, 2, 2 }, { 4, 4, 0 } },
+  }
+
+  it("are the CPU's: one sample and several, odd sizes, lamps and background in sight", function()
+    local gpu, s = open(), scene()
+    local grid = assert(s:bake())
+    for _, case in ipairs { { { 40, 30 }, 1 }, { { 37, 23 }, 5 }, { { 1, 1 }, 16 }, { { 131, 1 }, 2 }, { { 3, 67 }, 4 } } do
+      local view = assert(s:prepare { size = case[1], samples = case[2], transfer_samples = 16 })
+      local _, report = compare(gpu, view, { grid = grid })
+      assert(report.stages.filter.dispatches > 0 and report.stages.download.seconds >= 0)
+    end
+  end)
+
+  it("are the CPU's where vertices are shaded", function()
+    local gpu, s = open(), scene { channels = "luminance" }
+    local grid = assert(s:bake())
+    for samples = 1, 3, 2 do
+      compare(gpu, assert(s:prepare { size = { 41, 31 }, samples = samples, shading = "vertex", transfer_samples = 16 }),
+        { grid = grid, lamps = flying })
+    end
+  end)
+
+  it("show the background alone where the camera sees nothing", function()
+    local gpu, s = open(), scene()
+    local grid = assert(s:bake())
+    local away = ylm.scene "nothing" { camera = ylm.camera { from = { 0, 3, 0 }, at = { 0, 4, 0.1 }, fov = 30 },
+      background = { 0.2, 0.1, 0.4 }, geometry = s.geometry, lights = s.lights }
+    local view = assert(away:prepare { size = { 9, 7 }, samples = 2 })
+    assert.equal(0, view.stats.points)
+    compare(gpu, view, { grid = grid })
+  end)
+
+  it("have lamps drawn over them, behind and before surfaces and one another, in double and in float", function()
+    for narrow = 0, 1 do
+      local gpu, s = open(), scene()
+      if narrow == 1 then binding.gpu_shrink(gpu, 0, 0, 0, true) end
+      local grid = assert(s:bake())
+      for _, case in ipairs { { { 150, 110 }, 1 }, { { 61, 47 }, 4 } } do
+        local view = assert(s:prepare { size = case[1], samples = case[2], transfer_samples = 16 })
+        local _, report = compare(gpu, view, { grid = grid, lamps = flying }, narrow == 1 and 5e-4 or nil)
+        assert(report.stages.lamps.dispatches > 0)
+      end
+      support.close_silent(gpu)
+    end
+    opened = nil
+  end)
+
+  it("have all layers of the CPU's images", function()
+    local gpu, s = open(), scene()
+    local o = { grid = assert(s:bake()), size = { 20, 15 }, samples = 2, transfer_samples = 16 }
+    local here = assert(s:render(o))
+    o.truth, o.device = here, gpu
+    local there, report = assert(s:render(o))
+    for _, name in ipairs { "normal", "position", "albedo", "coverage", "emitter", "level" } do
+      assert.equal(0, (core.array_distance(here:layer(name), there:layer(name))))
+    end
+    local worst = core.array_distance(there:layer "true_error", ylm.zeros({ 15, 20, 3 }, "float"))
+    assert(worst < 1e-3 and report.seconds.light > 0 and there.metadata.method == "grid")
+  end)
+
+  it("stay on the device if asked for, in arrays that are written again", function()
+    local gpu, s = open(), scene()
+    local grid, view = assert(s:bake()), assert(s:prepare { size = { 50, 40 }, samples = 3, transfer_samples = 16 })
+    local here = assert(view:render { grid = grid, layers = false, lamps = flying })
+    local o = { grid = grid, device = gpu, download = false, lamps = flying }
+    local picture, report = assert(view:render(o))
+    assert.same({ 40, 50, 3 }, picture.shape)
+    assert(report.seconds.light > 0 and report.stages.download == nil)
+    same(here:layer(), picture:download())
+    o.out, o.lamps = picture, nil
+    local before = gpu.stats
+    assert.equal(picture, (view:render(o)))
+    local after = gpu.stats
+    assert.equal(before.uploaded, after.uploaded)
+    assert(after.downloaded - before.downloaded <= 12) -- counts
+    same(assert(view:render { grid = grid, layers = false }):layer(), picture:download())
+  end)
+
+  it("come back alone: a frame's bytes are its lamps and its pixels", function()
+    local gpu, s = open(), scene()
+    local grid, view = assert(s:bake()), assert(s:prepare { size = { 64, 48 }, samples = 4, transfer_samples = 16 })
+    local o = { grid = grid, device = gpu, layers = false, lamps = flying }
+    assert(view:render(o))
+    local before, _, report = gpu.stats, assert(view:render(o))
+    local after = gpu.stats
+    assert(view.stats.points > 64 * 48 / 4)
+    assert(after.downloaded - before.downloaded <= 64 * 48 * 12 + 12, after.downloaded - before.downloaded)
+    -- at most every disc of 96 bytes, in every tile of 8 x 8 pixels with 4 bytes each, and the tiles
+    assert(after.uploaded - before.uploaded <= 7 * 96 + 8 * 6 * (7 * 4 + 16), after.uploaded - before.uploaded)
+    assert(report.stages.upload.seconds >= 0)
+  end)
+
+  it("are filtered by the host where the device has no room for them", function()
+    local gpu, s = open(), scene()
+    local grid, view = assert(s:bake()), assert(s:prepare { size = { 80, 60 }, samples = 2, transfer_samples = 16 })
+    local n = view.stats.points
+    grid:to(gpu)
+    -- room for points, transfer vectors, albedo, and what a pass needs; not for 20 bytes a pixel
+    binding.gpu_shrink(gpu, gpu.stats.bytes + n * (3 + 16 + 3) * 4 + 40 * n + 16384, 0, 0, false)
+    local nothing, message, code = view:render { grid = grid, device = gpu, download = false }
+    assert(nothing == nil and code == "ENOMEM" and message:find("memory", 1, true), tostring(message))
+    local _, report = compare(gpu, view, { grid = grid, lamps = flying })
+    assert(report.stages.filter == nil)
+  end)
+
+  it("can be cancelled, and refuse arrays that do not fit", function()
+    local gpu, s = open(), scene()
+    local grid, view = assert(s:bake()), assert(s:prepare { size = { 30, 20 }, samples = 1, transfer_samples = 16 })
+    local o = { grid = grid, device = gpu, layers = false, progress = function() return false end }
+    local image, message, code = view:render(o)
+    assert(image == nil and message == "cancelled" and code == "ECANCELLED")
+    local stages = {}
+    o.progress = function(_, _, stage) stages[stage] = true end
+    assert(view:render(o))
+    assert(stages.filter, "progress")
+    o.progress = function() view:render { grid = grid, device = gpu, layers = false } end
+    local ok
+    ok, message = pcall(view.render, view, o)
+    assert(not ok and message:find("in use", 1, true), tostring(message))
+    local function refused(says, options)
+      ok, message = pcall(view.render, view, options)
+      assert(not ok and message:find(says, 1, true), tostring(message))
+    end
+    refused("name the device", { grid = grid, download = false })
+    refused("a new image", { grid = grid, device = gpu, out = gpu:array { 1 } })
+    refused("must be a float array of 20x30x3", { grid = grid, device = gpu, download = false, out = gpu:array { 1 } })
+    refused("a gpu_array expected", { grid = grid, device = gpu, download = false, out = ylm.zeros { 20, 30, 3 } })
+    refused("which download = false makes none of", { grid = grid, device = gpu, download = false,
+      truth = view:render { grid = grid } })
+    binding.gpu_lose(gpu)
+    image, message, code = view:render { grid = grid, device = gpu, download = false }
+    assert(image == nil and code == "EDEVICE" and message:find("was lost", 1, true))
+  end)
+
+  it("refuse entries out of order and points that there are not", function()
+    local gpu = open()
+    local function entries(first, point)
+      return { first = ylm.array(first, "double"), shown = ylm.zeros({ 2, 4 }, "float"), weight = ylm.zeros({ 2 }, "float"),
+        depth = ylm.zeros({ 2 }, "float"), camera = ylm.zeros({ 10 }, "double"),
+        point = point and ylm.array(point, "double"), part = point and ylm.zeros({ 2, 3 }, "float") }
+    end
+    local function refused(says, code_, points, e)
+      local picture, message, code = binding.gpu_picture_create(gpu, 2, 1, points, e)
+      assert(picture == nil and code == code_ and message:find(says, 1, true), tostring(message))
+    end
+    assert(binding.gpu_picture_create(gpu, 2, 1, 2, entries { 0, 1, 2 }))
+    refused("number 2 is 0", "EINVAL", 2, entries { 0, 2, 0 })
+    refused("number 1 is 3", "EINVAL", 2, entries { 0, 3, 2 })
+    refused("number 0 is -1", "EINVAL", 2, entries { -1, 1, 2 })
+    refused("number 1 is ", "EINVAL", 2, entries { 0, 0 / 0, 2 })
+    refused("have 1 entries", "EINVAL", 2, entries { 0, 1, 1 })
+    refused("points", "ESHAPE", 1, entries { 0, 1, 2 })
+    refused("number 4 is 7", "EINVAL", 7, entries({ 0, 1, 2 }, { { 0, 1, 2 }, { 3, 7, 6 } }))
+  end)
+end)
