@@ -14,8 +14,7 @@ ylm_status cell_list_push(cell_list *list, uint32_t cell);
 /* What the field writes for a block of points. */
 typedef struct field_block {
   float *position, *value, *gradient, *lambda, *norm;
-  float *hessian; /* [n][hessian_channels][count][6]; NULL where the grid is not dynamic */
-  int hessian_channels;
+  float *hessian; /* [n][channels][count][6]; NULL where the grid is not dynamic */
   uint8_t *inside;
   size_t room; /* points */
 } field_block;
@@ -58,8 +57,8 @@ ylm_status baker_evaluate(baker *b);
 ylm_status baker_evaluate_list(baker *b, size_t n, const uint32_t *list);
 /* Asks a field for the block's results at its first n positions. */
 ylm_status baker_ask(baker *b, const ylm_field *field, size_t n, field_block *k);
-/* The same for few lights: no metric, and Hessians only of the channels that the metric is of. */
-ylm_status baker_ask_few(baker *b, const ylm_field *field, size_t n, field_block *k);
+/* A progress function, of a baker, that reports under its stage. */
+bool baker_forward(void *user, uint64_t done, uint64_t total, const char *stage);
 /* Room in a block for the results of n points; what frees it. */
 ylm_status baker_reserve_block(baker *b, field_block *k, size_t n);
 void baker_free_block(field_block *k);

@@ -47,9 +47,12 @@ typedef struct grid_dynamic {
   size_t movers;
 
   size_t room, bends; /* points; floats of Hessians per point */
-  float *hessian;     /* [room][metric channels][count][6] */
+  float *hessian;     /* [room][metric channels][6][count] */
   float *size;        /* [room] norm of a point's values, all channels */
   float *drift;       /* [room] bound of what rounding has added up to */
+
+  void *log; /* rows as they were before the last update: kept, so that its pages are there */
+  size_t log_bytes;
 
   /* Signatures: of evaluated points [room], of interpolated ones, of cells. sign.c */
   uint64_t *sign, *born_sign, *cell_sign, form_sign;
@@ -79,16 +82,22 @@ ylm_status ylm__dynamic_begin(ylm_grid *g, const ylm_grid_source *source, ylm_er
 ylm_status ylm__dynamic_end(ylm_grid *g, occupancy *occupied);
 void ylm__dynamic_free(grid_dynamic *d);
 size_t ylm__dynamic_bytes(const grid_dynamic *d);
-/* Room for all points of the grid. */
+/* Room for all points of the grid. dynamic_point.c */
 ylm_status ylm__dynamic_reserve(ylm_grid *g);
 /* True if Hessians are kept. */
 bool ylm__dynamic_bends(const ylm_grid *g);
 /* Keeps what belongs to point p, evaluated with all lights: row i of the block. */
 void ylm__dynamic_store(ylm_grid *g, uint32_t p, const field_block *k, size_t i);
-/* Adds row i of the block, the difference of two states of some light; the metric comes later. */
-void ylm__dynamic_add(ylm_grid *g, uint32_t p, const field_block *k, size_t i);
-/* Lambda, norm and size of point p from its data. */
-void ylm__dynamic_measure(ylm_grid *g, uint32_t p);
+/* The difference of two states of a light at a point: a field of one channel, and its colour. */
+typedef struct point_change {
+  const float *value, *gradient, *hessian; /* [count], [count][3], [count][6] */
+  const float *position;                   /* [3] where it was asked for */
+  const double *colour;                    /* [3] */
+} point_change;
+/* Adds a change to point p; the metric comes later. `room` is for 10 count floats. */
+void ylm__dynamic_add(ylm_grid *g, uint32_t p, const point_change *x, float *room);
+/* Lambda, norm, size and signature of point p from its data. */
+void ylm__dynamic_measure(ylm_grid *g, uint32_t p, ylm_light_bend_fn *bend);
 /* Signs an evaluated point's data. */
 void ylm__dynamic_sign(ylm_grid *g, uint32_t p);
 /* Signs the rest: points in lights, interpolated ones (all, or those with changed[point] != 0), and

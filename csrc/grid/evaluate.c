@@ -6,8 +6,7 @@
 
 #define BLOCK 8192 /* points of one call of the field; its results are read while in cache */
 
-/* Reports the field's progress under the bake's own stage. */
-static bool forward(void *user, uint64_t done, uint64_t total, const char *stage) {
+bool baker_forward(void *user, uint64_t done, uint64_t total, const char *stage) {
   const baker *b = user;
   (void)stage;
   return ylm_report(b->source->progress, done, total, b->stage) == YLM_OK;
@@ -17,7 +16,7 @@ static bool forward(void *user, uint64_t done, uint64_t total, const char *stage
 static ylm_status ask(baker *b, const ylm_field *field, int want, int channels, size_t n,
                       const float *points, ylm_field_result *r) {
   const ylm_grid_form *f = &b->g->view.form;
-  ylm_progress progress = {forward, b};
+  ylm_progress progress = {baker_forward, b};
   ylm_field_query q = {.lmax = f->lmax,
                        .channels = channels,
                        .want = want,
@@ -53,20 +52,7 @@ ylm_status baker_ask(baker *b, const ylm_field *field, size_t n, field_block *k)
     want |= YLM_WANT_METRIC;
   else
     for (size_t i = 0; i < n; i++) k->lambda[i] = k->norm[i] = NAN;
-  k->hessian_channels = f->channels;
   return ask(b, field, want, f->channels, n, k->position, &r);
-}
-
-ylm_status baker_ask_few(baker *b, const ylm_field *field, size_t n, field_block *k) {
-  const ylm_grid_form *f = &b->g->view.form;
-  ylm_field_result r = {.value = k->value, .gradient = k->gradient, .inside = k->inside};
-  ylm_status s = ask(b, field, YLM_WANT_VALUE | YLM_WANT_GRADIENT, f->channels, n, k->position, &r);
-  if (s != YLM_OK || !k->hessian) return s;
-  ylm_field_result h = {.hessian = k->hessian, .inside = k->inside};
-  k->hessian_channels = f->metric_channels;
-  s = ask(b, field, YLM_WANT_HESSIAN, f->metric_channels, n, k->position, &h);
-  b->g->stats.pairs -= h.pairs; /* the same pairs again */
-  return s;
 }
 
 void ylm__grid_asked(const ylm_grid *g, uint32_t point, float out[3]) {

@@ -123,6 +123,19 @@ static inline uint32_t ylm__grid_leaf_again(const ylm_grid *g, leaf_cursor *c, c
   return c->leaf;
 }
 
+/* Fractions of a cell's edges at lattice coordinates; true if they had to be clamped. */
+static inline bool ylm__grid_fractions(const ylm_grid *g, const ylm_grid_cell *c,
+                                       const double at[3], float t[3]) {
+  double inverse = 1 / (double)ylm__grid_edge(g, c);
+  bool moved = false;
+  for (int a = 0; a < 3; a++) {
+    double x = (at[a] - c->origin[a]) * inverse;
+    moved |= !(x >= 0 && x <= 1);
+    t[a] = (float)(x < 0 ? 0 : x > 1 ? 1 : x);
+  }
+  return moved;
+}
+
 /* -- lattice.c: Morton codes and the hash of points ------------------------------ */
 
 /* Interleaves 16 bits of each coordinate, x lowest. */
@@ -223,6 +236,10 @@ typedef struct sample_batch {
 } sample_batch;
 typedef void sample_kernel(const sample_batch *b);
 sample_kernel *ylm__grid_kernel(void);
+/* The batch becomes the one point at fractions t of a leaf without data that has `detail`; `room`
+   is that of ylm__grid_virtual. virtual.c */
+void ylm__grid_set_virtual(const ylm_grid *g, uint32_t leaf, const float t[3], float *room,
+                           sample_batch *b);
 /* Gives the batch the edges of cells of a size in lattice units, or edges and rows of a cell. */
 void ylm__grid_set_edge(const ylm_grid *g, uint32_t edge, sample_batch *b);
 void ylm__grid_set_cell(const ylm_grid *g, const ylm_grid_cell *c, sample_batch *b);

@@ -56,13 +56,7 @@ static void locate(sampling *s, chunk *k, size_t n) {
     outside += k->away[i];
     uint32_t found = ylm__grid_leaf_again(g, &cursor, at);
     const ylm_grid_cell *leaf = &g->cell[found], *c = leaf->detail ? leaf : &g->cell[leaf->source];
-    double edge = ylm__grid_edge(g, c), inverse = 1 / edge;
-    bool moved = false;
-    for (int a = 0; a < 3; a++) {
-      double t = (at[a] - c->origin[a]) * inverse;
-      moved |= !(t >= 0 && t <= 1);
-      k->t[i][a] = (float)(t < 0 ? 0 : t > 1 ? 1 : t);
-    }
+    bool moved = ylm__grid_fractions(g, c, at, k->t[i]);
     unbaked += moved || !(leaf->flags & (YLM_GRID_BAKED | YLM_GRID_ADDED));
     k->cell[i] = leaf->detail ? found : leaf->source;
   }
@@ -132,17 +126,8 @@ static void run_batch(const sampling *s, const chunk *k, sample_batch *b, const 
 
 /* One point of a leaf without data that evaluated points touch. */
 static void sample_virtual(const sampling *s, const chunk *k, sample_batch *b, size_t i) {
-  const ylm_grid_cell *c = &s->g->cell[k->cell[i]];
   float *room = k->scratch + (size_t)BATCH * 4 * s->g->width + ROW_PADDING;
-  uint32_t edge = ylm__grid_edge(s->g, c);
-  virtual_cell v;
-  double at[3];
-  for (int a = 0; a < 3; a++) at[a] = c->origin[a] + (double)k->t[i][a] * edge;
-  ylm__grid_virtual(s->g, k->cell[i], at, &v, room);
-  ylm__grid_set_edge(s->g, v.edge, b);
-  memcpy(b->row, v.row, sizeof b->row);
-  for (int a = 0; a < 3; a++) b->t[a][0] = (float)((at[a] - v.origin[a]) / v.edge);
-  b->points = 1;
+  ylm__grid_set_virtual(s->g, k->cell[i], k->t[i], room, b);
   i += k->first;
   run_batch(s, k, b, &i);
 }

@@ -34,17 +34,16 @@ YLM_INLINE void store_some(float *out, ylm_vf v, int n) {
 #endif
 }
 
-/* `most` points, of which `points` are wanted, from w[r * BATCH], `columns` vectors from column j
-   on. */
+/* `points` points from w[r * BATCH], `columns` vectors from column j on. */
 YLM_INLINE void block(const sample_batch *b, int rows, const float *w, int j, const int columns,
-                      float *const *out, const int most, int points) {
+                      float *const *out, const int points) {
   ylm_vf sum[POINTS][COLUMNS] = {{{0}}};
   for (int r = 0; r < rows; r++) {
     const float *row = b->row[r] + j;
     ylm_vf v[COLUMNS];
     for (int c = 0; c < columns; c++) v[c] = ylm_vf_load(row + c * YLM_VF);
-    for (int p = 0; p < most; p++) {
-      ylm_vf x = ylm_vf_set(w[r * BATCH + p]);
+    for (int p = 0; p < points; p++) {
+      float x = w[r * BATCH + p];
       for (int c = 0; c < columns; c++) sum[p][c] += x * v[c];
     }
   }
@@ -55,29 +54,25 @@ YLM_INLINE void block(const sample_batch *b, int rows, const float *w, int j, co
 
 /* All columns of a few points. */
 YLM_INLINE void columns_of(const sample_batch *b, int rows, const float *w, float *const *out,
-                           const int most, int points) {
+                           const int points) {
   int vectors = (b->width + YLM_VF - 1) / YLM_VF, j = 0;
   for (; vectors >= COLUMNS; vectors -= COLUMNS, j += COLUMNS * YLM_VF)
-    block(b, rows, w, j, COLUMNS, out, most, points);
+    block(b, rows, w, j, COLUMNS, out, points);
 #if COLUMNS > 2
-  if (vectors == 4) block(b, rows, w, j, 4, out, most, points);
-  if (vectors == 3) block(b, rows, w, j, 3, out, most, points);
-  if (vectors == 2) block(b, rows, w, j, 2, out, most, points);
+  if (vectors == 4) block(b, rows, w, j, 4, out, points);
+  if (vectors == 3) block(b, rows, w, j, 3, out, points);
+  if (vectors == 2) block(b, rows, w, j, 2, out, points);
 #endif
-  if (vectors == 1) block(b, rows, w, j, 1, out, most, points);
+  if (vectors == 1) block(b, rows, w, j, 1, out, points);
 }
 
-/* The product for all points of the batch; one point by itself, as residuals and continuity ask for
-   it, does not pay for four. */
+/* The product for all points of the batch. */
 static void mix(const sample_batch *b, const float *w, float *const *out) {
-  int rows = b->interpolation == YLM_GRID_LINEAR ? 8 : ROWS;
-  for (int p = 0; p < b->points; p += POINTS) {
-    int left = b->points - p < POINTS ? b->points - p : POINTS;
-    if (left == 1)
-      columns_of(b, rows, w + p, out + p, 1, 1);
-    else
-      columns_of(b, rows, w + p, out + p, POINTS, left);
-  }
+  int rows = b->interpolation == YLM_GRID_LINEAR ? 8 : ROWS, p = 0;
+  for (; p + POINTS <= b->points; p += POINTS) columns_of(b, rows, w + p, out + p, POINTS);
+  if (b->points - p == 3) columns_of(b, rows, w + p, out + p, 3);
+  if (b->points - p == 2) columns_of(b, rows, w + p, out + p, 2);
+  if (b->points - p == 1) columns_of(b, rows, w + p, out + p, 1);
 }
 
 /* The same for points most of whose weights are 0, as at the middles of edges and faces: rows of

@@ -1,7 +1,17 @@
-/* shift.c - bringing the points that need it up to date. */
+/*
+** shift.c - bringing the points that need it up to date.
+**
+** A point gets the difference of the state that its data have a light in and the present one: a
+** field of one channel, as a rule, since a light that moves keeps its colour. Points are worked on
+** in chunks, so that a chunk's rows are read once: kept for taking back, changed, measured, signed.
+*/
 #include "update.h"
 
+#include <math.h>
+#include <stdatomic.h>
 #include <string.h>
+
+#define CHUNK 512
 
 /* Which points are to be evaluated anew, and which get the difference. */
 ylm_status update_choose_points(update *u) {
@@ -22,73 +32,189 @@ ylm_status update_choose_points(update *u) {
   return s;
 }
 
+/* -- differences ------------------------------------------------------------------------------- */
+
+/* What a thread works with: the field at points of a chunk, and lists of these. */
+typedef struct shift_work {
+  float *position, *value, *gradient, *hessian; /* [CHUNK][..] */
+  float *room;                                  /* [10 count] */
+  double seconds;
+  uint64_t pairs;
+} shift_work;
+
 typedef struct shift_job {
-  ylm_grid *g;
-  const field_block *block;
-  const uint32_t *list;
+  update *u;
+  shift_work *work;
+  ylm_light_bend_fn *bend;
 } shift_job;
 
-static ylm_status add_range(void *context, size_t begin, size_t end, int worker) {
-  (void)worker;
-  const shift_job *j = context;
-  for (size_t i = begin; i < end; i++) ylm__dynamic_add(j->g, j->list[i], j->block, i);
-  return YLM_OK;
-}
-
-static ylm_status measure_range(void *context, size_t begin, size_t end, int worker) {
-  (void)worker;
-  const shift_job *j = context;
-  for (size_t i = begin; i < end; i++) ylm__dynamic_measure(j->g, j->list[i]);
-  return YLM_OK;
-}
-
-/* Adds the light b and subtracts a at n points. */
-static ylm_status shift_points(update *u, const lamp *a, const lamp *b, size_t n,
-                               const uint32_t *list) {
+/* Adds lights of radiance `strength` times `colour`, one or two, at the n points `list`. */
+static ylm_status add_lights(const shift_job *j, shift_work *w, size_t lamps,
+                             const lamp *const *lamp_of, const double *strength,
+                             const double colour[3], size_t n, const uint32_t *list) {
+  ylm_grid *g = j->u->g;
   double at[6], radius[2], radiance[6];
-  const lamp *both[2] = {a, b};
-  ylm_lights *pair;
-  for (size_t k = 0; k < 2; k++)
-    for (size_t i = 0; i < 3; i++) {
-      at[3 * k + i] = both[k]->at[i];
-      radiance[3 * k + i] = k ? both[k]->radiance[i] : -both[k]->radiance[i];
-      radius[k] = both[k]->radius;
-    }
-  ylm_status s = ylm_lights_create(2, at, radius, radiance, &pair, u->b.e);
-  if (s == YLM_OK) s = baker_reserve_block(&u->b, &u->b.block, n);
-  field_block *k = &u->b.block;
-  for (size_t i = 0; s == YLM_OK && i < n; i += k->room) {
-    size_t now = n - i < k->room ? n - i : k->room;
-    for (size_t p = 0; p < now; p++) ylm__grid_asked(u->g, list[i + p], k->position + 3 * p);
-    s = baker_ask_few(&u->b, ylm_lights_field(pair), now, k);
-    shift_job j = {u->g, k, list + i};
-    if (s == YLM_OK) s = ylm_parallel(now, 64, u->source.threads, add_range, &j, NULL, NULL);
+  ylm_lights *lights;
+  for (size_t k = 0; k < lamps; k++) {
+    memcpy(at + 3 * k, lamp_of[k]->at, sizeof lamp_of[k]->at);
+    radius[k] = lamp_of[k]->radius;
+    for (size_t c = 0; c < 3; c++) radiance[3 * k + c] = strength[k];
   }
-  ylm_lights_free(pair);
+  ylm_status s = ylm_lights_create(lamps, at, radius, radiance, &lights, NULL);
+  if (s != YLM_OK) return s;
+  for (size_t i = 0; i < n; i++) ylm__grid_asked(g, list[i], w->position + 3 * i);
+  ylm_field_query q = {.lmax = g->view.form.lmax,
+                       .channels = 1,
+                       .metric_channels = 1,
+                       .dtype = YLM_FLOAT,
+                       .threads = 1,
+                       .want = YLM_WANT_VALUE | YLM_WANT_GRADIENT |
+                               (w->hessian ? YLM_WANT_HESSIAN : 0)};
+  ylm_field_result r = {.value = w->value, .gradient = w->gradient, .hessian = w->hessian};
+  const ylm_field *field = ylm_lights_field(lights);
+  double t = ylm_seconds();
+  s = field->evaluate(field, &q, n, w->position, &r, NULL);
+  w->seconds += ylm_seconds() - t;
+  w->pairs += r.pairs;
+  ylm_lights_free(lights);
+  size_t count = (size_t)g->view.count;
+  for (size_t i = 0; s == YLM_OK && i < n; i++)
+    ylm__dynamic_add(g, list[i],
+                     &(point_change){w->value + i * count, w->gradient + 3 * i * count,
+                                     w->hessian ? w->hessian + 6 * i * count : NULL,
+                                     w->position + 3 * i, colour},
+                     w->room);
   return s;
 }
 
-/* Every mover, one state after the other: its points that are listed in u->shift. */
-ylm_status update_shift_all(update *u) {
-  grid_dynamic *d = u->d;
-  uint32_t *list = ylm_alloc(u->shifts, sizeof *list);
-  ylm_status s = list ? YLM_OK : YLM_ENOMEM;
-  for (size_t i = 0; s == YLM_OK && i < d->movers; i++) {
-    mover *m = &d->mover[i];
-    size_t first[STATES + 1] = {0}, next[STATES];
-    for (size_t k = 0; k < u->shifts; k++) first[m->seen[u->shift[k]] + 1]++;
-    for (int k = 0; k < STATES; k++) first[k + 1] += first[k], next[k] = first[k];
-    for (size_t k = 0; k < u->shifts; k++) list[next[m->seen[u->shift[k]]]++] = u->shift[k];
-    for (int k = 0; s == YLM_OK && k < STATES; k++) {
-      size_t n = first[k + 1] - first[k];
-      if (k == m->current || n == 0) continue;
-      s = shift_points(u, &m->state[k], &m->state[m->current], n, list + first[k]);
-      for (size_t p = first[k]; p < first[k + 1]; p++) m->seen[list[p]] = (uint8_t)m->current;
-    }
+/* The length of a radiance, and its direction; darkness has that of `other`. */
+static double colour_of(const double x[3], const double other[3], double colour[3]) {
+  double s = 0;
+  for (int c = 0; c < 3; c++) s += x[c] * x[c];
+  const double *from = s > 0 ? x : other;
+  double length = 0;
+  for (int c = 0; c < 3; c++) length += from[c] * from[c];
+  for (int c = 0; c < 3; c++) colour[c] = length > 0 ? from[c] / sqrt(length) : 0;
+  return sqrt(s);
+}
+
+/* Subtracts the light a and adds b. */
+static ylm_status exchange(const shift_job *j, shift_work *w, const lamp *a, const lamp *b,
+                           size_t n, const uint32_t *list) {
+  double colour[2][3], along = 0, off = 0;
+  double strength[2] = {-colour_of(a->radiance, b->radiance, colour[0]),
+                        colour_of(b->radiance, a->radiance, colour[1])};
+  for (int c = 0; c < 3; c++) along += colour[0][c] * colour[1][c];
+  for (int c = 0; c < 3; c++) off = fmax(off, fabs(colour[0][c] - along * colour[1][c]));
+  if (off < 1e-9) { /* one colour, or two opposite ones */
+    strength[0] *= along;
+    return add_lights(j, w, 2, (const lamp *const[]){a, b}, strength, colour[1], n, list);
   }
-  ylm_free(list);
-  shift_job j = {u->g, NULL, u->shift};
+  ylm_status s = add_lights(j, w, 1, &a, strength, colour[0], n, list);
+  if (s != YLM_OK) return s;
+  return add_lights(j, w, 1, &b, strength + 1, colour[1], n, list);
+}
+
+/* Brings n points, at most CHUNK, up to date for one mover, one state after the other. */
+static ylm_status follow_mover(const shift_job *j, shift_work *w, mover *m, size_t n,
+                               const uint32_t *point) {
+  uint32_t list[CHUNK];
+  size_t first[STATES + 1] = {0}, next[STATES];
+  for (size_t i = 0; i < n; i++) first[m->seen[point[i]] + 1]++;
+  for (int k = 0; k < STATES; k++) first[k + 1] += first[k], next[k] = first[k];
+  for (size_t i = 0; i < n; i++) list[next[m->seen[point[i]]]++] = point[i];
+  for (int k = 0; k < STATES; k++) {
+    size_t some = first[k + 1] - first[k];
+    if (k == m->current || some == 0) continue;
+    ylm_status s = exchange(j, w, &m->state[k], &m->state[m->current], some, list + first[k]);
+    if (s != YLM_OK) return s;
+    for (size_t i = first[k]; i < first[k + 1]; i++) m->seen[list[i]] = (uint8_t)m->current;
+  }
+  return YLM_OK;
+}
+
+static ylm_status shift_chunk(void *context, size_t begin, size_t end, int worker) {
+  const shift_job *j = context;
+  update *u = j->u;
+  const uint32_t *point = u->shift + begin;
+  ylm_status s = YLM_OK;
+  for (size_t i = begin; i < end; i++) update_log_row(u, u->old.logs - u->shifts + i, u->shift[i]);
+  for (size_t m = 0; m < u->d->movers && s == YLM_OK; m++)
+    s = follow_mover(j, &j->work[worker], &u->d->mover[m], end - begin, point);
+  for (size_t i = 0; i < end - begin && s == YLM_OK; i++)
+    ylm__dynamic_measure(u->g, point[i], j->bend);
+  return s;
+}
+
+/* -- all together ------------------------------------------------------------------------------ */
+
+/* Sorts the points by the first state that is not the present one, so that chunks are mostly of one
+   state. */
+static ylm_status sort_shifts(update *u) {
+  const grid_dynamic *d = u->d;
+  size_t kinds = d->movers * STATES + 1;
+  uint32_t *other = ylm_alloc(u->shifts, sizeof *other), *kind = ylm_alloc(u->shifts, sizeof *kind);
+  size_t *next = ylm_alloc_zero(kinds + 1, sizeof *next);
+  ylm_status s = other && kind && next ? YLM_OK : YLM_ENOMEM;
+  for (size_t i = 0; s == YLM_OK && i < u->shifts; i++) {
+    size_t m = 0;
+    while (m < d->movers && d->mover[m].seen[u->shift[i]] == d->mover[m].current) m++;
+    kind[i] = (uint32_t)(m * STATES + (m < d->movers ? d->mover[m].seen[u->shift[i]] : 0));
+    next[kind[i] + 1]++;
+  }
+  for (size_t k = 0; s == YLM_OK && k < kinds; k++) next[k + 1] += next[k];
+  for (size_t i = 0; s == YLM_OK && i < u->shifts; i++) other[next[kind[i]]++] = u->shift[i];
+  if (s == YLM_OK) memcpy(u->shift, other, u->shifts * sizeof *other);
+  ylm_free(other);
+  ylm_free(kind);
+  ylm_free(next);
+  return s;
+}
+
+static void free_work(shift_job *j, int threads) {
+  for (int i = 0; j->work && i < threads; i++) {
+    shift_work *w = &j->work[i];
+    ylm_free(w->position);
+    ylm_free(w->value);
+    ylm_free(w->gradient);
+    ylm_free(w->hessian);
+    ylm_free(w->room);
+  }
+  ylm_free(j->work);
+}
+
+static ylm_status make_work(shift_job *j, int threads) {
+  size_t count = (size_t)j->u->g->view.count, size = CHUNK * sizeof(float);
+  bool bends = ylm__dynamic_bends(j->u->g), ok = true;
+  j->work = ylm_alloc_zero((size_t)threads, sizeof *j->work);
+  for (int i = 0; j->work && i < threads && ok; i++) {
+    shift_work *w = &j->work[i];
+    w->position = ylm_alloc(3, size);
+    w->value = ylm_alloc(count, size);
+    w->gradient = ylm_alloc(3 * count, size);
+    w->hessian = bends ? ylm_alloc(6 * count, size) : NULL;
+    w->room = ylm_alloc(10 * count, sizeof(float));
+    ok = w->position && w->value && w->gradient && w->room && (w->hessian || !bends);
+  }
+  return j->work && ok ? YLM_OK : YLM_ENOMEM;
+}
+
+ylm_status update_shift_all(update *u) {
+  int threads = ylm_threads(u->source.threads);
+  shift_job j = {.u = u, .bend = ylm_light_bend()};
+  if (!u->shifts) return YLM_OK;
+  ylm_progress progress = {baker_forward, &u->b};
+  ylm_status s = make_work(&j, threads);
+  if (s == YLM_OK) s = sort_shifts(u);
   if (s == YLM_OK)
-    s = ylm_parallel(u->shifts, 64, u->source.threads, measure_range, &j, NULL, NULL);
+    s = ylm_parallel(u->shifts, CHUNK, threads, shift_chunk, &j,
+                     u->source.progress ? &progress : NULL, "updating");
+  size_t chunks = (u->shifts + CHUNK - 1) / CHUNK;
+  double together = chunks < (size_t)threads ? (double)chunks : threads;
+  for (int i = 0; j.work && i < threads; i++) {
+    u->g->stats.field_seconds += j.work[i].seconds / together;
+    u->g->stats.pairs += j.work[i].pairs;
+  }
+  free_work(&j, threads);
   return s;
 }

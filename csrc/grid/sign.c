@@ -108,24 +108,3 @@ void ylm__dynamic_sign_all(ylm_grid *g, const uint8_t *changed, int threads) {
   ylm_parallel(born, 512, threads, sign_born, &j, NULL, NULL);
   d->is_signed = ylm_parallel(g->cells, 4096, threads, sign_cells, g, NULL, NULL) == YLM_OK;
 }
-
-bool ylm_grid_sign(const ylm_grid *g, size_t n, const float *points, uint64_t *sign,
-                   ylm_grid_report *report) {
-  const grid_dynamic *d = g->dynamic;
-  if (!d || !d->is_signed) return false;
-  bool uniform = g->view.form.kind == YLM_GRID_UNIFORM;
-  leaf_cursor cursor = {.leaf = YLM_GRID_NONE};
-  for (size_t i = 0; i < n; i++) {
-    double at[3],
-        p[3] = {(double)points[3 * i], (double)points[3 * i + 1], (double)points[3 * i + 2]};
-    report->outside += !ylm__grid_coordinates(g, p, at);
-    uint32_t leaf = ylm__grid_leaf_again(g, &cursor, at);
-    const ylm_grid_cell *c = &g->cell[leaf];
-    bool moved = false;
-    for (int a = 0; uniform && a < 3; a++)
-      moved |= !(at[a] >= cursor.low[a] && at[a] <= cursor.high[a]);
-    report->unbaked += moved || !(c->flags & (YLM_GRID_BAKED | YLM_GRID_ADDED));
-    sign[i] = d->cell_sign[leaf];
-  }
-  return true;
-}

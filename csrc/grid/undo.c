@@ -36,36 +36,54 @@ ylm_status update_remember(update *u) {
   return YLM_OK;
 }
 
+void update_log_row(update *u, size_t log, uint32_t point) {
+  undo *o = &u->old;
+  size_t row = 4 * u->g->stride, bends = u->d->bends;
+  memcpy(o->data + log * row, u->g->data + point * row, row * sizeof *o->data);
+  if (bends)
+    memcpy(o->hessian + log * bends, u->d->hessian + point * bends, bends * sizeof *o->hessian);
+  o->logged[log] = point;
+}
+
+/* Room for n rows in the grid's log, which stays between updates: fresh pages would cost more than
+   what is written to them. */
+static ylm_status reserve_log(update *u, size_t n) {
+  undo *o = &u->old;
+  grid_dynamic *d = u->d;
+  size_t row = 4 * u->g->stride, bytes = n * (row + d->bends) * sizeof(float);
+  if (bytes > d->log_bytes) {
+    void *log = ylm_regrow(d->log, d->log_bytes, bytes + bytes / 4);
+    if (!log) return YLM_ENOMEM;
+    d->log = log;
+    d->log_bytes = bytes + bytes / 4;
+  }
+  o->data = d->log;
+  o->hessian = o->data + n * row;
+  o->logged = ylm_alloc(n, sizeof *o->logged);
+  return o->logged ? YLM_OK : YLM_ENOMEM;
+}
+
 static ylm_status log_range(void *context, size_t begin, size_t end, int worker) {
   (void)worker;
-  const update *u = context;
-  const undo *o = &u->old;
-  size_t row = 4 * u->g->stride, bends = u->d->bends;
-  for (size_t i = begin; i < end; i++) {
-    size_t p = o->logged[i];
-    memcpy(o->data + i * row, u->g->data + p * row, row * sizeof *o->data);
-    if (bends)
-      memcpy(o->hessian + i * bends, u->d->hessian + p * bends, bends * sizeof *o->hessian);
-  }
+  update *u = context;
+  for (size_t i = begin; i < end; i++) update_log_row(u, i, u->old.logged[i]);
   return YLM_OK;
 }
 
-/* Keeps the rows of the points that will be written. */
 ylm_status update_log_rows(update *u) {
   const ylm_grid *g = u->g;
   undo *o = &u->old;
-  size_t invalid = 0, row = 4 * g->stride, bends = u->d->bends;
-  for (size_t p = 0; p < g->evaluated; p++) invalid += (g->flags[p] & YLM_GRID_POINT_INVALID) != 0;
-  size_t most = u->exacts + u->shifts + invalid;
-  o->logged = ylm_alloc(most, sizeof *o->logged);
-  o->data = ylm_alloc(most, row * sizeof *o->data);
-  o->hessian = ylm_alloc(most, bends * sizeof *o->hessian);
-  if (!o->logged || !o->data || !o->hessian) return YLM_ENOMEM;
+  size_t invalid = 0;
+  for (size_t p = 0; p < g->evaluated; p++)
+    invalid += g->flags[p] & YLM_GRID_POINT_INVALID && !u->changed[p];
+  ylm_status s = reserve_log(u, u->exacts + invalid + u->shifts);
+  if (s != YLM_OK) return s;
   for (size_t i = 0; i < u->exacts; i++) o->logged[o->logs++] = u->exact[i];
-  for (size_t i = 0; i < u->shifts; i++) o->logged[o->logs++] = u->shift[i];
   for (uint32_t p = 0; p < g->evaluated; p++)
     if (g->flags[p] & YLM_GRID_POINT_INVALID && !u->changed[p]) o->logged[o->logs++] = p;
-  return ylm_parallel(o->logs, 64, u->source.threads, log_range, u, NULL, NULL);
+  size_t now = o->logs;
+  for (size_t i = 0; i < u->shifts; i++) o->logged[o->logs++] = YLM_GRID_NONE;
+  return ylm_parallel(now, 64, u->source.threads, log_range, u, NULL, NULL);
 }
 
 void update_restore(update *u) {
@@ -92,6 +110,7 @@ void update_restore(update *u) {
   memcpy(d->sign, o->sign, g->evaluated * sizeof *d->sign);
   for (size_t i = 0; i < o->logs; i++) {
     size_t p = o->logged[i];
+    if (p == YLM_GRID_NONE) continue;
     memcpy(g->data + p * row, o->data + i * row, row * sizeof *g->data);
     if (bends) memcpy(d->hessian + p * bends, o->hessian + i * bends, bends * sizeof *d->hessian);
   }
@@ -121,8 +140,6 @@ void update_forget(update *u) {
   ylm_free(o->drift);
   ylm_free(o->sign);
   ylm_free(o->logged);
-  ylm_free(o->data);
-  ylm_free(o->hessian);
   ylm_free(o->cell);
   ylm_free(u->now);
   ylm_free(u->origin);

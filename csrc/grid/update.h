@@ -11,9 +11,9 @@ typedef struct undo {
   uint8_t *flags;
   float *lambda, *norm, *size, *drift;
   uint64_t *sign;
-  mover *mover;     /* [movers], with copies of `seen` */
-  uint32_t *logged; /* points whose rows follow */
-  float *data, *hessian;
+  mover *mover;          /* [movers], with copies of `seen` */
+  uint32_t *logged;      /* [logs] points whose rows follow; YLM_GRID_NONE: not yet */
+  float *data, *hessian; /* in the grid's log */
   size_t logs;
 } undo;
 
@@ -41,8 +41,10 @@ typedef struct update {
 
 /* Keeps everything but rows of data. */
 ylm_status update_remember(update *u);
-/* Keeps the rows of the points that will be written. */
+/* Keeps the rows of the points that will be written; those of u->shift, the last of the log, when
+   their turn comes. */
 ylm_status update_log_rows(update *u);
+void update_log_row(update *u, size_t log, uint32_t point);
 /* Takes everything back. */
 void update_restore(update *u);
 /* Frees what an update holds, the grid excepted. */
@@ -60,7 +62,7 @@ void update_retire(grid_dynamic *d, size_t points);
 
 /* Which points are to be evaluated anew, and which get the difference. */
 ylm_status update_choose_points(update *u);
-/* Every mover, one state after the other: its points that are listed in u->shift. */
+/* Brings the points that are listed in u->shift up to date with all movers. */
 ylm_status update_shift_all(update *u);
 
 /* -- update_tree.c ---------------------------------------------------------------------- */

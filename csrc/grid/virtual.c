@@ -59,3 +59,17 @@ void ylm__grid_virtual(const ylm_grid *g, uint32_t leaf, const double at[3], vir
     virtual_descend(g, v, k, scratch + (size_t)(level & 1) * 32 * g->stride);
   }
 }
+
+void ylm__grid_set_virtual(const ylm_grid *g, uint32_t leaf, const float t[3], float *room,
+                           sample_batch *b) {
+  const ylm_grid_cell *c = &g->cell[leaf];
+  uint32_t edge = ylm__grid_edge(g, c);
+  virtual_cell v;
+  double at[3];
+  for (int a = 0; a < 3; a++) at[a] = c->origin[a] + (double)t[a] * edge;
+  ylm__grid_virtual(g, leaf, at, &v, room);
+  ylm__grid_set_edge(g, v.edge, b);
+  memcpy(b->row, v.row, sizeof b->row);
+  for (int a = 0; a < 3; a++) b->t[a][0] = (float)((at[a] - v.origin[a]) / v.edge);
+  b->points = 1;
+}

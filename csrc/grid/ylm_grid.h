@@ -170,21 +170,6 @@ YLM_API ylm_status ylm_grid_update(ylm_grid *g, const ylm_grid_change *change, y
 /* True while an update runs: the grid must not be used from its progress function. */
 YLM_API bool ylm_grid_updating(const ylm_grid *g);
 
-/*
-** ylm_grid_sign - signatures of what samples at n points depend on, of a dynamic grid.
-**
-** A sample at a point is what it was if its signature is what it was; 0 promises nothing. So what
-** has been computed from samples can be kept over updates.
-**
-**   points  in   [n][3]
-**   sign    out  [n]
-**   report  out  outside and unbaked are added to
-**
-** Returns  false where the grid has no signatures: it is not dynamic
-*/
-YLM_API bool ylm_grid_sign(const ylm_grid *g, size_t n, const float *points, uint64_t *sign,
-                           ylm_grid_report *report);
-
 /* -- looking inside ---------------------------------------------------------- */
 
 enum {
@@ -317,6 +302,62 @@ typedef struct ylm_grid_query {
 YLM_API ylm_status ylm_grid_sample(const ylm_grid *g, const ylm_grid_query *q, size_t n,
                                    const void *points, void *value, void *gradient,
                                    ylm_grid_report *report, ylm_error *e);
+
+/*
+** Points that stay where they are while a dynamic grid changes: where they lie is found out once,
+*as
+** long as the octree there is what it was, and only those are sampled whose samples may differ from
+** those of the last time. Every cell of a dynamic grid has a signature of what its samples depend
+** on; equal signatures mean equal samples, but for one chance in 2^64.
+*/
+typedef struct ylm_grid_track ylm_grid_track;
+
+/*
+** ylm_grid_track_create - n points to be followed.
+**
+**   points  in   [n][3]; read as long as the track lives
+**   order   in   [n] the points, neighbours near one another, or NULL: as they come. Each block of
+**                YLM_GRID_TRACK in this order is sampled cell by cell
+**
+** Memory  16 bytes per point, 32 per cell and block
+** Returns  YLM_OK, YLM_ENOMEM, YLM_ELIMIT (more than 2^32 points)
+*/
+#define YLM_GRID_TRACK 4096
+YLM_API ylm_status ylm_grid_track_create(size_t n, const float *points, const uint32_t *order,
+                                         ylm_grid_track **track);
+YLM_API void ylm_grid_track_free(ylm_grid_track *track);
+
+/*
+** Who takes samples, on any of the threads, once for each point that is sampled.
+**
+**   announce  of the n <= 32 points `point`, whose samples come next: time to fetch what goes with
+**             them; may be NULL
+**   take      their coefficients [channels][count] begin every `row` floats
+*/
+typedef struct ylm_grid_taker {
+  void (*announce)(void *user, size_t n, const uint32_t *point);
+  void (*take)(void *user, size_t n, const uint32_t *point, size_t row, const float *value);
+  void *user;
+} ylm_grid_taker;
+
+/*
+** ylm_grid_track_sample - sample the points whose samples may have changed since the last time.
+**
+** Another grid, or another interpolation, is sampled everywhere where it is not the same; after a
+** failure that is everything that was not handed over.
+**
+**   fresh   out  points that were handed over
+**   report  out  outside and unbaked, of all points
+**
+** Returns  YLM_OK; YLM_EINVAL (the grid is not dynamic, or had no memory for signatures: nothing is
+**          sampled, and the next time everything is), YLM_ENOMEM, YLM_ECANCELLED (stage "shading")
+** Results  those of ylm_grid_sample
+** Threads  one track is for one caller at a time
+*/
+YLM_API ylm_status ylm_grid_track_sample(ylm_grid_track *track, const ylm_grid *g,
+                                         ylm_grid_interpolation how, int threads,
+                                         const ylm_progress *progress, const ylm_grid_taker *taker,
+                                         uint64_t *fresh, ylm_grid_report *report);
 
 /* The grid as a light field (Hermite, clamped): value, gradient, and lambda and norm interpolated.
    It has no Hessian, and no degree above its own. */

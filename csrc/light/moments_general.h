@@ -152,9 +152,8 @@ static void NAME(sum_rgb)(int lmax, int kinds, int n, const void *geometry, cons
                           const void *emission, void *state, void *sums, int stride) {
   NAME(chunk) c = {.n = n, .state = state, .emission = emission, .stride = stride};
 #define X(set)                                                                                     \
-  if (kinds == set)                                                                                \
-    NAME(add_columns)                                                                              \
-    (lmax, set, NAME(plain_rgb_##set), NAME(fine_rgb_##set), &c, geometry, weights, sums);
+  if (kinds == set) NAME(add_columns)                                                              \
+  (lmax, set, NAME(plain_rgb_##set), NAME(fine_rgb_##set), &c, geometry, weights, sums);
   YLM__KIND_SETS(X)
 #undef X
 }

@@ -2,7 +2,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "light.h"
+#include "moments.h"
 #include "ylm_sh.h"
 
 ylm_status ylm__field_check(const ylm_field_query *q, size_t n, const void *points,
@@ -38,6 +38,22 @@ static inline double choose(bool first, double a, double b) { return first ? a :
 #define TINY 1e-280
 #define FINE 1
 #include "gen/eigenvalue.h"
+
+static float bend(size_t count, const float *hessian) {
+  double s = 0;
+  for (size_t i = 0; i < count; i++) {
+    double h[6], e;
+    for (size_t a = 0; a < 6; a++) h[a] = (double)hessian[a * count + i];
+    e = largest_eigenvalue(h);
+    s += e * e;
+  }
+  return (float)s;
+}
+
+ylm_light_bend_fn *ylm_light_bend(void) {
+  ylm__kernel_set set;
+  return ylm__kernels_of(ylm_isa_current(), 0, YLM_FLOAT, &set) ? set.bend : bend;
+}
 
 static void put(ylm_dtype t, void *out, size_t i, double x) {
   if (t == YLM_DOUBLE)

@@ -26,6 +26,27 @@
 #include "sum_body.h"
 #include "tree_body.h"
 
+ylm_light_bend_fn YLM_KERNEL(ylm__bend);
+
+float YLM_KERNEL(ylm__bend)(size_t count, const float *hessian) {
+  ylm_vf sum = {0};
+  float s = 0;
+  for (size_t i = 0; i < count; i += YLM_VF) {
+    size_t n = count - i < YLM_VF ? count - i : YLM_VF;
+    ylm_vf h[6] = {{0}};
+    for (size_t a = 0; a < 6; a++) {
+      if (n == YLM_VF)
+        h[a] = ylm_vf_load(hessian + a * count + i);
+      else
+        memcpy(&h[a], hessian + a * count + i, n * sizeof s);
+    }
+    ylm_vf e = largest_eigenvalue_f(h);
+    sum += e * e;
+  }
+  for (int i = 0; i < YLM_VF; i++) s += sum[i];
+  return s;
+}
+
 #undef REAL
 #undef V
 #undef VI

@@ -71,6 +71,17 @@ YLM_API void ylm_lights_arrays(const ylm_lights *lights, const double **at, cons
 YLM_API const ylm_field *ylm_lights_field(const ylm_lights *lights);
 
 /*
+** The sum over `count` symmetric matrices of the squares of their largest absolute eigenvalues,
+*which
+** for the Hessians of a light field is lambda squared (ylm_field_result). hessian: [6][count], all
+*xx
+** first, then xy, xz, yy, yz, zz.
+*/
+typedef float ylm_light_bend_fn(size_t count, const float *hessian);
+/* That function for the instruction set in use. */
+YLM_API ylm_light_bend_fn *ylm_light_bend(void);
+
+/*
 ** ylm_lights_evaluate - the field's `evaluate` by the kernels of a given instruction set.
 **
 ** Value, gradient, Hessian and the metric of the sum of all lights at n points, see
@@ -116,8 +127,10 @@ YLM_API ylm_status ylm_lights_evaluate(const ylm_lights *lights, ylm_isa isa,
 ** 1/64 of the sum of the lights' norms where they cancel to less; so does lambda beside itself.
 ** That holds at 99.9 % of points; at the others it is at most four times as much
 ** (docs/performance.md). It comes on top of what float rounds, see ylm_lights_evaluate.
-** Points that lie together are summed in packets, so a point's result depends, within the tolerance,
-** on the other points of the query; but neither on their order nor on the number of threads. Sets of some thousand lights, and the reference's,
+** Points that lie together are summed in packets, so a point's result depends, within the
+*tolerance,
+** on the other points of the query; but neither on their order nor on the number of threads. Sets
+*of some thousand lights, and the reference's,
 ** are summed exactly; `pairs` counts what was summed, proxies included.
 */
 typedef struct ylm_light_cut ylm_light_cut;

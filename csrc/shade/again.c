@@ -1,111 +1,98 @@
 /* again.c - shading by a dynamic grid, again and again: only what an update changed is sampled. */
-#include <stdatomic.h>
 #include <string.h>
 
 #include "view.h"
-
-#define BLOCK 1024
+#include "ylm_sh.h"
 
 struct ylm_shade_memory {
   size_t points;
-  ylm_grid_interpolation how;
-  uint64_t *sign;  /* [points]; 0: not shaded yet */
-  float *radiance; /* [points][3] */
+  ylm_grid_track *track;
 };
+
+/* -- the order of points ----------------------------------------------------------------------- */
+
+/* Pixels of a square: its points are sampled together, each voxel that is seen in it once. */
+#define TILE 64
+
+/* The points of the pixels of a tile, row by row; returns how many. */
+static size_t list_tile(const ylm_shade_view *v, int x, int y, uint32_t *out) {
+  size_t n = 0;
+  int right = x + TILE < v->o.width ? x + TILE : v->o.width;
+  int bottom = y + TILE < v->o.height ? y + TILE : v->o.height;
+  for (; y < bottom; y++) {
+    const shade_pixel *row = v->pixel + (size_t)y * (size_t)v->o.width;
+    for (size_t i = row[x].first; i < row[right].first; i++) out[n++] = (uint32_t)i;
+  }
+  return n;
+}
+
+/* The points of all pixels, tile by tile; NULL without memory. */
+static uint32_t *list_tiles(const ylm_shade_view *v) {
+  uint32_t *order = ylm_alloc(v->points, sizeof *order);
+  size_t n = 0;
+  for (int y = 0; order && y < v->o.height; y += TILE)
+    for (int x = 0; x < v->o.width; x += TILE) n += list_tile(v, x, y, order + n);
+  return order;
+}
 
 ylm_status ylm_shade_memory_create(const ylm_shade_view *v, ylm_shade_memory **memory) {
   ylm_shade_memory *m = *memory = ylm_alloc_zero(1, sizeof *m);
-  if (!m) return YLM_ENOMEM;
-  m->points = v->points;
-  m->sign = ylm_alloc_zero(v->points, sizeof *m->sign);
-  m->radiance = ylm_alloc(v->points, 3 * sizeof *m->radiance);
-  if (m->sign && m->radiance) return YLM_OK;
+  uint32_t *order = m && !v->corner ? list_tiles(v) : NULL;
+  ylm_status s = m && (order || v->corner) ? YLM_OK : YLM_ENOMEM;
+  if (s == YLM_OK) {
+    m->points = v->points;
+    s = ylm_grid_track_create(v->points, v->position[0], order, &m->track);
+  }
+  ylm_free(order);
+  if (s == YLM_OK) return s;
   ylm_shade_memory_free(m);
   *memory = NULL;
-  return YLM_ENOMEM;
+  return s;
 }
 
 void ylm_shade_memory_free(ylm_shade_memory *m) {
   if (!m) return;
-  ylm_free(m->sign);
-  ylm_free(m->radiance);
+  ylm_grid_track_free(m->track);
   ylm_free(m);
 }
 
+/* -- shading ----------------------------------------------------------------------------------- */
+
 typedef struct again_job {
   const ylm_shade_view *view;
-  const ylm_grid *grid;
-  ylm_shade_memory *memory;
-  ylm_grid_query query;
+  const ylm_grid_form *form;
   ylm_shade_dot_fn *dot;
   float *out;
-  atomic_uint_fast64_t outside, unbaked, fresh;
 } again_job;
 
-/* Samples and shades the n points `index` of the block at `begin`. */
-static ylm_status shade_few(const again_job *j, size_t begin, size_t n, const uint16_t *index) {
-  const ylm_grid_view *look = ylm_grid_look(j->grid);
-  const ylm_shade_view *v = j->view;
-  size_t row = (size_t)look->form.channels * (size_t)look->count;
-  float *L = ylm_alloc(n * row, sizeof *L), x[BLOCK][3];
-  if (!L) return YLM_ENOMEM;
-  for (size_t i = 0; i < n; i++) memcpy(x[i], v->position[begin + index[i]], sizeof x[i]);
-  ylm_status s = ylm_grid_sample(j->grid, &j->query, n, x, L, NULL, NULL, NULL);
-  for (size_t i = 0; s == YLM_OK && i < n;) {
-    size_t run = 1; /* neighbours that follow one another are shaded together */
-    while (i + run < n && index[i + run] == index[i] + run) run++;
-    size_t p = begin + index[i];
-    ylm__shade_points(v, j->dot, p, run,
-                      &(shade_light){look->form.channels, look->form.lmax, YLM_FLOAT, L + i * row},
-                      j->memory->radiance + 3 * p);
-    i += run;
+/* Transfer vectors of a voxel's points stand in as many places as it has rows of pixels: they are
+   asked for before they are needed. */
+static void fetch(void *user, size_t n, const uint32_t *point) {
+  const again_job *j = user;
+  size_t row = ylm_sh_count(j->view->o.lmax);
+  for (size_t i = 0; i < n; i++) {
+    const float *T = j->view->transfer + row * point[i];
+    for (size_t k = 0; k < row; k += 16) __builtin_prefetch(T + k, 0, 2);
+    __builtin_prefetch(T + row - 1, 0, 2);
+    __builtin_prefetch(j->out + 3 * point[i], 1, 2);
   }
-  ylm_free(L);
-  return s;
 }
 
-static ylm_status run_again(void *context, size_t begin, size_t end, int worker) {
-  (void)worker;
-  again_job *j = context;
-  ylm_shade_memory *m = j->memory;
-  uint64_t sign[BLOCK];
-  uint16_t index[BLOCK];
-  size_t n = 0;
-  ylm_grid_report r = {0};
-  ylm_grid_sign(j->grid, end - begin, j->view->position[begin], sign, &r);
-  for (size_t i = 0; i < end - begin; i++)
-    if (sign[i] == 0 || sign[i] != m->sign[begin + i]) index[n++] = (uint16_t)i;
-  ylm_status s = n ? shade_few(j, begin, n, index) : YLM_OK;
-  if (s != YLM_OK) return s;
-  for (size_t i = 0; i < n; i++) m->sign[begin + index[i]] = sign[index[i]];
-  memcpy(j->out + 3 * begin, m->radiance + 3 * begin, 3 * (end - begin) * sizeof *j->out);
-  atomic_fetch_add_explicit(&j->outside, r.outside, memory_order_relaxed);
-  atomic_fetch_add_explicit(&j->unbaked, r.unbaked, memory_order_relaxed);
-  atomic_fetch_add_explicit(&j->fresh, n, memory_order_relaxed);
-  return YLM_OK;
+static void shade(void *user, size_t n, const uint32_t *point, size_t row, const float *value) {
+  const again_job *j = user;
+  shade_light x = {j->form->channels, j->form->lmax, YLM_FLOAT, value};
+  ylm__shade_some(j->view, j->dot, n, point, &x, row, j->out);
 }
 
 ylm_status ylm_shade_grid_again(const ylm_shade_view *v, ylm_shade_memory *m, const ylm_grid *grid,
                                 ylm_grid_interpolation how, int threads,
                                 const ylm_progress *progress, float *out, ylm_grid_report *report,
                                 uint64_t *fresh, ylm_error *e) {
-  double start = ylm_seconds();
-  ylm_grid_report none = {0};
   if (m->points != v->points) return YLM_ESHAPE;
+  again_job j = {v, &ylm_grid_look(grid)->form, ylm__shade_kernels().dot, out};
+  ylm_status s = ylm_grid_track_sample(m->track, grid, how, threads, progress,
+                                       &(ylm_grid_taker){fetch, shade, &j}, fresh, report);
+  if (s != YLM_EINVAL) return s;
   *fresh = v->points;
-  if (!ylm_grid_sign(grid, 0, NULL, NULL, &none))
-    return ylm_shade_grid(v, grid, how, threads, progress, out, report, e);
-  if (m->how != how) memset(m->sign, 0, m->points * sizeof *m->sign);
-  m->how = how;
-  again_job j = {
-      .view = v,
-      .grid = grid,
-      .memory = m,
-      .out = out,
-      .dot = ylm__shade_kernels().dot,
-      .query = {.interpolation = how, .point_dtype = YLM_FLOAT, .dtype = YLM_FLOAT, .threads = 1}};
-  ylm_status s = ylm_parallel(v->points, BLOCK, threads, run_again, &j, progress, "shading");
-  if (report) *report = (ylm_grid_report){j.outside, j.unbaked, ylm_seconds() - start};
-  *fresh = j.fresh;
-  return s;
+  return ylm_shade_grid(v, grid, how, threads, progress, out, report, e);
 }

@@ -3,18 +3,15 @@
 
 #include "view.h"
 
-static void dot(size_t count, size_t n, int channels, size_t t_row, const float *T, size_t l_row,
-                const float *L, float *out) {
-  for (size_t i = 0; i < n; i++, T += t_row)
+static void dot(size_t count, size_t n, int channels, const uint32_t *index, size_t t_row,
+                const float *T, size_t l_row, size_t l_point, const float *L, float *out) {
+  for (size_t i = 0; i < n; i++)
     for (int c = 0; c < 3; c++) {
+      size_t p = index ? index[i] : i;
+      const float *light = L + i * l_point + (c < channels ? (size_t)c * l_row : 0);
       double s = 0;
-      if (c >= channels) {
-        out[3 * i + (size_t)c] = out[3 * i];
-        continue;
-      }
-      for (size_t k = 0; k < count; k++) s += (double)T[k] * (double)L[k];
-      L += l_row;
-      out[3 * i + (size_t)c] = (float)s;
+      for (size_t k = 0; k < count; k++) s += (double)T[p * t_row + k] * (double)light[k];
+      out[3 * p + (size_t)c] = (float)s;
     }
 }
 
@@ -61,19 +58,21 @@ static void weights(size_t chunks, float *const lamp[4], const float *luminance,
 
 #if defined(__x86_64__)
 DECLARE(sse2)
-DECLARE(avx2) DECLARE(avx512)
+DECLARE(avx2)
+DECLARE(avx512)
 #elif defined(__aarch64__)
 DECLARE(neon)
 #endif
 
-    shade_kernels ylm__shade_kernels(void) {
+shade_kernels ylm__shade_kernels(void) {
   switch (ylm_isa_current()) {
 #if defined(__x86_64__)
     CASE(sse2)
-    CASE(avx2) CASE(avx512)
+    CASE(avx2)
+    CASE(avx512)
 #elif defined(__aarch64__)
     CASE(neon)
 #endif
-        default : return (shade_kernels){dot, sums, weights};
+  default: return (shade_kernels){dot, sums, weights};
   }
 }

@@ -21,33 +21,71 @@ YLM_INLINE ylm_vi tail_mask(size_t rest) {
   return m;
 }
 
-/* Sum of a[k] b[k]; counts below a vector's length are summed one by one. */
-YLM_INLINE float dot(size_t count, const float *a, const float *b, ylm_vi tail) {
-  if (count < YLM_VF) {
-    float s = 0;
-    for (size_t k = 0; k < count; k++) s += a[k] * b[k];
-    return s;
-  }
-  ylm_vf s = {0};
-  size_t k = 0;
-  for (; k + YLM_VF <= count; k += YLM_VF) s += ylm_vf_load(a + k) * ylm_vf_load(b + k);
-  if (k < count) {
-    ylm_vf last = ylm_vf_load(a + count - YLM_VF) * ylm_vf_load(b + count - YLM_VF);
-    s += (ylm_vf)((ylm_vi)last & tail);
-  }
-  return lane_sum(s);
+typedef float v4 __attribute__((vector_size(16)));
+
+/* Four lanes whose sum is that of all lanes. */
+YLM_INLINE v4 fold(ylm_vf v) {
+  v4 part[YLM_VF / 4], s;
+  memcpy(part, &v, sizeof v);
+  s = part[0];
+#if YLM_VECTOR_BYTES == 32
+  s += part[1];
+#elif YLM_VECTOR_BYTES == 64
+  s = (s + part[2]) + (part[1] + part[3]);
+#endif
+  return s;
 }
 
-void YLM_KERNEL(ylm_k_shade_dot)(size_t count, size_t n, int channels, size_t t_row, const float *T,
-                                 size_t l_row, const float *L, float *out) {
+/* The sums of the lanes of three vectors. */
+YLM_INLINE void lane_sums(ylm_vf x, ylm_vf y, ylm_vf z, float out[3]) {
+  v4 a = fold(x), b = fold(y), c = fold(z);
+  v4 ab = __builtin_shufflevector(a, b, 0, 4, 1, 5) + __builtin_shufflevector(a, b, 2, 6, 3, 7);
+  v4 cc = __builtin_shufflevector(c, c, 0, 0, 1, 1) + __builtin_shufflevector(c, c, 2, 2, 3, 3);
+  v4 s = __builtin_shufflevector(ab, cc, 0, 1, 4, 5) + __builtin_shufflevector(ab, cc, 2, 3, 6, 7);
+  memcpy(out, &s, 3 * sizeof *out);
+}
+
+/* Sum of a[k] b[k] for counts below a vector's length, where lanes would be idle. */
+YLM_INLINE float short_dot(size_t count, const float *a, const float *b) {
+  float s = 0;
+  for (size_t k = 0; k < count; k++) s += a[k] * b[k];
+  return s;
+}
+
+/* Vectors whose lanes add up to the sums of T[k] L[c][k], for `channels` rows of L. */
+YLM_INLINE void long_dots(size_t count, const int channels, const float *T, size_t l_row,
+                          const float *L, ylm_vi tail, ylm_vf s[3]) {
+  size_t k = 0;
+  for (int c = 0; c < channels; c++) s[c] = ylm_vf_set(0);
+  for (; k + YLM_VF <= count; k += YLM_VF)
+    for (int c = 0; c < channels; c++)
+      s[c] += ylm_vf_load(T + k) * ylm_vf_load(L + (size_t)c * l_row + k);
+  if (k == count) return;
+  ylm_vf last = (ylm_vf)((ylm_vi)ylm_vf_load(T + count - YLM_VF) & tail);
+  for (int c = 0; c < channels; c++)
+    s[c] += last * ylm_vf_load(L + (size_t)c * l_row + count - YLM_VF);
+}
+
+void YLM_KERNEL(ylm_k_shade_dot)(size_t count, size_t n, int channels, const uint32_t *index,
+                                 size_t t_row, const float *T, size_t l_row, size_t l_point,
+                                 const float *L, float *out) {
   ylm_vi tail = tail_mask(count % YLM_VF);
-  for (size_t i = 0; i < n; i++, T += t_row, out += 3)
-    for (int c = 0; c < 3; c++) {
-      if (c >= channels)
-        out[c] = out[0];
-      else
-        out[c] = dot(count, T, L, tail), L += l_row;
+  for (size_t i = 0; i < n; i++, L += l_point) {
+    size_t p = index ? index[i] : i;
+    const float *t = T + p * t_row;
+    float *to = out + 3 * p;
+    ylm_vf s[3];
+    if (count < YLM_VF)
+      for (int c = 0; c < 3; c++)
+        to[c] = short_dot(count, t, c < channels ? L + (size_t)c * l_row : L);
+    else if (channels == 3) {
+      long_dots(count, 3, t, l_row, L, tail, s);
+      lane_sums(s[0], s[1], s[2], to);
+    } else {
+      long_dots(count, 1, t, l_row, L, tail, s);
+      lane_sums(s[0], s[0], s[0], to);
     }
+  }
 }
 
 void YLM_KERNEL(ylm_k_shade_sums)(size_t count, size_t n, const float *Y, const uint8_t *visible,

@@ -32,10 +32,21 @@ void ylm__shade_points(const ylm_shade_view *v, ylm_shade_dot_fn *dot, size_t fi
   if (x->type == YLM_DOUBLE)
     dot_double(count, n, x->channels, row, T, given, x->L, out);
   else
-    dot(count, n, x->channels, row, T, given, x->L, out);
+    dot(count, n, x->channels, NULL, row, T, given, (size_t)x->channels * given, x->L, out);
   for (size_t i = 0; i < n; i++)
     for (int c = 0; c < 3; c++)
       out[3 * i + (size_t)c] *= INV_PI * v->scene->mesh[v->mesh[first + i]].material.albedo[c];
+}
+
+void ylm__shade_some(const ylm_shade_view *v, ylm_shade_dot_fn *dot, size_t n,
+                     const uint32_t *point, const shade_light *x, size_t l_point, float *out) {
+  size_t row = ylm_sh_count(v->o.lmax), given = ylm_sh_count(x->lmax);
+  dot(row < given ? row : given, n, x->channels, point, row, v->transfer, given, l_point, x->L,
+      out);
+  for (size_t i = 0; i < n; i++) {
+    const float *albedo = v->scene->mesh[v->mesh[point[i]]].material.albedo;
+    for (size_t c = 0; c < 3; c++) out[3 * point[i] + c] *= INV_PI * albedo[c];
+  }
 }
 
 /* -- any field ------------------------------------------------------------------ */

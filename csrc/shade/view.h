@@ -113,10 +113,12 @@ ylm_status ylm__shade_transfer(const ylm_shade_view *v, bool shadows, size_t n,
 
 #define YLM_LAMP_CHUNK 64
 
-/* out[i][c] = sum over k < count of T[i][k] L[i][c][k], c < channels (1: the other two are the
-   first again); T is [n][t_row], L [n][channels][l_row] */
-typedef void ylm_shade_dot_fn(size_t count, size_t n, int channels, size_t t_row, const float *T,
-                              size_t l_row, const float *L, float *out);
+/* out[p][c] = sum over k < count of T[p][k] L[i][c][k] for i < n, p = index[i] (index NULL: p = i),
+   c < channels (1: the other two are the first again). T has rows of t_row floats, L begins a
+   channel every l_row floats, a point every l_point; out is [..][3]. */
+typedef void ylm_shade_dot_fn(size_t count, size_t n, int channels, const uint32_t *index,
+                              size_t t_row, const float *T, size_t l_row, size_t l_point,
+                              const float *L, float *out);
 /* all[k] += sum of Y[i][k] over i < n; seen[k] the same over i where visible[i] */
 typedef void ylm_shade_sums_fn(size_t count, size_t n, const float *Y, const uint8_t *visible,
                                float *seen, float *all);
@@ -141,7 +143,11 @@ typedef struct shade_light {
   const void *L;
 } shade_light;
 
-/* Radiance of n points from `first` on; x and out begin at the first of them. light.c */
+/* Radiance of the n points `point`, whose coefficients, float, begin every l_point floats; out is
+   [points][3]. light.c */
+void ylm__shade_some(const ylm_shade_view *v, ylm_shade_dot_fn *dot, size_t n,
+                     const uint32_t *point, const shade_light *x, size_t l_point, float *out);
+/* Radiance of n points from `first` on; x and out begin at the first of them. */
 void ylm__shade_points(const ylm_shade_view *v, ylm_shade_dot_fn *dot, size_t first, size_t n,
                        const shade_light *x, float *out);
 

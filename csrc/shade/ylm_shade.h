@@ -197,11 +197,12 @@ YLM_API void ylm_shade_memory_free(ylm_shade_memory *memory);
 /*
 ** ylm_shade_grid_again - ylm_shade_grid, which samples only what has changed since the last time.
 **
-**   memory  in/out  made for this view; 20 bytes per shading point
+**   memory  in/out  made for this view; some 20 bytes per shading point
+**   out     in/out  [points][3]: what the last call with this memory has left there
 **   fresh   out     points that were sampled
 **
-** Points whose signature (ylm_grid_sign) is that of the last time keep their radiance; results are
-** those of ylm_shade_grid. A grid that is not dynamic has no signatures: all is sampled.
+** Points in voxels whose data are what they were keep their radiance (ylm_grid_track); results are
+** those of ylm_shade_grid. A grid that is not dynamic is sampled everywhere.
 ** Threads  one memory is for one caller at a time
 */
 YLM_API ylm_status ylm_shade_grid_again(const ylm_shade_view *view, ylm_shade_memory *memory,
