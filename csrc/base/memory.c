@@ -48,11 +48,17 @@ void *ylm_alloc_zero(size_t count, size_t size) {
   return p;
 }
 
+void *ylm_alloc_copy(const void *from, size_t count, size_t size) {
+  void *p = ylm_alloc(count, size);
+  if (p) ylm_copy(p, from, count * size);
+  return p;
+}
+
 void *ylm_realloc(void *p, size_t used, size_t count, size_t size) {
   void *q = ylm_alloc(count, size);
   size_t bytes = block_size(count, size);
   if (!q) return NULL;
-  if (p && used) memcpy(q, p, used < bytes ? used : bytes);
+  ylm_copy(q, p, used < bytes ? used : bytes);
   free(p);
   return q;
 }
@@ -79,7 +85,7 @@ void *ylm_regrow(void *p, size_t old, size_t bytes) {
   if (q == MAP_FAILED) return NULL;
   if (old >= LARGE) return q;
   madvise(q, bytes, MADV_HUGEPAGE); /* all of it, so that it stays one mapping */
-  if (p) memcpy(q, p, old);
+  ylm_copy(q, p, old);
   free(p);
   return q;
 }

@@ -20,6 +20,7 @@
 #include <stddef.h>
 #include <stdint.h>
 #include <stdio.h>
+#include <string.h>
 
 #ifdef __cplusplus
 extern "C" {
@@ -93,9 +94,19 @@ YLM_API ylm_status ylm_fail(ylm_error *e, ylm_status s, const char *format, ...)
 YLM_API void *ylm_alloc(size_t count, size_t size) __attribute__((malloc));
 /* The same, zeroed. */
 YLM_API void *ylm_alloc_zero(size_t count, size_t size) __attribute__((malloc));
+/* A new block with a copy of `from`, which may be NULL where count is 0. */
+YLM_API void *ylm_alloc_copy(const void *from, size_t count, size_t size) __attribute__((malloc));
 /* Grows or shrinks a block of `used` valid bytes; on failure NULL, and `p` stays valid. */
 YLM_API void *ylm_realloc(void *p, size_t used, size_t count, size_t size);
 YLM_API void ylm_free(void *p);
+
+/* memcpy and memset to 0 that may be told of NULL where there is nothing to do. */
+static inline void ylm_copy(void *to, const void *from, size_t bytes) {
+  if (bytes) memcpy(to, from, bytes);
+}
+static inline void ylm_zero(void *to, size_t bytes) {
+  if (bytes) memset(to, 0, bytes);
+}
 
 /*
 ** ylm_regrow - the same for arrays that become large: from some megabytes on, the system moves

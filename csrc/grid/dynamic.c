@@ -78,9 +78,8 @@ ylm_status ylm__dynamic_begin(ylm_grid *g, const ylm_grid_source *source, ylm_er
   d->source.lights = NULL;
   d->source.progress = NULL;
   if (source->occupied_points) {
-    d->occupied_points = ylm_alloc(bytes, 1);
+    d->occupied_points = ylm_alloc_copy(source->occupied_points, bytes, 1);
     if (!d->occupied_points) return YLM_ENOMEM;
-    memcpy(d->occupied_points, source->occupied_points, bytes);
   }
   d->source.occupied_points = d->occupied_points;
   if (!d->lamp || !d->mover_of) return YLM_ENOMEM;

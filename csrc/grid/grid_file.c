@@ -304,8 +304,8 @@ static ylm_status read_body(stream *s, ylm_grid *g, const uint64_t counts[4], co
   ylm_status status = ylm__grid_reserve_cells(g, counts[0]);
   if (status == YLM_OK) status = ylm__grid_reserve_points(g, counts[2]);
   if (status != YLM_OK) return ylm_fail(e, status, "%s: the grid does not fit into memory", name);
-  if (counts[0]) memset(g->cell, 0, counts[0] * sizeof *g->cell);
-  if (counts[2]) memset(g->data, 0, counts[2] * 4 * g->stride * sizeof *g->data);
+  ylm_zero(g->cell, counts[0] * sizeof *g->cell);
+  ylm_zero(g->data, counts[2] * 4 * g->stride * sizeof *g->data);
   g->cells = counts[0];
   g->view.octree_cells = counts[1];
   g->points = counts[2];

@@ -181,9 +181,8 @@ static void place_interpolated(repair *r) {
     r->birth[to - r->live] = (grid_birth){r->now[born.cell], born.place};
     if (r->born_sign) r->born_sign[to - r->live] = d->born_sign[from - r->old_evaluated];
   }
-  if (r->kept == 0) return;
-  memcpy(g->birth, r->birth, r->kept * sizeof *g->birth);
-  if (r->born_sign) memcpy(d->born_sign, r->born_sign, r->kept * sizeof *d->born_sign);
+  ylm_copy(g->birth, r->birth, r->kept * sizeof *g->birth);
+  if (r->born_sign) ylm_copy(d->born_sign, r->born_sign, r->kept * sizeof *d->born_sign);
 }
 
 static void renumber_corners(repair *r) {

@@ -3,12 +3,6 @@
 
 #include <string.h>
 
-static void *copy(const void *from, size_t bytes) {
-  void *to = ylm_alloc(bytes, 1);
-  if (to && bytes) memcpy(to, from, bytes);
-  return to;
-}
-
 /* Keeps everything but rows of data. */
 ylm_status update_remember(update *u) {
   const ylm_grid *g = u->g;
@@ -18,19 +12,19 @@ ylm_status update_remember(update *u) {
   o->evaluated = g->evaluated;
   o->cells = g->cells;
   o->cell_room = g->cell_room;
-  o->flags = copy(g->flags, g->points);
-  o->lambda = copy(g->lambda, g->points * sizeof *o->lambda);
-  o->norm = copy(g->norm, g->points * sizeof *o->norm);
-  o->size = copy(d->size, g->evaluated * sizeof *o->size);
-  o->drift = copy(d->drift, g->evaluated * sizeof *o->drift);
-  o->sign = copy(d->sign, g->evaluated * sizeof *o->sign);
-  o->mover = copy(d->mover, d->movers * sizeof *o->mover);
+  o->flags = ylm_alloc_copy(g->flags, g->points, 1);
+  o->lambda = ylm_alloc_copy(g->lambda, g->points, sizeof *o->lambda);
+  o->norm = ylm_alloc_copy(g->norm, g->points, sizeof *o->norm);
+  o->size = ylm_alloc_copy(d->size, g->evaluated, sizeof *o->size);
+  o->drift = ylm_alloc_copy(d->drift, g->evaluated, sizeof *o->drift);
+  o->sign = ylm_alloc_copy(d->sign, g->evaluated, sizeof *o->sign);
+  o->mover = ylm_alloc_copy(d->mover, d->movers, sizeof *o->mover);
   if (!o->flags || !o->lambda || !o->norm || !o->size || !o->drift || !o->sign || !o->mover)
     return YLM_ENOMEM;
   for (size_t m = 0; m < d->movers; m++) o->mover[m].seen = NULL;
   o->movers = d->movers;
   for (size_t m = 0; m < d->movers; m++) {
-    o->mover[m].seen = copy(d->mover[m].seen, g->evaluated);
+    o->mover[m].seen = ylm_alloc_copy(d->mover[m].seen, g->evaluated, 1);
     if (!o->mover[m].seen) return YLM_ENOMEM;
   }
   return YLM_OK;

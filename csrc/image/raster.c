@@ -74,9 +74,7 @@ ylm_status ylm_image_add(ylm_image *image, const char *name, int channels, ylm_e
 }
 
 static char *copy_text(const char *s) {
-  size_t n = strlen(s) + 1;
-  char *t = ylm_alloc(n, 1);
-  return t ? memcpy(t, s, n) : NULL;
+  return ylm_alloc_copy(s, strlen(s) + 1, 1);
 }
 
 ylm_status ylm_image_set_text(ylm_image *image, const char *key, const char *value) {

@@ -62,18 +62,15 @@ ylm_status ylm_lights_create(size_t n, const double *at, const double *radius,
   if (!l) return ylm_fail(e, YLM_ENOMEM, "no memory for %zu lights", n);
   l->n = n;
   for (size_t i = 0; i < n; i++) l->active += radius[i] > 0;
-  l->at = ylm_alloc(n, 3 * sizeof(double));
-  l->radius = ylm_alloc(n, sizeof(double));
-  l->radiance = ylm_alloc(n, 3 * sizeof(double));
+  l->at = ylm_alloc_copy(at, n, 3 * sizeof(double));
+  l->radius = ylm_alloc_copy(radius, n, sizeof(double));
+  l->radiance = ylm_alloc_copy(radiance, n, 3 * sizeof(double));
   l->lamp_f = ylm_alloc(l->active, sizeof *l->lamp_f);
   l->lamp_d = ylm_alloc(l->active, sizeof *l->lamp_d);
   if (!l->at || !l->radius || !l->radiance || !l->lamp_f || !l->lamp_d) {
     ylm_lights_free(l);
     return ylm_fail(e, YLM_ENOMEM, "no memory for %zu lights", n);
   }
-  memcpy(l->at, at, n * 3 * sizeof(double));
-  memcpy(l->radius, radius, n * sizeof(double));
-  memcpy(l->radiance, radiance, n * 3 * sizeof(double));
   pack(l);
   l->field = (ylm_field){.self = l, .evaluate = evaluate, .crosses = ylm__crosses};
   *lights = l;

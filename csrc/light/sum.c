@@ -194,13 +194,12 @@ static ylm_status crosses(const ylm_field *f, size_t n, const double *boxes, uin
 ylm_status ylm_field_sum_create(size_t n, const ylm_field *const *parts, ylm_field_sum **sum) {
   *sum = NULL;
   ylm_field_sum *s = ylm_alloc_zero(1, sizeof *s);
-  const ylm_field **copy = ylm_alloc(n, sizeof *copy);
+  const ylm_field **copy = ylm_alloc_copy(parts, n, sizeof *copy);
   if (!s || !copy) {
     ylm_free(s);
     ylm_free(copy);
     return YLM_ENOMEM;
   }
-  memcpy(copy, parts, n * sizeof *copy);
   *s = (ylm_field_sum){{.self = s, .evaluate = evaluate, .crosses = crosses}, n, copy};
   *sum = s;
   return YLM_OK;

@@ -342,7 +342,7 @@ static int shade_positions(lua_State *L) {
   ylm_shade_view_stats(v, &stats);
   ylmL_array *a = ylmL_array_new(L, YLM_FLOAT, 2, (size_t[]){stats.points, 3});
   if (!a) return ylmL_result(L, 0, YLM_ENOMEM, NULL);
-  if (stats.points) memcpy(a->data, ylm_shade_view_positions(v), stats.points * 12);
+  ylm_copy(a->data, ylm_shade_view_positions(v), stats.points * 12);
   return 1;
 }
 

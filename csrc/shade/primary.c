@@ -215,7 +215,7 @@ static ylm_status join_rows(ylm_shade_view *v, row *rows) {
   v->entries = total;
   total = 0;
   for (size_t y = 0; y < height; y++) {
-    if (rows[y].count) memcpy(v->entry + total, rows[y].entry, rows[y].count * sizeof *v->entry);
+    ylm_copy(v->entry + total, rows[y].entry, rows[y].count * sizeof *v->entry);
     for (size_t x = 0; x < width; x++) v->pixel[y * width + x].first += total;
     total += rows[y].count;
     ylm_free(rows[y].entry);

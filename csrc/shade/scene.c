@@ -55,13 +55,6 @@ static ylm_status copy_mesh(shade_mesh *m, size_t i, const ylm_shade_mesh *in, y
   return YLM_OK;
 }
 
-/* n floats, copied. */
-static float *copy_floats(size_t n, const float *from) {
-  float *to = ylm_alloc(n, sizeof *to);
-  if (to && n) memcpy(to, from, n * sizeof *to);
-  return to;
-}
-
 static float luminance_of(const float *c) {
   return 0.2126f * fabsf(c[0]) + 0.7152f * fabsf(c[1]) + 0.0722f * fabsf(c[2]);
 }
@@ -75,11 +68,14 @@ static ylm_status copy_lamps(ylm_shade_scene *s, const ylm_shade_lamps *l, ylm_e
   for (int a = 0; a < 4; a++)
     if (!(s->lamp[a] = ylm_alloc_zero(padded, sizeof(float)))) return YLM_ENOMEM;
   s->lamp_luminance = ylm_alloc_zero(padded, sizeof(float));
-  s->lamp_radiance = copy_floats(3 * (count + patches), l->radiance);
-  s->triangle = copy_floats(9 * shape->triangles, shape->triangle);
-  s->disk = copy_floats(7 * shape->disks, shape->disk);
+  s->lamp_radiance = ylm_alloc_copy(l->radiance, 3 * (count + patches), sizeof(float));
+  s->triangle = ylm_alloc_copy(shape->triangle, 9 * shape->triangles, sizeof(float));
+  s->disk = ylm_alloc_copy(shape->disk, 7 * shape->disks, sizeof(float));
   s->patch_luminance = ylm_alloc(patches, sizeof(float));
-  if (l->horizon && !(s->horizon = copy_floats(3 * patches, l->horizon))) return YLM_ENOMEM;
+  if (l->horizon) {
+    s->horizon = ylm_alloc_copy(l->horizon, 3 * patches, sizeof(float));
+    if (!s->horizon) return YLM_ENOMEM;
+  }
   if (!s->lamp_luminance || !s->lamp_radiance || !s->triangle || !s->disk || !s->patch_luminance)
     return YLM_ENOMEM;
   s->lamps = count;

@@ -104,7 +104,7 @@ static ylm_status record_dispatch(runner *r, const ylm_gpu_work *w, uint32_t gro
   }
   g->vkUpdateDescriptorSets(g->device, (uint32_t)w->binds, write, 0, NULL);
   uint32_t push[1 + YLM_GPU_PUSH_BYTES / 4] = {(uint32_t)r->done};
-  if (w->push_bytes) memcpy(push + 1, w->push, w->push_bytes);
+  ylm_copy(push + 1, w->push, w->push_bytes);
   g->vkCmdBindPipeline(g->command, VK_PIPELINE_BIND_POINT_COMPUTE, k->pipeline);
   g->vkCmdBindDescriptorSets(g->command, VK_PIPELINE_BIND_POINT_COMPUTE, k->layout, 0, 1, &set, 0,
                              NULL);
