@@ -33,7 +33,7 @@ void main() {
   uint s = state[i] & CROSSED, rank = voxel[i].z;
   if (last == 0 && (e > threshold || s != 0)) {
     uint children = all != 0 ? CHILDREN : bits[rank >> 2] >> (rank & 3) * 8 & CHILDREN;
-    if (s != 0) atomicAdd(count[3], bitCount(children));
+    if (s != 0) atomicAdd(count[2], bitCount(children));
     s |= SPLIT | children;
   }
   state[i] = s;

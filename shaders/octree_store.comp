@@ -15,21 +15,23 @@ layout(set = 0, binding = 3) readonly buffer Norm { float norm[]; };
 layout(set = 0, binding = 4) readonly buffer Inside { uint inside[]; };
 layout(set = 0, binding = 5) readonly buffer Keys { uvec2 key[]; };
 layout(set = 0, binding = 6) readonly buffer Axes { vec2 axis[]; };
-layout(set = 0, binding = 7) writeonly buffer Data { float data[]; };   /* [n][4][stride] */
-layout(set = 0, binding = 8) writeonly buffer Extra { float extra[]; }; /* lambda, norm, 1 in a light: [3][n] */
+layout(set = 0, binding = 7) writeonly buffer Data { float data[]; };   /* [..][4][stride] */
+layout(set = 0, binding = 8) writeonly buffer Extra { float extra[]; }; /* [..][3]: lambda, norm, 1 in a light */
 layout(set = 0, binding = 9) writeonly buffer Ratio { float ratio[]; };
-layout(set = 0, binding = 10) buffer Counts { uint count[]; };
+layout(set = 0, binding = 10) buffer Bad { uint bad; };
 
 PUSH {
   uint first;
   uint n, begin, resolution;
   uint width, stride, relative;
+  uint metric; /* whether it is there */
+  uint row;    /* of the first point */
 };
 
 bool finite(float x) { return (floatBitsToUint(x) & 0x7f800000) != 0x7f800000; }
 
 void main() {
-  uint item = ylm_item(first), i = item / stride, c = item % stride, to = i * 4 * stride + c;
+  uint item = ylm_item(first), i = item / stride, c = item % stride, to = (row + i) * 4 * stride + c;
   if (i >= n) return;
   vec3 slope = vec3(0.0);
   float v = 0.0;
@@ -39,14 +41,15 @@ void main() {
     slope = vec3(gradient[3 * from], gradient[3 * from + 1], gradient[3 * from + 2]);
     v = value[from];
     for (uint a = 0; a < 3; a++) v += axis[a * (resolution + 1) + at[a]].y * slope[a];
-    if (!finite(v) || !finite(slope.x) || !finite(slope.y) || !finite(slope.z)) atomicMax(count[2], ~(begin + i));
+    if (!finite(v) || !finite(slope.x) || !finite(slope.y) || !finite(slope.z)) atomicMax(bad, ~(begin + i));
   }
   data[to] = v;
   for (uint a = 0; a < 3; a++) data[to + (a + 1) * stride] = slope[a];
   if (c != 0) return;
-  float l = lambda[i], m = norm[i];
-  extra[i] = l;
-  extra[n + i] = m;
-  extra[2 * n + i] = inside[i] != 0 ? 1.0 : 0.0;
+  float l = metric != 0 ? lambda[i] : uintBitsToFloat(0x7fc00000), m = metric != 0 ? norm[i] : l;
+  uint at = 3 * (begin + i);
+  extra[at] = l;
+  extra[at + 1] = m;
+  extra[at + 2] = inside[i] != 0 ? 1.0 : 0.0;
   ratio[begin + i] = inside[i] != 0 ? -1.0 : !(l > 0.0) ? 0.0 : relative != 0 ? l / m : l;
 }

@@ -436,6 +436,7 @@ describe("ylm.vulkan", function()
       for _, i in ipairs { 1, 2, 34999, 69000, 70000 } do assert(difference(c[i], wanted[i]) <= 1e-5) end
       local nothing, message, code = grid:sample(points, { device = gpu, progress = function() return false end })
       assert(nothing == nil and message == "cancelled" and code == "ECANCELLED")
+      assert.equal(copy, grid:to(gpu)) -- it is the grid as it is
       copy:close()
       copy:close()
       assert(grid:sample({ { 0, 0, 0 } }, { device = gpu }))

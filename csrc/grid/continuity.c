@@ -34,7 +34,7 @@ static ylm_status add_interpolated(ylm_grid *g, uint32_t parent, int n, uint32_t
   size_t p = g->points, born = p - g->evaluated;
   if (born == g->birth_room) {
     size_t room = born ? 2 * born : 256;
-    grid_birth *more = ylm_realloc(g->birth, born * sizeof *more, room, sizeof *more);
+    ylm_grid_birth *more = ylm_realloc(g->birth, born * sizeof *more, room, sizeof *more);
     if (!more) return YLM_ENOMEM;
     g->birth = more;
     g->birth_room = room;
@@ -43,7 +43,7 @@ static ylm_status add_interpolated(ylm_grid *g, uint32_t parent, int n, uint32_t
   uint32_t half = ylm__grid_edge(g, c) / 2,
            place[3] = {(uint32_t)n % 3, (uint32_t)n / 3 % 3, (uint32_t)n / 9};
   for (int a = 0; a < 3; a++) g->lattice[3 * p + (size_t)a] = c->origin[a] + place[a] * half;
-  g->birth[born] = (grid_birth){parent, (uint32_t)n};
+  g->birth[born] = (ylm_grid_birth){parent, (uint32_t)n};
   g->flags[p] = YLM_GRID_POINT_INTERPOLATED;
   g->points++;
   *index = (uint32_t)p;

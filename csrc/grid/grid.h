@@ -32,7 +32,7 @@ struct ylm_grid {
   size_t points, point_room, evaluated, stride;
 
   /* Where interpolated points come from, in their order: [points - evaluated]. */
-  struct grid_birth *birth;
+  ylm_grid_birth *birth;
   size_t birth_room;
 
   lattice_hash hash; /* evaluated points */
@@ -45,12 +45,6 @@ struct ylm_grid {
   struct grid_dynamic *dynamic; /* what updates need (dynamic.h); NULL: the grid stays as it is */
   bool updating;
 };
-
-/* An interpolated point is the interpolant of a cell at place 0 .. 26 of its 3 x 3 x 3 half-edge
-   lattice. */
-typedef struct grid_birth {
-  uint32_t cell, place;
-} grid_birth;
 
 /* -- store.c: cells and points ------------------------------------------------- */
 

@@ -19,7 +19,7 @@ typedef struct repair {
   uint8_t *affected;   /* [cells of the new octree] leaves whose continuity is made anew */
   uint32_t *now;       /* [cells before] where added cells and their leaves are now */
   uint32_t *place;     /* [points] where they go */
-  grid_birth *birth;   /* of the interpolated points that remain */
+  ylm_grid_birth *birth;   /* of the interpolated points that remain */
   uint64_t *born_sign; /* theirs */
   uint32_t *displaced; /* interpolated points that remain, but not where they are */
   char *saved;         /* their data */
@@ -177,8 +177,8 @@ static void place_interpolated(repair *r) {
     size_t from = stays ? to : r->displaced[next];
     if (!stays) load_point(g, to, r->saved + next++ * bytes);
     r->place[from] = (uint32_t)to;
-    grid_birth born = g->birth[from - r->old_evaluated];
-    r->birth[to - r->live] = (grid_birth){r->now[born.cell], born.place};
+    ylm_grid_birth born = g->birth[from - r->old_evaluated];
+    r->birth[to - r->live] = (ylm_grid_birth){r->now[born.cell], born.place};
     if (r->born_sign) r->born_sign[to - r->live] = d->born_sign[from - r->old_evaluated];
   }
   ylm_copy(g->birth, r->birth, r->kept * sizeof *g->birth);

@@ -75,6 +75,7 @@ void ylm__grid_sync(ylm_grid *g) {
   v->lambda = g->lambda;
   v->norm = g->norm;
   v->flags = g->flags;
+  v->birth = g->birth;
   v->stats = &g->stats;
 }
 

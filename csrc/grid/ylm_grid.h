@@ -199,6 +199,12 @@ enum {
   YLM_GRID_POINT_TESTED = 4        /* evaluated at first for a residual */
 };
 
+/* Where an interpolated point comes from: the interpolant of a cell, which its corners' levels
+   precede, at place 0 .. 26 of its 3 x 3 x 3 half-edge lattice, x fastest. */
+typedef struct ylm_grid_birth {
+  uint32_t cell, place;
+} ylm_grid_birth;
+
 /* Everything a grid holds, read-only. */
 typedef struct ylm_grid_view {
   ylm_grid_form form;
@@ -215,6 +221,7 @@ typedef struct ylm_grid_view {
   const float *lambda;  /* [points]; NaN where interpolated */
   const float *norm;    /* [points] */
   const uint8_t *flags; /* [points] YLM_GRID_POINT_* */
+  const ylm_grid_birth *birth; /* [points - evaluated]; NULL where that is not known: in a file */
   const ylm_grid_stats *stats;
 } ylm_grid_view;
 

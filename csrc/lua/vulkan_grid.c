@@ -20,16 +20,21 @@ static ylm_gpu_grid *copy_at(lua_State *L, int i) {
   return *k;
 }
 
+ylm_gpu_grid **ylmL_gpu_grid_new(lua_State *L) {
+  ylm_gpu_grid **k = lua_newuserdata(L, sizeof *k);
+  *k = NULL;
+  luaL_getmetatable(L, GPU_GRID);
+  lua_setmetatable(L, -2);
+  return k;
+}
+
 /* gpu_grid_create(gpu, grid) -> copy, seconds */
 static int create(lua_State *L) {
   ylm_error e = {YLM_OK, ""};
   double start = ylm_seconds();
   ylm_gpu *g = ylmL_gpu_check(L, 1);
   const ylm_grid *grid = grid_at(L, 2);
-  ylm_gpu_grid **k = lua_newuserdata(L, sizeof *k);
-  *k = NULL;
-  luaL_getmetatable(L, GPU_GRID);
-  lua_setmetatable(L, -2);
+  ylm_gpu_grid **k = ylmL_gpu_grid_new(L);
   ylm_status s = ylm_gpu_grid_create(g, grid, k, &e);
   lua_pushnumber(L, (lua_Number)(ylm_seconds() - start));
   return ylmL_result(L, 2, s, &e);
@@ -40,6 +45,13 @@ static int info(lua_State *L) {
   ylm_gpu_grid **k = ylmL_check(L, 1, GPU_GRID);
   if (!*k) return 0;
   ylmL_push_count(L, ylm_gpu_grid_bytes(*k));
+  return 1;
+}
+
+/* gpu_grid_current(copy, grid) -> whether it is open, and the grid as it is now */
+static int current(lua_State *L) {
+  ylm_gpu_grid **k = ylmL_check(L, 1, GPU_GRID);
+  lua_pushboolean(L, *k && ylm_gpu_grid_current(*k, grid_at(L, 2)));
   return 1;
 }
 
@@ -130,7 +142,8 @@ static int shade(lua_State *L) {
 
 static const luaL_Reg functions[] = {{"gpu_grid_create", create},    {"gpu_grid_info", info},
                                      {"gpu_grid_close", close_copy}, {"gpu_grid_sample", sample},
-                                     {"gpu_grid_shade", shade},      {NULL, NULL}};
+                                     {"gpu_grid_shade", shade},      {"gpu_grid_current", current},
+                                     {NULL, NULL}};
 
 static const luaL_Reg methods[] = {{"__gc", gc}, {NULL, NULL}};
 

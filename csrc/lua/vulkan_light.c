@@ -88,7 +88,7 @@ static int times(lua_State *L) {
 
 /*
 ** gpu_grid_bake(form table, lights on a device, occupied [n][3] | nil, seed, threads, max_points,
-*progress) -> grid
+** progress) -> grid, its copy on the device | nil
 */
 static int grid_bake(lua_State *L) {
   lua_settop(L, 7);
@@ -99,10 +99,12 @@ static int grid_bake(lua_State *L) {
   ylmL_progress progress;
   ylm_grid_source source = ylmL_grid_source(L, &progress);
   ylm_grid **g = ylmL_grid_new(L);
+  ylm_gpu_grid **copy = ylmL_gpu_grid_new(L);
   ylm_error e = {0};
-  ylm_status s = ylm_gpu_grid_bake(d->on, &form, &source, g, &e);
+  ylm_status s = ylm_gpu_grid_bake(d->on, &form, &source, g, copy, &e);
   if (s == YLM_OK) ylmL_charge(L, ylm_grid_look(*g)->stats->bytes);
-  return ylmL_result_progress(L, 1, s, &e, &progress);
+  if (s == YLM_OK && !*copy) lua_pop(L, 1);
+  return ylmL_result_progress(L, *copy ? 2 : 1, s, &e, &progress);
 }
 
 static const luaL_Reg functions[] = {{"gpu_lights_create", create},

@@ -26,4 +26,7 @@ struct ylm_gpu_grid {
   step_queue queue;
 };
 
+/* grid_copy.c: a grid's copy but for the rows of points, k->part_rows of which go into a buffer. */
+ylm_status ylm__gpu_grid_begin(ylm_gpu *g, const ylm_grid *grid, ylm_gpu_grid **k, ylm_error *e);
+
 #endif

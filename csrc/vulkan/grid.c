@@ -322,7 +322,7 @@ static ylm_status check(const sampling *m, ylm_error *e) {
   if (s != YLM_OK) return s;
   if (k->busy)
     return ylm_fail(e, YLM_EBUSY, "the grid's copy is in use by a call that has not returned");
-  if (ylm_grid_look(m->grid)->stats->update.updates != k->updates)
+  if (!ylm_gpu_grid_current(k, m->grid))
     return ylm_fail(e, YLM_EINVAL,
                     "the grid was updated since it was copied to the device: copy it again");
   for (int i = 0; i < 5; i++)

@@ -60,11 +60,10 @@ static ylm_status copy_bounds(ylm_gpu_grid *k, const ylm_grid_view *v, ylm_error
                  : ylm_gpu_buffer_from(k->g, sizeof f, f, &k->bounds, e);
 }
 
-/* As few parts of up to `most` rows as there can be. */
-static ylm_status copy_data(ylm_gpu_grid *k, const ylm_grid_view *v, uint64_t most, ylm_error *e) {
+/* As few parts as there can be. */
+static ylm_status copy_data(ylm_gpu_grid *k, const ylm_grid_view *v, ylm_error *e) {
   size_t row = 4 * v->stride, n = v->points;
   ylm_status s = YLM_OK;
-  k->part_rows = most < n ? (size_t)most : n ? n : 1;
   for (size_t at = 0; s == YLM_OK && (at < n || !k->parts); at += k->part_rows) {
     size_t rows = n - at < k->part_rows ? n - at : k->part_rows;
     s = ylm_gpu_buffer_from(k->g, rows * row * sizeof(float), v->data + at * row,
@@ -73,7 +72,8 @@ static ylm_status copy_data(ylm_gpu_grid *k, const ylm_grid_view *v, uint64_t mo
   return s;
 }
 
-ylm_status ylm_gpu_grid_create(ylm_gpu *g, const ylm_grid *grid, ylm_gpu_grid **out, ylm_error *e) {
+ylm_status ylm__gpu_grid_begin(ylm_gpu *g, const ylm_grid *grid, ylm_gpu_grid **out,
+                               ylm_error *e) {
   const ylm_grid_view *v = ylm_grid_look(grid);
   *out = NULL;
   ylm_status s = ylm_gpu_state(g, e);
@@ -97,18 +97,27 @@ ylm_status ylm_gpu_grid_create(ylm_gpu *g, const ylm_grid *grid, ylm_gpu_grid **
   k->width = (size_t)v->form.channels * (size_t)v->count;
   k->stride = v->stride;
   k->cell_count = v->cells;
+  k->part_rows = (size_t)rows;
   k->wide = ylm_gpu_about(g)->float64;
   s = copy_cells(k, v, e);
   if (s == YLM_OK) s = copy_table(k, v, e);
   if (s == YLM_OK) s = copy_bounds(k, v, e);
-  if (s == YLM_OK) s = copy_data(k, v, rows, e);
   if (s == YLM_OK) s = ylm_gpu_buffer_create(g, 12, &k->counts, e);
-  if (s != YLM_OK) {
+  if (s == YLM_OK)
+    *out = k;
+  else
     ylm_gpu_grid_free(k);
-    return s;
-  }
-  *out = k;
-  return YLM_OK;
+  return s;
+}
+
+ylm_status ylm_gpu_grid_create(ylm_gpu *g, const ylm_grid *grid, ylm_gpu_grid **out, ylm_error *e) {
+  ylm_status s = ylm__gpu_grid_begin(g, grid, out, e);
+  if (s != YLM_OK) return s;
+  s = copy_data(*out, ylm_grid_look(grid), e);
+  if (s == YLM_OK) return s;
+  ylm_gpu_grid_free(*out);
+  *out = NULL;
+  return s;
 }
 
 void ylm_gpu_grid_free(ylm_gpu_grid *k) {
@@ -120,6 +129,10 @@ void ylm_gpu_grid_free(ylm_gpu_grid *k) {
   steps_free(&k->queue);
   ylm_gpu_free(k->g);
   ylm_free(k);
+}
+
+bool ylm_gpu_grid_current(const ylm_gpu_grid *k, const ylm_grid *grid) {
+  return ylm_grid_look(grid)->stats->update.updates == k->updates;
 }
 
 ylm_gpu *ylm_gpu_grid_device(const ylm_gpu_grid *k) { return k->g; }

@@ -1,6 +1,5 @@
 /* octree.c - adaptive grids on a device: the loop over levels. */
 #include "octree.h"
-#include "gpu.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -40,25 +39,17 @@ ylm_status octree_counts(octree *t, uint32_t count[COUNTS]) {
 /* -- beginning ----------------------------------------------------------------------------- */
 
 /* Where the lattice's planes are, so that all positions are the host's to the bit. */
-static ylm_status upload_axes(octree *t) {
+static ylm_status upload_exact(octree *t) {
   size_t n = (size_t)t->resolution + 1;
-  float *f = ylm_alloc(3 * n, 2 * sizeof *f);
+  if (!ylm_gpu_about(t->g)->float64) return YLM_OK;
   double *d = ylm_alloc(3 * n, sizeof *d);
-  ylm_status s = f && d ? YLM_OK : ylm_fail(t->e, YLM_ENOMEM, "%s", ylm_status_text(YLM_ENOMEM));
-  for (size_t i = 0; s == YLM_OK && i < n; i++) {
+  if (!d) return ylm_fail(t->e, YLM_ENOMEM, "%s", ylm_status_text(YLM_ENOMEM));
+  for (uint32_t i = 0; i < n; i++) {
     double at[3];
-    ylm_grid_position(t->grid, (uint32_t[]){(uint32_t)i, (uint32_t)i, (uint32_t)i}, at);
-    for (size_t a = 0; a < 3; a++) {
-      size_t k = a * n + i;
-      d[k] = at[a];
-      f[2 * k] = (float)at[a];
-      f[2 * k + 1] = (float)(at[a] - (double)f[2 * k]);
-    }
+    ylm_grid_position(t->grid, (uint32_t[]){i, i, i}, at);
+    for (size_t a = 0; a < 3; a++) d[a * n + i] = at[a];
   }
-  if (s == YLM_OK) s = ylm_gpu_buffer_from(t->g, 3 * n * 2 * sizeof *f, f, &t->axes, t->e);
-  if (s == YLM_OK && ylm_gpu_about(t->g)->float64)
-    s = ylm_gpu_buffer_from(t->g, 3 * n * sizeof *d, d, &t->exact, t->e);
-  ylm_free(f);
+  ylm_status s = ylm_gpu_buffer_from(t->g, 3 * n * sizeof *d, d, &t->exact, t->e);
   ylm_free(d);
   return s;
 }
@@ -106,8 +97,6 @@ static ylm_status begin(octree *t, const ylm_grid_form *form) {
   t->form = *form;
   t->stats = ylm_grid_stats_of(t->grid);
   t->resolution = v->resolution[0];
-  t->width = (uint32_t)(v->count * form->channels);
-  t->stride = (uint32_t)v->stride;
   t->all = !source->occupied_points;
   t->progress = (ylm_progress){forward, t};
   t->q = (step_queue){.g = t->g,
@@ -116,7 +105,8 @@ static ylm_status begin(octree *t, const ylm_grid_form *form) {
                       .e = t->e};
   s = check(t);
   if (s == YLM_OK) s = ylm_gpu_buffer_create(t->g, COUNTS * 4, &t->counts, t->e);
-  if (s == YLM_OK) s = upload_axes(t);
+  if (s == YLM_OK) s = points_begin(&t->p, t->l, t->grid, t->e);
+  if (s == YLM_OK) s = upload_exact(t);
   if (s == YLM_OK) s = begin_root(t);
   octree_stage(t, "occupancy", 0);
   t->q.stage = "occupancy";
@@ -146,42 +136,30 @@ static void clean(octree *t) {
         t->occupied[k].bits, t->occupied[k].before, v->voxel, v->state, v->error, v->corner};
     for (int i = 0; i < 6; i++) ylm_gpu_buffer_free(gone[i]);
   }
-  for (size_t i = 0; i < t->chunks; i++) {
-    ylm_gpu_buffer_free(t->chunk[i].data);
-    ylm_gpu_buffer_free(t->chunk[i].extra);
-  }
-  ylm_free(t->chunk);
-  ylm_gpu_buffer *gone[] = {t->counts,    t->axes,      t->exact, t->asked, t->sphere,
-                            t->before[0], t->before[1], t->key,   t->ratio, t->slot};
-  for (int i = 0; i < 10; i++) ylm_gpu_buffer_free(gone[i]);
+  ylm_gpu_buffer *gone[] = {t->counts, t->exact,     t->asked,    t->sphere,
+                            t->slot,   t->before[0], t->before[1]};
+  for (int i = 0; i < 7; i++) ylm_gpu_buffer_free(gone[i]);
+  points_end(&t->p);
   steps_free(&t->q);
   ylm_grid_free(t->grid);
 }
 
-ylm_status ylm_gpu_grid_bake(ylm_gpu_lights *l, const ylm_grid_form *form,
-                             const ylm_grid_source *source, ylm_grid **out, ylm_error *e) {
-  double start = ylm_seconds();
-  ylm_grid_source own = *source;
-  own.field = ylm_gpu_lights_field(l);
-  *out = NULL;
-  if (ylm_gpu_about(l->gpu)->binds < OCTREE_BINDS) return ylm_grid_bake(form, &own, out, e);
+ylm_status octree_bake(ylm_gpu_lights *l, const ylm_grid_form *form, const ylm_grid_source *source,
+                       ylm_grid **out, ylm_gpu_grid **copy, ylm_error *e) {
   octree *t = ylm_alloc_zero(1, sizeof *t);
   if (!t) return ylm_fail(e, YLM_ENOMEM, "%s", ylm_status_text(YLM_ENOMEM));
   t->g = l->gpu;
   t->l = l;
-  t->source = &own;
+  t->source = source;
   t->e = e;
-  ylm_status s = ylm__lights_idle(l, e);
-  if (s == YLM_OK) s = begin(t, form);
+  ylm_status s = begin(t, form);
   if (s == YLM_OK) {
     l->busy = true;
-    t->g->running++; /* from progress functions it cannot be closed */
     s = levels(t);
-    t->g->running--;
     l->busy = false;
   }
+  if (s == YLM_OK) s = points_copy(&t->p, copy);
   if (s == YLM_OK) {
-    t->stats->seconds = ylm_seconds() - start;
     *out = t->grid;
     t->grid = NULL;
   }

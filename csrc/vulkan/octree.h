@@ -16,8 +16,7 @@
 #ifndef YLM_GPU_OCTREE_H
 #define YLM_GPU_OCTREE_H
 
-#include "lights.h"
-#include "steps.h"
+#include "points.h"
 
 #define OCTREE_LEVELS (YLM_GRID_MAX_DEPTH + 1)
 #define OCTREE_BINDS 11 /* buffers of a kernel at most */
@@ -26,7 +25,6 @@
 enum {
   COUNT_OUTSIDE, /* shading points outside of the bounds */
   COUNT_FRESH,   /* points that a level adds */
-  COUNT_BAD,     /* the complement of the lowest point where the field is not finite; 0: none */
   COUNT_ASKED,   /* voxels of the next level that a surface may cross */
   COUNT_SPLITS,
   COUNT_VOXELS, /* of the next level */
@@ -52,12 +50,6 @@ typedef struct octree_level {
   ylm_gpu_buffer *corner; /* uint [8]: points */
 } octree_level;
 
-/* Data of points that the host has not got yet. */
-typedef struct octree_chunk {
-  ylm_gpu_buffer *data, *extra; /* shaders/octree_store.comp */
-  uint32_t first, points;
-} octree_chunk;
-
 typedef struct octree {
   ylm_gpu *g;
   ylm_gpu_lights *l;
@@ -66,12 +58,11 @@ typedef struct octree {
   ylm_grid_form form;
   ylm_grid_stats *stats;
   ylm_error *e;
-  uint32_t resolution, width, stride;
+  uint32_t resolution;
   bool all; /* every voxel is occupied */
   step_queue q;
   ylm_gpu_buffer *counts;
-  ylm_gpu_buffer *axes;  /* vec2 [3][resolution + 1]: the nearest float, what it lacks */
-  ylm_gpu_buffer *exact; /* the same as double */
+  ylm_gpu_buffer *exact; /* double [3][resolution + 1]: where the lattice's planes are */
   octree_occupied occupied[OCTREE_LEVELS]; /* of level k; 0 has none */
 
   octree_level level[OCTREE_LEVELS];
@@ -82,13 +73,9 @@ typedef struct octree {
   uint32_t spheres;
   ylm_gpu_buffer *before[2]; /* prefix sums of the present level */
 
-  uint32_t points, room; /* there are; there is room for */
-  ylm_gpu_buffer *key, *ratio;
+  gpu_points p;
   ylm_gpu_buffer *slot;
   uint32_t slots; /* a power of two */
-  octree_chunk *chunk;
-  size_t chunks, chunk_room;
-  uint64_t pending; /* bytes of chunks */
 
   /* Progress of a part of the bake: done .. done + now of all. */
   char stage[24];
@@ -116,9 +103,13 @@ ylm_status octree_corners(octree *t, int level);
 ylm_status octree_split(octree *t, int level);
 /* Lattice coordinates of a key. */
 void octree_unpack(const uint32_t key[2], uint32_t at[3]);
-/* Data of all points so far to the host. */
+/* Rows of all points so far to the host. */
 ylm_status octree_flush(octree *t);
-/* The grid from what is on the device. */
+/* The grid from what is on the device, where points' rows stay. */
 ylm_status octree_result(octree *t);
+
+/* ylm_gpu_grid_bake of a grid with a threshold, on a device whose kernels have enough buffers. */
+ylm_status octree_bake(ylm_gpu_lights *l, const ylm_grid_form *form, const ylm_grid_source *source,
+                       ylm_grid **out, ylm_gpu_grid **copy, ylm_error *e);
 
 #endif

@@ -14,54 +14,28 @@ void octree_unpack(const uint32_t key[2], uint32_t at[3]) {
 
 /* -- points -------------------------------------------------------------------------------- */
 
-static ylm_status take_chunk(octree *t, const octree_chunk *c, const ylm_grid_parts *parts) {
-  size_t first = c->first, n = c->points, row = 4 * (size_t)t->stride;
-  float inside[1024];
-  ylm_status s =
-      ylm_gpu_download(c->data, 0, n * row * sizeof(float), parts->data + first * row, t->e);
-  if (s == YLM_OK) s = ylm_gpu_download(c->extra, 0, 4 * n, parts->lambda + first, t->e);
-  if (s == YLM_OK) s = ylm_gpu_download(c->extra, 4 * n, 4 * n, parts->norm + first, t->e);
-  for (size_t i = 0, now; s == YLM_OK && i < n; i += now) {
-    now = n - i < 1024 ? n - i : 1024;
-    s = ylm_gpu_download(c->extra, 8 * n + 4 * i, 4 * now, inside, t->e);
-    for (size_t k = 0; s == YLM_OK && k < now; k++)
-      parts->flags[first + i + k] = inside[k] > 0 ? YLM_GRID_POINT_INVALID : 0;
-  }
-  return s;
-}
-
 ylm_status octree_flush(octree *t) {
   ylm_grid_parts parts;
-  size_t points = 0;
-  for (size_t i = 0; i < t->chunks; i++)
-    if (t->chunk[i].first + t->chunk[i].points > points)
-      points = t->chunk[i].first + t->chunk[i].points;
-  double start = ylm_seconds();
-  ylm_status s = ylm_grid_room(t->grid, 0, points, &parts, t->e);
-  for (size_t i = 0; i < t->chunks; i++) {
-    octree_chunk *c = &t->chunk[i];
-    if (s == YLM_OK) s = take_chunk(t, c, &parts);
-    if (s == YLM_OK) s = octree_report(t);
-    ylm_gpu_buffer_free(c->data);
-    ylm_gpu_buffer_free(c->extra);
-  }
-  ylm__lights_copied(t->l, "download", start);
-  t->chunks = 0;
-  t->pending = 0;
+  ylm_status s = ylm_grid_room(t->grid, 0, t->p.points, &parts, t->e);
+  if (s == YLM_OK) s = points_download(&t->p, parts.data);
+  if (s == YLM_OK) s = octree_report(t);
+  points_forget(&t->p);
   return s;
 }
 
 static ylm_status take_points(octree *t, const ylm_grid_parts *parts) {
   uint32_t(*key)[2] = ylm_alloc(PART, sizeof *key);
   ylm_status s = key ? YLM_OK : ylm_fail(t->e, YLM_ENOMEM, "%s", ylm_status_text(YLM_ENOMEM));
-  for (size_t i = 0, now; s == YLM_OK && i < t->points; i += now) {
-    now = t->points - i < PART ? t->points - i : PART;
-    s = ylm_gpu_download(t->key, 8 * i, 8 * now, key, t->e);
+  for (size_t i = 0, now; s == YLM_OK && i < t->p.points; i += now) {
+    now = t->p.points - i < PART ? t->p.points - i : PART;
+    s = ylm_gpu_download(t->p.key, 8 * i, 8 * now, key, t->e);
     for (size_t k = 0; s == YLM_OK && k < now; k++)
       octree_unpack(key[k], parts->lattice + 3 * (i + k));
   }
   ylm_free(key);
-  return s;
+  if (s == YLM_OK) s = points_download(&t->p, parts->data);
+  if (s != YLM_OK) return s;
+  return points_extra(&t->p, 0, t->p.points, parts->lambda, parts->norm, parts->flags);
 }
 
 /* -- cells --------------------------------------------------------------------------------- */
@@ -151,12 +125,12 @@ ylm_status octree_result(octree *t) {
   size_t cells = 1;
   for (int k = 0; k < t->levels; k++) cells += 8 * (size_t)t->level[k].splits;
   octree_stage(t, "download", 0);
-  ylm_status s = octree_flush(t);
-  double start = ylm_seconds();
-  if (s == YLM_OK) s = ylm_grid_room(t->grid, cells, t->points, &parts, t->e);
+  ylm_status s = octree_report(t);
+  if (s == YLM_OK) s = ylm_grid_room(t->grid, cells, t->p.points, &parts, t->e);
   if (s == YLM_OK) s = take_points(t, &parts);
+  double start = ylm_seconds();
   if (s == YLM_OK) s = take_cells(t, parts.cell, cells);
   ylm__lights_copied(t->l, "download", start);
-  if (s == YLM_OK) s = ylm_grid_end(t->grid, t->source, cells, t->points, t->e);
+  if (s == YLM_OK) s = ylm_grid_end(t->grid, t->source, cells, t->p.points, t->e);
   return s == YLM_EINVAL ? no_octree(t) : s; /* what is wrong is not the caller's doing */
 }

@@ -131,7 +131,7 @@ static void decide(octree *t, int level) {
                      bits_of(floor_float(t->form.threshold))};
   step_kernel k = {"octree_decide", 0, {0, 0}, 0};
   ylm_gpu_buffer *bits = o->bits ? o->bits : t->counts;
-  ylm_gpu_buffer *bind[] = {v->voxel, v->corner, t->ratio, bits, v->state, v->error, t->counts};
+  ylm_gpu_buffer *bind[] = {v->voxel, v->corner, t->p.ratio, bits, v->state, v->error, t->counts};
   t->q.stage = "subdivide";
   steps_dispatch(&t->q, &k, v->voxels, 5, push, 7, bind);
 }

@@ -34,7 +34,8 @@ static ylm_gpu_work *next_step(step_queue *q) {
 
 void steps_dispatch(step_queue *q, const step_kernel *k, uint64_t items, int words,
                     const uint32_t *push, int binds, ylm_gpu_buffer *const *buffer) {
-  uint32_t constant[3] = {STEP_GROUP, k->constant[0], k->constant[1]};
+  uint32_t constant[5] = {STEP_GROUP};
+  memcpy(constant + 1, k->constant, sizeof k->constant);
   ylm_gpu_kernel *kernel = NULL;
   if (q->status != YLM_OK || !items) return;
   q->status = ylm_gpu_kernel_get(q->g, k->name, 1 + k->constants, constant, &kernel, q->e);

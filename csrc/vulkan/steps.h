@@ -28,7 +28,7 @@ typedef struct step_queue {
 typedef struct step_kernel {
   const char *name;
   int constants;
-  uint32_t constant[2];
+  uint32_t constant[4];
   double cost;
 } step_kernel;
 

@@ -279,7 +279,10 @@ YLM_API ylm_gpu *ylm_gpu_lights_device(const ylm_gpu_lights *l);
    of results by the host's clock, with no dispatches. */
 YLM_API const ylm_gpu_times *ylm_gpu_lights_times(const ylm_gpu_lights *l);
 
-/* -- adaptive grids: octree.c --------------------------------------------------- */
+/* -- baking grids: bake.c -------------------------------------------------------- */
+
+/* A copy of a grid in the device's memory. */
+typedef struct ylm_gpu_grid ylm_gpu_grid;
 
 /*
 ** ylm_gpu_grid_bake - ylm_grid_bake of an adaptive grid with a threshold, refined on the device.
@@ -291,16 +294,19 @@ YLM_API const ylm_gpu_times *ylm_gpu_lights_times(const ylm_gpu_lights *l);
 **   source  in   its field and lights are not read; shading points of either type on any device
 **   g       out  as by ylm_grid_bake with the lights' field: cells and points in the same order,
 **                cells the same but where |error - threshold| < 1e-4 threshold
+**   copy    out  the grid as it stays on the device, for sampling; NULL where it did not fit, or was
+**                not baked there: ylm_gpu_grid_create makes one then
 ** Times     in those of the lights: "occupancy", "points" (finding corners, positions, data),
-**           those of sums, "crossing", "subdivide"; "upload" and "download" by the host's clock
+**           those of sums, "crossing", "subdivide", "continuity"; "upload" and "download" by the host's clock
 ** Returns   what ylm_grid_bake returns, and ylm_gpu_run. YLM_ELIMIT: a level's voxels take 32
-**           bytes each, points 8, of what a kernel sees of a buffer
+**           bytes each, points 12, of what a kernel sees of a buffer
 **           On a device whose kernels have fewer than 11 buffers the host decides, by ylm_grid_bake
 ** Results   the same to the bit each time, on the same device
 ** Source    Iwasaki & Dobashi 2025, Sec. 5.1
 */
 YLM_API ylm_status ylm_gpu_grid_bake(ylm_gpu_lights *l, const ylm_grid_form *form,
-                                     const ylm_grid_source *source, ylm_grid **g, ylm_error *e);
+                                     const ylm_grid_source *source, ylm_grid **g,
+                                     ylm_gpu_grid **copy, ylm_error *e);
 
 /* -- spherical harmonics ----------------------------------------------------- */
 
@@ -321,15 +327,14 @@ YLM_API ylm_status ylm_gpu_sh_eval(ylm_gpu *g, int lmax, int derivatives, bool s
 
 /* -- grids: grid.c ------------------------------------------------------------- */
 
-/* A copy of a grid in the device's memory. */
-typedef struct ylm_gpu_grid ylm_gpu_grid;
-
 /* YLM_ELIMIT where the grid has more data than a kernel sees; YLM_ENOMEM, YLM_EDEVICE. */
 YLM_API ylm_status ylm_gpu_grid_create(ylm_gpu *g, const ylm_grid *grid, ylm_gpu_grid **k,
                                        ylm_error *e);
 YLM_API void ylm_gpu_grid_free(ylm_gpu_grid *k);
 YLM_API ylm_gpu *ylm_gpu_grid_device(const ylm_gpu_grid *k);
 YLM_API uint64_t ylm_gpu_grid_bytes(const ylm_gpu_grid *k);
+/* Whether it is the grid as it is now: false once that was updated. */
+YLM_API bool ylm_gpu_grid_current(const ylm_gpu_grid *k, const ylm_grid *grid);
 
 /* An array of the host's, or one in the device's memory; both NULL: none. */
 typedef struct ylm_gpu_input {

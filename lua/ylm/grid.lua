@@ -214,7 +214,7 @@ function grid.bake(description, lights, given)
     if not on then return nil, made, failed end
   end
   local before = device_lights.times(on)
-  local bake = device_lights.baker(on, description) or core.grid_bake
+  local bake = device_lights.baker(on) or core.grid_bake
   local baked, message, code = check.result("bake", bake({
     kind = KIND[kind], lmax = description.lmax, depth = description.depth or 0, cells = cells,
     bounds = { box[1][1], box[1][2], box[1][3], box[2][1], box[2][2], box[2][3] },
@@ -229,6 +229,7 @@ function grid.bake(description, lights, given)
     return nil, message, code
   end
   stages_of[baked] = device_lights.times(on, before)
+  device_lights.keep(on, baked, message)
   if made then on:close() end
   if core.type(packed) == "ylm.lights" then baked_from[baked] = packed end
   return baked
@@ -365,7 +366,7 @@ end
 
 describe "grid:to" {
   about = "Copies the grid's coefficients, gradients and cells to a device's memory, where grid:sample uses them by "
-    .. "device = gpu. Copies anew where there is a copy, as after an update.",
+    .. "device = gpu. Where there is a copy, as after a bake with device = gpu, that is returned; after an update a new one.",
   arguments = { { "gpu", "gpu", "of ylm.vulkan.open" } },
   returns = { { "copy", "gpu_grid", "or nil, message, code: 'ELIMIT' (more data than a kernel sees), 'ENOMEM', 'EDEVICE'" } },
   errors = "raises where the grid or the device has been closed",
@@ -489,6 +490,8 @@ ylm.bake(ylm.uniform_grid { bounds = { { -1, -1, -1 }, { 1, 1, 1 } }, cells = 2,
 function methods.close(g)
   open(g, "close")
   check.result("close", core.grid_close(g))
+  local there = package.loaded["ylm.vulkan_grid"]
+  if there then there.forget(g) end
 end
 
 methods.__index = function(g, key)

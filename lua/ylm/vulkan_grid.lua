@@ -49,11 +49,23 @@ end
 function vulkan_grid.to(grid, gpu)
   local by_gpu = copies[grid]
   local old = core.type(gpu) == "ylm.gpu" and by_gpu and by_gpu[gpu]
-  if old then
+  if old and not binding().gpu_grid_current(old, grid) then
     by_gpu[gpu] = nil
     binding().gpu_grid_close(old)
   end
   return vulkan_grid.copy_of(1, "to", grid, gpu)
+end
+
+--- The copy that a bake on the device has left there.
+function vulkan_grid.keep(grid, gpu, copy)
+  copies[grid] = setmetatable({ [gpu] = copy }, { __mode = "k" })
+  seconds_of[copy] = 0
+end
+
+--- Gives back the copies of a grid that has been closed.
+function vulkan_grid.forget(grid)
+  for _, copy in pairs(copies[grid] or {}) do binding().gpu_grid_close(copy) end
+  copies[grid] = nil
 end
 
 --- Points on a device for grid:sample, with the options o: they are open, [n][3] and there.

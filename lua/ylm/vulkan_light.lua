@@ -38,11 +38,18 @@ local function parts_of(n, name, packed)
   return { spheres = spheres, flat = flat }
 end
 
+--- Lights on a device -> the device.
+local gpu_of = setmetatable({}, { __mode = "k" })
+
 --- Parts -> the object on the device; argument `n` of `name` is the device.
 local function create(n, name, gpu, parts, method)
   local c, message, code = require "ylm.vulkan".__use(n, name, gpu)
   if not c then return nil, message, code end
-  return check.result(name, c.gpu_lights_create(gpu, parts.spheres, parts.flat, METHODS[method]))
+  local lights
+  lights, message, code = check.result(name, c.gpu_lights_create(gpu, parts.spheres, parts.flat, METHODS[method]))
+  if not lights then return nil, message, code end
+  gpu_of[lights] = gpu
+  return lights
 end
 
 local lights_options = {
@@ -98,10 +105,14 @@ function vulkan_light.on(n, name, object, o)
   return lights, true
 end
 
---- What bakes a grid from lights on a device, in place of core.grid_bake: adaptive grids with a threshold are refined
--- there, level by level. Nil where the processor decides.
-function vulkan_light.baker(object, description)
-  if core.type(object) == "ylm.gpu_lights" and description.threshold then return binding().gpu_grid_bake end
+--- What bakes a grid from lights on a device, in place of core.grid_bake; nil for other objects.
+function vulkan_light.baker(object)
+  if core.type(object) == "ylm.gpu_lights" then return binding().gpu_grid_bake end
+end
+
+--- The copy of a new grid that baking from lights has left on their device, if there is one.
+function vulkan_light.keep(object, grid, copy)
+  if copy then require "ylm.vulkan_grid".keep(grid, gpu_of[object], copy) end
 end
 
 --- Times by stage of an object on a device, less what they were before; nil for other objects.

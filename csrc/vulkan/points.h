@@ -1,0 +1,78 @@
+/*
+** points.h - data of a grid's points in a device's memory: evaluated there, and kept where kernels
+** that interpolate read them. Private.
+**
+** A row is a point's values and gradients, [4][stride] floats, as ylm_grid_view has them. Rows lie
+** in up to GRID_PARTS buffers of `part_rows` each, as long as a kernel sees, which grow as points
+** come. Points before `first` have been brought to the host and are no longer here.
+*/
+#ifndef YLM_GPU_POINTS_H
+#define YLM_GPU_POINTS_H
+
+#include "gpu_grid.h"
+#include "lights.h"
+
+typedef struct gpu_points {
+  ylm_gpu *g;
+  ylm_gpu_lights *l;
+  const ylm_grid *grid; /* in the making */
+  ylm_error *e;
+  step_queue q;
+  uint32_t width, stride, resolution; /* resolution: the largest of the three */
+  bool relative;
+  ylm_gpu_buffer *axes; /* vec2 [3][resolution + 1]: the nearest float, what it lacks */
+  ylm_gpu_buffer *bad;  /* the complement of the lowest point where the field is not finite; 0 */
+
+  uint32_t points, room;               /* there are; keys, ratios and extras there is room for */
+  ylm_gpu_buffer *key, *ratio, *extra; /* extra: lambda, norm, 1 in a light: [room][3] */
+  uint32_t first;
+  int parts;
+  uint64_t part_rows, part_room; /* of a full part; of the last one */
+  ylm_gpu_buffer *data[GRID_PARTS];
+  ylm_gpu_buffer *item, *packed; /* of calls */
+} gpu_points;
+
+/* Can points of a grid of such resolution be named by a key (octree.glsl)? */
+bool points_fit(const uint32_t resolution[3]);
+/* For a grid in the making; points_end frees what there is. */
+ylm_status points_begin(gpu_points *p, ylm_gpu_lights *l, const ylm_grid *grid, ylm_error *e);
+void points_end(gpu_points *p);
+/* Room for the keys of `more` points. */
+ylm_status points_reserve(gpu_points *p, uint32_t more);
+/*
+** points_evaluate - the light field at n points from p->points on, whose keys are there.
+**
+** Returns  what sums return. YLM_ENOMEM with *full set: there is no room for more rows, in parts or
+**          in a quarter of the device's memory; p->points says how many there are. After other
+**          failures they are as many as before.
+*/
+ylm_status points_evaluate(gpu_points *p, uint32_t n, const ylm_progress *progress, bool *full);
+/* Rows of points from p->first on, to `data`, the array of all points. */
+ylm_status points_download(gpu_points *p, float *data);
+/* Forgets the rows there are: they are the host's. */
+void points_forget(gpu_points *p);
+/* Lambda, norm and flags of n points from `first` on. */
+ylm_status points_extra(gpu_points *p, uint32_t first, uint32_t n, float *lambda, float *norm,
+                        uint8_t *flags);
+/* Copies rows of n points, none of which has been forgotten, to [n][4][stride], or from there. */
+ylm_status points_take(gpu_points *p, size_t n, const uint32_t *point, float *rows);
+ylm_status points_put(gpu_points *p, size_t n, const uint32_t *point, const float *rows);
+/* The grid's copy from these rows, which are then its own, and what the finished grid has beside
+   them. *copy is NULL where rows are the host's alone, or do not fit: points_copy.c */
+ylm_status points_copy(gpu_points *p, ylm_gpu_grid **copy);
+/* A buffer of so many bytes in *b that has the first `used` of the one that was there. */
+ylm_status points_grow(gpu_points *p, ylm_gpu_buffer **b, uint64_t used, uint64_t bytes);
+/* Of the device's memory, that rows may take. */
+uint64_t points_most_bytes(const gpu_points *p);
+/* A lattice cell in scene units, floats as push constants. */
+void points_unit(const gpu_points *p, uint32_t unit[3]);
+/* What shaders/grid_rows.glsl wants. */
+static inline void points_bind(const gpu_points *p, ylm_gpu_buffer *bind[GRID_PARTS]) {
+  for (int i = 0; i < GRID_PARTS; i++) bind[i] = p->data[i < p->parts ? i : 0];
+}
+/* Adds the wall time of a copy since `start`. */
+static inline void points_copied(const gpu_points *p, const char *name, double start) {
+  ylm__lights_copied(p->l, name, start);
+}
+
+#endif
