@@ -1,6 +1,7 @@
 /*
 ** Points that only continuity needs: the interpolants of cells at places of their half-edge lattices, csrc/grid/
-** continuity.c. Cells of one level, whose corners are there. A group makes one point.
+** continuity.c. Cells of one level, whose corners are there. Eight invocations
+** make a point.
 */
 #version 450
 #extension GL_GOOGLE_include_directive : require
@@ -21,22 +22,27 @@ PUSH {
 layout(set = 0, binding = 4) readonly buffer Cells { Cell cell[]; };
 layout(set = 0, binding = 5) readonly buffer Births { uint birth[]; }; /* [..][3]: cell, place 0 .. 26, row */
 
-shared float weight[4 * 33];
+const uint EACH = 8, POINTS = 8; /* invocations of a point, points of a group */
+
+shared float weight[POINTS * 4 * 33];
 
 #include "grid_weights.glsl"
 
 void main() {
-  uint i = begin + ylm_group(first), lane = gl_LocalInvocationID.x, k = birth[3 * i], place = birth[3 * i + 1];
-  if (ylm_group(first) >= n) return;
-  vec3 t = 0.5 * vec3(place % 3, place / 3 % 3, place / 9);
-  if (lane < 4) weights(lane * 33, lane, k, t);
+  uint lane = gl_LocalInvocationID.x, own = lane / EACH, group = ylm_group(first) * POINTS, to = group + lane / 4;
+  if (to < n && lane < 4 * POINTS) {
+    uint place = birth[3 * (begin + to) + 1];
+    weights(lane * 33, lane % 4, birth[3 * (begin + to)], 0.5 * vec3(place % 3, place / 3 % 3, place / 9));
+  }
   barrier();
-  for (uint j = lane; j < stride; j += gl_WorkGroupSize.x) {
+  if (group + own >= n) return;
+  uint i = 3 * (begin + group + own), k = birth[i];
+  for (uint j = lane % EACH; j < stride; j += EACH) {
     vec4 sum = vec4(0.0);
     for (uint r = 0; r < 32; r++) {
       float x = grid_data(cell[k].corner[r & 7], r >> 3, j);
-      for (uint set = 0; set < 4; set++) sum[set] += weight[set * 33 + r] * x;
+      for (uint set = 0; set < 4; set++) sum[set] += weight[(4 * own + set) * 33 + r] * x;
     }
-    for (uint set = 0; set < 4; set++) put_data(birth[3 * i + 2], set, j, sum[set]);
+    for (uint set = 0; set < 4; set++) put_data(birth[i + 2], set, j, sum[set]);
   }
 }

@@ -34,6 +34,9 @@ describe("a grid baked on a device", function()
     ["with a threshold"] = ylm.adaptive_grid { bounds = box, lmax = 4, depth = 5, threshold = 0.5 },
     ["with a threshold, not continuous"] = ylm.adaptive_grid { bounds = box, lmax = 3, depth = 4, threshold = 0.5,
       continuous = false },
+    ["with a tolerance"] = ylm.adaptive_grid { bounds = box, lmax = 4, depth = 5, tolerance = 0.01 },
+    ["that is uniform"] = ylm.uniform_grid { bounds = box, cells = { 5, 6, 7 }, lmax = 4 },
+    ["that is uniform and knows no metric"] = ylm.uniform_grid { bounds = box, cells = 6, lmax = 2, metric_channels = "none" },
   }
 
   --- The largest distance of two arrays' rows, relative to the largest row.
@@ -88,7 +91,8 @@ describe("a grid baked on a device", function()
         local grid = assert(ylm.bake(d, there, { occupied = floor, device = gpu }))
         local rows = (grid.stats.points + grid.stats.interpolated) * 4 * 3 * (grid.lmax + 1) ^ 2 * 4
         local rest = #grid:cells { added = true }.origin * 64 + grid.stats.interpolated * 12
-          + grid.stats.invalid * 4 * 4 * (3 * (grid.lmax + 1) ^ 2 + 8)
+          + grid.stats.invalid * 4 * 4 * (3 * (grid.lmax + 1) ^ 2 + 8) * (1 + (grid.stats.rounds or 0))
+          + grid.stats.points * (8 + 52) + 400 * 64 * (grid.stats.rounds or 0) -- keys and probes
         local uploaded = gpu.stats.uploaded - before
         assert(uploaded < rest + 20000 and uploaded < rows / 2, ("%d bytes; the rows have %d"):format(uploaded, rows))
       end)

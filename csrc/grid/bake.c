@@ -145,6 +145,7 @@ ylm_status ylm_grid_bake(const ylm_grid_form *form, const ylm_grid_source *sourc
   baker b = {.g = ylm__grid_new(form), .source = source, .e = e};
   s = b.g ? YLM_OK : YLM_ENOMEM;
   if (s == YLM_OK && form->dynamic) s = ylm__dynamic_begin(b.g, source, e);
+  if (s == YLM_OK) s = keeper_begin(&b);
   if (s == YLM_OK) s = bake(&b);
   if (s == YLM_OK && form->dynamic) s = ylm__dynamic_end(b.g, &b.occupied);
   occupancy_free(&b.occupied);

@@ -23,6 +23,7 @@ typedef struct field_block {
 typedef struct baker {
   ylm_grid *g;
   const ylm_grid_source *source;
+  const ylm_grid_keeper *keeper; /* NULL: rows are the grid's own */
   ylm_error *e;
   occupancy occupied;
   cell_list wave, next; /* cells to decide about, their children that come next */
@@ -53,12 +54,12 @@ ylm_status ylm__grid_no_room(ylm_status s, const ylm_grid_source *source, ylm_er
 ylm_status baker_point(baker *b, const uint32_t at[3], uint8_t flags, uint32_t *index);
 /* Evaluates all points that wait, in blocks through the field. */
 ylm_status baker_evaluate(baker *b);
+/* The bake's progress as that of some work: valid as long as the baker. */
+ylm_progress baker_progress(const baker *b);
 /* Evaluates the n points `list` anew. */
 ylm_status baker_evaluate_list(baker *b, size_t n, const uint32_t *list);
 /* Asks a field for the block's results at its first n positions. */
 ylm_status baker_ask(baker *b, const ylm_field *field, size_t n, field_block *k);
-/* A progress function, of a baker, that reports under its stage. */
-bool baker_forward(void *user, uint64_t done, uint64_t total, const char *stage);
 /* Room in a block for the results of n points; what frees it. */
 ylm_status baker_reserve_block(baker *b, field_block *k, size_t n);
 void baker_free_block(field_block *k);
@@ -73,6 +74,9 @@ ylm_status baker_corners(baker *b);
 static inline const ylm_grid_cell *baker_before(const baker *b, const ylm_grid_cell *c) {
   return b->before && c->source != YLM_GRID_NONE ? &b->before[c->source] : NULL;
 }
+/* The cell's interpolant at fractions t of its edges, to be compared with a point's value. */
+ylm_grid_probe baker_probe(const baker *b, const ylm_grid_cell *c, const float t[3],
+                           uint32_t point);
 /* Splits a cell; its occupied children come next. */
 ylm_status baker_split(baker *b, uint32_t cell);
 /* The children that came next become the wave. */
@@ -89,6 +93,21 @@ ylm_status baker_finish(baker *b);
 /* The metric of a cell that has its corners: mean over the valid ones of lambda D^2/2, or of that
    over the norm. */
 float baker_metric(const baker *b, const ylm_grid_cell *c, ylm_grid_metric metric);
+
+/* -- keeper.c: where rows are kept elsewhere ----------------------------------------------
+** After each of these b->keeper may be NULL: memory ran out, and all rows are here; what was asked
+** for is then not done. */
+
+ylm_status keeper_begin(baker *b);
+/* Points that wait for the light field. */
+ylm_status keeper_evaluate(baker *b);
+ylm_status keeper_residuals(baker *b, size_t n, const ylm_grid_probe *probe, float *distance);
+ylm_status keeper_compare(baker *b, size_t n, const float *places, const ylm_grid_probe *probe,
+                          float *distance, uint8_t *inside);
+/* Fills points in lights from valid neighbours, wherever rows are. */
+ylm_status baker_fill_invalid(baker *b);
+/* All rows, here too. */
+ylm_status baker_fetch(baker *b);
 
 /* -- tolerance.c -------------------------------------------------------------------- */
 

@@ -126,6 +126,7 @@ ylm_status baker_finish(baker *b) {
   int threads = b->source->threads;
   g->view.octree_cells = g->cells;
   ylm_status s = baker_find_parents(b);
+  if (s == YLM_OK) s = baker_fetch(b);
   if (s != YLM_OK) return s;
   double t = ylm_seconds();
   baker_find_shared(b, NULL);

@@ -6,17 +6,22 @@
 
 #define BLOCK 8192 /* points of one call of the field; its results are read while in cache */
 
-bool baker_forward(void *user, uint64_t done, uint64_t total, const char *stage) {
+/* Reports the field's progress under the bake's own stage. */
+static bool forward(void *user, uint64_t done, uint64_t total, const char *stage) {
   const baker *b = user;
   (void)stage;
   return ylm_report(b->source->progress, done, total, b->stage) == YLM_OK;
+}
+
+ylm_progress baker_progress(const baker *b) {
+  return (ylm_progress){forward, (void *)(uintptr_t)b};
 }
 
 /* Asks a field, and keeps the time. */
 static ylm_status ask(baker *b, const ylm_field *field, int want, int channels, size_t n,
                       const float *points, ylm_field_result *r) {
   const ylm_grid_form *f = &b->g->view.form;
-  ylm_progress progress = {baker_forward, b};
+  ylm_progress progress = baker_progress(b);
   ylm_field_query q = {.lmax = f->lmax,
                        .channels = channels,
                        .want = want,
@@ -170,7 +175,8 @@ static ylm_status evaluate(baker *b, size_t n, const uint32_t *list, size_t firs
 ylm_status baker_evaluate(baker *b) {
   ylm_grid *g = b->g;
   ylm_status s = ylm__dynamic_reserve(g);
-  if (s == YLM_OK) s = evaluate(b, g->points - g->evaluated, NULL, g->evaluated);
+  if (s == YLM_OK && b->keeper) s = keeper_evaluate(b);
+  if (s == YLM_OK && !b->keeper) s = evaluate(b, g->points - g->evaluated, NULL, g->evaluated);
   g->evaluated = g->points;
   return s;
 }

@@ -109,6 +109,24 @@ static ylm_status find_residuals(void *context, size_t begin, size_t end, int wo
   return YLM_OK;
 }
 
+/* The same of all of r->tested, where rows are kept elsewhere. */
+static ylm_status ask_residuals(refiner *r) {
+  baker *b = r->b;
+  size_t n = r->tested.n;
+  ylm_grid_probe *probe = ylm_alloc(n, sizeof *probe);
+  float *distance = ylm_alloc(n, sizeof *distance);
+  ylm_status s = probe && distance ? YLM_OK : YLM_ENOMEM;
+  for (size_t i = 0; s == YLM_OK && i < n; i++)
+    probe[i] = baker_probe(b, &b->g->cell[r->tested.cell[i]], (const float[3]){0.5f, 0.5f, 0.5f},
+                           r->centre.cell[i]);
+  if (s == YLM_OK && n) s = keeper_residuals(b, n, probe, distance);
+  for (size_t i = 0; s == YLM_OK && b->keeper && i < n; i++)
+    b->g->cell[r->tested.cell[i]].residual = distance[i];
+  ylm_free(probe);
+  ylm_free(distance);
+  return s;
+}
+
 /* Evaluates the centres of the cells in r->tested and keeps what the interpolant misses there. */
 ylm_status refiner_measure(refiner *r) {
   baker *b = r->b;
@@ -126,7 +144,8 @@ ylm_status refiner_measure(refiner *r) {
   g->stats.lattice_seconds += ylm_seconds() - t;
   if (s == YLM_OK) s = baker_evaluate(b);
   t = ylm_seconds();
-  if (s == YLM_OK)
+  if (s == YLM_OK && b->keeper) s = ask_residuals(r);
+  if (s == YLM_OK && !b->keeper)
     s = ylm_parallel(r->tested.n, 64, b->source->threads, find_residuals, r, NULL, NULL);
   for (size_t i = 0; i < r->tested.n && s == YLM_OK && !r->frozen; i++) {
     if (r->centre.cell[i] == YLM_GRID_NONE) continue;

@@ -203,7 +203,7 @@ ylm_status update_shift_all(update *u) {
   int threads = ylm_threads(u->source.threads);
   shift_job j = {.u = u, .bend = ylm_light_bend()};
   if (!u->shifts) return YLM_OK;
-  ylm_progress progress = {baker_forward, &u->b};
+  ylm_progress progress = baker_progress(&u->b);
   ylm_status s = make_work(&j, threads);
   if (s == YLM_OK) s = sort_shifts(u);
   if (s == YLM_OK)

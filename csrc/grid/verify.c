@@ -47,6 +47,15 @@ static void hold_out(refiner *r, uint64_t round) {
   }
 }
 
+/* Fractions of its edges at which a cell has held-out point i. */
+static void fractions(const refiner *r, const ylm_grid_cell *c, size_t i, float t[3]) {
+  const ylm_grid *g = r->b->g;
+  const float *x = r->points + 3 * i;
+  double at[3], edge = ylm__grid_edge(g, c);
+  ylm__grid_coordinates(g, (double[3]){(double)x[0], (double)x[1], (double)x[2]}, at);
+  for (int a = 0; a < 3; a++) t[a] = (float)((at[a] - c->origin[a]) / edge);
+}
+
 /* Errors of held-out points begin .. end-1, interpolated in their leaves. */
 static ylm_status compare_range(void *context, size_t begin, size_t end, int worker) {
   refiner *r = context;
@@ -54,21 +63,43 @@ static ylm_status compare_range(void *context, size_t begin, size_t end, int wor
   float *row = r->row + (size_t)worker * (g->stride + ROW_PADDING);
   for (size_t i = begin; i < end; i++) {
     const ylm_grid_cell *c = &g->cell[r->verdict[i].leaf];
-    const float *x = r->points + 3 * i;
-    double at[3], edge = ylm__grid_edge(g, c);
     float t[3];
-    ylm__grid_coordinates(g, (double[3]){(double)x[0], (double)x[1], (double)x[2]}, at);
-    for (int a = 0; a < 3; a++) t[a] = (float)((at[a] - c->origin[a]) / edge);
+    fractions(r, c, i, t);
     ylm__grid_interpolate(g, c, t, row, NULL);
     r->verdict[i].error = refiner_distance(row, r->exact + i * g->width, g->width);
   }
   return YLM_OK;
 }
 
-ylm_status refiner_compare(refiner *r) {
+/* Errors of all held-out points, where rows are kept elsewhere. */
+static ylm_status ask_errors(refiner *r) {
+  baker *b = r->b;
+  ylm_grid_probe *probe = ylm_alloc(r->held, sizeof *probe);
+  float *distance = ylm_alloc(r->held, sizeof *distance), t[3];
+  ylm_status s = probe && distance ? YLM_OK : YLM_ENOMEM;
+  for (size_t i = 0; s == YLM_OK && i < r->held; i++) {
+    const ylm_grid_cell *c = &b->g->cell[r->verdict[i].leaf];
+    fractions(r, c, i, t);
+    probe[i] = baker_probe(b, c, t, (uint32_t)i);
+  }
+  if (s == YLM_OK && r->held) s = keeper_compare(b, r->held, r->points, probe, distance, r->inside);
+  for (size_t i = 0; s == YLM_OK && b->keeper && i < r->held; i++)
+    r->verdict[i].error = (double)distance[i];
+  ylm_free(probe);
+  ylm_free(distance);
+  return s;
+}
+
+static ylm_status find_errors(refiner *r) {
   baker *b = r->b;
   ylm_status s = baker_values(b, r->held, r->points, r->exact, r->inside);
-  if (s == YLM_OK) s = ylm_parallel(r->held, 64, b->source->threads, compare_range, r, NULL, NULL);
+  return s == YLM_OK ? ylm_parallel(r->held, 64, b->source->threads, compare_range, r, NULL, NULL)
+                     : s;
+}
+
+ylm_status refiner_compare(refiner *r) {
+  ylm_status s = r->b->keeper ? ask_errors(r) : YLM_OK;
+  if (s == YLM_OK && !r->b->keeper) s = find_errors(r);
   r->verdicts = 0;
   for (size_t i = 0; i < r->held && s == YLM_OK; i++)
     if (!r->inside[i]) r->verdict[r->verdicts++] = r->verdict[i];
@@ -81,7 +112,10 @@ ylm_status refiner_compare_finished(refiner *r) {
       .point_dtype = YLM_FLOAT, .dtype = YLM_FLOAT, .threads = r->b->source->threads};
   float *sampled = ylm_alloc(r->held, g->width * sizeof *sampled);
   if (!sampled) return YLM_ENOMEM;
-  ylm_status s = ylm_grid_sample(g, &q, r->held, r->points, sampled, NULL, NULL, r->b->e);
+  const ylm_grid_keeper *there = r->b->keeper;
+  ylm_status s =
+      there && r->held ? there->values(there->self, r->held, r->exact, r->b->e) : YLM_OK;
+  if (s == YLM_OK) s = ylm_grid_sample(g, &q, r->held, r->points, sampled, NULL, NULL, r->b->e);
   r->verdicts = 0;
   for (size_t i = 0; i < r->held && s == YLM_OK; i++) {
     if (r->inside[i]) continue;
@@ -155,7 +189,7 @@ ylm_status refiner_verify(refiner *r, uint64_t round) {
   double t = ylm_seconds();
   b->stage = "verifying";
   hold_out(r, round);
-  ylm_status s = ylm__grid_fill_invalid(b->g);
+  ylm_status s = baker_fill_invalid(b);
   if (s == YLM_OK) s = refiner_compare(r);
   b->g->stats.verify_seconds += ylm_seconds() - t;
   return s;

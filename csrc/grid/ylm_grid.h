@@ -50,11 +50,54 @@ typedef struct ylm_grid_form {
   bool dynamic;           /* keeps what ylm_grid_update needs */
 } ylm_grid_form;
 
+/* A cell's interpolant (Hermite) at fractions t of its edges, and what it is compared with. */
+typedef struct ylm_grid_probe {
+  uint32_t corner[8], edge; /* points; lattice units */
+  uint32_t point;           /* whose value is exact */
+  float t[3];
+} ylm_grid_probe;
+
+/*
+** ylm_grid_keeper - who evaluates a grid's points and keeps their rows (coefficients, gradients)
+** where they are evaluated, on a device, while the octree is refined here.
+**
+** The bake asks for what its decisions need, and for all rows at the end. Where memory runs out
+** (YLM_ENOMEM, YLM_ELIMIT) it takes the rows there are, `rows` with forget set, and goes on with
+** the field alone; other failures are its own. A dynamic grid asks nobody.
+**
+**   begin      of a grid in the making, before all else
+**   evaluate   points `first` .. first+n-1, at `lattice` [n][3]: lambda, norm [n]; inside [n] is 1
+*in
+**              a light, else 0; adds to *pairs
+**   residuals  relative distances of interpolants from points' values, [n]
+**   compare    the same from the field at places [n][3]; inside [n], adds to *pairs
+**   values     of the field at the n places of the last `compare`, [n][channels][count]
+**   take, put  rows of n points, [n][4][stride]
+**   rows       of points 0 .. n-1; forget: they are not asked for any more
+*/
+typedef struct ylm_grid_keeper {
+  void *self;
+  ylm_status (*begin)(void *self, const ylm_grid *g, ylm_error *e);
+  ylm_status (*evaluate)(void *self, size_t first, size_t n, const uint32_t *lattice, float *lambda,
+                         float *norm, uint8_t *inside, uint64_t *pairs,
+                         const ylm_progress *progress, ylm_error *e);
+  ylm_status (*residuals)(void *self, size_t n, const ylm_grid_probe *probe, float *distance,
+                          ylm_error *e);
+  ylm_status (*compare)(void *self, size_t n, const float *places, const ylm_grid_probe *probe,
+                        float *distance, uint8_t *inside, uint64_t *pairs,
+                        const ylm_progress *progress, ylm_error *e);
+  ylm_status (*values)(void *self, size_t n, float *value, ylm_error *e);
+  ylm_status (*take)(void *self, size_t n, const uint32_t *point, float *row, ylm_error *e);
+  ylm_status (*put)(void *self, size_t n, const uint32_t *point, const float *row, ylm_error *e);
+  ylm_status (*rows)(void *self, size_t n, float *data, bool forget, ylm_error *e);
+} ylm_grid_keeper;
+
 /* From where, and how. */
 typedef struct ylm_grid_source {
   const ylm_field *field;
-  const ylm_lights *lights; /* dynamic: what the field is of; else it may be NULL */
-  size_t occupied;          /* number of shading points */
+  const ylm_lights *lights;      /* dynamic: what the field is of; else it may be NULL */
+  const ylm_grid_keeper *keeper; /* of the field's results; NULL: the grid itself */
+  size_t occupied;               /* number of shading points */
   ylm_dtype occupied_dtype;
   const void *occupied_points;  /* [occupied][3]; NULL: every voxel is occupied */
   uint64_t seed;                /* of the choice of held-out points */

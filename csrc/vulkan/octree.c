@@ -67,25 +67,6 @@ static ylm_status begin_root(octree *t) {
   return s;
 }
 
-/* The lights can be asked for what the form wants, everywhere within its bounds. */
-static ylm_status check(const octree *t) {
-  const ylm_grid_form *f = &t->form;
-  ylm_field_query q = {.lmax = f->lmax,
-                       .channels = f->channels,
-                       .want = YLM_WANT_VALUE | YLM_WANT_GRADIENT | YLM_WANT_METRIC,
-                       .metric_channels = f->metric_channels,
-                       .dtype = YLM_FLOAT};
-  float none[3] = {0, 0, 0};
-  ylm_field_result r = {
-      .value = none, .gradient = none, .lambda = none, .norm = none, .inside = NULL};
-  const ylm_field *field = ylm_gpu_lights_field(t->l);
-  ylm_status s = field->evaluate(field, &q, 0, none, &r, t->e);
-  for (int i = 0; s == YLM_OK && i < 6; i++)
-    if (fabs((double)(float)f->bounds[i]) > YLM_LIGHT_EXTENT)
-      s = ylm_fail(t->e, YLM_ERANGE, "bounds: the grid reaches beyond %g", YLM_LIGHT_EXTENT);
-  return s;
-}
-
 static ylm_status begin(octree *t, const ylm_grid_form *form) {
   const ylm_grid_source *source = t->source;
   ylm_status s = ylm_gpu_state(t->g, t->e);
@@ -103,9 +84,8 @@ static ylm_status begin(octree *t, const ylm_grid_form *form) {
                       .times = &t->l->times,
                       .progress = source->progress ? &t->progress : NULL,
                       .e = t->e};
-  s = check(t);
+  s = points_begin(&t->p, t->l, t->grid, t->e);
   if (s == YLM_OK) s = ylm_gpu_buffer_create(t->g, COUNTS * 4, &t->counts, t->e);
-  if (s == YLM_OK) s = points_begin(&t->p, t->l, t->grid, t->e);
   if (s == YLM_OK) s = upload_exact(t);
   if (s == YLM_OK) s = begin_root(t);
   octree_stage(t, "occupancy", 0);

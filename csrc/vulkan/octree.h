@@ -101,8 +101,6 @@ ylm_status octree_corners(octree *t, int level);
 /* Decides about the voxels of a level; makes the next level, without voxels where nothing is split.
  */
 ylm_status octree_split(octree *t, int level);
-/* Lattice coordinates of a key. */
-void octree_unpack(const uint32_t key[2], uint32_t at[3]);
 /* Rows of all points so far to the host. */
 ylm_status octree_flush(octree *t);
 /* The grid from what is on the device, where points' rows stay. */

@@ -6,12 +6,6 @@
 
 #define PART ((size_t)1 << 16) /* points whose keys are unpacked at a time */
 
-void octree_unpack(const uint32_t key[2], uint32_t at[3]) {
-  at[0] = key[0] & 0x1ffff;
-  at[1] = key[0] >> 17 | (key[1] & 3) << 15;
-  at[2] = key[1] >> 2;
-}
-
 /* -- points -------------------------------------------------------------------------------- */
 
 ylm_status octree_flush(octree *t) {
@@ -30,7 +24,7 @@ static ylm_status take_points(octree *t, const ylm_grid_parts *parts) {
     now = t->p.points - i < PART ? t->p.points - i : PART;
     s = ylm_gpu_download(t->p.key, 8 * i, 8 * now, key, t->e);
     for (size_t k = 0; s == YLM_OK && k < now; k++)
-      octree_unpack(key[k], parts->lattice + 3 * (i + k));
+      points_unpack(key[k], parts->lattice + 3 * (i + k));
   }
   ylm_free(key);
   if (s == YLM_OK) s = points_download(&t->p, parts->data);

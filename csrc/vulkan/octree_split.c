@@ -54,7 +54,7 @@ typedef struct crossing {
 
 static void box_of(const octree *t, const uint32_t key[2], uint32_t edge, double box[6]) {
   uint32_t at[3], far[3];
-  octree_unpack(key, at);
+  points_unpack(key, at);
   for (int a = 0; a < 3; a++) far[a] = at[a] + edge;
   ylm_grid_position(t->grid, at, box);
   ylm_grid_position(t->grid, far, box + 3);

@@ -1,12 +1,38 @@
 /* points.c - data of a grid's points on a device: room for rows, and the light field. */
 #include "points.h"
 
+#include <math.h>
 #include <string.h>
 
 /* -- beginning and end ------------------------------------------------------------------- */
 
 bool points_fit(const uint32_t resolution[3]) {
   return resolution[0] < 1u << 17 && resolution[1] < 1u << 17 && resolution[2] < 1u << 17;
+}
+
+static ylm_field_query query_of(const gpu_points *p) {
+  const ylm_grid_form *f = &ylm_grid_look(p->grid)->form;
+  return (ylm_field_query){.lmax = f->lmax,
+                           .channels = f->channels,
+                           .want = YLM_WANT_VALUE | YLM_WANT_GRADIENT |
+                                   (f->metric_channels ? YLM_WANT_METRIC : 0),
+                           .metric_channels = f->metric_channels == 3 ? 3 : 1,
+                           .dtype = YLM_FLOAT};
+}
+
+/* The lights can be asked for what the grid wants, everywhere within its bounds. */
+static ylm_status check(const gpu_points *p) {
+  const ylm_grid_form *f = &ylm_grid_look(p->grid)->form;
+  ylm_field_query q = query_of(p);
+  float none[3] = {0, 0, 0};
+  ylm_field_result r = {
+      .value = none, .gradient = none, .lambda = none, .norm = none, .inside = NULL};
+  const ylm_field *field = ylm_gpu_lights_field(p->l);
+  ylm_status s = field->evaluate(field, &q, 0, none, &r, p->e);
+  for (int i = 0; s == YLM_OK && i < 6; i++)
+    if (fabs((double)(float)f->bounds[i]) > YLM_LIGHT_EXTENT)
+      s = ylm_fail(p->e, YLM_ERANGE, "bounds: the grid reaches beyond %g", YLM_LIGHT_EXTENT);
+  return s;
 }
 
 /* Where the lattice's planes are, so that all positions are the host's to the bit. */
@@ -40,8 +66,9 @@ ylm_status points_begin(gpu_points *p, ylm_gpu_lights *l, const ylm_grid *grid, 
   for (int a = 0; a < 3; a++)
     if (v->resolution[a] > p->resolution) p->resolution = v->resolution[a];
   p->part_rows = ylm_gpu_about(p->g)->bind_bytes / (16 * (uint64_t)p->stride);
+  ylm_status s = check(p);
   double start = ylm_seconds();
-  ylm_status s = upload_axes(p);
+  if (s == YLM_OK) s = upload_axes(p);
   points_copied(p, "upload", start);
   if (s == YLM_OK) s = ylm_gpu_buffer_create(p->g, 4, &p->bad, e);
   return s;
@@ -60,7 +87,8 @@ void points_forget(gpu_points *p) {
 }
 
 void points_end(gpu_points *p) {
-  ylm_gpu_buffer **own[] = {&p->axes, &p->bad, &p->key, &p->ratio, &p->extra, &p->item, &p->packed};
+  ylm_gpu_buffer **own[] = {&p->axes,  &p->bad,  &p->key,    &p->ratio,
+                            &p->extra, &p->item, &p->packed, &p->value};
   for (size_t i = 0; i < sizeof own / sizeof *own; i++) drop(own[i]);
   for (int i = 0; i < GRID_PARTS; i++) drop(&p->data[i]);
   steps_free(&p->q);
@@ -170,38 +198,26 @@ static ylm_status pass(gpu_points *p, const sum_plan *plan, const ylm_field_quer
 
 /* Names the point whose field is not finite, if there is one. */
 static ylm_status check_finite(gpu_points *p) {
-  uint32_t bad, key[2];
+  uint32_t bad, key[2], lattice[3];
   double at[3];
   ylm_status s = ylm_gpu_download(p->bad, 0, 4, &bad, p->e);
   if (s != YLM_OK || !bad) return s;
   s = ylm_gpu_download(p->key, 8 * (uint64_t)~bad, 8, key, p->e);
   if (s != YLM_OK) return s;
-  ylm_grid_position(
-      p->grid, (uint32_t[]){key[0] & 0x1ffff, key[0] >> 17 | (key[1] & 3) << 15, key[1] >> 2}, at);
+  points_unpack(key, lattice);
+  ylm_grid_position(p->grid, lattice, at);
   return ylm_fail(p->e, YLM_EDOMAIN, "the light field is not finite at (%g, %g, %g)", at[0], at[1],
                   at[2]);
 }
 
-/* Progress of a pass as that of all points. */
-typedef struct pass_progress {
-  const ylm_progress *outer;
-  uint32_t done, now, all;
-} pass_progress;
-
-static bool forward(void *user, uint64_t done, uint64_t total, const char *stage) {
+bool points_forward(void *user, uint64_t done, uint64_t total, const char *stage) {
   const pass_progress *p = user;
   uint64_t here = total ? (uint64_t)((double)p->now * (double)done / (double)total) : 0;
   return ylm_report(p->outer, p->done + here, p->all, stage) == YLM_OK;
 }
 
 ylm_status points_evaluate(gpu_points *p, uint32_t n, const ylm_progress *progress, bool *full) {
-  const ylm_grid_form *f = &ylm_grid_look(p->grid)->form;
-  ylm_field_query q = {.lmax = f->lmax,
-                       .channels = f->channels,
-                       .want = YLM_WANT_VALUE | YLM_WANT_GRADIENT |
-                               (f->metric_channels ? YLM_WANT_METRIC : 0),
-                       .metric_channels = f->metric_channels == 3 ? 3 : 1,
-                       .dtype = YLM_FLOAT};
+  ylm_field_query q = query_of(p);
   const sum_plan *plan;
   sum_reach reach;
   uint32_t begin = p->points, end = begin + n, now;
@@ -216,7 +232,7 @@ ylm_status points_evaluate(gpu_points *p, uint32_t n, const ylm_progress *progre
     if (now > few) now = few;
     *full = s == YLM_OK && !now;
     pass_progress part = {progress, p->points - begin, now, n};
-    ylm_progress inner = {forward, &part};
+    ylm_progress inner = {points_forward, &part};
     if (s == YLM_OK && now) s = pass(p, plan, &q, now, &reach, progress ? &inner : NULL);
     if (s == YLM_OK) p->points += now;
   }

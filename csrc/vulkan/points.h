@@ -30,8 +30,26 @@ typedef struct gpu_points {
   uint64_t part_rows, part_room; /* of a full part; of the last one */
   ylm_gpu_buffer *data[GRID_PARTS];
   ylm_gpu_buffer *item, *packed; /* of calls */
+  ylm_gpu_buffer *value;         /* [..][width]: of the field at free places */
 } gpu_points;
 
+/* Progress of a pass as that of all points: points_forward. */
+typedef struct pass_progress {
+  const ylm_progress *outer;
+  uint32_t done, now, all;
+} pass_progress;
+bool points_forward(void *user, uint64_t done, uint64_t total, const char *stage);
+
+/* Keys of lattice coordinates: shaders/octree.glsl. */
+static inline void points_pack(const uint32_t at[3], uint32_t key[2]) {
+  key[0] = at[0] | at[1] << 17;
+  key[1] = at[1] >> 15 | at[2] << 2;
+}
+static inline void points_unpack(const uint32_t key[2], uint32_t at[3]) {
+  at[0] = key[0] & 0x1ffff;
+  at[1] = key[0] >> 17 | (key[1] & 3) << 15;
+  at[2] = key[1] >> 2;
+}
 /* Can points of a grid of such resolution be named by a key (octree.glsl)? */
 bool points_fit(const uint32_t resolution[3]);
 /* For a grid in the making; points_end frees what there is. */
@@ -57,6 +75,17 @@ ylm_status points_extra(gpu_points *p, uint32_t first, uint32_t n, float *lambda
 /* Copies rows of n points, none of which has been forgotten, to [n][4][stride], or from there. */
 ylm_status points_take(gpu_points *p, size_t n, const uint32_t *point, float *rows);
 ylm_status points_put(gpu_points *p, size_t n, const uint32_t *point, const float *rows);
+/*
+** points_probe.c: interpolants against values, relative distances [n]. `held`: the values are those
+** of points_values, the light field at n free places [n][3], which are kept; inside [n] is 1 in a
+** light.
+*/
+ylm_status points_probe(gpu_points *p, size_t n, const ylm_grid_probe *probe, bool held,
+                        float *distance);
+ylm_status points_values(gpu_points *p, size_t n, const float *places, uint8_t *inside,
+                         const ylm_progress *progress);
+/* keeper.c: what keeps a grid's rows on the device while the host refines it. */
+ylm_grid_keeper points_keeper(gpu_points *p);
 /* The grid's copy from these rows, which are then its own, and what the finished grid has beside
    them. *copy is NULL where rows are the host's alone, or do not fit: points_copy.c */
 ylm_status points_copy(gpu_points *p, ylm_gpu_grid **copy);

@@ -82,7 +82,7 @@ static ylm_status give_birth(gpu_points *p, const ylm_grid_view *v, ylm_gpu_buff
     step_kernel birth = {"grid_birth", 4, {0, 0, 0, (uint32_t)p->parts}, (double)p->stride};
     uint32_t push[7] = {n, first[k], p->stride, (uint32_t)p->part_rows};
     points_unit(p, push + 4);
-    steps_dispatch(&p->q, &birth, (uint64_t)n * STEP_GROUP, 7, push, GRID_PARTS + 2, bind);
+    steps_dispatch(&p->q, &birth, 8 * (uint64_t)n, 7, push, GRID_PARTS + 2, bind);
   }
   if (s == YLM_OK) s = steps_run(&p->q);
   ylm_gpu_buffer_free(births);
