@@ -1,6 +1,7 @@
 -- Adaptive grids with a threshold, refined level by level on a device, against the processor's. On Mesa's lavapipe,
 -- where there is no other device.
 
+local core = require "ylm.c.core"
 local ylm = require "ylm"
 local bakes = require "spec.support.bakes"
 local device = require "spec.support.gpu"
@@ -75,7 +76,7 @@ describe("an adaptive grid refined on a device", function()
       same({ depth = 3, threshold = 5 }, lamps_of(10000, 0.01), floor)
     end)
 
-    it("under flat lights approximated by spheres, whose faces the processor looks for, and mixed ones", function()
+    it("under flat lights approximated by spheres, whose surfaces voxels are tested against, and mixed ones", function()
       local disk = ylm.disk_light { at = { 0.1, -0.9, 0 }, normal = { 0.1, 1, 0.2 }, radius = 0.3, radiance = { 1, 2, 3 },
         method = "sphere" }
       local triangle = ylm.polygon_light { vertices = { { -0.9, -0.3, 0.4 }, { -0.5, -0.95, 0.4 }, { -0.7, -0.7, 0.9 } },
@@ -88,6 +89,19 @@ describe("an adaptive grid refined on a device", function()
         ylm.sphere_light { at = { 0.6, -1, 0.5 }, radius = 0.1, radiance = 1 } }, floor)
       bakes.same(here, there, 1e30)
       assert(here.stats.invalid > 0)
+      -- spheres in planes of the lattice, and many
+      local disks, r = {}, numbers.minimal(17)
+      for i = 1, 1100 do
+        local on_lattice = i < 60
+        local function place() return on_lattice and math.floor(16 * r()) / 8 - 1 or 2 * r() - 1 end
+        disks[i] = ylm.disk_light { at = { place(), place(), place() }, normal = { 0, 1, i % 3 }, method = "sphere",
+          radius = on_lattice and 0.125 * (1 + i % 2) or 0.001 + 0.01 * r(), radiance = 1 }
+      end
+      here, there = both({ metric = "absolute", threshold = 1e30, depth = 5, lmax = 0 }, disks, floor)
+      for _, key in ipairs { "crossed", "level", "origin" } do
+        assert.equal(0, (select(2, core.array_distance(there:cells()[key], here:cells()[key]))), key)
+      end
+      assert(here.stats.cells > 500 and there.stats.stages.crossing.dispatches >= 5)
     end)
 
     it("where every voxel is occupied", function()

@@ -109,11 +109,6 @@ ylm_status ylm__sum_run(ylm_gpu_lights *l, const sum_plan *p, const ylm_field_qu
 ylm_status ylm__lights_idle(const ylm_gpu_lights *l, ylm_error *e);
 /* Scratch of at least so many bytes. */
 ylm_status ylm__lights_scratch(ylm_gpu_lights *l, int which, uint64_t bytes, ylm_error *e);
-/* Whether the surfaces on which the field jumps are those of l->lights alone: then octree_split.c
-   asks the device which voxels they cross, else the field. */
-static inline bool ylm__lights_are_spheres(const ylm_gpu_lights *l) {
-  return l->lights && !l->polygons;
-}
 /* Adds the wall time of a copy since `start` to a stage of the object's times. */
 void ylm__lights_copied(ylm_gpu_lights *l, const char *name, double start);
 

@@ -116,9 +116,9 @@ static void clean(octree *t) {
         t->occupied[k].bits, t->occupied[k].before, v->voxel, v->state, v->error, v->corner};
     for (int i = 0; i < 6; i++) ylm_gpu_buffer_free(gone[i]);
   }
-  ylm_gpu_buffer *gone[] = {t->counts, t->exact,     t->asked,    t->sphere,
-                            t->slot,   t->before[0], t->before[1]};
-  for (int i = 0; i < 7; i++) ylm_gpu_buffer_free(gone[i]);
+  ylm_gpu_buffer *gone[] = {t->counts,    t->exact, t->asked,     t->sphere[0],
+                            t->sphere[1], t->slot,  t->before[0], t->before[1]};
+  for (int i = 0; i < 8; i++) ylm_gpu_buffer_free(gone[i]);
   points_end(&t->p);
   steps_free(&t->q);
   ylm_grid_free(t->grid);

@@ -69,8 +69,9 @@ typedef struct octree {
   int levels;
   ylm_gpu_buffer *asked; /* voxels of the present level that a surface may cross */
   uint32_t asks;
-  ylm_gpu_buffer *sphere; /* dvec4: centres and radii of lights */
-  uint32_t spheres;
+  ylm_gpu_buffer
+      *sphere[2]; /* dvec4: centres and radii of lights; of those that stand for flat ones */
+  uint32_t spheres[2];
   ylm_gpu_buffer *before[2]; /* prefix sums of the present level */
 
   gpu_points p;

@@ -8,37 +8,43 @@
 
 /* -- surfaces of lights ----------------------------------------------------------------- */
 
-/* Centres and radii of the spheres that emit, once. */
-static ylm_status upload_spheres(octree *t) {
-  const ylm_lights *lights = t->l->lights;
-  const double *at, *radius;
-  if (t->sphere) return YLM_OK;
-  ylm_lights_arrays(lights, &at, &radius, NULL);
-  size_t n = ylm_lights_count(lights);
+/* Centres and radii of the spheres that emit (flat 0), or of those that stand for flat lights. */
+static ylm_status upload_spheres(octree *t, int flat) {
+  const double *at = NULL, *radius = NULL, *unused;
+  size_t n = 0;
+  if (t->sphere[flat]) return YLM_OK;
+  if (!flat && t->l->lights) {
+    ylm_lights_arrays(t->l->lights, &at, &radius, NULL);
+    n = ylm_lights_count(t->l->lights);
+  }
+  if (flat && t->l->polygons &&
+      ylm_polygons_spheres(t->l->polygons, &at, &radius, &unused, &unused))
+    n = ylm_polygons_count(t->l->polygons);
   double(*sphere)[4] = ylm_alloc(n, sizeof *sphere);
   if (!sphere) return ylm_fail(t->e, YLM_ENOMEM, "%s", ylm_status_text(YLM_ENOMEM));
+  uint32_t kept = 0;
   for (size_t i = 0; i < n; i++) {
     if (radius[i] == 0) continue;
-    memcpy(sphere[t->spheres], at + 3 * i, 3 * sizeof *at);
-    sphere[t->spheres++][3] = radius[i];
+    memcpy(sphere[kept], at + 3 * i, 3 * sizeof *at);
+    sphere[kept++][3] = radius[i];
   }
   double start = ylm_seconds();
-  ylm_status s = ylm_gpu_buffer_from(t->g, t->spheres * sizeof *sphere, sphere, &t->sphere, t->e);
+  ylm_status s = ylm_gpu_buffer_from(t->g, kept * sizeof *sphere, sphere, &t->sphere[flat], t->e);
+  t->spheres[flat] = kept;
   ylm__lights_copied(t->l, "upload", start);
   ylm_free(sphere);
   return s;
 }
 
 /* Marks those of the level's voxels that a sphere's surface crosses. */
-static ylm_status cross_spheres(octree *t, int level) {
-  ylm_status s = upload_spheres(t);
-  if (s != YLM_OK || !t->spheres) return s;
-  uint32_t chunk = t->spheres < SPHERES ? t->spheres : SPHERES;
-  uint64_t chunks = (t->spheres + chunk - 1) / chunk,
-           blocks = (t->asks + STEP_GROUP - 1) / STEP_GROUP;
-  step_kernel k = {"octree_cross", 0, {0, 0}, chunk};
-  uint32_t push[] = {t->asks, octree_edge(t, level), t->resolution, t->spheres, chunk};
-  ylm_gpu_buffer *bind[] = {t->sphere, t->asked, t->level[level].voxel, t->exact,
+static ylm_status cross_spheres(octree *t, int level, int flat) {
+  ylm_status s = upload_spheres(t, flat);
+  uint32_t n = t->spheres[flat], chunk = n < SPHERES ? n : SPHERES;
+  if (s != YLM_OK || !n) return s;
+  uint64_t chunks = (n + chunk - 1) / chunk, blocks = (t->asks + STEP_GROUP - 1) / STEP_GROUP;
+  step_kernel k = {"octree_cross", 1, {(uint32_t)flat}, chunk};
+  uint32_t push[] = {t->asks, octree_edge(t, level), t->resolution, n, chunk};
+  ylm_gpu_buffer *bind[] = {t->sphere[flat], t->asked, t->level[level].voxel, t->exact,
                             t->level[level].state};
   t->q.stage = "crossing";
   steps_dispatch(&t->q, &k, blocks * chunks * STEP_GROUP, 5, push, 5, bind);
@@ -77,7 +83,7 @@ static ylm_status ask_field(octree *t, int level, const crossing *c) {
   return ylm_gpu_upload(v->state, 0, all * sizeof *c->state, c->state, t->e);
 }
 
-/* The same for any surfaces, and for devices that do not compute in double: by the host. */
+/* The same by the host, for devices that do not compute in double. */
 static ylm_status cross_any(octree *t, int level) {
   size_t n = t->asks, all = t->level[level].voxels;
   ylm_status s = steps_run(&t->q);
@@ -99,8 +105,9 @@ static ylm_status cross_any(octree *t, int level) {
  */
 static ylm_status cross(octree *t, int level) {
   if (!t->asks || !t->l->active) return YLM_OK;
-  bool there = ylm_gpu_about(t->g)->float64 && ylm__lights_are_spheres(t->l);
-  return there ? cross_spheres(t, level) : cross_any(t, level);
+  if (!ylm_gpu_about(t->g)->float64) return cross_any(t, level);
+  ylm_status s = cross_spheres(t, level, 0);
+  return s == YLM_OK ? cross_spheres(t, level, 1) : s;
 }
 
 /* -- deciding ------------------------------------------------------------------------------ */
