@@ -10,15 +10,16 @@
 layout(constant_id = 1) const uint WORDS = 1; /* of a number: 1 float, 2 double */
 
 layout(set = 0, binding = 0) readonly buffer Points { uint word[]; }; /* [n][3][WORDS] */
-/* [3][voxels - 1]: where they begin; [3][2]: the first and the last number inside of the bounds */
+/* By axis, its voxels less one: where they begin; [3][2]: the first and the last number inside of the bounds */
 layout(set = 0, binding = 1) readonly buffer Fences { uvec2 fence[]; };
 layout(set = 0, binding = 2) writeonly buffer Places { uint place[]; }; /* [n][3]: x and y, z, rank */
 layout(set = 0, binding = 3) buffer Counts { uint count[]; };
 
 PUSH {
   uint first;
-  uint n, voxels;
-  uint high; /* which word of a double is the high one */
+  uint n;
+  uint high;      /* which word of a double is the high one */
+  uint voxels[3]; /* along each axis */
 };
 
 /* Ordered like the number at `at`; the high word first. */
@@ -33,11 +34,11 @@ bool below(uvec2 a, uvec2 b) { return a.x < b.x || (a.x == b.x && a.y < b.y); }
 void main() {
   uint i = ylm_item(first);
   if (i >= n) return;
-  uint c[3];
+  uint c[3], begin = 0, end = voxels[0] + voxels[1] + voxels[2] - 3;
   bool outside = false;
   for (uint a = 0; a < 3; a++) {
     uvec2 x = order_of(3 * i + a);
-    uint lo = 0, hi = voxels - 1, begin = a * (voxels - 1), end = 3 * (voxels - 1) + 2 * a;
+    uint lo = 0, hi = voxels[a] - 1;
     while (lo < hi) { /* fence k is where voxel k + 1 begins */
       uint middle = (lo + hi) / 2;
       if (below(x, fence[begin + middle]))
@@ -47,6 +48,8 @@ void main() {
     }
     c[a] = lo;
     outside = outside || below(x, fence[end]) || below(fence[end + 1], x);
+    begin += voxels[a] - 1;
+    end += 2;
   }
   if (outside) atomicAdd(count[0], 1);
   place[3 * i] = c[0] | c[1] << 16;

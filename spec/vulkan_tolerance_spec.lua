@@ -1,5 +1,5 @@
--- Grids with a tolerance, and uniform ones, whose points' rows stay on a device while the processor refines them: against
--- those whose rows are its own. On Mesa's lavapipe, where there is no other device.
+-- Grids with a tolerance, whose points' rows stay on a device while the processor refines them: against those whose rows
+-- are its own. On Mesa's lavapipe, where there is no other device.
 
 local core = require "ylm.c.core"
 local ylm = require "ylm"

@@ -9,8 +9,7 @@ ylm_status ylm_grid_begin(const ylm_grid_form *form, const ylm_grid_source *sour
   ylm_status s = ylm__grid_check_form(form, e);
   if (s == YLM_OK) s = ylm__grid_check_source(source, form->dynamic, e);
   if (s != YLM_OK) return s;
-  if (form->kind != YLM_GRID_ADAPTIVE || form->dynamic)
-    return ylm_fail(e, YLM_EINVAL, "an adaptive grid is wanted that is not dynamic");
+  if (form->dynamic) return ylm_fail(e, YLM_EINVAL, "a grid is wanted that is not dynamic");
   *out = ylm__grid_new(form);
   return *out ? YLM_OK : ylm_fail(e, YLM_ENOMEM, "%s", ylm_status_text(YLM_ENOMEM));
 }
@@ -93,6 +92,23 @@ static bool octree_holds(const ylm_grid *g) {
   return next == g->cells;
 }
 
+/* Voxels of a lattice stand in its order, each once. */
+static bool lattice_holds(const ylm_grid *g) {
+  const uint32_t *r = g->view.resolution;
+  uint64_t next = 0;
+  if (!g->cells || !g->points) return false;
+  for (size_t i = 0; i < g->cells; i++) {
+    const ylm_grid_cell *c = &g->cell[i];
+    uint64_t at = ((uint64_t)c->origin[2] * r[1] + c->origin[1]) * r[0] + c->origin[0];
+    for (int a = 0; a < 3; a++)
+      if (c->origin[a] >= r[a]) return false;
+    if (at < next || c->level || c->child || !corners_hold(g, c)) return false;
+    if (c->flags != (YLM_GRID_LEAF | YLM_GRID_OCCUPIED)) return false;
+    next = at + 1;
+  }
+  return true;
+}
+
 /* -- finishing ----------------------------------------------------------------------------- */
 
 /* What a cell has that nobody wrote. */
@@ -109,7 +125,9 @@ ylm_status ylm_grid_end(ylm_grid *g, const ylm_grid_source *source, size_t cells
     return ylm_fail(e, YLM_EINVAL, "no room was asked for so many cells or points");
   g->cells = cells;
   g->points = g->evaluated = points;
-  if (!octree_holds(g)) return ylm_fail(e, YLM_EINVAL, "the cells are no octree");
+  bool uniform = g->view.form.kind == YLM_GRID_UNIFORM;
+  if (!(uniform ? lattice_holds(g) : octree_holds(g)))
+    return ylm_fail(e, YLM_EINVAL, "the cells are no octree");
   complete_cells(g);
   ylm_status s = lattice_hash_reserve(&g->hash, points);
   double t = ylm_seconds();

@@ -300,12 +300,12 @@ typedef struct ylm_grid_parts {
 **
 ** Of a cell he writes origin, level, child, error, corner and the flags LEAF, OCCUPIED, CROSSED;
 ** cells 0 .. n-1 are an octree: parents before their children. Corners are YLM_GRID_NONE where a
-** cell is not occupied; others that were evaluated for its neighbours are found here. Room may be
+** cell is not occupied; others that were evaluated for its neighbours are found here. Of a uniform
+** grid all cells are occupied, at level 0, in the order of the lattice, x fastest. Room may be
 ** asked for more than once: what was written is kept, at another address. Stats are written by
 ** way of ylm_grid_stats_of; those that can be counted are counted by ylm_grid_end.
 **
-** ylm_grid_begin   as ylm_grid_bake checks its arguments; only for adaptive grids that are not
-**                  dynamic (YLM_EINVAL). The caller frees the grid where anything fails.
+** ylm_grid_begin   as ylm_grid_bake checks its arguments; not for dynamic grids (YLM_EINVAL). The caller frees the grid where anything fails.
 ** ylm_grid_room    YLM_ENOMEM, YLM_ELIMIT
 ** ylm_grid_end     YLM_EINVAL where the cells are no octree or its corners are not where they
 *should

@@ -1,6 +1,7 @@
 /*
-** bake.c - grids baked on a device. With a threshold the octree is refined there (octree.c); with
-** a tolerance, and of a uniform grid, the host decides, by what the device tells it of the points'
+** bake.c - grids baked on a device. With a threshold the octree is refined there, a uniform grid is
+*one
+** level (octree.c); with a tolerance the host decides, by what the device tells it of the points'
 ** rows, which it keeps (keeper.c). Where kernels have too few buffers for that, the device sums.
 */
 #include "gpu.h"
@@ -28,7 +29,6 @@ ylm_status ylm_gpu_grid_bake(ylm_gpu_lights *l, const ylm_grid_form *form,
                              const ylm_grid_source *source, ylm_grid **out, ylm_gpu_grid **copy,
                              ylm_error *e) {
   double start = ylm_seconds();
-  bool threshold = form->kind == YLM_GRID_ADAPTIVE && !(form->tolerance > 0);
   ylm_grid_source own = *source;
   own.field = ylm_gpu_lights_field(l);
   *out = NULL;
@@ -37,7 +37,7 @@ ylm_status ylm_gpu_grid_bake(ylm_gpu_lights *l, const ylm_grid_form *form,
   ylm_status s = ylm__lights_idle(l, e);
   if (s != YLM_OK) return s;
   l->gpu->running++; /* from progress functions it cannot be closed */
-  s = (threshold ? octree_bake : bake_kept)(l, form, &own, out, copy, e);
+  s = (octree_takes(l->gpu, form, &own) ? octree_bake : bake_kept)(l, form, &own, out, copy, e);
   l->gpu->running--;
   if (s == YLM_OK) ylm_grid_stats_of(*out)->seconds = ylm_seconds() - start;
   return s;

@@ -1,4 +1,4 @@
-/* octree.c - adaptive grids on a device: the loop over levels. */
+/* octree.c - grids refined on a device: the loop over levels; a uniform one has one. */
 #include "octree.h"
 
 #include <math.h>
@@ -72,10 +72,12 @@ static ylm_status begin(octree *t, const ylm_grid_form *form) {
   ylm_status s = ylm_gpu_state(t->g, t->e);
   if (s == YLM_OK) s = ylm_grid_begin(form, source, &t->grid, t->e);
   if (s != YLM_OK) return s;
-  if (!(form->threshold >= 0) || form->tolerance > 0)
+  t->uniform = form->kind == YLM_GRID_UNIFORM;
+  if (!t->uniform && (!(form->threshold >= 0) || form->tolerance > 0))
     return ylm_fail(t->e, YLM_EINVAL, "a threshold is wanted");
   const ylm_grid_view *v = ylm_grid_look(t->grid);
   t->form = *form;
+  if (t->uniform) t->form.depth = 0; /* edges of voxels are those of the lattice */
   t->stats = ylm_grid_stats_of(t->grid);
   t->resolution = v->resolution[0];
   t->all = !source->occupied_points;
@@ -86,12 +88,27 @@ static ylm_status begin(octree *t, const ylm_grid_form *form) {
                       .e = t->e};
   s = points_begin(&t->p, t->l, t->grid, t->e);
   if (s == YLM_OK) s = ylm_gpu_buffer_create(t->g, COUNTS * 4, &t->counts, t->e);
-  if (s == YLM_OK) s = upload_exact(t);
-  if (s == YLM_OK) s = begin_root(t);
+  if (s == YLM_OK && !t->uniform) s = upload_exact(t);
+  if (s == YLM_OK && !t->uniform) s = begin_root(t);
   octree_stage(t, "occupancy", 0);
   t->q.stage = "occupancy";
   steps_fill(&t->q, t->counts, 0);
   return s;
+}
+
+bool octree_takes(const ylm_gpu *g, const ylm_grid_form *form, const ylm_grid_source *source) {
+  const ylm_gpu_info *about = ylm_gpu_about(g);
+  if (form->kind == YLM_GRID_ADAPTIVE)
+    return !(form->tolerance > 0) && about->binds >= OCTREE_BINDS;
+  uint64_t n = 1, most = 1u << 27; /* corners of voxels are numbered by 30 bits */
+  for (int a = 0; a < 3; a++) {
+    if (form->cells[a] < 1 || form->cells[a] > 1u << 16) return false;
+    n *= form->cells[a];
+    if (n > 1u << 31) return false;
+  }
+  uint64_t marked = source->occupied_points && source->occupied < n ? source->occupied : n;
+  if (about->bind_bytes / 32 < most) most = about->bind_bytes / 32;
+  return about->binds >= OCTREE_BINDS && marked < most && n / 8 < about->bind_bytes;
 }
 
 /* -- baking -------------------------------------------------------------------------------- */
@@ -101,9 +118,9 @@ static ylm_status levels(octree *t) {
   ylm_status s = octree_occupy(t);
   t->stats->occupancy_seconds = ylm_seconds() - start;
   for (int level = 0; s == YLM_OK && level < t->levels; level++) {
-    octree_stage(t, NULL, level);
+    octree_stage(t, t->uniform ? "baking" : NULL, level);
     s = octree_corners(t, level);
-    if (s == YLM_OK) s = octree_split(t, level);
+    if (s == YLM_OK) s = t->uniform ? octree_errors(t) : octree_split(t, level);
   }
   return s == YLM_OK ? octree_result(t) : s;
 }

@@ -1,7 +1,6 @@
 /*
-** octree.h - an adaptive grid refined level by level on a device (Iwasaki & Dobashi 2025,
-*Sec. 5.1):
-** what the files octree*.c share. Private.
+** octree.h - a grid made on a device, an adaptive one level by level (Iwasaki & Dobashi 2025, Sec.
+** 5.1): what the files octree*.c share. Private.
 **
 **   octree.c            the loop over levels
 **   octree_occupancy.c  which nodes hold shading points, for all levels at once
@@ -12,6 +11,7 @@
 ** A level is the array of its voxels: the cells that hold shading points, in the order in which
 ** ylm_grid_bake has them. Points are numbered as there. So cells, points and their order are those
 ** of the processor's grid, whatever the device does first. The host reads a few counts per level.
+** A uniform grid has one level, whose voxels are those of the lattice.
 */
 #ifndef YLM_GPU_OCTREE_H
 #define YLM_GPU_OCTREE_H
@@ -59,7 +59,8 @@ typedef struct octree {
   ylm_grid_stats *stats;
   ylm_error *e;
   uint32_t resolution;
-  bool all; /* every voxel is occupied */
+  bool all;     /* every voxel is occupied */
+  bool uniform; /* a lattice: one level, whose voxels are found at once */
   step_queue q;
   ylm_gpu_buffer *counts;
   ylm_gpu_buffer *exact; /* double [3][resolution + 1]: where the lattice's planes are */
@@ -96,12 +97,17 @@ void octree_stage(octree *t, const char *stage, int level);
 /* Reports `done`; YLM_ECANCELLED. */
 ylm_status octree_report(octree *t);
 
+/* Which voxels hold shading points; the voxels of a uniform grid. */
 ylm_status octree_occupy(octree *t);
 /* Corners of the voxels of a level; points that they add are evaluated. */
 ylm_status octree_corners(octree *t, int level);
 /* Decides about the voxels of a level; makes the next level, without voxels where nothing is split.
  */
 ylm_status octree_split(octree *t, int level);
+/* The metric of a uniform grid's voxels. */
+ylm_status octree_errors(octree *t);
+/* Can a uniform grid be made by these kernels? */
+bool octree_takes(const ylm_gpu *g, const ylm_grid_form *form, const ylm_grid_source *source);
 /* Rows of all points so far to the host. */
 ylm_status octree_flush(octree *t);
 /* The grid from what is on the device, where points' rows stay. */

@@ -1,5 +1,7 @@
-/* octree_occupancy.c - the occupancy octree on a device: shaders/octree_voxel.comp,
- * octree_mark.comp. */
+/*
+** octree_occupancy.c - which voxels hold shading points, on a device: shaders/octree_voxel.comp; of
+** an octree octree_mark.comp, of a uniform grid lattice_mark.comp, lattice_voxel.comp.
+*/
 #include <string.h>
 
 #include "octree.h"
@@ -68,7 +70,8 @@ static void put(uint32_t to[2], ylm_dtype t, uint64_t order) {
 
 static ylm_status upload_fences(octree *t, ylm_gpu_buffer **fences) {
   ylm_dtype type = t->source->occupied_dtype;
-  size_t inner = t->resolution - 1, n = 3 * inner + 6;
+  const uint32_t *r = ylm_grid_look(t->grid)->resolution;
+  size_t inner = (size_t)r[0] + r[1] + r[2] - 3, n = inner + 6, at = 0;
   uint32_t(*fence)[2] = ylm_alloc(n, sizeof *fence);
   uint64_t lo, hi;
   if (!fence) return ylm_fail(t->e, YLM_ENOMEM, "%s", ylm_status_text(YLM_ENOMEM));
@@ -77,12 +80,12 @@ static ylm_status upload_fences(octree *t, ylm_gpu_buffer **fences) {
     question begin = {t->grid, a, 0, 1, t->form.bounds[a]},
              end = {t->grid, a, 0, 2, t->form.bounds[a + 3]};
     uint64_t from = first_of(type, &begin, lo, hi), to = first_of(type, &end, from, hi);
-    put(fence[3 * inner + 2 * a], type, from);
-    put(fence[3 * inner + 2 * a + 1], type, to - 1);
-    for (size_t k = 0; k < inner; k++) {
-      question q = {t->grid, a, (uint32_t)k + 1, 0, 0};
+    put(fence[inner + 2 * a], type, from);
+    put(fence[inner + 2 * a + 1], type, to - 1);
+    for (uint32_t k = 1; k < r[a]; k++, at++) {
+      question q = {t->grid, a, k, 0, 0};
       from = first_of(type, &q, from, to);
-      put(fence[a * inner + k], type, from);
+      put(fence[at], type, from);
     }
   }
   ylm_status s = ylm_gpu_buffer_from(t->g, n * sizeof *fence, fence, fences, t->e);
@@ -106,6 +109,7 @@ static size_t chunk_size(const octree *t, size_t i) {
 /* Uploads chunk after chunk; the device keeps their voxels. */
 static ylm_status find_voxels(octree *t, shading *p) {
   const ylm_grid_source *source = t->source;
+  const uint32_t *r = ylm_grid_look(t->grid)->resolution;
   size_t row = 3 * ylm_dtype_size(source->occupied_dtype);
   uint32_t words = (uint32_t)row / 12, one = 1, high;
   ylm_gpu_buffer *fences = NULL, *points = NULL;
@@ -124,9 +128,9 @@ static ylm_status find_voxels(octree *t, shading *p) {
     ylm__lights_copied(t->l, "upload", start);
     if (s == YLM_OK) s = ylm_gpu_buffer_create(t->g, n * 12, &p->place[i], t->e);
     step_kernel k = {"octree_voxel", 1, {words, 0}, 0};
-    uint32_t push[] = {(uint32_t)n, t->resolution, high};
+    uint32_t push[] = {(uint32_t)n, high, r[0], r[1], r[2]};
     ylm_gpu_buffer *bind[] = {points, fences, p->place[i], t->counts};
-    steps_dispatch(&t->q, &k, n, 3, push, 4, bind);
+    steps_dispatch(&t->q, &k, n, 5, push, 4, bind);
     if (s == YLM_OK) s = steps_run(&t->q);
   }
   ylm_gpu_buffer_free(fences);
@@ -153,27 +157,89 @@ static ylm_status mark_level(octree *t, const shading *p, int level, uint64_t no
   return YLM_OK;
 }
 
-ylm_status octree_occupy(octree *t) {
-  size_t n = t->source->occupied;
-  uint64_t nodes = 1; /* of a level: no more than there are, nor than points */
-  uint32_t count[COUNTS];
-  if (t->all) { /* bound, not read */
-    ylm_status s = ylm_gpu_buffer_create(t->g, 4, &t->occupied[0].bits, t->e);
-    return s == YLM_OK ? ylm_gpu_buffer_create(t->g, 4, &t->occupied[0].before, t->e) : s;
+static ylm_status mark_octree(octree *t, const shading *p) {
+  uint64_t nodes = 1, n = t->source->occupied; /* of a level: no more than there are, nor than n */
+  ylm_status s = YLM_OK;
+  for (int level = 1; s == YLM_OK && level <= t->form.depth; level++) {
+    s = mark_level(t, p, level, nodes);
+    nodes = 8 * nodes < n ? 8 * nodes : n;
   }
+  return s;
+}
+
+/* -- uniform grids ---------------------------------------------------------------------------- */
+
+static uint32_t lattice_voxels(const octree *t) {
+  const uint32_t *r = ylm_grid_look(t->grid)->resolution;
+  return r[0] * r[1] * r[2];
+}
+
+static ylm_status mark_lattice(octree *t, const shading *p) {
+  const uint32_t *r = ylm_grid_look(t->grid)->resolution;
+  octree_occupied *o = &t->occupied[0];
+  o->words = (lattice_voxels(t) + 31) / 32;
+  ylm_status s = ylm_gpu_buffer_create(t->g, 4 * (uint64_t)o->words, &o->bits, t->e);
+  if (s == YLM_OK) s = ylm_gpu_buffer_create(t->g, 4 * (uint64_t)o->words, &o->before, t->e);
+  if (s != YLM_OK) return s;
+  steps_fill(&t->q, o->bits, 0);
+  for (size_t i = 0; i < p->chunks; i++) {
+    step_kernel k = {"lattice_mark", 0, {0}, 0};
+    uint32_t push[] = {(uint32_t)chunk_size(t, i), r[0], r[1]};
+    ylm_gpu_buffer *bind[] = {p->place[i], o->bits};
+    steps_dispatch(&t->q, &k, push[0], 3, push, 2, bind);
+  }
+  steps_scan(&t->q, SCAN_BITS, UINT32_MAX, o->bits, o->words, o->before, t->counts, COUNT_VOXELS);
+  return YLM_OK;
+}
+
+/* The voxels of the only level there is. */
+static ylm_status list_voxels(octree *t, uint32_t voxels) {
+  const uint32_t *r = ylm_grid_look(t->grid)->resolution;
+  const octree_occupied *o = &t->occupied[0];
+  octree_level *v = &t->level[0];
+  v->voxels = voxels;
+  t->levels = 1;
+  ylm_status s = ylm_gpu_buffer_create(t->g, 16 * (uint64_t)voxels, &v->voxel, t->e);
+  if (s == YLM_OK) s = ylm_gpu_buffer_create(t->g, 4 * (uint64_t)voxels, &v->state, t->e);
+  if (s != YLM_OK) return s;
+  step_kernel k = {"lattice_voxel", 0, {0}, 0};
+  uint32_t push[] = {lattice_voxels(t), r[0], r[1], t->all};
+  ylm_gpu_buffer *bind[] = {o->bits, o->before, v->voxel};
+  steps_fill(&t->q, v->state, 0);
+  steps_dispatch(&t->q, &k, push[0], 4, push, 3, bind);
+  return steps_run(&t->q);
+}
+
+/* -- both -------------------------------------------------------------------------------------- */
+
+/* Marks what holds shading points; how many voxels a uniform grid has. */
+static ylm_status mark(octree *t, uint32_t *voxels) {
+  size_t n = t->source->occupied;
+  uint32_t count[COUNTS];
   if (n > UINT32_MAX / 8)
     return ylm_fail(t->e, YLM_ELIMIT, "more than 2^29 shading points on a device");
   shading p = {.chunks = (n + CHUNK - 1) / CHUNK};
   p.place = ylm_alloc_zero(p.chunks, sizeof *p.place);
   ylm_status s = p.place ? YLM_OK : ylm_fail(t->e, YLM_ENOMEM, "%s", ylm_status_text(YLM_ENOMEM));
   if (s == YLM_OK) s = find_voxels(t, &p);
-  for (int level = 1; s == YLM_OK && level <= t->form.depth; level++) {
-    s = mark_level(t, &p, level, nodes);
-    nodes = 8 * nodes < n ? 8 * nodes : n;
-  }
+  if (s == YLM_OK) s = (t->uniform ? mark_lattice : mark_octree)(t, &p);
   if (s == YLM_OK) s = octree_counts(t, count);
   if (s == YLM_OK) t->stats->outside = count[COUNT_OUTSIDE];
+  if (s == YLM_OK) *voxels = count[COUNT_VOXELS];
   for (size_t i = 0; p.place && i < p.chunks; i++) ylm_gpu_buffer_free(p.place[i]);
   ylm_free(p.place);
   return s;
+}
+
+ylm_status octree_occupy(octree *t) {
+  octree_occupied *o = &t->occupied[0];
+  uint32_t voxels = t->all ? lattice_voxels(t) : 0;
+  ylm_status s = YLM_OK;
+  if (!t->all)
+    s = mark(t, &voxels);
+  else { /* bound, not read */
+    s = ylm_gpu_buffer_create(t->g, 4, &o->bits, t->e);
+    if (s == YLM_OK) s = ylm_gpu_buffer_create(t->g, 4, &o->before, t->e);
+  }
+  return s == YLM_OK && t->uniform ? list_voxels(t, voxels) : s;
 }

@@ -39,10 +39,12 @@ static ylm_status reserve_points(octree *t, uint32_t more) {
 
 /* -- a level's corners --------------------------------------------------------------------- */
 
-/* No more points than so many are new: all corners, or those of cells that were split. */
+/* No more points than so many are new: all corners, those of cells that were split, a lattice's. */
 static uint64_t most_fresh(const octree *t, int level) {
   uint64_t corners = 8 * (uint64_t)t->level[level].voxels;
   uint64_t inner = level ? 19 * (uint64_t)t->level[level - 1].splits : 8;
+  const uint32_t *r = ylm_grid_look(t->grid)->resolution;
+  if (t->uniform) inner = (r[0] + 1) * (uint64_t)(r[1] + 1) * (r[2] + 1);
   return corners < inner ? corners : inner;
 }
 

@@ -94,13 +94,32 @@ static bool write_level(const octree *t, const octree_level *l, const voxels *v,
   return *next - end == 8 * (size_t)l->splits;
 }
 
+/* The voxels of a uniform grid. */
+static void write_lattice(const octree *t, const voxels *v, ylm_grid_cell *cell) {
+  for (size_t i = 0; i < t->level[0].voxels; i++) {
+    cell[i] = (ylm_grid_cell){.error = t->form.metric_channels ? v->error[i] : NAN,
+                              .flags = YLM_GRID_LEAF | YLM_GRID_OCCUPIED};
+    points_unpack(v->voxel[i], cell[i].origin);
+    memcpy(cell[i].corner, v->corner[i], sizeof cell[i].corner);
+  }
+}
+
 static ylm_status no_octree(const octree *t) {
   return ylm_fail(t->e, YLM_EDEVICE, "'%s' made no octree", ylm_gpu_about(t->g)->name);
+}
+
+static ylm_status take_lattice(const octree *t, ylm_grid_cell *cell) {
+  voxels v;
+  ylm_status s = voxels_take(t, &t->level[0], &v);
+  if (s == YLM_OK) write_lattice(t, &v, cell);
+  voxels_free(&v);
+  return s;
 }
 
 static ylm_status take_cells(octree *t, ylm_grid_cell *cell, size_t cells) {
   size_t begin = 0, end = 1, next = 1;
   ylm_status s = YLM_OK;
+  if (t->uniform) return take_lattice(t, cell);
   cell[0] = (ylm_grid_cell){.error = NAN, .flags = YLM_GRID_LEAF};
   for (int k = 0; s == YLM_OK && k < t->levels; k++) {
     voxels v;
@@ -116,7 +135,7 @@ static ylm_status take_cells(octree *t, ylm_grid_cell *cell, size_t cells) {
 
 ylm_status octree_result(octree *t) {
   ylm_grid_parts parts;
-  size_t cells = 1;
+  size_t cells = t->uniform ? t->level[0].voxels : 1;
   for (int k = 0; k < t->levels; k++) cells += 8 * (size_t)t->level[k].splits;
   octree_stage(t, "download", 0);
   ylm_status s = octree_report(t);

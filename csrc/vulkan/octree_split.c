@@ -129,9 +129,10 @@ static uint32_t bits_of(float x) {
 static void decide(octree *t, int level) {
   octree_level *v = &t->level[level];
   const octree_occupied *o = &t->occupied[t->all || level == t->form.depth ? 0 : level + 1];
+  const uint32_t *r = ylm_grid_look(t->grid)->resolution;
   double box = 0;
   for (int a = 0; a < 3; a++) {
-    double edge = (t->form.bounds[a + 3] - t->form.bounds[a]) / (double)(1u << level);
+    double edge = (t->form.bounds[a + 3] - t->form.bounds[a]) / r[a] * octree_edge(t, level);
     box += edge * edge;
   }
   uint32_t push[] = {v->voxels, level == t->form.depth, t->all, bits_of((float)sqrt(box)),
@@ -141,6 +142,15 @@ static void decide(octree *t, int level) {
   ylm_gpu_buffer *bind[] = {v->voxel, v->corner, t->p.ratio, bits, v->state, v->error, t->counts};
   t->q.stage = "subdivide";
   steps_dispatch(&t->q, &k, v->voxels, 5, push, 7, bind);
+}
+
+ylm_status octree_errors(octree *t) {
+  octree_level *v = &t->level[0];
+  ylm_status s = steps_run(&t->q);
+  if (s == YLM_OK) s = ylm_gpu_buffer_create(t->g, 4 * (uint64_t)v->voxels, &v->error, t->e);
+  if (s != YLM_OK) return s;
+  decide(t, 0); /* there is no finer level, so that nothing is split */
+  return steps_run(&t->q);
 }
 
 /* The voxels of the next level, as many as `count` says. */
