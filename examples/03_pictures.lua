@@ -50,9 +50,9 @@ save(ylm.view { grid, streamlines = { count = 250 }, lights = lamps, title = "St
 save(ylm.view { grid, lobes = { count = 220 }, lights = lamps, title = "What the probes remember, lmax 4",
   caption = "Radius |L(ω)|, each scaled to its largest value. Orange: positive. Blue: negative." }, "lobes")
 local whole = assert(ylm.bake(ylm.uniform_grid { bounds = grid_bounds, cells = { 32, 16, 32 }, lmax = 2 }, lamps))
-save(ylm.view { whole, quantity = "norm", isosurfaces = { 0.5, 1, 2, 4 },
+save(ylm.view { whole, quantity = "norm", isosurfaces = { 0.5, 1, 2, 4 }, range = { 0.3, 5 }, background = "white",
   title = "Surfaces of equal ‖L‖" }, "isosurfaces")
-save(ylm.view { grid, quantity = "L00", slices = { { axis = "y", at = 0.3 }, { axis = "x", at = 0 } },
+save(ylm.view { whole, quantity = "L00", slices = { { axis = "y", at = 0.3 }, { axis = "x", at = 0 } },
   title = "L₀₀ on two planes" }, "slices")
 assert(grid:save(out .. "grid.vtu"))
 

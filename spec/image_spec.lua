@@ -23,6 +23,13 @@ describe("image", function()
       picture:layer():totable())
   end)
 
+  it("says what it is, closed too", function()
+    local picture = ylm.image { size = { 3, 2 } }
+    assert.equal("ylm.image 3x2 radiance:3", tostring(picture))
+    picture:close()
+    assert.equal("ylm.image (closed)", tostring(picture))
+  end)
+
   it("keeps a layer's numbers alive after the image is gone", function()
     local layer = ylm.image { size = { 64, 64 } }:fill(1, 1, 64, 64, 3):layer()
     collectgarbage()

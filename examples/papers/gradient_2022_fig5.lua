@@ -33,30 +33,37 @@ local function pick(dY)
   return list
 end
 
---- Saves a, b and 1e15 times their difference beside each other; returns the largest difference.
-local function picture(a, b, scale, gain, name)
-  local image = ylm.image { size = { 3 * size, size }, layers = { { "radiance", 3 } } }
-  local rows, worst = {}, 0
-  for y = 1, size do
-    rows[y] = {}
-    for x = 1, size do
-      local p, q = a[(y - 1) * size + x], b[(y - 1) * size + x]
-      local d = {}
-      for c = 1, 3 do
-        d[c] = math.abs(p[c] - q[c]) * gain / scale
-        worst = math.max(worst, math.abs(p[c] - q[c]))
-      end
-      local function shown(v) return { 0.5 + v[1] / scale / 2, 0.5 + v[2] / scale / 2, 0.5 + v[3] / scale / 2 } end
-      rows[y][x], rows[y][size + x], rows[y][2 * size + x] = shown(p), shown(q), d
-    end
-  end
+--- Three numbers a pixel, list[i], as a picture of value(list[i][c]).
+local function image_of(list, value, caption)
+  local image = ylm.image { size = { size, size }, layers = { { "radiance", 3 } } }
   local layer = image:layer "radiance"
   for y = 1, size do
-    for x = 1, 3 * size do
-      for c = 1, 3 do layer:set(y, x, c, rows[y][x][c]) end
+    for x = 1, size do
+      local v = list[(y - 1) * size + x]
+      for c = 1, 3 do layer:set(y, x, c, value(v[c])) end
     end
   end
-  common.save(image, out .. name, { tone = "linear" })
+  return { image = image, tone = "linear", caption = caption }
+end
+
+--- Saves a, b and 1e15 times their difference beside each other; returns the largest difference.
+local function picture(what, a, b, names, scale, name)
+  local difference, worst = {}, 0
+  for i, p in ipairs(a) do
+    difference[i] = {}
+    for c = 1, 3 do
+      difference[i][c] = math.abs(p[c] - b[i][c])
+      worst = math.max(worst, difference[i][c])
+    end
+  end
+  local function shown(x) return 0.5 + x / scale / 2 end
+  common.save(ylm.figure {
+    title = ("Gradient of %s, (l, m) = (%d, %d)"):format(what, l, m),
+    rows = { { image_of(a, shown, names[1]), image_of(b, shown, names[2]),
+      image_of(difference, function(x) return 1e15 * x / scale end, "10¹⁵ × |difference|") } },
+    caption = ("Across: θ from 0 to π; down: φ from 0 to 2π. Red, green, blue: x, y, z; grey is 0, white and black ±%.3g.")
+      :format(scale),
+  }, out .. name)
   return worst
 end
 
@@ -67,7 +74,8 @@ local a, b, c = pick(polynomial), pick(recurrence), pick(solid)
 local largest = 0
 for _, v in ipairs(a) do for k = 1, 3 do largest = math.max(largest, math.abs(v[k])) end end
 print(("basis gradient: polynomials and recurrences differ by at most %.1e (picture: 1e15 times); largest component %.2f")
-  :format(picture(a, b, largest, 1e15, "gradient_2022_fig5_basis.png"), largest))
+  :format(picture("the basis", a, b, { "explicit polynomials", "(θ, φ) recurrences, Sloan's like" }, largest,
+    "gradient_2022_fig5_basis.png"), largest))
 local difference = 0
 for i, v in ipairs(a) do for k = 1, 3 do difference = math.max(difference, math.abs(v[k] - c[i][k])) end end
 print(("basis gradient: polynomials and solid harmonics differ by at most %.1e"):format(difference))
@@ -95,4 +103,5 @@ end
 largest = 0
 for _, v in ipairs(ours) do for k = 1, 3 do largest = math.max(largest, math.abs(v[k])) end end
 print(("light's gradient: explicit polynomials and moments differ by at most %.1e (picture: 1e15 times); largest %.3f")
-  :format(picture(explicit, ours, largest, 1e15, "gradient_2022_fig5_light.png"), largest))
+  :format(picture("a light's coefficient", explicit, ours, { "explicit polynomials", "moments, as ylm sums" }, largest,
+    "gradient_2022_fig5_light.png"), largest))

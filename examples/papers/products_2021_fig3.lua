@@ -57,7 +57,7 @@ for n = 3, 20 do
   table.insert(series.Fourier, f)
   table.insert(series.quadrature, q)
   for k = 1, 3 do table.insert(stages[k], f * s[k] / total) end
-  print(("%3d %9.3f %9.3f %11.3f   %6.1f  %-22s %9.0f %% %6.0f %% %6.0f %%"):format(n, g, f, q, g / f,
+  print(("%3d %9.3f %9.3f %11.3f   %6.2f  %-22s %9.0f %% %6.0f %% %6.0f %%"):format(n, g, f, q, g / f,
     paper[n] and ("(%.1f)"):format(paper[n]) or "", 100 * s[1] / total, 100 * s[2] / total, 100 * s[3] / total))
 end
 

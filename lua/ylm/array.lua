@@ -16,10 +16,11 @@ require "ylm.reference".object "array" {
 local array = {}
 local methods = core.metatable "ylm.array"
 
---- The shape of a nested table, taken along its first elements.
+--- The shape of a nested table, taken along its first elements; nine axes are too many and enough to know (a table may
+-- hold itself).
 local function shape_of(t)
   local shape = {}
-  while type(t) == "table" do
+  while type(t) == "table" and #shape < 9 do
     shape[#shape + 1] = #t
     t = t[1]
   end
@@ -39,7 +40,7 @@ describe "array" {
     { "dtype?", "string", "'float' or 'double'; default double, or the array's own" },
   },
   returns = { { "a", "array", "a new array; a.shape, a.dtype, a.convention, #a" } },
-  errors = "raises on ragged tables and on what is not a number",
+  errors = "raises on ragged tables and on what is not a number; nil, message, 'ENOMEM' where memory runs out",
   example = [[
 local a = ylm.array({ { 0, 0, 1 }, { 1, 0, 0 } }, "float")
 assert(#a == 2 and a.shape[2] == 3 and a.dtype == "float" and a:get(1, 3) == 1)]],
@@ -55,8 +56,9 @@ function array.array(values, dtype)
   end
   dtype = check_dtype(2, "array", dtype, "double")
   local shape = shape_of(values)
-  if #shape > 8 then return check.bad(1, "array", "at most 8 axes, got %d", #shape) end
-  local a = assert(check.result("array", core.array_zeros(shape, dtype)))
+  if #shape > 8 then return check.bad(1, "array", "at most 8 axes, got more; does the table hold itself?") end
+  local a, message, code = check.result("array", core.array_zeros(shape, dtype))
+  if not a then return nil, message, code end
   local ok, where = core.array_fill(a, values)
   if not ok then
     return check.bad(1, "array", "every row must hold the same number of numbers; element %d does not", where)
@@ -275,8 +277,9 @@ function array.rows(n, name, what, value, width, dtype)
     if #a == 0 then a = assert(core.array_zeros({ 0, width or 0 }, dtype or "double"))
     else
       local shape = shape_of(a)
-      if #shape > 8 then return check.bad(n, name, "%s: at most 8 axes, got %d", what, #shape) end
-      a = assert(core.array_zeros(shape, dtype or "double"))
+      if #shape > 8 then return check.bad(n, name, "%s: at most 8 axes, got more; does the table hold itself?", what) end
+      a = core.array_zeros(shape, dtype or "double")
+      if not a then return check.bad(n, name, "%s: no memory for %s numbers", what, table.concat(shape, "x")) end
       local ok, where = core.array_fill(a, value)
       if not ok then
         return check.bad(n, name, "%s: every row must hold the same number of numbers; element %d does not",

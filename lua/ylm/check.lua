@@ -65,9 +65,16 @@ function check.describe(value)
   end
   local object = core.type(value)
   if object == "ylm.array" then
-    return "an array of " .. table.concat((core.array_info(value)), "x")
+    local shape, _, _, is_open = core.array_info(value)
+    return is_open and "an array of " .. table.concat(shape, "x") or "a closed array"
   end
   return object and ("a " .. object) or ("a " .. t)
+end
+
+--- Nested tables where the value is an array that is open; else the value as it is.
+function check.plain(value)
+  if core.type(value) == "ylm.array" and select(4, core.array_info(value)) then return core.array_totable(value) end
+  return value
 end
 
 --- The candidate that a misspelt name most likely meant, or nil.

@@ -101,7 +101,7 @@ end
 
 --- Three finite numbers, from a table (or an array of shape {3}).
 local function three(x)
-  if core.type(x) == "ylm.array" then x = core.array_totable(x) end
+  x = check.plain(x)
   if type(x) ~= "table" or #x ~= 3 then return nil end
   for i = 1, 3 do if not check.is_number(x[i]) then return nil end end
   return { x[1], x[2], x[3] }

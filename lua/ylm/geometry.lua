@@ -43,7 +43,7 @@ end
 --- Three rows of four numbers.
 function form.types.matrix(x)
   local wanted = "three rows of four numbers, y = A x + b"
-  if core.type(x) == "ylm.array" then x = core.array_totable(x) end
+  x = check.plain(x)
   if type(x) ~= "table" or (#x ~= 3 and #x ~= 4) then return nil, wanted end
   local flat = {}
   for i = 1, 3 do
@@ -253,7 +253,7 @@ methods.__index = function(x, key)
 end
 
 methods.__tostring = function(x)
-  local vertices, triangles = open(x, "tostring")
+  local vertices, triangles = core.mesh_info(x)
   return ("ylm.mesh %d vertices, %d triangles"):format(vertices, triangles)
 end
 

@@ -126,7 +126,8 @@ methods.__newindex = function(_, key)
 end
 
 methods.__tostring = function(x)
-  local w, h, names, channels = open(x, "tostring")
+  local is_open, w, h, names, channels = pcall(core.image_info, x)
+  if not is_open then return "ylm.image (closed)" end
   for i = 1, #names do names[i] = names[i] .. ":" .. channels[i] end
   return ("ylm.image %dx%d %s"):format(w, h, table.concat(names, " "))
 end

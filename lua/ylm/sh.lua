@@ -217,25 +217,7 @@ assert(math.abs(f[1] - math.sqrt(3 / (4 * math.pi))) < 1e-15 and f[2] == -f[1])]
   source = "Green 2003, Eq. 9",
 }
 function sh.reconstruct(c, points, options)
-  options = form.options(3, "reconstruct", reconstruct_options, options)
-  local coefficients, lmax, shape, dtype = args.coefficients(1, "reconstruct", c)
-  local one_row = #shape == 1
-  if dtype == "float" and core.type(points) == "ylm.array" and dtype_of(points) == "double" then
-    dtype = "double"
-    coefficients = core.array_convert(coefficients, dtype)
-  end
-  local p, one_point = array.points(2, "reconstruct", points, dtype)
-  local n = core.array_info(p)[1]
-  shape[#shape] = n
-  if one_point and #shape > 1 then shape[#shape] = nil end
-  local out, message, code = args.result("reconstruct", options.out, shape, dtype, 0, { coefficients, p })
-  if not out then return nil, message, code end
-  local ok
-  ok, message, code = check.result("reconstruct", core.sh_reconstruct(lmax, coefficients, p, out, options.threads,
-    progress.of(options.progress)))
-  if not ok then return nil, message, code end
-  if one_row and one_point and options.out == nil then return out[1] end
-  return out
+  return args.reconstruct("reconstruct", c, points, form.options(3, "reconstruct", reconstruct_options, options))
 end
 
 return sh

@@ -3,6 +3,7 @@
 local array = require "ylm.array"
 local check = require "ylm.check"
 local core = require "ylm.c.core"
+local progress = require "ylm.progress"
 
 local args = {}
 
@@ -75,6 +76,28 @@ function args.as(a, dtype)
   local _, own = core.array_info(a)
   if own == dtype then return a end
   return core.array_convert(a, dtype)
+end
+
+--- sh.reconstruct, for a function of that name, which its messages say; options are checked.
+function args.reconstruct(name, c, points, options)
+  local coefficients, lmax, shape, dtype = args.coefficients(1, name, c)
+  local one_row = #shape == 1
+  if dtype == "float" and core.type(points) == "ylm.array" and select(2, core.array_info(points)) == "double" then
+    dtype = "double"
+    coefficients = core.array_convert(coefficients, dtype)
+  end
+  local p, one_point = array.points(2, name, points, dtype)
+  local n = core.array_info(p)[1]
+  shape[#shape] = n
+  if one_point and #shape > 1 then shape[#shape] = nil end
+  local out, message, code = args.result(name, options.out, shape, dtype, 0, { coefficients, p })
+  if not out then return nil, message, code end
+  local ok
+  ok, message, code = check.result(name, core.sh_reconstruct(lmax, coefficients, p, out, options.threads,
+    progress.of(options.progress)))
+  if not ok then return nil, message, code end
+  if one_row and one_point and options.out == nil then return out[1] end
+  return out
 end
 
 args.threads = { "threads", "integer", min = 1, max = 1024, optional = true,

@@ -413,9 +413,8 @@ function project.irradiance(c, normals, options)
     return check.bad(1, "irradiance", "coefficients are of convention '%s': convert them to 'ylm' first",
       core.sh_convention_name(convention))
   end
-  local sh = require "ylm.sh"
   if o.method == "quadratic" and lmax > 2 then
-    a = sh.resize(a, 2)
+    a = require "ylm.sh".resize(a, 2)
     lmax, shape = 2, core.array_info(a)
   end
   local factors = {}
@@ -423,7 +422,7 @@ function project.irradiance(c, normals, options)
   local e, message, code = args.result("irradiance", nil, shape, dtype)
   if not e then return nil, message, code end
   assert(core.sh_degree_scale(a, e, lmax, factors))
-  return sh.reconstruct(e, normals, { threads = o.threads })
+  return args.reconstruct("irradiance", e, normals, o)
 end
 
 describe "sh.zonal_irradiance" {

@@ -31,7 +31,7 @@ end
 
 --- n finite numbers from a table or a small array, flattened; nil if there are none such.
 local function numbers(value, n)
-  if core.type(value) == "ylm.array" then value = core.array_totable(value) end
+  value = check.plain(value)
   if type(value) ~= "table" then return nil end
   local flat = {}
   for _, x in ipairs(value) do

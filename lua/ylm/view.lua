@@ -254,7 +254,7 @@ local fields = {
 local function check_range(values, fail)
   local r = values.range
   if r == nil then return end
-  if core.type(r) == "ylm.array" then r = core.array_totable(r) end
+  r = check.plain(r)
   if type(r) ~= "table" or #r ~= 2 or not check.is_number(r[1]) or not check.is_number(r[2]) or r[1] >= r[2] then
     return fail(("range must be {least, largest} with least < largest, got %s"):format(check.describe(values.range)))
   end

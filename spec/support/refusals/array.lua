@@ -10,6 +10,12 @@ local function closed(ylm)
   return x
 end
 
+local function itself()
+  local t = {}
+  t[1] = t
+  return t
+end
+
 --- A method refuses another object than an array, and a closed one.
 local function self_cases(name)
   return
@@ -31,7 +37,9 @@ return {
     { call = function(ylm) ylm.array { { 1, 2 }, { 3 } } end, says = "every row must hold the same number" },
     { call = function(ylm) ylm.array { 1, "x" } end, says = "element 2 does not" },
     { call = function(ylm) ylm.array({ 1 }, "half") end, says = "dtype must be 'float' or 'double', got 'half'" },
-    { call = function(ylm) ylm.array { { { { { { { { { 1 } } } } } } } } } end, says = "at most 8 axes, got 9" },
+    { call = function(ylm) ylm.array { { { { { { { { { 1 } } } } } } } } } end, says = "at most 8 axes, got more" },
+    { call = function(ylm) ylm.array(itself()) end, says = "does the table hold itself" },
+    { call = function(ylm) ylm.sh.eval(1, itself()) end, says = "does the table hold itself" },
     { call = function(ylm) ylm.array(closed(ylm)) end, says = "closed" },
   },
   zeros = {

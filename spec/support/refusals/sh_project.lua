@@ -6,6 +6,12 @@ local up = { 0, 0, 1 }
 
 local function one() return 1 end
 
+local function closed(ylm)
+  local a = ylm.array(up)
+  a:close()
+  return a
+end
+
 return {
   ["sh.project"] = {
     { call = function(ylm) return ylm.sh.project(-1, one) end, says = "lmax must be an integer from 0" },
@@ -65,6 +71,7 @@ return {
   ["sh.cap"] = {
     { call = function(ylm) return ylm.sh.cap(-1, up, 1) end, says = "lmax must be an integer from 0" },
     { call = function(ylm) return ylm.sh.cap(2, { 0, 0, 0 }, 1) end, says = "direction must be" },
+    { call = function(ylm) return ylm.sh.cap(2, closed(ylm), 1) end, says = "direction must be .*got a closed array" },
     { call = function(ylm) return ylm.sh.cap(2, up, -0.1) end,
       says = "angle must be a number >= 0 and <= pi, got %-0.1" },
     { call = function(ylm) return ylm.sh.cap(2, up, nan) end, says = "angle must be a number" },
@@ -74,7 +81,8 @@ return {
     { call = function(ylm) return ylm.sh.irradiance({ 1, 2 }, up) end, says = "coefficients expected" },
     { call = function(ylm) return ylm.sh.irradiance(ylm.sh.convert(c, "ylm irradiance"), up) end,
       says = "'ylm irradiance'" },
-    { call = function(ylm) return ylm.sh.irradiance(c, { 0, 0, 0 }) end, says = "zero" },
+    { call = function(ylm) return ylm.sh.irradiance(c, { 0, 0, 0 }) end, says = "irradiance: .*zero" },
+    { call = function(ylm) return ylm.sh.irradiance(c) end, says = "bad argument #2 to 'irradiance' .*got nil" },
     { call = function(ylm) return ylm.sh.irradiance(c, up, { method = "exact" }) end, says = "method must be one of" },
   },
   ["sh.zonal_irradiance"] = {

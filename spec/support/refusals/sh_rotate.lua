@@ -28,6 +28,7 @@ local function list(...) return { ... } end
 local rotate = list(bad_coefficients(function(ylm, x) return ylm.sh.rotate(x, turn) end))
 for _, case in ipairs {
   { call = function(ylm) return ylm.sh.rotate({ 1, 2, nan, 4 }, turn) end, says = "row 1 is not finite" },
+  { call = function(ylm) return ylm.sh.rotate(c, closed(ylm)) end, says = "3x3 rotation.* expected, got a closed array" },
   { call = function(ylm) return ylm.sh.rotate(c) end, says = "3x3 rotation, .* expected, got nil" },
   { call = function(ylm) return ylm.sh.rotate(c, "x") end, says = "3x3 rotation, .* expected, got 'x'" },
   { call = function(ylm) return ylm.sh.rotate(c, {}) end, says = "got an empty table" },
