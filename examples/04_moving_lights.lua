@@ -78,6 +78,7 @@ local row = common.table { { "frame", "%5d" }, { "points", "%7d" }, { "new", "%5
   { "sampled %", "%9.1f" }, { "error", "%7.4f" }, { "update ms", "%9.1f" }, { "shade ms", "%8.1f" },
   { "image ms", "%8.1f" }, { "cpu ms", "%7.1f" } }
 local sum, frames, shown = { update = 0, shade = 0, image = 0, cpu = 0 }, 0, {}
+local spare -- a picture that nobody needs any more, to be written again
 for frame = 1, option.frames do
   local clock, now = os.clock(), lamps(frame)
   local report
@@ -88,7 +89,7 @@ for frame = 1, option.frames do
   else
     report = good(grid:update(now))
   end
-  local picture, rendered = good(view:render { grid = grid, lamps = now, layers = false, device = device })
+  local picture, rendered = good(view:render { grid = grid, lamps = now, layers = false, device = device, out = spare })
   local cpu = 1e3 * (os.clock() - clock)
   local update, shade, composed = 1e3 * report.seconds, 1e3 * rendered.seconds.light, 1e3 * rendered.seconds.image
   local fresh = 100 * (rendered.fresh or rendered.points) / rendered.points
@@ -98,10 +99,11 @@ for frame = 1, option.frames do
     sum.update, sum.shade, sum.image = sum.update + update, sum.shade + shade, sum.image + composed
     sum.cpu = sum.cpu + cpu
   end
+  spare = not device and picture or nil
   if not option.nopictures then
     good(picture:save(("%smoving_%02d.png"):format(out, frame), { exposure = option.exposure, tone = "hable" }))
     if (frame - 1) % math.max(1, math.floor(option.frames / 6)) == 0 and #shown < 6 then
-      shown[#shown + 1] = { picture, frame }
+      shown[#shown + 1], spare = { picture, frame }, nil
     end
   end
 end

@@ -478,6 +478,25 @@ describe("prepared:render of a grid that was updated", function()
     end
   end)
 
+  it("writes again the picture it is given", function()
+    local view, lights = prepare(stage), canopy(50)
+    local grid = ylm.bake(ylm.uniform_grid { bounds = box, cells = 4, lmax = 2, dynamic = true }, lights, { threads = 1 })
+    local first = view:render { grid = grid, layers = false }
+    lights[3] = lamp(0.2, 0.2, 0.3)
+    update(grid, lights)
+    local second = view:render { grid = grid, layers = false, lamps = lights, out = first }
+    assert.equal(first, second)
+    assert.equal(0, second:compare((prepare(stage):render { grid = grid, layers = false, lamps = lights })).max)
+    assert.same({ "radiance" }, (second:layers()))
+    local names = view:render({ grid = grid, out = second }):layers()
+    assert.same((view:render { grid = grid }):layers(), names)
+    for _, wrong in ipairs { ylm.image { size = { 64, 47 } }, 7, ylm.image { size = size, layers = { { "radiance", 1 } } } } do
+      local ok, message = pcall(view.render, view, { grid = grid, out = wrong })
+      assert.is_false(ok)
+      assert.truthy(message:find "out: ", message)
+    end
+  end)
+
   it("takes another grid for another, and a closed one for none", function()
     local view = prepare(stage)
     local function bake_one(x)

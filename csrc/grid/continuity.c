@@ -9,7 +9,7 @@
 ** else happens around. (One point for all cells around an edge would not do: across an edge the
 ** cells' transversal derivatives differ.)
 */
-#include "grid.h"
+#include "dynamic.h"
 
 #include <math.h>
 #include <string.h>
@@ -55,6 +55,7 @@ typedef struct interpolation {
   uint8_t *changed;
   const uint32_t *order; /* births by the level of their cell */
   size_t first;          /* of the level at hand */
+  bool sign, sign_all;   /* the points that are computed are to be signed; the others too */
 } interpolation;
 
 /* Data of the n points that were born of one cell, the first of which is order[0]. */
@@ -79,20 +80,32 @@ static void interpolate_births(ylm_grid *g, const uint32_t *order, int n, const 
   ylm__grid_kernel()(&b);
 }
 
+/* True if something changed that the points born of the cell of birth `first` are made of. */
+static bool is_wanted(const interpolation *j, uint32_t first) {
+  const ylm_grid *g = j->g;
+  const ylm_grid_cell *c = &g->cell[g->birth[first].cell];
+  bool wanted = !j->changed || j->changed[g->evaluated + first];
+  for (int k = 0; k < 8 && !wanted; k++) wanted = j->changed[c->corner[k]];
+  return wanted;
+}
+
 static ylm_status interpolate_range(void *context, size_t begin, size_t end, int worker) {
   (void)worker;
   const interpolation *j = context;
   ylm_grid *g = j->g;
+  bool wanted = is_wanted(j, j->order[j->first + begin]);
   for (size_t i = begin; i < end;) {
     const uint32_t *order = j->order + j->first + i;
     uint32_t cell = g->birth[order[0]].cell;
-    const ylm_grid_cell *c = &g->cell[cell];
-    bool wanted = !j->changed || j->changed[g->evaluated + order[0]];
-    for (int k = 0; k < 8 && !wanted; k++) wanted = j->changed[c->corner[k]];
     int n = 0;
     for (; i < end && n < BATCH && g->birth[order[n]].cell == cell; n++, i++)
       if (j->changed && wanted) j->changed[g->evaluated + order[n]] = 1;
-    if (wanted) interpolate_births(g, order, n, c);
+    bool next = i < end && is_wanted(j, order[n]);
+    if (next) ylm__grid_fetch(g, &g->cell[g->birth[order[n]].cell]);
+    if (wanted) interpolate_births(g, order, n, &g->cell[cell]);
+    if ((wanted && j->sign) || j->sign_all)
+      ylm__dynamic_sign_births(g, &g->cell[cell], (size_t)n, order);
+    wanted = next;
   }
   return YLM_OK;
 }
@@ -108,7 +121,8 @@ ylm_status ylm__grid_interpolate_points(ylm_grid *g, uint8_t *changed, int threa
   size_t next[YLM_GRID_MAX_DEPTH + 1];
   memcpy(next, first, sizeof next);
   for (size_t i = 0; i < n; i++) order[next[g->cell[g->birth[i].cell].level]++] = (uint32_t)i;
-  interpolation j = {g, changed, order, 0};
+  bool sign = g->dynamic && ylm__dynamic_room_births(g);
+  interpolation j = {g, changed, order, 0, sign, sign && !g->dynamic->is_signed};
   for (int k = 0; k <= YLM_GRID_MAX_DEPTH; k++) {
     j.first = first[k];
     ylm_parallel(first[k + 1] - first[k], 64, threads, interpolate_range, &j, NULL, NULL);

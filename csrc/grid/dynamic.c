@@ -91,7 +91,7 @@ ylm_status ylm__dynamic_begin(ylm_grid *g, const ylm_grid_source *source, ylm_er
 ylm_status ylm__dynamic_end(ylm_grid *g, occupancy *occupied) {
   g->dynamic->occupied = *occupied;
   *occupied = (occupancy){0};
-  ylm__dynamic_sign_all(g, NULL, g->dynamic->source.threads);
+  ylm__dynamic_sign_all(g, g->dynamic->source.threads);
   g->stats.bytes += ylm__dynamic_bytes(g->dynamic);
   return YLM_OK;
 }

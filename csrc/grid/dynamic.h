@@ -100,9 +100,12 @@ void ylm__dynamic_add(ylm_grid *g, uint32_t p, const point_change *x, float *roo
 void ylm__dynamic_measure(ylm_grid *g, uint32_t p, ylm_light_bend_fn *bend);
 /* Signs an evaluated point's data. */
 void ylm__dynamic_sign(ylm_grid *g, uint32_t p);
-/* Signs the rest: points in lights, interpolated ones (all, or those with changed[point] != 0), and
-   cells. */
-void ylm__dynamic_sign_all(ylm_grid *g, const uint8_t *changed, int threads);
+/* Room for the signatures of interpolated points; false, and the grid has none, without memory. */
+bool ylm__dynamic_room_births(ylm_grid *g);
+/* Signs n interpolated points that were born of a cell whose corners are signed. */
+void ylm__dynamic_sign_births(ylm_grid *g, const ylm_grid_cell *c, size_t n, const uint32_t *birth);
+/* Signs cells, once all points are signed. */
+void ylm__dynamic_sign_all(ylm_grid *g, int threads);
 /* Moves everything of point `from` to `to`. */
 void ylm__dynamic_move(ylm_grid *g, uint32_t from, uint32_t to);
 

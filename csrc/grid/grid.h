@@ -67,6 +67,13 @@ static inline uint32_t ylm__grid_edge(const ylm_grid *g, const ylm_grid_cell *c)
 static inline const float *ylm__grid_row(const ylm_grid *g, uint32_t point, int row) {
   return g->data + ((size_t)point * 4 + (size_t)row) * g->stride;
 }
+/* Brings the rows of a cell's corners towards the cache. */
+static inline void ylm__grid_fetch(const ylm_grid *g, const ylm_grid_cell *c) {
+  for (int k = 0; k < 8; k++) {
+    const char *row = (const char *)ylm__grid_row(g, c->corner[k], 0);
+    for (size_t i = 0; i < 16 * g->stride; i += 64) __builtin_prefetch(row + i, 0, 2);
+  }
+}
 /* Flags the octree's cells whose corners were all evaluated. */
 void ylm__grid_find_baked(ylm_grid *g);
 /* Brings the view up to date; counts cells and points into the stats. */

@@ -18,35 +18,30 @@ static inline uint64_t mix(uint64_t x) {
   return x ^ x >> 31;
 }
 
+__extension__ typedef unsigned __int128 product;
+
+/* Both halves of a product: one multiplication mixes sixteen bytes. */
+static inline uint64_t fold(uint64_t a, uint64_t b) {
+  product p = (product)a * b;
+  return (uint64_t)p ^ (uint64_t)(p >> 64);
+}
+
+/* Four chains of products, so that they do not wait for one another. */
 static uint64_t sign_data(const ylm_grid *g, size_t p) {
-  uint64_t h[4] = {1, 2, 3, 4}, x;
+  static const uint64_t salt[4] = {0x5692161d100b05e5u, 0xdbd238973a2b148au, 0x1e535eede31428f0u,
+                                   0xb7a4712c74562914u}; /* mix(1), .. mix(4) */
+  uint64_t h[4] = {1, 2, 3, 4}, x[2];
   const char *row = (const char *)(g->data + p * 4 * g->stride);
-  size_t words = 4 * g->stride * sizeof(float) / 8; /* the stride is a multiple of 8 */
-  for (size_t i = 0; i < words; i += 4)
+  size_t bytes = 4 * g->stride * sizeof(float); /* the stride is a multiple of 8 */
+  for (size_t i = 0; i < bytes; i += 4 * sizeof x)
     for (size_t k = 0; k < 4; k++) {
-      memcpy(&x, row + 8 * (i + k), 8);
-      h[k] = (h[k] ^ x) * 0x9e3779b97f4a7c15u;
-      h[k] ^= h[k] >> 29;
+      memcpy(x, row + i + k * sizeof x, sizeof x);
+      h[k] = fold(x[0] ^ salt[k], x[1] ^ h[k]);
     }
   return mix(h[0] + 3 * mix(h[1] + 5 * mix(h[2] + 7 * mix(h[3]))));
 }
 
 void ylm__dynamic_sign(ylm_grid *g, uint32_t p) { g->dynamic->sign[p] = sign_data(g, p); }
-
-typedef struct born_job {
-  ylm_grid *g;
-  const uint8_t *changed;
-} born_job;
-
-static ylm_status sign_born(void *context, size_t begin, size_t end, int worker) {
-  (void)worker;
-  const born_job *j = context;
-  for (size_t i = begin; i < end; i++) {
-    size_t p = j->g->evaluated + i;
-    if (!j->changed || j->changed[p]) j->g->dynamic->born_sign[i] = sign_data(j->g, p);
-  }
-  return YLM_OK;
-}
 
 static uint64_t corners(const ylm_grid *g, const ylm_grid_cell *c) {
   const grid_dynamic *d = g->dynamic;
@@ -58,6 +53,14 @@ static uint64_t corners(const ylm_grid *g, const ylm_grid_cell *c) {
     h ^= h >> 32;
   }
   return mix(h);
+}
+
+/* What is interpolated in a cell follows from its corners, its size and the place. */
+void ylm__dynamic_sign_births(ylm_grid *g, const ylm_grid_cell *c, size_t n,
+                              const uint32_t *birth) {
+  uint64_t of_cell = corners(g, c) + c->level;
+  for (size_t i = 0; i < n; i++)
+    g->dynamic->born_sign[birth[i]] = mix(of_cell ^ (uint64_t)(g->birth[birth[i]].place + 1) << 48);
 }
 
 static ylm_status sign_cells(void *context, size_t begin, size_t end, int worker) {
@@ -94,17 +97,18 @@ static bool room_for(uint64_t **p, size_t *room, size_t n) {
   return true;
 }
 
-void ylm__dynamic_sign_all(ylm_grid *g, const uint8_t *changed, int threads) {
+bool ylm__dynamic_room_births(ylm_grid *g) {
   grid_dynamic *d = g->dynamic;
-  size_t born = g->points - g->evaluated;
-  born_job j = {g, d->is_signed ? changed : NULL};
+  bool room = room_for(&d->born_sign, &d->born_room, g->points - g->evaluated);
+  d->is_signed &= room;
+  return room;
+}
+
+void ylm__dynamic_sign_all(ylm_grid *g, int threads) {
+  grid_dynamic *d = g->dynamic;
   d->is_signed = false;
   d->form_sign = sign_form(&g->view.form);
-  if (!room_for(&d->born_sign, &d->born_room, born) ||
-      !room_for(&d->cell_sign, &d->cell_room, g->cells))
+  if (d->born_room < g->points - g->evaluated || !room_for(&d->cell_sign, &d->cell_room, g->cells))
     return; /* without signatures, everything is asked for again */
-  for (uint32_t p = 0; p < g->evaluated; p++)
-    if (g->flags[p] & YLM_GRID_POINT_INVALID) ylm__dynamic_sign(g, p); /* has been filled */
-  ylm_parallel(born, 512, threads, sign_born, &j, NULL, NULL);
   d->is_signed = ylm_parallel(g->cells, 4096, threads, sign_cells, g, NULL, NULL) == YLM_OK;
 }

@@ -20,6 +20,7 @@ typedef struct track_run {
   uint8_t level, source;  /* of the leaf and of the cell that is interpolated there */
   uint16_t first, points; /* in the block */
   uint16_t moved;         /* points that are not in that cell */
+  uint32_t cell;          /* the leaf, this time */
 } track_run;
 #define VIRTUAL 255 /* source of a leaf without data that is continued while it is sampled */
 
@@ -134,7 +135,8 @@ static track_run new_run(const ylm_grid *g, uint32_t found, size_t first) {
   const ylm_grid_cell *leaf = &g->cell[found];
   track_run r = {.level = leaf->level,
                  .source = leaf->detail ? VIRTUAL : g->cell[leaf->source].level,
-                 .first = (uint16_t)first};
+                 .first = (uint16_t)first,
+                 .cell = found};
   memcpy(r.origin, leaf->origin, sizeof r.origin);
   return r;
 }
@@ -188,28 +190,24 @@ static ylm_status place_block(const track_job *j, size_t begin, size_t n, track_
   return YLM_OK;
 }
 
-/* The leaf of a run; YLM_GRID_NONE if it is not there any more. */
-static uint32_t leaf_of(const ylm_grid *g, const track_run *r) {
-  uint32_t found = ylm__grid_finest(g, r->origin);
-  const ylm_grid_cell *leaf = &g->cell[found];
-  uint8_t source = leaf->detail ? VIRTUAL : g->cell[leaf->source].level;
-  return leaf->level == r->level && source == r->source ? found : YLM_GRID_NONE;
-}
-
-static bool still_placed(const ylm_grid *g, const track_block *b) {
-  if (!b->placed) return false;
-  for (size_t r = 0; r < b->runs; r++)
-    if (leaf_of(g, &b->run[r]) == YLM_GRID_NONE) return false;
-  return true;
+/* Finds the leaves of all runs; false if one is not there any more. */
+static bool still_placed(const ylm_grid *g, track_block *b) {
+  for (size_t r = 0; b->placed && r < b->runs; r++) {
+    track_run *run = &b->run[r];
+    run->cell = ylm__grid_finest(g, run->origin);
+    const ylm_grid_cell *leaf = &g->cell[run->cell];
+    uint8_t source = leaf->detail ? VIRTUAL : g->cell[leaf->source].level;
+    if (leaf->level != run->level || source != run->source) return false;
+  }
+  return b->placed;
 }
 
 /* -- samples ----------------------------------------------------------------------------------- */
 
-/* Samples the points of a run in the leaf `found`. */
-static void sample_run(const track_job *j, const track_work *w, size_t begin, const track_run *r,
-                       uint32_t found) {
+/* Samples the points of a run. */
+static void sample_run(const track_job *j, const track_work *w, size_t begin, const track_run *r) {
   const ylm_grid *g = j->g;
-  const ylm_grid_cell *leaf = &g->cell[found];
+  const ylm_grid_cell *leaf = &g->cell[r->cell];
   const uint32_t *point = j->track->order + begin + r->first;
   const float *t = j->track->t + 3 * begin + r->first;
   sample_batch b = {.width = (int)g->width, .interpolation = j->track->how};
@@ -219,7 +217,7 @@ static void sample_run(const track_job *j, const track_work *w, size_t begin, co
   for (size_t i = 0; i < r->points; i += most) {
     size_t n = r->points - i < most ? r->points - i : most;
     if (leaf->detail)
-      ylm__grid_set_virtual(g, found,
+      ylm__grid_set_virtual(g, r->cell,
                             (float[3]){t[i], t[YLM_GRID_TRACK + i], t[2 * YLM_GRID_TRACK + i]},
                             w->value + BATCH * j->row, &b);
     else
@@ -231,16 +229,10 @@ static void sample_run(const track_job *j, const track_work *w, size_t begin, co
   }
 }
 
-/* Asks for the corners' rows of the cell that the run after this one lies in. */
+/* Asks for the corners of the cell that the run after this one is interpolated in. */
 static void fetch_next(const ylm_grid *g, const track_block *b, size_t next) {
-  if (next >= b->runs) return;
-  uint32_t found = leaf_of(g, &b->run[next]);
-  if (g->dynamic->cell_sign[found] == b->run[next].sign) return;
-  const ylm_grid_cell *c = &g->cell[g->cell[found].source];
-  for (int k = 0; k < 8; k++) {
-    const char *row = (const char *)ylm__grid_row(g, c->corner[k], 0);
-    for (size_t i = 0; i < 16 * g->stride; i += 64) __builtin_prefetch(row + i, 0, 2);
-  }
+  if (next >= b->runs || g->dynamic->cell_sign[b->run[next].cell] == b->run[next].sign) return;
+  ylm__grid_fetch(g, &g->cell[g->cell[b->run[next].cell].source]);
 }
 
 static ylm_status run_block(void *context, size_t begin, size_t end, int worker) {
@@ -254,13 +246,12 @@ static ylm_status run_block(void *context, size_t begin, size_t end, int worker)
   }
   for (size_t i = 0; i < b->runs; i++) {
     track_run *r = &b->run[i];
-    uint32_t found = leaf_of(g, r);
-    bool baked = g->cell[found].flags & (YLM_GRID_BAKED | YLM_GRID_ADDED);
+    bool baked = g->cell[r->cell].flags & (YLM_GRID_BAKED | YLM_GRID_ADDED);
     unbaked += baked ? r->moved : r->points;
-    uint64_t sign = g->dynamic->cell_sign[found];
+    uint64_t sign = g->dynamic->cell_sign[r->cell];
     if (sign && sign == r->sign) continue;
     fetch_next(g, b, i + 1);
-    sample_run(j, &j->work[worker], begin, r, found);
+    sample_run(j, &j->work[worker], begin, r);
     r->sign = sign;
     fresh += r->points;
   }

@@ -70,7 +70,7 @@ static ylm_status follow(update *u) {
   }
   commit(u, of);
   update_retire(u->d, g->evaluated);
-  ylm__dynamic_sign_all(g, u->whole ? NULL : u->changed, u->source.threads);
+  ylm__dynamic_sign_all(g, u->source.threads);
   ylm__grid_sync(g);
   return s;
 }

@@ -66,25 +66,25 @@ static double open_part(const ylm_shade_view *v, size_t pixel, double depth) {
   return hidden < 1 ? 1 - hidden : 0;
 }
 
-/* What tells, without a root, that a pixel of a row is not on the disc: the direction to pixel x is
-   u = a + x right, and on it are those with (u . to)^2 >= cosine2 u . u. */
-typedef struct row_test {
-  double to[2], square[3], cosine2;
-} row_test;
-
-static row_test test_row(const ylm_shade_view *v, const disc *d, int py) {
+/* The pixels begin .. end-1 of a row that may be on the disc: the direction to pixel x is
+   u = a + x right, and on the disc are those with (u . to)^2 >= cosine^2 u . u. */
+static void span(const ylm_shade_view *v, const disc *d, int py, int *begin, int *end) {
   const shade_frame *f = &v->frame;
   double y = 1 - 2 * (py + 0.5) / v->o.height, a[3], wide = d->half + f->pixel;
   for (int i = 0; i < 3; i++) a[i] = f->forward[i] + y * f->up[i];
-  double cosine = 1 - wide * wide / 2;
-  return (row_test){{dot3(a, d->to), dot3(f->right, d->to)},
-                    {dot3(a, a), 2 * dot3(a, f->right), dot3(f->right, f->right)},
-                    cosine > 0 ? cosine * cosine : 0};
-}
-
-static bool is_off(const row_test *t, double x) {
-  double along = t->to[0] + x * t->to[1];
-  return along * along < t->cosine2 * (t->square[0] + x * (t->square[1] + x * t->square[2]));
+  double cosine = fmax(0, 1 - wide * wide / 2), c2 = cosine * cosine;
+  double t0 = dot3(a, d->to), t1 = dot3(f->right, d->to);
+  double k0 = t0 * t0 - c2 * dot3(a, a), k1 = 2 * (t0 * t1 - c2 * dot3(a, f->right)),
+         k2 = t1 * t1 - c2 * dot3(f->right, f->right), root2 = k1 * k1 - 4 * k0 * k2;
+  if (k2 >= 0) return; /* so near that it has no end: all of the row */
+  if (!(root2 >= 0)) {
+    *end = *begin;
+    return;
+  }
+  double root = sqrt(root2), low = (-k1 + root) / (2 * k2), high = (-k1 - root) / (2 * k2);
+  double half = 0.5 * v->o.width;
+  *begin = (int)fmax(*begin, floor((low + 1) * half - 0.5));
+  *end = (int)fmin(*end, ceil((high + 1) * half + 0.5));
 }
 
 /* The box of a disc's pixels within rows top .. bottom-1: x0, x1, y0, y1. */
@@ -100,9 +100,9 @@ static void draw(const lamps_job *j, const disc *d, int top, int bottom) {
   int box[4];
   box_of(v, d, top, bottom, box);
   for (int y = box[2]; y < box[3]; y++) {
-    row_test row = test_row(v, d, y);
-    for (int x = box[0]; x < box[1]; x++) {
-      if (is_off(&row, 2 * (x + 0.5) / v->o.width - 1)) continue;
+    int begin = box[0], end = box[1];
+    span(v, d, y, &begin, &end);
+    for (int x = begin; x < end; x++) {
       double part = covered(v, d, x, y);
       size_t pixel = (size_t)y * (size_t)v->o.width + (size_t)x;
       if (part > 0) part *= open_part(v, pixel, d->depth);

@@ -1,0 +1,101 @@
+--- Options that the ways to render a scene have in common.
+
+local check = require "ylm.check"
+local form = require "ylm.form"
+local light = require "ylm.light"
+
+local options = {}
+
+options.common = {
+  { "threads", "integer", min = 1, max = 1024, optional = true, about = "default: YLM_THREADS or all cores" },
+  { "progress", "progress", optional = true,
+    about = "called as f(done, total, stage), returning false cancels; true draws a bar" },
+}
+
+function options.list(...)
+  local all = {}
+  for _, fields in ipairs { ... } do
+    for _, field in ipairs(fields) do all[#all + 1] = field end
+  end
+  return all
+end
+
+function form.types.image_size(x)
+  local function good(n) return check.is_integer(n) and n >= 1 and n <= 65536 end
+  if type(x) == "table" and #x == 2 and good(x[1]) and good(x[2]) then return { x[1], x[2] } end
+  return nil, "{ width, height }, integers from 1 to 65536"
+end
+
+--- A positive number, infinity included.
+function form.types.distance(x)
+  if type(x) == "number" and x > 0 then return x end
+  return nil, "a number > 0 (math.huge: no end)"
+end
+
+function options.view_fields(samples)
+  return {
+    { "size", "image_size", default = { 1280, 720 }, unit = "pixels", about = "{ width, height }" },
+    { samples, "integer", min = 1, max = 1024, default = 16, about = "camera rays per pixel, stratified" },
+    { "seed", "integer", min = 0, max = 2 ^ 32, default = 1, about = "of all random numbers" },
+    { "share", "number", min = 0, default = 1.5, unit = "pixel widths",
+      about = "samples of a pixel that hit one mesh this near to each other, normals within 10 degrees, "
+        .. "are shaded as one; 0: every sample is shaded" },
+  }
+end
+
+options.transfer_fields = {
+  { "shading", "choice", of = { "pixel", "vertex" }, default = "pixel",
+    about = "shade what camera rays hit, or the vertices of the triangles they hit (colours are interpolated)" },
+  { "visibility", "choice", of = { "pixel", "vertex", "none" }, optional = true,
+    about = "occlusion rays from every shading point, from the vertices (transfer vectors are interpolated), "
+      .. "or no occlusion; default: as shading" },
+  { "transfer_samples", "integer", min = 1, max = 65536, optional = true,
+    about = "occlusion rays per transfer vector; default 128, and 256 from vertices" },
+  { "occlusion_distance", "distance", optional = true, unit = "scene units",
+    about = "how far occlusion rays reach; default: a tenth of the diagonal of the scene's bounding box" },
+  { "lmax", "integer", min = 0, max = 100, optional = true,
+    about = "highest degree of light and transfer; default: the grid's, the probes', or 4" },
+}
+
+options.layer_fields = {
+  { "layers", "boolean", default = true,
+    about = "also normal, position, depth, albedo, coverage, emitter, and of a grid level and error" },
+  { "truth", "object", of = "ylm.image", optional = true,
+    about = "an image of the same size: adds the layer true_error, |radiance - truth|" },
+}
+
+options.grid_fields = {
+  { "grid", "any", optional = true, about = "what scene:bake or ylm.bake returned" },
+  { "interpolation", "choice", of = { "hermite", "taylor", "linear" }, default = "hermite",
+    about = "of the grid" },
+  { "device", "gpu", optional = true,
+    about = "a gpu of ylm.vulkan.open samples the grid, shades and filters; report.stages has its times" },
+}
+
+-- Of the bake that a render without a grid makes first.
+options.baked_fields = { light.tolerance_option "light_tolerance" }
+
+options.reference_fields = {
+  { "dtype", "choice", of = { "float", "double" }, default = "float", about = "in which light is summed" },
+  light.tolerance_option "light_tolerance",
+}
+
+options.ray_fields = {
+  { "samples", "integer", min = 1, max = 65536, default = 64, about = "shadow rays per shading point" },
+  { "shadows", "boolean", default = true, about = "false: nothing occludes" },
+}
+
+--- A scene for examples.
+options.one_lamp = [[
+local scene = ylm.scene "one lamp" {
+  camera = ylm.camera { from = { 0, 3, 4 } },
+  geometry = { ylm.quad { corner = { -2, 0, 2 }, u = { 4, 0, 0 }, v = { 0, 0, -4 } } },
+  lights = { ylm.sphere_light { at = { 0, 1, 0 }, radius = 0.1, radiance = 50 } },
+}
+]]
+
+--- What every report says.
+options.report_text = "note (where nothing is to be shaded), "
+  .. "seconds (by stage: scene, primary, transfer, light, image; total), rays, points, hits, pixels; "
+
+return options

@@ -1,0 +1,103 @@
+--- Scenes as the library that traces rays wants them: traced once, as long as they are unchanged.
+
+local check = require "ylm.check"
+local core = require "ylm.c.core"
+local form = require "ylm.form"
+local light = require "ylm.light"
+local material = require "ylm.material"
+
+local tracing = {}
+
+--- The library that traces rays, or nil, message, "EMISSING".
+function tracing.library()
+  local ok, lib = pcall(require, "ylm.c.scene")
+  if ok then return lib end
+  return nil, "rendering needs libylm_scene with Embree 3 (Debian: libembree-dev libopenexr-dev libpng-dev, then "
+    .. "make): " .. tostring(lib):match("^[^\n]*"), "EMISSING"
+end
+
+function tracing.check_scene(name, s)
+  if form.kind(s) == "scene" then return s end
+  return check.fail("%s: a scene expected before the colon, got %s", name, check.describe(s))
+end
+
+--- Lights of a scene as one "ylm.lights", darkness where there are none.
+local function pack_lights(name, lights)
+  if #lights > 0 then return light.pack(1, name, lights) end
+  local function none(...) return assert(core.array_zeros({ 0, ... }, "double")) end
+  return check.result(name, core.lights_create(none(3), none(), none(3)))
+end
+
+--- Do two lists hold the same things?
+local function same(a, b)
+  if #a ~= #b then return false end
+  for i = 1, #a do if a[i] ~= b[i] then return false end end
+  return true
+end
+
+--- Flat list of all that tracing depends on.
+local function ingredients(s)
+  local parts = {}
+  local function add(x) parts[#parts + 1] = x == nil and false or x end
+  for _, g in ipairs(s.geometry) do
+    local m = g.material or material.default
+    add(g.mesh); add(g.occludes ~= false)
+    for c = 1, 3 do add(m.albedo[c]) end
+  end
+  add("lights")
+  for _, l in ipairs(s.lights) do
+    add(l)
+    if form.kind(l) == "sphere_light" then
+      add(l.radius)
+      for c = 1, 3 do add(l.at[c]); add(l.radiance[c]) end
+    end
+  end
+  return parts
+end
+
+--- Traced scenes by scene object, as long as the scene is unchanged.
+local traced = setmetatable({}, { __mode = "k" })
+
+--- { handle, lights, bounds, seconds } of a scene; nil, message, code.
+function tracing.trace(name, s)
+  local lib, message, code = tracing.library()
+  if not lib then return nil, message, code end
+  local parts, known = ingredients(s), traced[s]
+  if known and same(known.parts, parts) then return known end
+  local start = core.seconds()
+  local meshes, albedos, occludes = {}, {}, {}
+  for i, g in ipairs(s.geometry) do
+    meshes[i], albedos[i], occludes[i] = g.mesh, (g.material or material.default).albedo, g.occludes ~= false
+  end
+  local lights
+  lights, message, code = pack_lights(name, s.lights)
+  if not lights then return nil, message, code end
+  local at, radius, radiance = light.arrays(lights)
+  if not at then return nil, radius, radiance end
+  local handle
+  handle, message, code = check.result(name, lib.shade_scene(meshes, albedos, occludes, at, radius, radiance,
+    light.patches(lights)))
+  if not handle then return nil, message, code end
+  local lo, hi = lib.shade_bounds(handle)
+  local new = { parts = parts, handle = handle, lights = lights, lo = lo, hi = hi, lib = lib,
+    seconds = core.seconds() - start }
+  traced[s] = new
+  return new
+end
+
+--- The length of the diagonal of the box of what was traced.
+function tracing.diagonal(t)
+  local d = 0
+  for i = 1, 3 do d = d + (t.hi[i] - t.lo[i]) ^ 2 end
+  return math.sqrt(d)
+end
+
+--- The box of a scene's geometry, a little larger, so that no rounded point is outside and none is flat.
+function tracing.bounds_of(t)
+  local pad, lo, hi = 1e-4 * tracing.diagonal(t), {}, {}
+  if pad == 0 then pad = 1 end
+  for i = 1, 3 do lo[i], hi[i] = t.lo[i] - pad, t.hi[i] + pad end
+  return { lo, hi }
+end
+
+return tracing
