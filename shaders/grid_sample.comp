@@ -12,7 +12,7 @@ layout(constant_id = 2) const bool GRADIENT = false;
 
 PUSH {
   uint first;
-  uint n, stride, part_rows, width, nan_outside;
+  uint n, spread, stride, part_rows, width, nan_outside;
   float unit[3];
 };
 
@@ -31,7 +31,7 @@ shared bool away[CHUNK];
 
 void main() {
   uint lane = gl_LocalInvocationID.x, i;
-  uvec4 x = find(ylm_group(first) * CHUNK, lane, i);
+  uvec4 x = find(chunk(ylm_group(first)), lane, i);
   item[lane] = i;
   away[lane] = (x.x & AWAY) != 0 && nan_outside != 0;
   for (uint set = 0; set < SETS; set++) {

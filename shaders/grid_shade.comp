@@ -13,7 +13,7 @@ layout(constant_id = 5) const bool ALBEDO = false;
 
 PUSH {
   uint first;
-  uint n, stride, part_rows, given, row, count; /* coefficients of a channel, of a transfer vector, of both */
+  uint n, spread, stride, part_rows, given, row, count; /* coefficients of a channel, of a transfer vector, of both */
   float unit[3];
 };
 
@@ -25,6 +25,7 @@ layout(set = 0, binding = 9) writeonly buffer Radiance { float radiance[]; }; /*
 
 /* Fours of numbers of a coefficient; coefficients in shared memory at once. */
 const uint FOURS = INTERPOLATION == 2 ? 2 : 8, PITCH = FOURS + 1, TILE = 80;
+const uint MANY = 4; /* runs of a group: with more of them each invocation reads its own cell's numbers */
 
 shared vec4 corners[TILE * PITCH];
 float weight[32];
@@ -39,9 +40,22 @@ void load(uint k, uint begin, uint tile) {
   }
 }
 
+/* The same without shared memory, row by row of the cell's corners. */
+vec3 directly(uint k, vec4 w[FOURS], uint at) {
+  vec3 sum = vec3(0.0);
+  for (uint r = 0; r < FOURS * 4; r++) {
+    uint corner = cell[k].corner[r & 7];
+    for (uint j = 0; j < count; j++) {
+      float x = w[r / 4][r % 4] * transfer[at + j];
+      for (uint c = 0; c < CHANNELS; c++) sum[c] += x * grid_data(corner, r >> 3, c * given + j);
+    }
+  }
+  return sum;
+}
+
 void main() {
   uint lane = gl_LocalInvocationID.x, i, all = CHANNELS * count;
-  uvec4 x = find(ylm_group(first) * CHUNK, lane, i);
+  uvec4 x = find(chunk(ylm_group(first)), lane, i);
   bool here = x.x != NONE;
   vec4 w[FOURS];
   vec3 sum = vec3(0.0);
@@ -50,7 +64,9 @@ void main() {
     for (uint r = 0; r < FOURS; r++) w[r] = vec4(weight[4 * r], weight[4 * r + 1], weight[4 * r + 2], weight[4 * r + 3]);
   }
   barrier();
-  for (uint from = 0, to; from < CHUNK; from = to) {
+  bool many = runs() > MANY;
+  if (many && here) sum = directly(x.x & ~AWAY, w, i * row);
+  for (uint from = 0, to; !many && from < CHUNK; from = to) {
     to = end_of_run(from);
     uint k = cell_of[from];
     if (k == NONE) continue;

@@ -151,6 +151,17 @@ static void bind_data(const sampling *m, ylm_gpu_work *w, bool sorted) {
   w->cost = (double)k->width;
 }
 
+#define STRIPS 256u /* grid_data.glsl: reversed bits are a byte */
+
+/* The groups of a strip, where points are sorted: chunk() of grid_data.glsl; `groups` then makes
+   whole strips. */
+static uint32_t spread(ylm_gpu_work *w, bool sorted) {
+  if (!sorted || w->groups < STRIPS) return 0;
+  uint32_t each = (uint32_t)((w->groups + STRIPS - 1) / STRIPS);
+  w->groups = (uint64_t)each * STRIPS;
+  return each;
+}
+
 static void unit_of(const sampling *m, float unit[3]) {
   const double *b = m->k->form.bounds;
   for (int a = 0; a < 3; a++) unit[a] = (float)((b[3 + a] - b[a]) / m->k->resolution[a]);
@@ -162,13 +173,14 @@ static void sample(const sampling *m, size_t at, size_t n, bool sorted, ylm_erro
   uint32_t constant[] = {CHUNK, (uint32_t)m->q->interpolation, gradient, sorted,
                          (uint32_t)k->parts};
   struct {
-    uint32_t n, stride, part_rows, width, nan_outside;
+    uint32_t n, spread, stride, part_rows, width, nan_outside;
     float unit[3];
-  } push = {(uint32_t)n,        (uint32_t)k->stride, (uint32_t)k->part_rows,
-            (uint32_t)k->width, m->q->nan_outside,   {0}};
+  } push = {(uint32_t)n,       0,  (uint32_t)k->stride, (uint32_t)k->part_rows, (uint32_t)k->width,
+            m->q->nan_outside, {0}};
   size_t value = k->width * sizeof(float);
   unit_of(m, push.unit);
   ylm_gpu_work w = work_of(m, "grid_sample", 5, constant, n, &k->queue.status, e);
+  push.spread = spread(&w, sorted);
   w.push = &push;
   w.push_bytes = sizeof push;
   w.binds = 9;
@@ -186,9 +198,10 @@ static void shade(const sampling *m, size_t at, size_t n, bool sorted, ylm_error
   uint32_t constant[] = {CHUNK, (uint32_t)m->q->interpolation, channels, sorted, (uint32_t)k->parts,
                          albedo};
   struct {
-    uint32_t n, stride, part_rows, given, row, count;
+    uint32_t n, spread, stride, part_rows, given, row, count;
     float unit[3];
   } push = {(uint32_t)n,
+            0,
             (uint32_t)k->stride,
             (uint32_t)k->part_rows,
             (uint32_t)k->width / channels,
@@ -197,6 +210,7 @@ static void shade(const sampling *m, size_t at, size_t n, bool sorted, ylm_error
             {0}};
   unit_of(m, push.unit);
   ylm_gpu_work w = work_of(m, "grid_shade", 6, constant, n, &k->queue.status, e);
+  push.spread = spread(&w, sorted);
   w.push = &push;
   w.push_bytes = sizeof push;
   w.binds = 10;

@@ -11,7 +11,7 @@
 #include <math.h>
 #include <string.h>
 
-#define SUBMISSION 0.008 /* seconds: less than YLM_GPU_SLICE by what a rate may be wrong */
+#define SUBMISSION 0.005 /* seconds: less than YLM_GPU_SLICE by what a rate may be wrong */
 
 /* A slice that has been recorded. */
 typedef struct slice {

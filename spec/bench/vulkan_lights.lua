@@ -1,5 +1,5 @@
 -- Sums over lights on every Vulkan device: ns per light x point pair and the part of the device's measured
--- multiply-add peak, merged moments beside the papers' product rule with its loops forward and reversed.
+-- multiply-add and bandwidth peaks, merged moments beside the papers' product rule with its loops forward and reversed.
 --
 --     make bench-vulkan
 --
@@ -78,33 +78,45 @@ local function bench(gpu)
     for _, method in ipairs { "merged", "forward", "reversed" } do l[method] = gpu:lights(lights, { method = method }) end
     return l
   end
-  local function cell(lights, lmax, o, operations)
+  local chunk = gpu.type == "cpu" and 256 or 16 -- lights that a group sums: chunk_of in csrc/vulkan/lights.c
+  --- Bytes of "lights": a light's numbers for each group of 64 points, `passes` times, and a chunk's sums for each point.
+  local function moved(numbers, passes, kept)
+    return 4 * (pairs_ / 64 * numbers * passes + math.ceil(LIGHTS / chunk) * EDGE ^ 3 * kept)
+  end
+  local function cell(lights, lmax, o, operations, bytes_moved)
     local all, sums = seconds(lights, lmax, o, TIMES)
-    return ("%8.2f %5.2f %3.0f%%"):format(all * 1e3, sums / pairs_ * 1e9,
-      100 * (operations + GEOMETRY) * pairs_ / sums / flops)
+    return ("%8.2f %5.2f %3.0f%% %3.0f%%"):format(all * 1e3, sums / pairs_ * 1e9,
+      100 * (operations + GEOMETRY) * pairs_ / sums / flops, 100 * bytes_moved / sums / bytes)
   end
   local spheres, flat = there(lamps), there(triangles)
-  print(("%d points x %d lights, float, values and gradients; ms of all stages, sums alone: ns a pair, %% of peak")
+  print(("%d points x %d lights, float, values and gradients; ms of all stages, sums alone: ns a pair, %% of both peaks")
     :format(EDGE ^ 3, LIGHTS))
-  print "spheres\nlmax |            merged |           forward |          reversed | 2022 forw.  rev. (ms)"
+  print "spheres\nlmax |                 merged |                forward |               reversed | 2022 forw.  rev. (ms)"
   local o = { derivatives = 1, channels = "luminance" }
   for lmax = 4, 8 do
     local p = product.operations(lmax, 1)
-    print(("%4d | %s | %s | %s | %10.2f %5.2f"):format(lmax, cell(spheres.merged, lmax, o, moments.operations(lmax, 3)),
-      cell(spheres.forward, lmax, o, p), cell(spheres.reversed, lmax, o, p), paper[lmax][1], paper[lmax][2]))
+    local n, kept = (lmax + 1) ^ 2, (lmax + 1) ^ 2 + (lmax + 2) ^ 2 - 1
+    print(("%4d | %s | %s | %s | %10.2f %5.2f"):format(lmax,
+      cell(spheres.merged, lmax, o, moments.operations(lmax, 3), moved(8, 1, kept)),
+      cell(spheres.forward, lmax, o, p, moved(8, 1, 4 * n)), cell(spheres.reversed, lmax, o, p, moved(8, lmax + 1, 4 * n)),
+      paper[lmax][1], paper[lmax][2]))
   end
-  print "triangles as spheres x |cos gamma|\nlmax |            merged |           forward |          reversed | 2022  rev. (ms)"
+  print("triangles as spheres x |cos gamma|\nlmax |                 merged |                forward |               reversed | "
+    .. "2022  rev. (ms)")
   for lmax = 4, 8 do
     -- a sum of values becomes four, by multiply-adds; the product rule multiplies each part, and adds three products
     local n, p = (lmax + 1) ^ 2, product.operations(lmax, 1) + 10 * (lmax + 1) ^ 2 + COSINE
     print(("%4d | %s | %s | %s | %10.2f"):format(lmax,
-      cell(flat.merged, lmax, o, moments.operations(lmax, 3) + 7 * n + (lmax + 2) ^ 2 - 1 + COSINE),
-      cell(flat.forward, lmax, o, p), cell(flat.reversed, lmax, o, p), paper_flat[lmax]))
+      cell(flat.merged, lmax, o, moments.operations(lmax, 3) + 7 * n + (lmax + 2) ^ 2 - 1 + COSINE,
+        moved(12, 1, 4 * n + (lmax + 2) ^ 2 - 1)),
+      cell(flat.forward, lmax, o, p, moved(12, 1, 4 * n)), cell(flat.reversed, lmax, o, p, moved(12, lmax + 1, 4 * n)),
+      paper_flat[lmax]))
   end
   print "spheres: values, gradients and the metric, luminance (what a bake asks for)"
   for _, lmax in ipairs { 4, 8 } do
     print(("%4d | %s"):format(lmax, cell(spheres.merged, lmax,
-      { derivatives = 1, channels = "luminance", metric = "luminance" }, moments.operations(lmax, 7))))
+      { derivatives = 1, channels = "luminance", metric = "luminance" }, moments.operations(lmax, 7),
+      moved(8, 1, (lmax + 1) ^ 2 + (lmax + 2) ^ 2 - 1 + (lmax + 3) ^ 2 - 3))))
   end
   for _, lights in ipairs { spheres, flat } do for _, l in pairs(lights) do l:close() end end
 end
