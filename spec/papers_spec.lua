@@ -45,16 +45,24 @@ describe("examples/papers", function()
     assert(out:find "4,000 lamps, lmax 4, rgb" and out:find "\n1,000 ", out)
   end)
 
-  it("runs 04_moving_lights.lua, a small one", function()
+  --- Runs examples/04_moving_lights.lua, a small one, with further options.
+  local function moving(options)
     local folder = scratch.new()
     local out, status = scratch.capture(("%s examples/04_moving_lights.lua --out %s --width 64 --height 48 --samples 1 "
-      .. "--rays 1 --frames 3 --depth 6 --tolerance 0.05"):format(os.getenv "YLM_LUA" or "lua5.4",
-      scratch.quote(folder.path)))
+      .. "--rays 1 --tolerance 0.05 %s"):format(os.getenv "YLM_LUA" or "lua5.4", scratch.quote(folder.path), options))
     local sheet = io.open(folder.path .. "/moving.png", "rb")
     if sheet then sheet:close() end
     folder:remove()
     assert.equal(0, status, out)
     assert(sheet, out)
     assert(out:find("frames per second", 1, true), out)
+  end
+
+  it("runs 04_moving_lights.lua, a small one", function() moving "--frames 3 --depth 6" end)
+
+  it("runs 04_moving_lights.lua on a device", function()
+    local device, missing = require "spec.support.gpu".choose()
+    if not device then pending("no Vulkan device: " .. missing) end
+    moving("--frames 2 --depth 3 --device " .. device)
   end)
 end)

@@ -5,8 +5,8 @@
 --     make bench-vulkan
 --
 -- What the camera sees stays on the device; of a frame lights travel up and the image down. Device times are of timestamps,
--- "up" and "down" of the host's clock; the frame's wall time has everything that the host does and waits for. The fastest
--- of some frames; on a driver in software one, after a small one that compiles.
+-- "up" and "down" of the host's clock; the frame's wall time has everything that the host does and waits for, processor time
+-- that of a driver in software too. The fastest of some frames; on a driver in software one, after one that compiles.
 
 local bench_lamps = require "spec.bench.lamps"
 local core = require "ylm.c.core"
@@ -44,19 +44,20 @@ local function of(stages, name) return stages[name] and stages[name].seconds or 
 
 --- One frame: its seconds by what they are for.
 local function frame(gpu, form, prepared, occupied)
-  local before, start = gpu.stats, core.seconds()
+  local before, start, cpu = gpu.stats, core.seconds(), os.clock()
   local there = gpu:lights(lamps)
   local grid = assert(ylm.bake(form, there, { occupied = occupied }))
   local copy = grid:to(gpu)
   local _, report = assert(prepared:render { grid = grid, device = gpu, layers = false })
   local all, after, s = core.seconds() - start, gpu.stats, report.stages
+  cpu = os.clock() - cpu
   local bake, longest, where = sum(grid.stats.stages)
   local _, other, there_too = sum(s)
   if other > longest then longest, where = other, there_too end
   local out = { points = report.points, grid_points = grid.stats.points, bake = bake, locate = of(s, "locate"),
     sort = of(s, "sort"), shade = of(s, "shade"), filter = of(s, "filter"), longest = longest, where = where,
     up = after.upload_seconds - before.upload_seconds, down = after.download_seconds - before.download_seconds,
-    bytes_up = after.uploaded - before.uploaded, bytes_down = after.downloaded - before.downloaded, all = all }
+    bytes_up = after.uploaded - before.uploaded, bytes_down = after.downloaded - before.downloaded, all = all, cpu = cpu }
   out.sample = out.locate + out.sort + out.shade
   out.device = out.bake + out.sample + out.filter
   copy:close()
@@ -70,7 +71,8 @@ local function row(name, size, f)
   print(("%-10s %4dx%-4d %8d %7d %s %s %s %s %s  %s %s %s %8.2f %8.2f   %.1f ms, %s"):format(name, size[1], size[2], f.points,
     f.grid_points, ms(f.bake), ms(f.locate + f.sort), ms(f.shade), ms(f.filter), ms(f.device), ms(f.up), ms(f.down), ms(f.all),
     1 / f.device, 1 / f.all, f.longest * 1e3, f.where))
-  print(("%-10s %.2f MB up, %.2f MB down"):format("", f.bytes_up / 1e6, f.bytes_down / 1e6))
+  print(("%-10s %.2f MB up, %.2f MB down, %.0f ms of processor time"):format("", f.bytes_up / 1e6, f.bytes_down / 1e6,
+    f.cpu * 1e3))
 end
 
 local function bench(gpu)
