@@ -266,6 +266,32 @@ describe("a tree of lights", function()
       for i = 2, 200 do assert.equal(0, (core.array_distance(tree[1][1], tree[1][i]))) end
     end)
 
+    it("keeps the tolerance for points far apart among very many lights, which walk by themselves", function()
+      local lights, positive = scene("negative", 60000)
+      local n = 40
+      for _, lmax in ipairs { 0, 3, 11 } do
+        for _, dtype in ipairs { "float", "double" } do
+          local points = places(lmax > 10 and 17 or n, dtype)
+          local exact, whole = field(lmax, lights, points, all), field(lmax, positive, points, all)
+          for _, tolerance in ipairs { 1e-1, 1e-2 } do
+            local tree = field(lmax, lights, points, all, tolerance)
+            assert.is_true(tree[4].pairs < exact[4].pairs / 3)
+            check_errors(errors(tree, exact, whole, #points), tolerance, ("lmax %d, %s"):format(lmax, dtype))
+          end
+        end
+      end
+    end)
+
+    it("gives such points the same bits whatever the threads", function()
+      local lights, points = scene("negative", 60000), places(50)
+      local o = { derivatives = 2, tolerance = 1e-2, threads = 1 }
+      local one = { ylm.light_field(3, lights, points, o) }
+      o.threads = 3
+      local three = { ylm.light_field(3, lights, points, o) }
+      for k = 1, 3 do assert.equal(0, (core.array_distance(one[k], three[k]))) end
+      assert.equal(one[4].pairs, three[4].pairs)
+    end)
+
     it("sums hardly more for packets of dense points than for each by itself", function()
       local lights, points = scene("uniform"), {}
       for i = 1, 256 do points[i] = { 0.5 + 0.05 * (i % 16) / 16, 0.02, 0.5 + 0.05 * math.ceil(i / 16) / 16 } end

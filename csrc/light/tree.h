@@ -2,8 +2,9 @@
 ** tree.h - the tree over sphere lights, as its builder makes it and the kernels walk it.
 **
 ** Private to csrc/light. A group holds two nodes side by side, so that a vector tests several
-** groups at once. A node stands for the lights below it: seen from far away by four proxy lights,
-** from near by its own group or, where it is a leaf, by its lights themselves. Points that lie
+** groups at once. A node stands for the lights below it: seen from far away by four or eight proxy
+** lights, from near by its own group or, where it is a leaf, by its lights themselves. Points that
+*lie
 ** together walk down as a packet: what is far from all of them is summed with lanes that are
 ** points.
 **
@@ -17,11 +18,13 @@
 
 #define YLM__LEAF 8    /* most lights of a leaf */
 #define YLM__GROUP 2   /* nodes of a group */
-#define YLM__PROXIES 4 /* lights that stand for a node; leaves with as many have none */
+#define YLM__PROXIES 4 /* least lights that stand for a node; nodes with as many have none */
+#define YLM__MOST_PROXIES 8
+#define YLM__MANY 24   /* lights of a node that may have more than the least */
 #define YLM__PACKET 16 /* points that walk together */
-/* Nodes that are too near, and smaller than this part of a packet's radius, are left to its points
-   if in all they have more lights than WORTH, so many as a packet sums about as fast. */
-#define YLM__LITTLE 0.5f
+/* Nodes that are too near, and smaller than so many radii of a packet, are left to its points if in
+   all they have more lights than WORTH, so many as a packet sums about as fast. */
+#define YLM__LITTLE 2
 #define YLM__WORTH 10000
 /* The points of a packet that fills less than one lane of so many walk alone. */
 #define YLM__LONELY 4
@@ -41,11 +44,15 @@ typedef struct ylm__group {
   float at[3][YLM__GROUP];                    /* centroid */
   float reach[YLM__GROUP];                    /* of lights and proxies about it */
   float strength[YLM__STRENGTHS][YLM__GROUP]; /* sum of |e| r^2 */
-  float second[YLM__STRENGTHS][YLM__GROUP];   /* moments that the proxies miss */
+  float radius[YLM__GROUP];                   /* of one light for the node */
+  uint32_t child[YLM__GROUP]; /* a group, or YLM__IS_LEAF | lights << YLM__COUNT_AT | leaf */
+  /* the second line of the cache, which the pilot does not need */
+  float second[YLM__STRENGTHS][YLM__GROUP]; /* moments that the proxies miss */
   float third[YLM__STRENGTHS][YLM__GROUP];
-  float fourth[YLM__GROUP];    /* times strength */
-  uint32_t lights[YLM__GROUP]; /* how many */
-  uint32_t child[YLM__GROUP];  /* a group, or YLM__IS_LEAF | lights << YLM__COUNT_AT | leaf */
+  float fourth[YLM__GROUP];     /* times strength */
+  uint32_t lights[YLM__GROUP];  /* how many */
+  uint32_t proxies[YLM__GROUP]; /* twice their block, and 1 if they are eight, of two blocks */
+  float unused[YLM__GROUP];
 } ylm__group;
 
 #define YLM__IS_LEAF 0x80000000u
@@ -55,6 +62,7 @@ typedef struct ylm__group {
 
 typedef float ylm__leaf_f[YLM__FIELDS][YLM__LEAF];
 typedef double ylm__leaf_d[YLM__FIELDS][YLM__LEAF];
+/* Four proxies; eight are [YLM__FIELDS][YLM__MOST_PROXIES] in two of these. */
 typedef float ylm__proxies_f[YLM__FIELDS][YLM__PROXIES];
 typedef double ylm__proxies_d[YLM__FIELDS][YLM__PROXIES];
 
@@ -62,11 +70,11 @@ typedef struct ylm_light_tree {
   const ylm_lights *lights;
   double centre[3], size, total; /* the tree's units: origin, length, strength */
   ylm__group *group;             /* group 0 is empty, group 1 the root */
-  uint32_t groups, leaves;
+  uint32_t groups, leaves, blocks;
   int depth;           /* groups on the longest way down */
   ylm__leaf_f *leaf_f; /* [leaves] */
   ylm__leaf_d *leaf_d;
-  ylm__proxies_f *proxies_f; /* [groups][YLM__GROUP] */
+  ylm__proxies_f *proxies_f; /* [blocks] */
   ylm__proxies_d *proxies_d;
 } ylm_light_tree;
 
@@ -92,8 +100,8 @@ typedef struct ylm__branch {
 /* -- tree_proxy.c -------------------------------------------------------------------------------
  */
 
-/* Fills place `k` of group `g`: centroid, reach, what the proxies miss, and the proxies. `order`
-   names `n` lights. */
+/* Fills place `k` of group `g`: centroid, reach, what the proxies miss, and the proxies, whose
+   block it has. `order` names `n` lights. */
 void ylm__tree_node(ylm_light_tree *t, uint32_t g, int k, const uint32_t *order, size_t n);
 
 /* -- tree_bound.c -------------------------------------------------------------------------------

@@ -6,6 +6,7 @@
 */
 
 /* Lights to sum over: a whole number of tiles, and room for one more leaf. */
+#define AHEAD 12 /* notes whose lights are fetched before they are read */
 #define LIST (YLM__TILE * LANES > 64 ? YLM__TILE * LANES : 64)
 
 typedef struct NAME(light_list) {
@@ -16,9 +17,9 @@ typedef struct NAME(light_list) {
 /* What one point needs. */
 typedef struct NAME(alone) {
   NAME(light_list) near, dim;
-  V inverse[YLM__TILE], emission[4][YLM__TILE]; /* 1/r, and r, g, b, luminance of a tile */
-  V c[YLM__STRENGTHS][3];                       /* sums of strength u^(2+k) */
-  V *sums, *dim_sums, *scaled;                  /* as those of points, lanes are lights */
+  V inverse[YLM__TILE], luminance[YLM__TILE], rgb[3 * YLM__TILE]; /* of a tile; 1/r */
+  V c[YLM__STRENGTHS][3];                                         /* sums of strength u^(2+k) */
+  V *sums, *dim_sums, *scaled; /* as those of points, lanes are lights */
 } NAME(alone);
 
 YLM_INLINE V NAME(keep_lanes)(VI mask, V a) { return (V)((VI)a & mask); }
@@ -47,25 +48,26 @@ static void NAME(prepare_lights)(const ylm__tree_plan *p, NAME(alone) * k, const
                            w->weights + j * ylm__weight_slots(lmax), &in);
   *inside |= in & (r > 0);
   k->inverse[j] = inverse;
-  for (int c = 0; c < 4; c++) k->emission[c][j] = *f[YLM__E + c] * part;
+  for (int c = 0; c < 3; c++) k->rgb[3 * j + c] = *f[YLM__E + c] * part;
+  k->luminance[j] = *f[YLM__LUM] * part;
   if (!pilot) return;
   V u = NAME(keep_lanes)(d > r, 1 / NAME(larger)(d, (V){0} + TINY)), e2 = {0};
-  for (int c = 0; c < 3; c++) e2 += k->emission[c][j] * k->emission[c][j];
-  V strength[YLM__STRENGTHS] = {SQRT(e2), NAME(size)(k->emission[3][j])};
-  k->emission[3][j] = strength[p->at[0]];
+  for (int c = 0; c < 3; c++) e2 += k->rgb[3 * j + c] * k->rgb[3 * j + c];
+  V strength[YLM__STRENGTHS] = {SQRT(e2), NAME(size)(k->luminance[j])};
+  k->luminance[j] = strength[p->at[0]];
   for (int s = 0; s < YLM__STRENGTHS; s++) {
     V e = strength[s] * size * size * u * u;
     for (int n = 0; n < 3; n++) k->c[s][n] += e, e *= u;
   }
 }
 
-/* The weights of `kinds` times the emission in channel c. */
-static void NAME(scale_lights)(const NAME(alone) * k, int lmax, int kinds, int n, int c, const V *w,
-                               V *out) {
+/* The weights of `kinds` times `emission`, and in the scene's unit of length. */
+static void NAME(scale_lights)(const NAME(alone) * k, int lmax, int kinds, int n, const V *emission,
+                               const V *w, V *out) {
   int W = ylm__weight_slots(lmax);
   int edges[4] = {0, ylm__weight_at(lmax, 1, 0), ylm__weight_at(lmax, 2, 0), W};
   for (int j = 0; j < n; j++) {
-    V e = k->emission[c][j];
+    V e = emission[j];
     for (int kind = 0; kind < 3; kind++) {
       for (int i = edges[kind]; kinds & (1 << kind) && i < edges[kind + 1]; i++)
         out[j * W + i] = e * w[j * W + i];
@@ -81,22 +83,24 @@ static size_t NAME(sum_list)(const ylm__tree_plan *p, const ylm__plan *s, NAME(a
   const ylm__moment_kernel *kernel = s->kernel;
   int lmax = s->q->lmax, all = s->kinds_lum | s->kinds_rgb;
   size_t count = l->n;
+  V one[YLM__TILE];
+  for (int j = 0; j < YLM__TILE; j++) one[j] = (V){0} + 1;
   if (all == (YLM__M1 | YLM__M2)) all = 7;
   for (size_t i = l->n; i % LANES; i++)
-    for (int f = 0; f < YLM__FIELDS; f++) l->field[f][i] = f <= YLM__Z ? x[f] : 0;
+    for (int f = 0; f < YLM__FIELDS; f++) l->field[f][i] = f <= YLM__R ? l->field[f][0] : 0;
   for (size_t i = 0; all && i < l->n; i += YLM__TILE * LANES) {
     size_t left = (l->n - i + LANES - 1) / LANES;
     int n = left < YLM__TILE ? (int)left : YLM__TILE;
     for (int j = 0; j < n; j++) NAME(prepare_lights)
     (p, k, w, l, i + (size_t)(j * LANES), j, all, x, s == p->pilot, inside);
-    for (int c = 0; s->kinds_rgb && c < 3; c++) {
-      NAME(scale_lights)(k, lmax, s->kinds_rgb, n, c, w->weights, k->scaled);
-      kernel->sum(lmax, s->kinds_rgb, n, w->geometry, k->scaled, w->state,
-                  sums + s->n_lum + c * s->n_rgb);
-    }
     if (s->kinds_lum) {
-      NAME(scale_lights)(k, lmax, s->kinds_lum, n, 3, w->weights, k->scaled);
+      NAME(scale_lights)(k, lmax, s->kinds_lum, n, k->luminance, w->weights, k->scaled);
       kernel->sum(lmax, s->kinds_lum, n, w->geometry, k->scaled, w->state, sums);
+    }
+    if (s->kinds_rgb) {
+      NAME(scale_lights)(k, lmax, s->kinds_rgb & ~YLM__M0, n, one, w->weights, w->weights);
+      kernel->sum_rgb(lmax, s->kinds_rgb, n, w->geometry, w->weights, k->rgb, w->state,
+                      sums + s->n_lum, s->n_rgb);
     }
   }
   l->n = 0;
@@ -120,7 +124,7 @@ static void NAME(add_lanes)(const V *sums, size_t n, int lane, V *to) {
 static LAMP NAME(whole)(const ylm_light_tree *t, size_t node) {
   const ylm__group *g = &t->group[node / YLM__GROUP];
   int k = (int)(node % YLM__GROUP);
-  REAL radius = t->PROXIES[node][YLM__R][0];
+  REAL radius = (REAL)(t->size * (double)g->radius[k]);
   double per_area = radius > 0 ? t->total / ((double)radius * (double)radius) : 0;
   LAMP l = {.radius = radius};
   for (int a = 0; a < 3; a++) {
@@ -129,6 +133,11 @@ static LAMP NAME(whole)(const ylm_light_tree *t, size_t node) {
   }
   l.luminance = (REAL)((double)g->strength[YLM__STRENGTH_LUM][k] * per_area);
   return l;
+}
+
+/* The block that a note of a kind is about: of lights or of proxies. */
+YLM_INLINE const REAL *NAME(block)(const ylm_light_tree *t, const int kind, uint32_t note) {
+  return kind == OF_LEAF ? t->LEAVES[note & YLM__LEAF_MASK][0] : t->PROXIES[note][0];
 }
 
 /* Appends the first n lights of a block [FIELDS][width]. */
@@ -147,27 +156,46 @@ static void NAME(append_whole)(NAME(light_list) * l, LAMP lamp) {
   l->field[YLM__LUM][n] = lamp.luminance;
 }
 
+/* Adds what a walk noted of a kind to a list, which is summed whenever it is full. */
+YLM_INLINE size_t NAME(list_notes)(const tree_walk *walk, NAME(alone) * k, const NAME(work) * w,
+                                   const ylm__plan *s, const int kind, bool dim, const REAL *x,
+                                   VI *inside) {
+  const ylm_light_tree *t = walk->plan->tree;
+  const uint32_t *at = walk->notes.at[kind + (dim ? OF_DIM : 0)];
+  const size_t n = walk->notes.n[kind + (dim ? OF_DIM : 0)];
+  const size_t width = kind == OF_FEW ? YLM__PROXIES : YLM__MOST_PROXIES;
+  NAME(light_list) *l = dim ? &k->dim : &k->near;
+  size_t pairs = 0;
+  for (size_t i = 0; i < n; i++) {
+    if (kind == OF_WHOLE) {
+      NAME(append_whole)(l, NAME(whole)(t, at[i]));
+    } else {
+      const char *ahead = (const char *)NAME(block)(t, kind, at[i + AHEAD < n ? i + AHEAD : i]);
+      for (size_t line = 0; line < YLM__FIELDS * sizeof(REAL) * width; line += 64)
+        __builtin_prefetch(ahead + line);
+      NAME(append)
+      (l, NAME(block)(t, kind, at[i]), width,
+       kind == OF_LEAF ? at[i] >> YLM__COUNT_AT & 15 : width);
+    }
+    if (l->n >= LIST)
+      pairs += NAME(sum_list)(walk->plan, s, k, w, l, x, dim ? k->dim_sums : k->sums, inside);
+  }
+  return pairs;
+}
+
 /* Sums over what a walk comes to, for one point; how many lights and proxies they were. */
 static size_t NAME(walk_alone)(tree_walk *walk, NAME(alone) * k, const NAME(work) * w,
                                const seen_from *from, const REAL *x, VI *inside) {
   const ylm__tree_plan *p = walk->plan;
-  const ylm_light_tree *t = p->tree;
   const ylm__plan *sums = from->pilot ? p->pilot : p->sums;
-  size_t pairs = 0, n;
-  while ((n = walk_on(walk, from, NULL)) > 0)
-    for (size_t i = 0; i < n; i++) {
-      const note *seen = &walk->notes[i];
-      bool dim = seen->dim && !from->pilot;
-      NAME(light_list) *l = dim ? &k->dim : &k->near;
-      if (seen->what == OF_PROXIES)
-        NAME(append)(l, t->PROXIES[seen->index][0], YLM__PROXIES, YLM__PROXIES);
-      else if (seen->what == OF_LEAF)
-        NAME(append)(l, t->LEAVES[seen->index][0], YLM__LEAF, seen->count);
-      else
-        NAME(append_whole)(l, NAME(whole)(t, seen->index));
-      if (l->n >= LIST)
-        pairs += NAME(sum_list)(p, dim ? &p->dim : sums, k, w, l, x, dim ? k->dim_sums : k->sums,
-                                inside);
+  size_t pairs = 0;
+  while (walk_on(walk, from, NULL) > 0)
+    for (int dim = 0; dim < (from->pilot ? 1 : 2); dim++) {
+      const ylm__plan *s = dim ? &p->dim : sums;
+      pairs += NAME(list_notes)(walk, k, w, s, OF_LEAF, dim, x, inside);
+      pairs += NAME(list_notes)(walk, k, w, s, OF_FEW, dim, x, inside);
+      pairs += NAME(list_notes)(walk, k, w, s, OF_MANY, dim, x, inside);
+      if (from->pilot) pairs += NAME(list_notes)(walk, k, w, s, OF_WHOLE, dim, x, inside);
     }
   pairs += NAME(sum_list)(p, sums, k, w, &k->near, x, k->sums, inside);
   if (!from->pilot) pairs += NAME(sum_list)(p, &p->dim, k, w, &k->dim, x, k->dim_sums, inside);

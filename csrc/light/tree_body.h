@@ -26,7 +26,7 @@ static ylm_status NAME(tree_work_create)(const ylm__tree_plan *p, void **scratch
     size_t n = (size_t)(sums->n_lum + 3 * sums->n_rgb), m = (size_t)pilot->n_lum;
     size_t dim = (size_t)(p->dim.n_lum + 3 * p->dim.n_rgb), most = n > m ? n : m;
     size_t W = (size_t)ylm__weight_slots(sums->q->lmax) * YLM__TILE;
-    size_t stack = BROAD + (size_t)(p->tree->depth + 2) * YLM__GROUP;
+    size_t stack = BROAD + (size_t)(p->tree->depth + 4) * YLM__GROUP; /* two ways down */
     size_t vectors = most + dim + W + VECTORS * (n + dim + m);
     k = ylm_alloc_zero(1, sizeof *k + vectors * sizeof(V) + stack * sizeof(uint32_t));
     if (!k) return YLM_ENOMEM;

@@ -9,14 +9,15 @@
 ** and spec/light_tree_spec.lua find the 99.9 % quantile of errors below the tolerance in all their
 ** scenes. Where light comes from one side many errors have one sign: YLM__ONE_SIGN of tree.h.
 */
-#define SHARE_VALUE 3.6
-#define SHARE_GRADIENT 4.3
-#define SHARE_HESSIAN 2.6
-#define SHARE_METRIC 4 /* eigenvalues forgive more */
+#define SHARE_VALUE 4.1
+#define SHARE_GRADIENT 5.2
+#define SHARE_HESSIAN 3.0
+#define SHARE_METRIC 4.8 /* eigenvalues forgive more */
 /* reach/D of nodes beyond which Taylor's formula says little; and in the pilot, whose nodes are one
-   light each and whose norms may be off by a third */
+   light each and whose norms may be off by a third: with derivatives, and for values alone */
 #define WIDEST 0.6f
 #define PILOT_WIDEST 0.5f
+#define PILOT_WIDEST_VALUE 0.7f
 
 /*
 ** The mean over the sphere of |j-th derivatives of d^a Y_lm|^2 at d = 1, all 3^j of them:
@@ -76,7 +77,8 @@ ylm_status ylm__tree_plan_create(ylm__tree_plan *p, const ylm_light_tree *t, dou
   p->share[1] = SHARE_GRADIENT;
   p->share[2] = q->want & YLM_WANT_HESSIAN ? SHARE_HESSIAN : SHARE_METRIC;
   p->widest = WIDEST;
-  p->pilot_widest = PILOT_WIDEST * fminf(1, sqrtf(5.0f / (float)(q->lmax + 1)));
+  p->pilot_widest = p->want[1] || p->want[2] ? PILOT_WIDEST : PILOT_WIDEST_VALUE;
+  p->pilot_widest *= fminf(1, sqrtf(5.0f / (float)(q->lmax + 1)));
   p->dim = *sums;
   p->dim.kinds_lum &= ~YLM__M2, p->dim.kinds_rgb &= ~YLM__M2;
   p->dim.n_lum = ylm__sum_count(q->lmax, p->dim.kinds_lum);

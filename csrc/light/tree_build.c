@@ -111,6 +111,8 @@ static ylm_status build(builder *b, ylm__branch *s, int n, int depth, uint32_t *
   for (int k = 0; k < n && status == YLM_OK; k++) {
     uint32_t count = s[k].end - s[k].begin, child;
     b->branch[(size_t)*at * YLM__GROUP + (size_t)k] = s[k];
+    t->group[*at].proxies[k] = 2 * t->blocks;
+    t->blocks += count > YLM__MANY ? 2 : count > YLM__PROXIES ? 1 : 0;
     if (count <= YLM__LEAF) {
       t->group[*at].child[k] = YLM__IS_LEAF | count << YLM__COUNT_AT | t->leaves++;
       continue;
@@ -178,11 +180,10 @@ static ylm_status fill(void *context, size_t begin, size_t end, int worker) {
 }
 
 static ylm_status allocate_blocks(ylm_light_tree *t) {
-  size_t nodes = (size_t)t->groups * YLM__GROUP;
   t->leaf_f = ylm_alloc(t->leaves, sizeof *t->leaf_f);
   t->leaf_d = ylm_alloc(t->leaves, sizeof *t->leaf_d);
-  t->proxies_f = ylm_alloc_zero(nodes, sizeof *t->proxies_f);
-  t->proxies_d = ylm_alloc_zero(nodes, sizeof *t->proxies_d);
+  t->proxies_f = ylm_alloc_zero(t->blocks, sizeof *t->proxies_f);
+  t->proxies_d = ylm_alloc_zero(t->blocks, sizeof *t->proxies_d);
   return t->leaf_f && t->leaf_d && t->proxies_f && t->proxies_d ? YLM_OK : YLM_ENOMEM;
 }
 
@@ -239,8 +240,7 @@ void ylm__tree_free(ylm_light_tree *t) {
 size_t ylm_lights_tree_bytes(const ylm_lights *lights) {
   const ylm_light_tree *t = lights->tree;
   if (!t) return 0;
-  size_t nodes = (size_t)t->groups * YLM__GROUP;
   return sizeof *t + t->groups * sizeof *t->group +
          t->leaves * (sizeof *t->leaf_f + sizeof *t->leaf_d) +
-         nodes * (sizeof *t->proxies_f + sizeof *t->proxies_d);
+         t->blocks * (sizeof *t->proxies_f + sizeof *t->proxies_d);
 }

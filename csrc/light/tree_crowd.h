@@ -72,27 +72,37 @@ static size_t NAME(sum_lamps)(const ylm__tree_plan *p, const ylm__plan *s, NAME(
   return n;
 }
 
+/* Adds what a walk noted of a kind to a list, which is summed whenever it is full. */
+static size_t NAME(list_lamps)(const tree_walk *walk, NAME(crowd) * k, NAME(work) * w,
+                               const ylm__plan *s, int kind, bool dim, V *to) {
+  const ylm_light_tree *t = walk->plan->tree;
+  const uint32_t *at = walk->notes.at[kind + (dim ? OF_DIM : 0)];
+  const size_t n = walk->notes.n[kind + (dim ? OF_DIM : 0)];
+  const size_t width = kind == OF_FEW ? YLM__PROXIES : YLM__MOST_PROXIES;
+  NAME(lamp_list) *l = dim ? &k->dim : &k->near;
+  size_t pairs = 0;
+  for (size_t i = 0; i < n; i++) {
+    if (kind == OF_WHOLE)
+      l->lamp[l->n++] = NAME(whole)(t, at[i]);
+    else
+      NAME(append_lamps)
+    (l, NAME(block)(t, kind, at[i]), width, kind == OF_LEAF ? at[i] >> YLM__COUNT_AT & 15 : width);
+    if (l->n >= YLM__BLOCK) pairs += NAME(sum_lamps)(walk->plan, s, k, w, l, to);
+  }
+  return pairs;
+}
+
 /* Sums over what a walk comes to, for a packet of points; how many lights and proxies. */
 static size_t NAME(walk_together)(tree_walk *walk, NAME(crowd) * k, NAME(work) * w,
                                   const seen_from *from) {
   const ylm__tree_plan *p = walk->plan;
-  const ylm_light_tree *t = p->tree;
   const ylm__plan *sums = from->pilot ? p->pilot : p->sums;
   V *to = from->pilot ? k->pilot_sums : k->sums;
-  size_t pairs = 0, n;
-  while ((n = walk_on(walk, from, from->pilot ? NULL : &k->by)) > 0)
-    for (size_t i = 0; i < n; i++) {
-      const note *seen = &walk->notes[i];
-      bool dim = seen->dim && !from->pilot;
-      NAME(lamp_list) *l = dim ? &k->dim : &k->near;
-      if (seen->what == OF_PROXIES)
-        NAME(append_lamps)(l, t->PROXIES[seen->index][0], YLM__PROXIES, YLM__PROXIES);
-      else if (seen->what == OF_LEAF)
-        NAME(append_lamps)(l, t->LEAVES[seen->index][0], YLM__LEAF, seen->count);
-      else
-        l->lamp[l->n++] = NAME(whole)(t, seen->index);
-      if (l->n >= YLM__BLOCK)
-        pairs += NAME(sum_lamps)(p, dim ? &p->dim : sums, k, w, l, dim ? k->dim_sums : to);
+  size_t pairs = 0;
+  while (walk_on(walk, from, from->pilot ? NULL : &k->by) > 0)
+    for (int kind = 0; kind < OF_DIM; kind++) {
+      pairs += NAME(list_lamps)(walk, k, w, sums, kind, false, to);
+      if (!from->pilot) pairs += NAME(list_lamps)(walk, k, w, &p->dim, kind, true, k->dim_sums);
     }
   pairs += NAME(sum_lamps)(p, sums, k, w, &k->near, to);
   if (!from->pilot) pairs += NAME(sum_lamps)(p, &p->dim, k, w, &k->dim, k->dim_sums);

@@ -1,13 +1,14 @@
 /*
-** tree_proxy.c - four lights that stand for many: their places, and what they miss.
+** tree_proxy.c - four or eight lights that stand for many: their places, and what they miss.
 **
 ** Lights x_i of power e_i r_i^2, in geometry weighted by |luminance| r^2: centroid c, covariance
-** C = A A^T. The proxies p_j = c + A u_j with u_j the corners of a tetrahedron in the cube keep the
-** moments of degree 0, 1 and 2, and with r_p^2 = sum |e| r^4 / sum |e| r^2 also sum e r^4. In each
-** colour c the emission e_cj = (E_c + h_c.u_j)/(4 r_p^2), A h_c = sum e_c r^2 (x - c), keeps the
-** moments of degree 0 and 1. What is missed of second and third moments is measured here, node by
-** node: equal colours miss no second moment, and of the two mirror images of the tetrahedron the
-** one that misses less of the third is taken.
+** C = A A^T. The n proxies p_j = c + A u_j with u_j the corners of a cube, or those of them that
+*are
+** a tetrahedron's, keep the moments of degree 0, 1 and 2, and with r_p^2 = sum |e| r^4/sum |e| r^2
+** also sum e r^4. In each colour c the emission e_cj = (E_c + h_c.u_j)/(n r_p^2), A h_c =
+** sum e_c r^2 (x - c), keeps the moments of degree 0 and 1. What is missed of second, third and
+** fourth moments is measured here, node by node: equal colours miss no second moment. Of the
+** tetrahedron, its mirror image and the cube the one is taken that costs least.
 **
 ** Source  DESIGN section 4 "Many lights"; docs/math.md "Many lights"
 */
@@ -25,12 +26,20 @@ static const double times2[6] = {1, 2, 2, 1, 2, 1};
 static const double times3[10] = {1, 3, 3, 3, 6, 3, 1, 3, 3, 1};
 static const double times4[15] = {1, 4, 4, 6, 12, 6, 4, 12, 12, 4, 1, 4, 6, 4, 1};
 
-static const double corner[YLM__PROXIES][3] = {{1, 1, 1}, {1, -1, -1}, {-1, 1, -1}, {-1, -1, 1}};
+/* A cube's; the first four are a tetrahedron's. */
+static const double corner[YLM__MOST_PROXIES][3] = {{1, 1, 1},   {1, -1, -1},  {-1, 1, -1},
+                                                    {-1, -1, 1}, {-1, -1, -1}, {-1, 1, 1},
+                                                    {1, -1, 1},  {1, 1, -1}};
 
-/* What is missed of the fourth moments counts so much, since most nodes miss it alike; and the
+/* The error of a node, as estimated, for which the number of proxies is chosen. */
+#define TYPICAL 0.25
+
+/* What is missed of the third moments counts so much, which nodes of few lights on a wall have by
+   chance; of the fourth so much, since directions seldom agree; and the
    fourth moments themselves so much, for all that is higher. */
-#define MISSED 1.5
-#define HIGHER 0.25
+#define SKEW 2
+#define MISSED 0.7
+#define HIGHER 0.03
 
 typedef struct cluster {
   double at[3], weight, reach, radius2; /* centroid, sum of |lum| r^2, r_p^2 */
@@ -124,12 +133,21 @@ static void cholesky(const double *cov, double A[3][3]) {
   }
 }
 
-/* Proxies about the centroid by A u and the power of each in each colour. */
-static void place_proxies(const cluster *q, double A[3][3], double mirror, double x[][3],
-                          double power[][3]) {
-  for (int j = 0; j < YLM__PROXIES; j++)
+/* Lights that may stand for a node. */
+typedef struct proxies {
+  int n;
+  double x[YLM__MOST_PROXIES][3], power[YLM__MOST_PROXIES][3];
+  double missing[YLM__STRENGTHS][2], fourth; /* second and third moments that they miss */
+} proxies;
+
+/* The first n corners, or their mirror images, about the centroid by A u, with the power of each in
+   each colour. */
+static void place_proxies(const cluster *q, double A[3][3], int n, double mirror, proxies *p) {
+  p->n = n;
+  for (int j = 0; j < n; j++)
     for (int a = 0; a < 3; a++)
-      x[j][a] = mirror * (A[a][0] * corner[j][0] + A[a][1] * corner[j][1] + A[a][2] * corner[j][2]);
+      p->x[j][a] =
+          mirror * (A[a][0] * corner[j][0] + A[a][1] * corner[j][1] + A[a][2] * corner[j][2]);
   for (int c = 0; c < 3; c++) {
     double h[3];
     for (int a = 0; a < 3; a++) {
@@ -137,9 +155,10 @@ static void place_proxies(const cluster *q, double A[3][3], double mirror, doubl
       for (int b = 0; b < a; b++) s -= A[a][b] * h[b];
       h[a] = A[a][a] > 0 ? s / A[a][a] : 0;
     }
-    for (int j = 0; j < YLM__PROXIES; j++)
-      power[j][c] = 0.25 * (q->sum[c][M0] + mirror * (h[0] * corner[j][0] + h[1] * corner[j][1] +
-                                                      h[2] * corner[j][2]));
+    for (int j = 0; j < n; j++)
+      p->power[j][c] = (q->sum[c][M0] + mirror * (h[0] * corner[j][0] + h[1] * corner[j][1] +
+                                                  h[2] * corner[j][2])) /
+                       n;
   }
 }
 
@@ -150,13 +169,12 @@ static double tensor_square(const double *m, const double *times, int n) {
 }
 
 /* What proxies miss: [strengths][second, third], with the constants of Taylor's formula. */
-static void find_missing(const cluster *q, double x[][3], double power[][3],
-                         double missing[YLM__STRENGTHS][2]) {
+static void find_missing(const cluster *q, proxies *p) {
   static const double plain[3] = {1, 1, 1};
   double rest[3][MOMENTS], lum[MOMENTS];
   memcpy(rest, q->sum, sizeof rest);
   for (int c = 0; c < 3; c++)
-    for (int j = 0; j < YLM__PROXIES; j++) add_moments(rest[c], -power[j][c], x[j], q->radius2);
+    for (int j = 0; j < p->n; j++) add_moments(rest[c], -p->power[j][c], p->x[j], q->radius2);
   for (int i = 0; i < MOMENTS; i++) {
     double rgb[3] = {rest[0][i], rest[1][i], rest[2][i]};
     lum[i] = ylm__emission(rgb, 1, 0);
@@ -171,33 +189,61 @@ static void find_missing(const cluster *q, double x[][3], double power[][3],
       r1 += tensor_square(m + MR1, plain, 3);
     }
     /* a quarter and three quarters: what radii do beside what offsets do, at any lmax */
-    missing[s][0] = sqrt(m2) / 2 + sqrt(r0) / 8;
-    missing[s][1] = sqrt(m3) / 6 + sqrt(r1) / 8;
+    p->missing[s][0] = sqrt(m2) / 2 + sqrt(r0) / 8;
+    p->missing[s][1] = SKEW * sqrt(m3) / 6 + sqrt(r1) / 8;
   }
 }
 
 /* What proxies miss of the fourth moments of geometry, with the 1/24 of Taylor's formula. */
-static double fourth_missing(const cluster *q, double x[][3]) {
+static void find_fourth(const cluster *q, proxies *p) {
   double rest[15];
   memcpy(rest, q->m4, sizeof rest);
-  for (int j = 0; j < YLM__PROXIES; j++) add_fourth(rest, -1.0 / YLM__PROXIES, x[j]);
-  return (MISSED * sqrt(tensor_square(rest, times4, 15)) + HIGHER * q->fourth) / 24;
+  for (int j = 0; j < p->n; j++) add_fourth(rest, -1.0 / p->n, p->x[j]);
+  p->fourth = (MISSED * sqrt(tensor_square(rest, times4, 15)) + HIGHER * q->fourth) / 24;
 }
 
-static void write_proxies(ylm_light_tree *t, size_t i, const cluster *q, double x[][3],
-                          double power[][3]) {
-  for (int j = 0; j < YLM__PROXIES; j++) {
+/* What a volume of such nodes costs: proxies times the cube of the distance at which the error of
+   gradients, at lmax 4, is TYPICAL of the field. */
+static double cost(const cluster *q, const proxies *p) {
+  double most = 1 / q->reach, u = 0, strength = q->strength[YLM__STRENGTH_RGB];
+  const double *m = p->missing[YLM__STRENGTH_RGB];
+  for (double step = most / 2; step > most / 1000; step /= 2) {
+    double v = u + step;
+    double e = v * v * (185 * m[0] + v * (327 * m[1] + v * 3245 * p->fourth * strength));
+    if (e <= TYPICAL * strength) u = v;
+  }
+  return u > 0 ? p->n / (u * u * u) : INFINITY;
+}
+
+static void write_proxies(ylm_light_tree *t, size_t block, const cluster *q, const proxies *p) {
+  float *f = t->proxies_f[block][0];
+  double *d = t->proxies_d[block][0];
+  for (int j = 0; j < p->n; j++) {
     double field[YLM__FIELDS], rgb[3];
     for (int a = 0; a < 3; a++) {
-      field[YLM__X + a] = q->at[a] + x[j][a];
-      field[YLM__E + a] = rgb[a] = q->radius2 > 0 ? power[j][a] / q->radius2 : 0;
+      field[YLM__X + a] = q->at[a] + p->x[j][a];
+      field[YLM__E + a] = rgb[a] = q->radius2 > 0 ? p->power[j][a] / q->radius2 : 0;
     }
     field[YLM__R] = sqrt(q->radius2);
     field[YLM__LUM] = ylm__emission(rgb, 1, 0);
-    for (int f = 0; f < YLM__FIELDS; f++) {
-      t->proxies_d[i][f][j] = field[f];
-      t->proxies_f[i][f][j] = (float)field[f];
+    for (int i = 0; i < YLM__FIELDS; i++) {
+      d[i * p->n + j] = field[i];
+      f[i * p->n + j] = (float)field[i];
     }
+  }
+}
+
+/* The proxies that cost least, of a cluster with more lights than four. */
+static void choose_proxies(const cluster *q, size_t n, proxies *best) {
+  double A[3][3], least = INFINITY;
+  cholesky(q->cov, A);
+  for (int i = 0; i < (n > YLM__MANY ? 3 : 2); i++) {
+    proxies p;
+    place_proxies(q, A, i < 2 ? YLM__PROXIES : YLM__MOST_PROXIES, i == 1 ? -1 : 1, &p);
+    find_missing(q, &p);
+    find_fourth(q, &p);
+    double c = cost(q, &p);
+    if (i == 0 || c < least) *best = p, least = c;
   }
 }
 
@@ -208,27 +254,27 @@ void ylm__tree_node(ylm_light_tree *t, uint32_t g, int k, const uint32_t *order,
   cluster q = {.weight = 0};
   find_centroid(&q, t->lights->lamp_d, order, n);
   find_moments(&q, t->lights->lamp_d, order, n);
-  double A[3][3], x[2][YLM__PROXIES][3], power[2][YLM__PROXIES][3], missing[2][YLM__STRENGTHS][2];
-  cholesky(q.cov, A);
-  for (int side = 0; side < 2; side++) {
-    place_proxies(&q, A, side ? -1 : 1, x[side], power[side]);
-    find_missing(&q, x[side], power[side], missing[side]);
-  }
-  int best = missing[1][YLM__STRENGTH_RGB][1] < missing[0][YLM__STRENGTH_RGB][1];
-  for (int j = 0; j < YLM__PROXIES; j++) {
-    const double *p = x[best][j];
-    q.reach = fmax(q.reach, sqrt(p[0] * p[0] + p[1] * p[1] + p[2] * p[2]) + sqrt(q.radius2));
-  }
-  write_proxies(t, (size_t)g * YLM__GROUP + (size_t)k, &q, x[best], power[best]);
   ylm__group *to = &t->group[g];
+  proxies p = {.n = 0};
+  if (n > YLM__PROXIES) {
+    choose_proxies(&q, n, &p);
+    for (int j = 0; j < p.n; j++) {
+      const double *x = p.x[j];
+      double d = sqrt(x[0] * x[0] + x[1] * x[1] + x[2] * x[2]);
+      q.reach = fmax(q.reach, d + sqrt(q.radius2));
+    }
+    write_proxies(t, to->proxies[k] / 2, &q, &p);
+    to->proxies[k] |= p.n == YLM__MOST_PROXIES;
+  }
   double s = t->size, s2 = s * s;
   for (int a = 0; a < 3; a++) to->at[a][k] = (float)((q.at[a] - t->centre[a]) / s);
   to->reach[k] = up(q.reach / s);
+  to->radius[k] = (float)(sqrt(q.radius2) / s);
   to->lights[k] = (uint32_t)n;
   for (int i = 0; i < YLM__STRENGTHS; i++) {
     to->strength[i][k] = (float)(q.strength[i] / t->total);
-    to->second[i][k] = up(missing[best][i][0] / s2 / t->total);
-    to->third[i][k] = up(missing[best][i][1] / s2 / s / t->total);
+    to->second[i][k] = up(p.missing[i][0] / s2 / t->total);
+    to->third[i][k] = up(p.missing[i][1] / s2 / s / t->total);
   }
-  to->fourth[k] = up(fourth_missing(&q, x[best]) / s2 / s2);
+  to->fourth[k] = up(p.fourth / s2 / s2);
 }

@@ -29,32 +29,40 @@ typedef struct seen_by {
   ylm_vf x[SEEN][3], allowed[SEEN][3], skip[SEEN];
 } seen_by;
 
-/* What is to be summed: lights of a leaf, proxies of a node, or one light for a node. */
-enum { OF_LEAF, OF_PROXIES, OF_WHOLE };
-typedef struct note {
-  uint32_t index; /* leaf, or node: group times YLM__GROUP plus place */
-  uint8_t what, count;
-  bool dim; /* its Hessians are negligible */
-} note;
+/* What is to be summed: lights of a leaf, four or eight proxies of a node, or one light for a node.
+   With OF_DIM added their Hessians are negligible. */
+enum { OF_LEAF, OF_FEW, OF_MANY, OF_WHOLE, OF_DIM, KINDS = 2 * OF_DIM };
+
+/* What a walk came to, kind by kind: leaves with their number of lights as in ylm__group, blocks of
+   proxies, or nodes, group times YLM__GROUP plus place. Kinds have room for what is not noted. */
+typedef struct note_lists {
+  size_t all, n[KINDS];
+  uint32_t at[KINDS][NOTES + 1];
+} note_lists;
 
 typedef struct tree_walk {
   const ylm__tree_plan *plan;
   uint32_t *stack;
-  size_t top, noted, n_left;
+  size_t top, n_left;
   uint64_t lights_left;
   uint32_t left[LEFT]; /* groups that are smaller than the packet and in or near it */
-  note notes[NOTES];
+  note_lists notes;
 } tree_walk;
 
 /* A field of groups side by side. */
 YLM_INLINE ylm_vf side_by_side(const ylm__group *const *g, size_t offset) {
-  ylm_vf v;
-  for (size_t i = 0; i < SIDE; i++)
-    memcpy((char *)&v + YLM__GROUP * sizeof(float) * i, (const char *)g[i] + offset,
-           YLM__GROUP * sizeof(float));
-  return v;
+  _Static_assert(YLM__GROUP * sizeof(float) == sizeof(int64_t), "a field of a group is one number");
+  ylm_vl v = {0};
+  for (size_t i = 0; i < SIDE; i++) {
+    int64_t pair;
+    memcpy(&pair, (const char *)g[i] + offset, sizeof pair);
+    v[i] = pair;
+  }
+  return (ylm_vf)v;
 }
 #define FIELD(name) side_by_side(g, offsetof(ylm__group, name))
+#define FIELD_OF(name, s)                                                                          \
+  side_by_side(g, offsetof(ylm__group, name) + (size_t)(s) * sizeof g[0]->name[0])
 
 /* How far coordinates are from the middle of an interval beyond its ends; 0 inside. */
 YLM_INLINE ylm_vf beyond(ylm_vf x, float middle, float half) {
@@ -63,10 +71,18 @@ YLM_INLINE ylm_vf beyond(ylm_vf x, float middle, float half) {
   return ylm_vf_select(x > 0, x, (ylm_vf){0});
 }
 
+/* A vector of nodes, and masks of what becomes of them. */
+typedef struct node_vector {
+  size_t n; /* groups */
+  uint32_t at[SIDE];
+  const ylm__group *g[SIDE];
+  int32_t closed[YLM_VF], dim[YLM_VF], small[YLM_VF];
+} node_vector;
+
 /* Masks of the nodes that need not be opened, of those whose Hessians are negligible, and of those
    that are small beside the box. */
-static void test_groups(const ylm__tree_plan *p, const ylm__group *const *g, const seen_from *from,
-                        int32_t *closed, int32_t *dim, int32_t *small) {
+static void test_groups(const ylm__tree_plan *p, const seen_from *from, node_vector *v) {
+  const ylm__group *const *g = v->g;
   ylm_vf x = beyond(FIELD(at[0]), from->x[0], from->half[0]);
   ylm_vf y = beyond(FIELD(at[1]), from->x[1], from->half[1]);
   ylm_vf z = beyond(FIELD(at[2]), from->x[2], from->half[2]);
@@ -74,23 +90,25 @@ static void test_groups(const ylm__tree_plan *p, const ylm__group *const *g, con
   ylm_vi far = reach <= (from->pilot ? p->pilot_widest : p->widest) * d,
          away = d - reach > from->skip, little = reach < YLM__LITTLE * from->radius;
   if (!from->pilot) {
-    ylm_vf second[2] = {FIELD(second[0]), FIELD(second[1])},
-           third[2] = {FIELD(third[0]), FIELD(third[1])};
-    ylm_vf strength[2] = {FIELD(strength[0]), FIELD(strength[1])}, fourth = FIELD(fourth);
-    ylm_vf power = ylm_vf_set(1);
-    for (int k = 0; k < 3; k++) {
-      int s = p->at[k];
+    ylm_vf second = {0}, third = {0}, strength = {0}, fourth = FIELD(fourth), power = ylm_vf_set(1);
+    int at = -1;
+    for (int k = 0; k < 3; k++, power *= u) {
+      if (!p->want[k]) continue;
+      if (p->at[k] != at) {
+        at = p->at[k];
+        second = FIELD_OF(second, at), third = FIELD_OF(third, at);
+        strength = FIELD_OF(strength, at);
+      }
       const float *c = p->c[k];
-      ylm_vf missed = c[0] * second[s] + u * (c[1] * third[s] + u * (c[2] * fourth * strength[s]));
+      ylm_vf missed = c[0] * second + u * (c[1] * third + u * (c[2] * fourth * strength));
       missed *= u * u * u;
-      ylm_vi good = missed * missed * power <= from->allowed[k] * strength[s];
-      if (p->want[k]) far &= k < 2 ? good : good | away;
-      power *= u;
+      ylm_vi good = missed * missed * power <= from->allowed[k] * strength;
+      far &= k < 2 ? good : good | away;
     }
   }
-  memcpy(closed, &far, sizeof far);
-  memcpy(dim, &away, sizeof away);
-  memcpy(small, &little, sizeof little);
+  memcpy(v->closed, &far, sizeof far);
+  memcpy(v->dim, &away, sizeof away);
+  memcpy(v->small, &little, sizeof little);
 }
 
 YLM_INLINE bool everywhere(ylm_vi mask) {
@@ -135,44 +153,97 @@ static void walk_from(tree_walk *w, const uint32_t *groups, size_t n) {
   w->top = n;
 }
 
-/* Goes on until NOTES nodes are noted, or none is left; how many there are. */
-static size_t walk_on(tree_walk *w, const seen_from *from, const seen_by *by) {
-  const ylm_light_tree *t = w->plan->tree;
-  uint32_t *stack = w->stack;
-  w->noted = 0;
-  while (w->top && w->noted <= NOTES - YLM_VF) {
-    const ylm__group *g[SIDE];
-    uint32_t at[SIDE];
-    int32_t closed[YLM_VF], dim[YLM_VF], small[YLM_VF];
-    int most = w->top > BROAD - YLM_VF ? 1 : SIDE; /* one by one the stack stays short */
-    for (int i = 0; i < SIDE; i++) {
-      at[i] = i < most && w->top ? stack[--w->top] : 0;
-      g[i] = &t->group[at[i]];
-    }
-    test_groups(w->plan, g, from, closed, dim, small);
-    for (int i = 0; i < YLM_VF; i++) {
-      int place = i % YLM__GROUP;
-      uint32_t child = g[i / YLM__GROUP]->child[place];
-      uint32_t few = child & YLM__IS_LEAF ? child >> YLM__COUNT_AT & 15 : UINT32_MAX;
-      note *next = &w->notes[w->noted];
-      if (few == 0) continue;
-      if (!closed[i] && by && few > YLM__PROXIES)
-        closed[i] = test_points(w->plan, g[i / YLM__GROUP], place, by, &dim[i]);
-      if (few == UINT32_MAX && !closed[i]) {
-        if (small[i] && w->n_left < LEFT) {
-          w->left[w->n_left++] = child;
-          w->lights_left += g[i / YLM__GROUP]->lights[place];
-        } else
-          stack[w->top++] = child;
-        continue;
-      }
-      *next = (note){at[i / YLM__GROUP] * YLM__GROUP + (uint32_t)place, OF_WHOLE, 1, dim[i] != 0};
-      if (!closed[i] || few <= (from->pilot ? 1 : YLM__PROXIES))
-        next->what = OF_LEAF, next->index = child & YLM__LEAF_MASK, next->count = (uint8_t)few;
-      else if (!from->pilot)
-        next->what = OF_PROXIES, next->count = YLM__PROXIES;
-      w->noted++;
-    }
+/* Nodes that are too near for the box of a packet may not be for its points. */
+static void test_again(const ylm__tree_plan *p, const seen_by *by, node_vector *v) {
+  for (int i = 0; i < YLM_VF; i++) {
+    const ylm__group *g = v->g[i / YLM__GROUP];
+    uint32_t child = g->child[i % YLM__GROUP];
+    bool few = child & YLM__IS_LEAF && (child >> YLM__COUNT_AT & 15) <= YLM__PROXIES;
+    if (!v->closed[i] && !few) v->closed[i] = -test_points(p, g, i % YLM__GROUP, by, &v->dim[i]);
   }
-  return w->noted;
+}
+
+/* Leaves small nodes that are to be opened to the points, as far as there is room. */
+static void leave(tree_walk *w, node_vector *v) {
+  for (int i = 0; i < YLM_VF; i++) {
+    const ylm__group *g = v->g[i / YLM__GROUP];
+    uint32_t child = g->child[i % YLM__GROUP];
+    if (v->closed[i] || child & YLM__IS_LEAF || w->n_left == LEFT) v->small[i] = 0;
+    if (!v->small[i]) continue;
+    w->left[w->n_left++] = child;
+    w->lights_left += g->lights[i % YLM__GROUP];
+  }
+}
+
+/* Puts each node on the stack or among the notes; without branches, which nobody could foretell. */
+YLM_INLINE void sort_nodes(tree_walk *w, const node_vector *v, const bool pilot, const bool left) {
+  const ylm__group *group = w->plan->tree->group, *const *g = v->g;
+  note_lists *notes = &w->notes;
+  ylm_vi child = (ylm_vi)FIELD(child), closed, dim, small, kind, at, leaf = child < 0;
+  ylm_vi lights = child >> YLM__COUNT_AT & 15, none = leaf & (lights == 0);
+  memcpy(&closed, v->closed, sizeof closed);
+  memcpy(&dim, v->dim, sizeof dim);
+  memcpy(&small, v->small, sizeof small);
+  ylm_vi down = ~closed & ~leaf, take = ~down & ~none;
+  ylm_vi each = ~closed | (leaf & (lights <= (pilot ? 1 : YLM__PROXIES))); /* a leaf's lights */
+  if (pilot) {
+    for (int i = 0; i < YLM_VF; i++)
+      at[i] = (int32_t)(v->at[i / YLM__GROUP] * YLM__GROUP) + i % YLM__GROUP;
+    kind = ~each & OF_WHOLE;
+  } else {
+    ylm_vi proxies = (ylm_vi)FIELD(proxies);
+    kind = (~each & (OF_FEW + (proxies & 1))) + (dim & OF_DIM);
+    at = proxies >> 1 & INT32_MAX;
+  }
+  at = (at & ~each) | (child & each);
+  int32_t downs[YLM_VF], takes[YLM_VF], kinds[YLM_VF], ats[YLM_VF], children[YLM_VF];
+  if (left) down &= ~small;
+  memcpy(downs, &down, sizeof down);
+  memcpy(takes, &take, sizeof take);
+  memcpy(kinds, &kind, sizeof kind);
+  memcpy(ats, &at, sizeof at);
+  memcpy(children, &child, sizeof child);
+  for (int i = 0; i < YLM_VF; i++) {
+    const ylm__group *below = &group[children[i] & downs[i]];
+    w->stack[w->top] = (uint32_t)children[i];
+    w->top -= (size_t)(ptrdiff_t)downs[i];
+    __builtin_prefetch(below);
+    if (!pilot) __builtin_prefetch(below->second);
+    notes->at[kinds[i]][notes->n[kinds[i]]] = (uint32_t)ats[i];
+    notes->n[kinds[i]] -= (size_t)(ptrdiff_t)takes[i];
+    notes->all -= (size_t)(ptrdiff_t)takes[i];
+  }
+}
+
+/* Takes groups off the stack, a vector of them or, where it is long, one: so it stays short. */
+static void pop(tree_walk *w, node_vector *v) {
+  size_t most = w->top > BROAD - 2 * YLM_VF ? 1 : SIDE;
+  v->n = w->top < most ? w->top : most;
+  for (size_t i = 0; i < SIDE; i++) {
+    v->at[i] = i < v->n ? w->stack[--w->top] : 0;
+    v->g[i] = &w->plan->tree->group[v->at[i]];
+  }
+}
+
+/* Goes on until NOTES nodes are noted, or none is left; how many there are. Groups are taken off
+   the stack one turn before they are looked at: meanwhile they come from memory. */
+static size_t walk_on(tree_walk *w, const seen_from *from, const seen_by *by) {
+  node_vector now, next;
+  memset(w->notes.n, 0, sizeof w->notes.n);
+  w->notes.all = 0;
+  pop(w, &now);
+  while (now.n && w->notes.all <= NOTES - YLM_VF) {
+    pop(w, &next);
+    test_groups(w->plan, from, &now);
+    if (by) test_again(w->plan, by, &now);
+    if (from->radius > 0) leave(w, &now);
+    if (from->pilot)
+      sort_nodes(w, &now, true, from->radius > 0);
+    else
+      sort_nodes(w, &now, false, from->radius > 0);
+    if (!next.n) pop(w, &next);
+    now = next;
+  }
+  for (size_t i = 0; i < now.n; i++) w->stack[w->top++] = now.at[i];
+  return w->notes.all;
 }
