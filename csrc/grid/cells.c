@@ -21,54 +21,61 @@ float baker_metric(const baker *b, const ylm_grid_cell *c, ylm_grid_metric metri
   return n ? (float)(sum / n * box / 2) : 0;
 }
 
-/* True if no light crossed the cell before an update, and none that changed is near it. */
-static bool settled(const baker *b, uint32_t cell) {
+/* The cell in the same place before an update, if no light that changed is near it: what crossed it
+   then does so now. */
+static const ylm_grid_cell *settled(const baker *b, uint32_t cell) {
   const ylm_grid_cell *old = baker_before(b, &b->g->cell[cell]);
   double box[6];
-  if (!old || old->flags & YLM_GRID_CROSSED) return false;
+  if (!old) return NULL;
   ylm_grid_box(b->g, cell, box);
   for (size_t i = 0; i < b->unsettleds; i++) {
     const double *u = b->unsettled + 6 * i;
     bool apart = false;
     for (int a = 0; a < 3; a++) apart |= box[a] > u[a + 3] || u[a] > box[a + 3];
-    if (!apart) return false;
+    if (!apart) return NULL;
   }
-  return true;
+  return old;
+}
+
+/* Asks the field about n cells, which are flagged as crossed. */
+static ylm_status ask_crossed(baker *b, size_t n, const uint32_t *cell) {
+  const ylm_field *f = b->source->field;
+  ylm_grid *g = b->g;
+  double *box = ylm_alloc(n, 6 * sizeof *box);
+  uint8_t *out = ylm_alloc_zero(n, 1);
+  ylm_status s = box && out ? YLM_OK : YLM_ENOMEM;
+  for (size_t i = 0; s == YLM_OK && i < n; i++) ylm_grid_box(g, cell[i], box + 6 * i);
+  double t = ylm_seconds();
+  if (s == YLM_OK) s = f->crosses(f, n, box, out);
+  g->stats.field_seconds += ylm_seconds() - t;
+  for (size_t i = 0; s == YLM_OK && i < n; i++)
+    if (!out[i]) g->cell[cell[i]].flags &= (uint8_t)~YLM_GRID_CROSSED;
+  ylm_free(box);
+  ylm_free(out);
+  return s;
 }
 
 /*
-** Asks which cells of the wave a light's surface crosses. Cells come with their parent's answer: a
-** surface that meets a child meets its parent, so only children of crossed cells are asked about.
+** Finds which cells of the wave a light's surface crosses. Cells come with their parent's answer: a
+** surface that meets a child meets its parent, so only children of crossed cells are asked about,
+** and of these only those near lights that changed, where there was an answer before.
 */
 static ylm_status find_crossed(baker *b) {
-  const ylm_field *f = b->source->field;
   ylm_grid *g = b->g;
   size_t n = 0;
+  uint32_t *ask = ylm_alloc(b->wave.n, sizeof *ask);
+  if (!ask) return YLM_ENOMEM;
   for (size_t i = 0; i < b->wave.n; i++) {
     ylm_grid_cell *c = &g->cell[b->wave.cell[i]];
-    if (!f->crosses || settled(b, b->wave.cell[i])) c->flags &= (uint8_t)~YLM_GRID_CROSSED;
-    n += (c->flags & YLM_GRID_CROSSED) != 0;
+    if (!(c->flags & YLM_GRID_CROSSED)) continue;
+    const ylm_grid_cell *old = settled(b, b->wave.cell[i]);
+    if (!b->source->field->crosses || (old && !(old->flags & YLM_GRID_CROSSED)))
+      c->flags &= (uint8_t)~YLM_GRID_CROSSED;
+    else if (!old)
+      ask[n++] = b->wave.cell[i];
   }
-  if (!n) return YLM_OK;
-  double *box = ylm_alloc(n, 6 * sizeof *box);
-  uint8_t *out = ylm_alloc_zero(n, 1);
-  if (!box || !out) {
-    ylm_free(box);
-    ylm_free(out);
-    return YLM_ENOMEM;
-  }
-  for (size_t i = 0, k = 0; i < b->wave.n; i++)
-    if (g->cell[b->wave.cell[i]].flags & YLM_GRID_CROSSED)
-      ylm_grid_box(g, b->wave.cell[i], box + 6 * k++);
-  double t = ylm_seconds();
-  ylm_status s = f->crosses(f, n, box, out);
-  g->stats.field_seconds += ylm_seconds() - t;
-  for (size_t i = 0, k = 0; i < b->wave.n; i++) {
-    ylm_grid_cell *c = &g->cell[b->wave.cell[i]];
-    if (c->flags & YLM_GRID_CROSSED && !out[k++]) c->flags &= (uint8_t)~YLM_GRID_CROSSED;
-  }
-  ylm_free(box);
-  ylm_free(out);
+  ylm_status s = n ? ask_crossed(b, n, ask) : YLM_OK;
+  ylm_free(ask);
   return s;
 }
 

@@ -110,6 +110,7 @@ void ylm__dynamic_free(grid_dynamic *d) {
   ylm_free(d->cell_sign);
   ylm_free(d->occupied_points);
   ylm_regrow_free(d->log, d->log_bytes);
+  ylm_free(d->spare);
   occupancy_free(&d->occupied);
   lattice_hash_free(&d->forced);
   ylm_free(d);
@@ -121,5 +122,6 @@ size_t ylm__dynamic_bytes(const grid_dynamic *d) {
          d->movers * (sizeof *d->mover + d->room) +
          d->room * ((d->bends + 2) * sizeof(float) + sizeof *d->sign) +
          (d->born_room + d->cell_room) * sizeof *d->sign +
-         d->source.occupied * 3 * ylm_dtype_size(d->source.occupied_dtype) + d->log_bytes;
+         d->source.occupied * 3 * ylm_dtype_size(d->source.occupied_dtype) + d->log_bytes +
+         d->spare_room * sizeof *d->spare;
 }

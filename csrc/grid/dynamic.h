@@ -53,6 +53,8 @@ typedef struct grid_dynamic {
 
   void *log; /* rows as they were before the last update: kept, so that its pages are there */
   size_t log_bytes;
+  ylm_grid_cell *spare; /* [spare_room] cells of the update before, for the same reason */
+  size_t spare_room;
 
   /* Signatures: of evaluated points [room], of interpolated ones, of cells. sign.c */
   uint64_t *sign, *born_sign, *cell_sign, form_sign;

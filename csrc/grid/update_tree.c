@@ -20,6 +20,13 @@ static bool same_octree(const update *u) {
   return true;
 }
 
+/* Cells that the next update may use: their pages are there. */
+static void spare_cells(update *u, ylm_grid_cell *cell, size_t room) {
+  ylm_free(u->d->spare);
+  u->d->spare = cell;
+  u->d->spare_room = room;
+}
+
 /* The old cells again, with the new errors; points that continuity made follow those they are
    made of. */
 static ylm_status keep_octree(update *u) {
@@ -28,7 +35,7 @@ static ylm_status keep_octree(update *u) {
     u->old.cell[i].error = g->cell[i].error;
     u->old.cell[i].residual = g->cell[i].residual;
   }
-  ylm_free(g->cell);
+  spare_cells(u, g->cell, g->cell_room);
   g->cell = u->old.cell;
   g->cells = u->old.cells;
   g->cell_room = u->old.cell_room;
@@ -74,11 +81,15 @@ static ylm_status refine(update *u) {
   b->changed = u->changed;
   b->unsettled = u->boxes;
   b->unsettleds = 2 * u->changes;
-  g->cell = NULL;
-  g->cells = g->cell_room = 0;
+  g->cell = u->d->spare;
+  g->cells = 0;
+  g->cell_room = u->d->spare_room;
+  u->d->spare = NULL;
+  u->d->spare_room = 0;
   g->evaluated = g->points; /* new ones come behind interpolated ones, which go later */
   for (size_t p = 0; p < u->old.evaluated; p++) g->flags[p] |= YLM_GRID_POINT_TESTED;
-  ylm_status s = baker_root(b);
+  ylm_status s = ylm__grid_reserve_cells(g, u->old.cells);
+  if (s == YLM_OK) s = baker_root(b);
   if (s != YLM_OK) return s;
   return g->view.form.tolerance > 0 ? ylm__grid_update_tolerance(b, u->changed, u->old.points)
                                     : baker_refine_threshold(b);
@@ -92,7 +103,7 @@ ylm_status update_octree(update *u) {
   s = update_repair(u, u->whole);
   if (s != YLM_OK && u->over) collapse(u->g);
   if (!u->over) return s;
-  ylm_free(u->old.cell);
+  spare_cells(u, u->old.cell, u->old.cell_room);
   u->old.cell = NULL;
   return s;
 }
