@@ -413,13 +413,16 @@ describe("grid:update", function()
     local grid, said = bake(descriptions[2], lamps(0), true), {}
     update(grid, lamps(0.4), { progress = function()
       for _, f in ipairs { function() return grid:sample { { 0, 0, 0 } } end, function() return grid:close() end,
-        function() return update(grid, lamps(0.2)) end } do
+        function() return update(grid, lamps(0.2)) end, function() return grid.stats end, function() return grid.lmax end } do
         local _, message = pcall(f)
         said[#said + 1] = tostring(message)
       end
+      assert.equal("ylm.grid (being updated)", tostring(grid))
     end })
     assert.is_true(#said >= 3)
-    for _, message in ipairs(said) do assert.truthy(message:find "being updated" or message:find "in use", message) end
+    for _, message in ipairs(said) do
+      assert.truthy(message:find "^[^:]*grid_update_spec.lua:%d+: .*being updated" or message:find "in use", message)
+    end
     assert.is_true(worst(grid:sample(everywhere), bake(descriptions[2], lamps(0.4)):sample(everywhere)) < 1e-3)
   end)
 

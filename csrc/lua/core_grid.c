@@ -516,13 +516,14 @@ static int grid_accepted_damage(lua_State *L) {
   return 1;
 }
 
-/* grid_is_open(value) -> true for a grid that has not been closed, false for a closed one, else nil
- */
+/* grid_is_open(value) -> true for a grid that has not been closed, false for a closed one, else nil;
+   whether it is being updated */
 static int grid_is_open(lua_State *L) {
   ylm_grid **g = ylmL_test(L, 1, GRID);
   if (!g) return 0;
   lua_pushboolean(L, *g != NULL);
-  return 1;
+  lua_pushboolean(L, *g && ylm_grid_updating(*g));
+  return 2;
 }
 
 static int grid_close(lua_State *L) {

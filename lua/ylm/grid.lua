@@ -244,7 +244,8 @@ end
 -- Methods ---------------------------------------------------------------------------
 
 local function open(g, name)
-  local is_open = core.grid_is_open(g)
+  local is_open, updating = core.grid_is_open(g)
+  if updating then return check.fail("%s: the grid is being updated", name) end
   if is_open then return g end
   if is_open == nil then
     return check.fail("%s: a grid expected before the colon, got %s", name, check.describe(g))
@@ -511,7 +512,9 @@ methods.__newindex = function(_, key)
 end
 
 methods.__tostring = function(g)
-  if not core.grid_is_open(g) then return "ylm.grid (closed)" end
+  local is_open, updating = core.grid_is_open(g)
+  if not is_open then return "ylm.grid (closed)" end
+  if updating then return "ylm.grid (being updated)" end
   local f, s = core.grid_form(g), core.grid_stats(g)
   return ("ylm.grid %s lmax %d %s, %d points, %d leaves"):format(f.kind, f.lmax, f.channels == 3
     and "rgb" or "luminance",

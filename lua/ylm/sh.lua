@@ -18,7 +18,9 @@ local parts = {
   { "ylm.sh_rotate", "rotate", "rotation" },
   { "ylm.sh_convert", "convert", "resize" },
   { "ylm.sh_product", "product", "product_method", "transfer", "transfer_apply" },
-  { "ylm.sh_project", "project", "zonal", "convolve", "cap", "irradiance", "zonal_irradiance", "sky" },
+  { "ylm.sh_project", "project" },
+  { "ylm.sh_zonal", "zonal", "convolve", "cap", "irradiance", "zonal_irradiance" },
+  { "ylm.sh_sky", "sky" },
   { "ylm.sh_window", "window", "dering", "summary", "random", "relative_error" },
 }
 

@@ -1,0 +1,71 @@
+--- Two images: their metrics and their difference.
+
+local check = require "ylm.check"
+local core = require "ylm.c.core"
+local describe = require "ylm.reference".describe
+local form = require "ylm.form"
+local images = require "ylm.image_check"
+
+local methods = core.metatable "ylm.image"
+
+local compare_options = {
+  { "layer", "string", optional = true, about = "which layer; default the first" },
+  { "mask", "any", optional = true, about = "array [h][w] or image of one channel; only pixels that are not 0 count" },
+  { "peak", "number", above = 0, optional = true, about = "what psnr refers to; default the largest reference value" },
+  { "floor", "number", above = 0, optional = true,
+    about = "least divisor of mape, of the reference's unit; default peak / 1000" },
+  images.threads,
+}
+
+describe "image:compare" {
+  about = "How far the image is from a reference, over all channels of a layer. mse and rmse; psnr in dB of peak;"
+    .. " mae and max, the mean and largest absolute difference; mape in percent of the reference, where that is"
+    .. " above floor; ssim, the mean structural similarity (Gaussian window, sigma 1.5, dynamic range = peak);"
+    .. " and pixels, the number of pixels that counted.",
+  arguments = { { "reference", "image", "the truth" }, { "options?", "table", "" } },
+  options = compare_options,
+  returns = { { "metrics", "table", "{ mse, rmse, psnr, peak, mae, mape, floor, ssim, max, pixels }" } },
+  errors = "raises where sizes or channels differ, the mask is empty, or a pixel that counts is not finite",
+  example = [[
+local a, b = ylm.image { size = { 8, 8 } }, ylm.image { size = { 8, 8 } }
+b:fill(1, 1, 8, 8, 1)
+local m = a:compare(b)
+assert(m.mse == 1 and m.psnr == 0 and m.peak == 1)]],
+  source = "Wang, Bovik, Sheikh, Simoncelli 2004 (ssim)",
+}
+function methods.compare(x, reference, options)
+  images.open(x, "compare")
+  images.other(1, "compare", reference)
+  options = form.options(2, "compare", compare_options, options)
+  local layer = options.layer and images.layer("compare", x, options.layer)
+  return check.result("compare", core.image_compare(x, reference, layer, images.mask("compare", x, options.mask),
+    options.peak or 0, options.floor or 0, options.threads))
+end
+
+local difference_options = {
+  { "layer", "string", optional = true, about = "which layer; default the first" },
+  { "scale", "number", default = 1, about = "differences are multiplied by this" },
+  { "kind", "choice", of = { "absolute", "signed", "relative" }, default = "absolute",
+    about = "|a - b|, a - b, or |a - b| / max(|b|, floor)" },
+  { "floor", "number", above = 0, default = 1e-3, about = "least divisor of relative differences" },
+}
+
+describe "image:difference" {
+  about = "The difference from a reference as an image of one layer.",
+  arguments = { { "reference", "image", "the truth" }, { "options?", "table", "" } },
+  options = difference_options,
+  returns = { { "difference", "image", "with the layer's name" } },
+  errors = "raises where sizes or channels differ",
+  example = [[
+local a, b = ylm.image { size = { 8, 8 } }, ylm.image { size = { 8, 8 } }
+b:fill(1, 1, 8, 8, 0.25)
+assert(a:difference(b, { scale = 100 }):layer():get(1, 1, 1) == 25)]],
+}
+function methods.difference(x, reference, options)
+  images.open(x, "difference")
+  images.other(1, "difference", reference)
+  options = form.options(2, "difference", difference_options, options)
+  local layer = options.layer and images.layer("difference", x, options.layer)
+  return check.result("difference",
+    core.image_difference(x, reference, layer, options.kind, options.scale, options.floor))
+end
