@@ -71,6 +71,11 @@ describe("the command-line tool", function()
     out, code = ylm "help all"
     assert.equal(0, code)
     assert.truthy(out:find("\n  sh.eval ", 1, true))
+    for _, command in ipairs { "run", "bench", "codegen", "help" } do
+      out, code = ylm("help " .. command)
+      assert.equal(0, code)
+      assert.truthy(out:find("ylm " .. command, 1, true), out)
+    end
     local _, bad, err = ylm "help zerso"
     assert.equal(2, bad)
     assert.equal("ylm: no help on 'zerso' (did you mean 'zeros'?)\n", err)

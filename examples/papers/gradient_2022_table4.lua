@@ -51,10 +51,6 @@ local function mae(image, truth)
   return 1000 * m.mae / m.peak
 end
 
-local function show(image, name, peak)
-  common.save(image, out .. name, { exposure = -math.log(peak) / math.log(2), tone = "srgb" })
-end
-
 local printed = {
   [288] = { 15.86, 0.096, 15.93, 0.215 }, [512] = { 15.76, 0.068, 15.83, 0.165 },
   [800] = { 15.67, 0.121, 15.75, 0.174 }, [722] = { 62.08, 0.129, 62.13, 0.176 },
@@ -72,10 +68,14 @@ for _, n in ipairs(quick and { 4 } or { 12, 16, 20, 19 }) do
   for i = 1, 4 do row[i] = ("%9.3f (%s)"):format(row[i], p[i] and ("%.3f"):format(p[i]) or "-") end
   print(("%8d %s"):format(#list, table.concat(row, " ")))
   if n == 19 or quick then
-    local peak = truth:compare(truth).peak
-    show(truth, "gradient_2022_fig12_exact.png", peak)
-    show(bare:difference(truth, { scale = 100 }), "gradient_2022_fig12_spheres_x100.png", peak)
-    show(rough:difference(truth, { scale = 100 }), "gradient_2022_fig12_approximation_x100.png", peak)
+    local exposure = -math.log(truth:compare(truth).peak) / math.log(2)
+    local function shown(image, caption) return { image = image, caption = caption, exposure = exposure, tone = "srgb" } end
+    common.save(ylm.figure {
+      title = ("A square light of %d triangles"):format(#list),
+      rows = { { shown(truth, "exact triangles"),
+        shown(bare:difference(truth, { scale = 100 }), "spheres: 100 × |difference|"),
+        shown(rough:difference(truth, { scale = 100 }), "spheres × |cos γ|: 100 × |difference|") } },
+    }, out .. "gradient_2022_fig12.png")
   end
 end
 

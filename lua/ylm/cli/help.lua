@@ -16,6 +16,10 @@ return {
       return status.good
     end
     local text, message = help.text(word)
+    local is_command, command = pcall(require, "ylm.cli." .. word)
+    if not text and is_command and command.summary then
+      text = require "ylm.cli.arguments".usage(word, command):gsub("%s+$", "")
+    end
     if not text then status.stop(status.usage, message) end
     io.stdout:write(text, "\n")
   end,
