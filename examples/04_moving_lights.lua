@@ -99,7 +99,7 @@ for frame = 1, option.frames do
     sum.update, sum.shade, sum.image = sum.update + update, sum.shade + shade, sum.image + composed
     sum.cpu = sum.cpu + cpu
   end
-  spare = not device and picture or nil
+  spare = picture
   if not option.nopictures then
     good(picture:save(("%smoving_%02d.png"):format(out, frame), { exposure = option.exposure, tone = "hable" }))
     if (frame - 1) % math.max(1, math.floor(option.frames / 6)) == 0 and #shown < 6 then

@@ -126,6 +126,13 @@ describe("ylm.vulkan pictures", function()
     end
     local worst = core.array_distance(there:layer "true_error", ylm.zeros({ 15, 20, 3 }, "float"))
     assert(worst < 1e-3 and report.seconds.light > 0 and there.metadata.method == "grid")
+    assert.equal(here.metadata.grid, there.metadata.grid)
+    assert.equal(gpu.name, there.metadata.device)
+    o.layers, o.truth = false, nil
+    local view = assert(s:prepare { size = o.size, samples = 2, transfer_samples = 16 })
+    local again = ylm.image { size = o.size }
+    assert.equal(again, (assert(view:render { grid = o.grid, device = gpu, layers = false, out = again })))
+    same(here:layer(), again:layer())
   end)
 
   it("stay on the device if asked for, in arrays that are written again", function()
@@ -192,6 +199,16 @@ describe("ylm.vulkan pictures", function()
     end
   end)
 
+  it("have the host answer where the grid has nothing", function()
+    local own, s = support.open { validate = true, staging = true }, scene()
+    local grid = assert(ylm.bake(ylm.uniform_grid { bounds = { { -1.1, -0.1, -1.1 }, { 1.1, 1.1, 1.1 } }, cells = 6, lmax = 2 },
+      s.lights, { occupied = { { -0.9, 0, -0.9 }, { 0.4, 0.1, 0.3 } } }))
+    local view = assert(s:prepare { size = { 40, 30 }, samples = 2, transfer_samples = 16, lmax = 3 })
+    local _, report = compare(view, { grid = grid, lamps = flying }, nil, own)
+    assert(report.unbaked > 100, report.unbaked)
+    support.close_silent(own)
+  end)
+
   it("are filtered by the host where the device has no room for them", function()
     local own, s = support.open { validate = true }, scene()
     local grid, view = assert(s:bake()), assert(s:prepare { size = { 80, 60 }, samples = 2, transfer_samples = 16 })
@@ -225,7 +242,7 @@ describe("ylm.vulkan pictures", function()
       assert(not ok and message:find(says, 1, true), tostring(message))
     end
     refused("name the device", { grid = grid, download = false })
-    refused("a new image", { grid = grid, device = own, out = own:array { 1 } })
+    refused("out", { grid = grid, device = own, out = own:array { 1 } })
     refused("must be a float array of 20x30x3", { grid = grid, device = own, download = false, out = own:array { 1 } })
     refused("a gpu_array expected", { grid = grid, device = own, download = false, out = ylm.zeros { 20, 30, 3 } })
     refused("which download = false makes none of", { grid = grid, device = own, download = false,

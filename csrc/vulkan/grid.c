@@ -268,14 +268,13 @@ static ylm_status run_host(const sampling *m, size_t at, size_t n, ylm_grid_repo
   const void *points = here(&m->points, at, n, point_bytes(m), &own[0], &s, e);
   const float *T = here(&m->transfer, at, n, m->row * sizeof *T, &own[1], &s, e);
   const float *albedo = here(&m->albedo, at, n, 3 * sizeof *albedo, &own[2], &s, e);
-  float *L = ylm_alloc(n * wide + 3, sizeof *L), *out = L ? L + n * wide : NULL;
+  float *L = ylm_alloc(n * (wide + 3), sizeof *L), *out = L ? L + n * wide : NULL;
   if (!L) s = ylm_fail(e, YLM_ENOMEM, "%s", ylm_status_text(YLM_ENOMEM));
   if (s == YLM_OK)
     s = ylm_grid_sample(m->grid, &q, n, points, L, wide > w ? L + n * w : NULL, r, e);
-  for (size_t i = 0; s == YLM_OK && m->shade && i < n; i++) {
-    dot(m, L + i * w, T + i * m->row, albedo ? albedo + 3 * i : NULL, out);
-    s = put(&m->value, at + i, 1, 3 * sizeof *out, out, e);
-  }
+  for (size_t i = 0; s == YLM_OK && m->shade && i < n; i++)
+    dot(m, L + i * w, T + i * m->row, albedo ? albedo + 3 * i : NULL, out + 3 * i);
+  if (s == YLM_OK && m->shade) s = put(&m->value, at, n, 3 * sizeof *out, out, e);
   if (s == YLM_OK && !m->shade) s = put(&m->value, at, n, w * sizeof *L, L, e);
   if (s == YLM_OK && wide > w) s = put(&m->gradient, at, n, 3 * w * sizeof *L, L + n * w, e);
   for (int i = 0; i < 3; i++) ylm_free(own[i]);

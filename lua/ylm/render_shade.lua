@@ -31,6 +31,15 @@ local function cells_of(p, o)
   return { level = level, error = error }
 end
 
+--- Writes into the metadata of a picture by a grid, or another light field, how it came about.
+local function sign(out, p, o, report)
+  local grid = o.grid
+  local stats = type(grid.stats) == "table" and grid.stats or {}
+  pictures.sign(out, p, "grid", report, { interpolation = o.interpolation, grid = tostring(grid), tolerance = grid.tolerance,
+    threshold = grid.threshold, grid_points = stats.points, grid_seconds = stats.seconds, outside = report.outside,
+    unbaked = report.unbaked, device = o.device and o.device.name })
+end
+
 --- Renders a prepared view by a grid on a device: an image, or with download = false a gpu_array [height][width][3].
 local function by_device(name, p, o)
   local start, report, bar = core.seconds(), pictures.new_report(p), progress.resolve(o.progress)
@@ -57,7 +66,7 @@ local function by_device(name, p, o)
   out, message, code = pictures.picture(name, p, write, o, cells)
   if not out then return nil, message, code end
   pictures.finish(report, start, report.seconds.light)
-  pictures.sign(out, p, "grid", report, { interpolation = o.interpolation, grid_points = o.grid.stats.points })
+  sign(out, p, o, report)
   return out, report
 end
 
@@ -67,9 +76,6 @@ function shading.by_grid(name, p, o)
   if o.device then
     if core.type(o.grid) ~= "ylm.grid" then
       return check.bad(1, name, "device: a baked grid expected, got %s", check.describe(o.grid))
-    end
-    if o.out and o.download ~= false then
-      return check.bad(1, name, "out: a picture that comes back is a new image; download = false writes an array")
     end
     return by_device(name, p, o)
   end
@@ -99,10 +105,7 @@ function shading.by_grid(name, p, o)
   local out, message, code = pictures.picture(name, p, radiance, o, cells)
   if not out then return nil, message, code end
   pictures.finish(report, start, seconds)
-  local stats = type(grid.stats) == "table" and grid.stats or {}
-  pictures.sign(out, p, "grid", report, { interpolation = o.interpolation, grid = tostring(grid), tolerance = grid.tolerance,
-    threshold = grid.threshold, grid_points = stats.points, grid_seconds = stats.seconds, outside = outside,
-    unbaked = unbaked })
+  sign(out, p, o, report)
   return out, report
 end
 
