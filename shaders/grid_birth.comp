@@ -40,8 +40,9 @@ void main() {
   for (uint j = lane % EACH; j < stride; j += EACH) {
     vec4 sum = vec4(0.0);
     for (uint r = 0; r < 32; r++) {
-      float x = grid_data(cell[k].corner[r & 7], r >> 3, j);
-      for (uint set = 0; set < 4; set++) sum[set] += weight[(4 * own + set) * 33 + r] * x;
+      uint at = 4 * own * 33 + r;
+      vec4 w = vec4(weight[at], weight[at + 33], weight[at + 66], weight[at + 99]);
+      if (w != vec4(0.0)) sum += w * grid_data(cell[k].corner[r & 7], r >> 3, j); /* at halves most are 0 */
     }
     for (uint set = 0; set < 4; set++) put_data(birth[i + 2], set, j, sum[set]);
   }

@@ -3,6 +3,7 @@
 
 local core = require "ylm.c.core"
 local ylm = require "ylm"
+local bakes = require "spec.support.bakes"
 local device = require "spec.support.gpu"
 local numbers = require "spec.support.random"
 
@@ -11,19 +12,7 @@ local box = { { -1, -1, -1 }, { 1, 1, 1 } }
 local floor = numbers.points_in(400, { -1, -1, -1 }, { 1, -0.9, 1 }, 7)
 local everywhere = numbers.points_in(3000, { -1, -1, -1 }, { 1, 1, 1 }, 8)
 
---- n lights about the box; one is in it, on the floor.
-local function lamps_of(n)
-  local r, at, radii, colours = numbers.minimal(91), {}, {}, {}
-  for i = 1, n do
-    at[i] = { 4 * r() - 2, 4 * r() - 2, 4 * r() - 2 }
-    radii[i] = 0.2 * (0.1 + r() ^ 4)
-    colours[i] = { r(), r(), r() }
-  end
-  at[1], radii[1] = { 0.1, -0.9, 0.2 }, 0.3
-  return ylm.sphere_lights { at = at, radius = radii, radiance = colours }
-end
-
-local lamps = lamps_of(40)
+local lamps = bakes.lamps(40, { floor = true })
 
 describe("a grid baked on a device", function()
   local gpu = device.here()

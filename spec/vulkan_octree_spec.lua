@@ -12,18 +12,7 @@ local points_in = numbers.points_in
 local box = { { -1, -1, -1 }, { 1, 1, 1 } }
 local floor = points_in(400, { -1, -1, -1 }, { 1, -0.9, 1 }, 7)
 
---- n lights of many sizes about the box, some of radius 0.
-local function lamps_of(n, size)
-  local r, at, radii, colours = numbers.minimal(91), {}, {}, {}
-  for i = 1, n do
-    at[i] = { 4 * r() - 2, 4 * r() - 2, 4 * r() - 2 }
-    radii[i] = i % 9 == 5 and 0 or (size or 0.2) * (0.1 + r() ^ 4)
-    colours[i] = { r(), r(), r() }
-  end
-  return ylm.sphere_lights { at = at, radius = radii, radiance = colours }
-end
-
-local lamps = lamps_of(40)
+local lamps = bakes.lamps(40, { dark = true })
 
 describe("an adaptive grid refined on a device", function()
   local gpu = device.here()
@@ -73,7 +62,7 @@ describe("an adaptive grid refined on a device", function()
       same({}, ylm.sphere_light { at = { 0.3, 0.1, -1.2 }, radius = 0.1, radiance = { 1, 2, 3 } }, floor)
       local here = same({ threshold = 0 }, ylm.sphere_light { at = { 0, 0, 0 }, radius = 0 }, floor)
       assert.equal(1, here.stats.cells)
-      same({ depth = 3, threshold = 5 }, lamps_of(10000, 0.01), floor)
+      same({ depth = 3, threshold = 5 }, bakes.lamps(10000, { dark = true, size = 0.01 }), floor)
     end)
 
     it("under flat lights approximated by spheres, whose surfaces voxels are tested against, and mixed ones", function()
@@ -357,7 +346,7 @@ describe("an adaptive grid refined on a device", function()
     it("for longer than 50 ms at a time, once kernels are compiled", function()
       if not gpu.limits.timestamps then pending("the device measures no times") return end
       -- the least of several runs: other programs have this machine's processors too
-      local many, d = lamps_of(10000, 0.01), description { lmax = 4, depth = 3, threshold = 5 }
+      local many, d = bakes.lamps(10000, { dark = true, size = 0.01 }), description { lmax = 4, depth = 3, threshold = 5 }
       local longest
       for _ = 1, 12 do
         local there = gpu:lights(many)

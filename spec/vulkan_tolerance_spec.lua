@@ -10,19 +10,7 @@ local numbers = require "spec.support.random"
 local box = { { -1, -1, -1 }, { 1, 1, 1 } }
 local floor = numbers.points_in(3000, { -1, -1, -1 }, { 1, -0.9, 1 }, 7)
 
---- n lights of many sizes about the box; the first is in it, on the floor.
-local function lamps_of(n, scale)
-  local r, at, radii, colours = numbers.minimal(91), {}, {}, {}
-  for i = 1, n do
-    at[i] = { 4 * r() - 2, 4 * r() - 2, 4 * r() - 2 }
-    radii[i] = 0.2 * (0.1 + r() ^ 4)
-    colours[i] = { r() * (scale or 1), r() * (scale or 1), r() * (scale or 1) }
-  end
-  at[1], radii[1] = { 0.1, -0.9, 0.2 }, 0.3
-  return ylm.sphere_lights { at = at, radius = radii, radiance = colours }
-end
-
-local lamps = lamps_of(40)
+local lamps = bakes.lamps(40, { floor = true })
 
 describe("a grid with a tolerance, its rows on a device", function()
   local gpu = device.here()
@@ -76,8 +64,8 @@ describe("a grid with a tolerance, its rows on a device", function()
     end)
 
     it("of numbers whose squares are no floats", function()
-      both({ depth = 3 }, lamps_of(40, 1e25), floor)
-      both({ depth = 3 }, lamps_of(40, 1e-25), floor)
+      both({ depth = 3 }, bakes.lamps(40, { floor = true, bright = 1e25 }), floor)
+      both({ depth = 3 }, bakes.lamps(40, { floor = true, bright = 1e-25 }), floor)
     end)
 
     it("under no light at all", function()

@@ -10,19 +10,7 @@ local numbers = require "spec.support.random"
 local box = { { -1, -1, -1 }, { 1, 1, 1 } }
 local floor = numbers.points_in(400, { -1, -1, -1 }, { 1, -0.9, 1 }, 7)
 
---- n lights of many sizes about the box; the first is in it, on the floor.
-local function lamps_of(n)
-  local r, at, radii, colours = numbers.minimal(91), {}, {}, {}
-  for i = 1, n do
-    at[i] = { 4 * r() - 2, 4 * r() - 2, 4 * r() - 2 }
-    radii[i] = i % 9 == 5 and 0 or 0.2 * (0.1 + r() ^ 4)
-    colours[i] = { r(), r(), r() }
-  end
-  at[1], radii[1] = { 0.1, -0.9, 0.2 }, 0.3
-  return ylm.sphere_lights { at = at, radius = radii, radiance = colours }
-end
-
-local lamps = lamps_of(40)
+local lamps = bakes.lamps(40, { dark = true, floor = true })
 
 describe("a uniform grid made on a device", function()
   local gpu = device.here()

@@ -2,8 +2,24 @@
 
 local assert = require "luassert"
 local core = require "ylm.c.core"
+local ylm = require "ylm"
+local random = require "spec.support.random"
 
 local bakes = {}
+
+--- n sphere lights of many sizes in a cube twice as large as {-1, 1}^3. `o`: size (0.2, of the largest), dark (true: one
+-- in nine has radius 0), bright (factor of radiance), floor (true: the first stands on a floor at -0.9, radius 0.3).
+function bakes.lamps(n, o)
+  local r, at, radii, colours = random.minimal(91), {}, {}, {}
+  local size, bright = o.size or 0.2, o.bright or 1
+  for i = 1, n do
+    at[i] = { 4 * r() - 2, 4 * r() - 2, 4 * r() - 2 }
+    radii[i] = o.dark and i % 9 == 5 and 0 or size * (0.1 + r() ^ 4)
+    colours[i] = { r() * bright, r() * bright, r() * bright }
+  end
+  if o.floor then at[1], radii[1] = { 0.1, -0.9, 0.2 }, 0.3 end
+  return ylm.sphere_lights { at = at, radius = radii, radiance = colours }
+end
 
 --- Cells by "x y z level": { leaf, error, size }.
 local function cells_of(grid)
