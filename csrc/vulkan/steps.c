@@ -56,7 +56,7 @@ void steps_work(step_queue *q, const ylm_gpu_work *from) {
   const char *stage = w->stage;
   *w = *from;
   w->stage = stage;
-  memcpy(q->push[q->n - 1], from->push, from->push_bytes);
+  ylm_copy(q->push[q->n - 1], from->push, from->push_bytes);
 }
 
 void steps_fill(step_queue *q, ylm_gpu_buffer *b, uint32_t value) {
