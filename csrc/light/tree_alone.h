@@ -17,6 +17,8 @@ typedef struct NAME(light_list) {
 /* What one point needs. */
 typedef struct NAME(alone) {
   NAME(light_list) near, dim;
+  V seen[YLM__TILE][3];                                           /* -u of a tile's lights */
+  VI solid[YLM__TILE];                                            /* masks: a light has a radius */
   V inverse[YLM__TILE], luminance[YLM__TILE], rgb[3 * YLM__TILE]; /* of a tile; 1/r */
   V c[YLM__STRENGTHS][3];                                         /* sums of strength u^(2+k) */
   V *sums, *dim_sums, *scaled; /* as those of points, lanes are lights */
@@ -26,12 +28,10 @@ YLM_INLINE V NAME(keep_lanes)(VI mask, V a) { return (V)((VI)a & mask); }
 
 /* -- sums over a list --------------------------------------------------------------------- */
 
-/* Geometry and weights of up to LANES lights, the j-th vector of a tile; the pilot's sums too. */
-static void NAME(prepare_lights)(const ylm__tree_plan *p, NAME(alone) * k, const NAME(work) * w,
-                                 const NAME(light_list) * l, size_t i, int j, int kinds,
-                                 const REAL *x, bool pilot, VI *inside) {
-  static const LAMP unit = {{0, 0, 0}, 1, 1, {1, 1, 1}};
-  int lmax = p->sums->q->lmax;
+/* Up to LANES lights seen from a point, the j-th vector of a tile; the pilot's sums too. */
+YLM_INLINE void NAME(see_lights)(const ylm__tree_plan *p, NAME(alone) * k,
+                                 const NAME(light_list) * l, size_t i, int j, const REAL *x,
+                                 bool pilot) {
   const V *f[YLM__FIELDS];
   for (int c = 0; c < YLM__FIELDS; c++) f[c] = (const V *)(l->field[c] + i);
   V v[3], r = *f[YLM__R], d2 = {0};
@@ -41,12 +41,8 @@ static void NAME(prepare_lights)(const ylm__tree_plan *p, NAME(alone) * k, const
   V size = NAME(larger)(NAME(larger)(r, (REAL)SMALL * d), (V){0} + TINY), inverse = 1 / size;
   V part = r * inverse;
   part *= part;
-  for (int a = 0; a < 3; a++) v[a] *= -inverse;
-  VI in = {0};
-  p->sums->kernel->prepare(lmax, kinds, 1, &unit, false, v,
-                           w->geometry + j * ylm__geometry_slots(lmax),
-                           w->weights + j * ylm__weight_slots(lmax), &in);
-  *inside |= in & (r > 0);
+  for (int a = 0; a < 3; a++) k->seen[j][a] = v[a] * -inverse;
+  k->solid[j] = r > 0;
   k->inverse[j] = inverse;
   for (int c = 0; c < 3; c++) k->rgb[3 * j + c] = *f[YLM__E + c] * part;
   k->luminance[j] = *f[YLM__LUM] * part;
@@ -58,6 +54,22 @@ static void NAME(prepare_lights)(const ylm__tree_plan *p, NAME(alone) * k, const
   for (int s = 0; s < YLM__STRENGTHS; s++) {
     V e = strength[s] * size * size * u * u;
     for (int n = 0; n < 3; n++) k->c[s][n] += e, e *= u;
+  }
+}
+
+/* Geometry and weights of the lights of a tile, n vectors of them. All are seen before any is
+   prepared, so that no quotient is waited for. */
+static void NAME(prepare_lights)(const ylm__tree_plan *p, NAME(alone) * k, const NAME(work) * w,
+                                 const NAME(light_list) * l, size_t i, int n, int kinds,
+                                 const REAL *x, bool pilot, VI *inside) {
+  static const LAMP unit = {{0, 0, 0}, 1, 1, {1, 1, 1}};
+  int lmax = p->sums->q->lmax, G = ylm__geometry_slots(lmax), W = ylm__weight_slots(lmax);
+  for (int j = 0; j < n; j++) NAME(see_lights)(p, k, l, i + (size_t)(j * LANES), j, x, pilot);
+  for (int j = 0; j < n; j++) {
+    VI in = {0};
+    p->sums->kernel->prepare(lmax, kinds, 1, &unit, false, k->seen[j], w->geometry + j * G,
+                             w->weights + j * W, &in);
+    *inside |= in & k->solid[j];
   }
 }
 
@@ -91,8 +103,7 @@ static size_t NAME(sum_list)(const ylm__tree_plan *p, const ylm__plan *s, NAME(a
   for (size_t i = 0; all && i < l->n; i += YLM__TILE * LANES) {
     size_t left = (l->n - i + LANES - 1) / LANES;
     int n = left < YLM__TILE ? (int)left : YLM__TILE;
-    for (int j = 0; j < n; j++) NAME(prepare_lights)
-    (p, k, w, l, i + (size_t)(j * LANES), j, all, x, s == p->pilot, inside);
+    NAME(prepare_lights)(p, k, w, l, i, n, all, x, s == p->pilot, inside);
     if (s->kinds_lum) {
       NAME(scale_lights)(k, lmax, s->kinds_lum, n, k->luminance, w->weights, k->scaled);
       kernel->sum(lmax, s->kinds_lum, n, w->geometry, k->scaled, w->state, sums);
