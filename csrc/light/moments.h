@@ -14,9 +14,10 @@
 ** point, with the linear maps of plan.c. Lanes are points.
 **
 ** What float would lose at high degrees: P'_k changes by k^2/4 times a change of alpha near 1, P_k
-** by k^2/2 times a change of z near 1, and both round to 6e-8. So weights are found from
-** delta = 1 - alpha by differences, and in the columns of low order m, which hold what is near the
-** poles, z has a second part (ylm__fine). Errors at lmax 20 were 4e-5, and are 6e-6.
+** by k^2/2 times a change of z near 1, both round to 6e-8, and so do all steps of a recurrence of
+** three terms. So weights are found from delta = 1 - alpha by differences, and the columns of low
+** order m (ylm__fine), which hold what is near the poles, from o = (x^2+y^2)/(1+|z|). Directions
+** below the horizon are turned to -w, and weights of odd degree change their sign.
 **
 ** Source  DESIGN "Sum of many sphere lights"; docs/math.md
 */
@@ -53,12 +54,12 @@ static inline bool ylm__has(int lmax, int kinds, int kind, int k) {
   return kind == 0 ? k <= lmax : kind == 1 ? k >= 1 && k <= lmax + 1 : k != 1 && k <= lmax + 2;
 }
 
-/* Places of one light in a tile: z, then Re and Im of (x+iy)^m, m = 1 .. lmax+2, then what z lost
-   to rounding. */
+/* Places of one light in a tile: z, then Re and Im of (x+iy)^m, m = 1 .. lmax+2, then 1 - |z|. */
 static inline int ylm__geometry_slots(int lmax) { return 2 + 2 * (lmax + 2); }
-static inline int ylm__rest_of_z(int lmax) { return 1 + 2 * (lmax + 2); }
-/* Columns of orders below this use the rest of z, in float. */
-static inline int ylm__fine(int lmax) { return lmax < 5 ? 0 : lmax < 11 ? 1 : lmax < 16 ? 3 : 5; }
+static inline int ylm__below_pole(int lmax) { return 1 + 2 * (lmax + 2); }
+/* Columns of orders below this are found by differences from the pole, in float: as many as keep
+   errors below 0.8 of the bound of DESIGN section 4 (spec/bench/accuracy.c). */
+static inline int ylm__fine(int lmax) { return lmax < 5 ? 0 : lmax < 11 ? 1 : (lmax - 4) / 3; }
 /* Places of one light's weights: w0 0..lmax, w1 0..lmax+1, w2 0..lmax+2; w1_0 and w2_1 are 0. */
 static inline int ylm__weight_slots(int lmax) { return 3 * lmax + 6; }
 static inline int ylm__weight_at(int lmax, int kind, int k) {

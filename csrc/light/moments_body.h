@@ -9,6 +9,8 @@
 YLM_INLINE V NAME(set)(REAL x) { return (V){0} + x; }
 YLM_INLINE V NAME(keep)(VI mask, V a) { return (V)((VI)a & mask); }
 YLM_INLINE V NAME(choose)(VI mask, V a, V b) { return (V)(((VI)a & mask) | ((VI)b & ~mask)); }
+/* a with the sign changed in the lanes where `sign` has its bit. */
+YLM_INLINE V NAME(turn)(V a, VI sign) { return (V)((VI)a ^ sign); }
 
 /* Constants of the recurrences, where lmax is not known to the compiler. */
 typedef struct NAME(constants) {
@@ -31,6 +33,9 @@ static inline void NAME(find_constants)(NAME(constants) * c, int degree) {
 #endif
 }
 
+/* Weight a of degree k, where directions below the horizon are turned. */
+#define ODD(k, a) (fine && (k) % 2 ? NAME(turn)(a, below) : (a))
+
 /* One light's geometry and weights for LANES points: times `emission`, and the third kind's times
    `bent` too. */
 YLM_INLINE void NAME(prepare_one)(const int lmax, const int kinds, const NAME(constants) * con,
@@ -48,9 +53,13 @@ YLM_INLINE void NAME(prepare_one)(const int lmax, const int kinds, const NAME(co
   V invd = NAME(keep)(out, NAME(rsqrt)(d2)), invh = NAME(rsqrt)(h2);
   V h = h2 * invh, alpha = h * invd, t = r * invd, es = t * t * emission;
   x *= invd, y *= invd, z *= invd;
+  const bool fine = FINE(lmax) > 0;                        /* then w is turned to where z >= 0 */
+  const VI below = fine ? (VI)z & (VI) - (V){0} : (VI){0}; /* sign bits of z */
+  if (fine) {
+    x = NAME(turn)(x, below), y = NAME(turn)(y, below), z = NAME(turn)(z, below);
+    g[ylm__below_pole(lmax)] = GROW * (x * x + y * y) * NAME(reciprocal)(1 + z);
+  }
   g[0] = GROW * z;
-  if (FINE(lmax)) /* by half of what |w|^2 exceeds 1 */
-    g[ylm__rest_of_z(lmax)] = (REAL)(-0.5 * GROW) * z * ((z - 1) * (z + 1) + (x * x + y * y));
   V far = bent * (d2 * invd * invh * invh * invh), once = NAME(reciprocal)(1 + alpha), u[LMAX + 4];
   V delta = t * t * once, e = {0}, c = x, s = y;
   u[0] = es;
@@ -68,21 +77,23 @@ YLM_INLINE void NAME(prepare_one)(const int lmax, const int kinds, const NAME(co
   if (kinds & YLM__M0) {
     w[0] = NAME(choose)(out, es * once, NAME(set)(2 * emission));
     UNROLL
-    for (int k = 1; k <= lmax; k++) w[k] = u[k - 1];
+    for (int k = 1; k <= lmax; k++) w[k] = ODD(k, u[k - 1]);
   }
   if (kinds & YLM__M1) {
     w[ylm__weight_at(lmax, 1, 0)] = NAME(set)(0);
     UNROLL
-    for (int k = 1; k <= lmax + 1; k++) w[ylm__weight_at(lmax, 1, k)] = u[k - 1] * invh;
+    for (int k = 1; k <= lmax + 1; k++) w[ylm__weight_at(lmax, 1, k)] = ODD(k, u[k - 1] * invh);
   }
   if (kinds & YLM__M2) {
     w[ylm__weight_at(lmax, 2, 0)] = es * far;
     w[ylm__weight_at(lmax, 2, 1)] = NAME(set)(0);
     UNROLL
     for (int k = 2; k <= lmax + 2; k++)
-      w[ylm__weight_at(lmax, 2, k)] = (u[k] + CONSTANT(rho, RHO, k) * u[k - 2]) * far;
+      w[ylm__weight_at(lmax, 2, k)] = ODD(k, (u[k] + CONSTANT(rho, RHO, k) * u[k - 2]) * far);
   }
 }
+
+#undef ODD
 
 static void NAME(prepare)(int lmax, int kinds, int n, const void *lamps, int bright,
                           const void *xyz, void *geometry, void *weights, void *inside) {
@@ -111,7 +122,7 @@ YLM_INLINE void NAME(segment)(const int lmax, const int kinds, const bool rgb, c
                               const int side, const int k0, const int k1, const V *g, const V *w,
                               const V *e, V *state, V *a) {
   const int K = ylm__degree_of(lmax, kinds);
-  V z = g[0], rest = g[ylm__rest_of_z(lmax)], q, before = {0};
+  V z = g[0], low = g[ylm__below_pole(lmax)], q, before = {0};
   if (k0 > m)
     q = state[0], before = state[1];
   else
@@ -131,11 +142,14 @@ YLM_INLINE void NAME(segment)(const int lmax, const int kinds, const bool rgb, c
         for (int c = 0; c < 3; c++) *a += e[c] * term, a++;
       }
     if (k == K) break;
-    V next;
-    if (m < FINE(lmax))
-      next = z * q + (rest * q - BETA(k, m) * before);
-    else
-      next = k == 0 ? z : k == m ? z * q : z * q - BETA(k, m) * before;
+    if (m < FINE(lmax)) {
+      before *= SLOW(k, m);
+      TOGETHER(before, q);
+      before -= low * q;
+      q = KEEP(k, m) * q + before;
+      continue;
+    }
+    V next = k == 0 ? z : k == m ? z * q : z * q - BETA(k, m) * before;
     before = q, q = next;
   }
   if (k1 <= K) state[0] = q, state[1] = before;

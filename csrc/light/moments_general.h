@@ -15,11 +15,11 @@
 
 /* A tile of n lights at one chunk of a column. */
 typedef struct NAME(chunk) {
-  int n, G, W, rest;       /* lights, places of one in g and in w[], place of the rest of z */
+  int n, G, W, low;        /* lights, places of one in g and in w[], place of 1 - z */
   const V *g, *w[3];       /* the first light's geometry, and weights at the first degree */
   const V *q, *before;     /* polynomials at the first degree and before it, */
   int q_step, before_step; /* of each light this far apart */
-  const REAL *beta;        /* from the first degree on */
+  const REAL *beta, *keep; /* from the first degree on; beta are SLOW where keep are KEEP */
   const V *emission;       /* three channels: [n][3] */
   int stride;              /* and sums of one are this far from those of the next */
   V *state;                /* polynomials behind the last degree: [n][2] */
@@ -46,7 +46,7 @@ YLM_INLINE void NAME(add_chunk)(const int kinds, const int channels, const int f
   for (int i = 0; i < count; i++) s[i] = a[i % channels * c.stride + i / channels];
   for (int j = 0; j < c.n; j++) {
     const V *g = c.g + j * c.G, *e = c.emission + 3 * j;
-    V z = g[0], rest = g[c.rest], q = c.q[j * c.q_step], before = c.before[j * c.before_step];
+    V z = g[0], low = g[c.low], q = c.q[j * c.q_step], before = c.before[j * c.before_step];
     int i = 0;
     UNROLL_ALL
     for (int d = 0; d < degrees; d++) {
@@ -62,7 +62,14 @@ YLM_INLINE void NAME(add_chunk)(const int kinds, const int channels, const int f
           for (int channel = 0; channel < 3; channel++) s[i] += e[channel] * term, i++;
         }
       if (tail >= 0 && d == degrees - 1) break;
-      V next = fine ? z * q + (rest * q - c.beta[d] * before) : z * q - c.beta[d] * before;
+      if (fine) {
+        before *= c.beta[d];
+        TOGETHER(before, q); /* q waits for two operations, not for three */
+        before -= low * q;
+        q = c.keep[d] * q + before;
+        continue;
+      }
+      V next = z * q - c.beta[d] * before;
       before = q, q = next;
     }
     if (tail < 0) c.state[2 * j] = q, c.state[2 * j + 1] = before;
@@ -94,7 +101,7 @@ YLM_INLINE void NAME(add_chunk)(const int kinds, const int channels, const int f
       NAME(add_chunk)(set, channels, most, -1, fine, c, a, s);                                     \
       a += SUMS(set, most, -1), full -= most;                                                      \
       for (int kind = 0; kind < 3; kind++) c->w[kind] += most;                                     \
-      c->beta += most;                                                                             \
+      c->beta += most, c->keep += most;                                                            \
       c->q = c->state, c->before = c->state + 1, c->q_step = c->before_step = 2;                   \
     }                                                                                              \
     switch (full) {                                                                                \
@@ -121,19 +128,27 @@ static void NAME(add_columns)(int lmax, int kinds, NAME(column) * plain, NAME(co
                               NAME(chunk) * c, const V *g, const V *w, V *a) {
   const V zero = {0}, one = zero + 1;
   const int K = ylm__degree_of(lmax, kinds);
-  double inverse[LMAX + 3];
-  REAL beta[LMAX + 3];
-  c->G = ylm__geometry_slots(lmax), c->W = ylm__weight_slots(lmax), c->rest = ylm__rest_of_z(lmax);
+  double odd[LMAX + 3], inverse[LMAX + 3];
+  REAL beta[LMAX + 3], keep[LMAX + 3];
+  c->G = ylm__geometry_slots(lmax), c->W = ylm__weight_slots(lmax), c->low = ylm__below_pole(lmax);
   c->g = g;
-  for (int k = 0; k <= K; k++) inverse[k] = GROW * GROW / (4.0 * k * k - 1);
+  for (int k = 0; k <= K; k++) {
+    odd[k] = GROW / (2.0 * k + 1);
+    inverse[k] = GROW * GROW / (4.0 * k * k - 1);
+  }
   for (int m = 0; m <= K; m++) {
-    for (int k = m; k <= K; k++) beta[k] = (REAL)((double)(k * k - m * m) * inverse[k]);
+    const bool slow = m < FINE(lmax);
+    for (int k = m; slow && k <= K; k++) {
+      beta[k] = (REAL)((k - m) * odd[k]);
+      keep[k] = (REAL)((k + m + 1) * odd[k]);
+    }
+    for (int k = m; !slow && k <= K; k++) beta[k] = (REAL)((double)(k * k - m * m) * inverse[k]);
     for (int side = 0; side < (m ? 2 : 1); side++) {
       c->q = m ? g + 2 * m - 1 + side : &one, c->q_step = m ? c->G : 0;
       c->before = &zero, c->before_step = 0;
-      c->beta = beta + m;
+      c->beta = beta + m, c->keep = keep + m;
       for (int kind = 0; kind < 3; kind++) c->w[kind] = w + ylm__weight_at(lmax, kind, m);
-      a = (m < FINE(lmax) ? fine : plain)(lmax + 1 - m, c, a);
+      a = (slow ? fine : plain)(lmax + 1 - m, c, a);
     }
   }
 }

@@ -32,7 +32,7 @@
 #define TOGETHER(a, b) __asm__("" : "+x"(a), "+x"(b))
 #endif
 
-/* Columns of orders below this use the rest of z. */
+/* Columns of orders below this are found by differences from the pole. */
 #define FINE(lmax) (sizeof(REAL) == sizeof(float) ? ylm__fine(lmax) : 0)
 
 /* u_n = P'_(n+1)(alpha) / P'_(n+1)(1) with delta = 1 - alpha, from u_0 = 1, e_0 = 0:
@@ -45,6 +45,11 @@
 /* beta of the monic Legendre recurrence q_(k+1) = z q_k - beta q_(k-1) of order m. */
 #define BETA(k, m)                                                                                 \
   ((REAL)(GROW * GROW * ((double)(k) * (k) - (double)(m) * (m)) / (4.0 * (k) * (k)-1)))
+
+/* The same by differences from the pole, with o = 1 - z, from e_m = 0:
+   e_(k+1) = SLOW e_k - o q_k, q_(k+1) = KEEP q_k + e_(k+1). */
+#define KEEP(k, m) ((REAL)(GROW * ((double)(k) + (m) + 1) / (2.0 * (k) + 1)))
+#define SLOW(k, m) ((REAL)(GROW * ((double)(k) - (m)) / (2.0 * (k) + 1)))
 
 /* h^2 = d^2 - r^2 with one rounding; without fma by the product, which rounds no worse. */
 #if defined(__FMA__) || defined(__aarch64__)
