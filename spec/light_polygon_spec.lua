@@ -220,7 +220,9 @@ describe("ylm.polygon_light", function()
     for i = 1, 5 do lights[i] = polygon(2 + 2 * i) end
     lights[6] = ylm.polygon_light { vertices = { { -1, 3, -1 }, { 1, 3, -1 }, { 1, 3, 1 }, { -1, 3, 1 } }, radiance = 2 }
     lights[7] = ylm.disk_light { at = { 0, -2, 0 }, normal = { 0, 1, 0.2 }, radius = 0.5 }
-    local packed, few = light.pack(2, "spec", lights), light.pack(2, "spec", { lights[2], lights[6] })
+    lights[8] = ylm.disk_light { at = { 1.5, 0.5, -1 }, normal = { -1, 0.3, 0.2 }, radius = 0.8, radiance = { 1, -2, 0.5 } }
+    lights[9] = ylm.disk_light { at = { 0.2, 8, 0.1 }, normal = { 0.1, 1, 0 }, radius = 3, radiance = 0.3 }
+    local packed, few = light.pack(2, "spec", lights), light.pack(2, "spec", { lights[2], lights[6], lights[9] })
     local points = {}
     for i = 1, 37 do points[i] = { 5 * random() - 2.5, 3 * random() - 1, 5 * random() - 2.5 } end
     -- on the square, in its plane, on an edge's line, at a corner, far, close

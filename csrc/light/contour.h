@@ -76,6 +76,13 @@ ylm_status ylm__contour_polygon(const ylm__contour *k, int n, const double (*v)[
                                 const double *normal, const double *horizon);
 ylm_status ylm__contour_ellipse(const ylm__contour *k, const double (*ellipse)[3],
                                 const double *normal, const double *horizon);
+/* Equal steps around a whole rim that keeps its distance converge geometrically: how many leave
+   exp(-digits); 0 if they are too many. With the centre c and half axes u, v: across = c.c +
+   size^2, swing = 2 |(c.u, c.v)|. contour_ellipse.c */
+#define YLM__STEPS 96
+int ylm__equal_steps(double across, double swing, int lmax, double digits);
+/* An upper bound of |y'| along a rim of half axes u, v. */
+double ylm__rim_speed(const double *u, const double *v);
 /* Half a sphere's sums: YLM_EDOMAIN. */
 ylm_status ylm__contour_touched(const ylm__contour *k);
 

@@ -8,7 +8,6 @@
    more: the integrand's nearest singularity then lies where they leave 1e-17. */
 #define RATIO 1.5
 #define PANELS 256
-#define FULL_MOST 96
 
 typedef struct rim {
   const ylm__contour *k;
@@ -69,19 +68,27 @@ static ylm_status part(rim *r, double from, double to) {
   return YLM_OK;
 }
 
-/* Equal steps converge geometrically on a whole rim that keeps its distance; 0: too slowly. */
-static int equal_steps(const rim *r) {
-  double across = ylm__dot(r->c, r->c) + r->size * r->size;
-  double cu = ylm__dot(r->c, r->u), cv = ylm__dot(r->c, r->v);
-  double swing = 2 * sqrt(cu * cu + cv * cv), ratio = across / fmax(swing, 1e-300);
-  double n = (37 + 1.5 * r->k->lmax) / (0.7 * acosh(fmax(1, ratio))) + 4;
-  double least = r->k->lmax + 12;
+int ylm__equal_steps(double across, double swing, int lmax, double digits) {
+  double ratio = across / fmax(swing, 1e-300);
+  double n = (digits + 1.5 * lmax) / (0.7 * acosh(fmax(1, ratio))) + 4, least = lmax + 12;
   n = fmax(n, least);
-  return n <= FULL_MOST ? (int)ceil(n) : 0;
+  return n <= YLM__STEPS ? (int)ceil(n) : 0;
+}
+
+static int whole_steps(const rim *r) {
+  double cu = ylm__dot(r->c, r->u), cv = ylm__dot(r->c, r->v);
+  return ylm__equal_steps(ylm__dot(r->c, r->c) + r->size * r->size, 2 * sqrt(cu * cu + cv * cv),
+                          r->k->lmax, 37);
+}
+
+/* |y'| is at most the longer half axis, where these are at right angles. */
+double ylm__rim_speed(const double *u, const double *v) {
+  double uu = ylm__dot(u, u), vv = ylm__dot(v, v), size = sqrt(uu + vv);
+  return fabs(ylm__dot(u, v)) <= 1e-9 * size * size ? sqrt(fmax(uu, vv)) : size;
 }
 
 static ylm_status full(rim *r, int n) {
-  double s[FULL_MOST][3], m[FULL_MOST][3], inverse[FULL_MOST];
+  double s[YLM__STEPS][3], m[YLM__STEPS][3], inverse[YLM__STEPS];
   for (int i = 0; i < n; i++) node(r, 2 * M_PI * i / n, 2 * M_PI / n, s[i], m[i], inverse + i);
   return ylm__contour_nodes(r->k, n, (const double(*)[3])s, (const double(*)[3])m, inverse, true);
 }
@@ -143,9 +150,7 @@ ylm_status ylm__contour_ellipse(const ylm__contour *k, const double (*ellipse)[3
   double distance = sqrt(ylm__dot(c, c));
   if (fabs(height) <= YLM__EDGE_ON * (distance + size))
     return holds(c, u, v) ? ylm__contour_touched(k) : YLM_OK;
-  /* |y'| is at most the longer half axis, where these are at right angles */
-  if (fabs(ylm__dot(u, v)) <= 1e-9 * size * size) size = sqrt(fmax(uu, vv));
-  rim r = {k, c, u, v, facing, sign, size, 0};
+  rim r = {k, c, u, v, facing, sign, ylm__rim_speed(u, v), 0};
   double h = 0, hu = 0, hv = 0, swing = 0;
   if (horizon) {
     h = ylm__dot(c, horizon), hu = ylm__dot(u, horizon), hv = ylm__dot(v, horizon);
@@ -156,10 +161,10 @@ ylm_status ylm__contour_ellipse(const ylm__contour *k, const double (*ellipse)[3
   if (horizon && h < swing) {
     double middle = atan2(hv, hu), wide = acos(-h / swing);
     s = above(&r, middle - wide, middle + wide, horizon);
-  } else if ((k->lmax + 4) * size < YLM__FAR * distance) {
+  } else if ((k->lmax + 4) * r.size < YLM__FAR * distance) {
     return from_far(&r);
   } else {
-    int n = equal_steps(&r);
+    int n = whole_steps(&r);
     s = n ? full(&r, n) : part(&r, 0, 2 * M_PI);
   }
   k->value[0] = fabs(r.solid_angle) * sqrt(1 / (4 * M_PI));

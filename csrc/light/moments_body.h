@@ -44,7 +44,7 @@ YLM_INLINE void NAME(prepare_one)(const int lmax, const int kinds, const NAME(co
   const int K = ylm__degree_of(lmax, kinds);
   (void)con;
   x = lamp->at[0] - x, y = lamp->at[1] - y, z = lamp->at[2] - z;
-  V r = NAME(set)(lamp->radius), d2 = x * x + y * y + z * z, h2 = SQUARES(d2, r);
+  V r = NAME(set)(lamp->radius), d2 = x * x + y * y + z * z, h2 = SQUARES(d2, r, lamp->radius);
   VI out = h2 > 0;
   *inside |= ~out;
   V one = NAME(set)(1);

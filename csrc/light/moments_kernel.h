@@ -51,11 +51,13 @@
 #define KEEP(k, m) ((REAL)(GROW * ((double)(k) + (m) + 1) / (2.0 * (k) + 1)))
 #define SLOW(k, m) ((REAL)(GROW * ((double)(k) - (m)) / (2.0 * (k) + 1)))
 
-/* h^2 = d^2 - r^2 with one rounding; without fma by the product, which rounds no worse. */
+/* h^2 = d^2 - r^2 with one rounding of r^2 or, without fma, with what that loses in float. */
 #if defined(__FMA__) || defined(__aarch64__)
-#define SQUARES(d2, r) ((d2) - (r) * (r))
+#define SQUARES(d2, r, radius) ((d2) - (r) * (r))
 #else
-#define SQUARES(d2, r) ((SQRT(d2) - (r)) * (SQRT(d2) + (r)))
+#define SQUARES(d2, r, radius) (((d2)-SQUARE(radius)) - LOST(radius))
+#define SQUARE(r) ((REAL)((double)(r) * (r)))
+#define LOST(r) ((REAL)((double)(r) * (r)-SQUARE(r)))
 #endif
 
 /* -- float --------------------------------------------------------------------------- */

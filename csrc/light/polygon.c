@@ -71,10 +71,9 @@ ylm_status ylm__polygon_exactly(const ylm_polygons *p, const ylm__flat_plan *pla
   k.gradient = g && one ? one + count : NULL;
   k.hessian = h && one ? one + 4 * count : NULL;
   if (s == YLM_OK && kernel) s = kernel(plan, &k, n, x, sum, inside);
-  for (size_t i = 0; i < n && s == YLM_OK; i++)
+  for (size_t i = 0; i < n && s == YLM_OK && !kernel; i++)
     for (size_t l = 0; l < p->n && s == YLM_OK; l++)
-      if (!kernel || !p->sides[l])
-        s = ylm__polygon_add(p, &k, l, x[i], sum + 3 * i * wide, inside + i);
+      s = ylm__polygon_add(p, &k, l, x[i], sum + 3 * i * wide, inside + i);
   ylm_free(k.y);
   ylm_free(one);
   return s;

@@ -1,7 +1,8 @@
 /* polygon_kernel.h - polygons by vectors: lanes are points. Private to csrc/light.
 
-   Along an edge the normal N of its great circle is constant, so that per edge three kinds of
-   moments are summed over nodes, and per point three vectors of each, N_a times a moment:
+   (Disks: polygon_disk.h.) Along an edge the normal N of its great circle is constant, so that per
+   edge three kinds of moments are summed over nodes, and per point three vectors of each, N_a times
+   a moment:
 
      kind  moment of Y_km along the edge      degrees k       feeds
      0     integral Y_km dt                   0 .. lmax-1     L: N.grad Y_lm has degree l-1 there
@@ -31,8 +32,8 @@ typedef struct ylm__flat_map {
 } ylm__flat_map;
 
 typedef struct ylm__flat_plan ylm__flat_plan;
-/* Adds all polygons (not the ellipses) at n points: sum [n][3][10 count]. What is on a light,
-   edge-on or far goes to the reference, for which k is. */
+/* Adds all lights at n points: sum [n][3][10 count]. What is on a light, edge-on, far, or too near
+   to a disk's rim goes to the reference, for which k is. */
 typedef ylm_status ylm__flat_range(const ylm__flat_plan *plan, const ylm__contour *k, size_t n,
                                    const double (*x)[3], double *sum, uint8_t *inside);
 /* The kernel of an instruction set; NULL: there is none. */
@@ -46,6 +47,7 @@ struct ylm__flat_plan {
   double degree;            /* of the integrands */
   double reach[YLM__RULES]; /* of the rules, for the element type */
   double far;               /* as YLM__FAR, for the element type */
+  double digits;            /* of ylm__equal_steps, for the element type */
   size_t count, offset[3], width;
   double *monic; /* [top+1][top+1]: c of p_(l+1) = z p_l - c p_(l-1), by m and l */
   double *norm;  /* [(lmax+2)^2] */

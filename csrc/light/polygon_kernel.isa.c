@@ -1,4 +1,4 @@
-/* polygon_kernel.isa.c - polygons at as many points as a vector has lanes. */
+/* polygon_kernel.isa.c - polygons and disks at as many points as a vector has lanes. */
 #include "ylm_simd.h"
 
 #include "polygon_kernel.h"
@@ -272,6 +272,8 @@ YLM_INLINE void add_polygon(const ylm__flat_plan *plan, const int kinds, size_t 
     for (size_t k = 0; k < row; k++) sum[c * row + k] += e[c] * one[k];
 }
 
+#include "polygon_disk.h"
+
 YLM_INLINE void put(double *sum, size_t step, size_t lanes, V v) {
   for (size_t i = 0; i < lanes; i++) sum[i * step] += v[i];
 }
@@ -318,8 +320,10 @@ YLM_INLINE ylm_status range(const ylm__flat_plan *plan, const int kinds, const y
     for (size_t i = 0; i < row * channels; i++) sums[i] = set(0);
     for (size_t l = 0; l < plan->p->n && s == YLM_OK; l++) {
       VI out;
-      if (!plan->p->sides[l]) continue;
-      add_polygon(plan, kinds, l, at, &out, moment, one, sums);
+      if (plan->p->sides[l])
+        add_polygon(plan, kinds, l, at, &out, moment, one, sums);
+      else
+        add_disk(plan, kinds, l, at, &out, one, sums);
       for (size_t i = 0; i < lanes && s == YLM_OK; i++)
         if (out[i])
           s = ylm__polygon_add(plan->p, k, l, x[begin + i], sum + (begin + i) * 3 * wide,

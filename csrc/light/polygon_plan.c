@@ -94,6 +94,7 @@ ylm_status ylm__flat_plan_make(ylm__flat_plan *plan, const ylm_polygons *p,
   plan->channels = q->channels == 3 || (metric && q->metric_channels == 3) ? 3 : 1;
   plan->top = q->lmax + (plan->kinds & YLM__K2 ? 1 : plan->kinds & YLM__K1 ? 0 : -1);
   plan->far = q->dtype == YLM_FLOAT ? 1e-6 : YLM__FAR;
+  plan->digits = q->dtype == YLM_FLOAT ? 23 : 37; /* e^-23 = 1e-10, e^-37 = 1e-16 */
   plan->degree = q->lmax + (plan->kinds & YLM__K2 ? 3 : plan->kinds & YLM__K1 ? 1 : 0);
   for (int k = 0; k < 3; k++) {
     plan->offset[k] = plan->width;

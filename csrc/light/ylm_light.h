@@ -95,8 +95,8 @@ YLM_API ylm_light_bend_fn *ylm_light_bend(void);
 ** Returns  YLM_OK; YLM_ERANGE (lmax, a point too far out), YLM_EDOMAIN (a point is not finite),
 **          YLM_EINVAL (channels, isa): nothing is written then; YLM_ENOMEM; YLM_ECANCELLED
 ** Accuracy relative to the L2 norm over all degrees, against double at the inputs rounded to the
-**          dtype, d/r from 1.001 to 1e4: double 1e-13 + 1e-15 d/(d-r); float 4e-6 + 1.5e-7 d/(d-r)
-**          to lmax 8, (lmax/8)^2 times that above
+**          dtype, d/r from 1.001 on: double 1e-13 + 1e-15 d/(d-r); float 4e-6 + 1.5e-7 d/(d-r) to
+**          lmax 31 (spec/bench/accuracy.c; docs/performance.md has what is found)
 ** Sums     of 1e5 lights in float stay within 1e-5 of double (compensated sums of 128)
 ** Threads  a point's result depends on the point and the lights alone: neither on the number of
 **          threads nor on the other points of the batch

@@ -4,7 +4,7 @@
 BENCHES := $(patsubst spec/bench/%.c,$(BUILD)/bench/%,$(filter-out $(if $(WITH_SCENE),,%/transfer.c),$(wildcard spec/bench/*.c)))
 PEER    ?=
 BENCH   ?=
-# BENCH=quick: all, briefly; BENCH="light sh": these. many_lights takes minutes and is run by name.
+# BENCH=quick: all, briefly; BENCH="light sh": these. many_lights and accuracy take minutes and are run by name.
 benches := $(filter-out quick,$(BENCH))
 BENCH_LIBS_transfer := -lylm_scene -lembree3
 
@@ -16,7 +16,7 @@ $(BUILD)/bench/%: spec/bench/%.c $(wildcard spec/bench/*.h) $(LIBS)
 
 bench: $(BENCHES) all   ## measure: peaks of this machine, then kernels, grids, rays, plots into out/bench (PEER=prefix compares; BENCH=quick or names)
 	@for b in $(filter %/peak,$(BENCHES)) $(filter-out %/peak,$(BENCHES)); do \
-	  case " $(or $(benches),$(filter-out many_lights,$(notdir $(BENCHES)))) " in *" $${b##*/} "*) BENCH=$(filter quick,$(BENCH)) PEER=$(PEER) $$b || exit 1; echo;; esac; done
+	  case " $(or $(benches),$(filter-out many_lights accuracy,$(notdir $(BENCHES)))) " in *" $${b##*/} "*) BENCH=$(filter quick,$(BENCH)) PEER=$(PEER) $$b || exit 1; echo;; esac; done
 	@case " $(or $(benches),calls) " in *" calls "*) for l in luajit lua5.4; do if command -v $$l >/dev/null; then \
 	  YLM_LUA=$$l $(BUILD)/ylm run spec/bench/calls.lua || exit 1; fi; done;; esac
 	@case " $(or $(benches),scaling) " in *" scaling "*) BENCH=$(filter quick,$(BENCH)) $(BUILD)/ylm run spec/bench/scaling.lua $(OUT)/bench;; esac
