@@ -11,7 +11,7 @@
 layout(constant_id = 2) const uint KINDS = 1;
 
 uint store_at;
-rvec4 factor;
+real factor[10];
 const uint PART1 = (KINDS & 4) != 0 ? 1u : 0u;
 #define SUM0(a) real a, a##_x, a##_y, a##_z;
 #define SUM1(a) SUM0(a)
@@ -40,8 +40,7 @@ void put_parts(uint p, real x, real y, real z) {
 #include "gen/moments.glsl"
 
 void weigh(rvec3 direction, real id, rvec3 normal, real plain) {
-  rmat2x3 bend;
-  factor = cosine(normal, plain, direction, id, bend);
+  cosine(normal, plain, direction, id, factor);
 }
 #include "moments_add.glsl"
 #include "lamps_main.glsl"

@@ -7,7 +7,7 @@
 const uint KINDS = 1;
 
 uint store_at;
-rmat2x3 factor;
+real factor[10];
 #define PART1 0u
 #define SUM0(a) real a##_xx, a##_xy, a##_xz, a##_yy, a##_yz, a##_zz;
 #define SUM1(a)
@@ -18,8 +18,8 @@ rmat2x3 factor;
 #define ADD0(a, e)                                                                                 \
   {                                                                                                \
     real one = e;                                                                                  \
-    a##_xx += factor[0].x * one, a##_xy += factor[0].y * one, a##_xz += factor[0].z * one;         \
-    a##_yy += factor[1].x * one, a##_yz += factor[1].y * one, a##_zz += factor[1].z * one;         \
+    a##_xx += factor[4] * one, a##_xy += factor[5] * one, a##_xz += factor[6] * one;               \
+    a##_yy += factor[7] * one, a##_yz += factor[8] * one, a##_zz += factor[9] * one;               \
   }
 #define ADD1(a, e)
 #define ADD2(a, e)
@@ -34,8 +34,7 @@ void put(uint p, uint k, real a) { partial[store_at + (parts + k * part_row + p)
 #include "gen/moments.glsl"
 
 void weigh(rvec3 direction, real id, rvec3 normal, real plain) {
-  rvec4 c = cosine(normal, plain, direction, id, factor);
-  if (id == REAL(0.0lf)) factor = rmat2x3(0.0);
+  cosine(normal, plain, direction, id, factor);
 }
 #include "moments_add.glsl"
 #include "lamps_main.glsl"

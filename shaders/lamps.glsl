@@ -2,7 +2,7 @@
 ** lamps.glsl - sums over lights for one point an invocation: what moments, flat and product share.
 **
 ** A group sums one chunk of lights in one channel at gl_WorkGroupSize.x points: group number
-** = point group + point groups * (chunk + chunks * channel). Lights come in tiles through shared
+** = point group + point groups * (item + items * (chunk + chunks * channel)). Lights come in tiles through shared
 ** memory. Partial sums go to partial[channel][chunk][sum][stride]; reduce.real.comp adds chunks.
 **
 ** The includer has defined STORE's sums by clear_sums, add_light and store_sums of gen/.
@@ -14,10 +14,8 @@ layout(constant_id = 5) const bool FLAT = false; /* lights have a normal */
 
 #ifdef YLM_DOUBLE
 #define rvec4 dvec4
-#define rmat2x3 dmat2x3
 #else
 #define rvec4 vec4
-#define rmat2x3 mat2x3
 #endif
 
 #define TILE 64u /* lights in shared memory */
@@ -37,7 +35,10 @@ PUSH {
   uint channel_first;  /* 0 1 2: red green blue; 3: luminance */
   uint sums;           /* a channel's */
   uint parts, part_row; /* of these: where those times derivatives of the cosine begin, and how many of each */
+  uint items;          /* groups that share points, chunk and channel: moments_any.real.comp */
 };
+
+uint which; /* of them this group is */
 
 const uint LAMP_ROWS = FLAT ? 4u : 3u, TILE_ROWS = FLAT ? 3u : 2u;
 shared rvec4 tile[TILE_ROWS * TILE];
@@ -52,6 +53,9 @@ real inverse_root(real x) {
   return y + y * (REAL(1.0lf) - x * y * y) * REAL(0.5lf);
 }
 
+#include "gen/jet.glsl"
+#include "gen/light.glsl"
+
 /* d^2 - r^2 without the cancellation that rounding r^2 would bring; no contraction may undo it. */
 real difference(real d2, real r2, real lost) {
   precise real h2 = d2 - r2;
@@ -60,16 +64,10 @@ real difference(real d2, real r2, real lost) {
 }
 
 /*
-** What a flat light's sphere is multiplied by: |cos gamma| (Mezieres et al. 2022, Eqs. 24-28), its gradient by the
-** light's position (yzw) and its Hessian (xx xy xz, yy yz zz). w: the light's direction; id: 1/d; in a light 0.
+** What a flat light's sphere is multiplied by: |cos gamma| (Mezieres et al. 2022, Eqs. 24-28) as a jet by the light's
+** position, 1 for spheres (`plain`) and in lights. w: the light's direction; id: 1/d; in a light 0.
 */
-rvec4 cosine(rvec3 normal, real plain, rvec3 w, real id, out rmat2x3 bend) {
-  real c = dot(normal, w);
-  rvec3 n = c < REAL(0.0lf) ? -normal : normal;
-  c = abs(c);
-  rvec3 m = REAL(3.0lf) * c * w - n; /* -(n w + w n) + 3 c w w = m w - w n */
-  real i2 = id * id;
-  bend = rmat2x3(m.x * w.x - w.x * n.x - c, m.x * w.y - w.x * n.y, m.x * w.z - w.x * n.z,
-                 m.y * w.y - w.y * n.y - c, m.y * w.z - w.y * n.z, m.z * w.z - w.z * n.z - c) * i2;
-  return id > REAL(0.0lf) ? rvec4(plain + c, (n - c * w) * id) : rvec4(1.0, 0.0, 0.0, 0.0);
+void cosine(rvec3 normal, real plain, rvec3 w, real id, inout real jet[10]) {
+  jet_cosine(dot(normal, w) < REAL(0.0lf) ? -normal : normal, w, id, jet);
+  jet[0] = id > REAL(0.0lf) ? plain + jet[0] : REAL(1.0lf);
 }

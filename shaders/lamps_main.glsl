@@ -2,7 +2,8 @@
 void main() {
   uint blocks = (points + gl_WorkGroupSize.x - 1u) / gl_WorkGroupSize.x, group = ylm_group(first);
   uint i = (group % blocks) * gl_WorkGroupSize.x + gl_LocalInvocationID.x;
-  uint row = group / blocks; /* chunk + chunks * channel */
+  uint row = group / blocks / items; /* chunk + chunks * channel */
+  which = group / blocks % items;
   uint channel = channel_first + row / chunks;
   uint begin = (chunk_first + row % chunks) * chunk, end = min(begin + chunk, lamps);
   uint k = 3u * min(i, points - 1u);

@@ -20,7 +20,6 @@ PUSH {
   uint n, lmax;
 };
 
-#include "gen/recurrence.glsl"
 #include "unit.glsl"
 
 uint at;      /* of this point's results */
@@ -84,7 +83,7 @@ void finish(int l, int m, rvec3 g, real h[6]) {
   if (ORDER < 2) return;
   real own[6] = h;
   if (SOLID)
-    sh_yy(h[0], h[5], own[3]);
+    own[3] = sh_yy(h[0], h[5]);
   else
     sh_surface_twice(real(l), inverse, p(l, m), w, real(l) * inverse * w, dy, h, own);
   for (int c = 0; c < 6; c++) hessian[6 * k + c] = own[c];

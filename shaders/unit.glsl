@@ -1,4 +1,5 @@
 /* unit.glsl - directions. */
+#include "gen/recurrence.glsl"
 
 /* Makes v a unit vector and returns 1 / |v|, without overflow. */
 real ylm_unit(inout rvec3 v) {
@@ -12,5 +13,5 @@ real ylm_unit(inout rvec3 v) {
 /* The sign of a unit vector's z and 1 - |z|, exact also near the poles. */
 void ylm_pole(rvec3 v, out real g, out real o) {
   g = v.z < 0 ? REAL(-1) : REAL(1);
-  o = (v.x * v.x + v.y * v.y) / (1 + v.z * g);
+  o = sh_one_minus(g, v.x, v.y, v.z);
 }

@@ -29,6 +29,8 @@ layout(local_size_x_id = 0) in;
 #endif
 #define REAL(x) real(x)
 
+real choose(bool first, real a, real b) { return first ? a : b; }
+
 /* The number of this group among all slices. */
 uint ylm_group(uint first) { return first + gl_WorkGroupID.x; }
 

@@ -74,6 +74,7 @@ describe("lights on a device", function()
   local lights = { lamps, big }
   local points = random_points(99, 3, 6)
   points[100], points[101] = { 0.5, 0.25, -0.5 }, { 0.625, 0.25, -0.5 }
+  local few = { points[1], points[2], points[3], points[4], points[100], points[101] }
 
   describe("agreement", function()
     for lmax = 0, 10 do
@@ -90,6 +91,30 @@ describe("lights on a device", function()
         agree(lmax, lights, points, { derivatives = 2, channels = "luminance", metric = "luminance" }, 1e-5)
       end)
     end
+
+    for _, lmax in ipairs { 11, 15, 20 } do
+      it(("to 1e-5 in float with Hessians and the metric, by loops, at lmax %d"):format(lmax), function()
+        local there = agree(lmax, lights, few, { derivatives = 2, channels = "luminance", metric = "luminance" }, 1e-5)
+        assert.equal(1, there[4].inside:get(5))
+        assert.near(sqrt(4 * math.pi) * (2 * 0.2126 + 0.7152 + 0.5 * 0.0722), there[1]:get(5, 1, 1), 1)
+      end)
+    end
+
+    it("by loops, of values alone, of gradients, of rgb, of the metric of rgb", function()
+      agree(12, lights, points, { channels = "luminance" }, 1e-5)
+      agree(13, lights, few, { derivatives = 1, metric = "luminance" }, 1e-5)
+      agree(11, lights, few, { metric = "rgb" }, 1e-5)
+    end)
+
+    it("at lmax 40, where a column of Hessians takes more than one group", function()
+      agree(40, lights, { points[1], points[2] }, { derivatives = 2, channels = "luminance" }, 1e-5)
+    end)
+
+    it("by loops to 1e-12 in double", function()
+      if not gpu.limits.float64 then pending "the device does not compute in double" end
+      agree(15, lights, few, { derivatives = 2, dtype = "double", channels = "luminance", metric = "luminance" }, 1e-12)
+      agree(20, lights, few, { derivatives = 1, dtype = "double", channels = "luminance" }, 1e-12)
+    end)
 
     it("of rgb, with the metric of luminance or of rgb", function()
       for _, metric in ipairs { "luminance", "rgb" } do
@@ -189,6 +214,15 @@ describe("lights on a device", function()
       agree(10, flat, points, { derivatives = 1, channels = "luminance" }, 1e-5)
     end)
 
+    it("by loops above: Hessians and the metric, gradients, values; and in double", function()
+      agree(11, mixed, few, { derivatives = 2, channels = "luminance", metric = "luminance" }, 1e-5)
+      agree(15, flat, few, { derivatives = 1, channels = "luminance" }, 1e-5)
+      agree(20, flat, few, { channels = "luminance" }, 1e-5)
+      if gpu.limits.float64 then
+        agree(11, mixed, few, { derivatives = 2, channels = "luminance", dtype = "double" }, 1e-12)
+      end
+    end)
+
     it("to 1e-12 in double", function()
       if not gpu.limits.float64 then pending "the device does not compute in double" end
       agree(3, mixed, points, { derivatives = 2, dtype = "double", metric = "luminance" }, 1e-12)
@@ -277,7 +311,7 @@ describe("lights on a device", function()
       local arrays = gpu.stats.arrays
       ylm.light_field(2, lights, points, { device = gpu })
       assert.equal(arrays, gpu.stats.arrays)
-      assert.has_error(function() ylm.light_field(11, lights, points, { device = gpu }) end)
+      assert.has_error(function() ylm.light_field(101, lights, points, { device = gpu }) end)
       collectgarbage()
       collectgarbage()
       assert.equal(arrays, gpu.stats.arrays)
@@ -312,8 +346,8 @@ describe("lights on a device", function()
     end
 
     it("degrees beyond those that there are kernels for", function()
-      refused("lmax must be 0 .. 10 for lights on a device, got 11", function()
-        return (ylm.light_field(11, lamps, points, { device = gpu }))
+      refused("lmax must be an integer from 0 to 100, got 101", function()
+        return (ylm.light_field(101, lamps, points, { device = gpu }))
       end)
       refused("lmax must be 0 .. 8 for lights on a device with this method, got 9", function()
         return (ylm.light_field(9, lamps, points, { device = gpu, method = "reversed" }))

@@ -3,6 +3,23 @@
 
 #include <math.h>
 
+#include "gen/recurrences.h"
+
+int ylm_light_sums_at(int lmax, int kinds, int k) {
+  int n = 0;
+  for (int kind = 0; kind < 3; kind++) n += ylm__has(lmax, kinds, kind, k);
+  return n;
+}
+
+double ylm_light_recurrence(int lmax, int m, int k, double constant[4]) {
+  double grow = ylm__grow(lmax);
+  constant[0] = YLM__SLOWS(k);
+  constant[1] = YLM__STEP(k);
+  constant[2] = YLM__RHO(k);
+  constant[3] = grow * grow * YLM__BETA(k, m);
+  return grow;
+}
+
 /*
 ** Rows for sums of the product rule: by order m, side, degree l, then value, x y z, xx .. zz as far
 ** as there are derivatives. Sums are by the light's position and lack 2 pi and the normalisation.
@@ -31,7 +48,7 @@ static ylm_status product_rows(ylm__rows *r, int lmax, int derivatives, int part
 ylm_status ylm_light_maps_create(int lmax, int need, int kinds, ylm_light_maps *maps) {
   ylm__map map = {0};
   *maps = (ylm_light_maps){.sums = (size_t)ylm__sum_count(lmax, kinds)};
-  ylm_status s = ylm__map_create(&map, lmax, need, kinds, 1);
+  ylm_status s = ylm__map_create(&map, lmax, need, kinds, ylm__grow(lmax));
   maps->value = map.value;
   maps->gradient = map.gradient;
   maps->bend = map.bend;
@@ -73,6 +90,9 @@ typedef struct flat {
   ylm_light_maps plain, slope, bend;
 } flat;
 
+/* Terms of a Hessian's row over sums: a row of `hessian` has at most 12, and one of `bend` too. */
+static size_t hessian_terms(size_t sums) { return sums < 144 ? sums : 144; }
+
 /* Derivatives of c are by the light's position, minus those by x. */
 static ylm_status flat_gradient(ylm__rows *r, const flat *f) {
   size_t n = f->plain.gradient.n;
@@ -89,7 +109,7 @@ static ylm_status flat_hessian(ylm__rows *r, const flat *f) {
   static const size_t row[6] = {0, 0, 0, 1, 1, 2}, column[6] = {0, 1, 2, 1, 2, 2};
   size_t n = f->plain.hessian.n, slope = f->plain.sums, bend = slope + 3 * f->slope.sums;
   double *own = ylm_alloc(f->plain.sums, sizeof *own);
-  ylm_status s = own ? ylm__rows_create(r, n, n * (f->plain.sums + 25)) : YLM_ENOMEM;
+  ylm_status s = own ? ylm__rows_create(r, n, n * (hessian_terms(f->plain.sums) + 25)) : YLM_ENOMEM;
   for (size_t i = 0; i < n && s == YLM_OK; i++) {
     size_t k = i / 6, a = row[i % 6], b = column[i % 6];
     hessian_row(&f->plain, i, own);

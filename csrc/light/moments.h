@@ -54,6 +54,9 @@ static inline bool ylm__has(int lmax, int kinds, int kind, int k) {
   return kind == 0 ? k <= lmax : kind == 1 ? k >= 1 && k <= lmax + 1 : k != 1 && k <= lmax + 2;
 }
 
+/* What z is multiplied by, so that high degrees do not underflow: as GROW of moments_kernel.h. */
+static inline double ylm__grow(int lmax) { return lmax > YLM__SPECIAL ? 2 : 1; }
+
 /* Places of one light in a tile: z, then Re and Im of (x+iy)^m, m = 1 .. lmax+2, then 1 - |z|. */
 static inline int ylm__geometry_slots(int lmax) { return 2 + 2 * (lmax + 2); }
 static inline int ylm__below_pole(int lmax) { return 1 + 2 * (lmax + 2); }

@@ -7,10 +7,11 @@
 */
 
 YLM_INLINE V NAME(set)(REAL x) { return (V){0} + x; }
-YLM_INLINE V NAME(keep)(VI mask, V a) { return (V)((VI)a & mask); }
 YLM_INLINE V NAME(choose)(VI mask, V a, V b) { return (V)(((VI)a & mask) | ((VI)b & ~mask)); }
 /* a with the sign changed in the lanes where `sign` has its bit. */
 YLM_INLINE V NAME(turn)(V a, VI sign) { return (V)((VI)a ^ sign); }
+
+#include "gen/light.h"
 
 /* Constants of the recurrences, where lmax is not known to the compiler. */
 typedef struct NAME(constants) {
@@ -44,15 +45,10 @@ YLM_INLINE void NAME(prepare_one)(const int lmax, const int kinds, const NAME(co
   const int K = ylm__degree_of(lmax, kinds);
   (void)con;
   x = lamp->at[0] - x, y = lamp->at[1] - y, z = lamp->at[2] - z;
-  V r = NAME(set)(lamp->radius), d2 = x * x + y * y + z * z, h2 = SQUARES(d2, r, lamp->radius);
-  VI out = h2 > 0;
-  *inside |= ~out;
-  V one = NAME(set)(1);
-  h2 = NAME(choose)(out, h2, one);
-  d2 = NAME(choose)(out, d2, one);
-  V invd = NAME(keep)(out, NAME(rsqrt)(d2)), invh = NAME(rsqrt)(h2);
-  V h = h2 * invh, alpha = h * invd, t = r * invd, es = t * t * emission;
-  x *= invd, y *= invd, z *= invd;
+  V r = NAME(set)(lamp->radius), d2 = x * x + y * y + z * z, u[LMAX + 4];
+  const NAME(light) l = NAME(seen)(d2, SQUARES(d2, r, lamp->radius), r, NAME(set)(emission));
+  *inside |= ~l.outside;
+  x *= l.invd, y *= l.invd, z *= l.invd;
   const bool fine = FINE(lmax) > 0;                        /* then w is turned to where z >= 0 */
   const VI below = fine ? (VI)z & (VI) - (V){0} : (VI){0}; /* sign bits of z */
   if (fine) {
@@ -60,36 +56,34 @@ YLM_INLINE void NAME(prepare_one)(const int lmax, const int kinds, const NAME(co
     g[ylm__below_pole(lmax)] = GROW * (x * x + y * y) * NAME(reciprocal)(1 + z);
   }
   g[0] = GROW * z;
-  V far = bent * (d2 * invd * invh * invh * invh), once = NAME(reciprocal)(1 + alpha), u[LMAX + 4];
-  V delta = t * t * once, e = {0}, c = x, s = y;
-  u[0] = es;
+  V far = bent * l.far, e = {0}, c = x, s = y;
+  u[0] = l.es;
   /* two recurrences, one beside the other because each waits for itself */
   UNROLL
   for (int n = 0; n < K; n++) {
     TOGETHER(c, e);
-    V bend = delta * u[n], kept = CONSTANT(slows, SLOWS, n) * e, turn = s * y;
     g[2 * n + 1] = c, g[2 * n + 2] = s;
-    e = kept - bend;
-    s = s * x + c * y;
-    c = c * x - turn;
-    u[n + 1] = u[n] + CONSTANT(step, STEP, n) * e;
+    NAME(weight_step)
+    (CONSTANT(slows, SLOWS, n), CONSTANT(step, STEP, n), l.delta, e, u[n], &e, &u[n + 1]);
+    NAME(next_power)(x, y, c, s, &c, &s);
   }
   if (kinds & YLM__M0) {
-    w[0] = NAME(choose)(out, es * once, NAME(set)(2 * emission));
+    w[0] = l.first;
     UNROLL
     for (int k = 1; k <= lmax; k++) w[k] = ODD(k, u[k - 1]);
   }
   if (kinds & YLM__M1) {
     w[ylm__weight_at(lmax, 1, 0)] = NAME(set)(0);
     UNROLL
-    for (int k = 1; k <= lmax + 1; k++) w[ylm__weight_at(lmax, 1, k)] = ODD(k, u[k - 1] * invh);
+    for (int k = 1; k <= lmax + 1; k++) w[ylm__weight_at(lmax, 1, k)] = ODD(k, u[k - 1] * l.invh);
   }
   if (kinds & YLM__M2) {
-    w[ylm__weight_at(lmax, 2, 0)] = es * far;
+    w[ylm__weight_at(lmax, 2, 0)] = l.es * far;
     w[ylm__weight_at(lmax, 2, 1)] = NAME(set)(0);
     UNROLL
     for (int k = 2; k <= lmax + 2; k++)
-      w[ylm__weight_at(lmax, 2, k)] = ODD(k, (u[k] + CONSTANT(rho, RHO, k) * u[k - 2]) * far);
+      w[ylm__weight_at(lmax, 2, k)] =
+          ODD(k, NAME(bent_weight)(CONSTANT(rho, RHO, k), u[k], u[k - 2], far));
   }
 }
 
@@ -149,7 +143,7 @@ YLM_INLINE void NAME(segment)(const int lmax, const int kinds, const bool rgb, c
       q = KEEP(k, m) * q + before;
       continue;
     }
-    V next = k == 0 ? z : k == m ? z * q : z * q - BETA(k, m) * before;
+    V next = k == 0 ? z : k == m ? z * q : NAME(rise)(BETA(k, m), z, q, before);
     before = q, q = next;
   }
   if (k1 <= K) state[0] = q, state[1] = before;

@@ -69,7 +69,7 @@ YLM_INLINE void NAME(add_chunk)(const int kinds, const int channels, const int f
         q = c.keep[d] * q + before;
         continue;
       }
-      V next = z * q - c.beta[d] * before;
+      V next = NAME(rise)(c.beta[d], z, q, before);
       before = q, q = next;
     }
     if (tail < 0) c.state[2 * j] = q, c.state[2 * j + 1] = before;
@@ -134,7 +134,7 @@ static void NAME(add_columns)(int lmax, int kinds, NAME(column) * plain, NAME(co
   c->g = g;
   for (int k = 0; k <= K; k++) {
     odd[k] = GROW / (2.0 * k + 1);
-    inverse[k] = GROW * GROW / (4.0 * k * k - 1);
+    inverse[k] = GROW * GROW / YLM__BELOW(k);
   }
   for (int m = 0; m <= K; m++) {
     const bool slow = m < FINE(lmax);
@@ -142,7 +142,7 @@ static void NAME(add_columns)(int lmax, int kinds, NAME(column) * plain, NAME(co
       beta[k] = (REAL)((k - m) * odd[k]);
       keep[k] = (REAL)((k + m + 1) * odd[k]);
     }
-    for (int k = m; !slow && k <= K; k++) beta[k] = (REAL)((double)(k * k - m * m) * inverse[k]);
+    for (int k = m; !slow && k <= K; k++) beta[k] = (REAL)(YLM__ABOVE(k, m) * inverse[k]);
     for (int side = 0; side < (m ? 2 : 1); side++) {
       c->q = m ? g + 2 * m - 1 + side : &one, c->q_step = m ? c->G : 0;
       c->before = &zero, c->before_step = 0;

@@ -8,6 +8,7 @@
 */
 #include "ylm_simd.h"
 
+#include "gen/recurrences.h"
 #include "moments.h"
 
 #define UNROLL_ALL _Pragma("GCC unroll 32")
@@ -35,16 +36,11 @@
 /* Columns of orders below this are found by differences from the pole. */
 #define FINE(lmax) (sizeof(REAL) == sizeof(float) ? ylm__fine(lmax) : 0)
 
-/* u_n = P'_(n+1)(alpha) / P'_(n+1)(1) with delta = 1 - alpha, from u_0 = 1, e_0 = 0:
-   e_(n+1) = SLOWS(n) e_n - delta u_n, u_(n+1) = u_n + STEP(n) e_(n+1). */
-#define SLOWS(n) ((REAL)((n) * (2.0 * (n) + 1) / (((n) + 2.0) * (2.0 * (n) + 3))))
-#define STEP(n) ((REAL)((2.0 * (n) + 3) / ((n) + 3.0)))
-/* P_k - alpha P'_k is, but for a factor, u_k + RHO(k) u_(k-2). */
-#define RHO(k) ((REAL)((k) / ((k) + 1.0)))
-
-/* beta of the monic Legendre recurrence q_(k+1) = z q_k - beta q_(k-1) of order m. */
-#define BETA(k, m)                                                                                 \
-  ((REAL)(GROW * GROW * ((double)(k) * (k) - (double)(m) * (m)) / (4.0 * (k) * (k)-1)))
+/* Constants of the recurrences, of the element type; z is times GROW. */
+#define SLOWS(n) ((REAL)YLM__SLOWS(n))
+#define STEP(n) ((REAL)YLM__STEP(n))
+#define RHO(k) ((REAL)YLM__RHO(k))
+#define BETA(k, m) ((REAL)(GROW * GROW * YLM__BETA(k, m)))
 
 /* The same by differences from the pole, with o = 1 - z, from e_m = 0:
    e_(k+1) = SLOW e_k - o q_k, q_(k+1) = KEEP q_k + e_(k+1). */

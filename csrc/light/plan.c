@@ -1,4 +1,5 @@
 /* plan.c - what has to be summed for a query, and the linear maps from sums to results. */
+#include "gen/recurrences.h"
 #include "moments.h"
 
 #include <math.h>
@@ -60,8 +61,7 @@ static double weight_scale(int kind, int k) {
 double ylm__harmonic_scale(int k, int m, double grow) {
   double c = sqrt(0.25 / M_PI) * (m ? M_SQRT2 : 1);
   for (int j = 1; j <= m; j++) c *= -sqrt((2.0 * j + 1) / (2.0 * j));
-  for (int j = m + 1; j <= k; j++)
-    c /= grow * sqrt(((double)j * j - (double)m * m) / (4.0 * j * j - 1));
+  for (int j = m + 1; j <= k; j++) c /= grow * sqrt(YLM__BETA(j, m));
   return c;
 }
 

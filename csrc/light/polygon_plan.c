@@ -1,4 +1,5 @@
 /* polygon_plan.c - what the kernels of polygons need to know about a query. */
+#include "gen/recurrences.h"
 #include "polygon_kernel.h"
 
 #include <math.h>
@@ -30,7 +31,7 @@ static void make_harmonics(ylm__flat_plan *plan) {
     if (m > 0) start *= -sqrt((2 * m + 1.0) / (2 * m)) * (m == 1 ? M_SQRT2 : 1);
     double norm = start;
     for (int l = m; l <= top; l++) {
-      double c = ((double)l * l - (double)m * m) / (4.0 * l * l - 1);
+      double c = YLM__BETA(l, m);
       if (l > m) norm /= sqrt(c);
       plan->monic[m * (top + 1) + l] = l > m ? c : 0;
       plan->norm[ylm_sh_index(l, m)] = plan->norm[ylm_sh_index(l, -m)] = norm;

@@ -4,33 +4,28 @@
 
 #include <math.h>
 
+#include "gen/jet.h"
 #include "ylm_sh.h"
 
-static const int row[6] = {0, 0, 0, 1, 1, 2}, column[6] = {0, 1, 2, 1, 2, 2};
-
-/* |cos gamma| at v = centre - x, its gradient with respect to x and its Hessian: Eqs. 26-28, and
-   one derivative more. */
-static double cosine(const double *n, const double *v, double *gradient, double *hessian) {
-  double d2 = ylm__dot(v, v), d = sqrt(d2), d3 = d * d2, nv = ylm__dot(n, v), c = nv / d,
-         sign = c < 0 ? -1 : 1;
-  for (int k = 0; k < 3; k++) gradient[k] = -sign * (n[k] / d - v[k] * nv / d3);
-  for (int q = 0; q < 6; q++) {
-    int i = row[q], j = column[q];
-    hessian[q] = sign * (-(n[i] * v[j] + v[i] * n[j]) / d3 - (i == j ? nv / d3 : 0) +
-                         3 * nv * v[i] * v[j] / (d3 * d2));
-  }
-  return fabs(c);
+/* |cos gamma| at v = centre - x, its gradient with respect to x and its Hessian, as a jet. */
+static void cosine(const double *normal, const double *v, double *jet) {
+  double d = sqrt(ylm__dot(v, v)), sign = ylm__dot(normal, v) < 0 ? -1 : 1, n[3], w[3];
+  for (int k = 0; k < 3; k++) n[k] = sign * normal[k], w[k] = v[k] / d;
+  jet_cosine(n, w, 1 / d, jet);
+  for (int k = 1; k < 4; k++) jet[k] = -jet[k]; /* by x */
 }
 
-/* What a sphere's coefficients become times c: product rule. Any of g, h may be NULL. */
-static void times(size_t count, double c, const double *cg, const double *ch, double *value,
-                  double *gradient, double *hessian) {
+/* What a sphere's coefficients become times c. Any of g, h may be NULL. */
+static void times(size_t count, const double *c, double *value, double *gradient, double *hessian) {
   for (size_t k = 0; k < count; k++) {
     double *g = gradient ? gradient + 3 * k : NULL, *h = hessian ? hessian + 6 * k : NULL;
-    for (int q = 0; h && q < 6; q++)
-      h[q] = c * h[q] + g[row[q]] * cg[column[q]] + g[column[q]] * cg[row[q]] + value[k] * ch[q];
-    for (int a = 0; g && a < 3; a++) g[a] = c * g[a] + value[k] * cg[a];
-    value[k] *= c;
+    double own[10] = {value[k]}, made[10];
+    for (int a = 0; g && a < 3; a++) own[1 + a] = g[a];
+    for (int q = 0; h && q < 6; q++) own[4 + q] = h[q];
+    jet_times(c, own, made);
+    value[k] = made[0];
+    for (int a = 0; g && a < 3; a++) g[a] = made[1 + a];
+    for (int q = 0; h && q < 6; q++) h[q] = made[4 + q];
   }
 }
 
@@ -64,10 +59,10 @@ ylm_status ylm__polygon_spheres(const ylm_polygons *p, const ylm_field_query *q,
              *dh = h ? hessian + 6 * i * count : NULL, *to = sum + 3 * i * wide;
       const double *e = p->radiance + 3 * k;
       if (!in[i]) {
-        double v[3], cg[3], ch[6];
+        double v[3], c[10];
         for (int a = 0; a < 3; a++) v[a] = p->centroid[3 * k + (size_t)a] - x[i][a];
-        double c = cosine(p->normal + 3 * k, v, cg, ch);
-        times(count, c, cg, ch, one, dg, dh);
+        cosine(p->normal + 3 * k, v, c);
+        times(count, c, one, dg, dh);
       }
       inside[i] |= in[i];
       add(count, one, e, wide, to);

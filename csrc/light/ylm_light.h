@@ -191,11 +191,16 @@ typedef struct ylm_light_maps {
 ** To be freed in any case. YLM_ENOMEM.
 */
 YLM_API ylm_status ylm_light_maps_create(int lmax, int need, int kinds, ylm_light_maps *maps);
+/* How many of these sums there are at degree k <= lmax + 2 of a column: one for each kind there. */
+YLM_API int ylm_light_sums_at(int lmax, int kinds, int k);
+/* The constants slows, step, rho, beta of the recurrences of weights and of order m from degree k
+   to k + 1 (lua/ylm/codegen/recurrences.lua); returns what z is multiplied by in these sums. */
+YLM_API double ylm_light_recurrence(int lmax, int m, int k, double constant[4]);
 /* For the sums of the product rule with 0, 1 or 2 derivatives, see shaders/product.real.comp. */
 YLM_API ylm_status ylm_light_product_maps_create(int lmax, int derivatives, ylm_light_maps *maps);
 /*
 ** For merged moments of spheres times a cosine c that differs from light to light, as flat lights
-** are approximated, with 0, 1 or 2 derivatives, lmax <= 10. First the sums of kinds 1, 3 or 7 times
+** are approximated, with 0, 1 or 2 derivatives. First the sums of kinds 1, 3 or 7 times
 ** c; with derivatives those of kinds 1 (3 with Hessians) times c's derivatives by the light's x, y,
 ** z, one after the other; with Hessians those of kind 1 times c's second derivatives xx .. zz.
 */

@@ -16,8 +16,6 @@
 */
 #include "sh_simd.h"
 
-#include "gen/recurrence.h"
-
 /* Columns that wait for a whole block; flushed when there are this many. */
 #define WAITING 96
 
@@ -94,7 +92,7 @@ YLM_INLINE void finish(const state *s, int order, bool solid, real l, const vrea
     for (int c = 0; c < 3; c++) dy[c] = g[c];
     if (order < 2) return;
     for (int c = 0; c < 3; c++) scaled[c] = g[c];
-    sh_yy(h[0], h[5], &h[3]);
+    h[3] = sh_yy(h[0], h[5]);
     for (int c = 0; c < 6; c++) ddy[c] = h[c];
     return;
   }

@@ -209,12 +209,13 @@ YLM_INLINE void sh_unit(vreal v[3], vreal *inverse, bool tame) {
   for (size_t c = 0; c < 3; c++) v[c] *= *inverse;
 }
 
+#include "gen/recurrence.h"
+
 /* The sign of z (as -1 or 1) and 1 - |z| of unit vectors, exact also near the poles. */
 YLM_INLINE void sh_pole(const vreal w[3], vreal *sign, vreal *one_minus) {
   sh_mask south = w[2] < 0; /* -1 there */
   *sign = 1 + 2 * __builtin_convertvector(south, vreal);
-  vreal r2 = w[0] * w[0] + w[1] * w[1];
-  *one_minus = r2 / (1 + w[2] * *sign);
+  *one_minus = sh_one_minus(*sign, w[0], w[1], w[2]);
 }
 
 #endif

@@ -94,10 +94,10 @@ ylm_status ylm__lights_scratch(ylm_gpu_lights *l, int which, uint64_t bytes, ylm
 
 static ylm_status check(const ylm_gpu_lights *l, const ylm_field_query *q, size_t n,
                         const void *points, ylm_field_result *r, ylm_error *e) {
-  int most = l->method == YLM_GPU_MERGED ? YLM_GPU_LMAX : YLM_GPU_PRODUCT_LMAX;
-  if (q->lmax > most && q->lmax <= YLM_LIGHT_LMAX)
-    return ylm_fail(e, YLM_ERANGE, "lmax must be 0 .. %d for lights on a device%s, got %d", most,
-                    most < YLM_GPU_LMAX ? " with this method" : "", q->lmax);
+  if (l->method != YLM_GPU_MERGED && q->lmax > YLM_GPU_PRODUCT_LMAX && q->lmax <= YLM_LIGHT_LMAX)
+    return ylm_fail(e, YLM_ERANGE,
+                    "lmax must be 0 .. %d for lights on a device with this method, got %d",
+                    YLM_GPU_PRODUCT_LMAX, q->lmax);
   ylm_status s = ylm_light_check(q, YLM_LIGHT_LMAX, n, points, r, e);
   if (s != YLM_OK) return s;
   if (q->dtype == YLM_DOUBLE && !ylm_gpu_about(l->gpu)->float64)
@@ -166,7 +166,11 @@ ylm_status ylm__lights_reach(const ylm_gpu_lights *l, const sum_plan *plan,
   uint32_t chunks = (l->active + l->chunk - 1) / l->chunk, some = chunks < 8 ? chunks : 8;
   size_t widest = size.widest > other ? size.widest : other;
   r->rows = ylm_gpu_rows(l->gpu, n, widest, size.all + other + some * size.partial, PASS_BYTES);
-  if (!r->rows) return ylm_fail(e, YLM_ELIMIT, "the device has too little memory for 64 points");
+  if (!r->rows)
+    return ylm_fail(
+        e, YLM_ELIMIT,
+        "'%s' lets kernels see %.0f MiB: too little for the sums of 64 points at lmax %d",
+        ylm_gpu_about(l->gpu)->name, (double)ylm_gpu_about(l->gpu)->bind_bytes / 1048576, q->lmax);
   uint64_t room = ylm_gpu_about(l->gpu)->bind_bytes;
   if (room > PARTIAL_BYTES) room = PARTIAL_BYTES;
   r->places = (r->rows + GROUP - 1) / GROUP * GROUP;

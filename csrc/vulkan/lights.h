@@ -13,6 +13,8 @@
 
 #define GROUP 64u /* points of a group */
 #define MAX_PASSES 32
+/* The highest lmax of the kernels with unrolled formulas: shaders/gen/moments.glsl. */
+#define YLM__UNROLLED 10
 
 /* A sparse matrix in the device's memory. */
 typedef struct device_rows {
@@ -37,6 +39,9 @@ typedef struct sum_set {
   struct sum_pass {
     uint32_t m_first, m_last, sums, parts, part;
     bool bend;
+    /* moments_any.real.comp: */
+    uint32_t kinds, block, items;
+    ylm_gpu_buffer *item;
   } pass[MAX_PASSES];
 } sum_set;
 
@@ -48,7 +53,9 @@ typedef struct sum_plan {
   sum_set lum, rgb;
   int mixed; /* kinds that luminance takes from the rgb sums */
   device_maps from_lum, from_rgb, from_mixed;
-  device_rows mix; /* luminance of rgb sums */
+  device_rows mix;           /* luminance of rgb sums */
+  ylm_gpu_buffer *constants; /* of the recurrences, where lmax > YLM__UNROLLED: [m][k][4] */
+  uint32_t grow;             /* what z is multiplied by there */
 } sum_plan;
 
 enum {
@@ -83,8 +90,21 @@ struct ylm_gpu_lights {
   bool busy; /* a call that uses them has not returned: its progress function runs */
 };
 
+/* -- lights_any.c --------------------------------------------------------------- */
+
+/* Whether a set is summed by moments_any.real.comp. */
+static inline bool ylm__sum_any(ylm_gpu_method method, int lmax) {
+  return method == YLM_GPU_MERGED && lmax > YLM__UNROLLED;
+}
+/* The passes of a set, and the plan's constants if it has none. */
+ylm_status ylm__sum_any_cut(const ylm_gpu_lights *l, sum_plan *p, sum_set *set, ylm_error *e);
+
 /* -- lights_plan.c ------------------------------------------------------------ */
 
+/* Sums that an invocation keeps in registers: 255 of them hold these and what a light needs. */
+#define SUM_BUDGET 144
+/* Sums of all orders. */
+uint32_t ylm__sum_count_of(ylm_gpu_method method, int lmax, uint32_t kinds);
 /* The plan of a query, which the object keeps. */
 ylm_status ylm__sum_plan_get(ylm_gpu_lights *l, const ylm_field_query *q, const sum_plan **p,
                              ylm_error *e);

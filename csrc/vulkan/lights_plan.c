@@ -3,8 +3,6 @@
 
 #include "lights.h"
 
-/* Sums that an invocation keeps in registers: 255 of them hold these and what a light needs. */
-#define BUDGET 144
 /* Plans that are kept. */
 #define KEPT 8
 
@@ -87,14 +85,11 @@ static uint32_t width_of(ylm_gpu_method method, int lmax, uint32_t kinds, int m)
   if (method != YLM_GPU_MERGED)
     n = m <= lmax ? (lmax + 1 - m) * parts[derivatives_of(kinds)] : 0;
   else
-    for (int k = m; k <= lmax + 2; k++)
-      n +=
-          (kinds & 1 && k <= lmax) + (kinds & 2 && k >= 1 && k <= lmax + 1) + (kinds & 4 && k != 1);
+    for (int k = m; k <= lmax + 2; k++) n += ylm_light_sums_at(lmax, (int)kinds, k);
   return (uint32_t)(m ? 2 * n : n);
 }
 
-/* Sums of all orders. */
-static uint32_t sums_of(ylm_gpu_method method, int lmax, uint32_t kinds) {
+uint32_t ylm__sum_count_of(ylm_gpu_method method, int lmax, uint32_t kinds) {
   uint32_t n = 0;
   for (int m = 0; m <= lmax + 2; m++) n += width_of(method, lmax, kinds, m);
   return n;
@@ -107,7 +102,7 @@ static uint32_t sums_of(ylm_gpu_method method, int lmax, uint32_t kinds) {
 static void cut(ylm_gpu_method method, int lmax, uint32_t kinds, uint32_t parted, uint32_t times,
                 struct sum_pass first, sum_set *set) {
   static const uint32_t most[] = {
-      [YLM_GPU_MERGED] = BUDGET, [YLM_GPU_FORWARD] = UINT32_MAX, [YLM_GPU_REVERSED] = 0};
+      [YLM_GPU_MERGED] = SUM_BUDGET, [YLM_GPU_FORWARD] = UINT32_MAX, [YLM_GPU_REVERSED] = 0};
   struct sum_pass *last = NULL;
   for (int m = 0; m <= lmax + 2; m++) {
     uint32_t n = width_of(method, lmax, kinds, m) + times * width_of(method, lmax, parted, m);
@@ -126,21 +121,24 @@ static void cut(ylm_gpu_method method, int lmax, uint32_t kinds, uint32_t parted
 }
 
 /* The passes of a set. */
-static void cut_set(const ylm_gpu_lights *l, int lmax, sum_set *set) {
+static ylm_status cut_set(const ylm_gpu_lights *l, sum_plan *p, sum_set *set, ylm_error *e) {
+  const int lmax = p->lmax;
   struct sum_pass pass = {0};
+  if (ylm__sum_any(l->method, lmax)) return ylm__sum_any_cut(l, p, set, e);
   if (l->method != YLM_GPU_MERGED || !l->polygons || set->kinds < 2) {
     cut(l->method, lmax, set->kinds, 0, 0, pass, set);
-    return;
+    return YLM_OK;
   }
   uint32_t parted = set->kinds & 4 ? 3 : 1;
-  pass.parts = sums_of(l->method, lmax, set->kinds);
-  pass.part = sums_of(l->method, lmax, parted);
+  pass.parts = ylm__sum_count_of(l->method, lmax, set->kinds);
+  pass.part = ylm__sum_count_of(l->method, lmax, parted);
   cut(l->method, lmax, set->kinds, parted, 3, pass, set);
-  if (!(set->kinds & 4)) return;
+  if (!(set->kinds & 4)) return YLM_OK;
   pass.parts += 3 * pass.part;
-  pass.part = sums_of(l->method, lmax, 1);
+  pass.part = ylm__sum_count_of(l->method, lmax, 1);
   pass.bend = true;
   cut(l->method, lmax, 0, 1, 6, pass, set);
+  return YLM_OK;
 }
 
 /* The product rule, and flat lights, sum all that lower derivatives need too. */
@@ -152,6 +150,11 @@ static uint32_t expand(const ylm_gpu_lights *l, int kinds) {
 /* -- plans ---------------------------------------------------------------------------- */
 
 static void plan_free(sum_plan *p) {
+  for (int i = 0; i < MAX_PASSES; i++) {
+    ylm_gpu_buffer_free(p->lum.pass[i].item);
+    ylm_gpu_buffer_free(p->rgb.pass[i].item);
+  }
+  ylm_gpu_buffer_free(p->constants);
   maps_free(&p->from_lum);
   maps_free(&p->from_rgb);
   maps_free(&p->from_mixed);
@@ -172,9 +175,9 @@ static ylm_status fill(const ylm_gpu_lights *l, sum_plan *p, ylm_error *e) {
   p->mixed = p->need_lum & (int)p->rgb.kinds;
   int own = p->need_lum & ~p->mixed;
   p->lum = (sum_set){.channel_first = 3, .channels = own ? 1 : 0, .kinds = expand(l, own)};
-  cut_set(l, p->lmax, &p->rgb);
-  cut_set(l, p->lmax, &p->lum);
-  ylm_status s = maps_create(l, p, own, &p->lum, &p->from_lum, e);
+  ylm_status s = cut_set(l, p, &p->rgb, e);
+  if (s == YLM_OK) s = cut_set(l, p, &p->lum, e);
+  if (s == YLM_OK) s = maps_create(l, p, own, &p->lum, &p->from_lum, e);
   if (s == YLM_OK) s = maps_create(l, p, p->need_rgb, &p->rgb, &p->from_rgb, e);
   if (s == YLM_OK) s = maps_create(l, p, p->mixed, &p->rgb, &p->from_mixed, e);
   if (s == YLM_OK && p->mixed) s = mix_create(l->gpu, p->rgb.sums, p->dtype, &p->mix, e);

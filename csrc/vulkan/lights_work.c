@@ -78,25 +78,50 @@ static ylm_gpu_bind whole(ylm_gpu_buffer *b) { return (ylm_gpu_bind){b, 0, 0}; }
 
 static size_t real_size(const step_list *s) { return ylm_dtype_size(s->p->dtype); }
 
+/* The kernel of a pass, its constants (at most 8; returns how many) and its items. */
+static const char *pass_kernel(const step_list *s, const sum_set *set, const struct sum_pass *pass,
+                               uint32_t constant[8], int *constants) {
+  const ylm_gpu_lights *l = s->l;
+  const bool merged = l->method == YLM_GPU_MERGED;
+  uint32_t derivatives = set->kinds & 4 ? 2 : set->kinds & 2 ? 1 : 0;
+  uint32_t c[] = {GROUP,
+                  (uint32_t)s->p->lmax,
+                  merged ? set->kinds : derivatives,
+                  pass->m_first,
+                  pass->m_last,
+                  l->polygons != NULL,
+                  pass->block,
+                  s->p->grow};
+  if (pass->items) c[2] = pass->kinds;
+  *constants = pass->items ? 8 : 6;
+  memcpy(constant, c, sizeof c);
+  return pass->items   ? "moments_any"
+         : !merged     ? "product"
+         : pass->bend  ? "flat_bend"
+         : l->polygons ? "flat"
+                       : "moments";
+}
+
 /* One chunk range of all passes of a set, into BUFFER_PARTIAL. */
 static void add_sums(step_list *s, const sum_set *set, uint32_t chunk_first, uint32_t chunks) {
   const ylm_gpu_lights *l = s->l;
-  const bool merged = l->method == YLM_GPU_MERGED;
-  uint32_t kinds = merged ? set->kinds : set->kinds & 4 ? 2 : set->kinds & 2 ? 1 : 0;
-  ylm_gpu_bind bind[] = {whole(l->scratch[BUFFER_POINTS]), whole(l->lamps[s->p->dtype]),
-                         whole(l->scratch[BUFFER_PARTIAL]), whole(l->scratch[BUFFER_INSIDE])};
   for (int i = 0; i < set->passes; i++) {
     const struct sum_pass *pass = &set->pass[i];
-    uint32_t constant[] = {GROUP,         (uint32_t)s->p->lmax, kinds,
-                           pass->m_first, pass->m_last,         l->polygons != NULL};
+    uint32_t items = pass->items ? pass->items : 1, constant[8];
     uint32_t push[] = {s->n,   s->stride,          l->active, l->chunk,    chunk_first,
-                       chunks, set->channel_first, set->sums, pass->parts, pass->part};
-    const char *name = !merged       ? "product"
-                       : pass->bend  ? "flat_bend"
-                       : l->polygons ? "flat"
-                                     : "moments";
-    dispatch(s, "lights", name, 6, constant, (uint64_t)(s->stride / GROUP) * chunks * set->channels,
-             (double)l->chunk * GROUP, 10, push, 4, bind);
+                       chunks, set->channel_first, set->sums, pass->parts, pass->part,
+                       items};
+    ylm_gpu_bind bind[] = {whole(l->scratch[BUFFER_POINTS]),
+                           whole(l->lamps[s->p->dtype]),
+                           whole(l->scratch[BUFFER_PARTIAL]),
+                           whole(l->scratch[BUFFER_INSIDE]),
+                           whole(pass->item),
+                           whole(s->p->constants)};
+    int constants;
+    const char *name = pass_kernel(s, set, pass, constant, &constants);
+    dispatch(s, "lights", name, constants, constant,
+             (uint64_t)(s->stride / GROUP) * items * chunks * set->channels,
+             (double)l->chunk * GROUP, 11, push, pass->items ? 6 : 4, bind);
   }
 }
 

@@ -91,6 +91,10 @@ YLM_API const ylm_gpu_info *ylm_gpu_about(const ylm_gpu *g);
 YLM_API ylm_status ylm_gpu_state(const ylm_gpu *g, ylm_error *e);
 /* Behaves from now on as if the driver had said that the device is lost (for tests). */
 YLM_API void ylm_gpu_lose(ylm_gpu *g);
+/* From now on the i-th of the driver's functions that may fail does so: memory is out (YLM_ENOMEM),
+   the device lost (YLM_EDEVICE), or else an error of no known kind; YLM_OK mends it (for tests).
+   Its name; NULL: there are fewer. */
+YLM_API const char *ylm_gpu_break(ylm_gpu *g, size_t i, ylm_status s);
 /* Behaves from now on as a smaller device (for tests): so many bytes of memory in all, so many for
    a kernel to see of a buffer, so many buffers of a kernel, no float64. 0: as it is. */
 YLM_API void ylm_gpu_shrink(ylm_gpu *g, uint64_t memory_bytes, uint64_t bind_bytes, uint32_t binds,
@@ -236,8 +240,7 @@ YLM_API ylm_status ylm_gpu_peak(ylm_gpu *g, double *flops, double *bytes, ylm_er
 
 /* -- lights: lights.c --------------------------------------------------------- */
 
-/* Highest degrees: of merged moments, of the product rule. */
-#define YLM_GPU_LMAX 10
+/* Highest degree of sums by the product rule; merged moments go to YLM_LIGHT_LMAX. */
 #define YLM_GPU_PRODUCT_LMAX 8
 
 /* How a field is summed; all give the same. */
@@ -266,7 +269,7 @@ YLM_API void ylm_gpu_lights_free(ylm_gpu_lights *l);
 /*
 ** Their light field (ylm_base.h), which lives as long as the object.
 **
-** As ylm_lights_evaluate, but for lmax <= YLM_GPU_LMAX (YLM_GPU_PRODUCT_LMAX), and for
+** As ylm_lights_evaluate, but for lmax <= YLM_GPU_PRODUCT_LMAX by the product rule, and for
 ** YLM_EMISSING (double on a device without float64) and what ylm_gpu_run returns. A result
 ** depends on the point, the lights and the device, not on the other points.
 ** Accuracy  as ylm_lights_evaluate; lights are summed in chunks, these with compensation. A flat

@@ -138,7 +138,7 @@ local bake_options = {
   { "threads", "integer", min = 1, max = 1024, optional = true, about = "default: YLM_THREADS or all cores" },
   { "progress", "progress", optional = true, about = "called as f(done, total, stage); returning false cancels" },
   { "device", "gpu", optional = true,
-    about = "sphere lights, and flat ones with method = 'sphere', are summed there to lmax 10, grids refined there (with a "
+    about = "sphere lights, and flat ones with method = 'sphere', are summed there, grids refined there (with a "
       .. "tolerance by the processor, from what the device measures); the grid stays there, for device = gpu of "
       .. "grid:sample and scene:render; grid.stats.stages says how long that took" },
 }

@@ -284,8 +284,8 @@ local options = {
   { "threads", "integer", min = 1, max = 1024, optional = true, about = "default: YLM_THREADS or all cores" },
   { "out", "any", optional = true, about = "an array, or a list of them, shaped and typed like the results, which they take" },
   { "progress", "progress", optional = true, about = "called as f(done, total, stage); returning false cancels" },
-  { "device", "gpu", optional = true, about = "sphere lights, and flat ones with method = 'sphere', are summed there to "
-    .. "lmax 10; gpu:lights copies them once" },
+  { "device", "gpu", optional = true, about = "sphere lights, and flat ones with method = 'sphere', are summed there; "
+    .. "gpu:lights copies them once" },
   { "method", "choice", of = { "merged", "forward", "reversed" }, optional = true,
     about = "on a device: merged moments (default), or the papers' product rule for comparison, see gpu:lights" },
 }

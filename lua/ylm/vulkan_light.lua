@@ -60,7 +60,7 @@ local lights_options = {
 
 describe "gpu:lights" {
   about = "Copies lights to the device's memory, spheres and flat ones with method = 'sphere': for light_field and bake, "
-    .. "which then compute there, to lmax 10.",
+    .. "which then compute there.",
   arguments = {
     { "lights", "light|list", "sphere lights, polygon and disk lights with method = 'sphere'" },
     { "options?", "table", "see the options" },

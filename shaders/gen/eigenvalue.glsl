@@ -9,8 +9,6 @@
 #define TINY 1e-30
 #endif
 
-real choose(bool first, real a, real b) { return first ? a : b; }
-
 /* cos(2/3 acos((1+u)/2)), Chebyshev interpolation: to 4e-9, 1e-15 */
 real third(real u) {
 #ifdef YLM_DOUBLE

@@ -4,6 +4,11 @@
 ** real, rvec3: of float or double.
 ** Formulas: Iwasaki & Dobashi 2025, Eqs. 10-17, Sec. 4.3; docs/math.md "Evaluating the basis".
 */
+/* 1 - |z| of a unit vector, exact also near the poles; g: the sign of z. */
+real sh_one_minus(real g, real x, real y, real z) {
+  return (x * x + y * y) / (g * z + REAL(1.0lf));
+}
+
 /* Cosine and sine of order q = l from those of l-1. */
 void sh_turn(real a, real x, real y, real c, real s, out real cosine, out real sine) {
   real t1 = a * x;
@@ -13,14 +18,16 @@ void sh_turn(real a, real x, real y, real c, real s, out real cosine, out real s
 }
 
 /* Cosine and sine of degree l, order q < l from those of l-1 (c, s) and l-2 (cb, sb). */
-void sh_plain(real a, real b, real z, real c, real s, real cb, real sb, out real cosine, out real sine) {
+void sh_plain(real a, real b, real z, real c, real s, real cb, real sb, out real cosine,
+    out real sine) {
   real t1 = a * z;
   cosine = c * t1 - b * cb;
   sine = s * t1 - b * sb;
 }
 
 /* The same of solid harmonics; r2 = |v|^2. */
-void sh_solid(real a, real b, real z, real r2, real c, real s, real cb, real sb, out real cosine, out real sine) {
+void sh_solid(real a, real b, real z, real r2, real c, real s, real cb, real sb, out real cosine,
+    out real sine) {
   real t1 = a * z;
   real t2 = b * r2;
   cosine = c * t1 - cb * t2;
@@ -28,8 +35,8 @@ void sh_solid(real a, real b, real z, real r2, real c, real s, real cb, real sb,
 }
 
 /* The same near the poles, with differences D (cd, sd); o: 1 - |z| times z's sign g. */
-void sh_stable(real a, real b, real c1, real g, real o, real c, real s, real cd, real sd, out real cosine,
-    out real sine, out real cosine_d, out real sine_d) {
+void sh_stable(real a, real b, real c1, real g, real o, real c, real s, real cd, real sd,
+    out real cosine, out real sine, out real cosine_d, out real sine_d) {
   real t1 = b * g;
   real t2 = a * o;
   real t3 = cd * t1 - c * t2;
@@ -49,14 +56,16 @@ void sh_gradient_zero(real e, real B, real c, real cu, real su, out rvec3 h) {
 }
 
 /* Of a cosine of order q > 0: from orders q-1 (cl, sl), q, q+1 (cu, su) below. */
-void sh_gradient_cosine(real e, real A, real B, real c, real cl, real sl, real cu, real su, out rvec3 h) {
+void sh_gradient_cosine(real e, real A, real B, real c, real cl, real sl, real cu, real su,
+    out rvec3 h) {
   h[0] = A * cl + B * cu;
   h[1] = B * su - A * sl;
   h[2] = e * c;
 }
 
 /* Of a sine. */
-void sh_gradient_sine(real e, real A, real B, real s, real cl, real sl, real cu, real su, out rvec3 h) {
+void sh_gradient_sine(real e, real A, real B, real s, real cl, real sl, real cu, real su,
+    out rvec3 h) {
   h[0] = B * su + A * sl;
   h[1] = A * cl - B * cu;
   h[2] = e * s;
@@ -81,8 +90,8 @@ void sh_hessian(real e, real A, real B, rvec3 low, rvec3 up, rvec3 same, inout r
 }
 
 /* What its Hessian lacks. */
-void sh_yy(real xx, real zz, out real yy) {
-  yy = -(xx + zz);
+real sh_yy(real xx, real zz) {
+  return -(xx + zz);
 }
 
 /* The gradient of Y(v/|v|) from the solid harmonic's; p = Y/|v|, w = v/|v|. */
@@ -94,7 +103,8 @@ void sh_surface(real l, real p, rvec3 w, rvec3 u, out rvec3 h) {
 }
 
 /* The Hessian of Y(v/|v|) from the solid harmonic's (s) and Y's gradient u; lwd = l w/|v|, inverse = 1/|v|. */
-void sh_surface_twice(real l, real inverse, real p, rvec3 w, rvec3 lwd, rvec3 u, real s[6], inout real h[6]) {
+void sh_surface_twice(real l, real inverse, real p, rvec3 w, rvec3 lwd, rvec3 u, real s[6],
+    inout real h[6]) {
   real t1 = l * p;
   real t2 = inverse * t1;
   real t3 = t1 * ((l - REAL(2.0lf)) / (l * REAL(2.0lf)));

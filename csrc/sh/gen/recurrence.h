@@ -4,6 +4,11 @@
 ** real: an element; vreal: a vector of lanes, which are points.
 ** Formulas: Iwasaki & Dobashi 2025, Eqs. 10-17, Sec. 4.3; docs/math.md "Evaluating the basis".
 */
+/* 1 - |z| of a unit vector, exact also near the poles; g: the sign of z. */
+YLM_INLINE vreal sh_one_minus(vreal g, vreal x, vreal y, vreal z) {
+  return (x * x + y * y) / (g * z + (real)1.0);
+}
+
 /* Cosine and sine of order q = l from those of l-1. */
 YLM_INLINE void sh_turn(real a, vreal x, vreal y, vreal c, vreal s, vreal *cosine, vreal *sine) {
   const vreal t1 = a * x;
@@ -13,15 +18,16 @@ YLM_INLINE void sh_turn(real a, vreal x, vreal y, vreal c, vreal s, vreal *cosin
 }
 
 /* Cosine and sine of degree l, order q < l from those of l-1 (c, s) and l-2 (cb, sb). */
-YLM_INLINE void sh_plain(real a, real b, vreal z, vreal c, vreal s, vreal cb, vreal sb, vreal *cosine, vreal *sine) {
+YLM_INLINE void sh_plain(real a, real b, vreal z, vreal c, vreal s, vreal cb, vreal sb,
+    vreal *cosine, vreal *sine) {
   const vreal t1 = a * z;
   *cosine = c * t1 - b * cb;
   *sine = s * t1 - b * sb;
 }
 
 /* The same of solid harmonics; r2 = |v|^2. */
-YLM_INLINE void sh_solid(real a, real b, vreal z, vreal r2, vreal c, vreal s, vreal cb, vreal sb, vreal *cosine,
-    vreal *sine) {
+YLM_INLINE void sh_solid(real a, real b, vreal z, vreal r2, vreal c, vreal s, vreal cb, vreal sb,
+    vreal *cosine, vreal *sine) {
   const vreal t1 = a * z;
   const vreal t2 = b * r2;
   *cosine = c * t1 - cb * t2;
@@ -29,8 +35,8 @@ YLM_INLINE void sh_solid(real a, real b, vreal z, vreal r2, vreal c, vreal s, vr
 }
 
 /* The same near the poles, with differences D (cd, sd); o: 1 - |z| times z's sign g. */
-YLM_INLINE void sh_stable(real a, real b, real c1, vreal g, vreal o, vreal c, vreal s, vreal cd, vreal sd,
-    vreal *cosine, vreal *sine, vreal *cosine_d, vreal *sine_d) {
+YLM_INLINE void sh_stable(real a, real b, real c1, vreal g, vreal o, vreal c, vreal s, vreal cd,
+    vreal sd, vreal *cosine, vreal *sine, vreal *cosine_d, vreal *sine_d) {
   const vreal t1 = b * g;
   const vreal t2 = a * o;
   const vreal t3 = cd * t1 - c * t2;
@@ -50,14 +56,16 @@ YLM_INLINE void sh_gradient_zero(real e, real B, vreal c, vreal cu, vreal su, vr
 }
 
 /* Of a cosine of order q > 0: from orders q-1 (cl, sl), q, q+1 (cu, su) below. */
-YLM_INLINE void sh_gradient_cosine(real e, real A, real B, vreal c, vreal cl, vreal sl, vreal cu, vreal su, vreal *h) {
+YLM_INLINE void sh_gradient_cosine(real e, real A, real B, vreal c, vreal cl, vreal sl, vreal cu,
+    vreal su, vreal *h) {
   h[0] = A * cl + B * cu;
   h[1] = B * su - A * sl;
   h[2] = e * c;
 }
 
 /* Of a sine. */
-YLM_INLINE void sh_gradient_sine(real e, real A, real B, vreal s, vreal cl, vreal sl, vreal cu, vreal su, vreal *h) {
+YLM_INLINE void sh_gradient_sine(real e, real A, real B, vreal s, vreal cl, vreal sl, vreal cu,
+    vreal su, vreal *h) {
   h[0] = B * su + A * sl;
   h[1] = A * cl - B * cu;
   h[2] = e * s;
@@ -73,7 +81,8 @@ YLM_INLINE void sh_hessian_zero(real e, real B, const vreal *up, const vreal *sa
 }
 
 /* Of an order q > 0: from gradients of orders q-1, q+1, q below, cosines or sines all. */
-YLM_INLINE void sh_hessian(real e, real A, real B, const vreal *low, const vreal *up, const vreal *same, vreal *h) {
+YLM_INLINE void sh_hessian(real e, real A, real B, const vreal *low, const vreal *up,
+    const vreal *same, vreal *h) {
   h[0] = A * low[0] + B * up[0];
   h[1] = A * low[1] + B * up[1];
   h[2] = e * same[0];
@@ -82,8 +91,8 @@ YLM_INLINE void sh_hessian(real e, real A, real B, const vreal *low, const vreal
 }
 
 /* What its Hessian lacks. */
-YLM_INLINE void sh_yy(vreal xx, vreal zz, vreal *yy) {
-  *yy = -(xx + zz);
+YLM_INLINE vreal sh_yy(vreal xx, vreal zz) {
+  return -(xx + zz);
 }
 
 /* The gradient of Y(v/|v|) from the solid harmonic's; p = Y/|v|, w = v/|v|. */
@@ -95,8 +104,8 @@ YLM_INLINE void sh_surface(real l, vreal p, const vreal *w, const vreal *u, vrea
 }
 
 /* The Hessian of Y(v/|v|) from the solid harmonic's (s) and Y's gradient u; lwd = l w/|v|, inverse = 1/|v|. */
-YLM_INLINE void sh_surface_twice(real l, vreal inverse, vreal p, const vreal *w, const vreal *lwd, const vreal *u,
-    const vreal *s, vreal *h) {
+YLM_INLINE void sh_surface_twice(real l, vreal inverse, vreal p, const vreal *w, const vreal *lwd,
+    const vreal *u, const vreal *s, vreal *h) {
   const vreal t1 = l * p;
   const vreal t2 = inverse * t1;
   const vreal t3 = t1 * ((l - (real)2.0) / (l * (real)2.0));

@@ -6,6 +6,8 @@
 -- first cosine is cos(2/3 acos(t)), smooth in t: a Chebyshev interpolant in u = 2t - 1 stands in for it. Where two
 -- eigenvalues are alike 1-|r| has lost its digits, but 6(1-r^2) is the sum of the squares of B^2 - rB - 2.
 
+local template = require "ylm.codegen.template"
+
 --- Coefficients of powers of u: interpolation of degree 9 (to 4e-9) and 20 (to 1e-15).
 local third = {
   single = { 0.766044443, 0.247409067, -0.0155091689, 0.00246634011, -0.000504279435, 0.000116495476, -2.84967340e-05,
@@ -18,7 +20,7 @@ local third = {
     -3.151308192173019e-11 },
 }
 
---- The formulas; `languages` says what its words are. #x is a constant.
+--- The formulas; `languages` says what its words are.
 local body = [[
   real top = LARGER(LARGER(LARGER(SIZE(h0), SIZE(h1)), LARGER(SIZE(h2), SIZE(h3))), LARGER(SIZE(h4), SIZE(h5)));
   top = LARGER(top, ALL(TINY));
@@ -57,8 +59,6 @@ local languages = {
       "#else",
       "#define TINY 1e-30",
       "#endif",
-      "",
-      "real choose(bool first, real a, real b) { return first ? a : b; }",
     },
     start = "real largest_eigenvalue(real h0, real h1, real h2, real h3, real h4, real h5) {",
     about = "",
@@ -75,16 +75,6 @@ local languages = {
       .. "\n** size, choose(VI, V, V): functions NAME(x); SQRT(x).",
   },
 }
-
---- The body in a language.
-local function body_in(language)
-  local text = body:gsub("#([%d%.]+)", function(x) return language.constant:format(x) end)
-  text = text:gsub("%f[%a]real%f[%A]", language.real):gsub("%f[%a]mask%f[%A]", language.mask)
-  return (text:gsub("%f[%u](%u+)%(", function(word)
-    local known = language.words[word]
-    return known and known .. "(" or nil
-  end))
-end
 
 --- Additions and multiplications: of the body, and of both polynomials.
 local function operations(coefficients)
@@ -127,6 +117,6 @@ return function(name)
   horner(out, language, third.single)
   out[#out + 1] = "#endif\n}\n"
   out[#out + 1] = language.start
-  out[#out + 1] = body_in(language) .. "}"
+  out[#out + 1] = template.fill(body, language) .. "}"
   return table.concat(out, "\n") .. "\n"
 end

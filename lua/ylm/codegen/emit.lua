@@ -38,6 +38,20 @@ local languages = {
     pure = function(text) return "sh_set((real)" .. text .. ")" end,
     sqrt = "YLM_SQRT(%s)",
   },
+  -- C for lanes of any element type: vectors V of elements REAL.
+  kernel = {
+    temporary = "const V %s = %s;",
+    scalar = "const REAL %s = %s;",
+    constant = function(text) return "(REAL)" .. text end,
+    pure = function(text) return "NAME(set)((REAL)" .. text .. ")" end,
+    sqrt = "SQRT(%s)",
+  },
+  double = {
+    temporary = "const double %s = %s;",
+    constant = function(text) return text end,
+    pure = function(text) return text end,
+    sqrt = "sqrt(%s)",
+  },
   -- GLSL of either precision: real and REAL(constant) are macros (shaders/ylm.glsl).
   shader = {
     temporary = "real %s = %s;",
@@ -59,9 +73,11 @@ local precedence = { ["+"] = 1, ["-"] = 1, ["*"] = 2, ["/"] = 2, negate = 3 }
 
 --- The statements, one a line, that compute `outputs` ({ array, index, node }, or { form, node } where form is the
 -- statement with %s for the expression).
--- before(output), where given, returns a line that precedes an output's statements, or nil.
-function emit.statements(outputs, language, before)
-  local style = assert(languages[language])
+-- before(output), where given, returns a line that precedes an output's statements, or nil. how: { whole = true } without
+-- temporaries, { exact = true } with every sum in the order of the nodes: a + (b + c) keeps its parentheses, { early = nodes }
+-- that are computed first: of two products that are added up, compilers fuse the one they meet first with the sum.
+function emit.statements(outputs, language, before, how)
+  local style, whole, exact = assert(languages[language]), how and how.whole, how and how.exact
   local roots = {}
   for i, out in ipairs(outputs) do roots[i] = out.node end
   local uses, names, lines, count = expression.uses(roots), {}, {}, 0
@@ -97,12 +113,16 @@ function emit.statements(outputs, language, before)
     else
       inner = precedence[n.op]
       local a = operand(n.a, inner)
-      text = a .. " " .. n.op .. " " .. operand(n.b, inner, n.op ~= "+" )
+      text = a .. " " .. n.op .. " " .. operand(n.b, inner, exact or n.op ~= "+")
     end
-    if uses[n] > 1 or #text > LONGEST then return name_it(n, text) end
+    if not whole and (uses[n] > 1 or #text > LONGEST) then return name_it(n, text) end
     return text, inner
   end
 
+  for _, n in ipairs(how and how.early or {}) do
+    local text = text_of(n)
+    if not names[n] then name_it(n, text) end
+  end
   for _, out in ipairs(outputs) do
     local text
     lines[#lines + 1] = before and before(out)
@@ -114,6 +134,11 @@ function emit.statements(outputs, language, before)
     lines[#lines + 1] = out.form and out.form:format(text) or ("%s[%d] = %s;"):format(out.array, out.index, text)
   end
   return lines
+end
+
+--- A node as one expression.
+function emit.expression(node, language)
+  return emit.statements({ { node = node, form = "%s" } }, language, nil, { whole = true, exact = true })[1]
 end
 
 return emit

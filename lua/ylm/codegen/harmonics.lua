@@ -5,6 +5,8 @@
 -- (docs/math.md, "Evaluating the basis"). Products A S, B S are shared between x and y derivatives of
 -- cosine and sine, l Y w and the vector U among the six components of a Hessian.
 
+local recurrences = require "ylm.codegen.recurrences"
+
 local harmonics = {}
 
 --- Normalisation of the monic polynomial in z that belongs to degree l, order q: S_lq = N q^(z) c_q.
@@ -41,6 +43,9 @@ function harmonics.turn(x, y, c, s) return x * c - y * s, x * s + y * c end
 --- The degree above in a recurrence in z, from f of one degree below and `before` of two: a z f - b r2 before.
 function harmonics.step(a, b, z, r2, f, before) return (a * z) * f - (b * r2) * before end
 
+--- o = 1 - |z| of a unit vector, exact also near the poles; g: the sign of z.
+function harmonics.pole(g, x, y, z) return (x * x + y * y) / (g * z + 1) end
+
 --- The same from f and its difference d, which keeps its digits near the poles, with o = 1 - |z|: the new f and d.
 function harmonics.stable_step(a, b, c, o, f, d)
   local difference = b * d - (a * o) * f
@@ -63,9 +68,7 @@ local function polynomials(g, lmax, z, r2)
       if l == q then p[l][q] = g.constant(1)
       elseif l == q + 1 then p[l][q] = z
       else
-        local k = l - 1
-        local beta = (k * k - q * q) / (4 * k * k - 1)
-        p[l][q] = harmonics.step(1, beta, z, r2, p[l - 1][q], p[l - 2][q])
+        p[l][q] = harmonics.step(1, recurrences.BETA(l - 1, q), z, r2, p[l - 1][q], p[l - 2][q])
       end
     end
   end

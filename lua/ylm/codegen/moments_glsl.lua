@@ -5,6 +5,7 @@
 
 local emit = require "ylm.codegen.emit"
 local expression = require "ylm.codegen.expression"
+local harmonics = require "ylm.codegen.harmonics"
 local recurrences = require "ylm.codegen.recurrences"
 
 --- Is there a sum of `kind` at degree k, at the highest lmax?
@@ -19,12 +20,11 @@ local function weights(g, lmax)
   local delta, es, invh, far = g.variable "delta", g.variable "es", g.variable "invh", g.variable "far"
   local u, e, w = { [0] = es }, g.constant(0), { [0] = { [0] = g.variable "first" }, [1] = {}, [2] = { [0] = es * far } }
   for n = 0, lmax + 1 do
-    e = recurrences.SLOWS(n) * e - delta * u[n]
-    u[n + 1] = u[n] + recurrences.STEP(n) * e
+    e, u[n + 1] = recurrences.weight(recurrences.SLOWS(n), recurrences.STEP(n), delta, e, u[n])
   end
   for k = 1, lmax do w[0][k] = u[k - 1] end
   for k = 1, lmax + 1 do w[1][k] = u[k - 1] * invh end
-  for k = 2, lmax + 2 do w[2][k] = (u[k] + recurrences.RHO(k) * u[k - 2]) * far end
+  for k = 2, lmax + 2 do w[2][k] = recurrences.bent(recurrences.RHO(k), u[k], u[k - 2], far) end
   return w
 end
 
@@ -51,14 +51,11 @@ local function products(g, lmax)
   local x, y, z = g.variable "x", g.variable "y", g.variable "z"
   local w, c, s = weights(g, lmax), { [0] = g.constant(1) }, { [0] = g.constant(0) }
   local q, outputs = {}, {}
-  for m = 1, lmax + 2 do
-    c[m] = c[m - 1] * x - s[m - 1] * y
-    s[m] = s[m - 1] * x + c[m - 1] * y
-  end
+  for m = 1, lmax + 2 do c[m], s[m] = harmonics.turn(x, y, c[m - 1], s[m - 1]) end
   each_sum(lmax, function(m, side, k, kind, n)
     if k == m then q[k] = side == 0 and c[m] or s[m]
     elseif k == m + 1 then q[k] = z * q[m]
-    else q[k] = z * q[k - 1] - recurrences.BETA(k - 1, m) * q[k - 2] end
+    else q[k] = harmonics.step(1, recurrences.BETA(k - 1, m), z, 1, q[k - 1], q[k - 2]) end
     outputs[#outputs + 1] = { form = ("ADD%d(a%d, %%s);"):format(kind, n), node = q[k] * w[kind][k] }
   end)
   return outputs

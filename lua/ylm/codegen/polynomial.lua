@@ -6,6 +6,7 @@
 local emit = require "ylm.codegen.emit"
 local expression = require "ylm.codegen.expression"
 local harmonics = require "ylm.codegen.harmonics"
+local recurrences = require "ylm.codegen.recurrences"
 
 -- Polynomials are lists { [i * 10000 + j * 100 + k] = coefficient } of x^i y^j z^k.
 
@@ -50,9 +51,8 @@ local R2 = add(add(multiply(X, X), multiply(Y, Y), 1), multiply(Z, Z), 1)
 local function monic(l, q)
   if l < q then return {} end
   if l == q then return { [0] = 1 } end
-  local k = l - 1
   local below = multiply(R2, monic(l - 2, q))
-  return add(multiply(Z, monic(k, q)), below, -(k * k - q * q) / (4 * k * k - 1))
+  return add(multiply(Z, monic(l - 1, q)), below, -recurrences.BETA(l - 1, q))
 end
 
 --- S_lm as a polynomial.

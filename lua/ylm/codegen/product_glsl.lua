@@ -8,6 +8,7 @@
 
 local emit = require "ylm.codegen.emit"
 local expression = require "ylm.codegen.expression"
+local harmonics = require "ylm.codegen.harmonics"
 local recurrences = require "ylm.codegen.recurrences"
 
 local parts = { "v", "x", "y", "z", "xx", "xy", "xz", "yy", "yz", "zz" } -- of each coefficient
@@ -79,10 +80,7 @@ end
 local function outputs_of(g, lmax)
   local x, y, z, zero = g.variable "x", g.variable "y", g.variable "z", g.constant(0)
   local F, c, s = radial(g, lmax), { [0] = g.constant(1) }, { [0] = zero }
-  for m = 1, lmax do
-    c[m] = c[m - 1] * x - s[m - 1] * y
-    s[m] = s[m - 1] * x + c[m - 1] * y
-  end
+  for m = 1, lmax do c[m], s[m] = harmonics.turn(x, y, c[m - 1], s[m - 1]) end
   local q, outputs = {}, {}
   each(lmax, function(m, side, l, n)
     if l == m then q[l] = { g.constant(1), zero, zero }

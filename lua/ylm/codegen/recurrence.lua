@@ -2,8 +2,7 @@
 -- (shaders/gen/recurrence.glsl): the formulas of harmonics.lua with the table's coefficients as variables. The loops over
 -- degrees and orders, and where values wait, are csrc/sh/sh_kernel.h's and shaders/sh_recurrence.real.comp's own.
 
-local emit = require "ylm.codegen.emit"
-local expression = require "ylm.codegen.expression"
+local functions = require "ylm.codegen.functions"
 local harmonics = require "ylm.codegen.harmonics"
 
 local recurrence = {}
@@ -24,9 +23,10 @@ local function twice(g, e, A, B, low, up, same)
   return { x[1], y[1], x[3], nil, y[3], z[3] }
 end
 
---- Functions: their parameters, numbers and vectors of three or six, and what makes the results of them (as nodes).
--- `scalars` are the same at all points.
 recurrence.functions = {
+  { name = "sh_one_minus", about = "1 - |z| of a unit vector, exact also near the poles; g: the sign of z.",
+    inputs = { "g", "x", "y", "z" }, outputs = { "o" },
+    make = function(_, v) return { harmonics.pole(v.g, v.x, v.y, v.z) } end },
   { name = "sh_turn", about = "Cosine and sine of order q = l from those of l-1.",
     scalars = { "a" }, inputs = { "x", "y", "c", "s" }, outputs = { "cosine", "sine" },
     make = function(_, v) return { harmonics.turn(v.a * v.x, v.a * v.y, v.c, v.s) } end },
@@ -51,12 +51,12 @@ recurrence.functions = {
   { name = "sh_gradient_zero", about = "The solid harmonic's gradient, order 0: from order 0 (c) and 1 below.",
     scalars = { "e", "B" }, inputs = { "c", "cu", "su" }, vectors = { h = 3 }, outputs = { "h" },
     make = function(g, v)
-      return harmonics.rise(v.e, 0, v.B, near(g, nil, v.c, v.cu), near(g, nil, nil, v.su), 0), nil
+      return (harmonics.rise(v.e, 0, v.B, near(g, nil, v.c, v.cu), near(g, nil, nil, v.su), 0))
     end },
   { name = "sh_gradient_cosine", about = "Of a cosine of order q > 0: from orders q-1 (cl, sl), q, q+1 (cu, su) below.",
     scalars = { "e", "A", "B" }, inputs = { "c", "cl", "sl", "cu", "su" }, vectors = { h = 3 }, outputs = { "h" },
     make = function(g, v)
-      return harmonics.rise(v.e, v.A, v.B, near(g, v.cl, v.c, v.cu), near(g, v.sl, nil, v.su), 0), nil
+      return (harmonics.rise(v.e, v.A, v.B, near(g, v.cl, v.c, v.cu), near(g, v.sl, nil, v.su), 0))
     end },
   { name = "sh_gradient_sine", about = "Of a sine.",
     scalars = { "e", "A", "B" }, inputs = { "s", "cl", "sl", "cu", "su" }, vectors = { h = 3 }, outputs = { "h" },
@@ -71,7 +71,7 @@ recurrence.functions = {
     outputs = { "h" },
     make = function(g, v) return twice(g, v.e, v.A, v.B, v.low, v.up, v.same) end },
   { name = "sh_yy", about = "What its Hessian lacks.",
-    scalars = {}, inputs = { "xx", "zz" }, outputs = { "yy" },
+    inputs = { "xx", "zz" }, outputs = { "yy" },
     make = function(_, v) return { harmonics.harmonic_yy(v.xx, v.zz) } end },
   { name = "sh_surface", about = "The gradient of Y(v/|v|) from the solid harmonic's; p = Y/|v|, w = v/|v|.",
     scalars = { "l" }, inputs = { "p", "w", "u" }, vectors = { w = 3, u = 3, h = 3 }, outputs = { "h" },
@@ -91,65 +91,10 @@ recurrence.functions = {
     end },
 }
 
-local languages = {
-  lanes = {
-    head = "YLM_INLINE void %s(%s) {",
-    scalar = "real %s", number = "vreal %s", vector = { [3] = "const vreal *%s", [6] = "const vreal *%s" },
-    out_number = "vreal *%s", out_vector = { [3] = "vreal *%s", [6] = "vreal *%s" }, result = "*%s",
-    about = "** real: an element; vreal: a vector of lanes, which are points.",
-  },
-  shader = {
-    head = "void %s(%s) {",
-    scalar = "real %s", number = "real %s", vector = { [3] = "rvec3 %s", [6] = "real %s[6]" },
-    out_number = "out real %s", out_vector = { [3] = "out rvec3 %s", [6] = "inout real %s[6]" }, result = "%s",
-    about = "** real, rvec3: of float or double.",
-  },
+local about = {
+  lanes = "** real: an element; vreal: a vector of lanes, which are points.",
+  shader = "** real, rvec3: of float or double.",
 }
-
---- Joins parameters into lines of at most 120 columns.
-local function wrapped(out, head, words)
-  local line, indent = head:match("^[^%%]*%%s%("):format(words.name), (" "):rep(4)
-  for i, word in ipairs(words) do
-    local text = word .. (i < #words and ", " or ") {")
-    if #line + #text > 120 then
-      out[#out + 1] = line:gsub("%s+$", "")
-      line = indent
-    end
-    line = line .. text
-  end
-  out[#out + 1] = line
-end
-
---- A function's lines.
-local function function_lines(out, f, name)
-  local language, g, v, words, results = languages[name], expression.graph(), {}, { name = f.name }, {}
-  local sizes = f.vectors or {}
-  for _, x in ipairs(f.scalars) do
-    v[x] = g.variable(x, true)
-    words[#words + 1] = language.scalar:format(x)
-  end
-  for _, x in ipairs(f.inputs) do
-    local size = sizes[x]
-    words[#words + 1] = (size and language.vector[size] or language.number):format(x)
-    if size then
-      v[x] = {}
-      for i = 1, size do v[x][i] = g.variable(("%s[%d]"):format(x, i - 1)) end
-    else v[x] = g.variable(x) end
-  end
-  for _, x in ipairs(f.outputs) do
-    words[#words + 1] = (language.out_vector[sizes[x]] or language.out_number):format(x)
-  end
-  local made = f.make(g, v)
-  local size = sizes[f.outputs[1]]
-  for i = 1, size or #f.outputs do
-    local to = size and ("%s[%d]"):format(f.outputs[1], i - 1) or language.result:format(f.outputs[i])
-    if made[i] then results[#results + 1] = { node = made[i], form = to .. " = %s;" } end
-  end
-  out[#out + 1] = "/* " .. f.about .. " */"
-  wrapped(out, language.head, words)
-  for _, line in ipairs(emit.statements(results, name)) do out[#out + 1] = "  " .. line end
-  out[#out + 1] = "}"
-end
 
 --- The file's text in a language of emit: "lanes" (C) or "shader" (GLSL).
 function recurrence.text(name)
@@ -157,14 +102,11 @@ function recurrence.text(name)
     "/*",
     "** GENERATED by lua/ylm/codegen/recurrence.lua; do not edit: make gen writes it anew.",
     "** Steps of the recurrences of spherical harmonics, with the coefficients a b e A B b' c' of csrc/sh/sh_kernel.h.",
-    languages[name].about,
+    about[name],
     "** Formulas: Iwasaki & Dobashi 2025, Eqs. 10-17, Sec. 4.3; docs/math.md \"Evaluating the basis\".",
     "*/",
   }
-  for i, f in ipairs(recurrence.functions) do
-    if i > 1 then out[#out + 1] = "" end
-    function_lines(out, f, name)
-  end
+  functions.append(out, recurrence.functions, name)
   return table.concat(out, "\n") .. "\n"
 end
 

@@ -19,6 +19,13 @@ targets[#targets + 1] = { "shaders/gen/sh_solid.glsl", "ylm.codegen.sh_shader", 
 targets[#targets + 1] = { "shaders/gen/recurrence.glsl", "ylm.codegen.recurrence", "shader" }
 targets[#targets + 1] = { "csrc/sh/gen/recurrence.h", "ylm.codegen.recurrence", "lanes" }
 
+targets[#targets + 1] = { "shaders/gen/light.glsl", "ylm.codegen.light", "shader" }
+targets[#targets + 1] = { "csrc/light/gen/light.h", "ylm.codegen.light", "kernel" }
+targets[#targets + 1] = { "csrc/light/gen/recurrences.h", "ylm.codegen.light", "macros" }
+
+targets[#targets + 1] = { "shaders/gen/jet.glsl", "ylm.codegen.jet", "shader" }
+targets[#targets + 1] = { "csrc/light/gen/jet.h", "ylm.codegen.jet", "double" }
+
 targets[#targets + 1] = { "shaders/gen/eigenvalue.glsl", "ylm.codegen.eigenvalue", "glsl" }
 targets[#targets + 1] = { "csrc/light/gen/eigenvalue.h", "ylm.codegen.eigenvalue", "c" }
 targets[#targets + 1] = { "shaders/gen/interpolation.glsl", "ylm.codegen.interpolation", "glsl" }
