@@ -131,6 +131,17 @@ static int gpu_lose(lua_State *L) {
   return 0;
 }
 
+/* gpu_break(gpu, i, "memory" | "lost" | "unknown" | "none") -> name of the driver's i-th function
+   that may fail, which does so from now on (or works again), or nil; for specs */
+static int gpu_break(lua_State *L) {
+  static const char *const words[] = {"none", "memory", "lost", "unknown", NULL};
+  static const ylm_status how[] = {YLM_OK, YLM_ENOMEM, YLM_EDEVICE, YLM_EINVAL};
+  size_t i = (size_t)luaL_checkinteger(L, 2) - 1;
+  lua_pushstring(L,
+                 ylm_gpu_break(ylmL_gpu_check(L, 1), i, how[luaL_checkoption(L, 3, NULL, words)]));
+  return 1;
+}
+
 /* gpu_shrink(gpu, memory bytes | 0, bytes that kernels see | 0, buffers of a kernel | 0, without
    double): for specs */
 static int gpu_shrink(lua_State *L) {
@@ -203,19 +214,13 @@ static int gpu_spin(lua_State *L) {
   return ylmL_result_progress(L, 2, s, &e, &progress);
 }
 
-static const luaL_Reg functions[] = {{"gpu_devices", devices},
-                                     {"gpu_open", gpu_open},
-                                     {"gpu_close", gpu_close},
-                                     {"gpu_state", gpu_state},
-                                     {"gpu_info", gpu_info},
-                                     {"gpu_messages", gpu_messages},
-                                     {"gpu_used", gpu_used},
-                                     {"gpu_lose", gpu_lose},
-                                     {"gpu_shrink", gpu_shrink},
-                                     {"gpu_blunder", gpu_blunder},
-                                     {"gpu_peak", gpu_peak},
-                                     {"gpu_spin", gpu_spin},
-                                     {NULL, NULL}};
+static const luaL_Reg functions[] = {{"gpu_devices", devices},     {"gpu_open", gpu_open},
+                                     {"gpu_close", gpu_close},     {"gpu_state", gpu_state},
+                                     {"gpu_info", gpu_info},       {"gpu_messages", gpu_messages},
+                                     {"gpu_used", gpu_used},       {"gpu_lose", gpu_lose},
+                                     {"gpu_break", gpu_break},     {"gpu_shrink", gpu_shrink},
+                                     {"gpu_blunder", gpu_blunder}, {"gpu_peak", gpu_peak},
+                                     {"gpu_spin", gpu_spin},       {NULL, NULL}};
 
 static const luaL_Reg methods[] = {{"__gc", gpu_gc}, {NULL, NULL}};
 

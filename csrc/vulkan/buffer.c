@@ -27,8 +27,9 @@ ylm_status ylm_gpu_buffer_create(ylm_gpu *g, uint64_t bytes, ylm_gpu_buffer **ou
     return ylm_fail(e, YLM_ENOMEM, "'%s' has %.0f MiB of memory, %.0f are needed", g->info.name,
                     (double)g->info.memory_bytes / 1048576, (double)bytes / 1048576);
   if (g->quota && bytes > g->quota - (g->use.bytes < g->quota ? g->use.bytes : g->quota))
-    return ylm_fail(e, YLM_ENOMEM, "'%s' has no %.1f MiB of memory left", g->info.name,
-                    (double)bytes / 1048576);
+    return ylm_fail(e, YLM_ENOMEM,
+                    "'%s' has no %.1f MiB of memory left: close arrays, lights or grids there",
+                    g->info.name, (double)bytes / 1048576);
   if (bytes > g->info.allocation_bytes)
     return ylm_fail(e, YLM_ELIMIT, "a buffer of '%s' has %.0f MiB at most, %.0f are needed",
                     g->info.name, (double)g->info.allocation_bytes / 1048576,
@@ -89,26 +90,31 @@ ylm_gpu *ylm_gpu_buffer_device(const ylm_gpu_buffer *b) { return b->gpu; }
 
 /* -- copies ---------------------------------------------------------------------- */
 
+void ylm__staging_drop(ylm_gpu *g) {
+  ylm__staging *s = &g->staging;
+  if (s->buffer) g->vkDestroyBuffer(g->device, s->buffer, NULL);
+  if (s->memory) g->vkFreeMemory(g->device, s->memory, NULL);
+  *s = (ylm__staging){0};
+}
+
 static ylm_status create_staging(ylm_gpu *g, ylm_error *e) {
   ylm__staging *s = &g->staging;
   VkMemoryRequirements need;
   if (s->at) return YLM_OK;
-  VkResult r = VK_SUCCESS;
-  if (!s->buffer)
-    r = create(g, YLM__STAGING_BYTES,
-               VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT, &s->buffer,
-               &need);
-  else
-    g->vkGetBufferMemoryRequirements(g->device, s->buffer, &need);
-  VkMemoryAllocateInfo info = {.sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO,
-                               .allocationSize = need.size,
-                               .memoryTypeIndex = g->staging_type};
-  if (r == VK_SUCCESS && !s->memory) {
+  VkResult r = create(g, YLM__STAGING_BYTES,
+                      VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT,
+                      &s->buffer, &need);
+  if (r == VK_SUCCESS) {
+    VkMemoryAllocateInfo info = {.sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO,
+                                 .allocationSize = need.size,
+                                 .memoryTypeIndex = g->staging_type};
     r = g->vkAllocateMemory(g->device, &info, NULL, &s->memory);
-    if (r == VK_SUCCESS) r = g->vkBindBufferMemory(g->device, s->buffer, s->memory, 0);
   }
+  if (r == VK_SUCCESS) r = g->vkBindBufferMemory(g->device, s->buffer, s->memory, 0);
   if (r == VK_SUCCESS) r = g->vkMapMemory(g->device, s->memory, 0, VK_WHOLE_SIZE, 0, &s->at);
-  return r == VK_SUCCESS ? YLM_OK : ylm__gpu_fail(g, r, "no memory for copies", e);
+  if (r == VK_SUCCESS) return YLM_OK;
+  ylm__staging_drop(g);
+  return ylm__gpu_fail(g, r, "no memory for copies", e);
 }
 
 /* Copies within the device's reach, by one submission. */

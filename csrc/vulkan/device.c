@@ -264,8 +264,7 @@ ylm_status ylm_gpu_open(const ylm_gpu_options *o, ylm_gpu **out, ylm_error *e) {
 static void drop_parts(ylm_gpu *g) {
   while (g->buffers) ylm__buffer_drop(g->buffers);
   ylm__kernels_drop(g);
-  if (g->staging.buffer) g->vkDestroyBuffer(g->device, g->staging.buffer, NULL);
-  if (g->staging.memory) g->vkFreeMemory(g->device, g->staging.memory, NULL);
+  ylm__staging_drop(g);
   if (g->queries) g->vkDestroyQueryPool(g->device, g->queries, NULL);
   if (g->sets) g->vkDestroyDescriptorPool(g->device, g->sets, NULL);
   if (g->cache) g->vkDestroyPipelineCache(g->device, g->cache, NULL);
@@ -370,7 +369,11 @@ ylm_status ylm__gpu_submit(ylm_gpu *g, ylm_error *e) {
   VkResult r = g->vkEndCommandBuffer(g->command);
   if (r == VK_SUCCESS) r = g->vkResetFences(g->device, 1, &g->fence);
   if (r == VK_SUCCESS) r = g->vkQueueSubmit(g->queue, 1, &submit, g->fence);
-  if (r == VK_SUCCESS) r = g->vkWaitForFences(g->device, 1, &g->fence, VK_TRUE, UINT64_MAX);
+  if (r == VK_SUCCESS) {
+    r = g->vkWaitForFences(g->device, 1, &g->fence, VK_TRUE, UINT64_MAX);
+    /* what has been submitted uses the commands and the fence until it ends */
+    if (r != VK_SUCCESS && g->vkDeviceWaitIdle(g->device) != VK_SUCCESS) r = VK_ERROR_DEVICE_LOST;
+  }
   g->use.submissions++;
   return r == VK_SUCCESS ? YLM_OK : ylm__gpu_fail(g, r, "work was not done", e);
 }

@@ -112,6 +112,8 @@ typedef struct ylm__staging {
   VkDeviceMemory memory;
   void *at;
 } ylm__staging;
+/* Gives back what of it there is. */
+void ylm__staging_drop(ylm_gpu *g);
 
 enum {
   YLM__STAGING_BYTES = 8 << 20,

@@ -72,7 +72,8 @@ static ylm_status create_block(ylm_gpu *g, VkDeviceSize bytes, uint32_t type,
     ylm_free(b);
     ylm_status s = ylm__gpu_fail(g, r, "no memory", e);
     if (s == YLM_ENOMEM)
-      ylm_fail(e, s, "'%s' has no %.1f MiB of memory left", g->info.name, (double)bytes / 1048576);
+      ylm_fail(e, s, "'%s' has no %.1f MiB of memory left: close arrays, lights or grids there",
+               g->info.name, (double)bytes / 1048576);
     return s;
   }
   g->allocations++;
