@@ -144,7 +144,8 @@ spec: all   ## run the specs under Lua 5.4 and LuaJIT (SPEC=files for some of th
 
 check: gen-check   ## style and generated files, without running specs
 	luacheck -q .
-	@command -v clang-format >/dev/null && clang-format --dry-run --Werror $(FORMATTED) || echo "clang-format is not installed"
+	@if command -v clang-format >/dev/null; then clang-format --dry-run --Werror $(FORMATTED); \
+	else echo "clang-format is not installed"; fi
 
 # The sanitizers' runtime has to come first in a process that was not built with it. Leaks are not
 # looked for: drivers keep what they have until the end. Checks are calls, not inlined, and generated

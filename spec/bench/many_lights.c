@@ -231,24 +231,27 @@ static void print_times(const ylm_field *f, size_t n, const float *points) {
   fflush(stdout);
 }
 
-/* Where points are: few and anywhere, corners of a uniform grid, a floor's shading points. */
-enum { ANYWHERE, GRID, FLOOR, SETS };
+/* Where points are: few and anywhere (half of them on a floor), more in the whole cube, corners of
+   a uniform grid, a floor's shading points. */
+enum { ANYWHERE, RANDOM, GRID, FLOOR, SETS };
 static const struct {
   const char *name;
   size_t n, side;
-} sets[SETS] = {
-    {"256 anywhere", 256, 0}, {"a grid of 32^3", 32768, 32}, {"a floor of 256^2", 65536, 256}};
+} sets[SETS] = {{"256 anywhere", 256, 0},
+                {"4096 in the cube", 4096, 0},
+                {"a grid of 32^3", 32768, 32},
+                {"a floor of 256^2", 65536, 256}};
 
 static float *points_of(int set) {
   size_t n = sets[set].n, side = sets[set].side;
-  double *any = places(n);
+  double *any = places(2 * n);
   float *p = ylm_alloc(n, 3 * sizeof *p);
   for (size_t i = 0; i < n; i++) {
     size_t at[3] = {0, 0, 0};
     if (side) at[0] = i % side, at[1] = i / side % side, at[2] = i / side / side;
     for (size_t a = 0; a < 3; a++)
-      p[3 * i + a] =
-          (float)(set == ANYWHERE ? any[3 * i + a] : ((double)at[a] + 0.5) / (double)side);
+      p[3 * i + a] = (float)(side ? ((double)at[a] + 0.5) / (double)side
+                                  : any[3 * (set == RANDOM ? 2 * i : i) + a]);
     if (set == FLOOR) p[3 * i + 2] = 0.3f;
   }
   ylm_free(any);

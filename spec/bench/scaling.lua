@@ -37,8 +37,10 @@ local function time(lights, points, lmax, o)
   local out = { ylm.zeros({ #points, c, count }, "float") }
   if o.derivatives > 0 then out[2] = ylm.zeros({ #points, c, count, 3 }, "float") end
   if o.derivatives > 1 then out[3] = ylm.zeros({ #points, c, count, 6 }, "float") end
-  local options = { derivatives = o.derivatives, channels = o.channels, out = out, threads = o.threads or 1 }
+  local options = { derivatives = o.derivatives, channels = o.channels, out = out, threads = o.threads or 1,
+    tolerance = o.tolerance }
   local best, spent = math.huge, 0
+  if o.tolerance then assert(ylm.light_field(lmax, lights, points, options)) end -- makes the tree
   while spent < (quick and 0.01 or 0.15) do
     local t, repeats = clock(), 0
     repeat
@@ -58,21 +60,22 @@ local forms = {
   { label = "RGB, gradient", derivatives = 1, channels = "rgb" },
 }
 
---- Measures y(x) for each form, prints it, plots it.
-local function plot(name, title, xs, axis, y_axis, measure)
+--- Measures y(x) for each form, prints it, plots it. A form may have x of its own.
+local function plot(name, title, xs, axis, y_axis, measure, shown)
   local series = {}
   print(title)
-  for _, form in ipairs(forms) do
+  for _, form in ipairs(shown or forms) do
     local y, words = {}, {}
-    for i, x in ipairs(xs) do
+    for i, x in ipairs(form.x or xs) do
       y[i] = measure(x, form)
       words[i] = ("%.3g"):format(y[i])
     end
-    series[#series + 1] = { x = xs, y = y, label = form.label }
-    print(("  %-14s %s"):format(form.label, table.concat(words, "  ")))
+    series[#series + 1] = { x = form.x or xs, y = y, label = form.label, colour = form.colour, dash = form.dash }
+    print(("  %-24s %s"):format(form.label, table.concat(words, "  ")))
   end
-  local saved, message = ylm.plot { title = title, series = series, x_label = axis.label, x_log = axis.log or false,
-    y_label = y_axis.label, y_log = y_axis.log or false, y_range = y_axis.range }:save(folder .. "scaling_" .. name .. ".png")
+  local drawn = ylm.plot { title = title, series = series, x_label = axis.label, x_log = axis.log or false,
+    y_label = y_axis.label, y_log = y_axis.log or false, y_range = y_axis.range, legend = axis.legend }
+  local saved, message = drawn:save(folder .. "scaling_" .. name .. ".png")
   if not saved then print("  no picture: " .. tostring(message)) end
 end
 
@@ -81,6 +84,25 @@ plot("lights", "Time per point against lights (lmax 4, float, one thread)",
   { 1, 10, 100, 1000, 10000, 100000 }, { label = "lights", log = true },
   { label = "microseconds per point", log = true },
   function(n, form) return time(lamps(n), few, 4, form) / 32 * 1e6 end)
+
+-- Lights fill a cube, points a floor through its middle as densely as a picture's do.
+local floor, side = {}, quick and 32 or 128
+for i = 0, side * side - 1 do floor[i + 1] = { 2 * (i % side) / side - 1, 2 * math.floor(i / side) / side - 1, 0 } end
+floor = ylm.array(floor, "float")
+local thousands = { 1000, 10000, 100000 }
+if not quick then thousands[4] = 1000000 end
+local blue, red = { 0.00, 0.45, 0.70 }, { 0.84, 0.37, 0.00 }
+plot("many_lights", "Time per point of a floor among lights (lmax 4, RGB, one thread)", thousands,
+  { label = "lights", log = true, legend = "bottom right" }, { label = "microseconds per point", log = true },
+  function(n, form)
+    collectgarbage()
+    return time(lamps(n), floor, 4, form) / (side * side) * 1e6
+  end, {
+    { label = "value, exact", derivatives = 0, channels = "rgb", x = { 1000, 10000 }, colour = blue, dash = "dashed" },
+    { label = "value, tolerance 0.01", derivatives = 0, channels = "rgb", tolerance = 0.01, colour = blue },
+    { label = "gradient, exact", derivatives = 1, channels = "rgb", x = { 1000, 10000 }, colour = red, dash = "dashed" },
+    { label = "gradient, tolerance 0.01", derivatives = 1, channels = "rgb", tolerance = 0.01, colour = red },
+  })
 
 local some = lamps(2516)
 plot("points", "Time of 2516 lights against points (lmax 4, float, one thread)",
