@@ -20,7 +20,7 @@ LUAS    ?= $(if $(ROCK_LUA),$(shell $(ROCK_LUA) -e 'print("lua" .. _VERSION:matc
 LUA_CFLAGS ?= # of the one Lua to build for; pkg-config knows them otherwise
 ABIS    := $(sort $(patsubst luajit,lua5.1,$(LUAS)))
 
-# -- what belongs to which library (DESIGN: the ladder) -------------------------
+# -- what belongs to which library (csrc/README.md) -------------------------
 
 CORE    := base sh image geom material light grid figure
 SCENE   := codec trace shade

@@ -15,14 +15,14 @@ typedef struct repair {
   ylm_grid *g;
   const ylm_grid_cell *was; /* the cells before */
   size_t old_evaluated, old_points, points;
-  size_t live, kept;   /* evaluated and interpolated points that remain */
-  uint8_t *affected;   /* [cells of the new octree] leaves whose continuity is made anew */
-  uint32_t *now;       /* [cells before] where added cells and their leaves are now */
-  uint32_t *place;     /* [points] where they go */
-  ylm_grid_birth *birth;   /* of the interpolated points that remain */
-  uint64_t *born_sign; /* theirs */
-  uint32_t *displaced; /* interpolated points that remain, but not where they are */
-  char *saved;         /* their data */
+  size_t live, kept;     /* evaluated and interpolated points that remain */
+  uint8_t *affected;     /* [cells of the new octree] leaves whose continuity is made anew */
+  uint32_t *now;         /* [cells before] where added cells and their leaves are now */
+  uint32_t *place;       /* [points] where they go */
+  ylm_grid_birth *birth; /* of the interpolated points that remain */
+  uint64_t *born_sign;   /* theirs */
+  uint32_t *displaced;   /* interpolated points that remain, but not where they are */
+  char *saved;           /* their data */
   size_t displacements;
 } repair;
 

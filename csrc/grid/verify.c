@@ -113,8 +113,7 @@ ylm_status refiner_compare_finished(refiner *r) {
   float *sampled = ylm_alloc(r->held, g->width * sizeof *sampled);
   if (!sampled) return YLM_ENOMEM;
   const ylm_grid_keeper *there = r->b->keeper;
-  ylm_status s =
-      there && r->held ? there->values(there->self, r->held, r->exact, r->b->e) : YLM_OK;
+  ylm_status s = there && r->held ? there->values(there->self, r->held, r->exact, r->b->e) : YLM_OK;
   if (s == YLM_OK) s = ylm_grid_sample(g, &q, r->held, r->points, sampled, NULL, NULL, r->b->e);
   r->verdicts = 0;
   for (size_t i = 0; i < r->held && s == YLM_OK; i++) {

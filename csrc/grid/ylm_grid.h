@@ -305,7 +305,8 @@ typedef struct ylm_grid_parts {
 ** asked for more than once: what was written is kept, at another address. Stats are written by
 ** way of ylm_grid_stats_of; those that can be counted are counted by ylm_grid_end.
 **
-** ylm_grid_begin   as ylm_grid_bake checks its arguments; not for dynamic grids (YLM_EINVAL). The caller frees the grid where anything fails.
+** ylm_grid_begin   as ylm_grid_bake checks its arguments; not for dynamic grids (YLM_EINVAL). The
+*caller frees the grid where anything fails.
 ** ylm_grid_room    YLM_ENOMEM, YLM_ELIMIT
 ** ylm_grid_end     YLM_EINVAL where the cells are no octree or its corners are not where they
 *should

@@ -73,9 +73,7 @@ ylm_status ylm_image_add(ylm_image *image, const char *name, int channels, ylm_e
   return YLM_OK;
 }
 
-static char *copy_text(const char *s) {
-  return ylm_alloc_copy(s, strlen(s) + 1, 1);
-}
+static char *copy_text(const char *s) { return ylm_alloc_copy(s, strlen(s) + 1, 1); }
 
 ylm_status ylm_image_set_text(ylm_image *image, const char *key, const char *value) {
   size_t length = strlen(key);

@@ -19,7 +19,7 @@
 ** order m (ylm__fine), which hold what is near the poles, from o = (x^2+y^2)/(1+|z|). Directions
 ** below the horizon are turned to -w, and weights of odd degree change their sign.
 **
-** Source  DESIGN "Sum of many sphere lights"; docs/math.md
+** Source  docs/math.md "Sum of sphere lights"
 */
 #ifndef YLM_LIGHT_MOMENTS_H
 #define YLM_LIGHT_MOMENTS_H
@@ -61,7 +61,7 @@ static inline double ylm__grow(int lmax) { return lmax > YLM__SPECIAL ? 2 : 1; }
 static inline int ylm__geometry_slots(int lmax) { return 2 + 2 * (lmax + 2); }
 static inline int ylm__below_pole(int lmax) { return 1 + 2 * (lmax + 2); }
 /* Columns of orders below this are found by differences from the pole, in float: as many as keep
-   errors below 0.8 of the bound of DESIGN section 4 (spec/bench/accuracy.c). */
+   errors below 0.9 of the bound (single ones 1.03; spec/bench/accuracy.c). */
 static inline int ylm__fine(int lmax) { return lmax < 5 ? 0 : lmax < 11 ? 1 : (lmax - 4) / 3; }
 /* Places of one light's weights: w0 0..lmax, w1 0..lmax+1, w2 0..lmax+2; w1_0 and w2_1 are 0. */
 static inline int ylm__weight_slots(int lmax) { return 3 * lmax + 6; }
@@ -112,7 +112,7 @@ void ylm__rows_free(ylm__rows *r);
 
 /*
 ** What follows from the sums of one set of channels. Rows are in the order of the results:
-** coefficient i = l(l+1)+m, then x y z, or xx xy xz yy yz zz. `bend` makes U of DESIGN section 4,
+** coefficient i = l(l+1)+m, then x y z, or xx xy xz yy yz zz. `bend` makes U of docs/math.md,
 ** [(lmax+2)^2][3], from sums, and `hessian` (in ylm__plan) the Hessian from U.
 */
 typedef struct ylm__map {

@@ -99,7 +99,7 @@ static void moment(ylm__rows *r, const layout *y, int kind, int k, int m, double
   ylm__rows_term(r, y->at[i], coef * y->scale[i]);
 }
 
-/* -- the maps of DESIGN section 4 -------------------------------------------------------- */
+/* -- the maps of docs/math.md ----------------------------------------------------------- */
 
 /* The orders m' that a coupling along axis a can join with m: |m'| differs by at most one. */
 static int neighbours(int m, int out[6]) {

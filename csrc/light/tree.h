@@ -23,7 +23,8 @@
 #define YLM__MANY 24   /* lights of a node that may have more than the least */
 #define YLM__PACKET 16 /* points that walk together */
 /* Nodes that are too near, and smaller than so many radii of a packet, are left to its points if in
-   all they have more lights than WORTH, so many as a packet sums about as fast. */
+   all they have more lights than WORTH (at tolerances from 0.01 on), so many as a packet sums about
+   as fast. */
 #define YLM__LITTLE 2
 #define YLM__WORTH 10000
 /* The points of a packet that fills less than one lane of so many walk alone. */

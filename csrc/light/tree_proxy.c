@@ -10,7 +10,7 @@
 ** fourth moments is measured here, node by node: equal colours miss no second moment. Of the
 ** tetrahedron, its mirror image and the cube the one is taken that costs least.
 **
-** Source  DESIGN section 4 "Many lights"; docs/math.md "Many lights"
+** Source  docs/math.md "Many lights"
 */
 #include "tree.h"
 

@@ -172,7 +172,7 @@ typedef struct ylm_light_rows {
 
 /*
 ** How results follow from sums over lights. Rows are in the order of the results: coefficient
-** l(l+1)+m, then x y z, or xx xy xz yy yz zz. `bend` makes U of DESIGN section 4, [(lmax+2)^2][3],
+** l(l+1)+m, then x y z, or xx xy xz yy yz zz. `bend` makes U of docs/math.md, [(lmax+2)^2][3],
 ** from the sums, and `hessian` the Hessians from U; without a bend they follow from the sums.
 */
 typedef struct ylm_light_maps {

@@ -169,7 +169,9 @@ static void push_update(lua_State *L, const ylm_grid_update_stats *u) {
   COUNT(exact)
   COUNT(skipped)
   COUNT(added)
-  COUNT(removed) COUNT(pairs) COUNT(verified)
+  COUNT(removed)
+  COUNT(pairs)
+  COUNT(verified)
 #undef COUNT
       ylmL_set_number(L, "seconds", u->seconds);
   ylmL_set_number(L, "field_seconds", u->field_seconds);
@@ -272,7 +274,9 @@ static int grid_stats(lua_State *L) {
   COUNT(cells)
   COUNT(leaves)
   COUNT(occupied)
-  COUNT(continuity) COUNT(levels) COUNT(pairs) COUNT(invalid) COUNT(outside) COUNT(bytes)
+  COUNT(continuity)
+  COUNT(levels)
+  COUNT(pairs) COUNT(invalid) COUNT(outside) COUNT(bytes)
 #undef COUNT
       ylmL_set_number(L, "seconds", s->seconds);
   ylmL_set_number(L, "field_seconds", s->field_seconds);
@@ -516,8 +520,8 @@ static int grid_accepted_damage(lua_State *L) {
   return 1;
 }
 
-/* grid_is_open(value) -> true for a grid that has not been closed, false for a closed one, else nil;
-   whether it is being updated */
+/* grid_is_open(value) -> true for a grid that has not been closed, false for a closed one, else
+   nil; whether it is being updated */
 static int grid_is_open(lua_State *L) {
   ylm_grid **g = ylmL_test(L, 1, GRID);
   if (!g) return 0;

@@ -140,9 +140,12 @@ static int shade(lua_State *L) {
   return ylmL_result_progress(L, 5, s, &e, &progress);
 }
 
-static const luaL_Reg functions[] = {{"gpu_grid_create", create},    {"gpu_grid_info", info},
-                                     {"gpu_grid_close", close_copy}, {"gpu_grid_sample", sample},
-                                     {"gpu_grid_shade", shade},      {"gpu_grid_current", current},
+static const luaL_Reg functions[] = {{"gpu_grid_create", create},
+                                     {"gpu_grid_info", info},
+                                     {"gpu_grid_close", close_copy},
+                                     {"gpu_grid_sample", sample},
+                                     {"gpu_grid_shade", shade},
+                                     {"gpu_grid_current", current},
                                      {NULL, NULL}};
 
 static const luaL_Reg methods[] = {{"__gc", gc}, {NULL, NULL}};

@@ -120,9 +120,10 @@ static void FN(quarter_tile)(int l, const T *j, const T *x, T *y) {
   case n: FN(panel)(n, columns, j, from, x_step, at, y_step); break;
         X(1)
         X(2)
-        X(3) X(4)
+        X(3)
+        X(4)
 #if ROTATE_PANEL > 4
-            X(5) X(6) X(7) X(8)
+        X(5) X(6) X(7) X(8)
 #endif
 #undef X
       }

@@ -66,7 +66,8 @@ typedef enum ylm_sh_method {
 ** Returns  YLM_OK; YLM_ERANGE (lmax; |p|^lmax of a solid harmonic or 1/|p|^derivatives is not
 **          representable), YLM_EDOMAIN (a zero or non-finite point): nothing is written then;
 **          YLM_ENOMEM
-** Accuracy relative to the largest of its degree: 1e-13 (double), in float 4e-6 to lmax 20 and about in
+** Accuracy relative to the largest of its degree: 1e-13 (double), in float 4e-6 to lmax 20 and
+*about in
 **          proportion to lmax above (Hessians 7.5e-6 at 31), poles included
 ** Cost     O(n lmax^2); thread-safe; results do not depend on the number of threads
 ** Source   Iwasaki & Dobashi 2025, Eqs. 10-14, 17; docs/math.md "Evaluating the basis"
@@ -208,8 +209,9 @@ YLM_API ylm_status ylm_sh_rotation_reference(const double r[9], int lmax, double
   X(sn3d, "sn3d")                                                                                  \
   X(scipy, "scipy")                                                                                \
   X(unity, "unity")                                                                                \
-  X(threejs, "three.js") X(filament, "filamen"                                                     \
-                                     "t")
+  X(threejs, "three.js")                                                                           \
+  X(filament, "filamen"                                                                            \
+              "t")
 
 typedef enum ylm_sh_system {
 #define X(name, text) YLM_SH_SYSTEM_##name,

@@ -72,8 +72,7 @@ static ylm_status copy_data(ylm_gpu_grid *k, const ylm_grid_view *v, ylm_error *
   return s;
 }
 
-ylm_status ylm__gpu_grid_begin(ylm_gpu *g, const ylm_grid *grid, ylm_gpu_grid **out,
-                               ylm_error *e) {
+ylm_status ylm__gpu_grid_begin(ylm_gpu *g, const ylm_grid *grid, ylm_gpu_grid **out, ylm_error *e) {
   const ylm_grid_view *v = ylm_grid_look(grid);
   *out = NULL;
   ylm_status s = ylm_gpu_state(g, e);

@@ -290,8 +290,10 @@ typedef struct ylm_gpu_grid ylm_gpu_grid;
 /*
 ** ylm_gpu_grid_bake - ylm_grid_bake of a grid that is not dynamic, on the device.
 **
-** Adaptive with a threshold, and uniform: occupancy, corners, their light field, the metric and what
-** is split stay on the device; the host reads counts for each level, and everything at the end. Then
+** Adaptive with a threshold, and uniform: occupancy, corners, their light field, the metric and
+*what
+** is split stay on the device; the host reads counts for each level, and everything at the end.
+*Then
 ** ylm_grid_end does what remains. With a tolerance ylm_grid_bake decides, by residuals and held-out
 ** errors that the device measures (ylm_grid_keeper); so with a uniform grid too large for kernels.
 **
@@ -300,10 +302,12 @@ typedef struct ylm_gpu_grid ylm_gpu_grid;
 **   g       out  as by ylm_grid_bake with the lights' field: cells and points in the same order,
 **                cells the same but where |error - threshold| < 1e-4 threshold; with a tolerance
 **                but where an estimate is as near to what it is compared with
-**   copy    out  the grid as it stays on the device, for sampling; NULL where it did not fit, or was
+**   copy    out  the grid as it stays on the device, for sampling; NULL where it did not fit, or
+*was
 **                not baked there: ylm_gpu_grid_create makes one then
 ** Times     in those of the lights: "occupancy", "points" (finding corners, positions, data),
-**           those of sums, "crossing", "subdivide" (the metric too), "residuals", "continuity" (rows
+**           those of sums, "crossing", "subdivide" (the metric too), "residuals", "continuity"
+*(rows
 **           of points that only this needs); "upload" and "download" by the host's clock
 ** Returns   what ylm_grid_bake returns, and ylm_gpu_run. YLM_ELIMIT: a level's voxels take 32
 **           bytes each, points 12, of what a kernel sees of a buffer

@@ -1,12 +1,10 @@
 /*
 ** accuracy.c - errors of the sums over sphere lights against the reference, as parts of the bound
-*of
-** DESIGN section 4, at positions that are hard: the worst of all points and of lmax 0 .. 31.
+** of ylm_light.h, at positions that are hard: the worst of all points and of lmax 0 .. 31.
 **
 ** Errors are L2 over all degrees, relative to the true sum; the bound is 4e-6 + 1.5e-7 c in float
-*and
-** 1e-13 + 1e-15 c in double with c = d/(d-r) of the nearest light. BENCH=quick takes every fifth
-*lmax.
+** and 1e-13 + 1e-15 c in double with c = d/(d-r) of the nearest light. BENCH=quick takes every
+** fifth lmax.
 */
 #include <math.h>
 

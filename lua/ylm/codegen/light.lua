@@ -1,5 +1,5 @@
 --- One light's share of the sums over lights, once for C (csrc/light/gen/light.h) and once for GLSL (shaders/gen/light.glsl),
--- and the recurrences' constants as macros (csrc/light/gen/recurrences.h). DESIGN section 4; docs/math.md.
+-- and the recurrences' constants as macros (csrc/light/gen/recurrences.h). docs/math.md.
 
 local emit = require "ylm.codegen.emit"
 local expression = require "ylm.codegen.expression"

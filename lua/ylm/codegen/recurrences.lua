@@ -4,7 +4,7 @@
 --     e_(n+1) = SLOWS(n) e_n - delta u_n,   u_(n+1) = u_n + STEP(n) e_(n+1);
 -- P_k - alpha P'_k is, but for a factor, u_k + RHO(k) u_(k-2). Harmonics: monic Legendre polynomials of order m,
 --     q_(k+1) = z q_k - BETA(k, m) q_(k-1),   BETA(k, m) = ABOVE(k, m) / BELOW(k),
--- times Re or Im of (x+iy)^m. DESIGN section 4; docs/math.md.
+-- times Re or Im of (x+iy)^m. docs/math.md.
 
 local recurrences = {}
 
