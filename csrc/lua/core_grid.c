@@ -162,18 +162,18 @@ static void set_boolean(lua_State *L, const char *name, bool x) {
 /* What the last update did, as a table. */
 static void push_update(lua_State *L, const ylm_grid_update_stats *u) {
   lua_newtable(L);
-#define COUNT(name) ylmL_set_count(L, #name, u->name);
-  COUNT(updates)
-  COUNT(lights)
-  COUNT(points)
-  COUNT(exact)
-  COUNT(skipped)
-  COUNT(added)
-  COUNT(removed)
-  COUNT(pairs)
-  COUNT(verified)
+#define COUNT(name) ylmL_set_count(L, #name, u->name)
+  COUNT(updates);
+  COUNT(lights);
+  COUNT(points);
+  COUNT(exact);
+  COUNT(skipped);
+  COUNT(added);
+  COUNT(removed);
+  COUNT(pairs);
+  COUNT(verified);
 #undef COUNT
-      ylmL_set_number(L, "seconds", u->seconds);
+  ylmL_set_number(L, "seconds", u->seconds);
   ylmL_set_number(L, "field_seconds", u->field_seconds);
   ylmL_set_number(L, "tree_seconds", u->tree_seconds);
   if (u->verified) {
@@ -267,18 +267,21 @@ static int grid_stats(lua_State *L) {
   const ylm_grid_view *v = ylm_grid_look(check_grid(L, 1));
   const ylm_grid_stats *s = v->stats;
   lua_newtable(L);
-#define COUNT(name) ylmL_set_count(L, #name, s->name);
-  COUNT(points)
-  COUNT(tested)
-  COUNT(interpolated)
-  COUNT(cells)
-  COUNT(leaves)
-  COUNT(occupied)
-  COUNT(continuity)
-  COUNT(levels)
-  COUNT(pairs) COUNT(invalid) COUNT(outside) COUNT(bytes)
+#define COUNT(name) ylmL_set_count(L, #name, s->name)
+  COUNT(points);
+  COUNT(tested);
+  COUNT(interpolated);
+  COUNT(cells);
+  COUNT(leaves);
+  COUNT(occupied);
+  COUNT(continuity);
+  COUNT(levels);
+  COUNT(pairs);
+  COUNT(invalid);
+  COUNT(outside);
+  COUNT(bytes);
 #undef COUNT
-      ylmL_set_number(L, "seconds", s->seconds);
+  ylmL_set_number(L, "seconds", s->seconds);
   ylmL_set_number(L, "field_seconds", s->field_seconds);
   ylmL_set_number(L, "verify_seconds", s->verify_seconds);
   ylmL_set_number(L, "occupancy_seconds", s->occupancy_seconds);
