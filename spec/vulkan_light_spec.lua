@@ -306,14 +306,14 @@ describe("lights on a device", function()
     end)
 
     it("memory of a call's own lights is given back when it returns", function()
-      collectgarbage()
-      collectgarbage()
+      -- Finalisers of other specs' objects run a collection late, and free more.
+      local function collect() for _ = 1, 6 do collectgarbage() end end
+      collect()
       local arrays = gpu.stats.arrays
       ylm.light_field(2, lights, points, { device = gpu })
       assert.equal(arrays, gpu.stats.arrays)
       assert.has_error(function() ylm.light_field(101, lights, points, { device = gpu }) end)
-      collectgarbage()
-      collectgarbage()
+      collect()
       assert.equal(arrays, gpu.stats.arrays)
     end)
 
