@@ -41,6 +41,11 @@ void ylmL_set_number(lua_State *L, const char *name, double x) {
   lua_setfield(L, -2, name);
 }
 
+void ylmL_set_boolean(lua_State *L, const char *name, bool x) {
+  lua_pushboolean(L, x);
+  lua_setfield(L, -2, name);
+}
+
 int ylmL_result(lua_State *L, int n, ylm_status s, const ylm_error *e) {
   if (s == YLM_OK) return n;
   lua_pushnil(L);

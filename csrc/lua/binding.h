@@ -31,6 +31,9 @@
   X(figure_volume)                                                                                 \
   X(array_file)                                                                                    \
   X(grid)                                                                                          \
+  X(grid_bake)                                                                                     \
+  X(grid_file)                                                                                     \
+  X(grid_look)                                                                                     \
   X(light)                                                                                         \
   X(light_polygon)                                                                                 \
   X(light_tree)                                                                                    \
@@ -83,6 +86,7 @@ void ylmL_push_count(lua_State *L, uint64_t n);
 /* Named entries of the table on top of the stack. */
 void ylmL_set_count(lua_State *L, const char *name, uint64_t n);
 void ylmL_set_number(lua_State *L, const char *name, double x);
+void ylmL_set_boolean(lua_State *L, const char *name, bool x);
 
 /* -- object types ---------------------------------------------------------- */
 

@@ -10,6 +10,13 @@ ylm_grid **ylmL_grid_new(lua_State *L) {
   return g;
 }
 
+ylm_grid *ylmL_grid_check(lua_State *L, int i) {
+  ylm_grid **g = ylmL_check(L, i, YLM_GRID_TYPE);
+  if (!*g) luaL_argerror(L, i, "the grid has been closed");
+  if (ylm_grid_updating(*g)) luaL_argerror(L, i, "the grid is being updated");
+  return *g;
+}
+
 static double number(lua_State *L, int table, const char *name) {
   lua_getfield(L, table, name);
   double x = luaL_checknumber(L, -1);

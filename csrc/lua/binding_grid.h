@@ -10,7 +10,9 @@
 
 /* A grid object that holds nothing yet, on the stack. */
 ylm_grid **ylmL_grid_new(lua_State *L);
-/* The table at `i`, which lua/ylm/grid.lua fills completely. */
+/* The grid at `i`; raises where it has been closed or is being updated. */
+ylm_grid *ylmL_grid_check(lua_State *L, int i);
+/* The table at `i`, which lua/ylm/grid_bake.lua fills completely. */
 ylm_grid_form ylmL_grid_form(lua_State *L, int i);
 /* A source from the stack: 3 occupied [n][3] | nil, 4 seed, 5 threads, 6 max_points, 7 progress. */
 ylm_grid_source ylmL_grid_source(lua_State *L, ylmL_progress *progress);

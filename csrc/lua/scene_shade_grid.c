@@ -1,14 +1,8 @@
 /* scene_shade_grid.c - shading by grids. */
 #include <string.h>
 
+#include "binding_grid.h"
 #include "scene_shade.h"
-
-static const ylm_grid *check_grid(lua_State *L, int i) {
-  ylm_grid **g = ylmL_check(L, i, "ylm.grid");
-  if (!*g) luaL_argerror(L, i, "the grid has been closed");
-  if (ylm_grid_updating(*g)) luaL_argerror(L, i, "the grid is being updated");
-  return *g;
-}
 
 static size_t point_count(const ylm_shade_view *v) {
   ylm_shade_stats stats;
@@ -21,7 +15,7 @@ static size_t point_count(const ylm_shade_view *v) {
 static int shade_grid(lua_State *L) {
   static const char *const names[] = {"hermite", "taylor", "linear", NULL};
   ylm_shade_view *v = ylmL_shade_view(L, 1);
-  const ylm_grid *g = check_grid(L, 2);
+  const ylm_grid *g = ylmL_grid_check(L, 2);
   ylm_grid_interpolation how = (ylm_grid_interpolation)luaL_checkoption(L, 3, "hermite", names);
   int threads = (int)luaL_checknumber(L, 4);
   ylm_grid_report report = {0};
@@ -68,7 +62,7 @@ static int shade_grid_again(lua_State *L) {
   static const char *const names[] = {"hermite", "taylor", "linear", NULL};
   ylm_shade_view *v = ylmL_shade_view(L, 1);
   ylm_shade_memory **m = ylmL_check(L, 2, MEMORY);
-  const ylm_grid *g = check_grid(L, 3);
+  const ylm_grid *g = ylmL_grid_check(L, 3);
   ylm_grid_interpolation how = (ylm_grid_interpolation)luaL_checkoption(L, 4, "hermite", names);
   int threads = (int)luaL_checknumber(L, 5);
   ylmL_array *out = ylmL_array_check(L, 7);
@@ -111,7 +105,7 @@ static int shade_draw_lamps(lua_State *L) {
 /* shade_grid_cells(view, grid, threads) -> level [n], error [n] */
 static int shade_grid_cells(lua_State *L) {
   ylm_shade_view *v = ylmL_shade_view(L, 1);
-  const ylm_grid *g = check_grid(L, 2);
+  const ylm_grid *g = ylmL_grid_check(L, 2);
   int threads = (int)luaL_checknumber(L, 3);
   size_t n = point_count(v);
   ylmL_array *level = ylmL_array_new(L, YLM_FLOAT, 1, &n);

@@ -15,11 +15,6 @@ void ylmL_gpu_type(lua_State *L, const char *name, const luaL_Reg *methods) {
   lua_pop(L, 1);
 }
 
-static void set_boolean(lua_State *L, const char *name, bool x) {
-  lua_pushboolean(L, x);
-  lua_setfield(L, -2, name);
-}
-
 static void push_info(lua_State *L, const ylm_gpu_info *i) {
   lua_createtable(L, 0, 20);
   lua_pushstring(L, i->name);
@@ -30,10 +25,10 @@ static void push_info(lua_State *L, const ylm_gpu_info *i) {
   lua_setfield(L, -2, "type");
   lua_pushfstring(L, "%d.%d.%d", (int)i->vulkan[0], (int)i->vulkan[1], (int)i->vulkan[2]);
   lua_setfield(L, -2, "vulkan");
-  set_boolean(L, "usable", i->usable);
-  set_boolean(L, "float64", i->float64);
-  set_boolean(L, "int64", i->int64);
-  set_boolean(L, "timestamps", i->timestamps);
+  ylmL_set_boolean(L, "usable", i->usable);
+  ylmL_set_boolean(L, "float64", i->float64);
+  ylmL_set_boolean(L, "int64", i->int64);
+  ylmL_set_boolean(L, "timestamps", i->timestamps);
   ylmL_set_count(L, "subgroup", i->subgroup);
   ylmL_set_count(L, "binds", i->binds);
   ylmL_set_count(L, "group_size", i->group_size);

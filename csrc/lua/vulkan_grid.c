@@ -1,18 +1,11 @@
 /* vulkan_grid.c - grids in a device's memory. Arguments come sorted from lua/ylm/vulkan_grid.lua.
  */
+#include "binding_grid.h"
 #include "vulkan.h"
 
 #include <string.h>
 
-#define GRID "ylm.grid"
 #define GPU_GRID "ylm.gpu_grid"
-
-static ylm_grid *grid_at(lua_State *L, int i) {
-  ylm_grid **g = ylmL_check(L, i, GRID);
-  if (!*g) luaL_argerror(L, i, "the grid has been closed");
-  if (ylm_grid_updating(*g)) luaL_argerror(L, i, "the grid is being updated");
-  return *g;
-}
 
 static ylm_gpu_grid *copy_at(lua_State *L, int i) {
   ylm_gpu_grid **k = ylmL_check(L, i, GPU_GRID);
@@ -33,7 +26,7 @@ static int create(lua_State *L) {
   ylm_error e = {YLM_OK, ""};
   double start = ylm_seconds();
   ylm_gpu *g = ylmL_gpu_check(L, 1);
-  const ylm_grid *grid = grid_at(L, 2);
+  const ylm_grid *grid = ylmL_grid_check(L, 2);
   ylm_gpu_grid **k = ylmL_gpu_grid_new(L);
   ylm_status s = ylm_gpu_grid_create(g, grid, k, &e);
   lua_pushnumber(L, (lua_Number)(ylm_seconds() - start));
@@ -51,7 +44,7 @@ static int info(lua_State *L) {
 /* gpu_grid_current(copy, grid) -> whether it is open, and the grid as it is now */
 static int current(lua_State *L) {
   ylm_gpu_grid **k = ylmL_check(L, 1, GPU_GRID);
-  lua_pushboolean(L, *k && ylm_gpu_grid_current(*k, grid_at(L, 2)));
+  lua_pushboolean(L, *k && ylm_gpu_grid_current(*k, ylmL_grid_check(L, 2)));
   return 1;
 }
 
@@ -73,7 +66,7 @@ static int close_copy(lua_State *L) {
 static int sample(lua_State *L) {
   lua_settop(L, 9);
   ylm_gpu_grid *k = copy_at(L, 1);
-  const ylm_grid *grid = grid_at(L, 2);
+  const ylm_grid *grid = ylmL_grid_check(L, 2);
   const ylm_grid_view *v = ylm_grid_look(grid);
   ylmL_any_array points = ylmL_any(L, 3);
   ylm_error e = {YLM_OK, ""};
@@ -111,7 +104,7 @@ static int sample(lua_State *L) {
 static int shade(lua_State *L) {
   lua_settop(L, 8);
   ylm_gpu_grid *k = copy_at(L, 1);
-  const ylm_grid *grid = grid_at(L, 2);
+  const ylm_grid *grid = ylmL_grid_check(L, 2);
   ylmL_any_array points = ylmL_any(L, 3), transfer = ylmL_any(L, 4), albedo = ylmL_any(L, 5);
   ylm_error e = {YLM_OK, ""};
   ylm_grid_report report = {0};

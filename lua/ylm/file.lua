@@ -19,7 +19,7 @@ local function kind_of(path)
     return "image"
   end
   if head:find("^ply[\r\n]") or path:lower():find("%.obj$") then return "mesh" end
-  if head:sub(1, 8) == "\137YLMgrid" then return "grid" end
+  if head:sub(1, 8) == require("ylm.grid").magic then return "grid" end
   return nil, path .. ": not a file that ylm knows (grid, .npy, .exr, .png, .hdr, .pfm, .obj, .ply)", "EFORMAT"
 end
 
@@ -27,11 +27,7 @@ local readers = {
   array = function(path) return core.array_read(path) end,
   image = function(path, options) return require("ylm.image").read(path, options.raw) end,
   mesh = function(path) return core.mesh_read(path) end,
-  grid = function(path)
-    local ok, grid = pcall(require, "ylm.grid")
-    if ok and type(grid.load) == "function" then return grid.load(path) end
-    return nil, path .. ": grid files are not supported in this build", "EMISSING"
-  end,
+  grid = function(path) return require("ylm.grid").load(path) end,
 }
 
 local load_options = {

@@ -1,0 +1,185 @@
+/* core_grid_bake.c - ylm.grid: baking and updating, also from light fields that are functions.
+   lua/ylm/grid_bake.lua. */
+#include "core_grid.h"
+
+#include <math.h>
+#include <string.h>
+
+/* -- light fields written in Lua ---------------------------------------------------------- */
+
+/*
+** function(points [n][3], lmax, channels) -> value [n][channels][count], gradient [..][3],
+** lambda [n] or nil: an analytic field, called on the calling thread.
+*/
+typedef struct lua_field {
+  ylm_field base;
+  lua_State *L;
+  int index;   /* of the function */
+  bool raised; /* its error is on the stack's top */
+} lua_field;
+
+/* Copies array `i` to `to`, which has n numbers; false if it is none or does not fit. */
+static bool take(lua_State *L, int i, size_t n, ylm_dtype t, void *to) {
+  ylmL_array *a = ylmL_test(L, i, YLM_ARRAY);
+  if (!a || !a->data || a->count != n) return false;
+  for (size_t k = 0; k < n; k++) {
+    double x = a->dtype == YLM_DOUBLE ? ((double *)a->data)[k] : (double)((float *)a->data)[k];
+    if (t == YLM_DOUBLE)
+      ((double *)to)[k] = x;
+    else
+      ((float *)to)[k] = (float)x;
+  }
+  return true;
+}
+
+static void put(ylm_dtype t, void *to, size_t i, double x) {
+  if (t == YLM_DOUBLE)
+    ((double *)to)[i] = x;
+  else
+    ((float *)to)[i] = (float)x;
+}
+
+static double get(ylm_dtype t, const void *from, size_t i) {
+  return t == YLM_DOUBLE ? ((const double *)from)[i] : (double)((const float *)from)[i];
+}
+
+/* Lambda from the function (0 where it gives none), norm from the values. */
+static bool take_metric(lua_State *L, int i, const ylm_field_query *q, size_t n, size_t width,
+                        ylm_field_result *r) {
+  bool ok = true;
+  if (lua_isnil(L, i))
+    memset(r->lambda, 0, n * ylm_dtype_size(q->dtype));
+  else
+    ok = take(L, i, n, q->dtype, r->lambda);
+  for (size_t k = 0; k < n; k++) {
+    double sum = 0;
+    for (size_t j = 0; j < width; j++) {
+      double x = get(q->dtype, r->value, k * width + j);
+      sum += x * x;
+    }
+    put(q->dtype, r->norm, k, sqrt(sum));
+  }
+  return ok;
+}
+
+/* The call, protected: arguments light field, query, count, points, result. */
+typedef struct field_call {
+  const lua_field *f;
+  const ylm_field_query *q;
+  size_t n;
+  const void *points;
+  ylm_field_result *r;
+} field_call;
+
+static int protected_call(lua_State *L) {
+  const field_call *c = lua_touserdata(L, 2);
+  size_t shape[2] = {c->n, 3}, count = (size_t)(c->q->lmax + 1) * (size_t)(c->q->lmax + 1);
+  size_t width = count * (size_t)c->q->channels;
+  lua_settop(L, 2);
+  lua_pushvalue(L, 1);
+  ylmL_array *p = ylmL_array_new(L, c->q->dtype, 2, shape);
+  if (!p) return luaL_error(L, "memory ran out");
+  memcpy(p->data, c->points, 3 * c->n * ylm_dtype_size(c->q->dtype));
+  lua_pushinteger(L, c->q->lmax);
+  lua_pushinteger(L, c->q->channels);
+  lua_call(L, 3, 3); /* value, gradient, lambda at 3, 4, 5 */
+  if (!take(L, 3, c->n * width, c->q->dtype, c->r->value))
+    return luaL_error(L, "the light field's first result must be an array [%d][%d][%d]", (int)c->n,
+                      c->q->channels, (int)count);
+  if (c->q->want & YLM_WANT_GRADIENT && !take(L, 4, 3 * c->n * width, c->q->dtype, c->r->gradient))
+    return luaL_error(L, "the light field's second result must be an array [%d][%d][%d][3]",
+                      (int)c->n, c->q->channels, (int)count);
+  if (c->q->want & YLM_WANT_METRIC && !take_metric(L, 5, c->q, c->n, width, c->r))
+    return luaL_error(L, "the light field's third result must be nil or an array [%d]", (int)c->n);
+  return 0;
+}
+
+static ylm_status lua_field_evaluate(const ylm_field *base, const ylm_field_query *q, size_t n,
+                                     const void *points, ylm_field_result *r, ylm_error *e) {
+  lua_field *f = (lua_field *)(uintptr_t)base->self;
+  lua_State *L = f->L;
+  field_call c = {f, q, n, points, r};
+  lua_pushcfunction(L, protected_call);
+  lua_pushvalue(L, f->index);
+  lua_pushlightuserdata(L, &c);
+  if (lua_pcall(L, 2, 0, 0) != 0) {
+    f->raised = true;
+    return ylm_fail(e, YLM_ECANCELLED, "the light field raised an error");
+  }
+  if (r->inside) memset(r->inside, 0, n);
+  r->pairs += n;
+  return YLM_OK;
+}
+
+/* -- baking ---------------------------------------------------------------------------------- */
+
+/* The sphere lights at `i`, or NULL. */
+static const ylm_lights *test_lights(lua_State *L, int i) {
+  ylm_lights **l = ylmL_test(L, i, "ylm.lights");
+  return l ? *l : NULL;
+}
+
+/*
+** grid_bake(form table, object with a light field | function, occupied [n][3] | nil, seed, threads,
+**           max_points, progress) -> grid
+*/
+static int grid_bake(lua_State *L) {
+  lua_settop(L, 7);
+  luaL_checkstack(L, 20, "grid_bake");
+  ylm_grid_form form = ylmL_grid_form(L, 1);
+  ylmL_progress progress;
+  lua_field own = {.base = {.self = &own, .evaluate = lua_field_evaluate}, .L = L, .index = 2};
+  ylm_grid_source source = ylmL_grid_source(L, &progress);
+  source.field = lua_isfunction(L, 2) ? &own.base : ylmL_field_check(L, 2);
+  source.lights = test_lights(L, 2);
+  ylm_grid **g = ylmL_grid_new(L);
+  ylm_error e = {0};
+  ylm_status s = ylm_grid_bake(&form, &source, g, &e);
+  if (own.raised) return lua_error(L);
+  if (s == YLM_OK) ylmL_charge(L, ylm_grid_look(*g)->stats->bytes);
+  return ylmL_result_progress(L, 1, s, &e, &progress);
+}
+
+/* grid_update(grid, lights, tolerance or -1, threads, progress, everywhere) -> what it did */
+static int grid_update(lua_State *L) {
+  lua_settop(L, 6);
+  ylm_grid *g = ylmL_grid_check(L, 1);
+  ylmL_progress progress;
+  ylm_error e = {0};
+  ylm_grid_change change = {.lights = test_lights(L, 2),
+                            .field = ylmL_field_check(L, 2),
+                            .tolerance = luaL_checknumber(L, 3),
+                            .everywhere = lua_toboolean(L, 6),
+                            .threads = (int)luaL_checknumber(L, 4),
+                            .progress = ylmL_progress_begin(L, 5, &progress)};
+  if (!change.lights) return luaL_argerror(L, 2, "lights expected");
+  ylm_status s = ylm_grid_update(g, &change, &e);
+  if (s == YLM_OK) ylmL_grid_push_update(L, &ylm_grid_look(g)->stats->update);
+  return ylmL_result_progress(L, 1, s, &e, &progress);
+}
+
+/* grid_bounds(points [n][3]) -> lowest {x, y, z}, highest */
+static int grid_bounds(lua_State *L) {
+  const ylmL_array *p = ylmL_array_check(L, 1);
+  double lo[3] = {INFINITY, INFINITY, INFINITY}, hi[3] = {-INFINITY, -INFINITY, -INFINITY};
+  for (size_t i = 0; i < p->count; i++) {
+    double x = get(p->dtype, p->data, i);
+    if (x < lo[i % 3]) lo[i % 3] = x;
+    if (x > hi[i % 3]) hi[i % 3] = x;
+  }
+  for (int k = 0; k < 2; k++) {
+    lua_newtable(L);
+    for (int a = 0; a < 3; a++) {
+      lua_pushnumber(L, k ? hi[a] : lo[a]);
+      lua_rawseti(L, -2, a + 1);
+    }
+  }
+  return 2;
+}
+
+static const luaL_Reg functions[] = {{"grid_bake", grid_bake},
+                                     {"grid_update", grid_update},
+                                     {"grid_bounds", grid_bounds},
+                                     {NULL, NULL}};
+
+void ylmL_open_grid_bake(lua_State *L) { luaL_setfuncs(L, functions, 0); }

@@ -1,0 +1,192 @@
+--- ylm.bake, and grid:update, which follows lights that move.
+
+local array = require "ylm.array"
+local check = require "ylm.check"
+local core = require "ylm.c.core"
+local describe = require "ylm.reference".describe
+local device_lights = require "ylm.vulkan_light"
+local form = require "ylm.form"
+local grid_object = require "ylm.grid_object"
+local light = require "ylm.light"
+
+local bake = {}
+
+local methods, open, stages_of = grid_object.methods, grid_object.open, grid_object.stages_of
+
+local KIND = { adaptive_grid = 0, uniform_grid = 1 }
+local METRIC_CHANNELS = { none = 0, luminance = 1, rgb = 3 }
+local METRIC = { absolute = 0, relative = 1 }
+
+--- The box around points, at least a thousandth as wide as it is long. Extent 0 in all axes is refused.
+local function bounds_of(points)
+  local lo, hi = core.grid_bounds(points)
+  local largest = math.max(hi[1] - lo[1], hi[2] - lo[2], hi[3] - lo[3])
+  if largest <= 0 then return nil end
+  for i = 1, 3 do
+    local missing = largest * 1e-3 - (hi[i] - lo[i])
+    if missing > 0 then lo[i], hi[i] = lo[i] - missing / 2, hi[i] + missing / 2 end
+  end
+  return { lo, hi }
+end
+
+local bake_options = {
+  { "occupied", "any", optional = true,
+    about = "shading points [n][3]: voxels without any are not subdivided; default: every voxel is occupied" },
+  { "bounds", "bounds", optional = true, about = "where the description has none" },
+  { "seed", "integer", min = 0, max = 2 ^ 53, default = 1, about = "of the choice of held-out points" },
+  { "max_points", "integer", min = 8, max = 2 ^ 32 - 2, default = 2 ^ 24, about = "nil, message, 'ELIMIT' beyond" },
+  light.tolerance_option "light_tolerance",
+  { "threads", "integer", min = 1, max = 1024, optional = true, about = "default: YLM_THREADS or all cores" },
+  { "progress", "progress", optional = true, about = "called as f(done, total, stage); returning false cancels" },
+  { "device", "gpu", optional = true,
+    about = "sphere lights, and flat ones with method = 'sphere', are summed there, grids refined there (with a "
+      .. "tolerance by the processor, from what the device measures); the grid stays there, for device = gpu of "
+      .. "grid:sample and scene:render; grid.stats.stages says how long that took" },
+}
+
+--- Grid -> the lights it was baked from.
+local baked_from = setmetatable({}, { __mode = "k" })
+
+describe "bake" {
+  about = "Evaluates a light field at the points of a grid: each corner of a voxel once, level by level.",
+  arguments = {
+    { "description", "adaptive_grid|uniform_grid", "what grid" },
+    { "lights", "light|list|function", "a light, a list of lights, what has a light field (a grid too), or an analytic "
+      .. "field f(points, lmax, channels) -> values [n][channels][count], gradients [..][3], lambda [n] or nil" },
+    { "options?", "table", "see the options" },
+  },
+  options = bake_options,
+  returns = { { "grid", "grid", "grid.stats says what was done, and with a tolerance the error that was measured" } },
+  errors = "raises on bad arguments; nil, message, code where memory or max_points are exceeded; "
+    .. "nil, 'cancelled', 'ECANCELLED' where progress returns false; nil, message, code where a device fails",
+  example = [[
+local lamp = ylm.sphere_light { at = { 0, 2, 0 }, radius = 0.1, radiance = { 10, 8, 6 } }
+local floor = {}
+for i = 0, 8 do for j = 0, 8 do floor[#floor + 1] = { i / 4 - 1, 0, j / 4 - 1 } end end
+local grid = ylm.bake(ylm.adaptive_grid { bounds = { { -1, -1, -1 }, { 1, 1, 1 } }, lmax = 2, depth = 3,
+  tolerance = 0.01 },
+  lamp, { occupied = floor })
+assert(grid.stats.met and grid.stats.error <= 0.01)]],
+  source = "Iwasaki & Dobashi 2025, Sec. 5.1",
+}
+function bake.bake(description, lights, given)
+  local kind = form.kind(description)
+  if not KIND[kind] then
+    return check.bad(1, "bake", "an adaptive_grid or a uniform_grid expected, got %s", check.describe(description))
+  end
+  local o = form.options(3, "bake", bake_options, given)
+  if description.dynamic and o.light_tolerance then
+    return check.bad(3, "bake", "a grid with dynamic = true sums its lights exactly: leave light_tolerance out")
+  end
+  local packed, object, failed, why = lights, lights
+  if type(lights) ~= "function" then
+    packed, failed, why = light.field(2, "bake", lights)
+    if not packed then return nil, failed, why end
+    object, failed, why = light.within("bake", packed, o.light_tolerance, o.threads)
+    if not object then return nil, failed, why end
+  end
+  if description.dynamic and core.type(object) ~= "ylm.lights" then
+    return check.bad(2, "bake", "a grid with dynamic = true follows sphere lights, this is baked from %s: bake that into "
+      .. "a second grid, or leave dynamic out", light.other(object))
+  end
+  local occupied
+  if o.occupied ~= nil then
+    occupied = array.points(3, "bake", o.occupied)
+    if #occupied == 0 then return check.bad(3, "bake", "occupied: at least one point expected") end
+  end
+  local box = description.bounds or o.bounds or (occupied and bounds_of(occupied))
+  if not box then
+    return check.bad(1, "bake", "no bounds: give them in the grid, or occupied points that span a box")
+  end
+  local cells = description.cells or { 1, 1, 1 }
+  local progress = o.progress and require "ylm.progress".of(o.progress) or nil
+  local on, made = object, nil
+  if o.device then
+    if o.light_tolerance then
+      return check.bad(3, "bake", "light_tolerance: a device sums all lights; leave one out")
+    end
+    if type(object) == "function" then return check.bad(3, "bake", "device: a device sums sphere lights, and no functions") end
+    if description.dynamic then
+      return check.bad(3, "bake", "device: a dynamic grid follows its lights on the processor")
+    end
+    on, made, failed = device_lights.on(3, "bake", object, o)
+    if not on then return nil, made, failed end
+  end
+  local before = device_lights.times(on)
+  local on_grid = device_lights.baker(on) or core.grid_bake
+  local baked, message, code = check.result("bake", on_grid({
+    kind = KIND[kind], lmax = description.lmax, depth = description.depth or 0, cells = cells,
+    bounds = { box[1][1], box[1][2], box[1][3], box[2][1], box[2][2], box[2][3] },
+    channels = description.channels == "rgb" and 3 or 1,
+    metric_channels = METRIC_CHANNELS[description.metric_channels],
+    metric = METRIC[description.metric],
+    threshold = description.threshold or -1, tolerance = description.tolerance or 0,
+    continuous = description.continuous and 1 or 0, dynamic = description.dynamic and 1 or 0,
+  }, on, occupied, o.seed, o.threads or 0, o.max_points, progress))
+  if baked == nil then
+    if made then on:close() end
+    return nil, message, code
+  end
+  stages_of[baked] = device_lights.times(on, before)
+  device_lights.keep(on, baked, message)
+  if made then on:close() end
+  if core.type(packed) == "ylm.lights" then baked_from[baked] = packed end
+  return baked
+end
+
+--- The lights that a grid was baked from, if that was in this program and they were lights; for pictures.
+function bake.lights_of(g)
+  local lights = baked_from[g]
+  return lights and core.lights_count(lights) and lights or nil
+end
+
+local update_options = {
+  { "tolerance", "number", min = 0, optional = true,
+    about = "what is left as it is may be off by this, relative to the field; 0: nothing is left. "
+      .. "Default: an eighth of the grid's tolerance, 0.001 where it has none" },
+  { "threads", "integer", min = 1, max = 1024, optional = true, about = "default: YLM_THREADS or all cores" },
+  { "progress", "progress", optional = true, about = "called as f(done, total, stage); returning false cancels" },
+}
+
+describe "grid:update" {
+  about = "Follows lights that moved, changed, appeared or vanished: only what they change beyond the tolerance is "
+    .. "baked again, and the octree is refined and merged to suit. The grid must have been made with dynamic = true.",
+  arguments = {
+    { "lights", "light|list", "all lights as they are now; those that did not change are recognised by their place "
+      .. "in the list, else by their content" },
+    { "options?", "table", "see the options" },
+  },
+  options = update_options,
+  returns = { { "report", "table", "also grid.stats.update: lights that changed, points brought up to date, exact: of "
+    .. "these with all lights, skipped: within the tolerance, added, removed, pairs, seconds, field_seconds, "
+    .. "tree_seconds, rebaked, updates; with a tolerance verified, error and met, of held-out points in voxels that "
+    .. "changed" } },
+  errors = "raises on bad arguments and a grid that is not dynamic; nil, message, code where memory or max_points are "
+    .. "exceeded; nil, 'cancelled', 'ECANCELLED' where progress returns false: the grid is then as it was",
+  example = [[
+local function lamp(x) return ylm.sphere_light { at = { x, 2, 0 }, radius = 0.1, radiance = 10 } end
+local grid = ylm.bake(ylm.uniform_grid { bounds = { { -1, -1, -1 }, { 1, 1, 1 } }, cells = 4, dynamic = true },
+  { lamp(0), lamp(1) })
+local report = grid:update { lamp(0), lamp(1.2) }
+assert(report.lights == 1 and report.points > 0)]],
+}
+function methods.update(g, lights, given)
+  open(g, "update")
+  local o = form.options(2, "update", update_options, given)
+  local object = light.field(1, "update", lights)
+  if core.type(object) ~= "ylm.lights" then
+    return check.bad(1, "update", "a dynamic grid follows sphere lights, got %s: bake that into a second grid",
+      light.other(object))
+  end
+  if not core.grid_form(g).dynamic then
+    return check.fail("update: this grid does not follow lights: make it with dynamic = true (a loaded grid never does)")
+  end
+  local progress = o.progress and require "ylm.progress".of(o.progress) or nil
+  local report, message, code = check.result("update", core.grid_update(g, object, o.tolerance or -1, o.threads or 0,
+    progress))
+  if report == nil then return nil, message, code end
+  baked_from[g] = object
+  return report
+end
+
+return bake

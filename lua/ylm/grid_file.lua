@@ -1,0 +1,54 @@
+--- Files of grids: grid:save, and what ylm.load uses.
+
+local check = require "ylm.check"
+local core = require "ylm.c.core"
+local describe = require "ylm.reference".describe
+local form = require "ylm.form"
+local grid_object = require "ylm.grid_object"
+
+local grid_file = {}
+
+local methods, open = grid_object.methods, grid_object.open
+
+local save_options = {
+  { "byte_order", "choice", of = { "native", "swapped" }, default = "native",
+    about = "of a .ylm file; readers take both" },
+}
+
+describe "grid:save" {
+  about = "Writes the grid; the ending chooses the format. An existing file is replaced whole or not at all.",
+  arguments = {
+    { "path", "string", ".ylm (everything, checksummed; ylm.load reads it), .vtu (for ParaView)" },
+    { "options?", "table", "see the options" },
+  },
+  options = save_options,
+  returns = { { "ok", "boolean", "true" } },
+  errors = "raises on another ending; nil, message, code where the file cannot be written",
+  example = [[
+local lamp = ylm.sphere_light { at = { 0, 2, 0 } }
+local grid = ylm.bake(ylm.uniform_grid { bounds = { { -1, -1, -1 }, { 1, 1, 1 } }, cells = 2, lmax = 1 }, lamp)
+local name = os.tmpname() .. ".ylm"
+assert(grid:save(name))
+os.remove(name)]],
+}
+function methods.save(g, path, given)
+  open(g, "save")
+  if type(path) ~= "string" or path == "" or path:find("%z") then
+    return check.bad(1, "save", "a path expected, got %s", check.describe(path))
+  end
+  local o = form.options(2, "save", save_options, given)
+  local ending = path:lower():match("%.(%w+)$")
+  if ending == "ylm" then return check.result("save", core.grid_write(g, path, o.byte_order == "swapped")) end
+  if ending == "vtu" then return require "ylm.view_file".save_vtu(g, path) end
+  return check.bad(1, "save", "a path ending in .ylm or .vtu expected, got %s", check.describe(path))
+end
+
+--- The first bytes of a grid file.
+grid_file.magic = "\137YLMgrid"
+
+--- A grid from a file: nil, message, code where it cannot be read.
+function grid_file.load(path)
+  return check.result("load", core.grid_read(path))
+end
+
+return grid_file
