@@ -137,5 +137,8 @@ enum { STALE_NOT, STALE_SKIPPED, STALE_SHIFT, STALE_EXACT };
 ** gradients with 0.43 edges.
 */
 ylm_status ylm__grid_find_stale(ylm_grid *g, double tolerance, int threads, uint8_t *what);
+/* True if rounding has added up, beside what light there is, so that all lights are to be summed.
+ */
+bool ylm__grid_is_worn(const ylm_grid *g, size_t p, double tolerance);
 
 #endif

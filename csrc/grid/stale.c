@@ -72,6 +72,11 @@ static bool add_bounds(const ylm_grid *g, const lamp *a, const lamp *b, const do
   return true;
 }
 
+bool ylm__grid_is_worn(const ylm_grid *g, size_t p, double tolerance) {
+  const grid_dynamic *d = g->dynamic;
+  return (double)d->drift[p] > fmax(tolerance / 16, 2e-6) * (double)d->size[p];
+}
+
 static int judge(const stale_job *j, size_t p, const double at[3]) {
   const ylm_grid *g = j->g;
   const grid_dynamic *d = g->dynamic;
@@ -93,8 +98,7 @@ static int judge(const stale_job *j, size_t p, const double at[3]) {
   if (g->view.form.threshold >= 0 && g->dynamic->bends)
     beyond |= sum.of[2] > 5 * j->tolerance * (double)g->lambda[p];
   if (!beyond && !forced) return STALE_SKIPPED;
-  double worn = fmax(j->tolerance / 16, 2e-6) * (double)d->size[p];
-  return (double)d->drift[p] > worn ? STALE_EXACT : STALE_SHIFT;
+  return ylm__grid_is_worn(g, p, j->tolerance) ? STALE_EXACT : STALE_SHIFT;
 }
 
 static ylm_status judge_range(void *context, size_t begin, size_t end, int worker) {

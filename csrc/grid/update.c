@@ -48,6 +48,17 @@ static void commit(update *u, int32_t *of) {
   u->now = NULL;
 }
 
+/* Evaluates anew what a difference has left less light than its rounding may be seen beside. */
+static ylm_status renew_worn(update *u) {
+  ylm_grid *g = u->g;
+  uint32_t *list = u->exact + u->exacts; /* has room for all points */
+  size_t n = 0;
+  for (size_t i = 0; i < u->shifts; i++)
+    if (ylm__grid_is_worn(g, u->shift[i], u->tolerance)) list[n++] = u->shift[i];
+  u->stats.exact += n;
+  return baker_evaluate_list(&u->b, n, list);
+}
+
 static ylm_status follow(update *u) {
   ylm_grid *g = u->g;
   ylm_status s = update_remember(u);
@@ -59,6 +70,7 @@ static ylm_status follow(update *u) {
   if (s == YLM_OK) s = baker_evaluate_list(&u->b, u->exacts, u->exact);
   if (s == YLM_OK) s = update_shift_all(u);
   u->stats.exact = u->exacts;
+  if (s == YLM_OK) s = renew_worn(u);
   u->stats.points = u->exacts + u->shifts;
   double begin = ylm_seconds(), field = g->stats.field_seconds;
   if (s == YLM_OK) s = g->view.form.kind == YLM_GRID_UNIFORM ? update_uniform(u) : update_octree(u);
@@ -82,8 +94,8 @@ static ylm_status run(update *u) {
   if (!u->changes) return YLM_OK;
   s = ylm_report(u->source.progress, 0, 1, "updating");
   if (s != YLM_OK) return s;
-  if (u->changes > MOST_CHANGES || (u->changes > 4 && 2 * u->changes > u->d->lamps))
-    return rebake(u);
+  bool many = u->changes > 4 && 2 * u->changes > u->d->lamps;
+  if (u->changes > MOST_CHANGES || many || !u->lamps || !u->d->lamps) return rebake(u);
   return follow(u);
 }
 

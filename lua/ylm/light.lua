@@ -56,8 +56,8 @@ end
 local function build_lights(values, fail)
   local at, shape = numbers("at", values.at, "[n][3] numbers", fail)
   local n = shape[1]
-  if n == 0 then return fail("at is empty: at least one light expected") end
-  if #shape ~= 2 or shape[2] ~= 3 then
+  local none = #shape == 1 and n == 0
+  if not none and (#shape ~= 2 or shape[2] ~= 3) then
     return fail(("at must be [n][3] numbers, got %s"):format(check.describe(at)))
   end
   local radius, rshape = numbers("radius", values.radius, "a number or [n] numbers", fail)
@@ -84,7 +84,7 @@ end
 light.sphere_lights = form.define("sphere_lights", {
   about = "Many sphere lights as one object, from arrays: fast to make and to use.",
   fields = {
-    { "at", "any", unit = "scene units", about = "centres: an array or table [n][3]" },
+    { "at", "any", unit = "scene units", about = "centres: an array or table [n][3]; empty: darkness" },
     { "radius", "any", default = 0.1, unit = "scene units", about = "[n] numbers, or one for all; 0 emits nothing" },
     { "radiance", "any", default = 1, unit = "W sr^-1 m^-2",
       about = "[n][3] linear Rec. 709 or [n], or a number or {r, g, b} for all; may be negative" },
@@ -98,15 +98,18 @@ local spheres_of, others_of = setmetatable({}, { __mode = "k" }), setmetatable({
 --- What light.pack made with spheres that stand for parts of images -> the other spheres, or false: none.
 local drawn_of = setmetatable({}, { __mode = "k" })
 
+--- Centres, radii and radiances of no lights.
+local function nothing()
+  local function none(...) return assert(core.array_zeros({ 0, ... }, "double")) end
+  return none(3), none(), none(3)
+end
+
 --- Centres [n][3], radii [n] and radiances [n][3] of the spheres in what light.pack returned, as new double arrays:
 -- of those that are drawn and aimed at, not those that stand for an image.
 function light.arrays(packed)
   if drawn_of[packed] ~= nil then packed = drawn_of[packed]
   elseif core.type(packed) ~= "ylm.lights" then packed = spheres_of[packed] end
-  if not packed then
-    local function none(...) return assert(core.array_zeros({ 0, ... }, "double")) end
-    return none(3), none(), none(3)
-  end
+  if not packed then return nothing() end
   return check.result("lights", core.lights_arrays(packed))
 end
 
@@ -171,7 +174,7 @@ local function gather(n, name, value, parts, run, depth)
 end
 
 --- Argument `n` of `name` as one object with a light field, "ylm.lights" if all are spheres: a light, a list of them
--- (nested fine), or a packed object.
+-- (nested fine), or a packed object. An empty list is darkness.
 function light.pack(n, name, lights)
   local parts, run = {}, { at = {}, radius = {}, radiance = {} }
   gather(n, name, lights, parts, run, 0)
@@ -192,7 +195,7 @@ function light.pack(n, name, lights)
     if not spheres then return nil, message, code end
   end
   local result = spheres or others[1]
-  if not result then return check.bad(n, name, "at least one light expected, got an empty list") end
+  if not result then return check.result(name, core.lights_create(nothing())) end
   if others[spheres and 1 or 2] then
     local fields = { spheres }
     for _, other in ipairs(others) do fields[#fields + 1] = other end
@@ -311,7 +314,7 @@ describe "light_field" {
   about = "The sum of all lights at points: coefficients, gradients and Hessians with respect to the point.",
   arguments = {
     { "lmax", "integer", "highest degree, 0 to 100" },
-    { "lights", "light|list", "a light, a list of lights, or what has a light field" },
+    { "lights", "light|list", "a light, a list of lights (an empty one: darkness), or what has a light field" },
     { "points", "array|table", "[n][3] or one point, scene units" },
     { "options?", "table", "see the options" },
   },

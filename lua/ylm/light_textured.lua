@@ -76,7 +76,6 @@ local function parts_of(t, exact)
       t.tolerance, t.largest))
     if not at then return nil, radius, radiance end
     t.count = #at
-    if t.count == 0 then return nil end
     return core.lights_create(at, radius, radiance)
   end
   local vertices, radiance, code = check.result("textured_light", core.texture_quads(t.texels, t.frame, t.scale,
@@ -85,7 +84,6 @@ local function parts_of(t, exact)
   local sides = {}
   for i = 1, #radiance do sides[i] = 4 end
   t.count = #sides
-  if t.count == 0 then return nil end
   return core.polygons_create(sides, vertices, radiance, true, nil)
 end
 
@@ -132,7 +130,6 @@ textured.textured_light = form.define("textured_light", {
     local parts
     parts, message, code = parts_of(t, t.method == "exact")
     if not parts then
-      if t.count == 0 then return fail "the image is black" end
       if core.status(code) == "caller" then return fail(message) end
       return nil, message, code
     end

@@ -70,7 +70,7 @@ describe "scene:bake" {
   arguments = { { "options?", "table", "the view's default to those of scene:render" } },
   options = bake_options,
   returns = { { "grid", "grid", "bounds default to the box around the geometry" } },
-  errors = "raises where there are no probes, no lights or a bad option; nil, message, code: memory, cancelled",
+  errors = "raises where there are no probes or a bad option; nil, message, code: memory, cancelled",
   example = options.one_lamp .. [[
 local probes = ylm.uniform_grid { cells = { 4, 4, 4 }, lmax = 2 }
 local grid = scene:bake { probes = probes, size = { 32, 18 }, samples = 4 }

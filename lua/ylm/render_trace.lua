@@ -21,13 +21,6 @@ function tracing.check_scene(name, s)
   return check.fail("%s: a scene expected before the colon, got %s", name, check.describe(s))
 end
 
---- Lights of a scene as one "ylm.lights", darkness where there are none.
-local function pack_lights(name, lights)
-  if #lights > 0 then return light.pack(1, name, lights) end
-  local function none(...) return assert(core.array_zeros({ 0, ... }, "double")) end
-  return check.result(name, core.lights_create(none(3), none(), none(3)))
-end
-
 --- Do two lists hold the same things?
 local function same(a, b)
   if #a ~= #b then return false end
@@ -70,7 +63,7 @@ function tracing.trace(name, s)
     meshes[i], albedos[i], occludes[i] = g.mesh, (g.material or material.default).albedo, g.occludes ~= false
   end
   local lights
-  lights, message, code = pack_lights(name, s.lights)
+  lights, message, code = light.pack(1, name, s.lights)
   if not lights then return nil, message, code end
   local at, radius, radiance = light.arrays(lights)
   if not at then return nil, radius, radiance end

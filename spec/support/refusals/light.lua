@@ -26,7 +26,10 @@ return {
   },
   sphere_lights = {
     { call = function(ylm) return ylm.sphere_lights {} end, says = "field 'at' is missing" },
-    { call = function(ylm) return ylm.sphere_lights { at = {} } end, says = "at is empty" },
+    { call = function(ylm) return ylm.sphere_lights { at = {}, radius = { 1, 2 } } end,
+      says = "one for each of the 0 lights, got an array of 2" },
+    { call = function(ylm) return ylm.sphere_lights { at = ylm.zeros({ 0, 2 }, "double") } end,
+      says = "at must be %[n%]%[3%] numbers" },
     { call = function(ylm) return ylm.sphere_lights { at = "x" } end, says = "at must be %[n%]%[3%] numbers, got 'x'" },
     { call = function(ylm) return ylm.sphere_lights { at = { { 0, 0, 0 }, { 1, 2 } } } end,
       says = "element 4 does not fit" },
@@ -64,7 +67,6 @@ return {
     { call = function(ylm) return ylm.light_field(0.5, lamp(ylm), { 0, 0, 0 }) end, says = "#1.*lmax" },
     { call = function(ylm) return ylm.light_field("4", lamp(ylm), { 0, 0, 0 }) end, says = "#1.*lmax" },
     { call = function(ylm) return ylm.light_field(4, nil, { 0, 0, 0 }) end, says = "#2.*a light or a list" },
-    { call = function(ylm) return ylm.light_field(4, {}, { 0, 0, 0 }) end, says = "#2.*at least one light" },
     { call = function(ylm) return ylm.light_field(4, { lamp(ylm), 3 }, { 0, 0, 0 }) end,
       says = "#2.*a light or a list" },
     { call = function(ylm)

@@ -100,7 +100,6 @@ local cases = {
     view({ streamlines = { along = { { { 1 } } } } }, "streamlines: along must be numbers"),
     view({ lights = true }, "lights = true shows the lights of a scene"),
     view({ lights = "all" }, "lights must be a light"),
-    view({ lights = {} }, "at least one light"),
     view({ meshes = {} }, "meshes: the list is empty"),
     view({ meshes = { 1 } }, "meshes: geometry or"),
     view({ points = { { 1, 2 } } }, "rows of 3 numbers"),
