@@ -6,7 +6,4 @@ struct Cell {
   uint child, source, info, unused;
 };
 
-/* Of info. */
-const uint LEVEL = 0xff, HAS_DATA = 0x100, ELSEWHERE = 0x200;
-/* Of a place's cell: none here; outside of the bounds. */
-const uint NONE = 0x3fffffff, AWAY = 0x40000000;
+#include "gen/layout.glsl"

@@ -22,6 +22,8 @@ PUSH {
   uint cells;
 };
 
+#include "gen/cells.glsl"
+
 real coordinate(uint k) {
 #ifdef YLM_DOUBLE
   if (DOUBLES) return packDouble2x32(uvec2(point[2 * k], point[2 * k + 1]));
@@ -37,16 +39,15 @@ void main() {
   bool away = false;
   for (int a = 0; a < 3; a++) {
     real p = coordinate(3 * i + a), last = real(resolution[a]);
-    bool inside = p >= lo[a] && p <= hi[a];
-    at[a] = inside ? min((p - lo[a]) * scale[a], last) : p > hi[a] ? last : real(0);
-    away = away || !inside;
+    at[a] = lattice_coordinate(p, lo[a], hi[a], scale[a], last);
+    away = away || !within(p, lo[a], hi[a]);
     c[a] = min(uint(at[a]), resolution[a] - 1);
   }
   uint k = uniform_grid != 0 ? table[(c[2] * resolution[1] + c[1]) * resolution[0] + c[0]] : 0;
   if (k != NONE && uniform_grid == 0) {
     while (cell[k].child != 0) {
       uint shift = depth - (cell[k].info & LEVEL) - 1;
-      k = cell[k].child + ((c[0] >> shift & 1) | (c[1] >> shift & 1) << 1 | (c[2] >> shift & 1) << 2);
+      k = cell[k].child + octant_of(c[0], c[1], c[2], shift);
     }
     if ((cell[k].info & ELSEWHERE) != 0) k = NONE;
   }
@@ -61,7 +62,8 @@ void main() {
   k = cell[k].source;
   if (SORTED) atomicAdd(tally[k], 1);
   vec3 t;
+  real inverse = real(1) / real(cell[k].edge);
   for (int a = 0; a < 3; a++)
-    t[a] = float(clamp((at[a] - real(cell[k].origin[a])) / real(cell[k].edge), real(0), real(1)));
+    t[a] = float(clamp(edge_fraction(at[a], real(cell[k].origin[a]), inverse), real(0), real(1)));
   place[i] = uvec4(k | (away ? AWAY : 0), floatBitsToUint(t));
 }

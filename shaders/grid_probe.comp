@@ -33,6 +33,7 @@ shared float weight[PROBES * 33];
 shared vec3 part[PROBES * EACH]; /* a scale, and sums of squares over its square: numbers may be of any size */
 
 #include "grid_weights.glsl"
+#include "gen/cells.glsl"
 
 vec3 add(vec3 a, vec3 b) {
   vec3 large = a.x >= b.x ? a : b, small = a.x >= b.x ? b : a;
@@ -58,5 +59,5 @@ void main() {
   barrier();
   if (i >= n || lane % EACH != 0) return;
   for (uint k = 1; k < EACH; k++) sum = add(sum, part[lane + k]);
-  distance_of[i] = sum.y == 0.0 ? 0.0 : sqrt(sum.y / sum.z);
+  distance_of[i] = relative_distance(sum.y, sum.z);
 }

@@ -31,6 +31,7 @@ shared vec4 corners[TILE * PITCH];
 float weight[32];
 
 #include "grid_weights.glsl"
+#include "gen/picture.glsl"
 
 /* Numbers begin .. begin+tile-1 of a cell, of all channels after one another, to shared memory. */
 void load(uint k, uint begin, uint tile) {
@@ -86,6 +87,6 @@ void main() {
   if (!here) return;
   for (uint c = 0; c < 3; c++) {
     float s = sum[CHANNELS == 1 ? 0 : c];
-    radiance[3 * i + c] = ALBEDO ? s * 0.318309886183790671 * albedo[3 * i + c] : s;
+    radiance[3 * i + c] = ALBEDO ? matte_radiance(s, albedo[3 * i + c]) : s;
   }
 }

@@ -8,12 +8,11 @@
 
 const uint EMPTY = 0xffffffff, FRESH = 0x80000000;
 
-/* Of a voxel's state: asked: its parent is crossed; crossed: by a light's surface; split; children that are voxels. */
-const uint ASKED = 0x400, SPLIT = 0x200, CROSSED = 0x100, CHILDREN = 0xff;
+#include "gen/layout.glsl"
 
-uvec2 packed(uvec3 c) { return uvec2(c.x | c.y << 17, c.y >> 15 | c.z << 2); }
+uvec2 packed(uvec3 c) { return uvec2(key_low(c.x, c.y), key_high(c.y, c.z)); }
 
-uvec3 unpacked(uvec2 k) { return uvec3(k.x & 0x1ffff, k.x >> 17 | (k.y & 3) << 15, k.y >> 2); }
+uvec3 unpacked(uvec2 k) { return uvec3(key_x(k.x), key_y(k.x, k.y), key_z(k.y)); }
 
 /* Corner (or octant) k of something of that edge, from its lowest corner. */
 uvec3 corner_of(uint k, uint edge) { return uvec3(k & 1, k >> 1 & 1, k >> 2) * edge; }

@@ -1,6 +1,6 @@
 /*
-** Which of the voxels `asked` the surface of a sphere crosses, as csrc/light/crosses.c says, to the bit; of spheres that
-** stand for flat lights, as csrc/light/polygon_shape.c does. A group asks 64 of them about a chunk of spheres.
+** Which of the voxels `asked` the surface of a sphere crosses, to the bit as the processor says it (csrc/light/crosses.c, of
+** spheres that stand for flat lights polygon_shape.c). A group asks 64 of them about a chunk of spheres.
 */
 #version 450
 #extension GL_GOOGLE_include_directive : require
@@ -21,31 +21,7 @@ PUSH {
   uint spheres, chunk;
 };
 
-/* Squared distances to the box's nearest and farthest point decide. */
-bool meets(dvec4 s, double lo[3], double hi[3]) {
-  precise double near = 0.0lf, far = 0.0lf, r2 = s.w * s.w;
-  for (uint a = 0; a < 3; a++) {
-    precise double x = lo[a] - s[a], y = s[a] - hi[a];
-    precise double away = max(max(x, y), 0.0lf), across = min(x, y), away2 = away * away, across2 = across * across;
-    near = near + away2;
-    far = far + across2;
-  }
-  return near <= r2 && r2 <= far;
-}
-
-/* The same of a box larger by a rounding error. */
-bool meets_larger(dvec4 s, double lo[3], double hi[3]) {
-  precise double near = 0.0lf, far = 0.0lf, r2 = s.w * s.w;
-  for (uint a = 0; a < 3; a++) {
-    precise double sum = lo[a] + hi[a], width = hi[a] - lo[a], c = 0.5lf * sum, h = 0.5lf * width;
-    precise double size = abs(c) + h, more = 1e-14lf * size, half_edge = h + more;
-    precise double d = abs(c - s[a]), away = max(0.0lf, d - half_edge), across = d + half_edge;
-    precise double away2 = away * away, across2 = across * across;
-    near = near + away2;
-    far = far + across2;
-  }
-  return near <= r2 && r2 <= far;
-}
+#include "gen/crossing.glsl"
 
 void main() {
   uint blocks = (n + gl_WorkGroupSize.x - 1) / gl_WorkGroupSize.x, group = ylm_group(first);
@@ -53,15 +29,18 @@ void main() {
   if (i >= n) return;
   uint w = asked[i], begin = (group / blocks) * chunk, end = min(begin + chunk, spheres);
   uvec3 c = unpacked(voxel[w].xy);
-  double lo[3], hi[3];
+  dvec3 lo, hi, middle, reach;
   for (uint a = 0; a < 3; a++) {
     uint at = a * (resolution + 1) + c[a];
     lo[a] = axis[at];
     hi[a] = axis[at + edge];
+    middle[a] = box_middle(lo[a], hi[a]);
+    reach[a] = box_reach(lo[a], hi[a]);
   }
   bool crossed = false;
   for (uint k = begin; k < end; k++) { /* no early end: groups take as long as was foreseen */
-    bool met = FLAT ? meets_larger(sphere[k], lo, hi) : meets(sphere[k], lo, hi);
+    dvec4 s = sphere[k];
+    bool met = FLAT ? sphere_meets_wide(s.xyz, s.w, middle, reach) : sphere_meets(s.xyz, s.w, lo, hi);
     crossed = crossed || met;
   }
   if (crossed) atomicOr(state[w], CROSSED);

@@ -20,6 +20,8 @@ PUSH {
   float diagonal, threshold;
 };
 
+#include "gen/cells.glsl"
+
 void main() {
   uint i = ylm_item(first);
   if (i >= n) return;
@@ -28,10 +30,10 @@ void main() {
     float r = ratio[corner[8 * i + k]];
     if (r >= 0.0) sum += r, valid += 1.0;
   }
-  float e = valid > 0.0 ? sum / valid * diagonal * (0.5 * diagonal) : 0.0;
+  float e = cell_metric(sum, valid, diagonal, 0.5 * diagonal);
   error[i] = e;
   uint s = state[i] & CROSSED, rank = voxel[i].z;
-  if (last == 0 && (e > threshold || s != 0)) {
+  if (last == 0 && cell_splits(e, threshold, s != 0)) {
     uint children = all != 0 ? CHILDREN : bits[rank >> 2] >> (rank & 3) * 8 & CHILDREN;
     if (s != 0) atomicAdd(count[2], bitCount(children));
     s |= SPLIT | children;

@@ -18,7 +18,9 @@ PUSH {
   uint shift; /* the finest level less this one */
 };
 
-uint octant(uint xy, uint z, uint at) { return (xy >> at & 1) | (xy >> (16 + at) & 1) << 1 | (z >> at & 1) << 2; }
+#include "gen/cells.glsl"
+
+uint octant(uint xy, uint z, uint at) { return octant_of(xy, xy >> 16, z, at); }
 
 void main() {
   uint i = ylm_item(first);

@@ -10,7 +10,9 @@
 layout(constant_id = 1) const uint KIND = 0;  /* f: 0 x itself, 1 its bits under `mask`, 2 whether entry i is its own */
 layout(constant_id = 2) const uint PHASE = 0;
 
-const uint LANES = 64, EACH = 16, FRESH = 0x80000000, NONE = 0xffffffff;
+#include "gen/layout.glsl"
+
+const uint LANES = SCAN_LANES, EACH = SCAN_EACH, FRESH = 0x80000000, NOWHERE = 0xffffffff;
 
 layout(set = 0, binding = 0) buffer X { uint x[]; };
 layout(set = 0, binding = 1) buffer Before { uint before[]; };
@@ -20,7 +22,7 @@ layout(set = 0, binding = 3) buffer Counts { uint count[]; };
 PUSH {
   uint first;
   uint n, mask, blocks; /* blocks 1: `block` is not read */
-  uint slot;            /* NONE: nobody wants the sum */
+  uint slot;            /* NOWHERE: nobody wants the sum */
 };
 
 shared uint part[LANES];
@@ -52,6 +54,6 @@ void main() {
   for (uint k = 0; k < EACH && begin + k < n; k++) {
     before[begin + k] = sum;
     sum += v[k];
-    if (begin + k == n - 1 && slot != NONE) count[slot] = sum;
+    if (begin + k == n - 1 && slot != NOWHERE) count[slot] = sum;
   }
 }

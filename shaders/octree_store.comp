@@ -28,6 +28,8 @@ PUSH {
   uint row;    /* of the first point */
 };
 
+#include "gen/cells.glsl"
+
 bool finite(float x) { return (floatBitsToUint(x) & 0x7f800000) != 0x7f800000; }
 
 void main() {
@@ -39,8 +41,9 @@ void main() {
     uvec3 at = unpacked(key[begin + i]);
     uint from = i * width + c;
     slope = vec3(gradient[3 * from], gradient[3 * from + 1], gradient[3 * from + 2]);
-    v = value[from];
-    for (uint a = 0; a < 3; a++) v += axis[a * (resolution + 1) + at[a]].y * slope[a];
+    vec3 lacks;
+    for (uint a = 0; a < 3; a++) lacks[a] = axis[a * (resolution + 1) + at[a]].y;
+    v = carried(value[from], lacks, slope);
     if (!finite(v) || !finite(slope.x) || !finite(slope.y) || !finite(slope.z)) atomicMax(bad, ~(begin + i));
   }
   data[to] = v;
@@ -51,5 +54,5 @@ void main() {
   extra[at] = l;
   extra[at + 1] = m;
   extra[at + 2] = inside[i] != 0 ? 1.0 : 0.0;
-  ratio[begin + i] = inside[i] != 0 ? -1.0 : !(l > 0.0) ? 0.0 : relative != 0 ? l / m : l;
+  ratio[begin + i] = inside[i] != 0 ? -1.0 : point_ratio(l, m, relative != 0);
 }

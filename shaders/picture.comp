@@ -1,6 +1,6 @@
 /*
-** A picture from the radiance of shading points: what a pixel shows of lamps, its share of the background, and its entries'
-** shares of surfaces, as csrc/shade's ylm_shade_compose. One item a pixel.
+** A picture from the radiance of shading points, as ylm_shade_compose makes it: what a pixel shows of lamps, its share of the
+** background, and its entries' shares of surfaces. One item a pixel.
 */
 #version 450
 #extension GL_GOOGLE_include_directive : require
@@ -21,12 +21,19 @@ PUSH {
   float background[3];
 };
 
+#include "gen/picture.glsl"
+
+vec3 more(vec3 sum, float share, vec3 x) {
+  for (int c = 0; c < 3; c++) sum[c] = with_share(sum[c], share, x[c]);
+  return sum;
+}
+
 vec3 at_point(uint i) { return vec3(radiance[3 * i], radiance[3 * i + 1], radiance[3 * i + 2]); }
 
 vec3 at_entry(uint i) {
   if (!CORNERS) return at_point(i);
   vec3 sum = vec3(0.0);
-  for (uint k = 3 * i; k < 3 * i + 3; k++) sum += part[k] * at_point(corner[k]);
+  for (uint k = 3 * i; k < 3 * i + 3; k++) sum = more(sum, part[k], at_point(corner[k]));
   return sum;
 }
 
@@ -34,7 +41,7 @@ void main() {
   uint p = begin + ylm_item(first);
   if (p >= end) return;
   vec4 x = shown[p];
-  vec3 sum = x.xyz + x.w * vec3(background[0], background[1], background[2]);
-  for (uint i = first_entry[p]; i < first_entry[p + 1]; i++) sum += weight[i] * at_entry(i);
+  vec3 sum = more(x.xyz, x.w, vec3(background[0], background[1], background[2]));
+  for (uint i = first_entry[p]; i < first_entry[p + 1]; i++) sum = more(sum, weight[i], at_entry(i));
   for (int c = 0; c < 3; c++) image[3 * p + c] = sum[c];
 }

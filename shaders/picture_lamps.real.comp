@@ -1,10 +1,12 @@
 /*
-** Lamps drawn over a picture, the farthest first, as csrc/shade's ylm_shade_draw_lamps. A group is a tile of 8 x 8 pixels
+** Lamps drawn over a picture, the farthest first, as ylm_shade_draw_lamps does. A group is a tile of 8 x 8 pixels
 ** with the lamps that may touch it.
 */
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "ylm.glsl"
+
+#include "gen/layout.glsl"
 
 struct Tile {
   uint x, y, begin, end; /* its first pixel; of the list of discs */
@@ -26,40 +28,32 @@ PUSH {
 /* Of a disc: the direction to it, its depth, the chord of half the angle it fills, its radiance, the box of its pixels. */
 const uint DISC = 12, DEPTH = 3, HALF = 4, RADIANCE = 5, BOX = 8;
 
-/* How much of the pixel lies on the disc: by the distance of its centre from the rim. Chords stand for angles; they are
-   lengths of differences, as those of cosines would be lost in float. */
-real covered(uint d, rvec3 u) {
-  real far = length(u), size = pixel / (far * sqrt(far));
-  real off = length(u / far - rvec3(disc[d], disc[d + 1], disc[d + 2])), radius = disc[d + HALF] / size;
-  real inside = clamp(radius - off / size + REAL(0.5), REAL(0), REAL(1));
-  return radius < REAL(0.5) ? inside * 4 * radius * radius : inside;
-}
+#include "gen/picture.glsl"
 
 /* The part of a pixel that shows nothing nearer than `far`. */
 real open_part(uint p, real far) {
   real hidden = REAL(0);
   for (uint i = first_entry[p]; i < first_entry[p + 1]; i++)
-    if (real(depth[i]) < far) hidden += real(weight[i]);
-  return hidden < 1 ? 1 - hidden : REAL(0);
+    hidden += hides(real(weight[i]), real(depth[i]), far);
+  return open_share(hidden);
 }
 
 void main() {
   Tile t = tile[ylm_group(first)];
-  uint lane = gl_LocalInvocationID.x, x = t.x + lane % 8, y = t.y + lane / 8, p = y * width + x;
+  uint lane = gl_LocalInvocationID.x, x = t.x + lane % PIXEL_TILE, y = t.y + lane / PIXEL_TILE, p = y * width + x;
   if (x >= width || y >= height) return;
-  real across = 2 * (real(x) + REAL(0.5)) / real(width) - 1, along = 1 - 2 * (real(y) + REAL(0.5)) / real(height);
+  real across = to_the_right(real(x) + REAL(0.5), real(width)), along = upwards(real(y) + REAL(0.5), real(height));
   rvec3 u;
-  for (int a = 0; a < 3; a++) u[a] = forward[a] + across * right[a] + along * up[a];
+  for (int a = 0; a < 3; a++) u[a] = ray_along(forward[a], right[a], up[a], across, along);
   vec3 sum = vec3(image[3 * p], image[3 * p + 1], image[3 * p + 2]);
   for (uint i = t.begin; i < t.end; i++) {
     uint d = list[i] * DISC;
     if (real(x) < disc[d + BOX] || real(x) >= disc[d + BOX + 1] || real(y) < disc[d + BOX + 2] ||
         real(y) >= disc[d + BOX + 3])
       continue;
-    real share = covered(d, u);
+    real share = disc_share(u, rvec3(disc[d], disc[d + 1], disc[d + 2]), disc[d + HALF], pixel);
     if (share > 0) share *= open_part(p, disc[d + DEPTH]);
-    vec3 colour = vec3(disc[d + RADIANCE], disc[d + RADIANCE + 1], disc[d + RADIANCE + 2]);
-    if (share > 0) sum += float(share) * (colour - sum);
+    for (uint c = 0; share > 0 && c < 3; c++) sum[c] = drawn_over(sum[c], float(share), float(disc[d + RADIANCE + c]));
   }
   for (int c = 0; c < 3; c++) image[3 * p + c] = sum[c];
 }

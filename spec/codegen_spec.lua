@@ -150,6 +150,59 @@ describe("ylm.codegen", function()
       end)
     end)
 
+    describe("of functions that C and GLSL have in common", function()
+      local common = require "ylm.codegen.common"
+
+      it("differ in types, constants and precisions alone", function()
+        local list = { { about = "Half.", text = [[
+real f(vector x, floats y, uint k) {
+  exact real a = #0.5 * ABS(x[0]);
+  FINE
+  return a;
+  COARSE
+  return ROOT(a);
+  END
+}]] } }
+        local constants = { { "WIDTH", 255, "of it" } }
+        local function of(name) return (common.text(name, "x", {}, list, constants):gsub("^.-%*/\n", "")) end
+        assert.equal("const uint WIDTH = 0xff; /* of it */\n\n/* Half. */\nreal f(rvec3 x, vec3 y, uint k) {\n"
+          .. "  precise real a = REAL(0.5lf) * abs(x[0]);\n#ifdef YLM_DOUBLE\n  return a;\n#else\n  return sqrt(a);\n"
+          .. "#endif\n}\n", of "shader")
+        local c = of "c"
+        assert(c:find("enum {\n  YLM_GPU_WIDTH = 0xff, /* of it */\n};", 1, true), c)
+        assert(c:find("static inline double f(const double x[3], const float y[3], uint32_t k) {\n"
+          .. "  double a = 0.5 * fabs(x[0]);\n  return a;\n}", 1, true), c)
+        list = { list[1] }
+        assert(common.text("double_shader", "x", {}, list):find("precise double a = 0.5lf * abs(x[0]);\n  return a;", 1, true))
+      end)
+
+      it("say what they should: surfaces that touch boxes, metrics, pixels on a disc", function()
+        local numbers = run_c(folder, "common", [[
+#include <stdio.h>
+#include "csrc/light/gen/crossing.h"
+#include "csrc/grid/gen/cells.h"
+#include "csrc/shade/gen/picture.h"
+int main(void) {
+  const double lo[3] = {0, 0, 0}, hi[3] = {1, 1, 1}, c[3] = {2, 0.5, 0.5}, inside[3] = {0.5, 0.5, 0.5};
+  double middle[3], reach[3];
+  for (int a = 0; a < 3; a++) middle[a] = box_middle(lo[a], hi[a]), reach[a] = box_reach(lo[a], hi[a]);
+  printf("%d %d %d %d\n", sphere_meets(c, 1, lo, hi), sphere_meets(c, 0.999, lo, hi), sphere_meets(inside, 0.8, lo, hi),
+         sphere_meets(inside, 0.9, lo, hi));
+  printf("%d %d %d\n", sphere_meets_wide(c, 1 - 1e-15, middle, reach), sphere_meets_wide(c, 0.999, middle, reach),
+         sphere_meets_wide(inside, 0.9, middle, reach));
+  printf("%g %g %g %g\n", point_ratio(0, 0, true), point_ratio(3, 2, true), point_ratio(3, 2, false),
+         cell_metric(6, 2, 4, 0.5));
+  printf("%g %g %g\n", lattice_coordinate(0.5, 0, 2, 4, 8), lattice_coordinate(3, 0, 2, 4, 8),
+         lattice_coordinate(NAN, 0, 2, 4, 8));
+  printf("%u %g\n", octant_of(2, 1, 3, 1), relative_distance(0, 0));
+  const double u[3] = {0, 0, -1}, to[3] = {0, 0, -1};
+  printf("%g %g\n", disc_share(u, to, 0.1, 0.01), disc_share(u, to, 0.001, 0.01));
+}
+]], "-O1 -I.")
+        assert.same({ 1, 0, 1, 0, 1, 0, 0, 0, 1.5, 3, 6, 2, 8, 0, 5, 0, 1, 0.024 }, numbers)
+      end)
+    end)
+
     it("bear no dates and no absolute paths", function()
       for _, target in ipairs(targets) do
         local text = read(target[1])

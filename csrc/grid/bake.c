@@ -26,8 +26,9 @@ ylm_status baker_refine_threshold(baker *b) {
     ylm_status s = baker_corners(b);
     for (size_t i = 0; s == YLM_OK && i < b->wave.n; i++) {
       const ylm_grid_cell *c = &g->cell[b->wave.cell[i]];
-      bool above = (double)c->error > g->view.form.threshold || c->flags & YLM_GRID_CROSSED;
-      if (c->level < depth && above) s = baker_split(b, b->wave.cell[i]);
+      bool crossed = c->flags & YLM_GRID_CROSSED;
+      if (c->level < depth && cell_splits((double)c->error, g->view.form.threshold, crossed))
+        s = baker_split(b, b->wave.cell[i]);
     }
     if (s != YLM_OK) return s;
     baker_advance(b);

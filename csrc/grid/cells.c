@@ -14,11 +14,10 @@ float baker_metric(const baker *b, const ylm_grid_cell *c, ylm_grid_metric metri
   for (int k = 0; k < 8; k++) {
     uint32_t p = c->corner[k];
     if (g->flags[p] & YLM_GRID_POINT_INVALID) continue;
-    double x = (double)g->lambda[p], norm = (double)g->norm[p];
+    sum += point_ratio((double)g->lambda[p], (double)g->norm[p], metric == YLM_GRID_RELATIVE);
     n++;
-    if (x > 0) sum += metric == YLM_GRID_RELATIVE ? x / norm : x;
   }
-  return n ? (float)(sum / n * box / 2) : 0;
+  return (float)cell_metric(sum, n, box, 0.5);
 }
 
 /* The cell in the same place before an update, if no light that changed is near it: what crossed it

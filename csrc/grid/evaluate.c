@@ -96,7 +96,7 @@ static ylm_status store_block(void *context, size_t begin, size_t end, int worke
     for (size_t a = 0; a < 3; a++) d[a] = (float)(exact[a] - (double)k->position[3 * i + a]);
     const float *value = k->value + i * w, *slope = k->gradient + i * w * 3;
     for (size_t c = 0; c < w; c++) {
-      to[c] = value[c] + (d[0] * slope[3 * c] + d[1] * slope[3 * c + 1] + d[2] * slope[3 * c + 2]);
+      to[c] = carried(value[c], d, slope + 3 * c);
       for (size_t a = 0; a < 3; a++) to[(a + 1) * g->stride + c] = slope[3 * c + a];
     }
     for (size_t a = 0; a < 4; a++) memset(to + a * g->stride + w, 0, (g->stride - w) * sizeof *to);

@@ -2,6 +2,9 @@
 #ifndef YLM_GRID_PRIVATE_H
 #define YLM_GRID_PRIVATE_H
 
+#include <math.h>
+
+#include "gen/cells.h"
 #include "ylm_grid.h"
 
 #define ROWS 32 /* what a voxel's interpolant is made of: 8 corners x (value, 3 derivatives) */
@@ -99,8 +102,7 @@ static inline uint32_t ylm__grid_finest(const ylm_grid *g, const uint32_t at[3])
   uint32_t cell = g->table[ylm__grid_table_index(g, at[0] >> top, at[1] >> top, at[2] >> top)];
   for (const ylm_grid_cell *c = &g->cell[cell]; c->child; c = &g->cell[cell]) {
     int shift = g->view.form.depth - c->level - 1;
-    cell =
-        c->child + ((at[0] >> shift & 1) | (at[1] >> shift & 1) << 1 | (at[2] >> shift & 1) << 2);
+    cell = c->child + octant_of(at[0], at[1], at[2], (uint32_t)shift);
   }
   return cell;
 }
@@ -130,7 +132,7 @@ static inline bool ylm__grid_fractions(const ylm_grid *g, const ylm_grid_cell *c
   double inverse = 1 / (double)ylm__grid_edge(g, c);
   bool moved = false;
   for (int a = 0; a < 3; a++) {
-    double x = (at[a] - c->origin[a]) * inverse;
+    double x = edge_fraction(at[a], c->origin[a], inverse);
     moved |= !(x >= 0 && x <= 1);
     t[a] = (float)(x < 0 ? 0 : x > 1 ? 1 : x);
   }

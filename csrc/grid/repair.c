@@ -37,8 +37,7 @@ static void affect_around(repair *r, const uint32_t at[3]) {
     uint32_t cell = 0;
     while (g->cell[cell].child) {
       int shift = g->view.form.depth - g->cell[cell].level - 1;
-      cell = g->cell[cell].child + ((beside[0] >> shift & 1) | (beside[1] >> shift & 1) << 1 |
-                                    (beside[2] >> shift & 1) << 2);
+      cell = g->cell[cell].child + octant_of(beside[0], beside[1], beside[2], (uint32_t)shift);
     }
     r->affected[cell] = 1;
   }

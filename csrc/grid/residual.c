@@ -46,7 +46,7 @@ double refiner_distance(const float *a, const float *exact, size_t width) {
     d += x * x;
     n += (double)exact[j] * (double)exact[j];
   }
-  return d == 0 ? 0 : sqrt(d / n);
+  return relative_distance(d, n);
 }
 
 /* -- estimates ------------------------------------------------------------------------- */

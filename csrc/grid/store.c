@@ -314,13 +314,8 @@ bool ylm__grid_coordinates(const ylm_grid *g, const double p[3], double out[3]) 
   const double *b = g->view.form.bounds;
   bool inside = true;
   for (int a = 0; a < 3; a++) {
-    double t = (p[a] - b[a]) * g->scale[a], last = g->view.resolution[a];
-    if (p[a] >= b[a] && p[a] <= b[a + 3])
-      out[a] = t < last ? t : last;
-    else {
-      inside = false;
-      out[a] = p[a] > b[a + 3] ? last : 0; /* NaN too */
-    }
+    inside &= within(p[a], b[a], b[a + 3]);
+    out[a] = lattice_coordinate(p[a], b[a], b[a + 3], g->scale[a], g->view.resolution[a]);
   }
   return inside;
 }
@@ -367,12 +362,11 @@ uint32_t ylm_grid_locate(const ylm_grid *g, const double p[3], bool finest, bool
   }
   uint32_t cell = 0;
   while (!(g->cell[cell].flags & YLM_GRID_LEAF)) {
-    int shift = g->view.form.depth - g->cell[cell].level - 1, k = 0;
-    for (int a = 0; a < 3; a++) {
-      uint32_t i = (uint32_t)at[a] == g->view.resolution[a] ? (uint32_t)at[a] - 1 : (uint32_t)at[a];
-      k |= (int)(i >> shift & 1) << a;
-    }
-    cell = g->cell[cell].child + (uint32_t)k;
+    int shift = g->view.form.depth - g->cell[cell].level - 1;
+    uint32_t i[3];
+    for (int a = 0; a < 3; a++)
+      i[a] = (uint32_t)at[a] == g->view.resolution[a] ? (uint32_t)at[a] - 1 : (uint32_t)at[a];
+    cell = g->cell[cell].child + octant_of(i[0], i[1], i[2], (uint32_t)shift);
   }
   return cell;
 }

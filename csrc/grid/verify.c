@@ -51,9 +51,9 @@ static void hold_out(refiner *r, uint64_t round) {
 static void fractions(const refiner *r, const ylm_grid_cell *c, size_t i, float t[3]) {
   const ylm_grid *g = r->b->g;
   const float *x = r->points + 3 * i;
-  double at[3], edge = ylm__grid_edge(g, c);
+  double at[3], inverse = 1 / (double)ylm__grid_edge(g, c);
   ylm__grid_coordinates(g, (double[3]){(double)x[0], (double)x[1], (double)x[2]}, at);
-  for (int a = 0; a < 3; a++) t[a] = (float)((at[a] - c->origin[a]) / edge);
+  for (int a = 0; a < 3; a++) t[a] = (float)edge_fraction(at[a], c->origin[a], inverse);
 }
 
 /* Errors of held-out points begin .. end-1, interpolated in their leaves. */

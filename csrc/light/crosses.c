@@ -3,6 +3,8 @@
 
 #include <math.h>
 
+#include "gen/crossing.h"
+
 /* Lights of a leaf. */
 #define LEAF 8
 /* Below so many pairs of box and light a tree is not worth its making. */
@@ -23,17 +25,8 @@ typedef struct tree {
   size_t count;
 } tree;
 
-/* Does the surface |p - c| = r pass through the box? Squared distances to its nearest and
-   farthest point decide. */
-static bool meets(const double *box, const double *c, double r) {
-  double near = 0, far = 0;
-  for (int a = 0; a < 3; a++) {
-    double lo = box[a] - c[a], hi = c[a] - box[3 + a];
-    double out = lo > hi ? lo : hi, in = lo < hi ? lo : hi;
-    if (out > 0) near += out * out;
-    far += in * in;
-  }
-  return near <= r * r && r * r <= far;
+static bool meets(const double *box, const ylm__lamp_d *l) {
+  return sphere_meets(l->at, l->radius, box, box + 3);
 }
 
 static bool overlaps(const double *a, const double *b) {
@@ -100,7 +93,7 @@ static bool any_meets(const tree *t, const double *box) {
       continue;
     }
     for (size_t i = k->begin; inner && i < k->end; i++)
-      if (meets(box, t->lamps[t->order[i]].at, t->lamps[t->order[i]].radius)) return true;
+      if (meets(box, &t->lamps[t->order[i]])) return true;
     if (top == 0) return false;
     at = stack[--top];
   }
@@ -120,7 +113,7 @@ static ylm_status run(void *context, size_t begin, size_t end, int worker) {
     const double *box = j->boxes + 6 * i;
     bool found = j->tree && any_meets(j->tree, box);
     for (size_t k = 0; !j->tree && !found && k < j->lights->active; k++)
-      found = meets(box, j->lights->lamp_d[k].at, j->lights->lamp_d[k].radius);
+      found = meets(box, &j->lights->lamp_d[k]);
     j->out[i] = found;
   }
   return YLM_OK;

@@ -3,6 +3,8 @@
 
 #include <math.h>
 
+#include "gen/crossing.h"
+
 /* Every coordinate finite and within bounds; the extent of the shape about its first vertex. */
 static ylm_status check_numbers(size_t index, int sides, const double *v, double *size,
                                 ylm_error *e) {
@@ -144,31 +146,20 @@ static bool disk_meets(const box *b, const double *centre, const double *normal,
   return near <= reach * reach && fabs(away) <= half;
 }
 
-/* The approximation's sphere: its surface, or where the light is marked as `inside`. */
-static bool sphere_meets(const box *b, const double *centre, double radius) {
-  double near = 0, far = 0;
-  for (int a = 0; a < 3; a++) {
-    double d = fabs(b->c[a] - centre[a]), out = fmax(0, d - b->h[a]);
-    near += out * out;
-    far += (d + b->h[a]) * (d + b->h[a]);
-  }
-  return near <= radius * radius && radius * radius <= far;
-}
-
 ylm_status ylm__polygon_crosses(const ylm_field *f, size_t n, const double *boxes, uint8_t *out) {
   const ylm_polygons *p = f->self;
   for (size_t i = 0; i < n; i++) {
     box b;
     for (int a = 0; a < 3; a++) {
-      b.c[a] = 0.5 * (boxes[6 * i + (size_t)a] + boxes[6 * i + 3 + (size_t)a]);
-      b.h[a] = 0.5 * (boxes[6 * i + 3 + (size_t)a] - boxes[6 * i + (size_t)a]);
-      b.h[a] += 1e-14 * (fabs(b.c[a]) + b.h[a]);
+      double lo = boxes[6 * i + (size_t)a], hi = boxes[6 * i + 3 + (size_t)a];
+      b.c[a] = box_middle(lo, hi);
+      b.h[a] = box_reach(lo, hi);
     }
     out[i] = 0;
     for (size_t k = 0; k < p->n && !out[i]; k++) {
       const double *c = p->centroid + 3 * k, *m = p->normal + 3 * k;
-      if (!p->exact)
-        out[i] = sphere_meets(&b, c, p->radius[k]);
+      if (!p->exact) /* the sphere's surface, where the light is marked as `inside` */
+        out[i] = sphere_meets_wide(c, p->radius[k], b.c, b.h);
       else if (disk_meets(&b, c, m, p->reach[k]))
         out[i] = !p->sides[k] || polygon_meets(&b, p->sides[k], p->vertices + 3 * p->first[k], m);
     }

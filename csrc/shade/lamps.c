@@ -3,6 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "gen/picture.h"
 #include "view.h"
 
 /* A lamp as the camera sees it. */
@@ -44,17 +45,12 @@ static bool project(const ylm_shade_view *v, const float sphere[4], const float 
          d->y - d->reach < height;
 }
 
-/* How much of the pixel lies on the disc: by the distance of its centre from the rim. */
+/* How much of the pixel lies on the disc. */
 static double covered(const ylm_shade_view *v, const disc *d, int px, int py) {
   const shade_frame *f = &v->frame;
-  double x = 2 * (px + 0.5) / v->o.width - 1, y = 1 - 2 * (py + 0.5) / v->o.height, u[3];
-  for (int a = 0; a < 3; a++) u[a] = f->forward[a] + x * f->right[a] + y * f->up[a];
-  double length = sqrt(dot3(u, u)), cosine = dot3(u, d->to) / length;
-  /* Chords for angles: lamps are small, and what is far off is not covered by either. */
-  double off = sqrt(2 * (cosine < 1 ? 1 - cosine : 0)), pixel = f->pixel / (length * sqrt(length));
-  double radius = d->half / pixel, in = radius - off / pixel + 0.5;
-  in = in < 0 ? 0 : in > 1 ? 1 : in;
-  return radius < 0.5 ? in * 4 * radius * radius : in;
+  double x = to_the_right(px + 0.5, v->o.width), y = upwards(py + 0.5, v->o.height), u[3];
+  for (int a = 0; a < 3; a++) u[a] = ray_along(f->forward[a], f->right[a], f->up[a], x, y);
+  return disc_share(u, d->to, d->half, f->pixel);
 }
 
 /* The part of a pixel that shows nothing nearer than `depth`. */
@@ -62,8 +58,8 @@ static double open_part(const ylm_shade_view *v, size_t pixel, double depth) {
   const shade_pixel *q = &v->pixel[pixel];
   double hidden = 0;
   for (size_t i = q[0].first; i < q[1].first; i++)
-    if ((double)v->entry[i].depth < depth) hidden += (double)v->entry[i].weight;
-  return hidden < 1 ? 1 - hidden : 0;
+    hidden += hides((double)v->entry[i].weight, (double)v->entry[i].depth, depth);
+  return open_share(hidden);
 }
 
 /* The pixels begin .. end-1 of a row that may be on the disc: the direction to pixel x is
@@ -108,7 +104,7 @@ static void draw(const lamps_job *j, const disc *d, int top, int bottom) {
       if (part > 0) part *= open_part(v, pixel, d->depth);
       for (int c = 0; part > 0 && c < 3; c++) {
         float *to = &j->out[3 * pixel + (size_t)c];
-        *to += (float)part * (d->radiance[c] - *to);
+        *to = drawn_over(*to, (float)part, d->radiance[c]);
       }
     }
   }

@@ -1,12 +1,12 @@
 /* light.c - radiance of shading points: transfer vector times light. */
 #include <stdatomic.h>
 
+#include "gen/picture.h"
 #include "view.h"
 #include "ylm_sh.h"
 
 /* Points whose light is asked for at once: their coefficients stay in the second-level cache. */
 #define BLOCK 512
-#define INV_PI 0.31830988618379067f
 
 /* Products in double, where light came in double. */
 static void dot_double(size_t count, size_t n, int channels, size_t t_row, const float *T,
@@ -33,9 +33,10 @@ void ylm__shade_points(const ylm_shade_view *v, ylm_shade_dot_fn *dot, size_t fi
     dot_double(count, n, x->channels, row, T, given, x->L, out);
   else
     dot(count, n, x->channels, NULL, row, T, given, (size_t)x->channels * given, x->L, out);
-  for (size_t i = 0; i < n; i++)
-    for (int c = 0; c < 3; c++)
-      out[3 * i + (size_t)c] *= INV_PI * v->scene->mesh[v->mesh[first + i]].material.albedo[c];
+  for (size_t i = 0; i < n; i++) {
+    const float *albedo = v->scene->mesh[v->mesh[first + i]].material.albedo;
+    for (size_t c = 0; c < 3; c++) out[3 * i + c] = matte_radiance(out[3 * i + c], albedo[c]);
+  }
 }
 
 void ylm__shade_some(const ylm_shade_view *v, ylm_shade_dot_fn *dot, size_t n,
@@ -45,7 +46,8 @@ void ylm__shade_some(const ylm_shade_view *v, ylm_shade_dot_fn *dot, size_t n,
       out);
   for (size_t i = 0; i < n; i++) {
     const float *albedo = v->scene->mesh[v->mesh[point[i]]].material.albedo;
-    for (size_t c = 0; c < 3; c++) out[3 * point[i] + c] *= INV_PI * albedo[c];
+    float *to = out + 3 * point[i];
+    for (int c = 0; c < 3; c++) to[c] = matte_radiance(to[c], albedo[c]);
   }
 }
 

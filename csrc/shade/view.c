@@ -2,6 +2,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "gen/picture.h"
 #include "view.h"
 #include "ylm_sh.h"
 
@@ -190,7 +191,8 @@ static float entry_value(const resolve_job *j, size_t i, int c) {
   if (!j->v->corner) return j->values[i * n + (size_t)c];
   float w[3], s = 0;
   ylm__shade_corner_weights(&j->v->entry[i], w);
-  for (int k = 0; k < 3; k++) s += w[k] * j->values[j->v->corner[i][k] * n + (size_t)c];
+  for (int k = 0; k < 3; k++)
+    s = with_share(s, w[k], j->values[j->v->corner[i][k] * n + (size_t)c]);
   return s;
 }
 
@@ -236,11 +238,12 @@ static ylm_status compose_pixels(void *context, size_t begin, size_t end, int wo
   for (size_t p = begin; p < end; p++) {
     const shade_pixel *q = &v->pixel[p];
     float rest = fmaxf(0, 1 - q->coverage - q->emitter), sum[3];
-    for (int c = 0; c < 3; c++) sum[c] = q->lamps[c] + rest * j->background[c];
+    for (int c = 0; c < 3; c++) sum[c] = with_share(q->lamps[c], rest, j->background[c]);
     for (size_t i = q[0].first; i < q[1].first; i++) {
       float weight = v->entry[i].weight;
       for (int c = 0; c < 3; c++)
-        sum[c] += weight * (v->corner ? entry_value(&values, i, c) : j->colours[3 * i + (size_t)c]);
+        sum[c] = with_share(sum[c], weight,
+                            v->corner ? entry_value(&values, i, c) : j->colours[3 * i + (size_t)c]);
     }
     memcpy(j->out + 3 * p, sum, sizeof sum);
   }

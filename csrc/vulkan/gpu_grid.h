@@ -2,11 +2,11 @@
 #ifndef YLM_GPU_GRID_H
 #define YLM_GPU_GRID_H
 
+#include "gen/layout.h"
 #include "steps.h"
 #include "ylm_grid.h"
 
-#define GRID_PARTS 4 /* grid.glsl: buffers that the data are cut into at most */
-#define GRID_NONE 0x3fffffffu
+#define GRID_PARTS 4 /* grid_rows.glsl: buffers that the data are cut into at most */
 
 struct ylm_gpu_grid {
   ylm_gpu *g;

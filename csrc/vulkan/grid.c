@@ -288,8 +288,8 @@ static ylm_status patch(const sampling *m, size_t at, size_t n, ylm_error *e) {
   for (size_t i = 0, end; s == YLM_OK && i < n; i = end) {
     ylm_grid_report r;
     end = i + 1;
-    if (place[i][0] != GRID_NONE) continue;
-    while (end < n && place[end][0] == GRID_NONE) end++;
+    if (place[i][0] != YLM_GPU_NONE) continue;
+    while (end < n && place[end][0] == YLM_GPU_NONE) end++;
     s = run_host(m, at + i, end - i, &r, e);
     if (s != YLM_OK) break;
     m->report->outside += r.outside;

@@ -7,7 +7,6 @@
 typedef struct gpu_cell {
   uint32_t corner[8], origin[3], edge, child, source, info, unused;
 } gpu_cell;
-enum { HAS_DATA = 0x100, ELSEWHERE = 0x200 };
 
 static void fill_cell(const ylm_grid_view *v, size_t i, gpu_cell *out) {
   const ylm_grid_cell *c = &v->cell[i];
@@ -16,8 +15,8 @@ static void fill_cell(const ylm_grid_view *v, size_t i, gpu_cell *out) {
   out->edge = v->form.kind == YLM_GRID_UNIFORM ? 1 : 1u << (v->form.depth - c->level);
   out->child = c->child;
   out->source = c->source;
-  out->info = c->level | (c->flags & (YLM_GRID_BAKED | YLM_GRID_ADDED) ? HAS_DATA : 0) |
-              (c->detail ? ELSEWHERE : 0);
+  out->info = c->level | (c->flags & (YLM_GRID_BAKED | YLM_GRID_ADDED) ? YLM_GPU_HAS_DATA : 0) |
+              (c->detail ? YLM_GPU_ELSEWHERE : 0);
   out->unused = 0;
 }
 
@@ -37,7 +36,7 @@ static ylm_status copy_table(ylm_gpu_grid *k, const ylm_grid_view *v, ylm_error 
   size_t n = (size_t)r[0] * r[1] * r[2];
   uint32_t *table = ylm_alloc(n, sizeof *table);
   if (!table) return ylm_fail(e, YLM_ENOMEM, "%s", ylm_status_text(YLM_ENOMEM));
-  for (size_t i = 0; i < n; i++) table[i] = GRID_NONE;
+  for (size_t i = 0; i < n; i++) table[i] = YLM_GPU_NONE;
   for (size_t i = 0; i < v->cells; i++) {
     const uint32_t *o = v->cell[i].origin;
     table[((size_t)o[2] * r[1] + o[1]) * r[0] + o[0]] = (uint32_t)i;
@@ -79,7 +78,7 @@ ylm_status ylm__gpu_grid_begin(ylm_gpu *g, const ylm_grid *grid, ylm_gpu_grid **
   if (s != YLM_OK) return s;
   uint64_t most = ylm_gpu_about(g)->bind_bytes, row = 4 * v->stride * sizeof(float);
   uint64_t rows = most / row, bytes = (uint64_t)v->points * row;
-  if (v->cells >= GRID_NONE || v->cells > most / sizeof(gpu_cell) ||
+  if (v->cells >= YLM_GPU_NONE || v->cells > most / sizeof(gpu_cell) ||
       (v->points && (v->points - 1) / GRID_PARTS >= rows))
     return ylm_fail(e, YLM_ELIMIT,
                     "the grid has %.0f MiB of data and %.0f of cells, kernels of '%s' see %.0f and "

@@ -56,7 +56,7 @@ static ylm_status upload_exact(octree *t) {
 
 /* The root is the only voxel of level 0, and a surface may cross it. */
 static ylm_status begin_root(octree *t) {
-  static const uint32_t voxel[4] = {0, 0, 0, 0}, state = STATE_ASKED, first = 0;
+  static const uint32_t voxel[4] = {0, 0, 0, 0}, state = YLM_GPU_ASKED, first = 0;
   octree_level *root = &t->level[0];
   root->voxels = 1;
   t->levels = 1;

@@ -32,9 +32,6 @@ enum {
   COUNTS
 };
 
-/* Of a voxel's state: shaders/octree.glsl. */
-enum { STATE_ASKED = 0x400, STATE_SPLIT = 0x200, STATE_CROSSED = 0x100, STATE_CHILDREN = 0xff };
-
 /* Nodes of a level that hold shading points: a bit for each child of each such node of the level
    above, and how many bits there are in the words before. */
 typedef struct octree_occupied {

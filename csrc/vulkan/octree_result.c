@@ -83,10 +83,10 @@ static bool write_level(const octree *t, const octree_level *l, const voxels *v,
     if (v->voxel[i][3] >= end - begin || *next - end > 8 * (size_t)l->splits) return false;
     ylm_grid_cell *c = &cell[begin + v->voxel[i][3]];
     c->flags |= YLM_GRID_OCCUPIED;
-    if (v->state[i] & STATE_CROSSED) c->flags |= YLM_GRID_CROSSED;
+    if (v->state[i] & YLM_GPU_CROSSED) c->flags |= YLM_GRID_CROSSED;
     c->error = v->error[i];
     memcpy(c->corner, v->corner[i], sizeof c->corner);
-    if (!(v->state[i] & STATE_SPLIT)) continue;
+    if (!(v->state[i] & YLM_GPU_SPLIT)) continue;
     if (*next - end == 8 * (size_t)l->splits) return false;
     add_children(t, cell, begin + v->voxel[i][3], *next);
     *next += 8;

@@ -79,7 +79,7 @@ static ylm_status ask_field(octree *t, int level, const crossing *c) {
   s = f->crosses(f, n, c->box[0], c->out);
   if (s != YLM_OK) return ylm_fail(t->e, s, "%s", ylm_status_text(s));
   for (size_t i = 0; i < n; i++)
-    if (c->out[i] && c->asked[i] < all) c->state[c->asked[i]] |= STATE_CROSSED;
+    if (c->out[i] && c->asked[i] < all) c->state[c->asked[i]] |= YLM_GPU_CROSSED;
   return ylm_gpu_upload(v->state, 0, all * sizeof *c->state, c->state, t->e);
 }
 
@@ -182,9 +182,9 @@ ylm_status octree_split(octree *t, int level) {
   if (s == YLM_OK) s = cross(t, level);
   if (s != YLM_OK) return s;
   decide(t, level);
-  steps_scan(&t->q, SCAN_BITS, STATE_SPLIT, v->state, v->voxels, t->before[0], t->counts,
+  steps_scan(&t->q, SCAN_BITS, YLM_GPU_SPLIT, v->state, v->voxels, t->before[0], t->counts,
              COUNT_SPLITS);
-  steps_scan(&t->q, SCAN_BITS, STATE_CHILDREN, v->state, v->voxels, t->before[1], t->counts,
+  steps_scan(&t->q, SCAN_BITS, YLM_GPU_CHILDREN, v->state, v->voxels, t->before[1], t->counts,
              COUNT_VOXELS);
   s = octree_counts(t, count);
   v->splits = count[COUNT_SPLITS];

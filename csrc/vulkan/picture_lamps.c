@@ -2,9 +2,10 @@
 ** picture_lamps.c - lamps over a picture: which tiles of it they touch is found here, the rest on
 ** the device.
 */
+#include "gen/layout.h"
 #include "picture.h"
 
-#define TILE 8u /* pixels of a side: picture_lamps.real.comp */
+#define TILE ((uint32_t)YLM_GPU_PIXEL_TILE)
 
 /* picture_lamps.real.comp */
 typedef struct gpu_tile {

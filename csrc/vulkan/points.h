@@ -40,15 +40,15 @@ typedef struct pass_progress {
 } pass_progress;
 bool points_forward(void *user, uint64_t done, uint64_t total, const char *stage);
 
-/* Keys of lattice coordinates: shaders/octree.glsl. */
+/* Keys of lattice coordinates. */
 static inline void points_pack(const uint32_t at[3], uint32_t key[2]) {
-  key[0] = at[0] | at[1] << 17;
-  key[1] = at[1] >> 15 | at[2] << 2;
+  key[0] = key_low(at[0], at[1]);
+  key[1] = key_high(at[1], at[2]);
 }
 static inline void points_unpack(const uint32_t key[2], uint32_t at[3]) {
-  at[0] = key[0] & 0x1ffff;
-  at[1] = key[0] >> 17 | (key[1] & 3) << 15;
-  at[2] = key[1] >> 2;
+  at[0] = key_x(key[0]);
+  at[1] = key_y(key[0], key[1]);
+  at[2] = key_z(key[1]);
 }
 /* Can points of a grid of such resolution be named by a key (octree.glsl)? */
 bool points_fit(const uint32_t resolution[3]);

@@ -3,7 +3,9 @@
 
 #include <string.h>
 
-#define SCAN_BLOCK 1024u /* octree_scan.comp */
+#include "gen/layout.h"
+
+#define SCAN_BLOCK ((uint32_t)YLM_GPU_SCAN_EACH * YLM_GPU_SCAN_LANES)
 
 void steps_free(step_queue *q) {
   ylm_gpu_buffer_free(q->blocks[0]);

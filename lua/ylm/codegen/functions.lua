@@ -42,10 +42,8 @@ local languages = {
   },
 }
 
---- Appends a function's head, its parameters wrapped into lines of at most 100 columns.
-local function head(out, language, f, returns, words)
-  local all = language.head:format(returns, language.name:format(f.name), table.concat(words, ", "))
-  local line = all
+--- Appends a line, wrapped at commas into lines of at most 100 columns.
+function functions.wrap(out, line)
   while #line > 100 do
     local at = line:sub(1, 100):match "^.*(), "
     out[#out + 1] = line:sub(1, at)
@@ -83,7 +81,8 @@ local function define(out, f, name)
   end
   if alone then results[1] = { node = made[1], form = "return %s;" } end
   out[#out + 1] = "/* " .. f.about .. " */"
-  head(out, language, f, alone and language.number_type or "void", words)
+  functions.wrap(out, language.head:format(alone and language.number_type or "void", language.name:format(f.name),
+    table.concat(words, ", ")))
   for _, line in ipairs(emit.statements(results, name, nil, { exact = true, early = early })) do out[#out + 1] = "  " .. line end
   out[#out + 1] = "}"
 end

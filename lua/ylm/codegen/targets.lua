@@ -26,6 +26,15 @@ targets[#targets + 1] = { "csrc/light/gen/recurrences.h", "ylm.codegen.light", "
 targets[#targets + 1] = { "shaders/gen/jet.glsl", "ylm.codegen.jet", "shader" }
 targets[#targets + 1] = { "csrc/light/gen/jet.h", "ylm.codegen.jet", "double" }
 
+targets[#targets + 1] = { "shaders/gen/crossing.glsl", "ylm.codegen.crossing", "double_shader" }
+targets[#targets + 1] = { "csrc/light/gen/crossing.h", "ylm.codegen.crossing", "c" }
+targets[#targets + 1] = { "shaders/gen/cells.glsl", "ylm.codegen.cells", "shader" }
+targets[#targets + 1] = { "csrc/grid/gen/cells.h", "ylm.codegen.cells", "c" }
+targets[#targets + 1] = { "shaders/gen/layout.glsl", "ylm.codegen.layout", "shader" }
+targets[#targets + 1] = { "csrc/vulkan/gen/layout.h", "ylm.codegen.layout", "c" }
+targets[#targets + 1] = { "shaders/gen/picture.glsl", "ylm.codegen.picture", "shader" }
+targets[#targets + 1] = { "csrc/shade/gen/picture.h", "ylm.codegen.picture", "c" }
+
 targets[#targets + 1] = { "shaders/gen/eigenvalue.glsl", "ylm.codegen.eigenvalue", "glsl" }
 targets[#targets + 1] = { "csrc/light/gen/eigenvalue.h", "ylm.codegen.eigenvalue", "c" }
 targets[#targets + 1] = { "shaders/gen/interpolation.glsl", "ylm.codegen.interpolation", "glsl" }

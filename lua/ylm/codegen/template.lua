@@ -6,7 +6,8 @@ local template = {}
 
 --- The text in a language { real =, mask =, constant = "..%s..", words = { WORD = name } }.
 function template.fill(text, language)
-  text = text:gsub("#([%d%.]+)", function(x) return (language.constant:format(x)) end)
+  local function constant(x) return (language.constant:format(x)) end
+  text = text:gsub("#([%d%.]+e%-?%d+)", constant):gsub("#([%d%.]+)", constant)
   text = text:gsub("%f[%w_]real%f[^%w_]", language.real):gsub("%f[%w_]mask%f[^%w_]", language.mask)
   return (text:gsub("%f[%u](%u+)%f[^%w_]", function(word) return language.words[word] end))
 end

@@ -1,0 +1,41 @@
+--- How the host and the shaders write down what both read: once for C (csrc/vulkan/gen/layout.h) and once for GLSL
+-- (shaders/gen/layout.glsl).
+
+local common = require "ylm.codegen.common"
+
+local layout = {}
+
+layout.constants = {
+  { "CHILDREN", 0xff, "of a voxel's state: children that are voxels, as bits" },
+  { "CROSSED", 0x100, "by a light's surface" },
+  { "SPLIT", 0x200, "it has children" },
+  { "ASKED", 0x400, "its parent is crossed" },
+  { "LEVEL", 0xff, "of a grid's cell's info: its level" },
+  { "HAS_DATA", 0x100, "its corners do" },
+  { "ELSEWHERE", 0x200, "the host samples it" },
+  { "NONE", 0x3fffffff, "of a place's cell: none here" },
+  { "AWAY", 0x40000000, "outside of the bounds" },
+  { "SCAN_EACH", 16, "numbers of an invocation of octree_scan.comp" },
+  { "SCAN_LANES", 64, "invocations of its groups" },
+  { "PIXEL_TILE", 8, "pixels along a side: picture_lamps.real.comp" },
+}
+
+layout.functions = {
+  { about = "A key: lattice coordinates, 0 .. 2^17 - 1 each, in two words.", text = [[
+uint key_low(uint x, uint y) { return x | y << 17; }]] },
+  { about = "The second.", text = [[
+uint key_high(uint y, uint z) { return y >> 15 | z << 2; }]] },
+  { about = "And back.", text = [[
+uint key_x(uint low) { return low & 0x1ffffu; }]] },
+  { about = "y.", text = [[
+uint key_y(uint low, uint high) { return low >> 17 | (high & 3u) << 15; }]] },
+  { about = "z.", text = [[
+uint key_z(uint high) { return high >> 2; }]] },
+}
+
+--- The file's text in a language of common.lua.
+function layout.text(name)
+  return common.text(name, "layout", { "Numbers that the host and kernels share." }, layout.functions, layout.constants)
+end
+
+return layout
