@@ -142,7 +142,7 @@ test:   ## install, build, run every check; the last line counts them
 spec: all   ## run the specs under Lua 5.4 and LuaJIT (SPEC=files for some of them)
 	@BUILD=$(abspath $(BUILD)) spec/run $(SPEC)
 
-check: gen-check   ## style and generated files, without running specs
+check: gen-check bench-check fuzz-check   ## style, generated files, warnings of benches and fuzz targets, without running specs
 	luacheck -q .
 	@if command -v clang-format >/dev/null; then clang-format --dry-run --Werror $(FORMATTED); \
 	else echo "clang-format is not installed"; fi

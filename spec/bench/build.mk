@@ -14,6 +14,15 @@ $(BUILD)/bench/%: spec/bench/%.c $(wildcard spec/bench/*.h) $(LIBS)
 	$(Q)$(CC) $(CFLAGS) $< -L$(BUILD)/lib $(BENCH_LIBS_$*) -lylm -lm \
 	  -Wl,-rpath,'$$ORIGIN/../lib' -o $@
 
+# `make all` leaves benches alone: `make check` compiles them, optimised, since some warnings need that.
+$(BUILD)/check/%.o: %.c
+	@mkdir -p $(@D)
+	$(call say,CC,$@)
+	$(Q)$(CC) $(CFLAGS) $(CFLAGS_check) -Werror -c $< -o $@
+$(BUILD)/check/spec/fuzz/%.o: CFLAGS_check = -Ispec/fuzz/support $(call pkg,--cflags,lua5.4)
+bench-check: $(patsubst $(BUILD)/bench/%,$(BUILD)/check/spec/bench/%.o,$(BENCHES))
+.PHONY: bench-check
+
 bench: $(BENCHES) all   ## measure: peaks of this machine, then kernels, grids, rays, plots into out/bench (PEER=prefix compares; BENCH=quick or names)
 	@for b in $(filter %/peak,$(BENCHES)) $(filter-out %/peak,$(BENCHES)); do \
 	  case " $(or $(benches),$(filter-out many_lights accuracy,$(notdir $(BENCHES)))) " in *" $${b##*/} "*) BENCH=$(filter quick,$(BENCH)) PEER=$(PEER) $$b || exit 1; echo;; esac; done

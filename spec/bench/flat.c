@@ -1,7 +1,6 @@
 /*
 ** flat.c - fields of exact flat lights: microseconds per light-point pair of squares and of disks,
-*seen
-** from all sides, whole and cut by a horizon, by the kernels in use and by the reference.
+** seen from all sides, whole and cut by a horizon, by the kernels in use and by the reference.
 */
 #include <math.h>
 
@@ -63,7 +62,7 @@ static void line(job *j, const char *name, ylm_dtype t) {
 
 int main(void) {
   static const double up[3] = {0, 0.6, 0.8};
-  static double x[2][POINTS][3], value[POINTS * 81], gradient[POINTS * 243], hessian[POINTS * 486];
+  static double x[2][3 * POINTS], value[POINTS * 81], gradient[POINTS * 243], hessian[POINTS * 486];
   job j = {.q = {.threads = 1, .channels = 1, .metric_channels = 1}};
   j.r = (ylm_field_result){.value = value, .gradient = gradient, .hessian = hessian};
   printf("flat lights, exact: us per light-point pair, one thread; %d lights, %d points\n", LIGHTS,
@@ -73,7 +72,7 @@ int main(void) {
     bench_fill(t ? YLM_DOUBLE : YLM_FLOAT, x[t], 3 * POINTS);
     for (int i = 0; i < 3 * POINTS; i++) {
       if (t)
-        x[t][0][i] *= 2;
+        x[t][i] *= 2;
       else
         ((float *)x[t])[i] *= 2;
     }

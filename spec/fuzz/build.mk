@@ -73,7 +73,11 @@ fuzz-minimise: $(foreach f,$(FUZZ),$(FUZZ_DIR)/bin/$(f))
 	  LLVM_PROFILE_FILE=/dev/null $(FUZZ_DIR)/bin/$$f -merge=1 $(FUZZ_DIR)/kept/$$f spec/fuzz/corpus/$$f $(FUZZ_DIR)/found/$$f >/dev/null 2>&1; \
 	  echo "$$f: $$(ls $(FUZZ_DIR)/kept/$$f | wc -l) inputs, $$(du -sb $(FUZZ_DIR)/kept/$$f | cut -f1) bytes in $(FUZZ_DIR)/kept"; done
 
-.PHONY: fuzz-coverage fuzz-minimise
+# `make check` compiles them without clang (see spec/bench/build.mk).
+fuzz-check: $(patsubst %.c,$(BUILD)/check/%.o,$(filter-out $(if $(WITH_SCENE),,%/exr.c %/hdr.c %/pfm.c %/png.c) \
+  $(if $(call pkg,--cflags,lua5.4),,%/scene.c),$(wildcard spec/fuzz/*.c)))
+
+.PHONY: fuzz-coverage fuzz-minimise fuzz-check
 
 # The scene sandbox: the bindings instrumented, kernels and all else from libylm as it is built.
 FUZZ_ABOUT_scene := csrc/lua/core_sandbox.c
