@@ -17,12 +17,7 @@ local reserved = {
   { "^embree", "trace" }, { "^vulkan/", "vulkan" }, { "^mpi%.h$", "mpi" },
 }
 
-local function lines_of(command)
-  local list, pipe = {}, assert(io.popen(command))
-  for line in pipe:lines() do list[#list + 1] = line end
-  pipe:close()
-  return list
-end
+local lines_of = require "spec.support.scratch".lines
 
 local sources = lines_of [[find csrc -name '*.[ch]' -o -name '*.cpp' -o -name '*.cc' -o -name '*.hpp' -o -name '*.inc']]
 

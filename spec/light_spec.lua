@@ -38,30 +38,8 @@ local relative = require "spec.support.vectors".relative
 
 local random, random_points = numbers.spread, numbers.points
 
---- n small coloured lights, some of them negative, as one object.
-local function random_lights(n, edge, seed)
-  local next, radii, colours = random(seed + 1000), {}, {}
-  for i = 1, n do
-    radii[i] = 0.01 + 0.04 * next()
-    colours[i] = { next(), next(), next() - 0.1 }
-  end
-  return ylm.sphere_lights { at = random_points(n, edge, seed), radius = radii, radiance = colours }
-end
-
---- Lone lights at d/r from 1.001 to 1e4, numbers exact in float: { x, lamp, closeness }.
-local function lone_lights(seed)
-  local next, cases = random(seed), {}
-  local function exact(x) return math.floor(x * 1048576) / 1048576 end
-  for _, ratio in ipairs { 1.001, 1.01, 1.1, 2, 10, 100, 1e4 } do
-    local at = { exact(next()), exact(next()), exact(next()) }
-    local x = { exact(2 + next()), exact(next() - 2), exact(next()) }
-    local d = sqrt((x[1] - at[1]) ^ 2 + (x[2] - at[2]) ^ 2 + (x[3] - at[3]) ^ 2)
-    local r = exact(d / ratio)
-    cases[#cases + 1] = { x = x, closeness = closeness(x, at, r),
-      lamp = ylm.sphere_light { at = at, radius = r, radiance = 1 } }
-  end
-  return cases
-end
+local known = require "spec.support.lights"
+local random_lights, lone_lights = known.random, known.lone
 
 describe("sphere lights", function()
   describe("convention", function()

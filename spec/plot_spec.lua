@@ -2,6 +2,7 @@
 
 local core = require "ylm.c.core"
 local picture = require "ylm.picture"
+local colours = require "spec.support.pixels"
 local scratch = require "spec.support.scratch"
 local ylm = require "ylm"
 
@@ -10,14 +11,7 @@ if not picture.vtk() then
   return
 end
 
-local function pixel(pixels, x, y)
-  local r, c = math.floor(y) + 1, math.floor(x) + 1
-  return { pixels:get(r, c, 1), pixels:get(r, c, 2), pixels:get(r, c, 3) }
-end
-
-local function difference(a, b)
-  return math.max(math.abs(a[1] - b[1]), math.abs(a[2] - b[2]), math.abs(a[3] - b[3]))
-end
+local pixel, difference = colours.at, colours.difference
 
 local function flat(h, w, rgb)
   local t = {}

@@ -7,12 +7,7 @@ local lua = os.getenv "YLM_LUA" or "lua5.4"
 local root = scratch.capture "pwd":gsub("%s+$", "")
 if not build:find "^/" then build = root .. "/" .. build end
 
-local function lines_of(command)
-  local list, pipe = {}, assert(io.popen(command))
-  for line in pipe:lines() do list[#list + 1] = line end
-  pipe:close()
-  return list
-end
+local lines_of = scratch.lines
 
 local function read(path)
   local file = assert(io.open(path, "rb"))

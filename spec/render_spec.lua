@@ -4,12 +4,7 @@ local core = require "ylm.c.core"
 
 local pi, tan = math.pi, math.tan
 
-local function with(t, more)
-  local out = {}
-  for k, v in pairs(t) do out[k] = v end
-  for k, v in pairs(more) do out[k] = v end
-  return out
-end
+local with = require "spec.support.with"
 
 --- A square of half-width h in the plane z = 0, seen from z = 5 with y up.
 local function card(h, fov, fields)

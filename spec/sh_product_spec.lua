@@ -3,16 +3,8 @@ local ylm = require "ylm"
 
 local seed = tonumber(os.getenv "YLM_SEED") or 20261121
 
-local function random_vectors(n, lmax, dtype)
-  local rows = {}
-  for i = 1, n do
-    rows[i] = {}
-    for k = 1, (lmax + 1) ^ 2 do rows[i][k] = 2 * math.random() - 1 end
-  end
-  return ylm.array(rows, dtype)
-end
-
-local relative = require "spec.support.vectors".relative
+local vectors = require "spec.support.vectors"
+local random_vectors, relative = vectors.random, vectors.relative
 
 --- Records of spec/data/products.txt: { n =, factors = {..}, exact = row, truncated = row or nil }.
 local function reference()

@@ -26,17 +26,13 @@ local function reference()
   return sets
 end
 
-local function random_vectors(n, lmax, dtype)
-  math.randomseed(seed)
-  local rows = {}
-  for i = 1, n do
-    rows[i] = {}
-    for k = 1, (lmax + 1) ^ 2 do rows[i][k] = 2 * math.random() - 1 end
-  end
-  return ylm.array(rows, dtype)
-end
+local vectors = require "spec.support.vectors"
+local relative = vectors.relative
 
-local relative = require "spec.support.vectors".relative
+local function random_vectors(...)
+  math.randomseed(seed)
+  return vectors.random(...)
+end
 
 --- The 24 rotations of the cube, as matrices of whole numbers.
 local function cube_rotations()

@@ -54,12 +54,7 @@ end
 
 local one_pixel = { size = { 1, 1 }, samples = 1 }
 
-local function with(t, more)
-  local out = {}
-  for k, v in pairs(t) do out[k] = v end
-  for k, v in pairs(more) do out[k] = v end
-  return out
-end
+local with = require "spec.support.with"
 
 --- A lit floor with a box on it.
 local function small_scene()

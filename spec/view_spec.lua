@@ -3,6 +3,7 @@
 local array = require "ylm.array"
 local core = require "ylm.c.core"
 local picture = require "ylm.picture"
+local colours = require "spec.support.pixels"
 local scratch = require "spec.support.scratch"
 local ylm = require "ylm"
 
@@ -31,15 +32,7 @@ local function draw(fields)
   return assert(v:pixels()), v
 end
 
---- The colour of the pixel that holds (x, y), from the left and the top.
-local function pixel(pixels, x, y)
-  local r, c = math.floor(y) + 1, math.floor(x) + 1
-  return { pixels:get(r, c, 1), pixels:get(r, c, 2), pixels:get(r, c, 3) }
-end
-
-local function difference(a, b)
-  return math.max(math.abs(a[1] - b[1]), math.abs(a[2] - b[2]), math.abs(a[3] - b[3]))
-end
+local pixel, difference = colours.at, colours.difference
 
 local function assert_colour(wanted, got, tolerance, what)
   assert(difference(wanted, got) <= (tolerance or 0.02), ("%s: (%.3f %.3f %.3f) wanted, got (%.3f %.3f %.3f)")

@@ -2,40 +2,21 @@
 
 local core = require "ylm.c.core"
 local ylm = require "ylm"
-local numbers = require "spec.support.random"
 local bakes = require "spec.support.bakes"
 local device = require "spec.support.gpu"
 
-local random, points_in = numbers.minimal, numbers.points_in
 local cells_of, same_cells, same_points = bakes.cells_of, bakes.same_cells, bakes.same_points
 
-local box = { { -1, -1, -1 }, { 1, 1, 1 } }
-local floor_points = points_in(400, { -1, -1, -1 }, { 1, -0.9, 1 }, 7)
+local box, floor_points = bakes.box, bakes.floor(400)
 
---- Lights of many sizes about the box, one of radius 0, one on a corner of the lattice.
-local function lamps_of(n)
-  local r, at, radii, colours = random(91), {}, {}, {}
-  for i = 1, n do
-    at[i] = { 4 * r() - 2, 4 * r() - 2, 4 * r() - 2 }
-    radii[i] = i == 5 and 0 or 0.02 + 0.2 * r() ^ 4
-    colours[i] = { r(), r(), r() }
-  end
-  at[1], radii[1] = { -1, -1, -1 }, 0.1
-  return ylm.sphere_lights { at = at, radius = radii, radiance = colours }
-end
+--- Lights of many sizes about the box, some of radius 0, one on a corner of the lattice.
+local function lamps_of(n) return bakes.lamps(n, { dark = true, corner = true }) end
 
 describe("baking on a device", function()
   local gpu = device.here()
   if not gpu then return end
 
-  --- The grid of a description by the processor and on the device.
-  local function both(description, lights, o)
-    local here = assert(ylm.bake(description, lights, o))
-    local with = { device = gpu }
-    for k, v in pairs(o or {}) do with[k] = v end
-    local there = assert(ylm.bake(description, lights, with))
-    return here, there
-  end
+  local function both(description, lights, o) return bakes.both(description, lights, o, gpu) end
 
   describe("agreement with the processor", function()
     it("of a uniform grid, a light on a corner", function()

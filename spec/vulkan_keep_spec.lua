@@ -7,9 +7,7 @@ local bakes = require "spec.support.bakes"
 local device = require "spec.support.gpu"
 local numbers = require "spec.support.random"
 
-
-local box = { { -1, -1, -1 }, { 1, 1, 1 } }
-local floor = numbers.points_in(400, { -1, -1, -1 }, { 1, -0.9, 1 }, 7)
+local box, floor = bakes.box, bakes.floor(400)
 local everywhere = numbers.points_in(3000, { -1, -1, -1 }, { 1, 1, 1 }, 8)
 
 local lamps = bakes.lamps(40, { floor = true })

@@ -9,15 +9,8 @@ local device = require "spec.support.gpu"
 local sqrt = math.sqrt
 local random, random_points = numbers.spread, numbers.points
 
---- n small coloured lights, some negative, every seventh of radius 0.
-local function random_lights(n, edge, seed)
-  local next, radii, colours = random(seed + 1000), {}, {}
-  for i = 1, n do
-    radii[i] = i % 7 == 0 and 0 or 0.01 + 0.04 * next()
-    colours[i] = { next(), next(), next() - 0.1 }
-  end
-  return ylm.sphere_lights { at = random_points(n, edge, seed), radius = radii, radiance = colours }
-end
+local known = require "spec.support.lights"
+local function random_lights(n, edge, seed) return known.random(n, edge, seed, 7) end
 
 --- The largest distance between rows of a and b, relative to the L2 norm of b's row; NaN counts.
 local function worst(a, b)
@@ -165,22 +158,16 @@ describe("lights on a device", function()
     end)
 
     it("near a light's surface and far away, against double, as accurate as the processor's float", function()
-      local next = random(17)
-      local function exact(x) return math.floor(x * 1048576) / 1048576 end
-      for _, ratio in ipairs { 1.001, 1.01, 1.1, 2, 10, 100, 1e4 } do
-        local at = { exact(next()), exact(next()), exact(next()) }
-        local x = { exact(2 + next()), exact(next() - 2), exact(next()) }
-        local d = sqrt((x[1] - at[1]) ^ 2 + (x[2] - at[2]) ^ 2 + (x[3] - at[3]) ^ 2)
-        local r = exact(d / ratio)
-        local lamp = ylm.sphere_light { at = at, radius = r, radiance = 1 }
+      for _, case in ipairs(known.lone(17)) do
+        local lamp, x = case.lamp, case.x
         local o = { derivatives = 2, channels = "luminance", device = gpu }
         local there = { ylm.light_field(4, lamp, { x }, o) }
         local truth = { light.evaluate("light_field", 4, light.pack(2, "light_field", lamp), ylm.array({ x }, "double"),
           { derivatives = 2, channels = "luminance" }, "reference") }
         for k = 1, 3 do
           local e = worst(ylm.array(there[k]:totable(), "double"), truth[k])
-          local bound = 4e-6 + 1.5e-7 * d / (d - r)
-          assert(e <= bound, ("d/r %g, %d derivatives: %g > %g"):format(ratio, k - 1, e, bound))
+          local bound = 4e-6 + 1.5e-7 * case.closeness
+          assert(e <= bound, ("d/r %g, %d derivatives: %g > %g"):format(case.ratio, k - 1, e, bound))
         end
       end
     end)

@@ -6,11 +6,11 @@ local ylm = require "ylm"
 local bakes = require "spec.support.bakes"
 local device = require "spec.support.gpu"
 local numbers = require "spec.support.random"
+local with = require "spec.support.with"
 
 local points_in = numbers.points_in
 
-local box = { { -1, -1, -1 }, { 1, 1, 1 } }
-local floor = points_in(400, { -1, -1, -1 }, { 1, -0.9, 1 }, 7)
+local box, floor = bakes.box, bakes.floor(400)
 
 local lamps = bakes.lamps(40, { dark = true })
 
@@ -19,18 +19,12 @@ describe("an adaptive grid refined on a device", function()
   if not gpu then return end
 
   local function description(o)
-    local d = { bounds = box, lmax = 2, depth = 4, threshold = 0.5 }
-    for k, v in pairs(o) do d[k] = v end
-    return ylm.adaptive_grid(d)
+    return ylm.adaptive_grid(with({ bounds = box, lmax = 2, depth = 4, threshold = 0.5 }, o))
   end
 
   --- The grid by the processor and on the device `on`.
   local function both(o, lights, occupied, on)
-    local d = description(o)
-    local here = assert(ylm.bake(d, lights, { occupied = occupied }))
-    local there = assert(ylm.bake(d, lights, { occupied = occupied, device = on or gpu }))
-    assert(there.stats.stages.subdivide, "it was not refined on the device")
-    return here, there
+    return bakes.both(description(o), lights, { occupied = occupied }, on or gpu, "subdivide")
   end
 
   local function same(...)

@@ -5,10 +5,9 @@ local core = require "ylm.c.core"
 local ylm = require "ylm"
 local bakes = require "spec.support.bakes"
 local device = require "spec.support.gpu"
-local numbers = require "spec.support.random"
+local with = require "spec.support.with"
 
-local box = { { -1, -1, -1 }, { 1, 1, 1 } }
-local floor = numbers.points_in(3000, { -1, -1, -1 }, { 1, -0.9, 1 }, 7)
+local box, floor = bakes.box, bakes.floor(3000)
 
 local lamps = bakes.lamps(40, { floor = true })
 
@@ -17,18 +16,13 @@ describe("a grid with a tolerance, its rows on a device", function()
   if not gpu then return end
 
   local function description(o)
-    local d = { bounds = box, lmax = 2, depth = 4, tolerance = 0.02 }
-    for k, v in pairs(o) do d[k] = v end
-    return ylm.adaptive_grid(d)
+    return ylm.adaptive_grid(with({ bounds = box, lmax = 2, depth = 4, tolerance = 0.02 }, o))
   end
 
   --- The grid by the processor and on the device. A decision compares residuals, quantiles and held-out errors: cells may
   -- differ where they stand on a cut-off, one in a hundred at most; the promise does not.
   local function both(o, lights, occupied)
-    local d = description(o)
-    local here = assert(ylm.bake(d, lights, { occupied = occupied }))
-    local there = assert(ylm.bake(d, lights, { occupied = occupied, device = gpu }))
-    assert(there.stats.stages.residuals, "it was not kept on the device")
+    local here, there = bakes.both(description(o), lights, { occupied = occupied }, gpu, "residuals")
     local a, b, n, differ = bakes.cells_of(here), bakes.cells_of(there), 0, 0
     for key, x in pairs(a) do
       n = n + 1
@@ -78,7 +72,7 @@ describe("a grid with a tolerance, its rows on a device", function()
   it("keeps its promise at points that nobody has held out", function()
     local grid = assert(ylm.bake(description { tolerance = 0.01, depth = 6 }, lamps, { occupied = floor, device = gpu }))
     assert(grid.stats.met and grid.stats.error <= 0.01 and grid.stats.verified > 1000)
-    local others = numbers.points_in(2000, { -1, -1, -1 }, { 1, -0.9, 1 }, 8)
+    local others = bakes.floor(2000, 8)
     local exact, sampled = ylm.light_field(2, lamps, others), grid:sample(others, { device = gpu })
     local errors = {}
     for i = 1, 2000 do

@@ -5,10 +5,9 @@ local core = require "ylm.c.core"
 local ylm = require "ylm"
 local bakes = require "spec.support.bakes"
 local device = require "spec.support.gpu"
-local numbers = require "spec.support.random"
+local with = require "spec.support.with"
 
-local box = { { -1, -1, -1 }, { 1, 1, 1 } }
-local floor = numbers.points_in(400, { -1, -1, -1 }, { 1, -0.9, 1 }, 7)
+local box, floor = bakes.box, bakes.floor(400)
 
 local lamps = bakes.lamps(40, { dark = true, floor = true })
 
@@ -18,12 +17,8 @@ describe("a uniform grid made on a device", function()
 
   --- The grid by the processor and on the device `on`, which must be the same.
   local function same(o, occupied, on, lights)
-    local d = { bounds = box, lmax = 2, cells = 5 }
-    for k, v in pairs(o) do d[k] = v end
-    d = ylm.uniform_grid(d)
-    local here = assert(ylm.bake(d, lights or lamps, { occupied = occupied }))
-    local there = assert(ylm.bake(d, lights or lamps, { occupied = occupied, device = on or gpu }))
-    assert(there.stats.stages.subdivide, "it was not made on the device")
+    local d = ylm.uniform_grid(with({ bounds = box, lmax = 2, cells = 5 }, o))
+    local here, there = bakes.both(d, lights or lamps, { occupied = occupied }, on or gpu, "subdivide")
     bakes.same(here, there)
     for i = 1, 3 do assert.equal(here.resolution[i], there.resolution[i]) end
     local a, b = here:sample(floor), there:sample(floor)
@@ -103,7 +98,7 @@ describe("a uniform grid made on a device", function()
     local own = device.open { validate = true }
     require "ylm.c.vulkan".gpu_shrink(own, 0, 200 * 1024, 0)
     local d = ylm.uniform_grid { bounds = box, cells = { 30, 20, 11 }, lmax = 0, channels = "luminance" }
-    local many = numbers.points_in(7000, { -1, -1, -1 }, { 1, -0.9, 1 }, 7)
+    local many = bakes.floor(7000)
     local here = ylm.bake(d, lamps, { occupied = many })
     local there = assert(ylm.bake(d, lamps, { occupied = many, device = own }))
     bakes.same(here, there)

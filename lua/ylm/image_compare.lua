@@ -8,8 +8,18 @@ local images = require "ylm.image_check"
 
 local methods = core.metatable "ylm.image"
 
+local layer_option = { "layer", "string", optional = true, about = "which layer; default the first" }
+
+--- What a method that compares an image with a reference starts from: its options, and the layer or nil.
+local function compared(name, x, reference, options, given)
+  images.open(x, name)
+  images.other(1, name, reference)
+  local o = form.options(2, name, options, given)
+  return o, o.layer and images.layer(name, x, o.layer)
+end
+
 local compare_options = {
-  { "layer", "string", optional = true, about = "which layer; default the first" },
+  layer_option,
   { "mask", "any", optional = true, about = "array [h][w] or image of one channel; only pixels that are not 0 count" },
   { "peak", "number", above = 0, optional = true, about = "what psnr refers to; default the largest reference value" },
   { "floor", "number", above = 0, optional = true,
@@ -34,16 +44,13 @@ assert(m.mse == 1 and m.psnr == 0 and m.peak == 1)]],
   source = "Wang, Bovik, Sheikh, Simoncelli 2004 (ssim)",
 }
 function methods.compare(x, reference, options)
-  images.open(x, "compare")
-  images.other(1, "compare", reference)
-  options = form.options(2, "compare", compare_options, options)
-  local layer = options.layer and images.layer("compare", x, options.layer)
-  return check.result("compare", core.image_compare(x, reference, layer, images.mask("compare", x, options.mask),
-    options.peak or 0, options.floor or 0, options.threads))
+  local o, layer = compared("compare", x, reference, compare_options, options)
+  return check.result("compare", core.image_compare(x, reference, layer, images.mask("compare", x, o.mask), o.peak or 0,
+    o.floor or 0, o.threads))
 end
 
 local difference_options = {
-  { "layer", "string", optional = true, about = "which layer; default the first" },
+  layer_option,
   { "scale", "number", default = 1, about = "differences are multiplied by this" },
   { "kind", "choice", of = { "absolute", "signed", "relative" }, default = "absolute",
     about = "|a - b|, a - b, or |a - b| / max(|b|, floor)" },
@@ -62,10 +69,6 @@ b:fill(1, 1, 8, 8, 0.25)
 assert(a:difference(b, { scale = 100 }):layer():get(1, 1, 1) == 25)]],
 }
 function methods.difference(x, reference, options)
-  images.open(x, "difference")
-  images.other(1, "difference", reference)
-  options = form.options(2, "difference", difference_options, options)
-  local layer = options.layer and images.layer("difference", x, options.layer)
-  return check.result("difference",
-    core.image_difference(x, reference, layer, options.kind, options.scale, options.floor))
+  local o, layer = compared("difference", x, reference, difference_options, options)
+  return check.result("difference", core.image_difference(x, reference, layer, o.kind, o.scale, o.floor))
 end

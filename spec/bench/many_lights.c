@@ -4,8 +4,7 @@
 ** Error: of value, gradient, Hessian (L2 over channels and coefficients, Frobenius over axes) and
 ** lambda, each divided by that of the lights with the absolute values of their radiance, all
 ** against the exact sum; in units of the tolerance, the 99.9 % quantile and the largest over
-*points.
-** Promised: at most 1 and at most 4. BENCH=quick takes fewer points.
+** points. Promised: at most 1 and at most 4. BENCH=quick takes fewer points.
 */
 #include <math.h>
 #include <time.h>

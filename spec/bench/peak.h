@@ -11,7 +11,7 @@
 
 /*
 ** ROUNDS x `chains` independent multiply-adds of one vector type: enough of them to hide the
-*latency
+** latency
 ** of two units, few enough to stay in registers (the asm that touches them keeps the compiler from
 ** seeing through, and no address of them is taken).
 */

@@ -18,7 +18,7 @@ FUZZ_ARGS ?= -max_total_time=1800 -timeout=120 -rss_limit_mb=4096 -print_final_s
 FUZZ_ABOUT_obj := csrc/geom/obj.c csrc/geom/reader.c
 FUZZ_ABOUT_ply := csrc/geom/ply.c csrc/geom/reader.c
 FUZZ_ABOUT_npy := csrc/base/array_file.c
-FUZZ_ABOUT_exr := csrc/codec/exr.c
+FUZZ_ABOUT_exr := csrc/codec/exr.c csrc/codec/exr_read.c
 FUZZ_ABOUT_png := csrc/codec/png.c
 FUZZ_ABOUT_hdr := csrc/codec/hdr.c
 FUZZ_ABOUT_pfm := csrc/codec/pfm.c

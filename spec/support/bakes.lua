@@ -4,11 +4,18 @@ local assert = require "luassert"
 local core = require "ylm.c.core"
 local ylm = require "ylm"
 local random = require "spec.support.random"
+local with = require "spec.support.with"
 
-local bakes = {}
+local bakes = { box = { { -1, -1, -1 }, { 1, 1, 1 } } }
+
+--- n shading points near the floor of the box.
+function bakes.floor(n, seed)
+  return random.points_in(n, { -1, -1, -1 }, { 1, -0.9, 1 }, seed or 7)
+end
 
 --- n sphere lights of many sizes in a cube twice as large as {-1, 1}^3. `o`: size (0.2, of the largest), dark (true: one
--- in nine has radius 0), bright (factor of radiance), floor (true: the first stands on a floor at -0.9, radius 0.3).
+-- in nine has radius 0), bright (factor of radiance), floor (true: the first stands on a floor at -0.9, radius 0.3), corner
+-- (true: the first is about a corner of the box, radius 0.1).
 function bakes.lamps(n, o)
   local r, at, radii, colours = random.minimal(91), {}, {}, {}
   local size, bright = o.size or 0.2, o.bright or 1
@@ -18,7 +25,17 @@ function bakes.lamps(n, o)
     colours[i] = { r() * bright, r() * bright, r() * bright }
   end
   if o.floor then at[1], radii[1] = { 0.1, -0.9, 0.2 }, 0.3 end
+  if o.corner then at[1], radii[1] = { -1, -1, -1 }, 0.1 end
   return ylm.sphere_lights { at = at, radius = radii, radiance = colours }
+end
+
+--- The grid of a description by the processor and on a device, with these options of ylm.bake. `stage`, where it is given,
+-- is one that the device must have taken.
+function bakes.both(description, lights, o, gpu, stage)
+  local here = assert(ylm.bake(description, lights, o))
+  local there = assert(ylm.bake(description, lights, with(o or {}, { device = gpu })))
+  assert(not stage or there.stats.stages[stage], "no stage of the device: " .. tostring(stage))
+  return here, there
 end
 
 --- Cells by "x y z level": { leaf, error, size }.

@@ -1,7 +1,6 @@
 /*
 ** neon.c - compares the NEON kernels with the reference kernel; built by spec/neon_spec.lua for
-*aarch64
-** and run under qemu-user. Prints the largest error of each type and "ok", or what differs.
+** aarch64 and run under qemu-user. Prints the largest error of each type and "ok", or what differs.
 */
 #include <math.h>
 #include <stdio.h>

@@ -21,6 +21,14 @@ function scratch.capture(command)
   return out, tonumber(status)
 end
 
+--- The lines that a shell command prints, as a list.
+function scratch.lines(command)
+  local list, pipe = {}, assert(io.popen(command))
+  for line in pipe:lines() do list[#list + 1] = line end
+  pipe:close()
+  return list
+end
+
 function scratch.new()
   local path = os.tmpname()
   os.remove(path)

@@ -1,6 +1,7 @@
 --- Reference vectors of spec/data: read, grouped, compared.
 
 local core = require "ylm.c.core"
+local ylm = require "ylm"
 
 local vectors = {}
 
@@ -77,6 +78,16 @@ function vectors.compare(set, results)
     end
   end
   return worst
+end
+
+--- n rows of coefficients in -1 .. 1 up to degree lmax as an array, by math.random as it is seeded.
+function vectors.random(n, lmax, dtype)
+  local rows = {}
+  for i = 1, n do
+    rows[i] = {}
+    for k = 1, (lmax + 1) ^ 2 do rows[i][k] = 2 * math.random() - 1 end
+  end
+  return ylm.array(rows, dtype)
 end
 
 --- Norm of the difference of two arrays over the norm of b.

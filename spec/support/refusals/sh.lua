@@ -10,13 +10,7 @@ local function closed(ylm)
   return a
 end
 
-local function rows(...)
-  local out = {}
-  for i = 1, select("#", ...), 2 do
-    out[#out + 1] = { call = select(i, ...), says = (select(i + 1, ...)) }
-  end
-  return out
-end
+local rows = require "spec.support.refused"
 
 return {
   ["sh.count"] = rows(

@@ -2,13 +2,7 @@
 
 local objects = require "ylm.reference".objects
 
-local function rows(...)
-  local out = {}
-  for i = 1, select("#", ...), 2 do
-    out[#out + 1] = { call = select(i, ...), says = (select(i + 1, ...)) }
-  end
-  return out
-end
+local rows = require "spec.support.refused"
 
 --- A method of an object that only a device makes.
 local function method(object, name)
