@@ -110,8 +110,7 @@ static inline void ylm_zero(void *to, size_t bytes) {
 
 /*
 ** ylm_regrow - the same for arrays that become large: from some megabytes on, the system moves
-*their
-** pages instead of copying what is in them, where it can.
+** their pages instead of copying what is in them, where it can.
 **
 **   p      in   NULL, or what the last call for this array gave
 **   old    in   bytes asked for then; 0 with NULL
@@ -131,6 +130,17 @@ typedef enum ylm_dtype { YLM_FLOAT = 0, YLM_DOUBLE = 1 } ylm_dtype;
 
 static inline size_t ylm_dtype_size(ylm_dtype t) {
   return t == YLM_DOUBLE ? sizeof(double) : sizeof(float);
+}
+
+/* Number i of numbers of type t; and x put in its place. */
+static inline double ylm_get(ylm_dtype t, const void *from, size_t i) {
+  return t == YLM_DOUBLE ? ((const double *)from)[i] : (double)((const float *)from)[i];
+}
+static inline void ylm_put(ylm_dtype t, void *to, size_t i, double x) {
+  if (t == YLM_DOUBLE)
+    ((double *)to)[i] = x;
+  else
+    ((float *)to)[i] = (float)x;
 }
 
 /* Product of the extents in *count; false if it, times 8 bytes, would overflow. */

@@ -155,7 +155,7 @@ YLM_API ylm_status ylm_figure_volume_smooth(ylm_figure_volume *v, int times);
 /*
 ** ylm_figure_streamline - follows the direction of a volume of 3 components (4th-order
 ** Runge-Kutta in arc length), `forward` or against it, until it leaves, vanishes or has `room`
-*points.
+** points.
 ** Returns the number of points written to out [room][3].
 */
 YLM_API size_t ylm_figure_streamline(const ylm_figure_volume *v, const double seed[3], double step,
@@ -188,7 +188,7 @@ YLM_API ylm_status ylm_figure_places(const ylm_figure_volume *v, const ylm_figur
 
 /*
 ** ylm_figure_add_streamlines - tubes both ways from n seeds [n][3] through a volume of 3
-*components,
+** components,
 ** coloured by its length on the scale. Lines of fewer than `fewest` points are left out.
 */
 YLM_API ylm_status ylm_figure_add_streamlines(ylm_figure_shape *shape, const ylm_figure_volume *v,

@@ -55,7 +55,7 @@ YLM_API ylm_status ylm_mesh_torus(double radius, double tube, int around, int ac
 **
 **   p, q           in  1 .. 64; p times around the axis +z, q times around the tube of the torus;
 **                      with a common divisor it is a closed curve run through several times:
-*refused
+**                      refused
 **   radius, minor  in  R, r > 0
 **   tube           in  > 0
 **   along, across  in  segments, >= 3; 2*along*across triangles

@@ -155,8 +155,7 @@ static touched_box box_of(const ylm_grid *g, const ylm_grid_cell *c) {
 /*
 ** The evaluated points at the places of a box, YLM_GRID_NONE where there is none; true if there are
 ** any in its edges or faces but for the corners. Such a point, at the middle or anywhere else, is
-*the
-** corner of an occupied voxel that touches the edge or face, and all ancestors of that were
+** the corner of an occupied voxel that touches the edge or face, and all ancestors of that were
 ** evaluated: of the box's size, which has the ends of the edge or the corners of the face, and of
 ** half its size, which has the middle. So where there is nothing there, there is nothing finer.
 */

@@ -47,8 +47,7 @@ static void corner_at(const ylm_grid *g, const ylm_grid_cell *c, int k, uint32_t
 /*
 ** Corners found last, by their place on a half-edge lattice of 3 x 3 x 3: what one child of a voxel
 ** has found, its brothers need not look for; eight are the parent's. A voxel of a uniform grid
-*takes
-** its place as child 0, and over four corners from the one before it.
+** takes its place as child 0, and over four corners from the one before it.
 */
 typedef struct family {
   uint32_t number, point[27], asked; /* asked: bits of places that were looked for */

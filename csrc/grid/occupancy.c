@@ -8,8 +8,7 @@
 /* Point i of the source in double. */
 static void source_point(const ylm_grid_source *s, size_t i, double p[3]) {
   for (int a = 0; a < 3; a++)
-    p[a] = s->occupied_dtype == YLM_DOUBLE ? ((const double *)s->occupied_points)[3 * i + (size_t)a]
-                                           : ((const float *)s->occupied_points)[3 * i + (size_t)a];
+    p[a] = ylm_get(s->occupied_dtype, s->occupied_points, 3 * i + (size_t)a);
 }
 
 /* The finest lattice cell of point i. */

@@ -37,18 +37,8 @@ static void convert_row(const ylm_grid *g, const ylm_field_query *q, const float
         }
         size_t i = (at * (size_t)(q->channels * count) + (size_t)(c * count + j)) * (size_t)step +
                    (size_t)d;
-        if (q->dtype == YLM_DOUBLE)
-          ((double *)to)[i] = x;
-        else
-          ((float *)to)[i] = (float)x;
+        ylm_put(q->dtype, to, i, x);
       }
-}
-
-static void put(const ylm_field_query *q, void *to, size_t i, double x) {
-  if (q->dtype == YLM_DOUBLE)
-    ((double *)to)[i] = x;
-  else
-    ((float *)to)[i] = (float)x;
 }
 
 /* The query's results from sampled rows. */
@@ -62,11 +52,9 @@ static void convert(const ylm_grid *g, const ylm_field_query *q, size_t n, const
     if (!(q->want & YLM_WANT_METRIC)) continue;
     double sum = 0, p[3];
     for (size_t j = 0; j < w; j++) sum += (double)value[i * w + j] * (double)value[i * w + j];
-    for (size_t a = 0; a < 3; a++)
-      p[a] = q->dtype == YLM_DOUBLE ? ((const double *)points)[3 * i + a]
-                                    : (double)((const float *)points)[3 * i + a];
-    if (r->norm) put(q, r->norm, i, sqrt(sum));
-    if (r->lambda) put(q, r->lambda, i, sample_lambda(g, p));
+    for (size_t a = 0; a < 3; a++) p[a] = ylm_get(q->dtype, points, 3 * i + a);
+    if (r->norm) ylm_put(q->dtype, r->norm, i, sqrt(sum));
+    if (r->lambda) ylm_put(q->dtype, r->lambda, i, sample_lambda(g, p));
   }
 }
 

@@ -10,7 +10,7 @@
 **   - a voxel is split where its estimate times `tight` exceeds the tolerance;
 **   - held-out shading points are compared with the field. Voxels in which they fail are split, and
 **     `tight` grows until the estimates of (almost) all these would have said so. Then fresh
-*points.
+**     points.
 ** The last comparison is made with points that decided nothing: it is what stats report.
 */
 #include "tolerance.h"

@@ -67,8 +67,7 @@ typedef struct ylm_grid_probe {
 **
 **   begin      of a grid in the making, before all else
 **   evaluate   points `first` .. first+n-1, at `lattice` [n][3]: lambda, norm [n]; inside [n] is 1
-*in
-**              a light, else 0; adds to *pairs
+**              in a light, else 0; adds to *pairs
 **   residuals  relative distances of interpolants from points' values, [n]
 **   compare    the same from the field at places [n][3]; inside [n], adds to *pairs
 **   values     of the field at the n places of the last `compare`, [n][channels][count]
@@ -306,11 +305,10 @@ typedef struct ylm_grid_parts {
 ** way of ylm_grid_stats_of; those that can be counted are counted by ylm_grid_end.
 **
 ** ylm_grid_begin   as ylm_grid_bake checks its arguments; not for dynamic grids (YLM_EINVAL). The
-*caller frees the grid where anything fails.
+** caller frees the grid where anything fails.
 ** ylm_grid_room    YLM_ENOMEM, YLM_ELIMIT
 ** ylm_grid_end     YLM_EINVAL where the cells are no octree or its corners are not where they
-*should
-**                  be, YLM_ENOMEM
+**                  should be, YLM_ENOMEM
 */
 YLM_API ylm_status ylm_grid_begin(const ylm_grid_form *form, const ylm_grid_source *source,
                                   ylm_grid **g, ylm_error *e);
@@ -356,7 +354,7 @@ YLM_API ylm_status ylm_grid_sample(const ylm_grid *g, const ylm_grid_query *q, s
 
 /*
 ** Points that stay where they are while a dynamic grid changes: where they lie is found out once,
-*as
+** as
 ** long as the octree there is what it was, and only those are sampled whose samples may differ from
 ** those of the last time. Every cell of a dynamic grid has a signature of what its samples depend
 ** on; equal signatures mean equal samples, but for one chance in 2^64.

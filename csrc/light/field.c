@@ -12,32 +12,14 @@ ylm__channels ylm__channels_of(const ylm_field_query *q) {
   return (ylm__channels){value, q->want & YLM_WANT_GRADIENT ? q->channels : 0, hessian};
 }
 
-static ylm_status check_query(const ylm_field_query *q, int most, const ylm_field_result *r,
-                              ylm_error *e) {
-  if (q->lmax < 0 || q->lmax > most)
-    return ylm_fail(e, YLM_ERANGE, "lmax must be 0 .. %d for lights, got %d", most, q->lmax);
-  if (q->channels != 1 && q->channels != 3)
-    return ylm_fail(e, YLM_EINVAL, "channels must be 1 or 3, got %d", q->channels);
-  if ((q->want & YLM_WANT_METRIC) && q->metric_channels != 1 && q->metric_channels != 3)
-    return ylm_fail(e, YLM_EINVAL, "metric_channels must be 1 or 3, got %d", q->metric_channels);
-  if (((q->want & YLM_WANT_VALUE) && !r->value) ||
-      ((q->want & YLM_WANT_GRADIENT) && !r->gradient) ||
-      ((q->want & YLM_WANT_HESSIAN) && !r->hessian))
-    return ylm_fail(e, YLM_EINVAL, "a result is wanted but has no place to go");
-  return YLM_OK;
-}
-
 static ylm_status check_points(const ylm_field_query *q, size_t n, const void *points,
                                ylm_error *e) {
   size_t where;
   if (!ylm_all_finite(q->dtype, points, 3 * n, &where))
     return ylm_fail(e, YLM_EDOMAIN, "point %zu is not finite", where / 3 + 1);
-  for (size_t i = 0; i < 3 * n; i++) {
-    double x =
-        q->dtype == YLM_DOUBLE ? ((const double *)points)[i] : (double)((const float *)points)[i];
-    if (fabs(x) > YLM_LIGHT_EXTENT)
+  for (size_t i = 0; i < 3 * n; i++)
+    if (fabs(ylm_get(q->dtype, points, i)) > YLM_LIGHT_EXTENT)
       return ylm_fail(e, YLM_ERANGE, "point %zu is beyond %g", i / 3 + 1, YLM_LIGHT_EXTENT);
-  }
   return YLM_OK;
 }
 
@@ -91,7 +73,7 @@ static ylm_status sum(const ylm_lights *lights, ylm_isa isa, const ylm_field_que
 
 ylm_status ylm_light_check(const ylm_field_query *q, int most, size_t n, const void *points,
                            const ylm_field_result *r, ylm_error *e) {
-  ylm_status s = check_query(q, most, r, e);
+  ylm_status s = ylm__query_check(q, r, most, e);
   return s == YLM_OK ? check_points(q, n, points, e) : s;
 }
 

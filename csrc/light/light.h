@@ -56,6 +56,9 @@ ylm_status ylm__lights_check(const ylm_field_query *q, ylm_isa isa, size_t n, co
 /* Whether lights' surfaces meet boxes. */
 ylm_status ylm__crosses(const ylm_field *f, size_t n, const double *boxes, uint8_t *out);
 
+/* A query is sound but for its points, lmax <= most. */
+ylm_status ylm__query_check(const ylm_field_query *q, const ylm_field_result *r, int most,
+                            ylm_error *e);
 /* For fields that are no sums of spheres (sum.c): a query is sound, lmax <= most. */
 ylm_status ylm__field_check(const ylm_field_query *q, size_t n, const void *points,
                             const ylm_field_result *r, int most, ylm_error *e);

@@ -84,7 +84,7 @@ static inline int ylm__sum_count(int lmax, int kinds) {
 ** A kernel, for one lmax (or any), dtype and instruction set. All pointers are to vectors.
 **   grow     factor per degree of the recurrences in z, which keeps high degrees from underflowing
 **   prepare  geometry and weights of `n` <= YLM__TILE lights; the weights of all kinds (bright 7),
-*of
+**   of
 **            the third alone (4) or of none (0) times luminance. Lanes inside of a light are added
 **            to `inside` (a mask of all ones).
 **   sum      adds n lights' products to sums; `state` holds 2*YLM__TILE vectors of scratch

@@ -97,9 +97,7 @@ static ylm_status run(void *context, size_t begin, size_t end, int worker) {
   double *sum = ylm_alloc_zero(n * 3 * wide, sizeof *sum), x[YLM__POLYGON_BLOCK][3];
   uint8_t inside[YLM__POLYGON_BLOCK] = {0};
   if (!sum) return YLM_ENOMEM;
-  for (size_t i = 0; i < 3 * n; i++)
-    x[i / 3][i % 3] = q->dtype == YLM_DOUBLE ? ((const double *)j->points)[3 * begin + i]
-                                             : (double)((const float *)j->points)[3 * begin + i];
+  for (size_t i = 0; i < 3 * n; i++) x[i / 3][i % 3] = ylm_get(q->dtype, j->points, 3 * begin + i);
   const double(*at)[3] = (const double(*)[3])x;
   ylm_status s = j->p->exact ? ylm__polygon_exactly(j->p, j->plan, q, n, at, sum, inside)
                              : ylm__polygon_spheres(j->p, q, n, at, sum, inside);

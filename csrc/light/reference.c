@@ -181,9 +181,7 @@ ylm_status ylm__reference_range(const ylm_lights *lights, const ylm_field_query 
   for (size_t p = begin; s == YLM_OK && p < end; p++) {
     double x[3];
     bool inside = false;
-    for (int a = 0; a < 3; a++)
-      x[a] = q->dtype == YLM_DOUBLE ? ((const double *)points)[3 * p + a]
-                                    : (double)((const float *)points)[3 * p + a];
+    for (int a = 0; a < 3; a++) x[a] = ylm_get(q->dtype, points, 3 * p + (size_t)a);
     memset(k.value, 0, 30 * (size_t)k.count * sizeof(double));
     for (size_t i = 0; s == YLM_OK && i < lights->active; i++) {
       ylm__lamp_d lamp = lights->lamp_d[i];

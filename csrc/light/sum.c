@@ -5,9 +5,8 @@
 #include "moments.h"
 #include "ylm_sh.h"
 
-ylm_status ylm__field_check(const ylm_field_query *q, size_t n, const void *points,
-                            const ylm_field_result *r, int most, ylm_error *e) {
-  size_t where;
+ylm_status ylm__query_check(const ylm_field_query *q, const ylm_field_result *r, int most,
+                            ylm_error *e) {
   if (q->lmax < 0 || q->lmax > most)
     return ylm_fail(e, YLM_ERANGE, "lmax must be 0 .. %d for these lights, got %d", most, q->lmax);
   if (q->channels != 1 && q->channels != 3)
@@ -18,6 +17,14 @@ ylm_status ylm__field_check(const ylm_field_query *q, size_t n, const void *poin
       ((q->want & YLM_WANT_GRADIENT) && !r->gradient) ||
       ((q->want & YLM_WANT_HESSIAN) && !r->hessian))
     return ylm_fail(e, YLM_EINVAL, "a result is wanted but has no place to go");
+  return YLM_OK;
+}
+
+ylm_status ylm__field_check(const ylm_field_query *q, size_t n, const void *points,
+                            const ylm_field_result *r, int most, ylm_error *e) {
+  size_t where;
+  ylm_status s = ylm__query_check(q, r, most, e);
+  if (s != YLM_OK) return s;
   if (!ylm_all_finite(q->dtype, points, 3 * n, &where))
     return ylm_fail(e, YLM_EDOMAIN, "point %zu is not finite", where / 3 + 1);
   return YLM_OK;
@@ -127,9 +134,7 @@ static ylm_field_query part_query(const ylm_field_query *q) {
 static void add_rows(ylm_dtype t, const void *from, size_t n, size_t width, double *to,
                      size_t step) {
   for (size_t i = 0; i < n; i++)
-    for (size_t k = 0; k < width; k++)
-      to[i * step + k] += t == YLM_DOUBLE ? ((const double *)from)[i * width + k]
-                                          : (double)((const float *)from)[i * width + k];
+    for (size_t k = 0; k < width; k++) to[i * step + k] += ylm_get(t, from, i * width + k);
 }
 
 static ylm_status evaluate(const ylm_field *f, const ylm_field_query *q, size_t n,

@@ -20,7 +20,7 @@
 ** L_lm(x) = integral of Y_lm over the cap of half-angle asin(r/d) about v/d, times the radiance.
 ** At points in or on a light the sphere fills every direction: L_00 = sqrt(4pi) times the radiance,
 ** all else and all derivatives 0, and `inside` is set. Gradients and Hessians are with respect to
-*x.
+** x.
 */
 #ifndef YLM_LIGHT_H
 #define YLM_LIGHT_H
@@ -72,10 +72,9 @@ YLM_API const ylm_field *ylm_lights_field(const ylm_lights *lights);
 
 /*
 ** The sum over `count` symmetric matrices of the squares of their largest absolute eigenvalues,
-*which
+** which
 ** for the Hessians of a light field is lambda squared (ylm_field_result). hessian: [6][count], all
-*xx
-** first, then xy, xz, yy, yz, zz.
+** xx first, then xy, xz, yy, yz, zz.
 */
 typedef float ylm_light_bend_fn(size_t count, const float *hessian);
 /* That function for the instruction set in use. */
@@ -128,9 +127,9 @@ YLM_API ylm_status ylm_lights_evaluate(const ylm_lights *lights, ylm_isa isa,
 ** That holds at 99.9 % of points; at the others it is at most four times as much
 ** (docs/performance.md). It comes on top of what float rounds, see ylm_lights_evaluate.
 ** Points that lie together are summed in packets, so a point's result depends, within the
-*tolerance,
+** tolerance,
 ** on the other points of the query; but neither on their order nor on the number of threads. Sets
-*of some thousand lights, and the reference's,
+** of some thousand lights, and the reference's,
 ** are summed exactly; `pairs` counts what was summed, proxies included.
 */
 typedef struct ylm_light_cut ylm_light_cut;
@@ -217,7 +216,7 @@ YLM_API ylm_status ylm_light_check(const ylm_field_query *q, int most, size_t n,
 
 /*
 ** An image on a parallelogram, which is cut into parts: a quadtree whose leaves are of one colour
-*to
+** to
 ** `tolerance`, at most twice as long as wide, and no larger than `largest` of the image's width and
 ** height. Parts without any radiance are left out.
 **
@@ -266,7 +265,7 @@ YLM_API size_t ylm_light_texture_tiles(const ylm_light_texture *t, size_t across
 ** Accuracy   of values, gradients and Hessians, each relative to its norm over all degrees: 1e-12,
 **            but 1e-14 lmax / (a |cos gamma|) for slivers that are seen at an angle a across, gamma
 **            off the normal, and are not far; a light whose size over distance is below
-*0.02/(lmax+4) is summed over its area
+**            0.02/(lmax+4) is summed over its area
 ** Edge-on    points in the plane but not on the light: all zero (derivatives jump there; the mean
 **            of both sides is 0). Points on it: half a sphere, derivatives 0, and `inside` is set,
 **            as in or on the sphere of the approximation

@@ -50,7 +50,10 @@
   X(codec)                                                                                         \
   X(shade)                                                                                         \
   X(shade_entries)                                                                                 \
-  X(shade_grid)
+  X(shade_grid)                                                                                    \
+  X(shade_picture)                                                                                 \
+  X(shade_scene)                                                                                   \
+  X(shade_view)
 
 #define X(name) void ylmL_open_##name(lua_State *L);
 YLML_CORE_BINDINGS(X)
@@ -117,6 +120,11 @@ typedef struct ylmL_array {
   uint32_t convention; /* of SH coefficients; 0 is ylm's own (ylm_sh.h lists others) */
   struct ylmL_block *block;
 } ylmL_array;
+
+/* Element i, counted from 0 through all axes. */
+static inline double ylmL_array_get(const ylmL_array *a, size_t i) {
+  return ylm_get(a->dtype, a->data, i);
+}
 
 /* A new array of zeros, on the stack; NULL (nothing pushed) if the size overflows or memory
    runs out. */

@@ -27,23 +27,11 @@ static int array_zeros(lua_State *L) {
   return ylmL_result(L, 1, ylmL_array_new(L, t, (int)axes, shape) ? YLM_OK : YLM_ENOMEM, NULL);
 }
 
-static double element(const ylmL_array *a, size_t i) {
-  return a->dtype == YLM_DOUBLE ? ((const double *)a->data)[i]
-                                : (double)((const float *)a->data)[i];
-}
-
-static void set_element(ylmL_array *a, size_t i, double x) {
-  if (a->dtype == YLM_DOUBLE)
-    ((double *)a->data)[i] = x;
-  else
-    ((float *)a->data)[i] = (float)x;
-}
-
 /* fill(array, nested table): the table's nesting and lengths must be the array's shape. */
 static bool fill(lua_State *L, ylmL_array *a, int axis, size_t *next) {
   if (axis == a->axes) {
     if (lua_type(L, -1) != LUA_TNUMBER) return false;
-    set_element(a, (*next)++, (double)lua_tonumber(L, -1));
+    ylm_put(a->dtype, a->data, (*next)++, (double)lua_tonumber(L, -1));
     return true;
   }
   if (!lua_istable(L, -1) || lua_rawlen(L, -1) != a->shape[axis]) return false;
@@ -74,7 +62,7 @@ static int array_fill(lua_State *L) {
 
 static void push_nested(lua_State *L, const ylmL_array *a, int axis, size_t *next) {
   if (axis == a->axes) {
-    lua_pushnumber(L, (lua_Number)element(a, (*next)++));
+    lua_pushnumber(L, (lua_Number)ylmL_array_get(a, (*next)++));
     return;
   }
   luaL_checkstack(L, 4, "nested table");
@@ -127,7 +115,7 @@ static int array_get(lua_State *L) {
   ylmL_array *a = ylmL_array_check(L, 1);
   size_t k;
   if (lua_gettop(L) - 1 != a->axes || !offset(L, a, a->axes, &k)) return 0;
-  lua_pushnumber(L, (lua_Number)element(a, k));
+  lua_pushnumber(L, (lua_Number)ylmL_array_get(a, k));
   return 1;
 }
 
@@ -138,7 +126,7 @@ static int array_set(lua_State *L) {
   int last = lua_gettop(L);
   if (last - 2 != a->axes || lua_type(L, last) != LUA_TNUMBER || !offset(L, a, a->axes, &k))
     return 0;
-  set_element(a, k, (double)lua_tonumber(L, last));
+  ylm_put(a->dtype, a->data, k, (double)lua_tonumber(L, last));
   lua_pushboolean(L, 1);
   return 1;
 }
@@ -180,7 +168,7 @@ static int array_convert(lua_State *L) {
   if (a->dtype == t)
     memcpy(b->data, a->data, a->count * ylm_dtype_size(t));
   else
-    for (size_t i = 0; i < a->count; i++) set_element(b, i, element(a, i));
+    for (size_t i = 0; i < a->count; i++) ylm_put(b->dtype, b->data, i, ylmL_array_get(a, i));
   return 1;
 }
 
@@ -207,7 +195,7 @@ static int array_distance(lua_State *L) {
   if (a->count != b->count) return ylmL_result(L, 0, YLM_ESHAPE, NULL);
   double largest = 0, sum = 0, norm = 0;
   for (size_t i = 0; i < a->count; i++) {
-    double x = element(a, i), y = element(b, i), d = x > y ? x - y : y - x;
+    double x = ylmL_array_get(a, i), y = ylmL_array_get(b, i), d = x > y ? x - y : y - x;
     if (!(d <= largest)) largest = d; /* NaN sticks */
     sum += d * d;
     norm += y * y;

@@ -36,7 +36,7 @@ static int shape_info(lua_State *L) {
 static uint32_t *indices(const ylmL_array *a, size_t points) {
   uint32_t *out = ylm_alloc(a->count, sizeof *out);
   for (size_t i = 0; out && i < a->count; i++) {
-    double x = a->dtype == YLM_DOUBLE ? ((double *)a->data)[i] : (double)((float *)a->data)[i];
+    double x = ylmL_array_get(a, i);
     if (!(x >= 1 && x <= (double)points)) {
       ylm_free(out);
       return NULL;

@@ -73,7 +73,7 @@ static int canvas_set(lua_State *L) {
   if (a->count != (size_t)c->width * (size_t)c->height * 3)
     return ylmL_result(L, 0, YLM_ESHAPE, NULL);
   for (size_t i = 0; i < a->count; i++) {
-    double x = a->dtype == YLM_DOUBLE ? ((double *)a->data)[i] : (double)((float *)a->data)[i];
+    double x = ylmL_array_get(a, i);
     c->pixel[i] = x >= 1 ? 255 : x > 0 ? (uint8_t)(x * 255 + 0.5) : 0;
   }
   return 0;

@@ -27,9 +27,7 @@ static int mix(lua_State *L) {
     for (size_t k = 0; k < pieces; k++)
       for (size_t j = 0; j < width; j++) {
         size_t at = i * stride + (size_t)offset[k] + j;
-        double x =
-            a->dtype == YLM_DOUBLE ? ((double *)a->data)[at] : (double)((float *)a->data)[at];
-        to[i * width + j] += weight[k] * x;
+        to[i * width + j] += weight[k] * ylmL_array_get(a, at);
       }
   return 1;
 }

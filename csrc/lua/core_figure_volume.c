@@ -49,8 +49,7 @@ static int volume_set(lua_State *L) {
   ylm_figure_volume *v = volume_at(L, 1);
   ylmL_array *a = ylmL_array_check(L, 2);
   if (a->count != voxels(v) * (size_t)v->components) return ylmL_result(L, 0, YLM_ESHAPE, NULL);
-  for (size_t i = 0; i < a->count; i++)
-    v->value[i] = a->dtype == YLM_FLOAT ? ((float *)a->data)[i] : (float)((double *)a->data)[i];
+  for (size_t i = 0; i < a->count; i++) v->value[i] = (float)ylmL_array_get(a, i);
   return 0;
 }
 

@@ -22,25 +22,8 @@ typedef struct lua_field {
 static bool take(lua_State *L, int i, size_t n, ylm_dtype t, void *to) {
   ylmL_array *a = ylmL_test(L, i, YLM_ARRAY);
   if (!a || !a->data || a->count != n) return false;
-  for (size_t k = 0; k < n; k++) {
-    double x = a->dtype == YLM_DOUBLE ? ((double *)a->data)[k] : (double)((float *)a->data)[k];
-    if (t == YLM_DOUBLE)
-      ((double *)to)[k] = x;
-    else
-      ((float *)to)[k] = (float)x;
-  }
+  for (size_t k = 0; k < n; k++) ylm_put(t, to, k, ylmL_array_get(a, k));
   return true;
-}
-
-static void put(ylm_dtype t, void *to, size_t i, double x) {
-  if (t == YLM_DOUBLE)
-    ((double *)to)[i] = x;
-  else
-    ((float *)to)[i] = (float)x;
-}
-
-static double get(ylm_dtype t, const void *from, size_t i) {
-  return t == YLM_DOUBLE ? ((const double *)from)[i] : (double)((const float *)from)[i];
 }
 
 /* Lambda from the function (0 where it gives none), norm from the values. */
@@ -54,10 +37,10 @@ static bool take_metric(lua_State *L, int i, const ylm_field_query *q, size_t n,
   for (size_t k = 0; k < n; k++) {
     double sum = 0;
     for (size_t j = 0; j < width; j++) {
-      double x = get(q->dtype, r->value, k * width + j);
+      double x = ylm_get(q->dtype, r->value, k * width + j);
       sum += x * x;
     }
-    put(q->dtype, r->norm, k, sqrt(sum));
+    ylm_put(q->dtype, r->norm, k, sqrt(sum));
   }
   return ok;
 }
@@ -163,7 +146,7 @@ static int grid_bounds(lua_State *L) {
   const ylmL_array *p = ylmL_array_check(L, 1);
   double lo[3] = {INFINITY, INFINITY, INFINITY}, hi[3] = {-INFINITY, -INFINITY, -INFINITY};
   for (size_t i = 0; i < p->count; i++) {
-    double x = get(p->dtype, p->data, i);
+    double x = ylmL_array_get(p, i);
     if (x < lo[i % 3]) lo[i % 3] = x;
     if (x > hi[i % 3]) hi[i % 3] = x;
   }

@@ -166,7 +166,7 @@ static ylm_status call_field(lua_State *L, const ylm_field *f, const ylm_field_q
 ** field_evaluate(object, lmax, points [n][3], channels, want, metric_channels, threads, progress,
 **                out value, out gradient, out hessian, isa)
 **   -> value, gradient, hessian, lambda [n], norm [n], inside [n] of 0 and 1, pairs; nil where not
-*wanted
+**   wanted
 ** The dtype is that of the points.
 */
 static int field_evaluate(lua_State *L) {

@@ -69,15 +69,10 @@ static int mesh_knot(lua_State *L) {
   return ylmL_result(L, 1, ylm_mesh_knot(p, q, radius, minor, tube, along, across, m, &e), &e);
 }
 
-static double element(const ylmL_array *a, size_t i) {
-  return a->dtype == YLM_DOUBLE ? ((const double *)a->data)[i]
-                                : (double)((const float *)a->data)[i];
-}
-
 /* Copies finite numbers; false if one of them is not. */
 static bool copy_floats(const ylmL_array *a, float *out) {
   size_t where;
-  for (size_t i = 0; i < a->count; i++) out[i] = (float)element(a, i);
+  for (size_t i = 0; i < a->count; i++) out[i] = (float)ylmL_array_get(a, i);
   return ylm_all_finite(YLM_FLOAT, out, a->count, &where);
 }
 
@@ -92,7 +87,7 @@ static ylm_status from_arrays(const ylmL_array *p, const ylmL_array *t, const yl
   if (uv && !copy_floats(uv, (*m)->uv))
     return ylm_fail(e, YLM_EDOMAIN, "a texture coordinate is not finite");
   for (size_t i = 0; i < t->count; i++) {
-    double k = element(t, i);
+    double k = ylmL_array_get(t, i);
     if (!(k >= 1 && k <= (double)vertices) || k != (double)(uint32_t)k)
       return ylm_fail(e, YLM_ERANGE, "triangle %zu: index %g is not an integer from 1 to %zu",
                       i / 3 + 1, k, vertices);

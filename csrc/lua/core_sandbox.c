@@ -111,8 +111,7 @@ static bool stays_below(const char *path) {
 
 /*
 ** resolve_inside(folder, path) -> the file's real name, its size; nil, message, code unless `path`
-*is
-** relative and leads, symbolic links followed, to a regular file below `folder`.
+** is relative and leads, symbolic links followed, to a regular file below `folder`.
 */
 static int resolve_inside(lua_State *L) {
   size_t size;

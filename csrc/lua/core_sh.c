@@ -74,11 +74,6 @@ static int sh_reconstruct(lua_State *L) {
   return ylmL_result_progress(L, 1, s, &e, &progress);
 }
 
-static double number_at(const ylmL_array *a, size_t i) {
-  return a->dtype == YLM_DOUBLE ? ((const double *)a->data)[i]
-                                : (double)((const float *)a->data)[i];
-}
-
 /* sh_error(lmax, a, b), both [n][count] or [n][count][width]: the largest |a-b| of a degree at a
    point relative to the largest |b| there, over all degrees and points: how evaluation is judged */
 static int sh_error(lua_State *L) {
@@ -93,7 +88,8 @@ static int sh_error(lua_State *L) {
     for (int l = 0; l <= lmax; l++) {
       double largest = 0, difference = 0;
       for (size_t k = ylm_sh_index(l, -l) * width; k < (ylm_sh_index(l, l) + 1) * width; k++) {
-        double x = number_at(a, i + k), y = number_at(b, i + k), d = x > y ? x - y : y - x;
+        double x = ylmL_array_get(a, i + k), y = ylmL_array_get(b, i + k),
+               d = x > y ? x - y : y - x;
         if (!(d <= difference)) difference = d; /* NaN sticks */
         if (y > largest || -y > largest) largest = y > 0 ? y : -y;
       }

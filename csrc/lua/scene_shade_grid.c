@@ -4,12 +4,6 @@
 #include "binding_grid.h"
 #include "scene_shade.h"
 
-static size_t point_count(const ylm_shade_view *v) {
-  ylm_shade_stats stats;
-  ylm_shade_view_stats(v, &stats);
-  return stats.points;
-}
-
 /* shade_grid(view, grid, "hermite" | "taylor" | "linear", threads, progress)
    -> radiance [n][3], outside, unbaked, seconds */
 static int shade_grid(lua_State *L) {
@@ -22,7 +16,7 @@ static int shade_grid(lua_State *L) {
   ylm_error e = {0};
   ylmL_progress p;
   lua_settop(L, 5);
-  ylmL_array *out = ylmL_array_new(L, YLM_FLOAT, 2, (size_t[]){point_count(v), 3});
+  ylmL_array *out = ylmL_array_new(L, YLM_FLOAT, 2, (size_t[]){ylmL_shade_points(v), 3});
   if (!out) return ylmL_result(L, 0, YLM_ENOMEM, NULL);
   const ylm_progress *progress = ylmL_progress_begin(L, 5, &p);
   ylm_status s = ylm_shade_grid(v, g, how, threads, progress, out->data, &report, &e);
@@ -51,7 +45,7 @@ static int shade_memory(lua_State *L) {
   luaL_getmetatable(L, MEMORY);
   lua_setmetatable(L, -2);
   ylm_status s = ylm_shade_memory_create(v, m);
-  if (s == YLM_OK) ylmL_charge(L, 20 * point_count(v));
+  if (s == YLM_OK) ylmL_charge(L, 20 * ylmL_shade_points(v));
   return ylmL_result(L, 1, s, NULL);
 }
 
@@ -70,7 +64,7 @@ static int shade_grid_again(lua_State *L) {
   uint64_t fresh = 0;
   ylm_error e = {0};
   ylmL_progress p;
-  if (out->dtype != YLM_FLOAT || out->count != 3 * point_count(v) || !*m)
+  if (out->dtype != YLM_FLOAT || out->count != 3 * ylmL_shade_points(v) || !*m)
     return ylmL_result(L, 0, YLM_ESHAPE, NULL);
   const ylm_progress *progress = ylmL_progress_begin(L, 6, &p);
   ylm_status s =
@@ -107,7 +101,7 @@ static int shade_grid_cells(lua_State *L) {
   ylm_shade_view *v = ylmL_shade_view(L, 1);
   const ylm_grid *g = ylmL_grid_check(L, 2);
   int threads = (int)luaL_checknumber(L, 3);
-  size_t n = point_count(v);
+  size_t n = ylmL_shade_points(v);
   ylmL_array *level = ylmL_array_new(L, YLM_FLOAT, 1, &n);
   ylmL_array *error = level ? ylmL_array_new(L, YLM_FLOAT, 1, &n) : NULL;
   if (!error) return ylmL_result(L, 0, YLM_ENOMEM, NULL);

@@ -285,9 +285,7 @@ static ylm_status run(void *context, size_t begin, size_t end, int worker) {
   if (!x) return YLM_ENOMEM;
   ylm_status s = YLM_OK;
   for (size_t group = begin; group < end && s == YLM_OK; group++) {
-    for (size_t i = 0; i < nf; i++)
-      x[i] = j->t == YLM_DOUBLE ? ((const double *)j->in)[group * nf + i]
-                                : (double)((const float *)j->in)[group * nf + i];
+    for (size_t i = 0; i < nf; i++) x[i] = ylm_get(j->t, j->in, group * nf + i);
     for (size_t k = 0; k < channels; k += f->channels)
       decode(f, x + k * f->numbers, c + k * f->count);
     for (size_t k = 0; k < channels; k++)

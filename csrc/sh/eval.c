@@ -16,10 +16,6 @@ const char *ylm_sh_method_name(ylm_sh_method m) {
   return (int)m >= 0 && m < YLM_SH_METHOD_COUNT ? names[m] : "?";
 }
 
-static double number(ylm_dtype t, const void *p, size_t i) {
-  return t == YLM_DOUBLE ? ((const double *)p)[i] : (double)((const float *)p)[i];
-}
-
 /* The least and largest that a point's largest coordinate may be for all results to be
    representable, with room for a factor of (lmax+1)^2. */
 static void limits(const ylm_sh_how *how, int lmax, ylm_dtype t, double *least, double *most) {
@@ -48,7 +44,7 @@ static bool all_between(ylm_isa isa, ylm_dtype t, size_t n, const void *p, doubl
 /* What is wrong with point i, if anything. */
 static ylm_status check_point(ylm_dtype t, const void *p, size_t i, int lmax, double least,
                               double most, ylm_error *e) {
-  double x = number(t, p, 3 * i), y = number(t, p, 3 * i + 1), z = number(t, p, 3 * i + 2);
+  double x = ylm_get(t, p, 3 * i), y = ylm_get(t, p, 3 * i + 1), z = ylm_get(t, p, 3 * i + 2);
   double largest = fmax(fmax(fabs(x), fabs(y)), fabs(z));
   if (!isfinite(x) || !isfinite(y) || !isfinite(z))
     return ylm_fail(e, YLM_EDOMAIN, "point %zu is not finite", i + 1);

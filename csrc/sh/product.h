@@ -1,12 +1,10 @@
 /*
-** product.h - what product.c and its kernels share. Private to csrc/sh.
+** product.h - what product*.c and their kernels share. Private to csrc/sh.
 **
 ** Quadrature: `nodes` Gauss-Legendre nodes in z, of which `half` lie at z >= 0 (one at 0 if odd),
-*and
-** `azimuths` = 4 J directions at (j + 1/2) 2pi/azimuths. All symmetries of the rule are used: z to
-*-z
-** splits degrees by the parity of l-m, the four quadrants split cosines and sines by the parity of
-*m.
+** and `azimuths` = 4 J directions at (j + 1/2) 2pi/azimuths. All symmetries of the rule are used: z
+** to -z splits degrees by the parity of l-m, the four quadrants split cosines and sines by the
+** parity of m.
 */
 #ifndef YLM_SH_PRODUCT_H
 #define YLM_SH_PRODUCT_H
@@ -118,6 +116,14 @@ PRODUCT_ISAS(X)
 
 /* The vector kernels in use; NULL for the plain forms. */
 const ylm__product_kernels *ylm__product_kernels_now(void);
+
+/* The tables of the quadrature that a plan's lmax and factors ask for: product_tables.c.
+   YLM_ENOMEM; what was made is then freed with the plan. */
+ylm_status ylm__product_quadrature(ylm_sh_product *p);
+void ylm__product_tables_free(ylm__product_tables *t);
+/* cos and sin of m times azimuth j of the rule. */
+double ylm__product_cosine(int m, int j, int azimuths);
+double ylm__product_sine(int m, int j, int azimuths);
 
 /* Integrals of Y_i Y_j Y_k, i to degree lmax, j and k to degree top >= lmax. */
 ylm_status ylm__gaunt_create(int lmax, int top, ylm__gaunt **out, ylm_error *e);

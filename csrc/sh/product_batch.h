@@ -2,10 +2,10 @@
 ** product_batch.h - LANES products at once, for one element type; included twice by product.isa.c.
 **
 ** Lanes are products; numbers stand in vectors of LANES. By quadrature, a few nodes of the rule at
-*a time:
+** a time:
 **
 **   c [count] -> x [node][above, below the equator][2 lmax + 1] -> values at the azimuths of one
-*node, multiplied -> x -> sum [count]
+**   node, multiplied -> x -> sum [count]
 **
 ** Sums of a step share what they read, and there are enough of them to keep multiply-adds busy.
 */

@@ -2,18 +2,17 @@
 ** quarter.c - the quarter turn about x in every degree, from whole numbers.
 **
 ** |J_qm| = g 2^-l sqrt(C(N, x) / C(N, k)) |K_k(x)|, N = 2l, k = l-|q|, x = l-|m|, with Krawtchouk's
-*polynomials
+** polynomials
 ** sum_k K_k(x) z^k = (1 - z)^x (1 + z)^(N-x); g = 2, sqrt 2 where one of q, m is 0, 1 where both
-*are.
+** are.
 **
 ** K is made of sums and differences of whole numbers below 2^252. So zeros are zeros, rational
-*entries exact, and the
+** entries exact, and the
 ** others within 0.51 units in the last place where long double has 64 bits or more; the recurrence
-*of
-** ylm_sh_rotation_reference loses a digit every eight degrees above 40.
+** of ylm_sh_rotation_reference loses a digit every eight degrees above 40.
 **
 ** Source  Koornwinder 1982 (Krawtchouk polynomials as elements of SU(2)'s representations);
-*docs/math.md "Rotation"
+** docs/math.md "Rotation"
 */
 #include "ylm_sh.h"
 

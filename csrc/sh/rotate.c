@@ -1,317 +1,10 @@
-/* rotate.c - rotation of coefficient vectors; kernels in rotate.isa.c. */
+/* rotate.c - rotation of coefficient vectors: angles, blocks, batches; kernels in rotate.isa.c. */
 #include "ylm_sh.h"
 
 #include <math.h>
 #include <string.h>
 
 #include "rotate.h"
-
-/* -- the recurrence ------------------------------------------------------------------------------
- */
-
-typedef long double real;
-
-/* Elements of all blocks of degrees < l. */
-static size_t blocks_before(int l) {
-  size_t k = (size_t)l;
-  return k * (2 * k - 1) * (2 * k + 1) / 3;
-}
-
-/* P of Ivanic & Ruedenberg for element (a, b); r1: degree 1 [3][3]; before: degree l-1. */
-static real combine(int i, int a, int b, int l, const real *r1, const real *before) {
-  const real *row = before + (size_t)(a + l - 1) * (size_t)(2 * l - 1) + (l - 1);
-  const real *r = r1 + (i + 1) * 3 + 1;
-  if (b == l) return r[1] * row[l - 1] - r[-1] * row[-l + 1];
-  if (b == -l) return r[1] * row[-l + 1] + r[-1] * row[l - 1];
-  return r[0] * row[b];
-}
-
-/* Element (m, n) of degree l from degrees 1 and l-1. */
-static real element(int l, int m, int n, const real *r1, const real *before) {
-  int am = m < 0 ? -m : m;
-  real d = n == l || n == -l ? (real)(2 * l) * (2 * l - 1) : (real)(l + n) * (l - n), sum = 0;
-  real u = sqrtl((real)(l + m) * (l - m) / d);
-  real v = 0.5L * sqrtl((m == 0 ? 2 : 1) * (real)(l + am - 1) * (l + am) / d) * (m == 0 ? -1 : 1);
-  real w = m == 0 ? 0 : -0.5L * sqrtl((real)(l - am - 1) * (l - am) / d);
-  if (u != 0) sum += u * combine(0, m, n, l, r1, before);
-  if (m == 0)
-    sum += v * (combine(1, 1, n, l, r1, before) + combine(-1, -1, n, l, r1, before));
-  else if (m == 1)
-    sum += v * combine(1, 0, n, l, r1, before) * sqrtl(2);
-  else if (m == -1)
-    sum += v * combine(-1, 0, n, l, r1, before) * sqrtl(2);
-  else if (m > 0)
-    sum += v * (combine(1, m - 1, n, l, r1, before) - combine(-1, -m + 1, n, l, r1, before));
-  else
-    sum += v * (combine(1, m + 1, n, l, r1, before) + combine(-1, -m - 1, n, l, r1, before));
-  if (w != 0) {
-    if (m > 0)
-      sum += w * (combine(1, m + 1, n, l, r1, before) + combine(-1, -m - 1, n, l, r1, before));
-    else
-      sum += w * (combine(1, m - 1, n, l, r1, before) - combine(-1, -m + 1, n, l, r1, before));
-  }
-  return sum;
-}
-
-ylm_status ylm_sh_rotation_reference(const double r[9], int lmax, double *blocks) {
-  if (lmax < 0 || lmax > YLM_SH_ROTATE_LMAX) return YLM_ERANGE;
-  size_t widest = (size_t)(2 * lmax + 1) * (size_t)(2 * lmax + 1);
-  real *now = ylm_alloc(2 * widest, sizeof *now), *before = now ? now + widest : NULL, r1[9];
-  if (!now) return YLM_ENOMEM;
-  real *memory = now;
-  /* y z x, with the signs of the Condon-Shortley phase */
-  static const int axis[3] = {1, 2, 0}, sign[3] = {-1, 1, -1};
-  for (int m = 0; m < 3; m++)
-    for (int n = 0; n < 3; n++) r1[m * 3 + n] = sign[m] * sign[n] * (real)r[axis[m] * 3 + axis[n]];
-  *blocks++ = 1;
-  for (int l = 1; l <= lmax; l++) {
-    int n = 2 * l + 1;
-    for (int i = 0; i < n * n; i++) {
-      now[i] = l == 1 ? r1[i] : element(l, i / n - l, i % n - l, r1, before);
-      *blocks++ = (double)now[i];
-    }
-    real *swap = before;
-    before = now;
-    now = swap;
-  }
-  ylm_free(memory);
-  return YLM_OK;
-}
-
-/* The vector kernels in use; NULL for the plain forms. */
-static const ylm__rotate_kernels *choose_kernels(void) {
-  switch (ylm_isa_current()) {
-#define X(isa)                                                                                     \
-  case YLM_ISA_##isa: return &ylm__rotate_kernels_##isa;
-    ROTATE_ISAS(X)
-#undef X
-  default: return NULL;
-  }
-}
-
-/* -- the plan ------------------------------------------------------------------------------------
- */
-
-/* Writes J of degree l in class order: for each class its columns, rows in the partner class. */
-static void pack(int l, const double *dense, double *packed) {
-  int n = 2 * l + 1, row = rotate_row(l);
-  for (int c = 0; c < 4; c++) {
-    int columns = class_columns(l, c), to = class_partner(l, c);
-    for (int i = 0; i < columns; i++, packed += row) {
-      int m = 2 * i + (c > 1);
-      if (c & 1) m = -m;
-      if ((c & 1) && m == 0) continue;
-      for (int k = 0; k < row; k++) {
-        int q = 2 * k + (to > 1);
-        if ((to & 1) && q == 0) continue;
-        if (to & 1) q = -q;
-        if (q < -l || q > l) continue;
-        packed[k] = dense[(q + l) * n + (m + l)];
-      }
-    }
-  }
-}
-
-/* Writes J of degree l in panels. */
-static void pack_panels(int l, int panel, const double *dense, double *out) {
-  int n = 2 * l + 1;
-  for (int c = 0; c < 4; c++) {
-    int to = class_partner(l, c), columns = class_size(l, c), rows = class_size(l, to);
-    for (int first = 0; first < rows; first += panel)
-      for (int i = 0; i < columns; i++)
-        for (int k = first; k < rows && k < first + panel; k++) {
-          int q = class_first(to) + (to & 1 ? -2 : 2) * k,
-              m = class_first(c) + (c & 1 ? -2 : 2) * i;
-          *out++ = dense[(q + l) * n + (m + l)];
-        }
-  }
-}
-
-void ylm_sh_rotator_free(ylm_sh_rotator *p) {
-  if (!p || __atomic_sub_fetch(&p->users, 1, __ATOMIC_ACQ_REL) > 0) return;
-  ylm_free(p->panels_d);
-  ylm_free(p->panels_f);
-  ylm_free(p->panel_at);
-  ylm_free(p->dense);
-  ylm_free(p->dense_at);
-  ylm_free(p->packed_d);
-  ylm_free(p->packed_f);
-  ylm_free(p->packed_at);
-  ylm_free(p);
-}
-
-ylm_status ylm_sh_rotator_create(int lmax, ylm_sh_rotator **out, ylm_error *e) {
-  *out = NULL;
-  if (lmax < 0 || lmax > YLM_SH_ROTATE_LMAX)
-    return ylm_fail(e, YLM_ERANGE, "lmax must be from 0 to %d, got %d", YLM_SH_ROTATE_LMAX, lmax);
-  ylm_sh_rotator *p = ylm_alloc_zero(1, sizeof *p);
-  if (!p) return YLM_ENOMEM;
-  p->lmax = lmax;
-  p->users = 1;
-  p->kernels = choose_kernels();
-  p->panel_at = ylm_alloc((size_t)lmax + 1, sizeof(size_t));
-  p->dense = ylm_alloc(blocks_before(lmax + 1), sizeof(double));
-  p->dense_at = ylm_alloc((size_t)lmax + 1, sizeof(size_t));
-  p->packed_at = ylm_alloc((size_t)lmax + 1, sizeof(size_t));
-  size_t packed = 0, panels = 0;
-  for (int l = 0; l <= lmax && p->packed_at && p->dense_at && p->panel_at; l++) {
-    p->dense_at[l] = blocks_before(l);
-    p->packed_at[l] = packed;
-    p->panel_at[l] = panels;
-    for (int c = 0; c < 4; c++) {
-      packed += (size_t)(class_columns(l, c) * rotate_row(l));
-      panels += (size_t)(class_size(l, c) * class_size(l, class_partner(l, c)));
-    }
-  }
-  p->panels_d = ylm_alloc(panels, sizeof(double));
-  p->panels_f = ylm_alloc(panels, sizeof(float));
-  p->packed_d = ylm_alloc_zero(packed, sizeof(double));
-  p->packed_f = ylm_alloc_zero(packed, sizeof(float));
-  if (!p->dense || !p->dense_at || !p->packed_at || !p->packed_d || !p->packed_f || !p->panel_at ||
-      !p->panels_d || !p->panels_f || ylm__sh_quarter_turns(lmax, p->dense) != YLM_OK) {
-    ylm_sh_rotator_free(p);
-    return YLM_ENOMEM;
-  }
-  for (int l = 0; l <= lmax; l++) {
-    pack(l, p->dense + p->dense_at[l], p->packed_d + p->packed_at[l]);
-    if (p->kernels)
-      pack_panels(l, p->kernels->panel, p->dense + p->dense_at[l], p->panels_d + p->panel_at[l]);
-  }
-  for (size_t i = 0; p->kernels && i < panels; i++) p->panels_f[i] = (float)p->panels_d[i];
-  for (size_t i = 0; i < packed; i++) p->packed_f[i] = (float)p->packed_d[i];
-  *out = p;
-  return YLM_OK;
-}
-
-/* -- rotation matrices ----------------------------------------------------------------------------
- */
-
-static double determinant(const double r[9]) {
-  return r[0] * (r[4] * r[8] - r[5] * r[7]) - r[1] * (r[3] * r[8] - r[5] * r[6]) +
-         r[2] * (r[3] * r[7] - r[4] * r[6]);
-}
-
-/* R^T R - I as its six numbers xx xy xz yy yz zz; returns the largest. */
-static double departure(const double r[9], double d[6]) {
-  double worst = 0;
-  for (int i = 0, k = 0; i < 3; i++)
-    for (int j = i; j < 3; j++, k++) {
-      d[k] = r[i] * r[j] + r[3 + i] * r[3 + j] + r[6 + i] * r[6 + j] - (i == j);
-      if (!(fabs(d[k]) <= worst)) worst = fabs(d[k]);
-    }
-  return worst;
-}
-
-/* Is r one of the cube's 24 rotations to twice the rounding of 1? Then *out is that one. Products
-   of sines and cosines of quarter turns, axes along diagonals and unit quaternions are no further
-   off. */
-static bool snap(const double r[9], double out[9]) {
-  double m[9], d[6];
-  for (int i = 0; i < 9; i++) {
-    m[i] = fabs(r[i]) <= 4.5e-16 ? 0 : r[i] < 0 ? -1 : 1;
-    if (!(fabs(r[i] - m[i]) <= 4.5e-16)) return false;
-  }
-  if (departure(m, d) != 0 || determinant(m) != 1) return false;
-  memcpy(out, m, sizeof m);
-  return true;
-}
-
-ylm_status ylm_sh_rotation_check(const double r[9], double out[9], ylm_error *e) {
-  if (snap(r, out)) return YLM_OK;
-  double d[6], m[9], worst = departure(r, d);
-  if (!(worst < 1e-5)) {
-    for (int i = 0; i < 9; i++)
-      if (!isfinite(r[i]))
-        return ylm_fail(e, YLM_EDOMAIN,
-                        "3x3 rotation expected, it holds a number that is not finite");
-    return ylm_fail(e, YLM_EDOMAIN,
-                    "3x3 rotation expected, columns are not orthonormal (off by %.3g)", worst);
-  }
-  double det = determinant(r);
-  if (det < 0) return ylm_fail(e, YLM_EDOMAIN, "3x3 rotation expected, determinant is %.6g", det);
-  memcpy(m, r, sizeof m);
-  /* R (I - (R^T R - I)/2): the departure is squared each time */
-  for (int pass = 0; pass < 3 && worst > 1e-15; pass++) {
-    double q[9] = {1 - d[0] / 2, -d[1] / 2, -d[2] / 2, -d[1] / 2,   1 - d[3] / 2,
-                   -d[4] / 2,    -d[2] / 2, -d[4] / 2, 1 - d[5] / 2},
-           t[9];
-    for (int i = 0; i < 3; i++)
-      for (int j = 0; j < 3; j++)
-        t[i * 3 + j] = m[i * 3] * q[j] + m[i * 3 + 1] * q[3 + j] + m[i * 3 + 2] * q[6 + j];
-    memcpy(m, t, sizeof m);
-    worst = departure(m, d);
-  }
-  memcpy(out, m, sizeof m);
-  return YLM_OK;
-}
-
-ylm_status ylm_sh_rotation_from_quaternion(const double q[4], double r[9], ylm_error *e) {
-  double scale = 0;
-  for (int i = 0; i < 4; i++) scale = fmax(scale, fabs(q[i]));
-  if (!(scale > 0) || !isfinite(scale) || q[0] != q[0] || q[1] != q[1] || q[2] != q[2] ||
-      q[3] != q[3])
-    return ylm_fail(e, YLM_EDOMAIN,
-                    "a quaternion {w, x, y, z} of finite numbers, not all zero, expected");
-  double w = q[0] / scale, x = q[1] / scale, y = q[2] / scale, z = q[3] / scale;
-  double n = 2 / (w * w + x * x + y * y + z * z);
-  double m[9] = {1 - n * (y * y + z * z), n * (x * y - w * z),     n * (x * z + w * y),
-                 n * (x * y + w * z),     1 - n * (x * x + z * z), n * (y * z - w * x),
-                 n * (x * z - w * y),     n * (y * z + w * x),     1 - n * (x * x + y * y)};
-  memcpy(r, m, sizeof m);
-  return YLM_OK;
-}
-
-/* Cosine and sine, exact at whole quarter turns as near as a double can name them. */
-static void cosine_sine(double angle, double *c, double *s) {
-  double quarters = angle / 1.57079632679489661923;
-  double whole = nearbyint(quarters);
-  if (fabs(whole) < 1e6 && fabs(quarters - whole) <= 4e-16 * fmax(1, fabs(whole))) {
-    int k = (int)whole & 3;
-    *c = k == 0 ? 1 : k == 2 ? -1 : 0;
-    *s = k == 1 ? 1 : k == 3 ? -1 : 0;
-    return;
-  }
-  *c = cos(angle);
-  *s = sin(angle);
-}
-
-ylm_status ylm_sh_rotation_from_axis(const double axis[3], double angle, double r[9],
-                                     ylm_error *e) {
-  double scale = fmax(fabs(axis[0]), fmax(fabs(axis[1]), fabs(axis[2])));
-  if (!(scale > 0) || !isfinite(scale + axis[0] + axis[1] + axis[2]) || !isfinite(angle))
-    return ylm_fail(e, YLM_EDOMAIN,
-                    "an axis {x, y, z} that is not zero and a finite angle expected");
-  double x = axis[0] / scale, y = axis[1] / scale, z = axis[2] / scale;
-  double n = sqrt(x * x + y * y + z * z), c, s;
-  x /= n, y /= n, z /= n;
-  cosine_sine(angle, &c, &s);
-  double t = 1 - c;
-  double m[9] = {t * x * x + c,     t * x * y - s * z, t * x * z + s * y,
-                 t * x * y + s * z, t * y * y + c,     t * y * z - s * x,
-                 t * x * z - s * y, t * y * z + s * x, t * z * z + c};
-  memcpy(r, m, sizeof m);
-  return YLM_OK;
-}
-
-ylm_status ylm_sh_rotation_from_zyz(const double abc[3], double r[9], ylm_error *e) {
-  if (!isfinite(abc[0] + abc[1] + abc[2]))
-    return ylm_fail(e, YLM_EDOMAIN, "three finite angles expected");
-  double ca, sa, cb, sb, cc, sc;
-  cosine_sine(abc[0], &ca, &sa);
-  cosine_sine(abc[1], &cb, &sb);
-  cosine_sine(abc[2], &cc, &sc);
-  double m[9] = {ca * cb * cc - sa * sc,
-                 -ca * cb * sc - sa * cc,
-                 ca * sb,
-                 sa * cb * cc + ca * sc,
-                 -sa * cb * sc + ca * cc,
-                 sa * sb,
-                 -sb * cc,
-                 sb * sc,
-                 cb};
-  memcpy(r, m, sizeof m);
-  return YLM_OK;
-}
 
 /* The angles of an exact rotation R = Rz(a) Ry(b) Rz(c), in the form that the kernels want. */
 static void angles_of(const double r[9], ylm__angles *a) {
@@ -417,25 +110,14 @@ ylm_dtype ylm_sh_rotation_dtype(const ylm_sh_rotation *r) { return r->t; }
 
 static int lanes_of(ylm_dtype t) { return t == YLM_DOUBLE ? 8 : 16; }
 
-static void put(ylm_dtype t, void *to, size_t k, double x) {
-  if (t == YLM_DOUBLE)
-    ((double *)to)[k] = x;
-  else
-    ((float *)to)[k] = (float)x;
-}
-
-static double get(ylm_dtype t, const void *from, size_t k) {
-  return t == YLM_DOUBLE ? ((const double *)from)[k] : (double)((const float *)from)[k];
-}
-
 /* Cosines and sines of m times the three angles. */
 static void fill_turns(const ylm__angles *a, int lmax, ylm_dtype t, void *turns) {
   size_t row = (size_t)lmax + 1;
   for (size_t i = 0; i < 3; i++) {
     double c = 1, s = 0;
     for (size_t m = 0; m < row; m++) {
-      put(t, turns, 2 * i * row + m, c);
-      put(t, turns, (2 * i + 1) * row + m, s);
+      ylm_put(t, turns, 2 * i * row + m, c);
+      ylm_put(t, turns, (2 * i + 1) * row + m, s);
       double next = c * a->c[i] - s * a->s[i];
       s = c * a->s[i] + s * a->c[i];
       c = next;
@@ -449,7 +131,7 @@ static void fill_blocks(ylm_sh_rotation *r, double *x, double *y) {
     build(r->plan, &r->batch.angles, l, x, y);
     for (int q = 0; q < w; q++)
       for (int m = 0; m < w; m++)
-        put(r->t, r->blocks, r->at[l] + (size_t)(m * padded + q), x[q * w + m]);
+        ylm_put(r->t, r->blocks, r->at[l] + (size_t)(m * padded + q), x[q * w + m]);
   }
 }
 
@@ -528,9 +210,9 @@ static void apply_plain(const ylm_sh_rotation *r, int lmax, size_t rows, const v
       memset(temporary, 0, sizeof temporary);
       for (int m = 0; m < w; m++)
         for (int q = 0; q < w; q++)
-          temporary[q] += get(r->t, r->blocks, r->at[l] + (size_t)(m * padded + q)) *
-                          get(r->t, in, at + (size_t)m);
-      for (int q = 0; q < w; q++) put(r->t, out, at + (size_t)q, temporary[q]);
+          temporary[q] += ylm_get(r->t, r->blocks, r->at[l] + (size_t)(m * padded + q)) *
+                          ylm_get(r->t, in, at + (size_t)m);
+      for (int q = 0; q < w; q++) ylm_put(r->t, out, at + (size_t)q, temporary[q]);
     }
 }
 

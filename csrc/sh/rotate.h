@@ -1,5 +1,5 @@
 /*
-** rotate.h - what rotate.c and the kernels of rotate.isa.c share. Private to csrc/sh.
+** rotate.h - what rotate*.c and the kernels of rotate.isa.c share. Private to csrc/sh.
 **
 ** A rotation is Rz(a) Ry(b) Rz(c). With J the matrix of the quarter turn about x,
 ** Ry(b) = J^T Z(b) J and J^T = Z(pi) J Z(pi), so that
@@ -13,7 +13,7 @@
 #ifndef YLM_SH_ROTATE_H
 #define YLM_SH_ROTATE_H
 
-#include "ylm_base.h"
+#include "ylm_sh.h"
 
 /* Elements of a padded row of class order, a multiple of 64 bytes for either type. */
 #define ROTATE_PAD 16

@@ -2,7 +2,7 @@
 ** rotate_batch.h - kernels of rotate.isa.c for batches, one element type; included twice.
 **
 ** Low degrees: the rotation's blocks times four rows at a time. Higher degrees, where a block has
-*four times the numbers
+** four times the numbers
 ** of a quarter turn: TILE rows at once, lanes are rows, Z(a) J Z(b) J Z(c) degree by degree.
 */
 

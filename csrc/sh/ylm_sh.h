@@ -36,7 +36,7 @@ static inline size_t ylm_sh_index(int l, int m) { return (size_t)(l * (l + 1) + 
 **   direct      Mezieres et al. 2022, "Direct": (theta, phi), Eq. 19; derivatives <= 1
 **   sloan       Mezieres et al. 2022, "Sloan's like": (theta, phi), Eq. 22; derivatives <= 1
 **   scd         spherical-coordinate derivatives with Hessian, compared with in Iwasaki & Dobashi
-*2025
+**   2025
 */
 #define YLM_SH_METHOD_LIST(X) X(solid) X(polynomial) X(direct) X(sloan) X(scd)
 
@@ -67,8 +67,7 @@ typedef enum ylm_sh_method {
 **          representable), YLM_EDOMAIN (a zero or non-finite point): nothing is written then;
 **          YLM_ENOMEM
 ** Accuracy relative to the largest of its degree: 1e-13 (double), in float 4e-6 to lmax 20 and
-*about in
-**          proportion to lmax above (Hessians 7.5e-6 at 31), poles included
+**          about in proportion to lmax above (Hessians 7.5e-6 at 31), poles included
 ** Cost     O(n lmax^2); thread-safe; results do not depend on the number of threads
 ** Source   Iwasaki & Dobashi 2025, Eqs. 10-14, 17; docs/math.md "Evaluating the basis"
 */
@@ -143,10 +142,9 @@ YLM_API ylm_status ylm_sh_rotation_check(const double r[9], double out[9], ylm_e
 **   out   out  [rows][(lmax+1)^2]      may be in
 **
 ** Identity, half and quarter turns about the axes and their products, the cube's 24 rotations, are
-*exact: signed
+** exact: signed
 ** permutations where z stays on its axis and in degree 1, else each entry of the blocks the nearest
-*number (zeros
-** exactly 0).
+** number (zeros exactly 0).
 ** Returns  YLM_OK, YLM_ERANGE (lmax), YLM_EDOMAIN (r), YLM_ENOMEM
 ** Accuracy relative to the norm: 1e-13 (double), 2e-6 (float)
 ** Cost     O(lmax^3) a row: z-turns between quarter turns, one row at a time for few rows; for
@@ -159,10 +157,9 @@ YLM_API ylm_status ylm_sh_rotate(const ylm_sh_rotator *p, const double r[9], int
 
 /*
 ** A rotation prepared for batches: its blocks, one (2l+1)x(2l+1) matrix for each low degree; above,
-*where a
+** where a
 ** block has four times the numbers of a quarter turn, its angles. It keeps the rotator that it was
-*made by
-** alive, which the caller may free.
+** made by alive, which the caller may free.
 */
 typedef struct ylm_sh_rotation ylm_sh_rotation;
 YLM_API ylm_status ylm_sh_rotation_create(const ylm_sh_rotator *p, const double r[9], int lmax,
@@ -198,7 +195,7 @@ YLM_API ylm_status ylm_sh_rotation_reference(const double r[9], int lmax, double
 **   sn3d       [count]      (-1)^m sqrt(4pi/(2l+1)) c: ambisonics, ACN order, SN3D (AmbiX)
 **   scipy      [count][2]   complex a(l,m), f = sum a sph_harm(m, l): real and imaginary part
 **   unity      [7][4]       SHAr SHAg SHAb SHBr SHBg SHBb SHC of three channels, lmax 2,
-*irradiance/pi
+**   irradiance/pi
 **   three.js   [9][3]       SphericalHarmonics3: (-1)^m c, coefficients before channels, lmax 2
 **   filament   [9][3]       irradiance/pi with the constants of Y multiplied in, lmax 2
 */
@@ -246,7 +243,7 @@ YLM_API ylm_status ylm_sh_convention_name(uint32_t convention, char text[64]);
 ** Returns  YLM_OK; YLM_EINVAL (no convention); YLM_ERANGE (lmax over YLM_LMAX, over 128 where axes
 **          change, not 2 for unity, three.js and filament); YLM_ESHAPE (rows); YLM_EDOMAIN
 **          (irradiance to radiance with degrees 3, 5 .., which irradiance does not hold);
-*YLM_ENOMEM
+**          YLM_ENOMEM
 ** Accuracy rounding of the type
 ** Source   docs/conventions.md, "Conventions of others"; Sloan 2008, appendix A10 (unity)
 */
@@ -308,12 +305,11 @@ YLM_API size_t ylm_sh_product_integrals(const ylm_sh_product *p);
 **
 **   factor  in   [factors] arrays of rows [(lmax+1)^2]
 **   stride  in   [factors] numbers from one row to the next: (lmax+1)^2, or 0 to use one row for
-*all;
-**                NULL means (lmax+1)^2 for all
+**                all; NULL means (lmax+1)^2 for all
 **   out     out  [rows][(lmax+1)^2], no factor
 **   stage   out  [3] seconds of transform, multiplication and transform back are added (quadrature
 **                and fourier, one thread); may be NULL. quadrature counts the multiplication to the
-*first.
+**                first.
 **
 ** Returns  YLM_OK, YLM_ENOMEM
 ** Accuracy of the norm of the result: 1e-12 (double), 1e-5 (float)
@@ -348,7 +344,7 @@ YLM_API ylm_status ylm_sh_transfer_apply(size_t n, ylm_dtype t, const void *matr
 /*
 ** ylm_sh_sphere_rule - directions and weights of a product rule: `nodes` Gauss-Legendre nodes in z,
 ** `azimuths` directions around each. Exact for polynomials of degree min(2 nodes - 1, azimuths -
-*1).
+** 1).
 **
 **   lo, hi      in   the range of z: -1 .. 1 is the sphere, 0 .. 1 the upper half
 **   direction   out  [nodes * azimuths][3]
@@ -386,14 +382,14 @@ YLM_API ylm_status ylm_sh_project_samples(int lmax, size_t n, const double *dire
 
 /*
 ** ylm_sh_halve_pixels - an image of the sphere from blocks of 2 x 2 of its pixels, to see what its
-*resolution costs.
+** resolution costs.
 **
 **   width, height  in   height is that of all `faces` that lie one above the other
 **   faces          in   1, or 6 for a cube map: no block reaches over a border
 **   direction      in   [height * width][3] unit;  weight [height * width] sr
 **   value          in   [height * width][channels]
 **   coarse_*       out  [ylm_sh_halved(width, height, faces)] of the same: mean direction, sum of
-*weights, mean value
+**   weights, mean value
 */
 YLM_API size_t ylm_sh_halved(int width, int height, int faces);
 YLM_API void ylm_sh_halve_pixels(int width, int height, int faces, int channels,

@@ -227,7 +227,7 @@ YLM_API ylm_status ylm_shade_coefficients(const ylm_shade_view *view, size_t fir
 ** Each of `samples` strata chooses a lamp in proportion to (a bound of) its unshadowed luminous
 ** irradiance, then a direction uniform in the solid angle it fills (disks, and triangles that fill
 ** little: a place uniform in area); a ray that starts at the point and ends at the lamp decides. No
-*SH, no grid, no occlusion_distance.
+** SH, no grid, no occlusion_distance.
 **
 **   samples  in   shadow rays per shading point, 1 .. 65536
 **   out      out  [points][3]
@@ -236,8 +236,7 @@ YLM_API ylm_status ylm_shade_coefficients(const ylm_shade_view *view, size_t fir
 ** Returns  YLM_OK; YLM_ERANGE, YLM_ENOMEM, YLM_ECANCELLED (progress stage "raycast")
 ** Cost     points * (lamps + samples rays)
 ** Source   Shirley, Wang, Zimmerman 1996, "Monte Carlo Techniques for Direct Lighting
-*Calculations";
-**          Arvo 1995, "Stratified Sampling of Spherical Triangles";
+**          Calculations"; Arvo 1995, "Stratified Sampling of Spherical Triangles";
 **          Roberts 2018, "The Unreasonable Effectiveness of Quasirandom Sequences" (R2)
 */
 YLM_API ylm_status ylm_shade_raycast(const ylm_shade_view *view, int samples, bool shadows,
