@@ -35,7 +35,7 @@ void main() {
   uint s = state[i] & CROSSED, rank = voxel[i].z;
   if (last == 0 && cell_splits(e, threshold, s != 0)) {
     uint children = all != 0 ? CHILDREN : bits[rank >> 2] >> (rank & 3) * 8 & CHILDREN;
-    if (s != 0) atomicAdd(count[2], bitCount(children));
+    if (s != 0) atomicAdd(count[COUNT_ASKED], bitCount(children));
     s |= SPLIT | children;
   }
   state[i] = s;

@@ -30,7 +30,7 @@ void main() {
     uint below = all != 0 ? 0 : bits_before[rank >> 2] + bitCount(bits[rank >> 2] & ((1u << ((rank & 3) * 8 + k)) - 1));
     next[j] = uvec4(packed(at + corner_of(k, half_edge)), below, 8 * splits_before[i] + k);
     next_state[j] = (s & CROSSED) != 0 ? ASKED : 0;
-    if ((s & CROSSED) != 0) asked[atomicAdd(count[5], 1)] = j;
+    if ((s & CROSSED) != 0) asked[atomicAdd(count[COUNT_PLACED], 1)] = j;
     j++;
   }
 }

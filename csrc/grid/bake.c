@@ -100,7 +100,9 @@ static ylm_status bake(baker *b) {
   b->stage = b->stage_text;
   if (b->g->view.form.kind == YLM_GRID_UNIFORM) return bake_uniform(b);
   double t = ylm_seconds();
-  ylm_status s = occupancy_build(&b->occupied, b->g, b->source, &b->g->stats.outside);
+  bool found;
+  ylm_status s = keeper_occupancy(b, &found);
+  if (!found) s = occupancy_build(&b->occupied, b->g, b->source, &b->g->stats.outside);
   b->g->stats.occupancy_seconds = ylm_seconds() - t;
   if (s == YLM_OK) s = baker_root(b);
   if (s != YLM_OK) return s;
@@ -153,7 +155,7 @@ ylm_status ylm_grid_bake(const ylm_grid_form *form, const ylm_grid_source *sourc
   baker_free(&b);
   if (s != YLM_OK) {
     ylm_grid_free(b.g);
-    return ylm__grid_no_room(s, source, e);
+    return b.told ? s : ylm__grid_no_room(s, source, e);
   }
   if (!form->dynamic) ylm__grid_trim(b.g);
   b.g->stats.seconds = ylm_seconds() - begin;

@@ -25,6 +25,7 @@ typedef struct baker {
   const ylm_grid_source *source;
   const ylm_grid_keeper *keeper; /* NULL: rows are the grid's own */
   ylm_error *e;
+  bool told; /* it says what ran out */
   occupancy occupied;
   cell_list wave, next; /* cells to decide about, their children that come next */
   cell_list parent;     /* of cells 1 .. 8, 9 .. 16, and so on */
@@ -94,11 +95,19 @@ ylm_status baker_finish(baker *b);
    over the norm. */
 float baker_metric(const baker *b, const ylm_grid_cell *c, ylm_grid_metric metric);
 
+/* Does a source have shading points, or is every voxel occupied? */
+static inline bool baker_has_shading(const ylm_grid_source *s) {
+  return s->occupied_points || (s->keeper && s->occupied);
+}
+
 /* -- keeper.c: where rows are kept elsewhere ----------------------------------------------
 ** After each of these b->keeper may be NULL: memory ran out, and all rows are here; what was asked
 ** for is then not done. */
 
 ylm_status keeper_begin(baker *b);
+/* Which voxels hold shading points, from who keeps these or finds voxels faster; *found is false
+   where the bake is to find them. */
+ylm_status keeper_occupancy(baker *b, bool *found);
 /* Points that wait for the light field. */
 ylm_status keeper_evaluate(baker *b);
 ylm_status keeper_residuals(baker *b, size_t n, const ylm_grid_probe *probe, float *distance);

@@ -26,6 +26,24 @@ ylm_status keeper_begin(baker *b) {
   return s == YLM_ENOMEM || s == YLM_ELIMIT ? YLM_OK : s;
 }
 
+ylm_status keeper_occupancy(baker *b, bool *found) {
+  const ylm_grid_keeper *k = b->source->keeper;
+  const char *stage = b->stage;
+  uint64_t *code = NULL;
+  size_t n;
+  *found = false;
+  if (!k || b->g->view.form.dynamic || !baker_has_shading(b->source)) return YLM_OK;
+  ylm_progress progress = baker_progress(b);
+  b->stage = "occupancy";
+  ylm_status s = k->codes(k->self, b->g, &code, &n, &b->g->stats.outside,
+                          b->source->progress ? &progress : NULL, b->e);
+  b->stage = stage;
+  if ((s == YLM_ENOMEM || s == YLM_ELIMIT) && b->source->occupied_points) return YLM_OK;
+  *found = true;
+  b->told = s != YLM_OK;
+  return s == YLM_OK ? occupancy_take(&b->occupied, b->g, code, n) : s;
+}
+
 ylm_status keeper_evaluate(baker *b) {
   ylm_grid *g = b->g;
   size_t first = g->evaluated, n = g->points - first;

@@ -150,27 +150,48 @@ static void mark_parents(occupancy *o) {
     }
 }
 
-ylm_status occupancy_build(occupancy *o, const ylm_grid *g, const ylm_grid_source *s,
-                           uint64_t *outside) {
-  *o = (occupancy){.depth = g->view.form.depth, .all = !s->occupied_points};
-  if (o->all) return YLM_OK;
+static ylm_status begin(occupancy *o, const ylm_grid *g) {
+  *o = (occupancy){.depth = g->view.form.depth};
   o->dense = o->depth < DENSE ? o->depth : DENSE;
   for (int level = 0; level <= o->dense; level++) {
     o->bits[level] = ylm_alloc_zero((((size_t)1 << 3 * level) + 7) / 8, 1);
     if (!o->bits[level]) return YLM_ENOMEM;
   }
+  return YLM_OK;
+}
+
+/* Levels 0 .. dense from codes. */
+static void mark_codes(occupancy *o, const uint64_t *code, size_t n) {
+  for (size_t i = 0; i < n; i++) set_bit(o->bits[o->dense], code[i] >> 3 * (o->depth - o->dense));
+}
+
+ylm_status occupancy_build(occupancy *o, const ylm_grid *g, const ylm_grid_source *s,
+                           uint64_t *outside) {
+  *o = (occupancy){.depth = g->view.form.depth, .all = !s->occupied_points};
+  if (o->all) return YLM_OK;
+  ylm_status status = begin(o, g);
   code_job j = {.g = g, .source = s, .o = o};
-  if (o->depth > o->dense) {
-    ylm_status status = collect_codes(&j, s->threads);
-    if (status != YLM_OK) return status;
-    for (size_t i = 0; i < o->codes; i++)
-      set_bit(o->bits[o->dense], o->code[i] >> 3 * (o->depth - o->dense));
-  } else {
+  if (status == YLM_OK && o->depth > o->dense) {
+    status = collect_codes(&j, s->threads);
+    mark_codes(o, o->code, o->codes);
+  } else if (status == YLM_OK)
     ylm_parallel(s->occupied, BLOCK, s->threads, find_codes, &j, NULL, NULL);
-  }
+  if (status != YLM_OK) return status;
   *outside += j.outside;
   mark_parents(o);
   return YLM_OK;
+}
+
+ylm_status occupancy_take(occupancy *o, const ylm_grid *g, uint64_t *code, size_t n) {
+  ylm_status status = begin(o, g);
+  if (status == YLM_OK) mark_codes(o, code, n);
+  if (status == YLM_OK) mark_parents(o);
+  if (status == YLM_OK && o->depth > o->dense) {
+    o->code = code;
+    o->codes = n;
+  } else
+    ylm_free(code);
+  return status;
 }
 
 /* The place of the first code from `first` on, looked for behind `begin`. */

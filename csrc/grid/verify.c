@@ -27,24 +27,41 @@ uint32_t refiner_leaf(const ylm_grid *g, const float x[3]) {
   return ylm_grid_locate(g, (double[3]){(double)x[0], (double)x[1], (double)x[2]}, false, NULL);
 }
 
+/* n shading points, all there are or random ones, or free places where there are none. */
+static ylm_status choose(refiner *r, ylm_rng *rng, bool all, size_t n) {
+  const ylm_grid_source *s = r->b->source;
+  bool here = s->occupied_points || !baker_has_shading(s);
+  size_t index[HELD_OUT];
+  for (size_t i = 0; i < n; i++) {
+    if (here && !all)
+      refiner_draw(r, rng, r->points + 3 * i);
+    else if (here)
+      shading_point(s, i, r->points + 3 * i);
+    else
+      index[i] = all ? i : (size_t)(ylm_rng_double(rng) * (double)s->occupied);
+  }
+  return here ? YLM_OK : s->keeper->shading(s->keeper->self, n, index, r->points, r->b->e);
+}
+
 /* Chooses points for this round: all, if there are not more. One that rounding to float moved out
    of occupied voxels is left out. */
-static void hold_out(refiner *r, uint64_t round) {
+static ylm_status hold_out(refiner *r, uint64_t round) {
   const ylm_grid_source *s = r->b->source;
   const ylm_grid *g = r->b->g;
-  bool all = s->occupied_points && s->occupied < HELD_OUT;
+  bool all = baker_has_shading(s) && s->occupied < HELD_OUT;
+  size_t n = all ? s->occupied : HELD_OUT;
   ylm_rng rng;
   ylm_rng_seed(&rng, s->seed, round);
   r->held = 0;
-  for (size_t i = 0, n = all ? s->occupied : HELD_OUT; i < n; i++) {
-    float *x = r->points + 3 * r->held;
-    if (all)
-      shading_point(s, i, x);
-    else
-      refiner_draw(r, &rng, x);
+  ylm_status status = choose(r, &rng, all, n);
+  for (size_t i = 0; status == YLM_OK && i < n; i++) {
+    const float *x = r->points + 3 * i;
     uint32_t leaf = refiner_leaf(g, x);
-    if (g->cell[leaf].flags & YLM_GRID_OCCUPIED) r->verdict[r->held++].leaf = leaf;
+    if (!(g->cell[leaf].flags & YLM_GRID_OCCUPIED)) continue;
+    memmove(r->points + 3 * r->held, x, 3 * sizeof *x);
+    r->verdict[r->held++].leaf = leaf;
   }
+  return status;
 }
 
 /* Fractions of its edges at which a cell has held-out point i. */
@@ -187,8 +204,8 @@ ylm_status refiner_verify(refiner *r, uint64_t round) {
   baker *b = r->b;
   double t = ylm_seconds();
   b->stage = "verifying";
-  hold_out(r, round);
-  ylm_status s = baker_fill_invalid(b);
+  ylm_status s = hold_out(r, round);
+  if (s == YLM_OK) s = baker_fill_invalid(b);
   if (s == YLM_OK) s = refiner_compare(r);
   b->g->stats.verify_seconds += ylm_seconds() - t;
   return s;

@@ -65,7 +65,11 @@ typedef struct ylm_grid_probe {
 ** (YLM_ENOMEM, YLM_ELIMIT) it takes the rows there are, `rows` with forget set, and goes on with
 ** the field alone; other failures are its own. A dynamic grid asks nobody.
 **
-**   begin      of a grid in the making, before all else
+**   begin      of a grid in the making, before all else but `codes`
+**   codes      Morton codes of the finest voxels of an octree that hold shading points, sorted,
+**              each once, as many as *n (ylm_alloc); adds to *outside. YLM_ENOMEM, YLM_ELIMIT: the
+**              bake finds them, if the source has the points
+**   shading    shading points of n indices, in float, [n][3]: asked where the source has none
 **   evaluate   points `first` .. first+n-1, at `lattice` [n][3]: lambda, norm [n]; inside [n] is 1
 **              in a light, else 0; adds to *pairs
 **   residuals  relative distances of interpolants from points' values, [n]
@@ -77,6 +81,9 @@ typedef struct ylm_grid_probe {
 typedef struct ylm_grid_keeper {
   void *self;
   ylm_status (*begin)(void *self, const ylm_grid *g, ylm_error *e);
+  ylm_status (*codes)(void *self, const ylm_grid *g, uint64_t **code, size_t *n, uint64_t *outside,
+                      const ylm_progress *progress, ylm_error *e);
+  ylm_status (*shading)(void *self, size_t n, const size_t *index, float *out, ylm_error *e);
   ylm_status (*evaluate)(void *self, size_t first, size_t n, const uint32_t *lattice, float *lambda,
                          float *norm, uint8_t *inside, uint64_t *pairs,
                          const ylm_progress *progress, ylm_error *e);
@@ -98,7 +105,7 @@ typedef struct ylm_grid_source {
   const ylm_grid_keeper *keeper; /* of the field's results; NULL: the grid itself */
   size_t occupied;               /* number of shading points */
   ylm_dtype occupied_dtype;
-  const void *occupied_points;  /* [occupied][3]; NULL: every voxel is occupied */
+  const void *occupied_points;  /* [occupied][3]; NULL: every voxel is occupied, or the keeper's */
   uint64_t seed;                /* of the choice of held-out points */
   size_t max_points;            /* YLM_ELIMIT beyond; 0: no limit but memory */
   int threads;                  /* 0: the default */

@@ -87,8 +87,8 @@ static int times(lua_State *L) {
 }
 
 /*
-** gpu_grid_bake(form table, lights on a device, occupied [n][3] | nil, seed, threads, max_points,
-** progress) -> grid, its copy on the device | nil
+** gpu_grid_bake(form table, lights on a device, occupied [n][3], the host's or a device's | nil,
+** seed, threads, max_points, progress) -> grid, its copy on the device | nil
 */
 static int grid_bake(lua_State *L) {
   lua_settop(L, 7);
@@ -96,12 +96,19 @@ static int grid_bake(lua_State *L) {
   ylm_grid_form form = ylmL_grid_form(L, 1);
   const device_lights *d = ylmL_check(L, 2, GPU_LIGHTS);
   if (!field_of((void *)(uintptr_t)d)) luaL_argerror(L, 2, "the lights have been closed");
+  ylmL_any_array occupied = ylmL_any(L, 3);
   ylmL_progress progress;
+  lua_pushvalue(L, 3); /* it stays on the stack */
+  if (occupied.there) {
+    lua_pushnil(L);
+    lua_replace(L, 3);
+  }
   ylm_grid_source source = ylmL_grid_source(L, &progress);
+  if (occupied.there) source.occupied = occupied.count / 3, source.occupied_dtype = occupied.dtype;
   ylm_grid **g = ylmL_grid_new(L);
   ylm_gpu_grid **copy = ylmL_gpu_grid_new(L);
   ylm_error e = {0};
-  ylm_status s = ylm_gpu_grid_bake(d->on, &form, &source, g, copy, &e);
+  ylm_status s = ylm_gpu_grid_bake(d->on, &form, &source, occupied.there, g, copy, &e);
   if (s == YLM_OK) ylmL_charge(L, ylm_grid_look(*g)->stats->bytes);
   if (s == YLM_OK && !*copy) lua_pop(L, 1);
   return ylmL_result_progress(L, *copy ? 2 : 1, s, &e, &progress);

@@ -9,9 +9,9 @@
 
 /* The host's bake; rows stay on the device. */
 static ylm_status bake_kept(ylm_gpu_lights *l, const ylm_grid_form *form,
-                            const ylm_grid_source *source, ylm_grid **out, ylm_gpu_grid **copy,
-                            ylm_error *e) {
-  gpu_points p = {.l = l};
+                            const ylm_grid_source *source, ylm_gpu_buffer *there, ylm_grid **out,
+                            ylm_gpu_grid **copy, ylm_error *e) {
+  gpu_points p = {.l = l, .source = source, .there = there};
   ylm_grid_keeper keeper = points_keeper(&p);
   ylm_grid_source own = *source;
   own.keeper = &keeper;
@@ -25,19 +25,55 @@ static ylm_status bake_kept(ylm_gpu_lights *l, const ylm_grid_form *form,
   return s;
 }
 
+/* Shading points in the device's memory are what the source says of them. */
+static ylm_status check_points(const ylm_gpu_lights *l, const ylm_grid_source *source,
+                               const ylm_gpu_buffer *there, ylm_error *e) {
+  size_t row = 3 * ylm_dtype_size(source->occupied_dtype);
+  if (!there) return YLM_OK;
+  if (ylm_gpu_buffer_device(there) != l->gpu)
+    return ylm_fail(e, YLM_EINVAL, "occupied is in the memory of another device");
+  if (!source->occupied || ylm_gpu_buffer_bytes(there) / row < source->occupied)
+    return ylm_fail(e, YLM_ESHAPE, "%s", ylm_status_text(YLM_ESHAPE));
+  return YLM_OK;
+}
+
+/* By kernels, as far as the device has them; `there` as in octree_bake. */
+static ylm_status bake(ylm_gpu_lights *l, const ylm_grid_form *form, const ylm_grid_source *source,
+                       ylm_gpu_buffer *there, ylm_grid **out, ylm_gpu_grid **copy, ylm_error *e) {
+  ylm_grid_source own = *source;
+  void *points = NULL;
+  bool kernels = ylm_gpu_about(l->gpu)->binds >= OCTREE_BINDS;
+  if (kernels && octree_takes(l->gpu, form, &own))
+    return octree_bake(l, form, &own, there, out, copy, e);
+  if (kernels && form->kind == YLM_GRID_ADAPTIVE)
+    return bake_kept(l, form, &own, there, out, copy, e);
+  ylm_status s = there ? occupied_fetch(&own, there, &points, e) : YLM_OK;
+  if (points) own.occupied_points = points;
+  if (s == YLM_OK && kernels)
+    s = bake_kept(l, form, &own, NULL, out, copy, e);
+  else if (s == YLM_OK)
+    s = ylm_grid_bake(form, &own, out, e);
+  ylm_free(points);
+  return s;
+}
+
 ylm_status ylm_gpu_grid_bake(ylm_gpu_lights *l, const ylm_grid_form *form,
-                             const ylm_grid_source *source, ylm_grid **out, ylm_gpu_grid **copy,
-                             ylm_error *e) {
+                             const ylm_grid_source *source, ylm_gpu_buffer *there, ylm_grid **out,
+                             ylm_gpu_grid **copy, ylm_error *e) {
   double start = ylm_seconds();
   ylm_grid_source own = *source;
   own.field = ylm_gpu_lights_field(l);
   *out = NULL;
   *copy = NULL;
-  if (ylm_gpu_about(l->gpu)->binds < OCTREE_BINDS) return ylm_grid_bake(form, &own, out, e);
-  ylm_status s = ylm__lights_idle(l, e);
+  if (there)
+    own.occupied_points = NULL;
+  else if (!own.occupied_points)
+    own.occupied = 0;
+  ylm_status s = check_points(l, &own, there, e);
+  if (s == YLM_OK) s = ylm__lights_idle(l, e);
   if (s != YLM_OK) return s;
   l->gpu->running++; /* from progress functions it cannot be closed */
-  s = (octree_takes(l->gpu, form, &own) ? octree_bake : bake_kept)(l, form, &own, out, copy, e);
+  s = bake(l, form, &own, there, out, copy, e);
   l->gpu->running--;
   if (s == YLM_OK) ylm_grid_stats_of(*out)->seconds = ylm_seconds() - start;
   return s;

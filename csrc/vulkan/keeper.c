@@ -1,15 +1,63 @@
 /* keeper.c - rows of a grid's points kept on a device while the host refines it: ylm_grid_keeper.
  */
+#include "occupied.h"
 #include "points.h"
 
 #define PART ((size_t)1 << 16) /* points whose keys are packed at a time */
 
 static ylm_status begin(void *self, const ylm_grid *g, ylm_error *e) {
   gpu_points *p = self;
+  const ylm_grid_source *source = p->source;
+  ylm_gpu_buffer *there = p->there;
   if (!points_fit(ylm_grid_look(g)->resolution))
     return ylm_fail(e, YLM_ELIMIT, "more than 131071 voxels along an axis");
-  return points_begin(p, p->l, g, e);
+  ylm_status s = points_begin(p, p->l, g, e);
+  p->source = source;
+  p->there = there;
+  return s;
 }
+
+/* -- shading points -------------------------------------------------------------------------- */
+
+static ylm_status find_codes(occupied_voxels *o, uint64_t **code, size_t *n, uint64_t *outside) {
+  uint32_t count[YLM_GPU_COUNTS];
+  ylm_status s = ylm_gpu_buffer_create(o->l->gpu, YLM_GPU_COUNTS * 4, &o->counts, o->e);
+  if (s != YLM_OK) return s;
+  steps_fill(o->q, o->counts, 0);
+  s = occupied_mark(o, count);
+  if (s == YLM_OK) s = occupied_codes(o, code, n);
+  if (s == YLM_OK) *outside += count[YLM_GPU_COUNT_OUTSIDE];
+  return s;
+}
+
+static ylm_status codes(void *self, const ylm_grid *g, uint64_t **code, size_t *n,
+                        uint64_t *outside, const ylm_progress *progress, ylm_error *e) {
+  gpu_points *p = self;
+  step_queue q = {
+      .g = p->l->gpu, .times = &p->l->times, .progress = progress, .stage = "occupancy", .e = e};
+  occupied_voxels o = {
+      .l = p->l, .grid = g, .source = p->source, .there = p->there, .q = &q, .e = e};
+  ylm_status s = ylm__lights_idle(p->l, e);
+  if (s != YLM_OK) return s;
+  p->l->busy = true;
+  s = find_codes(&o, code, n, outside);
+  p->l->busy = false;
+  occupied_free(&o);
+  ylm_gpu_buffer_free(o.counts);
+  steps_free(&q);
+  return s;
+}
+
+static ylm_status shading(void *self, size_t n, const size_t *index, float *out, ylm_error *e) {
+  gpu_points *p = self;
+  step_queue q = {.g = p->l->gpu, .times = &p->l->times, .stage = "points", .e = e};
+  occupied_voxels o = {.l = p->l, .source = p->source, .there = p->there, .q = &q, .e = e};
+  ylm_status s = occupied_points(&o, n, index, out);
+  steps_free(&q);
+  return s;
+}
+
+/* -- points of the grid ------------------------------------------------------------------------ */
 
 /* Keys of n points from `first` on. */
 static ylm_status upload_keys(gpu_points *p, size_t first, size_t n, const uint32_t *lattice) {
@@ -104,5 +152,6 @@ static ylm_status rows(void *self, size_t n, float *data, bool forget, ylm_error
 }
 
 ylm_grid_keeper points_keeper(gpu_points *p) {
-  return (ylm_grid_keeper){p, begin, evaluate, residuals, compare, values, take, put, rows};
+  return (ylm_grid_keeper){p,       begin,  codes, shading, evaluate, residuals,
+                           compare, values, take,  put,     rows};
 }

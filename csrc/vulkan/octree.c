@@ -29,11 +29,8 @@ void octree_stage(octree *t, const char *stage, int level) {
   t->told = -1;
 }
 
-ylm_status octree_counts(octree *t, uint32_t count[COUNTS]) {
-  ylm_status s = steps_run(&t->q);
-  if (s == YLM_OK) s = ylm_gpu_download(t->counts, 0, COUNTS * 4, count, t->e);
-  steps_fill(&t->q, t->counts, 0);
-  return s;
+ylm_status octree_counts(octree *t, uint32_t count[YLM_GPU_COUNTS]) {
+  return steps_counts(&t->q, t->counts, YLM_GPU_COUNTS, count);
 }
 
 /* -- beginning ----------------------------------------------------------------------------- */
@@ -80,16 +77,23 @@ static ylm_status begin(octree *t, const ylm_grid_form *form) {
   if (t->uniform) t->form.depth = 0; /* edges of voxels are those of the lattice */
   t->stats = ylm_grid_stats_of(t->grid);
   t->resolution = v->resolution[0];
-  t->all = !source->occupied_points;
+  t->all = !source->occupied;
   t->progress = (ylm_progress){forward, t};
   t->q = (step_queue){.g = t->g,
                       .times = &t->l->times,
                       .progress = source->progress ? &t->progress : NULL,
                       .e = t->e};
   s = points_begin(&t->p, t->l, t->grid, t->e);
-  if (s == YLM_OK) s = ylm_gpu_buffer_create(t->g, COUNTS * 4, &t->counts, t->e);
+  if (s == YLM_OK) s = ylm_gpu_buffer_create(t->g, YLM_GPU_COUNTS * 4, &t->counts, t->e);
   if (s == YLM_OK && !t->uniform) s = upload_exact(t);
   if (s == YLM_OK && !t->uniform) s = begin_root(t);
+  t->occupied = (occupied_voxels){.l = t->l,
+                                  .grid = t->grid,
+                                  .source = source,
+                                  .there = t->occupied.there,
+                                  .q = &t->q,
+                                  .counts = t->counts,
+                                  .e = t->e};
   octree_stage(t, "occupancy", 0);
   t->q.stage = "occupancy";
   steps_fill(&t->q, t->counts, 0);
@@ -106,16 +110,56 @@ bool octree_takes(const ylm_gpu *g, const ylm_grid_form *form, const ylm_grid_so
     n *= form->cells[a];
     if (n > 1u << 31) return false;
   }
-  uint64_t marked = source->occupied_points && source->occupied < n ? source->occupied : n;
+  uint64_t marked = source->occupied && source->occupied < n ? source->occupied : n;
   if (about->bind_bytes / 32 < most) most = about->bind_bytes / 32;
   return about->binds >= OCTREE_BINDS && marked < most && n / 8 < about->bind_bytes;
+}
+
+/* -- voxels --------------------------------------------------------------------------------- */
+
+static uint32_t lattice_voxels(const octree *t) {
+  const uint32_t *r = ylm_grid_look(t->grid)->resolution;
+  return r[0] * r[1] * r[2];
+}
+
+/* The voxels of a uniform grid, the only level there is: shaders/lattice_voxel.comp. */
+static ylm_status list_voxels(octree *t, uint32_t voxels) {
+  const uint32_t *r = ylm_grid_look(t->grid)->resolution;
+  const occupied_level *o = &t->occupied.level[0];
+  octree_level *v = &t->level[0];
+  v->voxels = voxels;
+  t->levels = 1;
+  ylm_status s = ylm_gpu_buffer_create(t->g, 16 * (uint64_t)voxels, &v->voxel, t->e);
+  if (s == YLM_OK) s = ylm_gpu_buffer_create(t->g, 4 * (uint64_t)voxels, &v->state, t->e);
+  if (s != YLM_OK) return s;
+  step_kernel k = {"lattice_voxel", 0, {0}, 0};
+  uint32_t push[] = {lattice_voxels(t), r[0], r[1], t->all};
+  ylm_gpu_buffer *bind[] = {o->bits, o->before, v->voxel};
+  steps_fill(&t->q, v->state, 0);
+  steps_dispatch(&t->q, &k, push[0], 4, push, 3, bind);
+  return steps_run(&t->q);
+}
+
+/* Which voxels hold shading points; of a uniform grid they are then listed. */
+static ylm_status occupy(octree *t) {
+  occupied_level *o = &t->occupied.level[0];
+  uint32_t count[YLM_GPU_COUNTS] = {[YLM_GPU_COUNT_VOXELS] = t->all ? lattice_voxels(t) : 0};
+  ylm_status s = YLM_OK;
+  if (!t->all)
+    s = occupied_mark(&t->occupied, count);
+  else { /* bound, not read */
+    s = ylm_gpu_buffer_create(t->g, 4, &o->bits, t->e);
+    if (s == YLM_OK) s = ylm_gpu_buffer_create(t->g, 4, &o->before, t->e);
+  }
+  t->stats->outside = count[YLM_GPU_COUNT_OUTSIDE];
+  return s == YLM_OK && t->uniform ? list_voxels(t, count[YLM_GPU_COUNT_VOXELS]) : s;
 }
 
 /* -- baking -------------------------------------------------------------------------------- */
 
 static ylm_status levels(octree *t) {
   double start = ylm_seconds();
-  ylm_status s = octree_occupy(t);
+  ylm_status s = occupy(t);
   t->stats->occupancy_seconds = ylm_seconds() - start;
   for (int level = 0; s == YLM_OK && level < t->levels; level++) {
     octree_stage(t, t->uniform ? "baking" : NULL, level);
@@ -129,25 +173,26 @@ static ylm_status levels(octree *t) {
 static void clean(octree *t) {
   for (int k = 0; k < OCTREE_LEVELS; k++) {
     octree_level *v = &t->level[k];
-    ylm_gpu_buffer *gone[] = {
-        t->occupied[k].bits, t->occupied[k].before, v->voxel, v->state, v->error, v->corner};
-    for (int i = 0; i < 6; i++) ylm_gpu_buffer_free(gone[i]);
+    ylm_gpu_buffer *gone[] = {v->voxel, v->state, v->error, v->corner};
+    for (int i = 0; i < 4; i++) ylm_gpu_buffer_free(gone[i]);
   }
   ylm_gpu_buffer *gone[] = {t->counts,    t->exact, t->asked,     t->sphere[0],
                             t->sphere[1], t->slot,  t->before[0], t->before[1]};
   for (int i = 0; i < 8; i++) ylm_gpu_buffer_free(gone[i]);
+  occupied_free(&t->occupied);
   points_end(&t->p);
   steps_free(&t->q);
   ylm_grid_free(t->grid);
 }
 
 ylm_status octree_bake(ylm_gpu_lights *l, const ylm_grid_form *form, const ylm_grid_source *source,
-                       ylm_grid **out, ylm_gpu_grid **copy, ylm_error *e) {
+                       ylm_gpu_buffer *there, ylm_grid **out, ylm_gpu_grid **copy, ylm_error *e) {
   octree *t = ylm_alloc_zero(1, sizeof *t);
   if (!t) return ylm_fail(e, YLM_ENOMEM, "%s", ylm_status_text(YLM_ENOMEM));
   t->g = l->gpu;
   t->l = l;
   t->source = source;
+  t->occupied.there = there;
   t->e = e;
   ylm_status s = begin(t, form);
   if (s == YLM_OK) {

@@ -3,7 +3,7 @@
 ** 5.1): what the files octree*.c share. Private.
 **
 **   octree.c            the loop over levels
-**   octree_occupancy.c  which nodes hold shading points, for all levels at once
+**   occupied.c          which nodes hold shading points, for all levels at once
 **   octree_points.c     the corners of a level's voxels, each once; their light field
 **   octree_split.c      surfaces of lights, the metric, what is split, the voxels that come next
 **   octree_result.c     back to the host, as cells and points of a ylm_grid
@@ -16,28 +16,10 @@
 #ifndef YLM_GPU_OCTREE_H
 #define YLM_GPU_OCTREE_H
 
+#include "occupied.h"
 #include "points.h"
 
-#define OCTREE_LEVELS (YLM_GRID_MAX_DEPTH + 1)
 #define OCTREE_BINDS 11 /* buffers of a kernel at most */
-
-/* Words of the buffer `counts`. */
-enum {
-  COUNT_OUTSIDE, /* shading points outside of the bounds */
-  COUNT_FRESH,   /* points that a level adds */
-  COUNT_ASKED,   /* voxels of the next level that a surface may cross */
-  COUNT_SPLITS,
-  COUNT_VOXELS, /* of the next level */
-  COUNT_PLACED, /* of those asked */
-  COUNTS
-};
-
-/* Nodes of a level that hold shading points: a bit for each child of each such node of the level
-   above, and how many bits there are in the words before. */
-typedef struct octree_occupied {
-  ylm_gpu_buffer *bits, *before;
-  uint32_t words;
-} octree_occupied;
 
 typedef struct octree_level {
   uint32_t voxels, splits;
@@ -61,7 +43,7 @@ typedef struct octree {
   step_queue q;
   ylm_gpu_buffer *counts;
   ylm_gpu_buffer *exact; /* double [3][resolution + 1]: where the lattice's planes are */
-  octree_occupied occupied[OCTREE_LEVELS]; /* of level k; 0 has none */
+  occupied_voxels occupied;
 
   octree_level level[OCTREE_LEVELS];
   int levels;
@@ -88,14 +70,12 @@ static inline uint32_t octree_edge(const octree *t, int level) {
   return 1u << (t->form.depth - level);
 }
 /* Reads the counts; zeroes them for what comes next. */
-ylm_status octree_counts(octree *t, uint32_t count[COUNTS]);
+ylm_status octree_counts(octree *t, uint32_t count[YLM_GPU_COUNTS]);
 /* What progress reports from here on: a stage, or a level (stage NULL). */
 void octree_stage(octree *t, const char *stage, int level);
 /* Reports `done`; YLM_ECANCELLED. */
 ylm_status octree_report(octree *t);
 
-/* Which voxels hold shading points; the voxels of a uniform grid. */
-ylm_status octree_occupy(octree *t);
 /* Corners of the voxels of a level; points that they add are evaluated. */
 ylm_status octree_corners(octree *t, int level);
 /* Decides about the voxels of a level; makes the next level, without voxels where nothing is split.
@@ -110,8 +90,9 @@ ylm_status octree_flush(octree *t);
 /* The grid from what is on the device, where points' rows stay. */
 ylm_status octree_result(octree *t);
 
-/* ylm_gpu_grid_bake of a grid with a threshold, on a device whose kernels have enough buffers. */
+/* ylm_gpu_grid_bake of a grid with a threshold, or uniform, on a device whose kernels have enough
+   buffers. there: shading points on the device, or NULL. */
 ylm_status octree_bake(ylm_gpu_lights *l, const ylm_grid_form *form, const ylm_grid_source *source,
-                       ylm_grid **out, ylm_gpu_grid **copy, ylm_error *e);
+                       ylm_gpu_buffer *there, ylm_grid **out, ylm_gpu_grid **copy, ylm_error *e);
 
 #endif

@@ -51,7 +51,7 @@ static uint64_t most_fresh(const octree *t, int level) {
 /* Corners as entries of the table; *fresh of them are new. */
 static ylm_status find_corners(octree *t, int level, uint32_t *fresh) {
   octree_level *v = &t->level[level];
-  uint32_t n = 8 * v->voxels, edge = octree_edge(t, level), count[COUNTS];
+  uint32_t n = 8 * v->voxels, edge = octree_edge(t, level), count[YLM_GPU_COUNTS];
   ylm_status s = reserve_table(t, most_fresh(t, level));
   if (s == YLM_OK && !t->p.key) s = reserve_points(t, 8);
   if (s == YLM_OK) s = ylm_gpu_buffer_create(t->g, 4 * (uint64_t)n, &v->corner, t->e);
@@ -62,9 +62,9 @@ static ylm_status find_corners(octree *t, int level, uint32_t *fresh) {
   ylm_gpu_buffer *bind[] = {t->slot, t->p.key, v->voxel, v->corner};
   steps_dispatch(&t->q, &insert, n, 3, push, 3, bind);
   steps_dispatch(&t->q, &find, n, 3, push, 4, bind);
-  steps_scan(&t->q, SCAN_OWN, 0, v->corner, n, t->before[0], t->counts, COUNT_FRESH);
+  steps_scan(&t->q, SCAN_OWN, 0, v->corner, n, t->before[0], t->counts, YLM_GPU_COUNT_FRESH);
   s = octree_counts(t, count);
-  *fresh = count[COUNT_FRESH];
+  *fresh = count[YLM_GPU_COUNT_FRESH];
   return s;
 }
 

@@ -128,7 +128,7 @@ static uint32_t bits_of(float x) {
 
 static void decide(octree *t, int level) {
   octree_level *v = &t->level[level];
-  const octree_occupied *o = &t->occupied[t->all || level == t->form.depth ? 0 : level + 1];
+  const occupied_level *o = &t->occupied.level[t->all || level == t->form.depth ? 0 : level + 1];
   const uint32_t *r = ylm_grid_look(t->grid)->resolution;
   double box = 0;
   for (int a = 0; a < 3; a++) {
@@ -154,11 +154,11 @@ ylm_status octree_errors(octree *t) {
 }
 
 /* The voxels of the next level, as many as `count` says. */
-static ylm_status descend(octree *t, int level, const uint32_t count[COUNTS]) {
+static ylm_status descend(octree *t, int level, const uint32_t count[YLM_GPU_COUNTS]) {
   octree_level *v = &t->level[level], *next = v + 1;
-  const octree_occupied *o = &t->occupied[t->all ? 0 : level + 1];
-  next->voxels = count[COUNT_VOXELS];
-  t->asks = count[COUNT_ASKED];
+  const occupied_level *o = &t->occupied.level[t->all ? 0 : level + 1];
+  next->voxels = count[YLM_GPU_COUNT_VOXELS];
+  t->asks = count[YLM_GPU_COUNT_ASKED];
   t->levels = level + 2;
   ylm_status s = ylm_gpu_buffer_create(t->g, 16 * (uint64_t)next->voxels, &next->voxel, t->e);
   if (s == YLM_OK) s = ylm_gpu_buffer_create(t->g, 4 * (uint64_t)next->voxels, &next->state, t->e);
@@ -174,7 +174,7 @@ static ylm_status descend(octree *t, int level, const uint32_t count[COUNTS]) {
 
 ylm_status octree_split(octree *t, int level) {
   octree_level *v = &t->level[level];
-  uint32_t count[COUNTS];
+  uint32_t count[YLM_GPU_COUNTS];
   ylm_status s = steps_run(&t->q); /* the room for prefix sums may be replaced */
   if (s == YLM_OK) s = ylm_gpu_buffer_create(t->g, 4 * (uint64_t)v->voxels, &v->error, t->e);
   for (int i = 0; s == YLM_OK && i < 2; i++)
@@ -183,10 +183,10 @@ ylm_status octree_split(octree *t, int level) {
   if (s != YLM_OK) return s;
   decide(t, level);
   steps_scan(&t->q, SCAN_BITS, YLM_GPU_SPLIT, v->state, v->voxels, t->before[0], t->counts,
-             COUNT_SPLITS);
+             YLM_GPU_COUNT_SPLITS);
   steps_scan(&t->q, SCAN_BITS, YLM_GPU_CHILDREN, v->state, v->voxels, t->before[1], t->counts,
-             COUNT_VOXELS);
+             YLM_GPU_COUNT_VOXELS);
   s = octree_counts(t, count);
-  v->splits = count[COUNT_SPLITS];
-  return s == YLM_OK && count[COUNT_VOXELS] ? descend(t, level, count) : s;
+  v->splits = count[YLM_GPU_COUNT_SPLITS];
+  return s == YLM_OK && count[YLM_GPU_COUNT_VOXELS] ? descend(t, level, count) : s;
 }

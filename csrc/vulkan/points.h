@@ -16,6 +16,10 @@ typedef struct gpu_points {
   ylm_gpu *g;
   ylm_gpu_lights *l;
   const ylm_grid *grid; /* in the making */
+  /* What it is baked from, and its shading points where they are in the device's memory: keeper.c
+   */
+  const ylm_grid_source *source;
+  ylm_gpu_buffer *there;
   ylm_error *e;
   step_queue q;
   uint32_t width, stride, resolution; /* resolution: the largest of the three */

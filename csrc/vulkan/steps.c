@@ -52,6 +52,12 @@ void steps_dispatch(step_queue *q, const step_kernel *k, uint64_t items, int wor
   for (int i = 0; i < binds; i++) w->bind[i].buffer = buffer[i];
 }
 
+void steps_part(step_queue *q, int bind, uint64_t offset, uint64_t bytes) {
+  if (q->status != YLM_OK) return;
+  q->work[q->n - 1].bind[bind].offset = offset;
+  q->work[q->n - 1].bind[bind].bytes = bytes;
+}
+
 void steps_work(step_queue *q, const ylm_gpu_work *from) {
   ylm_gpu_work *w = next_step(q);
   if (!w) return;
@@ -125,6 +131,13 @@ ylm_status steps_run(step_queue *q) {
     q->status = ylm_gpu_run(q->g, q->n, q->work, q->times, q->progress, q->e);
   q->n = 0;
   return q->status;
+}
+
+ylm_status steps_counts(step_queue *q, ylm_gpu_buffer *counts, int n, uint32_t *count) {
+  ylm_status s = steps_run(q);
+  if (s == YLM_OK) s = ylm_gpu_download(counts, 0, 4 * (uint64_t)n, count, q->e);
+  steps_fill(q, counts, 0);
+  return s;
 }
 
 ylm_status steps_reserve(ylm_gpu *g, ylm_gpu_buffer **b, uint64_t bytes, ylm_error *e) {

@@ -37,6 +37,8 @@ void steps_free(step_queue *q);
 /* A dispatch of `items` invocations, rounded up to groups. */
 void steps_dispatch(step_queue *q, const step_kernel *k, uint64_t items, int words,
                     const uint32_t *push, int binds, ylm_gpu_buffer *const *buffer);
+/* Of the last step's buffer `bind` only so many bytes from `offset` on. */
+void steps_part(step_queue *q, int bind, uint64_t offset, uint64_t bytes);
 /* A step as it is, of the stage at hand; its push constants are copied. */
 void steps_work(step_queue *q, const ylm_gpu_work *w);
 void steps_fill(step_queue *q, ylm_gpu_buffer *b, uint32_t value);
@@ -51,6 +53,9 @@ void steps_scan(step_queue *q, int kind, uint32_t mask, ylm_gpu_buffer *x, uint3
 
 /* Does what is queued and empties the queue. */
 ylm_status steps_run(step_queue *q);
+
+/* Does what is queued, reads n counts and queues that they become 0. */
+ylm_status steps_counts(step_queue *q, ylm_gpu_buffer *counts, int n, uint32_t *count);
 
 /* A buffer of at least so many bytes in *b: the one that is there if it is long enough. */
 ylm_status steps_reserve(ylm_gpu *g, ylm_gpu_buffer **b, uint64_t bytes, ylm_error *e);

@@ -299,6 +299,8 @@ typedef struct ylm_gpu_grid ylm_gpu_grid;
 **
 **   form    in   lmax as the lights can
 **   source  in   its field, lights and keeper are not read
+**   there   in   its shading points in the device's memory, source->occupied of its type, instead
+**                of source->occupied_points; NULL: none. They stay; held-out ones are copied
 **   g       out  as by ylm_grid_bake with the lights' field: cells and points in the same order,
 **                cells the same but where |error - threshold| < 1e-4 threshold; with a tolerance
 **                but where an estimate is as near to what it is compared with
@@ -316,8 +318,8 @@ typedef struct ylm_gpu_grid ylm_gpu_grid;
 ** Source    Iwasaki & Dobashi 2025, Sec. 5.1
 */
 YLM_API ylm_status ylm_gpu_grid_bake(ylm_gpu_lights *l, const ylm_grid_form *form,
-                                     const ylm_grid_source *source, ylm_grid **g,
-                                     ylm_gpu_grid **copy, ylm_error *e);
+                                     const ylm_grid_source *source, ylm_gpu_buffer *there,
+                                     ylm_grid **g, ylm_gpu_grid **copy, ylm_error *e);
 
 /* -- spherical harmonics ----------------------------------------------------- */
 

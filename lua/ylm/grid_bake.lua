@@ -29,9 +29,43 @@ local function bounds_of(points)
   return { lo, hi }
 end
 
+--- The shading points that a bake on `gpu`, or by the processor, is to serve: an array of the host's, or of a device's
+-- memory; nil: everywhere. Or nil, message, code.
+local function shading_points(x, gpu)
+  if x == nil then return nil end
+  local points = x
+  if core.type(x) == "ylm.prepared" then
+    local message, code
+    points, message, code = require "ylm.render_view".positions("bake", x, gpu)
+    if not points then return nil, message, code end
+  end
+  local n
+  if core.type(points) == "ylm.gpu_array" then
+    n = require "ylm.vulkan_grid".check_points(3, "bake", "occupied", points)
+    if not gpu then
+      return check.bad(3, "bake", "device: occupied is in a device's memory: name the device, or download it")
+    end
+  else
+    points = array.points(3, "bake", points)
+    n = #points
+  end
+  if n == 0 then return check.bad(3, "bake", "occupied: at least one point expected") end
+  return points
+end
+
+--- The bounds of a grid: its own, those given, else those of points that are the host's.
+local function bounds(description, given, points)
+  local there = core.type(points) == "ylm.gpu_array"
+  local box = description.bounds or given or (points and not there and bounds_of(points))
+  if box then return box end
+  if there then return check.bad(1, "bake", "no bounds: give them in the grid, points in a device's memory are not looked at") end
+  return check.bad(1, "bake", "no bounds: give them in the grid, or occupied points that span a box")
+end
+
 local bake_options = {
   { "occupied", "any", optional = true,
-    about = "shading points [n][3]: voxels without any are not subdivided; default: every voxel is occupied" },
+    about = "shading points [n][3]: voxels without any are not subdivided; default: every voxel is occupied. Those of a "
+      .. "prepared view; with device also a gpu_array, and a view's are copied there once" },
   { "bounds", "bounds", optional = true, about = "where the description has none" },
   { "seed", "integer", min = 0, max = 2 ^ 53, default = 1, about = "of the choice of held-out points" },
   { "max_points", "integer", min = 8, max = 2 ^ 32 - 2, default = 2 ^ 24, about = "nil, message, 'ELIMIT' beyond" },
@@ -90,14 +124,9 @@ function bake.bake(description, lights, given)
       .. "a second grid, or leave dynamic out", light.other(object))
   end
   local occupied
-  if o.occupied ~= nil then
-    occupied = array.points(3, "bake", o.occupied)
-    if #occupied == 0 then return check.bad(3, "bake", "occupied: at least one point expected") end
-  end
-  local box = description.bounds or o.bounds or (occupied and bounds_of(occupied))
-  if not box then
-    return check.bad(1, "bake", "no bounds: give them in the grid, or occupied points that span a box")
-  end
+  occupied, failed, why = shading_points(o.occupied, o.device or device_lights.device_of(object))
+  if not occupied and failed then return nil, failed, why end
+  local box = bounds(description, o.bounds, occupied)
   local cells = description.cells or { 1, 1, 1 }
   local progress = o.progress and require "ylm.progress".of(o.progress) or nil
   local on, made = object, nil

@@ -53,7 +53,11 @@ function methods.sample(g, points, given)
   open(g, "sample")
   local o = form.options(2, "sample", sample_options, given)
   local on_device, p, single = core.type(points) == "ylm.gpu_array", points, false
-  if on_device then require "ylm.vulkan_grid".check_points(points, o)
+  if on_device then
+    require "ylm.vulkan_grid".check_points(1, "sample", "points", points)
+    if not o.device then
+      return check.bad(2, "sample", "device: points are in a device's memory: name the device, or download them")
+    end
   else p, single = array.points(1, "sample", points) end
   local shape = { on_device and points.shape[1] or #p, g.channels, (g.lmax + 1) ^ 2 }
   local shapes = { shape, o.derivatives > 0 and { shape[1], shape[2], shape[3], 3 } or nil }

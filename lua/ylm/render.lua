@@ -39,10 +39,11 @@ local bake_options = options.list(options.view_fields "samples", {
   { "probes", "object", of = { "adaptive_grid", "uniform_grid" }, optional = true, about = "instead of the scene's" },
   { "occupied", "any", default = "camera",
     about = "the shading points: 'camera' (what its rays hit), 'vertices' (all of them), 'everywhere', "
-      .. "a prepared view, or an array [n][3]" },
+      .. "a prepared view, or an array [n][3], with device also a gpu_array" },
   { "shading", "choice", of = { "pixel", "vertex" }, default = "pixel",
     about = "with 'camera': what rays hit, or the vertices of the triangles they hit" },
   light.tolerance_option "light_tolerance",
+  { "device", "gpu", optional = true, about = "bakes there, as ylm.bake does; a prepared view's points are copied there once" },
 }, options.common)
 
 --- The shading points that a bake is to serve, as an array; nil: everywhere. Else false, message, code.
@@ -50,8 +51,11 @@ local function occupied_points(s, t, o)
   local x = o.occupied
   if x == "everywhere" then return nil end
   if x == "vertices" then return t.lib.shade_vertices(t.handle) end
-  if core.type(x) == "ylm.prepared" then return t.lib.shade_positions(views.open("bake", x).view) end
-  if core.type(x) == "ylm.array" then return x end
+  if core.type(x) == "ylm.prepared" then
+    local points, message, code = views.positions("bake", x, o.device)
+    return points or false, message, code
+  end
+  if core.type(x) == "ylm.array" or core.type(x) == "ylm.gpu_array" then return x end
   if x ~= "camera" then
     return check.fail("bake: occupied must be 'camera', 'vertices', 'everywhere', a prepared view or an array, got %s",
       check.describe(x))
@@ -88,14 +92,14 @@ function render.bake(s, given)
   local points
   points, message, code = occupied_points(s, t, o)
   if points == false then return nil, message, code end
-  if points and #points == 0 then
+  if points and core.type(points) ~= "ylm.gpu_array" and #points == 0 then
     local seen = o.occupied == "camera" or core.type(o.occupied) == "ylm.prepared"
     return check.fail("bake: no shading points: %s",
       seen and "the camera sees no geometry (occupied = 'everywhere' needs none)"
         or "occupied is empty")
   end
   return require("ylm.grid").bake(probes, t.lights, { occupied = points, bounds = tracing.bounds_of(t), threads = o.threads,
-    progress = o.progress, light_tolerance = o.light_tolerance })
+    progress = o.progress, light_tolerance = o.light_tolerance, device = o.device })
 end
 
 local render_options = options.list(options.view_fields "samples", options.transfer_fields, options.grid_fields,

@@ -68,16 +68,14 @@ function vulkan_grid.forget(grid)
   copies[grid] = nil
 end
 
---- Points on a device for grid:sample, with the options o: they are open, [n][3] and there.
-function vulkan_grid.check_points(points, o)
+--- Points on a device for argument `n` of `name`, which calls them `what`: they are open and [n][3]. Returns how many.
+function vulkan_grid.check_points(n, name, what, points)
   local shape, _, _, is_open = binding().gpu_array_info(points)
-  if not is_open then return check.bad(1, "sample", "points: the array has been closed") end
+  if not is_open then return check.bad(n, name, "%s: the array has been closed", what) end
   if #shape ~= 2 or shape[2] ~= 3 then
-    return check.bad(1, "sample", "points must be [n][3] on a device, got %s", tostring(points))
+    return check.bad(n, name, "%s must be [n][3] on a device, got %s", what, tostring(points))
   end
-  if not o.device then
-    return check.bad(2, "sample", "device: points are in a device's memory: name the device, or download them")
-  end
+  return shape[1]
 end
 
 --- The entries of `out` that are on a device are open float arrays of these shapes; they and others as two values.

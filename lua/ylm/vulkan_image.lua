@@ -12,6 +12,31 @@ local function binding() return assert(require "ylm.vulkan".__binding()) end
 --- View -> gpu -> what of it is on that device: position, transfer, albedo, and picture, radiance where it filters.
 local copies = setmetatable({}, { __mode = "k" })
 
+--- View -> gpu -> positions on that device: bakes ask for these alone.
+local positions = setmetatable({}, { __mode = "k" })
+
+--- What `by_view` has of a view by device.
+local function by_device(by_view, view)
+  if not by_view[view] then by_view[view] = setmetatable({}, { __mode = "k" }) end
+  return by_view[view]
+end
+
+--- The points of the view p on a device, copied once; where there is no room for them the host's array. Or nil, message, code.
+function vulkan_image.positions(name, gpu, p)
+  local c, message, code = require "ylm.vulkan".__use(3, name, gpu)
+  if not c then return nil, message, code end
+  local by_gpu = by_device(positions, p.view)
+  if by_gpu[gpu] then return by_gpu[gpu] end
+  local here, there
+  here, message, code = check.result(name, p.lib.shade_positions(p.view))
+  if not here then return nil, message, code end
+  there, message, code = c.gpu_upload(gpu, here)
+  if not there and (code == "ENOMEM" or code == "ELIMIT") then return here end
+  if not there then return check.result(name, nil, message, code) end
+  by_gpu[gpu] = there
+  return there
+end
+
 --- Copies arrays by name; where memory runs out what was made is given back: nil, message, code.
 local function upload(gpu, arrays)
   local there = {}
@@ -54,17 +79,20 @@ end
 --- What of a view is on a device. Where there is no room for its points they stay the host's, and are copied in each call;
 -- where there is none for its pixels, the host filters, and message and code say why.
 local function view_on(name, gpu, p)
-  local by_gpu = copies[p.view]
-  if not by_gpu then
-    by_gpu = setmetatable({}, { __mode = "k" })
-    copies[p.view] = by_gpu
-  end
+  local by_gpu = by_device(copies, p.view)
   if by_gpu[gpu] then return by_gpu[gpu] end
   local arrays, message, code = check.result(name, points_of(p))
   if not arrays then return nil, message, code end
-  local there, pixels
-  there, message, code = upload(gpu, arrays)
-  if there then pixels, message, code = pixels_on(gpu, p) end
+  local position, there, pixels
+  position, message, code = vulkan_image.positions(name, gpu, p)
+  if not position then return nil, message, code end
+  if core.type(position) == "ylm.gpu_array" then
+    there, message, code = upload(gpu, { transfer = arrays.transfer, albedo = arrays.albedo })
+  end
+  if there then
+    there.position = position
+    pixels, message, code = pixels_on(gpu, p)
+  end
   if code == "EDEVICE" or code == "ECLOSED" then return check.result(name, nil, message, code) end
   there = there or arrays
   if pixels then there.picture, there.radiance = pixels.picture, pixels.radiance

@@ -41,6 +41,9 @@ end
 --- Lights on a device -> the device.
 local gpu_of = setmetatable({}, { __mode = "k" })
 
+--- The device of lights that are on one; nil for other objects.
+function vulkan_light.device_of(object) return gpu_of[object] end
+
 --- Parts -> the object on the device; argument `n` of `name` is the device.
 local function create(n, name, gpu, parts, method)
   local c, message, code = require "ylm.vulkan".__use(n, name, gpu)

@@ -86,7 +86,7 @@ local function bench(gpu)
   for _, grid in ipairs(GRIDS) do
     local name, form = grid[1], grid[2]
     for i, view in ipairs(views) do
-      local occupied, best = name == "adaptive" and view:points().position or nil, nil
+      local occupied, best = name == "adaptive" and view or nil, nil
       if grid == GRIDS[1] or i == 1 then frame(gpu, form, view, occupied) end -- compiles, and copies what stays
       for _ = 1, (quick or software) and 1 or 20 do
         local f = frame(gpu, form, view, occupied)

@@ -14,6 +14,14 @@ enum {
   YLM_GPU_CROSSED = 0x100, /* by a light's surface */
   YLM_GPU_SPLIT = 0x200, /* it has children */
   YLM_GPU_ASKED = 0x400, /* its parent is crossed */
+  YLM_GPU_COUNT_OUTSIDE = 0x0, /* of an octree's counts: shading points outside of the bounds */
+  YLM_GPU_COUNT_FRESH = 0x1, /* points that a level adds */
+  YLM_GPU_COUNT_ASKED = 0x2, /* voxels of the next level that a surface may cross */
+  YLM_GPU_COUNT_SPLITS = 0x3, /* cells that are split */
+  YLM_GPU_COUNT_VOXELS = 0x4, /* voxels of the next level, or of a lattice */
+  YLM_GPU_COUNT_PLACED = 0x5, /* of those asked */
+  YLM_GPU_COUNT_BAD = 0x6, /* the complement of the first shading point that is not finite; 0: none */
+  YLM_GPU_COUNTS = 0x7, /* how many there are */
   YLM_GPU_LEVEL = 0xff, /* of a grid's cell's info: its level */
   YLM_GPU_HAS_DATA = 0x100, /* its corners do */
   YLM_GPU_ELSEWHERE = 0x200, /* the host samples it */
