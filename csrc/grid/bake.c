@@ -114,7 +114,7 @@ ylm_status ylm__grid_check_source(const ylm_grid_source *s, bool dynamic, ylm_er
   if (!s->field || !s->field->evaluate) return ylm_fail(e, YLM_EINVAL, "no light field");
   if (dynamic && !s->lights)
     return ylm_fail(e, YLM_EINVAL,
-                    "dynamic: a grid that is to be updated is baked from sphere lights");
+                    "dynamic: a grid that is to be updated is baked from sphere or flat lights");
   if (!s->occupied_points) return YLM_OK;
   if (s->occupied == 0) return ylm_fail(e, YLM_EINVAL, "occupied: no points");
   if (!ylm_all_finite(s->occupied_dtype, s->occupied_points, 3 * s->occupied, &bad))

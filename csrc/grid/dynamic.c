@@ -1,67 +1,45 @@
 /* dynamic.c - the state that updates need: made by the bake, kept per point. */
 #include "dynamic.h"
 
-#include <math.h>
 #include <string.h>
 
-/* -- bounds of a light's field ----------------------------------------------------------- */
+/* -- lamps ----------------------------------------------------------------------------------- */
 
-static double squares(const double *x, size_t n) {
-  double s = 0;
-  for (size_t i = 0; i < n; i++) s += x[i] * x[i];
+/* The lights of a bake. */
+static ylm_status take_lamps(grid_dynamic *d, const ylm_light_parts *lights) {
+  lamp_set set;
+  ylm_status s = ylm__lamps(lights, &set);
+  if (s != YLM_OK) return s;
+  for (size_t i = 0; i < set.n && s == YLM_OK; i++) s = ylm__lamp_keep(&d->shapes, &set.lamp[i]);
+  ylm_free(set.shapes);
+  d->lamp = set.lamp;
+  d->lamps = set.n;
+  d->mover_of = ylm_alloc(d->lamps, sizeof *d->mover_of);
+  if (!d->mover_of) return YLM_ENOMEM;
+  for (size_t i = 0; i < d->lamps; i++) d->mover_of[i] = -1;
   return s;
 }
 
-/* The square of the norm of Hessians xx xy xz yy yz zz, or of a difference of two sets. */
-static double hessian_squares(const double *a, const double *b, size_t n) {
-  double s = 0;
-  for (size_t i = 0; i < 6 * n; i++) {
-    double x = a[i] - (b ? b[i] : 0);
-    s += (i % 6 == 1 || i % 6 == 2 || i % 6 == 4 ? 2 : 1) * x * x;
+ylm_status ylm__dynamic_meet(ylm_grid *g, size_t n, const lamp *lamps, ylm_error *e) {
+  ylm_status s = YLM_OK;
+  for (size_t i = 0; i < n && s == YLM_OK; i++) {
+    double *bound = g->dynamic->bound[lamp_kind_of(&lamps[i])];
+    if (bound[0] == 0) s = ylm__lamp_bounds(g->view.form.lmax, lamp_kind_of(&lamps[i]), bound, e);
   }
   return s;
 }
 
-/*
-** Measures the norms of value and derivatives of a light of radius 1 at distances from NEAR on and
-** scales them: s = r/d alone decides, and smoothly. Norms over all orders do not depend on the
-** direction.
-*/
-static ylm_status measure_bounds(int lmax, double bound[4], ylm_error *e) {
-  enum { DISTANCES = 7, POINTS = 7 };
-  static const double far[DISTANCES] = {NEAR, 3.5, 4.5, 6.5, 12, 40, 400};
-  static const double way[3] = {0.36, 0.48, 0.8}, at[3] = {0}, radius = 1, radiance[3] = {1, 1, 1};
-  size_t count = (size_t)(lmax + 1) * (size_t)(lmax + 1);
-  ylm_lights *one = NULL;
-  double *v = ylm_alloc(POINTS * count, sizeof *v), *g = ylm_alloc(POINTS * count, 3 * sizeof *g),
-         *h = ylm_alloc(POINTS * count, 6 * sizeof *h), x[POINTS][3];
-  ylm_status s = v && g && h ? ylm_lights_create(1, at, &radius, radiance, &one, e) : YLM_ENOMEM;
-  for (int k = 0; k < 4; k++) bound[k] = 0;
-  for (int i = 0; s == YLM_OK && i < DISTANCES; i++) {
-    double d = far[i], step = 1e-4 * d, third = 0;
-    for (int p = 0; p < POINTS; p++)
-      for (int a = 0; a < 3; a++)
-        x[p][a] = d * way[a] + (p > 0 && (p - 1) / 2 == a ? (p & 1 ? step : -step) : 0);
-    ylm_field_query q = {.lmax = lmax,
-                         .channels = 1,
-                         .metric_channels = 1,
-                         .dtype = YLM_DOUBLE,
-                         .threads = 1,
-                         .want = YLM_WANT_VALUE | YLM_WANT_GRADIENT | YLM_WANT_HESSIAN};
-    ylm_field_result r = {.value = v, .gradient = g, .hessian = h};
-    const ylm_field *f = ylm_lights_field(one);
-    s = f->evaluate(f, &q, POINTS, x, &r, e);
-    for (size_t a = 0; a < 3; a++)
-      third += hessian_squares(h + (1 + 2 * a) * 6 * count, h + (2 + 2 * a) * 6 * count, count);
-    double norm[4] = {squares(v, count), squares(g, 3 * count), hessian_squares(h, NULL, count),
-                      third / (4 * step * step)};
-    for (int k = 0; k < 4; k++) bound[k] = fmax(bound[k], 1.1 * sqrt(norm[k]) * pow(d, k + 2));
-  }
-  ylm_lights_free(one);
-  ylm_free(v);
-  ylm_free(g);
-  ylm_free(h);
-  return s;
+static void mark(const lamp *l) {
+  if (l->shape) ((lamp_shape *)(uintptr_t)l->shape)->marked = true;
+}
+
+void ylm__dynamic_sweep(grid_dynamic *d) {
+  if (!d->shapes.n) return;
+  for (size_t i = 0; i < d->lamps; i++) mark(&d->lamp[i]);
+  for (size_t m = 0; m < d->movers; m++)
+    for (int k = 0; k < STATES; k++)
+      if (d->mover[m].taken[k]) mark(&d->mover[m].state[k]);
+  ylm__shapes_sweep(&d->shapes);
 }
 
 /* -- making ------------------------------------------------------------------------------- */
@@ -70,9 +48,8 @@ ylm_status ylm__dynamic_begin(ylm_grid *g, const ylm_grid_source *source, ylm_er
   grid_dynamic *d = g->dynamic = ylm_alloc_zero(1, sizeof *d);
   if (!d) return YLM_ENOMEM;
   size_t bytes = source->occupied * 3 * ylm_dtype_size(source->occupied_dtype);
-  d->lamps = ylm_lights_count(source->lights);
-  d->lamp = ylm__lamps(source->lights);
-  d->mover_of = ylm_alloc(d->lamps, sizeof *d->mover_of);
+  ylm_status s = take_lamps(d, source->lights);
+  if (s != YLM_OK) return s;
   d->source = *source;
   d->source.field = NULL;
   d->source.lights = NULL;
@@ -82,10 +59,8 @@ ylm_status ylm__dynamic_begin(ylm_grid *g, const ylm_grid_source *source, ylm_er
     if (!d->occupied_points) return YLM_ENOMEM;
   }
   d->source.occupied_points = d->occupied_points;
-  if (!d->lamp || !d->mover_of) return YLM_ENOMEM;
-  for (size_t i = 0; i < d->lamps; i++) d->mover_of[i] = -1;
   d->bends = 6 * (size_t)g->view.count * (size_t)g->view.form.metric_channels;
-  return measure_bounds(g->view.form.lmax, d->bound, e);
+  return ylm__dynamic_meet(g, d->lamps, d->lamp, e);
 }
 
 ylm_status ylm__dynamic_end(ylm_grid *g, occupancy *occupied) {
@@ -100,6 +75,8 @@ void ylm__dynamic_free(grid_dynamic *d) {
   if (!d) return;
   for (size_t m = 0; m < d->movers; m++) ylm_free(d->mover[m].seen);
   ylm_free(d->mover);
+  ylm__shapes_sweep(&d->shapes); /* all of them: none is marked */
+  ylm_free(d->shapes.shape);
   ylm_free(d->lamp);
   ylm_free(d->mover_of);
   ylm_free(d->hessian);
@@ -118,7 +95,7 @@ void ylm__dynamic_free(grid_dynamic *d) {
 
 size_t ylm__dynamic_bytes(const grid_dynamic *d) {
   if (!d) return 0;
-  return sizeof *d + d->lamps * (sizeof *d->lamp + sizeof *d->mover_of) +
+  return sizeof *d + d->shapes.bytes + d->lamps * (sizeof *d->lamp + sizeof *d->mover_of) +
          d->movers * (sizeof *d->mover + d->room) +
          d->room * ((d->bends + 2) * sizeof(float) + sizeof *d->sign) +
          (d->born_room + d->cell_room) * sizeof *d->sign +

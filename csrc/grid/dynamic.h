@@ -10,24 +10,21 @@
 #define YLM_GRID_DYNAMIC_H
 
 #include "baker.h"
+#include "lamp.h"
 
 #define STATES 64         /* of a mover: as many as are remembered */
 #define EVICT_ALL STATES  /* every state but the present one */
 #define MANY_MOVERS 64    /* beyond, the one that has rested longest is brought up to date */
 #define MOST_CHANGES 256  /* of one update; beyond, all is baked anew */
-#define NEAR 3.0          /* radii: nearer to a light that changed, all lights are summed */
 #define ROUNDING 5e-7     /* of an update of a point, relative: sums, and the change itself */
 #define FORCED_UPDATES 32 /* a voxel that failed verification stays split for so many updates */
 #define MOST_FORCED 4096  /* of these are remembered */
-
-typedef struct lamp {
-  double at[3], radius, radiance[3];
-} lamp;
 
 /* A light that has changed since some point was evaluated. */
 typedef struct mover {
   lamp state[STATES];
   bool taken[STATES];
+  bool slides[STATES]; /* the state differs from the present one as ylm__lamp_slides says */
   int current;
   int evict;      /* the state that no point may keep in the next update; -1: none */
   uint64_t moved; /* the update of its last change */
@@ -43,6 +40,7 @@ typedef struct grid_dynamic {
   lamp *lamp; /* as of the last update */
   int32_t *mover_of;
   size_t lamps;
+  shape_list shapes; /* of these lamps, and of the movers' states */
   mover *mover;
   size_t movers;
 
@@ -67,11 +65,10 @@ typedef struct grid_dynamic {
 
   /* What refinement by a tolerance has learnt: tolerance.c */
   ratios ratio;
-  double tight;
-  lattice_hash forced; /* voxels that failed: update by cell_key */
+  double tight, loosest; /* now; by the bake */
+  lattice_hash forced;   /* voxels that failed: update by cell_key */
 
-  /* |L|, |dL|, |ddL|, |dddL| of a light of radiance 1 are below bound[k] r^2 / d^(k+2). */
-  double bound[4];
+  double bound[LAMP_KINDS][4]; /* ylm__lamp_bounds; 0: none of that kind has been met */
 } grid_dynamic;
 
 /* The key of a cell: coordinates use 17 of 21 bits. */
@@ -84,6 +81,10 @@ ylm_status ylm__dynamic_begin(ylm_grid *g, const ylm_grid_source *source, ylm_er
 ylm_status ylm__dynamic_end(ylm_grid *g, occupancy *occupied);
 void ylm__dynamic_free(grid_dynamic *d);
 size_t ylm__dynamic_bytes(const grid_dynamic *d);
+/* Measures the bounds of kinds of lamps that are met for the first time. */
+ylm_status ylm__dynamic_meet(ylm_grid *g, size_t n, const lamp *lamps, ylm_error *e);
+/* Forgets shapes that neither lamps nor movers have. */
+void ylm__dynamic_sweep(grid_dynamic *d);
 /* Room for all points of the grid. dynamic_point.c */
 ylm_status ylm__dynamic_reserve(ylm_grid *g);
 /* True if Hessians are kept. */
@@ -118,8 +119,6 @@ typedef struct lamp_change {
   int64_t before, after;
 } lamp_change;
 
-/* The lights as an array that the caller frees; NULL without memory. */
-lamp *ylm__lamps(const ylm_lights *lights);
 /*
 ** Finds what differs between d->lamp and n lamps. origin[j] (room for n) becomes the earlier index
 ** of lamp j, -1 if it is new or changed; *changes is freed by the caller.
@@ -137,8 +136,8 @@ enum { STALE_NOT, STALE_SKIPPED, STALE_SHIFT, STALE_EXACT };
 ** gradients with 0.43 edges.
 */
 ylm_status ylm__grid_find_stale(ylm_grid *g, double tolerance, int threads, uint8_t *what);
-/* True if rounding has added up, beside what light there is, so that all lights are to be summed.
- */
-bool ylm__grid_is_worn(const ylm_grid *g, size_t p, double tolerance);
+/* True if the bound on rounding is more than so many sixteenths of the tolerance, beside what light
+   there is: then all lights are to be summed. */
+bool ylm__grid_is_worn(const ylm_grid *g, size_t p, double tolerance, double sixteenths);
 
 #endif

@@ -2,22 +2,8 @@
 #include "dynamic.h"
 
 #include <stdlib.h>
-#include <string.h>
 
-lamp *ylm__lamps(const ylm_lights *lights) {
-  const double *at, *radius, *radiance;
-  size_t n = ylm_lights_count(lights);
-  ylm_lights_arrays(lights, &at, &radius, &radiance);
-  lamp *out = ylm_alloc(n, sizeof *out);
-  for (size_t i = 0; out && i < n; i++) {
-    memcpy(out[i].at, at + 3 * i, sizeof out[i].at);
-    out[i].radius = radius[i];
-    memcpy(out[i].radiance, radiance + 3 * i, sizeof out[i].radiance);
-  }
-  return out;
-}
-
-static bool same(const lamp *a, const lamp *b) { return memcmp(a, b, sizeof *a) == 0; }
+static bool same(const lamp *a, const lamp *b) { return ylm__lamp_compare(a, b) == 0; }
 
 /* A lamp that has no equal at its own place. */
 typedef struct odd {
@@ -27,7 +13,7 @@ typedef struct odd {
 
 static int by_content(const void *a, const void *b) {
   const odd *x = a, *y = b;
-  int c = memcmp(x->lamp, y->lamp, sizeof *x->lamp);
+  int c = ylm__lamp_compare(x->lamp, y->lamp);
   return c ? c : x->index < y->index ? -1 : x->index > y->index;
 }
 
@@ -42,7 +28,7 @@ static void pair_equals(odd *a, size_t *na, odd *b, size_t *nb, int64_t *origin)
   qsort(a, *na, sizeof *a, by_content);
   qsort(b, *nb, sizeof *b, by_content);
   while (i < *na && j < *nb) {
-    int c = memcmp(a[i].lamp, b[j].lamp, sizeof(lamp));
+    int c = ylm__lamp_compare(a[i].lamp, b[j].lamp);
     if (c == 0)
       origin[b[j++].index] = a[i++].index;
     else if (c < 0)

@@ -17,12 +17,14 @@ static void enter_state(update *u, mover *m, const lamp *now) {
   count_states(m, u->g->evaluated, n);
   for (int k = 0; k < STATES; k++) {
     m->taken[k] = k == m->current || n[k] > 0;
-    if (m->taken[k] && memcmp(&m->state[k], now, sizeof *now) == 0) found = k;
+    if (m->taken[k] && ylm__lamp_compare(&m->state[k], now) == 0) found = k;
     if (!m->taken[k] && empty < 0) empty = k;
   }
   m->current = found >= 0 ? found : empty;
   m->state[m->current] = *now;
   m->taken[m->current] = true;
+  for (int k = 0; k < STATES; k++)
+    m->slides[k] = m->taken[k] && ylm__lamp_slides(&m->state[k], now);
   m->moved = u->stats.updates;
   m->evict = -1;
   for (int k = 0; k < STATES; k++) {
@@ -56,24 +58,16 @@ static lamp dark(const lamp *l) {
   return out;
 }
 
-/* The box around a lamp. */
-static void enclose(const lamp *l, double box[6]) {
-  for (int a = 0; a < 3; a++) {
-    box[a] = l->at[a] - l->radius;
-    box[a + 3] = l->at[a] + l->radius;
-  }
-}
-
 /* The light set becomes the new one; whoever changed is a mover from now on. The arrays are changed
    only where nothing can fail any more, `of` is the new mover_of. */
 ylm_status update_enter_changes(update *u, int32_t *of) {
   grid_dynamic *d = u->d;
   u->boxes = ylm_alloc(2 * u->changes, 6 * sizeof *u->boxes);
   if (!u->boxes) return YLM_ENOMEM;
-  for (size_t j = 0; j < u->lamps; j++) of[j] = u->origin[j] < 0 ? -1 : d->mover_of[u->origin[j]];
+  for (size_t j = 0; j < u->now.n; j++) of[j] = u->origin[j] < 0 ? -1 : d->mover_of[u->origin[j]];
   for (size_t i = 0; i < u->changes; i++) {
     const lamp_change *c = &u->change[i];
-    const lamp *after = c->after < 0 ? NULL : &u->now[c->after];
+    const lamp *after = c->after < 0 ? NULL : &u->now.lamp[c->after];
     const lamp was = c->before < 0 ? dark(after) : d->lamp[c->before];
     int32_t m = c->before < 0 ? -1 : d->mover_of[c->before];
     if (m < 0) {
@@ -83,8 +77,8 @@ ylm_status update_enter_changes(update *u, int32_t *of) {
     }
     lamp now = after ? *after : dark(&was);
     enter_state(u, &d->mover[m], &now);
-    enclose(&was, u->boxes + 12 * i);
-    enclose(&now, u->boxes + 12 * i + 6);
+    ylm__lamp_box(&was, u->boxes + 12 * i);
+    ylm__lamp_box(&now, u->boxes + 12 * i + 6);
     if (after) of[c->after] = m;
   }
   if (d->movers > MANY_MOVERS) {

@@ -48,20 +48,14 @@ typedef struct shift_job {
   ylm_light_bend_fn *bend;
 } shift_job;
 
-/* Adds lights of radiance `strength` times `colour`, one or two, at the n points `list`. */
+/* Adds lights that are alike, one or two, of radiance `strength` times `colour`, at the n points
+   `list`. */
 static ylm_status add_lights(const shift_job *j, shift_work *w, size_t lamps,
                              const lamp *const *lamp_of, const double *strength,
                              const double colour[3], size_t n, const uint32_t *list) {
   ylm_grid *g = j->u->g;
-  double at[6], radius[2], radiance[6];
-  ylm_lights *lights;
-  for (size_t k = 0; k < lamps; k++) {
-    memcpy(at + 3 * k, lamp_of[k]->at, sizeof lamp_of[k]->at);
-    radius[k] = lamp_of[k]->radius;
-    for (size_t c = 0; c < 3; c++) radiance[3 * k + c] = strength[k];
-  }
-  ylm_status s = ylm_lights_create(lamps, at, radius, radiance, &lights, NULL);
-  if (s != YLM_OK) return s;
+  lamp_field f;
+  ylm_status s = ylm__lamp_field(lamps, lamp_of, strength, &f);
   for (size_t i = 0; i < n; i++) ylm__grid_asked(g, list[i], w->position + 3 * i);
   ylm_field_query q = {.lmax = g->view.form.lmax,
                        .channels = 1,
@@ -71,12 +65,11 @@ static ylm_status add_lights(const shift_job *j, shift_work *w, size_t lamps,
                        .want = YLM_WANT_VALUE | YLM_WANT_GRADIENT |
                                (w->hessian ? YLM_WANT_HESSIAN : 0)};
   ylm_field_result r = {.value = w->value, .gradient = w->gradient, .hessian = w->hessian};
-  const ylm_field *field = ylm_lights_field(lights);
   double t = ylm_seconds();
-  s = field->evaluate(field, &q, n, w->position, &r, NULL);
+  if (s == YLM_OK) s = f.field->evaluate(f.field, &q, n, w->position, &r, NULL);
   w->seconds += ylm_seconds() - t;
   w->pairs += r.pairs;
-  ylm_lights_free(lights);
+  ylm__lamp_field_free(&f);
   size_t count = (size_t)g->view.count;
   for (size_t i = 0; s == YLM_OK && i < n; i++)
     ylm__dynamic_add(g, list[i],
@@ -106,13 +99,15 @@ static ylm_status exchange(const shift_job *j, shift_work *w, const lamp *a, con
                         colour_of(b->radiance, a->radiance, colour[1])};
   for (int c = 0; c < 3; c++) along += colour[0][c] * colour[1][c];
   for (int c = 0; c < 3; c++) off = fmax(off, fabs(colour[0][c] - along * colour[1][c]));
-  if (off < 1e-9) { /* one colour, or two opposite ones */
+  if (off < 1e-9 && ylm__lamps_alike(a, b)) { /* one colour, or two opposite ones */
     strength[0] *= along;
     return add_lights(j, w, 2, (const lamp *const[]){a, b}, strength, colour[1], n, list);
   }
-  ylm_status s = add_lights(j, w, 1, &a, strength, colour[0], n, list);
-  if (s != YLM_OK) return s;
-  return add_lights(j, w, 1, &b, strength + 1, colour[1], n, list);
+  ylm_status s = YLM_OK;
+  if (strength[0] != 0) s = add_lights(j, w, 1, &a, strength, colour[0], n, list);
+  if (s == YLM_OK && strength[1] != 0)
+    s = add_lights(j, w, 1, &b, strength + 1, colour[1], n, list);
+  return s;
 }
 
 /* Brings n points, at most CHUNK, up to date for one mover, one state after the other. */

@@ -45,36 +45,79 @@ typedef struct bounds {
 } bounds;
 
 /*
-** Adds bounds of L(b) - L(a) at p; false if p is too near to either for them to hold. Both ends are
-** bounded by themselves; a light of one radius that moves also by its way times the largest
-** derivative on it.
+** Bounds of a light of radiance e at distance d, of an exact flat one from its nearest point. What
+** a horizon cuts off changes with the point: the gradient gets what lies along the cut, which is as
+** long as the light at most; of the Hessian, which depends on the corners at its ends, nothing is
+** known.
 */
-static bool add_bounds(const ylm_grid *g, const lamp *a, const lamp *b, const double p[3],
-                       bounds *sum) {
-  const double *bound = g->dynamic->bound;
-  double ea = emission(g, a, NULL), eb = emission(g, b, NULL), da = distance(p, a->at),
-         db = distance(p, b->at);
-  if ((ea > 0 && da <= NEAR * a->radius) || (eb > 0 && db <= NEAR * b->radius)) return false;
-  double way = distance(a->at, b->at), ds = segment_distance(p, a->at, b->at);
-  bool moves = a->radius == b->radius && ds > NEAR * a->radius;
-  double change = emission(g, b, a), r2a = a->radius * a->radius, r2b = b->radius * b->radius;
-  double xa = ea > 0 ? ea * r2a / (da * da) : 0, xb = eb > 0 ? eb * r2b / (db * db) : 0;
-  double xc = moves ? change * r2b / (db * db) : 0,
-         xs = moves ? ea * r2a * way / (ds * ds * ds) : 0;
+static bounds bounds_at(const ylm_grid *g, const lamp *l, double e, double d) {
+  const double *bound = g->dynamic->bound[lamp_kind_of(l)];
+  bounds out = {{0}};
+  double x = e > 0 ? e * l->radius * l->radius / (d * d) : 0;
   for (int k = 0; k < 3; k++) {
-    double ends = bound[k] * (xa + xb), moved = bound[k] * xc + bound[k + 1] * xs;
-    sum->of[k] += moves && moved < ends ? moved : ends;
-    xa = xa > 0 ? xa / da : 0;
-    xb = xb > 0 ? xb / db : 0;
-    xc = xc > 0 ? xc / db : 0;
-    xs = xs > 0 ? xs / ds : 0;
+    out.of[k] = bound[k] * x;
+    x = x > 0 ? x / d : 0;
+  }
+  if (!l->shape || !l->shape->clipped || !(e > 0)) return out;
+  double whole = (g->view.form.lmax + 1) * 0.28209479177387814; /* the norm of Y */
+  out.of[1] += whole * e * 2 * l->shape->reach / (d * d);
+  out.of[2] = INFINITY;
+  return out;
+}
+
+/* True if p is on one side of the planes of two flat lights of one normal, or lights are spheres:
+   across the plane gradients jump. */
+static bool same_side(const lamp *a, const lamp *b, const double p[3]) {
+  double sa = 0, sb = 0;
+  if (!a->shape) return true;
+  for (int k = 0; k < 3; k++) {
+    sa += a->shape->normal[k] * (p[k] - a->at[k]);
+    sb += a->shape->normal[k] * (p[k] - b->at[k]);
+  }
+  return (sa > 0 && sb > 0) || (sa < 0 && sb < 0);
+}
+
+/* Bounds of what a way from a to b changes, of a light that slides along it, and of the change of
+   its radiance; false where they do not hold. */
+static bool bounds_of_way(const ylm_grid *g, const lamp *a, const lamp *b, const double p[3],
+                          double db, bounds *out) {
+  const double *bound = g->dynamic->bound[lamp_kind_of(a)];
+  double way = distance(a->at, b->at), e = emission(g, a, NULL),
+         ds = segment_distance(p, a->at, b->at), off = lamp_offset(a);
+  if (ds <= (off > 0 ? NEAR_FLAT * off : NEAR * a->radius) || !same_side(a, b, p)) return false;
+  ds -= off;
+  *out = bounds_at(g, b, emission(g, b, a), db);
+  double x = e * a->radius * a->radius * way / (ds * ds * ds);
+  for (int k = 0; k < 3; k++) {
+    out->of[k] += x > 0 ? bound[k + 1] * x : 0;
+    x = x > 0 ? x / ds : 0;
   }
   return true;
 }
 
-bool ylm__grid_is_worn(const ylm_grid *g, size_t p, double tolerance) {
+/*
+** Adds bounds of L(b) - L(a) at p; false if p is too near to either for them to hold. Both ends are
+** bounded by themselves; a light that moves as it is also by its way times the largest derivative
+** on it.
+*/
+static bool add_bounds(const ylm_grid *g, const lamp *a, const lamp *b, bool slides,
+                       const double p[3], bounds *sum) {
+  double ea = emission(g, a, NULL), eb = emission(g, b, NULL);
+  if ((ea > 0 && ylm__lamp_is_near(a, p)) || (eb > 0 && ylm__lamp_is_near(b, p))) return false;
+  double db = distance(p, b->at) - lamp_offset(b);
+  bounds from = bounds_at(g, a, ea, distance(p, a->at) - lamp_offset(a)),
+         to = bounds_at(g, b, eb, db), moved;
+  bool moves = slides && bounds_of_way(g, a, b, p, db, &moved);
+  for (int k = 0; k < 3; k++) {
+    double ends = from.of[k] + to.of[k];
+    sum->of[k] += moves && moved.of[k] < ends ? moved.of[k] : ends;
+  }
+  return true;
+}
+
+bool ylm__grid_is_worn(const ylm_grid *g, size_t p, double tolerance, double sixteenths) {
   const grid_dynamic *d = g->dynamic;
-  return (double)d->drift[p] > fmax(tolerance / 16, 2e-6) * (double)d->size[p];
+  return (double)d->drift[p] > sixteenths * fmax(tolerance / 16, 2e-6) * (double)d->size[p];
 }
 
 static int judge(const stale_job *j, size_t p, const double at[3]) {
@@ -88,7 +131,7 @@ static int judge(const stale_job *j, size_t p, const double at[3]) {
     if (seen == k->current) continue;
     stale = true;
     forced |= k->evict == seen || k->evict == EVICT_ALL;
-    near |= !add_bounds(g, &k->state[seen], &k->state[k->current], at, &sum);
+    near |= !add_bounds(g, &k->state[seen], &k->state[k->current], k->slides[seen], at, &sum);
   }
   if (!stale) return STALE_NOT;
   if (near) return STALE_EXACT;
@@ -98,7 +141,7 @@ static int judge(const stale_job *j, size_t p, const double at[3]) {
   if (g->view.form.threshold >= 0 && g->dynamic->bends)
     beyond |= sum.of[2] > 5 * j->tolerance * (double)g->lambda[p];
   if (!beyond && !forced) return STALE_SKIPPED;
-  return ylm__grid_is_worn(g, p, j->tolerance) ? STALE_EXACT : STALE_SHIFT;
+  return ylm__grid_is_worn(g, p, j->tolerance, 1) ? STALE_EXACT : STALE_SHIFT;
 }
 
 static ylm_status judge_range(void *context, size_t begin, size_t end, int worker) {

@@ -49,9 +49,7 @@ ylm_status refiner_refine(refiner *r) {
   return s;
 }
 
-/* Looks again at all leaves: those in which held-out points failed are split, and those that the
-   tighter bound asks for. */
-static ylm_status refine_again(refiner *r) {
+ylm_status refiner_again(refiner *r) {
   baker *b = r->b;
   ylm_grid *g = b->g;
   ylm_status s = YLM_OK;
@@ -102,7 +100,7 @@ static ylm_status run(refiner *r) {
     r->b->g->stats.rounds = round;
     s = refiner_verify(r, round);
     if (s != YLM_OK || refiner_satisfied(r, &limited) || round == MAX_ROUNDS) break;
-    s = refine_again(r);
+    s = refiner_again(r);
   }
   if (s == YLM_OK) s = baker_finish(r->b);
   if (s == YLM_OK) s = refiner_compare_finished(r);
@@ -127,7 +125,7 @@ ylm_status ylm__grid_bake_tolerance(baker *b) {
   refiner_end(&r);
   if (b->g->dynamic) {
     b->g->dynamic->ratio = r.ratio;
-    b->g->dynamic->tight = r.tight;
+    b->g->dynamic->tight = b->g->dynamic->loosest = r.tight;
   }
   return s;
 }

@@ -36,6 +36,10 @@ void refiner_end(refiner *r);
 /* Tests and splits what the wave holds, then its children, until nothing is left. */
 ylm_status refiner_refine(refiner *r);
 
+/* Looks again at all leaves: those in which held-out points failed are split, and those that the
+   tighter bound asks for. */
+ylm_status refiner_again(refiner *r);
+
 /* -- residual.c ------------------------------------------------------------------------- */
 
 /* Relative distance of two rows; 0 where both vanish. */

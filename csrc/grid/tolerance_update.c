@@ -5,9 +5,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define UPDATE_HELD 256    /* points that are compared */
+#define UPDATE_HELD 256 /* points that are compared at first, twice as many from round to round */
 #define UPDATE_DRAWN 16384 /* tries to find as many in voxels that changed */
-#define UPDATE_ROUNDS 3
+#define UPDATE_ROUNDS 8
+#define RELAX 0.98 /* what becomes of the factor in an update that passes at once */
 
 static bool touched(const ylm_grid_cell *c, const uint8_t *changed, size_t known) {
   for (int k = 0; k < 8; k++)
@@ -16,12 +17,14 @@ static bool touched(const ylm_grid_cell *c, const uint8_t *changed, size_t known
 }
 
 /* Draws points in occupied leaves whose corners changed. */
-static void hold_out_changed(refiner *r, uint64_t stream, const uint8_t *changed, size_t known) {
+static void hold_out_changed(refiner *r, uint64_t round, const uint8_t *changed, size_t known) {
   const ylm_grid *g = r->b->g;
+  size_t most = (size_t)UPDATE_HELD << round;
   ylm_rng rng;
-  ylm_rng_seed(&rng, r->b->source->seed, stream);
+  ylm_rng_seed(&rng, r->b->source->seed, 1000 + g->stats.update.updates * UPDATE_ROUNDS + round);
+  if (most > HELD_OUT) most = HELD_OUT;
   r->held = 0;
-  for (int i = 0; i < UPDATE_DRAWN && r->held < UPDATE_HELD; i++) {
+  for (int i = 0; i < UPDATE_DRAWN && r->held < most; i++) {
     float x[3];
     refiner_draw(r, &rng, x);
     uint32_t leaf = refiner_leaf(g, x);
@@ -58,6 +61,17 @@ static ylm_status split_failed(refiner *r) {
   return s == YLM_OK ? refiner_refine(r) : s;
 }
 
+/* Splits what failed; where that is more than a few, also what the factor asks for that would have
+   caught them: the field is not what it was when the factor was found. */
+static ylm_status refine_more(refiner *r) {
+  bool limited;
+  size_t failed = 0;
+  for (size_t i = 0; i < r->verdicts; i++) failed += r->verdict[i].error > r->tolerance;
+  if ((double)failed <= 0.01 * (double)r->verdicts || refiner_satisfied(r, &limited))
+    return split_failed(r);
+  return refiner_again(r);
+}
+
 static ylm_status refine_changed(refiner *r, const uint8_t *changed, size_t known) {
   ylm_grid_update_stats *stats = &r->b->g->stats.update;
   ylm_status s = refiner_refine(r);
@@ -66,14 +80,15 @@ static ylm_status refine_changed(refiner *r, const uint8_t *changed, size_t know
     size_t failed;
     double start = ylm_seconds();
     s = ylm__grid_fill_invalid(r->b->g);
-    hold_out_changed(r, 1000 + stats->updates * UPDATE_ROUNDS + round, changed, known);
+    hold_out_changed(r, round, changed, known);
     r->b->stage = "verifying";
     if (s == YLM_OK) s = compare_changed(r, &failed);
     r->b->g->stats.verify_seconds += ylm_seconds() - start;
     if (s != YLM_OK || r->verdicts == 0) break;
     bool last = (double)failed <= 0.006 * (double)r->verdicts || round + 1 == UPDATE_ROUNDS;
-    if (!last) s = split_failed(r);
+    if (!last) s = refine_more(r);
     if (!last || s != YLM_OK) continue;
+    if (round == 0) r->tight = fmax(r->b->g->dynamic->loosest, RELAX * r->tight);
     double largest;
     refiner_quantiles(r, &stats->error, &largest);
     stats->verified = r->verdicts;
@@ -92,6 +107,7 @@ ylm_status ylm__grid_update_tolerance(baker *b, const uint8_t *changed, size_t k
                .frozen = true};
   ylm_status s = refiner_begin(&r);
   if (s == YLM_OK) s = refine_changed(&r, changed, known);
+  if (s == YLM_OK) d->tight = r.tight;
   refiner_end(&r);
   return s;
 }

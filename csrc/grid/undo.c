@@ -12,6 +12,7 @@ ylm_status update_remember(update *u) {
   o->evaluated = g->evaluated;
   o->cells = g->cells;
   o->cell_room = g->cell_room;
+  o->tight = d->tight;
   o->flags = ylm_alloc_copy(g->flags, g->points, 1);
   o->lambda = ylm_alloc_copy(g->lambda, g->points, sizeof *o->lambda);
   o->norm = ylm_alloc_copy(g->norm, g->points, sizeof *o->norm);
@@ -85,6 +86,7 @@ void update_restore(update *u) {
   grid_dynamic *d = u->d;
   undo *o = &u->old;
   size_t row = 4 * g->stride, bends = d->bends;
+  d->tight = o->tight;
   for (size_t p = o->points; p < g->points; p++)
     lattice_hash_remove(&g->hash, lattice_key(g->lattice + 3 * p));
   g->points = o->points;
@@ -135,7 +137,7 @@ void update_forget(update *u) {
   ylm_free(o->sign);
   ylm_free(o->logged);
   ylm_free(o->cell);
-  ylm_free(u->now);
+  ylm__lamps_free(&u->now);
   ylm_free(u->origin);
   ylm_free(u->change);
   ylm_free(u->exact);

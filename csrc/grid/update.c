@@ -37,15 +37,26 @@ static ylm_status rebake(update *u) {
   return YLM_OK;
 }
 
+/* Gives the new lights shapes that stay: those that did not change have one. */
+static ylm_status keep_shapes(update *u) {
+  ylm_status s = YLM_OK;
+  for (size_t j = 0; j < u->now.n && s == YLM_OK; j++)
+    if (u->origin[j] >= 0)
+      u->now.lamp[j].shape = u->d->lamp[u->origin[j]].shape;
+    else
+      s = ylm__lamp_keep(&u->d->shapes, &u->now.lamp[j]);
+  return s;
+}
+
 /* The new lights are the grid's. */
 static void commit(update *u, int32_t *of) {
   grid_dynamic *d = u->d;
   ylm_free(d->lamp);
   ylm_free(d->mover_of);
-  d->lamp = u->now;
+  d->lamp = u->now.lamp;
   d->mover_of = of;
-  d->lamps = u->lamps;
-  u->now = NULL;
+  d->lamps = u->now.n;
+  u->now.lamp = NULL;
 }
 
 /* Evaluates anew what a difference has left less light than its rounding may be seen beside. */
@@ -54,15 +65,18 @@ static ylm_status renew_worn(update *u) {
   uint32_t *list = u->exact + u->exacts; /* has room for all points */
   size_t n = 0;
   for (size_t i = 0; i < u->shifts; i++)
-    if (ylm__grid_is_worn(g, u->shift[i], u->tolerance)) list[n++] = u->shift[i];
+    if (ylm__grid_is_worn(g, u->shift[i], u->tolerance, 4)) list[n++] = u->shift[i];
   u->stats.exact += n;
   return baker_evaluate_list(&u->b, n, list);
 }
 
 static ylm_status follow(update *u) {
   ylm_grid *g = u->g;
-  ylm_status s = update_remember(u);
-  int32_t *of = s == YLM_OK ? ylm_alloc(u->lamps, sizeof *of) : NULL;
+  ylm_status s = ylm__dynamic_meet(g, u->now.n, u->now.lamp, u->b.e);
+  if (s == YLM_OK) s = update_remember(u);
+  if (s == YLM_OK) s = keep_shapes(u);
+  if (s != YLM_OK) return s;
+  int32_t *of = ylm_alloc(u->now.n, sizeof *of);
   if (!of) return YLM_ENOMEM;
   s = update_enter_changes(u, of);
   if (s == YLM_OK) s = update_choose_points(u);
@@ -88,14 +102,14 @@ static ylm_status follow(update *u) {
 }
 
 static ylm_status run(update *u) {
-  ylm_status s = ylm__lamps_match(u->d, u->lamps, u->now, u->origin, &u->change, &u->changes);
+  ylm_status s = ylm__lamps_match(u->d, u->now.n, u->now.lamp, u->origin, &u->change, &u->changes);
   if (s != YLM_OK) return s;
   u->stats.lights = u->changes;
   if (!u->changes) return YLM_OK;
   s = ylm_report(u->source.progress, 0, 1, "updating");
   if (s != YLM_OK) return s;
   bool many = u->changes > 4 && 2 * u->changes > u->d->lamps;
-  if (u->changes > MOST_CHANGES || many || !u->lamps || !u->d->lamps) return rebake(u);
+  if (u->changes > MOST_CHANGES || many || !u->now.n || !u->d->lamps) return rebake(u);
   return follow(u);
 }
 
@@ -115,22 +129,22 @@ ylm_status ylm_grid_update(ylm_grid *g, const ylm_grid_change *change, ylm_error
   if (u.tolerance < 0)
     u.tolerance = g->view.form.tolerance > 0 ? g->view.form.tolerance / 8 : DEFAULT_TOLERANCE;
   u.source.lights = change->lights;
-  u.source.field = change->field ? change->field : ylm_lights_field(change->lights);
+  u.source.field = change->field;
   u.source.threads = change->threads;
   u.source.progress = change->progress;
   u.b =
       (baker){.g = g, .source = &u.source, .e = e, .occupied = u.d->occupied, .stage = "updating"};
   u.stats =
       (ylm_grid_update_stats){.updates = before.update.updates + 1, .error = NAN, .met = true};
-  u.lamps = ylm_lights_count(change->lights);
-  u.now = ylm__lamps(change->lights);
-  u.origin = ylm_alloc(u.lamps, sizeof *u.origin);
+  ylm_status s = ylm__lamps(change->lights, &u.now);
+  u.origin = ylm_alloc(u.now.n, sizeof *u.origin);
   g->updating = true;
   g->stats.update = u.stats; /* its number is used by refinement */
   if (u.d->forced.used > MOST_FORCED) lattice_hash_free(&u.d->forced);
   g->stats.pairs = 0;
   g->stats.field_seconds = 0;
-  ylm_status s = u.now && u.origin ? run(&u) : YLM_ENOMEM;
+  if (!u.origin) s = YLM_ENOMEM;
+  if (s == YLM_OK) s = run(&u);
   if (!u.stats.rebaked) {
     u.stats.pairs = g->stats.pairs;
     u.stats.field_seconds = g->stats.field_seconds;
@@ -142,6 +156,7 @@ ylm_status ylm_grid_update(ylm_grid *g, const ylm_grid_change *change, ylm_error
   }
   g->updating = false;
   update_forget(&u);
+  ylm__dynamic_sweep(g->dynamic);
   u.stats.seconds = ylm_seconds() - begin;
   g->stats.update = s == YLM_OK ? u.stats : before.update;
   return s == YLM_OK ? s : ylm__grid_no_room(s, &u.source, e);

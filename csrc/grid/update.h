@@ -7,6 +7,7 @@
 /* What was, to be taken back. Points are those that were in the grid, interpolated ones too. */
 typedef struct undo {
   size_t points, evaluated, cells, cell_room, movers;
+  double tight;
   ylm_grid_cell *cell; /* the old cells, while new ones are made; else NULL */
   uint8_t *flags;
   float *lambda, *norm, *size, *drift;
@@ -23,10 +24,10 @@ typedef struct update {
   baker b;
   ylm_grid_source source;
   double tolerance;
-  lamp *now;
+  lamp_set now;
   int64_t *origin; /* [lamps now] */
   lamp_change *change;
-  size_t lamps, changes;
+  size_t changes;
   uint32_t *exact, *shift; /* points to evaluate with all lights, with what changed */
   size_t exacts, shifts;
   uint8_t *changed; /* [points at the beginning] data are not what they were */

@@ -101,7 +101,7 @@ typedef struct ylm_grid_keeper {
 /* From where, and how. */
 typedef struct ylm_grid_source {
   const ylm_field *field;
-  const ylm_lights *lights;      /* dynamic: what the field is of; else it may be NULL */
+  const ylm_light_parts *lights; /* dynamic: what the field is the sum of; else it may be NULL */
   const ylm_grid_keeper *keeper; /* of the field's results; NULL: the grid itself */
   size_t occupied;               /* number of shading points */
   ylm_dtype occupied_dtype;
@@ -187,13 +187,13 @@ typedef struct ylm_grid_report {
 /* -- moving lights ------------------------------------------------------------- */
 
 typedef struct ylm_grid_change {
-  const ylm_lights *lights; /* all lights as they are now */
-  const ylm_field *field;   /* their field; NULL: that of `lights` */
-  double tolerance;         /* what is left alone may be off by this, relative; 0: nothing is;
-                               negative: an eighth of the grid's tolerance, 1e-3 if it has none */
-  bool everywhere;          /* makes continuity anew everywhere, not only around points that came
-                               or went: to compare */
-  int threads;              /* 0: the default */
+  const ylm_light_parts *lights; /* all lights as they are now */
+  const ylm_field *field;        /* their field */
+  double tolerance;              /* what is left alone may be off by this, relative; 0: nothing is;
+                                    negative: an eighth of the grid's tolerance, 1e-3 if it has none */
+  bool everywhere; /* makes continuity anew everywhere, not only around points that came
+                      or went: to compare */
+  int threads;     /* 0: the default */
   const ylm_progress *progress; /* may be NULL */
 } ylm_grid_change;
 

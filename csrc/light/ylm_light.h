@@ -293,6 +293,16 @@ YLM_API void ylm_polygons_free(ylm_polygons *polygons);
 YLM_API size_t ylm_polygons_count(const ylm_polygons *polygons);
 /* Their light field (ylm_base.h); lives as long as the object. Exact: lmax <= 60. */
 YLM_API const ylm_field *ylm_polygons_field(const ylm_polygons *polygons);
+/* One of them as it is; pointers are good as long as the object lives. */
+typedef struct ylm_polygon {
+  int sides; /* 0: an ellipse */
+  bool exact;
+  const double *vertices; /* [sides][3]; of an ellipse [3][3]: its centre, two half axes */
+  const double *radiance, *centroid, *normal; /* [3]; the normal of length 1 */
+  const double *horizon;                      /* [3] of length 1; NULL: none */
+  double radius, reach; /* of a disk of its area; of the farthest point from the centroid */
+} ylm_polygon;
+YLM_API void ylm_polygons_get(const ylm_polygons *polygons, size_t i, ylm_polygon *out);
 /* The approximation, as long as the object lives: centres [n][3], radii [n], normals of length 1
    [n][3], radiances [n][3]. False, and nothing written, where lights are exact. */
 YLM_API bool ylm_polygons_spheres(const ylm_polygons *polygons, const double **at,
@@ -305,6 +315,13 @@ YLM_API bool ylm_polygons_spheres(const ylm_polygons *polygons, const double **a
 YLM_API ylm_status ylm_polygons_evaluate(const ylm_polygons *polygons, ylm_isa isa,
                                          const ylm_field_query *q, size_t n, const void *points,
                                          ylm_field_result *r, ylm_error *e);
+
+/* Lights of any kind: the spheres, then the sets of flat ones. */
+typedef struct ylm_light_parts {
+  const ylm_lights *spheres;       /* NULL: none */
+  const ylm_polygons *const *flat; /* [flats] */
+  size_t flats;
+} ylm_light_parts;
 
 /* -- sums of fields: csrc/light/sum.c ---------------------------------------------------------- */
 

@@ -96,25 +96,42 @@ static ylm_status lua_field_evaluate(const ylm_field *base, const ylm_field_quer
 
 /* -- baking ---------------------------------------------------------------------------------- */
 
-/* The sphere lights at `i`, or NULL. */
-static const ylm_lights *test_lights(lua_State *L, int i) {
-  ylm_lights **l = ylmL_test(L, i, "ylm.lights");
-  return l ? *l : NULL;
+/* The lights of table {spheres or false, polygons, ...} at `i`; false where there is none. Leaves a
+   userdata on the stack. */
+static bool take_parts(lua_State *L, int i, ylm_light_parts *parts) {
+  *parts = (ylm_light_parts){0};
+  if (!lua_istable(L, i)) return false;
+  size_t n = lua_rawlen(L, i);
+  lua_rawgeti(L, i, 1);
+  ylm_lights **spheres = ylmL_test(L, -1, "ylm.lights");
+  if (spheres) parts->spheres = *spheres;
+  lua_pop(L, 1);
+  const ylm_polygons **flat = lua_newuserdata(L, (n + 1) * sizeof *flat);
+  for (size_t k = 2; k <= n; k++) {
+    lua_rawgeti(L, i, (int)k);
+    flat[k - 2] = ylmL_polygons(L, -1);
+    if (!flat[k - 2]) luaL_argerror(L, i, "flat lights expected");
+    lua_pop(L, 1);
+  }
+  parts->flat = flat;
+  parts->flats = n > 1 ? n - 1 : 0;
+  return true;
 }
 
 /*
 ** grid_bake(form table, object with a light field | function, occupied [n][3] | nil, seed, threads,
-**           max_points, progress) -> grid
+**           max_points, progress, {spheres or false, polygons, ...} where it is dynamic) -> grid
 */
 static int grid_bake(lua_State *L) {
-  lua_settop(L, 7);
+  lua_settop(L, 8);
   luaL_checkstack(L, 20, "grid_bake");
   ylm_grid_form form = ylmL_grid_form(L, 1);
   ylmL_progress progress;
   lua_field own = {.base = {.self = &own, .evaluate = lua_field_evaluate}, .L = L, .index = 2};
   ylm_grid_source source = ylmL_grid_source(L, &progress);
   source.field = lua_isfunction(L, 2) ? &own.base : ylmL_field_check(L, 2);
-  source.lights = test_lights(L, 2);
+  ylm_light_parts parts;
+  if (take_parts(L, 8, &parts)) source.lights = &parts;
   ylm_grid **g = ylmL_grid_new(L);
   ylm_error e = {0};
   ylm_status s = ylm_grid_bake(&form, &source, g, &e);
@@ -123,19 +140,21 @@ static int grid_bake(lua_State *L) {
   return ylmL_result_progress(L, 1, s, &e, &progress);
 }
 
-/* grid_update(grid, lights, tolerance or -1, threads, progress, everywhere) -> what it did */
+/* grid_update(grid, lights, {spheres or false, polygons, ...}, tolerance or -1, threads, progress,
+               everywhere) -> what it did */
 static int grid_update(lua_State *L) {
-  lua_settop(L, 6);
+  lua_settop(L, 7);
   ylm_grid *g = ylmL_grid_check(L, 1);
   ylmL_progress progress;
   ylm_error e = {0};
-  ylm_grid_change change = {.lights = test_lights(L, 2),
+  ylm_light_parts parts;
+  if (!take_parts(L, 3, &parts)) return luaL_argerror(L, 3, "lights expected");
+  ylm_grid_change change = {.lights = &parts,
                             .field = ylmL_field_check(L, 2),
-                            .tolerance = luaL_checknumber(L, 3),
-                            .everywhere = lua_toboolean(L, 6),
-                            .threads = (int)luaL_checknumber(L, 4),
-                            .progress = ylmL_progress_begin(L, 5, &progress)};
-  if (!change.lights) return luaL_argerror(L, 2, "lights expected");
+                            .tolerance = luaL_checknumber(L, 4),
+                            .everywhere = lua_toboolean(L, 7),
+                            .threads = (int)luaL_checknumber(L, 5),
+                            .progress = ylmL_progress_begin(L, 6, &progress)};
   ylm_status s = ylm_grid_update(g, &change, &e);
   if (s == YLM_OK) ylmL_grid_push_update(L, &ylm_grid_look(g)->stats->update);
   return ylmL_result_progress(L, 1, s, &e, &progress);

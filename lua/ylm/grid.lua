@@ -16,7 +16,7 @@ local channels_field = { "channels", "choice", of = { "rgb", "luminance" }, defa
   about = "what is baked: three linear channels, or one" }
 
 local dynamic_field = { "dynamic", "boolean", default = false,
-  about = "keeps what grid:update needs to follow lights that move: Hessians, shading points, lights" }
+  about = "keeps what grid:update needs to follow sphere and flat lights that move: Hessians, shading points, lights" }
 
 grid.adaptive_grid = form.define("adaptive_grid", {
   about = "An octree of voxels that subdivides where its interpolation would be wrong and shading points are. "

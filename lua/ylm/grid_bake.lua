@@ -119,9 +119,10 @@ function bake.bake(description, lights, given)
     object, failed, why = light.within("bake", packed, o.light_tolerance, o.threads)
     if not object then return nil, failed, why end
   end
-  if description.dynamic and core.type(object) ~= "ylm.lights" then
-    return check.bad(2, "bake", "a grid with dynamic = true follows sphere lights, this is baked from %s: bake that into "
-      .. "a second grid, or leave dynamic out", light.other(object))
+  local followed = description.dynamic and light.followed(object)
+  if description.dynamic and not followed then
+    return check.bad(2, "bake", "a grid with dynamic = true follows sphere lights and flat lights, this is baked from %s: "
+      .. "bake that into a second grid, or leave dynamic out", light.other(object))
   end
   local occupied
   occupied, failed, why = shading_points(o.occupied, o.device or device_lights.device_of(object))
@@ -151,7 +152,7 @@ function bake.bake(description, lights, given)
     metric = METRIC[description.metric],
     threshold = description.threshold or -1, tolerance = description.tolerance or 0,
     continuous = description.continuous and 1 or 0, dynamic = description.dynamic and 1 or 0,
-  }, on, occupied, o.seed, o.threads or 0, o.max_points, progress))
+  }, on, occupied, o.seed, o.threads or 0, o.max_points, progress, followed or nil))
   if baked == nil then
     if made then on:close() end
     return nil, message, code
@@ -159,14 +160,14 @@ function bake.bake(description, lights, given)
   stages_of[baked] = device_lights.times(on, before)
   device_lights.keep(on, baked, message)
   if made then on:close() end
-  if core.type(packed) == "ylm.lights" then baked_from[baked] = packed end
+  if type(packed) ~= "function" and light.followed(packed) then baked_from[baked] = packed end
   return baked
 end
 
 --- The lights that a grid was baked from, if that was in this program and they were lights; for pictures.
 function bake.lights_of(g)
   local lights = baked_from[g]
-  return lights and core.lights_count(lights) and lights or nil
+  return lights and (core.type(lights) ~= "ylm.lights" or core.lights_count(lights)) and lights or nil
 end
 
 local update_options = {
@@ -181,8 +182,8 @@ describe "grid:update" {
   about = "Follows lights that moved, changed, appeared or vanished: only what they change beyond the tolerance is "
     .. "baked again, and the octree is refined and merged to suit. The grid must have been made with dynamic = true.",
   arguments = {
-    { "lights", "light|list", "all lights as they are now; those that did not change are recognised by their place "
-      .. "in the list, else by their content" },
+    { "lights", "light|list", "all lights as they are now, of any kind; {}: darkness; those that did not change are "
+      .. "recognised by their place in the list, else by their content" },
     { "options?", "table", "see the options" },
   },
   options = update_options,
@@ -203,16 +204,17 @@ function methods.update(g, lights, given)
   open(g, "update")
   local o = form.options(2, "update", update_options, given)
   local object = light.field(1, "update", lights)
-  if core.type(object) ~= "ylm.lights" then
-    return check.bad(1, "update", "a dynamic grid follows sphere lights, got %s: bake that into a second grid",
-      light.other(object))
+  local followed = light.followed(object)
+  if not followed then
+    return check.bad(1, "update", "a dynamic grid follows sphere lights and flat lights, got %s: bake that into a second "
+      .. "grid", light.other(object))
   end
   if not core.grid_form(g).dynamic then
     return check.fail("update: this grid does not follow lights: make it with dynamic = true (a loaded grid never does)")
   end
   local progress = o.progress and require "ylm.progress".of(o.progress) or nil
-  local report, message, code = check.result("update", core.grid_update(g, object, o.tolerance or -1, o.threads or 0,
-    progress))
+  local report, message, code = check.result("update", core.grid_update(g, object, followed, o.tolerance or -1,
+    o.threads or 0, progress))
   if report == nil then return nil, message, code end
   baked_from[g] = object
   return report

@@ -243,6 +243,18 @@ function light.parts(packed)
   return nil, { packed }
 end
 
+--- What light.pack returned, as a dynamic grid follows it: { sphere lights or false, flat lights, ... }; nil where there
+-- is anything else in it.
+function light.followed(packed)
+  local spheres, others = light.parts(packed)
+  local list = { spheres or false }
+  for i, other in ipairs(others) do
+    if core.type(other) ~= "ylm.polygons" then return nil end
+    list[i + 1] = other
+  end
+  return list
+end
+
 -- To a tolerance ------------------------------------------------------------------------
 
 --- The option that says how exactly lights are summed, by the name it has here.

@@ -74,12 +74,8 @@ return {
   },
   bake = {
     { call = function(ylm)
-      return ylm.bake(ylm.uniform_grid { bounds = box, cells = 1, lmax = 1, dynamic = true },
-        { lamp(ylm), ylm.disk_light { at = { 0, 0, 9 }, normal = { 0, 0, 1 } } })
-    end, says = "follows sphere lights, this is baked from a disk_light: bake that into a second grid, or leave dynamic out" },
-    { call = function(ylm)
       return ylm.bake(ylm.uniform_grid { bounds = box, cells = 1, lmax = 1, dynamic = true }, small(ylm))
-    end, says = "dynamic = true follows sphere lights, this is baked from another light field" },
+    end, says = "dynamic = true follows sphere lights and flat lights, this is baked from another light field" },
     { call = function(ylm)
       return ylm.bake(ylm.uniform_grid { bounds = box, cells = 1, lmax = 1, dynamic = true }, lamp(ylm),
         { light_tolerance = 1e-2 })
@@ -113,10 +109,9 @@ return {
     { call = update(nil, { tolerence = 1 }), says = "did you mean 'tolerance'" },
     { call = update(nil, { threads = 0 }), says = "threads must be an integer" },
     { call = function(ylm)
-      local square = ylm.polygon_light { vertices = { { 0, 2, 0 }, { 1, 2, 0 }, { 0, 2, 1 } }, radiance = 1 }
       local g = ylm.bake(ylm.uniform_grid { bounds = box, cells = 1, lmax = 1, dynamic = true }, lamp(ylm))
-      return g:update(square)
-    end, says = "a dynamic grid follows sphere lights" },
+      return g:update(small(ylm))
+    end, says = "a dynamic grid follows sphere lights and flat lights" },
   },
   ["grid:sample"] = {
     { call = sample(), says = "points: a table of numbers or an array expected, got nil" },

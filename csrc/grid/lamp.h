@@ -1,0 +1,83 @@
+/* lamp.h - lights of any kind, as a dynamic grid remembers and compares them. */
+#ifndef YLM_GRID_LAMP_H
+#define YLM_GRID_LAMP_H
+
+#include "grid.h"
+
+#define NEAR 3.0      /* radii: nearer to a light that changed, all lights are summed */
+#define NEAR_FLAT 2.0 /* the same from an exact flat light's centroid, in distances to its rim */
+
+/* What a flat light has beside a lamp's numbers. */
+typedef struct lamp_shape {
+  int sides; /* 0: an ellipse */
+  bool exact, clipped, marked;
+  double horizon[3], normal[3];
+  double reach; /* of its farthest point from the centroid */
+  size_t rows;
+  double row[][3]; /* vertices; of an ellipse centre and two half axes */
+} lamp_shape;
+
+typedef struct lamp {
+  double at[3], radius, radiance[3]; /* of a flat light: the centroid, the radius of its area */
+  const lamp_shape *shape;           /* NULL: a sphere */
+} lamp;
+
+typedef enum lamp_kind { LAMP_SPHERE, LAMP_APPROXIMATED, LAMP_EXACT, LAMP_KINDS } lamp_kind;
+
+static inline lamp_kind lamp_kind_of(const lamp *l) {
+  return !l->shape ? LAMP_SPHERE : l->shape->exact ? LAMP_EXACT : LAMP_APPROXIMATED;
+}
+
+/* Lamps whose shapes are in one block of memory. */
+typedef struct lamp_set {
+  lamp *lamp;
+  size_t n;
+  void *shapes;
+} lamp_set;
+
+/* Shapes that live until they are swept away. */
+typedef struct shape_list {
+  lamp_shape **shape;
+  size_t n, room, bytes;
+} shape_list;
+
+/* The lights as a set that the caller frees; YLM_ENOMEM. */
+ylm_status ylm__lamps(const ylm_light_parts *lights, lamp_set *set);
+void ylm__lamps_free(lamp_set *set);
+/* Gives a lamp a shape of its own in the list, if it has any; YLM_ENOMEM. */
+ylm_status ylm__lamp_keep(shape_list *list, lamp *l);
+/* Frees the shapes of a list that are not marked, and takes the marks away. */
+void ylm__shapes_sweep(shape_list *list);
+
+/* An order of lamps by all that they are made of; 0: equal. */
+int ylm__lamp_compare(const lamp *a, const lamp *b);
+/* True if the two differ in colour and by a translation alone. */
+bool ylm__lamp_slides(const lamp *a, const lamp *b);
+/* True if one field may hold both: spheres, or flat lights of one method and horizon. */
+bool ylm__lamps_alike(const lamp *a, const lamp *b);
+/* A box around it: min, max. */
+void ylm__lamp_box(const lamp *l, double box[6]);
+/* True if p is so near that all lights are to be summed there when this one changes. */
+bool ylm__lamp_is_near(const lamp *l, const double p[3]);
+
+/* The field of up to two lamps that are alike, grey, of given radiances. */
+typedef struct lamp_field {
+  const ylm_field *field;
+  ylm_lights *spheres;
+  ylm_polygons *flat;
+} lamp_field;
+ylm_status ylm__lamp_field(size_t n, const lamp *const *lamps, const double *strength,
+                           lamp_field *f);
+void ylm__lamp_field_free(lamp_field *f);
+
+/*
+** Bounds of lamps of a kind, of radiance 1: the norms of the k-th derivatives of the coefficients,
+** k = 0 .. 3, are below bound[k] radius^2 / d^(k+2) wherever ylm__lamp_is_near is false; d is the
+** distance from the centre, of an exact flat light less its reach. Not of what a horizon cuts.
+*/
+ylm_status ylm__lamp_bounds(int lmax, lamp_kind kind, double bound[4], ylm_error *e);
+static inline double lamp_offset(const lamp *l) {
+  return l->shape && l->shape->exact ? l->shape->reach : 0;
+}
+
+#endif
