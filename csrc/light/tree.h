@@ -3,10 +3,9 @@
 **
 ** Private to csrc/light. A group holds two nodes side by side, so that a vector tests several
 ** groups at once. A node stands for the lights below it: seen from far away by four or eight proxy
-** lights, from near by its own group or, where it is a leaf, by its lights themselves. Points that
-*lie
-** together walk down as a packet: what is far from all of them is summed with lanes that are
-** points.
+** lights, from near by its own group or, where it is a leaf, by its lights themselves. Points
+** beside each other walk down as a packet: what is far from all of them is summed with lanes that
+** are points.
 **
 ** The tests work in the tree's units, in which the root's reach is 1 and all strengths add up to 1;
 ** the lights and proxies that are summed keep the units of the scene.
@@ -20,13 +19,13 @@
 #define YLM__GROUP 2   /* nodes of a group */
 #define YLM__PROXIES 4 /* least lights that stand for a node; nodes with as many have none */
 #define YLM__MOST_PROXIES 8
-#define YLM__MANY 24   /* lights of a node that may have more than the least */
+#define YLM__MANY 8    /* lights of a node that may have more than the least */
 #define YLM__PACKET 16 /* points that walk together */
 /* Nodes that are too near, and smaller than so many radii of a packet, are left to its points if in
-   all they have more lights than WORTH (at tolerances from 0.01 on), so many as a packet sums about
-   as fast. */
+   all they have more lights than a packet sums about as fast: lights (1 + their part of all lights)
+   more than WORTH, at tolerances from 0.01 on. */
 #define YLM__LITTLE 2
-#define YLM__WORTH 10000
+#define YLM__WORTH 12000
 /* The points of a packet that fills less than one lane of so many walk alone. */
 #define YLM__LONELY 4
 

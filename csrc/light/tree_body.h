@@ -139,7 +139,8 @@ static void NAME(begin_together)(NAME(tree_work) * k, const NAME(packet) * q, NA
   walk_from(walk, &root, 1);
   k->pairs += q->n * NAME(walk_together)(walk, &k->crowd, w, &whole);
   double fine = 0.01 / walk->plan->tolerance; /* then points alone need more of them, too */
-  if ((double)walk->lights_left > YLM__WORTH * (fine > 1 ? sqrt(fine) : 1)) return;
+  double left = (double)walk->lights_left, all = (double)walk->plan->tree->lights->active;
+  if (left * (1 + left / all) > YLM__WORTH * (fine > 1 ? sqrt(fine) : 1)) return;
   walk_from(walk, walk->left, walk->n_left);
   walk->n_left = 0;
   whole.radius = 0; /* nothing is left any more */

@@ -9,10 +9,10 @@
 ** and spec/light_tree_spec.lua find the 99.9 % quantile of errors below the tolerance in all their
 ** scenes. Where light comes from one side many errors have one sign: YLM__ONE_SIGN of tree.h.
 */
-#define SHARE_VALUE 4.1
-#define SHARE_GRADIENT 5.2
-#define SHARE_HESSIAN 3.0
-#define SHARE_METRIC 4.8 /* eigenvalues forgive more */
+#define SHARE_VALUE 4.3
+#define SHARE_GRADIENT 5.0
+#define SHARE_HESSIAN 3.2
+#define SHARE_METRIC 5.5 /* eigenvalues forgive more */
 /* reach/D of nodes beyond which Taylor's formula says little; and in the pilot, whose nodes are one
    light each and whose norms may be off by a third: with derivatives, and for values alone */
 #define WIDEST 0.6f
@@ -76,9 +76,11 @@ ylm_status ylm__tree_plan_create(ylm__tree_plan *p, const ylm_light_tree *t, dou
   p->share[0] = SHARE_VALUE;
   p->share[1] = SHARE_GRADIENT;
   p->share[2] = q->want & YLM_WANT_HESSIAN ? SHARE_HESSIAN : SHARE_METRIC;
-  p->widest = WIDEST;
-  p->pilot_widest = p->want[1] || p->want[2] ? PILOT_WIDEST : PILOT_WIDEST_VALUE;
-  p->pilot_widest *= fminf(1, sqrtf(5.0f / (float)(q->lmax + 1)));
+  /* High degrees vary faster. */
+  float high = fminf(1, sqrtf(5.0f / (float)(q->lmax + 1)));
+  p->share[1] *= (double)high, p->share[2] *= (double)high;
+  p->widest = WIDEST * high;
+  p->pilot_widest = (p->want[1] || p->want[2] ? PILOT_WIDEST : PILOT_WIDEST_VALUE) * high;
   p->dim = *sums;
   p->dim.kinds_lum &= ~YLM__M2, p->dim.kinds_rgb &= ~YLM__M2;
   p->dim.n_lum = ylm__sum_count(q->lmax, p->dim.kinds_lum);

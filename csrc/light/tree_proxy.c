@@ -1,164 +1,108 @@
 /*
-** tree_proxy.c - four or eight lights that stand for many: their places, and what they miss.
+** tree_proxy.c - four or eight lights that stand for many: their power, what they miss, and which
+** of them are best.
 **
-** Lights x_i of power e_i r_i^2, in geometry weighted by |luminance| r^2: centroid c, covariance
-** C = A A^T. The n proxies p_j = c + A u_j with u_j the corners of a cube, or those of them that
-*are
-** a tetrahedron's, keep the moments of degree 0, 1 and 2, and with r_p^2 = sum |e| r^4/sum |e| r^2
-** also sum e r^4. In each colour c the emission e_cj = (E_c + h_c.u_j)/(n r_p^2), A h_c =
-** sum e_c r^2 (x - c), keeps the moments of degree 0 and 1. What is missed of second, third and
-** fourth moments is measured here, node by node: equal colours miss no second moment. Of the
-** tetrahedron, its mirror image and the cube the one is taken that costs least.
+** Lights x_i of power e_i r_i^2; the places c + A y_j of the proxies and their parts w_j of the
+** weight have the geometry's moments (tree_place.c), and with r_p^2 = sum |e| r^4/sum |e| r^2 also
+** sum e r^4. In each colour c the emission is e_cj = w_j (E_c + h_c.y_j + k_c.phi_j)/r_p^2: A h_c =
+** sum e_c r^2 (x - c) keeps the moments of degree 0 and 1; phi are products of two unlike
+** coordinates less what is linear in them, and k_c keeps the moments xy, xz, yz. What is missed of
+** second, third and fourth moments is measured here, node by node: with equal colours that is third
+** moments only where places could not be fitted. Of the tetrahedron, its mirror image and the cube
+** the one is taken that costs least.
 **
 ** Source  docs/math.md "Many lights"
 */
-#include "tree.h"
+#include "tree_proxy.h"
 
 #include <math.h>
 #include <string.h>
-
-/* Moments about the centroid, per colour: 1; x y z; xx xy xz yy yz zz; xxx xxy xxz xyy xyz xzz yyy
-   yyz yzz zzz; then of weights e r^4: 1; x y z. */
-enum { M0 = 0, M1 = 1, M2 = 4, M3 = 10, MR0 = 20, MR1 = 21, MOMENTS = 24 };
 
 /* How often an element of the list stands in the full tensor. */
 static const double times2[6] = {1, 2, 2, 1, 2, 1};
 static const double times3[10] = {1, 3, 3, 3, 6, 3, 1, 3, 3, 1};
 static const double times4[15] = {1, 4, 4, 6, 12, 6, 4, 12, 12, 4, 1, 4, 6, 4, 1};
 
-/* A cube's; the first four are a tetrahedron's. */
-static const double corner[YLM__MOST_PROXIES][3] = {{1, 1, 1},   {1, -1, -1},  {-1, 1, -1},
-                                                    {-1, -1, 1}, {-1, -1, -1}, {-1, 1, 1},
-                                                    {1, -1, 1},  {1, 1, -1}};
-
 /* The error of a node, as estimated, for which the number of proxies is chosen. */
 #define TYPICAL 0.25
 
-/* What is missed of the third moments counts so much, which nodes of few lights on a wall have by
-   chance; of the fourth so much, since directions seldom agree; and the
-   fourth moments themselves so much, for all that is higher. */
-#define SKEW 2
-#define MISSED 0.7
-#define HIGHER 0.03
+/* How much of what is missed counts, so that errors beside their estimates are alike: second
+   moments of colours; third moments; fourth, whose directions seldom agree, and the fourth moments
+   themselves for all that is higher. */
+#define COLOURS 1.8
+#define SKEW 1.5
+#define MISSED 1.05
+#define HIGHER 0.045
 
-typedef struct cluster {
-  double at[3], weight, reach, radius2; /* centroid, sum of |lum| r^2, r_p^2 */
-  double cov[6], m4[15], fourth;        /* mean of x x, of x x x x, of (x^2 + r^2)^2 */
-  double strength[YLM__STRENGTHS];
-  double sum[3][MOMENTS];
-} cluster;
+/* Products of two coordinates, of which proxies can have different powers in different colours. */
+static const int pair_of[3][2] = {{0, 1}, {0, 2}, {1, 2}};
 
-static double magnitude(const ylm__lamp_d *l) {
-  return YLM_LUMINANCE_R * fabs(l->rgb[0]) + YLM_LUMINANCE_G * fabs(l->rgb[1]) +
-         YLM_LUMINANCE_B * fabs(l->rgb[2]);
-}
-
-/* Adds a light of power e, offset x and squared radius r2 to one colour's moments. */
-static void add_moments(double *m, double e, const double *x, double r2) {
-  int k2 = M2, k3 = M3;
-  m[M0] += e;
-  m[MR0] += e * r2;
-  for (int a = 0; a < 3; a++) {
-    m[M1 + a] += e * x[a];
-    m[MR1 + a] += e * r2 * x[a];
-    for (int b = a; b < 3; b++) {
-      m[k2++] += e * x[a] * x[b];
-      for (int c = b; c < 3; c++) m[k3++] += e * x[a] * x[b] * x[c];
-    }
+/* x of A A^T x = b. */
+static void solve_square(double A[3][3], const double *b, double *x) {
+  ylm__tree_solve(A, b, x);
+  for (int a = 2; a >= 0; a--) {
+    for (int i = a + 1; i < 3; i++) x[a] -= A[i][a] * x[i];
+    x[a] = A[a][a] > 0 ? x[a] / A[a][a] : 0;
   }
 }
 
-/* Adds w x x x x: xxxx xxxy xxxz xxyy xxyz xxzz xyyy xyyz xyzz xzzz yyyy yyyz yyzz yzzz zzzz. */
-static void add_fourth(double *m, double w, const double *x) {
-  int k = 0;
+/* Functions on proxies, where the covariance is the identity: coordinates y, products phi of two of
+   them less what is linear in y, and the factor L of phi's products with each other. */
+typedef struct basis {
+  double y[YLM__MOST_PROXIES][3], phi[YLM__MOST_PROXIES][3], L[3][3];
+} basis;
+
+static void find_basis(const proxies *p, double A[3][3], basis *b) {
+  double linear[3][3] = {{0}}, gram[6] = {0};
+  for (int j = 0; j < p->n; j++) {
+    double *y = b->y[j];
+    ylm__tree_solve(A, p->x[j], y);
+    for (int i = 0; i < 3; i++) b->phi[j][i] = y[pair_of[i][0]] * y[pair_of[i][1]];
+    for (int i = 0; i < 9; i++) linear[i / 3][i % 3] += p->weight[j] * b->phi[j][i / 3] * y[i % 3];
+  }
+  for (int j = 0; j < p->n; j++) {
+    double *f = b->phi[j];
+    for (int i = 0; i < 9; i++) f[i / 3] -= linear[i / 3][i % 3] * b->y[j][i % 3];
+    for (int i = 0, k = 0; i < 3; i++)
+      for (int m = i; m < 3; m++) gram[k++] += p->weight[j] * f[i] * f[m];
+  }
+  static const int row[3][3] = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}};
+  for (int i = 0; i < 3; i++) /* a tetrahedron's are linear, but for rounding */
+    for (int m = 0; gram[row[i][i]] < 0.01 && m < 3; m++) gram[row[i][m]] = 0;
+  ylm__tree_axes(gram, b->L);
+}
+
+/* Second moments xy, xz, yz in those units. */
+static void whiten_pairs(double A[3][3], const double *m, double *xy) {
+  double rows[3][3] = {{m[0], m[1], m[2]}, {m[1], m[3], m[4]}, {m[2], m[4], m[5]}}, half[3][3];
+  double out[3][3];
+  for (int a = 0; a < 3; a++) ylm__tree_solve(A, rows[a], half[a]);
   for (int a = 0; a < 3; a++)
-    for (int b = a; b < 3; b++)
-      for (int c = b; c < 3; c++)
-        for (int d = c; d < 3; d++) m[k++] += w * x[a] * x[b] * x[c] * x[d];
+    ylm__tree_solve(A, (double[3]){half[0][a], half[1][a], half[2][a]}, out[a]);
+  for (int i = 0; i < 3; i++) xy[i] = out[pair_of[i][0]][pair_of[i][1]];
 }
 
-/* The weighted centroid of n lights; the mean of their centres where nothing emits. */
-static void find_centroid(cluster *q, const ylm__lamp_d *lamps, const uint32_t *order, size_t n) {
-  double plain[3] = {0}, sum[3] = {0}, r4 = 0;
-  q->weight = 0;
-  for (size_t i = 0; i < n; i++) {
-    const ylm__lamp_d *l = &lamps[order[i]];
-    double r2 = l->radius * l->radius, w = magnitude(l) * r2;
-    q->weight += w;
-    r4 += w * r2;
-    for (int a = 0; a < 3; a++) plain[a] += l->at[a] / (double)n, sum[a] += w * l->at[a];
-  }
-  bool emits = q->weight > 0 && isfinite(r4) && r4 > 0;
-  if (!emits) q->weight = 0;
-  q->radius2 = emits ? r4 / q->weight : 0;
-  for (int a = 0; a < 3; a++) q->at[a] = emits ? sum[a] / q->weight : plain[a];
-}
-
-static void find_moments(cluster *q, const ylm__lamp_d *lamps, const uint32_t *order, size_t n) {
-  for (size_t i = 0; i < n; i++) {
-    const ylm__lamp_d *l = &lamps[order[i]];
-    double x[3], d2 = 0, r2 = l->radius * l->radius, norm2 = 0;
-    for (int a = 0; a < 3; a++) x[a] = l->at[a] - q->at[a], d2 += x[a] * x[a];
-    for (int c = 0; c < 3; c++) {
-      add_moments(q->sum[c], l->rgb[c] * r2, x, r2);
-      norm2 += l->rgb[c] * l->rgb[c];
-    }
-    q->strength[YLM__STRENGTH_RGB] += sqrt(norm2) * r2;
-    q->strength[YLM__STRENGTH_LUM] += fabs(l->luminance) * r2;
-    q->reach = fmax(q->reach, sqrt(d2) + l->radius);
-    if (q->weight == 0) continue;
-    double w = magnitude(l) * r2 / q->weight;
-    for (int a = 0, k = 0; a < 3; a++)
-      for (int b = a; b < 3; b++) q->cov[k++] += w * x[a] * x[b];
-    add_fourth(q->m4, w, x);
-    q->fourth += w * (d2 + r2) * (d2 + r2);
-  }
-}
-
-/* The lower triangle A of C = A A^T; columns without extent are zero (walls, lines, one place). */
-static void cholesky(const double *cov, double A[3][3]) {
-  double C[3][3] = {{cov[0], cov[1], cov[2]}, {cov[1], cov[3], cov[4]}, {cov[2], cov[4], cov[5]}};
-  double least = 1e-12 * (C[0][0] + C[1][1] + C[2][2]);
-  memset(A, 0, 9 * sizeof(double));
-  for (int k = 0; k < 3; k++) {
-    double pivot = C[k][k];
-    for (int j = 0; j < k; j++) pivot -= A[k][j] * A[k][j];
-    if (!(pivot > least)) continue;
-    A[k][k] = sqrt(pivot);
-    for (int i = k + 1; i < 3; i++) {
-      double s = C[i][k];
-      for (int j = 0; j < k; j++) s -= A[i][j] * A[k][j];
-      A[i][k] = s / A[k][k];
-    }
-  }
-}
-
-/* Lights that may stand for a node. */
-typedef struct proxies {
-  int n;
-  double x[YLM__MOST_PROXIES][3], power[YLM__MOST_PROXIES][3];
-  double missing[YLM__STRENGTHS][2], fourth; /* second and third moments that they miss */
-} proxies;
-
-/* The first n corners, or their mirror images, about the centroid by A u, with the power of each in
-   each colour. */
-static void place_proxies(const cluster *q, double A[3][3], int n, double mirror, proxies *p) {
-  p->n = n;
-  for (int j = 0; j < n; j++)
-    for (int a = 0; a < 3; a++)
-      p->x[j][a] =
-          mirror * (A[a][0] * corner[j][0] + A[a][1] * corner[j][1] + A[a][2] * corner[j][2]);
+/* Proxies, and the power of each in each colour: in parts of its weight, a function of the place
+   that keeps the moments of degree 0 and 1, and those xy, xz, yz for which there are enough. */
+static void make_proxies(const cluster *q, double A[3][3], int n, double mirror, proxies *p) {
+  basis b;
+  ylm__tree_place(q, A, n, mirror, p);
+  find_basis(p, A, &b);
   for (int c = 0; c < 3; c++) {
-    double h[3];
-    for (int a = 0; a < 3; a++) {
-      double s = q->sum[c][M1 + a];
-      for (int b = 0; b < a; b++) s -= A[a][b] * h[b];
-      h[a] = A[a][a] > 0 ? s / A[a][a] : 0;
+    const double *m = q->sum[c];
+    double h[3], k[3], xy[3];
+    ylm__tree_solve(A, m + M1, h);
+    whiten_pairs(A, m + M2, xy);
+    for (int j = 0; j < n; j++) {
+      const double *y = b.y[j];
+      p->power[j][c] = p->weight[j] * (m[M0] + h[0] * y[0] + h[1] * y[1] + h[2] * y[2]);
+      for (int i = 0; i < 3; i++) xy[i] -= p->power[j][c] * y[pair_of[i][0]] * y[pair_of[i][1]];
     }
-    for (int j = 0; j < n; j++)
-      p->power[j][c] = (q->sum[c][M0] + mirror * (h[0] * corner[j][0] + h[1] * corner[j][1] +
-                                                  h[2] * corner[j][2])) /
-                       n;
+    solve_square(b.L, xy, k);
+    for (int j = 0; j < n; j++) {
+      const double *f = b.phi[j];
+      p->power[j][c] += p->weight[j] * (k[0] * f[0] + k[1] * f[1] + k[2] * f[2]);
+    }
   }
 }
 
@@ -174,7 +118,7 @@ static void find_missing(const cluster *q, proxies *p) {
   double rest[3][MOMENTS], lum[MOMENTS];
   memcpy(rest, q->sum, sizeof rest);
   for (int c = 0; c < 3; c++)
-    for (int j = 0; j < p->n; j++) add_moments(rest[c], -p->power[j][c], p->x[j], q->radius2);
+    for (int j = 0; j < p->n; j++) ylm__tree_add(rest[c], -p->power[j][c], p->x[j], q->radius2);
   for (int i = 0; i < MOMENTS; i++) {
     double rgb[3] = {rest[0][i], rest[1][i], rest[2][i]};
     lum[i] = ylm__emission(rgb, 1, 0);
@@ -189,7 +133,7 @@ static void find_missing(const cluster *q, proxies *p) {
       r1 += tensor_square(m + MR1, plain, 3);
     }
     /* a quarter and three quarters: what radii do beside what offsets do, at any lmax */
-    p->missing[s][0] = sqrt(m2) / 2 + sqrt(r0) / 8;
+    p->missing[s][0] = COLOURS * sqrt(m2) / 2 + sqrt(r0) / 8;
     p->missing[s][1] = SKEW * sqrt(m3) / 6 + sqrt(r1) / 8;
   }
 }
@@ -197,8 +141,8 @@ static void find_missing(const cluster *q, proxies *p) {
 /* What proxies miss of the fourth moments of geometry, with the 1/24 of Taylor's formula. */
 static void find_fourth(const cluster *q, proxies *p) {
   double rest[15];
-  memcpy(rest, q->m4, sizeof rest);
-  for (int j = 0; j < p->n; j++) add_fourth(rest, -1.0 / p->n, p->x[j]);
+  memcpy(rest, q->fourth_of, sizeof rest);
+  for (int j = 0; j < p->n; j++) ylm__tree_add_fourth(rest, -p->weight[j], p->x[j]);
   p->fourth = (MISSED * sqrt(tensor_square(rest, times4, 15)) + HIGHER * q->fourth) / 24;
 }
 
@@ -236,10 +180,10 @@ static void write_proxies(ylm_light_tree *t, size_t block, const cluster *q, con
 /* The proxies that cost least, of a cluster with more lights than four. */
 static void choose_proxies(const cluster *q, size_t n, proxies *best) {
   double A[3][3], least = INFINITY;
-  cholesky(q->cov, A);
+  ylm__tree_axes(q->shape + M2, A);
   for (int i = 0; i < (n > YLM__MANY ? 3 : 2); i++) {
     proxies p;
-    place_proxies(q, A, i < 2 ? YLM__PROXIES : YLM__MOST_PROXIES, i == 1 ? -1 : 1, &p);
+    make_proxies(q, A, i < 2 ? YLM__PROXIES : YLM__MOST_PROXIES, i == 1 ? -1 : 1, &p);
     find_missing(q, &p);
     find_fourth(q, &p);
     double c = cost(q, &p);
@@ -251,11 +195,10 @@ static void choose_proxies(const cluster *q, size_t n, proxies *best) {
 static float up(double x) { return nextafterf((float)x, INFINITY); }
 
 void ylm__tree_node(ylm_light_tree *t, uint32_t g, int k, const uint32_t *order, size_t n) {
-  cluster q = {.weight = 0};
-  find_centroid(&q, t->lights->lamp_d, order, n);
-  find_moments(&q, t->lights->lamp_d, order, n);
+  cluster q;
+  ylm__tree_cluster(&q, t->lights->lamp_d, order, n);
   ylm__group *to = &t->group[g];
-  proxies p = {.n = 0};
+  proxies p;
   if (n > YLM__PROXIES) {
     choose_proxies(&q, n, &p);
     for (int j = 0; j < p.n; j++) {

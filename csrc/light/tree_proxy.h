@@ -1,0 +1,54 @@
+/*
+** tree_proxy.h - the moments of a node's lights, and the lights that may stand for it.
+**
+** Private to csrc/light/tree_*.c.
+*/
+#ifndef YLM_LIGHT_TREE_PROXY_H
+#define YLM_LIGHT_TREE_PROXY_H
+
+#include "tree.h"
+
+/* Moments about the centroid: 1; x y z; xx xy xz yy yz zz; xxx xxy xxz xyy xyz xzz yyy yyz yzz zzz;
+   then of weights e r^2 where these are e: 1; x y z. */
+enum { M0 = 0, M1 = 1, M2 = 4, M3 = 10, MR0 = 20, MR1 = 21, MOMENTS = 24 };
+
+/* Lights of power e r^2; geometry is weighted by |luminance| r^2. */
+typedef struct cluster {
+  double at[3], weight, reach, radius2;         /* centroid, sum of |lum| r^2, r_p^2 */
+  double shape[MOMENTS], fourth_of[15], fourth; /* means; of x x x x and of (x^2 + r^2)^2 */
+  double strength[YLM__STRENGTHS];
+  double sum[3][MOMENTS]; /* of each colour's power */
+} cluster;
+
+/* Lights that may stand for a node: places about the centroid, their parts of the weight, and in
+   colours of the power. */
+typedef struct proxies {
+  int n;
+  double x[YLM__MOST_PROXIES][3], weight[YLM__MOST_PROXIES], power[YLM__MOST_PROXIES][3];
+  double missing[YLM__STRENGTHS][2], fourth; /* second and third moments that they miss */
+} proxies;
+
+/* -- tree_cluster.c ---------------------------------------------------------------------------- */
+
+/* Adds a light of power e, offset x and squared radius r2. */
+void ylm__tree_add(double m[MOMENTS], double e, const double *x, double r2);
+/* Adds w x x x x: xxxx xxxy xxxz xxyy xxyz xxzz xyyy xyyz xyzz xzzz yyyy yyyz yyzz yzzz zzzz. */
+void ylm__tree_add_fourth(double m[15], double w, const double *x);
+/* Of n lights; zero before. */
+void ylm__tree_cluster(cluster *q, const ylm__lamp_d *lamps, const uint32_t *order, size_t n);
+
+/* -- tree_place.c ------------------------------------------------------------------------------ */
+
+/* The lower triangle A of a covariance xx xy xz yy yz zz, C = A A^T; columns without extent are
+   zero (walls, lines, one place). */
+void ylm__tree_axes(const double *cov, double A[3][3]);
+/* y of x = A y; 0 where A has no column. */
+void ylm__tree_solve(double A[3][3], const double *x, double *y);
+/*
+** Places and weights of n proxies, 4 or 8. They have the moments of degree 0, 1 and 2, and those of
+** degree 3 too, but for four of lights in a volume, and where these would need negative weights or
+** squares. `mirror`: 1, or -1 for the other tetrahedron.
+*/
+void ylm__tree_place(const cluster *q, double A[3][3], int n, double mirror, proxies *p);
+
+#endif
