@@ -4,6 +4,7 @@
 local core = require "ylm.c.core"
 local support = require "spec.support.gpu"
 local ylm = require "ylm"
+local scene = require "spec.support.floor_scene"
 
 describe("ylm.vulkan pictures", function()
   if not pcall(require, "ylm.c.scene") then
@@ -13,22 +14,6 @@ describe("ylm.vulkan pictures", function()
   local gpu = support.here()
   if not gpu then return end
   local binding = ylm.vulkan.__binding()
-
-  --- A floor that does not fill the picture, a sphere over it, a lamp in sight; behind them a background.
-  local function scene(o)
-    return ylm.scene "floor" {
-      camera = ylm.camera { from = { 0.2, 1.3, 2.4 }, at = { 0, 0.3, 0 }, fov = 55 },
-      background = { 0.2, 0.1, 0.4 },
-      geometry = {
-        ylm.quad { corner = { -1, 0, 1 }, u = { 2, 0, 0 }, v = { 0, 0, -2 }, divide = 8,
-          material = ylm.matte { albedo = { 0.7, 0.5, 0.3 } } },
-        ylm.sphere { at = { 0, 0.35, 0 }, radius = 0.3, material = ylm.matte { albedo = 0.6 } },
-      },
-      lights = { ylm.sphere_light { at = { 0.7, 0.8, 0.4 }, radius = 0.1, radiance = { 20, 15, 10 } },
-        ylm.sphere_light { at = { -0.9, 0.5, 0.2 }, radius = 0.05, radiance = { 10, 20, 40 } } },
-      probes = ylm.adaptive_grid { lmax = 3, depth = 3, threshold = 2, channels = o and o.channels },
-    }
-  end
 
   --- Are they the same within 1e-5 of the largest number?
   local function same(a, b, bound)

@@ -32,13 +32,34 @@ function gpu.close_silent(open)
   assert(open.messages == 0 and open.message == "", open.message)
 end
 
+--- The chosen device's number; without any nil, and a pending spec.
+local function present()
+  local chosen, missing = gpu.choose()
+  if not chosen then busted.pending("no Vulkan device: " .. missing) end
+  return chosen
+end
+
+--- In a describe block: a function that opens devices as gpu.open does, with validation unless said otherwise, which are
+-- closed after each spec. Without any: nil, and a pending spec.
+function gpu.each()
+  if not present() then return nil end
+  local opened = {}
+  busted.after_each(function()
+    for _, open in ipairs(opened) do gpu.close_silent(open) end
+    opened = {}
+  end)
+  return function(options)
+    options = options or {}
+    if options.validate == nil then options.validate = true end
+    local open = gpu.open(options)
+    opened[#opened + 1] = open
+    return open
+  end
+end
+
 --- In a describe block: its device, opened with validation and closed behind it. Without any: nil, and a pending spec.
 function gpu.here()
-  local chosen, missing = gpu.choose()
-  if not chosen then
-    busted.pending("no Vulkan device: " .. missing)
-    return nil
-  end
+  if not present() then return nil end
   local open = gpu.open { validate = true }
   busted.teardown(function() gpu.close_silent(open) end)
   return open

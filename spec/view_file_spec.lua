@@ -1,0 +1,69 @@
+-- Files for ParaView, as VTK's own readers find them.
+
+local core = require "ylm.c.core"
+local scratch = require "spec.support.scratch"
+local views = require "spec.support.views"
+local ylm = require "ylm"
+
+local vtk = views.vtk "files for ParaView"
+if not vtk then return end
+
+local uniform = views.uniform
+
+describe("grid:save \"grid.vtu\"", function()
+  local folder
+  before_each(function() folder = scratch.new() end)
+  after_each(function() folder:remove() end)
+
+  it("is what VTK's own reader finds", function()
+    local g, path = uniform(), folder.path .. "/grid.vtu"
+    assert(g:save(path))
+    local text = assert(vtk.describe(path))
+    assert.truthy(text:find("vtkUnstructuredGrid 125 64\nbounds -1 -1 -1 1 1 1\ntype 12\n", 1, true), text)
+    for _, line in ipairs { "point L00 1 125", "point gradient L00 3 125", "point lambda 1 125", "point norm 1 125",
+      "cell level 1 64", "cell error 1 64" } do
+      assert.truthy(text:find("\n" .. line .. " ", 1, true), line .. " is missing in\n" .. text)
+    end
+    local least, largest = text:match "point norm 1 125 (%S+) (%S+)"
+    local lo, hi = core.figure_range(core.array_convert(g:points().norm, "double"))
+    assert(math.abs(least - lo) < 1e-6 * hi and math.abs(largest - hi) < 1e-6 * hi)
+  end)
+
+  it("leaves an existing file alone where it cannot be written", function()
+    local path = folder:write("grid.vtu", "old")
+    assert(scratch.shell("chmod 500 " .. scratch.quote(folder.path)))
+    local ok, message, code = uniform():save(folder.path .. "/sub/grid.vtu")
+    assert.is_nil(ok)
+    assert.equal("EIO", code)
+    assert(message)
+    scratch.shell("chmod 700 " .. scratch.quote(folder.path))
+    assert.equal("old", folder:read "grid.vtu", path)
+  end)
+
+  it("is refused by VTK where it is cut off, as our message", function()
+    local path = folder.path .. "/grid.vtu"
+    assert(uniform():save(path))
+    local bytes = folder:read "grid.vtu"
+    folder:write("grid.vtu", bytes:sub(1, #bytes - 3000))
+    local text, message = vtk.describe(path)
+    assert(text == nil and message:find("VTK", 1, true), tostring(message))
+  end)
+end)
+
+describe("shapes and volumes as files", function()
+  it("are what VTK's own reader finds", function()
+    local folder = scratch.new()
+    local shape = core.shape(3)
+    core.shape_spheres(shape, ylm.array { { 1, 2, 3 } }, ylm.array { 0.5 }, ylm.array { { 1, 0, 0 } }, 3)
+    assert(core.shape_save(shape, folder.path .. "/ball.vtp"))
+    local text = assert(vtk.describe(folder.path .. "/ball.vtp"))
+    assert.truthy(text:find("vtkPolyData 258 512\nbounds 0.5 1.5 2.5 1.5 2.5 3.5\n", 1, true), text)
+    local volume = assert(core.volume({ 0, 0, 0, 2, 1, 1 }, { 4, 2, 2 }, 1))
+    core.volume_set(volume, ylm.zeros { 2, 2, 4 })
+    assert(core.volume_save(volume, folder.path .. "/v.vti", "a < \"b\""))
+    text = assert(vtk.describe(folder.path .. "/v.vti"))
+    assert.truthy(text:find("vtkImageData 16 ", 1, true), text)
+    assert.truthy(text:find("point a < \"b\" 1 16 0 0", 1, true), text)
+    folder:remove()
+  end)
+end)

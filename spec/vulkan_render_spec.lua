@@ -1,0 +1,67 @@
+-- Scenes rendered with a grid on a device, against the processor. On Mesa's lavapipe, where there is no other device.
+
+local ylm = require "ylm"
+local device = require "spec.support.gpu"
+local floor = require "spec.support.floor_scene"
+
+describe("ylm.vulkan", function()
+  local open = device.each()
+  if not open then return end
+  local binding = require "ylm.c.vulkan"
+
+  describe("scene:render", function()
+    if not pcall(require, "ylm.c.scene") then return end
+
+    local function scene(channels) return floor { channels = channels } end
+
+    it("gives the CPU's image, for rgb and luminance grids, of all interpolations", function()
+      local gpu = open()
+      for _, channels in ipairs { "rgb", "luminance" } do
+        local s = scene(channels)
+        local grid = assert(s:bake())
+        local o = { grid = grid, size = { 40, 30 }, samples = 1 }
+        for _, interpolation in ipairs { "hermite", "linear" } do
+          o.interpolation, o.device = interpolation, nil
+          local image, report = s:render(o)
+          o.device = gpu
+          local there, other = assert(s:render(o))
+          local a, b = image:layer(), there:layer()
+          local n, largest, most = 40 * 30 * 3, 0, 0
+          local x, y = a:reshape({ n }):totable(), b:reshape({ n }):totable()
+          for i = 1, n do
+            largest, most = math.max(largest, math.abs(x[i])), math.max(most, math.abs(x[i] - y[i]))
+          end
+          assert(largest > 0.1 and most <= 1e-5 * largest, most / largest)
+          assert.equal(report.outside, other.outside)
+          assert.equal(report.unbaked, other.unbaked)
+          assert(other.stages.shade.seconds > 0)
+        end
+      end
+    end)
+
+    it("keeps a view's points on the device between frames", function()
+      local gpu, s = open(), scene "rgb"
+      local grid, view = assert(s:bake()), assert(s:prepare { size = { 40, 30 }, samples = 1 })
+      grid:to(gpu)
+      local o = { grid = grid, device = gpu, layers = false }
+      local first = assert(view:render(o))
+      local before = gpu.stats.uploaded
+      local image, report = assert(view:render(o))
+      assert.equal(before, gpu.stats.uploaded)
+      assert(report.stages.upload == nil and report.stages.sort.seconds >= 0)
+      assert.equal(0, (select(2, require "ylm.c.core".array_distance(image:layer(), first:layer()))))
+    end)
+
+    it("refuses fields that are no grid, and passes a lost device on", function()
+      local gpu, s = open(), scene "rgb"
+      local lamp = ylm.sphere_light { at = { 0, 1, 0 } }
+      local ok, message = pcall(s.render, s, { grid = lamp, device = gpu, size = { 8, 8 }, samples = 1 })
+      assert(not ok and message:find("grid must be a grid", 1, true), tostring(message))
+      local grid = assert(s:bake())
+      binding.gpu_lose(gpu)
+      local image, code
+      image, message, code = s:render { grid = grid, device = gpu, size = { 8, 8 }, samples = 1 }
+      assert(image == nil and code == "EDEVICE" and message:find("was lost", 1, true))
+    end)
+  end)
+end)
