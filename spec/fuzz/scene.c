@@ -1,8 +1,9 @@
 /*
 ** scene.c - fuzzes the sandbox that runs scene files: text -> lua/ylm/sandbox.lua under Lua 5.4.
 **
-** The bindings are built with sanitizers and coverage. Lua code is not seen by libFuzzer, so every
-** new kind of answer (its text, digits and quoted names left out) counts as something reached.
+** The bindings and the readers of images are built with sanitizers and coverage. In the folder of
+** the scene lie a mesh, a.obj, and images, a.png and a.exr. Lua code is not seen by libFuzzer, so
+** every new kind of answer (its text, digits and quoted names left out) counts as reached.
 */
 #include <ctype.h>
 #include <stdio.h>
@@ -15,18 +16,20 @@
 #include <lualib.h>
 
 int luaopen_ylm_c_core(lua_State *L);
+void ylmL_open_codec(lua_State *L);
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
 __attribute__((section("__libfuzzer_extra_counters"))) static uint8_t kinds[4096];
 
-static char folder[] = "/tmp/ylm-fuzz-XXXXXX", path[64], mesh[64];
+static char folder[] = "/tmp/ylm-fuzz-XXXXXX", path[64], mesh[64], images[2][64];
+static const char *const image_names[2] = {"a.png", "a.exr"};
 
 static const char setup[] =
     "package.path = 'lua/?.lua;lua/?/init.lua'\n"
     "local sandbox, form, check = require 'ylm.sandbox', require 'ylm.form', require 'ylm.check'\n"
-    "local limits = { instructions = 3e4, seconds = 5, memory = 4e6, triangles = 2e4, cells = "
-    "1e4,\n"
-    "  lmax = 8, depth = 6, file_size = 65536 }\n"
+    "local limits = form.options(1, 'fuzz', sandbox.limits, { instructions = 3e4, seconds = 5,\n"
+    "  memory = 4e6, triangles = 2e4, cells = 1e4, texels = 4096, lmax = 8, depth = 6,\n"
+    "  file_size = 65536 })\n"
     "local codes = { EFORMAT = 1, ELIMIT = 1, EINVAL = 1, EIO = 1, ENOMEM = 1, EMISSING = 1,\n"
     "  ESHAPE = 1, ERANGE = 1 }\n"
     "local upper, globals = string.upper, {}\n"
@@ -40,8 +43,17 @@ static const char setup[] =
     "  assert(type(message) == 'string' and #message < 1200 and not message:find('%c'), "
     "'message')\n"
     "  assert(codes[code], 'code ' .. tostring(code) .. ' of ' .. message)\n"
+    "  assert(not message:find 'lua/ylm/[%w_]*%.lua:%d', message)\n" /* not the caller's line */
     "  return code .. message\n"
     "end\n";
+
+/* Writes the images of the given names: 4 x 2 texels, some dark, some negative. */
+static const char paint[] =
+    "local image = require('ylm.image').image { size = { 4, 2 }, layers = { { 'radiance', 3 } } }\n"
+    "for y = 1, 2 do for x = 1, 4 do for c = 1, 3 do\n"
+    "  image:layer():set(y, x, c, (x * y * c % 7 - 1) / 4)\n"
+    "end end end\n"
+    "for _, path in ipairs { ... } do assert(image:save(path)) end\n";
 
 static void die(const char *what) {
   fprintf(stderr, "scene: %s\n", what);
@@ -51,12 +63,29 @@ static void die(const char *what) {
 static void clean(void) {
   unlink(path);
   unlink(mesh);
+  for (int i = 0; i < 2; i++) unlink(images[i]);
   rmdir(folder);
 }
 
 static void put(const char *name, const void *data, size_t size) {
   FILE *f = fopen(name, "wb");
   if (!f || fwrite(data, 1, size, f) != size || fclose(f) != 0) die("cannot write");
+}
+
+/* The part of ylm.c.scene that scene files reach: images. */
+static int open_scene(lua_State *L) {
+  lua_newtable(L);
+  ylmL_open_codec(L);
+  return 1;
+}
+
+static void run_paint(lua_State *L) {
+  if (luaL_loadstring(L, paint)) die(lua_tostring(L, -1));
+  for (int i = 0; i < 2; i++) {
+    snprintf(images[i], sizeof images[i], "%s/%s", folder, image_names[i]);
+    lua_pushstring(L, images[i]);
+  }
+  if (lua_pcall(L, 2, 0, 0) != LUA_OK) die(lua_tostring(L, -1));
 }
 
 /* A state with the sandbox, its function `run` at 1. */
@@ -72,8 +101,11 @@ static lua_State *begin(void) {
   luaL_getsubtable(L, LUA_REGISTRYINDEX, "_PRELOAD");
   lua_pushcfunction(L, luaopen_ylm_c_core);
   lua_setfield(L, -2, "ylm.c.core");
+  lua_pushcfunction(L, open_scene);
+  lua_setfield(L, -2, "ylm.c.scene");
   lua_settop(L, 0);
   if (luaL_dostring(L, setup)) die(lua_tostring(L, -1));
+  run_paint(L);
   return L;
 }
 
