@@ -62,15 +62,14 @@ end
 local started = core.seconds()
 local stage = ylm.scene(scene.name) { camera = scene.camera, geometry = scene.geometry, lights = {} }
 local view = good(stage:prepare { size = size, samples = option.samples, transfer_samples = option.rays })
-local points = view:points().position
 local prepared = core.seconds() - started
 local around = { { -5.51, -0.01, -5.51 }, { 5.51, 2.6, 5.51 } } -- the floor and the knot
 local probes = ylm.adaptive_grid { bounds = around, lmax = 4, depth = option.depth, tolerance = option.tolerance,
   dynamic = not device }
-local grid = good(ylm.bake(probes, lamps(0), { occupied = points, device = device }))
+local grid = good(ylm.bake(probes, lamps(0), { occupied = view, device = device }))
 local stats = grid.stats
 print(("%d x %d, %s shading points: %.1f s; %s grid points for %s lamps: %.2f s"):format(size[1], size[2],
-  common.thousands(#points), prepared, common.thousands(stats.points), common.thousands(#scene.lights), stats.seconds))
+  common.thousands(view.stats.points), prepared, common.thousands(stats.points), common.thousands(#scene.lights), stats.seconds))
 
 -- Frame by frame ----------------------------------------------------------------------------------
 
@@ -84,7 +83,7 @@ for frame = 1, option.frames do
   local report
   if device then
     grid:close()
-    grid = good(ylm.bake(probes, now, { occupied = points, device = device }))
+    grid = good(ylm.bake(probes, now, { occupied = view, device = device }))
     report = grid.stats
   else
     report = good(grid:update(now))

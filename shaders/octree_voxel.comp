@@ -27,8 +27,7 @@ PUSH {
 /* Ordered like the number at `at`; the high word first. */
 uvec2 order_of(uint at) {
   uint h = word[WORDS * at + (WORDS == 2 ? high : 0)], l = WORDS == 2 ? word[WORDS * at + 1 - high] : 0;
-  if (WORDS == 2) return (h >> 31) != 0 ? uvec2(~h, ~l) : uvec2(h | 0x80000000, l);
-  return uvec2((h >> 31) != 0 ? ~h : h | 0x80000000, 0);
+  return uvec2(order_of_high(h), WORDS == 2 ? order_of_low(h, l) : 0);
 }
 
 /* All bits of its exponent: infinite, or no number. */

@@ -21,18 +21,14 @@ PUSH {
   uint row, chunks; /* sums * stride */
 };
 
+#include "gen/compensation.glsl"
+
 void main() {
   uint i = ylm_item(first);
   if (i >= elements) return;
   uint from = (i / row) * chunks * row + i % row;
   real sum = total[i], rest = lost[i];
-  for (uint k = 0u; k < chunks; k++) {
-    precise real x = partial[from + k * row] - rest;
-    precise real next = sum + x;
-    precise real kept = next - sum;
-    rest = kept - x;
-    sum = next;
-  }
+  for (uint k = 0u; k < chunks; k++) add_part(partial[from + k * row], sum, rest);
   total[i] = sum;
   lost[i] = rest;
 }

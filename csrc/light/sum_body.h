@@ -11,6 +11,7 @@ YLM_INLINE V NAME(smaller)(V a, V b) { return -NAME(larger)(-a, -b); }
 
 YLM_INLINE V NAME(choose)(VI first, V a, V b) { return (V)(((VI)a & first) | ((VI)b & ~first)); }
 
+#include "gen/compensation.h"
 #include "gen/eigenvalue.h"
 
 /* y = A x for the rows first .. first+n-1 of A. */
@@ -99,11 +100,7 @@ static void NAME(add_all)(const ylm__plan *p, NAME(work) * k, const V *xyz, VI *
     memset(k->part, 0, sums * sizeof(V));
     for (size_t i = block; i < end; i += YLM__TILE) NAME(add_tile)
     (p, k, end - i < YLM__TILE ? (int)(end - i) : YLM__TILE, lamps + i, xyz, k->part, inside);
-    for (size_t i = 0; i < sums; i++) {
-      V x = k->part[i] - k->lost[i], total = k->lum[i] + x;
-      k->lost[i] = (total - k->lum[i]) - x;
-      k->lum[i] = total;
-    }
+    for (size_t i = 0; i < sums; i++) NAME(add_part)(k->part[i], &k->lum[i], &k->lost[i]);
   }
 }
 

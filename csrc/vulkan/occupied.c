@@ -12,13 +12,13 @@
 
 /* Numbers of a type in their order, as integers: octree_voxel.comp. */
 static double number_of(ylm_dtype t, uint64_t order) {
+  uint32_t high = (uint32_t)(t == YLM_DOUBLE ? order >> 32 : order), bits = bits_of_high(high);
   if (t == YLM_DOUBLE) {
-    uint64_t bits = order >> 63 ? order & ~((uint64_t)1 << 63) : ~order;
+    uint64_t both = (uint64_t)bits << 32 | bits_of_low(high, (uint32_t)order);
     double x;
-    memcpy(&x, &bits, sizeof x);
+    memcpy(&x, &both, sizeof x);
     return x;
   }
-  uint32_t o = (uint32_t)order, bits = o >> 31 ? o & 0x7fffffffu : ~o;
   float x;
   memcpy(&x, &bits, sizeof x);
   return (double)x;

@@ -37,3 +37,15 @@ uint key_y(uint low, uint high) { return low >> 17 | (high & 3u) << 15; }
 
 /* z. */
 uint key_z(uint high) { return high >> 2; }
+
+/* The bits of a float, or the high word of a double, as a whole number that orders like it. */
+uint order_of_high(uint high) { return (high >> 31) != 0u ? ~high : high | 0x80000000u; }
+
+/* The low word of a double likewise. */
+uint order_of_low(uint high, uint low) { return (high >> 31) != 0u ? ~low : low; }
+
+/* The bits of a number of that order: of a float, or the high word. */
+uint bits_of_high(uint order) { return (order >> 31) != 0u ? order & 0x7fffffffu : ~order; }
+
+/* The low word. */
+uint bits_of_low(uint order, uint low) { return (order >> 31) != 0u ? low : ~low; }

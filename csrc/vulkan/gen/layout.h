@@ -47,4 +47,16 @@ static inline uint32_t key_y(uint32_t low, uint32_t high) { return low >> 17 | (
 /* z. */
 static inline uint32_t key_z(uint32_t high) { return high >> 2; }
 
+/* The bits of a float, or the high word of a double, as a whole number that orders like it. */
+static inline uint32_t order_of_high(uint32_t high) { return (high >> 31) != 0u ? ~high : high | 0x80000000u; }
+
+/* The low word of a double likewise. */
+static inline uint32_t order_of_low(uint32_t high, uint32_t low) { return (high >> 31) != 0u ? ~low : low; }
+
+/* The bits of a number of that order: of a float, or the high word. */
+static inline uint32_t bits_of_high(uint32_t order) { return (order >> 31) != 0u ? order & 0x7fffffffu : ~order; }
+
+/* The low word. */
+static inline uint32_t bits_of_low(uint32_t order, uint32_t low) { return (order >> 31) != 0u ? low : ~low; }
+
 #endif

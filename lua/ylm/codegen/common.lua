@@ -7,9 +7,9 @@
 --     }]] }
 --
 -- Types: bool, int, float; uint; real, which is double in C and what the shader says in GLSL; `vector x` and `floats x` are
--- parameters of three reals, floats, read by x[a]. #x is a constant of type real. ABS, ROOT are functions. No contraction of
--- products and sums changes an `exact real` on a device. Lines between FINE and COARSE, and COARSE and END, are for double
--- and for float.
+-- parameters of three reals, floats, read by x[a]; `inout real x` is one that is written, as @x. #x is a constant of type
+-- real. ABS, ROOT are functions. No contraction of products and sums changes an `exact real` on a device. Lines between FINE
+-- and COARSE, and COARSE and END, are for double and for float.
 
 local functions = require "ylm.codegen.functions"
 local template = require "ylm.codegen.template"
@@ -20,17 +20,24 @@ local languages = {
   c = {
     real = "double", mask = "bool", constant = "%s", words = { ABS = "fabs", ROOT = "sqrt" },
     uint = "uint32_t", vector = "const double %1[3]", floats = "const float %1[3]", exact = "",
+    inout = "%1 *%2", at = "*",
     before = "static inline ", constants = { "enum {", "  YLM_GPU_%s = 0x%x, /* %s */", "};" },
+  },
+  -- C for lanes, included once for each element type with vectors V.
+  kernel = {
+    real = "V", mask = "VI", constant = "(REAL)%s", words = {}, uint = "uint32_t", vector = "const V *%1",
+    floats = "const V *%1", exact = "", inout = "%1 *%2", at = "*", before = "YLM_INLINE ", name = "%1 NAME(%2)",
   },
   -- GLSL of either precision, and in double.
   shader = {
     real = "real", mask = "bool", constant = "REAL(%slf)", words = { ABS = "abs", ROOT = "sqrt" },
-    uint = "uint", vector = "rvec3 %1", floats = "vec3 %1", exact = "precise ",
+    uint = "uint", vector = "rvec3 %1", floats = "vec3 %1", exact = "precise ", inout = "inout %1 %2", at = "",
     before = "", fine = "#ifdef YLM_DOUBLE", constants = { nil, "const uint %s = 0x%x; /* %s */" },
   },
   double_shader = {
     real = "double", mask = "bool", constant = "%slf", words = { ABS = "abs", ROOT = "sqrt" },
-    uint = "uint", vector = "dvec3 %1", floats = "vec3 %1", exact = "precise ", before = "",
+    uint = "uint", vector = "dvec3 %1", floats = "vec3 %1", exact = "precise ",
+    inout = "inout %1 %2", at = "", before = "",
   },
 }
 
@@ -44,6 +51,8 @@ end
 
 local function words(text, language)
   text = template.fill(text, language):gsub("%f[%w_]uint%f[^%w_]", language.uint)
+  text = text:gsub("inout (%w+) (%w+)", language.inout):gsub("@", language.at)
+  if language.name then text = text:gsub("^(%w+) ([%w_]+)", language.name) end
   for _, kind in ipairs { "vector", "floats" } do
     text = text:gsub("%f[%w_]" .. kind .. " (%w+)", language[kind])
   end
@@ -58,8 +67,8 @@ local function append_constants(out, constants, style)
   out[#out + 1] = ""
 end
 
---- The text of a file in a language: "c", "shader" or "double_shader". `list` has the functions, `banner` the lines that say
--- what they are; constants: list of { name, value, what it is }, whole numbers, or nil.
+--- The text of a file in a language: "c", "kernel", "shader" or "double_shader". `list` has the functions, `banner` the lines
+-- that say what they are; constants: list of { name, value, what it is }, whole numbers, or nil.
 function common.text(name, module, banner, list, constants)
   local language = languages[name]
   local out = {

@@ -39,6 +39,14 @@ uint key_x(uint low) { return low & 0x1ffffu; }]] },
 uint key_y(uint low, uint high) { return low >> 17 | (high & 3u) << 15; }]] },
   { about = "z.", text = [[
 uint key_z(uint high) { return high >> 2; }]] },
+  { about = "The bits of a float, or the high word of a double, as a whole number that orders like it.", text = [[
+uint order_of_high(uint high) { return (high >> 31) != 0u ? ~high : high | 0x80000000u; }]] },
+  { about = "The low word of a double likewise.", text = [[
+uint order_of_low(uint high, uint low) { return (high >> 31) != 0u ? ~low : low; }]] },
+  { about = "The bits of a number of that order: of a float, or the high word.", text = [[
+uint bits_of_high(uint order) { return (order >> 31) != 0u ? order & 0x7fffffffu : ~order; }]] },
+  { about = "The low word.", text = [[
+uint bits_of_low(uint order, uint low) { return (order >> 31) != 0u ? low : ~low; }]] },
 }
 
 --- The file's text in a language of common.lua.

@@ -28,6 +28,8 @@ targets[#targets + 1] = { "csrc/light/gen/jet.h", "ylm.codegen.jet", "double" }
 
 targets[#targets + 1] = { "shaders/gen/crossing.glsl", "ylm.codegen.crossing", "double_shader" }
 targets[#targets + 1] = { "csrc/light/gen/crossing.h", "ylm.codegen.crossing", "c" }
+targets[#targets + 1] = { "shaders/gen/compensation.glsl", "ylm.codegen.compensation", "shader" }
+targets[#targets + 1] = { "csrc/light/gen/compensation.h", "ylm.codegen.compensation", "kernel" }
 targets[#targets + 1] = { "shaders/gen/cells.glsl", "ylm.codegen.cells", "shader" }
 targets[#targets + 1] = { "csrc/grid/gen/cells.h", "ylm.codegen.cells", "c" }
 targets[#targets + 1] = { "shaders/gen/layout.glsl", "ylm.codegen.layout", "shader" }
