@@ -137,6 +137,16 @@ describe("grid:update of flat lights", function()
     assert.is_true(quantile(e, 0.99) <= 1e-3, quantile(e, 0.99))
   end)
 
+  it("knows that points below a large panel are not near it", function()
+    local d = descriptions[2]
+    local function lights(x) return { panel(x, 0.95, 0, 0.6, 0.01, 0.02), lamp(0.5, 0.6, 0) } end
+    local grid = bake(d, lights(0), true)
+    local report = update(grid, lights(0.05))
+    assert.is_true(report.points > 0.5 * grid.stats.points, report.points)
+    assert.is_true(report.exact < 0.1 * report.points, report.exact .. " of " .. report.points)
+    assert.is_true(worst(grid:sample(occupied), bake(d, lights(0.05)):sample(occupied)) < 1e-3)
+  end)
+
   it("does not drift where a panel creeps, each step below the tolerance", function()
     local d, lights = descriptions[2], ceiling(100)
     local grid = bake(d, lights, true)
@@ -148,10 +158,18 @@ describe("grid:update of flat lights", function()
     assert.is_true(e <= 1e-3, e)
   end)
 
-  local loose = { name = "by a tolerance", tolerance = 0.02, make = function(dynamic)
-    return ylm.adaptive_grid { bounds = box, lmax = 3, depth = 6, tolerance = 0.02, dynamic = dynamic }
-  end }
-  for _, d in ipairs { descriptions[1], descriptions[2], loose } do
+  local small = {
+    { name = "uniform", make = function(dynamic)
+      return ylm.uniform_grid { bounds = box, cells = 6, lmax = 3, dynamic = dynamic }
+    end },
+    { name = "by a threshold", make = function(dynamic)
+      return ylm.adaptive_grid { bounds = box, lmax = 2, depth = 5, threshold = 5, dynamic = dynamic }
+    end },
+    { name = "by a tolerance", tolerance = 0.02, make = function(dynamic)
+      return ylm.adaptive_grid { bounds = box, lmax = 2, depth = 5, tolerance = 0.02, dynamic = dynamic }
+    end },
+  }
+  for _, d in ipairs(small) do
     it("is right after 1000 updates of all kinds of lights: grid " .. d.name, function()
       local r, lights = random(moving.seed), ceiling(24)
       local kept = { {}, { method = "sphere" }, { horizon = { 0, 1, 0 } } }

@@ -160,10 +160,41 @@ void ylm__lamp_box(const lamp *l, double box[6]) {
   }
 }
 
-bool ylm__lamp_is_near(const lamp *l, const double p[3]) {
-  double s = 0, near = NEAR_FLAT * lamp_offset(l);
-  for (int a = 0; a < 3; a++) s += (p[a] - l->at[a]) * (p[a] - l->at[a]);
-  return sqrt(s) <= (near > 0 ? near : NEAR * l->radius);
+/* From p to the segment between a and b, both relative to p. */
+static double segment_distance(const double a[3], const double b[3]) {
+  double along = 0, length2 = 0, s = 0;
+  for (int k = 0; k < 3; k++) {
+    along -= a[k] * (b[k] - a[k]);
+    length2 += (b[k] - a[k]) * (b[k] - a[k]);
+  }
+  double t = length2 > 0 ? along / length2 : 0;
+  t = t < 0 ? 0 : t > 1 ? 1 : t;
+  for (int k = 0; k < 3; k++) s += (a[k] + t * (b[k] - a[k])) * (a[k] + t * (b[k] - a[k]));
+  return sqrt(s);
+}
+
+/* The way from p to a lamp's centre, without the part along `normal`, which is returned. */
+static double split(const lamp *l, const double p[3], const double normal[3], double out[3]) {
+  double height = 0;
+  for (int k = 0; k < 3; k++) out[k] = l->at[k] - p[k];
+  if (!normal) return 0;
+  for (int k = 0; k < 3; k++) height += normal[k] * out[k];
+  for (int k = 0; k < 3; k++) out[k] -= height * normal[k];
+  return fabs(height);
+}
+
+/* An exact flat light lies in the disk of its reach; the disk's way in its plane is a segment, seen
+   from the nearer of the two planes. */
+double ylm__lamp_way_distance(const lamp *a, const lamp *b, const double p[3]) {
+  bool flat = a->shape && a->shape->exact;
+  const double *normal = flat ? a->shape->normal : NULL;
+  double from[3], to[3], ha = split(a, p, normal, from), hb = split(b, p, normal, to);
+  double s = segment_distance(from, to);
+  return flat ? hypot(fmin(ha, hb), fmax(0, s - a->shape->reach)) : s;
+}
+
+double ylm__lamp_distance(const lamp *l, const double p[3]) {
+  return ylm__lamp_way_distance(l, l, p);
 }
 
 /* -- as a field -----------------------------------------------------------------------------------

@@ -5,7 +5,7 @@
 #include "grid.h"
 
 #define NEAR 3.0      /* radii: nearer to a light that changed, all lights are summed */
-#define NEAR_FLAT 2.0 /* the same from an exact flat light's centroid, in distances to its rim */
+#define NEAR_FLAT 0.5 /* the same of an exact flat light, in its reaches */
 
 /* What a flat light has beside a lamp's numbers. */
 typedef struct lamp_shape {
@@ -57,8 +57,14 @@ bool ylm__lamp_slides(const lamp *a, const lamp *b);
 bool ylm__lamps_alike(const lamp *a, const lamp *b);
 /* A box around it: min, max. */
 void ylm__lamp_box(const lamp *l, double box[6]);
-/* True if p is so near that all lights are to be summed there when this one changes. */
-bool ylm__lamp_is_near(const lamp *l, const double p[3]);
+/* The distance from its centre; of an exact flat light one that its nearest point has at least. */
+double ylm__lamp_distance(const lamp *l, const double p[3]);
+/* The same from the way between two lamps that slide; p is not in between their planes. */
+double ylm__lamp_way_distance(const lamp *a, const lamp *b, const double p[3]);
+/* At such a distance and nearer all lights are to be summed when this one changes. */
+static inline double lamp_near(const lamp *l) {
+  return l->shape && l->shape->exact ? NEAR_FLAT * l->shape->reach : NEAR * l->radius;
+}
 
 /* The field of up to two lamps that are alike, grey, of given radiances. */
 typedef struct lamp_field {
@@ -72,12 +78,9 @@ void ylm__lamp_field_free(lamp_field *f);
 
 /*
 ** Bounds of lamps of a kind, of radiance 1: the norms of the k-th derivatives of the coefficients,
-** k = 0 .. 3, are below bound[k] radius^2 / d^(k+2) wherever ylm__lamp_is_near is false; d is the
-** distance from the centre, of an exact flat light less its reach. Not of what a horizon cuts.
+** k = 0 .. 3, are below bound[k] radius^2 / d^(k+2) wherever ylm__lamp_distance, d, is above
+** lamp_near. Not of what a horizon cuts.
 */
 ylm_status ylm__lamp_bounds(int lmax, lamp_kind kind, double bound[4], ylm_error *e);
-static inline double lamp_offset(const lamp *l) {
-  return l->shape && l->shape->exact ? l->shape->reach : 0;
-}
 
 #endif

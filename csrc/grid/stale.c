@@ -16,19 +16,6 @@ static double distance(const double a[3], const double b[3]) {
   return sqrt(s);
 }
 
-/* From p to the segment between a and b. */
-static double segment_distance(const double p[3], const double a[3], const double b[3]) {
-  double along = 0, length2 = 0, q[3];
-  for (int k = 0; k < 3; k++) {
-    along += (p[k] - a[k]) * (b[k] - a[k]);
-    length2 += (b[k] - a[k]) * (b[k] - a[k]);
-  }
-  double t = length2 > 0 ? along / length2 : 0;
-  t = t < 0 ? 0 : t > 1 ? 1 : t;
-  for (int k = 0; k < 3; k++) q[k] = a[k] + t * (b[k] - a[k]);
-  return distance(p, q);
-}
-
 /* The norm of a light's radiance over the channels that are baked, or of the difference of two. */
 static double emission(const ylm_grid *g, const lamp *a, const lamp *b) {
   double x[3], s = 0;
@@ -82,10 +69,10 @@ static bool same_side(const lamp *a, const lamp *b, const double p[3]) {
 static bool bounds_of_way(const ylm_grid *g, const lamp *a, const lamp *b, const double p[3],
                           double db, bounds *out) {
   const double *bound = g->dynamic->bound[lamp_kind_of(a)];
-  double way = distance(a->at, b->at), e = emission(g, a, NULL),
-         ds = segment_distance(p, a->at, b->at), off = lamp_offset(a);
-  if (ds <= (off > 0 ? NEAR_FLAT * off : NEAR * a->radius) || !same_side(a, b, p)) return false;
-  ds -= off;
+  double way = distance(a->at, b->at), e = emission(g, a, NULL);
+  if (!same_side(a, b, p)) return false;
+  double ds = ylm__lamp_way_distance(a, b, p);
+  if (ds <= lamp_near(a)) return false;
   *out = bounds_at(g, b, emission(g, b, a), db);
   double x = e * a->radius * a->radius * way / (ds * ds * ds);
   for (int k = 0; k < 3; k++) {
@@ -102,11 +89,10 @@ static bool bounds_of_way(const ylm_grid *g, const lamp *a, const lamp *b, const
 */
 static bool add_bounds(const ylm_grid *g, const lamp *a, const lamp *b, bool slides,
                        const double p[3], bounds *sum) {
-  double ea = emission(g, a, NULL), eb = emission(g, b, NULL);
-  if ((ea > 0 && ylm__lamp_is_near(a, p)) || (eb > 0 && ylm__lamp_is_near(b, p))) return false;
-  double db = distance(p, b->at) - lamp_offset(b);
-  bounds from = bounds_at(g, a, ea, distance(p, a->at) - lamp_offset(a)),
-         to = bounds_at(g, b, eb, db), moved;
+  double ea = emission(g, a, NULL), eb = emission(g, b, NULL), da = ylm__lamp_distance(a, p),
+         db = ylm__lamp_distance(b, p);
+  if ((ea > 0 && da <= lamp_near(a)) || (eb > 0 && db <= lamp_near(b))) return false;
+  bounds from = bounds_at(g, a, ea, da), to = bounds_at(g, b, eb, db), moved;
   bool moves = slides && bounds_of_way(g, a, b, p, db, &moved);
   for (int k = 0; k < 3; k++) {
     double ends = from.of[k] + to.of[k];

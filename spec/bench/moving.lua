@@ -1,5 +1,6 @@
 -- One lamp of the 2516 of examples/scenes/floor_lights.lua moves 2 cm a frame, 1024 x 768, 4 samples a pixel, lmax 4, rgb,
--- depth 9: grid:update, sampling and shading, and the image, whose memory is used again. Wall time of all threads, and the
+-- depth 9: grid:update, sampling and shading, and the image, whose memory is used again; then one of 100 exact polygon
+-- lights over the same floor. Wall time of all threads, and the
 -- processor time of as many frames on one thread, which is what to compare on a machine that is busy.
 --
 --     build/ylm run spec/bench/moving.lua [threads] [frames]
@@ -45,6 +46,23 @@ local function fly()
   end
 end
 
+--- Lights of a frame: panels of 10 x 10 cm under the ceiling, one of which moves below the others.
+local function slide(n)
+  local function panel(x, y, z)
+    return ylm.polygon_light { radiance = { 9, 8, 6 },
+      vertices = { { x - 0.05, y, z - 0.05 }, { x + 0.05, y, z - 0.05 }, { x + 0.05, y, z + 0.05 }, { x - 0.05, y, z + 0.05 } } }
+  end
+  local all = {}
+  for k = 1, n do
+    local r, a = 5 * math.sqrt(k / n), 2.4 * k
+    all[k] = panel(r * math.cos(a), 2.4, r * math.sin(a))
+  end
+  return function(frame)
+    all[7] = panel(-1 + 0.02 * frame, 1.2, 1.5)
+    return all
+  end
+end
+
 local stage = ylm.scene(scene.name) { camera = scene.camera, geometry = scene.geometry, lights = {} }
 local view = assert(stage:prepare { size = { 1024, 768 }, samples = 4, transfer_samples = 32 })
 local points = view:points().position
@@ -73,7 +91,7 @@ end
 print(("moving lamps: %d shading points, %d frames, %d threads"):format(#points, frames, threads))
 print "lamp                   points  shaded %  update ms  shade ms  image ms  frame ms  (least)  frames/s  one thread ms"
 for _, case in ipairs { { "canopy, number 401", step_aside(401), 0.01 }, { "floor, number 740", step_aside(740), 0.01 },
-  { "bright lantern", fly(), 0.02 } } do
+  { "bright lantern", fly(), 0.02 }, { "one panel of 100", slide(100), 0.02 } } do
   local one, all = run(case[2], case[3], math.ceil(frames / 3), 1), run(case[2], case[3], frames, threads)
   local frame = all.update + all.light + all.image
   print(("%-20s %8.0f %9.1f %10.1f %9.1f %9.1f %9.1f  (%5.1f) %9.1f %14.1f"):format(case[1], all.points, 100 * all.fresh,
