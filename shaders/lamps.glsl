@@ -18,13 +18,16 @@ layout(constant_id = 5) const bool FLAT = false; /* lights have a normal */
 #define rvec4 vec4
 #endif
 
+#ifndef stored
+#define stored real /* the type of points and sums */
+#endif
 #define TILE 64u /* lights in shared memory */
 
 /* Lights: (x, y, z, r^2), (what r^2 lost, r, plain, luminance), (red, green, blue, 0) and, where FLAT, (normal, 0).
    `plain` is 1 for spheres, 0 for flat lights; spheres among flat lights have no normal. */
-layout(set = 0, binding = 0) readonly buffer Points { real point[]; };
+layout(set = 0, binding = 0) readonly buffer Points { stored point[]; };
 layout(set = 0, binding = 1) readonly buffer Lamps { rvec4 lamp[]; };
-layout(set = 0, binding = 2) writeonly buffer Partial { real partial[]; };
+layout(set = 0, binding = 2) writeonly buffer Partial { stored partial[]; };
 layout(set = 0, binding = 3) buffer Inside { uint inside[]; };
 
 PUSH {

@@ -136,10 +136,14 @@ describe("baking on a device", function()
     end
     local uniform = ylm.uniform_grid { bounds = box, cells = 2, lmax = 1 }
 
-    it("fields that are no sphere lights, degrees without kernels, a dynamic grid", function()
-      refused("a device sums sphere lights", function() return (ylm.bake(uniform, function() end, { device = gpu })) end)
+    it("fields that are no lights, degrees without kernels, a dynamic grid", function()
+      refused("a device sums lights, and no functions", function()
+        return (ylm.bake(uniform, function() end, { device = gpu }))
+      end)
       local grid = ylm.bake(uniform, lamps_of(5))
-      refused("a device sums sphere lights", function() return (ylm.bake(uniform, grid, { device = gpu })) end)
+      refused("a device sums sphere, polygon, disk and textured lights", function()
+        return (ylm.bake(uniform, grid, { device = gpu }))
+      end)
       refused("lmax must be 0 .. 8 for lights on a device with this method", function()
         local there = gpu:lights(lamps_of(5), { method = "forward" })
         return (ylm.bake(ylm.uniform_grid { bounds = box, cells = 2, lmax = 11 }, there))

@@ -5,6 +5,7 @@ local light = require "ylm.light"
 local ylm = require "ylm"
 local numbers = require "spec.support.random"
 local device = require "spec.support.gpu"
+local fields = require "spec.support.fields"
 
 local sqrt = math.sqrt
 local random, random_points = numbers.spread, numbers.points
@@ -12,54 +13,11 @@ local random, random_points = numbers.spread, numbers.points
 local known = require "spec.support.lights"
 local function random_lights(n, edge, seed) return known.random(n, edge, seed, 7) end
 
---- The largest distance between rows of a and b, relative to the L2 norm of b's row; NaN counts.
-local function worst(a, b)
-  local largest = 0
-  for i = 1, #b do
-    local _, e, n = core.array_distance(a[i], b[i])
-    local x = n > 0 and e / n or e
-    if not (x <= largest) then largest = x end
-  end
-  return largest
-end
-
 describe("lights on a device", function()
   local gpu = device.here()
   if not gpu then return end
 
-  --- light_field on the device and by the processor, as two lists; `o` gets the device.
-  local function both(lmax, lights, points, o)
-    local plain = {}
-    for k, v in pairs(o) do if k ~= "method" then plain[k] = v end end
-    o.device = gpu
-    local there, here = { ylm.light_field(lmax, lights, points, o) }, { ylm.light_field(lmax, lights, points, plain) }
-    assert(there[1], there[2])
-    return there, here
-  end
-
-  --- Asserts that values, derivatives and the report agree to `bound`.
-  local function agree(lmax, lights, points, o, bound)
-    local there, here = both(lmax, lights, points, o)
-    for k = 1, (o.derivatives or 0) + 1 do
-      assert.same(here[k].shape, there[k].shape)
-      assert.equal(here[k].dtype, there[k].dtype)
-      local w = worst(there[k], here[k])
-      assert(w <= bound, ("lmax %d, derivatives %d: %g"):format(lmax, k - 1, w))
-    end
-    for _, key in ipairs { "lambda", "norm" } do
-      if o.metric then
-        local a, b = there[4][key], here[4][key]
-        for i = 1, #a do
-          local x, y = a:get(i), b:get(i)
-          assert(math.abs(x - y) <= bound * math.abs(y), ("%s of point %d: %.9g, not %.9g"):format(key, i, x, y))
-        end
-      end
-    end
-    local _, differ = core.array_distance(there[4].inside, here[4].inside)
-    assert.equal(0, differ)
-    assert.equal(here[4].pairs, there[4].pairs)
-    return there, here
-  end
+  local function agree(...) return fields.agree(gpu, ...) end
 
   --- 101 points, one of them in a light, one at its centre.
   local lamps = random_lights(150, 4, 5)
@@ -165,7 +123,7 @@ describe("lights on a device", function()
         local truth = { light.evaluate("light_field", 4, light.pack(2, "light_field", lamp), ylm.array({ x }, "double"),
           { derivatives = 2, channels = "luminance" }, "reference") }
         for k = 1, 3 do
-          local e = worst(ylm.array(there[k]:totable(), "double"), truth[k])
+          local e = fields.worst(ylm.array(there[k]:totable(), "double"), truth[k])
           local bound = 4e-6 + 1.5e-7 * case.closeness
           assert(e <= bound, ("d/r %g, %d derivatives: %g > %g"):format(case.ratio, k - 1, e, bound))
         end
@@ -256,7 +214,7 @@ describe("lights on a device", function()
       local a, b = assert(ylm.bake(form, there)), assert(ylm.bake(form, mixed))
       assert.same(b.stats.points, a.stats.points)
       assert.equal(b.stats.pairs, a.stats.pairs)
-      assert(worst(a:sample(points), b:sample(points)) <= 1e-5)
+      assert(fields.worst(a:sample(points), b:sample(points)) <= 1e-5)
       local adaptive = ylm.adaptive_grid { bounds = form.bounds, lmax = 1, depth = 3, threshold = 3 }
       a, b = assert(ylm.bake(adaptive, there)), assert(ylm.bake(adaptive, mixed))
       assert.equal(b.stats.cells, a.stats.cells)
@@ -341,18 +299,13 @@ describe("lights on a device", function()
       end)
     end)
 
-    it("what is no sphere light, points that are none", function()
-      local disk = ylm.disk_light { at = { 0, 0, 0 }, normal = { 0, 0, 1 }, radius = 1 }
-      refused("a device sums sphere lights", function()
-        return (ylm.light_field(2, { disk, big }, points, { device = gpu }))
-      end)
-      refused("a device sums sphere lights, and flat ones with method = 'sphere'", function() return (gpu:lights(disk)) end)
+    it("what is no light, points that are none", function()
       local there = gpu:lights(big)
-      refused("a device sums sphere lights", function() return (gpu:lights { there, big }) end)
-      refused("a device sums all of them", function() return (ylm.light_field(2, there, points, { tolerance = 0.01 })) end)
-      refused("a device sums all of them", function()
-        return (ylm.bake(ylm.uniform_grid { bounds = { { -1, -1, -1 }, { 1, 1, 1 } }, cells = 1, lmax = 1 }, there,
-          { light_tolerance = 0.01 }))
+      refused("a device sums sphere, polygon, disk and textured lights; no others", function()
+        return (gpu:lights { there, big })
+      end)
+      refused("a device sums sphere, polygon, disk and textured lights; no others", function()
+        return (ylm.light_field(2, { there, big }, points, { device = gpu }))
       end)
       there:close()
       refused("row 2 is not finite", function()

@@ -17,9 +17,6 @@
 
 #include "light.h"
 
-/* The highest degree of exact flat lights. */
-#define YLM__CONTOUR_LMAX 60
-
 /* Gauss-Legendre rules, shortest first: gen/gauss.c. */
 #define YLM__RULES 21
 #define YLM__MOST_NODES 96

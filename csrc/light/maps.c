@@ -69,20 +69,21 @@ ylm_status ylm_light_product_maps_create(int lmax, int derivatives, ylm_light_ma
 
 static size_t terms_of(const ylm__rows *r) { return r->start[r->n]; }
 
-/* Appends `factor` times a row over sums that begin at `offset` to the row being built. */
-static void append(ylm__rows *to, const ylm__rows *from, size_t row, size_t offset, double factor) {
+void ylm__rows_append(ylm__rows *to, const ylm__rows *from, size_t row, size_t offset,
+                      double factor) {
   for (uint32_t t = from->start[row]; t < from->start[row + 1]; t++)
     ylm__rows_term(to, offset + from->index[t], factor * from->coef[t]);
 }
 
-/* Row i of hessian * bend, as numbers [sums]. */
-static void hessian_row(const ylm_light_maps *m, size_t i, double *out) {
-  for (size_t k = 0; k < m->sums; k++) out[k] = 0;
+void ylm__rows_bent(ylm__rows *to, const ylm_light_maps *m, size_t i, double *own) {
+  for (size_t k = 0; k < m->sums; k++) own[k] = 0;
   for (uint32_t t = m->hessian.start[i]; t < m->hessian.start[i + 1]; t++) {
     size_t u = m->hessian.index[t];
     for (uint32_t j = m->bend.start[u]; j < m->bend.start[u + 1]; j++)
-      out[m->bend.index[j]] += m->hessian.coef[t] * m->bend.coef[j];
+      own[m->bend.index[j]] += m->hessian.coef[t] * m->bend.coef[j];
   }
+  for (size_t j = 0; j < m->sums; j++) /* what cancels leaves a rounding error */
+    if (fabs(own[j]) > 1e-13) ylm__rows_term(to, j, own[j]);
 }
 
 /* What belongs to c, to its derivatives, to its second derivatives. */
@@ -98,8 +99,8 @@ static ylm_status flat_gradient(ylm__rows *r, const flat *f) {
   size_t n = f->plain.gradient.n;
   if (ylm__rows_create(r, n, terms_of(&f->plain.gradient) + n) != YLM_OK) return YLM_ENOMEM;
   for (size_t i = 0; i < n; i++) {
-    append(r, &f->plain.gradient, i, 0, 1);
-    append(r, &f->slope.value, i / 3, f->plain.sums + i % 3 * f->slope.sums, -1);
+    ylm__rows_append(r, &f->plain.gradient, i, 0, 1);
+    ylm__rows_append(r, &f->slope.value, i / 3, f->plain.sums + i % 3 * f->slope.sums, -1);
     ylm__rows_end(r);
   }
   return YLM_OK;
@@ -112,12 +113,10 @@ static ylm_status flat_hessian(ylm__rows *r, const flat *f) {
   ylm_status s = own ? ylm__rows_create(r, n, n * (hessian_terms(f->plain.sums) + 25)) : YLM_ENOMEM;
   for (size_t i = 0; i < n && s == YLM_OK; i++) {
     size_t k = i / 6, a = row[i % 6], b = column[i % 6];
-    hessian_row(&f->plain, i, own);
-    for (size_t j = 0; j < f->plain.sums; j++) /* what cancels leaves a rounding error */
-      if (fabs(own[j]) > 1e-13) ylm__rows_term(r, j, own[j]);
-    append(r, &f->slope.gradient, 3 * k + a, slope + b * f->slope.sums, -1);
-    append(r, &f->slope.gradient, 3 * k + b, slope + a * f->slope.sums, -1);
-    append(r, &f->bend.value, k, bend + i % 6 * f->bend.sums, 1);
+    ylm__rows_bent(r, &f->plain, i, own);
+    ylm__rows_append(r, &f->slope.gradient, 3 * k + a, slope + b * f->slope.sums, -1);
+    ylm__rows_append(r, &f->slope.gradient, 3 * k + b, slope + a * f->slope.sums, -1);
+    ylm__rows_append(r, &f->bend.value, k, bend + i % 6 * f->bend.sums, 1);
     ylm__rows_end(r);
   }
   ylm_free(own);

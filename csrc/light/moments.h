@@ -108,6 +108,11 @@ ylm_status ylm__rows_create(ylm__rows *r, size_t n, size_t terms);
 /* Adds a term to the row being built. */
 void ylm__rows_term(ylm__rows *r, size_t index, double coef);
 void ylm__rows_end(ylm__rows *r);
+/* Appends `factor` times a row over sums that begin at `offset` to the row being built. maps.c */
+void ylm__rows_append(ylm__rows *to, const ylm__rows *from, size_t row, size_t offset,
+                      double factor);
+/* Appends row i of hessian * bend; own [m->sums] is scratch. maps.c */
+void ylm__rows_bent(ylm__rows *to, const ylm_light_maps *m, size_t i, double *own);
 void ylm__rows_free(ylm__rows *r);
 
 /*

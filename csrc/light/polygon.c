@@ -126,7 +126,7 @@ ylm_status ylm_polygons_evaluate(const ylm_polygons *p, ylm_isa isa, const ylm_f
   if (!ylm_isa_available(isa))
     return ylm_fail(e, YLM_EINVAL, "no kernels for '%s' here", ylm_isa_name(isa));
   ylm_status s =
-      ylm__field_check(q, n, points, r, p->exact ? YLM__CONTOUR_LMAX : YLM_LIGHT_LMAX, e);
+      ylm__field_check(q, n, points, r, p->exact ? YLM_LIGHT_RIM_LMAX : YLM_LIGHT_LMAX, e);
   if (s != YLM_OK) return s;
   ylm__flat_plan plan = {0};
   job j = {p, NULL, q, points, r};

@@ -39,8 +39,8 @@ YLM_INLINE void add_rim(const ylm__flat_plan *plan, const int kinds, const rim_n
       V factor = set(plan->monic[m * stride + l]);
       for (int j = 0; j < AT_ONCE; j++) {
         V next = n->s[j].z * c[j] - factor * c_before[j];
-        V turned = n->s[j].z * s[j] - factor * s_before[j];
-        c_before[j] = c[j], c[j] = next, s_before[j] = s[j], s[j] = turned;
+        V other = n->s[j].z * s[j] - factor * s_before[j];
+        c_before[j] = c[j], c[j] = next, s_before[j] = s[j], s[j] = other;
       }
     }
     for (int j = 0; j < AT_ONCE; j++) {
@@ -78,24 +78,21 @@ YLM_INLINE VI difficult_disk(const ylm__flat_plan *plan, v3 c, V height, const d
 }
 
 /* Node j, at the middle of step i; what the solid angle gains. */
-YLM_INLINE V rim_node(const seen_disk *d, int i, rim_nodes *n, int j) {
+YLM_INLINE V add_node(const seen_disk *d, int i, rim_nodes *n, int j) {
   VI used = i < d->steps;
-  V half = ylm_vd_select(used, M_PI * ((i + 0.5) / d->steps - 0.5), set(0)), cosine, sine;
-  turn(half, &cosine, &sine); /* of the whole angle from those of its half */
-  sine *= 2 * cosine, cosine = 2 * cosine * cosine - 1;
-  v3 u = scale(d->u, cosine), v = scale(d->v, sine);
-  v3 y = {d->c.x + u.x + v.x, d->c.y + u.y + v.y, d->c.z + u.z + v.z};
-  u = scale(d->u, sine), v = scale(d->v, cosine);
-  v3 m = cross(y, (v3){v.x - u.x, v.y - u.y, v.z - u.z});
-  V inverse = 1 / ylm_vd_sqrt(dot(y, y)), weight = ylm_vd_select(used, d->weight, set(0));
-  m = scale(m, weight * inverse * inverse);
-  n->s[j] = scale(y, inverse);
+  turned t = turn(ylm_vd_select(used, M_PI * ((i + 0.5) / d->steps - 0.5), set(0)));
+  /* of the whole angle from those of its half */
+  V sine = 2 * t.sine * t.cosine, cosine = 2 * t.cosine * t.cosine - 1;
+  node at = rim_node(d->c, d->u, d->v, d->facing, cosine, sine);
+  V weight = ylm_vd_select(used, d->weight, set(0));
+  v3 m = scale(at.m, weight);
+  n->s[j] = at.s;
   n->w[0][0][j] = m.x, n->w[0][1][j] = m.y, n->w[0][2][j] = m.z;
   for (int a = 0; a < 3; a++) {
-    n->w[1][a][j] = n->w[0][a][j] * inverse;
-    n->w[2][a][j] = n->w[1][a][j] * inverse;
+    n->w[1][a][j] = n->w[0][a][j] * at.inverse;
+    n->w[2][a][j] = n->w[1][a][j] * at.inverse;
   }
-  return dot(d->facing, m) / (1 + dot(d->facing, n->s[j]));
+  return weight * at.solid;
 }
 
 /* Adds a disk to sums [channels][3 width + 1] as add_polygon does. */
@@ -126,7 +123,7 @@ YLM_INLINE void add_disk(const ylm__flat_plan *plan, const int kinds, size_t lig
   for (int i = 0; i < LANES; i++) most = steps[i] > most ? steps[i] : most;
   for (int i = 0; i < most; i += AT_ONCE) {
     rim_nodes n;
-    for (int j = 0; j < AT_ONCE; j++) solid += rim_node(&d, i + j, &n, j);
+    for (int j = 0; j < AT_ONCE; j++) solid += add_node(&d, i + j, &n, j);
     if (plan->top >= 0) add_rim(plan, kinds, &n, to);
   }
   to[3 * width] += plan->channels == 1 && e[0] < 0 ? -absolute(solid) : absolute(solid);

@@ -20,6 +20,7 @@ YLM_INLINE v3 cross(v3 a, v3 b) {
   return (v3){a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
 YLM_INLINE v3 scale(v3 a, V s) { return (v3){a.x * s, a.y * s, a.z * s}; }
+YLM_INLINE v3 plus(v3 a, v3 b) { return (v3){a.x + b.x, a.y + b.y, a.z + b.z}; }
 YLM_INLINE v3 spread(const double *p) { return (v3){set(p[0]), set(p[1]), set(p[2])}; }
 YLM_INLINE V absolute(V x) { return ylm_vd_select(x < 0, -x, x); }
 YLM_INLINE V larger(V a, V b) { return ylm_vd_select(a > b, a, b); }
@@ -29,54 +30,7 @@ YLM_INLINE bool any(VI m) {
   return all != 0;
 }
 
-/* The angle of (cosine, sine), cosine >= 0: three halvings, then the series. */
-YLM_INLINE V angle_of(V cosine, V sine) {
-  V t = sine / (1 + cosine);
-  t = t / (1 + ylm_vd_sqrt(1 + t * t));
-  t = t / (1 + ylm_vd_sqrt(1 + t * t));
-  V u = t * t, s = set(1.0 / 25);
-  for (int k = 11; k >= 0; k--) s = set(1.0 / (2 * k + 1)) - u * s;
-  return 8 * t * s;
-}
-
-/* Half the angle of (cosine, sine), sine > 0, accurate relative to itself. */
-YLM_INLINE V half_angle(V cosine, V sine) {
-  V sum = ylm_vd_sqrt(0.5 * (1 + absolute(cosine))), other = 0.5 * sine / sum;
-  VI sharp = cosine > 0;
-  return angle_of(ylm_vd_select(sharp, sum, other), ylm_vd_select(sharp, other, sum));
-}
-
-/* cos and sin of |t| <= pi/2 by their series. */
-YLM_INLINE void turn(V t, V *cosine, V *sine) {
-  static const double c[12] = {1,
-                               -0.5,
-                               1.0 / 24,
-                               -1.0 / 720,
-                               1.0 / 40320,
-                               -1.0 / 3628800,
-                               1.0 / 479001600,
-                               -1.0 / 87178291200,
-                               1.0 / 20922789888000,
-                               -1.0 / 6402373705728000,
-                               1.0 / 2432902008176640000,
-                               -1.0 / 1.1240007277776077e21};
-  static const double s[12] = {1,
-                               -1.0 / 6,
-                               1.0 / 120,
-                               -1.0 / 5040,
-                               1.0 / 362880,
-                               -1.0 / 39916800,
-                               1.0 / 6227020800,
-                               -1.0 / 1307674368000,
-                               1.0 / 355687428096000,
-                               -1.0 / 121645100408832000,
-                               1.0 / 5.109094217170944e19,
-                               -1.0 / 2.585201673888498e22};
-  V u = t * t, a = set(c[11]), b = set(s[11]);
-  for (int k = 10; k >= 0; k--) a = a * u + set(c[k]), b = b * u + set(s[k]);
-  *cosine = a;
-  *sine = b * t;
-}
+#include "gen/rim.h"
 
 /* Two nodes: directions, and weights over rho to the power 0, 1, 2. */
 typedef struct nodes {
@@ -136,21 +90,16 @@ YLM_INLINE int choose(const ylm__flat_plan *plan, V half, int *rule, bool *alike
    of; the unit normal of its great circle. */
 YLM_INLINE void edge_moments(const ylm__flat_plan *plan, const int kinds, v3 v, v3 w, V r0, V r1,
                              v3 e, double length, V *moment, v3 *normal) {
-  v3 n = cross(v, e), along = scale(e, set(1 / length));
-  V ln = ylm_vd_sqrt(dot(n, n)), h = ln / length;
-  *normal = scale(n, 1 / ln);
-  v3 foot = cross(along, *normal);
-  /* edges cancel where a polygon is small: the angle needs its relative accuracy, not the place */
-  V half = half_angle(dot(v, w) / (r0 * r1), ln / (r0 * r1));
-  V middle = angle_of(h / r0, dot(v, along) / r0) + half;
+  arc edge = arc_of(v, w, r0, r1, e, set(length));
+  *normal = edge.normal;
   int rule[LANES];
   bool alike;
-  int count = choose(plan, half, rule, &alike);
+  int count = choose(plan, edge.span, rule, &alike);
   for (size_t k = 0; k < plan->width; k++) moment[k] = set(0);
   for (int i = 0; i < count; i += 2) {
     nodes two;
     for (int j = 0; j < 2; j++) {
-      V x = set(0), weight = set(0), cosine, sine;
+      V x = set(0), weight = set(0);
       if (alike) {
         x = set(ylm__rule_table[rule[0]].x[i + j]);
         weight = set(ylm__rule_table[rule[0]].w[i + j]);
@@ -160,12 +109,11 @@ YLM_INLINE void edge_moments(const ylm__flat_plan *plan, const int kinds, v3 v, 
           weight[k] = ylm__rule_table[rule[k]].w[i + j];
         }
       }
-      turn(middle + half * x, &cosine, &sine);
-      two.s[j] = (v3){cosine * foot.x + sine * along.x, cosine * foot.y + sine * along.y,
-                      cosine * foot.z + sine * along.z};
-      two.w[0][j] = half * weight;
-      two.w[1][j] = two.w[0][j] * cosine / h;
-      two.w[2][j] = two.w[1][j] * cosine / h;
+      node at = arc_node(edge, x);
+      two.s[j] = at.s;
+      two.w[0][j] = edge.span * weight;
+      two.w[1][j] = two.w[0][j] * at.inverse;
+      two.w[2][j] = two.w[1][j] * at.inverse;
     }
     add_nodes(plan, kinds, &two, moment);
   }
@@ -205,21 +153,16 @@ YLM_INLINE V solid_angle(const double *vertex, const seen *s) {
     double c[3], p[3] = {a[0] - o[0], a[1] - o[1], a[2] - o[2]},
                  q[3] = {b[0] - o[0], b[1] - o[1], b[2] - o[2]};
     ylm__cross(p, q, c);
-    V r1 = s->r[i], r2 = s->r[i + 1];
-    V x = 1 + dot(s->v[0], s->v[i]) / (r0 * r1) + dot(s->v[i], s->v[i + 1]) / (r1 * r2) +
-          dot(s->v[i + 1], s->v[0]) / (r2 * r0);
-    V y = s->sign * dot(spread(c), s->v[0]) / (r0 * r1 * r2);
-    V next = re * x - im * y;
-    im = re * y + im * x;
+    number z = triangle(s->v[0], s->v[i], s->v[i + 1], r0, s->r[i], s->r[i + 1],
+                        scale(spread(c), s->sign));
+    V next = re * z.re - im * z.im;
+    im = re * z.im + im * z.re;
     re = next;
     V size = larger(absolute(re), absolute(im));
     size = ylm_vd_select(size > 0, size, set(1));
     re /= size, im /= size;
   }
-  V size = ylm_vd_sqrt(re * re + im * im);
-  size = ylm_vd_select(size > 0, size, set(1));
-  V a = angle_of(absolute(re) / size, im / size);
-  return 2 * ylm_vd_select(re < 0, M_PI - a, a);
+  return 2 * argument(re, im);
 }
 
 /* Adds a polygon to sums [channels][3 width + 1]; lanes of `out` have no part in it. */

@@ -323,6 +323,40 @@ typedef struct ylm_light_parts {
   size_t flats;
 } ylm_light_parts;
 
+/* -- exact flat lights for kernels elsewhere: csrc/light/polygon_device.c -----------------------
+ */
+
+/* As long as the object lives: rows of vertices begin at first[i]; horizon: its unit normal, or
+   NULL. */
+typedef struct ylm_polygon_arrays {
+  size_t n;
+  const int *sides;       /* [n]; 0: an ellipse */
+  const size_t *first;    /* [n] */
+  const double *vertices; /* [..][3]; of an ellipse its centre and two half axes */
+  const double *normal, *centroid, *radiance; /* [n][3] */
+  const double *horizon;
+} ylm_polygon_arrays;
+/* False, and nothing written, where lights are approximated. */
+YLM_API bool ylm_polygons_exact(const ylm_polygons *polygons, ylm_polygon_arrays *a);
+/* The highest degree of exact flat lights. */
+#define YLM_LIGHT_RIM_LMAX 60
+/* An upper bound of |y'| along a rim of half axes u, v. */
+YLM_API double ylm_light_rim_speed(const double *u, const double *v);
+/* The rules of Gauss and Legendre along rims, to [..][195]: nodes; degree times half angle that
+   they integrate to 1e-16, to 1e-10; 96 places, 96 weights, zeros behind the last. How many numbers
+   these are; `to` may be NULL. */
+YLM_API size_t ylm_light_rim_rules(double *to);
+/*
+** Sums along rims of kinds 1, 2, 4 (csrc/light/polygon_kernel.h says of which; 1 is always among
+** them), of a channel: of each axis x, y, z those of all kinds, degree by degree; the solid angle;
+** with Hessians, where lights are `cut` at horizons, what these add to xx .. zz.
+*/
+YLM_API size_t ylm_light_rim_sums(int lmax, int kinds, bool cut);
+/* How results of kinds `need` follow from the sums of `base` (none: {0}) and, behind them, these;
+   without a bend. To be freed with ylm_light_maps_free in any case. YLM_ENOMEM. */
+YLM_API ylm_status ylm_light_rim_maps_create(int lmax, int need, int kinds, bool cut,
+                                             const ylm_light_maps *base, ylm_light_maps *maps);
+
 /* -- sums of fields: csrc/light/sum.c ---------------------------------------------------------- */
 
 /* The sum of light fields, which must live as long as it does. */

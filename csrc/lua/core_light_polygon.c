@@ -54,11 +54,12 @@ static int polygons_create(lua_State *L) {
   return ylmL_result(L, 1, s, &e);
 }
 
-/* polygons_spheres(object) -> whether it is polygons, approximated by spheres */
-static int polygons_spheres(lua_State *L) {
+/* polygons_method(object) -> "exact", "sphere"; nil: these are no polygons */
+static int polygons_method(lua_State *L) {
   const ylm_polygons *p = ylmL_polygons(L, 1);
-  const double *unused;
-  lua_pushboolean(L, p && ylm_polygons_spheres(p, &unused, &unused, &unused, &unused));
+  ylm_polygon_arrays unused;
+  if (!p) return 0;
+  lua_pushstring(L, ylm_polygons_exact(p, &unused) ? "exact" : "sphere");
   return 1;
 }
 
@@ -180,7 +181,7 @@ static int texture_tiles(lua_State *L) {
 }
 
 static const luaL_Reg functions[] = {{"polygons_create", polygons_create},
-                                     {"polygons_spheres", polygons_spheres},
+                                     {"polygons_method", polygons_method},
                                      {"light_sum", light_sum},
                                      {"texture_texels", texture_texels},
                                      {"texture_spheres", texture_spheres},

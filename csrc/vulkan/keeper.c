@@ -93,7 +93,7 @@ static ylm_status evaluate(void *self, size_t first, size_t n, const uint32_t *l
   if (s == YLM_OK)
     s = points_extra(p, (uint32_t)first, (uint32_t)n, lambda, norm, inside); /* 1: INVALID */
   if (s == YLM_OK)
-    *pairs += (uint64_t)n * p->l->active;
+    *pairs += n * ylm__lights_pairs(p->l);
   else
     p->points = (uint32_t)first;
   return s;
@@ -117,7 +117,7 @@ static ylm_status compare(void *self, size_t n, const float *places, const ylm_g
   s = points_values(p, n, places, inside, progress);
   p->l->busy = false;
   if (s == YLM_OK) s = points_probe(p, n, probe, true, distance);
-  if (s == YLM_OK) *pairs += (uint64_t)n * p->l->active;
+  if (s == YLM_OK) *pairs += n * ylm__lights_pairs(p->l);
   return s;
 }
 

@@ -98,7 +98,8 @@ static ylm_status check(const ylm_gpu_lights *l, const ylm_field_query *q, size_
     return ylm_fail(e, YLM_ERANGE,
                     "lmax must be 0 .. %d for lights on a device with this method, got %d",
                     YLM_GPU_PRODUCT_LMAX, q->lmax);
-  ylm_status s = ylm_light_check(q, YLM_LIGHT_LMAX, n, points, r, e);
+  ylm_status s =
+      ylm_light_check(q, l->rims.objects ? YLM_LIGHT_RIM_LMAX : YLM_LIGHT_LMAX, n, points, r, e);
   if (s != YLM_OK) return s;
   if (q->dtype == YLM_DOUBLE && !ylm_gpu_about(l->gpu)->float64)
     return ylm_fail(e, YLM_EMISSING, "'%s' does not compute in double",
@@ -163,7 +164,7 @@ ylm_status ylm__lights_reach(const ylm_gpu_lights *l, const sum_plan *plan,
                              const ylm_field_query *q, size_t n, size_t other, sum_reach *r,
                              ylm_error *e) {
   sum_size size = ylm__sum_size(plan, q);
-  uint32_t chunks = (l->active + l->chunk - 1) / l->chunk, some = chunks < 8 ? chunks : 8;
+  uint32_t chunks = ylm__lights_chunks(l), some = chunks < 8 ? chunks : 8;
   size_t widest = size.widest > other ? size.widest : other;
   r->rows = ylm_gpu_rows(l->gpu, n, widest, size.all + other + some * size.partial, PASS_BYTES);
   if (!r->rows)
@@ -212,20 +213,28 @@ static ylm_status evaluate(const ylm_field *f, const ylm_field_query *q, size_t 
     ylm__lights_copied(l, "download", start);
   }
   l->busy = false;
-  if (s == YLM_OK) r->pairs += (uint64_t)n * l->active;
+  if (s == YLM_OK) r->pairs += n * ylm__lights_pairs(l);
+  return s;
+}
+
+/* Adds what a field's surfaces cross. */
+static ylm_status crosses_too(const ylm_field *f, size_t n, const double *boxes, uint8_t *more,
+                              uint8_t *out) {
+  ylm_status s = f->crosses(f, n, boxes, more);
+  for (size_t i = 0; s == YLM_OK && i < n; i++) out[i] |= more[i];
   return s;
 }
 
 static ylm_status crosses(const ylm_field *f, size_t n, const double *boxes, uint8_t *out) {
   const ylm_gpu_lights *l = f->self;
-  const ylm_field *spheres = l->lights ? ylm_lights_field(l->lights) : NULL,
-                  *flat = l->polygons ? ylm_polygons_field(l->polygons) : NULL;
-  if (!spheres || !flat)
-    return flat ? flat->crosses(flat, n, boxes, out) : spheres->crosses(spheres, n, boxes, out);
   uint8_t *more = ylm_alloc(n, 1);
-  ylm_status s = more ? spheres->crosses(spheres, n, boxes, out) : YLM_ENOMEM;
-  if (s == YLM_OK) s = flat->crosses(flat, n, boxes, more);
-  for (size_t i = 0; s == YLM_OK && i < n; i++) out[i] |= more[i];
+  ylm_status s = more ? YLM_OK : YLM_ENOMEM;
+  memset(out, 0, n);
+  if (s == YLM_OK && l->lights) s = crosses_too(ylm_lights_field(l->lights), n, boxes, more, out);
+  if (s == YLM_OK && l->polygons)
+    s = crosses_too(ylm_polygons_field(l->polygons), n, boxes, more, out);
+  for (size_t k = 0; s == YLM_OK && k < l->rims.objects; k++)
+    s = crosses_too(ylm_polygons_field(l->rims.of[k]), n, boxes, more, out);
   ylm_free(more);
   return s;
 }
@@ -249,27 +258,41 @@ static size_t emitting(const lamp_arrays *a) {
   return n;
 }
 
-ylm_status ylm_gpu_lights_create(ylm_gpu *g, const ylm_lights *lights, const ylm_polygons *polygons,
-                                 ylm_gpu_method method, ylm_gpu_lights **out, ylm_error *e) {
-  const double *unused;
+/* Which of the flat lights are exact, which approximated. */
+static ylm_status take_flat(ylm_gpu_lights *l, size_t n, const ylm_polygons *const *flat,
+                            ylm_error *e) {
+  ylm_polygon_arrays unused;
+  l->rims.of = ylm_alloc(n, sizeof *l->rims.of);
+  if (!l->rims.of) return ylm_fail(e, YLM_ENOMEM, "%s", ylm_status_text(YLM_ENOMEM));
+  for (size_t i = 0; i < n; i++)
+    if (ylm_polygons_exact(flat[i], &unused))
+      l->rims.of[l->rims.objects++] = flat[i];
+    else if (!l->polygons)
+      l->polygons = flat[i];
+    else
+      return ylm_fail(e, YLM_EINVAL, "two sets of flat lights that spheres stand for: make one");
+  return YLM_OK;
+}
+
+ylm_status ylm_gpu_lights_create(ylm_gpu *g, const ylm_lights *lights, size_t n,
+                                 const ylm_polygons *const *flat, ylm_gpu_method method,
+                                 ylm_gpu_lights **out, ylm_error *e) {
   *out = NULL;
-  if (!lights && !polygons) return ylm_fail(e, YLM_EINVAL, "no lights");
-  if (polygons && !ylm_polygons_spheres(polygons, &unused, &unused, &unused, &unused))
-    return ylm_fail(e, YLM_EINVAL,
-                    "a device sums sphere lights, and flat ones with method = \"sphere\"");
+  if (!lights && !n) return ylm_fail(e, YLM_EINVAL, "no lights");
   ylm_gpu_lights *l = ylm_alloc_zero(1, sizeof *l);
   if (!l) return ylm_fail(e, YLM_ENOMEM, "%s", ylm_status_text(YLM_ENOMEM));
   l->gpu = ylm_gpu_share(g);
   l->lights = lights;
-  l->polygons = polygons;
   l->method = method;
-  lamp_arrays spheres = spheres_of(l), flat = flat_of(l);
-  size_t active = emitting(&spheres) + emitting(&flat);
-  ylm_status s = active > 1u << 28 ? ylm_fail(e, YLM_ELIMIT, "more than 2^28 lights") : YLM_OK;
+  ylm_status s = take_flat(l, n, flat, e);
+  lamp_arrays spheres = spheres_of(l), approximated = flat_of(l);
+  size_t active = emitting(&spheres) + emitting(&approximated);
+  if (s == YLM_OK && active > 1u << 28) s = ylm_fail(e, YLM_ELIMIT, "more than 2^28 lights");
   l->active = (uint32_t)active;
   l->chunk = chunk_of(g, l->active);
   l->field = (ylm_field){.self = l, .evaluate = evaluate, .crosses = crosses};
   if (s == YLM_OK) s = upload(l, YLM_FLOAT, e);
+  if (s == YLM_OK) s = ylm__rims_create(l, e);
   if (s != YLM_OK) {
     ylm_gpu_lights_free(l);
     return s;
@@ -281,6 +304,7 @@ ylm_status ylm_gpu_lights_create(ylm_gpu *g, const ylm_lights *lights, const ylm
 void ylm_gpu_lights_free(ylm_gpu_lights *l) {
   if (!l) return;
   ylm__sum_plans_free(l->plans);
+  ylm__rims_free(&l->rims);
   for (int i = 0; i < BUFFERS; i++) ylm_gpu_buffer_free(l->scratch[i]);
   for (int i = 0; i < 2; i++) ylm_gpu_buffer_free(l->lamps[i]);
   ylm_gpu_free(l->gpu);

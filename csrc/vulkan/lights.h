@@ -1,6 +1,5 @@
 /*
-** lights.h - sums over sphere lights on a device: what lights.c, lights_plan.c and lights_work.c
-** share. Private.
+** lights.h - sums over lights on a device: what lights*.c share. Private.
 **
 ** Sums lie in the device's memory as [sum][stride], stride being the points of a pass rounded up
 ** to whole groups, so that neighbouring invocations read neighbouring numbers.
@@ -38,8 +37,8 @@ typedef struct sum_set {
   int passes;
   struct sum_pass {
     uint32_t m_first, m_last, sums, parts, part;
-    bool bend;
-    /* moments_any.real.comp: */
+    bool bend, rims;
+    /* moments_any.real.comp and rims.real.comp: */
     uint32_t kinds, block, items;
     ylm_gpu_buffer *item;
   } pass[MAX_PASSES];
@@ -56,6 +55,7 @@ typedef struct sum_plan {
   device_rows mix;           /* luminance of rgb sums */
   ylm_gpu_buffer *constants; /* of the recurrences, where lmax > YLM__UNROLLED: [m][k][4] */
   uint32_t grow;             /* what z is multiplied by there */
+  ylm_gpu_buffer *betas;     /* of the recurrences of rims.real.comp, in double: [m][l] */
 } sum_plan;
 
 enum {
@@ -76,13 +76,23 @@ enum {
   BUFFERS
 };
 
+/* Exact flat lights, in double. */
+typedef struct rim_set {
+  size_t objects;
+  const ylm_polygons **of;      /* [objects] */
+  uint32_t lights, arcs, chunk; /* arcs of lights, and arcs of a chunk */
+  bool cut;                     /* some lights have horizons */
+  ylm_gpu_buffer *row, *arc, *rule;
+} rim_set;
+
 struct ylm_gpu_lights {
   ylm_field field;
   ylm_gpu *gpu;
   const ylm_lights *lights;     /* NULL: none */
   const ylm_polygons *polygons; /* approximated by spheres times a cosine; NULL: none */
+  rim_set rims;
   ylm_gpu_method method;
-  uint32_t active, chunk;   /* lights that emit; lights whose sum is begun at zero */
+  uint32_t active, chunk;   /* spheres that emit; those whose sum is begun at zero */
   ylm_gpu_buffer *lamps[2]; /* by dtype; NULL: not there yet */
   sum_plan *plans;
   ylm_gpu_buffer *scratch[BUFFERS];
@@ -92,12 +102,22 @@ struct ylm_gpu_lights {
 
 /* -- lights_any.c --------------------------------------------------------------- */
 
+/* Whether there are lights beside exact flat ones. */
+static inline bool ylm__sum_base(const ylm_gpu_lights *l) { return l->lights || l->polygons; }
 /* Whether a set is summed by moments_any.real.comp. */
 static inline bool ylm__sum_any(ylm_gpu_method method, int lmax) {
   return method == YLM_GPU_MERGED && lmax > YLM__UNROLLED;
 }
 /* The passes of a set, and the plan's constants if it has none. */
 ylm_status ylm__sum_any_cut(const ylm_gpu_lights *l, sum_plan *p, sum_set *set, ylm_error *e);
+
+/* -- lights_rims.c -------------------------------------------------------------- */
+
+/* Brings the exact flat lights l->rims.of to the device. YLM_EMISSING: it has no float64. */
+ylm_status ylm__rims_create(ylm_gpu_lights *l, ylm_error *e);
+void ylm__rims_free(rim_set *r);
+/* Adds to a set the pass that sums along rims, behind the sums that are there. */
+ylm_status ylm__rims_cut(const ylm_gpu_lights *l, sum_plan *p, sum_set *set, ylm_error *e);
 
 /* -- lights_plan.c ------------------------------------------------------------ */
 
@@ -125,6 +145,16 @@ ylm_status ylm__sum_run(ylm_gpu_lights *l, const sum_plan *p, const ylm_field_qu
 
 /* -- lights.c ------------------------------------------------------------------- */
 
+/* Pairs of a point with the lights that emit. */
+static inline uint64_t ylm__lights_pairs(const ylm_gpu_lights *l) {
+  return (uint64_t)l->active + l->rims.lights;
+}
+/* Chunks whose sums are added. */
+static inline uint32_t ylm__lights_chunks(const ylm_gpu_lights *l) {
+  uint32_t n = (l->active + l->chunk - 1) / l->chunk, arcs = 0;
+  if (l->rims.arcs) arcs = (l->rims.arcs + l->rims.chunk - 1) / l->rims.chunk;
+  return n > arcs ? n : arcs;
+}
 /* YLM_EBUSY while a call uses the lights. */
 ylm_status ylm__lights_idle(const ylm_gpu_lights *l, ylm_error *e);
 /* Scratch of at least so many bytes. */

@@ -37,21 +37,32 @@ static void maps_free(device_maps *m) {
 /* How many derivatives go with kinds. */
 static int derivatives_of(uint32_t kinds) { return kinds & 4 ? 2 : kinds & 2 ? 1 : 0; }
 
-/* The maps for results of kinds `need` from a set's sums; *sums is how many there are. */
+/* From the sums of spheres, and of flat lights that these approximate. */
+static ylm_status base_maps(const ylm_gpu_lights *l, const sum_plan *p, int need,
+                            const sum_set *set, ylm_light_maps *maps) {
+  int derivatives = derivatives_of(set->kinds);
+  return !ylm__sum_base(l)             ? YLM_OK
+         : l->method != YLM_GPU_MERGED ? ylm_light_product_maps_create(p->lmax, derivatives, maps)
+         : l->polygons                 ? ylm_light_flat_maps_create(p->lmax, derivatives, maps)
+                       : ylm_light_maps_create(p->lmax, need, (int)set->kinds, maps);
+}
+
+/* The maps for results of kinds `need` from a set's sums. */
 static ylm_status maps_create(const ylm_gpu_lights *l, const sum_plan *p, int need,
                               const sum_set *set, device_maps *m, ylm_error *e) {
-  ylm_light_maps maps = {0};
-  int derivatives = derivatives_of(set->kinds);
+  ylm_light_maps base = {0}, all = {0}, *maps = &base;
   if (!need) return YLM_OK;
-  ylm_status s = l->method != YLM_GPU_MERGED
-                     ? ylm_light_product_maps_create(p->lmax, derivatives, &maps)
-                 : l->polygons ? ylm_light_flat_maps_create(p->lmax, derivatives, &maps)
-                               : ylm_light_maps_create(p->lmax, need, (int)set->kinds, &maps);
-  if (s == YLM_OK) s = rows_upload(l->gpu, &maps.value, p->dtype, &m->value, e);
-  if (s == YLM_OK) s = rows_upload(l->gpu, &maps.gradient, p->dtype, &m->gradient, e);
-  if (s == YLM_OK) s = rows_upload(l->gpu, &maps.bend, p->dtype, &m->bend, e);
-  if (s == YLM_OK) s = rows_upload(l->gpu, &maps.hessian, p->dtype, &m->hessian, e);
-  ylm_light_maps_free(&maps);
+  ylm_status s = base_maps(l, p, need, set, &base);
+  if (s == YLM_OK && l->rims.objects) {
+    s = ylm_light_rim_maps_create(p->lmax, need, (int)set->kinds | 1, l->rims.cut, &base, &all);
+    maps = &all;
+  }
+  if (s == YLM_OK) s = rows_upload(l->gpu, &maps->value, p->dtype, &m->value, e);
+  if (s == YLM_OK) s = rows_upload(l->gpu, &maps->gradient, p->dtype, &m->gradient, e);
+  if (s == YLM_OK) s = rows_upload(l->gpu, &maps->bend, p->dtype, &m->bend, e);
+  if (s == YLM_OK) s = rows_upload(l->gpu, &maps->hessian, p->dtype, &m->hessian, e);
+  ylm_light_maps_free(&base);
+  ylm_light_maps_free(&all);
   return s == YLM_ENOMEM ? ylm_fail(e, s, "%s", ylm_status_text(s)) : s;
 }
 
@@ -120,10 +131,11 @@ static void cut(ylm_gpu_method method, int lmax, uint32_t kinds, uint32_t parted
   }
 }
 
-/* The passes of a set. */
-static ylm_status cut_set(const ylm_gpu_lights *l, sum_plan *p, sum_set *set, ylm_error *e) {
+/* The passes of a set over spheres. */
+static ylm_status cut_base(const ylm_gpu_lights *l, sum_plan *p, sum_set *set, ylm_error *e) {
   const int lmax = p->lmax;
   struct sum_pass pass = {0};
+  if (!ylm__sum_base(l)) return YLM_OK;
   if (ylm__sum_any(l->method, lmax)) return ylm__sum_any_cut(l, p, set, e);
   if (l->method != YLM_GPU_MERGED || !l->polygons || set->kinds < 2) {
     cut(l->method, lmax, set->kinds, 0, 0, pass, set);
@@ -141,6 +153,11 @@ static ylm_status cut_set(const ylm_gpu_lights *l, sum_plan *p, sum_set *set, yl
   return YLM_OK;
 }
 
+static ylm_status cut_set(const ylm_gpu_lights *l, sum_plan *p, sum_set *set, ylm_error *e) {
+  ylm_status s = cut_base(l, p, set, e);
+  return s == YLM_OK ? ylm__rims_cut(l, p, set, e) : s;
+}
+
 /* The product rule, and flat lights, sum all that lower derivatives need too. */
 static uint32_t expand(const ylm_gpu_lights *l, int kinds) {
   if (l->method == YLM_GPU_MERGED && !l->polygons) return (uint32_t)kinds;
@@ -155,6 +172,7 @@ static void plan_free(sum_plan *p) {
     ylm_gpu_buffer_free(p->rgb.pass[i].item);
   }
   ylm_gpu_buffer_free(p->constants);
+  ylm_gpu_buffer_free(p->betas);
   maps_free(&p->from_lum);
   maps_free(&p->from_rgb);
   maps_free(&p->from_mixed);

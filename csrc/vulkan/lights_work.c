@@ -93,13 +93,38 @@ static const char *pass_kernel(const step_list *s, const sum_set *set, const str
                   pass->block,
                   s->p->grow};
   if (pass->items) c[2] = pass->kinds;
+  if (pass->rims) c[5] = 0, c[6] = l->rims.cut, c[7] = s->p->dtype == YLM_DOUBLE;
   *constants = pass->items ? 8 : 6;
   memcpy(constant, c, sizeof c);
-  return pass->items   ? "moments_any"
+  return pass->rims    ? "rims"
+         : pass->items ? "moments_any"
          : !merged     ? "product"
          : pass->bend  ? "flat_bend"
          : l->polygons ? "flat"
                        : "moments";
+}
+
+/* One chunk range of a pass along rims: a group has a point. */
+static void add_rims(step_list *s, const sum_set *set, const struct sum_pass *pass,
+                     uint32_t chunk_first, uint32_t chunks) {
+  const rim_set *r = &s->l->rims;
+  uint32_t constant[8];
+  uint32_t push[] = {s->n,       s->stride,          r->arcs,   r->chunk,    chunk_first,
+                     chunks,     set->channel_first, set->sums, pass->parts, 0,
+                     pass->items};
+  ylm_gpu_bind bind[] = {whole(s->l->scratch[BUFFER_POINTS]),
+                         whole(r->row),
+                         whole(s->l->scratch[BUFFER_PARTIAL]),
+                         whole(s->l->scratch[BUFFER_INSIDE]),
+                         whole(pass->item),
+                         whole(s->p->betas),
+                         whole(r->rule),
+                         whole(r->arc)};
+  int constants;
+  const char *name = pass_kernel(s, set, pass, constant, &constants);
+  dispatch(s, "lights", name, constants, constant,
+           (uint64_t)s->n * pass->items * chunks * set->channels, (double)r->chunk * GROUP, 11,
+           push, 8, bind);
 }
 
 /* One chunk range of all passes of a set, into BUFFER_PARTIAL. */
@@ -107,6 +132,10 @@ static void add_sums(step_list *s, const sum_set *set, uint32_t chunk_first, uin
   const ylm_gpu_lights *l = s->l;
   for (int i = 0; i < set->passes; i++) {
     const struct sum_pass *pass = &set->pass[i];
+    if (pass->rims) {
+      add_rims(s, set, pass, chunk_first, chunks);
+      continue;
+    }
     uint32_t items = pass->items ? pass->items : 1, constant[8];
     uint32_t push[] = {s->n,   s->stride,          l->active, l->chunk,    chunk_first,
                        chunks, set->channel_first, set->sums, pass->parts, pass->part,
@@ -137,7 +166,7 @@ static void add_reduction(step_list *s, const sum_set *set, uint64_t total, uint
 }
 
 static void add_set(step_list *s, const sum_set *set, uint64_t total, uint32_t at_once) {
-  uint32_t all = (s->l->active + s->l->chunk - 1) / s->l->chunk;
+  uint32_t all = ylm__lights_chunks(s->l);
   for (uint32_t first = 0; set->channels && first < all; first += at_once) {
     uint32_t chunks = all - first < at_once ? all - first : at_once;
     add_sums(s, set, first, chunks);

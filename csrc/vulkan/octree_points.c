@@ -97,7 +97,7 @@ static ylm_status evaluate(octree *t, uint32_t n) {
   }
   t->done = n;
   t->now = 0;
-  t->stats->pairs += (uint64_t)n * t->l->active;
+  t->stats->pairs += n * ylm__lights_pairs(t->l);
   t->stats->field_seconds += ylm_seconds() - start;
   return s;
 }

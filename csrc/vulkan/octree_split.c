@@ -104,8 +104,8 @@ static ylm_status cross_any(octree *t, int level) {
 /* Only children of crossed voxels are asked about: a surface that meets a child meets its parent.
  */
 static ylm_status cross(octree *t, int level) {
-  if (!t->asks || !t->l->active) return YLM_OK;
-  if (!ylm_gpu_about(t->g)->float64) return cross_any(t, level);
+  if (!t->asks || !ylm__lights_pairs(t->l)) return YLM_OK;
+  if (!ylm_gpu_about(t->g)->float64 || t->l->rims.objects) return cross_any(t, level);
   ylm_status s = cross_spheres(t, level, 0);
   return s == YLM_OK ? cross_spheres(t, level, 1) : s;
 }

@@ -254,15 +254,18 @@ typedef enum ylm_gpu_method {
 typedef struct ylm_gpu_lights ylm_gpu_lights;
 
 /*
-** ylm_gpu_lights_create - put lights onto a device: spheres, flat lights approximated by spheres
-** times a cosine (Mezieres et al. 2022, Eqs. 24-28; not exact ones), or both; NULL: none of these.
+** ylm_gpu_lights_create - put lights onto a device: spheres (NULL: none) and n sets of flat lights,
+** exact ones, and at most one set that spheres times a cosine approximate (Mezieres et al. 2022,
+** Eqs. 24-28).
 **
-** They must outlive the object (they answer which boxes lights cross). The copy in double is
-** made at the first query in double. YLM_EINVAL (exact flat lights, none at all), YLM_ENOMEM,
-** YLM_ELIMIT, YLM_EDEVICE, YLM_ECLOSED.
+** They must outlive the object (they answer which boxes lights cross). The copy of spheres in
+** double is made at the first query in double. Exact flat lights are summed along their rims, in
+** double: lmax <= YLM_LIGHT_RIM_LMAX, method YLM_GPU_MERGED. YLM_EINVAL (another method with them,
+** two approximated sets, no lights), YLM_EMISSING (exact ones on a device without float64),
+** YLM_ENOMEM, YLM_ELIMIT, YLM_EDEVICE, YLM_ECLOSED.
 */
-YLM_API ylm_status ylm_gpu_lights_create(ylm_gpu *g, const ylm_lights *lights,
-                                         const ylm_polygons *polygons, ylm_gpu_method method,
+YLM_API ylm_status ylm_gpu_lights_create(ylm_gpu *g, const ylm_lights *lights, size_t n,
+                                         const ylm_polygons *const *flat, ylm_gpu_method method,
                                          ylm_gpu_lights **l, ylm_error *e);
 YLM_API void ylm_gpu_lights_free(ylm_gpu_lights *l);
 

@@ -73,9 +73,9 @@ local bake_options = {
   { "threads", "integer", min = 1, max = 1024, optional = true, about = "default: YLM_THREADS or all cores" },
   { "progress", "progress", optional = true, about = "called as f(done, total, stage); returning false cancels" },
   { "device", "gpu", optional = true,
-    about = "sphere lights, and flat ones with method = 'sphere', are summed there, grids refined there (with a "
-      .. "tolerance by the processor, from what the device measures); the grid stays there, for device = gpu of "
-      .. "grid:sample and scene:render; grid.stats.stages says how long that took" },
+    about = "lights are summed there, grids refined there (with a tolerance by the processor, from what the device "
+      .. "measures); the grid stays there, for device = gpu of grid:sample and scene:render; grid.stats.stages says how "
+      .. "long that took" },
 }
 
 --- Grid -> the lights it was baked from.
@@ -116,8 +116,11 @@ function bake.bake(description, lights, given)
   if type(lights) ~= "function" then
     packed, failed, why = light.field(2, "bake", lights)
     if not packed then return nil, failed, why end
-    object, failed, why = light.within("bake", packed, o.light_tolerance, o.threads)
-    if not object then return nil, failed, why end
+    object = packed
+    if not o.device then -- it sums all lights
+      object, failed, why = light.within("bake", packed, o.light_tolerance, o.threads)
+      if not object then return nil, failed, why end
+    end
   end
   local followed = description.dynamic and light.followed(object)
   if description.dynamic and not followed then
@@ -132,10 +135,7 @@ function bake.bake(description, lights, given)
   local progress = o.progress and require "ylm.progress".of(o.progress) or nil
   local on, made = object, nil
   if o.device then
-    if o.light_tolerance then
-      return check.bad(3, "bake", "light_tolerance: a device sums all lights; leave one out")
-    end
-    if type(object) == "function" then return check.bad(3, "bake", "device: a device sums sphere lights, and no functions") end
+    if type(object) == "function" then return check.bad(3, "bake", "device: a device sums lights, and no functions") end
     if description.dynamic then
       return check.bad(3, "bake", "device: a dynamic grid follows its lights on the processor")
     end

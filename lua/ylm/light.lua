@@ -261,19 +261,13 @@ end
 function light.tolerance_option(name)
   return { name, "number", min = 1e-6, max = 0.5, optional = true,
     about = "many sphere lights are summed by a tree, to this part of the light there is (its derivatives: of theirs) "
-      .. "at 99.9 % of points; default: exactly" }
+      .. "at 99.9 % of points; default: exactly. A device sums all lights, which is within any tolerance" }
 end
 
 --- A packed object to a tolerance (nil: as it is). Its sphere lights are summed by a tree, which they keep; others as
--- ever.
+-- ever, those of a device too: it sums all lights, which is within any tolerance.
 function light.within(name, object, tolerance, threads)
   if not tolerance then return object end
-  local _, others = light.parts(object)
-  for _, other in ipairs(others) do
-    if core.type(other) == "ylm.gpu_lights" then
-      return check.fail("%s: a tolerance is for lights on the processor: a device sums all of them", name)
-    end
-  end
   if core.type(object) == "ylm.lights" then
     return check.result(name, core.light_cut(object, tolerance, threads or 0))
   end
@@ -299,8 +293,7 @@ local options = {
   { "threads", "integer", min = 1, max = 1024, optional = true, about = "default: YLM_THREADS or all cores" },
   { "out", "any", optional = true, about = "an array, or a list of them, shaped and typed like the results, which they take" },
   { "progress", "progress", optional = true, about = "called as f(done, total, stage); returning false cancels" },
-  { "device", "gpu", optional = true, about = "sphere lights, and flat ones with method = 'sphere', are summed there; "
-    .. "gpu:lights copies them once" },
+  { "device", "gpu", optional = true, about = "lights are summed there; gpu:lights copies them once" },
   { "method", "choice", of = { "merged", "forward", "reversed" }, optional = true,
     about = "on a device: merged moments (default), or the papers' product rule for comparison, see gpu:lights" },
 }
@@ -351,7 +344,6 @@ function light.light_field(lmax, lights, points, given)
   local object, made, code = light.field(2, "light_field", lights)
   if not object then return nil, made, code end
   if o.device or o.method then
-    if o.tolerance then return check.bad(4, "light_field", "tolerance: a device sums all lights; leave one out") end
     object, made, code = require "ylm.vulkan_light".on(4, "light_field", object, o)
   else
     object, made, code = light.within("light_field", object, o.tolerance, o.threads)

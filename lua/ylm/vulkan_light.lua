@@ -28,14 +28,15 @@ reference.object "gpu_lights" {
 
 local function binding() return assert(require "ylm.vulkan".__binding()) end
 
-local NO_OTHERS = "a device sums sphere lights, and flat ones with method = 'sphere'; no others"
+local NO_OTHERS = "a device sums sphere, polygon, disk and textured lights; no others"
 
---- What light.pack made, argument `n` of `name`: sphere lights and flat lights that are approximated, either may be nil.
+--- What light.pack made, argument `n` of `name`: sphere lights or nil, and a list of sets of flat lights.
 local function parts_of(n, name, packed)
   local spheres, others = require "ylm.light".parts(packed)
-  local flat = others[1]
-  if others[2] or flat and not core.polygons_spheres(flat) then return check.bad(n, name, NO_OTHERS) end
-  return { spheres = spheres, flat = flat }
+  for _, other in ipairs(others) do
+    if not core.polygons_method(other) then return check.bad(n, name, NO_OTHERS) end
+  end
+  return { spheres = spheres, flat = others }
 end
 
 --- Lights on a device -> the device.
@@ -58,18 +59,19 @@ end
 local lights_options = {
   { "method", "choice", of = { "merged", "forward", "reversed" }, default = "merged",
     about = "merged moments, or the product rule for each light (lmax <= 8, for comparison): all orders m at once, or "
-      .. "one after the other" },
+      .. "one after the other; exact flat lights are only summed with merged" },
 }
 
 describe "gpu:lights" {
-  about = "Copies lights to the device's memory, spheres and flat ones with method = 'sphere': for light_field and bake, "
-    .. "which then compute there.",
+  about = "Copies lights to the device's memory, for light_field and bake, which then compute there. Exact flat lights are "
+    .. "summed in double.",
   arguments = {
-    { "lights", "light|list", "sphere lights, polygon and disk lights with method = 'sphere'" },
+    { "lights", "light|list", "sphere, polygon, disk and textured lights" },
     { "options?", "table", "see the options" },
   },
   options = lights_options,
-  returns = { { "lights", "gpu_lights", "or nil, message, code: 'ENOMEM', 'ELIMIT', 'EDEVICE'" } },
+  returns = { { "lights", "gpu_lights", "or nil, message, code: 'ENOMEM', 'ELIMIT', 'EDEVICE', 'EMISSING' (exact flat "
+    .. "lights on a device without float64)" } },
   errors = "raises on other lights, and where the device has been closed",
   example = [[
 local gpu = ylm.vulkan.open()

@@ -26,7 +26,7 @@ local function random()
   return state / 2147483647
 end
 
-local at, radius, triangles = {}, {}, {}
+local at, radius, triangles, exact = {}, {}, {}, {}
 for i = 1, LIGHTS do
   at[i], radius[i] = { 4 * random() - 2, 4 * random() - 2, 4 * random() - 2 }, 0.01 + 0.04 * random()
 end
@@ -36,6 +36,7 @@ for i = 1, LIGHTS do
     v[k] = { at[i][1] + 0.1 * random() - 0.05, at[i][2] + 0.1 * random() - 0.05, at[i][3] + 0.1 * random() - 0.05 }
   end
   triangles[i] = ylm.polygon_light { vertices = v, method = "sphere" }
+  exact[i] = ylm.polygon_light { vertices = v }
 end
 local lamps = ylm.sphere_lights { at = at, radius = radius }
 local points = ylm.zeros({ EDGE ^ 3, 3 }, "float")
@@ -111,6 +112,17 @@ local function bench(gpu)
         moved(12, 1, 4 * n + (lmax + 2) ^ 2 - 1)),
       cell(flat.forward, lmax, o, p, moved(12, 1, 4 * n)), cell(flat.reversed, lmax, o, p, moved(12, lmax + 1, 4 * n)),
       paper_flat[lmax]))
+  end
+  local rims = gpu.limits.float64 and gpu:lights(exact)
+  if rims then
+    print "triangles, exact (in double, points and results in float)\nlmax |      ms, ns a pair | with the metric"
+    for lmax = 4, 8 do
+      local all, sums = seconds(rims, lmax, o, TIMES)
+      local more, more_sums = seconds(rims, lmax, { derivatives = 1, channels = "luminance", metric = "luminance" }, TIMES)
+      print(("%4d | %8.2f %8.2f | %8.2f %8.2f"):format(lmax, all * 1e3, sums / pairs_ * 1e9, more * 1e3,
+        more_sums / pairs_ * 1e9))
+    end
+    rims:close()
   end
   print "spheres: values, gradients and the metric, luminance (what a bake asks for)"
   for _, lmax in ipairs { 4, 8 } do

@@ -36,6 +36,8 @@ targets[#targets + 1] = { "shaders/gen/layout.glsl", "ylm.codegen.layout", "shad
 targets[#targets + 1] = { "csrc/vulkan/gen/layout.h", "ylm.codegen.layout", "c" }
 targets[#targets + 1] = { "shaders/gen/picture.glsl", "ylm.codegen.picture", "shader" }
 targets[#targets + 1] = { "csrc/shade/gen/picture.h", "ylm.codegen.picture", "c" }
+targets[#targets + 1] = { "shaders/gen/rim.glsl", "ylm.codegen.rim", "shader" }
+targets[#targets + 1] = { "csrc/light/gen/rim.h", "ylm.codegen.rim", "kernel" }
 
 targets[#targets + 1] = { "shaders/gen/eigenvalue.glsl", "ylm.codegen.eigenvalue", "glsl" }
 targets[#targets + 1] = { "csrc/light/gen/eigenvalue.h", "ylm.codegen.eigenvalue", "c" }
