@@ -1,7 +1,6 @@
 /* lamp.c - lights of any kind: taken from their sets, compared, kept, asked as a field. */
 #include "lamp.h"
 
-#include <math.h>
 #include <string.h>
 
 /* -- from sets of lights ------------------------------------------------------------------------
@@ -160,41 +159,19 @@ void ylm__lamp_box(const lamp *l, double box[6]) {
   }
 }
 
-/* From p to the segment between a and b, both relative to p. */
-static double segment_distance(const double a[3], const double b[3]) {
-  double along = 0, length2 = 0, s = 0;
-  for (int k = 0; k < 3; k++) {
-    along -= a[k] * (b[k] - a[k]);
-    length2 += (b[k] - a[k]) * (b[k] - a[k]);
-  }
-  double t = length2 > 0 ? along / length2 : 0;
-  t = t < 0 ? 0 : t > 1 ? 1 : t;
-  for (int k = 0; k < 3; k++) s += (a[k] + t * (b[k] - a[k])) * (a[k] + t * (b[k] - a[k]));
-  return sqrt(s);
-}
-
-/* The way from p to a lamp's centre, without the part along `normal`, which is returned. */
-static double split(const lamp *l, const double p[3], const double normal[3], double out[3]) {
+/* A lamp's centre moved along `normal` to the height of p, and how far that is. */
+static double level(const lamp *l, const double p[3], const double normal[3], double out[3]) {
   double height = 0;
-  for (int k = 0; k < 3; k++) out[k] = l->at[k] - p[k];
-  if (!normal) return 0;
-  for (int k = 0; k < 3; k++) height += normal[k] * out[k];
-  for (int k = 0; k < 3; k++) out[k] -= height * normal[k];
+  for (int k = 0; k < 3; k++) height += normal[k] * (l->at[k] - p[k]);
+  for (int k = 0; k < 3; k++) out[k] = l->at[k] - height * normal[k];
   return fabs(height);
 }
 
-/* An exact flat light lies in the disk of its reach; the disk's way in its plane is a segment, seen
-   from the nearer of the two planes. */
-double ylm__lamp_way_distance(const lamp *a, const lamp *b, const double p[3]) {
-  bool flat = a->shape && a->shape->exact;
-  const double *normal = flat ? a->shape->normal : NULL;
-  double from[3], to[3], ha = split(a, p, normal, from), hb = split(b, p, normal, to);
-  double s = segment_distance(from, to);
-  return flat ? hypot(fmin(ha, hb), fmax(0, s - a->shape->reach)) : s;
-}
-
-double ylm__lamp_distance(const lamp *l, const double p[3]) {
-  return ylm__lamp_way_distance(l, l, p);
+/* In its plane the disk's way is a segment, seen from the nearer of two planes. */
+double ylm__lamp_flat_distance(const lamp *a, const lamp *b, const double p[3]) {
+  double from[3], to[3], ha = level(a, p, a->shape->normal, from),
+                         hb = level(b, p, a->shape->normal, to);
+  return hypot(fmin(ha, hb), fmax(0, segment_distance(p, from, to) - a->shape->reach));
 }
 
 /* -- as a field -----------------------------------------------------------------------------------

@@ -2,6 +2,8 @@
 #ifndef YLM_GRID_LAMP_H
 #define YLM_GRID_LAMP_H
 
+#include <math.h>
+
 #include "grid.h"
 
 #define NEAR 3.0      /* radii: nearer to a light that changed, all lights are summed */
@@ -57,13 +59,41 @@ bool ylm__lamp_slides(const lamp *a, const lamp *b);
 bool ylm__lamps_alike(const lamp *a, const lamp *b);
 /* A box around it: min, max. */
 void ylm__lamp_box(const lamp *l, double box[6]);
-/* The distance from its centre; of an exact flat light one that its nearest point has at least. */
-double ylm__lamp_distance(const lamp *l, const double p[3]);
-/* The same from the way between two lamps that slide; p is not in between their planes. */
-double ylm__lamp_way_distance(const lamp *a, const lamp *b, const double p[3]);
+/* The distance of p from the disk of an exact flat light, which lies in there, and from the way of
+   that disk where it slides and p is not in between its planes. */
+double ylm__lamp_flat_distance(const lamp *a, const lamp *b, const double p[3]);
+static inline bool lamp_is_exact(const lamp *l) { return l->shape && l->shape->exact; }
+
+/* From p to the segment between a and b. */
+static inline double segment_distance(const double p[3], const double a[3], const double b[3]) {
+  double along = 0, length2 = 0, s = 0;
+  for (int k = 0; k < 3; k++) {
+    along += (p[k] - a[k]) * (b[k] - a[k]);
+    length2 += (b[k] - a[k]) * (b[k] - a[k]);
+  }
+  double t = length2 > 0 ? along / length2 : 0;
+  t = t < 0 ? 0 : t > 1 ? 1 : t;
+  for (int k = 0; k < 3; k++) {
+    double d = p[k] - (a[k] + t * (b[k] - a[k]));
+    s += d * d;
+  }
+  return sqrt(s);
+}
+
+/* The distance from a lamp's centre, or what an exact flat light is away at least. */
+static inline double lamp_distance(const lamp *l, const double p[3]) {
+  double s = 0;
+  if (lamp_is_exact(l)) return ylm__lamp_flat_distance(l, l, p);
+  for (int k = 0; k < 3; k++) s += (p[k] - l->at[k]) * (p[k] - l->at[k]);
+  return sqrt(s);
+}
+/* The same from the way between two lamps that slide. */
+static inline double lamp_way_distance(const lamp *a, const lamp *b, const double p[3]) {
+  return lamp_is_exact(a) ? ylm__lamp_flat_distance(a, b, p) : segment_distance(p, a->at, b->at);
+}
 /* At such a distance and nearer all lights are to be summed when this one changes. */
 static inline double lamp_near(const lamp *l) {
-  return l->shape && l->shape->exact ? NEAR_FLAT * l->shape->reach : NEAR * l->radius;
+  return lamp_is_exact(l) ? NEAR_FLAT * l->shape->reach : NEAR * l->radius;
 }
 
 /* The field of up to two lamps that are alike, grey, of given radiances. */
@@ -78,7 +108,7 @@ void ylm__lamp_field_free(lamp_field *f);
 
 /*
 ** Bounds of lamps of a kind, of radiance 1: the norms of the k-th derivatives of the coefficients,
-** k = 0 .. 3, are below bound[k] radius^2 / d^(k+2) wherever ylm__lamp_distance, d, is above
+** k = 0 .. 3, are below bound[k] radius^2 / d^(k+2) wherever lamp_distance, d, is above
 ** lamp_near. Not of what a horizon cuts.
 */
 ylm_status ylm__lamp_bounds(int lmax, lamp_kind kind, double bound[4], ylm_error *e);

@@ -64,14 +64,14 @@ static bool same_side(const lamp *a, const lamp *b, const double p[3]) {
   return (sa > 0 && sb > 0) || (sa < 0 && sb < 0);
 }
 
-/* Bounds of what a way from a to b changes, of a light that slides along it, and of the change of
-   its radiance; false where they do not hold. */
+/* Bounds of what a way from a to b changes, of a light of radiance e that slides along it, and of
+   the change of its radiance; false where they do not hold. */
 static bool bounds_of_way(const ylm_grid *g, const lamp *a, const lamp *b, const double p[3],
-                          double db, bounds *out) {
+                          double e, double db, bounds *out) {
   const double *bound = g->dynamic->bound[lamp_kind_of(a)];
-  double way = distance(a->at, b->at), e = emission(g, a, NULL);
+  double way = distance(a->at, b->at);
   if (!same_side(a, b, p)) return false;
-  double ds = ylm__lamp_way_distance(a, b, p);
+  double ds = lamp_way_distance(a, b, p);
   if (ds <= lamp_near(a)) return false;
   *out = bounds_at(g, b, emission(g, b, a), db);
   double x = e * a->radius * a->radius * way / (ds * ds * ds);
@@ -89,11 +89,11 @@ static bool bounds_of_way(const ylm_grid *g, const lamp *a, const lamp *b, const
 */
 static bool add_bounds(const ylm_grid *g, const lamp *a, const lamp *b, bool slides,
                        const double p[3], bounds *sum) {
-  double ea = emission(g, a, NULL), eb = emission(g, b, NULL), da = ylm__lamp_distance(a, p),
-         db = ylm__lamp_distance(b, p);
+  double ea = emission(g, a, NULL), eb = emission(g, b, NULL), da = lamp_distance(a, p),
+         db = lamp_distance(b, p);
   if ((ea > 0 && da <= lamp_near(a)) || (eb > 0 && db <= lamp_near(b))) return false;
   bounds from = bounds_at(g, a, ea, da), to = bounds_at(g, b, eb, db), moved;
-  bool moves = slides && bounds_of_way(g, a, b, p, db, &moved);
+  bool moves = slides && bounds_of_way(g, a, b, p, ea, db, &moved);
   for (int k = 0; k < 3; k++) {
     double ends = from.of[k] + to.of[k];
     sum->of[k] += moves && moved.of[k] < ends ? moved.of[k] : ends;

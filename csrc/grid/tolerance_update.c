@@ -5,7 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define UPDATE_HELD 256 /* points that are compared at first, twice as many from round to round */
+/* Points that are compared, twice; then twice as many from round to round. */
+#define UPDATE_HELD 256
 #define UPDATE_DRAWN 16384 /* tries to find as many in voxels that changed */
 #define UPDATE_ROUNDS 8
 #define RELAX 0.98 /* what becomes of the factor in an update that passes at once */
@@ -19,7 +20,7 @@ static bool touched(const ylm_grid_cell *c, const uint8_t *changed, size_t known
 /* Draws points in occupied leaves whose corners changed. */
 static void hold_out_changed(refiner *r, uint64_t round, const uint8_t *changed, size_t known) {
   const ylm_grid *g = r->b->g;
-  size_t most = (size_t)UPDATE_HELD << round;
+  size_t most = (size_t)UPDATE_HELD << (round > 1 ? round - 1 : 0);
   ylm_rng rng;
   ylm_rng_seed(&rng, r->b->source->seed, 1000 + g->stats.update.updates * UPDATE_ROUNDS + round);
   if (most > HELD_OUT) most = HELD_OUT;
@@ -61,14 +62,14 @@ static ylm_status split_failed(refiner *r) {
   return s == YLM_OK ? refiner_refine(r) : s;
 }
 
-/* Splits what failed; where that is more than a few, also what the factor asks for that would have
-   caught them: the field is not what it was when the factor was found. */
-static ylm_status refine_more(refiner *r) {
+/* Splits what failed; where that is more than chance lets fail, also what the factor asks for that
+   would have caught them: the field is not what it was when the factor was found. */
+static ylm_status refine_more(refiner *r, uint64_t round) {
   bool limited;
   size_t failed = 0;
+  double few = (round < 2 ? 0.02 : 0.01) * (double)r->verdicts;
   for (size_t i = 0; i < r->verdicts; i++) failed += r->verdict[i].error > r->tolerance;
-  if ((double)failed <= 0.01 * (double)r->verdicts || refiner_satisfied(r, &limited))
-    return split_failed(r);
+  if ((double)failed <= few || refiner_satisfied(r, &limited)) return split_failed(r);
   return refiner_again(r);
 }
 
@@ -86,7 +87,7 @@ static ylm_status refine_changed(refiner *r, const uint8_t *changed, size_t know
     r->b->g->stats.verify_seconds += ylm_seconds() - start;
     if (s != YLM_OK || r->verdicts == 0) break;
     bool last = (double)failed <= 0.006 * (double)r->verdicts || round + 1 == UPDATE_ROUNDS;
-    if (!last) s = refine_more(r);
+    if (!last) s = refine_more(r, round);
     if (!last || s != YLM_OK) continue;
     if (round == 0) r->tight = fmax(r->b->g->dynamic->loosest, RELAX * r->tight);
     double largest;
