@@ -78,9 +78,11 @@ typedef struct ylm_light_tree {
   ylm__proxies_d *proxies_d;
 } ylm_light_tree;
 
-/* Hessians of lights that together are below this part of the tolerance, by the sum of their norms,
-   are left out: errors of one sign, but bounded with much to spare. */
-#define YLM__SKIP 2
+/* Hessians of lights beyond a distance are left out where the sum of their norms is below this part
+   of the tolerance; so many distances are tried, from the tree's extent on, each smaller than the
+   one before by the square root of two. */
+#define YLM__SKIP 0.7
+#define YLM__TAILS 10
 /* Where light comes from one side, nodes' errors have one sign and add up: so much less counts. */
 #define YLM__ONE_SIGN 0.6
 /* Norms that cancel to less than this part of the sum of the lights' norms count as so much. */
@@ -129,6 +131,7 @@ typedef struct ylm__tree_plan {
   int at[3];
   float c[3][3];              /* G_(2+k+j)/G_k */
   double norm[3];             /* G_k */
+  float skip[YLM__TAILS];     /* distances beyond which Hessians may be left out */
   double share[3];            /* how much of the bounds counts, inverse */
   float widest, pilot_widest; /* largest reach/D of a node that is not opened */
   ylm__plan dim;              /* the sums of lights whose Hessians are negligible; has no maps */

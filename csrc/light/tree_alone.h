@@ -21,10 +21,18 @@ typedef struct NAME(alone) {
   VI solid[YLM__TILE];                                            /* masks: a light has a radius */
   V inverse[YLM__TILE], luminance[YLM__TILE], rgb[3 * YLM__TILE]; /* of a tile; 1/r */
   V c[YLM__STRENGTHS][3];                                         /* sums of strength u^(2+k) */
+  V tail[YLM__TAILS];                                             /* of u^4 beyond distances */
   V *sums, *dim_sums, *scaled; /* as those of points, lanes are lights */
 } NAME(alone);
 
 YLM_INLINE V NAME(keep_lanes)(VI mask, V a) { return (V)((VI)a & mask); }
+
+/* Adds e to the sums over lights beyond distances that the one at d, which stands for others within
+   pilot_widest d, may be beyond. */
+YLM_INLINE void NAME(add_tail)(const ylm__tree_plan *p, V d, V e, V *tail) {
+  REAL far = (REAL)(p->tree->size / (1 + (double)p->pilot_widest));
+  for (int j = 0; j < YLM__TAILS; j++) tail[j] += NAME(keep_lanes)(d > far * (REAL)p->skip[j], e);
+}
 
 /* -- sums over a list --------------------------------------------------------------------- */
 
@@ -53,6 +61,7 @@ YLM_INLINE void NAME(see_lights)(const ylm__tree_plan *p, NAME(alone) * k,
   k->luminance[j] = strength[p->at[0]];
   for (int s = 0; s < YLM__STRENGTHS; s++) {
     V e = strength[s] * size * size * u * u;
+    if (p->want[2] && s == p->at[2]) NAME(add_tail)(p, d, e * u * u, k->tail);
     for (int n = 0; n < 3; n++) k->c[s][n] += e, e *= u;
   }
 }

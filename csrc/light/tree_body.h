@@ -79,17 +79,16 @@ static void NAME(norms)(const ylm__tree_plan *p, NAME(tree_work) * k, const V do
 
 /* What errors a point allows, from those norms and from sums of strength u^(2+k) in scene units. */
 static void NAME(allow)(const ylm__tree_plan *p, const double norm[3], double c[YLM__STRENGTHS][3],
-                        seen_from *from) {
-  double unit = p->tree->size * p->tree->size / p->tree->total, sum[3], part[3];
+                        const double tail[YLM__TAILS], seen_from *from) {
+  double unit = p->tree->size * p->tree->size / p->tree->total, part[3];
   for (int k = 0; k < 3; k++, unit *= p->tree->size) {
     part[k] = p->tolerance * fmax(norm[k], 1.0 / YLM__CANCELLED);
     double share = p->share[k] * part[k] * (1 - YLM__ONE_SIGN * fmin(norm[k] * norm[k], 1));
     from->allowed[k] = (float)(share * share * unit * c[p->at[k]][k]);
-    sum[k] = unit * c[p->at[2]][k];
   }
-  double small = YLM__SKIP * part[2] * sum[2];
+  double small = YLM__SKIP * part[2] * c[p->at[2]][2];
   from->skip = INFINITY;
-  if (p->want[2] && small > 0) from->skip = (float)fmin(sqrt(sum[0] / small), sum[1] / small);
+  for (int j = 0; p->want[2] && j < YLM__TAILS && tail[j] <= small; j++) from->skip = p->skip[j];
 }
 
 /* -- packets of points ------------------------------------------------------------------------ */
@@ -166,6 +165,7 @@ static void NAME(find_scales)(const ylm__tree_plan *p, NAME(tree_work) * k, NAME
   size_t m = (size_t)p->pilot->n_lum;
   memset(c->pilot_sums, 0, VECTORS * m * sizeof(V));
   memset(c->c, 0, sizeof c->c);
+  memset(c->tail, 0, sizeof c->tail);
   q->whole.pilot = true, q->whole.skip = INFINITY;
   NAME(begin_together)(k, q, &k->pilot);
   for (size_t i = 0; k->walk.n_left && i < q->n; i++) {
@@ -173,11 +173,14 @@ static void NAME(find_scales)(const ylm__tree_plan *p, NAME(tree_work) * k, NAME
     V *sums = c->pilot_sums + i / LANES * m;
     memset(k->alone.sums, 0, m * sizeof(V));
     memset(k->alone.c, 0, sizeof k->alone.c);
+    memset(k->alone.tail, 0, sizeof k->alone.tail);
     q->from[i].pilot = true, q->from[i].skip = INFINITY;
     NAME(go_on_alone)(k, q, i, &k->pilot, &unused);
     NAME(add_lanes)(k->alone.sums, m, (int)(i % LANES), sums);
     for (int s = 0; s < YLM__STRENGTHS; s++)
       for (int j = 0; j < 3; j++) c->c[i / LANES][s][j][i % LANES] += NAME(total)(k->alone.c[s][j]);
+    for (int j = 0; j < YLM__TAILS; j++)
+      c->tail[i / LANES][j][i % LANES] += NAME(total)(k->alone.tail[j]);
   }
   for (int v = 0; v < c->vectors; v++) {
     V down[3] = {{0}}, norm[3];
@@ -188,11 +191,12 @@ static void NAME(find_scales)(const ylm__tree_plan *p, NAME(tree_work) * k, NAME
     memcpy(k->pilot.lum, c->pilot_sums + (size_t)v * m, m * sizeof(V));
     NAME(norms)(p, k, down, norm);
     for (size_t i = (size_t)v * LANES, lane = 0; i < q->n && lane < LANES; i++, lane++) {
-      double at[3], power[YLM__STRENGTHS][3];
+      double at[3], power[YLM__STRENGTHS][3], tail[YLM__TAILS];
+      for (int j = 0; j < YLM__TAILS; j++) tail[j] = (double)c->tail[v][j][lane];
       for (int j = 0; j < 3; j++) at[j] = (double)norm[j][lane];
       for (int s = 0; s < YLM__STRENGTHS; s++)
         for (int j = 0; j < 3; j++) power[s][j] = (double)c->c[v][s][j][lane];
-      NAME(allow)(p, at, power, &q->from[i]);
+      NAME(allow)(p, at, power, tail, &q->from[i]);
       q->from[i].pilot = false;
     }
   }

@@ -81,6 +81,7 @@ ylm_status ylm__tree_plan_create(ylm__tree_plan *p, const ylm_light_tree *t, dou
   p->share[1] *= (double)high, p->share[2] *= (double)high;
   p->widest = WIDEST * high;
   p->pilot_widest = (p->want[1] || p->want[2] ? PILOT_WIDEST : PILOT_WIDEST_VALUE) * high;
+  for (int j = 0; j < YLM__TAILS; j++) p->skip[j] = 2 * powf(0.5f, 0.5f * (float)j);
   p->dim = *sums;
   p->dim.kinds_lum &= ~YLM__M2, p->dim.kinds_rgb &= ~YLM__M2;
   p->dim.n_lum = ylm__sum_count(q->lmax, p->dim.kinds_lum);

@@ -16,6 +16,7 @@ typedef struct NAME(lamp_list) {
 typedef struct NAME(crowd) {
   NAME(lamp_list) near, dim;
   V xyz[VECTORS][3], c[VECTORS][YLM__STRENGTHS][3]; /* sums of strength u^(2+k) */
+  V tail[VECTORS][YLM__TAILS];                      /* of u^4 beyond distances */
   VI inside[VECTORS];
   seen_by by;
   int vectors;
@@ -50,6 +51,7 @@ static void NAME(add_strengths)(const ylm__tree_plan *p, NAME(crowd) * k, NAME(l
       V u = NAME(keep_lanes)(d > m->radius, 1 / NAME(larger)(d, (V){0} + TINY));
       for (int s = 0; s < YLM__STRENGTHS; s++) {
         V e = u * m->radius * (u * m->radius) * each[s];
+        if (p->want[2] && s == p->at[2]) NAME(add_tail)(p, d, e * u * u, k->tail[v]);
         for (int n = 0; n < 3; n++) k->c[v][s][n] += e, e *= u;
       }
     }
