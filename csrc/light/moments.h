@@ -156,8 +156,9 @@ void ylm__plan_free(ylm__plan *p);
 typedef ylm_status ylm__sum_range(const ylm__plan *p, void **scratch, size_t begin, size_t end,
                                   const void *points, ylm_field_result *r);
 struct ylm__tree_plan;
-/* The same over a tree of lights (tree.h); scratch is of three, the first of which begins with the
-   number of lights and proxies that were summed, a uint64_t. */
+/* The same over a tree of lights (tree.h), for blocks begin .. end-1 of points; scratch is of
+   three, the first of which begins with the number of lights and proxies that were summed, a
+   uint64_t. */
 typedef ylm_status ylm__tree_range(const struct ylm__tree_plan *p, void **scratch, size_t begin,
                                    size_t end, const void *points, ylm_field_result *r);
 typedef struct ylm__kernel_set {

@@ -65,6 +65,14 @@ float YLM_KERNEL(ylm__bend)(size_t count, const float *hessian) {
 #undef LIST
 #undef VECTORS
 #undef CROWD
+#undef ABREAST
+#undef ALONG
+#undef FEWEST
+#undef FAR_SHARE
+#undef STRONG
+#undef LARGEST
+#undef COST
+#undef INSTEAD
 
 /* -- double -------------------------------------------------------------------------- */
 

@@ -21,11 +21,21 @@
 #define YLM__MOST_PROXIES 8
 #define YLM__MANY 8    /* lights of a node that may have more than the least */
 #define YLM__PACKET 16 /* points that walk together */
+/* Fewest and most points of a block that shares what is far, of so many in all; and the most bytes
+   of sums at its nodes. */
+#define YLM__BLOCK_LEAST 256
+#define YLM__BLOCK_MOST 4096
+#define YLM__BLOCKS 64
+#define YLM__SHARING 4 /* fewest packets that share what is far */
+#define YLM__NODES_BYTES (1 << 21)
 /* Nodes that are too near, and smaller than so many radii of a packet, are left to its points if in
    all they have more lights than a packet sums about as fast: lights (1 + their part of all lights)
    more than WORTH, at tolerances from 0.01 on. */
 #define YLM__LITTLE 2
 #define YLM__WORTH 12000
+/* Nodes whose middle is near a block, and smaller than so much of what is near, are left to its
+   packets. */
+#define YLM__WITHIN 0.5f
 /* The points of a packet that fills less than one lane of so many walk alone. */
 #define YLM__LONELY 4
 
@@ -52,7 +62,7 @@ typedef struct ylm__group {
   float fourth[YLM__GROUP];     /* times strength */
   uint32_t lights[YLM__GROUP];  /* how many */
   uint32_t proxies[YLM__GROUP]; /* twice their block, and 1 if they are eight, of two blocks */
-  float unused[YLM__GROUP];
+  float spread[YLM__GROUP];     /* of what is summed in its stead: reach of the proxies */
 } ylm__group;
 
 #define YLM__IS_LEAF 0x80000000u
@@ -106,6 +116,42 @@ typedef struct ylm__branch {
    block it has. `order` names `n` lights. */
 void ylm__tree_node(ylm_light_tree *t, uint32_t g, int k, const uint32_t *order, size_t n);
 
+/* -- tree_packets.c ------------------------------------------------------------------------------
+ */
+
+/* The order of points in packets, all of which but the last have YLM__PACKET points that lie
+   together, and of packets in blocks. */
+typedef struct ylm__packing {
+  size_t *order;         /* [n] points, one packet after the other */
+  size_t *block, blocks; /* [blocks + 1] where each block begins among them */
+} ylm__packing;
+/* Blocks have up to `most` points. YLM_ENOMEM; to be freed in any case. */
+ylm_status ylm__packing_create(ylm_dtype type, size_t n, const void *points, size_t most,
+                               ylm__packing *out);
+void ylm__packing_free(ylm__packing *p);
+
+/* -- tree_far.c ----------------------------------------------------------------------------------
+ */
+
+/*
+** Points that lie together are a block, and far from all of it lights are summed at the nodes of a
+** grid, from which the sums of its points are interpolated. `error[k][i][n]` is log2 of the error
+** of the k-th derivative, in parts of a light's, of n of Chebyshev's nodes along an axis of half
+** extent 1 at the i-th distance (tree_far.c).
+*/
+#define YLM__FAR_NODES 16 /* most nodes along an axis */
+#define YLM__FAR_STEPS 16 /* distances */
+typedef struct ylm__far {
+  float error[3][YLM__FAR_STEPS][YLM__FAR_NODES + 1];
+} ylm__far;
+
+void ylm__far_create(int lmax, const bool want[3], ylm__far *f);
+/* The distance from a box from which on n[0] nodes along its longest axis keep the errors of lights
+   below `part` of the lights' own, and in n as many as that takes along each axis; 0 if there is no
+   such distance worth having. */
+double ylm__far_nodes(const ylm__far *f, const bool want[3], const float half[3],
+                      const float part[3], int n[3]);
+
 /* -- tree_bound.c -------------------------------------------------------------------------------
  */
 
@@ -129,21 +175,23 @@ typedef struct ylm__tree_plan {
   double tolerance;
   bool want[3]; /* values, gradients, Hessians (or the metric) */
   int at[3];
-  float c[3][3];              /* G_(2+k+j)/G_k */
-  double norm[3];             /* G_k */
-  float skip[YLM__TAILS];     /* distances beyond which Hessians may be left out */
-  double share[3];            /* how much of the bounds counts, inverse */
-  float widest, pilot_widest; /* largest reach/D of a node that is not opened */
-  ylm__plan dim;              /* the sums of lights whose Hessians are negligible; has no maps */
-  uint32_t *dim_at;           /* [luminance sums of dim, then of a colour]: where among sums' */
-  const size_t *order;        /* [n] points of packets, one packet after the other */
+  float c[3][3];               /* G_(2+k+j)/G_k */
+  double norm[3];              /* G_k */
+  float skip[YLM__TAILS];      /* distances beyond which Hessians may be left out */
+  double share[3];             /* how much of the bounds counts, inverse */
+  float widest, pilot_widest;  /* largest reach/D of a node that is not opened */
+  ylm__plan dim;               /* the sums of lights whose Hessians are negligible; has no maps */
+  uint32_t *dim_at;            /* [luminance sums of dim, then of a colour]: where among sums' */
+  const ylm__packing *packing; /* of the query's points */
+  size_t block;                /* most points of a block */
+  size_t nodes;                /* most nodes of a block's grid; 0: nothing is interpolated */
+  ylm__far far;
 } ylm__tree_plan;
 
 ylm_status ylm__tree_plan_create(ylm__tree_plan *p, const ylm_light_tree *t, double tolerance,
                                  const ylm__plan *sums, const ylm__plan *pilot);
-/* The order of points in packets, all of which but the last have YLM__PACKET points that lie
-   together; to be freed, NULL where memory runs out. */
-size_t *ylm__packets(ylm_dtype type, size_t n, const void *points);
+/* How large blocks of `n` points are, and what is known of interpolation in them. */
+void ylm__tree_plan_blocks(ylm__tree_plan *p, size_t n);
 /* True if so many lights are summed faster by a tree. */
 bool ylm__tree_pays(const ylm_light_tree *t, int lmax, double tolerance);
 void ylm__tree_plan_free(ylm__tree_plan *p);

@@ -93,6 +93,16 @@ ylm_status ylm__tree_plan_create(ylm__tree_plan *p, const ylm_light_tree *t, dou
   return YLM_OK;
 }
 
+void ylm__tree_plan_blocks(ylm__tree_plan *p, size_t n) {
+  size_t most = YLM__BLOCK_MOST, sums = (size_t)(p->sums->n_lum + 3 * p->sums->n_rgb);
+  while (most > n / (most > YLM__BLOCK_LEAST ? YLM__BLOCKS : YLM__BLOCKS / 2)) most /= 2;
+  p->nodes = YLM__NODES_BYTES / (sums * ylm_dtype_size(p->sums->q->dtype));
+  if (p->nodes > most / 2) p->nodes = most / 2;
+  if (most < YLM__BLOCK_LEAST || p->nodes < YLM__BLOCK_LEAST / 16) p->nodes = 0;
+  p->block = p->nodes ? most : 2 * YLM__PACKET;
+  if (p->nodes) ylm__far_create(p->sums->q->lmax, p->want, &p->far);
+}
+
 void ylm__tree_plan_free(ylm__tree_plan *p) { ylm_free(p->dim_at); }
 
 /* Where the exact sum of uniform lights takes about as long, whatever the points, at lmax 4: 750

@@ -12,12 +12,12 @@ typedef struct NAME(lamp_list) {
   LAMP lamp[CROWD];
 } NAME(lamp_list);
 
-/* What a packet needs; sums are of all its vectors. */
+/* What a packet needs, or the nodes of a block; sums are of all its vectors. */
 typedef struct NAME(crowd) {
   NAME(lamp_list) near, dim;
-  V xyz[VECTORS][3], c[VECTORS][YLM__STRENGTHS][3]; /* sums of strength u^(2+k) */
-  V tail[VECTORS][YLM__TAILS];                      /* of u^4 beyond distances */
-  VI inside[VECTORS];
+  V (*xyz)[3], (*c)[YLM__STRENGTHS][3]; /* [vectors]; sums of strength u^(2+k), a packet's */
+  V (*tail)[YLM__TAILS];                /* of u^4 beyond distances */
+  VI *inside;
   seen_by by;
   int vectors;
   V *sums, *dim_sums, *pilot_sums;
@@ -94,7 +94,18 @@ static size_t NAME(list_lamps)(const tree_walk *walk, NAME(crowd) * k, NAME(work
   return pairs;
 }
 
-/* Sums over what a walk comes to, for a packet of points; how many lights and proxies. */
+/* Adds sums without Hessians, [dim], to those with. */
+static void NAME(add_dim)(const ylm__tree_plan *p, const V *from, V *to) {
+  size_t lum = (size_t)p->dim.n_lum, rgb = (size_t)p->dim.n_rgb;
+  for (size_t i = 0; i < lum; i++) to[p->dim_at[i]] += from[i];
+  for (size_t c = 0; c < 3; c++)
+    for (size_t i = 0; i < rgb; i++)
+      to[(size_t)p->sums->n_lum + c * (size_t)p->sums->n_rgb + p->dim_at[lum + i]] +=
+          from[lum + c * rgb + i];
+}
+
+/* Sums over what a walk comes to, for a packet of points or the nodes of a block; how many lights
+   and proxies. */
 static size_t NAME(walk_together)(tree_walk *walk, NAME(crowd) * k, NAME(work) * w,
                                   const seen_from *from) {
   const ylm__tree_plan *p = walk->plan;

@@ -1,8 +1,10 @@
 /*
-** tree_packets.c - the order in which points are taken: packets of points that lie together.
+** tree_packets.c - the order in which points are taken: packets of points that lie together, and
+** blocks of such packets.
 **
 ** Points are halved across the longest extent of their places, so many at a time that all packets
-** but the last are full. The order depends on the points alone.
+** but the last are full; a block is what is no longer larger than it may be. The order depends on
+** the points alone.
 */
 #include "tree.h"
 
@@ -11,7 +13,9 @@
 typedef struct cutter {
   ylm_dtype type;
   const void *points;
+  size_t most; /* points of a block */
   size_t *order;
+  ylm__packing *out;
 } cutter;
 
 static double coordinate(const cutter *c, size_t i, int axis) {
@@ -70,19 +74,35 @@ static void part(const cutter *c, size_t begin, size_t end, size_t middle, int a
   }
 }
 
-static void cut(const cutter *c, size_t begin, size_t end) {
-  while (end - begin > YLM__PACKET) {
+/* Cuts begin .. end-1 into packets, `whole` if that is part of a block already. */
+static void cut(cutter *c, size_t begin, size_t end, bool whole) {
+  for (;;) {
+    if (!whole && end - begin <= c->most) {
+      c->out->block[c->out->blocks++] = begin;
+      whole = true;
+    }
+    if (end - begin <= YLM__PACKET) return;
     size_t packets = (end - begin + YLM__PACKET - 1) / YLM__PACKET;
     size_t middle = begin + packets / 2 * YLM__PACKET;
     part(c, begin, end, middle, longest_axis(c, begin, end));
-    cut(c, begin, middle);
+    cut(c, begin, middle, whole);
     begin = middle;
   }
 }
 
-size_t *ylm__packets(ylm_dtype type, size_t n, const void *points) {
-  cutter c = {type, points, ylm_alloc(n, sizeof *c.order)};
-  for (size_t i = 0; c.order && i < n; i++) c.order[i] = i;
-  if (c.order) cut(&c, 0, n);
-  return c.order;
+ylm_status ylm__packing_create(ylm_dtype type, size_t n, const void *points, size_t most,
+                               ylm__packing *out) {
+  *out = (ylm__packing){ylm_alloc(n, sizeof *out->order),
+                        ylm_alloc(n / YLM__PACKET + 2, sizeof *out->block), 0};
+  if (!out->order || !out->block) return YLM_ENOMEM;
+  cutter c = {type, points, most, out->order, out};
+  for (size_t i = 0; i < n; i++) c.order[i] = i;
+  cut(&c, 0, n, false);
+  out->block[out->blocks] = n;
+  return YLM_OK;
+}
+
+void ylm__packing_free(ylm__packing *p) {
+  ylm_free(p->order);
+  ylm_free(p->block);
 }

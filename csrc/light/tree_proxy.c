@@ -198,20 +198,23 @@ void ylm__tree_node(ylm_light_tree *t, uint32_t g, int k, const uint32_t *order,
   cluster q;
   ylm__tree_cluster(&q, t->lights->lamp_d, order, n);
   ylm__group *to = &t->group[g];
-  proxies p;
+  proxies p = {.n = 0};
+  double spread = 0;
   if (n > YLM__PROXIES) {
     choose_proxies(&q, n, &p);
     for (int j = 0; j < p.n; j++) {
       const double *x = p.x[j];
       double d = sqrt(x[0] * x[0] + x[1] * x[1] + x[2] * x[2]);
-      q.reach = fmax(q.reach, d + sqrt(q.radius2));
+      spread = fmax(spread, d + sqrt(q.radius2));
     }
     write_proxies(t, to->proxies[k] / 2, &q, &p);
     to->proxies[k] |= p.n == YLM__MOST_PROXIES;
   }
+  q.reach = fmax(q.reach, spread);
   double s = t->size, s2 = s * s;
   for (int a = 0; a < 3; a++) to->at[a][k] = (float)((q.at[a] - t->centre[a]) / s);
   to->reach[k] = up(q.reach / s);
+  to->spread[k] = p.n > 0 ? up(spread / s) : to->reach[k];
   to->radius[k] = (float)(sqrt(q.radius2) / s);
   to->lights[k] = (uint32_t)n;
   for (int i = 0; i < YLM__STRENGTHS; i++) {

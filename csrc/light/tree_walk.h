@@ -5,10 +5,15 @@
 
 #define SIDE (YLM_VF / YLM__GROUP) /* groups in a vector */
 
-/* Groups that a packet may leave to its points. */
+/* Groups that a packet may leave to its points, and a block to its packets. */
 #define LEFT 1024
+/* In a list: this group but for its first or its second node. */
+#define NOT_FIRST 0x80000000u
+#define NOT_SECOND 0x40000000u
 /* Groups on the stack that are taken several at a time: those left are there from the start. */
 #define BROAD (2 * LEFT)
+/* Sizes of blocks in each other, of which each has a quarter of the points of the next. */
+#define LEVELS 4
 /* Nodes that are noted before they are summed. */
 #define NOTES 256
 
@@ -16,17 +21,22 @@
 typedef struct seen_from {
   float x[3], half[3], radius; /* middle, half of its edges and of its diagonal */
   float allowed[3];            /* B_k of tree.h */
+  float part[3], error[3];     /* errors: of the norm of the lights' own sum, and in all */
   float skip;                  /* beyond this distance Hessians are negligible */
+  float nearest;               /* of what a block interpolates; 0 for packets and points */
+  float strong[3];             /* 1 over what is too strong for that at this distance */
+  int power;                   /* by which errors of interpolation fall with the distance, halved */
   bool pilot;
 } seen_from;
 
-/* Vectors of a packet's points. */
-#define SEEN (YLM__PACKET > YLM_VF ? YLM__PACKET / YLM_VF : 1)
+/* Parts of a block, and vectors of them. */
+#define PARTS 64
+#define SEEN (PARTS / YLM_VF)
 
-/* The points of a packet, lanes beside each other. */
+/* The points of a packet, or balls with parts of a block, lanes beside each other. */
 typedef struct seen_by {
   int vectors;
-  ylm_vf x[SEEN][3], allowed[SEEN][3], skip[SEEN];
+  ylm_vf x[SEEN][3], radius[SEEN], allowed[SEEN][3], skip[SEEN];
 } seen_by;
 
 /* What is to be summed: lights of a leaf, four or eight proxies of a node, or one light for a node.
@@ -45,7 +55,9 @@ typedef struct tree_walk {
   uint32_t *stack;
   size_t top, n_left;
   uint64_t lights_left;
-  uint32_t left[LEFT]; /* groups that are smaller than the packet and in or near it */
+  bool too_many;       /* more than there was room for */
+  uint32_t left[LEFT]; /* groups that are smaller than the packet and in or near it, or nodes that
+                          are too near for a block */
   note_lists notes;
 } tree_walk;
 
@@ -76,7 +88,7 @@ typedef struct node_vector {
   size_t n; /* groups */
   uint32_t at[SIDE];
   const ylm__group *g[SIDE];
-  int32_t closed[YLM_VF], dim[YLM_VF], small[YLM_VF];
+  int32_t absent[YLM_VF], closed[YLM_VF], dim[YLM_VF], small[YLM_VF];
 } node_vector;
 
 /* Masks of the nodes that need not be opened, of those whose Hessians are negligible, and of those
@@ -106,6 +118,9 @@ static void test_groups(const ylm__tree_plan *p, const seen_from *from, node_vec
       far &= k < 2 ? good : good | away;
     }
   }
+  ylm_vi absent;
+  memcpy(&absent, v->absent, sizeof absent);
+  far |= absent, little &= ~absent;
   memcpy(v->closed, &far, sizeof far);
   memcpy(v->dim, &away, sizeof away);
   memcpy(v->small, &little, sizeof little);
@@ -128,7 +143,9 @@ static bool test_points(const ylm__tree_plan *p, const ylm__group *g, int i, con
   bool closed = true, all_away = true;
   for (int v = 0; v < by->vectors && closed; v++) {
     ylm_vf x = g->at[0][i] - by->x[v][0], y = g->at[1][i] - by->x[v][1];
-    ylm_vf z = g->at[2][i] - by->x[v][2], d = ylm_vf_sqrt(x * x + y * y + z * z), u = 1 / d;
+    ylm_vf z = g->at[2][i] - by->x[v][2], d = ylm_vf_sqrt(x * x + y * y + z * z);
+    d = ylm_vf_select(d > by->radius[v], d - by->radius[v], (ylm_vf){0});
+    ylm_vf u = 1 / d;
     ylm_vi far = g->reach[i] <= p->widest * d, away = d - g->reach[i] > by->skip[v];
     ylm_vf power = ylm_vf_set(1);
     for (int k = 0; k < 3; k++) {
@@ -175,12 +192,15 @@ static void leave(tree_walk *w, node_vector *v) {
   }
 }
 
+#include "tree_near.h"
+
 /* Puts each node on the stack or among the notes; without branches, which nobody could foretell. */
 YLM_INLINE void sort_nodes(tree_walk *w, const node_vector *v, const bool pilot, const bool left) {
   const ylm__group *group = w->plan->tree->group, *const *g = v->g;
   note_lists *notes = &w->notes;
-  ylm_vi child = (ylm_vi)FIELD(child), closed, dim, small, kind, at, leaf = child < 0;
-  ylm_vi lights = child >> YLM__COUNT_AT & 15, none = leaf & (lights == 0);
+  ylm_vi child = (ylm_vi)FIELD(child), closed, dim, small, absent, kind, at, leaf = child < 0;
+  memcpy(&absent, v->absent, sizeof absent);
+  ylm_vi lights = child >> YLM__COUNT_AT & 15, none = (leaf & (lights == 0)) | absent;
   memcpy(&closed, v->closed, sizeof closed);
   memcpy(&dim, v->dim, sizeof dim);
   memcpy(&small, v->small, sizeof small);
@@ -197,7 +217,7 @@ YLM_INLINE void sort_nodes(tree_walk *w, const node_vector *v, const bool pilot,
   }
   at = (at & ~each) | (child & each);
   int32_t downs[YLM_VF], takes[YLM_VF], kinds[YLM_VF], ats[YLM_VF], children[YLM_VF];
-  if (left) down &= ~small;
+  if (left) down &= ~small, take &= ~small;
   memcpy(downs, &down, sizeof down);
   memcpy(takes, &take, sizeof take);
   memcpy(kinds, &kind, sizeof kind);
@@ -220,8 +240,11 @@ static void pop(tree_walk *w, node_vector *v) {
   size_t most = w->top > BROAD - 2 * YLM_VF ? 1 : SIDE;
   v->n = w->top < most ? w->top : most;
   for (size_t i = 0; i < SIDE; i++) {
-    v->at[i] = i < v->n ? w->stack[--w->top] : 0;
+    uint32_t at = i < v->n ? w->stack[--w->top] : 0;
+    v->at[i] = at & ~(NOT_FIRST | NOT_SECOND);
     v->g[i] = &w->plan->tree->group[v->at[i]];
+    v->absent[YLM__GROUP * i] = -(int32_t)(at / NOT_FIRST);
+    v->absent[YLM__GROUP * i + 1] = -(int32_t)(at / NOT_SECOND & 1);
   }
 }
 
@@ -236,7 +259,10 @@ static size_t walk_on(tree_walk *w, const seen_from *from, const seen_by *by) {
     pop(w, &next);
     test_groups(w->plan, from, &now);
     if (by) test_again(w->plan, by, &now);
-    if (from->radius > 0) leave(w, &now);
+    if (from->nearest > 0)
+      leave_nodes(w, from, &now);
+    else if (from->radius > 0)
+      leave(w, &now);
     if (from->pilot)
       sort_nodes(w, &now, true, from->radius > 0);
     else
@@ -244,6 +270,8 @@ static size_t walk_on(tree_walk *w, const seen_from *from, const seen_by *by) {
     if (!next.n) pop(w, &next);
     now = next;
   }
-  for (size_t i = 0; i < now.n; i++) w->stack[w->top++] = now.at[i];
+  for (size_t i = 0; i < now.n; i++)
+    w->stack[w->top++] = now.at[i] | (now.absent[YLM__GROUP * i] ? NOT_FIRST : 0) |
+                         (now.absent[YLM__GROUP * i + 1] ? NOT_SECOND : 0);
   return w->notes.all;
 }

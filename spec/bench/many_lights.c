@@ -74,13 +74,32 @@ static void scene_free(lamps *l) {
   ylm_free(l->radiance);
 }
 
-/* Half the points anywhere, half on a floor. */
-static double *places(size_t n) {
+/* Where points are: few and anywhere (half of them on a floor), more in the whole cube, corners of
+   a uniform grid, a floor's shading points; for errors, more of the first. */
+enum { ANYWHERE, RANDOM, GRID, FLOOR, SETS, SCATTERED = SETS };
+static const struct {
+  const char *name;
+  size_t n, side;
+} sets[] = {{"256 anywhere", 256, 0},
+            {"4096 in the cube", 4096, 0},
+            {"a grid of 32^3", 32768, 32},
+            {"a floor of 256^2", 65536, 256},
+            {"anywhere", 10000, 0}};
+
+/* The points of a set, n of them if it has no sides. */
+static double *places(int set, size_t n) {
+  size_t side = sets[set].side;
   double *p = ylm_alloc(n, 3 * sizeof *p);
   ylm_rng r;
   ylm_rng_seed(&r, 3, 3);
-  for (size_t i = 0; i < n; i++)
-    for (size_t a = 0; a < 3; a++) p[3 * i + a] = a == 1 && i & 1 ? 0.01 : ylm_rng_double(&r);
+  for (size_t i = 0; i < n; i++) {
+    size_t at[3] = {0, 0, 0};
+    if (side) at[0] = i % side, at[1] = i / side % side, at[2] = i / side / side;
+    for (size_t a = 0; a < 3; a++)
+      p[3 * i + a] = side ? ((double)at[a] + 0.5) / (double)side : ylm_rng_double(&r);
+    if (!side && set != RANDOM && i & 1) p[3 * i + 1] = 0.01;
+    if (set == FLOOR) p[3 * i + 2] = 0.3;
+  }
   return p;
 }
 
@@ -137,16 +156,16 @@ static double distance(const double *x, const double *y, size_t width, bool tens
   return sqrt(s);
 }
 
-/* The error of point i in what a form looks at. */
-static double error_of(const answer *a, const answer *exact, const answer *whole, size_t i,
-                       int form) {
+/* The error of the row-th point of an answer, the i-th of the others, in what a form looks at. */
+static double error_of(const answer *a, size_t row, const answer *exact, const answer *whole,
+                       size_t i, int form) {
   size_t w = form == BAKE ? 1 : form == VALUE ? WIDTH : form == GRADIENT ? 3 * WIDTH : 6 * WIDTH;
   const double *x[3];
   const answer *from[3] = {a, exact, whole};
   for (int k = 0; k < 3; k++) {
     const double *all[FORMS] = {from[k]->value, from[k]->gradient, from[k]->lambda,
                                 from[k]->hessian};
-    x[k] = all[form] + i * w;
+    x[k] = all[form] + (k == 0 ? row : i) * w;
   }
   return distance(x[0], x[1], w, form == HESSIAN) / distance(x[2], NULL, w, form == HESSIAN);
 }
@@ -168,24 +187,28 @@ static ylm_light_cut *cut_of(ylm_lights *lights, double tolerance) {
   return cut;
 }
 
-/* Errors in double of a scene: true if they are as promised. */
-static bool measure_errors(int kind, size_t lights, size_t n) {
+/* Errors in double of a scene at n points of a set, of which about so many are looked at: true if
+   they are as promised. */
+static bool measure_errors(int kind, size_t lights, int set, size_t n, size_t sample) {
   lamps l = scene(kind, lights);
   ylm_lights *given = lights_of(&l), *positive;
   for (size_t i = 0; i < 3 * l.n; i++) l.radiance[i] = fabs(l.radiance[i]);
   positive = lights_of(&l);
-  double *points = places(n), *e = ylm_alloc(n, sizeof *e);
+  size_t stride = n / sample | 1, m = (n + stride - 1) / stride;
+  double *points = places(set, n), *some = ylm_alloc(m, 24), *e = ylm_alloc(m, sizeof *e);
+  for (size_t i = 0; i < 3 * m; i++) some[i] = points[i / 3 * stride * 3 + i % 3];
   double high[3][FORMS], most[3][FORMS], pairs[3][FORMS];
   bool kept = true;
   for (int form = 0; form < FORMS; form++) {
-    answer exact = ask(ylm_lights_field(given), YLM_DOUBLE, n, points, form);
-    answer whole = ask(ylm_lights_field(positive), YLM_DOUBLE, n, points, form);
+    answer exact = ask(ylm_lights_field(given), YLM_DOUBLE, m, some, form);
+    answer whole = ask(ylm_lights_field(positive), YLM_DOUBLE, m, some, form);
     for (int t = 0; t < 3; t++) {
       ylm_light_cut *cut = cut_of(given, tolerances[t]);
       answer a = ask(ylm_light_cut_field(cut), YLM_DOUBLE, n, points, form);
-      for (size_t i = 0; i < n; i++) e[i] = error_of(&a, &exact, &whole, i, form) / tolerances[t];
-      qsort(e, n, sizeof *e, upwards);
-      high[t][form] = e[(size_t)ceil(0.999 * (double)n) - 1], most[t][form] = e[n - 1];
+      for (size_t i = 0; i < m; i++)
+        e[i] = error_of(&a, i * stride, &exact, &whole, i, form) / tolerances[t];
+      qsort(e, m, sizeof *e, upwards);
+      high[t][form] = e[(size_t)ceil(0.999 * (double)m) - 1], most[t][form] = e[m - 1];
       pairs[t][form] = a.pairs / (double)n;
       kept = kept && high[t][form] <= 1 && most[t][form] <= 4;
       answer_free(&a);
@@ -201,7 +224,7 @@ static bool measure_errors(int kind, size_t lights, size_t n) {
     printf("\n");
     fflush(stdout);
   }
-  ylm_free(points), ylm_free(e);
+  ylm_free(points), ylm_free(some), ylm_free(e);
   ylm_lights_free(given), ylm_lights_free(positive);
   scene_free(&l);
   return kept;
@@ -230,30 +253,12 @@ static void print_times(const ylm_field *f, size_t n, const float *points) {
   fflush(stdout);
 }
 
-/* Where points are: few and anywhere (half of them on a floor), more in the whole cube, corners of
-   a uniform grid, a floor's shading points. */
-enum { ANYWHERE, RANDOM, GRID, FLOOR, SETS };
-static const struct {
-  const char *name;
-  size_t n, side;
-} sets[SETS] = {{"256 anywhere", 256, 0},
-                {"4096 in the cube", 4096, 0},
-                {"a grid of 32^3", 32768, 32},
-                {"a floor of 256^2", 65536, 256}};
-
 static float *points_of(int set) {
-  size_t n = sets[set].n, side = sets[set].side;
-  double *any = places(2 * n);
+  size_t n = sets[set].n;
+  double *from = places(set, n);
   float *p = ylm_alloc(n, 3 * sizeof *p);
-  for (size_t i = 0; i < n; i++) {
-    size_t at[3] = {0, 0, 0};
-    if (side) at[0] = i % side, at[1] = i / side % side, at[2] = i / side / side;
-    for (size_t a = 0; a < 3; a++)
-      p[3 * i + a] = (float)(side ? ((double)at[a] + 0.5) / (double)side
-                                  : any[3 * (set == RANDOM ? 2 * i : i) + a]);
-    if (set == FLOOR) p[3 * i + 2] = 0.3f;
-  }
-  ylm_free(any);
+  for (size_t i = 0; i < 3 * n; i++) p[i] = (float)from[i];
+  ylm_free(from);
   return p;
 }
 
@@ -288,19 +293,25 @@ static void measure_times(int set, size_t most) {
   ylm_free(p);
 }
 
+/* The errors of all scenes at n points of a set; true if they are as promised. */
+static bool measure_scenes(size_t lights, int set, size_t n, size_t sample) {
+  bool kept = true;
+  printf("tree of lights: errors over tolerance (99.9 %%, largest) and lights and proxies summed, "
+         "%zu lights, %zu points, %s, lmax %d\n%-13s %-9s",
+         lights, n, sets[set].name, LMAX, "lights", "tolerance");
+  for (int k = 0; k < FORMS; k++) printf("  %-18s", forms[k]);
+  printf("\n");
+  for (int kind = 0; kind < SCENES; kind++)
+    kept &= measure_errors(kind, lights, set, n, sample < n ? sample : n);
+  return kept;
+}
+
 int main(void) {
-  static const size_t numbers[] = {10000, 100000};
   bool quick = bench_is_quick(), kept = true;
-  for (int i = 0; i < (quick ? 1 : 2); i++) {
-    size_t n = quick ? 1000 : i == 0 ? 10000 : 2000;
-    printf(
-        "tree of lights: errors over tolerance (99.9 %%, largest) and lights and proxies summed, "
-        "%zu lights, %zu points, lmax %d\n%-13s %-9s",
-        numbers[i], n, LMAX, "lights", "tolerance");
-    for (int k = 0; k < FORMS; k++) printf("  %-18s", forms[k]);
-    printf("\n");
-    for (int kind = 0; kind < SCENES; kind++) kept &= measure_errors(kind, numbers[i], n);
-  }
+  kept &= measure_scenes(10000, SCATTERED, quick ? 1000 : 10000, 10000);
+  if (!quick) kept &= measure_scenes(100000, SCATTERED, 2000, 2000);
+  for (int set = GRID; set <= FLOOR && !quick; set++)
+    kept &= measure_scenes(100000, set, sets[set].n, 2000);
   for (int set = 0; set < (quick ? 1 : SETS); set++) measure_times(set, quick ? 10000 : 1000000);
   printf("%s\n", kept ? "all within the tolerance" : "NOT within the tolerance");
   return !kept;
