@@ -10,8 +10,7 @@
 ** loses what polynomials of degree n and higher make of it, and as much by aliasing: with
 ** K = sum c_ij T_i(x) T_j(y) the norm of the error is at most 2 sqrt(sum over i, j >= n of |c_ij|).
 ** Half of that is within some percent of the largest error of interpolated lights (lmax 1 to 15,
-*any
-** place), and taken.
+** any place), and taken.
 **
 ** Source  docs/math.md "Many lights", Blocks
 */

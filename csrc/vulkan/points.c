@@ -136,8 +136,7 @@ uint64_t points_most_bytes(const gpu_points *p) { return ylm_gpu_about(p->g)->me
 
 /*
 ** Room for the rows of some of the next n points, *some of them, in one part: at least of `few`,
-*for
-** all that come if there is so much. *some is 0 where there is no room for any.
+** for all that come if there is so much. *some is 0 where there is no room for any.
 */
 static ylm_status reserve_rows(gpu_points *p, uint32_t n, uint32_t few, uint32_t *some) {
   uint64_t row = 16 * (uint64_t)p->stride, at = p->points - p->first, part = p->part_rows;

@@ -294,11 +294,10 @@ typedef struct ylm_gpu_grid ylm_gpu_grid;
 ** ylm_gpu_grid_bake - ylm_grid_bake of a grid that is not dynamic, on the device.
 **
 ** Adaptive with a threshold, and uniform: occupancy, corners, their light field, the metric and
-*what
-** is split stay on the device; the host reads counts for each level, and everything at the end.
-*Then
-** ylm_grid_end does what remains. With a tolerance ylm_grid_bake decides, by residuals and held-out
-** errors that the device measures (ylm_grid_keeper); so with a uniform grid too large for kernels.
+** what is split stay on the device; the host reads counts for each level, and everything at the
+** end. Then ylm_grid_end does what remains. With a tolerance ylm_grid_bake decides, by residuals
+** and held-out errors that the device measures (ylm_grid_keeper); so with a uniform grid too
+** large for kernels.
 **
 **   form    in   lmax as the lights can
 **   source  in   its field, lights and keeper are not read
@@ -308,12 +307,10 @@ typedef struct ylm_gpu_grid ylm_gpu_grid;
 **                cells the same but where |error - threshold| < 1e-4 threshold; with a tolerance
 **                but where an estimate is as near to what it is compared with
 **   copy    out  the grid as it stays on the device, for sampling; NULL where it did not fit, or
-*was
-**                not baked there: ylm_gpu_grid_create makes one then
+**                was not baked there: ylm_gpu_grid_create makes one then
 ** Times     in those of the lights: "occupancy", "points" (finding corners, positions, data),
 **           those of sums, "crossing", "subdivide" (the metric too), "residuals", "continuity"
-*(rows
-**           of points that only this needs); "upload" and "download" by the host's clock
+**           (rows of points that only this needs); "upload" and "download" by the host's clock
 ** Returns   what ylm_grid_bake returns, and ylm_gpu_run. YLM_ELIMIT: a level's voxels take 32
 **           bytes each, points 12, of what a kernel sees of a buffer
 **           On a device whose kernels have fewer than 11 buffers the host decides, by ylm_grid_bake
@@ -372,8 +369,7 @@ typedef struct ylm_gpu_output {
 **   points    in   [n][3] of q->point_dtype; finite, which is not checked of those on the device
 **   value     out  [n][channels][count], gradient [n][channels][count][3] or none
 **   times     stages "locate", "sort", "sample", and by the host's clock "upload", "download" of
-*the
-**             host's arrays; may be NULL
+**             the host's arrays; may be NULL
 ** YLM_EINVAL (the grid was updated since; an array is another device's), YLM_EMISSING (points in
 ** double on a device without), YLM_ENOMEM, YLM_EDEVICE, YLM_ECANCELLED
 */
@@ -403,8 +399,7 @@ YLM_API ylm_status ylm_gpu_grid_shade(ylm_gpu_grid *k, const ylm_grid *grid,
 
 /*
 ** What a view's pixels are made of: ylm_shade_entries of ylm_shade.h, as arrays of the host's.
-*Whole
-** numbers are doubles, and are checked.
+** Whole numbers are doubles, and are checked.
 */
 typedef struct ylm_gpu_pixels {
   size_t width, height, entries, points;
@@ -439,11 +434,9 @@ YLM_API void ylm_gpu_picture_size(const ylm_gpu_picture *k, size_t *points, size
 **   disc      in   [discs][YLM_GPU_DISC], from ylm_shade_view_discs: the farthest first
 **   image     out  [height][width][3]; the host's is what comes back
 **   times     stages "filter", "lamps", by the host's clock "upload" (radiance of the host's,
-*lamps;
-**             with finding which tiles of 8 x 8 pixels they touch), "download"; may be NULL
+**             lamps; with finding which tiles of 8 x 8 pixels they touch), "download"; may be NULL
 ** Within 1e-5 of the CPU's pixels. On a device without float64 rims of lamps are placed in float,
-*to
-** some 1e-4 of a pixel. YLM_EINVAL (an array is another device's), YLM_ENOMEM, YLM_ELIMIT,
+** to some 1e-4 of a pixel. YLM_EINVAL (an array is another device's), YLM_ENOMEM, YLM_ELIMIT,
 ** YLM_EDEVICE, YLM_EBUSY, YLM_ECANCELLED
 */
 YLM_API ylm_status ylm_gpu_picture_make(ylm_gpu_picture *k, ylm_gpu_input radiance,
