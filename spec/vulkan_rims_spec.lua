@@ -48,10 +48,12 @@ describe("exact flat lights on a device", function()
 
   local function agree(...) return fields.agree(gpu, ...) end
 
+  local fewer = os.getenv "YLM_LUA" == "luajit" -- the kernels are those of the other run, where all degrees are tried
+
   local points = numbers.points(37, 3, 6)
   local few = { points[1], points[2], points[3] }
 
-  for lmax = 0, 10 do
+  for lmax = 0, 10, fewer and 5 or 1 do
     it(("agree to 1e-5 in float, with Hessians and the metric, at lmax %d"):format(lmax), function()
       local lights = { polygons(23, 0.6, 3), polygons(5, 1, 5), disks(9, 0.5) }
       agree(lmax, lights, points, { derivatives = 2, channels = "luminance", metric = "luminance" }, 1e-5)
@@ -143,7 +145,7 @@ describe("exact flat lights on a device", function()
 
   describe("cut by a horizon", function()
     local up = { 0.3, 1, -0.2 }
-    for _, lmax in ipairs { 0, 3, 9 } do
+    for _, lmax in ipairs(fewer and { 3 } or { 0, 3, 9 }) do
       it(("agree to 1e-5 in float and 1e-12 in double, Hessians too, at lmax %d"):format(lmax), function()
         local lights = { polygons(11, 1.5, 3, up), polygons(5, 1, 6, up), disks(9, 1, up) }
         agree(lmax, lights, points, { derivatives = 2, channels = "luminance" }, 1e-5)
