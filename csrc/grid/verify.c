@@ -192,9 +192,10 @@ bool refiner_satisfied(refiner *r, bool *limited) {
   *limited = stuck > 0;
   if ((double)(refinable + stuck) <= 0.006 * all || (double)refinable <= 0.001 * all) return true;
   if ((double)stuck > 0.01 * all && (double)refinable <= 0.005 * all) return true;
+  size_t few = (size_t)(0.004 * all);
+  if (refinable <= few) return false; /* the others are at the finest level */
   qsort(estimates, refinable, sizeof *estimates, downwards);
-  size_t caught = refinable - (size_t)(0.004 * all);
-  double wanted = 1.001 * r->tolerance / estimates[caught - 1];
+  double wanted = 1.001 * r->tolerance / estimates[refinable - few - 1];
   if (wanted > 1.5 * r->tight) wanted = 1.5 * r->tight;
   if (wanted > r->tight) r->tight = wanted;
   return false;
