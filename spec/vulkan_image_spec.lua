@@ -227,6 +227,11 @@ describe("ylm.vulkan pictures", function()
       assert(not ok and message:find(says, 1, true), tostring(message))
     end
     refused("name the device", { grid = grid, download = false })
+    for _, d in ipairs { false, own } do
+      local disk = ylm.disk_light { at = { 0, 1, 0 }, normal = { 0, 1, 0 }, radius = 1 }
+      refused("lamps: sphere lights expected", { grid = grid, device = d or nil, layers = false,
+        lamps = { ylm.sphere_light { at = { 0, 1, 0 } }, disk } })
+    end
     refused("out", { grid = grid, device = own, out = own:array { 1 } })
     refused("must be a float array of 20x30x3", { grid = grid, device = own, download = false, out = own:array { 1 } })
     refused("a gpu_array expected", { grid = grid, device = own, download = false, out = ylm.zeros { 20, 30, 3 } })

@@ -125,6 +125,15 @@ function light.patches(packed, tiles)
   if flat then return require("ylm.light_polygon").patches(flat, tiles or 8) end
 end
 
+--- light.arrays of the option `lamps` of the function `name`: of spheres, since flat lights are surfaces of a scene.
+function light.lamps(name, lamps)
+  local packed = light.pack(1, name, lamps)
+  if flat_of[packed] then
+    return check.bad(1, name, "lamps: sphere lights expected; flat lights are drawn with the scene that they are prepared in")
+  end
+  return light.arrays(packed)
+end
+
 -- Packing ----------------------------------------------------------------------------
 
 --- Gathers lights in order: runs of single ones become one packed object each.

@@ -129,7 +129,7 @@ end
 local function filter(name, p, o, v, radiance, image, bar, stages)
   local discs, ok, times, code
   if o.lamps then
-    discs, times, code = check.result(name, p.lib.shade_discs(p.view, light.arrays(light.pack(1, name, o.lamps))))
+    discs, times, code = check.result(name, p.lib.shade_discs(p.view, light.lamps(name, o.lamps)))
     if not discs and times then return nil, times, code end
   end
   ok, times, code = check.result(name, binding().gpu_picture_make(v.picture, radiance, p.scene.background or { 0, 0, 0 },
