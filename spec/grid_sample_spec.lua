@@ -3,11 +3,10 @@
 local core = require "ylm.c.core"
 local ylm = require "ylm"
 local grids = require "spec.support.grids"
-local numbers = require "spec.support.random"
+local points_in = require "spec.support.random".points_in
 
 local SEED, box, lamp, lamps, occupied = grids.seed, grids.box, grids.lamp, grids.lamps, grids.occupied
 local errors, quantile, analytic = grids.errors, grids.quantile, grids.analytic
-local random, points_in = numbers.minimal, numbers.points_in
 
 --- Largest difference between samples and f.
 local function worst(grid, points, f, options)
@@ -80,30 +79,10 @@ describe("grid:sample: properties", function()
         continuous = on }, lamps, { occupied = occupied })
     end
     assert.equal(made[true].stats.points, made[false].stats.points)
-    local cells, r = made[true]:cells(), random(SEED)
-    local low, high, n, tries = {}, {}, 0, 0
-    local eps = 2 ^ -40
-    while n < 10000 and tries < 4e6 do
-      tries = tries + 1
-      local i = math.floor(r() * #cells.level) + 1
-      if cells.leaf[i] == 1 then
-        local axis = math.floor(r() * 3) + 1
-        local p, q = {}, {}
-        for a = 1, 3 do
-          p[a] = cells.origin:get(i, a) + cells.size:get(i, a) * r()
-          q[a] = p[a]
-        end
-        local side = cells.origin:get(i, axis)
-        p[axis], q[axis] = side + eps, side - eps
-        if side > -1 and made[true]:locate(q).level ~= cells.level[i] then
-          n = n + 1
-          low[n], high[n] = q, p
-        end
-      end
-    end
-    assert.equal(10000, n)
+    local low, high = grids.across(made[true], 10000, SEED)
+    assert.equal(10000, #low)
     local function largest(grid)
-      local a, b = grid:sample(ylm.array(low, "double")), grid:sample(ylm.array(high, "double"))
+      local a, b = grid:sample(low), grid:sample(high)
       local e = errors(a, b)
       return e[#e]
     end

@@ -2,9 +2,8 @@
 
 local core = require "ylm.c.core"
 local light = require "ylm.light"
-local ylm = require "ylm"
+local grids = require "spec.support.grids"
 local moving = require "spec.support.moving"
-local random = require "spec.support.random".minimal
 
 local SEED = moving.seed
 local bake, update, lamp, lamps = moving.bake, moving.update, moving.lamp, moving.lamps
@@ -49,22 +48,8 @@ describe("the octree after grid:update", function()
     local d = descriptions[2]
     local grid = bake(d, lamps(0), true)
     for k = 1, 5 do update(grid, lamps(0.2 * k)) end
-    local cells, r = grid:cells(), random(SEED)
-    local low, high, eps = {}, {}, 2 ^ -40
-    while #low < 4000 do
-      local i, axis = math.floor(r() * #cells.level) + 1, math.floor(r() * 3) + 1
-      local p, q = {}, {}
-      for a = 1, 3 do
-        p[a] = cells.origin:get(i, a) + cells.size:get(i, a) * r()
-        q[a] = p[a]
-      end
-      local side = cells.origin:get(i, axis)
-      p[axis], q[axis] = side + eps, side - eps
-      if cells.leaf[i] == 1 and side > -1 and grid:locate(q).level ~= cells.level[i] then
-        low[#low + 1], high[#high + 1] = q, p
-      end
-    end
-    local e = worst(grid:sample(ylm.array(low, "double")), grid:sample(ylm.array(high, "double")))
+    local low, high = grids.across(grid, 4000, SEED)
+    local e = worst(grid:sample(low), grid:sample(high))
     assert.is_true(e <= 2e-6, e)
   end)
 
@@ -94,13 +79,13 @@ describe("the octree after grid:update", function()
 
   it("gives the same whatever the number of threads", function()
     for _, d in ipairs(descriptions) do
-      local grids = {}
+      local made = {}
       for threads = 1, 3 do
-        grids[threads] = bake(d, lamps(0), true)
-        for k = 1, 6 do update(grids[threads], lamps(0.1 * k), { threads = threads }) end
+        made[threads] = bake(d, lamps(0), true)
+        for k = 1, 6 do update(made[threads], lamps(0.1 * k), { threads = threads }) end
       end
-      assert.equal(0, difference(grids[1], grids[2]))
-      assert.equal(0, difference(grids[1], grids[3]))
+      assert.equal(0, difference(made[1], made[2]))
+      assert.equal(0, difference(made[1], made[3]))
     end
   end)
 end)

@@ -50,6 +50,30 @@ grids.lamps = {
   ylm.sphere_light { at = { 0.5, 3, -2 }, radius = 0.5, radiance = 4 },
 }
 
+--- n pairs of points on the two sides of faces between voxels of different levels: two double arrays [n][3]. Raises
+--- where an adaptive grid has too few of them.
+function grids.across(grid, n, seed)
+  local cells, r, eps = grid:cells(), random(seed), 2 ^ -40
+  local low, high, tries = {}, {}, 0
+  while #low < n do
+    tries = tries + 1
+    assert(tries < 4e6, "hardly any voxels of different levels meet")
+    local i = math.floor(r() * #cells.level) + 1
+    if cells.leaf[i] == 1 then
+      local axis = math.floor(r() * 3) + 1
+      local p, q = {}, {}
+      for a = 1, 3 do
+        p[a] = cells.origin:get(i, a) + cells.size:get(i, a) * r()
+        q[a] = p[a]
+      end
+      local side = cells.origin:get(i, axis)
+      p[axis], q[axis] = side + eps, side - eps
+      if side > -1 and grid:locate(q).level ~= cells.level[i] then low[#low + 1], high[#high + 1] = q, p end
+    end
+  end
+  return ylm.array(low, "double"), ylm.array(high, "double")
+end
+
 --- Shading points on a floor and on a ball.
 function grids.shading_points(n, seed)
   local r, t = random(seed), {}
