@@ -31,6 +31,7 @@ local contents = {
   { "ylm.view", "view" },
   { "ylm.plot", "plot" },
   { "ylm.figure", "figure" },
+  { "ylm.warning", "on_warning" },
 }
 
 --- Public name -> a module that is a table of functions itself.
