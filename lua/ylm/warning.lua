@@ -15,7 +15,13 @@ end
 
 local function to_nobody() end
 
-local standard = os.getenv "YLM_WARNINGS" == "no" and to_nobody or to_stderr
+local quiet = os.getenv "YLM_WARNINGS" == "no"
+
+--- What is done where nothing is chosen.
+local function standard(message)
+  if not quiet then to_stderr(message) end
+end
+
 local listener = standard
 
 --- Object -> the topics that were said of it: a film of a thousand frames says a thing once.
