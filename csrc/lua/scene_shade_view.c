@@ -72,6 +72,24 @@ static int shade_stats(lua_State *L) {
   return 1;
 }
 
+/* shade_occlusion(view, points, samples, threads) -> table: ylm_shade_occlusion */
+static int shade_occlusion(lua_State *L) {
+  ylm_shade_occlusion o;
+  ylm_status s =
+      ylm_shade_measure_occlusion(ylmL_shade_view(L, 1), (size_t)luaL_checknumber(L, 2),
+                                  (int)luaL_checknumber(L, 3), (int)luaL_checknumber(L, 4), &o);
+  if (s != YLM_OK) return ylmL_result(L, 0, s, NULL);
+  lua_newtable(L);
+  ylmL_set_number(L, "passing", o.passing);
+  ylmL_set_number(L, "passing_error", o.passing_error);
+  ylmL_set_number(L, "missing", o.missing);
+  ylmL_set_number(L, "missing_error", o.missing_error);
+  ylmL_set_count(L, "points", o.points);
+  ylmL_set_count(L, "rays", o.rays);
+  ylmL_set_number(L, "seconds", o.seconds);
+  return 1;
+}
+
 /* shade_points(view) -> position [n][3], normal [n][3], albedo [n][3], object [n] from 1 */
 static int shade_points(lua_State *L) {
   ylm_shade_view *v = ylmL_shade_view(L, 1);
@@ -114,9 +132,12 @@ static int shade_transfer(lua_State *L) {
   return 1;
 }
 
-static const luaL_Reg functions[] = {
-    {"shade_view", shade_view},         {"shade_stats", shade_stats},
-    {"shade_points", shade_points},     {"shade_positions", shade_positions},
-    {"shade_transfer", shade_transfer}, {NULL, NULL}};
+static const luaL_Reg functions[] = {{"shade_view", shade_view},
+                                     {"shade_stats", shade_stats},
+                                     {"shade_points", shade_points},
+                                     {"shade_positions", shade_positions},
+                                     {"shade_transfer", shade_transfer},
+                                     {"shade_occlusion", shade_occlusion},
+                                     {NULL, NULL}};
 
 void ylmL_open_shade_view(lua_State *L) { luaL_setfuncs(L, functions, 0); }

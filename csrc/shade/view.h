@@ -151,6 +151,25 @@ void ylm__shade_some(const ylm_shade_view *v, ylm_shade_dot_fn *dot, size_t n,
 void ylm__shade_points(const ylm_shade_view *v, ylm_shade_dot_fn *dot, size_t first, size_t n,
                        const shade_light *x, float *out);
 
+/* -- aim.c -------------------------------------------------------------------- */
+
+/* What choosing rays to the lamps of a scene takes; one caller at a time. */
+typedef struct shade_aim {
+  const ylm_shade_scene *scene;
+  size_t chunks, spheres; /* chunks of all lamps; of these, of spheres */
+  ylm_shade_weights_fn *weights;
+  float *weight, *sum; /* [chunks*YLM_LAMP_CHUNK], [chunks]: spheres, then patches */
+} shade_aim;
+
+/* YLM_OK, YLM_ENOMEM; to be freed either way. */
+ylm_status ylm__shade_aim_create(shade_aim *a, const ylm_shade_scene *s);
+void ylm__shade_aim_free(shade_aim *a);
+/* Aims up to `samples` rays from x, on a surface with normal n, at the lamps, in proportion to what
+   they may bring: ray [samples], value [samples][3], the irradiance that each brings if nothing is
+   in its way; returns their number. */
+size_t ylm__shade_aim(const shade_aim *a, const float x[3], const float n[3], int samples,
+                      ylm_rng *rng, ylm_trace_ray *ray, float (*value)[3]);
+
 /* -- patch.c ------------------------------------------------------------------ */
 
 /* For each patch the luminance times a bound of about its unshadowed irradiance over pi, above 0

@@ -243,6 +243,42 @@ YLM_API ylm_status ylm_shade_raycast(const ylm_shade_view *view, int samples, bo
                                      uint64_t seed, int threads, const ylm_progress *progress,
                                      float *out, uint64_t *rays);
 
+/* How a view's visibility differs from that of its scene, as light of the picture. */
+typedef struct ylm_shade_occlusion {
+  double passing; /* part of the view's light that occluders keep from the scene's surfaces */
+  double missing; /* part of the light on the scene's surfaces that the view takes away     */
+  double passing_error, missing_error; /* their standard errors */
+  size_t points;                       /* shading points that were looked at */
+  uint64_t rays;
+  double seconds;
+} ylm_shade_occlusion;
+
+/*
+** ylm_shade_measure_occlusion - how much light passes a view's occluders, and how much is missing.
+**
+** A view's visibility is by direction: whatever occludes within occlusion_distance darkens all
+** lamps in its direction, nearer ones too, and what is farther none. Rays to the lamps, chosen as
+** ylm_shade_raycast chooses them, are traced twice from each of some shading points: up to the lamp
+** (V = 1: free) and up to occlusion_distance (M = 1: free; UNSHADOWED: always). With c the
+*luminance
+** that a ray would bring to the picture, weight of the point and albedo included,
+**
+**   passing = sum c M (1 - V) / sum c M        missing = sum c V (1 - M) / sum c V
+**
+** Both are 0 where there are no lamps or nothing occludes. Light below the surface, and what
+** harmonics of the view's degree lose, count in neither.
+**
+**   points   in   how many shading points, spread evenly over the view's; at most all
+**   samples  in   rays per point, 1 .. 65536
+**   out      out  the same whatever the number of threads, but for `seconds`
+**
+** Returns  YLM_OK; YLM_ERANGE, YLM_ENOMEM
+** Cost     points * (lamps + 2 samples rays)
+** Source   docs/math.md "Shading"; Cochran 1977, "Sampling Techniques" (errors of ratios)
+*/
+YLM_API ylm_status ylm_shade_measure_occlusion(const ylm_shade_view *view, size_t points,
+                                               int samples, int threads, ylm_shade_occlusion *out);
+
 /* -- image ------------------------------------------------------------------- */
 
 /*

@@ -1,0 +1,113 @@
+/* aim.c - rays from a point to the lamps, chosen by what they may bring. */
+#include <math.h>
+
+#include "view.h"
+
+#define PI 3.14159265358979323846
+
+/* A place in the list of lamps as strata walk along the sum of weights. */
+typedef struct walk {
+  size_t chunk, lamp;
+  double passed; /* weight of all lamps before `lamp` */
+} walk;
+
+/* Moves on to the lamp that holds `target`; targets increase. */
+static void walk_to(walk *w, const shade_aim *s, double target) {
+  size_t chunks = s->chunks;
+  while (w->lamp % YLM_LAMP_CHUNK == 0 && w->chunk + 1 < chunks &&
+         w->passed + s->sum[w->chunk] <= target) {
+    w->passed += s->sum[w->chunk++];
+    w->lamp = w->chunk * YLM_LAMP_CHUNK;
+  }
+  while (w->passed + s->weight[w->lamp] <= target && w->lamp + 1 < chunks * YLM_LAMP_CHUNK) {
+    w->passed += s->weight[w->lamp++];
+    w->chunk = w->lamp / YLM_LAMP_CHUNK;
+    while (w->lamp % YLM_LAMP_CHUNK == 0 && w->chunk + 1 < chunks &&
+           w->passed + s->sum[w->chunk] <= target) {
+      w->passed += s->sum[w->chunk++];
+      w->lamp = w->chunk * YLM_LAMP_CHUNK;
+    }
+  }
+}
+
+/* A direction about the axis: cosine z, azimuth u. */
+static void turn(const float axis[3], double z, double u, float out[3]) {
+  float a[3], b[3];
+  double r = sqrt(fmax(0, 1 - z * z)), c = r * cos(2 * PI * u), s = r * sin(2 * PI * u);
+  ylm__shade_basis(axis, a, b);
+  for (int k = 0; k < 3; k++) out[k] = (float)(c * a[k] + s * b[k] + z * axis[k]);
+}
+
+/* A ray from x to a random place of lamp i and the irradiance it brings, for radiance 1. */
+static double sample_lamp(const ylm_shade_scene *s, size_t i, const float x[3], const float n[3],
+                          double u0, double u1, ylm_trace_ray *ray) {
+  double v[3], d2 = 0, r = s->lamp[3][i];
+  for (int a = 0; a < 3; a++) {
+    v[a] = (double)s->lamp[a][i] - (double)x[a];
+    d2 += v[a] * v[a];
+    ray->org[a] = x[a];
+  }
+  ray->near = 0;
+  if (d2 <= r * r) { /* light from everywhere: directions as the cosine, to the lamp's far side */
+    turn(n, sqrt(1 - u0), u1, ray->dir);
+    double along = 0;
+    for (int a = 0; a < 3; a++) along += v[a] * (double)ray->dir[a];
+    ray->far = (float)(along + sqrt(fmax(0, along * along + r * r - d2)));
+    return PI;
+  }
+  float axis[3];
+  double d = sqrt(d2), s2 = r * r / d2, cap = s2 / (1 + sqrt(1 - s2));
+  for (int a = 0; a < 3; a++) axis[a] = (float)(v[a] / d);
+  double z = 1 - u0 * cap, side2 = d2 * fmax(0, 1 - z * z);
+  turn(axis, z, u1, ray->dir);
+  ray->far = (float)(d * z - sqrt(fmax(0, r * r - side2)));
+  return fmax(0, (double)ylm__dot3(ray->dir, n)) * 2 * PI * cap;
+}
+
+static double wrap(double x) { return x - floor(x); }
+
+ylm_status ylm__shade_aim_create(shade_aim *a, const ylm_shade_scene *s) {
+  size_t patches = s->triangles + s->disks;
+  *a = (shade_aim){.scene = s, .weights = ylm__shade_kernels().weights};
+  a->spheres = (s->lamps + YLM_LAMP_CHUNK - 1) / YLM_LAMP_CHUNK;
+  a->chunks = a->spheres + (patches + YLM_LAMP_CHUNK - 1) / YLM_LAMP_CHUNK;
+  a->weight = ylm_alloc(a->chunks * YLM_LAMP_CHUNK, sizeof *a->weight);
+  a->sum = ylm_alloc(a->chunks, sizeof *a->sum);
+  return a->weight && a->sum ? YLM_OK : YLM_ENOMEM;
+}
+
+void ylm__shade_aim_free(shade_aim *a) {
+  ylm_free(a->weight);
+  ylm_free(a->sum);
+}
+
+/* Places on lamps follow Roberts' sequence R2, shifted at random, so that successive rays, most of
+   them to one lamp, spread over it. */
+size_t ylm__shade_aim(const shade_aim *a, const float x[3], const float n[3], int samples,
+                      ylm_rng *rng, ylm_trace_ray *ray, float (*value)[3]) {
+  const ylm_shade_scene *scene = a->scene;
+  double total = 0;
+  size_t rays = 0, before = a->spheres * YLM_LAMP_CHUNK; /* places of spheres */
+  a->weights(a->spheres, scene->lamp, scene->lamp_luminance, x, n, a->weight, a->sum);
+  ylm__shade_patch_weights(scene, x, n, a->weight + before, a->sum + a->spheres);
+  for (size_t b = 0; b < a->chunks; b++) total += a->sum[b];
+  if (!(total > 0)) return 0;
+  walk w = {0};
+  double s0 = ylm_rng_double(rng), s1 = ylm_rng_double(rng);
+  for (int k = 0; k < samples; k++) {
+    double target = (k + ylm_rng_double(rng)) / samples * total;
+    double u0 = wrap(s0 + k * 0.75487766624669276), u1 = wrap(s1 + k * 0.56984029099805327);
+    walk_to(&w, a, target);
+    if (!(a->weight[w.lamp] > 0)) continue; /* padding has none */
+    bool flat = w.lamp >= before;
+    const float *radiance = scene->lamp_radiance + (flat ? 0 : 3 * w.lamp);
+    double e =
+        flat ? ylm__shade_patch_sample(scene, w.lamp - before, x, n, u0, u1, &ray[rays], &radiance)
+             : sample_lamp(scene, w.lamp, x, n, u0, u1, &ray[rays]);
+    if (!(e > 0)) continue;
+    e *= total / a->weight[w.lamp] / samples;
+    for (int c = 0; c < 3; c++) value[rays][c] = (float)e * radiance[c];
+    rays++;
+  }
+  return rays;
+}
