@@ -8,6 +8,7 @@ local device_lights = require "ylm.vulkan_light"
 local form = require "ylm.form"
 local grid_object = require "ylm.grid_object"
 local light = require "ylm.light"
+local unmet = require "ylm.grid_unmet"
 
 local bake = {}
 
@@ -90,7 +91,8 @@ describe "bake" {
     { "options?", "table", "see the options" },
   },
   options = bake_options,
-  returns = { { "grid", "grid", "grid.stats says what was done, and with a tolerance the error that was measured" } },
+  returns = { { "grid", "grid", "grid.stats says what was done, and with a tolerance the error that was measured; "
+    .. "a warning says a tolerance that is not met" } },
   errors = "raises on bad arguments; nil, message, code where memory or max_points are exceeded; "
     .. "nil, 'cancelled', 'ECANCELLED' where progress returns false; nil, message, code where a device fails",
   example = [[
@@ -161,6 +163,8 @@ function bake.bake(description, lights, given)
   device_lights.keep(on, baked, message)
   if made then on:close() end
   if type(packed) ~= "function" and light.followed(packed) then baked_from[baked] = packed end
+  unmet.remember(baked, o.light_tolerance)
+  unmet.warn(baked)
   return baked
 end
 
@@ -190,7 +194,7 @@ describe "grid:update" {
   returns = { { "report", "table", "also grid.stats.update: lights that changed, points brought up to date, exact: of "
     .. "these with all lights, skipped: within the tolerance, added, removed, pairs, seconds, field_seconds, "
     .. "tree_seconds, rebaked, updates; with a tolerance verified, error and met, of held-out points in voxels that "
-    .. "changed" } },
+    .. "changed, and warning, a sentence, where it is not met" } },
   errors = "raises on bad arguments and a grid that is not dynamic; nil, message, code where memory or max_points are "
     .. "exceeded; nil, 'cancelled', 'ECANCELLED' where progress returns false: the grid is then as it was",
   example = [[
@@ -217,6 +221,8 @@ function methods.update(g, lights, given)
     o.threads or 0, progress))
   if report == nil then return nil, message, code end
   baked_from[g] = object
+  unmet.warn(g)
+  report.warning = g.stats.update.warning
   return report
 end
 

@@ -3,6 +3,7 @@
 local check = require "ylm.check"
 local core = require "ylm.c.core"
 local describe = require "ylm.reference".describe
+local unmet = require "ylm.grid_unmet"
 
 local object = {}
 
@@ -24,7 +25,8 @@ require "ylm.reference".object "grid" {
     { "metric_channels", "string", "what the error metric is of" },
     { "dynamic", "boolean", "whether grid:update follows lights" },
     { "depth", "integer", "finest level of an adaptive grid; its metric, continuous, and tolerance or threshold likewise" },
-    { "stats", "table", "points, cells, leaves, levels, pairs, invalid, bytes, ...; with a tolerance met and error; "
+    { "stats", "table", "points, cells, leaves, levels, pairs, invalid, bytes, ...; with a tolerance met and error, and "
+      .. "warning, a sentence, where it is not met; "
       .. "seconds, of which field_seconds in the light field, occupancy_, lattice_, residual_ and continuity_seconds in "
       .. "parts of the bake (0 in a loaded grid), verify_seconds (field included) to verify; baked on a device stages: by name "
       .. "{ seconds, longest, dispatches }" },
@@ -63,7 +65,7 @@ methods.__index = function(g, key)
   if method ~= nil or type(key) ~= "string" then return method end
   object.open(g, key)
   if key == "stats" then
-    local stats = core.grid_stats(g)
+    local stats = unmet.stats(g)
     stats.stages = object.stages_of[g]
     return stats
   end
