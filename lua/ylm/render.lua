@@ -109,7 +109,7 @@ describe "scene:render" {
   about = "Renders a scene by a grid (default: scene:bake of what the camera sees).",
   arguments = { { "options?", "table", "" } },
   options = render_options,
-  returns = { { "image", "image", "" }, { "report", "table", options.report_text .. "outside, unbaked: shading points" } },
+  returns = { { "image", "image", "" }, { "report", "table", options.transfer_text .. "outside, unbaked: shading points" } },
   errors = "raises on a bad option, no camera, neither grid nor probes; nil, message, code: memory, cancelled",
   example = options.one_lamp .. [[
 local grid = scene:bake { probes = ylm.uniform_grid { cells = { 4, 4, 4 }, lmax = 2 }, size = { 32, 18 } }
@@ -144,7 +144,7 @@ describe "scene:reference" {
   about = "Renders a scene with the lights' coefficients at every shading point: what an exact grid would give.",
   arguments = { { "options?", "table", "" } },
   options = reference_options,
-  returns = { { "image", "image", "" }, { "report", "table", options.report_text .. "pairs: light x point evaluations" } },
+  returns = { { "image", "image", "" }, { "report", "table", options.transfer_text .. "pairs: light x point evaluations" } },
   errors = "raises on a bad option or a scene without camera; nil, message, code: memory, cancelled",
   example = options.one_lamp .. "assert(scene:reference { size = { 32, 18 }, samples = 4 })",
 }

@@ -96,6 +96,12 @@ local scene = ylm.scene "one lamp" {
 
 --- What every report says.
 options.report_text = "note (where nothing is to be shaded), "
+  .. "warnings (a list of sentences: what the picture does not keep), "
   .. "seconds (by stage: scene, primary, transfer, light, image; total), rays, points, hits, pixels; "
+
+--- What reports say of pictures by transfer vectors.
+options.transfer_text = options.report_text .. "occlusion (of the light that the scene's lamps bring: passing, the part of the "
+  .. "picture's that occluders stop in the scene, missing, the part of the scene's that the picture lacks, their standard "
+  .. "errors passing_error and missing_error, points, rays; measured once a view); "
 
 return options

@@ -86,6 +86,9 @@ function pictures.sign(out, p, method, report, extra)
   m.samples, m.seed, m.shading, m.visibility = o.samples, o.seed, o.shading, o.visibility
   m.transfer_samples, m.occlusion_distance = o.transfer_samples, tostring(o.occlusion_distance)
   m.points, m.seconds = report.points, report.seconds.total
+  if report.occlusion then
+    m.light_passing, m.light_missing = ("%.3g"):format(report.occlusion.passing), ("%.3g"):format(report.occlusion.missing)
+  end
   for key, value in pairs(extra or {}) do if value ~= nil then m[key] = tostring(value) end end
 end
 
@@ -94,6 +97,7 @@ function pictures.new_report(p)
   local st = p.stats
   return {
     note = st.points == 0 and "the camera sees no geometry: nothing to shade" or nil,
+    warnings = {},
     points = st.points, hits = st.hits, pixels = st.pixels, bytes = st.bytes,
     rays = { primary = st.primary_rays, occlusion = st.occlusion_rays },
     seconds = { scene = st.scene_seconds, primary = st.primary_seconds, transfer = st.transfer_seconds },
@@ -105,7 +109,7 @@ function pictures.finish(report, start, light_seconds)
   local s = report.seconds
   s.light = light_seconds
   s.image = core.seconds() - start - light_seconds
-  s.total = s.scene + s.primary + s.transfer + s.light + s.image
+  s.total = s.scene + s.primary + s.transfer + (s.occlusion or 0) + s.light + s.image
   return report
 end
 

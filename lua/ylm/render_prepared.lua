@@ -29,7 +29,7 @@ describe "prepared:render" {
     .. "Of a grid made with dynamic = true only what grid:update changed since the last time is sampled.",
   arguments = { { "options", "table", "grid is needed" } },
   options = prepared_render,
-  returns = { { "image", "image", "" }, { "report", "table", options.report_text .. "outside, unbaked: shading points; "
+  returns = { { "image", "image", "" }, { "report", "table", options.transfer_text .. "outside, unbaked: shading points; "
     .. "of a dynamic grid fresh: those that were sampled" } },
   errors = "raises on a bad option; nil, message, code where memory runs out or it is cancelled",
   example = options.one_lamp .. [[
@@ -49,7 +49,7 @@ describe "prepared:reference" {
   about = "Shades a prepared view with the lights' coefficients at every shading point: no interpolation.",
   arguments = { { "options?", "table", "" } },
   options = prepared_reference,
-  returns = { { "image", "image", "" }, { "report", "table", options.report_text .. "pairs: light x point evaluations" } },
+  returns = { { "image", "image", "" }, { "report", "table", options.transfer_text .. "pairs: light x point evaluations" } },
   errors = "raises on a bad option; nil, message, code where memory runs out or it is cancelled",
   example = options.one_lamp .. [[
 local view = scene:prepare { size = { 32, 18 }, samples = 4 }

@@ -4,7 +4,9 @@ local check = require "ylm.check"
 local core = require "ylm.c.core"
 local light = require "ylm.light"
 local progress = require "ylm.progress"
+local occlusion = require "ylm.render_occlusion"
 local pictures = require "ylm.render_picture"
+local unmet = require "ylm.grid_unmet"
 local views = require "ylm.render_view"
 
 local shading = {}
@@ -40,9 +42,21 @@ local function sign(out, p, o, report)
     unbaked = report.unbaked, device = o.device and o.device.name })
 end
 
+--- The report of a picture by transfer vectors, with what it does not keep: its own warnings and those of o.grid; or nil,
+-- message, code.
+local function shortcomings(name, p, o)
+  local report = pictures.new_report(p)
+  local ok, message, code = occlusion.report(name, p, o, report)
+  if not ok then return nil, message, code end
+  for _, sentence in ipairs(unmet.warn(o.grid)) do report.warnings[#report.warnings + 1] = sentence end
+  return report
+end
+
 --- Renders a prepared view by a grid on a device: an image, or with download = false a gpu_array [height][width][3].
 local function by_device(name, p, o)
-  local start, report, bar = core.seconds(), pictures.new_report(p), progress.resolve(o.progress)
+  local report, failed, why = shortcomings(name, p, o)
+  if not report then return nil, failed, why end
+  local start, bar = core.seconds(), progress.resolve(o.progress)
   local device = require "ylm.vulkan_image"
   local function write(picture_of)
     local done, message, code = device.render(name, p, o, picture_of, bar, pictures.compose)
@@ -82,9 +96,10 @@ function shading.by_grid(name, p, o)
   if o.download == false then
     return check.bad(1, name, "download: name the device that the picture is to stay on")
   end
+  local report, failed, why = shortcomings(name, p, o)
+  if not report then return nil, failed, why end
   local start, grid, lib = core.seconds(), o.grid, p.lib
-  local bar, threads = progress.resolve(o.progress), o.threads or 0
-  local report, cells = pictures.new_report(p), nil
+  local bar, threads, cells = progress.resolve(o.progress), o.threads or 0, nil
   local radiance, outside, unbaked, seconds
   if core.type(grid) == "ylm.grid" and lib.shade_grid then
     if grid.dynamic then
@@ -112,8 +127,9 @@ end
 --- Renders a prepared view with the lights' own coefficients at every shading point.
 function shading.by_lights(name, p, o)
   pictures.check_truth(name, p, o)
+  local report, failed, why = shortcomings(name, p, o)
+  if not report then return nil, failed, why end
   local start = core.seconds()
-  local report = pictures.new_report(p)
   local lights, message, code = light.within(name, p.traced.lights, o.light_tolerance, o.threads)
   if not lights then return nil, message, code end
   local radiance, pairs
