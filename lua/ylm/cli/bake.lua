@@ -13,6 +13,7 @@ return {
     { "size", "-s", "WxH", "of the image whose camera decides, default that of render" },
     { "samples", "-n", "N", "per pixel of it" },
     { "light_tolerance", nil, "N", "sum many lights by a tree, to this part of the light; default: exactly" },
+    { "strict", nil, nil, "exit status 6 where the tolerance is not met; the grid is written" },
     { "threads", "-j", "N", "default: YLM_THREADS or all cores" },
   },
   run = function(given)
@@ -23,6 +24,9 @@ return {
     if where ~= "camera" and where ~= "vertices" and where ~= "everywhere" then
       status.stop(status.usage, "bake: --occupied is camera, vertices or everywhere, got '%s'", where)
     end
+    if given.occupied and where ~= "camera" and (given.size or given.samples) then
+      status.stop(status.usage, "bake: --size and --samples are of the camera's view, --occupied is %s: leave them out", where)
+    end
     local scene = status.need_scene(ylm.load_scene(given[1]))
     if not scene.probes then
       status.stop(status.script, "%s: the scene has no probes to bake (probes = adaptive_grid { ... })", given[1])
@@ -31,6 +35,8 @@ return {
       light_tolerance = given.light_tolerance, threads = given.threads,
       progress = report.progress(given) })
     status.need(grid:save(given.output))
-    report.print(given, grid.stats)
+    local stats = grid.stats
+    report.print(given, stats, report.names(stats, { "met", "error" }))
+    return status.of_warnings(given, { stats.warning })
   end,
 }

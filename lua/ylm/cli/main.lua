@@ -64,6 +64,7 @@ local function main(given)
     return status.usage
   end
   options.command = name
+  if options.quiet then require "ylm.warning".on_warning(false) end
   local ok, result = xpcall(function() return command.run(options) end, function(raised)
     return type(raised) == "table" and raised or status.raised(raised)
   end)

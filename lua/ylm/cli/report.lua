@@ -49,17 +49,23 @@ local function in_words(x)
   return table.concat(out, #names > 0 and ", " or " ")
 end
 
+--- The names of `results`: those of `first` in their order, the others sorted; warnings stand on stderr.
+function report.names(results, first)
+  local names, rest, seen = {}, {}, { warning = true, warnings = true }
+  for _, name in ipairs(first) do names[#names + 1], seen[name] = name, true end
+  for name in pairs(results) do if not seen[name] then rest[#rest + 1] = name end end
+  table.sort(rest)
+  for _, name in ipairs(rest) do names[#names + 1] = name end
+  return names
+end
+
 --- Prints the table `results`, in the order of `order` where it is given.
 function report.print(given, results, order)
   if given.json then
     io.stdout:write(report.json(results), "\n")
     return
   end
-  if not order then
-    order = {}
-    for name in pairs(results) do order[#order + 1] = name end
-    table.sort(order)
-  end
+  order = order or report.names(results, {})
   local width = 0
   for _, name in ipairs(order) do width = math.max(width, #name) end
   for _, name in ipairs(order) do

@@ -8,9 +8,11 @@ local status = {
   script = 3,    -- a scene file or an experiment is wrong
   beyond = 4,    -- compare: a bound was not kept
   limit = 5,     -- a scene file passed a limit
+  unmet = 6,     -- --strict: a result does not keep what it promises
   cancelled = 130,
   text = "0 good, 1 a file, driver or memory failed, 2 wrong usage, 3 a scene or experiment is wrong,\n"
-    .. "             4 a bound of compare was not kept, 5 a scene passed a limit, 130 interrupted",
+    .. "             4 a bound of compare was not kept, 5 a scene passed a limit,\n"
+    .. "             6 a warning was given and --strict asked for, 130 interrupted",
 }
 
 local of_code = { EFORMAT = status.script, ELIMIT = status.limit, ECANCELLED = status.cancelled }
@@ -32,6 +34,11 @@ function status.need_output(name, path, ...)
     status.stop(status.usage, "%s: %s: the name must end in %s", name, path, table.concat(words, ", "))
   end
   status.need(require "ylm.c.core".file_probe(path))
+end
+
+--- The status of a command that ended with `warnings`: unmet where there are any and --strict was given.
+function status.of_warnings(given, warnings)
+  return given.strict and #warnings > 0 and status.unmet or status.good
 end
 
 --- Passes results on; nil, message, code ends the command.

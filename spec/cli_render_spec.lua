@@ -1,0 +1,106 @@
+-- `ylm render` and `ylm bake`: which options each method takes, warnings, --strict.
+
+local scratch = require "spec.support.scratch"
+
+local build = os.getenv "YLM_BUILD" or "build"
+local lua = os.getenv "YLM_LUA" or "lua5.4"
+
+describe("the command-line tool's renderings", function()
+  local folder, scene
+  setup(function()
+    folder = scratch.new()
+    scene = scratch.quote(folder:write("scene.lua", [[
+      return scene "under a shelf" {
+        camera   = camera { from = { 2, 2, 3 }, at = { 0, 0, 0 } },
+        geometry = { quad { corner = { -2, -0.5, 2 }, u = { 4, 0, 0 }, v = { 0, 0, -4 }, divide = 8 },
+                     quad { corner = { -1, 1, 1 }, u = { 2, 0, 0 }, v = { 0, 0, -2 } } },
+        lights   = sphere_light { at = { 0.5, 1.5, 0.5 }, radius = 0.1, radiance = 50 },
+        probes   = adaptive_grid { lmax = 2, depth = 1, tolerance = 0.001 },
+      }]]))
+  end)
+  teardown(function() folder:remove() end)
+
+  --- Runs `ylm words` with warnings on; returns stdout, exit status, stderr.
+  local function ylm(words)
+    local out, code = scratch.capture(("YLM_WARNINGS= YLM_LUA=%s LUA_PATH= LUA_CPATH= %s %s 2>%s"):format(lua,
+      scratch.quote(build .. "/ylm"), words, scratch.quote(folder.path .. "/stderr")))
+    return out, code, folder:read "stderr"
+  end
+
+  local function to(name) return " -o " .. scratch.quote(folder.path .. "/" .. name) end
+
+  --- The lines of stderr that begin with "ylm: ".
+  local function warnings(err)
+    local lines = {}
+    for line in err:gmatch "[^\n]+" do lines[#lines + 1] = line:match "^ylm: (.*)" end
+    return lines
+  end
+
+  it("take --samples as camera rays and --light-samples as shadow rays", function()
+    local out, code, err = ylm("render " .. scene .. " -m raycast -s 16x9 -n 3 --light-samples 5" .. to "rays.exr" .. " --json")
+    assert.equal(0, code, err)
+    assert.truthy(out:find('"primary":' .. 16 * 9 * 3, 1, true), out)
+    local points, shadow = tonumber(out:match '"points":(%d+)'), tonumber(out:match '"shadow":(%d+)')
+    assert.is_true(shadow > 0 and shadow <= 5 * points, out)
+    assert.truthy(out:find('"warnings":[]', 1, true), out)
+    local usage = ylm "render --help"
+    assert.truthy(usage:find "%-n, %-%-samples N +camera rays per pixel\n", usage)
+    assert.truthy(usage:find "%-%-light%-samples N +raycast: shadow rays per shading point\n", usage)
+  end)
+
+  it("refuse options that a method would not use, before they work", function()
+    for words, says in pairs {
+      ["render -m raycast --shading vertex"] = "--shading is for --method grid and reference, this is raycast: leave it out",
+      ["render -m raycast --light_tolerance 0.1"] = "--light_tolerance is for --method grid and reference, this is raycast",
+      ["render -m reference --interpolation linear"] = "--interpolation is for --method grid, this is reference",
+      ["render -m reference --grid x.ylm"] = "--grid is for --method grid, this is reference",
+      ["render -m reference --light-samples 4"] = "--light-samples is for --method raycast, this is reference",
+      ["render --light-samples 4"] = "--light-samples is for --method raycast, this is grid",
+      ["render --grid x.ylm --light_tolerance 0.1"] = "--light_tolerance is for baking the scene's probes, --grid is baked",
+      ["bake --occupied vertices --size 16x9"] = "--size and --samples are of the camera's view, --occupied is vertices",
+      ["bake --occupied everywhere -n 2"] = "--size and --samples are of the camera's view, --occupied is everywhere",
+      ["render --exposure 1e300"] = "--exposure is from -60 to 60 stops, got 1e+300",
+      ["render --exposure -61"] = "--exposure is from -60 to 60 stops, got -61",
+    } do
+      local command, rest = words:match "^(%a+)(.*)"
+      local out, code, err = ylm(command .. " missing.lua" .. rest .. to(command == "bake" and "x.ylm" or "x.png"))
+      assert.equal(2, code, err)
+      assert.equal("", out)
+      assert.truthy(err:find("ylm: " .. command .. ": " .. says, 1, true), err)
+    end
+    local _, code, err = ylm("render missing.lua --exposure 1" .. to "x.exr")
+    assert.equal(2, code)
+    assert.truthy(err:find("render: --exposure is of a .png: ", 1, true), err)
+    -- a reference takes the shading that it did not take before
+    assert.equal(0, select(2, ylm("render " .. scene .. " -q -m reference --shading vertex -s 16x9 -n 1" .. to "x.exr")))
+  end)
+
+  it("say what falls short in a line each, and end with status 6 under --strict", function()
+    local out, code, err = ylm("bake " .. scene .. " --occupied camera -s 16x9 -n 1" .. to "grid.ylm")
+    assert.equal(0, code, err)
+    assert.truthy(out:find "^met +false\nerror +%d%.%d+\n", out)
+    assert.is_nil(out:find "warning", out)
+    local said = warnings(err)
+    assert.equal(1, #said, err)
+    assert.truthy(said[1]:find("^bake: tolerance 0.001 is not met, .*: voxels end at depth 1; set depth = "), err)
+    out, code, err = ylm("bake " .. scene .. " --occupied camera -s 16x9 -n 1 --strict --json" .. to "strict.ylm")
+    assert.equal(6, code, err)
+    assert.equal(folder:read "grid.ylm":sub(1, 8), folder:read "strict.ylm":sub(1, 8)) -- it is written
+    assert.truthy(out:find('"warning":"' .. said[1]:sub(1, 30), 1, true), out)
+
+    local small = " -s 16x9 -n 2" .. to "x.exr"
+    out, code, err = ylm("render " .. scene .. small .. " --grid " .. scratch.quote(folder.path .. "/grid.ylm"))
+    assert.equal(0, code, err)
+    assert.truthy(out:find "\nocclusion +missing ", out)
+    said = warnings(err)
+    assert.equal(2, #said, err)
+    assert.truthy(said[1]:find('^scene "under a shelf": %d+ %% of the picture\'s light passes through occluders'), err)
+    assert.truthy(said[2]:find("^bake: tolerance "), err)
+    out, code, err = ylm("render " .. scene .. small .. " --strict --json -q")
+    assert.equal(6, code, err)
+    assert.equal("", err)
+    assert.truthy(out:find('"warnings":["scene \\"under a shelf\\": ', 1, true), out)
+    assert.equal(0, select(2, ylm("render " .. scene .. small .. " -m raycast --strict")))
+    assert.truthy((ylm "--help"):find("6 a warning was given and --strict asked for", 1, true))
+  end)
+end)
