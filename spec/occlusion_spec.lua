@@ -1,5 +1,6 @@
 -- How much of a picture's light is not the scene's, since visibility is by direction: what reports, warnings and files say.
 local lib = require "ylm.c.scene"
+local scratch = require "spec.support.scratch"
 local with = require "spec.support.with"
 local ylm = require "ylm"
 
@@ -141,6 +142,17 @@ describe("light that passes occluders", function()
     assert.is_true(long.occlusion.missing > 0.2 and long.occlusion.passing > 0.05)
     assert.truthy(long.warnings[1]:find(" passes through occluders and %d+ %% of the scene's light is missing: "))
     assert.is_nil(long.warnings[1]:find(" set a ", 1, true))
+  end)
+
+  it("is what examples/07_two_rooms.lua shows", function()
+    local folder = scratch.new()
+    local out, status = scratch.capture(("%s examples/07_two_rooms.lua --out %s --width 96 --samples 1 --rays 4"):format(
+      os.getenv "YLM_LUA" or "lua5.4", scratch.quote(folder.path)))
+    local picture = folder:read "two_rooms.png"
+    folder:remove()
+    assert.equal(0, status, out)
+    assert.truthy(out:find "\n +3 +%d+%.%d +%d%.%d +[23]%d%.%d +%d%.%d +0%.[67]", out)
+    if pcall(require, "ylm.c.vtk") then assert.equal("\137PNG", picture:sub(1, 4)) end
   end)
 
   it("is measured once a view, and reported by every method with transfer vectors", function()

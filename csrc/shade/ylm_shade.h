@@ -259,14 +259,13 @@ typedef struct ylm_shade_occlusion {
 ** A view's visibility is by direction: whatever occludes within occlusion_distance darkens all
 ** lamps in its direction, nearer ones too, and what is farther none. Rays to the lamps, chosen as
 ** ylm_shade_raycast chooses them, are traced twice from each of some shading points: up to the lamp
-** (V = 1: free) and up to occlusion_distance (M = 1: free; UNSHADOWED: always). With c the
-*luminance
-** that a ray would bring to the picture, weight of the point and albedo included,
+** (V = 1: free) and up to occlusion_distance (M = 1: free; UNSHADOWED: always). A ray that is free
+** brings the luminance c to the picture, weight of the point and albedo included:
 **
 **   passing = sum c M (1 - V) / sum c M        missing = sum c V (1 - M) / sum c V
 **
-** Both are 0 where there are no lamps or nothing occludes. Light below the surface, and what
-** harmonics of the view's degree lose, count in neither.
+** Both are 0 where there are no lamps or nothing occludes. What harmonics of the view's degree lose
+** counts in neither.
 **
 **   points   in   how many shading points, spread evenly over the view's; at most all
 **   samples  in   rays per point, 1 .. 65536

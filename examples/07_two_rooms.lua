@@ -1,0 +1,55 @@
+-- Light that passes a closed wall: two rooms by SH transfer and by ray casting, and what occlusion_distance makes of them.
+--
+--     ylm run examples/07_two_rooms.lua [--out DIR] [--width N] [--samples N] [--rays N] [--exposure STOPS]
+--
+-- Leaves two_rooms.png in out/, and prints for several distances how much of the picture's light passes occluders and how much
+-- of the scene's is missing: as the report of every rendering measures it, and as the picture's own pixels have it.
+
+local ylm = require "ylm"
+
+local here = arg[0]:match "^(.*/)" or "./"
+local common = dofile(here .. "common.lua")
+local option = common.options { out = "out", width = 640, samples = 4, rays = 256, exposure = 1.7 }
+
+local scene = assert(ylm.load_scene(here .. "scenes/two_rooms.lua"))
+scene.camera = ylm.camera { from = scene.camera.from, at = scene.camera.at, fov = 28 } -- the rooms fill the picture
+local size = { option.width, math.floor(option.width * 0.45) }
+local small = { math.floor(option.width / 2), math.floor(option.width * 0.225) }
+
+--- Luminance of surfaces in the left and in the right half of a picture, the wall's edge between them.
+local function halves(image)
+  local mask, radiance = common.surface_mask(ylm, image):totable(), image:layer():totable()
+  local sum = { 0, 0 }
+  for y, row in ipairs(radiance) do
+    for x, p in ipairs(row) do
+      local half = x <= #row / 2 and 1 or 2
+      sum[half] = sum[half] + mask[y][x] * (0.2126 * p[1] + 0.7152 * p[2] + 0.0722 * p[3])
+    end
+  end
+  return sum[1], sum[2]
+end
+
+-- Distances against rays to the lamps -----------------------------------------------------------------
+
+local left = halves(assert(scene:raycast { size = small, pixel_samples = option.samples, samples = 16 }))
+local row = common.table { { "occlusion_distance", "%18s" }, { "passing %", "%9.1f" }, { "+-", "%4.1f" },
+  { "missing %", "%9.1f" }, { "+-", "%4.1f" }, { "left / true", "%11.3f" }, { "right / all", "%11.3f" } }
+local function try(name, distance)
+  local image, report = assert(scene:reference { size = small, samples = option.samples, occlusion_distance = distance })
+  local l, r = halves(image)
+  local o = report.occlusion
+  row { name or ("%g"):format(distance), 100 * o.passing, 100 * o.passing_error, 100 * o.missing, 100 * o.missing_error,
+    l / left, r / (l + r) }
+end
+try("default"); try(nil, 0.5); try(nil, 1.5); try(nil, 2); try(nil, 3); try(nil, 5)
+
+-- The picture ---------------------------------------------------------------------------------------
+
+local image = assert(scene:render { size = size, samples = option.samples, transfer_samples = 2 * option.rays })
+local truth = assert(scene:raycast { size = size, pixel_samples = option.samples, samples = option.rays })
+common.save(ylm.figure {
+  rows = { {
+    { image = image, tone = "hable", exposure = option.exposure, caption = "scene:render: light passes the wall" },
+    { image = truth, tone = "hable", exposure = option.exposure, caption = "scene:raycast: the right room is dark" },
+  } },
+}, option.out .. "two_rooms.png")
