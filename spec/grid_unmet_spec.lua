@@ -49,6 +49,14 @@ describe("a tolerance that is not met", function()
     assert.truthy(grid.stats.warning:find(": voxels end at depth 1; set tolerance = [%d.]+$"), grid.stats.warning)
   end)
 
+  it("has no tolerance to name where the grid has light in the dark", function()
+    local half = ylm.disk_light { at = { 0, 0.5, 0 }, normal = { 1, 0, 0 }, radius = 0.3, radiance = 10, horizon = { 0, -1, 0 } }
+    local grid = ylm.bake(probes(2, 0.01), half, { occupied = occupied })
+    assert.equal(math.huge, grid.stats.error)
+    assert.equal("bake: tolerance 0.01 is not met, 99 % of the points keep no bound: voxels end at depth 2; set depth = 3 "
+      .. "(errors fall about 16 times a level)", grid.stats.warning)
+  end)
+
   it("names the tolerance of the lights where that is the larger one", function()
     local at = {}
     for i = 1, 4000 do at[i] = { 2 * math.sin(1.7 * i) * (i % 97) / 97, 1.5 + i % 13 / 13, 2 * math.cos(1.3 * i) } end

@@ -98,6 +98,38 @@ describe("light that passes occluders", function()
     end
   end)
 
+  it("is that of every kind of lamp", function()
+    local plank = ylm.box { bounds = { { -0.4, 0.35, -0.3 }, { 0.3, 0.4, 0.2 } } }
+    local above = { corner = { -0.3, 1, -0.3 }, u = { 0.6, 0, 0 }, v = { 0, 0, 0.6 } }
+    local horizon = { horizon = { 0.2, 1, 0 } }
+    for what, lamp in pairs {
+      polygon = ylm.polygon_light(with({ vertices = { { -0.3, 1, -0.3 }, { 0.3, 1, -0.3 }, { 0, 1.2, 0.4 } } }, horizon)),
+      disk = ylm.disk_light(with({ at = { 0, 1, 0 }, normal = { 0.2, 1, 0 }, radius = 0.3, radiance = { 4, 1, 2 } }, horizon)),
+      texture = ylm.textured_light(with(above, { image = { { { 1, 0, 0 }, { 0, 0, 0 } }, { { 0, 0, 0 }, { 4, 8, 1 } } },
+        method = "exact" })),
+    } do
+      local scene = floor(plank, { lights = { lamp } })
+      local rays = { size = { 40, 30 }, pixel_samples = 4, samples = 32 }
+      local true_part = surfaces(scene:raycast(rays)) / surfaces(scene:raycast(with(rays, { shadows = false })))
+      local o = report_of(scene, { visibility = "none", size = { 40, 30 }, samples = 4 }).occlusion
+      assert.near(1 - true_part, o.passing, 3 * o.passing_error, what)
+      assert.is_true(o.passing > 0.02, what)
+    end
+  end)
+
+  it("is the same of pictures by a device", function()
+    if not require "spec.support.gpu".choose() then pending "no Vulkan device" end
+    local gpu = require "spec.support.gpu".open()
+    local scene = floor(ceiling(0.8), below)
+    local view = scene:prepare(with(size, { occlusion_distance = 0.3 }))
+    local grid = scene:bake { probes = ylm.uniform_grid { cells = 2, lmax = 2 }, occupied = view }
+    local said, image, report = listening(function() return view:render { grid = grid, device = gpu } end)
+    assert.equal(1, report.occlusion.passing)
+    assert.same(said, report.warnings)
+    assert.equal("1", image.metadata.light_passing)
+    gpu:close()
+  end)
+
   it("depends on the seed within its standard error, and not on the threads", function()
     local scene = floor(ylm.sphere { at = { 0.2, 0.3, 0.1 }, radius = 0.25 })
     local all = {}
@@ -126,7 +158,7 @@ describe("light that passes occluders", function()
       local half = image:crop(image.size[1] / 2 + 1, 1, image.size[1] / 2, image.size[2])
       return surfaces(half) / surfaces(image)
     end
-    local small = { size = { 160, 90 }, samples = 4 }
+    local small = { size = { 96, 54 }, samples = 4 }
     local image, report
     local said = listening(function()
       image, report = scene:reference(small)

@@ -69,6 +69,7 @@ static size_t look(const job *j, size_t k, const scratch *s, double *out) {
   if (shadows) ylm_trace_occluded(v->scene->trace, n, s->near);
   for (size_t i = 0; i < n; i++) {
     double c = (double)v->entry[entry].weight * luminance(s->value[i], albedo);
+    if (!isfinite(c)) continue;
     bool free = !(s->to_lamp[i].far < 0), seen = !shadows || !(s->near[i].far < 0);
     out[METHOD] += seen ? c : 0;
     out[TRUTH] += free ? c : 0;

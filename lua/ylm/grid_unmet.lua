@@ -17,44 +17,56 @@ local function rounded_up(x)
   return ("%.2g"):format(math.ceil(x / unit - 1e-9) * unit)
 end
 
---- The depth at which errors of fourth order would be within the tolerance; nil where no grid is that deep.
-local function depth_wanted(depth, error, tolerance)
-  local more = math.ceil(math.log(error / tolerance) / math.log(2) / FALL)
+--- "tolerance = 0.02", which is met; nil where the error has no bound: there is light in the grid where all is dark.
+local function looser(error) return error < math.huge and "tolerance = " .. rounded_up(error) or nil end
+
+--- "depth = 7", at which errors of fourth order would be within the tolerance; nil where no grid is that deep.
+local function deeper(depth, error, tolerance)
+  local more = error < math.huge and math.ceil(math.log(error / tolerance) / math.log(2) / FALL) or 1
   local wanted = depth + math.max(1, more)
-  return wanted <= DEEPEST and wanted or nil
+  return wanted <= DEEPEST and ("depth = %d (errors fall about 16 times a level)"):format(wanted) or nil
 end
 
---- What to change where voxels end at the grid's depth.
-local function deeper(depth, error, tolerance)
-  local wanted = depth_wanted(depth, error, tolerance)
-  return ("voxels end at depth %d; set %stolerance = %s"):format(depth,
-    wanted and ("depth = %d (errors fall about 16 times a level) or "):format(wanted) or "", rounded_up(error))
+--- "; set depth = 7 or tolerance = 0.02", of those that are known.
+local function set(...)
+  local words = {}
+  for i = 1, select("#", ...) do words[#words + 1] = (select(i, ...)) end
+  return words[1] and "; set " .. table.concat(words, " or ") or ""
+end
+
+--- Why an error is above the tolerance, and what to change, where voxels end at the grid's depth.
+local function too_shallow(depth, error, tolerance)
+  return ("voxels end at depth %d"):format(depth) .. set(deeper(depth, error, tolerance), looser(error))
 end
 
 --- Why a bake's tolerance is not met, and what to change. The sum of lights is no smoother than its own tolerance.
 local function cause_of(s, form, lights)
   if lights and lights > s.tolerance then
-    return ("lights are summed to light_tolerance = %.3g, voxels end at depth %d; set light_tolerance = %.2g, then depth, "
-      .. "or tolerance = %s"):format(lights, form.depth, s.tolerance, rounded_up(s.error))
+    return ("lights are summed to light_tolerance = %.3g, voxels end at depth %d"):format(lights, form.depth)
+      .. set(("light_tolerance = %.2g, then depth,"):format(s.tolerance), looser(s.error))
   end
-  if s.limited then return deeper(form.depth, s.error, s.tolerance) end
-  return ("%d rounds of refinement end above it; set tolerance = %s"):format(s.rounds, rounded_up(s.error))
+  if s.limited then return too_shallow(form.depth, s.error, s.tolerance) end
+  return ("%d rounds of refinement end above it"):format(s.rounds) .. set(looser(s.error))
+end
+
+--- "bake: tolerance 0.01 is not met, 99 % of the points keep 0.02: ".
+local function begin(what, points, tolerance, error)
+  return ("%s: tolerance %.3g is not met, 99 %% of the points%s keep %s: "):format(what, tolerance, points,
+    error < math.huge and ("%.3g"):format(error) or "no bound")
 end
 
 --- The sentence of a bake; nil where its tolerance is met, or there is none.
 local function of_bake(s, form, lights)
   if s.met ~= false then return nil end
-  return ("bake: tolerance %.3g is not met, 99 %% of the points keep %.3g: %s"):format(s.tolerance, s.error,
-    cause_of(s, form, lights))
+  return begin("bake", "", s.tolerance, s.error) .. cause_of(s, form, lights)
 end
 
 --- The sentence of an update with this report.
 local function of_update(u, s, form)
   if u.met ~= false then return nil end
-  local cause = s.levels > form.depth and deeper(form.depth, u.error, s.tolerance)
-    or ("bake anew or set tolerance = %s"):format(rounded_up(u.error))
-  return ("update: tolerance %.3g is not met, 99 %% of the points in voxels that changed keep %.3g: %s"):format(s.tolerance,
-    u.error, cause)
+  return begin("update", " in voxels that changed", s.tolerance, u.error)
+    .. (s.levels > form.depth and too_shallow(form.depth, u.error, s.tolerance)
+    or "its refinement ends above it" .. set(looser(u.error)) .. ", or bake anew")
 end
 
 --- Remembers with which light_tolerance a grid was baked.
