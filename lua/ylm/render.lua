@@ -141,7 +141,8 @@ local reference_options = options.list(options.view_fields "samples", options.tr
   options.layer_fields, options.common)
 
 describe "scene:reference" {
-  about = "Renders a scene with the lights' coefficients at every shading point: what an exact grid would give.",
+  about = "Renders a scene with the lights' coefficients at every shading point: what an exact grid would give. "
+    .. "Its visibility is that of scene:render; true shadows are those of scene:raycast.",
   arguments = { { "options?", "table", "" } },
   options = reference_options,
   returns = { { "image", "image", "" }, { "report", "table", options.transfer_text .. "pairs: light x point evaluations" } },

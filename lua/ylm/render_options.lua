@@ -52,7 +52,8 @@ options.transfer_fields = {
   { "transfer_samples", "integer", min = 1, max = 65536, optional = true,
     about = "occlusion rays per transfer vector; default 128, and 256 from vertices" },
   { "occlusion_distance", "distance", optional = true, unit = "scene units",
-    about = "how far occlusion rays reach; default: a tenth of the diagonal of the scene's bounding box" },
+    about = "how far occlusion rays reach, wherever the lamps are: light passes what is farther, and what is nearer "
+      .. "darkens lamps before it too; default: a tenth of the diagonal of the scene's bounding box" },
   { "lmax", "integer", min = 0, max = 100, optional = true,
     about = "highest degree of light and transfer; default: the grid's, the probes', or 4" },
 }
@@ -102,6 +103,6 @@ options.report_text = "note (where nothing is to be shaded), "
 --- What reports say of pictures by transfer vectors.
 options.transfer_text = options.report_text .. "occlusion (of the light that the scene's lamps bring: passing, the part of the "
   .. "picture's that occluders stop in the scene, missing, the part of the scene's that the picture lacks, their standard "
-  .. "errors passing_error and missing_error, points, rays; measured once a view); "
+  .. "errors passing_error and missing_error, points, rays; measured once a view, in seconds.occlusion); "
 
 return options
