@@ -16,25 +16,6 @@ struct ylm_file {
   int code; /* errno of the first failure */
 };
 
-uint64_t ylm_crc64(uint64_t crc, const void *data, size_t size) {
-  /* CRC-64/XZ, reflected polynomial of ECMA-182, four bits at a time. */
-  static const uint64_t polynomial = 0xC96C5795D7870F42u;
-  uint64_t table[16];
-  for (uint64_t i = 0; i < 16; i++) {
-    uint64_t c = i;
-    for (int k = 0; k < 4; k++) c = c & 1 ? c >> 1 ^ polynomial : c >> 1;
-    table[i] = c;
-  }
-  const unsigned char *p = data;
-  crc = ~crc;
-  for (size_t i = 0; i < size; i++) {
-    crc ^= p[i];
-    crc = crc >> 4 ^ table[crc & 15];
-    crc = crc >> 4 ^ table[crc & 15];
-  }
-  return ~crc;
-}
-
 /* Opens a regular file and tells its size; -1 after an error. */
 static int open_regular(const char *path, struct stat *st, ylm_error *e) {
   /* O_NONBLOCK: opening a named pipe must not wait for its writer. */

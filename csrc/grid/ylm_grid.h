@@ -270,7 +270,7 @@ typedef struct ylm_grid_view {
   const float *lambda;  /* [points]; NaN where interpolated */
   const float *norm;    /* [points] */
   const uint8_t *flags; /* [points] YLM_GRID_POINT_* */
-  const ylm_grid_birth *birth; /* [points - evaluated]; NULL where that is not known: in a file */
+  const ylm_grid_birth *birth; /* [points - evaluated]; NULL where there are none */
   const ylm_grid_stats *stats;
 } ylm_grid_view;
 
@@ -423,16 +423,59 @@ YLM_API const ylm_field *ylm_grid_field(const ylm_grid *g);
 
 #define YLM_GRID_MAGIC "\x89YLMgrid" /* the first 8 bytes of a grid file */
 
-/* Writes the file whole or not at all. `swapped` writes the byte order that is not this machine's.
- */
-YLM_API ylm_status ylm_grid_write(const ylm_grid *g, const char *path, bool swapped, ylm_error *e);
+/* Writes the file (version 2, docs/grids.md) whole or not at all. Equal grids give equal bytes:
+   times are not in it. YLM_EIO, YLM_ENOMEM; YLM_EFORMAT where this machine is big-endian. */
+YLM_API ylm_status ylm_grid_write(const ylm_grid *g, const char *path, ylm_error *e);
 /* The same bytes in memory; the caller frees *data with ylm_free. */
-YLM_API ylm_status ylm_grid_encode(const ylm_grid *g, bool swapped, unsigned char **data,
-                                   size_t *size, ylm_error *e);
-/* Reads either byte order. YLM_EFORMAT, YLM_ECHECKSUM, YLM_EVERSION, YLM_EIO, YLM_ENOMEM. */
+YLM_API ylm_status ylm_grid_encode(const ylm_grid *g, unsigned char **data, size_t *size,
+                                   ylm_error *e);
+
+/*
+** ylm_grid_read, ylm_grid_decode - a grid from a file of version 1 or 2, or from its bytes.
+**
+** Coefficients of evaluated points are those of the file, to the bit. Those of interpolated points
+** are made again (of version 1: read) by the kernel set in use: where it is that of the writer, the
+** grid samples as the one that was saved, to the bit. Times of stats are NaN.
+**
+** Returns  YLM_OK; YLM_EFORMAT (no grid file, or one that cannot be), YLM_ECHECKSUM (damaged),
+**          YLM_EVERSION (a newer version, or a section that is required and not known), YLM_EIO,
+**          YLM_ENOMEM, YLM_ELIMIT
+** Memory   at most 73 times the file's rows, whatever the file says: 72 is the most interpolated
+**          points that continuity makes for an evaluated one
+*/
 YLM_API ylm_status ylm_grid_read(const char *path, ylm_grid **g, ylm_error *e);
 YLM_API ylm_status ylm_grid_decode(const unsigned char *data, size_t size, const char *name,
                                    ylm_grid **g, ylm_error *e);
+
+#define YLM_GRID_SECTION_NAME 24 /* bytes of a section's name, the last one 0 */
+
+/* A part of a grid file. */
+typedef struct ylm_grid_file_section {
+  char name[YLM_GRID_SECTION_NAME];
+  uint64_t offset, size; /* bytes */
+  uint32_t record;       /* bytes of one of its records */
+  bool required;         /* who does not know it cannot read the file */
+  bool known;            /* to this library */
+} ylm_grid_file_section;
+
+/* What a grid file says of itself. */
+typedef struct ylm_grid_file_info {
+  uint32_t version;
+  uint64_t size; /* bytes of the file */
+  ylm_grid_form form;
+  ylm_grid_stats stats; /* as far as files have them */
+  size_t sections;      /* 0 in version 1 */
+  ylm_grid_file_section *section;
+} ylm_grid_file_info;
+
+/*
+** ylm_grid_file_look - what is in a grid file, from its header, table and first two sections alone
+** (a file of version 1 is read whole). ylm_grid_file_forget frees it.
+**
+** Returns  as ylm_grid_read
+*/
+YLM_API ylm_status ylm_grid_file_look(const char *path, ylm_grid_file_info *info, ylm_error *e);
+YLM_API void ylm_grid_file_forget(ylm_grid_file_info *info);
 
 #ifdef __cplusplus
 }

@@ -28,10 +28,7 @@ void ylmL_grid_push_update(lua_State *L, const ylm_grid_update_stats *u) {
   ylmL_set_boolean(L, "rebaked", u->rebaked);
 }
 
-/* grid_stats(grid) -> table of numbers and booleans */
-static int grid_stats(lua_State *L) {
-  const ylm_grid_view *v = ylm_grid_look(ylmL_grid_check(L, 1));
-  const ylm_grid_stats *s = v->stats;
+void ylmL_grid_push_stats(lua_State *L, const ylm_grid_form *f, const ylm_grid_stats *s) {
   lua_newtable(L);
 #define COUNT(name) ylmL_set_count(L, #name, s->name)
   COUNT(points);
@@ -47,36 +44,42 @@ static int grid_stats(lua_State *L) {
   COUNT(outside);
   COUNT(bytes);
 #undef COUNT
-  ylmL_set_number(L, "seconds", s->seconds);
-  ylmL_set_number(L, "field_seconds", s->field_seconds);
-  ylmL_set_number(L, "verify_seconds", s->verify_seconds);
-  ylmL_set_number(L, "occupancy_seconds", s->occupancy_seconds);
-  ylmL_set_number(L, "lattice_seconds", s->lattice_seconds);
-  ylmL_set_number(L, "residual_seconds", s->residual_seconds);
-  ylmL_set_number(L, "continuity_seconds", s->continuity_seconds);
+#define TIME(name)                                                                                 \
+  if (!isnan(s->name)) ylmL_set_number(L, #name, s->name)
+  TIME(seconds);
+  TIME(field_seconds);
+  TIME(verify_seconds);
+  TIME(occupancy_seconds);
+  TIME(lattice_seconds);
+  TIME(residual_seconds);
+  TIME(continuity_seconds);
+#undef TIME
   if (s->update.updates) {
     ylmL_grid_push_update(L, &s->update);
     lua_setfield(L, -2, "update");
   }
-  if (v->form.kind == YLM_GRID_UNIFORM) return 1;
-  if (!(v->form.tolerance > 0)) {
-    ylmL_set_number(L, "threshold", v->form.threshold);
-    return 1;
+  if (f->kind == YLM_GRID_UNIFORM) return;
+  if (!(f->tolerance > 0)) {
+    ylmL_set_number(L, "threshold", f->threshold);
+    return;
   }
-  ylmL_set_number(L, "tolerance", v->form.tolerance);
+  ylmL_set_number(L, "tolerance", f->tolerance);
   ylmL_set_count(L, "verified", s->verified);
   ylmL_set_count(L, "rounds", s->rounds);
   ylmL_set_number(L, "error", s->error);
   ylmL_set_number(L, "largest_error", s->largest_error);
   ylmL_set_boolean(L, "met", s->met);
   ylmL_set_boolean(L, "limited", s->limited);
+}
+
+/* grid_stats(grid) -> table of numbers and booleans */
+static int grid_stats(lua_State *L) {
+  const ylm_grid_view *v = ylm_grid_look(ylmL_grid_check(L, 1));
+  ylmL_grid_push_stats(L, &v->form, v->stats);
   return 1;
 }
 
-/* grid_form(grid) -> table: kind, lmax, channels, bounds, resolution, depth, metric, ... */
-static int grid_form(lua_State *L) {
-  const ylm_grid_view *view = ylm_grid_look(ylmL_grid_check(L, 1));
-  const ylm_grid_form *f = &view->form;
+void ylmL_grid_push_form(lua_State *L, const ylm_grid_form *f) {
   lua_newtable(L);
   bool adaptive = f->kind == YLM_GRID_ADAPTIVE;
   lua_pushstring(L, adaptive ? "adaptive" : "uniform");
@@ -99,7 +102,7 @@ static int grid_form(lua_State *L) {
   ylmL_set_boolean(L, "dynamic", f->dynamic);
   lua_newtable(L);
   for (int a = 0; a < 3; a++) {
-    ylmL_push_count(L, (uint64_t)view->resolution[a]);
+    ylmL_push_count(L, adaptive ? (uint64_t)1 << f->depth : (uint64_t)f->cells[a]);
     lua_rawseti(L, -2, a + 1);
   }
   lua_setfield(L, -2, "resolution");
@@ -111,6 +114,11 @@ static int grid_form(lua_State *L) {
     ylmL_set_number(L, f->tolerance > 0 ? "tolerance" : "threshold",
                     f->tolerance > 0 ? f->tolerance : f->threshold);
   }
+}
+
+/* grid_form(grid) -> table: kind, lmax, channels, bounds, resolution, depth, metric, ... */
+static int grid_form(lua_State *L) {
+  ylmL_grid_push_form(L, &ylm_grid_look(ylmL_grid_check(L, 1))->form);
   return 1;
 }
 

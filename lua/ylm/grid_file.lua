@@ -10,18 +10,12 @@ local grid_file = {}
 
 local methods, open = grid_object.methods, grid_object.open
 
-local save_options = {
-  { "byte_order", "choice", of = { "native", "swapped" }, default = "native",
-    about = "of a .ylm file; readers take both" },
-}
-
 describe "grid:save" {
-  about = "Writes the grid; the ending chooses the format. An existing file is replaced whole or not at all.",
+  about = "Writes the grid; the ending chooses the format. An existing file is replaced whole or not at all. Equal grids "
+    .. "are equal bytes: times are not in the file.",
   arguments = {
     { "path", "string", ".ylm (everything, checksummed; ylm.load reads it), .vtu (for ParaView)" },
-    { "options?", "table", "see the options" },
   },
-  options = save_options,
   returns = { { "ok", "boolean", "true" } },
   errors = "raises on another ending; nil, message, code where the file cannot be written",
   example = [[
@@ -36,9 +30,9 @@ function methods.save(g, path, given)
   if type(path) ~= "string" or path == "" or path:find("%z") then
     return check.bad(1, "save", "a path expected, got %s", check.describe(path))
   end
-  local o = form.options(2, "save", save_options, given)
+  if given ~= nil then form.options(2, "save", {}, given) end
   local ending = path:lower():match("%.(%w+)$")
-  if ending == "ylm" then return check.result("save", core.grid_write(g, path, o.byte_order == "swapped")) end
+  if ending == "ylm" then return check.result("save", core.grid_write(g, path)) end
   if ending == "vtu" then return require "ylm.view_file".save_vtu(g, path) end
   return check.bad(1, "save", "a path ending in .ylm or .vtu expected, got %s", check.describe(path))
 end
