@@ -79,16 +79,17 @@ ylm_status ylm_image_set_text(ylm_image *image, const char *key, const char *val
   size_t length = strlen(key);
   if (length < 1 || length > 255) return YLM_EINVAL;
   int i = 0;
-  while (i < image->texts && strcmp(image->text[i].key, key) != 0) i++;
+  while (i < image->texts && strcmp(image->text[i].key, key) < 0) i++;
+  bool there = i < image->texts && strcmp(image->text[i].key, key) == 0;
   if (!value) {
-    if (i == image->texts) return YLM_OK;
+    if (!there) return YLM_OK;
     free_text(&image->text[i]);
     memmove(image->text + i, image->text + i + 1, (size_t)(--image->texts - i) * sizeof(ylm_text));
     return YLM_OK;
   }
-  char *v = copy_text(value), *k = i == image->texts ? copy_text(key) : NULL;
-  if (!v || (i == image->texts && !k)) goto no_memory;
-  if (i < image->texts) {
+  char *v = copy_text(value), *k = there ? NULL : copy_text(key);
+  if (!v || (!there && !k)) goto no_memory;
+  if (there) {
     ylm_free(image->text[i].value);
     image->text[i].value = v;
     return YLM_OK;
@@ -97,7 +98,8 @@ ylm_status ylm_image_set_text(ylm_image *image, const char *key, const char *val
   ylm_text *grown = ylm_realloc(image->text, used, (size_t)image->texts + 1, sizeof(ylm_text));
   if (!grown) goto no_memory;
   image->text = grown;
-  image->text[image->texts++] = (ylm_text){k, v};
+  memmove(grown + i + 1, grown + i, (size_t)(image->texts++ - i) * sizeof *grown);
+  grown[i] = (ylm_text){k, v};
   return YLM_OK;
 no_memory:
   ylm_free(v);

@@ -36,7 +36,7 @@ typedef struct ylm_image {
   int width, height; /* 1 .. YLM_IMAGE_MAX_SIDE */
   int layers, texts;
   ylm_layer layer[YLM_IMAGE_MAX_LAYERS];
-  ylm_text *text; /* metadata, in order of setting */
+  ylm_text *text; /* metadata, by key: equal images are equal files */
 } ylm_image;
 
 /* An image without layers. YLM_ERANGE (a side), YLM_EOVERFLOW (too many pixels), YLM_ENOMEM. */

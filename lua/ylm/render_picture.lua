@@ -77,7 +77,7 @@ end
 
 local convention = "real orthonormal, Condon-Shortley phase, index l(l+1)+m"
 
---- Writes how an image came about into its metadata.
+--- Writes how an image came about into its metadata: no times, so that equal runs are equal files.
 function pictures.sign(out, p, method, report, extra)
   local m, o = out.metadata, p.options
   m.software, m.version = "ylm", (core.info())
@@ -85,7 +85,7 @@ function pictures.sign(out, p, method, report, extra)
   m.lmax, m.convention = o.lmax, convention
   m.samples, m.seed, m.shading, m.visibility = o.samples, o.seed, o.shading, o.visibility
   m.transfer_samples, m.occlusion_distance = o.transfer_samples, tostring(o.occlusion_distance)
-  m.points, m.seconds = report.points, report.seconds.total
+  m.points = report.points
   if report.occlusion then
     m.light_passing, m.light_missing = ("%.3g"):format(report.occlusion.passing), ("%.3g"):format(report.occlusion.missing)
   end

@@ -37,8 +37,10 @@ end
 local function sign(out, p, o, report)
   local grid = o.grid
   local stats = type(grid.stats) == "table" and grid.stats or {}
-  pictures.sign(out, p, "grid", report, { interpolation = o.interpolation, grid = tostring(grid), tolerance = grid.tolerance,
-    threshold = grid.threshold, grid_points = stats.points, grid_seconds = stats.seconds, outside = report.outside,
+  local kind = core.type(grid)
+  pictures.sign(out, p, "grid", report, { interpolation = o.interpolation,
+    grid = kind == "ylm.grid" and tostring(grid) or kind, tolerance = grid.tolerance,
+    threshold = grid.threshold, grid_points = stats.points, outside = report.outside,
     unbaked = report.unbaked, device = o.device and o.device.name })
 end
 
