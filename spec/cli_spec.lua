@@ -40,7 +40,7 @@ describe("the command-line tool", function()
     _, code, err = ylm "info --jsn"
     assert.equal(2, code)
     assert.truthy(err:find("no option --jsn (did you mean --json?)", 1, true), err)
-    for _, words in ipairs { "info x", "render", "render a.lua --size 3", "render a.lua --samples x", "render a.lua -o",
+    for _, words in ipairs { "info x y", "render", "render a.lua --size 3", "render a.lua --samples x", "render a.lua -o",
       "render a.lua", "bake a.lua", "compare a.exr", "run", "info --json=1", "render a.lua -o b.exr --method x" } do
       _, code, err = ylm(words)
       assert.equal(2, code, words .. ": " .. err)
@@ -59,6 +59,50 @@ describe("the command-line tool", function()
     assert.truthy(out:find('^{"'))
     assert.truthy(out:find('"threads":%d+'))
     assert.truthy(out:find('"kernels":%["reference"'))
+  end)
+
+  it("prints what a file holds: of a grid its header and sections, of others a few lines", function()
+    local program = file("files.lua", [[
+local ylm, folder = require "ylm", ...
+local lamp = ylm.sphere_light { at = { 0, 2, 0 } }
+local grid = ylm.bake(ylm.adaptive_grid { bounds = { { -1, -1, -1 }, { 1, 1, 1 } }, lmax = 1, depth = 2,
+  tolerance = 0.05 }, lamp, { occupied = ylm.array { { 0.1, 0.9, 0 } } })
+assert(grid:save(folder .. "/a.ylm"))
+assert(ylm.zeros { 3, 2 }:save(folder .. "/a.npy"))
+local picture = ylm.image { size = { 3, 2 }, layers = { { "radiance", 3 }, { "depth", 1 } } }
+picture.metadata.note = "ø\27[31m\155\194\155!"
+assert(picture:save(folder .. "/a.exr"))
+assert(ylm.box {}.mesh:save(folder .. "/a.ply"))]])
+    local folded = scratch.quote(folder.path)
+    local out, code, err = ylm(("run %s %s"):format(program, folded))
+    assert.equal(0, code, err)
+    local function says(name, ...)
+      out, code, err = ylm("info " .. scratch.quote(folder.path .. "/" .. name))
+      assert.equal(0, code, err)
+      for _, line in ipairs { ... } do assert.truthy(("\n" .. out):find("\n" .. line), line .. "\n" .. out) end
+    end
+    says("a.ylm", "kind +adaptive grid\n", "lmax +1\n", "channels +3\n", "bounds +%-1 %-1 %-1 1 1 1\n", "levels +%d\n",
+      "points +%d+\n", "interpolated +%d+\n", "invalid +0\n", "tolerance +0.05\n", "error +[%d.e-]+\n", "met +true\n",
+      "version +2\n", "bytes +%d+\n", "section rows +%d+ bytes\n")
+    says("a.npy", "kind +array\n", "shape +3 2\n", "dtype +double\n")
+    says("a.exr", "kind +image\n", "size +3 2\n", "layers +radiance %(3%) depth %(1%)\n", "metadata note +ø%?%[31m%?%?%?!\n")
+    says("a.ply", "kind +mesh\n", "triangles +12\n", "area +6\n")
+    out, code = ylm("info --json " .. folded .. "/a.ylm")
+    assert.equal(0, code)
+    assert.truthy(out:find('"sections":%[{"bytes":136,"known":true,"name":"form","offset":640'), out)
+    out, code, err = ylm "info no/such/file.ylm"
+    assert.equal("", out)
+    assert.equal(1, code)
+    assert.truthy(err:find("no/such/file.ylm: No such file", 1, true), err)
+    -- the header alone is read: a grid whose rows are damaged is still described
+    local text = folder:read "a.ylm"
+    local damaged = file("damaged.ylm", text:sub(1, -70) .. "x" .. text:sub(-68))
+    code = select(2, ylm("info " .. damaged))
+    assert.equal(0, code)
+    out, code, err = ylm("info " .. file("cut.ylm", text:sub(1, 700)))
+    assert.equal("", out)
+    assert.equal(1, code)
+    assert.truthy(err:find("the grid file is damaged", 1, true), err)
   end)
 
   it("helps on words", function()

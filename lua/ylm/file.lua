@@ -10,7 +10,7 @@ local file = {}
 local methods = core.metatable "ylm.array"
 
 --- What a file is, by its first bytes; nil, message, code where it cannot be read.
-local function kind_of(path)
+function file.kind_of(path)
   local head, message, code = core.file_head(path)
   if not head then return nil, message, code end
   if head:sub(1, 6) == "\147NUMPY" then return "array" end
@@ -52,7 +52,7 @@ function file.load(path, options)
     return check.bad(1, "load", "a file name expected, got %s", check.describe(path))
   end
   options = form.options(2, "load", load_options, options)
-  local kind, message, code = kind_of(path)
+  local kind, message, code = file.kind_of(path)
   if not kind then return nil, message, code end
   return readers[kind](path, options)
 end

@@ -1,13 +1,15 @@
---- ylm info
+--- ylm info [FILE]
 
 local report = require "ylm.cli.report"
 
 local order = { "version", "lua", "kernel", "kernels", "threads", "parts" }
 
 return {
-  summary = "versions, kernel sets, threads, what is built in",
-  usage = "[--json]",
+  summary = "versions, kernel sets, threads, what is built in; or what a file holds",
+  usage = "[FILE] [--json]    FILE: a grid (.ylm), an array, an image or a mesh that ylm.load reads",
+  most = 1,
   run = function(given)
+    if given[1] then return require "ylm.cli.info_file"(given) end
     local info = require "ylm".info()
     report.print(given, info, report.names(info, order))
   end,
