@@ -104,14 +104,9 @@ const char *grid_file_check_points(const ylm_grid *g) {
   return NULL;
 }
 
-/* True for places of the half-edge lattice that are corners of the cell. */
-static bool is_corner(uint32_t place) {
-  return place % 3 != 1 && place / 3 % 3 != 1 && place / 9 != 1;
-}
-
-/* The cell of a birth can be interpolated at a place that is none of its corners. */
+/* The cell of a birth can be interpolated. */
 static bool birth_holds(const ylm_grid *g, const ylm_grid_birth *b) {
-  if (b->cell >= g->cells || b->place >= 27 || is_corner(b->place)) return false;
+  if (b->cell >= g->cells || b->place >= 27) return false;
   const ylm_grid_cell *c = &g->cell[b->cell];
   if (c->level >= g->view.form.depth) return false;
   for (int k = 0; k < 8; k++)
@@ -149,14 +144,16 @@ void grid_file_place_births(ylm_grid *g) {
   }
 }
 
-/* Notes the interpolated points among corners of the children that a cell has for continuity. */
+/* Notes the interpolated points among corners of the children that a cell has for continuity, but
+   for its own corners. (At a corner, too, some early writers interpolated: the point is its copy.)
+ */
 static void note_births(ylm_grid *g, uint32_t cell) {
-  uint32_t first = g->cell[cell].child;
+  const ylm_grid_cell *parent = &g->cell[cell];
   for (uint32_t k = 0; k < 8; k++)
     for (uint32_t i = 0; i < 8; i++) {
-      uint32_t p = g->cell[first + k].corner[i], place = 0, three = 1;
+      uint32_t p = g->cell[parent->child + k].corner[i], place = 0, three = 1;
       for (uint32_t a = 0; a < 3; a++, three *= 3) place += three * ((k >> a & 1) + (i >> a & 1));
-      if (p != YLM_GRID_NONE && p >= g->evaluated && !is_corner(place))
+      if (p != YLM_GRID_NONE && p >= g->evaluated && (i != k || p != parent->corner[k]))
         g->birth[p - g->evaluated] = (ylm_grid_birth){cell, place};
     }
 }

@@ -9,10 +9,10 @@
 
 #include <string.h>
 
-/* An evaluated point lies inside an edge or a face of at most this many cells that are split for
-   continuity (the middle of four edges), each of which has 19 places that are no corners, one of
-   them the point's: more interpolated points than that for an evaluated one are in no grid. */
-#define MOST_BORN (4 * 18)
+/* A cell is split for continuity where an evaluated point is the middle of one of its edges or
+   faces, which four cells share at most, and has 26 more places: more interpolated points than that
+   for an evaluated one are in no grid. */
+#define MOST_BORN (4 * 26)
 
 /* True if the counts can be. */
 static bool counts_hold(const grid_file_form *f, const ylm_grid_form *form) {
