@@ -6,6 +6,7 @@ local bytes = require "spec.support.grid_bytes"
 local grids = require "spec.support.grids"
 local old = require "spec.support.old_grids"
 local random = require "spec.support.random"
+local shell = require "spec.support.scratch"
 
 local box, lamp, lamps, occupied = grids.box, grids.lamp, grids.lamps, grids.occupied
 
@@ -73,6 +74,25 @@ describe("grid files", function()
     local loaded = core.grid_decode(core.grid_encode(moved))
     identical(moved, loaded)
     assert.is_false(loaded.dynamic)
+  end)
+
+  it("hold evaluated points to the bit under another kernel set, interpolated ones up to rounding", function()
+    local folder = shell.new()
+    finally(function() folder:remove() end)
+    local program = folder:write("load.lua", [[
+local folder = ...
+local grid = assert(require "ylm".load(folder .. "/grid.ylm"))
+assert(require "ylm".info().kernel == "reference")
+assert(grid:points().value:save(folder .. "/value.npy"))]])
+    assert(grid:save(folder.path .. "/grid.ylm"))
+    local out, code = shell.capture(("YLM_ISA=reference YLM_LUA=%s LUA_PATH= LUA_CPATH= %s run %s %s"):format(
+      os.getenv "YLM_LUA" or "lua5.4", shell.quote((os.getenv "YLM_BUILD" or "build") .. "/ylm"), shell.quote(program),
+      shell.quote(folder.path)))
+    assert.equal(0, code, out)
+    local here, there, n = grid:points().value, assert(ylm.load(folder.path .. "/value.npy")), grid.stats.points
+    for i = 1, n, 17 do assert.equal(0, core.array_distance(here[i], there[i])) end
+    local _, distance, norm = core.array_distance(there, here)
+    assert(distance <= 1e-6 * norm, distance / norm)
   end)
 
   it("are equal bytes where grids are equal, whatever the number of threads", function()
@@ -313,6 +333,19 @@ describe("grid files", function()
     assert.is_nil(g)
     assert.equal("EIO", code)
     assert.is_string(message)
+  end)
+
+  it("refuse a file that is cut off or longer than it should be", function()
+    local path, text = scratch ".ylm", whole
+    for _, length in ipairs { 8, 31, 32, 63, 64, 639, 640, 5000, #text - 1, #text + 1 } do
+      local file = assert(io.open(path, "wb"))
+      file:write((text .. "x"):sub(1, length))
+      file:close()
+      local g, message, code = ylm.load(path)
+      assert.is_nil(g)
+      assert.equal("ECHECKSUM", code, message)
+    end
+    os.remove(path)
   end)
 
   it("keep the old file where the new one cannot be written", function()

@@ -440,9 +440,8 @@ YLM_API ylm_status ylm_grid_encode(const ylm_grid *g, unsigned char **data, size
 ** Returns  YLM_OK; YLM_EFORMAT (no grid file, or one that cannot be), YLM_ECHECKSUM (damaged),
 **          YLM_EVERSION (a newer version, or a section that is required and not known), YLM_EIO,
 **          YLM_ENOMEM, YLM_ELIMIT
-** Memory   at most 105 times the file's rows, whatever the file says: 104 is a bound on
-*interpolated
-**          points for an evaluated one (a grid has about 1.5)
+** Memory   at most 105 times the file's rows, whatever the file says: at most 104 points are
+**          interpolated for an evaluated one (in most grids about 1.5)
 */
 YLM_API ylm_status ylm_grid_read(const char *path, ylm_grid **g, ylm_error *e);
 YLM_API ylm_status ylm_grid_decode(const unsigned char *data, size_t size, const char *name,

@@ -2,10 +2,8 @@
 ** grid.c - fuzzes the reader of grid files.
 **
 ** Mutations get a size and checksums that fit, or else nothing behind them would ever be reached;
-*one
-** in sixteen goes through as it is. Of a file with sections, most mutations are of one section,
-*whose
-** size they keep. What is accepted must be safe to sample, and saved again, it must be accepted.
+** one in sixteen goes through as it is. Of a file with sections, most mutations are of one section,
+** whose size they keep. What is accepted must be safe to sample and, saved, be accepted again.
 */
 #include <math.h>
 #include <string.h>
