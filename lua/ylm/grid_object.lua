@@ -28,8 +28,8 @@ require "ylm.reference".object "grid" {
     { "stats", "table", "points, cells, leaves, levels, pairs, invalid, bytes, ...; with a tolerance met and error, and "
       .. "warning, a sentence, where it is not met; "
       .. "seconds, of which field_seconds in the light field, occupancy_, lattice_, residual_ and continuity_seconds in "
-      .. "parts of the bake (a loaded grid has no seconds: files hold no times), verify_seconds (field included) to verify; baked on a device stages: by name "
-      .. "{ seconds, longest, dispatches }" },
+      .. "parts of the bake, verify_seconds (field included) to verify (a loaded grid has none: files hold no times); baked "
+      .. "on a device stages: by name { seconds, longest, dispatches }" },
   },
 }
 
