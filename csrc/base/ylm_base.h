@@ -206,8 +206,8 @@ typedef ylm_status ylm_range_fn(void *context, size_t begin, size_t end, int wor
 **
 ** The cut into blocks depends on n and grain alone, so results that depend on
 ** blocks are the same whatever the number of threads. The first status other
-** than YLM_OK stops the rest and is returned. With `progress`, blocks are run
-** in batches and `stage` is reported between them.
+** than YLM_OK stops the rest and is returned. With `progress`, the calling thread
+** reports `stage` between two of its blocks, while others may still be at work.
 ** Not to be used in a fork()ed child of a process that has used it (OpenMP).
 */
 YLM_API ylm_status ylm_parallel(size_t n, size_t grain, int threads, ylm_range_fn *fn,
@@ -250,17 +250,17 @@ YLM_API ylm_status ylm_file_probe(const char *path, ylm_error *e);
 
 /*
 ** A file written beside its target and renamed over it by ylm_file_commit, so
-** that the target holds the old bytes or the new ones and never a part.
-** Without a commit, ylm_file_discard removes what was written.
-** Errors stick: a failed write is reported by the commit.
+** that the target holds the old bytes or the new ones and never a part, also
+** where the process is killed. Links are followed; mode, owner and group of a
+** target stay. A target that may not be written is refused, and so is one
+** whose folder may not. What killed processes left is removed an hour later.
+** Errors stick; without a commit, ylm_file_discard removes what was written.
 */
 typedef struct ylm_file ylm_file;
 YLM_API ylm_status ylm_file_create(const char *path, ylm_file **f, ylm_error *e);
 YLM_API ylm_status ylm_file_write(ylm_file *f, const void *data, size_t size);
 /* The stream behind it, for libraries that want one. */
 YLM_API FILE *ylm_file_stream(ylm_file *f);
-/* The name it has until then, for libraries that open files themselves. */
-YLM_API const char *ylm_file_temporary(const ylm_file *f);
 YLM_API ylm_status ylm_file_commit(ylm_file *f, ylm_error *e); /* frees f */
 YLM_API void ylm_file_discard(ylm_file *f);                    /* frees f */
 /* All at once. */

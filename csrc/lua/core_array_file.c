@@ -52,10 +52,18 @@ static int file_probe(lua_State *L) {
   return ylmL_result(L, 1, s, &e);
 }
 
-static const luaL_Reg functions[] = {{"file_head", file_head},
-                                     {"file_probe", file_probe},
-                                     {"array_read", array_read},
-                                     {"array_write", array_write},
-                                     {NULL, NULL}};
+/* file_save(path, text) -> true; the file is replaced whole or not at all */
+static int file_save(lua_State *L) {
+  ylm_error e = {0};
+  size_t size;
+  const char *path = luaL_checkstring(L, 1), *text = luaL_checklstring(L, 2, &size);
+  ylm_status s = ylm_file_save(path, text, size, &e);
+  lua_pushboolean(L, 1);
+  return ylmL_result(L, 1, s, &e);
+}
+
+static const luaL_Reg functions[] = {{"file_head", file_head},     {"file_probe", file_probe},
+                                     {"file_save", file_save},     {"array_read", array_read},
+                                     {"array_write", array_write}, {NULL, NULL}};
 
 void ylmL_open_array_file(lua_State *L) { luaL_setfuncs(L, functions, 0); }

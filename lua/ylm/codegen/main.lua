@@ -79,11 +79,16 @@ local function read(path)
   return text
 end
 
+--- Writes a file, whole or not at all once ylm is built.
 local function write(path, text)
+  local built, core = pcall(require, "ylm.c.core")
+  if built and core.file_save then return core.file_save(path, text) end
   local f, message = io.open(path, "wb")
   if not f then return nil, message end
-  f:write(text)
-  return f:close()
+  local ok
+  ok, message = f:write(text)
+  if not f:close() or not ok then return nil, message or path .. ": cannot be written" end
+  return true
 end
 
 --- The text of one generated file.

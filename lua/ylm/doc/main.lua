@@ -3,14 +3,11 @@
 --     ylm run lua/ylm/doc/main.lua FOLDER         FOLDER/ylm.meta.lua for editors, FOLDER/api.md
 --     ylm run lua/ylm/doc/main.lua FOLDER --ldoc  input for LDoc
 
+local core = require "ylm.c.core"
 local meta = require "ylm.doc.meta"
 local pages = require "ylm.doc.pages"
 
-local function write(path, text)
-  local file = assert(io.open(path, "wb"))
-  assert(file:write(text))
-  assert(file:close())
-end
+local function write(path, text) assert(core.file_save(path, text)) end
 
 local folder, mode = ...
 if not folder then
