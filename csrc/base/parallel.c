@@ -5,7 +5,7 @@
 #include <stdatomic.h>
 #include <time.h>
 
-/* A batch between two reports aims at this long. */
+/* Between two reports. */
 #define REPORT_SECONDS 0.1
 
 double ylm_seconds(void) {
@@ -25,27 +25,45 @@ ylm_status ylm_report(const ylm_progress *p, uint64_t done, uint64_t total, cons
   return p->step(p->user, done, total, stage) ? YLM_OK : YLM_ECANCELLED;
 }
 
-/* Runs blocks first .. last-1. */
-static ylm_status run_blocks(size_t first, size_t last, size_t n, size_t grain, int threads,
-                             ylm_range_fn *fn, void *context) {
-  atomic_int failed = YLM_OK;
-  if (threads > 1 && last - first > 1) {
-#pragma omp parallel for schedule(dynamic, 1) num_threads(threads)
-    for (size_t b = first; b < last; b++) {
-      if (atomic_load_explicit(&failed, memory_order_relaxed) != YLM_OK) continue;
-      size_t begin = b * grain, end = n - begin < grain ? n : begin + grain;
-      ylm_status s = fn(context, begin, end, omp_get_thread_num());
-      int ok = YLM_OK;
-      if (s != YLM_OK) atomic_compare_exchange_strong(&failed, &ok, (int)s);
-    }
-    return (ylm_status)failed;
-  }
-  for (size_t b = first; b < last; b++) {
-    size_t begin = b * grain, end = n - begin < grain ? n : begin + grain;
-    ylm_status s = fn(context, begin, end, 0);
-    if (s != YLM_OK) return s;
-  }
-  return YLM_OK;
+/* Work in blocks, and what the calling thread tells of it in between. */
+typedef struct job {
+  size_t n, grain, blocks;
+  ylm_range_fn *fn;
+  void *context;
+  const ylm_progress *progress;
+  const char *stage;
+  size_t stride, left;             /* blocks of the calling thread between two looks at the clock */
+  double looked, told;             /* when it looked, and when it told of them */
+  atomic_int failed;               /* the first status other than YLM_OK */
+  _Alignas(64) atomic_size_t done; /* blocks; away from what all threads read */
+} job;
+
+static void fail(job *j, ylm_status s) {
+  int ok = YLM_OK;
+  if (s != YLM_OK) atomic_compare_exchange_strong(&j->failed, &ok, (int)s);
+}
+
+/* Tells how much is done if that is due; on the calling thread only. The clock, which may cost as
+   much as a small block, is looked at some hundred times a second. */
+static void tell(job *j) {
+  if (--j->left > 0) return;
+  double now = ylm_seconds(), passed = now - j->looked;
+  if (passed < REPORT_SECONDS / 20) j->stride *= 2;
+  if (passed > REPORT_SECONDS / 5 && j->stride > 1) j->stride /= 2;
+  j->left = j->stride;
+  j->looked = now;
+  if (now - j->told < REPORT_SECONDS) return;
+  size_t done = atomic_load(&j->done);
+  if (done < j->blocks) fail(j, ylm_report(j->progress, done * j->grain, j->n, j->stage));
+  j->looked = j->told = ylm_seconds();
+}
+
+static void run_block(job *j, size_t b, int worker) {
+  if (atomic_load_explicit(&j->failed, memory_order_relaxed) != YLM_OK) return;
+  size_t begin = b * j->grain, end = j->n - begin < j->grain ? j->n : begin + j->grain;
+  fail(j, j->fn(j->context, begin, end, worker));
+  atomic_fetch_add_explicit(&j->done, 1, memory_order_relaxed);
+  if (j->progress && worker == 0 && atomic_load(&j->failed) == YLM_OK) tell(j);
 }
 
 ylm_status ylm_parallel(size_t n, size_t grain, int threads, ylm_range_fn *fn, void *context,
@@ -53,21 +71,22 @@ ylm_status ylm_parallel(size_t n, size_t grain, int threads, ylm_range_fn *fn, v
   threads = ylm_threads(threads);
   if (grain == 0) grain = 1;
   size_t blocks = n / grain + (n % grain != 0);
-  if (!progress) return run_blocks(0, blocks, n, grain, threads, fn, context);
-  size_t batch = (size_t)threads, done = 0;
-  while (done < blocks) {
-    double t = ylm_seconds();
-    size_t last = blocks - done < batch ? blocks : done + batch;
-    ylm_status s = run_blocks(done, last, n, grain, threads, fn, context);
-    if (s != YLM_OK) return s;
-    done = last;
-    s = ylm_report(progress, done < blocks ? done * grain : n, n, stage);
-    if (s != YLM_OK) return s;
-    t = ylm_seconds() - t;
-    if (t < REPORT_SECONDS / 2)
-      batch *= 2;
-    else if (t > REPORT_SECONDS * 2 && batch > (size_t)threads)
-      batch /= 2;
+  job j = {.n = n,
+           .grain = grain,
+           .blocks = blocks,
+           .fn = fn,
+           .context = context,
+           .progress = progress,
+           .stage = stage,
+           .stride = 1,
+           .left = 1,
+           .told = -REPORT_SECONDS};
+  if (threads > 1 && blocks > 1) {
+#pragma omp parallel for schedule(dynamic, 1) num_threads(threads)
+    for (size_t b = 0; b < blocks; b++) run_block(&j, b, omp_get_thread_num());
+  } else {
+    for (size_t b = 0; b < blocks && j.failed == YLM_OK; b++) run_block(&j, b, 0);
   }
-  return YLM_OK;
+  if (j.failed == YLM_OK && blocks > 0) fail(&j, ylm_report(progress, n, n, stage));
+  return (ylm_status)j.failed;
 }

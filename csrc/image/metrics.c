@@ -142,7 +142,7 @@ static ylm_status match(const ylm_image *a, const ylm_image *b, const char *name
 }
 
 static ylm_status measure(comparison *c, size_t blocks, double peak, double floor, int threads,
-                          ylm_metrics *m, ylm_error *e) {
+                          const ylm_progress *progress, ylm_metrics *m, ylm_error *e) {
   ylm_parallel(c->height, ROWS, threads, survey, c, NULL, NULL);
   for (size_t i = 0; i < blocks; i++) {
     size_t bad = c->part[i].bad;
@@ -159,8 +159,8 @@ static ylm_status measure(comparison *c, size_t blocks, double peak, double floo
   c->peak = m->peak;
   c->floor = m->floor;
   ylm_parallel(c->height, ROWS, threads, sum_up, c, NULL, NULL);
-  ylm_status s = ylm_parallel(c->height, ROWS, threads, ssim_rows, c, NULL, NULL);
-  if (s != YLM_OK) return ylm_fail(e, s, "memory ran out");
+  ylm_status s = ylm_parallel(c->height, ROWS, threads, ssim_rows, c, progress, "comparing");
+  if (s != YLM_OK) return ylm_fail(e, s, "%s", ylm_status_text(s));
   for (size_t i = 0; i < blocks; i++) {
     m->mse += c->part[i].square;
     m->mae += c->part[i].absolute;
@@ -180,7 +180,7 @@ static ylm_status measure(comparison *c, size_t blocks, double peak, double floo
 
 ylm_status ylm_image_compare(const ylm_image *a, const ylm_image *b, const char *name,
                              const float *mask, double peak, double floor, int threads,
-                             ylm_metrics *m, ylm_error *e) {
+                             const ylm_progress *progress, ylm_metrics *m, ylm_error *e) {
   const ylm_layer *la, *lb;
   memset(m, 0, sizeof *m);
   ylm_status s = match(a, b, name, &la, &lb, e);
@@ -195,7 +195,7 @@ ylm_status ylm_image_compare(const ylm_image *a, const ylm_image *b, const char 
   make_window(c.window);
   c.part = ylm_alloc_zero(blocks, sizeof *c.part);
   if (!c.part) return ylm_fail(e, YLM_ENOMEM, "memory ran out");
-  s = measure(&c, blocks, peak, floor, threads, m, e);
+  s = measure(&c, blocks, peak, floor, threads, progress, m, e);
   ylm_free(c.part);
   return s;
 }

@@ -139,7 +139,8 @@ static ylm_status along_y(void *context, size_t begin, size_t end, int worker) {
 }
 
 ylm_status ylm_image_resize(const ylm_image *in, int width, int height, ylm_filter filter,
-                            int threads, ylm_image **out, ylm_error *e) {
+                            int threads, const ylm_progress *progress, ylm_image **out,
+                            ylm_error *e) {
   *out = NULL;
   if ((unsigned)filter > YLM_FILTER_LANCZOS) return ylm_fail(e, YLM_EINVAL, "no such filter");
   ylm_status s = make_like(in, width, height, out, e);
@@ -153,8 +154,10 @@ ylm_status ylm_image_resize(const ylm_image *in, int width, int height, ylm_filt
     size_t c = (size_t)in->layer[i].channels;
     job jx = {in->layer[i].data, half, &kx, (size_t)in->width, (size_t)width, c};
     job jy = {half, (*out)->layer[i].data, &ky, (size_t)width, (size_t)width, c};
-    ylm_parallel((size_t)in->height, 16, threads, along_x, &jx, NULL, NULL);
-    ylm_parallel((size_t)height, 16, threads, along_y, &jy, NULL, NULL);
+    s = ylm_parallel((size_t)in->height, 16, threads, along_x, &jx, progress, "resizing");
+    if (s == YLM_OK)
+      s = ylm_parallel((size_t)height, 16, threads, along_y, &jy, progress, "resizing");
+    if (s != YLM_OK) ylm_fail(e, s, "%s", ylm_status_text(s));
   }
   free_kernel(&kx);
   free_kernel(&ky);

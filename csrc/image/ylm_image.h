@@ -74,7 +74,8 @@ typedef enum ylm_filter { YLM_FILTER_BOX, YLM_FILTER_LINEAR, YLM_FILTER_LANCZOS 
 ** Source  separable; Lanczos with three lobes (Duchon 1979)
 */
 YLM_API ylm_status ylm_image_resize(const ylm_image *in, int width, int height, ylm_filter filter,
-                                    int threads, ylm_image **out, ylm_error *e);
+                                    int threads, const ylm_progress *progress, ylm_image **out,
+                                    ylm_error *e);
 /*
 ** ylm_image_paste - copies layer `from` of `source` into layer `to` of `target` at (x, y).
 **
@@ -193,7 +194,7 @@ typedef struct ylm_metrics {
 */
 YLM_API ylm_status ylm_image_compare(const ylm_image *a, const ylm_image *b, const char *name,
                                      const float *mask, double peak, double floor, int threads,
-                                     ylm_metrics *m, ylm_error *e);
+                                     const ylm_progress *progress, ylm_metrics *m, ylm_error *e);
 
 typedef enum ylm_difference {
   YLM_DIFFERENCE_ABSOLUTE, /* |a - b| * scale                   */

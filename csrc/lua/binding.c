@@ -179,24 +179,46 @@ ylm_status ylmL_busy(lua_State *L, int i) {
   return busy ? YLM_EBUSY : YLM_OK;
 }
 
+/* The registry's function that does nothing, for a debug hook to be called. */
+static void push_nothing(lua_State *L) {
+  lua_getfield(L, LUA_REGISTRYINDEX, "ylm.nothing");
+  if (lua_isfunction(L, -1)) return;
+  lua_pop(L, 1);
+  if (luaL_loadstring(L, "") != 0) lua_error(L);
+  lua_pushvalue(L, -1);
+  lua_setfield(L, LUA_REGISTRYINDEX, "ylm.nothing");
+}
+
+/* Calls the function and its arguments on top of the stack, while the call's own arguments cannot
+   be closed; leaves its result. False if it raised. */
+static bool call_back(ylmL_progress *p, int arguments) {
+  lua_State *L = p->L;
+  int function = lua_gettop(L) - arguments;
+  lua_getfield(L, LUA_REGISTRYINDEX, "ylm.busy");
+  lua_insert(L, function);
+  uint64_t marked = mark(L, function, p->top, UINT64_MAX, true);
+  p->raised = lua_pcall(L, arguments, 1, 0) != 0;
+  mark(L, function, p->top, marked, false);
+  lua_remove(L, function);
+  if (p->raised) p->message = lua_gettop(L);
+  return !p->raised;
+}
+
 static bool step(void *user, uint64_t done, uint64_t total, const char *stage) {
   ylmL_progress *p = user;
   if (p->raised) return false;
   lua_State *L = p->L;
-  push_busy(L);
-  int busy = lua_gettop(L);
-  uint64_t marked = mark(L, busy, p->top, UINT64_MAX, true);
+  if (lua_gethookmask(L)) {
+    push_nothing(L);
+    if (!call_back(p, 0)) return false;
+    lua_pop(L, 1);
+  }
+  if (!p->index) return true;
   lua_pushvalue(L, p->index);
   ylmL_push_count(L, done);
   ylmL_push_count(L, total);
   lua_pushstring(L, stage ? stage : "");
-  p->raised = lua_pcall(L, 3, 1, 0) != 0;
-  mark(L, busy, p->top, marked, false);
-  lua_remove(L, busy);
-  if (p->raised) {
-    p->message = lua_gettop(L);
-    return false;
-  }
+  if (!call_back(p, 3)) return false;
   bool go = !lua_isboolean(L, -1) || lua_toboolean(L, -1);
   lua_pop(L, 1);
   return go;
@@ -204,14 +226,18 @@ static bool step(void *user, uint64_t done, uint64_t total, const char *stage) {
 
 const ylm_progress *ylmL_progress_begin(lua_State *L, int i, ylmL_progress *p) {
   memset(p, 0, sizeof *p);
-  if (lua_isnoneornil(L, i)) return NULL;
-  luaL_checktype(L, i, LUA_TFUNCTION);
+  if (!lua_isnoneornil(L, i)) {
+    luaL_checktype(L, i, LUA_TFUNCTION);
+    p->index = i;
+  }
   luaL_checkstack(L, 20, "progress");
-  note_arguments(L, lua_gettop(L));
+  push_nothing(L);
+  lua_pop(L, 1);
   p->base.step = step;
   p->base.user = p;
   p->L = L;
-  p->index = i;
+  if (!p->index && !lua_gethookmask(L)) return &p->base; /* nobody who could close anything */
+  note_arguments(L, lua_gettop(L));
   p->top = lua_gettop(L);
   return &p->base;
 }

@@ -37,6 +37,7 @@
   X(light)                                                                                         \
   X(light_polygon)                                                                                 \
   X(light_tree)                                                                                    \
+  X(process)                                                                                       \
   X(sandbox)                                                                                       \
   X(sh)                                                                                            \
   X(sh_rotate)                                                                                     \
@@ -180,15 +181,16 @@ const ylm_field *ylmL_field_check(lua_State *L, int i);
 typedef struct ylmL_progress {
   ylm_progress base;
   lua_State *L;
-  int index;   /* stack index of the Lua function */
+  int index;   /* stack index of the Lua function; 0: there is none */
   int top;     /* stack slots below are the call's arguments */
   int message; /* where the message lies that the function raised */
   bool raised; /* the function raised */
 } ylmL_progress;
 
-/* Prepares `p` for the function at absolute stack index `i`; NULL if there is none.
+/* Prepares `p` for the function at absolute stack index `i`, where nil may stand.
    The function is called as f(done, total, stage); returning false cancels, and so does an
-   error, which ylmL_result_progress raises again once C has cleaned up. */
+   error, which ylmL_result_progress raises again once C has cleaned up. With or without a function
+   the debug hook is asked first: the interpreter's answer to SIGINT is a hook that raises. */
 const ylm_progress *ylmL_progress_begin(lua_State *L, int i, ylmL_progress *p);
 /* YLM_EBUSY where the object at `i` is an argument of a call whose progress function runs now:
    what closes an object asks first, since C holds pointers into it. */

@@ -28,15 +28,18 @@ static const float *mask(lua_State *L, int i, const ylm_image *image) {
   return a->data;
 }
 
-/* image_compare(a, b, layer or nil, mask or nil, peak, floor, threads) -> table */
+/* image_compare(a, b, layer or nil, mask or nil, peak, floor, threads, progress) -> table */
 static int image_compare(lua_State *L) {
+  lua_settop(L, 8);
   ylm_image *a = ylmL_image_check(L, 1), *b = ylmL_image_check(L, 2);
   const float *where = mask(L, 4, a);
   ylm_error e = {0};
   ylm_metrics m;
-  ylm_status s =
-      ylm_image_compare(a, b, luaL_optstring(L, 3, NULL), where, (double)luaL_checknumber(L, 5),
-                        (double)luaL_checknumber(L, 6), integer(L, 7), &m, &e);
+  ylmL_progress progress;
+  const char *layer = luaL_optstring(L, 3, NULL);
+  double peak = (double)luaL_checknumber(L, 5), least = (double)luaL_checknumber(L, 6);
+  ylm_status s = ylm_image_compare(a, b, layer, where, peak, least, integer(L, 7),
+                                   ylmL_progress_begin(L, 8, &progress), &m, &e);
   lua_createtable(L, 0, 10);
   ylmL_set_number(L, "mse", m.mse);
   ylmL_set_number(L, "rmse", m.rmse);
@@ -48,7 +51,7 @@ static int image_compare(lua_State *L) {
   ylmL_set_number(L, "ssim", m.ssim);
   ylmL_set_number(L, "max", m.max);
   ylmL_set_count(L, "pixels", m.pixels);
-  return ylmL_result(L, 1, s, &e);
+  return ylmL_result_progress(L, 1, s, &e, &progress);
 }
 
 /* image_difference(a, b, layer or nil, kind, scale, floor) -> image */
@@ -72,15 +75,19 @@ static int image_crop(lua_State *L) {
   return ylmL_result(L, 1, ylm_image_crop(in, x, y, w, h, out, &e), &e);
 }
 
-/* image_resize(image, width, height, filter, threads) -> image */
+/* image_resize(image, width, height, filter, threads, progress) -> image */
 static int image_resize(lua_State *L) {
   static const char *const filters[] = {"box", "linear", "lanczos", NULL};
   ylm_image *in = ylmL_image_check(L, 1);
   ylm_error e = {0};
   int w = integer(L, 2), h = integer(L, 3), threads = integer(L, 5);
   ylm_filter filter = (ylm_filter)luaL_checkoption(L, 4, NULL, filters);
+  lua_settop(L, 6);
   ylm_image **out = ylmL_image_new(L);
-  return ylmL_result(L, 1, ylm_image_resize(in, w, h, filter, threads, out, &e), &e);
+  ylmL_progress p;
+  const ylm_progress *progress = ylmL_progress_begin(L, 6, &p);
+  ylm_status s = ylm_image_resize(in, w, h, filter, threads, progress, out, &e);
+  return ylmL_result_progress(L, 1, s, &e, &p);
 }
 
 /* image_paste(target, to or nil, x, y, source, from or nil, mask or nil) -> true; x and y from 0 */

@@ -49,6 +49,7 @@ function images.mask(fn, x, mask)
     fn, h, w, check.describe(mask))
 end
 
+images.progress = { "progress", "progress", optional = true, about = "called as f(done, total, stage); false cancels" }
 images.threads = { "threads", "integer", min = 0, max = 1024, default = 0, about = "0: YLM_THREADS or all cores" }
 
 return images

@@ -5,6 +5,7 @@ local core = require "ylm.c.core"
 local describe = require "ylm.reference".describe
 local form = require "ylm.form"
 local images = require "ylm.image_check"
+local progress = require "ylm.progress"
 
 local methods = core.metatable "ylm.image"
 
@@ -25,6 +26,7 @@ local compare_options = {
   { "floor", "number", above = 0, optional = true,
     about = "least divisor of mape, of the reference's unit; default peak / 1000" },
   images.threads,
+  images.progress,
 }
 
 describe "image:compare" {
@@ -35,7 +37,8 @@ describe "image:compare" {
   arguments = { { "reference", "image", "the truth" }, { "options?", "table", "" } },
   options = compare_options,
   returns = { { "metrics", "table", "{ mse, rmse, psnr, peak, mae, mape, floor, ssim, max, pixels }" } },
-  errors = "raises where sizes or channels differ, the mask is empty, or a pixel that counts is not finite",
+  errors = "raises where sizes or channels differ, the mask is empty, or a pixel that counts is not finite; nil, message, "
+    .. "code where memory runs out or progress cancels",
   example = [[
 local a, b = ylm.image { size = { 8, 8 } }, ylm.image { size = { 8, 8 } }
 b:fill(1, 1, 8, 8, 1)
@@ -46,7 +49,7 @@ assert(m.mse == 1 and m.psnr == 0 and m.peak == 1)]],
 function methods.compare(x, reference, options)
   local o, layer = compared("compare", x, reference, compare_options, options)
   return check.result("compare", core.image_compare(x, reference, layer, images.mask("compare", x, o.mask), o.peak or 0,
-    o.floor or 0, o.threads))
+    o.floor or 0, o.threads, progress.of(o.progress)))
 end
 
 local difference_options = {

@@ -5,6 +5,7 @@ local core = require "ylm.c.core"
 local describe = require "ylm.reference".describe
 local form = require "ylm.form"
 local images = require "ylm.image_check"
+local progress = require "ylm.progress"
 
 local methods = core.metatable "ylm.image"
 
@@ -35,6 +36,7 @@ local resize_options = {
   { "filter", "choice", of = { "box", "linear", "lanczos" }, default = "box",
     about = "shrinking: all average; enlarging: box repeats pixels" },
   images.threads,
+  images.progress,
 }
 
 describe "image:resize" {
@@ -42,7 +44,7 @@ describe "image:resize" {
   arguments = { { "size", "table", "{ width, height }" }, { "options?", "table", "" } },
   options = resize_options,
   returns = { { "resized", "image", "" } },
-  errors = "raises on a bad size",
+  errors = "raises on a bad size; nil, message, code where memory runs out or progress cancels",
   example = "assert(ylm.image { size = { 8, 4 } }:resize({ 4, 2 }).size[1] == 4)",
 }
 function methods.resize(x, size, options)
@@ -51,7 +53,8 @@ function methods.resize(x, size, options)
     return check.bad(1, "resize", "a size { width, height } expected, got %s", check.describe(size))
   end
   options = form.options(2, "resize", resize_options, options)
-  return check.result("resize", core.image_resize(x, size[1], size[2], options.filter, options.threads))
+  return check.result("resize", core.image_resize(x, size[1], size[2], options.filter, options.threads,
+    progress.of(options.progress)))
 end
 
 local paste_options = {
