@@ -1,6 +1,7 @@
 local progress = require "ylm.progress"
 
 local check = require "ylm.check"
+local core = require "ylm.c.core"
 local ylm = require "ylm"
 
 --- A stream that gathers what is written.
@@ -85,8 +86,28 @@ describe("progress bars", function()
     log(2, 2, "verifying")
     log(1, 2, "verifying")
     assert.equal("level 1      10 20 30 40 50 60 70 80 90 100 %  0:00\nlevel 2      10 20 30\n"
-      .. "verifying    10 20 30 40 50 60 70 80 90 100 %  0:00\nverifying    10 20 30 40 50", text())
+      .. "verifying    10 20 30 40 50 60 70 80 90 100 %  0:00\n", text())
     assert.is_false(text():find "\r" ~= nil)
+  end)
+
+  it("are silent in a log on stages that come again, unless they last", function()
+    local stream, text = gathering()
+    local log, seconds, now = progress.log(stream), core.seconds, 0
+    core.seconds = function() return now end
+    for _ = 1, 3 do
+      for _, stage in ipairs { "level 1", "level 2", "verifying" } do
+        log(1, 2, stage)
+        log(2, 2, stage)
+      end
+    end
+    log(1, 4, "level 2")
+    now = 15
+    log(1, 2, "level 2")
+    log(2, 2, "level 2")
+    core.seconds = seconds
+    local line = "%-12s 10 20 30 40 50 60 70 80 90 100 %%  0:%02d\n"
+    assert.equal(line:format("level 1", 0) .. line:format("level 2", 0) .. line:format("verifying", 0)
+      .. line:format("level 2", 15), text())
   end)
 
   it("show how much is done, and keep one line per stage", function()

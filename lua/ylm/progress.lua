@@ -1,6 +1,6 @@
 --- The bar that `progress = true` draws on stderr.
 --
--- On a terminal it moves; in a log it is one line per stage, in tenths.
+-- On a terminal it moves; in a log it is one line per stage, in tenths, however often the stage comes.
 --
 --     progress = progress.resolve(options.progress)   -- true -> a bar, a function -> itself, nil -> nil
 
@@ -9,6 +9,8 @@ local core = require "ylm.c.core"
 local progress = {}
 
 local width = 30
+local unended -- the stream whose last line has no end yet
+local AGAIN = 10 -- seconds
 
 --- Seconds in words: "0:42", "1:03:20".
 local function clock(seconds)
@@ -40,35 +42,59 @@ function progress.bar(stream)
     if ended and last == math.huge then return true end
     last = ended and math.huge or now
     stream:write("\r", progress.line(done, total, stage, now - began), ended and "\n" or "")
+    unended = not ended and stream or nil
     stream:flush()
     return true
   end
 end
 
 --- A function(done, total, stage) for logs: one line per stage, written in tenths as they are
--- reached, "bake         10 20 30 40 50 60 70 80 90 100 %  0:12".
+-- reached, "bake         10 20 30 40 50 60 70 80 90 100 %  0:12". A stage that comes again, as levels do in
+-- rounds of refinement, is told of where it lasts: from AGAIN seconds on.
 function progress.log(stream)
   stream = stream or io.stderr
-  local stage, began, tenths
+  local told = {} -- stages by name
+  local stage, began, tenths, open -- tenths: nil where the stage has ended; open: its line has begun
+  local function leave()
+    if open then stream:write("\n") end -- it did not end
+    open = false
+  end
+  local function begin(name)
+    leave()
+    stage, began, tenths = name, core.seconds(), 0
+  end
+  local function is_silent()
+    return told[stage] and not open and core.seconds() - began < AGAIN
+  end
   return function(done, total, name)
+    name = name or ""
     local part = total > 0 and math.min(1, done / total) or 1
-    if name ~= stage or (tenths == nil and part < 1) then
-      if tenths then stream:write("\n") end -- the stage before did not end
-      stage, began, tenths = name, core.seconds(), 0
-      stream:write(("%-12s"):format(name or ""))
-    end
+    if name ~= stage or (tenths == nil and part < 1) then begin(name) end
     if tenths == nil then return true end
+    if is_silent() then
+      if part == 1 then tenths = nil end
+      return true
+    end
+    if not open then stream:write(("%-12s"):format(name)) end
+    open, told[name] = true, true
     for k = tenths + 1, math.floor(part * 10) do
       stream:write((" %d"):format(10 * k))
       tenths = k
     end
     if part == 1 then
       stream:write((" %%  %s\n"):format(clock(core.seconds() - began)))
-      tenths = nil
+      open, tenths = false, nil
     end
+    unended = open and stream or nil
     stream:flush()
     return true
   end
+end
+
+--- Ends the line of a bar or a log whose work was broken off, before something else is said there.
+function progress.leave()
+  if unended then unended:write("\n") end
+  unended = nil
 end
 
 --- What shows progress on stderr: a bar that moves on a terminal, else lines for a log.
