@@ -50,14 +50,17 @@ function check.result(name, first, message, code, ...)
   return first, message, code, ...
 end
 
+--- A text for messages: what is longer than 40 bytes is cut between two characters.
+function check.short(text)
+  if #text <= 40 then return text end
+  return text:sub(1, 37):gsub("[\192-\255][\128-\191]*$", "") .. "..."
+end
+
 --- What a value is, for messages: "a table", "{1, 0}", "nil", "-1", "'text'", "an array of 2x3".
 function check.describe(value)
   local t = type(value)
   if t == "number" or t == "boolean" or t == "nil" then return tostring(value) end
-  if t == "string" then
-    if #value > 40 then value = value:sub(1, 37) .. "..." end
-    return "'" .. value .. "'"
-  end
+  if t == "string" then return "'" .. check.short(value) .. "'" end
   if t == "table" and getmetatable(value) == nil and #value > 0 and #value <= 4 then
     local words = {}
     for i, x in ipairs(value) do if type(x) == "number" then words[i] = ("%.14g"):format(x) end end
@@ -77,19 +80,20 @@ function check.plain(value)
   return value
 end
 
---- The candidate that a misspelt name most likely meant, or nil.
+--- The candidate that a misspelt name most likely meant, or nil. Candidates that are no text are passed over.
 function check.guess(name, candidates)
   local best, bound = nil, math.max(1, math.floor(#name / 3)) + 1
   for _, candidate in ipairs(candidates) do
-    local d = check.edit_distance(name, candidate)
+    local d = type(candidate) == "string" and check.edit_distance(name, candidate) or math.huge
     if d < bound then best, bound = candidate, d end
   end
   return best
 end
 
---- Number of insertions, deletions, substitutions and swaps of neighbours between two words.
+--- Number of insertions, deletions, substitutions and swaps of neighbours between two words; infinite where their
+-- lengths alone say that one is not the other misspelt.
 function check.edit_distance(a, b)
-  if math.abs(#a - #b) > 4 or #a > 64 then return 99 end
+  if math.abs(#a - #b) > 4 or #a > 64 then return math.huge end
   local before, last = {}, {}
   for j = 0, #b do last[j] = j end
   for i = 1, #a do

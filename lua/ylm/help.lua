@@ -169,7 +169,7 @@ function help.text(word)
   end
   if #found == 0 then
     local guess = check.guess(word, names)
-    return nil, ("no help on '%s'%s"):format(word, guess and (" (did you mean '%s'?)"):format(guess) or "")
+    return nil, ("no help on %s%s"):format(check.describe(word), guess and (" (did you mean '%s'?)"):format(guess) or "")
   end
   local out = {}
   for _, name in ipairs(found) do
@@ -183,15 +183,43 @@ function help.text(word)
   return table.concat(out, "\n")
 end
 
+--- What a name's text says first.
+local function first_sentence(name)
+  local entry = form.defined[name] or reference.entries[name]
+  local about = entry and entry.about or ""
+  return about:match("^(.-%.)%s") or about
+end
+
+--- What speaks of `word`, upper and lower case alike: two lists of { name, first sentence }, of names that hold it
+-- and of other names whose text does.
+function help.find(word)
+  local in_names, in_texts = {}, {}
+  word = word:lower()
+  for _, name in ipairs(help.names()) do
+    local row = { name, first_sentence(name) }
+    if name:lower():find(word, 1, true) then in_names[#in_names + 1] = row
+    elseif help.text(name):lower():find(word, 1, true) then in_texts[#in_texts + 1] = row end
+  end
+  return in_names, in_texts
+end
+
+--- The lists of help.find as text, or nil where nothing speaks of `word`; `more` are such rows of other texts.
+function help.matches(word, more)
+  local in_names, in_texts = help.find(word)
+  for _, row in ipairs(more) do table.insert(in_texts, 1, row) end
+  if #in_names + #in_texts == 0 then return nil end
+  local out = { ("%s has no page of its own; ylm help NAME shows one of these."):format(check.describe(word)) }
+  rows(out, "names that hold it", in_names)
+  rows(out, "pages that speak of it", in_texts)
+  return table.concat(out, "\n")
+end
+
 --- The list of all names with the first sentence of each.
 function help.overview()
   local list = { { "forms", {} }, { "functions", {} }, { "methods", {} } }
   for _, name in ipairs(help.names()) do
-    local definition, entry = form.defined[name], reference.entries[name]
-    local about = (definition and definition.about or entry and entry.about or ""):match("^(.-%.)%s") or
-      (definition and definition.about or entry and entry.about or "")
-    local place = definition and 1 or name:find(":", 1, true) and 3 or 2
-    table.insert(list[place][2], { name, about })
+    local place = form.defined[name] and 1 or name:find(":", 1, true) and 3 or 2
+    table.insert(list[place][2], { name, first_sentence(name) })
   end
   local out = {}
   for _, part in ipairs(list) do rows(out, part[1], part[2]) end

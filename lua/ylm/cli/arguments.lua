@@ -20,35 +20,35 @@ local function declared(command)
   return list
 end
 
---- The values a word stands for: number, two numbers "640x360" or "1e-4,1", or the text.
+--- Kinds of values but text: { how many numbers, what is between them, what is expected }.
+local kinds = {
+  N = { 1, ",", "a number" },
+  WxH = { 2, "x", "a size such as 640x360" },
+  ["A,B"] = { 2, ",", "two numbers such as 1e-4,1" },
+  ["X,Y,Z"] = { 3, ",", "three numbers such as 0,1,0" },
+}
+
+--- The value that `text` stands for: text, a finite number or a list of them; nil, message where it is not `wanted`.
 local function value_of(text, wanted)
-  if wanted == "N" then
-    local x = tonumber(text)
-    if x and check.is_number(x) then return x end
-    return nil, "a number expected, got '" .. text .. "'"
-  elseif wanted == "WxH" then
-    local w, h = text:match("^(%d+)x(%d+)$")
-    if w then return { tonumber(w), tonumber(h) } end
-    return nil, "a size such as 640x360 expected, got '" .. text .. "'"
-  elseif wanted == "A,B" then
-    local a, b = text:match("^([^,]+),([^,]+)$")
-    a, b = tonumber(a), tonumber(b)
-    if a and b then return { a, b } end
-    return nil, "two numbers such as 1e-4,1 expected, got '" .. text .. "'"
-  elseif wanted == "X,Y,Z" then
-    local a, b, c = text:match("^([^,]+),([^,]+),([^,]+)$")
-    a, b, c = tonumber(a), tonumber(b), tonumber(c)
-    if a and b and c then return { a, b, c } end
-    return nil, "three numbers such as 0,1,0 expected, got '" .. text .. "'"
+  local kind = kinds[wanted]
+  if not kind then return text end
+  local numbers = {}
+  for word in (text .. kind[2]):gmatch("(.-)" .. kind[2]) do
+    local x = tonumber(word)
+    if not x or not check.is_number(x) or (wanted == "WxH" and not word:find "^%d+$") then x = nil end
+    numbers[#numbers + 1] = x or false
   end
-  return text
+  local good = #numbers == kind[1]
+  for _, x in ipairs(numbers) do good = good and x end
+  if not good then return nil, ("%s expected, got %s"):format(kind[3], check.describe(text)) end
+  return #numbers == 1 and numbers[1] or numbers
 end
 
 --- Parses `given`; nil, message where it does not fit. With command.rest = true everything after the
 -- first file is left as it is, with command.raw = true all of it.
 function arguments.parse(command, given)
   if command.raw then
-    given.help = given[1] == "--help" or given[1] == "-h"
+    for _, word in ipairs(given) do given.help = given.help or word == "--help" or word == "-h" end
     return given
   end
   local by_word, words = {}, {}
@@ -66,7 +66,7 @@ function arguments.parse(command, given)
     elseif word == "--" then only_files = true
     elseif not option then
       local guess = check.guess(name or word, words)
-      return nil, ("no option %s%s"):format(name or word, guess and (" (did you mean %s?)"):format(guess) or "")
+      return nil, ("no option %s%s"):format(check.short(name or word), guess and (" (did you mean %s?)"):format(guess) or "")
     elseif option[3] then
       local text = attached
       if not text then
@@ -84,7 +84,7 @@ function arguments.parse(command, given)
   if not out.help then
     local least, most = command.least or 0, command.most or command.least or 0
     if #out < least then return nil, "expected: " .. command.usage end
-    if #out > most and not command.rest then return nil, ("unexpected '%s'"):format(out[most + 1]) end
+    if #out > most and not command.rest then return nil, "unexpected " .. check.describe(out[most + 1]) end
   end
   return out
 end
@@ -98,6 +98,7 @@ function arguments.usage(name, command)
     if option[3] then word = word .. " " .. option[3] end
     lines[#lines + 1] = ("  %-28s %s"):format(word, option[4])
   end
+  if command.notes then lines[#lines + 1] = "\n" .. command.notes end
   return table.concat(lines, "\n") .. "\n"
 end
 

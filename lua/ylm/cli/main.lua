@@ -9,41 +9,36 @@
 -- messages to stderr. `--json` makes results machine-readable.
 
 local arguments = require "ylm.cli.arguments"
+local check = require "ylm.check"
+local commands = require "ylm.cli.commands"
+local core = require "ylm.c.core"
+local progress = require "ylm.progress"
 local status = require "ylm.cli.status"
 
-local commands = { "render", "bake", "view", "compare", "run", "codegen", "bench", "info", "help" }
-
 local function say(...)
+  progress.leave()
   io.stderr:write("ylm: ", ...)
   io.stderr:write("\n")
 end
 
-local function overview(stream)
-  stream:write("ylm - spherical-harmonic lighting\n\n",
-    "usage: ylm COMMAND ...    (ylm COMMAND --help for its options)\n\n")
-  for _, name in ipairs(commands) do
-    stream:write(("  %-8s  %s\n"):format(name, require("ylm.cli." .. name).summary))
-  end
-  stream:write("\nexit status: ", status.text, "\n")
-end
+--- Words that stand for a command.
+local words = { ["--help"] = "help", ["-h"] = "help", ["--version"] = "info" }
 
 --- Runs the command line `given`; returns the exit status.
 local function main(given)
   local name = table.remove(given, 1)
   if name == nil then
-    overview(io.stderr)
+    commands.overview(io.stderr)
     return status.usage
   end
-  if name == "--help" or name == "-h" or (name == "help" and #given == 0) then
-    overview(io.stdout)
+  name = words[name] or name
+  if name == "help" and #given == 0 then -- whatever the environment says
+    commands.overview(io.stdout)
     return status.good
   end
-  if name == "--version" then name = "info" end
-  local known = false
-  for _, command in ipairs(commands) do known = known or command == name end
-  if not known then
-    local guess = require "ylm.check".guess(name, commands)
-    say(("no command '%s'%s"):format(name,
+  if not commands.known(name) then
+    local guess = check.guess(name, commands)
+    say(("no command %s%s"):format(check.describe(name),
       guess and (" (did you mean '%s'?)"):format(guess) or "; ylm help lists them"))
     return status.usage
   end
@@ -58,7 +53,7 @@ local function main(given)
     io.stdout:write(arguments.usage(name, command))
     return status.good
   end
-  local good, complaint = require "ylm.c.core".environment()
+  local good, complaint = core.environment()
   if not good then
     say(complaint)
     return status.usage
@@ -66,13 +61,18 @@ local function main(given)
   options.command = name
   if options.quiet then require "ylm.warning".on_warning(false) end
   local ok, result = xpcall(function() return command.run(options) end, function(raised)
-    return type(raised) == "table" and raised or status.raised(raised)
+    return status.raised(raised, name, command)
   end)
   if ok then return result or status.good end
   say(result.message)
   return result.status
 end
 
+core.process_watch()
 local code = main { ... }
-io.stdout:flush()
+local written, complaint = core.process_flush()
+if not written then
+  say(complaint)
+  if code == status.good then code = status.failed end
+end
 os.exit(code, true)

@@ -1,18 +1,24 @@
 --- Exit statuses of the command-line tool, and how a command ends with one.
 
+local check = require "ylm.check"
+local core = require "ylm.c.core"
+
+--- What status.stop raises is known by its metatable: an experiment may raise tables of its own.
+local ending = {}
+
 local status = {
   good = 0,
   failed = 1,    -- a file, a driver, memory
   usage = 2,     -- the command line
-  raised = nil,  -- see below
   script = 3,    -- a scene file or an experiment is wrong
   beyond = 4,    -- compare: a bound was not kept
   limit = 5,     -- a scene file passed a limit
   unmet = 6,     -- --strict: a result does not keep what it promises
   cancelled = 130,
+  own_least = 7, own_most = 125, -- of experiments; shells give the rest meanings
   text = "0 good, 1 a file, driver or memory failed, 2 wrong usage, 3 a scene or experiment is wrong,\n"
     .. "             4 a bound of compare was not kept, 5 a scene passed a limit,\n"
-    .. "             6 a warning was given and --strict asked for, 130 interrupted",
+    .. "             6 a warning was given and --strict asked for, 7 to 125 an experiment's own, 130 interrupted",
 }
 
 local of_code = { EFORMAT = status.script, ELIMIT = status.limit, ECANCELLED = status.cancelled }
@@ -20,7 +26,7 @@ local of_code = { EFORMAT = status.script, ELIMIT = status.limit, ECANCELLED = s
 --- Ends the command with a message and a status.
 function status.stop(code, message, ...)
   if select("#", ...) > 0 then message = message:format(...) end
-  error({ status = code, message = message }, 0)
+  error(setmetatable({ status = code, message = message }, ending), 0)
 end
 
 --- Ends the command unless `path` ends in one of the extensions and can be written: before the work, not after it.
@@ -33,7 +39,12 @@ function status.need_output(name, path, ...)
   if not fits then
     status.stop(status.usage, "%s: %s: the name must end in %s", name, path, table.concat(words, ", "))
   end
-  status.need(require "ylm.c.core".file_probe(path))
+  status.need(core.file_probe(path))
+end
+
+--- Does this message come of a SIGINT? A scene file's reader passes it on like any error.
+local function is_interrupt(message)
+  return core.process_interrupted() and tostring(message):find("interrupted!", 1, true) ~= nil
 end
 
 --- The status of a command that ended with `warnings`: unmet where there are any and --strict was given.
@@ -44,6 +55,7 @@ end
 --- Passes results on; nil, message, code ends the command.
 function status.need(first, message, code, ...)
   if first == nil or first == false then
+    if is_interrupt(message) then status.stop(status.cancelled, "interrupted") end
     status.stop(status.failed, tostring(message))
   end
   return first, message, code, ...
@@ -58,17 +70,45 @@ end
 
 --- The same for scene files, whose mistakes have a status of their own.
 function status.need_scene(first, message, code)
-  if first == nil then status.stop(of_code[code] or status.failed, tostring(message)) end
-  return first
+  if first == nil and of_code[code] and not is_interrupt(message) then status.stop(of_code[code], tostring(message)) end
+  return status.need(first, message, code)
 end
 
---- An error that was raised, as a table: with its traceback where YLM_DEBUG is set.
-function status.raised(message)
-  message = tostring(message)
-  if message:find("interrupted!", 1, true) then return { status = status.cancelled, message = "interrupted" } end
-  if os.getenv "YLM_DEBUG" then message = debug.traceback(message, 3) end
-  -- scene files are done when options are looked at: what is bad then was on the command line
-  return { status = message:find "^bad argument #" and status.usage or status.script, message = message }
+--- What an error says, whatever was raised: with its traceback where YLM_DEBUG is set.
+local function words_of(raised)
+  local text = raised
+  if type(raised) ~= "string" then
+    local meta = getmetatable(raised)
+    local speaks = type(raised) == "number" or type(meta) == "table" and meta.__tostring
+    local good, own = pcall(tostring, raised)
+    text = speaks and good and own or ("%san error was raised that is no message but %s"):format(check.position(),
+      check.describe(raised))
+  end
+  return os.getenv "YLM_DEBUG" and debug.traceback(text, 4) or text
+end
+
+--- What a function refused, as a mistake on the command line: with the option that set it, where one has its name.
+local function as_option(text, name, command)
+  local said, field = text:match "^bad argument #%d+ to '[%w_.:]+' %((([%w_]+) .*)%)$"
+  for _, option in ipairs(command.options or {}) do
+    if option[1] == field then return ("%s: --%s"):format(name, said) end
+  end
+  return text
+end
+
+--- An error that was raised while `command` ran, which is called `name`, as what status.stop raises.
+function status.raised(raised, name, command)
+  if getmetatable(raised) == ending then return raised end
+  local text = words_of(raised)
+  local code = status.script
+  if is_interrupt(text) then
+    code, text = status.cancelled, "interrupted"
+  elseif text == "not enough memory" then code = status.failed
+  elseif name ~= "run" and text:find "^bad argument #" then
+    -- scene files are done when options are looked at: what is bad then was on the command line
+    code, text = status.usage, as_option(text, name, command)
+  end
+  return setmetatable({ status = code, message = text }, ending)
 end
 
 return status
