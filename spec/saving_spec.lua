@@ -146,8 +146,8 @@ describe("saving", function()
     left(PREFIX .. digits .. ".npy", 99)
     left("x" .. PREFIX .. digits, 99)
     left(".ylm-unfinished", 99)
-    sh((("echo kept >other; touch -d '2 hours ago' other; ln other Xaaaaaaaaaaaa; ln -s other Xbbbbbbbbbbbb; mkdir Xcccccccccccc; "
-      .. "touch -h -d '2 hours ago' Xbbbbbbbbbbbb Xcccccccccccc"):gsub("X", PREFIX)))
+    sh((("echo kept >other; touch -d '2 hours ago' other; ln other Xaaaaaaaaaaaa; ln -s other Xbbbbbbbbbbbb; "
+      .. "mkdir Xcccccccccccc; touch -h -d '2 hours ago' Xbbbbbbbbbbbb Xcccccccccccc"):gsub("X", PREFIX)))
     local gone = PREFIX .. digits .. " "
     local first, last = names():find(gone, 1, true)
     local rest = names():sub(1, first - 1) .. names():sub(last + 1)

@@ -14,7 +14,8 @@ static int open_regular(const char *path, struct stat *st, ylm_error *e) {
   if (fd < 0) {
     ylm_fail(e, YLM_EIO, "%s: %s", path, strerror(errno));
   } else if (fstat(fd, st) != 0 || !S_ISREG(st->st_mode)) {
-    ylm_fail(e, YLM_EIO, "%s: not a regular file", path);
+    ylm_fail(e, YLM_EIO, "%s: not a regular file%s", path,
+             S_ISDIR(st->st_mode) ? " but a folder" : "");
     close(fd);
     fd = -1;
   }

@@ -5,18 +5,23 @@
 #include <string.h>
 
 #define MAX_TABLE_LEVEL 6
+#define LEAST_EXTENT 1e-30 /* of bounds: squares of a voxel's edges stay normal numbers */
 #define MAX_UNIFORM_CELLS ((uint64_t)1 << 31)
 
 /* -- making --------------------------------------------------------------------- */
 
 static ylm_status check_bounds(const double *b, ylm_error *e) {
-  for (int a = 0; a < 3; a++)
-    if (!isfinite(b[a]) || !isfinite(b[a + 3]) || !(b[a] < b[a + 3]) ||
-        !isfinite(b[a + 3] - b[a]) || b[a + 3] - b[a] < 1e-30)
+  for (int a = 0; a < 3; a++) {
+    double lo = b[a], hi = b[a + 3];
+    if (!isfinite(lo) || !isfinite(hi) || !isfinite(hi - lo) || !(lo < hi))
       return ylm_fail(e, YLM_EDOMAIN,
-                      "bounds: max must exceed min along every axis, axis %d has "
-                      "%g and %g",
-                      a + 1, b[a], b[a + 3]);
+                      "bounds: max must exceed min along every axis, axis %d has %g and %g", a + 1,
+                      lo, hi);
+    if (hi - lo < LEAST_EXTENT)
+      return ylm_fail(e, YLM_EDOMAIN,
+                      "bounds: axis %d is only %g long; the least is %g (choose another unit)",
+                      a + 1, hi - lo, LEAST_EXTENT);
+  }
   return YLM_OK;
 }
 

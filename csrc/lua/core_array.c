@@ -13,17 +13,26 @@ static ylm_dtype check_dtype(lua_State *L, int i) {
 static int array_zeros(lua_State *L) {
   luaL_checktype(L, 1, LUA_TTABLE);
   ylm_dtype t = check_dtype(L, 2);
-  size_t axes = lua_rawlen(L, 1), shape[YLM_MAX_AXES];
+  size_t axes = lua_rawlen(L, 1), shape[YLM_MAX_AXES] = {0}, count;
+  double elements = 1;
+  bool fits = true;
   if (axes < 1 || axes > YLM_MAX_AXES) return ylmL_result(L, 0, YLM_ESHAPE, NULL);
   for (size_t i = 0; i < axes; i++) {
-    int64_t n;
+    int64_t n = 0;
     lua_rawgeti(L, 1, (int)i + 1);
-    if (!ylmL_toint64(L, -1, &n) || n < 0) return ylmL_result(L, 0, YLM_ESHAPE, NULL);
+    double extent = (double)lua_tonumber(L, -1);
+    if (!(extent >= 0)) return ylmL_result(L, 0, YLM_ESHAPE, NULL);
+    elements *= extent;
+    fits = fits && ylmL_toint64(L, -1, &n);
     shape[i] = (size_t)n;
     lua_pop(L, 1);
   }
-  size_t count;
-  if (!ylm_shape_count((int)axes, shape, &count)) return ylmL_result(L, 0, YLM_EOVERFLOW, NULL);
+  if (!fits || !ylm_shape_count((int)axes, shape, &count)) {
+    ylm_error e = {0};
+    ylm_status s =
+        ylm_fail(&e, YLM_EOVERFLOW, "%g elements are more than any memory holds", elements);
+    return ylmL_result(L, 0, s, &e);
+  }
   return ylmL_result(L, 1, ylmL_array_new(L, t, (int)axes, shape) ? YLM_OK : YLM_ENOMEM, NULL);
 }
 

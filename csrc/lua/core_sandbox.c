@@ -132,7 +132,10 @@ static int resolve_inside(lua_State *L) {
   if (s == YLM_OK) {
     size_t n = strlen(root);
     if (n == 1) n = 0; /* the folder is "/" */
-    if (strncmp(root, file, n) != 0 || file[n] != '/')
+    bool inside = strncmp(root, file, n) == 0 && (file[n] == '/' || file[n] == 0);
+    if (inside && stat(file, &st) == 0 && S_ISDIR(st.st_mode))
+      s = ylm_fail(&e, YLM_EIO, "%s: a folder, not a file", path);
+    else if (!inside || file[n] != '/')
       s = ylm_fail(&e, YLM_EINVAL, "%s: a link that leads out of the scene's folder", path);
     else if (stat(file, &st) != 0 || !S_ISREG(st.st_mode))
       s = ylm_fail(&e, YLM_EIO, "%s: not a regular file", path);

@@ -301,7 +301,9 @@ function array.points(n, name, value, dtype)
   local a, single = array.rows(n, name, "points", value, 3, dtype)
   local finite, where = core.array_finite(a)
   if not finite then
-    return check.bad(n, name, "points: row %d is not finite", math.floor((where - 1) / 3) + 1)
+    local whole = core.array_finite((array.rows(n, name, "points", value, 3, "double")))
+    return check.bad(n, name, "points: row %d is %s", math.floor((where - 1) / 3) + 1,
+      whole and "more than a float holds, 3.4e38" or "not finite")
   end
   local shape = core.array_info(a)
   if #shape ~= 2 then

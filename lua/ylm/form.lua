@@ -130,7 +130,9 @@ function types.bounds(x)
   local lo, hi = three(x[1]), three(x[2])
   if not (lo and hi) then return nil, wanted end
   for a = 1, 3 do
-    if not (lo[a] < hi[a] and lo[a] >= -1e15 and hi[a] <= 1e15) then return nil, wanted end
+    if not (lo[a] < hi[a] and lo[a] >= -1e15 and hi[a] <= 1e15) then
+      return nil, wanted .. (" (axis %d goes from %g to %g)"):format(a, lo[a], hi[a])
+    end
   end
   return { lo, hi }
 end
@@ -191,7 +193,7 @@ local function checked(fields, given, fail)
         return fail(("unexpected entry %s: fields are given by name"):format(check.describe(name)))
       end
       local guess = check.guess(name, field_names(fields))
-      return fail(("no field '%s'%s"):format(name, guess and (" (did you mean '%s'?)"):format(guess)
+      return fail(("no field %s%s"):format(check.describe(name), guess and (" (did you mean '%s'?)"):format(guess)
         or ("; fields are " .. table.concat(field_names(fields), ", "))))
     end
   end

@@ -196,9 +196,9 @@ shape("knot", {
 local function mesh_of_arrays(values)
   local vertices = array.points(1, "mesh", values.vertices)
   local triangles = array.rows(1, "mesh", "triangles", values.triangles, 3)
-  local normals = values.normals and array.rows(1, "mesh", "normals", values.normals, 3)
-  local uvs = values.uvs and array.rows(1, "mesh", "uvs", values.uvs, 2)
-  return core.mesh_from(vertices, triangles, normals, uvs)
+  local normals = values.normals ~= nil and array.rows(1, "mesh", "normals", values.normals, 3)
+  local uvs = values.uvs ~= nil and array.rows(1, "mesh", "uvs", values.uvs, 2)
+  return core.mesh_from(vertices, triangles, normals or nil, uvs or nil)
 end
 
 shape("mesh", {

@@ -62,7 +62,7 @@ local function matrix_of(n, name, value)
     else
       local guess
       for _, key in ipairs(given) do guess = guess or check.guess(key, { "axis", "angle", "quaternion", "zyz" }) end
-      return check.bad(n, name, wanted .. "%s", keys == "" and "an empty table" or "{" .. keys .. "}",
+      return check.bad(n, name, wanted .. "%s", keys == "" and "an empty table" or "{" .. check.short(keys) .. "}",
         guess and (" (did you mean '%s'?)"):format(guess) or "")
     end
     if not flat then return check.bad(n, name, "finite numbers expected in {%s}", keys) end

@@ -25,7 +25,7 @@ local function check_layer(name, value, fail)
     local wanted = known[name][key]
     if not wanted then
       local guess = type(key) == "string" and check.guess(key, names)
-      return fail(("%s: no field '%s'%s"):format(name, tostring(key), guess and (" (did you mean '%s'?)"):format(guess)
+      return fail(("%s: no field %s%s"):format(name, check.describe(key), guess and (" (did you mean '%s'?)"):format(guess)
         or ("; fields are " .. table.concat(names, ", "))))
     end
     local good = wanted == "any" or type(x) == wanted

@@ -17,6 +17,9 @@ return {
   },
   run = function(given)
     local ylm = require "ylm"
+    if given.scale and not given.difference then
+      status.stop(status.usage, "compare: --scale is of the difference image: --difference FILE is missing")
+    end
     if given.difference then
       status.need_output("compare", given.difference, "exr", "png", "hdr", "pfm")
     end

@@ -49,6 +49,8 @@ return {
   run = function(given)
     local ylm = require "ylm"
     if given.output then status.need_output("view", given.output, "png") end
+    if given.json and not given.output then status.stop(status.usage, "view: --json goes with -o FILE, not with a window") end
+    if given.angle and not given.rotate then status.stop(status.usage, "view: --angle goes with --rotate X,Y,Z") end
     local objects, vectors = load(ylm, given)
     local good, picture, summaries
     if vectors then

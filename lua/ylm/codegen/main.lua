@@ -27,16 +27,41 @@ local flags = { ["--solid"] = "solid", ["--unit"] = "unit", ["--count"] = "count
   ["--check"] = "check" }
 local texts = { ["--name"] = "name", ["-o"] = "output", ["--output"] = "output", ["--root"] = "root" }
 
+--- What there is to do, and the options that have a meaning then.
+local tasks = {
+  { "--check", { "--check", "--root" } },
+  { "--write", { "--write", "--root" } },
+  { "--count", { "--count", "--lmax", "--output" } },
+  { "--lmax", { "--lmax", "--derivatives", "--language", "--solid", "--unit", "--method", "--name", "--output" } },
+}
+
+--- The first option in `given` that would be ignored: nil, or what is wrong.
+local function ignored(given)
+  for _, task in ipairs(tasks) do
+    if given[task[1]] then
+      local used = {}
+      for _, word in ipairs(task[2]) do used[word] = true end
+      for _, word in ipairs(given) do
+        if not used[word] then return ("%s has no meaning with %s"):format(word, task[1]) end
+      end
+      return nil
+    end
+  end
+end
+
 local words = { "--lmax", "--derivatives", "--language", "--method", "--solid", "--unit", "--count", "--write", "--check",
   "--name", "--output", "--root" }
 
 --- Options of a command line, or nil and what is wrong with it.
 local function parse(args)
   local o, i = { derivatives = 0, language = "c", method = "solid", root = "." }, 1
+  local given = {}
   while args[i] do
     local word, value = args[i], args[i + 1]
     local name, attached = word:match("^(%-%-[^=]+)=(.*)$")
     if name then word, value = name, attached end
+    given[#given + 1] = word == "-o" and "--output" or word
+    given[given[#given]] = true
     if flags[word] then
       if name then return nil, word .. " takes no value" end
       o[flags[word]] = true
@@ -44,7 +69,8 @@ local function parse(args)
       if not (choices[word] or texts[word] or word == "--lmax") then
         local built, check = pcall(require, "ylm.check") -- not so before the first build
         local guess = built and check.guess(word, words)
-        return nil, "unknown option " .. word .. (guess and (" (did you mean %s?)"):format(guess) or "")
+        return nil, "unknown option " .. (built and check.short(word) or word)
+          .. (guess and (" (did you mean %s?)"):format(guess) or "")
       end
       if value == nil then return nil, word .. " wants a value" end
       if not name then i = i + 1 end
@@ -52,8 +78,8 @@ local function parse(args)
         o[choices[word][1]] = choices[word][2][value]
         if o[choices[word][1]] == nil then return nil, ("%s cannot be '%s'"):format(word, value) end
       elseif word == "--lmax" then
-        o.lmax = value:match("^%d%d?%d?$") and tonumber(value)
-        if not o.lmax then return nil, "--lmax must be an integer, 0 or more" end
+        o.lmax = value:match("^%d+$") and tonumber(value)
+        if not o.lmax then return nil, ("--lmax must be an integer from 0 to 150, got '%s'"):format(value) end
       else o[texts[word]] = value end
     end
     i = i + 1
@@ -61,13 +87,16 @@ local function parse(args)
   -- Constants grow like 2^lmax: a float holds those of 100, a double those of 150 and more. --count makes all below too.
   local highest = o.count and 30 or o.language == "glsl" and 100 or 150
   if o.lmax and o.lmax > highest then
-    return nil, ("--lmax must be an integer from 0 to %d%s"):format(highest, o.count and " with --count"
-      or o.language == "glsl" and " for glsl, whose numbers are floats" or "")
+    return nil, ("--lmax must be an integer from 0 to %d%s, got %.14g"):format(highest, o.count and " with --count"
+      or o.language == "glsl" and " for glsl, whose numbers are floats" or "", o.lmax)
   end
+  local useless = ignored(given)
+  if useless then return nil, useless end
   if o.name and not o.name:match("^[%a_][%w_]*$") then return nil, "--name must be an identifier" end
-  if o.method == "scd" and (o.solid or not o.lmax) and not o.count then
-    return nil, "--method scd goes with --lmax and without --solid"
+  if o.unit and (o.solid or o.method == "scd") then
+    return nil, ("--unit has no meaning with %s"):format(o.solid and "--solid" or "--method scd, which wants unit vectors itself")
   end
+  if o.method == "scd" and (o.solid or not o.lmax) then return nil, "--method scd goes with --lmax and without --solid" end
   if not (o.lmax or o.count or o.write or o.check) then return nil, "--lmax is missing" end
   return o
 end

@@ -50,7 +50,8 @@ return {
     { call = function(ylm) ylm.zeros { 2, 0.5 } end, says = "extent 2 must be an integer" },
     { call = function(ylm) ylm.zeros { nan } end, says = "extent 1 must be an integer" },
     { call = function(ylm) ylm.zeros { inf } end, says = "extent 1 must be an integer" },
-    { call = function(ylm) ylm.zeros { 2 ^ 40, 2 ^ 40 } end, says = "zeros" },
+    { call = function(ylm) ylm.zeros { 2 ^ 40, 2 ^ 40 } end, says = "zeros: 1.20893e%+24 elements are more than any memory holds" },
+    { call = function(ylm) ylm.zeros { 1e300 } end, says = "zeros: 1e%+300 elements are more than any memory holds" },
     { call = function(ylm) ylm.zeros({ 1 }, 7) end, says = "dtype must be" },
   },
   ["array:get"] = cases("get", {

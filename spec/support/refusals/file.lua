@@ -12,7 +12,7 @@ return {
     case(function(ylm) ylm.load("x", { raw = 1 }) end, "raw must be true or false"),
     case(function(ylm) return ylm.load "/nonexistent" end, "No such file"),
     case(function(ylm) return ylm.load "/dev/null" end, "not a regular file"),
-    case(function(ylm) return ylm.load "/" end, "not a regular file"),
+    case(function(ylm) return ylm.load "/" end, "/: not a regular file but a folder"),
   },
   ["array:save"] = {
     case(function(ylm) ylm.zeros { 2 }:save() end, "a file name that ends in .npy expected, got nil"),

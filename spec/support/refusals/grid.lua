@@ -29,6 +29,8 @@ local function bake(options, description)
   end
 end
 
+local short = { bounds = { { 0, 0, 0 }, { 1, 1e-300, 1 } }, lmax = 1, depth = 1 }
+
 --- An update of a dynamic grid.
 local function update(lights, options)
   return function(ylm)
@@ -45,7 +47,7 @@ return {
   adaptive_grid = {
     { call = function(ylm) return ylm.adaptive_grid() end, says = "a table of named fields expected, got nil" },
     { call = adaptive { boundz = box }, says = "did you mean 'bounds'" },
-    { call = adaptive { bounds = { { 0, 0, 0 }, { 0, 1, 1 } } }, says = "bounds must be .* x0 < x1" },
+    { call = adaptive { bounds = { { 0, 0, 0 }, { 0, 1, 1 } } }, says = "bounds must be .* x0 < x1.*%(axis 1 goes from 0 to 0%)" },
     { call = adaptive { bounds = { { 0, 0, 0 }, { 1, nan, 1 } } }, says = "bounds must be" },
     { call = adaptive { bounds = { { 0, 0, 0 }, { 1, inf, 1 } } }, says = "bounds must be" },
     { call = adaptive { bounds = { { 0, 0, 0 }, { 1, 1e300, 1 } } }, says = "bounds must be .* none beyond 1e15" },
@@ -73,6 +75,7 @@ return {
     { call = uniform { cells = 2, channels = "luminance", metric_channels = "rgb" }, says = "needs channels = 'rgb'" },
   },
   bake = {
+    { call = bake({}, short), says = "bounds: axis 2 is only 1e%-300 long; the least is 1e%-30" },
     { call = function(ylm)
       return ylm.bake(ylm.uniform_grid { bounds = box, cells = 1, lmax = 1, dynamic = true }, small(ylm))
     end, says = "dynamic = true follows sphere lights and flat lights, this is baked from another light field" },

@@ -102,7 +102,7 @@ return {
     each(save_as, "a file name expected", nil, 5, "", "a\0b.png", {}),
     each(save_as, "must end in", "x.jpg", "x", "png"),
     each(save, "options", 5, "png"),
-    each(save, "bits must be one of 8, 16, 32", { bits = 12 }, { bits = nan }),
+    each(save, "bits must be one of 8, 16, 32", { bits = 12 }, { bits = nan }, { bits = "16" }),
     {
       case(save, "No such file"),
       case(function(ylm) save(ylm, { tone = "filmic" }) end, "tone must be one of 'srgb'"),

@@ -66,6 +66,8 @@ return {
     { call = function(ylm) return ylm.light_field(1e6, lamp(ylm), { 0, 0, 0 }) end, says = "#1.*lmax" },
     { call = function(ylm) return ylm.light_field(0.5, lamp(ylm), { 0, 0, 0 }) end, says = "#1.*lmax" },
     { call = function(ylm) return ylm.light_field("4", lamp(ylm), { 0, 0, 0 }) end, says = "#1.*lmax" },
+    { call = function(ylm) return ylm.light_field(1, lamp(ylm), { { 0, 0, 0 }, { 1e300, 0, 0 } }) end,
+      says = "#3.*points: row 2 is more than a float holds, 3.4e38" },
     { call = function(ylm) return ylm.light_field(4, nil, { 0, 0, 0 }) end, says = "#2.*a light or a list" },
     { call = function(ylm) return ylm.light_field(4, { lamp(ylm), 3 }, { 0, 0, 0 }) end,
       says = "#2.*a light or a list" },
