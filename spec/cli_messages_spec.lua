@@ -105,6 +105,12 @@ describe("the command-line tool's messages", function()
     assert.truthy(err:find("f.lua:1: mesh: file: .: a folder, not a file", 1, true), err)
   end)
 
+  it("say that YLM_LUA names no interpreter", function()
+    local out, code = scratch.capture(("YLM_LUA=nolua %s info"):format(scratch.quote(build .. "/ylm")))
+    assert.equal(1, code)
+    assert.equal("ylm: no Lua called 'nolua'; set YLM_LUA to luajit, lua5.4, lua5.3 or lua5.1\n", out)
+  end)
+
   it("begin on a line of their own where progress was broken off", function()
     local progress = require "ylm.progress"
     local text = ""
