@@ -188,9 +188,11 @@ typedef struct ylm_metrics {
 **   mask   in  [height][width] or NULL: everywhere
 **   peak   in  > 0, or 0: from the reference
 **   floor  in  > 0, or 0: peak / 1000
+**   progress   in  may be NULL
 **
 ** Returns  YLM_OK; YLM_EINVAL (no such layer, an empty mask), YLM_ESHAPE (sizes, channels),
-**          YLM_EDOMAIN (a number that counts is not finite: the pixel is named), YLM_ENOMEM
+**          YLM_EDOMAIN (a number that counts is not finite: the pixel is named), YLM_ENOMEM,
+**          YLM_ECANCELLED
 */
 YLM_API ylm_status ylm_image_compare(const ylm_image *a, const ylm_image *b, const char *name,
                                      const float *mask, double peak, double floor, int threads,
