@@ -17,12 +17,15 @@ enum {
   SHARE,
   SEED,
   THREADS,
-  PROGRESS
+  PROGRESS,
+  LIGHT,
+  NOISE,
+  MOST
 };
 
 /* shade_view(scene, {from, at, up, fov: 10 numbers}, width, height, samples, lmax, per vertex,
    "none" | "pixel" | "vertex", transfer samples, occlusion distance, share, seed, threads,
-   progress) -> view */
+   progress, light | nil, noise | nil, most samples | nil) -> view */
 static int shade_view(lua_State *L) {
   static const char *const names[] = {"none", "pixel", "vertex", NULL};
   const ylm_shade_scene *scene = ylmL_shade_scene(L, VIEW_SCENE);
@@ -30,7 +33,8 @@ static int shade_view(lua_State *L) {
   ylmL_progress p;
   double c[10];
   ylmL_shade_numbers(L, CAMERA, 10, c);
-  lua_settop(L, PROGRESS);
+  lua_settop(L, MOST);
+  bool chosen = !lua_isnil(L, LIGHT);
   ylm_camera camera = {{c[0], c[1], c[2]}, {c[3], c[4], c[5]}, {c[6], c[7], c[8]}, c[9]};
   ylm_shade_options o = {.width = (int)luaL_checknumber(L, WIDTH),
                          .height = (int)luaL_checknumber(L, HEIGHT),
@@ -40,6 +44,9 @@ static int shade_view(lua_State *L) {
                          .visibility =
                              (ylm_shade_visibility)luaL_checkoption(L, VISIBILITY, "pixel", names),
                          .transfer_samples = (int)luaL_checknumber(L, TRANSFER),
+                         .light = chosen ? ylmL_field_check(L, LIGHT) : NULL,
+                         .noise = (double)luaL_optnumber(L, NOISE, 0),
+                         .most_samples = (int)luaL_optnumber(L, MOST, 0),
                          .occlusion_distance = (double)luaL_checknumber(L, DISTANCE),
                          .share = (double)luaL_checknumber(L, SHARE),
                          .seed = (uint64_t)luaL_checknumber(L, SEED),
@@ -68,6 +75,9 @@ static int shade_stats(lua_State *L) {
   ylmL_set_count(L, "occlusion_rays", s.occlusion_rays);
   ylmL_set_number(L, "primary_seconds", s.primary_seconds);
   ylmL_set_number(L, "transfer_seconds", s.transfer_seconds);
+  ylmL_set_count(L, "transfer_samples",
+                 (uint64_t)ylm_shade_view_options(ylmL_shade_view(L, 1))->transfer_samples);
+  if (s.noise >= 0) ylmL_set_number(L, "noise", s.noise);
   ylmL_set_count(L, "bytes", s.bytes);
   return 1;
 }

@@ -101,13 +101,14 @@ static ylm_status transfer_by_vertices(ylm_shade_view *v, const shade_vertices *
 }
 
 /* Shading points and their transfer vectors, once the entries are known. */
-static ylm_status make_transfer(ylm_shade_view *v) {
+static ylm_status make_transfer(ylm_shade_view *v, ylm_error *e) {
   double start = ylm_seconds();
   bool by_vertex = !v->o.per_vertex && v->o.visibility == YLM_SHADE_VERTEX;
   shade_vertices x = {0};
   ylm_status s = YLM_OK;
   if (v->o.per_vertex || by_vertex) s = ylm__shade_vertices(v, &x);
   if (s == YLM_OK) s = v->o.per_vertex ? points_of_vertices(v, &x) : points_of_entries(v);
+  if (s == YLM_OK) s = ylm__shade_choose_samples(v, e);
   if (s == YLM_OK && by_vertex)
     s = transfer_by_vertices(v, &x);
   else if (s == YLM_OK)
@@ -138,8 +139,9 @@ ylm_status ylm_shade_view_create(const ylm_shade_scene *scene, const ylm_camera 
   v->o = *o;
   v->frame = frame;
   s = ylm__shade_primary(v, &frame);
-  if (s == YLM_OK) s = make_transfer(v);
+  if (s == YLM_OK) s = make_transfer(v, e);
   v->o.progress = NULL;
+  v->o.light = NULL;
   v->stats.points = v->points;
   v->stats.bytes = bytes_held(v);
   if (s == YLM_OK)

@@ -109,6 +109,9 @@ ylm_status ylm__shade_transfer(const ylm_shade_view *v, bool shadows, size_t n,
                                const float (*normal)[3], const float (*origin)[3], float *transfer,
                                uint64_t *rays);
 
+/* noise.c: raises o.transfer_samples as o.light, o.noise, o.most_samples say; wants the points. */
+ylm_status ylm__shade_choose_samples(ylm_shade_view *v, ylm_error *e);
+
 /* -- kernels -------------------------------------------------------------------- */
 
 #define YLM_LAMP_CHUNK 64

@@ -50,7 +50,8 @@ options.transfer_fields = {
     about = "occlusion rays from every shading point, from the vertices (transfer vectors are interpolated), "
       .. "or no occlusion; default: as shading" },
   { "transfer_samples", "integer", min = 1, max = 65536, optional = true,
-    about = "occlusion rays per transfer vector; default 128, and 256 from vertices" },
+    about = "occlusion rays per transfer vector; default: 128, 256 from vertices, doubled until the noise that they leave "
+      .. "under the scene's lights is at most 2 %, at most 2048 (report.transfer_samples, report.noise)" },
   { "occlusion_distance", "distance", optional = true, unit = "scene units",
     about = "how far occlusion rays reach, wherever the lamps are: light passes what is farther, and what is nearer "
       .. "darkens lamps before it too; default: a tenth of the diagonal of the scene's bounding box" },
@@ -99,6 +100,8 @@ local scene = ylm.scene "one lamp" {
 options.report_text = "note (where nothing is to be shaded), "
   .. "warnings (a list of sentences: what the picture does not keep), "
   .. "seconds (by stage: scene, primary, transfer, light, image; total), rays, points, hits, pixels; "
+  .. "transfer_samples, and where they were chosen noise: the root mean square deviation that they leave in the radiance, "
+  .. "relative to it plus a tenth of its mean; "
 
 --- What reports say of pictures by transfer vectors.
 options.transfer_text = options.report_text .. "occlusion (of the light that the scene's lamps bring: passing, the part of the "

@@ -100,6 +100,7 @@ function pictures.new_report(p)
     warnings = {},
     points = st.points, hits = st.hits, pixels = st.pixels, bytes = st.bytes,
     rays = { primary = st.primary_rays, occlusion = st.occlusion_rays },
+    transfer_samples = st.transfer_samples, noise = st.noise,
     seconds = { scene = st.scene_seconds, primary = st.primary_seconds, transfer = st.transfer_seconds },
   }
 end

@@ -9,11 +9,14 @@ local tracing = require "ylm.render_trace"
 
 local views = {}
 
+--- The noise at which rays are enough, and the most of them, where nobody says how many: see options.transfer_fields.
+local NOISE, MOST_SAMPLES = 0.02, 2048
+
 require "ylm.reference".object "prepared" {
   about = "What one camera sees of a scene, with transfer vectors, ready to be shaded by any light field.",
   fields = {
     { "stats", "table", "points, hits, pixels, primary_rays, occlusion_rays, scene_seconds, primary_seconds, "
-      .. "transfer_seconds, bytes" },
+      .. "transfer_seconds, bytes; transfer_samples, noise as in a report" },
     { "options", "table", "what it was made with" },
     { "scene", "scene", "of what" },
   },
@@ -71,17 +74,20 @@ function views.prepare(name, s, o)
     if distance == 0 then distance = 1 end
   end
   local rays = o.transfer_samples or (visibility == "vertex" or o.shading == "vertex") and 256 or 128
+  local light = not o.transfer_samples and #s.lights > 0 and visibility ~= "none" and t.lights or nil
   local view
   view, message, code = check.result(name, t.lib.shade_view(t.handle,
     { c.from[1], c.from[2], c.from[3], c.at[1], c.at[2], c.at[3], c.up[1], c.up[2], c.up[3], c.fov },
     o.size[1], o.size[2], o.samples, o.lmax, o.shading == "vertex", visibility, rays, distance, o.share,
-    o.seed, o.threads or 0, progress.resolve(o.progress)))
+    o.seed, o.threads or 0, progress.resolve(o.progress), light, NOISE, MOST_SAMPLES))
   if not view then return nil, message, code end
   local stats = t.lib.shade_stats(view)
   stats.scene_seconds = t.seconds
+  if visibility == "none" then stats.transfer_samples = nil end
   made[view] = { scene = s, traced = t, lib = t.lib, stats = stats,
     options = { size = o.size, samples = o.samples, seed = o.seed, lmax = o.lmax, share = o.share,
-      shading = o.shading, visibility = visibility, transfer_samples = rays, occlusion_distance = distance } }
+      shading = o.shading, visibility = visibility, transfer_samples = stats.transfer_samples or rays,
+      occlusion_distance = distance } }
   return view
 end
 
