@@ -2,7 +2,6 @@
 
 local colours = require "spec.support.pixels"
 local core = require "ylm.c.core"
-local picture = require "ylm.picture"
 local views = require "spec.support.views"
 local ylm = require "ylm"
 
@@ -82,7 +81,7 @@ describe("ylm.view, of grids:", function()
     local pixels, v = draw { g, quantity = "L00", slices = { { axis = "z", at = 0.5 } }, camera = camera, bar = true,
       frame = false }
     local bar = v:bars()[1]
-    local x, y = project(p[1], p[2], p[3])
+    local x, y = project(p[1], p[2], p[3], v:window())
     local t = math.log(L00 / bar.range[1]) / math.log(bar.range[2] / bar.range[1])
     assert_colour(map_colour(bar.map, math.max(0, math.min(1, t))), pixel(pixels, x, y), 0.06, "L00")
   end)
@@ -118,16 +117,6 @@ describe("ylm.view, of grids:", function()
     assert_colour(map_colour("viridis", 0), pixel(pixels, b[1] + b[3] / 2, b[2] + b[4] - 1), 0.03, "bottom")
     assert_colour(map_colour("viridis", 0.5), pixel(pixels, b[1] + b[3] / 2, b[2] + b[4] / 2), 0.02, "middle")
     assert_colour(dark, pixel(pixels, 2, 238), 0.01, "corner")
-  end)
-
-  it("ticks of logarithmic bars are powers of ten", function()
-    local ticks, labels = picture.ticks(2e-4, 3, true, 6)
-    local named = {}
-    for i, label in ipairs(labels) do if label ~= "" then named[#named + 1] = label end assert(ticks[i] >= 2e-4
-      and ticks[i] <= 3) end
-    assert.same({ "10⁻³", "10⁻²", "10⁻¹", "10⁰" }, named)
-    assert.same({ "0", "0.5", "1" }, select(2, picture.ticks(0, 1, false, 3)))
-    assert.same({ "2", "3", "4" }, select(2, picture.ticks(2, 4, false, 9, true)))
   end)
 
   it("the same picture comes twice", function()

@@ -28,6 +28,16 @@ bool ylm_figure_shape_bounds(const ylm_figure_shape *s, double b[6]) {
   return s->points > 0;
 }
 
+void ylm_figure_shape_reach(const ylm_figure_shape *s, size_t n, const double *d, double *out) {
+  for (size_t k = 0; k < n; k++) out[k] = -INFINITY;
+  for (size_t i = 0; i < s->points; i++) {
+    const float *p = s->position + 3 * i;
+    for (size_t k = 0; k < n; k++)
+      out[k] = fmax(out[k], d[3 * k] * (double)p[0] + d[3 * k + 1] * (double)p[1] +
+                                d[3 * k + 2] * (double)p[2]);
+  }
+}
+
 /* Grows one block to `room` items of `size` bytes. */
 static bool grow(void *block, size_t used, size_t room, size_t size) {
   void **p = block, *q = *p ? ylm_realloc(*p, used * size, room, size) : ylm_alloc(room, size);

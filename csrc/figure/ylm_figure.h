@@ -36,6 +36,10 @@ YLM_API void ylm_figure_shape_init(ylm_figure_shape *s, int corners);
 YLM_API void ylm_figure_shape_clear(ylm_figure_shape *s);
 /* Smallest box around its points; false if it has none. */
 YLM_API bool ylm_figure_shape_bounds(const ylm_figure_shape *s, double bounds[6]);
+/* out[k]: the largest product of a point of the shape and direction[k], [n][3]; -infinity where it
+   has no points. */
+YLM_API void ylm_figure_shape_reach(const ylm_figure_shape *s, size_t n, const double *direction,
+                                    double *out);
 
 /*
 ** ylm_figure_add_mesh - triangles as they are.

@@ -32,6 +32,24 @@ static int shape_info(lua_State *L) {
   return 3;
 }
 
+/* reach(shape, directions [n][3], doubles) -> list of the largest products of points and directions
+ */
+static int shape_reach(lua_State *L) {
+  ylm_figure_shape *s = shape_at(L, 1);
+  size_t n;
+  const double *direction = ylmL_doubles(L, 2, 3, &n);
+  double *reach = ylm_alloc(n, sizeof *reach);
+  if (!reach) return ylmL_result(L, 0, YLM_ENOMEM, NULL);
+  ylm_figure_shape_reach(s, n, direction, reach);
+  lua_createtable(L, (int)n, 0);
+  for (size_t i = 0; i < n; i++) {
+    lua_pushnumber(L, reach[i]);
+    lua_rawseti(L, -2, (int)i + 1);
+  }
+  ylm_free(reach);
+  return 1;
+}
+
 /* One-based triangles [m][3] of an array of either type as indices; NULL if one is out of range. */
 static uint32_t *indices(const ylmL_array *a, size_t points) {
   uint32_t *out = ylm_alloc(a->count, sizeof *out);
@@ -199,6 +217,7 @@ static int save_cells(lua_State *L) {
 
 static const luaL_Reg functions[] = {{"shape", shape_new},
                                      {"shape_info", shape_info},
+                                     {"shape_reach", shape_reach},
                                      {"shape_mesh", shape_mesh},
                                      {"shape_spheres", shape_spheres},
                                      {"shape_arrows", shape_arrows},

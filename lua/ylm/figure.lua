@@ -5,6 +5,7 @@ local check = require "ylm.check"
 local core = require "ylm.c.core"
 local form = require "ylm.form"
 local picture = require "ylm.picture"
+local picture_bar = require "ylm.picture_bar"
 
 local figure = {}
 
@@ -272,7 +273,9 @@ local function layout(f, font)
   if f.bar then
     f.bar_width = math.min(inner, math.max(320, math.floor(inner * 0.42)))
     f.bar_y = y + font
-    y = f.bar_y + picture.horizontal_bar(nil, f.bar, 0, 0, f.bar_width, font, f.theme)
+    local bar_height
+    bar_height, f.draw_bar = picture_bar.horizontal(f.bar, font, f.bar_width, f.theme)
+    y = f.bar_y + bar_height
   end
   if f.caption then
     f.caption_text = picture.wrap(f.caption, inner, { size = font })
@@ -324,9 +327,7 @@ local function draw(f)
       item.canvas = nil
     end
   end
-  if f.bar then
-    picture.horizontal_bar(canvas, f.bar, math.floor((f.width - f.bar_width) / 2), f.bar_y, f.bar_width, font, f.theme)
-  end
+  if f.bar then f.draw_bar(canvas, math.floor((f.width - f.bar_width) / 2), f.bar_y) end
   if f.caption then
     picture.text(canvas, f.caption_text, f.margin, f.caption_y, { size = font, colour = f.theme.dim })
   end
@@ -361,7 +362,6 @@ local function build(values, fail)
     local function fail_here(message) return fail("bar: " .. message) end
     local bar = form.check(bar_fields, values.bar, fail_here)
     bar.range = check_range(bar.range, bar.log, fail_here)
-    if bar.unit then bar.label = ("%s [%s]"):format(bar.label, bar.unit) end
     values.bar = bar
   end
   if #values.rows == 0 then return fail "rows is empty" end

@@ -1,8 +1,10 @@
 --- Pictures of grids, fields, SH vectors and scenes: ylm.view. Nothing opens before save or show.
 
+local bars = require "ylm.picture_bar"
 local check = require "ylm.check"
 local core = require "ylm.c.core"
 local describe = require "ylm.reference".describe
+local drawing = require "ylm.view_drawing"
 local form = require "ylm.form"
 local layers = require "ylm.view_layers"
 local picture = require "ylm.picture"
@@ -13,10 +15,10 @@ local view = {}
 
 -- Drawing --------------------------------------------------------------------------
 
---- Where things stand on the canvas: the rectangle of the scene, title, caption, bars.
-local function layout(v, width, height)
+--- Title and caption on the canvas; what is between them is from l.top to l.bottom.
+local function place_words(v, width, height)
   local font, margin = v.font or picture.font(width, height), math.floor(picture.font(width, height) * 1.2)
-  local l = { font = font, margin = margin, top = 0, bottom = height, left = 0, right = width }
+  local l = { font = font, margin = margin, top = 0, bottom = height }
   if v.title then
     local _, h = picture.text(nil, v.title, 0, 0, { size = math.floor(font * 1.35), bold = true })
     l.title, l.top = margin, margin + h
@@ -26,14 +28,58 @@ local function layout(v, width, height)
     local _, h = picture.text(nil, l.caption_text, 0, 0, { size = font })
     l.caption, l.bottom = height - margin - h, height - margin - h
   end
-  l.bars = {}
-  if v.bar then
-    for i = #v.scales, 1, -1 do
-      local w = picture.bar_width(v.scales[i], font)
-      l.bars[i] = l.right - margin - w
-      l.right = l.bars[i] - margin
-    end
+  return l
+end
+
+--- Scalar bars on the right of a window, or nil where they have no room: { window = {x, y, w, h}, rooms, drawn }.
+local function bars_beside(v, l, width, height, top, bottom)
+  local room = l.bottom - l.top - 2 * l.margin
+  local long = math.floor(math.min(room, math.max(height * 0.62, 120)))
+  local column = bars.columns(v.scales, l.font, long, l.margin, math.floor(0.45 * width))
+  if not column or long < 8 then return nil end
+  local x, y, rooms = width - column.width, math.floor(l.top + l.margin + (room - long) / 2), {}
+  for i, b in ipairs(column.bars) do
+    rooms[i] = { x, y, b.width, long }
+    x = x + b.width + l.margin
   end
+  return { window = { 0, top, width - column.width - l.margin, bottom - top }, rooms = rooms, bars = column }
+end
+
+--- The same below a window, in a row.
+local function bars_below(v, l, width, top)
+  local row = bars.row(v.scales, l.font, width, l.margin, math.floor(0.4 * (l.bottom - l.top)))
+  if not row then return nil end
+  local y, rooms, each = l.bottom - row.height, {}, row.each + l.margin
+  for i, b in ipairs(row.bars) do
+    rooms[i] = { math.floor(l.margin + (i - 1) * each + (row.each - b.width) / 2), y, b.width, b.height }
+  end
+  return { window = { 0, top, width, y - l.margin - top }, rooms = rooms, bars = row }
+end
+
+--- Where things stand on the canvas: the window of the scene with its camera, title, caption, bars. A camera of the
+-- user's own sees the whole picture but for the bars; else title and caption are beside the window too, and the bars
+-- stand where the larger picture is left.
+local function layout(v, stage, width, height)
+  local l = place_words(v, width, height)
+  local top, bottom = v.camera and 0 or l.top, v.camera and height or l.bottom
+  local function reach(directions) return drawing.reach(stage, directions) end
+  local choices = {}
+  if v.bar and #v.scales > 0 then
+    choices = { bars_beside(v, l, width, height, top, bottom) }
+    choices[#choices + 1] = bars_below(v, l, width, top)
+  end
+  if #choices == 0 then choices[1] = { window = { 0, top, width, bottom - top }, rooms = {} } end
+  local best
+  for i, choice in ipairs(choices) do
+    local w = choice.window
+    w[3], w[4] = math.max(1, w[3]), math.max(1, w[4])
+    choice.camera, choice.scale = v.camera, math.min(w[3], w[4])
+    if not v.camera then
+      choice.camera, choice.scale = view_camera.choose(reach, w[3], w[4], v.directions, v.up, v.fov)
+    end
+    if i == 1 or choice.scale > 1.1 * best.scale then best = choice end
+  end
+  l.window, l.rooms, l.bars, stage.camera = best.window, best.rooms, best.bars, best.camera
   return l
 end
 
@@ -49,7 +95,6 @@ end
 
 --- Titles, captions, bars and labels over a drawn scene.
 local function annotate(v, canvas, l, without_caption)
-  local _, height = core.canvas_size(canvas)
   if l.title then
     words(v, canvas, v.title, l.margin, l.title, { size = math.floor(l.font * 1.35), bold = true,
       colour = v.theme.text })
@@ -57,36 +102,34 @@ local function annotate(v, canvas, l, without_caption)
   if l.caption and not without_caption then
     words(v, canvas, l.caption_text, l.margin, l.caption, { size = l.font, colour = v.theme.dim })
   end
-  v.drawn_bars = {}
-  local room = l.bottom - l.top - 2 * l.margin
-  local bar_height = math.floor(math.min(room, math.max(height * 0.62, 120)))
-  for i, x in ipairs(l.bars) do
-    local scale = v.scales[i]
-    local box = picture.vertical_bar(canvas, scale, x, math.floor(l.top + l.margin + (room - bar_height) / 2),
-      bar_height,
-      l.font, v.theme)
+  v.drawn_bars, v.drawn_window = {}, l.window
+  for i, scale in ipairs(v.bar and v.scales or {}) do
+    local room = l.rooms[i]
     v.drawn_bars[i] = { quantity = scale.quantity, label = scale.label, unit = scale.unit,
       range = { scale.range[1], scale.range[2] },
-      log = scale.log, map = scale.map, box = box }
+      log = scale.log, map = scale.map, room = room or { 0, 0, 0, 0 },
+      box = room and l.bars.draw(canvas, l.bars.bars[i], room[1], room[2], v.theme) or { 0, 0, 0, 0 } }
   end
 end
 
---- Fills a VTK scene with the view's layers and sets its camera for a picture of that shape.
+--- Fills a VTK scene with the view's layers and sets its camera for a picture of that size: stage, layout.
 local function build(v, vtk, width, height)
   local scene, message, code = vtk.scene()
   if not scene then return nil, message, code end
   local stage = { vtk = vtk, scene = scene, view = v, theme = v.theme }
-  local ok
+  local ok, l
   ok, message, code = layers.fill(stage)
   if not ok then return nil, message, code end
-  local camera = v.camera or view_camera.fit(stage.bounds, width, height, v.direction, v.up, v.fov)
+  ok, message, code = layers.try(function() l = layout(v, stage, width, height) end)
+  if not ok then return nil, message, code end
+  local camera = stage.camera
   vtk.scene_camera(scene, camera.from, camera.at, camera.up, camera.fov)
-  stage.camera = camera
-  return stage
+  return stage, l
 end
 
 --- Labels beside things in the scene, where the camera shows them.
-local function label(stage, canvas, x, y, width, height, font)
+local function label(stage, canvas, window, font)
+  local x, y, width, height = window[1], window[2], window[3], window[4]
   for _, entry in ipairs(stage.labels or {}) do
     local px, py = view_camera.project(stage.camera, width, height, entry.at)
     if px then
@@ -104,20 +147,15 @@ local function draw(v)
   local prepared
   prepared, message, code = layers.prepare(v)
   if not prepared then return nil, message, code end
-  local l = layout(v, width, height)
-  -- A camera of the user's own sees the whole picture; else the scene stands beside title and bars.
-  local x, y, w, h = 0, 0, width, height
-  if not v.camera then
-    x, y, w, h = 0, l.top, math.max(16, l.right), math.max(16, l.bottom - l.top)
-  end
-  local stage
-  stage, message, code = build(v, vtk, w, h)
-  if not stage then return nil, message, code end
+  local stage, l
+  stage, l, code = build(v, vtk, width, height)
+  if not stage then return nil, l, code end
+  local x, y, w, h = l.window[1], l.window[2], l.window[3], l.window[4]
   local part = (w == width and h == height) and canvas or assert(core.canvas(w, h, v.theme.background))
   local _, failed, status = vtk.scene_render(stage.scene, part, v.supersample, v.theme.background)
   if failed then return nil, failed, status end
   if part ~= canvas then core.canvas_copy(canvas, x, y, w, h, part, 0, 0, w, h, true) end
-  label(stage, canvas, x, y, w, h, l.font)
+  label(stage, canvas, l.window, l.font)
   annotate(v, canvas, l)
   return canvas
 end
@@ -129,7 +167,8 @@ describe "view:bars" {
   about = "The scalar bars of the last picture drawn: what they show and where.",
   arguments = {},
   returns = { { "bars", "table", "a list of { quantity, label, unit, range = {least, largest}, log, map, "
-    .. "box = {x, y, w, h} }, pixels from the top left" } },
+    .. "box = {x, y, w, h} of the colours, room of all of the bar }, pixels from the top left; none of the picture is in a "
+    .. "room" } },
   errors = "draws the picture if it was not drawn yet; nil, message, code as for save",
   example = [[
 local v = ylm.view { volume = { values = { { { 1, 2 }, { 3, 4 } } } }, slices = true, size = { 200, 150 } }
@@ -142,6 +181,25 @@ function methods.bars(self)
     if not canvas then return nil, message, code end
   end
   return self.drawn_bars
+end
+
+describe "view:window" {
+  about = "The part of the last picture drawn that the camera sees: what title, caption and bars leave.",
+  arguments = {},
+  returns = { { "window", "table", "{x, y, w, h}, pixels from the top left" } },
+  errors = "draws the picture if it was not drawn yet; nil, message, code as for save",
+  example = [[
+local v = ylm.view { volume = { values = { { { 1, 2 }, { 3, 4 } } } }, slices = true, size = { 200, 150 } }
+local window = v:window()
+assert(window[1] + window[3] <= v:bars()[1].room[1])]],
+}
+function methods.window(self)
+  picture.is_one(self, "view", "window")
+  if not self.drawn_window then
+    local canvas, message, code = picture.draw(self, draw)
+    if not canvas then return nil, message, code end
+  end
+  return self.drawn_window
 end
 
 --- What stands in a window's corner about a picked point.
@@ -183,13 +241,14 @@ function methods.show(self)
   prepared, message, code = layers.prepare(self)
   if not prepared then return nil, message, code end
   local stage
-  stage, message, code = build(self, vtk, width, height)
-  if not stage then return nil, message, code end
+  local l
+  stage, l, code = build(self, vtk, width, height)
+  if not stage then return nil, l, code end
   -- The same texts on black and on white: where they agree, they are opaque.
   local black = assert(core.canvas(width, height, { 0, 0, 0 }))
   local white = assert(core.canvas(width, height, { 1, 1, 1 }))
-  annotate(self, black, layout(self, width, height), true)
-  annotate(self, white, layout(self, width, height), true)
+  annotate(self, black, l, true)
+  annotate(self, white, l, true)
   return check.result("show", vtk.show(stage.scene, self.theme.background, black, white, self.title or "ylm",
     function(x, y, z) return describe_point(self, x, y, z) end))
 end
@@ -242,8 +301,9 @@ local fields = {
   { "caption", "string", optional = true, about = "below the picture; broken into lines" },
   { "size", "list", of = "integer", min = 16, max = 8192, default = { 1280, 720 }, unit = "pixels" },
   { "camera", "object", of = "camera", optional = true,
-    about = "exactly this view, over the whole picture; default: the scene's, else one that sees everything" },
-  { "direction", "vector", optional = true, about = "from where, if there is no camera" },
+    about = "exactly this view, over the whole picture but for the bars; default: the scene's, else one that sees everything" },
+  { "direction", "vector", optional = true,
+    about = "from where, if there is no camera; default {0.55, 0.42, 0.8}, higher where that fills the picture's height" },
   { "up", "vector", optional = true, about = "default {0, 1, 0}; {0, 0, 1} with sh" },
   { "background", "any", default = "dark", about = "\"dark\", \"white\" or {r, g, b}, 0 to 1" },
   { "supersample", "integer", min = 1, max = 4, default = 2, about = "anti-aliasing; 1 is four samples per pixel" },
@@ -280,7 +340,7 @@ end
 
 local construct = form.define("view", {
   about = "A picture in three dimensions: of a grid, of numbers on a lattice, of SH vectors, of a scene. "
-    .. "Methods: save, show, pixels, bars.",
+    .. "Methods: save, show, pixels, bars, window.",
   fields = fields,
   metatable = { __index = methods },
   build = build_view,

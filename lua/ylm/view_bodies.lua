@@ -25,7 +25,6 @@ function fill.lobes(stage, v)
   local n, count = centres.shape[1], coefficients.shape[2]
   add_lobes(stage, coefficients, math.floor(math.sqrt(count) + 0.5) - 1, centres,
     drawing.constant(n, 0.42 * spacing * (o.size or 1)), n > 600 and 3 or 4, true)
-  drawing.grow(stage, v.source.bounds)
 end
 
 --- SH vectors side by side, in rows of at most eight, seen from -y: x to the right, z up.

@@ -22,37 +22,41 @@ local function axes(towards, up)
   return x, cross(z, x), z
 end
 
---- A camera in direction `towards` that sees the box {x0 y0 z0 x1 y1 z1} as large as fits.
-function view_camera.fit(box, width, height, towards, up, fov)
+-- The part of a window that is filled: what is left is a margin.
+local FILLED = 0.92
+
+--- A camera in direction `towards` that sees, as large as fits, what reach(directions) knows: for each direction the largest
+-- product with a point that is drawn. Returns it, the pixels that a unit in the middle is large, and the part of the
+-- window's height that is filled.
+--
+-- A point is in the window where its product with the normals of the pyramid's four sides is at most the eye's.
+function view_camera.fit(reach, width, height, towards, up, fov)
   fov, up = fov or 28, up or { 0, 1, 0 }
   local x, y, z = axes(towards, up)
-  local at = { (box[1] + box[4]) / 2, (box[2] + box[5]) / 2, (box[3] + box[6]) / 2 }
-  local ty = math.tan(math.rad(fov) / 2) * 0.92
+  local ty = math.tan(math.rad(fov) / 2) * FILLED
   local tx = ty * width / height
-  -- The middle of what is seen is not that of the box: balance left and right, top and bottom, twice.
-  local distance
-  for _ = 1, 3 do
-    distance = 0
-    local l, r, b, t = math.huge, -math.huge, math.huge, -math.huge
-    local corners = {}
-    for i = 0, 7 do
-      local p = {}
-      for a = 1, 3 do p[a] = box[a + 3 * (math.floor(i / 2 ^ (a - 1)) % 2)] - at[a] end
-      local px, py, pz = dot(p, x), dot(p, y), dot(p, z)
-      corners[#corners + 1] = { px, py, pz }
-      distance = math.max(distance, math.abs(px) / tx + pz, math.abs(py) / ty + pz)
-    end
-    for _, c in ipairs(corners) do
-      local d = distance - c[3]
-      l, r = math.min(l, c[1] / d), math.max(r, c[1] / d)
-      b, t = math.min(b, c[2] / d), math.max(t, c[2] / d)
-    end
-    for a = 1, 3 do at[a] = at[a] + distance * ((l + r) / 2 * x[a] + (b + t) / 2 * y[a]) end
+  local function side(a, t) return { a[1] / t + z[1], a[2] / t + z[2], a[3] / t + z[3] } end
+  local h = reach { side(x, tx), side(x, -tx), side(y, ty), side(y, -ty), z, { -z[1], -z[2], -z[3] } }
+  local across, upright, near, middle = (h[1] + h[2]) / 2, (h[3] + h[4]) / 2, h[5], (h[5] - h[6]) / 2
+  local eye = { tx * (h[1] - h[2]) / 2, ty * (h[3] - h[4]) / 2, math.max(across, upright) }
+  if eye[3] - near < 1e-9 * (1 + math.abs(near)) then eye[3] = near + 1 end
+  local distance = math.max(eye[3] - middle, 1e-30)
+  local from, at = {}, {}
+  for a = 1, 3 do
+    from[a] = eye[1] * x[a] + eye[2] * y[a] + eye[3] * z[a]
+    at[a] = from[a] - distance * z[a]
   end
-  if distance <= 0 then distance = 1 end
-  local from = {}
-  for a = 1, 3 do from[a] = at[a] + distance * z[a] end
-  return { from = from, at = at, up = y, fov = fov }
+  return { from = from, at = at, up = y, fov = fov }, height / distance, FILLED * (1 - (eye[3] - upright) / distance)
+end
+
+--- The fit for the first of several directions that fills most of the window's height, or for the last.
+function view_camera.choose(reach, width, height, directions, up, fov)
+  local camera, scale, filled
+  for _, towards in ipairs(directions) do
+    camera, scale, filled = view_camera.fit(reach, width, height, towards, up, fov)
+    if filled > 0.8 then break end
+  end
+  return camera, scale
 end
 
 --- Pixel coordinates (from the top left) of a point; nil behind the camera.

@@ -273,9 +273,12 @@ local function check_view(values, fail)
   values.log_given = values.log
   if values.log and values.range and values.range[1] <= 0 then return fail "range must be above 0 where log is true" end
   local alone = values.sh and not (values.subject or values.scene or values.meshes or values.lattice)
+  values.directions = { values.direction or (alone and { 0.12, -1, 0.22 } or { 0.55, 0.42, 0.8 }) }
+  if not (values.direction or values.up or alone) then -- from higher above, where that fills the window's height
+    for _, y in ipairs { 0.56, 0.73, 0.94 } do values.directions[#values.directions + 1] = { 0.55, y, 0.8 } end
+  end
   values.up = values.up or (alone and { 0, 0, 1 } or { 0, 1, 0 })
   values.fov = alone and 10 or 28
-  values.direction = values.direction or (alone and { 0.12, -1, 0.22 } or { 0.55, 0.42, 0.8 })
 end
 
 return check_view

@@ -8,14 +8,50 @@ local drawing = {}
 function drawing.options(value) return type(value) == "table" and value or {} end
 
 --- Takes box b into the bounds of what is drawn.
-function drawing.grow(stage, b)
-  if not b then return end
+local function enlarge(stage, b)
   local all = stage.bounds
   if not all then
     stage.bounds = { b[1], b[2], b[3], b[4], b[5], b[6] }
     return
   end
   for a = 1, 3 do all[a], all[a + 3] = math.min(all[a], b[a]), math.max(all[a + 3], b[a + 3]) end
+end
+
+--- Takes box b into what the camera is to see.
+function drawing.grow(stage, b)
+  stage.boxes[#stage.boxes + 1] = b
+  enlarge(stage, b)
+end
+
+--- Takes a shape into what the camera is to see.
+local function grow_shape(stage, shape)
+  local _, _, b = core.shape_info(shape)
+  if not b then return end
+  stage.shapes[#stage.shapes + 1] = shape
+  enlarge(stage, b)
+end
+
+--- For each direction the largest product with a point of what the camera is to see.
+function drawing.reach(stage, directions)
+  local rows, message, code = core.array_zeros({ #directions, 3 }, "double")
+  drawing.run(rows, message, code)
+  core.array_fill(rows, directions)
+  local most = {}
+  local boxes = #stage.boxes + #stage.shapes > 0 and stage.boxes or { { -1, -1, -1, 1, 1, 1 } }
+  for k, d in ipairs(directions) do
+    most[k] = -math.huge
+    for _, b in ipairs(boxes) do
+      local sum = 0
+      for a = 1, 3 do sum = sum + math.max(d[a] * b[a], d[a] * b[a + 3]) end
+      most[k] = math.max(most[k], sum)
+    end
+  end
+  for _, shape in ipairs(stage.shapes) do
+    local reach, failed, status = core.shape_reach(shape, rows)
+    drawing.run(reach, failed, status)
+    for k, x in ipairs(reach) do most[k] = math.max(most[k], x) end
+  end
+  return most
 end
 
 --- The length of a box's diagonal.
@@ -32,13 +68,13 @@ end
 --- Lit surfaces, flat lines.
 function drawing.surface(stage, shape, style)
   style = style or {}
-  local _, _, b = core.shape_info(shape)
-  drawing.grow(stage, b)
+  grow_shape(stage, shape)
   drawing.run(stage.vtk.scene_shape(stage.scene, shape, style.ambient or 0.28, style.diffuse or 0.72,
     style.specular or 0.12, 1, style.opacity or 1, style.flat or false, false))
 end
 
 function drawing.lines(stage, shape, width)
+  grow_shape(stage, shape)
   drawing.run(stage.vtk.scene_shape(stage.scene, shape, 1, 0, 0, width or 1, 1, false, false))
 end
 

@@ -61,8 +61,8 @@ function fill.slices(stage, v)
     local smooth = numbers.pointwise(v) and true or false
     drawing.run(stage.vtk.scene_slice(stage.scene, numbers.sampled(v, flat, size), slice.opacity or 1, smooth,
       numbers.scale_of(v.scale)))
+    drawing.grow(stage, flat)
   end
-  drawing.grow(stage, b)
 end
 
 function fill.isosurfaces(stage, v)
@@ -129,7 +129,6 @@ function fill.levels(stage, v)
   drawing.run(core.shape_edges(shape, level_colours(v, stage.theme, o.opacity or 1),
     numbers.cells_args(v.source, chosen_cells(v, o))))
   drawing.lines(stage, shape, o.width or 1)
-  drawing.grow(stage, v.source.bounds)
 end
 
 function fill.boxes(stage, v)
@@ -143,7 +142,6 @@ function fill.boxes(stage, v)
   local shape = core.shape(3)
   drawing.run(core.shape_boxes(shape, colours, o.shrink or 0.12, o.opacity or 1, numbers.cells_args(v.source, drawn)))
   drawing.surface(stage, shape)
-  drawing.grow(stage, v.source.bounds)
 end
 
 function fill.glyphs(stage, v)
@@ -173,7 +171,6 @@ function fill.glyphs(stage, v)
   end
   drawing.run(core.shape_arrows(shape, at, along, colours))
   drawing.surface(stage, shape, { ambient = 0.45, diffuse = 0.65, specular = 0.05 })
-  if v.source then drawing.grow(stage, v.source.bounds) end
 end
 
 --- Seeds on a lattice of about `count` points inside the bounds, jittered always the same way.
@@ -211,7 +208,6 @@ function fill.streamlines(stage, v)
   drawing.run(core.shape_streamlines(shape, volume, seeds(b, o.count or 150), reach / 400, 600, 12,
     reach * 0.0016 * (o.width or 1), numbers.scale_of(v.vector_scale)))
   drawing.surface(stage, shape, { ambient = 0.45, diffuse = 0.65, specular = 0.05 })
-  drawing.grow(stage, b)
 end
 
 return fill

@@ -10,10 +10,10 @@ view_grid.quantities = {
   error = { label = "estimated error", map = "magma", log = true, of = "cells" },
   level = { label = "level", map = "viridis", log = false, whole = true, of = "cells" },
   residual = { label = "measured relative error", map = "magma", log = true, of = "cells" },
-  norm = { label = "‖L‖", unit = "W m⁻² sr⁻½", map = "viridis", log = true, of = "points" },
-  lambda = { label = "‖λ‖", unit = "W m⁻² sr⁻½ per length²", map = "magma", log = true, of = "points" },
-  L00 = { label = "L₀₀", unit = "W m⁻² sr⁻½", map = "viridis", log = true, of = "points" },
-  gradient = { label = "|∇L₀₀|", unit = "W m⁻² sr⁻½ per length", map = "viridis", log = true,
+  norm = { label = "‖L‖", unit = "W m⁻² sr⁻¹ᐟ²", map = "viridis", log = true, of = "points" },
+  lambda = { label = "‖λ‖", unit = "W m⁻² sr⁻¹ᐟ² per length²", map = "magma", log = true, of = "points" },
+  L00 = { label = "L₀₀", unit = "W m⁻² sr⁻¹ᐟ²", map = "viridis", log = true, of = "points" },
+  gradient = { label = "|∇L₀₀|", unit = "W m⁻² sr⁻¹ᐟ² per length", map = "viridis", log = true,
     of = "points" },
 }
 view_grid.names = { "error", "level", "residual", "norm", "lambda", "L00", "gradient" }
@@ -69,8 +69,8 @@ function view_grid.open(grid)
     local q = view_grid.quantities[quantity]
     if quantity == "error" then
       local relative = grid.metric == "relative"
-      return relative and "error ‖λ‖Δ²/2‖L‖" or "error ‖λ‖Δ²/2", not relative
-        and "W m⁻² sr⁻½" or nil
+      return relative and "error ‖λ‖Δ²/(2‖L‖)" or "error ‖λ‖Δ²/2", not relative
+        and "W m⁻² sr⁻¹ᐟ²" or nil
     end
     return q.label, q.unit
   end

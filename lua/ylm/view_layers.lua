@@ -22,28 +22,30 @@ local function add_frame(stage, v)
   local shape = core.shape(2)
   drawing.run(core.shape_edges(shape, colour, origin, size))
   drawing.lines(stage, shape, 1)
-  drawing.grow(stage, b)
 end
 
 local order = { "scene", "meshes", "boxes", "slices", "isosurfaces", "glyphs", "streamlines", "lobes", "sh", "volume",
   "levels", "lights", "points" }
 
---- Puts all layers of stage.view into stage.scene. Returns true, or nil, message, code.
-function layers.fill(stage)
-  local v = stage.view
-  local ok, problem = pcall(function()
-    for _, name in ipairs(order) do if v[name] then (fields[name] or bodies[name])(stage, v) end end
-    add_frame(stage, v)
-  end)
-  if ok then
-    stage.bounds = stage.bounds or { -1, -1, -1, 1, 1, 1 }
-    return true
-  end
+--- Calls f; what a C call in it ran into comes back as nil, message, code.
+function layers.try(f)
+  local ok, problem = pcall(f)
+  if ok then return true end
   if type(problem) == "table" then
     if core.status(problem[2]) == "caller" then return check.fail("view: %s", problem[1]) end
     return nil, problem[1], problem[2]
   end
   error(problem, 0)
+end
+
+--- Puts all layers of stage.view into stage.scene. Returns true, or nil, message, code.
+function layers.fill(stage)
+  local v = stage.view
+  stage.boxes, stage.shapes = {}, {}
+  return layers.try(function()
+    for _, name in ipairs(order) do if v[name] then (fields[name] or bodies[name])(stage, v) end end
+    add_frame(stage, v)
+  end)
 end
 
 return layers

@@ -65,10 +65,13 @@ end
 
 views.camera = ylm.camera { from = { 0, 0, 6 }, at = { 0, 0, 0 }, fov = 40 }
 
---- Where the camera shows a point, from first principles: fov spans the height.
-function views.project(x, y, z)
-  local k = H / 2 / math.tan(math.rad(20)) / (6 - z)
-  return W / 2 + k * x, H / 2 - k * y
+--- Where the camera shows a point, from first principles: fov spans the height of the window {x, y, w, h}, default: of the
+-- picture.
+function views.project(x, y, z, window)
+  local left, top, w, h = 0, 0, W, H
+  if window then left, top, w, h = window[1], window[2], window[3], window[4] end
+  local k = h / 2 / math.tan(math.rad(20)) / (6 - z)
+  return left + w / 2 + k * x, top + h / 2 - k * y
 end
 
 views.lamp = ylm.sphere_light { at = { 0.3, 0.2, 0.4 }, radius = 0.05, radiance = { 4, 2, 1 } }
