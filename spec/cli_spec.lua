@@ -286,6 +286,36 @@ assert(ylm.box {}.mesh:save(folder .. "/a.ply"))]])
     end
   end)
 
+  it("draws every layer of a grid, a scene beside it, from where the options say", function()
+    if not pcall(require, "ylm.c.vtk") then pending "built without VTK" end
+    local quote, picture = scratch.quote, folder.path .. "/layers.png"
+    local grid, scene = quote(folder.path .. "/lamp.ylm"), quote(folder.path .. "/lamp.lua")
+    local drawn = {}
+    for _, words in ipairs { " --quantity norm --iso-values 0.5,1,2", " --glyphs --count 50", " --lobes --count 50",
+      " --quantity norm --iso-values 0.5,1,2 --from 5,4,6 --at 0,0,0 --up 0,0,1 --fov 30",
+      " " .. scene .. " --lights --opacity 0.5 --slice y=-0.4,x --linear --no-bar" } do
+      local _, code, err = ylm("view " .. grid .. words .. " --size 64x48 --supersample 1 -o " .. quote(picture))
+      assert.equal(0, code, words .. ": " .. err)
+      local image = folder:read "layers.png"
+      assert.is_nil(drawn[image], words)
+      drawn[image] = true
+    end
+    for words, says in pairs {
+      [" --slice q"] = "--slice wants planes such as y=0.2 or x,z=1, got 'q'",
+      [" --slice y=9"] = "slices: y = 9 is outside of the bounds", [" --iso-values 1,x"] = "--iso-values wants numbers",
+      [" --at 1,2,3"] = "--at is of a camera: --from X,Y,Z says where it stands",
+      [" --from 1,2,3 --at 1,2,3"] = "camera: from and at must be different points",
+      [" --lights"] = "--lights is for scenes", [" --count 3"] = "--count is of --glyphs, --streamlines or --lobes",
+      [" --log --linear"] = "--log or --linear, not both", [" --boxes --quantity norm"] = "boxes show a quantity of cells",
+      [" --isosurfaces 99"] = "a number of surfaces from 1 to 16", [" --product"] = "--product is for SH vectors",
+      [" " .. grid] = "one grid at a time", } do
+      local _, code, err = ylm("view " .. grid .. words .. " -o x.png")
+      assert.equal(2, code, words .. ": " .. err)
+      assert.truthy(err:find(says, 1, true), err)
+    end
+    assert.truthy(ylm("view --help"):find("examples:\n\n  ylm view grid.ylm", 1, true))
+  end)
+
   it("shows SH vectors of .npy files, their product and what a rotation makes of them", function()
     local ylm_ = require "ylm"
     local quote, path = scratch.quote, folder.path

@@ -73,7 +73,7 @@ local function layout(v, stage, width, height)
   for i, choice in ipairs(choices) do
     local w = choice.window
     w[3], w[4] = math.max(1, w[3]), math.max(1, w[4])
-    choice.camera, choice.scale = v.camera, math.min(w[3], w[4])
+    choice.camera, choice.scale = v.camera, w[3] * w[4]
     if not v.camera then
       choice.camera, choice.scale = view_camera.choose(reach, w[3], w[4], v.directions, v.up, v.fov)
     end

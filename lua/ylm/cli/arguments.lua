@@ -99,6 +99,10 @@ function arguments.usage(name, command)
     lines[#lines + 1] = ("  %-28s %s"):format(word, option[4])
   end
   if command.notes then lines[#lines + 1] = "\n" .. command.notes end
+  for i, example in ipairs(command.examples or {}) do
+    if i == 1 then lines[#lines + 1] = "\nexamples:\n" end
+    lines[#lines + 1] = "  " .. example
+  end
   return table.concat(lines, "\n") .. "\n"
 end
 

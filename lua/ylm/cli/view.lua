@@ -3,8 +3,11 @@
 local report = require "ylm.cli.report"
 local status = require "ylm.cli.status"
 local view_sh = require "ylm.cli.view_sh"
+local view_things = require "ylm.cli.view_things"
 
-local of_grids = { "quantity", "range", "log", "slices", "levels" }
+local of_grids = { "quantity", "range", "log", "linear", "map", "volume", "slices", "slice", "levels", "boxes", "isosurfaces",
+  "iso-values", "glyphs", "streamlines", "lobes", "count", "label", "unit", "no-bar", "no-frame", "resolution" }
+local of_scenes = { "lights", "opacity" }
 local of_vectors = { "product", "rotate", "angle" }
 
 --- Ends the command where an option was given that this kind of file has no use for.
@@ -14,65 +17,112 @@ local function refuse(given, names, what)
   end
 end
 
---- What the files hold: all arrays, or one of anything else.
+--- What the files hold, sorted: { arrays = {}, grid = , scene = , meshes = {} }.
 local function load(ylm, given)
-  local objects = {}
-  for i, path in ipairs(given) do objects[i] = status.need(ylm.load(path)) end
-  local core = require "ylm.c.core"
-  for i, object in ipairs(objects) do
-    if #objects > 1 and core.type(object) ~= "ylm.array" then
-      status.stop(status.usage, "view: several files must all hold SH vectors, %s does not", given[i])
+  local core, form = require "ylm.c.core", require "ylm.form"
+  local found = { arrays = {}, meshes = {} }
+  for i, path in ipairs(given) do
+    local thing = path:lower():find "%.lua$" and status.need_scene(ylm.load_scene(path)) or status.need(ylm.load(path))
+    local kind = core.type(thing) == "ylm.array" and "array" or form.kind(thing):gsub("^ylm%.", "")
+    if kind == "array" then found.arrays[i] = thing
+    elseif kind == "mesh" then found.meshes[#found.meshes + 1] = thing
+    elseif kind ~= "grid" and kind ~= "scene" then
+      status.stop(status.failed, "%s: neither a scene nor a mesh, not a grid or SH vectors", path)
+    elseif found[kind] then status.stop(status.usage, "view: one %s at a time, %s is the second", kind, path)
+    else found[kind] = thing end
+    if next(found.arrays) and #found.arrays < i then
+      status.stop(status.usage, "view: several files must all hold SH vectors, %s does not", given[#found.arrays + 1])
     end
   end
-  return objects, core.type(objects[1]) == "ylm.array"
+  return found
+end
+
+--- Calls f(...); what a view refuses stood on the command line.
+local function try(f, ...)
+  local good, first, message, code = pcall(f, ...)
+  if good then return first, message, code end
+  if tostring(first):find "^view: " then status.stop(status.usage, "%s", first) end
+  error(first, 0)
+end
+
+--- The view of what the files hold; and the summaries of SH vectors.
+local function view_of(ylm, given, found)
+  if #found.arrays > 0 then
+    refuse(given, of_grids, "grids")
+    refuse(given, of_scenes, "scenes")
+    return try(view_sh.view, ylm, given, found.arrays, given)
+  end
+  refuse(given, of_vectors, "SH vectors")
+  if not found.grid then refuse(given, of_grids, "grids") end
+  if not found.scene then refuse(given, of_scenes, "scenes: name the file of one too") end
+  return try(ylm.view, view_things.fields(ylm, given, found.grid, found.scene, found.meshes))
 end
 
 return {
-  summary = "a picture of a grid, or of SH vectors as lobes: to a file with -o, else in a window",
-  usage = "GRID.ylm [--quantity NAME] [-o PICTURE.png]\n       ylm view C.npy [MORE.npy ..] [--product] "
-    .. "[--rotate X,Y,Z [--angle N]] [-o PICTURE.png]",
+  summary = "a picture of a grid, a scene and meshes, or of SH vectors as lobes: to a file with -o, else in a window",
+  usage = "GRID.ylm [SCENE.lua] [MESH.obj ..] [--quantity NAME] [-o PICTURE.png]\n"
+    .. "       ylm view C.npy [MORE.npy ..] [--product] [--rotate X,Y,Z [--angle N]] [-o PICTURE.png]",
   least = 1,
   most = 16,
   options = {
     { "output", "-o", "FILE", "a .png; without it a window opens" },
     { "quantity", nil, "NAME", "error, lambda, norm, ...: see ylm help view" },
     { "range", nil, "A,B", "of the colours" },
-    { "log", nil, nil, "logarithmic colours" },
-    { "slices", nil, nil, "planes through the middle" },
+    { "log", nil, nil, "logarithmic colours; default by quantity" },
+    { "linear", nil, nil, "linear colours" },
+    { "map", nil, "NAME", "colour map; default by quantity" },
+    { "volume", nil, nil, "the quantity as a cloud; with --levels where no layer is asked for" },
+    { "slices", nil, nil, "a plane across y, where most leaves are" },
+    { "slice", nil, "PLANES", "planes such as y=0.2 or x,z=1; an axis alone: where most leaves are" },
     { "levels", nil, nil, "the wireframe of the levels" },
+    { "boxes", nil, nil, "leaves as coloured boxes" },
+    { "isosurfaces", nil, "N", "that many surfaces where the quantity has a value" },
+    { "iso-values", nil, "LIST", "surfaces where it has these values: 0.5,1,2" },
+    { "glyphs", nil, nil, "arrows of the gradient of L00" },
+    { "streamlines", nil, nil, "lines along the gradient of L00" },
+    { "lobes", nil, nil, "SH lobes of the grid's points" },
+    { "count", nil, "N", "about how many arrows, lines or lobes" },
+    { "lights", nil, nil, "the lights of the scene" },
+    { "opacity", nil, "N", "of the scene's geometry, 0 to 1" },
     { "product", nil, nil, "SH vectors: show their product beside them" },
     { "rotate", nil, "X,Y,Z", "SH vectors: show them turned about this axis beside them" },
     { "angle", nil, "N", "of --rotate, degrees, default 90" },
+    { "from", nil, "X,Y,Z", "where the camera stands; default: the scene's, else one that sees everything" },
+    { "at", nil, "X,Y,Z", "what it looks at; default: the grid's middle" },
+    { "up", nil, "X,Y,Z", "what is up in the picture, default 0,1,0; of SH vectors 0,0,1" },
+    { "fov", nil, "N", "angle that the picture's height spans, degrees, default 45" },
+    { "direction", nil, "X,Y,Z", "from where everything is seen, if there is no camera" },
     { "title", nil, "TEXT", "above the picture" },
+    { "caption", nil, "TEXT", "below it" },
+    { "label", nil, "TEXT", "of the scalar bar; default: the quantity's" },
+    { "unit", nil, "TEXT", "below the label" },
+    { "no-bar", nil, nil, "no scalar bars" },
+    { "no-frame", nil, nil, "no edges of the bounds" },
+    { "background", nil, "NAME", "dark (default) or white" },
     { "size", "-s", "WxH", "pixels" },
+    { "font", nil, "N", "pixels that letters are high" },
+    { "resolution", nil, "N", "voxels along the longest axis" },
+    { "supersample", nil, "N", "anti-aliasing, 1 to 4" },
+  },
+  examples = {
+    "ylm view grid.ylm --quantity norm --iso-values 0.5,1,2 --range 0.3,5 -o surfaces.png",
+    "ylm view grid.ylm scene.lua --glyphs --count 800 --lights --opacity 0.3 -o gradients.png",
+    "ylm view grid.ylm --slice y=0,x --log --from 3,2,4 --at 0,0.5,0 --fov 40 -s 1024x768 -o slices.png",
+    "ylm view grid.ylm --lobes --background white",
+    "ylm view light.npy mask.npy --product -o lobes.png",
   },
   run = function(given)
     local ylm = require "ylm"
     if given.output then status.need_output("view", given.output, "png") end
     if given.json and not given.output then status.stop(status.usage, "view: --json goes with -o FILE, not with a window") end
     if given.angle and not given.rotate then status.stop(status.usage, "view: --angle goes with --rotate X,Y,Z") end
-    local objects, vectors = load(ylm, given)
-    local good, picture, summaries
-    if vectors then
-      refuse(given, of_grids, "grids")
-      good, picture, summaries = pcall(view_sh.view, ylm, given, objects, given)
-    else
-      refuse(given, of_vectors, "SH vectors")
-      local options = { status.need_kind("ylm.grid", "a grid or SH vectors", given[1], objects[1]), title = given.title,
-        size = given.size }
-      for _, name in ipairs(of_grids) do options[name] = given[name] end
-      good, picture = pcall(ylm.view, options)
-    end
-    if not good then -- what it refuses stood on the command line
-      if tostring(picture):find "^view: " then status.stop(status.usage, "%s", picture) end
-      error(picture, 0)
-    end
+    local picture, summaries = view_of(ylm, given, load(ylm, given))
     if given.output then
-      status.need(picture:save(given.output))
+      status.need(try(picture.save, picture, given.output))
       if given.json then report.print(given, { output = given.output, vectors = summaries })
       else report.say(given, "%s", given.output) end
     else
-      status.need(picture:show())
+      status.need(try(picture.show, picture))
     end
   end,
 }

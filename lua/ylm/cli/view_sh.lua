@@ -2,6 +2,7 @@
 
 local report = require "ylm.cli.report"
 local status = require "ylm.cli.status"
+local view_things = require "ylm.cli.view_things"
 
 local view_sh = {}
 
@@ -61,7 +62,12 @@ function view_sh.view(ylm, paths, arrays, given)
     summaries[i] = { label = entry[1], lmax = ylm.sh.lmax(#entry[2]), energy = energy, coefficients = sh[i] }
     if not given.json and not given.quiet then io.stdout:write(entry[1], ": ", text, "\n") end
   end
-  return ylm.view { sh = sh, labels = labels, title = given.title, size = given.size }, summaries
+  local fields = { sh = sh, labels = labels, camera = view_things.camera(ylm, given) }
+  if not fields.camera then fields.up = given.up end
+  for _, name in ipairs { "title", "caption", "size", "direction", "background", "font", "supersample" } do
+    fields[name] = given[name]
+  end
+  return ylm.view(fields), summaries
 end
 
 return view_sh
