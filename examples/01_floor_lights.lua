@@ -252,20 +252,20 @@ save(ylm.figure {
         labels = { "render", "octree levels", "Hessian error" }, tone = tone, exposure = exposure,
         mark = crop } },
     {
-      shown(rows.uniform16.image, caption("uniform 16^3", rows.uniform16)),
+      shown(rows.uniform16.image, caption("uniform 16³", rows.uniform16)),
       shown(cheap.image, caption("adaptive, equal cost", cheap)),
       shown(ours.image, caption(("adaptive, tolerance %g"):format(option.tolerance), ours)),
       shown(truth, ("reference\n%.0f ms, %.1f Mpairs"):format(truth_report.seconds.light * 1e3,
         truth_report.pairs / 1e6)),
     },
     {
-      { values = error_values(rows.uniform16.image), caption = "error of uniform 16^3" },
+      { values = error_values(rows.uniform16.image), caption = "error of uniform 16³" },
       { values = error_values(cheap.image), caption = "error of adaptive, equal cost" },
       { values = error_values(ours.image), caption = "error within tolerance" },
       { values = error_values(rival.image), caption = caption("error of uniform at the cost of the tolerance", rival) },
     },
   },
-  bar = { range = { 1e-5, 1e-1 }, log = true, map = "magma", label = "|radiance - reference|", unit = "W sr^-1 m^-2" },
+  bar = { range = { 1e-5, 1e-1 }, log = true, map = "magma", label = "|radiance - reference|", unit = "W sr⁻¹ m⁻²" },
   width = size[1] + 48,
   title = "Remembering the light of 2516 lamps",
 }, "comparison.png")

@@ -72,12 +72,12 @@ end
 common.save(ylm.figure {
   rows = {
     { shown(best.ours.image, ("adaptive: %d points, %.1f dB"):format(best.ours.stats.points, best.ours.error.psnr)),
-      shown(best.equal.image, ("uniform %d^3: %d points, %.1f dB"):format(best.n, best.equal.stats.points,
+      shown(best.equal.image, ("uniform %d³: %d points, %.1f dB"):format(best.n, best.equal.stats.points,
         best.equal.error.psnr)) },
     { { values = error_values(best.ours.image), caption = "its error" },
       { values = error_values(best.equal.image), caption = "its error" } },
   },
-  bar = { range = { 1e-6, 1e-1 }, log = true, label = "|radiance - reference|", unit = "W sr^-1 m^-2" },
+  bar = { range = { 1e-6, 1e-1 }, log = true, label = "|radiance - reference|", unit = "W sr⁻¹ m⁻²" },
   width = 1600,
   title = "Two lamps on the floor, equal cost",
 }, out .. "two_lamps_errors.png")

@@ -63,8 +63,8 @@ local hessians = H:totable()
 local rows = {}
 print(("%-22s %12s %22s %22s"):format("component", "largest", "largest |difference|", "relative to largest"))
 for _, case in ipairs {
-  { name = "d2/dx2 of L_6^-3", l = 6, m = -3, component = 1, axis = 1 },
-  { name = "d2/dz2 of L_7^2", l = 7, m = 2, component = 6, axis = 3 },
+  { name = "∂²/∂x² of L(6, −3)", l = 6, m = -3, component = 1, axis = 1 },
+  { name = "∂²/∂z² of L(7, 2)", l = 7, m = 2, component = 6, axis = 3 },
 } do
   local index = ylm.sh.index(case.l, case.m)
   local ours, finite, wrong = {}, difference(index, case.axis, 2e-3), {}

@@ -53,7 +53,7 @@ end
 
 -- Float arithmetic ---------------------------------------------------------------------
 
---- x rounded to the nearest float (Veltkamp 1968; exact where doubles do not overflow).
+--- x rounded to the nearest float: the part of a double that is left when 29 bits are split off (after Veltkamp).
 local function round(x)
   local size = math.abs(x)
   if x ~= x or size == math.huge or size == 0 then return x end

@@ -117,6 +117,9 @@ local cases = {
   ["view:bars"] = {
     { call = function(ylm) return ylm.view({ sh = sh }).bars(1) end, says = "view expected before the colon" },
   },
+  ["view:window"] = {
+    { call = function(ylm) return ylm.view({ sh = sh }).window(1) end, says = "view expected before the colon" },
+  },
   ["view:show"] = {
     { call = function(ylm) return ylm.view({ sh = sh }).show {} end, says = "view expected before the colon" },
   },
