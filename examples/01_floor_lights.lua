@@ -206,7 +206,7 @@ save(from_above { quantity = "error", volume = true, slices = { axis = "y", at =
   caption = ("Relative Hessian error of each leaf, lmax 4; slice on the floor; %s points, tolerance %g"):format(
     common.thousands(ours.points), option.tolerance) }, "hessian_error.png")
 save(from_above { glyphs = true, lights = low, title = "Gradient of the light field",
-  caption = "Arrows: gradient of L00 (luminance) at points of the grid; dots: lamps near the floor" }, "gradients.png")
+  caption = "Arrows: gradient of L₀₀ (luminance) at points of the grid; dots: lamps near the floor" }, "gradients.png")
 save(from_above { lobes = { count = 300 }, title = "What the probes remember",
   caption = "Luminance by direction at points of the grid, lmax 4: orange positive, blue negative" }, "lobes.png")
 

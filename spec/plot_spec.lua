@@ -88,6 +88,16 @@ describe("ylm.plot", function()
 end)
 
 describe("ylm.figure", function()
+  it("is as wide as its title and the words of its captions need", function()
+    local small = { image = flat(8, 8, { 1, 0, 0 }), caption = "polynomials" }
+    local bare = assert(ylm.figure({ rows = { { { image = small.image }, { image = small.image } } } }):pixels())
+    local titled = assert(ylm.figure({ rows = { { small, small } }, title = "A title of a figure" }):pixels())
+    local width = picture.text(nil, "polynomials", 0, 0, { size = 11 })
+    assert.equal(160, bare.shape[2])
+    assert.is_true(titled.shape[2] >= 2 * width + 48, titled.shape[2])
+    assert.is_true(titled.shape[2] >= picture.text(nil, "A title of a figure", 0, 0, { size = 14, bold = true }) + 48)
+  end)
+
   local red, green, blue = { 1, 0, 0 }, { 0, 1, 0 }, { 0, 0, 1 }
 
   it("places images at their own size, row by row", function()

@@ -9,6 +9,8 @@ local picture_bar = require "ylm.picture_bar"
 
 local figure = {}
 
+local LEAST_FONT = 11 -- pixels, where nobody says
+
 -- What an item shows ---------------------------------------------------------------
 
 local function canvas_of_array(what, a, fail)
@@ -248,6 +250,28 @@ local function place_row(row, width, gap)
   return height
 end
 
+--- The width of the longest word of a text.
+local function longest_word(words, font)
+  local most = 0
+  for word in words:gmatch "%S+" do most = math.max(most, (picture.text(nil, word, 0, 0, { size = font }))) end
+  return most
+end
+
+--- The least width of a figure at which its title is whole and no word of a caption is wider than its picture.
+local function readable_width(f)
+  local most = f.title and picture.text(nil, f.title, 0, 0, { size = math.floor(LEAST_FONT * 1.35), bold = true }) or 0
+  for _, row in ipairs(f.items) do
+    place_row(row, 1000, 0)
+    local sum = 0
+    for _, item in ipairs(row) do sum = sum + item.aspect end
+    for _, item in ipairs(row) do
+      local word = item.caption and longest_word(item.caption, LEAST_FONT) or 0
+      most = math.max(most, math.ceil(word * sum / item.aspect) + f.gap * (#row - 1))
+    end
+  end
+  return most + 2 * f.margin
+end
+
 --- Heights and texts of everything, from top to bottom; returns the height of the figure.
 local function layout(f, font)
   local m, y = f.margin, f.margin
@@ -305,8 +329,8 @@ local function draw(f)
     end
     widest = math.max(widest, width + (#row - 1) * f.gap)
   end
-  f.width = f.asked_width or math.max(160, math.min(8192, math.ceil(widest) + 2 * f.margin))
-  local font = f.font or math.max(11, math.min(26, math.floor(f.width / 84 + 0.5)))
+  f.width = f.asked_width or math.max(160, readable_width(f), math.min(8192, math.ceil(widest) + 2 * f.margin))
+  local font = f.font or math.max(LEAST_FONT, math.min(26, math.floor(f.width / 84 + 0.5)))
   local height = layout(f, font)
   local canvas
   canvas, message = core.canvas(f.width, height, f.theme.background)
@@ -347,7 +371,7 @@ local fields = {
   { "caption", "string", optional = true, about = "below everything; broken into lines" },
   { "bar", "table", optional = true, about = "a scalar bar for all values: { range, log, map, label, unit }" },
   { "width", "integer", min = 64, max = 16384, optional = true, unit = "pixels",
-    about = "default: the widest row at its own size" },
+    about = "default: the widest row at its own size, or as wide as title and captions need" },
   { "margin", "integer", min = 0, max = 500, default = 24, unit = "pixels" },
   { "gap", "integer", min = 0, max = 500, default = 10, unit = "pixels" },
   { "background", "any", default = "white", about = "\"dark\", \"white\" or {r, g, b}, 0 to 1" },
