@@ -16,7 +16,7 @@ local core = require "ylm.c.core"
 local here = arg[0]:match "^(.*/)" or "./"
 local common = dofile(here .. "common.lua")
 local option = common.options { out = "out", width = 480, height = 360, samples = 4, frames = 12, lamps = 3, step = 0.2,
-  tolerance = 0.02, depth = 9, exposure = 2.6, rays = 32, device = "", nopictures = false }
+  tolerance = 0.02, depth = 9, exposure = 2.6, rays = 128, device = "", nopictures = false }
 local out = option.out
 local size = { option.width, option.height }
 
