@@ -86,6 +86,24 @@ describe("ylm.sh.project", function()
     assert(report.standard_error[1] < 0.2 * 0.4 * math.sqrt(4 * pi) / math.sqrt(20000))
   end)
 
+  it("sees a horizon on a coordinate plane as well by many samples as by few: no node lies on it", function()
+    for axis = 1, 3 do
+      local exact = { [0] = math.sqrt(pi), math.sqrt(3 * pi) / 2 }     -- of the half above: degrees 0 and 1
+      local index = ({ 4, 2, 3 })[axis]                                -- of x, y, z
+      local sign = axis == 3 and 1 or -1
+      local function above(...) return (select(axis, ...)) >= 0 and 1 or 0 end
+      for _, samples in ipairs { 1, 98, 2048, 5000, 12800, 25000 } do
+        local c, report = ylm.sh.project(1, above, { samples = samples })
+        local text = ("axis %d, %d samples: %.2e"):format(axis, samples, report.error)
+        assert.is_near(exact[0], c[1], 1e-13, text)
+        assert(math.abs(c[index] - sign * exact[1]) < 4 / math.max(32, samples), text)
+        assert(report.error < 8 / math.max(32, samples), text)
+        assert.equal(0, math.sqrt(report.samples / 2) % 2)
+        assert(report.samples >= math.min(samples, 32) and math.abs(report.samples - samples) < 35 + samples / 20)
+      end
+    end
+  end)
+
   it("reproduces the example of Green 2003: 10,000 jittered samples, four bands", function()
     local green
     for _, set in ipairs(reference()) do if set.kind == "green" then green = set end end

@@ -14,7 +14,8 @@ local project_options = {
   { "method", "choice", of = { "quadrature", "montecarlo" }, default = "quadrature",
     about = "quadrature: Gauss-Legendre x azimuth; montecarlo: jittered samples (Green 2003)" },
   { "samples", "integer", min = 1, max = 1e8, optional = true,
-    about = "about how many evaluations; default: 2 (4 lmax + 16)^2, or 10000 for montecarlo" },
+    about = "about how many evaluations; default: 2 (4 lmax + 16)^2, or 10000 for montecarlo. A quadrature takes 2 n^2 "
+      .. "with an even n of 4 or more, so that no node lies on a coordinate plane, where a function may have a horizon" },
   { "seed", "integer", min = 0, max = 2 ^ 53, default = 1, about = "of montecarlo" },
   { "mapping", "choice", of = { "latlong", "angular", "cube" }, default = "latlong", about = "of an image" },
   { "up", "choice", of = { "z", "y" }, default = "z", about = "of an image: where its pole is" },
@@ -77,10 +78,17 @@ local function distance(a, b)
   return worst
 end
 
+--- The even number from n on, at least `least`: with an odd one, nodes lie on the equator and azimuths on the plane x = 0,
+-- where functions with a horizon jump.
+local function even(n, least)
+  n = math.max(least, math.floor(n))
+  return n + n % 2
+end
+
 --- By the product rule; its error is estimated by a rule of about half as many points.
 local function by_quadrature(lmax, f, o)
-  local nodes = o.samples and math.max(1, math.floor(math.sqrt(o.samples / 2))) or 4 * lmax + 16
-  local fewer = math.max(1, math.floor(nodes * 0.7))
+  local nodes = o.samples and even(math.sqrt(o.samples / 2), 4) or 4 * lmax + 16
+  local fewer = even(nodes * 0.7, 2)
   local total = 2 * nodes ^ 2 + 2 * fewer ^ 2
   local function rule(n, before)
     local d, w = core.sh_rule(n, 2 * n, -1, 1)
