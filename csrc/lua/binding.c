@@ -61,12 +61,90 @@ int ylmL_result(lua_State *L, int n, ylm_status s, const ylm_error *e) {
   return 3;
 }
 
+/* -- object types ---------------------------------------------------------------------------- */
+
+/* The only list of types whose methods are written in Lua: the type, the module that has them. */
+#define METHODS_IN_LUA(X)                                                                          \
+  X("ylm.array", "ylm.array")                                                                      \
+  X("ylm.image", "ylm.image")                                                                      \
+  X("ylm.mesh", "ylm.geometry")                                                                    \
+  X("ylm.grid", "ylm.grid")                                                                        \
+  X("ylm.prepared", "ylm.render")                                                                  \
+  X("ylm.sh_rotation", "ylm.sh_rotate")
+
+/* What a module may define for its type. */
+static const char *const events[] = {"__index", "__newindex", "__len", "__tostring"};
+#define EVENTS (sizeof events / sizeof *events)
+
+static const char *module_of(const char *type) {
+#define X(name, module)                                                                            \
+  if (strcmp(type, name) == 0) return module;
+  METHODS_IN_LUA(X)
+#undef X
+  return NULL;
+}
+
+static int load_methods(lua_State *L);
+
+/* Takes what loads the module out of the metatable on top of the stack. */
+static void forget_loader(lua_State *L) {
+  for (size_t i = 0; i < EVENTS; i++) {
+    lua_pushstring(L, events[i]);
+    lua_rawget(L, -2);
+    if (lua_tocfunction(L, -1) == load_methods) {
+      lua_pushstring(L, events[i]);
+      if (i)
+        lua_pushnil(L);
+      else
+        lua_pushvalue(L, -3);
+      lua_rawset(L, -4);
+    }
+    lua_pop(L, 1);
+  }
+}
+
+/* An object is used before the module with its methods was: loads that, then does what was wanted.
+   Upvalues: require, the module, the number of the event. */
+static int load_methods(lua_State *L) {
+  int event = (int)lua_tointeger(L, lua_upvalueindex(3));
+  lua_settop(L, event == 0 ? 2 : event == 1 ? 3 : 1);
+  lua_pushvalue(L, lua_upvalueindex(1));
+  lua_pushvalue(L, lua_upvalueindex(2));
+  lua_call(L, 1, 0);
+  if (!lua_getmetatable(L, 1)) return 0;
+  forget_loader(L);
+  lua_pop(L, 1);
+  if (event == 0) {
+    lua_gettable(L, 1);
+    return 1;
+  }
+  if (event == 1) {
+    lua_settable(L, 1);
+    return 0;
+  }
+  if (!luaL_callmeta(L, 1, events[event]))
+    return luaL_error(L, "%s has no %s", lua_tostring(L, lua_upvalueindex(2)), events[event]);
+  return 1;
+}
+
+/* Until `module` is loaded, the metatable on top of the stack loads it when it is asked. */
+static void load_when_used(lua_State *L, const char *module) {
+  for (size_t i = 0; i < EVENTS; i++) {
+    lua_getglobal(L, "require");
+    lua_pushstring(L, module);
+    lua_pushinteger(L, (lua_Integer)i);
+    lua_pushcclosure(L, load_methods, 3);
+    lua_setfield(L, -2, events[i]);
+  }
+}
+
 void ylmL_type(lua_State *L, const char *name, const luaL_Reg *methods) {
   if (!luaL_newmetatable(L, name)) return;
   lua_pushvalue(L, -1);
   lua_setfield(L, -2, "__index");
   lua_pushstring(L, name);
   lua_setfield(L, -2, "__name");
+  if (module_of(name)) load_when_used(L, module_of(name));
   if (methods) luaL_setfuncs(L, methods, 0);
 }
 

@@ -96,7 +96,8 @@ void ylmL_set_boolean(lua_State *L, const char *name, bool x);
 
 /* Registers (once per state) the metatable `name` with methods; leaves it on the stack.
    __index is the metatable itself, __name its name; Lua files add methods by
-   require "ylm.c.core".metatable(name). */
+   require "ylm.c.core".metatable(name). Where binding.c lists a type's file, an object's first use
+   loads it, so that objects have their methods whoever made them. */
 void ylmL_type(lua_State *L, const char *name, const luaL_Reg *methods);
 /* The userdata at `i` if it is of type `name`, else NULL. */
 void *ylmL_test(lua_State *L, int i, const char *name);
