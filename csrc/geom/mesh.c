@@ -4,6 +4,8 @@
 #include <math.h>
 #include <string.h>
 
+#include "ylm_vector.h"
+
 ylm_status ylm_mesh_create(size_t vertices, size_t triangles, bool normals, bool uvs,
                            ylm_mesh **out, ylm_error *e) {
   *out = NULL;
@@ -82,9 +84,9 @@ ylm_status ylm_mesh_make_normals(ylm_mesh *m) {
       for (int a = 0; a < 3; a++) sum[3 * (size_t)m->index[3 * t + (size_t)k] + (size_t)a] += n[a];
   }
   for (size_t i = 0; i < m->vertices; i++) {
-    double *s = sum + 3 * i, length = sqrt(s[0] * s[0] + s[1] * s[1] + s[2] * s[2]);
-    if (length > 0 && isfinite(length))
-      for (int a = 0; a < 3; a++) normal[3 * i + (size_t)a] = (float)(s[a] / length);
+    double *s = sum + 3 * i;
+    if (ylm_unit3(s))
+      for (int a = 0; a < 3; a++) normal[3 * i + (size_t)a] = (float)s[a];
     else
       normal[3 * i] = normal[3 * i + 1] = 0, normal[3 * i + 2] = 1;
   }
@@ -101,10 +103,9 @@ void ylm_transform_identity(double m[12]) {
 }
 
 void ylm_transform_rotate(double m[12], const double axis[3], double radians) {
-  double scale = fmax(fabs(axis[0]), fmax(fabs(axis[1]), fabs(axis[2])));
-  double x = axis[0] / scale, y = axis[1] / scale, z = axis[2] / scale;
-  double length = sqrt(x * x + y * y + z * z), c = cos(radians), s = sin(radians), k = 1 - c;
-  x /= length, y /= length, z /= length;
+  double u[3] = {axis[0], axis[1], axis[2]}, c = cos(radians), s = sin(radians), k = 1 - c;
+  ylm_unit3(u);
+  double x = u[0], y = u[1], z = u[2];
   double r[12] = {c + k * x * x,     k * x * y - s * z, k * x * z + s * y, 0,
                   k * x * y + s * z, c + k * y * y,     k * y * z - s * x, 0,
                   k * x * z - s * y, k * y * z + s * x, c + k * z * z,     0};
@@ -154,14 +155,11 @@ ylm_status ylm_mesh_transform(ylm_mesh *mesh, const double m[12], ylm_error *e) 
   double sign = det < 0 ? -1 : 1;
   for (size_t i = 0; mesh->normal && i < mesh->vertices; i++) {
     float *n = mesh->normal + 3 * i;
-    double r[3], length = 0;
-    for (int a = 0; a < 3; a++) {
+    double r[3];
+    for (int a = 0; a < 3; a++)
       r[a] = sign * (c[3 * a] * n[0] + c[3 * a + 1] * n[1] + c[3 * a + 2] * n[2]);
-      length += r[a] * r[a];
-    }
-    length = sqrt(length);
-    if (length > 0 && isfinite(length))
-      for (int a = 0; a < 3; a++) n[a] = (float)(r[a] / length);
+    if (ylm_unit3(r))
+      for (int a = 0; a < 3; a++) n[a] = (float)r[a];
   }
   for (size_t t = 0; det < 0 && t < mesh->triangles; t++) {
     uint32_t k = mesh->index[3 * t + 1];

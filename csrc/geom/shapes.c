@@ -3,6 +3,8 @@
 
 #include <math.h>
 
+#include "ylm_vector.h"
+
 #define PI 3.14159265358979323846
 
 /* Position, unit normal and texture coordinates of a surface at grid vertex (i, j). */
@@ -78,11 +80,8 @@ static void at_quad(const void *shape, int i, int j, double p[3], double n[3], d
 
 /* n = a x b / |a x b|; false if they are parallel or not finite. */
 static bool unit_cross(const double a[3], const double b[3], double n[3]) {
-  double la = sqrt(a[0] * a[0] + a[1] * a[1] + a[2] * a[2]);
-  double lb = sqrt(b[0] * b[0] + b[1] * b[1] + b[2] * b[2]);
-  if (!(la > 0 && lb > 0 && isfinite(la) && isfinite(lb))) return false;
-  double x[3], y[3];
-  for (int k = 0; k < 3; k++) x[k] = a[k] / la, y[k] = b[k] / lb;
+  double x[3] = {a[0], a[1], a[2]}, y[3] = {b[0], b[1], b[2]};
+  if (!ylm_unit3(x) || !ylm_unit3(y)) return false;
   n[0] = x[1] * y[2] - x[2] * y[1];
   n[1] = x[2] * y[0] - x[0] * y[2];
   n[2] = x[0] * y[1] - x[1] * y[0];
@@ -225,8 +224,7 @@ static void knot_frame(const knot *k, double t, double c[3], double tangent[3], 
   tangent[1] = dr * st + r * k->p * ct;
   tangent[2] = k->minor * k->q * cq;
   out[0] = cq * ct, out[1] = cq * st, out[2] = sq; /* already perpendicular to the tangent */
-  double length = sqrt(tangent[0] * tangent[0] + tangent[1] * tangent[1] + tangent[2] * tangent[2]);
-  for (int a = 0; a < 3; a++) tangent[a] /= length;
+  ylm_unit3(tangent);
 }
 
 static void at_knot(const void *shape, int i, int j, double p[3], double n[3], double uv[2]) {

@@ -97,10 +97,10 @@ ylm_status ylm_sh_project_samples(int lmax, size_t n, const double *direction, c
     return ylm_fail(e, YLM_ERANGE, "lmax must be from 0 to %d, got %d", YLM_LMAX, lmax);
   for (size_t i = 0; i < n; i++) {
     const double *d = direction + 3 * i;
-    double length = fabs(d[0]) + fabs(d[1]) + fabs(d[2]);
-    if (!isfinite(length) || (length == 0 && !(weight && weight[i] == 0)))
-      return ylm_fail(e, YLM_EDOMAIN, "direction %zu is %s", i + 1,
-                      length == 0 ? "zero" : "not finite");
+    bool finite = isfinite(d[0]) && isfinite(d[1]) && isfinite(d[2]);
+    bool zero = d[0] == 0 && d[1] == 0 && d[2] == 0;
+    if (!finite || (zero && !(weight && weight[i] == 0)))
+      return ylm_fail(e, YLM_EDOMAIN, "direction %zu is %s", i + 1, zero ? "zero" : "not finite");
   }
   size_t size = (size_t)channels * ylm_sh_count(lmax), blocks = n / GRAIN + (n % GRAIN != 0);
   size_t width = square ? 2 * size : size;

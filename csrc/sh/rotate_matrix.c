@@ -4,6 +4,8 @@
 #include <math.h>
 #include <string.h>
 
+#include "ylm_vector.h"
+
 static double determinant(const double r[9]) {
   return r[0] * (r[4] * r[8] - r[5] * r[7]) - r[1] * (r[3] * r[8] - r[5] * r[6]) +
          r[2] * (r[3] * r[7] - r[4] * r[6]);
@@ -95,13 +97,11 @@ static void cosine_sine(double angle, double *c, double *s) {
 
 ylm_status ylm_sh_rotation_from_axis(const double axis[3], double angle, double r[9],
                                      ylm_error *e) {
-  double scale = fmax(fabs(axis[0]), fmax(fabs(axis[1]), fabs(axis[2])));
-  if (!(scale > 0) || !isfinite(scale + axis[0] + axis[1] + axis[2]) || !isfinite(angle))
+  double u[3] = {axis[0], axis[1], axis[2]};
+  if (!ylm_unit3(u) || !isfinite(angle))
     return ylm_fail(e, YLM_EDOMAIN,
                     "an axis {x, y, z} that is not zero and a finite angle expected");
-  double x = axis[0] / scale, y = axis[1] / scale, z = axis[2] / scale;
-  double n = sqrt(x * x + y * y + z * z), c, s;
-  x /= n, y /= n, z /= n;
+  double x = u[0], y = u[1], z = u[2], c, s;
   cosine_sine(angle, &c, &s);
   double t = 1 - c;
   double m[9] = {t * x * x + c,     t * x * y - s * z, t * x * z + s * y,
@@ -112,7 +112,7 @@ ylm_status ylm_sh_rotation_from_axis(const double axis[3], double angle, double 
 }
 
 ylm_status ylm_sh_rotation_from_zyz(const double abc[3], double r[9], ylm_error *e) {
-  if (!isfinite(abc[0] + abc[1] + abc[2]))
+  if (!isfinite(abc[0]) || !isfinite(abc[1]) || !isfinite(abc[2]))
     return ylm_fail(e, YLM_EDOMAIN, "three finite angles expected");
   double ca, sa, cb, sb, cc, sc;
   cosine_sine(abc[0], &ca, &sa);

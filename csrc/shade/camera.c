@@ -2,19 +2,12 @@
 #include <math.h>
 
 #include "view.h"
+#include "ylm_vector.h"
 
 static void cross(const double a[3], const double b[3], double out[3]) {
   out[0] = a[1] * b[2] - a[2] * b[1];
   out[1] = a[2] * b[0] - a[0] * b[2];
   out[2] = a[0] * b[1] - a[1] * b[0];
-}
-
-/* Scales v to length 1; false if it has none. */
-static bool normalise(double v[3]) {
-  double d = sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
-  if (!(d > 0 && isfinite(d))) return false;
-  for (int a = 0; a < 3; a++) v[a] /= d;
-  return true;
 }
 
 ylm_status ylm__shade_frame(const ylm_camera *c, int width, int height, shade_frame *f,
@@ -27,13 +20,13 @@ ylm_status ylm__shade_frame(const ylm_camera *c, int width, int height, shade_fr
     f->forward[a] = c->at[a] - c->from[a];
     up[a] = c->up[a];
   }
-  if (!normalise(f->forward))
+  if (!ylm_unit3(f->forward))
     return ylm_fail(e, YLM_EINVAL, "the camera's from and at must be different points");
-  if (!normalise(up)) return ylm_fail(e, YLM_EINVAL, "the camera's up must not be zero");
+  if (!ylm_unit3(up)) return ylm_fail(e, YLM_EINVAL, "the camera's up must not be zero");
   cross(f->forward, up, f->right);
   double sine =
       sqrt(f->right[0] * f->right[0] + f->right[1] * f->right[1] + f->right[2] * f->right[2]);
-  if (!(sine > 1e-9) || !normalise(f->right))
+  if (!(sine > 1e-9) || !ylm_unit3(f->right))
     return ylm_fail(e, YLM_EINVAL, "the camera's up must not point along its view");
   cross(f->right, f->forward, f->up);
   double half = tan(c->fov * (3.14159265358979323846 / 360));

@@ -1,16 +1,11 @@
 --- Cameras.
 
 local form = require "ylm.form"
+local vector = require "ylm.vector"
 
 local camera = {}
 
-local function length(v) return math.sqrt(v[1] ^ 2 + v[2] ^ 2 + v[3] ^ 2) end
-
---- The sine of the angle between two vectors.
-local function sine(a, b)
-  local c = { a[2] * b[3] - a[3] * b[2], a[3] * b[1] - a[1] * b[3], a[1] * b[2] - a[2] * b[1] }
-  return length(c) / (length(a) * length(b))
-end
+local EXTENT = 1e15
 
 camera.camera = form.define("camera", {
   about = "A pinhole camera.",
@@ -22,9 +17,16 @@ camera.camera = form.define("camera", {
   },
   build = function(values, fail)
     local view = {}
-    for i = 1, 3 do view[i] = values.at[i] - values.from[i] end
-    if length(view) == 0 then return fail("from and at must be different points") end
-    if not (sine(view, values.up) > 1e-9) then return fail("up must not point along the view, from 'from' to 'at'") end
+    for i = 1, 3 do
+      for _, name in ipairs { "from", "at" } do
+        if math.abs(values[name][i]) > EXTENT then return fail(name .. " is too far out (the limit is 1e15)") end
+      end
+      view[i] = values.at[i] - values.from[i]
+    end
+    if view[1] == 0 and view[2] == 0 and view[3] == 0 then return fail("from and at must be different points") end
+    if not (vector.length(vector.cross(vector.unit(view), vector.unit(values.up))) > 1e-9) then
+      return fail("up must not point along the view, from 'from' to 'at'")
+    end
     return setmetatable(values, form.defined.camera.metatable)
   end,
   example = "camera { from = { 3.5, 1.6, 3.5 }, at = { 0, 0.8, 0 }, fov = 45 }",

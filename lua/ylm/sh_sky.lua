@@ -6,6 +6,7 @@ local core = require "ylm.c.core"
 local describe = require "ylm.reference".describe
 local form = require "ylm.form"
 local project = require "ylm.sh_project"
+local unit = require "ylm.vector".unit
 local zonal = require "ylm.sh_zonal"
 
 local sky = {}
@@ -21,11 +22,6 @@ local sky_options = {
   { "nodes", "integer", min = 4, max = 2000, default = 96,
     about = "of the quadrature over the upper half; overcast skies need none" },
 }
-
-local function unit(v)
-  local n = math.sqrt(v[1] ^ 2 + v[2] ^ 2 + v[3] ^ 2)
-  return { v[1] / n, v[2] / n, v[3] / n }
-end
 
 --- The luminance of a sky as a function of direction, relative to the zenith's.
 local function sky_function(o, zenith, sun)

@@ -1,23 +1,17 @@
 --- Where a picture is seen from, if nobody said.
 
+local vector = require "ylm.vector"
+local cross, unit = vector.cross, vector.unit
+
 local view_camera = {}
 
 local function dot(a, b) return a[1] * b[1] + a[2] * b[2] + a[3] * b[3] end
 
-local function cross(a, b)
-  return { a[2] * b[3] - a[3] * b[2], a[3] * b[1] - a[1] * b[3], a[1] * b[2] - a[2] * b[1] }
-end
-
-local function unit(a)
-  local l = math.sqrt(dot(a, a))
-  return { a[1] / l, a[2] / l, a[3] / l }
-end
-
 --- The axes of a view: to the right, up, towards the camera.
 local function axes(towards, up)
   local z = unit(towards)
-  local x = cross(up, z)
-  if dot(x, x) < 1e-12 * dot(up, up) then x = cross({ z[2], z[3], z[1] }, z) end
+  local x = cross(unit(up), z)
+  if dot(x, x) < 1e-12 then x = cross({ z[2], z[3], z[1] }, z) end
   x = unit(x)
   return x, cross(z, x), z
 end

@@ -1,0 +1,27 @@
+/*
+** ylm_vector.h - vectors of three numbers whose squares need not be representable.
+*/
+#ifndef YLM_VECTOR_H
+#define YLM_VECTOR_H
+
+#include <math.h>
+#include <stdbool.h>
+
+/*
+** Scales v to length 1, whatever its length: from the least denormal number to the largest. False,
+** and v as it was, where it is zero or not finite. The scale is a power of two, so that vectors of
+** ordinary lengths come out as if they were divided by their length alone.
+*/
+static inline bool ylm_unit3(double v[3]) {
+  if (!isfinite(v[0]) || !isfinite(v[1]) || !isfinite(v[2])) return false;
+  double largest = fmax(fabs(v[0]), fmax(fabs(v[1]), fabs(v[2]))), u[3];
+  int exponent;
+  if (largest == 0) return false;
+  frexp(largest, &exponent);
+  for (int a = 0; a < 3; a++) u[a] = ldexp(v[a], -exponent);
+  double length = sqrt(u[0] * u[0] + u[1] * u[1] + u[2] * u[2]);
+  for (int a = 0; a < 3; a++) v[a] = u[a] / length;
+  return true;
+}
+
+#endif

@@ -1,0 +1,33 @@
+--- Vectors {x, y, z} whose squares need not be representable: what is scaled to length 1, is here.
+
+local vector = {}
+
+--- The vector times a power of two that brings its largest component near 1: nothing is rounded.
+local function scaled(v)
+  local largest = math.max(math.abs(v[1]), math.abs(v[2]), math.abs(v[3]))
+  local u = { v[1], v[2], v[3] }
+  if largest < 2 ^ -1000 then -- the factor below would overflow
+    for i = 1, 3 do u[i] = u[i] * 2 ^ 100 end
+    largest = largest * 2 ^ 100
+  end
+  local factor = 2 ^ -math.floor(math.log(largest) / math.log(2) + 1)
+  for i = 1, 3 do u[i] = u[i] * factor end
+  return u
+end
+
+--- The vector at length 1, whatever its length; it is finite and not zero.
+function vector.unit(v)
+  local u = scaled(v)
+  local length = math.sqrt(u[1] ^ 2 + u[2] ^ 2 + u[3] ^ 2)
+  return { u[1] / length, u[2] / length, u[3] / length }
+end
+
+--- a x b.
+function vector.cross(a, b)
+  return { a[2] * b[3] - a[3] * b[2], a[3] * b[1] - a[1] * b[3], a[1] * b[2] - a[2] * b[1] }
+end
+
+--- The length of a vector whose square is representable.
+function vector.length(v) return math.sqrt(v[1] ^ 2 + v[2] ^ 2 + v[3] ^ 2) end
+
+return vector
