@@ -1,4 +1,5 @@
 /* field.c - a query about lights: checked, cut into blocks of points, given to the kernels. */
+#include "finite.h"
 #include "moments.h"
 
 #include <math.h>
@@ -91,5 +92,5 @@ ylm_status ylm_lights_evaluate(const ylm_lights *lights, ylm_isa isa, const ylm_
   s = n ? sum(lights, isa, q, n, points, r) : YLM_OK;
   if (s != YLM_OK) return ylm_fail(e, s, "%s", ylm_status_text(s));
   r->pairs += (uint64_t)n * lights->active;
-  return YLM_OK;
+  return ylm__lights_finite(lights, q, n, r, e);
 }

@@ -1,5 +1,6 @@
 /* tree.c - the field of lights to a tolerance: a query is given to the kernels with the tree. */
 #include "tree.h"
+#include "finite.h"
 
 #include <math.h>
 
@@ -85,7 +86,8 @@ ylm_status ylm_light_cut_evaluate(const ylm_light_cut *cut, ylm_isa isa, const y
   ylm__tree_plan_free(&plan);
   ylm__plan_free(&pilot);
   ylm__plan_free(&sums);
-  return s == YLM_OK ? s : ylm_fail(e, s, "%s", ylm_status_text(s));
+  if (s != YLM_OK) return ylm_fail(e, s, "%s", ylm_status_text(s));
+  return ylm__lights_finite(lights, q, n, r, e);
 }
 
 static ylm_status evaluate(const ylm_field *f, const ylm_field_query *q, size_t n,
