@@ -14,21 +14,73 @@ end
 local window = { { { 4, 0, 0 }, { 0, 4, 0 }, { 0, 0, 4 }, { 0, 0, 0 } }, { { 1, 1, 1 }, { 0, 0, 0 }, { 2, 2, 0 }, { 0, 3, 3 } } }
 
 describe("ylm.textured_light", function()
-  it("makes a sphere of each texel, of its area and colour, row 1 at the top", function()
+  --- Coefficients [point][3][count] by Gauss's rule of 4 x 4 nodes in each of 8 x 8 cells of each texel of a panel, less
+  -- what is below the horizon, which has to follow the cells.
+  local function by_quadrature(lmax, texels, points, horizon)
+    local nodes, weights = { 0.0694318442029737, 0.3300094782075719, 0.6699905217924281, 0.9305681557970263 },
+      { 0.1739274225687269, 0.3260725774312731, 0.3260725774312731, 0.1739274225687269 }
+    local cells, rows, columns = 8, #texels, #texels[1]
+    local normal, area = { 0, -0.2 / math.sqrt(1.04), 1 / math.sqrt(1.04) }, 2 * math.sqrt(1.04)
+    local out = {}
+    for i, x in ipairs(points) do
+      local directions, values, solid = {}, {}, {}
+      for a = 0, columns * cells - 1 do
+        for b = 0, rows * cells - 1 do
+          local colour = texels[math.floor(b / cells) + 1][math.floor(a / cells) + 1]
+          for j = 1, 4 do
+            for k = 1, 4 do
+              local s, t = (a + nodes[j]) / (columns * cells), 1 - (b + nodes[k]) / (rows * cells)
+              local d = { -1 + 2 * s - x[1], 0.4 + t - x[2], -0.3 + 0.2 * t - x[3] }
+              local d2 = d[1] ^ 2 + d[2] ^ 2 + d[3] ^ 2
+              local cosine = math.abs(d[2] * normal[2] + d[3] * normal[3]) / math.sqrt(d2)
+              local up = horizon and d[1] * horizon[1] + d[2] * horizon[2] + d[3] * horizon[3] or 1
+              local n = #directions + 1
+              directions[n], values[n] = d, colour
+              solid[n] = up > 0 and weights[j] * weights[k] * area / (columns * rows * cells ^ 2) * cosine / d2 or 0
+            end
+          end
+        end
+      end
+      out[i] = ylm.sh.project(lmax, { directions = directions, values = values, weights = solid }):totable()
+    end
+    return ylm.array(out)
+  end
+
+  it("is what its rectangle sends, by independent quadrature: near, grazing, and over a horizon", function()
+    local image = { { { 4, 0, 0 }, { 0, 4, 1 } }, { { 1, 1, 1 }, { 2, 2, 0 } } }
+    local x = { { 0.3, 0.9, 0.3 }, { -1.6, 0.95, -0.12 }, { 2, 0.9, -0.1 } } -- half a unit in front, and 5 degrees off
+    for _, horizon in ipairs { false, { 1, 0, 0 } } do
+      local at = horizon and { { 0, 0.9, 0.3 }, { -0.25, 1.3, -0.6 } } or x
+      local wanted = by_quadrature(4, image, at, horizon)
+      local seen = ylm.light_field(4, panel(image, { horizon = horizon or nil }), at, { dtype = "double" })
+      assert(relative(seen, wanted) < 1e-7, relative(seen, wanted))
+    end
+  end)
+
+  it("spheres: are times |cos gamma|, so that they meet the rectangle at grazing angles too", function()
+    local flat = { { 1, 1, 1, 1 }, { 1, 1, 1, 1 } }
+    for _, try in ipairs { { 0.3, 0.9, 0.3, 0.2 }, { 0.3, 0.9, 1.8, 0.02 }, { 4, 0.9, 0.1, 0.02 }, { 0, 5, 0.9, 0.01 } } do
+      local x = { { try[1], try[2], try[3] } }
+      local exact = ylm.light_field(4, panel(flat), x, { dtype = "double" })
+      local e = relative(ylm.light_field(4, panel(flat, { method = "spheres" }), x, { dtype = "double" }), exact)
+      assert(e < try[4], ("%g %g %g: %.2e"):format(try[1], try[2], try[3], e))
+    end
+  end)
+
+  it("makes a part of each texel, of its area and colour, row 1 at the top", function()
     local image = ylm.image { size = { 2, 2 }, layers = { { "radiance", 3 } } }
     core.array_fill(image:layer(), { { { 1, 0, 0 }, { 0, 2, 0 } }, { { 0, 0, 3 }, { 4, 4, 4 } } })
     local lights = ylm.textured_light { corner = { 0, 0, 0 }, u = { 2, 0, 0 }, v = { 0, 2, 0 }, image = image }
     assert.equal(4, lights.count)
-    local at, radius, radiance = require("ylm.light").arrays(lights.lights)
+    local vertices, radiance = core.texture_quads(lights.texels, lights.frame, 1, 0, 1)
     local seen = {}
     for i = 1, 4 do
-      assert.is_near(math.sqrt(1 / math.pi), radius[i], 1e-15)
-      seen[("%g %g"):format(at:get(i, 1), at:get(i, 2))] = { radiance:get(i, 1), radiance:get(i, 2), radiance:get(i,
-        3) }
+      for a = 1, 2 do assert.equal(1, vertices:get(4 * i - 1, a) - vertices:get(4 * i - 3, a)) end
+      seen[("%g %g"):format(vertices:get(4 * i - 3, 1), vertices:get(4 * i - 3, 2))] = radiance[i]:totable()
     end
-    assert.same({ 1, 0, 0 }, seen["0.5 1.5"])
-    assert.same({ 0, 2, 0 }, seen["1.5 1.5"])
-    assert.same({ 0, 0, 3 }, seen["0.5 0.5"])
+    assert.same({ 1, 0, 0 }, seen["0 1"])
+    assert.same({ 0, 2, 0 }, seen["1 1"])
+    assert.same({ 0, 0, 3 }, seen["0 0"])
   end)
 
   it("merges similar texels by a quadtree, keeping the power", function()
@@ -50,28 +102,35 @@ describe("ylm.textured_light", function()
     local merged = make(0.1)
     assert.equal(2, merged.count)
     assert(make(0).count > 16)
-    local _, radius, radiance = require("ylm.light").arrays(merged.lights)
+    local vertices, radiance = core.texture_quads(merged.texels, merged.frame, 1, 0.1, 1)
     local sum = 0
-    for i = 1, 2 do sum = sum + math.pi * radius[i] ^ 2 * radiance:get(i, 1) end
+    for i = 1, 2 do
+      sum = sum + (vertices:get(4 * i - 1, 1) - vertices:get(4 * i - 3, 1))
+        * (vertices:get(4 * i - 1, 2) - vertices:get(4 * i - 3, 2)) * radiance:get(i, 1)
+    end
     assert.is_near(2 * power, sum, 1e-6)
   end)
 
   it("stays near the full set of texels, whatever the image's shape", function()
+    local function texel(u, v, w, h, radiance)
+      local a, b, r, t = -1 + 2 * u - 1 / w, 0.75 - 1.5 * v - 0.75 / h, 2 / w, 1.5 / h
+      return ylm.polygon_light { vertices = { { a, b, 0 }, { a + r, b, 0 }, { a + r, b + t, 0 }, { a, b + t, 0 } },
+        radiance = radiance }
+    end
     for _, size in ipairs { { 61, 37 }, { 1, 7 }, { 5, 1 }, { 1, 1 }, { 33, 32 } } do
       local w, h = size[1], size[2]
       local image = ylm.image { size = size, layers = { { "radiance", 3 } } }
-      local rows, at, radiance = {}, {}, {}
+      local rows, full = {}, {}
       for y = 1, h do
         rows[y] = {}
         for x = 1, w do
           local u, v = (x - 0.5) / w, (y - 0.5) / h
           local bright = (u - 0.7) ^ 2 + (v - 0.3) ^ 2 < 0.01
           rows[y][x] = bright and { 4, 3.6, 3 } or { 0.3 + 0.4 * v, 0.4 + 0.4 * v, 0.9 }
-          at[#at + 1], radiance[#radiance + 1] = { -1 + 2 * u, 0.75 - 1.5 * v, 0 }, rows[y][x]
+          full[#full + 1] = texel(u, v, w, h, rows[y][x])
         end
       end
       core.array_fill(image:layer(), rows)
-      local full = ylm.sphere_lights { at = at, radius = math.sqrt(3 / (w * h) / math.pi), radiance = radiance }
       local x = { { 0, 0, -1 }, { 0.7, 0.4, -1.2 }, { -0.6, -0.3, -1.5 } }
       local truth = ylm.light_field(4, full, x, { dtype = "double" })
       for _, tolerance in ipairs { 0, 0.01, 0.1 } do
@@ -126,12 +185,12 @@ describe("ylm.textured_light", function()
     end
     local x = { { 0.3, 0.2, 1.5 }, { -0.4, 0.6, -0.7 }, { 3, 1, 0 } }
     local wanted = { ylm.light_field(4, quads, x, { dtype = "double", derivatives = 2 }) }
-    local light = panel(window, { method = "exact" })
+    local light = panel(window)
     local seen = { ylm.light_field(4, light, x, { dtype = "double", derivatives = 2 }) }
     for k = 1, 3 do assert(relative(seen[k], wanted[k]) < 1e-12) end
     assert.equal(6, light.count) -- black texels are left out
     local far = { { 0, -194, 970 } } -- in front
-    assert(relative(ylm.light_field(4, panel(window), far, { dtype = "double" }),
+    assert(relative(ylm.light_field(4, panel(window, { method = "spheres" }), far, { dtype = "double" }),
       ylm.light_field(4, light, far, { dtype = "double" })) < 1e-3)
   end)
 

@@ -2,13 +2,13 @@
 #include <math.h>
 #include <string.h>
 
+#include "finite.h"
 #include "polygon_kernel.h"
 #include "ylm_sh.h"
+#include "ylm_vector.h"
 
 void ylm_polygons_free(ylm_polygons *p) {
   if (!p) return;
-  for (size_t i = 0; p->sphere && i < p->n; i++) ylm_lights_free(p->sphere[i]);
-  ylm_free(p->sphere);
   ylm_free(p->sides);
   ylm_free(p->first);
   ylm_free(p->vertices);
@@ -139,7 +139,7 @@ ylm_status ylm_polygons_evaluate(const ylm_polygons *p, ylm_isa isa, const ylm_f
   ylm__flat_plan_free(&plan);
   if (s != YLM_OK) return ylm_fail(e, s, "%s", ylm_status_text(s));
   r->pairs += (uint64_t)n * p->n;
-  return YLM_OK;
+  return ylm__field_finite(q, n, r, e);
 }
 
 static ylm_status evaluate(const ylm_field *f, const ylm_field_query *q, size_t n,
@@ -159,22 +159,18 @@ static ylm_status allocate(ylm_polygons *p, size_t n, size_t rows) {
   p->centroid = ylm_alloc(n, 3 * sizeof(double));
   p->radius = ylm_alloc(n, sizeof(double));
   p->reach = ylm_alloc(n, sizeof(double));
-  p->sphere = ylm_alloc_zero(n, sizeof *p->sphere);
   return p->sides && p->first && p->vertices && p->radiance && p->normal && p->centroid &&
-                 p->radius && p->reach && p->sphere
+                 p->radius && p->reach
              ? YLM_OK
              : YLM_ENOMEM;
 }
 
 static ylm_status set_horizon(ylm_polygons *p, const double *horizon, ylm_error *e) {
   if (!horizon || (horizon[0] == 0 && horizon[1] == 0 && horizon[2] == 0)) return YLM_OK;
-  if (!isfinite(horizon[0] + horizon[1] + horizon[2]))
+  memcpy(p->horizon, horizon, sizeof p->horizon);
+  if (!ylm_unit3(p->horizon))
     return ylm_fail(e, YLM_EDOMAIN, "the horizon's direction is not finite");
   if (!p->exact) return ylm_fail(e, YLM_EINVAL, "only exact polygons are cut at a horizon");
-  double largest = fmax(fabs(horizon[0]), fmax(fabs(horizon[1]), fabs(horizon[2]))), u[3];
-  for (int a = 0; a < 3; a++) u[a] = horizon[a] / largest;
-  double length = sqrt(ylm__dot(u, u));
-  for (int a = 0; a < 3; a++) p->horizon[a] = u[a] / length;
   p->clipped = true;
   return YLM_OK;
 }
@@ -182,7 +178,6 @@ static ylm_status set_horizon(ylm_polygons *p, const double *horizon, ylm_error 
 /* Polygon i from its rows, which begin at `at`. */
 static ylm_status set_light(ylm_polygons *p, size_t i, size_t at, int sides, const double *rows,
                             const double *radiance, ylm_error *e) {
-  const double unit[3] = {1, 1, 1};
   p->sides[i] = sides;
   p->first[i] = at;
   memcpy(p->vertices + 3 * at, rows, ylm__polygon_rows(sides) * 3 * sizeof(double));
@@ -193,8 +188,6 @@ static ylm_status set_light(ylm_polygons *p, size_t i, size_t at, int sides, con
     if (!isfinite(radiance[c]))
       s = ylm_fail(e, YLM_EDOMAIN, "polygon %zu: its radiance is not finite", i + 1);
   }
-  if (s == YLM_OK && !p->exact)
-    s = ylm_lights_create(1, p->centroid + 3 * i, p->radius + i, unit, &p->sphere[i], e);
   return s;
 }
 

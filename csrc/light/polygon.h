@@ -15,7 +15,6 @@ struct ylm_polygons {
   double *radiance;          /* [n][3] */
   double *normal, *centroid; /* [n][3], the normal of length 1 */
   double *radius, *reach; /* [n]: of a disk of the same area; farthest vertex from the centroid */
-  ylm_lights **sphere;    /* [n], of the approximation: unit radiance */
 };
 
 /* Rows of vertices that a light of so many sides has. */

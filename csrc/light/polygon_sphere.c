@@ -5,6 +5,7 @@
 #include <math.h>
 
 #include "gen/jet.h"
+#include "moments.h"
 #include "ylm_sh.h"
 
 /* |cos gamma| at v = centre - x, its gradient with respect to x and its Hessian, as a jet. */
@@ -35,6 +36,43 @@ static void add(size_t n, const double *one, const double *radiance, size_t wide
     for (size_t t = 0; t < n; t++) sum[c * wide + t] += radiance[c] * one[t];
 }
 
+/* The coefficients of single spheres of radiance 1: one plan for all of them. */
+typedef struct singly {
+  ylm_field_query q;
+  ylm__plan plan;
+  ylm__sum_range *range; /* NULL: the reference */
+  void *scratch;
+} singly;
+
+static ylm_status singly_make(singly *k, int lmax, int want) {
+  static const ylm_lights none;
+  ylm__kernel_set set;
+  *k = (singly){.q = {.lmax = lmax,
+                      .channels = 1,
+                      .metric_channels = 1,
+                      .dtype = YLM_DOUBLE,
+                      .threads = 1,
+                      .want = want}};
+  if (!ylm__kernels_of(ylm_isa_current(), lmax, YLM_DOUBLE, &set)) return YLM_OK;
+  k->range = set.range;
+  return ylm__plan_create(&k->plan, &none, &k->q, set.moments);
+}
+
+static void singly_free(singly *k) {
+  ylm__plan_free(&k->plan);
+  ylm_free(k->scratch);
+}
+
+/* The sphere at c at n points x. */
+static ylm_status singly_sum(singly *k, const double *c, double radius, size_t n,
+                             const double (*x)[3], ylm_field_result *r) {
+  ylm__lamp_d lamp = {{c[0], c[1], c[2]}, radius, 1, {1, 1, 1}};
+  ylm_lights one = {.n = 1, .active = 1, .lamp_d = &lamp};
+  if (!k->range) return ylm__reference_range(&one, &k->q, 0, n, x, r);
+  k->plan.lights = &one;
+  return k->range(&k->plan, &k->scratch, 0, n, x, r);
+}
+
 ylm_status ylm__polygon_spheres(const ylm_polygons *p, const ylm_field_query *q, size_t n,
                                 const double (*x)[3], double *sum, uint8_t *inside) {
   size_t count = ylm_sh_count(q->lmax), wide = 10 * count;
@@ -42,18 +80,13 @@ ylm_status ylm__polygon_spheres(const ylm_polygons *p, const ylm_field_query *q,
   double *value = ylm_alloc(n * wide, sizeof *value), *gradient = value ? value + n * count : NULL,
          *hessian = value ? value + 4 * n * count : NULL;
   uint8_t *in = ylm_alloc(n, 1);
-  ylm_status s = value && in ? YLM_OK : YLM_ENOMEM;
-  ylm_field_query unit = {.lmax = q->lmax,
-                          .channels = 1,
-                          .metric_channels = 1,
-                          .dtype = YLM_DOUBLE,
-                          .threads = 1,
-                          .want = YLM_WANT_VALUE | (g ? YLM_WANT_GRADIENT : 0) |
-                                  (h ? YLM_WANT_HESSIAN : 0)};
+  singly spheres;
+  ylm_status s = singly_make(
+      &spheres, q->lmax, YLM_WANT_VALUE | (g ? YLM_WANT_GRADIENT : 0) | (h ? YLM_WANT_HESSIAN : 0));
+  if (!value || !in) s = YLM_ENOMEM;
   ylm_field_result r = {.value = value, .gradient = gradient, .hessian = hessian, .inside = in};
   for (size_t k = 0; k < p->n && s == YLM_OK; k++) {
-    const ylm_field *f = ylm_lights_field(p->sphere[k]);
-    s = f->evaluate(f, &unit, n, x, &r, NULL);
+    s = singly_sum(&spheres, p->centroid + 3 * k, p->radius[k], n, x, &r);
     for (size_t i = 0; s == YLM_OK && i < n; i++) {
       double *one = value + i * count, *dg = g ? gradient + 3 * i * count : NULL,
              *dh = h ? hessian + 6 * i * count : NULL, *to = sum + 3 * i * wide;
@@ -70,6 +103,7 @@ ylm_status ylm__polygon_spheres(const ylm_polygons *p, const ylm_field_query *q,
       if (h) add(6 * count, dh, e, wide, to + 4 * count);
     }
   }
+  singly_free(&spheres);
   ylm_free(value);
   ylm_free(in);
   return s;

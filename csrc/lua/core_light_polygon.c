@@ -50,7 +50,7 @@ static int polygons_create(lua_State *L) {
   luaL_getmetatable(L, POLYGONS);
   lua_setmetatable(L, -2);
   ylm_status s = ylm_polygons_create(n, sides, v->data, c->data, exact, h ? h->data : NULL, p, &e);
-  if (s == YLM_OK) ylmL_charge(L, n * 400);
+  if (s == YLM_OK) ylmL_charge(L, n * 300);
   return ylmL_result(L, 1, s, &e);
 }
 
@@ -147,19 +147,7 @@ static ylmL_array *rows(lua_State *L, size_t n, size_t width) {
   return ylmL_array_new(L, YLM_DOUBLE, width ? 2 : 1, (size_t[]){n, width});
 }
 
-/* texture_spheres(texels, {9}, scale, tolerance, largest) -> at [n][3], radius [n], radiance [n][3]
- */
-static int texture_spheres(lua_State *L) {
-  ylm_light_texture t = read_texture(L);
-  size_t n = ylm_light_texture_spheres(&t, NULL, NULL, NULL);
-  ylmL_array *at = rows(L, n, 3), *radius = at ? rows(L, n, 0) : NULL;
-  ylmL_array *radiance = radius ? rows(L, n, 3) : NULL;
-  if (!radiance) return ylmL_result(L, 0, YLM_ENOMEM, NULL);
-  if (n > 0) ylm_light_texture_spheres(&t, at->data, radius->data, radiance->data);
-  return 3;
-}
-
-/* texture_quads(as texture_spheres) -> vertices [n*4][3], radiance [n][3] */
+/* texture_quads(texels, {9}, scale, tolerance, largest) -> vertices [n*4][3], radiance [n][3] */
 static int texture_quads(lua_State *L) {
   ylm_light_texture t = read_texture(L);
   size_t n = ylm_light_texture_quads(&t, NULL, NULL);
@@ -169,7 +157,7 @@ static int texture_quads(lua_State *L) {
   return 2;
 }
 
-/* texture_tiles(as texture_spheres, across) -> triangles [n][9], radiance [n][3] */
+/* texture_tiles(as texture_quads, across) -> triangles [n][9], radiance [n][3] */
 static int texture_tiles(lua_State *L) {
   ylm_light_texture t = read_texture(L);
   size_t across = (size_t)luaL_checknumber(L, 6);
@@ -184,7 +172,6 @@ static const luaL_Reg functions[] = {{"polygons_create", polygons_create},
                                      {"polygons_method", polygons_method},
                                      {"light_sum", light_sum},
                                      {"texture_texels", texture_texels},
-                                     {"texture_spheres", texture_spheres},
                                      {"texture_quads", texture_quads},
                                      {"texture_tiles", texture_tiles},
                                      {NULL, NULL}};

@@ -95,8 +95,6 @@ light.sphere_lights = form.define("sphere_lights", {
 
 --- What light.pack made of spheres and others -> the spheres, the others.
 local spheres_of, others_of = setmetatable({}, { __mode = "k" }), setmetatable({}, { __mode = "k" })
---- What light.pack made with spheres that stand for parts of images -> the other spheres, or false: none.
-local drawn_of = setmetatable({}, { __mode = "k" })
 
 --- Centres, radii and radiances of no lights.
 local function nothing()
@@ -104,11 +102,9 @@ local function nothing()
   return none(3), none(), none(3)
 end
 
---- Centres [n][3], radii [n] and radiances [n][3] of the spheres in what light.pack returned, as new double arrays:
--- of those that are drawn and aimed at, not those that stand for an image.
+--- Centres [n][3], radii [n] and radiances [n][3] of the spheres in what light.pack returned, as new double arrays.
 function light.arrays(packed)
-  if drawn_of[packed] ~= nil then packed = drawn_of[packed]
-  elseif core.type(packed) ~= "ylm.lights" then packed = spheres_of[packed] end
+  if core.type(packed) ~= "ylm.lights" then packed = spheres_of[packed] end
   if not packed then return nothing() end
   return check.result("lights", core.lights_arrays(packed))
 end
@@ -164,9 +160,8 @@ local function gather(n, name, value, parts, run, depth)
     parts.flat = parts.flat or {}
     table.insert(parts.flat, value)
   elseif kind == "textured_light" then
-    local list = value.lights and "texels" or "others"
-    parts[list], parts.textured = parts[list] or {}, parts.textured or {}
-    table.insert(parts[list], value.lights or value.field)
+    parts.others, parts.textured = parts.others or {}, parts.textured or {}
+    table.insert(parts.others, value.field)
     table.insert(parts.textured, value)
   elseif core.has_field(value) and kind ~= "ylm.grid" then
     parts.others = parts.others or {}
@@ -187,20 +182,14 @@ end
 function light.pack(n, name, lights)
   local parts, run = {}, { at = {}, radius = {}, radiance = {} }
   gather(n, name, lights, parts, run, 0)
-  local others, drawn, spheres, message, code = parts.others or {}
+  local others, spheres, message, code = parts.others or {}
   if parts.flat then
     message, code = require("ylm.light_polygon").join(name, parts.flat, others)
     if message then return nil, message, code end
   end
-  drawn = parts[1]
+  spheres = parts[1]
   if parts[2] then
-    drawn, message, code = check.result(name, core.lights_join(parts))
-    if not drawn then return nil, message, code end
-  end
-  spheres = drawn
-  if parts.texels then -- joined even where there is one, so that the result is not the light's own
-    if drawn then table.insert(parts.texels, 1, drawn) end
-    spheres, message, code = check.result(name, core.lights_join(parts.texels))
+    spheres, message, code = check.result(name, core.lights_join(parts))
     if not spheres then return nil, message, code end
   end
   local result = spheres or others[1]
@@ -212,7 +201,6 @@ function light.pack(n, name, lights)
     if not result then return nil, message, code end
     spheres_of[result], others_of[result] = spheres, others
   end
-  if parts.texels then drawn_of[result] = drawn or false end
   if parts.flat or parts.textured then
     local flat = {}
     for _, list in ipairs { parts.flat or {}, parts.textured or {} } do
@@ -228,7 +216,7 @@ function light.other(object)
   local kinds, seen = {}, {}
   for _, l in ipairs(flat_of[object] or {}) do
     local kind = form.kind(l)
-    if not seen[kind] and not l.lights then kinds[#kinds + 1] = kind end
+    if not seen[kind] then kinds[#kinds + 1] = kind end
     seen[kind] = true
   end
   return kinds[1] and "a " .. table.concat(kinds, ", a ") or type(object) == "function" and "a function"

@@ -3,6 +3,7 @@
 local check = require "ylm.check"
 local core = require "ylm.c.core"
 local form = require "ylm.form"
+local vector = require "ylm.vector"
 
 local polygon = {}
 
@@ -93,16 +94,15 @@ function polygon.patches(lights, tiles)
       radiances[#radiances + 1] = emission(l.radiance, l.horizon)
     end
     if form.kind(l) == "disk_light" then
-      local n = l.normal
-      local length = math.sqrt(n[1] ^ 2 + n[2] ^ 2 + n[3] ^ 2)
-      disks[#disks + 1] = { l.at[1], l.at[2], l.at[3], l.radius, n[1] / length, n[2] / length, n[3] / length }
+      local n = vector.unit(l.normal)
+      disks[#disks + 1] = { l.at[1], l.at[2], l.at[3], l.radius, n[1], n[2], n[3] }
       later[#later + 1] = emission(l.radiance, l.horizon)
     end
   end
   for i, l in ipairs(textured) do
     local corners, means = require("ylm.light_textured").tiles(l, tiles)
     for k, t in ipairs(corners) do
-      triangles[#triangles + 1], radiances[#radiances + 1] = t, emission(means[k])
+      triangles[#triangles + 1], radiances[#radiances + 1] = t, emission(means[k], l.horizon)
     end
     textured[i] = { l.texels, l.frame, l.scale, #corners }
   end
@@ -140,8 +140,8 @@ polygon.polygon_light = form.define("polygon_light", {
 
 --- Two unit vectors at right angles to n and to each other.
 function polygon.frame(n)
-  local length = math.sqrt(n[1] ^ 2 + n[2] ^ 2 + n[3] ^ 2)
-  local x, y, z = n[1] / length, n[2] / length, n[3] / length
+  n = vector.unit(n)
+  local x, y, z = n[1], n[2], n[3]
   local s = z < 0 and -1 or 1
   local a = -1 / (s + z)
   local b = x * y * a

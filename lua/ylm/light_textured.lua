@@ -69,22 +69,22 @@ local function frame_of(values, fail)
   return nine
 end
 
---- The light's parts as spheres, or as exact quadrilaterals: an object with a light field; nil, message, code.
-local function parts_of(t, exact)
-  if not exact then
-    local at, radius, radiance = check.result("textured_light", core.texture_spheres(t.texels, t.frame, t.scale,
-      t.tolerance, t.largest))
-    if not at then return nil, radius, radiance end
-    t.count = #at
-    return core.lights_create(at, radius, radiance)
-  end
+--- The light's parts as quadrilaterals, exact or as spheres times |cos gamma|: an object with a light field; nil,
+-- message, code.
+local function parts_of(t)
   local vertices, radiance, code = check.result("textured_light", core.texture_quads(t.texels, t.frame, t.scale,
     t.tolerance, t.largest))
   if not vertices then return nil, radiance, code end
-  local sides = {}
+  local sides, horizon = {}, nil
   for i = 1, #radiance do sides[i] = 4 end
   t.count = #sides
-  return core.polygons_create(sides, vertices, radiance, true, nil)
+  if t.horizon then
+    local message
+    horizon, message, code = core.array_zeros({ 3 }, "double")
+    if not horizon then return nil, message, code end
+    core.array_fill(horizon, t.horizon)
+  end
+  return core.polygons_create(sides, vertices, radiance, t.method == "exact", horizon)
 end
 
 --- Triangles and mean absolute radiances that cover the light, `across` tiles a side at most: see csrc/light/texture.c.
@@ -110,9 +110,10 @@ textured.textured_light = form.define("textured_light", {
     { "largest", "number", above = 0, max = 1, default = 1 / 8,
       about = "most of the image's width and height that one part may stand for: a large sphere is near in front "
       .. "of the image, and wrong there" },
-    { "method", "choice", of = { "spheres", "exact" }, default = "spheres",
-      about = "spheres: one for each part, of its area, as bright from the side as from the front; exact: each part's "
-      .. "integrals along its edges, slower" },
+    { "method", "choice", of = { "exact", "spheres" }, default = "exact",
+      about = "exact: each part's integrals along its edges; spheres: for each part a sphere of its area times "
+      .. "|cos gamma|, faster, and right from some widths of a part on" },
+    { "horizon", "vector", optional = true, about = "as of polygon_light" },
   },
   build = function(values, fail)
     local frame = frame_of(values, fail)
@@ -124,16 +125,14 @@ textured.textured_light = form.define("textured_light", {
     end
     if not core.array_finite(layer) then return fail "image must be finite" end
     local t = { corner = values.corner, u = values.u, v = values.v, scale = values.scale, tolerance = values.tolerance,
-      largest = values.largest, method = values.method, frame = frame }
+      largest = values.largest, method = values.method, horizon = values.horizon, frame = frame }
     t.texels, message, code = core.texture_texels(layer)
     if not t.texels then return nil, message, code end
-    local parts
-    parts, message, code = parts_of(t, t.method == "exact")
-    if not parts then
-      if core.status(code) == "caller" then return fail(message) end
+    t.field, message, code = parts_of(t)
+    if not t.field then
+      if core.status(code) == "caller" then return fail((message:gsub("^polygon (%d+)", "part %1"))) end
       return nil, message, code
     end
-    t[t.method == "exact" and "field" or "lights"] = parts
     return setmetatable(t, form.defined.textured_light.metatable)
   end,
   metatable = { __tostring = function(t)

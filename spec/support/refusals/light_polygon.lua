@@ -78,7 +78,9 @@ return {
     { call = function(ylm)
       return ylm.textured_light { corner = { 0, 0, 0 }, u = { 1, 0, 0 }, v = { 0, 1, 0 }, file = "" }
     end, says = "file must be a file name" },
-    { call = texture { method = "sphere" }, says = "method must be one of 'spheres', 'exact'.*did you mean 'spheres'" },
+    { call = texture { method = "sphere" }, says = "method must be one of 'exact', 'spheres'.*did you mean 'spheres'" },
+    { call = texture { horizon = { 0, 0, 0 } }, says = "horizon must be three numbers.*not all zero" },
+    { call = texture { horizon = { 0, 0, 1 }, method = "spheres", image = { { 1 } } }, says = "only exact polygons are cut" },
     { call = texture { corner = { 0, 1e16, 0 } }, says = "corner is too far out" },
     { call = texture { u = { 1e-160, 0, 0 } }, says = "u must be from 1e%-15 to 1e15 long" },
     { call = texture { v = { 1, 1e-9, 0 } }, says = "u and v must not be parallel" },
