@@ -159,6 +159,8 @@ ylm_status ylm_grid_update(ylm_grid *g, const ylm_grid_change *change, ylm_error
   ylm__dynamic_sweep(g->dynamic);
   u.stats.seconds = ylm_seconds() - begin;
   g->stats.update = s == YLM_OK ? u.stats : before.update;
+  if (s == YLM_EDOMAIN && e && e->status != s)
+    return ylm_fail(e, s, "the light field of these lights is beyond the range of float");
   return s == YLM_OK ? s : ylm__grid_no_room(s, &u.source, e);
 }
 

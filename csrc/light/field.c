@@ -92,5 +92,5 @@ ylm_status ylm_lights_evaluate(const ylm_lights *lights, ylm_isa isa, const ylm_
   s = n ? sum(lights, isa, q, n, points, r) : YLM_OK;
   if (s != YLM_OK) return ylm_fail(e, s, "%s", ylm_status_text(s));
   r->pairs += (uint64_t)n * lights->active;
-  return ylm__lights_finite(lights, q, n, r, e);
+  return ylm__lights_finite(lights, q, n, points, r, e);
 }

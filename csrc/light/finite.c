@@ -6,36 +6,48 @@
 
 /* Of n points with `wide` numbers each: YLM_ERANGE where one is not finite. */
 static ylm_status look(const ylm_field_query *q, const char *what, size_t n, size_t wide,
-                       const void *x, ylm_error *e) {
+                       const void *points, const void *x, ylm_error *e) {
   size_t where;
   if (!x || ylm_all_finite(q->dtype, x, n * wide, &where)) return YLM_OK;
-  return ylm_fail(e, YLM_ERANGE, "%s at point %zu is too large for %s", what, where / wide + 1,
+  size_t p = where / wide;
+  return ylm_fail(e, YLM_ERANGE, "%s at point %zu, (%g, %g, %g), is beyond the range of %s", what,
+                  p + 1, ylm_get(q->dtype, points, 3 * p), ylm_get(q->dtype, points, 3 * p + 1),
+                  ylm_get(q->dtype, points, 3 * p + 2),
                   q->dtype == YLM_DOUBLE ? "double" : "float");
 }
 
-static ylm_status look_at_metric(const ylm_field_query *q, size_t n, const ylm_field_result *r,
-                                 ylm_error *e) {
-  if (!(q->want & YLM_WANT_METRIC)) return YLM_OK;
-  ylm_status s = look(q, "the metric's lambda", n, 1, r->lambda, e);
-  return s == YLM_OK ? look(q, "the light field's norm", n, 1, r->norm, e) : s;
+/* Puts the largest number for infinity: sums of squares overflow long before what they are of. */
+static void saturate(ylm_dtype t, size_t n, void *x) {
+  if (!x || ylm_all_finite(t, x, n, NULL)) return;
+  for (size_t i = 0; i < n; i++)
+    if (isinf(ylm_get(t, x, i))) ylm_put(t, x, i, t == YLM_DOUBLE ? DBL_MAX : (double)FLT_MAX);
 }
 
-static ylm_status look_at_field(const ylm_field_query *q, size_t n, const ylm_field_result *r,
-                                ylm_error *e) {
+static ylm_status look_at_metric(const ylm_field_query *q, size_t n, const void *points,
+                                 const ylm_field_result *r, ylm_error *e) {
+  if (!(q->want & YLM_WANT_METRIC)) return YLM_OK;
+  saturate(q->dtype, n, r->lambda);
+  saturate(q->dtype, n, r->norm);
+  ylm_status s = look(q, "the metric's lambda", n, 1, points, r->lambda, e);
+  return s == YLM_OK ? look(q, "the light field's norm", n, 1, points, r->norm, e) : s;
+}
+
+static ylm_status look_at_field(const ylm_field_query *q, size_t n, const void *points,
+                                const ylm_field_result *r, ylm_error *e) {
   size_t wide = (size_t)q->channels * (size_t)(q->lmax + 1) * (size_t)(q->lmax + 1);
   ylm_status s = YLM_OK;
-  if (q->want & YLM_WANT_VALUE) s = look(q, "the light field", n, wide, r->value, e);
+  if (q->want & YLM_WANT_VALUE) s = look(q, "the light field", n, wide, points, r->value, e);
   if (s == YLM_OK && q->want & YLM_WANT_GRADIENT)
-    s = look(q, "the light field's gradient", n, 3 * wide, r->gradient, e);
+    s = look(q, "the light field's gradient", n, 3 * wide, points, r->gradient, e);
   if (s == YLM_OK && q->want & YLM_WANT_HESSIAN)
-    s = look(q, "the light field's Hessian", n, 6 * wide, r->hessian, e);
+    s = look(q, "the light field's Hessian", n, 6 * wide, points, r->hessian, e);
   return s;
 }
 
-ylm_status ylm__field_finite(const ylm_field_query *q, size_t n, const ylm_field_result *r,
-                             ylm_error *e) {
-  ylm_status s = look_at_field(q, n, r, e);
-  return s == YLM_OK ? look_at_metric(q, n, r, e) : s;
+ylm_status ylm__field_finite(const ylm_field_query *q, size_t n, const void *points,
+                             const ylm_field_result *r, ylm_error *e) {
+  ylm_status s = look_at_field(q, n, points, r, e);
+  return s == YLM_OK ? look_at_metric(q, n, points, r, e) : s;
 }
 
 /*
@@ -46,6 +58,9 @@ ylm_status ylm__field_finite(const ylm_field_query *q, size_t n, const ylm_field
 #define NEAREST_FLOAT 1e-8
 #define NEAREST_DOUBLE 1e-16
 #define ROOM 1e-14
+/* Radii whose squares are ordinary numbers. */
+#define SMALL_FLOAT 1e-15
+#define SMALL_DOUBLE 1e-150
 
 static bool bounded(const ylm_lights *l, const ylm_field_query *q) {
   bool wide = q->dtype == YLM_DOUBLE;
@@ -58,12 +73,12 @@ static bool bounded(const ylm_lights *l, const ylm_field_query *q) {
   double slope = fmax(1, (q->lmax + 2) / ((wide ? NEAREST_DOUBLE : NEAREST_FLOAT) * least));
   if (q->want & (YLM_WANT_GRADIENT | YLM_WANT_HESSIAN)) size *= slope;
   if (q->want & YLM_WANT_HESSIAN) size *= slope;
-  return size <= most;
+  return size <= most && least >= (wide ? SMALL_DOUBLE : SMALL_FLOAT);
 }
 
 ylm_status ylm__lights_finite(const ylm_lights *lights, const ylm_field_query *q, size_t n,
-                              const ylm_field_result *r, ylm_error *e) {
+                              const void *points, const ylm_field_result *r, ylm_error *e) {
   bool many = n > lights->active / 8; /* more than the lights, to look at */
-  if (!many || !bounded(lights, q)) return ylm__field_finite(q, n, r, e);
-  return look_at_metric(q, n, r, e);
+  if (!many || !bounded(lights, q)) return ylm__field_finite(q, n, points, r, e);
+  return look_at_metric(q, n, points, r, e);
 }

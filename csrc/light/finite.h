@@ -5,11 +5,11 @@
 #include "light.h"
 
 /* Results at n points are finite: else YLM_ERANGE, and `e` names the quantity and the first point.
- */
-ylm_status ylm__field_finite(const ylm_field_query *q, size_t n, const ylm_field_result *r,
-                             ylm_error *e);
+   Lambda and norm end at the largest number. */
+ylm_status ylm__field_finite(const ylm_field_query *q, size_t n, const void *points,
+                             const ylm_field_result *r, ylm_error *e);
 /* The same of sphere lights, whose radiances bound their results: those are seldom looked at. */
 ylm_status ylm__lights_finite(const ylm_lights *lights, const ylm_field_query *q, size_t n,
-                              const ylm_field_result *r, ylm_error *e);
+                              const void *points, const ylm_field_result *r, ylm_error *e);
 
 #endif

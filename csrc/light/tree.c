@@ -87,7 +87,7 @@ ylm_status ylm_light_cut_evaluate(const ylm_light_cut *cut, ylm_isa isa, const y
   ylm__plan_free(&pilot);
   ylm__plan_free(&sums);
   if (s != YLM_OK) return ylm_fail(e, s, "%s", ylm_status_text(s));
-  return ylm__lights_finite(lights, q, n, r, e);
+  return ylm__lights_finite(lights, q, n, points, r, e);
 }
 
 static ylm_status evaluate(const ylm_field *f, const ylm_field_query *q, size_t n,

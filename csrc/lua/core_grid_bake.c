@@ -3,6 +3,7 @@
 #include "core_grid.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 /* -- light fields written in Lua ---------------------------------------------------------- */
@@ -45,6 +46,29 @@ static bool take_metric(lua_State *L, int i, const ylm_field_query *q, size_t n,
   return ok;
 }
 
+/* Raises where one of n times `width` numbers of a result is not finite, naming the point. */
+static void check_finite(lua_State *L, const char *what, size_t n, size_t width,
+                         const ylm_field_query *q, const void *points, const void *x) {
+  size_t where;
+  char place[96];
+  if (ylm_all_finite(q->dtype, x, n * width, &where)) return;
+  size_t p = 3 * (where / width);
+  snprintf(place, sizeof place, "(%g, %g, %g)", ylm_get(q->dtype, points, p),
+           ylm_get(q->dtype, points, p + 1), ylm_get(q->dtype, points, p + 2));
+  luaL_error(L, "the light field's %s at %s is not finite, or beyond the range of %s", what, place,
+             q->dtype == YLM_DOUBLE ? "double" : "float");
+}
+
+static void check_results(lua_State *L, const ylm_field_query *q, size_t n, size_t width,
+                          const void *points, const ylm_field_result *r) {
+  check_finite(L, "first result", n, width, q, points, r->value);
+  if (q->want & YLM_WANT_GRADIENT)
+    check_finite(L, "second result", n, 3 * width, q, points, r->gradient);
+  if (!(q->want & YLM_WANT_METRIC)) return;
+  check_finite(L, "third result", n, 1, q, points, r->lambda);
+  check_finite(L, "norm", n, 1, q, points, r->norm);
+}
+
 /* The call, protected: arguments light field, query, count, points, result. */
 typedef struct field_call {
   const lua_field *f;
@@ -74,6 +98,7 @@ static int protected_call(lua_State *L) {
                       (int)c->n, c->q->channels, (int)count);
   if (c->q->want & YLM_WANT_METRIC && !take_metric(L, 5, c->q, c->n, width, c->r))
     return luaL_error(L, "the light field's third result must be nil or an array [%d]", (int)c->n);
+  check_results(L, c->q, c->n, width, c->points, c->r);
   return 0;
 }
 

@@ -141,6 +141,12 @@ static int windowed_range(lua_State *L) {
   return 2;
 }
 
+/* Part u of the way from low to high, even where their distance is no finite number. */
+static double between(double low, double high, double u) {
+  double way = high - low;
+  return isfinite(way) ? low + way * u : low * (1 - u) + high * u;
+}
+
 /* sh_random(array, seed, low, high): uniform in low .. high */
 static int sh_random(lua_State *L) {
   ylmL_array *a = ylmL_array_check(L, 1);
@@ -148,7 +154,7 @@ static int sh_random(lua_State *L) {
   ylm_rng r;
   ylm_rng_seed(&r, (uint64_t)luaL_checknumber(L, 2), 1);
   for (size_t i = 0; i < a->count; i++) {
-    double x = low + (high - low) * ylm_rng_double(&r);
+    double x = between(low, high, ylm_rng_double(&r));
     if (a->dtype == YLM_DOUBLE)
       ((double *)a->data)[i] = x;
     else

@@ -283,7 +283,8 @@ local options = {
   { "derivatives", "integer", min = 0, max = 2, default = 0, about = "0 coefficients, 1 and gradients, 2 and Hessians" },
   { "channels", "choice", of = { "rgb", "luminance" }, default = "rgb", about = "three linear channels, or one" },
   { "metric", "choice", of = { "luminance", "rgb" }, optional = true,
-    about = "also report.lambda (norm of the Hessians' largest eigenvalues) and report.norm, of these channels" },
+    about = "also report.lambda (norm of the Hessians' largest eigenvalues) and report.norm, of these channels; they end "
+      .. "at the largest number of their type" },
   { "dtype", "choice", of = { "float", "double" }, optional = true,
     about = "element type; that of the points where they are an array, else float" },
   light.tolerance_option "tolerance",
@@ -294,6 +295,20 @@ local options = {
   { "method", "choice", of = { "merged", "forward", "reversed" }, optional = true,
     about = "on a device: merged moments (default), or the papers' product rule for comparison, see gpu:lights" },
 }
+
+--- Raises where results of a device, which does not look at them itself, are not finite.
+local function check_finite(name, points, results)
+  for i = 1, 5 do
+    local finite, where = true, nil
+    if results[i] then finite, where = core.array_finite(results[i]) end
+    if not finite then
+      local wide = 1
+      for axis, extent in ipairs(results[i].shape) do if axis > 1 then wide = wide * extent end end
+      return check.fail("%s: the light field at point %d is beyond the range of %s", name,
+        math.floor((where - 1) / wide) + 1, points.dtype)
+    end
+  end
+end
 
 --- The field of any object that has one (lights, grids) at points [n][3]: what ylm.light_field does.
 -- `given` is what the points were made from, with which `out` may share no memory either. `isa` names a kernel set, for
@@ -309,6 +324,7 @@ function light.evaluate(name, lmax, object, points, o, isa, given)
   local L, dL, ddL, lambda, norm, inside, pairs = check.result(name, core.field_evaluate(object, lmax, points,
     channels, want, metric_channels, o.threads or 0, progress, out1, out2, out3, isa))
   if L == nil then return nil, dL, ddL end
+  if core.type(object) == "ylm.gpu_lights" then check_finite(name, points, { L, dL, ddL, lambda, norm }) end
   return L, dL, ddL, { lambda = lambda, norm = norm, inside = inside, pairs = pairs }
 end
 
@@ -327,8 +343,8 @@ describe "light_field" {
     { "ddL", "array", "[n][channels][(lmax+1)^2][6], or nil: xx xy xz yy yz zz" },
     { "report", "table", "inside [n]: 1 in or on a light, else 0; pairs: evaluations; with metric lambda, norm [n]" },
   },
-  errors = "raises on bad arguments; nil, 'cancelled', 'ECANCELLED' where progress returns false; nil, message, code where "
-    .. "a device fails",
+  errors = "raises on bad arguments, and where a result is beyond the range of its type, naming the point (radiance 1e300 in "
+    .. "float); nil, 'cancelled', 'ECANCELLED' where progress returns false; nil, message, code where a device fails",
   example = [[
 local lamp = ylm.sphere_light { at = { 0, 2, 0 }, radius = 0.1, radiance = { 10, 8, 6 } }
 local L, dL = ylm.light_field(4, lamp, { { 0, 0, 0 }, { 1, 0, 0 } }, { derivatives = 1 })

@@ -31,18 +31,25 @@ function args.any_coefficients(n, name, value, limit)
   return c, lmax, shape, dtype, rows, convention
 end
 
---- The same, refusing other systems than ylm's (quantity and axes may be any) and what is not finite.
-function args.coefficients(n, name, value, limit)
+--- Are all numbers finite, and so small that sums of the products of `powers` (1) of them cannot overflow?
+function args.are_small(c, dtype, powers)
+  return core.array_within(c, 10 ^ ((dtype == "double" and 290 or 25) / (powers or 1)))
+end
+
+--- The same, refusing other systems than ylm's (quantity and axes may be any) and what is not finite. At last: whether the
+-- numbers are so small that sums of the products of `powers` (1) of them are within the range of their type.
+function args.coefficients(n, name, value, limit, powers)
   local c, lmax, shape, dtype, rows, convention = args.any_coefficients(n, name, value, limit)
   if convention % 32 ~= 0 then
     return check.bad(n, name, "coefficients are of convention '%s': convert them to 'ylm' first",
       core.sh_convention_name(convention))
   end
-  local finite, where = core.array_finite(c)
+  local small, finite, where = args.are_small(c, dtype, powers), true, nil
+  if not small then finite, where = core.array_finite(c) end
   if not finite then
     return check.bad(n, name, "coefficients: row %d is not finite", math.floor((where - 1) / shape[#shape]) + 1)
   end
-  return c, lmax, shape, dtype, rows, convention
+  return c, lmax, shape, dtype, rows, convention, small
 end
 
 local extents = require "ylm.outputs".extents
@@ -71,6 +78,15 @@ function args.result(name, out, shape, dtype, convention, sources)
   return out
 end
 
+--- The result `a` of the function `name`, if its element type holds all of it; `small` says that it does.
+function args.held(name, a, small)
+  if small then return a end
+  local finite, where = core.array_finite(a)
+  if finite then return a end
+  local _, dtype = core.array_info(a)
+  return check.fail("%s: number %d of the result is beyond the range of %s", name, where, dtype)
+end
+
 --- `a` with element type `dtype`: itself or a copy.
 function args.as(a, dtype)
   local _, own = core.array_info(a)
@@ -80,7 +96,7 @@ end
 
 --- sh.reconstruct, for a function of that name, which its messages say; options are checked.
 function args.reconstruct(name, c, points, options)
-  local coefficients, lmax, shape, dtype = args.coefficients(1, name, c)
+  local coefficients, lmax, shape, dtype, _, _, small = args.coefficients(1, name, c)
   local one_row = #shape == 1
   if dtype == "float" and core.type(points) == "ylm.array" and select(2, core.array_info(points)) == "double" then
     dtype = "double"
@@ -96,6 +112,7 @@ function args.reconstruct(name, c, points, options)
   ok, message, code = check.result(name, core.sh_reconstruct(lmax, coefficients, p, out, options.threads,
     progress.of(options.progress)))
   if not ok then return nil, message, code end
+  args.held(name, out, small)
   if one_row and one_point and options.out == nil then return out[1] end
   return out
 end

@@ -108,7 +108,8 @@ function convert.convert(c, to, options)
     end
     source, source_system = number, system
   end
-  local finite, where = core.array_finite(a)
+  local small, finite, where = args.are_small(a, dtype), true, nil
+  if not small then finite, where = core.array_finite(a) end
   if not finite then return check.bad(1, "convert", "coefficients: number %d is not finite", where) end
   local lead, rows, lmax = measure(1, "convert", a, source_system)
   local shape = shape_in(1, "convert", lead, lmax, target_system)
@@ -118,7 +119,7 @@ function convert.convert(c, to, options)
   ok, message, code = check.result("convert", core.sh_convert(source, target, lmax, rows, a, out, options.threads,
     progress.of(options.progress)))
   if not ok then return nil, message, code end
-  return out
+  return args.held("convert", out, small)
 end
 
 describe "sh.resize" {

@@ -84,9 +84,10 @@ function product.product(...)
   if n < 2 or n > core.sh_product_factors then
     return check.fail("product: 2 to %d factors expected, got %d", core.sh_product_factors, n)
   end
-  local list, dtype = {}, nil
+  local list, dtype, all_small = {}, nil, options.dtype ~= "float"
   for i = 1, n do
-    local c, lmax, shape, own, rows, convention = args.coefficients(i, "product", given[i], core.sh_product_lmax)
+    local c, lmax, shape, own, rows, convention, small = args.coefficients(i, "product", given[i], core.sh_product_lmax, n)
+    all_small = all_small and small
     list[i] = { c = c, lmax = lmax, shape = shape, rows = rows, convention = convention }
     if lmax ~= list[1].lmax then
       return check.bad(i, "product", "lmax %d does not fit to lmax %d of factor 1 (sh.resize cuts or extends)", lmax,
@@ -110,6 +111,7 @@ function product.product(...)
   if not out then return nil, message, code end
   local a, b, c = core.sh_product(p, arrays, out, options.threads, options.stages, progress.of(options.progress))
   if not a then return check.result("product", nil, b, c) end
+  args.held("product", out, all_small)
   if options.stages then return out, { a, b, c } end
   return out
 end
@@ -174,7 +176,7 @@ function product.transfer(b, lmax, options)
   if not ok then return check.result("transfer", nil, message, code) end
   local result = args.as(M, options.dtype)
   core.array_set_convention(result, 0) -- a matrix, no coefficients
-  return result
+  return args.held("transfer", result)
 end
 
 local apply_options = { args.threads, args.out, args.progress }
@@ -209,7 +211,7 @@ function product.transfer_apply(M, c, options)
   local ok
   ok, message, code = core.sh_transfer_apply(M, a, out, options.threads, progress.of(options.progress))
   if not ok then return check.result("transfer_apply", nil, message, code) end
-  return out
+  return args.held("transfer_apply", out)
 end
 
 return product

@@ -276,7 +276,7 @@ function project.project(lmax, f, options)
   end
   if not c then return nil, about, code end
   if core.array_info(c)[1] == 1 then c = core.array_reshape(c, { (lmax + 1) ^ 2 }) end
-  c = args.as(c, o.dtype)
+  c = args.held("project", args.as(c, o.dtype))
   if not o.out then return c, about end
   local shape = core.array_info(c)
   local out = args.result("project", o.out, shape, o.dtype)

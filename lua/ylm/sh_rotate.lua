@@ -197,7 +197,7 @@ assert(c[2] == 1 and c[3] == 0)]],
 }
 function rotate.rotate(c, rotation, options)
   options = form.options(3, "rotate", rotate_options, options)
-  local a, lmax, shape, dtype, rows, convention = args.coefficients(1, "rotate", c, core.sh_rotate_lmax)
+  local a, lmax, shape, dtype, rows, convention, small = args.coefficients(1, "rotate", c, core.sh_rotate_lmax)
   local object = core.type(rotation) == "ylm.sh_rotation" and rotation
   local matrix, p, out, message, code
   if object then
@@ -216,7 +216,7 @@ function rotate.rotate(c, rotation, options)
     if object then matrix = numbers(rotate.about[object].matrix, 9) end
     local result = core.array_reshape(by_reference(matrix, lmax, a, dtype, rows), shape)
     core.array_set_convention(result, convention)
-    return result
+    return args.held("rotate", result, small)
   end
   out, message, code = args.result("rotate", options.out, shape, dtype, convention, options.out ~= c and { a } or {})
   if not out then return nil, message, code end
@@ -229,7 +229,7 @@ function rotate.rotate(c, rotation, options)
     ok, message, code = core.sh_rotate(p, matrix, lmax, a, out, options.threads, progress.of(options.progress))
   end
   if not ok then return check.result("rotate", nil, message, code) end
-  return out
+  return args.held("rotate", out, small)
 end
 
 return rotate

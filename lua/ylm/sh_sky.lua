@@ -1,5 +1,6 @@
 --- ylm.sh.sky: standard skies, projected.
 
+local args = require "ylm.sh_args"
 local array = require "ylm.array"
 local check = require "ylm.check"
 local core = require "ylm.c.core"
@@ -107,6 +108,7 @@ function sky.sky(lmax, options)
   local rough
   rough, message, code = above(lmax, f, zenith, math.floor(0.7 * o.nodes))
   if not rough then return nil, message, code end
+  args.held("sky", c)
   return core.array_reshape(c, { (lmax + 1) ^ 2 }), f,
     { method = "quadrature", samples = 2 * o.nodes ^ 2, error = project.distance(c, rough) }
 end

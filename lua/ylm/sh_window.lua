@@ -64,7 +64,7 @@ function window.window(c, name, width)
   local out, message, code = args.result("window", nil, shape, dtype, convention)
   if not out then return nil, message, code end
   assert(core.sh_degree_scale(a, out, lmax, factors_of(f, width, lmax)))
-  return out
+  return args.held("window", out)
 end
 
 -- Deringing ---------------------------------------------------------------------------------------
@@ -78,6 +78,7 @@ local dering_options = {
 
 local function energy(a)
   local _, _, norm = core.array_distance(a, a)
+  if not (norm * norm < math.huge) then return check.fail "dering: the sum of squares is beyond the range of double" end
   return norm * norm
 end
 
@@ -188,7 +189,7 @@ function window.random(rows, lmax, options)
   local out, message, code = args.result("random", nil, { rows, (lmax + 1) ^ 2 }, o.dtype)
   if not out then return nil, message, code end
   core.sh_random(out, o.seed, o.low, o.high)
-  return out
+  return args.held("random", out)
 end
 
 describe "sh.relative_error" {
@@ -214,6 +215,7 @@ function window.relative_error(a, b)
   norms, message, code = args.result("relative_error", nil, { sy[1] }, "double")
   if not norms then return nil, message, code end
   assert(core.sh_relative_error(x, y, out, norms))
+  args.held("relative_error", norms)
   return out, norms
 end
 
@@ -242,6 +244,7 @@ function window.summary(c)
     end
     energies[l + 1] = sum
     total = total + sum
+    if not (total < math.huge) then return check.fail "summary: the sum of squares is beyond the range of double" end
   end
   local lines = { ("%s, lmax %d, [%s] %s"):format(core.sh_convention_name(convention), lmax,
     table.concat(shape, "]["):gsub("%.0", ""), dtype) }

@@ -48,7 +48,7 @@ function axial.zonal(z, direction)
   local factors = {}
   for l = 0, lmax do factors[l + 1] = math.sqrt(4 * pi / (2 * l + 1)) * list[l + 1] end
   assert(core.sh_degree_scale(Y, Y, lmax, factors))
-  return Y
+  return args.held("zonal", Y)
 end
 
 describe "sh.convolve" {
@@ -72,7 +72,7 @@ function axial.convolve(c, zonal)
   local out, message, code = args.result("convolve", nil, shape, dtype, convention)
   if not out then return nil, message, code end
   assert(core.sh_degree_scale(a, out, lmax, factors))
-  return out
+  return args.held("convolve", out)
 end
 
 --- P_l(x) for l = 0 .. lmax+1.
