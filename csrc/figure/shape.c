@@ -4,6 +4,8 @@
 #include <math.h>
 #include <string.h>
 
+#include "ylm_vector.h"
+
 void ylm_figure_shape_init(ylm_figure_shape *s, int corners) {
   memset(s, 0, sizeof *s);
   s->corners = corners;
@@ -241,12 +243,8 @@ ylm_status ylm_figure_add_arrows(ylm_figure_shape *s, size_t n, const double *at
 /* The unit direction of a polyline at its point i; false where points coincide. */
 static bool tangent(const double *p, size_t n, size_t i, double d[3]) {
   const double *a = p + 3 * (i ? i - 1 : 0), *b = p + 3 * (i + 1 < n ? i + 1 : i);
-  double length = 0;
-  for (int k = 0; k < 3; k++) d[k] = b[k] - a[k], length += d[k] * d[k];
-  length = sqrt(length);
-  if (!(length > 0)) return false;
-  for (int k = 0; k < 3; k++) d[k] /= length;
-  return true;
+  for (int k = 0; k < 3; k++) d[k] = b[k] - a[k];
+  return ylm_unit3(d);
 }
 
 ylm_status ylm_figure_add_tube(ylm_figure_shape *s, size_t n, const double *point,

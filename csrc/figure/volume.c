@@ -4,6 +4,8 @@
 #include <math.h>
 #include <string.h>
 
+#include "ylm_vector.h"
+
 ylm_status ylm_figure_volume_init(ylm_figure_volume *v, const double b[6], const size_t size[3],
                                   int components) {
   memset(v, 0, sizeof *v);
@@ -199,9 +201,8 @@ ylm_status ylm_figure_volume_smooth(ylm_figure_volume *v, int times) {
 /* The unit direction at p, or false where there is none. */
 static bool direction(const ylm_figure_volume *v, const double p[3], bool forward, double d[3]) {
   if (!ylm_figure_volume_at(v, p, d)) return false;
-  double length = sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
-  if (!(length > 0)) return false;
-  for (int a = 0; a < 3; a++) d[a] *= (forward ? 1 : -1) / length;
+  if (!ylm_unit3(d)) return false;
+  for (int a = 0; a < 3; a++) d[a] *= forward ? 1 : -1;
   return true;
 }
 
