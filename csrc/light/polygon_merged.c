@@ -1,18 +1,16 @@
 /*
 ** polygon_merged.c - flat lights that are approximated by spheres, summed by merged moments.
 **
-** A light's coefficients are those of a sphere times c = |cos gamma|, which differs from point to
-** point. With v from the point to the light and S the sphere's coefficients:
+** A light's coefficients are those of a sphere, S, times c = |cos gamma|, which differs from point
+** to point. The kernels of sphere lights are given c and its derivatives in place of a radiance:
 **
-**   sum c S,   d_a: sum (c d_a S + S d_a c),   d_ab: sum (c d_ab S + d_a c d_b S + d_b c d_a S + S
-*d_ab c)
+**   d_a (c S)  = c d_a S + S d_a c
+**   d_ab (c S) = c d_ab S + d_a c d_b S + d_b c d_a S + S d_ab c
 **
-** So the kernels of sphere lights are given c and its derivatives in place of a radiance: all kinds
-*of
-** moments times c, those of fewer derivatives times d_a c, those of values times d_ab c. Lanes are
-*points.
+** so all kinds of moments are summed times c, those of fewer derivatives times d_a c, and those of
+** values times d_ab c. Lanes are points.
 **
-** Source  docs/math.md "Sum of sphere lights"; Mezieres et al. 2022, Eqs. 24-28
+** Source  docs/math.md "Polygons and disks"; Mezieres et al. 2022, Eqs. 24-28
 */
 #include "polygon_merged.h"
 

@@ -1,6 +1,4 @@
-/* polygon_merged.h - flat lights that are approximated by spheres, summed by merged moments.
- * Private to csrc/light.
- */
+/* polygon_merged.h - many flat lights as spheres, by merged moments. Private to csrc/light. */
 #ifndef YLM_LIGHT_POLYGON_MERGED_H
 #define YLM_LIGHT_POLYGON_MERGED_H
 
