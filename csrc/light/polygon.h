@@ -26,8 +26,8 @@ ylm_status ylm__polygon_describe(size_t index, int sides, const double *vertices
 /* polygon_shape.c: the field's `crosses`. */
 ylm_status ylm__polygon_crosses(const ylm_field *f, size_t n, const double *boxes, uint8_t *out);
 
-/* The approximation, light by light: sums of all flat lights at n points x: sum [n][3][10 count] (value, gradient,
-   Hessian as far as wanted), inside [n]. Sums come zeroed. */
+/* The approximation, light by light: sums of all flat lights at n points x: sum [n][3][10 count]
+   (value, gradient, Hessian as far as wanted), inside [n]. Sums come zeroed. */
 ylm_status ylm__polygon_spheres(const ylm_polygons *p, const ylm_field_query *q, size_t n,
                                 const double (*x)[3], double *sum, uint8_t *inside);
 
