@@ -1,11 +1,8 @@
-/* texture.c - images on parallelograms, cut into parts of one colour: spheres, quadrilaterals,
- * tiles. */
+/* texture.c - images on parallelograms, cut into parts of one colour: quadrilaterals, tiles. */
 #include <math.h>
 #include <string.h>
 
 #include "ylm_light.h"
-
-#define PI 3.14159265358979323846
 
 /* Texels x0 .. x1-1 of rows y0 .. y1-1. */
 typedef struct part {
@@ -78,41 +75,7 @@ static void place(const ylm_light_texture *t, double x, double y, double out[3])
   for (int a = 0; a < 3; a++) out[a] = t->corner[a] + s * t->u[a] + r * t->v[a];
 }
 
-static double area_of(const ylm_light_texture *t) {
-  const double *u = t->u, *v = t->v;
-  double n[3] = {u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]};
-  return sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
-}
-
-/* -- spheres ------------------------------------------------------------------------------------
- */
-
-typedef struct spheres {
-  size_t n;
-  double area; /* of a texel */
-  double *at, *radius, *radiance;
-} spheres;
-
-static void emit_sphere(void *context, const ylm_light_texture *t, const part *p,
-                        const double mean[3]) {
-  spheres *s = context;
-  size_t i = s->n++;
-  if (!s->at) return;
-  place(t, 0.5 * (double)(p->x0 + p->x1), 0.5 * (double)(p->y0 + p->y1), s->at + 3 * i);
-  s->radius[i] = sqrt(s->area * (double)(p->x1 - p->x0) * (double)(p->y1 - p->y0) / PI);
-  memcpy(s->radiance + 3 * i, mean, 3 * sizeof *mean);
-}
-
-size_t ylm_light_texture_spheres(const ylm_light_texture *t, double *at, double *radius,
-                                 double *radiance) {
-  double area = area_of(t) / ((double)t->width * (double)t->height);
-  spheres s = {0, area, at, radius, radiance};
-  cut_all(t, &s, emit_sphere);
-  return s.n;
-}
-
-/* -- quadrilaterals -----------------------------------------------------------------------------
- */
+/* -- quadrilaterals -------------------------------------------------------------------------- */
 
 typedef struct quads {
   size_t n;
@@ -141,8 +104,7 @@ size_t ylm_light_texture_quads(const ylm_light_texture *t, double *vertices, dou
   return q.n;
 }
 
-/* -- tiles --------------------------------------------------------------------------------------
- */
+/* -- tiles ----------------------------------------------------------------------------------- */
 
 size_t ylm_light_texture_tiles(const ylm_light_texture *t, size_t across, double *triangles,
                                double *radiance) {

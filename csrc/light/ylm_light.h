@@ -211,14 +211,12 @@ YLM_API void ylm_light_kinds(const ylm_field_query *q, int *lum, int *rgb);
 YLM_API ylm_status ylm_light_check(const ylm_field_query *q, int most, size_t n, const void *points,
                                    const ylm_field_result *r, ylm_error *e);
 
-/* -- textured parallelograms: csrc/light/texture.c ----------------------------------------------
- */
+/* -- textured parallelograms: csrc/light/texture.c ------------------------------------------- */
 
 /*
 ** An image on a parallelogram, which is cut into parts: a quadtree whose leaves are of one colour
-** to
-** `tolerance`, at most twice as long as wide, and no larger than `largest` of the image's width and
-** height. Parts without any radiance are left out.
+** to `tolerance`, at most twice as long as wide, and no larger than `largest` of the image's width
+** and height. Parts without any radiance are left out.
 **
 ** Source   Mezieres et al. 2022, Fig. 9 (a sphere for each texel) and Sec. 6 (the quadtree)
 */
@@ -231,11 +229,8 @@ typedef struct ylm_light_texture {
   double largest;               /* 0 < largest <= 1 */
 } ylm_light_texture;
 
-/* For each part the sphere at its centre whose disc has its area: at [n][3], radius [n], radiance
-   [n][3], the part's mean. Returns n; with at NULL nothing is written. O(texels log texels). */
-YLM_API size_t ylm_light_texture_spheres(const ylm_light_texture *t, double *at, double *radius,
-                                         double *radiance);
-/* The parts themselves: vertices [n][4][3], counter-clockwise seen with u to the right and v up. */
+/* The parts: vertices [n][4][3], counter-clockwise seen with u to the right and v up, radiance
+   [n][3] their means. Returns n; with vertices NULL nothing is written. O(texels log texels). */
 YLM_API size_t ylm_light_texture_quads(const ylm_light_texture *t, double *vertices,
                                        double *radiance);
 /* The whole parallelogram as a regular net of at most `across` tiles a side, cut at texels, two
@@ -244,8 +239,7 @@ YLM_API size_t ylm_light_texture_quads(const ylm_light_texture *t, double *verti
 YLM_API size_t ylm_light_texture_tiles(const ylm_light_texture *t, size_t across, double *triangles,
                                        double *radiance);
 
-/* -- flat lights: csrc/light/polygon.c, contour*.c ----------------------------------------------
- */
+/* -- flat lights: csrc/light/polygon.c, contour*.c ------------------------------------------- */
 
 /*
 ** Planar convex polygons, and ellipses, that emit the same radiance to both sides.
