@@ -83,6 +83,28 @@ describe("occlusion rays", function()
     assert.is_nil(free.stats.transfer_samples)
   end)
 
+  it("that leave more noise than they are chosen for are warned of, with a number that is enough or the way without", function()
+    --- A floor that sees the lamp through a slit `wide`.
+    local function slit(wide)
+      return ylm.scene "slit" {
+        camera = ylm.camera { from = { 0, 0.9, 0.01 }, at = { 0, 0, 0 }, fov = 60 },
+        geometry = { ylm.quad { corner = { -1, 0, 1 }, u = { 2, 0, 0 }, v = { 0, 0, -2 } },
+          ylm.quad { corner = { -9, 1, 9 }, u = { 9 - wide / 2, 0, 0 }, v = { 0, 0, -18 } },
+          ylm.quad { corner = { wide / 2, 1, 9 }, u = { 9 - wide / 2, 0, 0 }, v = { 0, 0, -18 } } },
+        lights = { ylm.sphere_light { at = { 0, 3, 0 }, radius = 0.1, radiance = 50 } },
+      }
+    end
+    local function warned(wide)
+      local _, report = assert(slit(wide):reference(with(small, { lmax = 2, layers = false })))
+      return table.concat(report.warnings, "\n"), report.noise
+    end
+    assert.is_truthy(warned(0.1):find "2048 occlusion rays from each shading point leave a noise of %d+%.%d %%, more than 2 %%: "
+      and warned(0.1):find "set transfer_samples = %d+")
+    assert.is_truthy(warned(0.02):find "too little of the sky is seen for such rays, use raycast")
+    local clear, noise = warned(4)
+    assert.is_true(noise <= 0.02 and not clear:find "noise", clear)
+  end)
+
   it("are the same whatever the number of threads", function()
     local function noise(threads) return assert(shaded():prepare(with(small, { threads = threads }))).stats.noise end
     assert.equal(noise(1), noise(2))

@@ -8,6 +8,7 @@ local occlusion = require "ylm.render_occlusion"
 local pictures = require "ylm.render_picture"
 local unmet = require "ylm.grid_unmet"
 local views = require "ylm.render_view"
+local warning = require "ylm.warning"
 
 local shading = {}
 
@@ -50,6 +51,8 @@ local function shortcomings(name, p, o)
   local report = pictures.new_report(p)
   local ok, message, code = occlusion.report(name, p, o, report)
   if not ok then return nil, message, code end
+  local loud = views.loud(p)
+  if loud then report.warnings[#report.warnings + 1] = warning.say(p.scene, "noise", "%s", loud) end
   for _, sentence in ipairs(unmet.warn(o.grid)) do report.warnings[#report.warnings + 1] = sentence end
   return report
 end

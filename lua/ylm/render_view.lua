@@ -12,6 +12,8 @@ local views = {}
 --- The noise at which rays are enough, and the most of them, where nobody says how many: see options.transfer_fields.
 local NOISE, MOST_SAMPLES = 0.02, 2048
 
+local GIVEN_SAMPLES = 65536 -- the most that transfer_samples may be
+
 require "ylm.reference".object "prepared" {
   about = "What one camera sees of a scene, with transfer vectors, ready to be shaded by any light field.",
   fields = {
@@ -89,6 +91,17 @@ function views.prepare(name, s, o)
       shading = o.shading, visibility = visibility, transfer_samples = stats.transfer_samples or rays,
       occlusion_distance = distance } }
   return view
+end
+
+--- The sentence about a view whose chosen number of rays leaves more noise than it was chosen for; nil: it does not.
+function views.loud(p)
+  local noise, rays = p.stats.noise, p.stats.transfer_samples
+  if not noise or noise <= NOISE then return nil end
+  local enough = 2 ^ math.ceil(math.log(rays * (noise / NOISE) ^ 2) / math.log(2))
+  local advice = enough <= GIVEN_SAMPLES and ("set transfer_samples = %d"):format(enough)
+    or "too little of the sky is seen for such rays, use raycast (scene:raycast, ylm render --method raycast)"
+  return ("scene %q: %d occlusion rays from each shading point leave a noise of %.1f %%, more than %g %%: %s"):format(
+    p.scene.name or "?", rays, 100 * noise, 100 * NOISE, advice)
 end
 
 --- The lmax that options leave open.
