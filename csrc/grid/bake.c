@@ -1,5 +1,6 @@
 /* bake.c - the three bakes: by a threshold, by a tolerance, and of a uniform grid. */
 #include "dynamic.h"
+#include "surface.h"
 
 #include <math.h>
 #include <string.h>
@@ -64,21 +65,37 @@ static ylm_status reserve_uniform(baker *b, const uint8_t *mark, size_t n) {
   return s == YLM_OK && all ? ylm__grid_reserve_points(g, points) : s;
 }
 
-/* Voxels of a lattice, all or those that hold shading points. */
+/* Marks the voxels of a lattice that are occupied: all, those that hold shading points, or those
+   that surfaces meet. */
+static ylm_status mark_uniform(baker *b, uint8_t *mark, size_t n) {
+  ylm_grid_stats *stats = &b->g->stats;
+  uint64_t *voxel;
+  size_t voxels;
+  if (!b->source->meshes) {
+    if (!b->source->occupied_points)
+      memset(mark, 1, n);
+    else
+      occupancy_mark_uniform(b->g, b->source, mark, &stats->outside);
+    return YLM_OK;
+  }
+  ylm_status s = ylm_grid_surface_voxels(b->g, b->source, &voxel, &voxels, &stats->outside, b->e);
+  b->told = s != YLM_OK;
+  for (size_t i = 0; s == YLM_OK && i < voxels; i++) mark[voxel[i]] = 1;
+  if (s == YLM_OK) ylm_free(voxel);
+  return s;
+}
+
+/* Voxels of a lattice, all or those that are occupied. */
 static ylm_status bake_uniform(baker *b) {
   ylm_grid *g = b->g;
   const uint32_t *r = g->view.resolution;
   size_t n = (size_t)r[0] * r[1] * r[2];
   uint8_t *mark = ylm_alloc_zero(n, 1);
   if (!mark) return YLM_ENOMEM;
-  ylm_status s = YLM_OK;
   double t = ylm_seconds();
-  if (!b->source->occupied_points)
-    memset(mark, 1, n);
-  else
-    occupancy_mark_uniform(g, b->source, mark, &g->stats.outside);
+  ylm_status s = mark_uniform(b, mark, n);
   g->stats.occupancy_seconds = ylm_seconds() - t;
-  s = reserve_uniform(b, mark, n);
+  if (s == YLM_OK) s = reserve_uniform(b, mark, n);
   for (size_t i = 0; i < n && s == YLM_OK; i++) {
     if (!mark[i]) continue;
     s = cell_list_push(&b->wave, (uint32_t)g->cells);
@@ -102,7 +119,11 @@ static ylm_status bake(baker *b) {
   double t = ylm_seconds();
   bool found;
   ylm_status s = keeper_occupancy(b, &found);
-  if (!found) s = occupancy_build(&b->occupied, b->g, b->source, &b->g->stats.outside);
+  if (b->source->meshes) {
+    s = occupancy_from_surfaces(&b->occupied, b->g, b->source, &b->g->stats.outside, b->e);
+    b->told = s != YLM_OK && s != YLM_ENOMEM;
+  } else if (!found)
+    s = occupancy_build(&b->occupied, b->g, b->source, &b->g->stats.outside);
   b->g->stats.occupancy_seconds = ylm_seconds() - t;
   if (s == YLM_OK) s = baker_root(b);
   if (s != YLM_OK) return s;
@@ -115,6 +136,9 @@ ylm_status ylm__grid_check_source(const ylm_grid_source *s, bool dynamic, ylm_er
   if (dynamic && !s->lights)
     return ylm_fail(e, YLM_EINVAL,
                     "dynamic: a grid that is to be updated is baked from sphere or flat lights");
+  if (s->meshes && (s->occupied || s->occupied_points))
+    return ylm_fail(e, YLM_EINVAL, "occupied: either points or surfaces");
+  if (s->meshes) return ylm__grid_check_meshes(s->meshes, s->mesh, e);
   if (!s->occupied_points) return YLM_OK;
   if (s->occupied == 0) return ylm_fail(e, YLM_EINVAL, "occupied: no points");
   if (!ylm_all_finite(s->occupied_dtype, s->occupied_points, 3 * s->occupied, &bad))

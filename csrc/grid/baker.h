@@ -95,7 +95,7 @@ ylm_status baker_finish(baker *b);
    over the norm. */
 float baker_metric(const baker *b, const ylm_grid_cell *c, ylm_grid_metric metric);
 
-/* Does a source have shading points, or is every voxel occupied? */
+/* Does a source have shading points? Else surfaces or every voxel are occupied. */
 static inline bool baker_has_shading(const ylm_grid_source *s) {
   return s->occupied_points || (s->keeper && s->occupied);
 }

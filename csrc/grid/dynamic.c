@@ -1,5 +1,6 @@
 /* dynamic.c - the state that updates need: made by the bake, kept per point. */
 #include "dynamic.h"
+#include "surface.h"
 
 #include <string.h>
 
@@ -44,21 +45,34 @@ void ylm__dynamic_sweep(grid_dynamic *d) {
 
 /* -- making ------------------------------------------------------------------------------- */
 
+/* Shading points or surfaces of a bake. */
+static ylm_status take_occupied(grid_dynamic *d, const ylm_grid *g, ylm_error *e) {
+  ylm_grid_source *s = &d->source;
+  if (s->meshes) {
+    ylm_status status = ylm_grid_surface_create(s->meshes, s->mesh, g->view.form.bounds, s->threads,
+                                                &d->surface, e);
+    if (status == YLM_OK) status = ylm__surface_keep(d->surface);
+    if (status == YLM_OK) s->mesh = ylm__surface_meshes(d->surface);
+    return status;
+  }
+  if (!s->occupied_points) return YLM_OK;
+  d->occupied_points =
+      ylm_alloc_copy(s->occupied_points, s->occupied * 3 * ylm_dtype_size(s->occupied_dtype), 1);
+  s->occupied_points = d->occupied_points;
+  return d->occupied_points ? YLM_OK : YLM_ENOMEM;
+}
+
 ylm_status ylm__dynamic_begin(ylm_grid *g, const ylm_grid_source *source, ylm_error *e) {
   grid_dynamic *d = g->dynamic = ylm_alloc_zero(1, sizeof *d);
   if (!d) return YLM_ENOMEM;
-  size_t bytes = source->occupied * 3 * ylm_dtype_size(source->occupied_dtype);
   ylm_status s = take_lamps(d, source->lights);
   if (s != YLM_OK) return s;
   d->source = *source;
   d->source.field = NULL;
   d->source.lights = NULL;
   d->source.progress = NULL;
-  if (source->occupied_points) {
-    d->occupied_points = ylm_alloc_copy(source->occupied_points, bytes, 1);
-    if (!d->occupied_points) return YLM_ENOMEM;
-  }
-  d->source.occupied_points = d->occupied_points;
+  s = take_occupied(d, g, e);
+  if (s != YLM_OK) return s;
   d->bends = 6 * (size_t)g->view.count * (size_t)g->view.form.metric_channels;
   return ylm__dynamic_meet(g, d->lamps, d->lamp, e);
 }
@@ -86,6 +100,7 @@ void ylm__dynamic_free(grid_dynamic *d) {
   ylm_free(d->born_sign);
   ylm_free(d->cell_sign);
   ylm_free(d->occupied_points);
+  ylm_grid_surface_free(d->surface);
   ylm_regrow_free(d->log, d->log_bytes);
   ylm_free(d->spare);
   occupancy_free(&d->occupied);
@@ -99,6 +114,6 @@ size_t ylm__dynamic_bytes(const grid_dynamic *d) {
          d->movers * (sizeof *d->mover + d->room) +
          d->room * ((d->bends + 2) * sizeof(float) + sizeof *d->sign) +
          (d->born_room + d->cell_room) * sizeof *d->sign +
-         d->source.occupied * 3 * ylm_dtype_size(d->source.occupied_dtype) + d->log_bytes +
-         d->spare_room * sizeof *d->spare;
+         d->source.occupied * 3 * ylm_dtype_size(d->source.occupied_dtype) +
+         ylm__surface_bytes(d->surface) + d->log_bytes + d->spare_room * sizeof *d->spare;
 }

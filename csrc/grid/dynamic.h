@@ -60,8 +60,9 @@ typedef struct grid_dynamic {
   bool is_signed;
 
   occupancy occupied;
-  ylm_grid_source source; /* of the bake, with a copy of its shading points; no field, no lights */
+  ylm_grid_source source; /* of the bake, with copies of what is lit; no field, no lights */
   void *occupied_points;
+  ylm_grid_surface *surface; /* of the source's meshes, with a copy of these; NULL: it has points */
 
   /* What refinement by a tolerance has learnt: tolerance.c */
   ratios ratio;

@@ -174,6 +174,9 @@ typedef struct occupancy {
 } occupancy;
 ylm_status occupancy_build(occupancy *o, const ylm_grid *g, const ylm_grid_source *s,
                            uint64_t *outside);
+/* The same from the triangles of the source, which `e` is about. */
+ylm_status occupancy_from_surfaces(occupancy *o, const ylm_grid *g, const ylm_grid_source *s,
+                                   uint64_t *outside, ylm_error *e);
 /* The same from Morton codes of the finest nodes, sorted, each once, which it takes. */
 ylm_status occupancy_take(occupancy *o, const ylm_grid *g, uint64_t *code, size_t n);
 /* Uniform grids: one byte per voxel. */

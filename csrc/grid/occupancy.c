@@ -1,4 +1,4 @@
-/* occupancy.c - the occupancy octree, built bottom-up from shading points. */
+/* occupancy.c - the occupancy octree, built bottom-up from shading points or marked voxels. */
 #include "grid.h"
 
 #include <string.h>
@@ -192,6 +192,14 @@ ylm_status occupancy_take(occupancy *o, const ylm_grid *g, uint64_t *code, size_
   } else
     ylm_free(code);
   return status;
+}
+
+ylm_status occupancy_from_surfaces(occupancy *o, const ylm_grid *g, const ylm_grid_source *s,
+                                   uint64_t *outside, ylm_error *e) {
+  uint64_t *code;
+  size_t n;
+  ylm_status status = ylm_grid_surface_voxels(g, s, &code, &n, outside, e);
+  return status == YLM_OK ? occupancy_take(o, g, code, n) : status;
 }
 
 /* The place of the first code from `first` on, looked for behind `begin`. */

@@ -80,6 +80,20 @@ ylm_status refiner_again(refiner *r) {
 
 /* -- the bake ---------------------------------------------------------------------------------- */
 
+/* The surface that held-out points are drawn on, if there is one. */
+static ylm_status find_surface(refiner *r) {
+  const ylm_grid *g = r->b->g;
+  const ylm_grid_source *s = r->b->source;
+  ylm_status status = YLM_OK;
+  r->surface = g->dynamic ? g->dynamic->surface : NULL;
+  if (!s->meshes || r->surface) return YLM_OK;
+  status = ylm_grid_surface_create(s->meshes, s->mesh, g->view.form.bounds, s->threads, &r->own,
+                                   r->b->e);
+  r->b->told = status != YLM_OK;
+  r->surface = r->own;
+  return status;
+}
+
 ylm_status refiner_begin(refiner *r) {
   size_t w = r->b->g->width;
   r->row = ylm_alloc((size_t)ylm_threads(r->b->source->threads) * (r->b->g->stride + ROW_PADDING),
@@ -90,7 +104,7 @@ ylm_status refiner_begin(refiner *r) {
   r->verdict = ylm_alloc(HELD_OUT, sizeof *r->verdict);
   refiner_learn(r);
   bool ok = r->row && r->points && r->exact && r->inside && r->verdict;
-  return ok ? YLM_OK : YLM_ENOMEM;
+  return ok ? find_surface(r) : YLM_ENOMEM;
 }
 
 static ylm_status run(refiner *r) {
@@ -116,6 +130,7 @@ void refiner_end(refiner *r) {
   ylm_free(r->verdict);
   ylm_free(r->tested.cell);
   ylm_free(r->centre.cell);
+  ylm_grid_surface_free(r->own);
 }
 
 ylm_status ylm__grid_bake_tolerance(baker *b) {

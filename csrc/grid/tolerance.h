@@ -25,7 +25,9 @@ typedef struct refiner {
   uint8_t *inside;
   verdict *verdict;
   size_t held, verdicts;
-  bool frozen; /* an update: ratios and `tight` are those of the bake */
+  const ylm_grid_surface *surface; /* held-out points are drawn on; NULL: among shading points */
+  ylm_grid_surface *own;           /* the same where nobody else frees it */
+  bool frozen;                     /* an update: ratios and `tight` are those of the bake */
 } refiner;
 
 /* -- tolerance.c ------------------------------------------------------------------------ */

@@ -98,6 +98,14 @@ typedef struct ylm_grid_keeper {
   ylm_status (*rows)(void *self, size_t n, float *data, bool forget, ylm_error *e);
 } ylm_grid_keeper;
 
+/* Triangles whose surface is to be lit. Sides and normals are those of ylm_geom.h. */
+typedef struct ylm_grid_mesh {
+  size_t vertices, triangles;
+  ylm_dtype dtype;       /* of the positions */
+  const void *position;  /* [vertices][3], scene units */
+  const uint32_t *index; /* [triangles][3], each below `vertices` */
+} ylm_grid_mesh;
+
 /* From where, and how. */
 typedef struct ylm_grid_source {
   const ylm_field *field;
@@ -106,6 +114,8 @@ typedef struct ylm_grid_source {
   size_t occupied;               /* number of shading points */
   ylm_dtype occupied_dtype;
   const void *occupied_points;  /* [occupied][3]; NULL: every voxel is occupied, or the keeper's */
+  size_t meshes;                /* surfaces instead of points: voxels that a triangle meets */
+  const ylm_grid_mesh *mesh;    /* [meshes]; a dynamic grid keeps a copy */
   uint64_t seed;                /* of the choice of held-out points */
   size_t max_points;            /* YLM_ELIMIT beyond; 0: no limit but memory */
   int threads;                  /* 0: the default */
@@ -141,7 +151,8 @@ typedef struct ylm_grid_stats {
   uint64_t levels;        /* deepest level + 1 */
   uint64_t pairs;         /* light x point evaluations, verification included */
   uint64_t invalid;       /* points in or on a light, filled from their neighbours */
-  uint64_t outside;       /* shading points outside of the bounds, moved onto them */
+  uint64_t outside;       /* shading points outside of the bounds, moved onto them; triangles that
+                             are not wholly within them, whose parts outside count for nothing */
   uint64_t bytes;         /* of memory that the grid holds */
   double seconds;         /* of the whole bake */
   double field_seconds;   /* of these, inside of the light field */
@@ -176,6 +187,62 @@ typedef struct ylm_grid_stats {
 YLM_API ylm_status ylm_grid_bake(const ylm_grid_form *form, const ylm_grid_source *source,
                                  ylm_grid **g, ylm_error *e);
 YLM_API void ylm_grid_free(ylm_grid *g);
+
+/* -- surfaces: surface.c, occupancy_triangles.c -------------------------------- */
+
+/* Triangles with their areas within a box: where held-out points of surfaces are drawn. */
+typedef struct ylm_grid_surface ylm_grid_surface;
+
+/*
+** ylm_grid_surface_create - the surface of meshes within bounds.
+**
+**   meshes, mesh  in   they are read as long as the surface lives
+**   bounds        in   min x y z, max x y z
+**
+** Returns  YLM_OK; YLM_EINVAL, YLM_EDOMAIN, YLM_ERANGE (what is wrong stands in `e`), YLM_ENOMEM
+** Cost     8 bytes per triangle; O(triangles)
+*/
+YLM_API ylm_status ylm_grid_surface_create(size_t meshes, const ylm_grid_mesh *mesh,
+                                           const double bounds[6], int threads,
+                                           ylm_grid_surface **s, ylm_error *e);
+YLM_API void ylm_grid_surface_free(ylm_grid_surface *s);
+/* The area within the bounds. */
+YLM_API double ylm_grid_surface_area(const ylm_grid_surface *s);
+/*
+** ylm_grid_surface_draw - random point k of a seed, uniform by area.
+**
+** The triangles, one after the other, are cut into `strata` parts of equal area; draw k lies in
+** part k modulo strata. So `strata` draws in a row are one from each part, and each draw is
+** independent of all others. Where the area is 0, all triangles are alike.
+**
+**   strata    in   1: none
+**   position  out  [3] scene units
+**   normal    out  [3] unit, to the side from which the triangle is counter-clockwise; (0, 0, 1)
+**                  where it has no area
+*/
+YLM_API void ylm_grid_surface_draw(const ylm_grid_surface *s, uint64_t seed, uint64_t k,
+                                   uint64_t strata, double position[3], double normal[3]);
+
+/*
+** ylm_grid_surface_voxels - the finest voxels of a grid that the triangles of a source meet.
+**
+** A voxel counts with its faces, enlarged by 4 units in the last place of a float (at most a
+** quarter of an edge): points of a triangle that were rounded to float are in marked voxels.
+** Rounding in the test marks too much, never too little.
+**
+**   g        in   a grid in the making: its form is used
+**   code     out  [n] of an octree Morton codes, of a uniform grid places in the lattice, x
+**                 fastest; ascending, each once (ylm_free)
+**   outside  out  triangles that are not wholly within the bounds are added
+**
+** Returns  YLM_OK; YLM_EDOMAIN (there are none), YLM_ELIMIT (more than 2^26), YLM_ENOMEM,
+**          YLM_ECANCELLED
+** Results  the same whatever the number of threads
+** Cost     memory: 16 bytes per voxel, 1 bit per voxel of level 8 or of the lattice
+*/
+YLM_API ylm_status ylm_grid_surface_voxels(const ylm_grid *g, const ylm_grid_source *source,
+                                           uint64_t **code, size_t *n, uint64_t *outside,
+                                           ylm_error *e);
 
 /* How many points were outside, and how many in voxels without data of their own (there the
    nearest evaluated ancestor answers, in a uniform grid the nearest voxel that has data). */

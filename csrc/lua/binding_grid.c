@@ -1,6 +1,7 @@
 /* binding_grid.c - how a bake is asked for: the form, its source, the object that is to be the
  * grid. */
 #include "binding_grid.h"
+#include "ylm_geom.h"
 
 ylm_grid **ylmL_grid_new(lua_State *L) {
   ylm_grid **g = lua_newuserdata(L, sizeof *g);
@@ -56,8 +57,21 @@ ylm_grid_form ylmL_grid_form(lua_State *L, int i) {
   return f;
 }
 
+const ylm_grid_mesh *ylmL_grid_meshes(lua_State *L, int i, size_t *n) {
+  *n = lua_rawlen(L, i);
+  ylm_grid_mesh *mesh = lua_newuserdata(L, (*n + 1) * sizeof *mesh);
+  for (size_t k = 0; k < *n; k++) {
+    lua_rawgeti(L, i, (int)k + 1);
+    const ylm_mesh *m = ylmL_mesh_check(L, lua_gettop(L));
+    mesh[k] = (ylm_grid_mesh){m->vertices, m->triangles, YLM_FLOAT, m->position, m->index};
+    lua_pop(L, 1); /* the list keeps it */
+  }
+  return mesh;
+}
+
 ylm_grid_source ylmL_grid_source(lua_State *L, ylmL_progress *progress) {
-  const ylmL_array *occupied = ylmL_array_opt(L, 3);
+  bool surfaces = lua_istable(L, 3);
+  const ylmL_array *occupied = surfaces ? NULL : ylmL_array_opt(L, 3);
   ylm_grid_source s = {.seed = (uint64_t)luaL_checknumber(L, 4),
                        .threads = (int)luaL_checknumber(L, 5),
                        .max_points = (size_t)luaL_checknumber(L, 6),
@@ -67,5 +81,6 @@ ylm_grid_source ylmL_grid_source(lua_State *L, ylmL_progress *progress) {
     s.occupied_points = occupied->data;
     s.occupied_dtype = occupied->dtype;
   }
+  if (surfaces) s.mesh = ylmL_grid_meshes(L, 3, &s.meshes);
   return s;
 }

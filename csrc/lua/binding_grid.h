@@ -14,7 +14,10 @@ ylm_grid **ylmL_grid_new(lua_State *L);
 ylm_grid *ylmL_grid_check(lua_State *L, int i);
 /* The table at `i`, which lua/ylm/grid_bake.lua fills completely. */
 ylm_grid_form ylmL_grid_form(lua_State *L, int i);
-/* A source from the stack: 3 occupied [n][3] | nil, 4 seed, 5 threads, 6 max_points, 7 progress. */
+/* The triangles of the list of meshes at `i`, n of them, in a userdata left on the stack. */
+const ylm_grid_mesh *ylmL_grid_meshes(lua_State *L, int i, size_t *n);
+/* A source from the stack: 3 occupied [n][3] | list of meshes, kept on the stack | nil, 4 seed, 5
+ * threads, 6 max_points, 7 progress. */
 ylm_grid_source ylmL_grid_source(lua_State *L, ylmL_progress *progress);
 
 #endif

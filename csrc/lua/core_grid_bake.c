@@ -144,8 +144,10 @@ static bool take_parts(lua_State *L, int i, ylm_light_parts *parts) {
 }
 
 /*
-** grid_bake(form table, object with a light field | function, occupied [n][3] | nil, seed, threads,
-**           max_points, progress, {spheres or false, polygons, ...} where it is dynamic) -> grid
+** grid_bake(form table, object with a light field | function, occupied [n][3] | list of meshes |
+*nil,
+**           seed, threads, max_points, progress, {spheres or false, polygons, ...} where it is
+*dynamic) -> grid
 */
 static int grid_bake(lua_State *L) {
   lua_settop(L, 8);
@@ -204,7 +206,35 @@ static int grid_bounds(lua_State *L) {
   return 2;
 }
 
+/* grid_surface_points(list of meshes, {lowest x, y, z, highest}, seed, n) -> positions [n][3],
+   normals, area within the bounds: what held-out points of surfaces are drawn from */
+static int grid_surface_points(lua_State *L) {
+  double bounds[6];
+  size_t meshes, shape[2] = {(size_t)luaL_checknumber(L, 4), 3};
+  lua_settop(L, 4);
+  for (int i = 0; i < 6; i++) {
+    lua_rawgeti(L, 2, i + 1);
+    bounds[i] = luaL_checknumber(L, -1);
+    lua_pop(L, 1);
+  }
+  const ylm_grid_mesh *mesh = ylmL_grid_meshes(L, 1, &meshes);
+  ylm_grid_surface *s;
+  ylm_error e = {0};
+  ylmL_array *p = ylmL_array_new(L, YLM_DOUBLE, 2, shape);
+  ylmL_array *normal = p ? ylmL_array_new(L, YLM_DOUBLE, 2, shape) : NULL;
+  if (!normal) return ylmL_result(L, 0, YLM_ENOMEM, NULL);
+  ylm_status status = ylm_grid_surface_create(meshes, mesh, bounds, 0, &s, &e);
+  if (status != YLM_OK) return ylmL_result(L, 0, status, &e);
+  for (size_t k = 0; k < shape[0]; k++)
+    ylm_grid_surface_draw(s, (uint64_t)lua_tonumber(L, 3), k, shape[0], (double *)p->data + 3 * k,
+                          (double *)normal->data + 3 * k);
+  lua_pushnumber(L, ylm_grid_surface_area(s));
+  ylm_grid_surface_free(s);
+  return 3;
+}
+
 static const luaL_Reg functions[] = {{"grid_bake", grid_bake},
+                                     {"grid_surface_points", grid_surface_points},
                                      {"grid_update", grid_update},
                                      {"grid_bounds", grid_bounds},
                                      {NULL, NULL}};

@@ -114,8 +114,8 @@ static int times(lua_State *L) {
 }
 
 /*
-** gpu_grid_bake(form table, lights on a device, occupied [n][3], the host's or a device's | nil,
-** seed, threads, max_points, progress) -> grid, its copy on the device | nil
+** gpu_grid_bake(form table, lights on a device, occupied [n][3], the host's or a device's | list of
+** meshes | nil, seed, threads, max_points, progress) -> grid, its copy on the device | nil
 */
 static int grid_bake(lua_State *L) {
   lua_settop(L, 7);
@@ -123,7 +123,8 @@ static int grid_bake(lua_State *L) {
   ylm_grid_form form = ylmL_grid_form(L, 1);
   const device_lights *d = ylmL_check(L, 2, GPU_LIGHTS);
   if (!field_of((void *)(uintptr_t)d)) luaL_argerror(L, 2, "the lights have been closed");
-  ylmL_any_array occupied = ylmL_any(L, 3);
+  ylmL_any_array occupied = {0};
+  if (!lua_istable(L, 3)) occupied = ylmL_any(L, 3);
   ylmL_progress progress;
   lua_pushvalue(L, 3); /* it stays on the stack */
   if (occupied.there) {

@@ -77,7 +77,7 @@ static ylm_status begin(octree *t, const ylm_grid_form *form) {
   if (t->uniform) t->form.depth = 0; /* edges of voxels are those of the lattice */
   t->stats = ylm_grid_stats_of(t->grid);
   t->resolution = v->resolution[0];
-  t->all = !source->occupied;
+  t->all = !source->occupied && !source->meshes;
   t->progress = (ylm_progress){forward, t};
   t->q = (step_queue){.g = t->g,
                       .times = &t->l->times,
@@ -140,12 +140,14 @@ static ylm_status list_voxels(octree *t, uint32_t voxels) {
   return steps_run(&t->q);
 }
 
-/* Which voxels hold shading points; of a uniform grid they are then listed. */
+/* Which voxels are occupied; of a uniform grid they are then listed. */
 static ylm_status occupy(octree *t) {
   occupied_level *o = &t->occupied.level[0];
   uint32_t count[YLM_GPU_COUNTS] = {[YLM_GPU_COUNT_VOXELS] = t->all ? lattice_voxels(t) : 0};
   ylm_status s = YLM_OK;
-  if (!t->all)
+  if (t->source->meshes)
+    s = occupied_surfaces(&t->occupied, count);
+  else if (!t->all)
     s = occupied_mark(&t->occupied, count);
   else { /* bound, not read */
     s = ylm_gpu_buffer_create(t->g, 4, &o->bits, t->e);

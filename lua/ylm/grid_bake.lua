@@ -54,19 +54,76 @@ local function shading_points(x, gpu)
   return points
 end
 
---- The bounds of a grid: its own, those given, else those of points that are the host's.
+--- The mesh of a mesh or a shape, else nil.
+local function mesh_of(x)
+  if core.type(x) == "ylm.mesh" then return x end
+  local mesh = type(x) == "table" and form.kind(x) and rawget(x, "mesh")
+  return core.type(mesh) == "ylm.mesh" and mesh or nil
+end
+
+--- The meshes of the option `geometry`, a list.
+local function meshes_of(x)
+  local list = mesh_of(x) and { x } or x
+  if type(list) ~= "table" or core.type(list) or form.kind(list) or #list == 0 then
+    return check.bad(3, "bake", "geometry must be a mesh, a shape or a list of them, got %s", check.describe(x))
+  end
+  local meshes = {}
+  for i, entry in ipairs(list) do
+    meshes[i] = mesh_of(entry)
+    if not meshes[i] then
+      return check.bad(3, "bake", "geometry[%d] must be a mesh or a shape, got %s", i, check.describe(entry))
+    end
+  end
+  return meshes
+end
+
+--- The meshes whose surfaces a bake is to serve; nil where it is to serve points, or everything.
+local function surfaces(o)
+  if o.occupied == nil and o.geometry == nil then return nil end
+  if type(o.occupied) == "string" and o.occupied ~= "surfaces" then
+    return check.bad(3, "bake", "occupied must be 'surfaces' or points, got %s", check.describe(o.occupied))
+  end
+  if o.occupied == "surfaces" and o.geometry == nil then
+    return check.bad(3, "bake", "occupied = 'surfaces' needs geometry = a mesh, a shape or a list of them")
+  end
+  if o.geometry == nil then return nil end
+  if o.occupied ~= nil and o.occupied ~= "surfaces" then
+    return check.bad(3, "bake", "geometry is for occupied = 'surfaces', occupied gives points: leave one out")
+  end
+  return meshes_of(o.geometry)
+end
+
+--- The box of meshes, a little larger; nil where they have no extent.
+local function bounds_of_meshes(meshes)
+  local lo, hi = { math.huge, math.huge, math.huge }, { -math.huge, -math.huge, -math.huge }
+  for _, mesh in ipairs(meshes) do
+    local vertices, _, low, high = core.mesh_info(mesh)
+    for i = 1, vertices > 0 and 3 or 0 do
+      lo[i], hi[i] = math.min(lo[i], low[i]), math.max(hi[i], high[i])
+    end
+  end
+  if not (math.max(hi[1] - lo[1], hi[2] - lo[2], hi[3] - lo[3]) > 0) then return nil end
+  return require "ylm.render_trace".bounds_of { lo = lo, hi = hi }
+end
+
+--- The bounds of a grid: its own, those given, else those of meshes or of points that are the host's.
 local function bounds(description, given, points)
   local there = core.type(points) == "ylm.gpu_array"
-  local box = description.bounds or given or (points and not there and bounds_of(points))
+  local box = description.bounds or given
+  if not box and type(points) == "table" then box = bounds_of_meshes(points) end
+  if not box and points and not there and type(points) ~= "table" then box = bounds_of(points) end
   if box then return box end
   if there then return check.bad(1, "bake", "no bounds: give them in the grid, points in a device's memory are not looked at") end
-  return check.bad(1, "bake", "no bounds: give them in the grid, or occupied points that span a box")
+  return check.bad(1, "bake", "no bounds: give them in the grid, or geometry or occupied points that span a box")
 end
 
 local bake_options = {
   { "occupied", "any", optional = true,
-    about = "shading points [n][3]: voxels without any are not subdivided; default: every voxel is occupied. Those of a "
-      .. "prepared view; with device also a gpu_array, and a view's are copied there once" },
+    about = "'surfaces': voxels that the triangles of geometry meet, where the tolerance holds by area; or shading points "
+      .. "[n][3], where it holds at them; or those of a prepared view. Other voxels are not subdivided. Default: 'surfaces' "
+      .. "with geometry, else every voxel; with device also a gpu_array, and a view's points are copied there once" },
+  { "geometry", "any", optional = true,
+    about = "what occupied = 'surfaces' is about: a mesh, a shape (quad, sphere, mesh ...) or a list of them" },
   { "bounds", "bounds", optional = true, about = "where the description has none" },
   { "seed", "integer", min = 0, max = 2 ^ 53, default = 1, about = "of the choice of held-out points" },
   { "max_points", "integer", min = 8, max = 2 ^ 32 - 2, default = 2 ^ 24, about = "nil, message, 'ELIMIT' beyond" },
@@ -129,9 +186,11 @@ function bake.bake(description, lights, given)
     return check.bad(2, "bake", "a grid with dynamic = true follows sphere lights and flat lights, this is baked from %s: "
       .. "bake that into a second grid, or leave dynamic out", light.other(object))
   end
-  local occupied
-  occupied, failed, why = shading_points(o.occupied, o.device or device_lights.device_of(object))
-  if not occupied and failed then return nil, failed, why end
+  local occupied = surfaces(o)
+  if not occupied then
+    occupied, failed, why = shading_points(o.occupied, o.device or device_lights.device_of(object))
+    if not occupied and failed then return nil, failed, why end
+  end
   local box = bounds(description, o.bounds, occupied)
   local cells = description.cells or { 1, 1, 1 }
   local progress = o.progress and require "ylm.progress".of(o.progress) or nil
