@@ -172,7 +172,9 @@ assert(ylm.box {}.mesh:save(folder .. "/a.ply"))]])
       ["view x.ylm -o x.exr"] = "view: x.exr: the name must end in .png",
       ["render " .. scene .. " -o x.png --size 0x9"] = "size must be { width, height }, integers from 1 to 65536",
       ["render " .. scene .. " -o x.png --samples -1"] = "samples must be an integer >= 1",
-      ["bake " .. scene .. " -o x.ylm --occupied nowhere"] = "--occupied is camera, vertices or everywhere, got 'nowhere'",
+      ["bake " .. scene .. " -o x.ylm --occupied nowhere"] =
+        "--occupied is surfaces, camera, vertices or everywhere, got 'nowhere'",
+      ["bake " .. scene .. " -o x.ylm --size 8x8"] = "--size is about the camera: give --occupied camera too",
       ["help --json zeros"] = "no option --json", ["bench --json"] = "no option --json",
     } do
       local _, code, err = ylm(words)
@@ -229,7 +231,7 @@ assert(ylm.box {}.mesh:save(folder .. "/a.ply"))]])
       }]])
     local small = " --size 48x27 --samples 2 "
     local _
-    local out, code, err = ylm("bake " .. scene .. small .. "--json -o " .. quote(path .. "/lamp.ylm"))
+    local out, code, err = ylm("bake " .. scene .. " --json -o " .. quote(path .. "/lamp.ylm"))
     assert.equal(0, code, err)
     assert.truthy(out:find '"points":%d+', out)
     for _, method in ipairs { "grid", "reference", "raycast" } do

@@ -107,6 +107,30 @@ describe("grid:sample: properties", function()
       assert.equal(0, core.array_distance(forward[i], grid:sample(occupied[i])))
     end
   end)
+
+  it("says with flags = true which points were outside, which unbaked", function()
+    local grid = ylm.bake(ylm.adaptive_grid { bounds = box, lmax = 1, depth = 5, threshold = 2 }, lamps,
+      { occupied = occupied })
+    local points = points_in(3000, { -1.2, -1.2, -1.2 }, { 1.2, 1.2, 1.2 }, SEED)
+    local _, _, report, flags = grid:sample(points, { flags = true })
+    local outside, unbaked = 0, 0
+    for i = 1, #points do
+      local out, without = flags[i] % 2, math.floor(flags[i] / 2)
+      local alone = select(3, grid:sample(points[i]))
+      assert(out == alone.outside and without == alone.unbaked, i)
+      outside, unbaked = outside + out, unbaked + without
+    end
+    assert(outside == report.outside and unbaked == report.unbaked and outside > 500 and unbaked > 500)
+    local out = { nil, ylm.zeros({ 3000, 3, 4, 3 }), ylm.zeros { 3000 } }
+    local _, _, _, again = grid:sample(points, { flags = true, threads = 2, derivatives = 1, dtype = "double", out = out })
+    assert.equal(out[3], again)
+    assert.equal(0, core.array_distance(again, ylm.array(flags, "double")))
+    _, _, _, again = grid:sample(points, { flags = true, threads = 1, out = { [2] = ylm.zeros({ 3000 }, "float") } })
+    assert.equal(0, core.array_distance(again, flags))
+    assert.equal(3, (select(4, grid:sample({ 5, -0.9, 0.9 }, { flags = true }))))
+    assert.equal(0, (select(4, grid:sample(occupied[1], { flags = true }))))
+    assert.is_nil((select(4, grid:sample(points))))
+  end)
 end)
 
 describe("grid:sample: agreement", function()

@@ -396,10 +396,10 @@ describe("a tree of lights", function()
       assert.is_true(t.pairs < 0.5 * e.pairs)
       assert.is_true(tree:compare(exact).mape < 1)
       assert.equal("0.01", tree.metadata.light_tolerance)
-      assert.is_true(s:bake({ light_tolerance = 1e-2, size = view.size }).stats.pairs
-        < 0.5 * s:bake({ size = view.size }).stats.pairs)
+      assert.is_true(s:bake({ light_tolerance = 1e-2 }).stats.pairs
+        < 0.5 * s:bake().stats.pairs)
       assert(s:render(view))
-      local ok, message = pcall(s.render, s, { grid = s:bake { size = view.size }, light_tolerance = 1e-2 })
+      local ok, message = pcall(s.render, s, { grid = s:bake(), light_tolerance = 1e-2 })
       assert.is_false(ok)
       assert.truthy(message:find("this grid is baked: leave one out", 1, true))
     end)

@@ -86,7 +86,7 @@ describe("a picture", function()
 
   it("carries how it was made", function()
     local s = card(1)
-    local grid = s:bake { probes = ylm.uniform_grid { cells = 2, lmax = 3 }, size = { 40, 20 } }
+    local grid = s:bake { probes = ylm.uniform_grid { cells = 2, lmax = 3 } }
     local image, report = s:render(with(options, { grid = grid }))
     local m = image.metadata
     assert.equal("3", m.lmax)
@@ -122,9 +122,19 @@ describe("a picture", function()
     local image, report = s:render(options)
     assert.equal("2", image.metadata.lmax)
     assert.equal(0, report.unbaked + report.outside)
-    for _, occupied in ipairs { "vertices", "everywhere" } do
+    for _, occupied in ipairs { "surfaces", "camera", "vertices", "everywhere" } do
       assert.is_true(s:bake({ occupied = occupied }).stats.points > 0)
     end
+  end)
+
+  it("bakes for its surfaces by default, in the box of its geometry", function()
+    local s = card(1, 40, { probes = ylm.adaptive_grid { depth = 4, lmax = 2 } })
+    local grid, same = s:bake(), s:bake { occupied = "surfaces", seed = 1, threads = 1 }
+    assert.equal(grid.stats.points, same.stats.points)
+    assert.equal(0, grid.stats.outside)
+    local meshes = ylm.bake(s.probes, s.lights, { geometry = s.geometry, bounds = grid.bounds })
+    assert.equal(0, select(2, core.array_distance(grid:points().value, meshes:points().value)))
+    assert.equal(0, (select(3, grid:sample(s.geometry[1].mesh:vertices())).unbaked))
   end)
 
   it("traces a changed scene anew", function()

@@ -299,8 +299,8 @@ describe("shading", function()
   it("uses a grid of another lmax up to the smaller of the two", function()
     local s = small_scene()
     local options = { size = { 32, 18 }, samples = 2, visibility = "none" }
-    local low = s:bake { probes = ylm.uniform_grid { cells = 4, lmax = 2 }, size = { 32, 18 } }
-    local high = s:bake { probes = ylm.uniform_grid { cells = 4, lmax = 5 }, size = { 32, 18 } }
+    local low = s:bake { probes = ylm.uniform_grid { cells = 4, lmax = 2 } }
+    local high = s:bake { probes = ylm.uniform_grid { cells = 4, lmax = 5 } }
     local at2, at5 = s:prepare(with(options, { lmax = 2 })), s:prepare(with(options, { lmax = 5 }))
     local a, b = at2:render { grid = low }, at2:render { grid = high }
     local _, off, norm = core.array_distance(a:layer(), b:layer())

@@ -21,12 +21,34 @@ describe("grid:save \"grid.vtu\"", function()
     local text = assert(vtk.describe(path))
     assert.truthy(text:find("vtkUnstructuredGrid 125 64\nbounds -1 -1 -1 1 1 1\ntype 12\n", 1, true), text)
     for _, line in ipairs { "point L00 1 125", "point gradient L00 3 125", "point lambda 1 125", "point norm 1 125",
-      "cell level 1 64", "cell error 1 64" } do
+      "point state 1 125", "cell level 1 64", "cell error 1 64", "cell occupied 1 64" } do
       assert.truthy(text:find("\n" .. line .. " ", 1, true), line .. " is missing in\n" .. text)
     end
     local least, largest = text:match "point norm 1 125 (%S+) (%S+)"
     local lo, hi = core.figure_range(core.array_convert(g:points().norm, "double"))
     assert(math.abs(least - lo) < 1e-6 * hi and math.abs(largest - hi) < 1e-6 * hi)
+  end)
+
+  it("says which points were evaluated, interpolated and in lights, and which cells are occupied", function()
+    local quad = ylm.quad { corner = { -0.9, 0.03, 0.9 }, u = { 1.8, 0, 0 }, v = { 0, 0, -1.8 } }
+    local g, path = assert(ylm.bake(ylm.adaptive_grid { bounds = views.box, lmax = 1, depth = 5, tolerance = 0.02 },
+      ylm.sphere_light { at = { 0.3, 0.1, 0.4 }, radius = 0.2 }, { geometry = quad })), folder.path .. "/grid.vtu"
+    assert(g.stats.interpolated > 0 and g.stats.invalid > 0)
+    assert(g:save(path))
+    local text = assert(vtk.describe(path))
+    assert.truthy(text:find "\npoint state 1 %d+ 0 2\n", text)
+    assert.truthy(text:find "\ncell occupied 1 %d+ [01] 1\n", text)
+    local bytes = folder:read "grid.vtu"
+    local offset = tonumber(bytes:match 'Name="state" NumberOfComponents="1" format="appended" offset="(%d+)"')
+    local first = bytes:find("_", bytes:find("<AppendedData encoding=\"raw\">\n", 1, true), true) + 1 + offset
+    local of = { ["\0\0\0\0"] = 0, ["\0\0\128\63"] = 1, ["\0\0\0\64"] = 2 }
+    local count, n = { [0] = 0, 0, 0 }, g.stats.points + g.stats.interpolated
+    for i = 0, n - 1 do
+      local state = of[bytes:sub(first + 8 + 4 * i, first + 11 + 4 * i)]
+      count[state] = count[state] + 1
+    end
+    assert.equal(g.stats.interpolated, count[1])
+    assert.equal(g.stats.invalid, count[2])
   end)
 
   it("leaves an existing file alone where it cannot be written", function()

@@ -44,21 +44,31 @@ static void read_point(const sampling *s, size_t i, double p[3]) {
   }
 }
 
+/* The cell that answers for a point, and fractions of its edges; YLM_GRID_SAMPLE_*. */
+static inline int find_cell(const ylm_grid *g, leaf_cursor *cursor, const double p[3],
+                            uint32_t *cell, float t[3]) {
+  double at[3];
+  bool outside = !ylm__grid_coordinates(g, p, at);
+  uint32_t found = ylm__grid_leaf_again(g, cursor, at);
+  const ylm_grid_cell *leaf = &g->cell[found], *c = leaf->detail ? leaf : &g->cell[leaf->source];
+  bool moved = ylm__grid_fractions(g, c, at, t);
+  bool unbaked = moved || !(leaf->flags & (YLM_GRID_BAKED | YLM_GRID_ADDED));
+  *cell = leaf->detail ? found : leaf->source;
+  return (outside ? YLM_GRID_SAMPLE_OUTSIDE : 0) | (unbaked ? YLM_GRID_SAMPLE_UNBAKED : 0);
+}
+
 /* Finds cells and fractions of a chunk's n points. */
 static void locate(sampling *s, chunk *k, size_t n) {
   const ylm_grid *g = s->g;
   uint64_t outside = 0, unbaked = 0;
   leaf_cursor cursor = {.leaf = YLM_GRID_NONE};
   for (size_t i = 0; i < n; i++) {
-    double p[3], at[3];
+    double p[3];
     read_point(s, k->first + i, p);
-    k->away[i] = !ylm__grid_coordinates(g, p, at);
+    int flags = find_cell(g, &cursor, p, &k->cell[i], k->t[i]);
+    k->away[i] = (flags & YLM_GRID_SAMPLE_OUTSIDE) != 0;
     outside += k->away[i];
-    uint32_t found = ylm__grid_leaf_again(g, &cursor, at);
-    const ylm_grid_cell *leaf = &g->cell[found], *c = leaf->detail ? leaf : &g->cell[leaf->source];
-    bool moved = ylm__grid_fractions(g, c, at, k->t[i]);
-    unbaked += moved || !(leaf->flags & (YLM_GRID_BAKED | YLM_GRID_ADDED));
-    k->cell[i] = leaf->detail ? found : leaf->source;
+    unbaked += (flags & YLM_GRID_SAMPLE_UNBAKED) != 0;
   }
   s->outside += outside;
   s->unbaked += unbaked;
@@ -252,4 +262,33 @@ ylm_status ylm_grid_sample(const ylm_grid *g, const ylm_grid_query *q, size_t n,
   free_chunks(&s, threads);
   if (report) *report = (ylm_grid_report){s.outside, s.unbaked, ylm_seconds() - begin};
   return status == YLM_OK ? YLM_OK : ylm_fail(e, status, "%s", ylm_status_text(status));
+}
+
+/* -- what is counted, point by point -------------------------------------------------------- */
+
+typedef struct flagging {
+  const ylm_grid *g;
+  ylm_dtype dtype, type;
+  const void *points;
+  void *flags;
+} flagging;
+
+static ylm_status flag_points(void *context, size_t begin, size_t end, int worker) {
+  (void)worker;
+  const flagging *f = context;
+  leaf_cursor cursor = {.leaf = YLM_GRID_NONE};
+  for (size_t i = begin; i < end; i++) {
+    double p[3];
+    uint32_t cell;
+    float t[3];
+    for (size_t a = 0; a < 3; a++) p[a] = ylm_get(f->dtype, f->points, 3 * i + a);
+    ylm_put(f->type, f->flags, i, find_cell(f->g, &cursor, p, &cell, t));
+  }
+  return YLM_OK;
+}
+
+ylm_status ylm_grid_flags(const ylm_grid *g, size_t n, ylm_dtype dtype, const void *points,
+                          ylm_dtype type, void *flags, int threads) {
+  flagging f = {g, dtype, type, points, flags};
+  return ylm_parallel(n, LEAST, threads, flag_points, &f, NULL, NULL);
 }

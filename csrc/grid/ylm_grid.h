@@ -426,6 +426,22 @@ YLM_API ylm_status ylm_grid_sample(const ylm_grid *g, const ylm_grid_query *q, s
                                    const void *points, void *value, void *gradient,
                                    ylm_grid_report *report, ylm_error *e);
 
+enum {
+  YLM_GRID_SAMPLE_OUTSIDE = 1, /* outside of the bounds */
+  YLM_GRID_SAMPLE_UNBAKED = 2  /* in a voxel without data of its own */
+};
+
+/*
+** ylm_grid_flags - what ylm_grid_report counts, point by point.
+**
+**   dtype, points  in   [n][3] any finite position
+**   type, flags    out  [n] YLM_GRID_SAMPLE_*, or 0, as numbers of that type
+**
+** Returns  YLM_OK
+*/
+YLM_API ylm_status ylm_grid_flags(const ylm_grid *g, size_t n, ylm_dtype dtype, const void *points,
+                                  ylm_dtype type, void *flags, int threads);
+
 /*
 ** Points that stay where they are while a dynamic grid changes: where they lie is found out once,
 ** as

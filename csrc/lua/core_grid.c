@@ -44,6 +44,22 @@ static int grid_sample(lua_State *L) {
   return ylmL_result_progress(L, 5, s, &e, &progress);
 }
 
+/* grid_flags(grid, points [n][3], dtype, threads, out | nil) -> [n] YLM_GRID_SAMPLE_* */
+static int grid_flags(lua_State *L) {
+  static const char *const dtypes[] = {"float", "double", NULL};
+  lua_settop(L, 5);
+  const ylm_grid *g = ylmL_grid_check(L, 1);
+  const ylmL_array *points = ylmL_array_check(L, 2);
+  ylm_dtype type = (ylm_dtype)luaL_checkoption(L, 3, NULL, dtypes);
+  size_t n = points->count / 3;
+  ylm_status s = YLM_OK;
+  ylmL_array *flags = ylmL_array_result(L, 5, type, 1, &n, &s);
+  if (s == YLM_OK)
+    s = ylm_grid_flags(g, n, points->dtype, points->data, type, flags->data,
+                       (int)luaL_checknumber(L, 4));
+  return ylmL_result(L, 1, s, NULL);
+}
+
 /* grid_is_open(value) -> true for a grid that has not been closed, false for a closed one, else
    nil; whether it is being updated */
 static int grid_is_open(lua_State *L) {
@@ -63,6 +79,7 @@ static int grid_close(lua_State *L) {
 }
 
 static const luaL_Reg functions[] = {{"grid_sample", grid_sample},
+                                     {"grid_flags", grid_flags},
                                      {"grid_is_open", grid_is_open},
                                      {"grid_close", grid_close},
                                      {NULL, NULL}};

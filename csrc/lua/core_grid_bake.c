@@ -144,10 +144,10 @@ static bool take_parts(lua_State *L, int i, ylm_light_parts *parts) {
 }
 
 /*
-** grid_bake(form table, object with a light field | function, occupied [n][3] | list of meshes |
-*nil,
-**           seed, threads, max_points, progress, {spheres or false, polygons, ...} where it is
-*dynamic) -> grid
+** grid_bake(form table, object with a light field | function, what is lit, seed, threads,
+**           max_points, progress, {spheres or false, polygons, ...} where it is dynamic) -> grid
+**
+** What is lit: points [n][3], a list of meshes, or nil.
 */
 static int grid_bake(lua_State *L) {
   lua_settop(L, 8);

@@ -37,19 +37,35 @@ end
 
 local bake_options = options.list(options.view_fields "samples", {
   { "probes", "object", of = { "adaptive_grid", "uniform_grid" }, optional = true, about = "instead of the scene's" },
-  { "occupied", "any", default = "camera",
-    about = "the shading points: 'camera' (what its rays hit), 'vertices' (all of them), 'everywhere', "
-      .. "a prepared view, or an array [n][3], with device also a gpu_array" },
+  { "occupied", "any", default = "surfaces",
+    about = "where light is needed: 'surfaces' (the whole geometry), 'camera' (what its rays hit: size, samples, share and "
+      .. "shading are about them), 'vertices' (all of them), 'everywhere', a prepared view, or an array [n][3], with device "
+      .. "also a gpu_array" },
   { "shading", "choice", of = { "pixel", "vertex" }, default = "pixel",
     about = "with 'camera': what rays hit, or the vertices of the triangles they hit" },
   light.tolerance_option "light_tolerance",
   { "device", "gpu", optional = true, about = "bakes there, as ylm.bake does; a prepared view's points are copied there once" },
 }, options.common)
 
---- The shading points that a bake is to serve, as an array; nil: everywhere. Else false, message, code.
+--- Raises where options that are about the camera alone are given and would be ignored.
+local function check_camera_options(given, o)
+  if o.occupied == "camera" or type(given) ~= "table" then return end
+  for _, name in ipairs { "size", "samples", "share", "shading" } do
+    if given[name] ~= nil then
+      return check.fail("bake: %s is about the camera's rays: give occupied = 'camera' too, or leave it out", name)
+    end
+  end
+end
+
+--- The shading points that a bake is to serve, as an array; nil: everywhere, or the surfaces of all geometry. Else false,
+-- message, code.
 local function occupied_points(s, t, o)
   local x = o.occupied
   if x == "everywhere" then return nil end
+  if x == "surfaces" then
+    if #s.geometry > 0 then return nil end
+    return check.fail("bake: scene %q has no geometry, so no surfaces (occupied = 'everywhere' needs none)", s.name or "?")
+  end
   if x == "vertices" then return t.lib.shade_vertices(t.handle) end
   if core.type(x) == "ylm.prepared" then
     local points, message, code = views.positions("bake", x, o.device)
@@ -57,8 +73,8 @@ local function occupied_points(s, t, o)
   end
   if core.type(x) == "ylm.array" or core.type(x) == "ylm.gpu_array" then return x end
   if x ~= "camera" then
-    return check.fail("bake: occupied must be 'camera', 'vertices', 'everywhere', a prepared view or an array, got %s",
-      check.describe(x))
+    return check.fail("bake: occupied must be 'surfaces', 'camera', 'vertices', 'everywhere', a prepared view or an array, "
+      .. "got %s", check.describe(x))
   end
   local view, message, code = views.prepare("bake", s, { size = o.size, samples = o.samples, seed = o.seed, share = o.share,
     shading = o.shading, visibility = "none", transfer_samples = 1, lmax = 0, threads = o.threads,
@@ -70,15 +86,16 @@ local function occupied_points(s, t, o)
 end
 
 describe "scene:bake" {
-  about = "Bakes a scene's probes: a grid of its lights for the points that its camera sees.",
-  arguments = { { "options?", "table", "the view's default to those of scene:render" } },
+  about = "Bakes a scene's probes: a grid of its lights for the surfaces of its geometry, or for what its camera sees.",
+  arguments = { { "options?", "table", "the camera's default to those of scene:render" } },
   options = bake_options,
   returns = { { "grid", "grid", "bounds default to the box around the geometry" } },
   errors = "raises where there are no probes or a bad option; nil, message, code: memory, cancelled",
   example = options.one_lamp .. [[
 local probes = ylm.uniform_grid { cells = { 4, 4, 4 }, lmax = 2 }
-local grid = scene:bake { probes = probes, size = { 32, 18 }, samples = 4 }
-assert(grid.stats.points > 0)]],
+local grid = scene:bake { probes = probes }
+local seen = scene:bake { probes = probes, occupied = "camera", size = { 32, 18 }, samples = 4 }
+assert(grid.stats.points >= seen.stats.points)]],
 }
 function render.bake(s, given)
   tracing.check_scene("bake", s)
@@ -87,6 +104,7 @@ function render.bake(s, given)
   if not probes then
     return check.fail("bake: scene %q has no probes (probes = adaptive_grid { ... })", s.name or "?")
   end
+  check_camera_options(given, o)
   local t, message, code = tracing.trace("bake", s)
   if not t then return nil, message, code end
   local points
@@ -98,7 +116,9 @@ function render.bake(s, given)
       seen and "the camera sees no geometry (occupied = 'everywhere' needs none)"
         or "occupied is empty")
   end
-  return require("ylm.grid").bake(probes, t.lights, { occupied = points, bounds = tracing.bounds_of(t), threads = o.threads,
+  local surfaces = o.occupied == "surfaces"
+  return require("ylm.grid").bake(probes, t.lights, { occupied = surfaces and "surfaces" or points,
+    geometry = surfaces and s.geometry or nil, bounds = tracing.bounds_of(t), seed = o.seed, threads = o.threads,
     progress = o.progress, light_tolerance = o.light_tolerance, device = o.device })
 end
 
@@ -106,13 +126,13 @@ local render_options = options.list(options.view_fields "samples", options.trans
   options.baked_fields, options.layer_fields, options.common)
 
 describe "scene:render" {
-  about = "Renders a scene by a grid (default: scene:bake of what the camera sees).",
+  about = "Renders a scene by a grid (default: one that is baked for what the camera sees).",
   arguments = { { "options?", "table", "" } },
   options = render_options,
   returns = { { "image", "image", "" }, { "report", "table", options.transfer_text .. "outside, unbaked: shading points" } },
   errors = "raises on a bad option, no camera, neither grid nor probes; nil, message, code: memory, cancelled",
   example = options.one_lamp .. [[
-local grid = scene:bake { probes = ylm.uniform_grid { cells = { 4, 4, 4 }, lmax = 2 }, size = { 32, 18 } }
+local grid = scene:bake { probes = ylm.uniform_grid { cells = { 4, 4, 4 }, lmax = 2 } }
 local image, report = scene:render { grid = grid, size = { 32, 18 }, samples = 4 }
 assert(image:layer "level" and report.seconds.light)]],
   source = "Iwasaki & Dobashi 2025, Sec. 6.2",

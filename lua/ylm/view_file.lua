@@ -19,6 +19,16 @@ local function complete(cells)
   return mask
 end
 
+--- How each point came to its numbers: 0 evaluated, 1 interpolated for continuity, 2 in a light, filled from neighbours.
+local function states(source)
+  local interpolated, invalid = core.array_totable(source.values "interpolated"), core.array_totable(source.values "invalid")
+  local list = {}
+  for i = 1, #invalid do list[i] = interpolated[i] ~= 0 and 1 or invalid[i] ~= 0 and 2 or 0 end
+  local state = core.array_zeros({ #list }, "float")
+  core.array_fill(state, list)
+  return state
+end
+
 --- Writes the leaves of a grid. Returns true, or nil, message, code.
 function view_file.save_vtu(grid, path)
   local source = view_grid.open(grid)
@@ -26,9 +36,10 @@ function view_file.save_vtu(grid, path)
   local function cells(a) return core.figure_pick(a, mask) end
   local point_data = {
     { "L00", source.values "L00" }, { "gradient L00", source.gradient() },
-    { "lambda", source.values "lambda" }, { "norm", source.values "norm" },
+    { "lambda", source.values "lambda" }, { "norm", source.values "norm" }, { "state", states(source) },
   }
-  local cell_data = { { "level", cells(source.cells.level) }, { "error", cells(source.values "error") } }
+  local cell_data = { { "level", cells(source.cells.level) }, { "error", cells(source.values "error") },
+    { "occupied", cells(source.cells.occupied) } }
   return check.result("save", core.figure_save_cells(path, source.position(), cells(source.cells.corner), point_data,
     cell_data))
 end

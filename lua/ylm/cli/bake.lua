@@ -9,9 +9,9 @@ return {
   least = 1,
   options = {
     { "output", "-o", "FILE", "the grid (.ylm), or .vtu for ParaView" },
-    { "occupied", nil, "NAME", "where light is needed: camera (default), vertices or everywhere" },
-    { "size", "-s", "WxH", "of the image whose camera decides, default that of render" },
-    { "samples", "-n", "N", "per pixel of it" },
+    { "occupied", nil, "NAME", "where light is needed: surfaces (default), camera, vertices or everywhere" },
+    { "size", "-s", "WxH", "with --occupied camera: of its image, default that of render" },
+    { "samples", "-n", "N", "with --occupied camera: rays per pixel" },
     { "light_tolerance", nil, "N", "sum many lights by a tree, to this part of the light; default: exactly" },
     { "strict", nil, nil, "exit status 6 where the tolerance is not met; the grid is written" },
     { "threads", "-j", "N", "default: YLM_THREADS or all cores" },
@@ -20,9 +20,14 @@ return {
     local ylm = require "ylm"
     if not given.output then status.stop(status.usage, "bake: -o FILE says where the grid goes") end
     status.need_output("bake", given.output, "ylm", "vtu")
-    local where = given.occupied or "camera"
-    if where ~= "camera" and where ~= "vertices" and where ~= "everywhere" then
-      status.stop(status.usage, "bake: --occupied is camera, vertices or everywhere, got '%s'", where)
+    local where = given.occupied or "surfaces"
+    if where ~= "surfaces" and where ~= "camera" and where ~= "vertices" and where ~= "everywhere" then
+      status.stop(status.usage, "bake: --occupied is surfaces, camera, vertices or everywhere, got '%s'", where)
+    end
+    for _, name in ipairs { "size", "samples" } do
+      if given[name] and where ~= "camera" then
+        status.stop(status.usage, "bake: --%s is about the camera: give --occupied camera too", name)
+      end
     end
     if given.occupied and where ~= "camera" and (given.size or given.samples) then
       status.stop(status.usage, "bake: --size and --samples are of the camera's view, --occupied is %s: leave them out", where)

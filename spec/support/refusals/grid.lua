@@ -94,6 +94,21 @@ return {
     { call = bake { occupied = { { 0, 0, 0 }, { 1, 2, nan } } }, says = "row 2 is not finite" },
     { call = bake { occupied = 3 }, says = "a table of numbers or an array expected, got 3" },
     { call = bake { ocupied = { { 0, 0, 0 } } }, says = "did you mean 'occupied'" },
+    { call = bake { geometry = {} }, says = "geometry must be a mesh, a shape or a list of them, got" },
+    { call = bake { geometry = "bunny.ply" }, says = "geometry must be a mesh" },
+    { call = function(ylm) return bake { geometry = { ylm.sphere {}, 5 } } (ylm) end,
+      says = "geometry%[2%] must be a mesh or a shape, got 5" },
+    { call = function(ylm) return bake { geometry = ylm.sphere {}, occupied = { { 0, 0, 0 } } } (ylm) end,
+      says = "geometry is for occupied = 'surfaces', occupied gives points: leave one out" },
+    { call = bake { occupied = "surfaces" }, says = "occupied = 'surfaces' needs geometry" },
+    { call = bake { occupied = "camera" }, says = "occupied must be 'surfaces' or points, got" },
+    { call = function(ylm)
+        local sphere = ylm.sphere {}
+        sphere.mesh:vertices():set(2, 1, nan)
+        return bake { geometry = sphere } (ylm)
+      end, says = "surfaces: vertex 2 of mesh 1 is not finite" },
+    { call = function(ylm) return bake { geometry = ylm.sphere { at = { 9, 9, 9 } } } (ylm) end,
+      says = "surfaces: no triangle lies within the bounds" },
     { call = bake { threads = 0 }, says = "threads must be an integer >= 1" },
     { call = bake { progress = 3 }, says = "progress must be a function" },
     { call = bake { max_points = 9 }, says = "more than 9 points" },
@@ -124,7 +139,11 @@ return {
     { call = sample({ { 0, 0, 0 } }, { derivatives = 2 }), says = "derivatives must be an integer >= 0 and <= 1" },
     { call = sample({ { 0, 0, 0 } }, { outside = "wrap" }), says = "outside must be one of" },
     { call = sample({ { 0, 0, 0 } }, { threads = 1e9 }), says = "threads must be an integer" },
+    { call = sample({ { 0, 0, 0 } }, { flags = 1 }), says = "flags must be true or false" },
     { call = sample({ { 0, 0, 0 } }, { out = 3 }), says = "out must be an array" },
+    { call = function(ylm)
+        return small(ylm):sample({ { 0, 0, 0 } }, { flags = true, out = { nil, ylm.zeros({ 2 }, "float") } })
+      end, says = "out%[2%] must be a float array of 1, got a float array of 2" },
     { call = function(ylm) return small(ylm):sample({ { 0, 0, 0 } }, { out = ylm.zeros({ 2, 3, 4 }, "float") }) end,
       says = "out%[1%] must be a float array of 1x3x4, got a float array of 2x3x4" },
     { call = function(ylm) return small(ylm):sample({ { 0, 0, 0 } }, { out = ylm.zeros { 1, 3, 4 } }) end,

@@ -27,7 +27,7 @@ local function options(name, cases)
     { call = function(ylm) return scene(ylm)[name](scene(ylm), with { sise = 1 }) end, says = "did you mean 'size'" },
     { call = function(ylm)
       local blind = ylm.scene "blind" { probes = ylm.uniform_grid { cells = 1 } }
-      return blind[name](blind, small)
+      return blind[name](blind, { size = small.size, occupied = name == "bake" and "camera" or nil })
     end, says = "has no camera" },
   }
   local fields = {
@@ -121,13 +121,20 @@ return {
         geometry = { ylm.quad { corner = { -1, 0, 1 }, u = { 2, 0, 0 }, v = { 0, 0, -2 } } },
         lights = { ylm.sphere_light { at = { 0, 1, 0 }, radius = 0.1 } },
         probes = ylm.adaptive_grid { lmax = 1, depth = 1 },
-      }:bake(small)
+      }:bake { occupied = "camera", size = small.size }
     end, says = "no shading points: the camera sees no geometry" },
     { call = function(ylm)
-      return scene(ylm, { geometry = {} }):bake { probes = ylm.uniform_grid { cells = 1 }, size = { 4, 2 } }
+      return scene(ylm, { geometry = {} }):bake { probes = ylm.uniform_grid { cells = 1 }, size = { 4, 2 },
+        occupied = "camera" }
     end, says = "the camera sees no geometry" },
     { call = function(ylm)
-      return scene(ylm):bake { probes = ylm.uniform_grid { cells = 1 }, size = { 4, 2 },
+      return scene(ylm, { geometry = {} }):bake { probes = ylm.uniform_grid { cells = 1 } }
+    end, says = "no geometry, so no surfaces" },
+    { call = function(ylm)
+      return scene(ylm):bake { probes = ylm.uniform_grid { cells = 1 }, size = { 4, 2 } }
+    end, says = "size is about the camera's rays: give occupied = 'camera' too" },
+    { call = function(ylm)
+      return scene(ylm):bake { probes = ylm.uniform_grid { cells = 1 }, occupied = "camera", size = { 4, 2 },
         progress = function() return false end }
     end, says = "cancelled" },
   }),
