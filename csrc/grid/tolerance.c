@@ -19,7 +19,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define MAX_ROUNDS 16
 #define FIRST_TIGHT 0.35
 
 /* -- refinement -------------------------------------------------------------------------- */

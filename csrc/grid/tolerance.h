@@ -5,6 +5,7 @@
 #include "dynamic.h"
 
 #define HELD_OUT 2048 /* points of one verification */
+#define MAX_ROUNDS 16
 
 /* A held-out point after comparison. */
 typedef struct verdict {
@@ -80,5 +81,13 @@ void refiner_report(refiner *r, bool limited);
 ** The margin below 1 % is for the next person's held-out points.
 */
 bool refiner_satisfied(refiner *r, bool *limited);
+
+/* -- held_surface.c ---------------------------------------------------------------------- */
+
+/* Point k of a seed on the surface, in float; `strata` as of ylm_grid_surface_draw. */
+void refiner_surface_point(const refiner *r, uint64_t seed, uint64_t k, uint64_t strata,
+                           float out[3]);
+/* Writes n held-out points of the surface: by area, in rounds of refinement some by voxel. */
+ylm_status refiner_hold_surface(refiner *r, uint64_t round, size_t n);
 
 #endif

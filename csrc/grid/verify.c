@@ -13,20 +13,12 @@ static void shading_point(const ylm_grid_source *s, size_t k, float out[3]) {
                  : ((const float *)s->occupied_points)[3 * k + a];
 }
 
-/* Point k of a seed on the surface, in float: one of each part of equal area. */
-static void surface_point(const refiner *r, uint64_t seed, uint64_t k, uint64_t strata,
-                          float out[3]) {
-  double p[3], normal[3];
-  ylm_grid_surface_draw(r->surface, seed, k, strata, p, normal);
-  for (int a = 0; a < 3; a++) out[a] = (float)p[a];
-}
-
 void refiner_draw(const refiner *r, ylm_rng *rng, float out[3]) {
   const ylm_grid_source *s = r->b->source;
   const double *box = r->b->g->view.form.bounds;
   if (r->surface) {
     uint64_t high = ylm_rng_u32(rng), low = ylm_rng_u32(rng);
-    surface_point(r, high << 32 | low, 0, 1, out);
+    refiner_surface_point(r, high << 32 | low, 0, 1, out);
   } else if (s->occupied_points)
     shading_point(s, (size_t)(ylm_rng_double(rng) * (double)s->occupied), out);
   else
@@ -39,14 +31,12 @@ uint32_t refiner_leaf(const ylm_grid *g, const float x[3]) {
 }
 
 /* n shading points, all there are or random ones, or free places where there are none. */
-static ylm_status choose(refiner *r, ylm_rng *rng, bool all, size_t n, uint64_t round) {
+static ylm_status choose(refiner *r, ylm_rng *rng, bool all, size_t n) {
   const ylm_grid_source *s = r->b->source;
-  bool here = r->surface || s->occupied_points || !baker_has_shading(s);
+  bool here = s->occupied_points || !baker_has_shading(s);
   size_t index[HELD_OUT];
   for (size_t i = 0; i < n; i++) {
-    if (r->surface)
-      surface_point(r, s->seed, round * n + i, n, r->points + 3 * i);
-    else if (here && !all)
+    if (here && !all)
       refiner_draw(r, rng, r->points + 3 * i);
     else if (here)
       shading_point(s, i, r->points + 3 * i);
@@ -66,7 +56,7 @@ static ylm_status hold_out(refiner *r, uint64_t round) {
   ylm_rng rng;
   ylm_rng_seed(&rng, s->seed, round);
   r->held = 0;
-  ylm_status status = choose(r, &rng, all, n, round);
+  ylm_status status = r->surface ? refiner_hold_surface(r, round, n) : choose(r, &rng, all, n);
   for (size_t i = 0; status == YLM_OK && i < n; i++) {
     const float *x = r->points + 3 * i;
     uint32_t leaf = refiner_leaf(g, x);

@@ -1,0 +1,75 @@
+/*
+** held_surface.c - held-out points of surfaces.
+**
+** A promise is about surfaces by area, and so are the points that judge it. While a grid is refined
+** one point in VOXELS is of an occupied voxel chosen among all that have surfaces, so that what is
+** small, and seldom met by area, is looked at too.
+*/
+#include <stdlib.h>
+#include <string.h>
+
+#include "tolerance.h"
+
+#define VOXELS 8      /* one of so many points is of a voxel, whatever the area in it */
+#define CANDIDATES 16 /* points by area that are drawn for each of these, to find voxels */
+
+typedef struct candidate {
+  float x[3];
+  uint32_t leaf;
+} candidate;
+
+void refiner_surface_point(const refiner *r, uint64_t seed, uint64_t k, uint64_t strata,
+                           float out[3]) {
+  double p[3], normal[3];
+  ylm_grid_surface_draw(r->surface, seed, k, strata, p, normal);
+  for (int a = 0; a < 3; a++) out[a] = (float)p[a];
+}
+
+static int by_leaf(const void *a, const void *b) {
+  const candidate *x = a, *y = b;
+  return x->leaf != y->leaf ? (x->leaf < y->leaf ? -1 : 1) : memcmp(x->x, y->x, sizeof x->x);
+}
+
+/* Writes one point of each of n random voxels among those of the candidates; of fewer, if there are
+   not as many, how many is returned. */
+static size_t choose_voxels(candidate *c, size_t candidates, ylm_rng *rng, size_t n, float *out) {
+  size_t voxels = 0;
+  qsort(c, candidates, sizeof *c, by_leaf);
+  for (size_t i = 0; i < candidates; i++)
+    if (!voxels || c[i].leaf != c[voxels - 1].leaf) c[voxels++] = c[i];
+  if (n > voxels) n = voxels;
+  for (size_t i = 0; i < n; i++) {
+    size_t k = i + (size_t)(ylm_rng_double(rng) * (double)(voxels - i));
+    candidate chosen = c[k];
+    c[k] = c[i];
+    memcpy(out + 3 * i, chosen.x, sizeof chosen.x);
+  }
+  return n;
+}
+
+/* Points of n random voxels; of fewer, if there are not as many. */
+static ylm_status hold_voxels(const refiner *r, uint64_t round, size_t *n, float *out) {
+  uint64_t seed = ~r->b->source->seed;
+  size_t candidates = CANDIDATES * *n;
+  candidate *c = ylm_alloc(candidates, sizeof *c);
+  ylm_rng rng;
+  if (!c) return YLM_ENOMEM;
+  ylm_rng_seed(&rng, seed, round);
+  for (size_t i = 0; i < candidates; i++) {
+    refiner_surface_point(r, seed, round * candidates + i, candidates, c[i].x);
+    c[i].leaf = refiner_leaf(r->b->g, c[i].x);
+  }
+  *n = choose_voxels(c, candidates, &rng, *n, out);
+  ylm_free(c);
+  return YLM_OK;
+}
+
+ylm_status refiner_hold_surface(refiner *r, uint64_t round, size_t n) {
+  size_t voxels = round <= MAX_ROUNDS ? n / VOXELS : 0;
+  ylm_status s = voxels ? hold_voxels(r, round, &voxels, r->points) : YLM_OK;
+  size_t area = n - voxels;
+  for (size_t i = 0; s == YLM_OK && i < area; i++)
+    refiner_surface_point(r, r->b->source->seed, round * area + i, area,
+                          r->points + 3 * (voxels + i));
+  return s;
+}
