@@ -292,6 +292,19 @@ describe("a grid of surfaces", function()
     assert(missed(other, many, 2000, 7919) > 0.1)
   end)
 
+  it("keeps it on a body that has a hundred-thousandth of the area", function()
+    local large = ylm.quad { corner = { -10, 0, 10 }, u = { 20, 0, 0 }, v = { 0, 0, -20 } }
+    local small = ylm.torus { radius = 0.1, tube = 0.04, at = { 1.3, 0.2, 0.7 }, rotate = { axis = { 1, 0.2, 0 }, angle = 70 },
+      divide = { 24, 12 } }
+    local near = { ylm.sphere_light { at = { 0, 6, 0 }, radius = 1, radiance = 30 },
+      ylm.sphere_light { at = { 1.35, 0.23, 0.72 }, radius = 0.01, radiance = 20 } }
+    local grid = assert(ylm.bake(ylm.adaptive_grid { lmax = 1, depth = 11, tolerance = 0.05 }, near,
+      { geometry = { large, small } }))
+    local p = surfaces.points(surfaces.triangles(small), 2000, SEED)
+    local e = grids.errors(grid:sample(p), ylm.light_field(1, near, p, { channels = "rgb", dtype = "float" }))
+    assert(grids.quantile(e, 0.95) < 0.05, grids.quantile(e, 0.95))
+  end)
+
   it("keeps it when lights move, without the meshes that it was baked from", function()
     local copies = { ylm.quad { corner = { -1, -0.487, 1 }, u = { 2, 0, 0 }, v = { 0, 0, -2 } }, torus }
     local grid = assert(ylm.bake(ylm.adaptive_grid(with(form, { dynamic = true })), lamps, { geometry = copies }))

@@ -2,15 +2,16 @@
 ** held_surface.c - held-out points of surfaces.
 **
 ** A promise is about surfaces by area, and so are the points that judge it. While a grid is refined
-** one point in VOXELS is of an occupied voxel chosen among all that have surfaces, so that what is
-** small, and seldom met by area, is looked at too.
+** one point in EXTRA is of a voxel chosen among all that surfaces meet, one of a triangle chosen
+** among all: what is small, and seldom met by area, is looked at too.
 */
 #include <stdlib.h>
 #include <string.h>
 
+#include "surface.h"
 #include "tolerance.h"
 
-#define VOXELS 8      /* one of so many points is of a voxel, whatever the area in it */
+#define EXTRA 8       /* one of so many points is of a voxel, one of a triangle, of any area */
 #define CANDIDATES 16 /* points by area that are drawn for each of these, to find voxels */
 
 typedef struct candidate {
@@ -64,12 +65,27 @@ static ylm_status hold_voxels(const refiner *r, uint64_t round, size_t *n, float
   return YLM_OK;
 }
 
+/* Points of up to n random triangles; how many are within the bounds. */
+static size_t hold_triangles(const refiner *r, uint64_t round, size_t n, float *out) {
+  size_t held = 0;
+  for (size_t i = 0; i < n; i++) {
+    double p[3];
+    if (!ylm__surface_draw_alike(r->surface, r->b->source->seed, ~(round * n + i), p)) continue;
+    for (int a = 0; a < 3; a++) out[3 * held + (size_t)a] = (float)p[a];
+    held++;
+  }
+  return held;
+}
+
 ylm_status refiner_hold_surface(refiner *r, uint64_t round, size_t n) {
-  size_t voxels = round <= MAX_ROUNDS ? n / VOXELS : 0;
-  ylm_status s = voxels ? hold_voxels(r, round, &voxels, r->points) : YLM_OK;
-  size_t area = n - voxels;
+  size_t voxels = n / EXTRA, aside = 0;
+  ylm_status s = YLM_OK;
+  if (round <= MAX_ROUNDS) {
+    s = hold_voxels(r, round, &voxels, r->points);
+    aside = voxels + hold_triangles(r, round, n / EXTRA, r->points + 3 * voxels);
+  }
+  size_t area = n - aside;
   for (size_t i = 0; s == YLM_OK && i < area; i++)
-    refiner_surface_point(r, r->b->source->seed, round * area + i, area,
-                          r->points + 3 * (voxels + i));
+    refiner_surface_point(r, r->b->source->seed, round * n + i, area, r->points + 3 * (aside + i));
   return s;
 }

@@ -282,6 +282,16 @@ static void point_of(const polygon *q, double f, double g, double out[3]) {
   for (int a = 0; a < 3; a++) out[a] = o[a] + t * ((1 - g) * (p[a] - o[a]) + g * (r[a] - o[a]));
 }
 
+/* A point of triangle i, uniform in f and g; false where nothing of it is within the bounds. */
+static bool place(const ylm_grid_surface *s, size_t i, double f, double g, double position[3]) {
+  polygon q;
+  part_within(s, i, &q);
+  if (!q.n) return false;
+  point_of(&q, f, g, position);
+  for (int a = 0; a < 3; a++) position[a] = s->lo[a] + s->size * position[a];
+  return true;
+}
+
 static void normal_of(const ylm_grid_surface *s, size_t i, double normal[3]) {
   double p[3][3], largest = 0, length;
   triangle_list_get(&s->list, i, p);
@@ -301,9 +311,12 @@ void ylm_grid_surface_draw(const ylm_grid_surface *s, uint64_t seed, uint64_t k,
   size_t i = find(s, u * all);
   double before = i ? s->sum[i - 1] : 0, own = s->sum[i] - before;
   double f = own > 0 ? (u * all - before) / own : 0;
-  polygon q;
-  part_within(s, i, &q);
-  point_of(&q, f < 0 ? 0 : f > 1 ? 1 : f, uniform(seed, k, 1), position);
-  for (int a = 0; a < 3; a++) position[a] = s->lo[a] + s->size * position[a];
+  place(s, i, f < 0 ? 0 : f > 1 ? 1 : f, uniform(seed, k, 1), position);
   normal_of(s, i, normal);
+}
+
+bool ylm__surface_draw_alike(const ylm_grid_surface *s, uint64_t seed, uint64_t k,
+                             double position[3]) {
+  size_t n = s->list.triangles, i = (size_t)(uniform(seed, k, 0) * (double)n);
+  return place(s, i, uniform(seed, k, 1), uniform(seed, k, 2), position);
 }

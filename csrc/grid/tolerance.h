@@ -87,7 +87,8 @@ bool refiner_satisfied(refiner *r, bool *limited);
 /* Point k of a seed on the surface, in float; `strata` as of ylm_grid_surface_draw. */
 void refiner_surface_point(const refiner *r, uint64_t seed, uint64_t k, uint64_t strata,
                            float out[3]);
-/* Writes n held-out points of the surface: by area, in rounds of refinement some by voxel. */
+/* Writes n held-out points of the surface: by area, in rounds of refinement a part by voxel and by
+   triangle. */
 ylm_status refiner_hold_surface(refiner *r, uint64_t round, size_t n);
 
 #endif
