@@ -37,8 +37,8 @@ describe("a grid of surfaces made on a device", function()
   end)
 
   it("keeps a tolerance as the processor's does, with the same held-out points", function()
-    local here, there = bakes.both(ylm.adaptive_grid { bounds = box, lmax = 1, depth = 4, tolerance = 0.05 }, lamps, { geometry = shapes }, gpu,
-      "residuals")
+    local description = ylm.adaptive_grid { bounds = box, lmax = 1, depth = 4, tolerance = 0.05 }
+    local here, there = bakes.both(description, lamps, { geometry = shapes }, gpu, "residuals")
     for _, key in ipairs { "met", "rounds", "verified", "outside" } do assert.equal(here.stats[key], there.stats[key], key) end
     assert(math.abs(here.stats.points - there.stats.points) <= 0.01 * here.stats.points)
     assert(math.abs(here.stats.error - there.stats.error) <= 0.02 * here.stats.error + 1e-6)

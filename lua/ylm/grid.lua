@@ -10,22 +10,23 @@ local grid = {}
 local DEFAULT_TOLERANCE = 0.01
 
 local bounds_field = { "bounds", "bounds", optional = true, unit = "scene units",
-  about = "corners {min, max}; default: those of the occupied points (of a scene: its geometry)" }
+  about = "corners {min, max}; default: those of the geometry or of the occupied points" }
 local lmax_field = { "lmax", "integer", min = 0, max = 100, default = 4, about = "highest degree" }
 local channels_field = { "channels", "choice", of = { "rgb", "luminance" }, default = "rgb",
   about = "what is baked: three linear channels, or one" }
 
 local dynamic_field = { "dynamic", "boolean", default = false,
-  about = "keeps what grid:update needs to follow sphere and flat lights that move: Hessians, shading points, lights" }
+  about = "keeps what grid:update needs to follow sphere and flat lights that move: Hessians, lights, where light is needed" }
 
 grid.adaptive_grid = form.define("adaptive_grid", {
-  about = "An octree of voxels that subdivides where its interpolation would be wrong and shading points are. "
+  about = "An octree of voxels that subdivides where its interpolation would be wrong and light is needed. "
     .. "tolerance promises an error; threshold reproduces the paper's metric. Without either, tolerance is 0.01.",
   fields = {
     bounds_field, lmax_field,
     { "depth", "integer", min = 0, max = 16, default = 6, about = "finest level N: 2^N voxels along each axis" },
     { "tolerance", "number", above = 0, optional = true,
-      about = "relative L2 error that 99 % of the occupied points keep; verified after the bake, see stats" },
+      about = "relative L2 error that 99 % of the occupied points keep, of surfaces 99 % of the area; verified after the "
+        .. "bake, see stats" },
     { "metric", "choice", of = { "relative", "absolute" }, default = "relative",
       about = "the Hessian's error metric that threshold is compared with" },
     { "threshold", "number", min = 0, optional = true, about = "voxels above it are subdivided" },

@@ -24,13 +24,9 @@ return {
     if where ~= "surfaces" and where ~= "camera" and where ~= "vertices" and where ~= "everywhere" then
       status.stop(status.usage, "bake: --occupied is surfaces, camera, vertices or everywhere, got '%s'", where)
     end
-    for _, name in ipairs { "size", "samples" } do
-      if given[name] and where ~= "camera" then
-        status.stop(status.usage, "bake: --%s is about the camera: give --occupied camera too", name)
-      end
-    end
-    if given.occupied and where ~= "camera" and (given.size or given.samples) then
-      status.stop(status.usage, "bake: --size and --samples are of the camera's view, --occupied is %s: leave them out", where)
+    if where ~= "camera" and (given.size or given.samples) then
+      status.stop(status.usage, "bake: --size and --samples are of the camera's view, --occupied is %s: leave them out, "
+        .. "or give --occupied camera", where)
     end
     local scene = status.need_scene(ylm.load_scene(given[1]))
     if not scene.probes then
