@@ -174,7 +174,7 @@ assert(ylm.box {}.mesh:save(folder .. "/a.ply"))]])
       ["render " .. scene .. " -o x.png --samples -1"] = "samples must be an integer >= 1",
       ["bake " .. scene .. " -o x.ylm --occupied nowhere"] =
         "--occupied is surfaces, camera, vertices or everywhere, got 'nowhere'",
-      ["bake " .. scene .. " -o x.ylm --size 8x8"] = "--size and --samples are of the camera's view, --occupied is surfaces: leave them out, or",
+      ["bake " .. scene .. " -o x.ylm --size 8x8"] = "leave them out, or give --occupied camera",
       ["help --json zeros"] = "no option --json", ["bench --json"] = "no option --json",
     } do
       local _, code, err = ylm(words)

@@ -69,7 +69,7 @@ describe("a tolerance that is not met", function()
 
   it("is said once of a grid, and stands in the report of each picture by it, also when it was loaded", function()
     local s = scene(probes(1, 1e-4))
-    local grid = s:bake(small)
+    local grid = s:bake { occupied = "camera", size = small.size, samples = small.samples }
     assert.same({ grid.stats.warning }, said)
     local view = s:prepare(small)
     for _ = 1, 2 do assert.same(said, select(2, view:render { grid = grid }).warnings) end
