@@ -20,7 +20,7 @@ local folder, run = ...
 local scene = assert(ylm.load_scene(folder .. "/scene.lua"))
 local function save(x, name) assert(x:save(folder .. "/" .. run .. name)) end
 local size = { 12, 8 }
-local grid = assert(scene:bake { size = size })
+local grid = assert(scene:bake { occupied = "camera", size = size })
 save(grid, ".ylm")
 local picture = assert(scene:render { size = size, grid = grid, layers = true })
 for _, ending in ipairs { ".exr", ".png", ".hdr", ".pfm" } do save(picture, ending) end
