@@ -51,6 +51,45 @@ describe("progress", function()
     assert.is_false(pcall(a.get, a, 1, 1))
   end)
 
+  it("cannot change what the running call uses, whichever call it is", function()
+    local cube = { { -1, -1, -1 }, { 1, 1, 1 } }
+    local function description(dynamic) return ylm.uniform_grid { bounds = cube, cells = 2, lmax = 2, dynamic = dynamic } end
+    local grid, twin = ylm.bake(description(true), lamp), ylm.bake(description(true), lamp)
+    local moved, axes = { ylm.sphere_light { at = { 0.4, 2, 0 } } }, ylm.array({ { 1, 0, 0 }, { 0, 1, 0 }, { 0, 0, 1 } }, "float")
+    local f, a, y = points "float", points "double", ylm.zeros({ 20000, 9 }, "double")
+    local view = assert((ylm.scene "one" { camera = ylm.camera { from = { 0, 1, 3 }, at = { 0, 0, 0 }, fov = 40 },
+      geometry = { ylm.quad { corner = { -1, 0, 1 }, u = { 2, 0, 0 }, v = { 0, 0, -2 }, divide = 2 } }, lights = {} })
+      :prepare { size = { 64, 48 }, samples = 4, transfer_samples = 4, lmax = 2 })
+    local function update() return grid:update(moved) end
+    local function render(on) return view:render { grid = grid, layers = false, progress = on } end
+    for name, call in pairs {
+      sampled = function() return grid:sample(f, { progress = update }) end,
+      baked = function() return ylm.bake(description(), grid, { progress = update }) end,
+      evaluated = function() return ylm.light_field(2, grid, f, { progress = update }) end,
+      rendered = function() return render(update) end,
+      nested = function()
+        return grid:sample(f, { progress = function() ylm.light_field(2, lamp, f, { progress = update }) end })
+      end,
+      result = function()
+        return ylm.sh.eval(2, a, { out = y, progress = function() ylm.sh.eval(2, a, { out = y }) end })
+      end,
+      row_of_points = function()
+        return ylm.light_field(2, lamp, f, { progress = function()
+          ylm.sh.reconstruct(ylm.array({ 1 }, "float"), axes, { out = f[1] })
+        end })
+      end,
+      memory_of_view = function() return render(function() render() end) end,
+    } do
+      local good, message = pcall(call)
+      assert(not good and tostring(message):find("spec.progress_spec.lua:%d+: %a+: the object is in use by a call"),
+        name .. ": " .. tostring(message))
+    end
+    assert.is_nil(grid.stats.update)
+    update() -- allowed again
+    twin:update(moved)
+    assert.equal(0, (core.array_distance(grid:sample(f), twin:sample(f))))
+  end)
+
   it("passes on whatever its function raises", function()
     local a, thing = points "double", {}
     for name, call in pairs {

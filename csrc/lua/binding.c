@@ -209,9 +209,21 @@ static void push_busy(lua_State *L) {
   lua_setfield(L, LUA_REGISTRYINDEX, "ylm.busy");
 }
 
-/* Makes entries for the arguments below `top`, so that marking them later takes no memory. */
+/* Adds to the number of progress functions that run, which stands in the table at `busy`. */
+static int count_running(lua_State *L, int busy, int more) {
+  lua_getfield(L, busy, "running");
+  int running = (int)lua_tointeger(L, -1) + more;
+  lua_pop(L, 1);
+  lua_pushinteger(L, running);
+  lua_setfield(L, busy, "running");
+  return running;
+}
+
+/* Makes entries for the arguments below `top`, and for the number of progress functions that run,
+   so that marking them later takes no memory. */
 static void note_arguments(lua_State *L, int top) {
   push_busy(L);
+  count_running(L, lua_gettop(L), 0);
   for (int i = 1; i <= top; i++) {
     if (lua_type(L, i) != LUA_TUSERDATA) continue;
     lua_pushvalue(L, i);
@@ -257,6 +269,21 @@ ylm_status ylmL_busy(lua_State *L, int i) {
   return busy ? YLM_EBUSY : YLM_OK;
 }
 
+ylm_status ylmL_array_busy(lua_State *L, const ylmL_array *a) {
+  bool busy = false;
+  luaL_checkstack(L, 6, "busy");
+  push_busy(L);
+  int table = lua_gettop(L);
+  if (count_running(L, table, 0) > 0)
+    for (lua_pushnil(L); lua_next(L, table); lua_pop(L, 1)) {
+      if (!lua_isboolean(L, -1) || !lua_toboolean(L, -1)) continue;
+      const ylmL_array *b = ylmL_test(L, -2, YLM_ARRAY);
+      busy |= b && b->data && ylmL_array_overlaps(a, b);
+    }
+  lua_settop(L, table - 1);
+  return busy ? YLM_EBUSY : YLM_OK;
+}
+
 /* The registry's function that does nothing, for a debug hook to be called. */
 static void push_nothing(lua_State *L) {
   lua_getfield(L, LUA_REGISTRYINDEX, "ylm.nothing");
@@ -275,7 +302,9 @@ static bool call_back(ylmL_progress *p, int arguments) {
   lua_getfield(L, LUA_REGISTRYINDEX, "ylm.busy");
   lua_insert(L, function);
   uint64_t marked = mark(L, function, p->top, UINT64_MAX, true);
+  count_running(L, function, 1);
   p->raised = lua_pcall(L, arguments, 1, 0) != 0;
+  count_running(L, function, -1);
   mark(L, function, p->top, marked, false);
   lua_remove(L, function);
   if (p->raised) p->message = lua_gettop(L);

@@ -128,6 +128,13 @@ static inline double ylmL_array_get(const ylmL_array *a, size_t i) {
   return ylm_get(a->dtype, a->data, i);
 }
 
+/* True if two open arrays have an element's memory in common. */
+static inline bool ylmL_array_overlaps(const ylmL_array *a, const ylmL_array *b) {
+  uintptr_t pa = (uintptr_t)a->data, pb = (uintptr_t)b->data;
+  return pa < pb + b->count * ylm_dtype_size(b->dtype) &&
+         pb < pa + a->count * ylm_dtype_size(a->dtype);
+}
+
 /* A new array of zeros, on the stack; NULL (nothing pushed) if the size overflows or memory
    runs out. */
 ylmL_array *ylmL_array_new(lua_State *L, ylm_dtype t, int axes, const size_t *shape);
@@ -194,8 +201,11 @@ typedef struct ylmL_progress {
    the debug hook is asked first: the interpreter's answer to SIGINT is a hook that raises. */
 const ylm_progress *ylmL_progress_begin(lua_State *L, int i, ylmL_progress *p);
 /* YLM_EBUSY where the object at `i` is an argument of a call whose progress function runs now:
-   what closes an object asks first, since C holds pointers into it. */
+   what closes or changes an object asks first, since C holds pointers into it. */
 ylm_status ylmL_busy(lua_State *L, int i);
+/* The same of an array that is to be written to: YLM_EBUSY where such an argument is an array that
+   shares elements with it. */
+ylm_status ylmL_array_busy(lua_State *L, const ylmL_array *a);
 /* ylmL_result, after raising an error that the progress function raised. */
 int ylmL_result_progress(lua_State *L, int n, ylm_status s, const ylm_error *e, ylmL_progress *p);
 

@@ -243,12 +243,17 @@ static int array_close(lua_State *L) {
   return 0;
 }
 
+/* array_is_free(array) -> true where no call whose progress function runs uses its elements */
+static int array_is_free(lua_State *L) {
+  ylm_status s = ylmL_array_busy(L, ylmL_array_check(L, 1));
+  lua_pushboolean(L, true);
+  return ylmL_result(L, 1, s, NULL);
+}
+
 /* array_overlap(a, b) -> true where they have an element's memory in common */
 static int array_overlap(lua_State *L) {
   const ylmL_array *a = ylmL_array_check(L, 1), *b = ylmL_array_check(L, 2);
-  uintptr_t pa = (uintptr_t)a->data, pb = (uintptr_t)b->data;
-  lua_pushboolean(L, pa < pb + b->count * ylm_dtype_size(b->dtype) &&
-                         pb < pa + a->count * ylm_dtype_size(a->dtype));
+  lua_pushboolean(L, ylmL_array_overlaps(a, b));
   return 1;
 }
 
@@ -267,6 +272,7 @@ static const luaL_Reg functions[] = {{"array_zeros", array_zeros},
                                      {"array_distance", array_distance},
                                      {"array_overlap", array_overlap},
                                      {"array_close", array_close},
+                                     {"array_is_free", array_is_free},
                                      {"array_set_convention", array_set_convention},
                                      {NULL, NULL}};
 

@@ -172,6 +172,7 @@ static int grid_bake(lua_State *L) {
 static int grid_update(lua_State *L) {
   lua_settop(L, 7);
   ylm_grid *g = ylmL_grid_check(L, 1);
+  if (ylmL_busy(L, 1) != YLM_OK) return ylmL_result(L, 0, YLM_EBUSY, NULL);
   ylmL_progress progress;
   ylm_error e = {0};
   ylm_light_parts parts;

@@ -64,6 +64,7 @@ static int shade_grid_again(lua_State *L) {
   uint64_t fresh = 0;
   ylm_error e = {0};
   ylmL_progress p;
+  if (ylmL_busy(L, 2) != YLM_OK) return ylmL_result(L, 0, YLM_EBUSY, NULL);
   if (out->dtype != YLM_FLOAT || out->count != 3 * ylmL_shade_points(v) || !*m)
     return ylmL_result(L, 0, YLM_ESHAPE, NULL);
   const ylm_progress *progress = ylmL_progress_begin(L, 6, &p);

@@ -254,7 +254,8 @@ describe "grid:update" {
     .. "these with all lights, skipped: within the tolerance, added, removed, pairs, seconds, field_seconds, "
     .. "tree_seconds, rebaked, updates; with a tolerance verified, error and met, of held-out points in voxels that "
     .. "changed, and warning, a sentence, where it is not met" } },
-  errors = "raises on bad arguments and a grid that is not dynamic; nil, message, code where memory or max_points are "
+  errors = "raises on bad arguments, a grid that is not dynamic, and from the progress function of a call that reads the "
+    .. "grid; nil, message, code where memory or max_points are "
     .. "exceeded; nil, 'cancelled', 'ECANCELLED' where progress returns false: the grid is then as it was",
   example = [[
 local function lamp(x) return ylm.sphere_light { at = { x, 2, 0 }, radius = 0.1, radiance = 10 } end

@@ -15,7 +15,8 @@ outputs.extents = extents
 
 --- The option `out` (nil, an array, or a list of them) of argument `n` of `name`, as one array or nil for each
 -- of `shapes`. Raises unless all are open, of `dtype` and of their shape, and share no memory with one another
--- nor with `points` (if that is an array), which the work would overwrite while it still reads them.
+-- nor with `points` (if that is an array), which the work would overwrite while it still reads them, nor with what a
+-- call uses whose progress function runs.
 function outputs.of(n, name, out, dtype, shapes, points)
   if out == nil then return end
   if core.type(out) == "ylm.array" then out = { out } end
@@ -53,7 +54,12 @@ function outputs.of(n, name, out, dtype, shapes, points)
       end
     end
   end
-  for i = 1, last do if out[i] then core.array_set_convention(out[i], 0) end end
+  for i = 1, last do
+    if out[i] then
+      check.result(name, core.array_is_free(out[i]))
+      core.array_set_convention(out[i], 0)
+    end
+  end
   return out[1], out[2], out[3]
 end
 

@@ -74,6 +74,7 @@ function args.result(name, out, shape, dtype, convention, sources)
   for _, source in ipairs(sources or {}) do
     if core.array_overlap(out, source) then return check.fail("%s: out shares memory with an argument", name) end
   end
+  check.result(name, core.array_is_free(out))
   core.array_set_convention(out, convention or 0)
   return out
 end

@@ -270,6 +270,7 @@ function array_methods.download(a, given)
   if o.out and not select(4, core.array_info(o.out)) then
     return check.bad(1, "download", "out: the array has been closed")
   end
+  if o.out then check.result("download", core.array_is_free(o.out)) end
   return check.result("download", bound().gpu_download(a, o.out))
 end
 
