@@ -121,9 +121,11 @@ ylm_status baker_fetch(baker *b);
 /* -- tolerance.c -------------------------------------------------------------------- */
 
 ylm_status ylm__grid_bake_tolerance(baker *b);
-/* Refines from the root by what the bake has learnt, then compares held-out points of voxels with
-   changed corners (changed: by point; points from `known` on are new). Fills `verified`, `error`
-   and `met` of the dynamic state's stats. */
-ylm_status ylm__grid_update_tolerance(baker *b, const uint8_t *changed, size_t known);
+struct panel;
+/* Refines from the root by what the bake has learnt, then further while the panel says that the
+   tolerance is not kept: by held-out points, half of them in voxels with changed corners (changed:
+   by point; points from `known` on are new). */
+ylm_status ylm__grid_update_tolerance(baker *b, const uint8_t *changed, size_t known,
+                                      const struct panel *p);
 
 #endif

@@ -81,7 +81,7 @@ ylm_status ylm__dynamic_end(ylm_grid *g, occupancy *occupied) {
   g->dynamic->occupied = *occupied;
   *occupied = (occupancy){0};
   ylm__dynamic_sign_all(g, g->dynamic->source.threads);
-  g->stats.bytes += ylm__dynamic_bytes(g->dynamic);
+  g->stats.bytes += ylm__dynamic_bytes(g);
   return YLM_OK;
 }
 
@@ -105,15 +105,18 @@ void ylm__dynamic_free(grid_dynamic *d) {
   ylm_free(d->spare);
   occupancy_free(&d->occupied);
   lattice_hash_free(&d->forced);
+  panel_free(&d->panel);
   ylm_free(d);
 }
 
-size_t ylm__dynamic_bytes(const grid_dynamic *d) {
+size_t ylm__dynamic_bytes(const ylm_grid *g) {
+  const grid_dynamic *d = g->dynamic;
   if (!d) return 0;
   return sizeof *d + d->shapes.bytes + d->lamps * (sizeof *d->lamp + sizeof *d->mover_of) +
          d->movers * (sizeof *d->mover + d->room) +
          d->room * ((d->bends + 2) * sizeof(float) + sizeof *d->sign) +
          (d->born_room + d->cell_room) * sizeof *d->sign +
          d->source.occupied * 3 * ylm_dtype_size(d->source.occupied_dtype) +
-         ylm__surface_bytes(d->surface) + d->log_bytes + d->spare_room * sizeof *d->spare;
+         ylm__surface_bytes(d->surface) + d->log_bytes + d->spare_room * sizeof *d->spare +
+         panel_bytes(&d->panel, g->width);
 }

@@ -11,6 +11,7 @@
 
 #include "baker.h"
 #include "lamp.h"
+#include "panel.h"
 
 #define STATES 64         /* of a mover: as many as are remembered */
 #define EVICT_ALL STATES  /* every state but the present one */
@@ -68,6 +69,7 @@ typedef struct grid_dynamic {
   ratios ratio;
   double tight, loosest; /* now; by the bake */
   lattice_hash forced;   /* voxels that failed: update by cell_key */
+  panel panel;           /* points that judge updates; none without a tolerance */
 
   double bound[LAMP_KINDS][4]; /* ylm__lamp_bounds; 0: none of that kind has been met */
 } grid_dynamic;
@@ -81,7 +83,7 @@ static inline uint64_t cell_key(const ylm_grid_cell *c) {
 ylm_status ylm__dynamic_begin(ylm_grid *g, const ylm_grid_source *source, ylm_error *e);
 ylm_status ylm__dynamic_end(ylm_grid *g, occupancy *occupied);
 void ylm__dynamic_free(grid_dynamic *d);
-size_t ylm__dynamic_bytes(const grid_dynamic *d);
+size_t ylm__dynamic_bytes(const ylm_grid *g);
 /* Measures the bounds of kinds of lamps that are met for the first time. */
 ylm_status ylm__dynamic_meet(ylm_grid *g, size_t n, const lamp *lamps, ylm_error *e);
 /* Forgets shapes that neither lamps nor movers have. */

@@ -47,6 +47,7 @@ struct ylm_grid {
 
   struct grid_dynamic *dynamic; /* what updates need (dynamic.h); NULL: the grid stays as it is */
   bool updating;
+  bool spent; /* memory ran out where an update could not be taken back: the root voxel is left */
 };
 
 /* -- store.c: cells and points ------------------------------------------------- */

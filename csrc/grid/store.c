@@ -97,7 +97,7 @@ ylm_grid *ylm__grid_new(const ylm_grid_form *form) {
   }
   g->field.self = g;
   g->field.evaluate = ylm__grid_evaluate;
-  g->stats.error = g->stats.largest_error = g->stats.update.error = NAN;
+  g->stats.error = g->stats.largest_error = NAN;
   ylm__grid_sync(g);
   return g;
 }
@@ -243,7 +243,7 @@ void ylm__grid_count(ylm_grid *g) {
   s->bytes += g->cell_room * sizeof *g->cell + table * sizeof *g->table +
               g->point_room *
                   (4 * g->stride * sizeof(float) + 3 * sizeof *g->lattice + 2 * sizeof(float) + 1);
-  s->bytes += g->birth_room * sizeof *g->birth + ylm__dynamic_bytes(g->dynamic);
+  s->bytes += g->birth_room * sizeof *g->birth + ylm__dynamic_bytes(g);
 }
 
 /* Writes a cell into the part of the table that it covers. */

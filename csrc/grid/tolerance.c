@@ -11,7 +11,7 @@
 **   - held-out shading points are compared with the field. Voxels in which they fail are split, and
 **     `tight` grows until the estimates of (almost) all these would have said so. Then fresh
 **     points.
-** The last comparison is made with points that decided nothing: it is what stats report.
+** Whether the promise is kept is judged by points that decided nothing: panel.c.
 */
 #include "tolerance.h"
 
@@ -116,9 +116,7 @@ static ylm_status run(refiner *r) {
     s = refiner_again(r);
   }
   if (s == YLM_OK) s = baker_finish(r->b);
-  if (s == YLM_OK) s = refiner_compare_finished(r);
-  if (s == YLM_OK) refiner_report(r, limited);
-  return s;
+  return s == YLM_OK ? refiner_judge(r, limited) : s;
 }
 
 void refiner_end(refiner *r) {

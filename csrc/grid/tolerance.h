@@ -26,6 +26,7 @@ typedef struct refiner {
   uint8_t *inside;
   verdict *verdict;
   size_t held, verdicts;
+  bool all;                        /* these are all the shading points there are */
   const ylm_grid_surface *surface; /* held-out points are drawn on; NULL: among shading points */
   ylm_grid_surface *own;           /* the same where nobody else frees it */
   bool frozen;                     /* an update: ratios and `tight` are those of the bake */
@@ -69,12 +70,8 @@ uint32_t refiner_leaf(const ylm_grid *g, const float x[3]);
 /* Evaluates the r->held points, whose occupied leaves stand in r->verdict, and compares them with
    their leaves' interpolants. */
 ylm_status refiner_compare(refiner *r);
-/* Compares once more with samples of the finished grid; exact values are those of before. */
-ylm_status refiner_compare_finished(refiner *r);
-/* The verdicts' 99 % quantile and largest error; sorts them. */
-void refiner_quantiles(refiner *r, double *error, double *largest);
-/* Writes what the comparison says to the grid's stats. */
-void refiner_report(refiner *r, bool limited);
+/* Fractions of its edges at which a cell has a point. */
+void refiner_fractions(const ylm_grid *g, const ylm_grid_cell *c, const float x[3], float t[3]);
 /*
 ** True if refinement may stop. Else `tight` has grown so that the estimates of the voxels in which
 ** points failed (but for a few, which are split because of their points) exceed the tolerance.
@@ -90,5 +87,15 @@ void refiner_surface_point(const refiner *r, uint64_t seed, uint64_t k, uint64_t
 /* Writes n held-out points of the surface: by area, in rounds of refinement a part by voxel and by
    triangle. */
 ylm_status refiner_hold_surface(refiner *r, uint64_t round, size_t n);
+
+/* -- panel.c ---------------------------------------------------------------------------- */
+
+/* Judges the finished grid by fresh points, as many as it takes, and writes what they say to its
+   stats. A dynamic grid keeps them. */
+ylm_status refiner_judge(refiner *r, bool limited);
+/* Judges a grid that is being updated by its panel, in the leaves of the octree; changed [old] by
+   point that was there. */
+ylm_status refiner_rule(const refiner *r, const panel *p, const uint8_t *changed, size_t old,
+                        ruling *out);
 
 #endif

@@ -5,9 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Points that are compared, twice; then twice as many from round to round. */
-#define UPDATE_HELD 256
-#define UPDATE_DRAWN 16384 /* tries to find as many in voxels that changed */
+#define UPDATE_HELD 512    /* points that are compared first; then twice as many a round */
+#define UPDATE_DRAWN 16384 /* tries to find half as many in voxels that changed */
 #define UPDATE_ROUNDS 8
 #define RELAX 0.98 /* what becomes of the factor in an update that passes at once */
 
@@ -17,10 +16,11 @@ static bool touched(const ylm_grid_cell *c, const uint8_t *changed, size_t known
   return false;
 }
 
-/* Draws points in occupied leaves whose corners changed. */
-static void hold_out_changed(refiner *r, uint64_t round, const uint8_t *changed, size_t known) {
+/* Draws points in occupied leaves, every other one in those whose corners changed: elsewhere, what
+   points have sat out may have added up. */
+static void hold_out(refiner *r, uint64_t round, const uint8_t *changed, size_t known) {
   const ylm_grid *g = r->b->g;
-  size_t most = (size_t)UPDATE_HELD << (round > 1 ? round - 1 : 0);
+  size_t most = (size_t)UPDATE_HELD << round;
   ylm_rng rng;
   ylm_rng_seed(&rng, r->b->source->seed, 1000 + g->stats.update.updates * UPDATE_ROUNDS + round);
   if (most > HELD_OUT) most = HELD_OUT;
@@ -29,22 +29,11 @@ static void hold_out_changed(refiner *r, uint64_t round, const uint8_t *changed,
     float x[3];
     refiner_draw(r, &rng, x);
     uint32_t leaf = refiner_leaf(g, x);
-    if (!(g->cell[leaf].flags & YLM_GRID_OCCUPIED) || !touched(&g->cell[leaf], changed, known))
-      continue;
+    const ylm_grid_cell *c = &g->cell[leaf];
+    if (!(c->flags & YLM_GRID_OCCUPIED) || (r->held % 2 && !touched(c, changed, known))) continue;
     r->verdict[r->held].leaf = leaf;
     memcpy(r->points + 3 * r->held++, x, sizeof x);
   }
-}
-
-/* Compares the points that are held out; counts those that fail in leaves that can be split. */
-static ylm_status compare_changed(refiner *r, size_t *failed) {
-  const ylm_grid *g = r->b->g;
-  ylm_status s = refiner_compare(r);
-  *failed = 0;
-  for (size_t i = 0; i < r->verdicts && s == YLM_OK; i++)
-    *failed += r->verdict[i].error > r->tolerance &&
-               g->cell[r->verdict[i].leaf].level < g->view.form.depth;
-  return s;
 }
 
 static ylm_status split_failed(refiner *r) {
@@ -62,44 +51,45 @@ static ylm_status split_failed(refiner *r) {
   return s == YLM_OK ? refiner_refine(r) : s;
 }
 
-/* Splits what failed; where that is more than chance lets fail, also what the factor asks for that
-   would have caught them: the field is not what it was when the factor was found. */
-static ylm_status refine_more(refiner *r, uint64_t round) {
+/* Splits where fresh points fail; where that is more than chance lets fail, also what the factor
+   asks for that would have caught them: the field is not what it was when the factor was found. */
+static ylm_status refine_more(refiner *r, uint64_t round, const uint8_t *changed, size_t known) {
   bool limited;
-  size_t failed = 0;
-  double few = (round < 2 ? 0.02 : 0.01) * (double)r->verdicts;
-  for (size_t i = 0; i < r->verdicts; i++) failed += r->verdict[i].error > r->tolerance;
-  if ((double)failed <= few || refiner_satisfied(r, &limited)) return split_failed(r);
-  return refiner_again(r);
+  double start = ylm_seconds();
+  hold_out(r, round, changed, known);
+  r->b->stage = "verifying";
+  ylm_status s = refiner_compare(r);
+  r->b->g->stats.verify_seconds += ylm_seconds() - start;
+  if (s != YLM_OK) return s;
+  return refiner_satisfied(r, &limited) ? split_failed(r) : refiner_again(r);
 }
 
-static ylm_status refine_changed(refiner *r, const uint8_t *changed, size_t known) {
-  ylm_grid_update_stats *stats = &r->b->g->stats.update;
+/* True if the promise is kept, or the depth forbids it. */
+static bool is_settled(const ruling *said) {
+  double all = (double)said->points, stuck = (double)said->stuck;
+  return said->met || (stuck > PROMISED * all && (double)said->failed - stuck <= 0.005 * all);
+}
+
+static ylm_status refine_changed(refiner *r, const uint8_t *changed, size_t known, const panel *p) {
+  ylm_grid *g = r->b->g;
+  ruling said = {0};
   ylm_status s = refiner_refine(r);
-  stats->verified = 0;
-  for (uint64_t round = 0; s == YLM_OK && round < UPDATE_ROUNDS; round++) {
-    size_t failed;
+  for (uint64_t round = 0; s == YLM_OK; round++) {
     double start = ylm_seconds();
-    s = ylm__grid_fill_invalid(r->b->g);
-    hold_out_changed(r, round, changed, known);
-    r->b->stage = "verifying";
-    if (s == YLM_OK) s = compare_changed(r, &failed);
-    r->b->g->stats.verify_seconds += ylm_seconds() - start;
-    if (s != YLM_OK || r->verdicts == 0) break;
-    bool last = (double)failed <= 0.006 * (double)r->verdicts || round + 1 == UPDATE_ROUNDS;
-    if (!last) s = refine_more(r, round);
-    if (!last || s != YLM_OK) continue;
-    if (round == 0) r->tight = fmax(r->b->g->dynamic->loosest, RELAX * r->tight);
-    double largest;
-    refiner_quantiles(r, &stats->error, &largest);
-    stats->verified = r->verdicts;
-    stats->met = stats->error <= r->tolerance;
-    break;
+    s = ylm__grid_fill_invalid(g);
+    if (s == YLM_OK) s = refiner_rule(r, p, changed, known, &said);
+    g->stats.verify_seconds += ylm_seconds() - start;
+    if (s == YLM_OK && said.met && round == 0)
+      r->tight = fmax(g->dynamic->loosest, RELAX * r->tight);
+    if (s != YLM_OK || is_settled(&said) || round == UPDATE_ROUNDS) break;
+    s = refine_more(r, round, changed, known);
   }
+  if (s == YLM_OK) panel_report(&g->stats, p, &said, said.stuck > 0);
   return s;
 }
 
-ylm_status ylm__grid_update_tolerance(baker *b, const uint8_t *changed, size_t known) {
+ylm_status ylm__grid_update_tolerance(baker *b, const uint8_t *changed, size_t known,
+                                      const panel *p) {
   grid_dynamic *d = b->g->dynamic;
   refiner r = {.b = b,
                .tolerance = b->g->view.form.tolerance,
@@ -107,7 +97,7 @@ ylm_status ylm__grid_update_tolerance(baker *b, const uint8_t *changed, size_t k
                .ratio = d->ratio,
                .frozen = true};
   ylm_status s = refiner_begin(&r);
-  if (s == YLM_OK) s = refine_changed(&r, changed, known);
+  if (s == YLM_OK) s = refine_changed(&r, changed, known, p);
   if (s == YLM_OK) d->tight = r.tight;
   refiner_end(&r);
   return s;

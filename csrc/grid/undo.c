@@ -19,8 +19,11 @@ ylm_status update_remember(update *u) {
   o->size = ylm_alloc_copy(d->size, g->evaluated, sizeof *o->size);
   o->drift = ylm_alloc_copy(d->drift, g->evaluated, sizeof *o->drift);
   o->sign = ylm_alloc_copy(d->sign, g->evaluated, sizeof *o->sign);
+  o->forced = d->forced;
+  o->forced.entry = ylm_alloc_copy(d->forced.entry, d->forced.size, sizeof *o->forced.entry);
   o->mover = ylm_alloc_copy(d->mover, d->movers, sizeof *o->mover);
-  if (!o->flags || !o->lambda || !o->norm || !o->size || !o->drift || !o->sign || !o->mover)
+  if (!o->flags || !o->lambda || !o->norm || !o->size || !o->drift || !o->sign || !o->mover ||
+      !o->forced.entry)
     return YLM_ENOMEM;
   for (size_t m = 0; m < d->movers; m++) o->mover[m].seen = NULL;
   o->movers = d->movers;
@@ -87,6 +90,9 @@ void update_restore(update *u) {
   undo *o = &u->old;
   size_t row = 4 * g->stride, bends = d->bends;
   d->tight = o->tight;
+  lattice_hash forced = d->forced;
+  d->forced = o->forced;
+  o->forced = forced;
   for (size_t p = o->points; p < g->points; p++)
     lattice_hash_remove(&g->hash, lattice_key(g->lattice + 3 * p));
   g->points = o->points;
@@ -125,9 +131,9 @@ void update_restore(update *u) {
   ylm__grid_sync(g);
 }
 
-void update_forget(update *u) {
+void update_forget_rows(update *u) {
   undo *o = &u->old;
-  for (size_t m = 0; m < o->movers; m++) ylm_free(o->mover[m].seen);
+  for (size_t m = 0; o->mover && m < o->movers; m++) ylm_free(o->mover[m].seen);
   ylm_free(o->mover);
   ylm_free(o->flags);
   ylm_free(o->lambda);
@@ -136,7 +142,17 @@ void update_forget(update *u) {
   ylm_free(o->drift);
   ylm_free(o->sign);
   ylm_free(o->logged);
-  ylm_free(o->cell);
+  lattice_hash_free(&o->forced);
+  u->old = (undo){.points = o->points,
+                  .evaluated = o->evaluated,
+                  .cells = o->cells,
+                  .cell_room = o->cell_room,
+                  .cell = o->cell};
+}
+
+void update_forget(update *u) {
+  update_forget_rows(u);
+  ylm_free(u->old.cell);
   ylm__lamps_free(&u->now);
   ylm_free(u->origin);
   ylm_free(u->change);
@@ -144,5 +160,6 @@ void update_forget(update *u) {
   ylm_free(u->shift);
   ylm_free(u->changed);
   ylm_free(u->boxes);
+  panel_forget_light(&u->panel);
   baker_free(&u->b);
 }

@@ -31,9 +31,6 @@ static ylm_status rebake(update *u) {
   u->stats.points = u->stats.exact = g->stats.points;
   u->stats.pairs = g->stats.pairs;
   u->stats.field_seconds = g->stats.field_seconds;
-  u->stats.verified = g->stats.verified;
-  u->stats.error = g->stats.error;
-  u->stats.met = g->stats.met;
   return YLM_OK;
 }
 
@@ -57,6 +54,18 @@ static void commit(update *u, int32_t *of) {
   d->mover_of = of;
   d->lamps = u->now.n;
   u->now.lamp = NULL;
+  panel_exchange(&d->panel, &u->panel);
+}
+
+/* Judges the finished grid; where memory runs out, what was said of its octree stands. */
+static void judge(const update *u) {
+  ylm_grid *g = u->g;
+  ruling said;
+  if (!(g->view.form.tolerance > 0) || g->spent) return;
+  double t = ylm_seconds();
+  if (panel_rule_again(g, &u->d->panel, u->source.threads, &said) == YLM_OK)
+    panel_report(&g->stats, &u->d->panel, &said, g->stats.limited);
+  g->stats.verify_seconds += ylm_seconds() - t;
 }
 
 /* Evaluates anew what a difference has left less light than its rounding may be seen beside. */
@@ -75,6 +84,7 @@ static ylm_status follow(update *u) {
   ylm_status s = ylm__dynamic_meet(g, u->now.n, u->now.lamp, u->b.e);
   if (s == YLM_OK) s = update_remember(u);
   if (s == YLM_OK) s = keep_shapes(u);
+  if (s == YLM_OK) s = update_panel(u);
   if (s != YLM_OK) return s;
   int32_t *of = ylm_alloc(u->now.n, sizeof *of);
   if (!of) return YLM_ENOMEM;
@@ -97,6 +107,7 @@ static ylm_status follow(update *u) {
   commit(u, of);
   update_retire(u->d, g->evaluated);
   ylm__dynamic_sign_all(g, u->source.threads);
+  if (s == YLM_OK) judge(u);
   ylm__grid_sync(g);
   return s;
 }
@@ -118,6 +129,10 @@ ylm_status ylm_grid_update(ylm_grid *g, const ylm_grid_change *change, ylm_error
   if (!g->dynamic)
     return ylm_fail(e, YLM_EINVAL,
                     "the grid was not made with dynamic = true, it cannot be updated");
+  if (g->spent)
+    return ylm_fail(e, YLM_EINVAL,
+                    "memory ran out in an update that could not be taken back: the "
+                    "grid is spent, bake it anew");
   if (isnan(change->tolerance) || isinf(change->tolerance))
     return ylm_fail(e, YLM_EDOMAIN, "tolerance: a number, got %g", change->tolerance);
   ylm_grid_stats before = g->stats;
@@ -134,8 +149,7 @@ ylm_status ylm_grid_update(ylm_grid *g, const ylm_grid_change *change, ylm_error
   u.source.progress = change->progress;
   u.b =
       (baker){.g = g, .source = &u.source, .e = e, .occupied = u.d->occupied, .stage = "updating"};
-  u.stats =
-      (ylm_grid_update_stats){.updates = before.update.updates + 1, .error = NAN, .met = true};
+  u.stats = (ylm_grid_update_stats){.updates = before.update.updates + 1};
   ylm_status s = ylm__lamps(change->lights, &u.now);
   u.origin = ylm_alloc(u.now.n, sizeof *u.origin);
   g->updating = true;
@@ -148,8 +162,6 @@ ylm_status ylm_grid_update(ylm_grid *g, const ylm_grid_change *change, ylm_error
   if (!u.stats.rebaked) {
     u.stats.pairs = g->stats.pairs;
     u.stats.field_seconds = g->stats.field_seconds;
-    u.stats.verified = g->stats.update.verified;
-    if (u.stats.verified) u.stats.error = g->stats.update.error, u.stats.met = g->stats.update.met;
     g->stats.pairs = before.pairs;
     g->stats.field_seconds = before.field_seconds;
     g->stats.verify_seconds = before.verify_seconds;
@@ -158,10 +170,19 @@ ylm_status ylm_grid_update(ylm_grid *g, const ylm_grid_change *change, ylm_error
   update_forget(&u);
   ylm__dynamic_sweep(g->dynamic);
   u.stats.seconds = ylm_seconds() - begin;
-  g->stats.update = s == YLM_OK ? u.stats : before.update;
+  if (s == YLM_OK)
+    g->stats.update = u.stats;
+  else
+    g->stats = before;
   if (s == YLM_EDOMAIN && e && e->status != s)
     return ylm_fail(e, s, "the light field of these lights is beyond the range of float");
+  if (g->spent)
+    return ylm_fail(e, s,
+                    "the grid does not fit into memory, and the update could not be taken "
+                    "back: the grid is spent, bake it anew");
   return s == YLM_OK ? s : ylm__grid_no_room(s, &u.source, e);
 }
 
 bool ylm_grid_updating(const ylm_grid *g) { return g->updating; }
+
+bool ylm_grid_spent(const ylm_grid *g) { return g->spent; }

@@ -8,6 +8,7 @@
 typedef struct undo {
   size_t points, evaluated, cells, cell_room, movers;
   double tight;
+  lattice_hash forced;
   ylm_grid_cell *cell; /* the old cells, while new ones are made; else NULL */
   uint8_t *flags;
   float *lambda, *norm, *size, *drift;
@@ -33,6 +34,7 @@ typedef struct update {
   uint8_t *changed; /* [points at the beginning] data are not what they were */
   double *boxes;    /* [2 changes][6] around lights that changed */
   undo old;
+  panel panel; /* what judges the grid, after this update */
   bool over;  /* nothing can be taken back any more */
   bool whole; /* continuity is made anew everywhere */
   ylm_grid_update_stats stats;
@@ -48,6 +50,8 @@ ylm_status update_log_rows(update *u);
 void update_log_row(update *u, size_t log, uint32_t point);
 /* Takes everything back. */
 void update_restore(update *u);
+/* Frees what only taking back needs. */
+void update_forget_rows(update *u);
 /* Frees what an update holds, the grid excepted. */
 void update_forget(update *u);
 
@@ -66,6 +70,11 @@ ylm_status update_choose_points(update *u);
 /* Brings the points that are listed in u->shift up to date with all movers. */
 ylm_status update_shift_all(update *u);
 
+/* -- panel_update.c --------------------------------------------------------------------- */
+
+/* The exact light of the panel's points, with the lights as they are now. */
+ylm_status update_panel(update *u);
+
 /* -- update_tree.c ---------------------------------------------------------------------- */
 
 ylm_status update_octree(update *u);
@@ -74,7 +83,7 @@ ylm_status update_uniform(update *u);
 /* -- repair.c --------------------------------------------------------------------------- */
 
 /* Drops points and makes the new octree continuous: around points that came or went, or everywhere.
-   Where it fails with u->over, only the root voxel is good. */
+   Where it fails with u->over, only the octree and its evaluated points are good. */
 ylm_status update_repair(update *u, bool everywhere);
 
 #endif

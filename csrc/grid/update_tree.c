@@ -31,11 +31,8 @@ static void spare_cells(update *u, ylm_grid_cell *cell, size_t room) {
    made of. */
 static ylm_status keep_octree(update *u) {
   ylm_grid *g = u->g;
-  for (size_t i = 0; i < g->cells; i++) {
-    u->old.cell[i].error = g->cell[i].error;
-    u->old.cell[i].residual = g->cell[i].residual;
-  }
-  spare_cells(u, g->cell, g->cell_room);
+  ylm_grid_cell *made = g->cell;
+  size_t octree = g->cells, room = g->cell_room;
   g->cell = u->old.cell;
   g->cells = u->old.cells;
   g->cell_room = u->old.cell_room;
@@ -45,6 +42,11 @@ static ylm_status keep_octree(update *u) {
     if (g->flags[p] & YLM_GRID_POINT_INVALID) u->changed[p] = 1;
   ylm_status s = ylm__grid_fill_invalid(g);
   if (s == YLM_OK) s = ylm__grid_interpolate_points(g, u->changed, u->source.threads);
+  for (size_t i = 0; i < octree && s == YLM_OK; i++) {
+    g->cell[i].error = made[i].error;
+    g->cell[i].residual = made[i].residual;
+  }
+  spare_cells(u, made, room);
   ylm__grid_count(g);
   return s;
 }
@@ -56,7 +58,26 @@ static bool many_came_or_went(const update *u) {
   return n > u->old.evaluated / 4;
 }
 
-/* When memory runs out where nothing can be taken back: the root voxel alone, which needs none. */
+/* When memory runs out where nothing can be taken back: what that would have needed is given back,
+   and the octree is made continuous from the beginning. */
+static ylm_status repair_again(update *u) {
+  ylm_grid *g = u->g;
+  grid_dynamic *d = u->d;
+  update_forget_rows(u);
+  ylm_regrow_free(d->log, d->log_bytes);
+  d->log = NULL;
+  d->log_bytes = 0;
+  g->cells = g->view.octree_cells;
+  g->points = g->evaluated;
+  for (size_t i = 0; i < g->cells; i++) {
+    ylm_grid_cell *c = &g->cell[i];
+    c->detail = 0;
+    if (c->flags & YLM_GRID_LEAF) c->child = 0;
+  }
+  return baker_finish(&u->b);
+}
+
+/* When that fails too: the root voxel alone, which needs no memory. Nobody is to use it. */
 static void collapse(ylm_grid *g) {
   ylm_grid_cell *c = &g->cell[0];
   g->cells = g->view.octree_cells = 1;
@@ -68,6 +89,7 @@ static void collapse(ylm_grid *g) {
   g->top_shift = g->view.form.depth;
   g->table[0] = 0;
   ylm__grid_count(g);
+  g->spent = true;
 }
 
 /* New cells from the root; points that exist are found by the hash. */
@@ -91,8 +113,9 @@ static ylm_status refine(update *u) {
   ylm_status s = ylm__grid_reserve_cells(g, u->old.cells);
   if (s == YLM_OK) s = baker_root(b);
   if (s != YLM_OK) return s;
-  return g->view.form.tolerance > 0 ? ylm__grid_update_tolerance(b, u->changed, u->old.points)
-                                    : baker_refine_threshold(b);
+  return g->view.form.tolerance > 0
+             ? ylm__grid_update_tolerance(b, u->changed, u->old.points, &u->panel)
+             : baker_refine_threshold(b);
 }
 
 ylm_status update_octree(update *u) {
@@ -101,6 +124,7 @@ ylm_status update_octree(update *u) {
   if (same_octree(u)) return keep_octree(u);
   u->whole |= many_came_or_went(u);
   s = update_repair(u, u->whole);
+  if (s == YLM_ENOMEM && u->over) s = repair_again(u);
   if (s != YLM_OK && u->over) collapse(u->g);
   if (!u->over) return s;
   spare_cells(u, u->old.cell, u->old.cell_room);

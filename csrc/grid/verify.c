@@ -53,6 +53,7 @@ static ylm_status hold_out(refiner *r, uint64_t round) {
   const ylm_grid *g = r->b->g;
   bool all = baker_has_shading(s) && s->occupied < HELD_OUT;
   size_t n = all ? s->occupied : HELD_OUT;
+  r->all = all;
   ylm_rng rng;
   ylm_rng_seed(&rng, s->seed, round);
   r->held = 0;
@@ -67,10 +68,7 @@ static ylm_status hold_out(refiner *r, uint64_t round) {
   return status;
 }
 
-/* Fractions of its edges at which a cell has held-out point i. */
-static void fractions(const refiner *r, const ylm_grid_cell *c, size_t i, float t[3]) {
-  const ylm_grid *g = r->b->g;
-  const float *x = r->points + 3 * i;
+void refiner_fractions(const ylm_grid *g, const ylm_grid_cell *c, const float x[3], float t[3]) {
   double at[3], inverse = 1 / (double)ylm__grid_edge(g, c);
   ylm__grid_coordinates(g, (double[3]){(double)x[0], (double)x[1], (double)x[2]}, at);
   for (int a = 0; a < 3; a++) t[a] = (float)edge_fraction(at[a], c->origin[a], inverse);
@@ -84,7 +82,7 @@ static ylm_status compare_range(void *context, size_t begin, size_t end, int wor
   for (size_t i = begin; i < end; i++) {
     const ylm_grid_cell *c = &g->cell[r->verdict[i].leaf];
     float t[3];
-    fractions(r, c, i, t);
+    refiner_fractions(g, c, r->points + 3 * i, t);
     ylm__grid_interpolate(g, c, t, row, NULL);
     r->verdict[i].error = refiner_distance(row, r->exact + i * g->width, g->width);
   }
@@ -99,7 +97,7 @@ static ylm_status ask_errors(refiner *r) {
   ylm_status s = probe && distance ? YLM_OK : YLM_ENOMEM;
   for (size_t i = 0; s == YLM_OK && i < r->held; i++) {
     const ylm_grid_cell *c = &b->g->cell[r->verdict[i].leaf];
-    fractions(r, c, i, t);
+    refiner_fractions(b->g, c, r->points + 3 * i, t);
     probe[i] = baker_probe(b, c, t, (uint32_t)i);
   }
   if (s == YLM_OK && r->held) s = keeper_compare(b, r->held, r->points, probe, distance, r->inside);
@@ -126,52 +124,9 @@ ylm_status refiner_compare(refiner *r) {
   return s;
 }
 
-ylm_status refiner_compare_finished(refiner *r) {
-  ylm_grid *g = r->b->g;
-  ylm_grid_query q = {
-      .point_dtype = YLM_FLOAT, .dtype = YLM_FLOAT, .threads = r->b->source->threads};
-  float *sampled = ylm_alloc(r->held, g->width * sizeof *sampled);
-  if (!sampled) return YLM_ENOMEM;
-  const ylm_grid_keeper *there = r->b->keeper;
-  ylm_status s = there && r->held ? there->values(there->self, r->held, r->exact, r->b->e) : YLM_OK;
-  if (s == YLM_OK) s = ylm_grid_sample(g, &q, r->held, r->points, sampled, NULL, NULL, r->b->e);
-  r->verdicts = 0;
-  for (size_t i = 0; i < r->held && s == YLM_OK; i++) {
-    if (r->inside[i]) continue;
-    size_t k = i * g->width;
-    r->verdict[r->verdicts++] = (verdict){refiner_distance(sampled + k, r->exact + k, g->width),
-                                          refiner_leaf(g, r->points + 3 * i)};
-  }
-  ylm_free(sampled);
-  return s;
-}
-
-static int by_error(const void *a, const void *b) {
-  double x = ((const verdict *)a)->error, y = ((const verdict *)b)->error;
-  return x < y ? -1 : x > y;
-}
-
 static int downwards(const void *a, const void *b) {
   double x = *(const double *)a, y = *(const double *)b;
   return x > y ? -1 : x < y;
-}
-
-void refiner_quantiles(refiner *r, double *error, double *largest) {
-  size_t n = r->verdicts;
-  *error = *largest = 0;
-  if (!n) return;
-  qsort(r->verdict, n, sizeof *r->verdict, by_error);
-  *error = r->verdict[(size_t)ceil(0.99 * (double)n) - 1].error;
-  *largest = r->verdict[n - 1].error;
-}
-
-/* Writes what the comparison says to the grid's stats. */
-void refiner_report(refiner *r, bool limited) {
-  ylm_grid_stats *s = &r->b->g->stats;
-  s->verified = r->verdicts;
-  refiner_quantiles(r, &s->error, &s->largest_error);
-  s->met = s->error <= r->tolerance;
-  s->limited = !s->met && limited;
 }
 
 /*

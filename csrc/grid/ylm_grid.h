@@ -131,12 +131,9 @@ typedef struct ylm_grid_update_stats {
   uint64_t skipped; /* left alone although some light changed: the change is within tolerance */
   uint64_t added, removed; /* points that refinement made, and that nothing needs any more */
   uint64_t pairs;          /* light x point evaluations */
-  uint64_t verified;       /* held-out points in changed voxels */
-  double error;            /* 99 % quantile of their relative errors; NaN: not measured */
   double seconds;
   double field_seconds; /* of these, inside of the light field */
   double tree_seconds;  /* of these, for octree, verification and continuity */
-  bool met;             /* error <= tolerance */
   bool rebaked;         /* so much changed that everything was baked anew */
 } ylm_grid_update_stats;
 
@@ -162,12 +159,14 @@ typedef struct ylm_grid_stats {
   double lattice_seconds;    /* finding corners by their lattice coordinates */
   double residual_seconds;   /* interpolation errors at the centres of voxels */
   double continuity_seconds; /* making the interpolant continuous */
-  uint64_t verified;         /* held-out points compared with the field */
   uint64_t rounds;           /* of refinement and verification */
-  double error;              /* 99 % quantile of their relative errors; NaN: not measured */
-  double largest_error;      /* the largest of them */
-  bool met;                  /* error <= tolerance */
-  bool limited;              /* not met because the depth is reached where it would refine */
+  /* of a tolerance, by the bake or the last update */
+  uint64_t verified;    /* held-out points that judge it */
+  double error;         /* a bound of the 99 % quantile of all points' errors; NaN: not measured */
+  double confidence;    /* of that bound; 0 in a grid that was loaded */
+  double largest_error; /* of the points that judge it */
+  bool met;             /* error <= tolerance */
+  bool limited;         /* not met because the depth is reached where it would refine */
   ylm_grid_update_stats update;
 } ylm_grid_stats;
 
@@ -278,13 +277,15 @@ typedef struct ylm_grid_change {
 **
 ** Returns  YLM_OK; YLM_EINVAL (not dynamic), YLM_ENOMEM, YLM_ELIMIT, YLM_ECANCELLED, what the field
 **          returns. The grid then is as it was; only where memory runs out in the very last step,
-**          all that is left of it is the root voxel.
+**          twice, it is spent: ylm_grid_spent. A grid that is spent gives YLM_EINVAL.
 ** Results  bit-identical whatever the number of threads
 ** Threads  nobody may read the grid meanwhile
 */
 YLM_API ylm_status ylm_grid_update(ylm_grid *g, const ylm_grid_change *change, ylm_error *e);
 /* True while an update runs: the grid must not be used from its progress function. */
 YLM_API bool ylm_grid_updating(const ylm_grid *g);
+/* True if an update failed and could not be taken back: the grid is good for ylm_grid_free alone. */
+YLM_API bool ylm_grid_spent(const ylm_grid *g);
 
 /* -- looking inside ---------------------------------------------------------- */
 

@@ -14,6 +14,7 @@ ylm_grid **ylmL_grid_new(lua_State *L) {
 ylm_grid *ylmL_grid_check(lua_State *L, int i) {
   ylm_grid **g = ylmL_check(L, i, YLM_GRID_TYPE);
   if (!*g) luaL_argerror(L, i, "the grid has been closed");
+  if (ylm_grid_spent(*g)) luaL_argerror(L, i, "the grid is spent: an update ran out of memory");
   if (ylm_grid_updating(*g)) luaL_argerror(L, i, "the grid is being updated");
   return *g;
 }

@@ -4,7 +4,7 @@
 
 static const ylm_field *field_of(void *object) {
   ylm_grid **g = object;
-  return *g && !ylm_grid_updating(*g) ? ylm_grid_field(*g) : NULL;
+  return *g && !ylm_grid_updating(*g) && !ylm_grid_spent(*g) ? ylm_grid_field(*g) : NULL;
 }
 
 /*
@@ -61,13 +61,14 @@ static int grid_flags(lua_State *L) {
 }
 
 /* grid_is_open(value) -> true for a grid that has not been closed, false for a closed one, else
-   nil; whether it is being updated */
+   nil; whether it is being updated; whether an update has spent it */
 static int grid_is_open(lua_State *L) {
   ylm_grid **g = ylmL_test(L, 1, YLM_GRID_TYPE);
   if (!g) return 0;
   lua_pushboolean(L, *g != NULL);
   lua_pushboolean(L, *g && ylm_grid_updating(*g));
-  return 2;
+  lua_pushboolean(L, *g && ylm_grid_spent(*g));
+  return 3;
 }
 
 static int grid_close(lua_State *L) {

@@ -6,7 +6,7 @@
 #include "binding_grid.h"
 
 /* What the last update did, as a table on the stack. */
-void ylmL_grid_push_update(lua_State *L, const ylm_grid_update_stats *u);
+void ylmL_grid_push_update(lua_State *L, const ylm_grid_form *f, const ylm_grid_stats *s);
 /* What a grid was described with, and its stats; times that are NaN are left out. */
 void ylmL_grid_push_form(lua_State *L, const ylm_grid_form *f);
 void ylmL_grid_push_stats(lua_State *L, const ylm_grid_form *f, const ylm_grid_stats *s);

@@ -184,7 +184,8 @@ static int grid_update(lua_State *L) {
                             .threads = (int)luaL_checknumber(L, 5),
                             .progress = ylmL_progress_begin(L, 6, &progress)};
   ylm_status s = ylm_grid_update(g, &change, &e);
-  if (s == YLM_OK) ylmL_grid_push_update(L, &ylm_grid_look(g)->stats->update);
+  const ylm_grid_view *v = ylm_grid_look(g);
+  if (s == YLM_OK) ylmL_grid_push_update(L, &v->form, v->stats);
   return ylmL_result_progress(L, 1, s, &e, &progress);
 }
 

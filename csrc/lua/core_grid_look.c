@@ -5,7 +5,17 @@
 #include <math.h>
 #include <string.h>
 
-void ylmL_grid_push_update(lua_State *L, const ylm_grid_update_stats *u) {
+/* What is known of a promised tolerance, into the table on top. */
+static void set_promise(lua_State *L, const ylm_grid_stats *s) {
+  ylmL_set_count(L, "verified", s->verified);
+  ylmL_set_number(L, "error", s->error);
+  if (s->confidence > 0) ylmL_set_number(L, "confidence", s->confidence);
+  ylmL_set_boolean(L, "met", s->met);
+  ylmL_set_boolean(L, "limited", s->limited);
+}
+
+void ylmL_grid_push_update(lua_State *L, const ylm_grid_form *f, const ylm_grid_stats *s) {
+  const ylm_grid_update_stats *u = &s->update;
   lua_newtable(L);
 #define COUNT(name) ylmL_set_count(L, #name, u->name)
   COUNT(updates);
@@ -16,15 +26,11 @@ void ylmL_grid_push_update(lua_State *L, const ylm_grid_update_stats *u) {
   COUNT(added);
   COUNT(removed);
   COUNT(pairs);
-  COUNT(verified);
 #undef COUNT
   ylmL_set_number(L, "seconds", u->seconds);
   ylmL_set_number(L, "field_seconds", u->field_seconds);
   ylmL_set_number(L, "tree_seconds", u->tree_seconds);
-  if (u->verified) {
-    ylmL_set_number(L, "error", u->error);
-    ylmL_set_boolean(L, "met", u->met);
-  }
+  if (f->kind == YLM_GRID_ADAPTIVE && f->tolerance > 0) set_promise(L, s);
   ylmL_set_boolean(L, "rebaked", u->rebaked);
 }
 
@@ -55,7 +61,7 @@ void ylmL_grid_push_stats(lua_State *L, const ylm_grid_form *f, const ylm_grid_s
   TIME(continuity_seconds);
 #undef TIME
   if (s->update.updates) {
-    ylmL_grid_push_update(L, &s->update);
+    ylmL_grid_push_update(L, f, s);
     lua_setfield(L, -2, "update");
   }
   if (f->kind == YLM_GRID_UNIFORM) return;
@@ -64,12 +70,9 @@ void ylmL_grid_push_stats(lua_State *L, const ylm_grid_form *f, const ylm_grid_s
     return;
   }
   ylmL_set_number(L, "tolerance", f->tolerance);
-  ylmL_set_count(L, "verified", s->verified);
   ylmL_set_count(L, "rounds", s->rounds);
-  ylmL_set_number(L, "error", s->error);
   ylmL_set_number(L, "largest_error", s->largest_error);
-  ylmL_set_boolean(L, "met", s->met);
-  ylmL_set_boolean(L, "limited", s->limited);
+  set_promise(L, s);
 }
 
 /* grid_stats(grid) -> table of numbers and booleans */

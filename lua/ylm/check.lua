@@ -56,6 +56,14 @@ function check.short(text)
   return text:sub(1, 37):gsub("[\192-\255][\128-\191]*$", "") .. "..."
 end
 
+--- Why a grid cannot be used; nil where it can, or is none.
+function check.grid_fault(grid)
+  local is_open, updating, spent = core.grid_is_open(grid)
+  if spent then return "the grid is spent: memory ran out while it was updated, bake it anew" end
+  if updating then return "the grid is being updated" end
+  if is_open == false then return "the grid has been closed" end
+end
+
 --- What a value is, for messages: "a table", "{1, 0}", "nil", "-1", "'text'", "an array of 2x3".
 function check.describe(value)
   local t = type(value)

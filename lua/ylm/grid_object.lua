@@ -35,13 +35,12 @@ require "ylm.reference".object "grid" {
 
 --- The grid, where it is one that can be used; raises in the name of the method otherwise.
 function object.open(g, name)
-  local is_open, updating = core.grid_is_open(g)
-  if updating then return check.fail("%s: the grid is being updated", name) end
-  if is_open then return g end
-  if is_open == nil then
+  local fault = check.grid_fault(g)
+  if fault and not (name == "close" and select(3, core.grid_is_open(g))) then return check.fail("%s: %s", name, fault) end
+  if core.grid_is_open(g) == nil then
     return check.fail("%s: a grid expected before the colon, got %s", name, check.describe(g))
   end
-  return check.fail("%s: the grid has been closed", name)
+  return g
 end
 
 describe "grid:close" {
@@ -77,8 +76,9 @@ methods.__newindex = function(_, key)
 end
 
 methods.__tostring = function(g)
-  local is_open, updating = core.grid_is_open(g)
+  local is_open, updating, spent = core.grid_is_open(g)
   if not is_open then return "ylm.grid (closed)" end
+  if spent then return "ylm.grid (spent)" end
   if updating then return "ylm.grid (being updated)" end
   local f, s = core.grid_form(g), core.grid_stats(g)
   return ("ylm.grid %s lmax %d %s, %d points, %d leaves"):format(f.kind, f.lmax, f.channels == 3

@@ -225,7 +225,8 @@ end
 
 --- Argument `n` of `name` as an open object with a light field: such an object itself, or lights packed.
 function light.field(n, name, value)
-  if core.grid_is_open(value) == false then return check.bad(n, name, "the grid has been closed") end
+  local fault = check.grid_fault(value)
+  if fault then return check.bad(n, name, fault) end
   if core.type(value) == "ylm.gpu_lights" and not require "ylm.vulkan_light".is_open(value) then
     return check.bad(n, name, "the lights have been closed")
   end

@@ -116,7 +116,8 @@ function views.check_grid(name, grid)
   if grid == nil then
     return check.fail("%s: field 'grid' is missing (scene:bake() makes one; scene:reference needs none)", name)
   end
-  if core.grid_is_open(grid) == false then return check.fail("%s: the grid has been closed", name) end
+  local fault = check.grid_fault(grid)
+  if fault then return check.fail("%s: %s", name, fault) end
   if core.type(grid) == "ylm.lights" and not core.lights_count(grid) then
     return check.fail("%s: the lights have been closed", name)
   end

@@ -247,7 +247,8 @@ local function check_view(values, fail)
       return fail(name .. " needs a grid, or volume = { values = }")
     end
   end
-  if values.subject and not core.grid_is_open(values.subject) then return fail "the grid has been closed" end
+  local fault = values.subject and check.grid_fault(values.subject)
+  if fault then return fail(fault) end
   if math.max(values.size[1], values.size[2]) * values.supersample > 16384 then
     return fail "size times supersample must be at most 16384 pixels"
   end

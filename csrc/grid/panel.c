@@ -1,0 +1,281 @@
+/*
+** panel.c - random occupied points with their exact light, which judge whether a promise is kept.
+**
+** Refinement stops where few of its held-out points fail; these have decided when it stops, so they
+** say too little. The points of a panel decide nothing. Of a grid in which more than 1 % of all
+** occupied points fail, they say that it keeps its tolerance with a chance of at most 1 %.
+*/
+#include <stdlib.h>
+#include <string.h>
+
+#include "tolerance.h"
+
+#define LOOKS 4 /* at a bake: of HELD_OUT points, then of twice as many, while chance decides */
+
+/* -- arrays --------------------------------------------------------------------------------- */
+
+void panel_free(panel *p) {
+  ylm_free(p->point);
+  ylm_free(p->exact);
+  ylm_free(p->drift);
+  ylm_free(p->inside);
+  ylm_free(p->sampled);
+  ylm_grid_track_free(p->track);
+  *p = (panel){0};
+}
+
+size_t panel_bytes(const panel *p, size_t width) {
+  size_t kept = p->sampled ? width * sizeof *p->sampled + 16 : 0; /* 16: of the track */
+  return p->n * (3 * sizeof *p->point + width * sizeof *p->exact + sizeof *p->drift + 1 + kept);
+}
+
+ylm_status panel_copy_light(panel *to, const panel *from, size_t width) {
+  *to = *from;
+  to->exact = ylm_alloc_copy(from->exact, from->n, width * sizeof *to->exact);
+  to->drift = ylm_alloc_copy(from->drift, from->n, sizeof *to->drift);
+  to->inside = ylm_alloc_copy(from->inside, from->n, 1);
+  return to->exact && to->drift && to->inside ? YLM_OK : YLM_ENOMEM;
+}
+
+void panel_forget_light(panel *p) {
+  ylm_free(p->exact);
+  ylm_free(p->drift);
+  ylm_free(p->inside);
+  *p = (panel){0};
+}
+
+void panel_exchange(panel *a, panel *b) {
+  panel was = *a;
+  *a = *b;
+  *b = was;
+}
+
+/* Room for the arrays of n points; what is there stays. */
+static ylm_status reserve(panel *p, size_t n, size_t width) {
+  float *point = ylm_realloc(p->point, p->n * 3 * sizeof *point, n, 3 * sizeof *point);
+  if (point) p->point = point;
+  float *exact = ylm_realloc(p->exact, p->n * width * sizeof *exact, n, width * sizeof *exact);
+  if (exact) p->exact = exact;
+  float *drift = ylm_realloc(p->drift, p->n * sizeof *drift, n, sizeof *drift);
+  if (drift) p->drift = drift;
+  uint8_t *inside = ylm_realloc(p->inside, p->n, n, 1);
+  if (inside) p->inside = inside;
+  return point && exact && drift && inside ? YLM_OK : YLM_ENOMEM;
+}
+
+/* -- rulings -------------------------------------------------------------------------------- */
+
+/* The most failures with which the promise is kept; -1: it cannot be said. */
+static int most_failures(const panel *p, size_t points, double doubt) {
+  return p->all ? (int)(PROMISED * (double)points) : confidence_allowed(points, PROMISED, doubt);
+}
+
+/* Sorts x into the n largest numbers so far, largest first. */
+static void sort_in(double *largest, size_t n, double x) {
+  if (!(x > largest[n - 1])) return;
+  size_t i = n - 1;
+  for (; i > 0 && largest[i - 1] < x; i--) largest[i] = largest[i - 1];
+  largest[i] = x;
+}
+
+/* Judges the errors of all points; negative: left out. */
+static ylm_status rule(const panel *p, const double *error, double tolerance, double doubt,
+                       ruling *out) {
+  *out = (ruling){.met = true};
+  for (size_t i = 0; i < p->n; i++) {
+    out->points += error[i] >= 0;
+    out->failed += error[i] > tolerance;
+  }
+  if (!out->points) return YLM_OK;
+  int most = most_failures(p, out->points, doubt);
+  size_t n = most < 0 ? 1 : (size_t)most + 1;
+  double *largest = ylm_alloc_zero(n, sizeof *largest);
+  if (!largest) return YLM_ENOMEM;
+  for (size_t i = 0; i < p->n; i++) sort_in(largest, n, error[i]);
+  out->error = most < 0 ? INFINITY : largest[n - 1];
+  out->largest = largest[0];
+  out->met = out->error <= tolerance;
+  ylm_free(largest);
+  return YLM_OK;
+}
+
+/* Judges samples of a finished grid. */
+static ylm_status rule_samples(const ylm_grid *g, const panel *p, const float *sampled,
+                               double doubt, ruling *out) {
+  size_t w = g->width;
+  double *error = ylm_alloc(p->n, sizeof *error);
+  if (!error) return YLM_ENOMEM;
+  for (size_t i = 0; i < p->n; i++)
+    error[i] = p->inside[i] ? -1 : refiner_distance(sampled + i * w, p->exact + i * w, w);
+  ylm_status s = rule(p, error, g->view.form.tolerance, doubt, out);
+  ylm_free(error);
+  return s;
+}
+
+/* Judges a finished grid. */
+static ylm_status rule_finished(const ylm_grid *g, const panel *p, double doubt, int threads,
+                                ruling *out, ylm_error *e) {
+  ylm_grid_query q = {.point_dtype = YLM_FLOAT, .dtype = YLM_FLOAT, .threads = threads};
+  float *sampled = ylm_alloc(p->n, g->width * sizeof *sampled);
+  ylm_status s = sampled ? YLM_OK : YLM_ENOMEM;
+  if (s == YLM_OK) s = ylm_grid_sample(g, &q, p->n, p->point, sampled, NULL, NULL, e);
+  if (s == YLM_OK) s = rule_samples(g, p, sampled, doubt, out);
+  ylm_free(sampled);
+  return s;
+}
+
+void panel_report(ylm_grid_stats *s, const panel *p, const ruling *r, bool limited) {
+  s->verified = r->points;
+  s->error = r->error;
+  s->largest_error = r->largest;
+  s->met = r->met;
+  s->limited = !r->met && limited;
+  s->confidence = p->all ? 1 : 1 - DOUBT;
+}
+
+/* -- of a bake ------------------------------------------------------------------------------ */
+
+/* The points that the refiner holds join the panel. */
+static ylm_status take(const refiner *r, panel *p) {
+  size_t w = r->b->g->width, n = r->held;
+  const ylm_grid_keeper *there = r->b->keeper;
+  ylm_status s = reserve(p, p->n + n, w);
+  if (s == YLM_OK && there && n) s = there->values(there->self, n, r->exact, r->b->e);
+  if (s != YLM_OK) return s;
+  ylm_copy(p->point + 3 * p->n, r->points, 3 * n * sizeof *p->point);
+  ylm_copy(p->exact + w * p->n, r->exact, w * n * sizeof *p->exact);
+  ylm_copy(p->inside + p->n, r->inside, n);
+  memset(p->drift + p->n, 0, n * sizeof *p->drift);
+  p->n += n;
+  return YLM_OK;
+}
+
+/* Fresh points join the panel until it has had `batches` of them. */
+static ylm_status draw(refiner *r, panel *p, size_t *had, size_t batches) {
+  ylm_status s = YLM_OK;
+  for (; *had < batches && s == YLM_OK; ++*had) {
+    s = refiner_verify(r, MAX_ROUNDS + 1 + *had);
+    if (s == YLM_OK) s = take(r, p);
+  }
+  return s;
+}
+
+/* True if more points may show that the promise is kept. */
+static bool is_open(const ruling *r) {
+  double expected = PROMISED * (double)r->points;
+  return !r->met && (double)r->failed <= expected + 2 * sqrt(expected);
+}
+
+ylm_status refiner_judge(refiner *r, bool limited) {
+  ylm_grid *g = r->b->g;
+  panel p = {.all = r->all};
+  ruling said = {0};
+  size_t had = 0;
+  ylm_status s = p.all ? take(r, &p) : YLM_OK;
+  for (int look = 0; look < LOOKS && s == YLM_OK; look++) {
+    if (!p.all) s = draw(r, &p, &had, (size_t)1 << look);
+    double t = ylm_seconds();
+    if (s == YLM_OK) s = rule_finished(g, &p, DOUBT / LOOKS, r->b->source->threads, &said, r->b->e);
+    g->stats.verify_seconds += ylm_seconds() - t;
+    if (p.all || !is_open(&said)) break;
+  }
+  if (s == YLM_OK && g->dynamic && !p.all) s = draw(r, &p, &had, PANEL / HELD_OUT);
+  if (s == YLM_OK) panel_report(&g->stats, &p, &said, limited);
+  if (s == YLM_OK && g->dynamic)
+    g->dynamic->panel = p;
+  else
+    panel_free(&p);
+  return s;
+}
+
+/* -- of an update --------------------------------------------------------------------------- */
+
+typedef struct leaf_job {
+  const refiner *r;
+  const panel *p;
+  const uint8_t *changed; /* [old] by point that was there */
+  size_t old;
+  double *error;
+  uint8_t *stuck;
+} leaf_job;
+
+/* True if samples in a leaf of the octree are what they were before the update. */
+static bool is_unchanged(const leaf_job *j, const ylm_grid_cell *c) {
+  const ylm_grid_cell *before = baker_before(j->r->b, c);
+  if (!j->p->known || !before || !(before->flags & YLM_GRID_LEAF)) return false;
+  for (int k = 0; k < 8; k++) {
+    uint32_t p = c->corner[k];
+    if (p >= j->old || j->changed[p] || j->r->b->g->flags[p] & YLM_GRID_POINT_INVALID) return false;
+  }
+  return true;
+}
+
+/* The interpolant of a leaf at x, as sampling computes it. */
+static void interpolate(const ylm_grid *g, const ylm_grid_cell *c, const float x[3], float *row) {
+  sample_batch b = {.points = 1, .width = (int)g->width, .value = {row}};
+  float t[3];
+  refiner_fractions(g, c, x, t);
+  for (int a = 0; a < 3; a++) b.t[a][0] = t[a];
+  ylm__grid_set_cell(g, c, &b);
+  ylm__grid_kernel()(&b);
+}
+
+/* Errors of points begin .. end-1, interpolated in the octree's leaves. */
+static ylm_status compare_range(void *context, size_t begin, size_t end, int worker) {
+  const leaf_job *j = context;
+  const ylm_grid *g = j->r->b->g;
+  float *row = j->r->row + (size_t)worker * (g->stride + ROW_PADDING);
+  for (size_t i = begin; i < end; i++) {
+    const float *x = j->p->point + 3 * i;
+    j->error[i] = -1;
+    j->stuck[i] = 0;
+    if (j->p->inside[i]) continue;
+    const ylm_grid_cell *c = &g->cell[refiner_leaf(g, x)];
+    if (!(c->flags & YLM_GRID_OCCUPIED)) continue;
+    bool same = is_unchanged(j, c);
+    if (!same) interpolate(g, c, x, row);
+    j->error[i] = refiner_distance(same ? j->p->sampled + i * g->width : row,
+                                   j->p->exact + i * g->width, g->width);
+    j->stuck[i] = j->error[i] > j->r->tolerance && c->level >= g->view.form.depth;
+  }
+  return YLM_OK;
+}
+
+ylm_status refiner_rule(const refiner *r, const panel *p, const uint8_t *changed, size_t old,
+                        ruling *out) {
+  leaf_job j = {r, p, changed, old, ylm_alloc(p->n, sizeof *j.error), ylm_alloc(p->n, 1)};
+  ylm_status s = j.error && j.stuck ? YLM_OK : YLM_ENOMEM;
+  if (s == YLM_OK) s = ylm_parallel(p->n, 64, r->b->source->threads, compare_range, &j, NULL, NULL);
+  if (s == YLM_OK) s = rule(p, j.error, r->tolerance, DOUBT, out);
+  for (size_t i = 0; s == YLM_OK && i < p->n; i++) out->stuck += j.stuck[i];
+  ylm_free(j.error);
+  ylm_free(j.stuck);
+  return s;
+}
+
+typedef struct panel_taker {
+  panel *p;
+  size_t width;
+} panel_taker;
+
+/* Keeps the samples of n points. */
+static void take_samples(void *user, size_t n, const uint32_t *point, size_t row,
+                         const float *value) {
+  const panel_taker *t = user;
+  for (size_t i = 0; i < n; i++)
+    memcpy(t->p->sampled + point[i] * t->width, value + i * row, t->width * sizeof *value);
+}
+
+ylm_status panel_rule_again(const ylm_grid *g, panel *p, int threads, ruling *out) {
+  panel_taker to = {p, g->width};
+  uint64_t fresh;
+  ylm_status s = YLM_OK;
+  if (!p->sampled) p->sampled = ylm_alloc(p->n, g->width * sizeof *p->sampled);
+  if (!p->sampled) return YLM_ENOMEM;
+  if (!p->track) s = ylm_grid_track_create(p->n, p->point, NULL, &p->track);
+  if (s == YLM_OK)
+    s = ylm_grid_track_sample(p->track, g, YLM_GRID_HERMITE, threads, NULL,
+                              &(ylm_grid_taker){NULL, take_samples, &to}, &fresh, NULL);
+  p->known = s == YLM_OK;
+  return s == YLM_OK ? rule_samples(g, p, p->sampled, DOUBT, out) : s;
+}

@@ -1,0 +1,59 @@
+/* panel.h - random occupied points with their exact light: they judge a promised tolerance. */
+#ifndef YLM_GRID_PANEL_H
+#define YLM_GRID_PANEL_H
+
+#include "baker.h"
+
+#define PROMISED 0.01 /* of the points may fail */
+#define DOUBT 0.01    /* chance that a grid in which more fail is called good */
+#define PANEL 4096    /* points that judge the updates of a grid */
+
+/* Points that have no part in refinement: what they say of a grid holds for all occupied points. */
+typedef struct panel {
+  size_t n;
+  bool all;        /* they are all the occupied points there are */
+  float *point;    /* [n][3] */
+  float *exact;    /* [n][width] */
+  float *drift;    /* [n] bound of what rounding has added up to; 0 where all lights were summed */
+  uint8_t *inside; /* [n] in or on a light: left out */
+  /* Of a dynamic grid, from its first update on: */
+  ylm_grid_track *track; /* finds the points whose samples changed */
+  float *sampled;        /* [n][width] samples of the grid as it was after the last update */
+  bool known;            /* these are there */
+} panel;
+
+/* What a panel says of a grid. */
+typedef struct ruling {
+  size_t points, failed;
+  size_t stuck; /* of those that failed, in voxels of the finest level */
+  double
+      error; /* a bound of the 99 % quantile of all points' errors, but for the chance of DOUBT */
+  double largest;
+  bool met; /* error <= tolerance */
+} ruling;
+
+/* -- confidence.c ----------------------------------------------------------------------- */
+
+/*
+** The most failures among n random points that still say that less than `share` of all fail: the
+** largest k for which more than k of n fail with a chance of at least 1 - doubt wherever `share`
+** or more do. -1: n points are too few.
+*/
+int confidence_allowed(size_t n, double share, double doubt);
+
+/* -- panel.c ---------------------------------------------------------------------------- */
+
+void panel_free(panel *p);
+/* A panel of the same points with light of its own, a copy; what frees it; two that change it. */
+ylm_status panel_copy_light(panel *to, const panel *from, size_t width);
+void panel_forget_light(panel *p);
+void panel_exchange(panel *a, panel *b);
+/* Bytes of n points. */
+size_t panel_bytes(const panel *p, size_t width);
+/* Judges a dynamic grid after an update, by its samples; those that did not change are known. Where
+   it fails, nothing is known. */
+ylm_status panel_rule_again(const ylm_grid *g, panel *p, int threads, ruling *out);
+/* The grid's stats say what the ruling does. */
+void panel_report(ylm_grid_stats *s, const panel *p, const ruling *r, bool limited);
+
+#endif
