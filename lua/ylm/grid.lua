@@ -25,8 +25,8 @@ grid.adaptive_grid = form.define("adaptive_grid", {
     bounds_field, lmax_field,
     { "depth", "integer", min = 0, max = 16, default = 6, about = "finest level N: 2^N voxels along each axis" },
     { "tolerance", "number", above = 0, optional = true,
-      about = "relative L2 error that 99 % of the occupied points keep, of surfaces 99 % of the area; verified after the "
-        .. "bake, see stats" },
+      about = "relative L2 error that 99 % of the occupied points keep, of surfaces 99 % of the area; verified after "
+        .. "bakes and updates, see stats.met" },
     { "metric", "choice", of = { "relative", "absolute" }, default = "relative",
       about = "the Hessian's error metric that threshold is compared with" },
     { "threshold", "number", min = 0, optional = true, about = "voxels above it are subdivided" },

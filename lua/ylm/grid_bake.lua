@@ -252,11 +252,12 @@ describe "grid:update" {
   options = update_options,
   returns = { { "report", "table", "also grid.stats.update: lights that changed, points brought up to date, exact: of "
     .. "these with all lights, skipped: within the tolerance, added, removed, pairs, seconds, field_seconds, "
-    .. "tree_seconds, rebaked, updates; with a tolerance verified, error and met, of held-out points in voxels that "
-    .. "changed, and warning, a sentence, where it is not met" } },
+    .. "tree_seconds, rebaked, updates; with a tolerance met, error, confidence, verified, limited and warning: of the "
+    .. "whole grid as it is, see grid.stats" } },
   errors = "raises on bad arguments, a grid that is not dynamic, and from the progress function of a call that reads the "
     .. "grid; nil, message, code where memory or max_points are "
-    .. "exceeded; nil, 'cancelled', 'ECANCELLED' where progress returns false: the grid is then as it was",
+    .. "exceeded; nil, 'cancelled', 'ECANCELLED' where progress returns false: the grid is then as it was, or it "
+    .. "says that it is spent and refuses all but close: where memory ran out twice in the last step",
   example = [[
 local function lamp(x) return ylm.sphere_light { at = { x, 2, 0 }, radius = 0.1, radiance = 10 } end
 local grid = ylm.bake(ylm.uniform_grid { bounds = { { -1, -1, -1 }, { 1, 1, 1 } }, cells = 4, dynamic = true },

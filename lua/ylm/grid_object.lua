@@ -25,8 +25,10 @@ require "ylm.reference".object "grid" {
     { "metric_channels", "string", "what the error metric is of" },
     { "dynamic", "boolean", "whether grid:update follows lights" },
     { "depth", "integer", "finest level of an adaptive grid; its metric, continuous, and tolerance or threshold likewise" },
-    { "stats", "table", "points, cells, leaves, levels, pairs, invalid, bytes, ...; with a tolerance met and error, and "
-      .. "warning, a sentence, where it is not met; "
+    { "stats", "table", "points, cells, leaves, levels, pairs, invalid, bytes, ...; with a tolerance met: at least 99 % "
+      .. "of the occupied points keep it, error: a bound of their 99 % quantile, both with this confidence (1: all points were "
+      .. "compared; nil in a loaded grid), verified: the random points that judge, limited: not met because of the depth, "
+      .. "warning: a sentence, where it is not met; "
       .. "seconds, of which field_seconds in the light field, occupancy_, lattice_, residual_ and continuity_seconds in "
       .. "parts of the bake, verify_seconds (field included) to verify (a loaded grid has none: files hold no times); baked "
       .. "on a device stages: by name { seconds, longest, dispatches }" },
