@@ -99,14 +99,20 @@ static ylm_status rule(const panel *p, const double *error, double tolerance, do
   return YLM_OK;
 }
 
+/* The error of a sample at point i; what is no number fails. */
+static double error_of(const panel *p, size_t i, const float *sample, size_t width) {
+  if (p->inside[i]) return -1;
+  double error = refiner_distance(sample, p->exact + i * width, width);
+  return isnan(error) ? INFINITY : error;
+}
+
 /* Judges samples of a finished grid. */
 static ylm_status rule_samples(const ylm_grid *g, const panel *p, const float *sampled,
                                double doubt, ruling *out) {
   size_t w = g->width;
   double *error = ylm_alloc(p->n, sizeof *error);
   if (!error) return YLM_ENOMEM;
-  for (size_t i = 0; i < p->n; i++)
-    error[i] = p->inside[i] ? -1 : refiner_distance(sampled + i * w, p->exact + i * w, w);
+  for (size_t i = 0; i < p->n; i++) error[i] = error_of(p, i, sampled + i * w, w);
   ylm_status s = rule(p, error, g->view.form.tolerance, doubt, out);
   ylm_free(error);
   return s;
@@ -234,8 +240,7 @@ static ylm_status compare_range(void *context, size_t begin, size_t end, int wor
     if (!(c->flags & YLM_GRID_OCCUPIED)) continue;
     bool same = is_unchanged(j, c);
     if (!same) interpolate(g, c, x, row);
-    j->error[i] = refiner_distance(same ? j->p->sampled + i * g->width : row,
-                                   j->p->exact + i * g->width, g->width);
+    j->error[i] = error_of(j->p, i, same ? j->p->sampled + i * g->width : row, g->width);
     j->stuck[i] = j->error[i] > j->r->tolerance && c->level >= g->view.form.depth;
   }
   return YLM_OK;

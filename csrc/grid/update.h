@@ -35,8 +35,8 @@ typedef struct update {
   double *boxes;    /* [2 changes][6] around lights that changed */
   undo old;
   panel panel; /* what judges the grid, after this update */
-  bool over;  /* nothing can be taken back any more */
-  bool whole; /* continuity is made anew everywhere */
+  bool over;   /* nothing can be taken back any more */
+  bool whole;  /* continuity is made anew everywhere */
   ylm_grid_update_stats stats;
 } update;
 

@@ -284,7 +284,7 @@ typedef struct ylm_grid_change {
 YLM_API ylm_status ylm_grid_update(ylm_grid *g, const ylm_grid_change *change, ylm_error *e);
 /* True while an update runs: the grid must not be used from its progress function. */
 YLM_API bool ylm_grid_updating(const ylm_grid *g);
-/* True if an update failed and could not be taken back: the grid is good for ylm_grid_free alone. */
+/* True if an update failed and could not be taken back: the grid is good for ylm_grid_free only. */
 YLM_API bool ylm_grid_spent(const ylm_grid *g);
 
 /* -- looking inside ---------------------------------------------------------- */
