@@ -92,7 +92,7 @@ describe("a tolerance that is not met", function()
     assert.is_false(report.met)
     assert.same({ report.warning }, said)
     assert.equal(report.warning, grid.stats.update.warning)
-    assert.truthy(report.warning:find("^update: tolerance 0.02 is not met, 99 %% of the points in voxels that changed keep "
+    assert.truthy(report.warning:find("^update: tolerance 0.02 is not met, 99 %% of the points keep "
       .. "0%.%d+: voxels end at depth 3; set depth = [4-9] "), report.warning)
     grid:update(lamp(0.3, 4))
     assert.is_nil(grid.stats.update.warning)

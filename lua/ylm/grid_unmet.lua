@@ -50,23 +50,22 @@ local function cause_of(s, form, lights)
 end
 
 --- "bake: tolerance 0.01 is not met, 99 % of the points keep 0.02: ".
-local function begin(what, points, tolerance, error)
-  return ("%s: tolerance %.3g is not met, 99 %% of the points%s keep %s: "):format(what, tolerance, points,
+local function begin(what, tolerance, error)
+  return ("%s: tolerance %.3g is not met, 99 %% of the points keep %s: "):format(what, tolerance,
     error < math.huge and ("%.3g"):format(error) or "no bound")
 end
 
---- The sentence of a bake; nil where its tolerance is met, or there is none.
-local function of_bake(s, form, lights)
-  if s.met ~= false then return nil end
-  return begin("bake", "", s.tolerance, s.error) .. cause_of(s, form, lights)
+--- Why the tolerance is not met after an update, and what to change.
+local function cause_after_update(s, form)
+  if s.limited then return too_shallow(form.depth, s.error, s.tolerance) end
+  return "its refinement ends above it" .. set(looser(s.error)) .. ", or bake anew"
 end
 
---- The sentence of an update with this report.
-local function of_update(u, s, form)
-  if u.met ~= false then return nil end
-  return begin("update", " in voxels that changed", s.tolerance, u.error)
-    .. (s.levels > form.depth and too_shallow(form.depth, u.error, s.tolerance)
-    or "its refinement ends above it" .. set(looser(u.error)) .. ", or bake anew")
+--- The sentence of a bake, or of the last update; nil where its tolerance is met, or there is none.
+local function sentence_of(s, form, lights)
+  if s.met ~= false then return nil end
+  return begin(s.update and "update" or "bake", s.tolerance, s.error)
+    .. (s.update and cause_after_update(s, form) or cause_of(s, form, lights))
 end
 
 --- Remembers with which light_tolerance a grid was baked.
@@ -75,22 +74,17 @@ function unmet.remember(g, tolerance) light_tolerance[g] = tolerance end
 --- The stats of a grid with what it does not keep: stats.warning, stats.update.warning.
 function unmet.stats(g)
   local stats, form = core.grid_stats(g), core.grid_form(g)
-  stats.warning = of_bake(stats, form, light_tolerance[g])
-  if stats.update then stats.update.warning = of_update(stats.update, stats, form) end
+  stats.warning = sentence_of(stats, form, light_tolerance[g])
+  if stats.update then stats.update.warning = stats.warning end
   return stats
 end
 
 --- Says of a grid what it does not keep, of its bake and of its updates once each; returns a list of these sentences.
 function unmet.warn(g)
-  local out = {}
-  if core.type(g) ~= "ylm.grid" then return out end
+  if core.type(g) ~= "ylm.grid" then return {} end
   local stats = unmet.stats(g)
-  local function say(topic, sentence)
-    if sentence then out[#out + 1] = warning.say(g, topic, "%s", sentence) end
-  end
-  say("bake", stats.warning)
-  say("update", stats.update and stats.update.warning)
-  return out
+  if not stats.warning then return {} end
+  return { (warning.say(g, stats.update and "update" or "bake", "%s", stats.warning)) }
 end
 
 return unmet
