@@ -46,13 +46,21 @@ void ylmL_set_boolean(lua_State *L, const char *name, bool x) {
   lua_setfield(L, -2, name);
 }
 
+int ylmL_no_memory(lua_State *L, const char *text) {
+  lua_createtable(L, 0, 1);
+  lua_pushstring(L, text ? text : ylm_status_text(YLM_ENOMEM));
+  lua_setfield(L, -2, "message");
+  ylmL_type(L, YLM_NO_MEMORY, NULL);
+  lua_setmetatable(L, -2);
+  return lua_error(L);
+}
+
 int ylmL_result(lua_State *L, int n, ylm_status s, const ylm_error *e) {
   if (s == YLM_OK) return n;
+  const char *text = e && e->status == s && e->text[0] ? e->text : ylm_status_text(s);
+  if (s == YLM_ENOMEM) return ylmL_no_memory(L, text);
   lua_pushnil(L);
-  if (e && e->status == s && e->text[0])
-    lua_pushstring(L, e->text);
-  else
-    lua_pushstring(L, ylm_status_text(s));
+  lua_pushstring(L, text);
   if (s == YLM_ECANCELLED) {
     lua_pop(L, 1);
     lua_pushliteral(L, "cancelled");

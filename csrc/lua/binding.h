@@ -82,8 +82,15 @@ void ylmL_check_abi(lua_State *L);
 
 /* -- results --------------------------------------------------------------- */
 
-/* YLM_OK: returns `n` (results already pushed). Else pushes nil, message, code; returns 3. */
+/* YLM_OK: returns `n` (results already pushed). YLM_ENOMEM: ylmL_no_memory. Else pushes nil,
+   message, code; returns 3. Comes last in a function: memory of C that nobody owns has been freed
+   before. */
 int ylmL_result(lua_State *L, int n, ylm_status s, const ylm_error *e);
+
+/* Raises an error that says that memory ran out, as Lua does where its own runs out; `text`: a
+   sentence, or NULL. Public functions turn both into nil, message, code (lua/ylm/memory.lua). */
+#define YLM_NO_MEMORY "ylm.no_memory"
+int ylmL_no_memory(lua_State *L, const char *text);
 
 /* A number of things: an integer where Lua has integers, so that it reads 5 and not 5.0. */
 void ylmL_push_count(lua_State *L, uint64_t n);
@@ -162,7 +169,7 @@ ylmL_array *ylmL_array_opt(lua_State *L, int i);
 #define YLM_MESH "ylm.mesh"
 
 /* An object without an image yet, on the stack: the caller fills the address returned, which the
-   object then owns. Raises where memory runs out, so call it before making the image. */
+   object then owns. ylmL_no_memory where memory runs out, so call it before making the image. */
 struct ylm_image **ylmL_image_new(lua_State *L);
 /* The image at `i`; raises if there is none or it has been closed. */
 struct ylm_image *ylmL_image_check(lua_State *L, int i);
@@ -171,7 +178,8 @@ struct ylm_mesh **ylmL_mesh_new(lua_State *L);
 struct ylm_mesh *ylmL_mesh_check(lua_State *L, int i);
 /* Lets go of the image or mesh at 1. */
 int ylmL_object_close(lua_State *L);
-/* An array over memory of the image or mesh at `i`, which it keeps alive; raises without memory. */
+/* An array over memory of the image or mesh at `i`, which it keeps alive; ylmL_no_memory where
+ * there is none. */
 ylmL_array *ylmL_object_array(lua_State *L, int i, ylm_dtype t, int axes, const size_t *shape,
                               void *data);
 

@@ -37,7 +37,7 @@ static shared *new_object(lua_State *L, const char *type, void (*destroy)(void *
   ylmL_type(L, type, methods);
   lua_setmetatable(L, -2);
   *u = calloc(1, sizeof **u);
-  if (!*u) luaL_error(L, "not enough memory");
+  if (!*u) ylmL_no_memory(L, NULL);
   (*u)->destroy = destroy;
   (*u)->users = 1;
   return *u;
@@ -71,7 +71,7 @@ ylmL_array *ylmL_object_array(lua_State *L, int i, ylm_dtype t, int axes, const 
   ylmL_array *a = ylmL_array_share(L, t, axes, shape, data, let_go, s);
   if (!a) {
     s->users--;
-    luaL_error(L, "not enough memory");
+    ylmL_no_memory(L, NULL);
   }
   return a;
 }

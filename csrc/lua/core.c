@@ -57,6 +57,16 @@ static int status(lua_State *L) {
   return 0;
 }
 
+/* no_memory(error) -> the sentence of what ylmL_no_memory raised; nil of any other value */
+static int no_memory(lua_State *L) {
+  lua_settop(L, 1);
+  if (!lua_istable(L, 1) || !lua_getmetatable(L, 1)) return 0;
+  luaL_getmetatable(L, YLM_NO_MEMORY);
+  if (!lua_rawequal(L, 2, 3)) return 0;
+  lua_getfield(L, 1, "message");
+  return 1;
+}
+
 static int seconds(lua_State *L) {
   lua_pushnumber(L, (lua_Number)ylm_seconds());
   return 1;
@@ -69,9 +79,9 @@ static int is_terminal(lua_State *L) {
 }
 
 static const luaL_Reg functions[] = {
-    {"metatable", metatable},     {"type", object_type}, {"info", info},
-    {"environment", environment}, {"status", status},    {"seconds", seconds},
-    {"is_terminal", is_terminal}, {NULL, NULL}};
+    {"metatable", metatable},     {"type", object_type},    {"info", info},
+    {"environment", environment}, {"status", status},       {"seconds", seconds},
+    {"is_terminal", is_terminal}, {"no_memory", no_memory}, {NULL, NULL}};
 
 int luaopen_ylm_c_core(lua_State *L) {
   ylmL_check_abi(L);

@@ -50,18 +50,16 @@ static int shape_reach(lua_State *L) {
   return 1;
 }
 
-/* One-based triangles [m][3] of an array of either type as indices; NULL if one is out of range. */
-static uint32_t *indices(const ylmL_array *a, size_t points) {
-  uint32_t *out = ylm_alloc(a->count, sizeof *out);
-  for (size_t i = 0; out && i < a->count; i++) {
+/* One-based triangles [m][3] of an array of either type as indices, which the caller frees. */
+static ylm_status indices(const ylmL_array *a, size_t points, uint32_t **out) {
+  *out = ylm_alloc(a->count, sizeof **out);
+  if (!*out) return YLM_ENOMEM;
+  for (size_t i = 0; i < a->count; i++) {
     double x = ylmL_array_get(a, i);
-    if (!(x >= 1 && x <= (double)points)) {
-      ylm_free(out);
-      return NULL;
-    }
-    out[i] = (uint32_t)x - 1;
+    if (!(x >= 1 && x <= (double)points)) return YLM_ERANGE;
+    (*out)[i] = (uint32_t)x - 1;
   }
-  return out;
+  return YLM_OK;
 }
 
 /* mesh(shape, position, normal | nil, colour, triangles (one-based), opacity) */
@@ -73,10 +71,11 @@ static int shape_mesh(lua_State *L) {
   ylmL_array *t = ylmL_array_check(L, 5);
   if (colours != n && colours != 1) return ylmL_result(L, 0, YLM_ESHAPE, NULL);
   double opacity = (double)luaL_checknumber(L, 6);
-  uint32_t *index = indices(t, n);
-  if (!index) return ylmL_result(L, 0, YLM_ERANGE, NULL);
-  ylm_status status = ylm_figure_add_mesh(s, n, position, normal, colour, colours == 1,
-                                          t->count / 3, index, opacity);
+  uint32_t *index;
+  ylm_status status = indices(t, n, &index);
+  if (status == YLM_OK)
+    status = ylm_figure_add_mesh(s, n, position, normal, colour, colours == 1, t->count / 3, index,
+                                 opacity);
   ylm_free(index);
   return ylmL_result(L, 0, status, NULL);
 }

@@ -85,7 +85,7 @@ static int protected_call(lua_State *L) {
   lua_settop(L, 2);
   lua_pushvalue(L, 1);
   ylmL_array *p = ylmL_array_new(L, c->q->dtype, 2, shape);
-  if (!p) return luaL_error(L, "memory ran out");
+  if (!p) return ylmL_no_memory(L, NULL);
   memcpy(p->data, c->points, 3 * c->n * ylm_dtype_size(c->q->dtype));
   lua_pushinteger(L, c->q->lmax);
   lua_pushinteger(L, c->q->channels);

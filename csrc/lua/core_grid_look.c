@@ -128,7 +128,7 @@ static int grid_form(lua_State *L) {
 /* A new array as field `name` of the table on top; raises without memory. */
 static void *set_array(lua_State *L, const char *name, ylm_dtype t, int axes, const size_t *shape) {
   ylmL_array *a = ylmL_array_new(L, t, axes, shape);
-  if (!a) luaL_error(L, "memory ran out");
+  if (!a) ylmL_no_memory(L, NULL);
   lua_setfield(L, -2, name);
   return a->data;
 }

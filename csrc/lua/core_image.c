@@ -15,14 +15,22 @@ static int image_new(lua_State *L) {
   return ylmL_result(L, 1, ylm_image_create(w, h, image, &e), &e);
 }
 
-/* image_add(image, name, channels) -> true */
+/* image_add(image, name, channels) -> array [h][w][c]; made first, so that no layer stays without
+ */
 static int image_add(lua_State *L) {
   ylm_error e = {0};
   ylm_image *image = ylmL_image_check(L, 1);
-  ylm_status s = ylm_image_add(image, luaL_checkstring(L, 2), integer(L, 3), &e);
-  if (s == YLM_OK)
-    ylmL_charge(L, (size_t)image->width * (size_t)image->height * (size_t)integer(L, 3) * 4);
-  lua_pushboolean(L, 1);
+  const char *name = luaL_checkstring(L, 2);
+  int channels = integer(L, 3);
+  size_t shape[3] = {(size_t)image->height, (size_t)image->width, 1};
+  ylmL_array *a = ylmL_object_array(L, 1, YLM_FLOAT, 3, shape, NULL);
+  ylm_status s = ylm_image_add(image, name, channels, &e);
+  if (s == YLM_OK) {
+    a->data = ylm_image_find(image, name)->data;
+    a->shape[2] = (size_t)channels;
+    a->count = shape[0] * shape[1] * a->shape[2];
+    ylmL_charge(L, a->count * sizeof(float));
+  }
   return ylmL_result(L, 1, s, &e);
 }
 

@@ -25,6 +25,7 @@ typedef struct guard {
   int64_t used, bytes, traffic;
   double instructions, seconds; /* what is left; processor time at which to stop */
   const char *reason;           /* the limit that was passed, or NULL */
+  bool exhausted; /* memory ran out below the limit, and nothing was given since then */
 } guard;
 
 static double processor_seconds(void) {
@@ -40,11 +41,13 @@ static void *bounded_alloc(void *ud, void *p, size_t old, size_t size) {
   int64_t before = p ? (int64_t)old : 0;
   if ((int64_t)size > before) {
     int64_t more = (int64_t)size - before;
+    g->exhausted = false;
     if (size > (size_t)g->bytes / 4 || g->used + more > g->bytes || g->traffic < (int64_t)size)
       return NULL;
     g->traffic -= (int64_t)size;
   }
   void *q = g->f(g->ud, p, old, size);
+  g->exhausted = !q && size > 0;
   if (q || size == 0) g->used += (int64_t)size - before;
   return q;
 }
@@ -67,7 +70,7 @@ static void tick(lua_State *L, lua_Debug *ar) {
 
 /*
 ** bounded_call(f, instructions, bytes, seconds) -> true, result
-** or false, error value, "instructions" | "time" | "memory" | nil
+** or false, error value, "instructions" | "time" | "memory" | "exhausted" (the machine's) | nil
 */
 static int bounded_call(lua_State *L) {
   luaL_checktype(L, 1, LUA_TFUNCTION);
@@ -86,7 +89,7 @@ static int bounded_call(lua_State *L) {
   int status = lua_pcall(L, 0, 1, 0);
   lua_setallocf(L, g.f, g.ud);
   lua_sethook(L, hook, mask, count);
-  if (status == LUA_ERRMEM && !g.reason) g.reason = "memory";
+  if (status == LUA_ERRMEM && !g.reason) g.reason = g.exhausted ? "exhausted" : "memory";
   lua_pushboolean(L, status == 0 && !g.reason);
   lua_insert(L, 1);
   if (g.reason)

@@ -3,6 +3,7 @@
 local check = require "ylm.check"
 local core = require "ylm.c.core"
 local describe = require "ylm.reference".describe
+local memory = require "ylm.memory"
 
 require "ylm.reference".object "array" {
   about = "Dense, row-major numbers. a[i] is a number, or a view that keeps its parent alive; #a is the first extent.",
@@ -263,6 +264,9 @@ end
 function array.convention_name(number)
   return core.sh_convention_name(number) or tostring(number)
 end
+
+-- Numbers are read and written without memory, and often.
+memory.publish(methods, { get = true, set = true, pointer = true, close = true })
 
 -- What the other modules use ---------------------------------------------------------
 

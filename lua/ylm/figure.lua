@@ -4,6 +4,7 @@ local array = require "ylm.array"
 local check = require "ylm.check"
 local core = require "ylm.c.core"
 local form = require "ylm.form"
+local memory = require "ylm.memory"
 local picture = require "ylm.picture"
 local picture_bar = require "ylm.picture_bar"
 
@@ -102,7 +103,7 @@ end
 local function check_values(item, bar, fail)
   local a = item.values
   if core.type(a) ~= "ylm.array" then
-    local ok, made = pcall(array.array, a, "double")
+    local ok, made = memory.pcall(array.array, a, "double")
     if not ok then return fail(("values must be numbers [h][w], got %s"):format(check.describe(item.values))) end
     a = made
   end
@@ -410,5 +411,7 @@ figure.figure = form.define("figure", {
   build = build,
   example = 'figure { rows = { { { values = { { 0, 1 }, { 2, 3 } } } } }, bar = { range = { 0, 3 } } }',
 })
+
+memory.publish(methods)
 
 return figure

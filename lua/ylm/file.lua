@@ -5,6 +5,7 @@ local check = require "ylm.check"
 local core = require "ylm.c.core"
 local describe = require "ylm.reference".describe
 local form = require "ylm.form"
+local memory = require "ylm.memory"
 
 local file = {}
 local methods = core.metatable "ylm.array"
@@ -79,5 +80,7 @@ function methods.save(a, path)
   end
   return check.result("save", core.array_write(a, path))
 end
+
+memory.publish(methods)
 
 return file

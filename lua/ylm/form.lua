@@ -15,6 +15,7 @@
 
 local check = require "ylm.check"
 local core = require "ylm.c.core"
+local memory = require "ylm.memory"
 
 local form = {}
 
@@ -77,7 +78,8 @@ types["function"] = function(x)
 end
 
 function types.progress(x)
-  if type(x) == "function" or x == true then return x end
+  if type(x) == "function" then return memory.users(x) end
+  if x == true then return x end
   return nil, "a function(done, total, stage), or true for a progress bar"
 end
 

@@ -8,6 +8,7 @@ local check = require "ylm.check"
 local core = require "ylm.c.core"
 local describe = require "ylm.reference".describe
 local form = require "ylm.form"
+local memory = require "ylm.memory"
 
 local geometry = {}
 
@@ -326,5 +327,7 @@ function methods.save(x, path)
   end
   return check.result("save", core.mesh_write(x, path))
 end
+
+memory.publish(methods)
 
 return geometry

@@ -92,6 +92,7 @@ require "ylm.grid_sample"
 require "ylm.grid_look"
 
 local file = require "ylm.grid_file"
+require "ylm.memory".publish(require "ylm.c.core".metatable "ylm.grid")
 grid.magic, grid.load = file.magic, file.load
 
 return grid

@@ -6,16 +6,16 @@ local core = require "ylm.c.core"
 local describe = require "ylm.reference".describe
 local form = require "ylm.form"
 local images = require "ylm.image_check"
+local library = require "ylm.library"
+local memory = require "ylm.memory"
 
 local image = {}
 local methods = core.metatable "ylm.image"
 
---- The library of file formats, or nil, message, "EMISSING": the core works without it.
+--- The library of file formats, or nil, message, "EMISSING" | "ENOMEM": the core works without it.
 local function codec()
-  local ok, scene = pcall(require, "ylm.c.scene")
-  if ok then return scene end
-  return nil, "image files need libylm_scene with OpenEXR and libpng (Debian: libopenexr-dev libpng-dev "
-    .. "libembree-dev, then make): " .. tostring(scene):match("^[^\n]*"), "EMISSING"
+  return library.open("scene", "image files need libylm_scene with OpenEXR and libpng (Debian: libopenexr-dev libpng-dev "
+    .. "libembree-dev, then make): %s")
 end
 
 local function check_path(n, name, path)
@@ -117,7 +117,7 @@ methods.__newindex = function(_, key)
 end
 
 methods.__tostring = function(x)
-  local is_open, w, h, names, channels = pcall(core.image_info, x)
+  local is_open, w, h, names, channels = memory.pcall(core.image_info, x)
   if not is_open then return "ylm.image (closed)" end
   for i = 1, #names do names[i] = names[i] .. ":" .. channels[i] end
   return ("ylm.image %dx%d %s"):format(w, h, table.concat(names, " "))
@@ -165,9 +165,7 @@ function methods.add(x, name, channels)
   images.open(x, "add")
   if type(name) ~= "string" then return check.bad(1, "add", "a name expected, got %s", check.describe(name)) end
   check.integer(2, "add", "channels", channels, 1, 4)
-  local ok, message, code = check.result("add", core.image_add(x, name, channels))
-  if not ok then return nil, message, code end
-  return (core.image_layer(x, name))
+  return check.result("add", core.image_add(x, name, channels))
 end
 
 local save_options = {
@@ -215,7 +213,7 @@ describe "image:close" {
 }
 function methods.close(x)
   if core.type(x) ~= "ylm.image" then images.open(x, "close") end
-  if pcall(core.image_info, x) then core.image_close(x) end
+  if memory.pcall(core.image_info, x) then core.image_close(x) end
 end
 
 --- An image from a file; raw leaves PNG numbers as they stand. Used by ylm.load.
@@ -249,6 +247,8 @@ end
 require "ylm.image_compare" -- methods, like those below
 require "ylm.image_draw"
 require "ylm.image_sphere"
+
+memory.publish(methods)
 
 image.codec, image.check_mask = codec, images.mask
 

@@ -2,6 +2,7 @@
 
 local check = require "ylm.check"
 local core = require "ylm.c.core"
+local memory = require "ylm.memory"
 
 local images = {}
 
@@ -10,7 +11,7 @@ function images.open(x, name)
   if core.type(x) ~= "ylm.image" then
     return check.fail("%s: an image expected before the colon, got %s", name, check.describe(x))
   end
-  local is_open, w, h, names, channels = pcall(core.image_info, x)
+  local is_open, w, h, names, channels = memory.pcall(core.image_info, x)
   if not is_open then return check.fail("%s: the image has been closed", name) end
   return w, h, names, channels
 end
@@ -28,7 +29,7 @@ end
 --- Argument `n` of method `fn` as another image.
 function images.other(n, fn, other)
   if core.type(other) == "ylm.image" then
-    if pcall(core.image_info, other) then return other end
+    if memory.pcall(core.image_info, other) then return other end
     return check.bad(n, fn, "the image has been closed")
   end
   return check.bad(n, fn, "an image expected, got %s", check.describe(other))

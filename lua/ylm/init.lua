@@ -5,6 +5,7 @@
 
 local core = require "ylm.c.core"
 local describe = require "ylm.reference".describe
+local memory = require "ylm.memory"
 
 -- A kernel set or a number of threads that is silently not the one asked for spoils every measurement.
 do
@@ -49,7 +50,7 @@ setmetatable(ylm, {
   __index = function(t, name)
     local value
     if tables[name] then value = require(tables[name])
-    elseif home[name] then value = require(home[name])[name] end
+    elseif home[name] then value = memory.public(require(home[name])[name]) end
     rawset(t, name, value)
     return value
   end,

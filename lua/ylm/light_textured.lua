@@ -3,6 +3,7 @@
 local check = require "ylm.check"
 local core = require "ylm.c.core"
 local form = require "ylm.form"
+local memory = require "ylm.memory"
 
 local textured = {}
 
@@ -43,7 +44,7 @@ local function layer_of(values, fail)
   end
   if image == nil then return fail "field 'image' is missing (a ylm.image or rows of texels; or file)" end
   if core.type(image) == "ylm.image" then
-    if not pcall(core.image_info, image) then return fail "the image has been closed" end
+    if not memory.pcall(core.image_info, image) then return fail "the image has been closed" end
     return core.image_layer(image)
   end
   if type(image) ~= "table" or form.kind(image) then

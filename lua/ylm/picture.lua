@@ -3,16 +3,14 @@
 local check = require "ylm.check"
 local core = require "ylm.c.core"
 local describe = require "ylm.reference".describe
+local library = require "ylm.library"
 local text = require "ylm.picture_text"
 
 local picture = { ticks = require "ylm.picture_ticks".of }
 
---- The binding of libylm_vtk.so, or nil, message, "EMISSING".
+--- The binding of libylm_vtk.so, or nil, message, "EMISSING" | "ENOMEM".
 function picture.vtk()
-  local ok, vtk = pcall(require, "ylm.c.vtk")
-  if ok then return vtk end
-  return nil, "pictures need VTK: install libvtk9-dev and run make again (" .. tostring(vtk):match("[^\n]*") .. ")",
-    "EMISSING"
+  return library.open("vtk", "pictures need VTK: install libvtk9-dev and run make again (%s)")
 end
 
 -- Looks ----------------------------------------------------------------------------

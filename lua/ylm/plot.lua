@@ -5,6 +5,7 @@ local check = require "ylm.check"
 local core = require "ylm.c.core"
 local describe = require "ylm.reference".describe
 local form = require "ylm.form"
+local memory = require "ylm.memory"
 local picture = require "ylm.picture"
 
 local plot = {}
@@ -313,5 +314,7 @@ plot.plot = form.define("plot", {
   build = build,
   example = 'plot { x = { 1, 10, 100 }, y = { 1e-4, 1e-3, 1e-2 }, log = true, x_label = "n", y_label = "error" }',
 })
+
+memory.publish(methods)
 
 return plot

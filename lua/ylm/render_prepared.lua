@@ -4,6 +4,7 @@ local check = require "ylm.check"
 local core = require "ylm.c.core"
 local describe = require "ylm.reference".describe
 local form = require "ylm.form"
+local memory = require "ylm.memory"
 local options = require "ylm.render_options"
 local shading = require "ylm.render_shade"
 local views = require "ylm.render_view"
@@ -121,5 +122,7 @@ function prepared.close(view)
   check.result("close", views.made[view].lib.shade_close_view(view))
   views.made[view].closed = true
 end
+
+memory.publish(prepared)
 
 return prepared

@@ -3,17 +3,16 @@
 local check = require "ylm.check"
 local core = require "ylm.c.core"
 local form = require "ylm.form"
+local library = require "ylm.library"
 local light = require "ylm.light"
 local material = require "ylm.material"
 
 local tracing = {}
 
---- The library that traces rays, or nil, message, "EMISSING".
+--- The library that traces rays, or nil, message, "EMISSING" | "ENOMEM".
 function tracing.library()
-  local ok, lib = pcall(require, "ylm.c.scene")
-  if ok then return lib end
-  return nil, "rendering needs libylm_scene with Embree 3 (Debian: libembree-dev libopenexr-dev libpng-dev, then "
-    .. "make): " .. tostring(lib):match("^[^\n]*"), "EMISSING"
+  return library.open("scene", "rendering needs libylm_scene with Embree 3 (Debian: libembree-dev libopenexr-dev libpng-dev, "
+    .. "then make): %s")
 end
 
 function tracing.check_scene(name, s)

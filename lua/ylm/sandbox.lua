@@ -10,6 +10,7 @@
 local check = require "ylm.check"
 local core = require "ylm.c.core"
 local form = require "ylm.form"
+local memory = require "ylm.memory"
 
 local sandbox = {}
 
@@ -288,7 +289,7 @@ local function constructors(env, state)
   env.scene = function(name)
     local fill, where = scene(unwrap(name)), check.position()
     return function(given)
-      local ok, copy = pcall(unwrap, given)
+      local ok, copy = memory.pcall(unwrap, given)
       if not ok then error(where .. copy:gsub("^.-:%d+: ", ""), 0) end
       return wrap(fill(copy))
     end
@@ -328,6 +329,7 @@ end
 local function guarded_strings(source)
   local metatable = debug.getmetatable("")
   local index = metatable.__index
+  local function restore() metatable.__index = index end
   metatable.__index = function(s, key)
     local info = debug.getinfo(2, "S")
     if not info or info.what == "C" or info.source == source then
@@ -336,7 +338,7 @@ local function guarded_strings(source)
     if type(index) == "function" then return index(s, key) end
     return index[key]
   end
-  return function() metatable.__index = index end
+  return restore
 end
 
 -- Running -------------------------------------------------------------------------------
@@ -394,19 +396,21 @@ function sandbox.run(path, limits)
     return result
   end
 
+  local budget, observe = observer(folder, limits, state)
   local restore, compile_again = guarded_strings(source), without_jit()
-  form.budget, form.observer = observer(folder, limits, state)
-  check.boundary = work
+  form.budget, form.observer, check.boundary = budget, observe, work
   local called, ok, result, reason = pcall(core.bounded_call, work, limits.instructions, limits.memory, limits.seconds)
   form.budget, form.observer, check.boundary = nil, nil, false
   restore()
   compile_again()
   if not called then error(ok, 0) end
 
-  if reason then
+  if reason and reason ~= "exhausted" then
     local limit = reason == "time" and limits.seconds or limits[reason]
     return nil, explain(path, reasons[reason]:format(limit)), "ELIMIT"
   end
+  local exhausted = not ok and memory.message(result)
+  if exhausted then return nil, explain(path, exhausted), "ENOMEM" end
   if not ok then
     if type(result) ~= "string" then result = "raised " .. check.describe(result) end
     return nil, explain(path, result), state.limit and "ELIMIT" or not compiling and state.code or "EFORMAT"

@@ -6,6 +6,7 @@
 local check = require "ylm.check"
 local describe = require "ylm.reference".describe
 local form = require "ylm.form"
+local memory = require "ylm.memory"
 
 local scene = {}
 
@@ -90,6 +91,7 @@ local methods = {}
 for _, name in ipairs { "bake", "prepare", "render", "reference", "raycast" } do
   methods[name] = function(...) return require("ylm.render")[name](...) end
 end
+memory.publish(methods)
 
 local metatable = {
   __index = methods,
@@ -147,12 +149,12 @@ function scene.scene(name)
   end
   -- `return scene "name" { ... }` is a tail call: remember the line while it is on the stack.
   local where = check.position()
-  return function(given)
-    local ok, s = pcall(construct, given)
+  return memory.public(function(given)
+    local ok, s = memory.pcall(construct, given)
     if not ok then error(where .. tostring(s):gsub("^.-(scene: )", "%1"), 0) end
     s.name = name
     return s
-  end
+  end)
 end
 form.defined.scene.construct = scene.scene
 

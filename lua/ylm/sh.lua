@@ -8,6 +8,7 @@ local check = require "ylm.check"
 local core = require "ylm.c.core"
 local describe = require "ylm.reference".describe
 local form = require "ylm.form"
+local memory = require "ylm.memory"
 local outputs = require "ylm.outputs"
 local progress = require "ylm.progress"
 
@@ -31,7 +32,7 @@ end
 
 setmetatable(sh, {
   __index = function(t, name)
-    local value = home[name] and require(home[name])[name]
+    local value = home[name] and memory.public(require(home[name])[name])
     rawset(t, name, value)
     return value
   end,
@@ -222,4 +223,4 @@ function sh.reconstruct(c, points, options)
   return args.reconstruct("reconstruct", c, points, form.options(3, "reconstruct", reconstruct_options, options))
 end
 
-return sh
+return memory.publish(sh)

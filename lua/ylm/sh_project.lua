@@ -6,6 +6,7 @@ local check = require "ylm.check"
 local core = require "ylm.c.core"
 local describe = require "ylm.reference".describe
 local form = require "ylm.form"
+local memory = require "ylm.memory"
 local progress = require "ylm.progress"
 
 local project = {}
@@ -147,7 +148,7 @@ end
 local function of_function(lmax, f, o)
   local by = o.method == "montecarlo" and by_montecarlo or by_quadrature
   if not o.progress then return by(lmax, f, o) end
-  local ok, c, about, code = pcall(by, lmax, f, o)
+  local ok, c, about, code = memory.pcall(by, lmax, f, o)
   if ok then return c, about, code end
   if c == cancelled then return nil, "cancelled", "ECANCELLED" end
   error(c, 0)

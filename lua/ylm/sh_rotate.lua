@@ -5,6 +5,7 @@ local check = require "ylm.check"
 local core = require "ylm.c.core"
 local describe = require "ylm.reference".describe
 local form = require "ylm.form"
+local memory = require "ylm.memory"
 local progress = require "ylm.progress"
 
 local rotate = {}
@@ -231,5 +232,7 @@ function rotate.rotate(c, rotation, options)
   if not ok then return check.result("rotate", nil, message, code) end
   return args.held("rotate", out, small)
 end
+
+memory.publish(methods)
 
 return rotate

@@ -7,6 +7,7 @@ local describe = require "ylm.reference".describe
 local drawing = require "ylm.view_drawing"
 local form = require "ylm.form"
 local layers = require "ylm.view_layers"
+local memory = require "ylm.memory"
 local picture = require "ylm.picture"
 local view_camera = require "ylm.view_camera"
 local view_grid = require "ylm.view_grid"
@@ -207,7 +208,7 @@ local function describe_point(v, x, y, z)
   local text = ("(%.4g, %.4g, %.4g)"):format(x, y, z)
   local grid = v.subject and form.kind(v.subject) == "ylm.grid" and v.subject
   if not grid then return text end
-  local ok, cell = pcall(grid.locate, grid, { x, y, z })
+  local ok, cell = memory.pcall(grid.locate, grid, { x, y, z })
   if not ok or type(cell) ~= "table" then return text end
   local names, parts = {}, {}
   for name, value in pairs(cell) do
@@ -371,5 +372,7 @@ function view.view(given)
   return construct(named(given, check.fail))
 end
 form.defined.view.construct = view.view
+
+memory.publish(methods)
 
 return view

@@ -5,6 +5,7 @@ local check = require "ylm.check"
 local core = require "ylm.c.core"
 local drawing = require "ylm.view_drawing"
 local form = require "ylm.form"
+local memory = require "ylm.memory"
 
 --- Fields of a layer's own table; fail(message) raises.
 local known = {
@@ -46,7 +47,7 @@ local function rows(what, value, width, fail)
     end
     if #a == 0 then return fail(what .. " is empty") end
     if type(a[1]) ~= "table" and core.type(a[1]) ~= "ylm.array" then a = { a } end
-    local ok, made = pcall(array.array, a, "double")
+    local ok, made = memory.pcall(array.array, a, "double")
     if not ok then return fail(("%s must hold numbers, as many in each row"):format(what)) end
     a = made
   end
@@ -75,7 +76,7 @@ end
 local function lattice(what, value, bounds, components, fail)
   local a = value
   if core.type(a) ~= "ylm.array" then
-    local ok, made = pcall(array.array, a, "float")
+    local ok, made = memory.pcall(array.array, a, "float")
     if not ok or type(a) ~= "table" then return fail(("%s must be numbers [nz][ny][nx]%s, got %s"):format(what,
       components > 1 and "[" .. components .. "]" or "", check.describe(value))) end
     a = made
@@ -199,7 +200,7 @@ local function check_lights(values, fail)
   if type(x) ~= "table" and form.kind(x) ~= "ylm.lights" then
     return fail(("lights must be a light, a list of lights, or true, got %s"):format(check.describe(x)))
   end
-  local ok, packed = pcall(require("ylm.light").pack, 1, "view", x)
+  local ok, packed = memory.pcall(require("ylm.light").pack, 1, "view", x)
   if not ok then return fail((tostring(packed):gsub("^.-bad argument #1 to 'view' ", "lights: "))) end
   values.lights = packed
 end

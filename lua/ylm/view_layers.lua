@@ -3,6 +3,7 @@
 local bodies = require "ylm.view_bodies"
 local check = require "ylm.check"
 local core = require "ylm.c.core"
+local memory = require "ylm.memory"
 local drawing = require "ylm.view_drawing"
 local fields = require "ylm.view_fields"
 local numbers = require "ylm.view_numbers"
@@ -29,7 +30,7 @@ local order = { "scene", "meshes", "boxes", "slices", "isosurfaces", "glyphs", "
 
 --- Calls f; what a C call in it ran into comes back as nil, message, code.
 function layers.try(f)
-  local ok, problem = pcall(f)
+  local ok, problem = memory.pcall(f)
   if ok then return true end
   if type(problem) == "table" then
     if core.status(problem[2]) == "caller" then return check.fail("view: %s", problem[1]) end

@@ -6,6 +6,8 @@ local check = require "ylm.check"
 local core = require "ylm.c.core"
 local describe = require "ylm.reference".describe
 local form = require "ylm.form"
+local library = require "ylm.library"
+local memory = require "ylm.memory"
 local reference = require "ylm.reference"
 local grid_methods = require "ylm.vulkan_grid".methods
 
@@ -61,13 +63,14 @@ local function furnish()
   for name, methods in pairs(types) do
     local metatable = core.metatable(name)
     for key, method in pairs(methods) do metatable[key] = method end
+    memory.publish(metatable)
   end
 end
 
---- The binding of libylm_vulkan.so, or nil, message, "EMISSING".
+--- The binding of libylm_vulkan.so, or nil, message, "EMISSING" | "ENOMEM".
 function vulkan.__binding()
-  local ok, binding = pcall(require, "ylm.c.vulkan")
-  if not ok then return nil, INSTALL:format(tostring(binding):match("[^\n]*")), "EMISSING" end
+  local binding, message, code = library.open("vulkan", INSTALL)
+  if not binding then return nil, message, code end
   if not furnished then furnish() end
   return binding
 end
@@ -306,4 +309,4 @@ function array_methods.__tostring(a)
   return ("ylm.gpu_array %s %s%s"):format(dtype, table.concat(shape, "x"), is_open and "" or " (closed)")
 end
 
-return vulkan
+return memory.publish(vulkan)

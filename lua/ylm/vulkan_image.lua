@@ -4,6 +4,7 @@
 local check = require "ylm.check"
 local core = require "ylm.c.core"
 local light = require "ylm.light"
+local memory = require "ylm.memory"
 
 local vulkan_image = {}
 
@@ -30,7 +31,7 @@ function vulkan_image.positions(name, gpu, p)
   local here, there
   here, message, code = check.result(name, p.lib.shade_positions(p.view))
   if not here then return nil, message, code end
-  there, message, code = c.gpu_upload(gpu, here)
+  there, message, code = memory.attempt(c.gpu_upload, gpu, here)
   if not there and (code == "ENOMEM" or code == "ELIMIT") then return here end
   if not there then return check.result(name, nil, message, code) end
   by_gpu[gpu] = there
@@ -41,7 +42,7 @@ end
 local function upload(gpu, arrays)
   local there = {}
   for key, a in pairs(arrays) do
-    local copy, message, code = binding().gpu_upload(gpu, a)
+    local copy, message, code = memory.attempt(binding().gpu_upload, gpu, a)
     if not copy then
       for _, made in pairs(there) do binding().gpu_array_close(made) end
       return nil, message, code

@@ -1,0 +1,30 @@
+--- Libraries that are loaded when they are first used: files and rays, pictures, GPUs.
+
+local memory = require "ylm.memory"
+
+local library = {}
+
+--- What a dynamic loader says where memory runs out.
+local exhausted = { "not enough memory", "[Cc]annot allocate memory", "failed to map", "cannot map", "out of memory",
+  "cannot create shared object descriptor" }
+
+--- Why a module did not load, in a line: "libembree3.so.3: cannot open shared object file: ...".
+local function reason(raised)
+  local text = memory.message(raised) or tostring(raised)
+  return text:match "^error loading module[^\n]*\n%s*([^\n]*)" or text:match "^[^\n]*"
+end
+
+--- The binding ylm.c.NAME; or nil, message, "ENOMEM" | "EMISSING". `advice` has a %s for the reason.
+function library.open(name, advice)
+  local ok, binding = pcall(require, "ylm.c." .. name)
+  if ok then return binding end
+  local why = reason(binding)
+  for _, words in ipairs(exhausted) do
+    if why:find(words) or memory.message(binding) then
+      return nil, ("libylm_%s cannot be loaded: memory ran out (%s)"):format(name, why), "ENOMEM"
+    end
+  end
+  return nil, advice:format(why), "EMISSING"
+end
+
+return library
