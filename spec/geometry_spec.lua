@@ -91,7 +91,7 @@ describe("shapes", function()
   end)
 
   it("carry material and occludes", function()
-    local material = {}
+    local material = ylm.matte {}
     local box = ylm.box { material = material, occludes = false }
     assert.equal(material, box.material)
     assert.is_false(box.occludes)

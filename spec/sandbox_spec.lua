@@ -319,9 +319,74 @@ describe("the sandbox of scene files", function()
       "local t = textured_light { corner = { 0, 0, 0 }, u = { 1, 0, 0 }, v = { 0, 1, 0 }, image = { { 1 } } }.texels")
   end)
 
+  it("looks at shapes, and counts their numbers, before it copies rows that are shared", function()
+    local wide = "local row, rows = {}, {} for i = 1, 4000 do row[i] = 0 rows[i] = row end "
+    local cube = "local t = { 0, 0, 0 } for k = 1, 3 do local u = {} for i = 1, 400 do u[i] = t end t = u end "
+    local began = os.clock()
+    for text, says in pairs {
+      [wide .. "sphere_lights { at = rows }"] = "sphere_lights: at must be %[n%]%[3%] numbers, got a table of 4000x4000",
+      [wide .. "sphere_lights { at = { { 0, 0, 0 } }, radius = rows }"] = "radius must be .*, got a table of 4000x4000",
+      [wide .. "sphere_lights { at = { { 0, 0, 0 } }, radiance = rows }"] = "radiance must be .*, got a table of 4000x4000",
+      [wide .. "polygon_light { vertices = rows }"] = "vertices must be three or more points",
+      [wide .. "mesh { vertices = rows, triangles = rows }"] = "points: rows of 3 numbers expected, got a table of 4000x4000",
+      [wide .. "mesh { vertices = { { 0, 0, 0 } }, triangles = rows }"] = "triangles: rows of 3 numbers expected",
+      [wide .. "mesh { vertices = { { 0, 0, 0 } }, normals = rows, triangles = { { 1, 2, 3 } } }"] = "normals: rows of 3",
+    } do refuses("EFORMAT", says, text) end
+    refuses("ELIMIT", "more than 8388608 numbers in one scene file", cube .. "mesh { vertices = t, triangles = {} }")
+    assert.truthy(os.clock() - began < 3)
+    -- what is shared counts as often as it is described
+    local lights = "local p, at = { 0, 0, 0 }, {} for i = 1, 1000 do at[i] = p end "
+    assert(try(lights .. "return scene 'x' { lights = sphere_lights { at = at } }", { numbers = 7002 }))
+    refuses("ELIMIT", "sphere_lights: more than 7001 numbers", lights .. "sphere_lights { at = at }", { numbers = 7001 })
+    refuses("ELIMIT", "points: more than 200 numbers", lights .. "mesh { vertices = at, triangles = {} }", { numbers = 200 })
+  end)
+
+  it("counts what is listed again, lights, and pieces of geometry", function()
+    local again = "local t, x = {}, %s for i = 1, 100 do t[i] = x end return scene 'x' { %s = t }"
+    local boxes = again:format("box { divide = 2 }", "geometry")
+    assert(try(boxes, { triangles = 4800 }))
+    refuses("ELIMIT", "scene: more than 4799 triangles", boxes, { triangles = 4799 })
+    refuses("ELIMIT", "scene: more than 1000 numbers",
+      again:format("sphere_lights { at = { { 0, 0, 0 }, { 1, 0, 0 } } }", "lights"), { numbers = 1000 })
+    refuses("ELIMIT", "disk_light: more than 1000 numbers",
+      "for i = 1, 4 do disk_light { at = { 0, 0, 0 }, normal = { 0, 0, 1 } } end", { numbers = 1000 })
+    refuses("ELIMIT", "box: more than 1000 numbers", "for i = 1, 20 do box {} end", { numbers = 1000 })
+  end)
+
+  it("refuses a material that is none when the scene is read", function()
+    refuses("EFORMAT", "attack.lua:1: box: material must be a matte, got 'x'", "box { material = 'x' }")
+    refuses("EFORMAT", "sphere: material must be a matte, got a table", "sphere { material = {} }")
+  end)
+
+  it("names the file's own line where functions of the sandbox meet what they cannot use", function()
+    for text, says in pairs {
+      ["\nmath.atan('x')"] = "bad argument #1 to 'atan'", ["\nmath.pow({}, 2)"] = "attempt to perform arithmetic",
+      ["\nlocal x = table.concat({ 1, 2 }, {})"] = "attempt to concatenate",
+      ["\ntable.sort({ 1, 'a', 2 })"] = "attempt to compare",
+    } do refuses("EFORMAT", "attack%.lua:2: " .. says, text) end
+    for _, text in ipairs { "local function f() return 1 + f() end f()", "local t = {} t[1] = t box { bounds = t }" } do
+      local _, message = try(text)
+      assert.is_nil(message:gsub("attack%.lua", ""):find "%.lua")
+    end
+  end)
+
   it("shows a terminal nothing to obey", function()
     local _, message = try "error('\\27[2J\\7')"
     assert.is_nil(message:find("%c"))
+    for bytes, shown in pairs {
+      ["\194\155" .. "31m"] = "??31m", ["\155" .. "31m"] = "?31m", ["\226\128\174abc"] = "???abc", ["\192\155"] = "??",
+      ["\195\164 \226\136\135 \240\157\145\145"] = "\195\164 \226\136\135 \240\157\145\145", ["\237\160\128"] = "???",
+      ["\195"] = "?", ["\127"] = "?",
+    } do
+      refuses("EFORMAT", "attack.lua:1: <" .. shown:gsub("%?", "%%?") .. ">$", "error('<" .. bytes .. ">')")
+      local code = select(3, try("return scene '" .. bytes .. "' {}"))
+      assert.equal(shown ~= bytes and "EFORMAT" or nil, code)
+      _, message = try(("mesh { file = '%s.obj' }"):format(bytes))
+      assert.truthy(message:find(shown .. ".obj", 1, true), message)
+    end
+    assert.equal("EFORMAT", (select(3, try("return scene '" .. ("x"):rep(1e6) .. "' {}"))))
+    _, message = try("error('" .. ("\195\164"):rep(1e5) .. "')")
+    assert.truthy(#message < 1200)
   end)
 
   it("ends cleanly when it is tried again and again", function()

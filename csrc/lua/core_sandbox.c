@@ -25,7 +25,7 @@ typedef struct guard {
   int64_t used, bytes, traffic;
   double instructions, seconds; /* what is left; processor time at which to stop */
   const char *reason;           /* the limit that was passed, or NULL */
-  bool exhausted; /* memory ran out below the limit, and nothing was given since then */
+  const char *refused;          /* why the last request for more memory failed, or NULL */
 } guard;
 
 static double processor_seconds(void) {
@@ -38,17 +38,16 @@ static double processor_seconds(void) {
    because one comparison of two such strings is one instruction. */
 static void *bounded_alloc(void *ud, void *p, size_t old, size_t size) {
   guard *g = ud;
-  int64_t before = p ? (int64_t)old : 0;
-  if ((int64_t)size > before) {
-    int64_t more = (int64_t)size - before;
-    g->exhausted = false;
+  int64_t before = p ? (int64_t)old : 0, more = (int64_t)size - before;
+  if (more > 0) {
+    g->refused = "memory";
     if (size > (size_t)g->bytes / 4 || g->used + more > g->bytes || g->traffic < (int64_t)size)
       return NULL;
     g->traffic -= (int64_t)size;
   }
   void *q = g->f(g->ud, p, old, size);
-  g->exhausted = !q && size > 0;
-  if (q || size == 0) g->used += (int64_t)size - before;
+  if (q || size == 0) g->used += more;
+  if (more > 0) g->refused = q ? NULL : "exhausted";
   return q;
 }
 
@@ -69,7 +68,7 @@ static void tick(lua_State *L, lua_Debug *ar) {
 }
 
 /*
-** bounded_call(f, instructions, bytes, seconds) -> true, result
+** bounded_call(f, instructions, bytes, seconds, message handler) -> true, result
 ** or false, error value, "instructions" | "time" | "memory" | "exhausted" (the machine's) | nil
 */
 static int bounded_call(lua_State *L) {
@@ -82,16 +81,19 @@ static int bounded_call(lua_State *L) {
   if (g.f == bounded_alloc) return luaL_error(L, "bounded calls do not nest");
   lua_Hook hook = lua_gethook(L);
   int mask = lua_gethookmask(L), count = lua_gethookcount(L);
-  lua_settop(L, 1);
+  luaL_checktype(L, 5, LUA_TFUNCTION);
+  lua_settop(L, 5);
   luaL_checkstack(L, 8, "bounded_call");
+  lua_pushvalue(L, 1);
   lua_setallocf(L, bounded_alloc, &g);
   lua_sethook(L, tick, LUA_MASKCOUNT, STEP);
-  int status = lua_pcall(L, 0, 1, 0);
+  int status = lua_pcall(L, 0, 1, 5);
   lua_setallocf(L, g.f, g.ud);
   lua_sethook(L, hook, mask, count);
-  if (status == LUA_ERRMEM && !g.reason) g.reason = g.exhausted ? "exhausted" : "memory";
+  if (status == LUA_ERRMEM && !g.refused) g.refused = "memory";
+  if ((status == LUA_ERRMEM || status == LUA_ERRERR) && !g.reason) g.reason = g.refused;
   lua_pushboolean(L, status == 0 && !g.reason);
-  lua_insert(L, 1);
+  lua_insert(L, -2);
   if (g.reason)
     lua_pushstring(L, g.reason);
   else

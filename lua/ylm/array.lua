@@ -3,6 +3,7 @@
 local check = require "ylm.check"
 local core = require "ylm.c.core"
 local describe = require "ylm.reference".describe
+local form = require "ylm.form"
 local memory = require "ylm.memory"
 
 require "ylm.reference".object "array" {
@@ -58,8 +59,7 @@ function array.array(values, dtype)
   dtype = check_dtype(2, "array", dtype, "double")
   local shape = shape_of(values)
   if #shape > 8 then return check.bad(1, "array", "at most 8 axes, got more; does the table hold itself?") end
-  local a, message, code = check.result("array", core.array_zeros(shape, dtype))
-  if not a then return nil, message, code end
+  local a = check.result("array", core.array_zeros(shape, dtype))
   local ok, where = core.array_fill(a, values)
   if not ok then
     return check.bad(1, "array", "every row must hold the same number of numbers; element %d does not", where)
@@ -278,12 +278,15 @@ function array.rows(n, name, what, value, width, dtype)
     if type(a) ~= "table" or core.type(a) then
       return check.bad(n, name, "%s: a table of numbers or an array expected, got %s", what, check.describe(value))
     end
-    if #a == 0 then a = assert(core.array_zeros({ 0, width or 0 }, dtype or "double"))
+    if #a == 0 then a = core.array_zeros({ 0, width or 0 }, dtype or "double")
     else
       local shape = shape_of(a)
       if #shape > 8 then return check.bad(n, name, "%s: at most 8 axes, got more; does the table hold itself?", what) end
+      if width and shape[#shape] ~= width then
+        return check.bad(n, name, "%s: rows of %d numbers expected, got a table of %s", what, width, table.concat(shape, "x"))
+      end
+      form.take_numbers(shape, function(message) return check.bad(n, name, "%s: %s", what, message) end)
       a = core.array_zeros(shape, dtype or "double")
-      if not a then return check.bad(n, name, "%s: no memory for %s numbers", what, table.concat(shape, "x")) end
       local ok, where = core.array_fill(a, value)
       if not ok then
         return check.bad(n, name, "%s: every row must hold the same number of numbers; element %d does not",

@@ -8,6 +8,7 @@
 --         { "profile", "choice", of = { "a", "b" }, optional = true },          -- absent stays nil
 --       },
 --       build  = function(values) return object end,
+--       numbers = 256,     -- that the object holds besides its arrays: a scene file may describe so many only
 --       example = "sphere_light { at = {0, 2, 0}, radius = 0.1, radiance = 5 }",
 --     })
 --
@@ -28,6 +29,14 @@ form.names = {}
 form.observer = nil
 --- Then too: budget(what) is how much of `what` the file may still describe; budget(what, n, fail) takes n of it.
 form.budget = nil
+
+--- Takes the numbers of an array of this shape from what the file may describe, before it is made; fail(message) raises.
+function form.take_numbers(shape, fail)
+  if not form.budget then return end
+  local n = 1
+  for _, extent in ipairs(shape) do n = n * extent end
+  form.budget("numbers", n, fail)
+end
 
 -- Each type: function(value, field) -> value or nil, "what is wanted". ---------
 

@@ -90,7 +90,7 @@ local common = {
       about = "{ axis =, angle = }, or a list of such; after scale" },
   { "scale", "scale", optional = true, about = "a factor, or one for each axis" },
   { "matrix", "matrix", optional = true, about = "three rows of four numbers, instead of at, rotate, scale" },
-  { "material", "any", optional = true, about = "reflectance: matte { albedo = 0.75 }" },
+  { "material", "object", of = "matte", optional = true, about = "reflectance: matte { albedo = 0.75 }" },
   { "occludes", "boolean", default = true, about = "whether it casts shadows" },
 }
 
@@ -102,6 +102,7 @@ local function shape(name, definition)
   local make = definition.make
   definition.make = nil
   definition.metatable = { __kind = name }
+  definition.numbers = 64
   definition.build = function(values, fail)
     local transform = placement(values, fail)
     local mesh, message, code = check.result(name, make(values, fail))

@@ -34,45 +34,40 @@ light.sphere_light = form.define("sphere_light", {
 
 -- Fields of lights as arrays ------------------------------------------------------------
 
---- A field's value as a double array; `shapes` says which are allowed, for the message.
-local function numbers(name, value, shapes, fail)
+--- A field's value as a double array, and its shape, once that fits(shape); `wanted` says which do, for the message.
+local function numbers(name, value, wanted, fits, fail)
   if check.is_number(value) then value = { value } end
-  local a = value
-  if core.type(a) ~= "ylm.array" then
-    if type(a) ~= "table" then
-      return fail(("%s must be %s, got %s"):format(name, shapes, check.describe(value)))
-    end
-    local shape = { #a, type(a[1]) == "table" and #a[1] or nil }
-    a = assert(core.array_zeros(shape, "double"))
-    local ok, where = core.array_fill(a, value)
-    if not ok then return fail(("%s must be %s; element %d does not fit"):format(name, shapes, where)) end
-    return a, shape
+  local shape, dtype, is_open, _
+  if core.type(value) == "ylm.array" then
+    shape, dtype, _, is_open = core.array_info(value)
+    if not is_open then return fail(name .. ": the array has been closed") end
+  elseif type(value) == "table" then
+    shape = { #value, type(value[1]) == "table" and #value[1] or nil }
   end
-  local shape, dtype, _, is_open = core.array_info(a)
-  if not is_open then return fail(name .. ": the array has been closed") end
-  return dtype == "double" and a or core.array_convert(a, "double"), shape
+  if not shape or not fits(shape) then
+    local got = shape and ("%s of %s"):format(dtype and "an array" or "a table", table.concat(shape, "x"))
+    return fail(("%s must be %s, got %s"):format(name, wanted, got or check.describe(value)))
+  end
+  if dtype then return dtype == "double" and value or core.array_convert(value, "double"), shape end
+  form.take_numbers(shape, fail)
+  local a = core.array_zeros(shape, "double")
+  local ok, where = core.array_fill(a, value)
+  if not ok then return fail(("%s must be %s; element %d does not fit"):format(name, wanted, where)) end
+  return a, shape
 end
 
 local function build_lights(values, fail)
-  local at, shape = numbers("at", values.at, "[n][3] numbers", fail)
+  local at, shape = numbers("at", values.at, "[n][3] numbers", function(s)
+    return #s == 1 and s[1] == 0 or #s == 2 and s[2] == 3
+  end, fail)
   local n = shape[1]
-  local none = #shape == 1 and n == 0
-  if not none and (#shape ~= 2 or shape[2] ~= 3) then
-    return fail(("at must be [n][3] numbers, got %s"):format(check.describe(at)))
-  end
-  local radius, rshape = numbers("radius", values.radius, "a number or [n] numbers", fail)
-  if #rshape ~= 1 or (rshape[1] ~= n and rshape[1] ~= 1) then
-    return fail(("radius must be a number or one for each of the %d lights, got %s")
-      :format(n, check.describe(radius)))
-  end
-  local radiance, cshape = numbers("radiance", values.radiance, "a number, {r, g, b}, [n][3] or [n] numbers", fail)
-  local fits
-  if #cshape == 2 then fits = cshape[1] == n and cshape[2] == 3
-  else fits = #cshape == 1 and (cshape[1] == 1 or cshape[1] == 3 or cshape[1] == n) end
-  if not fits then
-    return fail(("radiance must be a number, {r, g, b}, or one for each of the %d lights, got %s")
-      :format(n, check.describe(radiance)))
-  end
+  form.take_numbers({ 4, n }, fail) -- besides `at`, whatever radius and radiance are
+  local function one_each(s) return #s == 1 and (s[1] == 1 or s[1] == n) end
+  local radius = numbers("radius", values.radius, ("a number or one for each of the %d lights"):format(n), one_each, fail)
+  local radiance = numbers("radiance", values.radiance,
+    ("a number, {r, g, b}, or one for each of the %d lights"):format(n), function(s)
+      return one_each(s) or #s == 1 and s[1] == 3 or #s == 2 and s[1] == n and s[2] == 3
+    end, fail)
   local packed, message, code = core.lights_create(at, radius, radiance)
   if not packed then
     if core.status(code) == "caller" then return fail(message) end
@@ -98,7 +93,7 @@ local spheres_of, others_of = setmetatable({}, { __mode = "k" }), setmetatable({
 
 --- Centres, radii and radiances of no lights.
 local function nothing()
-  local function none(...) return assert(core.array_zeros({ 0, ... }, "double")) end
+  local function none(...) return core.array_zeros({ 0, ... }, "double") end
   return none(3), none(), none(3)
 end
 

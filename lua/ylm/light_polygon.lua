@@ -7,6 +7,9 @@ local vector = require "ylm.vector"
 
 local polygon = {}
 
+--- More corners than a polygon may have, which says so itself.
+local MOST = 1000
+
 --- A list of three or more points from a table or an array; nil if it is none.
 local function points_of(value)
   if core.type(value) == "ylm.array" then
@@ -14,7 +17,7 @@ local function points_of(value)
     if not is_open or #shape ~= 2 or shape[2] ~= 3 then return nil end
     value = core.array_totable(value)
   end
-  if type(value) ~= "table" or #value < 3 then return nil end
+  if type(value) ~= "table" or #value < 3 or #value > MOST then return nil end
   local list = {}
   for i, p in ipairs(value) do
     local good = form.types.point(p)
@@ -116,6 +119,7 @@ function polygon.patches(lights, tiles)
 end
 
 polygon.polygon_light = form.define("polygon_light", {
+  numbers = 256,
   about = "A planar convex polygon that emits the same radiance to both sides.",
   fields = {
     { "vertices", "any", unit = "scene units",
@@ -149,6 +153,7 @@ function polygon.frame(n)
 end
 
 polygon.disk_light = form.define("disk_light", {
+  numbers = 256,
   about = "A disk that emits the same radiance to both sides.",
   fields = {
     { "at", "point", unit = "scene units", about = "centre" },

@@ -11,6 +11,7 @@ local check = require "ylm.check"
 local core = require "ylm.c.core"
 local form = require "ylm.form"
 local memory = require "ylm.memory"
+local text = require "ylm.text"
 
 local sandbox = {}
 
@@ -20,6 +21,8 @@ sandbox.limits = {
   { "seconds", "number", above = 0, default = 60, unit = "s", about = "of processor time" },
   { "memory", "number", min = 65536, default = 2 ^ 28, unit = "bytes", about = "for Lua's values" },
   { "triangles", "number", min = 0, default = 2e7, about = "of all geometry together" },
+  { "numbers", "number", min = 0, default = 2 ^ 23,
+    about = "of all arrays together; a sphere light of an array is 7 of them, a piece of geometry 64, a flat light 256" },
   { "texels", "number", min = 0, default = 2 ^ 20, about = "of all textures together" },
   { "cells", "number", min = 0, default = 2 ^ 24, about = "of all uniform grids together" },
   { "lmax", "number", min = 0, default = 64, about = "of any grid" },
@@ -207,7 +210,7 @@ end
 
 --- The observer of forms (see form.observer): counts what is described, resolves file names.
 local function observer(folder, limits, state)
-  local left = { triangles = limits.triangles, cells = limits.cells, texels = limits.texels,
+  local left = { triangles = limits.triangles, numbers = limits.numbers, cells = limits.cells, texels = limits.texels,
     file_size = limits.file_size } -- of each file: not used up
   local function take(what, n, fail)
     left[what] = left[what] - n
@@ -238,6 +241,7 @@ local function observer(folder, limits, state)
         values[name] = real
       end
     end
+    if definition.numbers then take("numbers", definition.numbers, fail) end
     if is_geometry(definition) then
       if not definition.triangles then return fail "has no bound on its triangles" end
       take("triangles", definition.triangles(values), fail)
@@ -344,15 +348,15 @@ end
 -- Running -------------------------------------------------------------------------------
 
 --- The file as a function, or nil, message: text only, whatever the Lua.
-local function compile(text, source, env)
-  if text:find("\27", 1, true) then return nil, "compiled Lua is not accepted: only text is" end
-  text = text:gsub("^\239\187\191", ""):gsub("^#[^\n]*", "")
+local function compile(code, source, env)
+  if code:find("\27", 1, true) then return nil, "compiled Lua is not accepted: only text is" end
+  code = code:gsub("^\239\187\191", ""):gsub("^#[^\n]*", "")
   if setfenv then -- luacheck: ignore 113
-    local chunk, message = loadstring(text, source) -- luacheck: ignore 113
+    local chunk, message = loadstring(code, source) -- luacheck: ignore 113
     if not chunk then return nil, message end
     return setfenv(chunk, env) -- luacheck: ignore 113
   end
-  return load(text, source, "t", env)
+  return load(code, source, "t", env)
 end
 
 local reasons = {
@@ -361,11 +365,29 @@ local reasons = {
   memory = "takes more than %.0f bytes of memory",
 }
 
---- "file.lua: why", with the line that `text` names if it names one; nothing for a terminal to obey.
-local function explain(path, text)
-  text = text:sub(1, 1000):gsub("%c", "?")
-  if text:sub(1, #path + 1) == path .. ":" then return text end
-  return path .. ": " .. text
+--- "file.lua: why", with the line that `why` names if it names one; nothing for a terminal to obey.
+local function explain(path, why)
+  if why:sub(1, #path + 1) ~= path .. ":" then why = path .. ": " .. why end
+  return text.shown(why:sub(1, 1000 + #path))
+end
+
+--- A message handler: a line of ylm that an error names becomes the line of `source` that led there.
+local function located(source)
+  return function(raised)
+    if type(raised) ~= "string" then return raised end
+    local said, level = raised:match "^[^\n]-:%d+: (.*)$", 2
+    local names_ylm = false
+    while said and level < 100 do
+      local info = debug.getinfo(level, "Sl")
+      if not info then return raised end
+      if info.source == source and info.currentline > 0 then
+        return names_ylm and ("%s:%d: %s"):format(source:sub(2), info.currentline, said) or raised
+      end
+      names_ylm = names_ylm or info.what ~= "C" and raised:sub(1, #info.short_src + 1) == info.short_src .. ":"
+      level = level + 1
+    end
+    return raised
+  end
 end
 
 --- Under LuaJIT: no compiled code while a file runs, because hooks do not fire in it; not even in
@@ -380,8 +402,8 @@ end
 --- Runs the file `path` within `limits` (all fields given). Returns the scene, or nil, message, code.
 function sandbox.run(path, limits)
   if form.observer then return check.fail("a scene file cannot load another") end
-  local text, message, code = core.read_file(path, math.min(limits.file_size, 2 ^ 24))
-  if not text then return nil, message, code end
+  local content, message, code = core.read_file(path, math.min(limits.file_size, 2 ^ 24))
+  if not content then return nil, message, code end
   local source, state = "@" .. path, {}
   local env = environment(state)
   local folder = path:match("^(.*)/[^/]*$") or "."
@@ -389,7 +411,7 @@ function sandbox.run(path, limits)
 
   local compiling = true
   local function work()
-    local chunk, wrong = compile(text, source, env)
+    local chunk, wrong = compile(content, source, env)
     if not chunk then error(wrong, 0) end
     compiling = false
     local result = chunk() -- not a tail call: this frame is check.boundary
@@ -399,7 +421,8 @@ function sandbox.run(path, limits)
   local budget, observe = observer(folder, limits, state)
   local restore, compile_again = guarded_strings(source), without_jit()
   form.budget, form.observer, check.boundary = budget, observe, work
-  local called, ok, result, reason = pcall(core.bounded_call, work, limits.instructions, limits.memory, limits.seconds)
+  local called, ok, result, reason = pcall(core.bounded_call, work, limits.instructions, limits.memory, limits.seconds,
+    located(source))
   form.budget, form.observer, check.boundary = nil, nil, false
   restore()
   compile_again()

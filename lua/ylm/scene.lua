@@ -4,9 +4,11 @@
 -- those of lua/ylm/render.lua.
 
 local check = require "ylm.check"
+local core = require "ylm.c.core"
 local describe = require "ylm.reference".describe
 local form = require "ylm.form"
 local memory = require "ylm.memory"
+local text = require "ylm.text"
 
 local scene = {}
 
@@ -40,10 +42,19 @@ local function kind_text(x)
   return kind and "a " .. kind or check.describe(x)
 end
 
---- Appends to `out` the parts of `field` found in `x`, in order; fail(message) names the place.
+--- Takes what a part that is listed again describes once more from what a scene file may.
+local function take_again(x, fail)
+  if core.type(x) ~= nil then return form.budget("numbers", 1, fail) end
+  if x.mesh then return form.budget("triangles", #x.mesh, fail) end
+  return form.budget("numbers", (x.count or 1) * (x.field and 256 or 7), fail)
+end
+
+--- Appends to `out`, which has the set `listed` of them, the parts of `field` found in `x`, in order; fail(message) names
+-- the place.
 local function flatten(field, x, out, place, depth, fail)
   if is_part[field](x) then
-    out[#out + 1] = x
+    if form.budget and out.listed[x] then take_again(x, fail) end
+    out[#out + 1], out.listed[x] = x, true
     return
   end
   if type(x) ~= "table" or form.kind(x) then
@@ -114,8 +125,9 @@ local construct = form.define("scene", {
   metatable = metatable,
   build = function(values, fail)
     for field in pairs(is_part) do
-      local parts = {}
+      local parts = { listed = {} }
       flatten(field, values[field], parts, field, 0, fail)
+      parts.listed = nil
       values[field] = parts
     end
     return setmetatable(values, metatable)
@@ -144,8 +156,8 @@ function scene.scene(name)
   if type(name) ~= "string" then
     return check.bad(1, "scene", "the scene's name comes first: scene \"name\" { ... }; got %s", check.describe(name))
   end
-  if #name > 200 or name:find("%c") then
-    return check.bad(1, "scene", "a name of at most 200 characters, none of them for control, expected")
+  if #name > 200 or text.shown(name) ~= name then
+    return check.bad(1, "scene", "a name of at most 200 bytes in UTF-8, without control characters, expected")
   end
   -- `return scene "name" { ... }` is a tail call: remember the line while it is on the stack.
   local where = check.position()

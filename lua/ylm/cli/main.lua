@@ -14,11 +14,11 @@ local commands = require "ylm.cli.commands"
 local core = require "ylm.c.core"
 local progress = require "ylm.progress"
 local status = require "ylm.cli.status"
+local text = require "ylm.text"
 
 local function say(...)
   progress.leave()
-  io.stderr:write("ylm: ", ...)
-  io.stderr:write("\n")
+  io.stderr:write("ylm: ", (table.concat({ ... }):gsub("[^\n\t]+", text.shown)), "\n")
 end
 
 --- Words that stand for a command.

@@ -1,13 +1,14 @@
 /*
-** failure.c - memory that runs out where a spec wants it: LD_PRELOADed, and a Lua module of the same process.
+** failure.c - memory that runs out where a spec wants it: preloaded, and a Lua module of the
+*process.
 **
 **   local failure = require "failure"
 **   failure.arm(k)      the k-th request for memory by ylm's libraries from here on fails; 0: none
 **   failure.requests()  requests since then
-**   failure.limit(n)    the address space may grow by n bytes more; false: by any number
+**   failure.limit(n)    the address space may grow by n bytes more; nil: by any number
 **
-** A request is ylm's where the code that asks lies in libylm... or in a binding, ylm/c. Requests of Lua, of
-** the C library, of Embree, VTK and OpenEXR pass.
+** A request is ylm's where the code that asks lies in libylm... or in a binding, ylm/c. Requests of
+** Lua, of the C library, of Embree, VTK and OpenEXR pass.
 */
 #define _GNU_SOURCE
 #include <dlfcn.h>
@@ -23,9 +24,7 @@
 #include <sys/resource.h>
 
 enum { MOST = 64 };
-static struct {
-  uintptr_t begin, end;
-} ours[MOST];
+static struct { uintptr_t begin, end; } ours[MOST];
 static int count;
 static long wanted, seen; /* one thread asks at a time, or the spec sets YLM_THREADS=1 */
 
@@ -122,7 +121,8 @@ static int limit(lua_State *L) {
   FILE *f = fopen("/proc/self/statm", "r");
   if (f && fscanf(f, "%ld", &pages) != 1) pages = 0;
   if (f) fclose(f);
-  r.rlim_cur = lua_type(L, 1) == LUA_TNUMBER ? (rlim_t)(pages * 4096.0 + lua_tonumber(L, 1)) : r.rlim_max;
+  r.rlim_cur =
+      lua_type(L, 1) == LUA_TNUMBER ? (rlim_t)(pages * 4096.0 + lua_tonumber(L, 1)) : r.rlim_max;
   setrlimit(RLIMIT_AS, &r);
   return 0;
 }
