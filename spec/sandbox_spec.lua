@@ -324,11 +324,11 @@ describe("the sandbox of scene files", function()
     local cube = "local t = { 0, 0, 0 } for k = 1, 3 do local u = {} for i = 1, 400 do u[i] = t end t = u end "
     local began = os.clock()
     for text, says in pairs {
-      [wide .. "sphere_lights { at = rows }"] = "sphere_lights: at must be %[n%]%[3%] numbers, got a table of 4000x4000",
-      [wide .. "sphere_lights { at = { { 0, 0, 0 } }, radius = rows }"] = "radius must be .*, got a table of 4000x4000",
-      [wide .. "sphere_lights { at = { { 0, 0, 0 } }, radiance = rows }"] = "radiance must be .*, got a table of 4000x4000",
+      [wide .. "sphere_lights { at = rows }"] = "sphere_lights: at must be %[n%]%[3%] numbers, got an array of 4000x4000",
+      [wide .. "sphere_lights { at = { { 0, 0, 0 } }, radius = rows }"] = "radius must be .*, got an array of 4000x4000",
+      [wide .. "sphere_lights { at = { { 0, 0, 0 } }, radiance = rows }"] = "radiance must be .*, got an array of 4000x4000",
       [wide .. "polygon_light { vertices = rows }"] = "vertices must be three or more points",
-      [wide .. "mesh { vertices = rows, triangles = rows }"] = "points: rows of 3 numbers expected, got a table of 4000x4000",
+      [wide .. "mesh { vertices = rows, triangles = rows }"] = "points: rows of 3 numbers expected, got an array of 4000x4000",
       [wide .. "mesh { vertices = { { 0, 0, 0 } }, triangles = rows }"] = "triangles: rows of 3 numbers expected",
       [wide .. "mesh { vertices = { { 0, 0, 0 } }, normals = rows, triangles = { { 1, 2, 3 } } }"] = "normals: rows of 3",
     } do refuses("EFORMAT", says, text) end

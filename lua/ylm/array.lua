@@ -283,7 +283,7 @@ function array.rows(n, name, what, value, width, dtype)
       local shape = shape_of(a)
       if #shape > 8 then return check.bad(n, name, "%s: at most 8 axes, got more; does the table hold itself?", what) end
       if width and shape[#shape] ~= width then
-        return check.bad(n, name, "%s: rows of %d numbers expected, got a table of %s", what, width, table.concat(shape, "x"))
+        return check.bad(n, name, "%s: rows of %d numbers expected, got an array of %s", what, width, table.concat(shape, "x"))
       end
       form.take_numbers(shape, function(message) return check.bad(n, name, "%s: %s", what, message) end)
       a = core.array_zeros(shape, dtype or "double")

@@ -45,7 +45,7 @@ local function numbers(name, value, wanted, fits, fail)
     shape = { #value, type(value[1]) == "table" and #value[1] or nil }
   end
   if not shape or not fits(shape) then
-    local got = shape and ("%s of %s"):format(dtype and "an array" or "a table", table.concat(shape, "x"))
+    local got = shape and "an array of " .. table.concat(shape, "x")
     return fail(("%s must be %s, got %s"):format(name, wanted, got or check.describe(value)))
   end
   if dtype then return dtype == "double" and value or core.array_convert(value, "double"), shape end

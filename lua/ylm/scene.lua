@@ -157,7 +157,7 @@ function scene.scene(name)
     return check.bad(1, "scene", "the scene's name comes first: scene \"name\" { ... }; got %s", check.describe(name))
   end
   if #name > 200 or text.shown(name) ~= name then
-    return check.bad(1, "scene", "a name of at most 200 bytes in UTF-8, without control characters, expected")
+    return check.bad(1, "scene", "a name of at most 200 characters of UTF-8, none of them for control, expected")
   end
   -- `return scene "name" { ... }` is a tail call: remember the line while it is on the stack.
   local where = check.position()
