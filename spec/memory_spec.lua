@@ -5,6 +5,8 @@
 -- spec/memory_spec.lua` every one: two minutes.
 
 local core = require "ylm.c.core"
+local form = require "ylm.form"
+local library = require "ylm.library"
 local memory = require "ylm.memory"
 local scratch = require "spec.support.scratch"
 local ylm = require "ylm"
@@ -74,6 +76,29 @@ describe("memory that runs out", function()
     assert.equal(raised, got)
     assert.is_nil(core.no_memory(raised))
     assert.is_nil(core.no_memory "memory ran out")
+  end)
+
+  it("is told from a library that is not installed", function()
+    local reasons = {
+      ["error loading module 'ylm.c.short' from file 'x.so':\n\tx.so: failed to map segment from shared object"]
+        = { "libylm_short cannot be loaded: memory ran out (x.so: failed to map segment from shared object)", "ENOMEM" },
+      ["error loading module 'ylm.c.short' from file 'x.so':\n\tliby.so.3: cannot open shared object file"]
+        = { "install liby (liby.so.3: cannot open shared object file)", "EMISSING" },
+    }
+    for raised, says in pairs(reasons) do
+      package.preload["ylm.c.short"] = function() error(raised, 0) end
+      assert.same({ nil, says[1], says[2] }, { library.open("short", "install liby (%s)") })
+    end
+    package.preload["ylm.c.short"] = nil
+  end)
+
+  it("lets files of ylm that were loaded in part be loaded again", function()
+    local before, names = package.loaded["ylm.camera"] or require "ylm.camera", #form.names
+    package.loaded["ylm.camera"] = nil
+    assert.not_equal(before, require "ylm.camera")
+    assert.equal(names, #form.names)
+    assert.has_error(function() form.define("camera", { fields = {} }) end)
+    package.loaded["ylm.camera"] = before
   end)
 
   it("is no failure of a limit that a scene file has passed", function()

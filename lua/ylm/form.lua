@@ -233,8 +233,9 @@ form.check = checked
 
 --- Defines a constructor that takes one named table. Returns it.
 function form.define(name, definition)
-  assert(not form.defined[name], "form defined twice: " .. name)
-  definition.name = name
+  local home, before = debug.getinfo(2, "S").source:match("([%w_]+)%.lua$"), form.defined[name]
+  assert(not before or before.home == home, "form defined twice: " .. name) -- a file is loaded again where memory ran out
+  definition.name, definition.home = name, home
   local function construct(given)
     if type(given) ~= "table" or form.kind(given) then
       return check.fail("%s: a table of named fields expected, got %s", name, check.describe(given))
@@ -248,9 +249,8 @@ function form.define(name, definition)
   definition.metatable = definition.metatable or {}
   definition.metatable.__kind = name
   definition.construct = construct
-  definition.home = debug.getinfo(2, "S").source:match("([%w_]+)%.lua$")
   form.defined[name] = definition
-  form.names[#form.names + 1] = name
+  if not before then form.names[#form.names + 1] = name end
   return construct
 end
 

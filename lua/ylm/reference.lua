@@ -15,13 +15,23 @@
 
 local reference = { entries = {}, names = {}, objects = {} }
 
+--- What was described, a function or an object -> in which file: one that is loaded again, because memory ran out at first,
+-- describes its own again.
+local described_in = {}
+
+local function once(what)
+  local home = debug.getinfo(3, "S").source
+  assert(not described_in[what] or described_in[what] == home, "described twice: " .. what)
+  described_in[what] = home
+end
+
 --- Registers the entry of the public function `name` (without the leading "ylm.").
 function reference.describe(name)
+  once(name)
   return function(entry)
-    assert(not reference.entries[name], "described twice: " .. name)
     entry.name = name
+    if not reference.entries[name] then reference.names[#reference.names + 1] = name end
     reference.entries[name] = entry
-    reference.names[#reference.names + 1] = name
   end
 end
 
@@ -31,8 +41,8 @@ end
 --
 -- `methods = table` where the object is neither a userdata of ylm nor built by a form.
 function reference.object(name)
+  once("object " .. name)
   return function(entry)
-    assert(not reference.objects[name], "described twice: " .. name)
     entry.name = name
     reference.objects[name] = entry
   end

@@ -175,10 +175,10 @@ describe "load_scene" {
     .. "and the constructors, and is bounded in instructions, memory and described size.",
   arguments = {
     { "path", "string", "the file; other files are looked for in its folder only" },
-    { "limits?", "table", "instructions, memory (bytes), seconds, triangles, cells: see ylm help load_scene" },
+    { "limits?", "table", "instructions, memory (bytes), seconds, triangles, numbers, cells: see ylm help load_scene" },
   },
   options = require "ylm.sandbox".limits,
-  returns = { { "s", "scene", "or nil, message, 'EIO' | 'EFORMAT' | 'ELIMIT'" } },
+  returns = { { "s", "scene", "or nil, message, 'EIO' | 'EFORMAT' | 'ELIMIT' | 'ENOMEM'" } },
   errors = "nil, message, code for whatever is wrong with the file",
   example = [[
 local s, message, code = ylm.load_scene "no such file.lua"
