@@ -387,6 +387,8 @@ describe("the sandbox of scene files", function()
     assert.equal("EFORMAT", (select(3, try("return scene '" .. ("x"):rep(1e6) .. "' {}"))))
     _, message = try("error('" .. ("\195\164"):rep(1e5) .. "')")
     assert.truthy(#message < 1200)
+    local out = scratch.capture((os.getenv "YLM_BUILD" or "build") .. "/ylm render -o x.png " .. scratch.quote "no\155\27[2J.lua")
+    assert.truthy(out:find("no??[2J.lua", 1, true), out)
   end)
 
   it("ends cleanly when it is tried again and again", function()
