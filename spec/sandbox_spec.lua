@@ -215,7 +215,7 @@ describe("the sandbox of scene files", function()
     for name, says in pairs {
       ["../out.obj"] = "relative, without '..'", ["side/../here.obj"] = "without '..'", ["/etc/passwd"] = "relative",
       [folder.path .. "/in/here.obj"] = "relative", ["etc/passwd"] = "link that leads out",
-      ["link.obj"] = "link that leads out", ["side"] = "not a regular file", ["pipe"] = "not a regular file",
+      ["link.obj"] = "link that leads out", ["side"] = "a folder, not a file", ["pipe"] = "not a regular file",
       [""] = "relative", ["missing.obj"] = "no such file", ["here.obj/"] = "relative", ["side//there.obj"] = "relative",
       ["here.obj\0.png"] = "relative", ["attack.lua"] = "attack.lua",
     } do
@@ -269,7 +269,7 @@ describe("the sandbox of scene files", function()
     end
     for name, says in pairs {
       ["../outside.exr"] = "without '..'", ["/etc/passwd"] = "relative", ["out.exr"] = "link that leads out",
-      ["link.png"] = "link that leads out", ["pipe.png"] = "not a regular file", ["folder.png"] = "not a regular file",
+      ["link.png"] = "link that leads out", ["pipe.png"] = "not a regular file", ["folder.png"] = "a folder, not a file",
       [""] = "relative", ["missing.png"] = "no such file", ["here.png\0"] = "relative", ["attack.lua"] = "not an image",
       ["nan.exr"] = "image must be finite", ["cut.png"] = "cut.png: ", ["bomb.png"] = "numbers", ["bomb.hdr"] = "numbers",
       ["bomb.pfm"] = "numbers", ["bomb.exr"] = "bomb.exr: ",

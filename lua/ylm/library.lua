@@ -18,6 +18,7 @@ end
 function library.open(name, advice)
   local ok, binding = pcall(require, "ylm.c." .. name)
   if ok then return binding end
+  memory.forget_marks()
   local why = reason(binding)
   for _, words in ipairs(exhausted) do
     if why:find(words) or memory.message(binding) then

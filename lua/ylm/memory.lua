@@ -13,11 +13,21 @@ function memory.message(raised)
   return core.no_memory(raised)
 end
 
+--- Files of ylm whose loading was cut short can be loaded again: Lua 5.1 keeps a mark in their place, and refuses.
+function memory.forget_marks()
+  for name, value in pairs(package.loaded) do
+    if type(value) ~= "table" and name:find "^ylm%." then package.loaded[name] = nil end
+  end
+end
+
 --- Passes the results of pcall on, in place of memory that ran out nil, message, code.
 local function results(ok, ...)
   if ok then return ... end
   local message = memory.message((...))
-  if message then return nil, message, "ENOMEM" end
+  if message then
+    memory.forget_marks()
+    return nil, message, "ENOMEM"
+  end
   error((...), 0)
 end
 
