@@ -160,7 +160,7 @@ ylm_status grid_file_read_1(const char *name, const unsigned char *data, size_t 
   stream s = {.data = data, .size = size, .at = 24, .swap = swapped}; /* behind the size */
   uint64_t counts[4] = {0};
   ylm_grid_form form = {0};
-  ylm_grid_stats stats = {.update.error = NAN};
+  ylm_grid_stats stats = {0};
   ylm_error why = {0};
   if (!sum_holds(&s))
     return ylm_fail(e, YLM_ECHECKSUM, "%s: the grid file is damaged (checksum)", name);

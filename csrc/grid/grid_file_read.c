@@ -112,7 +112,6 @@ static ylm_status read_grid(reading *r) {
   r->g = ylm__grid_new(&form);
   if (!r->g) return ylm_fail(r->e, YLM_ENOMEM, "%s: memory ran out", name);
   r->g->stats = stats;
-  r->g->stats.update.error = NAN;
   if (!sizes_hold(r, &f)) return grid_file_bad(name, "the size of a section", r->e);
   if (!grid_file_table_holds(r->g, f.cells))
     return grid_file_bad(name, "too sparse a lattice", r->e);
