@@ -135,10 +135,10 @@ ylm_status grid_file_read_1(const char *name, const unsigned char *data, size_t 
 
 /* -- grid_file_check.c: what no grid may have ----------------------------------------- */
 
-/* What is wrong with cells and points of a grid that was read, all of whose points have their
-   lattice coordinates, or NULL. */
-const char *grid_file_check_cells(const ylm_grid *g);
-/* The same of lambda and norm of evaluated points. */
+/* Whether cells and points of a grid that was read hold, all of whose points have their lattice
+   coordinates: YLM_EFORMAT, YLM_ENOMEM where there is no room to look. */
+ylm_status grid_file_check_cells(const ylm_grid *g, const char *name, ylm_error *e);
+/* What is wrong with lambda and norm of evaluated points, or NULL. */
 const char *grid_file_check_points(const ylm_grid *g);
 /* The same of births, with the cells' corners within the points; cells need no check before. */
 const char *grid_file_check_births(const ylm_grid *g);

@@ -123,14 +123,13 @@ static bool counts_hold(const stream *s, const ylm_grid *g, const uint64_t count
   return counts[0] < YLM_GRID_NONE && counts[2] < YLM_GRID_NONE;
 }
 
-/* What is wrong with a grid that was read, or NULL. */
-static const char *check_grid(const ylm_grid *g) {
+/* What is wrong with the numbers of a grid that was read, or NULL. */
+static const char *check_numbers(const ylm_grid *g) {
   bool metric = g->view.form.metric_channels != 0;
   for (size_t i = 0; i < g->points; i++)
     if (metric && (isnan(g->lambda[i]) || isnan(g->norm[i]))) return "a point's metric";
   if (!ylm_all_finite(YLM_FLOAT, g->data, 4 * g->points * g->stride, NULL)) return "coefficients";
-  const char *what = grid_file_check_points(g);
-  return what ? what : grid_file_check_cells(g);
+  return grid_file_check_points(g);
 }
 
 /* Cells and points of a grid whose form and counts are known. */
@@ -148,8 +147,10 @@ static ylm_status read_body(stream *s, ylm_grid *g, const uint64_t counts[4], co
   cells(s, g);
   points(s, g);
   if (s->failed || s->at != s->size) return grid_file_bad(name, "its length", e);
-  const char *what = check_grid(g);
+  const char *what = check_numbers(g);
   if (what) return grid_file_bad(name, what, e);
+  status = grid_file_check_cells(g, name, e);
+  if (status != YLM_OK) return status;
   status = grid_file_find_births(g);
   if (status == YLM_OK) status = grid_file_finish(g);
   return status == YLM_OK ? YLM_OK : ylm_fail(e, status, "%s: memory ran out", name);

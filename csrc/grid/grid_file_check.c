@@ -77,12 +77,13 @@ static const char *check_lattice(const ylm_grid *g) {
   return NULL;
 }
 
-const char *grid_file_check_cells(const ylm_grid *g) {
-  if (g->view.form.kind == YLM_GRID_UNIFORM) return check_lattice(g);
-  uint8_t *seen = ylm_alloc_zero(g->cells, 1);
-  const char *what = seen ? check_octree(g, seen) : "too large for this machine's memory";
+ylm_status grid_file_check_cells(const ylm_grid *g, const char *name, ylm_error *e) {
+  bool lattice = g->view.form.kind == YLM_GRID_UNIFORM;
+  uint8_t *seen = lattice ? NULL : ylm_alloc_zero(g->cells, 1);
+  if (!lattice && !seen) return ylm_fail(e, YLM_ENOMEM, "%s: memory ran out", name);
+  const char *what = lattice ? check_lattice(g) : check_octree(g, seen);
   ylm_free(seen);
-  return what;
+  return what ? grid_file_bad(name, what, e) : YLM_OK;
 }
 
 bool grid_file_table_holds(const ylm_grid *g, uint64_t cells) {

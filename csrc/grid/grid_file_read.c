@@ -79,8 +79,8 @@ static ylm_status read_structure(reading *r) {
   const char *what = grid_file_check_points(g);
   if (!what) what = grid_file_check_births(g);
   if (!what) grid_file_place_births(g);
-  if (!what) what = grid_file_check_cells(g);
-  return what ? grid_file_bad(r->source->name, what, r->e) : YLM_OK;
+  if (what) return grid_file_bad(r->source->name, what, r->e);
+  return grid_file_check_cells(g, r->source->name, r->e);
 }
 
 /* The rows of evaluated points from the file, then those of interpolated ones from these. */
