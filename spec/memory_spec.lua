@@ -1,8 +1,8 @@
 -- Memory that runs out, wherever it is asked for: nil, message, "ENOMEM", and everything goes on afterwards.
 --
 -- Every call of spec/support/memory/calls.lua is made while one of the requests for memory that it makes fails, by a
--- library that is preloaded. The specs let every 12th fail (of few every one, of pictures every 300th), `YLM_MEMORY=all spec/run
--- spec/memory_spec.lua` every one: two minutes.
+-- library that is preloaded. The specs let every 12th fail (of few requests every one, of pictures every 300th);
+-- `YLM_MEMORY=all spec/run spec/memory_spec.lua` all 4,958: six minutes, where pictures are drawn without a GPU.
 
 local core = require "ylm.c.core"
 local form = require "ylm.form"
