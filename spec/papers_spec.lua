@@ -10,7 +10,7 @@ local cases = {
   { "gradient_2022_fig5.lua", "--out %s --quick", "light's gradient: .* at most [%d.]+e%-" },
   { "gradient_2022_triangles.lua", "--out %s --quick", "by shape" },
   { "hessian_2025_table1.lua", "--count 20", "lmax .*SCD.*\n  16 " },
-  { "hessian_2025_fig3.lua", "--out %s --n 12", "d2/dz2 of L_7%^2" },
+  { "hessian_2025_fig3.lua", "--out %s --n 12", "∂²/∂z² of L%(7, 2%)" },
   { "hessian_2025_fig10.lua", "--out %s --depth 4 --samples 1 --width 48 --height 36", "divides MAPE by" },
   { "gradient_2022_table4.lua", "--out %s --quick", "Table 4: .*%d+%.%d+ .*3 bands" },
 }

@@ -49,7 +49,14 @@ describe("a direction", function()
   it("is up, in cameras and in views", function()
     local view_camera = require "ylm.view_camera"
     same(function(v)
-      local fitted = view_camera.fit({ -1, -1, -1, 1, 2, 3 }, 320, 200, v(1, 0.5, 0.25), v(0, 1, 0.5))
+      local function reach(directions) -- of the box from (-1, -1, -1) to (1, 2, 3)
+        local out = {}
+        for i, d in ipairs(directions) do
+          out[i] = math.max(-d[1], d[1]) + math.max(-d[2], 2 * d[2]) + math.max(-d[3], 3 * d[3])
+        end
+        return out
+      end
+      local fitted = view_camera.fit(reach, 320, 200, v(1, 0.5, 0.25), v(0, 1, 0.5))
       return (ylm.array { fitted.from, fitted.at, fitted.up })
     end, 1e-13)
     same(function(v)

@@ -2,6 +2,7 @@
 
 local ylm = require "ylm"
 local device = require "spec.support.gpu"
+local memory = require "ylm.memory"
 
 describe("ylm.vulkan", function()
   local open = device.each()
@@ -72,7 +73,8 @@ describe("ylm.vulkan", function()
 
     it("larger than the device's memory are nil, message, ENOMEM", function()
       local gpu = open()
-      local a, message, code = binding.gpu_array_new(gpu, { math.floor(gpu.limits.memory_bytes / 4) + 2 ^ 20 }, "float")
+      local a, message, code = memory.attempt(binding.gpu_array_new, gpu,
+        { math.floor(gpu.limits.memory_bytes / 4) + 2 ^ 20 }, "float")
       assert.is_nil(a)
       assert.equal("ENOMEM", code)
       assert.truthy(message:find("has %d+ MiB of memory, %d+ are needed"), message)

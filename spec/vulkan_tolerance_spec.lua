@@ -185,7 +185,8 @@ describe("a grid with a tolerance, its rows on a device", function()
     local function says(o)
       local ok, message = pcall(ylm.bake, d, { bright, bright, bright, bright }, o)
       assert.is_false(ok)
-      return message:match("the light field is not finite at %b()")
+      assert.truthy(message:find "is not finite" or message:find "is beyond the range of float", message)
+      return message:match "%b()" -- where
     end
     assert(says {})
     assert.equal(says {}, says { device = gpu })

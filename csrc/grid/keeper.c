@@ -1,4 +1,6 @@
 /* keeper.c - bakes whose points are evaluated and kept elsewhere: ylm_grid_keeper. */
+#include <float.h>
+#include <math.h>
 #include <string.h>
 
 #include "baker.h"
@@ -44,6 +46,9 @@ ylm_status keeper_occupancy(baker *b, bool *found) {
   return s == YLM_OK ? occupancy_take(&b->occupied, b->g, code, n) : s;
 }
 
+/* The metric ends at the largest number, as a light field's does here. */
+static float saturated(float x) { return isinf(x) ? FLT_MAX : x; }
+
 ylm_status keeper_evaluate(baker *b) {
   ylm_grid *g = b->g;
   size_t first = g->evaluated, n = g->points - first;
@@ -56,8 +61,11 @@ ylm_status keeper_evaluate(baker *b) {
                                      g->lambda + first, g->norm + first, inside, &g->stats.pairs,
                                      b->source->progress ? &progress : NULL, b->e);
   g->stats.field_seconds += ylm_seconds() - t;
-  for (size_t i = 0; s == YLM_OK && i < n; i++)
+  for (size_t i = 0; s == YLM_OK && i < n; i++) {
     if (inside[i]) g->flags[first + i] |= YLM_GRID_POINT_INVALID;
+    g->lambda[first + i] = saturated(g->lambda[first + i]);
+    g->norm[first + i] = saturated(g->norm[first + i]);
+  }
   ylm_free(inside);
   return or_leave(b, s);
 }

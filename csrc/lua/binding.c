@@ -351,9 +351,9 @@ const ylm_progress *ylmL_progress_begin(lua_State *L, int i, ylmL_progress *p) {
   p->base.step = step;
   p->base.user = p;
   p->L = L;
-  if (!p->index && !lua_gethookmask(L)) return &p->base; /* nobody who could close anything */
-  note_arguments(L, lua_gettop(L));
-  p->top = lua_gettop(L);
+  /* a hook that comes later, an interrupt's, closes nothing; it is counted all the same */
+  p->top = p->index || lua_gethookmask(L) ? lua_gettop(L) : 0;
+  note_arguments(L, p->top);
   return &p->base;
 }
 

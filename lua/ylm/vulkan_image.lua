@@ -58,9 +58,9 @@ local function pixels_on(gpu, p)
   if not entries then return nil, message, code end
   local size, points, c = p.options.size, p.stats.points, binding()
   local picture, radiance
-  picture, message, code = c.gpu_picture_create(gpu, size[1], size[2], points, entries)
+  picture, message, code = memory.attempt(c.gpu_picture_create, gpu, size[1], size[2], points, entries)
   if not picture then return nil, message, code end
-  radiance, message, code = c.gpu_array_new(gpu, { points, 3 }, "float")
+  radiance, message, code = memory.attempt(c.gpu_array_new, gpu, { points, 3 }, "float")
   if not radiance then
     c.gpu_picture_close(picture)
     return nil, message, code

@@ -1,6 +1,5 @@
 /*
-** failure.c - memory that runs out where a spec wants it: preloaded, and a Lua module of the
-*process.
+** failure.c - memory that runs out where a spec wants it: preloaded, and a Lua module.
 **
 **   local failure = require "failure"
 **   failure.arm(k)      the k-th request for memory by ylm's libraries from here on fails; 0: none
