@@ -40,10 +40,10 @@ pkg      = $(shell pkg-config $(1) $(2) 2>/dev/null)
 CFLAGS_codec = $(call pkg,--cflags,OpenEXR libpng)
 LIBS_scene   = -lOpenEXRCore-3_1 $(call pkg,--libs,libpng) -lembree3
 
-# -- objects: csrc/x/*.c once, csrc/x/*.isa.c once per instruction set ----------
+# -- objects: *.c of a folder and its rooms once, *.isa.c once per instruction set ----------
 
-sources = $(filter-out %.isa.c,$(wildcard csrc/$(1)/*.c csrc/$(1)/gen/*.c))
-kernels = $(wildcard csrc/$(1)/*.isa.c csrc/$(1)/gen/*.isa.c)
+sources = $(filter-out %.isa.c,$(wildcard csrc/$(1)/*.c csrc/$(1)/*/*.c csrc/$(1)/*/gen/*.c))
+kernels = $(wildcard csrc/$(1)/*.isa.c csrc/$(1)/*/*.isa.c csrc/$(1)/*/gen/*.isa.c)
 objects = $(patsubst csrc/%.c,$(BUILD)/obj/%.o,$(call sources,$(1))) \
           $(foreach i,$(ISAS),$(patsubst csrc/%.isa.c,$(BUILD)/obj/%.$(i).o,$(call kernels,$(1))))
 

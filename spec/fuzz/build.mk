@@ -43,10 +43,10 @@ $(FUZZ_DIR)/obj/%.o: csrc/%.c
 	$(call say,CC,$@)
 	$(Q)$(FUZZ_CC) $(FUZZ_CFLAGS) -c $< -o $@
 
-# An archive, so that each target takes no more than it needs.
+# An archive, so that each target takes no more than it needs. Rooms have files of the same name: q keeps each.
 $(FUZZ_DIR)/libylm.a: $(FUZZ_OBJ)
 	$(call say,AR,$@)
-	$(Q)rm -f $@ && $(AR) rc $@ $^
+	$(Q)rm -f $@ && $(AR) qc $@ $^
 
 $(FUZZ_DIR)/bin/%: spec/fuzz/%.c $(FUZZ_DIR)/libylm.a
 	@mkdir -p $(@D)

@@ -2,7 +2,7 @@
 
 CODEGEN_LUA ?= $(firstword $(foreach l,lua5.4 luajit lua5.3 lua5.1,$(if $(shell command -v $(l)),$(l))))
 
-gen:   ## regenerate csrc/*/gen and shaders/gen
+gen:   ## regenerate what stands in gen/ folders
 	@LUA_PATH="lua/?.lua;lua/?/init.lua" $(CODEGEN_LUA) lua/ylm/codegen/command.lua --write
 
 gen-check:
