@@ -184,7 +184,7 @@ real f(vector x, floats y, uint k) {
       it("say what they should: surfaces that touch boxes, metrics, pixels on a disc", function()
         local numbers = run_c(folder, "common", [[
 #include <stdio.h>
-#include "csrc/light/gen/crossing.h"
+#include "csrc/light/flat/gen/crossing.h"
 #include "csrc/grid/gen/cells.h"
 #include "csrc/shade/gen/picture.h"
 int main(void) {

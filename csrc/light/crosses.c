@@ -3,7 +3,7 @@
 
 #include <math.h>
 
-#include "gen/crossing.h"
+#include "flat/gen/crossing.h"
 
 /* Lights of a leaf. */
 #define LEAF 8

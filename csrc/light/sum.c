@@ -3,7 +3,7 @@
 #include <string.h>
 
 #include "finite.h"
-#include "moments.h"
+#include "moments/moments.h"
 #include "ylm_sh.h"
 
 ylm_status ylm__query_check(const ylm_field_query *q, const ylm_field_result *r, int most,
@@ -45,7 +45,7 @@ static inline double choose(bool first, double a, double b) { return first ? a :
 #define SQRT sqrt
 #define TINY 1e-280
 #define FINE 1
-#include "gen/eigenvalue.h"
+#include "moments/gen/eigenvalue.h"
 
 static float bend(size_t count, const float *hessian) {
   double s = 0;

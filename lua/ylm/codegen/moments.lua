@@ -117,6 +117,6 @@ return function(lmax)
   end
   out[#out + 1] = "#endif"
   out[#out + 1] = ("#define KERNEL_NAME YLM_KERNEL(ylm__moments_%d)"):format(lmax)
-  out[#out + 1] = '#include "../moments_kernel.h"'
+  out[#out + 1] = '#include "../kernel.h"'
   return table.concat(out, "\n") .. "\n"
 end

@@ -7,9 +7,9 @@ local targets = {}
 for lmax = 0, 12 do targets[#targets + 1] = { ("csrc/sh/gen/sh_%d.h"):format(lmax), "ylm.codegen.sh_low", lmax } end
 targets[#targets + 1] = { "csrc/sh/gen/sh_table.h", "ylm.codegen.sh_table", 24 }
 for lmax = 0, 10 do
-  targets[#targets + 1] = { ("csrc/light/gen/moments_%d.isa.c"):format(lmax), "ylm.codegen.moments", lmax }
+  targets[#targets + 1] = { ("csrc/light/moments/gen/moments_%d.isa.c"):format(lmax), "ylm.codegen.moments", lmax }
 end
-targets[#targets + 1] = { "csrc/light/gen/gauss.c", "ylm.codegen.gauss" }
+targets[#targets + 1] = { "csrc/light/flat/gen/gauss.c", "ylm.codegen.gauss" }
 targets[#targets + 1] = { "csrc/sh/gen/polynomial.h", "ylm.codegen.polynomial", 6 }
 targets[#targets + 1] = { "csrc/sh/gen/rotate_low.h", "ylm.codegen.rotate" }
 targets[#targets + 1] = { "csrc/sh/gen/gaunt_low.h", "ylm.codegen.gaunt" }
@@ -20,16 +20,16 @@ targets[#targets + 1] = { "shaders/gen/recurrence.glsl", "ylm.codegen.recurrence
 targets[#targets + 1] = { "csrc/sh/gen/recurrence.h", "ylm.codegen.recurrence", "lanes" }
 
 targets[#targets + 1] = { "shaders/gen/light.glsl", "ylm.codegen.light", "shader" }
-targets[#targets + 1] = { "csrc/light/gen/light.h", "ylm.codegen.light", "kernel" }
-targets[#targets + 1] = { "csrc/light/gen/recurrences.h", "ylm.codegen.light", "macros" }
+targets[#targets + 1] = { "csrc/light/moments/gen/light.h", "ylm.codegen.light", "kernel" }
+targets[#targets + 1] = { "csrc/light/moments/gen/recurrences.h", "ylm.codegen.light", "macros" }
 
 targets[#targets + 1] = { "shaders/gen/jet.glsl", "ylm.codegen.jet", "shader" }
-targets[#targets + 1] = { "csrc/light/gen/jet.h", "ylm.codegen.jet", "double" }
+targets[#targets + 1] = { "csrc/light/flat/gen/jet.h", "ylm.codegen.jet", "double" }
 
 targets[#targets + 1] = { "shaders/gen/crossing.glsl", "ylm.codegen.crossing", "double_shader" }
-targets[#targets + 1] = { "csrc/light/gen/crossing.h", "ylm.codegen.crossing", "c" }
+targets[#targets + 1] = { "csrc/light/flat/gen/crossing.h", "ylm.codegen.crossing", "c" }
 targets[#targets + 1] = { "shaders/gen/compensation.glsl", "ylm.codegen.compensation", "shader" }
-targets[#targets + 1] = { "csrc/light/gen/compensation.h", "ylm.codegen.compensation", "kernel" }
+targets[#targets + 1] = { "csrc/light/moments/gen/compensation.h", "ylm.codegen.compensation", "kernel" }
 targets[#targets + 1] = { "shaders/gen/cells.glsl", "ylm.codegen.cells", "shader" }
 targets[#targets + 1] = { "csrc/grid/gen/cells.h", "ylm.codegen.cells", "c" }
 targets[#targets + 1] = { "shaders/gen/layout.glsl", "ylm.codegen.layout", "shader" }
@@ -37,10 +37,10 @@ targets[#targets + 1] = { "csrc/vulkan/gen/layout.h", "ylm.codegen.layout", "c" 
 targets[#targets + 1] = { "shaders/gen/picture.glsl", "ylm.codegen.picture", "shader" }
 targets[#targets + 1] = { "csrc/shade/gen/picture.h", "ylm.codegen.picture", "c" }
 targets[#targets + 1] = { "shaders/gen/rim.glsl", "ylm.codegen.rim", "shader" }
-targets[#targets + 1] = { "csrc/light/gen/rim.h", "ylm.codegen.rim", "kernel" }
+targets[#targets + 1] = { "csrc/light/flat/gen/rim.h", "ylm.codegen.rim", "kernel" }
 
 targets[#targets + 1] = { "shaders/gen/eigenvalue.glsl", "ylm.codegen.eigenvalue", "glsl" }
-targets[#targets + 1] = { "csrc/light/gen/eigenvalue.h", "ylm.codegen.eigenvalue", "c" }
+targets[#targets + 1] = { "csrc/light/moments/gen/eigenvalue.h", "ylm.codegen.eigenvalue", "c" }
 targets[#targets + 1] = { "shaders/gen/interpolation.glsl", "ylm.codegen.interpolation", "glsl" }
 targets[#targets + 1] = { "csrc/grid/gen/interpolation.h", "ylm.codegen.interpolation", "element" }
 targets[#targets + 1] = { "shaders/gen/moments.glsl", "ylm.codegen.moments_glsl", 10 }

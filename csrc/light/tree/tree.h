@@ -1,0 +1,199 @@
+/*
+** tree.h - the tree over sphere lights, as its builder makes it and the kernels walk it.
+**
+** Private to csrc/light. A group holds two nodes side by side, so that a vector tests several
+** groups at once. A node stands for the lights below it: seen from far away by four or eight proxy
+** lights, from near by its own group or, where it is a leaf, by its lights themselves. Points
+** beside each other walk down as a packet: what is far from all of them is summed with lanes that
+** are points.
+**
+** The tests work in the tree's units, in which the root's reach is 1 and all strengths add up to 1;
+** the lights and proxies that are summed keep the units of the scene.
+*/
+#ifndef YLM_LIGHT_TREE_H
+#define YLM_LIGHT_TREE_H
+
+#include "../moments/moments.h"
+
+#define YLM__LEAF 8    /* most lights of a leaf */
+#define YLM__GROUP 2   /* nodes of a group */
+#define YLM__PROXIES 4 /* least lights that stand for a node; nodes with as many have none */
+#define YLM__MOST_PROXIES 8
+#define YLM__MANY 8    /* lights of a node that may have more than the least */
+#define YLM__PACKET 16 /* points that walk together */
+/* Fewest and most points of a block that shares what is far, of so many in all; and the most bytes
+   of sums at its nodes. */
+#define YLM__BLOCK_LEAST 256
+#define YLM__BLOCK_MOST 4096
+#define YLM__BLOCKS 64
+#define YLM__SHARING 4 /* fewest packets that share what is far */
+#define YLM__NODES_BYTES (1 << 21)
+/* Nodes that are too near, and smaller than so many radii of a packet, are left to its points if in
+   all they have more lights than a packet sums about as fast: lights (1 + their part of all lights)
+   more than WORTH, at tolerances from 0.01 on. */
+#define YLM__LITTLE 2
+#define YLM__WORTH 12000
+/* Nodes whose middle is near a block, and smaller than so much of what is near, are left to its
+   packets. */
+#define YLM__WITHIN 0.5f
+/* The points of a packet that fills less than one lane of so many walk alone. */
+#define YLM__LONELY 4
+
+/* Where a field of a block of lights stands: blocks are [field][lights]. */
+enum { YLM__X, YLM__Y, YLM__Z, YLM__R, YLM__E, YLM__LUM = YLM__E + 3, YLM__FIELDS };
+
+/* What strengths are: of the norm over rgb, or of luminance. */
+enum { YLM__STRENGTH_RGB, YLM__STRENGTH_LUM, YLM__STRENGTHS };
+
+/*
+** Nodes beside each other, field by field. The error of a node's proxies at the distance D is about
+**   G_(2+k)/D^(4+k) second + G_(3+k)/D^(5+k) third + G_(4+k)/D^(6+k) fourth
+** for the k-th derivative (tree_bound.c has G).
+*/
+typedef struct ylm__group {
+  float at[3][YLM__GROUP];                    /* centroid */
+  float reach[YLM__GROUP];                    /* of lights and proxies about it */
+  float strength[YLM__STRENGTHS][YLM__GROUP]; /* sum of |e| r^2 */
+  float radius[YLM__GROUP];                   /* of one light for the node */
+  uint32_t child[YLM__GROUP]; /* a group, or YLM__IS_LEAF | lights << YLM__COUNT_AT | leaf */
+  /* the second line of the cache, which the pilot does not need */
+  float second[YLM__STRENGTHS][YLM__GROUP]; /* moments that the proxies miss */
+  float third[YLM__STRENGTHS][YLM__GROUP];
+  float fourth[YLM__GROUP];     /* times strength */
+  uint32_t lights[YLM__GROUP];  /* how many */
+  uint32_t proxies[YLM__GROUP]; /* twice their block, and 1 if they are eight, of two blocks */
+  float spread[YLM__GROUP];     /* of what is summed in its stead: reach of the proxies */
+} ylm__group;
+
+#define YLM__IS_LEAF 0x80000000u
+#define YLM__COUNT_AT 27 /* lights of a leaf, 0 .. 8, above the leaf's number */
+#define YLM__LEAF_MASK ((1u << YLM__COUNT_AT) - 1)
+#define YLM__NO_NODE YLM__IS_LEAF /* an empty place: a leaf without lights */
+
+typedef float ylm__leaf_f[YLM__FIELDS][YLM__LEAF];
+typedef double ylm__leaf_d[YLM__FIELDS][YLM__LEAF];
+/* Four proxies; eight are [YLM__FIELDS][YLM__MOST_PROXIES] in two of these. */
+typedef float ylm__proxies_f[YLM__FIELDS][YLM__PROXIES];
+typedef double ylm__proxies_d[YLM__FIELDS][YLM__PROXIES];
+
+typedef struct ylm_light_tree {
+  const ylm_lights *lights;
+  double centre[3], size, total; /* the tree's units: origin, length, strength */
+  ylm__group *group;             /* group 0 is empty, group 1 the root */
+  uint32_t groups, leaves, blocks;
+  int depth;           /* groups on the longest way down */
+  ylm__leaf_f *leaf_f; /* [leaves] */
+  ylm__leaf_d *leaf_d;
+  ylm__proxies_f *proxies_f; /* [blocks] */
+  ylm__proxies_d *proxies_d;
+} ylm_light_tree;
+
+/* Hessians of lights beyond a distance are left out where the sum of their norms is below this part
+   of the tolerance; so many distances are tried, from the tree's extent on, each smaller than the
+   one before by the square root of two. */
+#define YLM__SKIP 0.7
+#define YLM__TAILS 10
+/* Where light comes from one side, nodes' errors have one sign and add up: so much less counts. */
+#define YLM__ONE_SIGN 0.6
+/* Norms that cancel to less than this part of the sum of the lights' norms count as so much. */
+#define YLM__CANCELLED 64
+
+/* Fewer lights than this are never worth a tree, and 2^27 do not fit. */
+#define YLM__FEW 512
+
+/* -- tree_build.c: cutting the lights into groups -----------------------------------------------
+ */
+
+/* A node while the tree is built: lights order[begin] .. order[end-1]. */
+typedef struct ylm__branch {
+  uint32_t begin, end;
+} ylm__branch;
+
+/* -- tree_proxy.c -------------------------------------------------------------------------------
+ */
+
+/* Fills place `k` of group `g`: centroid, reach, what the proxies miss, and the proxies, whose
+   block it has. `order` names `n` lights. */
+void ylm__tree_node(ylm_light_tree *t, uint32_t g, int k, const uint32_t *order, size_t n);
+
+/* -- tree_packets.c ------------------------------------------------------------------------------
+ */
+
+/* The order of points in packets, all of which but the last have YLM__PACKET points that lie
+   together, and of packets in blocks. */
+typedef struct ylm__packing {
+  size_t *order;         /* [n] points, one packet after the other */
+  size_t *block, blocks; /* [blocks + 1] where each block begins among them */
+} ylm__packing;
+/* Blocks have up to `most` points. YLM_ENOMEM; to be freed in any case. */
+ylm_status ylm__packing_create(ylm_dtype type, size_t n, const void *points, size_t most,
+                               ylm__packing *out);
+void ylm__packing_free(ylm__packing *p);
+
+/* -- tree_far.c ----------------------------------------------------------------------------------
+ */
+
+/*
+** Points that lie together are a block, and far from all of it lights are summed at the nodes of a
+** grid, from which the sums of its points are interpolated. `error[k][i][n]` is log2 of the error
+** of the k-th derivative, in parts of a light's, of n of Chebyshev's nodes along an axis of half
+** extent 1 at the i-th distance (tree_far.c).
+*/
+#define YLM__FAR_NODES 16 /* most nodes along an axis */
+#define YLM__FAR_STEPS 16 /* distances */
+typedef struct ylm__far {
+  float error[3][YLM__FAR_STEPS][YLM__FAR_NODES + 1];
+} ylm__far;
+
+void ylm__far_create(int lmax, const bool want[3], ylm__far *f);
+/* The distance from a box from which on n[0] nodes along its longest axis keep the errors of lights
+   below `part` of the lights' own, and in n as many as that takes along each axis; 0 if there is no
+   such distance worth having. */
+double ylm__far_nodes(const ylm__far *f, const bool want[3], const float half[3],
+                      const float part[3], int n[3]);
+
+/* -- tree_bound.c -------------------------------------------------------------------------------
+ */
+
+/* The norms G_j of the j-th derivatives of a small light's coefficients at distance 1 for unit
+   e r^2, over degrees 0 .. lmax: j = 0 .. 6. */
+#define YLM__NORMS 7
+void ylm__tree_norms(int lmax, double G[YLM__NORMS]);
+
+/*
+** How a query is answered by a tree. `at[k]`: the strength that the k-th derivative's error is
+** measured by. A node is far for the k-th derivative where, with u = 1/D,
+**   u^(6+k) (second c[k][0] + third c[k][1] u + strength fourth c[k][2] u^2)^2 <= B_k strength
+** with B_k = (share_k tolerance scale_k/G_k)^2 / (sum over lights of strength u^(2+k)): the sum of
+** the squares of all errors is then at most (share tolerance scale_k)^2, however many nodes there
+** are. A packet's nodes are far from each of its points.
+*/
+typedef struct ylm__tree_plan {
+  const ylm_light_tree *tree;
+  const ylm__plan *sums;  /* of the results */
+  const ylm__plan *pilot; /* of the scales: luminance sums of the strengths */
+  double tolerance;
+  bool want[3]; /* values, gradients, Hessians (or the metric) */
+  int at[3];
+  float c[3][3];               /* G_(2+k+j)/G_k */
+  double norm[3];              /* G_k */
+  float skip[YLM__TAILS];      /* distances beyond which Hessians may be left out */
+  double share[3];             /* how much of the bounds counts, inverse */
+  float widest, pilot_widest;  /* largest reach/D of a node that is not opened */
+  ylm__plan dim;               /* the sums of lights whose Hessians are negligible; has no maps */
+  uint32_t *dim_at;            /* [luminance sums of dim, then of a colour]: where among sums' */
+  const ylm__packing *packing; /* of the query's points */
+  size_t block;                /* most points of a block */
+  size_t nodes;                /* most nodes of a block's grid; 0: nothing is interpolated */
+  ylm__far far;
+} ylm__tree_plan;
+
+ylm_status ylm__tree_plan_create(ylm__tree_plan *p, const ylm_light_tree *t, double tolerance,
+                                 const ylm__plan *sums, const ylm__plan *pilot);
+/* How large blocks of `n` points are, and what is known of interpolation in them. */
+void ylm__tree_plan_blocks(ylm__tree_plan *p, size_t n);
+/* True if so many lights are summed faster by a tree. */
+bool ylm__tree_pays(const ylm_light_tree *t, int lmax, double tolerance);
+void ylm__tree_plan_free(ylm__tree_plan *p);
+
+#endif
