@@ -1,5 +1,5 @@
 /* store.c - cells and points of a grid, and the way from a position to its cell. */
-#include "dynamic.h"
+#include "follow/follow.h"
 
 #include <math.h>
 #include <string.h>

@@ -22,7 +22,7 @@ FUZZ_ABOUT_exr := csrc/codec/exr.c csrc/codec/exr_read.c
 FUZZ_ABOUT_png := csrc/codec/png.c
 FUZZ_ABOUT_hdr := csrc/codec/hdr.c
 FUZZ_ABOUT_pfm := csrc/codec/pfm.c
-FUZZ_ABOUT_grid := $(wildcard csrc/grid/grid_file*.c)
+FUZZ_ABOUT_grid := $(wildcard csrc/grid/file/*.c)
 
 FUZZ_SANITIZE := -fsanitize=address,undefined,fuzzer-no-link -fno-sanitize-recover=undefined
 FUZZ_CFLAGS := -std=gnu11 -DFUZZING_BUILD_MODE_UNSAFE_FOR_PRODUCTION -O1 -g -fno-omit-frame-pointer $(FUZZ_SANITIZE) -fprofile-instr-generate -fcoverage-mapping \

@@ -8,7 +8,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "../../csrc/grid/grid_file.h"
+#include "../../csrc/grid/file/file.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 size_t LLVMFuzzerCustomMutator(uint8_t *data, size_t size, size_t room, unsigned seed);

@@ -1,0 +1,186 @@
+/* evaluate.c - asking a light field for the data of points. */
+#include "../follow/follow.h"
+
+#include <math.h>
+#include <string.h>
+
+#define BLOCK 8192 /* points of one call of the field; its results are read while in cache */
+
+/* Reports the field's progress under the bake's own stage. */
+static bool forward(void *user, uint64_t done, uint64_t total, const char *stage) {
+  const baker *b = user;
+  (void)stage;
+  return ylm_report(b->source->progress, done, total, b->stage) == YLM_OK;
+}
+
+ylm_progress baker_progress(const baker *b) {
+  return (ylm_progress){forward, (void *)(uintptr_t)b};
+}
+
+/* Asks a field, and keeps the time. */
+static ylm_status ask(baker *b, const ylm_field *field, int want, int channels, size_t n,
+                      const float *points, ylm_field_result *r) {
+  const ylm_grid_form *f = &b->g->view.form;
+  ylm_progress progress = baker_progress(b);
+  ylm_field_query q = {.lmax = f->lmax,
+                       .channels = channels,
+                       .want = want,
+                       .metric_channels = f->metric_channels == 3 ? 3 : 1,
+                       .dtype = YLM_FLOAT,
+                       .threads = b->source->threads,
+                       .progress = b->source->progress ? &progress : NULL};
+  uint64_t before = r->pairs;
+  double t = ylm_seconds();
+  ylm_status s = field->evaluate(field, &q, n, points, r, b->e);
+  b->g->stats.field_seconds += ylm_seconds() - t;
+  b->g->stats.pairs += r->pairs - before;
+  return s;
+}
+
+ylm_status baker_values(baker *b, size_t n, const float *points, float *value, uint8_t *inside) {
+  ylm_field_result r = {.value = value, .inside = inside};
+  memset(inside, 0, n);
+  return ask(b, b->source->field, YLM_WANT_VALUE, b->g->view.form.channels, n, points, &r);
+}
+
+ylm_status baker_ask(baker *b, const ylm_field *field, size_t n, field_block *k) {
+  const ylm_grid_form *f = &b->g->view.form;
+  ylm_field_result r = {.value = k->value,
+                        .gradient = k->gradient,
+                        .hessian = k->hessian,
+                        .lambda = k->lambda,
+                        .norm = k->norm,
+                        .inside = k->inside};
+  memset(k->inside, 0, n);
+  int want = YLM_WANT_VALUE | YLM_WANT_GRADIENT | (k->hessian ? YLM_WANT_HESSIAN : 0);
+  if (f->metric_channels)
+    want |= YLM_WANT_METRIC;
+  else
+    for (size_t i = 0; i < n; i++) k->lambda[i] = k->norm[i] = NAN;
+  return ask(b, field, want, f->channels, n, k->position, &r);
+}
+
+void ylm__grid_asked(const ylm_grid *g, uint32_t point, float out[3]) {
+  double p[3];
+  ylm_grid_position(g, g->lattice + 3 * (size_t)point, p);
+  for (size_t a = 0; a < 3; a++) out[a] = (float)p[a];
+}
+
+/* Points that are evaluated together: those of a list, or from `first` on. */
+typedef struct evaluation {
+  baker *b;
+  field_block *block;
+  const uint32_t *list;
+  size_t first;
+} evaluation;
+
+static size_t point_of(const evaluation *j, size_t i) {
+  return j->list ? j->list[i] : j->first + i;
+}
+
+/*
+** Puts a block's results in their places. The field was asked at positions rounded to float; the
+** gradient carries the value over the last bit to the exact lattice position.
+*/
+static ylm_status store_block(void *context, size_t begin, size_t end, int worker) {
+  (void)worker;
+  const evaluation *j = context;
+  const field_block *k = j->block;
+  ylm_grid *g = j->b->g;
+  size_t w = g->width;
+  for (size_t i = begin; i < end; i++) {
+    double exact[3];
+    size_t p = point_of(j, i);
+    float d[3], *to = g->data + p * 4 * g->stride;
+    ylm_grid_position(g, g->lattice + 3 * p, exact);
+    for (size_t a = 0; a < 3; a++) d[a] = (float)(exact[a] - (double)k->position[3 * i + a]);
+    const float *value = k->value + i * w, *slope = k->gradient + i * w * 3;
+    for (size_t c = 0; c < w; c++) {
+      to[c] = carried(value[c], d, slope + 3 * c);
+      for (size_t a = 0; a < 3; a++) to[(a + 1) * g->stride + c] = slope[3 * c + a];
+    }
+    for (size_t a = 0; a < 4; a++) memset(to + a * g->stride + w, 0, (g->stride - w) * sizeof *to);
+    g->lambda[p] = k->lambda[i];
+    g->norm[p] = k->norm[i];
+    g->flags[p] &= (uint8_t)~YLM_GRID_POINT_INVALID;
+    if (k->inside[i]) g->flags[p] |= YLM_GRID_POINT_INVALID;
+    if (!ylm_all_finite(YLM_FLOAT, to, 4 * g->stride, NULL)) return YLM_EDOMAIN;
+    if (g->dynamic) ylm__dynamic_store(g, (uint32_t)p, k, i);
+  }
+  return YLM_OK;
+}
+
+/* Names the first point of a block at which the field is not finite. */
+static ylm_status not_finite(const baker *b, size_t n, const field_block *k) {
+  size_t w = b->g->width, bad = 0, slope;
+  if (ylm_all_finite(YLM_FLOAT, k->value, n * w, &bad)) bad = n * w;
+  if (!ylm_all_finite(YLM_FLOAT, k->gradient, n * w * 3, &slope) && slope / 3 < bad)
+    bad = slope / 3;
+  const float *p = k->position + 3 * (bad / w < n ? bad / w : 0);
+  return ylm_fail(b->e, YLM_EDOMAIN, "the light field is not finite at (%g, %g, %g)", (double)p[0],
+                  (double)p[1], (double)p[2]);
+}
+
+/* Evaluates the n points of j, which fit into its block. */
+static ylm_status evaluate_block(const evaluation *j, size_t n) {
+  baker *b = j->b;
+  for (size_t i = 0; i < n; i++)
+    ylm__grid_asked(b->g, (uint32_t)point_of(j, i), j->block->position + 3 * i);
+  ylm_status s = baker_ask(b, b->source->field, n, j->block);
+  if (s != YLM_OK) return s;
+  s = ylm_parallel(n, 64, b->source->threads, store_block, (void *)(uintptr_t)j, NULL, NULL);
+  return s == YLM_EDOMAIN ? not_finite(b, n, j->block) : s;
+}
+
+void baker_free_block(field_block *k) {
+  ylm_free(k->position);
+  ylm_free(k->value);
+  ylm_free(k->gradient);
+  ylm_free(k->lambda);
+  ylm_free(k->norm);
+  ylm_free(k->hessian);
+  ylm_free(k->inside);
+  *k = (field_block){0};
+}
+
+ylm_status baker_reserve_block(baker *b, field_block *k, size_t n) {
+  size_t width = b->g->width;
+  if (n > BLOCK) n = BLOCK;
+  if (n <= k->room) return YLM_OK;
+  bool bends = ylm__dynamic_bends(b->g);
+  baker_free_block(k);
+  *k = (field_block){.position = ylm_alloc(n, 3 * sizeof(float)),
+                     .value = ylm_alloc(n, width * sizeof(float)),
+                     .gradient = ylm_alloc(n, 3 * width * sizeof(float)),
+                     .lambda = ylm_alloc(n, sizeof(float)),
+                     .norm = ylm_alloc(n, sizeof(float)),
+                     .hessian = bends ? ylm_alloc(n, 6 * width * sizeof(float)) : NULL,
+                     .inside = ylm_alloc(n, 1),
+                     .room = n};
+  bool ok = k->position && k->value && k->gradient && k->lambda && k->norm && k->inside &&
+            (k->hessian || !bends);
+  return ok ? YLM_OK : YLM_ENOMEM;
+}
+
+/* Evaluates the n points of `list`, or from `first` on. */
+static ylm_status evaluate(baker *b, size_t n, const uint32_t *list, size_t first) {
+  ylm_status s = baker_reserve_block(b, &b->block, n);
+  for (size_t i = 0; s == YLM_OK && i < n; i += BLOCK) {
+    evaluation j = {b, &b->block, list ? list + i : NULL, first + i};
+    s = evaluate_block(&j, n - i < BLOCK ? n - i : BLOCK);
+  }
+  return s;
+}
+
+ylm_status baker_evaluate(baker *b) {
+  ylm_grid *g = b->g;
+  ylm_status s = ylm__dynamic_reserve(g);
+  if (s == YLM_OK && b->keeper) s = keeper_evaluate(b);
+  if (s == YLM_OK && !b->keeper) s = evaluate(b, g->points - g->evaluated, NULL, g->evaluated);
+  g->evaluated = g->points;
+  return s;
+}
+
+ylm_status baker_evaluate_list(baker *b, size_t n, const uint32_t *list) {
+  return evaluate(b, n, list, 0);
+}

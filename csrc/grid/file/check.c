@@ -1,0 +1,198 @@
+/*
+** grid_file_check.c - what sampling relies on, checked in a grid that was read, whatever wrote it;
+** and what a grid has beyond its file.
+*/
+#include "file.h"
+
+#include <string.h>
+
+/* -- cells ------------------------------------------------------------------------------------- */
+
+/* The flags of a cell and its place among the octree's cells, so that descents end. */
+static bool links_hold(const ylm_grid *g, size_t i) {
+  const ylm_grid_cell *c = &g->cell[i];
+  size_t octree = g->view.octree_cells;
+  if (c->child && (c->child <= i || c->child > g->cells - 8 || g->cells < 8)) return false;
+  if (i >= octree) return c->flags & YLM_GRID_ADDED && !(c->flags & YLM_GRID_LEAF);
+  if (c->flags & YLM_GRID_ADDED) return false;
+  if (c->flags & YLM_GRID_LEAF) return !c->child || c->child >= octree;
+  return c->child && c->child + 8 <= octree;
+}
+
+/* Corners are points, and where they should be. */
+static bool corners_hold(const ylm_grid *g, const ylm_grid_cell *c) {
+  uint32_t edge = ylm__grid_edge(g, c);
+  for (int k = 0; k < 8; k++) {
+    if (c->corner[k] == YLM_GRID_NONE) continue;
+    if (c->corner[k] >= g->points) return false;
+    for (int a = 0; a < 3; a++)
+      if (g->lattice[3 * (size_t)c->corner[k] + (size_t)a] !=
+          c->origin[a] + (k >> a & 1 ? edge : 0))
+        return false;
+  }
+  return true;
+}
+
+static bool is_complete(const ylm_grid_cell *c) {
+  for (int k = 0; k < 8; k++)
+    if (c->corner[k] == YLM_GRID_NONE) return false;
+  return true;
+}
+
+/* Every cell is the root or the child of one parent, in its place. */
+static const char *check_octree(const ylm_grid *g, uint8_t *seen) {
+  seen[0] = 1;
+  const ylm_grid_cell *root = &g->cell[0];
+  if (root->level || root->origin[0] || root->origin[1] || root->origin[2]) return "the root";
+  if (!is_complete(root)) return "the root's corners";
+  for (size_t i = 0; i < g->cells; i++) {
+    const ylm_grid_cell *c = &g->cell[i];
+    if (!seen[i]) return "a cell without parent";
+    if (!links_hold(g, i)) return "a cell's children";
+    if (!corners_hold(g, c)) return "a cell's corners";
+    if (c->detail && (c->detail > g->view.form.depth || c->detail < c->level))
+      return "a cell's detail";
+    if (!c->child) continue;
+    if (c->detail || c->level >= g->view.form.depth) return "a cell's level";
+    uint32_t half = ylm__grid_edge(g, c) / 2;
+    for (uint32_t k = 0; k < 8; k++) {
+      const ylm_grid_cell *d = &g->cell[c->child + k];
+      if (seen[c->child + k]++ || d->level != c->level + 1) return "a cell with two parents";
+      for (int a = 0; a < 3; a++)
+        if (d->origin[a] != c->origin[a] + (k >> a & 1 ? half : 0)) return "a cell's origin";
+    }
+  }
+  return NULL;
+}
+
+static const char *check_lattice(const ylm_grid *g) {
+  for (size_t i = 0; i < g->cells; i++) {
+    const ylm_grid_cell *c = &g->cell[i];
+    for (int a = 0; a < 3; a++)
+      if (c->origin[a] >= g->view.resolution[a]) return "a voxel's origin";
+    if (c->level || c->child || c->detail || !is_complete(c) || !corners_hold(g, c))
+      return "a voxel";
+    if (c->flags & YLM_GRID_ADDED || !(c->flags & YLM_GRID_LEAF)) return "a voxel's flags";
+  }
+  return NULL;
+}
+
+ylm_status grid_file_check_cells(const ylm_grid *g, const char *name, ylm_error *e) {
+  bool lattice = g->view.form.kind == YLM_GRID_UNIFORM;
+  uint8_t *seen = lattice ? NULL : ylm_alloc_zero(g->cells, 1);
+  if (!lattice && !seen) return ylm_fail(e, YLM_ENOMEM, "%s: memory ran out", name);
+  const char *what = lattice ? check_lattice(g) : check_octree(g, seen);
+  ylm_free(seen);
+  return what ? grid_file_bad(name, what, e) : YLM_OK;
+}
+
+bool grid_file_table_holds(const ylm_grid *g, uint64_t cells) {
+  const uint32_t *r = g->view.resolution;
+  return g->view.form.kind != YLM_GRID_UNIFORM ||
+         (uint64_t)r[0] * r[1] * r[2] <= 4096 * cells + (1u << 20);
+}
+
+/* -- points ------------------------------------------------------------------------------------ */
+
+const char *grid_file_check_points(const ylm_grid *g) {
+  bool metric = g->view.form.metric_channels != 0;
+  for (size_t i = 0; i < g->evaluated; i++) {
+    if (metric && (isnan(g->lambda[i]) || isnan(g->norm[i]))) return "a point's metric";
+    if (g->flags[i] & YLM_GRID_POINT_INTERPOLATED) return "a point's flags";
+    for (size_t a = 0; a < 3; a++)
+      if (g->lattice[3 * i + a] > g->view.resolution[a]) return "a point's place";
+  }
+  return NULL;
+}
+
+/* The cell of a birth can be interpolated. */
+static bool birth_holds(const ylm_grid *g, const ylm_grid_birth *b) {
+  if (b->cell >= g->cells || b->place >= 27) return false;
+  const ylm_grid_cell *c = &g->cell[b->cell];
+  if (c->level >= g->view.form.depth) return false;
+  for (int k = 0; k < 8; k++)
+    if (c->corner[k] >= g->points) return false;
+  return true;
+}
+
+/* What a cell is interpolated from was born of coarser cells, so that it is there before. */
+static bool ancestors_hold(const ylm_grid *g, const ylm_grid_cell *c) {
+  for (int k = 0; k < 8; k++)
+    if (c->corner[k] >= g->evaluated &&
+        g->cell[g->birth[c->corner[k] - g->evaluated].cell].level >= c->level)
+      return false;
+  return true;
+}
+
+const char *grid_file_check_births(const ylm_grid *g) {
+  size_t n = g->points - g->evaluated;
+  for (size_t i = 0; i < n; i++)
+    if (!birth_holds(g, &g->birth[i])) return "where a point is interpolated";
+  for (size_t i = 0; i < n; i++)
+    if (!ancestors_hold(g, &g->cell[g->birth[i].cell]))
+      return "a point that is interpolated from itself";
+  return NULL;
+}
+
+void grid_file_place_births(ylm_grid *g) {
+  for (size_t p = g->evaluated; p < g->points; p++) {
+    const ylm_grid_birth *b = &g->birth[p - g->evaluated];
+    const ylm_grid_cell *c = &g->cell[b->cell];
+    uint32_t half = ylm__grid_edge(g, c) / 2,
+             place[3] = {b->place % 3, b->place / 3 % 3, b->place / 9};
+    for (int a = 0; a < 3; a++) g->lattice[3 * p + (size_t)a] = c->origin[a] + place[a] * half;
+    g->flags[p] = YLM_GRID_POINT_INTERPOLATED;
+  }
+}
+
+/* Notes the interpolated points among corners of the children that a cell has for continuity, but
+   for its own corners. (At a corner, too, some early writers interpolated: the point is its copy.)
+ */
+static void note_births(ylm_grid *g, uint32_t cell) {
+  const ylm_grid_cell *parent = &g->cell[cell];
+  for (uint32_t k = 0; k < 8; k++)
+    for (uint32_t i = 0; i < 8; i++) {
+      uint32_t p = g->cell[parent->child + k].corner[i], place = 0, three = 1;
+      for (uint32_t a = 0; a < 3; a++, three *= 3) place += three * ((k >> a & 1) + (i >> a & 1));
+      if (p != YLM_GRID_NONE && p >= g->evaluated && (i != k || p != parent->corner[k]))
+        g->birth[p - g->evaluated] = (ylm_grid_birth){cell, place};
+    }
+}
+
+ylm_status grid_file_find_births(ylm_grid *g) {
+  size_t n = g->points - g->evaluated;
+  if (!n) return YLM_OK;
+  g->birth = ylm_alloc(n, sizeof *g->birth);
+  if (!g->birth) return YLM_ENOMEM;
+  g->birth_room = n;
+  for (size_t i = 0; i < n; i++) g->birth[i] = (ylm_grid_birth){YLM_GRID_NONE, 0};
+  for (size_t i = 0; i < g->cells; i++)
+    if (g->cell[i].child && g->cell[i].child >= g->view.octree_cells) note_births(g, (uint32_t)i);
+  if (!grid_file_check_births(g)) return YLM_OK;
+  ylm_free(g->birth);
+  g->birth = NULL;
+  g->birth_room = 0;
+  return YLM_OK;
+}
+
+/* -- what a file does not hold -------------------------------------------------------------------
+ */
+
+/* The hash of the evaluated points, which voxels without data are sampled with. */
+static ylm_status index_points(ylm_grid *g) {
+  if (g->view.form.kind == YLM_GRID_UNIFORM || !g->view.form.continuous) return YLM_OK;
+  ylm_status s = lattice_hash_reserve(&g->hash, g->evaluated);
+  for (size_t i = 0; s == YLM_OK && i < g->evaluated; i++)
+    *lattice_hash_at(&g->hash, lattice_key(g->lattice + 3 * i)) = (uint32_t)i;
+  return s;
+}
+
+void grid_file_forget_times(ylm_grid_stats *s) {
+  s->seconds = s->field_seconds = s->occupancy_seconds = s->lattice_seconds = NAN;
+  s->residual_seconds = s->continuity_seconds = s->verify_seconds = NAN;
+}
+
+ylm_status grid_file_finish(ylm_grid *g) {
+  ylm_status status = index_points(g);
+  return status == YLM_OK ? ylm__grid_finish(g) : status;
+}

@@ -1,0 +1,157 @@
+/*
+** grid_file.h - grid files of version 2 as they lie on the disk, and what their reader and writer
+** share. docs/grids.md has the table.
+**
+** A file is a header of 64 bytes, a table of 64 bytes per section, and the sections, each from a
+** multiple of 64 bytes on, zeros between them. Numbers are little-endian. A section that a reader
+** does not know is skipped, unless it is flagged as required: what a later feature needs in a file
+** is a section of its own.
+*/
+#ifndef YLM_GRID_FILE_H
+#define YLM_GRID_FILE_H
+
+#include "../grid.h"
+
+#define GRID_FILE_ORDER 0x01020304u
+#define GRID_FILE_VERSION 2u
+#define GRID_FILE_BOUND 64u     /* sections begin at multiples of it */
+#define GRID_FILE_SECTIONS 256u /* at most */
+#define GRID_FILE_REQUIRED 1u   /* flag of a section: who does not know it cannot read the file */
+#define GRID_FILE_LEAST 32u     /* bytes of any version, up to the size */
+#define GRID_FILE_CHUNK (1u << 18) /* bytes that are copied and summed while they are in cache */
+
+typedef struct grid_file_header {
+  char magic[8];
+  uint32_t order, version;
+  uint64_t size; /* of the file */
+  uint32_t sections, zero;
+  uint64_t zeros[3];
+  uint64_t crc; /* of the 56 bytes before, then of the table */
+} grid_file_header;
+
+typedef struct grid_file_entry {
+  char name[YLM_GRID_SECTION_NAME]; /* the rest is zero */
+  uint64_t offset, size;
+  uint32_t record, flags; /* bytes of one record */
+  uint64_t crc;
+  uint64_t zero;
+} grid_file_entry;
+
+/* Section "form". */
+typedef struct grid_file_form {
+  uint32_t kind, lmax, channels, metric_channels, depth, metric, continuous, lattice[3];
+  double bounds[6], threshold, tolerance;
+  uint64_t cells, octree_cells, points, evaluated;
+} grid_file_form;
+
+/* Section "stats": what the grid itself does not say, and counts for those who do not read it. */
+typedef struct grid_file_stats {
+  uint64_t pairs, outside, verified, rounds;
+  uint64_t leaves, occupied, levels, continuity, invalid, tested;
+  double error, largest_error;
+  uint32_t met, limited;
+} grid_file_stats;
+
+_Static_assert(sizeof(grid_file_header) == 64 && sizeof(grid_file_entry) == 64 &&
+                   sizeof(grid_file_form) == 136 && sizeof(grid_file_stats) == 104 &&
+                   sizeof(ylm_grid_cell) == 64 && sizeof(ylm_grid_birth) == 8,
+               "a record of grid files has padding");
+
+/* The sections of a grid, in their order in the file: name, bytes of a record, required. `rows` are
+   the evaluated points' [4][stride], the stride a multiple of 8, and ROW_PADDING zeros behind. */
+#define GRID_FILE_LIST(X)                                                                          \
+  X(form, sizeof(grid_file_form), true)                                                            \
+  X(stats, sizeof(grid_file_stats), false)                                                         \
+  X(cells, sizeof(ylm_grid_cell), true)                                                            \
+  X(lattice, 3 * sizeof(uint32_t), true)                                                           \
+  X(lambda, sizeof(float), true)                                                                   \
+  X(norm, sizeof(float), true)                                                                     \
+  X(flags, 1, true)                                                                                \
+  X(births, sizeof(ylm_grid_birth), true)                                                          \
+  X(rows, 4 * g->stride * sizeof(float), true)
+
+enum {
+#define X(name, record, required) GRID_FILE_##name,
+  GRID_FILE_LIST(X)
+#undef X
+      GRID_FILE_COUNT
+};
+
+/* Offset -> the next place where a section may begin. */
+static inline uint64_t grid_file_bound(uint64_t at) {
+  return (at + GRID_FILE_BOUND - 1) / GRID_FILE_BOUND * GRID_FILE_BOUND;
+}
+
+/* YLM_EFORMAT where this machine's numbers are not those of the file. grid_file.c */
+ylm_status grid_file_machine(const char *name, ylm_error *e);
+/* "NAME: not a valid grid: WHAT". grid_file.c */
+ylm_status grid_file_bad(const char *name, const char *what, ylm_error *e);
+
+/* -- grid_file_source.c: bytes of a file or of memory ------------------------------ */
+
+typedef struct file_source {
+  const char *name;
+  FILE *file;                /* NULL: memory */
+  const unsigned char *data; /* [size] of memory */
+  uint64_t size;
+  uint32_t version;
+  bool swapped; /* the other byte order: version 1 only */
+} file_source;
+/* A file, or bytes; both look at magic, byte order, version and size. */
+ylm_status file_source_open(file_source *s, const char *path, ylm_error *e);
+ylm_status file_source_memory(file_source *s, const char *name, const unsigned char *data,
+                              size_t size, ylm_error *e);
+void file_source_close(file_source *s);
+/* n bytes from offset `at`, which lie in the file; adds to *crc (may be NULL). */
+ylm_status file_source_read(const file_source *s, uint64_t at, size_t n, void *to, uint64_t *crc,
+                            ylm_error *e);
+
+/* -- grid_file_table.c: the sections of a file -------------------------------------- */
+
+typedef struct file_table {
+  size_t sections;
+  grid_file_entry *entry;
+} file_table;
+/* Header and table, checked: nothing overlaps or lies outside. The caller frees t->entry. */
+ylm_status file_table_read(file_table *t, const file_source *s, ylm_error *e);
+/* The place of a section among those of GRID_FILE_LIST, GRID_FILE_COUNT: unknown. */
+int file_table_kind(const grid_file_entry *entry);
+/* The entry of a section; NULL: there is none. */
+const grid_file_entry *file_table_find(const file_table *t, int kind);
+/* A section whose size is `bytes`, of records of `record` bytes, to `to`; checks its sum. */
+ylm_status file_table_take(const file_table *t, const file_source *s, int kind, size_t record,
+                           size_t bytes, void *to, ylm_error *e);
+/* Form and stats; those of a file without the section stats are 0, errors NaN. */
+ylm_status file_table_form(const file_table *t, const file_source *s, grid_file_form *form,
+                           ylm_grid_form *out, ylm_grid_stats *stats, ylm_error *e);
+
+/* -- readers ------------------------------------------------------------------------- */
+
+/* grid_file_read.c: version 2. */
+ylm_status grid_file_read_2(const file_source *s, ylm_grid **out, ylm_error *e);
+/* grid_file_1.c: version 1, all of whose bytes are at `data`. */
+ylm_status grid_file_read_1(const char *name, const unsigned char *data, size_t size, bool swapped,
+                            ylm_grid **out, ylm_error *e);
+
+/* -- grid_file_check.c: what no grid may have ----------------------------------------- */
+
+/* Whether cells and points of a grid that was read hold, all of whose points have their lattice
+   coordinates: YLM_EFORMAT, YLM_ENOMEM where there is no room to look. */
+ylm_status grid_file_check_cells(const ylm_grid *g, const char *name, ylm_error *e);
+/* What is wrong with lambda and norm of evaluated points, or NULL. */
+const char *grid_file_check_points(const ylm_grid *g);
+/* The same of births, with the cells' corners within the points; cells need no check before. */
+const char *grid_file_check_births(const ylm_grid *g);
+/* A uniform grid's table must be in proportion to the cells that the file holds. */
+bool grid_file_table_holds(const ylm_grid *g, uint64_t cells);
+/* Gives interpolated points flags and lattice coordinates from their births. */
+void grid_file_place_births(ylm_grid *g);
+/* The births of a grid that has none, from its cells; where they do not explain all interpolated
+   points, it still has none. */
+ylm_status grid_file_find_births(ylm_grid *g);
+/* Stats without the times of a bake, which files do not have. */
+void grid_file_forget_times(ylm_grid_stats *s);
+/* The hash of evaluated points, sources, table, counts. */
+ylm_status grid_file_finish(ylm_grid *g);
+
+#endif

@@ -1,0 +1,64 @@
+/* grid_file_info.c - what a grid file says of itself, without its cells and rows. */
+#include "file.h"
+
+#include <string.h>
+
+/* The sections of a table, for the caller. */
+static ylm_status list_sections(const file_table *t, ylm_grid_file_info *info) {
+  info->section = ylm_alloc_zero(t->sections, sizeof *info->section);
+  if (!info->section) return YLM_ENOMEM;
+  info->sections = t->sections;
+  for (size_t i = 0; i < t->sections; i++) {
+    const grid_file_entry *entry = &t->entry[i];
+    ylm_grid_file_section *s = &info->section[i];
+    memcpy(s->name, entry->name, sizeof s->name);
+    s->offset = entry->offset;
+    s->size = entry->size;
+    s->record = entry->record;
+    s->required = entry->flags & GRID_FILE_REQUIRED;
+    s->known = file_table_kind(entry) != GRID_FILE_COUNT;
+  }
+  return YLM_OK;
+}
+
+/* Of version 2: header, table, form and stats are read and checked. */
+static ylm_status info_of_sections(const file_source *source, ylm_grid_file_info *info,
+                                   ylm_error *e) {
+  file_table t;
+  grid_file_form form;
+  ylm_status s = file_table_read(&t, source, e);
+  if (s == YLM_OK) s = file_table_form(&t, source, &form, &info->form, &info->stats, e);
+  if (s == YLM_OK && list_sections(&t, info) != YLM_OK)
+    s = ylm_fail(e, YLM_ENOMEM, "%s: memory ran out", source->name);
+  ylm_free(t.entry);
+  return s;
+}
+
+/* Of version 1, which has no sections: the grid is loaded, since its counts stand nowhere else. */
+static ylm_status info_of_grid(const char *path, ylm_grid_file_info *info, ylm_error *e) {
+  ylm_grid *g;
+  ylm_status s = ylm_grid_read(path, &g, e);
+  if (s != YLM_OK) return s;
+  info->form = g->view.form;
+  info->stats = g->stats;
+  ylm_grid_free(g);
+  return YLM_OK;
+}
+
+ylm_status ylm_grid_file_look(const char *path, ylm_grid_file_info *info, ylm_error *e) {
+  file_source source;
+  *info = (ylm_grid_file_info){0};
+  ylm_status s = file_source_open(&source, path, e);
+  info->version = source.version;
+  info->size = source.size;
+  if (s == YLM_OK)
+    s = source.version == 1 ? info_of_grid(path, info, e) : info_of_sections(&source, info, e);
+  file_source_close(&source);
+  if (s != YLM_OK) ylm_grid_file_forget(info);
+  return s;
+}
+
+void ylm_grid_file_forget(ylm_grid_file_info *info) {
+  ylm_free(info->section);
+  *info = (ylm_grid_file_info){0};
+}

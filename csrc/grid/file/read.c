@@ -1,0 +1,133 @@
+/*
+** grid_file_read.c - grids from files of version 2.
+**
+** Every section is read to where the grid has it. Sizes are compared with the file before memory is
+** asked for, and cells, places and births are checked before rows are read. Interpolated points are
+** made again, by the interpolation that made them.
+*/
+#include "file.h"
+
+#include <string.h>
+
+/* A cell is split for continuity where an evaluated point is the middle of one of its edges or
+   faces, which four cells share at most, and has 26 more places: more interpolated points than that
+   for an evaluated one are in no grid. */
+#define MOST_BORN (4 * 26)
+
+/* True if the counts can be. */
+static bool counts_hold(const grid_file_form *f, const ylm_grid_form *form) {
+  uint64_t born = f->points - f->evaluated;
+  bool uniform = form->kind == YLM_GRID_UNIFORM;
+  if (!f->octree_cells || f->octree_cells > f->cells || f->cells >= YLM_GRID_NONE) return false;
+  if (f->points >= YLM_GRID_NONE || born > MOST_BORN * f->evaluated) return false;
+  return (!born && f->octree_cells == f->cells) || (form->continuous && !uniform);
+}
+
+/* A reading of one file. */
+typedef struct reading {
+  const file_source *source;
+  file_table table;
+  ylm_grid *g;
+  ylm_error *e;
+} reading;
+
+/* n records of a section, to `to`. */
+static ylm_status take(const reading *r, int kind, size_t record, size_t n, void *to) {
+  return file_table_take(&r->table, r->source, kind, record, n * record, to, r->e);
+}
+
+/* True if the sections that memory is asked for are as long as the counts say. */
+static bool sizes_hold(const reading *r, const grid_file_form *f) {
+  const ylm_grid *g = r->g;
+  const grid_file_entry *cells = file_table_find(&r->table, GRID_FILE_cells),
+                        *births = file_table_find(&r->table, GRID_FILE_births),
+                        *rows = file_table_find(&r->table, GRID_FILE_rows);
+  return cells && births && rows && cells->size == f->cells * sizeof *g->cell &&
+         births->size == (f->points - f->evaluated) * sizeof *g->birth &&
+         rows->size == (f->evaluated * 4 * g->stride + ROW_PADDING) * sizeof *g->data;
+}
+
+/* Room for all that there is. */
+static ylm_status reserve(reading *r, const grid_file_form *f) {
+  ylm_grid *g = r->g;
+  size_t born = f->points - f->evaluated;
+  ylm_status s = ylm__grid_reserve_cells(g, f->cells);
+  if (s == YLM_OK) s = ylm__grid_reserve_points(g, f->points);
+  if (s == YLM_OK && born) g->birth = ylm_alloc(born, sizeof *g->birth);
+  if (s != YLM_OK || (born && !g->birth))
+    return ylm_fail(r->e, s == YLM_OK ? YLM_ENOMEM : s, "%s: the grid does not fit into memory",
+                    r->source->name);
+  g->birth_room = born;
+  g->cells = f->cells;
+  g->view.octree_cells = f->octree_cells;
+  g->points = f->points;
+  g->evaluated = f->evaluated;
+  return YLM_OK;
+}
+
+/* All sections but the rows, checked. */
+static ylm_status read_structure(reading *r) {
+  ylm_grid *g = r->g;
+  size_t n = g->evaluated, born = g->points - n;
+  ylm_status s = take(r, GRID_FILE_cells, sizeof *g->cell, g->cells, g->cell);
+  if (s == YLM_OK) s = take(r, GRID_FILE_lattice, 3 * sizeof *g->lattice, n, g->lattice);
+  if (s == YLM_OK) s = take(r, GRID_FILE_lambda, sizeof *g->lambda, n, g->lambda);
+  if (s == YLM_OK) s = take(r, GRID_FILE_norm, sizeof *g->norm, n, g->norm);
+  if (s == YLM_OK) s = take(r, GRID_FILE_flags, 1, n, g->flags);
+  if (s == YLM_OK) s = take(r, GRID_FILE_births, sizeof *g->birth, born, g->birth);
+  if (s != YLM_OK) return s;
+  const char *what = grid_file_check_points(g);
+  if (!what) what = grid_file_check_births(g);
+  if (!what) grid_file_place_births(g);
+  if (what) return grid_file_bad(r->source->name, what, r->e);
+  return grid_file_check_cells(g, r->source->name, r->e);
+}
+
+/* The rows of evaluated points from the file, then those of interpolated ones from these. */
+static ylm_status read_rows(reading *r) {
+  ylm_grid *g = r->g;
+  size_t row = 4 * g->stride, bytes = (g->evaluated * row + ROW_PADDING) * sizeof *g->data;
+  ylm_status s = file_table_take(&r->table, r->source, GRID_FILE_rows, row * sizeof *g->data, bytes,
+                                 g->data, r->e);
+  if (s != YLM_OK) return s;
+  if (!ylm_all_finite(YLM_FLOAT, g->data, g->evaluated * row, NULL))
+    return grid_file_bad(r->source->name, "coefficients", r->e);
+  s = ylm__grid_interpolate_points(g, NULL, 0);
+  if (s == YLM_OK && !ylm_all_finite(YLM_FLOAT, g->data + g->evaluated * row,
+                                     (g->points - g->evaluated) * row, NULL))
+    return grid_file_bad(r->source->name, "coefficients", r->e);
+  if (s == YLM_OK) s = grid_file_finish(g);
+  return s == YLM_OK ? YLM_OK : ylm_fail(r->e, s, "%s: memory ran out", r->source->name);
+}
+
+/* The grid of a file whose table was read. */
+static ylm_status read_grid(reading *r) {
+  grid_file_form f;
+  ylm_grid_form form;
+  ylm_grid_stats stats;
+  const char *name = r->source->name;
+  ylm_status s = file_table_form(&r->table, r->source, &f, &form, &stats, r->e);
+  if (s != YLM_OK) return s;
+  if (!counts_hold(&f, &form)) return grid_file_bad(name, "its counts", r->e);
+  r->g = ylm__grid_new(&form);
+  if (!r->g) return ylm_fail(r->e, YLM_ENOMEM, "%s: memory ran out", name);
+  r->g->stats = stats;
+  if (!sizes_hold(r, &f)) return grid_file_bad(name, "the size of a section", r->e);
+  if (!grid_file_table_holds(r->g, f.cells))
+    return grid_file_bad(name, "too sparse a lattice", r->e);
+  s = reserve(r, &f);
+  if (s == YLM_OK) s = read_structure(r);
+  return s == YLM_OK ? read_rows(r) : s;
+}
+
+ylm_status grid_file_read_2(const file_source *source, ylm_grid **out, ylm_error *e) {
+  reading r = {.source = source, .e = e};
+  ylm_status s = file_table_read(&r.table, source, e);
+  if (s == YLM_OK) s = read_grid(&r);
+  ylm_free(r.table.entry);
+  if (s == YLM_OK)
+    *out = r.g;
+  else
+    ylm_grid_free(r.g);
+  return s;
+}

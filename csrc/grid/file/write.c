@@ -1,0 +1,221 @@
+/* grid_file_write.c - grids as files of version 2: sections one after the other, then what says
+   where they are. */
+#include "file.h"
+
+#include <errno.h>
+#include <string.h>
+
+/* Where bytes go: a file or memory. */
+typedef struct sink {
+  ylm_file *file;
+  unsigned char *data;
+  uint64_t at, crc;
+} sink;
+
+/* n bytes; they are added to the sum. */
+static void put(sink *s, const void *bytes, size_t n) {
+  for (size_t done = 0; done < n;) {
+    size_t some = n - done < GRID_FILE_CHUNK ? n - done : GRID_FILE_CHUNK;
+    const unsigned char *p = (const unsigned char *)bytes + done;
+    s->crc = ylm_crc64(s->crc, p, some);
+    if (s->file)
+      ylm_file_write(s->file, p, some);
+    else
+      memcpy(s->data + s->at, p, some);
+    s->at += some;
+    done += some;
+  }
+}
+
+/* Zeros up to an offset of at most GRID_FILE_BOUND more. */
+static void put_zeros(sink *s, uint64_t end) {
+  static const unsigned char zeros[GRID_FILE_BOUND];
+  put(s, zeros, end - s->at);
+}
+
+/* -- what there is to write ----------------------------------------------------------------------
+ */
+
+typedef struct writing {
+  const ylm_grid *g;
+  grid_file_header header;
+  grid_file_entry entry[GRID_FILE_COUNT];
+  grid_file_form form;
+  grid_file_stats stats;
+} writing;
+
+static void describe(writing *w) {
+  const ylm_grid *g = w->g;
+  const ylm_grid_form *f = &g->view.form;
+  const ylm_grid_stats *t = &g->stats;
+  w->form = (grid_file_form){.kind = (uint32_t)f->kind,
+                             .lmax = (uint32_t)f->lmax,
+                             .channels = (uint32_t)f->channels,
+                             .metric_channels = (uint32_t)f->metric_channels,
+                             .depth = (uint32_t)f->depth,
+                             .metric = (uint32_t)f->metric,
+                             .continuous = f->continuous,
+                             .threshold = f->threshold,
+                             .tolerance = f->tolerance,
+                             .cells = g->cells,
+                             .octree_cells = g->view.octree_cells,
+                             .points = g->points,
+                             .evaluated = g->evaluated};
+  memcpy(w->form.lattice, f->cells, sizeof f->cells);
+  memcpy(w->form.bounds, f->bounds, sizeof f->bounds);
+  w->stats = (grid_file_stats){.pairs = t->pairs,
+                               .outside = t->outside,
+                               .verified = t->verified,
+                               .rounds = t->rounds,
+                               .leaves = t->leaves,
+                               .occupied = t->occupied,
+                               .levels = t->levels,
+                               .continuity = t->continuity,
+                               .invalid = t->invalid,
+                               .tested = t->tested,
+                               .error = t->error,
+                               .largest_error = t->largest_error,
+                               .met = t->met,
+                               .limited = t->limited};
+}
+
+/* The bytes of each section, as they lie in memory; rows are put one by one. */
+static void sizes(const writing *w, uint64_t size[GRID_FILE_COUNT],
+                  const void *data[GRID_FILE_COUNT]) {
+  const ylm_grid *g = w->g;
+  uint64_t n = g->evaluated;
+#define SECTION(name, pointer, bytes)                                                              \
+  data[GRID_FILE_##name] = (pointer);                                                              \
+  size[GRID_FILE_##name] = (bytes)
+  SECTION(form, &w->form, sizeof w->form);
+  SECTION(stats, &w->stats, sizeof w->stats);
+  SECTION(cells, g->cell, g->cells * sizeof *g->cell);
+  SECTION(lattice, g->lattice, n * 3 * sizeof *g->lattice);
+  SECTION(lambda, g->lambda, n * sizeof *g->lambda);
+  SECTION(norm, g->norm, n * sizeof *g->norm);
+  SECTION(flags, g->flags, n);
+  SECTION(births, g->birth, (g->points - n) * sizeof *g->birth);
+  SECTION(rows, NULL, (n * 4 * g->stride + ROW_PADDING) * sizeof *g->data);
+#undef SECTION
+}
+
+/* Where every section will stand, and the size of the file. */
+static void lay_out(writing *w) {
+  const ylm_grid *g = w->g;
+  uint64_t size[GRID_FILE_COUNT], at = sizeof w->header + sizeof w->entry;
+  const void *data[GRID_FILE_COUNT];
+  describe(w);
+  sizes(w, size, data);
+#define X(name_, record_, required)                                                                \
+  w->entry[GRID_FILE_##name_] = (grid_file_entry){.name = #name_,                                  \
+                                                  .record = (uint32_t)(record_),                   \
+                                                  .flags = (required) ? GRID_FILE_REQUIRED : 0};
+  GRID_FILE_LIST(X)
+#undef X
+  for (int i = 0; i < GRID_FILE_COUNT; i++) {
+    w->entry[i].offset = at = grid_file_bound(at);
+    w->entry[i].size = size[i];
+    at += size[i];
+  }
+  w->header = (grid_file_header){.order = GRID_FILE_ORDER,
+                                 .version = GRID_FILE_VERSION,
+                                 .size = at,
+                                 .sections = GRID_FILE_COUNT};
+  memcpy(w->header.magic, YLM_GRID_MAGIC, sizeof w->header.magic);
+}
+
+/* -- writing it
+ * ------------------------------------------------------------------------------------ */
+
+/* The rows of evaluated points, with zeros behind the coefficients of each: equal grids are equal
+   files. `room` is that of `rows` points. */
+static void put_rows(sink *s, const ylm_grid *g, float *room, size_t rows) {
+  size_t row = 4 * g->stride, rest = (g->stride - g->width) * sizeof *room;
+  for (size_t p = 0; p < g->evaluated; p += rows) {
+    size_t n = g->evaluated - p < rows ? g->evaluated - p : rows;
+    memcpy(room, g->data + p * row, n * row * sizeof *room);
+    for (size_t r = 0; rest && r < 4 * n; r++) memset(room + r * g->stride + g->width, 0, rest);
+    put(s, room, n * row * sizeof *room);
+  }
+  memset(room, 0, ROW_PADDING * sizeof *room);
+  put(s, room, ROW_PADDING * sizeof *room);
+}
+
+/* Sections behind room for header and table, with their sums. */
+static ylm_status put_sections(writing *w, sink *s) {
+  const ylm_grid *g = w->g;
+  uint64_t size[GRID_FILE_COUNT];
+  const void *data[GRID_FILE_COUNT];
+  size_t row = 4 * g->stride * sizeof(float), rows = GRID_FILE_CHUNK / row + 1;
+  float *room = ylm_alloc(rows, row + ROW_PADDING * sizeof *room);
+  if (!room) return YLM_ENOMEM;
+  sizes(w, size, data);
+  put(s, w->entry, sizeof w->header);
+  put(s, w->entry, sizeof w->entry);
+  for (int i = 0; i < GRID_FILE_COUNT; i++) {
+    put_zeros(s, w->entry[i].offset);
+    s->crc = 0;
+    if (i == GRID_FILE_rows)
+      put_rows(s, g, room, rows);
+    else
+      put(s, data[i], size[i]);
+    w->entry[i].crc = s->crc;
+  }
+  ylm_free(room);
+  return YLM_OK;
+}
+
+/* Header and table, at the beginning. */
+static void put_head(writing *w, sink *s) {
+  uint64_t crc = ylm_crc64(0, &w->header, offsetof(grid_file_header, crc));
+  w->header.crc = ylm_crc64(crc, w->entry, sizeof w->entry);
+  s->at = 0;
+  put(s, &w->header, sizeof w->header);
+  put(s, w->entry, sizeof w->entry);
+}
+
+/* Interpolated points need births: only a forged file of version 1 makes a grid without. */
+static ylm_status begin(writing *w, const ylm_grid *g, ylm_error *e) {
+  *w = (writing){.g = g};
+  if (g->points > g->evaluated && !g->birth)
+    return ylm_fail(e, YLM_EFORMAT,
+                    "the grid's interpolated points are no cell's: it cannot be saved");
+  lay_out(w);
+  return YLM_OK;
+}
+
+ylm_status ylm_grid_encode(const ylm_grid *g, unsigned char **data, size_t *size, ylm_error *e) {
+  writing w;
+  ylm_status status = grid_file_machine("the grid", e);
+  if (status == YLM_OK) status = begin(&w, g, e);
+  if (status != YLM_OK) return status;
+  *size = w.header.size;
+  *data = ylm_alloc(*size, 1);
+  sink s = {.data = *data};
+  if (!*data || put_sections(&w, &s) != YLM_OK) {
+    ylm_free(*data);
+    *data = NULL;
+    return ylm_fail(e, YLM_ENOMEM, "no memory for a file of %zu bytes", *size);
+  }
+  put_head(&w, &s);
+  return YLM_OK;
+}
+
+ylm_status ylm_grid_write(const ylm_grid *g, const char *path, ylm_error *e) {
+  writing w;
+  sink s = {0};
+  ylm_status status = grid_file_machine(path, e);
+  if (status == YLM_OK) status = begin(&w, g, e);
+  if (status == YLM_OK) status = ylm_file_create(path, &s.file, e);
+  if (status != YLM_OK) return status;
+  if (put_sections(&w, &s) != YLM_OK) {
+    ylm_file_discard(s.file);
+    return ylm_fail(e, YLM_ENOMEM, "%s: memory ran out", path);
+  }
+  if (fseeko(ylm_file_stream(s.file), 0, SEEK_SET) != 0) {
+    ylm_file_discard(s.file);
+    return ylm_fail(e, YLM_EIO, "%s: cannot be written: %s", path, strerror(errno));
+  }
+  put_head(&w, &s);
+  return ylm_file_commit(s.file, e);
+}

@@ -1,0 +1,122 @@
+/* dynamic.c - the state that updates need: made by the bake, kept per point. */
+#include "follow.h"
+#include "../bake/surface.h"
+
+#include <string.h>
+
+/* -- lamps ----------------------------------------------------------------------------------- */
+
+/* The lights of a bake. */
+static ylm_status take_lamps(grid_dynamic *d, const ylm_light_parts *lights) {
+  lamp_set set;
+  ylm_status s = ylm__lamps(lights, &set);
+  if (s != YLM_OK) return s;
+  for (size_t i = 0; i < set.n && s == YLM_OK; i++) s = ylm__lamp_keep(&d->shapes, &set.lamp[i]);
+  ylm_free(set.shapes);
+  d->lamp = set.lamp;
+  d->lamps = set.n;
+  d->mover_of = ylm_alloc(d->lamps, sizeof *d->mover_of);
+  if (!d->mover_of) return YLM_ENOMEM;
+  for (size_t i = 0; i < d->lamps; i++) d->mover_of[i] = -1;
+  return s;
+}
+
+ylm_status ylm__dynamic_meet(ylm_grid *g, size_t n, const lamp *lamps, ylm_error *e) {
+  ylm_status s = YLM_OK;
+  for (size_t i = 0; i < n && s == YLM_OK; i++) {
+    double *bound = g->dynamic->bound[lamp_kind_of(&lamps[i])];
+    if (bound[0] == 0) s = ylm__lamp_bounds(g->view.form.lmax, lamp_kind_of(&lamps[i]), bound, e);
+  }
+  return s;
+}
+
+static void mark(const lamp *l) {
+  if (l->shape) ((lamp_shape *)(uintptr_t)l->shape)->marked = true;
+}
+
+void ylm__dynamic_sweep(grid_dynamic *d) {
+  if (!d->shapes.n) return;
+  for (size_t i = 0; i < d->lamps; i++) mark(&d->lamp[i]);
+  for (size_t m = 0; m < d->movers; m++)
+    for (int k = 0; k < STATES; k++)
+      if (d->mover[m].taken[k]) mark(&d->mover[m].state[k]);
+  ylm__shapes_sweep(&d->shapes);
+}
+
+/* -- making ------------------------------------------------------------------------------- */
+
+/* Shading points or surfaces of a bake. */
+static ylm_status take_occupied(grid_dynamic *d, const ylm_grid *g, ylm_error *e) {
+  ylm_grid_source *s = &d->source;
+  if (s->meshes) {
+    ylm_status status = ylm_grid_surface_create(s->meshes, s->mesh, g->view.form.bounds, s->threads,
+                                                &d->surface, e);
+    if (status == YLM_OK) status = ylm__surface_keep(d->surface);
+    if (status == YLM_OK) s->mesh = ylm__surface_meshes(d->surface);
+    return status;
+  }
+  if (!s->occupied_points) return YLM_OK;
+  d->occupied_points =
+      ylm_alloc_copy(s->occupied_points, s->occupied * 3 * ylm_dtype_size(s->occupied_dtype), 1);
+  s->occupied_points = d->occupied_points;
+  return d->occupied_points ? YLM_OK : YLM_ENOMEM;
+}
+
+ylm_status ylm__dynamic_begin(ylm_grid *g, const ylm_grid_source *source, ylm_error *e) {
+  grid_dynamic *d = g->dynamic = ylm_alloc_zero(1, sizeof *d);
+  if (!d) return YLM_ENOMEM;
+  ylm_status s = take_lamps(d, source->lights);
+  if (s != YLM_OK) return s;
+  d->source = *source;
+  d->source.field = NULL;
+  d->source.lights = NULL;
+  d->source.progress = NULL;
+  s = take_occupied(d, g, e);
+  if (s != YLM_OK) return s;
+  d->bends = 6 * (size_t)g->view.count * (size_t)g->view.form.metric_channels;
+  return ylm__dynamic_meet(g, d->lamps, d->lamp, e);
+}
+
+ylm_status ylm__dynamic_end(ylm_grid *g, occupancy *occupied) {
+  g->dynamic->occupied = *occupied;
+  *occupied = (occupancy){0};
+  ylm__dynamic_sign_all(g, g->dynamic->source.threads);
+  g->stats.bytes += ylm__dynamic_bytes(g);
+  return YLM_OK;
+}
+
+void ylm__dynamic_free(grid_dynamic *d) {
+  if (!d) return;
+  for (size_t m = 0; m < d->movers; m++) ylm_free(d->mover[m].seen);
+  ylm_free(d->mover);
+  ylm__shapes_sweep(&d->shapes); /* all of them: none is marked */
+  ylm_free(d->shapes.shape);
+  ylm_free(d->lamp);
+  ylm_free(d->mover_of);
+  ylm_free(d->hessian);
+  ylm_free(d->size);
+  ylm_free(d->drift);
+  ylm_free(d->sign);
+  ylm_free(d->born_sign);
+  ylm_free(d->cell_sign);
+  ylm_free(d->occupied_points);
+  ylm_grid_surface_free(d->surface);
+  ylm_regrow_free(d->log, d->log_bytes);
+  ylm_free(d->spare);
+  occupancy_free(&d->occupied);
+  lattice_hash_free(&d->forced);
+  panel_free(&d->panel);
+  ylm_free(d);
+}
+
+size_t ylm__dynamic_bytes(const ylm_grid *g) {
+  const grid_dynamic *d = g->dynamic;
+  if (!d) return 0;
+  return sizeof *d + d->shapes.bytes + d->lamps * (sizeof *d->lamp + sizeof *d->mover_of) +
+         d->movers * (sizeof *d->mover + d->room) +
+         d->room * ((d->bends + 2) * sizeof(float) + sizeof *d->sign) +
+         (d->born_room + d->cell_room) * sizeof *d->sign +
+         d->source.occupied * 3 * ylm_dtype_size(d->source.occupied_dtype) +
+         ylm__surface_bytes(d->surface) + d->log_bytes + d->spare_room * sizeof *d->spare +
+         panel_bytes(&d->panel, g->width);
+}

@@ -1,0 +1,89 @@
+/* update.h - an update under way, shared by the files it takes. */
+#ifndef YLM_GRID_UPDATE_H
+#define YLM_GRID_UPDATE_H
+
+#include "follow.h"
+
+/* What was, to be taken back. Points are those that were in the grid, interpolated ones too. */
+typedef struct undo {
+  size_t points, evaluated, cells, cell_room, movers;
+  double tight;
+  lattice_hash forced;
+  ylm_grid_cell *cell; /* the old cells, while new ones are made; else NULL */
+  uint8_t *flags;
+  float *lambda, *norm, *size, *drift;
+  uint64_t *sign;
+  mover *mover;          /* [movers], with copies of `seen` */
+  uint32_t *logged;      /* [logs] points whose rows follow; YLM_GRID_NONE: not yet */
+  float *data, *hessian; /* in the grid's log */
+  size_t logs;
+} undo;
+
+typedef struct update {
+  ylm_grid *g;
+  grid_dynamic *d;
+  baker b;
+  ylm_grid_source source;
+  double tolerance;
+  lamp_set now;
+  int64_t *origin; /* [lamps now] */
+  lamp_change *change;
+  size_t changes;
+  uint32_t *exact, *shift; /* points to evaluate with all lights, with what changed */
+  size_t exacts, shifts;
+  uint8_t *changed; /* [points at the beginning] data are not what they were */
+  double *boxes;    /* [2 changes][6] around lights that changed */
+  undo old;
+  panel panel; /* what judges the grid, after this update */
+  bool over;   /* nothing can be taken back any more */
+  bool whole;  /* continuity is made anew everywhere */
+  ylm_grid_update_stats stats;
+} update;
+
+/* -- undo.c ----------------------------------------------------------------------------- */
+
+/* Keeps everything but rows of data. */
+ylm_status update_remember(update *u);
+/* Keeps the rows of the points that will be written; those of u->shift, the last of the log, when
+   their turn comes. */
+ylm_status update_log_rows(update *u);
+void update_log_row(update *u, size_t log, uint32_t point);
+/* Takes everything back. */
+void update_restore(update *u);
+/* Frees what only taking back needs. */
+void update_forget_rows(update *u);
+/* Frees what an update holds, the grid excepted. */
+void update_forget(update *u);
+
+/* -- movers.c --------------------------------------------------------------------------- */
+
+/* The light set becomes the new one; whoever changed is a mover from now on. The arrays are changed
+   only where nothing can fail any more, `of` is the new mover_of. */
+ylm_status update_enter_changes(update *u, int32_t *of);
+/* Forgets movers that all points have in their present state. */
+void update_retire(grid_dynamic *d, size_t points);
+
+/* -- shift.c ---------------------------------------------------------------------------- */
+
+/* Which points are to be evaluated anew, and which get the difference. */
+ylm_status update_choose_points(update *u);
+/* Brings the points that are listed in u->shift up to date with all movers. */
+ylm_status update_shift_all(update *u);
+
+/* -- panel_update.c --------------------------------------------------------------------- */
+
+/* The exact light of the panel's points, with the lights as they are now. */
+ylm_status update_panel(update *u);
+
+/* -- update_tree.c ---------------------------------------------------------------------- */
+
+ylm_status update_octree(update *u);
+ylm_status update_uniform(update *u);
+
+/* -- repair.c --------------------------------------------------------------------------- */
+
+/* Drops points and makes the new octree continuous: around points that came or went, or everywhere.
+   Where it fails with u->over, only the octree and its evaluated points are good. */
+ylm_status update_repair(update *u, bool everywhere);
+
+#endif
