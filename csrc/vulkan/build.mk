@@ -33,7 +33,7 @@ $(SPIRV)/%.inc: shaders/%.comp
 # One table of all kernels, by name.
 $(BUILD)/obj/vulkan/shaders.c: $(foreach s,$(SHADERS),$(SPIRV)/$(s).inc) csrc/vulkan/build.mk
 	@mkdir -p $(@D)
-	@{ echo '#include "gpu.h"'; for s in $(SHADERS); do \
+	@{ echo '#include "device/gpu.h"'; for s in $(SHADERS); do \
 	  echo "static const uint32_t code_$$s[] ="; echo "#include \"spirv/$$s.inc\""; echo ';'; done; \
 	  echo 'const ylm__shader ylm__shaders[] = {'; for s in $(SHADERS); do \
 	  echo "    {\"$$s\", code_$$s, sizeof code_$$s},"; done; echo '    {NULL, NULL, 0}};'; } > $@

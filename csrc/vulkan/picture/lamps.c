@@ -2,7 +2,7 @@
 ** picture_lamps.c - lamps over a picture: which tiles of it they touch is found here, the rest on
 ** the device.
 */
-#include "gen/layout.h"
+#include "../gen/layout.h"
 #include "picture.h"
 
 #define TILE ((uint32_t)YLM_GPU_PIXEL_TILE)

@@ -1,7 +1,7 @@
 /* grid_copy.c - a grid's cells, coefficients and gradients in the device's memory. */
 #include <string.h>
 
-#include "gpu_grid.h"
+#include "copy.h"
 
 /* shaders/grid.glsl */
 typedef struct gpu_cell {

@@ -9,8 +9,8 @@
 #ifndef YLM_GPU_POINTS_H
 #define YLM_GPU_POINTS_H
 
-#include "gpu_grid.h"
-#include "lights.h"
+#include "../light/lights.h"
+#include "copy.h"
 
 typedef struct gpu_points {
   ylm_gpu *g;

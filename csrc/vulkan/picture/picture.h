@@ -2,7 +2,7 @@
 #ifndef YLM_GPU_PICTURE_H
 #define YLM_GPU_PICTURE_H
 
-#include "steps.h"
+#include "../device/steps.h"
 
 #define PICTURE_STRIPS 16
 

@@ -3,9 +3,9 @@
 #ifndef YLM_GPU_OCCUPIED_H
 #define YLM_GPU_OCCUPIED_H
 
-#include "gen/layout.h"
-#include "lights.h"
-#include "steps.h"
+#include "../device/steps.h"
+#include "../gen/layout.h"
+#include "../light/lights.h"
 
 #define OCTREE_LEVELS (YLM_GRID_MAX_DEPTH + 1)
 

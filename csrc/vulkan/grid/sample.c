@@ -8,7 +8,7 @@
 */
 #include <string.h>
 
-#include "gpu_grid.h"
+#include "copy.h"
 
 enum { CHUNK = 64 }; /* points of a group of grid_sample.comp, grid_shade.comp */
 #define PASS_BYTES ((uint64_t)64 << 20)

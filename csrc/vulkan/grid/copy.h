@@ -2,8 +2,8 @@
 #ifndef YLM_GPU_GRID_H
 #define YLM_GPU_GRID_H
 
-#include "gen/layout.h"
-#include "steps.h"
+#include "../device/steps.h"
+#include "../gen/layout.h"
 #include "ylm_grid.h"
 
 #define GRID_PARTS 4 /* grid_rows.glsl: buffers that the data are cut into at most */

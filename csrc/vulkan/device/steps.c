@@ -3,7 +3,7 @@
 
 #include <string.h>
 
-#include "gen/layout.h"
+#include "../gen/layout.h"
 
 #define SCAN_BLOCK ((uint32_t)YLM_GPU_SCAN_EACH * YLM_GPU_SCAN_LANES)
 

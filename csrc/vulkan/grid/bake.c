@@ -4,7 +4,7 @@
 ** points' rows, which it keeps (keeper.c). Where kernels have too few buffers for that, the
 ** device sums.
 */
-#include "gpu.h"
+#include "../device/gpu.h"
 #include "octree.h"
 
 /* The host's bake; rows stay on the device. */
