@@ -96,10 +96,10 @@ void ylm_sh_coefficients(int l, int q, double k[7]) {
 /* The coefficients of degrees 1 .. TABLE_LMAX. */
 #define TABLE_LMAX 24
 static const float table_float[] = {
-#include "gen/sh_table.h"
+#include "../gen/sh_table.h"
 };
 static const double table_double[] = {
-#include "gen/sh_table.h"
+#include "../gen/sh_table.h"
 };
 
 /* The coefficients of degrees 1 .. lmax for lmax > TABLE_LMAX; NULL if memory runs out. */

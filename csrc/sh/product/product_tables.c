@@ -4,7 +4,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "quadrature.h"
+#include "../project/quadrature.h"
 
 void ylm__product_tables_free(ylm__product_tables *t) {
   ylm_free(t->values);

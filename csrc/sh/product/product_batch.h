@@ -10,13 +10,13 @@
 ** Sums of a step share what they read, and there are enough of them to keep multiply-adds busy.
 */
 
-#include "transpose.h"
+#include "../eval/transpose.h"
 
 typedef V FN(lane) __attribute__((may_alias));
 
 #define E FN(lane)
 #define GAUNT(name) FN(name##_lanes)
-#include "gen/gaunt_low.h"
+#include "../gen/gaunt_low.h"
 #undef E
 #undef GAUNT
 

@@ -3,7 +3,7 @@
 
 #include <math.h>
 
-#include "quadrature.h"
+#include "../project/quadrature.h"
 
 #define PI 3.14159265358979323846
 

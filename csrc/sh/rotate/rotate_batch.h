@@ -6,7 +6,7 @@
 ** of a quarter turn: TILE rows at once, lanes are rows, Z(a) J Z(b) J Z(c) degree by degree.
 */
 
-#include "transpose.h"
+#include "../eval/transpose.h"
 
 /* -- degrees by their blocks ----------------------------------------------------------------------
  */

@@ -4,8 +4,8 @@
 #include <math.h>
 #include <string.h>
 
+#include "../project/quadrature.h"
 #include "product.h"
-#include "quadrature.h"
 
 /* Combinations of one basis function for each factor that may be looked at. */
 #define MOST_TUPLES 1200000

@@ -2,7 +2,7 @@
 
 #define E T
 #define GAUNT(name) FN(name)
-#include "gen/gaunt_low.h"
+#include "../gen/gaunt_low.h"
 #undef E
 #undef GAUNT
 

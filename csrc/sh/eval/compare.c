@@ -17,7 +17,7 @@
 #define YLM_T double
 #define YLM_K(c) (c)
 #define YLM_SET(c) (c)
-#include "gen/polynomial.h"
+#include "../gen/polynomial.h"
 
 /* Three rows of q[m], the normalised P_l^m / sin^m(theta), and of its derivatives by theta. */
 typedef struct rows {

@@ -1,5 +1,5 @@
 /* reconstruct.c - ylm_sh_reconstruct: functions from their coefficients. */
-#include "sh_eval.h"
+#include "../eval/sh_eval.h"
 
 /* Points evaluated at a time: their basis functions stay in cache. */
 #define BLOCK 64

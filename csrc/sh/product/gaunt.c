@@ -5,8 +5,8 @@
 #include <math.h>
 #include <string.h>
 
+#include "../project/quadrature.h"
 #include "product.h"
-#include "quadrature.h"
 
 /* More integrals than this are refused: it is far beyond where the method pays. */
 #define MOST_INTEGRALS 20000000

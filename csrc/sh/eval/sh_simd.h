@@ -209,7 +209,7 @@ YLM_INLINE void sh_unit(vreal v[3], vreal *inverse, bool tame) {
   for (size_t c = 0; c < 3; c++) v[c] *= *inverse;
 }
 
-#include "gen/recurrence.h"
+#include "../gen/recurrence.h"
 
 /* The sign of z (as -1 or 1) and 1 - |z| of unit vectors, exact also near the poles. */
 YLM_INLINE void sh_pole(const vreal w[3], vreal *sign, vreal *one_minus) {

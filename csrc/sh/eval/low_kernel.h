@@ -18,19 +18,19 @@
 #define LOW_1(X) LOW_2(X) X(7) X(8) X(9) X(10)
 #define LOW_0(X) LOW_1(X) X(11) X(12)
 
-#include "gen/sh_0.h"
-#include "gen/sh_1.h"
-#include "gen/sh_10.h"
-#include "gen/sh_11.h"
-#include "gen/sh_12.h"
-#include "gen/sh_2.h"
-#include "gen/sh_3.h"
-#include "gen/sh_4.h"
-#include "gen/sh_5.h"
-#include "gen/sh_6.h"
-#include "gen/sh_7.h"
-#include "gen/sh_8.h"
-#include "gen/sh_9.h"
+#include "../gen/sh_0.h"
+#include "../gen/sh_1.h"
+#include "../gen/sh_10.h"
+#include "../gen/sh_11.h"
+#include "../gen/sh_12.h"
+#include "../gen/sh_2.h"
+#include "../gen/sh_3.h"
+#include "../gen/sh_4.h"
+#include "../gen/sh_5.h"
+#include "../gen/sh_6.h"
+#include "../gen/sh_7.h"
+#include "../gen/sh_8.h"
+#include "../gen/sh_9.h"
 
 /* Stores `count` columns of one array of results, if it is wanted. */
 YLM_INLINE void put(void *out, size_t at, size_t rows, const vreal *v, size_t count) {

@@ -1,6 +1,6 @@
 /* rotate_kernel.h - the kernels of rotate.isa.c for one element type; included twice. */
 
-#include "gen/rotate_low.h"
+#include "../gen/rotate_low.h"
 
 /* Cosines and sines of m times an angle, in class order: c[0][k] of 2k, c[1][k] of 2k+1. */
 static void FN(angle_table)(int lmax, double c1, double s1, int row, T *c, T *s) {
