@@ -48,7 +48,7 @@ objects = $(patsubst csrc/%.c,$(BUILD)/obj/%.o,$(call sources,$(1))) \
           $(foreach i,$(ISAS),$(patsubst csrc/%.isa.c,$(BUILD)/obj/%.$(i).o,$(call kernels,$(1))))
 
 # Built where OpenEXR, libpng and Embree 3 are; spherical harmonics alone need none of them.
-WITH_SCENE ?= $(if $(wildcard csrc/lua/scene.c),$(and $(shell pkg-config --exists OpenEXR libpng 2>/dev/null && echo y),$(wildcard \
+WITH_SCENE ?= $(if $(wildcard csrc/lua/scene/scene.c),$(and $(shell pkg-config --exists OpenEXR libpng 2>/dev/null && echo y),$(wildcard \
                 /usr/include/embree3/rtcore.h /usr/local/include/embree3/rtcore.h)))
 
 OBJ_core  := $(foreach d,$(CORE),$(call objects,$(d)))
@@ -106,7 +106,7 @@ $(BUILD)/$(1)/obj/%.o: csrc/lua/%.c
 	$$(call say,CC,$$@)
 	$(Q)$$(CC) $$(CFLAGS) $$(or $$(strip $$(LUA_CFLAGS)),$$(call pkg,--cflags,$(1))) -c $$< -o $$@
 $(foreach m,$(HAVE),
-$(BUILD)/$(1)/ylm/c/$(m).so: $(patsubst csrc/lua/%.c,$(BUILD)/$(1)/obj/%.o,$(wildcard csrc/lua/binding*.c csrc/lua/$(m).c csrc/lua/$(m)_*.c)) $(LIBS) Makefile
+$(BUILD)/$(1)/ylm/c/$(m).so: $(patsubst csrc/lua/%.c,$(BUILD)/$(1)/obj/%.o,$(wildcard csrc/lua/binding*.c csrc/lua/$(m)/*.c)) $(LIBS) Makefile
 	@mkdir -p $$(@D)
 	$$(call say,LINK,$$@)
 	$(Q)$$(CC) -shared -fopenmp $(SANITIZE) $$(filter %.o,$$^) -L$(BUILD)/lib $(LIBS_OF_$(m)) -Wl,-rpath,'$$$$ORIGIN:$$$$ORIGIN/../../../lib:$$$$ORIGIN/../../../..' -lm -o $$@

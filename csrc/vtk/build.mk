@@ -8,7 +8,7 @@ VTK_MODULES := ChartsCore CommonColor CommonCore CommonDataModel CommonExecution
                RenderingVolume RenderingVolumeOpenGL2
 OBJ_vtk     := $(patsubst csrc/%.cpp,$(BUILD)/obj/%.o,$(wildcard csrc/vtk/*.cpp))
 
-ifneq ($(and $(VTK_INCLUDE),$(wildcard csrc/lua/vtk.c)),)
+ifneq ($(and $(VTK_INCLUDE),$(wildcard csrc/lua/vtk/vtk.c)),)
 LIBS += $(BUILD)/lib/libylm_vtk.so
 HAVE += vtk
 endif

@@ -7,7 +7,7 @@ SHADERS     := $(patsubst shaders/%.comp,%,$(filter-out %.real.comp,$(wildcard s
                $(foreach s,$(patsubst shaders/%.real.comp,%,$(wildcard shaders/*.real.comp)),$(s)_float $(s)_double)
 SPIRV       := $(BUILD)/obj/vulkan/spirv
 OBJ_vulkan  := $(call objects,vulkan) $(BUILD)/obj/vulkan/shaders.o
-WITH_VULKAN ?= $(and $(wildcard csrc/lua/vulkan.c),$(wildcard /usr/include/vulkan/vulkan.h /usr/local/include/vulkan/vulkan.h),\
+WITH_VULKAN ?= $(and $(wildcard csrc/lua/vulkan/vulkan.c),$(wildcard /usr/include/vulkan/vulkan.h /usr/local/include/vulkan/vulkan.h),\
                  $(shell command -v $(GLSLC)))
 
 ifneq ($(WITH_VULKAN),)

@@ -80,10 +80,10 @@ fuzz-check: $(patsubst %.c,$(BUILD)/check/%.o,$(filter-out $(if $(WITH_SCENE),,%
 .PHONY: fuzz-coverage fuzz-minimise fuzz-check
 
 # The scene sandbox: the bindings and the readers of images instrumented, kernels and all else from libylm as it is built.
-FUZZ_ABOUT_scene := csrc/lua/core_sandbox.c csrc/lua/scene_codec.c
+FUZZ_ABOUT_scene := csrc/lua/core/sandbox.c csrc/lua/scene/codec.c
 # The Lua state outlives each input: leaks are looked for at no single one.
 FUZZ_ARGS_scene := -detect_leaks=0
-FUZZ_ALSO_scene := $(patsubst csrc/lua/%.c,$(FUZZ_DIR)/lua/%.o,$(wildcard csrc/lua/binding*.c csrc/lua/core.c csrc/lua/core_*.c) csrc/lua/scene_codec.c) \
+FUZZ_ALSO_scene := $(patsubst csrc/lua/%.c,$(FUZZ_DIR)/lua/%.o,$(wildcard csrc/lua/binding*.c csrc/lua/core/*.c) csrc/lua/scene/codec.c) \
   $(patsubst csrc/%.c,$(FUZZ_DIR)/obj/%.o,$(wildcard csrc/codec/*.c))
 FUZZ_LIBS_scene := $(call pkg,--cflags --libs,lua5.4) -lOpenEXRCore-3_1 $(call pkg,--libs,libpng) -L$(BUILD)/lib -Wl,-rpath,$(abspath $(BUILD))/lib -lylm
 $(FUZZ_DIR)/lua/%.o: csrc/lua/%.c

@@ -1,0 +1,95 @@
+/* core_grid.c - ylm.grid: the object and its light field, sampling. lua/ylm/grid_object.lua,
+   grid_sample.lua. */
+#include "../binding_grid.h"
+
+static const ylm_field *field_of(void *object) {
+  ylm_grid **g = object;
+  return *g && !ylm_grid_updating(*g) && !ylm_grid_spent(*g) ? ylm_grid_field(*g) : NULL;
+}
+
+/*
+** grid_sample(grid, points [n][3], interpolation number, derivatives, nan outside, dtype, threads,
+**             progress, out value | nil, out gradient | nil)
+**   -> value, gradient | nil, outside, unbaked, seconds
+*/
+static int grid_sample(lua_State *L) {
+  static const char *const dtypes[] = {"float", "double", NULL};
+  lua_settop(L, 10);
+  const ylm_grid_view *v = ylm_grid_look(ylmL_grid_check(L, 1));
+  ylmL_array *points = ylmL_array_check(L, 2), *value, *gradient = NULL;
+  ylmL_progress progress;
+  ylm_grid_query q = {.interpolation = (ylm_grid_interpolation)(int)luaL_checknumber(L, 3),
+                      .nan_outside = lua_toboolean(L, 5),
+                      .point_dtype = points->dtype,
+                      .dtype = (ylm_dtype)luaL_checkoption(L, 6, NULL, dtypes),
+                      .threads = (int)luaL_checknumber(L, 7),
+                      .progress = ylmL_progress_begin(L, 8, &progress)};
+  size_t shape[4] = {points->count / 3, (size_t)v->form.channels, (size_t)v->count, 3};
+  ylm_grid_report report = {0};
+  ylm_error e = {0};
+  ylm_status s = YLM_OK;
+  value = ylmL_array_result(L, 9, q.dtype, 3, shape, &s);
+  if (luaL_checknumber(L, 4) > 0)
+    gradient = ylmL_array_result(L, 10, q.dtype, 4, shape, &s);
+  else
+    lua_pushnil(L);
+  if (s == YLM_OK)
+    s = ylm_grid_sample(ylmL_grid_check(L, 1), &q, shape[0], points->data, value->data,
+                        gradient ? gradient->data : NULL, &report, &e);
+  if (s == YLM_OK) {
+    ylmL_push_count(L, report.outside);
+    ylmL_push_count(L, report.unbaked);
+    lua_pushnumber(L, report.seconds);
+  }
+  return ylmL_result_progress(L, 5, s, &e, &progress);
+}
+
+/* grid_flags(grid, points [n][3], dtype, threads, out | nil) -> [n] YLM_GRID_SAMPLE_* */
+static int grid_flags(lua_State *L) {
+  static const char *const dtypes[] = {"float", "double", NULL};
+  lua_settop(L, 5);
+  const ylm_grid *g = ylmL_grid_check(L, 1);
+  const ylmL_array *points = ylmL_array_check(L, 2);
+  ylm_dtype type = (ylm_dtype)luaL_checkoption(L, 3, NULL, dtypes);
+  size_t n = points->count / 3;
+  ylm_status s = YLM_OK;
+  ylmL_array *flags = ylmL_array_result(L, 5, type, 1, &n, &s);
+  if (s == YLM_OK)
+    s = ylm_grid_flags(g, n, points->dtype, points->data, type, flags->data,
+                       (int)luaL_checknumber(L, 4));
+  return ylmL_result(L, 1, s, NULL);
+}
+
+/* grid_is_open(value) -> true for a grid that has not been closed, false for a closed one, else
+   nil; whether it is being updated; whether an update has spent it */
+static int grid_is_open(lua_State *L) {
+  ylm_grid **g = ylmL_test(L, 1, YLM_GRID_TYPE);
+  if (!g) return 0;
+  lua_pushboolean(L, *g != NULL);
+  lua_pushboolean(L, *g && ylm_grid_updating(*g));
+  lua_pushboolean(L, *g && ylm_grid_spent(*g));
+  return 3;
+}
+
+static int grid_close(lua_State *L) {
+  ylm_grid **g = ylmL_check(L, 1, YLM_GRID_TYPE);
+  if (ylmL_busy(L, 1) != YLM_OK) return ylmL_result(L, 0, YLM_EBUSY, NULL);
+  ylm_grid_free(*g);
+  *g = NULL;
+  return 0;
+}
+
+static const luaL_Reg functions[] = {{"grid_sample", grid_sample},
+                                     {"grid_flags", grid_flags},
+                                     {"grid_is_open", grid_is_open},
+                                     {"grid_close", grid_close},
+                                     {NULL, NULL}};
+
+static const luaL_Reg methods[] = {{"__gc", grid_close}, {NULL, NULL}};
+
+void ylmL_open_grid(lua_State *L) {
+  ylmL_type(L, YLM_GRID_TYPE, methods);
+  ylmL_type_has_field(L, field_of);
+  lua_pop(L, 1);
+  luaL_setfuncs(L, functions, 0);
+}

@@ -1,0 +1,14 @@
+/* core_grid.h - what the files that bind grids share, beside binding_grid.h. Private to csrc/lua.
+ */
+#ifndef YLM_LUA_CORE_GRID_H
+#define YLM_LUA_CORE_GRID_H
+
+#include "../binding_grid.h"
+
+/* What the last update did, as a table on the stack. */
+void ylmL_grid_push_update(lua_State *L, const ylm_grid_form *f, const ylm_grid_stats *s);
+/* What a grid was described with, and its stats; times that are NaN are left out. */
+void ylmL_grid_push_form(lua_State *L, const ylm_grid_form *f);
+void ylmL_grid_push_stats(lua_State *L, const ylm_grid_form *f, const ylm_grid_stats *s);
+
+#endif

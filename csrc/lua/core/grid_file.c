@@ -1,0 +1,108 @@
+/* core_grid_file.c - ylm.grid: files. lua/ylm/grid_file.lua. */
+#include "grid.h"
+
+#include <string.h>
+
+static int grid_write(lua_State *L) {
+  ylm_error e = {0};
+  ylm_status s = ylm_grid_write(ylmL_grid_check(L, 1), luaL_checkstring(L, 2), &e);
+  lua_pushboolean(L, 1);
+  return ylmL_result(L, 1, s, &e);
+}
+
+static int grid_read(lua_State *L) {
+  ylm_error e = {0};
+  ylm_grid **g = ylmL_grid_new(L);
+  ylm_status s = ylm_grid_read(luaL_checkstring(L, 1), g, &e);
+  if (s == YLM_OK) ylmL_charge(L, ylm_grid_look(*g)->stats->bytes);
+  return ylmL_result(L, 1, s, &e);
+}
+
+/* grid_encode(grid) -> the bytes of the file */
+static int grid_encode(lua_State *L) {
+  ylm_error e = {0};
+  unsigned char *data = NULL;
+  size_t size = 0;
+  ylm_status s = ylm_grid_encode(ylmL_grid_check(L, 1), &data, &size, &e);
+  if (s == YLM_OK) lua_pushlstring(L, (const char *)data, size);
+  ylm_free(data);
+  return ylmL_result(L, 1, s, &e);
+}
+
+/* grid_decode(bytes) -> grid */
+static int grid_decode(lua_State *L) {
+  ylm_error e = {0};
+  size_t size;
+  const char *data = luaL_checklstring(L, 1, &size);
+  ylm_grid **g = ylmL_grid_new(L);
+  return ylmL_result(L, 1, ylm_grid_decode((const unsigned char *)data, size, "grid", g, &e), &e);
+}
+
+/* One section of a file, as a table on the stack. */
+static void push_section(lua_State *L, const ylm_grid_file_section *s) {
+  lua_newtable(L);
+  lua_pushstring(L, s->name);
+  lua_setfield(L, -2, "name");
+  ylmL_set_count(L, "offset", s->offset);
+  ylmL_set_count(L, "bytes", s->size);
+  ylmL_set_count(L, "record", s->record);
+  ylmL_set_boolean(L, "required", s->required);
+  ylmL_set_boolean(L, "known", s->known);
+}
+
+/* grid_file_look(path) -> table: version, bytes, form, stats, sections */
+static int grid_file_look(lua_State *L) {
+  ylm_error e = {0};
+  ylm_grid_file_info info;
+  ylm_status s = ylm_grid_file_look(luaL_checkstring(L, 1), &info, &e);
+  if (s != YLM_OK) return ylmL_result(L, 0, s, &e);
+  lua_newtable(L);
+  ylmL_set_count(L, "version", info.version);
+  ylmL_set_count(L, "bytes", info.size);
+  ylmL_grid_push_form(L, &info.form);
+  lua_setfield(L, -2, "form");
+  ylmL_grid_push_stats(L, &info.form, &info.stats);
+  lua_setfield(L, -2, "stats");
+  lua_newtable(L);
+  for (size_t i = 0; i < info.sections; i++) {
+    push_section(L, &info.section[i]);
+    lua_rawseti(L, -2, (int)i + 1);
+  }
+  lua_setfield(L, -2, "sections");
+  ylm_grid_file_forget(&info);
+  return 1;
+}
+
+/* grid_accepted_damage(bytes) -> how many of all single-bit flips and truncations are accepted (0
+ * is right)
+ */
+static int grid_accepted_damage(lua_State *L) {
+  ylm_error e = {0};
+  size_t size, accepted = 0;
+  const char *data = luaL_checklstring(L, 1, &size);
+  unsigned char *copy = lua_newuserdata(L, size + 1);
+  memcpy(copy, data, size);
+  ylm_grid *g = NULL;
+  for (size_t bit = 0; bit < 8 * size; bit++) {
+    copy[bit >> 3] ^= (unsigned char)(1u << (bit & 7));
+    accepted += ylm_grid_decode(copy, size, "grid", &g, &e) == YLM_OK;
+    ylm_grid_free(g);
+    copy[bit >> 3] ^= (unsigned char)(1u << (bit & 7));
+  }
+  for (size_t n = 0; n < size; n++) {
+    accepted += ylm_grid_decode(copy, n, "grid", &g, &e) == YLM_OK;
+    ylm_grid_free(g);
+  }
+  lua_pushnumber(L, (lua_Number)accepted);
+  return 1;
+}
+
+static const luaL_Reg functions[] = {{"grid_write", grid_write},
+                                     {"grid_read", grid_read},
+                                     {"grid_encode", grid_encode},
+                                     {"grid_decode", grid_decode},
+                                     {"grid_file_look", grid_file_look},
+                                     {"grid_accepted_damage", grid_accepted_damage},
+                                     {NULL, NULL}};
+
+void ylmL_open_grid_file(lua_State *L) { luaL_setfuncs(L, functions, 0); }

@@ -1,0 +1,224 @@
+/* core_mesh.c - meshes: shapes, transforms, files, their numbers as arrays. */
+#include "../binding.h"
+#include "ylm_geom.h"
+
+/* The n numbers of the table at `i`. */
+static void numbers(lua_State *L, int i, int n, double *x) {
+  luaL_checktype(L, i, LUA_TTABLE);
+  for (int k = 0; k < n; k++) {
+    lua_rawgeti(L, i, k + 1);
+    if (lua_type(L, -1) != LUA_TNUMBER) luaL_argerror(L, i, "a table of numbers expected");
+    x[k] = (double)lua_tonumber(L, -1);
+    lua_pop(L, 1);
+  }
+}
+
+static int integer(lua_State *L, int i) {
+  double x = (double)luaL_checknumber(L, i);
+  return x > 2e9 ? 2000000000 : x < -2e9 ? -2000000000 : (int)x;
+}
+
+/* mesh_quad(corner, u, v, nu, nv) -> mesh */
+static int mesh_quad(lua_State *L) {
+  double corner[3], u[3], v[3];
+  ylm_error e = {0};
+  numbers(L, 1, 3, corner);
+  numbers(L, 2, 3, u);
+  numbers(L, 3, 3, v);
+  int nu = integer(L, 4), nv = integer(L, 5);
+  ylm_mesh **m = ylmL_mesh_new(L);
+  return ylmL_result(L, 1, ylm_mesh_quad(corner, u, v, nu, nv, m, &e), &e);
+}
+
+/* mesh_sphere(radius, around, rings) -> mesh */
+static int mesh_sphere(lua_State *L) {
+  ylm_error e = {0};
+  double r = (double)luaL_checknumber(L, 1);
+  int around = integer(L, 2), rings = integer(L, 3);
+  ylm_mesh **m = ylmL_mesh_new(L);
+  return ylmL_result(L, 1, ylm_mesh_sphere(r, around, rings, m, &e), &e);
+}
+
+/* mesh_box(lower, upper, n) -> mesh */
+static int mesh_box(lua_State *L) {
+  double lo[3], hi[3];
+  ylm_error e = {0};
+  numbers(L, 1, 3, lo);
+  numbers(L, 2, 3, hi);
+  int n = integer(L, 3);
+  ylm_mesh **m = ylmL_mesh_new(L);
+  return ylmL_result(L, 1, ylm_mesh_box(lo, hi, n, m, &e), &e);
+}
+
+/* mesh_torus(radius, tube, around, across) -> mesh */
+static int mesh_torus(lua_State *L) {
+  ylm_error e = {0};
+  double radius = (double)luaL_checknumber(L, 1), tube = (double)luaL_checknumber(L, 2);
+  int around = integer(L, 3), across = integer(L, 4);
+  ylm_mesh **m = ylmL_mesh_new(L);
+  return ylmL_result(L, 1, ylm_mesh_torus(radius, tube, around, across, m, &e), &e);
+}
+
+/* mesh_knot(p, q, radius, minor, tube, along, across) -> mesh */
+static int mesh_knot(lua_State *L) {
+  ylm_error e = {0};
+  int p = integer(L, 1), q = integer(L, 2), along = integer(L, 6), across = integer(L, 7);
+  double radius = (double)luaL_checknumber(L, 3), minor = (double)luaL_checknumber(L, 4);
+  double tube = (double)luaL_checknumber(L, 5);
+  ylm_mesh **m = ylmL_mesh_new(L);
+  return ylmL_result(L, 1, ylm_mesh_knot(p, q, radius, minor, tube, along, across, m, &e), &e);
+}
+
+/* Copies finite numbers; false if one of them is not. */
+static bool copy_floats(const ylmL_array *a, float *out) {
+  size_t where;
+  for (size_t i = 0; i < a->count; i++) out[i] = (float)ylmL_array_get(a, i);
+  return ylm_all_finite(YLM_FLOAT, out, a->count, &where);
+}
+
+/* Fills an empty mesh from arrays; indices are one-based. */
+static ylm_status from_arrays(const ylmL_array *p, const ylmL_array *t, const ylmL_array *n,
+                              const ylmL_array *uv, ylm_mesh **m, ylm_error *e) {
+  size_t vertices = p->count / 3, triangles = t->count / 3;
+  ylm_status s = ylm_mesh_create(vertices, triangles, n != NULL, uv != NULL, m, e);
+  if (s != YLM_OK) return s;
+  if (!copy_floats(p, (*m)->position)) return ylm_fail(e, YLM_EDOMAIN, "a vertex is not finite");
+  if (n && !copy_floats(n, (*m)->normal)) return ylm_fail(e, YLM_EDOMAIN, "a normal is not finite");
+  if (uv && !copy_floats(uv, (*m)->uv))
+    return ylm_fail(e, YLM_EDOMAIN, "a texture coordinate is not finite");
+  for (size_t i = 0; i < t->count; i++) {
+    double k = ylmL_array_get(t, i);
+    if (!(k >= 1 && k <= (double)vertices) || k != (double)(uint32_t)k)
+      return ylm_fail(e, YLM_ERANGE, "triangle %zu: index %g is not an integer from 1 to %zu",
+                      i / 3 + 1, k, vertices);
+    (*m)->index[i] = (uint32_t)k - 1;
+  }
+  return n ? YLM_OK : ylm_mesh_make_normals(*m);
+}
+
+/* mesh_from(vertices [n][3], triangles [m][3], normals or nil, uvs or nil) -> mesh */
+static int mesh_from(lua_State *L) {
+  ylmL_array *p = ylmL_array_check(L, 1), *t = ylmL_array_check(L, 2);
+  ylmL_array *n = ylmL_array_opt(L, 3), *uv = ylmL_array_opt(L, 4);
+  ylm_error e = {0};
+  if (p->count % 3 || t->count % 3 || (n && n->count != p->count) ||
+      (uv && uv->count / 2 != p->count / 3))
+    return ylmL_result(L, 0, YLM_ESHAPE, NULL);
+  ylm_mesh **m = ylmL_mesh_new(L);
+  return ylmL_result(L, 1, from_arrays(p, t, n, uv, m, &e), &e);
+}
+
+/* mesh_read(path) -> mesh */
+static int mesh_read(lua_State *L) {
+  ylm_error e = {0};
+  const char *path = luaL_checkstring(L, 1);
+  ylm_mesh **m = ylmL_mesh_new(L);
+  return ylmL_result(L, 1, ylm_mesh_read(path, m, &e), &e);
+}
+
+/* mesh_write(mesh, path) -> true */
+static int mesh_write(lua_State *L) {
+  ylm_error e = {0};
+  ylm_status s = ylm_mesh_write_ply(ylmL_mesh_check(L, 1), luaL_checkstring(L, 2), &e);
+  lua_pushboolean(L, 1);
+  return ylmL_result(L, 1, s, &e);
+}
+
+/* mesh_transform(mesh, twelve numbers) -> true */
+static int mesh_transform(lua_State *L) {
+  ylm_error e = {0};
+  double m[12];
+  numbers(L, 2, 12, m);
+  ylm_status s = ylm_mesh_transform(ylmL_mesh_check(L, 1), m, &e);
+  lua_pushboolean(L, 1);
+  return ylmL_result(L, 1, s, &e);
+}
+
+/* mesh_rotation(axis, radians) -> twelve numbers */
+static int mesh_rotation(lua_State *L) {
+  double axis[3], m[12];
+  numbers(L, 1, 3, axis);
+  ylm_transform_rotate(m, axis, (double)luaL_checknumber(L, 2));
+  lua_createtable(L, 12, 0);
+  for (int i = 0; i < 12; i++) {
+    lua_pushnumber(L, (lua_Number)m[i]);
+    lua_rawseti(L, -2, i + 1);
+  }
+  return 1;
+}
+
+static void push_three(lua_State *L, const double x[3]) {
+  lua_createtable(L, 3, 0);
+  for (int i = 0; i < 3; i++) {
+    lua_pushnumber(L, (lua_Number)x[i]);
+    lua_rawseti(L, -2, i + 1);
+  }
+}
+
+/* mesh_info(mesh) -> number of vertices, of triangles, lower corner, upper corner, area */
+static int mesh_info(lua_State *L) {
+  ylm_mesh *m = ylmL_mesh_check(L, 1);
+  double lo[3], hi[3];
+  ylm_mesh_bounds(m, lo, hi);
+  lua_pushinteger(L, (lua_Integer)m->vertices);
+  lua_pushinteger(L, (lua_Integer)m->triangles);
+  push_three(L, lo);
+  push_three(L, hi);
+  lua_pushnumber(L, (lua_Number)ylm_mesh_area(m));
+  return 5;
+}
+
+static int push_floats(lua_State *L, float *data, size_t rows, size_t width) {
+  size_t shape[2] = {rows, width};
+  if (!data) return 0;
+  ylmL_object_array(L, 1, YLM_FLOAT, 2, shape, data);
+  return 1;
+}
+
+static int mesh_vertices(lua_State *L) {
+  ylm_mesh *m = ylmL_mesh_check(L, 1);
+  return push_floats(L, m->position, m->vertices, 3);
+}
+
+static int mesh_normals(lua_State *L) {
+  ylm_mesh *m = ylmL_mesh_check(L, 1);
+  return push_floats(L, m->normal, m->vertices, 3);
+}
+
+static int mesh_uvs(lua_State *L) {
+  ylm_mesh *m = ylmL_mesh_check(L, 1);
+  return push_floats(L, m->uv, m->vertices, 2);
+}
+
+/* mesh_triangles(mesh) -> a new array of one-based indices, double [m][3] */
+static int mesh_triangles(lua_State *L) {
+  ylm_mesh *m = ylmL_mesh_check(L, 1);
+  size_t shape[2] = {m->triangles, 3};
+  ylmL_array *a = ylmL_array_new(L, YLM_DOUBLE, 2, shape);
+  if (!a) return ylmL_result(L, 0, YLM_ENOMEM, NULL);
+  for (size_t i = 0; i < a->count; i++) ((double *)a->data)[i] = (double)m->index[i] + 1;
+  return 1;
+}
+
+static const luaL_Reg functions[] = {{"mesh_quad", mesh_quad},
+                                     {"mesh_sphere", mesh_sphere},
+                                     {"mesh_box", mesh_box},
+                                     {"mesh_torus", mesh_torus},
+                                     {"mesh_knot", mesh_knot},
+                                     {"mesh_from", mesh_from},
+                                     {"mesh_read", mesh_read},
+                                     {"mesh_write", mesh_write},
+                                     {"mesh_transform", mesh_transform},
+                                     {"mesh_rotation", mesh_rotation},
+                                     {"mesh_info", mesh_info},
+                                     {"mesh_vertices", mesh_vertices},
+                                     {"mesh_normals", mesh_normals},
+                                     {"mesh_uvs", mesh_uvs},
+                                     {"mesh_triangles", mesh_triangles},
+                                     {NULL, NULL}};
+
+void ylmL_open_mesh(lua_State *L) {
+  ylmL_mesh_new(L); /* registers the type */
+  lua_pop(L, 1);
+  luaL_setfuncs(L, functions, 0);
+}

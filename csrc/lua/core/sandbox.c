@@ -1,0 +1,188 @@
+/*
+** core_sandbox.c - what lua/ylm/sandbox.lua needs from C to run a stranger's scene file:
+** a call that is bounded in instructions, time and memory, and file names that stay in a folder.
+*/
+#include <limits.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <time.h>
+
+#include "../binding.h"
+
+/* -- a bounded call ----------------------------------------------------------- */
+
+enum { STEP = 100 }; /* instructions between two looks at the clock */
+
+/*
+** Stands in for the state's allocator while a bounded call runs. `used` counts what
+** was allocated less what was freed since then; `traffic` what was allocated at all,
+** so that copying long strings again and again is bounded too.
+*/
+typedef struct guard {
+  lua_Alloc f;
+  void *ud;
+  int64_t used, bytes, traffic;
+  double instructions, seconds; /* what is left; processor time at which to stop */
+  const char *reason;           /* the limit that was passed, or NULL */
+  const char *refused;          /* why the last request for more memory failed, or NULL */
+} guard;
+
+static double processor_seconds(void) {
+  struct timespec t;
+  if (clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t) != 0) return 0;
+  return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+/* Refuses to pass the limits; a block of a quarter of all memory is too large as well,
+   because one comparison of two such strings is one instruction. */
+static void *bounded_alloc(void *ud, void *p, size_t old, size_t size) {
+  guard *g = ud;
+  int64_t before = p ? (int64_t)old : 0, more = (int64_t)size - before;
+  if (more > 0) {
+    g->refused = "memory";
+    if (size > (size_t)g->bytes / 4 || g->used + more > g->bytes || g->traffic < (int64_t)size)
+      return NULL;
+    g->traffic -= (int64_t)size;
+  }
+  void *q = g->f(g->ud, p, old, size);
+  if (q || size == 0) g->used += more;
+  if (more > 0) g->refused = q ? NULL : "exhausted";
+  return q;
+}
+
+/* Counts instructions; once a limit is passed it raises at every instruction that follows. */
+static void tick(lua_State *L, lua_Debug *ar) {
+  (void)ar;
+  void *ud = NULL;
+  if (lua_getallocf(L, &ud) != bounded_alloc) return;
+  guard *g = ud;
+  g->instructions -= STEP;
+  if (g->instructions < 0)
+    g->reason = "instructions";
+  else if (processor_seconds() > g->seconds)
+    g->reason = "time";
+  if (!g->reason) return;
+  lua_sethook(L, tick, LUA_MASKCOUNT, 1);
+  luaL_error(L, "a limit was reached");
+}
+
+/*
+** bounded_call(f, instructions, bytes, seconds, message handler) -> true, result
+** or false, error value, "instructions" | "time" | "memory" | "exhausted" (the machine's) | nil
+*/
+static int bounded_call(lua_State *L) {
+  luaL_checktype(L, 1, LUA_TFUNCTION);
+  guard g = {.instructions = luaL_checknumber(L, 2),
+             .bytes = (int64_t)luaL_checknumber(L, 3),
+             .seconds = processor_seconds() + luaL_checknumber(L, 4)};
+  g.traffic = g.bytes * 32;
+  g.f = lua_getallocf(L, &g.ud);
+  if (g.f == bounded_alloc) return luaL_error(L, "bounded calls do not nest");
+  lua_Hook hook = lua_gethook(L);
+  int mask = lua_gethookmask(L), count = lua_gethookcount(L);
+  luaL_checktype(L, 5, LUA_TFUNCTION);
+  lua_settop(L, 5);
+  luaL_checkstack(L, 8, "bounded_call");
+  lua_pushvalue(L, 1);
+  lua_setallocf(L, bounded_alloc, &g);
+  lua_sethook(L, tick, LUA_MASKCOUNT, STEP);
+  int status = lua_pcall(L, 0, 1, 5);
+  lua_setallocf(L, g.f, g.ud);
+  lua_sethook(L, hook, mask, count);
+  if (status == LUA_ERRMEM && !g.refused) g.refused = "memory";
+  if ((status == LUA_ERRMEM || status == LUA_ERRERR) && !g.reason) g.reason = g.refused;
+  lua_pushboolean(L, status == 0 && !g.reason);
+  lua_insert(L, -2);
+  if (g.reason)
+    lua_pushstring(L, g.reason);
+  else
+    lua_pushnil(L);
+  return 3;
+}
+
+/* -- files ---------------------------------------------------------------------- */
+
+/* Is the relative path free of "..", of empty parts and of a leading slash? */
+static bool stays_below(const char *path) {
+  if (*path == 0 || *path == '/') return false;
+  for (const char *part = path; part; part = strchr(part, '/')) {
+    if (*part == '/') part++;
+    size_t n = strcspn(part, "/");
+    if (n == 0 || (n == 2 && part[0] == '.' && part[1] == '.')) return false;
+  }
+  return true;
+}
+
+/*
+** resolve_inside(folder, path) -> the file's real name, its size; nil, message, code unless `path`
+** is relative and leads, symbolic links followed, to a regular file below `folder`.
+*/
+static int resolve_inside(lua_State *L) {
+  size_t size;
+  const char *folder = luaL_checkstring(L, 1), *path = luaL_checklstring(L, 2, &size);
+  char root[PATH_MAX], file[PATH_MAX];
+  struct stat st;
+  ylm_error e = {0};
+  ylm_status s = YLM_OK;
+  if (strlen(path) != size || !stays_below(path))
+    s = ylm_fail(&e, YLM_EINVAL,
+                 "a path inside the scene's folder expected: relative, without '..'");
+  else if (!realpath(folder, root))
+    s = ylm_fail(&e, YLM_EIO, "%s: no such folder", folder);
+  else {
+    lua_pushfstring(L, "%s/%s", root, path);
+    if (!realpath(lua_tostring(L, -1), file)) s = ylm_fail(&e, YLM_EIO, "%s: no such file", path);
+  }
+  if (s == YLM_OK) {
+    size_t n = strlen(root);
+    if (n == 1) n = 0; /* the folder is "/" */
+    bool inside = strncmp(root, file, n) == 0 && (file[n] == '/' || file[n] == 0);
+    if (inside && stat(file, &st) == 0 && S_ISDIR(st.st_mode))
+      s = ylm_fail(&e, YLM_EIO, "%s: a folder, not a file", path);
+    else if (!inside || file[n] != '/')
+      s = ylm_fail(&e, YLM_EINVAL, "%s: a link that leads out of the scene's folder", path);
+    else if (stat(file, &st) != 0 || !S_ISREG(st.st_mode))
+      s = ylm_fail(&e, YLM_EIO, "%s: not a regular file", path);
+    else {
+      lua_pushstring(L, file);
+      lua_pushnumber(L, (lua_Number)st.st_size);
+    }
+  }
+  return ylmL_result(L, 2, s, &e);
+}
+
+typedef struct bytes {
+  const unsigned char *data;
+  size_t size;
+} bytes;
+
+static int push_bytes(lua_State *L) {
+  const bytes *b = lua_touserdata(L, 1);
+  lua_pushlstring(L, (const char *)b->data, b->size);
+  return 1;
+}
+
+/* read_file(path, limit) -> its bytes; nil, message, code unless it is a regular file within it */
+static int read_file(lua_State *L) {
+  const char *path = luaL_checkstring(L, 1);
+  size_t limit = (size_t)luaL_checknumber(L, 2), size = 0;
+  unsigned char *data = NULL;
+  ylm_error e = {0};
+  ylm_status s = ylm_file_read(path, limit, &data, &size, &e);
+  if (s != YLM_OK) return ylmL_result(L, 1, s, &e);
+  bytes b = {data, size};
+  lua_pushcfunction(L, push_bytes);
+  lua_pushlightuserdata(L, &b);
+  int status = lua_pcall(L, 1, 1, 0);
+  ylm_free(data);
+  return status == 0 ? 1 : lua_error(L);
+}
+
+void ylmL_open_sandbox(lua_State *L) {
+  static const luaL_Reg functions[] = {{"bounded_call", bounded_call},
+                                       {"resolve_inside", resolve_inside},
+                                       {"read_file", read_file},
+                                       {NULL, NULL}};
+  luaL_setfuncs(L, functions, 0);
+}

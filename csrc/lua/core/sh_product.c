@@ -1,0 +1,136 @@
+/* core_sh_product.c - binds products and transfer matrices. Arguments come sorted from
+ * lua/ylm/sh_product.lua. */
+#include "../binding.h"
+
+#include "ylm_sh.h"
+
+#include <string.h>
+
+#define PRODUCT "ylm.sh_product_plan"
+
+typedef struct handle {
+  ylm_sh_product *plan;
+  int lmax, factors;
+} handle;
+
+static int product_gc(lua_State *L) {
+  handle *h = ylmL_check(L, 1, PRODUCT);
+  ylm_sh_product_free(h->plan);
+  h->plan = NULL;
+  return 0;
+}
+
+static ylm_sh_product_method method_of(lua_State *L, int i) {
+  const char *name = luaL_optstring(L, i, "auto");
+  for (int m = 0; m < YLM_SH_PRODUCT_METHOD_COUNT; m++)
+    if (strcmp(name, ylm_sh_product_method_name((ylm_sh_product_method)m)) == 0)
+      return (ylm_sh_product_method)m;
+  return (ylm_sh_product_method)luaL_argerror(L, i, "no such method");
+}
+
+/* sh_product_plan(lmax, factors, method, inner) -> plan, method that is used, integrals */
+static int sh_product_plan(lua_State *L) {
+  ylm_error e = {YLM_OK, ""};
+  int lmax = (int)luaL_checknumber(L, 1), factors = (int)luaL_checknumber(L, 2);
+  ylm_sh_product_method method = method_of(L, 3), inner = method_of(L, 4);
+  handle *h = lua_newuserdata(L, sizeof *h);
+  *h = (handle){NULL, lmax, factors};
+  luaL_getmetatable(L, PRODUCT);
+  lua_setmetatable(L, -2);
+  ylm_status s = ylm_sh_product_create(lmax, factors, method, inner, &h->plan, &e);
+  if (s != YLM_OK) return ylmL_result(L, 0, s, &e);
+  ylmL_charge(L, (size_t)lmax * (size_t)lmax * (size_t)lmax * (size_t)factors * 32);
+  lua_pushstring(L, ylm_sh_product_method_name(ylm_sh_product_method_of(h->plan)));
+  lua_pushnumber(L, (lua_Number)ylm_sh_product_integrals(h->plan));
+  return 3;
+}
+
+/* sh_product(plan, {arrays}, out, threads, want stages, progress) -> true, or seconds of the three
+   stages. A factor of one row is used for all rows of out. */
+static int sh_product(lua_State *L) {
+  handle *h = ylmL_check(L, 1, PRODUCT);
+  luaL_checktype(L, 2, LUA_TTABLE);
+  ylmL_array *out = ylmL_array_check(L, 3);
+  const void *factor[YLM_SH_PRODUCT_FACTORS];
+  size_t stride[YLM_SH_PRODUCT_FACTORS], count = ylm_sh_count(h->lmax), rows = out->count / count;
+  double stage[3] = {0, 0, 0};
+  lua_settop(L, 6); /* the factors come on top: a progress function must not close them */
+  luaL_checkstack(L, YLM_SH_PRODUCT_FACTORS + 4, "factors");
+  ylm_status s = out->count == rows * count && h->plan ? YLM_OK : YLM_ESHAPE;
+  for (int i = 0; i < h->factors; i++) {
+    lua_rawgeti(L, 2, i + 1);
+    ylmL_array *a = ylmL_array_check(L, -1);
+    factor[i] = a->data;
+    stride[i] = a->count == count && rows != 1 ? 0 : count;
+    if (a->count != count && a->count != out->count) s = YLM_ESHAPE;
+    if (a->dtype != out->dtype) s = YLM_ETYPE;
+    if (a->data == out->data) s = YLM_EINVAL;
+  }
+  bool timed = lua_toboolean(L, 5);
+  ylmL_progress progress;
+  const ylm_progress *report = ylmL_progress_begin(L, 6, &progress);
+  if (s == YLM_OK)
+    s = ylm_sh_product_apply(h->plan, out->dtype, rows, factor, stride, out->data,
+                             (int)luaL_optnumber(L, 4, 0), report, timed ? stage : NULL);
+  if (s != YLM_OK) return ylmL_result_progress(L, 0, s, NULL, &progress);
+  if (!timed) {
+    lua_pushboolean(L, 1);
+    return 1;
+  }
+  for (int i = 0; i < 3; i++) lua_pushnumber(L, stage[i]);
+  return 3;
+}
+
+/* sh_transfer(c double [count of clmax], clmax, lmax, out double [count][count]) -> true */
+static int sh_transfer(lua_State *L) {
+  ylmL_array *c = ylmL_array_check(L, 1), *out = ylmL_array_check(L, 4);
+  int clmax = (int)luaL_checknumber(L, 2), lmax = (int)luaL_checknumber(L, 3);
+  ylm_error e = {YLM_OK, ""};
+  ylm_status s = YLM_ERANGE;
+  if (clmax >= 0 && clmax <= YLM_LMAX && lmax >= 0 && lmax <= YLM_LMAX) {
+    size_t n = ylm_sh_count(lmax);
+    s = c->count == ylm_sh_count(clmax) && out->count == n * n && c->dtype == YLM_DOUBLE &&
+                out->dtype == YLM_DOUBLE
+            ? YLM_OK
+            : YLM_ESHAPE;
+  }
+  if (s == YLM_OK) s = ylm_sh_transfer(clmax, c->data, lmax, out->data, &e);
+  lua_pushboolean(L, 1);
+  return ylmL_result(L, 1, s, &e);
+}
+
+/* sh_transfer_apply(matrix [n][n], in [rows][n], out, threads, progress) -> true */
+static int sh_transfer_apply(lua_State *L) {
+  ylmL_array *m = ylmL_array_check(L, 1), *in = ylmL_array_check(L, 2),
+             *out = ylmL_array_check(L, 3);
+  ylmL_progress progress;
+  const ylm_progress *report = ylmL_progress_begin(L, 5, &progress);
+  size_t n = m->shape[m->axes - 1];
+  ylm_status s =
+      n && m->count == n * n && in->count % n == 0 && in->count == out->count ? YLM_OK : YLM_ESHAPE;
+  if (s == YLM_OK && (m->dtype != in->dtype || in->dtype != out->dtype)) s = YLM_ETYPE;
+  if (s == YLM_OK && in->data == out->data) s = YLM_EINVAL;
+  if (s == YLM_OK)
+    s = ylm_sh_transfer_apply(n, in->dtype, m->data, in->count / n, in->data, out->data,
+                              (int)luaL_optnumber(L, 4, 0), report);
+  lua_pushboolean(L, 1);
+  return ylmL_result_progress(L, 1, s, NULL, &progress);
+}
+
+static const luaL_Reg functions[] = {{"sh_product_plan", sh_product_plan},
+                                     {"sh_product", sh_product},
+                                     {"sh_transfer", sh_transfer},
+                                     {"sh_transfer_apply", sh_transfer_apply},
+                                     {NULL, NULL}};
+
+static const luaL_Reg methods[] = {{"__gc", product_gc}, {NULL, NULL}};
+
+void ylmL_open_sh_product(lua_State *L) {
+  ylmL_type(L, PRODUCT, methods);
+  lua_pop(L, 1);
+  luaL_setfuncs(L, functions, 0);
+  lua_pushnumber(L, YLM_SH_PRODUCT_LMAX);
+  lua_setfield(L, -2, "sh_product_lmax");
+  lua_pushnumber(L, YLM_SH_PRODUCT_FACTORS);
+  lua_setfield(L, -2, "sh_product_factors");
+}

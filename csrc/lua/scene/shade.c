@@ -1,0 +1,145 @@
+/* scene_shade.c - scenes and views as objects, shading of views' points; lua/ylm/render.lua drives
+ * it.
+ */
+#include "shade.h"
+
+static int scene_close(lua_State *L) {
+  ylm_shade_scene **s = ylmL_check(L, 1, YLML_SHADE_SCENE);
+  if (ylmL_busy(L, 1) != YLM_OK) return ylmL_result(L, 0, YLM_EBUSY, NULL);
+  ylm_shade_scene_free(*s);
+  *s = NULL;
+  return 0;
+}
+
+static int view_close(lua_State *L) {
+  ylm_shade_view **v = ylmL_check(L, 1, YLML_SHADE_VIEW);
+  if (ylmL_busy(L, 1) != YLM_OK) return ylmL_result(L, 0, YLM_EBUSY, NULL);
+  ylm_shade_view_free(*v);
+  *v = NULL;
+  return 0;
+}
+
+static const luaL_Reg scene_methods[] = {{"__gc", scene_close}, {NULL, NULL}};
+static const luaL_Reg view_methods[] = {{"__gc", view_close}, {NULL, NULL}};
+
+ylm_shade_scene *ylmL_shade_scene(lua_State *L, int i) {
+  ylm_shade_scene **s = ylmL_check(L, i, YLML_SHADE_SCENE);
+  if (!*s) luaL_argerror(L, i, "the scene has been closed");
+  return *s;
+}
+
+ylm_shade_view *ylmL_shade_view(lua_State *L, int i) {
+  ylm_shade_view **v = ylmL_check(L, i, YLML_SHADE_VIEW);
+  if (!*v) luaL_argerror(L, i, "the prepared view has been closed");
+  return *v;
+}
+
+ylmL_array *ylmL_shade_result(lua_State *L, int i, int axes, const size_t *shape, ylm_status *s) {
+  if (lua_isnoneornil(L, i)) {
+    ylmL_array *a = ylmL_array_new(L, YLM_FLOAT, axes, shape);
+    if (!a) *s = YLM_ENOMEM;
+    return a;
+  }
+  ylmL_array *a = ylmL_array_check(L, i);
+  size_t count;
+  if (a->dtype != YLM_FLOAT)
+    *s = YLM_ETYPE;
+  else if (!ylm_shape_count(axes, shape, &count) || count != a->count)
+    *s = YLM_ESHAPE;
+  lua_pushvalue(L, i);
+  return *s == YLM_OK ? a : NULL;
+}
+
+void ylmL_shade_numbers(lua_State *L, int i, int n, double *x) {
+  luaL_checktype(L, i, LUA_TTABLE);
+  for (int k = 0; k < n; k++) {
+    lua_rawgeti(L, i, k + 1);
+    x[k] = (double)luaL_checknumber(L, -1);
+    lua_pop(L, 1);
+  }
+}
+
+size_t ylmL_shade_points(const ylm_shade_view *v) {
+  ylm_shade_stats stats;
+  ylm_shade_view_stats(v, &stats);
+  return stats.points;
+}
+
+/* shade_field(view, object, "float" | "double", threads, progress) -> radiance [n][3], pairs */
+static int shade_field(lua_State *L) {
+  static const char *const names[] = {"float", "double", NULL};
+  ylm_shade_view *v = ylmL_shade_view(L, 1);
+  const ylm_field *field = ylmL_field_check(L, 2);
+  ylm_dtype t = (ylm_dtype)luaL_checkoption(L, 3, "float", names);
+  int threads = (int)luaL_checknumber(L, 4);
+  ylm_error e = {0};
+  ylmL_progress p;
+  lua_settop(L, 5);
+  ylmL_array *out = ylmL_array_new(L, YLM_FLOAT, 2, (size_t[]){ylmL_shade_points(v), 3});
+  if (!out) return ylmL_result(L, 0, YLM_ENOMEM, NULL);
+  uint64_t pairs = 0;
+  const ylm_progress *progress = ylmL_progress_begin(L, 5, &p);
+  ylm_status s = ylm_shade_field(v, field, t, threads, progress, out->data, &pairs, &e);
+  if (s == YLM_OK) ylmL_push_count(L, pairs);
+  return ylmL_result_progress(L, 2, s, &e, &p);
+}
+
+/* shade_coefficients(view, first from 1, L [n][channels][count], threads, out [n][3] or nil) -> out
+ */
+static int shade_coefficients(lua_State *L) {
+  ylm_shade_view *v = ylmL_shade_view(L, 1);
+  double first = (double)luaL_checknumber(L, 2);
+  ylmL_array *c = ylmL_array_check(L, 3);
+  int threads = (int)luaL_checknumber(L, 4), lmax = 0;
+  ylm_status s = YLM_OK;
+  lua_settop(L, 5);
+  if (c->axes != 3 || !(first >= 1)) return ylmL_result(L, 0, YLM_ESHAPE, NULL);
+  while ((size_t)(lmax + 1) * (size_t)(lmax + 1) < c->shape[2]) lmax++;
+  if ((size_t)(lmax + 1) * (size_t)(lmax + 1) != c->shape[2])
+    return ylmL_result(L, 0, YLM_ESHAPE, NULL);
+  ylmL_array *out = ylmL_shade_result(L, 5, 2, (size_t[]){c->shape[0], 3}, &s);
+  if (s == YLM_OK)
+    s = ylm_shade_coefficients(v, (size_t)first - 1, c->shape[0], (int)c->shape[1], lmax, c->dtype,
+                               c->data, threads, out->data);
+  return ylmL_result(L, 1, s, NULL);
+}
+
+/* shade_raycast(view, samples, shadows, seed, threads, progress) -> radiance [n][3], rays */
+static int shade_raycast(lua_State *L) {
+  ylm_shade_view *v = ylmL_shade_view(L, 1);
+  int samples = (int)luaL_checknumber(L, 2), threads = (int)luaL_checknumber(L, 5);
+  bool shadows = lua_toboolean(L, 3);
+  uint64_t seed = (uint64_t)luaL_checknumber(L, 4), rays = 0;
+  ylmL_progress p;
+  lua_settop(L, 6);
+  ylmL_array *out = ylmL_array_new(L, YLM_FLOAT, 2, (size_t[]){ylmL_shade_points(v), 3});
+  if (!out) return ylmL_result(L, 0, YLM_ENOMEM, NULL);
+  const ylm_progress *progress = ylmL_progress_begin(L, 6, &p);
+  ylm_status s = ylm_shade_raycast(v, samples, shadows, seed, threads, progress, out->data, &rays);
+  if (s == YLM_OK) ylmL_push_count(L, rays);
+  return ylmL_result_progress(L, 2, s, NULL, &p);
+}
+
+/* material_cosine(lmax) -> [lmax+1] */
+static int material_cosine(lua_State *L) {
+  double lmax = (double)luaL_checknumber(L, 1);
+  if (!(lmax >= 0 && lmax <= YLM_MATERIAL_LMAX)) return ylmL_result(L, 0, YLM_ERANGE, NULL);
+  ylmL_array *a = ylmL_array_new(L, YLM_DOUBLE, 1, (size_t[]){(size_t)lmax + 1});
+  if (!a) return ylmL_result(L, 0, YLM_ENOMEM, NULL);
+  return ylmL_result(L, 1, ylm_material_cosine((int)lmax, a->data), NULL);
+}
+
+static const luaL_Reg functions[] = {{"shade_field", shade_field},
+                                     {"shade_coefficients", shade_coefficients},
+                                     {"shade_raycast", shade_raycast},
+                                     {"shade_close_scene", scene_close},
+                                     {"shade_close_view", view_close},
+                                     {"material_cosine", material_cosine},
+                                     {NULL, NULL}};
+
+void ylmL_open_shade(lua_State *L) {
+  ylmL_type(L, YLML_SHADE_SCENE, scene_methods);
+  ylmL_type(L, YLML_SHADE_VIEW, view_methods);
+  lua_pop(L, 2);
+  luaL_setfuncs(L, functions, 0);
+}

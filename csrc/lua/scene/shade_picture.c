@@ -1,0 +1,85 @@
+/* scene_shade_picture.c - pictures of a view from numbers at its points, and their differences. */
+#include "shade.h"
+
+/* shade_difference(a, b, out): out = |a - b|; float arrays of one size */
+static int shade_difference(lua_State *L) {
+  ylmL_array *a = ylmL_array_check(L, 1), *b = ylmL_array_check(L, 2), *c = ylmL_array_check(L, 3);
+  if (a->dtype != YLM_FLOAT || b->dtype != YLM_FLOAT || c->dtype != YLM_FLOAT)
+    return ylmL_result(L, 0, YLM_ETYPE, NULL);
+  if (a->count != b->count || a->count != c->count) return ylmL_result(L, 0, YLM_ESHAPE, NULL);
+  const float *x = a->data, *y = b->data;
+  for (size_t i = 0; i < a->count; i++)
+    ((float *)c->data)[i] = x[i] > y[i] ? x[i] - y[i] : y[i] - x[i];
+  lua_pushvalue(L, 3);
+  return 1;
+}
+
+/* shade_resolve(view, values [n][c] or [n], fill or nil, covered, threads, out [h][w][c] or nil)
+   -> out; fill is a table of c numbers */
+static int shade_resolve(lua_State *L) {
+  ylm_shade_view *v = ylmL_shade_view(L, 1);
+  ylmL_array *values = ylmL_array_check(L, 2);
+  const ylm_shade_options *o = ylm_shade_view_options(v);
+  double fill[4] = {0};
+  float fills[4];
+  ylm_status s = YLM_OK;
+  size_t channels = values->axes > 1 ? values->shape[values->axes - 1] : 1;
+  bool covered = lua_toboolean(L, 4);
+  int threads = (int)luaL_checknumber(L, 5);
+  lua_settop(L, 6);
+  if (channels < 1 || channels > 4 || values->dtype != YLM_FLOAT ||
+      values->count != ylmL_shade_points(v) * channels)
+    return ylmL_result(L, 0, YLM_ESHAPE, NULL);
+  if (!lua_isnil(L, 3)) ylmL_shade_numbers(L, 3, (int)channels, fill);
+  for (int c = 0; c < 4; c++) fills[c] = (float)fill[c];
+  ylmL_array *out =
+      ylmL_shade_result(L, 6, 3, (size_t[]){(size_t)o->height, (size_t)o->width, channels}, &s);
+  if (s == YLM_OK)
+    s = ylm_shade_resolve(v, (int)channels, values->data, fills, covered, threads, out->data);
+  return ylmL_result(L, 1, s, NULL);
+}
+
+/* shade_compose(view, colours [n][3], background {r, g, b}, threads, out [h][w][3] or nil) -> out
+ */
+static int shade_compose(lua_State *L) {
+  ylm_shade_view *v = ylmL_shade_view(L, 1);
+  ylmL_array *colours = ylmL_array_check(L, 2);
+  const ylm_shade_options *o = ylm_shade_view_options(v);
+  double b[3];
+  ylm_status s = YLM_OK;
+  ylmL_shade_numbers(L, 3, 3, b);
+  int threads = (int)luaL_checknumber(L, 4);
+  lua_settop(L, 5);
+  if (colours->dtype != YLM_FLOAT || colours->count != 3 * ylmL_shade_points(v))
+    return ylmL_result(L, 0, YLM_ESHAPE, NULL);
+  ylmL_array *out =
+      ylmL_shade_result(L, 5, 3, (size_t[]){(size_t)o->height, (size_t)o->width, 3}, &s);
+  if (s == YLM_OK)
+    s = ylm_shade_compose(v, colours->data, (float[]){(float)b[0], (float)b[1], (float)b[2]},
+                          threads, out->data);
+  return ylmL_result(L, 1, s, NULL);
+}
+
+/* shade_layer(view, name, threads, out or nil) -> out [h][w][c] */
+static int shade_layer(lua_State *L) {
+  static const char *const names[] = {"lamps",  "depth",    "coverage", "emitter",
+                                      "normal", "position", "albedo",   NULL};
+  ylm_shade_view *v = ylmL_shade_view(L, 1);
+  ylm_shade_layer layer = (ylm_shade_layer)luaL_checkoption(L, 2, NULL, names);
+  const ylm_shade_options *o = ylm_shade_view_options(v);
+  int threads = (int)luaL_checknumber(L, 3);
+  ylm_status s = YLM_OK;
+  lua_settop(L, 4);
+  size_t shape[3] = {(size_t)o->height, (size_t)o->width, (size_t)ylm_shade_layer_channels(layer)};
+  ylmL_array *out = ylmL_shade_result(L, 4, 3, shape, &s);
+  if (s == YLM_OK) s = ylm_shade_layer_write(v, layer, threads, out->data);
+  return ylmL_result(L, 1, s, NULL);
+}
+
+static const luaL_Reg functions[] = {{"shade_difference", shade_difference},
+                                     {"shade_resolve", shade_resolve},
+                                     {"shade_compose", shade_compose},
+                                     {"shade_layer", shade_layer},
+                                     {NULL, NULL}};
+
+void ylmL_open_shade_picture(lua_State *L) { luaL_setfuncs(L, functions, 0); }

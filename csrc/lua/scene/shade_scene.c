@@ -1,0 +1,182 @@
+/* scene_shade_scene.c - scenes ready to be traced: made of meshes and lamps, looked at, traced. */
+#include <string.h>
+
+#include "shade.h"
+#include "ylm_geom.h"
+
+/* One mesh from lists of meshes, albedos and flags at 1, 2, 3. */
+static ylm_shade_mesh read_mesh(lua_State *L, int i) {
+  double albedo[3];
+  lua_rawgeti(L, 1, i);
+  const ylm_mesh *m = ylmL_mesh_check(L, lua_gettop(L));
+  lua_rawgeti(L, 2, i);
+  ylmL_shade_numbers(L, lua_gettop(L), 3, albedo);
+  lua_rawgeti(L, 3, i);
+  bool occludes = lua_toboolean(L, -1);
+  lua_pop(L, 3);
+  return (ylm_shade_mesh){m->position,  m->normal,
+                          m->vertices,  m->index,
+                          m->triangles, {{(float)albedo[0], (float)albedo[1], (float)albedo[2]}},
+                          occludes};
+}
+
+bool ylmL_shade_lamps(lua_State *L, int i, ylm_shade_lamps *lamps) {
+  ylmL_array *at = ylmL_array_check(L, i), *r = ylmL_array_check(L, i + 1);
+  ylmL_array *c = ylmL_array_check(L, i + 2);
+  size_t n = r->count;
+  if (at->dtype != YLM_DOUBLE || r->dtype != YLM_DOUBLE || c->dtype != YLM_DOUBLE ||
+      at->count != 3 * n || c->count != 3 * n)
+    luaL_argerror(L, i, "double arrays [n][3], [n], [n][3] expected");
+  ylmL_array *t = ylmL_array_opt(L, i + 3), *d = ylmL_array_opt(L, i + 4),
+             *more = ylmL_array_opt(L, i + 5);
+  size_t nt = t ? t->count / 9 : 0, nd = d ? d->count / 7 : 0, flat = 9 * nt + 7 * nd;
+  if ((more ? more->count : 0) != 6 * (nt + nd) || (t && t->dtype != YLM_DOUBLE) ||
+      (d && d->dtype != YLM_DOUBLE) || (more && more->dtype != YLM_DOUBLE))
+    luaL_argerror(L, i + 3, "double arrays [t][9], [d][7], [t+d][6] expected");
+  ylmL_array *all = ylmL_array_new(L, YLM_FLOAT, 1, (size_t[]){7 * n + flat + 6 * (nt + nd)});
+  if (!all) return false;
+  float *sphere = all->data, *radiance = sphere + 4 * n, *shape = radiance + 3 * (n + nt + nd);
+  for (size_t k = 0; k < 9 * nt; k++) shape[k] = (float)((const double *)t->data)[k];
+  for (size_t k = 0; k < 7 * nd; k++) shape[9 * nt + k] = (float)((const double *)d->data)[k];
+  float *horizon = shape + flat;
+  for (size_t k = 0; k < nt + nd; k++)
+    for (size_t a = 0; a < 3; a++) {
+      radiance[3 * (n + k) + a] = (float)((const double *)more->data)[6 * k + a];
+      horizon[3 * k + a] = (float)((const double *)more->data)[6 * k + 3 + a];
+    }
+  for (size_t k = 0; k < n; k++) {
+    for (size_t a = 0; a < 3; a++) {
+      sphere[4 * k + a] = (float)((const double *)at->data)[3 * k + a];
+      radiance[3 * k + a] = (float)((const double *)c->data)[3 * k + a];
+    }
+    sphere[4 * k + 3] = (float)((const double *)r->data)[k];
+  }
+  *lamps =
+      (ylm_shade_lamps){{n, nt, nd, sphere, shape, shape + 9 * nt}, radiance, horizon, 0, NULL};
+  return true;
+}
+
+/* Adds the list of textures at `i` to the lamps: { texels float [h][w][3], {corner, u, v: 9
+   numbers}, scale, triangles }. Leaves values on the stack that keep them alive. */
+static void read_textures(lua_State *L, int i, ylm_shade_lamps *lamps) {
+  size_t n = lua_isnoneornil(L, i) ? 0 : lua_rawlen(L, i);
+  ylm_shade_texture *list = lua_newuserdata(L, (n + 1) * sizeof *list);
+  for (size_t k = 0; k < n; k++) {
+    double x[11];
+    lua_rawgeti(L, i, (int)k + 1);
+    lua_rawgeti(L, -1, 1);
+    ylmL_array *a = ylmL_array_check(L, -1);
+    lua_rawgeti(L, -2, 2);
+    ylmL_shade_numbers(L, lua_gettop(L), 9, x);
+    for (int c = 3; c <= 4; c++) {
+      lua_rawgeti(L, -c, c); /* the entry moves down by one each time */
+      x[c + 6] = (double)luaL_checknumber(L, -1);
+    }
+    if (a->dtype != YLM_FLOAT || a->axes != 3 || a->shape[2] != 3)
+      luaL_argerror(L, i, "float arrays [height][width][3] expected");
+    list[k] = (ylm_shade_texture){.width = a->shape[1],
+                                  .height = a->shape[0],
+                                  .texel = a->data,
+                                  .scale = x[9],
+                                  .triangles = (size_t)x[10]};
+    memcpy(list[k].corner, x, sizeof list[k].corner);
+    memcpy(list[k].u, x + 3, sizeof list[k].u);
+    memcpy(list[k].v, x + 6, sizeof list[k].v);
+    lua_pop(L, 5); /* the list itself keeps the arrays */
+  }
+  lamps->textures = n;
+  lamps->texture = list;
+}
+
+/* shade_scene(meshes, albedos, occludes, at, radius, radiance, triangles, disks, radiance and
+   horizon of these [..][6], textures) -> scene; the last four may be nil */
+static int shade_scene(lua_State *L) {
+  ylm_error e = {0};
+  ylm_shade_lamps lamps;
+  for (int i = 1; i <= 3; i++) luaL_checktype(L, i, LUA_TTABLE);
+  lua_settop(L, 10);
+  size_t n = lua_rawlen(L, 1);
+  if (!ylmL_shade_lamps(L, 4, &lamps)) return ylmL_result(L, 0, YLM_ENOMEM, NULL);
+  read_textures(L, 10, &lamps);
+  ylm_shade_mesh *mesh = lua_newuserdata(L, (n + 1) * sizeof *mesh);
+  for (size_t i = 0; i < n; i++) mesh[i] = read_mesh(L, (int)i + 1);
+  ylm_shade_scene **s = lua_newuserdata(L, sizeof *s);
+  *s = NULL;
+  luaL_getmetatable(L, YLML_SHADE_SCENE);
+  lua_setmetatable(L, -2);
+  return ylmL_result(L, 1, ylm_shade_scene_create(n, mesh, &lamps, s, &e), &e);
+}
+
+static void push_three(lua_State *L, const double x[3]) {
+  lua_createtable(L, 3, 0);
+  for (int a = 0; a < 3; a++) {
+    lua_pushnumber(L, (lua_Number)x[a]);
+    lua_rawseti(L, -2, a + 1);
+  }
+}
+
+/* shade_bounds(scene) -> min, max */
+static int shade_bounds(lua_State *L) {
+  double lo[3], hi[3];
+  ylm_shade_scene_bounds(ylmL_shade_scene(L, 1), lo, hi);
+  push_three(L, lo);
+  push_three(L, hi);
+  return 2;
+}
+
+/* shade_vertices(scene) -> [n][3] */
+static int shade_vertices(lua_State *L) {
+  ylm_shade_scene *s = ylmL_shade_scene(L, 1);
+  ylmL_array *a = ylmL_array_new(L, YLM_FLOAT, 2, (size_t[]){ylm_shade_scene_vertices(s, NULL), 3});
+  if (!a) return ylmL_result(L, 0, YLM_ENOMEM, NULL);
+  ylm_shade_scene_vertices(s, a->data);
+  return 1;
+}
+
+/*
+** shade_trace(scene, rays [n][8]: origin, direction, near, far; float, occlusion) ->
+**   occlusion: blocked [n], 1 or 0
+**   else:      hits [n][8]: mesh (from 1; 0 nothing, -1 a lamp), element from 1, t, u, v, normal
+*/
+static int shade_trace(lua_State *L) {
+  const ylm_trace *t = ylm_shade_scene_trace(ylmL_shade_scene(L, 1));
+  ylmL_array *in = ylmL_array_check(L, 2);
+  bool occlusion = lua_toboolean(L, 3);
+  size_t n = in->count / 8, shape[2] = {n, 8};
+  if (in->dtype != YLM_FLOAT || in->count % 8) return ylmL_result(L, 0, YLM_ESHAPE, NULL);
+  ylmL_array *out = ylmL_array_new(L, YLM_FLOAT, occlusion ? 1 : 2, shape);
+  if (!out) return ylmL_result(L, 0, YLM_ENOMEM, NULL);
+  float *x = out->data;
+  const float *f = in->data;
+  for (size_t i = 0; i < n; i++, f += 8) {
+    ylm_trace_ray r = {{f[0], f[1], f[2]}, f[6], {f[3], f[4], f[5]}, 0, f[7], {0}};
+    ylm_trace_hit h;
+    if (occlusion) {
+      ylm_trace_occluded(t, 1, &r);
+      x[i] = r.far < 0;
+      continue;
+    }
+    ylm_trace_intersect(t, 1, &r, false, &h);
+    bool none = h.mesh == YLM_TRACE_NOTHING;
+    float hit[8] = {none                       ? 0
+                    : h.mesh == YLM_TRACE_LAMP ? -1
+                                               : (float)h.mesh + 1,
+                    none ? 0 : (float)h.element + 1,
+                    h.t,
+                    h.u,
+                    h.v,
+                    h.normal[0],
+                    h.normal[1],
+                    h.normal[2]};
+    memcpy(x + 8 * i, hit, sizeof hit);
+  }
+  return 1;
+}
+
+static const luaL_Reg functions[] = {{"shade_scene", shade_scene},
+                                     {"shade_bounds", shade_bounds},
+                                     {"shade_vertices", shade_vertices},
+                                     {"shade_trace", shade_trace},
+                                     {NULL, NULL}};
+
+void ylmL_open_shade_scene(lua_State *L) { luaL_setfuncs(L, functions, 0); }

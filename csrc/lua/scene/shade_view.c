@@ -1,0 +1,153 @@
+/* scene_shade_view.c - prepared views: made, and what they know of their shading points. */
+#include <string.h>
+
+#include "shade.h"
+
+enum {
+  VIEW_SCENE = 1,
+  CAMERA,
+  WIDTH,
+  HEIGHT,
+  SAMPLES,
+  LMAX,
+  PER_VERTEX,
+  VISIBILITY,
+  TRANSFER,
+  DISTANCE,
+  SHARE,
+  SEED,
+  THREADS,
+  PROGRESS,
+  LIGHT,
+  NOISE,
+  MOST
+};
+
+/* shade_view(scene, {from, at, up, fov: 10 numbers}, width, height, samples, lmax, per vertex,
+   "none" | "pixel" | "vertex", transfer samples, occlusion distance, share, seed, threads,
+   progress, light | nil, noise | nil, most samples | nil) -> view */
+static int shade_view(lua_State *L) {
+  static const char *const names[] = {"none", "pixel", "vertex", NULL};
+  const ylm_shade_scene *scene = ylmL_shade_scene(L, VIEW_SCENE);
+  ylm_error e = {0};
+  ylmL_progress p;
+  double c[10];
+  ylmL_shade_numbers(L, CAMERA, 10, c);
+  lua_settop(L, MOST);
+  bool chosen = !lua_isnil(L, LIGHT);
+  ylm_camera camera = {{c[0], c[1], c[2]}, {c[3], c[4], c[5]}, {c[6], c[7], c[8]}, c[9]};
+  ylm_shade_options o = {.width = (int)luaL_checknumber(L, WIDTH),
+                         .height = (int)luaL_checknumber(L, HEIGHT),
+                         .samples = (int)luaL_checknumber(L, SAMPLES),
+                         .lmax = (int)luaL_checknumber(L, LMAX),
+                         .per_vertex = lua_toboolean(L, PER_VERTEX),
+                         .visibility =
+                             (ylm_shade_visibility)luaL_checkoption(L, VISIBILITY, "pixel", names),
+                         .transfer_samples = (int)luaL_checknumber(L, TRANSFER),
+                         .light = chosen ? ylmL_field_check(L, LIGHT) : NULL,
+                         .noise = (double)luaL_optnumber(L, NOISE, 0),
+                         .most_samples = (int)luaL_optnumber(L, MOST, 0),
+                         .occlusion_distance = (double)luaL_checknumber(L, DISTANCE),
+                         .share = (double)luaL_checknumber(L, SHARE),
+                         .seed = (uint64_t)luaL_checknumber(L, SEED),
+                         .threads = (int)luaL_checknumber(L, THREADS),
+                         .progress = ylmL_progress_begin(L, PROGRESS, &p)};
+  ylm_shade_view **v = lua_newuserdata(L, sizeof *v);
+  *v = NULL;
+  luaL_getmetatable(L, YLML_SHADE_VIEW);
+  lua_setmetatable(L, -2);
+  ylm_status s = ylm_shade_view_create(scene, &camera, &o, v, &e);
+  ylm_shade_stats stats = {0};
+  if (s == YLM_OK) ylm_shade_view_stats(*v, &stats);
+  ylmL_charge(L, stats.bytes);
+  return ylmL_result_progress(L, 1, s, &e, &p);
+}
+
+/* shade_stats(view) -> table */
+static int shade_stats(lua_State *L) {
+  ylm_shade_stats s;
+  ylm_shade_view_stats(ylmL_shade_view(L, 1), &s);
+  lua_newtable(L);
+  ylmL_set_count(L, "points", s.points);
+  ylmL_set_count(L, "hits", s.hits);
+  ylmL_set_count(L, "pixels", s.pixels);
+  ylmL_set_count(L, "primary_rays", s.primary_rays);
+  ylmL_set_count(L, "occlusion_rays", s.occlusion_rays);
+  ylmL_set_number(L, "primary_seconds", s.primary_seconds);
+  ylmL_set_number(L, "transfer_seconds", s.transfer_seconds);
+  ylmL_set_count(L, "transfer_samples",
+                 (uint64_t)ylm_shade_view_options(ylmL_shade_view(L, 1))->transfer_samples);
+  if (s.noise >= 0) ylmL_set_number(L, "noise", s.noise);
+  ylmL_set_count(L, "bytes", s.bytes);
+  return 1;
+}
+
+/* shade_occlusion(view, points, samples, threads) -> table: ylm_shade_occlusion */
+static int shade_occlusion(lua_State *L) {
+  ylm_shade_occlusion o;
+  ylm_status s =
+      ylm_shade_measure_occlusion(ylmL_shade_view(L, 1), (size_t)luaL_checknumber(L, 2),
+                                  (int)luaL_checknumber(L, 3), (int)luaL_checknumber(L, 4), &o);
+  if (s != YLM_OK) return ylmL_result(L, 0, s, NULL);
+  lua_newtable(L);
+  ylmL_set_number(L, "passing", o.passing);
+  ylmL_set_number(L, "passing_error", o.passing_error);
+  ylmL_set_number(L, "missing", o.missing);
+  ylmL_set_number(L, "missing_error", o.missing_error);
+  ylmL_set_count(L, "points", o.points);
+  ylmL_set_count(L, "rays", o.rays);
+  ylmL_set_number(L, "seconds", o.seconds);
+  return 1;
+}
+
+/* shade_points(view) -> position [n][3], normal [n][3], albedo [n][3], object [n] from 1 */
+static int shade_points(lua_State *L) {
+  ylm_shade_view *v = ylmL_shade_view(L, 1);
+  ylm_shade_stats stats;
+  ylm_shade_view_stats(v, &stats);
+  ylmL_array *a[4];
+  for (int i = 0; i < 4; i++) {
+    a[i] = ylmL_array_new(L, YLM_FLOAT, i < 3 ? 2 : 1, (size_t[]){stats.points, 3});
+    if (!a[i]) return ylmL_result(L, 0, YLM_ENOMEM, NULL);
+  }
+  if (stats.points) {
+    memcpy(a[0]->data, ylm_shade_view_positions(v), stats.points * 12);
+    memcpy(a[1]->data, ylm_shade_view_normals(v), stats.points * 12);
+    ylm_shade_view_surface(v, a[2]->data, a[3]->data);
+  }
+  for (size_t i = 0; i < stats.points; i++) ((float *)a[3]->data)[i] += 1;
+  return 4;
+}
+
+/* shade_positions(view) -> [n][3] */
+static int shade_positions(lua_State *L) {
+  ylm_shade_view *v = ylmL_shade_view(L, 1);
+  ylm_shade_stats stats;
+  ylm_shade_view_stats(v, &stats);
+  ylmL_array *a = ylmL_array_new(L, YLM_FLOAT, 2, (size_t[]){stats.points, 3});
+  if (!a) return ylmL_result(L, 0, YLM_ENOMEM, NULL);
+  ylm_copy(a->data, ylm_shade_view_positions(v), stats.points * 12);
+  return 1;
+}
+
+/* shade_transfer(view) -> [n][count] */
+static int shade_transfer(lua_State *L) {
+  ylm_shade_view *v = ylmL_shade_view(L, 1);
+  ylm_shade_stats stats;
+  ylm_shade_view_stats(v, &stats);
+  size_t l = (size_t)ylm_shade_view_options(v)->lmax + 1;
+  ylmL_array *a = ylmL_array_new(L, YLM_FLOAT, 2, (size_t[]){stats.points, l * l});
+  if (!a) return ylmL_result(L, 0, YLM_ENOMEM, NULL);
+  memcpy(a->data, ylm_shade_view_transfer(v), a->count * sizeof(float));
+  return 1;
+}
+
+static const luaL_Reg functions[] = {{"shade_view", shade_view},
+                                     {"shade_stats", shade_stats},
+                                     {"shade_points", shade_points},
+                                     {"shade_positions", shade_positions},
+                                     {"shade_transfer", shade_transfer},
+                                     {"shade_occlusion", shade_occlusion},
+                                     {NULL, NULL}};
+
+void ylmL_open_shade_view(lua_State *L) { luaL_setfuncs(L, functions, 0); }
