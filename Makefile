@@ -167,11 +167,13 @@ INSTALL ?= install
 D        = $(DESTDIR)$(PREFIX)
 version  = $(patsubst lua%,%,$(1))
 
+# A room's init.lua takes the place of an older ylm's file, which Lua would find first.
 install: all   ## install libraries, headers, Lua files and the tool (PREFIX, DESTDIR)
 	$(INSTALL) -d $(D)/bin $(D)/lib $(D)/include/ylm
 	$(INSTALL) -m 755 $(wildcard $(BUILD)/lib/*.so) $(D)/lib
 	$(INSTALL) -m 644 $(wildcard csrc/*/ylm_*.h) $(D)/include/ylm
 	set -e; for v in $(foreach a,$(ABIS),$(call version,$(a))); do \
+	  for f in $(patsubst lua/%/init.lua,%.lua,$(wildcard lua/ylm/*/init.lua)); do rm -f $(D)/share/lua/$$v/$$f; done; \
 	  (cd lua && find ylm -name '*.lua') | while read -r f; do \
 	    $(INSTALL) -D -m 644 lua/$$f $(D)/share/lua/$$v/$$f; done; \
 	  for f in $(BUILD)/lua$$v/ylm/c/*.so; do \

@@ -28,6 +28,8 @@ describe("what is installed", function()
   it("by make install: library, headers, Lua files, bindings and the tool", function()
     if not usual then pending "only of the usual build" end
     local prefix = folder.path .. "/prefix"
+    runs(("mkdir -p %s/share/lua/5.4/ylm && echo 'error \"older\"' > %s/share/lua/5.4/ylm/sh.lua"):format(scratch.quote(prefix),
+      scratch.quote(prefix))) -- what an older ylm left there
     runs(clean .. "make -s install PREFIX=" .. scratch.quote(prefix))
     local file = scratch.quote(folder:write("experiment.lua", experiment))
     for _, lua in ipairs { "lua5.4", "luajit" } do

@@ -6,7 +6,7 @@
 local check = require "ylm.check"
 local form = require "ylm.form"
 local help = require "ylm.help"
-local reference = require "ylm.reference"
+local reference = require "ylm.describe"
 local ylm = help.load()
 
 local closed = ylm.array { 1 }

@@ -47,7 +47,7 @@ describe("a direction", function()
   end)
 
   it("is up, in cameras and in views", function()
-    local view_camera = require "ylm.view_camera"
+    local view_camera = require "ylm.view.camera"
     same(function(v)
       local function reach(directions) -- of the box from (-1, -1, -1) to (1, 2, 3)
         local out = {}

@@ -78,7 +78,7 @@ int ylmL_result(lua_State *L, int n, ylm_status s, const ylm_error *e) {
   X("ylm.mesh", "ylm.geometry")                                                                    \
   X("ylm.grid", "ylm.grid")                                                                        \
   X("ylm.prepared", "ylm.render")                                                                  \
-  X("ylm.sh_rotation", "ylm.sh_rotate")
+  X("ylm.sh_rotation", "ylm.sh.rotate")
 
 /* What a module may define for its type. */
 static const char *const events[] = {"__index", "__newindex", "__len", "__tostring"};

@@ -2,11 +2,11 @@
 
 local check = require "ylm.check"
 local core = require "ylm.c.core"
-local describe = require "ylm.reference".describe
+local describe = require "ylm.describe".describe
 local form = require "ylm.form"
 local memory = require "ylm.memory"
 
-require "ylm.reference".object "array" {
+require "ylm.describe".object "array" {
   about = "Dense, row-major numbers. a[i] is a number, or a view that keeps its parent alive; #a is the first extent.",
   fields = {
     { "shape", "integer[]", "its extents" },
@@ -232,7 +232,7 @@ end]],
 }
 function methods.to(a, gpu)
   open(a, "to")
-  return require "ylm.vulkan".__to(a, gpu)
+  return require "ylm.device".__to(a, gpu)
 end
 
 methods.__index = function(a, key)

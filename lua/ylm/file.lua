@@ -3,7 +3,7 @@
 require "ylm.array" -- its methods
 local check = require "ylm.check"
 local core = require "ylm.c.core"
-local describe = require "ylm.reference".describe
+local describe = require "ylm.describe".describe
 local form = require "ylm.form"
 local memory = require "ylm.memory"
 

@@ -231,9 +231,15 @@ end
 --- The same for fields of fields: form.check(fields, given, fail).
 form.check = checked
 
+--- The module that a source file of ylm is: "light" (ylm/light/init.lua), "light.polygon" (ylm/light/polygon.lua).
+local function module_of(source)
+  local path = source:match(".*ylm[/\\]([%w_/\\]+)%.lua$")
+  return path and (path:gsub("[/\\]init$", ""):gsub("[/\\]", "."))
+end
+
 --- Defines a constructor that takes one named table. Returns it.
 function form.define(name, definition)
-  local home, before = debug.getinfo(2, "S").source:match("([%w_]+)%.lua$"), form.defined[name]
+  local home, before = module_of(debug.getinfo(2, "S").source), form.defined[name]
   assert(not before or before.home == home, "form defined twice: " .. name) -- a file is loaded again where memory ran out
   definition.name, definition.home = name, home
   local function construct(given)

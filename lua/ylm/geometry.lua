@@ -6,7 +6,7 @@
 local array = require "ylm.array"
 local check = require "ylm.check"
 local core = require "ylm.c.core"
-local describe = require "ylm.reference".describe
+local describe = require "ylm.describe".describe
 local form = require "ylm.form"
 local memory = require "ylm.memory"
 
@@ -227,7 +227,7 @@ shape("mesh", {
   example = "mesh { vertices = { { 0, 0, 0 }, { 1, 0, 0 }, { 0, 1, 0 } }, triangles = { { 1, 2, 3 } } }",
 })
 
-require "ylm.reference".object "mesh" {
+require "ylm.describe".object "mesh" {
   about = "Triangles; #mesh is how many. What ylm.quad, ylm.mesh ... return has it as its field mesh.",
   fields = {
     { "bounds", "table", "{ {x0, y0, z0}, {x1, y1, z1} }" },

@@ -2,7 +2,7 @@
 
 local check = require "ylm.check"
 local form = require "ylm.form"
-local reference = require "ylm.reference"
+local reference = require "ylm.describe"
 
 local help = {}
 

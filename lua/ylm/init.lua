@@ -4,7 +4,7 @@
 -- nothing but libylm.so.
 
 local core = require "ylm.c.core"
-local describe = require "ylm.reference".describe
+local describe = require "ylm.describe".describe
 local memory = require "ylm.memory"
 
 -- A kernel set or a number of threads that is silently not the one asked for spoils every measurement.
@@ -19,8 +19,8 @@ local ylm = {}
 local contents = {
   { "ylm.array", "array", "zeros" },
   { "ylm.light", "sphere_light", "sphere_lights", "light_field" },
-  { "ylm.light_polygon", "polygon_light", "disk_light" },
-  { "ylm.light_textured", "textured_light" },
+  { "ylm.light.polygon", "polygon_light", "disk_light" },
+  { "ylm.light.textured", "textured_light" },
   { "ylm.grid", "adaptive_grid", "uniform_grid", "bake" },
   { "ylm.material", "matte" },
   { "ylm.camera", "camera" },
@@ -38,7 +38,7 @@ local contents = {
 --- Public name -> a module that is a table of functions itself.
 local tables = {
   sh = "ylm.sh",
-  vulkan = "ylm.vulkan",
+  vulkan = "ylm.device",
 }
 
 local home = {}

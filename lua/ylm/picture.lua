@@ -2,7 +2,7 @@
 
 local check = require "ylm.check"
 local core = require "ylm.c.core"
-local describe = require "ylm.reference".describe
+local describe = require "ylm.describe".describe
 local library = require "ylm.library"
 local text = require "ylm.picture_text"
 

@@ -3,7 +3,7 @@
 local array = require "ylm.array"
 local check = require "ylm.check"
 local core = require "ylm.c.core"
-local describe = require "ylm.reference".describe
+local describe = require "ylm.describe".describe
 local form = require "ylm.form"
 local memory = require "ylm.memory"
 local picture = require "ylm.picture"

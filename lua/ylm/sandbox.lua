@@ -269,9 +269,9 @@ local function names_of(t)
   return names
 end
 
---- The files of lua/ylm whose forms describe scenes.
-local describing = { camera = true, material = true, geometry = true, light = true, light_polygon = true,
-  light_textured = true, grid = true, scene = true }
+--- The modules of ylm whose forms describe scenes.
+local describing = { camera = true, material = true, geometry = true, light = true, ["light.polygon"] = true,
+  ["light.textured"] = true, grid = true, scene = true }
 
 --- The constructors, as files see them.
 local function constructors(env, state)

@@ -5,7 +5,7 @@
 
 local check = require "ylm.check"
 local core = require "ylm.c.core"
-local describe = require "ylm.reference".describe
+local describe = require "ylm.describe".describe
 local form = require "ylm.form"
 local memory = require "ylm.memory"
 local text = require "ylm.text"
@@ -83,7 +83,7 @@ local function flatten(field, x, out, place, depth, fail)
   for i = 1, n do flatten(field, x[i], out, ("%s[%d]"):format(place, i), depth + 1, fail) end
 end
 
-require "ylm.reference".object "scene" {
+require "ylm.describe".object "scene" {
   about = "What a picture is made of.",
   fields = {
     { "name", "string", "" },

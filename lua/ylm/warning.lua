@@ -4,7 +4,7 @@
 -- ylm.on_warning was given; YLM_WARNINGS=no in the environment silences stderr. Reports hold the same lines.
 
 local check = require "ylm.check"
-local describe = require "ylm.reference".describe
+local describe = require "ylm.describe".describe
 
 local warning = {}
 

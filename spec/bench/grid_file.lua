@@ -4,7 +4,7 @@
 --     build/ylm run spec/bench/grid_file.lua [FILE ...]
 
 local core = require "ylm.c.core"
-local grid_file = require "ylm.grid_file"
+local grid_file = require "ylm.grid.file"
 local ylm = require "ylm"
 
 --- Numbers from 0 to 1, the same every time.

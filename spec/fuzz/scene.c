@@ -44,7 +44,7 @@ static const char setup[] =
     "  assert(type(message) == 'string' and #message < 1200 and shown(message) == message, "
     "'message')\n"
     "  assert(codes[code], 'code ' .. tostring(code) .. ' of ' .. message)\n"
-    "  assert(not message:find 'lua/ylm/[%w_]*%.lua:%d', message)\n" /* not the caller's line */
+    "  assert(not message:find 'lua/ylm/[%w_/]*%.lua:%d', message)\n" /* not the caller's line */
     "  return code .. message\n"
     "end\n";
 

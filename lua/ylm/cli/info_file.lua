@@ -34,7 +34,7 @@ end
 local kinds = {}
 
 function kinds.grid(path, given)
-  local look = status.need(require("ylm.grid_file").look(path))
+  local look = status.need(require("ylm.grid.file").look(path))
   local results, order = { kind = look.form.kind .. " grid" }, { "kind" }
   add(results, order, look.form, form)
   add(results, order, look.stats, stats)

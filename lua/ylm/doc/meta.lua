@@ -2,7 +2,7 @@
 
 local form = require "ylm.form"
 local model = require "ylm.doc.model"
-local reference = require "ylm.reference"
+local reference = require "ylm.describe"
 
 local meta = {}
 

@@ -2,7 +2,7 @@
 
 local form = require "ylm.form"
 local help = require "ylm.help"
-local reference = require "ylm.reference"
+local reference = require "ylm.describe"
 
 local model = {}
 

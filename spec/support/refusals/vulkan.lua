@@ -1,6 +1,6 @@
 -- What computing on a device refuses: see spec/refusals_spec.lua. Nothing here needs a driver.
 
-local objects = require "ylm.reference".objects
+local objects = require "ylm.describe".objects
 
 local rows = require "spec.support.refused"
 

@@ -1,0 +1,170 @@
+--- Pictures on a device: what the option `device` of scene:render does. A view's points, and what its pixels are made of,
+-- are copied once; a frame shades the points, filters them into pixels, draws lamps over them, and stays there or comes back.
+
+local check = require "ylm.check"
+local core = require "ylm.c.core"
+local light = require "ylm.light"
+local memory = require "ylm.memory"
+
+local vulkan_image = {}
+
+local function binding() return assert(require "ylm.device".__binding()) end
+
+--- View -> gpu -> what of it is on that device: position, transfer, albedo, and picture, radiance where it filters.
+local copies = setmetatable({}, { __mode = "k" })
+
+--- View -> gpu -> positions on that device: bakes ask for these alone.
+local positions = setmetatable({}, { __mode = "k" })
+
+--- What `by_view` has of a view by device.
+local function by_device(by_view, view)
+  if not by_view[view] then by_view[view] = setmetatable({}, { __mode = "k" }) end
+  return by_view[view]
+end
+
+--- The points of the view p on a device, copied once; where there is no room for them the host's array. Or nil, message, code.
+function vulkan_image.positions(name, gpu, p)
+  local c, message, code = require "ylm.device".__use(3, name, gpu)
+  if not c then return nil, message, code end
+  local by_gpu = by_device(positions, p.view)
+  if by_gpu[gpu] then return by_gpu[gpu] end
+  local here, there
+  here, message, code = check.result(name, p.lib.shade_positions(p.view))
+  if not here then return nil, message, code end
+  there, message, code = memory.attempt(c.gpu_upload, gpu, here)
+  if not there and (code == "ENOMEM" or code == "ELIMIT") then return here end
+  if not there then return check.result(name, nil, message, code) end
+  by_gpu[gpu] = there
+  return there
+end
+
+--- Copies arrays by name; where memory runs out what was made is given back: nil, message, code.
+local function upload(gpu, arrays)
+  local there = {}
+  for key, a in pairs(arrays) do
+    local copy, message, code = memory.attempt(binding().gpu_upload, gpu, a)
+    if not copy then
+      for _, made in pairs(there) do binding().gpu_array_close(made) end
+      return nil, message, code
+    end
+    there[key] = copy
+  end
+  return there
+end
+
+--- The pixels of a view on a device: picture, and radiance for those points; or nil, message, code.
+local function pixels_on(gpu, p)
+  local entries, message, code = p.lib.shade_entries(p.view)
+  if not entries then return nil, message, code end
+  local size, points, c = p.options.size, p.stats.points, binding()
+  local picture, radiance
+  picture, message, code = memory.attempt(c.gpu_picture_create, gpu, size[1], size[2], points, entries)
+  if not picture then return nil, message, code end
+  radiance, message, code = memory.attempt(c.gpu_array_new, gpu, { points, 3 }, "float")
+  if not radiance then
+    c.gpu_picture_close(picture)
+    return nil, message, code
+  end
+  return { picture = picture, radiance = radiance }
+end
+
+--- The points of a view as arrays of the host's: position, transfer, albedo; or nil, message, code.
+local function points_of(p)
+  local position, normal, albedo = p.lib.shade_points(p.view)
+  if not position then return nil, normal, albedo end
+  local transfer, message, code = p.lib.shade_transfer(p.view)
+  if not transfer then return nil, message, code end
+  return { position = position, transfer = transfer, albedo = albedo }
+end
+
+--- What of a view is on a device. Where there is no room for its points they stay the host's, and are copied in each call;
+-- where there is none for its pixels, the host filters, and message and code say why.
+local function view_on(name, gpu, p)
+  local by_gpu = by_device(copies, p.view)
+  if by_gpu[gpu] then return by_gpu[gpu] end
+  local arrays, message, code = check.result(name, points_of(p))
+  if not arrays then return nil, message, code end
+  local position, there, pixels
+  position, message, code = vulkan_image.positions(name, gpu, p)
+  if not position then return nil, message, code end
+  if core.type(position) == "ylm.gpu_array" then
+    there, message, code = upload(gpu, { transfer = arrays.transfer, albedo = arrays.albedo })
+  end
+  if there then
+    there.position = position
+    pixels, message, code = pixels_on(gpu, p)
+  end
+  if code == "EDEVICE" or code == "ECLOSED" then return check.result(name, nil, message, code) end
+  there = there or arrays
+  if pixels then there.picture, there.radiance = pixels.picture, pixels.radiance
+  else there.message, there.code = message, code end
+  by_gpu[gpu] = there
+  return there
+end
+
+local INTERPOLATION = { hermite = 0, taylor = 1, linear = 2 }
+
+--- Adds the times of stages to others.
+local function add(stages, more)
+  for name, t in pairs(more) do
+    local s = stages[name]
+    if not s then stages[name] = t
+    else
+      s.seconds, s.longest, s.dispatches = s.seconds + t.seconds, math.max(s.longest, t.longest), s.dispatches + t.dispatches
+    end
+  end
+end
+
+--- The gpu_array that o.out names, or a new one: [height][width][3]; or nil, message, code.
+function vulkan_image.room(name, p, o)
+  local c, message, code = require "ylm.device".__use(1, name, o.device)
+  if not c then return nil, message, code end
+  local shape = { p.options.size[2], p.options.size[1], 3 }
+  if o.truth then return check.bad(1, name, "truth: an error is computed of images, which download = false makes none of") end
+  if not o.out then return check.result(name, c.gpu_array_new(o.device, shape, "float")) end
+  return (require "ylm.device.grid".outputs(1, name, o.out, { shape }))
+    or check.bad(1, name, "out: a gpu_array expected, got %s", check.describe(o.out))
+end
+
+--- The device filters what the host has shaded on it: true, or nil, message, code.
+local function filter(name, p, o, v, radiance, image, bar, stages)
+  local discs, ok, times, code
+  if o.lamps then
+    discs, times, code = check.result(name, p.lib.shade_discs(p.view, light.lamps(name, o.lamps)))
+    if not discs and times then return nil, times, code end
+  end
+  ok, times, code = check.result(name, binding().gpu_picture_make(v.picture, radiance, p.scene.background or { 0, 0, 0 },
+    discs, image, bar))
+  if not ok then return nil, times, code end
+  add(stages, times)
+  return true
+end
+
+--- Writes the picture of the prepared view p by a grid (the options o of prepared:render) to `image` [h][w][3], the host's
+-- or a device's: { outside, unbaked, seconds, stages }; or nil, message, code. `compose` filters on the host.
+function vulkan_image.render(name, p, o, image, bar, compose)
+  local start, c = core.seconds(), binding()
+  local copy, message, code = require "ylm.device.grid".copy_of(1, name, o.grid, o.device)
+  if not copy then return nil, message, code end
+  local v
+  v, message, code = view_on(name, o.device, p)
+  if not v then return nil, message, code end
+  local to = v.radiance
+  if not v.picture then
+    if core.type(image) == "ylm.gpu_array" then return nil, v.message, v.code end
+    to, message = core.array_zeros({ p.stats.points, 3 }, "float")
+    if not to then return nil, message, "ENOMEM" end
+  end
+  local radiance, outside, unbaked, seconds, stages = check.result(name, c.gpu_grid_shade(copy, o.grid, v.position,
+    v.transfer, v.albedo, INTERPOLATION[o.interpolation], bar, to))
+  if not radiance then return nil, outside, unbaked end
+  if v.picture then
+    local ok
+    ok, message, code = filter(name, p, o, v, radiance, image, bar, stages)
+    if not ok then return nil, message, code end
+    seconds = core.seconds() - start
+  else compose(name, p, radiance, o, image) end
+  return { outside = outside, unbaked = unbaked, seconds = seconds, stages = stages }
+end
+
+return vulkan_image

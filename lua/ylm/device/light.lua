@@ -1,0 +1,171 @@
+--- Lights in a device's memory: gpu:lights, and what the option `device` of other functions does with lights.
+
+local check = require "ylm.check"
+local core = require "ylm.c.core"
+local describe = require "ylm.describe".describe
+local form = require "ylm.form"
+local reference = require "ylm.describe"
+
+local vulkan_light = {}
+
+local methods = {}
+vulkan_light.methods = methods
+
+--- The numbers of ylm_gpu_method.
+local METHODS = { merged = 0, forward = 1, reversed = 2 }
+local NAMES = { [0] = "merged", "forward", "reversed" }
+
+reference.object "gpu_lights" {
+  about = "Lights in a device's memory; stands wherever lights stand.",
+  methods = methods,
+  fields = {
+    { "count", "integer", "lights" },
+    { "method", "string", "how they are summed" },
+    { "stages", "table", "what was done so far: by stage { seconds, longest (dispatch), dispatches }; upload and download "
+      .. "by the host's clock" },
+  },
+}
+
+local function binding() return assert(require "ylm.device".__binding()) end
+
+local NO_OTHERS = "a device sums sphere, polygon, disk and textured lights; no others"
+
+--- What light.pack made, argument `n` of `name`: sphere lights or nil, and a list of sets of flat lights.
+local function parts_of(n, name, packed)
+  local spheres, others = require "ylm.light".parts(packed)
+  for _, other in ipairs(others) do
+    if not core.polygons_method(other) then return check.bad(n, name, NO_OTHERS) end
+  end
+  return { spheres = spheres, flat = others }
+end
+
+--- Lights on a device -> the device.
+local gpu_of = setmetatable({}, { __mode = "k" })
+
+--- The device of lights that are on one; nil for other objects.
+function vulkan_light.device_of(object) return gpu_of[object] end
+
+--- Parts -> the object on the device; argument `n` of `name` is the device.
+local function create(n, name, gpu, parts, method)
+  local c, message, code = require "ylm.device".__use(n, name, gpu)
+  if not c then return nil, message, code end
+  local lights
+  lights, message, code = check.result(name, c.gpu_lights_create(gpu, parts.spheres, parts.flat, METHODS[method]))
+  if not lights then return nil, message, code end
+  gpu_of[lights] = gpu
+  return lights
+end
+
+local lights_options = {
+  { "method", "choice", of = { "merged", "forward", "reversed" }, default = "merged",
+    about = "merged moments, or the product rule for each light (lmax <= 8, for comparison): all orders m at once, or "
+      .. "one after the other; exact flat lights are only summed with merged" },
+}
+
+describe "gpu:lights" {
+  about = "Copies lights to the device's memory, for light_field and bake, which then compute there. Exact flat lights are "
+    .. "summed in double.",
+  arguments = {
+    { "lights", "light|list", "sphere, polygon, disk and textured lights" },
+    { "options?", "table", "see the options" },
+  },
+  options = lights_options,
+  returns = { { "lights", "gpu_lights", "or nil, message, code: 'ENOMEM', 'ELIMIT', 'EDEVICE', 'EMISSING' (exact flat "
+    .. "lights on a device without float64)" } },
+  errors = "raises on other lights, and where the device has been closed",
+  example = [[
+local gpu = ylm.vulkan.open()
+if gpu then
+  local lamps = gpu:lights(ylm.sphere_light { at = { 0, 2, 0 } })
+  assert(#ylm.light_field(2, lamps, { { 0, 0, 0 } }) == 1 and lamps.count == 1)
+end]],
+  source = "Mezieres et al. 2022, Sec. 5.1 (reversed), Eqs. 24-28 (flat lights); Iwasaki & Dobashi 2025, Eqs. 6, 15",
+}
+function vulkan_light.lights(gpu, lights, given)
+  if core.type(gpu) ~= "ylm.gpu" then
+    return check.fail("lights: a gpu expected before the colon, got %s", check.describe(gpu))
+  end
+  local o = form.options(2, "lights", lights_options, given)
+  local packed = require "ylm.light".pack(1, "lights", lights)
+  return create(1, "lights", gpu, parts_of(1, "lights", packed), o.method)
+end
+
+--- What has a light field, for a function `name` with the options o.device and o.method (argument `n`): the object
+-- on the device, and whether it was made for this call. Without a device the object itself.
+function vulkan_light.on(n, name, object, o)
+  local there = core.type(object) == "ylm.gpu_lights"
+  if not o.device then
+    if o.method then
+      return check.bad(n, name, there and "method: gpu:lights has chosen it" or "method: a choice for computing on a device")
+    end
+    return object
+  end
+  if there then
+    if not binding().gpu_lights_on(object, o.device) then return check.bad(n, name, "device: the lights are on another") end
+    if o.method and o.method ~= object.method then return check.bad(n, name, "method: gpu:lights has chosen it") end
+    return object
+  end
+  local lights, message, code = create(n, name, o.device, parts_of(2, name, object), o.method or "merged")
+  if not lights then return nil, message, code end
+  return lights, true
+end
+
+--- What bakes a grid from lights on a device, in place of core.grid_bake; nil for other objects.
+function vulkan_light.baker(object)
+  if core.type(object) == "ylm.gpu_lights" then return binding().gpu_grid_bake end
+end
+
+--- The copy of a new grid that baking from lights has left on their device, if there is one.
+function vulkan_light.keep(object, grid, copy)
+  if copy then require "ylm.device.grid".keep(grid, gpu_of[object], copy) end
+end
+
+--- Times by stage of an object on a device, less what they were before; nil for other objects.
+function vulkan_light.times(object, before)
+  if core.type(object) ~= "ylm.gpu_lights" then return end
+  local times = binding().gpu_lights_times(object)
+  for stage, t in pairs(times) do
+    local b = before and before[stage]
+    if b then t.seconds, t.dispatches = t.seconds - b.seconds, t.dispatches - b.dispatches end
+  end
+  return times
+end
+
+--- Are these lights of a device to be used still?
+function vulkan_light.is_open(lights) return binding().gpu_lights_info(lights) ~= nil end
+
+describe "gpu_lights:close" {
+  about = "Gives back the memory at once.",
+  arguments = {},
+  returns = {},
+  errors = "raises from the progress function of a call that uses the lights",
+  example = [[
+local gpu = ylm.vulkan.open()
+if gpu then gpu:lights(ylm.sphere_light { at = { 0, 2, 0 } }):close() end]],
+}
+function methods.close(lights)
+  if core.type(lights) ~= "ylm.gpu_lights" then
+    return check.fail("close: gpu_lights expected before the colon, got %s", check.describe(lights))
+  end
+  check.result("close", binding().gpu_lights_close(lights))
+end
+
+function methods.__index(lights, key)
+  if methods[key] then return methods[key] end
+  local count, method = binding().gpu_lights_info(lights)
+  if not count then return check.fail("gpu_lights: the lights have been closed") end
+  if key == "count" then return count end
+  if key == "method" then return NAMES[method] end
+  if key == "stages" then return binding().gpu_lights_times(lights) end
+end
+
+function methods.__newindex(_, key)
+  return check.fail("gpu_lights: cannot set %s", check.describe(key))
+end
+
+function methods.__tostring(lights)
+  local count, method = binding().gpu_lights_info(lights)
+  return count and ("ylm.gpu_lights %d, %s"):format(count, NAMES[method]) or "ylm.gpu_lights (closed)"
+end
+
+return vulkan_light

@@ -1,0 +1,290 @@
+--- ylm.bake, and grid:update, which follows lights that move.
+
+local array = require "ylm.array"
+local check = require "ylm.check"
+local core = require "ylm.c.core"
+local describe = require "ylm.describe".describe
+local device_lights = require "ylm.device.light"
+local form = require "ylm.form"
+local grid_object = require "ylm.grid.object"
+local light = require "ylm.light"
+local unmet = require "ylm.grid.unmet"
+
+local bake = {}
+
+local methods, open, stages_of = grid_object.methods, grid_object.open, grid_object.stages_of
+
+local KIND = { adaptive_grid = 0, uniform_grid = 1 }
+local METRIC_CHANNELS = { none = 0, luminance = 1, rgb = 3 }
+local METRIC = { absolute = 0, relative = 1 }
+
+--- The box around points, at least a thousandth as wide as it is long. Extent 0 in all axes is refused.
+local function bounds_of(points)
+  local lo, hi = core.grid_bounds(points)
+  local largest = math.max(hi[1] - lo[1], hi[2] - lo[2], hi[3] - lo[3])
+  if largest <= 0 then return nil end
+  for i = 1, 3 do
+    local missing = largest * 1e-3 - (hi[i] - lo[i])
+    if missing > 0 then lo[i], hi[i] = lo[i] - missing / 2, hi[i] + missing / 2 end
+  end
+  return { lo, hi }
+end
+
+--- The shading points that a bake on `gpu`, or by the processor, is to serve: an array of the host's, or of a device's
+-- memory; nil: everywhere. Or nil, message, code.
+local function shading_points(x, gpu)
+  if x == nil then return nil end
+  local points = x
+  if core.type(x) == "ylm.prepared" then
+    local message, code
+    points, message, code = require "ylm.render.view".positions("bake", x, gpu)
+    if not points then return nil, message, code end
+  end
+  local n
+  if core.type(points) == "ylm.gpu_array" then
+    n = require "ylm.device.grid".check_points(3, "bake", "occupied", points)
+    if not gpu then
+      return check.bad(3, "bake", "device: occupied is in a device's memory: name the device, or download it")
+    end
+  else
+    points = array.points(3, "bake", points)
+    n = #points
+  end
+  if n == 0 then return check.bad(3, "bake", "occupied: at least one point expected") end
+  return points
+end
+
+--- The mesh of a mesh or a shape, else nil.
+local function mesh_of(x)
+  if core.type(x) == "ylm.mesh" then return x end
+  local mesh = type(x) == "table" and form.kind(x) and rawget(x, "mesh")
+  return core.type(mesh) == "ylm.mesh" and mesh or nil
+end
+
+--- The meshes of the option `geometry`, a list.
+local function meshes_of(x)
+  local list = mesh_of(x) and { x } or x
+  if type(list) ~= "table" or core.type(list) or form.kind(list) or #list == 0 then
+    return check.bad(3, "bake", "geometry must be a mesh, a shape or a list of them, got %s", check.describe(x))
+  end
+  local meshes = {}
+  for i, entry in ipairs(list) do
+    meshes[i] = mesh_of(entry)
+    if not meshes[i] then
+      return check.bad(3, "bake", "geometry[%d] must be a mesh or a shape, got %s", i, check.describe(entry))
+    end
+  end
+  return meshes
+end
+
+--- The meshes whose surfaces a bake is to serve; nil where it is to serve points, or everything.
+local function surfaces(o)
+  if o.occupied == nil and o.geometry == nil then return nil end
+  if type(o.occupied) == "string" and o.occupied ~= "surfaces" then
+    return check.bad(3, "bake", "occupied must be 'surfaces' or points, got %s", check.describe(o.occupied))
+  end
+  if o.occupied == "surfaces" and o.geometry == nil then
+    return check.bad(3, "bake", "occupied = 'surfaces' needs geometry = a mesh, a shape or a list of them")
+  end
+  if o.geometry == nil then return nil end
+  if o.occupied ~= nil and o.occupied ~= "surfaces" then
+    return check.bad(3, "bake", "geometry is for occupied = 'surfaces', occupied gives points: leave one out")
+  end
+  return meshes_of(o.geometry)
+end
+
+--- The box of meshes, a little larger; nil where they have no extent.
+local function bounds_of_meshes(meshes)
+  local lo, hi = { math.huge, math.huge, math.huge }, { -math.huge, -math.huge, -math.huge }
+  for _, mesh in ipairs(meshes) do
+    local vertices, _, low, high = core.mesh_info(mesh)
+    for i = 1, vertices > 0 and 3 or 0 do
+      lo[i], hi[i] = math.min(lo[i], low[i]), math.max(hi[i], high[i])
+    end
+  end
+  if not (math.max(hi[1] - lo[1], hi[2] - lo[2], hi[3] - lo[3]) > 0) then return nil end
+  return require "ylm.render.scene".bounds_of { lo = lo, hi = hi }
+end
+
+--- The bounds of a grid: its own, those given, else those of meshes or of points that are the host's.
+local function bounds(description, given, points)
+  local there = core.type(points) == "ylm.gpu_array"
+  local box = description.bounds or given
+  if not box and type(points) == "table" then box = bounds_of_meshes(points) end
+  if not box and points and not there and type(points) ~= "table" then box = bounds_of(points) end
+  if box then return box end
+  if there then return check.bad(1, "bake", "no bounds: give them in the grid, points in a device's memory are not looked at") end
+  return check.bad(1, "bake", "no bounds: give them in the grid, or geometry or occupied points that span a box")
+end
+
+local bake_options = {
+  { "occupied", "any", optional = true,
+    about = "'surfaces': voxels that the triangles of geometry meet, where the tolerance holds by area; or shading points "
+      .. "[n][3], where it holds at them; or those of a prepared view. Other voxels are not subdivided. Default: 'surfaces' "
+      .. "with geometry, else every voxel; with device also a gpu_array, and a view's points are copied there once" },
+  { "geometry", "any", optional = true,
+    about = "what occupied = 'surfaces' is about: a mesh, a shape (quad, sphere, mesh ...) or a list of them" },
+  { "bounds", "bounds", optional = true, about = "where the description has none" },
+  { "seed", "integer", min = 0, max = 2 ^ 53, default = 1, about = "of the choice of held-out points" },
+  { "max_points", "integer", min = 8, max = 2 ^ 32 - 2, default = 2 ^ 24, about = "nil, message, 'ELIMIT' beyond" },
+  light.tolerance_option "light_tolerance",
+  { "threads", "integer", min = 1, max = 1024, optional = true, about = "default: YLM_THREADS or all cores" },
+  { "progress", "progress", optional = true, about = "called as f(done, total, stage); returning false cancels" },
+  { "device", "gpu", optional = true,
+    about = "lights are summed there, grids refined there (with a tolerance by the processor, from what the device "
+      .. "measures); the grid stays there, for device = gpu of grid:sample and scene:render; grid.stats.stages says how "
+      .. "long that took" },
+}
+
+--- Grid -> the lights it was baked from.
+local baked_from = setmetatable({}, { __mode = "k" })
+
+describe "bake" {
+  about = "Evaluates a light field at the points of a grid: each corner of a voxel once, level by level.",
+  arguments = {
+    { "description", "adaptive_grid|uniform_grid", "what grid" },
+    { "lights", "light|list|function", "a light, a list of lights, what has a light field (a grid too), or an analytic "
+      .. "field f(points, lmax, channels) -> values [n][channels][count], gradients [..][3], lambda [n] or nil" },
+    { "options?", "table", "see the options" },
+  },
+  options = bake_options,
+  returns = { { "grid", "grid", "grid.stats says what was done, and with a tolerance the error that was measured; "
+    .. "a warning says a tolerance that is not met" } },
+  errors = "raises on bad arguments; nil, message, code where memory or max_points are exceeded; "
+    .. "nil, 'cancelled', 'ECANCELLED' where progress returns false; nil, message, code where a device fails",
+  example = [[
+local lamp = ylm.sphere_light { at = { 0, 2, 0 }, radius = 0.1, radiance = { 10, 8, 6 } }
+local floor = {}
+for i = 0, 8 do for j = 0, 8 do floor[#floor + 1] = { i / 4 - 1, 0, j / 4 - 1 } end end
+local grid = ylm.bake(ylm.adaptive_grid { bounds = { { -1, -1, -1 }, { 1, 1, 1 } }, lmax = 2, depth = 3,
+  tolerance = 0.01 },
+  lamp, { occupied = floor })
+assert(grid.stats.met and grid.stats.error <= 0.01)]],
+  source = "Iwasaki & Dobashi 2025, Sec. 5.1",
+}
+function bake.bake(description, lights, given)
+  local kind = form.kind(description)
+  if not KIND[kind] then
+    return check.bad(1, "bake", "an adaptive_grid or a uniform_grid expected, got %s", check.describe(description))
+  end
+  local o = form.options(3, "bake", bake_options, given)
+  if description.dynamic and o.light_tolerance then
+    return check.bad(3, "bake", "a grid with dynamic = true sums its lights exactly: leave light_tolerance out")
+  end
+  local packed, object, failed, why = lights, lights
+  if type(lights) ~= "function" then
+    packed, failed, why = light.field(2, "bake", lights)
+    if not packed then return nil, failed, why end
+    object = packed
+    if not o.device then -- it sums all lights
+      object, failed, why = light.within("bake", packed, o.light_tolerance, o.threads)
+      if not object then return nil, failed, why end
+    end
+  end
+  local followed = description.dynamic and light.followed(object)
+  if description.dynamic and not followed then
+    return check.bad(2, "bake", "a grid with dynamic = true follows sphere lights and flat lights, this is baked from %s: "
+      .. "bake that into a second grid, or leave dynamic out", light.other(object))
+  end
+  local occupied = surfaces(o)
+  if not occupied then
+    occupied, failed, why = shading_points(o.occupied, o.device or device_lights.device_of(object))
+    if not occupied and failed then return nil, failed, why end
+  end
+  local box = bounds(description, o.bounds, occupied)
+  local cells = description.cells or { 1, 1, 1 }
+  local progress = o.progress and require "ylm.progress".of(o.progress) or nil
+  local on, made = object, nil
+  if o.device then
+    if type(object) == "function" then return check.bad(3, "bake", "device: a device sums lights, and no functions") end
+    if description.dynamic then
+      return check.bad(3, "bake", "device: a dynamic grid follows its lights on the processor")
+    end
+    on, made, failed = device_lights.on(3, "bake", object, o)
+    if not on then return nil, made, failed end
+  end
+  local before = device_lights.times(on)
+  local on_grid = device_lights.baker(on) or core.grid_bake
+  local baked, message, code = check.result("bake", on_grid({
+    kind = KIND[kind], lmax = description.lmax, depth = description.depth or 0, cells = cells,
+    bounds = { box[1][1], box[1][2], box[1][3], box[2][1], box[2][2], box[2][3] },
+    channels = description.channels == "rgb" and 3 or 1,
+    metric_channels = METRIC_CHANNELS[description.metric_channels],
+    metric = METRIC[description.metric],
+    threshold = description.threshold or -1, tolerance = description.tolerance or 0,
+    continuous = description.continuous and 1 or 0, dynamic = description.dynamic and 1 or 0,
+  }, on, occupied, o.seed, o.threads or 0, o.max_points, progress, followed or nil))
+  if baked == nil then
+    if made then on:close() end
+    return nil, message, code
+  end
+  stages_of[baked] = device_lights.times(on, before)
+  device_lights.keep(on, baked, message)
+  if made then on:close() end
+  if type(packed) ~= "function" and light.followed(packed) then baked_from[baked] = packed end
+  unmet.remember(baked, o.light_tolerance)
+  unmet.warn(baked)
+  return baked
+end
+
+--- The lights that a grid was baked from, if that was in this program and they were lights; for pictures.
+function bake.lights_of(g)
+  local lights = baked_from[g]
+  return lights and (core.type(lights) ~= "ylm.lights" or core.lights_count(lights)) and lights or nil
+end
+
+local update_options = {
+  { "tolerance", "number", min = 0, optional = true,
+    about = "what is left as it is may be off by this, relative to the field; 0: nothing is left. "
+      .. "Default: an eighth of the grid's tolerance, 0.001 where it has none" },
+  { "threads", "integer", min = 1, max = 1024, optional = true, about = "default: YLM_THREADS or all cores" },
+  { "progress", "progress", optional = true, about = "called as f(done, total, stage); returning false cancels" },
+}
+
+describe "grid:update" {
+  about = "Follows lights that moved, changed, appeared or vanished: only what they change beyond the tolerance is "
+    .. "baked again, and the octree is refined and merged to suit. The grid must have been made with dynamic = true.",
+  arguments = {
+    { "lights", "light|list", "all lights as they are now, of any kind; {}: darkness; those that did not change are "
+      .. "recognised by their place in the list, else by their content" },
+    { "options?", "table", "see the options" },
+  },
+  options = update_options,
+  returns = { { "report", "table", "also grid.stats.update: lights that changed, points brought up to date, exact: of "
+    .. "these with all lights, skipped: within the tolerance, added, removed, pairs, seconds, field_seconds, "
+    .. "tree_seconds, rebaked, updates; with a tolerance met, error, confidence, verified, limited and warning: of the "
+    .. "whole grid as it is, see grid.stats" } },
+  errors = "raises on bad arguments, a grid that is not dynamic, and from the progress function of a call that reads the "
+    .. "grid; nil, message, code where memory or max_points are "
+    .. "exceeded; nil, 'cancelled', 'ECANCELLED' where progress returns false: the grid is then as it was, or it "
+    .. "says that it is spent and refuses all but close: where memory ran out twice in the last step",
+  example = [[
+local function lamp(x) return ylm.sphere_light { at = { x, 2, 0 }, radius = 0.1, radiance = 10 } end
+local grid = ylm.bake(ylm.uniform_grid { bounds = { { -1, -1, -1 }, { 1, 1, 1 } }, cells = 4, dynamic = true },
+  { lamp(0), lamp(1) })
+local report = grid:update { lamp(0), lamp(1.2) }
+assert(report.lights == 1 and report.points > 0)]],
+}
+function methods.update(g, lights, given)
+  open(g, "update")
+  local o = form.options(2, "update", update_options, given)
+  local object = light.field(1, "update", lights)
+  local followed = light.followed(object)
+  if not followed then
+    return check.bad(1, "update", "a dynamic grid follows sphere lights and flat lights, got %s: bake that into a second "
+      .. "grid", light.other(object))
+  end
+  if not core.grid_form(g).dynamic then
+    return check.fail("update: this grid does not follow lights: make it with dynamic = true (a loaded grid never does)")
+  end
+  local progress = o.progress and require "ylm.progress".of(o.progress) or nil
+  local report, message, code = check.result("update", core.grid_update(g, object, followed, o.tolerance or -1,
+    o.threads or 0, progress))
+  if report == nil then return nil, message, code end
+  baked_from[g] = object
+  unmet.warn(g)
+  report.warning = g.stats.update.warning
+  return report
+end
+
+return bake

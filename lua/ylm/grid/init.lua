@@ -1,0 +1,98 @@
+--- Grids of light-field coefficients: their descriptions, ylm.adaptive_grid and ylm.uniform_grid.
+--
+-- ylm.bake and the methods of a grid are in grid_*.lua, by subject; all of them are loaded from here.
+
+local check = require "ylm.check"
+local form = require "ylm.form"
+
+local grid = {}
+
+local DEFAULT_TOLERANCE = 0.01
+
+local bounds_field = { "bounds", "bounds", optional = true, unit = "scene units",
+  about = "corners {min, max}; default: those of the geometry or of the occupied points" }
+local lmax_field = { "lmax", "integer", min = 0, max = 100, default = 4, about = "highest degree" }
+local channels_field = { "channels", "choice", of = { "rgb", "luminance" }, default = "rgb",
+  about = "what is baked: three linear channels, or one" }
+
+local dynamic_field = { "dynamic", "boolean", default = false,
+  about = "keeps what grid:update needs to follow sphere and flat lights that move: Hessians, lights, where light is needed" }
+
+grid.adaptive_grid = form.define("adaptive_grid", {
+  about = "An octree of voxels that subdivides where its interpolation would be wrong and light is needed. "
+    .. "tolerance promises an error; threshold reproduces the paper's metric. Without either, tolerance is 0.01.",
+  fields = {
+    bounds_field, lmax_field,
+    { "depth", "integer", min = 0, max = 16, default = 6, about = "finest level N: 2^N voxels along each axis" },
+    { "tolerance", "number", above = 0, optional = true,
+      about = "relative L2 error that 99 % of the occupied points keep, of surfaces 99 % of the area; verified after "
+        .. "bakes and updates, see stats.met" },
+    { "metric", "choice", of = { "relative", "absolute" }, default = "relative",
+      about = "the Hessian's error metric that threshold is compared with" },
+    { "threshold", "number", min = 0, optional = true, about = "voxels above it are subdivided" },
+    { "metric_channels", "choice", of = { "luminance", "rgb" }, default = "luminance",
+      about = "what the metric is of" },
+    channels_field,
+    { "continuous", "boolean", default = true, about = "no jumps between voxels of different levels" },
+    dynamic_field,
+  },
+  build = function(values, fail)
+    if values.tolerance and values.threshold then
+      return fail("either tolerance or threshold, not both: a tolerance chooses where to subdivide itself")
+    end
+    if values.metric_channels == "rgb" and values.channels ~= "rgb" then
+      return fail("metric_channels = 'rgb' needs channels = 'rgb'")
+    end
+    if not values.threshold and not values.tolerance then values.tolerance = DEFAULT_TOLERANCE end
+    return setmetatable(values, form.defined.adaptive_grid.metatable)
+  end,
+  example = "adaptive_grid { bounds = { {-2, 0, -2}, {2, 3, 2} }, lmax = 4, depth = 6, tolerance = 0.01 }",
+  source = "Iwasaki & Dobashi 2025, Sec. 5",
+})
+
+--- Voxels along each axis: one number for all, or three.
+function form.types.cells(x)
+  local wanted = "voxels along each axis: an integer or three, 1 to 1048576 each"
+  if check.is_integer(x) then x = { x, x, x } end
+  if type(x) ~= "table" or #x ~= 3 then return nil, wanted end
+  for i = 1, 3 do
+    if not check.is_integer(x[i]) or x[i] < 1 or x[i] > 2 ^ 20 then return nil, wanted end
+  end
+  return { x[1], x[2], x[3] }
+end
+
+grid.uniform_grid = form.define("uniform_grid", {
+  about = "A lattice of equal voxels.",
+  fields = {
+    bounds_field, lmax_field,
+    { "cells", "cells", about = "voxels along each axis: a number, or {nx, ny, nz}" },
+    channels_field,
+    { "metric_channels", "choice", of = { "luminance", "rgb", "none" }, default = "luminance",
+      about = "what the metric is of; none: faster to bake, and cells() knows no errors" },
+    { "metric", "choice", of = { "relative", "absolute" }, default = "relative",
+      about = "of the errors that cells() reports" },
+    dynamic_field,
+  },
+  build = function(values, fail)
+    if values.metric_channels == "rgb" and values.channels ~= "rgb" then
+      return fail("metric_channels = 'rgb' needs channels = 'rgb'")
+    end
+    if values.cells[1] * values.cells[2] * values.cells[3] > 2 ^ 31 then
+      return fail("cells are too many: at most 2^31 in all")
+    end
+    return setmetatable(values, form.defined.uniform_grid.metatable)
+  end,
+  example = "uniform_grid { bounds = { {-2, 0, -2}, {2, 3, 2} }, cells = { 8, 8, 8 }, lmax = 4 }",
+})
+
+local bake = require "ylm.grid.bake"
+grid.bake, grid.lights_of = bake.bake, bake.lights_of
+
+require "ylm.grid.sample"
+require "ylm.grid.look"
+
+local file = require "ylm.grid.file"
+require "ylm.memory".publish(require "ylm.c.core".metatable "ylm.grid")
+grid.magic, grid.load = file.magic, file.load
+
+return grid

@@ -1,0 +1,91 @@
+--- What every method of a grid starts from: the metatable, its fields, open and closed.
+
+local check = require "ylm.check"
+local core = require "ylm.c.core"
+local describe = require "ylm.describe".describe
+local unmet = require "ylm.grid.unmet"
+
+local object = {}
+
+local methods = core.metatable "ylm.grid"
+object.methods = methods
+
+--- Grid -> times by stage of the device that it was baked on.
+object.stages_of = setmetatable({}, { __mode = "k" })
+
+require "ylm.describe".object "grid" {
+  about = "A baked grid of probes. What it was described with can be read from it, but for the cells of a uniform "
+    .. "grid, since grid:cells() are the voxels themselves: they are grid.resolution.",
+  fields = {
+    { "kind", "string", "'adaptive' or 'uniform'" },
+    { "resolution", "table", "{ nx, ny, nz }: voxels along each axis, of an adaptive grid those of its finest level" },
+    { "bounds", "table", "{ lowest, highest }, scene units" },
+    { "lmax", "integer", "of the coefficients" },
+    { "channels", "integer", "1 luminance, 3 rgb" },
+    { "metric_channels", "string", "what the error metric is of" },
+    { "dynamic", "boolean", "whether grid:update follows lights" },
+    { "depth", "integer", "finest level of an adaptive grid; its metric, continuous, and tolerance or threshold likewise" },
+    { "stats", "table", "points, cells, leaves, levels, pairs, invalid, bytes, ...; with a tolerance met: at least 99 % "
+      .. "of the occupied points keep it, error: a bound of their 99 % quantile, both with this confidence (1: all points were "
+      .. "compared; nil in a loaded grid), verified: the random points that judge, limited: not met because of the depth, "
+      .. "warning: a sentence, where it is not met; "
+      .. "seconds, of which field_seconds in the light field, occupancy_, lattice_, residual_ and continuity_seconds in "
+      .. "parts of the bake, verify_seconds (field included) to verify (a loaded grid has none: files hold no times); baked "
+      .. "on a device stages: by name { seconds, longest, dispatches }" },
+  },
+}
+
+--- The grid, where it is one that can be used; raises in the name of the method otherwise.
+function object.open(g, name)
+  local fault = check.grid_fault(g)
+  if fault and not (name == "close" and select(3, core.grid_is_open(g))) then return check.fail("%s: %s", name, fault) end
+  if core.grid_is_open(g) == nil then
+    return check.fail("%s: a grid expected before the colon, got %s", name, check.describe(g))
+  end
+  return g
+end
+
+describe "grid:close" {
+  about = "Frees the memory now rather than at the next collection.",
+  arguments = {},
+  returns = {},
+  errors = "raises on what is not a grid",
+  example = [[
+local lamp = ylm.sphere_light { at = { 0, 2, 0 } }
+ylm.bake(ylm.uniform_grid { bounds = { { -1, -1, -1 }, { 1, 1, 1 } }, cells = 2, lmax = 1 }, lamp):close()]],
+}
+function methods.close(g)
+  object.open(g, "close")
+  check.result("close", core.grid_close(g))
+  local there = package.loaded["ylm.device.grid"]
+  if there then there.forget(g) end
+end
+
+methods.__index = function(g, key)
+  local method = rawget(methods, key)
+  if method ~= nil or type(key) ~= "string" then return method end
+  object.open(g, key)
+  if key == "stats" then
+    local stats = unmet.stats(g)
+    stats.stages = object.stages_of[g]
+    return stats
+  end
+  return core.grid_form(g)[key]
+end
+
+methods.__newindex = function(_, key)
+  return check.fail("grid: cannot set %s: only grid:update changes a grid", check.describe(key))
+end
+
+methods.__tostring = function(g)
+  local is_open, updating, spent = core.grid_is_open(g)
+  if not is_open then return "ylm.grid (closed)" end
+  if spent then return "ylm.grid (spent)" end
+  if updating then return "ylm.grid (being updated)" end
+  local f, s = core.grid_form(g), core.grid_stats(g)
+  return ("ylm.grid %s lmax %d %s, %d points, %d leaves"):format(f.kind, f.lmax, f.channels == 3
+    and "rgb" or "luminance",
+    s.points, s.leaves)
+end
+
+return object

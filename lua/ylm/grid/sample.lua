@@ -1,0 +1,113 @@
+--- Coefficients between a grid's points: grid:sample, and grid:to for a device's memory.
+
+local array = require "ylm.array"
+local check = require "ylm.check"
+local core = require "ylm.c.core"
+local describe = require "ylm.describe".describe
+local form = require "ylm.form"
+local grid_object = require "ylm.grid.object"
+local outputs = require "ylm.outputs"
+
+local methods, open = grid_object.methods, grid_object.open
+
+local INTERPOLATION = { hermite = 0, taylor = 1, linear = 2 }
+
+local sample_options = {
+  { "interpolation", "choice", of = { "hermite", "taylor", "linear" }, default = "hermite",
+    about = "cubic Hermite (fourth order), the corners' first-order expansions, or trilinear" },
+  { "derivatives", "integer", min = 0, max = 1, default = 0, about = "1: also the interpolant's gradient" },
+  { "outside", "choice", of = { "clamp", "nan" }, default = "clamp",
+    about = "points outside of the bounds: those of the nearest point inside, or NaN" },
+  { "dtype", "choice", of = { "float", "double" }, default = "float", about = "of the results" },
+  { "flags", "boolean", default = false, about = "also which points were outside or unbaked; not with device" },
+  { "threads", "integer", min = 1, max = 1024, optional = true, about = "default: YLM_THREADS or all cores" },
+  { "device", "gpu", optional = true,
+    about = "interpolates there, in float, with the copy of grid:to(gpu), made where there is none; new results are where "
+      .. "the points are; report.stages" },
+  { "out", "any", optional = true, about = "an array, or a list of them, shaped and typed like the results, which they take; "
+    .. "with device also in its memory" },
+  { "progress", "progress", optional = true, about = "called as f(done, total, stage); returning false cancels" },
+}
+
+describe "grid:sample" {
+  about = "Interpolates coefficients at points. Fastest where neighbours in the array are neighbours in space.",
+  arguments = {
+    { "points", "array|table|gpu_array", "[n][3] or one point, scene units; with device also an array in its memory, whose "
+      .. "numbers are not checked" },
+    { "options?", "table", "see the options" },
+  },
+  options = sample_options,
+  returns = {
+    { "c", "array", "[n][channels][(lmax+1)^2]; a gpu_array where the points or out are" },
+    { "dc", "array", "[n][channels][(lmax+1)^2][3], the same, or nil" },
+    { "report", "table", "outside: points outside of the bounds; unbaked: points in voxels without data of their own, "
+      .. "which the nearest evaluated ancestor (uniform: voxel) answers for; seconds" },
+    { "flags", "array", "[n], with flags = true: 1 for a point outside, 2 for an unbaked one, 3 for both, else 0" },
+  },
+  errors = "raises on bad arguments; nil, 'cancelled', 'ECANCELLED' where progress returns false",
+  example = [[
+local lamp = ylm.sphere_light { at = { 0, 2, 0 }, radius = 0.1 }
+local grid = ylm.bake(ylm.uniform_grid { bounds = { { -1, -1, -1 }, { 1, 1, 1 } }, cells = 4, lmax = 2 }, lamp)
+local c, dc, report = grid:sample({ { 0, 0, 0 }, { 5, 0, 0 } }, { derivatives = 1 })
+assert(c.shape[3] == 9 and dc.shape[4] == 3 and report.outside == 1)
+local _, _, _, flags = grid:sample({ { 0, 0, 0 }, { 5, 0, 0 } }, { flags = true })
+assert(flags[1] == 0 and flags[2] == 1)]],
+}
+function methods.sample(g, points, given)
+  open(g, "sample")
+  local o = form.options(2, "sample", sample_options, given)
+  local on_device, p, single = core.type(points) == "ylm.gpu_array", points, false
+  if on_device then
+    require "ylm.device.grid".check_points(1, "sample", "points", points)
+    if not o.device then
+      return check.bad(2, "sample", "device: points are in a device's memory: name the device, or download them")
+    end
+  else p, single = array.points(1, "sample", points) end
+  local shape = { on_device and points.shape[1] or #p, g.channels, (g.lmax + 1) ^ 2 }
+  if o.device and o.flags then
+    return check.bad(2, "sample", "flags: the processor finds them: leave device out")
+  end
+  local shapes = { shape, o.derivatives > 0 and { shape[1], shape[2], shape[3], 3 } or nil }
+  if o.flags then shapes[#shapes + 1] = { shape[1] } end
+  local out1, out2, out3
+  if o.device then out1, out2 = require "ylm.device.grid".outputs(2, "sample", o.out, shapes) end
+  if not (out1 or out2) then out1, out2, out3 = outputs.of(2, "sample", o.out, o.dtype, shapes, points) end
+  local progress = o.progress and require "ylm.progress".of(o.progress) or nil
+  if o.device then
+    local c, dc, report = require "ylm.device.grid".sample(g, p, o, INTERPOLATION[o.interpolation], out1, out2, progress)
+    if c and single and core.type(c) == "ylm.array" and not out1 then c, dc = c[1], dc and dc[1] end
+    return c, dc, report
+  end
+  local out_flags = out3
+  if o.derivatives == 0 then out2, out_flags = nil, out2 end
+  local c, dc, outside, unbaked, seconds = check.result("sample", core.grid_sample(g, p, INTERPOLATION[o.interpolation],
+    o.derivatives, o.outside == "nan", o.dtype, o.threads or 0, progress, out1, out2))
+  if c == nil then return nil, dc, outside end
+  local flags, message, code
+  if o.flags then
+    flags, message, code = check.result("sample", core.grid_flags(g, p, o.dtype, o.threads or 0, out_flags))
+    if flags == nil then return nil, message, code end
+  end
+  if single and not out1 then c, dc, flags = c[1], dc and dc[1], flags and flags[1] end
+  return c, dc, { outside = outside, unbaked = unbaked, seconds = seconds }, flags
+end
+
+describe "grid:to" {
+  about = "Copies the grid's coefficients, gradients and cells to a device's memory, where grid:sample uses them by "
+    .. "device = gpu. Where there is a copy, as after a bake with device = gpu, that is returned; after an update a new one.",
+  arguments = { { "gpu", "gpu", "of ylm.vulkan.open" } },
+  returns = { { "copy", "gpu_grid", "or nil, message, code: 'ELIMIT' (more data than a kernel sees), 'ENOMEM', 'EDEVICE'" } },
+  errors = "raises where the grid or the device has been closed",
+  example = [[
+local gpu = ylm.vulkan.open()
+local grid = ylm.bake(ylm.uniform_grid { bounds = { { -1, -1, -1 }, { 1, 1, 1 } }, cells = 2, lmax = 1 },
+  ylm.sphere_light { at = { 0, 2, 0 } })
+if gpu then
+  assert(grid:to(gpu).bytes > 0)
+  local c, _, report = grid:sample({ { 0, 0, 0 } }, { device = gpu })
+  assert(c.shape[3] == 4 and report.stages.sample.seconds >= 0)
+end]],
+}
+function methods.to(g, gpu)
+  return require "ylm.device.grid".to(open(g, "to"), gpu)
+end

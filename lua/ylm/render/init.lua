@@ -1,0 +1,204 @@
+--- Pictures of scenes: what bake, prepare, render, reference and raycast of a scene do.
+
+require "ylm.render.prepared" -- the methods of what prepare returns
+local check = require "ylm.check"
+local core = require "ylm.c.core"
+local describe = require "ylm.describe".describe
+local form = require "ylm.form"
+local light = require "ylm.light"
+local options = require "ylm.render.options"
+local pictures = require "ylm.render.picture"
+local shading = require "ylm.render.shade"
+local tracing = require "ylm.render.scene"
+local views = require "ylm.render.view"
+
+local render = { true_error = pictures.true_error }
+
+local prepare_options = options.list(options.view_fields "samples", options.transfer_fields, options.common)
+
+describe "scene:prepare" {
+  about = "Traces a camera's rays and the visibility of what they hit, once, for any number of renderings.",
+  arguments = { { "options?", "table", "" } },
+  options = prepare_options,
+  returns = { { "view", "prepared", "view:render, view:reference, view:raycast, view:points; view.stats, .options" } },
+  errors = "raises on a bad option or a scene without camera; nil, message, code: memory, cancelled",
+  example = options.one_lamp .. [[
+local view = scene:prepare { size = { 32, 18 }, samples = 4 }
+local image, report = view:reference()
+assert(image.size[1] == 32 and report.points == view.stats.points)]],
+  source = "Iwasaki & Dobashi 2025, Sec. 6.2",
+}
+function render.prepare(s, given)
+  tracing.check_scene("prepare", s)
+  local o = form.options(1, "prepare", prepare_options, given)
+  o.lmax = o.lmax or views.default_lmax(s)
+  return views.prepare("prepare", s, o)
+end
+
+local bake_options = options.list(options.view_fields "samples", {
+  { "probes", "object", of = { "adaptive_grid", "uniform_grid" }, optional = true, about = "instead of the scene's" },
+  { "occupied", "any", default = "surfaces",
+    about = "where light is needed: 'surfaces' (the whole geometry), 'camera' (what its rays hit: size, samples, share and "
+      .. "shading are about them), 'vertices' (all of them), 'everywhere', a prepared view, or an array [n][3], with device "
+      .. "also a gpu_array" },
+  { "shading", "choice", of = { "pixel", "vertex" }, default = "pixel",
+    about = "with 'camera': what rays hit, or the vertices of the triangles they hit" },
+  light.tolerance_option "light_tolerance",
+  { "device", "gpu", optional = true, about = "bakes there, as ylm.bake does; a prepared view's points are copied there once" },
+}, options.common)
+
+--- Raises where options that are about the camera alone are given and would be ignored.
+local function check_camera_options(given, o)
+  if o.occupied == "camera" or type(given) ~= "table" then return end
+  for _, name in ipairs { "size", "samples", "share", "shading" } do
+    if given[name] ~= nil then
+      return check.fail("bake: %s is about the camera's rays: give occupied = 'camera' too, or leave it out", name)
+    end
+  end
+end
+
+--- The shading points that a bake is to serve, as an array; nil: everywhere, or the surfaces of all geometry. Else false,
+-- message, code.
+local function occupied_points(s, t, o)
+  local x = o.occupied
+  if x == "everywhere" then return nil end
+  if x == "surfaces" then
+    if #s.geometry > 0 then return nil end
+    return check.fail("bake: scene %q has no geometry, so no surfaces (occupied = 'everywhere' needs none)", s.name or "?")
+  end
+  if x == "vertices" then return t.lib.shade_vertices(t.handle) end
+  if core.type(x) == "ylm.prepared" then
+    local points, message, code = views.positions("bake", x, o.device)
+    return points or false, message, code
+  end
+  if core.type(x) == "ylm.array" or core.type(x) == "ylm.gpu_array" then return x end
+  if x ~= "camera" then
+    return check.fail("bake: occupied must be 'surfaces', 'camera', 'vertices', 'everywhere', a prepared view or an array, "
+      .. "got %s", check.describe(x))
+  end
+  local view, message, code = views.prepare("bake", s, { size = o.size, samples = o.samples, seed = o.seed, share = o.share,
+    shading = o.shading, visibility = "none", transfer_samples = 1, lmax = 0, threads = o.threads,
+    progress = o.progress })
+  if not view then return false, message, code end
+  local points = t.lib.shade_positions(view)
+  view:close()
+  return points
+end
+
+describe "scene:bake" {
+  about = "Bakes a scene's probes: a grid of its lights for the surfaces of its geometry, or for what its camera sees.",
+  arguments = { { "options?", "table", "the camera's default to those of scene:render" } },
+  options = bake_options,
+  returns = { { "grid", "grid", "bounds default to the box around the geometry" } },
+  errors = "raises where there are no probes or a bad option; nil, message, code: memory, cancelled",
+  example = options.one_lamp .. [[
+local probes = ylm.uniform_grid { cells = { 4, 4, 4 }, lmax = 2 }
+local grid = scene:bake { probes = probes }
+local seen = scene:bake { probes = probes, occupied = "camera", size = { 32, 18 }, samples = 4 }
+assert(grid.stats.points >= seen.stats.points)]],
+}
+function render.bake(s, given)
+  tracing.check_scene("bake", s)
+  local o = form.options(1, "bake", bake_options, given)
+  local probes = o.probes or s.probes
+  if not probes then
+    return check.fail("bake: scene %q has no probes (probes = adaptive_grid { ... })", s.name or "?")
+  end
+  check_camera_options(given, o)
+  local t, message, code = tracing.trace("bake", s)
+  if not t then return nil, message, code end
+  local points
+  points, message, code = occupied_points(s, t, o)
+  if points == false then return nil, message, code end
+  if points and core.type(points) ~= "ylm.gpu_array" and #points == 0 then
+    local seen = o.occupied == "camera" or core.type(o.occupied) == "ylm.prepared"
+    return check.fail("bake: no shading points: %s",
+      seen and "the camera sees no geometry (occupied = 'everywhere' needs none)"
+        or "occupied is empty")
+  end
+  local surfaces = o.occupied == "surfaces"
+  return require("ylm.grid").bake(probes, t.lights, { occupied = surfaces and "surfaces" or points,
+    geometry = surfaces and s.geometry or nil, bounds = tracing.bounds_of(t), seed = o.seed, threads = o.threads,
+    progress = o.progress, light_tolerance = o.light_tolerance, device = o.device })
+end
+
+local render_options = options.list(options.view_fields "samples", options.transfer_fields, options.grid_fields,
+  options.baked_fields, options.layer_fields, options.common)
+
+describe "scene:render" {
+  about = "Renders a scene by a grid (default: one that is baked for what the camera sees).",
+  arguments = { { "options?", "table", "" } },
+  options = render_options,
+  returns = { { "image", "image", "" }, { "report", "table", options.transfer_text .. "outside, unbaked: shading points" } },
+  errors = "raises on a bad option, no camera, neither grid nor probes; nil, message, code: memory, cancelled",
+  example = options.one_lamp .. [[
+local grid = scene:bake { probes = ylm.uniform_grid { cells = { 4, 4, 4 }, lmax = 2 } }
+local image, report = scene:render { grid = grid, size = { 32, 18 }, samples = 4 }
+assert(image:layer "level" and report.seconds.light)]],
+  source = "Iwasaki & Dobashi 2025, Sec. 6.2",
+}
+function render.render(s, given)
+  tracing.check_scene("render", s)
+  local o = form.options(1, "render", render_options, given)
+  if not (o.grid == nil and s.probes) then views.check_grid("render", o.grid) end
+  if o.grid and o.light_tolerance then
+    return check.fail "render: light_tolerance is for baking the scene's probes, this grid is baked: leave one out"
+  end
+  o.lmax = o.lmax or views.default_lmax(s, o.grid)
+  local view, message, code = views.prepare("render", s, o)
+  if not view then return nil, message, code end
+  if not o.grid and views.made[view].stats.points == 0 then
+    o.grid = views.made[view].traced.lights -- no grid can be baked for no points; no point will ask what light there is
+  elseif not o.grid then
+    o.grid, message, code = render.bake(s, { occupied = view, threads = o.threads, progress = o.progress,
+      light_tolerance = o.light_tolerance })
+    if not o.grid then return nil, message, code end
+  end
+  return shading.by_grid("render", views.open("render", view), o)
+end
+
+local reference_options = options.list(options.view_fields "samples", options.transfer_fields, options.reference_fields,
+  options.layer_fields, options.common)
+
+describe "scene:reference" {
+  about = "Renders a scene with the lights' coefficients at every shading point: what an exact grid would give. "
+    .. "Its visibility is that of scene:render; true shadows are those of scene:raycast.",
+  arguments = { { "options?", "table", "" } },
+  options = reference_options,
+  returns = { { "image", "image", "" }, { "report", "table", options.transfer_text .. "pairs: light x point evaluations" } },
+  errors = "raises on a bad option or a scene without camera; nil, message, code: memory, cancelled",
+  example = options.one_lamp .. "assert(scene:reference { size = { 32, 18 }, samples = 4 })",
+}
+function render.reference(s, given)
+  tracing.check_scene("reference", s)
+  local o = form.options(1, "reference", reference_options, given)
+  o.lmax = o.lmax or views.default_lmax(s)
+  local view, message, code = views.prepare("reference", s, o)
+  if not view then return nil, message, code end
+  return shading.by_lights("reference", views.open("reference", view), o)
+end
+
+local raycast_options = options.list(options.view_fields "pixel_samples", options.ray_fields, options.layer_fields,
+  options.common)
+
+describe "scene:raycast" {
+  about = "Renders a scene by rays to the lamps, chosen by what they would bring: what spherical harmonics lose shows.",
+  arguments = { { "options?", "table", "" } },
+  options = raycast_options,
+  returns = { { "image", "image", "" }, { "report", "table", options.report_text .. "rays.shadow" } },
+  errors = "raises on a bad option or a scene without camera; nil, message, code: memory, cancelled",
+  example = options.one_lamp .. "assert(scene:raycast { size = { 32, 18 }, pixel_samples = 4, samples = 8 })",
+  source = "Shirley, Wang, Zimmerman 1996",
+}
+function render.raycast(s, given)
+  tracing.check_scene("raycast", s)
+  local o = form.options(1, "raycast", raycast_options, given)
+  local rays = o.samples
+  o.samples, o.lmax, o.shading, o.visibility = o.pixel_samples, 0, "pixel", "none"
+  local view, message, code = views.prepare("raycast", s, o)
+  if not view then return nil, message, code end
+  o.samples = rays
+  return shading.by_rays("raycast", views.open("raycast", view), o)
+end
+
+return render

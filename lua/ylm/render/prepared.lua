@@ -1,0 +1,128 @@
+--- The methods of prepared views.
+
+local check = require "ylm.check"
+local core = require "ylm.c.core"
+local describe = require "ylm.describe".describe
+local form = require "ylm.form"
+local memory = require "ylm.memory"
+local options = require "ylm.render.options"
+local shading = require "ylm.render.shade"
+local views = require "ylm.render.view"
+
+local prepared = views.methods
+
+local prepared_render = options.list(options.grid_fields, {
+  { "lamps", "any", optional = true,
+    about = "sphere lights to draw that are not in the prepared scene, because they move" },
+  { "download", "boolean", default = true,
+    about = "false: a picture made on the device stays there, as a gpu_array [height][width][3] of radiance" },
+  { "out", "any", optional = true,
+    about = "an image of an earlier call, to be written again and returned: its memory is there; "
+      .. "with download = false the gpu_array" },
+}, options.layer_fields, options.common)
+local prepared_reference = options.list(options.reference_fields, options.layer_fields, options.common)
+local prepared_raycast = options.list(options.ray_fields, {
+  { "seed", "integer", min = 0, max = 2 ^ 32, optional = true, about = "default: that of the view" },
+}, options.layer_fields, options.common)
+
+describe "prepared:render" {
+  about = "Shades a prepared view by a grid. Only sampling and shading are done, report.seconds.light says how long. "
+    .. "Of a grid made with dynamic = true only what grid:update changed since the last time is sampled.",
+  arguments = { { "options", "table", "grid is needed" } },
+  options = prepared_render,
+  returns = { { "image", "image", "" }, { "report", "table", options.transfer_text .. "outside, unbaked: shading points; "
+    .. "of a dynamic grid fresh: those that were sampled" } },
+  errors = "raises on a bad option; nil, message, code where memory runs out or it is cancelled",
+  example = options.one_lamp .. [[
+local view = scene:prepare { size = { 32, 18 }, samples = 4 }
+local lights = ylm.sphere_lights { at = { { 0, 1, 0 } }, radius = 0.1, radiance = 50 }
+local image = view:render { grid = lights.lights }     -- anything that has a light field
+assert(image:layer "radiance":get(9, 16, 1) > 0)]],
+}
+function prepared.render(view, given)
+  local p = views.open("render", view)
+  local o = form.options(1, "render", prepared_render, given)
+  views.check_grid("render", o.grid)
+  return shading.by_grid("render", p, o)
+end
+
+describe "prepared:reference" {
+  about = "Shades a prepared view with the lights' coefficients at every shading point: no interpolation.",
+  arguments = { { "options?", "table", "" } },
+  options = prepared_reference,
+  returns = { { "image", "image", "" }, { "report", "table", options.transfer_text .. "pairs: light x point evaluations" } },
+  errors = "raises on a bad option; nil, message, code where memory runs out or it is cancelled",
+  example = options.one_lamp .. [[
+local view = scene:prepare { size = { 32, 18 }, samples = 4 }
+assert(view:reference { dtype = "double" })]],
+}
+function prepared.reference(view, given)
+  local p = views.open("reference", view)
+  return shading.by_lights("reference", p, form.options(1, "reference", prepared_reference, given))
+end
+
+describe "prepared:raycast" {
+  about = "Shades a prepared view by rays to the lamps: no spherical harmonics, no occlusion_distance.",
+  arguments = { { "options?", "table", "" } },
+  options = prepared_raycast,
+  returns = { { "image", "image", "" }, { "report", "table", options.report_text .. "rays.shadow" } },
+  errors = "raises on a bad option; nil, message, code where memory runs out or it is cancelled",
+  example = options.one_lamp .. [[
+local view = scene:prepare { size = { 32, 18 }, samples = 4 }
+assert(view:raycast { samples = 16 })]],
+  source = "Shirley, Wang, Zimmerman 1996",
+}
+function prepared.raycast(view, given)
+  local p = views.open("raycast", view)
+  return shading.by_rays("raycast", p, form.options(1, "raycast", prepared_raycast, given))
+end
+
+describe "prepared:points" {
+  about = "Where a prepared view asks for light.",
+  arguments = {},
+  returns = { { "points", "table",
+    "position [n][3], normal [n][3], albedo [n][3], object [n]: place in scene.geometry" } },
+  errors = "raises on what is no prepared view; nil, message, code where memory runs out",
+  example = options.one_lamp .. [[
+local points = scene:prepare({ size = { 32, 18 }, samples = 1 }):points()
+assert(points.position.shape[2] == 3 and points.object:get(1) == 1)]],
+}
+function prepared.points(view)
+  local p = views.open("points", view)
+  local position, normal, albedo, object = p.lib.shade_points(p.view)
+  if not position then return nil, normal, albedo end
+  return { position = position, normal = normal, albedo = albedo, object = object }
+end
+
+describe "prepared:transfer" {
+  about = "The transfer vectors of a prepared view: SH coefficients of cosine times visibility.",
+  arguments = {},
+  returns = { { "T", "array", "float [n][(lmax+1)^2]; radiance is albedo / pi times its product with light" } },
+  errors = "raises on what is no prepared view; nil, message, code where memory runs out",
+  example = options.one_lamp .. [[
+local view = scene:prepare { size = { 32, 18 }, samples = 1, lmax = 2 }
+assert(view:transfer().shape[2] == 9)]],
+}
+function prepared.transfer(view)
+  local p = views.open("transfer", view)
+  return check.result("transfer", p.lib.shade_transfer(p.view))
+end
+
+describe "prepared:close" {
+  about = "Frees the memory of a prepared view now rather than at the next collection.",
+  arguments = {},
+  returns = {},
+  errors = "raises on what is no prepared view",
+  example = options.one_lamp .. 'scene:prepare({ size = { 32, 18 }, samples = 1 }):close()',
+}
+function prepared.close(view)
+  if core.type(view) ~= "ylm.prepared" then
+    return check.fail("close: a prepared view expected before the colon, got %s", check.describe(view))
+  end
+  check.result("close", views.made[view].lib.shade_close_view(view))
+  views.made[view].closed = true
+end
+
+memory.publish(prepared)
+
+return prepared

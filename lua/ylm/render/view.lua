@@ -1,0 +1,128 @@
+--- Prepared views: everything that does not depend on how the light is known (camera rays, shading points, occlusion
+-- rays, transfer vectors), made once and rendered as often as one likes, so that methods are compared on the very same points.
+
+require "ylm.array" -- the methods of the arrays that are returned
+local check = require "ylm.check"
+local core = require "ylm.c.core"
+local progress = require "ylm.progress"
+local tracing = require "ylm.render.scene"
+
+local views = {}
+
+--- The noise at which rays are enough, and the most of them, where nobody says how many: see options.transfer_fields.
+local NOISE, MOST_SAMPLES = 0.02, 2048
+
+local GIVEN_SAMPLES = 65536 -- the most that transfer_samples may be
+
+require "ylm.describe".object "prepared" {
+  about = "What one camera sees of a scene, with transfer vectors, ready to be shaded by any light field.",
+  fields = {
+    { "stats", "table", "points, hits, pixels, primary_rays, occlusion_rays, scene_seconds, primary_seconds, "
+      .. "transfer_seconds, bytes; transfer_samples, noise as in a report" },
+    { "options", "table", "what it was made with" },
+    { "scene", "scene", "of what" },
+  },
+}
+
+--- Methods of the userdata "ylm.prepared"; what it was made of stands in `made`.
+local prepared = tracing.library() and core.metatable "ylm.prepared" or {}
+local made = setmetatable({}, { __mode = "k" })
+views.methods, views.made = prepared, made
+
+prepared.__index = function(view, key)
+  local m = made[view]
+  if m and (key == "stats" or key == "options" or key == "scene") then return m[key] end
+  return rawget(prepared, key)
+end
+
+prepared.__newindex = function(_, key)
+  return check.fail("prepared: cannot set %s: a prepared view does not change", check.describe(key))
+end
+
+prepared.__tostring = function(view)
+  local m = made[view]
+  if not m or m.closed then return "ylm.prepared (closed)" end
+  return ("ylm.prepared view of %q: %dx%d, %d shading points"):format(m.scene.name or "?", m.options.size[1],
+    m.options.size[2], m.stats.points)
+end
+
+--- The prepared view before the colon with all about it: { view, scene, traced, lib, stats, options }.
+function views.open(name, view)
+  if core.type(view) ~= "ylm.prepared" then
+    return check.fail("%s: a prepared view expected before the colon, got %s", name, check.describe(view))
+  end
+  if made[view].closed then return check.fail("%s: the prepared view has been closed", name) end
+  return setmetatable({ view = view }, { __index = made[view] })
+end
+
+--- Where a prepared view asks for light, [n][3] float: an array, or with a device the copy in its memory, made where there is
+-- none and kept; an array too where the device has no room for it. Or nil, message, code.
+function views.positions(name, view, gpu)
+  local p = views.open(name, view)
+  if gpu and p.stats.points > 0 then return require "ylm.device.image".positions(name, gpu, p) end
+  return check.result(name, p.lib.shade_positions(p.view))
+end
+
+--- Makes the view that options `o` (with samples = camera rays per pixel) describe.
+function views.prepare(name, s, o)
+  if not s.camera then return check.fail("%s: scene %q has no camera", name, s.name or "?") end
+  local t, message, code = tracing.trace(name, s)
+  if not t then return nil, message, code end
+  local c = s.camera
+  local visibility = o.visibility or o.shading
+  local distance = o.occlusion_distance
+  if not distance then
+    distance = tracing.diagonal(t) / 10
+    if distance == 0 then distance = 1 end
+  end
+  local rays = o.transfer_samples or (visibility == "vertex" or o.shading == "vertex") and 256 or 128
+  local light = not o.transfer_samples and #s.lights > 0 and visibility ~= "none" and t.lights or nil
+  local view
+  view, message, code = check.result(name, t.lib.shade_view(t.handle,
+    { c.from[1], c.from[2], c.from[3], c.at[1], c.at[2], c.at[3], c.up[1], c.up[2], c.up[3], c.fov },
+    o.size[1], o.size[2], o.samples, o.lmax, o.shading == "vertex", visibility, rays, distance, o.share,
+    o.seed, o.threads or 0, progress.resolve(o.progress), light, NOISE, MOST_SAMPLES))
+  if not view then return nil, message, code end
+  local stats = t.lib.shade_stats(view)
+  stats.scene_seconds = t.seconds
+  if visibility == "none" then stats.transfer_samples = nil end
+  made[view] = { scene = s, traced = t, lib = t.lib, stats = stats,
+    options = { size = o.size, samples = o.samples, seed = o.seed, lmax = o.lmax, share = o.share,
+      shading = o.shading, visibility = visibility, transfer_samples = stats.transfer_samples or rays,
+      occlusion_distance = distance } }
+  return view
+end
+
+--- The sentence about a view whose chosen number of rays leaves more noise than it was chosen for; nil: it does not.
+function views.loud(p)
+  local noise, rays = p.stats.noise, p.stats.transfer_samples
+  if not noise or noise <= NOISE then return nil end
+  local enough = 2 ^ math.ceil(math.log(rays * (noise / NOISE) ^ 2) / math.log(2))
+  local advice = enough <= GIVEN_SAMPLES and ("set transfer_samples = %d"):format(enough)
+    or "too little of the sky is seen for such rays, use raycast (scene:raycast, ylm render --method raycast)"
+  return ("scene %q: %d occlusion rays from each shading point leave a noise of %.1f %%, more than %g %%: %s"):format(
+    p.scene.name or "?", rays, 100 * noise, 100 * NOISE, advice)
+end
+
+--- The lmax that options leave open.
+function views.default_lmax(s, grid)
+  if grid and check.is_integer(grid.lmax) then return grid.lmax end
+  if s.probes and check.is_integer(s.probes.lmax) then return s.probes.lmax end
+  return 4
+end
+
+--- Is it a grid, or another object with a light field?
+function views.check_grid(name, grid)
+  if grid == nil then
+    return check.fail("%s: field 'grid' is missing (scene:bake() makes one; scene:reference needs none)", name)
+  end
+  local fault = check.grid_fault(grid)
+  if fault then return check.fail("%s: %s", name, fault) end
+  if core.type(grid) == "ylm.lights" and not core.lights_count(grid) then
+    return check.fail("%s: the lights have been closed", name)
+  end
+  if core.has_field(grid) then return grid end
+  return check.fail("%s: grid must be a grid (scene:bake() makes one), got %s", name, check.describe(grid))
+end
+
+return views

@@ -1,0 +1,217 @@
+--- ylm.sh.product and ylm.sh.transfer.
+
+local args = require "ylm.sh.args"
+local check = require "ylm.check"
+local core = require "ylm.c.core"
+local describe = require "ylm.describe".describe
+local form = require "ylm.form"
+local progress = require "ylm.progress"
+
+local product = {}
+
+-- Plans are immutable and depend on these four alone; the latest are kept while the state lives.
+local plans, order = {}, {}
+
+--- A plan, the method it uses and its number of integrals; nil, message, code.
+local function plan(lmax, factors, method, inner)
+  local key = ("%d %d %s %s"):format(lmax, factors, method, inner)
+  local known = plans[key]
+  if not known then
+    local p, used, integrals = core.sh_product_plan(lmax, factors, method, inner)
+    if not p then return nil, used, integrals end
+    known = { p, used, integrals }
+    plans[key] = known
+    order[#order + 1] = key
+    if #order > 64 then plans[table.remove(order, 1)] = nil end
+  end
+  return known[1], known[2], known[3]
+end
+
+local methods = { "auto", "gaunt", "fourier", "quadrature", "brute", "recursive" }
+
+local product_options = {
+  { "method", "choice", of = methods, default = "auto",
+    about = "auto: the fastest for the size. All are exact but 'recursive', which cuts off after every multiplication. "
+      .. "'gaunt': (k+1)/2 lmax, rounded down to a multiple of lmax, is at most 30 for k factors" },
+  { "inner", "choice", of = { "auto", "gaunt", "fourier", "quadrature", "brute" }, default = "auto",
+    about = "what the steps of 'recursive' are done by" },
+  { "stages", "boolean", default = false,
+    about = "also return the seconds of transform, multiplication, transform back" },
+  args.dtype, args.threads, args.out, args.progress,
+}
+
+--- The shape that all factors broadcast to: the largest number of rows, others have as many or one.
+local function broadcast(list)
+  local shape, rows = list[1].shape, list[1].rows
+  for _, c in ipairs(list) do
+    if c.rows > rows or (c.rows == rows and #c.shape > #shape) then shape, rows = c.shape, c.rows end
+  end
+  for i, c in ipairs(list) do
+    if c.rows ~= rows and c.rows ~= 1 then
+      return check.bad(i, "product", "%d rows do not fit to %d rows of another factor", c.rows, rows)
+    end
+  end
+  return shape
+end
+
+describe "sh.product" {
+  about = "The coefficients of the product of two or more functions, cut off at the lmax of the factors.\n"
+    .. "A factor of one row multiplies every row of the others.",
+  arguments = {
+    { "a", "array|table", "[..][(lmax+1)^2]" }, { "b", "array|table", "the same lmax" },
+    { "...", "array|table", "more factors, 16 at most; then options" },
+  },
+  options = product_options,
+  returns = { { "c", "array", "[..][(lmax+1)^2]" },
+    { "seconds", "table", "with stages = true: {transform, multiplication, transform back}" } },
+  errors = "raises where lmax, conventions or rows do not fit together, or a method does not do the size",
+  example = [[
+local z = { 0, 0, math.sqrt(4 * math.pi / 3), 0 }           -- the function z
+local zz = ylm.sh.product(ylm.sh.resize(z, 2), ylm.sh.resize(z, 2))
+assert(math.abs(ylm.sh.reconstruct(zz, { 0, 0.6, 0.8 }) - 0.64) < 1e-14)]],
+  source = "Xin et al. 2021; docs/math.md \"Products\"",
+}
+function product.product(...)
+  local n = select("#", ...)
+  local given = { ... }
+  local options = {}
+  while n > 2 and given[n] == nil do n = n - 1 end -- results of a call may end in nils
+  local last = given[n]
+  if n > 0 and type(last) == "table" and not form.kind(last) and last[1] == nil and next(last) ~= nil then
+    options, n = last, n - 1
+  end
+  options = form.options(n + 1, "product", product_options, options)
+  if n < 2 or n > core.sh_product_factors then
+    return check.fail("product: 2 to %d factors expected, got %d", core.sh_product_factors, n)
+  end
+  local list, dtype, all_small = {}, nil, options.dtype ~= "float"
+  for i = 1, n do
+    local c, lmax, shape, own, rows, convention, small = args.coefficients(i, "product", given[i], core.sh_product_lmax, n)
+    all_small = all_small and small
+    list[i] = { c = c, lmax = lmax, shape = shape, rows = rows, convention = convention }
+    if lmax ~= list[1].lmax then
+      return check.bad(i, "product", "lmax %d does not fit to lmax %d of factor 1 (sh.resize cuts or extends)", lmax,
+        list[1].lmax)
+    end
+    if convention ~= list[1].convention then
+      return check.bad(i, "product", "convention '%s' does not fit to '%s' of factor 1: convert one",
+        core.sh_convention_name(convention), core.sh_convention_name(list[1].convention))
+    end
+    if own == "double" or not dtype then dtype = own end
+  end
+  dtype = options.dtype or dtype
+  local shape = broadcast(list)
+  local lmax = list[1].lmax
+  local p, message, code = plan(lmax, n, options.method, options.inner)
+  if not p then return check.result("product", nil, message, code == "ELIMIT" and "EINVAL" or code) end
+  local arrays = {}
+  for i, c in ipairs(list) do arrays[i] = args.as(c.c, dtype) end
+  local out
+  out, message, code = args.result("product", options.out, shape, dtype, list[1].convention, arrays)
+  if not out then return nil, message, code end
+  local a, b, c = core.sh_product(p, arrays, out, options.threads, options.stages, progress.of(options.progress))
+  if not a then return check.result("product", nil, b, c) end
+  args.held("product", out, all_small)
+  if options.stages then return out, { a, b, c } end
+  return out
+end
+
+describe "sh.product_method" {
+  about = "What method 'auto' stands for at a size, and for 'gaunt' how many integrals are not zero.",
+  arguments = {
+    { "lmax", "integer", "from 0 to 100" }, { "factors", "integer", "2 to 16" },
+    { "method?", "string", "default 'auto'" },
+  },
+  returns = { { "method", "string", "" },
+    { "integrals", "integer", "of Y_i Y_j Y_k with i <= j, any k, that the method's table holds; 0 if it uses none" } },
+  errors = "raises where the sizes are out of range, or the method does not do them",
+  example = [[
+local method, integrals = ylm.sh.product_method(2, 2, "gaunt")
+assert(method == "gaunt" and integrals == 52)]],
+}
+function product.product_method(lmax, factors, method)
+  check.integer(1, "product_method", "lmax", lmax, 0, core.sh_product_lmax)
+  check.integer(2, "product_method", "factors", factors, 2, core.sh_product_factors)
+  method = method == nil and "auto" or method
+  local known = false
+  for _, name in ipairs(methods) do known = known or name == method end
+  if not known then
+    return check.bad(3, "product_method", "one of '%s' expected, got %s", table.concat(methods, "', '"),
+      check.describe(method))
+  end
+  local p, used, integrals = plan(lmax, factors, method, "auto")
+  if not p then return check.result("product_method", nil, used, integrals == "ELIMIT" and "EINVAL" or integrals) end
+  return used, integrals
+end
+
+local transfer_options = { { "dtype", "choice", of = { "float", "double" }, default = "double",
+  about = "of the matrix" } }
+
+describe "sh.transfer" {
+  about = "The matrix that multiplies coefficients by a function: M a are the coefficients of the product, M_ij = the "
+    .. "integral of b Y_i Y_j. A shadow, a mask; apply it with sh.transfer_apply.",
+  arguments = {
+    { "b", "array|table", "[(blmax+1)^2], the function; degrees above 2 lmax have no effect" },
+    { "lmax", "integer", "of the vectors that it multiplies, from 0 to 50" },
+    { "options?", "table", "see the options" },
+  },
+  options = transfer_options,
+  returns = { { "M", "array", "[(lmax+1)^2][(lmax+1)^2], symmetric" } },
+  errors = "raises where b is no single vector or lmax is out of range",
+  example = [[
+local M = ylm.sh.transfer({ math.sqrt(4 * math.pi) }, 1)   -- multiplies by 1
+assert(math.abs(M:get(2, 2) - 1) < 1e-15 and math.abs(M:get(1, 2)) < 1e-15)]],
+  source = "Green 2003, Eqs. 8, 9",
+}
+function product.transfer(b, lmax, options)
+  options = form.options(3, "transfer", transfer_options, options)
+  local c, clmax, _, _, rows, convention = args.coefficients(1, "transfer", b)
+  if rows ~= 1 then return check.bad(1, "transfer", "one vector of coefficients expected, got %d", rows) end
+  check.integer(2, "transfer", "lmax", lmax, 0, core.sh_product_lmax / 2)
+  local n = (lmax + 1) * (lmax + 1)
+  local M, message, code = args.result("transfer", nil, { n, n }, "double", convention)
+  if not M then return nil, message, code end
+  local ok
+  ok, message, code = core.sh_transfer(args.as(c, "double"), clmax, lmax, M)
+  if not ok then return check.result("transfer", nil, message, code) end
+  local result = args.as(M, options.dtype)
+  core.array_set_convention(result, 0) -- a matrix, no coefficients
+  return args.held("transfer", result)
+end
+
+local apply_options = { args.threads, args.out, args.progress }
+
+describe "sh.transfer_apply" {
+  about = "Applies a transfer matrix (symmetric, from sh.transfer) to vectors of coefficients.",
+  arguments = {
+    { "M", "array", "[(lmax+1)^2][(lmax+1)^2]" }, { "c", "array|table", "[..][(lmax+1)^2]" },
+    { "options?", "table", "see the options" },
+  },
+  options = apply_options,
+  returns = { { "c", "array", "of the shape of c" } },
+  errors = "raises where the sizes do not fit",
+  example = [[
+local M = ylm.sh.transfer({ 1, 0.5, 0, 0.2 }, 2)
+local a = { 1, 2, 3, 4, 5, 6, 7, 8, 9 }
+local b = ylm.sh.resize({ 1, 0.5, 0, 0.2 }, 2)
+assert(math.abs(ylm.sh.transfer_apply(M, a)[5] - ylm.sh.product(a, b)[5]) < 1e-14)]],
+  source = "Green 2003, Eq. 9",
+}
+function product.transfer_apply(M, c, options)
+  options = form.options(3, "transfer_apply", apply_options, options)
+  local a, lmax, shape, dtype, _, convention = args.coefficients(2, "transfer_apply", c)
+  local n = (lmax + 1) * (lmax + 1)
+  local size = core.type(M) == "ylm.array" and M.shape
+  if not size or #size ~= 2 or size[1] ~= n or size[2] ~= n then
+    return check.bad(1, "transfer_apply", "a matrix of %dx%d expected, got %s", n, n, check.describe(M))
+  end
+  M = args.as(M, dtype)
+  local out, message, code = args.result("transfer_apply", options.out, shape, dtype, convention, { a, M })
+  if not out then return nil, message, code end
+  local ok
+  ok, message, code = core.sh_transfer_apply(M, a, out, options.threads, progress.of(options.progress))
+  if not ok then return check.result("transfer_apply", nil, message, code) end
+  return args.held("transfer_apply", out)
+end
+
+return product

@@ -1,0 +1,47 @@
+--- Grids as .vtu files, for ParaView: cells with level and error, points with what pictures show.
+
+local check = require "ylm.check"
+local core = require "ylm.c.core"
+local view_grid = require "ylm.view.grid"
+
+local view_file = {}
+
+--- Leaves that have all eight corners: a mask.
+local function complete(cells)
+  local corner = core.array_totable(cells.corner)
+  local leaf, list = core.array_totable(cells.leaf), {}
+  for i = 1, #leaf do
+    list[i] = leaf[i] ~= 0 and 1 or 0
+    for k = 1, 8 do if corner[i][k] < 1 then list[i] = 0 end end
+  end
+  local mask = core.array_zeros({ #list }, "double")
+  core.array_fill(mask, list)
+  return mask
+end
+
+--- How each point came to its numbers: 0 evaluated, 1 interpolated for continuity, 2 in a light, filled from neighbours.
+local function states(source)
+  local interpolated, invalid = core.array_totable(source.values "interpolated"), core.array_totable(source.values "invalid")
+  local list = {}
+  for i = 1, #invalid do list[i] = interpolated[i] ~= 0 and 1 or invalid[i] ~= 0 and 2 or 0 end
+  local state = core.array_zeros({ #list }, "float")
+  core.array_fill(state, list)
+  return state
+end
+
+--- Writes the leaves of a grid. Returns true, or nil, message, code.
+function view_file.save_vtu(grid, path)
+  local source = view_grid.open(grid)
+  local mask = complete(source.cells)
+  local function cells(a) return core.figure_pick(a, mask) end
+  local point_data = {
+    { "L00", source.values "L00" }, { "gradient L00", source.gradient() },
+    { "lambda", source.values "lambda" }, { "norm", source.values "norm" }, { "state", states(source) },
+  }
+  local cell_data = { { "level", cells(source.cells.level) }, { "error", cells(source.values "error") },
+    { "occupied", cells(source.cells.occupied) } }
+  return check.result("save", core.figure_save_cells(path, source.position(), cells(source.cells.corner), point_data,
+    cell_data))
+end
+
+return view_file
