@@ -1,4 +1,4 @@
-/* grid.glsl - a grid in the device's memory, as csrc/vulkan/grid.c lays it out. */
+/* grid.glsl - a grid in the device's memory, as csrc/vulkan/grid/sample.c lays it out. */
 
 struct Cell {
   uint corner[8]; /* rows of data */

@@ -1,6 +1,6 @@
 /*
 ** Points that only continuity needs: the interpolants of cells at places of their half-edge lattices, csrc/grid/
-** continuity.c. Cells of one level, whose corners are there. Eight invocations
+** bake/continuity.c. Cells of one level, whose corners are there. Eight invocations
 ** make a point.
 */
 #version 450

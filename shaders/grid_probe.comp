@@ -1,6 +1,6 @@
 /*
 ** How far cells' interpolants at some places are from what is there: relative distances of rows of values, as
-** refiner_distance has them in csrc/grid/residual.c. Eight invocations make one.
+** refiner_distance has them in csrc/grid/bake/residual.c. Eight invocations make one.
 */
 #version 450
 #extension GL_GOOGLE_include_directive : require

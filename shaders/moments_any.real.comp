@@ -1,7 +1,7 @@
 /*
 ** moments_any.real.comp - the merged moments of every lmax: loops, where moments and flat have the generator's unrolled
 ** formulas to lmax 10. A group sums one item: at most BLOCK degrees of the cosine's and the sine's column of one order m,
-** times 1 or a component of a flat light's cosine's jet. Sums exist as csrc/light/moments.h says of such lmax.
+** times 1 or a component of a flat light's cosine's jet. Sums exist as csrc/light/moments/moments.h says of such lmax.
 */
 #version 450
 #extension GL_GOOGLE_include_directive : require
@@ -11,7 +11,7 @@
 #include "lamps.glsl"
 layout(constant_id = 2) const uint KINDS = 1;
 layout(constant_id = 6) const uint BLOCK = 8;
-layout(constant_id = 7) const uint GROW = 1; /* z's factor: csrc/light/moments.h */
+layout(constant_id = 7) const uint GROW = 1; /* z's factor: csrc/light/moments/moments.h */
 
 /* order, component of the jet, first degree, number of the cosine's first sum, of the sine's */
 struct Item {

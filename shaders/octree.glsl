@@ -1,5 +1,5 @@
 /*
-** octree.glsl - what the kernels shaders/octree_*.comp share: csrc/vulkan/octree.h says what they do.
+** octree.glsl - what the kernels shaders/octree_*.comp share: csrc/vulkan/grid/octree.h says what they do.
 **
 ** Lattice coordinates, 0 .. 2^16 each, are packed into two words: a key. The cells of a level that hold shading
 ** points are its voxels; candidate 8 w + k is corner k of voxel w. An entry of the table of points is a point, or

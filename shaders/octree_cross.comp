@@ -1,6 +1,6 @@
 /*
 ** Which of the voxels `asked` the surface of a sphere crosses, to the bit as the processor says it (csrc/light/crosses.c, of
-** spheres that stand for flat lights polygon_shape.c). A group asks 64 of them about a chunk of spheres.
+** spheres that stand for flat lights flat/shape.c). A group asks 64 of them about a chunk of spheres.
 */
 #version 450
 #extension GL_GOOGLE_include_directive : require

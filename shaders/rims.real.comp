@@ -1,5 +1,5 @@
 /*
-** rims.real.comp - exact polygons and disks: the moments along their rims that csrc/light/polygon_kernel.h describes. In
+** rims.real.comp - exact polygons and disks: the moments along their rims that csrc/light/flat/kernel.h describes. In
 ** double throughout, as on the processor, where edges cancel; points and sums are floats or doubles.
 **
 ** A group has one point, one chunk of arcs and one slice of at most 64 harmonics, a sum of each kind and axis an invocation.

@@ -1,5 +1,5 @@
 /*
-** rims_seen.glsl - flat lights seen from a point, arc by arc: csrc/light/contour_polygon.c, contour_ellipse.c.
+** rims_seen.glsl - flat lights seen from a point, arc by arc: csrc/light/flat/contour_polygon.c, contour_ellipse.c.
 **
 ** Rows of a light: normal and sides (0: an ellipse); centroid and a bound of a rim's |y'|; red, green, blue, luminance;
 ** horizon and whether there is one; vertices, or centre and half axes.
@@ -204,7 +204,7 @@ uint put_panel(Ellipse o, double weight, uint t, out bool more) {
   return uint(rule[arc_rule[t] * RULE_ROW]);
 }
 
-/* Equal steps that leave 1e-16, or 1e-10, around a whole rim; 0: too many. csrc/light/contour_ellipse.c */
+/* Equal steps that leave 1e-16, or 1e-10, around a whole rim; 0: too many. csrc/light/flat/contour_ellipse.c */
 uint equal_steps(Ellipse o) {
   double cu = dot(o.c, o.u), cv = dot(o.c, o.v);
   double across = dot(o.c, o.c) + o.size * o.size, swing = 2 * sqrt(cu * cu + cv * cv);

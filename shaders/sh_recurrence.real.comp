@@ -1,5 +1,5 @@
 /*
-** Spherical harmonics at points, any degree: the loops around gen/recurrence.glsl; csrc/sh/sh_kernel.h says what
+** Spherical harmonics at points, any degree: the loops around gen/recurrence.glsl; csrc/sh/eval/sh_kernel.h says what
 ** the coefficients are. One item a point, which keeps nothing but what it writes: lower degrees are read
 ** back from the results, and D of degree l waits in the values of degree l + 1.
 */

@@ -45,7 +45,7 @@ struct ylm_grid {
   int top_shift;   /* lattice coordinate >> top_shift is a coordinate of the table */
   double scale[3]; /* lattice cells per scene unit */
 
-  struct grid_dynamic *dynamic; /* what updates need (dynamic.h); NULL: the grid stays as it is */
+  struct grid_dynamic *dynamic; /* what updates need (follow/follow.h); NULL: it stays as it is */
   bool updating;
   bool spent; /* memory ran out where an update could not be taken back: the root voxel is left */
 };
@@ -159,7 +159,7 @@ void lattice_hash_prefetch(const lattice_hash *h, uint64_t key);
 void lattice_hash_remove(lattice_hash *h, uint64_t key);
 void lattice_hash_free(lattice_hash *h);
 
-/* -- occupancy.c: which voxels hold shading points -------------------------------- */
+/* -- bake/occupancy.c: which voxels hold shading points --------------------------- */
 
 /*
 ** An occupancy octree. Down to DENSE levels it is one bit per node, bottom-up; deeper levels are
@@ -188,12 +188,12 @@ void occupancy_mark_uniform(const ylm_grid *g, const ylm_grid_source *s, uint8_t
 uint8_t occupancy_children(const occupancy *o, int level, const uint32_t origin[3]);
 void occupancy_free(occupancy *o);
 
-/* -- invalid.c ---------------------------------------------------------------------- */
+/* -- bake/invalid.c ----------------------------------------------------------------- */
 
 /* First-order values for points in lights, from valid corners of the cells they belong to. */
 ylm_status ylm__grid_fill_invalid(ylm_grid *g);
 
-/* -- continuity.c ------------------------------------------------------------------- */
+/* -- bake/continuity.c -------------------------------------------------------------- */
 
 /* Splits leaves that have data until every evaluated point is a corner of all of them that it
    touches; leaves without data note how far sampling has to descend (cell.detail). */
@@ -206,7 +206,7 @@ bool ylm__grid_side(const ylm_grid *g, const uint32_t at[3], int side, uint32_t 
    points that are, which are then marked themselves. All that one cell gave birth to are alike. */
 ylm_status ylm__grid_interpolate_points(ylm_grid *g, uint8_t *changed, int threads);
 
-/* -- virtual.c ---------------------------------------------------------------------- */
+/* -- sample/virtual.c --------------------------------------------------------------- */
 
 /* A cell that exists only while a leaf without data is sampled. */
 typedef struct virtual_cell {
@@ -218,7 +218,7 @@ typedef struct virtual_cell {
 void ylm__grid_virtual(const ylm_grid *g, uint32_t leaf, const double at[3], virtual_cell *v,
                        float *scratch);
 
-/* -- sample.c ----------------------------------------------------------------------- */
+/* -- sample/sample.c ---------------------------------------------------------------- */
 
 /* A cell's interpolant at fractions t of its edges, float; row r is [width]. Hermite. */
 void ylm__grid_interpolate(const ylm_grid *g, const ylm_grid_cell *c, const float t[3],
@@ -246,7 +246,7 @@ typedef struct sample_batch {
 typedef void sample_kernel(const sample_batch *b);
 sample_kernel *ylm__grid_kernel(void);
 /* The batch becomes the one point at fractions t of a leaf without data that has `detail`; `room`
-   is that of ylm__grid_virtual. virtual.c */
+   is that of ylm__grid_virtual. sample/virtual.c */
 void ylm__grid_set_virtual(const ylm_grid *g, uint32_t leaf, const float t[3], float *room,
                            sample_batch *b);
 /* Gives the batch the edges of cells of a size in lattice units, or edges and rows of a cell. */

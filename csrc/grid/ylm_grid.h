@@ -187,7 +187,7 @@ YLM_API ylm_status ylm_grid_bake(const ylm_grid_form *form, const ylm_grid_sourc
                                  ylm_grid **g, ylm_error *e);
 YLM_API void ylm_grid_free(ylm_grid *g);
 
-/* -- surfaces: surface.c, occupancy_triangles.c -------------------------------- */
+/* -- surfaces: bake/surface.c, bake/occupancy_triangles.c ---------------------- */
 
 /* Triangles with their areas within a box: where held-out points of surfaces are drawn. */
 typedef struct ylm_grid_surface ylm_grid_surface;
@@ -355,7 +355,7 @@ YLM_API void ylm_grid_box(const ylm_grid *g, size_t cell, double out[6]);
 */
 YLM_API uint32_t ylm_grid_locate(const ylm_grid *g, const double p[3], bool finest, bool *outside);
 
-/* -- octrees that were refined elsewhere: assemble.c --------------------------- */
+/* -- octrees that were refined elsewhere: bake/assemble.c ---------------------- */
 
 /* Where the cells and points of a grid in the making are written. */
 typedef struct ylm_grid_parts {

@@ -105,7 +105,7 @@ YLM_API ylm_status ylm_lights_evaluate(const ylm_lights *lights, ylm_isa isa,
                                        const ylm_field_query *q, size_t n, const void *points,
                                        ylm_field_result *r, ylm_error *e);
 
-/* -- many lights: csrc/light/tree*.c ------------------------------------------------------------
+/* -- many lights: csrc/light/tree ------------------------------------------------------------
  */
 
 /*
@@ -159,7 +159,7 @@ YLM_API ylm_status ylm_light_cut_evaluate(const ylm_light_cut *cut, ylm_isa isa,
 /* The memory that the lights' tree takes; 0 where there is none. */
 YLM_API size_t ylm_lights_tree_bytes(const ylm_lights *lights);
 
-/* -- for kernels elsewhere: csrc/light/maps.c ------------------------------------------------ */
+/* -- for kernels elsewhere: csrc/light/moments/maps.c ---------------------------------------- */
 
 /* A sparse matrix: row i is the sum of coef[t] * x[index[t]] over t = start[i] .. start[i+1]-1. */
 typedef struct ylm_light_rows {
@@ -184,7 +184,7 @@ typedef struct ylm_light_maps {
 **
 ** Kinds of sums are bits: 1 those that values need, 2 gradients, 4 Hessians. Per light,
 ** unnormalised weights of a kind times monic Legendre polynomials in z times Re or Im (x+iy)^m are
-** summed, in the order of csrc/light/moments.h.
+** summed, in the order of csrc/light/moments/moments.h.
 **   need   in   kinds of the results; a subset of `kinds`
 **   kinds  in   kinds that are summed
 ** To be freed in any case. YLM_ENOMEM.
@@ -239,7 +239,7 @@ YLM_API size_t ylm_light_texture_quads(const ylm_light_texture *t, double *verti
 YLM_API size_t ylm_light_texture_tiles(const ylm_light_texture *t, size_t across, double *triangles,
                                        double *radiance);
 
-/* -- flat lights: csrc/light/polygon.c, contour*.c ------------------------------------------- */
+/* -- flat lights: csrc/light/flat/flat.c, contour*.c ----------------------------------------- */
 
 /*
 ** Planar convex polygons, and ellipses, that emit the same radiance to both sides.
@@ -317,7 +317,7 @@ typedef struct ylm_light_parts {
   size_t flats;
 } ylm_light_parts;
 
-/* -- exact flat lights for kernels elsewhere: csrc/light/polygon_device.c -----------------------
+/* -- exact flat lights for kernels elsewhere: csrc/light/flat/device.c --------------------------
  */
 
 /* As long as the object lives: rows of vertices begin at first[i]; horizon: its unit normal, or
@@ -341,7 +341,7 @@ YLM_API double ylm_light_rim_speed(const double *u, const double *v);
    these are; `to` may be NULL. */
 YLM_API size_t ylm_light_rim_rules(double *to);
 /*
-** Sums along rims of kinds 1, 2, 4 (csrc/light/polygon_kernel.h says of which; 1 is always among
+** Sums along rims of kinds 1, 2, 4 (csrc/light/flat/kernel.h says of which; 1 is always among
 ** them), of a channel: of each axis x, y, z those of all kinds, degree by degree; the solid angle;
 ** with Hessians, where lights are `cut` at horizons, what these add to xx .. zz.
 */

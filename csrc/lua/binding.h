@@ -108,7 +108,7 @@ void ylmL_set_boolean(lua_State *L, const char *name, bool x);
 void ylmL_type(lua_State *L, const char *name, const luaL_Reg *methods);
 /* The userdata at `i` if it is of type `name`, else NULL. */
 void *ylmL_test(lua_State *L, int i, const char *name);
-/* The flat lights at `i`; NULL: something else. core_light_polygon.c */
+/* The flat lights at `i`; NULL: something else. core/light_polygon.c */
 struct ylm_polygons *ylmL_polygons(lua_State *L, int i);
 /* The same, raising a type error. */
 void *ylmL_check(lua_State *L, int i, const char *name);

@@ -1,4 +1,4 @@
-/* binding_array.c - ylm.array as every binding makes and checks it (functions: core_array.c). */
+/* binding_array.c - ylm.array as every binding makes and checks it (functions: core/array.c). */
 #include "binding.h"
 
 #include <stdlib.h>

@@ -1,4 +1,4 @@
-/* figure.h - the object types of csrc/figure, shared by core_figure*.c and vtk*.c. */
+/* binding_figure.h - the object types of csrc/figure, shared by core/figure*.c and vtk/. */
 #ifndef YLM_LUA_FIGURE_H
 #define YLM_LUA_FIGURE_H
 

@@ -12,7 +12,7 @@
 ylm_grid **ylmL_grid_new(lua_State *L);
 /* The grid at `i`; raises where it has been closed or is being updated. */
 ylm_grid *ylmL_grid_check(lua_State *L, int i);
-/* The table at `i`, which lua/ylm/grid_bake.lua fills completely. */
+/* The table at `i`, which lua/ylm/grid/bake.lua fills completely. */
 ylm_grid_form ylmL_grid_form(lua_State *L, int i);
 /* The triangles of the list of meshes at `i`, n of them, in a userdata left on the stack. */
 const ylm_grid_mesh *ylmL_grid_meshes(lua_State *L, int i, size_t *n);

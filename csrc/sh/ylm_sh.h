@@ -108,7 +108,7 @@ YLM_API ylm_status ylm_sh_reconstruct(int lmax, ylm_dtype t, size_t rows, const 
                                       const void *p, void *out, int threads,
                                       const ylm_progress *progress, ylm_error *e);
 
-/* -- rotation: csrc/sh/rotate.c, quarter.c ------------------------------------------------------
+/* -- rotation: csrc/sh/rotate/rotate.c, quarter.c -----------------------------------------------
  */
 
 /* The highest degree that can be rotated. */
@@ -255,7 +255,7 @@ YLM_API ylm_status ylm_sh_convert(uint32_t from, uint32_t to, int lmax, ylm_dtyp
  */
 YLM_API double ylm_sh_cosine_factor(int l);
 
-/* -- products: csrc/sh/product.c ------------------------------------------------------------- */
+/* -- products: csrc/sh/product/product.c ----------------------------------------------------- */
 
 /*
 ** The ways to multiply functions given by coefficients of degree <= lmax, cut off at lmax again.
@@ -339,7 +339,7 @@ YLM_API ylm_status ylm_sh_transfer_apply(size_t n, ylm_dtype t, const void *matr
                                          const void *in, void *out, int threads,
                                          const ylm_progress *progress);
 
-/* -- projection: csrc/sh/project.c ----------------------------------------------------------- */
+/* -- projection: csrc/sh/project/project.c --------------------------------------------------- */
 
 /*
 ** ylm_sh_sphere_rule - directions and weights of a product rule: `nodes` Gauss-Legendre nodes in z,
@@ -397,13 +397,13 @@ YLM_API void ylm_sh_halve_pixels(int width, int height, int faces, int channels,
                                  double *coarse_direction, double *coarse_weight,
                                  double *coarse_value);
 
-/* -- for kernels elsewhere: csrc/sh/eval.c ---------------------------------------------------- */
+/* -- for kernels elsewhere: csrc/sh/eval/eval.c ----------------------------------------------- */
 
 /* What ylm_sh_eval_how refuses of points, in its words. */
 YLM_API ylm_status ylm_sh_check_points(const ylm_sh_how *how, int lmax, ylm_dtype t, size_t n,
                                        const void *p, ylm_error *e);
-/* The coefficients a b e A B b' c' of the recurrences of csrc/sh/sh_kernel.h, for degree l > 0 and
-   order q, 0 .. l. */
+/* The coefficients a b e A B b' c' of the recurrences of csrc/sh/eval/sh_kernel.h, for degree l > 0
+   and order q, 0 .. l. */
 YLM_API void ylm_sh_coefficients(int l, int q, double k[7]);
 
 #ifdef __cplusplus

@@ -238,7 +238,7 @@ YLM_API size_t ylm_gpu_rows(const ylm_gpu *g, size_t n, size_t row_bytes, size_t
 */
 YLM_API ylm_status ylm_gpu_peak(ylm_gpu *g, double *flops, double *bytes, ylm_error *e);
 
-/* -- lights: lights.c --------------------------------------------------------- */
+/* -- lights: light/lights.c --------------------------------------------------- */
 
 /* Highest degree of sums by the product rule; merged moments go to YLM_LIGHT_LMAX. */
 #define YLM_GPU_PRODUCT_LMAX 8
@@ -285,7 +285,7 @@ YLM_API ylm_gpu *ylm_gpu_lights_device(const ylm_gpu_lights *l);
    of results by the host's clock, with no dispatches. */
 YLM_API const ylm_gpu_times *ylm_gpu_lights_times(const ylm_gpu_lights *l);
 
-/* -- baking grids: bake.c -------------------------------------------------------- */
+/* -- baking grids: grid/bake.c --------------------------------------------------- */
 
 /* A copy of a grid in the device's memory. */
 typedef struct ylm_gpu_grid ylm_gpu_grid;
@@ -338,7 +338,7 @@ YLM_API ylm_status ylm_gpu_sh_eval(ylm_gpu *g, int lmax, int derivatives, bool s
                                    ylm_gpu_times *times, const ylm_progress *progress,
                                    ylm_error *e);
 
-/* -- grids: grid.c ------------------------------------------------------------- */
+/* -- grids: grid/sample.c ------------------------------------------------------ */
 
 /* YLM_ELIMIT where the grid has more data than a kernel sees; YLM_ENOMEM, YLM_EDEVICE. */
 YLM_API ylm_status ylm_gpu_grid_create(ylm_gpu *g, const ylm_grid *grid, ylm_gpu_grid **k,
@@ -395,7 +395,7 @@ YLM_API ylm_status ylm_gpu_grid_shade(ylm_gpu_grid *k, const ylm_grid *grid,
                                       ylm_gpu_output radiance, ylm_grid_report *report,
                                       ylm_gpu_times *times, ylm_error *e);
 
-/* -- pictures: picture.c --------------------------------------------------------- */
+/* -- pictures: picture/picture.c ------------------------------------------------- */
 
 /*
 ** What a view's pixels are made of: ylm_shade_entries of ylm_shade.h, as arrays of the host's.

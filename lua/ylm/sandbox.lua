@@ -5,7 +5,7 @@
 -- methods, metatables, coroutines, pcall, load, debug, the objects that
 -- constructors build (it holds opaque stand-ins for them).
 -- What bounds it: instructions, processor time, memory, described sizes.
--- The bounds on instructions and memory are C's: csrc/lua/core_sandbox.c.
+-- The bounds on instructions and memory are C's: csrc/lua/core/sandbox.c.
 
 local check = require "ylm.check"
 local core = require "ylm.c.core"

@@ -1,7 +1,7 @@
 --- Scenes: a camera, geometry, lights, probes; and scene files.
 --
 -- A scene only describes. Its methods bake, render, reference and raycast are
--- those of lua/ylm/render.lua.
+-- those of lua/ylm/render/init.lua.
 
 local check = require "ylm.check"
 local core = require "ylm.c.core"
@@ -97,7 +97,7 @@ require "ylm.describe".object "scene" {
 
 -- The form ---------------------------------------------------------------------
 
---- The methods are those of lua/ylm/render.lua, loaded when one is first called.
+--- The methods are those of lua/ylm/render/init.lua, loaded when one is first called.
 local methods = {}
 for _, name in ipairs { "bake", "prepare", "render", "reference", "raycast" } do
   methods[name] = function(...) return require("ylm.render")[name](...) end

@@ -79,7 +79,7 @@ local function bench(gpu)
     for _, method in ipairs { "merged", "forward", "reversed" } do l[method] = gpu:lights(lights, { method = method }) end
     return l
   end
-  local chunk = gpu.type == "cpu" and 256 or 16 -- lights that a group sums: chunk_of in csrc/vulkan/lights.c
+  local chunk = gpu.type == "cpu" and 256 or 16 -- lights that a group sums: chunk_of in csrc/vulkan/light/lights.c
   --- Bytes of "lights": a light's numbers for each group of 64 points, `passes` times, and a chunk's sums for each point.
   local function moved(numbers, passes, kept)
     return 4 * (pairs_ / 64 * numbers * passes + math.ceil(LIGHTS / chunk) * EDGE ^ 3 * kept)

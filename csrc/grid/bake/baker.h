@@ -100,7 +100,7 @@ static inline bool baker_has_shading(const ylm_grid_source *s) {
   return s->occupied_points || (s->keeper && s->occupied);
 }
 
-/* -- keeper.c: where rows are kept elsewhere ----------------------------------------------
+/* -- remote.c: where rows are kept elsewhere ----------------------------------------------
 ** After each of these b->keeper may be NULL: memory ran out, and all rows are here; what was asked
 ** for is then not done. */
 

@@ -1,4 +1,4 @@
-/* keeper.c - bakes whose points are evaluated and kept elsewhere: ylm_grid_keeper. */
+/* remote.c - bakes whose points are evaluated and kept elsewhere: ylm_grid_keeper. */
 #include <float.h>
 #include <math.h>
 #include <string.h>

@@ -1,5 +1,5 @@
 /*
-** grid_file_check.c - what sampling relies on, checked in a grid that was read, whatever wrote it;
+** check.c - what sampling relies on, checked in a grid that was read, whatever wrote it;
 ** and what a grid has beyond its file.
 */
 #include "file.h"

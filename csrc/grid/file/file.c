@@ -1,7 +1,7 @@
 /*
-** grid_file.c - grids from files and from memory, of whichever version.
+** file.c - grids from files and from memory, of whichever version.
 **
-** What is written is version 2 (grid_file.h, grid_file_write.c); version 1 is read.
+** What is written is version 2 (file.h, write.c); version 1 is read.
 */
 #include "file.h"
 

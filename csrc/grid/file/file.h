@@ -1,5 +1,5 @@
 /*
-** grid_file.h - grid files of version 2 as they lie on the disk, and what their reader and writer
+** file.h - grid files of version 2 as they lie on the disk, and what their reader and writer
 ** share. docs/grids.md has the table.
 **
 ** A file is a header of 64 bytes, a table of 64 bytes per section, and the sections, each from a
@@ -82,12 +82,12 @@ static inline uint64_t grid_file_bound(uint64_t at) {
   return (at + GRID_FILE_BOUND - 1) / GRID_FILE_BOUND * GRID_FILE_BOUND;
 }
 
-/* YLM_EFORMAT where this machine's numbers are not those of the file. grid_file.c */
+/* YLM_EFORMAT where this machine's numbers are not those of the file. file.c */
 ylm_status grid_file_machine(const char *name, ylm_error *e);
-/* "NAME: not a valid grid: WHAT". grid_file.c */
+/* "NAME: not a valid grid: WHAT". file.c */
 ylm_status grid_file_bad(const char *name, const char *what, ylm_error *e);
 
-/* -- grid_file_source.c: bytes of a file or of memory ------------------------------ */
+/* -- source.c: bytes of a file or of memory ---------------------------------------- */
 
 typedef struct file_source {
   const char *name;
@@ -106,7 +106,7 @@ void file_source_close(file_source *s);
 ylm_status file_source_read(const file_source *s, uint64_t at, size_t n, void *to, uint64_t *crc,
                             ylm_error *e);
 
-/* -- grid_file_table.c: the sections of a file -------------------------------------- */
+/* -- table.c: the sections of a file ------------------------------------------------ */
 
 typedef struct file_table {
   size_t sections;
@@ -127,13 +127,13 @@ ylm_status file_table_form(const file_table *t, const file_source *s, grid_file_
 
 /* -- readers ------------------------------------------------------------------------- */
 
-/* grid_file_read.c: version 2. */
+/* read.c: version 2. */
 ylm_status grid_file_read_2(const file_source *s, ylm_grid **out, ylm_error *e);
-/* grid_file_1.c: version 1, all of whose bytes are at `data`. */
+/* version_1.c: version 1, all of whose bytes are at `data`. */
 ylm_status grid_file_read_1(const char *name, const unsigned char *data, size_t size, bool swapped,
                             ylm_grid **out, ylm_error *e);
 
-/* -- grid_file_check.c: what no grid may have ----------------------------------------- */
+/* -- check.c: what no grid may have --------------------------------------------------- */
 
 /* Whether cells and points of a grid that was read hold, all of whose points have their lattice
    coordinates: YLM_EFORMAT, YLM_ENOMEM where there is no room to look. */

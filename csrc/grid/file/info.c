@@ -1,4 +1,4 @@
-/* grid_file_info.c - what a grid file says of itself, without its cells and rows. */
+/* info.c - what a grid file says of itself, without its cells and rows. */
 #include "file.h"
 
 #include <string.h>

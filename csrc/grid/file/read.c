@@ -1,5 +1,5 @@
 /*
-** grid_file_read.c - grids from files of version 2.
+** read.c - grids from files of version 2.
 **
 ** Every section is read to where the grid has it. Sizes are compared with the file before memory is
 ** asked for, and cells, places and births are checked before rows are read. Interpolated points are

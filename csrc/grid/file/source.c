@@ -1,4 +1,4 @@
-/* grid_file_source.c - the bytes that a grid is read from, and which version they are of. */
+/* source.c - the bytes that a grid is read from, and which version they are of. */
 #include "file.h"
 
 #include <errno.h>

@@ -1,4 +1,4 @@
-/* grid_file_table.c - header and table of a grid file of version 2, and its sections one by one. */
+/* table.c - header and table of a grid file of version 2, and its sections one by one. */
 #include "file.h"
 
 #include <string.h>

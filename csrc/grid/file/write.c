@@ -1,4 +1,4 @@
-/* grid_file_write.c - grids as files of version 2: sections one after the other, then what says
+/* write.c - grids as files of version 2: sections one after the other, then what says
    where they are. */
 #include "file.h"
 

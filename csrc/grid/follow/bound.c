@@ -1,4 +1,4 @@
-/* lamp_bound.c - how large the field of a light can be, and its derivatives: measured once for a
+/* bound.c - how large the field of a light can be, and its derivatives: measured once for a
    kind. */
 #include <math.h>
 #include <string.h>

@@ -1,4 +1,4 @@
-/* dynamic.c - the state that updates need: made by the bake, kept per point. */
+/* follow.c - the state that updates need: made by the bake, kept per point. */
 #include "follow.h"
 #include "../bake/surface.h"
 

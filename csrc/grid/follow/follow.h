@@ -1,5 +1,5 @@
 /*
-** dynamic.h - what a grid keeps so that it can follow moving lights.
+** follow.h - what a grid keeps so that it can follow moving lights.
 **
 ** The invariant: the data of a point are the sum of all lights, each in one of the states it has
 ** been in: a light that never moved in its only one, a mover in state seen[point]. So what a point
@@ -55,7 +55,7 @@ typedef struct grid_dynamic {
   ylm_grid_cell *spare; /* [spare_room] cells of the update before, for the same reason */
   size_t spare_room;
 
-  /* Signatures: of evaluated points [room], of interpolated ones, of cells. sign.c */
+  /* Signatures: of evaluated points [room], of interpolated ones, of cells. signature.c */
   uint64_t *sign, *born_sign, *cell_sign, form_sign;
   size_t born_room, cell_room;
   bool is_signed;
@@ -65,7 +65,7 @@ typedef struct grid_dynamic {
   void *occupied_points;
   ylm_grid_surface *surface; /* of the source's meshes, with a copy of these; NULL: it has points */
 
-  /* What refinement by a tolerance has learnt: tolerance.c */
+  /* What refinement by a tolerance has learnt: bake/tolerance.c */
   ratios ratio;
   double tight, loosest; /* now; by the bake */
   lattice_hash forced;   /* voxels that failed: update by cell_key */
@@ -88,7 +88,7 @@ size_t ylm__dynamic_bytes(const ylm_grid *g);
 ylm_status ylm__dynamic_meet(ylm_grid *g, size_t n, const lamp *lamps, ylm_error *e);
 /* Forgets shapes that neither lamps nor movers have. */
 void ylm__dynamic_sweep(grid_dynamic *d);
-/* Room for all points of the grid. dynamic_point.c */
+/* Room for all points of the grid. point.c */
 ylm_status ylm__dynamic_reserve(ylm_grid *g);
 /* True if Hessians are kept. */
 bool ylm__dynamic_bends(const ylm_grid *g);

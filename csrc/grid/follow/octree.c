@@ -1,4 +1,4 @@
-/* update_tree.c - the octree after an update of its points. */
+/* octree.c - the octree after an update of its points. */
 #include "update.h"
 
 #include <string.h>

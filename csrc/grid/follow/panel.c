@@ -1,4 +1,4 @@
-/* panel_update.c - the points that judge a grid, after its lights changed. Their exact light gets
+/* panel.c - the points that judge a grid, after its lights changed. Their exact light gets
    the difference, as the data of the grid's points do, or all lights are summed anew. */
 #include <string.h>
 

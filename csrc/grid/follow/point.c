@@ -1,4 +1,4 @@
-/* dynamic_point.c - what a dynamic grid keeps of each point. */
+/* point.c - what a dynamic grid keeps of each point. */
 #include "follow.h"
 
 #include <math.h>

@@ -1,4 +1,4 @@
-/* tolerance_update.c - keeping a promised tolerance while lights move. */
+/* tolerance.c - keeping a promised tolerance while lights move. */
 #include "../bake/tolerance.h"
 
 #include <math.h>

@@ -70,12 +70,12 @@ ylm_status update_choose_points(update *u);
 /* Brings the points that are listed in u->shift up to date with all movers. */
 ylm_status update_shift_all(update *u);
 
-/* -- panel_update.c --------------------------------------------------------------------- */
+/* -- panel.c ---------------------------------------------------------------------------- */
 
 /* The exact light of the panel's points, with the lights as they are now. */
 ylm_status update_panel(update *u);
 
-/* -- update_tree.c ---------------------------------------------------------------------- */
+/* -- octree.c --------------------------------------------------------------------------- */
 
 ylm_status update_octree(update *u);
 ylm_status update_uniform(update *u);

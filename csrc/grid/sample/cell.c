@@ -1,4 +1,4 @@
-/* interpolate.c - the kernel in use, and one point of one cell. */
+/* cell.c - the kernel in use, and one point of one cell. */
 #include "../grid.h"
 
 #include <string.h>

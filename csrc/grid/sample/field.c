@@ -1,4 +1,4 @@
-/* sample_field.c - a grid as a light field: others may bake from it, or shade by it. */
+/* field.c - a grid as a light field: others may bake from it, or shade by it. */
 #include "../grid.h"
 
 #include <math.h>

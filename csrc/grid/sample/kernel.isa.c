@@ -1,5 +1,5 @@
 /*
-** sample_kernel.isa.c - sampling a voxel at a batch of points: a small matrix product.
+** kernel.isa.c - sampling a voxel at a batch of points: a small matrix product.
 **
 ** out[p][j] = sum over rows r of w[r][p] row[r][j]. The weights are computed with points as
 ** lanes; the product runs over blocks of 4 points x a few vectors of coefficients, so that a row's

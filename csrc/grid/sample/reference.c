@@ -1,4 +1,4 @@
-/* sample_reference.c - sampling one voxel, one point and one coefficient after the other: the
+/* reference.c - sampling one voxel, one point and one coefficient after the other: the
    short form that judges the kernels. */
 #include "../grid.h"
 

@@ -1,4 +1,4 @@
-/* polygon_sphere.c - flat lights approximated by spheres (Mezieres et al. 2022, Sec. 4.4): the
+/* approx.c - flat lights approximated by spheres (Mezieres et al. 2022, Sec. 4.4): the
    sphere at the centroid whose disk has the light's area, times |cos gamma|. */
 #include "flat.h"
 

@@ -1,4 +1,4 @@
-/* polygon_device.c - exact flat lights for kernels elsewhere: arrays, rules, maps from sums. */
+/* device.c - exact flat lights for kernels elsewhere: arrays, rules, maps from sums. */
 #include <math.h>
 #include <string.h>
 

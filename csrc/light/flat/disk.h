@@ -1,10 +1,10 @@
 /*
-** polygon_disk.h - disks and ellipses for polygon_kernel.isa.c: sums along their rims, lanes are
+** disk.h - disks and ellipses for kernel.isa.c: sums along their rims, lanes are
 ** points.
 **
 ** On a rim y = c + u cos phi + v sin phi the normal of the great circle turns, so that its
 ** components
-** times the moments of polygon_kernel.h are summed, at equal steps of phi, in each lane as many as
+** times the moments of kernel.h are summed, at equal steps of phi, in each lane as many as
 ** it needs.
 */
 

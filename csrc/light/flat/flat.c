@@ -1,4 +1,4 @@
-/* polygon.c - flat lights as data and as a light field. */
+/* flat.c - flat lights as data and as a light field. */
 #include <math.h>
 #include <string.h>
 

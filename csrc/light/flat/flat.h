@@ -1,4 +1,4 @@
-/* polygon.h - what the files about flat lights share. Private to csrc/light. */
+/* flat.h - what the files about flat lights share. Private to csrc/light. */
 #ifndef YLM_LIGHT_POLYGON_H
 #define YLM_LIGHT_POLYGON_H
 
@@ -20,10 +20,10 @@ struct ylm_polygons {
 /* Rows of vertices that a light of so many sides has. */
 static inline size_t ylm__polygon_rows(int sides) { return sides ? (size_t)sides : 3; }
 
-/* polygon_shape.c: fills normal, centroid, radius and reach of one; `e` says what is wrong. */
+/* shape.c: fills normal, centroid, radius and reach of one; `e` says what is wrong. */
 ylm_status ylm__polygon_describe(size_t index, int sides, const double *vertices, double *normal,
                                  double *centroid, double *radius, double *reach, ylm_error *e);
-/* polygon_shape.c: the field's `crosses`. */
+/* shape.c: the field's `crosses`. */
 ylm_status ylm__polygon_crosses(const ylm_field *f, size_t n, const double *boxes, uint8_t *out);
 
 /* The approximation, light by light: sums of all flat lights at n points x: sum [n][3][10 count]

@@ -1,6 +1,6 @@
-/* polygon_kernel.h - polygons by vectors: lanes are points. Private to csrc/light.
+/* kernel.h - polygons by vectors: lanes are points. Private to csrc/light.
 
-   (Disks: polygon_disk.h.) Along an edge the normal N of its great circle is constant, so that per
+   (Disks: disk.h.) Along an edge the normal N of its great circle is constant, so that per
    edge three kinds of moments are summed over nodes, and per point three vectors of each, N_a times
    a moment:
 
@@ -59,12 +59,12 @@ ylm_status ylm__flat_plan_make(ylm__flat_plan *plan, const ylm_polygons *p,
                                const ylm_field_query *q, ylm_isa isa);
 void ylm__flat_plan_free(ylm__flat_plan *plan);
 
-/* Adds one light at one point by the reference: sum [3][10 count]. polygon.c */
+/* Adds one light at one point by the reference: sum [3][10 count]. flat.c */
 ylm_status ylm__polygon_add(const ylm_polygons *p, const ylm__contour *k, size_t light,
                             const double *x, double *sum, uint8_t *inside);
 
 /* The exact sums of all flat lights at n points, as ylm__polygon_spheres. plan NULL: by the
-   reference. polygon.c */
+   reference. flat.c */
 ylm_status ylm__polygon_exactly(const ylm_polygons *p, const ylm__flat_plan *plan,
                                 const ylm_field_query *q, size_t n, const double (*x)[3],
                                 double *sum, uint8_t *inside);

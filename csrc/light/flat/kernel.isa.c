@@ -1,4 +1,4 @@
-/* polygon_kernel.isa.c - polygons and disks at as many points as a vector has lanes. */
+/* kernel.isa.c - polygons and disks at as many points as a vector has lanes. */
 #include "ylm_simd.h"
 
 #include "kernel.h"

@@ -1,5 +1,5 @@
 /*
-** polygon_merged.c - flat lights that are approximated by spheres, summed by merged moments.
+** merged.c - flat lights that are approximated by spheres, summed by merged moments.
 **
 ** A light's coefficients are those of a sphere, S, times c = |cos gamma|, which differs from point
 ** to point. The kernels of sphere lights are given c and its derivatives in place of a radiance:

@@ -1,4 +1,4 @@
-/* polygon_merged.h - many flat lights as spheres, by merged moments. Private to csrc/light. */
+/* merged.h - many flat lights as spheres, by merged moments. Private to csrc/light. */
 #ifndef YLM_LIGHT_POLYGON_MERGED_H
 #define YLM_LIGHT_POLYGON_MERGED_H
 
@@ -8,7 +8,7 @@
 /* Lights from which on the maps from sums to results pay. */
 #define YLM__MERGED_LEAST 4
 
-/* How a query is answered; without a kernel light by light (polygon_sphere.c). */
+/* How a query is answered; without a kernel light by light (approx.c). */
 typedef struct ylm__merged {
   const ylm__moment_kernel *kernel;
   int derivatives;

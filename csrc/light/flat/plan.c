@@ -1,4 +1,4 @@
-/* polygon_plan.c - what the kernels of polygons need to know about a query. */
+/* plan.c - what the kernels of polygons need to know about a query. */
 #include "../moments/gen/recurrences.h"
 #include "kernel.h"
 

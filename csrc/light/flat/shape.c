@@ -1,4 +1,4 @@
-/* polygon_shape.c - the shape of flat lights: what is none, and which boxes meet one. */
+/* shape.c - the shape of flat lights: what is none, and which boxes meet one. */
 #include "flat.h"
 
 #include <math.h>

@@ -1,7 +1,7 @@
 /*
-** moments_body.h - the moment kernel of one lmax (LMAX) and one element type; see moments.h.
+** body.h - the moment kernel of one lmax (LMAX) and one element type; see moments.h.
 **
-** Included by moments_kernel.h with REAL, V (vector), VI (integer vector), LANES, LAMP, NAME(x),
+** Included by kernel.h with REAL, V (vector), VI (integer vector), LANES, LAMP, NAME(x),
 ** and rsqrt and reciprocal defined. The plan of passes (which columns share the registers) is
 ** generated: gen/moments_*.isa.c.
 */

@@ -1,7 +1,7 @@
 /*
-** moments_general.h - sums of the moment kernel whose lmax is known at run time only.
+** general.h - sums of the moment kernel whose lmax is known at run time only.
 **
-** Included by moments_body.h. A column, which is all degrees of one (m, real or imaginary), is cut
+** Included by body.h. A column, which is all degrees of one (m, real or imaginary), is cut
 ** into chunks whose sums fit into registers. Code is made for each length of a chunk, and for the
 ** degrees lmax+1 and lmax+2 at the end of the last, which have fewer sums than those before.
 */

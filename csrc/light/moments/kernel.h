@@ -1,10 +1,10 @@
 /*
-** moments_kernel.h - the moment kernels of one lmax for both element types.
+** kernel.h - the moment kernels of one lmax for both element types.
 **
 ** Included by gen/moments_L.isa.c after LMAX and its plans:
 **   PLAN_s   for each set of kinds s: passes over a tile, each with its segments of columns
 **            PASS(first sum, number of sums) SEGMENT(m, side, k0, k1, offset) ... END
-** and by moments_any.isa.c, which leaves LMAX at its limit and has no plans.
+** and by any.isa.c, which leaves LMAX at its limit and has no plans.
 */
 #include "ylm_simd.h"
 

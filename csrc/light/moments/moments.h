@@ -54,7 +54,7 @@ static inline bool ylm__has(int lmax, int kinds, int kind, int k) {
   return kind == 0 ? k <= lmax : kind == 1 ? k >= 1 && k <= lmax + 1 : k != 1 && k <= lmax + 2;
 }
 
-/* What z is multiplied by, so that high degrees do not underflow: as GROW of moments_kernel.h. */
+/* What z is multiplied by, so that high degrees do not underflow: as GROW of kernel.h. */
 static inline double ylm__grow(int lmax) { return lmax > YLM__SPECIAL ? 2 : 1; }
 
 /* Places of one light in a tile: z, then Re and Im of (x+iy)^m, m = 1 .. lmax+2, then 1 - |z|. */
@@ -156,7 +156,7 @@ void ylm__plan_free(ylm__plan *p);
 typedef ylm_status ylm__sum_range(const ylm__plan *p, void **scratch, size_t begin, size_t end,
                                   const void *points, ylm_field_result *r);
 struct ylm__tree_plan;
-/* The same over a tree of lights (tree.h), for blocks begin .. end-1 of points; scratch is of
+/* The same over a tree of lights (tree/tree.h), for blocks begin .. end-1 of points; scratch is of
    three, the first of which begins with the number of lights and proxies that were summed, a
    uint64_t. */
 typedef ylm_status ylm__tree_range(const struct ylm__tree_plan *p, void **scratch, size_t begin,

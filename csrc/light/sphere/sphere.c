@@ -1,4 +1,4 @@
-/* sphere_light.c - the set of sphere lights: made from arrays, checked, read back, asked as a
+/* sphere.c - the set of sphere lights: made from arrays, checked, read back, asked as a
  * field. */
 #include "../light.h"
 

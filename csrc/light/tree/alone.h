@@ -1,6 +1,6 @@
 /*
-** tree_alone.h - sums over lists of lights and proxies from one point, for one element type;
-** included by tree_body.h. Here lanes are lights. The moment kernels, which take one light for many
+** alone.h - sums over lists of lights and proxies from one point, for one element type;
+** included by body.h. Here lanes are lights. The moment kernels, which take one light for many
 ** points, see many lights from one: u = (y - x)/r, all of radius 1; weights of kind k are off by
 ** r^k.
 */

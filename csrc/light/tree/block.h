@@ -1,6 +1,6 @@
 /*
-** tree_block.h - blocks of packets, for one element type; included by tree_body.h. A block shares
-** what is far from all of it where that pays (tree_far.h), and leaves the rest to the
+** block.h - blocks of packets, for one element type; included by body.h. A block shares
+** what is far from all of it where that pays (far.h), and leaves the rest to the
 ** smaller blocks that it is halved into, down to packets.
 */
 

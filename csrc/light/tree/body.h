@@ -1,10 +1,10 @@
 /*
-** tree_body.h - the sum over a tree of lights for one element type, included by sum.isa.c after
-** sum_body.h. A packet of points walks down the tree together, and sums what is far from all of
-** them with lanes that are points (tree_crowd.h); from nodes that are smaller than the packet and
-** too near, each point walks on alone, with lanes that are lights (tree_alone.h). A first walk, the
+** body.h - the sum over a tree of lights for one element type, included by moments/sum.isa.c after
+** moments/sum_body.h. A packet of points walks down the tree together, and sums what is far from
+** all of them with lanes that are points (crowd.h); from nodes that are smaller than the packet and
+** too near, each point walks on alone, with lanes that are lights (alone.h). A first walk, the
 ** pilot's, finds the scales that errors are beside. What is far from a whole block of packets is
-** summed for all of them at once (tree_far.h).
+** summed for all of them at once (far.h).
 */
 
 #include "alone.h"

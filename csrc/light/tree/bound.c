@@ -1,4 +1,4 @@
-/* tree_bound.c - how far proxies are from what they stand for, and what that means for a query. */
+/* bound.c - how far proxies are from what they stand for, and what that means for a query. */
 #include "tree.h"
 
 #include <math.h>
@@ -41,7 +41,8 @@ void ylm__tree_norms(int lmax, double G[YLM__NORMS]) {
   }
 }
 
-/* Places of the sums of `few` kinds among those of `all`, in the kernels' order (moments.h). */
+/* Places of the sums of `few` kinds among those of `all`, in the kernels' order
+   (moments/moments.h). */
 static void find_places(int lmax, int all, int few, uint32_t *at) {
   uint32_t next = 0;
   int K = ylm__degree_of(lmax, all);

@@ -1,5 +1,5 @@
 /*
-** tree_build.c - cuts lights into groups of nodes, down to leaves of a few lights.
+** build.c - cuts lights into groups of nodes, down to leaves of a few lights.
 **
 ** A set is halved across the longest of the extents of its centres and radii, at the middle of that
 ** extent, so that nodes stay compact and lights of unlike size part. Lights of positive and of

@@ -1,4 +1,4 @@
-/* tree_cluster.c - the moments of a node's lights. */
+/* cluster.c - the moments of a node's lights. */
 #include "proxy.h"
 
 #include <math.h>

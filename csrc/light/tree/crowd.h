@@ -1,6 +1,6 @@
 /*
-** tree_crowd.h - sums over lists of lights and proxies that a packet of points shares, for one
-** element type; included by tree_body.h. Here lanes are points, as in the exact sum.
+** crowd.h - sums over lists of lights and proxies that a packet of points shares, for one
+** element type; included by body.h. Here lanes are points, as in the exact sum.
 */
 
 /* Vectors of points in a packet, and lights to sum over: room for one more leaf. */

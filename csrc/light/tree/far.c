@@ -1,5 +1,5 @@
 /*
-** tree_far.c - how well the field of far lights is found by interpolation, and how many nodes that
+** far.c - how well the field of far lights is found by interpolation, and how many nodes that
 ** takes.
 **
 ** Along one axis, of half extent 1 and with a light at the distance D across its middle, where

@@ -1,5 +1,5 @@
 /*
-** tree_far.h - what a block of points shares, for one element type; included by tree_body.h. Lights
+** far.h - what a block of points shares, for one element type; included by body.h. Lights
 ** that are far from the whole block are summed at the nodes of a grid of Chebyshev's over its box,
 ** lanes being nodes; the sums of its points are interpolated from there. What is near is left to
 ** the packets of the block.

@@ -1,6 +1,6 @@
 /*
-** tree_near.h - which nodes of the tree of lights are too near or too strong for a block of points
-** to interpolate; included by tree_walk.h. Lanes are nodes.
+** near.h - which nodes of the tree of lights are too near or too strong for a block of points
+** to interpolate; included by walk.h. Lanes are nodes.
 */
 
 /* The square of the distance of nodes from a block, less `reach`, by which its interpolation

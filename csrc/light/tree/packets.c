@@ -1,5 +1,5 @@
 /*
-** tree_packets.c - the order in which points are taken: packets of points that lie together, and
+** packets.c - the order in which points are taken: packets of points that lie together, and
 ** blocks of such packets.
 **
 ** Points are halved across the longest extent of their places, so many at a time that all packets

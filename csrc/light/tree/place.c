@@ -1,5 +1,5 @@
 /*
-** tree_place.c - where the lights stand that stand for many.
+** place.c - where the lights stand that stand for many.
 **
 ** In units in which the covariance is the identity, proxies begin at the corners u of a cube or of
 ** a tetrahedron, of equal weights. A cube's have no third moments; to first order, and without a

@@ -1,9 +1,9 @@
 /*
-** tree_proxy.c - four or eight lights that stand for many: their power, what they miss, and which
+** proxy.c - four or eight lights that stand for many: their power, what they miss, and which
 ** of them are best.
 **
 ** Lights x_i of power e_i r_i^2; the places c + A y_j of the proxies and their parts w_j of the
-** weight have the geometry's moments (tree_place.c), and with r_p^2 = sum |e| r^4/sum |e| r^2 also
+** weight have the geometry's moments (place.c), and with r_p^2 = sum |e| r^4/sum |e| r^2 also
 ** sum e r^4. In each colour c the emission is e_cj = w_j (E_c + h_c.y_j + k_c.phi_j)/r_p^2: A h_c =
 ** sum e_c r^2 (x - c) keeps the moments of degree 0 and 1; phi are products of two unlike
 ** coordinates less what is linear in them, and k_c keeps the moments xy, xz, yz. What is missed of

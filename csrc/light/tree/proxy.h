@@ -1,7 +1,7 @@
 /*
-** tree_proxy.h - the moments of a node's lights, and the lights that may stand for it.
+** proxy.h - the moments of a node's lights, and the lights that may stand for it.
 **
-** Private to csrc/light/tree_*.c.
+** Private to csrc/light/tree.
 */
 #ifndef YLM_LIGHT_TREE_PROXY_H
 #define YLM_LIGHT_TREE_PROXY_H
@@ -28,7 +28,7 @@ typedef struct proxies {
   double missing[YLM__STRENGTHS][2], fourth; /* second and third moments that they miss */
 } proxies;
 
-/* -- tree_cluster.c ---------------------------------------------------------------------------- */
+/* -- cluster.c --------------------------------------------------------------------------------- */
 
 /* Adds a light of power e, offset x and squared radius r2. */
 void ylm__tree_add(double m[MOMENTS], double e, const double *x, double r2);
@@ -37,7 +37,7 @@ void ylm__tree_add_fourth(double m[15], double w, const double *x);
 /* Of n lights; zero before. */
 void ylm__tree_cluster(cluster *q, const ylm__lamp_d *lamps, const uint32_t *order, size_t n);
 
-/* -- tree_place.c ------------------------------------------------------------------------------ */
+/* -- place.c ----------------------------------------------------------------------------------- */
 
 /* The lower triangle A of a covariance xx xy xz yy yz zz, C = A A^T; columns without extent are
    zero (walls, lines, one place). */

@@ -48,7 +48,7 @@ enum { YLM__STRENGTH_RGB, YLM__STRENGTH_LUM, YLM__STRENGTHS };
 /*
 ** Nodes beside each other, field by field. The error of a node's proxies at the distance D is about
 **   G_(2+k)/D^(4+k) second + G_(3+k)/D^(5+k) third + G_(4+k)/D^(6+k) fourth
-** for the k-th derivative (tree_bound.c has G).
+** for the k-th derivative (bound.c has G).
 */
 typedef struct ylm__group {
   float at[3][YLM__GROUP];                    /* centroid */
@@ -101,7 +101,7 @@ typedef struct ylm_light_tree {
 /* Fewer lights than this are never worth a tree, and 2^27 do not fit. */
 #define YLM__FEW 512
 
-/* -- tree_build.c: cutting the lights into groups -----------------------------------------------
+/* -- build.c: cutting the lights into groups ----------------------------------------------------
  */
 
 /* A node while the tree is built: lights order[begin] .. order[end-1]. */
@@ -109,14 +109,14 @@ typedef struct ylm__branch {
   uint32_t begin, end;
 } ylm__branch;
 
-/* -- tree_proxy.c -------------------------------------------------------------------------------
+/* -- proxy.c ------------------------------------------------------------------------------------
  */
 
 /* Fills place `k` of group `g`: centroid, reach, what the proxies miss, and the proxies, whose
    block it has. `order` names `n` lights. */
 void ylm__tree_node(ylm_light_tree *t, uint32_t g, int k, const uint32_t *order, size_t n);
 
-/* -- tree_packets.c ------------------------------------------------------------------------------
+/* -- packets.c -----------------------------------------------------------------------------------
  */
 
 /* The order of points in packets, all of which but the last have YLM__PACKET points that lie
@@ -130,14 +130,14 @@ ylm_status ylm__packing_create(ylm_dtype type, size_t n, const void *points, siz
                                ylm__packing *out);
 void ylm__packing_free(ylm__packing *p);
 
-/* -- tree_far.c ----------------------------------------------------------------------------------
+/* -- far.c ---------------------------------------------------------------------------------------
  */
 
 /*
 ** Points that lie together are a block, and far from all of it lights are summed at the nodes of a
 ** grid, from which the sums of its points are interpolated. `error[k][i][n]` is log2 of the error
 ** of the k-th derivative, in parts of a light's, of n of Chebyshev's nodes along an axis of half
-** extent 1 at the i-th distance (tree_far.c).
+** extent 1 at the i-th distance (far.c).
 */
 #define YLM__FAR_NODES 16 /* most nodes along an axis */
 #define YLM__FAR_STEPS 16 /* distances */
@@ -152,7 +152,7 @@ void ylm__far_create(int lmax, const bool want[3], ylm__far *f);
 double ylm__far_nodes(const ylm__far *f, const bool want[3], const float half[3],
                       const float part[3], int n[3]);
 
-/* -- tree_bound.c -------------------------------------------------------------------------------
+/* -- bound.c ------------------------------------------------------------------------------------
  */
 
 /* The norms G_j of the j-th derivatives of a small light's coefficients at distance 1 for unit

@@ -1,6 +1,6 @@
 /*
-** tree_walk.h - which nodes of the tree of lights are far enough from a box of points, in float and
-** the tree's units; a vector of nodes at a time. Included by sum.isa.c.
+** walk.h - which nodes of the tree of lights are far enough from a box of points, in float and
+** the tree's units; a vector of nodes at a time. Included by moments/sum.isa.c.
 */
 
 #define SIDE (YLM_VF / YLM__GROUP) /* groups in a vector */

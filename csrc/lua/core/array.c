@@ -1,4 +1,4 @@
-/* core_array.c - functions on ylm.array; the type itself is in binding_array.c, Lua methods in
+/* array.c - functions on ylm.array; the type itself is in binding_array.c, Lua methods in
    lua/ylm/array.lua. */
 #include "../binding.h"
 

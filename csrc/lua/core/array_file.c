@@ -1,4 +1,4 @@
-/* core_array_file.c - arrays from and to .npy files. */
+/* array_file.c - arrays from and to .npy files. */
 #include "../binding.h"
 
 /* array_read(path) -> array */

@@ -1,4 +1,4 @@
-/* core_figure.c - shapes, what pictures are made of, and files of cells. For lua/ylm/view*.lua. */
+/* figure.c - shapes, what pictures are made of, and files of cells. For lua/ylm/view/. */
 #include "../binding_figure.h"
 
 #include <math.h>

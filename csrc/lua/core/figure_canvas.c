@@ -1,4 +1,4 @@
-/* core_figure_canvas.c - canvases: pictures as they are put together. */
+/* figure_canvas.c - canvases: pictures as they are put together. */
 #include "../binding_figure.h"
 #include "ylm_image.h"
 

@@ -1,4 +1,4 @@
-/* core_figure_volume.c - lattices of numbers: resampling, isosurfaces' and streamlines' source. */
+/* figure_volume.c - lattices of numbers: resampling, isosurfaces' and streamlines' source. */
 #include "../binding_figure.h"
 
 #include <math.h>

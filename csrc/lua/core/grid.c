@@ -1,5 +1,5 @@
-/* core_grid.c - ylm.grid: the object and its light field, sampling. lua/ylm/grid_object.lua,
-   grid_sample.lua. */
+/* grid.c - ylm.grid: the object and its light field, sampling. lua/ylm/grid/object.lua,
+   grid/sample.lua. */
 #include "../binding_grid.h"
 
 static const ylm_field *field_of(void *object) {

@@ -1,4 +1,4 @@
-/* core_grid.h - what the files that bind grids share, beside binding_grid.h. Private to csrc/lua.
+/* grid.h - what the files that bind grids share, beside binding_grid.h. Private to csrc/lua.
  */
 #ifndef YLM_LUA_CORE_GRID_H
 #define YLM_LUA_CORE_GRID_H

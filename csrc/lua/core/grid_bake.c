@@ -1,5 +1,5 @@
-/* core_grid_bake.c - ylm.grid: baking and updating, also from light fields that are functions.
-   lua/ylm/grid_bake.lua. */
+/* grid_bake.c - ylm.grid: baking and updating, also from light fields that are functions.
+   lua/ylm/grid/bake.lua. */
 #include "grid.h"
 
 #include <math.h>

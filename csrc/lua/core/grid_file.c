@@ -1,4 +1,4 @@
-/* core_grid_file.c - ylm.grid: files. lua/ylm/grid_file.lua. */
+/* grid_file.c - ylm.grid: files. lua/ylm/grid/file.lua. */
 #include "grid.h"
 
 #include <string.h>

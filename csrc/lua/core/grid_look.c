@@ -1,5 +1,5 @@
-/* core_grid_look.c - ylm.grid: what a grid was described with, what was done, its points and cells.
-   lua/ylm/grid_look.lua. */
+/* grid_look.c - ylm.grid: what a grid was described with, what was done, its points and cells.
+   lua/ylm/grid/look.lua. */
 #include "grid.h"
 
 #include <math.h>

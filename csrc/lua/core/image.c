@@ -1,4 +1,4 @@
-/* core_image.c - images: layers, metadata; lua/ylm/image.lua has the methods. */
+/* image.c - images: layers, metadata; lua/ylm/image/init.lua has the methods. */
 #include "../binding.h"
 #include "ylm_image.h"
 

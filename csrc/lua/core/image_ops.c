@@ -1,4 +1,4 @@
-/* core_image_ops.c - what is computed from images: metrics, resizing, drawing, colours, directions.
+/* image_ops.c - what is computed from images: metrics, resizing, drawing, colours, directions.
  */
 #include "../binding.h"
 #include "ylm_image.h"
@@ -19,7 +19,7 @@ static void colour(lua_State *L, int i, float c[4]) {
 }
 
 /* The float array at `i` as a mask of the image's pixels; NULL where it is nil. Raises on a bad
-   one, which lua/ylm/image.lua has excluded. */
+   one, which lua/ylm/image/init.lua has excluded. */
 static const float *mask(lua_State *L, int i, const ylm_image *image) {
   ylmL_array *a = ylmL_array_opt(L, i);
   if (!a) return NULL;

@@ -1,4 +1,4 @@
-/* core_light.c - ylm.lights: sets of lights, and the evaluation of any object's light field. */
+/* light.c - ylm.lights: sets of lights, and the evaluation of any object's light field. */
 #include "../binding.h"
 
 #include <string.h>

@@ -1,4 +1,4 @@
-/* core_light_polygon.c - ylm.polygons, and ylm.light_sum: the sum of what has a light field. */
+/* light_polygon.c - ylm.polygons, and ylm.light_sum: the sum of what has a light field. */
 #include "../binding.h"
 
 #include <string.h>

@@ -1,4 +1,4 @@
-/* core_light_tree.c - ylm.light_cut: the field of a set of lights to a tolerance. */
+/* light_tree.c - ylm.light_cut: the field of a set of lights to a tolerance. */
 #include "../binding.h"
 
 #include "ylm_light.h"

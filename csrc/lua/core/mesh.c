@@ -1,4 +1,4 @@
-/* core_mesh.c - meshes: shapes, transforms, files, their numbers as arrays. */
+/* mesh.c - meshes: shapes, transforms, files, their numbers as arrays. */
 #include "../binding.h"
 #include "ylm_geom.h"
 

@@ -1,4 +1,4 @@
-/* core_process.c - what the command-line tool asks of its process: interrupts, standard output. */
+/* process.c - what the command-line tool asks of its process: interrupts, standard output. */
 #include <errno.h>
 #include <fcntl.h>
 #include <signal.h>

@@ -1,5 +1,5 @@
 /*
-** core_sandbox.c - what lua/ylm/sandbox.lua needs from C to run a stranger's scene file:
+** sandbox.c - what lua/ylm/sandbox.lua needs from C to run a stranger's scene file:
 ** a call that is bounded in instructions, time and memory, and file names that stay in a folder.
 */
 #include <limits.h>

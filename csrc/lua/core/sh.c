@@ -1,4 +1,4 @@
-/* core_sh.c - binds evaluation of spherical harmonics. Arguments come sorted from lua/ylm/sh.lua.
+/* sh.c - binds evaluation of spherical harmonics. Arguments come sorted from lua/ylm/sh/init.lua.
  */
 #include "../binding.h"
 

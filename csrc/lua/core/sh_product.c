@@ -1,5 +1,5 @@
-/* core_sh_product.c - binds products and transfer matrices. Arguments come sorted from
- * lua/ylm/sh_product.lua. */
+/* sh_product.c - binds products and transfer matrices. Arguments come sorted from
+ * lua/ylm/sh/product.lua. */
 #include "../binding.h"
 
 #include "ylm_sh.h"

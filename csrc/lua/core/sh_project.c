@@ -1,5 +1,5 @@
-/* core_sh_project.c - binds projection of samples. Arguments come sorted from
- * lua/ylm/sh_project.lua. */
+/* sh_project.c - binds projection of samples. Arguments come sorted from
+ * lua/ylm/sh/project.lua. */
 #include "../binding.h"
 
 #include "ylm_sh.h"

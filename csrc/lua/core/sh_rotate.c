@@ -1,5 +1,5 @@
-/* core_sh_rotate.c - binds rotation and conventions. Arguments come sorted from
-   lua/ylm/sh_rotate.lua and sh_convert.lua. */
+/* sh_rotate.c - binds rotation and conventions. Arguments come sorted from
+   lua/ylm/sh/rotate.lua and sh/convert.lua. */
 #include "../binding.h"
 
 #include "ylm_sh.h"

@@ -1,4 +1,4 @@
-/* scene_codec.c - image files. */
+/* codec.c - image files. */
 #include "../binding.h"
 #include "ylm_codec.h"
 

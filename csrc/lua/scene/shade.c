@@ -1,4 +1,4 @@
-/* scene_shade.c - scenes and views as objects, shading of views' points; lua/ylm/render.lua drives
+/* shade.c - scenes and views as objects, shading of views' points; lua/ylm/render/init.lua drives
  * it.
  */
 #include "shade.h"

@@ -1,4 +1,4 @@
-/* scene_shade.h - what the files that bind shading share. Private to csrc/lua. */
+/* shade.h - what the files that bind shading share. Private to csrc/lua. */
 #ifndef YLM_LUA_SCENE_SHADE_H
 #define YLM_LUA_SCENE_SHADE_H
 

@@ -1,4 +1,4 @@
-/* scene_shade_entries.c - what pictures of a view are made of, for those that make them on a
+/* shade_entries.c - what pictures of a view are made of, for those that make them on a
  * device. */
 #include <string.h>
 

@@ -1,4 +1,4 @@
-/* scene_shade_grid.c - shading by grids. */
+/* shade_grid.c - shading by grids. */
 #include <string.h>
 
 #include "../binding_grid.h"

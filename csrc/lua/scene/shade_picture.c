@@ -1,4 +1,4 @@
-/* scene_shade_picture.c - pictures of a view from numbers at its points, and their differences. */
+/* shade_picture.c - pictures of a view from numbers at its points, and their differences. */
 #include "shade.h"
 
 /* shade_difference(a, b, out): out = |a - b|; float arrays of one size */

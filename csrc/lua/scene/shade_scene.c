@@ -1,4 +1,4 @@
-/* scene_shade_scene.c - scenes ready to be traced: made of meshes and lamps, looked at, traced. */
+/* shade_scene.c - scenes ready to be traced: made of meshes and lamps, looked at, traced. */
 #include <string.h>
 
 #include "shade.h"

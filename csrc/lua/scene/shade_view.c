@@ -1,4 +1,4 @@
-/* scene_shade_view.c - prepared views: made, and what they know of their shading points. */
+/* shade_view.c - prepared views: made, and what they know of their shading points. */
 #include <string.h>
 
 #include "shade.h"

@@ -1,4 +1,4 @@
-/* vtk_chart.c - line plots, for lua/ylm/plot.lua. */
+/* chart.c - line plots, for lua/ylm/plot.lua. */
 #include "../binding_figure.h"
 #include "vtk.h"
 #include "ylm_vtk.h"

@@ -1,4 +1,4 @@
-/* vtk_show.c - the interactive window. */
+/* show.c - the interactive window. */
 #include "../binding_figure.h"
 #include "vtk.h"
 #include "ylm_vtk.h"

@@ -1,4 +1,4 @@
-/* drawing.h - functions of vtk_*.c that vtk.c registers. */
+/* vtk.h - functions of this room that vtk.c registers. */
 #ifndef YLM_LUA_DRAWING_H
 #define YLM_LUA_DRAWING_H
 

@@ -1,4 +1,4 @@
-/* vulkan_array.c - arrays in a device's memory. */
+/* array.c - arrays in a device's memory. */
 #include "vulkan.h"
 
 #include <string.h>

@@ -1,4 +1,4 @@
-/* vulkan_grid.c - grids in a device's memory. Arguments come sorted from lua/ylm/vulkan_grid.lua.
+/* grid.c - grids in a device's memory. Arguments come sorted from lua/ylm/device/grid.lua.
  */
 #include "../binding_grid.h"
 #include "vulkan.h"

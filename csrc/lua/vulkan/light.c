@@ -1,4 +1,4 @@
-/* vulkan_light.c - lights in a device's memory, an object with a light field. */
+/* light.c - lights in a device's memory, an object with a light field. */
 #include "vulkan.h"
 
 #include "../binding_grid.h"

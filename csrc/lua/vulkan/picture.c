@@ -1,4 +1,4 @@
-/* vulkan_picture.c - pictures in a device's memory; lua/ylm/vulkan_image.lua makes them. */
+/* picture.c - pictures in a device's memory; lua/ylm/device/image.lua makes them. */
 #include "vulkan.h"
 
 #define PICTURE "ylm.gpu_picture"

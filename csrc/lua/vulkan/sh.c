@@ -1,4 +1,4 @@
-/* vulkan_sh.c - spherical harmonics on a device. Arguments come sorted from lua/ylm/sh.lua. */
+/* sh.c - spherical harmonics on a device. Arguments come sorted from lua/ylm/sh/init.lua. */
 #include "vulkan.h"
 #include "ylm_sh.h"
 

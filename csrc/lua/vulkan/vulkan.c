@@ -1,4 +1,4 @@
-/* vulkan.c - opens ylm.c.vulkan: devices. For lua/ylm/vulkan.lua. */
+/* vulkan.c - opens ylm.c.vulkan: devices. For lua/ylm/device/init.lua. */
 #include "vulkan.h"
 
 #include <string.h>

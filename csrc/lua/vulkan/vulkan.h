@@ -1,4 +1,4 @@
-/* vulkan.h - what the files of the Vulkan binding share. Private to csrc/lua/vulkan*.c. */
+/* vulkan.h - what the files of the Vulkan binding share. Private to csrc/lua/vulkan. */
 #ifndef YLM_LUA_VULKAN_H
 #define YLM_LUA_VULKAN_H
 

@@ -1,6 +1,6 @@
 /*
 ** transpose.h - rows to lanes and back, for the element type T (with V, LANES, FN, LOAD and STORE
-** as in rotate.isa.c).
+** as in rotate/rotate.isa.c).
 **
 ** Kernels whose lanes are the rows of a batch read and write through tiles: element k of row r is
 ** tile[k * pitch + r]. Included once for each element type.

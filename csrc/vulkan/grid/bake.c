@@ -1,7 +1,7 @@
 /*
 ** bake.c - grids baked on a device. With a threshold the octree is refined there, a uniform grid
 ** is one level (octree.c); with a tolerance the host decides, by what the device tells it of the
-** points' rows, which it keeps (keeper.c). Where kernels have too few buffers for that, the
+** points' rows, which it keeps (remote.c). Where kernels have too few buffers for that, the
 ** device sums.
 */
 #include "../device/gpu.h"

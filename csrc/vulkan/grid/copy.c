@@ -1,4 +1,4 @@
-/* grid_copy.c - a grid's cells, coefficients and gradients in the device's memory. */
+/* copy.c - a grid's cells, coefficients and gradients in the device's memory. */
 #include <string.h>
 
 #include "copy.h"

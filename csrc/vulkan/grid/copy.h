@@ -1,4 +1,4 @@
-/* gpu_grid.h - a grid in the device's memory: what grid_copy.c and grid.c share. Private. */
+/* copy.h - a grid in the device's memory: what copy.c and sample.c share. Private. */
 #ifndef YLM_GPU_GRID_H
 #define YLM_GPU_GRID_H
 
@@ -26,7 +26,7 @@ struct ylm_gpu_grid {
   step_queue queue;
 };
 
-/* grid_copy.c: a grid's copy but for the rows of points, k->part_rows of which go into a buffer. */
+/* copy.c: a grid's copy but for the rows of points, k->part_rows of which go into a buffer. */
 ylm_status ylm__gpu_grid_begin(ylm_gpu *g, const ylm_grid *grid, ylm_gpu_grid **k, ylm_error *e);
 
 #endif

@@ -16,7 +16,7 @@ typedef struct gpu_points {
   ylm_gpu *g;
   ylm_gpu_lights *l;
   const ylm_grid *grid; /* in the making */
-  /* What it is baked from, and its shading points where they are in the device's memory: keeper.c
+  /* What it is baked from, and its shading points where they are in the device's memory: remote.c
    */
   const ylm_grid_source *source;
   ylm_gpu_buffer *there;
@@ -88,7 +88,7 @@ ylm_status points_probe(gpu_points *p, size_t n, const ylm_grid_probe *probe, bo
                         float *distance);
 ylm_status points_values(gpu_points *p, size_t n, const float *places, uint8_t *inside,
                          const ylm_progress *progress);
-/* keeper.c: what keeps a grid's rows on the device while the host refines it. */
+/* remote.c: what keeps a grid's rows on the device while the host refines it. */
 ylm_grid_keeper points_keeper(gpu_points *p);
 /* The grid's copy from these rows, which are then its own, and what the finished grid has beside
    them. *copy is NULL where rows are the host's alone, or do not fit: points_copy.c */

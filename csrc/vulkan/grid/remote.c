@@ -1,4 +1,4 @@
-/* keeper.c - rows of a grid's points kept on a device while the host refines it: ylm_grid_keeper.
+/* remote.c - rows of a grid's points kept on a device while the host refines it: ylm_grid_keeper.
  */
 #include "occupied.h"
 #include "points.h"

@@ -1,5 +1,5 @@
 /*
-** grid.c - sampling and shading with a grid in the device's memory.
+** sample.c - sampling and shading with a grid in the device's memory.
 **
 ** Points are sorted by the cell whose corners they need, by counting: located and counted, the
 ** counts summed, scattered. Groups of neighbours in that order then read a cell's data once.

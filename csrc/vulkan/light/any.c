@@ -1,4 +1,4 @@
-/* lights_any.c - what shaders/moments_any.real.comp sums, and in which passes. */
+/* any.c - what shaders/moments_any.real.comp sums, and in which passes. */
 #include "lights.h"
 
 /* As in the kernel. */

@@ -1,5 +1,5 @@
 /*
-** lights.h - sums over lights on a device: what lights*.c share. Private.
+** lights.h - sums over lights on a device: what the files of this room share. Private.
 **
 ** Sums lie in the device's memory as [sum][stride], stride being the points of a pass rounded up
 ** to whole groups, so that neighbouring invocations read neighbouring numbers.
@@ -100,7 +100,7 @@ struct ylm_gpu_lights {
   bool busy; /* a call that uses them has not returned: its progress function runs */
 };
 
-/* -- lights_any.c --------------------------------------------------------------- */
+/* -- any.c ---------------------------------------------------------------------- */
 
 /* Whether there are lights beside exact flat ones. */
 static inline bool ylm__sum_base(const ylm_gpu_lights *l) { return l->lights || l->polygons; }
@@ -111,7 +111,7 @@ static inline bool ylm__sum_any(ylm_gpu_method method, int lmax) {
 /* The passes of a set, and the plan's constants if it has none. */
 ylm_status ylm__sum_any_cut(const ylm_gpu_lights *l, sum_plan *p, sum_set *set, ylm_error *e);
 
-/* -- lights_rims.c -------------------------------------------------------------- */
+/* -- rims.c --------------------------------------------------------------------- */
 
 /* Brings the exact flat lights l->rims.of to the device. YLM_EMISSING: it has no float64. */
 ylm_status ylm__rims_create(ylm_gpu_lights *l, ylm_error *e);
@@ -119,7 +119,7 @@ void ylm__rims_free(rim_set *r);
 /* Adds to a set the pass that sums along rims, behind the sums that are there. */
 ylm_status ylm__rims_cut(const ylm_gpu_lights *l, sum_plan *p, sum_set *set, ylm_error *e);
 
-/* -- lights_plan.c ------------------------------------------------------------ */
+/* -- plan.c ------------------------------------------------------------------- */
 
 /* Sums that an invocation keeps in registers: 255 of them hold these and what a light needs. */
 #define SUM_BUDGET 144
@@ -130,7 +130,7 @@ ylm_status ylm__sum_plan_get(ylm_gpu_lights *l, const ylm_field_query *q, const 
                              ylm_error *e);
 void ylm__sum_plans_free(sum_plan *p);
 
-/* -- lights_work.c ------------------------------------------------------------ */
+/* -- work.c ------------------------------------------------------------------- */
 
 /* Bytes of the device's memory that a point takes beside partial sums, of the widest of its
    arrays, and of the partial sums of one chunk. */

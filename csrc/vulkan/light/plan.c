@@ -1,4 +1,4 @@
-/* lights_plan.c - what has to be summed for a query, and the maps to results, on a device. */
+/* plan.c - what has to be summed for a query, and the maps to results, on a device. */
 #include <string.h>
 
 #include "lights.h"

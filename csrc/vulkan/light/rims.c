@@ -1,4 +1,4 @@
-/* lights_rims.c - exact flat lights on a device: their arrays, and what shaders/rims.real.comp
+/* rims.c - exact flat lights on a device: their arrays, and what shaders/rims.real.comp
  * sums. */
 #include <math.h>
 

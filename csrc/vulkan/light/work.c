@@ -1,4 +1,4 @@
-/* lights_work.c - the steps that evaluate a pass of points: sums, their reduction, maps, metric. */
+/* work.c - the steps that evaluate a pass of points: sums, their reduction, maps, metric. */
 #include <string.h>
 
 #include "lights.h"

@@ -1,5 +1,5 @@
 /*
-** picture_lamps.c - lamps over a picture: which tiles of it they touch is found here, the rest on
+** lamps.c - lamps over a picture: which tiles of it they touch is found here, the rest on
 ** the device.
 */
 #include "../gen/layout.h"

@@ -1,4 +1,4 @@
-/* picture.h - what picture.c and picture_lamps.c share. Private. */
+/* picture.h - what picture.c and lamps.c share. Private. */
 #ifndef YLM_GPU_PICTURE_H
 #define YLM_GPU_PICTURE_H
 

@@ -1,5 +1,6 @@
---- A sum that loses nothing to rounding, but for what is below its last bit twice, once for C (csrc/light/gen/compensation.h)
--- and once for GLSL (shaders/gen/compensation.glsl): sums over many lights are added up in parts.
+--- A sum that loses nothing to rounding, but for what is below its last bit twice, once for C
+-- (csrc/light/moments/gen/compensation.h) and once for GLSL (shaders/gen/compensation.glsl): sums over many lights are added up
+-- in parts.
 
 local common = require "ylm.codegen.common"
 

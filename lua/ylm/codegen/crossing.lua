@@ -1,4 +1,4 @@
---- Which boxes the surface of a sphere meets, once for C (csrc/light/gen/crossing.h) and once for GLSL
+--- Which boxes the surface of a sphere meets, once for C (csrc/light/flat/gen/crossing.h) and once for GLSL
 -- (shaders/gen/crossing.glsl): both in double, with the same roundings.
 
 local common = require "ylm.codegen.common"

@@ -1,4 +1,4 @@
---- The largest absolute eigenvalue of a symmetric 3x3 matrix, once for C (csrc/light/gen/eigenvalue.h) and once for GLSL
+--- The largest absolute eigenvalue of a symmetric 3x3 matrix, once for C (csrc/light/moments/gen/eigenvalue.h) and once for GLSL
 -- (shaders/gen/eigenvalue.glsl).
 --
 -- With q the mean of the trace and B = (H - q)/p scaled so that the squares of its elements sum to 6, the extreme

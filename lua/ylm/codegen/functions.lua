@@ -15,13 +15,13 @@ local functions = {}
 local function arrays(text) return { [3] = text, [6] = text, [10] = text } end
 
 local languages = {
-  -- C for lanes (csrc/sh/sh_simd.h).
+  -- C for lanes (csrc/sh/eval/sh_simd.h).
   lanes = {
     name = "%s", head = "YLM_INLINE %s %s(%s) {", number_type = "vreal",
     scalar = "real %s", number = "vreal %s", vector = arrays "const vreal *%s",
     out_number = "vreal *%s", out_vector = arrays "vreal *%s", result = "*%s",
   },
-  -- C for lanes, included once for each element type REAL with vectors V (csrc/light/moments_kernel.h).
+  -- C for lanes, included once for each element type REAL with vectors V (csrc/light/moments/kernel.h).
   kernel = {
     name = "NAME(%s)", head = "YLM_INLINE %s %s(%s) {", number_type = "V",
     scalar = "REAL %s", number = "V %s", vector = arrays "const V *%s",

@@ -1,4 +1,4 @@
---- Emits csrc/light/gen/gauss.c: Gauss-Legendre rules for the rims of flat lights.
+--- Emits csrc/light/flat/gen/gauss.c: Gauss-Legendre rules for the rims of flat lights.
 --
 -- n nodes integrate exp(iax) over -1 .. 1 to 2^(2n+1) n!^4 / ((2n+1) (2n)!^3) a^2n. `fine` and `rough` are the
 -- largest a for which that is 1e-16 and 1e-10.

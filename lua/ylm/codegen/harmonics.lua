@@ -26,7 +26,7 @@ local function ladder(l, q)
   return e, A, B
 end
 
---- The coefficients a, b, e, A, B, b', c' of csrc/sh/sh_kernel.h: the recurrence in l and the ladder.
+--- The coefficients a, b, e, A, B, b', c' of csrc/sh/eval/sh_kernel.h: the recurrence in l and the ladder.
 function harmonics.coefficients(l, q)
   local n, e, A, B = 2 * l + 1, ladder(l, q)
   A, B = A + 0, B + 0 -- no negative zeros

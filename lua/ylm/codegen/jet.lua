@@ -1,5 +1,5 @@
---- Jets: a function's value, gradient and Hessian (v, x y z, xx xy xz yy yz zz), once for C (csrc/light/gen/jet.h) and once for
--- GLSL (shaders/gen/jet.glsl): what flat lights that are approximated by spheres are multiplied by.
+--- Jets: a function's value, gradient and Hessian (v, x y z, xx xy xz yy yz zz), once for C (csrc/light/flat/gen/jet.h) and once
+-- for GLSL (shaders/gen/jet.glsl): what flat lights that are approximated by spheres are multiplied by.
 
 local functions = require "ylm.codegen.functions"
 

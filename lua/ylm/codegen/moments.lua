@@ -1,19 +1,19 @@
 --- csrc/light/gen/moments_<lmax>.isa.c: how the moment kernel of one lmax shares the registers.
 --
--- The arithmetic is in csrc/light/moments_body.h. What is planned here is which of the sums
+-- The arithmetic is in csrc/light/moments/body.h. What is planned here is which of the sums
 -- (a column is all degrees k of one (m, side), in which polynomials are found by recurrence) are kept
 -- in registers together during one pass over a tile of lights. A column that does not fit is
 -- cut, and its recurrence carried over in memory. PLAN is for one channel, PLAN_RGB for three that share the
 -- recurrences: its sums are threefold.
 
---- The sets of kinds of sums that kernels exist for: bits 1 value, 2 gradient, 4 Hessian (moments.h).
+--- The sets of kinds of sums that kernels exist for: bits 1 value, 2 gradient, 4 Hessian (moments/moments.h).
 local sets = { 1, 3, 4, 5, 7 }
 --- Sums that fit into registers beside the rest: of 32 registers, and of 16.
 local budgets = { { 24, "defined(__AVX512F__) || defined(__aarch64__)" }, { 12 } }
 
 local function has_bit(set, kind) return math.floor(set / 2 ^ kind) % 2 == 1 end
 
---- Is there a sum of `kind` at degree k? As ylm__has in moments.h.
+--- Is there a sum of `kind` at degree k? As ylm__has in moments/moments.h.
 local function has(lmax, set, kind, k)
   if not has_bit(set, kind) then return false end
   if kind == 0 then return k <= lmax end

@@ -1,5 +1,5 @@
---- The rims of exact flat lights, once for C (csrc/light/gen/rim.h) and once for GLSL (shaders/gen/rim.glsl): angles, an edge
--- seen from a point, nodes along edges and ellipses, solid angles, a horizon's cut. docs/math.md "Polygons and disks".
+--- The rims of exact flat lights, once for C (csrc/light/flat/gen/rim.h) and once for GLSL (shaders/gen/rim.glsl): angles, an
+-- edge seen from a point, nodes along edges and ellipses, solid angles, a horizon's cut. docs/math.md "Polygons and disks".
 
 local template = require "ylm.codegen.template"
 

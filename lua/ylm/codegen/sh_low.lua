@@ -1,9 +1,9 @@
 --- csrc/sh/gen/sh_<lmax>.h: the unrolled functions of one lmax, for values, gradients, Hessians
--- as far as unrolling pays: beyond, loops (sh_kernel.h) are smaller and faster.
+-- as far as unrolling pays: beyond, loops (eval/sh_kernel.h) are smaller and faster.
 
 local source = require "ylm.codegen.source"
 
---- The highest lmax for values, gradients, Hessians. csrc/sh/low_kernel.h lists the same.
+--- The highest lmax for values, gradients, Hessians. csrc/sh/eval/low_kernel.h lists the same.
 local highest = { [0] = 12, [1] = 10, [2] = 6 }
 
 --- From this lmax on, the form that keeps float's digits near the poles.

@@ -1,6 +1,6 @@
 --- Grids of light-field coefficients: their descriptions, ylm.adaptive_grid and ylm.uniform_grid.
 --
--- ylm.bake and the methods of a grid are in grid_*.lua, by subject; all of them are loaded from here.
+-- ylm.bake and the methods of a grid are in grid/*.lua, by subject; all of them are loaded from here.
 
 local check = require "ylm.check"
 local form = require "ylm.form"

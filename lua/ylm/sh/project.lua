@@ -285,6 +285,6 @@ function project.project(lmax, f, options)
   return out, about
 end
 
-project.of_samples, project.distance = of_samples, distance -- sh_sky.lua
+project.of_samples, project.distance = of_samples, distance -- sh/sky.lua
 
 return project

@@ -187,6 +187,6 @@ function axial.zonal_irradiance(zonal, cosine)
   return list
 end
 
-axial.legendre = legendre -- sh_sky.lua
+axial.legendre = legendre -- sh/sky.lua
 
 return axial
