@@ -17,7 +17,6 @@
 #define YLM_GRID_H
 
 #include "ylm_base.h"
-#include "ylm_light.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -27,6 +26,7 @@ extern "C" {
 #define YLM_GRID_NONE UINT32_MAX
 
 typedef struct ylm_grid ylm_grid;
+typedef struct ylm_light_parts ylm_light_parts; /* ylm_light.h */
 
 typedef enum ylm_grid_kind { YLM_GRID_ADAPTIVE = 0, YLM_GRID_UNIFORM = 1 } ylm_grid_kind;
 typedef enum ylm_grid_metric { YLM_GRID_ABSOLUTE = 0, YLM_GRID_RELATIVE = 1 } ylm_grid_metric;

@@ -2,15 +2,8 @@
 #ifndef YLM_LIGHT_PRIVATE_H
 #define YLM_LIGHT_PRIVATE_H
 
+#include "lamp.h"
 #include "ylm_light.h"
-
-/* A light as the kernels read it. */
-typedef struct ylm__lamp_f {
-  float at[3], radius, luminance, rgb[3];
-} ylm__lamp_f;
-typedef struct ylm__lamp_d {
-  double at[3], radius, luminance, rgb[3];
-} ylm__lamp_d;
 
 struct ylm_lights {
   ylm_field field;

@@ -3,7 +3,7 @@
 #include <string.h>
 
 #include "finite.h"
-#include "moments/moments.h"
+#include "moments/plan.h"
 #include "ylm_sh.h"
 
 ylm_status ylm__query_check(const ylm_field_query *q, const ylm_field_result *r, int most,

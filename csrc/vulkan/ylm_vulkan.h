@@ -24,7 +24,6 @@
 
 #include "ylm_base.h"
 #include "ylm_grid.h"
-#include "ylm_light.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -239,6 +238,9 @@ YLM_API size_t ylm_gpu_rows(const ylm_gpu *g, size_t n, size_t row_bytes, size_t
 YLM_API ylm_status ylm_gpu_peak(ylm_gpu *g, double *flops, double *bytes, ylm_error *e);
 
 /* -- lights: light/lights.c --------------------------------------------------- */
+
+typedef struct ylm_lights ylm_lights; /* ylm_light.h */
+typedef struct ylm_polygons ylm_polygons;
 
 /* Highest degree of sums by the product rule; merged moments go to YLM_LIGHT_LMAX. */
 #define YLM_GPU_PRODUCT_LMAX 8

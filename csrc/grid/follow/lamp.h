@@ -5,6 +5,7 @@
 #include <math.h>
 
 #include "../grid.h"
+#include "ylm_light.h"
 
 #define NEAR 3.0      /* radii: nearer to a light that changed, all lights are summed */
 #define NEAR_FLAT 0.5 /* the same of an exact flat light, in its reaches */

@@ -4,7 +4,7 @@
 
 #include <math.h>
 
-#include "../moments/moments.h"
+#include "../moments/plan.h"
 #include "gen/jet.h"
 #include "ylm_sh.h"
 

@@ -2,7 +2,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "../moments/moments.h"
+#include "../moments/plan.h"
 #include "kernel.h"
 #include "ylm_sh.h"
 

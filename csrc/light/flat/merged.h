@@ -2,7 +2,7 @@
 #ifndef YLM_LIGHT_POLYGON_MERGED_H
 #define YLM_LIGHT_POLYGON_MERGED_H
 
-#include "../moments/moments.h"
+#include "../moments/plan.h"
 #include "flat.h"
 
 /* Lights from which on the maps from sums to results pay. */

@@ -2,4 +2,6 @@
 #define ANY_LMAX
 #define LMAX YLM_LIGHT_LMAX
 #define KERNEL_NAME YLM_KERNEL(ylm__moments_any)
+#include "ylm_light.h"
+
 #include "kernel.h"

@@ -1,5 +1,5 @@
 /* kernels.c - finds the kernels of an instruction set. */
-#include "moments.h"
+#include "plan.h"
 
 typedef const ylm__moment_kernel *of_dtype(int dtype);
 

@@ -1,5 +1,5 @@
 /* maps.c - how results follow from sums over lights, for kernels elsewhere. */
-#include "moments.h"
+#include "plan.h"
 
 #include <math.h>
 

@@ -11,7 +11,7 @@
 **
 ** Kernels sum unnormalised forms: P'_(k+1) over its value at 1 for the weights, monic Legendre
 ** polynomials in z times Re, Im (x+iy)^m for Y. The factors that are missing are put in once per
-** point, with the linear maps of plan.c. Lanes are points.
+** point, with the linear maps of plan.h. Lanes are points.
 **
 ** What float would lose at high degrees: P'_k changes by k^2/4 times a change of alpha near 1, P_k
 ** by k^2/2 times a change of z near 1, both round to 6e-8, and so do all steps of a recurrence of
@@ -24,7 +24,9 @@
 #ifndef YLM_LIGHT_MOMENTS_H
 #define YLM_LIGHT_MOMENTS_H
 
-#include "../light.h"
+#include <stdbool.h>
+
+#include "../lamp.h"
 
 /* Which kinds are summed: bits. Kernels exist for 1, 3, 4, 5 and 7. */
 enum { YLM__M0 = 1, YLM__M1 = 2, YLM__M2 = 4 };
@@ -100,74 +102,5 @@ typedef struct ylm__moment_kernel {
   void (*sum_rgb)(int lmax, int kinds, int n, const void *geometry, const void *weights,
                   const void *emission, void *state, void *sums, int stride);
 } ylm__moment_kernel;
-
-typedef ylm_light_rows ylm__rows;
-
-/* Room for n rows with so many terms in all; rows are then made one after the other. */
-ylm_status ylm__rows_create(ylm__rows *r, size_t n, size_t terms);
-/* Adds a term to the row being built. */
-void ylm__rows_term(ylm__rows *r, size_t index, double coef);
-void ylm__rows_end(ylm__rows *r);
-/* Appends `factor` times a row over sums that begin at `offset` to the row being built. maps.c */
-void ylm__rows_append(ylm__rows *to, const ylm__rows *from, size_t row, size_t offset,
-                      double factor);
-/* Appends row i of hessian * bend; own [m->sums] is scratch. maps.c */
-void ylm__rows_bent(ylm__rows *to, const ylm_light_maps *m, size_t i, double *own);
-void ylm__rows_free(ylm__rows *r);
-
-/*
-** What follows from the sums of one set of channels. Rows are in the order of the results:
-** coefficient i = l(l+1)+m, then x y z, or xx xy xz yy yz zz. `bend` makes U of docs/math.md,
-** [(lmax+2)^2][3], from sums, and `hessian` (in ylm__plan) the Hessian from U.
-*/
-typedef struct ylm__map {
-  ylm__rows value, gradient, bend;
-} ylm__map;
-
-/* The maps for the kinds of `need` out of sums of `kinds`. */
-ylm_status ylm__map_create(ylm__map *map, int lmax, int need, int kinds, double grow);
-void ylm__map_free(ylm__map *map);
-/* H_ab L_lm from U. */
-ylm_status ylm__map_hessian(ylm__rows *r, int lmax);
-/* Y_km over (monic polynomial in z) times Re or Im (x+iy)^|m|. */
-double ylm__harmonic_scale(int k, int m, double grow);
-/* The kinds of sums that results of `channels` channels need. */
-int ylm__kinds_of(const ylm_field_query *q, int channels);
-
-/* How a query is answered: what is summed in which channels, and how results follow. */
-typedef struct ylm__plan {
-  const ylm_field_query *q;
-  const ylm_lights *lights;
-  const ylm__moment_kernel *kernel;
-  int need_lum, need_rgb;   /* kinds that results need in luminance and in rgb */
-  int kinds_lum, kinds_rgb; /* kinds that are summed in each */
-  int n_lum, n_rgb;         /* how many sums these are */
-  ylm__map lum, mixed, rgb; /* from luminance sums, from rgb sums weighted to luminance, from rgb */
-  ylm__rows hessian;
-} ylm__plan;
-
-/* The plan of a query for a kernel, or YLM_ENOMEM; to be freed with ylm__plan_free in any case. */
-ylm_status ylm__plan_create(ylm__plan *p, const ylm_lights *lights, const ylm_field_query *q,
-                            const ylm__moment_kernel *kernel);
-void ylm__plan_free(ylm__plan *p);
-
-/* The kernel of an instruction set for (lmax, dtype), and the loop around it: points begin ..
- *end-1. scratch is NULL at a worker's first call; what it then holds is freed by the caller. */
-typedef ylm_status ylm__sum_range(const ylm__plan *p, void **scratch, size_t begin, size_t end,
-                                  const void *points, ylm_field_result *r);
-struct ylm__tree_plan;
-/* The same over a tree of lights (tree/tree.h), for blocks begin .. end-1 of points; scratch is of
-   three, the first of which begins with the number of lights and proxies that were summed, a
-   uint64_t. */
-typedef ylm_status ylm__tree_range(const struct ylm__tree_plan *p, void **scratch, size_t begin,
-                                   size_t end, const void *points, ylm_field_result *r);
-typedef struct ylm__kernel_set {
-  const ylm__moment_kernel *moments;
-  ylm__sum_range *range;
-  ylm__tree_range *tree;
-  ylm_light_bend_fn *bend; /* always of floats */
-} ylm__kernel_set;
-/* False where there are none (the reference). */
-bool ylm__kernels_of(ylm_isa isa, int lmax, ylm_dtype t, ylm__kernel_set *set);
 
 #endif

@@ -1,6 +1,6 @@
 /* plan.c - what has to be summed for a query, and the linear maps from sums to results. */
+#include "plan.h"
 #include "gen/recurrences.h"
-#include "moments.h"
 
 #include <math.h>
 #include <string.h>

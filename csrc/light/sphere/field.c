@@ -1,6 +1,6 @@
 /* field.c - a query about lights: checked, cut into blocks of points, given to the kernels. */
 #include "../finite.h"
-#include "../moments/moments.h"
+#include "../moments/plan.h"
 
 #include <math.h>
 

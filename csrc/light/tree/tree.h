@@ -13,7 +13,7 @@
 #ifndef YLM_LIGHT_TREE_H
 #define YLM_LIGHT_TREE_H
 
-#include "../moments/moments.h"
+#include "../moments/plan.h"
 
 #define YLM__LEAF 8    /* most lights of a leaf */
 #define YLM__GROUP 2   /* nodes of a group */

@@ -6,6 +6,8 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "ylm_light.h"
+
 /* -- light fields written in Lua ---------------------------------------------------------- */
 
 /*

@@ -3,7 +3,7 @@
 
 #include <string.h>
 
-#include "ylm_light.h"
+#include "ylm_light_device.h"
 
 #define POLYGONS "ylm.polygons"
 #define SUM "ylm.light_sum"

@@ -7,7 +7,7 @@
 #ifndef YLM_GPU_LIGHTS_H
 #define YLM_GPU_LIGHTS_H
 
-#include "ylm_light.h"
+#include "ylm_light_device.h"
 #include "ylm_vulkan.h"
 
 #define GROUP 64u /* points of a group */
