@@ -45,10 +45,46 @@ struct ylm_grid {
   int top_shift;   /* lattice coordinate >> top_shift is a coordinate of the table */
   double scale[3]; /* lattice cells per scene unit */
 
-  struct grid_dynamic *dynamic; /* what updates need (follow/follow.h); NULL: it stays as it is */
+  const struct follower *follower; /* NULL: nobody, the grid stays as it is */
+  struct grid_dynamic *dynamic;    /* what the follower keeps (follow/follow.h) */
   bool updating;
   bool spent; /* memory ran out where an update could not be taken back: the root voxel is left */
 };
+
+/* -- who follows moving lights: follow/follow.c ------------------------------------ */
+
+struct field_block;
+struct learnt;
+
+/*
+** Hooks of a bake for what keeps the grid up to date afterwards. Without a follower none is called.
+**
+**   begin    before the bake. *surface is that of the source's meshes, which the follower owns, or
+**            NULL
+**   reserve  room for all points of the grid
+**   store    keeps row i of a block: point `point` was evaluated with all lights
+**   filled   the rows of an evaluated point were written otherwise
+**   births   room for what is kept of interpolated points; false: nothing is. *all: of all of them,
+**            not only of those that are computed
+**   born     n interpolated points of cell `c` have their rows
+**   failed   a voxel was split because held-out points failed in it
+**   end      after the bake: what it has learnt, whose arrays may be taken
+**   free, bytes  of what is kept
+*/
+typedef struct follower {
+  ylm_status (*begin)(ylm_grid *g, const ylm_grid_source *source, const ylm_grid_surface **surface,
+                      ylm_error *e);
+  ylm_status (*reserve)(ylm_grid *g);
+  void (*store)(ylm_grid *g, uint32_t point, const struct field_block *k, size_t i);
+  void (*filled)(ylm_grid *g, uint32_t point);
+  bool (*births)(ylm_grid *g, bool *all);
+  void (*born)(ylm_grid *g, const ylm_grid_cell *c, size_t n, const uint32_t *birth);
+  ylm_status (*failed)(ylm_grid *g, const ylm_grid_cell *c);
+  ylm_status (*end)(ylm_grid *g, struct learnt *learnt);
+  void (*free)(ylm_grid *g);
+  size_t (*bytes)(const ylm_grid *g);
+} follower;
+extern const follower ylm__follower;
 
 /* -- store.c: cells and points ------------------------------------------------- */
 

@@ -1,5 +1,5 @@
 /* store.c - cells and points of a grid, and the way from a position to its cell. */
-#include "follow/follow.h"
+#include "grid.h"
 
 #include <math.h>
 #include <string.h>
@@ -98,6 +98,7 @@ ylm_grid *ylm__grid_new(const ylm_grid_form *form) {
   g->field.self = g;
   g->field.evaluate = ylm__grid_evaluate;
   g->stats.error = g->stats.largest_error = NAN;
+  if (form->dynamic) g->follower = &ylm__follower;
   ylm__grid_sync(g);
   return g;
 }
@@ -113,7 +114,7 @@ void ylm_grid_free(ylm_grid *g) {
   ylm_free(g->table);
   lattice_hash_free(&g->hash);
   ylm_free(g->birth);
-  ylm__dynamic_free(g->dynamic);
+  if (g->follower) g->follower->free(g);
   ylm_free(g);
 }
 
@@ -243,7 +244,7 @@ void ylm__grid_count(ylm_grid *g) {
   s->bytes += g->cell_room * sizeof *g->cell + table * sizeof *g->table +
               g->point_room *
                   (4 * g->stride * sizeof(float) + 3 * sizeof *g->lattice + 2 * sizeof(float) + 1);
-  s->bytes += g->birth_room * sizeof *g->birth + ylm__dynamic_bytes(g);
+  s->bytes += g->birth_room * sizeof *g->birth + (g->follower ? g->follower->bytes(g) : 0);
 }
 
 /* Writes a cell into the part of the table that it covers. */

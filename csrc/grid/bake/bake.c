@@ -1,5 +1,5 @@
 /* bake.c - the three bakes: by a threshold, by a tolerance, and of a uniform grid. */
-#include "../follow/follow.h"
+#include "baker.h"
 #include "surface.h"
 
 #include <math.h>
@@ -120,10 +120,10 @@ static ylm_status bake(baker *b) {
   bool found;
   ylm_status s = keeper_occupancy(b, &found);
   if (b->source->meshes) {
-    s = occupancy_from_surfaces(&b->occupied, b->g, b->source, &b->g->stats.outside, b->e);
+    s = occupancy_from_surfaces(&b->learnt.occupied, b->g, b->source, &b->g->stats.outside, b->e);
     b->told = s != YLM_OK && s != YLM_ENOMEM;
   } else if (!found)
-    s = occupancy_build(&b->occupied, b->g, b->source, &b->g->stats.outside);
+    s = occupancy_build(&b->learnt.occupied, b->g, b->source, &b->g->stats.outside);
   b->g->stats.occupancy_seconds = ylm_seconds() - t;
   if (s == YLM_OK) s = baker_root(b);
   if (s != YLM_OK) return s;
@@ -171,11 +171,12 @@ ylm_status ylm_grid_bake(const ylm_grid_form *form, const ylm_grid_source *sourc
   if (s != YLM_OK) return s;
   baker b = {.g = ylm__grid_new(form), .source = source, .e = e};
   s = b.g ? YLM_OK : YLM_ENOMEM;
-  if (s == YLM_OK && form->dynamic) s = ylm__dynamic_begin(b.g, source, e);
+  if (s == YLM_OK && b.g->follower) s = b.g->follower->begin(b.g, source, &b.surface, e);
   if (s == YLM_OK) s = keeper_begin(&b);
   if (s == YLM_OK) s = bake(&b);
-  if (s == YLM_OK && form->dynamic) s = ylm__dynamic_end(b.g, &b.occupied);
-  occupancy_free(&b.occupied);
+  if (s == YLM_OK && b.g->follower) s = b.g->follower->end(b.g, &b.learnt);
+  occupancy_free(&b.learnt.occupied);
+  panel_free(&b.learnt.panel);
   baker_free(&b);
   if (s != YLM_OK) {
     ylm_grid_free(b.g);

@@ -2,7 +2,7 @@
 #ifndef YLM_GRID_BAKER_H
 #define YLM_GRID_BAKER_H
 
-#include "../grid.h"
+#include "learnt.h"
 
 /* A list of cells. */
 typedef struct cell_list {
@@ -14,7 +14,7 @@ ylm_status cell_list_push(cell_list *list, uint32_t cell);
 /* What the field writes for a block of points. */
 typedef struct field_block {
   float *position, *value, *gradient, *lambda, *norm;
-  float *hessian; /* [n][channels][count][6]; NULL where the grid is not dynamic */
+  float *hessian; /* [n][channels][count][6]; NULL where nobody keeps them */
   uint8_t *inside;
   size_t room; /* points */
 } field_block;
@@ -26,9 +26,10 @@ typedef struct baker {
   const ylm_grid_keeper *keeper; /* NULL: rows are the grid's own */
   ylm_error *e;
   bool told; /* it says what ran out */
-  occupancy occupied;
-  cell_list wave, next; /* cells to decide about, their children that come next */
-  cell_list parent;     /* of cells 1 .. 8, 9 .. 16, and so on */
+  learnt learnt;
+  const ylm_grid_surface *surface; /* of the source's meshes, where somebody keeps it; or NULL */
+  cell_list wave, next;            /* cells to decide about, their children that come next */
+  cell_list parent;                /* of cells 1 .. 8, 9 .. 16, and so on */
   field_block block;
   const char *stage; /* for progress */
   char stage_text[48];
@@ -121,11 +122,5 @@ ylm_status baker_fetch(baker *b);
 /* -- tolerance.c -------------------------------------------------------------------- */
 
 ylm_status ylm__grid_bake_tolerance(baker *b);
-struct panel;
-/* Refines from the root by what the bake has learnt, then further while the panel says that the
-   tolerance is not kept: by held-out points, half of them in voxels with changed corners (changed:
-   by point; points from `known` on are new). */
-ylm_status ylm__grid_update_tolerance(baker *b, const uint8_t *changed, size_t known,
-                                      const struct panel *p);
 
 #endif

@@ -1,6 +1,6 @@
 /* cells.c - cells under way: their metric, lights that cross them, children, and what finishes
  * them. */
-#include "../follow/follow.h"
+#include "baker.h"
 
 #include <math.h>
 #include <string.h>
@@ -107,7 +107,8 @@ ylm_status baker_split(baker *b, uint32_t cell) {
   const ylm_grid_cell *old = baker_before(b, &g->cell[cell]);
   if (old && old->flags & YLM_GRID_LEAF) old = NULL; /* it had none, or for continuity only */
   g->cell[cell].flags &= (uint8_t)~YLM_GRID_LEAF;
-  uint8_t occupied = occupancy_children(&b->occupied, g->cell[cell].level, g->cell[cell].origin);
+  uint8_t occupied =
+      occupancy_children(&b->learnt.occupied, g->cell[cell].level, g->cell[cell].origin);
   for (uint32_t k = first; k < first + 8; k++) {
     ylm_grid_cell *c = &g->cell[k];
     c->flags = YLM_GRID_LEAF;

@@ -9,7 +9,7 @@
 ** else happens around. (One point for all cells around an edge would not do: across an edge the
 ** cells' transversal derivatives differ.)
 */
-#include "../follow/follow.h"
+#include "baker.h"
 
 #include <math.h>
 #include <string.h>
@@ -55,7 +55,7 @@ typedef struct interpolation {
   uint8_t *changed;
   const uint32_t *order; /* births by the level of their cell */
   size_t first;          /* of the level at hand */
-  bool sign, sign_all;   /* the points that are computed are to be signed; the others too */
+  bool keep, keep_all;   /* the follower is told of points that are computed; of the others too */
 } interpolation;
 
 /* Data of the n points that were born of one cell, the first of which is order[0]. */
@@ -103,8 +103,7 @@ static ylm_status interpolate_range(void *context, size_t begin, size_t end, int
     bool next = i < end && is_wanted(j, order[n]);
     if (next) ylm__grid_fetch(g, &g->cell[g->birth[order[n]].cell]);
     if (wanted) interpolate_births(g, order, n, &g->cell[cell]);
-    if ((wanted && j->sign) || j->sign_all)
-      ylm__dynamic_sign_births(g, &g->cell[cell], (size_t)n, order);
+    if ((wanted && j->keep) || j->keep_all) g->follower->born(g, &g->cell[cell], (size_t)n, order);
     wanted = next;
   }
   return YLM_OK;
@@ -121,8 +120,8 @@ ylm_status ylm__grid_interpolate_points(ylm_grid *g, uint8_t *changed, int threa
   size_t next[YLM_GRID_MAX_DEPTH + 1];
   memcpy(next, first, sizeof next);
   for (size_t i = 0; i < n; i++) order[next[g->cell[g->birth[i].cell].level]++] = (uint32_t)i;
-  bool sign = g->dynamic && ylm__dynamic_room_births(g);
-  interpolation j = {g, changed, order, 0, sign, sign && !g->dynamic->is_signed};
+  bool all = false, keep = g->follower && g->follower->births(g, &all);
+  interpolation j = {g, changed, order, 0, keep, keep && all};
   for (int k = 0; k <= YLM_GRID_MAX_DEPTH; k++) {
     j.first = first[k];
     ylm_parallel(first[k + 1] - first[k], 64, threads, interpolate_range, &j, NULL, NULL);

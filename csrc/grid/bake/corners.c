@@ -1,5 +1,5 @@
 /* corners.c - points at lattice coordinates, and which of them are the corners of cells. */
-#include "../follow/follow.h"
+#include "baker.h"
 
 #include <string.h>
 

@@ -1,5 +1,5 @@
 /* evaluate.c - asking a light field for the data of points. */
-#include "../follow/follow.h"
+#include "baker.h"
 
 #include <math.h>
 #include <string.h>
@@ -105,7 +105,7 @@ static ylm_status store_block(void *context, size_t begin, size_t end, int worke
     g->flags[p] &= (uint8_t)~YLM_GRID_POINT_INVALID;
     if (k->inside[i]) g->flags[p] |= YLM_GRID_POINT_INVALID;
     if (!ylm_all_finite(YLM_FLOAT, to, 4 * g->stride, NULL)) return YLM_EDOMAIN;
-    if (g->dynamic) ylm__dynamic_store(g, (uint32_t)p, k, i);
+    if (g->follower) g->follower->store(g, (uint32_t)p, k, i);
   }
   return YLM_OK;
 }
@@ -147,7 +147,7 @@ ylm_status baker_reserve_block(baker *b, field_block *k, size_t n) {
   size_t width = b->g->width;
   if (n > BLOCK) n = BLOCK;
   if (n <= k->room) return YLM_OK;
-  bool bends = ylm__dynamic_bends(b->g);
+  bool bends = b->g->follower && b->g->view.form.metric_channels;
   baker_free_block(k);
   *k = (field_block){.position = ylm_alloc(n, 3 * sizeof(float)),
                      .value = ylm_alloc(n, width * sizeof(float)),
@@ -174,7 +174,7 @@ static ylm_status evaluate(baker *b, size_t n, const uint32_t *list, size_t firs
 
 ylm_status baker_evaluate(baker *b) {
   ylm_grid *g = b->g;
-  ylm_status s = ylm__dynamic_reserve(g);
+  ylm_status s = g->follower ? g->follower->reserve(g) : YLM_OK;
   if (s == YLM_OK && b->keeper) s = keeper_evaluate(b);
   if (s == YLM_OK && !b->keeper) s = evaluate(b, g->points - g->evaluated, NULL, g->evaluated);
   g->evaluated = g->points;

@@ -1,5 +1,5 @@
 /* invalid.c - values for points inside lights, where the field jumps: from valid neighbours. */
-#include "../follow/follow.h"
+#include "baker.h"
 
 #include <math.h>
 #include <string.h>
@@ -98,8 +98,8 @@ ylm_status ylm__grid_fill_invalid(ylm_grid *g) {
     for (int level = depth; level >= 0 && s == YLM_OK; level--)
       while (gather(g, &f, level)) settle(g, &f, invalid);
   }
-  for (uint32_t i = 0; s == YLM_OK && g->dynamic && i < invalid; i++)
-    ylm__dynamic_sign(g, f.point[i]);
+  for (uint32_t i = 0; s == YLM_OK && g->follower && i < invalid; i++)
+    g->follower->filled(g, f.point[i]);
   ylm_free(f.weight);
   ylm_free(f.point);
   ylm_free(f.slot);

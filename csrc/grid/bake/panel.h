@@ -2,7 +2,7 @@
 #ifndef YLM_GRID_PANEL_H
 #define YLM_GRID_PANEL_H
 
-#include "baker.h"
+#include "../grid.h"
 
 #define PROMISED 0.01 /* of the points may fail */
 #define DOUBT 0.01    /* chance that a grid in which more fail is called good */
@@ -50,9 +50,14 @@ void panel_forget_light(panel *p);
 void panel_exchange(panel *a, panel *b);
 /* Bytes of n points. */
 size_t panel_bytes(const panel *p, size_t width);
-/* Judges a dynamic grid after an update, by its samples; those that did not change are known. Where
-   it fails, nothing is known. */
-ylm_status panel_rule_again(const ylm_grid *g, panel *p, int threads, ruling *out);
+/* The error of a sample at point i; negative: left out; what is no number fails. */
+double panel_error(const panel *p, size_t i, const float *sample, size_t width);
+/* Judges the errors of all points. */
+ylm_status panel_rule(const panel *p, const double *error, double tolerance, double doubt,
+                      ruling *out);
+/* Judges samples of a finished grid. */
+ylm_status panel_rule_samples(const ylm_grid *g, const panel *p, const float *sampled, double doubt,
+                              ruling *out);
 /* The grid's stats say what the ruling does. */
 void panel_report(ylm_grid_stats *s, const panel *p, const ruling *r, bool limited);
 

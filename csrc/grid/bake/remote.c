@@ -43,7 +43,7 @@ ylm_status keeper_occupancy(baker *b, bool *found) {
   if ((s == YLM_ENOMEM || s == YLM_ELIMIT) && b->source->occupied_points) return YLM_OK;
   *found = true;
   b->told = s != YLM_OK;
-  return s == YLM_OK ? occupancy_take(&b->occupied, b->g, code, n) : s;
+  return s == YLM_OK ? occupancy_take(&b->learnt.occupied, b->g, code, n) : s;
 }
 
 /* The metric ends at the largest number, as a light field's does here. */

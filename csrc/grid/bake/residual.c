@@ -20,24 +20,6 @@ static double ratios_quantile(const ratios *r, double q) {
   return exp2(0.5 * (k + 1 - 128));
 }
 
-/* -- voxels that failed --------------------------------------------------------------------- */
-
-/* Remembers, where updates follow, that a voxel is to be split. */
-ylm_status refiner_force(const refiner *r, const ylm_grid_cell *c) {
-  grid_dynamic *d = r->b->g->dynamic;
-  if (!d) return YLM_OK;
-  if (lattice_hash_reserve(&d->forced, d->forced.used + 1) != YLM_OK) return YLM_ENOMEM;
-  *lattice_hash_at(&d->forced, cell_key(c)) = (uint32_t)r->b->g->stats.update.updates;
-  return YLM_OK;
-}
-
-bool refiner_forced(const refiner *r, const ylm_grid_cell *c) {
-  if (!r->frozen) return false;
-  uint32_t when = lattice_hash_find(&r->b->g->dynamic->forced, cell_key(c));
-  uint32_t now = (uint32_t)r->b->g->stats.update.updates;
-  return when != YLM_GRID_NONE && now - when < FORCED_UPDATES;
-}
-
 /* Relative distance of two rows; 0 where both vanish. */
 double refiner_distance(const float *a, const float *exact, size_t width) {
   double d = 0, n = 0;

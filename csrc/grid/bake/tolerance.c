@@ -40,7 +40,7 @@ ylm_status refiner_refine(refiner *r) {
       const ylm_grid_cell *c = &g->cell[b->wave.cell[i]];
       if (c->level >= g->view.form.depth) continue;
       if (c->flags & YLM_GRID_CROSSED || refiner_estimate(r, c) * r->tight > r->tolerance ||
-          refiner_forced(r, c))
+          (r->frozen && r->forced(g, c)))
         s = baker_split(b, b->wave.cell[i]);
     }
     baker_advance(b);
@@ -63,7 +63,7 @@ ylm_status refiner_again(refiner *r) {
     const ylm_grid_cell *c = &g->cell[r->verdict[i].leaf];
     if (r->verdict[i].error > r->tolerance && c->flags & YLM_GRID_LEAF &&
         c->level < g->view.form.depth) {
-      s = refiner_force(r, c);
+      if (g->follower) s = g->follower->failed(g, c);
       if (s == YLM_OK) s = baker_split(b, r->verdict[i].leaf);
     }
   }
@@ -84,7 +84,7 @@ static ylm_status find_surface(refiner *r) {
   const ylm_grid *g = r->b->g;
   const ylm_grid_source *s = r->b->source;
   ylm_status status = YLM_OK;
-  r->surface = g->dynamic ? g->dynamic->surface : NULL;
+  r->surface = r->b->surface;
   if (!s->meshes || r->surface) return YLM_OK;
   status = ylm_grid_surface_create(s->meshes, s->mesh, g->view.form.bounds, s->threads, &r->own,
                                    r->b->e);
@@ -135,9 +135,7 @@ ylm_status ylm__grid_bake_tolerance(baker *b) {
   ylm_status s = refiner_begin(&r);
   if (s == YLM_OK) s = run(&r);
   refiner_end(&r);
-  if (b->g->dynamic) {
-    b->g->dynamic->ratio = r.ratio;
-    b->g->dynamic->tight = b->g->dynamic->loosest = r.tight;
-  }
+  b->learnt.ratio = r.ratio;
+  b->learnt.tight = r.tight;
   return s;
 }

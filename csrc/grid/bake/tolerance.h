@@ -2,7 +2,7 @@
 #ifndef YLM_GRID_TOLERANCE_H
 #define YLM_GRID_TOLERANCE_H
 
-#include "../follow/follow.h"
+#include "baker.h"
 
 #define HELD_OUT 2048 /* points of one verification */
 #define MAX_ROUNDS 16
@@ -29,7 +29,9 @@ typedef struct refiner {
   bool all;                        /* these are all the shading points there are */
   const ylm_grid_surface *surface; /* held-out points are drawn on; NULL: among shading points */
   ylm_grid_surface *own;           /* the same where nobody else frees it */
-  bool frozen;                     /* an update: ratios and `tight` are those of the bake */
+  /* An update: ratios and `tight` are those of the bake; voxels that failed lately stay split. */
+  bool frozen;
+  bool (*forced)(const ylm_grid *g, const ylm_grid_cell *c);
 } refiner;
 
 /* -- tolerance.c ------------------------------------------------------------------------ */
@@ -56,9 +58,6 @@ bool refiner_wants_test(const refiner *r, const ylm_grid_cell *c);
 void refiner_learn(refiner *r);
 /* Evaluates the centres of the cells in r->tested and keeps what the interpolant misses there. */
 ylm_status refiner_measure(refiner *r);
-/* Remembers, where updates follow, that a voxel is to be split; whether one is. */
-ylm_status refiner_force(const refiner *r, const ylm_grid_cell *c);
-bool refiner_forced(const refiner *r, const ylm_grid_cell *c);
 
 /* -- verify.c --------------------------------------------------------------------------- */
 
@@ -93,9 +92,5 @@ ylm_status refiner_hold_surface(refiner *r, uint64_t round, size_t n);
 /* Judges the finished grid by fresh points, as many as it takes, and writes what they say to its
    stats. A dynamic grid keeps them. */
 ylm_status refiner_judge(refiner *r, bool limited);
-/* Judges a grid that is being updated by its panel, in the leaves of the octree; changed [old] by
-   point that was there. */
-ylm_status refiner_rule(const refiner *r, const panel *p, const uint8_t *changed, size_t old,
-                        ruling *out);
 
 #endif

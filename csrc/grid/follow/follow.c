@@ -62,7 +62,9 @@ static ylm_status take_occupied(grid_dynamic *d, const ylm_grid *g, ylm_error *e
   return d->occupied_points ? YLM_OK : YLM_ENOMEM;
 }
 
-ylm_status ylm__dynamic_begin(ylm_grid *g, const ylm_grid_source *source, ylm_error *e) {
+/* Before a bake: lights and shading points are copied. */
+static ylm_status begin(ylm_grid *g, const ylm_grid_source *source,
+                        const ylm_grid_surface **surface, ylm_error *e) {
   grid_dynamic *d = g->dynamic = ylm_alloc_zero(1, sizeof *d);
   if (!d) return YLM_ENOMEM;
   ylm_status s = take_lamps(d, source->lights);
@@ -73,19 +75,37 @@ ylm_status ylm__dynamic_begin(ylm_grid *g, const ylm_grid_source *source, ylm_er
   d->source.progress = NULL;
   s = take_occupied(d, g, e);
   if (s != YLM_OK) return s;
+  *surface = d->surface;
   d->bends = 6 * (size_t)g->view.count * (size_t)g->view.form.metric_channels;
   return ylm__dynamic_meet(g, d->lamps, d->lamp, e);
 }
 
-ylm_status ylm__dynamic_end(ylm_grid *g, occupancy *occupied) {
-  g->dynamic->occupied = *occupied;
-  *occupied = (occupancy){0};
-  ylm__dynamic_sign_all(g, g->dynamic->source.threads);
-  g->stats.bytes += ylm__dynamic_bytes(g);
+static size_t bytes(const ylm_grid *g) {
+  const grid_dynamic *d = g->dynamic;
+  if (!d) return 0;
+  return sizeof *d + d->shapes.bytes + d->lamps * (sizeof *d->lamp + sizeof *d->mover_of) +
+         d->movers * (sizeof *d->mover + d->room) +
+         d->room * ((d->bends + 2) * sizeof(float) + sizeof *d->sign) +
+         (d->born_room + d->cell_room) * sizeof *d->sign +
+         d->source.occupied * 3 * ylm_dtype_size(d->source.occupied_dtype) +
+         ylm__surface_bytes(d->surface) + d->log_bytes + d->spare_room * sizeof *d->spare +
+         panel_bytes(&d->panel, g->width);
+}
+
+static ylm_status end(ylm_grid *g, learnt *l) {
+  grid_dynamic *d = g->dynamic;
+  d->occupied = l->occupied;
+  d->ratio = l->ratio;
+  d->tight = d->loosest = l->tight;
+  d->panel = l->panel;
+  *l = (learnt){0};
+  ylm__dynamic_sign_all(g, d->source.threads);
+  g->stats.bytes += bytes(g);
   return YLM_OK;
 }
 
-void ylm__dynamic_free(grid_dynamic *d) {
+static void free_all(ylm_grid *g) {
+  grid_dynamic *d = g->dynamic;
   if (!d) return;
   for (size_t m = 0; m < d->movers; m++) ylm_free(d->mover[m].seen);
   ylm_free(d->mover);
@@ -109,14 +129,29 @@ void ylm__dynamic_free(grid_dynamic *d) {
   ylm_free(d);
 }
 
-size_t ylm__dynamic_bytes(const ylm_grid *g) {
-  const grid_dynamic *d = g->dynamic;
-  if (!d) return 0;
-  return sizeof *d + d->shapes.bytes + d->lamps * (sizeof *d->lamp + sizeof *d->mover_of) +
-         d->movers * (sizeof *d->mover + d->room) +
-         d->room * ((d->bends + 2) * sizeof(float) + sizeof *d->sign) +
-         (d->born_room + d->cell_room) * sizeof *d->sign +
-         d->source.occupied * 3 * ylm_dtype_size(d->source.occupied_dtype) +
-         ylm__surface_bytes(d->surface) + d->log_bytes + d->spare_room * sizeof *d->spare +
-         panel_bytes(&d->panel, g->width);
+/* -- voxels that failed --------------------------------------------------------------------- */
+
+/* Remembers that a voxel is to be split. */
+static ylm_status failed(ylm_grid *g, const ylm_grid_cell *c) {
+  grid_dynamic *d = g->dynamic;
+  if (lattice_hash_reserve(&d->forced, d->forced.used + 1) != YLM_OK) return YLM_ENOMEM;
+  *lattice_hash_at(&d->forced, cell_key(c)) = (uint32_t)g->stats.update.updates;
+  return YLM_OK;
 }
+
+bool ylm__dynamic_forced(const ylm_grid *g, const ylm_grid_cell *c) {
+  uint32_t when = lattice_hash_find(&g->dynamic->forced, cell_key(c));
+  uint32_t now = (uint32_t)g->stats.update.updates;
+  return when != YLM_GRID_NONE && now - when < FORCED_UPDATES;
+}
+
+const follower ylm__follower = {begin,
+                                ylm__dynamic_reserve,
+                                ylm__dynamic_store,
+                                ylm__dynamic_sign,
+                                ylm__dynamic_room_births,
+                                ylm__dynamic_sign_births,
+                                failed,
+                                end,
+                                free_all,
+                                bytes};

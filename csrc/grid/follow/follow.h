@@ -9,8 +9,7 @@
 #ifndef YLM_GRID_DYNAMIC_H
 #define YLM_GRID_DYNAMIC_H
 
-#include "../bake/baker.h"
-#include "../bake/panel.h"
+#include "../bake/tolerance.h"
 #include "lamp.h"
 
 #define STATES 64         /* of a mover: as many as are remembered */
@@ -31,11 +30,6 @@ typedef struct mover {
   uint64_t moved; /* the update of its last change */
   uint8_t *seen;  /* [room] the state that each point's data have it in */
 } mover;
-
-/* Ratios of measured error to the square of the metric, counted by powers of sqrt 2. */
-typedef struct ratios {
-  uint64_t count[256], n;
-} ratios;
 
 typedef struct grid_dynamic {
   lamp *lamp; /* as of the last update */
@@ -79,19 +73,14 @@ static inline uint64_t cell_key(const ylm_grid_cell *c) {
   return lattice_key(c->origin) | (uint64_t)(c->level & 15) << 17 | (uint64_t)(c->level >> 4) << 38;
 }
 
-/* Before a bake: lights and shading points are copied. After it: takes the occupancy over. */
-ylm_status ylm__dynamic_begin(ylm_grid *g, const ylm_grid_source *source, ylm_error *e);
-ylm_status ylm__dynamic_end(ylm_grid *g, occupancy *occupied);
-void ylm__dynamic_free(grid_dynamic *d);
-size_t ylm__dynamic_bytes(const ylm_grid *g);
 /* Measures the bounds of kinds of lamps that are met for the first time. */
 ylm_status ylm__dynamic_meet(ylm_grid *g, size_t n, const lamp *lamps, ylm_error *e);
+/* True if a voxel failed lately: it stays split. */
+bool ylm__dynamic_forced(const ylm_grid *g, const ylm_grid_cell *c);
 /* Forgets shapes that neither lamps nor movers have. */
 void ylm__dynamic_sweep(grid_dynamic *d);
 /* Room for all points of the grid. point.c */
 ylm_status ylm__dynamic_reserve(ylm_grid *g);
-/* True if Hessians are kept. */
-bool ylm__dynamic_bends(const ylm_grid *g);
 /* Keeps what belongs to point p, evaluated with all lights: row i of the block. */
 void ylm__dynamic_store(ylm_grid *g, uint32_t p, const field_block *k, size_t i);
 /* The difference of two states of a light at a point: a field of one channel, and its colour. */
@@ -106,8 +95,9 @@ void ylm__dynamic_add(ylm_grid *g, uint32_t p, const point_change *x, float *roo
 void ylm__dynamic_measure(ylm_grid *g, uint32_t p, ylm_light_bend_fn *bend);
 /* Signs an evaluated point's data. */
 void ylm__dynamic_sign(ylm_grid *g, uint32_t p);
-/* Room for the signatures of interpolated points; false, and the grid has none, without memory. */
-bool ylm__dynamic_room_births(ylm_grid *g);
+/* Room for the signatures of interpolated points; false, and the grid has none, without memory.
+ *all: the others have none yet. */
+bool ylm__dynamic_room_births(ylm_grid *g, bool *all);
 /* Signs n interpolated points that were born of a cell whose corners are signed. */
 void ylm__dynamic_sign_births(ylm_grid *g, const ylm_grid_cell *c, size_t n, const uint32_t *birth);
 /* Signs cells, once all points are signed. */

@@ -113,9 +113,8 @@ static ylm_status refine(update *u) {
   ylm_status s = ylm__grid_reserve_cells(g, u->old.cells);
   if (s == YLM_OK) s = baker_root(b);
   if (s != YLM_OK) return s;
-  return g->view.form.tolerance > 0
-             ? ylm__grid_update_tolerance(b, u->changed, u->old.points, &u->panel)
-             : baker_refine_threshold(b);
+  return g->view.form.tolerance > 0 ? update_tolerance(b, u->changed, u->old.points, &u->panel)
+                                    : baker_refine_threshold(b);
 }
 
 ylm_status update_octree(update *u) {

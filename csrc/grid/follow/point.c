@@ -16,7 +16,7 @@ static bool grow(void *p, size_t used, size_t room) {
 
 ylm_status ylm__dynamic_reserve(ylm_grid *g) {
   grid_dynamic *d = g->dynamic;
-  if (!d || g->points <= d->room) return YLM_OK;
+  if (g->points <= d->room) return YLM_OK;
   size_t was = d->room, room = g->points + g->points / 4, row = d->bends * sizeof(float);
   if (room > SIZE_MAX / (row + 8)) return YLM_ENOMEM;
   if (row && !grow(&d->hessian, was * row, room * row)) return YLM_ENOMEM;
@@ -29,8 +29,6 @@ ylm_status ylm__dynamic_reserve(ylm_grid *g) {
   d->room = room;
   return YLM_OK;
 }
-
-bool ylm__dynamic_bends(const ylm_grid *g) { return g->dynamic && g->dynamic->bends > 0; }
 
 /* Writes a block's Hessians, of one channel of the metric or a mixture of three. */
 static void put_hessian(ylm_grid *g, uint32_t p, const field_block *k, size_t i) {

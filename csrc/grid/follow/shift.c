@@ -180,7 +180,7 @@ static void free_work(shift_job *j, int threads) {
 
 static ylm_status make_work(shift_job *j, int threads) {
   size_t count = (size_t)j->u->g->view.count, size = CHUNK * sizeof(float);
-  bool bends = ylm__dynamic_bends(j->u->g), ok = true;
+  bool bends = j->u->d->bends > 0, ok = true;
   j->work = ylm_alloc_zero((size_t)threads, sizeof *j->work);
   for (int i = 0; j->work && i < threads && ok; i++) {
     shift_work *w = &j->work[i];

@@ -97,10 +97,11 @@ static bool room_for(uint64_t **p, size_t *room, size_t n) {
   return true;
 }
 
-bool ylm__dynamic_room_births(ylm_grid *g) {
+bool ylm__dynamic_room_births(ylm_grid *g, bool *all) {
   grid_dynamic *d = g->dynamic;
   bool room = room_for(&d->born_sign, &d->born_room, g->points - g->evaluated);
   d->is_signed &= room;
+  *all = !d->is_signed;
   return room;
 }
 

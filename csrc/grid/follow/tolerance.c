@@ -1,5 +1,5 @@
 /* tolerance.c - keeping a promised tolerance while lights move. */
-#include "../bake/tolerance.h"
+#include "update.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -44,7 +44,7 @@ static ylm_status split_failed(refiner *r) {
     if (!(r->verdict[i].error > r->tolerance) || !(c->flags & YLM_GRID_LEAF) ||
         c->level >= b->g->view.form.depth)
       continue;
-    s = refiner_force(r, c);
+    s = b->g->follower->failed(b->g, c);
     if (s == YLM_OK) s = baker_split(b, r->verdict[i].leaf);
   }
   baker_advance(b);
@@ -77,7 +77,7 @@ static ylm_status refine_changed(refiner *r, const uint8_t *changed, size_t know
   for (uint64_t round = 0; s == YLM_OK; round++) {
     double start = ylm_seconds();
     s = ylm__grid_fill_invalid(g);
-    if (s == YLM_OK) s = refiner_rule(r, p, changed, known, &said);
+    if (s == YLM_OK) s = judge_leaves(r, p, changed, known, &said);
     g->stats.verify_seconds += ylm_seconds() - start;
     if (s == YLM_OK && said.met && round == 0)
       r->tight = fmax(g->dynamic->loosest, RELAX * r->tight);
@@ -88,14 +88,14 @@ static ylm_status refine_changed(refiner *r, const uint8_t *changed, size_t know
   return s;
 }
 
-ylm_status ylm__grid_update_tolerance(baker *b, const uint8_t *changed, size_t known,
-                                      const panel *p) {
+ylm_status update_tolerance(baker *b, const uint8_t *changed, size_t known, const panel *p) {
   grid_dynamic *d = b->g->dynamic;
   refiner r = {.b = b,
                .tolerance = b->g->view.form.tolerance,
                .tight = d->tight,
                .ratio = d->ratio,
-               .frozen = true};
+               .frozen = true,
+               .forced = ylm__dynamic_forced};
   ylm_status s = refiner_begin(&r);
   if (s == YLM_OK) s = refine_changed(&r, changed, known, p);
   if (s == YLM_OK) d->tight = r.tight;

@@ -63,7 +63,7 @@ static void judge(const update *u) {
   ruling said;
   if (!(g->view.form.tolerance > 0) || g->spent) return;
   double t = ylm_seconds();
-  if (panel_rule_again(g, &u->d->panel, u->source.threads, &said) == YLM_OK)
+  if (judge_samples(g, &u->d->panel, u->source.threads, &said) == YLM_OK)
     panel_report(&g->stats, &u->d->panel, &said, g->stats.limited);
   g->stats.verify_seconds += ylm_seconds() - t;
 }
@@ -147,8 +147,12 @@ ylm_status ylm_grid_update(ylm_grid *g, const ylm_grid_change *change, ylm_error
   u.source.field = change->field;
   u.source.threads = change->threads;
   u.source.progress = change->progress;
-  u.b =
-      (baker){.g = g, .source = &u.source, .e = e, .occupied = u.d->occupied, .stage = "updating"};
+  u.b = (baker){.g = g,
+                .source = &u.source,
+                .e = e,
+                .learnt = {.occupied = u.d->occupied},
+                .surface = u.d->surface,
+                .stage = "updating"};
   u.stats = (ylm_grid_update_stats){.updates = before.update.updates + 1};
   ylm_status s = ylm__lamps(change->lights, &u.now);
   u.origin = ylm_alloc(u.now.n, sizeof *u.origin);

@@ -75,6 +75,23 @@ ylm_status update_shift_all(update *u);
 /* The exact light of the panel's points, with the lights as they are now. */
 ylm_status update_panel(update *u);
 
+/* -- judge.c ---------------------------------------------------------------------------- */
+
+/* Judges a grid that is being updated by its panel, in the leaves of the octree; changed [old] by
+   point that was there. */
+ylm_status judge_leaves(const refiner *r, const panel *p, const uint8_t *changed, size_t old,
+                        ruling *out);
+/* Judges a dynamic grid after an update, by its samples; those that did not change are known. Where
+   it fails, nothing is known. */
+ylm_status judge_samples(const ylm_grid *g, panel *p, int threads, ruling *out);
+
+/* -- tolerance.c ------------------------------------------------------------------------ */
+
+/* Refines from the root by what the bake has learnt, then further while the panel says that the
+   tolerance is not kept: by held-out points, half of them in voxels with changed corners (changed:
+   by point; points from `known` on are new). */
+ylm_status update_tolerance(baker *b, const uint8_t *changed, size_t known, const panel *p);
+
 /* -- octree.c --------------------------------------------------------------------------- */
 
 ylm_status update_octree(update *u);
