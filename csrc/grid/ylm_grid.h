@@ -50,54 +50,6 @@ typedef struct ylm_grid_form {
   bool dynamic;           /* keeps what ylm_grid_update needs */
 } ylm_grid_form;
 
-/* A cell's interpolant (Hermite) at fractions t of its edges, and what it is compared with. */
-typedef struct ylm_grid_probe {
-  uint32_t corner[8], edge; /* points; lattice units */
-  uint32_t point;           /* whose value is exact */
-  float t[3];
-} ylm_grid_probe;
-
-/*
-** ylm_grid_keeper - who evaluates a grid's points and keeps their rows (coefficients, gradients)
-** where they are evaluated, on a device, while the octree is refined here.
-**
-** The bake asks for what its decisions need, and for all rows at the end. Where memory runs out
-** (YLM_ENOMEM, YLM_ELIMIT) it takes the rows there are, `rows` with forget set, and goes on with
-** the field alone; other failures are its own. A dynamic grid asks nobody.
-**
-**   begin      of a grid in the making, before all else but `codes`
-**   codes      Morton codes of the finest voxels of an octree that hold shading points, sorted,
-**              each once, as many as *n (ylm_alloc); adds to *outside. YLM_ENOMEM, YLM_ELIMIT: the
-**              bake finds them, if the source has the points
-**   shading    shading points of n indices, in float, [n][3]: asked where the source has none
-**   evaluate   points `first` .. first+n-1, at `lattice` [n][3]: lambda, norm [n]; inside [n] is 1
-**              in a light, else 0; adds to *pairs
-**   residuals  relative distances of interpolants from points' values, [n]
-**   compare    the same from the field at places [n][3]; inside [n], adds to *pairs
-**   values     of the field at the n places of the last `compare`, [n][channels][count]
-**   take, put  rows of n points, [n][4][stride]
-**   rows       of points 0 .. n-1; forget: they are not asked for any more
-*/
-typedef struct ylm_grid_keeper {
-  void *self;
-  ylm_status (*begin)(void *self, const ylm_grid *g, ylm_error *e);
-  ylm_status (*codes)(void *self, const ylm_grid *g, uint64_t **code, size_t *n, uint64_t *outside,
-                      const ylm_progress *progress, ylm_error *e);
-  ylm_status (*shading)(void *self, size_t n, const size_t *index, float *out, ylm_error *e);
-  ylm_status (*evaluate)(void *self, size_t first, size_t n, const uint32_t *lattice, float *lambda,
-                         float *norm, uint8_t *inside, uint64_t *pairs,
-                         const ylm_progress *progress, ylm_error *e);
-  ylm_status (*residuals)(void *self, size_t n, const ylm_grid_probe *probe, float *distance,
-                          ylm_error *e);
-  ylm_status (*compare)(void *self, size_t n, const float *places, const ylm_grid_probe *probe,
-                        float *distance, uint8_t *inside, uint64_t *pairs,
-                        const ylm_progress *progress, ylm_error *e);
-  ylm_status (*values)(void *self, size_t n, float *value, ylm_error *e);
-  ylm_status (*take)(void *self, size_t n, const uint32_t *point, float *row, ylm_error *e);
-  ylm_status (*put)(void *self, size_t n, const uint32_t *point, const float *row, ylm_error *e);
-  ylm_status (*rows)(void *self, size_t n, float *data, bool forget, ylm_error *e);
-} ylm_grid_keeper;
-
 /* Triangles whose surface is to be lit. Sides and normals are those of ylm_geom.h. */
 typedef struct ylm_grid_mesh {
   size_t vertices, triangles;
@@ -106,15 +58,18 @@ typedef struct ylm_grid_mesh {
   const uint32_t *index; /* [triangles][3], each below `vertices` */
 } ylm_grid_mesh;
 
+typedef struct ylm_grid_backend ylm_grid_backend;
+
 /* From where, and how. */
 typedef struct ylm_grid_source {
   const ylm_field *field;
-  const ylm_light_parts *lights; /* dynamic: what the field is the sum of; else it may be NULL */
-  const ylm_grid_keeper *keeper; /* of the field's results; NULL: the grid itself */
-  size_t occupied;               /* number of shading points */
+  const ylm_light_parts *lights;   /* dynamic: what the field is the sum of; else it may be NULL */
+  const ylm_grid_backend *backend; /* NULL: the processor. Not of a dynamic grid */
+  size_t occupied;                 /* number of shading points */
   ylm_dtype occupied_dtype;
-  const void *occupied_points;  /* [occupied][3]; NULL: every voxel is occupied, or the keeper's */
-  size_t meshes;                /* surfaces instead of points: voxels that a triangle meets */
+  const void
+      *occupied_points; /* [occupied][3]; NULL: every voxel is occupied, or the back end has them */
+  size_t meshes;        /* surfaces instead of points: voxels that a triangle meets */
   const ylm_grid_mesh *mesh;    /* [meshes]; a dynamic grid keeps a copy */
   uint64_t seed;                /* of the choice of held-out points */
   size_t max_points;            /* YLM_ELIMIT beyond; 0: no limit but memory */
@@ -355,7 +310,21 @@ YLM_API void ylm_grid_box(const ylm_grid *g, size_t cell, double out[6]);
 */
 YLM_API uint32_t ylm_grid_locate(const ylm_grid *g, const double p[3], bool finest, bool *outside);
 
-/* -- octrees that were refined elsewhere: bake/assemble.c ---------------------- */
+/* -- back ends: bake/backend.c ------------------------------------------------ */
+
+/* A cell's interpolant (Hermite) at fractions t of its edges, and what it is compared with. */
+typedef struct ylm_grid_probe {
+  uint32_t corner[8], edge; /* points; lattice units */
+  uint32_t point;           /* whose value is exact */
+  float t[3];
+} ylm_grid_probe;
+
+/* Free places, and the light field there. */
+typedef struct ylm_grid_held {
+  const float *place; /* [n][3] */
+  float *value;       /* [n][channels][count] */
+  uint8_t *inside;    /* [n] 1: in or on a light */
+} ylm_grid_held;
 
 /* Where the cells and points of a grid in the making are written. */
 typedef struct ylm_grid_parts {
@@ -364,33 +333,85 @@ typedef struct ylm_grid_parts {
   size_t stride;     /* of `data` */
   float *data;       /* [points][4][stride]: value and gradient at the lattice position itself */
   float *lambda, *norm;
-  uint8_t *flags; /* [points] YLM_GRID_POINT_INVALID or 0 */
+  uint8_t *flags; /* [points] YLM_GRID_POINT_* */
 } ylm_grid_parts;
 
+/* A grid in the making, as its back end sees it. */
+typedef struct ylm_grid_making {
+  const ylm_grid_source *source;
+  ylm_grid *grid;               /* its form, resolution and positions hold */
+  ylm_grid_parts parts;         /* as they are at the call */
+  ylm_grid_stats *stats;        /* pairs, outside, field_seconds: the back end adds its own */
+  const ylm_progress *progress; /* of the stage at hand; may be NULL */
+  ylm_error *e;
+} ylm_grid_making;
+
+typedef enum ylm_grid_rows {
+  YLM_GRID_ROWS_ALL,  /* of points 0 .. n-1, to `row` */
+  YLM_GRID_ROWS_TAKE, /* of the points listed, to `row` */
+  YLM_GRID_ROWS_PUT,  /* of the points listed, from `row` */
+  YLM_GRID_ROWS_LEAVE /* as ALL; then the back end is asked for `shading` alone */
+} ylm_grid_rows;
+
 /*
-** ylm_grid_begin, _room, _end - a grid whose octree somebody else refines (csrc/vulkan does) and
-** whose points he evaluates, by the rules of ylm_grid_bake; ylm_grid_end does what follows: points
-** in lights, continuity, counts.
+** ylm_grid_backend - who finds, evaluates and keeps the points of a grid in the making.
 **
-** Of a cell he writes origin, level, child, error, corner and the flags LEAF, OCCUPIED, CROSSED;
-** cells 0 .. n-1 are an octree: parents before their children. Corners are YLM_GRID_NONE where a
-** cell is not occupied; others that were evaluated for its neighbours are found here. Of a uniform
-** grid all cells are occupied, at level 0, in the order of the lattice, x fastest. Room may be
-** asked for more than once: what was written is kept, at another address. Stats are written by
-** way of ylm_grid_stats_of; those that can be counted are counted by ylm_grid_end.
+** One loop makes every grid (bake/refine.c). Level by level it asks for the corners of the voxels,
+** the light field at new points and the metric; with a tolerance, for residuals; for all rows at
+** the end. The processor's back end is bake/processor.c, those of a device csrc/vulkan/grid. There
+** are two kinds:
 **
-** ylm_grid_begin   as ylm_grid_bake checks its arguments; not for dynamic grids (YLM_EINVAL). The
-** caller frees the grid where anything fails.
-** ylm_grid_room    YLM_ENOMEM, YLM_ELIMIT
-** ylm_grid_end     YLM_EINVAL where the cells are no octree or its corners are not where they
-**                  should be, YLM_ENOMEM
+**   with corners and metric   keeps cells and points until `rows`
+**   without (NULL)            cells are the processor's: it evaluates points and keeps their rows.
+**                             Where its memory runs out (YLM_ENOMEM, YLM_ELIMIT), the bake takes
+**                             the rows there are and goes on with the processor and the field alone
+**
+**   occupied   asked first: finds the voxels that hold shading points. A back end that keeps cells
+**              says how many voxels level 0 has (*n). Another may write Morton codes of an octree's
+**              finest voxels, sorted, each once, as many as *n (ylm_alloc); *code NULL: the
+**              processor finds them
+**   shading    shading points of n indices, in float, [n][3]; asked where the source has none
+**   corners    of the voxels of a level, which `occupied` or `metric` of the level before has made;
+**              *fresh of them are new points
+**   evaluate   the n new points: of the processor's, the next behind those that were evaluated, at
+**              parts.lattice; writes parts.lambda, norm (saturated as a field's) and the flag
+**              YLM_GRID_POINT_INVALID of those in a light
+**   metric     error of a level's voxels, and which of them lights' surfaces cross; by a threshold
+**              those above it, and crossed ones, are split. The next level has *next voxels
+**   residuals  relative distances [n] of interpolants from the values of their points; with `held`,
+**              from those of the field at free places, which probe.point counts, and which it
+*writes
+**   rows       of n points, [n][4][stride]; a back end that keeps cells is asked for
+**              YLM_GRID_ROWS_ALL alone and writes all parts, for which ylm_grid_room makes room
 */
-YLM_API ylm_status ylm_grid_begin(const ylm_grid_form *form, const ylm_grid_source *source,
-                                  ylm_grid **g, ylm_error *e);
+struct ylm_grid_backend {
+  void *self;
+  ylm_status (*occupied)(void *self, const ylm_grid_making *m, uint64_t **code, size_t *n);
+  ylm_status (*shading)(void *self, const ylm_grid_making *m, size_t n, const size_t *index,
+                        float *out);
+  ylm_status (*corners)(void *self, const ylm_grid_making *m, int level, size_t *fresh);
+  ylm_status (*evaluate)(void *self, const ylm_grid_making *m, size_t n);
+  ylm_status (*metric)(void *self, const ylm_grid_making *m, int level, size_t *next);
+  ylm_status (*residuals)(void *self, const ylm_grid_making *m, size_t n,
+                          const ylm_grid_probe *probe, const ylm_grid_held *held, double *distance);
+  ylm_status (*rows)(void *self, const ylm_grid_making *m, ylm_grid_rows which, size_t n,
+                     const uint32_t *point, float *row);
+};
+
+/*
+** ylm_grid_room - room for cells and points of a grid in the making whose back end keeps the cells.
+**
+** Of a cell it writes origin, level, child, error, corner and the flags LEAF, OCCUPIED, CROSSED;
+** cells 0 .. n-1 are an octree: parents before their children. Corners are YLM_GRID_NONE where a
+** cell is not occupied; the bake finds those that were evaluated for its neighbours. Of a uniform
+** grid all cells are occupied, at level 0, in the order of the lattice, x fastest. Room may be
+** asked for more than once: what was written is kept, at another address. In the end the grid has
+** as many cells and points as were asked for.
+**
+** Returns  YLM_OK, YLM_ENOMEM, YLM_ELIMIT
+*/
 YLM_API ylm_status ylm_grid_room(ylm_grid *g, size_t cells, size_t points, ylm_grid_parts *parts,
                                  ylm_error *e);
-YLM_API ylm_status ylm_grid_end(ylm_grid *g, const ylm_grid_source *source, size_t cells,
-                                size_t points, ylm_error *e);
 YLM_API ylm_grid_stats *ylm_grid_stats_of(ylm_grid *g);
 /* The voxel of the finest lattice that holds p, outside the nearest one; true if p was inside. */
 YLM_API bool ylm_grid_voxel(const ylm_grid *g, const double p[3], uint32_t voxel[3]);

@@ -295,14 +295,14 @@ typedef struct ylm_gpu_grid ylm_gpu_grid;
 /*
 ** ylm_gpu_grid_bake - ylm_grid_bake of a grid that is not dynamic, on the device.
 **
-** Adaptive with a threshold, and uniform: occupancy, corners, their light field, the metric and
-** what is split stay on the device; the host reads counts for each level, and everything at the
-** end. Then ylm_grid_end does what remains. With a tolerance ylm_grid_bake decides, by residuals
-** and held-out errors that the device measures (ylm_grid_keeper); so with a uniform grid too
-** large for kernels.
+** The loop is that of ylm_grid_bake, the device its back end (ylm_grid_backend). Adaptive with a
+** threshold, and uniform: occupancy, corners, their light field, the metric and what is split stay on
+** the device; the host reads counts for each level, and everything at the end. With a tolerance the
+** host decides, by residuals and held-out errors that the device measures; so with a uniform grid
+** too large for kernels.
 **
 **   form    in   lmax as the lights can
-**   source  in   its field, lights and keeper are not read
+**   source  in   its field, lights and back end are not read
 **   there   in   its shading points in the device's memory, source->occupied of its type, instead
 **                of source->occupied_points; NULL: none. They stay; held-out ones are copied
 **   g       out  as by ylm_grid_bake with the lights' field: cells and points in the same order,

@@ -1,18 +1,7 @@
-/* assemble.c - a grid of cells and points that were found elsewhere: on a device. */
+/* assemble.c - a grid of cells and points that a back end has kept: on a device. */
 #include "baker.h"
 
 #include <math.h>
-
-ylm_status ylm_grid_begin(const ylm_grid_form *form, const ylm_grid_source *source, ylm_grid **out,
-                          ylm_error *e) {
-  *out = NULL;
-  ylm_status s = ylm__grid_check_form(form, e);
-  if (s == YLM_OK) s = ylm__grid_check_source(source, form->dynamic, e);
-  if (s != YLM_OK) return s;
-  if (form->dynamic) return ylm_fail(e, YLM_EINVAL, "a grid is wanted that is not dynamic");
-  *out = ylm__grid_new(form);
-  return *out ? YLM_OK : ylm_fail(e, YLM_ENOMEM, "%s", ylm_status_text(YLM_ENOMEM));
-}
 
 /* Arrays are grown by what their users have declared: so all that was written is kept. */
 ylm_status ylm_grid_room(ylm_grid *g, size_t cells, size_t points, ylm_grid_parts *parts,
@@ -119,23 +108,17 @@ static void complete_cells(ylm_grid *g) {
   }
 }
 
-ylm_status ylm_grid_end(ylm_grid *g, const ylm_grid_source *source, size_t cells, size_t points,
-                        ylm_error *e) {
-  if (cells > g->cells || points > g->points)
-    return ylm_fail(e, YLM_EINVAL, "no room was asked for so many cells or points");
-  g->cells = cells;
-  g->points = g->evaluated = points;
+ylm_status ylm__assemble(baker *b) {
+  ylm_grid *g = b->g;
   bool uniform = g->view.form.kind == YLM_GRID_UNIFORM;
+  g->evaluated = g->points;
   if (!(uniform ? lattice_holds(g) : octree_holds(g)))
-    return ylm_fail(e, YLM_EINVAL, "the cells are no octree");
+    return ylm_fail(b->e, YLM_EINVAL, "the cells are no octree");
   complete_cells(g);
-  ylm_status s = lattice_hash_reserve(&g->hash, points);
   double t = ylm_seconds();
-  for (size_t i = 0; s == YLM_OK && i < points; i++)
+  ylm_status s = lattice_hash_reserve(&g->hash, g->points);
+  for (size_t i = 0; s == YLM_OK && i < g->points; i++)
     *lattice_hash_at(&g->hash, lattice_key(g->lattice + 3 * i)) = (uint32_t)i;
   g->stats.lattice_seconds += ylm_seconds() - t;
-  baker b = {.g = g, .source = source, .e = e};
-  if (s == YLM_OK) s = baker_finish(&b);
-  baker_free(&b);
-  return s == YLM_OK ? YLM_OK : ylm__grid_no_room(s, source, e);
+  return s;
 }

@@ -23,17 +23,24 @@ typedef struct field_block {
 typedef struct baker {
   ylm_grid *g;
   const ylm_grid_source *source;
-  const ylm_grid_keeper *keeper; /* NULL: rows are the grid's own */
   ylm_error *e;
-  bool told; /* it says what ran out */
+  bool told;                      /* it says what ran out */
+  const ylm_grid_backend *remote; /* NULL: the processor */
+  ylm_grid_backend own;           /* the processor */
+  ylm_grid_making making;
   learnt learnt;
   const ylm_grid_surface *surface; /* of the source's meshes, where somebody keeps it; or NULL */
   cell_list wave, next;            /* cells to decide about, their children that come next */
   cell_list parent;                /* of cells 1 .. 8, 9 .. 16, and so on */
+  /* Splits cells of the wave once their metric is known; NULL: the threshold has done so. */
+  ylm_status (*choose)(void *chooser);
+  void *chooser;
   field_block block;
+  float *row;        /* [workers][stride + ROW_PADDING], for residuals */
   const char *stage; /* for progress */
   char stage_text[48];
-  uint8_t *used; /* updates: by point, whether a cell or a test wants it; else NULL */
+  ylm_progress progress; /* of some work as the bake's */
+  uint8_t *used;         /* updates: by point, whether a cell or a test wants it; else NULL */
   size_t used_room;
   /* Updates: the cells before, which new cells in the same place (cell.source, while baking) take
      corners, residuals and crossings from, as far as these cannot have changed; else NULL. */
@@ -43,84 +50,116 @@ typedef struct baker {
   size_t unsettleds;
 } baker;
 
-/* The root alone, occupied, is the wave. */
-ylm_status baker_root(baker *b);
-/* Splits by the threshold until nothing is above it. */
-ylm_status baker_refine_threshold(baker *b);
-/* Frees what a baker holds, the grid and the occupancy excepted. */
+/* -- baker.c -------------------------------------------------------------------------------- */
+
+void baker_begin(baker *b, ylm_grid *g, const ylm_grid_source *source, ylm_error *e);
+/* Frees what a baker holds, the grid and what it has learnt excepted. */
 void baker_free(baker *b);
+
+/* -- bake.c --------------------------------------------------------------------------------- */
+
 /* Returns s; says in `e` what ran out, if s is YLM_ENOMEM or YLM_ELIMIT. */
 ylm_status ylm__grid_no_room(ylm_status s, const ylm_grid_source *source, ylm_error *e);
 
-/* The index of the point at lattice coordinates; a new one waits for baker_evaluate. */
-ylm_status baker_point(baker *b, const uint32_t at[3], uint8_t flags, uint32_t *index);
-/* Evaluates all points that wait, in blocks through the field. */
-ylm_status baker_evaluate(baker *b);
-/* The bake's progress as that of some work: valid as long as the baker. */
-ylm_progress baker_progress(const baker *b);
-/* Evaluates the n points `list` anew. */
-ylm_status baker_evaluate_list(baker *b, size_t n, const uint32_t *list);
-/* Asks a field for the block's results at its first n positions. */
-ylm_status baker_ask(baker *b, const ylm_field *field, size_t n, field_block *k);
-/* Room in a block for the results of n points; what frees it. */
-ylm_status baker_reserve_block(baker *b, field_block *k, size_t n);
-void baker_free_block(field_block *k);
-/* The float position that the field is asked at for a point. */
-void ylm__grid_asked(const ylm_grid *g, uint32_t point, float out[3]);
-/* Values alone at n free points. */
-ylm_status baker_values(baker *b, size_t n, const float *points, float *value, uint8_t *inside);
-/* Evaluates what the cells of the wave lack at their corners, computes their metric, and finds
-   which of them a light's surface crosses. */
-ylm_status baker_corners(baker *b);
-/* The cell in the same place before an update; NULL: none, or no update. */
-static inline const ylm_grid_cell *baker_before(const baker *b, const ylm_grid_cell *c) {
-  return b->before && c->source != YLM_GRID_NONE ? &b->before[c->source] : NULL;
-}
-/* The cell's interpolant at fractions t of its edges, to be compared with a point's value. */
-ylm_grid_probe baker_probe(const baker *b, const ylm_grid_cell *c, const float t[3],
-                           uint32_t point);
-/* Splits a cell; its occupied children come next. */
-ylm_status baker_split(baker *b, uint32_t cell);
-/* The children that came next become the wave. */
-void baker_advance(baker *b);
-/* Finds the corners of the wave's cells; new points wait, in the order of cells. */
-ylm_status baker_find_corners(baker *b);
-/* b->parent, of cells that somebody else has made. */
-ylm_status baker_find_parents(baker *b);
-/* Corners that unoccupied cells share with others: of cells with only[cell] != 0. */
-void baker_find_shared(baker *b, const uint8_t *only);
+/* -- occupy.c ------------------------------------------------------------------------------- */
+
+/* The wave becomes a lattice's occupied voxels, or the root of an octree: its occupied voxels are
+   those of n codes, which it takes; NULL: it finds them. */
+ylm_status occupy_voxels(baker *b, uint64_t *code, size_t n);
+
+/* -- refine.c ------------------------------------------------------------------------------- */
+
+/* Makes level after level, the first of which has so many voxels, until nothing is split. */
+ylm_status ylm__refine(baker *b, size_t voxels);
+
+/* -- finish.c ------------------------------------------------------------------------------- */
+
 /* Fills points in lights, makes the grid continuous, if that is asked for, and finishes: then it
    can be sampled. Nothing may be refined after that. */
-ylm_status baker_finish(baker *b);
-/* The metric of a cell that has its corners: mean over the valid ones of lambda D^2/2, or of that
-   over the norm. */
-float baker_metric(const baker *b, const ylm_grid_cell *c, ylm_grid_metric metric);
+ylm_status ylm__finish(baker *b);
 
+/* -- assemble.c ----------------------------------------------------------------------------- */
+
+/* Checks and completes cells and points that a back end has kept. */
+ylm_status ylm__assemble(baker *b);
+
+/* -- backend.c ------------------------------------------------------------------------------ */
+
+/* Are cells kept elsewhere? */
+static inline bool backend_keeps_cells(const baker *b) { return b->remote && b->remote->corners; }
+/* What a back end knows of occupied voxels. */
+ylm_status backend_occupied(baker *b, uint64_t **code, size_t *n);
+ylm_status backend_shading(baker *b, size_t n, const size_t *index, float *out);
+/* Evaluates the n points that wait. */
+ylm_status backend_evaluate(baker *b, size_t n);
+ylm_status backend_residuals(baker *b, size_t n, const ylm_grid_probe *probe,
+                             const ylm_grid_held *held, double *distance);
+/* Fills points in lights from valid neighbours, wherever rows are. */
+ylm_status backend_fill_invalid(baker *b);
+/* All that is kept elsewhere, here too. */
+ylm_status backend_fetch(baker *b);
 /* Does a source have shading points? Else surfaces or every voxel are occupied. */
-static inline bool baker_has_shading(const ylm_grid_source *s) {
-  return s->occupied_points || (s->keeper && s->occupied);
+static inline bool backend_has_shading(const ylm_grid_source *s) {
+  return s->occupied_points || (s->backend && s->occupied);
 }
 
-/* -- remote.c: where rows are kept elsewhere ----------------------------------------------
-** After each of these b->keeper may be NULL: memory ran out, and all rows are here; what was asked
-** for is then not done. */
+/* -- processor.c ---------------------------------------------------------------------------- */
 
-ylm_status keeper_begin(baker *b);
-/* Which voxels hold shading points, from who keeps these or finds voxels faster; *found is false
-   where the bake is to find them. */
-ylm_status keeper_occupancy(baker *b, bool *found);
-/* Points that wait for the light field. */
-ylm_status keeper_evaluate(baker *b);
-ylm_status keeper_residuals(baker *b, size_t n, const ylm_grid_probe *probe, float *distance);
-ylm_status keeper_compare(baker *b, size_t n, const float *places, const ylm_grid_probe *probe,
-                          float *distance, uint8_t *inside);
-/* Fills points in lights from valid neighbours, wherever rows are. */
-ylm_status baker_fill_invalid(baker *b);
-/* All rows, here too. */
-ylm_status baker_fetch(baker *b);
+ylm_grid_backend processor_backend(baker *b);
 
-/* -- tolerance.c -------------------------------------------------------------------- */
+/* -- corners.c ------------------------------------------------------------------------------ */
 
-ylm_status ylm__grid_bake_tolerance(baker *b);
+/* The index of the point at lattice coordinates; a new one waits for backend_evaluate. */
+ylm_status corners_point(baker *b, const uint32_t at[3], uint8_t flags, uint32_t *index);
+/* Finds the corners of the wave's cells; new points wait, in the order of cells. */
+ylm_status corners_find(baker *b);
+/* b->parent, of cells that somebody else has made. */
+ylm_status corners_find_parents(baker *b);
+/* Corners that unoccupied cells share with others: of cells with only[cell] != 0. */
+void corners_find_shared(baker *b, const uint8_t *only);
+
+/* -- evaluate.c ----------------------------------------------------------------------------- */
+
+/* Evaluates the n points of `list`, or from `first` on, in blocks through the field. */
+ylm_status evaluate_points(baker *b, size_t n, const uint32_t *list, size_t first);
+/* Values alone at n free points. */
+ylm_status evaluate_values(baker *b, size_t n, const float *points, float *value, uint8_t *inside);
+/* Asks a field for the block's results at its first n positions. */
+ylm_status evaluate_ask(baker *b, const ylm_field *field, size_t n, field_block *k);
+/* Room in a block for the results of n points; what frees it. */
+ylm_status evaluate_reserve_block(baker *b, field_block *k, size_t n);
+void evaluate_free_block(field_block *k);
+/* The float position that the field is asked at for a point. */
+void ylm__grid_asked(const ylm_grid *g, uint32_t point, float out[3]);
+
+/* -- metric.c ------------------------------------------------------------------------------- */
+
+/* The metric of a cell that has its corners: mean over the valid ones of lambda D^2/2, or of that
+   over the norm. */
+float metric_of(const baker *b, const ylm_grid_cell *c, ylm_grid_metric metric);
+/* The metric of the wave's cells; finds which of them a light's surface crosses. */
+ylm_status metric_find(baker *b);
+
+/* -- cells.c -------------------------------------------------------------------------------- */
+
+/* The root alone, occupied, is the wave. */
+ylm_status cells_root(baker *b);
+/* Splits a cell; its occupied children come next. */
+ylm_status cells_split(baker *b, uint32_t cell);
+/* The children that came next become the wave. */
+void cells_advance(baker *b);
+/* The cell in the same place before an update; NULL: none, or no update. */
+static inline const ylm_grid_cell *cells_before(const baker *b, const ylm_grid_cell *c) {
+  return b->before && c->source != YLM_GRID_NONE ? &b->before[c->source] : NULL;
+}
+
+/* -- row.c ---------------------------------------------------------------------------------- */
+
+/* Relative distance of two rows; 0 where both vanish. */
+double row_distance(const float *a, const float *exact, size_t width);
+
+/* -- tolerance.c ---------------------------------------------------------------------------- */
+
+ylm_status tolerance_bake(baker *b);
 
 #endif

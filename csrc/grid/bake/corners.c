@@ -17,7 +17,7 @@ static ylm_status reserve_used(baker *b) {
   return YLM_OK;
 }
 
-ylm_status baker_point(baker *b, const uint32_t at[3], uint8_t flags, uint32_t *index) {
+ylm_status corners_point(baker *b, const uint32_t at[3], uint8_t flags, uint32_t *index) {
   ylm_grid *g = b->g;
   ylm_status s = lattice_hash_reserve(&b->g->hash, b->g->hash.used + 1);
   if (s == YLM_OK) s = ylm__grid_reserve_points(g, 1);
@@ -126,7 +126,7 @@ static ylm_status look_in_wave(void *context, size_t begin, size_t end, int work
   family f = NOBODY;
   for (size_t j = begin; j < end; j++) {
     ylm_grid_cell *c = &b->g->cell[b->wave.cell[j]];
-    const ylm_grid_cell *old = baker_before(b, c);
+    const ylm_grid_cell *old = cells_before(b, c);
     if (old && old->flags & YLM_GRID_OCCUPIED)
       memcpy(c->corner, old->corner, sizeof c->corner);
     else
@@ -136,7 +136,7 @@ static ylm_status look_in_wave(void *context, size_t begin, size_t end, int work
 }
 
 /* Finds the corners of the wave's cells; new points wait, in the order of cells. */
-ylm_status baker_find_corners(baker *b) {
+ylm_status corners_find(baker *b) {
   ylm_grid *g = b->g;
   ylm_parallel(b->wave.n, 512, b->source->threads, look_in_wave, b, NULL, NULL);
   for (size_t j = 0; j < b->wave.n; j++) {
@@ -145,7 +145,7 @@ ylm_status baker_find_corners(baker *b) {
       uint32_t at[3];
       if (c->corner[i] == YLM_GRID_NONE) {
         corner_at(g, c, i, at);
-        ylm_status s = baker_point(b, at, 0, &c->corner[i]);
+        ylm_status s = corners_point(b, at, 0, &c->corner[i]);
         if (s != YLM_OK) return s;
       }
       g->flags[c->corner[i]] &= (uint8_t)~YLM_GRID_POINT_TESTED;
@@ -170,14 +170,14 @@ static ylm_status find_shared_corners(void *context, size_t begin, size_t end, i
 }
 
 /* Corners of unoccupied cells that were evaluated for their neighbours. */
-void baker_find_shared(baker *b, const uint8_t *only) {
+void corners_find_shared(baker *b, const uint8_t *only) {
   shared_job j = {b, only};
   ylm_parallel(b->g->view.octree_cells, 1024, b->source->threads, find_shared_corners, &j, NULL,
                NULL);
 }
 
 /* The parents of cells that somebody else has made. */
-ylm_status baker_find_parents(baker *b) {
+ylm_status corners_find_parents(baker *b) {
   const ylm_grid *g = b->g;
   ylm_status s = YLM_OK;
   if (g->view.form.kind == YLM_GRID_UNIFORM || b->parent.n == (g->cells - 1) / 8) return YLM_OK;

@@ -6,29 +6,17 @@
 
 #define BLOCK 8192 /* points of one call of the field; its results are read while in cache */
 
-/* Reports the field's progress under the bake's own stage. */
-static bool forward(void *user, uint64_t done, uint64_t total, const char *stage) {
-  const baker *b = user;
-  (void)stage;
-  return ylm_report(b->source->progress, done, total, b->stage) == YLM_OK;
-}
-
-ylm_progress baker_progress(const baker *b) {
-  return (ylm_progress){forward, (void *)(uintptr_t)b};
-}
-
 /* Asks a field, and keeps the time. */
 static ylm_status ask(baker *b, const ylm_field *field, int want, int channels, size_t n,
                       const float *points, ylm_field_result *r) {
   const ylm_grid_form *f = &b->g->view.form;
-  ylm_progress progress = baker_progress(b);
   ylm_field_query q = {.lmax = f->lmax,
                        .channels = channels,
                        .want = want,
                        .metric_channels = f->metric_channels == 3 ? 3 : 1,
                        .dtype = YLM_FLOAT,
                        .threads = b->source->threads,
-                       .progress = b->source->progress ? &progress : NULL};
+                       .progress = b->making.progress};
   uint64_t before = r->pairs;
   double t = ylm_seconds();
   ylm_status s = field->evaluate(field, &q, n, points, r, b->e);
@@ -37,13 +25,13 @@ static ylm_status ask(baker *b, const ylm_field *field, int want, int channels, 
   return s;
 }
 
-ylm_status baker_values(baker *b, size_t n, const float *points, float *value, uint8_t *inside) {
+ylm_status evaluate_values(baker *b, size_t n, const float *points, float *value, uint8_t *inside) {
   ylm_field_result r = {.value = value, .inside = inside};
   memset(inside, 0, n);
   return ask(b, b->source->field, YLM_WANT_VALUE, b->g->view.form.channels, n, points, &r);
 }
 
-ylm_status baker_ask(baker *b, const ylm_field *field, size_t n, field_block *k) {
+ylm_status evaluate_ask(baker *b, const ylm_field *field, size_t n, field_block *k) {
   const ylm_grid_form *f = &b->g->view.form;
   ylm_field_result r = {.value = k->value,
                         .gradient = k->gradient,
@@ -126,13 +114,13 @@ static ylm_status evaluate_block(const evaluation *j, size_t n) {
   baker *b = j->b;
   for (size_t i = 0; i < n; i++)
     ylm__grid_asked(b->g, (uint32_t)point_of(j, i), j->block->position + 3 * i);
-  ylm_status s = baker_ask(b, b->source->field, n, j->block);
+  ylm_status s = evaluate_ask(b, b->source->field, n, j->block);
   if (s != YLM_OK) return s;
   s = ylm_parallel(n, 64, b->source->threads, store_block, (void *)(uintptr_t)j, NULL, NULL);
   return s == YLM_EDOMAIN ? not_finite(b, n, j->block) : s;
 }
 
-void baker_free_block(field_block *k) {
+void evaluate_free_block(field_block *k) {
   ylm_free(k->position);
   ylm_free(k->value);
   ylm_free(k->gradient);
@@ -143,12 +131,12 @@ void baker_free_block(field_block *k) {
   *k = (field_block){0};
 }
 
-ylm_status baker_reserve_block(baker *b, field_block *k, size_t n) {
+ylm_status evaluate_reserve_block(baker *b, field_block *k, size_t n) {
   size_t width = b->g->width;
   if (n > BLOCK) n = BLOCK;
   if (n <= k->room) return YLM_OK;
   bool bends = b->g->follower && b->g->view.form.metric_channels;
-  baker_free_block(k);
+  evaluate_free_block(k);
   *k = (field_block){.position = ylm_alloc(n, 3 * sizeof(float)),
                      .value = ylm_alloc(n, width * sizeof(float)),
                      .gradient = ylm_alloc(n, 3 * width * sizeof(float)),
@@ -162,25 +150,11 @@ ylm_status baker_reserve_block(baker *b, field_block *k, size_t n) {
   return ok ? YLM_OK : YLM_ENOMEM;
 }
 
-/* Evaluates the n points of `list`, or from `first` on. */
-static ylm_status evaluate(baker *b, size_t n, const uint32_t *list, size_t first) {
-  ylm_status s = baker_reserve_block(b, &b->block, n);
+ylm_status evaluate_points(baker *b, size_t n, const uint32_t *list, size_t first) {
+  ylm_status s = evaluate_reserve_block(b, &b->block, n);
   for (size_t i = 0; s == YLM_OK && i < n; i += BLOCK) {
     evaluation j = {b, &b->block, list ? list + i : NULL, first + i};
     s = evaluate_block(&j, n - i < BLOCK ? n - i : BLOCK);
   }
   return s;
-}
-
-ylm_status baker_evaluate(baker *b) {
-  ylm_grid *g = b->g;
-  ylm_status s = g->follower ? g->follower->reserve(g) : YLM_OK;
-  if (s == YLM_OK && b->keeper) s = keeper_evaluate(b);
-  if (s == YLM_OK && !b->keeper) s = evaluate(b, g->points - g->evaluated, NULL, g->evaluated);
-  g->evaluated = g->points;
-  return s;
-}
-
-ylm_status baker_evaluate_list(baker *b, size_t n, const uint32_t *list) {
-  return evaluate(b, n, list, 0);
 }

@@ -19,13 +19,6 @@ typedef struct candidate {
   uint32_t leaf;
 } candidate;
 
-void refiner_surface_point(const refiner *r, uint64_t seed, uint64_t k, uint64_t strata,
-                           float out[3]) {
-  double p[3], normal[3];
-  ylm_grid_surface_draw(r->surface, seed, k, strata, p, normal);
-  for (int a = 0; a < 3; a++) out[a] = (float)p[a];
-}
-
 static int by_leaf(const void *a, const void *b) {
   const candidate *x = a, *y = b;
   return x->leaf != y->leaf ? (x->leaf < y->leaf ? -1 : 1) : memcmp(x->x, y->x, sizeof x->x);
@@ -57,8 +50,8 @@ static ylm_status hold_voxels(const refiner *r, uint64_t round, size_t *n, float
   if (!c) return YLM_ENOMEM;
   ylm_rng_seed(&rng, seed, round);
   for (size_t i = 0; i < candidates; i++) {
-    refiner_surface_point(r, seed, round * candidates + i, candidates, c[i].x);
-    c[i].leaf = refiner_leaf(r->b->g, c[i].x);
+    held_surface_point(r->surface, seed, round * candidates + i, candidates, c[i].x);
+    c[i].leaf = held_leaf(r->b->g, c[i].x);
   }
   *n = choose_voxels(c, candidates, &rng, *n, out);
   ylm_free(c);
@@ -77,7 +70,7 @@ static size_t hold_triangles(const refiner *r, uint64_t round, size_t n, float *
   return held;
 }
 
-ylm_status refiner_hold_surface(refiner *r, uint64_t round, size_t n) {
+ylm_status held_surface(refiner *r, uint64_t round, size_t n) {
   size_t voxels = n / EXTRA, aside = 0;
   ylm_status s = YLM_OK;
   if (round <= MAX_ROUNDS) {
@@ -86,6 +79,7 @@ ylm_status refiner_hold_surface(refiner *r, uint64_t round, size_t n) {
   }
   size_t area = n - aside;
   for (size_t i = 0; s == YLM_OK && i < area; i++)
-    refiner_surface_point(r, r->b->source->seed, round * n + i, area, r->points + 3 * (aside + i));
+    held_surface_point(r->surface, r->b->source->seed, round * n + i, area,
+                       r->points + 3 * (aside + i));
   return s;
 }

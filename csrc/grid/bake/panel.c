@@ -100,7 +100,7 @@ ylm_status panel_rule(const panel *p, const double *error, double tolerance, dou
 
 double panel_error(const panel *p, size_t i, const float *sample, size_t width) {
   if (p->inside[i]) return -1;
-  double error = refiner_distance(sample, p->exact + i * width, width);
+  double error = row_distance(sample, p->exact + i * width, width);
   return isnan(error) ? INFINITY : error;
 }
 
@@ -141,9 +141,7 @@ void panel_report(ylm_grid_stats *s, const panel *p, const ruling *r, bool limit
 /* The points that the refiner holds join the panel. */
 static ylm_status take(const refiner *r, panel *p) {
   size_t w = r->b->g->width, n = r->held;
-  const ylm_grid_keeper *there = r->b->keeper;
   ylm_status s = reserve(p, p->n + n, w);
-  if (s == YLM_OK && there && n) s = there->values(there->self, n, r->exact, r->b->e);
   if (s != YLM_OK) return s;
   ylm_copy(p->point + 3 * p->n, r->points, 3 * n * sizeof *p->point);
   ylm_copy(p->exact + w * p->n, r->exact, w * n * sizeof *p->exact);
@@ -157,7 +155,7 @@ static ylm_status take(const refiner *r, panel *p) {
 static ylm_status draw(refiner *r, panel *p, size_t *had, size_t batches) {
   ylm_status s = YLM_OK;
   for (; *had < batches && s == YLM_OK; ++*had) {
-    s = refiner_verify(r, MAX_ROUNDS + 1 + *had);
+    s = ylm__verify(r, MAX_ROUNDS + 1 + *had);
     if (s == YLM_OK) s = take(r, p);
   }
   return s;
@@ -169,7 +167,7 @@ static bool is_open(const ruling *r) {
   return !r->met && (double)r->failed <= expected + 2 * sqrt(expected);
 }
 
-ylm_status refiner_judge(refiner *r, bool limited) {
+ylm_status panel_judge(refiner *r, bool limited) {
   ylm_grid *g = r->b->g;
   panel p = {.all = r->all};
   ruling said = {0};

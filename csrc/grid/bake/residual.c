@@ -20,40 +20,29 @@ static double ratios_quantile(const ratios *r, double q) {
   return exp2(0.5 * (k + 1 - 128));
 }
 
-/* Relative distance of two rows; 0 where both vanish. */
-double refiner_distance(const float *a, const float *exact, size_t width) {
-  double d = 0, n = 0;
-  for (size_t j = 0; j < width; j++) {
-    double x = (double)a[j] - (double)exact[j];
-    d += x * x;
-    n += (double)exact[j] * (double)exact[j];
-  }
-  return relative_distance(d, n);
-}
-
 /* -- estimates ------------------------------------------------------------------------- */
 
 static double metric_squared(const refiner *r, const ylm_grid_cell *c) {
   bool known = r->b->g->view.form.metric == YLM_GRID_RELATIVE;
-  double e = (double)(known ? c->error : baker_metric(r->b, c, YLM_GRID_RELATIVE));
+  double e = (double)(known ? c->error : metric_of(r->b, c, YLM_GRID_RELATIVE));
   return e * e;
 }
 
-void refiner_learn(refiner *r) {
+void residual_learn(refiner *r) {
   r->trusted = r->ratio.n >= FEW;
   r->median = ratios_quantile(&r->ratio, 0.5);
   r->high = ratios_quantile(&r->ratio, 0.98);
 }
 
 /* The error that a cell may have. */
-double refiner_estimate(const refiner *r, const ylm_grid_cell *c) {
+double residual_estimate(const refiner *r, const ylm_grid_cell *c) {
   if (!isnan(c->residual)) return (double)c->residual;
   double e2 = metric_squared(r, c);
   return r->trusted ? r->median * e2 : sqrt(e2);
 }
 
 /* True if a measurement may change what happens to a cell. */
-bool refiner_wants_test(const refiner *r, const ylm_grid_cell *c) {
+bool residual_wanted(const refiner *r, const ylm_grid_cell *c) {
   if (c->level >= r->b->g->view.form.depth || c->flags & YLM_GRID_CROSSED) return false;
   if (!isnan(c->residual)) return false;
   double e2 = metric_squared(r, c);
@@ -64,7 +53,7 @@ bool refiner_wants_test(const refiner *r, const ylm_grid_cell *c) {
 /* Takes the residual of the cell that was in the same place, if nothing that it depends on changed.
  */
 static bool take_residual(const baker *b, ylm_grid_cell *c, uint32_t centre) {
-  const ylm_grid_cell *old = baker_before(b, c);
+  const ylm_grid_cell *old = cells_before(b, c);
   if (!old || isnan(old->residual) || b->changed[centre]) return false;
   for (int k = 0; k < 8; k++)
     if (b->changed[c->corner[k]]) return false;
@@ -72,70 +61,65 @@ static bool take_residual(const baker *b, ylm_grid_cell *c, uint32_t centre) {
   return true;
 }
 
-/* Residuals of the cells begin .. end-1 of r->tested, whose centres are in r->centre. */
-static ylm_status find_residuals(void *context, size_t begin, size_t end, int worker) {
-  const refiner *r = context;
-  const baker *b = r->b;
-  const ylm_grid *g = b->g;
-  float *row = r->row + (size_t)worker * (g->stride + ROW_PADDING);
-  for (size_t i = begin; i < end; i++) {
-    ylm_grid_cell *c = &g->cell[r->tested.cell[i]];
+/* The cells of r->tested whose interpolants are to be compared with their centres; in updates
+   others have their residuals, and leave the list. */
+static size_t list_probes(refiner *r, ylm_grid_probe *probe) {
+  baker *b = r->b;
+  size_t n = 0;
+  for (size_t i = 0; i < r->tested.n; i++) {
+    ylm_grid_cell *c = &b->g->cell[r->tested.cell[i]];
     uint32_t centre = r->centre.cell[i];
-    if (take_residual(b, c, centre)) {
-      r->centre.cell[i] = YLM_GRID_NONE;
-      continue;
-    }
-    ylm__grid_interpolate(g, c, (const float[3]){0.5f, 0.5f, 0.5f}, row, NULL);
-    c->residual = (float)refiner_distance(row, ylm__grid_row(g, centre, 0), g->width);
+    if (take_residual(b, c, centre)) continue;
+    r->tested.cell[n] = r->tested.cell[i];
+    probe[n++] = held_probe(b->g, c, (const float[3]){0.5f, 0.5f, 0.5f}, centre);
   }
-  return YLM_OK;
+  return n;
 }
 
-/* The same of all of r->tested, where rows are kept elsewhere. */
-static ylm_status ask_residuals(refiner *r) {
-  baker *b = r->b;
+/* What the interpolants miss at the centres of the cells in r->tested, which are evaluated. */
+static ylm_status find_residuals(refiner *r) {
   size_t n = r->tested.n;
   ylm_grid_probe *probe = ylm_alloc(n, sizeof *probe);
-  float *distance = ylm_alloc(n, sizeof *distance);
+  double *distance = ylm_alloc(n, sizeof *distance);
   ylm_status s = probe && distance ? YLM_OK : YLM_ENOMEM;
-  for (size_t i = 0; s == YLM_OK && i < n; i++)
-    probe[i] = baker_probe(b, &b->g->cell[r->tested.cell[i]], (const float[3]){0.5f, 0.5f, 0.5f},
-                           r->centre.cell[i]);
-  if (s == YLM_OK && n) s = keeper_residuals(b, n, probe, distance);
-  for (size_t i = 0; s == YLM_OK && b->keeper && i < n; i++)
-    b->g->cell[r->tested.cell[i]].residual = distance[i];
+  if (s == YLM_OK) r->tested.n = list_probes(r, probe);
+  if (s == YLM_OK) s = backend_residuals(r->b, r->tested.n, probe, NULL, distance);
+  for (size_t i = 0; s == YLM_OK && i < r->tested.n; i++)
+    r->b->g->cell[r->tested.cell[i]].residual = (float)distance[i];
   ylm_free(probe);
   ylm_free(distance);
   return s;
 }
 
-/* Evaluates the centres of the cells in r->tested and keeps what the interpolant misses there. */
-ylm_status refiner_measure(refiner *r) {
-  baker *b = r->b;
-  ylm_grid *g = b->g;
+/* Points at the centres of the cells in r->tested. */
+static ylm_status find_centres(refiner *r) {
+  const ylm_grid *g = r->b->g;
   ylm_status s = YLM_OK;
-  double t = ylm_seconds();
   r->centre.n = 0;
   for (size_t i = 0; i < r->tested.n && s == YLM_OK; i++) {
     const ylm_grid_cell *c = &g->cell[r->tested.cell[i]];
     uint32_t half = ylm__grid_edge(g, c) / 2, at[3], point;
     for (int a = 0; a < 3; a++) at[a] = c->origin[a] + half;
-    s = baker_point(b, at, YLM_GRID_POINT_TESTED, &point);
+    s = corners_point(r->b, at, YLM_GRID_POINT_TESTED, &point);
     if (s == YLM_OK) s = cell_list_push(&r->centre, point);
   }
+  return s;
+}
+
+ylm_status residual_measure(refiner *r) {
+  ylm_grid *g = r->b->g;
+  double t = ylm_seconds();
+  ylm_status s = find_centres(r);
   g->stats.lattice_seconds += ylm_seconds() - t;
-  if (s == YLM_OK) s = baker_evaluate(b);
+  if (s == YLM_OK) s = backend_evaluate(r->b, g->points - g->evaluated);
   t = ylm_seconds();
-  if (s == YLM_OK && b->keeper) s = ask_residuals(r);
-  if (s == YLM_OK && !b->keeper)
-    s = ylm_parallel(r->tested.n, 64, b->source->threads, find_residuals, r, NULL, NULL);
+  if (s == YLM_OK && r->tested.n) s = find_residuals(r);
   for (size_t i = 0; i < r->tested.n && s == YLM_OK && !r->frozen; i++) {
-    if (r->centre.cell[i] == YLM_GRID_NONE) continue;
     const ylm_grid_cell *c = &g->cell[r->tested.cell[i]];
     double e2 = metric_squared(r, c);
     if (e2 > 0 && isfinite(e2)) ratios_add(&r->ratio, (double)c->residual / e2);
   }
-  refiner_learn(r);
+  residual_learn(r);
   g->stats.residual_seconds += ylm_seconds() - t;
   r->tested.n = 0;
   return s;

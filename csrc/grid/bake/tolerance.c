@@ -23,58 +23,58 @@
 
 /* -- refinement -------------------------------------------------------------------------- */
 
-/* Tests and splits what the wave holds, then its children, until nothing is left. */
-ylm_status refiner_refine(refiner *r) {
+/* Measures what may have to be split of the wave, and splits it. */
+static ylm_status choose(void *chooser) {
+  refiner *r = chooser;
   baker *b = r->b;
-  ylm_grid *g = b->g;
+  const ylm_grid *g = b->g;
   ylm_status s = YLM_OK;
-  while (b->wave.n && s == YLM_OK) {
-    snprintf(b->stage_text, sizeof b->stage_text, "level %d", g->cell[b->wave.cell[0]].level);
-    b->stage = b->stage_text;
-    s = baker_corners(b);
-    for (size_t i = 0; i < b->wave.n && s == YLM_OK; i++)
-      if (refiner_wants_test(r, &g->cell[b->wave.cell[i]]))
-        s = cell_list_push(&r->tested, b->wave.cell[i]);
-    if (s == YLM_OK) s = refiner_measure(r);
-    for (size_t i = 0; i < b->wave.n && s == YLM_OK; i++) {
-      const ylm_grid_cell *c = &g->cell[b->wave.cell[i]];
-      if (c->level >= g->view.form.depth) continue;
-      if (c->flags & YLM_GRID_CROSSED || refiner_estimate(r, c) * r->tight > r->tolerance ||
-          (r->frozen && r->forced(g, c)))
-        s = baker_split(b, b->wave.cell[i]);
-    }
-    baker_advance(b);
+  for (size_t i = 0; i < b->wave.n && s == YLM_OK; i++)
+    if (residual_wanted(r, &g->cell[b->wave.cell[i]]))
+      s = cell_list_push(&r->tested, b->wave.cell[i]);
+  if (s == YLM_OK) s = residual_measure(r);
+  for (size_t i = 0; i < b->wave.n && s == YLM_OK; i++) {
+    const ylm_grid_cell *c = &g->cell[b->wave.cell[i]];
+    if (c->level >= g->view.form.depth) continue;
+    if (c->flags & YLM_GRID_CROSSED || residual_estimate(r, c) * r->tight > r->tolerance ||
+        (r->frozen && r->forced(g, c)))
+      s = cells_split(b, b->wave.cell[i]);
   }
   return s;
 }
 
-ylm_status refiner_again(refiner *r) {
+ylm_status tolerance_refine(refiner *r) {
+  r->b->stage = r->b->stage_text;
+  return ylm__refine(r->b, r->b->wave.n);
+}
+
+ylm_status tolerance_again(refiner *r) {
   baker *b = r->b;
   ylm_grid *g = b->g;
   ylm_status s = YLM_OK;
   size_t cells = g->cells;
   for (size_t i = 0; i < cells && s == YLM_OK; i++) {
     const ylm_grid_cell *c = &g->cell[i];
-    if (c->flags & YLM_GRID_LEAF && c->flags & YLM_GRID_OCCUPIED && refiner_wants_test(r, c))
+    if (c->flags & YLM_GRID_LEAF && c->flags & YLM_GRID_OCCUPIED && residual_wanted(r, c))
       s = cell_list_push(&r->tested, (uint32_t)i);
   }
-  if (s == YLM_OK) s = refiner_measure(r);
+  if (s == YLM_OK) s = residual_measure(r);
   for (size_t i = 0; i < r->verdicts && s == YLM_OK; i++) {
     const ylm_grid_cell *c = &g->cell[r->verdict[i].leaf];
     if (r->verdict[i].error > r->tolerance && c->flags & YLM_GRID_LEAF &&
         c->level < g->view.form.depth) {
       if (g->follower) s = g->follower->failed(g, c);
-      if (s == YLM_OK) s = baker_split(b, r->verdict[i].leaf);
+      if (s == YLM_OK) s = cells_split(b, r->verdict[i].leaf);
     }
   }
   for (size_t i = 0; i < cells && s == YLM_OK; i++) {
     const ylm_grid_cell *c = &g->cell[i];
     if (c->flags & YLM_GRID_LEAF && c->flags & YLM_GRID_OCCUPIED && c->level < g->view.form.depth &&
-        refiner_estimate(r, c) * r->tight > r->tolerance)
-      s = baker_split(b, (uint32_t)i);
+        residual_estimate(r, c) * r->tight > r->tolerance)
+      s = cells_split(b, (uint32_t)i);
   }
-  baker_advance(b);
-  return s == YLM_OK ? refiner_refine(r) : s;
+  cells_advance(b);
+  return s == YLM_OK ? tolerance_refine(r) : s;
 }
 
 /* -- the bake ---------------------------------------------------------------------------------- */
@@ -93,34 +93,36 @@ static ylm_status find_surface(refiner *r) {
   return status;
 }
 
-ylm_status refiner_begin(refiner *r) {
-  size_t w = r->b->g->width;
-  r->row = ylm_alloc((size_t)ylm_threads(r->b->source->threads) * (r->b->g->stride + ROW_PADDING),
-                     sizeof *r->row);
+ylm_status tolerance_begin(refiner *r) {
+  baker *b = r->b;
+  size_t row = b->g->stride + ROW_PADDING;
+  b->choose = choose;
+  b->chooser = r;
+  b->row = ylm_alloc((size_t)ylm_threads(b->source->threads) * row, sizeof *b->row);
   r->points = ylm_alloc(HELD_OUT, 3 * sizeof *r->points);
-  r->exact = ylm_alloc(HELD_OUT, w * sizeof *r->exact);
+  r->exact = ylm_alloc(HELD_OUT, b->g->width * sizeof *r->exact);
   r->inside = ylm_alloc(HELD_OUT, 1);
   r->verdict = ylm_alloc(HELD_OUT, sizeof *r->verdict);
-  refiner_learn(r);
-  bool ok = r->row && r->points && r->exact && r->inside && r->verdict;
+  residual_learn(r);
+  bool ok = b->row && r->points && r->exact && r->inside && r->verdict;
   return ok ? find_surface(r) : YLM_ENOMEM;
 }
 
 static ylm_status run(refiner *r) {
   bool limited = false;
-  ylm_status s = refiner_refine(r);
+  ylm_status s = tolerance_refine(r);
   for (uint64_t round = 1; s == YLM_OK; round++) {
     r->b->g->stats.rounds = round;
-    s = refiner_verify(r, round);
-    if (s != YLM_OK || refiner_satisfied(r, &limited) || round == MAX_ROUNDS) break;
-    s = refiner_again(r);
+    s = ylm__verify(r, round);
+    if (s != YLM_OK || verify_satisfied(r, &limited) || round == MAX_ROUNDS) break;
+    s = tolerance_again(r);
   }
-  if (s == YLM_OK) s = baker_finish(r->b);
-  return s == YLM_OK ? refiner_judge(r, limited) : s;
+  if (s == YLM_OK) s = ylm__finish(r->b);
+  return s == YLM_OK ? panel_judge(r, limited) : s;
 }
 
-void refiner_end(refiner *r) {
-  ylm_free(r->row);
+void tolerance_end(refiner *r) {
+  r->b->choose = NULL;
   ylm_free(r->points);
   ylm_free(r->exact);
   ylm_free(r->inside);
@@ -130,11 +132,11 @@ void refiner_end(refiner *r) {
   ylm_grid_surface_free(r->own);
 }
 
-ylm_status ylm__grid_bake_tolerance(baker *b) {
+ylm_status tolerance_bake(baker *b) {
   refiner r = {.b = b, .tolerance = b->g->view.form.tolerance, .tight = FIRST_TIGHT};
-  ylm_status s = refiner_begin(&r);
+  ylm_status s = tolerance_begin(&r);
   if (s == YLM_OK) s = run(&r);
-  refiner_end(&r);
+  tolerance_end(&r);
   b->learnt.ratio = r.ratio;
   b->learnt.tight = r.tight;
   return s;

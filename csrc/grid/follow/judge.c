@@ -15,7 +15,7 @@ typedef struct leaf_job {
 
 /* True if samples in a leaf of the octree are what they were before the update. */
 static bool is_unchanged(const leaf_job *j, const ylm_grid_cell *c) {
-  const ylm_grid_cell *before = baker_before(j->r->b, c);
+  const ylm_grid_cell *before = cells_before(j->r->b, c);
   if (!j->p->known || !before || !(before->flags & YLM_GRID_LEAF)) return false;
   for (int k = 0; k < 8; k++) {
     uint32_t p = c->corner[k];
@@ -28,7 +28,7 @@ static bool is_unchanged(const leaf_job *j, const ylm_grid_cell *c) {
 static void interpolate(const ylm_grid *g, const ylm_grid_cell *c, const float x[3], float *row) {
   sample_batch b = {.points = 1, .width = (int)g->width, .value = {row}};
   float t[3];
-  refiner_fractions(g, c, x, t);
+  held_fractions(g, c, x, t);
   for (int a = 0; a < 3; a++) b.t[a][0] = t[a];
   ylm__grid_set_cell(g, c, &b);
   ylm__grid_kernel()(&b);
@@ -38,13 +38,13 @@ static void interpolate(const ylm_grid *g, const ylm_grid_cell *c, const float x
 static ylm_status compare_range(void *context, size_t begin, size_t end, int worker) {
   const leaf_job *j = context;
   const ylm_grid *g = j->r->b->g;
-  float *row = j->r->row + (size_t)worker * (g->stride + ROW_PADDING);
+  float *row = j->r->b->row + (size_t)worker * (g->stride + ROW_PADDING);
   for (size_t i = begin; i < end; i++) {
     const float *x = j->p->point + 3 * i;
     j->error[i] = -1;
     j->stuck[i] = 0;
     if (j->p->inside[i]) continue;
-    const ylm_grid_cell *c = &g->cell[refiner_leaf(g, x)];
+    const ylm_grid_cell *c = &g->cell[held_leaf(g, x)];
     if (!(c->flags & YLM_GRID_OCCUPIED)) continue;
     bool same = is_unchanged(j, c);
     if (!same) interpolate(g, c, x, row);

@@ -74,7 +74,7 @@ static ylm_status repair_again(update *u) {
     c->detail = 0;
     if (c->flags & YLM_GRID_LEAF) c->child = 0;
   }
-  return baker_finish(&u->b);
+  return ylm__finish(&u->b);
 }
 
 /* When that fails too: the root voxel alone, which needs no memory. Nobody is to use it. */
@@ -111,10 +111,10 @@ static ylm_status refine(update *u) {
   g->evaluated = g->points; /* new ones come behind interpolated ones, which go later */
   for (size_t p = 0; p < u->old.evaluated; p++) g->flags[p] |= YLM_GRID_POINT_TESTED;
   ylm_status s = ylm__grid_reserve_cells(g, u->old.cells);
-  if (s == YLM_OK) s = baker_root(b);
+  if (s == YLM_OK) s = cells_root(b);
   if (s != YLM_OK) return s;
   return g->view.form.tolerance > 0 ? update_tolerance(b, u->changed, u->old.points, &u->panel)
-                                    : baker_refine_threshold(b);
+                                    : ylm__refine(b, b->wave.n);
 }
 
 ylm_status update_octree(update *u) {
@@ -135,7 +135,7 @@ ylm_status update_uniform(update *u) {
   ylm_grid *g = u->g;
   ylm_status s = ylm__grid_fill_invalid(g);
   for (size_t i = 0; s == YLM_OK && i < g->cells; i++)
-    g->cell[i].error = baker_metric(&u->b, &g->cell[i], g->view.form.metric);
+    g->cell[i].error = metric_of(&u->b, &g->cell[i], g->view.form.metric);
   ylm__grid_count(g);
   return s;
 }

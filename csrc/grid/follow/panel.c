@@ -93,7 +93,7 @@ static ylm_status sum_anew(const panel_change *k) {
   ylm_status s = point && exact ? YLM_OK : YLM_ENOMEM;
   for (size_t i = 0; s == YLM_OK && i < n; i++)
     memcpy(point + 3 * i, p->point + 3 * k->anew[i], 3 * sizeof *point);
-  if (s == YLM_OK && n) s = baker_values(&k->u->b, n, point, exact, k->inside);
+  if (s == YLM_OK && n) s = evaluate_values(&k->u->b, n, point, exact, k->inside);
   for (size_t i = 0; s == YLM_OK && i < n; i++) {
     memcpy(p->exact + k->anew[i] * w, exact + i * w, w * sizeof *exact);
     p->inside[k->anew[i]] = k->inside[i];

@@ -51,7 +51,7 @@ static void find_affected(repair *r) {
       affect_around(r, g->lattice + 3 * p);
   }
   for (size_t i = 0; i < g->cells; i++) {
-    const ylm_grid_cell *c = &g->cell[i], *old = baker_before(&r->u->b, c);
+    const ylm_grid_cell *c = &g->cell[i], *old = cells_before(&r->u->b, c);
     if (c->flags & YLM_GRID_LEAF && (!old || !(old->flags & YLM_GRID_LEAF))) r->affected[i] = 1;
   }
 }
@@ -230,7 +230,7 @@ static ylm_status renumber_changed(repair *r) {
 /* Continuity where it is affected; data of interpolated points that need new ones. */
 static ylm_status continue_affected(repair *r, size_t octree) {
   ylm_grid *g = r->g;
-  baker_find_shared(&r->u->b, r->affected);
+  corners_find_shared(&r->u->b, r->affected);
   ylm__grid_find_baked(g);
   ylm_status s = ylm__grid_fill_invalid(g);
   for (uint32_t i = 0; i < octree && s == YLM_OK && g->view.form.continuous; i++)
@@ -283,7 +283,7 @@ ylm_status update_repair(update *u, bool everywhere) {
               .points = u->g->points};
   size_t octree = u->g->cells;
   ylm_status s = renumber(&r, everywhere);
-  if (s == YLM_OK) s = everywhere ? baker_finish(&u->b) : continue_affected(&r, octree);
+  if (s == YLM_OK) s = everywhere ? ylm__finish(&u->b) : continue_affected(&r, octree);
   free_repair(&r);
   return s;
 }

@@ -198,12 +198,10 @@ ylm_status update_shift_all(update *u) {
   int threads = ylm_threads(u->source.threads);
   shift_job j = {.u = u, .bend = ylm_light_bend()};
   if (!u->shifts) return YLM_OK;
-  ylm_progress progress = baker_progress(&u->b);
   ylm_status s = make_work(&j, threads);
   if (s == YLM_OK) s = sort_shifts(u);
   if (s == YLM_OK)
-    s = ylm_parallel(u->shifts, CHUNK, threads, shift_chunk, &j,
-                     u->source.progress ? &progress : NULL, "updating");
+    s = ylm_parallel(u->shifts, CHUNK, threads, shift_chunk, &j, u->b.making.progress, "updating");
   size_t chunks = (u->shifts + CHUNK - 1) / CHUNK;
   double together = chunks < (size_t)threads ? (double)chunks : threads;
   for (int i = 0; j.work && i < threads; i++) {

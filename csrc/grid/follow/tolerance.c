@@ -27,8 +27,8 @@ static void hold_out(refiner *r, uint64_t round, const uint8_t *changed, size_t 
   r->held = 0;
   for (int i = 0; i < UPDATE_DRAWN && r->held < most; i++) {
     float x[3];
-    refiner_draw(r, &rng, x);
-    uint32_t leaf = refiner_leaf(g, x);
+    held_draw(r, &rng, x);
+    uint32_t leaf = held_leaf(g, x);
     const ylm_grid_cell *c = &g->cell[leaf];
     if (!(c->flags & YLM_GRID_OCCUPIED) || (r->held % 2 && !touched(c, changed, known))) continue;
     r->verdict[r->held].leaf = leaf;
@@ -45,10 +45,10 @@ static ylm_status split_failed(refiner *r) {
         c->level >= b->g->view.form.depth)
       continue;
     s = b->g->follower->failed(b->g, c);
-    if (s == YLM_OK) s = baker_split(b, r->verdict[i].leaf);
+    if (s == YLM_OK) s = cells_split(b, r->verdict[i].leaf);
   }
-  baker_advance(b);
-  return s == YLM_OK ? refiner_refine(r) : s;
+  cells_advance(b);
+  return s == YLM_OK ? tolerance_refine(r) : s;
 }
 
 /* Splits where fresh points fail; where that is more than chance lets fail, also what the factor
@@ -58,10 +58,10 @@ static ylm_status refine_more(refiner *r, uint64_t round, const uint8_t *changed
   double start = ylm_seconds();
   hold_out(r, round, changed, known);
   r->b->stage = "verifying";
-  ylm_status s = refiner_compare(r);
+  ylm_status s = verify_compare(r);
   r->b->g->stats.verify_seconds += ylm_seconds() - start;
   if (s != YLM_OK) return s;
-  return refiner_satisfied(r, &limited) ? split_failed(r) : refiner_again(r);
+  return verify_satisfied(r, &limited) ? split_failed(r) : tolerance_again(r);
 }
 
 /* True if the promise is kept, or the depth forbids it. */
@@ -73,7 +73,7 @@ static bool is_settled(const ruling *said) {
 static ylm_status refine_changed(refiner *r, const uint8_t *changed, size_t known, const panel *p) {
   ylm_grid *g = r->b->g;
   ruling said = {0};
-  ylm_status s = refiner_refine(r);
+  ylm_status s = tolerance_refine(r);
   for (uint64_t round = 0; s == YLM_OK; round++) {
     double start = ylm_seconds();
     s = ylm__grid_fill_invalid(g);
@@ -96,9 +96,9 @@ ylm_status update_tolerance(baker *b, const uint8_t *changed, size_t known, cons
                .ratio = d->ratio,
                .frozen = true,
                .forced = ylm__dynamic_forced};
-  ylm_status s = refiner_begin(&r);
+  ylm_status s = tolerance_begin(&r);
   if (s == YLM_OK) s = refine_changed(&r, changed, known, p);
   if (s == YLM_OK) d->tight = r.tight;
-  refiner_end(&r);
+  tolerance_end(&r);
   return s;
 }

@@ -76,7 +76,7 @@ static ylm_status renew_worn(update *u) {
   for (size_t i = 0; i < u->shifts; i++)
     if (ylm__grid_is_worn(g, u->shift[i], u->tolerance, 4)) list[n++] = u->shift[i];
   u->stats.exact += n;
-  return baker_evaluate_list(&u->b, n, list);
+  return evaluate_points(&u->b, n, list, 0);
 }
 
 static ylm_status follow(update *u) {
@@ -91,7 +91,7 @@ static ylm_status follow(update *u) {
   s = update_enter_changes(u, of);
   if (s == YLM_OK) s = update_choose_points(u);
   if (s == YLM_OK) s = update_log_rows(u);
-  if (s == YLM_OK) s = baker_evaluate_list(&u->b, u->exacts, u->exact);
+  if (s == YLM_OK) s = evaluate_points(&u->b, u->exacts, u->exact, 0);
   if (s == YLM_OK) s = update_shift_all(u);
   u->stats.exact = u->exacts;
   if (s == YLM_OK) s = renew_worn(u);
@@ -147,12 +147,10 @@ ylm_status ylm_grid_update(ylm_grid *g, const ylm_grid_change *change, ylm_error
   u.source.field = change->field;
   u.source.threads = change->threads;
   u.source.progress = change->progress;
-  u.b = (baker){.g = g,
-                .source = &u.source,
-                .e = e,
-                .learnt = {.occupied = u.d->occupied},
-                .surface = u.d->surface,
-                .stage = "updating"};
+  baker_begin(&u.b, g, &u.source, e);
+  u.b.learnt.occupied = u.d->occupied;
+  u.b.surface = u.d->surface;
+  u.b.stage = "updating";
   u.stats = (ylm_grid_update_stats){.updates = before.update.updates + 1};
   ylm_status s = ylm__lamps(change->lights, &u.now);
   u.origin = ylm_alloc(u.now.n, sizeof *u.origin);

@@ -1,27 +1,52 @@
 /*
-** bake.c - grids baked on a device. With a threshold the octree is refined there, a uniform grid
-** is one level (octree.c); with a tolerance the host decides, by what the device tells it of the
-** points' rows, which it keeps (remote.c). Where kernels have too few buffers for that, the
-** device sums.
+** bake.c - grids baked on a device, by the loop of ylm_grid_bake. With a threshold, and of a
+*uniform
+** grid, cells and points are the device's (octree.c); with a tolerance it keeps the rows of points
+** (remote.c). Where kernels have too few buffers for that, it sums.
 */
 #include "../device/gpu.h"
 #include "octree.h"
 
-/* The host's bake; rows stay on the device. */
-static ylm_status bake_kept(ylm_gpu_lights *l, const ylm_grid_form *form,
-                            const ylm_grid_source *source, ylm_gpu_buffer *there, ylm_grid **out,
-                            ylm_gpu_grid **copy, ylm_error *e) {
-  gpu_points p = {.l = l, .source = source, .there = there};
-  ylm_grid_keeper keeper = points_keeper(&p);
+/* ylm_grid_bake with a back end of the lights' device, whose points stay there. */
+static ylm_status bake_with(ylm_gpu_lights *l, const ylm_grid_form *form,
+                            const ylm_grid_source *source, const ylm_grid_backend *backend,
+                            gpu_points *p, ylm_grid **out, ylm_gpu_grid **copy, ylm_error *e) {
   ylm_grid_source own = *source;
-  own.keeper = &keeper;
+  own.backend = backend;
   ylm_status s = ylm_grid_bake(form, &own, out, e);
-  p.e = p.q.e = e;
-  if (s == YLM_OK && p.grid) s = points_copy(&p, copy);
-  points_end(&p);
+  l->busy = false;
+  p->e = p->q.e = e;
+  if (s == YLM_OK && p->grid) s = points_copy(p, copy);
   if (s == YLM_OK) return YLM_OK;
   ylm_grid_free(*out);
   *out = NULL;
+  return s;
+}
+
+/* With the octree, or the lattice, on the device. */
+static ylm_status bake_octree(ylm_gpu_lights *l, const ylm_grid_form *form,
+                              const ylm_grid_source *source, ylm_gpu_buffer *there, ylm_grid **out,
+                              ylm_gpu_grid **copy, ylm_error *e) {
+  octree *t = ylm_alloc_zero(1, sizeof *t);
+  if (!t) return ylm_fail(e, YLM_ENOMEM, "%s", ylm_status_text(YLM_ENOMEM));
+  t->l = l;
+  t->occupied.there = there;
+  ylm_grid_backend backend = octree_backend(t);
+  ylm_status s = bake_with(l, form, source, &backend, &t->p, out, copy, e);
+  if (s == YLM_EINVAL && t->gathered) s = octree_fails(t); /* that is not the caller's doing */
+  octree_end(t);
+  ylm_free(t);
+  return s;
+}
+
+/* With rows of points on the device. */
+static ylm_status bake_kept(ylm_gpu_lights *l, const ylm_grid_form *form,
+                            const ylm_grid_source *source, ylm_gpu_buffer *there, ylm_grid **out,
+                            ylm_gpu_grid **copy, ylm_error *e) {
+  gpu_points p = {.l = l, .there = there};
+  ylm_grid_backend backend = points_backend(&p);
+  ylm_status s = bake_with(l, form, source, &backend, &p, out, copy, e);
+  points_end(&p);
   return s;
 }
 
@@ -37,19 +62,19 @@ static ylm_status check_points(const ylm_gpu_lights *l, const ylm_grid_source *s
   return YLM_OK;
 }
 
-/* By kernels, as far as the device has them; `there` as in octree_bake. */
+/* By kernels, as far as the device has them. there: shading points on the device, or NULL. */
 static ylm_status bake(ylm_gpu_lights *l, const ylm_grid_form *form, const ylm_grid_source *source,
                        ylm_gpu_buffer *there, ylm_grid **out, ylm_gpu_grid **copy, ylm_error *e) {
   ylm_grid_source own = *source;
   void *points = NULL;
   bool kernels = ylm_gpu_about(l->gpu)->binds >= OCTREE_BINDS;
   if (kernels && octree_takes(l->gpu, form, &own))
-    return octree_bake(l, form, &own, there, out, copy, e);
-  if (kernels && form->kind == YLM_GRID_ADAPTIVE)
+    return bake_octree(l, form, &own, there, out, copy, e);
+  if (kernels && form->kind == YLM_GRID_ADAPTIVE && !form->dynamic)
     return bake_kept(l, form, &own, there, out, copy, e);
   ylm_status s = there ? occupied_fetch(&own, there, &points, e) : YLM_OK;
   if (points) own.occupied_points = points;
-  if (s == YLM_OK && kernels)
+  if (s == YLM_OK && kernels && !form->dynamic && points_fit(form->cells))
     s = bake_kept(l, form, &own, NULL, out, copy, e);
   else if (s == YLM_OK)
     s = ylm_grid_bake(form, &own, out, e);
@@ -63,6 +88,7 @@ ylm_status ylm_gpu_grid_bake(ylm_gpu_lights *l, const ylm_grid_form *form,
   double start = ylm_seconds();
   ylm_grid_source own = *source;
   own.field = ylm_gpu_lights_field(l);
+  own.backend = NULL;
   *out = NULL;
   *copy = NULL;
   if (there)

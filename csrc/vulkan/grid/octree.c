@@ -1,8 +1,7 @@
-/* octree.c - grids refined on a device: the loop over levels; a uniform one has one. */
+/* octree.c - grids refined on a device: the back end of a bake that keeps cells and points. */
 #include "octree.h"
 
 #include <math.h>
-#include <stdio.h>
 
 /* -- progress and counts ------------------------------------------------------------------- */
 
@@ -10,20 +9,15 @@
 static bool forward(void *user, uint64_t done, uint64_t total, const char *stage) {
   octree *t = user;
   double now = ylm_seconds();
-  (void)stage;
   if (now - t->told < 0.1) return true;
   t->told = now;
   uint64_t here = total ? (uint64_t)((double)t->now * (double)done / (double)total) : 0;
-  return ylm_report(t->source->progress, t->done + here, t->of, t->stage) == YLM_OK;
+  return ylm_report(t->outer, t->done + here, t->of, stage) == YLM_OK;
 }
 
 ylm_status octree_report(octree *t) { return forward(t, 0, 0, NULL) ? YLM_OK : YLM_ECANCELLED; }
 
-void octree_stage(octree *t, const char *stage, int level) {
-  if (stage)
-    snprintf(t->stage, sizeof t->stage, "%s", stage);
-  else
-    snprintf(t->stage, sizeof t->stage, "level %d", level);
+void octree_restart(octree *t) {
   t->done = t->now = 0;
   t->of = 1;
   t->told = -1;
@@ -64,26 +58,25 @@ static ylm_status begin_root(octree *t) {
   return s;
 }
 
-static ylm_status begin(octree *t, const ylm_grid_form *form) {
-  const ylm_grid_source *source = t->source;
-  ylm_status s = ylm_gpu_state(t->g, t->e);
-  if (s == YLM_OK) s = ylm_grid_begin(form, source, &t->grid, t->e);
-  if (s != YLM_OK) return s;
-  t->uniform = form->kind == YLM_GRID_UNIFORM;
-  if (!t->uniform && (!(form->threshold >= 0) || form->tolerance > 0))
-    return ylm_fail(t->e, YLM_EINVAL, "a threshold is wanted");
-  const ylm_grid_view *v = ylm_grid_look(t->grid);
-  t->form = *form;
+static ylm_status begin(octree *t, const ylm_grid_making *m) {
+  const ylm_grid_source *source = m->source;
+  const ylm_grid_view *v = ylm_grid_look(m->grid);
+  t->g = t->l->gpu;
+  t->source = source;
+  t->grid = m->grid;
+  t->form = v->form;
+  t->stats = m->stats;
+  t->e = m->e;
+  t->uniform = t->form.kind == YLM_GRID_UNIFORM;
   if (t->uniform) t->form.depth = 0; /* edges of voxels are those of the lattice */
-  t->stats = ylm_grid_stats_of(t->grid);
   t->resolution = v->resolution[0];
   t->all = !source->occupied && !source->meshes;
+  t->outer = m->progress;
   t->progress = (ylm_progress){forward, t};
-  t->q = (step_queue){.g = t->g,
-                      .times = &t->l->times,
-                      .progress = source->progress ? &t->progress : NULL,
-                      .e = t->e};
-  s = points_begin(&t->p, t->l, t->grid, t->e);
+  t->q = (step_queue){
+      .g = t->g, .times = &t->l->times, .progress = t->outer ? &t->progress : NULL, .e = t->e};
+  ylm_status s = ylm_gpu_state(t->g, t->e);
+  if (s == YLM_OK) s = points_begin(&t->p, t->l, t->grid, t->e);
   if (s == YLM_OK) s = ylm_gpu_buffer_create(t->g, YLM_GPU_COUNTS * 4, &t->counts, t->e);
   if (s == YLM_OK && !t->uniform) s = upload_exact(t);
   if (s == YLM_OK && !t->uniform) s = begin_root(t);
@@ -94,9 +87,9 @@ static ylm_status begin(octree *t, const ylm_grid_form *form) {
                                   .q = &t->q,
                                   .counts = t->counts,
                                   .e = t->e};
-  octree_stage(t, "occupancy", 0);
+  octree_restart(t);
   t->q.stage = "occupancy";
-  steps_fill(&t->q, t->counts, 0);
+  if (s == YLM_OK) steps_fill(&t->q, t->counts, 0);
   return s;
 }
 
@@ -157,22 +150,58 @@ static ylm_status occupy(octree *t) {
   return s == YLM_OK && t->uniform ? list_voxels(t, count[YLM_GPU_COUNT_VOXELS]) : s;
 }
 
-/* -- baking -------------------------------------------------------------------------------- */
+/* -- the back end --------------------------------------------------------------------------- */
 
-static ylm_status levels(octree *t) {
-  double start = ylm_seconds();
-  ylm_status s = occupy(t);
-  t->stats->occupancy_seconds = ylm_seconds() - start;
-  for (int level = 0; s == YLM_OK && level < t->levels; level++) {
-    octree_stage(t, t->uniform ? "baking" : NULL, level);
-    s = octree_corners(t, level);
-    if (s == YLM_OK) s = t->uniform ? octree_errors(t) : octree_split(t, level);
-  }
-  return s == YLM_OK ? octree_result(t) : s;
+static ylm_status occupied(void *self, const ylm_grid_making *m, uint64_t **code, size_t *n) {
+  octree *t = self;
+  ylm_status s = begin(t, m);
+  if (s != YLM_OK) return s;
+  t->l->busy = true; /* until the bake ends */
+  s = occupy(t);
+  *code = NULL;
+  *n = t->level[0].voxels;
+  return s;
 }
 
-/* Frees what is on the device, and the grid if nobody took it. */
-static void clean(octree *t) {
+static ylm_status corners(void *self, const ylm_grid_making *m, int level, size_t *fresh) {
+  uint32_t n = 0;
+  (void)m;
+  octree_restart(self);
+  ylm_status s = octree_corners(self, level, &n);
+  *fresh = n;
+  return s;
+}
+
+static ylm_status evaluate(void *self, const ylm_grid_making *m, size_t n) {
+  (void)m;
+  return octree_evaluate(self, (uint32_t)n);
+}
+
+static ylm_status metric(void *self, const ylm_grid_making *m, int level, size_t *next) {
+  octree *t = self;
+  (void)m;
+  if (t->uniform) return octree_errors(t);
+  ylm_status s = octree_split(t, level);
+  *next = t->levels > level + 1 ? t->level[level + 1].voxels : 0;
+  return s;
+}
+
+static ylm_status rows(void *self, const ylm_grid_making *m, ylm_grid_rows which, size_t n,
+                       const uint32_t *point, float *row) {
+  (void)m, (void)which, (void)n, (void)point, (void)row;
+  return octree_gather(self);
+}
+
+ylm_grid_backend octree_backend(octree *t) {
+  return (ylm_grid_backend){.self = t,
+                            .occupied = occupied,
+                            .corners = corners,
+                            .evaluate = evaluate,
+                            .metric = metric,
+                            .rows = rows};
+}
+
+void octree_end(octree *t) {
   for (int k = 0; k < OCTREE_LEVELS; k++) {
     octree_level *v = &t->level[k];
     ylm_gpu_buffer *gone[] = {v->voxel, v->state, v->error, v->corner};
@@ -184,30 +213,4 @@ static void clean(octree *t) {
   occupied_free(&t->occupied);
   points_end(&t->p);
   steps_free(&t->q);
-  ylm_grid_free(t->grid);
-}
-
-ylm_status octree_bake(ylm_gpu_lights *l, const ylm_grid_form *form, const ylm_grid_source *source,
-                       ylm_gpu_buffer *there, ylm_grid **out, ylm_gpu_grid **copy, ylm_error *e) {
-  octree *t = ylm_alloc_zero(1, sizeof *t);
-  if (!t) return ylm_fail(e, YLM_ENOMEM, "%s", ylm_status_text(YLM_ENOMEM));
-  t->g = l->gpu;
-  t->l = l;
-  t->source = source;
-  t->occupied.there = there;
-  t->e = e;
-  ylm_status s = begin(t, form);
-  if (s == YLM_OK) {
-    l->busy = true;
-    s = levels(t);
-    l->busy = false;
-  }
-  if (s == YLM_OK) s = points_copy(&t->p, copy);
-  if (s == YLM_OK) {
-    *out = t->grid;
-    t->grid = NULL;
-  }
-  clean(t);
-  ylm_free(t);
-  return s;
 }

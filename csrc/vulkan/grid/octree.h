@@ -2,7 +2,7 @@
 ** octree.h - a grid made on a device, an adaptive one level by level (Iwasaki & Dobashi 2025, Sec.
 ** 5.1): what the files octree*.c share. Private.
 **
-**   octree.c            the loop over levels
+**   octree.c            the back end of ylm_grid_bake, whose loop asks for level after level
 **   occupied.c          which nodes hold shading points, for all levels at once
 **   octree_points.c     the corners of a level's voxels, each once; their light field
 **   octree_split.c      surfaces of lights, the metric, what is split, the voxels that come next
@@ -47,6 +47,7 @@ typedef struct octree {
 
   octree_level level[OCTREE_LEVELS];
   int levels;
+  bool gathered;         /* the host has all of it */
   ylm_gpu_buffer *asked; /* voxels of the present level that a surface may cross */
   uint32_t asks;
   ylm_gpu_buffer
@@ -58,10 +59,10 @@ typedef struct octree {
   ylm_gpu_buffer *slot;
   uint32_t slots; /* a power of two */
 
-  /* Progress of a part of the bake: done .. done + now of all. */
-  char stage[24];
+  /* Progress of a part of the stage at hand: done .. done + now of all. */
   uint64_t done, now, of;
-  double told; /* when progress was last reported */
+  double told;               /* when progress was last reported */
+  const ylm_progress *outer; /* the bake's */
   ylm_progress progress;
 } octree;
 
@@ -71,28 +72,31 @@ static inline uint32_t octree_edge(const octree *t, int level) {
 }
 /* Reads the counts; zeroes them for what comes next. */
 ylm_status octree_counts(octree *t, uint32_t count[YLM_GPU_COUNTS]);
-/* What progress reports from here on: a stage, or a level (stage NULL). */
-void octree_stage(octree *t, const char *stage, int level);
+/* Progress counts from the beginning: another stage of the bake, or level, begins. */
+void octree_restart(octree *t);
 /* Reports `done`; YLM_ECANCELLED. */
 ylm_status octree_report(octree *t);
 
-/* Corners of the voxels of a level; points that they add are evaluated. */
-ylm_status octree_corners(octree *t, int level);
+/* Corners of the voxels of a level; *fresh points that they add have numbers and keys. */
+ylm_status octree_corners(octree *t, int level, uint32_t *fresh);
+/* Evaluates n points from t->p.points on; rows for which the device has no room go to the host. */
+ylm_status octree_evaluate(octree *t, uint32_t n);
 /* Decides about the voxels of a level; makes the next level, without voxels where nothing is split.
  */
 ylm_status octree_split(octree *t, int level);
 /* The metric of a uniform grid's voxels. */
 ylm_status octree_errors(octree *t);
-/* Can a uniform grid be made by these kernels? */
+/* Can a grid be made by these kernels? */
 bool octree_takes(const ylm_gpu *g, const ylm_grid_form *form, const ylm_grid_source *source);
-/* Rows of all points so far to the host. */
-ylm_status octree_flush(octree *t);
-/* The grid from what is on the device, where points' rows stay. */
-ylm_status octree_result(octree *t);
+/* The grid's cells and points from what is on the device, where points' rows stay. */
+ylm_status octree_gather(octree *t);
+/* The device's numbers do not fit together. */
+ylm_status octree_fails(const octree *t);
 
-/* ylm_gpu_grid_bake of a grid with a threshold, or uniform, on a device whose kernels have enough
-   buffers. there: shading points on the device, or NULL. */
-ylm_status octree_bake(ylm_gpu_lights *l, const ylm_grid_form *form, const ylm_grid_source *source,
-                       ylm_gpu_buffer *there, ylm_grid **out, ylm_gpu_grid **copy, ylm_error *e);
+/* What makes a grid with a threshold, or a uniform one, of t->l and the shading points in
+   t->occupied.there (NULL: the source's), on a device whose kernels have enough buffers. The rest
+   of *t is zero; octree_end frees what there is. */
+ylm_grid_backend octree_backend(octree *t);
+void octree_end(octree *t);
 
 #endif

@@ -80,10 +80,29 @@ static void number_corners(octree *t, int level) {
   steps_dispatch(&t->q, &settle, t->slots, 2, slots, 2, table);
 }
 
+ylm_status octree_corners(octree *t, int level, uint32_t *fresh) {
+  if (t->level[level].voxels >= MOST_VOXELS)
+    return ylm_fail(t->e, YLM_ELIMIT, "more than 2^27 voxels in a level on a device");
+  t->q.stage = "points";
+  ylm_status s = find_corners(t, level, fresh);
+  if (s == YLM_OK) s = reserve_points(t, *fresh);
+  if (s == YLM_OK) number_corners(t, level);
+  return s == YLM_OK ? steps_run(&t->q) : s;
+}
+
 /* -- evaluating ---------------------------------------------------------------------------- */
 
-/* Evaluates n points from t->p.points on; rows for which the device has no room go to the host. */
-static ylm_status evaluate(octree *t, uint32_t n) {
+/* Rows of all points so far to the host. */
+static ylm_status flush(octree *t) {
+  ylm_grid_parts parts;
+  ylm_status s = ylm_grid_room(t->grid, 0, t->p.points, &parts, t->e);
+  if (s == YLM_OK) s = points_download(&t->p, parts.data);
+  if (s == YLM_OK) s = octree_report(t);
+  points_forget(&t->p);
+  return s;
+}
+
+ylm_status octree_evaluate(octree *t, uint32_t n) {
   uint32_t end = t->p.points + n;
   double start = ylm_seconds();
   ylm_status s = YLM_OK;
@@ -93,25 +112,11 @@ static ylm_status evaluate(octree *t, uint32_t n) {
     t->now = end - t->p.points;
     t->done = n - t->now;
     s = points_evaluate(&t->p, (uint32_t)t->now, t->q.progress, &full);
-    if (full && t->p.points > t->p.first) s = octree_flush(t);
+    if (full && t->p.points > t->p.first) s = flush(t);
   }
   t->done = n;
   t->now = 0;
   t->stats->pairs += n * ylm__lights_pairs(t->l);
   t->stats->field_seconds += ylm_seconds() - start;
   return s;
-}
-
-ylm_status octree_corners(octree *t, int level) {
-  uint32_t fresh = 0;
-  double start = ylm_seconds();
-  if (t->level[level].voxels >= MOST_VOXELS)
-    return ylm_fail(t->e, YLM_ELIMIT, "more than 2^27 voxels in a level on a device");
-  t->q.stage = "points";
-  ylm_status s = find_corners(t, level, &fresh);
-  if (s == YLM_OK) s = reserve_points(t, fresh);
-  if (s == YLM_OK) number_corners(t, level);
-  if (s == YLM_OK) s = steps_run(&t->q);
-  t->stats->lattice_seconds += ylm_seconds() - start;
-  return s == YLM_OK && fresh ? evaluate(t, fresh) : s;
 }

@@ -8,15 +8,6 @@
 
 /* -- points -------------------------------------------------------------------------------- */
 
-ylm_status octree_flush(octree *t) {
-  ylm_grid_parts parts;
-  ylm_status s = ylm_grid_room(t->grid, 0, t->p.points, &parts, t->e);
-  if (s == YLM_OK) s = points_download(&t->p, parts.data);
-  if (s == YLM_OK) s = octree_report(t);
-  points_forget(&t->p);
-  return s;
-}
-
 static ylm_status take_points(octree *t, const ylm_grid_parts *parts) {
   uint32_t(*key)[2] = ylm_alloc(PART, sizeof *key);
   ylm_status s = key ? YLM_OK : ylm_fail(t->e, YLM_ENOMEM, "%s", ylm_status_text(YLM_ENOMEM));
@@ -29,6 +20,7 @@ static ylm_status take_points(octree *t, const ylm_grid_parts *parts) {
   ylm_free(key);
   if (s == YLM_OK) s = points_download(&t->p, parts->data);
   if (s != YLM_OK) return s;
+  memset(parts->flags, 0, t->p.points);
   return points_extra(&t->p, 0, t->p.points, parts->lambda, parts->norm, parts->flags);
 }
 
@@ -104,7 +96,7 @@ static void write_lattice(const octree *t, const voxels *v, ylm_grid_cell *cell)
   }
 }
 
-static ylm_status no_octree(const octree *t) {
+ylm_status octree_fails(const octree *t) {
   return ylm_fail(t->e, YLM_EDEVICE, "'%s' made no octree", ylm_gpu_about(t->g)->name);
 }
 
@@ -126,24 +118,24 @@ static ylm_status take_cells(octree *t, ylm_grid_cell *cell, size_t cells) {
     s = voxels_take(t, &t->level[k], &v);
     bool fits = s != YLM_OK || write_level(t, &t->level[k], &v, cell, begin, end, &next);
     voxels_free(&v);
-    if (!fits) s = no_octree(t);
+    if (!fits) s = octree_fails(t);
     begin = end;
     end = next;
   }
-  return s == YLM_OK && end != cells ? no_octree(t) : s;
+  return s == YLM_OK && end != cells ? octree_fails(t) : s;
 }
 
-ylm_status octree_result(octree *t) {
+ylm_status octree_gather(octree *t) {
   ylm_grid_parts parts;
   size_t cells = t->uniform ? t->level[0].voxels : 1;
   for (int k = 0; k < t->levels; k++) cells += 8 * (size_t)t->level[k].splits;
-  octree_stage(t, "download", 0);
+  octree_restart(t);
   ylm_status s = octree_report(t);
   if (s == YLM_OK) s = ylm_grid_room(t->grid, cells, t->p.points, &parts, t->e);
   if (s == YLM_OK) s = take_points(t, &parts);
   double start = ylm_seconds();
   if (s == YLM_OK) s = take_cells(t, parts.cell, cells);
   ylm__lights_copied(t->l, "download", start);
-  if (s == YLM_OK) s = ylm_grid_end(t->grid, t->source, cells, t->p.points, t->e);
-  return s == YLM_EINVAL ? no_octree(t) : s; /* what is wrong is not the caller's doing */
+  t->gathered = s == YLM_OK;
+  return s;
 }

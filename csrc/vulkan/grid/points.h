@@ -22,6 +22,7 @@ typedef struct gpu_points {
   ylm_gpu_buffer *there;
   ylm_error *e;
   step_queue q;
+  ylm_status unfit;                   /* not YLM_OK: points cannot be kept here */
   uint32_t width, stride, resolution; /* resolution: the largest of the three */
   bool relative;
   ylm_gpu_buffer *axes; /* vec2 [3][resolution + 1]: the nearest float, what it lacks */
@@ -73,7 +74,7 @@ ylm_status points_evaluate(gpu_points *p, uint32_t n, const ylm_progress *progre
 ylm_status points_download(gpu_points *p, float *data);
 /* Forgets the rows there are: they are the host's. */
 void points_forget(gpu_points *p);
-/* Lambda, norm and flags of n points from `first` on. */
+/* Lambda and norm of n points from `first` on; flags those that are in a light. */
 ylm_status points_extra(gpu_points *p, uint32_t first, uint32_t n, float *lambda, float *norm,
                         uint8_t *flags);
 /* Copies rows of n points, none of which has been forgotten, to [n][4][stride], or from there. */
@@ -88,8 +89,9 @@ ylm_status points_probe(gpu_points *p, size_t n, const ylm_grid_probe *probe, bo
                         float *distance);
 ylm_status points_values(gpu_points *p, size_t n, const float *places, uint8_t *inside,
                          const ylm_progress *progress);
-/* remote.c: what keeps a grid's rows on the device while the host refines it. */
-ylm_grid_keeper points_keeper(gpu_points *p);
+/* remote.c: what keeps a grid's rows on the device while the processor refines it; *p is zero but
+   for `l` and `there`. */
+ylm_grid_backend points_backend(gpu_points *p);
 /* The grid's copy from these rows, which are then its own, and what the finished grid has beside
    them. *copy is NULL where rows are the host's alone, or do not fit: points_copy.c */
 ylm_status points_copy(gpu_points *p, ylm_gpu_grid **copy);

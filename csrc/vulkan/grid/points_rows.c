@@ -30,7 +30,7 @@ ylm_status points_extra(gpu_points *p, uint32_t first, uint32_t n, float *lambda
     for (uint32_t i = 0; s == YLM_OK && i < now; i++) {
       lambda[at + i] = extra[i][0];
       norm[at + i] = extra[i][1];
-      flags[at + i] = extra[i][2] > 0 ? YLM_GRID_POINT_INVALID : 0;
+      if (extra[i][2] > 0) flags[at + i] |= YLM_GRID_POINT_INVALID;
     }
   }
   points_copied(p, "download", start);

@@ -1,20 +1,26 @@
-/* remote.c - rows of a grid's points kept on a device while the host refines it: ylm_grid_keeper.
- */
+/* remote.c - rows of a grid's points kept on a device while the processor refines it: the back end
+   of a bake with a tolerance. */
 #include "occupied.h"
 #include "points.h"
 
 #define PART ((size_t)1 << 16) /* points whose keys are packed at a time */
 
-static ylm_status begin(void *self, const ylm_grid *g, ylm_error *e) {
-  gpu_points *p = self;
-  const ylm_grid_source *source = p->source;
+/* Where memory runs out, the first evaluation says so. */
+static ylm_status begin(gpu_points *p, const ylm_grid_making *m) {
   ylm_gpu_buffer *there = p->there;
-  if (!points_fit(ylm_grid_look(g)->resolution))
-    return ylm_fail(e, YLM_ELIMIT, "more than 131071 voxels along an axis");
-  ylm_status s = points_begin(p, p->l, g, e);
-  p->source = source;
+  ylm_status s = points_begin(p, p->l, m->grid, m->e);
+  p->source = m->source;
   p->there = there;
-  return s;
+  if (s != YLM_ENOMEM && s != YLM_ELIMIT) return s;
+  p->unfit = s;
+  return YLM_OK;
+}
+
+/* What a call says goes to its error. */
+static gpu_points *points_of(void *self, const ylm_grid_making *m) {
+  gpu_points *p = self;
+  p->e = p->q.e = m->e;
+  return p;
 }
 
 /* -- shading points -------------------------------------------------------------------------- */
@@ -30,28 +36,41 @@ static ylm_status find_codes(occupied_voxels *o, uint64_t **code, size_t *n, uin
   return s;
 }
 
-static ylm_status codes(void *self, const ylm_grid *g, uint64_t **code, size_t *n,
-                        uint64_t *outside, const ylm_progress *progress, ylm_error *e) {
-  gpu_points *p = self;
-  step_queue q = {
-      .g = p->l->gpu, .times = &p->l->times, .progress = progress, .stage = "occupancy", .e = e};
+/* By kernels; where the device has no room for that, the processor finds them if it has the points.
+ */
+static ylm_status mark(gpu_points *p, const ylm_grid_making *m, uint64_t **code, size_t *n) {
+  step_queue q = {.g = p->l->gpu,
+                  .times = &p->l->times,
+                  .progress = m->progress,
+                  .stage = "occupancy",
+                  .e = m->e};
   occupied_voxels o = {
-      .l = p->l, .grid = g, .source = p->source, .there = p->there, .q = &q, .e = e};
-  ylm_status s = ylm__lights_idle(p->l, e);
+      .l = p->l, .grid = m->grid, .source = m->source, .there = p->there, .q = &q, .e = m->e};
+  ylm_status s = ylm__lights_idle(p->l, m->e);
   if (s != YLM_OK) return s;
   p->l->busy = true;
-  s = find_codes(&o, code, n, outside);
+  s = find_codes(&o, code, n, &m->stats->outside);
   p->l->busy = false;
   occupied_free(&o);
   ylm_gpu_buffer_free(o.counts);
   steps_free(&q);
-  return s;
+  if ((s != YLM_ENOMEM && s != YLM_ELIMIT) || !m->source->occupied_points) return s;
+  *code = NULL;
+  return YLM_OK;
 }
 
-static ylm_status shading(void *self, size_t n, const size_t *index, float *out, ylm_error *e) {
+static ylm_status occupied(void *self, const ylm_grid_making *m, uint64_t **code, size_t *n) {
   gpu_points *p = self;
-  step_queue q = {.g = p->l->gpu, .times = &p->l->times, .stage = "points", .e = e};
-  occupied_voxels o = {.l = p->l, .source = p->source, .there = p->there, .q = &q, .e = e};
+  ylm_status s = begin(p, m);
+  bool octree = ylm_grid_look(m->grid)->form.kind == YLM_GRID_ADAPTIVE;
+  return s == YLM_OK && octree && m->source->occupied ? mark(p, m, code, n) : s;
+}
+
+static ylm_status shading(void *self, const ylm_grid_making *m, size_t n, const size_t *index,
+                          float *out) {
+  gpu_points *p = self;
+  step_queue q = {.g = p->l->gpu, .times = &p->l->times, .stage = "points", .e = m->e};
+  occupied_voxels o = {.l = p->l, .source = m->source, .there = p->there, .q = &q, .e = m->e};
   ylm_status s = occupied_points(&o, n, index, out);
   steps_free(&q);
   return s;
@@ -74,84 +93,82 @@ static ylm_status upload_keys(gpu_points *p, size_t first, size_t n, const uint3
   return s;
 }
 
-static ylm_status evaluate(void *self, size_t first, size_t n, const uint32_t *lattice,
-                           float *lambda, float *norm, uint8_t *inside, uint64_t *pairs,
-                           const ylm_progress *progress, ylm_error *e) {
-  gpu_points *p = self;
+static ylm_status evaluate(void *self, const ylm_grid_making *m, size_t n) {
+  gpu_points *p = points_of(self, m);
+  const ylm_grid_parts *to = &m->parts;
   bool full;
+  size_t first = p->points;
   uint64_t rows = first + n;
-  p->e = p->q.e = e;
+  if (p->unfit != YLM_OK) return p->unfit;
   if (rows > GRID_PARTS * p->part_rows || 16 * rows * p->stride > points_most_bytes(p))
-    return ylm_fail(e, YLM_ENOMEM, "the device has no room for so many points");
-  ylm_status s = ylm__lights_idle(p->l, e);
+    return ylm_fail(p->e, YLM_ENOMEM, "the device has no room for so many points");
+  double start = ylm_seconds();
+  ylm_status s = ylm__lights_idle(p->l, p->e);
   if (s == YLM_OK) s = points_reserve(p, (uint32_t)n);
-  if (s == YLM_OK) s = upload_keys(p, first, n, lattice);
+  if (s == YLM_OK) s = upload_keys(p, first, n, to->lattice + 3 * first);
   if (s != YLM_OK) return s;
   p->l->busy = true;
-  s = points_evaluate(p, (uint32_t)n, progress, &full);
+  s = points_evaluate(p, (uint32_t)n, m->progress, &full);
   p->l->busy = false;
   if (s == YLM_OK)
-    s = points_extra(p, (uint32_t)first, (uint32_t)n, lambda, norm, inside); /* 1: INVALID */
+    s = points_extra(p, (uint32_t)first, (uint32_t)n, to->lambda + first, to->norm + first,
+                     to->flags + first);
+  m->stats->field_seconds += ylm_seconds() - start;
   if (s == YLM_OK)
-    *pairs += n * ylm__lights_pairs(p->l);
+    m->stats->pairs += n * ylm__lights_pairs(p->l);
   else
     p->points = (uint32_t)first;
   return s;
 }
 
-static ylm_status residuals(void *self, size_t n, const ylm_grid_probe *probe, float *distance,
-                            ylm_error *e) {
-  gpu_points *p = self;
-  p->e = p->q.e = e;
-  return points_probe(p, n, probe, false, distance);
-}
-
-static ylm_status compare(void *self, size_t n, const float *places, const ylm_grid_probe *probe,
-                          float *distance, uint8_t *inside, uint64_t *pairs,
-                          const ylm_progress *progress, ylm_error *e) {
-  gpu_points *p = self;
-  p->e = p->q.e = e;
-  ylm_status s = ylm__lights_idle(p->l, e);
+/* Values at the free places, for probes that come next. */
+static ylm_status evaluate_held(gpu_points *p, const ylm_grid_making *m, size_t n,
+                                const ylm_grid_held *held) {
+  ylm_status s = ylm__lights_idle(p->l, p->e);
   if (s != YLM_OK) return s;
   p->l->busy = true;
-  s = points_values(p, n, places, inside, progress);
+  s = points_values(p, n, held->place, held->inside, m->progress);
   p->l->busy = false;
-  if (s == YLM_OK) s = points_probe(p, n, probe, true, distance);
-  if (s == YLM_OK) *pairs += n * ylm__lights_pairs(p->l);
-  return s;
-}
-
-static ylm_status values(void *self, size_t n, float *value, ylm_error *e) {
-  gpu_points *p = self;
   double start = ylm_seconds();
-  ylm_status s = ylm_gpu_download(p->value, 0, n * 4 * (uint64_t)p->width, value, e);
+  if (s == YLM_OK) s = ylm_gpu_download(p->value, 0, n * 4 * (uint64_t)p->width, held->value, p->e);
   points_copied(p, "download", start);
+  if (s == YLM_OK) m->stats->pairs += n * ylm__lights_pairs(p->l);
   return s;
 }
 
-static ylm_status take(void *self, size_t n, const uint32_t *point, float *row, ylm_error *e) {
-  gpu_points *p = self;
-  p->e = p->q.e = e;
-  return points_take(p, n, point, row);
+static ylm_status residuals(void *self, const ylm_grid_making *m, size_t n,
+                            const ylm_grid_probe *probe, const ylm_grid_held *held,
+                            double *distance) {
+  gpu_points *p = points_of(self, m);
+  double start = ylm_seconds();
+  float *near = ylm_alloc(n, sizeof *near);
+  ylm_status s = near ? YLM_OK : ylm_fail(p->e, YLM_ENOMEM, "%s", ylm_status_text(YLM_ENOMEM));
+  if (s == YLM_OK && held) s = evaluate_held(p, m, n, held);
+  if (s == YLM_OK) s = points_probe(p, n, probe, held != NULL, near);
+  for (size_t i = 0; s == YLM_OK && i < n; i++) distance[i] = (double)near[i];
+  if (held) m->stats->field_seconds += ylm_seconds() - start;
+  ylm_free(near);
+  return s;
 }
 
-static ylm_status put(void *self, size_t n, const uint32_t *point, const float *row, ylm_error *e) {
-  gpu_points *p = self;
-  p->e = p->q.e = e;
-  return points_put(p, n, point, row);
-}
-
-static ylm_status rows(void *self, size_t n, float *data, bool forget, ylm_error *e) {
-  gpu_points *p = self;
-  p->e = p->q.e = e;
+static ylm_status rows(void *self, const ylm_grid_making *m, ylm_grid_rows which, size_t n,
+                       const uint32_t *point, float *row) {
+  gpu_points *p = points_of(self, m);
+  if (which == YLM_GRID_ROWS_TAKE) return points_take(p, n, point, row);
+  if (which == YLM_GRID_ROWS_PUT) return points_put(p, n, point, row);
   p->points = (uint32_t)n;
-  ylm_status s = points_download(p, data);
-  if (s == YLM_OK && forget) points_end(p);
-  if (forget) points_forget(p);
+  ylm_status s = points_download(p, row);
+  if (which == YLM_GRID_ROWS_ALL) return s;
+  if (s == YLM_OK) points_end(p);
+  points_forget(p);
   return s;
 }
 
-ylm_grid_keeper points_keeper(gpu_points *p) {
-  return (ylm_grid_keeper){p,       begin,  codes, shading, evaluate, residuals,
-                           compare, values, take,  put,     rows};
+ylm_grid_backend points_backend(gpu_points *p) {
+  return (ylm_grid_backend){.self = p,
+                            .occupied = occupied,
+                            .shading = shading,
+                            .evaluate = evaluate,
+                            .residuals = residuals,
+                            .rows = rows};
 }

@@ -1,0 +1,30 @@
+/* baker.c - a bake under way, from its beginning to its end. */
+#include "baker.h"
+
+/* Reports the progress of some work under the bake's own stage. */
+static bool forward(void *user, uint64_t done, uint64_t total, const char *stage) {
+  const baker *b = user;
+  (void)stage;
+  return ylm_report(b->source->progress, done, total, b->stage) == YLM_OK;
+}
+
+void baker_begin(baker *b, ylm_grid *g, const ylm_grid_source *source, ylm_error *e) {
+  *b = (baker){.g = g, .source = source, .remote = source->backend, .e = e};
+  b->own = processor_backend(b);
+  b->stage = b->stage_text;
+  b->progress = (ylm_progress){forward, b};
+  b->making = (ylm_grid_making){.source = source,
+                                .grid = g,
+                                .stats = g ? &g->stats : NULL,
+                                .progress = source->progress ? &b->progress : NULL,
+                                .e = e};
+}
+
+void baker_free(baker *b) {
+  evaluate_free_block(&b->block);
+  ylm_free(b->row);
+  ylm_free(b->wave.cell);
+  ylm_free(b->next.cell);
+  ylm_free(b->parent.cell);
+  ylm_free(b->used);
+}

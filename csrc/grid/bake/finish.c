@@ -1,0 +1,23 @@
+/* finish.c - from cells and points to a grid that can be sampled. */
+#include "baker.h"
+
+ylm_status ylm__finish(baker *b) {
+  ylm_grid *g = b->g;
+  int threads = b->source->threads;
+  ylm_status s = backend_fetch(b);
+  if (s == YLM_OK && backend_keeps_cells(b)) s = ylm__assemble(b);
+  if (s != YLM_OK) return s;
+  g->view.octree_cells = g->cells;
+  s = corners_find_parents(b);
+  if (s != YLM_OK) return s;
+  double t = ylm_seconds();
+  corners_find_shared(b, NULL);
+  g->stats.lattice_seconds += ylm_seconds() - t;
+  s = ylm__grid_fill_invalid(g);
+  t = ylm_seconds();
+  ylm__grid_find_baked(g);
+  bool continuous = g->view.form.kind == YLM_GRID_ADAPTIVE && g->view.form.continuous;
+  if (s == YLM_OK && continuous) s = ylm__grid_make_continuous(g, threads);
+  g->stats.continuity_seconds += ylm_seconds() - t;
+  return s == YLM_OK ? ylm__grid_finish(g) : s;
+}
