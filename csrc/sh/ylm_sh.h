@@ -397,7 +397,7 @@ YLM_API void ylm_sh_halve_pixels(int width, int height, int faces, int channels,
                                  double *coarse_direction, double *coarse_weight,
                                  double *coarse_value);
 
-/* -- for kernels elsewhere: csrc/sh/eval/eval.c ----------------------------------------------- */
+/* -- for kernels elsewhere: csrc/sh/eval/eval.c, csrc/sh/project/quadrature.c ------------------ */
 
 /* What ylm_sh_eval_how refuses of points, in its words. */
 YLM_API ylm_status ylm_sh_check_points(const ylm_sh_how *how, int lmax, ylm_dtype t, size_t n,
@@ -405,6 +405,14 @@ YLM_API ylm_status ylm_sh_check_points(const ylm_sh_how *how, int lmax, ylm_dtyp
 /* The coefficients a b e A B b' c' of the recurrences of csrc/sh/eval/sh_kernel.h, for degree l > 0
    and order q, 0 .. l. */
 YLM_API void ylm_sh_coefficients(int l, int q, double k[7]);
+
+/* n nodes in (-1, 1), rising, and their weights; exact to degree 2n-1. Newton's method in long
+ * double. */
+YLM_API void ylm_sh_gauss_legendre(int n, double *x, double *w);
+
+/* p[l*(l+1)/2+m] = sqrt(m ? 2 : 1) K_lm P_lm(x) with the Condon-Shortley phase, 0 <= m <= l <=
+   lmax: the part of Y_lm that depends on z = x. `sine` is sqrt(1-x^2). */
+YLM_API void ylm_sh_legendre(int lmax, double x, double sine, double *p);
 
 #ifdef __cplusplus
 }

@@ -9,7 +9,7 @@
 **   sloan    P / sin^m and its derivative T by recurrence, Eqs. 7, 8, 17, 21-23
 **   scd      the same carried to second derivatives
 */
-#include "sh_eval.h"
+#include "../product/rival.h"
 
 #include <math.h>
 #include <string.h>
@@ -18,6 +18,8 @@
 #define YLM_K(c) (c)
 #define YLM_SET(c) (c)
 #include "../gen/polynomial.h"
+
+#define POLYNOMIAL_LMAX 6
 
 /* Three rows of q[m], the normalised P_l^m / sin^m(theta), and of its derivatives by theta. */
 typedef struct rows {
@@ -100,11 +102,24 @@ static void to_cartesian(const angular *a, const double w[3], double d, int orde
                  d / d;
 }
 
-static void spherical_point(const ylm__sh_job *job, ylm_dtype type, size_t i, rows *r) {
-  double v[3], w[3], d, s[10];
-  ylm__sh_point(job, type, i, v);
-  ylm__sh_unit(v, w, &d);
-  bool direct = job->method == YLM_SH_direct;
+/* v of point i = d w. */
+static void unit_point(const ylm_sh_job *job, size_t i, double w[3], double *d) {
+  double v[3];
+  for (size_t c = 0; c < 3; c++) v[c] = ylm_get(job->dtype, job->p, 3 * i + c);
+  ylm_sh_unit(v, w, d);
+}
+
+/* Writes value, gradient, Hessian s[0], s[1..3], s[4..9] of coefficient (l, m) of point i. */
+static void put(const ylm_sh_job *job, size_t i, int l, int m, const double s[10]) {
+  size_t at = i * ylm_sh_count(job->lmax) + ylm_sh_index(l, m);
+  if (job->y) ylm_put(job->dtype, job->y, at, s[0]);
+  for (size_t k = 0; job->dy && k < 3; k++) ylm_put(job->dtype, job->dy, 3 * at + k, s[1 + k]);
+  for (size_t k = 0; job->ddy && k < 6; k++) ylm_put(job->dtype, job->ddy, 6 * at + k, s[4 + k]);
+}
+
+static void spherical_point(const ylm_sh_job *job, size_t i, bool direct, rows *r) {
+  double w[3], d, s[10];
+  unit_point(job, i, w, &d);
   double st = sqrt(w[0] * w[0] + w[1] * w[1]), angle = atan2(w[1], w[0]);
   r->c[0] = 1, r->s[0] = 0;
   for (int m = 1; m <= job->lmax; m++) {
@@ -116,7 +131,7 @@ static void spherical_point(const ylm__sh_job *job, ylm_dtype type, size_t i, ro
     for (int m = -l; m <= l; m++) {
       angular a = direct ? by_neighbours(r, l, m, st) : by_recurrence(r, m, w[2], st);
       to_cartesian(&a, w, d, job->derivatives, s);
-      ylm__sh_put(job, type, i, l, m, s);
+      put(job, i, l, m, s);
     }
   }
 }
@@ -124,7 +139,7 @@ static void spherical_point(const ylm__sh_job *job, ylm_dtype type, size_t i, ro
 /* Degree l as explicit polynomials at w: s[10 * (l + m)] ... */
 static void polynomial_degree(int l, int order, const double w[3], double *s) {
   typedef void polynomial(double x, double y, double z, double *restrict s);
-  static polynomial *const degrees[3][YLM__SH_POLYNOMIAL_LMAX + 1] = {
+  static polynomial *const degrees[3][POLYNOMIAL_LMAX + 1] = {
 #define ROW(order)                                                                                 \
   {polynomial_0_##order, polynomial_1_##order, polynomial_2_##order, polynomial_3_##order,         \
    polynomial_4_##order, polynomial_5_##order, polynomial_6_##order}
@@ -133,25 +148,24 @@ static void polynomial_degree(int l, int order, const double w[3], double *s) {
   degrees[order][l](w[0], w[1], w[2], s);
 }
 
-static void polynomial_point(const ylm__sh_job *job, ylm_dtype type, size_t i) {
-  double v[3], w[3], d, s[10 * (2 * YLM__SH_POLYNOMIAL_LMAX + 1)] = {0};
-  ylm__sh_point(job, type, i, v);
-  ylm__sh_unit(v, w, &d);
+static void polynomial_point(const ylm_sh_job *job, size_t i) {
+  double w[3], d, s[10 * (2 * POLYNOMIAL_LMAX + 1)] = {0};
+  unit_point(job, i, w, &d);
   for (int l = 0; l <= job->lmax; l++) {
     polynomial_degree(l, job->derivatives, w, s);
     for (int m = -l; m <= l; m++) {
       double *one = s + 10 * (l + m);
       if (job->solid)
-        ylm__sh_scale_solid(l, d, one);
+        ylm_sh_scale_solid(l, d, one);
       else if (job->derivatives > 0)
-        ylm__sh_surface(l, d, w, one);
-      ylm__sh_put(job, type, i, l, m, one);
+        ylm_sh_surface(l, d, w, one);
+      put(job, i, l, m, one);
     }
   }
 }
 
-static void compare(const ylm__sh_job *job, ylm_dtype t, size_t begin, size_t end,
-                    double *scratch) {
+static void spherical(const ylm_sh_job *job, bool direct, size_t begin, size_t end,
+                      double *scratch) {
   size_t n = (size_t)job->lmax + 2;
   rows r;
   memset(scratch, 0, 11 * n * sizeof *scratch);
@@ -161,18 +175,30 @@ static void compare(const ylm__sh_job *job, ylm_dtype t, size_t begin, size_t en
     r.tt[i] = scratch + (6 + i) * n;
   }
   r.c = scratch + 9 * n, r.s = scratch + 10 * n;
-  for (size_t i = begin; i < end; i++) {
-    if (job->method == YLM_SH_polynomial)
-      polynomial_point(job, t, i);
-    else
-      spherical_point(job, t, i, &r);
-  }
+  for (size_t i = begin; i < end; i++) spherical_point(job, i, direct, &r);
 }
 
-void ylm__sh_compare_float(const ylm__sh_job *job, size_t begin, size_t end, void *scratch) {
-  compare(job, YLM_FLOAT, begin, end, scratch);
+/* -- the methods ------------------------------------------------------------------------------ */
+
+static void direct(const ylm_sh_job *job, size_t begin, size_t end, void *scratch) {
+  spherical(job, true, begin, end, scratch);
 }
 
-void ylm__sh_compare_double(const ylm__sh_job *job, size_t begin, size_t end, void *scratch) {
-  compare(job, YLM_DOUBLE, begin, end, scratch);
+static void sloan(const ylm_sh_job *job, size_t begin, size_t end, void *scratch) {
+  spherical(job, false, begin, end, scratch);
 }
+
+static void polynomial(const ylm_sh_job *job, size_t begin, size_t end, void *scratch) {
+  (void)scratch;
+  for (size_t i = begin; i < end; i++) polynomial_point(job, i);
+}
+
+/* Bytes of the rows. */
+static size_t row_bytes(int lmax) { return ((size_t)lmax + 2) * 11 * sizeof(double); }
+
+static size_t no_bytes(int lmax) { return (void)lmax, 0; }
+
+const ylm_sh_rival_eval ylm__rival_polynomial = {POLYNOMIAL_LMAX, 2, true, no_bytes, polynomial};
+const ylm_sh_rival_eval ylm__rival_direct = {YLM_LMAX, 1, false, row_bytes, direct};
+const ylm_sh_rival_eval ylm__rival_sloan = {YLM_LMAX, 1, false, row_bytes, sloan};
+const ylm_sh_rival_eval ylm__rival_scd = {YLM_LMAX, 2, false, row_bytes, sloan};

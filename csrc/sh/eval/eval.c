@@ -122,6 +122,27 @@ static void *make_table(int lmax, ylm_dtype t) {
   return table;
 }
 
+/* Points of a job of another library's method. */
+static void rival(const ylm__sh_job *job, ylm_dtype t, size_t begin, size_t end, void *scratch) {
+  ylm_sh_job asked = {.lmax = job->lmax,
+                      .derivatives = job->derivatives,
+                      .solid = job->solid,
+                      .dtype = t,
+                      .p = job->p,
+                      .y = job->y,
+                      .dy = job->dy,
+                      .ddy = job->ddy};
+  job->rival->points(&asked, begin, end, scratch);
+}
+
+static void rival_float(const ylm__sh_job *job, size_t begin, size_t end, void *scratch) {
+  rival(job, YLM_FLOAT, begin, end, scratch);
+}
+
+static void rival_double(const ylm__sh_job *job, size_t begin, size_t end, void *scratch) {
+  rival(job, YLM_DOUBLE, begin, end, scratch);
+}
+
 /* What evaluates: a kernel, its scratch, and whether it needs the table. */
 typedef struct choice {
   ylm__sh_kernel *kernel;
@@ -132,9 +153,8 @@ typedef struct choice {
 static choice choose(ylm_isa isa, ylm_dtype t, const ylm__sh_job *job) {
   ylm__sh_kernel *low = NULL;
   int lmax = job->lmax, order = job->derivatives;
-  if (job->method != YLM_SH_solid)
-    return (choice){t == YLM_DOUBLE ? ylm__sh_compare_double : ylm__sh_compare_float,
-                    ((size_t)lmax + 2) * 11 * sizeof(double), false};
+  if (job->rival)
+    return (choice){t == YLM_DOUBLE ? rival_double : rival_float, job->rival->scratch(lmax), false};
   switch (isa) {
 #define X(name)                                                                                    \
   case YLM_ISA_##name:                                                                             \
@@ -198,8 +218,7 @@ static void by_double(const ylm__sh_job *job, size_t begin, size_t end, void *sc
 
 /* The kernel for a job, and the type it computes in. */
 static choice choose_type(ylm_isa isa, ylm_dtype *t, ylm__sh_job *job) {
-  if (*t == YLM_DOUBLE || job->lmax <= FLOAT_LMAX || job->method != YLM_SH_solid)
-    return choose(isa, *t, job);
+  if (*t == YLM_DOUBLE || job->lmax <= FLOAT_LMAX || job->rival) return choose(isa, *t, job);
   *t = YLM_DOUBLE;
   choice how = choose(isa, *t, job);
   job->inner = how.kernel;
@@ -208,30 +227,34 @@ static choice choose_type(ylm_isa isa, ylm_dtype *t, ylm__sh_job *job) {
   return how;
 }
 
-/* What a comparison method cannot do. */
-static ylm_status check_method(const ylm_sh_how *how, int lmax, ylm_error *e) {
+/* Finds the method, *out: NULL for ours; and refuses what it cannot do. */
+static ylm_status find_method(const ylm_sh_how *how, int lmax, const ylm_sh_rival_eval **out,
+                              ylm_error *e) {
   const char *name = ylm_sh_method_name(how->method);
-  bool polynomial = how->method == YLM_SH_polynomial;
+  *out = NULL;
   if ((int)how->method < 0 || how->method >= YLM_SH_METHOD_COUNT)
     return ylm_fail(e, YLM_EINVAL, "no such method");
   if (how->method == YLM_SH_solid) return YLM_OK;
-  if (polynomial && lmax > YLM__SH_POLYNOMIAL_LMAX)
-    return ylm_fail(e, YLM_ERANGE, "method '%s' goes to lmax %d", name, YLM__SH_POLYNOMIAL_LMAX);
-  if (!polynomial && how->solid)
+  ylm_status s = ylm__sh_rival(how->method, out, e);
+  if (s != YLM_OK) return s;
+  if (lmax > (*out)->lmax)
+    return ylm_fail(e, YLM_ERANGE, "method '%s' goes to lmax %d", name, (*out)->lmax);
+  if (how->solid && !(*out)->solid)
     return ylm_fail(e, YLM_EINVAL, "method '%s' has no solid harmonics", name);
-  if (how->derivatives > 1 && !polynomial && how->method != YLM_SH_scd)
+  if (how->derivatives > (*out)->derivatives)
     return ylm_fail(e, YLM_ERANGE, "method '%s' has no second derivatives", name);
   return YLM_OK;
 }
 
-static ylm_status check_how(const ylm_sh_how *how, int lmax, ylm_error *e) {
+static ylm_status check_how(const ylm_sh_how *how, int lmax, const ylm_sh_rival_eval **method,
+                            ylm_error *e) {
   if (lmax < 0 || lmax > YLM_LMAX)
     return ylm_fail(e, YLM_ERANGE, "lmax must be from 0 to %d, got %d", YLM_LMAX, lmax);
   if (how->derivatives < 0 || how->derivatives > 2)
     return ylm_fail(e, YLM_ERANGE, "derivatives must be 0, 1 or 2, got %d", how->derivatives);
   if (how->isa >= 0 && !ylm_isa_available((ylm_isa)how->isa))
     return ylm_fail(e, YLM_EINVAL, "kernels '%s' do not run here", ylm_isa_name((ylm_isa)how->isa));
-  return check_method(how, lmax, e);
+  return find_method(how, lmax, method, e);
 }
 
 /* Runs a job with the scratch and the table (of type t) that its kernel wants. */
@@ -252,13 +275,9 @@ static ylm_status run_job(ylm__sh_job *job, choice how, ylm_dtype t, size_t n, i
 
 ylm_status ylm_sh_eval_how(const ylm_sh_how *how, int lmax, ylm_dtype t, size_t n, const void *p,
                            void *y, void *dy, void *ddy, ylm_error *e) {
-  ylm__sh_job job = {.lmax = lmax,
-                     .derivatives = how->derivatives,
-                     .solid = how->solid,
-                     .method = how->method,
-                     .p = p,
-                     .y = y};
-  ylm_status s = check_how(how, lmax, e);
+  ylm__sh_job job = {
+      .lmax = lmax, .derivatives = how->derivatives, .solid = how->solid, .p = p, .y = y};
+  ylm_status s = check_how(how, lmax, &job.rival, e);
   if (s == YLM_OK) s = ylm__sh_check_points(how, lmax, t, n, p, &job.tame, e);
   if (s != YLM_OK || n == 0) return s;
   ylm_isa isa = how->isa < 0 ? ylm_isa_current() : (ylm_isa)how->isa;

@@ -123,14 +123,16 @@ static void store(void *out, ylm_dtype t, size_t at, size_t width, const double 
   }
 }
 
-void ylm__sh_put(const ylm__sh_job *job, ylm_dtype t, size_t i, int l, int m, const double s[10]) {
+/* Writes value, gradient, Hessian s[0], s[1..3], s[4..9] of coefficient (l, m) of point i. */
+static void put(const ylm__sh_job *job, ylm_dtype t, size_t i, int l, int m, const double s[10]) {
   size_t at = i * ylm_sh_count(job->lmax) + ylm_sh_index(l, m);
   store(job->y, t, at, 1, s);
   store(job->dy, t, at, 3, s + 1);
   store(job->ddy, t, at, 6, s + 4);
 }
 
-void ylm__sh_point(const ylm__sh_job *job, ylm_dtype t, size_t i, double v[3]) {
+/* Point i, as double. */
+static void point(const ylm__sh_job *job, ylm_dtype t, size_t i, double v[3]) {
   const float *f = job->p;
   const double *d = job->p;
   for (size_t c = 0; c < 3; c++) v[c] = t == YLM_DOUBLE ? d[3 * i + c] : (double)f[3 * i + c];
@@ -138,7 +140,7 @@ void ylm__sh_point(const ylm__sh_job *job, ylm_dtype t, size_t i, double v[3]) {
 
 static void one_point(const ylm__sh_job *job, ylm_dtype t, size_t i, rows *r) {
   double v[3], w[3], d, s[10];
-  ylm__sh_point(job, t, i, v);
+  point(job, t, i, v);
   ylm__sh_unit(v, w, &d);
   r->c[0] = 1, r->s[0] = 0;
   for (int m = 1; m <= job->lmax; m++) { /* Eq. 14 */
@@ -153,7 +155,7 @@ static void one_point(const ylm__sh_job *job, ylm_dtype t, size_t i, rows *r) {
         ylm__sh_scale_solid(l, d, s);
       else
         ylm__sh_surface(l, d, w, s);
-      ylm__sh_put(job, t, i, l, m, s);
+      put(job, t, i, l, m, s);
     }
   }
 }

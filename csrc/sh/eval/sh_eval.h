@@ -7,7 +7,7 @@
 #ifndef YLM_SH_EVAL_H
 #define YLM_SH_EVAL_H
 
-#include "ylm_sh.h"
+#include "ylm_sh_rival.h"
 
 typedef struct ylm__sh_job ylm__sh_job;
 typedef void ylm__sh_kernel(const ylm__sh_job *job, size_t begin, size_t end, void *scratch);
@@ -15,12 +15,12 @@ typedef void ylm__sh_kernel(const ylm__sh_job *job, size_t begin, size_t end, vo
 struct ylm__sh_job {
   int lmax, derivatives;
   bool solid;
-  ylm_sh_method method;
-  bool tame;             /* the largest coordinates of all points can be squared safely */
-  const void *p;         /* [n][3] */
-  void *y, *dy, *ddy;    /* each may be NULL: not wanted */
-  const void *table;     /* coefficients of the recurrences, for kernels that want them */
-  ylm__sh_kernel *inner; /* of a kernel that converts and calls another */
+  bool tame;                      /* the largest coordinates of all points can be squared safely */
+  const void *p;                  /* [n][3] */
+  void *y, *dy, *ddy;             /* each may be NULL: not wanted */
+  const void *table;              /* coefficients of the recurrences, for kernels that want them */
+  ylm__sh_kernel *inner;          /* of a kernel that converts and calls another */
+  const ylm_sh_rival_eval *rival; /* a method of another library; NULL: ours */
 };
 
 /* True only if the largest coordinate of every point [n][3] is finite and from `least` to `most`,
@@ -35,17 +35,12 @@ void ylm__sh_unit(const double v[3], double w[3], double *d);
 ylm_status ylm__sh_check_points(const ylm_sh_how *how, int lmax, ylm_dtype t, size_t n,
                                 const void *p, bool *tame, ylm_error *e);
 
-/* Point i, as double. */
-void ylm__sh_point(const ylm__sh_job *job, ylm_dtype t, size_t i, double v[3]);
-/* Writes value, gradient, Hessian s[0], s[1..3], s[4..9] of coefficient (l, m) of point i. */
-void ylm__sh_put(const ylm__sh_job *job, ylm_dtype t, size_t i, int l, int m, const double s[10]);
+/* The rival of a method; YLM_EMISSING while its library is not there. */
+ylm_status ylm__sh_rival(ylm_sh_method m, const ylm_sh_rival_eval **out, ylm_error *e);
+
 /* From a solid harmonic with derivatives at the unit vector w to the same at v = d w, or to Y. */
 void ylm__sh_scale_solid(int l, double d, double s[10]);
 void ylm__sh_surface(int l, double d, const double w[3], double s[10]);
-
-/* The scalar methods kept for comparison, computing in double. Scratch: (lmax+2) * 11 doubles. */
-ylm__sh_kernel ylm__sh_compare_float, ylm__sh_compare_double;
-#define YLM__SH_POLYNOMIAL_LMAX 6
 
 /* The scalar kernel that judges the others, computing in double. Scratch: (lmax+2) * 5 doubles. */
 ylm__sh_kernel ylm__sh_reference_float, ylm__sh_reference_double;

@@ -1,25 +1,23 @@
 /* brute.c - the product of k factors by all integrals of k+1 basis functions that are not zero. */
-#include "ylm_sh.h"
+#include "rival.h"
 
 #include <math.h>
 #include <string.h>
 
-#include "../project/quadrature.h"
-#include "product.h"
-
 /* Combinations of one basis function for each factor that may be looked at. */
 #define MOST_TUPLES 1200000
 
-struct ylm__brute {
+typedef struct brute {
   int factors;
   size_t count, tuples;
   uint32_t *first; /* [tuples+1]; the tuple is a number with `factors` digits to base count */
   uint16_t *k;
   float *value_f;
   double *value_d;
-};
+} brute;
 
-void ylm__brute_free(ylm__brute *b) {
+static void brute_free(void *plan) {
+  brute *b = plan;
   if (!b) return;
   ylm_free(b->first);
   ylm_free(b->k);
@@ -43,9 +41,9 @@ static double *basis(int lmax, int factors, size_t *points, double **weights) {
   double *w = x + nodes, *p = w + nodes;
   *weights = y + count * n;
   *points = n;
-  ylm__gauss_legendre(nodes, x, w);
+  ylm_sh_gauss_legendre(nodes, x, w);
   for (int h = 0; h < nodes; h++) {
-    ylm__legendre(lmax, x[h], sqrt(1 - x[h] * x[h]), p);
+    ylm_sh_legendre(lmax, x[h], sqrt(1 - x[h] * x[h]), p);
     for (int j = 0; j < around; j++) {
       double phi = 2 * 3.14159265358979323846 * j / around;
       size_t at = (size_t)h * (size_t)around + (size_t)j;
@@ -60,7 +58,7 @@ static double *basis(int lmax, int factors, size_t *points, double **weights) {
   return y;
 }
 
-ylm_status ylm__brute_create(int lmax, int factors, ylm__brute **out, ylm_error *e) {
+static ylm_status create(int lmax, int factors, void **out, ylm_error *e) {
   *out = NULL;
   size_t count = ylm_sh_count(lmax), tuples = 1, n = 0, used = 0, room = 0;
   for (int k = 0; k < factors; k++) {
@@ -73,7 +71,7 @@ ylm_status ylm__brute_create(int lmax, int factors, ylm__brute **out, ylm_error 
   double *weights = NULL, *y = basis(lmax, factors, &n, &weights);
   double *product =
       ylm_alloc((size_t)factors * n, sizeof *product); /* of the first 1 .. factors functions */
-  ylm__brute *b = ylm_alloc_zero(1, sizeof *b);
+  brute *b = ylm_alloc_zero(1, sizeof *b);
   if (!y || !product || !b) goto fail;
   b->factors = factors;
   b->count = count;
@@ -123,12 +121,12 @@ ylm_status ylm__brute_create(int lmax, int factors, ylm__brute **out, ylm_error 
 fail:
   ylm_free(y);
   ylm_free(product);
-  ylm__brute_free(b);
+  brute_free(b);
   return YLM_ENOMEM;
 }
 
 #define APPLY(name, T, values)                                                                     \
-  void name(const ylm__brute *b, const T *const *c, T *out) {                                      \
+  static void name(const brute *b, const T *const *c, T *out) {                                    \
     size_t digits[YLM_SH_PRODUCT_FACTORS] = {0};                                                   \
     T product[YLM_SH_PRODUCT_FACTORS];                                                             \
     int changed = 0;                                                                               \
@@ -144,5 +142,23 @@ fail:
   }
 
 /* out must be zero. */
-APPLY(ylm__brute_f, float, value_f)
-APPLY(ylm__brute_d, double, value_d)
+APPLY(apply_f, float, value_f)
+APPLY(apply_d, double, value_d)
+
+static size_t scratch_of(const void *plan, ylm_dtype t) {
+  (void)plan, (void)t;
+  return YLM_ALIGN;
+}
+
+static void apply(const void *plan, ylm_dtype t, const void *const *c, void *out, void *scratch,
+                  double *stage) {
+  const brute *b = plan;
+  (void)scratch, (void)stage;
+  memset(out, 0, b->count * ylm_dtype_size(t));
+  if (t == YLM_DOUBLE)
+    apply_d(b, (const double *const *)c, out);
+  else
+    apply_f(b, (const float *const *)c, out);
+}
+
+const ylm_sh_rival_product ylm__rival_brute = {create, brute_free, scratch_of, apply};

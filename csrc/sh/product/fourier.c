@@ -3,11 +3,10 @@
 
 #include <math.h>
 
-#include "../project/quadrature.h"
-
 #define PI 3.14159265358979323846
 
-void ylm__fourier_free(ylm__fourier *f) {
+static void fourier_free(void *plan) {
+  ylm__fourier *f = plan;
   if (!f) return;
   for (int i = 0; f->fft && i <= f->factors; i++) {
     ylm_free(f->fft[i].twiddle_d);
@@ -73,11 +72,11 @@ static bool tables(ylm__fourier *f) {
   f->series_d = ylm_alloc(ns + 1, sizeof(double));
   f->back_d = ylm_alloc(nb + 1, sizeof(double));
   double *w = x + nodes, *p = w + nodes, *q = p + nodes * entries;
-  ylm__gauss_legendre(nodes, x, w);
-  for (int h = 0; h < nodes; h++) ylm__legendre(L, x[h], sqrt(1 - x[h] * x[h]), p + h * entries);
+  ylm_sh_gauss_legendre(nodes, x, w);
+  for (int h = 0; h < nodes; h++) ylm_sh_legendre(L, x[h], sqrt(1 - x[h] * x[h]), p + h * entries);
   for (int h = 0; h < cheb; h++) { /* angles (h + 1/2) pi/cheb */
     double angle = (h + 0.5) * PI / cheb;
-    ylm__legendre(L, cos(angle), sin(angle), q + h * entries);
+    ylm_sh_legendre(L, cos(angle), sin(angle), q + h * entries);
   }
   for (int l = 0; f->series_d && f->back_d && l <= L; l++)
     for (int m = 0; m <= l; m++) {
@@ -108,7 +107,7 @@ static bool tables(ylm__fourier *f) {
   return f->series_f && f->back_f;
 }
 
-ylm_status ylm__fourier_create(int lmax, int factors, ylm__fourier **out, ylm_error *e) {
+static ylm_status create(int lmax, int factors, void **out, ylm_error *e) {
   (void)e;
   *out = NULL;
   ylm__fourier *f = ylm_alloc_zero(1, sizeof *f);
@@ -119,37 +118,49 @@ ylm_status ylm__fourier_create(int lmax, int factors, ylm__fourier **out, ylm_er
   bool ok = f->fft && tables(f);
   for (int k = 2; ok && k <= factors; k++) ok = plan(2 * k * lmax + 1, f->fft + k);
   if (!ok) {
-    ylm__fourier_free(f);
+    fourier_free(f);
     return YLM_ENOMEM;
   }
   *out = f;
   return YLM_OK;
 }
 
-size_t ylm__fourier_scratch(const ylm__fourier *f) {
+static size_t scratch_of(const void *plan, ylm_dtype t) {
+  const ylm__fourier *f = plan;
+  (void)t;
   size_t n = fourier_grid(f->fft[f->factors].n);
   for (int k = 0; k < f->factors; k++) n += fourier_size((f->factors - k) * f->lmax);
   return n * sizeof(double);
 }
 
-void ylm__fourier_f(const ylm__fourier *f, const float *const *c, float *out, void *scratch,
+static void apply_f(const ylm__fourier *f, const float *const *c, float *out, void *scratch,
                     double *stage) {
   switch (ylm_isa_current()) {
 #define X(isa)                                                                                     \
   case YLM_ISA_##isa: ylm__fourier_run_f_##isa(f, c, out, scratch, stage); return;
-    PRODUCT_ISAS(X)
+    FOURIER_ISAS(X)
 #undef X
   default: run_f(f, c, out, scratch, stage);
   }
 }
 
-void ylm__fourier_d(const ylm__fourier *f, const double *const *c, double *out, void *scratch,
+static void apply_d(const ylm__fourier *f, const double *const *c, double *out, void *scratch,
                     double *stage) {
   switch (ylm_isa_current()) {
 #define X(isa)                                                                                     \
   case YLM_ISA_##isa: ylm__fourier_run_d_##isa(f, c, out, scratch, stage); return;
-    PRODUCT_ISAS(X)
+    FOURIER_ISAS(X)
 #undef X
   default: run_d(f, c, out, scratch, stage);
   }
 }
+
+static void apply(const void *plan, ylm_dtype t, const void *const *c, void *out, void *scratch,
+                  double *stage) {
+  if (t == YLM_DOUBLE)
+    apply_d(plan, (const double *const *)c, out, scratch, stage);
+  else
+    apply_f(plan, (const float *const *)c, out, scratch, stage);
+}
+
+const ylm_sh_rival_product ylm__rival_fourier = {create, fourier_free, scratch_of, apply};

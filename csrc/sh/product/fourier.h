@@ -9,7 +9,7 @@
 #ifndef YLM_SH_FOURIER_H
 #define YLM_SH_FOURIER_H
 
-#include "product.h"
+#include "rival.h"
 
 #define FOURIER_LEVELS 20 /* radix steps of a transform at most */
 
@@ -20,26 +20,35 @@ typedef struct ylm__fft {
   float *twiddle_f;
 } ylm__fft;
 
-struct ylm__fourier {
+typedef struct ylm__fourier {
   int lmax, factors, ffts;
   ylm__fft *fft; /* one for each number of factors 2 .. factors: [factors+1] */
   double *series_d,
       *back_d; /* series: (l,m >= 0): coefficients s = l, l-2 ..; back: (l,m): s = l mod 2 .. */
   float *series_f, *back_f;
   size_t *series_at, *back_at; /* [(lmax+1)(lmax+2)/2] */
-};
+} ylm__fourier;
 
 /* Numbers in a function of degree d: real parts, then imaginary parts. */
 static inline size_t fourier_size(int d) { return 2 * (size_t)(2 * d + 1) * (size_t)(d + 1); }
 /* Numbers of scratch of a convolution of length n: four grids of complex numbers. */
 static inline size_t fourier_grid(int n) { return (size_t)n * (size_t)n * 8; }
 
+/* The instruction sets that fourier.isa.c is compiled for. */
+#if defined(__x86_64__)
+#define FOURIER_ISAS(X) X(sse2) X(avx2) X(avx512)
+#elif defined(__aarch64__)
+#define FOURIER_ISAS(X) X(neon)
+#else
+#define FOURIER_ISAS(X)
+#endif
+
 #define X(isa)                                                                                     \
   void ylm__fourier_run_f_##isa(const ylm__fourier *f, const float *const *c, float *out,          \
                                 float *scratch, double *stage);                                    \
   void ylm__fourier_run_d_##isa(const ylm__fourier *f, const double *const *c, double *out,        \
                                 double *scratch, double *stage);
-PRODUCT_ISAS(X)
+FOURIER_ISAS(X)
 #undef X
 
 #endif

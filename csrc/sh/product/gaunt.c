@@ -5,7 +5,6 @@
 #include <math.h>
 #include <string.h>
 
-#include "../project/quadrature.h"
 #include "product.h"
 
 /* More integrals than this are refused: it is far beyond where the method pays. */
@@ -77,9 +76,9 @@ static double *node_table(int lmax, int nodes, double **weights) {
   double *memory = ylm_alloc((entries + 2) * (size_t)nodes + entries, sizeof *memory);
   if (!memory) return NULL;
   double *x = memory + entries * (size_t)nodes, *w = x + nodes, *p = w + nodes;
-  ylm__gauss_legendre(nodes, x, w);
+  ylm_sh_gauss_legendre(nodes, x, w);
   for (int h = 0; h < nodes; h++) {
-    ylm__legendre(lmax, x[h], sqrt(1 - x[h] * x[h]), p);
+    ylm_sh_legendre(lmax, x[h], sqrt(1 - x[h] * x[h]), p);
     for (size_t k = 0; k < entries; k++) memory[k * (size_t)nodes + (size_t)h] = p[k];
   }
   *weights = w;

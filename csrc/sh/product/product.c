@@ -26,8 +26,7 @@ void ylm_sh_product_free(ylm_sh_product *p) {
   ylm__product_tables_free(&p->f);
   ylm__product_tables_free(&p->d);
   ylm__gaunt_free(p->gaunt);
-  ylm__fourier_free(p->fourier);
-  ylm__brute_free(p->brute);
+  if (p->rival) p->rival->free(p->rival_plan);
   ylm_sh_product_free(p->inner);
   ylm_free(p);
 }
@@ -35,6 +34,12 @@ void ylm_sh_product_free(ylm_sh_product *p) {
 static ylm_sh_product_method best(int lmax, int factors) {
   if (factors == 2 && lmax <= PRODUCT_GAUNT_LOW) return YLM_SH_PRODUCT_gaunt;
   return YLM_SH_PRODUCT_quadrature;
+}
+
+/* The tables of a method of another library. */
+static ylm_status create_rival(ylm_sh_product *p, ylm_error *e) {
+  ylm_status s = ylm__product_rival(p->method, &p->rival, e);
+  return s == YLM_OK ? p->rival->create(p->lmax, p->factors, &p->rival_plan, e) : s;
 }
 
 ylm_status ylm_sh_product_create(int lmax, int factors, ylm_sh_product_method method,
@@ -63,8 +68,8 @@ ylm_status ylm_sh_product_create(int lmax, int factors, ylm_sh_product_method me
   case YLM_SH_PRODUCT_gaunt:
     s = ylm__gaunt_create(lmax, product_gaunt_top(lmax, factors), &p->gaunt, e);
     break;
-  case YLM_SH_PRODUCT_fourier: s = ylm__fourier_create(lmax, factors, &p->fourier, e); break;
-  case YLM_SH_PRODUCT_brute: s = ylm__brute_create(lmax, factors, &p->brute, e); break;
+  case YLM_SH_PRODUCT_fourier:
+  case YLM_SH_PRODUCT_brute: s = create_rival(p, e); break;
   case YLM_SH_PRODUCT_recursive:
     s = ylm_sh_product_create(lmax, 2, inner, inner, &p->inner, e);
     break;

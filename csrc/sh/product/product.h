@@ -9,7 +9,7 @@
 #ifndef YLM_SH_PRODUCT_H
 #define YLM_SH_PRODUCT_H
 
-#include "ylm_sh.h"
+#include "ylm_sh_rival.h"
 
 /* Tables of one element type; lanes: numbers in 64 bytes of it. */
 typedef struct ylm__product_tables {
@@ -32,9 +32,7 @@ typedef struct ylm__product_tables {
 
 struct ylm__product_kernels;
 
-typedef struct ylm__fourier ylm__fourier;
 typedef struct ylm__gaunt ylm__gaunt;
-typedef struct ylm__brute ylm__brute;
 
 struct ylm_sh_product {
   int lmax, factors;
@@ -44,8 +42,8 @@ struct ylm_sh_product {
   bool dense; /* one product at a time is fastest by the dense tables */
   ylm__product_tables f, d;
   ylm__gaunt *gaunt;
-  ylm__fourier *fourier;
-  ylm__brute *brute;
+  const ylm_sh_rival_product *rival; /* a method of another library, and its tables; or NULL */
+  void *rival_plan;
   ylm_sh_product *inner; /* of the recursive approximation: two factors */
 };
 
@@ -132,17 +130,8 @@ size_t ylm__gaunt_count(const ylm__gaunt *g);
 void ylm__gaunt_f(const ylm__gaunt *g, const float *a, const float *b, float *out);
 void ylm__gaunt_d(const ylm__gaunt *g, const double *a, const double *b, double *out);
 
-ylm_status ylm__fourier_create(int lmax, int factors, ylm__fourier **out, ylm_error *e);
-void ylm__fourier_free(ylm__fourier *f);
-size_t ylm__fourier_scratch(const ylm__fourier *f); /* bytes */
-void ylm__fourier_f(const ylm__fourier *f, const float *const *c, float *out, void *scratch,
-                    double *stage);
-void ylm__fourier_d(const ylm__fourier *f, const double *const *c, double *out, void *scratch,
-                    double *stage);
-
-ylm_status ylm__brute_create(int lmax, int factors, ylm__brute **out, ylm_error *e);
-void ylm__brute_free(ylm__brute *b);
-void ylm__brute_f(const ylm__brute *b, const float *const *c, float *out);
-void ylm__brute_d(const ylm__brute *b, const double *const *c, double *out);
+/* The rival of a method; YLM_EMISSING while its library is not there. */
+ylm_status ylm__product_rival(ylm_sh_product_method m, const ylm_sh_rival_product **out,
+                              ylm_error *e);
 
 #endif

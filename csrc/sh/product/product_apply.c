@@ -96,7 +96,7 @@ static bool low_gaunt(const ylm_sh_product *p) {
 CHAIN(f, float)
 CHAIN(d, double)
 
-#define ROW(S, T, OTHER, PLAIN)                                                                    \
+#define ROW(S, T, DTYPE, PLAIN)                                                                    \
   static void row_##S(const ylm_sh_product *p, const T *const *c, T *out, void *scratch,           \
                       double *stage) {                                                             \
     size_t size = ylm_sh_count(p->lmax) * sizeof(T);                                               \
@@ -108,10 +108,9 @@ CHAIN(d, double)
       else                                                                                         \
         chain_##S(p, c, out, scratch);                                                             \
       break;                                                                                       \
-    case YLM_SH_PRODUCT_fourier: ylm__fourier_##S(p->fourier, c, out, scratch, stage); break;      \
+    case YLM_SH_PRODUCT_fourier:                                                                   \
     case YLM_SH_PRODUCT_brute:                                                                     \
-      memset(out, 0, size);                                                                        \
-      ylm__brute_##S(p->brute, c, out);                                                            \
+      p->rival->apply(p->rival_plan, DTYPE, (const void *const *)c, out, scratch, stage);          \
       break;                                                                                       \
     case YLM_SH_PRODUCT_recursive: {                                                               \
       T *a = scratch, *b = a + ylm_sh_count(p->lmax);                                              \
@@ -135,8 +134,8 @@ CHAIN(d, double)
         k->separable_##S(p, c, out, scratch, stage);                                               \
     }                                                                                              \
   }
-ROW(f, float, double, plain_f(p, c, out, scratch))
-ROW(d, double, float, plain(p, c, out))
+ROW(f, float, YLM_FLOAT, plain_f(p, c, out, scratch))
+ROW(d, double, YLM_DOUBLE, plain(p, c, out))
 
 /* Bytes of scratch that a row needs. */
 static size_t scratch_of(const ylm_sh_product *p, ylm_dtype t) {
@@ -145,7 +144,8 @@ static size_t scratch_of(const ylm_sh_product *p, ylm_dtype t) {
   case YLM_SH_PRODUCT_gaunt:
     return p->factors == 2 ? YLM_ALIGN
                            : 3 * ylm_sh_count(product_gaunt_top(p->lmax, p->factors)) * size;
-  case YLM_SH_PRODUCT_fourier: return ylm__fourier_scratch(p->fourier);
+  case YLM_SH_PRODUCT_fourier:
+  case YLM_SH_PRODUCT_brute: return p->rival->scratch(p->rival_plan, t);
   case YLM_SH_PRODUCT_recursive: return 2 * count * size + YLM_ALIGN + scratch_of(p->inner, t);
   case YLM_SH_PRODUCT_quadrature: {
     size_t vector = product_scratch(p, t == YLM_DOUBLE ? &p->d : &p->f) * size;

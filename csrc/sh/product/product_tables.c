@@ -4,8 +4,6 @@
 #include <math.h>
 #include <string.h>
 
-#include "../project/quadrature.h"
-
 void ylm__product_tables_free(ylm__product_tables *t) {
   ylm_free(t->values);
   ylm_free(t->weights);
@@ -136,11 +134,11 @@ ylm_status ylm__product_quadrature(ylm_sh_product *p) {
   rule r = {NULL, NULL, ylm_alloc((size_t)(p->half * entries), sizeof(double))};
   bool ok = z && r.p;
   if (ok) {
-    ylm__gauss_legendre(p->nodes, z, z + p->nodes);
+    ylm_sh_gauss_legendre(p->nodes, z, z + p->nodes);
     r.z = z + p->nodes / 2; /* the first that is >= 0 */
     r.w = z + p->nodes + p->nodes / 2;
     for (int h = 0; h < p->half; h++)
-      ylm__legendre(p->lmax, r.z[h], sqrt(1 - r.z[h] * r.z[h]), r.p + h * entries);
+      ylm_sh_legendre(p->lmax, r.z[h], sqrt(1 - r.z[h] * r.z[h]), r.p + h * entries);
     for (int t = YLM_FLOAT; ok && t <= YLM_DOUBLE; t++) {
       ylm__product_tables *out = t == YLM_DOUBLE ? &p->d : &p->f;
       ok = separable_tables(p, &r, (ylm_dtype)t, out) &&

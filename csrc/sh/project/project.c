@@ -4,8 +4,6 @@
 #include <math.h>
 #include <string.h>
 
-#include "quadrature.h"
-
 #define PI 3.14159265358979323846
 
 /* Samples of a partial sum, and of one evaluation of the basis within it. */
@@ -19,7 +17,7 @@ ylm_status ylm_sh_sphere_rule(int nodes, int azimuths, double lo, double hi, dou
     return YLM_ERANGE;
   double *x = ylm_alloc(2 * (size_t)nodes, sizeof *x), *w = x + nodes;
   if (!x) return YLM_ENOMEM;
-  ylm__gauss_legendre(nodes, x, w);
+  ylm_sh_gauss_legendre(nodes, x, w);
   for (int h = 0; h < nodes; h++) {
     double z = 0.5 * (lo + hi) + 0.5 * (hi - lo) * x[h], s = sqrt((1 - z) * (1 + z));
     for (int j = 0; j < azimuths; j++) {

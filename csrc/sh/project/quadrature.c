@@ -1,9 +1,9 @@
 /* quadrature.c - Gauss-Legendre rules and Legendre tables. */
-#include "quadrature.h"
+#include "ylm_sh.h"
 
 #include <math.h>
 
-void ylm__gauss_legendre(int n, double *x, double *w) {
+void ylm_sh_gauss_legendre(int n, double *x, double *w) {
   const long double pi = 3.14159265358979323846264L;
   for (int i = 0; i < (n + 1) / 2; i++) {
     long double t = cosl(pi * (i + 0.75L) / (n + 0.5L)), derivative = 1;
@@ -26,7 +26,7 @@ void ylm__gauss_legendre(int n, double *x, double *w) {
   }
 }
 
-void ylm__legendre(int lmax, double x, double sine, double *p) {
+void ylm_sh_legendre(int lmax, double x, double sine, double *p) {
   const long double pi = 3.14159265358979323846264L;
   long double diagonal = sqrtl(1 / (4 * pi));
   for (int m = 0; m <= lmax; m++) {

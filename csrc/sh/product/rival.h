@@ -1,0 +1,14 @@
+/* rival.h - the methods, each beside what it needs. Private to csrc/rival. */
+#ifndef YLM_RIVAL_METHODS_H
+#define YLM_RIVAL_METHODS_H
+
+#include "ylm_sh_rival.h"
+
+/* eval.c */
+extern const ylm_sh_rival_eval ylm__rival_polynomial, ylm__rival_direct, ylm__rival_sloan,
+    ylm__rival_scd;
+
+extern const ylm_sh_rival_product ylm__rival_fourier; /* fourier.c */
+extern const ylm_sh_rival_product ylm__rival_brute;   /* brute.c */
+
+#endif
