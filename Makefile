@@ -22,7 +22,7 @@ ABIS    := $(sort $(patsubst luajit,lua5.1,$(LUAS)))
 
 # -- what belongs to which library (csrc/README.md) -------------------------
 
-CORE    := base sh image geom material light grid figure
+CORE    := base sh rival image geom material light grid figure
 SCENE   := codec trace shade
 
 ARCH    := $(shell $(CC) -dumpmachine 2>/dev/null | cut -d- -f1)

@@ -4,7 +4,7 @@ local scratch = require "spec.support.scratch"
 local build = os.getenv "YLM_BUILD" or "build"
 
 local ladder = { "base", "sh", "image", "geom", "material", "light", "grid", "figure", "codec", "trace", "shade" }
-local tops = { vulkan = true, vtk = true, mpi = true } -- above all of these, and never one another
+local tops = { vulkan = true, vtk = true, rival = true, mpi = true } -- above all of these, and never one another
 local rank = { lua = 100 }
 for i, folder in ipairs(ladder) do rank[folder] = i end
 for folder in pairs(tops) do rank[folder] = 50 end
@@ -117,7 +117,8 @@ describe("the ladder", function()
   end)
 
   it("has one public header per folder, and those of `others`", function()
-    local others = { ["ylm_simd.h"] = "base", ["ylm_vector.h"] = "base", ["ylm_light_device.h"] = "light" }
+    local others = { ["ylm_simd.h"] = "base", ["ylm_vector.h"] = "base", ["ylm_sh_rival.h"] = "sh",
+      ["ylm_light_device.h"] = "light" }
     for name, folder in pairs(public) do
       assert(name == "ylm_" .. folder .. ".h" or others[name] == folder, folder .. "/" .. name)
     end
@@ -150,7 +151,7 @@ describe("csrc/README.md", function()
     local file = assert(io.open "csrc/README.md")
     local text, at = file:read "*a", 0
     file:close()
-    local folders = { "vulkan", "vtk", "lua" }
+    local folders = { "vulkan", "vtk", "rival", "lua" }
     for i, folder in ipairs(ladder) do table.insert(folders, i, folder) end
     for _, folder in ipairs(folders) do
       if exists("csrc/" .. folder .. "/.") or scratch.shell("test -d csrc/" .. folder) then

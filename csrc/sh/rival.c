@@ -5,7 +5,10 @@
 
 #include "eval/sh_eval.h"
 #include "product/product.h"
-#include "product/rival.h"
+
+extern const ylm_sh_rival_eval ylm__rival_polynomial, ylm__rival_direct, ylm__rival_sloan,
+    ylm__rival_scd;
+extern const ylm_sh_rival_product ylm__rival_fourier, ylm__rival_brute;
 
 static const ylm_sh_rival_eval *const own_evals[YLM_SH_METHOD_COUNT] = {
     [YLM_SH_polynomial] = &ylm__rival_polynomial,

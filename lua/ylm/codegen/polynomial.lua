@@ -1,4 +1,4 @@
---- csrc/sh/gen/polynomial.h: the explicit polynomials that solid harmonics are, one function a degree.
+--- csrc/rival/gen/polynomial.h: the explicit polynomials that solid harmonics are, one function a degree.
 --
 -- Sloan 2008, Appendix A2, for any degree: each function a sum of monomials c x^i y^j z^k, and its
 -- derivatives the same. Kept to compare with; nothing but powers of x, y, z is shared.

@@ -1,15 +1,14 @@
 /*
-** compare.c - other ways to evaluate, scalar, kept to compare with: "polynomial", "direct",
+** eval.c - other ways to evaluate, scalar, kept to compare with: "polynomial", "direct",
 ** "sloan", "scd".
 **
-** The last three work in (theta, phi) at the unit vector w and go to x, y, z by the chain rule,
-** which
+** The last three work in (theta, phi) at the unit vector w and go to x, y, z by the chain rule. It
 ** divides by sin(theta): where x = y = 0 their derivatives are NaN, and close by they lose digits.
 **   direct   dP/dtheta by Mezieres et al. 2022, Eq. 19, with cos(m phi) from libm
 **   sloan    P / sin^m and its derivative T by recurrence, Eqs. 7, 8, 17, 21-23
 **   scd      the same carried to second derivatives
 */
-#include "../product/rival.h"
+#include "rival.h"
 
 #include <math.h>
 #include <string.h>
@@ -17,7 +16,7 @@
 #define YLM_T double
 #define YLM_K(c) (c)
 #define YLM_SET(c) (c)
-#include "../gen/polynomial.h"
+#include "gen/polynomial.h"
 
 #define POLYNOMIAL_LMAX 6
 
