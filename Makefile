@@ -23,7 +23,7 @@ ABIS    := $(sort $(patsubst luajit,lua5.1,$(LUAS)))
 # -- what belongs to which library (csrc/README.md) -------------------------
 
 CORE    := base sh rival image geom material light grid figure
-SCENE   := codec trace shade
+SCENE   := codec trace scene shade
 
 ARCH    := $(shell $(CC) -dumpmachine 2>/dev/null | cut -d- -f1)
 ISAS    := $(if $(filter x86_64,$(ARCH)),sse2 avx2 avx512,$(if $(filter aarch64,$(ARCH)),neon))

@@ -53,8 +53,8 @@
   X(shade_entries)                                                                                 \
   X(shade_grid)                                                                                    \
   X(shade_picture)                                                                                 \
-  X(shade_scene)                                                                                   \
-  X(shade_view)
+  X(shade_view)                                                                                    \
+  X(traced)
 
 #define X(name) void ylmL_open_##name(lua_State *L);
 YLML_CORE_BINDINGS(X)

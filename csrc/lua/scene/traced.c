@@ -1,4 +1,4 @@
-/* shade_scene.c - scenes ready to be traced: made of meshes and lamps, looked at, traced. */
+/* traced.c - scenes ready to be traced: made of meshes and lamps, looked at, traced. */
 #include <string.h>
 
 #include "shade.h"
@@ -179,4 +179,4 @@ static const luaL_Reg functions[] = {{"shade_scene", shade_scene},
                                      {"shade_trace", shade_trace},
                                      {NULL, NULL}};
 
-void ylmL_open_shade_scene(lua_State *L) { luaL_setfuncs(L, functions, 0); }
+void ylmL_open_traced(lua_State *L) { luaL_setfuncs(L, functions, 0); }
