@@ -12,11 +12,11 @@ local function traced(geometry, lamps)
     at[i], radius[i], radiance[i] = { l[1], l[2], l[3] }, l[4], { 1, 1, 1 }
   end
   local n = #at
-  return assert(lib.shade_scene(meshes, albedos, occludes, n > 0 and ylm.array(at) or ylm.zeros { 0, 3 },
+  return assert(lib.scene_create(meshes, albedos, occludes, n > 0 and ylm.array(at) or ylm.zeros { 0, 3 },
     n > 0 and ylm.array(radius) or ylm.zeros { 0 }, n > 0 and ylm.array(radiance) or ylm.zeros { 0, 3 }))
 end
 
---- Rays { origin, direction, far } as the array that shade_trace takes.
+--- Rays { origin, direction, far } as the array that scene_trace takes.
 local function rays(list)
   local rows = {}
   for i, r in ipairs(list) do
@@ -34,7 +34,7 @@ end
 describe("tracing", function()
   it("finds the nearest triangle with its distance, weights and winding normal, from either side", function()
     local s = traced { floor(), floor { at = { 0, 1, 0 } } }
-    local hits = lib.shade_trace(s, rays { { { 0.2, 5, 0.3 }, { 0, -2, 0 } }, { { 0.2, -3, 0.3 }, { 0, 1, 0 } } })
+    local hits = lib.scene_trace(s, rays { { { 0.2, 5, 0.3 }, { 0, -2, 0 } }, { { 0.2, -3, 0.3 }, { 0, 1, 0 } } })
     assert.same({ 2, 1 }, { hits:get(1, 1), hits:get(2, 1) })
     assert.near(2, hits:get(1, 3), 1e-6)
     assert.near(3, hits:get(2, 3), 1e-6)
@@ -56,32 +56,32 @@ describe("tracing", function()
   it("sees lamps, and they occlude nothing", function()
     local s = traced({ floor() }, { { 0, 2, 0, 0.5 }, { 0.4, 1, 0, 0.1 } })
     local r = rays { { { 0, 5, 0 }, { 0, -1, 0 } }, { { 0.4, 1.4, 0 }, { 0, -1, 0 } }, { { 0.9, 5, 0 }, { 0, -1, 0 } } }
-    local hits = lib.shade_trace(s, r)
+    local hits = lib.scene_trace(s, r)
     assert.same({ -1, -1, 1 }, { hits:get(1, 1), hits:get(2, 1), hits:get(3, 1) })
     assert.same({ 1, 2 }, { hits:get(1, 2), hits:get(2, 2) })
     assert.near(2.5, hits:get(1, 3), 1e-5)
     local down = { 0, -1, 0 }
     local up = rays { { { 0, 0.1, 0 }, { 0, 1, 0 } }, { { 0, 5, 0 }, down, 4.9 }, { { 0, 5, 0 }, down, 5.1 } }
-    assert.same({ 0, 0, 1 }, lib.shade_trace(s, up, true):totable())
+    assert.same({ 0, 0, 1 }, lib.scene_trace(s, up, true):totable())
   end)
 
   it("sees what does not occlude, and lets light through it", function()
     local s = traced { floor { occludes = false, at = { 0, 1, 0 } }, floor() }
     local r = rays { { { 0, 5, 0 }, { 0, -1, 0 }, 4.5 }, { { 0, 5, 0 }, { 0, -1, 0 }, 5.5 } }
-    assert.equal(1, lib.shade_trace(s, r):get(1, 1))
-    assert.same({ 0, 1 }, lib.shade_trace(s, r, true):totable())
+    assert.equal(1, lib.scene_trace(s, r):get(1, 1))
+    assert.same({ 0, 1 }, lib.scene_trace(s, r, true):totable())
   end)
 
   it("misses everything in an empty scene", function()
     local s = traced {}
     local r = rays { { { 0, 5, 0 }, { 0, -1, 0 } } }
-    assert.equal(0, lib.shade_trace(s, r):get(1, 1))
-    assert.same({ 0 }, lib.shade_trace(s, r, true):totable())
-    assert.same({ { 0, 0, 0 }, { 0, 0, 0 } }, { lib.shade_bounds(s) })
+    assert.equal(0, lib.scene_trace(s, r):get(1, 1))
+    assert.same({ 0 }, lib.scene_trace(s, r, true):totable())
+    assert.same({ { 0, 0, 0 }, { 0, 0, 0 } }, { lib.scene_bounds(s) })
   end)
 
   it("knows the box around all meshes", function()
-    local lo, hi = lib.shade_bounds(traced({ floor(), floor { at = { 3, 1, 0 } } }, { { 9, 9, 9, 1 } }))
+    local lo, hi = lib.scene_bounds(traced({ floor(), floor { at = { 3, 1, 0 } } }, { { 9, 9, 9, 1 } }))
     assert.same({ { -1, 0, -1 }, { 4, 1, 1 } }, { lo, hi })
   end)
 end)

@@ -24,4 +24,8 @@ static inline bool ylm_unit3(double v[3]) {
   return true;
 }
 
+static inline float ylm_dot3(const float a[3], const float b[3]) {
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
 #endif

@@ -1,8 +1,7 @@
 /* camera.c - the frame of a pinhole camera. */
 #include <math.h>
 
-#include "view.h"
-#include "ylm_vector.h"
+#include "scene.h"
 
 static void cross(const double a[3], const double b[3], double out[3]) {
   out[0] = a[1] * b[2] - a[2] * b[1];
@@ -10,8 +9,8 @@ static void cross(const double a[3], const double b[3], double out[3]) {
   out[2] = a[0] * b[1] - a[1] * b[0];
 }
 
-ylm_status ylm__shade_frame(const ylm_camera *c, int width, int height, shade_frame *f,
-                            ylm_error *e) {
+ylm_status ylm_scene_frame(const ylm_camera *c, int width, int height, ylm_camera_frame *f,
+                           ylm_error *e) {
   double up[3];
   if (!(c->fov > 0 && c->fov < 180))
     return ylm_fail(e, YLM_EINVAL, "the camera's fov must be between 0 and 180, got %g", c->fov);

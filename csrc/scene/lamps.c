@@ -1,9 +1,24 @@
-/* aim.c - rays from a point to the lamps, chosen by what they may bring. */
+/* lamps.c - what lamps emit, and rays from a point to the lamps, chosen by what they may bring. */
 #include <math.h>
 
-#include "view.h"
+#include "scene.h"
 
 #define PI 3.14159265358979323846
+
+struct ylm_scene_chooser {
+  const ylm_scene *scene;
+  size_t chunks, spheres; /* chunks of all lamps; of these, of spheres */
+  ylm_scene_weights_fn *weights;
+  float *weight, *sum; /* [chunks*YLM_LAMP_CHUNK], [chunks]: spheres, then patches */
+};
+
+const float *ylm_scene_lamp_radiance(const ylm_scene *s, const ylm_trace_ray *ray,
+                                     const ylm_trace_hit *h) {
+  double p[3];
+  if (h->element < s->lamps) return s->lamp_radiance + 3 * h->element;
+  for (int a = 0; a < 3; a++) p[a] = (double)ray->org[a] + (double)h->t * (double)ray->dir[a];
+  return ylm__scene_patch_radiance(s, h->element - s->lamps, p);
+}
 
 /* A place in the list of lamps as strata walk along the sum of weights. */
 typedef struct walk {
@@ -12,7 +27,7 @@ typedef struct walk {
 } walk;
 
 /* Moves on to the lamp that holds `target`; targets increase. */
-static void walk_to(walk *w, const shade_aim *s, double target) {
+static void walk_to(walk *w, const ylm_scene_chooser *s, double target) {
   size_t chunks = s->chunks;
   while (w->lamp % YLM_LAMP_CHUNK == 0 && w->chunk + 1 < chunks &&
          w->passed + s->sum[w->chunk] <= target) {
@@ -34,12 +49,12 @@ static void walk_to(walk *w, const shade_aim *s, double target) {
 static void turn(const float axis[3], double z, double u, float out[3]) {
   float a[3], b[3];
   double r = sqrt(fmax(0, 1 - z * z)), c = r * cos(2 * PI * u), s = r * sin(2 * PI * u);
-  ylm__shade_basis(axis, a, b);
+  ylm_scene_basis(axis, a, b);
   for (int k = 0; k < 3; k++) out[k] = (float)(c * a[k] + s * b[k] + z * axis[k]);
 }
 
 /* A ray from x to a random place of lamp i and the irradiance it brings, for radiance 1. */
-static double sample_lamp(const ylm_shade_scene *s, size_t i, const float x[3], const float n[3],
+static double sample_lamp(const ylm_scene *s, size_t i, const float x[3], const float n[3],
                           double u0, double u1, ylm_trace_ray *ray) {
   double v[3], d2 = 0, r = s->lamp[3][i];
   for (int a = 0; a < 3; a++) {
@@ -61,35 +76,42 @@ static double sample_lamp(const ylm_shade_scene *s, size_t i, const float x[3], 
   double z = 1 - u0 * cap, side2 = d2 * fmax(0, 1 - z * z);
   turn(axis, z, u1, ray->dir);
   ray->far = (float)(d * z - sqrt(fmax(0, r * r - side2)));
-  return fmax(0, (double)ylm__dot3(ray->dir, n)) * 2 * PI * cap;
+  return fmax(0, (double)ylm_dot3(ray->dir, n)) * 2 * PI * cap;
 }
 
 static double wrap(double x) { return x - floor(x); }
 
-ylm_status ylm__shade_aim_create(shade_aim *a, const ylm_shade_scene *s) {
+ylm_scene_chooser *ylm_scene_chooser_create(const ylm_scene *s) {
   size_t patches = s->triangles + s->disks;
-  *a = (shade_aim){.scene = s, .weights = ylm__shade_kernels().weights};
-  a->spheres = (s->lamps + YLM_LAMP_CHUNK - 1) / YLM_LAMP_CHUNK;
-  a->chunks = a->spheres + (patches + YLM_LAMP_CHUNK - 1) / YLM_LAMP_CHUNK;
-  a->weight = ylm_alloc(a->chunks * YLM_LAMP_CHUNK, sizeof *a->weight);
-  a->sum = ylm_alloc(a->chunks, sizeof *a->sum);
-  return a->weight && a->sum ? YLM_OK : YLM_ENOMEM;
+  ylm_scene_chooser *c = ylm_alloc_zero(1, sizeof *c);
+  if (!c) return NULL;
+  c->scene = s;
+  c->weights = ylm__scene_weights();
+  c->spheres = (s->lamps + YLM_LAMP_CHUNK - 1) / YLM_LAMP_CHUNK;
+  c->chunks = c->spheres + (patches + YLM_LAMP_CHUNK - 1) / YLM_LAMP_CHUNK;
+  c->weight = ylm_alloc(c->chunks * YLM_LAMP_CHUNK, sizeof *c->weight);
+  c->sum = ylm_alloc(c->chunks, sizeof *c->sum);
+  if (c->weight && c->sum) return c;
+  ylm_scene_chooser_free(c);
+  return NULL;
 }
 
-void ylm__shade_aim_free(shade_aim *a) {
-  ylm_free(a->weight);
-  ylm_free(a->sum);
+void ylm_scene_chooser_free(ylm_scene_chooser *c) {
+  if (!c) return;
+  ylm_free(c->weight);
+  ylm_free(c->sum);
+  ylm_free(c);
 }
 
 /* Places on lamps follow Roberts' sequence R2, shifted at random, so that successive rays, most of
    them to one lamp, spread over it. */
-size_t ylm__shade_aim(const shade_aim *a, const float x[3], const float n[3], int samples,
-                      ylm_rng *rng, ylm_trace_ray *ray, float (*value)[3]) {
-  const ylm_shade_scene *scene = a->scene;
+size_t ylm_scene_aim(const ylm_scene_chooser *a, const float x[3], const float n[3], int samples,
+                     ylm_rng *rng, ylm_trace_ray *ray, float (*value)[3]) {
+  const ylm_scene *scene = a->scene;
   double total = 0;
   size_t rays = 0, before = a->spheres * YLM_LAMP_CHUNK; /* places of spheres */
   a->weights(a->spheres, scene->lamp, scene->lamp_luminance, x, n, a->weight, a->sum);
-  ylm__shade_patch_weights(scene, x, n, a->weight + before, a->sum + a->spheres);
+  ylm__scene_patch_weights(scene, x, n, a->weight + before, a->sum + a->spheres);
   for (size_t b = 0; b < a->chunks; b++) total += a->sum[b];
   if (!(total > 0)) return 0;
   walk w = {0};
@@ -102,7 +124,7 @@ size_t ylm__shade_aim(const shade_aim *a, const float x[3], const float n[3], in
     bool flat = w.lamp >= before;
     const float *radiance = scene->lamp_radiance + (flat ? 0 : 3 * w.lamp);
     double e =
-        flat ? ylm__shade_patch_sample(scene, w.lamp - before, x, n, u0, u1, &ray[rays], &radiance)
+        flat ? ylm__scene_patch_sample(scene, w.lamp - before, x, n, u0, u1, &ray[rays], &radiance)
              : sample_lamp(scene, w.lamp, x, n, u0, u1, &ray[rays]);
     if (!(e > 0)) continue;
     e *= total / a->weight[w.lamp] / samples;

@@ -3,7 +3,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "view.h"
+#include "scene.h"
 
 #define PI 3.14159265358979323846
 /* Triangles that fill a smaller solid angle are sampled by area. */
@@ -60,8 +60,8 @@ static double disk_weight(const float *disk, const float x[3], const float n[3])
   return omega / PI * fmin(1, fmax(0.2, highest / near));
 }
 
-void ylm__shade_patch_weights(const ylm_shade_scene *s, const float x[3], const float n[3],
-                              float *weight, float *sum) {
+void ylm__scene_patch_weights(const ylm_scene *s, const float x[3], const float n[3], float *weight,
+                              float *sum) {
   size_t count = s->triangles + s->disks;
   for (size_t b = 0; b * YLM_LAMP_CHUNK < count; b++) {
     double total = 0;
@@ -146,7 +146,7 @@ static double sample_disk(const float *disk, const float x[3], const float n[3],
                           double u1, double y[3]) {
   float a[3], b[3];
   double r = (double)disk[3], m[3], q = r * sqrt(u0);
-  ylm__shade_basis(disk + 4, a, b);
+  ylm_scene_basis(disk + 4, a, b);
   for (int k = 0; k < 3; k++) {
     m[k] = (double)disk[4 + k];
     y[k] = (double)disk[k] - (double)x[k] +
@@ -155,9 +155,8 @@ static double sample_disk(const float *disk, const float x[3], const float n[3],
   return by_area(y, m, PI * r * r, n);
 }
 
-double ylm__shade_patch_sample(const ylm_shade_scene *s, size_t i, const float x[3],
-                               const float n[3], double u0, double u1, ylm_trace_ray *ray,
-                               const float **radiance) {
+double ylm__scene_patch_sample(const ylm_scene *s, size_t i, const float x[3], const float n[3],
+                               double u0, double u1, ylm_trace_ray *ray, const float **radiance) {
   double y[3] = {0, 0, 0}, p[3], e;
   e = i < s->triangles ? sample_triangle(s->triangle + 9 * i, x, n, u0, u1, y)
                        : sample_disk(s->disk + 7 * (i - s->triangles), x, n, u0, u1, y);
@@ -169,7 +168,7 @@ double ylm__shade_patch_sample(const ylm_shade_scene *s, size_t i, const float x
     ray->dir[k] = (float)(y[k] / d);
     p[k] = (double)x[k] + y[k];
   }
-  *radiance = ylm__shade_patch_radiance(s, i, p);
+  *radiance = ylm__scene_patch_radiance(s, i, p);
   ray->near = 0;
   /* a light may lie on a wall: the ray ends just before it */
   ray->far = fmaxf(0, (float)(d * (1 - 1e-5)) - ylm_trace_offset(s->trace));

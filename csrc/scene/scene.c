@@ -1,11 +1,11 @@
-/* scene.c - meshes, materials and lamps as shading needs them. */
+/* scene.c - meshes, materials and lamps, copied and traced; the surface at a place. */
 #include <math.h>
 #include <string.h>
 
-#include "view.h"
+#include "scene.h"
 
 static void normalise(float v[3]) {
-  float d = sqrtf(ylm__dot3(v, v));
+  float d = sqrtf(ylm_dot3(v, v));
   for (int a = 0; a < 3; a++) v[a] = d > 0 ? v[a] / d : a == 2;
 }
 
@@ -19,7 +19,7 @@ static void triangle_normal(const float *p0, const float *p1, const float *p2, f
 }
 
 /* Area-weighted means over the triangles around each vertex. */
-static void mean_normals(shade_mesh *m) {
+static void mean_normals(scene_mesh *m) {
   memset(m->normal, 0, m->vertices * 12);
   for (size_t i = 0; i < m->count; i++) {
     const uint32_t *t = &m->triangle[3 * i];
@@ -30,7 +30,7 @@ static void mean_normals(shade_mesh *m) {
   for (size_t i = 0; i < m->vertices; i++) normalise(&m->normal[3 * i]);
 }
 
-static ylm_status copy_mesh(shade_mesh *m, size_t i, const ylm_shade_mesh *in, ylm_error *e) {
+static ylm_status copy_mesh(scene_mesh *m, size_t i, const ylm_scene_mesh *in, ylm_error *e) {
   size_t where;
   ylm_status s = ylm_material_check(&in->material, e);
   if (s != YLM_OK) return s;
@@ -59,7 +59,7 @@ static float luminance_of(const float *c) {
   return 0.2126f * fabsf(c[0]) + 0.7152f * fabsf(c[1]) + 0.0722f * fabsf(c[2]);
 }
 
-static ylm_status copy_lamps(ylm_shade_scene *s, const ylm_shade_lamps *l, ylm_error *e) {
+static ylm_status copy_lamps(ylm_scene *s, const ylm_scene_lamps *l, ylm_error *e) {
   const ylm_trace_lamps *shape = &l->shape;
   size_t count = shape->spheres, patches = shape->triangles + shape->disks, where;
   size_t padded = (count + YLM_LAMP_CHUNK - 1) / YLM_LAMP_CHUNK * YLM_LAMP_CHUNK;
@@ -87,11 +87,11 @@ static ylm_status copy_lamps(ylm_shade_scene *s, const ylm_shade_lamps *l, ylm_e
   }
   for (size_t i = 0; i < patches; i++)
     s->patch_luminance[i] = luminance_of(&l->radiance[3 * (count + i)]);
-  return ylm__shade_copy_textures(s, l, e);
+  return ylm__scene_copy_textures(s, l, e);
 }
 
-static ylm_status trace_scene(ylm_shade_scene *s, const ylm_shade_mesh *mesh,
-                              const ylm_shade_lamps *lamps, ylm_error *e) {
+static ylm_status trace_scene(ylm_scene *s, const ylm_scene_mesh *mesh,
+                              const ylm_scene_lamps *lamps, ylm_error *e) {
   ylm_trace_mesh *m = ylm_alloc(s->meshes, sizeof *m);
   if (!m) return YLM_ENOMEM;
   for (size_t i = 0; i < s->meshes; i++)
@@ -102,11 +102,10 @@ static ylm_status trace_scene(ylm_shade_scene *s, const ylm_shade_mesh *mesh,
   return status;
 }
 
-ylm_status ylm_shade_scene_create(size_t meshes, const ylm_shade_mesh *mesh,
-                                  const ylm_shade_lamps *lamps, ylm_shade_scene **scene,
-                                  ylm_error *e) {
+ylm_status ylm_scene_create(size_t meshes, const ylm_scene_mesh *mesh, const ylm_scene_lamps *lamps,
+                            ylm_scene **scene, ylm_error *e) {
   *scene = NULL;
-  ylm_shade_scene *s = ylm_alloc_zero(1, sizeof *s);
+  ylm_scene *s = ylm_alloc_zero(1, sizeof *s);
   if (!s) return YLM_ENOMEM;
   s->mesh = ylm_alloc_zero(meshes, sizeof *s->mesh);
   ylm_status status = s->mesh ? YLM_OK : YLM_ENOMEM;
@@ -123,11 +122,11 @@ ylm_status ylm_shade_scene_create(size_t meshes, const ylm_shade_mesh *mesh,
   if (status == YLM_OK)
     *scene = s;
   else
-    ylm_shade_scene_free(s);
+    ylm_scene_free(s);
   return status;
 }
 
-void ylm_shade_scene_free(ylm_shade_scene *s) {
+void ylm_scene_free(ylm_scene *s) {
   if (!s) return;
   ylm_trace_free(s->trace);
   for (size_t i = 0; i < s->meshes; i++) {
@@ -142,24 +141,38 @@ void ylm_shade_scene_free(ylm_shade_scene *s) {
   ylm_free(s->disk);
   ylm_free(s->patch_luminance);
   ylm_free(s->horizon);
-  ylm__shade_free_textures(s);
+  ylm__scene_free_textures(s);
   ylm_free(s->mesh);
   ylm_free(s);
 }
 
-void ylm_shade_scene_bounds(const ylm_shade_scene *s, double lo[3], double hi[3]) {
+void ylm_scene_bounds(const ylm_scene *s, double lo[3], double hi[3]) {
   float a[3], b[3];
   ylm_trace_bounds(s->trace, a, b);
   for (int k = 0; k < 3; k++) lo[k] = a[k], hi[k] = b[k];
 }
 
-size_t ylm_shade_scene_vertices(const ylm_shade_scene *s, float *out) {
+size_t ylm_scene_vertices(const ylm_scene *s, float *out) {
   for (size_t i = 0; out && i < s->meshes; i++)
     memcpy(out + 3 * s->mesh[i].first_vertex, s->mesh[i].position, s->mesh[i].vertices * 12);
   return s->vertices;
 }
 
-const ylm_trace *ylm_shade_scene_trace(const ylm_shade_scene *s) { return s->trace; }
+const ylm_trace *ylm_scene_trace(const ylm_scene *s) { return s->trace; }
+
+size_t ylm_scene_meshes(const ylm_scene *s) { return s->meshes; }
+
+const ylm_material *ylm_scene_material(const ylm_scene *s, size_t m) {
+  return &s->mesh[m].material;
+}
+
+const uint32_t *ylm_scene_triangle(const ylm_scene *s, size_t m, size_t element) {
+  return &s->mesh[m].triangle[3 * element];
+}
+
+size_t ylm_scene_first_vertex(const ylm_scene *s, size_t m) {
+  return m < s->meshes ? s->mesh[m].first_vertex : s->vertices;
+}
 
 /* Moves p from the flat triangle to the surface that the corners' normals describe. */
 static void leave_triangle(const float *const corner[3], const float *const normal[3],
@@ -173,8 +186,9 @@ static void leave_triangle(const float *const corner[3], const float *const norm
   }
 }
 
-void ylm__shade_surface(const ylm_shade_scene *s, const shade_entry *e, shade_surface *out) {
-  const shade_mesh *m = &s->mesh[e->mesh];
+/* The surface at one place. */
+static void surface(const ylm_scene *s, const ylm_scene_place *e, ylm_scene_surface *out) {
+  const scene_mesh *m = &s->mesh[e->mesh];
   const uint32_t *t = &m->triangle[3 * e->element];
   const float *p[3], *n[3], w[3] = {1 - e->u - e->v, e->u, e->v};
   float flat[3], offset = ylm_trace_offset(s->trace), side = e->back ? -1 : 1;
@@ -188,8 +202,8 @@ void ylm__shade_surface(const ylm_shade_scene *s, const shade_entry *e, shade_su
   if (m->smooth) {
     float mean[3];
     for (int a = 0; a < 3; a++) mean[a] = w[0] * n[0][a] + w[1] * n[1][a] + w[2] * n[2][a];
-    float turn = ylm__dot3(mean, flat) < 0 ? -1 : 1; /* normals count, not the winding */
-    if (ylm__dot3(mean, mean) > 0) {
+    float turn = ylm_dot3(mean, flat) < 0 ? -1 : 1; /* normals count, not the winding */
+    if (ylm_dot3(mean, mean) > 0) {
       for (int a = 0; a < 3; a++) out->normal[a] = mean[a] * turn;
       normalise(out->normal);
       leave_triangle(p, n, w, turn, out->position, out->origin);
@@ -198,9 +212,14 @@ void ylm__shade_surface(const ylm_shade_scene *s, const shade_entry *e, shade_su
   for (int a = 0; a < 3; a++) out->origin[a] += offset * flat[a];
 }
 
-void ylm__shade_vertex(const ylm_shade_scene *s, uint32_t mesh, uint32_t vertex, bool back,
-                       shade_surface *out) {
-  const shade_mesh *m = &s->mesh[mesh];
+void ylm_scene_surfaces(const ylm_scene *s, size_t n, const ylm_scene_place *p,
+                        ylm_scene_surface *out) {
+  for (size_t i = 0; i < n; i++) surface(s, &p[i], &out[i]);
+}
+
+void ylm_scene_vertex(const ylm_scene *s, size_t mesh, size_t vertex, bool back,
+                      ylm_scene_surface *out) {
+  const scene_mesh *m = &s->mesh[mesh];
   float offset = ylm_trace_offset(s->trace), side = back ? -1 : 1;
   for (int a = 0; a < 3; a++) {
     out->position[a] = m->position[3 * vertex + a];

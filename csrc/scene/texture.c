@@ -2,10 +2,10 @@
 #include <math.h>
 #include <string.h>
 
-#include "view.h"
+#include "scene.h"
 
 /* The vectors whose products with p - corner are the image's coordinates; false: no area. */
-static bool coordinates(const ylm_shade_texture *in, shade_texture *out) {
+static bool coordinates(const ylm_scene_texture *in, scene_texture *out) {
   const double *u = in->u, *v = in->v;
   double uu = 0, uv = 0, vv = 0;
   for (int a = 0; a < 3; a++) uu += u[a] * u[a], uv += u[a] * v[a], vv += v[a] * v[a];
@@ -19,7 +19,7 @@ static bool coordinates(const ylm_shade_texture *in, shade_texture *out) {
   return d > 0;
 }
 
-static ylm_status copy(shade_texture *t, const ylm_shade_texture *in, ylm_error *e) {
+static ylm_status copy(scene_texture *t, const ylm_scene_texture *in, ylm_error *e) {
   size_t n = 3 * in->width * in->height, where;
   t->width = in->width;
   t->height = in->height;
@@ -31,7 +31,7 @@ static ylm_status copy(shade_texture *t, const ylm_shade_texture *in, ylm_error 
   return YLM_OK;
 }
 
-ylm_status ylm__shade_copy_textures(ylm_shade_scene *s, const ylm_shade_lamps *l, ylm_error *e) {
+ylm_status ylm__scene_copy_textures(ylm_scene *s, const ylm_scene_lamps *l, ylm_error *e) {
   size_t behind = s->triangles;
   s->texture = ylm_alloc_zero(l->textures, sizeof *s->texture);
   if (!s->texture) return YLM_ENOMEM;
@@ -47,7 +47,7 @@ ylm_status ylm__shade_copy_textures(ylm_shade_scene *s, const ylm_shade_lamps *l
   return YLM_OK;
 }
 
-void ylm__shade_free_textures(ylm_shade_scene *s) {
+void ylm__scene_free_textures(ylm_scene *s) {
   for (size_t i = 0; i < s->textures; i++) ylm_free(s->texture[i].texel);
   ylm_free(s->texture);
 }
@@ -58,7 +58,7 @@ static size_t index_of(double x, size_t n) {
   return i > 0 ? (i < (double)n ? (size_t)i : n - 1) : 0;
 }
 
-static const float *texel_at(const shade_texture *t, const double p[3]) {
+static const float *texel_at(const scene_texture *t, const double p[3]) {
   double s = 0, r = 0;
   for (int a = 0; a < 3; a++) {
     s += t->across[a] * (p[a] - t->corner[a]);
@@ -67,7 +67,7 @@ static const float *texel_at(const shade_texture *t, const double p[3]) {
   return t->texel + 3 * (index_of(1 - r, t->height) * t->width + index_of(s, t->width));
 }
 
-const float *ylm__shade_patch_radiance(const ylm_shade_scene *s, size_t i, const double p[3]) {
+const float *ylm__scene_patch_radiance(const ylm_scene *s, size_t i, const double p[3]) {
   if (s->textures > 0 && i >= s->texture[0].first && i < s->triangles) {
     size_t lo = 0, hi = s->textures; /* the last texture whose triangles begin at i or before */
     while (hi - lo > 1) {

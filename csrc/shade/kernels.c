@@ -1,6 +1,4 @@
 /* kernels.c - the plain form of the inner loops, which judges the others, and their choice. */
-#include <math.h>
-
 #include "view.h"
 
 static void dot(size_t count, size_t n, int channels, const uint32_t *index, size_t t_row,
@@ -24,37 +22,12 @@ static void sums(size_t count, size_t n, const float *Y, const uint8_t *visible,
     }
 }
 
-/* Bound of the unshadowed irradiance, over pi, of a lamp of radiance 1 at v with radius r. */
-static double weight(const double v[3], double r, const float n[3]) {
-  double d2 = v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
-  if (d2 <= r * r) return r > 0;
-  double cosine = (v[0] * n[0] + v[1] * n[1] + v[2] * n[2]) / sqrt(d2), s = r * r / d2;
-  if (cosine >= sqrt(s)) return s * cosine;
-  if (cosine <= -sqrt(s)) return 0;
-  return s * fmax(0, cosine * sqrt(1 - s) + sqrt((1 - cosine * cosine) * s));
-}
-
-static void weights(size_t chunks, float *const lamp[4], const float *luminance, const float x[3],
-                    const float n[3], float *w, float *sum) {
-  for (size_t b = 0; b < chunks; b++) {
-    sum[b] = 0;
-    for (size_t j = b * YLM_LAMP_CHUNK; j < (b + 1) * YLM_LAMP_CHUNK; j++) {
-      double v[3] = {(double)lamp[0][j] - x[0], (double)lamp[1][j] - x[1],
-                     (double)lamp[2][j] - x[2]};
-      w[j] = (float)weight(v, lamp[3][j], n) * luminance[j];
-      sum[b] += w[j];
-    }
-  }
-}
-
 #define DECLARE(isa)                                                                               \
   ylm_shade_dot_fn ylm_k_shade_dot_##isa;                                                          \
-  ylm_shade_sums_fn ylm_k_shade_sums_##isa;                                                        \
-  ylm_shade_weights_fn ylm_k_shade_weights_##isa;
+  ylm_shade_sums_fn ylm_k_shade_sums_##isa;
 #define CASE(isa)                                                                                  \
   case YLM_ISA_##isa:                                                                              \
-    return (shade_kernels){ylm_k_shade_dot_##isa, ylm_k_shade_sums_##isa,                          \
-                           ylm_k_shade_weights_##isa};
+    return (shade_kernels){ylm_k_shade_dot_##isa, ylm_k_shade_sums_##isa};
 
 #if defined(__x86_64__)
 DECLARE(sse2)
@@ -73,6 +46,6 @@ shade_kernels ylm__shade_kernels(void) {
 #elif defined(__aarch64__)
     CASE(neon)
 #endif
-  default: return (shade_kernels){dot, sums, weights};
+  default: return (shade_kernels){dot, sums};
   }
 }

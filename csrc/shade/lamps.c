@@ -28,7 +28,7 @@ static double dot3(const double a[3], const double b[3]) {
 /* False if the lamp is behind the camera or around it, or off the image. */
 static bool project(const ylm_shade_view *v, const float sphere[4], const float *radiance,
                     disc *d) {
-  const shade_frame *f = &v->frame;
+  const ylm_camera_frame *f = &v->frame;
   double to[3], width = v->o.width, height = v->o.height, r = (double)sphere[3];
   for (int a = 0; a < 3; a++) to[a] = (double)sphere[a] - f->from[a];
   double far = sqrt(dot3(to, to)), z = dot3(to, f->forward);
@@ -47,7 +47,7 @@ static bool project(const ylm_shade_view *v, const float sphere[4], const float 
 
 /* How much of the pixel lies on the disc. */
 static double covered(const ylm_shade_view *v, const disc *d, int px, int py) {
-  const shade_frame *f = &v->frame;
+  const ylm_camera_frame *f = &v->frame;
   double x = to_the_right(px + 0.5, v->o.width), y = upwards(py + 0.5, v->o.height), u[3];
   for (int a = 0; a < 3; a++) u[a] = ray_along(f->forward[a], f->right[a], f->up[a], x, y);
   return disc_share(u, d->to, d->half, f->pixel);
@@ -65,7 +65,7 @@ static double open_part(const ylm_shade_view *v, size_t pixel, double depth) {
 /* The pixels begin .. end-1 of a row that may be on the disc: the direction to pixel x is
    u = a + x right, and on the disc are those with (u . to)^2 >= cosine^2 u . u. */
 static void span(const ylm_shade_view *v, const disc *d, int py, int *begin, int *end) {
-  const shade_frame *f = &v->frame;
+  const ylm_camera_frame *f = &v->frame;
   double y = 1 - 2 * (py + 0.5) / v->o.height, a[3], wide = d->half + f->pixel;
   for (int i = 0; i < 3; i++) a[i] = f->forward[i] + y * f->up[i];
   double cosine = fmax(0, 1 - wide * wide / 2), c2 = cosine * cosine;
@@ -123,7 +123,7 @@ static int far_first(const void *a, const void *b) {
 }
 
 /* The lamps in sight, the farthest first, which the caller frees; NULL without memory. */
-static disc *discs_of(const ylm_shade_view *v, const ylm_shade_lamps *lamps, size_t *n) {
+static disc *discs_of(const ylm_shade_view *v, const ylm_scene_lamps *lamps, size_t *n) {
   disc *d = ylm_alloc(lamps->shape.spheres, sizeof *d);
   *n = 0;
   for (size_t i = 0; d && i < lamps->shape.spheres; i++)
@@ -132,7 +132,7 @@ static disc *discs_of(const ylm_shade_view *v, const ylm_shade_lamps *lamps, siz
   return d;
 }
 
-ylm_status ylm_shade_draw_lamps(const ylm_shade_view *v, const ylm_shade_lamps *lamps, int threads,
+ylm_status ylm_shade_draw_lamps(const ylm_shade_view *v, const ylm_scene_lamps *lamps, int threads,
                                 float *out) {
   lamps_job j = {.v = v, .out = out};
   disc *d = discs_of(v, lamps, &j.n);
@@ -143,7 +143,7 @@ ylm_status ylm_shade_draw_lamps(const ylm_shade_view *v, const ylm_shade_lamps *
   return s;
 }
 
-ylm_status ylm_shade_view_discs(const ylm_shade_view *v, const ylm_shade_lamps *lamps, double *out,
+ylm_status ylm_shade_view_discs(const ylm_shade_view *v, const ylm_scene_lamps *lamps, double *out,
                                 size_t *n) {
   disc *d = discs_of(v, lamps, n);
   if (!d) return YLM_ENOMEM;

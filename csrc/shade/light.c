@@ -34,7 +34,7 @@ void ylm__shade_points(const ylm_shade_view *v, ylm_shade_dot_fn *dot, size_t fi
   else
     dot(count, n, x->channels, NULL, row, T, given, (size_t)x->channels * given, x->L, out);
   for (size_t i = 0; i < n; i++) {
-    const float *albedo = v->scene->mesh[v->mesh[first + i]].material.albedo;
+    const float *albedo = ylm__shade_material(v, first + i)->albedo;
     for (size_t c = 0; c < 3; c++) out[3 * i + c] = matte_radiance(out[3 * i + c], albedo[c]);
   }
 }
@@ -45,7 +45,7 @@ void ylm__shade_some(const ylm_shade_view *v, ylm_shade_dot_fn *dot, size_t n,
   dot(row < given ? row : given, n, x->channels, point, row, v->transfer, given, l_point, x->L,
       out);
   for (size_t i = 0; i < n; i++) {
-    const float *albedo = v->scene->mesh[v->mesh[point[i]]].material.albedo;
+    const float *albedo = ylm__shade_material(v, point[i])->albedo;
     float *to = out + 3 * point[i];
     for (int c = 0; c < 3; c++) to[c] = matte_radiance(to[c], albedo[c]);
   }

@@ -21,7 +21,7 @@ typedef struct job {
 } job;
 
 typedef struct scratch {
-  shade_aim aim;
+  ylm_scene_chooser *lamps;
   ylm_trace_ray *to_lamp, *near; /* [samples] */
   float (*value)[3];             /* [samples] */
 } scratch;
@@ -60,13 +60,13 @@ static size_t look(const job *j, size_t k, const scratch *s, double *out) {
   ylm_rng rng;
   ylm_rng_seed(&rng, v->o.seed ^ STREAMS, k);
   size_t point = choose(j, k, &rng, &entry);
-  const float *albedo = v->scene->mesh[v->mesh[point]].material.albedo;
-  size_t n = ylm__shade_aim(&s->aim, v->origin[point], v->normal[point], j->samples, &rng,
-                            s->to_lamp, s->value);
+  const float *albedo = ylm__shade_material(v, point)->albedo;
+  size_t n = ylm_scene_aim(s->lamps, v->origin[point], v->normal[point], j->samples, &rng,
+                           s->to_lamp, s->value);
   memset(out, 0, LIGHTS * sizeof *out);
   if (shadows) by_direction(v, n, s);
-  ylm_trace_occluded(v->scene->trace, n, s->to_lamp);
-  if (shadows) ylm_trace_occluded(v->scene->trace, n, s->near);
+  ylm_trace_occluded(ylm_scene_trace(v->scene), n, s->to_lamp);
+  if (shadows) ylm_trace_occluded(ylm_scene_trace(v->scene), n, s->near);
   for (size_t i = 0; i < n; i++) {
     double c = (double)v->entry[entry].weight * luminance(s->value[i], albedo);
     if (!isfinite(c)) continue;
@@ -83,13 +83,13 @@ static ylm_status run(void *context, size_t begin, size_t end, int worker) {
   (void)worker;
   job *j = context;
   size_t samples = (size_t)j->samples, rays = 0;
-  scratch s = {.to_lamp = ylm_alloc(samples, sizeof *s.to_lamp),
+  scratch s = {.lamps = ylm_scene_chooser_create(j->view->scene),
+               .to_lamp = ylm_alloc(samples, sizeof *s.to_lamp),
                .near = ylm_alloc(samples, sizeof *s.near),
                .value = ylm_alloc(samples, sizeof *s.value)};
-  ylm_status status = ylm__shade_aim_create(&s.aim, j->view->scene);
-  if (!s.to_lamp || !s.near || !s.value) status = YLM_ENOMEM;
+  ylm_status status = s.lamps && s.to_lamp && s.near && s.value ? YLM_OK : YLM_ENOMEM;
   for (size_t k = begin; status == YLM_OK && k < end; k++) rays += look(j, k, &s, j->light[k]);
-  ylm__shade_aim_free(&s.aim);
+  ylm_scene_chooser_free(s.lamps);
   ylm_free(s.to_lamp);
   ylm_free(s.near);
   ylm_free(s.value);

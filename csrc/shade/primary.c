@@ -26,7 +26,7 @@ typedef struct row {
 
 typedef struct job {
   ylm_shade_view *view;
-  const shade_frame *frame;
+  const ylm_camera_frame *frame;
   row *rows;
   const float *radical; /* [samples] */
   atomic_size_t hits;
@@ -36,10 +36,10 @@ typedef struct job {
 typedef struct scratch {
   ylm_trace_ray *ray;
   ylm_trace_hit *hit;
-  shade_entry *entry;     /* [samples], of one pixel */
-  shade_surface *surface; /* [samples] */
-  group *groups;          /* [samples] */
-  int *group_of;          /* [samples] */
+  shade_entry *entry;         /* [samples], of one pixel */
+  ylm_scene_surface *surface; /* [samples] */
+  group *groups;              /* [samples] */
+  int *group_of;              /* [samples] */
 } scratch;
 
 static float wrap(double x) { return (float)(x - floor(x)); }
@@ -47,7 +47,7 @@ static float wrap(double x) { return (float)(x - floor(x)); }
 /* The rays through stratified places of pixel (x, y): a Hammersley set shifted at random. */
 static void pixel_rays(const job *j, int x, int y, ylm_trace_ray *ray) {
   const ylm_shade_options *o = &j->view->o;
-  const shade_frame *f = j->frame;
+  const ylm_camera_frame *f = j->frame;
   ylm_rng rng;
   ylm_rng_seed(&rng, o->seed, (uint64_t)y * (uint64_t)o->width + (uint64_t)x);
   double a = ylm_rng_double(&rng), b = ylm_rng_double(&rng);
@@ -65,10 +65,11 @@ static void pixel_rays(const job *j, int x, int y, ylm_trace_ray *ray) {
 
 /* The group that a surface belongs to, a new one if none fits. */
 static int find_group(const ylm_shade_view *v, group *groups, int *count, const shade_entry *e,
-                      const shade_surface *s, double pixel) {
+                      const ylm_scene_surface *s, double pixel) {
   double reach = v->o.share * pixel * (double)e->depth;
   for (int g = 0; g < *count; g++) {
-    if (groups[g].mesh != e->mesh || ylm__dot3(groups[g].normal, s->normal) < SAME_NORMAL) continue;
+    if (groups[g].mesh != e->at.mesh || ylm_dot3(groups[g].normal, s->normal) < SAME_NORMAL)
+      continue;
     double d2 = 0;
     for (int a = 0; a < 3; a++) {
       double d = (double)s->position[a] - (double)groups[g].position[a];
@@ -78,7 +79,7 @@ static int find_group(const ylm_shade_view *v, group *groups, int *count, const 
   }
   group *g = &groups[*count];
   memset(g, 0, sizeof *g);
-  g->mesh = e->mesh;
+  g->mesh = e->at.mesh;
   memcpy(g->position, s->position, 12);
   memcpy(g->normal, s->normal, 12);
   return (*count)++;
@@ -118,15 +119,6 @@ static bool append_groups(row *r, const scratch *s, int groups, int count, int s
   return true;
 }
 
-/* What the lamp that a ray hit emits there, [3]. */
-static const float *lamp_radiance(const ylm_shade_scene *s, const ylm_trace_hit *h,
-                                  const ylm_trace_ray *ray) {
-  double p[3];
-  if (h->element < s->lamps) return s->lamp_radiance + 3 * h->element;
-  for (int a = 0; a < 3; a++) p[a] = (double)ray->org[a] + (double)h->t * (double)ray->dir[a];
-  return ylm__shade_patch_radiance(s, h->element - s->lamps, p);
-}
-
 /* Groups what the rays of one pixel hit; appends to the row and fills the pixel. */
 static bool finish_pixel(job *j, row *r, shade_pixel *p, const scratch *s, const ylm_trace_ray *ray,
                          const ylm_trace_hit *hit) {
@@ -136,15 +128,15 @@ static bool finish_pixel(job *j, row *r, shade_pixel *p, const scratch *s, const
   for (int i = 0; i < samples; i++) {
     const ylm_trace_hit *h = &hit[i];
     if (h->mesh == YLM_TRACE_LAMP) {
-      const float *seen = lamp_radiance(v->scene, h, &ray[i]);
+      const float *seen = ylm_scene_lamp_radiance(v->scene, &ray[i], h);
       lamps++;
       for (int c = 0; c < 3; c++) light[c] += seen[c];
     }
     if (h->mesh < 0) continue;
     shade_entry *e = &s->entry[count];
-    *e = (shade_entry){
-        (uint32_t)h->mesh, h->element, h->u, h->v, 0, h->t, ylm__dot3(h->normal, ray[i].dir) > 0};
-    ylm__shade_surface(v->scene, e, &s->surface[count]);
+    bool back = ylm_dot3(h->normal, ray[i].dir) > 0;
+    *e = (shade_entry){{(uint32_t)h->mesh, h->element, h->u, h->v, back}, 0, h->t};
+    ylm_scene_surfaces(v->scene, 1, &e->at, &s->surface[count]);
     int g = find_group(v, s->groups, &groups, e, &s->surface[count], j->frame->pixel);
     s->groups[g].count++;
     for (int a = 0; a < 3; a++) s->groups[g].sum[a] += s->surface[count].position[a];
@@ -183,7 +175,8 @@ static bool trace_row(job *j, int y, scratch *s, int batch) {
   for (int x = 0; x < width; x += batch) {
     int n = width - x < batch ? width - x : batch;
     for (int i = 0; i < n; i++) pixel_rays(j, x + i, y, s->ray + (size_t)i * (size_t)samples);
-    ylm_trace_intersect(v->scene->trace, (size_t)n * (size_t)samples, s->ray, true, s->hit);
+    ylm_trace_intersect(ylm_scene_trace(v->scene), (size_t)n * (size_t)samples, s->ray, true,
+                        s->hit);
     for (int i = 0; i < n; i++) {
       size_t first = (size_t)i * (size_t)samples;
       shade_pixel *p = &v->pixel[(size_t)y * (size_t)width + (size_t)(x + i)];
@@ -225,7 +218,7 @@ static ylm_status join_rows(ylm_shade_view *v, row *rows) {
   return YLM_OK;
 }
 
-ylm_status ylm__shade_primary(ylm_shade_view *v, const shade_frame *f) {
+ylm_status ylm__shade_primary(ylm_shade_view *v, const ylm_camera_frame *f) {
   double start = ylm_seconds();
   size_t height = (size_t)v->o.height, pixels = height * (size_t)v->o.width;
   float *radical = ylm_alloc((size_t)v->o.samples, sizeof *radical);
@@ -233,7 +226,7 @@ ylm_status ylm__shade_primary(ylm_shade_view *v, const shade_frame *f) {
   v->pixel = ylm_alloc_zero(pixels + 1, sizeof *v->pixel);
   ylm_status s = radical && j.rows && v->pixel ? YLM_OK : YLM_ENOMEM;
   for (int i = 0; s == YLM_OK && i < v->o.samples; i++)
-    radical[i] = (float)ylm__shade_radical((uint32_t)i);
+    radical[i] = (float)ylm_scene_radical((uint32_t)i);
   if (s == YLM_OK)
     s = ylm_parallel(height, 1, v->o.threads, trace_rows, &j, v->o.progress, "primary rays");
   if (s == YLM_OK) s = join_rows(v, j.rows);

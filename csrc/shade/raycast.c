@@ -17,7 +17,7 @@ typedef struct job {
 } job;
 
 typedef struct scratch {
-  shade_aim aim;
+  ylm_scene_chooser *lamps;
   ylm_trace_ray *ray; /* [samples] */
   float (*value)[3];  /* [samples]: irradiance that the ray brings if nothing is hit */
 } scratch;
@@ -27,9 +27,9 @@ static size_t gather(const job *j, size_t i, const scratch *s, double E[3]) {
   ylm_rng rng;
   ylm_rng_seed(&rng, j->seed, i);
   E[0] = E[1] = E[2] = 0;
-  size_t rays = ylm__shade_aim(&s->aim, j->view->origin[i], j->view->normal[i], j->samples, &rng,
-                               s->ray, s->value);
-  if (j->shadows) ylm_trace_occluded(j->view->scene->trace, rays, s->ray);
+  size_t rays = ylm_scene_aim(s->lamps, j->view->origin[i], j->view->normal[i], j->samples, &rng,
+                              s->ray, s->value);
+  if (j->shadows) ylm_trace_occluded(ylm_scene_trace(j->view->scene), rays, s->ray);
   for (size_t k = 0; k < rays; k++)
     if (!j->shadows || !(s->ray[k].far < 0))
       for (int c = 0; c < 3; c++) E[c] += s->value[k][c];
@@ -40,16 +40,17 @@ static ylm_status run(void *context, size_t begin, size_t end, int worker) {
   (void)worker;
   job *j = context;
   size_t samples = (size_t)j->samples, rays = 0;
-  scratch s = {.ray = ylm_alloc(samples, sizeof(ylm_trace_ray)), .value = ylm_alloc(samples, 12)};
-  ylm_status status = ylm__shade_aim_create(&s.aim, j->view->scene);
-  if (!s.ray || !s.value) status = YLM_ENOMEM;
+  scratch s = {.lamps = ylm_scene_chooser_create(j->view->scene),
+               .ray = ylm_alloc(samples, sizeof(ylm_trace_ray)),
+               .value = ylm_alloc(samples, 12)};
+  ylm_status status = s.lamps && s.ray && s.value ? YLM_OK : YLM_ENOMEM;
   for (size_t i = begin; status == YLM_OK && i < end; i++) {
-    const float *albedo = j->view->scene->mesh[j->view->mesh[i]].material.albedo;
+    const float *albedo = ylm__shade_material(j->view, i)->albedo;
     double E[3];
     rays += gather(j, i, &s, E);
     for (int c = 0; c < 3; c++) j->out[3 * i + (size_t)c] = (float)(E[c] / PI) * albedo[c];
   }
-  ylm__shade_aim_free(&s.aim);
+  ylm_scene_chooser_free(s.lamps);
   ylm_free(s.ray);
   ylm_free(s.value);
   atomic_fetch_add_explicit(&j->rays, rays, memory_order_relaxed);

@@ -54,7 +54,7 @@ static void point_rays(const job *j, size_t i, ylm_trace_ray *ray) {
   float shift = (float)ylm_rng_double(&rng);
   double turn = 2 * PI * ylm_rng_double(&rng);
   float c = (float)cos(turn), s = (float)sin(turn);
-  ylm__shade_basis(n, a, b);
+  ylm_scene_basis(n, a, b);
   for (int k = 0; k < samples; k++) {
     float h = j->height[k] + shift, r, z;
     if (h >= 1) h -= 1;
@@ -130,7 +130,7 @@ static ylm_status run(void *context, size_t begin, size_t end, int worker) {
   for (size_t first = begin; s == YLM_OK && first < end; first += batch) {
     size_t n = end - first < batch ? end - first : batch;
     for (size_t i = 0; i < n; i++) point_rays(j, first + i, x.ray + i * samples);
-    ylm_trace_occluded(v->scene->trace, n * samples, x.ray);
+    ylm_trace_occluded(ylm_scene_trace(v->scene), n * samples, x.ray);
     for (size_t i = 0; s == YLM_OK && i < n; i++)
       s = estimate(j, x.ray + i * samples, &x, j->transfer + (first + i) * count);
   }
@@ -155,7 +155,7 @@ ylm_status ylm__shade_transfer(const ylm_shade_view *v, bool shadows, size_t n,
   ylm_status s = j.cosine && j.disk && j.height ? YLM_OK : YLM_ENOMEM;
   if (s == YLM_OK) s = ylm_material_cosine(v->o.lmax, j.cosine);
   for (int k = 0; s == YLM_OK && k < samples; k++) {
-    double turn = 2 * PI * ylm__shade_radical((uint32_t)k);
+    double turn = 2 * PI * ylm_scene_radical((uint32_t)k);
     j.disk[k][0] = (float)cos(turn);
     j.disk[k][1] = (float)sin(turn);
     j.height[k] = (float)k / (float)samples;

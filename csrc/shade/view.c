@@ -33,7 +33,7 @@ static ylm_status make_points(ylm_shade_view *v, size_t n) {
   return v->mesh && v->position && v->normal && v->origin && v->transfer ? YLM_OK : YLM_ENOMEM;
 }
 
-static void set_point(ylm_shade_view *v, size_t i, uint32_t mesh, const shade_surface *s) {
+static void set_point(ylm_shade_view *v, size_t i, uint32_t mesh, const ylm_scene_surface *s) {
   v->mesh[i] = mesh;
   memcpy(v->position[i], s->position, 12);
   memcpy(v->normal[i], s->normal, 12);
@@ -44,9 +44,9 @@ static void set_point(ylm_shade_view *v, size_t i, uint32_t mesh, const shade_su
 static ylm_status points_of_entries(ylm_shade_view *v) {
   ylm_status status = make_points(v, v->entries);
   for (size_t i = 0; status == YLM_OK && i < v->entries; i++) {
-    shade_surface s;
-    ylm__shade_surface(v->scene, &v->entry[i], &s);
-    set_point(v, i, v->entry[i].mesh, &s);
+    ylm_scene_surface s;
+    ylm_scene_surfaces(v->scene, 1, &v->entry[i].at, &s);
+    set_point(v, i, v->entry[i].at.mesh, &s);
   }
   return status;
 }
@@ -55,8 +55,8 @@ static ylm_status points_of_entries(ylm_shade_view *v) {
 static ylm_status points_of_vertices(ylm_shade_view *v, shade_vertices *x) {
   ylm_status status = make_points(v, x->count);
   for (size_t i = 0; status == YLM_OK && i < x->count; i++) {
-    shade_surface s;
-    ylm__shade_vertex(v->scene, x->mesh[i], x->vertex[i], x->back[i], &s);
+    ylm_scene_surface s;
+    ylm_scene_vertex(v->scene, x->mesh[i], x->vertex[i], x->back[i], &s);
     set_point(v, i, x->mesh[i], &s);
   }
   v->corner = x->corner;
@@ -65,9 +65,9 @@ static ylm_status points_of_vertices(ylm_shade_view *v, shade_vertices *x) {
 }
 
 void ylm__shade_corner_weights(const shade_entry *e, float w[3]) {
-  w[0] = 1 - e->u - e->v;
-  w[1] = e->u;
-  w[2] = e->v;
+  w[0] = 1 - e->at.u - e->at.v;
+  w[1] = e->at.u;
+  w[2] = e->at.v;
 }
 
 /* Transfer vectors of entries from those at vertices. */
@@ -78,8 +78,8 @@ static ylm_status transfer_by_vertices(ylm_shade_view *v, const shade_vertices *
   float *T = ylm_alloc(x->count, count * sizeof *T);
   ylm_status status = normal && origin && T ? YLM_OK : YLM_ENOMEM;
   for (size_t i = 0; status == YLM_OK && i < x->count; i++) {
-    shade_surface s;
-    ylm__shade_vertex(v->scene, x->mesh[i], x->vertex[i], x->back[i], &s);
+    ylm_scene_surface s;
+    ylm_scene_vertex(v->scene, x->mesh[i], x->vertex[i], x->back[i], &s);
     memcpy(normal[i], s.normal, 12);
     memcpy(origin[i], s.origin, 12);
   }
@@ -126,12 +126,12 @@ static size_t bytes_held(const ylm_shade_view *v) {
          v->points * (4 + 3 * 12 + 4 * ylm_sh_count(v->o.lmax));
 }
 
-ylm_status ylm_shade_view_create(const ylm_shade_scene *scene, const ylm_camera *camera,
+ylm_status ylm_shade_view_create(const ylm_scene *scene, const ylm_camera *camera,
                                  const ylm_shade_options *o, ylm_shade_view **view, ylm_error *e) {
   *view = NULL;
-  shade_frame frame;
+  ylm_camera_frame frame;
   ylm_status s = check_options(o, e);
-  if (s == YLM_OK) s = ylm__shade_frame(camera, o->width, o->height, &frame, e);
+  if (s == YLM_OK) s = ylm_scene_frame(camera, o->width, o->height, &frame, e);
   if (s != YLM_OK) return s;
   ylm_shade_view *v = ylm_alloc_zero(1, sizeof *v);
   if (!v) return YLM_ENOMEM;
@@ -172,7 +172,7 @@ const float *ylm_shade_view_transfer(const ylm_shade_view *v) { return v->transf
 
 void ylm_shade_view_surface(const ylm_shade_view *v, float *albedo, float *object) {
   for (size_t i = 0; i < v->points; i++) {
-    if (albedo) memcpy(albedo + 3 * i, v->scene->mesh[v->mesh[i]].material.albedo, 12);
+    if (albedo) memcpy(albedo + 3 * i, ylm__shade_material(v, i)->albedo, 12);
     if (object) object[i] = (float)v->mesh[i];
   }
 }
@@ -277,18 +277,18 @@ static void surface_mean(const layer_job *j, const shade_pixel *q, float *out) {
   float sum[3] = {0}, weight = 0;
   for (size_t i = q[0].first; i < q[1].first; i++) {
     const shade_entry *e = &j->v->entry[i];
-    shade_surface s;
+    ylm_scene_surface s;
     const float *x = &e->depth;
     if (j->layer == YLM_SHADE_ALBEDO)
-      x = j->v->scene->mesh[e->mesh].material.albedo;
+      x = ylm_scene_material(j->v->scene, e->at.mesh)->albedo;
     else if (j->layer != YLM_SHADE_DEPTH) {
-      ylm__shade_surface(j->v->scene, e, &s);
+      ylm_scene_surfaces(j->v->scene, 1, &e->at, &s);
       x = j->layer == YLM_SHADE_NORMAL ? s.normal : s.position;
     }
     for (int c = 0; c < channels; c++) sum[c] += e->weight * x[c];
     weight += e->weight;
   }
-  if (j->layer == YLM_SHADE_NORMAL) weight = sqrtf(ylm__dot3(sum, sum));
+  if (j->layer == YLM_SHADE_NORMAL) weight = sqrtf(ylm_dot3(sum, sum));
   for (int c = 0; c < channels; c++)
     out[c] = weight > 0 ? sum[c] / weight : j->layer == YLM_SHADE_DEPTH ? INFINITY : 0;
 }

@@ -1,8 +1,7 @@
 /*
 ** ylm_shade.h - from a camera's rays to an image: shading points, transfer vectors, shading.
 **
-**   ylm_shade_scene   meshes, materials and lamps, ready to be traced
-**   ylm_shade_view    what one camera sees of it: shading points with their transfer vectors.
+**   ylm_shade_view    what one camera sees of a scene: shading points with their transfer vectors.
 **                     Everything that does not depend on how the light is known is done once,
 **                     so that grids are compared on one view at the cost of sampling them.
 **
@@ -16,8 +15,8 @@
 **
 **   radiance[c] = albedo[c] / pi * sum over k of T[k] L[c][k]
 **
-** Ownership   ylm_shade_*_create copies what it is given; a view must not outlive its scene.
-** Threads     scenes and views are read-only after creation.
+** Ownership   a view must not outlive its scene.
+** Threads     views are read-only after creation.
 ** Results     depend on the seed, and not on the number of threads.
 */
 #ifndef YLM_SHADE_H
@@ -25,73 +24,15 @@
 
 #include "ylm_base.h"
 #include "ylm_grid.h"
-#include "ylm_material.h"
-#include "ylm_trace.h"
+#include "ylm_scene.h"
 
 #ifdef __cplusplus
 extern "C" {
 #endif
 
-/* -- scene ------------------------------------------------------------------- */
-
-typedef struct ylm_shade_scene ylm_shade_scene;
-
-typedef struct ylm_shade_mesh {
-  const float *positions; /* [vertices][3]  scene units                              */
-  const float *normals;   /* [vertices][3]  any length; NULL: those of the triangles */
-  size_t vertices;
-  const uint32_t *triangles; /* [count][3]     < vertices                               */
-  size_t count;
-  ylm_material material;
-  bool occludes; /* false: seen, but never in the way of light */
-} ylm_shade_mesh;
-
-/* An image on a parallelogram, which emits it to both sides. */
-typedef struct ylm_shade_texture {
-  double corner[3], u[3], v[3]; /* its bottom left, to its bottom right, to its top left */
-  size_t width, height;
-  const float *texel; /* [height][width][3], the top row first; W sr^-1 m^-2 */
-  double scale;       /* multiplies it */
-  size_t triangles;   /* how many cover it */
-} ylm_shade_texture;
-
-/* Lamps, spheres and flat ones that emit to both sides: drawn as emitters, sampled by
-   ylm_shade_raycast; they never occlude. The last triangles are those of textures, one after the
-   other: their radiance is the texture's where they are hit, what stands in `radiance` says how
-   often rays are aimed at them (0: never). */
-typedef struct ylm_shade_lamps {
-  ylm_trace_lamps shape;
-  const float *radiance; /* [spheres + triangles + disks][3]  W sr^-1 m^-2, linear Rec. 709 */
-  const float *horizon;  /* [triangles + disks][3] or NULL: what of a lamp is below the plane across
-                            it through a shading point brings no light there; 0: all does */
-  size_t textures;
-  const ylm_shade_texture *texture;
-} ylm_shade_lamps;
-
-/* YLM_OK; YLM_EINVAL, YLM_EDOMAIN, YLM_EOVERFLOW, YLM_ENOMEM, YLM_EDEVICE as ylm_trace_create and
-   ylm_material_check say. */
-YLM_API ylm_status ylm_shade_scene_create(size_t meshes, const ylm_shade_mesh *mesh,
-                                          const ylm_shade_lamps *lamps, ylm_shade_scene **scene,
-                                          ylm_error *e);
-YLM_API void ylm_shade_scene_free(ylm_shade_scene *scene);
-/* Box around all meshes (not the lamps); zeros where there are none. */
-YLM_API void ylm_shade_scene_bounds(const ylm_shade_scene *scene, double lo[3], double hi[3]);
-
-/* All vertices of all meshes, one after the other: their number; out [n][3], NULL: not wanted. */
-YLM_API size_t ylm_shade_scene_vertices(const ylm_shade_scene *scene, float *out);
-/* What rays are traced through; lives as long as the scene. */
-YLM_API const ylm_trace *ylm_shade_scene_trace(const ylm_shade_scene *scene);
-
 /* -- view -------------------------------------------------------------------- */
 
 typedef struct ylm_shade_view ylm_shade_view;
-
-/* A pinhole camera. */
-typedef struct ylm_camera {
-  double from[3], at[3]; /* scene units, different                        */
-  double up[3];          /* not along at - from                           */
-  double fov;            /* of the image's height, degrees, 0 < fov < 180 */
-} ylm_camera;
 
 typedef enum ylm_shade_visibility {
   YLM_SHADE_UNSHADOWED, /* V = 1: the clamped cosine, analytically                      */
@@ -149,7 +90,7 @@ typedef struct ylm_shade_stats {
 ** Source   Sloan et al. 2002, "Precomputed Radiance Transfer"; Iwasaki & Dobashi 2025, Sec. 6.2;
 **          Hanika 2021, "Hacking the Shadow Terminator" (origins)
 */
-YLM_API ylm_status ylm_shade_view_create(const ylm_shade_scene *scene, const ylm_camera *camera,
+YLM_API ylm_status ylm_shade_view_create(const ylm_scene *scene, const ylm_camera *camera,
                                          const ylm_shade_options *o, ylm_shade_view **view,
                                          ylm_error *e);
 YLM_API void ylm_shade_view_free(ylm_shade_view *view);
@@ -332,7 +273,7 @@ YLM_API ylm_status ylm_shade_compose(const ylm_shade_view *view, const float *co
 **
 **   out  in/out  [height][width][3]
 */
-YLM_API ylm_status ylm_shade_draw_lamps(const ylm_shade_view *view, const ylm_shade_lamps *lamps,
+YLM_API ylm_status ylm_shade_draw_lamps(const ylm_shade_view *view, const ylm_scene_lamps *lamps,
                                         int threads, float *out);
 
 /* -- what pictures are made of, for those that make them elsewhere --------------- */
@@ -359,7 +300,7 @@ YLM_API void ylm_shade_view_camera(const ylm_shade_view *view, double out[10]);
 /* Spheres as ylm_shade_draw_lamps draws them, the farthest first: the direction to each [3], its
    depth, the chord of half the angle it fills, its radiance [3], and the box x0, x1, y0, y1 of its
    pixels (x0 <= x < x1). disc [lamps->shape.spheres][YLM_SHADE_DISC]; *n: how many are in sight. */
-YLM_API ylm_status ylm_shade_view_discs(const ylm_shade_view *view, const ylm_shade_lamps *lamps,
+YLM_API ylm_status ylm_shade_view_discs(const ylm_shade_view *view, const ylm_scene_lamps *lamps,
                                         double *disc, size_t *n);
 
 #ifdef __cplusplus

@@ -75,7 +75,7 @@ static RTCScene raw_scene(RTCDevice device, const ylm_mesh *m) {
 }
 
 /* Transfer vectors of what a camera sees, by a number of threads. */
-static void vectors(const ylm_shade_scene *scene, int threads, double limit) {
+static void vectors(const ylm_scene *scene, int threads, double limit) {
   ylm_camera camera = {.from = {0, -9, 3}, .at = {0, 0, 0}, .up = {0, 0, 1}, .fov = 40};
   ylm_shade_options o = {.width = bench_is_quick() ? 80 : 240,
                          .height = bench_is_quick() ? 60 : 180,
@@ -111,19 +111,19 @@ int main(void) {
   job j = {.ray = ylm_alloc(RAYS, sizeof *j.ray), .copy = ylm_alloc(RAYS, sizeof *j.copy)};
   if (ylm_mesh_knot(2, 3, 2, 0.8, 0.35, 600, 100, &m, NULL) != YLM_OK || !j.ray || !j.copy)
     return 1;
-  ylm_shade_mesh mesh = {.positions = m->position,
+  ylm_scene_mesh mesh = {.positions = m->position,
                          .normals = m->normal,
                          .vertices = m->vertices,
                          .triangles = m->index,
                          .count = m->triangles,
                          .material = {.albedo = {0.7f, 0.7f, 0.7f}},
                          .occludes = true};
-  ylm_shade_lamps none = {0};
-  ylm_shade_scene *scene = NULL;
-  if (ylm_shade_scene_create(1, &mesh, &none, &scene, NULL) != YLM_OK) return 1;
+  ylm_scene_lamps none = {0};
+  ylm_scene *scene = NULL;
+  if (ylm_scene_create(1, &mesh, &none, &scene, NULL) != YLM_OK) return 1;
   RTCDevice device = rtcNewDevice("threads=1");
   j.raw = raw_scene(device, m);
-  j.trace = ylm_shade_scene_trace(scene);
+  j.trace = ylm_scene_trace(scene);
   make_rays(&j, m);
   double raw = RAYS / bench_seconds(raw_rays, &j) * 1e-6;
   double ours = RAYS / bench_seconds(our_rays, &j) * 1e-6;
@@ -133,7 +133,7 @@ int main(void) {
          ours);
   vectors(scene, 1, raw);
   if (ylm_threads(0) > 1) vectors(scene, ylm_threads(0), raw);
-  ylm_shade_scene_free(scene);
+  ylm_scene_free(scene);
   rtcReleaseScene(j.raw);
   rtcReleaseDevice(device);
   ylm_mesh_free(m);

@@ -1,15 +1,5 @@
-/* shade.c - scenes and views as objects, shading of views' points; lua/ylm/render/init.lua drives
- * it.
- */
+/* shade.c - views as objects, shading of their points; lua/ylm/render/init.lua drives it. */
 #include "shade.h"
-
-static int scene_close(lua_State *L) {
-  ylm_shade_scene **s = ylmL_check(L, 1, YLML_SHADE_SCENE);
-  if (ylmL_busy(L, 1) != YLM_OK) return ylmL_result(L, 0, YLM_EBUSY, NULL);
-  ylm_shade_scene_free(*s);
-  *s = NULL;
-  return 0;
-}
 
 static int view_close(lua_State *L) {
   ylm_shade_view **v = ylmL_check(L, 1, YLML_SHADE_VIEW);
@@ -19,14 +9,7 @@ static int view_close(lua_State *L) {
   return 0;
 }
 
-static const luaL_Reg scene_methods[] = {{"__gc", scene_close}, {NULL, NULL}};
 static const luaL_Reg view_methods[] = {{"__gc", view_close}, {NULL, NULL}};
-
-ylm_shade_scene *ylmL_shade_scene(lua_State *L, int i) {
-  ylm_shade_scene **s = ylmL_check(L, i, YLML_SHADE_SCENE);
-  if (!*s) luaL_argerror(L, i, "the scene has been closed");
-  return *s;
-}
 
 ylm_shade_view *ylmL_shade_view(lua_State *L, int i) {
   ylm_shade_view **v = ylmL_check(L, i, YLML_SHADE_VIEW);
@@ -48,15 +31,6 @@ ylmL_array *ylmL_shade_result(lua_State *L, int i, int axes, const size_t *shape
     *s = YLM_ESHAPE;
   lua_pushvalue(L, i);
   return *s == YLM_OK ? a : NULL;
-}
-
-void ylmL_shade_numbers(lua_State *L, int i, int n, double *x) {
-  luaL_checktype(L, i, LUA_TTABLE);
-  for (int k = 0; k < n; k++) {
-    lua_rawgeti(L, i, k + 1);
-    x[k] = (double)luaL_checknumber(L, -1);
-    lua_pop(L, 1);
-  }
 }
 
 size_t ylmL_shade_points(const ylm_shade_view *v) {
@@ -129,17 +103,13 @@ static int material_cosine(lua_State *L) {
   return ylmL_result(L, 1, ylm_material_cosine((int)lmax, a->data), NULL);
 }
 
-static const luaL_Reg functions[] = {{"shade_field", shade_field},
-                                     {"shade_coefficients", shade_coefficients},
-                                     {"shade_raycast", shade_raycast},
-                                     {"shade_close_scene", scene_close},
-                                     {"shade_close_view", view_close},
-                                     {"material_cosine", material_cosine},
-                                     {NULL, NULL}};
+static const luaL_Reg functions[] = {
+    {"shade_field", shade_field},         {"shade_coefficients", shade_coefficients},
+    {"shade_raycast", shade_raycast},     {"shade_close_view", view_close},
+    {"material_cosine", material_cosine}, {NULL, NULL}};
 
 void ylmL_open_shade(lua_State *L) {
-  ylmL_type(L, YLML_SHADE_SCENE, scene_methods);
   ylmL_type(L, YLML_SHADE_VIEW, view_methods);
-  lua_pop(L, 2);
+  lua_pop(L, 1);
   luaL_setfuncs(L, functions, 0);
 }

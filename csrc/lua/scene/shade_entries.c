@@ -46,9 +46,9 @@ static int shade_entries(lua_State *L) {
    [..][YLM_SHADE_DISC]; nil where there are none */
 static int shade_discs(lua_State *L) {
   ylm_shade_view *v = ylmL_shade_view(L, 1);
-  ylm_shade_lamps lamps;
+  ylm_scene_lamps lamps;
   lua_settop(L, 7); /* no flat lamps */
-  if (!ylmL_shade_lamps(L, 2, &lamps)) return ylmL_result(L, 0, YLM_ENOMEM, NULL);
+  if (!ylmL_scene_lamps(L, 2, &lamps)) return ylmL_result(L, 0, YLM_ENOMEM, NULL);
   size_t n = lamps.shape.spheres, seen = 0;
   ylmL_array *all = ylmL_array_new(L, YLM_DOUBLE, 2, (size_t[]){n, YLM_SHADE_DISC});
   if (!all) return ylmL_result(L, 0, YLM_ENOMEM, NULL);

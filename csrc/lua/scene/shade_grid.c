@@ -87,11 +87,11 @@ static int shade_draw_lamps(lua_State *L) {
   const ylm_shade_options *o = ylm_shade_view_options(v);
   int threads = (int)luaL_checknumber(L, 2);
   ylmL_array *image = ylmL_array_check(L, 3);
-  ylm_shade_lamps lamps;
+  ylm_scene_lamps lamps;
   if (image->dtype != YLM_FLOAT || image->count != 3 * (size_t)o->width * (size_t)o->height)
     return ylmL_result(L, 0, YLM_ESHAPE, NULL);
   lua_settop(L, 9); /* no flat lamps */
-  if (!ylmL_shade_lamps(L, 4, &lamps)) return ylmL_result(L, 0, YLM_ENOMEM, NULL);
+  if (!ylmL_scene_lamps(L, 4, &lamps)) return ylmL_result(L, 0, YLM_ENOMEM, NULL);
   ylm_status s = ylm_shade_draw_lamps(v, &lamps, threads, image->data);
   lua_pushboolean(L, 1);
   return ylmL_result(L, 1, s, NULL);

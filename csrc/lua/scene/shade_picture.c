@@ -30,7 +30,7 @@ static int shade_resolve(lua_State *L) {
   if (channels < 1 || channels > 4 || values->dtype != YLM_FLOAT ||
       values->count != ylmL_shade_points(v) * channels)
     return ylmL_result(L, 0, YLM_ESHAPE, NULL);
-  if (!lua_isnil(L, 3)) ylmL_shade_numbers(L, 3, (int)channels, fill);
+  if (!lua_isnil(L, 3)) ylmL_scene_numbers(L, 3, (int)channels, fill);
   for (int c = 0; c < 4; c++) fills[c] = (float)fill[c];
   ylmL_array *out =
       ylmL_shade_result(L, 6, 3, (size_t[]){(size_t)o->height, (size_t)o->width, channels}, &s);
@@ -47,7 +47,7 @@ static int shade_compose(lua_State *L) {
   const ylm_shade_options *o = ylm_shade_view_options(v);
   double b[3];
   ylm_status s = YLM_OK;
-  ylmL_shade_numbers(L, 3, 3, b);
+  ylmL_scene_numbers(L, 3, 3, b);
   int threads = (int)luaL_checknumber(L, 4);
   lua_settop(L, 5);
   if (colours->dtype != YLM_FLOAT || colours->count != 3 * ylmL_shade_points(v))

@@ -28,11 +28,11 @@ enum {
    progress, light | nil, noise | nil, most samples | nil) -> view */
 static int shade_view(lua_State *L) {
   static const char *const names[] = {"none", "pixel", "vertex", NULL};
-  const ylm_shade_scene *scene = ylmL_shade_scene(L, VIEW_SCENE);
+  const ylm_scene *scene = ylmL_scene(L, VIEW_SCENE);
   ylm_error e = {0};
   ylmL_progress p;
   double c[10];
-  ylmL_shade_numbers(L, CAMERA, 10, c);
+  ylmL_scene_numbers(L, CAMERA, 10, c);
   lua_settop(L, MOST);
   bool chosen = !lua_isnil(L, LIGHT);
   ylm_camera camera = {{c[0], c[1], c[2]}, {c[3], c[4], c[5]}, {c[6], c[7], c[8]}, c[9]};

@@ -1,26 +1,53 @@
 /* traced.c - scenes ready to be traced: made of meshes and lamps, looked at, traced. */
 #include <string.h>
 
-#include "shade.h"
+#include "traced.h"
 #include "ylm_geom.h"
 
+#define SCENE "ylm.traced"
+
+static int scene_close(lua_State *L) {
+  ylm_scene **s = ylmL_check(L, 1, SCENE);
+  if (ylmL_busy(L, 1) != YLM_OK) return ylmL_result(L, 0, YLM_EBUSY, NULL);
+  ylm_scene_free(*s);
+  *s = NULL;
+  return 0;
+}
+
+static const luaL_Reg methods[] = {{"__gc", scene_close}, {NULL, NULL}};
+
+ylm_scene *ylmL_scene(lua_State *L, int i) {
+  ylm_scene **s = ylmL_check(L, i, SCENE);
+  if (!*s) luaL_argerror(L, i, "the scene has been closed");
+  return *s;
+}
+
+void ylmL_scene_numbers(lua_State *L, int i, int n, double *x) {
+  luaL_checktype(L, i, LUA_TTABLE);
+  for (int k = 0; k < n; k++) {
+    lua_rawgeti(L, i, k + 1);
+    x[k] = (double)luaL_checknumber(L, -1);
+    lua_pop(L, 1);
+  }
+}
+
 /* One mesh from lists of meshes, albedos and flags at 1, 2, 3. */
-static ylm_shade_mesh read_mesh(lua_State *L, int i) {
+static ylm_scene_mesh read_mesh(lua_State *L, int i) {
   double albedo[3];
   lua_rawgeti(L, 1, i);
   const ylm_mesh *m = ylmL_mesh_check(L, lua_gettop(L));
   lua_rawgeti(L, 2, i);
-  ylmL_shade_numbers(L, lua_gettop(L), 3, albedo);
+  ylmL_scene_numbers(L, lua_gettop(L), 3, albedo);
   lua_rawgeti(L, 3, i);
   bool occludes = lua_toboolean(L, -1);
   lua_pop(L, 3);
-  return (ylm_shade_mesh){m->position,  m->normal,
+  return (ylm_scene_mesh){m->position,  m->normal,
                           m->vertices,  m->index,
                           m->triangles, {{(float)albedo[0], (float)albedo[1], (float)albedo[2]}},
                           occludes};
 }
 
-bool ylmL_shade_lamps(lua_State *L, int i, ylm_shade_lamps *lamps) {
+bool ylmL_scene_lamps(lua_State *L, int i, ylm_scene_lamps *lamps) {
   ylmL_array *at = ylmL_array_check(L, i), *r = ylmL_array_check(L, i + 1);
   ylmL_array *c = ylmL_array_check(L, i + 2);
   size_t n = r->count;
@@ -52,29 +79,29 @@ bool ylmL_shade_lamps(lua_State *L, int i, ylm_shade_lamps *lamps) {
     sphere[4 * k + 3] = (float)((const double *)r->data)[k];
   }
   *lamps =
-      (ylm_shade_lamps){{n, nt, nd, sphere, shape, shape + 9 * nt}, radiance, horizon, 0, NULL};
+      (ylm_scene_lamps){{n, nt, nd, sphere, shape, shape + 9 * nt}, radiance, horizon, 0, NULL};
   return true;
 }
 
 /* Adds the list of textures at `i` to the lamps: { texels float [h][w][3], {corner, u, v: 9
    numbers}, scale, triangles }. Leaves values on the stack that keep them alive. */
-static void read_textures(lua_State *L, int i, ylm_shade_lamps *lamps) {
+static void read_textures(lua_State *L, int i, ylm_scene_lamps *lamps) {
   size_t n = lua_isnoneornil(L, i) ? 0 : lua_rawlen(L, i);
-  ylm_shade_texture *list = lua_newuserdata(L, (n + 1) * sizeof *list);
+  ylm_scene_texture *list = lua_newuserdata(L, (n + 1) * sizeof *list);
   for (size_t k = 0; k < n; k++) {
     double x[11];
     lua_rawgeti(L, i, (int)k + 1);
     lua_rawgeti(L, -1, 1);
     ylmL_array *a = ylmL_array_check(L, -1);
     lua_rawgeti(L, -2, 2);
-    ylmL_shade_numbers(L, lua_gettop(L), 9, x);
+    ylmL_scene_numbers(L, lua_gettop(L), 9, x);
     for (int c = 3; c <= 4; c++) {
       lua_rawgeti(L, -c, c); /* the entry moves down by one each time */
       x[c + 6] = (double)luaL_checknumber(L, -1);
     }
     if (a->dtype != YLM_FLOAT || a->axes != 3 || a->shape[2] != 3)
       luaL_argerror(L, i, "float arrays [height][width][3] expected");
-    list[k] = (ylm_shade_texture){.width = a->shape[1],
+    list[k] = (ylm_scene_texture){.width = a->shape[1],
                                   .height = a->shape[0],
                                   .texel = a->data,
                                   .scale = x[9],
@@ -88,23 +115,23 @@ static void read_textures(lua_State *L, int i, ylm_shade_lamps *lamps) {
   lamps->texture = list;
 }
 
-/* shade_scene(meshes, albedos, occludes, at, radius, radiance, triangles, disks, radiance and
+/* scene_create(meshes, albedos, occludes, at, radius, radiance, triangles, disks, radiance and
    horizon of these [..][6], textures) -> scene; the last four may be nil */
-static int shade_scene(lua_State *L) {
+static int scene_create(lua_State *L) {
   ylm_error e = {0};
-  ylm_shade_lamps lamps;
+  ylm_scene_lamps lamps;
   for (int i = 1; i <= 3; i++) luaL_checktype(L, i, LUA_TTABLE);
   lua_settop(L, 10);
   size_t n = lua_rawlen(L, 1);
-  if (!ylmL_shade_lamps(L, 4, &lamps)) return ylmL_result(L, 0, YLM_ENOMEM, NULL);
+  if (!ylmL_scene_lamps(L, 4, &lamps)) return ylmL_result(L, 0, YLM_ENOMEM, NULL);
   read_textures(L, 10, &lamps);
-  ylm_shade_mesh *mesh = lua_newuserdata(L, (n + 1) * sizeof *mesh);
+  ylm_scene_mesh *mesh = lua_newuserdata(L, (n + 1) * sizeof *mesh);
   for (size_t i = 0; i < n; i++) mesh[i] = read_mesh(L, (int)i + 1);
-  ylm_shade_scene **s = lua_newuserdata(L, sizeof *s);
+  ylm_scene **s = lua_newuserdata(L, sizeof *s);
   *s = NULL;
-  luaL_getmetatable(L, YLML_SHADE_SCENE);
+  luaL_getmetatable(L, SCENE);
   lua_setmetatable(L, -2);
-  return ylmL_result(L, 1, ylm_shade_scene_create(n, mesh, &lamps, s, &e), &e);
+  return ylmL_result(L, 1, ylm_scene_create(n, mesh, &lamps, s, &e), &e);
 }
 
 static void push_three(lua_State *L, const double x[3]) {
@@ -115,31 +142,31 @@ static void push_three(lua_State *L, const double x[3]) {
   }
 }
 
-/* shade_bounds(scene) -> min, max */
-static int shade_bounds(lua_State *L) {
+/* scene_bounds(scene) -> min, max */
+static int scene_bounds(lua_State *L) {
   double lo[3], hi[3];
-  ylm_shade_scene_bounds(ylmL_shade_scene(L, 1), lo, hi);
+  ylm_scene_bounds(ylmL_scene(L, 1), lo, hi);
   push_three(L, lo);
   push_three(L, hi);
   return 2;
 }
 
-/* shade_vertices(scene) -> [n][3] */
-static int shade_vertices(lua_State *L) {
-  ylm_shade_scene *s = ylmL_shade_scene(L, 1);
-  ylmL_array *a = ylmL_array_new(L, YLM_FLOAT, 2, (size_t[]){ylm_shade_scene_vertices(s, NULL), 3});
+/* scene_vertices(scene) -> [n][3] */
+static int scene_vertices(lua_State *L) {
+  ylm_scene *s = ylmL_scene(L, 1);
+  ylmL_array *a = ylmL_array_new(L, YLM_FLOAT, 2, (size_t[]){ylm_scene_vertices(s, NULL), 3});
   if (!a) return ylmL_result(L, 0, YLM_ENOMEM, NULL);
-  ylm_shade_scene_vertices(s, a->data);
+  ylm_scene_vertices(s, a->data);
   return 1;
 }
 
 /*
-** shade_trace(scene, rays [n][8]: origin, direction, near, far; float, occlusion) ->
+** scene_trace(scene, rays [n][8]: origin, direction, near, far; float, occlusion) ->
 **   occlusion: blocked [n], 1 or 0
 **   else:      hits [n][8]: mesh (from 1; 0 nothing, -1 a lamp), element from 1, t, u, v, normal
 */
-static int shade_trace(lua_State *L) {
-  const ylm_trace *t = ylm_shade_scene_trace(ylmL_shade_scene(L, 1));
+static int scene_trace(lua_State *L) {
+  const ylm_trace *t = ylm_scene_trace(ylmL_scene(L, 1));
   ylmL_array *in = ylmL_array_check(L, 2);
   bool occlusion = lua_toboolean(L, 3);
   size_t n = in->count / 8, shape[2] = {n, 8};
@@ -173,10 +200,13 @@ static int shade_trace(lua_State *L) {
   return 1;
 }
 
-static const luaL_Reg functions[] = {{"shade_scene", shade_scene},
-                                     {"shade_bounds", shade_bounds},
-                                     {"shade_vertices", shade_vertices},
-                                     {"shade_trace", shade_trace},
-                                     {NULL, NULL}};
+static const luaL_Reg functions[] = {
+    {"scene_create", scene_create},     {"scene_bounds", scene_bounds},
+    {"scene_vertices", scene_vertices}, {"scene_trace", scene_trace},
+    {"scene_close", scene_close},       {NULL, NULL}};
 
-void ylmL_open_traced(lua_State *L) { luaL_setfuncs(L, functions, 0); }
+void ylmL_open_traced(lua_State *L) {
+  ylmL_type(L, SCENE, methods);
+  lua_pop(L, 1);
+  luaL_setfuncs(L, functions, 0);
+}

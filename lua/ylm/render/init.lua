@@ -66,7 +66,7 @@ local function occupied_points(s, t, o)
     if #s.geometry > 0 then return nil end
     return check.fail("bake: scene %q has no geometry, so no surfaces (occupied = 'everywhere' needs none)", s.name or "?")
   end
-  if x == "vertices" then return t.lib.shade_vertices(t.handle) end
+  if x == "vertices" then return t.lib.scene_vertices(t.handle) end
   if core.type(x) == "ylm.prepared" then
     local points, message, code = views.positions("bake", x, o.device)
     return points or false, message, code

@@ -67,10 +67,10 @@ function tracing.trace(name, s)
   local at, radius, radiance = light.arrays(lights)
   if not at then return nil, radius, radiance end
   local handle
-  handle, message, code = check.result(name, lib.shade_scene(meshes, albedos, occludes, at, radius, radiance,
+  handle, message, code = check.result(name, lib.scene_create(meshes, albedos, occludes, at, radius, radiance,
     light.patches(lights)))
   if not handle then return nil, message, code end
-  local lo, hi = lib.shade_bounds(handle)
+  local lo, hi = lib.scene_bounds(handle)
   local new = { parts = parts, handle = handle, lights = lights, lo = lo, hi = hi, lib = lib,
     seconds = core.seconds() - start }
   traced[s] = new

@@ -1,0 +1,74 @@
+/* scene.h - what the files of csrc/scene share. Private. */
+#ifndef YLM_SCENE_PRIVATE_H
+#define YLM_SCENE_PRIVATE_H
+
+#include "ylm_scene.h"
+#include "ylm_vector.h"
+
+/* A mesh as copied: `smooth` where it came with normals; else they are means over triangles, for
+   shading per vertex alone. */
+typedef struct scene_mesh {
+  float *position, *normal; /* [vertices][3] */
+  uint32_t *triangle;       /* [count][3]    */
+  size_t vertices, count, first_vertex;
+  bool smooth;
+  ylm_material material;
+} scene_mesh;
+
+/* A texture as copied. */
+typedef struct scene_texture {
+  double corner[3], across[3], up[3]; /* s = across.(p - corner) from 0 to 1, upwards by up */
+  size_t width, height;
+  float *texel;         /* [height][width][3], times the scale */
+  size_t first, behind; /* its triangles: first .. behind-1 */
+} scene_texture;
+
+struct ylm_scene {
+  ylm_trace *trace;
+  scene_mesh *mesh;
+  size_t meshes, vertices;
+  size_t lamps;
+  float *lamp[4]; /* x, y, z, radius: each [lamps], padded to a multiple of YLM_LAMP_CHUNK */
+  float *lamp_luminance;
+  float *lamp_radiance;    /* [lamps + triangles + disks][3] */
+  size_t triangles, disks; /* of flat lights: "patches", triangles first */
+  float *triangle, *disk;  /* [triangles][9], [disks][7] */
+  float *patch_luminance;  /* [triangles + disks] */
+  float *horizon;          /* [triangles + disks][3] or NULL */
+  size_t textures;
+  scene_texture *texture; /* in the order of their triangles */
+};
+
+/* -- weights.c ------------------------------------------------------------------ */
+
+#define YLM_LAMP_CHUNK 64
+
+/* w[j]: bound of the unshadowed luminous irradiance, over pi, at x with normal n from lamp j;
+   sum[b]: over chunk b of YLM_LAMP_CHUNK lamps. Arrays are padded with lamps of luminance 0. */
+typedef void ylm_scene_weights_fn(size_t chunks, float *const lamp[4], const float *luminance,
+                                  const float x[3], const float n[3], float *w, float *sum);
+
+/* The kernel of the instruction set in use. */
+ylm_scene_weights_fn *ylm__scene_weights(void);
+
+/* -- patch.c ------------------------------------------------------------------ */
+
+/* For each patch the luminance times a bound of about its unshadowed irradiance over pi, above 0
+   wherever it brings light; `weight` is padded to chunks, `sum` over them. */
+void ylm__scene_patch_weights(const ylm_scene *s, const float x[3], const float n[3], float *weight,
+                              float *sum);
+/* A ray from x to a random place on patch i, the radiance there and the irradiance that it brings
+   for radiance 1: uniform in the solid angle of triangles that fill much of it (Arvo 1995), else by
+   area. */
+double ylm__scene_patch_sample(const ylm_scene *s, size_t i, const float x[3], const float n[3],
+                               double u0, double u1, ylm_trace_ray *ray, const float **radiance);
+
+/* -- texture.c ---------------------------------------------------------------- */
+
+/* Copies textures; their triangles are the last of s->triangles. */
+ylm_status ylm__scene_copy_textures(ylm_scene *s, const ylm_scene_lamps *l, ylm_error *e);
+void ylm__scene_free_textures(ylm_scene *s);
+/* The radiance of patch i at the place p on it, [3]. */
+const float *ylm__scene_patch_radiance(const ylm_scene *s, size_t i, const double p[3]);
+
+#endif

@@ -1,0 +1,47 @@
+/* weights.c - how much each lamp may bring to a point: the plain form, which judges the others, and
+   their choice. */
+#include <math.h>
+
+#include "scene.h"
+
+/* Bound of the unshadowed irradiance, over pi, of a lamp of radiance 1 at v with radius r. */
+static double weight(const double v[3], double r, const float n[3]) {
+  double d2 = v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
+  if (d2 <= r * r) return r > 0;
+  double cosine = (v[0] * n[0] + v[1] * n[1] + v[2] * n[2]) / sqrt(d2), s = r * r / d2;
+  if (cosine >= sqrt(s)) return s * cosine;
+  if (cosine <= -sqrt(s)) return 0;
+  return s * fmax(0, cosine * sqrt(1 - s) + sqrt((1 - cosine * cosine) * s));
+}
+
+static void weights(size_t chunks, float *const lamp[4], const float *luminance, const float x[3],
+                    const float n[3], float *w, float *sum) {
+  for (size_t b = 0; b < chunks; b++) {
+    sum[b] = 0;
+    for (size_t j = b * YLM_LAMP_CHUNK; j < (b + 1) * YLM_LAMP_CHUNK; j++) {
+      double v[3] = {(double)lamp[0][j] - x[0], (double)lamp[1][j] - x[1],
+                     (double)lamp[2][j] - x[2]};
+      w[j] = (float)weight(v, lamp[3][j], n) * luminance[j];
+      sum[b] += w[j];
+    }
+  }
+}
+
+#if defined(__x86_64__)
+ylm_scene_weights_fn ylm_k_scene_weights_sse2, ylm_k_scene_weights_avx2, ylm_k_scene_weights_avx512;
+#elif defined(__aarch64__)
+ylm_scene_weights_fn ylm_k_scene_weights_neon;
+#endif
+
+ylm_scene_weights_fn *ylm__scene_weights(void) {
+  switch (ylm_isa_current()) {
+#if defined(__x86_64__)
+  case YLM_ISA_sse2: return ylm_k_scene_weights_sse2;
+  case YLM_ISA_avx2: return ylm_k_scene_weights_avx2;
+  case YLM_ISA_avx512: return ylm_k_scene_weights_avx512;
+#elif defined(__aarch64__)
+  case YLM_ISA_neon: return ylm_k_scene_weights_neon;
+#endif
+  default: return weights;
+  }
+}

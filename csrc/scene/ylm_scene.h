@@ -1,0 +1,177 @@
+/*
+** ylm_scene.h - surfaces with materials, and lamps, ready to be traced.
+**
+**   ylm_scene          meshes, materials and lamps; what a ray hits is asked of its ylm_trace
+**   ylm_scene_place    a place on one of its triangles; ylm_scene_surfaces says what is there
+**   ylm_scene_chooser  aims rays from a place at the lamps
+**   ylm_camera         where pictures are taken from
+**
+** A scene knows no picture and no spherical harmonics: what a camera sees of it is ylm_shade.h's.
+** A mesh that does not occlude is only seen: it keeps no light from anything.
+**
+** Ownership   ylm_scene_create copies what it is given.
+** Threads     scenes are read-only after creation; a chooser is for one caller at a time.
+*/
+#ifndef YLM_SCENE_H
+#define YLM_SCENE_H
+
+#include "ylm_base.h"
+#include "ylm_material.h"
+#include "ylm_trace.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* -- scenes ------------------------------------------------------------------ */
+
+typedef struct ylm_scene ylm_scene;
+
+typedef struct ylm_scene_mesh {
+  const float *positions; /* [vertices][3]  scene units                              */
+  const float *normals;   /* [vertices][3]  any length; NULL: those of the triangles */
+  size_t vertices;
+  const uint32_t *triangles; /* [count][3]     < vertices                               */
+  size_t count;
+  ylm_material material;
+  bool occludes; /* false: seen, but never in the way of light */
+} ylm_scene_mesh;
+
+/* An image on a parallelogram, which emits it to both sides. */
+typedef struct ylm_scene_texture {
+  double corner[3], u[3], v[3]; /* its bottom left, to its bottom right, to its top left */
+  size_t width, height;
+  const float *texel; /* [height][width][3], the top row first; W sr^-1 m^-2 */
+  double scale;       /* multiplies it */
+  size_t triangles;   /* how many cover it */
+} ylm_scene_texture;
+
+/* Lamps, spheres and flat ones that emit to both sides: drawn as emitters, sampled by choosers;
+   they never occlude. The last triangles are those of textures, one after the other: their radiance
+   is the texture's where they are hit, what stands in `radiance` says how often rays are aimed at
+   them (0: never). */
+typedef struct ylm_scene_lamps {
+  ylm_trace_lamps shape;
+  const float *radiance; /* [spheres + triangles + disks][3]  W sr^-1 m^-2, linear Rec. 709 */
+  const float *horizon;  /* [triangles + disks][3] or NULL: what of a lamp is below the plane across
+                            it through a shading point brings no light there; 0: all does */
+  size_t textures;
+  const ylm_scene_texture *texture;
+} ylm_scene_lamps;
+
+/* YLM_OK; YLM_EINVAL, YLM_EDOMAIN, YLM_EOVERFLOW, YLM_ENOMEM, YLM_EDEVICE as ylm_trace_create and
+   ylm_material_check say. */
+YLM_API ylm_status ylm_scene_create(size_t meshes, const ylm_scene_mesh *mesh,
+                                    const ylm_scene_lamps *lamps, ylm_scene **scene, ylm_error *e);
+YLM_API void ylm_scene_free(ylm_scene *scene);
+/* Box around all meshes (not the lamps); zeros where there are none. */
+YLM_API void ylm_scene_bounds(const ylm_scene *scene, double lo[3], double hi[3]);
+/* What rays are traced through; lives as long as the scene. */
+YLM_API const ylm_trace *ylm_scene_trace(const ylm_scene *scene);
+
+/* The number of meshes; what mesh m is made of; the corners of its triangle `element`, as vertices
+   of the mesh [3]. */
+YLM_API size_t ylm_scene_meshes(const ylm_scene *scene);
+YLM_API const ylm_material *ylm_scene_material(const ylm_scene *scene, size_t m);
+YLM_API const uint32_t *ylm_scene_triangle(const ylm_scene *scene, size_t m, size_t element);
+
+/* All vertices of all meshes, one after the other: their number; out [n][3], NULL: not wanted. */
+YLM_API size_t ylm_scene_vertices(const ylm_scene *scene, float *out);
+/* How many of them are before those of mesh m; of the mesh behind the last: all. */
+YLM_API size_t ylm_scene_first_vertex(const ylm_scene *scene, size_t m);
+
+/* -- what is at a place ------------------------------------------------------ */
+
+/* A place on a triangle, by the weights of its second and third corner. */
+typedef struct ylm_scene_place {
+  uint32_t mesh, element;
+  float u, v;
+  bool back; /* seen against the triangle's winding */
+} ylm_scene_place;
+
+/* The surface there, turned to the side that is seen. */
+typedef struct ylm_scene_surface {
+  float position[3], normal[3];
+  float origin[3]; /* where rays start */
+} ylm_scene_surface;
+
+/*
+** ylm_scene_surfaces - the surfaces at n places.
+**
+** Normals are those of the vertices, interpolated, where the mesh has them. Origins leave the flat
+** triangle for the surface that these normals describe.
+**
+**   p    in   [n]
+**   out  out  [n]
+**
+** Source  Hanika 2021, "Hacking the Shadow Terminator" (origins)
+*/
+YLM_API void ylm_scene_surfaces(const ylm_scene *scene, size_t n, const ylm_scene_place *p,
+                                ylm_scene_surface *out);
+/* The surface at a vertex of mesh m, seen from its front or back. */
+YLM_API void ylm_scene_vertex(const ylm_scene *scene, size_t m, size_t vertex, bool back,
+                              ylm_scene_surface *out);
+
+/* -- lamps ------------------------------------------------------------------- */
+
+/* The radiance [3] of the lamp that a ray hit, at the place where it did. */
+YLM_API const float *ylm_scene_lamp_radiance(const ylm_scene *scene, const ylm_trace_ray *ray,
+                                             const ylm_trace_hit *hit);
+
+/* What choosing rays to the lamps of a scene takes. */
+typedef struct ylm_scene_chooser ylm_scene_chooser;
+/* NULL without memory. */
+YLM_API ylm_scene_chooser *ylm_scene_chooser_create(const ylm_scene *scene);
+YLM_API void ylm_scene_chooser_free(ylm_scene_chooser *c);
+
+/*
+** ylm_scene_aim - rays from x, on a surface with normal n, to the lamps.
+**
+** Each of `samples` strata chooses a lamp in proportion to (a bound of) its unshadowed luminous
+** irradiance, then a direction uniform in the solid angle it fills (disks, and triangles that fill
+** little: a place uniform in area).
+**
+**   ray    out  [samples]     from x, each to a place of a lamp
+**   value  out  [samples][3]  the irradiance that the ray brings if nothing is in its way
+**
+** Returns  how many rays there are: at most `samples`
+** Cost     O(lamps + samples), no allocation
+** Source   Shirley, Wang, Zimmerman 1996, "Monte Carlo Techniques for Direct Lighting
+**          Calculations"; Arvo 1995, "Stratified Sampling of Spherical Triangles";
+**          Roberts 2018, "The Unreasonable Effectiveness of Quasirandom Sequences" (R2)
+*/
+YLM_API size_t ylm_scene_aim(const ylm_scene_chooser *c, const float x[3], const float n[3],
+                             int samples, ylm_rng *rng, ylm_trace_ray *ray, float (*value)[3]);
+
+/* -- cameras ----------------------------------------------------------------- */
+
+/* A pinhole camera. */
+typedef struct ylm_camera {
+  double from[3], at[3]; /* scene units, different                        */
+  double up[3];          /* not along at - from                           */
+  double fov;            /* of the image's height, degrees, 0 < fov < 180 */
+} ylm_camera;
+
+/* Right, up and forward of a camera: dir = forward + x*right + y*up, x and y from -1 to 1 over
+   the image; dir has length 1 along the view axis. */
+typedef struct ylm_camera_frame {
+  double from[3], right[3], up[3], forward[3];
+  double pixel; /* height of a pixel at distance 1 */
+} ylm_camera_frame;
+
+/* YLM_OK; YLM_EINVAL naming what of the camera is wrong. */
+YLM_API ylm_status ylm_scene_frame(const ylm_camera *c, int width, int height, ylm_camera_frame *f,
+                                   ylm_error *e);
+
+/* -- sampling ---------------------------------------------------------------- */
+
+/* Two vectors that make a right-handed orthonormal frame with the unit vector n.
+   Source: Duff et al. 2017, "Building an Orthonormal Basis, Revisited". */
+YLM_API void ylm_scene_basis(const float n[3], float a[3], float b[3]);
+/* The bits of i reversed behind the binary point: van der Corput's sequence. */
+YLM_API double ylm_scene_radical(uint32_t i);
+
+#ifdef __cplusplus
+}
+#endif
+#endif
