@@ -23,7 +23,8 @@ ABIS    := $(sort $(patsubst luajit,lua5.1,$(LUAS)))
 # -- what belongs to which library (csrc/README.md) -------------------------
 
 CORE    := base sh rival image geom material light grid figure
-SCENE   := codec trace scene shade
+CODEC   := codec
+SCENE   := trace scene shade
 
 ARCH    := $(shell $(CC) -dumpmachine 2>/dev/null | cut -d- -f1)
 ISAS    := $(if $(filter x86_64,$(ARCH)),sse2 avx2 avx512,$(if $(filter aarch64,$(ARCH)),neon))
@@ -33,12 +34,13 @@ FLAGS_avx2   := -mavx2 -mfma -DYLM_VECTOR_BYTES=32
 FLAGS_avx512 := -mavx512f -mavx512dq -mavx512vl -mavx512bw -mavx2 -mfma -mprefer-vector-width=512 -DYLM_VECTOR_BYTES=64
 
 CFLAGS  := -std=gnu11 -fPIC -fvisibility=hidden -fopenmp -fno-math-errno -fno-trapping-math -MMD -MP \
-           $(OPT) $(CWARN) $(SANITIZE) -Icsrc $(foreach d,$(CORE) $(SCENE) vulkan vtk,-Icsrc/$(d))
+           $(OPT) $(CWARN) $(SANITIZE) -Icsrc $(foreach d,$(CORE) $(CODEC) $(SCENE) vulkan vtk,-Icsrc/$(d))
 LDFLAGS := -shared -fopenmp $(SANITIZE) -Wl,-z,now -Wl,-z,nodelete $(if $(SANITIZE),,-Wl,-z,defs)
 
 pkg      = $(shell pkg-config $(1) $(2) 2>/dev/null)
 CFLAGS_codec = $(call pkg,--cflags,OpenEXR libpng)
-LIBS_scene   = -lOpenEXRCore-3_1 $(call pkg,--libs,libpng) -lembree3
+LIBS_codec   = -lOpenEXRCore-3_1 $(call pkg,--libs,libpng)
+LIBS_scene   = -lembree3
 
 # -- objects: *.c of a folder and its rooms once, *.isa.c once per instruction set ----------
 
@@ -47,15 +49,17 @@ kernels = $(wildcard csrc/$(1)/*.isa.c csrc/$(1)/*/*.isa.c csrc/$(1)/*/gen/*.isa
 objects = $(patsubst csrc/%.c,$(BUILD)/obj/%.o,$(call sources,$(1))) \
           $(foreach i,$(ISAS),$(patsubst csrc/%.isa.c,$(BUILD)/obj/%.$(i).o,$(call kernels,$(1))))
 
-# Built where OpenEXR, libpng and Embree 3 are; spherical harmonics alone need none of them.
-WITH_SCENE ?= $(if $(wildcard csrc/lua/scene/scene.c),$(and $(shell pkg-config --exists OpenEXR libpng 2>/dev/null && echo y),$(wildcard \
-                /usr/include/embree3/rtcore.h /usr/local/include/embree3/rtcore.h)))
+# Built where OpenEXR and libpng are, and where Embree 3 is; spherical harmonics alone need none of them.
+WITH_CODEC ?= $(shell pkg-config --exists OpenEXR libpng 2>/dev/null && echo y)
+WITH_SCENE ?= $(wildcard /usr/include/embree3/rtcore.h /usr/local/include/embree3/rtcore.h)
 
 OBJ_core  := $(foreach d,$(CORE),$(call objects,$(d)))
+OBJ_codec := $(foreach d,$(CODEC),$(call objects,$(d)))
 OBJ_scene := $(foreach d,$(SCENE),$(call objects,$(d)))
 
-LIBS := $(BUILD)/lib/libylm.so $(if $(WITH_SCENE),$(BUILD)/lib/libylm_scene.so)
-HAVE := core $(if $(WITH_SCENE),scene)
+PARTS := $(if $(WITH_CODEC),codec) $(if $(WITH_SCENE),scene)
+LIBS := $(BUILD)/lib/libylm.so $(foreach p,$(PARTS),$(BUILD)/lib/libylm_$(p).so)
+HAVE := core $(PARTS)
 # Parts with rules of their own.
 -include csrc/vtk/build.mk csrc/vulkan/build.mk lua/ylm/codegen/build.mk spec/bench/build.mk spec/fuzz/build.mk lua/ylm/doc/build.mk
 
@@ -89,13 +93,17 @@ $(BUILD)/lib/libylm.so: $(OBJ_core)
 	$(call say,LINK,$@)
 	$(Q)$(CC) $(LDFLAGS) -Wl,-soname,libylm.so $^ -lm -o $@
 
-$(BUILD)/lib/libylm_scene.so: $(OBJ_scene) $(BUILD)/lib/libylm.so
-	@mkdir -p $(@D)
-	$(call say,LINK,$@)
-	$(Q)$(CC) $(LDFLAGS) -Wl,-soname,libylm_scene.so -Wl,-rpath,'$$ORIGIN' $(OBJ_scene) -L$(BUILD)/lib -lylm $(LIBS_scene) -lm -o $@
+define PART
+$(BUILD)/lib/libylm_$(1).so: $(OBJ_$(1)) $(BUILD)/lib/libylm.so Makefile
+	@mkdir -p $$(@D)
+	$$(call say,LINK,$$@)
+	$(Q)$$(CC) $$(LDFLAGS) -Wl,-soname,libylm_$(1).so -Wl,-rpath,'$$$$ORIGIN' $(OBJ_$(1)) -L$(BUILD)/lib -lylm $(LIBS_$(1)) -lm -o $$@
+endef
+$(foreach p,codec scene,$(eval $(call PART,$(p))))
 
 # A binding is compiled per Lua ABI and finds the libraries by $ORIGIN.
 LIBS_OF_core   := -lylm
+LIBS_OF_codec  := -lylm_codec -lylm
 LIBS_OF_scene  := -lylm_scene -lylm
 LIBS_OF_vtk    := -lylm_vtk -lylm
 LIBS_OF_vulkan := -lylm_vulkan -lylm

@@ -198,17 +198,31 @@ describe("image files", function()
     assert.is_nil((ylm.load(path "missing.exr")))
   end)
 
-  it("say what to install where the library is missing, and leave the rest working", function()
+  it("are written and read where Embree is missing", function()
     local loaded, preload = package.loaded["ylm.c.scene"], package.preload["ylm.c.scene"]
     package.loaded["ylm.c.scene"] = nil
-    package.preload["ylm.c.scene"] = function() error("libylm_scene.so: cannot open shared object file") end
+    package.preload["ylm.c.scene"] = function() error("libembree3.so.3: cannot open shared object file") end
+    local a = ylm.image { size = { 4, 4 } }:fill(1, 1, 4, 4, 1)
+    local saved, b = a:save(path "n.exr"), ylm.load(path "n.exr")
+    local none, message, code = ylm.scene "none" { camera = ylm.camera { from = { 0, 0, 1 } } }:reference()
+    package.loaded["ylm.c.scene"], package.preload["ylm.c.scene"] = loaded, preload
+    assert.is_true(saved)
+    assert.equal(0, a:compare(b).mse)
+    assert.same({ nil, "EMISSING" }, { none, code })
+    assert.truthy(message:find "libylm_scene.*Embree", message)
+  end)
+
+  it("say what to install where the library is missing, and leave the rest working", function()
+    local loaded, preload = package.loaded["ylm.c.codec"], package.preload["ylm.c.codec"]
+    package.loaded["ylm.c.codec"] = nil
+    package.preload["ylm.c.codec"] = function() error("libylm_codec.so: cannot open shared object file") end
     local a = ylm.image { size = { 4, 4 } }:fill(1, 1, 4, 4, 1)
     local ok, message, code = a:save(path "m.png")
     local mse = a:compare(a).mse
-    package.loaded["ylm.c.scene"], package.preload["ylm.c.scene"] = loaded, preload
+    package.loaded["ylm.c.codec"], package.preload["ylm.c.codec"] = loaded, preload
     assert.is_nil(ok)
     assert.equal("EMISSING", code)
-    assert.truthy(message:find "libpng", message)
+    assert.truthy(message:find "libylm_codec.*libpng", message)
     assert.equal(0, mse)
   end)
 end)

@@ -42,6 +42,14 @@ describe("what is installed", function()
     local libraries = runs("ldd " .. scratch.quote(prefix) .. "/lib/lua/5.4/ylm/c/core.so")
     assert.truthy(libraries:find(folder.path, 1, true), libraries)
     assert.falsy(libraries:find "not found", libraries)
+    for _, part in ipairs { "codec", "scene" } do
+      if scratch.shell("test -f build/lib/libylm_" .. part .. ".so") then
+        libraries = runs("ldd " .. scratch.quote(prefix) .. "/lib/lua/5.4/ylm/c/" .. part .. ".so")
+        assert.truthy(libraries:find(folder.path .. "/prefix/lib/", 1, true), libraries)
+        assert.truthy(libraries:find("libylm_" .. part, 1, true), libraries)
+        assert.falsy(libraries:find "not found", libraries)
+      end
+    end
   end)
 
   for _, version in ipairs { "5.4", "5.1" } do

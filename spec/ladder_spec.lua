@@ -15,7 +15,7 @@ local rooms = {
   light = { "sphere", "moments", "tree", "flat" },
   grid = { "bake", "sample", "follow", "file" },
   vulkan = { "device", "light", "grid", "picture" },
-  lua = { "core", "scene", "vtk", "vulkan" },
+  lua = { "core", "codec", "scene", "vtk", "vulkan" },
 }
 
 --- Which folders may include a system header that matches.
@@ -135,6 +135,17 @@ describe("the ladder", function()
       assert(allowed[name], "libylm.so needs " .. name .. "\n" .. out)
     end
     assert.truthy(out:find "libm%.so")
+  end)
+
+  it("keeps what one library needs from the users of another", function()
+    local foreign = { codec = { "embree" }, scene = { "OpenEXR", "libpng" } }
+    for name, words in pairs(foreign) do
+      local path = build .. "/lib/libylm_" .. name .. ".so"
+      if not exists(path) then pending(path .. " is not built") end
+      local out, code = scratch.capture("ldd " .. scratch.quote(path))
+      assert.equal(0, code, out)
+      for _, word in ipairs(words) do assert.falsy(out:find(word), path .. " needs " .. word .. "\n" .. out) end
+    end
   end)
 
   it("exports nothing but ylm_* from libylm.so", function()

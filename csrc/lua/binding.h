@@ -48,7 +48,6 @@
   X(mesh)
 
 #define YLML_SCENE_BINDINGS(X)                                                                     \
-  X(codec)                                                                                         \
   X(shade)                                                                                         \
   X(shade_entries)                                                                                 \
   X(shade_grid)                                                                                    \
@@ -63,6 +62,7 @@ YLML_SCENE_BINDINGS(X)
 
 /* The entry points of the shared objects. */
 YLM_API int luaopen_ylm_c_core(lua_State *L);
+YLM_API int luaopen_ylm_c_codec(lua_State *L);
 YLM_API int luaopen_ylm_c_scene(lua_State *L);
 YLM_API int luaopen_ylm_c_vtk(lua_State *L);
 YLM_API int luaopen_ylm_c_vulkan(lua_State *L);

@@ -1,4 +1,4 @@
---- Libraries that are loaded when they are first used: files and rays, pictures, GPUs.
+--- Libraries that are loaded when they are first used: image files, rays, pictures, GPUs.
 
 local memory = require "ylm.memory"
 

@@ -74,16 +74,16 @@ fuzz-minimise: $(foreach f,$(FUZZ),$(FUZZ_DIR)/bin/$(f))
 	  echo "$$f: $$(ls $(FUZZ_DIR)/kept/$$f | wc -l) inputs, $$(du -sb $(FUZZ_DIR)/kept/$$f | cut -f1) bytes in $(FUZZ_DIR)/kept"; done
 
 # `make check` compiles them without clang (see spec/bench/build.mk).
-fuzz-check: $(patsubst %.c,$(BUILD)/check/%.o,$(filter-out $(if $(WITH_SCENE),,%/exr.c %/hdr.c %/pfm.c %/png.c) \
+fuzz-check: $(patsubst %.c,$(BUILD)/check/%.o,$(filter-out $(if $(WITH_CODEC),,%/exr.c %/hdr.c %/pfm.c %/png.c) \
   $(if $(call pkg,--cflags,lua5.4),,%/scene.c),$(wildcard spec/fuzz/*.c)))
 
 .PHONY: fuzz-coverage fuzz-minimise fuzz-check
 
 # The scene sandbox: the bindings and the readers of images instrumented, kernels and all else from libylm as it is built.
-FUZZ_ABOUT_scene := csrc/lua/core/sandbox.c csrc/lua/scene/codec.c
+FUZZ_ABOUT_scene := csrc/lua/core/sandbox.c csrc/lua/codec/codec.c
 # The Lua state outlives each input: leaks are looked for at no single one.
 FUZZ_ARGS_scene := -detect_leaks=0
-FUZZ_ALSO_scene := $(patsubst csrc/lua/%.c,$(FUZZ_DIR)/lua/%.o,$(wildcard csrc/lua/binding*.c csrc/lua/core/*.c) csrc/lua/scene/codec.c) \
+FUZZ_ALSO_scene := $(patsubst csrc/lua/%.c,$(FUZZ_DIR)/lua/%.o,$(wildcard csrc/lua/binding*.c csrc/lua/core/*.c) csrc/lua/codec/codec.c) \
   $(patsubst csrc/%.c,$(FUZZ_DIR)/obj/%.o,$(wildcard csrc/codec/*.c))
 FUZZ_LIBS_scene := $(call pkg,--cflags --libs,lua5.4) -lOpenEXRCore-3_1 $(call pkg,--libs,libpng) -L$(BUILD)/lib -Wl,-rpath,$(abspath $(BUILD))/lib -lylm
 $(FUZZ_DIR)/lua/%.o: csrc/lua/%.c

@@ -16,7 +16,7 @@
 #include <lualib.h>
 
 int luaopen_ylm_c_core(lua_State *L);
-void ylmL_open_codec(lua_State *L);
+int luaopen_ylm_c_codec(lua_State *L);
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
 __attribute__((section("__libfuzzer_extra_counters"))) static uint8_t kinds[4096];
@@ -73,13 +73,6 @@ static void put(const char *name, const void *data, size_t size) {
   if (!f || fwrite(data, 1, size, f) != size || fclose(f) != 0) die("cannot write");
 }
 
-/* The part of ylm.c.scene that scene files reach: images. */
-static int open_scene(lua_State *L) {
-  lua_newtable(L);
-  ylmL_open_codec(L);
-  return 1;
-}
-
 static void run_paint(lua_State *L) {
   if (luaL_loadstring(L, paint)) die(lua_tostring(L, -1));
   for (int i = 0; i < 2; i++) {
@@ -102,8 +95,8 @@ static lua_State *begin(void) {
   luaL_getsubtable(L, LUA_REGISTRYINDEX, "_PRELOAD");
   lua_pushcfunction(L, luaopen_ylm_c_core);
   lua_setfield(L, -2, "ylm.c.core");
-  lua_pushcfunction(L, open_scene);
-  lua_setfield(L, -2, "ylm.c.scene");
+  lua_pushcfunction(L, luaopen_ylm_c_codec);
+  lua_setfield(L, -2, "ylm.c.codec");
   lua_settop(L, 0);
   if (luaL_dostring(L, setup)) die(lua_tostring(L, -1));
   run_paint(L);

@@ -14,8 +14,8 @@ local methods = core.metatable "ylm.image"
 
 --- The library of file formats, or nil, message, "EMISSING" | "ENOMEM": the core works without it.
 local function codec()
-  return library.open("scene", "image files need libylm_scene with OpenEXR and libpng (Debian: libopenexr-dev libpng-dev "
-    .. "libembree-dev, then make): %s")
+  return library.open("codec", "image files need libylm_codec with OpenEXR and libpng (Debian: libopenexr-dev libpng-dev, "
+    .. "then make): %s")
 end
 
 local function check_path(n, name, path)

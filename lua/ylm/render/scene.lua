@@ -11,8 +11,7 @@ local tracing = {}
 
 --- The library that traces rays, or nil, message, "EMISSING" | "ENOMEM".
 function tracing.library()
-  return library.open("scene", "rendering needs libylm_scene with Embree 3 (Debian: libembree-dev libopenexr-dev libpng-dev, "
-    .. "then make): %s")
+  return library.open("scene", "rendering needs libylm_scene with Embree 3 (Debian: libembree-dev, then make): %s")
 end
 
 function tracing.check_scene(name, s)

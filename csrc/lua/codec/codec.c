@@ -1,4 +1,4 @@
-/* codec.c - image files. */
+/* codec.c - opens ylm.c.codec: the binding of libylm_codec.so, image files. */
 #include "../binding.h"
 #include "ylm_codec.h"
 
@@ -31,4 +31,9 @@ static int image_read(lua_State *L) {
 static const luaL_Reg functions[] = {
     {"image_write", image_write}, {"image_read", image_read}, {NULL, NULL}};
 
-void ylmL_open_codec(lua_State *L) { luaL_setfuncs(L, functions, 0); }
+int luaopen_ylm_c_codec(lua_State *L) {
+  ylmL_check_abi(L);
+  lua_newtable(L);
+  luaL_setfuncs(L, functions, 0);
+  return 1;
+}
