@@ -232,7 +232,7 @@ end]],
 }
 function methods.to(a, gpu)
   open(a, "to")
-  return require "ylm.device".__to(a, gpu)
+  return require "ylm.vulkan".__to(a, gpu)
 end
 
 methods.__index = function(a, key)

@@ -38,7 +38,7 @@ local contents = {
 --- Public name -> a module that is a table of functions itself.
 local tables = {
   sh = "ylm.sh",
-  vulkan = "ylm.device",
+  vulkan = "ylm.vulkan",
 }
 
 local home = {}

@@ -1,4 +1,4 @@
-/* grid.c - grids in a device's memory. Arguments come sorted from lua/ylm/device/grid.lua.
+/* grid.c - grids in a device's memory. Arguments come sorted from lua/ylm/vulkan/grid.lua.
  */
 #include "../binding_grid.h"
 #include "vulkan.h"

@@ -1,4 +1,4 @@
-/* picture.c - pictures in a device's memory; lua/ylm/device/image.lua makes them. */
+/* picture.c - pictures in a device's memory; lua/ylm/vulkan/image.lua makes them. */
 #include "vulkan.h"
 
 #define PICTURE "ylm.gpu_picture"

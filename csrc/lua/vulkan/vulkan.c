@@ -1,4 +1,4 @@
-/* vulkan.c - opens ylm.c.vulkan: devices. For lua/ylm/device/init.lua. */
+/* vulkan.c - opens ylm.c.vulkan: devices. For lua/ylm/vulkan/init.lua. */
 #include "vulkan.h"
 
 #include <string.h>

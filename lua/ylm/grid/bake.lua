@@ -4,7 +4,7 @@ local array = require "ylm.array"
 local check = require "ylm.check"
 local core = require "ylm.c.core"
 local describe = require "ylm.describe".describe
-local device_lights = require "ylm.device.light"
+local device_lights = require "ylm.vulkan.light"
 local form = require "ylm.form"
 local grid_object = require "ylm.grid.object"
 local light = require "ylm.light"
@@ -42,7 +42,7 @@ local function shading_points(x, gpu)
   end
   local n
   if core.type(points) == "ylm.gpu_array" then
-    n = require "ylm.device.grid".check_points(3, "bake", "occupied", points)
+    n = require "ylm.vulkan.grid".check_points(3, "bake", "occupied", points)
     if not gpu then
       return check.bad(3, "bake", "device: occupied is in a device's memory: name the device, or download it")
     end

@@ -57,7 +57,7 @@ ylm.bake(ylm.uniform_grid { bounds = { { -1, -1, -1 }, { 1, 1, 1 } }, cells = 2,
 function methods.close(g)
   object.open(g, "close")
   check.result("close", core.grid_close(g))
-  local there = package.loaded["ylm.device.grid"]
+  local there = package.loaded["ylm.vulkan.grid"]
   if there then there.forget(g) end
 end
 

@@ -58,7 +58,7 @@ function methods.sample(g, points, given)
   local o = form.options(2, "sample", sample_options, given)
   local on_device, p, single = core.type(points) == "ylm.gpu_array", points, false
   if on_device then
-    require "ylm.device.grid".check_points(1, "sample", "points", points)
+    require "ylm.vulkan.grid".check_points(1, "sample", "points", points)
     if not o.device then
       return check.bad(2, "sample", "device: points are in a device's memory: name the device, or download them")
     end
@@ -70,11 +70,11 @@ function methods.sample(g, points, given)
   local shapes = { shape, o.derivatives > 0 and { shape[1], shape[2], shape[3], 3 } or nil }
   if o.flags then shapes[#shapes + 1] = { shape[1] } end
   local out1, out2, out3
-  if o.device then out1, out2 = require "ylm.device.grid".outputs(2, "sample", o.out, shapes) end
+  if o.device then out1, out2 = require "ylm.vulkan.grid".outputs(2, "sample", o.out, shapes) end
   if not (out1 or out2) then out1, out2, out3 = outputs.of(2, "sample", o.out, o.dtype, shapes, points) end
   local progress = o.progress and require "ylm.progress".of(o.progress) or nil
   if o.device then
-    local c, dc, report = require "ylm.device.grid".sample(g, p, o, INTERPOLATION[o.interpolation], out1, out2, progress)
+    local c, dc, report = require "ylm.vulkan.grid".sample(g, p, o, INTERPOLATION[o.interpolation], out1, out2, progress)
     if c and single and core.type(c) == "ylm.array" and not out1 then c, dc = c[1], dc and dc[1] end
     return c, dc, report
   end
@@ -109,5 +109,5 @@ if gpu then
 end]],
 }
 function methods.to(g, gpu)
-  return require "ylm.device.grid".to(open(g, "to"), gpu)
+  return require "ylm.vulkan.grid".to(open(g, "to"), gpu)
 end

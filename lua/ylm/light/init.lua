@@ -222,7 +222,7 @@ end
 function light.field(n, name, value)
   local fault = check.grid_fault(value)
   if fault then return check.bad(n, name, fault) end
-  if core.type(value) == "ylm.gpu_lights" and not require "ylm.device.light".is_open(value) then
+  if core.type(value) == "ylm.gpu_lights" and not require "ylm.vulkan.light".is_open(value) then
     return check.bad(n, name, "the lights have been closed")
   end
   if core.has_field(value) and core.type(value) ~= "ylm.lights" then return value end
@@ -353,7 +353,7 @@ function light.light_field(lmax, lights, points, given)
   local object, made, code = light.field(2, "light_field", lights)
   if not object then return nil, made, code end
   if o.device or o.method then
-    object, made, code = require "ylm.device.light".on(4, "light_field", object, o)
+    object, made, code = require "ylm.vulkan.light".on(4, "light_field", object, o)
   else
     object, made, code = light.within("light_field", object, o.tolerance, o.threads)
   end

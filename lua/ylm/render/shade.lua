@@ -62,7 +62,7 @@ local function by_device(name, p, o)
   local report, failed, why = shortcomings(name, p, o)
   if not report then return nil, failed, why end
   local start, bar = core.seconds(), progress.resolve(o.progress)
-  local device = require "ylm.device.image"
+  local device = require "ylm.vulkan.image"
   local function write(picture_of)
     local done, message, code = device.render(name, p, o, picture_of, bar, pictures.compose)
     if not done then return nil, message, code end

@@ -59,7 +59,7 @@ end
 -- none and kept; an array too where the device has no room for it. Or nil, message, code.
 function views.positions(name, view, gpu)
   local p = views.open(name, view)
-  if gpu and p.stats.points > 0 then return require "ylm.device.image".positions(name, gpu, p) end
+  if gpu and p.stats.points > 0 then return require "ylm.vulkan.image".positions(name, gpu, p) end
   return check.result(name, p.lib.shade_positions(p.view))
 end
 

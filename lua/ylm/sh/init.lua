@@ -155,7 +155,7 @@ local function eval_on(gpu, lmax, p, out, options)
   if options.method ~= "solid" or options.kernel then
     return check.bad(3, "eval", "device goes with method 'solid' and without kernel")
   end
-  local binding, message, code = require "ylm.device".__use(3, "eval", gpu)
+  local binding, message, code = require "ylm.vulkan".__use(3, "eval", gpu)
   if not binding then return nil, message, code end
   return check.result("eval", binding.gpu_sh_eval(gpu, lmax, p, out[1], out[2], out[3], options.solid,
     progress.of(options.progress)))

@@ -26,7 +26,7 @@ reference.object "gpu_lights" {
   },
 }
 
-local function binding() return assert(require "ylm.device".__binding()) end
+local function binding() return assert(require "ylm.vulkan".__binding()) end
 
 local NO_OTHERS = "a device sums sphere, polygon, disk and textured lights; no others"
 
@@ -47,7 +47,7 @@ function vulkan_light.device_of(object) return gpu_of[object] end
 
 --- Parts -> the object on the device; argument `n` of `name` is the device.
 local function create(n, name, gpu, parts, method)
-  local c, message, code = require "ylm.device".__use(n, name, gpu)
+  local c, message, code = require "ylm.vulkan".__use(n, name, gpu)
   if not c then return nil, message, code end
   local lights
   lights, message, code = check.result(name, c.gpu_lights_create(gpu, parts.spheres, parts.flat, METHODS[method]))
@@ -117,7 +117,7 @@ end
 
 --- The copy of a new grid that baking from lights has left on their device, if there is one.
 function vulkan_light.keep(object, grid, copy)
-  if copy then require "ylm.device.grid".keep(grid, gpu_of[object], copy) end
+  if copy then require "ylm.vulkan.grid".keep(grid, gpu_of[object], copy) end
 end
 
 --- Times by stage of an object on a device, less what they were before; nil for other objects.

@@ -23,12 +23,12 @@ reference.object "gpu_grid" {
 local copies = setmetatable({}, { __mode = "k" })
 local seconds_of = setmetatable({}, { __mode = "k" })
 
-local function binding() return assert(require "ylm.device".__binding()) end
+local function binding() return assert(require "ylm.vulkan".__binding()) end
 
 --- The copy of a grid on a device, made where there is none that is open; or nil, message, code.
 -- Argument `n` of `name` is the device.
 function vulkan_grid.copy_of(n, name, grid, gpu)
-  local c, message, code = require "ylm.device".__use(n, name, gpu)
+  local c, message, code = require "ylm.vulkan".__use(n, name, gpu)
   if not c then return nil, message, code end
   local by_gpu = copies[grid]
   if not by_gpu then

@@ -8,7 +8,7 @@ local memory = require "ylm.memory"
 
 local vulkan_image = {}
 
-local function binding() return assert(require "ylm.device".__binding()) end
+local function binding() return assert(require "ylm.vulkan".__binding()) end
 
 --- View -> gpu -> what of it is on that device: position, transfer, albedo, and picture, radiance where it filters.
 local copies = setmetatable({}, { __mode = "k" })
@@ -24,7 +24,7 @@ end
 
 --- The points of the view p on a device, copied once; where there is no room for them the host's array. Or nil, message, code.
 function vulkan_image.positions(name, gpu, p)
-  local c, message, code = require "ylm.device".__use(3, name, gpu)
+  local c, message, code = require "ylm.vulkan".__use(3, name, gpu)
   if not c then return nil, message, code end
   local by_gpu = by_device(positions, p.view)
   if by_gpu[gpu] then return by_gpu[gpu] end
@@ -117,12 +117,12 @@ end
 
 --- The gpu_array that o.out names, or a new one: [height][width][3]; or nil, message, code.
 function vulkan_image.room(name, p, o)
-  local c, message, code = require "ylm.device".__use(1, name, o.device)
+  local c, message, code = require "ylm.vulkan".__use(1, name, o.device)
   if not c then return nil, message, code end
   local shape = { p.options.size[2], p.options.size[1], 3 }
   if o.truth then return check.bad(1, name, "truth: an error is computed of images, which download = false makes none of") end
   if not o.out then return check.result(name, c.gpu_array_new(o.device, shape, "float")) end
-  return (require "ylm.device.grid".outputs(1, name, o.out, { shape }))
+  return (require "ylm.vulkan.grid".outputs(1, name, o.out, { shape }))
     or check.bad(1, name, "out: a gpu_array expected, got %s", check.describe(o.out))
 end
 
@@ -144,7 +144,7 @@ end
 -- or a device's: { outside, unbaked, seconds, stages }; or nil, message, code. `compose` filters on the host.
 function vulkan_image.render(name, p, o, image, bar, compose)
   local start, c = core.seconds(), binding()
-  local copy, message, code = require "ylm.device.grid".copy_of(1, name, o.grid, o.device)
+  local copy, message, code = require "ylm.vulkan.grid".copy_of(1, name, o.grid, o.device)
   if not copy then return nil, message, code end
   local v
   v, message, code = view_on(name, o.device, p)

@@ -9,7 +9,7 @@ local form = require "ylm.form"
 local library = require "ylm.library"
 local memory = require "ylm.memory"
 local reference = require "ylm.describe"
-local grid_methods = require "ylm.device.grid".methods
+local grid_methods = require "ylm.vulkan.grid".methods
 
 local vulkan = {}
 
@@ -46,7 +46,7 @@ reference.object "gpu_array" {
   },
 }
 
-gpu_methods.lights = require "ylm.device.light".lights
+gpu_methods.lights = require "ylm.vulkan.light".lights
 
 local INSTALL = "computing on a GPU needs libylm_vulkan: install glslc and libvulkan-dev and run make again (%s)"
 
@@ -59,7 +59,7 @@ local furnished = false
 local function furnish()
   furnished = true
   local types = { ["ylm.gpu"] = gpu_methods, ["ylm.gpu_array"] = array_methods,
-    ["ylm.gpu_lights"] = require "ylm.device.light".methods, ["ylm.gpu_grid"] = grid_methods }
+    ["ylm.gpu_lights"] = require "ylm.vulkan.light".methods, ["ylm.gpu_grid"] = grid_methods }
   for name, methods in pairs(types) do
     local metatable = core.metatable(name)
     for key, method in pairs(methods) do metatable[key] = method end
