@@ -232,7 +232,7 @@ end]],
 }
 function methods.to(a, gpu)
   open(a, "to")
-  return require "ylm.vulkan".__to(a, gpu)
+  return check.device(1, "to", gpu):array(a)
 end
 
 methods.__index = function(a, key)

@@ -64,6 +64,12 @@ function check.grid_fault(grid)
   if is_open == false then return "the grid has been closed" end
 end
 
+--- Argument `n` of `name` as a device (ylm/device/init.lua); raises unless it is a gpu.
+function check.device(n, name, gpu)
+  if core.type(gpu) ~= "ylm.gpu" then return check.bad(n, name, "a gpu expected, got %s", check.describe(gpu)) end
+  return getmetatable(gpu).__device(gpu)
+end
+
 --- What a value is, for messages: "a table", "{1, 0}", "nil", "-1", "'text'", "an array of 2x3".
 function check.describe(value)
   local t = type(value)

@@ -1,13 +1,13 @@
 --- ylm.bake, and grid:update, which follows lights that move.
 
-local array = require "ylm.array"
 local check = require "ylm.check"
 local core = require "ylm.c.core"
 local describe = require "ylm.describe".describe
-local device_lights = require "ylm.vulkan.light"
+local devices = require "ylm.device"
 local form = require "ylm.form"
 local grid_object = require "ylm.grid.object"
 local light = require "ylm.light"
+local progress = require "ylm.progress"
 local unmet = require "ylm.grid.unmet"
 
 local bake = {}
@@ -30,27 +30,21 @@ local function bounds_of(points)
   return { lo, hi }
 end
 
---- The shading points that a bake on `gpu`, or by the processor, is to serve: an array of the host's, or of a device's
--- memory; nil: everywhere. Or nil, message, code.
-local function shading_points(x, gpu)
+--- The shading points that a bake on `device` is to serve: an array of the host's, or of a device's memory; nil: everywhere.
+-- Or nil, message, code.
+local function shading_points(x, device)
   if x == nil then return nil end
   local points = x
   if core.type(x) == "ylm.prepared" then
     local message, code
-    points, message, code = require "ylm.render.view".positions("bake", x, gpu)
+    points, message, code = getmetatable(x).__positions(x, "bake", device)
     if not points then return nil, message, code end
   end
-  local n
-  if core.type(points) == "ylm.gpu_array" then
-    n = require "ylm.vulkan.grid".check_points(3, "bake", "occupied", points)
-    if not gpu then
-      return check.bad(3, "bake", "device: occupied is in a device's memory: name the device, or download it")
-    end
-  else
-    points = array.points(3, "bake", points)
-    n = #points
+  points = device:points(3, "bake", "occupied", points)
+  if not points then
+    return check.bad(3, "bake", "device: occupied is in a device's memory: name the device, or download it")
   end
-  if n == 0 then return check.bad(3, "bake", "occupied: at least one point expected") end
+  if points.shape[1] == 0 then return check.bad(3, "bake", "occupied: at least one point expected") end
   return points
 end
 
@@ -171,41 +165,29 @@ function bake.bake(description, lights, given)
   if description.dynamic and o.light_tolerance then
     return check.bad(3, "bake", "a grid with dynamic = true sums its lights exactly: leave light_tolerance out")
   end
-  local packed, object, failed, why = lights, lights
+  local packed, failed, why = lights
   if type(lights) ~= "function" then
     packed, failed, why = light.field(2, "bake", lights)
     if not packed then return nil, failed, why end
-    object = packed
-    if not o.device then -- it sums all lights
-      object, failed, why = light.within("bake", packed, o.light_tolerance, o.threads)
-      if not object then return nil, failed, why end
-    end
   end
-  local followed = description.dynamic and light.followed(object)
+  local followed = description.dynamic and light.followed(packed)
   if description.dynamic and not followed then
     return check.bad(2, "bake", "a grid with dynamic = true follows sphere lights and flat lights, this is baked from %s: "
-      .. "bake that into a second grid, or leave dynamic out", light.other(object))
+      .. "bake that into a second grid, or leave dynamic out", light.other(packed))
   end
+  local asked = devices.of(o.device)
+  asked:check_bake(description, packed)
   local occupied = surfaces(o)
   if not occupied then
-    occupied, failed, why = shading_points(o.occupied, o.device or device_lights.device_of(object))
+    occupied, failed, why = shading_points(o.occupied, devices.of(o.device or packed))
     if not occupied and failed then return nil, failed, why end
   end
   local box = bounds(description, o.bounds, occupied)
   local cells = description.cells or { 1, 1, 1 }
-  local progress = o.progress and require "ylm.progress".of(o.progress) or nil
-  local on, made = object, nil
-  if o.device then
-    if type(object) == "function" then return check.bad(3, "bake", "device: a device sums lights, and no functions") end
-    if description.dynamic then
-      return check.bad(3, "bake", "device: a dynamic grid follows its lights on the processor")
-    end
-    on, made, failed = device_lights.on(3, "bake", object, o)
-    if not on then return nil, made, failed end
-  end
-  local before = device_lights.times(on)
-  local on_grid = device_lights.baker(on) or core.grid_bake
-  local baked, message, code = check.result("bake", on_grid({
+  local object, made
+  object, made, failed = asked:lights(3, "bake", packed, o, light.within)
+  if not object then return nil, made, failed end
+  local baked, stages, code = devices.of(object):bake({
     kind = KIND[kind], lmax = description.lmax, depth = description.depth or 0, cells = cells,
     bounds = { box[1][1], box[1][2], box[1][3], box[2][1], box[2][2], box[2][3] },
     channels = description.channels == "rgb" and 3 or 1,
@@ -213,14 +195,10 @@ function bake.bake(description, lights, given)
     metric = METRIC[description.metric],
     threshold = description.threshold or -1, tolerance = description.tolerance or 0,
     continuous = description.continuous and 1 or 0, dynamic = description.dynamic and 1 or 0,
-  }, on, occupied, o.seed, o.threads or 0, o.max_points, progress, followed or nil))
-  if baked == nil then
-    if made then on:close() end
-    return nil, message, code
-  end
-  stages_of[baked] = device_lights.times(on, before)
-  device_lights.keep(on, baked, message)
-  if made then on:close() end
+  }, object, occupied, o, followed or nil)
+  if made then object:close() end
+  if not baked then return nil, stages, code end
+  stages_of[baked] = stages
   if type(packed) ~= "function" and light.followed(packed) then baked_from[baked] = packed end
   unmet.remember(baked, o.light_tolerance)
   unmet.warn(baked)
@@ -277,9 +255,8 @@ function methods.update(g, lights, given)
   if not core.grid_form(g).dynamic then
     return check.fail("update: this grid does not follow lights: make it with dynamic = true (a loaded grid never does)")
   end
-  local progress = o.progress and require "ylm.progress".of(o.progress) or nil
   local report, message, code = check.result("update", core.grid_update(g, object, followed, o.tolerance or -1,
-    o.threads or 0, progress))
+    o.threads or 0, progress.of(o.progress)))
   if report == nil then return nil, message, code end
   baked_from[g] = object
   unmet.warn(g)

@@ -3,6 +3,7 @@
 local check = require "ylm.check"
 local core = require "ylm.c.core"
 local describe = require "ylm.describe".describe
+local devices = require "ylm.device"
 local unmet = require "ylm.grid.unmet"
 
 local object = {}
@@ -57,8 +58,7 @@ ylm.bake(ylm.uniform_grid { bounds = { { -1, -1, -1 }, { 1, 1, 1 } }, cells = 2,
 function methods.close(g)
   object.open(g, "close")
   check.result("close", core.grid_close(g))
-  local there = package.loaded["ylm.vulkan.grid"]
-  if there then there.forget(g) end
+  devices.forget(g)
 end
 
 methods.__index = function(g, key)

@@ -1,16 +1,12 @@
 --- Coefficients between a grid's points: grid:sample, and grid:to for a device's memory.
 
-local array = require "ylm.array"
 local check = require "ylm.check"
-local core = require "ylm.c.core"
 local describe = require "ylm.describe".describe
+local devices = require "ylm.device"
 local form = require "ylm.form"
 local grid_object = require "ylm.grid.object"
-local outputs = require "ylm.outputs"
 
 local methods, open = grid_object.methods, grid_object.open
-
-local INTERPOLATION = { hermite = 0, taylor = 1, linear = 2 }
 
 local sample_options = {
   { "interpolation", "choice", of = { "hermite", "taylor", "linear" }, default = "hermite",
@@ -56,40 +52,13 @@ assert(flags[1] == 0 and flags[2] == 1)]],
 function methods.sample(g, points, given)
   open(g, "sample")
   local o = form.options(2, "sample", sample_options, given)
-  local on_device, p, single = core.type(points) == "ylm.gpu_array", points, false
-  if on_device then
-    require "ylm.vulkan.grid".check_points(1, "sample", "points", points)
-    if not o.device then
-      return check.bad(2, "sample", "device: points are in a device's memory: name the device, or download them")
-    end
-  else p, single = array.points(1, "sample", points) end
-  local shape = { on_device and points.shape[1] or #p, g.channels, (g.lmax + 1) ^ 2 }
-  if o.device and o.flags then
-    return check.bad(2, "sample", "flags: the processor finds them: leave device out")
+  local device = devices.of(o.device)
+  local p, single = device:points(1, "sample", "points", points)
+  if not p then
+    return check.bad(2, "sample", "device: points are in a device's memory: name the device, or download them")
   end
-  local shapes = { shape, o.derivatives > 0 and { shape[1], shape[2], shape[3], 3 } or nil }
-  if o.flags then shapes[#shapes + 1] = { shape[1] } end
-  local out1, out2, out3
-  if o.device then out1, out2 = require "ylm.vulkan.grid".outputs(2, "sample", o.out, shapes) end
-  if not (out1 or out2) then out1, out2, out3 = outputs.of(2, "sample", o.out, o.dtype, shapes, points) end
-  local progress = o.progress and require "ylm.progress".of(o.progress) or nil
-  if o.device then
-    local c, dc, report = require "ylm.vulkan.grid".sample(g, p, o, INTERPOLATION[o.interpolation], out1, out2, progress)
-    if c and single and core.type(c) == "ylm.array" and not out1 then c, dc = c[1], dc and dc[1] end
-    return c, dc, report
-  end
-  local out_flags = out3
-  if o.derivatives == 0 then out2, out_flags = nil, out2 end
-  local c, dc, outside, unbaked, seconds = check.result("sample", core.grid_sample(g, p, INTERPOLATION[o.interpolation],
-    o.derivatives, o.outside == "nan", o.dtype, o.threads or 0, progress, out1, out2))
-  if c == nil then return nil, dc, outside end
-  local flags, message, code
-  if o.flags then
-    flags, message, code = check.result("sample", core.grid_flags(g, p, o.dtype, o.threads or 0, out_flags))
-    if flags == nil then return nil, message, code end
-  end
-  if single and not out1 then c, dc, flags = c[1], dc and dc[1], flags and flags[1] end
-  return c, dc, { outside = outside, unbaked = unbaked, seconds = seconds }, flags
+  local shape = { p.shape[1], g.channels, (g.lmax + 1) ^ 2 }
+  return device:sample(g, p, o, { shape, o.derivatives > 0 and { shape[1], shape[2], shape[3], 3 } or nil }, single)
 end
 
 describe "grid:to" {
@@ -109,5 +78,6 @@ if gpu then
 end]],
 }
 function methods.to(g, gpu)
-  return require "ylm.vulkan.grid".to(open(g, "to"), gpu)
+  open(g, "to")
+  return check.device(1, "to", gpu):grid(g)
 end

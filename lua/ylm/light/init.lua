@@ -5,7 +5,9 @@ local check = require "ylm.check"
 local core = require "ylm.c.core"
 local form = require "ylm.form"
 local describe = require "ylm.describe".describe
+local devices = require "ylm.device"
 local outputs = require "ylm.outputs"
+local progress = require "ylm.progress"
 
 local light = {}
 
@@ -222,7 +224,7 @@ end
 function light.field(n, name, value)
   local fault = check.grid_fault(value)
   if fault then return check.bad(n, name, fault) end
-  if core.type(value) == "ylm.gpu_lights" and not require "ylm.vulkan.light".is_open(value) then
+  if not devices.of(value):is_open(value) then
     return check.bad(n, name, "the lights have been closed")
   end
   if core.has_field(value) and core.type(value) ~= "ylm.lights" then return value end
@@ -292,35 +294,19 @@ local options = {
     about = "on a device: merged moments (default), or the papers' product rule for comparison, see gpu:lights" },
 }
 
---- Raises where results of a device, which does not look at them itself, are not finite.
-local function check_finite(name, points, results)
-  for i = 1, 5 do
-    local finite, where = true, nil
-    if results[i] then finite, where = core.array_finite(results[i]) end
-    if not finite then
-      local wide = 1
-      for axis, extent in ipairs(results[i].shape) do if axis > 1 then wide = wide * extent end end
-      return check.fail("%s: the light field at point %d is beyond the range of %s", name,
-        math.floor((where - 1) / wide) + 1, points.dtype)
-    end
-  end
-end
-
 --- The field of any object that has one (lights, grids) at points [n][3]: what ylm.light_field does.
 -- `given` is what the points were made from, with which `out` may share no memory either. `isa` names a kernel set, for
 -- specs and benchmarks.
 function light.evaluate(name, lmax, object, points, o, isa, given)
   local want = VALUE + (o.derivatives >= 1 and GRADIENT or 0) + (o.derivatives >= 2 and HESSIAN or 0)
     + (o.metric and METRIC or 0)
-  local progress = o.progress and require("ylm.progress").of(o.progress) or nil
   local channels, metric_channels = o.channels == "rgb" and 3 or 1, o.metric == "rgb" and 3 or 1
   local shapes = {}
   for i = 0, o.derivatives do shapes[i + 1] = { #points, channels, (lmax + 1) ^ 2, i > 0 and 3 * i or nil } end
   local out1, out2, out3 = outputs.of(4, name, o.out, points.dtype, shapes, given or points)
-  local L, dL, ddL, lambda, norm, inside, pairs = check.result(name, core.field_evaluate(object, lmax, points,
-    channels, want, metric_channels, o.threads or 0, progress, out1, out2, out3, isa))
+  local L, dL, ddL, lambda, norm, inside, pairs = devices.of(object):evaluate(name, object, lmax, points, channels, want,
+    metric_channels, o.threads or 0, progress.of(o.progress), out1, out2, out3, isa)
   if L == nil then return nil, dL, ddL end
-  if core.type(object) == "ylm.gpu_lights" then check_finite(name, points, { L, dL, ddL, lambda, norm }) end
   return L, dL, ddL, { lambda = lambda, norm = norm, inside = inside, pairs = pairs }
 end
 
@@ -352,11 +338,7 @@ function light.light_field(lmax, lights, points, given)
   local o = form.options(4, "light_field", options, given)
   local object, made, code = light.field(2, "light_field", lights)
   if not object then return nil, made, code end
-  if o.device or o.method then
-    object, made, code = require "ylm.vulkan.light".on(4, "light_field", object, o)
-  else
-    object, made, code = light.within("light_field", object, o.tolerance, o.threads)
-  end
+  object, made, code = devices.of(o.device):lights(4, "light_field", object, o, light.within)
   if not object then return nil, made, code end
   local dtype = o.dtype
   if not dtype then dtype = core.type(points) == "ylm.array" and points.dtype or "float" end

@@ -4,6 +4,7 @@ require "ylm.render.prepared" -- the methods of what prepare returns
 local check = require "ylm.check"
 local core = require "ylm.c.core"
 local describe = require "ylm.describe".describe
+local devices = require "ylm.device"
 local form = require "ylm.form"
 local light = require "ylm.light"
 local options = require "ylm.render.options"
@@ -68,7 +69,7 @@ local function occupied_points(s, t, o)
   end
   if x == "vertices" then return t.lib.scene_vertices(t.handle) end
   if core.type(x) == "ylm.prepared" then
-    local points, message, code = views.positions("bake", x, o.device)
+    local points, message, code = views.methods.__positions(x, "bake", devices.of(o.device))
     return points or false, message, code
   end
   if core.type(x) == "ylm.array" or core.type(x) == "ylm.gpu_array" then return x end
@@ -110,7 +111,7 @@ function render.bake(s, given)
   local points
   points, message, code = occupied_points(s, t, o)
   if points == false then return nil, message, code end
-  if points and core.type(points) ~= "ylm.gpu_array" and #points == 0 then
+  if core.type(points) == "ylm.array" and #points == 0 then
     local seen = o.occupied == "camera" or core.type(o.occupied) == "ylm.prepared"
     return check.fail("bake: no shading points: %s",
       seen and "the camera sees no geometry (occupied = 'everywhere' needs none)"

@@ -55,13 +55,9 @@ function views.open(name, view)
   return setmetatable({ view = view }, { __index = made[view] })
 end
 
---- Where a prepared view asks for light, [n][3] float: an array, or with a device the copy in its memory, made where there is
--- none and kept; an array too where the device has no room for it. Or nil, message, code.
-function views.positions(name, view, gpu)
-  local p = views.open(name, view)
-  if gpu and p.stats.points > 0 then return require "ylm.vulkan.image".positions(name, gpu, p) end
-  return check.result(name, p.lib.shade_positions(p.view))
-end
+--- Where a prepared view asks for light, [n][3] float: an array, or the copy in a device's memory, made where there is none
+-- and kept; an array too where the device has no room for it. Or nil, message, code.
+function prepared.__positions(view, name, device) return device:positions(name, views.open(name, view)) end
 
 --- Makes the view that options `o` (with samples = camera rays per pixel) describe.
 function views.prepare(name, s, o)

@@ -7,10 +7,10 @@ local array = require "ylm.array"
 local check = require "ylm.check"
 local core = require "ylm.c.core"
 local describe = require "ylm.describe".describe
+local devices = require "ylm.device"
 local form = require "ylm.form"
 local memory = require "ylm.memory"
 local outputs = require "ylm.outputs"
-local progress = require "ylm.progress"
 
 local sh = {}
 
@@ -150,17 +150,6 @@ local function dtype_of(points, asked)
   return core.type(points) == "ylm.array" and select(2, core.array_info(points)) or "double"
 end
 
---- Evaluates on a device; true, or nil, message, code.
-local function eval_on(gpu, lmax, p, out, options)
-  if options.method ~= "solid" or options.kernel then
-    return check.bad(3, "eval", "device goes with method 'solid' and without kernel")
-  end
-  local binding, message, code = require "ylm.vulkan".__use(3, "eval", gpu)
-  if not binding then return nil, message, code end
-  return check.result("eval", binding.gpu_sh_eval(gpu, lmax, p, out[1], out[2], out[3], options.solid,
-    progress.of(options.progress)))
-end
-
 describe "sh.eval" {
   about = "Evaluates every basis function of degree <= lmax at points, with derivatives.\n"
     .. "Y is taken at v/|v|, its derivatives are those of Y(v/|v|) with respect to v; exact at the poles too.",
@@ -191,13 +180,7 @@ function sh.eval(lmax, points, options)
   local out, message, code = results(options, single, n, count, dtype, p)
   if not out then return nil, message, code end
   local ok
-  if options.device then
-    ok, message, code = eval_on(options.device, lmax, p, out, options)
-    if not ok then return nil, message, code end
-    return out[1], out[2], out[3]
-  end
-  ok, message, code = check.result("eval", core.sh_eval(lmax, p, out[1], out[2], out[3], options.solid,
-    options.method, options.threads, options.kernel, progress.of(options.progress)))
+  ok, message, code = devices.of(options.device):harmonics(lmax, p, out, options)
   if not ok then return nil, message, code end
   return out[1], out[2], out[3]
 end

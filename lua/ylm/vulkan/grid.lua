@@ -1,14 +1,18 @@
 --- Grids in a device's memory: grid:to, and what the option `device` of grid:sample does.
 
+local array = require "ylm.array"
+local binding = require "ylm.vulkan.binding"
 local check = require "ylm.check"
 local core = require "ylm.c.core"
 local describe = require "ylm.describe".describe
+local devices = require "ylm.device"
+local outputs = require "ylm.outputs"
+local progress = require "ylm.progress"
 local reference = require "ylm.describe"
 
 local vulkan_grid = {}
 
 local methods = {}
-vulkan_grid.methods = methods
 
 reference.object "gpu_grid" {
   about = "A grid's copy in a device's memory; grid:sample finds it by device = gpu.",
@@ -19,22 +23,18 @@ reference.object "gpu_grid" {
   },
 }
 
---- Grid -> { gpu -> copy }; copy -> seconds.
-local copies = setmetatable({}, { __mode = "k" })
+--- Copy -> seconds that it took.
 local seconds_of = setmetatable({}, { __mode = "k" })
 
-local function binding() return assert(require "ylm.vulkan".__binding()) end
+local bound = binding.bound
+
+local INTERPOLATION = { hermite = 0, taylor = 1, linear = 2 }
 
 --- The copy of a grid on a device, made where there is none that is open; or nil, message, code.
--- Argument `n` of `name` is the device.
-function vulkan_grid.copy_of(n, name, grid, gpu)
-  local c, message, code = require "ylm.vulkan".__use(n, name, gpu)
+function vulkan_grid.copy_of(name, grid, gpu)
+  local c, message, code = binding.use(name, gpu)
   if not c then return nil, message, code end
-  local by_gpu = copies[grid]
-  if not by_gpu then
-    by_gpu = setmetatable({}, { __mode = "k" })
-    copies[grid] = by_gpu
-  end
+  local by_gpu = devices.copies(grid)
   local copy = by_gpu[gpu]
   if copy and c.gpu_grid_info(copy) then return copy end
   local seconds
@@ -47,35 +47,31 @@ end
 
 --- grid:to(gpu).
 function vulkan_grid.to(grid, gpu)
-  local by_gpu = copies[grid]
-  local old = core.type(gpu) == "ylm.gpu" and by_gpu and by_gpu[gpu]
-  if old and not binding().gpu_grid_current(old, grid) then
+  local by_gpu = devices.copies(grid)
+  local old = by_gpu[gpu]
+  if old and not bound().gpu_grid_current(old, grid) then
     by_gpu[gpu] = nil
-    binding().gpu_grid_close(old)
+    bound().gpu_grid_close(old)
   end
-  return vulkan_grid.copy_of(1, "to", grid, gpu)
+  return vulkan_grid.copy_of("to", grid, gpu)
 end
 
---- The copy that a bake on the device has left there.
+--- Keeps the copy that a bake on the device has left there.
 function vulkan_grid.keep(grid, gpu, copy)
-  copies[grid] = setmetatable({ [gpu] = copy }, { __mode = "k" })
+  devices.copies(grid)[gpu] = copy
   seconds_of[copy] = 0
 end
 
---- Gives back the copies of a grid that has been closed.
-function vulkan_grid.forget(grid)
-  for _, copy in pairs(copies[grid] or {}) do binding().gpu_grid_close(copy) end
-  copies[grid] = nil
-end
-
---- Points on a device for argument `n` of `name`, which calls them `what`: they are open and [n][3]. Returns how many.
-function vulkan_grid.check_points(n, name, what, points)
-  local shape, _, _, is_open = binding().gpu_array_info(points)
+--- Points [n][3] for argument `n` of `name`, which calls them `what`, in a device's memory or the host's, and whether
+-- they were one row.
+function vulkan_grid.points(n, name, what, points)
+  if core.type(points) ~= "ylm.gpu_array" then return array.points(n, name, points) end
+  local shape, _, _, is_open = bound().gpu_array_info(points)
   if not is_open then return check.bad(n, name, "%s: the array has been closed", what) end
   if #shape ~= 2 or shape[2] ~= 3 then
     return check.bad(n, name, "%s must be [n][3] on a device, got %s", what, tostring(points))
   end
-  return shape[1]
+  return points, false
 end
 
 --- The entries of `out` that are on a device are open float arrays of these shapes; they and others as two values.
@@ -85,14 +81,14 @@ function vulkan_grid.outputs(n, name, out, shapes)
   local found = false
   for i = 1, #shapes do found = found or core.type(out[i]) == "ylm.gpu_array" end
   if not found then return end
-  local extents = require "ylm.outputs".extents
+  local extents = outputs.extents
   for i in pairs(out) do
     local a = out[i]
     if not shapes[i] then return check.bad(n, name, "out takes %d arrays, got an entry %s", #shapes, check.describe(i)) end
     if core.type(a) ~= "ylm.gpu_array" then
       return check.bad(n, name, "out[%d] must be on the device as the others are, got %s", i, check.describe(a))
     end
-    local shape, dtype, _, is_open = binding().gpu_array_info(a)
+    local shape, dtype, _, is_open = bound().gpu_array_info(a)
     if not is_open then return check.bad(n, name, "out[%d]: the array has been closed", i) end
     if dtype ~= "float" or extents(shape) ~= extents(shapes[i]) then
       return check.bad(n, name, "out[%d] must be a float array of %s, got a %s array of %s", i, extents(shapes[i]), dtype,
@@ -104,7 +100,10 @@ function vulkan_grid.outputs(n, name, out, shapes)
 end
 
 --- What grid:sample does with device = gpu: its results, or nil, message, code. New results are where the points are.
-function vulkan_grid.sample(grid, points, o, interpolation, out1, out2, progress)
+function vulkan_grid.sample(gpu, grid, points, o, shapes, single)
+  if o.flags then return check.bad(2, "sample", "flags: the processor finds them: leave device out") end
+  local out1, out2 = vulkan_grid.outputs(2, "sample", o.out, shapes)
+  if not (out1 or out2) then out1, out2 = outputs.of(2, "sample", o.out, o.dtype, shapes, points) end
   local there = core.type(points) == "ylm.gpu_array" or core.type(out1 or out2) == "ylm.gpu_array"
   if o.dtype == "double" and (out1 or there) then
     return check.bad(2, "sample", "device: results are float, and out takes float arrays")
@@ -112,12 +111,13 @@ function vulkan_grid.sample(grid, points, o, interpolation, out1, out2, progress
   if (out1 or out2) and (points == out1 or points == out2) then
     return check.bad(2, "sample", "out shares memory with the points")
   end
-  local copy, message, code = vulkan_grid.copy_of(2, "sample", grid, o.device)
+  local copy, message, code = vulkan_grid.copy_of("sample", grid, gpu)
   if not copy then return nil, message, code end
-  local c, dc, outside, unbaked, seconds, stages = check.result("sample", binding().gpu_grid_sample(copy, grid, points,
-    interpolation, o.derivatives, o.outside == "nan", progress, out1, out2))
+  local c, dc, outside, unbaked, seconds, stages = check.result("sample", bound().gpu_grid_sample(copy, grid, points,
+    INTERPOLATION[o.interpolation], o.derivatives, o.outside == "nan", progress.of(o.progress), out1, out2))
   if c == nil then return nil, dc, outside end
   if o.dtype == "double" then c, dc = core.array_convert(c, "double"), dc and core.array_convert(dc, "double") end
+  if single and not out1 and core.type(c) == "ylm.array" then c, dc = c[1], dc and dc[1] end
   return c, dc, { outside = outside, unbaked = unbaked, seconds = seconds, stages = stages }
 end
 
@@ -136,18 +136,20 @@ function methods.close(copy)
   if core.type(copy) ~= "ylm.gpu_grid" then
     return check.fail("close: a gpu_grid expected before the colon, got %s", check.describe(copy))
   end
-  check.result("close", binding().gpu_grid_close(copy))
+  check.result("close", bound().gpu_grid_close(copy))
 end
 
 function methods.__index(copy, key)
   local method = methods[key]
   if method then return method end
-  if key == "bytes" then return binding().gpu_grid_info(copy) end
+  if key == "bytes" then return bound().gpu_grid_info(copy) end
   if key == "seconds" then return seconds_of[copy] end
 end
 
 function methods.__newindex(_, key)
   return check.fail("gpu_grid: cannot set %s", check.describe(key))
 end
+
+binding.methods("ylm.gpu_grid", methods)
 
 return vulkan_grid

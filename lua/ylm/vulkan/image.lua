@@ -1,14 +1,16 @@
 --- Pictures on a device: what the option `device` of scene:render does. A view's points, and what its pixels are made of,
 -- are copied once; a frame shades the points, filters them into pixels, draws lamps over them, and stays there or comes back.
 
+local binding = require "ylm.vulkan.binding"
 local check = require "ylm.check"
 local core = require "ylm.c.core"
 local light = require "ylm.light"
 local memory = require "ylm.memory"
+local vulkan_grid = require "ylm.vulkan.grid"
 
 local vulkan_image = {}
 
-local function binding() return assert(require "ylm.vulkan".__binding()) end
+local bound = binding.bound
 
 --- View -> gpu -> what of it is on that device: position, transfer, albedo, and picture, radiance where it filters.
 local copies = setmetatable({}, { __mode = "k" })
@@ -23,8 +25,8 @@ local function by_device(by_view, view)
 end
 
 --- The points of the view p on a device, copied once; where there is no room for them the host's array. Or nil, message, code.
-function vulkan_image.positions(name, gpu, p)
-  local c, message, code = require "ylm.vulkan".__use(3, name, gpu)
+function vulkan_image.positions(gpu, name, p)
+  local c, message, code = binding.use(name, gpu)
   if not c then return nil, message, code end
   local by_gpu = by_device(positions, p.view)
   if by_gpu[gpu] then return by_gpu[gpu] end
@@ -42,9 +44,9 @@ end
 local function upload(gpu, arrays)
   local there = {}
   for key, a in pairs(arrays) do
-    local copy, message, code = memory.attempt(binding().gpu_upload, gpu, a)
+    local copy, message, code = memory.attempt(bound().gpu_upload, gpu, a)
     if not copy then
-      for _, made in pairs(there) do binding().gpu_array_close(made) end
+      for _, made in pairs(there) do bound().gpu_array_close(made) end
       return nil, message, code
     end
     there[key] = copy
@@ -56,7 +58,7 @@ end
 local function pixels_on(gpu, p)
   local entries, message, code = p.lib.shade_entries(p.view)
   if not entries then return nil, message, code end
-  local size, points, c = p.options.size, p.stats.points, binding()
+  local size, points, c = p.options.size, p.stats.points, bound()
   local picture, radiance
   picture, message, code = memory.attempt(c.gpu_picture_create, gpu, size[1], size[2], points, entries)
   if not picture then return nil, message, code end
@@ -85,7 +87,7 @@ local function view_on(name, gpu, p)
   local arrays, message, code = check.result(name, points_of(p))
   if not arrays then return nil, message, code end
   local position, there, pixels
-  position, message, code = vulkan_image.positions(name, gpu, p)
+  position, message, code = vulkan_image.positions(gpu, name, p)
   if not position then return nil, message, code end
   if core.type(position) == "ylm.gpu_array" then
     there, message, code = upload(gpu, { transfer = arrays.transfer, albedo = arrays.albedo })
@@ -116,13 +118,13 @@ local function add(stages, more)
 end
 
 --- The gpu_array that o.out names, or a new one: [height][width][3]; or nil, message, code.
-function vulkan_image.room(name, p, o)
-  local c, message, code = require "ylm.vulkan".__use(1, name, o.device)
+function vulkan_image.room(gpu, name, p, o)
+  local c, message, code = binding.use(name, gpu)
   if not c then return nil, message, code end
   local shape = { p.options.size[2], p.options.size[1], 3 }
   if o.truth then return check.bad(1, name, "truth: an error is computed of images, which download = false makes none of") end
-  if not o.out then return check.result(name, c.gpu_array_new(o.device, shape, "float")) end
-  return (require "ylm.vulkan.grid".outputs(1, name, o.out, { shape }))
+  if not o.out then return check.result(name, c.gpu_array_new(gpu, shape, "float")) end
+  return (vulkan_grid.outputs(1, name, o.out, { shape }))
     or check.bad(1, name, "out: a gpu_array expected, got %s", check.describe(o.out))
 end
 
@@ -133,38 +135,52 @@ local function filter(name, p, o, v, radiance, image, bar, stages)
     discs, times, code = check.result(name, p.lib.shade_discs(p.view, light.lamps(name, o.lamps)))
     if not discs and times then return nil, times, code end
   end
-  ok, times, code = check.result(name, binding().gpu_picture_make(v.picture, radiance, p.scene.background or { 0, 0, 0 },
+  ok, times, code = check.result(name, bound().gpu_picture_make(v.picture, radiance, p.scene.background or { 0, 0, 0 },
     discs, image, bar))
   if not ok then return nil, times, code end
   add(stages, times)
   return true
 end
 
---- Writes the picture of the prepared view p by a grid (the options o of prepared:render) to `image` [h][w][3], the host's
--- or a device's: { outside, unbaked, seconds, stages }; or nil, message, code. `compose` filters on the host.
-function vulkan_image.render(name, p, o, image, bar, compose)
-  local start, c = core.seconds(), binding()
-  local copy, message, code = require "ylm.vulkan.grid".copy_of(1, name, o.grid, o.device)
+--- The radiance of the prepared view p by a grid (the options o of prepared:render), the host's array or the device's;
+-- and { outside, unbaked, seconds, stages }; or nil, message, code.
+function vulkan_image.shade(gpu, name, p, o, bar)
+  local copy, message, code = vulkan_grid.copy_of(name, o.grid, gpu)
   if not copy then return nil, message, code end
   local v
-  v, message, code = view_on(name, o.device, p)
+  v, message, code = view_on(name, gpu, p)
   if not v then return nil, message, code end
   local to = v.radiance
-  if not v.picture then
-    if core.type(image) == "ylm.gpu_array" then return nil, v.message, v.code end
+  if not to then
     to, message = core.array_zeros({ p.stats.points, 3 }, "float")
     if not to then return nil, message, "ENOMEM" end
   end
-  local radiance, outside, unbaked, seconds, stages = check.result(name, c.gpu_grid_shade(copy, o.grid, v.position,
+  local radiance, outside, unbaked, seconds, stages = check.result(name, bound().gpu_grid_shade(copy, o.grid, v.position,
     v.transfer, v.albedo, INTERPOLATION[o.interpolation], bar, to))
   if not radiance then return nil, outside, unbaked end
+  return radiance, { outside = outside, unbaked = unbaked, seconds = seconds, stages = stages }
+end
+
+--- Writes the picture of p to `image` [h][w][3], the host's or a device's: what shade says of it; or nil, message, code.
+-- `compose` filters on the host.
+function vulkan_image.picture(gpu, name, p, o, image, bar, compose)
+  local start = core.seconds()
+  local copy, message, code = vulkan_grid.copy_of(name, o.grid, gpu)
+  if not copy then return nil, message, code end
+  local v
+  v, message, code = view_on(name, gpu, p)
+  if not v then return nil, message, code end
+  if not v.picture and core.type(image) == "ylm.gpu_array" then return nil, v.message, v.code end
+  local radiance, done
+  radiance, done, code = vulkan_image.shade(gpu, name, p, o, bar)
+  if not radiance then return nil, done, code end
+  local ok
   if v.picture then
-    local ok
-    ok, message, code = filter(name, p, o, v, radiance, image, bar, stages)
-    if not ok then return nil, message, code end
-    seconds = core.seconds() - start
-  else compose(name, p, radiance, o, image) end
-  return { outside = outside, unbaked = unbaked, seconds = seconds, stages = stages }
+    ok, message, code = filter(name, p, o, v, radiance, image, bar, done.stages)
+    done.seconds = core.seconds() - start
+  else ok, message, code = compose(name, p, radiance, o, image) end
+  if not ok then return nil, message, code end
+  return done
 end
 
 return vulkan_image

@@ -2,19 +2,20 @@
 --
 -- libylm_vulkan.so is loaded when it is first needed; it opens libvulkan itself.
 
+local arrays = require "ylm.vulkan.array"
+local binding = require "ylm.vulkan.binding"
 local check = require "ylm.check"
 local core = require "ylm.c.core"
 local describe = require "ylm.describe".describe
+local device = require "ylm.vulkan.device"
 local form = require "ylm.form"
-local library = require "ylm.library"
+local lights = require "ylm.vulkan.light"
 local memory = require "ylm.memory"
 local reference = require "ylm.describe"
-local grid_methods = require "ylm.vulkan.grid".methods
 
 local vulkan = {}
 
---- Methods of ylm.gpu and ylm.gpu_array; they are there before the binding is loaded.
-local gpu_methods, array_methods = {}, {}
+local gpu_methods = { lights = lights.lights, __device = device.of }
 
 local limits = { "float64", "int64", "timestamps", "subgroup", "binds", "group_size", "groups", "shared_bytes",
   "bind_bytes", "allocation_bytes", "memory_bytes" }
@@ -36,47 +37,8 @@ reference.object "gpu" {
     { "message", "string", "the first of them, or \"\"" },
   },
 }
-reference.object "gpu_array" {
-  about = "Dense numbers in a device's memory.",
-  methods = array_methods,
-  fields = {
-    { "shape", "integer[]", "its extents" },
-    { "dtype", "string", "'float' or 'double'" },
-    { "seconds", "number", "that the upload took" },
-  },
-}
 
-gpu_methods.lights = require "ylm.vulkan.light".lights
-
-local INSTALL = "computing on a GPU needs libylm_vulkan: install glslc and libvulkan-dev and run make again (%s)"
-
---- Array in the device's memory -> seconds that its upload took.
-local upload_seconds = setmetatable({}, { __mode = "k" })
-
-local furnished = false
-
---- Gives the binding's object types their methods and fields.
-local function furnish()
-  furnished = true
-  local types = { ["ylm.gpu"] = gpu_methods, ["ylm.gpu_array"] = array_methods,
-    ["ylm.gpu_lights"] = require "ylm.vulkan.light".methods, ["ylm.gpu_grid"] = grid_methods }
-  for name, methods in pairs(types) do
-    local metatable = core.metatable(name)
-    for key, method in pairs(methods) do metatable[key] = method end
-    memory.publish(metatable)
-  end
-end
-
---- The binding of libylm_vulkan.so, or nil, message, "EMISSING" | "ENOMEM".
-function vulkan.__binding()
-  local binding, message, code = library.open("vulkan", INSTALL)
-  if not binding then return nil, message, code end
-  if not furnished then furnish() end
-  return binding
-end
-
---- The binding where there is an object of its own already.
-local function bound() return assert(vulkan.__binding()) end
+local bound = binding.bound
 
 describe "vulkan.devices" {
   about = "The devices that Vulkan drivers offer, as ylm.vulkan.open counts them.",
@@ -89,9 +51,9 @@ for _, device in ipairs(ylm.vulkan.devices() or {}) do assert(device.name and de
 }
 function vulkan.devices(...)
   if select("#", ...) > 0 then return check.bad(1, "devices", "no argument expected, got %s", check.describe((...))) end
-  local binding, message, code = vulkan.__binding()
-  if not binding then return nil, message, code end
-  return check.result("devices", binding.gpu_devices())
+  local c, message, code = binding.open()
+  if not c then return nil, message, code end
+  return check.result("devices", c.gpu_devices())
 end
 
 --- A number of a device, from 1, or part of its name.
@@ -124,10 +86,10 @@ else assert(#message > 0) end]],
 }
 function vulkan.open(options)
   local o = form.options(1, "open", open_options, options)
-  local binding, message, code = vulkan.__binding()
-  if not binding then return nil, message, code end
+  local c, message, code = binding.open()
+  if not c then return nil, message, code end
   local index = type(o.device) == "number" and o.device or nil
-  return check.result("open", binding.gpu_open(index, not index and o.device or nil, o.validate, o.staging))
+  return check.result("open", c.gpu_open(index, not index and o.device or nil, o.validate, o.staging))
 end
 
 -- Devices -----------------------------------------------------------------------------
@@ -137,25 +99,6 @@ local function is_gpu(g, name)
     return check.fail("%s: a gpu expected before the colon, got %s", name, check.describe(g))
   end
   return g
-end
-
---- Argument `n` of function `name`: the binding for an open device, or nil, message, code (lost); raises if closed.
-function vulkan.__use(n, name, gpu)
-  if core.type(gpu) ~= "ylm.gpu" then return check.bad(n, name, "a gpu expected, got %s", check.describe(gpu)) end
-  local binding = bound()
-  local ok, message, code = check.result(name, binding.gpu_state(gpu))
-  if not ok then return nil, message, code end
-  return binding
-end
-
---- An array in the device's memory; argument `n` of `name` is the array to copy.
-local function upload(gpu, n, name, values)
-  if core.type(values) ~= "ylm.array" then values = require "ylm.array".array(values)
-  elseif not select(4, core.array_info(values)) then return check.bad(n, name, "the array has been closed") end
-  local copy, seconds, code = check.result(name, bound().gpu_upload(gpu, values))
-  if not copy then return nil, seconds, code end
-  upload_seconds[copy] = seconds
-  return copy
 end
 
 describe "gpu:array" {
@@ -175,13 +118,7 @@ function gpu_methods.array(gpu, values)
   if core.type(values) ~= "ylm.array" and type(values) ~= "table" then
     return check.bad(1, "array", "a table of numbers or an array expected, got %s", check.describe(values))
   end
-  return upload(gpu, 1, "array", values)
-end
-
---- array:to(gpu).
-function vulkan.__to(array, gpu)
-  if core.type(gpu) ~= "ylm.gpu" then return check.bad(1, "to", "a gpu expected, got %s", check.describe(gpu)) end
-  return upload(gpu, 1, "to", array)
+  return arrays.upload(gpu, 1, "array", values)
 end
 
 describe "gpu:peak" {
@@ -218,11 +155,11 @@ end
 function gpu_methods.__index(gpu, key)
   local method = gpu_methods[key]
   if method then return method end
-  local binding = bound()
-  if key == "stats" then return binding.gpu_used(gpu) end
-  if key == "messages" then return (binding.gpu_messages(gpu)) end
-  if key == "message" then return (select(2, binding.gpu_messages(gpu))) end
-  local info = binding.gpu_info(gpu)
+  local c = bound()
+  if key == "stats" then return c.gpu_used(gpu) end
+  if key == "messages" then return (c.gpu_messages(gpu)) end
+  if key == "message" then return (select(2, c.gpu_messages(gpu))) end
+  local info = c.gpu_info(gpu)
   if key == "limits" then
     local out = {}
     for _, name in ipairs(limits) do out[name] = info[name] end
@@ -239,74 +176,6 @@ function gpu_methods.__tostring(gpu)
   return ("ylm.gpu '%s'%s"):format(gpu.name, bound().gpu_state(gpu) and "" or " (closed or lost)")
 end
 
--- Arrays --------------------------------------------------------------------------------
-
-local function open_array(a, name)
-  if core.type(a) ~= "ylm.gpu_array" then
-    return check.fail("%s: a gpu_array expected before the colon, got %s", name, check.describe(a))
-  end
-  if not select(4, bound().gpu_array_info(a)) then return check.fail("%s: the array has been closed", name) end
-  return a
-end
-
-local download_options = { { "out", "array", optional = true, about = "the array to be written and returned" } }
-
-describe "gpu_array:download" {
-  about = "Copies the array from the device's memory.",
-  arguments = { { "options?", "table", "see the options" } },
-  options = download_options,
-  returns = {
-    { "a", "array", "of the same shape and type; or nil, message, code: 'ENOMEM', 'EDEVICE'" },
-    { "seconds", "number", "that it took" },
-  },
-  errors = "raises where the array or its device has been closed, and where out is of another shape or type",
-  example = [[
-local gpu = ylm.vulkan.open()
-if gpu then
-  local a, seconds = gpu:array({ 1, 2, 3 }):download()
-  assert(#a == 3 and seconds >= 0)
-end]],
-}
-function array_methods.download(a, given)
-  open_array(a, "download")
-  local o = form.options(1, "download", download_options, given)
-  if o.out and not select(4, core.array_info(o.out)) then
-    return check.bad(1, "download", "out: the array has been closed")
-  end
-  if o.out then check.result("download", core.array_is_free(o.out)) end
-  return check.result("download", bound().gpu_download(a, o.out))
-end
-
-describe "gpu_array:close" {
-  about = "Gives back the memory at once.",
-  arguments = {},
-  returns = {},
-  errors = "raises from the progress function of a call that uses the array",
-  example = [[
-local gpu = ylm.vulkan.open()
-if gpu then gpu:array({ 1, 2, 3 }):close() end]],
-}
-function array_methods.close(a)
-  if core.type(a) ~= "ylm.gpu_array" then open_array(a, "close") end
-  check.result("close", bound().gpu_array_close(a))
-end
-
-function array_methods.__index(a, key)
-  local method = array_methods[key]
-  if method then return method end
-  local shape, dtype = bound().gpu_array_info(a)
-  if key == "shape" then return shape end
-  if key == "dtype" then return dtype end
-  if key == "seconds" then return upload_seconds[a] end
-end
-
-function array_methods.__newindex(_, key)
-  return check.fail("gpu_array: cannot set %s: download it", check.describe(key))
-end
-
-function array_methods.__tostring(a)
-  local shape, dtype, _, is_open = bound().gpu_array_info(a)
-  return ("ylm.gpu_array %s %s%s"):format(dtype, table.concat(shape, "x"), is_open and "" or " (closed)")
-end
+binding.methods("ylm.gpu", gpu_methods)
 
 return memory.publish(vulkan)

@@ -1,9 +1,11 @@
 --- Lights in a device's memory: gpu:lights, and what the option `device` of other functions does with lights.
 
+local binding = require "ylm.vulkan.binding"
 local check = require "ylm.check"
 local core = require "ylm.c.core"
 local describe = require "ylm.describe".describe
 local form = require "ylm.form"
+local light = require "ylm.light"
 local reference = require "ylm.describe"
 
 local vulkan_light = {}
@@ -26,28 +28,28 @@ reference.object "gpu_lights" {
   },
 }
 
-local function binding() return assert(require "ylm.vulkan".__binding()) end
+local bound = binding.bound
 
 local NO_OTHERS = "a device sums sphere, polygon, disk and textured lights; no others"
 
 --- What light.pack made, argument `n` of `name`: sphere lights or nil, and a list of sets of flat lights.
 local function parts_of(n, name, packed)
-  local spheres, others = require "ylm.light".parts(packed)
+  local spheres, others = light.parts(packed)
   for _, other in ipairs(others) do
     if not core.polygons_method(other) then return check.bad(n, name, NO_OTHERS) end
   end
   return { spheres = spheres, flat = others }
 end
 
---- Lights on a device -> the device.
+--- Lights on a device -> the gpu.
 local gpu_of = setmetatable({}, { __mode = "k" })
 
---- The device of lights that are on one; nil for other objects.
-function vulkan_light.device_of(object) return gpu_of[object] end
+--- The gpu of lights that are on one.
+function vulkan_light.gpu_of(lights) return gpu_of[lights] end
 
---- Parts -> the object on the device; argument `n` of `name` is the device.
-local function create(n, name, gpu, parts, method)
-  local c, message, code = require "ylm.vulkan".__use(n, name, gpu)
+--- Parts -> the object on the device.
+local function create(name, gpu, parts, method)
+  local c, message, code = binding.use(name, gpu)
   if not c then return nil, message, code end
   local lights
   lights, message, code = check.result(name, c.gpu_lights_create(gpu, parts.spheres, parts.flat, METHODS[method]))
@@ -86,44 +88,26 @@ function vulkan_light.lights(gpu, lights, given)
     return check.fail("lights: a gpu expected before the colon, got %s", check.describe(gpu))
   end
   local o = form.options(2, "lights", lights_options, given)
-  local packed = require "ylm.light".pack(1, "lights", lights)
-  return create(1, "lights", gpu, parts_of(1, "lights", packed), o.method)
+  local packed = light.pack(1, "lights", lights)
+  return create("lights", gpu, parts_of(1, "lights", packed), o.method)
 end
 
---- What has a light field, for a function `name` with the options o.device and o.method (argument `n`): the object
--- on the device, and whether it was made for this call. Without a device the object itself.
-function vulkan_light.on(n, name, object, o)
-  local there = core.type(object) == "ylm.gpu_lights"
-  if not o.device then
-    if o.method then
-      return check.bad(n, name, there and "method: gpu:lights has chosen it" or "method: a choice for computing on a device")
-    end
+--- What has a light field, for a function `name` with the option `method` (argument `n`): the object on the gpu, and whether
+-- it was made for this call.
+function vulkan_light.on(gpu, n, name, object, method)
+  if core.type(object) == "ylm.gpu_lights" then
+    if not bound().gpu_lights_on(object, gpu) then return check.bad(n, name, "device: the lights are on another") end
+    if method and method ~= object.method then return check.bad(n, name, "method: gpu:lights has chosen it") end
     return object
   end
-  if there then
-    if not binding().gpu_lights_on(object, o.device) then return check.bad(n, name, "device: the lights are on another") end
-    if o.method and o.method ~= object.method then return check.bad(n, name, "method: gpu:lights has chosen it") end
-    return object
-  end
-  local lights, message, code = create(n, name, o.device, parts_of(2, name, object), o.method or "merged")
+  local lights, message, code = create(name, gpu, parts_of(2, name, object), method or "merged")
   if not lights then return nil, message, code end
   return lights, true
 end
 
---- What bakes a grid from lights on a device, in place of core.grid_bake; nil for other objects.
-function vulkan_light.baker(object)
-  if core.type(object) == "ylm.gpu_lights" then return binding().gpu_grid_bake end
-end
-
---- The copy of a new grid that baking from lights has left on their device, if there is one.
-function vulkan_light.keep(object, grid, copy)
-  if copy then require "ylm.vulkan.grid".keep(grid, gpu_of[object], copy) end
-end
-
---- Times by stage of an object on a device, less what they were before; nil for other objects.
+--- Times by stage of lights on a device, less what they were before.
 function vulkan_light.times(object, before)
-  if core.type(object) ~= "ylm.gpu_lights" then return end
-  local times = binding().gpu_lights_times(object)
+  local times = bound().gpu_lights_times(object)
   for stage, t in pairs(times) do
     local b = before and before[stage]
     if b then t.seconds, t.dispatches = t.seconds - b.seconds, t.dispatches - b.dispatches end
@@ -132,7 +116,7 @@ function vulkan_light.times(object, before)
 end
 
 --- Are these lights of a device to be used still?
-function vulkan_light.is_open(lights) return binding().gpu_lights_info(lights) ~= nil end
+function vulkan_light.is_open(lights) return bound().gpu_lights_info(lights) ~= nil end
 
 describe "gpu_lights:close" {
   about = "Gives back the memory at once.",
@@ -147,16 +131,16 @@ function methods.close(lights)
   if core.type(lights) ~= "ylm.gpu_lights" then
     return check.fail("close: gpu_lights expected before the colon, got %s", check.describe(lights))
   end
-  check.result("close", binding().gpu_lights_close(lights))
+  check.result("close", bound().gpu_lights_close(lights))
 end
 
 function methods.__index(lights, key)
   if methods[key] then return methods[key] end
-  local count, method = binding().gpu_lights_info(lights)
+  local count, method = bound().gpu_lights_info(lights)
   if not count then return check.fail("gpu_lights: the lights have been closed") end
   if key == "count" then return count end
   if key == "method" then return NAMES[method] end
-  if key == "stages" then return binding().gpu_lights_times(lights) end
+  if key == "stages" then return bound().gpu_lights_times(lights) end
 end
 
 function methods.__newindex(_, key)
@@ -164,8 +148,10 @@ function methods.__newindex(_, key)
 end
 
 function methods.__tostring(lights)
-  local count, method = binding().gpu_lights_info(lights)
+  local count, method = bound().gpu_lights_info(lights)
   return count and ("ylm.gpu_lights %d, %s"):format(count, NAMES[method]) or "ylm.gpu_lights (closed)"
 end
+
+binding.methods("ylm.gpu_lights", methods)
 
 return vulkan_light

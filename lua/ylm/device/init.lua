@@ -1,0 +1,49 @@
+--- Devices: what computes. The processor is one, and so is what the option `device` names; nobody asks which it is.
+--
+-- A device is an object with these methods (`n`, `name`: the argument that is refused, the function that refuses it; o: the
+-- options of that function). Each returns nil, message, code where the world fails it.
+--
+--     device:name()                                            for the metadata of pictures; nil: nothing is said
+--     device:harmonics(lmax, points, out, o)                   sh.eval into the arrays `out` -> true
+--     device:lights(n, name, object, o, within)                what has the light field there, whether made for this call
+--     device:is_open(object)                                   may these lights be used?
+--     device:evaluate(name, ...)                               core.field_evaluate(...), its results looked at
+--     device:points(n, name, what, points)                     points [n][3], whether one row; nil: they lie elsewhere
+--     device:positions(name, p)                                where the prepared view p asks for light
+--     device:check_bake(description, lights)                   raises where the device bakes no such grid
+--     device:bake(form, object, occupied, o, followed)         grid, times of its stages
+--     device:sample(g, points, o, shapes, single)              what grid:sample returns
+--     device:check_picture(name, o)                            raises where the device makes no such picture
+--     device:room(name, p, o)                                  where a picture that stays on the device is written
+--     device:shade(name, p, o, bar)                            radiance of shading points, { seconds, outside, unbaked, .. }
+--     device:picture(name, p, o, layer, bar, compose)          writes a picture to `layer` -> that table
+
+local core = require "ylm.c.core"
+local processor = require "ylm.device.processor"
+
+local devices = {}
+
+--- The device that `x` is (the option `device`), or that its numbers lie on; the processor for everything else.
+function devices.of(x)
+  local device_of = core.type(x) and getmetatable(x).__device
+  return device_of and device_of(x) or processor
+end
+
+-- Copies of grids on devices ------------------------------------------------------------
+
+--- Grid -> { gpu -> copy }.
+local copies = setmetatable({}, { __mode = "k" })
+
+--- The copies of a grid, by gpu.
+function devices.copies(grid)
+  if not copies[grid] then copies[grid] = setmetatable({}, { __mode = "k" }) end
+  return copies[grid]
+end
+
+--- Gives back the copies of a grid that has been closed.
+function devices.forget(grid)
+  for _, copy in pairs(copies[grid] or {}) do copy:close() end
+  copies[grid] = nil
+end
+
+return devices

@@ -1,0 +1,111 @@
+--- A gpu as a device: see ylm/device/init.lua for what each method does.
+
+local arrays = require "ylm.vulkan.array"
+local check = require "ylm.check"
+local core = require "ylm.c.core"
+local grids = require "ylm.vulkan.grid"
+local lights = require "ylm.vulkan.light"
+local pictures = require "ylm.vulkan.image"
+local binding = require "ylm.vulkan.binding"
+local processor = require "ylm.device.processor"
+local progress = require "ylm.progress"
+
+local device = {}
+
+local methods = {}
+device.methods = methods
+
+local metatable = { __index = methods }
+
+--- The gpu as a device.
+function device.of(gpu) return setmetatable({ gpu = gpu }, metatable) end
+
+function methods.name(on) return on.gpu.name end
+
+--- array:to(gpu).
+function methods.array(on, a) return arrays.upload(on.gpu, 1, "to", a) end
+
+--- grid:to(gpu).
+function methods.grid(on, g) return grids.to(g, on.gpu) end
+
+function methods.harmonics(on, lmax, points, out, o)
+  if o.method ~= "solid" or o.kernel then
+    return check.bad(3, "eval", "device goes with method 'solid' and without kernel")
+  end
+  local c, message, code = binding.use("eval", on.gpu)
+  if not c then return nil, message, code end
+  return check.result("eval", c.gpu_sh_eval(on.gpu, lmax, points, out[1], out[2], out[3], o.solid,
+    progress.of(o.progress)))
+end
+
+-- Lights ------------------------------------------------------------------------------
+
+function lights.methods.__device(object) return device.of(lights.gpu_of(object)) end
+
+function methods.is_open(_, object) return lights.is_open(object) end
+
+function methods.lights(on, n, name, object, o) return lights.on(on.gpu, n, name, object, o.method) end
+
+--- Raises where results of a device, which does not look at them itself, are not finite.
+local function check_finite(name, points, results)
+  for i = 1, 5 do
+    local finite, where = true, nil
+    if results[i] then finite, where = core.array_finite(results[i]) end
+    if not finite then
+      local wide = 1
+      for axis, extent in ipairs(results[i].shape) do if axis > 1 then wide = wide * extent end end
+      return check.fail("%s: the light field at point %d is beyond the range of %s", name,
+        math.floor((where - 1) / wide) + 1, points.dtype)
+    end
+  end
+end
+
+function methods.evaluate(on, name, object, lmax, points, ...)
+  local L, dL, ddL, lambda, norm, inside, pairs = processor.evaluate(on, name, object, lmax, points, ...)
+  if L == nil then return nil, dL, ddL end
+  check_finite(name, points, { L, dL, ddL, lambda, norm })
+  return L, dL, ddL, lambda, norm, inside, pairs
+end
+
+-- Grids -------------------------------------------------------------------------------
+
+function methods.points(_, n, name, what, points) return grids.points(n, name, what, points) end
+
+function methods.positions(on, name, p)
+  if p.stats.points == 0 then return processor.positions(on, name, p) end
+  return pictures.positions(on.gpu, name, p)
+end
+
+function methods.check_bake(_, description, object)
+  if type(object) == "function" then return check.bad(3, "bake", "device: a device sums lights, and no functions") end
+  if description.dynamic then
+    return check.bad(3, "bake", "device: a dynamic grid follows its lights on the processor")
+  end
+end
+
+function methods.bake(on, form, object, occupied, o)
+  local before = lights.times(object)
+  local grid, copy, code = check.result("bake", binding.bound().gpu_grid_bake(form, object, occupied, o.seed,
+    o.threads or 0, o.max_points, progress.of(o.progress)))
+  if not grid then return nil, copy, code end
+  if copy then grids.keep(grid, on.gpu, copy) end
+  return grid, lights.times(object, before)
+end
+
+function methods.sample(on, ...) return grids.sample(on.gpu, ...) end
+
+-- Pictures ----------------------------------------------------------------------------
+
+function methods.check_picture(_, name, o)
+  if core.type(o.grid) ~= "ylm.grid" then
+    return check.bad(1, name, "device: a baked grid expected, got %s", check.describe(o.grid))
+  end
+end
+
+function methods.room(on, ...) return pictures.room(on.gpu, ...) end
+
+function methods.shade(on, ...) return pictures.shade(on.gpu, ...) end
+
+function methods.picture(on, ...) return pictures.picture(on.gpu, ...) end
+
+return device
