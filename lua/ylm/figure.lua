@@ -6,7 +6,7 @@ local core = require "ylm.c.core"
 local form = require "ylm.form"
 local memory = require "ylm.memory"
 local picture = require "ylm.picture"
-local picture_bar = require "ylm.picture_bar"
+local picture_bar = require "ylm.picture.bar"
 
 local figure = {}
 

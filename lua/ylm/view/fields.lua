@@ -3,7 +3,7 @@
 local core = require "ylm.c.core"
 local drawing = require "ylm.view.drawing"
 local numbers = require "ylm.view.numbers"
-local view_grid = require "ylm.view.grid"
+local view_grid = require "ylm.grid.quantities"
 
 local axis_number = { x = 1, y = 2, z = 3 }
 

@@ -1,6 +1,6 @@
 --- Pictures of grids, fields, SH vectors and scenes: ylm.view. Nothing opens before save or show.
 
-local bars = require "ylm.picture_bar"
+local bars = require "ylm.picture.bar"
 local check = require "ylm.check"
 local core = require "ylm.c.core"
 local describe = require "ylm.describe".describe
@@ -10,7 +10,7 @@ local layers = require "ylm.view.layers"
 local memory = require "ylm.memory"
 local picture = require "ylm.picture"
 local view_camera = require "ylm.view.camera"
-local view_grid = require "ylm.view.grid"
+local view_grid = require "ylm.grid.quantities"
 
 local view = {}
 

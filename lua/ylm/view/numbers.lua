@@ -2,7 +2,7 @@
 
 local core = require "ylm.c.core"
 local drawing = require "ylm.view.drawing"
-local view_grid = require "ylm.view.grid"
+local view_grid = require "ylm.grid.quantities"
 
 local numbers = {}
 

@@ -2,7 +2,7 @@
 
 local check = require "ylm.check"
 local core = require "ylm.c.core"
-local view_grid = require "ylm.view.grid"
+local view_grid = require "ylm.grid.quantities"
 
 local view_file = {}
 

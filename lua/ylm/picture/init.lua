@@ -1,12 +1,12 @@
---- What views, plots and figures share: canvases, texts, ticks, saving. Scalar bars: picture_bar.lua.
+--- What views, plots and figures share: canvases, texts, ticks, saving. Scalar bars: picture/bar.lua.
 
 local check = require "ylm.check"
 local core = require "ylm.c.core"
 local describe = require "ylm.describe".describe
 local library = require "ylm.library"
-local text = require "ylm.picture_text"
+local text = require "ylm.picture.text"
 
-local picture = { ticks = require "ylm.picture_ticks".of }
+local picture = { ticks = require "ylm.picture.ticks".of }
 
 --- The binding of libylm_vtk.so, or nil, message, "EMISSING" | "ENOMEM".
 function picture.vtk()
