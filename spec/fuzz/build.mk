@@ -1,11 +1,12 @@
 # Fuzzing: each spec/fuzz/NAME.c feeds bytes to one reader, built with clang, libFuzzer, ASan and
-# UBSan from the library's own sources. Seeds are in spec/fuzz/corpus/NAME; what a run finds beyond
-# them goes to build/fuzz/found/NAME, crashes to build/fuzz/NAME-*.
+# UBSan from the library's own sources. Seeds are in spec/fuzz/corpus/NAME.tar.gz, and unpacked in
+# build/fuzz/corpus/NAME; what a run finds beyond them goes to build/fuzz/found/NAME, crashes to build/fuzz/NAME-*.
 #
 #   make fuzz                         every reader, FUZZ_RUNS inputs each
 #   make fuzz FUZZ=obj FUZZ_RUNS=1e5  one of them
 #   make fuzz-coverage                lines and branches that seeds and finds reach, per source
-#   make fuzz-minimise                put what is worth keeping of the finds into the corpus
+#   make fuzz-minimise                put what is worth keeping of seeds and finds into build/fuzz/kept/NAME
+#   make fuzz-add FUZZ=obj SEEDS="a.obj build/fuzz/kept/obj/*"   add files to the seeds of a reader
 
 FUZZ_CC   ?= clang
 FUZZ_RUNS ?= 1000000
@@ -54,30 +55,45 @@ $(FUZZ_DIR)/bin/%: spec/fuzz/%.c $(FUZZ_DIR)/libylm.a
 	$(Q)$(FUZZ_CC) $(FUZZ_CFLAGS) -fsanitize=fuzzer $< $(FUZZ_ALSO_$*) $(FUZZ_DIR)/libylm.a \
 	  -lOpenEXRCore-3_1 $(call pkg,--libs,libpng) $(FUZZ_LIBS_$*) -lm -o $@
 
-fuzz: $(foreach f,$(FUZZ),$(FUZZ_DIR)/bin/$(f))   ## fuzz the readers under ASan and UBSan (FUZZ=name, FUZZ_RUNS=1000000)
-	@for f in $(FUZZ); do echo "== $$f"; mkdir -p $(FUZZ_DIR)/found/$$f spec/fuzz/corpus/$$f; \
+# Seeds, one archive per reader: equal seeds make equal bytes.
+FUZZ_PACK := LC_ALL=C tar --format=ustar --sort=name --mtime=@0 --owner=0 --group=0 --numeric-owner --mode=644
+SEEDS     ?=
+
+$(FUZZ_DIR)/corpus/%.unpacked: spec/fuzz/corpus/%.tar.gz
+	@rm -rf $(basename $@) && mkdir -p $(basename $@) && tar -xzf $< -C $(basename $@) && touch $@
+
+FUZZ_SEEDS = $(foreach f,$(FUZZ),$(if $(wildcard spec/fuzz/corpus/$(f).tar.gz),$(FUZZ_DIR)/corpus/$(f).unpacked))
+
+fuzz-add: $(FUZZ_SEEDS)
+	@$(if $(SEEDS),,$(error SEEDS names no files))$(if $(word 2,$(FUZZ)),$(error FUZZ names no single reader))mkdir -p $(FUZZ_DIR)/corpus/$(FUZZ)
+	@for f in $(SEEDS); do cp $$f $(FUZZ_DIR)/corpus/$(FUZZ)/$$(sha1sum < $$f | cut -d' ' -f1); done
+	@cd $(FUZZ_DIR)/corpus/$(FUZZ) && $(FUZZ_PACK) -c * | gzip -9n > $(CURDIR)/spec/fuzz/corpus/$(FUZZ).tar.gz
+	@tar -tzf spec/fuzz/corpus/$(FUZZ).tar.gz | wc -l | sed 's/$$/ seeds of $(FUZZ)/'
+
+fuzz: $(foreach f,$(FUZZ),$(FUZZ_DIR)/bin/$(f)) $(FUZZ_SEEDS)   ## fuzz the readers under ASan and UBSan (FUZZ=name, FUZZ_RUNS=1000000)
+	@for f in $(FUZZ); do echo "== $$f"; mkdir -p $(FUZZ_DIR)/found/$$f $(FUZZ_DIR)/corpus/$$f; \
 	  LLVM_PROFILE_FILE=/dev/null nice $(FUZZ_DIR)/bin/$$f -runs=$$(printf %.0f $(FUZZ_RUNS)) $(FUZZ_ARGS) $$([ $$f != scene ] || echo $(FUZZ_ARGS_scene)) \
-	    -artifact_prefix=$(FUZZ_DIR)/$$f- $(FUZZ_DIR)/found/$$f spec/fuzz/corpus/$$f \
+	    -artifact_prefix=$(FUZZ_DIR)/$$f- $(FUZZ_DIR)/found/$$f $(FUZZ_DIR)/corpus/$$f \
 	    > $(FUZZ_DIR)/$$f.log 2>&1 || { tail -n 40 $(FUZZ_DIR)/$$f.log; exit 1; }; \
 	  grep -aE 'DONE|number_of_executed|average_exec|peak_rss' $(FUZZ_DIR)/$$f.log; done
 
-fuzz-coverage: $(foreach f,$(FUZZ),$(FUZZ_DIR)/bin/$(f))   ## what the corpora reach of each reader
+fuzz-coverage: $(foreach f,$(FUZZ),$(FUZZ_DIR)/bin/$(f)) $(FUZZ_SEEDS)   ## what the corpora reach of each reader
 	@for f in $(FUZZ); do mkdir -p $(FUZZ_DIR)/found/$$f; \
-	  LLVM_PROFILE_FILE=$(FUZZ_DIR)/$$f.profraw $(FUZZ_DIR)/bin/$$f -runs=0 $(FUZZ_DIR)/found/$$f spec/fuzz/corpus/$$f >/dev/null 2>&1; \
+	  LLVM_PROFILE_FILE=$(FUZZ_DIR)/$$f.profraw $(FUZZ_DIR)/bin/$$f -runs=0 $(FUZZ_DIR)/found/$$f $(FUZZ_DIR)/corpus/$$f >/dev/null 2>&1; \
 	  llvm-profdata merge -o $(FUZZ_DIR)/$$f.profdata $(FUZZ_DIR)/$$f.profraw; done
 	@$(foreach f,$(FUZZ),echo "== $(f)"; llvm-cov report $(FUZZ_DIR)/bin/$(f) -instr-profile=$(FUZZ_DIR)/$(f).profdata \
 	  $(FUZZ_ABOUT_$(f)) | awk '/\.c / || /^TOTAL/ {print $$1, "functions", $$7, "lines", $$10, "branches", $$13}';)
 
-fuzz-minimise: $(foreach f,$(FUZZ),$(FUZZ_DIR)/bin/$(f))
+fuzz-minimise: $(foreach f,$(FUZZ),$(FUZZ_DIR)/bin/$(f)) $(FUZZ_SEEDS)
 	@for f in $(FUZZ); do mkdir -p $(FUZZ_DIR)/kept; rm -rf $(FUZZ_DIR)/kept/$$f; mkdir $(FUZZ_DIR)/kept/$$f; \
-	  LLVM_PROFILE_FILE=/dev/null $(FUZZ_DIR)/bin/$$f -merge=1 $(FUZZ_DIR)/kept/$$f spec/fuzz/corpus/$$f $(FUZZ_DIR)/found/$$f >/dev/null 2>&1; \
+	  LLVM_PROFILE_FILE=/dev/null $(FUZZ_DIR)/bin/$$f -merge=1 $(FUZZ_DIR)/kept/$$f $(FUZZ_DIR)/corpus/$$f $(FUZZ_DIR)/found/$$f >/dev/null 2>&1; \
 	  echo "$$f: $$(ls $(FUZZ_DIR)/kept/$$f | wc -l) inputs, $$(du -sb $(FUZZ_DIR)/kept/$$f | cut -f1) bytes in $(FUZZ_DIR)/kept"; done
 
 # `make check` compiles them without clang (see spec/bench/build.mk).
 fuzz-check: $(patsubst %.c,$(BUILD)/check/%.o,$(filter-out $(if $(WITH_CODEC),,%/exr.c %/hdr.c %/pfm.c %/png.c) \
   $(if $(call pkg,--cflags,lua5.4),,%/scene.c),$(wildcard spec/fuzz/*.c)))
 
-.PHONY: fuzz-coverage fuzz-minimise fuzz-check
+.PHONY: fuzz-add fuzz-coverage fuzz-minimise fuzz-check
 
 # The scene sandbox: the bindings and the readers of images instrumented, kernels and all else from libylm as it is built.
 FUZZ_ABOUT_scene := csrc/lua/core/sandbox.c csrc/lua/codec/codec.c
