@@ -1,5 +1,6 @@
-/* exr_read.c - reads OpenEXR through OpenEXRCore's C interface: groups of channels become layers.
- */
+/*
+** exr_read.c - reads OpenEXR through OpenEXRCore's C interface: groups of channels become layers.
+*/
 #include "exr.h"
 
 #include <string.h>

@@ -1,5 +1,6 @@
-/* exr_write.c - writes OpenEXR through OpenEXRCore's C interface: layers become groups of channels.
- */
+/*
+** exr_write.c - writes OpenEXR through OpenEXRCore's C interface: layers become groups of channels.
+*/
 #include "exr.h"
 
 #include <math.h>

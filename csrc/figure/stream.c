@@ -4,8 +4,8 @@
 #include <math.h>
 #include <string.h>
 
-/* Both halves of the line through `seed` in order; returns the number of points in out [2*room][3].
- */
+/* Both halves of the line through `seed` in order; returns the number of points in out
+   [2*room][3]. */
 static size_t both_ways(const ylm_figure_volume *v, const double seed[3], double step, size_t room,
                         double *out) {
   size_t back = ylm_figure_streamline(v, seed, step, false, room, out);

@@ -192,8 +192,8 @@ YLM_API ylm_status ylm_figure_places(const ylm_figure_volume *v, const ylm_figur
 
 /*
 ** ylm_figure_add_streamlines - tubes both ways from n seeds [n][3] through a volume of 3
-** components,
-** coloured by its length on the scale. Lines of fewer than `fewest` points are left out.
+** components, coloured by its length on the scale. Lines of fewer than `fewest` points are left
+** out.
 */
 YLM_API ylm_status ylm_figure_add_streamlines(ylm_figure_shape *shape, const ylm_figure_volume *v,
                                               size_t n, const double *seed, double step,

@@ -121,14 +121,14 @@ void ylm__grid_sync(ylm_grid *g);
 void ylm__grid_count(ylm_grid *g);
 /* Finds each leaf's source of data, counts, builds the table: what sampling needs. */
 ylm_status ylm__grid_finish(ylm_grid *g);
-/* Lattice coordinates (with fractions, clamped into the bounds) of a point; true if it was inside.
- */
+/* Lattice coordinates (with fractions, clamped into the bounds) of a point; true if it was
+   inside. */
 bool ylm__grid_coordinates(const ylm_grid *g, const double p[3], double out[3]);
 /* The leaf under clamped lattice coordinates; the box moves the coordinates where a uniform grid
    has no data. */
 uint32_t ylm__grid_leaf(const ylm_grid *g, const double at[3]);
-/* Cells by coarse coordinates, as a beginning for the next; it stays good while leaves are split.
- */
+/* Cells by coarse coordinates, as a beginning for the next; it stays good while leaves are
+   split. */
 ylm_status ylm__grid_build_table(ylm_grid *g);
 static inline size_t ylm__grid_table_index(const ylm_grid *g, uint32_t x, uint32_t y, uint32_t z) {
   return ((size_t)z * g->top[1] + y) * g->top[0] + x;

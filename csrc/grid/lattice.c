@@ -59,8 +59,8 @@ void lattice_hash_prefetch(const lattice_hash *h, uint64_t key) {
   if (h->size) __builtin_prefetch(&h->entry[(size_t)mix(key) & (h->size - 1)]);
 }
 
-/* Backward-shift deletion: entries behind the gap move into it unless they are where they belong.
- */
+/* Backward-shift deletion: entries behind the gap move into it unless they are where they
+   belong. */
 void lattice_hash_remove(lattice_hash *h, uint64_t key) {
   if (!h->size) return;
   size_t mask = h->size - 1, gap = place(h, key);

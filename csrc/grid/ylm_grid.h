@@ -466,10 +466,9 @@ YLM_API ylm_status ylm_grid_flags(const ylm_grid *g, size_t n, ylm_dtype dtype, 
 
 /*
 ** Points that stay where they are while a dynamic grid changes: where they lie is found out once,
-** as
-** long as the octree there is what it was, and only those are sampled whose samples may differ from
-** those of the last time. Every cell of a dynamic grid has a signature of what its samples depend
-** on; equal signatures mean equal samples, but for one chance in 2^64.
+** as long as the octree there is what it was, and only those are sampled whose samples may differ
+** from those of the last time. Every cell of a dynamic grid has a signature of what its samples
+** depend on; equal signatures mean equal samples, but for one chance in 2^64.
 */
 typedef struct ylm_grid_track ylm_grid_track;
 

@@ -1,5 +1,6 @@
-/* binding_objects.c - images and meshes as Lua objects; arrays over their memory keep them alive.
- */
+/*
+** binding_objects.c - images and meshes as Lua objects; arrays over their memory keep them alive.
+*/
 #include "binding.h"
 #include "ylm_geom.h"
 #include "ylm_image.h"

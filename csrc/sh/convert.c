@@ -96,8 +96,7 @@ ylm_status ylm_sh_convention_name(uint32_t c, char text[64]) {
   return YLM_OK;
 }
 
-/* -- one group of vectors, in double --------------------------------------------------------------
- */
+/* -- one group of vectors, in double ---------------------------------------------------------- */
 
 double ylm_sh_cosine_factor(int l) {
   if (l == 0) return PI;

@@ -1,5 +1,6 @@
-/* entries.c - what pictures of a view are made of, as arrays: for those that make them elsewhere.
- */
+/*
+** entries.c - what pictures of a view are made of, as arrays: for those that make them elsewhere.
+*/
 #include <math.h>
 #include <string.h>
 

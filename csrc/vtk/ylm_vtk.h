@@ -53,8 +53,8 @@ YLM_API ylm_status ylm_vtk_add_volume(ylm_vtk_scene *s, const ylm_figure_volume 
 YLM_API ylm_status ylm_vtk_add_isosurfaces(ylm_vtk_scene *s, const ylm_figure_volume *v, size_t n,
                                            const double *value, const double *colour, ylm_error *e);
 
-/* A picture on the parallelogram corner, corner+u, corner+v: rgba [h][w][4], first row at `corner`.
- */
+/* A picture on the parallelogram corner, corner+u, corner+v: rgba [h][w][4], first row at
+   `corner`. */
 YLM_API ylm_status ylm_vtk_add_picture(ylm_vtk_scene *s, const double corner[3], const double u[3],
                                        const double v[3], int w, int h, const uint8_t *rgba,
                                        int smooth, ylm_error *e);

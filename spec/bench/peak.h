@@ -11,9 +11,8 @@
 
 /*
 ** ROUNDS x `chains` independent multiply-adds of one vector type: enough of them to hide the
-** latency
-** of two units, few enough to stay in registers (the asm that touches them keeps the compiler from
-** seeing through, and no address of them is taken).
+** latency of two units, few enough to stay in registers (the asm that touches them keeps the
+** compiler from seeing through, and no address of them is taken).
 */
 #define PEAK(name, isa, vector, chains, reg, zero, fma)                                            \
   __attribute__((target(isa), noinline)) static void name(void *context) {                         \

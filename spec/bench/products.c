@@ -29,8 +29,7 @@ static double measure(int lmax, ylm_sh_product_method m, ylm_dtype t, size_t row
   return s * 1e9;
 }
 
-/* -- the traditional way, as plainly as it is written down ---------------------------------------
- */
+/* -- the traditional way, as plainly as it is written down ------------------------------------ */
 
 typedef struct triple {
   uint16_t i, j, k;

@@ -1,5 +1,6 @@
-/* rotate.c - rotating one vector, construction included, and batches with a rotation made before.
- */
+/*
+** rotate.c - rotating one vector, construction included, and batches with a rotation made before.
+*/
 #include "ylm_sh.h"
 
 #include "bench.h"

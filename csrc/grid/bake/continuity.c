@@ -241,8 +241,7 @@ ylm_status ylm__grid_continue_leaf(ylm_grid *g, uint32_t cell) {
   return YLM_OK;
 }
 
-/* -- which leaves ---------------------------------------------------------------------------------
- */
+/* -- which leaves ----------------------------------------------------------------------------- */
 
 bool ylm__grid_side(const ylm_grid *g, const uint32_t at[3], int side, uint32_t beside[3]) {
   bool out = false;

@@ -86,8 +86,8 @@ static void meet_brothers(const baker *b, uint32_t cell, family *f) {
   f->asked = 0;
 }
 
-/* Begins with the family of a cell, if it is another than before; returns which child the cell is.
- */
+/* Begins with the family of a cell, if it is another than before; returns which child the cell
+   is. */
 static uint32_t meet_family(const baker *b, uint32_t cell, family *f) {
   if (b->g->view.form.kind == YLM_GRID_UNIFORM) {
     meet_neighbour(b->g, cell, f);

@@ -44,8 +44,8 @@ typedef struct marker {
 
 /* -- marks ----------------------------------------------------------------------------------- */
 
-/* The word that has a voxel's bit; NULL where what is above was not marked: rounding alone saw it.
- */
+/* The word that has a voxel's bit; NULL where what is above was not marked: rounding alone saw
+   it. */
 static uint64_t *word_of(const marking *m, uint64_t code) {
   size_t lo = 0, hi = m->words;
   if (!m->above) return &m->word[code >> m->shift];

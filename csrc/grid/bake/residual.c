@@ -50,8 +50,8 @@ bool residual_wanted(const refiner *r, const ylm_grid_cell *c) {
   return high * r->tight > r->tolerance;
 }
 
-/* Takes the residual of the cell that was in the same place, if nothing that it depends on changed.
- */
+/* Takes the residual of the cell that was in the same place, if nothing that it depends on
+   changed. */
 static bool take_residual(const baker *b, ylm_grid_cell *c, uint32_t centre) {
   const ylm_grid_cell *old = cells_before(b, c);
   if (!old || isnan(old->residual) || b->changed[centre]) return false;

@@ -240,8 +240,7 @@ size_t ylm__surface_bytes(const ylm_grid_surface *s) {
          (s->list.meshes + 1) * sizeof *s->list.first;
 }
 
-/* -- random points ------------------------------------------------------------------------------
- */
+/* -- random points ---------------------------------------------------------------------------- */
 
 /* The finaliser of SplitMix64 (Steele et al. 2014). */
 static uint64_t mix(uint64_t x) {

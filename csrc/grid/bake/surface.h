@@ -41,8 +41,8 @@ typedef struct triangle {
 } triangle;
 /* The triangle p in lattice units; boxes are enlarged by `margin`. */
 void triangle_set(triangle *t, const double p[3][3], const double margin[3]);
-/* The voxels first .. last along an axis, of so many, that the triangle's box meets; false: none.
- */
+/* The voxels first .. last along an axis, of so many, that the triangle's box meets; false:
+   none. */
 bool triangle_range(const triangle *t, int axis, uint32_t voxels, uint32_t *first, uint32_t *last);
 /* True unless the triangle is certainly apart from the box of voxels first .. last, whose sides
    its own box meets. */

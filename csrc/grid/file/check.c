@@ -145,9 +145,9 @@ void grid_file_place_births(ylm_grid *g) {
   }
 }
 
-/* Notes the interpolated points among corners of the children that a cell has for continuity, but
-   for its own corners. (At a corner, too, some early writers interpolated: the point is its copy.)
- */
+/* Notes the interpolated points among corners of the children that a cell has for continuity,
+   but for its own corners. (At a corner, too, some early writers interpolated: the point is its
+   copy.) */
 static void note_births(ylm_grid *g, uint32_t cell) {
   const ylm_grid_cell *parent = &g->cell[cell];
   for (uint32_t k = 0; k < 8; k++)
@@ -175,8 +175,7 @@ ylm_status grid_file_find_births(ylm_grid *g) {
   return YLM_OK;
 }
 
-/* -- what a file does not hold -------------------------------------------------------------------
- */
+/* -- what a file does not hold ---------------------------------------------------------------- */
 
 /* The hash of the evaluated points, which voxels without data are sampled with. */
 static ylm_status index_points(ylm_grid *g) {

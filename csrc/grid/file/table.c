@@ -100,8 +100,7 @@ const grid_file_entry *file_table_find(const file_table *t, int kind) {
   return NULL;
 }
 
-/* -- sections ------------------------------------------------------------------------------------
- */
+/* -- sections --------------------------------------------------------------------------------- */
 
 ylm_status file_table_take(const file_table *t, const file_source *s, int kind, size_t record,
                            size_t bytes, void *to, ylm_error *e) {

@@ -33,8 +33,7 @@ static void put_zeros(sink *s, uint64_t end) {
   put(s, zeros, end - s->at);
 }
 
-/* -- what there is to write ----------------------------------------------------------------------
- */
+/* -- what there is to write ------------------------------------------------------------------- */
 
 typedef struct writing {
   const ylm_grid *g;

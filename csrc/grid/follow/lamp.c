@@ -3,8 +3,7 @@
 
 #include <string.h>
 
-/* -- from sets of lights ------------------------------------------------------------------------
- */
+/* -- from sets of lights ---------------------------------------------------------------------- */
 
 static size_t shape_bytes(size_t rows) {
   return sizeof(lamp_shape) + rows * sizeof((lamp_shape *)0)->row[0];
@@ -71,8 +70,7 @@ void ylm__lamps_free(lamp_set *set) {
   *set = (lamp_set){0};
 }
 
-/* -- shapes that are kept -----------------------------------------------------------------------
- */
+/* -- shapes that are kept --------------------------------------------------------------------- */
 
 ylm_status ylm__lamp_keep(shape_list *list, lamp *l) {
   if (!l->shape) return YLM_OK;
@@ -107,8 +105,7 @@ void ylm__shapes_sweep(shape_list *list) {
   list->n = left;
 }
 
-/* -- comparisons --------------------------------------------------------------------------------
- */
+/* -- comparisons ------------------------------------------------------------------------------ */
 
 static int compare_shapes(const lamp_shape *a, const lamp_shape *b) {
   if (a == b) return 0;
@@ -148,8 +145,7 @@ bool ylm__lamps_alike(const lamp *a, const lamp *b) {
   return !a->shape || memcmp(a->shape->horizon, b->shape->horizon, sizeof a->shape->horizon) == 0;
 }
 
-/* -- where it is ----------------------------------------------------------------------------------
- */
+/* -- where it is ------------------------------------------------------------------------------ */
 
 void ylm__lamp_box(const lamp *l, double box[6]) {
   double reach = l->shape ? fmax(l->radius, l->shape->reach) : l->radius;
@@ -174,8 +170,7 @@ double ylm__lamp_flat_distance(const lamp *a, const lamp *b, const double p[3]) 
   return hypot(fmin(ha, hb), fmax(0, segment_distance(p, from, to) - a->shape->reach));
 }
 
-/* -- as a field -----------------------------------------------------------------------------------
- */
+/* -- as a field ------------------------------------------------------------------------------- */
 
 static ylm_status spheres_field(size_t n, const lamp *const *lamps, const double *strength,
                                 lamp_field *f) {

@@ -9,8 +9,8 @@
 #include <stdatomic.h>
 #include <string.h>
 
-/* Points of a chunk: the more there are, the more often a cell's data are used while in the cache.
- */
+/* Points of a chunk: the more there are, the more often a cell's data are used while in the
+   cache. */
 #define LEAST ((size_t)1024)
 #define MOST ((size_t)1 << 17)
 

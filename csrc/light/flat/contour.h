@@ -83,8 +83,8 @@ double ylm__rim_speed(const double *u, const double *v);
 /* Half a sphere's sums: YLM_EDOMAIN. */
 ylm_status ylm__contour_touched(const ylm__contour *k);
 
-/* Relative to the distance: nearer to its plane than this, a flat light is taken as seen edge-on.
- */
+/* Relative to the distance: nearer to its plane than this, a flat light is taken as seen
+   edge-on. */
 #define YLM__EDGE_ON 1e-15
 /* (lmax + 4) times its reach over its distance: smaller than this, a light is seen from far. */
 #define YLM__FAR 0.02

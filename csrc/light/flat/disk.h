@@ -3,9 +3,8 @@
 ** points.
 **
 ** On a rim y = c + u cos phi + v sin phi the normal of the great circle turns, so that its
-** components
-** times the moments of kernel.h are summed, at equal steps of phi, in each lane as many as
-** it needs.
+** components times the moments of kernel.h are summed, at equal steps of phi, in each lane as many
+** as it needs.
 */
 
 /* Nodes that are added at once. */

@@ -125,8 +125,8 @@ static void add_tile(const ylm_polygons *p, const ylm__merged *m, const work *k,
     add(p, m, k, lmax, YLM__M0, first, n, 4 + a, at);
 }
 
-/* Rows of results of channel c to the lanes' points: numbers `before` .. of sum [point][3][wide].
- */
+/* Rows of results of channel c to the lanes' points: numbers `before` .. of sum
+   [point][3][wide]. */
 static void put(const ylm__merged *m, const work *k, const ylm_light_rows *rows, size_t c,
                 size_t before, size_t wide, size_t points, double *sum) {
   size_t lanes = (size_t)m->kernel->lanes;

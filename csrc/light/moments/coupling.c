@@ -1,5 +1,6 @@
-/* coupling.c - integrals of two spherical harmonics of neighbouring degree and a direction cosine.
- */
+/*
+** coupling.c - integrals of two spherical harmonics of neighbouring degree and a direction cosine.
+*/
 #include "../light.h"
 
 #include <math.h>

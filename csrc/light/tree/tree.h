@@ -101,23 +101,20 @@ typedef struct ylm_light_tree {
 /* Fewer lights than this are never worth a tree, and 2^27 do not fit. */
 #define YLM__FEW 512
 
-/* -- build.c: cutting the lights into groups ----------------------------------------------------
- */
+/* -- build.c: cutting the lights into groups -------------------------------------------------- */
 
 /* A node while the tree is built: lights order[begin] .. order[end-1]. */
 typedef struct ylm__branch {
   uint32_t begin, end;
 } ylm__branch;
 
-/* -- proxy.c ------------------------------------------------------------------------------------
- */
+/* -- proxy.c ---------------------------------------------------------------------------------- */
 
 /* Fills place `k` of group `g`: centroid, reach, what the proxies miss, and the proxies, whose
    block it has. `order` names `n` lights. */
 void ylm__tree_node(ylm_light_tree *t, uint32_t g, int k, const uint32_t *order, size_t n);
 
-/* -- packets.c -----------------------------------------------------------------------------------
- */
+/* -- packets.c -------------------------------------------------------------------------------- */
 
 /* The order of points in packets, all of which but the last have YLM__PACKET points that lie
    together, and of packets in blocks. */
@@ -130,8 +127,7 @@ ylm_status ylm__packing_create(ylm_dtype type, size_t n, const void *points, siz
                                ylm__packing *out);
 void ylm__packing_free(ylm__packing *p);
 
-/* -- far.c ---------------------------------------------------------------------------------------
- */
+/* -- far.c ------------------------------------------------------------------------------------ */
 
 /*
 ** Points that lie together are a block, and far from all of it lights are summed at the nodes of a
@@ -152,8 +148,7 @@ void ylm__far_create(int lmax, const bool want[3], ylm__far *f);
 double ylm__far_nodes(const ylm__far *f, const bool want[3], const float half[3],
                       const float part[3], int n[3]);
 
-/* -- bound.c ------------------------------------------------------------------------------------
- */
+/* -- bound.c ---------------------------------------------------------------------------------- */
 
 /* The norms G_j of the j-th derivatives of a small light's coefficients at distance 1 for unit
    e r^2, over degrees 0 .. lmax: j = 0 .. 6. */

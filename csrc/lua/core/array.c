@@ -219,8 +219,8 @@ static int array_within(lua_State *L) {
   return 1;
 }
 
-/* distance(a, b) -> largest |a-b|, sqrt of the sum of squares of a-b, of b: for whole-array tests
- */
+/* distance(a, b) -> largest |a-b|, sqrt of the sum of squares of a-b, of b: for whole-array
+   tests */
 static int array_distance(lua_State *L) {
   ylmL_array *a = ylmL_array_check(L, 1), *b = ylmL_array_check(L, 2);
   if (a->count != b->count) return ylmL_result(L, 0, YLM_ESHAPE, NULL);

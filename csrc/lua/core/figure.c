@@ -32,8 +32,8 @@ static int shape_info(lua_State *L) {
   return 3;
 }
 
-/* reach(shape, directions [n][3], doubles) -> list of the largest products of points and directions
- */
+/* reach(shape, directions [n][3], doubles) -> list of the largest products of points and
+   directions */
 static int shape_reach(lua_State *L) {
   ylm_figure_shape *s = shape_at(L, 1);
   size_t n;

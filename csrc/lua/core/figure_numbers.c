@@ -1,5 +1,6 @@
-/* figure_numbers.c - arrays of numbers that pictures show: ranges, lengths, choices, colours.
- */
+/*
+** figure_numbers.c - arrays of numbers that pictures show: ranges, lengths, choices, colours.
+*/
 #include "../binding_figure.h"
 #include "ylm_image.h"
 

@@ -1,5 +1,6 @@
-/* grid.h - what the files that bind grids share, beside binding_grid.h. Private to csrc/lua.
- */
+/*
+** grid.h - what the files that bind grids share, beside binding_grid.h. Private to csrc/lua.
+*/
 #ifndef YLM_LUA_CORE_GRID_H
 #define YLM_LUA_CORE_GRID_H
 

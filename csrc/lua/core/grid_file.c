@@ -74,8 +74,7 @@ static int grid_file_look(lua_State *L) {
 }
 
 /* grid_accepted_damage(bytes) -> how many of all single-bit flips and truncations are accepted (0
- * is right)
- */
+   is right) */
 static int grid_accepted_damage(lua_State *L) {
   ylm_error e = {0};
   size_t size, accepted = 0;

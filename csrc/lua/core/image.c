@@ -15,8 +15,8 @@ static int image_new(lua_State *L) {
   return ylmL_result(L, 1, ylm_image_create(w, h, image, &e), &e);
 }
 
-/* image_add(image, name, channels) -> array [h][w][c]; made first, so that no layer stays without
- */
+/* image_add(image, name, channels) -> array [h][w][c]; made first, so that no layer stays
+   without */
 static int image_add(lua_State *L) {
   ylm_error e = {0};
   ylm_image *image = ylmL_image_check(L, 1);

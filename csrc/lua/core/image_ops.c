@@ -1,5 +1,6 @@
-/* image_ops.c - what is computed from images: metrics, resizing, drawing, colours, directions.
- */
+/*
+** image_ops.c - what is computed from images: metrics, resizing, drawing, colours, directions.
+*/
 #include "../binding.h"
 #include "ylm_image.h"
 
@@ -191,8 +192,8 @@ static int mapping_pixels(lua_State *L) {
   return ylmL_result(L, 2, ylm_mapping_pixels(m, up, w, h, d->data, a->data), NULL);
 }
 
-/* mapping_positions(mapping, up, width, height, directions [n][3] double) -> [n][2] double from 0
- */
+/* mapping_positions(mapping, up, width, height, directions [n][3] double) -> [n][2] double from
+   0 */
 static int mapping_positions(lua_State *L) {
   ylm_mapping m = (ylm_mapping)luaL_checkoption(L, 1, NULL, mappings);
   ylm_up up = (ylm_up)luaL_checkoption(L, 2, NULL, ups);

@@ -150,8 +150,8 @@ static ylm_isa check_isa(lua_State *L, int i) {
   return YLM_ISA_reference;
 }
 
-/* Calls the field, or lights by the kernels of a given instruction set (for specs and benchmarks).
- */
+/* Calls the field, or lights by the kernels of a given instruction set (for specs and
+   benchmarks). */
 static ylm_status call_field(lua_State *L, const ylm_field *f, const ylm_field_query *q, size_t n,
                              const void *points, ylm_field_result *r, ylm_error *e) {
   if (lua_isnil(L, ISA)) return f->evaluate(f, q, n, points, r, e);

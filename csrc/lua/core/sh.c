@@ -1,5 +1,6 @@
-/* sh.c - binds evaluation of spherical harmonics. Arguments come sorted from lua/ylm/sh/init.lua.
- */
+/*
+** sh.c - binds evaluation of spherical harmonics. Arguments come sorted from lua/ylm/sh/init.lua.
+*/
 #include "../binding.h"
 
 #include "ylm_sh.h"

@@ -58,8 +58,8 @@ static int shade_field(lua_State *L) {
   return ylmL_result_progress(L, 2, s, &e, &p);
 }
 
-/* shade_coefficients(view, first from 1, L [n][channels][count], threads, out [n][3] or nil) -> out
- */
+/* shade_coefficients(view, first from 1, L [n][channels][count], threads, out [n][3] or nil) ->
+   out */
 static int shade_coefficients(lua_State *L) {
   ylm_shade_view *v = ylmL_shade_view(L, 1);
   double first = (double)luaL_checknumber(L, 2);

@@ -80,8 +80,8 @@ static int shade_grid_again(lua_State *L) {
   return ylmL_result_progress(L, 5, s, &e, &p);
 }
 
-/* shade_draw_lamps(view, threads, image [h][w][3], at [n][3], radius [n], radiance [n][3]: double)
- */
+/* shade_draw_lamps(view, threads, image [h][w][3], at [n][3], radius [n], radiance [n][3]:
+   double) */
 static int shade_draw_lamps(lua_State *L) {
   ylm_shade_view *v = ylmL_shade_view(L, 1);
   const ylm_shade_options *o = ylm_shade_view_options(v);

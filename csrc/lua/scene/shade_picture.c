@@ -39,8 +39,8 @@ static int shade_resolve(lua_State *L) {
   return ylmL_result(L, 1, s, NULL);
 }
 
-/* shade_compose(view, colours [n][3], background {r, g, b}, threads, out [h][w][3] or nil) -> out
- */
+/* shade_compose(view, colours [n][3], background {r, g, b}, threads, out [h][w][3] or nil) ->
+   out */
 static int shade_compose(lua_State *L) {
   ylm_shade_view *v = ylmL_shade_view(L, 1);
   ylmL_array *colours = ylmL_array_check(L, 2);

@@ -1,5 +1,6 @@
-/* gaunt.c - integrals of three basis functions, and products by sums over those that are not zero.
- */
+/*
+** gaunt.c - integrals of three basis functions, and products by sums over those that are not zero.
+*/
 #include "ylm_sh.h"
 
 #include <math.h>

@@ -58,8 +58,8 @@ YLM_INLINE void FN(batch_orders)(const int N, int lmax, const T *legendre, int r
   }
 }
 
-/* Values of a node at N azimuths of the first quadrant and their mirror images; x: order 0 above.
- */
+/* Values of a node at N azimuths of the first quadrant and their mirror images; x: order 0
+   above. */
 YLM_INLINE void FN(batch_points)(const int N, int lmax, const T *cosines, const T *sines,
                                  const T *x, int ring, T *value, bool multiply) {
   V ce[2][AZIMUTHS], co[2][AZIMUTHS], se[2][AZIMUTHS], so[2][AZIMUTHS];

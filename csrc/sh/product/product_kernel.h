@@ -6,8 +6,7 @@
 #undef E
 #undef GAUNT
 
-/* -- one product by dense tables ------------------------------------------------------------------
- */
+/* -- one product by dense tables -------------------------------------------------------------- */
 
 /* The points of N vectors from v: each factor's even and odd part, the product at both points of a
  * pair. */

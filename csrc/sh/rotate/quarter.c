@@ -2,14 +2,12 @@
 ** quarter.c - the quarter turn about x in every degree, from whole numbers.
 **
 ** |J_qm| = g 2^-l sqrt(C(N, x) / C(N, k)) |K_k(x)|, N = 2l, k = l-|q|, x = l-|m|, with Krawtchouk's
-** polynomials
-** sum_k K_k(x) z^k = (1 - z)^x (1 + z)^(N-x); g = 2, sqrt 2 where one of q, m is 0, 1 where both
-** are.
+** polynomials sum_k K_k(x) z^k = (1 - z)^x (1 + z)^(N-x); g = 2, sqrt 2 where one of q, m is 0, 1
+** where both are.
 **
 ** K is made of sums and differences of whole numbers below 2^252. So zeros are zeros, rational
-** entries exact, and the
-** others within 0.51 units in the last place where long double has 64 bits or more; the recurrence
-** of ylm_sh_rotation_reference loses a digit every eight degrees above 40.
+** entries exact, and the others within 0.51 units in the last place where long double has 64 bits
+** or more; the recurrence of ylm_sh_rotation_reference loses a digit every eight degrees above 40.
 **
 ** Source  Koornwinder 1982 (Krawtchouk polynomials as elements of SU(2)'s representations);
 ** docs/math.md "Rotation"
@@ -21,8 +19,7 @@
 
 #include "rotate.h"
 
-/* -- whole numbers of 256 bits ------------------------------------------------------------------
- */
+/* -- whole numbers of 256 bits ---------------------------------------------------------------- */
 
 __extension__ typedef unsigned __int128 word;
 
@@ -45,8 +42,7 @@ static long double value(wide a) {
   return negative ? -x : x;
 }
 
-/* -- one degree ---------------------------------------------------------------------------------
- */
+/* -- one degree ------------------------------------------------------------------------------- */
 
 /* Row n+1 of Pascal's triangle from row n, entries 0 .. last. */
 static void pascal(int last, wide *row) {

@@ -30,8 +30,7 @@ static void angles_of(const double r[9], ylm__angles *a) {
   *a = (ylm__angles){{-ca, -cb, cc}, {-sa, -sb, sc}, TURN_GENERAL};
 }
 
-/* -- blocks ---------------------------------------------------------------------------------------
- */
+/* -- blocks ----------------------------------------------------------------------------------- */
 
 struct ylm_sh_rotation {
   int lmax;
@@ -194,11 +193,10 @@ ylm_status ylm_sh_rotation_block(const ylm_sh_rotation *r, int l, double *out) {
   return YLM_OK;
 }
 
-/* -- applying -------------------------------------------------------------------------------------
- */
+/* -- applying --------------------------------------------------------------------------------- */
 
-/* The plain form, for the reference set and processors without vectors: every degree has its block.
- */
+/* The plain form, for the reference set and processors without vectors: every degree has its
+   block. */
 static void apply_plain(const ylm_sh_rotation *r, int lmax, size_t rows, const void *in,
                         void *out) {
   size_t count = ylm_sh_count(lmax);

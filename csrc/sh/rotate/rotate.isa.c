@@ -1,5 +1,6 @@
-/* rotate.isa.c - rotation kernels: one vector by z-turns between quarter turns, batches by blocks.
- */
+/*
+** rotate.isa.c - rotation kernels: one vector by z-turns between quarter turns, batches by blocks.
+*/
 #include "ylm_sh.h"
 
 #include "rotate.h"

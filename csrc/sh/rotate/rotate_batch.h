@@ -2,14 +2,13 @@
 ** rotate_batch.h - kernels of rotate.isa.c for batches, one element type; included twice.
 **
 ** Low degrees: the rotation's blocks times four rows at a time. Higher degrees, where a block has
-** four times the numbers
-** of a quarter turn: TILE rows at once, lanes are rows, Z(a) J Z(b) J Z(c) degree by degree.
+** four times the numbers of a quarter turn: TILE rows at once, lanes are rows, Z(a) J Z(b) J Z(c)
+** degree by degree.
 */
 
 #include "../eval/transpose.h"
 
-/* -- degrees by their blocks ----------------------------------------------------------------------
- */
+/* -- degrees by their blocks ------------------------------------------------------------------ */
 
 /* R vectors of degree l, a constant, of K whole 64 byte vectors: out[r] = block in[r]. */
 YLM_INLINE void FN(block)(const int R, const int l, const int K, const T *b, const T *const *in,

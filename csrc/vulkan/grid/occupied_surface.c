@@ -1,5 +1,6 @@
-/* occupied_surface.c - voxels that surfaces meet: the processor finds them, a device gets the bits.
- */
+/*
+** occupied_surface.c - voxels that surfaces meet: the processor finds them, a device gets the bits.
+*/
 #include "occupied.h"
 
 /* A level's bits to the device; takes them. */

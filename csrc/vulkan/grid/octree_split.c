@@ -101,8 +101,8 @@ static ylm_status cross_any(octree *t, int level) {
   return s;
 }
 
-/* Only children of crossed voxels are asked about: a surface that meets a child meets its parent.
- */
+/* Only children of crossed voxels are asked about: a surface that meets a child meets its
+   parent. */
 static ylm_status cross(octree *t, int level) {
   if (!t->asks || !ylm__lights_pairs(t->l)) return YLM_OK;
   if (!ylm_gpu_about(t->g)->float64 || t->l->rims.objects) return cross_any(t, level);

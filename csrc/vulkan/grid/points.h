@@ -16,8 +16,8 @@ typedef struct gpu_points {
   ylm_gpu *g;
   ylm_gpu_lights *l;
   const ylm_grid *grid; /* in the making */
-  /* What it is baked from, and its shading points where they are in the device's memory: remote.c
-   */
+  /* What it is baked from, and its shading points where they are in the device's memory:
+     remote.c */
   const ylm_grid_source *source;
   ylm_gpu_buffer *there;
   ylm_error *e;

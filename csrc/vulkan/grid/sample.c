@@ -38,8 +38,8 @@ static bool narrows(const sampling *m) {
 /* Numbers of a result at each point. */
 static size_t width_of(const sampling *m) { return m->shade ? 3 : m->k->width; }
 
-/* Copies rows at .. at+n-1 of an array of the host's to a buffer; others are used where they are.
- */
+/* Copies rows at .. at+n-1 of an array of the host's to a buffer; others are used where they
+   are. */
 static ylm_status bring(const sampling *m, const ylm_gpu_input *in, size_t at, size_t n,
                         size_t bytes, ylm_gpu_buffer **room, ylm_error *e) {
   if (!in->host) return YLM_OK;

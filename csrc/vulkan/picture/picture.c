@@ -1,5 +1,6 @@
-/* picture.c - pictures from the radiance of shading points: filtering into pixels, lamps over them.
- */
+/*
+** picture.c - pictures from the radiance of shading points: filtering into pixels, lamps over them.
+*/
 #include "picture.h"
 
 #include <string.h>
