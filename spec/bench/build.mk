@@ -23,16 +23,28 @@ $(BUILD)/check/spec/fuzz/%.o: CFLAGS_check = -Ispec/fuzz/support $(call pkg,--cf
 bench-check: $(patsubst $(BUILD)/bench/%,$(BUILD)/check/spec/bench/%.o,$(BENCHES))
 .PHONY: bench-check
 
-bench: $(BENCHES) all   ## measure: peaks of this machine, then kernels, grids, rays, plots into out/bench (PEER=prefix compares; BENCH=quick or names)
+# Tables go into BENCH_DOCS/NAME.md, from which docs/performance.md is written; BENCH_DOCS= writes none, and so does BENCH=quick.
+BENCH_DOCS  ?= docs/bench
+bench_keep   = BENCH_DOCS='$(if $(filter quick,$(BENCH)),,$(BENCH_DOCS))' CC='$(CC)'
+# Benches in Lua that are run by name: make bench BENCH="moving memory".
+BENCHES_LUA := $(filter-out calls scaling lamps vulkan_%,$(patsubst spec/bench/%.lua,%,$(wildcard spec/bench/*.lua)))
+
+bench: $(BENCHES) all   ## measure: peaks of this machine, kernels, grids, rays: tables into docs/bench, plots into out/bench (PEER=prefix compares; BENCH=quick or names)
 	@for b in $(filter %/peak,$(BENCHES)) $(filter-out %/peak,$(BENCHES)); do \
-	  case " $(or $(benches),$(filter-out many_lights accuracy,$(notdir $(BENCHES)))) " in *" $${b##*/} "*) BENCH=$(filter quick,$(BENCH)) PEER=$(PEER) $$b || exit 1; echo;; esac; done
+	  case " $(or $(benches),$(filter-out many_lights accuracy,$(notdir $(BENCHES)))) " in *" $${b##*/} "*) \
+	    $(bench_keep) BENCH_SAYS="make bench BENCH=$${b##*/}$(if $(PEER), PEER=prefix)" BENCH=$(filter quick,$(BENCH)) PEER=$(PEER) \
+	    spec/bench/record $${b##*/} $$b || exit 1; echo;; esac; done
+	@for b in $(filter $(BENCHES_LUA),$(benches)); do \
+	  $(bench_keep) BENCH_SAYS="make bench BENCH=$$b" spec/bench/record $$b $(BUILD)/ylm run spec/bench/$$b.lua || exit 1; done
 	@case " $(or $(benches),calls) " in *" calls "*) for l in luajit lua5.4; do if command -v $$l >/dev/null; then \
-	  YLM_LUA=$$l $(BUILD)/ylm run spec/bench/calls.lua || exit 1; fi; done;; esac
+	  $(bench_keep) BENCH_SAYS="make bench BENCH=calls" YLM_LUA=$$l spec/bench/record calls_$$l $(BUILD)/ylm run spec/bench/calls.lua \
+	  || exit 1; fi; done;; esac
 	@case " $(or $(benches),scaling) " in *" scaling "*) BENCH=$(filter quick,$(BENCH)) $(BUILD)/ylm run spec/bench/scaling.lua $(OUT)/bench;; esac
 
 # spec/bench/vulkan_*.lua run over every device that Vulkan offers.
 BENCH_LUA ?= $(lastword $(LUAS))
 bench-vulkan: all   ## measure every Vulkan device: ns per pair beside its peaks and the paper's milliseconds
-	@for b in $(sort $(wildcard spec/bench/vulkan*.lua)); do LUA_PATH='lua/?.lua;lua/?/init.lua;./?.lua;;' \
-	  LUA_CPATH='$(BUILD)/$(patsubst luajit,lua5.1,$(BENCH_LUA))/?.so;;' $(BENCH_LUA) $$b || exit 1; done
+	@for b in $(sort $(wildcard spec/bench/vulkan*.lua)); do n=$${b##*/}; $(bench_keep) BENCH_SAYS="make bench-vulkan" \
+	  LUA_PATH='lua/?.lua;lua/?/init.lua;./?.lua;;' LUA_CPATH='$(BUILD)/$(patsubst luajit,lua5.1,$(BENCH_LUA))/?.so;;' \
+	  spec/bench/record $${n%.lua} $(BENCH_LUA) $$b || exit 1; done
 .PHONY: bench-vulkan
