@@ -189,7 +189,7 @@ install: all   ## install libraries, headers, Lua files and the tool (PREFIX, DE
 	sed -e 's|@ROOT@||; s|@LUA@|$(PREFIX)/share/lua/$$v|g; s|@C@|$(PREFIX)/lib/lua/$$v|' lua/ylm/cli/ylm.in > $(D)/bin/ylm
 	chmod 755 $(D)/bin/ylm
 
-# What rockspec/ylm-scm-1.rockspec calls, with LuaRocks' LUADIR, LIBDIR and BINDIR.
+# Called by rockspec/ylm-scm-1.rockspec with LuaRocks' LUADIR, LIBDIR and BINDIR.
 rock: all
 	cd lua && find ylm -name '*.lua' -exec $(INSTALL) -D -m 644 {} $(LUADIR)/{} \;
 	$(INSTALL) -d $(LIBDIR)/ylm/c $(BINDIR)

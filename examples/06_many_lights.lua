@@ -9,7 +9,7 @@ local common = dofile((arg[0]:match "^(.*/)" or "./") .. "common.lua")
 
 local options = common.options { out = "out", count = 30000, most = 100000 }
 
---- The same numbers in 0 .. 1 on every machine (Lehmer).
+--- Random numbers in 0 .. 1, equal on every machine (Lehmer).
 local state = 12345
 local function random()
   state = state * 48271 % 2147483647

@@ -1,4 +1,4 @@
---- What the examples share: options, tables, searches, slopes. Loaded with dofile, no part of ylm.
+--- Functions that the examples share: options, tables, searches, slopes. Loaded with dofile, no part of ylm.
 
 local common = {}
 
@@ -137,7 +137,7 @@ function common.error_values(difference)
   return rows
 end
 
---- What a light-point pair with the Hessian metric costs beside one with a gradient (RGB, lmax 4): measured by
+--- The cost of a light-point pair with the Hessian metric relative to one with a gradient (RGB, lmax 4): measured by
 -- `make bench`, see docs/performance.md.
 common.hessian_cost = 1.2
 

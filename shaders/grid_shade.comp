@@ -41,7 +41,7 @@ void load(uint k, uint begin, uint tile) {
   }
 }
 
-/* The same without shared memory, row by row of the cell's corners. */
+/* A point's radiance without shared memory, row by row of the cell's corners. */
 vec3 directly(uint k, vec4 w[FOURS], uint at) {
   vec3 sum = vec3(0.0);
   for (uint r = 0; r < FOURS * 4; r++) {

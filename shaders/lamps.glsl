@@ -67,7 +67,7 @@ real difference(real d2, real r2, real lost) {
 }
 
 /*
-** What a flat light's sphere is multiplied by: |cos gamma| (Mezieres et al. 2022, Eqs. 24-28) as a jet by the light's
+** The factor of a flat light's sphere: |cos gamma| (Mezieres et al. 2022, Eqs. 24-28) as a jet by the light's
 ** position, 1 for spheres (`plain`) and in lights. w: the light's direction; id: 1/d; in a light 0.
 */
 void cosine(rvec3 normal, real plain, rvec3 w, real id, inout real jet[10]) {

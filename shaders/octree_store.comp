@@ -1,5 +1,5 @@
 /*
-** What the lights' sums give at points, in the order in which a grid keeps it. Sums were asked for at the nearest
+** Results of the lights' sums at points, in the order in which a grid keeps them. Sums were asked for at the nearest
 ** float positions; the gradient carries the value to the lattice. A point's ratio is what a cell's metric is the mean
 ** of; -1: in a light.
 */

@@ -4,8 +4,8 @@
 **
 ** A group has one point, one chunk of arcs and one slice of at most 64 harmonics, a sum of each kind and axis an invocation.
 ** Rounds: 32 invocations find an arc each; all find a node of these each; 16 nodes at a time, harmonics go through shared
-** memory to those who sum them. A rim that is too near for equal steps comes in panels, one a round. What a
-** horizon cuts adds to Hessians in rounds of their own.
+** memory to the invocations that sum them. A rim that is too near for equal steps comes in panels, one a round. Ends
+** that a horizon cuts add to Hessians in rounds of their own.
 */
 #version 450
 #extension GL_GOOGLE_include_directive : require

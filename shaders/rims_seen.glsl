@@ -74,7 +74,7 @@ double solid(rvec3 a, rvec3 b, rvec3 c) {
   return z.im < 0 ? -2 * argument(z.re, -z.im) : 2 * argument(z.re, z.im);
 }
 
-/* What the Hessian owes to a horizon that cuts the rim at y, where it runs along dy. */
+/* The Hessian's term for a horizon that cuts the rim at y, where it runs along dy. */
 uint put_cut(rvec3 y, rvec3 dy, rvec3 up, double weight, uint t) {
   double rho = sqrt(dot(y, y)), speed = dot(dy, up);
   if (speed == 0) return 0;

@@ -35,7 +35,7 @@ rvec2 pair(int l, int q) { return rvec2(value[place(l, q)], q > 0 ? value[place(
 /* The value over |v| of degree l, order m; 0 beyond the degree. */
 real p(int l, int m) { return abs(m) <= l ? value[place(l, m)] * inverse : REAL(0); }
 
-/* The same with sines at order q > 0 only: s(l, 0) = 0. */
+/* p of the sine of order q > 0; s(l, 0) = 0. */
 real ps(int l, int q) { return q > 0 ? p(l, -q) : REAL(0); }
 
 /* The solid harmonic's gradient over |v|, from that of Y. */

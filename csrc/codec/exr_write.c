@@ -25,7 +25,7 @@ static void channel_name(const ylm_image *image, int layer, int channel, char na
 }
 
 /* While a file is written the library may hold the lock that exr_get_user_data takes: asking for
-   the stream from here would wait for ever. What went wrong with the file is known to the file. */
+   the stream from here would wait for ever. The file itself knows its error. */
 static void on_write_error(exr_const_context_t c, exr_result_t code, const char *text) {
   (void)c, (void)code, (void)text;
 }

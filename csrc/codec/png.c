@@ -5,7 +5,7 @@
 #include <setjmp.h>
 #include <string.h>
 
-/* What libpng's callbacks share with us. */
+/* State that libpng's callbacks share with the caller. */
 typedef struct state {
   const unsigned char *bytes;
   size_t size, at;

@@ -15,7 +15,7 @@
 extern "C" {
 #endif
 
-/* What a writer may be told; zeros are the defaults. */
+/* Options of a writer; zeros are the defaults. */
 typedef struct ylm_codec_options {
   int bits;          /* exr: 16 (half) or 32 (default); png: 8 (default) or 16 */
   ylm_tone tone;     /* png: the curve; default srgb */
@@ -46,10 +46,10 @@ typedef enum ylm_codec_kind {
   YLM_CODEC_PFM
 } ylm_codec_kind;
 
-/* What the first bytes say. */
+/* The format, by the first bytes. */
 YLM_API ylm_codec_kind ylm_codec_recognise(const unsigned char *bytes, size_t size);
 
-/* What a reader may be told; zeros are the defaults. */
+/* Options of a reader; zeros are the defaults. */
 typedef struct ylm_codec_input {
   bool raw; /* png: k/255 or k/65535 as they stand, not decoded from sRGB */
   uint64_t
@@ -66,7 +66,7 @@ typedef struct ylm_codec_input {
 */
 YLM_API ylm_status ylm_codec_parse(const unsigned char *bytes, size_t size, const char *name,
                                    const ylm_codec_input *input, ylm_image **image, ylm_error *e);
-/* The same from a file; errors of ylm_file_read too. */
+/* ylm_codec_parse from a file; errors of ylm_file_read too. */
 YLM_API ylm_status ylm_codec_read(const char *path, const ylm_codec_input *input, ylm_image **image,
                                   ylm_error *e);
 

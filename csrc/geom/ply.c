@@ -12,8 +12,7 @@ typedef enum type { INT8, UINT8, INT16, UINT16, INT32, UINT32, FLOAT32, FLOAT64,
 
 static const size_t type_size[] = {1, 1, 2, 2, 4, 4, 4, 8};
 
-/* What a property becomes: a slot 0 .. 7 of a vertex (x y z nx ny nz u v), a face's list,
-   nothing. */
+/* Targets of a property: a slot 0 .. 7 of a vertex (x y z nx ny nz u v), a face's list, nothing. */
 enum { SLOTS = 8, FACE_LIST = 8, NOTHING = 9 };
 
 typedef struct property {

@@ -91,7 +91,7 @@ void ylm_colourmap_at(ylm_colourmap map, double t, float rgb[3]) {
   }
 }
 
-/* What a pixel counts as. */
+/* The number that stands for a pixel: luminance, or its only channel. */
 static double measure(const float *p, int channels) {
   return channels >= 3 ? 0.2126 * p[0] + 0.7152 * p[1] + 0.0722 * p[2] : p[0];
 }

@@ -123,7 +123,7 @@ static void make_window(double window[2 * RADIUS + 1]) {
 
 /* -- both -------------------------------------------------------------------------------- */
 
-/* The same layer of both images, of one size and number of channels. */
+/* One layer of both images, checked: equal sizes and numbers of channels. */
 static ylm_status match(const ylm_image *a, const ylm_image *b, const char *name,
                         const ylm_layer **la, const ylm_layer **lb, ylm_error *e) {
   *la = ylm_image_find(a, name);

@@ -93,7 +93,7 @@ YLM_API ylm_status ylm_image_fill(ylm_image *image, const char *layer, int x, in
 ** ylm_image_write_text - ASCII text in a built-in 5 x 7 font.
 **
 ** (x, y) is the top left corner; a character cell is 6*scale by 9*scale pixels; '\n' begins a new
-** line; other characters than printable ASCII become boxes. What leaves the image is cut off.
+** line; other characters than printable ASCII become boxes. Parts outside the image are cut off.
 */
 YLM_API ylm_status ylm_image_write_text(ylm_image *image, const char *layer, int x, int y,
                                         int scale, const char *text, const float *colour,

@@ -19,7 +19,7 @@ static bool is_packed(ylm_sh_system s) {
   return s == YLM_SH_SYSTEM_unity || s == YLM_SH_SYSTEM_threejs || s == YLM_SH_SYSTEM_filament;
 }
 
-/* What is meant: 0 radiance, 1 irradiance, 2 irradiance over pi. */
+/* The quantity: 0 radiance, 1 irradiance, 2 irradiance over pi. */
 static int quantity(uint32_t c) {
   ylm_sh_system s = ylm_sh_convention_system(c);
   if (s == YLM_SH_SYSTEM_unity || s == YLM_SH_SYSTEM_filament) return 2;
@@ -225,7 +225,7 @@ static int axes_matrix(uint32_t convention, double a[9]) {
   return (swapped + negatives) & 1 ? -1 : 1;
 }
 
-/* What takes functions in the axes of `from` to those of `to`: a rotation, or minus one. */
+/* The matrix from functions in the axes of `from` to those of `to`: a rotation, or minus one. */
 static bool change_of_axes(uint32_t from, uint32_t to, double r[9], bool *mirrored) {
   if (ylm_sh_convention_axes(from) == ylm_sh_convention_axes(to)) return false;
   double f[9], t[9];

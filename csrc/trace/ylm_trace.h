@@ -43,7 +43,7 @@ typedef struct ylm_trace_ray {
   uint32_t internal[3];
 } __attribute__((aligned(16), may_alias)) ylm_trace_ray;
 
-/* What a ray hit first. */
+/* The first hit of a ray. */
 typedef struct ylm_trace_hit {
   int32_t mesh;     /* index of the mesh, YLM_TRACE_NOTHING or YLM_TRACE_LAMP */
   uint32_t element; /* the triangle in its mesh, or the lamp */

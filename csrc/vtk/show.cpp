@@ -21,7 +21,7 @@
 using ylm::guarded;
 template <class T> using Ptr = vtkSmartPointer<T>;
 
-// What a key press needs.
+// State for key presses.
 struct Picking {
   vtkRenderer *renderer;
   vtkTextActor *words;

@@ -220,7 +220,7 @@ public:
   }
 
 private:
-  // What the server says within ten seconds, up to the end of the line.
+  // The server's answer within ten seconds, up to the end of the line.
   static std::string read_line(int fd) {
     std::string line;
     pollfd wait = {fd, POLLIN, 0};

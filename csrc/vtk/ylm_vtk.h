@@ -131,7 +131,7 @@ YLM_API ylm_status ylm_vtk_save_png(const char *path, const ylm_figure_canvas *c
 /* A .png file as a canvas. */
 YLM_API ylm_status ylm_vtk_load_png(const char *path, ylm_figure_canvas *c, ylm_error *e);
 
-/* What VTK's own reader finds in a .vtu, .vtp or .vti file: counts, bounds, and for each array
+/* Reads a .vtu, .vtp or .vti file by VTK's own reader and lists counts, bounds, and for each array
    its name, components and range, as text lines. For checks. */
 YLM_API ylm_status ylm_vtk_describe(const char *path, char **text, ylm_error *e);
 

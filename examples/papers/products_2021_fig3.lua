@@ -4,9 +4,9 @@
 --
 -- "Fourier" is the paper's method, "Gaunt" the traditional one, "quadrature" ours. One thread, float,
 -- microseconds per product, in batches of about 4000/n^2; the paper's speed-ups over the traditional method are
--- 3.0, 9.9 and 21.7 at n = 10, 15 and 20 on its processor. Those printed here are less, because "Gaunt" is twice as
--- fast as a list of integrals; against such a list it is 3.2, 11.6 and 22.6 (make bench BENCH=products). "with FFTW" is
--- the paper's method built on FFTW, measured on another day on the processor that docs/performance.md names.
+-- 3.0, 9.9 and 21.7 at n = 10, 15 and 20 on its processor. The speed-ups printed here are less, because "Gaunt" is twice
+-- as fast as a list of integrals; against such a list they are 3.2, 11.6 and 22.6 (make bench BENCH=products). "with FFTW"
+-- is the paper's method built on FFTW, measured on another day on the processor that docs/performance.md names.
 
 local ylm = require "ylm"
 local common = dofile((arg[0]:match "^(.*/)" or "./") .. "../common.lua")

@@ -24,7 +24,7 @@ for row = 0, 2 do
   end
 end
 
---- What stands in both rooms, about their middle x.
+--- Bodies that stand in both rooms, about their middle x.
 local function furniture(x)
   return {
     box { bounds = { { x - 1.1, 0, -1.4 }, { x - 0.4, 0.7, -0.7 } }, divide = 24, material = brick },

@@ -268,7 +268,7 @@ end
 -- Numbers are read and written without memory, and often.
 memory.publish(methods, { get = true, set = true, pointer = true, close = true })
 
--- What the other modules use ---------------------------------------------------------
+-- For the other modules --------------------------------------------------------------
 
 --- Argument `n` of `name` as an array whose last axis has `width` numbers (nil: any).
 -- Tables become arrays of `dtype` (default double). Returns the array and whether it was one row.

@@ -15,8 +15,8 @@
 
 local reference = { entries = {}, names = {}, objects = {} }
 
---- What was described, a function or an object -> in which file: one that is loaded again, because memory ran out at first,
--- describes its own again.
+--- A described function or object -> its file: a file that is loaded again, because memory ran out at first, describes its
+-- own again.
 local described_in = {}
 
 local function once(what)

@@ -12,7 +12,7 @@ local figure = {}
 
 local LEAST_FONT = 11 -- pixels, where nobody says
 
--- What an item shows ---------------------------------------------------------------
+-- Contents of an item --------------------------------------------------------------
 
 local function canvas_of_array(what, a, fail)
   local shape, _, _, open = core.array_info(a)

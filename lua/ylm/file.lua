@@ -10,7 +10,7 @@ local memory = require "ylm.memory"
 local file = {}
 local methods = core.metatable "ylm.array"
 
---- What a file is, by its first bytes; nil, message, code where it cannot be read.
+--- The kind of a file, by its first bytes; nil, message, code where it cannot be read.
 function file.kind_of(path)
   local head, message, code = core.file_head(path)
   if not head then return nil, message, code end

@@ -228,7 +228,7 @@ local function checked(fields, given, fail)
   return values
 end
 
---- The same for fields of fields: form.check(fields, given, fail).
+--- Checks a table that is a field of another: form.check(fields, given, fail).
 form.check = checked
 
 --- The module that a source file of ylm is: "light" (ylm/light/init.lua), "light.polygon" (ylm/light/polygon.lua).

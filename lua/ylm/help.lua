@@ -1,4 +1,4 @@
---- What ylm exports, in words: for `ylm help`, the generated documentation and the specs that walk it.
+--- The exports of ylm, in words: for `ylm help`, the generated documentation and the specs that walk it.
 
 local check = require "ylm.check"
 local form = require "ylm.form"
@@ -6,7 +6,7 @@ local reference = require "ylm.describe"
 
 local help = {}
 
--- What there is -------------------------------------------------------------------
+-- Names ---------------------------------------------------------------------------
 
 local function sorted(set)
   local list = {}
@@ -183,15 +183,15 @@ function help.text(word)
   return table.concat(out, "\n")
 end
 
---- What a name's text says first.
+--- The first sentence of a name's text.
 local function first_sentence(name)
   local entry = form.defined[name] or reference.entries[name]
   local about = entry and entry.about or ""
   return about:match("^(.-%.)%s") or about
 end
 
---- What speaks of `word`, upper and lower case alike: two lists of { name, first sentence }, of names that hold it
--- and of other names whose text does.
+--- Names that hold `word` and names whose text alone does, upper and lower case alike: two lists of
+-- { name, first sentence }.
 function help.find(word)
   local in_names, in_texts = {}, {}
   word = word:lower()

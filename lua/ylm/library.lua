@@ -4,7 +4,7 @@ local memory = require "ylm.memory"
 
 local library = {}
 
---- What a dynamic loader says where memory runs out.
+--- Messages of dynamic loaders where memory runs out.
 local exhausted = { "not enough memory", "[Cc]annot allocate memory", "failed to map", "cannot map", "out of memory",
   "cannot create shared object descriptor" }
 

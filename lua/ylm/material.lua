@@ -13,7 +13,7 @@ material.matte = form.define("matte", {
   example = "matte { albedo = { 0.63, 0.06, 0.05 } }",
 })
 
---- What geometry without a material is made of.
+--- The material of geometry that names none.
 material.default = material.matte {}
 
 return material

@@ -31,7 +31,7 @@ local function results(ok, ...)
   error((...), 0)
 end
 
---- What pcall returned, unless memory ran out: that goes on.
+--- Results of pcall, unless memory ran out: that error goes on.
 local function others(ok, ...)
   if not ok and memory.message((...)) then error((...), 0) end
   return ok, ...
@@ -51,7 +51,7 @@ local function leave(...)
   return results(...)
 end
 
---- What was made by memory.public.
+--- Functions that memory.public made.
 local made = setmetatable({}, { __mode = "k" })
 
 --- `f` as users call it.

@@ -97,12 +97,12 @@ function progress.leave()
   unended = nil
 end
 
---- What shows progress on stderr: a bar that moves on a terminal, else lines for a log.
+--- A function that shows progress on stderr: a bar that moves on a terminal, else lines for a log.
 function progress.shown()
   return core.is_terminal() and progress.bar() or progress.log()
 end
 
---- What a `progress` option means: true becomes a bar, a function stays, nil and false are nothing.
+--- The meaning of a `progress` option: true becomes a bar, a function stays, nil and false are nothing.
 function progress.resolve(value)
   if value == true then return progress.shown() end
   return value or nil

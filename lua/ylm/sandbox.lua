@@ -1,10 +1,10 @@
 --- Runs scene files, which may come from strangers.
 --
--- What a file can reach: the constructors (every form), math, a few functions
--- on tables. What it cannot: files (but by name, inside its folder), strings'
+-- A file can reach the constructors (every form), math, a few functions
+-- on tables. It cannot reach files (but by name, inside its folder), strings'
 -- methods, metatables, coroutines, pcall, load, debug, the objects that
 -- constructors build (it holds opaque stand-ins for them).
--- What bounds it: instructions, processor time, memory, described sizes.
+-- Its instructions, processor time, memory and described sizes are bounded.
 -- The bounds on instructions and memory are C's: csrc/lua/core/sandbox.c.
 
 local check = require "ylm.check"

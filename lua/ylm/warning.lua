@@ -17,7 +17,7 @@ local function to_nobody() end
 
 local quiet = os.getenv "YLM_WARNINGS" == "no"
 
---- What is done where nothing is chosen.
+--- The action where the caller has chosen none.
 local function standard(message)
   if not quiet then to_stderr(message) end
 end

@@ -149,7 +149,7 @@ static double error(const double *truth, const double *got, ylm_dtype t, size_t 
   return difference == 0 ? 0 : sqrt(difference / norm);
 }
 
-/* What is judged: a kernel set and type, with the worst errors so far in parts of the bound. */
+/* A kernel set and type under judgement, with the worst errors so far relative to the bound. */
 typedef struct candidate {
   ylm_isa isa;
   ylm_dtype t;

@@ -1,4 +1,4 @@
--- What Lua adds to a call of ylm.sh: nanoseconds of single vectors (arguments checked, results allocated) beside batches
+-- The time that Lua adds to a call of ylm.sh: nanoseconds of single vectors (arguments checked, results allocated) beside batches
 -- of 1000 by vector, whose arithmetic is the same. Run by `make bench` for every Lua that was built.
 
 local ylm = require "ylm"

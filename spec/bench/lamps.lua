@@ -1,4 +1,4 @@
---- What the benchmarks of Vulkan share: random numbers in 0 .. 1 that are the same everywhere, and lamps by them.
+--- Tools of the benchmarks of Vulkan: random numbers in 0 .. 1, equal on every machine, and lamps by them.
 
 local ylm = require "ylm"
 

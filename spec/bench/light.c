@@ -17,7 +17,7 @@ typedef struct job {
   ylm_field_result r;
 } job;
 
-/* What is asked for: its name, and the query. */
+/* A query and its name. */
 typedef struct form {
   const char *name;
   int channels, want;
@@ -123,8 +123,8 @@ static double process_cpu(void) {
   return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
-/* What all threads bring, for some forms: by wall time, and by what the threads' processor time
-   would allow, which others on the machine do not spoil as much. */
+/* The gain of all threads, for some forms: by wall time, and by the threads' processor time, which
+   other processes on the machine disturb less. */
 static void threads(job *j) {
   int all = ylm_threads(0);
   printf("\n%d threads over one, 2048 points: by wall time (by processor time), least of several\n",

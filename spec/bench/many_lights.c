@@ -105,7 +105,7 @@ static double *places(int set, size_t n) {
 
 /* -- errors ------------------------------------------------------------------------------------ */
 
-/* What is asked for, with what error is looked at: each with nothing stricter beside it. */
+/* A query with the error that is measured: each is asked for with nothing stricter beside it. */
 enum { VALUE, GRADIENT, BAKE, HESSIAN, FORMS };
 static const int wants[FORMS] = {YLM_WANT_VALUE, YLM_WANT_VALUE | YLM_WANT_GRADIENT,
                                  YLM_WANT_VALUE | YLM_WANT_GRADIENT | YLM_WANT_METRIC,

@@ -32,7 +32,7 @@ static void raw_rays(void *context) {
   }
 }
 
-/* The same rays through csrc/trace. */
+/* All rays through csrc/trace. */
 static void our_rays(void *context) {
   job *j = context;
   memcpy(j->copy, j->ray, RAYS * sizeof *j->copy);

@@ -74,7 +74,7 @@ local function row(name, stages)
   print(("%-28.28s %s %9.2f %9.1f"):format(name, table.concat(cells, " "), rest * 1e3, stages.all * 1e3))
 end
 
---- What travels in a bake, and before points that are on the device are sampled there.
+--- The traffic of a bake, and of the first sampling of points that are on the device.
 local function traffic(gpu, form, lights)
   local points = gpu:array(occupied)
   local before = gpu.stats

@@ -41,7 +41,7 @@ static bool all_between(ylm_isa isa, ylm_dtype t, size_t n, const void *p, doubl
   }
 }
 
-/* What is wrong with point i, if anything. */
+/* The error of point i, if it has one. */
 static ylm_status check_point(ylm_dtype t, const void *p, size_t i, int lmax, double least,
                               double most, ylm_error *e) {
   double x = ylm_get(t, p, 3 * i), y = ylm_get(t, p, 3 * i + 1), z = ylm_get(t, p, 3 * i + 2);

@@ -38,7 +38,7 @@ double ylm__product_sine(int m, int j, int azimuths) {
   return sin(m * (j + 0.5) * (2 * 3.14159265358979323846 / azimuths));
 }
 
-/* What is known of the nodes z >= 0: [half]. */
+/* Tables at the nodes z >= 0: [half]. */
 typedef struct rule {
   double *z, *w, *p; /* p: [half][(lmax+1)(lmax+2)/2] */
 } rule;

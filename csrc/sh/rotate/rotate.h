@@ -24,7 +24,7 @@ static inline int rotate_row(int lmax) {
 /* A degree's block, column by column, padded to whole 64 byte vectors of `lanes` elements. */
 static inline int rotate_padded(int l, int lanes) { return (2 * l + lanes) / lanes * lanes; }
 
-/* What a rotation is made of; all but the first make quarter and half turns exact. */
+/* Representations of a rotation; all but the first make quarter and half turns exact. */
 typedef enum ylm__turn {
   TURN_GENERAL, /* Z(a) J Z(b) J Z(c), a and b turned by pi already */
   TURN_FLAT,    /* Z(c) */
@@ -70,7 +70,7 @@ static inline int class_first(int c) {
 #define ROTATE_TILED 8
 #define ROTATE_BLOCKS 20
 
-/* What a batch needs; the arrays are of the batch's type. */
+/* Tables of a batch; the arrays have the batch's type. */
 typedef struct ylm__rotate_batch {
   const ylm_sh_rotator *plan;
   ylm__angles angles;

@@ -194,7 +194,7 @@ void ylm__buffer_drop(ylm_gpu_buffer *b);
 
 /* -- kernels: kernel.c ------------------------------------------------------------- */
 
-/* What the build embeds: build/obj/vulkan/shaders.c. */
+/* The shaders that the build embeds: build/obj/vulkan/shaders.c. */
 typedef struct ylm__shader {
   const char *name;
   const uint32_t *code;

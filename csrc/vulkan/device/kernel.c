@@ -5,7 +5,7 @@
 
 enum { OP_CAPABILITY = 17, OP_DECORATE = 71, FLOAT64 = 10, INT64 = 11, BINDING = 33 };
 
-/* What a module says of itself. */
+/* Requirements that a module declares. */
 typedef struct needs {
   int binds;
   bool float64, int64;

@@ -1,4 +1,4 @@
---- What commands print: tables as "name value" lines or as JSON, and progress where somebody looks.
+--- Output of commands: tables as "name value" lines or as JSON, and progress on a terminal.
 
 local progress = require "ylm.progress"
 

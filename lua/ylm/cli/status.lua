@@ -3,7 +3,7 @@
 local check = require "ylm.check"
 local core = require "ylm.c.core"
 
---- What status.stop raises is known by its metatable: an experiment may raise tables of its own.
+--- Errors of status.stop are known by their metatable: an experiment may raise tables of its own.
 local ending = {}
 
 local status = {
@@ -61,20 +61,20 @@ function status.need(first, message, code, ...)
   return first, message, code, ...
 end
 
---- The same for what a file holds, which must be of a kind ("ylm.grid") that `words` name ("a grid").
+--- status.need for the object in a file, which must be of a kind ("ylm.grid") that `words` name ("a grid").
 function status.need_kind(kind, words, path, first, message, code)
   status.need(first, message, code)
   if require "ylm.form".kind(first) ~= kind then status.stop(status.failed, "%s: not %s", path, words) end
   return first
 end
 
---- The same for scene files, whose mistakes have a status of their own.
+--- status.need for scene files, whose mistakes have a status of their own.
 function status.need_scene(first, message, code)
   if first == nil and of_code[code] and not is_interrupt(message) then status.stop(of_code[code], tostring(message)) end
   return status.need(first, message, code)
 end
 
---- What an error says, whatever was raised: with its traceback where YLM_DEBUG is set.
+--- The text of any error that was raised, with its traceback where YLM_DEBUG is set.
 local function words_of(raised)
   local text = raised
   if type(raised) ~= "string" then
@@ -87,7 +87,7 @@ local function words_of(raised)
   return os.getenv "YLM_DEBUG" and debug.traceback(text, 4) or text
 end
 
---- What a function refused, as a mistake on the command line: with the option that set it, where one has its name.
+--- A function's refusal as a mistake on the command line: with the option that set the value, where one has its name.
 local function as_option(text, name, command)
   local said, field = text:match "^bad argument #%d+ to '[%w_.:]+' %((([%w_]+) .*)%)$"
   for _, option in ipairs(command.options or {}) do

@@ -17,7 +17,7 @@ local function refuse(given, names, what)
   end
 end
 
---- What the files hold, sorted: { arrays = {}, grid = , scene = , meshes = {} }.
+--- Contents of the files, sorted: { arrays = {}, grid = , scene = , meshes = {} }.
 local function load(ylm, given)
   local core, form = require "ylm.c.core", require "ylm.form"
   local found = { arrays = {}, meshes = {} }

@@ -1,4 +1,4 @@
---- What a grid's cells are decided, found and filled by, once for C (csrc/grid/gen/cells.h) and once for GLSL
+--- Code by which a grid's cells are decided, found and filled: for C (csrc/grid/gen/cells.h) and for GLSL
 -- (shaders/gen/cells.glsl). The processor computes in double what a device computes in float, but where it is said.
 
 local common = require "ylm.codegen.common"

@@ -46,7 +46,7 @@ function harmonics.step(a, b, z, r2, f, before) return (a * z) * f - (b * r2) * 
 --- o = 1 - |z| of a unit vector, exact also near the poles; g: the sign of z.
 function harmonics.pole(g, x, y, z) return (x * x + y * y) / (g * z + 1) end
 
---- The same from f and its difference d, which keeps its digits near the poles, with o = 1 - |z|: the new f and d.
+--- harmonics.step from f and its difference d, which keeps its digits near the poles, with o = 1 - |z|: the new f and d.
 function harmonics.stable_step(a, b, c, o, f, d)
   local difference = b * d - (a * o) * f
   return c * f + difference, difference
@@ -75,7 +75,7 @@ local function polynomials(g, lmax, z, r2)
   return p
 end
 
---- What `polynomials` gives, times a constant for each l, q, in a form that keeps its digits near the
+--- Results of `polynomials`, times a constant for each l, q, in a form that keeps its digits near the
 -- poles: R_l(|z|) is 1 at |z| = 1, and only differences are computed, from o = 1 - |z| (given exactly):
 --     d_l = (A-1) d_(l-1) - A o R_(l-1),   R_l = R_(l-1) + d_l,   A = (2l-1)/(l+q)
 -- g is the sign of z. Returns p[l][q] and the constants by which it is to be multiplied.
@@ -153,7 +153,7 @@ function harmonics.project(gradient, tw)
   return { gradient[1] - tw[1], gradient[2] - tw[2], gradient[3] - tw[3] }
 end
 
---- What of tw goes with dY into U, below.
+--- The part of tw that goes with dY into U, below.
 function harmonics.share(l) return (l - 2) / (2 * l) end
 
 --- yy of a solid harmonic's Hessian, whose trace is 0.

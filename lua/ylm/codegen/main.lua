@@ -27,7 +27,7 @@ local flags = { ["--solid"] = "solid", ["--unit"] = "unit", ["--count"] = "count
   ["--check"] = "check" }
 local texts = { ["--name"] = "name", ["-o"] = "output", ["--output"] = "output", ["--root"] = "root" }
 
---- What there is to do, and the options that have a meaning then.
+--- Tasks, and the options that have a meaning for each.
 local tasks = {
   { "--check", { "--check", "--root" } },
   { "--write", { "--write", "--root" } },

@@ -1,10 +1,9 @@
 --- csrc/light/gen/moments_<lmax>.isa.c: how the moment kernel of one lmax shares the registers.
 --
--- The arithmetic is in csrc/light/moments/body.h. What is planned here is which of the sums
--- (a column is all degrees k of one (m, side), in which polynomials are found by recurrence) are kept
--- in registers together during one pass over a tile of lights. A column that does not fit is
--- cut, and its recurrence carried over in memory. PLAN is for one channel, PLAN_RGB for three that share the
--- recurrences: its sums are threefold.
+-- The arithmetic is in csrc/light/moments/body.h. A column is all degrees k of one (m, side), whose polynomials are
+-- found by recurrence. The plan says which sums are kept in registers together during one pass over a tile of lights.
+-- A column that does not fit is cut, and its recurrence carried over in memory. PLAN is for one channel, PLAN_RGB for
+-- three that share the recurrences: its sums are threefold.
 
 --- The sets of kinds of sums that kernels exist for: bits 1 value, 2 gradient, 4 Hessian (moments/moments.h).
 local sets = { 1, 3, 4, 5, 7 }

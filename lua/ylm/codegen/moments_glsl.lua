@@ -46,7 +46,7 @@ local function each_sum(lmax, visit)
   return n
 end
 
---- What adding one light adds to each sum, as outputs for emit.
+--- The terms that one light adds to each sum, as outputs for emit.
 local function products(g, lmax)
   local x, y, z = g.variable "x", g.variable "y", g.variable "z"
   local w, c, s = weights(g, lmax), { [0] = g.constant(1) }, { [0] = g.constant(0) }

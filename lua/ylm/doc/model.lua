@@ -1,4 +1,4 @@
---- What the generators of documentation share: the exported names, grouped, in a fixed order.
+--- The model that the generators of documentation share: the exported names, grouped, in a fixed order.
 
 local form = require "ylm.form"
 local help = require "ylm.help"

@@ -45,7 +45,7 @@ function grid_file.load(path)
   return check.result("load", core.grid_read(path))
 end
 
---- What a grid file says of itself, without its rows: { version, bytes, form, stats, sections }, where form has the fields
+--- The contents of a grid file without its rows: { version, bytes, form, stats, sections }, where form has the fields
 -- of a grid and a section { name, offset, bytes, record, required, known }; nil, message, code.
 function grid_file.look(path)
   return check.result("info", core.grid_file_look(path))

@@ -1,4 +1,4 @@
---- What every method of a grid starts from: the metatable, its fields, open and closed.
+--- The start of every method of a grid: the metatable, its fields, open and closed.
 
 local check = require "ylm.check"
 local core = require "ylm.c.core"

@@ -64,7 +64,7 @@ function view_grid.open(grid)
     if quantity == "gradient" then return core.figure_lengths(source.gradient()) end
     return doubles(point(quantity))
   end
-  --- What the numbers of a quantity are, in words: label, unit.
+  --- The words for a quantity: label, unit.
   function source.words(quantity)
     local q = view_grid.quantities[quantity]
     if quantity == "error" then

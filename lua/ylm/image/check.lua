@@ -1,4 +1,4 @@
---- What the methods of images check: the image before the colon, its layers, other images, masks.
+--- Checks of the methods of images: the image before the colon, its layers, other images, masks.
 
 local check = require "ylm.check"
 local core = require "ylm.c.core"

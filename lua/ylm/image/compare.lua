@@ -11,7 +11,7 @@ local methods = core.metatable "ylm.image"
 
 local layer_option = { "layer", "string", optional = true, about = "which layer; default the first" }
 
---- What a method that compares an image with a reference starts from: its options, and the layer or nil.
+--- The start of a method that compares an image with a reference: its options, and the layer or nil.
 local function compared(name, x, reference, options, given)
   images.open(x, name)
   images.other(1, name, reference)

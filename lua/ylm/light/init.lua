@@ -11,7 +11,7 @@ local progress = require "ylm.progress"
 
 local light = {}
 
--- What may be asked of a field; the numbers are those of ylm_base.h.
+-- Results that may be asked of a field; the numbers are those of ylm_base.h.
 local VALUE, GRADIENT, HESSIAN, METRIC = 1, 2, 4, 8
 
 local EXTENT = 1e15
@@ -90,7 +90,7 @@ light.sphere_lights = form.define("sphere_lights", {
   example = "sphere_lights { at = { {0, 2, 0}, {1, 2, 0} }, radius = { 0.1, 0.2 }, radiance = 10 }",
 })
 
---- What light.pack made of spheres and others -> the spheres, the others.
+--- An object that light.pack made of spheres and others -> the spheres, the others.
 local spheres_of, others_of = setmetatable({}, { __mode = "k" }), setmetatable({}, { __mode = "k" })
 
 --- Centres, radii and radiances of no lights.
@@ -106,7 +106,7 @@ function light.arrays(packed)
   return check.result("lights", core.lights_arrays(packed))
 end
 
---- What light.pack made -> the polygons, disks and textured lights in it.
+--- An object that light.pack made -> the polygons, disks and textured lights in it.
 local flat_of = setmetatable({}, { __mode = "k" })
 
 --- Of the flat lights in what light.pack returned: corners of triangles [t][9], disks [d][7] (centre, radius, normal)
@@ -208,7 +208,7 @@ function light.pack(n, name, lights)
   return result
 end
 
---- What a light field is that is not of spheres alone, in words.
+--- The words for a light field that is not of spheres alone.
 function light.other(object)
   local kinds, seen = {}, {}
   for _, l in ipairs(flat_of[object] or {}) do
@@ -231,14 +231,14 @@ function light.field(n, name, value)
   return light.pack(n, name, value)
 end
 
---- What light.pack returned, as sphere lights (or nil) and a list of other objects with a light field.
+--- A packed object as sphere lights (or nil) and a list of other objects with a light field.
 function light.parts(packed)
   if core.type(packed) == "ylm.lights" then return packed, {} end
   if others_of[packed] then return spheres_of[packed], others_of[packed] end
   return nil, { packed }
 end
 
---- What light.pack returned, as a dynamic grid follows it: { sphere lights or false, flat lights, ... }; nil where there
+--- A packed object as a dynamic grid follows it: { sphere lights or false, flat lights, ... }; nil where there
 -- is anything else in it.
 function light.followed(packed)
   local spheres, others = light.parts(packed)
@@ -276,7 +276,7 @@ end
 
 -- ylm.light_field ------------------------------------------------------------------------
 
---- What light.evaluate and ylm.light_field take as options.
+--- Options of light.evaluate and ylm.light_field.
 local options = {
   { "derivatives", "integer", min = 0, max = 2, default = 0, about = "0 coefficients, 1 and gradients, 2 and Hessians" },
   { "channels", "choice", of = { "rgb", "luminance" }, default = "rgb", about = "three linear channels, or one" },

@@ -80,9 +80,9 @@ local function emission(c, horizon)
   return { c[1], c[2], c[3], h[1], h[2], h[3] }
 end
 
---- What rays see of flat lights: triangles [t][9], disks [d][7], radiances and horizons (0: none) [t+d][6], double
--- arrays; the last triangles
--- are those of textures, `tiles` a side at most, of which there is a list too: { texels, {corner, u, v}, scale, triangles }.
+--- The surfaces of flat lights that rays see: triangles [t][9], disks [d][7], radiances and horizons (0: none) [t+d][6],
+-- double arrays. The last triangles are those of textures, at most `tiles` a side; of textures there is a list too:
+-- { texels, {corner, u, v}, scale, triangles }.
 function polygon.patches(lights, tiles)
   local triangles, disks, radiances, textured, later = {}, {}, {}, {}, {}
   for _, l in ipairs(lights) do

@@ -96,14 +96,14 @@ local scene = ylm.scene "one lamp" {
 }
 ]]
 
---- What every report says.
+--- Fields of every report.
 options.report_text = "note (where nothing is to be shaded), "
   .. "warnings (a list of sentences: what the picture does not keep), "
   .. "seconds (by stage: scene, primary, transfer, light, image; total), rays, points, hits, pixels; "
   .. "transfer_samples, and where they were chosen noise: the root mean square deviation that they leave in the radiance, "
   .. "relative to it plus a tenth of its mean; "
 
---- What reports say of pictures by transfer vectors.
+--- Fields of reports about pictures by transfer vectors.
 options.transfer_text = options.report_text .. "occlusion (of the light that the scene's lamps bring: passing, the part of the "
   .. "picture's that occluders stop in the scene, missing, the part of the scene's that the picture lacks, their standard "
   .. "errors passing_error and missing_error, points, rays; measured once a view, in seconds.occlusion); "

@@ -1,4 +1,4 @@
---- What the toolbox of ylm.sh shares: coefficient arguments, results, element types.
+--- Checks that the toolbox of ylm.sh shares: coefficient arguments, results, element types.
 
 local array = require "ylm.array"
 local check = require "ylm.check"
@@ -36,8 +36,8 @@ function args.are_small(c, dtype, powers)
   return core.array_within(c, 10 ^ ((dtype == "double" and 290 or 25) / (powers or 1)))
 end
 
---- The same, refusing other systems than ylm's (quantity and axes may be any) and what is not finite. At last: whether the
--- numbers are so small that sums of the products of `powers` (1) of them are within the range of their type.
+--- args.any_coefficients that also refuses other systems than ylm's (quantity and axes may be any) and numbers that are not
+-- finite. The last result says whether sums of products of `powers` (1) of them stay within the range of their type.
 function args.coefficients(n, name, value, limit, powers)
   local c, lmax, shape, dtype, rows, convention = args.any_coefficients(n, name, value, limit)
   if convention % 32 ~= 0 then

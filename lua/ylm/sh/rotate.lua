@@ -112,7 +112,7 @@ function rotate.rotation(lmax, r, options)
   return object
 end
 
---- What a rotation object was made of.
+--- The arguments that a rotation object was made from.
 rotate.about = setmetatable({}, { __mode = "k" })
 
 methods.__index = function(r, key)

@@ -82,7 +82,7 @@ local function energy(a)
   return norm * norm
 end
 
---- What each degree of each row contributes at the directions, [rows][lmax+1][n]: a window only scales these.
+--- The parts of each degree of each row at the directions, [rows][lmax+1][n]: a window only scales these.
 local function parts_of(plain, rows, lmax, directions)
   local count = (lmax + 1) ^ 2
   local alone, message, code = core.array_zeros({ rows, lmax + 1, count }, "double")

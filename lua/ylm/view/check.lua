@@ -1,4 +1,4 @@
---- What a view is asked to show, checked: the parts that its form cannot check.
+--- Checks of a view's description: the parts that its form cannot check.
 
 local array = require "ylm.array"
 local check = require "ylm.check"

@@ -1,4 +1,4 @@
---- What the layers of a view draw with: surfaces, lines, bounds; failures passed on.
+--- Tools that the layers of a view draw with: surfaces, lines, bounds; failures passed on.
 
 local core = require "ylm.c.core"
 

@@ -46,7 +46,7 @@ local function bars_beside(v, l, width, height, top, bottom)
   return { window = { 0, top, width - column.width - l.margin, bottom - top }, rooms = rooms, bars = column }
 end
 
---- The same below a window, in a row.
+--- Scalar bars below a window, in a row; nil where there is no room.
 local function bars_below(v, l, width, top)
   local row = bars.row(v.scales, l.font, width, l.margin, math.floor(0.4 * (l.bottom - l.top)))
   if not row then return nil end
@@ -203,7 +203,7 @@ function methods.window(self)
   return self.drawn_window
 end
 
---- What stands in a window's corner about a picked point.
+--- The text about a picked point in a window's corner.
 local function describe_point(v, x, y, z)
   local text = ("(%.4g, %.4g, %.4g)"):format(x, y, z)
   local grid = v.subject and form.kind(v.subject) == "ylm.grid" and v.subject
@@ -245,7 +245,7 @@ function methods.show(self)
   local l
   stage, l, code = build(self, vtk, width, height)
   if not stage then return nil, l, code end
-  -- The same texts on black and on white: where they agree, they are opaque.
+  -- All texts on black and on white: where the two agree, the texts are opaque.
   local black = assert(core.canvas(width, height, { 0, 0, 0 }))
   local white = assert(core.canvas(width, height, { 1, 1, 1 }))
   annotate(self, black, l, true)

@@ -18,7 +18,7 @@ local copies = setmetatable({}, { __mode = "k" })
 --- View -> gpu -> positions on that device: bakes ask for these alone.
 local positions = setmetatable({}, { __mode = "k" })
 
---- What `by_view` has of a view by device.
+--- The copies of a view in `by_view`, by device.
 local function by_device(by_view, view)
   if not by_view[view] then by_view[view] = setmetatable({}, { __mode = "k" }) end
   return by_view[view]
@@ -79,8 +79,8 @@ local function points_of(p)
   return { position = position, transfer = transfer, albedo = albedo }
 end
 
---- What of a view is on a device. Where there is no room for its points they stay the host's, and are copied in each call;
--- where there is none for its pixels, the host filters, and message and code say why.
+--- The copies of a view on a device. Without room for its points they stay the host's, and are copied in each call;
+-- without room for its pixels the host filters, and message and code say why.
 local function view_on(name, gpu, p)
   local by_gpu = by_device(copies, p.view)
   if by_gpu[gpu] then return by_gpu[gpu] end

@@ -32,7 +32,7 @@ local bound = binding.bound
 
 local NO_OTHERS = "a device sums sphere, polygon, disk and textured lights; no others"
 
---- What light.pack made, argument `n` of `name`: sphere lights or nil, and a list of sets of flat lights.
+--- The parts of a packed object, argument `n` of `name`: sphere lights or nil, and a list of sets of flat lights.
 local function parts_of(n, name, packed)
   local spheres, others = light.parts(packed)
   for _, other in ipairs(others) do
