@@ -77,7 +77,7 @@ local row = common.table { { "frame", "%5d" }, { "points", "%7d" }, { "new", "%5
   { "sampled %", "%9.1f" }, { "error", "%7.4f" }, { "update ms", "%9.1f" }, { "shade ms", "%8.1f" },
   { "image ms", "%8.1f" }, { "cpu ms", "%7.1f" } }
 local sum, frames, shown = { update = 0, shade = 0, image = 0, cpu = 0 }, 0, {}
-local spare -- a picture that nobody needs any more, to be written again
+local spare -- a picture that is not needed any more, to be written again
 for frame = 1, option.frames do
   local clock, now = os.clock(), lamps(frame)
   local report

@@ -1,6 +1,6 @@
 /*
 ** grid_rows.glsl - the rows of a grid's points, [4][stride] each: values, then derivatives by x, y, z. They lie in up to
-** four buffers of part_rows rows. Push constants come with stride and part_rows; who writes rows defines WRITES_ROWS.
+** four buffers of part_rows rows. Push constants come with stride and part_rows; kernels that write rows define WRITES_ROWS.
 */
 #ifdef WRITES_ROWS
 #define ROWS_ACCESS

@@ -1,6 +1,6 @@
 /*
 ** Puts the corners of a level's voxels, or points (a larger table), into the table. Of the same key the smallest
-** entry stays: a point, else the first candidate; so what the table says does not depend on who came first.
+** entry stays: a point, else the first candidate; so the table does not depend on the order of invocations.
 */
 #version 450
 #extension GL_GOOGLE_include_directive : require

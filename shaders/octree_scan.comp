@@ -22,7 +22,7 @@ layout(set = 0, binding = 3) buffer Counts { uint count[]; };
 PUSH {
   uint first;
   uint n, mask, blocks; /* blocks 1: `block` is not read */
-  uint slot;            /* NOWHERE: nobody wants the sum */
+  uint slot;            /* NOWHERE: the sum is not wanted */
 };
 
 shared uint part[LANES];

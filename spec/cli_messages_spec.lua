@@ -1,4 +1,4 @@
--- What the command-line tool says to those who search, misspell or ask for what has no meaning.
+-- Messages of the command-line tool about searches, misspellings and options without a meaning.
 
 local scratch = require "spec.support.scratch"
 

@@ -18,7 +18,7 @@ describe("the command-line tool's exit status", function()
     return code, folder:read "stderr"
   end
 
-  --- The same for an experiment of this text.
+  --- Exit status and output of an experiment of this text.
   local function run(text) return ylm("run " .. scratch.quote(folder:write("e.lua", text))) end
 
   it("is 1 where standard output does not take all that a command says", function()

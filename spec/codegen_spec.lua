@@ -58,7 +58,7 @@ local function evaluate_c(folder, request, v, optimise)
     optimise)
 end
 
---- The same by the library's reference kernel.
+--- Results of the library's reference kernel.
 local function evaluate_ylm(request, v)
   local flat = {}
   for k, a in ipairs { ylm.sh.eval(request.lmax, v, { derivatives = request.derivatives, solid = request.solid,

@@ -1,4 +1,4 @@
--- What the environment's YLM_ISA and YLM_THREADS may be, and who says so where they are not; in processes of their own.
+-- Values of the environment's YLM_ISA and YLM_THREADS, and the messages about wrong ones; in processes of their own.
 
 local scratch = require "spec.support.scratch"
 

@@ -30,7 +30,7 @@ local function disk(x, y, z, radius, o)
   return ylm.disk_light(light)
 end
 
---- What kinds there are: some that stand, and some that move by the time t.
+--- Lights of every kind: some that stand, and some that move by the time t.
 local kinds = {
   { name = "polygons", make = function(t)
     return { panel(-0.5, 0.6, 0.4, 0.1), panel(0.5 * math.cos(t), 0.25, 0.5 * math.sin(t), 0.06, 0.3, 0.2),

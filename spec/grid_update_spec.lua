@@ -1,4 +1,4 @@
---- grid:update: grids that follow moving lights. What a fresh bake of the same lights gives judges all of it.
+--- grid:update: grids that follow moving lights, judged by fresh bakes of the same lights.
 
 local core = require "ylm.c.core"
 local ylm = require "ylm"

@@ -1,4 +1,4 @@
--- What is installed works from anywhere: by make install, and by luarocks make.
+-- An installed ylm works from anywhere: by make install, and by luarocks make.
 
 local scratch = require "spec.support.scratch"
 

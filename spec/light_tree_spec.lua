@@ -7,7 +7,7 @@ local light = require "ylm.light"
 
 local random = numbers.spread
 
---- What a kind of scene does to light i: place, radius, radiance.
+--- Light i of each kind of scene: place, radius, radiance.
 local kinds = {}
 function kinds.uniform(next) return { next(), next(), next() }, 0.01, { 1, 1.5, 2 } end
 function kinds.clustered(next, i)

@@ -5,7 +5,7 @@ local quote = scratch.quote
 
 local lua = os.getenv "YLM_LUA" or "lua5.4"
 
---- What goes before a command so that permissions count for it: root gives up what sets it above them.
+--- The words before a command that make permissions count for it: root gives up the rights that set it above them.
 local function obeying()
   if scratch.capture "id -u" :find "^0" then
     local drop = "setpriv --bounding-set=-dac_override,-dac_read_search "
@@ -44,7 +44,7 @@ describe("permissions", function()
     folder:remove()
   end)
 
-  --- What the script prints about a folder, as { ["save a.npy"] = { ok, message, code } }.
+  --- The output of the script about a folder, as { ["save a.npy"] = { ok, message, code } }.
   local function try(name)
     local out, status = scratch.capture(("%s%s %s %s"):format(prefix, lua, quote(folder.path .. "/make.lua"),
       quote(folder.path .. "/" .. name)))

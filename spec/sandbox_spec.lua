@@ -1,4 +1,4 @@
--- What a scene file from a stranger may not do.
+-- Limits of a scene file from a stranger.
 
 local ylm = require "ylm"
 local scratch = require "spec.support.scratch"

@@ -1,4 +1,4 @@
--- What a bake on a device leaves there: the grid's copy, which is not uploaded again. On Mesa's lavapipe, where there is
+-- The copy of a grid that a bake on a device leaves there, and that is not uploaded again. On Mesa's lavapipe, where there is
 -- no other device.
 
 local core = require "ylm.c.core"

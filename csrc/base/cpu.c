@@ -37,7 +37,7 @@ static ylm_isa choose(void) {
 }
 
 ylm_isa ylm_isa_current(void) {
-  static atomic_int cached = -1; /* the same answer whoever computes it */
+  static atomic_int cached = -1; /* every thread computes the same answer */
   int isa = atomic_load_explicit(&cached, memory_order_relaxed);
   if (isa < 0) {
     isa = choose();

@@ -1,4 +1,4 @@
-/* environment.c - YLM_THREADS and YLM_ISA: read by what they steer, checked for who asks. */
+/* environment.c - YLM_THREADS and YLM_ISA: read by the code that they steer, checked on request. */
 #include "environment.h"
 
 #include <stdlib.h>

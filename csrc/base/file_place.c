@@ -176,7 +176,7 @@ int ylm__place_open(const ylm__place *p, char name[YLM__UNFINISHED_NAME]) {
         openat(p->folder, name, O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, p->exists ? 0600 : 0666);
     if (fd < 0 && errno == EEXIST) continue;
     if (fd < 0) return -1;
-    (void)flock(fd, LOCK_EX | LOCK_NB); /* where there are no locks, nobody sweeps either */
+    (void)flock(fd, LOCK_EX | LOCK_NB); /* where there are no locks, nothing is swept either */
     if (p->exists) dress(fd, p);
     return fd;
   }
@@ -191,7 +191,7 @@ static bool is_unfinished_name(const char *name) {
          name[n + DIGITS] == 0;
 }
 
-/* A regular file with one name, this user's, that nobody has changed for an hour? */
+/* A regular file with one name, this user's, unchanged for an hour? */
 static bool is_left(const struct stat *s) {
   return S_ISREG(s->st_mode) && s->st_nlink == 1 && s->st_uid == geteuid() &&
          s->st_mtime <= time(NULL) - SWEEP_SECONDS;

@@ -92,7 +92,7 @@ YLM_API ylm_status ylm_figure_sphere(int detail, size_t *points, double **direct
 
 /* -- cells ------------------------------------------------------------------ */
 
-/* Boxes of a grid; plain arrays that somebody else owns. */
+/* Boxes of a grid; plain arrays that the caller owns. */
 typedef struct ylm_figure_cells {
   size_t n;
   const double *origin; /* [n][3] lower corner */

@@ -80,7 +80,7 @@ int ylmL_result(lua_State *L, int n, ylm_status s, const ylm_error *e) {
   X("ylm.prepared", "ylm.render")                                                                  \
   X("ylm.sh_rotation", "ylm.sh.rotate")
 
-/* What a module may define for its type. */
+/* Functions that a module may define for its type. */
 static const char *const events[] = {"__index", "__newindex", "__len", "__tostring"};
 #define EVENTS (sizeof events / sizeof *events)
 

@@ -83,7 +83,7 @@ void ylmL_check_abi(lua_State *L);
 /* -- results --------------------------------------------------------------- */
 
 /* YLM_OK: returns `n` (results already pushed). YLM_ENOMEM: ylmL_no_memory. Else pushes nil,
-   message, code; returns 3. Comes last in a function: memory of C that nobody owns has been freed
+   message, code; returns 3. Comes last in a function: memory of C without an owner has been freed
    before. */
 int ylmL_result(lua_State *L, int n, ylm_status s, const ylm_error *e);
 
@@ -104,13 +104,13 @@ void ylmL_set_boolean(lua_State *L, const char *name, bool x);
 /* Registers (once per state) the metatable `name` with methods; leaves it on the stack.
    __index is the metatable itself, __name its name; Lua files add methods by
    require "ylm.c.core".metatable(name). Where binding.c lists a type's file, an object's first use
-   loads it, so that objects have their methods whoever made them. */
+   loads it, so that objects have their methods wherever they were made. */
 void ylmL_type(lua_State *L, const char *name, const luaL_Reg *methods);
 /* The userdata at `i` if it is of type `name`, else NULL. */
 void *ylmL_test(lua_State *L, int i, const char *name);
 /* The flat lights at `i`; NULL: something else. core/light_polygon.c */
 struct ylm_polygons *ylmL_polygons(lua_State *L, int i);
-/* The same, raising a type error. */
+/* The userdata at `i` if it is of type `name`; raises a type error otherwise. */
 void *ylmL_check(lua_State *L, int i, const char *name);
 /* Tells the collector of `bytes` of C memory: runs a step in proportion. */
 void ylmL_charge(lua_State *L, size_t bytes);
@@ -150,7 +150,7 @@ ylmL_array *ylmL_array_new(lua_State *L, ylm_dtype t, int axes, const size_t *sh
    else left alone, and NULL. */
 ylmL_array *ylmL_array_result(lua_State *L, int given, ylm_dtype t, int axes, const size_t *shape,
                               ylm_status *s);
-/* An array over elements that somebody else owns: give_back(owner) is called once the array and
+/* An array over elements of another owner: give_back(owner) is called once the array and
    its views are gone; never where NULL is returned (nothing pushed). */
 ylmL_array *ylmL_array_share(lua_State *L, ylm_dtype t, int axes, const size_t *shape, void *data,
                              void (*give_back)(void *owner), void *owner);
@@ -160,7 +160,7 @@ ylmL_array *ylmL_array_view(lua_State *L, int at, size_t k, int axes, const size
 void ylmL_array_close(ylmL_array *a);
 /* The array at `i`, open; raises otherwise. */
 ylmL_array *ylmL_array_check(lua_State *L, int i);
-/* The same, or NULL where `i` is nil or none. */
+/* The open array at `i`, or NULL where `i` is nil or none; raises otherwise. */
 ylmL_array *ylmL_array_opt(lua_State *L, int i);
 
 /* -- images and meshes: csrc/lua/binding_objects.c, compiled into every binding -- */
@@ -173,7 +173,7 @@ ylmL_array *ylmL_array_opt(lua_State *L, int i);
 struct ylm_image **ylmL_image_new(lua_State *L);
 /* The image at `i`; raises if there is none or it has been closed. */
 struct ylm_image *ylmL_image_check(lua_State *L, int i);
-/* The same for meshes. */
+/* ylmL_image_new and ylmL_image_check for meshes. */
 struct ylm_mesh **ylmL_mesh_new(lua_State *L);
 struct ylm_mesh *ylmL_mesh_check(lua_State *L, int i);
 /* Lets go of the image or mesh at 1. */
@@ -211,8 +211,8 @@ const ylm_progress *ylmL_progress_begin(lua_State *L, int i, ylmL_progress *p);
 /* YLM_EBUSY where the object at `i` is an argument of a call whose progress function runs now:
    what closes or changes an object asks first, since C holds pointers into it. */
 ylm_status ylmL_busy(lua_State *L, int i);
-/* The same of an array that is to be written to: YLM_EBUSY where such an argument is an array that
-   shares elements with it. */
+/* ylmL_busy of an array that is to be written to: YLM_EBUSY where an argument of the running call
+   is an array that shares elements with it. */
 ylm_status ylmL_array_busy(lua_State *L, const ylmL_array *a);
 /* ylmL_result, after raising an error that the progress function raised. */
 int ylmL_result_progress(lua_State *L, int n, ylm_status s, const ylm_error *e, ylmL_progress *p);

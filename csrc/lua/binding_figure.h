@@ -18,7 +18,7 @@ static inline const double *ylmL_doubles(lua_State *L, int i, size_t width, size
   return a->data;
 }
 
-/* The same, NULL for nil; raises where the row count is not `rows`. */
+/* ylmL_doubles, but NULL for nil; raises where the row count is not `rows`. */
 static inline const double *ylmL_doubles_of(lua_State *L, int i, size_t width, size_t rows) {
   size_t n;
   if (lua_isnoneornil(L, i)) return NULL;

@@ -115,7 +115,7 @@ ylm_status ylm_shade_field(const ylm_shade_view *v, const ylm_field *field, ylm_
   return s;
 }
 
-/* -- coefficients that somebody else made --------------------------------------- */
+/* -- coefficients of the caller ------------------------------------------------- */
 
 typedef struct given_job {
   const ylm_shade_view *view;

@@ -32,7 +32,7 @@ typedef struct job {
   atomic_size_t hits;
 } job;
 
-/* What is needed for one pixel and one batch of rays. */
+/* Scratch for one pixel and one batch of rays. */
 typedef struct scratch {
   ylm_trace_ray *ray;
   ylm_trace_hit *hit;

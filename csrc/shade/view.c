@@ -187,7 +187,7 @@ typedef struct resolve_job {
   float *out;
 } resolve_job;
 
-/* What the values are at an entry. */
+/* The values at an entry. */
 static float entry_value(const resolve_job *j, size_t i, int c) {
   size_t n = (size_t)j->channels;
   if (!j->v->corner) return j->values[i * n + (size_t)c];

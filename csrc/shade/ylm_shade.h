@@ -96,7 +96,7 @@ YLM_API ylm_status ylm_shade_view_create(const ylm_scene *scene, const ylm_camer
 YLM_API void ylm_shade_view_free(ylm_shade_view *view);
 
 YLM_API void ylm_shade_view_stats(const ylm_shade_view *view, ylm_shade_stats *stats);
-/* What the view was made with; `progress` and `light` are NULL. */
+/* The options that the view was made with; `progress` and `light` are NULL. */
 YLM_API const ylm_shade_options *ylm_shade_view_options(const ylm_shade_view *view);
 
 /* Per shading point; valid as long as the view. */
@@ -139,7 +139,7 @@ YLM_API ylm_status ylm_shade_grid(const ylm_shade_view *view, const ylm_grid *gr
                                   const ylm_progress *progress, float *out, ylm_grid_report *report,
                                   ylm_error *e);
 
-/* What a view looked like under a dynamic grid: kept from one rendering to the next. */
+/* Radiance of a view under a dynamic grid, kept from one rendering to the next. */
 typedef struct ylm_shade_memory ylm_shade_memory;
 YLM_API ylm_status ylm_shade_memory_create(const ylm_shade_view *view, ylm_shade_memory **memory);
 YLM_API void ylm_shade_memory_free(ylm_shade_memory *memory);
@@ -214,8 +214,8 @@ typedef struct ylm_shade_occlusion {
 **
 **   passing = sum c M (1 - V) / sum c M        missing = sum c V (1 - M) / sum c V
 **
-** Both are 0 where there are no lamps or nothing occludes. What harmonics of the view's degree lose
-** counts in neither.
+** Both are 0 where there are no lamps or nothing occludes. Light that harmonics of the view's
+** degree lose counts in neither.
 **
 **   points   in   how many shading points, spread evenly over the view's; at most all
 **   samples  in   rays per point, 1 .. 65536

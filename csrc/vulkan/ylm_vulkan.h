@@ -4,7 +4,7 @@
 ** libvulkan is opened when it is first needed; nothing is linked against it. Kernels
 ** are the files of shaders/, compiled to SPIR-V when ylm is built and embedded.
 **
-** Ownership   whoever gets a pointer from a *_create / *_open frees it with the matching
+** Ownership   the caller of a *_create / *_open frees the pointer with the matching
 **             *_free; every *_free accepts NULL. Buffers keep their device's memory of
 **             itself alive: they may be freed before or after it. Kernels belong to the
 **             device and are never freed by the caller.
@@ -104,7 +104,7 @@ YLM_API void ylm_gpu_blunder(ylm_gpu *g);
    Also of a closed device. */
 YLM_API size_t ylm_gpu_messages(const ylm_gpu *g, const char **first);
 
-/* What a device has been used for so far. */
+/* Uses of a device so far. */
 typedef struct ylm_gpu_use {
   uint64_t buffers, bytes;       /* that there are now */
   uint64_t uploaded, downloaded; /* bytes */
@@ -362,8 +362,8 @@ typedef struct ylm_gpu_output {
 } ylm_gpu_output;
 
 /*
-** ylm_gpu_grid_sample - ylm_grid_sample on the device, in float. What is in the device's memory
-** stays there; the host's arrays are copied.
+** ylm_gpu_grid_sample - ylm_grid_sample on the device, in float. Data in the device's memory
+** stay there; the host's arrays are copied.
 **
 ** `grid` is the one that was copied: it answers where it has no data of its own. Points are
 ** located in double where the device has float64; without it, fractions of a voxel's edges are
@@ -400,7 +400,7 @@ YLM_API ylm_status ylm_gpu_grid_shade(ylm_gpu_grid *k, const ylm_grid *grid,
 /* -- pictures: picture/picture.c ------------------------------------------------- */
 
 /*
-** What a view's pixels are made of: ylm_shade_entries of ylm_shade.h, as arrays of the host's.
+** The entries of a view's pixels: ylm_shade_entries of ylm_shade.h, as arrays of the host's.
 ** Whole numbers are doubles, and are checked.
 */
 typedef struct ylm_gpu_pixels {

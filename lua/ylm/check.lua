@@ -1,7 +1,7 @@
 --- Raising errors where they teach: at the caller's line, naming what was wrong.
 --
 -- The caller is the nearest function on the stack that is not part of ylm, so
--- nobody counts stack levels. A caller's mistake raises; what the world does
+-- stack levels are not counted. A caller's mistake raises; what the world does
 -- (a file, a driver, memory) is returned as nil, message, code.
 
 local core = require "ylm.c.core"

@@ -10,7 +10,7 @@ local picture_bar = require "ylm.picture.bar"
 
 local figure = {}
 
-local LEAST_FONT = 11 -- pixels, where nobody says
+local LEAST_FONT = 11 -- pixels; a default
 
 -- Contents of an item --------------------------------------------------------------
 

@@ -3,7 +3,7 @@
 **
 ** Mutations get a size and checksums that fit, or else nothing behind them would ever be reached;
 ** one in sixteen goes through as it is. Of a file with sections, most mutations are of one section,
-** whose size they keep. What is accepted must be safe to sample and, saved, be accepted again.
+** whose size they keep. Accepted files must be safe to sample and, saved, be accepted again.
 */
 #include <math.h>
 #include <string.h>

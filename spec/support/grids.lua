@@ -1,4 +1,4 @@
---- What specs of grids share: a box, lamps, shading points, analytic fields, and errors of rows.
+--- Tools of the specs of grids: a box, lamps, shading points, analytic fields, and errors of rows.
 
 local core = require "ylm.c.core"
 local ylm = require "ylm"

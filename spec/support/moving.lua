@@ -1,4 +1,4 @@
---- What specs of grid:update share: grids of every kind, lights that move, and what a fresh bake of them gives.
+--- Tools of the specs of grid:update: grids of every kind, lights that move, and fresh bakes of them.
 
 local core = require "ylm.c.core"
 local ylm = require "ylm"

@@ -1,4 +1,4 @@
---- Numbers in 0 .. 1 that are the same under every Lua, and points made of them.
+--- Random numbers in 0 .. 1, equal under every Lua, and points made of them.
 
 local ylm = require "ylm"
 
@@ -13,7 +13,7 @@ function random.minimal(seed)
   end
 end
 
---- The same with their later multiplier, for small seeds: those are spread first.
+--- Park and Miller's generator with their later multiplier; the seed is spread first, so that small ones serve.
 function random.spread(seed)
   local state = seed * 7919 % 2147483647
   return function()

@@ -65,7 +65,7 @@ function make.textured(light)
     method = light.method and "spheres" or "exact" }
 end
 
---- What may happen to the descriptions of lights: by name.
+--- Changes of the descriptions of lights, by name.
 local changes = {}
 
 local function pick(r, lights) return lights[math.floor(r() * #lights) + 1] end

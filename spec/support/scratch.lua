@@ -12,7 +12,7 @@ function scratch.shell(command)
   return ok == true or ok == 0
 end
 
---- What a shell command prints, and its exit status.
+--- The output of a shell command, and its exit status.
 function scratch.capture(command)
   local pipe = assert(io.popen("{ " .. command .. "\n} 2>&1; s=$?; echo; echo $s"))
   local text = pipe:read("*a")

@@ -52,7 +52,7 @@ function surfaces.points(triangles, n, seed)
   return ylm.array(points, "float"), which
 end
 
---- What is left of a polygon where side * p[axis] <= side * at.
+--- The part of a polygon where side * p[axis] <= side * at.
 local function cut(polygon, axis, side, at)
   local out = {}
   for i, p in ipairs(polygon) do

@@ -3,7 +3,7 @@
 --     LD_PRELOAD=exhausted.so lua5.4 spec/support/update_memory.lua STRIDE
 --
 -- Every STRIDE-th request is tried; with 1 also uniform grids, and more changes.
--- A failed update leaves the grid as it was, or spent. What is not spent takes the same update afterwards. Prints a line
+-- A failed update leaves the grid as it was, or spent. A grid that is not spent takes the update afterwards. Prints a line
 -- for each defect, and counts last; its exit status is 1 where there was a defect.
 
 local exhausted = require "exhausted"
@@ -55,7 +55,7 @@ local function samples_differ(a, b)
     (core.array_distance(a:sample(everywhere), b:sample(everywhere))))
 end
 
---- The same, and of what they hold.
+--- The largest difference of what two grids sample, and of their points' data.
 local function difference(a, b)
   local pa, pb, d = a:points(), b:points(), samples_differ(a, b)
   if #pa.position ~= #pb.position then return math.huge end

@@ -1,4 +1,4 @@
---- What specs of pictures in three dimensions share: small pictures, their colours, a camera, fields and grids.
+--- Tools of the specs of pictures in three dimensions: small pictures, their colours, a camera, fields and grids.
 
 local array = require "ylm.array"
 local busted = require "busted"

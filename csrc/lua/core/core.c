@@ -72,7 +72,7 @@ static int seconds(lua_State *L) {
   return 1;
 }
 
-/* is_terminal() -> does somebody watch stderr? */
+/* is_terminal() -> is stderr a terminal? */
 static int is_terminal(lua_State *L) {
   lua_pushboolean(L, isatty(STDERR_FILENO));
   return 1;

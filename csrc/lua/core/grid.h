@@ -6,9 +6,9 @@
 
 #include "../binding_grid.h"
 
-/* What the last update did, as a table on the stack. */
+/* The report of the last update, as a table on the stack. */
 void ylmL_grid_push_update(lua_State *L, const ylm_grid_form *f, const ylm_grid_stats *s);
-/* What a grid was described with, and its stats; times that are NaN are left out. */
+/* The description of a grid, and its stats; times that are NaN are left out. */
 void ylmL_grid_push_form(lua_State *L, const ylm_grid_form *f);
 void ylmL_grid_push_stats(lua_State *L, const ylm_grid_form *f, const ylm_grid_stats *s);
 

@@ -5,7 +5,7 @@
 #include <math.h>
 #include <string.h>
 
-/* What is known of a promised tolerance, into the table on top. */
+/* The verdict about a promised tolerance, into the table on top. */
 static void set_promise(lua_State *L, const ylm_grid_stats *s) {
   ylmL_set_count(L, "verified", s->verified);
   ylmL_set_number(L, "error", s->error);

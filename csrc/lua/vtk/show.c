@@ -5,7 +5,7 @@
 
 #include <string.h>
 
-/* What a picked point is, in Lua's words. */
+/* A picked point in Lua's words. */
 typedef struct picking {
   lua_State *L;
   int index;

@@ -46,13 +46,13 @@ ylm_gpu_input ylmL_gpu_input(const ylmL_any_array *a);
 ylm_gpu_output ylmL_gpu_output(lua_State *L, int given, ylm_gpu *there, int axes,
                                const size_t *shape, ylm_status *s, ylm_error *e);
 
-/* A grid's copy on the stack, closed until somebody fills it in. */
+/* A grid's copy on the stack, closed until the caller fills it in. */
 ylm_gpu_grid **ylmL_gpu_grid_new(lua_State *L);
 
 /* Pushes times by stage: { name = { seconds =, longest =, dispatches = } }. */
 void ylmL_gpu_push_times(lua_State *L, const ylm_gpu_times *t);
 
-/* Makes a type's metatable with these functions, whoever asked for it first; leaves nothing. */
+/* Makes a type's metatable with these functions, if it is not there yet; leaves nothing. */
 void ylmL_gpu_type(lua_State *L, const char *name, const luaL_Reg *methods);
 
 /* Each X(name) is a file vulkan_NAME.c with ylmL_open_vulkan_NAME(L), which adds functions to the

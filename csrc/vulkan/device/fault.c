@@ -23,7 +23,7 @@
   X(vkWaitForFences)                                                                               \
   X(vkGetQueryPoolResults)
 
-/* Stand in for any of them: callers remove arguments, which nobody reads. */
+/* Stand in for any of them: callers remove arguments, which are not read. */
 static VkResult out_of_memory(void) { return VK_ERROR_OUT_OF_DEVICE_MEMORY; }
 static VkResult lost(void) { return VK_ERROR_DEVICE_LOST; }
 static VkResult unknown(void) { return VK_ERROR_UNKNOWN; }

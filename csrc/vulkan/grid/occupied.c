@@ -32,8 +32,7 @@ static void ends_of(ylm_dtype t, uint64_t *lo, uint64_t *hi) {
   *hi = sign | infinity;
 }
 
-/* What is asked of a number x of an axis: is it in voxel k or beyond; is it at least, beyond,
-   x0? */
+/* Questions about a number x of an axis: is it in voxel k or beyond; is it at least, beyond, x0? */
 typedef struct question {
   const ylm_grid *grid;
   size_t axis;

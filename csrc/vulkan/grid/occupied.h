@@ -32,7 +32,7 @@ typedef struct occupied_voxels {
 ylm_status occupied_mark(occupied_voxels *o, uint32_t count[YLM_GPU_COUNTS]);
 void occupied_free(occupied_voxels *o);
 
-/* The same of the voxels that the source's surfaces meet. occupied_surface.c */
+/* Marks the voxels that the source's surfaces meet. occupied_surface.c */
 ylm_status occupied_surfaces(occupied_voxels *o, uint32_t count[YLM_GPU_COUNTS]);
 
 /* -- occupied_host.c ------------------------------------------------------------------------- */

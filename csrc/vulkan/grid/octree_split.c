@@ -83,7 +83,7 @@ static ylm_status ask_field(octree *t, int level, const crossing *c) {
   return ylm_gpu_upload(v->state, 0, all * sizeof *c->state, c->state, t->e);
 }
 
-/* The same by the host, for devices that do not compute in double. */
+/* Crossing by the host, for devices that do not compute in double. */
 static ylm_status cross_any(octree *t, int level) {
   size_t n = t->asks, all = t->level[level].voxels;
   ylm_status s = steps_run(&t->q);

@@ -16,8 +16,7 @@ typedef struct gpu_points {
   ylm_gpu *g;
   ylm_gpu_lights *l;
   const ylm_grid *grid; /* in the making */
-  /* What it is baked from, and its shading points where they are in the device's memory:
-     remote.c */
+  /* The source, and its shading points where they are in the device's memory: remote.c */
   const ylm_grid_source *source;
   ylm_gpu_buffer *there;
   ylm_error *e;
@@ -101,7 +100,7 @@ ylm_status points_grow(gpu_points *p, ylm_gpu_buffer **b, uint64_t used, uint64_
 uint64_t points_most_bytes(const gpu_points *p);
 /* A lattice cell in scene units, floats as push constants. */
 void points_unit(const gpu_points *p, uint32_t unit[3]);
-/* What shaders/grid_rows.glsl wants. */
+/* The push constants of shaders/grid_rows.glsl. */
 static inline void points_bind(const gpu_points *p, ylm_gpu_buffer *bind[GRID_PARTS]) {
   for (int i = 0; i < GRID_PARTS; i++) bind[i] = p->data[i < p->parts ? i : 0];
 }

@@ -116,6 +116,6 @@ ylm_status points_copy(gpu_points *p, ylm_gpu_grid **copy) {
     return YLM_OK;
   }
   ylm_gpu_grid_free(k);
-  /* The grid is there without: it is copied when somebody samples it. */
+  /* The grid is there without: it is copied when it is first sampled. */
   return s == YLM_ENOMEM || s == YLM_ELIMIT ? YLM_OK : s;
 }

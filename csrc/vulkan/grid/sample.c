@@ -4,7 +4,7 @@
 ** Points are sorted by the cell whose corners they need, by counting: located and counted, the
 ** counts summed, scattered. Groups of neighbours in that order then read a cell's data once.
 ** Points in leaves without data that evaluated points touch, and in voxels of a uniform grid that
-** have none, are left to the host: they are where nobody was meant to look, and few.
+** have none, are left to the host: they are few, and far from shading points.
 */
 #include <string.h>
 
@@ -141,7 +141,7 @@ static void locate(const sampling *m, size_t at, size_t n, bool sorted, ylm_erro
   steps_work(q, &w);
 }
 
-/* What shaders/grid_data.glsl wants. */
+/* The push constants of shaders/grid_data.glsl. */
 static void bind_data(const sampling *m, ylm_gpu_work *w, bool sorted) {
   ylm_gpu_grid *k = m->k;
   for (int i = 0; i < GRID_PARTS; i++) w->bind[i].buffer = k->data[i < k->parts ? i : 0];

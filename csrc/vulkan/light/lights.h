@@ -44,7 +44,7 @@ typedef struct sum_set {
   } pass[MAX_PASSES];
 } sum_set;
 
-/* What a query comes to: made once, then found again. */
+/* The work of a query: made once, then found again. */
 typedef struct sum_plan {
   struct sum_plan *next;
   int lmax, need_lum, need_rgb; /* kinds of results in each */

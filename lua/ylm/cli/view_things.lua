@@ -36,7 +36,7 @@ local function numbers(name, text)
   return list
 end
 
---- The camera that --from, --at, --up and --fov describe, looking at `middle` where nobody says; nil without --from.
+--- The camera that --from, --at, --up and --fov describe, looking at `middle` without --at; nil without --from.
 function view_things.camera(ylm, given, middle)
   if not given.from then
     for _, name in ipairs { "at", "fov" } do

@@ -1,7 +1,7 @@
 --- shaders/gen/moments.glsl: the merged-moment sums of one light, for every lmax to a highest one.
 --
 -- The sums are those of csrc/light/moments/moments.h in the order given there. A light is added to all of them without a branch;
--- which are stored follows from specialisation constants, and a driver removes what nobody reads.
+-- which are stored follows from specialisation constants, and a driver removes sums that are not read.
 
 local emit = require "ylm.codegen.emit"
 local expression = require "ylm.codegen.expression"

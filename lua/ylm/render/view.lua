@@ -9,7 +9,7 @@ local tracing = require "ylm.render.scene"
 
 local views = {}
 
---- The noise at which rays are enough, and the most of them, where nobody says how many: see options.transfer_fields.
+--- The noise at which rays are enough, and the most rays, without transfer_samples: see options.transfer_fields.
 local NOISE, MOST_SAMPLES = 0.02, 2048
 
 local GIVEN_SAMPLES = 65536 -- the most that transfer_samples may be

@@ -1,4 +1,4 @@
---- Where a picture is seen from, if nobody said.
+--- The default camera of a picture.
 
 local vector = require "ylm.vector"
 local cross, unit = vector.cross, vector.unit

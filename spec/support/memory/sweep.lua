@@ -10,7 +10,7 @@ local calls = require "spec.support.memory.calls"
 
 local folder, stride, only = arg[1], tonumber(arg[2] or 1), arg[3]
 
---- What a result is, in words: equal results have equal words. Times differ and are left out.
+--- A result in words: equal results have equal words. Times differ and are left out.
 local function words(x, depth)
   depth = depth or 0
   local kind = core.type(x)
@@ -54,7 +54,7 @@ local function check(name, where, expected, ok, result, message, code)
   if got ~= expected then defect(name, where, "gave %s\n  instead of %s", got, expected) end
 end
 
---- The same call once memory is there again.
+--- Repeats the call once memory is there again.
 local function afterwards(name, where, expected, call)
   local ok, result, message, code = pcall(call)
   if not ok or result == nil then

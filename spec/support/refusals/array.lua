@@ -1,4 +1,4 @@
--- What ylm.array, ylm.zeros and the methods of arrays refuse.
+-- Refusals of ylm.array, ylm.zeros and the methods of arrays.
 
 local nan, inf = 0 / 0, math.huge
 

@@ -1,4 +1,4 @@
--- What ylm.load and array:save refuse.
+-- Refusals of ylm.load and array:save.
 
 local function case(call, says) return { call = call, says = says } end
 

@@ -1,10 +1,10 @@
--- What shapes, meshes and their methods refuse.
+-- Refusals of shapes, meshes and their methods.
 
 local nan, inf = 0 / 0, math.huge
 
 local function case(call, says) return { call = call, says = says } end
 
---- What every shape refuses, given the fields that make a good one.
+--- Refusals of every shape, given the fields that make a good one.
 local function shape(name, good, own)
   local function with(field, value)
     return function(ylm)

@@ -1,4 +1,4 @@
--- What ylm's grids refuse: see the walker's spec.
+-- Refusals of ylm's grids: see spec/refusals_spec.lua.
 
 local nan, inf = 0 / 0, 1 / 0
 local box = { { -1, -1, -1 }, { 1, 1, 1 } }

@@ -1,4 +1,4 @@
--- What images, colours and their methods refuse.
+-- Refusals of images, colours and their methods.
 
 local nan, inf = 0 / 0, math.huge
 
@@ -25,7 +25,7 @@ local function method(name, own)
   return all
 end
 
---- The same call with each of the arguments.
+--- One call with each of the arguments.
 local function each(f, says, ...)
   local all = {}
   for i = 1, select("#", ...) do

@@ -1,4 +1,4 @@
--- What ylm's lights refuse: see spec/support/refusals in the walker's spec.
+-- Refusals of ylm's lights: see spec/refusals_spec.lua.
 
 local function lamp(ylm) return ylm.sphere_light { at = { 0, 2, 0 }, radius = 0.1, radiance = 1 } end
 local nan, inf = 0 / 0, 1 / 0

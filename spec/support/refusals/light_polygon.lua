@@ -1,4 +1,4 @@
--- What polygon, disk and textured lights refuse: see spec/refusals_spec.lua.
+-- Refusals of polygon, disk and textured lights: see spec/refusals_spec.lua.
 
 local nan = 0 / 0
 local triangle = { { 0, 1, 0 }, { 1, 1, 0 }, { 0, 1, 1 } }

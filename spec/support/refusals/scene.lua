@@ -1,4 +1,4 @@
--- What ylm.scene, ylm.load_scene and the form refuse.
+-- Refusals of ylm.scene, ylm.load_scene and the form.
 
 local nan = 0 / 0
 

@@ -1,4 +1,4 @@
--- What counting, evaluation and reconstruction refuse: see spec/refusals_spec.lua.
+-- Refusals of counting, evaluation and reconstruction: see spec/refusals_spec.lua.
 
 local nan, inf = 0 / 0, math.huge
 

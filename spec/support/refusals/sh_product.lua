@@ -1,4 +1,4 @@
--- What products and transfer matrices refuse: see spec/refusals_spec.lua.
+-- Refusals of products and transfer matrices: see spec/refusals_spec.lua.
 
 local c = { 1, 2, 3, 4 }
 local nine = { 1, 2, 3, 4, 5, 6, 7, 8, 9 }

@@ -1,4 +1,4 @@
--- What projection, zonal functions, skies and windows refuse: see spec/refusals_spec.lua.
+-- Refusals of projection, zonal functions, skies and windows: see spec/refusals_spec.lua.
 
 local nan = 0 / 0
 local c = { 1, 2, 3, 4 }

@@ -1,4 +1,4 @@
--- What rotation and conventions refuse: see spec/refusals_spec.lua.
+-- Refusals of rotation and conventions: see spec/refusals_spec.lua.
 
 local nan, inf = 0 / 0, math.huge
 

@@ -1,4 +1,4 @@
--- What cameras, materials and rendering refuse: see spec/support/refusals in the walker's spec.
+-- Refusals of cameras, materials and rendering: see spec/refusals_spec.lua.
 
 local nan, inf = 0 / 0, 1 / 0
 

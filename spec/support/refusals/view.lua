@@ -1,4 +1,4 @@
--- What views, plots and figures refuse.
+-- Refusals of views, plots and figures.
 
 local nan, inf = 0 / 0, 1 / 0
 local sh = { { 1, 0, 0, 0 } }

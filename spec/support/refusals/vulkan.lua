@@ -1,4 +1,4 @@
--- What computing on a device refuses: see spec/refusals_spec.lua. Nothing here needs a driver.
+-- Refusals of computing on a device: see spec/refusals_spec.lua. Nothing here needs a driver.
 
 local objects = require "ylm.describe".objects
 
