@@ -91,7 +91,7 @@ extern const follower ylm__follower;
 ylm_grid *ylm__grid_new(const ylm_grid_form *form);
 /* Checks what can be checked of a form; the sentence names the field. */
 ylm_status ylm__grid_check_form(const ylm_grid_form *form, ylm_error *e);
-/* The same of a source. */
+/* Checks what can be checked of a source; the sentence names the field. */
 ylm_status ylm__grid_check_source(const ylm_grid_source *s, bool dynamic, ylm_error *e);
 /* Room for `more` cells or points beyond those there are. */
 ylm_status ylm__grid_reserve_cells(ylm_grid *g, size_t more);
@@ -211,10 +211,10 @@ typedef struct occupancy {
 } occupancy;
 ylm_status occupancy_build(occupancy *o, const ylm_grid *g, const ylm_grid_source *s,
                            uint64_t *outside);
-/* The same from the triangles of the source, which `e` is about. */
+/* Occupancy from the triangles of the source, which `e` is about. */
 ylm_status occupancy_from_surfaces(occupancy *o, const ylm_grid *g, const ylm_grid_source *s,
                                    uint64_t *outside, ylm_error *e);
-/* The same from Morton codes of the finest nodes, sorted, each once, which it takes. */
+/* Occupancy from Morton codes of the finest nodes, sorted, each once, which it takes. */
 ylm_status occupancy_take(occupancy *o, const ylm_grid *g, uint64_t *code, size_t n);
 /* Uniform grids: one byte per voxel. */
 void occupancy_mark_uniform(const ylm_grid *g, const ylm_grid_source *s, uint8_t *mark,
@@ -234,7 +234,7 @@ ylm_status ylm__grid_fill_invalid(ylm_grid *g);
 /* Splits leaves that have data until every evaluated point is a corner of all of them that it
    touches; leaves without data note how far sampling has to descend (cell.detail). */
 ylm_status ylm__grid_make_continuous(ylm_grid *g, int threads);
-/* The same for one leaf of the octree; points that it adds are not computed. */
+/* Continuity of one leaf of the octree; points that it adds are not computed. */
 ylm_status ylm__grid_continue_leaf(ylm_grid *g, uint32_t cell);
 /* The finest lattice cell on side 0 .. 7 of a point; false if that is outside of the grid. */
 bool ylm__grid_side(const ylm_grid *g, const uint32_t at[3], int side, uint32_t beside[3]);
@@ -259,7 +259,7 @@ void ylm__grid_virtual(const ylm_grid *g, uint32_t leaf, const double at[3], vir
 /* A cell's interpolant at fractions t of its edges, float; row r is [width]. Hermite. */
 void ylm__grid_interpolate(const ylm_grid *g, const ylm_grid_cell *c, const float t[3],
                            float *value, float *gradient /* [3][stride], may be NULL */);
-/* The same from 32 rows and an edge in lattice units. */
+/* An interpolant from 32 rows and an edge in lattice units. */
 void ylm__grid_mix(const ylm_grid *g, const float *const row[ROWS], uint32_t edge, const float t[3],
                    float *value, float *gradient);
 
@@ -267,7 +267,7 @@ void ylm__grid_mix(const ylm_grid *g, const float *const row[ROWS], uint32_t edg
 ylm_status ylm__grid_evaluate(const ylm_field *f, const ylm_field_query *q, size_t n,
                               const void *points, ylm_field_result *r, ylm_error *e);
 
-/* What a sampling kernel works on: up to BATCH points of one cell. */
+/* Work of a sampling kernel: up to BATCH points of one cell. */
 #define BATCH 32
 typedef struct sample_batch {
   int points, width, derivatives; /* derivatives: 0, or 1: gradients too */

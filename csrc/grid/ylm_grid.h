@@ -33,7 +33,7 @@ typedef enum ylm_grid_metric { YLM_GRID_ABSOLUTE = 0, YLM_GRID_RELATIVE = 1 } yl
 
 /* -- baking ------------------------------------------------------------------ */
 
-/* What grid to make. */
+/* The description of a grid. */
 typedef struct ylm_grid_form {
   ylm_grid_kind kind;
   double bounds[6];       /* min x y z, max x y z; max > min */
@@ -77,7 +77,7 @@ typedef struct ylm_grid_source {
   const ylm_progress *progress; /* may be NULL */
 } ylm_grid_source;
 
-/* What the last update did. */
+/* The report of the last update. */
 typedef struct ylm_grid_update_stats {
   uint64_t updates; /* since the bake; the numbers below are of the last */
   uint64_t lights;  /* that changed, appeared or vanished */
@@ -92,7 +92,7 @@ typedef struct ylm_grid_update_stats {
   bool rebaked;         /* so much changed that everything was baked anew */
 } ylm_grid_update_stats;
 
-/* What a bake did. Counts are of evaluated points unless said otherwise. */
+/* The report of a bake. Counts are of evaluated points unless said otherwise. */
 typedef struct ylm_grid_stats {
   uint64_t points;        /* evaluated, each once: N_p of the paper */
   uint64_t tested;        /* of these: only to measure a residual, at a voxel's centre */
@@ -210,11 +210,11 @@ typedef struct ylm_grid_report {
 typedef struct ylm_grid_change {
   const ylm_light_parts *lights; /* all lights as they are now */
   const ylm_field *field;        /* their field */
-  double tolerance;              /* what is left alone may be off by this, relative; 0: nothing is;
-                                    negative: an eighth of the grid's tolerance, 1e-3 if it has none */
-  bool everywhere; /* makes continuity anew everywhere, not only around points that came
+  double tolerance; /* changes of light below this, relative, are left out; 0: none are left out;
+                       negative: an eighth of the grid's tolerance, 1e-3 if it has none */
+  bool everywhere;  /* makes continuity anew everywhere, not only around points that came
                       or went: to compare */
-  int threads;     /* 0: the default */
+  int threads;      /* 0: the default */
   const ylm_progress *progress; /* may be NULL */
 } ylm_grid_change;
 
@@ -234,7 +234,7 @@ typedef struct ylm_grid_change {
 **          returns. The grid then is as it was; only where memory runs out in the very last step,
 **          twice, it is spent: ylm_grid_spent. A grid that is spent gives YLM_EINVAL.
 ** Results  bit-identical whatever the number of threads
-** Threads  nobody may read the grid meanwhile
+** Threads  the grid must not be read meanwhile
 */
 YLM_API ylm_status ylm_grid_update(ylm_grid *g, const ylm_grid_change *change, ylm_error *e);
 /* True while an update runs: the grid must not be used from its progress function. */
@@ -488,7 +488,7 @@ YLM_API ylm_status ylm_grid_track_create(size_t n, const float *points, const ui
 YLM_API void ylm_grid_track_free(ylm_grid_track *track);
 
 /*
-** Who takes samples, on any of the threads, once for each point that is sampled.
+** The receiver of samples, called on any of the threads, once for each point that is sampled.
 **
 **   announce  of the n <= 32 points `point`, whose samples come next: time to fetch what goes with
 **             them; may be NULL
@@ -530,16 +530,16 @@ YLM_API const ylm_field *ylm_grid_field(const ylm_grid *g);
 /* Writes the file (version 2, docs/grids.md) whole or not at all. Equal grids give equal bytes:
    times are not in it. YLM_EIO, YLM_ENOMEM; YLM_EFORMAT where this machine is big-endian. */
 YLM_API ylm_status ylm_grid_write(const ylm_grid *g, const char *path, ylm_error *e);
-/* The same bytes in memory; the caller frees *data with ylm_free. */
+/* Encodes the file into memory; the caller frees *data with ylm_free. */
 YLM_API ylm_status ylm_grid_encode(const ylm_grid *g, unsigned char **data, size_t *size,
                                    ylm_error *e);
 
 /*
 ** ylm_grid_read, ylm_grid_decode - a grid from a file of version 1 or 2, or from its bytes.
 **
-** Coefficients of evaluated points are those of the file, to the bit. Those of interpolated points
-** are made again (of version 1: read) by the kernel set in use: where it is that of the writer, the
-** grid samples as the one that was saved, to the bit. Times of stats are NaN.
+** Coefficients of evaluated points are those of the file, to the bit. Interpolated points are made
+** again (of version 1: read) by the kernel set in use: where it is that of the writer, the grid
+** samples as the one that was saved, to the bit. Times of stats are NaN.
 **
 ** Returns  YLM_OK; YLM_EFORMAT (no grid file, or one that cannot be), YLM_ECHECKSUM (damaged),
 **          YLM_EVERSION (a newer version, or a section that is required and not known), YLM_EIO,
@@ -558,11 +558,11 @@ typedef struct ylm_grid_file_section {
   char name[YLM_GRID_SECTION_NAME];
   uint64_t offset, size; /* bytes */
   uint32_t record;       /* bytes of one of its records */
-  bool required;         /* who does not know it cannot read the file */
+  bool required;         /* readers that do not know it refuse the file */
   bool known;            /* to this library */
 } ylm_grid_file_section;
 
-/* What a grid file says of itself. */
+/* The description of a grid file. */
 typedef struct ylm_grid_file_info {
   uint32_t version;
   uint64_t size; /* bytes of the file */

@@ -8,7 +8,8 @@
    Lambda and norm end at the largest number. */
 ylm_status ylm__field_finite(const ylm_field_query *q, size_t n, const void *points,
                              const ylm_field_result *r, ylm_error *e);
-/* The same of sphere lights, whose radiances bound their results: those are seldom looked at. */
+/* ylm__field_finite for sphere lights: their radiances bound results, which are seldom
+   inspected. */
 ylm_status ylm__lights_finite(const ylm_lights *lights, const ylm_field_query *q, size_t n,
                               const void *points, const ylm_field_result *r, ylm_error *e);
 

@@ -117,7 +117,7 @@ struct ylm_field_sum {
 /* Points of one step: results of a part are kept for as many. */
 #define STEP 256
 
-/* What is asked of a part: no more than the whole needs, in the type of the whole. */
+/* The query of a part: no more than the whole needs, in the type of the whole. */
 static ylm_field_query part_query(const ylm_field_query *q) {
   bool metric = q->want & YLM_WANT_METRIC;
   ylm_field_query part = {.lmax = q->lmax,

@@ -100,7 +100,7 @@ static bool lattice_holds(const ylm_grid *g) {
 
 /* -- finishing ----------------------------------------------------------------------------- */
 
-/* What a cell has that nobody wrote. */
+/* Fields of a cell that the caller has not written. */
 static void complete_cells(ylm_grid *g) {
   for (size_t i = 0; i < g->cells; i++) {
     g->cell[i].residual = NAN;

@@ -11,7 +11,7 @@ typedef struct cell_list {
 } cell_list;
 ylm_status cell_list_push(cell_list *list, uint32_t cell);
 
-/* What the field writes for a block of points. */
+/* Results of the field for a block of points. */
 typedef struct field_block {
   float *position, *value, *gradient, *lambda, *norm;
   float *hessian; /* [n][channels][count][6]; NULL where nobody keeps them */

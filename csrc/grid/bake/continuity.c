@@ -2,7 +2,7 @@
 ** continuity.c - no jumps across faces that change level.
 **
 ** A leaf that has an evaluated point inside of one of its faces or edges is split, until there is
-** none. A new corner that nobody evaluated takes value and gradient from the interpolant of the
+** none. A new corner that was not evaluated takes value and gradient from the interpolant of the
 ** very cell that was split, and is shared by its eight children only: an interpolant restricted
 ** to a face depends on that face's four corners (values, tangential derivatives) alone and is
 ** reproduced by its children, so two cells that share a face agree on it by induction, whatever

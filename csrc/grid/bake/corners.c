@@ -45,9 +45,10 @@ static void corner_at(const ylm_grid *g, const ylm_grid_cell *c, int k, uint32_t
 }
 
 /*
-** Corners found last, by their place on a half-edge lattice of 3 x 3 x 3: what one child of a voxel
-** has found, its brothers need not look for; eight are the parent's. A voxel of a uniform grid
-** takes its place as child 0, and over four corners from the one before it.
+** The eight children of a voxel share 27 corner positions, a half-edge lattice of 3 x 3 x 3. A
+** corner that one child has found is not looked up by its siblings; the outer eight are the
+** parent's. A voxel of a uniform grid counts as child 0 and takes four corners from its left
+** neighbour.
 */
 typedef struct family {
   uint32_t number, point[27], asked; /* asked: bits of places that were looked for */

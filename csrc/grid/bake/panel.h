@@ -22,7 +22,7 @@ typedef struct panel {
   bool known;            /* these are there */
 } panel;
 
-/* What a panel says of a grid. */
+/* The verdict of a panel about a grid. */
 typedef struct ruling {
   size_t points, failed;
   size_t stuck; /* of those that failed, in voxels of the finest level */

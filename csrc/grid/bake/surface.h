@@ -18,7 +18,7 @@ void triangle_list_get(const triangle_list *l, size_t i, double p[3][3]);
 /* Finite positions, indices in range, at least one triangle; the sentence names the mesh. */
 ylm_status ylm__grid_check_meshes(size_t meshes, const ylm_grid_mesh *mesh, ylm_error *e);
 
-/* The same surface with a copy of its meshes, for as long as it lives. */
+/* Gives a surface a copy of its meshes, which it keeps. */
 ylm_status ylm__surface_keep(ylm_grid_surface *s);
 /* The meshes that a surface is made of. */
 const ylm_grid_mesh *ylm__surface_meshes(const ylm_grid_surface *s);

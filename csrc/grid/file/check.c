@@ -115,7 +115,7 @@ static bool birth_holds(const ylm_grid *g, const ylm_grid_birth *b) {
   return true;
 }
 
-/* What a cell is interpolated from was born of coarser cells, so that it is there before. */
+/* Corners that a cell is interpolated from were born of coarser cells, so they are there before. */
 static bool ancestors_hold(const ylm_grid *g, const ylm_grid_cell *c) {
   for (int k = 0; k < 8; k++)
     if (c->corner[k] >= g->evaluated &&

@@ -16,7 +16,7 @@
 #define GRID_FILE_VERSION 2u
 #define GRID_FILE_BOUND 64u     /* sections begin at multiples of it */
 #define GRID_FILE_SECTIONS 256u /* at most */
-#define GRID_FILE_REQUIRED 1u   /* flag of a section: who does not know it cannot read the file */
+#define GRID_FILE_REQUIRED 1u   /* flag of a section: readers that do not know it refuse the file */
 #define GRID_FILE_LEAST 32u     /* bytes of any version, up to the size */
 #define GRID_FILE_CHUNK (1u << 18) /* bytes that are copied and summed while they are in cache */
 
@@ -44,7 +44,7 @@ typedef struct grid_file_form {
   uint64_t cells, octree_cells, points, evaluated;
 } grid_file_form;
 
-/* Section "stats": what the grid itself does not say, and counts for those who do not read it. */
+/* Section "stats": numbers that the grid itself lacks, and counts for readers of the header. */
 typedef struct grid_file_stats {
   uint64_t pairs, outside, verified, rounds;
   uint64_t leaves, occupied, levels, continuity, invalid, tested;
@@ -138,9 +138,10 @@ ylm_status grid_file_read_1(const char *name, const unsigned char *data, size_t 
 /* Whether cells and points of a grid that was read hold, all of whose points have their lattice
    coordinates: YLM_EFORMAT, YLM_ENOMEM where there is no room to look. */
 ylm_status grid_file_check_cells(const ylm_grid *g, const char *name, ylm_error *e);
-/* What is wrong with lambda and norm of evaluated points, or NULL. */
+/* The error in lambda and norm of evaluated points, or NULL. */
 const char *grid_file_check_points(const ylm_grid *g);
-/* The same of births, with the cells' corners within the points; cells need no check before. */
+/* The error in births, and in the range of cells' corners, or NULL; needs no check of cells
+   before. */
 const char *grid_file_check_births(const ylm_grid *g);
 /* A uniform grid's table must be in proportion to the cells that the file holds. */
 bool grid_file_table_holds(const ylm_grid *g, uint64_t cells);

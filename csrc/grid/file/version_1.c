@@ -64,7 +64,7 @@ static void header(stream *s, ylm_grid_form *f, uint64_t counts[4]) {
   numbers(s, counts, 4, sizeof *counts);
 }
 
-/* What the stats say and the grid itself does not. */
+/* Numbers of the stats that the grid itself lacks. */
 static void history(stream *s, ylm_grid_stats *t) {
   double seconds[3];
   t->pairs = number64(s);
@@ -123,7 +123,7 @@ static bool counts_hold(const stream *s, const ylm_grid *g, const uint64_t count
   return counts[0] < YLM_GRID_NONE && counts[2] < YLM_GRID_NONE;
 }
 
-/* What is wrong with the numbers of a grid that was read, or NULL. */
+/* The error in the numbers of a grid that was read, or NULL. */
 static const char *check_numbers(const ylm_grid *g) {
   bool metric = g->view.form.metric_channels != 0;
   for (size_t i = 0; i < g->points; i++)

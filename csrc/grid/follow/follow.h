@@ -59,7 +59,7 @@ typedef struct grid_dynamic {
   void *occupied_points;
   ylm_grid_surface *surface; /* of the source's meshes, with a copy of these; NULL: it has points */
 
-  /* What refinement by a tolerance has learnt: bake/tolerance.c */
+  /* The state of refinement by a tolerance: bake/tolerance.c */
   ratios ratio;
   double tight, loosest; /* now; by the bake */
   lattice_hash forced;   /* voxels that failed: update by cell_key */
@@ -119,7 +119,7 @@ typedef struct lamp_change {
 ylm_status ylm__lamps_match(const grid_dynamic *d, size_t n, const lamp *now, int64_t *origin,
                             lamp_change **changes, size_t *count);
 
-/* -- stale.c: who has to be brought up to date ----------------------------------------- */
+/* -- stale.c: points that have to be brought up to date --------------------------------- */
 
 enum { STALE_NOT, STALE_SKIPPED, STALE_SHIFT, STALE_EXACT };
 

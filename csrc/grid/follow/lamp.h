@@ -10,7 +10,7 @@
 #define NEAR 3.0      /* radii: nearer to a light that changed, all lights are summed */
 #define NEAR_FLAT 0.5 /* the same of an exact flat light, in its reaches */
 
-/* What a flat light has beside a lamp's numbers. */
+/* Data of a flat light beside a lamp's numbers. */
 typedef struct lamp_shape {
   int sides; /* 0: an ellipse */
   bool exact, clipped, marked;
@@ -88,7 +88,7 @@ static inline double lamp_distance(const lamp *l, const double p[3]) {
   for (int k = 0; k < 3; k++) s += (p[k] - l->at[k]) * (p[k] - l->at[k]);
   return sqrt(s);
 }
-/* The same from the way between two lamps that slide. */
+/* The distance from the way between two lamps that slide. */
 static inline double lamp_way_distance(const lamp *a, const lamp *b, const double p[3]) {
   return lamp_is_exact(a) ? ylm__lamp_flat_distance(a, b, p) : segment_distance(p, a->at, b->at);
 }

@@ -58,7 +58,7 @@ static lamp dark(const lamp *l) {
   return out;
 }
 
-/* The light set becomes the new one; whoever changed is a mover from now on. The arrays are changed
+/* The light set becomes the new one; lights that changed are movers from now on. Arrays are changed
    only where nothing can fail any more, `of` is the new mover_of. */
 ylm_status update_enter_changes(update *u, int32_t *of) {
   grid_dynamic *d = u->d;

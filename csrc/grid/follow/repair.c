@@ -112,7 +112,7 @@ static void drop_points(repair *r) {
   u->stats.added = r->live + u->stats.removed - r->old_evaluated;
 }
 
-/* What an interpolated point is made of. */
+/* The points that an interpolated point is made of. */
 static size_t point_bytes(const ylm_grid *g) {
   return 4 * g->stride * sizeof(float) + 3 * sizeof(uint32_t) + 2 * sizeof(float);
 }
@@ -166,7 +166,7 @@ static void place_evaluated(repair *r) {
   }
 }
 
-/* Those that were taken out fill the gaps behind them. */
+/* Points that were taken out fill the gaps behind them. */
 static void place_interpolated(repair *r) {
   ylm_grid *g = r->g;
   const grid_dynamic *d = r->u->d;

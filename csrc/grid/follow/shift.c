@@ -34,7 +34,7 @@ ylm_status update_choose_points(update *u) {
 
 /* -- differences ------------------------------------------------------------------------------- */
 
-/* What a thread works with: the field at points of a chunk, and lists of these. */
+/* Scratch of a thread: the field at points of a chunk, and lists of these. */
 typedef struct shift_work {
   float *position, *value, *gradient, *hessian; /* [CHUNK][..] */
   float *room;                                  /* [10 count] */

@@ -1,6 +1,6 @@
 /*
-** signature.c - what a sample depends on, as one number, so that whoever keeps samples of a dynamic
-** grid asks again only for those that an update has changed.
+** signature.c - what a sample depends on, as one number, so that a caller that keeps samples of a
+** dynamic grid asks again only for those that an update has changed.
 **
 ** The signature of a point is a hash of its data, that of a cell follows from its place and its
 ** corners. Equal signatures mean equal samples, whatever happened in between, but for one chance in
@@ -55,7 +55,7 @@ static uint64_t corners(const ylm_grid *g, const ylm_grid_cell *c) {
   return mix(h);
 }
 
-/* What is interpolated in a cell follows from its corners, its size and the place. */
+/* An interpolated value in a cell follows from its corners, its size and the place. */
 void ylm__dynamic_sign_births(ylm_grid *g, const ylm_grid_cell *c, size_t n,
                               const uint32_t *birth) {
   uint64_t of_cell = corners(g, c) + c->level;

@@ -1,4 +1,4 @@
-/* stale.c - bounds of what points lack, and who has to be brought up to date. */
+/* stale.c - bounds of what points lack, and which points have to be brought up to date. */
 #include "follow.h"
 
 #include <math.h>
@@ -32,10 +32,10 @@ typedef struct bounds {
 } bounds;
 
 /*
-** Bounds of a light of radiance e at distance d, of an exact flat one from its nearest point. What
-** a horizon cuts off changes with the point: the gradient gets what lies along the cut, which is as
-** long as the light at most; of the Hessian, which depends on the corners at its ends, nothing is
-** known.
+** Bounds of a light of radiance e at distance d, of an exact flat one from its nearest point. The
+** part that a horizon cuts off changes with the point: the gradient gets a term along the cut,
+** which is at most as long as the light. The Hessian depends on the corners at its ends and has no
+** bound.
 */
 static bounds bounds_at(const ylm_grid *g, const lamp *l, double e, double d) {
   const double *bound = g->dynamic->bound[lamp_kind_of(l)];

@@ -30,7 +30,7 @@ typedef struct track_block {
   bool placed;
 } track_block;
 
-/* What a thread works with. */
+/* Scratch of a thread. */
 typedef struct track_work {
   float *value; /* [BATCH][row], and room for virtual cells */
   track_run *run;
@@ -140,8 +140,8 @@ static track_run new_run(const ylm_grid *g, uint32_t found, size_t first) {
   return r;
 }
 
-/* Finds the runs of a block into `run`, which has room for all its points. Those whose signature
-   was that of before keep it: it is that of a place, so it was the same points'. */
+/* Finds the runs of a block into `run`, which has room for all its points. Runs whose signature
+   is unchanged keep it: it belongs to a place, so it was that of the same points. */
 static size_t find_runs(const track_job *j, size_t begin, size_t n, track_block *b,
                         track_run *run) {
   const ylm_grid *g = j->g;

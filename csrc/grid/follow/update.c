@@ -3,7 +3,7 @@
 **
 ** In this order: find what changed; bring points up to date whose interpolation is off by more than
 ** the tolerance; refine and merge from the root, where points that exist are not evaluated again;
-** drop what nobody needs and make the grid continuous. Until the last step everything can be taken
+** drop unused points and make the grid continuous. Until the last step everything can be taken
 ** back, so that a cancelled update leaves the grid as it was.
 */
 #include "update.h"

@@ -4,7 +4,7 @@
 
 #include "follow.h"
 
-/* What was, to be taken back. Points are those that were in the grid, interpolated ones too. */
+/* The grid before the update, to be restored. Points are all that it had, interpolated ones too. */
 typedef struct undo {
   size_t points, evaluated, cells, cell_room, movers;
   double tight;
@@ -57,7 +57,7 @@ void update_forget(update *u);
 
 /* -- movers.c --------------------------------------------------------------------------- */
 
-/* The light set becomes the new one; whoever changed is a mover from now on. The arrays are changed
+/* The light set becomes the new one; lights that changed are movers from now on. Arrays are changed
    only where nothing can fail any more, `of` is the new mover_of. */
 ylm_status update_enter_changes(update *u, int32_t *of);
 /* Forgets movers that all points have in their present state. */

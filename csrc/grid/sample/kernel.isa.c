@@ -75,7 +75,7 @@ static void mix(const sample_batch *b, const float *w, float *const *out) {
   if (b->points - p == 1) columns_of(b, rows, w + p, out + p, 1);
 }
 
-/* The same for points most of whose weights are 0, as at the middles of edges and faces: rows of
+/* The product for points most of whose weights are 0, as at the middles of edges and faces: rows of
    weight 0 are left out. */
 static void mix_few(const sample_batch *b, const float *w, float *const *out) {
   for (int p = 0; p < b->points; p++) {

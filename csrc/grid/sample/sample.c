@@ -24,7 +24,7 @@ typedef struct sampling {
   _Atomic uint64_t outside, unbaked;
 } sampling;
 
-/* What a thread works on. */
+/* Work of a thread. */
 typedef struct chunk {
   size_t first;            /* point of the whole */
   uint32_t *cell;          /* [n] the cell that is interpolated */

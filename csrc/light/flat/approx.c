@@ -16,7 +16,7 @@ static void cosine(const double *normal, const double *v, double *jet) {
   for (int k = 1; k < 4; k++) jet[k] = -jet[k]; /* by x */
 }
 
-/* What a sphere's coefficients become times c. Any of g, h may be NULL. */
+/* A sphere's coefficients times c, with derivatives. Any of g, h may be NULL. */
 static void times(size_t count, const double *c, double *value, double *gradient, double *hessian) {
   for (size_t k = 0; k < count; k++) {
     double *g = gradient ? gradient + 3 * k : NULL, *h = hessian ? hessian + 6 * k : NULL;

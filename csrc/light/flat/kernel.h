@@ -32,8 +32,8 @@ typedef struct ylm__flat_map {
 } ylm__flat_map;
 
 typedef struct ylm__flat_plan ylm__flat_plan;
-/* Adds all lights at n points: sum [n][3][10 count]. What is on a light, edge-on, far, or too near
-   to a disk's rim goes to the reference, for which k is. */
+/* Adds all lights at n points: sum [n][3][10 count]. Points on a light, edge-on, far, or too near
+   to a disk's rim go to the reference, for which k is. */
 typedef ylm_status ylm__flat_range(const ylm__flat_plan *plan, const ylm__contour *k, size_t n,
                                    const double (*x)[3], double *sum, uint8_t *inside);
 /* The kernel of an instruction set; NULL: there is none. */

@@ -22,7 +22,7 @@
 /* Points that the widest kernel sums at once. */
 #define MOST_LANES 16
 
-/* What is wanted, in derivatives. */
+/* The results that are wanted, by their derivatives. */
 static int derivatives_of(const ylm_field_query *q) {
   if (q->want & (YLM_WANT_HESSIAN | YLM_WANT_METRIC)) return 2;
   return q->want & YLM_WANT_GRADIENT ? 1 : 0;

@@ -86,7 +86,7 @@ void ylm__rows_bent(ylm__rows *to, const ylm_light_maps *m, size_t i, double *ow
     if (fabs(own[j]) > 1e-13) ylm__rows_term(to, j, own[j]);
 }
 
-/* What belongs to c, to its derivatives, to its second derivatives. */
+/* Maps of the terms with c, with its derivatives, with its second derivatives. */
 typedef struct flat {
   ylm_light_maps plain, slope, bend;
 } flat;

@@ -50,7 +50,7 @@ static size_t place(const layout *y, int kind, int k, int m) {
   return (size_t)kind * n + (size_t)(k * (k + 1) + m);
 }
 
-/* What the weight of a kind lacks: constants and the normalisation of its polynomial. */
+/* Factors that the weight of a kind lacks: constants, the normalisation of its polynomial. */
 static double weight_scale(int kind, int k) {
   if (k == 0) return 2 * M_PI;
   if (kind == 0) return M_PI;

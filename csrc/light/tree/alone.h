@@ -14,7 +14,7 @@ typedef struct NAME(light_list) {
   REAL field[YLM__FIELDS][LIST + YLM_VECTOR_BYTES] __attribute__((aligned(64)));
 } NAME(light_list);
 
-/* What one point needs. */
+/* State of one point. */
 typedef struct NAME(alone) {
   NAME(light_list) near, dim;
   V seen[YLM__TILE][3];                                           /* -u of a tile's lights */

@@ -4,7 +4,7 @@
 ** smaller blocks that it is halved into, down to packets.
 */
 
-/* So many packets as balls, up to PARTS of them. */
+/* Packets as balls, at most PARTS of them. */
 static void NAME(see_parts)(const NAME(packet) * q, size_t packets, seen_by *by) {
   size_t parts = packets < PARTS ? packets : PARTS;
   by->vectors = (int)((parts + YLM_VF - 1) / YLM_VF);

@@ -3,8 +3,8 @@
 ** moments/sum_body.h. A packet of points walks down the tree together, and sums what is far from
 ** all of them with lanes that are points (crowd.h); from nodes that are smaller than the packet and
 ** too near, each point walks on alone, with lanes that are lights (alone.h). A first walk, the
-** pilot's, finds the scales that errors are beside. What is far from a whole block of packets is
-** summed for all of them at once (far.h).
+** pilot's, finds the scales that errors refer to. Lights that are far from a whole block of packets
+** are summed for all of them at once (far.h).
 */
 
 #include "alone.h"
@@ -105,7 +105,7 @@ static void NAME(norms)(const ylm__tree_plan *p, NAME(tree_work) * k, const V do
   for (int n = 0; n < 3; n++) norm[n] = SQRT(norm[n]);
 }
 
-/* What errors a point allows, from those norms and from sums of strength u^(2+k) in scene units. */
+/* The errors that a point allows, from its norms and sums of strength u^(2+k) in scene units. */
 static void NAME(allow)(const ylm__tree_plan *p, const double norm[3], double c[YLM__STRENGTHS][3],
                         const double tail[YLM__TAILS], seen_from *from) {
   double unit = p->tree->size * p->tree->size / p->tree->total, part[3];
@@ -198,7 +198,7 @@ static REAL NAME(total)(V x) {
   return s;
 }
 
-/* What one allows, all must. */
+/* All points must keep the errors that one of them allows. */
 static void NAME(be_strict)(const seen_from *one, seen_from *all) {
   all->skip = fmaxf(all->skip, one->skip);
   for (int k = 0; k < 3; k++) {
@@ -208,7 +208,7 @@ static void NAME(be_strict)(const seen_from *one, seen_from *all) {
   }
 }
 
-/* What errors each point of a packet allows, and all of them. */
+/* The errors that each point of a packet allows, and the strictest of them. */
 static void NAME(find_scales)(const ylm__tree_plan *p, NAME(tree_work) * k, NAME(packet) * q) {
   NAME(crowd) *c = &k->crowd;
   size_t m = (size_t)p->pilot->n_lum;

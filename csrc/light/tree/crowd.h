@@ -12,7 +12,7 @@ typedef struct NAME(lamp_list) {
   LAMP lamp[CROWD];
 } NAME(lamp_list);
 
-/* What a packet needs, or the nodes of a block; sums are of all its vectors. */
+/* State of a packet, or of the nodes of a block; sums are of all its vectors. */
 typedef struct NAME(crowd) {
   NAME(lamp_list) near, dim;
   V (*xyz)[3], (*c)[YLM__STRENGTHS][3]; /* [vectors]; sums of strength u^(2+k), a packet's */

@@ -1,7 +1,7 @@
 /*
 ** far.h - what a block of points shares, for one element type; included by body.h. Lights
 ** that are far from the whole block are summed at the nodes of a grid of Chebyshev's over its box,
-** lanes being nodes; the sums of its points are interpolated from there. What is near is left to
+** lanes being nodes; the sums of its points are interpolated from there. Near lights are left to
 ** the packets of the block.
 */
 
@@ -10,14 +10,15 @@
 /* Most nodes along an axis, and fewest along the longest. */
 #define ALONG 8
 #define FEWEST 5
-/* Errors of interpolation, in parts of what errors may be: of a light at the nearest distance,
-   which few are; and of a node that makes all of the field, one that makes a part x of it having
-   that over sqrt(x). And the largest in parts of the light's own field. */
+/* How much interpolation may err, relative to the allowed error: FAR_SHARE for a single light
+   at the nearest distance (few are that near), but never more than LARGEST of that light's own
+   field; STRONG for a node that makes up the whole field, STRONG/sqrt(x) for one that makes up
+   a part x. */
 #define FAR_SHARE 16
 #define STRONG 0.5f
 #define LARGEST 0.25f
-/* What interpolation costs a point, in pairs for each node; and how much of the lights and proxies
-   that a block sums its packets would have summed. */
+/* The cost of interpolation for a point, in pairs for each node; and the part of the lights and
+   proxies of a block that its packets would have summed. */
 #define COST 0.5
 #define INSTEAD 0.4
 

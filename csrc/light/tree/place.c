@@ -9,9 +9,9 @@
 **   xxx  by the weights 1 - s x/2,
 **   xxy  by the squares x^2 -> x^2 (1 + s y).
 **
-** On a plane the tetrahedron's corners are a square's, where the same holds. What that does to
-** lower moments is undone, and what is missed then is added to s, a few times: the third moments of
-** lights, which nodes of few lights have by chance, are met.
+** On a plane the tetrahedron's corners are a square's, where the rules hold too. Changes of lower
+** moments are undone; the third moments that are then missed are added to s, a few times. So the
+** third moments of the lights, which nodes of few lights have by chance, are met.
 **
 ** Source  docs/math.md "Many lights"
 */

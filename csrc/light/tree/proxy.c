@@ -6,10 +6,10 @@
 ** weight have the geometry's moments (place.c), and with r_p^2 = sum |e| r^4/sum |e| r^2 also
 ** sum e r^4. In each colour c the emission is e_cj = w_j (E_c + h_c.y_j + k_c.phi_j)/r_p^2: A h_c =
 ** sum e_c r^2 (x - c) keeps the moments of degree 0 and 1; phi are products of two unlike
-** coordinates less what is linear in them, and k_c keeps the moments xy, xz, yz. What is missed of
-** second, third and fourth moments is measured here, node by node: with equal colours that is third
-** moments only where places could not be fitted. Of the tetrahedron, its mirror image and the cube
-** the one is taken that costs least.
+** coordinates less what is linear in them, and k_c keeps the moments xy, xz, yz. The second, third
+** and fourth moments that are missed are measured here, node by node; with equal colours third
+** moments are missed only where places could not be fitted. Of the tetrahedron, its mirror image
+** and the cube the one is taken that costs least.
 **
 ** Source  docs/math.md "Many lights"
 */
@@ -112,7 +112,7 @@ static double tensor_square(const double *m, const double *times, int n) {
   return s;
 }
 
-/* What proxies miss: [strengths][second, third], with the constants of Taylor's formula. */
+/* Moments that proxies miss: [strengths][second, third], with the constants of Taylor's formula. */
 static void find_missing(const cluster *q, proxies *p) {
   static const double plain[3] = {1, 1, 1};
   double rest[3][MOMENTS], lum[MOMENTS];
@@ -138,7 +138,7 @@ static void find_missing(const cluster *q, proxies *p) {
   }
 }
 
-/* What proxies miss of the fourth moments of geometry, with the 1/24 of Taylor's formula. */
+/* Fourth moments of geometry that proxies miss, with the 1/24 of Taylor's formula. */
 static void find_fourth(const cluster *q, proxies *p) {
   double rest[15];
   memcpy(rest, q->fourth_of, sizeof rest);
@@ -146,7 +146,7 @@ static void find_fourth(const cluster *q, proxies *p) {
   p->fourth = (MISSED * sqrt(tensor_square(rest, times4, 15)) + HIGHER * q->fourth) / 24;
 }
 
-/* What a volume of such nodes costs: proxies times the cube of the distance at which the error of
+/* The cost of a volume of such nodes: proxies times the cube of the distance at which the error of
    gradients, at lmax 4, is TYPICAL of the field. */
 static double cost(const cluster *q, const proxies *p) {
   double most = 1 / q->reach, u = 0, strength = q->strength[YLM__STRENGTH_RGB];

@@ -23,7 +23,7 @@ static ylm_status run(void *context, size_t begin, size_t end, int worker) {
   return j->range(j->plan, j->scratch + 3 * worker, begin, end, j->points, j->r);
 }
 
-/* What the pilot sums: whatever is wanted, of the strengths. */
+/* The pilot's query: all that is wanted, of the strengths. */
 static ylm_field_query pilot_query(const ylm_field_query *q) {
   bool metric = q->want & YLM_WANT_METRIC;
   ylm_field_query p = *q;

@@ -21,16 +21,17 @@
 #define YLM__MOST_PROXIES 8
 #define YLM__MANY 8    /* lights of a node that may have more than the least */
 #define YLM__PACKET 16 /* points that walk together */
-/* Fewest and most points of a block that shares what is far, of so many in all; and the most bytes
-   of sums at its nodes. */
+/* A block is a set of points for which distant lights are summed once. It has BLOCK_LEAST to
+   BLOCK_MOST points, at most 1/BLOCKS of the query; the sums at its nodes take at most
+   NODES_BYTES. */
 #define YLM__BLOCK_LEAST 256
 #define YLM__BLOCK_MOST 4096
 #define YLM__BLOCKS 64
 #define YLM__SHARING 4 /* fewest packets that share what is far */
 #define YLM__NODES_BYTES (1 << 21)
-/* Nodes that are too near, and smaller than so many radii of a packet, are left to its points if in
-   all they have more lights than a packet sums about as fast: lights (1 + their part of all lights)
-   more than WORTH, at tolerances from 0.01 on. */
+/* A node that is too near for the packet, and whose reach is below LITTLE packet radii, is handed
+   to the packet's points, which walk on alone. That pays only if such nodes hold many lights,
+   n (1 + n/all) > WORTH in all; WORTH grows as sqrt(0.01/tolerance) below 0.01. */
 #define YLM__LITTLE 2
 #define YLM__WORTH 12000
 /* Nodes whose middle is near a block, and smaller than so much of what is near, are left to its
@@ -42,7 +43,7 @@
 /* Where a field of a block of lights stands: blocks are [field][lights]. */
 enum { YLM__X, YLM__Y, YLM__Z, YLM__R, YLM__E, YLM__LUM = YLM__E + 3, YLM__FIELDS };
 
-/* What strengths are: of the norm over rgb, or of luminance. */
+/* Kinds of strengths: by the norm over rgb, or by luminance. */
 enum { YLM__STRENGTH_RGB, YLM__STRENGTH_LUM, YLM__STRENGTHS };
 
 /*

@@ -39,12 +39,13 @@ typedef struct seen_by {
   ylm_vf x[SEEN][3], radius[SEEN], allowed[SEEN][3], skip[SEEN];
 } seen_by;
 
-/* What is to be summed: lights of a leaf, four or eight proxies of a node, or one light for a node.
-   With OF_DIM added their Hessians are negligible. */
+/* Kinds of sums: lights of a leaf, four or eight proxies of a node, or one light for a node. With
+   OF_DIM added their Hessians are negligible. */
 enum { OF_LEAF, OF_FEW, OF_MANY, OF_WHOLE, OF_DIM, KINDS = 2 * OF_DIM };
 
-/* What a walk came to, kind by kind: leaves with their number of lights as in ylm__group, blocks of
-   proxies, or nodes, group times YLM__GROUP plus place. Kinds have room for what is not noted. */
+/* Results of a walk, kind by kind: leaves with their number of lights as in ylm__group, blocks of
+   proxies, or nodes, group times YLM__GROUP plus place. Lists have room for one entry that is not
+   noted. */
 typedef struct note_lists {
   size_t all, n[KINDS];
   uint32_t at[KINDS][NOTES + 1];
@@ -194,7 +195,7 @@ static void leave(tree_walk *w, node_vector *v) {
 
 #include "near.h"
 
-/* Puts each node on the stack or among the notes; without branches, which nobody could foretell. */
+/* Puts each node on the stack or among the notes; without branches, which are unpredictable. */
 YLM_INLINE void sort_nodes(tree_walk *w, const node_vector *v, const bool pilot, const bool left) {
   const ylm__group *group = w->plan->tree->group, *const *g = v->g;
   note_lists *notes = &w->notes;
