@@ -8,7 +8,8 @@ describe("spec/bench/record", function()
   teardown(function() folder:remove() end)
 
   local function record(docs, name, command)
-    local out, status = scratch.capture(("BENCH_DOCS=%s BENCH_SAYS='make bench BENCH=%s' spec/bench/record %s sh -c %s 2>&1"):format(
+    local call = "BENCH_DOCS=%s BENCH_SAYS='make bench BENCH=%s' spec/bench/record %s sh -c %s 2>&1"
+    local out, status = scratch.capture(call:format(
       docs and scratch.quote(folder.path .. "/" .. docs) or "", name, name, scratch.quote(command)))
     local file = io.open(folder.path .. "/" .. (docs or "docs") .. "/" .. name .. ".md")
     local page = file and file:read "*a"
