@@ -11,9 +11,6 @@
 #include "surface.h"
 #include "tolerance.h"
 
-#define EXTRA 8       /* one of so many points is of a voxel, one of a triangle, of any area */
-#define CANDIDATES 16 /* points by area that are drawn for each of these, to find voxels */
-
 typedef struct candidate {
   float x[3];
   uint32_t leaf;

@@ -10,8 +10,6 @@
 
 #include "tolerance.h"
 
-#define LOOKS 4 /* at a bake: of HELD_OUT points, then of twice as many, while chance decides */
-
 /* -- arrays --------------------------------------------------------------------------------- */
 
 void panel_free(panel *p) {

@@ -4,8 +4,6 @@
 #include <math.h>
 #include <string.h>
 
-#define FEW 32 /* ratios before kappa is trusted */
-
 static void ratios_add(ratios *r, double x) {
   int k = x > 0 ? (int)(2 * log2(x)) + 128 : 0;
   r->count[k < 0 ? 0 : k > 255 ? 255 : k]++;
@@ -29,9 +27,9 @@ static double metric_squared(const refiner *r, const ylm_grid_cell *c) {
 }
 
 void residual_learn(refiner *r) {
-  r->trusted = r->ratio.n >= FEW;
-  r->median = ratios_quantile(&r->ratio, 0.5);
-  r->high = ratios_quantile(&r->ratio, 0.98);
+  r->trusted = r->ratio.n >= FEW_RATIOS;
+  r->median = ratios_quantile(&r->ratio, MEDIAN_RATIO);
+  r->high = ratios_quantile(&r->ratio, HIGH_RATIO);
 }
 
 /* The error that a cell may have. */

@@ -19,8 +19,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define FIRST_TIGHT 0.35
-
 /* -- refinement -------------------------------------------------------------------------- */
 
 /* Measures what may have to be split of the wave, and splits it. */

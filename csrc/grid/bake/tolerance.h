@@ -3,9 +3,7 @@
 #define YLM_GRID_TOLERANCE_H
 
 #include "baker.h"
-
-#define HELD_OUT 2048 /* points of one verification */
-#define MAX_ROUNDS 16
+#include "calibration.h"
 
 /* A held-out point after comparison. */
 typedef struct verdict {
@@ -65,8 +63,6 @@ ylm_status verify_compare(refiner *r);
 /*
 ** True if refinement may stop. Else `tight` has grown so that the estimates of the voxels in which
 ** points failed (but for a few, which are split because of their points) exceed the tolerance.
-** It stops at 0.6 % failures instead of 1 %, so that the promise also holds for points drawn with
-** another seed.
 */
 bool verify_satisfied(refiner *r, bool *limited);
 

@@ -53,12 +53,6 @@ static int downwards(const void *a, const void *b) {
   return x > y ? -1 : x < y;
 }
 
-/*
-** True if refinement may stop. Else `tight` has grown so that the estimates of the voxels in which
-** points failed (but for a few, which are split because of their points) exceed the tolerance.
-** It stops at 0.6 % failures instead of 1 %, so that the promise also holds for points drawn with
-** another seed.
-*/
 bool verify_satisfied(refiner *r, bool *limited) {
   const ylm_grid *g = r->b->g;
   double estimates[HELD_OUT];
@@ -71,15 +65,15 @@ bool verify_satisfied(refiner *r, bool *limited) {
     else
       stuck++;
   }
-  double all = (double)n;
+  double all = (double)n, can = (double)refinable, cannot = (double)stuck;
   *limited = stuck > 0;
-  if ((double)(refinable + stuck) <= 0.006 * all || (double)refinable <= 0.001 * all) return true;
-  if ((double)stuck > 0.01 * all && (double)refinable <= 0.005 * all) return true;
-  size_t few = (size_t)(0.004 * all);
+  if (can + cannot <= ENOUGH * all || can <= ENOUGH_REFINABLE * all) return true;
+  if (cannot > PROMISED * all && can <= ENOUGH_BESIDE_STUCK * all) return true;
+  size_t few = (size_t)(LET_GO * all);
   if (refinable <= few) return false; /* the others are at the finest level */
   qsort(estimates, refinable, sizeof *estimates, downwards);
-  double wanted = 1.001 * r->tolerance / estimates[refinable - few - 1];
-  if (wanted > 1.5 * r->tight) wanted = 1.5 * r->tight;
+  double wanted = BEYOND * r->tolerance / estimates[refinable - few - 1];
+  if (wanted > STEP * r->tight) wanted = STEP * r->tight;
   if (wanted > r->tight) r->tight = wanted;
   return false;
 }

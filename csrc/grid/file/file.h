@@ -44,12 +44,27 @@ typedef struct grid_file_form {
   uint64_t cells, octree_cells, points, evaluated;
 } grid_file_form;
 
-/* Section "stats": numbers that the grid itself lacks, and counts for readers of the header. */
+/* Section "stats", named as in ylm_grid_stats: numbers that the grid itself lacks, and counts for
+   readers of the header. */
+#define GRID_FILE_STATS(X)                                                                         \
+  X(uint64_t, pairs)                                                                               \
+  X(uint64_t, outside)                                                                             \
+  X(uint64_t, verified)                                                                            \
+  X(uint64_t, rounds)                                                                              \
+  X(uint64_t, leaves)                                                                              \
+  X(uint64_t, occupied)                                                                            \
+  X(uint64_t, levels)                                                                              \
+  X(uint64_t, continuity)                                                                          \
+  X(uint64_t, invalid)                                                                             \
+  X(uint64_t, tested)                                                                              \
+  X(double, error)                                                                                 \
+  X(double, largest_error)                                                                         \
+  X(uint32_t, met)                                                                                 \
+  X(uint32_t, limited)
 typedef struct grid_file_stats {
-  uint64_t pairs, outside, verified, rounds;
-  uint64_t leaves, occupied, levels, continuity, invalid, tested;
-  double error, largest_error;
-  uint32_t met, limited;
+#define X(type, name) type name;
+  GRID_FILE_STATS(X)
+#undef X
 } grid_file_stats;
 
 _Static_assert(sizeof(grid_file_header) == 64 && sizeof(grid_file_entry) == 64 &&

@@ -135,23 +135,11 @@ static ylm_grid_form form_of(const grid_file_form *f) {
 
 /* The stats that sections describe. */
 static ylm_grid_stats stats_of(const grid_file_form *f, const grid_file_stats *t) {
-  ylm_grid_stats out = {.points = f->evaluated,
-                        .interpolated = f->points - f->evaluated,
-                        .cells = f->octree_cells,
-                        .pairs = t->pairs,
-                        .outside = t->outside,
-                        .verified = t->verified,
-                        .rounds = t->rounds,
-                        .leaves = t->leaves,
-                        .occupied = t->occupied,
-                        .levels = t->levels,
-                        .continuity = t->continuity,
-                        .invalid = t->invalid,
-                        .tested = t->tested,
-                        .error = t->error,
-                        .largest_error = t->largest_error,
-                        .met = t->met != 0,
-                        .limited = t->limited != 0};
+  ylm_grid_stats out = {
+      .points = f->evaluated, .interpolated = f->points - f->evaluated, .cells = f->octree_cells};
+#define X(type, name) out.name = t->name;
+  GRID_FILE_STATS(X)
+#undef X
   grid_file_forget_times(&out);
   return out;
 }

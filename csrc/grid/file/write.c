@@ -62,20 +62,9 @@ static void describe(writing *w) {
                              .evaluated = g->evaluated};
   memcpy(w->form.lattice, f->cells, sizeof f->cells);
   memcpy(w->form.bounds, f->bounds, sizeof f->bounds);
-  w->stats = (grid_file_stats){.pairs = t->pairs,
-                               .outside = t->outside,
-                               .verified = t->verified,
-                               .rounds = t->rounds,
-                               .leaves = t->leaves,
-                               .occupied = t->occupied,
-                               .levels = t->levels,
-                               .continuity = t->continuity,
-                               .invalid = t->invalid,
-                               .tested = t->tested,
-                               .error = t->error,
-                               .largest_error = t->largest_error,
-                               .met = t->met,
-                               .limited = t->limited};
+#define X(type, name) w->stats.name = t->name;
+  GRID_FILE_STATS(X)
+#undef X
 }
 
 /* The bytes of each section, as they lie in memory; rows are put one by one. */
