@@ -24,6 +24,7 @@ extern "C" {
 
 #define YLM_GRID_MAX_DEPTH 16
 #define YLM_GRID_NONE UINT32_MAX
+#define YLM_GRID_BLOCK 8192 /* points of one call of the field in a bake */
 
 typedef struct ylm_grid ylm_grid;
 typedef struct ylm_light_parts ylm_light_parts; /* ylm_light.h */

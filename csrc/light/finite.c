@@ -4,20 +4,23 @@
 #include <float.h>
 #include <math.h>
 
+ylm_status ylm_light_beyond(const char *what, ylm_dtype t, size_t point, const void *points,
+                            ylm_error *e) {
+  const size_t i = 3 * point;
+  return ylm_fail(e, YLM_ERANGE, "%s at point %zu, (%g, %g, %g), is beyond the range of %s", what,
+                  point + 1, ylm_get(t, points, i), ylm_get(t, points, i + 1),
+                  ylm_get(t, points, i + 2), t == YLM_DOUBLE ? "double" : "float");
+}
+
 /* Of n points with `wide` numbers each: YLM_ERANGE where one is not finite. */
 static ylm_status look(const ylm_field_query *q, const char *what, size_t n, size_t wide,
                        const void *points, const void *x, ylm_error *e) {
   size_t where;
   if (!x || ylm_all_finite(q->dtype, x, n * wide, &where)) return YLM_OK;
-  size_t p = where / wide;
-  return ylm_fail(e, YLM_ERANGE, "%s at point %zu, (%g, %g, %g), is beyond the range of %s", what,
-                  p + 1, ylm_get(q->dtype, points, 3 * p), ylm_get(q->dtype, points, 3 * p + 1),
-                  ylm_get(q->dtype, points, 3 * p + 2),
-                  q->dtype == YLM_DOUBLE ? "double" : "float");
+  return ylm_light_beyond(what, q->dtype, where / wide, points, e);
 }
 
-/* Puts the largest number for infinity: sums of squares overflow long before what they are of. */
-static void saturate(ylm_dtype t, size_t n, void *x) {
+void ylm_light_saturate(ylm_dtype t, size_t n, void *x) {
   if (!x || ylm_all_finite(t, x, n, NULL)) return;
   for (size_t i = 0; i < n; i++)
     if (isinf(ylm_get(t, x, i))) ylm_put(t, x, i, t == YLM_DOUBLE ? DBL_MAX : (double)FLT_MAX);
@@ -26,8 +29,8 @@ static void saturate(ylm_dtype t, size_t n, void *x) {
 static ylm_status look_at_metric(const ylm_field_query *q, size_t n, const void *points,
                                  const ylm_field_result *r, ylm_error *e) {
   if (!(q->want & YLM_WANT_METRIC)) return YLM_OK;
-  saturate(q->dtype, n, r->lambda);
-  saturate(q->dtype, n, r->norm);
+  ylm_light_saturate(q->dtype, n, r->lambda);
+  ylm_light_saturate(q->dtype, n, r->norm);
   ylm_status s = look(q, "the metric's lambda", n, 1, points, r->lambda, e);
   return s == YLM_OK ? look(q, "the light field's norm", n, 1, points, r->norm, e) : s;
 }
@@ -44,8 +47,8 @@ static ylm_status look_at_field(const ylm_field_query *q, size_t n, const void *
   return s;
 }
 
-ylm_status ylm__field_finite(const ylm_field_query *q, size_t n, const void *points,
-                             const ylm_field_result *r, ylm_error *e) {
+ylm_status ylm_light_finite(const ylm_field_query *q, size_t n, const void *points,
+                            const ylm_field_result *r, ylm_error *e) {
   ylm_status s = look_at_field(q, n, points, r, e);
   return s == YLM_OK ? look_at_metric(q, n, points, r, e) : s;
 }
@@ -79,6 +82,6 @@ static bool bounded(const ylm_lights *l, const ylm_field_query *q) {
 ylm_status ylm__lights_finite(const ylm_lights *lights, const ylm_field_query *q, size_t n,
                               const void *points, const ylm_field_result *r, ylm_error *e) {
   bool many = n > lights->active / 8; /* more than the lights, to look at */
-  if (!many || !bounded(lights, q)) return ylm__field_finite(q, n, points, r, e);
+  if (!many || !bounded(lights, q)) return ylm_light_finite(q, n, points, r, e);
   return look_at_metric(q, n, points, r, e);
 }

@@ -4,12 +4,7 @@
 
 #include "light.h"
 
-/* Results at n points are finite: else YLM_ERANGE, and `e` names the quantity and the first point.
-   Lambda and norm end at the largest number. */
-ylm_status ylm__field_finite(const ylm_field_query *q, size_t n, const void *points,
-                             const ylm_field_result *r, ylm_error *e);
-/* ylm__field_finite for sphere lights: their radiances bound results, which are seldom
-   inspected. */
+/* ylm_light_finite of sphere lights: their radiances bound results, which are seldom inspected. */
 ylm_status ylm__lights_finite(const ylm_lights *lights, const ylm_field_query *q, size_t n,
                               const void *points, const ylm_field_result *r, ylm_error *e);
 

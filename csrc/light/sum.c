@@ -180,7 +180,7 @@ static ylm_status evaluate(const ylm_field *f, const ylm_field_query *q, size_t 
   }
   ylm_free(one);
   ylm_free(sum);
-  return status == YLM_OK ? ylm__field_finite(q, n, points, r, e) : status;
+  return status == YLM_OK ? ylm_light_finite(q, n, points, r, e) : status;
 }
 
 static ylm_status crosses(const ylm_field *f, size_t n, const double *boxes, uint8_t *out) {

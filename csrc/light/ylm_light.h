@@ -274,6 +274,25 @@ YLM_API ylm_status ylm_field_sum_create(size_t n, const ylm_field *const *parts,
 YLM_API void ylm_field_sum_free(ylm_field_sum *sum);
 YLM_API const ylm_field *ylm_field_sum_field(const ylm_field_sum *sum);
 
+/* -- results beyond the range of their type: finite.c ------------------------------------------ */
+
+/*
+** ylm_light_finite - what every light field says of results that are too large for their type.
+**
+** Lambda and norm, where q->want has the metric, end at the largest number (ylm_light_saturate);
+** everything else that was wanted has to be finite.
+**
+** Returns  YLM_OK; YLM_ERANGE (`e` names the quantity and the first point)
+*/
+YLM_API ylm_status ylm_light_finite(const ylm_field_query *q, size_t n, const void *points,
+                                    const ylm_field_result *r, ylm_error *e);
+/* Its sentence: `what` at points[point] is beyond the range of the type. YLM_ERANGE */
+YLM_API ylm_status ylm_light_beyond(const char *what, ylm_dtype t, size_t point,
+                                    const void *points /* [..][3] */, ylm_error *e);
+/* Puts the largest number for infinity among n numbers: sums of squares overflow long before what
+   they are of. */
+YLM_API void ylm_light_saturate(ylm_dtype t, size_t n, void *x);
+
 #ifdef __cplusplus
 }
 #endif

@@ -4,7 +4,7 @@
 #include <math.h>
 #include <string.h>
 
-#define BLOCK 8192 /* points of one call of the field; its results are read while in cache */
+#define BLOCK ((size_t)YLM_GRID_BLOCK) /* results are read while in cache */
 
 /* Asks a field, and keeps the time. */
 static ylm_status ask(baker *b, const ylm_field *field, int want, int channels, size_t n,
@@ -98,15 +98,21 @@ static ylm_status store_block(void *context, size_t begin, size_t end, int worke
   return YLM_OK;
 }
 
-/* Names the first point of a block at which the field is not finite. */
-static ylm_status not_finite(const baker *b, size_t n, const field_block *k) {
-  size_t w = b->g->width, bad = 0, slope;
-  if (ylm_all_finite(YLM_FLOAT, k->value, n * w, &bad)) bad = n * w;
-  if (!ylm_all_finite(YLM_FLOAT, k->gradient, n * w * 3, &slope) && slope / 3 < bad)
-    bad = slope / 3;
-  const float *p = k->position + 3 * (bad / w < n ? bad / w : 0);
-  return ylm_fail(b->e, YLM_EDOMAIN, "the light field is not finite at (%g, %g, %g)", (double)p[0],
-                  (double)p[1], (double)p[2]);
+/* Names the first point of a block whose results, or whose rows, are beyond the range of float. */
+static ylm_status not_finite(const evaluation *j, size_t n) {
+  const field_block *k = j->block;
+  const baker *b = j->b;
+  ylm_field_query q = {.lmax = b->g->view.form.lmax,
+                       .channels = b->g->view.form.channels,
+                       .want = YLM_WANT_VALUE | YLM_WANT_GRADIENT,
+                       .dtype = YLM_FLOAT};
+  ylm_field_result r = {.value = k->value, .gradient = k->gradient};
+  ylm_status s = ylm_light_finite(&q, n, k->position, &r, b->e);
+  if (s != YLM_OK) return s;
+  size_t i = 0,
+         row = 4 * b->g->stride; /* a gradient was too large for the last bit of a position */
+  while (i + 1 < n && ylm_all_finite(YLM_FLOAT, b->g->data + point_of(j, i) * row, row, NULL)) i++;
+  return ylm_light_beyond("the light field", YLM_FLOAT, i, k->position, b->e);
 }
 
 /* Evaluates the n points of j, which fit into its block. */
@@ -117,7 +123,7 @@ static ylm_status evaluate_block(const evaluation *j, size_t n) {
   ylm_status s = evaluate_ask(b, b->source->field, n, j->block);
   if (s != YLM_OK) return s;
   s = ylm_parallel(n, 64, b->source->threads, store_block, (void *)(uintptr_t)j, NULL, NULL);
-  return s == YLM_EDOMAIN ? not_finite(b, n, j->block) : s;
+  return s == YLM_EDOMAIN ? not_finite(j, n) : s;
 }
 
 void evaluate_free_block(field_block *k) {

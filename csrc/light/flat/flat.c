@@ -144,7 +144,7 @@ ylm_status ylm_polygons_evaluate(const ylm_polygons *p, ylm_isa isa, const ylm_f
   ylm__merged_free(&j.merged);
   if (s != YLM_OK) return ylm_fail(e, s, "%s", ylm_status_text(s));
   r->pairs += (uint64_t)n * p->n;
-  return ylm__field_finite(q, n, points, r, e);
+  return ylm_light_finite(q, n, points, r, e);
 }
 
 static ylm_status evaluate(const ylm_field *f, const ylm_field_query *q, size_t n,

@@ -195,18 +195,54 @@ static ylm_status pass(gpu_points *p, const sum_plan *plan, const ylm_field_quer
   return s == YLM_OK ? steps_run(&p->q) : s;
 }
 
-/* Names the point whose field is not finite, if there is one. */
-static ylm_status check_finite(gpu_points *p) {
-  uint32_t bad, key[2], lattice[3];
-  double at[3];
+/* Arrays of the host's, for a block of points at which the field is not finite. */
+typedef struct bad_block {
+  uint32_t (*key)[2];
+  float *position, *value, *gradient;
+} bad_block;
+
+/* The field at n points from `first` on, once more, for what there is to say. */
+static ylm_status look_again(gpu_points *p, uint32_t first, uint32_t n, const bad_block *k) {
+  ylm_field_query q = query_of(p);
+  ylm_field_result r = {.value = k->value, .gradient = k->gradient};
+  const ylm_field *field = ylm_gpu_lights_field(p->l);
+  bool busy = p->l->busy;
+  q.want = YLM_WANT_VALUE | YLM_WANT_GRADIENT;
+  ylm_status s = ylm_gpu_download(p->key, 8 * (uint64_t)first, 8 * (uint64_t)n, k->key, p->e);
+  for (uint32_t i = 0; s == YLM_OK && i < n; i++) {
+    uint32_t lattice[3];
+    double at[3];
+    points_unpack(k->key[i], lattice);
+    ylm_grid_position(p->grid, lattice, at);
+    for (int a = 0; a < 3; a++) k->position[3 * i + (uint32_t)a] = (float)at[a];
+  }
+  p->l->busy = false; /* the evaluation that failed is over */
+  if (s == YLM_OK) s = field->evaluate(field, &q, n, k->position, &r, p->e);
+  p->l->busy = busy;
+  return s == YLM_OK ? ylm_light_finite(&q, n, k->position, &r, p->e) : s;
+}
+
+/* Says at which of the points from `begin` to `end` the field is not finite, if there is one, as
+   the processor does, which asks for blocks of them. */
+static ylm_status check_finite(gpu_points *p, uint32_t begin, uint32_t end) {
+  uint32_t bad;
   ylm_status s = ylm_gpu_download(p->bad, 0, 4, &bad, p->e);
   if (s != YLM_OK || !bad) return s;
-  s = ylm_gpu_download(p->key, 8 * (uint64_t)~bad, 8, key, p->e);
-  if (s != YLM_OK) return s;
-  points_unpack(key, lattice);
-  ylm_grid_position(p->grid, lattice, at);
-  return ylm_fail(p->e, YLM_EDOMAIN, "the light field is not finite at (%g, %g, %g)", at[0], at[1],
-                  at[2]);
+  uint32_t first = begin + (~bad - begin) / YLM_GRID_BLOCK * YLM_GRID_BLOCK;
+  uint32_t n = end - first < YLM_GRID_BLOCK ? end - first : YLM_GRID_BLOCK;
+  bad_block k = {ylm_alloc(n, sizeof *k.key), ylm_alloc(n, 3 * sizeof(float)),
+                 ylm_alloc(n, p->width * sizeof(float)),
+                 ylm_alloc(n, 3 * (size_t)p->width * sizeof(float))};
+  s = k.key && k.position && k.value && k.gradient
+          ? look_again(p, first, n, &k)
+          : ylm_fail(p->e, YLM_ENOMEM, "%s", ylm_status_text(YLM_ENOMEM));
+  if (s == YLM_OK)
+    s = ylm_light_beyond("the light field", YLM_FLOAT, ~bad - first, k.position, p->e);
+  ylm_free(k.key);
+  ylm_free(k.position);
+  ylm_free(k.value);
+  ylm_free(k.gradient);
+  return s;
 }
 
 bool points_forward(void *user, uint64_t done, uint64_t total, const char *stage) {
@@ -236,7 +272,7 @@ ylm_status points_evaluate(gpu_points *p, uint32_t n, const ylm_progress *progre
     if (s == YLM_OK) p->points += now;
   }
   if (s == YLM_OK) s = steps_run(&p->q);
-  if (s == YLM_OK) s = check_finite(p);
+  if (s == YLM_OK) s = check_finite(p, begin, p->points);
   p->q.n = 0;
   if (s != YLM_OK) p->points = begin;
   if (s == YLM_OK && *full)

@@ -34,6 +34,8 @@ ylm_status points_extra(gpu_points *p, uint32_t first, uint32_t n, float *lambda
     }
   }
   points_copied(p, "download", start);
+  if (s == YLM_OK) ylm_light_saturate(YLM_FLOAT, n, lambda);
+  if (s == YLM_OK) ylm_light_saturate(YLM_FLOAT, n, norm);
   ylm_free(extra);
   return s;
 }
