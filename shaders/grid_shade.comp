@@ -1,5 +1,5 @@
 /*
-** Radiance of shading points under a grid: its interpolant, dotted with transfer vectors, times albedo/pi. A group has
+** Radiance of shading points under a grid: its interpolant, dotted with transfer vectors, and what materials make of it. A group has
 ** CHUNK points in the order of cells, an invocation for each; a cell's numbers (10 kB at lmax 4 in rgb) are read into
 ** shared memory once for the run of points in it. shaders/gen/interpolation.glsl has the 32 weights of the corners.
 */
@@ -9,7 +9,7 @@
 #include "grid.glsl"
 
 layout(constant_id = 2) const uint CHANNELS = 3;
-layout(constant_id = 5) const bool ALBEDO = false;
+layout(constant_id = 5) const bool MATERIAL = false;
 
 PUSH {
   uint first;
@@ -20,7 +20,7 @@ PUSH {
 #include "grid_data.glsl"
 
 layout(set = 0, binding = 7) readonly buffer Transfer { float transfer[]; };  /* [n][row] */
-layout(set = 0, binding = 8) readonly buffer Albedo { float albedo[]; };      /* [n][3] */
+layout(set = 0, binding = 8) readonly buffer Material { float material[]; };  /* [n][3]: rows of matte ones */
 layout(set = 0, binding = 9) writeonly buffer Radiance { float radiance[]; }; /* [n][3] */
 
 /* Fours of numbers of a coefficient; coefficients in shared memory at once. */
@@ -31,7 +31,7 @@ shared vec4 corners[TILE * PITCH];
 float weight[32];
 
 #include "grid_weights.glsl"
-#include "gen/picture.glsl"
+#include "gen/material.glsl"
 
 /* Numbers begin .. begin+tile-1 of a cell, of all channels after one another, to shared memory. */
 void load(uint k, uint begin, uint tile) {
@@ -87,6 +87,6 @@ void main() {
   if (!here) return;
   for (uint c = 0; c < 3; c++) {
     float s = sum[CHANNELS == 1 ? 0 : c];
-    radiance[3 * i + c] = ALBEDO ? matte_radiance(s, albedo[3 * i + c]) : s;
+    radiance[3 * i + c] = MATERIAL ? matte_radiance(s, material[3 * i + c]) : s;
   }
 }

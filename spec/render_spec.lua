@@ -77,7 +77,7 @@ describe("a picture", function()
     local d, r = 9, 0.1
     local image = card(0.01, 0.05):reference { size = { 2, 2 }, samples = 4, visibility = "none", lmax = 10 }
     -- To lmax 10 the clamped cosine is 1.01023 at its peak: the sum of A_l (2l+1) / 4pi.
-    local A, peak = require("ylm.c.scene").material_cosine(10), 0
+    local A, peak = require("ylm.c.core").material_transfer("matte", 10), 0
     for l = 0, 10 do peak = peak + A:get(l + 1) * (2 * l + 1) / (4 * pi) end
     local E = peak * pi * (r / d) ^ 2
     local got, wanted = image:layer()[1][1]:totable(), { 0.5 * 100 * E / pi, 0.25 * 200 * E / pi, 0.125 * 300 * E / pi }

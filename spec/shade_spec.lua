@@ -6,19 +6,18 @@ local lib = require "ylm.c.scene"
 
 local pi, sqrt = math.pi, math.sqrt
 
---- Records of spec/data/irradiance.txt: zonal coefficients by l, and lights over plane elements.
+--- Records of spec/data/irradiance.txt: lights over plane elements.
 local function records()
-  local zonal, elements = {}, {}
+  local elements = {}
   for line in io.lines "spec/data/irradiance.txt" do
     local t = {}
     for word in line:gmatch "%S+" do t[#t + 1] = tonumber(word) or word end
-    if t[1] == "A" then zonal[t[2]] = t[3]
-    elseif t[1] == "E" then
+    if t[1] == "E" then
       elements[#elements + 1] = { kind = t[2], x = { t[3], t[4], t[5] }, y = { t[6], t[7], t[8] }, r = t[9],
         n = { t[10], t[11], t[12] }, value = t[13], sh = { [2] = t[14], [4] = t[15], [8] = t[16] } }
     end
   end
-  return zonal, elements
+  return elements
 end
 
 local function cross(a, b)
@@ -73,16 +72,10 @@ local function small_scene()
 end
 
 describe("the clamped cosine", function()
-  it("has the zonal coefficients of spec/data/irradiance.txt", function()
-    local zonal = records()
-    local a = lib.material_cosine(20)
-    for l = 0, 20 do assert.near(zonal[l], a:get(l + 1), 1e-15) end
-  end)
-
   it("is the transfer vector of a surface that nothing shadows: A Y(n)", function()
     local n = unit { 0.3, 0.8, -0.5 }
     local view = element({ 0, 0, 0 }, n, {}):prepare(with(one_pixel, { visibility = "none", lmax = 6 }))
-    local Y, a = ylm.sh.eval(6, { n }), lib.material_cosine(6)
+    local Y, a = ylm.sh.eval(6, { n }), core.material_transfer("matte", 6)
     local wanted = ylm.zeros { 1, 49 }
     for l = 0, 6 do
       for m = -l, l do
@@ -174,7 +167,7 @@ end)
 
 describe("shading", function()
   it("gives the irradiance of spec/data/irradiance.txt at lmax 2, 4, 8, unshadowed", function()
-    local _, elements = records()
+    local elements = records()
     for i = 1, #elements do
       local e = elements[i]
       local lamp = ylm.sphere_light { at = e.y, radius = e.r, radiance = 1 }
@@ -366,7 +359,7 @@ end)
 
 describe("ray casting", function()
   it("finds the closed form of a lamp above the horizon, and numerical integrals of one that it cuts", function()
-    local _, elements = records()
+    local elements = records()
     for i = 1, #elements do
       local e = elements[i]
       local s = element(e.x, e.n, { ylm.sphere_light { at = e.y, radius = e.r, radiance = 1 } })

@@ -1,18 +1,21 @@
 local ylm = require "ylm"
+local core = require "ylm.c.core"
 local lib = require "ylm.c.scene"
 
 local none = {}
 
 --- A traced scene of geometry and lamps {x, y, z, radius}.
 local function traced(geometry, lamps)
-  local meshes, albedos, occludes = {}, {}, {}
-  for i, g in ipairs(geometry) do meshes[i], albedos[i], occludes[i] = g.mesh, { 1, 1, 1 }, g.occludes end
+  local meshes, materials, occludes = {}, {}, {}
+  for i, g in ipairs(geometry) do
+    meshes[i], materials[i], occludes[i] = g.mesh, core.material_create("matte", { 1, 1, 1 }), g.occludes
+  end
   local at, radius, radiance = {}, {}, {}
   for i, l in ipairs(lamps or none) do
     at[i], radius[i], radiance[i] = { l[1], l[2], l[3] }, l[4], { 1, 1, 1 }
   end
   local n = #at
-  return assert(lib.scene_create(meshes, albedos, occludes, n > 0 and ylm.array(at) or ylm.zeros { 0, 3 },
+  return assert(lib.scene_create(meshes, materials, occludes, n > 0 and ylm.array(at) or ylm.zeros { 0, 3 },
     n > 0 and ylm.array(radius) or ylm.zeros { 0 }, n > 0 and ylm.array(radiance) or ylm.zeros { 0, 3 }))
 end
 

@@ -45,6 +45,7 @@
   X(sh_project)                                                                                    \
   X(image)                                                                                         \
   X(image_ops)                                                                                     \
+  X(material)                                                                                      \
   X(mesh)
 
 #define YLML_SCENE_BINDINGS(X)                                                                     \
@@ -163,19 +164,22 @@ ylmL_array *ylmL_array_check(lua_State *L, int i);
 /* The open array at `i`, or NULL where `i` is nil or none; raises otherwise. */
 ylmL_array *ylmL_array_opt(lua_State *L, int i);
 
-/* -- images and meshes: csrc/lua/binding_objects.c, compiled into every binding -- */
+/* -- images, meshes, materials: csrc/lua/binding_objects.c, compiled into every binding -- */
 
 #define YLM_IMAGE "ylm.image"
 #define YLM_MESH "ylm.mesh"
+#define YLM_MATERIAL "ylm.material"
 
 /* An object without an image yet, on the stack: the caller fills the address returned, which the
    object then owns. ylmL_no_memory where memory runs out, so call it before making the image. */
 struct ylm_image **ylmL_image_new(lua_State *L);
 /* The image at `i`; raises if there is none or it has been closed. */
 struct ylm_image *ylmL_image_check(lua_State *L, int i);
-/* ylmL_image_new and ylmL_image_check for meshes. */
+/* ylmL_image_new and ylmL_image_check for meshes, and for materials. */
 struct ylm_mesh **ylmL_mesh_new(lua_State *L);
 struct ylm_mesh *ylmL_mesh_check(lua_State *L, int i);
+struct ylm_material **ylmL_material_new(lua_State *L);
+struct ylm_material *ylmL_material_check(lua_State *L, int i);
 /* Lets go of the image or mesh at 1. */
 int ylmL_object_close(lua_State *L);
 /* An array over memory of the image or mesh at `i`, which it keeps alive; ylmL_no_memory where

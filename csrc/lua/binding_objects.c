@@ -1,9 +1,11 @@
 /*
-** binding_objects.c - images and meshes as Lua objects; arrays over their memory keep them alive.
+** binding_objects.c - images, meshes and materials as Lua objects; arrays over their memory keep
+** them alive.
 */
 #include "binding.h"
 #include "ylm_geom.h"
 #include "ylm_image.h"
+#include "ylm_material.h"
 
 #include <stdlib.h>
 
@@ -52,6 +54,7 @@ static shared *check_object(lua_State *L, int i, const char *type) {
 
 static void destroy_image(void *image) { ylm_image_free(image); }
 static void destroy_mesh(void *mesh) { ylm_mesh_free(mesh); }
+static void destroy_material(void *material) { ylm_material_free(material); }
 
 ylm_image **ylmL_image_new(lua_State *L) {
   return (ylm_image **)(void *)&new_object(L, YLM_IMAGE, destroy_image)->object;
@@ -64,6 +67,14 @@ ylm_mesh **ylmL_mesh_new(lua_State *L) {
 }
 
 ylm_mesh *ylmL_mesh_check(lua_State *L, int i) { return check_object(L, i, YLM_MESH)->object; }
+
+ylm_material **ylmL_material_new(lua_State *L) {
+  return (ylm_material **)(void *)&new_object(L, YLM_MATERIAL, destroy_material)->object;
+}
+
+ylm_material *ylmL_material_check(lua_State *L, int i) {
+  return check_object(L, i, YLM_MATERIAL)->object;
+}
 
 ylmL_array *ylmL_object_array(lua_State *L, int i, ylm_dtype t, int axes, const size_t *shape,
                               void *data) {

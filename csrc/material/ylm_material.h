@@ -1,7 +1,18 @@
 /*
-** ylm_material.h - how surfaces reflect, as data, and as zonal coefficients.
+** ylm_material.h - how surfaces reflect: kinds of materials, and what each does with light.
+**
+** A material is of a kind and is described by the kind's numbers. The kinds, each a file of its
+** name:
+**
+** | kind  | numbers | unit | range  |                                                       |
+** | ----- | ------- | ---- | ------ | ----------------------------------------------------- |
+** | matte | [3]     | 1    | 0 .. 1 | reflected over incident flux, linear Rec. 709; the    |
+** |       |         |      |        | same radiance in every direction (Lambertian)         |
 **
 ** A material knows nothing of scenes, meshes or rays.
+**
+** Ownership   materials are reference counted
+** Threads     materials do not change: any number of threads may ask at once
 */
 #ifndef YLM_MATERIAL_H
 #define YLM_MATERIAL_H
@@ -12,45 +23,70 @@
 extern "C" {
 #endif
 
-/*
-** A matte (Lambertian) surface: the same radiance in every direction.
-**
-** | field  | unit | range  | meaning                                        |
-** | ------ | ---- | ------ | ---------------------------------------------- |
-** | albedo | 1    | 0 .. 1 | reflected over incident flux, linear Rec. 709  |
-**
-** Radiance leaving it is albedo / pi times irradiance.
-**
-**     matte { albedo = { 0.63, 0.06, 0.05 } }
-*/
-typedef struct ylm_material {
-  float albedo[3];
-} ylm_material;
+/* -- kinds ------------------------------------------------------------------- */
 
-/* The highest degree of ylm_material_cosine. */
+/* How many kinds there are, counted from 0; their names; the kind of a name, -1: none. */
+YLM_API int ylm_material_kinds(void);
+YLM_API const char *ylm_material_kind_name(int kind);
+YLM_API int ylm_material_kind_find(const char *name);
+
+/* The highest degree of ylm_material_transfer. */
 #define YLM_MATERIAL_LMAX 1000
 
-/* YLM_OK, or YLM_EDOMAIN naming the channel where an albedo is not in 0 .. 1. */
-YLM_API ylm_status ylm_material_check(const ylm_material *m, ylm_error *e);
-
 /*
-** ylm_material_cosine - zonal coefficients of the clamped cosine.
+** ylm_material_transfer - what transfer vectors weigh light with, on surfaces of a kind.
 **
-**   a[l] = 2 pi * integral of t P_l(t) over 0 <= t <= 1
-**
-** so that max(0, n.s) = sum over l, m of a[l] Y_lm(n) Y_lm(s), and the irradiance of a surface
-** with normal n under a light field L is the sum of a[l] L_lm Y_lm(n).
+** These are zonal coefficients about the normal n: with A = sum over l, m of a[l] Y_lm(n) Y_lm(s),
+** light L from directions s where it is not occluded counts as the integral of A L. Of matte
+** surfaces A is max(0, n.s), and the sum of a[l] L_lm Y_lm(n) their irradiance.
 **
 **   lmax  in   0 .. YLM_MATERIAL_LMAX
 **   a     out  [lmax+1]   sr
 **
 ** Returns  YLM_OK; YLM_ERANGE (lmax)
-** Accuracy 4e-16 relative (lmax 20)
+** Accuracy 4e-16 relative (matte, lmax 20)
 ** Cost     O(lmax), no allocation, thread-safe
 ** Source   Ramamoorthi & Hanrahan 2001, "An Efficient Representation for Irradiance Environment
-**          Maps", Eq. 7; here as the recurrence a[l+2] = -a[l] (l-1)/(l+4) of even l
+**          Maps", Eq. 7
 */
-YLM_API ylm_status ylm_material_cosine(int lmax, double *a);
+YLM_API ylm_status ylm_material_transfer(int kind, int lmax, double *a);
+
+/* -- materials --------------------------------------------------------------- */
+
+typedef struct ylm_material ylm_material;
+
+/* The most numbers that describe a material. */
+#define YLM_MATERIAL_NUMBERS 3
+
+/* A material of a kind from the n numbers that describe it. YLM_OK; YLM_EINVAL (no such kind, or
+   another number of them), YLM_EDOMAIN naming what is out of range, YLM_ENOMEM. */
+YLM_API ylm_status ylm_material_create(int kind, size_t n, const float *numbers, ylm_material **m,
+                                       ylm_error *e);
+/* The same material, to be freed once more. */
+YLM_API const ylm_material *ylm_material_keep(const ylm_material *m);
+YLM_API void ylm_material_free(const ylm_material *m);
+YLM_API int ylm_material_kind(const ylm_material *m);
+
+/* Reflected over incident flux, where light comes from everywhere alike. */
+YLM_API void ylm_material_albedo(const ylm_material *m, float albedo[3]);
+
+/* In place, products of n transfer vectors with light to the radiance that leaves: light [n][3]. */
+YLM_API void ylm_material_radiance(const ylm_material *m, size_t n, float *light);
+
+/* The radiance that leaves, from irradiance whose directions are not told apart. */
+YLM_API void ylm_material_reflect(const ylm_material *m, const double irradiance[3],
+                                  float radiance[3]);
+
+/* -- for kernels elsewhere --------------------------------------------------- */
+
+#define YLM_MATERIAL_ROW 3
+
+/* The material as a row of numbers [YLM_MATERIAL_ROW], from which shaders (gen/material.glsl) make
+   radiance of products as ylm_material_radiance does. YLM_OK; YLM_EMISSING: no shader has the kind.
+ */
+YLM_API ylm_status ylm_material_row(const ylm_material *m, float *row, ylm_error *e);
+/* As those shaders do: in place, the product of a transfer vector with light to radiance. */
+YLM_API void ylm_material_row_radiance(const float *row, float light[3]);
 
 #ifdef __cplusplus
 }

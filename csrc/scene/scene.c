@@ -32,13 +32,11 @@ static void mean_normals(scene_mesh *m) {
 
 static ylm_status copy_mesh(scene_mesh *m, size_t i, const ylm_scene_mesh *in, ylm_error *e) {
   size_t where;
-  ylm_status s = ylm_material_check(&in->material, e);
-  if (s != YLM_OK) return s;
   if (in->normals && !ylm_all_finite(YLM_FLOAT, in->normals, 3 * in->vertices, &where))
     return ylm_fail(e, YLM_EDOMAIN, "mesh %zu: normal %zu is not finite", i + 1, where / 3 + 1);
   m->vertices = in->vertices;
   m->count = in->count;
-  m->material = in->material;
+  m->material = ylm_material_keep(in->material);
   m->smooth = in->normals != NULL;
   m->position = ylm_alloc(in->vertices, 12);
   m->normal = ylm_alloc(in->vertices, 12);
@@ -133,6 +131,7 @@ void ylm_scene_free(ylm_scene *s) {
     ylm_free(s->mesh[i].position);
     ylm_free(s->mesh[i].normal);
     ylm_free(s->mesh[i].triangle);
+    ylm_material_free(s->mesh[i].material);
   }
   for (int a = 0; a < 4; a++) ylm_free(s->lamp[a]);
   ylm_free(s->lamp_luminance);
@@ -162,9 +161,7 @@ const ylm_trace *ylm_scene_trace(const ylm_scene *s) { return s->trace; }
 
 size_t ylm_scene_meshes(const ylm_scene *s) { return s->meshes; }
 
-const ylm_material *ylm_scene_material(const ylm_scene *s, size_t m) {
-  return &s->mesh[m].material;
-}
+const ylm_material *ylm_scene_material(const ylm_scene *s, size_t m) { return s->mesh[m].material; }
 
 const uint32_t *ylm_scene_triangle(const ylm_scene *s, size_t m, size_t element) {
   return &s->mesh[m].triangle[3 * element];

@@ -12,7 +12,7 @@ typedef struct scene_mesh {
   uint32_t *triangle;       /* [count][3]    */
   size_t vertices, count, first_vertex;
   bool smooth;
-  ylm_material material;
+  const ylm_material *material;
 } scene_mesh;
 
 /* A texture as copied. */

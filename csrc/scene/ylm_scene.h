@@ -33,8 +33,8 @@ typedef struct ylm_scene_mesh {
   size_t vertices;
   const uint32_t *triangles; /* [count][3]     < vertices                               */
   size_t count;
-  ylm_material material;
-  bool occludes; /* false: seen, but never in the way of light */
+  const ylm_material *material; /* kept: reference counted */
+  bool occludes;                /* false: seen, but never in the way of light */
 } ylm_scene_mesh;
 
 /* An image on a parallelogram, which emits it to both sides. */
@@ -59,8 +59,8 @@ typedef struct ylm_scene_lamps {
   const ylm_scene_texture *texture;
 } ylm_scene_lamps;
 
-/* YLM_OK; YLM_EINVAL, YLM_EDOMAIN, YLM_EOVERFLOW, YLM_ENOMEM, YLM_EDEVICE as ylm_trace_create and
-   ylm_material_check say. */
+/* YLM_OK; YLM_EINVAL, YLM_EDOMAIN, YLM_EOVERFLOW, YLM_ENOMEM, YLM_EDEVICE as ylm_trace_create
+   says. */
 YLM_API ylm_status ylm_scene_create(size_t meshes, const ylm_scene_mesh *mesh,
                                     const ylm_scene_lamps *lamps, ylm_scene **scene, ylm_error *e);
 YLM_API void ylm_scene_free(ylm_scene *scene);

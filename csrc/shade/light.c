@@ -1,7 +1,6 @@
 /* light.c - radiance of shading points: transfer vector times light. */
 #include <stdatomic.h>
 
-#include "gen/picture.h"
 #include "view.h"
 #include "ylm_sh.h"
 
@@ -33,9 +32,9 @@ void ylm__shade_points(const ylm_shade_view *v, ylm_shade_dot_fn *dot, size_t fi
     dot_double(count, n, x->channels, row, T, given, x->L, out);
   else
     dot(count, n, x->channels, NULL, row, T, given, (size_t)x->channels * given, x->L, out);
-  for (size_t i = 0; i < n; i++) {
-    const float *albedo = ylm__shade_material(v, first + i)->albedo;
-    for (size_t c = 0; c < 3; c++) out[3 * i + c] = matte_radiance(out[3 * i + c], albedo[c]);
+  for (size_t i = 0, behind; i < n; i = behind) {
+    for (behind = i + 1; behind < n && v->mesh[first + behind] == v->mesh[first + i];) behind++;
+    ylm_material_radiance(ylm__shade_material(v, first + i), behind - i, out + 3 * i);
   }
 }
 
@@ -44,11 +43,8 @@ void ylm__shade_some(const ylm_shade_view *v, ylm_shade_dot_fn *dot, size_t n,
   size_t row = ylm_sh_count(v->o.lmax), given = ylm_sh_count(x->lmax);
   dot(row < given ? row : given, n, x->channels, point, row, v->transfer, given, l_point, x->L,
       out);
-  for (size_t i = 0; i < n; i++) {
-    const float *albedo = ylm__shade_material(v, point[i])->albedo;
-    float *to = out + 3 * point[i];
-    for (int c = 0; c < 3; c++) to[c] = matte_radiance(to[c], albedo[c]);
-  }
+  for (size_t i = 0; i < n; i++)
+    ylm_material_radiance(ylm__shade_material(v, point[i]), 1, out + 3 * point[i]);
 }
 
 /* -- any field ------------------------------------------------------------------ */

@@ -14,12 +14,14 @@
 
 typedef struct trial {
   size_t n, count;
+  uint32_t *mesh;                                   /* [n]        */
   float (*position)[3], (*normal)[3], (*origin)[3]; /* [n]        */
   float *light;                                     /* [n][count] */
   float *T[2];                                      /* [n][count] */
 } trial;
 
 static void trial_free(trial *x) {
+  ylm_free(x->mesh);
   ylm_free(x->position);
   ylm_free(x->normal);
   ylm_free(x->origin);
@@ -36,15 +38,17 @@ static ylm_status trial_create(const ylm_shade_view *v, trial *x, ylm_error *e) 
   if (n > v->points) n = v->points;
   x->n = n;
   x->count = ylm_sh_count(v->o.lmax);
+  x->mesh = ylm_alloc(n, sizeof *x->mesh);
   x->position = ylm_alloc(n, sizeof *x->position);
   x->normal = ylm_alloc(n, sizeof *x->normal);
   x->origin = ylm_alloc(n, sizeof *x->origin);
   x->light = ylm_alloc(n, x->count * sizeof(float));
   for (int k = 0; k < 2; k++) x->T[k] = ylm_alloc(n, x->count * sizeof(float));
-  if (!x->position || !x->normal || !x->origin || !x->light || !x->T[0] || !x->T[1])
+  if (!x->mesh || !x->position || !x->normal || !x->origin || !x->light || !x->T[0] || !x->T[1])
     return YLM_ENOMEM;
   for (size_t i = 0; i < n; i++) {
     size_t p = (size_t)(((double)i + 0.5) / (double)n * (double)v->points);
+    x->mesh[i] = v->mesh[p];
     memcpy(x->position[i], v->position[p], 12);
     memcpy(x->normal[i], v->normal[p], 12);
     memcpy(x->origin[i], v->origin[p], 12);
@@ -90,7 +94,7 @@ static ylm_status trial_trace(const ylm_shade_view *v, trial *x, int samples, ui
     other.o.transfer_samples = samples;
     other.o.seed = ~v->o.seed - (uint64_t)k;
     other.o.progress = NULL;
-    s = ylm__shade_transfer(&other, true, x->n, (const float(*)[3])x->normal,
+    s = ylm__shade_transfer(&other, true, x->n, x->mesh, (const float(*)[3])x->normal,
                             (const float(*)[3])x->origin, x->T[k], rays);
   }
   return s;

@@ -60,7 +60,8 @@ static size_t look(const job *j, size_t k, const scratch *s, double *out) {
   ylm_rng rng;
   ylm_rng_seed(&rng, v->o.seed ^ STREAMS, k);
   size_t point = choose(j, k, &rng, &entry);
-  const float *albedo = ylm__shade_material(v, point)->albedo;
+  float albedo[3];
+  ylm_material_albedo(ylm__shade_material(v, point), albedo);
   size_t n = ylm_scene_aim(s->lamps, v->origin[point], v->normal[point], j->samples, &rng,
                            s->to_lamp, s->value);
   memset(out, 0, LIGHTS * sizeof *out);

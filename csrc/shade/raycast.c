@@ -4,7 +4,6 @@
 
 #include "view.h"
 
-#define PI 3.14159265358979323846
 #define GRAIN 32
 
 typedef struct job {
@@ -45,10 +44,9 @@ static ylm_status run(void *context, size_t begin, size_t end, int worker) {
                .value = ylm_alloc(samples, 12)};
   ylm_status status = s.lamps && s.ray && s.value ? YLM_OK : YLM_ENOMEM;
   for (size_t i = begin; status == YLM_OK && i < end; i++) {
-    const float *albedo = ylm__shade_material(j->view, i)->albedo;
     double E[3];
     rays += gather(j, i, &s, E);
-    for (int c = 0; c < 3; c++) j->out[3 * i + (size_t)c] = (float)(E[c] / PI) * albedo[c];
+    ylm_material_reflect(ylm__shade_material(j->view, i), E, j->out + 3 * i);
   }
   ylm_scene_chooser_free(s.lamps);
   ylm_free(s.ray);

@@ -1,4 +1,5 @@
-/* transfer.c - SH coefficients of cosine times visibility. */
+/* transfer.c - SH coefficients of what a material weighs light with (matte: the clamped cosine),
+   times visibility. */
 #include <math.h>
 #include <stdatomic.h>
 #include <string.h>
@@ -13,9 +14,10 @@
 typedef struct job {
   const ylm_shade_view *view;
   bool shadows;
+  const uint32_t *mesh;
   const float (*normal)[3], (*origin)[3];
   float *transfer;
-  double *cosine;   /* [lmax+1] zonal coefficients   */
+  double *zonal;    /* [kinds of materials][lmax+1]: ylm_material_transfer */
   float (*disk)[2]; /* [samples] cos and sin of the unshifted azimuth */
   float *height;    /* [samples] i / samples         */
   shade_kernels k;
@@ -30,6 +32,12 @@ typedef struct scratch {
   uint8_t *visible;   /* [samples]        */
 } scratch;
 
+/* The zonal coefficients of the material of a mesh. */
+static const double *zonal_of(const job *j, uint32_t mesh) {
+  int kind = ylm_material_kind(ylm_scene_material(j->view->scene, mesh));
+  return j->zonal + (size_t)kind * ((size_t)j->view->o.lmax + 1);
+}
+
 /* T = A Y(n) for n points. */
 static ylm_status unshadowed(const job *j, size_t first, size_t n) {
   int lmax = j->view->o.lmax;
@@ -37,10 +45,13 @@ static ylm_status unshadowed(const job *j, size_t first, size_t n) {
   float *T = j->transfer + first * count;
   ylm_status s =
       ylm_sh_eval(lmax, 0, false, YLM_FLOAT, n, j->normal[first], T, NULL, NULL, 1, NULL);
-  for (size_t i = 0; s == YLM_OK && i < n; i++, T += count)
+  const double *a = NULL;
+  for (size_t i = 0; s == YLM_OK && i < n; i++, T += count) {
+    const uint32_t *mesh = &j->mesh[first + i];
+    if (i == 0 || mesh[0] != mesh[-1]) a = zonal_of(j, *mesh);
     for (int l = 0; l <= lmax; l++)
-      for (size_t k = ylm_sh_index(l, -l); k <= ylm_sh_index(l, l); k++)
-        T[k] *= (float)j->cosine[l];
+      for (size_t k = ylm_sh_index(l, -l); k <= ylm_sh_index(l, l); k++) T[k] *= (float)a[l];
+  }
   return s;
 }
 
@@ -139,21 +150,31 @@ static ylm_status run(void *context, size_t begin, size_t end, int worker) {
   return s;
 }
 
+/* Fills j->zonal for all kinds of materials. */
+static ylm_status find_zonal(job *j) {
+  int kinds = ylm_material_kinds(), lmax = j->view->o.lmax;
+  size_t row = (size_t)lmax + 1;
+  j->zonal = ylm_alloc((size_t)kinds * row, sizeof *j->zonal);
+  ylm_status s = j->zonal ? YLM_OK : YLM_ENOMEM;
+  for (int i = 0; s == YLM_OK && i < kinds; i++)
+    s = ylm_material_transfer(i, lmax, j->zonal + (size_t)i * row);
+  return s;
+}
+
 ylm_status ylm__shade_transfer(const ylm_shade_view *v, bool shadows, size_t n,
-                               const float (*normal)[3], const float (*origin)[3], float *transfer,
-                               uint64_t *rays) {
+                               const uint32_t *mesh, const float (*normal)[3],
+                               const float (*origin)[3], float *transfer, uint64_t *rays) {
   int samples = v->o.transfer_samples;
   job j = {.view = v,
            .shadows = shadows,
+           .mesh = mesh,
            .normal = normal,
            .origin = origin,
            .transfer = transfer,
            .k = ylm__shade_kernels()};
-  j.cosine = ylm_alloc((size_t)v->o.lmax + 1, sizeof *j.cosine);
   j.disk = ylm_alloc((size_t)samples, sizeof *j.disk);
   j.height = ylm_alloc((size_t)samples, sizeof *j.height);
-  ylm_status s = j.cosine && j.disk && j.height ? YLM_OK : YLM_ENOMEM;
-  if (s == YLM_OK) s = ylm_material_cosine(v->o.lmax, j.cosine);
+  ylm_status s = j.disk && j.height ? find_zonal(&j) : YLM_ENOMEM;
   for (int k = 0; s == YLM_OK && k < samples; k++) {
     double turn = 2 * PI * ylm_scene_radical((uint32_t)k);
     j.disk[k][0] = (float)cos(turn);
@@ -162,7 +183,7 @@ ylm_status ylm__shade_transfer(const ylm_shade_view *v, bool shadows, size_t n,
   }
   if (s == YLM_OK) s = ylm_parallel(n, 128, v->o.threads, run, &j, v->o.progress, "transfer");
   *rays += j.rays;
-  ylm_free(j.cosine);
+  ylm_free(j.zonal);
   ylm_free(j.disk);
   ylm_free(j.height);
   return s;

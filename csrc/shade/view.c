@@ -84,7 +84,7 @@ static ylm_status transfer_by_vertices(ylm_shade_view *v, const shade_vertices *
     memcpy(origin[i], s.origin, 12);
   }
   if (status == YLM_OK)
-    status = ylm__shade_transfer(v, true, x->count, (const float(*)[3])normal,
+    status = ylm__shade_transfer(v, true, x->count, x->mesh, (const float(*)[3])normal,
                                  (const float(*)[3])origin, T, &v->stats.occlusion_rays);
   for (size_t i = 0; status == YLM_OK && i < v->entries; i++) {
     const uint32_t *c = x->corner[i];
@@ -112,7 +112,7 @@ static ylm_status make_transfer(ylm_shade_view *v, ylm_error *e) {
   if (s == YLM_OK && by_vertex)
     s = transfer_by_vertices(v, &x);
   else if (s == YLM_OK)
-    s = ylm__shade_transfer(v, v->o.visibility != YLM_SHADE_UNSHADOWED, v->points,
+    s = ylm__shade_transfer(v, v->o.visibility != YLM_SHADE_UNSHADOWED, v->points, v->mesh,
                             (const float(*)[3])v->normal, (const float(*)[3])v->origin, v->transfer,
                             &v->stats.occlusion_rays);
   ylm__shade_vertices_free(&x);
@@ -172,9 +172,16 @@ const float *ylm_shade_view_transfer(const ylm_shade_view *v) { return v->transf
 
 void ylm_shade_view_surface(const ylm_shade_view *v, float *albedo, float *object) {
   for (size_t i = 0; i < v->points; i++) {
-    if (albedo) memcpy(albedo + 3 * i, ylm__shade_material(v, i)->albedo, 12);
+    if (albedo) ylm_material_albedo(ylm__shade_material(v, i), albedo + 3 * i);
     if (object) object[i] = (float)v->mesh[i];
   }
+}
+
+ylm_status ylm_shade_view_materials(const ylm_shade_view *v, float *row, ylm_error *e) {
+  ylm_status s = YLM_OK;
+  for (size_t i = 0; s == YLM_OK && i < v->points; i++, row += YLM_MATERIAL_ROW)
+    s = ylm_material_row(ylm__shade_material(v, i), row, e);
+  return s;
 }
 
 /* -- pixels -------------------------------------------------------------------- */
@@ -279,9 +286,11 @@ static void surface_mean(const layer_job *j, const shade_pixel *q, float *out) {
     const shade_entry *e = &j->v->entry[i];
     ylm_scene_surface s;
     const float *x = &e->depth;
-    if (j->layer == YLM_SHADE_ALBEDO)
-      x = ylm_scene_material(j->v->scene, e->at.mesh)->albedo;
-    else if (j->layer != YLM_SHADE_DEPTH) {
+    float albedo[3];
+    if (j->layer == YLM_SHADE_ALBEDO) {
+      ylm_material_albedo(ylm_scene_material(j->v->scene, e->at.mesh), albedo);
+      x = albedo;
+    } else if (j->layer != YLM_SHADE_DEPTH) {
       ylm_scene_surfaces(j->v->scene, 1, &e->at, &s);
       x = j->layer == YLM_SHADE_NORMAL ? s.normal : s.position;
     }

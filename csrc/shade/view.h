@@ -52,10 +52,10 @@ typedef struct shade_vertices {
 ylm_status ylm__shade_vertices(const ylm_shade_view *v, shade_vertices *out);
 void ylm__shade_vertices_free(shade_vertices *x);
 
-/* transfer.c: transfer vectors at n points; `rays` is added to. */
+/* transfer.c: transfer vectors at n points of the given meshes; `rays` is added to. */
 ylm_status ylm__shade_transfer(const ylm_shade_view *v, bool shadows, size_t n,
-                               const float (*normal)[3], const float (*origin)[3], float *transfer,
-                               uint64_t *rays);
+                               const uint32_t *mesh, const float (*normal)[3],
+                               const float (*origin)[3], float *transfer, uint64_t *rays);
 
 /* noise.c: raises o.transfer_samples as o.light, o.noise, o.most_samples say; wants the points. */
 ylm_status ylm__shade_choose_samples(ylm_shade_view *v, ylm_error *e);

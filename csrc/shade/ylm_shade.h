@@ -11,9 +11,10 @@
 ** a surface is shaded once however many samples resolve its edges, and a pixel that covers a long
 ** stretch of floor is shaded several times. With share = 0 every sample is shaded.
 **
-** Its transfer vector T holds the SH coefficients of max(0, n.s) V(s), and
+** Its transfer vector T holds the SH coefficients of A(s) V(s), A being what its material weighs
+** light with (matte: max(0, n.s)), and ylm_material_radiance makes radiance of
 **
-**   radiance[c] = albedo[c] / pi * sum over k of T[k] L[c][k]
+**   sum over k of T[k] L[c][k]
 **
 ** Ownership   a view must not outlive its scene.
 ** Threads     views are read-only after creation.
@@ -78,7 +79,7 @@ typedef struct ylm_shade_stats {
 **   T = pi/N sum V_i Y_i + v (A Y(n) - pi/N sum Y_i)
 **
 ** which is exact where nothing or everything occludes; its bias is of the order of 1/N of its
-** deviation. Ray origins leave the flat triangle for the surface that the vertex normals describe.
+** deviation.
 **
 ** Noise is measured at 128 to 512 of the points, by two independent estimates a and b of the
 ** luminance r of each: the root mean square of |a - b| / sqrt 2 relative to r + (mean of r) / 10.
@@ -87,8 +88,7 @@ typedef struct ylm_shade_stats {
 ** Returns  YLM_OK; YLM_EINVAL (camera), YLM_ERANGE (an option), YLM_ENOMEM, YLM_ECANCELLED; what
 **          `light` returns
 ** Cost     per shading point: transfer_samples rays and 4 (lmax+1)^2 + 64 bytes
-** Source   Sloan et al. 2002, "Precomputed Radiance Transfer"; Iwasaki & Dobashi 2025, Sec. 6.2;
-**          Hanika 2021, "Hacking the Shadow Terminator" (origins)
+** Source   Sloan et al. 2002, "Precomputed Radiance Transfer"; Iwasaki & Dobashi 2025, Sec. 6.2
 */
 YLM_API ylm_status ylm_shade_view_create(const ylm_scene *scene, const ylm_camera *camera,
                                          const ylm_shade_options *o, ylm_shade_view **view,
@@ -105,6 +105,8 @@ YLM_API const float *ylm_shade_view_normals(const ylm_shade_view *view);   /* [p
 YLM_API const float *ylm_shade_view_transfer(const ylm_shade_view *view);  /* [points][count] */
 /* albedo [points][3]; object [points]: index of the mesh. Either may be NULL. */
 YLM_API void ylm_shade_view_surface(const ylm_shade_view *view, float *albedo, float *object);
+/* ylm_material_row of each point's material: row [points][YLM_MATERIAL_ROW]. */
+YLM_API ylm_status ylm_shade_view_materials(const ylm_shade_view *view, float *row, ylm_error *e);
 
 /* -- light ------------------------------------------------------------------- */
 

@@ -385,15 +385,15 @@ YLM_API ylm_status ylm_gpu_grid_sample(ylm_gpu_grid *k, const ylm_grid *grid,
 **
 **   points    in   [n][3], of q->point_dtype
 **   transfer  in   [n][row]
-**   albedo    in   [n][3], or none
-**   radiance  out  [n][3]: sum over coefficients that both have, times albedo/pi where there is
-**                  one; a luminance grid gives grey
+**   material  in   [n][YLM_MATERIAL_ROW]: ylm_material_row of each point's, or none
+**   radiance  out  [n][3]: sum over coefficients that both have, and what the material makes of it
+**                  where there is one; a luminance grid gives grey
 **   times     stages "locate", "sort", "shade", "upload", "download"; may be NULL
 ** As ylm_gpu_grid_sample.
 */
 YLM_API ylm_status ylm_gpu_grid_shade(ylm_gpu_grid *k, const ylm_grid *grid,
                                       const ylm_grid_query *q, size_t n, ylm_gpu_input points,
-                                      size_t row, ylm_gpu_input transfer, ylm_gpu_input albedo,
+                                      size_t row, ylm_gpu_input transfer, ylm_gpu_input material,
                                       ylm_gpu_output radiance, ylm_grid_report *report,
                                       ylm_gpu_times *times, ylm_error *e);
 

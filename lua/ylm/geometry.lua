@@ -8,6 +8,7 @@ local check = require "ylm.check"
 local core = require "ylm.c.core"
 local describe = require "ylm.describe".describe
 local form = require "ylm.form"
+local material = require "ylm.material"
 local memory = require "ylm.memory"
 
 local geometry = {}
@@ -90,7 +91,7 @@ local common = {
       about = "{ axis =, angle = }, or a list of such; after scale" },
   { "scale", "scale", optional = true, about = "a factor, or one for each axis" },
   { "matrix", "matrix", optional = true, about = "three rows of four numbers, instead of at, rotate, scale" },
-  { "material", "object", of = "matte", optional = true, about = "reflectance: matte { albedo = 0.75 }" },
+  { "material", "object", of = material.kinds, optional = true, about = "reflectance: matte { albedo = 0.75 }" },
   { "occludes", "boolean", default = true, about = "whether it casts shadows" },
 }
 

@@ -277,7 +277,7 @@ local describing = { camera = true, material = true, geometry = true, light = tr
 local function constructors(env, state)
   for home in pairs(describing) do require("ylm." .. home) end
   for name, definition in pairs(form.defined) do
-    if name ~= "scene" and describing[definition.home] then
+    if name ~= "scene" and (describing[definition.home] or definition.material) then
       local construct = definition.construct
       env[name] = function(given)
         local object, message, code = construct(unwrap(given))

@@ -7,6 +7,7 @@
 
 #include "bench.h"
 #include "ylm_geom.h"
+#include "ylm_material.h"
 #include "ylm_shade.h"
 #include "ylm_trace.h"
 
@@ -111,12 +112,14 @@ int main(void) {
   job j = {.ray = ylm_alloc(RAYS, sizeof *j.ray), .copy = ylm_alloc(RAYS, sizeof *j.copy)};
   if (ylm_mesh_knot(2, 3, 2, 0.8, 0.35, 600, 100, &m, NULL) != YLM_OK || !j.ray || !j.copy)
     return 1;
+  ylm_material *grey = NULL;
+  if (ylm_material_create(0, 3, (float[]){0.7f, 0.7f, 0.7f}, &grey, NULL) != YLM_OK) return 1;
   ylm_scene_mesh mesh = {.positions = m->position,
                          .normals = m->normal,
                          .vertices = m->vertices,
                          .triangles = m->index,
                          .count = m->triangles,
-                         .material = {.albedo = {0.7f, 0.7f, 0.7f}},
+                         .material = grey,
                          .occludes = true};
   ylm_scene_lamps none = {0};
   ylm_scene *scene = NULL;
@@ -134,6 +137,7 @@ int main(void) {
   vectors(scene, 1, raw);
   if (ylm_threads(0) > 1) vectors(scene, ylm_threads(0), raw);
   ylm_scene_free(scene);
+  ylm_material_free(grey);
   rtcReleaseScene(j.raw);
   rtcReleaseDevice(device);
   ylm_mesh_free(m);

@@ -94,19 +94,11 @@ static int shade_raycast(lua_State *L) {
   return ylmL_result_progress(L, 2, s, NULL, &p);
 }
 
-/* material_cosine(lmax) -> [lmax+1] */
-static int material_cosine(lua_State *L) {
-  double lmax = (double)luaL_checknumber(L, 1);
-  if (!(lmax >= 0 && lmax <= YLM_MATERIAL_LMAX)) return ylmL_result(L, 0, YLM_ERANGE, NULL);
-  ylmL_array *a = ylmL_array_new(L, YLM_DOUBLE, 1, (size_t[]){(size_t)lmax + 1});
-  if (!a) return ylmL_result(L, 0, YLM_ENOMEM, NULL);
-  return ylmL_result(L, 1, ylm_material_cosine((int)lmax, a->data), NULL);
-}
-
-static const luaL_Reg functions[] = {
-    {"shade_field", shade_field},         {"shade_coefficients", shade_coefficients},
-    {"shade_raycast", shade_raycast},     {"shade_close_view", view_close},
-    {"material_cosine", material_cosine}, {NULL, NULL}};
+static const luaL_Reg functions[] = {{"shade_field", shade_field},
+                                     {"shade_coefficients", shade_coefficients},
+                                     {"shade_raycast", shade_raycast},
+                                     {"shade_close_view", view_close},
+                                     {NULL, NULL}};
 
 void ylmL_open_shade(lua_State *L) {
   ylmL_type(L, YLML_SHADE_VIEW, view_methods);

@@ -119,6 +119,17 @@ static int shade_points(lua_State *L) {
   return 4;
 }
 
+/* shade_materials(view) -> [n][YLM_MATERIAL_ROW], for a device */
+static int shade_materials(lua_State *L) {
+  ylm_shade_view *v = ylmL_shade_view(L, 1);
+  ylm_error e = {0};
+  ylmL_array *a =
+      ylmL_array_new(L, YLM_FLOAT, 2, (size_t[]){ylmL_shade_points(v), YLM_MATERIAL_ROW});
+  if (!a) return ylmL_result(L, 0, YLM_ENOMEM, NULL);
+  ylm_status s = ylm_shade_view_materials(v, a->data, &e);
+  return ylmL_result(L, 1, s, &e);
+}
+
 /* shade_positions(view) -> [n][3] */
 static int shade_positions(lua_State *L) {
   ylm_shade_view *v = ylmL_shade_view(L, 1);
@@ -142,12 +153,10 @@ static int shade_transfer(lua_State *L) {
   return 1;
 }
 
-static const luaL_Reg functions[] = {{"shade_view", shade_view},
-                                     {"shade_stats", shade_stats},
-                                     {"shade_points", shade_points},
-                                     {"shade_positions", shade_positions},
-                                     {"shade_transfer", shade_transfer},
-                                     {"shade_occlusion", shade_occlusion},
-                                     {NULL, NULL}};
+static const luaL_Reg functions[] = {
+    {"shade_view", shade_view},           {"shade_stats", shade_stats},
+    {"shade_points", shade_points},       {"shade_materials", shade_materials},
+    {"shade_positions", shade_positions}, {"shade_transfer", shade_transfer},
+    {"shade_occlusion", shade_occlusion}, {NULL, NULL}};
 
 void ylmL_open_shade_view(lua_State *L) { luaL_setfuncs(L, functions, 0); }

@@ -31,20 +31,17 @@ void ylmL_scene_numbers(lua_State *L, int i, int n, double *x) {
   }
 }
 
-/* One mesh from lists of meshes, albedos and flags at 1, 2, 3. */
+/* One mesh from lists of meshes, materials and flags at 1, 2, 3. */
 static ylm_scene_mesh read_mesh(lua_State *L, int i) {
-  double albedo[3];
   lua_rawgeti(L, 1, i);
   const ylm_mesh *m = ylmL_mesh_check(L, lua_gettop(L));
   lua_rawgeti(L, 2, i);
-  ylmL_scene_numbers(L, lua_gettop(L), 3, albedo);
+  const ylm_material *material = ylmL_material_check(L, lua_gettop(L));
   lua_rawgeti(L, 3, i);
   bool occludes = lua_toboolean(L, -1);
   lua_pop(L, 3);
-  return (ylm_scene_mesh){m->position,  m->normal,
-                          m->vertices,  m->index,
-                          m->triangles, {{(float)albedo[0], (float)albedo[1], (float)albedo[2]}},
-                          occludes};
+  return (ylm_scene_mesh){m->position,  m->normal, m->vertices, m->index,
+                          m->triangles, material,  occludes};
 }
 
 bool ylmL_scene_lamps(lua_State *L, int i, ylm_scene_lamps *lamps) {
@@ -115,7 +112,7 @@ static void read_textures(lua_State *L, int i, ylm_scene_lamps *lamps) {
   lamps->texture = list;
 }
 
-/* scene_create(meshes, albedos, occludes, at, radius, radiance, triangles, disks, radiance and
+/* scene_create(meshes, materials, occludes, at, radius, radiance, triangles, disks, radiance and
    horizon of these [..][6], textures) -> scene; the last four may be nil */
 static int scene_create(lua_State *L) {
   ylm_error e = {0};

@@ -98,23 +98,23 @@ static int sample(lua_State *L) {
   return ylmL_result_progress(L, 6, s, &e, &progress);
 }
 
-/* gpu_grid_shade(copy, grid, points [n][3], transfer [n][row], albedo [n][3], interpolation,
+/* gpu_grid_shade(copy, grid, points [n][3], transfer [n][row], material [n][3], interpolation,
    progress, out | nil) -> radiance [n][3], outside, unbaked, seconds, times; all float. It is where
    the points are. */
 static int shade(lua_State *L) {
   lua_settop(L, 8);
   ylm_gpu_grid *k = copy_at(L, 1);
   const ylm_grid *grid = ylmL_grid_check(L, 2);
-  ylmL_any_array points = ylmL_any(L, 3), transfer = ylmL_any(L, 4), albedo = ylmL_any(L, 5);
+  ylmL_any_array points = ylmL_any(L, 3), transfer = ylmL_any(L, 4), material = ylmL_any(L, 5);
   ylm_error e = {YLM_OK, ""};
   ylm_grid_report report = {0};
   ylm_gpu_times times = {0};
   ylmL_progress progress;
   if (!transfer.count && !transfer.axes) return ylmL_result(L, 0, YLM_ESHAPE, NULL);
   size_t n = points.count / 3, row = transfer.shape[transfer.axes - 1];
-  if (points.dtype != YLM_FLOAT || transfer.dtype != YLM_FLOAT || albedo.dtype != YLM_FLOAT)
+  if (points.dtype != YLM_FLOAT || transfer.dtype != YLM_FLOAT || material.dtype != YLM_FLOAT)
     return ylmL_result(L, 0, YLM_ETYPE, NULL);
-  if (points.count != 3 * n || transfer.count != n * row || albedo.count != 3 * n)
+  if (points.count != 3 * n || transfer.count != n * row || material.count != 3 * n)
     return ylmL_result(L, 0, YLM_ESHAPE, NULL);
   ylm_grid_query q = {.interpolation = (ylm_grid_interpolation)(int)luaL_checknumber(L, 6),
                       .point_dtype = YLM_FLOAT,
@@ -125,7 +125,7 @@ static int shade(lua_State *L) {
   ylm_gpu_output radiance = ylmL_gpu_output(L, 8, there, 2, (size_t[]){n, 3}, &s, &e);
   if (s == YLM_OK)
     s = ylm_gpu_grid_shade(k, grid, &q, n, ylmL_gpu_input(&points), row, ylmL_gpu_input(&transfer),
-                           ylmL_gpu_input(&albedo), radiance, &report, &times, &e);
+                           ylmL_gpu_input(&material), radiance, &report, &times, &e);
   ylmL_push_count(L, report.outside);
   ylmL_push_count(L, report.unbaked);
   lua_pushnumber(L, (lua_Number)report.seconds);

@@ -9,9 +9,6 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-/* Radiance of a matte surface from what its transfer vector and the light's coefficients make. */
-static inline float matte_radiance(float product, float albedo) { return product * (0.31830988618379067f * albedo); }
-
 /* A sum, and a share of something more. */
 static inline float with_share(float sum, float share, float more) { return sum + share * more; }
 

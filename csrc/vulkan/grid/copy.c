@@ -121,7 +121,7 @@ ylm_status ylm_gpu_grid_create(ylm_gpu *g, const ylm_grid *grid, ylm_gpu_grid **
 void ylm_gpu_grid_free(ylm_gpu_grid *k) {
   if (!k) return;
   ylm_gpu_buffer *all[] = {k->cells, k->table, k->bounds, k->counts,   k->points,   k->places,
-                           k->order, k->tally, k->value,  k->gradient, k->transfer, k->albedo};
+                           k->order, k->tally, k->value,  k->gradient, k->transfer, k->material};
   for (size_t i = 0; i < sizeof all / sizeof *all; i++) ylm_gpu_buffer_free(all[i]);
   for (int i = 0; i < GRID_PARTS; i++) ylm_gpu_buffer_free(k->data[i]);
   steps_free(&k->queue);

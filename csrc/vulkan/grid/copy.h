@@ -22,7 +22,7 @@ struct ylm_gpu_grid {
   size_t part_rows;
   ylm_gpu_buffer *data[GRID_PARTS];
   /* Of a pass, kept for the next: arrays of the host's, places, points in the order of cells. */
-  ylm_gpu_buffer *points, *places, *order, *tally, *value, *gradient, *transfer, *albedo;
+  ylm_gpu_buffer *points, *places, *order, *tally, *value, *gradient, *transfer, *material;
   step_queue queue;
 };
 

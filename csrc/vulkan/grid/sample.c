@@ -9,15 +9,17 @@
 #include <string.h>
 
 #include "copy.h"
+#include "ylm_material.h"
 
 enum { CHUNK = 64 }; /* points of a group of grid_sample.comp, grid_shade.comp */
+#define ROW (YLM_MATERIAL_ROW * sizeof(float))
 #define PASS_BYTES ((uint64_t)64 << 20)
 
 typedef struct sampling {
   ylm_gpu_grid *k;
   const ylm_grid *grid;
   const ylm_grid_query *q;
-  ylm_gpu_input points, transfer, albedo; /* transfer: [n][row]; value is then radiance [n][3] */
+  ylm_gpu_input points, transfer, material; /* transfer: [n][row]; value is then radiance [n][3] */
   ylm_gpu_output value, gradient;
   bool shade;
   size_t row;
@@ -193,10 +195,10 @@ static void sample(const sampling *m, size_t at, size_t n, bool sorted, ylm_erro
 
 static void shade(const sampling *m, size_t at, size_t n, bool sorted, ylm_error *e) {
   ylm_gpu_grid *k = m->k;
-  bool albedo = m->albedo.host || m->albedo.there;
+  bool material = m->material.host || m->material.there;
   uint32_t channels = (uint32_t)k->form.channels;
-  uint32_t constant[] = {CHUNK, (uint32_t)m->q->interpolation, channels, sorted, (uint32_t)k->parts,
-                         albedo};
+  uint32_t constant[] = {
+      CHUNK, (uint32_t)m->q->interpolation, channels, sorted, (uint32_t)k->parts, material};
   struct {
     uint32_t n, spread, stride, part_rows, given, row, count;
     float unit[3];
@@ -216,7 +218,7 @@ static void shade(const sampling *m, size_t at, size_t n, bool sorted, ylm_error
   w.binds = 10;
   bind_data(m, &w, sorted);
   w.bind[7] = rows_of(m->transfer.there, k->transfer, at, n, m->row * sizeof(float));
-  w.bind[8] = albedo ? rows_of(m->albedo.there, k->albedo, at, n, 12) : w.bind[7];
+  w.bind[8] = material ? rows_of(m->material.there, k->material, at, n, ROW) : w.bind[7];
   w.bind[9] = rows_of(m->value.there, k->value, at, n, 12);
   k->queue.stage = "shade";
   steps_work(&k->queue, &w);
@@ -245,15 +247,16 @@ static ylm_status put(const ylm_gpu_output *out, size_t at, size_t n, size_t byt
 }
 
 /* Radiance of point i from its coefficients. */
-static void dot(const sampling *m, const float *L, const float *T, const float *albedo,
+static void dot(const sampling *m, const float *L, const float *T, const float *material,
                 float *radiance) {
   size_t channels = (size_t)m->k->form.channels, given = m->k->width / channels;
   for (size_t c = 0; c < 3; c++) {
     const float *x = L + (channels == 3 ? c * given : 0);
     float sum = 0;
     for (size_t j = 0; j < common(m); j++) sum += T[j] * x[j];
-    radiance[c] = albedo ? sum * 0.318309886183790671f * albedo[c] : sum;
+    radiance[c] = sum;
   }
+  if (material) ylm_material_row_radiance(material, radiance);
 }
 
 /* Samples points at .. at+n-1 on the host. */
@@ -267,13 +270,14 @@ static ylm_status run_host(const sampling *m, size_t at, size_t n, ylm_grid_repo
   q.progress = NULL;
   const void *points = here(&m->points, at, n, point_bytes(m), &own[0], &s, e);
   const float *T = here(&m->transfer, at, n, m->row * sizeof *T, &own[1], &s, e);
-  const float *albedo = here(&m->albedo, at, n, 3 * sizeof *albedo, &own[2], &s, e);
+  const float *material = here(&m->material, at, n, ROW, &own[2], &s, e);
   float *L = ylm_alloc(n * (wide + 3), sizeof *L), *out = L ? L + n * wide : NULL;
   if (!L) s = ylm_fail(e, YLM_ENOMEM, "%s", ylm_status_text(YLM_ENOMEM));
   if (s == YLM_OK)
     s = ylm_grid_sample(m->grid, &q, n, points, L, wide > w ? L + n * w : NULL, r, e);
   for (size_t i = 0; s == YLM_OK && m->shade && i < n; i++)
-    dot(m, L + i * w, T + i * m->row, albedo ? albedo + 3 * i : NULL, out + 3 * i);
+    dot(m, L + i * w, T + i * m->row, material ? material + YLM_MATERIAL_ROW * i : NULL,
+        out + 3 * i);
   if (s == YLM_OK && m->shade) s = put(&m->value, at, n, 3 * sizeof *out, out, e);
   if (s == YLM_OK && !m->shade) s = put(&m->value, at, n, w * sizeof *L, L, e);
   if (s == YLM_OK && wide > w) s = put(&m->gradient, at, n, 3 * w * sizeof *L, L + n * w, e);
@@ -309,7 +313,7 @@ static ylm_status pass(const sampling *m, size_t at, size_t n, ylm_error *e) {
   ylm_status s = reserve(m, n, sorted, e);
   if (s == YLM_OK) s = bring_points(m, at, n, e);
   if (s == YLM_OK) s = bring(m, &m->transfer, at, n, m->row * sizeof(float), &k->transfer, e);
-  if (s == YLM_OK) s = bring(m, &m->albedo, at, n, 3 * sizeof(float), &k->albedo, e);
+  if (s == YLM_OK) s = bring(m, &m->material, at, n, ROW, &k->material, e);
   if (s != YLM_OK) return s;
   k->queue.g = k->g;
   k->queue.times = m->times;
@@ -329,7 +333,7 @@ static ylm_status pass(const sampling *m, size_t at, size_t n, ylm_error *e) {
 
 static ylm_status check(const sampling *m, ylm_error *e) {
   const ylm_gpu_grid *k = m->k;
-  const ylm_gpu_buffer *there[] = {m->points.there, m->transfer.there, m->albedo.there,
+  const ylm_gpu_buffer *there[] = {m->points.there, m->transfer.there, m->material.there,
                                    m->value.there, m->gradient.there};
   ylm_status s = ylm_gpu_state(k->g, e);
   if (s != YLM_OK) return s;
@@ -393,14 +397,14 @@ ylm_status ylm_gpu_grid_sample(ylm_gpu_grid *k, const ylm_grid *grid, const ylm_
 
 ylm_status ylm_gpu_grid_shade(ylm_gpu_grid *k, const ylm_grid *grid, const ylm_grid_query *q,
                               size_t n, ylm_gpu_input points, size_t row, ylm_gpu_input transfer,
-                              ylm_gpu_input albedo, ylm_gpu_output radiance,
+                              ylm_gpu_input material, ylm_gpu_output radiance,
                               ylm_grid_report *report, ylm_gpu_times *times, ylm_error *e) {
   sampling m = {.k = k,
                 .grid = grid,
                 .q = q,
                 .points = points,
                 .transfer = transfer,
-                .albedo = albedo,
+                .material = material,
                 .value = radiance,
                 .shade = true,
                 .row = row,

@@ -6,8 +6,6 @@ local common = require "ylm.codegen.common"
 local picture = {}
 
 picture.functions = {
-  { about = "Radiance of a matte surface from what its transfer vector and the light's coefficients make.", text = [[
-float matte_radiance(float product, float albedo) { return product * (0.31830988618379067f * albedo); }]] },
   { about = "A sum, and a share of something more.", text = [[
 float with_share(float sum, float share, float more) { return sum + share * more; }]] },
   { about = "Something drawn over what is there, covering a share of it.", text = [[

@@ -33,7 +33,8 @@ local function ingredients(s)
   for _, g in ipairs(s.geometry) do
     local m = g.material or material.default
     add(g.mesh); add(g.occludes ~= false)
-    for c = 1, 3 do add(m.albedo[c]) end
+    add(form.kind(m))
+    for _, x in ipairs(material.numbers(m)) do add(x) end
   end
   add("lights")
   for _, l in ipairs(s.lights) do
@@ -56,9 +57,11 @@ function tracing.trace(name, s)
   local parts, known = ingredients(s), traced[s]
   if known and same(known.parts, parts) then return known end
   local start = core.seconds()
-  local meshes, albedos, occludes = {}, {}, {}
+  local meshes, materials, occludes = {}, {}, {}
   for i, g in ipairs(s.geometry) do
-    meshes[i], albedos[i], occludes[i] = g.mesh, (g.material or material.default).albedo, g.occludes ~= false
+    meshes[i], occludes[i] = g.mesh, g.occludes ~= false
+    materials[i], message, code = material.object(name, g.material or material.default)
+    if not materials[i] then return nil, message, code end
   end
   local lights
   lights, message, code = light.pack(1, name, s.lights)
@@ -66,7 +69,7 @@ function tracing.trace(name, s)
   local at, radius, radiance = light.arrays(lights)
   if not at then return nil, radius, radiance end
   local handle
-  handle, message, code = check.result(name, lib.scene_create(meshes, albedos, occludes, at, radius, radiance,
+  handle, message, code = check.result(name, lib.scene_create(meshes, materials, occludes, at, radius, radiance,
     light.patches(lights)))
   if not handle then return nil, message, code end
   local lo, hi = lib.scene_bounds(handle)

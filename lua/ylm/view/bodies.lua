@@ -2,6 +2,7 @@
 
 local core = require "ylm.c.core"
 local drawing = require "ylm.view.drawing"
+local material = require "ylm.material"
 
 local fill = {}
 
@@ -141,9 +142,11 @@ local function add_mesh(stage, m, opacity)
   end
   if not colour then
     local c = m.colour
-    local albedo = not c and m.material and m.material.albedo
-    if type(albedo) == "number" then albedo = { albedo, albedo, albedo } end
-    if not c and type(albedo) == "table" then c = { encode(albedo[1]), encode(albedo[2]), encode(albedo[3]) } end
+    if not c and m.material then
+      local albedo, message, code = material.albedo("view", m.material)
+      drawing.run(albedo, message, code)
+      c = { encode(albedo[1]), encode(albedo[2]), encode(albedo[3]) }
+    end
     c = c or { 0.66, 0.67, 0.69 }
     colour = core.array_zeros({ 1, 3 }, "double")
     core.array_fill(colour, { c })

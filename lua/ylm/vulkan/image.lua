@@ -12,7 +12,7 @@ local vulkan_image = {}
 
 local bound = binding.bound
 
---- View -> gpu -> what of it is on that device: position, transfer, albedo, and picture, radiance where it filters.
+--- View -> gpu -> what of it is on that device: position, transfer, material, and picture, radiance where it filters.
 local copies = setmetatable({}, { __mode = "k" })
 
 --- View -> gpu -> positions on that device: bakes ask for these alone.
@@ -70,13 +70,16 @@ local function pixels_on(gpu, p)
   return { picture = picture, radiance = radiance }
 end
 
---- The points of a view as arrays of the host's: position, transfer, albedo; or nil, message, code.
+--- The points of a view as arrays of the host's: position, transfer, material; or nil, message, code.
 local function points_of(p)
-  local position, normal, albedo = p.lib.shade_points(p.view)
-  if not position then return nil, normal, albedo end
-  local transfer, message, code = p.lib.shade_transfer(p.view)
+  local position, transfer, material, message, code
+  position, message, code = p.lib.shade_positions(p.view)
+  if not position then return nil, message, code end
+  transfer, message, code = p.lib.shade_transfer(p.view)
   if not transfer then return nil, message, code end
-  return { position = position, transfer = transfer, albedo = albedo }
+  material, message, code = p.lib.shade_materials(p.view)
+  if not material then return nil, message, code end
+  return { position = position, transfer = transfer, material = material }
 end
 
 --- The copies of a view on a device. Without room for its points they stay the host's, and are copied in each call;
@@ -90,7 +93,7 @@ local function view_on(name, gpu, p)
   position, message, code = vulkan_image.positions(gpu, name, p)
   if not position then return nil, message, code end
   if core.type(position) == "ylm.gpu_array" then
-    there, message, code = upload(gpu, { transfer = arrays.transfer, albedo = arrays.albedo })
+    there, message, code = upload(gpu, { transfer = arrays.transfer, material = arrays.material })
   end
   if there then
     there.position = position
@@ -156,7 +159,7 @@ function vulkan_image.shade(gpu, name, p, o, bar)
     if not to then return nil, message, "ENOMEM" end
   end
   local radiance, outside, unbaked, seconds, stages = check.result(name, bound().gpu_grid_shade(copy, o.grid, v.position,
-    v.transfer, v.albedo, INTERPOLATION[o.interpolation], bar, to))
+    v.transfer, v.material, INTERPOLATION[o.interpolation], bar, to))
   if not radiance then return nil, outside, unbaked end
   return radiance, { outside = outside, unbaked = unbaked, seconds = seconds, stages = stages }
 end
