@@ -30,6 +30,13 @@ local lines_of = require "spec.support.scratch".lines
 
 local sources = lines_of [[find csrc -name '*.[ch]' -o -name '*.cpp' -o -name '*.cc' -o -name '*.hpp' -o -name '*.inc']]
 
+local function text_of(path)
+  local file = assert(io.open(path))
+  local text = file:read "*a"
+  file:close()
+  return text
+end
+
 local function exists(path)
   local file = io.open(path)
   if file then file:close() end
@@ -181,6 +188,109 @@ describe("csrc/README.md", function()
       local paragraph = text:match("\n%*%*" .. folder .. "%*%*.-\n\n")
       for _, room in ipairs(names) do
         assert(paragraph:find("`" .. room .. "/`", 1, true), folder .. "/" .. room .. " is missing")
+      end
+    end
+  end)
+end)
+
+describe("the ladder of the Lua half", function()
+  --- Module -> path of its file.
+  local modules = {}
+  for _, path in ipairs(lines_of [[find lua/ylm -name '*.lua']]) do
+    modules[(path:match("^lua/(.*)%.lua$"):gsub("/init$", ""):gsub("/", "."))] = path
+  end
+
+  --- Step -> its place in the ladder of lua/ylm/README.md, and those between braces with it -> true.
+  local function steps()
+    local text, place, n = text_of "lua/ylm/README.md":match "\n    ({ check .-)\n\n", {}, 0
+    for level in (text .. "<"):gmatch "(.-)<" do
+      n = n + 1
+      for name in level:gmatch "%w+" do place[name] = n end
+    end
+    return place
+  end
+
+  --- The step of a module: "sh" of "ylm.sh.rotate", "ylm" of "ylm".
+  local function step_of(module) return module:match "^ylm%.(%w+)" or "ylm" end
+
+  --- Every module that a file names in a require: a literal; where it requires by a name, each string that is one.
+  local function required(path)
+    local code, list = ("\n" .. text_of(path)):gsub("%-%-[^\n]*", ""), {}
+    for name in code:gmatch "require[%s%(,]*[\"'](ylm[%w_.]*)" do
+      if modules[name] then list[name] = true end
+    end
+    local prefix = code:match "require%s*%(%s*\"(ylm%.[%w_.]*%.)\"%s*%.%." or code:find "require%s*%(%s*[%a_]" and ""
+    if prefix then
+      for name in code:gmatch "\"([%w_.]+)\"" do
+        if modules[prefix .. name] and (prefix ~= "" or name ~= "ylm") then list[prefix .. name] = true end
+      end
+    end
+    return list
+  end
+
+  local graph = {}
+  for module, path in pairs(modules) do graph[module] = required(path) end
+
+  it("knows every module", function()
+    local place = steps()
+    for module, path in pairs(modules) do assert(place[step_of(module)], path .. ": not in the ladder of lua/ylm/README.md") end
+    for step in pairs(place) do
+      local path = step == "ylm" and "lua/ylm" or "lua/ylm/" .. step
+      assert(exists(path .. ".lua") or exists(path .. "/."), step .. ": no such file or room of lua/ylm")
+    end
+  end)
+
+  it("is only gone down, by a require inside a function too", function()
+    local place, wrong = steps(), {}
+    for module, list in pairs(graph) do
+      for other in pairs(list) do
+        local from, to = step_of(module), step_of(other)
+        if from ~= to and place[to] >= place[from] then
+          wrong[#wrong + 1] = ("%s requires %s, which is not below it"):format(modules[module], other)
+        end
+      end
+    end
+    table.sort(wrong)
+    assert.equal("", table.concat(wrong, "\n"))
+  end)
+
+  it("has no circle within a room", function()
+    local state = {}
+    local function visit(module, path)
+      if state[module] == "done" then return end
+      path = path .. " > " .. module
+      assert(state[module] ~= "open", path)
+      state[module] = "open"
+      for other in pairs(graph[module]) do visit(other, path) end
+      state[module] = "done"
+    end
+    for module in pairs(graph) do visit(module, "") end
+  end)
+
+  it("asks for no module by what is loaded", function()
+    for module, path in pairs(modules) do
+      assert(module == "ylm.memory" or not text_of(path):find "package%.loaded", path .. ": package.loaded")
+    end
+  end)
+end)
+
+describe("a device", function()
+  it("has the methods that lua/ylm/device/init.lua lists, whichever it is", function()
+    local listed, found = {}, {}
+    for name in text_of "lua/ylm/device/init.lua":gmatch "%-%-     device:([%w_]+)%(" do listed[name] = true end
+    for _, path in ipairs { "lua/ylm/device/processor.lua", "lua/ylm/vulkan/device.lua" } do
+      found[path] = {}
+      for name in text_of(path):gmatch "\nfunction %w+%.([%a][%w_]*)" do found[path][name] = true end
+      for name in pairs(listed) do assert(found[path][name], path .. ": no method " .. name) end
+    end
+    for name in pairs(found["lua/ylm/device/processor.lua"]) do assert(listed[name], name .. " is not listed") end
+  end)
+
+  it("is asked by nobody whether it is there", function()
+    for _, path in ipairs(lines_of [[find lua/ylm -name '*.lua']]) do
+      for line in io.lines(path) do
+        assert(not (line:find "if [%w_.]*%.?device then" or line:find "if not [%w_.]*%.?device then"
+          or line:find "o%.device and" or line:find "not o%.device"), path .. ": " .. line)
       end
     end
   end)

@@ -210,10 +210,27 @@ function methods.close(a)
   check.result("close", core.array_close(a))
 end
 
---- array:save is in ylm.file, which loads when it is first used.
+describe "array:save" {
+  about = "Writes the array as .npy (NumPy's format, version 1), float32 or float64, C order. Nothing is lost: the "
+    .. "convention of coefficients stands in a comment of the header, which NumPy reads over and ylm.load heeds.",
+  arguments = { { "path", "string", "ends in .npy" } },
+  returns = { { "ok", "boolean", "true" } },
+  errors = "raises on another ending; nil, message, code where the file cannot be written",
+  example = [[
+local name = os.tmpname()
+assert(ylm.zeros { 4, 3 }:save(name .. ".npy"))
+os.remove(name .. ".npy")
+os.remove(name)]],
+}
 function methods.save(a, path)
-  require "ylm.file"
-  return methods.save(a, path)
+  if core.type(a) ~= "ylm.array" then
+    return check.fail("save: an array expected before the colon, got %s", check.describe(a))
+  end
+  if not select(4, core.array_info(a)) then return check.fail("save: the array has been closed") end
+  if type(path) ~= "string" or not path:lower():find("%.npy$") or path:find("%z") then
+    return check.bad(1, "save", "a file name that ends in .npy expected, got %s", check.describe(path))
+  end
+  return check.result("save", core.array_write(a, path))
 end
 
 methods.__len = function(a) return open(a, "#")[1] end

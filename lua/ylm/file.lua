@@ -1,14 +1,11 @@
 --- ylm.load: grids, arrays, images and meshes, by content.
 
-require "ylm.array" -- its methods
 local check = require "ylm.check"
 local core = require "ylm.c.core"
 local describe = require "ylm.describe".describe
 local form = require "ylm.form"
-local memory = require "ylm.memory"
 
 local file = {}
-local methods = core.metatable "ylm.array"
 
 --- The kind of a file, by its first bytes; nil, message, code where it cannot be read.
 function file.kind_of(path)
@@ -57,30 +54,5 @@ function file.load(path, options)
   if not kind then return nil, message, code end
   return readers[kind](path, options)
 end
-
-describe "array:save" {
-  about = "Writes the array as .npy (NumPy's format, version 1), float32 or float64, C order. Nothing is lost: the "
-    .. "convention of coefficients stands in a comment of the header, which NumPy reads over and ylm.load heeds.",
-  arguments = { { "path", "string", "ends in .npy" } },
-  returns = { { "ok", "boolean", "true" } },
-  errors = "raises on another ending; nil, message, code where the file cannot be written",
-  example = [[
-local name = os.tmpname()
-assert(ylm.zeros { 4, 3 }:save(name .. ".npy"))
-os.remove(name .. ".npy")
-os.remove(name)]],
-}
-function methods.save(a, path)
-  if core.type(a) ~= "ylm.array" then
-    return check.fail("save: an array expected before the colon, got %s", check.describe(a))
-  end
-  if not select(4, core.array_info(a)) then return check.fail("save: the array has been closed") end
-  if type(path) ~= "string" or not path:lower():find("%.npy$") or path:find("%z") then
-    return check.bad(1, "save", "a file name that ends in .npy expected, got %s", check.describe(path))
-  end
-  return check.result("save", core.array_write(a, path))
-end
-
-memory.publish(methods)
 
 return file

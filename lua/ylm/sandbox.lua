@@ -270,14 +270,18 @@ local function names_of(t)
 end
 
 --- The modules of ylm whose forms describe scenes.
-local describing = { camera = true, material = true, geometry = true, light = true, ["light.polygon"] = true,
-  ["light.textured"] = true, grid = true, scene = true }
+local describing = { "ylm.camera", "ylm.material", "ylm.geometry", "ylm.light", "ylm.light.polygon", "ylm.light.textured",
+  "ylm.grid" }
 
---- The constructors, as files see them.
-local function constructors(env, state)
-  for home in pairs(describing) do require("ylm." .. home) end
+--- The constructors, as files see them; `scene` is ylm.scene.
+local function constructors(env, state, scene)
+  local homes = {}
+  for _, module in ipairs(describing) do
+    require(module)
+    homes[module] = true
+  end
   for name, definition in pairs(form.defined) do
-    if name ~= "scene" and (describing[definition.home] or definition.material) then
+    if homes["ylm." .. definition.home] or definition.material then
       local construct = definition.construct
       env[name] = function(given)
         local object, message, code = construct(unwrap(given))
@@ -289,7 +293,6 @@ local function constructors(env, state)
       end
     end
   end
-  local scene = form.defined.scene.construct
   env.scene = function(name)
     local fill, where = scene(unwrap(name)), check.position()
     return function(given)
@@ -300,7 +303,7 @@ local function constructors(env, state)
   end
 end
 
-local function environment(state)
+local function environment(state, scene)
   local env = {
     assert = assert, error = error, ipairs = ipairs, next = next, pairs = pairs, select = select,
     tonumber = tonumber, type = function(...)
@@ -317,7 +320,7 @@ local function environment(state)
     table = { insert = insert, remove = remove, sort = sort, concat = concat, unpack = spread },
     unpack = spread,
   }
-  constructors(env, state)
+  constructors(env, state, scene)
   local names = names_of(env)
   return setmetatable(env, {
     __metatable = false,
@@ -399,13 +402,13 @@ local function without_jit()
   return jit.on
 end
 
---- Runs the file `path` within `limits` (all fields given). Returns the scene, or nil, message, code.
-function sandbox.run(path, limits)
+--- Runs the file `path` within `limits` (all fields given); `scene` is ylm.scene. Returns the scene, or nil, message, code.
+function sandbox.run(path, limits, scene)
   if form.observer then return check.fail("a scene file cannot load another") end
   local content, message, code = core.read_file(path, math.min(limits.file_size, 2 ^ 24))
   if not content then return nil, message, code end
   local source, state = "@" .. path, {}
-  local env = environment(state)
+  local env = environment(state, scene)
   local folder = path:match("^(.*)/[^/]*$") or "."
   if folder == "" then folder = "/" end
 

@@ -8,6 +8,7 @@ local core = require "ylm.c.core"
 local describe = require "ylm.describe".describe
 local form = require "ylm.form"
 local memory = require "ylm.memory"
+local sandbox = require "ylm.sandbox"
 local text = require "ylm.text"
 
 local scene = {}
@@ -177,7 +178,7 @@ describe "load_scene" {
     { "path", "string", "the file; other files are looked for in its folder only" },
     { "limits?", "table", "instructions, memory (bytes), seconds, triangles, numbers, cells: see ylm help load_scene" },
   },
-  options = require "ylm.sandbox".limits,
+  options = sandbox.limits,
   returns = { { "s", "scene", "or nil, message, 'EIO' | 'EFORMAT' | 'ELIMIT' | 'ENOMEM'" } },
   errors = "nil, message, code for whatever is wrong with the file",
   example = [[
@@ -188,8 +189,7 @@ function scene.load_scene(path, limits)
   if type(path) ~= "string" or path == "" or path:find("%z") then
     return check.bad(1, "load_scene", "the name of a file expected, got %s", check.describe(path))
   end
-  local sandbox = require "ylm.sandbox"
-  return sandbox.run(path, form.options(2, "load_scene", sandbox.limits, limits))
+  return sandbox.run(path, form.options(2, "load_scene", sandbox.limits, limits), scene.scene)
 end
 scene.load = scene.load_scene
 

@@ -10,12 +10,15 @@ function commands.known(name)
   return false
 end
 
+--- The command of that name: see cli/main.lua.
+function commands.of(name) return require("ylm.cli." .. name) end
+
 --- Writes what there is.
 function commands.overview(stream)
   stream:write("ylm - spherical-harmonic lighting\n\n",
     "usage: ylm COMMAND ...    (ylm COMMAND --help for its options)\n\n")
   for _, name in ipairs(commands) do
-    stream:write(("  %-8s  %s\n"):format(name, require("ylm.cli." .. name).summary))
+    stream:write(("  %-8s  %s\n"):format(name, commands.of(name).summary))
   end
   stream:write("\nexit status: ", status.text, "\n")
 end

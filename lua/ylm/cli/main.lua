@@ -4,9 +4,9 @@
 --     { summary = "one line",
 --       usage   = "FILE -o FILE",
 --       options = { { "output", "-o", "FILE", "what it is" }, { "log", nil, nil, "a switch" }, ... },
---       run     = function(given) return exit status end }
--- where given holds the options by name and the other arguments as a list. Results go to stdout,
--- messages to stderr. `--json` makes results machine-readable.
+--       run     = function(given, commands) return exit status end }
+-- where given holds the options by name and the other arguments as a list, and commands is cli/commands.lua. Results go to
+-- stdout, messages to stderr. `--json` makes results machine-readable.
 
 local arguments = require "ylm.cli.arguments"
 local check = require "ylm.check"
@@ -42,7 +42,7 @@ local function main(given)
       guess and (" (did you mean '%s'?)"):format(guess) or "; ylm help lists them"))
     return status.usage
   end
-  local command = require("ylm.cli." .. name)
+  local command = commands.of(name)
   local options, message = arguments.parse(command, given)
   if not options then
     say(name, ": ", message)
@@ -60,7 +60,7 @@ local function main(given)
   end
   options.command = name
   if options.quiet then require "ylm.warning".on_warning(false) end
-  local ok, result = xpcall(function() return command.run(options) end, function(raised)
+  local ok, result = xpcall(function() return command.run(options, commands) end, function(raised)
     return status.raised(raised, name, command)
   end)
   if ok then return result or status.good end

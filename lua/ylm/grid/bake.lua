@@ -1,5 +1,6 @@
 --- ylm.bake, and grid:update, which follows lights that move.
 
+local boxes = require "ylm.box"
 local check = require "ylm.check"
 local core = require "ylm.c.core"
 local describe = require "ylm.describe".describe
@@ -97,7 +98,7 @@ local function bounds_of_meshes(meshes)
     end
   end
   if not (math.max(hi[1] - lo[1], hi[2] - lo[2], hi[3] - lo[3]) > 0) then return nil end
-  return require "ylm.render.scene".bounds_of { lo = lo, hi = hi }
+  return boxes.padded(lo, hi)
 end
 
 --- The bounds of a grid: its own, those given, else those of meshes or of points that are the host's.

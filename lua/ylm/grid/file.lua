@@ -33,7 +33,7 @@ function methods.save(g, path, given)
   if given ~= nil then form.options(2, "save", {}, given) end
   local ending = path:lower():match("%.(%w+)$")
   if ending == "ylm" then return check.result("save", core.grid_write(g, path)) end
-  if ending == "vtu" then return require "ylm.grid.vtu".save_vtu(g, path) end
+  if ending == "vtu" then return require "ylm.grid.vtu".save(g, path) end
   return check.bad(1, "save", "a path ending in .ylm or .vtu expected, got %s", check.describe(path))
 end
 

@@ -3,10 +3,10 @@
 local array = require "ylm.array"
 local core = require "ylm.c.core"
 
-local view_grid = {}
+local quantities = {}
 
 --- Quantity -> label, unit, colour map, whether its range spans decades; and of what it is: cells or points.
-view_grid.quantities = {
+quantities.of = {
   error = { label = "estimated error", map = "magma", log = true, of = "cells" },
   level = { label = "level", map = "viridis", log = false, whole = true, of = "cells" },
   residual = { label = "measured relative error", map = "magma", log = true, of = "cells" },
@@ -16,7 +16,7 @@ view_grid.quantities = {
   gradient = { label = "|∇L₀₀|", unit = "W m⁻² sr⁻¹ᐟ² per length", map = "viridis", log = true,
     of = "points" },
 }
-view_grid.names = { "error", "level", "residual", "norm", "lambda", "L00", "gradient" }
+quantities.names = { "error", "level", "residual", "norm", "lambda", "L00", "gradient" }
 
 local function doubles(a)
   if not a then return nil end
@@ -34,7 +34,7 @@ local function luminance(a, width)
 end
 
 --- The part of a grid that pictures are made of; arrays are fetched once, when first asked for.
-function view_grid.open(grid)
+function quantities.open(grid)
   local source, points = { grid = grid }, nil
   local cells = grid:cells()
   local leaf = doubles(cells.leaf)
@@ -66,7 +66,7 @@ function view_grid.open(grid)
   end
   --- The words for a quantity: label, unit.
   function source.words(quantity)
-    local q = view_grid.quantities[quantity]
+    local q = quantities.of[quantity]
     if quantity == "error" then
       local relative = grid.metric == "relative"
       return relative and "error ‖λ‖Δ²/(2‖L‖)" or "error ‖λ‖Δ²/2", not relative
@@ -79,4 +79,4 @@ function view_grid.open(grid)
   return source
 end
 
-return view_grid
+return quantities

@@ -2,9 +2,9 @@
 
 local check = require "ylm.check"
 local core = require "ylm.c.core"
-local view_grid = require "ylm.grid.quantities"
+local quantities = require "ylm.grid.quantities"
 
-local view_file = {}
+local vtu = {}
 
 --- Leaves that have all eight corners: a mask.
 local function complete(cells)
@@ -30,8 +30,8 @@ local function states(source)
 end
 
 --- Writes the leaves of a grid. Returns true, or nil, message, code.
-function view_file.save_vtu(grid, path)
-  local source = view_grid.open(grid)
+function vtu.save(grid, path)
+  local source = quantities.open(grid)
   local mask = complete(source.cells)
   local function cells(a) return core.figure_pick(a, mask) end
   local point_data = {
@@ -44,4 +44,4 @@ function view_file.save_vtu(grid, path)
     cell_data))
 end
 
-return view_file
+return vtu

@@ -1,6 +1,7 @@
 --- Pictures of scenes: what bake, prepare, render, reference and raycast of a scene do.
 
 require "ylm.render.prepared" -- the methods of what prepare returns
+local box = require "ylm.box"
 local check = require "ylm.check"
 local core = require "ylm.c.core"
 local describe = require "ylm.describe".describe
@@ -119,7 +120,7 @@ function render.bake(s, given)
   end
   local surfaces = o.occupied == "surfaces"
   return require("ylm.grid").bake(probes, t.lights, { occupied = surfaces and "surfaces" or points,
-    geometry = surfaces and s.geometry or nil, bounds = tracing.bounds_of(t), seed = o.seed, threads = o.threads,
+    geometry = surfaces and s.geometry or nil, bounds = box.padded(t.lo, t.hi), seed = o.seed, threads = o.threads,
     progress = o.progress, light_tolerance = o.light_tolerance, device = o.device })
 end
 

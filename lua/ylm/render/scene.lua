@@ -79,19 +79,4 @@ function tracing.trace(name, s)
   return new
 end
 
---- The length of the diagonal of the box of what was traced.
-function tracing.diagonal(t)
-  local d = 0
-  for i = 1, 3 do d = d + (t.hi[i] - t.lo[i]) ^ 2 end
-  return math.sqrt(d)
-end
-
---- The box of a scene's geometry, a little larger, so that no rounded point is outside and none is flat.
-function tracing.bounds_of(t)
-  local pad, lo, hi = 1e-4 * tracing.diagonal(t), {}, {}
-  if pad == 0 then pad = 1 end
-  for i = 1, 3 do lo[i], hi[i] = t.lo[i] - pad, t.hi[i] + pad end
-  return { lo, hi }
-end
-
 return tracing

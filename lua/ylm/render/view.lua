@@ -2,6 +2,7 @@
 -- rays, transfer vectors), made once and rendered as often as one likes, so that methods are compared on the very same points.
 
 require "ylm.array" -- the methods of the arrays that are returned
+local box = require "ylm.box"
 local check = require "ylm.check"
 local core = require "ylm.c.core"
 local progress = require "ylm.progress"
@@ -68,7 +69,7 @@ function views.prepare(name, s, o)
   local visibility = o.visibility or o.shading
   local distance = o.occlusion_distance
   if not distance then
-    distance = tracing.diagonal(t) / 10
+    distance = box.diagonal(t.lo, t.hi) / 10
     if distance == 0 then distance = 1 end
   end
   local rays = o.transfer_samples or (visibility == "vertex" or o.shading == "vertex") and 256 or 128

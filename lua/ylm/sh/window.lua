@@ -97,7 +97,7 @@ local function parts_of(plain, rows, lmax, directions)
     end
   end
   core.array_fill(alone, list)
-  return require("ylm.sh").reconstruct(alone, directions)
+  return args.reconstruct("reconstruct", alone, directions, {})
 end
 
 describe "sh.dering" {

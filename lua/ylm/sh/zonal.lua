@@ -3,8 +3,10 @@
 local args = require "ylm.sh.args"
 local array = require "ylm.array"
 local check = require "ylm.check"
+local convert = require "ylm.sh.convert"
 local core = require "ylm.c.core"
 local describe = require "ylm.describe".describe
+local eval = require "ylm.sh.eval"
 local form = require "ylm.form"
 
 local axial = {}
@@ -44,7 +46,7 @@ function axial.zonal(z, direction)
   local d = direction_of(2, "zonal", "direction", direction)
   local lmax = #list - 1
   check.integer(1, "zonal", "lmax", lmax, 0, core.sh_lmax)
-  local Y = require("ylm.sh").eval(lmax, d)
+  local Y = eval.eval(lmax, d)
   local factors = {}
   for l = 0, lmax do factors[l + 1] = math.sqrt(4 * pi / (2 * l + 1)) * list[l + 1] end
   assert(core.sh_degree_scale(Y, Y, lmax, factors))
@@ -143,7 +145,7 @@ function axial.irradiance(c, normals, options)
       core.sh_convention_name(convention))
   end
   if o.method == "quadratic" and lmax > 2 then
-    a = require "ylm.sh".resize(a, 2)
+    a = convert.resize(a, 2)
     lmax, shape = 2, core.array_info(a)
   end
   local factors = {}

@@ -3,7 +3,7 @@
 local core = require "ylm.c.core"
 local drawing = require "ylm.view.drawing"
 local numbers = require "ylm.view.numbers"
-local view_grid = require "ylm.grid.quantities"
+local quantities = require "ylm.grid.quantities"
 
 local axis_number = { x = 1, y = 2, z = 3 }
 
@@ -134,7 +134,7 @@ end
 function fill.boxes(stage, v)
   local o = drawing.options(v.boxes)
   local values = v.values
-  if view_grid.quantities[v.quantity].of == "points" then
+  if quantities.of[v.quantity].of == "points" then
     error({ "boxes show a quantity of cells: error, level or residual", "EINVAL" }, 0)
   end
   local drawn = chosen_cells(v, o)

@@ -10,7 +10,7 @@ local layers = require "ylm.view.layers"
 local memory = require "ylm.memory"
 local picture = require "ylm.picture"
 local view_camera = require "ylm.view.camera"
-local view_grid = require "ylm.grid.quantities"
+local quantities = require "ylm.grid.quantities"
 
 local view = {}
 
@@ -266,7 +266,7 @@ end
 
 local fields = {
   { "subject", "any", optional = true, about = "a grid; may be given without a name, first" },
-  { "quantity", "choice", of = view_grid.names, optional = true,
+  { "quantity", "choice", of = quantities.names, optional = true,
     about = "what of the grid colours show; default error, with glyphs or streamlines alone gradient" },
   { "volume", "layer", optional = true,
     about = "a cloud of the quantity: true or { density = 1, smooth = true }; without a grid: "

@@ -2,7 +2,7 @@
 
 local core = require "ylm.c.core"
 local drawing = require "ylm.view.drawing"
-local view_grid = require "ylm.grid.quantities"
+local quantities = require "ylm.grid.quantities"
 
 local numbers = {}
 
@@ -54,7 +54,7 @@ end
 function numbers.prepare(v)
   if v.scales then return true end
   v.scales = {}
-  if v.subject then v.source = view_grid.open(v.subject) end
+  if v.subject then v.source = quantities.open(v.subject) end
   local coloured = v.volume or v.slices or v.boxes or v.isosurfaces or (v.levels and v.quantity == "level")
   if v.lattice then
     local l = v.lattice
@@ -66,7 +66,7 @@ function numbers.prepare(v)
     v.scale = make_scale(v, "values", { map = "viridis", log = false }, least, largest, positive, true)
   elseif v.source and coloured then
     v.values = v.source.values(v.quantity)
-    local q = view_grid.quantities[v.quantity]
+    local q = quantities.of[v.quantity]
     local of = q.of == "cells" and core.figure_pick(v.values, v.source.cells.leaf) or v.values
     local least, largest, positive = core.figure_range(of)
     if not least then
@@ -87,7 +87,7 @@ function numbers.prepare(v)
       v.gradient = v.source.gradient()
       lengths = core.figure_lengths(v.gradient)
     end
-    local q = view_grid.quantities.gradient
+    local q = quantities.of.gradient
     local given = v.arrows or v.flow
     local least, largest, positive = core.figure_range(lengths)
     -- A few arrows beside lamps must not decide the colours of all others.
@@ -114,14 +114,14 @@ function numbers.sampled(v, b, size)
   local volume = assert(core.volume(b, size, 1))
   if v.lattice then drawing.run(core.volume_resample(volume, v.lattice.volume))
   else
-    local pointwise = view_grid.quantities[v.quantity].of == "points"
+    local pointwise = quantities.of[v.quantity].of == "points"
     drawing.run(core.volume_fill(volume, v.values, pointwise, numbers.cells_args(v.source, nil, pointwise)))
   end
   return volume
 end
 
 --- Is what colours show known at points, not of cells?
-function numbers.pointwise(v) return v.lattice or view_grid.quantities[v.quantity].of == "points" end
+function numbers.pointwise(v) return v.lattice or quantities.of[v.quantity].of == "points" end
 
 --- The bounds of the grid or the lattice that is shown; nil without either.
 function numbers.bounds(v) return v.source and v.source.bounds or v.lattice and v.lattice.bounds end
