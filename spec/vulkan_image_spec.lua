@@ -13,7 +13,7 @@ describe("ylm.vulkan pictures", function()
   end
   local gpu = support.here()
   if not gpu then return end
-  local binding = ylm.vulkan.__binding()
+  local binding = require "ylm.c.vulkan"
 
   --- Are they the same within 1e-5 of the largest number?
   local function same(a, b, bound)
