@@ -146,7 +146,8 @@ describe("ylm.view, on analytic fields:", function()
     local volume = assert(core.volume({ -1, -1, -1, 1, 1, 1 }, { n, n, n }, 3))
     core.volume_set(volume, ylm.array(flow))
     local shape = core.shape(3)
-    core.shape_streamlines(shape, volume, ylm.array { { 0.6, 0, 0 } }, 0.01, 380, 2, 0.001, "viridis", 0, 1, false)
+    core.shape_streamlines(shape, volume, { seeds = ylm.array { { 0.6, 0, 0 } }, step = 0.01, room = 380, fewest = 2,
+      radius = 0.001 }, "viridis", 0, 1, false)
     local _, _, b = core.shape_info(shape)
     for _, k in ipairs { 1, 2, 4, 5 } do assert(math.abs(math.abs(b[k]) - 0.6) < 0.003, "extent " .. b[k]) end
     assert(math.abs(b[3]) < 0.002 and math.abs(b[6]) < 0.002)
@@ -157,7 +158,8 @@ describe("ylm.view, on analytic fields:", function()
     local basis = ylm.sh.eval(2, directions, { dtype = "double" })
     local c = ylm.array { { 0, 0, 1, 0, 0, 0, 0, 0, 0 } }
     local shape = core.shape(3)
-    core.shape_lobes(shape, c, ylm.array { { 5, 6, 7 } }, ylm.array { 0.5 }, { 1, 0, 0 }, { 0, 0, 1 }, 4, basis, true)
+    core.shape_lobes(shape, { coefficients = c, centre = ylm.array { { 5, 6, 7 } }, scale = ylm.array { 0.5 },
+      positive = { 1, 0, 0 }, negative = { 0, 0, 1 }, detail = 4, basis = basis, fit = true })
     local points, cells, b = core.shape_info(shape)
     assert.equal(4 * 16 ^ 2 + 2, points)
     assert.equal(8 * 16 ^ 2, cells)

@@ -19,9 +19,8 @@
 using ylm::guarded;
 template <class T> using Ptr = vtkSmartPointer<T>;
 
-extern "C" ylm_status ylm_vtk_text(const char *text, double size, int bold, int align,
-                                   const double rgb[3], int *width, int *height, uint8_t **rgba,
-                                   ylm_error *e) {
+extern "C" ylm_status ylm_vtk_text(const char *text, double size, int bold, const double rgb[3],
+                                   int *width, int *height, uint8_t **rgba, ylm_error *e) {
   *width = *height = 0;
   *rgba = nullptr;
   if (!*text) return YLM_OK;
@@ -34,9 +33,7 @@ extern "C" ylm_status ylm_vtk_text(const char *text, double size, int bold, int 
       property->SetBold(bold);
     property->SetFontSize(int(size + 0.5));
     property->SetColor(rgb[0], rgb[1], rgb[2]);
-    property->SetJustification(align == 1   ? VTK_TEXT_CENTERED
-                               : align == 2 ? VTK_TEXT_RIGHT
-                                            : VTK_TEXT_LEFT);
+    property->SetJustification(VTK_TEXT_LEFT);
     property->SetLineSpacing(1.15);
     auto data = Ptr<vtkImageData>::New();
     int dims[2] = {0, 0};

@@ -119,12 +119,11 @@ YLM_API ylm_status ylm_vtk_plot(const ylm_vtk_chart *c, uint8_t *rgb, ylm_error 
 
 /*
 ** ylm_vtk_text - one or more lines of UTF-8 as RGBA, [height][width][4], allocated.
-**   size   of the letters, pixels; bold 0 | 1; align 0 left, 1 middle, 2 right
+**   size   of the letters, pixels; bold 0 | 1
 ** All texts of one size and line count have the same height, ascenders and descenders included.
 */
-YLM_API ylm_status ylm_vtk_text(const char *text, double size, int bold, int align,
-                                const double rgb[3], int *width, int *height, uint8_t **rgba,
-                                ylm_error *e);
+YLM_API ylm_status ylm_vtk_text(const char *text, double size, int bold, const double rgb[3],
+                                int *width, int *height, uint8_t **rgba, ylm_error *e);
 
 /* The canvas as a .png file, written whole or not at all. */
 YLM_API ylm_status ylm_vtk_save_png(const char *path, const ylm_figure_canvas *c, ylm_error *e);

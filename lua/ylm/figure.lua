@@ -185,7 +185,7 @@ local function wipe_canvas(item, vtk, fail)
     local x = math.floor(width * (item.at and item.at[i] or i / #parts) + 0.5)
     if i == #parts then x = width end
     local from = item.edges[i]
-    if x > from then core.canvas_copy(canvas, from, 0, x - from, height, parts[i], from, 0, x - from, height, true) end
+    if x > from then core.canvas_copy(canvas, { from, 0, x - from, height }, parts[i], { from, 0, x - from, height }, true) end
     item.edges[i + 1] = x
   end
   return canvas
@@ -209,7 +209,7 @@ end
 local function draw_item(f, canvas, item, x, y, w, h, font)
   local cw, ch = core.canvas_size(item.canvas)
   local crop = item.crop or { 0, 0, cw, ch }
-  core.canvas_copy(canvas, x, y, w, h, item.canvas, crop[1], crop[2], crop[3], crop[4], w > crop[3])
+  core.canvas_copy(canvas, { x, y, w, h }, item.canvas, crop, w > crop[3])
   local kx, ky = w / crop[3], h / crop[4]
   for i = 2, #(item.edges or {}) - 1 do
     local ex = x + (item.edges[i] - crop[1]) * kx

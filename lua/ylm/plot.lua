@@ -19,10 +19,6 @@ local palette = {
     { 0.45, 0.60, 0.95 }, { 0.75, 0.75, 0.75 } },
 }
 
-local markers = { none = 0, cross = 1, plus = 2, square = 3, circle = 4, diamond = 5 }
-local dashes = { solid = 0, dashed = 1, dotted = 2 }
-local legends = { ["top right"] = 1, ["top left"] = 2, ["bottom right"] = 3, ["bottom left"] = 4 }
-
 -- Series -------------------------------------------------------------------------
 
 local series_fields = {
@@ -175,7 +171,7 @@ local function draw(p)
   local x0, x1 = axis_range(p.all, "x", "y", x_axis, y_axis)
   local y0, y1 = axis_range(p.all, "y", "x", y_axis, x_axis)
   local chart = { supersample = p.supersample, font = font, background = theme.background, foreground = theme.text,
-    legend = legends[p.legend] or 0, series = {},
+    legend = p.legend, series = {},
     x = axis_for_c(x0, x1, p.x_log, math.max(3, math.floor(width / font / 7)), whole(p.all, "x")),
     y = axis_for_c(y0, y1, p.y_log, math.max(3, math.floor(height / font / 4)), whole(p.all, "y")) }
   local l = layout(p, chart, width, height, font)
@@ -189,11 +185,11 @@ local function draw(p)
     if x then
       any = any or s.label
       chart.series[#chart.series + 1] = { x = x, y = y, label = s.label, width = s.width,
-        colour = picture.with_alpha(s.colour, s.alpha or 1), marker = markers[s.marker], dash = dashes[s.dash],
+        colour = picture.with_alpha(s.colour, s.alpha or 1), marker = s.marker, dash = s.dash,
         marker_size = s.marker == "none" and 0 or s.marker_size }
     end
   end
-  if not any then chart.legend = 0 end
+  if not any then chart.legend = "none" end
   local _, failed, status = vtk.plot(chart, canvas)
   if failed then return nil, failed, status end
   if p.title then

@@ -110,25 +110,29 @@ static int shape_segments(lua_State *L) {
   return ylmL_result(L, 0, ylm_figure_add_segments(s, n, from, to, colour), NULL);
 }
 
-/* lobes(shape, coefficient [n][count], centre, scale, positive, negative, detail, basis, fit) */
+/* lobes(shape, {coefficients [n][count], centre, scale, positive, negative, detail, basis, fit}) */
 static int shape_lobes(lua_State *L) {
+  static const char *const names[] = {"coefficients", "centre", "scale", "positive", "negative",
+                                      "detail",       "basis",  "fit",   NULL};
+  enum { COEFFICIENTS = 3, CENTRE, SCALE, POSITIVE, NEGATIVE, DETAIL, BASIS, FIT };
   ylm_figure_shape *s = shape_at(L, 1);
-  ylmL_array *c = ylmL_array_check(L, 2);
+  ylmL_named(L, 2, names);
+  ylmL_array *c = ylmL_array_check(L, COEFFICIENTS);
   size_t n, rows;
-  const double *centre = ylmL_doubles(L, 3, 3, &n), *scale = ylmL_doubles_of(L, 4, 1, n);
+  const double *centre = ylmL_doubles(L, CENTRE, 3, &n), *scale = ylmL_doubles_of(L, SCALE, 1, n);
   double positive[3], negative[3];
-  ylmL_numbers(L, 5, 3, positive);
-  ylmL_numbers(L, 6, 3, negative);
-  int detail = (int)luaL_checknumber(L, 7);
+  ylmL_numbers(L, POSITIVE, 3, positive);
+  ylmL_numbers(L, NEGATIVE, 3, negative);
+  int detail = (int)luaL_checknumber(L, DETAIL);
   if (n == 0) return 0;
   size_t count = c->count / n;
-  const double *basis = ylmL_doubles(L, 8, count ? count : 1, &rows);
+  const double *basis = ylmL_doubles(L, BASIS, count ? count : 1, &rows);
   if (c->dtype != YLM_DOUBLE || c->count != n * count || detail < 0 || detail > 6 ||
       rows != ((size_t)4 << 2 * detail) + 2)
     return ylmL_result(L, 0, YLM_ESHAPE, NULL);
   return ylmL_result(L, 0,
                      ylm_figure_add_lobes(s, n, (int)count, detail, basis, c->data, centre, scale,
-                                          lua_toboolean(L, 9), positive, negative),
+                                          lua_toboolean(L, FIT), positive, negative),
                      NULL);
 }
 

@@ -56,13 +56,13 @@ static int canvas_line(lua_State *L) {
   return 0;
 }
 
-/* copy(canvas, x, y, w, h, from, sx, sy, sw, sh, sharp) */
+/* copy(canvas, {x, y, width, height}, from, {x, y, width, height}, sharp) */
 static int canvas_copy(lua_State *L) {
-  ylm_figure_canvas_copy(canvas_at(L, 1), (int)luaL_checknumber(L, 2), (int)luaL_checknumber(L, 3),
-                         (int)luaL_checknumber(L, 4), (int)luaL_checknumber(L, 5), canvas_at(L, 6),
-                         (double)luaL_checknumber(L, 7), (double)luaL_checknumber(L, 8),
-                         (double)luaL_checknumber(L, 9), (double)luaL_checknumber(L, 10),
-                         lua_toboolean(L, 11));
+  double to[4], part[4];
+  ylmL_numbers(L, 2, 4, to);
+  ylmL_numbers(L, 4, 4, part);
+  ylm_figure_canvas_copy(canvas_at(L, 1), (int)to[0], (int)to[1], (int)to[2], (int)to[3],
+                         canvas_at(L, 3), part[0], part[1], part[2], part[3], lua_toboolean(L, 5));
   return 0;
 }
 

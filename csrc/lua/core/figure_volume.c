@@ -111,16 +111,22 @@ static int volume_save(lua_State *L) {
   return ylmL_result(L, 1, s, &e);
 }
 
-/* streamlines(shape, volume, seeds, step, room, fewest, radius, scale...) */
+/* streamlines(shape, volume, {seeds, step, room, fewest, radius}, scale...) */
 static int shape_streamlines(lua_State *L) {
+  static const char *const names[] = {"seeds", "step", "room", "fewest", "radius", NULL};
+  enum { LINES = 8, SEEDS, STEP, ROOM, FEWEST, RADIUS };
   size_t n;
-  const double *seed = ylmL_doubles(L, 3, 3, &n);
-  ylm_figure_scale scale = ylmL_scale(L, 8);
+  ylm_figure_scale scale = ylmL_scale(L, 4);
+  lua_settop(L, LINES - 1);
+  lua_pushvalue(L, 3);
+  ylmL_named(L, LINES, names);
+  const double *seed = ylmL_doubles(L, SEEDS, 3, &n);
   return ylmL_result(L, 0,
-                     ylm_figure_add_streamlines(
-                         ylmL_check(L, 1, YLM_SHAPE), volume_at(L, 2), n, seed,
-                         (double)luaL_checknumber(L, 4), (size_t)luaL_checknumber(L, 5),
-                         (size_t)luaL_checknumber(L, 6), (double)luaL_checknumber(L, 7), &scale),
+                     ylm_figure_add_streamlines(ylmL_check(L, 1, YLM_SHAPE), volume_at(L, 2), n,
+                                                seed, (double)luaL_checknumber(L, STEP),
+                                                (size_t)luaL_checknumber(L, ROOM),
+                                                (size_t)luaL_checknumber(L, FEWEST),
+                                                (double)luaL_checknumber(L, RADIUS), &scale),
                      NULL);
 }
 

@@ -29,18 +29,21 @@ static const float *mask(lua_State *L, int i, const ylm_image *image) {
   return a->data;
 }
 
-/* image_compare(a, b, layer or nil, mask or nil, peak, floor, threads, progress) -> table */
+/* image_compare(a, b, {layer or nil, mask or nil, peak, floor, threads, progress}) -> table */
 static int image_compare(lua_State *L) {
-  lua_settop(L, 8);
+  static const char *const names[] = {"layer",   "mask",     "peak", "floor",
+                                      "threads", "progress", NULL};
+  enum { LAYER = 4, MASK, PEAK, FLOOR, THREADS, PROGRESS };
   ylm_image *a = ylmL_image_check(L, 1), *b = ylmL_image_check(L, 2);
-  const float *where = mask(L, 4, a);
+  ylmL_named(L, 3, names);
+  const float *where = mask(L, MASK, a);
   ylm_error e = {0};
   ylm_metrics m;
   ylmL_progress progress;
-  const char *layer = luaL_optstring(L, 3, NULL);
-  double peak = (double)luaL_checknumber(L, 5), least = (double)luaL_checknumber(L, 6);
-  ylm_status s = ylm_image_compare(a, b, layer, where, peak, least, integer(L, 7),
-                                   ylmL_progress_begin(L, 8, &progress), &m, &e);
+  const char *layer = luaL_optstring(L, LAYER, NULL);
+  double peak = (double)luaL_optnumber(L, PEAK, 0), least = (double)luaL_optnumber(L, FLOOR, 0);
+  ylm_status s = ylm_image_compare(a, b, layer, where, peak, least, integer(L, THREADS),
+                                   ylmL_progress_begin(L, PROGRESS, &progress), &m, &e);
   lua_createtable(L, 0, 10);
   ylmL_set_number(L, "mse", m.mse);
   ylmL_set_number(L, "rmse", m.rmse);

@@ -25,14 +25,18 @@ static int isa_of(lua_State *L, int i) {
   return luaL_argerror(L, i, "no such kernel set");
 }
 
-/* sh_eval(lmax, points [n][3], y, dy | nil, ddy | nil, solid, method, threads, isa | nil, progress)
-   fills y [n][count], dy [n][count][3], ddy [n][count][6], all of the points' type */
+/* sh_eval(lmax, points [n][3], {y, dy | nil, ddy | nil, solid, method, threads, isa | nil,
+   progress}) fills y [n][count], dy [n][count][3], ddy [n][count][6], all of the points' type */
 static int sh_eval(lua_State *L) {
-  ylmL_array *p = ylmL_array_check(L, 2), *y = ylmL_array_check(L, 3);
-  ylmL_array *dy = ylmL_array_opt(L, 4), *ddy = ylmL_array_opt(L, 5);
+  static const char *const names[] = {"y",       "dy",  "ddy",      "solid", "method",
+                                      "threads", "isa", "progress", NULL};
+  enum { Y = 4, DY, DDY, SOLID, METHOD, THREADS, ISA, PROGRESS };
+  ylmL_named(L, 3, names);
+  ylmL_array *p = ylmL_array_check(L, 2), *y = ylmL_array_check(L, Y);
+  ylmL_array *dy = ylmL_array_opt(L, DY), *ddy = ylmL_array_opt(L, DDY);
   ylmL_progress progress;
   ylm_error e = {YLM_OK, ""};
-  int lmax = (int)luaL_checknumber(L, 1), method = method_of(luaL_checkstring(L, 7));
+  int lmax = (int)luaL_checknumber(L, 1), method = method_of(luaL_checkstring(L, METHOD));
   if (lmax < 0 || lmax > YLM_LMAX) return ylmL_result(L, 0, YLM_ERANGE, NULL);
   size_t n = p->count / 3, count = ylm_sh_count(lmax);
   if (method < 0) return ylmL_result(L, 0, YLM_EINVAL, NULL);
@@ -44,11 +48,11 @@ static int sh_eval(lua_State *L) {
   ylm_sh_how how = {.derivatives = ddy  ? 2
                                    : dy ? 1
                                         : 0,
-                    .solid = lua_toboolean(L, 6),
+                    .solid = lua_toboolean(L, SOLID),
                     .method = (ylm_sh_method)method,
-                    .isa = isa_of(L, 9),
-                    .threads = (int)luaL_optnumber(L, 8, 0)};
-  how.progress = ylmL_progress_begin(L, 10, &progress);
+                    .isa = isa_of(L, ISA),
+                    .threads = (int)luaL_optnumber(L, THREADS, 0)};
+  how.progress = ylmL_progress_begin(L, PROGRESS, &progress);
   ylm_status s =
       ylm_sh_eval_how(&how, lmax, p->dtype, n, p->data, y->data, data_of(dy), data_of(ddy), &e);
   lua_pushboolean(L, s == YLM_OK);

@@ -32,13 +32,18 @@ static int sh_samples(lua_State *L) {
   return 1;
 }
 
-/* sh_project(lmax, directions [n][3], weights [n] | nil, values [n][channels], out
-   [channels][count], threads, progress, squares [channels][count] | nil)
+/* sh_project(lmax, {directions [n][3], weights [n] | nil, values [n][channels], out
+   [channels][count], squares [channels][count] | nil, threads, progress})
    -> true; all double */
 static int sh_project(lua_State *L) {
+  static const char *const names[] = {"directions", "weights", "values",   "out",
+                                      "squares",    "threads", "progress", NULL};
+  enum { DIRECTIONS = 3, WEIGHTS, VALUES, OUT, SQUARES, THREADS, PROGRESS };
   int lmax = (int)luaL_checknumber(L, 1);
-  ylmL_array *d = ylmL_array_check(L, 2), *w = ylmL_array_opt(L, 3), *v = ylmL_array_check(L, 4);
-  ylmL_array *out = ylmL_array_check(L, 5), *square = ylmL_array_opt(L, 8);
+  ylmL_named(L, 2, names);
+  ylmL_array *d = ylmL_array_check(L, DIRECTIONS), *w = ylmL_array_opt(L, WEIGHTS);
+  ylmL_array *v = ylmL_array_check(L, VALUES), *out = ylmL_array_check(L, OUT);
+  ylmL_array *square = ylmL_array_opt(L, SQUARES);
   ylm_error e = {YLM_OK, ""};
   ylmL_progress progress;
   size_t n = d->count / 3;
@@ -51,10 +56,10 @@ static int sh_project(lua_State *L) {
   if (d->dtype != YLM_DOUBLE || v->dtype != YLM_DOUBLE || out->dtype != YLM_DOUBLE ||
       (w && w->dtype != YLM_DOUBLE) || (square && square->dtype != YLM_DOUBLE))
     return ylmL_result(L, 0, YLM_ETYPE, NULL);
-  ylm_status s =
-      ylm_sh_project_samples(lmax, n, d->data, w ? w->data : NULL, (int)channels, v->data,
-                             out->data, square ? square->data : NULL, (int)luaL_optnumber(L, 6, 0),
-                             ylmL_progress_begin(L, 7, &progress), &e);
+  ylm_status s = ylm_sh_project_samples(lmax, n, d->data, w ? w->data : NULL, (int)channels,
+                                        v->data, out->data, square ? square->data : NULL,
+                                        (int)luaL_optnumber(L, THREADS, 0),
+                                        ylmL_progress_begin(L, PROGRESS, &progress), &e);
   lua_pushboolean(L, 1);
   return ylmL_result_progress(L, 1, s, &e, &progress);
 }

@@ -193,18 +193,21 @@ static int sh_convention_name(lua_State *L) {
   return 1;
 }
 
-/* sh_convert(from, to, lmax, rows, in, out, threads, progress) -> true; the arrays' sizes were made
- * to fit by the caller */
+/* sh_convert(in, out, {from, to, lmax, rows, threads, progress}) -> true; the arrays' sizes were
+ * made to fit by the caller */
 static int sh_convert(lua_State *L) {
-  uint32_t from = (uint32_t)luaL_checknumber(L, 1), to = (uint32_t)luaL_checknumber(L, 2);
-  int lmax = (int)luaL_checknumber(L, 3);
+  static const char *const names[] = {"from", "to", "lmax", "rows", "threads", "progress", NULL};
+  enum { FROM = 4, TO, LMAX, ROWS, THREADS, PROGRESS };
+  ylmL_named(L, 3, names);
+  uint32_t from = (uint32_t)luaL_checknumber(L, FROM), to = (uint32_t)luaL_checknumber(L, TO);
+  int lmax = (int)luaL_checknumber(L, LMAX);
   int64_t rows;
-  ylmL_array *in = ylmL_array_check(L, 5), *out = ylmL_array_check(L, 6);
+  ylmL_array *in = ylmL_array_check(L, 1), *out = ylmL_array_check(L, 2);
   ylm_error e = {YLM_OK, ""};
   ylmL_progress progress;
-  const ylm_progress *report = ylmL_progress_begin(L, 8, &progress);
+  const ylm_progress *report = ylmL_progress_begin(L, PROGRESS, &progress);
   ylm_status s = YLM_OK;
-  if (!ylmL_toint64(L, 4, &rows) || rows < 0 || lmax < 0 || lmax > YLM_LMAX)
+  if (!ylmL_toint64(L, ROWS, &rows) || rows < 0 || lmax < 0 || lmax > YLM_LMAX)
     s = YLM_ERANGE;
   else {
     size_t needed[2];
@@ -221,7 +224,7 @@ static int sh_convert(lua_State *L) {
   }
   if (s == YLM_OK)
     s = ylm_sh_convert(from, to, lmax, in->dtype, (size_t)rows, in->data, out->data,
-                       (int)luaL_optnumber(L, 7, 0), report, &e);
+                       (int)luaL_optnumber(L, THREADS, 0), report, &e);
   if (s == YLM_OK) out->convention = to;
   lua_pushboolean(L, 1);
   return ylmL_result_progress(L, 1, s, &e, &progress);

@@ -16,6 +16,20 @@ static double number(lua_State *L, int i, const char *name) {
   return x;
 }
 
+/* field(table, name) as the place of its word in `words`, the first where it is missing */
+static int choice(lua_State *L, int i, const char *name, const char *const *words) {
+  lua_getfield(L, i, name);
+  int k = luaL_checkoption(L, -1, words[0], words);
+  lua_pop(L, 1);
+  return k;
+}
+
+/* In the order of ylm_vtk_series and ylm_vtk_chart. */
+static const char *const markers[] = {"none", "cross", "plus", "square", "circle", "diamond", NULL};
+static const char *const dashes[] = {"solid", "dashed", "dotted", NULL};
+static const char *const legends[] = {"none",         "top right",   "top left",
+                                      "bottom right", "bottom left", NULL};
+
 /* field(table, name) as a string, "" where it is missing; the table keeps it */
 static const char *word(lua_State *L, int i, const char *name) {
   lua_getfield(L, i, name);
@@ -68,9 +82,9 @@ static void series(lua_State *L, ylm_vtk_series *s) {
   s->label = word(L, i, "label");
   colour(L, i, "colour", 4, s->colour);
   s->width = number(L, i, "width");
-  s->marker = (int)number(L, i, "marker");
+  s->marker = choice(L, i, "marker", markers);
   s->marker_size = number(L, i, "marker_size");
-  s->dash = (int)number(L, i, "dash");
+  s->dash = choice(L, i, "dash", dashes);
 }
 
 /* plot(chart table, canvas): fills the canvas */
@@ -91,7 +105,7 @@ int ylmL_vtk_plot(lua_State *L) {
   c.right = number(L, 1, "right");
   c.top = number(L, 1, "top");
   c.bottom = number(L, 1, "bottom");
-  c.legend = (int)number(L, 1, "legend");
+  c.legend = choice(L, 1, "legend", legends);
   c.font = number(L, 1, "font");
   colour(L, 1, "background", 3, c.background);
   colour(L, 1, "foreground", 3, c.foreground);

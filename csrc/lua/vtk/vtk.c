@@ -25,16 +25,19 @@ static int scene_new(lua_State *L) {
   return ylmL_result(L, 1, ylm_vtk_scene_create(s, &e), &e);
 }
 
-/* shape(scene, shape, ambient, diffuse, specular, line width, opacity, flat, ghost) */
+/* shape(scene, shape, {ambient, diffuse, specular, line_width, opacity, flat}) */
 static int scene_shape(lua_State *L) {
+  static const char *const names[] = {"ambient", "diffuse", "specular", "line_width",
+                                      "opacity", "flat",    NULL};
+  enum { AMBIENT = 4, DIFFUSE, SPECULAR, LINE_WIDTH, OPACITY, FLAT };
   ylm_error e;
-  ylm_vtk_style style = {(double)luaL_checknumber(L, 3),
-                         (double)luaL_checknumber(L, 4),
-                         (double)luaL_checknumber(L, 5),
-                         (double)luaL_checknumber(L, 6),
-                         (double)luaL_checknumber(L, 7),
-                         lua_toboolean(L, 8),
-                         lua_toboolean(L, 9)};
+  ylmL_named(L, 3, names);
+  ylm_vtk_style style = {.ambient = (double)luaL_checknumber(L, AMBIENT),
+                         .diffuse = (double)luaL_checknumber(L, DIFFUSE),
+                         .specular = (double)luaL_checknumber(L, SPECULAR),
+                         .line_width = (double)luaL_checknumber(L, LINE_WIDTH),
+                         .opacity = (double)luaL_checknumber(L, OPACITY),
+                         .flat = lua_toboolean(L, FLAT)};
   ylm_status s = ylm_vtk_add_shape(scene_at(L, 1), ylmL_check(L, 2, YLM_SHAPE), &style, &e);
   return ylmL_result(L, 0, s, &e);
 }
@@ -123,26 +126,21 @@ static int scene_render(lua_State *L) {
   return ylmL_result(L, 0, s, &e);
 }
 
-/* text(canvas | nil, text, x, y, size, bold, align, {r, g, b}) -> width, height
-   x, y is the upper left corner (align 0), the upper middle (1), the upper right corner (2) */
+/* text(canvas | nil, text, x, y, size, bold, {r, g, b}) -> width, height
+   x, y is the upper left corner */
 static int text(lua_State *L) {
   ylm_error e;
   ylm_figure_canvas *c = lua_isnoneornil(L, 1) ? NULL : ylmL_check(L, 1, YLM_CANVAS);
-  int w, h, align = (int)luaL_checknumber(L, 7);
+  int w, h;
   double rgb[3];
   uint8_t *rgba;
   const char *words = luaL_checkstring(L, 2);
   double x = (double)luaL_checknumber(L, 3), y = (double)luaL_checknumber(L, 4);
-  ylmL_numbers(L, 8, 3, rgb);
-  ylm_status s = ylm_vtk_text(words, (double)luaL_checknumber(L, 5), lua_toboolean(L, 6), align,
-                              rgb, &w, &h, &rgba, &e);
+  ylmL_numbers(L, 7, 3, rgb);
+  ylm_status s = ylm_vtk_text(words, (double)luaL_checknumber(L, 5), lua_toboolean(L, 6), rgb, &w,
+                              &h, &rgba, &e);
   if (s != YLM_OK) return ylmL_result(L, 0, s, &e);
-  if (c && rgba)
-    ylm_figure_canvas_blend(c,
-                            (int)(x - (align == 1   ? w / 2
-                                       : align == 2 ? w
-                                                    : 0)),
-                            (int)y, w, h, rgba);
+  if (c && rgba) ylm_figure_canvas_blend(c, (int)x, (int)y, w, h, rgba);
   ylm_free(rgba);
   lua_pushnumber(L, w);
   lua_pushnumber(L, h);

@@ -48,8 +48,8 @@ assert(m.mse == 1 and m.psnr == 0 and m.peak == 1)]],
 }
 function methods.compare(x, reference, options)
   local o, layer = compared("compare", x, reference, compare_options, options)
-  return check.result("compare", core.image_compare(x, reference, layer, images.mask("compare", x, o.mask), o.peak or 0,
-    o.floor or 0, o.threads, progress.of(o.progress)))
+  return check.result("compare", core.image_compare(x, reference, { layer = layer, mask = images.mask("compare", x, o.mask),
+    peak = o.peak, floor = o.floor, threads = o.threads, progress = progress.of(o.progress) }))
 end
 
 local difference_options = {

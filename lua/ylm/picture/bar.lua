@@ -82,7 +82,7 @@ local function draw_vertical(canvas, b, x, y, theme)
   local top, h, w = y + b.top, b.length, b.thick
   draw_title(canvas, b.lines, x, y, "left", theme)
   if h < 1 then return { x, top, w, 0 } end -- a picture this small has room for the title only
-  core.canvas_copy(canvas, x, top, w, h, colours(b.scale, w, h, "up", theme), 0, 0, w, h, true)
+  core.canvas_copy(canvas, { x, top, w, h }, colours(b.scale, w, h, "up", theme), { 0, 0, w, h }, true)
   local ink, free = picture.with_alpha(theme.dim, 1), math.huge
   for i, tick in ipairs(b.places) do
     local ty, label = top + h - place(b.scale, tick) * h, b.labels[i]
@@ -130,7 +130,7 @@ local function draw_horizontal(canvas, b, x, y, theme)
   local width = math.max(1, b.length - b.left - b.right)
   local top, h, ink, free = y + b.top, b.thick, picture.with_alpha(theme.dim, 1), -math.huge
   draw_title(canvas, b.lines, math.floor(x + width / 2), y, "middle", theme)
-  core.canvas_copy(canvas, x, top, width, h, colours(b.scale, width, h, "right", theme), 0, 0, width, h, true)
+  core.canvas_copy(canvas, { x, top, width, h }, colours(b.scale, width, h, "right", theme), { 0, 0, width, h }, true)
   for i, tick in ipairs(b.places) do
     local tx, label = x + place(b.scale, tick) * width, b.labels[i]
     if label ~= "" or width > CLOSE * #b.places then

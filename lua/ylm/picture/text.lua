@@ -11,8 +11,6 @@ local down = { ["₀"] = "0", ["₁"] = "1", ["₂"] = "2", ["₃"] = "3", ["₄
 local SMALL, UP, DOWN = 0.7, -0.06, 0.4
 local SPACING = 1.15 -- of lines
 
-local aligned = { left = 0, middle = 1, right = 2 }
-
 --- The parts of a line that are set alike: { text, shift } with the shift of scripts, nil for the line itself.
 local function runs(line)
   local list = {}
@@ -34,7 +32,7 @@ local function set_line(vtk, canvas, line, x, y, style, align)
   local function set(run, at, onto)
     local size = run.shift and math.max(5, style.size * SMALL) or style.size
     return assert(vtk.text(onto, run.text, at, y + math.floor((run.shift or 0) * style.size + 0.5), size,
-      style.bold or false, aligned.left, style.colour or { 1, 1, 1 }))
+      style.bold or false, style.colour or { 1, 1, 1 }))
   end
   for _, run in ipairs(list) do
     local w, h = set(run, 0, nil)

@@ -116,8 +116,8 @@ function convert.convert(c, to, options)
   local out, message, code = args.result("convert", options.out, shape, dtype, target, { a })
   if not out then return nil, message, code end
   local ok
-  ok, message, code = check.result("convert", core.sh_convert(source, target, lmax, rows, a, out, options.threads,
-    progress.of(options.progress)))
+  ok, message, code = check.result("convert", core.sh_convert(a, out, { from = source, to = target, lmax = lmax, rows = rows,
+    threads = options.threads, progress = progress.of(options.progress) }))
   if not ok then return nil, message, code end
   return args.held("convert", out, small)
 end

@@ -64,7 +64,8 @@ local function of_samples(lmax, directions, weights, values, threads, progress_,
     if not square then return nil, message, code end
   end
   local ok
-  ok, message, code = core.sh_project(lmax, directions, weights, values, out, threads, progress_, square)
+  ok, message, code = core.sh_project(lmax, { directions = directions, weights = weights, values = values, out = out,
+    squares = square, threads = threads, progress = progress_ })
   if not ok then return check.result("project", nil, message, code) end
   return out, square
 end

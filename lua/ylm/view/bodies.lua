@@ -13,7 +13,8 @@ local function add_lobes(stage, coefficients, lmax, centres, sizes, detail, fit)
   local directions = core.figure_sphere(detail)
   local basis = require("ylm.sh").eval(lmax, directions, { dtype = "double" })
   local shape = core.shape(3)
-  drawing.run(core.shape_lobes(shape, coefficients, centres, sizes, positive, negative, detail, basis, fit))
+  drawing.run(core.shape_lobes(shape, { coefficients = coefficients, centre = centres, scale = sizes, positive = positive,
+    negative = negative, detail = detail, basis = basis, fit = fit }))
   drawing.surface(stage, shape, { specular = 0.2 })
 end
 

@@ -69,13 +69,14 @@ end
 function drawing.surface(stage, shape, style)
   style = style or {}
   grow_shape(stage, shape)
-  drawing.run(stage.vtk.scene_shape(stage.scene, shape, style.ambient or 0.28, style.diffuse or 0.72,
-    style.specular or 0.12, 1, style.opacity or 1, style.flat or false, false))
+  drawing.run(stage.vtk.scene_shape(stage.scene, shape, { ambient = style.ambient or 0.28, diffuse = style.diffuse or 0.72,
+    specular = style.specular or 0.12, line_width = 1, opacity = style.opacity or 1, flat = style.flat }))
 end
 
 function drawing.lines(stage, shape, width)
   grow_shape(stage, shape)
-  drawing.run(stage.vtk.scene_shape(stage.scene, shape, 1, 0, 0, width or 1, 1, false, false))
+  drawing.run(stage.vtk.scene_shape(stage.scene, shape, { ambient = 1, diffuse = 0, specular = 0, line_width = width or 1,
+    opacity = 1 }))
 end
 
 --- At most `count` of the points, spread evenly: their mask and their distance.

@@ -205,8 +205,8 @@ function fill.streamlines(stage, v)
     drawing.run(core.volume_fill(volume, v.gradient, true, numbers.cells_args(v.source, nil, true)))
   end
   local shape, reach = core.shape(3), drawing.diagonal(b)
-  drawing.run(core.shape_streamlines(shape, volume, seeds(b, o.count or 150), reach / 400, 600, 12,
-    reach * 0.0016 * (o.width or 1), numbers.scale_of(v.vector_scale)))
+  drawing.run(core.shape_streamlines(shape, volume, { seeds = seeds(b, o.count or 150), step = reach / 400, room = 600,
+    fewest = 12, radius = reach * 0.0016 * (o.width or 1) }, numbers.scale_of(v.vector_scale)))
   drawing.surface(stage, shape, { ambient = 0.45, diffuse = 0.65, specular = 0.05 })
 end
 

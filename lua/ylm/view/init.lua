@@ -155,7 +155,7 @@ local function draw(v)
   local part = (w == width and h == height) and canvas or assert(core.canvas(w, h, v.theme.background))
   local _, failed, status = vtk.scene_render(stage.scene, part, v.supersample, v.theme.background)
   if failed then return nil, failed, status end
-  if part ~= canvas then core.canvas_copy(canvas, x, y, w, h, part, 0, 0, w, h, true) end
+  if part ~= canvas then core.canvas_copy(canvas, { x, y, w, h }, part, { 0, 0, w, h }, true) end
   label(stage, canvas, l.window, l.font)
   annotate(v, canvas, l)
   return canvas

@@ -34,8 +34,8 @@ function methods.harmonics(on, lmax, points, out, o)
   end
   local c, message, code = binding.use("eval", on.gpu)
   if not c then return nil, message, code end
-  return check.result("eval", c.gpu_sh_eval(on.gpu, lmax, points, out[1], out[2], out[3], o.solid,
-    progress.of(o.progress)))
+  return check.result("eval", c.gpu_sh_eval(on.gpu, lmax, points, { y = out[1], dy = out[2], ddy = out[3], solid = o.solid,
+    progress = progress.of(o.progress) }))
 end
 
 -- Lights ------------------------------------------------------------------------------
