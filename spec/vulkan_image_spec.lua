@@ -235,7 +235,7 @@ describe("ylm.vulkan pictures", function()
     refused("out", { grid = grid, device = own, out = own:array { 1 } })
     refused("must be a float array of 20x30x3", { grid = grid, device = own, download = false, out = own:array { 1 } })
     refused("a gpu_array expected", { grid = grid, device = own, download = false, out = ylm.zeros { 20, 30, 3 } })
-    refused("which download = false makes none of", { grid = grid, device = own, download = false,
+    refused("truth needs an image on the host", { grid = grid, device = own, download = false,
       truth = view:render { grid = grid } })
     binding.gpu_lose(own)
     image, message, code = view:render { grid = grid, device = own, download = false }

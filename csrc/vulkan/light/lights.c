@@ -270,7 +270,8 @@ static ylm_status take_flat(ylm_gpu_lights *l, size_t n, const ylm_polygons *con
     else if (!l->polygons)
       l->polygons = flat[i];
     else
-      return ylm_fail(e, YLM_EINVAL, "two sets of flat lights that spheres stand for: make one");
+      return ylm_fail(e, YLM_EINVAL,
+                      "a device takes one set of lights with method = 'sphere': join the two");
   return YLM_OK;
 }
 

@@ -214,7 +214,7 @@ end
 
 local update_options = {
   { "tolerance", "number", min = 0, optional = true,
-    about = "what is left as it is may be off by this, relative to the field; 0: nothing is left. "
+    about = "points whose light changed by less than this, relative to the field, are not updated; 0 updates every point. "
       .. "Default: an eighth of the grid's tolerance, 0.001 where it has none" },
   { "threads", "integer", min = 1, max = 1024, optional = true, about = "default: YLM_THREADS or all cores" },
   { "progress", "progress", optional = true, about = "called as f(done, total, stage); returning false cancels" },

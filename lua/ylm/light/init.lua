@@ -255,8 +255,8 @@ end
 --- The option that says how exactly lights are summed, by the name it has here.
 function light.tolerance_option(name)
   return { name, "number", min = 1e-6, max = 0.5, optional = true,
-    about = "many sphere lights are summed by a tree, to this part of the light there is (its derivatives: of theirs) "
-      .. "at 99.9 % of points; default: exactly. A device sums all lights, which is within any tolerance" }
+    about = "relative error at 99.9 % of points (of derivatives: relative to theirs) when many sphere lights are summed by a "
+      .. "tree; default: exact sums. Ignored on a device, which always sums exactly" }
 end
 
 --- A packed object to a tolerance (nil: as it is). Its sphere lights are summed by a tree, which they keep; others as

@@ -220,7 +220,7 @@ local function check_view(values, fail)
   if volume.values then
     if values.subject then return fail "give a grid or volume.values, not both" end
     values.lattice = lattice("volume: values", volume.values, volume.bounds, 1, fail)
-  elseif volume.bounds then return fail "volume: bounds are those of values, which are missing" end
+  elseif volume.bounds then return fail "volume.bounds needs volume.values" end
   if (glyphs.at == nil) ~= (glyphs.along == nil) then return fail "glyphs: at and along belong together" end
   if glyphs.at then
     values.arrows = { at = rows("glyphs: at", glyphs.at, 3, fail),

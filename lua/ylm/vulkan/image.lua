@@ -125,7 +125,7 @@ function vulkan_image.room(gpu, name, p, o)
   local c, message, code = binding.use(name, gpu)
   if not c then return nil, message, code end
   local shape = { p.options.size[2], p.options.size[1], 3 }
-  if o.truth then return check.bad(1, name, "truth: an error is computed of images, which download = false makes none of") end
+  if o.truth then return check.bad(1, name, "truth needs an image on the host: it cannot be combined with download = false") end
   if not o.out then return check.result(name, c.gpu_array_new(gpu, shape, "float")) end
   return (vulkan_grid.outputs(1, name, o.out, { shape }))
     or check.bad(1, name, "out: a gpu_array expected, got %s", check.describe(o.out))

@@ -84,7 +84,7 @@ local cases = {
     view({ volume = { values = { 1, 2 } } }, "volume: values must be numbers %[nz%]"),
     view({ volume = { values = lattice.values, bounds = { { 0, 0, 0 }, { 0, 0, 0 } } } }, "volume: bounds must be"),
     view({ volume = { values = lattice.values, density = -1 } }, "density must be a number >= 0"),
-    view({ volume = { bounds = 1 } }, "bounds are those of values"),
+    view({ volume = { bounds = 1 } }, "volume.bounds needs volume.values"),
     view({ volume = lattice, slices = {} }, "slices: a list"),
     view({ volume = lattice, slices = { { axis = "w" } } }, "slices: entry 1 must be"),
     view({ volume = lattice, slices = { { axis = "y", at = nan } } }, "at must be a number"),
