@@ -1,4 +1,4 @@
-/* moments.real.comp - the merged moments of DESIGN section 4: csrc/light/moments/moments.h. */
+/* moments.real.comp - the merged moments of docs/math.md "Sum of sphere lights": csrc/light/moments/moments.h. */
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "ylm.glsl"

@@ -191,6 +191,5 @@ function scene.load_scene(path, limits)
   end
   return sandbox.run(path, form.options(2, "load_scene", sandbox.limits, limits), scene.scene)
 end
-scene.load = scene.load_scene
 
 return scene

@@ -63,8 +63,8 @@ static int polygons_method(lua_State *L) {
   return 1;
 }
 
-/* A sum keeps what it is made of in its environment table: uservalues differ between versions, the
-   registry does not. */
+/* A sum keeps its parts in the registry, by reference: uservalues differ between versions of Lua,
+   the registry does not. */
 typedef struct sum {
   ylm_field_sum *sum;
   int parts;

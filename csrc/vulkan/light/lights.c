@@ -49,7 +49,7 @@ static void lamp(const lamp_arrays *a, size_t i, ylm_dtype t, double x[16]) {
   x[15] = 0;
 }
 
-/* Packs lights that emit, from the size_t-th number on; returns where the next go. */
+/* Packs lights that emit, from number `next` on; returns the number after the last. */
 static size_t pack(const lamp_arrays *a, ylm_dtype t, size_t wide, void *to, size_t next) {
   for (size_t i = 0; i < a->n; i++) {
     double x[16];

@@ -157,6 +157,4 @@ function pictures.check_truth(name, p, o)
   end
 end
 
---- Radiance of a view under a dynamic grid: only what changed since the last time is sampled.
-
 return pictures
