@@ -3,7 +3,7 @@
 --     ylm run examples/04_moving_lights.lua                           12 small frames and a contact sheet in out/
 --     ylm run examples/04_moving_lights.lua --width 1024 --height 768 --lamps 1 --frames 60
 --
--- What the camera sees and what occludes it is found out once (scene:prepare of the scene without lamps); a frame is
+-- Surfaces that the camera sees, and their occlusion, are found once (scene:prepare of the scene without lamps); a frame is
 --   grid:update   only what the lamps' motion changes beyond the tolerance is baked again,
 --   view:render   only shading points of voxels that changed are sampled; lamps are drawn where they are now.
 -- --lamps is how many of the lanterns fly. With --device, the name or number of a GPU, it sums lights and shades, and every

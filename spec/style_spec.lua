@@ -17,7 +17,13 @@ describe("the tree", function()
   end)
 
   -- Headers that generated kernels include, mended when these are compiled again for another reason.
-  local later = { ["csrc/sh/ylm_sh.h"] = true, ["csrc/light/ylm_light.h"] = true }
+  local later = { "csrc/base/ylm_base.h", "csrc/sh/ylm_sh.h", "csrc/light/ylm_light.h", "csrc/light/moments/" }
+
+  local function is_later(path)
+    for _, name in ipairs(later) do
+      if path:find(name, 1, true) == 1 then return true end
+    end
+  end
 
   -- The lines of a C file that a reflow of comments has torn: the end of a comment of one line, alone
   -- on the next; a word or two of a paragraph, before a line that they would fit into.
@@ -43,9 +49,80 @@ describe("the tree", function()
         lines[#lines + 1] = line
         if line:find "\t" or line:find "%s$" or line:find "^%*[^ /*]" then wrong[#wrong + 1] = path .. ":" .. #lines end
       end
-      for _, n in ipairs(later[path] and {} or torn(lines)) do wrong[#wrong + 1] = path .. ":" .. n end
+      for _, n in ipairs(is_later(path) and {} or torn(lines)) do wrong[#wrong + 1] = path .. ":" .. n end
     end
     pipe:close()
+    assert.equal("", table.concat(wrong, "\n"))
+  end)
+
+  -- Comments of a source with blanks for all else, lines kept; the text of a page without its code.
+  local comments = {
+    c = function(text)
+      local out, at = {}, 1
+      while true do
+        local first = text:find("/[/*]", at)
+        if not first then break end
+        local last
+        if text:sub(first, first + 1) == "/*" then
+          last = select(2, text:find("*/", first, true)) or #text
+        else
+          last = (text:find("\n", first, true) or #text + 1) - 1
+        end
+        out[#out + 1] = text:sub(at, first - 1):gsub("[^\n]", "") .. text:sub(first, last)
+        at = last + 1
+      end
+      return table.concat(out)
+    end,
+    lua = function(text)
+      return (text:gsub("[^\n]*", function(line) return line:match "%-%-+%s.*$" or "" end))
+    end,
+    md = function(text)
+      return (text:gsub("```.-```", function(code) return code:gsub("[^\n]", "") end))
+    end,
+  }
+
+  -- The lines of prose on which a sentence opens with a word that hides its subject; titles of pages are none.
+  local function hidden(prose)
+    local found, n, ended = {}, 0, true
+    for line in (prose .. "\n"):gmatch "([^\n]*)\n" do
+      n = n + 1
+      local text = line:gsub("^[%s/*>|-]+", "")
+      if line:find "^%s*/%*" then ended = true end
+      for _, word in ipairs { "What", "Those", "The same", "So many", "Whoever" } do
+        if ended and text:find("^" .. word .. "[ ,]") or text:find("[.!?]%**%s+" .. word .. "[ ,]") then
+          found[#found + 1] = n
+        end
+      end
+      ended = text == "" or text:find "[.!?:|]%s*%*?/?%s*$" ~= nil
+    end
+    return found
+  end
+
+  it("opens no sentence of a comment or a page with What, Those, So many or The same", function()
+    local wrong = {}
+    local pipe = assert(io.popen "git ls-files '*.c' '*.h' '*.cpp' '*.comp' '*.glsl' '*.lua' '*.md'")
+    for path in pipe:lines() do
+      local kind = path:match "%.(%w+)$"
+      local file = not path:find "/gen/" and path ~= "CHANGELOG.md" and not is_later(path) and io.open(path)
+      if file then
+        for _, n in ipairs(hidden((comments[kind] or comments.c)(file:read "*a"))) do wrong[#wrong + 1] = path .. ":" .. n end
+        file:close()
+      end
+    end
+    pipe:close()
+    assert.equal("", table.concat(wrong, "\n"))
+  end)
+
+  it("has lines of documentation within 160 columns, tables aside", function()
+    local wrong = {}
+    for _, path in ipairs(scratch.lines "ls README.md csrc/README.md docs/*.md") do
+      local n = 0
+      for line in io.lines(path) do
+        n = n + 1
+        local _, columns = line:gsub("[^\128-\191]", "")
+        if columns > 160 and not line:find "^|" then wrong[#wrong + 1] = path .. ":" .. n end
+      end
+    end
     assert.equal("", table.concat(wrong, "\n"))
   end)
 end)

@@ -79,7 +79,7 @@ YLM_API ylm_status ylm_image_resize(const ylm_image *in, int width, int height, 
 /*
 ** ylm_image_paste - copies layer `from` of `source` into layer `to` of `target` at (x, y).
 **
-** What leaves the target is cut off. `mask` (NULL: everywhere) is [height][width] of the
+** Parts outside the target are cut off. `mask` (NULL: everywhere) is [height][width] of the
 ** source, 0 keeps the target, 1 replaces it, between mixes. Channels: equal, or 1 into many.
 ** Returns  YLM_OK; YLM_EINVAL (no such layer), YLM_ESHAPE (channels)
 */

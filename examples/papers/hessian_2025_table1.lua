@@ -10,7 +10,7 @@
 -- with every sum, product, quotient and root rounded to float, at --singles of the random directions.
 -- Entries that are not finite, those of SCD at the poles, are counted apart: a mean with them is no number.
 --
--- What is seen (x 1e-3, lmax 2 to 16): at random directions SCD in float errs by 1.5e-11 to 1.3e-7, no more than
+-- Results (x 1e-3, lmax 2 to 16): at random directions SCD in float errs by 1.5e-11 to 1.3e-7, no more than
 -- ours: rounding alone. Within 1e-2 of the poles it errs by 0.09 to 6.5, 2 to 0.5 % of the values, where ours
 -- errs by 1.4e-12 to 4.2e-8; in double by 6e-19 to 6e-17. The claim holds near the poles in float, and at the
 -- poles, where SCD is not finite; it does not hold at random directions, or in double.

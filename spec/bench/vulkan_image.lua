@@ -4,7 +4,7 @@
 --
 --     make bench-vulkan
 --
--- What the camera sees stays on the device; of a frame lights travel up and the image down. Device times are of timestamps,
+-- The view's points stay on the device; in a frame lights travel up and the image down. Device times are of timestamps,
 -- "up" and "down" of the host's clock; the frame's wall time has everything that the host does and waits for, processor time
 -- that of a driver in software too. The fastest of some frames; on a driver in software one, after one that compiles.
 

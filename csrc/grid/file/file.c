@@ -1,7 +1,7 @@
 /*
 ** file.c - grids from files and from memory, of whichever version.
 **
-** What is written is version 2 (file.h, write.c); version 1 is read.
+** Version 2 is written and read (file.h, write.c); version 1 is read.
 */
 #include "file.h"
 

@@ -146,10 +146,10 @@ static bool take_parts(lua_State *L, int i, ylm_light_parts *parts) {
 }
 
 /*
-** grid_bake(form table, object with a light field | function, what is lit, seed, threads,
+** grid_bake(form table, object with a light field | function, lit places, seed, threads,
 **           max_points, progress, {spheres or false, polygons, ...} where it is dynamic) -> grid
 **
-** What is lit: points [n][3], a list of meshes, or nil.
+** Lit places: points [n][3], a list of meshes, or nil.
 */
 static int grid_bake(lua_State *L) {
   lua_settop(L, 8);
