@@ -147,7 +147,7 @@ test:   ## install, build, run every check; the last line counts them
 
 # -- checks ------------------------------------------------------------------------
 
-spec: all   ## run the specs under Lua 5.4 and LuaJIT (SPEC=files for some of them)
+spec: all   ## run the specs (SPEC=files for some of them, SPEC_LUAS=lua5.4 for a Lua)
 	@BUILD=$(abspath $(BUILD)) spec/run $(SPEC)
 
 check: gen-check bench-check fuzz-check   ## style, generated files, warnings of benches and fuzz targets, without running specs

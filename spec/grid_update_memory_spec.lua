@@ -7,8 +7,6 @@ local build, lua = os.getenv "YLM_BUILD" or "build", os.getenv "YLM_LUA" or "lua
 local abi = lua == "luajit" and "lua5.1" or lua
 
 describe("grid:update without memory", function()
-  if lua == "luajit" then return end -- once is enough: it is C that asks for memory
-
   local folder, missing
   setup(function()
     folder = scratch.new()

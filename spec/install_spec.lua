@@ -14,7 +14,6 @@ print(ylm.info().version)]]
 local usual = build == "build" or build == root .. "/build"
 
 describe("what is installed", function()
-  if os.getenv "YLM_LUA" == "luajit" then return end -- once is enough
   local folder
   setup(function() folder = scratch.new() end)
   teardown(function() folder:remove() end)

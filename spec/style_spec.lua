@@ -3,8 +3,6 @@
 local scratch = require "spec.support.scratch"
 
 describe("the tree", function()
-  if os.getenv "YLM_LUA" == "luajit" then return end -- once is enough
-
   it("passes luacheck", function()
     if not scratch.shell "command -v luacheck >/dev/null" then pending "luacheck is not installed" end
     local out, code = scratch.capture "luacheck --no-color -q ."
@@ -14,6 +12,10 @@ describe("the tree", function()
   it("holds the kernels that the generator makes (make gen)", function()
     local out, code = scratch.capture "env -u MAKEFLAGS -u MFLAGS -u MAKELEVEL make -s --no-print-directory gen-check"
     assert(code == 0, out)
+  end)
+
+  it("has the specs that spec/once.lua names", function()
+    for name in pairs(dofile "spec/once.lua") do assert(io.open("spec/" .. name .. "_spec.lua"), name):close() end
   end)
 
   -- Headers that generated kernels include, mended when these are compiled again for another reason.

@@ -1,0 +1,33 @@
+--- Prints what spec/run has to do, "LUA FILE" a line, the longest first.
+--
+--     lua spec/support/run/jobs.lua "lua5.4 luajit" spec/sh_eval_spec.lua spec ...
+
+local once = dofile "spec/once.lua"
+local OTHERS = 10 -- seconds: a spec that runs under each Lua takes less
+
+local function quote(s) return "'" .. s:gsub("'", "'\\''") .. "'" end
+
+--- The spec files that a word of the command line stands for: itself, or those in a folder.
+local function files(word)
+  if word:find "%.lua$" then return { word } end
+  local list, pipe = {}, assert(io.popen("find " .. quote(word) .. " -name '*_spec.lua'"))
+  for file in pipe:lines() do list[#list + 1] = file end
+  pipe:close()
+  return list
+end
+
+local jobs = {}
+for i = 2, #arg do
+  for _, file in ipairs(files(arg[i])) do
+    local seconds = once[file:match "([^/]*)_spec%.lua$"]
+    for lua in arg[1]:gmatch "%S+" do
+      jobs[#jobs + 1] = { seconds = seconds or OTHERS, text = lua .. " " .. file }
+      if seconds then break end
+    end
+  end
+end
+table.sort(jobs, function(a, b)
+  if a.seconds ~= b.seconds then return a.seconds > b.seconds end
+  return a.text < b.text
+end)
+for _, job in ipairs(jobs) do print(job.text) end
