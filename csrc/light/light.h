@@ -52,7 +52,7 @@ ylm_status ylm__crosses(const ylm_field *f, size_t n, const double *boxes, uint8
 /* A query is sound but for its points, lmax <= most. */
 ylm_status ylm__query_check(const ylm_field_query *q, const ylm_field_result *r, int most,
                             ylm_error *e);
-/* For fields that are no sums of spheres (sum.c): a query is sound, lmax <= most. */
+/* For fields that are no sums of spheres (query.c): a query is sound, lmax <= most. */
 ylm_status ylm__field_check(const ylm_field_query *q, size_t n, const void *points,
                             const ylm_field_result *r, int most, ylm_error *e);
 /* Writes what q wants for a point from sums [channels][wide]: value [count], gradient [count][3],

@@ -76,9 +76,9 @@ YLM_API const ylm_field *ylm_lights_field(const ylm_lights *lights);
 ** for the Hessians of a light field is lambda squared (ylm_field_result). hessian: [6][count], all
 ** xx first, then xy, xz, yy, yz, zz.
 */
-typedef float ylm_light_bend_fn(size_t count, const float *hessian);
+typedef float ylm_light_lambda2_fn(size_t count, const float *hessian);
 /* That function for the instruction set in use. */
-YLM_API ylm_light_bend_fn *ylm_light_bend(void);
+YLM_API ylm_light_lambda2_fn *ylm_light_lambda2(void);
 
 /*
 ** ylm_lights_evaluate - the field's `evaluate` by the kernels of a given instruction set.
@@ -265,7 +265,7 @@ typedef struct ylm_light_parts {
   size_t flats;
 } ylm_light_parts;
 
-/* -- sums of fields: csrc/light/sum.c ---------------------------------------------------------- */
+/* -- sums of fields: csrc/light/field_sum.c ------------------------------------------------ */
 
 /* The sum of light fields, which must live as long as it does. */
 typedef struct ylm_field_sum ylm_field_sum;

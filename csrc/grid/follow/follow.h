@@ -92,7 +92,7 @@ typedef struct point_change {
 /* Adds a change to point p; the metric comes later. `room` is for 10 count floats. */
 void ylm__dynamic_add(ylm_grid *g, uint32_t p, const point_change *x, float *room);
 /* Lambda, norm, size and signature of point p from its data. */
-void ylm__dynamic_measure(ylm_grid *g, uint32_t p, ylm_light_bend_fn *bend);
+void ylm__dynamic_measure(ylm_grid *g, uint32_t p, ylm_light_lambda2_fn *lambda2);
 /* Signs an evaluated point's data. */
 void ylm__dynamic_sign(ylm_grid *g, uint32_t p);
 /* Room for the signatures of interpolated points; false, and the grid has none, without memory.

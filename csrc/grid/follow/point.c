@@ -130,7 +130,7 @@ static double luminance_norm(const float *restrict row, size_t count) {
   return sqrt(s[0] + s[1]);
 }
 
-void ylm__dynamic_measure(ylm_grid *g, uint32_t p, ylm_light_bend_fn *bend) {
+void ylm__dynamic_measure(ylm_grid *g, uint32_t p, ylm_light_lambda2_fn *lambda2) {
   grid_dynamic *d = g->dynamic;
   const float *row = ylm__grid_row(g, p, 0);
   size_t count = (size_t)g->view.count, all = 6 * count;
@@ -139,7 +139,7 @@ void ylm__dynamic_measure(ylm_grid *g, uint32_t p, ylm_light_bend_fn *bend) {
   ylm__dynamic_sign(g, p);
   if (!d->bends) return;
   for (size_t i = 0; i < d->bends; i += all)
-    lambda += (double)bend(count, d->hessian + p * d->bends + i);
+    lambda += (double)lambda2(count, d->hessian + p * d->bends + i);
   bool mix = g->view.form.channels == 3 && g->view.form.metric_channels == 1;
   g->lambda[p] = (float)sqrt(lambda);
   g->norm[p] = mix ? (float)luminance_norm(row, count) : d->size[p];

@@ -45,7 +45,7 @@ typedef struct shift_work {
 typedef struct shift_job {
   update *u;
   shift_work *work;
-  ylm_light_bend_fn *bend;
+  ylm_light_lambda2_fn *lambda2;
 } shift_job;
 
 /* Adds lights that are alike, one or two, of radiance `strength` times `colour`, at the n points
@@ -137,7 +137,7 @@ static ylm_status shift_chunk(void *context, size_t begin, size_t end, int worke
   for (size_t m = 0; m < u->d->movers && s == YLM_OK; m++)
     s = follow_mover(j, &j->work[worker], &u->d->mover[m], end - begin, point);
   for (size_t i = 0; i < end - begin && s == YLM_OK; i++)
-    ylm__dynamic_measure(u->g, point[i], j->bend);
+    ylm__dynamic_measure(u->g, point[i], j->lambda2);
   return s;
 }
 
@@ -196,7 +196,7 @@ static ylm_status make_work(shift_job *j, int threads) {
 
 ylm_status update_shift_all(update *u) {
   int threads = ylm_threads(u->source.threads);
-  shift_job j = {.u = u, .bend = ylm_light_bend()};
+  shift_job j = {.u = u, .lambda2 = ylm_light_lambda2()};
   if (!u->shifts) return YLM_OK;
   ylm_status s = make_work(&j, threads);
   if (s == YLM_OK) s = sort_shifts(u);

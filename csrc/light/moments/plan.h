@@ -74,7 +74,7 @@ typedef struct ylm__kernel_set {
   const ylm__moment_kernel *moments;
   ylm__sum_range *range;
   ylm__tree_range *tree;
-  ylm_light_bend_fn *bend; /* always of floats */
+  ylm_light_lambda2_fn *lambda2; /* always of floats */
 } ylm__kernel_set;
 /* False where there are none (the reference). */
 bool ylm__kernels_of(ylm_isa isa, int lmax, ylm_dtype t, ylm__kernel_set *set);

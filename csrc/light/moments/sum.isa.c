@@ -27,9 +27,9 @@
 
 #include "../tree/body.h"
 
-ylm_light_bend_fn YLM_KERNEL(ylm__bend);
+ylm_light_lambda2_fn YLM_KERNEL(ylm__lambda2);
 
-float YLM_KERNEL(ylm__bend)(size_t count, const float *hessian) {
+float YLM_KERNEL(ylm__lambda2)(size_t count, const float *hessian) {
   ylm_vf sum = {0};
   float s = 0;
   for (size_t i = 0; i < count; i += YLM_VF) {
