@@ -24,9 +24,8 @@
 #ifndef YLM_LIGHT_MOMENTS_H
 #define YLM_LIGHT_MOMENTS_H
 
-#include <stdbool.h>
-
 #include "../lamp.h"
+#include "ylm_base.h"
 
 /* Which kinds are summed: bits. Kernels exist for 1, 3, 4, 5 and 7. */
 enum { YLM__M0 = 1, YLM__M1 = 2, YLM__M2 = 4 };
