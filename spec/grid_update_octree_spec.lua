@@ -61,7 +61,7 @@ describe("the octree after grid:update", function()
         local lights = lamps(0.11 * k + (k % 4 == 0 and 1 or 0))
         local report = update(near, lights)
         local field = light.field(1, "update", lights)
-        assert(core.grid_update(whole, field, light.followed(field), -1, 1, nil, true))
+        assert(core.grid_update(whole, field, -1, 1, nil, true))
         changes = changes + report.added + report.removed
         assert.equal(whole.stats.points, near.stats.points)
         assert.equal(whole.stats.interpolated, near.stats.interpolated)

@@ -32,8 +32,8 @@ describe("many flat lights as spheres", function()
       for lmax = 0, 12, 2 do
         for derivatives = 0, 2 do
           local o = { derivatives = derivatives, channels = "rgb", metric = derivatives == 2 and "rgb" or nil }
-          local wanted = { light.evaluate("spec", lmax, lights.field, x, o, "reference") }
-          local got = { light.evaluate("spec", lmax, lights.field, x, o, isa) }
+          local wanted = { light.evaluate("spec", lmax, lights.lights, x, o, "reference") }
+          local got = { light.evaluate("spec", lmax, lights.lights, x, o, isa) }
           for k = 1, 1 + derivatives do
             assert(relative(got[k], wanted[k]) < 1e-14, ("lmax %d, %d: %.1e"):format(lmax, k,
               relative(got[k], wanted[k])))

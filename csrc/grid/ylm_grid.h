@@ -27,7 +27,7 @@ extern "C" {
 #define YLM_GRID_BLOCK 8192 /* points of one call of the field in a bake */
 
 typedef struct ylm_grid ylm_grid;
-typedef struct ylm_light_parts ylm_light_parts; /* ylm_light.h */
+typedef struct ylm_light_set ylm_light_set; /* ylm_light.h */
 
 typedef enum ylm_grid_kind { YLM_GRID_ADAPTIVE = 0, YLM_GRID_UNIFORM = 1 } ylm_grid_kind;
 typedef enum ylm_grid_metric { YLM_GRID_ABSOLUTE = 0, YLM_GRID_RELATIVE = 1 } ylm_grid_metric;
@@ -64,7 +64,7 @@ typedef struct ylm_grid_backend ylm_grid_backend;
 /* From where, and how. */
 typedef struct ylm_grid_source {
   const ylm_field *field;
-  const ylm_light_parts *lights;   /* dynamic: what the field is the sum of; else it may be NULL */
+  const ylm_light_set *lights;     /* dynamic: what the field is the sum of; else it may be NULL */
   const ylm_grid_backend *backend; /* NULL: the processor. Not of a dynamic grid */
   size_t occupied;                 /* number of shading points */
   ylm_dtype occupied_dtype;
@@ -209,7 +209,7 @@ typedef struct ylm_grid_report {
 /* -- moving lights ------------------------------------------------------------- */
 
 typedef struct ylm_grid_change {
-  const ylm_light_parts *lights; /* all lights as they are now */
+  const ylm_light_set *lights; /* all lights as they are now */
   const ylm_field *field;        /* their field */
   double tolerance; /* changes of light below this, relative, are left out; 0: none are left out;
                        negative: an eighth of the grid's tolerance, 1e-3 if it has none */

@@ -3,17 +3,8 @@
 #define YLM_LIGHT_PRIVATE_H
 
 #include "lamp.h"
+#include "sphere/sphere.h"
 #include "ylm_light.h"
-
-struct ylm_lights {
-  ylm_field field;
-  size_t n;
-  double *at, *radius, *radiance; /* [n][3], [n], [n][3] */
-  size_t active;                  /* number of lights with a radius above 0 */
-  ylm__lamp_f *lamp_f;            /* [active], in the order given */
-  ylm__lamp_d *lamp_d;
-  struct ylm_light_tree *tree; /* NULL until a cut needs it */
-};
 
 /* How many channels of each kind of sum a query needs: 0, 1 (luminance) or 3 (rgb). */
 typedef struct ylm__channels {

@@ -1,26 +1,25 @@
 /*
 ** ylm_light.h - lights whose spherical-harmonic coefficients are known in closed form.
 **
-** Sphere lights: spheres that emit the same radiance everywhere and in every direction.
+** A set holds lights of any kinds. Its light field is the sum of theirs; dynamic grids follow them
+** one by one; ray casting asks for their surfaces, devices for what they can sum
+** (ylm_light_device.h). What a kind is, its parameters and formulas stand in its file:
 **
-** | parameter | unit            | allowed                                          |
-** | at        | scene units     | finite, |coordinate| <= YLM_LIGHT_EXTENT         |
-** | radius    | scene units     | 0 .. YLM_LIGHT_EXTENT; a radius of 0 emits nothing |
-** | radiance  | W sr^-1 m^-2    | finite, linear Rec. 709, may be negative         |
+** | kind              | file                        | lights |
+** | sphere            | csrc/light/sphere/kind.c    | spheres of one radiance |
+** | polygon           | csrc/light/flat/kind.c      | polygons and ellipses, exactly |
+** | polygon_as_sphere | csrc/light/flat/kind.c      | the same, approximated by spheres |
+** | textured          | csrc/light/textured.c       | parallelograms with an image |
 **
-**     ylm_lights *lamps;
+**     ylm_light_set *lamps;
 **     double at[3] = {0, 2, 0}, radius = 0.1, radiance[3] = {10, 8, 6};
-**     if (ylm_lights_create(1, at, &radius, radiance, &lamps, &error) == YLM_OK) {
-**       const ylm_field *field = ylm_lights_field(lamps);   // ylm_base.h says what a field does
+**     if (ylm_light_set_spheres(1, at, &radius, radiance, &lamps, &error) == YLM_OK) {
+**       const ylm_field *field = ylm_light_set_field(lamps); // ylm_base.h says what a field does
 **       ...
-**       ylm_lights_free(lamps);
+**       ylm_light_set_free(lamps);
 **     }
 **
-** The coefficients at a point x of a light with centre y, v = y - x, d = |v| > r:
-** L_lm(x) = integral of Y_lm over the cap of half-angle asin(r/d) about v/d, times the radiance.
-** At points in or on a light the sphere fills every direction: L_00 = sqrt(4pi) times the radiance,
-** all else and all derivatives 0, and `inside` is set. Gradients and Hessians are with respect to
-** x.
+** Gradients and Hessians are with respect to the shading point.
 */
 #ifndef YLM_LIGHT_H
 #define YLM_LIGHT_H
@@ -41,34 +40,70 @@ extern "C" {
 #define YLM_LUMINANCE_G 0.7152
 #define YLM_LUMINANCE_B 0.0722
 
-/* Any number of sphere lights; immutable once created. */
-typedef struct ylm_lights ylm_lights;
+/* -- sets of lights: csrc/light/set.c ---------------------------------------------------------- */
+
+/* Any number of lights of any kinds; immutable once created. */
+typedef struct ylm_light_set ylm_light_set;
+
+/* Where lights of a set come from: records of a kind, another set, or a light field of another
+   origin, which must outlive the set. */
+typedef struct ylm_light_source {
+  const char *kind;     /* of the records; NULL: there are none */
+  const double *record; /* [numbers], one record after the other: csrc/light/kind.h */
+  size_t numbers;
+  const ylm_light_set *set; /* or NULL */
+  const ylm_field *field;   /* or NULL */
+} ylm_light_source;
 
 /*
-** ylm_lights_create - make one object of n sphere lights; the arrays are copied.
+** ylm_light_set_create - make one set of lights from several sources.
+**
+**   n       in   number of sources; 0 makes darkness
+**   source  in   [n]; records are copied, the lights of sets are shared
+**   set     out  to be freed with ylm_light_set_free; NULL on failure
+**
+** Lights are summed in packs: all spheres together, first; then packs of other sets and fields;
+** then for each kind, and for each value of what its lights must have in common, one pack.
+**
+** Returns  YLM_OK; YLM_EINVAL (no such kind, a record that is cut short); what the kind says of a
+**          record, which `e` names; YLM_ENOMEM
+** Threads  sets that share lights are made and freed by one thread at a time
+*/
+YLM_API ylm_status ylm_light_set_create(size_t n, const ylm_light_source *source,
+                                        ylm_light_set **set, ylm_error *e);
+/*
+** ylm_light_set_spheres - make a set of n sphere lights from arrays, which are copied.
 **
 **   n         in   number of lights; 0 makes darkness
 **   at        in   [n][3]  centres, scene units
 **   radius    in   [n]     scene units
 **   radiance  in   [n][3]  W sr^-1 m^-2
-**   lights    out  to be freed with ylm_lights_free; NULL on failure
 **
 ** Returns  YLM_OK; YLM_EDOMAIN (not finite, a negative radius), YLM_ERANGE (beyond
 **          YLM_LIGHT_EXTENT): `e` names the light, counted from 1; YLM_ENOMEM
 ** Cost     O(n), 160 bytes per light
 */
-YLM_API ylm_status ylm_lights_create(size_t n, const double *at, const double *radius,
-                                     const double *radiance, ylm_lights **lights, ylm_error *e);
-YLM_API void ylm_lights_free(ylm_lights *lights);
-
-YLM_API size_t ylm_lights_count(const ylm_lights *lights);
-/* What they were made from, as long as the object lives: at [n][3], radius [n], radiance [n][3].
-   Each pointer may be NULL. */
-YLM_API void ylm_lights_arrays(const ylm_lights *lights, const double **at, const double **radius,
-                               const double **radiance);
-
-/* Their light field (ylm_base.h); it lives as long as the object. lmax <= YLM_LIGHT_LMAX. */
-YLM_API const ylm_field *ylm_lights_field(const ylm_lights *lights);
+YLM_API ylm_status ylm_light_set_spheres(size_t n, const double *at, const double *radius,
+                                         const double *radiance, ylm_light_set **set, ylm_error *e);
+YLM_API void ylm_light_set_free(ylm_light_set *set);
+/* How many lights there are; fields of another origin count as one each. */
+YLM_API size_t ylm_light_set_count(const ylm_light_set *set);
+/* How many of them are spheres. */
+YLM_API size_t ylm_light_set_sphere_count(const ylm_light_set *set);
+/* Their light field (ylm_base.h); it lives as long as the set. lmax <= YLM_LIGHT_LMAX, or what the
+   kinds allow. */
+YLM_API const ylm_field *ylm_light_set_field(const ylm_light_set *set);
+/*
+** ylm_light_set_evaluate - the field's `evaluate` by the kernels of a given instruction set.
+**
+** YLM_ISA_reference is plain code in double and judges the others. A point's result depends on the
+** point and the lights alone.
+**
+** Returns  as the field; YLM_EINVAL too (isa is not available, lights of several packs)
+*/
+YLM_API ylm_status ylm_light_set_evaluate(const ylm_light_set *set, ylm_isa isa,
+                                          const ylm_field_query *q, size_t n, const void *points,
+                                          ylm_field_result *r, ylm_error *e);
 
 /*
 ** The sum over `count` symmetric matrices of the squares of their largest absolute eigenvalues,
@@ -80,36 +115,11 @@ typedef float ylm_light_lambda2_fn(size_t count, const float *hessian);
 /* That function for the instruction set in use. */
 YLM_API ylm_light_lambda2_fn *ylm_light_lambda2(void);
 
-/*
-** ylm_lights_evaluate - the field's `evaluate` by the kernels of a given instruction set.
-**
-** Value, gradient, Hessian and the metric of the sum of all lights at n points, see
-** ylm_field_query and ylm_field_result. YLM_ISA_reference is the product rule in double, light by
-** light, and judges the others, which sum moments.
-**
-**   isa     in   an available one
-**   points  in   [n][3] of q->dtype, finite, |coordinate| <= YLM_LIGHT_EXTENT
-**   r       out  what q->want asks for; r->pairs grows by n times the number of lights
-**
-** Returns  YLM_OK; YLM_ERANGE (lmax, a point too far out), YLM_EDOMAIN (a point is not finite),
-**          YLM_EINVAL (channels, isa): nothing is written then; YLM_ENOMEM; YLM_ECANCELLED
-** Accuracy relative to the L2 norm over all degrees, against double at the inputs rounded to the
-**          dtype, d/r from 1.001 on: double 1e-13 + 1e-15 d/(d-r); float 4e-6 + 1.5e-7 d/(d-r) to
-**          lmax 31 (spec/bench/accuracy.c; docs/performance.md has what is found)
-** Sums     of 1e5 lights in float stay within 1e-5 of double (compensated sums of 128)
-** Threads  a point's result depends on the point and the lights alone: neither on the number of
-**          threads nor on the other points of the batch
-** Source   Iwasaki & Dobashi 2025, Eqs. 2-8, 15-20; docs/math.md "Sum of sphere lights"
-*/
-YLM_API ylm_status ylm_lights_evaluate(const ylm_lights *lights, ylm_isa isa,
-                                       const ylm_field_query *q, size_t n, const void *points,
-                                       ylm_field_result *r, ylm_error *e);
-
 /* -- many lights: csrc/light/tree ------------------------------------------------------------
  */
 
 /*
-** The field of sphere lights to a tolerance: lights that are far away from a point in relation to
+** The field of lights to a tolerance. Spheres that are far away from a point in relation to
 ** what they span are summed as four proxy lights, by a tree that the lights keep once it is made.
 **
 **     ylm_light_cut *cut;
@@ -125,7 +135,7 @@ YLM_API ylm_status ylm_lights_evaluate(const ylm_lights *lights, ylm_isa isa,
 ** Gradients and Hessians keep the same tolerance, each beside its own norm (Frobenius), or beside
 ** 1/64 of the sum of the lights' norms where they cancel to less; so does lambda beside itself.
 ** That holds at 99.9 % of points; at the others it is at most four times as much
-** (docs/performance.md). It comes on top of what float rounds, see ylm_lights_evaluate.
+** (docs/performance.md). It comes on top of what float rounds, see csrc/light/sphere/sphere.h.
 ** Points that lie together are summed in packets, so a point's result depends, within the
 ** tolerance,
 ** on the other points of the query; but neither on their order nor on the number of threads. Sets
@@ -138,7 +148,7 @@ typedef struct ylm_light_cut ylm_light_cut;
 #define YLM_LIGHT_TOLERANCE_MOST 0.5
 
 /*
-** ylm_light_cut_create - the field of `lights`, which must outlive it, to a tolerance.
+** ylm_light_cut_create - the field of `set`, which must outlive it, to a tolerance.
 **
 **   tolerance  in  YLM_LIGHT_TOLERANCE_LEAST .. YLM_LIGHT_TOLERANCE_MOST
 **   threads    in  to make the tree with, if it is not there yet; 0: the default
@@ -148,18 +158,117 @@ typedef struct ylm_light_cut ylm_light_cut;
 ** Threads  makes the lights' tree, so not to be called for the same lights at the same time
 ** Source   docs/math.md "Many lights"; Walter et al. 2005 for the idea of a cut
 */
-YLM_API ylm_status ylm_light_cut_create(ylm_lights *lights, double tolerance, int threads,
+YLM_API ylm_status ylm_light_cut_create(ylm_light_set *set, double tolerance, int threads,
                                         ylm_light_cut **cut, ylm_error *e);
 YLM_API void ylm_light_cut_free(ylm_light_cut *cut);
 YLM_API const ylm_field *ylm_light_cut_field(const ylm_light_cut *cut);
-/* The field's `evaluate` by the kernels of a given instruction set, as ylm_lights_evaluate. */
+/* The field's `evaluate` by the kernels of a given instruction set, as ylm_light_set_evaluate. */
 YLM_API ylm_status ylm_light_cut_evaluate(const ylm_light_cut *cut, ylm_isa isa,
                                           const ylm_field_query *q, size_t n, const void *points,
                                           ylm_field_result *r, ylm_error *e);
 /* The memory that the lights' tree takes; 0 where there is none. */
-YLM_API size_t ylm_lights_tree_bytes(const ylm_lights *lights);
+YLM_API size_t ylm_light_set_tree_bytes(const ylm_light_set *set);
 
-/* -- textured parallelograms: csrc/light/texture.c ------------------------------------------- */
+/* -- lights one by one: csrc/light/one.c, bound.c --------------------------------------------- */
+
+/* What else a light is made of; its kind knows. */
+typedef struct ylm_light_shape ylm_light_shape;
+
+/* One light, as it is remembered and compared. */
+typedef struct ylm_light {
+  double at[3], radius; /* its place and size; of a flat light the centroid, a disk of its area */
+  double radiance[3];
+  const ylm_light_shape *shape;
+} ylm_light;
+
+/* The lights of a set one by one, whose shapes are in one block of memory. */
+typedef struct ylm_light_list {
+  ylm_light *light;
+  size_t n;
+  void *shapes;
+} ylm_light_list;
+
+/* Shapes that live until they are swept away. */
+typedef struct ylm_light_shapes {
+  ylm_light_shape **shape;
+  size_t n, room, bytes;
+} ylm_light_shapes;
+
+/* Whether all lights of the set can be told apart: fields of another origin cannot. */
+YLM_API bool ylm_light_set_is_listable(const ylm_light_set *set);
+/* The lights as a list that the caller frees. YLM_ENOMEM; YLM_EINVAL: they cannot be told apart. */
+YLM_API ylm_status ylm_light_set_list(const ylm_light_set *set, ylm_light_list *list);
+YLM_API void ylm_light_list_free(ylm_light_list *list);
+/* A set of n lights that are alike, grey, of radiances `strength`. */
+YLM_API ylm_status ylm_light_set_of(size_t n, const ylm_light *const *light, const double *strength,
+                                    ylm_light_set **set);
+
+/* Gives a light a shape of its own in `shapes`, if it has any; YLM_ENOMEM. */
+YLM_API ylm_status ylm_light_keep(ylm_light_shapes *shapes, ylm_light *l);
+/* Marks a light's shape, and frees the shapes that are not marked, after which no shape is. */
+YLM_API void ylm_light_mark(const ylm_light *l);
+YLM_API void ylm_light_sweep(ylm_light_shapes *shapes);
+
+/* An order of lights by all that they are made of; 0: equal. */
+YLM_API int ylm_light_compare(const ylm_light *a, const ylm_light *b);
+/* True if one pack may hold both. */
+YLM_API bool ylm_light_alike(const ylm_light *a, const ylm_light *b);
+/* True if the two differ in colour and by what moves a light continuously: a translation. */
+YLM_API bool ylm_light_slides(const ylm_light *a, const ylm_light *b);
+/* A box around it: min, max; of a distant light an empty one. */
+YLM_API void ylm_light_box(const ylm_light *l, double box[6]);
+
+#define YLM_LIGHT_KINDS 16 /* room for as many */
+
+/* Bounds of fields of lights, measured once for a kind that is met. */
+typedef struct ylm_light_bounds {
+  int lmax, channels;            /* of the fields */
+  double of[YLM_LIGHT_KINDS][4]; /* 0: the kind has not been met */
+} ylm_light_bounds;
+
+/* Measures what bounds of n lights take. Returns what light fields return; YLM_ENOMEM. */
+YLM_API ylm_status ylm_light_bounds_meet(ylm_light_bounds *b, size_t n, const ylm_light *light,
+                                         ylm_error *e);
+/*
+** Adds to bound [3] bounds of the norms of the values, gradients and Hessians of L(b) - L(a) at p,
+** `slides` being ylm_light_slides(a, b). False if p is too near to either for them to hold. Both
+** have been met.
+*/
+YLM_API bool ylm_light_bounds_add(const ylm_light_bounds *bounds, const ylm_light *a,
+                                  const ylm_light *b, bool slides, const double p[3],
+                                  double bound[3]);
+
+/* -- what rays see: csrc/light/surfaces.c ------------------------------------------------------ */
+
+/* A texture on triangles, the last ones of surfaces; pointers live as long as the set. */
+typedef struct ylm_light_image {
+  double corner[3], u[3], v[3]; /* its bottom left, to its bottom right, to its top left */
+  size_t width, height;
+  const float *texel; /* [height][width][3], the top row first */
+  double scale;       /* multiplies it */
+  size_t triangles;   /* how many cover it */
+} ylm_light_image;
+
+/* Surfaces that emit, spheres in the order of the set; of flat ones first triangles, then disks.
+   Radiances in W sr^-1 m^-2; a horizon of 0 cuts nothing off. */
+typedef struct ylm_light_surfaces {
+  size_t spheres, triangles, disks, images;
+  double *sphere;            /* [spheres][7]   centre, radius, radiance */
+  double *triangle, *disk;   /* [triangles][9] corners; [disks][7] centre, radius, normal */
+  double *triangle_emission; /* [triangles][6] radiance, horizon */
+  double *disk_emission;     /* [disks][6] */
+  ylm_light_image *image;    /* [images], in the order of their triangles */
+  size_t tiles;              /* an image is covered by, a side */
+} ylm_light_surfaces;
+
+/* To be freed with ylm_light_surfaces_free in any case; images are covered by at most `tiles` tiles
+   a side. YLM_ENOMEM. */
+YLM_API ylm_status ylm_light_set_surfaces(const ylm_light_set *set, size_t tiles,
+                                          ylm_light_surfaces *out);
+YLM_API void ylm_light_surfaces_free(ylm_light_surfaces *s);
+
+/* -- textured parallelograms: csrc/light/texture.c,
+ * textured.c----------------------------------------- */
 
 /*
 ** An image on a parallelogram, which is cut into parts: a quadtree whose leaves are of one colour
@@ -187,83 +296,12 @@ YLM_API size_t ylm_light_texture_quads(const ylm_light_texture *t, double *verti
 YLM_API size_t ylm_light_texture_tiles(const ylm_light_texture *t, size_t across, double *triangles,
                                        double *radiance);
 
-/* -- flat lights: csrc/light/flat/flat.c, contour*.c ----------------------------------------- */
-
-/*
-** Planar convex polygons, and ellipses, that emit the same radiance to both sides.
-**
-** | parameter | unit         | allowed                                                     |
-** | vertices  | scene units  | 3 .. YLM_POLYGON_VERTICES, planar, convex, of some area      |
-** | radiance  | W sr^-1 m^-2 | finite, linear Rec. 709, may be negative                    |
-** | horizon   | -            | a direction: what lies below the plane through the shading   |
-** |           |              | point across it is cut off; or zero: nothing is             |
-**
-** exact      integrals along the rim (Wang & Ramamoorthi 2018): coefficients, gradients, Hessians.
-**            Polygons: in closed form but for Gauss-Legendre nodes that leave 1e-16 of an edge's
-**            share. Ellipses: Gauss-Legendre nodes too, 1e-13; there is no closed form off the axis
-** otherwise  the approximation of Mezieres et al. 2022, Eqs. 24-28, generalised to polygons: the
-**            sphere at the centroid whose disc has the polygon's area, times |cos gamma|; gradient
-**            and Hessian of that function are exact
-** Accuracy   of values, gradients and Hessians, each relative to its norm over all degrees: 1e-12,
-**            but 1e-14 lmax / (a |cos gamma|) for slivers that are seen at an angle a across, gamma
-**            off the normal, and are not far; a light whose size over distance is below
-**            0.02/(lmax+4) is summed over its area
-** Edge-on    points in the plane but not on the light: all zero (derivatives jump there; the mean
-**            of both sides is 0). Points on it: half a sphere, derivatives 0, and `inside` is set,
-**            as in or on the sphere of the approximation
-*/
-typedef struct ylm_polygons ylm_polygons;
-
-#define YLM_POLYGON_VERTICES 64
-
-/*
-** ylm_polygons_create - n flat lights; the arrays are copied.
-**
-**   sides     in   [n]                 vertices of each; 0: an ellipse
-**   vertices  in   [rows][3]           of an ellipse three rows: its centre and two half axes
-**   radiance  in   [n][3]
-**   horizon   in   [3] or NULL
-**
-** Returns  YLM_OK; YLM_EDOMAIN (not finite, not planar to 1e-5 of its size, not convex, crossing
-**          itself, without area), YLM_ERANGE (sides, beyond YLM_LIGHT_EXTENT): `e` names the
-**          polygon; YLM_ENOMEM
-*/
-YLM_API ylm_status ylm_polygons_create(size_t n, const int *sides, const double *vertices,
-                                       const double *radiance, bool exact, const double *horizon,
-                                       ylm_polygons **polygons, ylm_error *e);
-YLM_API void ylm_polygons_free(ylm_polygons *polygons);
-YLM_API size_t ylm_polygons_count(const ylm_polygons *polygons);
-/* Their light field (ylm_base.h); lives as long as the object. Exact: lmax <= 60. */
-YLM_API const ylm_field *ylm_polygons_field(const ylm_polygons *polygons);
-/* One of them as it is; pointers are good as long as the object lives. */
-typedef struct ylm_polygon {
-  int sides; /* 0: an ellipse */
-  bool exact;
-  const double *vertices; /* [sides][3]; of an ellipse [3][3]: its centre, two half axes */
-  const double *radiance, *centroid, *normal; /* [3]; the normal of length 1 */
-  const double *horizon;                      /* [3] of length 1; NULL: none */
-  double radius, reach; /* of a disk of its area; of the farthest point from the centroid */
-} ylm_polygon;
-YLM_API void ylm_polygons_get(const ylm_polygons *polygons, size_t i, ylm_polygon *out);
-/* The approximation, as long as the object lives: centres [n][3], radii [n], normals of length 1
-   [n][3], radiances [n][3]. False, and nothing written, where lights are exact. */
-YLM_API bool ylm_polygons_spheres(const ylm_polygons *polygons, const double **at,
-                                  const double **radius, const double **normal,
-                                  const double **radiance);
-/* The field's `evaluate` by the kernels of a given instruction set. YLM_ISA_reference sums node by
-   node and judges the others, which take exact polygons without a horizon; what they cannot, on a
-   light, edge-on or far, and ellipses, goes to the reference. A point's result depends on the point
-   and the lights alone. YLM_EINVAL: isa is not available. */
-YLM_API ylm_status ylm_polygons_evaluate(const ylm_polygons *polygons, ylm_isa isa,
-                                         const ylm_field_query *q, size_t n, const void *points,
-                                         ylm_field_result *r, ylm_error *e);
-
-/* Lights of any kind: the spheres, then the sets of flat ones. */
-typedef struct ylm_light_parts {
-  const ylm_lights *spheres;       /* NULL: none */
-  const ylm_polygons *const *flat; /* [flats] */
-  size_t flats;
-} ylm_light_parts;
+/* A set of the parts of a texture as quadrilaterals, exact ones or approximated by spheres
+   (csrc/light/flat/flat.h), cut at a horizon unless that is NULL. Texels are copied. *parts: how
+   many they are. Returns as ylm_light_set_create. */
+YLM_API ylm_status ylm_light_set_textured(const ylm_light_texture *t, bool exact,
+                                          const double *horizon, ylm_light_set **set, size_t *parts,
+                                          ylm_error *e);
 
 /* -- sums of fields: csrc/light/field_sum.c ------------------------------------------------ */
 

@@ -11,9 +11,42 @@
 extern "C" {
 #endif
 
-/* What ylm_lights_evaluate refuses of a query, with lmax at most `most`, in its words. */
+/* What a field of lights refuses of a query, with lmax at most `most`, in its words. */
 YLM_API ylm_status ylm_light_check(const ylm_field_query *q, int most, size_t n, const void *points,
                                    const ylm_field_result *r, ylm_error *e);
+
+/* -- what is summed: csrc/light/device.c --------------------------------------------------------
+ */
+
+/* A sphere; where it stands for a flat light, the light's normal, else 0. */
+typedef struct ylm_light_lamp {
+  double at[3], radius, radiance[3], normal[3];
+} ylm_light_lamp;
+
+/* Flat lights as arrays: rows of vertices begin at first[i]; horizon: its unit normal, or NULL. */
+typedef struct ylm_light_rims {
+  size_t n;
+  const int *sides;       /* [n]; 0: an ellipse */
+  const size_t *first;    /* [n] */
+  const double *vertices; /* [..][3]; of an ellipse its centre and two half axes */
+  const double *normal, *centroid, *radiance; /* [n][3] */
+  const double *horizon;
+} ylm_light_rims;
+
+/* Lights of a set that a device sums alike: spheres, spheres times the cosine to their normals, or
+   exact flat lights along their rims. As long as the set lives. */
+typedef struct ylm_light_part {
+  const char *kind; /* its name */
+  size_t lamps;
+  bool cosine; /* lamps have normals */
+  const void *of;
+  void (*lamp)(const void *of, size_t i, ylm_light_lamp *out); /* with part->of */
+  ylm_light_rims rims;                                         /* n 0: none */
+} ylm_light_part;
+
+/* Part i of the set; false where there are no more. A part without lamps and rims is of a kind that
+   no device sums. */
+YLM_API bool ylm_light_set_part(const ylm_light_set *set, size_t i, ylm_light_part *out);
 
 /* -- sums of moments: csrc/light/moments/maps.c ---------------------------------------------- */
 
@@ -65,18 +98,6 @@ YLM_API void ylm_light_maps_free(ylm_light_maps *maps);
 YLM_API void ylm_light_kinds(const ylm_field_query *q, int *lum, int *rgb);
 /* -- sums along the rims of exact flat lights: csrc/light/flat/device.c ----------------------- */
 
-/* As long as the object lives: rows of vertices begin at first[i]; horizon: its unit normal, or
-   NULL. */
-typedef struct ylm_polygon_arrays {
-  size_t n;
-  const int *sides;       /* [n]; 0: an ellipse */
-  const size_t *first;    /* [n] */
-  const double *vertices; /* [..][3]; of an ellipse its centre and two half axes */
-  const double *normal, *centroid, *radiance; /* [n][3] */
-  const double *horizon;
-} ylm_polygon_arrays;
-/* False, and nothing written, where lights are approximated. */
-YLM_API bool ylm_polygons_exact(const ylm_polygons *polygons, ylm_polygon_arrays *a);
 /* The highest degree of exact flat lights. */
 #define YLM_LIGHT_RIM_LMAX 60
 /* An upper bound of |y'| along a rim of half axes u, v. */

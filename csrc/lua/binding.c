@@ -206,17 +206,21 @@ void ylmL_type_has_field(lua_State *L, ylmL_field_of *get) {
   lua_setfield(L, -2, "__field");
 }
 
-const ylm_field *ylmL_field_check(lua_State *L, int i) {
-  void *object = lua_touserdata(L, i);
+ylmL_field_of *ylmL_field_getter(lua_State *L, int i) {
   ylmL_field_of *get = NULL;
-  if (object && lua_getmetatable(L, i)) {
+  if (lua_touserdata(L, i) && lua_getmetatable(L, i)) {
     size_t size;
     lua_getfield(L, -1, "__field");
     const char *bytes = lua_tolstring(L, -1, &size);
     if (bytes && size == sizeof get) memcpy(&get, bytes, sizeof get);
     lua_pop(L, 2);
   }
-  const ylm_field *field = get ? get(object) : NULL;
+  return get;
+}
+
+const ylm_field *ylmL_field_check(lua_State *L, int i) {
+  ylmL_field_of *get = ylmL_field_getter(L, i);
+  const ylm_field *field = get ? get(lua_touserdata(L, i)) : NULL;
   if (!field) luaL_argerror(L, i, "an object with a light field expected");
   return field;
 }

@@ -35,7 +35,7 @@
   X(grid_file)                                                                                     \
   X(grid_look)                                                                                     \
   X(light)                                                                                         \
-  X(light_polygon)                                                                                 \
+  X(light_texture)                                                                                 \
   X(light_tree)                                                                                    \
   X(process)                                                                                       \
   X(sandbox)                                                                                       \
@@ -115,8 +115,6 @@ void ylmL_named(lua_State *L, int i, const char *const *names);
 void ylmL_type(lua_State *L, const char *name, const luaL_Reg *methods);
 /* The userdata at `i` if it is of type `name`, else NULL. */
 void *ylmL_test(lua_State *L, int i, const char *name);
-/* The flat lights at `i`; NULL: something else. core/light_polygon.c */
-struct ylm_polygons *ylmL_polygons(lua_State *L, int i);
 /* The userdata at `i` if it is of type `name`; raises a type error otherwise. */
 void *ylmL_check(lua_State *L, int i, const char *name);
 /* Tells the collector of `bytes` of C memory: runs a step in proportion. */
@@ -201,6 +199,16 @@ typedef const ylm_field *ylmL_field_of(void *object);
 void ylmL_type_has_field(lua_State *L, ylmL_field_of *get);
 /* The field of the object at `i`; raises if it has none. It lives as long as the object. */
 const ylm_field *ylmL_field_check(lua_State *L, int i);
+/* What finds it; NULL: it has none. */
+ylmL_field_of *ylmL_field_getter(lua_State *L, int i);
+
+#define YLM_LIGHTS "ylm.lights"
+
+/* The set of lights at `i`; raises if there is none or it has been closed. binding_objects.c */
+struct ylm_light_set *ylmL_lights_check(lua_State *L, int i);
+/* The texture in arguments 1 to 5: texels float [h][w][3], {corner, u, v: 9 numbers}, scale,
+   tolerance, largest. core/light_texture.c */
+struct ylm_light_texture ylmL_light_texture(lua_State *L);
 
 /* -- progress -------------------------------------------------------------- */
 

@@ -87,3 +87,9 @@ ylmL_array *ylmL_object_array(lua_State *L, int i, ylm_dtype t, int axes, const 
   }
   return a;
 }
+
+struct ylm_light_set *ylmL_lights_check(lua_State *L, int i) {
+  struct ylm_light_set *set = *(struct ylm_light_set **)ylmL_check(L, i, YLM_LIGHTS);
+  if (!set) luaL_argerror(L, i, "the lights have been closed");
+  return set;
+}

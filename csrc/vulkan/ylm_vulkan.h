@@ -239,8 +239,7 @@ YLM_API ylm_status ylm_gpu_peak(ylm_gpu *g, double *flops, double *bytes, ylm_er
 
 /* -- lights: light/lights.c --------------------------------------------------- */
 
-typedef struct ylm_lights ylm_lights; /* ylm_light.h */
-typedef struct ylm_polygons ylm_polygons;
+typedef struct ylm_light_set ylm_light_set; /* ylm_light.h */
 
 /* Highest degree of sums by the product rule; merged moments go to YLM_LIGHT_LMAX. */
 #define YLM_GPU_PRODUCT_LMAX 8
@@ -256,29 +255,29 @@ typedef enum ylm_gpu_method {
 typedef struct ylm_gpu_lights ylm_gpu_lights;
 
 /*
-** ylm_gpu_lights_create - put lights onto a device: spheres (NULL: none) and n sets of flat lights,
-** exact ones, and at most one set that spheres times a cosine approximate (Mezieres et al. 2022,
-** Eqs. 24-28).
+** ylm_gpu_lights_create - put a set of lights onto a device: spheres, exact flat lights, and one
+** pack at most of flat lights that spheres times a cosine approximate (Mezieres et al. 2022, Eqs.
+** 24-28).
 **
-** They must outlive the object (they answer which boxes lights cross). The copy of spheres in
+** The set must outlive the object (it answers which boxes lights cross). The copy of spheres in
 ** double is made at the first query in double. Exact flat lights are summed along their rims, in
 ** double: lmax <= YLM_LIGHT_RIM_LMAX, method YLM_GPU_MERGED. YLM_EINVAL (another method with them,
-** two approximated sets, no lights), YLM_EMISSING (exact ones on a device without float64),
-** YLM_ENOMEM, YLM_ELIMIT, YLM_EDEVICE, YLM_ECLOSED.
+** two approximated packs, a kind that no device sums), YLM_EMISSING (exact ones on a device without
+** float64), YLM_ENOMEM, YLM_ELIMIT, YLM_EDEVICE, YLM_ECLOSED.
 */
-YLM_API ylm_status ylm_gpu_lights_create(ylm_gpu *g, const ylm_lights *lights, size_t n,
-                                         const ylm_polygons *const *flat, ylm_gpu_method method,
-                                         ylm_gpu_lights **l, ylm_error *e);
+YLM_API ylm_status ylm_gpu_lights_create(ylm_gpu *g, const ylm_light_set *set,
+                                         ylm_gpu_method method, ylm_gpu_lights **l, ylm_error *e);
 YLM_API void ylm_gpu_lights_free(ylm_gpu_lights *l);
 
 /*
 ** Their light field (ylm_base.h), which lives as long as the object.
 **
-** As ylm_lights_evaluate, but for lmax <= YLM_GPU_PRODUCT_LMAX by the product rule, and for
+** As lights without a device, but for lmax <= YLM_GPU_PRODUCT_LMAX by the product rule, and for
 ** YLM_EMISSING (double on a device without float64) and what ylm_gpu_run returns. A result
 ** depends on the point, the lights and the device, not on the other points.
-** Accuracy  as ylm_lights_evaluate; lights are summed in chunks, these with compensation. A flat
-**           light's share is within 1e-7/|cos gamma| more in float, as its position is rounded
+** Accuracy  that of csrc/light/sphere/sphere.h; lights are summed in chunks, these with
+**           compensation. A flat light's share is within 1e-7/|cos gamma| more in float, as its
+**           position is rounded
 ** Memory    at most 96 MiB of the device's for a pass
 */
 YLM_API const ylm_field *ylm_gpu_lights_field(const ylm_gpu_lights *l);

@@ -18,9 +18,7 @@ local ylm = {}
 --- Public name -> the module that defines it, in the order data flows.
 local contents = {
   { "ylm.array", "array", "zeros" },
-  { "ylm.light", "sphere_light", "sphere_lights", "light_field" },
-  { "ylm.light.polygon", "polygon_light", "disk_light" },
-  { "ylm.light.textured", "textured_light" },
+  { "ylm.light", "light_field" },
   { "ylm.grid", "adaptive_grid", "uniform_grid", "bake" },
   { "ylm.material", "matte" },
   { "ylm.camera", "camera" },
@@ -42,8 +40,10 @@ local tables = {
 }
 
 local home = {}
-for _, entry in ipairs(contents) do
-  for i = 2, #entry do home[entry[i]] = entry[1] end
+for _, list in ipairs { contents, require "ylm.light.kinds" } do
+  for _, entry in ipairs(list) do
+    for i = 2, #entry do home[entry[i]] = entry[1] end
+  end
 end
 
 setmetatable(ylm, {

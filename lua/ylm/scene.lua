@@ -24,13 +24,18 @@ local is_part = {
   end,
   lights = function(x)
     local kind = form.kind(x)
-    return kind and (kind:find("_lights?$") or kind == "ylm.lights") and true
+    return kind and (kind == "ylm.lights" or type(x) == "table" and form.defined[kind].light) and true
   end,
 }
 
+local constructors = {}
+for _, kind in ipairs(require "ylm.light.kinds") do
+  for i = 2, #kind do constructors[#constructors + 1] = kind[i] end
+end
+
 local wanted_part = {
   geometry = "geometry (a quad, sphere, box, torus, knot or mesh)",
-  lights = "a light (sphere_light, sphere_lights, polygon_light, disk_light, textured_light)",
+  lights = "a light (" .. table.concat(constructors, ", ") .. ")",
 }
 
 function form.types.parts(x)
@@ -47,7 +52,7 @@ end
 local function take_again(x, fail)
   if core.type(x) ~= nil then return form.budget("numbers", 1, fail) end
   if x.mesh then return form.budget("triangles", #x.mesh, fail) end
-  return form.budget("numbers", (x.count or 1) * (x.field and 256 or 7), fail)
+  return form.budget("numbers", (x.count or 1) * (form.defined[form.kind(x)].numbers or 7), fail)
 end
 
 --- Appends to `out`, which has the set `listed` of them, the parts of `field` found in `x`, in order; fail(message) names

@@ -100,15 +100,15 @@ static void many_lights(const kind *k, ylm_rng *r, scene *s) {
     for (int a = 0; a < 3; a++) s->x[i][a] = (float)(0.001 * number(r));
 }
 
-static ylm_lights *lights_of(const scene *s) {
+static ylm_light_set *lights_of(const scene *s) {
   static double at[LIGHTS][3], radius[LIGHTS], radiance[LIGHTS][3];
-  ylm_lights *lights = NULL;
+  ylm_light_set *lights = NULL;
   for (size_t i = 0; i < s->n; i++) {
     radius[i] = (double)s->radius[i];
     for (int a = 0; a < 3; a++)
       at[i][a] = (double)s->at[i][a], radiance[i][a] = (double)s->radiance[i];
   }
-  return ylm_lights_create(s->n, at[0], radius, radiance[0], &lights, NULL) == YLM_OK ? lights
+  return ylm_light_set_spheres(s->n, at[0], radius, radiance[0], &lights, NULL) == YLM_OK ? lights
                                                                                       : NULL;
 }
 
@@ -127,7 +127,7 @@ typedef struct results {
   double value[POINTS * COUNT], gradient[POINTS * COUNT * 3], hessian[POINTS * COUNT * 6];
 } results;
 
-static bool evaluate(const ylm_lights *lights, ylm_isa isa, const scene *s, int lmax, ylm_dtype t,
+static bool evaluate(const ylm_light_set *lights, ylm_isa isa, const scene *s, int lmax, ylm_dtype t,
                      results *out) {
   double x[POINTS][3];
   ylm_field_query q = {
@@ -136,7 +136,7 @@ static bool evaluate(const ylm_lights *lights, ylm_isa isa, const scene *s, int 
   for (size_t i = 0; i < s->points; i++)
     for (int a = 0; a < 3; a++) x[i][a] = (double)s->x[i][a];
   const void *points = t == YLM_DOUBLE ? (const void *)x : (const void *)s->x;
-  return ylm_lights_evaluate(lights, isa, &q, s->points, points, &r, NULL) == YLM_OK;
+  return ylm_light_set_evaluate(lights, isa, &q, s->points, points, &r, NULL) == YLM_OK;
 }
 
 /* The relative error of n numbers from `first` on. */
@@ -158,7 +158,7 @@ typedef struct candidate {
 } candidate;
 
 /* Raises the worst errors to those at one lmax. */
-static bool judge(const scene *s, const ylm_lights *lights, int lmax, const results *truth,
+static bool judge(const scene *s, const ylm_light_set *lights, int lmax, const results *truth,
                   candidate *c) {
   static results got;
   const double *a[3] = {truth->value, truth->gradient, truth->hessian};
@@ -192,13 +192,13 @@ static bool table(const kind *k) {
       c[n++] = (candidate){(ylm_isa)isa, t ? YLM_DOUBLE : YLM_FLOAT, {0}, {0}};
   ylm_rng_seed(&r, 1, (uint64_t)(k - kinds));
   (k->cone > 0 ? many_lights : one_light)(k, &r, &s);
-  ylm_lights *lights = lights_of(&s);
+  ylm_light_set *lights = lights_of(&s);
   bool fine = lights != NULL;
   for (int lmax = 0; fine && lmax <= LMAX; lmax += bench_is_quick() ? 5 : 1) {
     fine = evaluate(lights, YLM_ISA_reference, &s, lmax, YLM_DOUBLE, &truth);
     for (size_t i = 0; fine && i < n; i++) fine = judge(&s, lights, lmax, &truth, &c[i]);
   }
-  ylm_lights_free(lights);
+  ylm_light_set_free(lights);
   for (size_t i = 0; i < n; i++) print(k->name, &c[i]);
   return fine;
 }

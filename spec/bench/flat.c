@@ -11,7 +11,7 @@
 #define POINTS 64
 
 typedef struct job {
-  const ylm_polygons *lights;
+  const ylm_light_set *lights;
   ylm_isa isa;
   ylm_field_query q;
   const void *points;
@@ -20,31 +20,30 @@ typedef struct job {
 
 static void evaluate(void *context) {
   job *j = context;
-  ylm_polygons_evaluate(j->lights, j->isa, &j->q, POINTS, j->points, &j->r, NULL);
+  ylm_light_set_evaluate(j->lights, j->isa, &j->q, POINTS, j->points, &j->r, NULL);
 }
 
 /* Squares or disks of the same size, turned every way, in the unit cube about the origin. */
-static ylm_polygons *lights_of(bool disks, const double *horizon) {
-  double rows[LIGHTS][4][3], radiance[LIGHTS][3], c[LIGHTS][3], u[LIGHTS][3];
-  int sides[LIGHTS];
-  double *out = &rows[0][0][0];
-  ylm_polygons *lights = NULL;
+static ylm_light_set *lights_of(bool disks, const double *horizon) {
+  double record[LIGHTS][7 + 12], radiance[LIGHTS][3], c[LIGHTS][3], u[LIGHTS][3];
+  double *out = record[0];
+  ylm_light_set *lights = NULL;
   bench_fill(YLM_DOUBLE, c, 3 * LIGHTS), bench_fill(YLM_DOUBLE, radiance, 3 * LIGHTS);
   bench_fill(YLM_DOUBLE, u, 3 * LIGHTS);
   for (int i = 0; i < LIGHTS; i++) {
     double x = u[i][1], y = -u[i][0], size = 0.4 / hypot(x, y);
     double v[3] = {x * size, y * size, 0}, up[3] = {-y * 0.2, x * 0.2, 0.2};
-    sides[i] = disks ? 0 : 4;
+    for (int a = 0; a < 3; a++) *out++ = radiance[i][a];
+    for (int a = 0; a < 3; a++) *out++ = horizon ? horizon[a] : 0;
+    *out++ = disks ? 0 : 4;
     for (int k = 0; k < (disks ? 3 : 4); k++)
       for (int a = 0; a < 3; a++) {
         double corner = c[i][a] + (k == 0 || k == 3 ? v[a] : -v[a]) + (k < 2 ? up[a] : -up[a]);
         *out++ = disks ? k == 0 ? c[i][a] : k == 1 ? v[a] : up[a] : corner;
       }
   }
-  return ylm_polygons_create(LIGHTS, sides, rows[0][0], radiance[0], true, horizon, &lights,
-                             NULL) == YLM_OK
-             ? lights
-             : NULL;
+  ylm_light_source all = {"polygon", record[0], (size_t)(out - record[0]), NULL, NULL};
+  return ylm_light_set_create(1, &all, &lights, NULL) == YLM_OK ? lights : NULL;
 }
 
 static void line(job *j, const char *name, ylm_dtype t) {
@@ -79,7 +78,7 @@ int main(void) {
   }
   for (int k = 0; k < 4; k++) {
     static const char *const names[4] = {"squares", "disks", "squares, horizon", "disks, horizon"};
-    ylm_polygons *lights = lights_of(k % 2 != 0, k > 1 ? up : NULL);
+    ylm_light_set *lights = lights_of(k % 2 != 0, k > 1 ? up : NULL);
     if (!lights) return 1;
     j.lights = lights;
     for (int i = 0; i < 2; i++)
@@ -88,7 +87,7 @@ int main(void) {
         j.points = x[t];
         line(&j, names[k], t ? YLM_DOUBLE : YLM_FLOAT);
       }
-    ylm_polygons_free(lights);
+    ylm_light_set_free(lights);
   }
   return 0;
 }

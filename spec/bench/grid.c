@@ -12,7 +12,7 @@
 #define LMAX 4
 
 typedef struct scene {
-  ylm_lights *lights;
+  ylm_light_set *lights;
   float *points; /* [n][3], shading points, row by row */
   size_t n;
 } scene;
@@ -26,7 +26,7 @@ static bool make_scene(scene *s, size_t across) {
     radius[i] = 0.02 + 0.01 * fabs(u[i][2]);
     for (int a = 0; a < 3; a++) radiance[i][a] = 1 + u[i][3] * (a - 1) / 2;
   }
-  if (ylm_lights_create(LIGHTS, at[0], radius, radiance[0], &s->lights, NULL) != YLM_OK)
+  if (ylm_light_set_spheres(LIGHTS, at[0], radius, radiance[0], &s->lights, NULL) != YLM_OK)
     return false;
   s->n = 2 * across * across;
   s->points = ylm_alloc(s->n, 3 * sizeof *s->points);
@@ -44,7 +44,7 @@ static bool make_scene(scene *s, size_t across) {
 }
 
 static ylm_grid *bake(const scene *s, const ylm_grid_form *form, int threads) {
-  ylm_grid_source source = {.field = ylm_lights_field(s->lights),
+  ylm_grid_source source = {.field = ylm_light_set_field(s->lights),
                             .occupied_points = s->points,
                             .occupied = s->n,
                             .occupied_dtype = YLM_FLOAT,
@@ -57,11 +57,11 @@ static ylm_grid *bake(const scene *s, const ylm_grid_form *form, int threads) {
 
 /* Seconds that the metric (maps and eigenvalues) adds to a point, whatever the lights. */
 static double metric_seconds(const scene *s) {
-  ylm_lights *one = NULL;
+  ylm_light_set *one = NULL;
   double at[3] = {9, 9, 9}, radius = 0.1, radiance[3] = {1, 1, 1}, t[2] = {1e30, 1e30};
   size_t n = s->n < 8192 ? s->n : 8192;
   float *out = ylm_alloc(n, (75 * 4 + 2) * sizeof *out);
-  if (!out || ylm_lights_create(1, at, &radius, radiance, &one, NULL) != YLM_OK) return 0;
+  if (!out || ylm_light_set_spheres(1, at, &radius, radiance, &one, NULL) != YLM_OK) return 0;
   ylm_field_result r = {
       .value = out, .gradient = out + 75 * n, .lambda = out + 300 * n, .norm = out + 301 * n};
   for (int i = 0; i < 10; i++) {
@@ -71,12 +71,12 @@ static double metric_seconds(const scene *s) {
                          .want = 3 | (i % 2 ? YLM_WANT_METRIC : 0),
                          .threads = 1};
     double begin = bench_cpu();
-    ylm_lights_evaluate(one, ylm_isa_current(), &q, n, s->points, &r, NULL);
+    ylm_light_set_evaluate(one, ylm_isa_current(), &q, n, s->points, &r, NULL);
     begin = bench_cpu() - begin;
     if (begin < t[i % 2]) t[i % 2] = begin;
   }
   ylm_free(out);
-  ylm_lights_free(one);
+  ylm_light_set_free(one);
   return (t[1] - t[0]) / (double)n;
 }
 
@@ -196,7 +196,7 @@ int main(void) {
   memory(adaptive, "adaptive"), memory(uniform, "uniform");
   sampling(adaptive, uniform);
   ylm_grid_free(adaptive), ylm_grid_free(uniform);
-  ylm_lights_free(s.lights);
+  ylm_light_set_free(s.lights);
   ylm_free(s.points);
   return 0;
 }

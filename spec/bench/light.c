@@ -9,7 +9,7 @@
 #define POINTS 32
 
 typedef struct job {
-  const ylm_lights *lights;
+  const ylm_light_set *lights;
   ylm_isa isa;
   ylm_field_query q;
   size_t n;
@@ -54,19 +54,19 @@ static double operations(const form *f, int lmax) {
 
 static void evaluate(void *context) {
   job *j = context;
-  ylm_lights_evaluate(j->lights, j->isa, &j->q, j->n, j->points, &j->r, NULL);
+  ylm_light_set_evaluate(j->lights, j->isa, &j->q, j->n, j->points, &j->r, NULL);
 }
 
 /* Small lamps in the unit cube about the origin; points lie outside of it. */
-static ylm_lights *lamps(void) {
+static ylm_light_set *lamps(void) {
   static double at[LIGHTS][3], radius[LIGHTS], radiance[LIGHTS][3];
-  ylm_lights *lights = NULL;
+  ylm_light_set *lights = NULL;
   bench_fill(YLM_DOUBLE, at, 3 * LIGHTS);
   for (int i = 0; i < LIGHTS; i++) {
     radius[i] = 0.02;
     for (int a = 0; a < 3; a++) radiance[i][a] = 1 + a;
   }
-  return ylm_lights_create(LIGHTS, at[0], radius, radiance[0], &lights, NULL) == YLM_OK ? lights
+  return ylm_light_set_spheres(LIGHTS, at[0], radius, radiance[0], &lights, NULL) == YLM_OK ? lights
                                                                                         : NULL;
 }
 
@@ -188,6 +188,6 @@ int main(void) {
   j.isa = ylm_isa_current();
   threads(&j);
   papers(&j);
-  ylm_lights_free((ylm_lights *)j.lights);
+  ylm_light_set_free((ylm_light_set *)j.lights);
   return 0;
 }

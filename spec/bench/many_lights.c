@@ -175,13 +175,13 @@ static int upwards(const void *a, const void *b) {
   return (x > y) - (x < y);
 }
 
-static ylm_lights *lights_of(const lamps *l) {
-  ylm_lights *lights = NULL;
-  if (ylm_lights_create(l->n, l->at, l->radius, l->radiance, &lights, NULL) != YLM_OK) abort();
+static ylm_light_set *lights_of(const lamps *l) {
+  ylm_light_set *lights = NULL;
+  if (ylm_light_set_spheres(l->n, l->at, l->radius, l->radiance, &lights, NULL) != YLM_OK) abort();
   return lights;
 }
 
-static ylm_light_cut *cut_of(ylm_lights *lights, double tolerance) {
+static ylm_light_cut *cut_of(ylm_light_set *lights, double tolerance) {
   ylm_light_cut *cut = NULL;
   if (ylm_light_cut_create(lights, tolerance, 0, &cut, NULL) != YLM_OK) abort();
   return cut;
@@ -191,7 +191,7 @@ static ylm_light_cut *cut_of(ylm_lights *lights, double tolerance) {
    they are as promised. */
 static bool measure_errors(int kind, size_t lights, int set, size_t n, size_t sample) {
   lamps l = scene(kind, lights);
-  ylm_lights *given = lights_of(&l), *positive;
+  ylm_light_set *given = lights_of(&l), *positive;
   for (size_t i = 0; i < 3 * l.n; i++) l.radiance[i] = fabs(l.radiance[i]);
   positive = lights_of(&l);
   size_t stride = n / sample | 1, m = (n + stride - 1) / stride;
@@ -200,8 +200,8 @@ static bool measure_errors(int kind, size_t lights, int set, size_t n, size_t sa
   double high[3][FORMS], most[3][FORMS], pairs[3][FORMS];
   bool kept = true;
   for (int form = 0; form < FORMS; form++) {
-    answer exact = ask(ylm_lights_field(given), YLM_DOUBLE, m, some, form);
-    answer whole = ask(ylm_lights_field(positive), YLM_DOUBLE, m, some, form);
+    answer exact = ask(ylm_light_set_field(given), YLM_DOUBLE, m, some, form);
+    answer whole = ask(ylm_light_set_field(positive), YLM_DOUBLE, m, some, form);
     for (int t = 0; t < 3; t++) {
       ylm_light_cut *cut = cut_of(given, tolerances[t]);
       answer a = ask(ylm_light_cut_field(cut), YLM_DOUBLE, n, points, form);
@@ -225,7 +225,7 @@ static bool measure_errors(int kind, size_t lights, int set, size_t n, size_t sa
     fflush(stdout);
   }
   ylm_free(points), ylm_free(some), ylm_free(e);
-  ylm_lights_free(given), ylm_lights_free(positive);
+  ylm_light_set_free(given), ylm_light_set_free(positive);
   scene_free(&l);
   return kept;
 }
@@ -272,22 +272,22 @@ static void measure_times(int set, size_t most) {
   for (size_t n = 1000; n <= most; n *= 10) {
     lamps l = scene(UNIFORM, n);
     for (size_t i = 0; i < n; i++) l.radius[i] = 0.5 / sqrt((double)n) / 20;
-    ylm_lights *lights = lights_of(&l);
+    ylm_light_set *lights = lights_of(&l);
     if (n <= (set == ANYWHERE ? 100000 : 1000)) {
       printf("%8zu  %-9s", n, "exact");
-      print_times(ylm_lights_field(lights), points, p);
+      print_times(ylm_light_set_field(lights), points, p);
     }
     double begin = ylm_seconds();
     for (double tolerance = 1e-1; n > 1000 && tolerance > 5e-4; tolerance /= 10) {
       ylm_light_cut *cut = cut_of(lights, tolerance);
       if (tolerance > 0.05 && set == ANYWHERE)
         printf("%8zu  tree made in %.2f s, %.0f bytes per light\n", n, ylm_seconds() - begin,
-               (double)ylm_lights_tree_bytes(lights) / (double)n);
+               (double)ylm_light_set_tree_bytes(lights) / (double)n);
       printf("%8zu  %-9.3g", n, tolerance);
       print_times(ylm_light_cut_field(cut), points, p);
       ylm_light_cut_free(cut);
     }
-    ylm_lights_free(lights);
+    ylm_light_set_free(lights);
     scene_free(&l);
   }
   ylm_free(p);

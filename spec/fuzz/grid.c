@@ -21,48 +21,60 @@ void ylm_k_grid_sample_avx512(const sample_batch *b) { ylm_k_grid_sample_referen
 void ylm_k_grid_sample_neon(const sample_batch *b) { ylm_k_grid_sample_reference(b); }
 
 /* Nor are lights: grids from files have none, and what would need them traps. */
-ylm_status ylm_lights_create(size_t n, const double *at, const double *radius,
-                             const double *radiance, ylm_lights **l, ylm_error *e) {
-  (void)n, (void)at, (void)radius, (void)radiance, (void)l, (void)e;
+void ylm_light_set_free(ylm_light_set *set) {
+  if (set) __builtin_trap();
+}
+void ylm_light_list_free(ylm_light_list *list) {
+  if (list->n) __builtin_trap();
+}
+void ylm_light_sweep(ylm_light_shapes *shapes) {
+  if (shapes->n) __builtin_trap();
+}
+const ylm_field *ylm_light_set_field(const ylm_light_set *set) {
+  (void)set;
   __builtin_trap();
 }
-void ylm_lights_free(ylm_lights *l) {
-  if (l) __builtin_trap();
+ylm_status ylm_light_set_list(const ylm_light_set *set, ylm_light_list *list) {
+  (void)set, (void)list;
+  __builtin_trap();
 }
-size_t ylm_lights_count(const ylm_lights *l) {
+ylm_status ylm_light_set_of(size_t n, const ylm_light *const *light, const double *strength,
+                            ylm_light_set **set) {
+  (void)n, (void)light, (void)strength, (void)set;
+  __builtin_trap();
+}
+ylm_status ylm_light_keep(ylm_light_shapes *shapes, ylm_light *l) {
+  (void)shapes, (void)l;
+  __builtin_trap();
+}
+void ylm_light_mark(const ylm_light *l) {
   (void)l;
   __builtin_trap();
 }
-void ylm_lights_arrays(const ylm_lights *l, const double **at, const double **radius,
-                       const double **radiance) {
-  (void)l, (void)at, (void)radius, (void)radiance;
+int ylm_light_compare(const ylm_light *a, const ylm_light *b) {
+  (void)a, (void)b;
   __builtin_trap();
 }
-const ylm_field *ylm_lights_field(const ylm_lights *l) {
-  (void)l;
+bool ylm_light_alike(const ylm_light *a, const ylm_light *b) {
+  (void)a, (void)b;
   __builtin_trap();
 }
-
-ylm_status ylm_polygons_create(size_t n, const int *sides, const double *vertices,
-                               const double *radiance, bool exact, const double *horizon,
-                               ylm_polygons **polygons, ylm_error *e) {
-  (void)n, (void)sides, (void)vertices, (void)radiance, (void)exact, (void)horizon;
-  (void)polygons, (void)e;
+bool ylm_light_slides(const ylm_light *a, const ylm_light *b) {
+  (void)a, (void)b;
   __builtin_trap();
 }
-void ylm_polygons_free(ylm_polygons *polygons) {
-  if (polygons) __builtin_trap();
-}
-size_t ylm_polygons_count(const ylm_polygons *polygons) {
-  (void)polygons;
+void ylm_light_box(const ylm_light *l, double box[6]) {
+  (void)l, (void)box;
   __builtin_trap();
 }
-const ylm_field *ylm_polygons_field(const ylm_polygons *polygons) {
-  (void)polygons;
+ylm_status ylm_light_bounds_meet(ylm_light_bounds *b, size_t n, const ylm_light *light,
+                                 ylm_error *e) {
+  (void)b, (void)n, (void)light, (void)e;
   __builtin_trap();
 }
-void ylm_polygons_get(const ylm_polygons *polygons, size_t i, ylm_polygon *out) {
-  (void)polygons, (void)i, (void)out;
+bool ylm_light_bounds_add(const ylm_light_bounds *bounds, const ylm_light *a, const ylm_light *b,
+                          bool slides, const double p[3], double bound[3]) {
+  (void)bounds, (void)a, (void)b, (void)slides, (void)p, (void)bound;
   __builtin_trap();
 }
 

@@ -72,7 +72,7 @@ static void random_numbers(uint64_t seed, size_t n, double *d, float *f) {
   for (size_t i = 0; i < n; i++) d[i] = (double)(f[i] = (float)(2 * ylm_rng_double(&r) - 1));
 }
 
-static ylm_lights *some_lights(void) {
+static ylm_light_set *some_lights(void) {
   double x[7 * LIGHTS], radius[LIGHTS];
   float unused[7 * LIGHTS];
   random_numbers(3, 7 * LIGHTS, x, unused);
@@ -82,13 +82,13 @@ static ylm_lights *some_lights(void) {
     for (int a = 0; a < 3; a++) at[a] *= (4 + x[6 * LIGHTS + i]) / d;
     radius[i] = 0.05 + 0.4 * (i % 3);
   }
-  ylm_lights *l;
+  ylm_light_set *l;
   ylm_error e;
-  stop("lights", ylm_lights_create(LIGHTS, x, radius, x + 3 * LIGHTS, &l, &e));
+  stop("lights", ylm_light_set_spheres(LIGHTS, x, radius, x + 3 * LIGHTS, &l, &e));
   return l;
 }
 
-static void light_sums(const ylm_lights *lights, const double *pd, const float *pf) {
+static void light_sums(const ylm_light_set *lights, const double *pd, const float *pf) {
   for (int t = 0; t < 2; t++)
     for (int lmax = 0; lmax <= 12; lmax++)
       for (int channels = 1; channels <= 3; channels += 2) {
@@ -108,7 +108,7 @@ static void light_sums(const ylm_lights *lights, const double *pd, const float *
         uint8_t inside[POINTS];
         r.inside = inside;
         ylm_error e;
-        stop("evaluate", ylm_lights_evaluate(lights, ylm_isa_current(), &q, POINTS,
+        stop("evaluate", ylm_light_set_evaluate(lights, ylm_isa_current(), &q, POINTS,
                                              t ? (const void *)pd : pf, &r, &e));
         result("light", q.dtype, count, r.value);
         result("light gradient", q.dtype, 3 * count, r.gradient);
@@ -120,14 +120,14 @@ static void light_sums(const ylm_lights *lights, const double *pd, const float *
       }
 }
 
-static void grid_samples(const ylm_lights *lights, const double *pd) {
+static void grid_samples(const ylm_light_set *lights, const double *pd) {
   for (int lmax = 1; lmax <= 4; lmax += 3) {
     ylm_grid_form form = {.kind = YLM_GRID_UNIFORM,
                           .bounds = {-1, -1, -1, 1, 1, 1},
                           .lmax = lmax,
                           .channels = 3,
                           .cells = {3, 2, 4}};
-    ylm_grid_source source = {.field = ylm_lights_field(lights), .threads = 1};
+    ylm_grid_source source = {.field = ylm_light_set_field(lights), .threads = 1};
     ylm_grid *g;
     ylm_error e;
     stop("bake", ylm_grid_bake(&form, &source, &g, &e));
@@ -205,11 +205,11 @@ int main(int argc, char **argv) {
   double pd[3 * POINTS];
   float pf[3 * POINTS];
   random_numbers(1, 3 * POINTS, pd, pf);
-  ylm_lights *lights = some_lights();
+  ylm_light_set *lights = some_lights();
   light_sums(lights, pd, pf);
   grid_samples(lights, pd);
   rotations_and_products();
-  ylm_lights_free(lights);
+  ylm_light_set_free(lights);
   printf("%s\n", ylm_isa_name(ylm_isa_current()));
   if (fclose(file) != 0) stop("file", YLM_EIO);
   return comparing && !report() ? 1 : puts("ok") < 0;

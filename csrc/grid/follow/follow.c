@@ -4,43 +4,30 @@
 
 #include <string.h>
 
-/* -- lamps ----------------------------------------------------------------------------------- */
+/* -- lights ---------------------------------------------------------------------------------- */
 
 /* The lights of a bake. */
-static ylm_status take_lamps(grid_dynamic *d, const ylm_light_parts *lights) {
-  lamp_set set;
-  ylm_status s = ylm__lamps(lights, &set);
+static ylm_status take_lights(grid_dynamic *d, const ylm_light_set *lights) {
+  ylm_light_list list;
+  ylm_status s = ylm_light_set_list(lights, &list);
   if (s != YLM_OK) return s;
-  for (size_t i = 0; i < set.n && s == YLM_OK; i++) s = ylm__lamp_keep(&d->shapes, &set.lamp[i]);
-  ylm_free(set.shapes);
-  d->lamp = set.lamp;
-  d->lamps = set.n;
-  d->mover_of = ylm_alloc(d->lamps, sizeof *d->mover_of);
+  for (size_t i = 0; i < list.n && s == YLM_OK; i++) s = ylm_light_keep(&d->shapes, &list.light[i]);
+  ylm_free(list.shapes);
+  d->light = list.light;
+  d->lights = list.n;
+  d->mover_of = ylm_alloc(d->lights, sizeof *d->mover_of);
   if (!d->mover_of) return YLM_ENOMEM;
-  for (size_t i = 0; i < d->lamps; i++) d->mover_of[i] = -1;
+  for (size_t i = 0; i < d->lights; i++) d->mover_of[i] = -1;
   return s;
-}
-
-ylm_status ylm__dynamic_meet(ylm_grid *g, size_t n, const lamp *lamps, ylm_error *e) {
-  ylm_status s = YLM_OK;
-  for (size_t i = 0; i < n && s == YLM_OK; i++) {
-    double *bound = g->dynamic->bound[lamp_kind_of(&lamps[i])];
-    if (bound[0] == 0) s = ylm__lamp_bounds(g->view.form.lmax, lamp_kind_of(&lamps[i]), bound, e);
-  }
-  return s;
-}
-
-static void mark(const lamp *l) {
-  if (l->shape) ((lamp_shape *)(uintptr_t)l->shape)->marked = true;
 }
 
 void ylm__dynamic_sweep(grid_dynamic *d) {
   if (!d->shapes.n) return;
-  for (size_t i = 0; i < d->lamps; i++) mark(&d->lamp[i]);
+  for (size_t i = 0; i < d->lights; i++) ylm_light_mark(&d->light[i]);
   for (size_t m = 0; m < d->movers; m++)
     for (int k = 0; k < STATES; k++)
-      if (d->mover[m].taken[k]) mark(&d->mover[m].state[k]);
-  ylm__shapes_sweep(&d->shapes);
+      if (d->mover[m].taken[k]) ylm_light_mark(&d->mover[m].state[k]);
+  ylm_light_sweep(&d->shapes);
 }
 
 /* -- making ------------------------------------------------------------------------------- */
@@ -67,7 +54,7 @@ static ylm_status begin(ylm_grid *g, const ylm_grid_source *source,
                         const ylm_grid_surface **surface, ylm_error *e) {
   grid_dynamic *d = g->dynamic = ylm_alloc_zero(1, sizeof *d);
   if (!d) return YLM_ENOMEM;
-  ylm_status s = take_lamps(d, source->lights);
+  ylm_status s = take_lights(d, source->lights);
   if (s != YLM_OK) return s;
   d->source = *source;
   d->source.field = NULL;
@@ -77,13 +64,14 @@ static ylm_status begin(ylm_grid *g, const ylm_grid_source *source,
   if (s != YLM_OK) return s;
   *surface = d->surface;
   d->bends = 6 * (size_t)g->view.count * (size_t)g->view.form.metric_channels;
-  return ylm__dynamic_meet(g, d->lamps, d->lamp, e);
+  d->bounds = (ylm_light_bounds){.lmax = g->view.form.lmax, .channels = g->view.form.channels};
+  return ylm_light_bounds_meet(&d->bounds, d->lights, d->light, e);
 }
 
 static size_t bytes(const ylm_grid *g) {
   const grid_dynamic *d = g->dynamic;
   if (!d) return 0;
-  return sizeof *d + d->shapes.bytes + d->lamps * (sizeof *d->lamp + sizeof *d->mover_of) +
+  return sizeof *d + d->shapes.bytes + d->lights * (sizeof *d->light + sizeof *d->mover_of) +
          d->movers * (sizeof *d->mover + d->room) +
          d->room * ((d->bends + 2) * sizeof(float) + sizeof *d->sign) +
          (d->born_room + d->cell_room) * sizeof *d->sign +
@@ -109,9 +97,9 @@ static void free_all(ylm_grid *g) {
   if (!d) return;
   for (size_t m = 0; m < d->movers; m++) ylm_free(d->mover[m].seen);
   ylm_free(d->mover);
-  ylm__shapes_sweep(&d->shapes); /* all of them: none is marked */
+  ylm_light_sweep(&d->shapes); /* all of them: none is marked */
   ylm_free(d->shapes.shape);
-  ylm_free(d->lamp);
+  ylm_free(d->light);
   ylm_free(d->mover_of);
   ylm_free(d->hessian);
   ylm_free(d->size);

@@ -10,7 +10,7 @@
 #define YLM_GRID_DYNAMIC_H
 
 #include "../bake/tolerance.h"
-#include "lamp.h"
+#include "ylm_light.h"
 
 #define STATES 64         /* of a mover: as many as are remembered */
 #define EVICT_ALL STATES  /* every state but the present one */
@@ -22,9 +22,9 @@
 
 /* A light that has changed since some point was evaluated. */
 typedef struct mover {
-  lamp state[STATES];
+  ylm_light state[STATES];
   bool taken[STATES];
-  bool slides[STATES]; /* the state differs from the present one as ylm__lamp_slides says */
+  bool slides[STATES]; /* the state differs from the present one as ylm_light_slides says */
   int current;
   int evict;      /* the state that no point may keep in the next update; -1: none */
   uint64_t moved; /* the update of its last change */
@@ -32,10 +32,10 @@ typedef struct mover {
 } mover;
 
 typedef struct grid_dynamic {
-  lamp *lamp; /* as of the last update */
+  ylm_light *light; /* as of the last update */
   int32_t *mover_of;
-  size_t lamps;
-  shape_list shapes; /* of these lamps, and of the movers' states */
+  size_t lights;
+  ylm_light_shapes shapes; /* of these lights, and of the movers' states */
   mover *mover;
   size_t movers;
 
@@ -65,7 +65,7 @@ typedef struct grid_dynamic {
   lattice_hash forced;   /* voxels that failed: update by cell_key */
   panel panel;           /* points that judge updates; none without a tolerance */
 
-  double bound[LAMP_KINDS][4]; /* ylm__lamp_bounds; 0: none of that kind has been met */
+  ylm_light_bounds bounds;
 } grid_dynamic;
 
 /* The key of a cell: coordinates use 17 of 21 bits. */
@@ -73,11 +73,9 @@ static inline uint64_t cell_key(const ylm_grid_cell *c) {
   return lattice_key(c->origin) | (uint64_t)(c->level & 15) << 17 | (uint64_t)(c->level >> 4) << 38;
 }
 
-/* Measures the bounds of kinds of lamps that are met for the first time. */
-ylm_status ylm__dynamic_meet(ylm_grid *g, size_t n, const lamp *lamps, ylm_error *e);
 /* True if a voxel failed lately: it stays split. */
 bool ylm__dynamic_forced(const ylm_grid *g, const ylm_grid_cell *c);
-/* Forgets shapes that neither lamps nor movers have. */
+/* Forgets shapes that neither lights nor movers have. */
 void ylm__dynamic_sweep(grid_dynamic *d);
 /* Room for all points of the grid. point.c */
 ylm_status ylm__dynamic_reserve(ylm_grid *g);
@@ -108,16 +106,16 @@ void ylm__dynamic_move(ylm_grid *g, uint32_t from, uint32_t to);
 /* -- match.c: which lights changed -------------------------------------------------- */
 
 /* A light before and after; an index of -1: it was not there, it is no more. */
-typedef struct lamp_change {
+typedef struct light_change {
   int64_t before, after;
-} lamp_change;
+} light_change;
 
 /*
-** Finds what differs between d->lamp and n lamps. origin[j] (room for n) becomes the earlier index
-** of lamp j, -1 if it is new or changed; *changes is freed by the caller.
+** Finds what differs between d->light and n lights. origin[j] (room for n) becomes the earlier
+** index of light j, -1 if it is new or changed; *changes is freed by the caller.
 */
-ylm_status ylm__lamps_match(const grid_dynamic *d, size_t n, const lamp *now, int64_t *origin,
-                            lamp_change **changes, size_t *count);
+ylm_status ylm__lights_match(const grid_dynamic *d, size_t n, const ylm_light *now, int64_t *origin,
+                             light_change **changes, size_t *count);
 
 /* -- stale.c: points that have to be brought up to date --------------------------------- */
 

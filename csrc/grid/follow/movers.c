@@ -11,20 +11,20 @@ static void count_states(const mover *m, size_t points, size_t n[STATES]) {
 
 /* Makes `now` the present state: one that is remembered, or a free one. One remains free: if it is
    the last, the state that the fewest points have has to go. */
-static void enter_state(update *u, mover *m, const lamp *now) {
+static void enter_state(update *u, mover *m, const ylm_light *now) {
   size_t n[STATES], least = SIZE_MAX;
   int found = -1, empty = -1, left = 0;
   count_states(m, u->g->evaluated, n);
   for (int k = 0; k < STATES; k++) {
     m->taken[k] = k == m->current || n[k] > 0;
-    if (m->taken[k] && ylm__lamp_compare(&m->state[k], now) == 0) found = k;
+    if (m->taken[k] && ylm_light_compare(&m->state[k], now) == 0) found = k;
     if (!m->taken[k] && empty < 0) empty = k;
   }
   m->current = found >= 0 ? found : empty;
   m->state[m->current] = *now;
   m->taken[m->current] = true;
   for (int k = 0; k < STATES; k++)
-    m->slides[k] = m->taken[k] && ylm__lamp_slides(&m->state[k], now);
+    m->slides[k] = m->taken[k] && ylm_light_slides(&m->state[k], now);
   m->moved = u->stats.updates;
   m->evict = -1;
   for (int k = 0; k < STATES; k++) {
@@ -38,7 +38,7 @@ static void enter_state(update *u, mover *m, const lamp *now) {
 }
 
 /* A mover whose points all have it in state 0. */
-static ylm_status new_mover(grid_dynamic *d, const lamp *was) {
+static ylm_status new_mover(grid_dynamic *d, const ylm_light *was) {
   mover *more = ylm_realloc(d->mover, d->movers * sizeof *more, d->movers + 1, sizeof *more);
   if (!more) return YLM_ENOMEM;
   d->mover = more;
@@ -52,8 +52,8 @@ static ylm_status new_mover(grid_dynamic *d, const lamp *was) {
   return YLM_OK;
 }
 
-static lamp dark(const lamp *l) {
-  lamp out = *l;
+static ylm_light dark(const ylm_light *l) {
+  ylm_light out = *l;
   memset(out.radiance, 0, sizeof out.radiance);
   return out;
 }
@@ -66,19 +66,19 @@ ylm_status update_enter_changes(update *u, int32_t *of) {
   if (!u->boxes) return YLM_ENOMEM;
   for (size_t j = 0; j < u->now.n; j++) of[j] = u->origin[j] < 0 ? -1 : d->mover_of[u->origin[j]];
   for (size_t i = 0; i < u->changes; i++) {
-    const lamp_change *c = &u->change[i];
-    const lamp *after = c->after < 0 ? NULL : &u->now.lamp[c->after];
-    const lamp was = c->before < 0 ? dark(after) : d->lamp[c->before];
+    const light_change *c = &u->change[i];
+    const ylm_light *after = c->after < 0 ? NULL : &u->now.light[c->after];
+    const ylm_light was = c->before < 0 ? dark(after) : d->light[c->before];
     int32_t m = c->before < 0 ? -1 : d->mover_of[c->before];
     if (m < 0) {
       ylm_status s = new_mover(d, &was);
       if (s != YLM_OK) return s;
       m = (int32_t)d->movers - 1;
     }
-    lamp now = after ? *after : dark(&was);
+    ylm_light now = after ? *after : dark(&was);
     enter_state(u, &d->mover[m], &now);
-    ylm__lamp_box(&was, u->boxes + 12 * i);
-    ylm__lamp_box(&now, u->boxes + 12 * i + 6);
+    ylm_light_box(&was, u->boxes + 12 * i);
+    ylm_light_box(&now, u->boxes + 12 * i + 6);
     if (after) of[c->after] = m;
   }
   if (d->movers > MANY_MOVERS) {
@@ -99,7 +99,7 @@ void update_retire(grid_dynamic *d, size_t points) {
     size_t last = --d->movers;
     ylm_free(d->mover[m].seen);
     if (m != last) d->mover[m] = d->mover[last];
-    for (size_t i = 0; i < d->lamps; i++) {
+    for (size_t i = 0; i < d->lights; i++) {
       if (d->mover_of[i] == (int32_t)m)
         d->mover_of[i] = -1;
       else if (d->mover_of[i] == (int32_t)last)

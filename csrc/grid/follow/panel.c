@@ -21,7 +21,7 @@ static float length(const float *x, size_t n) {
 }
 
 /* Adds `sign` times the value of a light of radiance 1 at point i, times its radiance. */
-static void add_value(const panel_change *k, size_t i, const lamp *l, double sign) {
+static void add_value(const panel_change *k, size_t i, const ylm_light *l, double sign) {
   const ylm_grid *g = k->u->g;
   size_t count = (size_t)g->view.count;
   int channels = g->view.form.channels;
@@ -39,11 +39,13 @@ static void add_value(const panel_change *k, size_t i, const lamp *l, double sig
 
 /* Adds a light to the panel, or with sign -1 takes it away. A point that it leaves may be in
    another: it is summed anew. */
-static ylm_status add_light(const panel_change *k, const lamp *l, double sign, uint8_t *leaves) {
+static ylm_status add_light(const panel_change *k, const ylm_light *l, double sign,
+                            uint8_t *leaves) {
   const ylm_grid_form *form = &k->u->g->view.form;
-  lamp_field f;
   const double one = 1;
-  ylm_status s = ylm__lamp_field(1, &l, &one, &f);
+  ylm_light_set *set;
+  ylm_status s = ylm_light_set_of(1, &l, &one, &set);
+  const ylm_field *f = s == YLM_OK ? ylm_light_set_field(set) : NULL;
   ylm_field_query q = {.lmax = form->lmax,
                        .channels = 1,
                        .metric_channels = 1,
@@ -52,9 +54,9 @@ static ylm_status add_light(const panel_change *k, const lamp *l, double sign, u
                        .want = YLM_WANT_VALUE};
   ylm_field_result r = {.value = k->value, .inside = k->inside};
   memset(k->inside, 0, k->p->n);
-  if (s == YLM_OK) s = f.field->evaluate(f.field, &q, k->p->n, k->p->point, &r, k->u->b.e);
+  if (s == YLM_OK) s = f->evaluate(f, &q, k->p->n, k->p->point, &r, k->u->b.e);
   k->u->g->stats.pairs += r.pairs;
-  ylm__lamp_field_free(&f);
+  ylm_light_set_free(set);
   for (size_t i = 0; s == YLM_OK && i < k->p->n; i++) {
     add_value(k, i, l, sign);
     if (sign < 0) leaves[i] |= k->inside[i];
@@ -71,9 +73,9 @@ static ylm_status add_changes(panel_change *k) {
   uint8_t *leaves = ylm_alloc_zero(p->n, 1);
   ylm_status s = leaves ? YLM_OK : YLM_ENOMEM;
   for (size_t i = 0; i < u->changes && s == YLM_OK; i++) {
-    const lamp_change *c = &u->change[i];
-    if (c->before >= 0) s = add_light(k, &u->d->lamp[c->before], -1, leaves);
-    if (s == YLM_OK && c->after >= 0) s = add_light(k, &u->now.lamp[c->after], 1, leaves);
+    const light_change *c = &u->change[i];
+    if (c->before >= 0) s = add_light(k, &u->d->light[c->before], -1, leaves);
+    if (s == YLM_OK && c->after >= 0) s = add_light(k, &u->now.light[c->after], 1, leaves);
   }
   double part = fmax(u->g->view.form.tolerance / 16, 2e-6);
   for (size_t i = 0; i < p->n && s == YLM_OK; i++) {

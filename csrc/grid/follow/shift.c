@@ -50,12 +50,13 @@ typedef struct shift_job {
 
 /* Adds lights that are alike, one or two, of radiance `strength` times `colour`, at the n points
    `list`. */
-static ylm_status add_lights(const shift_job *j, shift_work *w, size_t lamps,
-                             const lamp *const *lamp_of, const double *strength,
+static ylm_status add_lights(const shift_job *j, shift_work *w, size_t lights,
+                             const ylm_light *const *light, const double *strength,
                              const double colour[3], size_t n, const uint32_t *list) {
   ylm_grid *g = j->u->g;
-  lamp_field f;
-  ylm_status s = ylm__lamp_field(lamps, lamp_of, strength, &f);
+  ylm_light_set *set;
+  ylm_status s = ylm_light_set_of(lights, light, strength, &set);
+  const ylm_field *f = s == YLM_OK ? ylm_light_set_field(set) : NULL;
   for (size_t i = 0; i < n; i++) ylm__grid_asked(g, list[i], w->position + 3 * i);
   ylm_field_query q = {.lmax = g->view.form.lmax,
                        .channels = 1,
@@ -66,10 +67,10 @@ static ylm_status add_lights(const shift_job *j, shift_work *w, size_t lamps,
                                (w->hessian ? YLM_WANT_HESSIAN : 0)};
   ylm_field_result r = {.value = w->value, .gradient = w->gradient, .hessian = w->hessian};
   double t = ylm_seconds();
-  if (s == YLM_OK) s = f.field->evaluate(f.field, &q, n, w->position, &r, NULL);
+  if (s == YLM_OK) s = f->evaluate(f, &q, n, w->position, &r, NULL);
   w->seconds += ylm_seconds() - t;
   w->pairs += r.pairs;
-  ylm__lamp_field_free(&f);
+  ylm_light_set_free(set);
   size_t count = (size_t)g->view.count;
   for (size_t i = 0; s == YLM_OK && i < n; i++)
     ylm__dynamic_add(g, list[i],
@@ -92,16 +93,16 @@ static double colour_of(const double x[3], const double other[3], double colour[
 }
 
 /* Subtracts the light a and adds b. */
-static ylm_status exchange(const shift_job *j, shift_work *w, const lamp *a, const lamp *b,
-                           size_t n, const uint32_t *list) {
+static ylm_status exchange(const shift_job *j, shift_work *w, const ylm_light *a,
+                           const ylm_light *b, size_t n, const uint32_t *list) {
   double colour[2][3], along = 0, off = 0;
   double strength[2] = {-colour_of(a->radiance, b->radiance, colour[0]),
                         colour_of(b->radiance, a->radiance, colour[1])};
   for (int c = 0; c < 3; c++) along += colour[0][c] * colour[1][c];
   for (int c = 0; c < 3; c++) off = fmax(off, fabs(colour[0][c] - along * colour[1][c]));
-  if (off < 1e-9 && ylm__lamps_alike(a, b)) { /* one colour, or two opposite ones */
+  if (off < 1e-9 && ylm_light_alike(a, b)) { /* one colour, or two opposite ones */
     strength[0] *= along;
-    return add_lights(j, w, 2, (const lamp *const[]){a, b}, strength, colour[1], n, list);
+    return add_lights(j, w, 2, (const ylm_light *const[]){a, b}, strength, colour[1], n, list);
   }
   ylm_status s = YLM_OK;
   if (strength[0] != 0) s = add_lights(j, w, 1, &a, strength, colour[0], n, list);

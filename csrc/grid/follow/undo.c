@@ -153,7 +153,7 @@ void update_forget_rows(update *u) {
 void update_forget(update *u) {
   update_forget_rows(u);
   ylm_free(u->old.cell);
-  ylm__lamps_free(&u->now);
+  ylm_light_list_free(&u->now);
   ylm_free(u->origin);
   ylm_free(u->change);
   ylm_free(u->exact);

@@ -39,21 +39,21 @@ static ylm_status keep_shapes(update *u) {
   ylm_status s = YLM_OK;
   for (size_t j = 0; j < u->now.n && s == YLM_OK; j++)
     if (u->origin[j] >= 0)
-      u->now.lamp[j].shape = u->d->lamp[u->origin[j]].shape;
+      u->now.light[j].shape = u->d->light[u->origin[j]].shape;
     else
-      s = ylm__lamp_keep(&u->d->shapes, &u->now.lamp[j]);
+      s = ylm_light_keep(&u->d->shapes, &u->now.light[j]);
   return s;
 }
 
 /* The new lights are the grid's. */
 static void commit(update *u, int32_t *of) {
   grid_dynamic *d = u->d;
-  ylm_free(d->lamp);
+  ylm_free(d->light);
   ylm_free(d->mover_of);
-  d->lamp = u->now.lamp;
+  d->light = u->now.light;
   d->mover_of = of;
-  d->lamps = u->now.n;
-  u->now.lamp = NULL;
+  d->lights = u->now.n;
+  u->now.light = NULL;
   panel_exchange(&d->panel, &u->panel);
 }
 
@@ -81,7 +81,7 @@ static ylm_status renew_worn(update *u) {
 
 static ylm_status follow(update *u) {
   ylm_grid *g = u->g;
-  ylm_status s = ylm__dynamic_meet(g, u->now.n, u->now.lamp, u->b.e);
+  ylm_status s = ylm_light_bounds_meet(&u->d->bounds, u->now.n, u->now.light, u->b.e);
   if (s == YLM_OK) s = update_remember(u);
   if (s == YLM_OK) s = keep_shapes(u);
   if (s == YLM_OK) s = update_panel(u);
@@ -113,14 +113,15 @@ static ylm_status follow(update *u) {
 }
 
 static ylm_status run(update *u) {
-  ylm_status s = ylm__lamps_match(u->d, u->now.n, u->now.lamp, u->origin, &u->change, &u->changes);
+  ylm_status s =
+      ylm__lights_match(u->d, u->now.n, u->now.light, u->origin, &u->change, &u->changes);
   if (s != YLM_OK) return s;
   u->stats.lights = u->changes;
   if (!u->changes) return YLM_OK;
   s = ylm_report(u->source.progress, 0, 1, "updating");
   if (s != YLM_OK) return s;
-  bool many = u->changes > 4 && 2 * u->changes > u->d->lamps;
-  if (u->changes > MOST_CHANGES || many || !u->now.n || !u->d->lamps) return rebake(u);
+  bool many = u->changes > 4 && 2 * u->changes > u->d->lights;
+  if (u->changes > MOST_CHANGES || many || !u->now.n || !u->d->lights) return rebake(u);
   return follow(u);
 }
 
@@ -152,7 +153,7 @@ ylm_status ylm_grid_update(ylm_grid *g, const ylm_grid_change *change, ylm_error
   u.b.surface = u.d->surface;
   u.b.stage = "updating";
   u.stats = (ylm_grid_update_stats){.updates = before.update.updates + 1};
-  ylm_status s = ylm__lamps(change->lights, &u.now);
+  ylm_status s = ylm_light_set_list(change->lights, &u.now);
   u.origin = ylm_alloc(u.now.n, sizeof *u.origin);
   g->updating = true;
   g->stats.update = u.stats; /* its number is used by refinement */

@@ -25,9 +25,9 @@ typedef struct update {
   baker b;
   ylm_grid_source source;
   double tolerance;
-  lamp_set now;
-  int64_t *origin; /* [lamps now] */
-  lamp_change *change;
+  ylm_light_list now;
+  int64_t *origin; /* [lights now] */
+  light_change *change;
   size_t changes;
   uint32_t *exact, *shift; /* points to evaluate with all lights, with what changed */
   size_t exacts, shifts;

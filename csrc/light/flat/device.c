@@ -1,23 +1,10 @@
-/* device.c - exact flat lights for kernels elsewhere: arrays, rules, maps from sums. */
+/* device.c - exact flat lights for kernels elsewhere: rules, maps from sums. */
 #include <math.h>
 #include <string.h>
 
 #include "../moments/plan.h"
 #include "kernel.h"
 #include "ylm_sh.h"
-
-bool ylm_polygons_exact(const ylm_polygons *p, ylm_polygon_arrays *a) {
-  if (!p->exact) return false;
-  *a = (ylm_polygon_arrays){.n = p->n,
-                            .sides = p->sides,
-                            .first = p->first,
-                            .vertices = p->vertices,
-                            .normal = p->normal,
-                            .centroid = p->centroid,
-                            .radiance = p->radiance,
-                            .horizon = p->clipped ? p->horizon : NULL};
-  return true;
-}
 
 double ylm_light_rim_speed(const double *u, const double *v) { return ylm__rim_speed(u, v); }
 

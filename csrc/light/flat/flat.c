@@ -21,31 +21,6 @@ void ylm_polygons_free(ylm_polygons *p) {
   ylm_free(p);
 }
 
-size_t ylm_polygons_count(const ylm_polygons *p) { return p->n; }
-const ylm_field *ylm_polygons_field(const ylm_polygons *p) { return &p->field; }
-
-bool ylm_polygons_spheres(const ylm_polygons *p, const double **at, const double **radius,
-                          const double **normal, const double **radiance) {
-  if (p->exact) return false;
-  *at = p->centroid;
-  *radius = p->radius;
-  *normal = p->normal;
-  *radiance = p->radiance;
-  return true;
-}
-
-void ylm_polygons_get(const ylm_polygons *p, size_t i, ylm_polygon *out) {
-  *out = (ylm_polygon){.sides = p->sides[i],
-                       .exact = p->exact,
-                       .vertices = p->vertices + 3 * p->first[i],
-                       .radiance = p->radiance + 3 * i,
-                       .centroid = p->centroid + 3 * i,
-                       .normal = p->normal + 3 * i,
-                       .horizon = p->clipped ? p->horizon : NULL,
-                       .radius = p->radius[i],
-                       .reach = p->reach[i]};
-}
-
 /* One of unit radiance by the reference. */
 static ylm_status one_light(const ylm__contour *k, const ylm_polygons *p, size_t i,
                             const double *x) {

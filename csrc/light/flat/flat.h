@@ -1,10 +1,34 @@
-/* flat.h - what the files about flat lights share. Private to csrc/light. */
+/*
+** flat.h - flat lights: planar convex polygons, and ellipses, that emit the same radiance
+** to both sides. Private to csrc/light.
+**
+** | parameter | unit         | allowed                                                     |
+** | vertices  | scene units  | 3 .. YLM_POLYGON_VERTICES, planar, convex, of some area      |
+** | radiance  | W sr^-1 m^-2 | finite, linear Rec. 709, may be negative                    |
+** | horizon   | -            | a direction: what lies below the plane through the shading   |
+** |           |              | point across it is cut off; or zero: nothing is             |
+**
+** exact      integrals along the rim (Wang & Ramamoorthi 2018): coefficients, gradients, Hessians.
+**            Polygons: in closed form but for Gauss-Legendre nodes that leave 1e-16 of an edge's
+**            share. Ellipses: Gauss-Legendre nodes too, 1e-13; there is no closed form off the axis
+** otherwise  the approximation of Mezieres et al. 2022, Eqs. 24-28, generalised to polygons: the
+**            sphere at the centroid whose disc has the polygon's area, times |cos gamma|; gradient
+**            and Hessian of that function are exact
+** Accuracy   of values, gradients and Hessians, each relative to its norm over all degrees: 1e-12,
+**            but 1e-14 lmax / (a |cos gamma|) for slivers that are seen at an angle a across, gamma
+**            off the normal, and are not far; a light whose size over distance is below
+**            0.02/(lmax+4) is summed over its area
+** Edge-on    points in the plane but not on the light: all zero (derivatives jump there; the mean
+**            of both sides is 0). Points on it: half a sphere, derivatives 0, and `inside` is set,
+**            as in or on the sphere of the approximation
+*/
 #ifndef YLM_LIGHT_POLYGON_H
 #define YLM_LIGHT_POLYGON_H
 
+#include "../ylm_light_device.h"
 #include "contour.h"
 
-struct ylm_polygons {
+typedef struct ylm_polygons {
   ylm_field field;
   size_t n;
   bool exact, clipped;
@@ -15,7 +39,37 @@ struct ylm_polygons {
   double *radiance;          /* [n][3] */
   double *normal, *centroid; /* [n][3], the normal of length 1 */
   double *radius, *reach; /* [n]: of a disk of the same area; farthest vertex from the centroid */
-};
+} ylm_polygons;
+
+/*
+** ylm_polygons_create - n flat lights; the arrays are copied.
+**
+**   sides     in   [n]                 vertices of each; 0: an ellipse
+**   vertices  in   [rows][3]           of an ellipse three rows: its centre and two half axes
+**   radiance  in   [n][3]
+**   horizon   in   [3] or NULL
+**
+** Returns  YLM_OK; YLM_EDOMAIN (not finite, not planar to 1e-5 of its size, not convex, crossing
+**          itself, without area), YLM_ERANGE (sides, beyond YLM_LIGHT_EXTENT): `e` names the
+**          polygon; YLM_ENOMEM
+*/
+ylm_status ylm_polygons_create(size_t n, const int *sides, const double *vertices,
+                               const double *radiance, bool exact, const double *horizon,
+                               ylm_polygons **polygons, ylm_error *e);
+void ylm_polygons_free(ylm_polygons *polygons);
+/* The field's `evaluate` by the kernels of a given instruction set. YLM_ISA_reference sums node by
+   node and judges the others, which take exact polygons without a horizon; what they cannot, on a
+   light, edge-on or far, and ellipses, goes to the reference. A point's result depends on the point
+   and the lights alone. YLM_EINVAL: isa is not available. */
+ylm_status ylm_polygons_evaluate(const ylm_polygons *polygons, ylm_isa isa,
+                                 const ylm_field_query *q, size_t n, const void *points,
+                                 ylm_field_result *r, ylm_error *e);
+
+/* What the kinds of flat lights share, as csrc/light/textured.c asks for it: see kind.h. kind.c */
+size_t ylm__flat_get(const void *of, size_t i, ylm_light *out, ylm_light_shape *shape);
+ylm_status ylm__flat_evaluate(const void *of, ylm_isa isa, const ylm_field_query *q, size_t n,
+                              const void *points, ylm_field_result *r, ylm_error *e);
+void ylm__flat_device(const void *of, ylm_light_part *out);
 
 /* Rows of vertices that a light of so many sides has. */
 static inline size_t ylm__polygon_rows(int sides) { return sides ? (size_t)sides : 3; }

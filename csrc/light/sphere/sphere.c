@@ -1,5 +1,4 @@
-/* sphere.c - the set of sphere lights: made from arrays, checked, read back, asked as a
- * field. */
+/* sphere.c - sphere lights: made from arrays, checked, asked as a field. */
 #include "../light.h"
 
 #include <math.h>
@@ -28,24 +27,19 @@ static ylm_status validate(size_t n, const double *at, const double *radius, con
   return YLM_OK;
 }
 
-/* Fills the kernels' copies with the lights that emit. */
-static void pack(ylm_lights *l) {
-  size_t k = 0;
-  for (size_t i = 0; i < l->n; i++) {
-    if (l->radius[i] == 0) continue;
-    ylm__lamp_d *d = &l->lamp_d[k];
-    ylm__lamp_f *f = &l->lamp_f[k++];
-    for (int a = 0; a < 3; a++) {
-      d->at[a] = l->at[3 * i + a];
-      d->rgb[a] = l->radiance[3 * i + a];
-      f->at[a] = (float)d->at[a];
-      f->rgb[a] = (float)d->rgb[a];
-    }
-    d->radius = l->radius[i];
-    d->luminance = ylm__emission(d->rgb, 1, 0);
-    f->radius = (float)d->radius;
-    f->luminance = (float)d->luminance;
-  }
+/* Light i in double, and in float as its double is rounded. */
+static ylm__lamp_d lamp_of(const double *at, const double *radius, const double *radiance,
+                           size_t i) {
+  ylm__lamp_d d = {.radius = radius[i]};
+  for (size_t a = 0; a < 3; a++) d.at[a] = at[3 * i + a], d.rgb[a] = radiance[3 * i + a];
+  d.luminance = ylm__emission(d.rgb, 1, 0);
+  return d;
+}
+
+static ylm__lamp_f rounded(const ylm__lamp_d *d) {
+  ylm__lamp_f f = {.radius = (float)d->radius, .luminance = (float)d->luminance};
+  for (int a = 0; a < 3; a++) f.at[a] = (float)d->at[a], f.rgb[a] = (float)d->rgb[a];
+  return f;
 }
 
 static ylm_status evaluate(const ylm_field *f, const ylm_field_query *q, size_t n,
@@ -62,16 +56,19 @@ ylm_status ylm_lights_create(size_t n, const double *at, const double *radius,
   if (!l) return ylm_fail(e, YLM_ENOMEM, "no memory for %zu lights", n);
   l->n = n;
   for (size_t i = 0; i < n; i++) l->active += radius[i] > 0;
-  l->at = ylm_alloc_copy(at, n, 3 * sizeof(double));
-  l->radius = ylm_alloc_copy(radius, n, sizeof(double));
-  l->radiance = ylm_alloc_copy(radiance, n, 3 * sizeof(double));
+  l->all = ylm_alloc(n, sizeof *l->all);
+  l->lamp_d = l->active == n ? l->all : ylm_alloc(l->active, sizeof *l->lamp_d);
   l->lamp_f = ylm_alloc(l->active, sizeof *l->lamp_f);
-  l->lamp_d = ylm_alloc(l->active, sizeof *l->lamp_d);
-  if (!l->at || !l->radius || !l->radiance || !l->lamp_f || !l->lamp_d) {
+  if (!l->all || !l->lamp_d || !l->lamp_f) {
     ylm_lights_free(l);
     return ylm_fail(e, YLM_ENOMEM, "no memory for %zu lights", n);
   }
-  pack(l);
+  for (size_t i = 0, k = 0; i < n; i++) {
+    l->all[i] = lamp_of(at, radius, radiance, i);
+    if (radius[i] == 0) continue;
+    l->lamp_d[k] = l->all[i];
+    l->lamp_f[k++] = rounded(&l->all[i]);
+  }
   l->field = (ylm_field){.self = l, .evaluate = evaluate, .crosses = ylm__crosses};
   *lights = l;
   return YLM_OK;
@@ -79,22 +76,9 @@ ylm_status ylm_lights_create(size_t n, const double *at, const double *radius,
 
 void ylm_lights_free(ylm_lights *l) {
   if (!l) return;
-  ylm_free(l->at);
-  ylm_free(l->radius);
-  ylm_free(l->radiance);
+  if (l->lamp_d != l->all) ylm_free(l->lamp_d);
+  ylm_free(l->all);
   ylm_free(l->lamp_f);
-  ylm_free(l->lamp_d);
   ylm__tree_free(l->tree);
   ylm_free(l);
 }
-
-size_t ylm_lights_count(const ylm_lights *l) { return l->n; }
-
-void ylm_lights_arrays(const ylm_lights *l, const double **at, const double **radius,
-                       const double **radiance) {
-  if (at) *at = l->at;
-  if (radius) *radius = l->radius;
-  if (radiance) *radiance = l->radiance;
-}
-
-const ylm_field *ylm_lights_field(const ylm_lights *l) { return &l->field; }

@@ -237,7 +237,7 @@ void ylm__tree_free(ylm_light_tree *t) {
   ylm_free(t);
 }
 
-size_t ylm_lights_tree_bytes(const ylm_lights *lights) {
+size_t ylm__lights_tree_bytes(const ylm_lights *lights) {
   const ylm_light_tree *t = lights->tree;
   if (!t) return 0;
   return sizeof *t + t->groups * sizeof *t->group +

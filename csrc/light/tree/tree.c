@@ -4,7 +4,7 @@
 
 #include <math.h>
 
-struct ylm_light_cut {
+struct ylm__tree_field {
   ylm_field field;
   const ylm_lights *lights;
   double tolerance;
@@ -67,21 +67,22 @@ static ylm_status sum(ylm__tree_plan *plan, const ylm__kernel_set *set, size_t n
   return s;
 }
 
-ylm_status ylm_light_cut_evaluate(const ylm_light_cut *cut, ylm_isa isa, const ylm_field_query *q,
-                                  size_t n, const void *points, ylm_field_result *r, ylm_error *e) {
-  const ylm_lights *lights = cut->lights;
+ylm_status ylm__tree_field_evaluate(const ylm__tree_field *t, ylm_isa isa, const ylm_field_query *q,
+                                    size_t n, const void *points, ylm_field_result *r,
+                                    ylm_error *e) {
+  const ylm_lights *lights = t->lights;
   ylm_status s = ylm__lights_check(q, isa, n, points, r, e);
   if (s != YLM_OK || n == 0) return s;
   ylm__kernel_set set;
   bool kernels = ylm__kernels_of(isa, q->lmax, q->dtype, &set);
-  if (!kernels || !ylm__tree_pays(lights->tree, q->lmax, cut->tolerance))
+  if (!kernels || !ylm__tree_pays(lights->tree, q->lmax, t->tolerance))
     return ylm_lights_evaluate(lights, isa, q, n, points, r, e);
   ylm__plan sums, pilot = {0};
   ylm__tree_plan plan = {0};
   ylm_field_query scales = pilot_query(q);
   s = ylm__plan_create(&sums, lights, q, set.moments);
   if (s == YLM_OK) s = ylm__plan_create(&pilot, lights, &scales, set.moments);
-  if (s == YLM_OK) s = ylm__tree_plan_create(&plan, lights->tree, cut->tolerance, &sums, &pilot);
+  if (s == YLM_OK) s = ylm__tree_plan_create(&plan, lights->tree, t->tolerance, &sums, &pilot);
   if (s == YLM_OK) s = sum(&plan, &set, n, points, r);
   ylm__tree_plan_free(&plan);
   ylm__plan_free(&pilot);
@@ -92,30 +93,27 @@ ylm_status ylm_light_cut_evaluate(const ylm_light_cut *cut, ylm_isa isa, const y
 
 static ylm_status evaluate(const ylm_field *f, const ylm_field_query *q, size_t n,
                            const void *points, ylm_field_result *r, ylm_error *e) {
-  return ylm_light_cut_evaluate(f->self, ylm_isa_current(), q, n, points, r, e);
+  return ylm__tree_field_evaluate(f->self, ylm_isa_current(), q, n, points, r, e);
 }
 
 static ylm_status crosses(const ylm_field *f, size_t n, const double *boxes, uint8_t *out) {
-  const ylm_light_cut *cut = f->self;
-  const ylm_field *lights = &cut->lights->field;
+  const ylm__tree_field *t = f->self;
+  const ylm_field *lights = &t->lights->field;
   return lights->crosses(lights, n, boxes, out);
 }
 
-ylm_status ylm_light_cut_create(ylm_lights *lights, double tolerance, int threads,
-                                ylm_light_cut **cut, ylm_error *e) {
-  *cut = NULL;
-  if (!(tolerance >= YLM_LIGHT_TOLERANCE_LEAST && tolerance <= YLM_LIGHT_TOLERANCE_MOST))
-    return ylm_fail(e, YLM_ERANGE, "tolerance must be %g .. %g, got %g", YLM_LIGHT_TOLERANCE_LEAST,
-                    YLM_LIGHT_TOLERANCE_MOST, tolerance);
-  ylm_light_cut *c = ylm_alloc(1, sizeof *c);
+ylm_status ylm__tree_field_create(ylm_lights *lights, double tolerance, int threads,
+                                  ylm__tree_field **out, ylm_error *e) {
+  *out = NULL;
+  ylm__tree_field *c = ylm_alloc(1, sizeof *c);
   ylm_status s = lights->tree ? YLM_OK : ylm__tree_create(lights, threads, &lights->tree);
   if (!c || s != YLM_OK) ylm_free(c);
   if (!c || s != YLM_OK) return ylm_fail(e, YLM_ENOMEM, "%s", ylm_status_text(YLM_ENOMEM));
-  *c = (ylm_light_cut){{.self = c, .evaluate = evaluate, .crosses = crosses}, lights, tolerance};
-  *cut = c;
+  *c = (ylm__tree_field){{.self = c, .evaluate = evaluate, .crosses = crosses}, lights, tolerance};
+  *out = c;
   return YLM_OK;
 }
 
-void ylm_light_cut_free(ylm_light_cut *cut) { ylm_free(cut); }
+void ylm__tree_field_free(ylm__tree_field *t) { ylm_free(t); }
 
-const ylm_field *ylm_light_cut_field(const ylm_light_cut *cut) { return &cut->field; }
+const ylm_field *ylm__tree_field_get(const ylm__tree_field *t) { return &t->field; }

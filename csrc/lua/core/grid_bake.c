@@ -123,31 +123,9 @@ static ylm_status lua_field_evaluate(const ylm_field *base, const ylm_field_quer
 
 /* -- baking ---------------------------------------------------------------------------------- */
 
-/* The lights of table {spheres or false, polygons, ...} at `i`; false where there is none. Leaves a
-   userdata on the stack. */
-static bool take_parts(lua_State *L, int i, ylm_light_parts *parts) {
-  *parts = (ylm_light_parts){0};
-  if (!lua_istable(L, i)) return false;
-  size_t n = lua_rawlen(L, i);
-  lua_rawgeti(L, i, 1);
-  ylm_lights **spheres = ylmL_test(L, -1, "ylm.lights");
-  if (spheres) parts->spheres = *spheres;
-  lua_pop(L, 1);
-  const ylm_polygons **flat = lua_newuserdata(L, (n + 1) * sizeof *flat);
-  for (size_t k = 2; k <= n; k++) {
-    lua_rawgeti(L, i, (int)k);
-    flat[k - 2] = ylmL_polygons(L, -1);
-    if (!flat[k - 2]) luaL_argerror(L, i, "flat lights expected");
-    lua_pop(L, 1);
-  }
-  parts->flat = flat;
-  parts->flats = n > 1 ? n - 1 : 0;
-  return true;
-}
-
 /*
 ** grid_bake(form table, object with a light field | function, lit places, seed, threads,
-**           max_points, progress, {spheres or false, polygons, ...} where it is dynamic) -> grid
+**           max_points, progress, lights where it is dynamic) -> grid
 **
 ** Lit places: points [n][3], a list of meshes, or nil.
 */
@@ -159,8 +137,7 @@ static int grid_bake(lua_State *L) {
   lua_field own = {.base = {.self = &own, .evaluate = lua_field_evaluate}, .L = L, .index = 2};
   ylm_grid_source source = ylmL_grid_source(L, &progress);
   source.field = lua_isfunction(L, 2) ? &own.base : ylmL_field_check(L, 2);
-  ylm_light_parts parts;
-  if (take_parts(L, 8, &parts)) source.lights = &parts;
+  if (!lua_isnil(L, 8)) source.lights = ylmL_lights_check(L, 8);
   ylm_grid **g = ylmL_grid_new(L);
   ylm_error e = {0};
   ylm_status s = ylm_grid_bake(&form, &source, g, &e);
@@ -169,22 +146,19 @@ static int grid_bake(lua_State *L) {
   return ylmL_result_progress(L, 1, s, &e, &progress);
 }
 
-/* grid_update(grid, lights, {spheres or false, polygons, ...}, tolerance or -1, threads, progress,
-               everywhere) -> what it did */
+/* grid_update(grid, lights, tolerance or -1, threads, progress, everywhere) -> what it did */
 static int grid_update(lua_State *L) {
-  lua_settop(L, 7);
+  lua_settop(L, 6);
   ylm_grid *g = ylmL_grid_check(L, 1);
   if (ylmL_busy(L, 1) != YLM_OK) return ylmL_result(L, 0, YLM_EBUSY, NULL);
   ylmL_progress progress;
   ylm_error e = {0};
-  ylm_light_parts parts;
-  if (!take_parts(L, 3, &parts)) return luaL_argerror(L, 3, "lights expected");
-  ylm_grid_change change = {.lights = &parts,
+  ylm_grid_change change = {.lights = ylmL_lights_check(L, 2),
                             .field = ylmL_field_check(L, 2),
-                            .tolerance = luaL_checknumber(L, 4),
-                            .everywhere = lua_toboolean(L, 7),
-                            .threads = (int)luaL_checknumber(L, 5),
-                            .progress = ylmL_progress_begin(L, 6, &progress)};
+                            .tolerance = luaL_checknumber(L, 3),
+                            .everywhere = lua_toboolean(L, 6),
+                            .threads = (int)luaL_checknumber(L, 4),
+                            .progress = ylmL_progress_begin(L, 5, &progress)};
   ylm_status s = ylm_grid_update(g, &change, &e);
   const ylm_grid_view *v = ylm_grid_look(g);
   if (s == YLM_OK) ylmL_grid_push_update(L, &v->form, v->stats);

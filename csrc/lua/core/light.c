@@ -5,29 +5,40 @@
 
 #include "ylm_light.h"
 
-#define LIGHTS "ylm.lights"
+/* An object of another type whose light field a set adds. */
+typedef struct foreign {
+  void *object;
+  ylmL_field_of *get;
+} foreign;
 
-static ylm_lights *check_lights(lua_State *L, int i) {
-  ylm_lights **l = ylmL_check(L, i, LIGHTS);
-  if (!*l) luaL_argerror(L, i, "the lights have been closed");
-  return *l;
-}
+/* A set, which comes first: ylmL_lights_check. It keeps foreign objects in the registry. */
+typedef struct lights {
+  ylm_light_set *set; /* NULL once closed */
+  foreign *other;     /* [others] */
+  size_t others;
+  int keep;
+} lights;
 
 static const ylm_field *field_of(void *object) {
-  ylm_lights **l = object;
-  return *l ? ylm_lights_field(*l) : NULL;
+  const lights *l = object;
+  for (size_t i = 0; i < l->others; i++)
+    if (!l->other[i].get(l->other[i].object)) return NULL;
+  return l->set ? ylm_light_set_field(l->set) : NULL;
 }
 
-static int push_lights(lua_State *L, size_t n, const double *at, const double *radius,
-                       const double *rgb) {
-  ylm_error e = {0};
-  ylm_lights **l = lua_newuserdata(L, sizeof *l);
-  *l = NULL;
-  luaL_getmetatable(L, LIGHTS);
+/* Lights without a set, on the stack. */
+static lights *push_lights(lua_State *L) {
+  lights *l = lua_newuserdata(L, sizeof *l);
+  *l = (lights){.keep = LUA_NOREF};
+  luaL_getmetatable(L, YLM_LIGHTS);
   lua_setmetatable(L, -2);
-  ylm_status s = ylm_lights_create(n, at, radius, rgb, l, &e);
-  if (s == YLM_OK) ylmL_charge(L, n * 160);
-  return ylmL_result(L, 1, s, &e);
+  return l;
+}
+
+/* The lights on top of the stack, made with a status. */
+static int made(lua_State *L, const lights *l, ylm_status s, const ylm_error *e) {
+  if (s == YLM_OK) ylmL_charge(L, ylm_light_set_count(l->set) * 160);
+  return ylmL_result(L, 1, s, e);
 }
 
 /* The double array at stack index i; raises otherwise. */
@@ -37,11 +48,86 @@ static const ylmL_array *doubles(lua_State *L, int i) {
   return a;
 }
 
+/* Source i of the list at 1; foreign objects go to `l` and to the table at 2. */
+static ylm_light_source read_source(lua_State *L, int i, lights *l) {
+  ylm_light_source s = {0};
+  lua_rawgeti(L, 1, i);
+  if (lua_istable(L, -1)) {
+    lua_rawgeti(L, -1, 1);
+    lua_rawgeti(L, -2, 2);
+    const ylmL_array *a = doubles(L, lua_gettop(L));
+    s.kind = luaL_checkstring(L, -2); /* both live as long as the list */
+    s.record = a->data;
+    s.numbers = a->count;
+    lua_pop(L, 2);
+  } else if (ylmL_test(L, -1, YLM_LIGHTS))
+    s.set = ylmL_lights_check(L, lua_gettop(L));
+  else {
+    s.field = ylmL_field_check(L, lua_gettop(L));
+    l->other[l->others++] = (foreign){lua_touserdata(L, -1), ylmL_field_getter(L, -1)};
+    lua_pushvalue(L, -1);
+    lua_rawseti(L, 2, (int)l->others);
+  }
+  lua_pop(L, 1);
+  return s;
+}
+
+/* What sets keep of others that are joined. */
+static void take_foreign(lua_State *L, int i, lights *l) {
+  const lights *from;
+  lua_rawgeti(L, 1, i);
+  from = ylmL_test(L, -1, YLM_LIGHTS);
+  if (from && from->others) {
+    memcpy(l->other + l->others, from->other, from->others * sizeof *l->other);
+    l->others += from->others;
+    lua_pushvalue(L, -1);
+    lua_rawseti(L, 2, (int)lua_rawlen(L, 2) + 1);
+  }
+  lua_pop(L, 1);
+}
+
+/* How many foreign objects a set of the list at 1 may have. */
+static size_t count_foreign(lua_State *L, int n) {
+  size_t all = 0;
+  for (int i = 1; i <= n; i++) {
+    lua_rawgeti(L, 1, i);
+    const lights *from = ylmL_test(L, -1, YLM_LIGHTS);
+    all += from ? from->others : 1;
+    lua_pop(L, 1);
+  }
+  return all;
+}
+
+/* lights_create({{kind, records: double array} | lights | object with a light field ..}) -> lights
+ */
+static int lights_create(lua_State *L) {
+  ylm_error e = {0};
+  luaL_checktype(L, 1, LUA_TTABLE);
+  lua_settop(L, 1);
+  luaL_checkstack(L, 20, "lights_create");
+  int n = (int)lua_rawlen(L, 1);
+  lua_newtable(L);
+  ylm_light_source *source = lua_newuserdata(L, ((size_t)n + 1) * sizeof *source);
+  lights *l = push_lights(L);
+  l->other = ylm_alloc(count_foreign(L, n), sizeof *l->other);
+  if (!l->other) return ylmL_result(L, 0, YLM_ENOMEM, NULL);
+  for (int i = 0; i < n; i++) {
+    source[i] = read_source(L, i + 1, l);
+    take_foreign(L, i + 1, l);
+  }
+  if (l->others) {
+    lua_pushvalue(L, 2);
+    l->keep = luaL_ref(L, LUA_REGISTRYINDEX);
+  }
+  return made(L, l, ylm_light_set_create((size_t)n, source, &l->set, &e), &e);
+}
+
 /*
-** lights_create(at [n][3], radius [n] or [1], radiance [n][3], or [3] for all, [n] or [1] of grey)
+** lights_spheres(at [n][3], radius [n] or [1], radiance [n][3], or [3] for all, [n] or [1] of grey)
 ** -> lights. Arrays are double.
 */
-static int lights_create(lua_State *L) {
+static int lights_spheres(lua_State *L) {
+  ylm_error e = {0};
   const ylmL_array *at = doubles(L, 1), *r = doubles(L, 2), *c = doubles(L, 3);
   size_t n = at->count / 3;
   bool rows = c->axes == 2;
@@ -57,66 +143,111 @@ static int lights_create(lua_State *L) {
     for (size_t a = 0; a < 3; a++)
       rgb[3 * i + a] = colours[rows ? 3 * i + a : c->count == 3 ? a : c->count == 1 ? 0 : i];
   }
-  return push_lights(L, n, at->data, radius, rgb);
+  lights *l = push_lights(L);
+  return made(L, l, ylm_light_set_spheres(n, at->data, radius, rgb, &l->set, &e), &e);
+}
+
+/* lights_textured(texels float [h][w][3], {corner, u, v: 9 numbers}, scale, tolerance, largest,
+                   exact, horizon {x, y, z} | nil) -> lights, number of parts */
+static int lights_textured(lua_State *L) {
+  ylm_error e = {0};
+  double horizon[3];
+  size_t parts;
+  lua_settop(L, 7);
+  ylm_light_texture t = ylmL_light_texture(L);
+  bool exact = lua_toboolean(L, 6), cut = lua_istable(L, 7);
+  for (int a = 0; cut && a < 3; a++) {
+    lua_rawgeti(L, 7, a + 1);
+    horizon[a] = (double)luaL_checknumber(L, -1);
+    lua_pop(L, 1);
+  }
+  lights *l = push_lights(L);
+  ylm_status s = ylm_light_set_textured(&t, exact, cut ? horizon : NULL, &l->set, &parts, &e);
+  if (s != YLM_OK) return ylmL_result(L, 0, s, &e);
+  ylmL_charge(L, parts * 300 + t.width * t.height * 12);
+  ylmL_push_count(L, parts);
+  return 2;
 }
 
 static int lights_close(lua_State *L) {
-  ylm_lights **l = ylmL_check(L, 1, LIGHTS);
+  lights *l = ylmL_check(L, 1, YLM_LIGHTS);
   if (ylmL_busy(L, 1) != YLM_OK) return ylmL_result(L, 0, YLM_EBUSY, NULL);
-  ylm_lights_free(*l);
-  *l = NULL;
+  ylm_light_set_free(l->set);
+  ylm_free(l->other);
+  luaL_unref(L, LUA_REGISTRYINDEX, l->keep);
+  *l = (lights){.keep = LUA_NOREF};
   return 0;
 }
 
-/* lights_count(lights) -> number, or nil once closed */
+/* lights_count(lights) -> number, or nil once closed; of these spheres; whether all can be followed
+ */
 static int lights_count(lua_State *L) {
-  ylm_lights **l = ylmL_check(L, 1, LIGHTS);
-  if (!*l) return 0;
-  ylmL_push_count(L, ylm_lights_count(*l));
-  return 1;
-}
-
-/* lights_arrays(lights) -> copies of at [n][3], radius [n], radiance [n][3] */
-static int lights_arrays(lua_State *L) {
-  const ylm_lights *l = check_lights(L, 1);
-  const double *from[3];
-  ylm_lights_arrays(l, &from[0], &from[1], &from[2]);
-  size_t shape[2] = {ylm_lights_count(l), 3};
-  for (int i = 0; i < 3; i++) {
-    ylmL_array *a = ylmL_array_new(L, YLM_DOUBLE, i == 1 ? 1 : 2, shape);
-    if (!a) return ylmL_result(L, 0, YLM_ENOMEM, NULL);
-    memcpy(a->data, from[i], a->count * sizeof(double));
-  }
+  const lights *l = ylmL_check(L, 1, YLM_LIGHTS);
+  if (!l->set) return 0;
+  ylmL_push_count(L, ylm_light_set_count(l->set));
+  ylmL_push_count(L, ylm_light_set_sphere_count(l->set));
+  lua_pushboolean(L, ylm_light_set_is_listable(l->set));
   return 3;
 }
 
-/* lights_join(list of lights) -> all of them as one, in that order */
-static int lights_join(lua_State *L) {
-  luaL_checktype(L, 1, LUA_TTABLE);
-  int parts = (int)lua_rawlen(L, 1);
-  size_t n = 0, k = 0;
-  for (int i = 1; i <= parts; i++) {
-    lua_rawgeti(L, 1, i);
-    n += ylm_lights_count(check_lights(L, -1));
-    lua_pop(L, 1);
+/* Rows of `from` as a double array, of all their numbers or of `width` from `first` on. */
+static bool push_rows(lua_State *L, const double *from, size_t n, size_t all, size_t first,
+                      size_t width) {
+  ylmL_array *a = ylmL_array_new(L, YLM_DOUBLE, width > 1 ? 2 : 1, (size_t[]){n, width});
+  for (size_t i = 0; a && i < n; i++)
+    memcpy((double *)a->data + i * width, from + i * all + first, width * sizeof *from);
+  return a != NULL;
+}
+
+/* Emissions of triangles, then of disks: [..][6]. */
+static bool push_emission(lua_State *L, const ylm_light_surfaces *s) {
+  size_t nt = 6 * s->triangles, nd = 6 * s->disks;
+  ylmL_array *a = ylmL_array_new(L, YLM_DOUBLE, 2, (size_t[]){s->triangles + s->disks, 6});
+  if (a) ylm_copy(a->data, s->triangle_emission, nt * sizeof(double));
+  if (a) ylm_copy((double *)a->data + nt, s->disk_emission, nd * sizeof(double));
+  return a != NULL;
+}
+
+/* Images as { texels float [h][w][3], {corner, u, v}, scale, triangles }. */
+static bool push_images(lua_State *L, const ylm_light_surfaces *s) {
+  lua_createtable(L, (int)s->images, 0);
+  for (size_t i = 0; i < s->images; i++) {
+    const ylm_light_image *k = &s->image[i];
+    lua_createtable(L, 4, 0);
+    ylmL_array *a = ylmL_array_new(L, YLM_FLOAT, 3, (size_t[]){k->height, k->width, 3});
+    if (!a) return false;
+    memcpy(a->data, k->texel, a->count * sizeof(float));
+    lua_rawseti(L, -2, 1);
+    lua_createtable(L, 9, 0);
+    for (int j = 0; j < 9; j++) {
+      lua_pushnumber(L, (j < 3 ? k->corner : j < 6 ? k->u : k->v)[j % 3]);
+      lua_rawseti(L, -2, j + 1);
+    }
+    lua_rawseti(L, -2, 2);
+    lua_pushnumber(L, k->scale);
+    lua_rawseti(L, -2, 3);
+    ylmL_push_count(L, k->triangles);
+    lua_rawseti(L, -2, 4);
+    lua_rawseti(L, -2, (int)i + 1);
   }
-  size_t shape[2] = {n, 7};
-  ylmL_array *all = ylmL_array_new(L, YLM_DOUBLE, 2, shape); /* collected whatever happens */
-  if (!all) return ylmL_result(L, 0, YLM_ENOMEM, NULL);
-  double *at = all->data, *radius = at + 3 * n, *rgb = at + 4 * n;
-  for (int i = 1; i <= parts; i++) {
-    const double *from[3];
-    lua_rawgeti(L, 1, i);
-    const ylm_lights *l = check_lights(L, -1);
-    size_t m = ylm_lights_count(l);
-    ylm_lights_arrays(l, &from[0], &from[1], &from[2]);
-    memcpy(at + 3 * k, from[0], 3 * m * sizeof(double));
-    memcpy(radius + k, from[1], m * sizeof(double));
-    memcpy(rgb + 3 * k, from[2], 3 * m * sizeof(double));
-    k += m;
-    lua_pop(L, 1);
-  }
-  return push_lights(L, n, at, radius, rgb);
+  return true;
+}
+
+/* lights_surfaces(lights, tiles a side of an image) -> spheres: at [n][3], radius [n], radiance
+   [n][3]; flat ones: triangles [t][9], disks [d][7], radiance and horizon of both [t+d][6], images:
+   see push_images, whose triangles are the last */
+static int lights_surfaces(lua_State *L) {
+  ylm_light_set *set = ylmL_lights_check(L, 1);
+  ylm_light_surfaces s;
+  ylm_status status = ylm_light_set_surfaces(set, (size_t)luaL_checknumber(L, 2), &s);
+  luaL_checkstack(L, 20, "lights_surfaces");
+  bool ok = status == YLM_OK && push_rows(L, s.sphere, s.spheres, 7, 0, 3) &&
+            push_rows(L, s.sphere, s.spheres, 7, 3, 1) &&
+            push_rows(L, s.sphere, s.spheres, 7, 4, 3) &&
+            push_rows(L, s.triangle, s.triangles, 9, 0, 9) &&
+            push_rows(L, s.disk, s.disks, 7, 0, 7) && push_emission(L, &s) && push_images(L, &s);
+  ylm_light_surfaces_free(&s);
+  return ok ? 7 : ylmL_result(L, 0, YLM_ENOMEM, NULL);
 }
 
 /* has_field(value) -> true for an object with a light field */
@@ -155,11 +286,10 @@ static ylm_isa check_isa(lua_State *L, int i) {
 static ylm_status call_field(lua_State *L, const ylm_field *f, const ylm_field_query *q, size_t n,
                              const void *points, ylm_field_result *r, ylm_error *e) {
   if (lua_isnil(L, ISA)) return f->evaluate(f, q, n, points, r, e);
-  ylm_polygons *p = ylmL_polygons(L, OBJECT);
-  if (p) return ylm_polygons_evaluate(p, check_isa(L, ISA), q, n, points, r, e);
   if (ylmL_test(L, OBJECT, "ylm.light_cut"))
     return ylm_light_cut_evaluate(f->self, check_isa(L, ISA), q, n, points, r, e);
-  return ylm_lights_evaluate(check_lights(L, OBJECT), check_isa(L, ISA), q, n, points, r, e);
+  return ylm_light_set_evaluate(ylmL_lights_check(L, OBJECT), check_isa(L, ISA), q, n, points, r,
+                                e);
 }
 
 /*
@@ -234,10 +364,11 @@ static int field_crosses(lua_State *L) {
 }
 
 static const luaL_Reg functions[] = {{"lights_create", lights_create},
-                                     {"lights_join", lights_join},
+                                     {"lights_spheres", lights_spheres},
+                                     {"lights_textured", lights_textured},
                                      {"lights_close", lights_close},
                                      {"lights_count", lights_count},
-                                     {"lights_arrays", lights_arrays},
+                                     {"lights_surfaces", lights_surfaces},
                                      {"has_field", has_field},
                                      {"field_evaluate", field_evaluate},
                                      {"field_crosses", field_crosses},
@@ -246,7 +377,7 @@ static const luaL_Reg functions[] = {{"lights_create", lights_create},
 static const luaL_Reg methods[] = {{"__gc", lights_close}, {NULL, NULL}};
 
 void ylmL_open_light(lua_State *L) {
-  ylmL_type(L, LIGHTS, methods);
+  ylmL_type(L, YLM_LIGHTS, methods);
   ylmL_type_has_field(L, field_of);
   lua_pop(L, 1);
   luaL_setfuncs(L, functions, 0);

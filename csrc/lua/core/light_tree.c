@@ -3,13 +3,12 @@
 
 #include "ylm_light.h"
 
-#define LIGHTS "ylm.lights"
 #define CUT "ylm.light_cut"
 
 /* A cut keeps its lights in the registry, and looks whether they are still open. */
 typedef struct cut {
   ylm_light_cut *cut;
-  ylm_lights **of;
+  ylm_light_set **of;
   int lights;
 } cut;
 
@@ -29,27 +28,27 @@ static int cut_gc(lua_State *L) {
 
 /* light_cut(lights, tolerance, threads) -> an object with a light field */
 static int light_cut(lua_State *L) {
-  ylm_lights **l = ylmL_check(L, 1, LIGHTS);
+  ylm_light_set **l = ylmL_check(L, 1, YLM_LIGHTS);
   double tolerance = luaL_checknumber(L, 2);
   int threads = (int)luaL_checknumber(L, 3);
   ylm_error e = {YLM_OK, ""};
-  if (!*l) luaL_argerror(L, 1, "the lights have been closed");
+  ylmL_lights_check(L, 1);
   cut *c = lua_newuserdata(L, sizeof *c);
   *c = (cut){NULL, l, LUA_NOREF};
   luaL_getmetatable(L, CUT);
   lua_setmetatable(L, -2);
   lua_pushvalue(L, 1);
   c->lights = luaL_ref(L, LUA_REGISTRYINDEX);
-  size_t before = ylm_lights_tree_bytes(*l);
+  size_t before = ylm_light_set_tree_bytes(*l);
   ylm_status s = ylm_light_cut_create(*l, tolerance, threads, &c->cut, &e);
-  if (s == YLM_OK) ylmL_charge(L, ylm_lights_tree_bytes(*l) - before);
+  if (s == YLM_OK) ylmL_charge(L, ylm_light_set_tree_bytes(*l) - before);
   return ylmL_result(L, 1, s, &e);
 }
 
 /* lights_tree_bytes(lights) -> number */
 static int lights_tree_bytes(lua_State *L) {
-  ylm_lights **l = ylmL_check(L, 1, LIGHTS);
-  ylmL_push_count(L, *l ? ylm_lights_tree_bytes(*l) : 0);
+  ylm_light_set **l = ylmL_check(L, 1, YLM_LIGHTS);
+  ylmL_push_count(L, *l ? ylm_light_set_tree_bytes(*l) : 0);
   return 1;
 }
 

@@ -9,75 +9,37 @@
 /* The lights on the device, and those that they were made from. */
 typedef struct device_lights {
   ylm_gpu_lights *on;   /* NULL once closed */
-  ylm_lights **from;    /* in the userdata that `keep` holds in the registry; its NULL: closed */
-  ylm_polygons ***flat; /* [n], the same; `from` is NULL where there are no spheres */
-  size_t n;
-  int keep[2], method;
+  ylm_light_set **from; /* in the userdata that `keep` holds in the registry; its NULL: closed */
+  int keep, method;
 } device_lights;
-
-static bool flat_open(const device_lights *d) {
-  for (size_t i = 0; i < d->n; i++)
-    if (!*d->flat[i]) return false;
-  return true;
-}
 
 static const ylm_field *field_of(void *object) {
   const device_lights *d = object;
-  bool open = (!d->from || *d->from) && flat_open(d);
-  return d->on && open ? ylm_gpu_lights_field(d->on) : NULL;
+  return d->on && *d->from ? ylm_gpu_lights_field(d->on) : NULL;
 }
 
-/* Puts them onto the device. */
-static ylm_status put(device_lights *d, ylm_gpu *g, ylm_error *e) {
-  const ylm_polygons **flat = ylm_alloc(d->n, sizeof *flat);
-  if (!flat) return YLM_ENOMEM;
-  for (size_t i = 0; i < d->n; i++) flat[i] = *d->flat[i];
-  ylm_status s = ylm_gpu_lights_create(g, d->from ? *d->from : NULL, d->n, flat,
-                                       (ylm_gpu_method)d->method, &d->on, e);
-  ylm_free((void *)flat);
-  return s;
-}
-
-/* gpu_lights_create(gpu, lights | nil, {polygons ..}, method number) -> lights on the device */
+/* gpu_lights_create(gpu, lights, method number) -> lights on the device */
 static int create(lua_State *L) {
   ylm_error e = {YLM_OK, ""};
-  lua_settop(L, 4);
+  lua_settop(L, 3);
   ylm_gpu *g = ylmL_gpu_check(L, 1);
-  ylm_lights **from = lua_isnil(L, 2) ? NULL : ylmL_check(L, 2, "ylm.lights");
-  luaL_checktype(L, 3, LUA_TTABLE);
-  int method = (int)luaL_checknumber(L, 4);
-  size_t n = (size_t)lua_rawlen(L, 3);
+  const ylm_light_set *set = ylmL_lights_check(L, 2);
+  int method = (int)luaL_checknumber(L, 3);
   device_lights *d = lua_newuserdata(L, sizeof *d);
-  *d = (device_lights){NULL, from, NULL, 0, {LUA_NOREF, LUA_NOREF}, method};
+  *d = (device_lights){NULL, lua_touserdata(L, 2), LUA_NOREF, method};
   luaL_getmetatable(L, GPU_LIGHTS);
   lua_setmetatable(L, -2);
-  d->flat = ylm_alloc(n, sizeof *d->flat);
-  if (!d->flat) return ylmL_result(L, 1, YLM_ENOMEM, NULL);
-  for (; d->n < n; d->n++) {
-    lua_rawgeti(L, 3, (int)d->n + 1);
-    d->flat[d->n] = ylmL_check(L, -1, "ylm.polygons");
-    lua_pop(L, 1);
-  }
-  if ((from && !*from) || !flat_open(d)) luaL_argerror(L, 2, "the lights have been closed");
-  for (int i = 0; i < 2; i++) {
-    lua_pushvalue(L, 2 + i);
-    d->keep[i] = luaL_ref(L, LUA_REGISTRYINDEX);
-  }
-  return ylmL_result(L, 1, put(d, g, &e), &e);
+  lua_pushvalue(L, 2);
+  d->keep = luaL_ref(L, LUA_REGISTRYINDEX);
+  return ylmL_result(L, 1, ylm_gpu_lights_create(g, set, (ylm_gpu_method)method, &d->on, &e), &e);
 }
 
 static int release(lua_State *L) {
   device_lights *d = ylmL_check(L, 1, GPU_LIGHTS);
   ylm_gpu_lights_free(d->on);
   d->on = NULL;
-  for (int i = 0; i < 2; i++) {
-    luaL_unref(L, LUA_REGISTRYINDEX, d->keep[i]);
-    d->keep[i] = LUA_NOREF;
-  }
-  ylm_free((void *)d->flat);
-  d->from = NULL;
-  d->flat = NULL;
-  d->n = 0;
+  luaL_unref(L, LUA_REGISTRYINDEX, d->keep);
+  d->keep = LUA_NOREF;
   return 0;
 }
 
@@ -91,9 +53,7 @@ static int close_lights(lua_State *L) {
 static int info(lua_State *L) {
   const device_lights *d = ylmL_check(L, 1, GPU_LIGHTS);
   if (!field_of((void *)(uintptr_t)d)) return 0;
-  size_t n = d->from ? ylm_lights_count(*d->from) : 0;
-  for (size_t i = 0; i < d->n; i++) n += ylm_polygons_count(*d->flat[i]);
-  ylmL_push_count(L, n);
+  ylmL_push_count(L, ylm_light_set_count(*d->from));
   lua_pushnumber(L, d->method);
   return 2;
 }

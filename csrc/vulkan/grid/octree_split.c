@@ -10,23 +10,17 @@
 
 /* Centres and radii of the spheres that emit (flat 0), or of those that stand for flat lights. */
 static ylm_status upload_spheres(octree *t, int flat) {
-  const double *at = NULL, *radius = NULL, *unused;
-  size_t n = 0;
   if (t->sphere[flat]) return YLM_OK;
-  if (!flat && t->l->lights) {
-    ylm_lights_arrays(t->l->lights, &at, &radius, NULL);
-    n = ylm_lights_count(t->l->lights);
-  }
-  if (flat && t->l->polygons &&
-      ylm_polygons_spheres(t->l->polygons, &at, &radius, &unused, &unused))
-    n = ylm_polygons_count(t->l->polygons);
-  double(*sphere)[4] = ylm_alloc(n, sizeof *sphere);
+  const ylm_light_part *p = flat ? &t->l->cosines : &t->l->spheres;
+  double(*sphere)[4] = ylm_alloc(p->lamps, sizeof *sphere);
   if (!sphere) return ylm_fail(t->e, YLM_ENOMEM, "%s", ylm_status_text(YLM_ENOMEM));
   uint32_t kept = 0;
-  for (size_t i = 0; i < n; i++) {
-    if (radius[i] == 0) continue;
-    memcpy(sphere[kept], at + 3 * i, 3 * sizeof *at);
-    sphere[kept++][3] = radius[i];
+  for (size_t i = 0; i < p->lamps; i++) {
+    ylm_light_lamp lamp;
+    p->lamp(p->of, i, &lamp);
+    if (lamp.radius == 0) continue;
+    memcpy(sphere[kept], lamp.at, sizeof lamp.at);
+    sphere[kept++][3] = lamp.radius;
   }
   double start = ylm_seconds();
   ylm_status s = ylm_gpu_buffer_from(t->g, kept * sizeof *sphere, sphere, &t->sphere[flat], t->e);

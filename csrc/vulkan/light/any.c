@@ -75,7 +75,7 @@ ylm_status ylm__sum_any_cut(const ylm_gpu_lights *l, sum_plan *p, sum_set *set, 
   if (!set->channels) return YLM_OK;
   ylm_status s = add_constants(l, p, e);
   if (s == YLM_OK) s = add_pass(l, p->lmax, set->kinds, 0, 1, set, e);
-  if (!l->polygons) return s;
+  if (!l->cosines.kind) return s;
   if (s == YLM_OK && set->kinds > 1) s = add_pass(l, p->lmax, set->kinds & 4 ? 3 : 1, 1, 3, set, e);
   if (s == YLM_OK && set->kinds & 4) s = add_pass(l, p->lmax, 1, 4, 6, set, e);
   return s;

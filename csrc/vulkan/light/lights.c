@@ -9,52 +9,32 @@
 
 /* -- lamps ------------------------------------------------------------------------------ */
 
-/* Lights as arrays: spheres, or the spheres that approximate flat lights, with normals. */
-typedef struct lamp_arrays {
-  size_t n;
-  const double *at, *radius, *rgb, *normal;
-} lamp_arrays;
-
-static lamp_arrays spheres_of(const ylm_gpu_lights *l) {
-  lamp_arrays a = {0};
-  if (!l->lights) return a;
-  a.n = ylm_lights_count(l->lights);
-  ylm_lights_arrays(l->lights, &a.at, &a.radius, &a.rgb);
-  return a;
-}
-
-static lamp_arrays flat_of(const ylm_gpu_lights *l) {
-  lamp_arrays a = {0};
-  if (l->polygons && ylm_polygons_spheres(l->polygons, &a.at, &a.radius, &a.normal, &a.rgb))
-    a.n = ylm_polygons_count(l->polygons);
-  return a;
-}
-
 /* Rows of four numbers of a light: see shaders/lamps.glsl. */
-static size_t lamp_rows(const ylm_gpu_lights *l) { return l->polygons ? 4 : 3; }
+static size_t lamp_rows(const ylm_gpu_lights *l) { return l->cosines.kind ? 4 : 3; }
 
-/* Light i of a. */
-static void lamp(const lamp_arrays *a, size_t i, ylm_dtype t, double x[16]) {
-  const double *rgb = a->rgb + 3 * i;
-  double r = t == YLM_FLOAT ? (double)(float)a->radius[i] : a->radius[i];
+static void pack_lamp(const ylm_light_lamp *l, bool cosine, ylm_dtype t, double x[16]) {
+  const double *rgb = l->radiance;
+  double r = t == YLM_FLOAT ? (double)(float)l->radius : l->radius;
   /* in float r^2 is exact in double; there the rest is by fma */
   double square = r * r, high = t == YLM_FLOAT ? (double)(float)square : square;
   double low = t == YLM_FLOAT ? square - high : fma(r, r, -square);
   double lum = YLM_LUMINANCE_R * rgb[0] + YLM_LUMINANCE_G * rgb[1] + YLM_LUMINANCE_B * rgb[2];
-  double plain = a->normal ? 0 : 1;
+  double plain = cosine ? 0 : 1;
   double rest[9] = {high, low, r, plain, lum, rgb[0], rgb[1], rgb[2], 0};
-  memcpy(x, a->at + 3 * i, 3 * sizeof *x);
+  memcpy(x, l->at, 3 * sizeof *x);
   memcpy(x + 3, rest, sizeof rest);
-  for (size_t k = 0; k < 3; k++) x[12 + k] = a->normal ? a->normal[3 * i + k] : 0;
+  memcpy(x + 12, l->normal, sizeof l->normal);
   x[15] = 0;
 }
 
 /* Packs lights that emit, from number `next` on; returns the number after the last. */
-static size_t pack(const lamp_arrays *a, ylm_dtype t, size_t wide, void *to, size_t next) {
-  for (size_t i = 0; i < a->n; i++) {
+static size_t pack(const ylm_light_part *p, ylm_dtype t, size_t wide, void *to, size_t next) {
+  for (size_t i = 0; i < p->lamps; i++) {
+    ylm_light_lamp lamp;
     double x[16];
-    if (a->radius[i] == 0) continue;
-    lamp(a, i, t, x);
+    p->lamp(p->of, i, &lamp);
+    if (lamp.radius == 0) continue;
+    pack_lamp(&lamp, p->cosine, t, x);
     for (size_t k = 0; k < wide; k++, next++)
       if (t == YLM_DOUBLE)
         ((double *)to)[next] = x[k];
@@ -68,10 +48,9 @@ static size_t pack(const lamp_arrays *a, ylm_dtype t, size_t wide, void *to, siz
 static ylm_status upload(ylm_gpu_lights *l, ylm_dtype t, ylm_error *e) {
   if (l->lamps[t]) return YLM_OK;
   size_t wide = 4 * lamp_rows(l), bytes = (size_t)l->active * wide * ylm_dtype_size(t);
-  lamp_arrays spheres = spheres_of(l), flat = flat_of(l);
   void *packed = ylm_alloc(bytes, 1);
   if (!packed) return ylm_fail(e, YLM_ENOMEM, "%s", ylm_status_text(YLM_ENOMEM));
-  pack(&flat, t, wide, packed, pack(&spheres, t, wide, packed, 0));
+  pack(&l->cosines, t, wide, packed, pack(&l->spheres, t, wide, packed, 0));
   ylm_status s = ylm_gpu_buffer_from(l->gpu, bytes, packed, &l->lamps[t], e);
   ylm_free(packed);
   return s;
@@ -217,26 +196,10 @@ static ylm_status evaluate(const ylm_field *f, const ylm_field_query *q, size_t 
   return s;
 }
 
-/* Adds what a field's surfaces cross. */
-static ylm_status crosses_too(const ylm_field *f, size_t n, const double *boxes, uint8_t *more,
-                              uint8_t *out) {
-  ylm_status s = f->crosses(f, n, boxes, more);
-  for (size_t i = 0; s == YLM_OK && i < n; i++) out[i] |= more[i];
-  return s;
-}
-
 static ylm_status crosses(const ylm_field *f, size_t n, const double *boxes, uint8_t *out) {
   const ylm_gpu_lights *l = f->self;
-  uint8_t *more = ylm_alloc(n, 1);
-  ylm_status s = more ? YLM_OK : YLM_ENOMEM;
-  memset(out, 0, n);
-  if (s == YLM_OK && l->lights) s = crosses_too(ylm_lights_field(l->lights), n, boxes, more, out);
-  if (s == YLM_OK && l->polygons)
-    s = crosses_too(ylm_polygons_field(l->polygons), n, boxes, more, out);
-  for (size_t k = 0; s == YLM_OK && k < l->rims.objects; k++)
-    s = crosses_too(ylm_polygons_field(l->rims.of[k]), n, boxes, more, out);
-  ylm_free(more);
-  return s;
+  const ylm_field *here = ylm_light_set_field(l->set);
+  return here->crosses(here, n, boxes, out);
 }
 
 /* -- the object ------------------------------------------------------------------------------ */
@@ -251,43 +214,56 @@ static uint32_t chunk_of(const ylm_gpu *g, uint32_t active) {
   return chunk < 16 ? 16 : chunk > 1024 ? 1024 : chunk;
 }
 
-/* Lights of `a` that emit. */
-static size_t emitting(const lamp_arrays *a) {
+/* Lights of a part that emit. */
+static size_t emitting(const ylm_light_part *p) {
+  ylm_light_lamp lamp;
   size_t n = 0;
-  for (size_t i = 0; i < a->n; i++) n += a->radius[i] > 0;
+  for (size_t i = 0; i < p->lamps; i++) {
+    p->lamp(p->of, i, &lamp);
+    n += lamp.radius > 0;
+  }
   return n;
 }
 
-/* Which of the flat lights are exact, which approximated. */
-static ylm_status take_flat(ylm_gpu_lights *l, size_t n, const ylm_polygons *const *flat,
-                            ylm_error *e) {
-  ylm_polygon_arrays unused;
-  l->rims.of = ylm_alloc(n, sizeof *l->rims.of);
-  if (!l->rims.of) return ylm_fail(e, YLM_ENOMEM, "%s", ylm_status_text(YLM_ENOMEM));
-  for (size_t i = 0; i < n; i++)
-    if (ylm_polygons_exact(flat[i], &unused))
-      l->rims.of[l->rims.objects++] = flat[i];
-    else if (!l->polygons)
-      l->polygons = flat[i];
-    else
-      return ylm_fail(e, YLM_EINVAL,
-                      "a device takes one set of lights with method = 'sphere': join the two");
+/* Takes one part of the lights. */
+static ylm_status take(ylm_gpu_lights *l, const ylm_light_part *p, ylm_error *e) {
+  if (!p->lamp && !p->rims.sides)
+    return ylm_fail(e, YLM_EINVAL, "a device sums no lights of kind '%s'", p->kind);
+  if (p->rims.sides)
+    l->rims.of[l->rims.objects++] = p->rims;
+  else if (!p->cosine)
+    l->spheres = *p;
+  else if (!l->cosines.kind)
+    l->cosines = *p;
+  else
+    return ylm_fail(e, YLM_EINVAL, "a device takes one set of lights with method = 'sphere'; join the two");
   return YLM_OK;
 }
 
-ylm_status ylm_gpu_lights_create(ylm_gpu *g, const ylm_lights *lights, size_t n,
-                                 const ylm_polygons *const *flat, ylm_gpu_method method,
+static ylm_status take_parts(ylm_gpu_lights *l, ylm_error *e) {
+  ylm_light_part part;
+  size_t n = 0;
+  while (ylm_light_set_part(l->set, n, &part)) n++;
+  l->rims.of = ylm_alloc(n, sizeof *l->rims.of);
+  ylm_status s = YLM_OK;
+  if (!l->rims.of) return ylm_fail(e, YLM_ENOMEM, "%s", ylm_status_text(YLM_ENOMEM));
+  for (size_t i = 0; i < n && s == YLM_OK; i++) {
+    ylm_light_set_part(l->set, i, &part);
+    s = take(l, &part, e);
+  }
+  return s;
+}
+
+ylm_status ylm_gpu_lights_create(ylm_gpu *g, const ylm_light_set *set, ylm_gpu_method method,
                                  ylm_gpu_lights **out, ylm_error *e) {
   *out = NULL;
-  if (!lights && !n) return ylm_fail(e, YLM_EINVAL, "no lights");
   ylm_gpu_lights *l = ylm_alloc_zero(1, sizeof *l);
   if (!l) return ylm_fail(e, YLM_ENOMEM, "%s", ylm_status_text(YLM_ENOMEM));
   l->gpu = ylm_gpu_share(g);
-  l->lights = lights;
+  l->set = set;
   l->method = method;
-  ylm_status s = take_flat(l, n, flat, e);
-  lamp_arrays spheres = spheres_of(l), approximated = flat_of(l);
-  size_t active = emitting(&spheres) + emitting(&approximated);
+  ylm_status s = take_parts(l, e);
+  size_t active = emitting(&l->spheres) + emitting(&l->cosines);
   if (s == YLM_OK && active > 1u << 28) s = ylm_fail(e, YLM_ELIMIT, "more than 2^28 lights");
   l->active = (uint32_t)active;
   l->chunk = chunk_of(g, l->active);

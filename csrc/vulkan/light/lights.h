@@ -79,7 +79,7 @@ enum {
 /* Exact flat lights, in double. */
 typedef struct rim_set {
   size_t objects;
-  const ylm_polygons **of;      /* [objects] */
+  ylm_light_rims *of;           /* [objects] */
   uint32_t lights, arcs, chunk; /* arcs of lights, and arcs of a chunk */
   bool cut;                     /* some lights have horizons */
   ylm_gpu_buffer *row, *arc, *rule;
@@ -88,8 +88,9 @@ typedef struct rim_set {
 struct ylm_gpu_lights {
   ylm_field field;
   ylm_gpu *gpu;
-  const ylm_lights *lights;     /* NULL: none */
-  const ylm_polygons *polygons; /* approximated by spheres times a cosine; NULL: none */
+  const ylm_light_set *set;
+  ylm_light_part spheres; /* kind NULL: none */
+  ylm_light_part cosines; /* flat lights approximated by spheres times a cosine; kind NULL: none */
   rim_set rims;
   ylm_gpu_method method;
   uint32_t active, chunk;   /* spheres that emit; those whose sum is begun at zero */
@@ -103,7 +104,9 @@ struct ylm_gpu_lights {
 /* -- any.c ---------------------------------------------------------------------- */
 
 /* Whether there are lights beside exact flat ones. */
-static inline bool ylm__sum_base(const ylm_gpu_lights *l) { return l->lights || l->polygons; }
+static inline bool ylm__sum_base(const ylm_gpu_lights *l) {
+  return l->spheres.kind || l->cosines.kind;
+}
 /* Whether a set is summed by moments_any.real.comp. */
 static inline bool ylm__sum_any(ylm_gpu_method method, int lmax) {
   return method == YLM_GPU_MERGED && lmax > YLM__UNROLLED;

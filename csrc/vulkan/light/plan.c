@@ -43,7 +43,7 @@ static ylm_status base_maps(const ylm_gpu_lights *l, const sum_plan *p, int need
   int derivatives = derivatives_of(set->kinds);
   return !ylm__sum_base(l)             ? YLM_OK
          : l->method != YLM_GPU_MERGED ? ylm_light_product_maps_create(p->lmax, derivatives, maps)
-         : l->polygons                 ? ylm_light_flat_maps_create(p->lmax, derivatives, maps)
+         : l->cosines.kind                 ? ylm_light_flat_maps_create(p->lmax, derivatives, maps)
                        : ylm_light_maps_create(p->lmax, need, (int)set->kinds, maps);
 }
 
@@ -137,7 +137,7 @@ static ylm_status cut_base(const ylm_gpu_lights *l, sum_plan *p, sum_set *set, y
   struct sum_pass pass = {0};
   if (!ylm__sum_base(l)) return YLM_OK;
   if (ylm__sum_any(l->method, lmax)) return ylm__sum_any_cut(l, p, set, e);
-  if (l->method != YLM_GPU_MERGED || !l->polygons || set->kinds < 2) {
+  if (l->method != YLM_GPU_MERGED || !l->cosines.kind || set->kinds < 2) {
     cut(l->method, lmax, set->kinds, 0, 0, pass, set);
     return YLM_OK;
   }
@@ -160,7 +160,7 @@ static ylm_status cut_set(const ylm_gpu_lights *l, sum_plan *p, sum_set *set, yl
 
 /* The product rule, and flat lights, sum all that lower derivatives need too. */
 static uint32_t expand(const ylm_gpu_lights *l, int kinds) {
-  if (l->method == YLM_GPU_MERGED && !l->polygons) return (uint32_t)kinds;
+  if (l->method == YLM_GPU_MERGED && !l->cosines.kind) return (uint32_t)kinds;
   return kinds & 4 ? 7 : kinds & 2 ? 3 : kinds & 1;
 }
 

@@ -17,7 +17,7 @@ static ylm_status no_memory(ylm_error *e) {
 static size_t rows_of(int sides) { return sides ? (size_t)sides : 3; }
 
 /* Edges, and what runs along a horizon; a rim is one. */
-static size_t arcs_of(const ylm_polygon_arrays *a, size_t i) {
+static size_t arcs_of(const ylm_light_rims *a, size_t i) {
   return (a->sides[i] ? (size_t)a->sides[i] : 1) + (a->horizon ? 1 : 0);
 }
 
@@ -33,7 +33,7 @@ static void put(double to[4], const double *v, double last) {
 }
 
 /* Light i of a: see shaders/rims_seen.glsl. */
-static void pack(packed *p, const ylm_polygon_arrays *a, size_t i) {
+static void pack(packed *p, const ylm_light_rims *a, size_t i) {
   const double *v = a->vertices + 3 * a->first[i], *rgb = a->radiance + 3 * i;
   double(*row)[4] = p->row + p->rows;
   size_t vertices = rows_of(a->sides[i]);
@@ -56,9 +56,8 @@ static ylm_status upload(ylm_gpu_lights *l, size_t rows, size_t arcs, ylm_error 
   double *rules = ylm_alloc(numbers, sizeof *rules);
   ylm_status s = p.row && p.arc && rules ? YLM_OK : no_memory(e);
   for (size_t k = 0; s == YLM_OK && k < r->objects; k++) {
-    ylm_polygon_arrays a;
-    ylm_polygons_exact(r->of[k], &a);
-    for (size_t i = 0; i < a.n; i++) pack(&p, &a, i);
+    const ylm_light_rims *a = &r->of[k];
+    for (size_t i = 0; i < a->n; i++) pack(&p, a, i);
   }
   if (rules) ylm_light_rim_rules(rules);
   if (s == YLM_OK) s = ylm_gpu_buffer_from(l->gpu, rows * sizeof *p.row, p.row, &r->row, e);
@@ -84,13 +83,12 @@ ylm_status ylm__rims_create(ylm_gpu_lights *l, ylm_error *e) {
                     "them with method = \"sphere\", or leave out the device",
                     ylm_gpu_about(l->gpu)->name);
   for (size_t k = 0; k < r->objects; k++) {
-    ylm_polygon_arrays a;
-    ylm_polygons_exact(r->of[k], &a);
-    r->cut |= a.horizon != NULL;
-    r->lights += (uint32_t)a.n;
-    for (size_t i = 0; i < a.n; i++) {
-      rows += ROWS + rows_of(a.sides[i]);
-      arcs += arcs_of(&a, i);
+    const ylm_light_rims *a = &r->of[k];
+    r->cut |= a->horizon != NULL;
+    r->lights += (uint32_t)a->n;
+    for (size_t i = 0; i < a->n; i++) {
+      rows += ROWS + rows_of(a->sides[i]);
+      arcs += arcs_of(a, i);
     }
   }
   if (rows > 1u << 28) return ylm_fail(e, YLM_ELIMIT, "more than 2^28 vertices of flat lights");
@@ -105,7 +103,7 @@ void ylm__rims_free(rim_set *r) {
   ylm_gpu_buffer_free(r->row);
   ylm_gpu_buffer_free(r->arc);
   ylm_gpu_buffer_free(r->rule);
-  ylm_free((void *)r->of);
+  ylm_free(r->of);
 }
 
 /* -- passes ---------------------------------------------------------------------------------- */

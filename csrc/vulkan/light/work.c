@@ -89,7 +89,7 @@ static const char *pass_kernel(const step_list *s, const sum_set *set, const str
                   merged ? set->kinds : derivatives,
                   pass->m_first,
                   pass->m_last,
-                  l->polygons != NULL,
+                  l->cosines.kind != NULL,
                   pass->block,
                   s->p->grow};
   if (pass->items) c[2] = pass->kinds;
@@ -100,7 +100,7 @@ static const char *pass_kernel(const step_list *s, const sum_set *set, const str
          : pass->items ? "moments_any"
          : !merged     ? "product"
          : pass->bend  ? "flat_bend"
-         : l->polygons ? "flat"
+         : l->cosines.kind ? "flat"
                        : "moments";
 }
 

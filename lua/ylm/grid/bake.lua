@@ -256,7 +256,7 @@ function methods.update(g, lights, given)
   if not core.grid_form(g).dynamic then
     return check.fail("update: this grid does not follow lights: make it with dynamic = true (a loaded grid never does)")
   end
-  local report, message, code = check.result("update", core.grid_update(g, object, followed, o.tolerance or -1,
+  local report, message, code = check.result("update", core.grid_update(g, object, o.tolerance or -1,
     o.threads or 0, progress.of(o.progress)))
   if report == nil then return nil, message, code end
   baked_from[g] = object

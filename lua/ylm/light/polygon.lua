@@ -3,6 +3,7 @@
 local check = require "ylm.check"
 local core = require "ylm.c.core"
 local form = require "ylm.form"
+local pack = require "ylm.light.pack"
 local vector = require "ylm.vector"
 
 local polygon = {}
@@ -30,93 +31,20 @@ end
 local method_field = { "method", "choice", of = { "exact", "sphere" }, default = "exact",
   about = "exact: integrals along the edges; sphere: a sphere of the same area times |cos gamma|" }
 
---- The packed object of polygons { vertices, radiance }, all of one method and horizon.
-local function pack(name, list, method, horizon, fail)
-  local sides, vertices, radiance = {}, {}, {}
-  for i, p in ipairs(list) do
-    sides[i] = p.vertices and #p.vertices or 0
-    for _, v in ipairs(p.vertices or p.axes) do vertices[#vertices + 1] = v end
-    radiance[i] = p.radiance
-  end
-  local v, c = assert(core.array_zeros({ #vertices, 3 }, "double")), assert(core.array_zeros({ #list, 3 }, "double"))
-  core.array_fill(v, vertices)
-  core.array_fill(c, radiance)
-  local h
-  if horizon then
-    h = assert(core.array_zeros({ 3 }, "double"))
-    core.array_fill(h, horizon)
-  end
-  local object, message, code = core.polygons_create(sides, v, c, method == "exact", h)
-  if object then return object end
-  if core.status(code) == "caller" then return fail((message:gsub("^polygon 1", "it"))) end
-  return check.result(name, nil, message, code)
-end
-
---- Appends to `out` one object for all flat lights of the same method and horizon; message, code on failure.
-function polygon.join(name, lights, out)
-  local groups, order = {}, {}
-  for _, l in ipairs(lights) do
-    local h = l.horizon
-    local key = h and ("%s %.17g %.17g %.17g"):format(l.method, h[1], h[2], h[3]) or l.method
-    if not groups[key] then
-      groups[key] = {}
-      order[#order + 1] = groups[key]
+--- How polygons and disks become records of csrc/light/flat/kind.c.
+local as_light = {
+  kind = function(l) return l.method == "exact" and "polygon" or "polygon_as_sphere" end,
+  record = function(l, out)
+    local h = l.horizon or { 0, 0, 0 }
+    for _, three in ipairs { l.radiance, h } do
+      for i = 1, 3 do out[#out + 1] = three[i] end
     end
-    table.insert(groups[key], l)
-  end
-  for _, group in ipairs(order) do
-    if #group == 1 then
-      out[#out + 1] = group[1].field
-    else
-      local object, message, code = pack(name, group, group[1].method, group[1].horizon, check.fail)
-      if not object then return message, code end
-      out[#out + 1] = object
+    out[#out + 1] = l.vertices and #l.vertices or 0
+    for _, v in ipairs(l.vertices or l.axes) do
+      for i = 1, 3 do out[#out + 1] = v[i] end
     end
-  end
-end
-
-local function emission(c, horizon)
-  local h = horizon or { 0, 0, 0 }
-  return { c[1], c[2], c[3], h[1], h[2], h[3] }
-end
-
---- The surfaces of flat lights that rays see: triangles [t][9], disks [d][7], radiances and horizons (0: none) [t+d][6],
--- double arrays. The last triangles are those of textures, at most `tiles` a side; of textures there is a list too:
--- { texels, {corner, u, v}, scale, triangles }.
-function polygon.patches(lights, tiles)
-  local triangles, disks, radiances, textured, later = {}, {}, {}, {}, {}
-  for _, l in ipairs(lights) do
-    if form.kind(l) == "textured_light" then textured[#textured + 1] = l end
-  end
-  for _, l in ipairs(lights) do
-    local v = l.vertices
-    for i = 2, v and #v - 1 or 0 do
-      local t = {}
-      for _, p in ipairs { v[1], v[i], v[i + 1] } do for k = 1, 3 do t[#t + 1] = p[k] end end
-      triangles[#triangles + 1] = t
-      radiances[#radiances + 1] = emission(l.radiance, l.horizon)
-    end
-    if form.kind(l) == "disk_light" then
-      local n = vector.unit(l.normal)
-      disks[#disks + 1] = { l.at[1], l.at[2], l.at[3], l.radius, n[1], n[2], n[3] }
-      later[#later + 1] = emission(l.radiance, l.horizon)
-    end
-  end
-  for i, l in ipairs(textured) do
-    local corners, means = require("ylm.light.textured").tiles(l, tiles)
-    for k, t in ipairs(corners) do
-      triangles[#triangles + 1], radiances[#radiances + 1] = t, emission(means[k], l.horizon)
-    end
-    textured[i] = { l.texels, l.frame, l.scale, #corners }
-  end
-  for _, c in ipairs(later) do radiances[#radiances + 1] = c end
-  local function pack_rows(rows, width)
-    local a = assert(core.array_zeros({ #rows, width }, "double"))
-    if #rows > 0 then core.array_fill(a, rows) end
-    return a
-  end
-  return pack_rows(triangles, 9), pack_rows(disks, 7), pack_rows(radiances, 6), textured
-end
+  end,
+}
 
 polygon.polygon_light = form.define("polygon_light", {
   numbers = 256,
@@ -136,9 +64,10 @@ polygon.polygon_light = form.define("polygon_light", {
       return fail(("vertices must be three or more points {x, y, z}, got %s"):format(check.describe(values.vertices)))
     end
     values.vertices = vertices
-    values.field = pack("polygon_light", { values }, values.method, values.horizon, fail)
+    values.lights = pack.one("polygon_light", values, fail)
     return setmetatable(values, form.defined.polygon_light.metatable)
   end,
+  light = as_light,
   example = "polygon_light { vertices = { {-1, 2, -1}, {1, 2, -1}, {0, 2, 1} }, radiance = {10, 8, 6} }",
 })
 
@@ -168,9 +97,10 @@ polygon.disk_light = form.define("disk_light", {
     local u, v = polygon.frame(values.normal)
     local r = values.radius
     values.axes = { values.at, { r * u[1], r * u[2], r * u[3] }, { r * v[1], r * v[2], r * v[3] } }
-    values.field = pack("disk_light", { values }, values.method, values.horizon, fail)
+    values.lights = pack.one("disk_light", values, fail)
     return setmetatable(values, form.defined.disk_light.metatable)
   end,
+  light = as_light,
   example = "disk_light { at = {0, 2, 0}, normal = {0, -1, 0}, radius = 0.3, radiance = 20 }",
 })
 

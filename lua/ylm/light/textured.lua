@@ -70,30 +70,6 @@ local function frame_of(values, fail)
   return nine
 end
 
---- The light's parts as quadrilaterals, exact or as spheres times |cos gamma|: an object with a light field; nil,
--- message, code.
-local function parts_of(t)
-  local vertices, radiance, code = check.result("textured_light", core.texture_quads(t.texels, t.frame, t.scale,
-    t.tolerance, t.largest))
-  if not vertices then return nil, radiance, code end
-  local sides, horizon = {}, nil
-  for i = 1, #radiance do sides[i] = 4 end
-  t.count = #sides
-  if t.horizon then
-    local message
-    horizon, message, code = core.array_zeros({ 3 }, "double")
-    if not horizon then return nil, message, code end
-    core.array_fill(horizon, t.horizon)
-  end
-  return core.polygons_create(sides, vertices, radiance, t.method == "exact", horizon)
-end
-
---- Triangles and mean absolute radiances that cover the light, `across` tiles a side at most: see csrc/light/texture.c.
-function textured.tiles(t, across)
-  local triangles, radiances = assert(core.texture_tiles(t.texels, t.frame, t.scale, 0, 1, across))
-  return core.array_totable(triangles), core.array_totable(radiances)
-end
-
 textured.textured_light = form.define("textured_light", {
   numbers = 256,
   about = "A parallelogram with an image, which it emits to both sides. Spherical harmonics sum its parts, groups of "
@@ -130,13 +106,16 @@ textured.textured_light = form.define("textured_light", {
       largest = values.largest, method = values.method, horizon = values.horizon, frame = frame }
     t.texels, message, code = core.texture_texels(layer)
     if not t.texels then return nil, message, code end
-    t.field, message, code = parts_of(t)
-    if not t.field then
+    t.lights, message, code = core.lights_textured(t.texels, frame, t.scale, t.tolerance, t.largest, t.method == "exact",
+      t.horizon)
+    if not t.lights then
       if core.status(code) == "caller" then return fail((message:gsub("^polygon (%d+)", "part %1"))) end
-      return nil, message, code
+      return check.result("textured_light", nil, message, code)
     end
+    t.count = message
     return setmetatable(t, form.defined.textured_light.metatable)
   end,
+  light = {},
   metatable = { __tostring = function(t)
     return ("textured_light of %dx%d texels in %d parts"):format(t.texels.shape[2], t.texels.shape[1], t.count)
   end },

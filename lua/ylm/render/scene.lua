@@ -39,10 +39,8 @@ local function ingredients(s)
   add("lights")
   for _, l in ipairs(s.lights) do
     add(l)
-    if form.kind(l) == "sphere_light" then
-      add(l.radius)
-      for c = 1, 3 do add(l.at[c]); add(l.radiance[c]) end
-    end
+    local as_light = type(l) == "table" and form.defined[form.kind(l)].light
+    if as_light and as_light.record then as_light.record(l, parts) end
   end
   return parts
 end

@@ -32,13 +32,10 @@ local bound = binding.bound
 
 local NO_OTHERS = "a device sums sphere, polygon, disk and textured lights; no others"
 
---- The parts of a packed object, argument `n` of `name`: sphere lights or nil, and a list of sets of flat lights.
-local function parts_of(n, name, packed)
-  local spheres, others = light.parts(packed)
-  for _, other in ipairs(others) do
-    if not core.polygons_method(other) then return check.bad(n, name, NO_OTHERS) end
-  end
-  return { spheres = spheres, flat = others }
+--- A packed object, argument `n` of `name`, if it is a set of lights.
+local function lights_of(n, name, packed)
+  if light.followed(packed) then return packed end
+  return check.bad(n, name, NO_OTHERS)
 end
 
 --- Lights on a device -> the gpu.
@@ -47,12 +44,12 @@ local gpu_of = setmetatable({}, { __mode = "k" })
 --- The gpu of lights that are on one.
 function vulkan_light.gpu_of(lights) return gpu_of[lights] end
 
---- Parts -> the object on the device.
-local function create(name, gpu, parts, method)
+--- Lights -> the object on the device.
+local function create(name, gpu, packed, method)
   local c, message, code = binding.use(name, gpu)
   if not c then return nil, message, code end
   local lights
-  lights, message, code = check.result(name, c.gpu_lights_create(gpu, parts.spheres, parts.flat, METHODS[method]))
+  lights, message, code = check.result(name, c.gpu_lights_create(gpu, packed, METHODS[method]))
   if not lights then return nil, message, code end
   gpu_of[lights] = gpu
   return lights
@@ -89,7 +86,7 @@ function vulkan_light.lights(gpu, lights, given)
   end
   local o = form.options(2, "lights", lights_options, given)
   local packed = light.pack(1, "lights", lights)
-  return create("lights", gpu, parts_of(1, "lights", packed), o.method)
+  return create("lights", gpu, lights_of(1, "lights", packed), o.method)
 end
 
 --- What has a light field, for a function `name` with the option `method` (argument `n`): the object on the gpu, and whether
@@ -100,7 +97,7 @@ function vulkan_light.on(gpu, n, name, object, method)
     if method and method ~= object.method then return check.bad(n, name, "method: gpu:lights has chosen it") end
     return object
   end
-  local lights, message, code = create(name, gpu, parts_of(2, name, object), method or "merged")
+  local lights, message, code = create(name, gpu, lights_of(2, name, object), method or "merged")
   if not lights then return nil, message, code end
   return lights, true
 end

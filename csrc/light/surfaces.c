@@ -1,0 +1,109 @@
+/* surfaces.c - what rays see of a set of lights. */
+#include <string.h>
+
+#include "set.h"
+
+/* A row of `width` numbers behind n others, which fill a room for a power of two of them. */
+static double *append(double **rows, size_t n, size_t width) {
+  if (n == 0 || !(n & (n - 1))) {
+    double *more =
+        ylm_realloc(*rows, n * width * sizeof **rows, n ? 2 * n : 1, width * sizeof **rows);
+    if (!more) return NULL;
+    *rows = more;
+  }
+  return *rows + n * width;
+}
+
+static void put(double *to, const double *from) { memcpy(to, from, 3 * sizeof *to); }
+
+static void put_emission(double *to, const double *radiance, const double *horizon) {
+  put(to, radiance);
+  put(to + 3, horizon);
+}
+
+ylm_status ylm__surfaces_sphere(ylm_light_surfaces *s, const double at[3], double radius,
+                                const double radiance[3]) {
+  double *to = append(&s->sphere, s->spheres, 7);
+  if (!to) return YLM_ENOMEM;
+  put(to, at);
+  to[3] = radius;
+  put(to + 4, radiance);
+  s->spheres++;
+  return YLM_OK;
+}
+
+ylm_status ylm__surfaces_triangle(ylm_light_surfaces *s, const double *a, const double *b,
+                                  const double *c, const double radiance[3],
+                                  const double *horizon) {
+  double *to = append(&s->triangle, s->triangles, 9);
+  double *light = to ? append(&s->triangle_emission, s->triangles, 6) : NULL;
+  if (!light) return YLM_ENOMEM;
+  put(to, a), put(to + 3, b), put(to + 6, c);
+  put_emission(light, radiance, horizon);
+  s->triangles++;
+  return YLM_OK;
+}
+
+ylm_status ylm__surfaces_disk(ylm_light_surfaces *s, const double at[3], double radius,
+                              const double normal[3], const double radiance[3],
+                              const double *horizon) {
+  double *to = append(&s->disk, s->disks, 7);
+  double *light = to ? append(&s->disk_emission, s->disks, 6) : NULL;
+  if (!light) return YLM_ENOMEM;
+  put(to, at);
+  to[3] = radius;
+  put(to + 4, normal);
+  put_emission(light, radiance, horizon);
+  s->disks++;
+  return YLM_OK;
+}
+
+ylm_status ylm__surfaces_image(ylm_light_surfaces *s, const ylm_light_image *image) {
+  ylm_light_image *more =
+      ylm_realloc(s->image, s->images * sizeof *more, s->images + 1, sizeof *more);
+  if (!more) return YLM_ENOMEM;
+  s->image = more;
+  s->image[s->images++] = *image;
+  return YLM_OK;
+}
+
+/* -- a set ------------------------------------------------------------------------------------ */
+
+static bool has_places(const ylm_light_set *set, size_t pack) {
+  for (size_t i = 0; i < set->places; i++)
+    if (set->place[i].pack == pack) return true;
+  return false;
+}
+
+/* The lights of a pack, those that are seen as images or others. */
+static ylm_status add_pack(const ylm__light_pack *p, bool images, ylm_light_surfaces *out) {
+  ylm_status s = YLM_OK;
+  if (!p->kind->surfaces || p->kind->images != images) return s;
+  for (size_t i = 0; i < (images ? 1 : p->n) && s == YLM_OK; i++)
+    s = p->kind->surfaces(p->of, i, out);
+  return s;
+}
+
+/* Flat lights in the order in which records were given; then packs that came from other sets; the
+   triangles of images are the last. */
+ylm_status ylm_light_set_surfaces(const ylm_light_set *set, size_t tiles, ylm_light_surfaces *out) {
+  ylm_status s = YLM_OK;
+  *out = (ylm_light_surfaces){.tiles = tiles};
+  for (size_t i = 0; i < set->places && s == YLM_OK; i++) {
+    const ylm__light_pack *p = set->pack[set->place[i].pack];
+    if (p->kind->surfaces) s = p->kind->surfaces(p->of, set->place[i].i, out);
+  }
+  for (size_t k = 0; k < set->packs && s == YLM_OK; k++)
+    if (!has_places(set, k)) s = add_pack(set->pack[k], false, out);
+  for (size_t k = 0; k < set->packs && s == YLM_OK; k++) s = add_pack(set->pack[k], true, out);
+  return s;
+}
+
+void ylm_light_surfaces_free(ylm_light_surfaces *s) {
+  ylm_free(s->sphere);
+  ylm_free(s->triangle);
+  ylm_free(s->disk);
+  ylm_free(s->triangle_emission);
+  ylm_free(s->disk_emission);
+  ylm_free(s->image);
+}

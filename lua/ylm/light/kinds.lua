@@ -1,0 +1,11 @@
+--- The kinds of lights: module, then its constructors. A kind is a row here, a form there, a row and a file in csrc/light.
+--
+-- A form says in `light` how its values become records of csrc/light/kind.h: kind (a name, or a function(values)) and
+-- record(values, out), which appends the numbers of one record to `out`. A form without a record makes a set of lights by
+-- itself: values.lights.
+
+return {
+  { "ylm.light.sphere", "sphere_light", "sphere_lights" },
+  { "ylm.light.polygon", "polygon_light", "disk_light" },
+  { "ylm.light.textured", "textured_light" },
+}

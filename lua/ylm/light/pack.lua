@@ -1,0 +1,133 @@
+--- Lights of any kinds as one object, "ylm.lights", and what it is asked.
+
+local check = require "ylm.check"
+local core = require "ylm.c.core"
+local devices = require "ylm.device"
+local form = require "ylm.form"
+
+local pack = {}
+
+--- Numbers as a double array.
+local function doubles(list)
+  local a = assert(core.array_zeros({ #list }, "double"))
+  core.array_fill(a, list)
+  return a
+end
+
+--- The kind of the records of a light that a form has built.
+local function kind_of(light, value)
+  return type(light.kind) == "function" and light.kind(value) or light.kind
+end
+
+--- The lights object of one value of the form `name`, so that what is wrong with it is said where it is made; fail(message)
+-- raises. Or nil, message, code.
+function pack.one(name, values, fail)
+  local light, record = form.defined[name].light, {}
+  light.record(values, record)
+  local lights, message, code = core.lights_create { { kind_of(light, values), doubles(record) } }
+  if lights then return lights end
+  if core.status(code) == "caller" then return fail((message:gsub("^%a+ 1", "it"))) end
+  return check.result(name, nil, message, code)
+end
+
+--- Ends a run of records, which becomes a source of lights_create.
+local function flush(sources, run)
+  if #run == 0 then return end
+  sources[#sources + 1] = { run.kind, doubles(run) }
+  for i = #run, 1, -1 do run[i] = nil end
+end
+
+--- Appends what `value` is made of to the sources: records of one kind that follow one another are one of them.
+local function gather(n, name, value, sources, run, depth)
+  local kind = form.kind(value)
+  local light = type(value) == "table" and kind and form.defined[kind].light
+  if light and light.record then
+    local records = kind_of(light, value)
+    if run.kind ~= records then flush(sources, run) end
+    run.kind = records
+    light.record(value, run)
+  elseif light then
+    flush(sources, run)
+    sources[#sources + 1] = value.lights
+  elseif kind == "ylm.lights" then
+    if not core.lights_count(value) then return check.bad(n, name, "the lights have been closed") end
+    flush(sources, run)
+    sources[#sources + 1] = value
+  elseif core.has_field(value) and kind ~= "ylm.grid" then
+    flush(sources, run)
+    sources[#sources + 1] = value
+  elseif type(value) == "table" and kind == nil and depth < 32 then
+    for i = 1, #value do gather(n, name, value[i], sources, run, depth + 1) end
+  elseif type(value) == "table" and kind == nil then
+    return check.bad(n, name, "lists of lights nest more than 32 deep; does a list hold itself?")
+  else
+    return check.bad(n, name, "a light or a list of lights expected, got %s",
+      kind and not core.type(value) and ("a " .. kind) or check.describe(value))
+  end
+end
+
+--- Argument `n` of `name` as one object with a light field, "ylm.lights": a light, a list of them (nested fine), or a packed
+-- object. An empty list is darkness. What has a light field of its own comes back alone as it is.
+function pack.pack(n, name, lights)
+  local sources, run = {}, {}
+  gather(n, name, lights, sources, run, 0)
+  flush(sources, run)
+  if #sources == 1 and type(sources[1]) == "userdata" then return sources[1] end
+  return check.result(name, core.lights_create(sources))
+end
+
+--- What rays see: of spheres centres [n][3], radii [n], radiances [n][3]; of flat lights corners of triangles [t][9], disks
+-- [d][7] (centre, radius, normal), radiances and horizons [t+d][6], all double arrays, and a list of images: { texels,
+-- { corner, u, v }, scale, triangles }, whose triangles are the last, `tiles` a side at most.
+local function surfaces(packed, tiles)
+  if core.type(packed) ~= "ylm.lights" then packed = core.lights_create {} end
+  return core.lights_surfaces(packed, tiles)
+end
+
+--- Centres [n][3], radii [n] and radiances [n][3] of the spheres in what pack.pack returned, as new double arrays.
+function pack.arrays(packed)
+  local at, radius, radiance = check.result("lights", surfaces(packed, 1))
+  return at, radius, radiance
+end
+
+--- Triangles, disks, their radiances and horizons, and images of the flat lights in what pack.pack returned; images are
+-- covered by `tiles` (8) times as many tiles. Nothing where there are none.
+function pack.patches(packed, tiles)
+  local triangles, disks, radiances, images = select(4, check.result("lights", surfaces(packed, tiles or 8)))
+  if #triangles + #disks > 0 then return triangles, disks, radiances, images end
+end
+
+--- pack.arrays of the option `lamps` of the function `name`: of spheres, since flat lights are surfaces of a scene.
+function pack.lamps(name, lamps)
+  local packed = pack.pack(1, name, lamps)
+  local n, spheres = 0, 0
+  if core.type(packed) == "ylm.lights" then n, spheres = core.lights_count(packed) end
+  if n ~= spheres then
+    return check.bad(1, name, "lamps: sphere lights expected; flat lights are drawn with the scene that they are prepared in")
+  end
+  return pack.arrays(packed)
+end
+
+--- Argument `n` of `name` as an open object with a light field: such an object itself, or lights packed.
+function pack.field(n, name, value)
+  local fault = check.grid_fault(value)
+  if fault then return check.bad(n, name, fault) end
+  if not devices.of(value):is_open(value) then
+    return check.bad(n, name, "the lights have been closed")
+  end
+  if core.has_field(value) and core.type(value) ~= "ylm.lights" then return value end
+  return pack.pack(n, name, value)
+end
+
+--- What pack.field returned, if all of it are lights that a dynamic grid can follow; else nil.
+function pack.followed(object)
+  if core.type(object) ~= "ylm.lights" then return nil end
+  return select(3, core.lights_count(object)) and object or nil
+end
+
+--- What a light field is that is none of lights alone, in words.
+function pack.other(object)
+  return type(object) == "function" and "a function" or "another light field"
+end
+
+return pack

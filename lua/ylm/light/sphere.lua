@@ -1,0 +1,94 @@
+--- Spheres that emit: ylm.sphere_light, ylm.sphere_lights.
+
+local check = require "ylm.check"
+local core = require "ylm.c.core"
+local form = require "ylm.form"
+
+local sphere = {}
+
+local EXTENT = 1e15
+
+sphere.sphere_light = form.define("sphere_light", {
+  about = "A sphere that emits the same radiance everywhere and in every direction.",
+  fields = {
+    { "at", "point", unit = "scene units", about = "centre" },
+    { "radius", "number", min = 0, max = EXTENT, default = 0.1, unit = "scene units",
+      about = "a radius of 0 emits nothing" },
+    { "radiance", "colour", default = 1, unit = "W sr^-1 m^-2",
+      about = "number or {r, g, b}, linear Rec. 709; may be negative" },
+  },
+  build = function(values, fail)
+    for i = 1, 3 do
+      if math.abs(values.at[i]) > EXTENT then return fail("at is too far out (the limit is 1e15)") end
+    end
+    return setmetatable(values, form.defined.sphere_light.metatable)
+  end,
+  light = {
+    kind = "sphere",
+    record = function(l, out)
+      local n, c, at = #out, l.radiance, l.at
+      out[n + 1], out[n + 2], out[n + 3], out[n + 4], out[n + 5], out[n + 6], out[n + 7] =
+        c[1], c[2], c[3], at[1], at[2], at[3], l.radius
+    end,
+  },
+  example = "sphere_light { at = {0, 2, 0}, radius = 0.1, radiance = {10, 8, 6} }",
+})
+
+-- Fields of lights as arrays ------------------------------------------------------------
+
+--- A field's value as a double array, and its shape, once that fits(shape); `wanted` says which do, for the message.
+local function numbers(name, value, wanted, fits, fail)
+  if check.is_number(value) then value = { value } end
+  local shape, dtype, is_open, _
+  if core.type(value) == "ylm.array" then
+    shape, dtype, _, is_open = core.array_info(value)
+    if not is_open then return fail(name .. ": the array has been closed") end
+  elseif type(value) == "table" then
+    shape = { #value, type(value[1]) == "table" and #value[1] or nil }
+  end
+  if not shape or not fits(shape) then
+    local got = shape and "an array of " .. table.concat(shape, "x")
+    return fail(("%s must be %s, got %s"):format(name, wanted, got or check.describe(value)))
+  end
+  if dtype then return dtype == "double" and value or core.array_convert(value, "double"), shape end
+  form.take_numbers(shape, fail)
+  local a = core.array_zeros(shape, "double")
+  local ok, where = core.array_fill(a, value)
+  if not ok then return fail(("%s must be %s; element %d does not fit"):format(name, wanted, where)) end
+  return a, shape
+end
+
+local function build_lights(values, fail)
+  local at, shape = numbers("at", values.at, "[n][3] numbers", function(s)
+    return #s == 1 and s[1] == 0 or #s == 2 and s[2] == 3
+  end, fail)
+  local n = shape[1]
+  form.take_numbers({ 4, n }, fail) -- besides `at`, whatever radius and radiance are
+  local function one_each(s) return #s == 1 and (s[1] == 1 or s[1] == n) end
+  local radius = numbers("radius", values.radius, ("a number or one for each of the %d lights"):format(n), one_each, fail)
+  local radiance = numbers("radiance", values.radiance,
+    ("a number, {r, g, b}, or one for each of the %d lights"):format(n), function(s)
+      return one_each(s) or #s == 1 and s[1] == 3 or #s == 2 and s[1] == n and s[2] == 3
+    end, fail)
+  local packed, message, code = core.lights_spheres(at, radius, radiance)
+  if not packed then
+    if core.status(code) == "caller" then return fail(message) end
+    return nil, message, code
+  end
+  return setmetatable({ lights = packed, count = n }, form.defined.sphere_lights.metatable)
+end
+
+sphere.sphere_lights = form.define("sphere_lights", {
+  about = "Many sphere lights as one object, from arrays: fast to make and to use.",
+  fields = {
+    { "at", "any", unit = "scene units", about = "centres: an array or table [n][3]; empty: darkness" },
+    { "radius", "any", default = 0.1, unit = "scene units", about = "[n] numbers, or one for all; 0 emits nothing" },
+    { "radiance", "any", default = 1, unit = "W sr^-1 m^-2",
+      about = "[n][3] linear Rec. 709 or [n], or a number or {r, g, b} for all; may be negative" },
+  },
+  build = build_lights,
+  light = {},
+  example = "sphere_lights { at = { {0, 2, 0}, {1, 2, 0} }, radius = { 0.1, 0.2 }, radiance = 10 }",
+})
+
+return sphere
