@@ -107,88 +107,99 @@ static void NAME(prepare)(int lmax, int kinds, int n, const void *lamps, int bri
 #undef X
 }
 
-/*
-** Adds the products of one light for degrees k0 .. k1-1 of the column (m, side), side 0 the real
-** and 1 the imaginary part, to the sums at a: one for each kind, or with `rgb` three, weighted with
-** the emission e. A column that ends early is resumed from `state`.
-*/
-YLM_INLINE void NAME(segment)(const int lmax, const int kinds, const bool rgb, const int m,
-                              const int side, const int k0, const int k1, const V *g, const V *w,
-                              const V *e, V *state, V *a) {
-  const int K = ylm__degree_of(lmax, kinds);
-  V z = g[0], low = g[ylm__below_pole(lmax)], q, before = {0};
-  if (k0 > m)
-    q = state[0], before = state[1];
-  else
-    q = m == 0 ? NAME(set)(1) : g[2 * m - 1 + side];
-  UNROLL
-  for (int k = k0; k < k1; k++) {
-    UNROLL
-    for (int kind = 0; kind < 3; kind++)
-      if (ylm__has(lmax, kinds, kind, k)) {
-        V weight = w[ylm__weight_at(lmax, kind, k)];
-        if (!rgb) {
-          *a = k == 0 ? *a + weight : *a + q * weight;
-          a++;
-          continue;
-        }
-        V term = k == 0 ? weight : q * weight;
-        for (int c = 0; c < 3; c++) *a += e[c] * term, a++;
-      }
-    if (k == K) break;
-    if (m < FINE(lmax)) {
-      before *= SLOW(k, m);
-      TOGETHER(before, q);
-      before -= low * q;
-      q = KEEP(k, m) * q + before;
-      continue;
-    }
-    V next = k == 0 ? z : k == m ? z * q : NAME(rise)(BETA(k, m), z, q, before);
-    before = q, q = next;
-  }
-  if (k1 <= K) state[0] = q, state[1] = before;
-}
-
 #ifndef ANY_LMAX
 
-/* A pass over a tile: sums first .. first+count-1 of all channels are in a, channel by channel in
-   memory and together in a. */
+/*
+** What plans are made of; all is written out, since the compiler takes far longer to unroll loops.
+** A pass over a tile keeps `count` sums of each channel in a, from `first` on: channel by channel
+** in memory, together in a. COLUMN begins the column (m, side), side 0 the real and 1 the imaginary
+** part, and RESUME goes on with what CUT left in `state`. ADD_s adds the products of degree k for
+** the kinds of s to the sums from i on; UP takes the polynomial q from degree k to k+1.
+*/
 #define PASS(first, count)                                                                         \
   {                                                                                                \
-    V *total = sums + (first), a[CHANNELS * (count)];                                              \
-    UNROLL                                                                                         \
-    for (int i = 0; i < CHANNELS * (count); i++)                                                   \
-      a[i] = total[i % CHANNELS * stride + i / CHANNELS];                                          \
+    V *total = sums + (first), a[CHANNELS * (count)], q, before;                                   \
+    EACH_##count(TAKE);                                                                            \
     for (int j = 0; j < n; j++) {                                                                  \
-      const V *g = geometry + j * ylm__geometry_slots(LMAX);                                       \
-      const V *w = weights + j * ylm__weight_slots(LMAX);                                          \
-      const V *e = emission + 3 * j;                                                               \
+      const V *g = geometry + j * GEOMETRY_SLOTS, z = g[0], low = g[GEOMETRY_SLOTS - 1];           \
+      const V *w = weights + j * WEIGHT_SLOTS, *e = emission + 3 * j;                              \
       V *saved = state + 2 * j;                                                                    \
-      (void)saved, (void)e;
-#define SEGMENT(m, side, k0, k1, offset)                                                           \
-  NAME(segment)                                                                                    \
-  (LMAX, KINDS, CHANNELS == 3, m, side, k0, k1, g, w, e, saved, a + CHANNELS * (offset));
+      (void)saved, (void)e, (void)z, (void)low;
+#define COLUMN(m, side) q = (m) == 0 ? (V){0} + 1 : g[2 * (m)-1 + (side)], before = (V){0};
+#define RESUME q = saved[0], before = saved[1];
+#define CUT saved[0] = q, saved[1] = before;
+#define UP(k, m)                                                                                   \
+  if ((m) < FINE(LMAX)) {                                                                          \
+    before *= SLOW(k, m);                                                                          \
+    TOGETHER(before, q);                                                                           \
+    before -= low * q;                                                                             \
+    q = KEEP(k, m) * q + before;                                                                   \
+  } else {                                                                                         \
+    V next = (k) == 0 ? z : (k) == (m) ? z * q : NAME(rise)(BETA(k, m), z, q, before);             \
+    before = q, q = next;                                                                          \
+  }
+#define ADD_1(i, k) ADD(i, w[k])
+#define ADD_2(i, k) ADD(i, w[LMAX + 1 + (k)])
+#define ADD_3(i, k) ADD_1(i, k) ADD_2(i + 1, k)
+#define ADD_4(i, k) ADD(i, w[2 * LMAX + 3 + (k)])
+#define ADD_5(i, k) ADD_1(i, k) ADD_4(i + 1, k)
+#define ADD_6(i, k) ADD_2(i, k) ADD_4(i + 1, k)
+#define ADD_7(i, k) ADD_1(i, k) ADD_2(i + 1, k) ADD_4(i + 2, k)
 #define END(count)                                                                                 \
+  (void)before;                                                                                    \
   }                                                                                                \
-  UNROLL                                                                                           \
-  for (int i = 0; i < CHANNELS * (count); i++) total[i % CHANNELS * stride + i / CHANNELS] = a[i]; \
+  EACH_##count(GIVE);                                                                              \
   }
 
+#define CHANNELS 1
+#define TAKE(i) a[i] = total[i];
+#define GIVE(i) total[i] = a[i];
+#define ADD(i, weight) a[i] += q * weight;
 #define SUM(set)                                                                                   \
   static void NAME(sum_##set)(int n, const V *geometry, const V *weights, V *state, V *sums) {     \
-    enum { KINDS = set, CHANNELS = 1, stride = 0 };                                                \
     const V *emission = NULL;                                                                      \
     PLAN_##set                                                                                     \
-  }                                                                                                \
+  }
+YLM__KIND_SETS(SUM)
+#undef CHANNELS
+#undef TAKE
+#undef GIVE
+#undef ADD
+#undef SUM
+
+#define CHANNELS 3
+#define TAKE(i)                                                                                    \
+  a[3 * i] = total[i], a[3 * i + 1] = total[stride + i], a[3 * i + 2] = total[2 * stride + i];
+#define GIVE(i)                                                                                    \
+  total[i] = a[3 * i], total[stride + i] = a[3 * i + 1], total[2 * stride + i] = a[3 * i + 2];
+#define ADD(i, weight)                                                                             \
+  {                                                                                                \
+    V term = q * weight;                                                                           \
+    a[3 * (i)] += e[0] * term, a[3 * (i) + 1] += e[1] * term, a[3 * (i) + 2] += e[2] * term;       \
+  }
+#define SUM(set)                                                                                   \
   static void NAME(sum_rgb_##set)(int n, const V *geometry, const V *weights, const V *emission,   \
                                   V *state, V *sums, int stride) {                                 \
-    enum { KINDS = set, CHANNELS = 3 };                                                            \
     PLAN_RGB_##set                                                                                 \
   }
 YLM__KIND_SETS(SUM)
+#undef CHANNELS
+#undef TAKE
+#undef GIVE
+#undef ADD
 #undef SUM
 #undef PASS
-#undef SEGMENT
+#undef COLUMN
+#undef RESUME
+#undef CUT
+#undef UP
+#undef ADD_1
+#undef ADD_2
+#undef ADD_3
+#undef ADD_4
+#undef ADD_5
+#undef ADD_6
+#undef ADD_7
 #undef END
 
 static void NAME(sum)(int lmax, int kinds, int n, const void *geometry, const void *weights,

@@ -2,8 +2,7 @@
 ** kernel.h - the moment kernels of one lmax for both element types.
 **
 ** Included by gen/moments_L.isa.c after LMAX and its plans:
-**   PLAN_s   for each set of kinds s: passes over a tile, each with its segments of columns
-**            PASS(first sum, number of sums) SEGMENT(m, side, k0, k1, offset) ... END
+**   PLAN_s, PLAN_RGB_s   for each set of kinds s: passes over a tile, in the words of body.h
 ** and by any.isa.c, which leaves LMAX at its limit and has no plans.
 */
 #include "ylm_simd.h"
@@ -34,7 +33,7 @@
 #endif
 
 /* Columns of orders below this are found by differences from the pole. */
-#define FINE(lmax) (sizeof(REAL) == sizeof(float) ? ylm__fine(lmax) : 0)
+#define FINE(lmax) (sizeof(REAL) == sizeof(float) ? YLM__FINE(lmax) : 0)
 
 /* Constants of the recurrences, of the element type; z is times GROW. */
 #define SLOWS(n) ((REAL)YLM__SLOWS(n))
@@ -55,6 +54,36 @@
 #define SQUARE(r) ((REAL)((double)(r) * (r)))
 #define LOST(r) ((REAL)((double)(r) * (r)-SQUARE(r)))
 #endif
+
+/* ylm__geometry_slots and ylm__weight_slots of LMAX as constants. */
+#define GEOMETRY_SLOTS (2 + 2 * (LMAX + 2))
+#define WEIGHT_SLOTS (3 * LMAX + 6)
+
+/* X(0) .. X(n-1). */
+#define EACH_1(X) X(0)
+#define EACH_2(X) EACH_1(X) X(1)
+#define EACH_3(X) EACH_2(X) X(2)
+#define EACH_4(X) EACH_3(X) X(3)
+#define EACH_5(X) EACH_4(X) X(4)
+#define EACH_6(X) EACH_5(X) X(5)
+#define EACH_7(X) EACH_6(X) X(6)
+#define EACH_8(X) EACH_7(X) X(7)
+#define EACH_9(X) EACH_8(X) X(8)
+#define EACH_10(X) EACH_9(X) X(9)
+#define EACH_11(X) EACH_10(X) X(10)
+#define EACH_12(X) EACH_11(X) X(11)
+#define EACH_13(X) EACH_12(X) X(12)
+#define EACH_14(X) EACH_13(X) X(13)
+#define EACH_15(X) EACH_14(X) X(14)
+#define EACH_16(X) EACH_15(X) X(15)
+#define EACH_17(X) EACH_16(X) X(16)
+#define EACH_18(X) EACH_17(X) X(17)
+#define EACH_19(X) EACH_18(X) X(18)
+#define EACH_20(X) EACH_19(X) X(19)
+#define EACH_21(X) EACH_20(X) X(20)
+#define EACH_22(X) EACH_21(X) X(21)
+#define EACH_23(X) EACH_22(X) X(22)
+#define EACH_24(X) EACH_23(X) X(23)
 
 /* -- float --------------------------------------------------------------------------- */
 

@@ -16,7 +16,7 @@
 ** What float would lose at high degrees: P'_k changes by k^2/4 times a change of alpha near 1, P_k
 ** by k^2/2 times a change of z near 1, both round to 6e-8, and so do all steps of a recurrence of
 ** three terms. So weights are found from delta = 1 - alpha by differences, and the columns of low
-** order m (ylm__fine), which hold what is near the poles, from o = (x^2+y^2)/(1+|z|). Directions
+** order m (YLM__FINE), which hold what is near the poles, from o = (x^2+y^2)/(1+|z|). Directions
 ** below the horizon are turned to -w, and weights of odd degree change their sign.
 **
 ** Source  docs/math.md "Sum of sphere lights"
@@ -63,7 +63,7 @@ static inline int ylm__geometry_slots(int lmax) { return 2 + 2 * (lmax + 2); }
 static inline int ylm__below_pole(int lmax) { return 1 + 2 * (lmax + 2); }
 /* Columns of orders below this are found by differences from the pole, in float: as many as keep
    errors below 0.9 of the bound (single ones 1.03; spec/bench/accuracy.c). */
-static inline int ylm__fine(int lmax) { return lmax < 5 ? 0 : lmax < 11 ? 1 : (lmax - 4) / 3; }
+#define YLM__FINE(lmax) ((lmax) < 5 ? 0 : (lmax) < 11 ? 1 : ((lmax)-4) / 3)
 /* Places of one light's weights: w0 0..lmax, w1 0..lmax+1, w2 0..lmax+2; w1_0 and w2_1 are 0. */
 static inline int ylm__weight_slots(int lmax) { return 3 * lmax + 6; }
 static inline int ylm__weight_at(int lmax, int kind, int k) {

@@ -5,6 +5,8 @@
 -- A column that does not fit is cut, and its recurrence carried over in memory. PLAN is for one channel, PLAN_RGB for
 -- three that share the recurrences: its sums are threefold.
 
+local unpack = table.unpack or unpack
+
 --- The sets of kinds of sums that kernels exist for: bits 1 value, 2 gradient, 4 Hessian (moments/moments.h).
 local sets = { 1, 3, 4, 5, 7 }
 --- Sums that fit into registers beside the rest: of 32 registers, and of 16.
@@ -88,13 +90,25 @@ local function macro(out, head, words)
   out[#out + 1] = line
 end
 
+--- The words of a segment of a column, in the order of its degrees.
+local function segment_words(words, lmax, set, segment)
+  local m, side, k0, k1, sum = unpack(segment)
+  words[#words + 1] = k0 > m and "RESUME" or ("COLUMN(%d, %d)"):format(m, side)
+  for k = k0, k1 - 1 do
+    local kinds = 0
+    for kind = 0, 2 do if has(lmax, set, kind, k) then kinds = kinds + 2 ^ kind end end
+    if kinds > 0 then words[#words + 1] = ("ADD_%d(%d, %d)"):format(kinds, sum, k) end
+    if k < degree(lmax, set) then words[#words + 1] = ("UP(%d, %d)"):format(k, m) end
+    sum = sum + width(lmax, set, k)
+  end
+  if k1 <= degree(lmax, set) then words[#words + 1] = "CUT" end
+end
+
 local function plan_text(out, name, lmax, set, budget)
   local words = {}
   for _, pass in ipairs(plan(lmax, set, budget)) do
     words[#words + 1] = ("PASS(%d, %d)"):format(pass.first, pass.count)
-    for _, s in ipairs(pass) do
-      words[#words + 1] = ("SEGMENT(%d, %d, %d, %d, %d)"):format(s[1], s[2], s[3], s[4], s[5])
-    end
+    for _, segment in ipairs(pass) do segment_words(words, lmax, set, segment) end
     words[#words + 1] = ("END(%d)"):format(pass.count)
   end
   macro(out, ("#define %s_%d"):format(name, set), words)

@@ -8,45 +8,55 @@
 */
 #define LMAX 0
 #if defined(__AVX512F__) || defined(__aarch64__)
-#define PLAN_1 PASS(0, 1) SEGMENT(0, 0, 0, 1, 0) END(1)
-#define PLAN_3 PASS(0, 4) SEGMENT(0, 0, 0, 2, 0) SEGMENT(1, 0, 1, 2, 2) SEGMENT(1, 1, 1, 2, 3) \
-    END(4)
-#define PLAN_4 PASS(0, 6) SEGMENT(0, 0, 0, 3, 0) SEGMENT(1, 0, 1, 3, 2) SEGMENT(1, 1, 1, 3, 3) \
-    SEGMENT(2, 0, 2, 3, 4) SEGMENT(2, 1, 2, 3, 5) END(6)
-#define PLAN_5 PASS(0, 7) SEGMENT(0, 0, 0, 3, 0) SEGMENT(1, 0, 1, 3, 3) SEGMENT(1, 1, 1, 3, 4) \
-    SEGMENT(2, 0, 2, 3, 5) SEGMENT(2, 1, 2, 3, 6) END(7)
-#define PLAN_7 PASS(0, 10) SEGMENT(0, 0, 0, 3, 0) SEGMENT(1, 0, 1, 3, 4) SEGMENT(1, 1, 1, 3, 6) \
-    SEGMENT(2, 0, 2, 3, 8) SEGMENT(2, 1, 2, 3, 9) END(10)
-#define PLAN_RGB_1 PASS(0, 1) SEGMENT(0, 0, 0, 1, 0) END(1)
-#define PLAN_RGB_3 PASS(0, 4) SEGMENT(0, 0, 0, 2, 0) SEGMENT(1, 0, 1, 2, 2) \
-    SEGMENT(1, 1, 1, 2, 3) END(4)
-#define PLAN_RGB_4 PASS(0, 6) SEGMENT(0, 0, 0, 3, 0) SEGMENT(1, 0, 1, 3, 2) \
-    SEGMENT(1, 1, 1, 3, 3) SEGMENT(2, 0, 2, 3, 4) SEGMENT(2, 1, 2, 3, 5) END(6)
-#define PLAN_RGB_5 PASS(0, 7) SEGMENT(0, 0, 0, 3, 0) SEGMENT(1, 0, 1, 3, 3) \
-    SEGMENT(1, 1, 1, 3, 4) SEGMENT(2, 0, 2, 3, 5) SEGMENT(2, 1, 2, 3, 6) END(7)
-#define PLAN_RGB_7 PASS(0, 8) SEGMENT(0, 0, 0, 3, 0) SEGMENT(1, 0, 1, 3, 4) \
-    SEGMENT(1, 1, 1, 3, 6) END(8) PASS(8, 2) SEGMENT(2, 0, 2, 3, 0) SEGMENT(2, 1, 2, 3, 1) \
-    END(2)
+#define PLAN_1 PASS(0, 1) COLUMN(0, 0) ADD_1(0, 0) END(1)
+#define PLAN_3 PASS(0, 4) COLUMN(0, 0) ADD_1(0, 0) UP(0, 0) ADD_2(1, 1) COLUMN(1, 0) ADD_2(2, 1) \
+    COLUMN(1, 1) ADD_2(3, 1) END(4)
+#define PLAN_4 PASS(0, 6) COLUMN(0, 0) ADD_4(0, 0) UP(0, 0) UP(1, 0) ADD_4(1, 2) COLUMN(1, 0) \
+    UP(1, 1) ADD_4(2, 2) COLUMN(1, 1) UP(1, 1) ADD_4(3, 2) COLUMN(2, 0) ADD_4(4, 2) COLUMN(2, 1) \
+    ADD_4(5, 2) END(6)
+#define PLAN_5 PASS(0, 7) COLUMN(0, 0) ADD_5(0, 0) UP(0, 0) UP(1, 0) ADD_4(2, 2) COLUMN(1, 0) \
+    UP(1, 1) ADD_4(3, 2) COLUMN(1, 1) UP(1, 1) ADD_4(4, 2) COLUMN(2, 0) ADD_4(5, 2) COLUMN(2, 1) \
+    ADD_4(6, 2) END(7)
+#define PLAN_7 PASS(0, 10) COLUMN(0, 0) ADD_5(0, 0) UP(0, 0) ADD_2(2, 1) UP(1, 0) ADD_4(3, 2) \
+    COLUMN(1, 0) ADD_2(4, 1) UP(1, 1) ADD_4(5, 2) COLUMN(1, 1) ADD_2(6, 1) UP(1, 1) ADD_4(7, 2) \
+    COLUMN(2, 0) ADD_4(8, 2) COLUMN(2, 1) ADD_4(9, 2) END(10)
+#define PLAN_RGB_1 PASS(0, 1) COLUMN(0, 0) ADD_1(0, 0) END(1)
+#define PLAN_RGB_3 PASS(0, 4) COLUMN(0, 0) ADD_1(0, 0) UP(0, 0) ADD_2(1, 1) COLUMN(1, 0) \
+    ADD_2(2, 1) COLUMN(1, 1) ADD_2(3, 1) END(4)
+#define PLAN_RGB_4 PASS(0, 6) COLUMN(0, 0) ADD_4(0, 0) UP(0, 0) UP(1, 0) ADD_4(1, 2) \
+    COLUMN(1, 0) UP(1, 1) ADD_4(2, 2) COLUMN(1, 1) UP(1, 1) ADD_4(3, 2) COLUMN(2, 0) ADD_4(4, 2) \
+    COLUMN(2, 1) ADD_4(5, 2) END(6)
+#define PLAN_RGB_5 PASS(0, 7) COLUMN(0, 0) ADD_5(0, 0) UP(0, 0) UP(1, 0) ADD_4(2, 2) \
+    COLUMN(1, 0) UP(1, 1) ADD_4(3, 2) COLUMN(1, 1) UP(1, 1) ADD_4(4, 2) COLUMN(2, 0) ADD_4(5, 2) \
+    COLUMN(2, 1) ADD_4(6, 2) END(7)
+#define PLAN_RGB_7 PASS(0, 8) COLUMN(0, 0) ADD_5(0, 0) UP(0, 0) ADD_2(2, 1) UP(1, 0) ADD_4(3, 2) \
+    COLUMN(1, 0) ADD_2(4, 1) UP(1, 1) ADD_4(5, 2) COLUMN(1, 1) ADD_2(6, 1) UP(1, 1) ADD_4(7, 2) \
+    END(8) PASS(8, 2) COLUMN(2, 0) ADD_4(0, 2) COLUMN(2, 1) ADD_4(1, 2) END(2)
 #else
-#define PLAN_1 PASS(0, 1) SEGMENT(0, 0, 0, 1, 0) END(1)
-#define PLAN_3 PASS(0, 4) SEGMENT(0, 0, 0, 2, 0) SEGMENT(1, 0, 1, 2, 2) SEGMENT(1, 1, 1, 2, 3) \
-    END(4)
-#define PLAN_4 PASS(0, 6) SEGMENT(0, 0, 0, 3, 0) SEGMENT(1, 0, 1, 3, 2) SEGMENT(1, 1, 1, 3, 3) \
-    SEGMENT(2, 0, 2, 3, 4) SEGMENT(2, 1, 2, 3, 5) END(6)
-#define PLAN_5 PASS(0, 7) SEGMENT(0, 0, 0, 3, 0) SEGMENT(1, 0, 1, 3, 3) SEGMENT(1, 1, 1, 3, 4) \
-    SEGMENT(2, 0, 2, 3, 5) SEGMENT(2, 1, 2, 3, 6) END(7)
-#define PLAN_7 PASS(0, 10) SEGMENT(0, 0, 0, 3, 0) SEGMENT(1, 0, 1, 3, 4) SEGMENT(1, 1, 1, 3, 6) \
-    SEGMENT(2, 0, 2, 3, 8) SEGMENT(2, 1, 2, 3, 9) END(10)
-#define PLAN_RGB_1 PASS(0, 1) SEGMENT(0, 0, 0, 1, 0) END(1)
-#define PLAN_RGB_3 PASS(0, 4) SEGMENT(0, 0, 0, 2, 0) SEGMENT(1, 0, 1, 2, 2) \
-    SEGMENT(1, 1, 1, 2, 3) END(4)
-#define PLAN_RGB_4 PASS(0, 4) SEGMENT(0, 0, 0, 3, 0) SEGMENT(1, 0, 1, 3, 2) \
-    SEGMENT(1, 1, 1, 3, 3) END(4) PASS(4, 2) SEGMENT(2, 0, 2, 3, 0) SEGMENT(2, 1, 2, 3, 1) \
-    END(2)
-#define PLAN_RGB_5 PASS(0, 4) SEGMENT(0, 0, 0, 3, 0) SEGMENT(1, 0, 1, 3, 3) END(4) PASS(4, 3) \
-    SEGMENT(1, 1, 1, 3, 0) SEGMENT(2, 0, 2, 3, 1) SEGMENT(2, 1, 2, 3, 2) END(3)
-#define PLAN_RGB_7 PASS(0, 4) SEGMENT(0, 0, 0, 3, 0) END(4) PASS(4, 4) SEGMENT(1, 0, 1, 3, 0) \
-    SEGMENT(1, 1, 1, 3, 2) END(4) PASS(8, 2) SEGMENT(2, 0, 2, 3, 0) SEGMENT(2, 1, 2, 3, 1) \
+#define PLAN_1 PASS(0, 1) COLUMN(0, 0) ADD_1(0, 0) END(1)
+#define PLAN_3 PASS(0, 4) COLUMN(0, 0) ADD_1(0, 0) UP(0, 0) ADD_2(1, 1) COLUMN(1, 0) ADD_2(2, 1) \
+    COLUMN(1, 1) ADD_2(3, 1) END(4)
+#define PLAN_4 PASS(0, 6) COLUMN(0, 0) ADD_4(0, 0) UP(0, 0) UP(1, 0) ADD_4(1, 2) COLUMN(1, 0) \
+    UP(1, 1) ADD_4(2, 2) COLUMN(1, 1) UP(1, 1) ADD_4(3, 2) COLUMN(2, 0) ADD_4(4, 2) COLUMN(2, 1) \
+    ADD_4(5, 2) END(6)
+#define PLAN_5 PASS(0, 7) COLUMN(0, 0) ADD_5(0, 0) UP(0, 0) UP(1, 0) ADD_4(2, 2) COLUMN(1, 0) \
+    UP(1, 1) ADD_4(3, 2) COLUMN(1, 1) UP(1, 1) ADD_4(4, 2) COLUMN(2, 0) ADD_4(5, 2) COLUMN(2, 1) \
+    ADD_4(6, 2) END(7)
+#define PLAN_7 PASS(0, 10) COLUMN(0, 0) ADD_5(0, 0) UP(0, 0) ADD_2(2, 1) UP(1, 0) ADD_4(3, 2) \
+    COLUMN(1, 0) ADD_2(4, 1) UP(1, 1) ADD_4(5, 2) COLUMN(1, 1) ADD_2(6, 1) UP(1, 1) ADD_4(7, 2) \
+    COLUMN(2, 0) ADD_4(8, 2) COLUMN(2, 1) ADD_4(9, 2) END(10)
+#define PLAN_RGB_1 PASS(0, 1) COLUMN(0, 0) ADD_1(0, 0) END(1)
+#define PLAN_RGB_3 PASS(0, 4) COLUMN(0, 0) ADD_1(0, 0) UP(0, 0) ADD_2(1, 1) COLUMN(1, 0) \
+    ADD_2(2, 1) COLUMN(1, 1) ADD_2(3, 1) END(4)
+#define PLAN_RGB_4 PASS(0, 4) COLUMN(0, 0) ADD_4(0, 0) UP(0, 0) UP(1, 0) ADD_4(1, 2) \
+    COLUMN(1, 0) UP(1, 1) ADD_4(2, 2) COLUMN(1, 1) UP(1, 1) ADD_4(3, 2) END(4) PASS(4, 2) \
+    COLUMN(2, 0) ADD_4(0, 2) COLUMN(2, 1) ADD_4(1, 2) END(2)
+#define PLAN_RGB_5 PASS(0, 4) COLUMN(0, 0) ADD_5(0, 0) UP(0, 0) UP(1, 0) ADD_4(2, 2) \
+    COLUMN(1, 0) UP(1, 1) ADD_4(3, 2) END(4) PASS(4, 3) COLUMN(1, 1) UP(1, 1) ADD_4(0, 2) \
+    COLUMN(2, 0) ADD_4(1, 2) COLUMN(2, 1) ADD_4(2, 2) END(3)
+#define PLAN_RGB_7 PASS(0, 4) COLUMN(0, 0) ADD_5(0, 0) UP(0, 0) ADD_2(2, 1) UP(1, 0) ADD_4(3, 2) \
+    END(4) PASS(4, 4) COLUMN(1, 0) ADD_2(0, 1) UP(1, 1) ADD_4(1, 2) COLUMN(1, 1) ADD_2(2, 1) \
+    UP(1, 1) ADD_4(3, 2) END(4) PASS(8, 2) COLUMN(2, 0) ADD_4(0, 2) COLUMN(2, 1) ADD_4(1, 2) \
     END(2)
 #endif
 #define KERNEL_NAME YLM_KERNEL(ylm__moments_0)

@@ -8,63 +8,92 @@
 */
 #define LMAX 1
 #if defined(__AVX512F__) || defined(__aarch64__)
-#define PLAN_1 PASS(0, 4) SEGMENT(0, 0, 0, 2, 0) SEGMENT(1, 0, 1, 2, 2) SEGMENT(1, 1, 1, 2, 3) \
-    END(4)
-#define PLAN_3 PASS(0, 12) SEGMENT(0, 0, 0, 3, 0) SEGMENT(1, 0, 1, 3, 4) SEGMENT(1, 1, 1, 3, 7) \
-    SEGMENT(2, 0, 2, 3, 10) SEGMENT(2, 1, 2, 3, 11) END(12)
-#define PLAN_4 PASS(0, 13) SEGMENT(0, 0, 0, 4, 0) SEGMENT(1, 0, 1, 4, 3) SEGMENT(1, 1, 1, 4, 5) \
-    SEGMENT(2, 0, 2, 4, 7) SEGMENT(2, 1, 2, 4, 9) SEGMENT(3, 0, 3, 4, 11) \
-    SEGMENT(3, 1, 3, 4, 12) END(13)
-#define PLAN_5 PASS(0, 17) SEGMENT(0, 0, 0, 4, 0) SEGMENT(1, 0, 1, 4, 5) SEGMENT(1, 1, 1, 4, 8) \
-    SEGMENT(2, 0, 2, 4, 11) SEGMENT(2, 1, 2, 4, 13) SEGMENT(3, 0, 3, 4, 15) \
-    SEGMENT(3, 1, 3, 4, 16) END(17)
-#define PLAN_7 PASS(0, 24) SEGMENT(0, 0, 0, 4, 0) SEGMENT(1, 0, 1, 4, 7) SEGMENT(1, 1, 1, 4, 12) \
-    SEGMENT(2, 0, 2, 4, 17) SEGMENT(2, 1, 2, 4, 20) SEGMENT(3, 0, 3, 4, 23) END(24) PASS(24, 1) \
-    SEGMENT(3, 1, 3, 4, 0) END(1)
-#define PLAN_RGB_1 PASS(0, 4) SEGMENT(0, 0, 0, 2, 0) SEGMENT(1, 0, 1, 2, 2) \
-    SEGMENT(1, 1, 1, 2, 3) END(4)
-#define PLAN_RGB_3 PASS(0, 7) SEGMENT(0, 0, 0, 3, 0) SEGMENT(1, 0, 1, 3, 4) END(7) PASS(7, 5) \
-    SEGMENT(1, 1, 1, 3, 0) SEGMENT(2, 0, 2, 3, 3) SEGMENT(2, 1, 2, 3, 4) END(5)
-#define PLAN_RGB_4 PASS(0, 7) SEGMENT(0, 0, 0, 4, 0) SEGMENT(1, 0, 1, 4, 3) \
-    SEGMENT(1, 1, 1, 4, 5) END(7) PASS(7, 6) SEGMENT(2, 0, 2, 4, 0) SEGMENT(2, 1, 2, 4, 2) \
-    SEGMENT(3, 0, 3, 4, 4) SEGMENT(3, 1, 3, 4, 5) END(6)
-#define PLAN_RGB_5 PASS(0, 8) SEGMENT(0, 0, 0, 4, 0) SEGMENT(1, 0, 1, 4, 5) END(8) PASS(8, 8) \
-    SEGMENT(1, 1, 1, 4, 0) SEGMENT(2, 0, 2, 4, 3) SEGMENT(2, 1, 2, 4, 5) SEGMENT(3, 0, 3, 4, 7) \
-    END(8) PASS(16, 1) SEGMENT(3, 1, 3, 4, 0) END(1)
-#define PLAN_RGB_7 PASS(0, 7) SEGMENT(0, 0, 0, 4, 0) END(7) PASS(7, 5) SEGMENT(1, 0, 1, 4, 0) \
-    END(5) PASS(12, 8) SEGMENT(1, 1, 1, 4, 0) SEGMENT(2, 0, 2, 4, 5) END(8) PASS(20, 5) \
-    SEGMENT(2, 1, 2, 4, 0) SEGMENT(3, 0, 3, 4, 3) SEGMENT(3, 1, 3, 4, 4) END(5)
+#define PLAN_1 PASS(0, 4) COLUMN(0, 0) ADD_1(0, 0) UP(0, 0) ADD_1(1, 1) COLUMN(1, 0) ADD_1(2, 1) \
+    COLUMN(1, 1) ADD_1(3, 1) END(4)
+#define PLAN_3 PASS(0, 12) COLUMN(0, 0) ADD_1(0, 0) UP(0, 0) ADD_3(1, 1) UP(1, 0) ADD_2(3, 2) \
+    COLUMN(1, 0) ADD_3(4, 1) UP(1, 1) ADD_2(6, 2) COLUMN(1, 1) ADD_3(7, 1) UP(1, 1) ADD_2(9, 2) \
+    COLUMN(2, 0) ADD_2(10, 2) COLUMN(2, 1) ADD_2(11, 2) END(12)
+#define PLAN_4 PASS(0, 13) COLUMN(0, 0) ADD_4(0, 0) UP(0, 0) UP(1, 0) ADD_4(1, 2) UP(2, 0) \
+    ADD_4(2, 3) COLUMN(1, 0) UP(1, 1) ADD_4(3, 2) UP(2, 1) ADD_4(4, 3) COLUMN(1, 1) UP(1, 1) \
+    ADD_4(5, 2) UP(2, 1) ADD_4(6, 3) COLUMN(2, 0) ADD_4(7, 2) UP(2, 2) ADD_4(8, 3) COLUMN(2, 1) \
+    ADD_4(9, 2) UP(2, 2) ADD_4(10, 3) COLUMN(3, 0) ADD_4(11, 3) COLUMN(3, 1) ADD_4(12, 3) \
+    END(13)
+#define PLAN_5 PASS(0, 17) COLUMN(0, 0) ADD_5(0, 0) UP(0, 0) ADD_1(2, 1) UP(1, 0) ADD_4(3, 2) \
+    UP(2, 0) ADD_4(4, 3) COLUMN(1, 0) ADD_1(5, 1) UP(1, 1) ADD_4(6, 2) UP(2, 1) ADD_4(7, 3) \
+    COLUMN(1, 1) ADD_1(8, 1) UP(1, 1) ADD_4(9, 2) UP(2, 1) ADD_4(10, 3) COLUMN(2, 0) \
+    ADD_4(11, 2) UP(2, 2) ADD_4(12, 3) COLUMN(2, 1) ADD_4(13, 2) UP(2, 2) ADD_4(14, 3) \
+    COLUMN(3, 0) ADD_4(15, 3) COLUMN(3, 1) ADD_4(16, 3) END(17)
+#define PLAN_7 PASS(0, 24) COLUMN(0, 0) ADD_5(0, 0) UP(0, 0) ADD_3(2, 1) UP(1, 0) ADD_6(4, 2) \
+    UP(2, 0) ADD_4(6, 3) COLUMN(1, 0) ADD_3(7, 1) UP(1, 1) ADD_6(9, 2) UP(2, 1) ADD_4(11, 3) \
+    COLUMN(1, 1) ADD_3(12, 1) UP(1, 1) ADD_6(14, 2) UP(2, 1) ADD_4(16, 3) COLUMN(2, 0) \
+    ADD_6(17, 2) UP(2, 2) ADD_4(19, 3) COLUMN(2, 1) ADD_6(20, 2) UP(2, 2) ADD_4(22, 3) \
+    COLUMN(3, 0) ADD_4(23, 3) END(24) PASS(24, 1) COLUMN(3, 1) ADD_4(0, 3) END(1)
+#define PLAN_RGB_1 PASS(0, 4) COLUMN(0, 0) ADD_1(0, 0) UP(0, 0) ADD_1(1, 1) COLUMN(1, 0) \
+    ADD_1(2, 1) COLUMN(1, 1) ADD_1(3, 1) END(4)
+#define PLAN_RGB_3 PASS(0, 7) COLUMN(0, 0) ADD_1(0, 0) UP(0, 0) ADD_3(1, 1) UP(1, 0) ADD_2(3, 2) \
+    COLUMN(1, 0) ADD_3(4, 1) UP(1, 1) ADD_2(6, 2) END(7) PASS(7, 5) COLUMN(1, 1) ADD_3(0, 1) \
+    UP(1, 1) ADD_2(2, 2) COLUMN(2, 0) ADD_2(3, 2) COLUMN(2, 1) ADD_2(4, 2) END(5)
+#define PLAN_RGB_4 PASS(0, 7) COLUMN(0, 0) ADD_4(0, 0) UP(0, 0) UP(1, 0) ADD_4(1, 2) UP(2, 0) \
+    ADD_4(2, 3) COLUMN(1, 0) UP(1, 1) ADD_4(3, 2) UP(2, 1) ADD_4(4, 3) COLUMN(1, 1) UP(1, 1) \
+    ADD_4(5, 2) UP(2, 1) ADD_4(6, 3) END(7) PASS(7, 6) COLUMN(2, 0) ADD_4(0, 2) UP(2, 2) \
+    ADD_4(1, 3) COLUMN(2, 1) ADD_4(2, 2) UP(2, 2) ADD_4(3, 3) COLUMN(3, 0) ADD_4(4, 3) \
+    COLUMN(3, 1) ADD_4(5, 3) END(6)
+#define PLAN_RGB_5 PASS(0, 8) COLUMN(0, 0) ADD_5(0, 0) UP(0, 0) ADD_1(2, 1) UP(1, 0) ADD_4(3, 2) \
+    UP(2, 0) ADD_4(4, 3) COLUMN(1, 0) ADD_1(5, 1) UP(1, 1) ADD_4(6, 2) UP(2, 1) ADD_4(7, 3) \
+    END(8) PASS(8, 8) COLUMN(1, 1) ADD_1(0, 1) UP(1, 1) ADD_4(1, 2) UP(2, 1) ADD_4(2, 3) \
+    COLUMN(2, 0) ADD_4(3, 2) UP(2, 2) ADD_4(4, 3) COLUMN(2, 1) ADD_4(5, 2) UP(2, 2) ADD_4(6, 3) \
+    COLUMN(3, 0) ADD_4(7, 3) END(8) PASS(16, 1) COLUMN(3, 1) ADD_4(0, 3) END(1)
+#define PLAN_RGB_7 PASS(0, 7) COLUMN(0, 0) ADD_5(0, 0) UP(0, 0) ADD_3(2, 1) UP(1, 0) ADD_6(4, 2) \
+    UP(2, 0) ADD_4(6, 3) END(7) PASS(7, 5) COLUMN(1, 0) ADD_3(0, 1) UP(1, 1) ADD_6(2, 2) \
+    UP(2, 1) ADD_4(4, 3) END(5) PASS(12, 8) COLUMN(1, 1) ADD_3(0, 1) UP(1, 1) ADD_6(2, 2) \
+    UP(2, 1) ADD_4(4, 3) COLUMN(2, 0) ADD_6(5, 2) UP(2, 2) ADD_4(7, 3) END(8) PASS(20, 5) \
+    COLUMN(2, 1) ADD_6(0, 2) UP(2, 2) ADD_4(2, 3) COLUMN(3, 0) ADD_4(3, 3) COLUMN(3, 1) \
+    ADD_4(4, 3) END(5)
 #else
-#define PLAN_1 PASS(0, 4) SEGMENT(0, 0, 0, 2, 0) SEGMENT(1, 0, 1, 2, 2) SEGMENT(1, 1, 1, 2, 3) \
-    END(4)
-#define PLAN_3 PASS(0, 12) SEGMENT(0, 0, 0, 3, 0) SEGMENT(1, 0, 1, 3, 4) SEGMENT(1, 1, 1, 3, 7) \
-    SEGMENT(2, 0, 2, 3, 10) SEGMENT(2, 1, 2, 3, 11) END(12)
-#define PLAN_4 PASS(0, 12) SEGMENT(0, 0, 0, 4, 0) SEGMENT(1, 0, 1, 4, 3) SEGMENT(1, 1, 1, 4, 5) \
-    SEGMENT(2, 0, 2, 4, 7) SEGMENT(2, 1, 2, 4, 9) SEGMENT(3, 0, 3, 4, 11) END(12) PASS(12, 1) \
-    SEGMENT(3, 1, 3, 4, 0) END(1)
-#define PLAN_5 PASS(0, 11) SEGMENT(0, 0, 0, 4, 0) SEGMENT(1, 0, 1, 4, 5) SEGMENT(1, 1, 1, 4, 8) \
-    END(11) PASS(11, 6) SEGMENT(2, 0, 2, 4, 0) SEGMENT(2, 1, 2, 4, 2) SEGMENT(3, 0, 3, 4, 4) \
-    SEGMENT(3, 1, 3, 4, 5) END(6)
-#define PLAN_7 PASS(0, 12) SEGMENT(0, 0, 0, 4, 0) SEGMENT(1, 0, 1, 4, 7) END(12) PASS(12, 12) \
-    SEGMENT(1, 1, 1, 4, 0) SEGMENT(2, 0, 2, 4, 5) SEGMENT(2, 1, 2, 4, 8) SEGMENT(3, 0, 3, 4, 11) \
-    END(12) PASS(24, 1) SEGMENT(3, 1, 3, 4, 0) END(1)
-#define PLAN_RGB_1 PASS(0, 4) SEGMENT(0, 0, 0, 2, 0) SEGMENT(1, 0, 1, 2, 2) \
-    SEGMENT(1, 1, 1, 2, 3) END(4)
-#define PLAN_RGB_3 PASS(0, 4) SEGMENT(0, 0, 0, 3, 0) END(4) PASS(4, 3) SEGMENT(1, 0, 1, 3, 0) \
-    END(3) PASS(7, 4) SEGMENT(1, 1, 1, 3, 0) SEGMENT(2, 0, 2, 3, 3) END(4) PASS(11, 1) \
-    SEGMENT(2, 1, 2, 3, 0) END(1)
-#define PLAN_RGB_4 PASS(0, 3) SEGMENT(0, 0, 0, 4, 0) END(3) PASS(3, 4) SEGMENT(1, 0, 1, 4, 0) \
-    SEGMENT(1, 1, 1, 4, 2) END(4) PASS(7, 4) SEGMENT(2, 0, 2, 4, 0) SEGMENT(2, 1, 2, 4, 2) \
-    END(4) PASS(11, 2) SEGMENT(3, 0, 3, 4, 0) SEGMENT(3, 1, 3, 4, 1) END(2)
-#define PLAN_RGB_5 PASS(0, 4) SEGMENT(0, 0, 0, 3, 0) END(4) PASS(4, 4) SEGMENT(0, 0, 3, 4, 0) \
-    SEGMENT(1, 0, 1, 4, 1) END(4) PASS(8, 3) SEGMENT(1, 1, 1, 4, 0) END(3) PASS(11, 4) \
-    SEGMENT(2, 0, 2, 4, 0) SEGMENT(2, 1, 2, 4, 2) END(4) PASS(15, 2) SEGMENT(3, 0, 3, 4, 0) \
-    SEGMENT(3, 1, 3, 4, 1) END(2)
-#define PLAN_RGB_7 PASS(0, 4) SEGMENT(0, 0, 0, 2, 0) END(4) PASS(4, 3) SEGMENT(0, 0, 2, 4, 0) \
-    END(3) PASS(7, 4) SEGMENT(1, 0, 1, 3, 0) END(4) PASS(11, 1) SEGMENT(1, 0, 3, 4, 0) END(1) \
-    PASS(12, 4) SEGMENT(1, 1, 1, 3, 0) END(4) PASS(16, 4) SEGMENT(1, 1, 3, 4, 0) \
-    SEGMENT(2, 0, 2, 4, 1) END(4) PASS(20, 4) SEGMENT(2, 1, 2, 4, 0) SEGMENT(3, 0, 3, 4, 3) \
-    END(4) PASS(24, 1) SEGMENT(3, 1, 3, 4, 0) END(1)
+#define PLAN_1 PASS(0, 4) COLUMN(0, 0) ADD_1(0, 0) UP(0, 0) ADD_1(1, 1) COLUMN(1, 0) ADD_1(2, 1) \
+    COLUMN(1, 1) ADD_1(3, 1) END(4)
+#define PLAN_3 PASS(0, 12) COLUMN(0, 0) ADD_1(0, 0) UP(0, 0) ADD_3(1, 1) UP(1, 0) ADD_2(3, 2) \
+    COLUMN(1, 0) ADD_3(4, 1) UP(1, 1) ADD_2(6, 2) COLUMN(1, 1) ADD_3(7, 1) UP(1, 1) ADD_2(9, 2) \
+    COLUMN(2, 0) ADD_2(10, 2) COLUMN(2, 1) ADD_2(11, 2) END(12)
+#define PLAN_4 PASS(0, 12) COLUMN(0, 0) ADD_4(0, 0) UP(0, 0) UP(1, 0) ADD_4(1, 2) UP(2, 0) \
+    ADD_4(2, 3) COLUMN(1, 0) UP(1, 1) ADD_4(3, 2) UP(2, 1) ADD_4(4, 3) COLUMN(1, 1) UP(1, 1) \
+    ADD_4(5, 2) UP(2, 1) ADD_4(6, 3) COLUMN(2, 0) ADD_4(7, 2) UP(2, 2) ADD_4(8, 3) COLUMN(2, 1) \
+    ADD_4(9, 2) UP(2, 2) ADD_4(10, 3) COLUMN(3, 0) ADD_4(11, 3) END(12) PASS(12, 1) COLUMN(3, 1) \
+    ADD_4(0, 3) END(1)
+#define PLAN_5 PASS(0, 11) COLUMN(0, 0) ADD_5(0, 0) UP(0, 0) ADD_1(2, 1) UP(1, 0) ADD_4(3, 2) \
+    UP(2, 0) ADD_4(4, 3) COLUMN(1, 0) ADD_1(5, 1) UP(1, 1) ADD_4(6, 2) UP(2, 1) ADD_4(7, 3) \
+    COLUMN(1, 1) ADD_1(8, 1) UP(1, 1) ADD_4(9, 2) UP(2, 1) ADD_4(10, 3) END(11) PASS(11, 6) \
+    COLUMN(2, 0) ADD_4(0, 2) UP(2, 2) ADD_4(1, 3) COLUMN(2, 1) ADD_4(2, 2) UP(2, 2) ADD_4(3, 3) \
+    COLUMN(3, 0) ADD_4(4, 3) COLUMN(3, 1) ADD_4(5, 3) END(6)
+#define PLAN_7 PASS(0, 12) COLUMN(0, 0) ADD_5(0, 0) UP(0, 0) ADD_3(2, 1) UP(1, 0) ADD_6(4, 2) \
+    UP(2, 0) ADD_4(6, 3) COLUMN(1, 0) ADD_3(7, 1) UP(1, 1) ADD_6(9, 2) UP(2, 1) ADD_4(11, 3) \
+    END(12) PASS(12, 12) COLUMN(1, 1) ADD_3(0, 1) UP(1, 1) ADD_6(2, 2) UP(2, 1) ADD_4(4, 3) \
+    COLUMN(2, 0) ADD_6(5, 2) UP(2, 2) ADD_4(7, 3) COLUMN(2, 1) ADD_6(8, 2) UP(2, 2) ADD_4(10, 3) \
+    COLUMN(3, 0) ADD_4(11, 3) END(12) PASS(24, 1) COLUMN(3, 1) ADD_4(0, 3) END(1)
+#define PLAN_RGB_1 PASS(0, 4) COLUMN(0, 0) ADD_1(0, 0) UP(0, 0) ADD_1(1, 1) COLUMN(1, 0) \
+    ADD_1(2, 1) COLUMN(1, 1) ADD_1(3, 1) END(4)
+#define PLAN_RGB_3 PASS(0, 4) COLUMN(0, 0) ADD_1(0, 0) UP(0, 0) ADD_3(1, 1) UP(1, 0) ADD_2(3, 2) \
+    END(4) PASS(4, 3) COLUMN(1, 0) ADD_3(0, 1) UP(1, 1) ADD_2(2, 2) END(3) PASS(7, 4) \
+    COLUMN(1, 1) ADD_3(0, 1) UP(1, 1) ADD_2(2, 2) COLUMN(2, 0) ADD_2(3, 2) END(4) PASS(11, 1) \
+    COLUMN(2, 1) ADD_2(0, 2) END(1)
+#define PLAN_RGB_4 PASS(0, 3) COLUMN(0, 0) ADD_4(0, 0) UP(0, 0) UP(1, 0) ADD_4(1, 2) UP(2, 0) \
+    ADD_4(2, 3) END(3) PASS(3, 4) COLUMN(1, 0) UP(1, 1) ADD_4(0, 2) UP(2, 1) ADD_4(1, 3) \
+    COLUMN(1, 1) UP(1, 1) ADD_4(2, 2) UP(2, 1) ADD_4(3, 3) END(4) PASS(7, 4) COLUMN(2, 0) \
+    ADD_4(0, 2) UP(2, 2) ADD_4(1, 3) COLUMN(2, 1) ADD_4(2, 2) UP(2, 2) ADD_4(3, 3) END(4) \
+    PASS(11, 2) COLUMN(3, 0) ADD_4(0, 3) COLUMN(3, 1) ADD_4(1, 3) END(2)
+#define PLAN_RGB_5 PASS(0, 4) COLUMN(0, 0) ADD_5(0, 0) UP(0, 0) ADD_1(2, 1) UP(1, 0) ADD_4(3, 2) \
+    UP(2, 0) CUT END(4) PASS(4, 4) RESUME ADD_4(0, 3) COLUMN(1, 0) ADD_1(1, 1) UP(1, 1) \
+    ADD_4(2, 2) UP(2, 1) ADD_4(3, 3) END(4) PASS(8, 3) COLUMN(1, 1) ADD_1(0, 1) UP(1, 1) \
+    ADD_4(1, 2) UP(2, 1) ADD_4(2, 3) END(3) PASS(11, 4) COLUMN(2, 0) ADD_4(0, 2) UP(2, 2) \
+    ADD_4(1, 3) COLUMN(2, 1) ADD_4(2, 2) UP(2, 2) ADD_4(3, 3) END(4) PASS(15, 2) COLUMN(3, 0) \
+    ADD_4(0, 3) COLUMN(3, 1) ADD_4(1, 3) END(2)
+#define PLAN_RGB_7 PASS(0, 4) COLUMN(0, 0) ADD_5(0, 0) UP(0, 0) ADD_3(2, 1) UP(1, 0) CUT END(4) \
+    PASS(4, 3) RESUME ADD_6(0, 2) UP(2, 0) ADD_4(2, 3) END(3) PASS(7, 4) COLUMN(1, 0) \
+    ADD_3(0, 1) UP(1, 1) ADD_6(2, 2) UP(2, 1) CUT END(4) PASS(11, 1) RESUME ADD_4(0, 3) END(1) \
+    PASS(12, 4) COLUMN(1, 1) ADD_3(0, 1) UP(1, 1) ADD_6(2, 2) UP(2, 1) CUT END(4) PASS(16, 4) \
+    RESUME ADD_4(0, 3) COLUMN(2, 0) ADD_6(1, 2) UP(2, 2) ADD_4(3, 3) END(4) PASS(20, 4) \
+    COLUMN(2, 1) ADD_6(0, 2) UP(2, 2) ADD_4(2, 3) COLUMN(3, 0) ADD_4(3, 3) END(4) PASS(24, 1) \
+    COLUMN(3, 1) ADD_4(0, 3) END(1)
 #endif
 #define KERNEL_NAME YLM_KERNEL(ylm__moments_1)
 #include "../kernel.h"

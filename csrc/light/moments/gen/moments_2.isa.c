@@ -8,85 +8,140 @@
 */
 #define LMAX 2
 #if defined(__AVX512F__) || defined(__aarch64__)
-#define PLAN_1 PASS(0, 9) SEGMENT(0, 0, 0, 3, 0) SEGMENT(1, 0, 1, 3, 3) SEGMENT(1, 1, 1, 3, 5) \
-    SEGMENT(2, 0, 2, 3, 7) SEGMENT(2, 1, 2, 3, 8) END(9)
-#define PLAN_3 PASS(0, 24) SEGMENT(0, 0, 0, 4, 0) SEGMENT(1, 0, 1, 4, 6) SEGMENT(1, 1, 1, 4, 11) \
-    SEGMENT(2, 0, 2, 4, 16) SEGMENT(2, 1, 2, 4, 19) SEGMENT(3, 0, 3, 4, 22) \
-    SEGMENT(3, 1, 3, 4, 23) END(24)
-#define PLAN_4 PASS(0, 22) SEGMENT(0, 0, 0, 5, 0) SEGMENT(1, 0, 1, 5, 4) SEGMENT(1, 1, 1, 5, 7) \
-    SEGMENT(2, 0, 2, 5, 10) SEGMENT(2, 1, 2, 5, 13) SEGMENT(3, 0, 3, 5, 16) \
-    SEGMENT(3, 1, 3, 5, 18) SEGMENT(4, 0, 4, 5, 20) SEGMENT(4, 1, 4, 5, 21) END(22)
-#define PLAN_5 PASS(0, 21) SEGMENT(0, 0, 0, 5, 0) SEGMENT(1, 0, 1, 5, 7) SEGMENT(1, 1, 1, 5, 12) \
-    SEGMENT(2, 0, 2, 5, 17) END(21) PASS(21, 10) SEGMENT(2, 1, 2, 5, 0) SEGMENT(3, 0, 3, 5, 4) \
-    SEGMENT(3, 1, 3, 5, 6) SEGMENT(4, 0, 4, 5, 8) SEGMENT(4, 1, 4, 5, 9) END(10)
-#define PLAN_7 PASS(0, 18) SEGMENT(0, 0, 0, 5, 0) SEGMENT(1, 0, 1, 5, 10) END(18) PASS(18, 23) \
-    SEGMENT(1, 1, 1, 5, 0) SEGMENT(2, 0, 2, 5, 8) SEGMENT(2, 1, 2, 5, 14) \
-    SEGMENT(3, 0, 3, 5, 20) END(23) PASS(41, 5) SEGMENT(3, 1, 3, 5, 0) SEGMENT(4, 0, 4, 5, 3) \
-    SEGMENT(4, 1, 4, 5, 4) END(5)
-#define PLAN_RGB_1 PASS(0, 8) SEGMENT(0, 0, 0, 3, 0) SEGMENT(1, 0, 1, 3, 3) \
-    SEGMENT(1, 1, 1, 3, 5) SEGMENT(2, 0, 2, 3, 7) END(8) PASS(8, 1) SEGMENT(2, 1, 2, 3, 0) \
-    END(1)
-#define PLAN_RGB_3 PASS(0, 6) SEGMENT(0, 0, 0, 4, 0) END(6) PASS(6, 5) SEGMENT(1, 0, 1, 4, 0) \
-    END(5) PASS(11, 8) SEGMENT(1, 1, 1, 4, 0) SEGMENT(2, 0, 2, 4, 5) END(8) PASS(19, 5) \
-    SEGMENT(2, 1, 2, 4, 0) SEGMENT(3, 0, 3, 4, 3) SEGMENT(3, 1, 3, 4, 4) END(5)
-#define PLAN_RGB_4 PASS(0, 7) SEGMENT(0, 0, 0, 5, 0) SEGMENT(1, 0, 1, 5, 4) END(7) PASS(7, 6) \
-    SEGMENT(1, 1, 1, 5, 0) SEGMENT(2, 0, 2, 5, 3) END(6) PASS(13, 8) SEGMENT(2, 1, 2, 5, 0) \
-    SEGMENT(3, 0, 3, 5, 3) SEGMENT(3, 1, 3, 5, 5) SEGMENT(4, 0, 4, 5, 7) END(8) PASS(21, 1) \
-    SEGMENT(4, 1, 4, 5, 0) END(1)
-#define PLAN_RGB_5 PASS(0, 7) SEGMENT(0, 0, 0, 5, 0) END(7) PASS(7, 5) SEGMENT(1, 0, 1, 5, 0) \
-    END(5) PASS(12, 5) SEGMENT(1, 1, 1, 5, 0) END(5) PASS(17, 8) SEGMENT(2, 0, 2, 5, 0) \
-    SEGMENT(2, 1, 2, 5, 4) END(8) PASS(25, 6) SEGMENT(3, 0, 3, 5, 0) SEGMENT(3, 1, 3, 5, 2) \
-    SEGMENT(4, 0, 4, 5, 4) SEGMENT(4, 1, 4, 5, 5) END(6)
-#define PLAN_RGB_7 PASS(0, 7) SEGMENT(0, 0, 0, 3, 0) END(7) PASS(7, 3) SEGMENT(0, 0, 3, 5, 0) \
-    END(3) PASS(10, 8) SEGMENT(1, 0, 1, 5, 0) END(8) PASS(18, 8) SEGMENT(1, 1, 1, 5, 0) END(8) \
-    PASS(26, 6) SEGMENT(2, 0, 2, 5, 0) END(6) PASS(32, 6) SEGMENT(2, 1, 2, 5, 0) END(6) \
-    PASS(38, 8) SEGMENT(3, 0, 3, 5, 0) SEGMENT(3, 1, 3, 5, 3) SEGMENT(4, 0, 4, 5, 6) \
-    SEGMENT(4, 1, 4, 5, 7) END(8)
+#define PLAN_1 PASS(0, 9) COLUMN(0, 0) ADD_1(0, 0) UP(0, 0) ADD_1(1, 1) UP(1, 0) ADD_1(2, 2) \
+    COLUMN(1, 0) ADD_1(3, 1) UP(1, 1) ADD_1(4, 2) COLUMN(1, 1) ADD_1(5, 1) UP(1, 1) ADD_1(6, 2) \
+    COLUMN(2, 0) ADD_1(7, 2) COLUMN(2, 1) ADD_1(8, 2) END(9)
+#define PLAN_3 PASS(0, 24) COLUMN(0, 0) ADD_1(0, 0) UP(0, 0) ADD_3(1, 1) UP(1, 0) ADD_3(3, 2) \
+    UP(2, 0) ADD_2(5, 3) COLUMN(1, 0) ADD_3(6, 1) UP(1, 1) ADD_3(8, 2) UP(2, 1) ADD_2(10, 3) \
+    COLUMN(1, 1) ADD_3(11, 1) UP(1, 1) ADD_3(13, 2) UP(2, 1) ADD_2(15, 3) COLUMN(2, 0) \
+    ADD_3(16, 2) UP(2, 2) ADD_2(18, 3) COLUMN(2, 1) ADD_3(19, 2) UP(2, 2) ADD_2(21, 3) \
+    COLUMN(3, 0) ADD_2(22, 3) COLUMN(3, 1) ADD_2(23, 3) END(24)
+#define PLAN_4 PASS(0, 22) COLUMN(0, 0) ADD_4(0, 0) UP(0, 0) UP(1, 0) ADD_4(1, 2) UP(2, 0) \
+    ADD_4(2, 3) UP(3, 0) ADD_4(3, 4) COLUMN(1, 0) UP(1, 1) ADD_4(4, 2) UP(2, 1) ADD_4(5, 3) \
+    UP(3, 1) ADD_4(6, 4) COLUMN(1, 1) UP(1, 1) ADD_4(7, 2) UP(2, 1) ADD_4(8, 3) UP(3, 1) \
+    ADD_4(9, 4) COLUMN(2, 0) ADD_4(10, 2) UP(2, 2) ADD_4(11, 3) UP(3, 2) ADD_4(12, 4) \
+    COLUMN(2, 1) ADD_4(13, 2) UP(2, 2) ADD_4(14, 3) UP(3, 2) ADD_4(15, 4) COLUMN(3, 0) \
+    ADD_4(16, 3) UP(3, 3) ADD_4(17, 4) COLUMN(3, 1) ADD_4(18, 3) UP(3, 3) ADD_4(19, 4) \
+    COLUMN(4, 0) ADD_4(20, 4) COLUMN(4, 1) ADD_4(21, 4) END(22)
+#define PLAN_5 PASS(0, 21) COLUMN(0, 0) ADD_5(0, 0) UP(0, 0) ADD_1(2, 1) UP(1, 0) ADD_5(3, 2) \
+    UP(2, 0) ADD_4(5, 3) UP(3, 0) ADD_4(6, 4) COLUMN(1, 0) ADD_1(7, 1) UP(1, 1) ADD_5(8, 2) \
+    UP(2, 1) ADD_4(10, 3) UP(3, 1) ADD_4(11, 4) COLUMN(1, 1) ADD_1(12, 1) UP(1, 1) ADD_5(13, 2) \
+    UP(2, 1) ADD_4(15, 3) UP(3, 1) ADD_4(16, 4) COLUMN(2, 0) ADD_5(17, 2) UP(2, 2) ADD_4(19, 3) \
+    UP(3, 2) ADD_4(20, 4) END(21) PASS(21, 10) COLUMN(2, 1) ADD_5(0, 2) UP(2, 2) ADD_4(2, 3) \
+    UP(3, 2) ADD_4(3, 4) COLUMN(3, 0) ADD_4(4, 3) UP(3, 3) ADD_4(5, 4) COLUMN(3, 1) ADD_4(6, 3) \
+    UP(3, 3) ADD_4(7, 4) COLUMN(4, 0) ADD_4(8, 4) COLUMN(4, 1) ADD_4(9, 4) END(10)
+#define PLAN_7 PASS(0, 18) COLUMN(0, 0) ADD_5(0, 0) UP(0, 0) ADD_3(2, 1) UP(1, 0) ADD_7(4, 2) \
+    UP(2, 0) ADD_6(7, 3) UP(3, 0) ADD_4(9, 4) COLUMN(1, 0) ADD_3(10, 1) UP(1, 1) ADD_7(12, 2) \
+    UP(2, 1) ADD_6(15, 3) UP(3, 1) ADD_4(17, 4) END(18) PASS(18, 23) COLUMN(1, 1) ADD_3(0, 1) \
+    UP(1, 1) ADD_7(2, 2) UP(2, 1) ADD_6(5, 3) UP(3, 1) ADD_4(7, 4) COLUMN(2, 0) ADD_7(8, 2) \
+    UP(2, 2) ADD_6(11, 3) UP(3, 2) ADD_4(13, 4) COLUMN(2, 1) ADD_7(14, 2) UP(2, 2) ADD_6(17, 3) \
+    UP(3, 2) ADD_4(19, 4) COLUMN(3, 0) ADD_6(20, 3) UP(3, 3) ADD_4(22, 4) END(23) PASS(41, 5) \
+    COLUMN(3, 1) ADD_6(0, 3) UP(3, 3) ADD_4(2, 4) COLUMN(4, 0) ADD_4(3, 4) COLUMN(4, 1) \
+    ADD_4(4, 4) END(5)
+#define PLAN_RGB_1 PASS(0, 8) COLUMN(0, 0) ADD_1(0, 0) UP(0, 0) ADD_1(1, 1) UP(1, 0) ADD_1(2, 2) \
+    COLUMN(1, 0) ADD_1(3, 1) UP(1, 1) ADD_1(4, 2) COLUMN(1, 1) ADD_1(5, 1) UP(1, 1) ADD_1(6, 2) \
+    COLUMN(2, 0) ADD_1(7, 2) END(8) PASS(8, 1) COLUMN(2, 1) ADD_1(0, 2) END(1)
+#define PLAN_RGB_3 PASS(0, 6) COLUMN(0, 0) ADD_1(0, 0) UP(0, 0) ADD_3(1, 1) UP(1, 0) ADD_3(3, 2) \
+    UP(2, 0) ADD_2(5, 3) END(6) PASS(6, 5) COLUMN(1, 0) ADD_3(0, 1) UP(1, 1) ADD_3(2, 2) \
+    UP(2, 1) ADD_2(4, 3) END(5) PASS(11, 8) COLUMN(1, 1) ADD_3(0, 1) UP(1, 1) ADD_3(2, 2) \
+    UP(2, 1) ADD_2(4, 3) COLUMN(2, 0) ADD_3(5, 2) UP(2, 2) ADD_2(7, 3) END(8) PASS(19, 5) \
+    COLUMN(2, 1) ADD_3(0, 2) UP(2, 2) ADD_2(2, 3) COLUMN(3, 0) ADD_2(3, 3) COLUMN(3, 1) \
+    ADD_2(4, 3) END(5)
+#define PLAN_RGB_4 PASS(0, 7) COLUMN(0, 0) ADD_4(0, 0) UP(0, 0) UP(1, 0) ADD_4(1, 2) UP(2, 0) \
+    ADD_4(2, 3) UP(3, 0) ADD_4(3, 4) COLUMN(1, 0) UP(1, 1) ADD_4(4, 2) UP(2, 1) ADD_4(5, 3) \
+    UP(3, 1) ADD_4(6, 4) END(7) PASS(7, 6) COLUMN(1, 1) UP(1, 1) ADD_4(0, 2) UP(2, 1) \
+    ADD_4(1, 3) UP(3, 1) ADD_4(2, 4) COLUMN(2, 0) ADD_4(3, 2) UP(2, 2) ADD_4(4, 3) UP(3, 2) \
+    ADD_4(5, 4) END(6) PASS(13, 8) COLUMN(2, 1) ADD_4(0, 2) UP(2, 2) ADD_4(1, 3) UP(3, 2) \
+    ADD_4(2, 4) COLUMN(3, 0) ADD_4(3, 3) UP(3, 3) ADD_4(4, 4) COLUMN(3, 1) ADD_4(5, 3) UP(3, 3) \
+    ADD_4(6, 4) COLUMN(4, 0) ADD_4(7, 4) END(8) PASS(21, 1) COLUMN(4, 1) ADD_4(0, 4) END(1)
+#define PLAN_RGB_5 PASS(0, 7) COLUMN(0, 0) ADD_5(0, 0) UP(0, 0) ADD_1(2, 1) UP(1, 0) ADD_5(3, 2) \
+    UP(2, 0) ADD_4(5, 3) UP(3, 0) ADD_4(6, 4) END(7) PASS(7, 5) COLUMN(1, 0) ADD_1(0, 1) \
+    UP(1, 1) ADD_5(1, 2) UP(2, 1) ADD_4(3, 3) UP(3, 1) ADD_4(4, 4) END(5) PASS(12, 5) \
+    COLUMN(1, 1) ADD_1(0, 1) UP(1, 1) ADD_5(1, 2) UP(2, 1) ADD_4(3, 3) UP(3, 1) ADD_4(4, 4) \
+    END(5) PASS(17, 8) COLUMN(2, 0) ADD_5(0, 2) UP(2, 2) ADD_4(2, 3) UP(3, 2) ADD_4(3, 4) \
+    COLUMN(2, 1) ADD_5(4, 2) UP(2, 2) ADD_4(6, 3) UP(3, 2) ADD_4(7, 4) END(8) PASS(25, 6) \
+    COLUMN(3, 0) ADD_4(0, 3) UP(3, 3) ADD_4(1, 4) COLUMN(3, 1) ADD_4(2, 3) UP(3, 3) ADD_4(3, 4) \
+    COLUMN(4, 0) ADD_4(4, 4) COLUMN(4, 1) ADD_4(5, 4) END(6)
+#define PLAN_RGB_7 PASS(0, 7) COLUMN(0, 0) ADD_5(0, 0) UP(0, 0) ADD_3(2, 1) UP(1, 0) ADD_7(4, 2) \
+    UP(2, 0) CUT END(7) PASS(7, 3) RESUME ADD_6(0, 3) UP(3, 0) ADD_4(2, 4) END(3) PASS(10, 8) \
+    COLUMN(1, 0) ADD_3(0, 1) UP(1, 1) ADD_7(2, 2) UP(2, 1) ADD_6(5, 3) UP(3, 1) ADD_4(7, 4) \
+    END(8) PASS(18, 8) COLUMN(1, 1) ADD_3(0, 1) UP(1, 1) ADD_7(2, 2) UP(2, 1) ADD_6(5, 3) \
+    UP(3, 1) ADD_4(7, 4) END(8) PASS(26, 6) COLUMN(2, 0) ADD_7(0, 2) UP(2, 2) ADD_6(3, 3) \
+    UP(3, 2) ADD_4(5, 4) END(6) PASS(32, 6) COLUMN(2, 1) ADD_7(0, 2) UP(2, 2) ADD_6(3, 3) \
+    UP(3, 2) ADD_4(5, 4) END(6) PASS(38, 8) COLUMN(3, 0) ADD_6(0, 3) UP(3, 3) ADD_4(2, 4) \
+    COLUMN(3, 1) ADD_6(3, 3) UP(3, 3) ADD_4(5, 4) COLUMN(4, 0) ADD_4(6, 4) COLUMN(4, 1) \
+    ADD_4(7, 4) END(8)
 #else
-#define PLAN_1 PASS(0, 9) SEGMENT(0, 0, 0, 3, 0) SEGMENT(1, 0, 1, 3, 3) SEGMENT(1, 1, 1, 3, 5) \
-    SEGMENT(2, 0, 2, 3, 7) SEGMENT(2, 1, 2, 3, 8) END(9)
-#define PLAN_3 PASS(0, 11) SEGMENT(0, 0, 0, 4, 0) SEGMENT(1, 0, 1, 4, 6) END(11) PASS(11, 12) \
-    SEGMENT(1, 1, 1, 4, 0) SEGMENT(2, 0, 2, 4, 5) SEGMENT(2, 1, 2, 4, 8) SEGMENT(3, 0, 3, 4, 11) \
-    END(12) PASS(23, 1) SEGMENT(3, 1, 3, 4, 0) END(1)
-#define PLAN_4 PASS(0, 10) SEGMENT(0, 0, 0, 5, 0) SEGMENT(1, 0, 1, 5, 4) SEGMENT(1, 1, 1, 5, 7) \
-    END(10) PASS(10, 12) SEGMENT(2, 0, 2, 5, 0) SEGMENT(2, 1, 2, 5, 3) SEGMENT(3, 0, 3, 5, 6) \
-    SEGMENT(3, 1, 3, 5, 8) SEGMENT(4, 0, 4, 5, 10) SEGMENT(4, 1, 4, 5, 11) END(12)
-#define PLAN_5 PASS(0, 12) SEGMENT(0, 0, 0, 5, 0) SEGMENT(1, 0, 1, 5, 7) END(12) PASS(12, 9) \
-    SEGMENT(1, 1, 1, 5, 0) SEGMENT(2, 0, 2, 5, 5) END(9) PASS(21, 10) SEGMENT(2, 1, 2, 5, 0) \
-    SEGMENT(3, 0, 3, 5, 4) SEGMENT(3, 1, 3, 5, 6) SEGMENT(4, 0, 4, 5, 8) SEGMENT(4, 1, 4, 5, 9) \
-    END(10)
-#define PLAN_7 PASS(0, 10) SEGMENT(0, 0, 0, 5, 0) END(10) PASS(10, 8) SEGMENT(1, 0, 1, 5, 0) \
-    END(8) PASS(18, 8) SEGMENT(1, 1, 1, 5, 0) END(8) PASS(26, 12) SEGMENT(2, 0, 2, 5, 0) \
-    SEGMENT(2, 1, 2, 5, 6) END(12) PASS(38, 8) SEGMENT(3, 0, 3, 5, 0) SEGMENT(3, 1, 3, 5, 3) \
-    SEGMENT(4, 0, 4, 5, 6) SEGMENT(4, 1, 4, 5, 7) END(8)
-#define PLAN_RGB_1 PASS(0, 3) SEGMENT(0, 0, 0, 3, 0) END(3) PASS(3, 4) SEGMENT(1, 0, 1, 3, 0) \
-    SEGMENT(1, 1, 1, 3, 2) END(4) PASS(7, 2) SEGMENT(2, 0, 2, 3, 0) SEGMENT(2, 1, 2, 3, 1) \
+#define PLAN_1 PASS(0, 9) COLUMN(0, 0) ADD_1(0, 0) UP(0, 0) ADD_1(1, 1) UP(1, 0) ADD_1(2, 2) \
+    COLUMN(1, 0) ADD_1(3, 1) UP(1, 1) ADD_1(4, 2) COLUMN(1, 1) ADD_1(5, 1) UP(1, 1) ADD_1(6, 2) \
+    COLUMN(2, 0) ADD_1(7, 2) COLUMN(2, 1) ADD_1(8, 2) END(9)
+#define PLAN_3 PASS(0, 11) COLUMN(0, 0) ADD_1(0, 0) UP(0, 0) ADD_3(1, 1) UP(1, 0) ADD_3(3, 2) \
+    UP(2, 0) ADD_2(5, 3) COLUMN(1, 0) ADD_3(6, 1) UP(1, 1) ADD_3(8, 2) UP(2, 1) ADD_2(10, 3) \
+    END(11) PASS(11, 12) COLUMN(1, 1) ADD_3(0, 1) UP(1, 1) ADD_3(2, 2) UP(2, 1) ADD_2(4, 3) \
+    COLUMN(2, 0) ADD_3(5, 2) UP(2, 2) ADD_2(7, 3) COLUMN(2, 1) ADD_3(8, 2) UP(2, 2) ADD_2(10, 3) \
+    COLUMN(3, 0) ADD_2(11, 3) END(12) PASS(23, 1) COLUMN(3, 1) ADD_2(0, 3) END(1)
+#define PLAN_4 PASS(0, 10) COLUMN(0, 0) ADD_4(0, 0) UP(0, 0) UP(1, 0) ADD_4(1, 2) UP(2, 0) \
+    ADD_4(2, 3) UP(3, 0) ADD_4(3, 4) COLUMN(1, 0) UP(1, 1) ADD_4(4, 2) UP(2, 1) ADD_4(5, 3) \
+    UP(3, 1) ADD_4(6, 4) COLUMN(1, 1) UP(1, 1) ADD_4(7, 2) UP(2, 1) ADD_4(8, 3) UP(3, 1) \
+    ADD_4(9, 4) END(10) PASS(10, 12) COLUMN(2, 0) ADD_4(0, 2) UP(2, 2) ADD_4(1, 3) UP(3, 2) \
+    ADD_4(2, 4) COLUMN(2, 1) ADD_4(3, 2) UP(2, 2) ADD_4(4, 3) UP(3, 2) ADD_4(5, 4) COLUMN(3, 0) \
+    ADD_4(6, 3) UP(3, 3) ADD_4(7, 4) COLUMN(3, 1) ADD_4(8, 3) UP(3, 3) ADD_4(9, 4) COLUMN(4, 0) \
+    ADD_4(10, 4) COLUMN(4, 1) ADD_4(11, 4) END(12)
+#define PLAN_5 PASS(0, 12) COLUMN(0, 0) ADD_5(0, 0) UP(0, 0) ADD_1(2, 1) UP(1, 0) ADD_5(3, 2) \
+    UP(2, 0) ADD_4(5, 3) UP(3, 0) ADD_4(6, 4) COLUMN(1, 0) ADD_1(7, 1) UP(1, 1) ADD_5(8, 2) \
+    UP(2, 1) ADD_4(10, 3) UP(3, 1) ADD_4(11, 4) END(12) PASS(12, 9) COLUMN(1, 1) ADD_1(0, 1) \
+    UP(1, 1) ADD_5(1, 2) UP(2, 1) ADD_4(3, 3) UP(3, 1) ADD_4(4, 4) COLUMN(2, 0) ADD_5(5, 2) \
+    UP(2, 2) ADD_4(7, 3) UP(3, 2) ADD_4(8, 4) END(9) PASS(21, 10) COLUMN(2, 1) ADD_5(0, 2) \
+    UP(2, 2) ADD_4(2, 3) UP(3, 2) ADD_4(3, 4) COLUMN(3, 0) ADD_4(4, 3) UP(3, 3) ADD_4(5, 4) \
+    COLUMN(3, 1) ADD_4(6, 3) UP(3, 3) ADD_4(7, 4) COLUMN(4, 0) ADD_4(8, 4) COLUMN(4, 1) \
+    ADD_4(9, 4) END(10)
+#define PLAN_7 PASS(0, 10) COLUMN(0, 0) ADD_5(0, 0) UP(0, 0) ADD_3(2, 1) UP(1, 0) ADD_7(4, 2) \
+    UP(2, 0) ADD_6(7, 3) UP(3, 0) ADD_4(9, 4) END(10) PASS(10, 8) COLUMN(1, 0) ADD_3(0, 1) \
+    UP(1, 1) ADD_7(2, 2) UP(2, 1) ADD_6(5, 3) UP(3, 1) ADD_4(7, 4) END(8) PASS(18, 8) \
+    COLUMN(1, 1) ADD_3(0, 1) UP(1, 1) ADD_7(2, 2) UP(2, 1) ADD_6(5, 3) UP(3, 1) ADD_4(7, 4) \
+    END(8) PASS(26, 12) COLUMN(2, 0) ADD_7(0, 2) UP(2, 2) ADD_6(3, 3) UP(3, 2) ADD_4(5, 4) \
+    COLUMN(2, 1) ADD_7(6, 2) UP(2, 2) ADD_6(9, 3) UP(3, 2) ADD_4(11, 4) END(12) PASS(38, 8) \
+    COLUMN(3, 0) ADD_6(0, 3) UP(3, 3) ADD_4(2, 4) COLUMN(3, 1) ADD_6(3, 3) UP(3, 3) ADD_4(5, 4) \
+    COLUMN(4, 0) ADD_4(6, 4) COLUMN(4, 1) ADD_4(7, 4) END(8)
+#define PLAN_RGB_1 PASS(0, 3) COLUMN(0, 0) ADD_1(0, 0) UP(0, 0) ADD_1(1, 1) UP(1, 0) ADD_1(2, 2) \
+    END(3) PASS(3, 4) COLUMN(1, 0) ADD_1(0, 1) UP(1, 1) ADD_1(1, 2) COLUMN(1, 1) ADD_1(2, 1) \
+    UP(1, 1) ADD_1(3, 2) END(4) PASS(7, 2) COLUMN(2, 0) ADD_1(0, 2) COLUMN(2, 1) ADD_1(1, 2) \
     END(2)
-#define PLAN_RGB_3 PASS(0, 3) SEGMENT(0, 0, 0, 2, 0) END(3) PASS(3, 3) SEGMENT(0, 0, 2, 4, 0) \
-    END(3) PASS(6, 4) SEGMENT(1, 0, 1, 3, 0) END(4) PASS(10, 1) SEGMENT(1, 0, 3, 4, 0) END(1) \
-    PASS(11, 4) SEGMENT(1, 1, 1, 3, 0) END(4) PASS(15, 4) SEGMENT(1, 1, 3, 4, 0) \
-    SEGMENT(2, 0, 2, 4, 1) END(4) PASS(19, 4) SEGMENT(2, 1, 2, 4, 0) SEGMENT(3, 0, 3, 4, 3) \
-    END(4) PASS(23, 1) SEGMENT(3, 1, 3, 4, 0) END(1)
-#define PLAN_RGB_4 PASS(0, 4) SEGMENT(0, 0, 0, 5, 0) END(4) PASS(4, 3) SEGMENT(1, 0, 1, 5, 0) \
-    END(3) PASS(7, 3) SEGMENT(1, 1, 1, 5, 0) END(3) PASS(10, 3) SEGMENT(2, 0, 2, 5, 0) END(3) \
-    PASS(13, 3) SEGMENT(2, 1, 2, 5, 0) END(3) PASS(16, 4) SEGMENT(3, 0, 3, 5, 0) \
-    SEGMENT(3, 1, 3, 5, 2) END(4) PASS(20, 2) SEGMENT(4, 0, 4, 5, 0) SEGMENT(4, 1, 4, 5, 1) \
-    END(2)
-#define PLAN_RGB_5 PASS(0, 3) SEGMENT(0, 0, 0, 2, 0) END(3) PASS(3, 4) SEGMENT(0, 0, 2, 5, 0) \
-    END(4) PASS(7, 4) SEGMENT(1, 0, 1, 4, 0) END(4) PASS(11, 1) SEGMENT(1, 0, 4, 5, 0) END(1) \
-    PASS(12, 4) SEGMENT(1, 1, 1, 4, 0) END(4) PASS(16, 1) SEGMENT(1, 1, 4, 5, 0) END(1) \
-    PASS(17, 4) SEGMENT(2, 0, 2, 5, 0) END(4) PASS(21, 4) SEGMENT(2, 1, 2, 5, 0) END(4) \
-    PASS(25, 4) SEGMENT(3, 0, 3, 5, 0) SEGMENT(3, 1, 3, 5, 2) END(4) PASS(29, 2) \
-    SEGMENT(4, 0, 4, 5, 0) SEGMENT(4, 1, 4, 5, 1) END(2)
-#define PLAN_RGB_7 PASS(0, 4) SEGMENT(0, 0, 0, 2, 0) END(4) PASS(4, 3) SEGMENT(0, 0, 2, 3, 0) \
-    END(3) PASS(7, 3) SEGMENT(0, 0, 3, 5, 0) END(3) PASS(10, 2) SEGMENT(1, 0, 1, 2, 0) END(2) \
-    PASS(12, 3) SEGMENT(1, 0, 2, 3, 0) END(3) PASS(15, 3) SEGMENT(1, 0, 3, 5, 0) END(3) \
-    PASS(18, 2) SEGMENT(1, 1, 1, 2, 0) END(2) PASS(20, 3) SEGMENT(1, 1, 2, 3, 0) END(3) \
-    PASS(23, 3) SEGMENT(1, 1, 3, 5, 0) END(3) PASS(26, 3) SEGMENT(2, 0, 2, 3, 0) END(3) \
-    PASS(29, 3) SEGMENT(2, 0, 3, 5, 0) END(3) PASS(32, 3) SEGMENT(2, 1, 2, 3, 0) END(3) \
-    PASS(35, 3) SEGMENT(2, 1, 3, 5, 0) END(3) PASS(38, 3) SEGMENT(3, 0, 3, 5, 0) END(3) \
-    PASS(41, 4) SEGMENT(3, 1, 3, 5, 0) SEGMENT(4, 0, 4, 5, 3) END(4) PASS(45, 1) \
-    SEGMENT(4, 1, 4, 5, 0) END(1)
+#define PLAN_RGB_3 PASS(0, 3) COLUMN(0, 0) ADD_1(0, 0) UP(0, 0) ADD_3(1, 1) UP(1, 0) CUT END(3) \
+    PASS(3, 3) RESUME ADD_3(0, 2) UP(2, 0) ADD_2(2, 3) END(3) PASS(6, 4) COLUMN(1, 0) \
+    ADD_3(0, 1) UP(1, 1) ADD_3(2, 2) UP(2, 1) CUT END(4) PASS(10, 1) RESUME ADD_2(0, 3) END(1) \
+    PASS(11, 4) COLUMN(1, 1) ADD_3(0, 1) UP(1, 1) ADD_3(2, 2) UP(2, 1) CUT END(4) PASS(15, 4) \
+    RESUME ADD_2(0, 3) COLUMN(2, 0) ADD_3(1, 2) UP(2, 2) ADD_2(3, 3) END(4) PASS(19, 4) \
+    COLUMN(2, 1) ADD_3(0, 2) UP(2, 2) ADD_2(2, 3) COLUMN(3, 0) ADD_2(3, 3) END(4) PASS(23, 1) \
+    COLUMN(3, 1) ADD_2(0, 3) END(1)
+#define PLAN_RGB_4 PASS(0, 4) COLUMN(0, 0) ADD_4(0, 0) UP(0, 0) UP(1, 0) ADD_4(1, 2) UP(2, 0) \
+    ADD_4(2, 3) UP(3, 0) ADD_4(3, 4) END(4) PASS(4, 3) COLUMN(1, 0) UP(1, 1) ADD_4(0, 2) \
+    UP(2, 1) ADD_4(1, 3) UP(3, 1) ADD_4(2, 4) END(3) PASS(7, 3) COLUMN(1, 1) UP(1, 1) \
+    ADD_4(0, 2) UP(2, 1) ADD_4(1, 3) UP(3, 1) ADD_4(2, 4) END(3) PASS(10, 3) COLUMN(2, 0) \
+    ADD_4(0, 2) UP(2, 2) ADD_4(1, 3) UP(3, 2) ADD_4(2, 4) END(3) PASS(13, 3) COLUMN(2, 1) \
+    ADD_4(0, 2) UP(2, 2) ADD_4(1, 3) UP(3, 2) ADD_4(2, 4) END(3) PASS(16, 4) COLUMN(3, 0) \
+    ADD_4(0, 3) UP(3, 3) ADD_4(1, 4) COLUMN(3, 1) ADD_4(2, 3) UP(3, 3) ADD_4(3, 4) END(4) \
+    PASS(20, 2) COLUMN(4, 0) ADD_4(0, 4) COLUMN(4, 1) ADD_4(1, 4) END(2)
+#define PLAN_RGB_5 PASS(0, 3) COLUMN(0, 0) ADD_5(0, 0) UP(0, 0) ADD_1(2, 1) UP(1, 0) CUT END(3) \
+    PASS(3, 4) RESUME ADD_5(0, 2) UP(2, 0) ADD_4(2, 3) UP(3, 0) ADD_4(3, 4) END(4) PASS(7, 4) \
+    COLUMN(1, 0) ADD_1(0, 1) UP(1, 1) ADD_5(1, 2) UP(2, 1) ADD_4(3, 3) UP(3, 1) CUT END(4) \
+    PASS(11, 1) RESUME ADD_4(0, 4) END(1) PASS(12, 4) COLUMN(1, 1) ADD_1(0, 1) UP(1, 1) \
+    ADD_5(1, 2) UP(2, 1) ADD_4(3, 3) UP(3, 1) CUT END(4) PASS(16, 1) RESUME ADD_4(0, 4) END(1) \
+    PASS(17, 4) COLUMN(2, 0) ADD_5(0, 2) UP(2, 2) ADD_4(2, 3) UP(3, 2) ADD_4(3, 4) END(4) \
+    PASS(21, 4) COLUMN(2, 1) ADD_5(0, 2) UP(2, 2) ADD_4(2, 3) UP(3, 2) ADD_4(3, 4) END(4) \
+    PASS(25, 4) COLUMN(3, 0) ADD_4(0, 3) UP(3, 3) ADD_4(1, 4) COLUMN(3, 1) ADD_4(2, 3) UP(3, 3) \
+    ADD_4(3, 4) END(4) PASS(29, 2) COLUMN(4, 0) ADD_4(0, 4) COLUMN(4, 1) ADD_4(1, 4) END(2)
+#define PLAN_RGB_7 PASS(0, 4) COLUMN(0, 0) ADD_5(0, 0) UP(0, 0) ADD_3(2, 1) UP(1, 0) CUT END(4) \
+    PASS(4, 3) RESUME ADD_7(0, 2) UP(2, 0) CUT END(3) PASS(7, 3) RESUME ADD_6(0, 3) UP(3, 0) \
+    ADD_4(2, 4) END(3) PASS(10, 2) COLUMN(1, 0) ADD_3(0, 1) UP(1, 1) CUT END(2) PASS(12, 3) \
+    RESUME ADD_7(0, 2) UP(2, 1) CUT END(3) PASS(15, 3) RESUME ADD_6(0, 3) UP(3, 1) ADD_4(2, 4) \
+    END(3) PASS(18, 2) COLUMN(1, 1) ADD_3(0, 1) UP(1, 1) CUT END(2) PASS(20, 3) RESUME \
+    ADD_7(0, 2) UP(2, 1) CUT END(3) PASS(23, 3) RESUME ADD_6(0, 3) UP(3, 1) ADD_4(2, 4) END(3) \
+    PASS(26, 3) COLUMN(2, 0) ADD_7(0, 2) UP(2, 2) CUT END(3) PASS(29, 3) RESUME ADD_6(0, 3) \
+    UP(3, 2) ADD_4(2, 4) END(3) PASS(32, 3) COLUMN(2, 1) ADD_7(0, 2) UP(2, 2) CUT END(3) \
+    PASS(35, 3) RESUME ADD_6(0, 3) UP(3, 2) ADD_4(2, 4) END(3) PASS(38, 3) COLUMN(3, 0) \
+    ADD_6(0, 3) UP(3, 3) ADD_4(2, 4) END(3) PASS(41, 4) COLUMN(3, 1) ADD_6(0, 3) UP(3, 3) \
+    ADD_4(2, 4) COLUMN(4, 0) ADD_4(3, 4) END(4) PASS(45, 1) COLUMN(4, 1) ADD_4(0, 4) END(1)
 #endif
 #define KERNEL_NAME YLM_KERNEL(ylm__moments_2)
 #include "../kernel.h"

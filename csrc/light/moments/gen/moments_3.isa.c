@@ -8,111 +8,201 @@
 */
 #define LMAX 3
 #if defined(__AVX512F__) || defined(__aarch64__)
-#define PLAN_1 PASS(0, 16) SEGMENT(0, 0, 0, 4, 0) SEGMENT(1, 0, 1, 4, 4) SEGMENT(1, 1, 1, 4, 7) \
-    SEGMENT(2, 0, 2, 4, 10) SEGMENT(2, 1, 2, 4, 12) SEGMENT(3, 0, 3, 4, 14) \
-    SEGMENT(3, 1, 3, 4, 15) END(16)
-#define PLAN_3 PASS(0, 22) SEGMENT(0, 0, 0, 5, 0) SEGMENT(1, 0, 1, 5, 8) SEGMENT(1, 1, 1, 5, 15) \
-    END(22) PASS(22, 18) SEGMENT(2, 0, 2, 5, 0) SEGMENT(2, 1, 2, 5, 5) SEGMENT(3, 0, 3, 5, 10) \
-    SEGMENT(3, 1, 3, 5, 13) SEGMENT(4, 0, 4, 5, 16) SEGMENT(4, 1, 4, 5, 17) END(18)
-#define PLAN_4 PASS(0, 24) SEGMENT(0, 0, 0, 6, 0) SEGMENT(1, 0, 1, 6, 5) SEGMENT(1, 1, 1, 6, 9) \
-    SEGMENT(2, 0, 2, 6, 13) SEGMENT(2, 1, 2, 6, 17) SEGMENT(3, 0, 3, 6, 21) END(24) PASS(24, 9) \
-    SEGMENT(3, 1, 3, 6, 0) SEGMENT(4, 0, 4, 6, 3) SEGMENT(4, 1, 4, 6, 5) SEGMENT(5, 0, 5, 6, 7) \
-    SEGMENT(5, 1, 5, 6, 8) END(9)
-#define PLAN_5 PASS(0, 23) SEGMENT(0, 0, 0, 6, 0) SEGMENT(1, 0, 1, 6, 9) SEGMENT(1, 1, 1, 6, 16) \
-    END(23) PASS(23, 24) SEGMENT(2, 0, 2, 6, 0) SEGMENT(2, 1, 2, 6, 6) SEGMENT(3, 0, 3, 6, 12) \
-    SEGMENT(3, 1, 3, 6, 16) SEGMENT(4, 0, 4, 6, 20) SEGMENT(4, 1, 4, 6, 22) END(24) PASS(47, 2) \
-    SEGMENT(5, 0, 5, 6, 0) SEGMENT(5, 1, 5, 6, 1) END(2)
-#define PLAN_7 PASS(0, 24) SEGMENT(0, 0, 0, 6, 0) SEGMENT(1, 0, 1, 6, 13) END(24) PASS(24, 20) \
-    SEGMENT(1, 1, 1, 6, 0) SEGMENT(2, 0, 2, 6, 11) END(20) PASS(44, 24) SEGMENT(2, 1, 2, 6, 0) \
-    SEGMENT(3, 0, 3, 6, 9) SEGMENT(3, 1, 3, 6, 15) SEGMENT(4, 0, 4, 6, 21) END(24) PASS(68, 5) \
-    SEGMENT(4, 1, 4, 6, 0) SEGMENT(5, 0, 5, 6, 3) SEGMENT(5, 1, 5, 6, 4) END(5)
-#define PLAN_RGB_1 PASS(0, 7) SEGMENT(0, 0, 0, 4, 0) SEGMENT(1, 0, 1, 4, 4) END(7) PASS(7, 8) \
-    SEGMENT(1, 1, 1, 4, 0) SEGMENT(2, 0, 2, 4, 3) SEGMENT(2, 1, 2, 4, 5) SEGMENT(3, 0, 3, 4, 7) \
-    END(8) PASS(15, 1) SEGMENT(3, 1, 3, 4, 0) END(1)
-#define PLAN_RGB_3 PASS(0, 8) SEGMENT(0, 0, 0, 5, 0) END(8) PASS(8, 7) SEGMENT(1, 0, 1, 5, 0) \
-    END(7) PASS(15, 7) SEGMENT(1, 1, 1, 5, 0) END(7) PASS(22, 5) SEGMENT(2, 0, 2, 5, 0) END(5) \
-    PASS(27, 8) SEGMENT(2, 1, 2, 5, 0) SEGMENT(3, 0, 3, 5, 5) END(8) PASS(35, 5) \
-    SEGMENT(3, 1, 3, 5, 0) SEGMENT(4, 0, 4, 5, 3) SEGMENT(4, 1, 4, 5, 4) END(5)
-#define PLAN_RGB_4 PASS(0, 5) SEGMENT(0, 0, 0, 6, 0) END(5) PASS(5, 8) SEGMENT(1, 0, 1, 6, 0) \
-    SEGMENT(1, 1, 1, 6, 4) END(8) PASS(13, 8) SEGMENT(2, 0, 2, 6, 0) SEGMENT(2, 1, 2, 6, 4) \
-    END(8) PASS(21, 8) SEGMENT(3, 0, 3, 6, 0) SEGMENT(3, 1, 3, 6, 3) SEGMENT(4, 0, 4, 6, 6) \
-    END(8) PASS(29, 4) SEGMENT(4, 1, 4, 6, 0) SEGMENT(5, 0, 5, 6, 2) SEGMENT(5, 1, 5, 6, 3) \
-    END(4)
-#define PLAN_RGB_5 PASS(0, 8) SEGMENT(0, 0, 0, 5, 0) END(8) PASS(8, 8) SEGMENT(0, 0, 5, 6, 0) \
-    SEGMENT(1, 0, 1, 6, 1) END(8) PASS(16, 7) SEGMENT(1, 1, 1, 6, 0) END(7) PASS(23, 6) \
-    SEGMENT(2, 0, 2, 6, 0) END(6) PASS(29, 6) SEGMENT(2, 1, 2, 6, 0) END(6) PASS(35, 8) \
-    SEGMENT(3, 0, 3, 6, 0) SEGMENT(3, 1, 3, 6, 4) END(8) PASS(43, 6) SEGMENT(4, 0, 4, 6, 0) \
-    SEGMENT(4, 1, 4, 6, 2) SEGMENT(5, 0, 5, 6, 4) SEGMENT(5, 1, 5, 6, 5) END(6)
-#define PLAN_RGB_7 PASS(0, 7) SEGMENT(0, 0, 0, 3, 0) END(7) PASS(7, 6) SEGMENT(0, 0, 3, 6, 0) \
-    END(6) PASS(13, 8) SEGMENT(1, 0, 1, 4, 0) END(8) PASS(21, 3) SEGMENT(1, 0, 4, 6, 0) END(3) \
-    PASS(24, 8) SEGMENT(1, 1, 1, 4, 0) END(8) PASS(32, 3) SEGMENT(1, 1, 4, 6, 0) END(3) \
-    PASS(35, 8) SEGMENT(2, 0, 2, 5, 0) END(8) PASS(43, 1) SEGMENT(2, 0, 5, 6, 0) END(1) \
-    PASS(44, 8) SEGMENT(2, 1, 2, 5, 0) END(8) PASS(52, 7) SEGMENT(2, 1, 5, 6, 0) \
-    SEGMENT(3, 0, 3, 6, 1) END(7) PASS(59, 6) SEGMENT(3, 1, 3, 6, 0) END(6) PASS(65, 8) \
-    SEGMENT(4, 0, 4, 6, 0) SEGMENT(4, 1, 4, 6, 3) SEGMENT(5, 0, 5, 6, 6) SEGMENT(5, 1, 5, 6, 7) \
-    END(8)
+#define PLAN_1 PASS(0, 16) COLUMN(0, 0) ADD_1(0, 0) UP(0, 0) ADD_1(1, 1) UP(1, 0) ADD_1(2, 2) \
+    UP(2, 0) ADD_1(3, 3) COLUMN(1, 0) ADD_1(4, 1) UP(1, 1) ADD_1(5, 2) UP(2, 1) ADD_1(6, 3) \
+    COLUMN(1, 1) ADD_1(7, 1) UP(1, 1) ADD_1(8, 2) UP(2, 1) ADD_1(9, 3) COLUMN(2, 0) ADD_1(10, 2) \
+    UP(2, 2) ADD_1(11, 3) COLUMN(2, 1) ADD_1(12, 2) UP(2, 2) ADD_1(13, 3) COLUMN(3, 0) \
+    ADD_1(14, 3) COLUMN(3, 1) ADD_1(15, 3) END(16)
+#define PLAN_3 PASS(0, 22) COLUMN(0, 0) ADD_1(0, 0) UP(0, 0) ADD_3(1, 1) UP(1, 0) ADD_3(3, 2) \
+    UP(2, 0) ADD_3(5, 3) UP(3, 0) ADD_2(7, 4) COLUMN(1, 0) ADD_3(8, 1) UP(1, 1) ADD_3(10, 2) \
+    UP(2, 1) ADD_3(12, 3) UP(3, 1) ADD_2(14, 4) COLUMN(1, 1) ADD_3(15, 1) UP(1, 1) ADD_3(17, 2) \
+    UP(2, 1) ADD_3(19, 3) UP(3, 1) ADD_2(21, 4) END(22) PASS(22, 18) COLUMN(2, 0) ADD_3(0, 2) \
+    UP(2, 2) ADD_3(2, 3) UP(3, 2) ADD_2(4, 4) COLUMN(2, 1) ADD_3(5, 2) UP(2, 2) ADD_3(7, 3) \
+    UP(3, 2) ADD_2(9, 4) COLUMN(3, 0) ADD_3(10, 3) UP(3, 3) ADD_2(12, 4) COLUMN(3, 1) \
+    ADD_3(13, 3) UP(3, 3) ADD_2(15, 4) COLUMN(4, 0) ADD_2(16, 4) COLUMN(4, 1) ADD_2(17, 4) \
+    END(18)
+#define PLAN_4 PASS(0, 24) COLUMN(0, 0) ADD_4(0, 0) UP(0, 0) UP(1, 0) ADD_4(1, 2) UP(2, 0) \
+    ADD_4(2, 3) UP(3, 0) ADD_4(3, 4) UP(4, 0) ADD_4(4, 5) COLUMN(1, 0) UP(1, 1) ADD_4(5, 2) \
+    UP(2, 1) ADD_4(6, 3) UP(3, 1) ADD_4(7, 4) UP(4, 1) ADD_4(8, 5) COLUMN(1, 1) UP(1, 1) \
+    ADD_4(9, 2) UP(2, 1) ADD_4(10, 3) UP(3, 1) ADD_4(11, 4) UP(4, 1) ADD_4(12, 5) COLUMN(2, 0) \
+    ADD_4(13, 2) UP(2, 2) ADD_4(14, 3) UP(3, 2) ADD_4(15, 4) UP(4, 2) ADD_4(16, 5) COLUMN(2, 1) \
+    ADD_4(17, 2) UP(2, 2) ADD_4(18, 3) UP(3, 2) ADD_4(19, 4) UP(4, 2) ADD_4(20, 5) COLUMN(3, 0) \
+    ADD_4(21, 3) UP(3, 3) ADD_4(22, 4) UP(4, 3) ADD_4(23, 5) END(24) PASS(24, 9) COLUMN(3, 1) \
+    ADD_4(0, 3) UP(3, 3) ADD_4(1, 4) UP(4, 3) ADD_4(2, 5) COLUMN(4, 0) ADD_4(3, 4) UP(4, 4) \
+    ADD_4(4, 5) COLUMN(4, 1) ADD_4(5, 4) UP(4, 4) ADD_4(6, 5) COLUMN(5, 0) ADD_4(7, 5) \
+    COLUMN(5, 1) ADD_4(8, 5) END(9)
+#define PLAN_5 PASS(0, 23) COLUMN(0, 0) ADD_5(0, 0) UP(0, 0) ADD_1(2, 1) UP(1, 0) ADD_5(3, 2) \
+    UP(2, 0) ADD_5(5, 3) UP(3, 0) ADD_4(7, 4) UP(4, 0) ADD_4(8, 5) COLUMN(1, 0) ADD_1(9, 1) \
+    UP(1, 1) ADD_5(10, 2) UP(2, 1) ADD_5(12, 3) UP(3, 1) ADD_4(14, 4) UP(4, 1) ADD_4(15, 5) \
+    COLUMN(1, 1) ADD_1(16, 1) UP(1, 1) ADD_5(17, 2) UP(2, 1) ADD_5(19, 3) UP(3, 1) ADD_4(21, 4) \
+    UP(4, 1) ADD_4(22, 5) END(23) PASS(23, 24) COLUMN(2, 0) ADD_5(0, 2) UP(2, 2) ADD_5(2, 3) \
+    UP(3, 2) ADD_4(4, 4) UP(4, 2) ADD_4(5, 5) COLUMN(2, 1) ADD_5(6, 2) UP(2, 2) ADD_5(8, 3) \
+    UP(3, 2) ADD_4(10, 4) UP(4, 2) ADD_4(11, 5) COLUMN(3, 0) ADD_5(12, 3) UP(3, 3) ADD_4(14, 4) \
+    UP(4, 3) ADD_4(15, 5) COLUMN(3, 1) ADD_5(16, 3) UP(3, 3) ADD_4(18, 4) UP(4, 3) ADD_4(19, 5) \
+    COLUMN(4, 0) ADD_4(20, 4) UP(4, 4) ADD_4(21, 5) COLUMN(4, 1) ADD_4(22, 4) UP(4, 4) \
+    ADD_4(23, 5) END(24) PASS(47, 2) COLUMN(5, 0) ADD_4(0, 5) COLUMN(5, 1) ADD_4(1, 5) END(2)
+#define PLAN_7 PASS(0, 24) COLUMN(0, 0) ADD_5(0, 0) UP(0, 0) ADD_3(2, 1) UP(1, 0) ADD_7(4, 2) \
+    UP(2, 0) ADD_7(7, 3) UP(3, 0) ADD_6(10, 4) UP(4, 0) ADD_4(12, 5) COLUMN(1, 0) ADD_3(13, 1) \
+    UP(1, 1) ADD_7(15, 2) UP(2, 1) ADD_7(18, 3) UP(3, 1) ADD_6(21, 4) UP(4, 1) ADD_4(23, 5) \
+    END(24) PASS(24, 20) COLUMN(1, 1) ADD_3(0, 1) UP(1, 1) ADD_7(2, 2) UP(2, 1) ADD_7(5, 3) \
+    UP(3, 1) ADD_6(8, 4) UP(4, 1) ADD_4(10, 5) COLUMN(2, 0) ADD_7(11, 2) UP(2, 2) ADD_7(14, 3) \
+    UP(3, 2) ADD_6(17, 4) UP(4, 2) ADD_4(19, 5) END(20) PASS(44, 24) COLUMN(2, 1) ADD_7(0, 2) \
+    UP(2, 2) ADD_7(3, 3) UP(3, 2) ADD_6(6, 4) UP(4, 2) ADD_4(8, 5) COLUMN(3, 0) ADD_7(9, 3) \
+    UP(3, 3) ADD_6(12, 4) UP(4, 3) ADD_4(14, 5) COLUMN(3, 1) ADD_7(15, 3) UP(3, 3) ADD_6(18, 4) \
+    UP(4, 3) ADD_4(20, 5) COLUMN(4, 0) ADD_6(21, 4) UP(4, 4) ADD_4(23, 5) END(24) PASS(68, 5) \
+    COLUMN(4, 1) ADD_6(0, 4) UP(4, 4) ADD_4(2, 5) COLUMN(5, 0) ADD_4(3, 5) COLUMN(5, 1) \
+    ADD_4(4, 5) END(5)
+#define PLAN_RGB_1 PASS(0, 7) COLUMN(0, 0) ADD_1(0, 0) UP(0, 0) ADD_1(1, 1) UP(1, 0) ADD_1(2, 2) \
+    UP(2, 0) ADD_1(3, 3) COLUMN(1, 0) ADD_1(4, 1) UP(1, 1) ADD_1(5, 2) UP(2, 1) ADD_1(6, 3) \
+    END(7) PASS(7, 8) COLUMN(1, 1) ADD_1(0, 1) UP(1, 1) ADD_1(1, 2) UP(2, 1) ADD_1(2, 3) \
+    COLUMN(2, 0) ADD_1(3, 2) UP(2, 2) ADD_1(4, 3) COLUMN(2, 1) ADD_1(5, 2) UP(2, 2) ADD_1(6, 3) \
+    COLUMN(3, 0) ADD_1(7, 3) END(8) PASS(15, 1) COLUMN(3, 1) ADD_1(0, 3) END(1)
+#define PLAN_RGB_3 PASS(0, 8) COLUMN(0, 0) ADD_1(0, 0) UP(0, 0) ADD_3(1, 1) UP(1, 0) ADD_3(3, 2) \
+    UP(2, 0) ADD_3(5, 3) UP(3, 0) ADD_2(7, 4) END(8) PASS(8, 7) COLUMN(1, 0) ADD_3(0, 1) \
+    UP(1, 1) ADD_3(2, 2) UP(2, 1) ADD_3(4, 3) UP(3, 1) ADD_2(6, 4) END(7) PASS(15, 7) \
+    COLUMN(1, 1) ADD_3(0, 1) UP(1, 1) ADD_3(2, 2) UP(2, 1) ADD_3(4, 3) UP(3, 1) ADD_2(6, 4) \
+    END(7) PASS(22, 5) COLUMN(2, 0) ADD_3(0, 2) UP(2, 2) ADD_3(2, 3) UP(3, 2) ADD_2(4, 4) END(5) \
+    PASS(27, 8) COLUMN(2, 1) ADD_3(0, 2) UP(2, 2) ADD_3(2, 3) UP(3, 2) ADD_2(4, 4) COLUMN(3, 0) \
+    ADD_3(5, 3) UP(3, 3) ADD_2(7, 4) END(8) PASS(35, 5) COLUMN(3, 1) ADD_3(0, 3) UP(3, 3) \
+    ADD_2(2, 4) COLUMN(4, 0) ADD_2(3, 4) COLUMN(4, 1) ADD_2(4, 4) END(5)
+#define PLAN_RGB_4 PASS(0, 5) COLUMN(0, 0) ADD_4(0, 0) UP(0, 0) UP(1, 0) ADD_4(1, 2) UP(2, 0) \
+    ADD_4(2, 3) UP(3, 0) ADD_4(3, 4) UP(4, 0) ADD_4(4, 5) END(5) PASS(5, 8) COLUMN(1, 0) \
+    UP(1, 1) ADD_4(0, 2) UP(2, 1) ADD_4(1, 3) UP(3, 1) ADD_4(2, 4) UP(4, 1) ADD_4(3, 5) \
+    COLUMN(1, 1) UP(1, 1) ADD_4(4, 2) UP(2, 1) ADD_4(5, 3) UP(3, 1) ADD_4(6, 4) UP(4, 1) \
+    ADD_4(7, 5) END(8) PASS(13, 8) COLUMN(2, 0) ADD_4(0, 2) UP(2, 2) ADD_4(1, 3) UP(3, 2) \
+    ADD_4(2, 4) UP(4, 2) ADD_4(3, 5) COLUMN(2, 1) ADD_4(4, 2) UP(2, 2) ADD_4(5, 3) UP(3, 2) \
+    ADD_4(6, 4) UP(4, 2) ADD_4(7, 5) END(8) PASS(21, 8) COLUMN(3, 0) ADD_4(0, 3) UP(3, 3) \
+    ADD_4(1, 4) UP(4, 3) ADD_4(2, 5) COLUMN(3, 1) ADD_4(3, 3) UP(3, 3) ADD_4(4, 4) UP(4, 3) \
+    ADD_4(5, 5) COLUMN(4, 0) ADD_4(6, 4) UP(4, 4) ADD_4(7, 5) END(8) PASS(29, 4) COLUMN(4, 1) \
+    ADD_4(0, 4) UP(4, 4) ADD_4(1, 5) COLUMN(5, 0) ADD_4(2, 5) COLUMN(5, 1) ADD_4(3, 5) END(4)
+#define PLAN_RGB_5 PASS(0, 8) COLUMN(0, 0) ADD_5(0, 0) UP(0, 0) ADD_1(2, 1) UP(1, 0) ADD_5(3, 2) \
+    UP(2, 0) ADD_5(5, 3) UP(3, 0) ADD_4(7, 4) UP(4, 0) CUT END(8) PASS(8, 8) RESUME ADD_4(0, 5) \
+    COLUMN(1, 0) ADD_1(1, 1) UP(1, 1) ADD_5(2, 2) UP(2, 1) ADD_5(4, 3) UP(3, 1) ADD_4(6, 4) \
+    UP(4, 1) ADD_4(7, 5) END(8) PASS(16, 7) COLUMN(1, 1) ADD_1(0, 1) UP(1, 1) ADD_5(1, 2) \
+    UP(2, 1) ADD_5(3, 3) UP(3, 1) ADD_4(5, 4) UP(4, 1) ADD_4(6, 5) END(7) PASS(23, 6) \
+    COLUMN(2, 0) ADD_5(0, 2) UP(2, 2) ADD_5(2, 3) UP(3, 2) ADD_4(4, 4) UP(4, 2) ADD_4(5, 5) \
+    END(6) PASS(29, 6) COLUMN(2, 1) ADD_5(0, 2) UP(2, 2) ADD_5(2, 3) UP(3, 2) ADD_4(4, 4) \
+    UP(4, 2) ADD_4(5, 5) END(6) PASS(35, 8) COLUMN(3, 0) ADD_5(0, 3) UP(3, 3) ADD_4(2, 4) \
+    UP(4, 3) ADD_4(3, 5) COLUMN(3, 1) ADD_5(4, 3) UP(3, 3) ADD_4(6, 4) UP(4, 3) ADD_4(7, 5) \
+    END(8) PASS(43, 6) COLUMN(4, 0) ADD_4(0, 4) UP(4, 4) ADD_4(1, 5) COLUMN(4, 1) ADD_4(2, 4) \
+    UP(4, 4) ADD_4(3, 5) COLUMN(5, 0) ADD_4(4, 5) COLUMN(5, 1) ADD_4(5, 5) END(6)
+#define PLAN_RGB_7 PASS(0, 7) COLUMN(0, 0) ADD_5(0, 0) UP(0, 0) ADD_3(2, 1) UP(1, 0) ADD_7(4, 2) \
+    UP(2, 0) CUT END(7) PASS(7, 6) RESUME ADD_7(0, 3) UP(3, 0) ADD_6(3, 4) UP(4, 0) ADD_4(5, 5) \
+    END(6) PASS(13, 8) COLUMN(1, 0) ADD_3(0, 1) UP(1, 1) ADD_7(2, 2) UP(2, 1) ADD_7(5, 3) \
+    UP(3, 1) CUT END(8) PASS(21, 3) RESUME ADD_6(0, 4) UP(4, 1) ADD_4(2, 5) END(3) PASS(24, 8) \
+    COLUMN(1, 1) ADD_3(0, 1) UP(1, 1) ADD_7(2, 2) UP(2, 1) ADD_7(5, 3) UP(3, 1) CUT END(8) \
+    PASS(32, 3) RESUME ADD_6(0, 4) UP(4, 1) ADD_4(2, 5) END(3) PASS(35, 8) COLUMN(2, 0) \
+    ADD_7(0, 2) UP(2, 2) ADD_7(3, 3) UP(3, 2) ADD_6(6, 4) UP(4, 2) CUT END(8) PASS(43, 1) RESUME \
+    ADD_4(0, 5) END(1) PASS(44, 8) COLUMN(2, 1) ADD_7(0, 2) UP(2, 2) ADD_7(3, 3) UP(3, 2) \
+    ADD_6(6, 4) UP(4, 2) CUT END(8) PASS(52, 7) RESUME ADD_4(0, 5) COLUMN(3, 0) ADD_7(1, 3) \
+    UP(3, 3) ADD_6(4, 4) UP(4, 3) ADD_4(6, 5) END(7) PASS(59, 6) COLUMN(3, 1) ADD_7(0, 3) \
+    UP(3, 3) ADD_6(3, 4) UP(4, 3) ADD_4(5, 5) END(6) PASS(65, 8) COLUMN(4, 0) ADD_6(0, 4) \
+    UP(4, 4) ADD_4(2, 5) COLUMN(4, 1) ADD_6(3, 4) UP(4, 4) ADD_4(5, 5) COLUMN(5, 0) ADD_4(6, 5) \
+    COLUMN(5, 1) ADD_4(7, 5) END(8)
 #else
-#define PLAN_1 PASS(0, 12) SEGMENT(0, 0, 0, 4, 0) SEGMENT(1, 0, 1, 4, 4) SEGMENT(1, 1, 1, 4, 7) \
-    SEGMENT(2, 0, 2, 4, 10) END(12) PASS(12, 4) SEGMENT(2, 1, 2, 4, 0) SEGMENT(3, 0, 3, 4, 2) \
-    SEGMENT(3, 1, 3, 4, 3) END(4)
-#define PLAN_3 PASS(0, 8) SEGMENT(0, 0, 0, 5, 0) END(8) PASS(8, 7) SEGMENT(1, 0, 1, 5, 0) END(7) \
-    PASS(15, 12) SEGMENT(1, 1, 1, 5, 0) SEGMENT(2, 0, 2, 5, 7) END(12) PASS(27, 12) \
-    SEGMENT(2, 1, 2, 5, 0) SEGMENT(3, 0, 3, 5, 5) SEGMENT(3, 1, 3, 5, 8) SEGMENT(4, 0, 4, 5, 11) \
-    END(12) PASS(39, 1) SEGMENT(4, 1, 4, 5, 0) END(1)
-#define PLAN_4 PASS(0, 9) SEGMENT(0, 0, 0, 6, 0) SEGMENT(1, 0, 1, 6, 5) END(9) PASS(9, 12) \
-    SEGMENT(1, 1, 1, 6, 0) SEGMENT(2, 0, 2, 6, 4) SEGMENT(2, 1, 2, 6, 8) END(12) PASS(21, 12) \
-    SEGMENT(3, 0, 3, 6, 0) SEGMENT(3, 1, 3, 6, 3) SEGMENT(4, 0, 4, 6, 6) SEGMENT(4, 1, 4, 6, 8) \
-    SEGMENT(5, 0, 5, 6, 10) SEGMENT(5, 1, 5, 6, 11) END(12)
-#define PLAN_5 PASS(0, 9) SEGMENT(0, 0, 0, 6, 0) END(9) PASS(9, 7) SEGMENT(1, 0, 1, 6, 0) END(7) \
-    PASS(16, 7) SEGMENT(1, 1, 1, 6, 0) END(7) PASS(23, 12) SEGMENT(2, 0, 2, 6, 0) \
-    SEGMENT(2, 1, 2, 6, 6) END(12) PASS(35, 12) SEGMENT(3, 0, 3, 6, 0) SEGMENT(3, 1, 3, 6, 4) \
-    SEGMENT(4, 0, 4, 6, 8) SEGMENT(4, 1, 4, 6, 10) END(12) PASS(47, 2) SEGMENT(5, 0, 5, 6, 0) \
-    SEGMENT(5, 1, 5, 6, 1) END(2)
-#define PLAN_7 PASS(0, 12) SEGMENT(0, 0, 0, 5, 0) END(12) PASS(12, 12) SEGMENT(0, 0, 5, 6, 0) \
-    SEGMENT(1, 0, 1, 6, 1) END(12) PASS(24, 11) SEGMENT(1, 1, 1, 6, 0) END(11) PASS(35, 9) \
-    SEGMENT(2, 0, 2, 6, 0) END(9) PASS(44, 9) SEGMENT(2, 1, 2, 6, 0) END(9) PASS(53, 12) \
-    SEGMENT(3, 0, 3, 6, 0) SEGMENT(3, 1, 3, 6, 6) END(12) PASS(65, 8) SEGMENT(4, 0, 4, 6, 0) \
-    SEGMENT(4, 1, 4, 6, 3) SEGMENT(5, 0, 5, 6, 6) SEGMENT(5, 1, 5, 6, 7) END(8)
-#define PLAN_RGB_1 PASS(0, 4) SEGMENT(0, 0, 0, 4, 0) END(4) PASS(4, 3) SEGMENT(1, 0, 1, 4, 0) \
-    END(3) PASS(7, 3) SEGMENT(1, 1, 1, 4, 0) END(3) PASS(10, 4) SEGMENT(2, 0, 2, 4, 0) \
-    SEGMENT(2, 1, 2, 4, 2) END(4) PASS(14, 2) SEGMENT(3, 0, 3, 4, 0) SEGMENT(3, 1, 3, 4, 1) \
-    END(2)
-#define PLAN_RGB_3 PASS(0, 3) SEGMENT(0, 0, 0, 2, 0) END(3) PASS(3, 4) SEGMENT(0, 0, 2, 4, 0) \
-    END(4) PASS(7, 1) SEGMENT(0, 0, 4, 5, 0) END(1) PASS(8, 4) SEGMENT(1, 0, 1, 3, 0) END(4) \
-    PASS(12, 3) SEGMENT(1, 0, 3, 5, 0) END(3) PASS(15, 4) SEGMENT(1, 1, 1, 3, 0) END(4) \
-    PASS(19, 3) SEGMENT(1, 1, 3, 5, 0) END(3) PASS(22, 4) SEGMENT(2, 0, 2, 4, 0) END(4) \
-    PASS(26, 1) SEGMENT(2, 0, 4, 5, 0) END(1) PASS(27, 4) SEGMENT(2, 1, 2, 4, 0) END(4) \
-    PASS(31, 4) SEGMENT(2, 1, 4, 5, 0) SEGMENT(3, 0, 3, 5, 1) END(4) PASS(35, 4) \
-    SEGMENT(3, 1, 3, 5, 0) SEGMENT(4, 0, 4, 5, 3) END(4) PASS(39, 1) SEGMENT(4, 1, 4, 5, 0) \
-    END(1)
-#define PLAN_RGB_4 PASS(0, 4) SEGMENT(0, 0, 0, 5, 0) END(4) PASS(4, 1) SEGMENT(0, 0, 5, 6, 0) \
-    END(1) PASS(5, 4) SEGMENT(1, 0, 1, 6, 0) END(4) PASS(9, 4) SEGMENT(1, 1, 1, 6, 0) END(4) \
-    PASS(13, 4) SEGMENT(2, 0, 2, 6, 0) END(4) PASS(17, 4) SEGMENT(2, 1, 2, 6, 0) END(4) \
-    PASS(21, 3) SEGMENT(3, 0, 3, 6, 0) END(3) PASS(24, 3) SEGMENT(3, 1, 3, 6, 0) END(3) \
-    PASS(27, 4) SEGMENT(4, 0, 4, 6, 0) SEGMENT(4, 1, 4, 6, 2) END(4) PASS(31, 2) \
-    SEGMENT(5, 0, 5, 6, 0) SEGMENT(5, 1, 5, 6, 1) END(2)
-#define PLAN_RGB_5 PASS(0, 3) SEGMENT(0, 0, 0, 2, 0) END(3) PASS(3, 4) SEGMENT(0, 0, 2, 4, 0) \
-    END(4) PASS(7, 2) SEGMENT(0, 0, 4, 6, 0) END(2) PASS(9, 3) SEGMENT(1, 0, 1, 3, 0) END(3) \
-    PASS(12, 4) SEGMENT(1, 0, 3, 6, 0) END(4) PASS(16, 3) SEGMENT(1, 1, 1, 3, 0) END(3) \
-    PASS(19, 4) SEGMENT(1, 1, 3, 6, 0) END(4) PASS(23, 4) SEGMENT(2, 0, 2, 4, 0) END(4) \
-    PASS(27, 2) SEGMENT(2, 0, 4, 6, 0) END(2) PASS(29, 4) SEGMENT(2, 1, 2, 4, 0) END(4) \
-    PASS(33, 2) SEGMENT(2, 1, 4, 6, 0) END(2) PASS(35, 4) SEGMENT(3, 0, 3, 6, 0) END(4) \
-    PASS(39, 4) SEGMENT(3, 1, 3, 6, 0) END(4) PASS(43, 4) SEGMENT(4, 0, 4, 6, 0) \
-    SEGMENT(4, 1, 4, 6, 2) END(4) PASS(47, 2) SEGMENT(5, 0, 5, 6, 0) SEGMENT(5, 1, 5, 6, 1) \
-    END(2)
-#define PLAN_RGB_7 PASS(0, 4) SEGMENT(0, 0, 0, 2, 0) END(4) PASS(4, 3) SEGMENT(0, 0, 2, 3, 0) \
-    END(3) PASS(7, 3) SEGMENT(0, 0, 3, 4, 0) END(3) PASS(10, 3) SEGMENT(0, 0, 4, 6, 0) END(3) \
-    PASS(13, 2) SEGMENT(1, 0, 1, 2, 0) END(2) PASS(15, 3) SEGMENT(1, 0, 2, 3, 0) END(3) \
-    PASS(18, 3) SEGMENT(1, 0, 3, 4, 0) END(3) PASS(21, 3) SEGMENT(1, 0, 4, 6, 0) END(3) \
-    PASS(24, 2) SEGMENT(1, 1, 1, 2, 0) END(2) PASS(26, 3) SEGMENT(1, 1, 2, 3, 0) END(3) \
-    PASS(29, 3) SEGMENT(1, 1, 3, 4, 0) END(3) PASS(32, 3) SEGMENT(1, 1, 4, 6, 0) END(3) \
-    PASS(35, 3) SEGMENT(2, 0, 2, 3, 0) END(3) PASS(38, 3) SEGMENT(2, 0, 3, 4, 0) END(3) \
-    PASS(41, 3) SEGMENT(2, 0, 4, 6, 0) END(3) PASS(44, 3) SEGMENT(2, 1, 2, 3, 0) END(3) \
-    PASS(47, 3) SEGMENT(2, 1, 3, 4, 0) END(3) PASS(50, 3) SEGMENT(2, 1, 4, 6, 0) END(3) \
-    PASS(53, 3) SEGMENT(3, 0, 3, 4, 0) END(3) PASS(56, 3) SEGMENT(3, 0, 4, 6, 0) END(3) \
-    PASS(59, 3) SEGMENT(3, 1, 3, 4, 0) END(3) PASS(62, 3) SEGMENT(3, 1, 4, 6, 0) END(3) \
-    PASS(65, 3) SEGMENT(4, 0, 4, 6, 0) END(3) PASS(68, 4) SEGMENT(4, 1, 4, 6, 0) \
-    SEGMENT(5, 0, 5, 6, 3) END(4) PASS(72, 1) SEGMENT(5, 1, 5, 6, 0) END(1)
+#define PLAN_1 PASS(0, 12) COLUMN(0, 0) ADD_1(0, 0) UP(0, 0) ADD_1(1, 1) UP(1, 0) ADD_1(2, 2) \
+    UP(2, 0) ADD_1(3, 3) COLUMN(1, 0) ADD_1(4, 1) UP(1, 1) ADD_1(5, 2) UP(2, 1) ADD_1(6, 3) \
+    COLUMN(1, 1) ADD_1(7, 1) UP(1, 1) ADD_1(8, 2) UP(2, 1) ADD_1(9, 3) COLUMN(2, 0) ADD_1(10, 2) \
+    UP(2, 2) ADD_1(11, 3) END(12) PASS(12, 4) COLUMN(2, 1) ADD_1(0, 2) UP(2, 2) ADD_1(1, 3) \
+    COLUMN(3, 0) ADD_1(2, 3) COLUMN(3, 1) ADD_1(3, 3) END(4)
+#define PLAN_3 PASS(0, 8) COLUMN(0, 0) ADD_1(0, 0) UP(0, 0) ADD_3(1, 1) UP(1, 0) ADD_3(3, 2) \
+    UP(2, 0) ADD_3(5, 3) UP(3, 0) ADD_2(7, 4) END(8) PASS(8, 7) COLUMN(1, 0) ADD_3(0, 1) \
+    UP(1, 1) ADD_3(2, 2) UP(2, 1) ADD_3(4, 3) UP(3, 1) ADD_2(6, 4) END(7) PASS(15, 12) \
+    COLUMN(1, 1) ADD_3(0, 1) UP(1, 1) ADD_3(2, 2) UP(2, 1) ADD_3(4, 3) UP(3, 1) ADD_2(6, 4) \
+    COLUMN(2, 0) ADD_3(7, 2) UP(2, 2) ADD_3(9, 3) UP(3, 2) ADD_2(11, 4) END(12) PASS(27, 12) \
+    COLUMN(2, 1) ADD_3(0, 2) UP(2, 2) ADD_3(2, 3) UP(3, 2) ADD_2(4, 4) COLUMN(3, 0) ADD_3(5, 3) \
+    UP(3, 3) ADD_2(7, 4) COLUMN(3, 1) ADD_3(8, 3) UP(3, 3) ADD_2(10, 4) COLUMN(4, 0) \
+    ADD_2(11, 4) END(12) PASS(39, 1) COLUMN(4, 1) ADD_2(0, 4) END(1)
+#define PLAN_4 PASS(0, 9) COLUMN(0, 0) ADD_4(0, 0) UP(0, 0) UP(1, 0) ADD_4(1, 2) UP(2, 0) \
+    ADD_4(2, 3) UP(3, 0) ADD_4(3, 4) UP(4, 0) ADD_4(4, 5) COLUMN(1, 0) UP(1, 1) ADD_4(5, 2) \
+    UP(2, 1) ADD_4(6, 3) UP(3, 1) ADD_4(7, 4) UP(4, 1) ADD_4(8, 5) END(9) PASS(9, 12) \
+    COLUMN(1, 1) UP(1, 1) ADD_4(0, 2) UP(2, 1) ADD_4(1, 3) UP(3, 1) ADD_4(2, 4) UP(4, 1) \
+    ADD_4(3, 5) COLUMN(2, 0) ADD_4(4, 2) UP(2, 2) ADD_4(5, 3) UP(3, 2) ADD_4(6, 4) UP(4, 2) \
+    ADD_4(7, 5) COLUMN(2, 1) ADD_4(8, 2) UP(2, 2) ADD_4(9, 3) UP(3, 2) ADD_4(10, 4) UP(4, 2) \
+    ADD_4(11, 5) END(12) PASS(21, 12) COLUMN(3, 0) ADD_4(0, 3) UP(3, 3) ADD_4(1, 4) UP(4, 3) \
+    ADD_4(2, 5) COLUMN(3, 1) ADD_4(3, 3) UP(3, 3) ADD_4(4, 4) UP(4, 3) ADD_4(5, 5) COLUMN(4, 0) \
+    ADD_4(6, 4) UP(4, 4) ADD_4(7, 5) COLUMN(4, 1) ADD_4(8, 4) UP(4, 4) ADD_4(9, 5) COLUMN(5, 0) \
+    ADD_4(10, 5) COLUMN(5, 1) ADD_4(11, 5) END(12)
+#define PLAN_5 PASS(0, 9) COLUMN(0, 0) ADD_5(0, 0) UP(0, 0) ADD_1(2, 1) UP(1, 0) ADD_5(3, 2) \
+    UP(2, 0) ADD_5(5, 3) UP(3, 0) ADD_4(7, 4) UP(4, 0) ADD_4(8, 5) END(9) PASS(9, 7) \
+    COLUMN(1, 0) ADD_1(0, 1) UP(1, 1) ADD_5(1, 2) UP(2, 1) ADD_5(3, 3) UP(3, 1) ADD_4(5, 4) \
+    UP(4, 1) ADD_4(6, 5) END(7) PASS(16, 7) COLUMN(1, 1) ADD_1(0, 1) UP(1, 1) ADD_5(1, 2) \
+    UP(2, 1) ADD_5(3, 3) UP(3, 1) ADD_4(5, 4) UP(4, 1) ADD_4(6, 5) END(7) PASS(23, 12) \
+    COLUMN(2, 0) ADD_5(0, 2) UP(2, 2) ADD_5(2, 3) UP(3, 2) ADD_4(4, 4) UP(4, 2) ADD_4(5, 5) \
+    COLUMN(2, 1) ADD_5(6, 2) UP(2, 2) ADD_5(8, 3) UP(3, 2) ADD_4(10, 4) UP(4, 2) ADD_4(11, 5) \
+    END(12) PASS(35, 12) COLUMN(3, 0) ADD_5(0, 3) UP(3, 3) ADD_4(2, 4) UP(4, 3) ADD_4(3, 5) \
+    COLUMN(3, 1) ADD_5(4, 3) UP(3, 3) ADD_4(6, 4) UP(4, 3) ADD_4(7, 5) COLUMN(4, 0) ADD_4(8, 4) \
+    UP(4, 4) ADD_4(9, 5) COLUMN(4, 1) ADD_4(10, 4) UP(4, 4) ADD_4(11, 5) END(12) PASS(47, 2) \
+    COLUMN(5, 0) ADD_4(0, 5) COLUMN(5, 1) ADD_4(1, 5) END(2)
+#define PLAN_7 PASS(0, 12) COLUMN(0, 0) ADD_5(0, 0) UP(0, 0) ADD_3(2, 1) UP(1, 0) ADD_7(4, 2) \
+    UP(2, 0) ADD_7(7, 3) UP(3, 0) ADD_6(10, 4) UP(4, 0) CUT END(12) PASS(12, 12) RESUME \
+    ADD_4(0, 5) COLUMN(1, 0) ADD_3(1, 1) UP(1, 1) ADD_7(3, 2) UP(2, 1) ADD_7(6, 3) UP(3, 1) \
+    ADD_6(9, 4) UP(4, 1) ADD_4(11, 5) END(12) PASS(24, 11) COLUMN(1, 1) ADD_3(0, 1) UP(1, 1) \
+    ADD_7(2, 2) UP(2, 1) ADD_7(5, 3) UP(3, 1) ADD_6(8, 4) UP(4, 1) ADD_4(10, 5) END(11) \
+    PASS(35, 9) COLUMN(2, 0) ADD_7(0, 2) UP(2, 2) ADD_7(3, 3) UP(3, 2) ADD_6(6, 4) UP(4, 2) \
+    ADD_4(8, 5) END(9) PASS(44, 9) COLUMN(2, 1) ADD_7(0, 2) UP(2, 2) ADD_7(3, 3) UP(3, 2) \
+    ADD_6(6, 4) UP(4, 2) ADD_4(8, 5) END(9) PASS(53, 12) COLUMN(3, 0) ADD_7(0, 3) UP(3, 3) \
+    ADD_6(3, 4) UP(4, 3) ADD_4(5, 5) COLUMN(3, 1) ADD_7(6, 3) UP(3, 3) ADD_6(9, 4) UP(4, 3) \
+    ADD_4(11, 5) END(12) PASS(65, 8) COLUMN(4, 0) ADD_6(0, 4) UP(4, 4) ADD_4(2, 5) COLUMN(4, 1) \
+    ADD_6(3, 4) UP(4, 4) ADD_4(5, 5) COLUMN(5, 0) ADD_4(6, 5) COLUMN(5, 1) ADD_4(7, 5) END(8)
+#define PLAN_RGB_1 PASS(0, 4) COLUMN(0, 0) ADD_1(0, 0) UP(0, 0) ADD_1(1, 1) UP(1, 0) ADD_1(2, 2) \
+    UP(2, 0) ADD_1(3, 3) END(4) PASS(4, 3) COLUMN(1, 0) ADD_1(0, 1) UP(1, 1) ADD_1(1, 2) \
+    UP(2, 1) ADD_1(2, 3) END(3) PASS(7, 3) COLUMN(1, 1) ADD_1(0, 1) UP(1, 1) ADD_1(1, 2) \
+    UP(2, 1) ADD_1(2, 3) END(3) PASS(10, 4) COLUMN(2, 0) ADD_1(0, 2) UP(2, 2) ADD_1(1, 3) \
+    COLUMN(2, 1) ADD_1(2, 2) UP(2, 2) ADD_1(3, 3) END(4) PASS(14, 2) COLUMN(3, 0) ADD_1(0, 3) \
+    COLUMN(3, 1) ADD_1(1, 3) END(2)
+#define PLAN_RGB_3 PASS(0, 3) COLUMN(0, 0) ADD_1(0, 0) UP(0, 0) ADD_3(1, 1) UP(1, 0) CUT END(3) \
+    PASS(3, 4) RESUME ADD_3(0, 2) UP(2, 0) ADD_3(2, 3) UP(3, 0) CUT END(4) PASS(7, 1) RESUME \
+    ADD_2(0, 4) END(1) PASS(8, 4) COLUMN(1, 0) ADD_3(0, 1) UP(1, 1) ADD_3(2, 2) UP(2, 1) CUT \
+    END(4) PASS(12, 3) RESUME ADD_3(0, 3) UP(3, 1) ADD_2(2, 4) END(3) PASS(15, 4) COLUMN(1, 1) \
+    ADD_3(0, 1) UP(1, 1) ADD_3(2, 2) UP(2, 1) CUT END(4) PASS(19, 3) RESUME ADD_3(0, 3) UP(3, 1) \
+    ADD_2(2, 4) END(3) PASS(22, 4) COLUMN(2, 0) ADD_3(0, 2) UP(2, 2) ADD_3(2, 3) UP(3, 2) CUT \
+    END(4) PASS(26, 1) RESUME ADD_2(0, 4) END(1) PASS(27, 4) COLUMN(2, 1) ADD_3(0, 2) UP(2, 2) \
+    ADD_3(2, 3) UP(3, 2) CUT END(4) PASS(31, 4) RESUME ADD_2(0, 4) COLUMN(3, 0) ADD_3(1, 3) \
+    UP(3, 3) ADD_2(3, 4) END(4) PASS(35, 4) COLUMN(3, 1) ADD_3(0, 3) UP(3, 3) ADD_2(2, 4) \
+    COLUMN(4, 0) ADD_2(3, 4) END(4) PASS(39, 1) COLUMN(4, 1) ADD_2(0, 4) END(1)
+#define PLAN_RGB_4 PASS(0, 4) COLUMN(0, 0) ADD_4(0, 0) UP(0, 0) UP(1, 0) ADD_4(1, 2) UP(2, 0) \
+    ADD_4(2, 3) UP(3, 0) ADD_4(3, 4) UP(4, 0) CUT END(4) PASS(4, 1) RESUME ADD_4(0, 5) END(1) \
+    PASS(5, 4) COLUMN(1, 0) UP(1, 1) ADD_4(0, 2) UP(2, 1) ADD_4(1, 3) UP(3, 1) ADD_4(2, 4) \
+    UP(4, 1) ADD_4(3, 5) END(4) PASS(9, 4) COLUMN(1, 1) UP(1, 1) ADD_4(0, 2) UP(2, 1) \
+    ADD_4(1, 3) UP(3, 1) ADD_4(2, 4) UP(4, 1) ADD_4(3, 5) END(4) PASS(13, 4) COLUMN(2, 0) \
+    ADD_4(0, 2) UP(2, 2) ADD_4(1, 3) UP(3, 2) ADD_4(2, 4) UP(4, 2) ADD_4(3, 5) END(4) \
+    PASS(17, 4) COLUMN(2, 1) ADD_4(0, 2) UP(2, 2) ADD_4(1, 3) UP(3, 2) ADD_4(2, 4) UP(4, 2) \
+    ADD_4(3, 5) END(4) PASS(21, 3) COLUMN(3, 0) ADD_4(0, 3) UP(3, 3) ADD_4(1, 4) UP(4, 3) \
+    ADD_4(2, 5) END(3) PASS(24, 3) COLUMN(3, 1) ADD_4(0, 3) UP(3, 3) ADD_4(1, 4) UP(4, 3) \
+    ADD_4(2, 5) END(3) PASS(27, 4) COLUMN(4, 0) ADD_4(0, 4) UP(4, 4) ADD_4(1, 5) COLUMN(4, 1) \
+    ADD_4(2, 4) UP(4, 4) ADD_4(3, 5) END(4) PASS(31, 2) COLUMN(5, 0) ADD_4(0, 5) COLUMN(5, 1) \
+    ADD_4(1, 5) END(2)
+#define PLAN_RGB_5 PASS(0, 3) COLUMN(0, 0) ADD_5(0, 0) UP(0, 0) ADD_1(2, 1) UP(1, 0) CUT END(3) \
+    PASS(3, 4) RESUME ADD_5(0, 2) UP(2, 0) ADD_5(2, 3) UP(3, 0) CUT END(4) PASS(7, 2) RESUME \
+    ADD_4(0, 4) UP(4, 0) ADD_4(1, 5) END(2) PASS(9, 3) COLUMN(1, 0) ADD_1(0, 1) UP(1, 1) \
+    ADD_5(1, 2) UP(2, 1) CUT END(3) PASS(12, 4) RESUME ADD_5(0, 3) UP(3, 1) ADD_4(2, 4) UP(4, 1) \
+    ADD_4(3, 5) END(4) PASS(16, 3) COLUMN(1, 1) ADD_1(0, 1) UP(1, 1) ADD_5(1, 2) UP(2, 1) CUT \
+    END(3) PASS(19, 4) RESUME ADD_5(0, 3) UP(3, 1) ADD_4(2, 4) UP(4, 1) ADD_4(3, 5) END(4) \
+    PASS(23, 4) COLUMN(2, 0) ADD_5(0, 2) UP(2, 2) ADD_5(2, 3) UP(3, 2) CUT END(4) PASS(27, 2) \
+    RESUME ADD_4(0, 4) UP(4, 2) ADD_4(1, 5) END(2) PASS(29, 4) COLUMN(2, 1) ADD_5(0, 2) UP(2, 2) \
+    ADD_5(2, 3) UP(3, 2) CUT END(4) PASS(33, 2) RESUME ADD_4(0, 4) UP(4, 2) ADD_4(1, 5) END(2) \
+    PASS(35, 4) COLUMN(3, 0) ADD_5(0, 3) UP(3, 3) ADD_4(2, 4) UP(4, 3) ADD_4(3, 5) END(4) \
+    PASS(39, 4) COLUMN(3, 1) ADD_5(0, 3) UP(3, 3) ADD_4(2, 4) UP(4, 3) ADD_4(3, 5) END(4) \
+    PASS(43, 4) COLUMN(4, 0) ADD_4(0, 4) UP(4, 4) ADD_4(1, 5) COLUMN(4, 1) ADD_4(2, 4) UP(4, 4) \
+    ADD_4(3, 5) END(4) PASS(47, 2) COLUMN(5, 0) ADD_4(0, 5) COLUMN(5, 1) ADD_4(1, 5) END(2)
+#define PLAN_RGB_7 PASS(0, 4) COLUMN(0, 0) ADD_5(0, 0) UP(0, 0) ADD_3(2, 1) UP(1, 0) CUT END(4) \
+    PASS(4, 3) RESUME ADD_7(0, 2) UP(2, 0) CUT END(3) PASS(7, 3) RESUME ADD_7(0, 3) UP(3, 0) CUT \
+    END(3) PASS(10, 3) RESUME ADD_6(0, 4) UP(4, 0) ADD_4(2, 5) END(3) PASS(13, 2) COLUMN(1, 0) \
+    ADD_3(0, 1) UP(1, 1) CUT END(2) PASS(15, 3) RESUME ADD_7(0, 2) UP(2, 1) CUT END(3) \
+    PASS(18, 3) RESUME ADD_7(0, 3) UP(3, 1) CUT END(3) PASS(21, 3) RESUME ADD_6(0, 4) UP(4, 1) \
+    ADD_4(2, 5) END(3) PASS(24, 2) COLUMN(1, 1) ADD_3(0, 1) UP(1, 1) CUT END(2) PASS(26, 3) \
+    RESUME ADD_7(0, 2) UP(2, 1) CUT END(3) PASS(29, 3) RESUME ADD_7(0, 3) UP(3, 1) CUT END(3) \
+    PASS(32, 3) RESUME ADD_6(0, 4) UP(4, 1) ADD_4(2, 5) END(3) PASS(35, 3) COLUMN(2, 0) \
+    ADD_7(0, 2) UP(2, 2) CUT END(3) PASS(38, 3) RESUME ADD_7(0, 3) UP(3, 2) CUT END(3) \
+    PASS(41, 3) RESUME ADD_6(0, 4) UP(4, 2) ADD_4(2, 5) END(3) PASS(44, 3) COLUMN(2, 1) \
+    ADD_7(0, 2) UP(2, 2) CUT END(3) PASS(47, 3) RESUME ADD_7(0, 3) UP(3, 2) CUT END(3) \
+    PASS(50, 3) RESUME ADD_6(0, 4) UP(4, 2) ADD_4(2, 5) END(3) PASS(53, 3) COLUMN(3, 0) \
+    ADD_7(0, 3) UP(3, 3) CUT END(3) PASS(56, 3) RESUME ADD_6(0, 4) UP(4, 3) ADD_4(2, 5) END(3) \
+    PASS(59, 3) COLUMN(3, 1) ADD_7(0, 3) UP(3, 3) CUT END(3) PASS(62, 3) RESUME ADD_6(0, 4) \
+    UP(4, 3) ADD_4(2, 5) END(3) PASS(65, 3) COLUMN(4, 0) ADD_6(0, 4) UP(4, 4) ADD_4(2, 5) END(3) \
+    PASS(68, 4) COLUMN(4, 1) ADD_6(0, 4) UP(4, 4) ADD_4(2, 5) COLUMN(5, 0) ADD_4(3, 5) END(4) \
+    PASS(72, 1) COLUMN(5, 1) ADD_4(0, 5) END(1)
 #endif
 #define KERNEL_NAME YLM_KERNEL(ylm__moments_3)
 #include "../kernel.h"

@@ -8,149 +8,278 @@
 */
 #define LMAX 4
 #if defined(__AVX512F__) || defined(__aarch64__)
-#define PLAN_1 PASS(0, 24) SEGMENT(0, 0, 0, 5, 0) SEGMENT(1, 0, 1, 5, 5) SEGMENT(1, 1, 1, 5, 9) \
-    SEGMENT(2, 0, 2, 5, 13) SEGMENT(2, 1, 2, 5, 16) SEGMENT(3, 0, 3, 5, 19) \
-    SEGMENT(3, 1, 3, 5, 21) SEGMENT(4, 0, 4, 5, 23) END(24) PASS(24, 1) SEGMENT(4, 1, 4, 5, 0) \
-    END(1)
-#define PLAN_3 PASS(0, 19) SEGMENT(0, 0, 0, 6, 0) SEGMENT(1, 0, 1, 6, 10) END(19) PASS(19, 23) \
-    SEGMENT(1, 1, 1, 6, 0) SEGMENT(2, 0, 2, 6, 9) SEGMENT(2, 1, 2, 6, 16) END(23) PASS(42, 18) \
-    SEGMENT(3, 0, 3, 6, 0) SEGMENT(3, 1, 3, 6, 5) SEGMENT(4, 0, 4, 6, 10) \
-    SEGMENT(4, 1, 4, 6, 13) SEGMENT(5, 0, 5, 6, 16) SEGMENT(5, 1, 5, 6, 17) END(18)
-#define PLAN_4 PASS(0, 21) SEGMENT(0, 0, 0, 7, 0) SEGMENT(1, 0, 1, 7, 6) SEGMENT(1, 1, 1, 7, 11) \
-    SEGMENT(2, 0, 2, 7, 16) END(21) PASS(21, 24) SEGMENT(2, 1, 2, 7, 0) SEGMENT(3, 0, 3, 7, 5) \
-    SEGMENT(3, 1, 3, 7, 9) SEGMENT(4, 0, 4, 7, 13) SEGMENT(4, 1, 4, 7, 16) \
-    SEGMENT(5, 0, 5, 7, 19) SEGMENT(5, 1, 5, 7, 21) SEGMENT(6, 0, 6, 7, 23) END(24) PASS(45, 1) \
-    SEGMENT(6, 1, 6, 7, 0) END(1)
-#define PLAN_5 PASS(0, 20) SEGMENT(0, 0, 0, 7, 0) SEGMENT(1, 0, 1, 7, 11) END(20) PASS(20, 17) \
-    SEGMENT(1, 1, 1, 7, 0) SEGMENT(2, 0, 2, 7, 9) END(17) PASS(37, 24) SEGMENT(2, 1, 2, 7, 0) \
-    SEGMENT(3, 0, 3, 7, 8) SEGMENT(3, 1, 3, 7, 14) SEGMENT(4, 0, 4, 7, 20) END(24) PASS(61, 10) \
-    SEGMENT(4, 1, 4, 7, 0) SEGMENT(5, 0, 5, 7, 4) SEGMENT(5, 1, 5, 7, 6) SEGMENT(6, 0, 6, 7, 8) \
-    SEGMENT(6, 1, 6, 7, 9) END(10)
-#define PLAN_7 PASS(0, 16) SEGMENT(0, 0, 0, 7, 0) END(16) PASS(16, 14) SEGMENT(1, 0, 1, 7, 0) \
-    END(14) PASS(30, 14) SEGMENT(1, 1, 1, 7, 0) END(14) PASS(44, 24) SEGMENT(2, 0, 2, 7, 0) \
-    SEGMENT(2, 1, 2, 7, 12) END(24) PASS(68, 24) SEGMENT(3, 0, 3, 7, 0) SEGMENT(3, 1, 3, 7, 9) \
-    SEGMENT(4, 0, 4, 7, 18) END(24) PASS(92, 14) SEGMENT(4, 1, 4, 7, 0) SEGMENT(5, 0, 5, 7, 6) \
-    SEGMENT(5, 1, 5, 7, 9) SEGMENT(6, 0, 6, 7, 12) SEGMENT(6, 1, 6, 7, 13) END(14)
-#define PLAN_RGB_1 PASS(0, 5) SEGMENT(0, 0, 0, 5, 0) END(5) PASS(5, 8) SEGMENT(1, 0, 1, 5, 0) \
-    SEGMENT(1, 1, 1, 5, 4) END(8) PASS(13, 8) SEGMENT(2, 0, 2, 5, 0) SEGMENT(2, 1, 2, 5, 3) \
-    SEGMENT(3, 0, 3, 5, 6) END(8) PASS(21, 4) SEGMENT(3, 1, 3, 5, 0) SEGMENT(4, 0, 4, 5, 2) \
-    SEGMENT(4, 1, 4, 5, 3) END(4)
-#define PLAN_RGB_3 PASS(0, 7) SEGMENT(0, 0, 0, 4, 0) END(7) PASS(7, 3) SEGMENT(0, 0, 4, 6, 0) \
-    END(3) PASS(10, 8) SEGMENT(1, 0, 1, 5, 0) END(8) PASS(18, 1) SEGMENT(1, 0, 5, 6, 0) END(1) \
-    PASS(19, 8) SEGMENT(1, 1, 1, 5, 0) END(8) PASS(27, 8) SEGMENT(1, 1, 5, 6, 0) \
-    SEGMENT(2, 0, 2, 6, 1) END(8) PASS(35, 7) SEGMENT(2, 1, 2, 6, 0) END(7) PASS(42, 5) \
-    SEGMENT(3, 0, 3, 6, 0) END(5) PASS(47, 8) SEGMENT(3, 1, 3, 6, 0) SEGMENT(4, 0, 4, 6, 5) \
-    END(8) PASS(55, 5) SEGMENT(4, 1, 4, 6, 0) SEGMENT(5, 0, 5, 6, 3) SEGMENT(5, 1, 5, 6, 4) \
-    END(5)
-#define PLAN_RGB_4 PASS(0, 6) SEGMENT(0, 0, 0, 7, 0) END(6) PASS(6, 5) SEGMENT(1, 0, 1, 7, 0) \
-    END(5) PASS(11, 5) SEGMENT(1, 1, 1, 7, 0) END(5) PASS(16, 5) SEGMENT(2, 0, 2, 7, 0) END(5) \
-    PASS(21, 5) SEGMENT(2, 1, 2, 7, 0) END(5) PASS(26, 8) SEGMENT(3, 0, 3, 7, 0) \
-    SEGMENT(3, 1, 3, 7, 4) END(8) PASS(34, 8) SEGMENT(4, 0, 4, 7, 0) SEGMENT(4, 1, 4, 7, 3) \
-    SEGMENT(5, 0, 5, 7, 6) END(8) PASS(42, 4) SEGMENT(5, 1, 5, 7, 0) SEGMENT(6, 0, 6, 7, 2) \
-    SEGMENT(6, 1, 6, 7, 3) END(4)
-#define PLAN_RGB_5 PASS(0, 7) SEGMENT(0, 0, 0, 4, 0) END(7) PASS(7, 4) SEGMENT(0, 0, 4, 7, 0) \
-    END(4) PASS(11, 8) SEGMENT(1, 0, 1, 6, 0) END(8) PASS(19, 1) SEGMENT(1, 0, 6, 7, 0) END(1) \
-    PASS(20, 8) SEGMENT(1, 1, 1, 6, 0) END(8) PASS(28, 1) SEGMENT(1, 1, 6, 7, 0) END(1) \
-    PASS(29, 8) SEGMENT(2, 0, 2, 7, 0) END(8) PASS(37, 8) SEGMENT(2, 1, 2, 7, 0) END(8) \
-    PASS(45, 6) SEGMENT(3, 0, 3, 7, 0) END(6) PASS(51, 6) SEGMENT(3, 1, 3, 7, 0) END(6) \
-    PASS(57, 8) SEGMENT(4, 0, 4, 7, 0) SEGMENT(4, 1, 4, 7, 4) END(8) PASS(65, 6) \
-    SEGMENT(5, 0, 5, 7, 0) SEGMENT(5, 1, 5, 7, 2) SEGMENT(6, 0, 6, 7, 4) SEGMENT(6, 1, 6, 7, 5) \
-    END(6)
-#define PLAN_RGB_7 PASS(0, 7) SEGMENT(0, 0, 0, 3, 0) END(7) PASS(7, 8) SEGMENT(0, 0, 3, 6, 0) \
-    END(8) PASS(15, 1) SEGMENT(0, 0, 6, 7, 0) END(1) PASS(16, 8) SEGMENT(1, 0, 1, 4, 0) END(8) \
-    PASS(24, 6) SEGMENT(1, 0, 4, 7, 0) END(6) PASS(30, 8) SEGMENT(1, 1, 1, 4, 0) END(8) \
-    PASS(38, 6) SEGMENT(1, 1, 4, 7, 0) END(6) PASS(44, 6) SEGMENT(2, 0, 2, 4, 0) END(6) \
-    PASS(50, 6) SEGMENT(2, 0, 4, 7, 0) END(6) PASS(56, 6) SEGMENT(2, 1, 2, 4, 0) END(6) \
-    PASS(62, 6) SEGMENT(2, 1, 4, 7, 0) END(6) PASS(68, 8) SEGMENT(3, 0, 3, 6, 0) END(8) \
-    PASS(76, 1) SEGMENT(3, 0, 6, 7, 0) END(1) PASS(77, 8) SEGMENT(3, 1, 3, 6, 0) END(8) \
-    PASS(85, 7) SEGMENT(3, 1, 6, 7, 0) SEGMENT(4, 0, 4, 7, 1) END(7) PASS(92, 6) \
-    SEGMENT(4, 1, 4, 7, 0) END(6) PASS(98, 8) SEGMENT(5, 0, 5, 7, 0) SEGMENT(5, 1, 5, 7, 3) \
-    SEGMENT(6, 0, 6, 7, 6) SEGMENT(6, 1, 6, 7, 7) END(8)
+#define PLAN_1 PASS(0, 24) COLUMN(0, 0) ADD_1(0, 0) UP(0, 0) ADD_1(1, 1) UP(1, 0) ADD_1(2, 2) \
+    UP(2, 0) ADD_1(3, 3) UP(3, 0) ADD_1(4, 4) COLUMN(1, 0) ADD_1(5, 1) UP(1, 1) ADD_1(6, 2) \
+    UP(2, 1) ADD_1(7, 3) UP(3, 1) ADD_1(8, 4) COLUMN(1, 1) ADD_1(9, 1) UP(1, 1) ADD_1(10, 2) \
+    UP(2, 1) ADD_1(11, 3) UP(3, 1) ADD_1(12, 4) COLUMN(2, 0) ADD_1(13, 2) UP(2, 2) ADD_1(14, 3) \
+    UP(3, 2) ADD_1(15, 4) COLUMN(2, 1) ADD_1(16, 2) UP(2, 2) ADD_1(17, 3) UP(3, 2) ADD_1(18, 4) \
+    COLUMN(3, 0) ADD_1(19, 3) UP(3, 3) ADD_1(20, 4) COLUMN(3, 1) ADD_1(21, 3) UP(3, 3) \
+    ADD_1(22, 4) COLUMN(4, 0) ADD_1(23, 4) END(24) PASS(24, 1) COLUMN(4, 1) ADD_1(0, 4) END(1)
+#define PLAN_3 PASS(0, 19) COLUMN(0, 0) ADD_1(0, 0) UP(0, 0) ADD_3(1, 1) UP(1, 0) ADD_3(3, 2) \
+    UP(2, 0) ADD_3(5, 3) UP(3, 0) ADD_3(7, 4) UP(4, 0) ADD_2(9, 5) COLUMN(1, 0) ADD_3(10, 1) \
+    UP(1, 1) ADD_3(12, 2) UP(2, 1) ADD_3(14, 3) UP(3, 1) ADD_3(16, 4) UP(4, 1) ADD_2(18, 5) \
+    END(19) PASS(19, 23) COLUMN(1, 1) ADD_3(0, 1) UP(1, 1) ADD_3(2, 2) UP(2, 1) ADD_3(4, 3) \
+    UP(3, 1) ADD_3(6, 4) UP(4, 1) ADD_2(8, 5) COLUMN(2, 0) ADD_3(9, 2) UP(2, 2) ADD_3(11, 3) \
+    UP(3, 2) ADD_3(13, 4) UP(4, 2) ADD_2(15, 5) COLUMN(2, 1) ADD_3(16, 2) UP(2, 2) ADD_3(18, 3) \
+    UP(3, 2) ADD_3(20, 4) UP(4, 2) ADD_2(22, 5) END(23) PASS(42, 18) COLUMN(3, 0) ADD_3(0, 3) \
+    UP(3, 3) ADD_3(2, 4) UP(4, 3) ADD_2(4, 5) COLUMN(3, 1) ADD_3(5, 3) UP(3, 3) ADD_3(7, 4) \
+    UP(4, 3) ADD_2(9, 5) COLUMN(4, 0) ADD_3(10, 4) UP(4, 4) ADD_2(12, 5) COLUMN(4, 1) \
+    ADD_3(13, 4) UP(4, 4) ADD_2(15, 5) COLUMN(5, 0) ADD_2(16, 5) COLUMN(5, 1) ADD_2(17, 5) \
+    END(18)
+#define PLAN_4 PASS(0, 21) COLUMN(0, 0) ADD_4(0, 0) UP(0, 0) UP(1, 0) ADD_4(1, 2) UP(2, 0) \
+    ADD_4(2, 3) UP(3, 0) ADD_4(3, 4) UP(4, 0) ADD_4(4, 5) UP(5, 0) ADD_4(5, 6) COLUMN(1, 0) \
+    UP(1, 1) ADD_4(6, 2) UP(2, 1) ADD_4(7, 3) UP(3, 1) ADD_4(8, 4) UP(4, 1) ADD_4(9, 5) UP(5, 1) \
+    ADD_4(10, 6) COLUMN(1, 1) UP(1, 1) ADD_4(11, 2) UP(2, 1) ADD_4(12, 3) UP(3, 1) ADD_4(13, 4) \
+    UP(4, 1) ADD_4(14, 5) UP(5, 1) ADD_4(15, 6) COLUMN(2, 0) ADD_4(16, 2) UP(2, 2) ADD_4(17, 3) \
+    UP(3, 2) ADD_4(18, 4) UP(4, 2) ADD_4(19, 5) UP(5, 2) ADD_4(20, 6) END(21) PASS(21, 24) \
+    COLUMN(2, 1) ADD_4(0, 2) UP(2, 2) ADD_4(1, 3) UP(3, 2) ADD_4(2, 4) UP(4, 2) ADD_4(3, 5) \
+    UP(5, 2) ADD_4(4, 6) COLUMN(3, 0) ADD_4(5, 3) UP(3, 3) ADD_4(6, 4) UP(4, 3) ADD_4(7, 5) \
+    UP(5, 3) ADD_4(8, 6) COLUMN(3, 1) ADD_4(9, 3) UP(3, 3) ADD_4(10, 4) UP(4, 3) ADD_4(11, 5) \
+    UP(5, 3) ADD_4(12, 6) COLUMN(4, 0) ADD_4(13, 4) UP(4, 4) ADD_4(14, 5) UP(5, 4) ADD_4(15, 6) \
+    COLUMN(4, 1) ADD_4(16, 4) UP(4, 4) ADD_4(17, 5) UP(5, 4) ADD_4(18, 6) COLUMN(5, 0) \
+    ADD_4(19, 5) UP(5, 5) ADD_4(20, 6) COLUMN(5, 1) ADD_4(21, 5) UP(5, 5) ADD_4(22, 6) \
+    COLUMN(6, 0) ADD_4(23, 6) END(24) PASS(45, 1) COLUMN(6, 1) ADD_4(0, 6) END(1)
+#define PLAN_5 PASS(0, 20) COLUMN(0, 0) ADD_5(0, 0) UP(0, 0) ADD_1(2, 1) UP(1, 0) ADD_5(3, 2) \
+    UP(2, 0) ADD_5(5, 3) UP(3, 0) ADD_5(7, 4) UP(4, 0) ADD_4(9, 5) UP(5, 0) ADD_4(10, 6) \
+    COLUMN(1, 0) ADD_1(11, 1) UP(1, 1) ADD_5(12, 2) UP(2, 1) ADD_5(14, 3) UP(3, 1) ADD_5(16, 4) \
+    UP(4, 1) ADD_4(18, 5) UP(5, 1) ADD_4(19, 6) END(20) PASS(20, 17) COLUMN(1, 1) ADD_1(0, 1) \
+    UP(1, 1) ADD_5(1, 2) UP(2, 1) ADD_5(3, 3) UP(3, 1) ADD_5(5, 4) UP(4, 1) ADD_4(7, 5) UP(5, 1) \
+    ADD_4(8, 6) COLUMN(2, 0) ADD_5(9, 2) UP(2, 2) ADD_5(11, 3) UP(3, 2) ADD_5(13, 4) UP(4, 2) \
+    ADD_4(15, 5) UP(5, 2) ADD_4(16, 6) END(17) PASS(37, 24) COLUMN(2, 1) ADD_5(0, 2) UP(2, 2) \
+    ADD_5(2, 3) UP(3, 2) ADD_5(4, 4) UP(4, 2) ADD_4(6, 5) UP(5, 2) ADD_4(7, 6) COLUMN(3, 0) \
+    ADD_5(8, 3) UP(3, 3) ADD_5(10, 4) UP(4, 3) ADD_4(12, 5) UP(5, 3) ADD_4(13, 6) COLUMN(3, 1) \
+    ADD_5(14, 3) UP(3, 3) ADD_5(16, 4) UP(4, 3) ADD_4(18, 5) UP(5, 3) ADD_4(19, 6) COLUMN(4, 0) \
+    ADD_5(20, 4) UP(4, 4) ADD_4(22, 5) UP(5, 4) ADD_4(23, 6) END(24) PASS(61, 10) COLUMN(4, 1) \
+    ADD_5(0, 4) UP(4, 4) ADD_4(2, 5) UP(5, 4) ADD_4(3, 6) COLUMN(5, 0) ADD_4(4, 5) UP(5, 5) \
+    ADD_4(5, 6) COLUMN(5, 1) ADD_4(6, 5) UP(5, 5) ADD_4(7, 6) COLUMN(6, 0) ADD_4(8, 6) \
+    COLUMN(6, 1) ADD_4(9, 6) END(10)
+#define PLAN_7 PASS(0, 16) COLUMN(0, 0) ADD_5(0, 0) UP(0, 0) ADD_3(2, 1) UP(1, 0) ADD_7(4, 2) \
+    UP(2, 0) ADD_7(7, 3) UP(3, 0) ADD_7(10, 4) UP(4, 0) ADD_6(13, 5) UP(5, 0) ADD_4(15, 6) \
+    END(16) PASS(16, 14) COLUMN(1, 0) ADD_3(0, 1) UP(1, 1) ADD_7(2, 2) UP(2, 1) ADD_7(5, 3) \
+    UP(3, 1) ADD_7(8, 4) UP(4, 1) ADD_6(11, 5) UP(5, 1) ADD_4(13, 6) END(14) PASS(30, 14) \
+    COLUMN(1, 1) ADD_3(0, 1) UP(1, 1) ADD_7(2, 2) UP(2, 1) ADD_7(5, 3) UP(3, 1) ADD_7(8, 4) \
+    UP(4, 1) ADD_6(11, 5) UP(5, 1) ADD_4(13, 6) END(14) PASS(44, 24) COLUMN(2, 0) ADD_7(0, 2) \
+    UP(2, 2) ADD_7(3, 3) UP(3, 2) ADD_7(6, 4) UP(4, 2) ADD_6(9, 5) UP(5, 2) ADD_4(11, 6) \
+    COLUMN(2, 1) ADD_7(12, 2) UP(2, 2) ADD_7(15, 3) UP(3, 2) ADD_7(18, 4) UP(4, 2) ADD_6(21, 5) \
+    UP(5, 2) ADD_4(23, 6) END(24) PASS(68, 24) COLUMN(3, 0) ADD_7(0, 3) UP(3, 3) ADD_7(3, 4) \
+    UP(4, 3) ADD_6(6, 5) UP(5, 3) ADD_4(8, 6) COLUMN(3, 1) ADD_7(9, 3) UP(3, 3) ADD_7(12, 4) \
+    UP(4, 3) ADD_6(15, 5) UP(5, 3) ADD_4(17, 6) COLUMN(4, 0) ADD_7(18, 4) UP(4, 4) ADD_6(21, 5) \
+    UP(5, 4) ADD_4(23, 6) END(24) PASS(92, 14) COLUMN(4, 1) ADD_7(0, 4) UP(4, 4) ADD_6(3, 5) \
+    UP(5, 4) ADD_4(5, 6) COLUMN(5, 0) ADD_6(6, 5) UP(5, 5) ADD_4(8, 6) COLUMN(5, 1) ADD_6(9, 5) \
+    UP(5, 5) ADD_4(11, 6) COLUMN(6, 0) ADD_4(12, 6) COLUMN(6, 1) ADD_4(13, 6) END(14)
+#define PLAN_RGB_1 PASS(0, 5) COLUMN(0, 0) ADD_1(0, 0) UP(0, 0) ADD_1(1, 1) UP(1, 0) ADD_1(2, 2) \
+    UP(2, 0) ADD_1(3, 3) UP(3, 0) ADD_1(4, 4) END(5) PASS(5, 8) COLUMN(1, 0) ADD_1(0, 1) \
+    UP(1, 1) ADD_1(1, 2) UP(2, 1) ADD_1(2, 3) UP(3, 1) ADD_1(3, 4) COLUMN(1, 1) ADD_1(4, 1) \
+    UP(1, 1) ADD_1(5, 2) UP(2, 1) ADD_1(6, 3) UP(3, 1) ADD_1(7, 4) END(8) PASS(13, 8) \
+    COLUMN(2, 0) ADD_1(0, 2) UP(2, 2) ADD_1(1, 3) UP(3, 2) ADD_1(2, 4) COLUMN(2, 1) ADD_1(3, 2) \
+    UP(2, 2) ADD_1(4, 3) UP(3, 2) ADD_1(5, 4) COLUMN(3, 0) ADD_1(6, 3) UP(3, 3) ADD_1(7, 4) \
+    END(8) PASS(21, 4) COLUMN(3, 1) ADD_1(0, 3) UP(3, 3) ADD_1(1, 4) COLUMN(4, 0) ADD_1(2, 4) \
+    COLUMN(4, 1) ADD_1(3, 4) END(4)
+#define PLAN_RGB_3 PASS(0, 7) COLUMN(0, 0) ADD_1(0, 0) UP(0, 0) ADD_3(1, 1) UP(1, 0) ADD_3(3, 2) \
+    UP(2, 0) ADD_3(5, 3) UP(3, 0) CUT END(7) PASS(7, 3) RESUME ADD_3(0, 4) UP(4, 0) ADD_2(2, 5) \
+    END(3) PASS(10, 8) COLUMN(1, 0) ADD_3(0, 1) UP(1, 1) ADD_3(2, 2) UP(2, 1) ADD_3(4, 3) \
+    UP(3, 1) ADD_3(6, 4) UP(4, 1) CUT END(8) PASS(18, 1) RESUME ADD_2(0, 5) END(1) PASS(19, 8) \
+    COLUMN(1, 1) ADD_3(0, 1) UP(1, 1) ADD_3(2, 2) UP(2, 1) ADD_3(4, 3) UP(3, 1) ADD_3(6, 4) \
+    UP(4, 1) CUT END(8) PASS(27, 8) RESUME ADD_2(0, 5) COLUMN(2, 0) ADD_3(1, 2) UP(2, 2) \
+    ADD_3(3, 3) UP(3, 2) ADD_3(5, 4) UP(4, 2) ADD_2(7, 5) END(8) PASS(35, 7) COLUMN(2, 1) \
+    ADD_3(0, 2) UP(2, 2) ADD_3(2, 3) UP(3, 2) ADD_3(4, 4) UP(4, 2) ADD_2(6, 5) END(7) \
+    PASS(42, 5) COLUMN(3, 0) ADD_3(0, 3) UP(3, 3) ADD_3(2, 4) UP(4, 3) ADD_2(4, 5) END(5) \
+    PASS(47, 8) COLUMN(3, 1) ADD_3(0, 3) UP(3, 3) ADD_3(2, 4) UP(4, 3) ADD_2(4, 5) COLUMN(4, 0) \
+    ADD_3(5, 4) UP(4, 4) ADD_2(7, 5) END(8) PASS(55, 5) COLUMN(4, 1) ADD_3(0, 4) UP(4, 4) \
+    ADD_2(2, 5) COLUMN(5, 0) ADD_2(3, 5) COLUMN(5, 1) ADD_2(4, 5) END(5)
+#define PLAN_RGB_4 PASS(0, 6) COLUMN(0, 0) ADD_4(0, 0) UP(0, 0) UP(1, 0) ADD_4(1, 2) UP(2, 0) \
+    ADD_4(2, 3) UP(3, 0) ADD_4(3, 4) UP(4, 0) ADD_4(4, 5) UP(5, 0) ADD_4(5, 6) END(6) PASS(6, 5) \
+    COLUMN(1, 0) UP(1, 1) ADD_4(0, 2) UP(2, 1) ADD_4(1, 3) UP(3, 1) ADD_4(2, 4) UP(4, 1) \
+    ADD_4(3, 5) UP(5, 1) ADD_4(4, 6) END(5) PASS(11, 5) COLUMN(1, 1) UP(1, 1) ADD_4(0, 2) \
+    UP(2, 1) ADD_4(1, 3) UP(3, 1) ADD_4(2, 4) UP(4, 1) ADD_4(3, 5) UP(5, 1) ADD_4(4, 6) END(5) \
+    PASS(16, 5) COLUMN(2, 0) ADD_4(0, 2) UP(2, 2) ADD_4(1, 3) UP(3, 2) ADD_4(2, 4) UP(4, 2) \
+    ADD_4(3, 5) UP(5, 2) ADD_4(4, 6) END(5) PASS(21, 5) COLUMN(2, 1) ADD_4(0, 2) UP(2, 2) \
+    ADD_4(1, 3) UP(3, 2) ADD_4(2, 4) UP(4, 2) ADD_4(3, 5) UP(5, 2) ADD_4(4, 6) END(5) \
+    PASS(26, 8) COLUMN(3, 0) ADD_4(0, 3) UP(3, 3) ADD_4(1, 4) UP(4, 3) ADD_4(2, 5) UP(5, 3) \
+    ADD_4(3, 6) COLUMN(3, 1) ADD_4(4, 3) UP(3, 3) ADD_4(5, 4) UP(4, 3) ADD_4(6, 5) UP(5, 3) \
+    ADD_4(7, 6) END(8) PASS(34, 8) COLUMN(4, 0) ADD_4(0, 4) UP(4, 4) ADD_4(1, 5) UP(5, 4) \
+    ADD_4(2, 6) COLUMN(4, 1) ADD_4(3, 4) UP(4, 4) ADD_4(4, 5) UP(5, 4) ADD_4(5, 6) COLUMN(5, 0) \
+    ADD_4(6, 5) UP(5, 5) ADD_4(7, 6) END(8) PASS(42, 4) COLUMN(5, 1) ADD_4(0, 5) UP(5, 5) \
+    ADD_4(1, 6) COLUMN(6, 0) ADD_4(2, 6) COLUMN(6, 1) ADD_4(3, 6) END(4)
+#define PLAN_RGB_5 PASS(0, 7) COLUMN(0, 0) ADD_5(0, 0) UP(0, 0) ADD_1(2, 1) UP(1, 0) ADD_5(3, 2) \
+    UP(2, 0) ADD_5(5, 3) UP(3, 0) CUT END(7) PASS(7, 4) RESUME ADD_5(0, 4) UP(4, 0) ADD_4(2, 5) \
+    UP(5, 0) ADD_4(3, 6) END(4) PASS(11, 8) COLUMN(1, 0) ADD_1(0, 1) UP(1, 1) ADD_5(1, 2) \
+    UP(2, 1) ADD_5(3, 3) UP(3, 1) ADD_5(5, 4) UP(4, 1) ADD_4(7, 5) UP(5, 1) CUT END(8) \
+    PASS(19, 1) RESUME ADD_4(0, 6) END(1) PASS(20, 8) COLUMN(1, 1) ADD_1(0, 1) UP(1, 1) \
+    ADD_5(1, 2) UP(2, 1) ADD_5(3, 3) UP(3, 1) ADD_5(5, 4) UP(4, 1) ADD_4(7, 5) UP(5, 1) CUT \
+    END(8) PASS(28, 1) RESUME ADD_4(0, 6) END(1) PASS(29, 8) COLUMN(2, 0) ADD_5(0, 2) UP(2, 2) \
+    ADD_5(2, 3) UP(3, 2) ADD_5(4, 4) UP(4, 2) ADD_4(6, 5) UP(5, 2) ADD_4(7, 6) END(8) \
+    PASS(37, 8) COLUMN(2, 1) ADD_5(0, 2) UP(2, 2) ADD_5(2, 3) UP(3, 2) ADD_5(4, 4) UP(4, 2) \
+    ADD_4(6, 5) UP(5, 2) ADD_4(7, 6) END(8) PASS(45, 6) COLUMN(3, 0) ADD_5(0, 3) UP(3, 3) \
+    ADD_5(2, 4) UP(4, 3) ADD_4(4, 5) UP(5, 3) ADD_4(5, 6) END(6) PASS(51, 6) COLUMN(3, 1) \
+    ADD_5(0, 3) UP(3, 3) ADD_5(2, 4) UP(4, 3) ADD_4(4, 5) UP(5, 3) ADD_4(5, 6) END(6) \
+    PASS(57, 8) COLUMN(4, 0) ADD_5(0, 4) UP(4, 4) ADD_4(2, 5) UP(5, 4) ADD_4(3, 6) COLUMN(4, 1) \
+    ADD_5(4, 4) UP(4, 4) ADD_4(6, 5) UP(5, 4) ADD_4(7, 6) END(8) PASS(65, 6) COLUMN(5, 0) \
+    ADD_4(0, 5) UP(5, 5) ADD_4(1, 6) COLUMN(5, 1) ADD_4(2, 5) UP(5, 5) ADD_4(3, 6) COLUMN(6, 0) \
+    ADD_4(4, 6) COLUMN(6, 1) ADD_4(5, 6) END(6)
+#define PLAN_RGB_7 PASS(0, 7) COLUMN(0, 0) ADD_5(0, 0) UP(0, 0) ADD_3(2, 1) UP(1, 0) ADD_7(4, 2) \
+    UP(2, 0) CUT END(7) PASS(7, 8) RESUME ADD_7(0, 3) UP(3, 0) ADD_7(3, 4) UP(4, 0) ADD_6(6, 5) \
+    UP(5, 0) CUT END(8) PASS(15, 1) RESUME ADD_4(0, 6) END(1) PASS(16, 8) COLUMN(1, 0) \
+    ADD_3(0, 1) UP(1, 1) ADD_7(2, 2) UP(2, 1) ADD_7(5, 3) UP(3, 1) CUT END(8) PASS(24, 6) RESUME \
+    ADD_7(0, 4) UP(4, 1) ADD_6(3, 5) UP(5, 1) ADD_4(5, 6) END(6) PASS(30, 8) COLUMN(1, 1) \
+    ADD_3(0, 1) UP(1, 1) ADD_7(2, 2) UP(2, 1) ADD_7(5, 3) UP(3, 1) CUT END(8) PASS(38, 6) RESUME \
+    ADD_7(0, 4) UP(4, 1) ADD_6(3, 5) UP(5, 1) ADD_4(5, 6) END(6) PASS(44, 6) COLUMN(2, 0) \
+    ADD_7(0, 2) UP(2, 2) ADD_7(3, 3) UP(3, 2) CUT END(6) PASS(50, 6) RESUME ADD_7(0, 4) UP(4, 2) \
+    ADD_6(3, 5) UP(5, 2) ADD_4(5, 6) END(6) PASS(56, 6) COLUMN(2, 1) ADD_7(0, 2) UP(2, 2) \
+    ADD_7(3, 3) UP(3, 2) CUT END(6) PASS(62, 6) RESUME ADD_7(0, 4) UP(4, 2) ADD_6(3, 5) UP(5, 2) \
+    ADD_4(5, 6) END(6) PASS(68, 8) COLUMN(3, 0) ADD_7(0, 3) UP(3, 3) ADD_7(3, 4) UP(4, 3) \
+    ADD_6(6, 5) UP(5, 3) CUT END(8) PASS(76, 1) RESUME ADD_4(0, 6) END(1) PASS(77, 8) \
+    COLUMN(3, 1) ADD_7(0, 3) UP(3, 3) ADD_7(3, 4) UP(4, 3) ADD_6(6, 5) UP(5, 3) CUT END(8) \
+    PASS(85, 7) RESUME ADD_4(0, 6) COLUMN(4, 0) ADD_7(1, 4) UP(4, 4) ADD_6(4, 5) UP(5, 4) \
+    ADD_4(6, 6) END(7) PASS(92, 6) COLUMN(4, 1) ADD_7(0, 4) UP(4, 4) ADD_6(3, 5) UP(5, 4) \
+    ADD_4(5, 6) END(6) PASS(98, 8) COLUMN(5, 0) ADD_6(0, 5) UP(5, 5) ADD_4(2, 6) COLUMN(5, 1) \
+    ADD_6(3, 5) UP(5, 5) ADD_4(5, 6) COLUMN(6, 0) ADD_4(6, 6) COLUMN(6, 1) ADD_4(7, 6) END(8)
 #else
-#define PLAN_1 PASS(0, 9) SEGMENT(0, 0, 0, 5, 0) SEGMENT(1, 0, 1, 5, 5) END(9) PASS(9, 12) \
-    SEGMENT(1, 1, 1, 5, 0) SEGMENT(2, 0, 2, 5, 4) SEGMENT(2, 1, 2, 5, 7) SEGMENT(3, 0, 3, 5, 10) \
-    END(12) PASS(21, 4) SEGMENT(3, 1, 3, 5, 0) SEGMENT(4, 0, 4, 5, 2) SEGMENT(4, 1, 4, 5, 3) \
-    END(4)
-#define PLAN_3 PASS(0, 10) SEGMENT(0, 0, 0, 6, 0) END(10) PASS(10, 9) SEGMENT(1, 0, 1, 6, 0) \
-    END(9) PASS(19, 9) SEGMENT(1, 1, 1, 6, 0) END(9) PASS(28, 7) SEGMENT(2, 0, 2, 6, 0) END(7) \
-    PASS(35, 12) SEGMENT(2, 1, 2, 6, 0) SEGMENT(3, 0, 3, 6, 7) END(12) PASS(47, 12) \
-    SEGMENT(3, 1, 3, 6, 0) SEGMENT(4, 0, 4, 6, 5) SEGMENT(4, 1, 4, 6, 8) SEGMENT(5, 0, 5, 6, 11) \
-    END(12) PASS(59, 1) SEGMENT(5, 1, 5, 6, 0) END(1)
-#define PLAN_4 PASS(0, 11) SEGMENT(0, 0, 0, 7, 0) SEGMENT(1, 0, 1, 7, 6) END(11) PASS(11, 10) \
-    SEGMENT(1, 1, 1, 7, 0) SEGMENT(2, 0, 2, 7, 5) END(10) PASS(21, 9) SEGMENT(2, 1, 2, 7, 0) \
-    SEGMENT(3, 0, 3, 7, 5) END(9) PASS(30, 12) SEGMENT(3, 1, 3, 7, 0) SEGMENT(4, 0, 4, 7, 4) \
-    SEGMENT(4, 1, 4, 7, 7) SEGMENT(5, 0, 5, 7, 10) END(12) PASS(42, 4) SEGMENT(5, 1, 5, 7, 0) \
-    SEGMENT(6, 0, 6, 7, 2) SEGMENT(6, 1, 6, 7, 3) END(4)
-#define PLAN_5 PASS(0, 11) SEGMENT(0, 0, 0, 7, 0) END(11) PASS(11, 9) SEGMENT(1, 0, 1, 7, 0) \
-    END(9) PASS(20, 9) SEGMENT(1, 1, 1, 7, 0) END(9) PASS(29, 8) SEGMENT(2, 0, 2, 7, 0) END(8) \
-    PASS(37, 8) SEGMENT(2, 1, 2, 7, 0) END(8) PASS(45, 12) SEGMENT(3, 0, 3, 7, 0) \
-    SEGMENT(3, 1, 3, 7, 6) END(12) PASS(57, 12) SEGMENT(4, 0, 4, 7, 0) SEGMENT(4, 1, 4, 7, 4) \
-    SEGMENT(5, 0, 5, 7, 8) SEGMENT(5, 1, 5, 7, 10) END(12) PASS(69, 2) SEGMENT(6, 0, 6, 7, 0) \
-    SEGMENT(6, 1, 6, 7, 1) END(2)
-#define PLAN_7 PASS(0, 10) SEGMENT(0, 0, 0, 4, 0) END(10) PASS(10, 6) SEGMENT(0, 0, 4, 7, 0) \
-    END(6) PASS(16, 11) SEGMENT(1, 0, 1, 5, 0) END(11) PASS(27, 3) SEGMENT(1, 0, 5, 7, 0) END(3) \
-    PASS(30, 11) SEGMENT(1, 1, 1, 5, 0) END(11) PASS(41, 3) SEGMENT(1, 1, 5, 7, 0) END(3) \
-    PASS(44, 12) SEGMENT(2, 0, 2, 7, 0) END(12) PASS(56, 12) SEGMENT(2, 1, 2, 7, 0) END(12) \
-    PASS(68, 9) SEGMENT(3, 0, 3, 7, 0) END(9) PASS(77, 9) SEGMENT(3, 1, 3, 7, 0) END(9) \
-    PASS(86, 12) SEGMENT(4, 0, 4, 7, 0) SEGMENT(4, 1, 4, 7, 6) END(12) PASS(98, 8) \
-    SEGMENT(5, 0, 5, 7, 0) SEGMENT(5, 1, 5, 7, 3) SEGMENT(6, 0, 6, 7, 6) SEGMENT(6, 1, 6, 7, 7) \
-    END(8)
-#define PLAN_RGB_1 PASS(0, 4) SEGMENT(0, 0, 0, 4, 0) END(4) PASS(4, 1) SEGMENT(0, 0, 4, 5, 0) \
-    END(1) PASS(5, 4) SEGMENT(1, 0, 1, 5, 0) END(4) PASS(9, 4) SEGMENT(1, 1, 1, 5, 0) END(4) \
-    PASS(13, 3) SEGMENT(2, 0, 2, 5, 0) END(3) PASS(16, 3) SEGMENT(2, 1, 2, 5, 0) END(3) \
-    PASS(19, 4) SEGMENT(3, 0, 3, 5, 0) SEGMENT(3, 1, 3, 5, 2) END(4) PASS(23, 2) \
-    SEGMENT(4, 0, 4, 5, 0) SEGMENT(4, 1, 4, 5, 1) END(2)
-#define PLAN_RGB_3 PASS(0, 3) SEGMENT(0, 0, 0, 2, 0) END(3) PASS(3, 4) SEGMENT(0, 0, 2, 4, 0) \
-    END(4) PASS(7, 3) SEGMENT(0, 0, 4, 6, 0) END(3) PASS(10, 4) SEGMENT(1, 0, 1, 3, 0) END(4) \
-    PASS(14, 4) SEGMENT(1, 0, 3, 5, 0) END(4) PASS(18, 1) SEGMENT(1, 0, 5, 6, 0) END(1) \
-    PASS(19, 4) SEGMENT(1, 1, 1, 3, 0) END(4) PASS(23, 4) SEGMENT(1, 1, 3, 5, 0) END(4) \
-    PASS(27, 1) SEGMENT(1, 1, 5, 6, 0) END(1) PASS(28, 4) SEGMENT(2, 0, 2, 4, 0) END(4) \
-    PASS(32, 3) SEGMENT(2, 0, 4, 6, 0) END(3) PASS(35, 4) SEGMENT(2, 1, 2, 4, 0) END(4) \
-    PASS(39, 3) SEGMENT(2, 1, 4, 6, 0) END(3) PASS(42, 4) SEGMENT(3, 0, 3, 5, 0) END(4) \
-    PASS(46, 1) SEGMENT(3, 0, 5, 6, 0) END(1) PASS(47, 4) SEGMENT(3, 1, 3, 5, 0) END(4) \
-    PASS(51, 4) SEGMENT(3, 1, 5, 6, 0) SEGMENT(4, 0, 4, 6, 1) END(4) PASS(55, 4) \
-    SEGMENT(4, 1, 4, 6, 0) SEGMENT(5, 0, 5, 6, 3) END(4) PASS(59, 1) SEGMENT(5, 1, 5, 6, 0) \
-    END(1)
-#define PLAN_RGB_4 PASS(0, 4) SEGMENT(0, 0, 0, 5, 0) END(4) PASS(4, 2) SEGMENT(0, 0, 5, 7, 0) \
-    END(2) PASS(6, 4) SEGMENT(1, 0, 1, 6, 0) END(4) PASS(10, 1) SEGMENT(1, 0, 6, 7, 0) END(1) \
-    PASS(11, 4) SEGMENT(1, 1, 1, 6, 0) END(4) PASS(15, 1) SEGMENT(1, 1, 6, 7, 0) END(1) \
-    PASS(16, 4) SEGMENT(2, 0, 2, 6, 0) END(4) PASS(20, 1) SEGMENT(2, 0, 6, 7, 0) END(1) \
-    PASS(21, 4) SEGMENT(2, 1, 2, 6, 0) END(4) PASS(25, 1) SEGMENT(2, 1, 6, 7, 0) END(1) \
-    PASS(26, 4) SEGMENT(3, 0, 3, 7, 0) END(4) PASS(30, 4) SEGMENT(3, 1, 3, 7, 0) END(4) \
-    PASS(34, 3) SEGMENT(4, 0, 4, 7, 0) END(3) PASS(37, 3) SEGMENT(4, 1, 4, 7, 0) END(3) \
-    PASS(40, 4) SEGMENT(5, 0, 5, 7, 0) SEGMENT(5, 1, 5, 7, 2) END(4) PASS(44, 2) \
-    SEGMENT(6, 0, 6, 7, 0) SEGMENT(6, 1, 6, 7, 1) END(2)
-#define PLAN_RGB_5 PASS(0, 3) SEGMENT(0, 0, 0, 2, 0) END(3) PASS(3, 4) SEGMENT(0, 0, 2, 4, 0) \
-    END(4) PASS(7, 4) SEGMENT(0, 0, 4, 7, 0) END(4) PASS(11, 3) SEGMENT(1, 0, 1, 3, 0) END(3) \
-    PASS(14, 4) SEGMENT(1, 0, 3, 5, 0) END(4) PASS(18, 2) SEGMENT(1, 0, 5, 7, 0) END(2) \
-    PASS(20, 3) SEGMENT(1, 1, 1, 3, 0) END(3) PASS(23, 4) SEGMENT(1, 1, 3, 5, 0) END(4) \
-    PASS(27, 2) SEGMENT(1, 1, 5, 7, 0) END(2) PASS(29, 4) SEGMENT(2, 0, 2, 4, 0) END(4) \
-    PASS(33, 4) SEGMENT(2, 0, 4, 7, 0) END(4) PASS(37, 4) SEGMENT(2, 1, 2, 4, 0) END(4) \
-    PASS(41, 4) SEGMENT(2, 1, 4, 7, 0) END(4) PASS(45, 4) SEGMENT(3, 0, 3, 5, 0) END(4) \
-    PASS(49, 2) SEGMENT(3, 0, 5, 7, 0) END(2) PASS(51, 4) SEGMENT(3, 1, 3, 5, 0) END(4) \
-    PASS(55, 2) SEGMENT(3, 1, 5, 7, 0) END(2) PASS(57, 4) SEGMENT(4, 0, 4, 7, 0) END(4) \
-    PASS(61, 4) SEGMENT(4, 1, 4, 7, 0) END(4) PASS(65, 4) SEGMENT(5, 0, 5, 7, 0) \
-    SEGMENT(5, 1, 5, 7, 2) END(4) PASS(69, 2) SEGMENT(6, 0, 6, 7, 0) SEGMENT(6, 1, 6, 7, 1) \
-    END(2)
-#define PLAN_RGB_7 PASS(0, 4) SEGMENT(0, 0, 0, 2, 0) END(4) PASS(4, 3) SEGMENT(0, 0, 2, 3, 0) \
-    END(3) PASS(7, 3) SEGMENT(0, 0, 3, 4, 0) END(3) PASS(10, 3) SEGMENT(0, 0, 4, 5, 0) END(3) \
-    PASS(13, 3) SEGMENT(0, 0, 5, 7, 0) END(3) PASS(16, 2) SEGMENT(1, 0, 1, 2, 0) END(2) \
-    PASS(18, 3) SEGMENT(1, 0, 2, 3, 0) END(3) PASS(21, 3) SEGMENT(1, 0, 3, 4, 0) END(3) \
-    PASS(24, 3) SEGMENT(1, 0, 4, 5, 0) END(3) PASS(27, 3) SEGMENT(1, 0, 5, 7, 0) END(3) \
-    PASS(30, 2) SEGMENT(1, 1, 1, 2, 0) END(2) PASS(32, 3) SEGMENT(1, 1, 2, 3, 0) END(3) \
-    PASS(35, 3) SEGMENT(1, 1, 3, 4, 0) END(3) PASS(38, 3) SEGMENT(1, 1, 4, 5, 0) END(3) \
-    PASS(41, 3) SEGMENT(1, 1, 5, 7, 0) END(3) PASS(44, 3) SEGMENT(2, 0, 2, 3, 0) END(3) \
-    PASS(47, 3) SEGMENT(2, 0, 3, 4, 0) END(3) PASS(50, 3) SEGMENT(2, 0, 4, 5, 0) END(3) \
-    PASS(53, 3) SEGMENT(2, 0, 5, 7, 0) END(3) PASS(56, 3) SEGMENT(2, 1, 2, 3, 0) END(3) \
-    PASS(59, 3) SEGMENT(2, 1, 3, 4, 0) END(3) PASS(62, 3) SEGMENT(2, 1, 4, 5, 0) END(3) \
-    PASS(65, 3) SEGMENT(2, 1, 5, 7, 0) END(3) PASS(68, 3) SEGMENT(3, 0, 3, 4, 0) END(3) \
-    PASS(71, 3) SEGMENT(3, 0, 4, 5, 0) END(3) PASS(74, 3) SEGMENT(3, 0, 5, 7, 0) END(3) \
-    PASS(77, 3) SEGMENT(3, 1, 3, 4, 0) END(3) PASS(80, 3) SEGMENT(3, 1, 4, 5, 0) END(3) \
-    PASS(83, 3) SEGMENT(3, 1, 5, 7, 0) END(3) PASS(86, 3) SEGMENT(4, 0, 4, 5, 0) END(3) \
-    PASS(89, 3) SEGMENT(4, 0, 5, 7, 0) END(3) PASS(92, 3) SEGMENT(4, 1, 4, 5, 0) END(3) \
-    PASS(95, 3) SEGMENT(4, 1, 5, 7, 0) END(3) PASS(98, 3) SEGMENT(5, 0, 5, 7, 0) END(3) \
-    PASS(101, 4) SEGMENT(5, 1, 5, 7, 0) SEGMENT(6, 0, 6, 7, 3) END(4) PASS(105, 1) \
-    SEGMENT(6, 1, 6, 7, 0) END(1)
+#define PLAN_1 PASS(0, 9) COLUMN(0, 0) ADD_1(0, 0) UP(0, 0) ADD_1(1, 1) UP(1, 0) ADD_1(2, 2) \
+    UP(2, 0) ADD_1(3, 3) UP(3, 0) ADD_1(4, 4) COLUMN(1, 0) ADD_1(5, 1) UP(1, 1) ADD_1(6, 2) \
+    UP(2, 1) ADD_1(7, 3) UP(3, 1) ADD_1(8, 4) END(9) PASS(9, 12) COLUMN(1, 1) ADD_1(0, 1) \
+    UP(1, 1) ADD_1(1, 2) UP(2, 1) ADD_1(2, 3) UP(3, 1) ADD_1(3, 4) COLUMN(2, 0) ADD_1(4, 2) \
+    UP(2, 2) ADD_1(5, 3) UP(3, 2) ADD_1(6, 4) COLUMN(2, 1) ADD_1(7, 2) UP(2, 2) ADD_1(8, 3) \
+    UP(3, 2) ADD_1(9, 4) COLUMN(3, 0) ADD_1(10, 3) UP(3, 3) ADD_1(11, 4) END(12) PASS(21, 4) \
+    COLUMN(3, 1) ADD_1(0, 3) UP(3, 3) ADD_1(1, 4) COLUMN(4, 0) ADD_1(2, 4) COLUMN(4, 1) \
+    ADD_1(3, 4) END(4)
+#define PLAN_3 PASS(0, 10) COLUMN(0, 0) ADD_1(0, 0) UP(0, 0) ADD_3(1, 1) UP(1, 0) ADD_3(3, 2) \
+    UP(2, 0) ADD_3(5, 3) UP(3, 0) ADD_3(7, 4) UP(4, 0) ADD_2(9, 5) END(10) PASS(10, 9) \
+    COLUMN(1, 0) ADD_3(0, 1) UP(1, 1) ADD_3(2, 2) UP(2, 1) ADD_3(4, 3) UP(3, 1) ADD_3(6, 4) \
+    UP(4, 1) ADD_2(8, 5) END(9) PASS(19, 9) COLUMN(1, 1) ADD_3(0, 1) UP(1, 1) ADD_3(2, 2) \
+    UP(2, 1) ADD_3(4, 3) UP(3, 1) ADD_3(6, 4) UP(4, 1) ADD_2(8, 5) END(9) PASS(28, 7) \
+    COLUMN(2, 0) ADD_3(0, 2) UP(2, 2) ADD_3(2, 3) UP(3, 2) ADD_3(4, 4) UP(4, 2) ADD_2(6, 5) \
+    END(7) PASS(35, 12) COLUMN(2, 1) ADD_3(0, 2) UP(2, 2) ADD_3(2, 3) UP(3, 2) ADD_3(4, 4) \
+    UP(4, 2) ADD_2(6, 5) COLUMN(3, 0) ADD_3(7, 3) UP(3, 3) ADD_3(9, 4) UP(4, 3) ADD_2(11, 5) \
+    END(12) PASS(47, 12) COLUMN(3, 1) ADD_3(0, 3) UP(3, 3) ADD_3(2, 4) UP(4, 3) ADD_2(4, 5) \
+    COLUMN(4, 0) ADD_3(5, 4) UP(4, 4) ADD_2(7, 5) COLUMN(4, 1) ADD_3(8, 4) UP(4, 4) ADD_2(10, 5) \
+    COLUMN(5, 0) ADD_2(11, 5) END(12) PASS(59, 1) COLUMN(5, 1) ADD_2(0, 5) END(1)
+#define PLAN_4 PASS(0, 11) COLUMN(0, 0) ADD_4(0, 0) UP(0, 0) UP(1, 0) ADD_4(1, 2) UP(2, 0) \
+    ADD_4(2, 3) UP(3, 0) ADD_4(3, 4) UP(4, 0) ADD_4(4, 5) UP(5, 0) ADD_4(5, 6) COLUMN(1, 0) \
+    UP(1, 1) ADD_4(6, 2) UP(2, 1) ADD_4(7, 3) UP(3, 1) ADD_4(8, 4) UP(4, 1) ADD_4(9, 5) UP(5, 1) \
+    ADD_4(10, 6) END(11) PASS(11, 10) COLUMN(1, 1) UP(1, 1) ADD_4(0, 2) UP(2, 1) ADD_4(1, 3) \
+    UP(3, 1) ADD_4(2, 4) UP(4, 1) ADD_4(3, 5) UP(5, 1) ADD_4(4, 6) COLUMN(2, 0) ADD_4(5, 2) \
+    UP(2, 2) ADD_4(6, 3) UP(3, 2) ADD_4(7, 4) UP(4, 2) ADD_4(8, 5) UP(5, 2) ADD_4(9, 6) END(10) \
+    PASS(21, 9) COLUMN(2, 1) ADD_4(0, 2) UP(2, 2) ADD_4(1, 3) UP(3, 2) ADD_4(2, 4) UP(4, 2) \
+    ADD_4(3, 5) UP(5, 2) ADD_4(4, 6) COLUMN(3, 0) ADD_4(5, 3) UP(3, 3) ADD_4(6, 4) UP(4, 3) \
+    ADD_4(7, 5) UP(5, 3) ADD_4(8, 6) END(9) PASS(30, 12) COLUMN(3, 1) ADD_4(0, 3) UP(3, 3) \
+    ADD_4(1, 4) UP(4, 3) ADD_4(2, 5) UP(5, 3) ADD_4(3, 6) COLUMN(4, 0) ADD_4(4, 4) UP(4, 4) \
+    ADD_4(5, 5) UP(5, 4) ADD_4(6, 6) COLUMN(4, 1) ADD_4(7, 4) UP(4, 4) ADD_4(8, 5) UP(5, 4) \
+    ADD_4(9, 6) COLUMN(5, 0) ADD_4(10, 5) UP(5, 5) ADD_4(11, 6) END(12) PASS(42, 4) COLUMN(5, 1) \
+    ADD_4(0, 5) UP(5, 5) ADD_4(1, 6) COLUMN(6, 0) ADD_4(2, 6) COLUMN(6, 1) ADD_4(3, 6) END(4)
+#define PLAN_5 PASS(0, 11) COLUMN(0, 0) ADD_5(0, 0) UP(0, 0) ADD_1(2, 1) UP(1, 0) ADD_5(3, 2) \
+    UP(2, 0) ADD_5(5, 3) UP(3, 0) ADD_5(7, 4) UP(4, 0) ADD_4(9, 5) UP(5, 0) ADD_4(10, 6) END(11) \
+    PASS(11, 9) COLUMN(1, 0) ADD_1(0, 1) UP(1, 1) ADD_5(1, 2) UP(2, 1) ADD_5(3, 3) UP(3, 1) \
+    ADD_5(5, 4) UP(4, 1) ADD_4(7, 5) UP(5, 1) ADD_4(8, 6) END(9) PASS(20, 9) COLUMN(1, 1) \
+    ADD_1(0, 1) UP(1, 1) ADD_5(1, 2) UP(2, 1) ADD_5(3, 3) UP(3, 1) ADD_5(5, 4) UP(4, 1) \
+    ADD_4(7, 5) UP(5, 1) ADD_4(8, 6) END(9) PASS(29, 8) COLUMN(2, 0) ADD_5(0, 2) UP(2, 2) \
+    ADD_5(2, 3) UP(3, 2) ADD_5(4, 4) UP(4, 2) ADD_4(6, 5) UP(5, 2) ADD_4(7, 6) END(8) \
+    PASS(37, 8) COLUMN(2, 1) ADD_5(0, 2) UP(2, 2) ADD_5(2, 3) UP(3, 2) ADD_5(4, 4) UP(4, 2) \
+    ADD_4(6, 5) UP(5, 2) ADD_4(7, 6) END(8) PASS(45, 12) COLUMN(3, 0) ADD_5(0, 3) UP(3, 3) \
+    ADD_5(2, 4) UP(4, 3) ADD_4(4, 5) UP(5, 3) ADD_4(5, 6) COLUMN(3, 1) ADD_5(6, 3) UP(3, 3) \
+    ADD_5(8, 4) UP(4, 3) ADD_4(10, 5) UP(5, 3) ADD_4(11, 6) END(12) PASS(57, 12) COLUMN(4, 0) \
+    ADD_5(0, 4) UP(4, 4) ADD_4(2, 5) UP(5, 4) ADD_4(3, 6) COLUMN(4, 1) ADD_5(4, 4) UP(4, 4) \
+    ADD_4(6, 5) UP(5, 4) ADD_4(7, 6) COLUMN(5, 0) ADD_4(8, 5) UP(5, 5) ADD_4(9, 6) COLUMN(5, 1) \
+    ADD_4(10, 5) UP(5, 5) ADD_4(11, 6) END(12) PASS(69, 2) COLUMN(6, 0) ADD_4(0, 6) COLUMN(6, 1) \
+    ADD_4(1, 6) END(2)
+#define PLAN_7 PASS(0, 10) COLUMN(0, 0) ADD_5(0, 0) UP(0, 0) ADD_3(2, 1) UP(1, 0) ADD_7(4, 2) \
+    UP(2, 0) ADD_7(7, 3) UP(3, 0) CUT END(10) PASS(10, 6) RESUME ADD_7(0, 4) UP(4, 0) \
+    ADD_6(3, 5) UP(5, 0) ADD_4(5, 6) END(6) PASS(16, 11) COLUMN(1, 0) ADD_3(0, 1) UP(1, 1) \
+    ADD_7(2, 2) UP(2, 1) ADD_7(5, 3) UP(3, 1) ADD_7(8, 4) UP(4, 1) CUT END(11) PASS(27, 3) \
+    RESUME ADD_6(0, 5) UP(5, 1) ADD_4(2, 6) END(3) PASS(30, 11) COLUMN(1, 1) ADD_3(0, 1) \
+    UP(1, 1) ADD_7(2, 2) UP(2, 1) ADD_7(5, 3) UP(3, 1) ADD_7(8, 4) UP(4, 1) CUT END(11) \
+    PASS(41, 3) RESUME ADD_6(0, 5) UP(5, 1) ADD_4(2, 6) END(3) PASS(44, 12) COLUMN(2, 0) \
+    ADD_7(0, 2) UP(2, 2) ADD_7(3, 3) UP(3, 2) ADD_7(6, 4) UP(4, 2) ADD_6(9, 5) UP(5, 2) \
+    ADD_4(11, 6) END(12) PASS(56, 12) COLUMN(2, 1) ADD_7(0, 2) UP(2, 2) ADD_7(3, 3) UP(3, 2) \
+    ADD_7(6, 4) UP(4, 2) ADD_6(9, 5) UP(5, 2) ADD_4(11, 6) END(12) PASS(68, 9) COLUMN(3, 0) \
+    ADD_7(0, 3) UP(3, 3) ADD_7(3, 4) UP(4, 3) ADD_6(6, 5) UP(5, 3) ADD_4(8, 6) END(9) \
+    PASS(77, 9) COLUMN(3, 1) ADD_7(0, 3) UP(3, 3) ADD_7(3, 4) UP(4, 3) ADD_6(6, 5) UP(5, 3) \
+    ADD_4(8, 6) END(9) PASS(86, 12) COLUMN(4, 0) ADD_7(0, 4) UP(4, 4) ADD_6(3, 5) UP(5, 4) \
+    ADD_4(5, 6) COLUMN(4, 1) ADD_7(6, 4) UP(4, 4) ADD_6(9, 5) UP(5, 4) ADD_4(11, 6) END(12) \
+    PASS(98, 8) COLUMN(5, 0) ADD_6(0, 5) UP(5, 5) ADD_4(2, 6) COLUMN(5, 1) ADD_6(3, 5) UP(5, 5) \
+    ADD_4(5, 6) COLUMN(6, 0) ADD_4(6, 6) COLUMN(6, 1) ADD_4(7, 6) END(8)
+#define PLAN_RGB_1 PASS(0, 4) COLUMN(0, 0) ADD_1(0, 0) UP(0, 0) ADD_1(1, 1) UP(1, 0) ADD_1(2, 2) \
+    UP(2, 0) ADD_1(3, 3) UP(3, 0) CUT END(4) PASS(4, 1) RESUME ADD_1(0, 4) END(1) PASS(5, 4) \
+    COLUMN(1, 0) ADD_1(0, 1) UP(1, 1) ADD_1(1, 2) UP(2, 1) ADD_1(2, 3) UP(3, 1) ADD_1(3, 4) \
+    END(4) PASS(9, 4) COLUMN(1, 1) ADD_1(0, 1) UP(1, 1) ADD_1(1, 2) UP(2, 1) ADD_1(2, 3) \
+    UP(3, 1) ADD_1(3, 4) END(4) PASS(13, 3) COLUMN(2, 0) ADD_1(0, 2) UP(2, 2) ADD_1(1, 3) \
+    UP(3, 2) ADD_1(2, 4) END(3) PASS(16, 3) COLUMN(2, 1) ADD_1(0, 2) UP(2, 2) ADD_1(1, 3) \
+    UP(3, 2) ADD_1(2, 4) END(3) PASS(19, 4) COLUMN(3, 0) ADD_1(0, 3) UP(3, 3) ADD_1(1, 4) \
+    COLUMN(3, 1) ADD_1(2, 3) UP(3, 3) ADD_1(3, 4) END(4) PASS(23, 2) COLUMN(4, 0) ADD_1(0, 4) \
+    COLUMN(4, 1) ADD_1(1, 4) END(2)
+#define PLAN_RGB_3 PASS(0, 3) COLUMN(0, 0) ADD_1(0, 0) UP(0, 0) ADD_3(1, 1) UP(1, 0) CUT END(3) \
+    PASS(3, 4) RESUME ADD_3(0, 2) UP(2, 0) ADD_3(2, 3) UP(3, 0) CUT END(4) PASS(7, 3) RESUME \
+    ADD_3(0, 4) UP(4, 0) ADD_2(2, 5) END(3) PASS(10, 4) COLUMN(1, 0) ADD_3(0, 1) UP(1, 1) \
+    ADD_3(2, 2) UP(2, 1) CUT END(4) PASS(14, 4) RESUME ADD_3(0, 3) UP(3, 1) ADD_3(2, 4) UP(4, 1) \
+    CUT END(4) PASS(18, 1) RESUME ADD_2(0, 5) END(1) PASS(19, 4) COLUMN(1, 1) ADD_3(0, 1) \
+    UP(1, 1) ADD_3(2, 2) UP(2, 1) CUT END(4) PASS(23, 4) RESUME ADD_3(0, 3) UP(3, 1) ADD_3(2, 4) \
+    UP(4, 1) CUT END(4) PASS(27, 1) RESUME ADD_2(0, 5) END(1) PASS(28, 4) COLUMN(2, 0) \
+    ADD_3(0, 2) UP(2, 2) ADD_3(2, 3) UP(3, 2) CUT END(4) PASS(32, 3) RESUME ADD_3(0, 4) UP(4, 2) \
+    ADD_2(2, 5) END(3) PASS(35, 4) COLUMN(2, 1) ADD_3(0, 2) UP(2, 2) ADD_3(2, 3) UP(3, 2) CUT \
+    END(4) PASS(39, 3) RESUME ADD_3(0, 4) UP(4, 2) ADD_2(2, 5) END(3) PASS(42, 4) COLUMN(3, 0) \
+    ADD_3(0, 3) UP(3, 3) ADD_3(2, 4) UP(4, 3) CUT END(4) PASS(46, 1) RESUME ADD_2(0, 5) END(1) \
+    PASS(47, 4) COLUMN(3, 1) ADD_3(0, 3) UP(3, 3) ADD_3(2, 4) UP(4, 3) CUT END(4) PASS(51, 4) \
+    RESUME ADD_2(0, 5) COLUMN(4, 0) ADD_3(1, 4) UP(4, 4) ADD_2(3, 5) END(4) PASS(55, 4) \
+    COLUMN(4, 1) ADD_3(0, 4) UP(4, 4) ADD_2(2, 5) COLUMN(5, 0) ADD_2(3, 5) END(4) PASS(59, 1) \
+    COLUMN(5, 1) ADD_2(0, 5) END(1)
+#define PLAN_RGB_4 PASS(0, 4) COLUMN(0, 0) ADD_4(0, 0) UP(0, 0) UP(1, 0) ADD_4(1, 2) UP(2, 0) \
+    ADD_4(2, 3) UP(3, 0) ADD_4(3, 4) UP(4, 0) CUT END(4) PASS(4, 2) RESUME ADD_4(0, 5) UP(5, 0) \
+    ADD_4(1, 6) END(2) PASS(6, 4) COLUMN(1, 0) UP(1, 1) ADD_4(0, 2) UP(2, 1) ADD_4(1, 3) \
+    UP(3, 1) ADD_4(2, 4) UP(4, 1) ADD_4(3, 5) UP(5, 1) CUT END(4) PASS(10, 1) RESUME ADD_4(0, 6) \
+    END(1) PASS(11, 4) COLUMN(1, 1) UP(1, 1) ADD_4(0, 2) UP(2, 1) ADD_4(1, 3) UP(3, 1) \
+    ADD_4(2, 4) UP(4, 1) ADD_4(3, 5) UP(5, 1) CUT END(4) PASS(15, 1) RESUME ADD_4(0, 6) END(1) \
+    PASS(16, 4) COLUMN(2, 0) ADD_4(0, 2) UP(2, 2) ADD_4(1, 3) UP(3, 2) ADD_4(2, 4) UP(4, 2) \
+    ADD_4(3, 5) UP(5, 2) CUT END(4) PASS(20, 1) RESUME ADD_4(0, 6) END(1) PASS(21, 4) \
+    COLUMN(2, 1) ADD_4(0, 2) UP(2, 2) ADD_4(1, 3) UP(3, 2) ADD_4(2, 4) UP(4, 2) ADD_4(3, 5) \
+    UP(5, 2) CUT END(4) PASS(25, 1) RESUME ADD_4(0, 6) END(1) PASS(26, 4) COLUMN(3, 0) \
+    ADD_4(0, 3) UP(3, 3) ADD_4(1, 4) UP(4, 3) ADD_4(2, 5) UP(5, 3) ADD_4(3, 6) END(4) \
+    PASS(30, 4) COLUMN(3, 1) ADD_4(0, 3) UP(3, 3) ADD_4(1, 4) UP(4, 3) ADD_4(2, 5) UP(5, 3) \
+    ADD_4(3, 6) END(4) PASS(34, 3) COLUMN(4, 0) ADD_4(0, 4) UP(4, 4) ADD_4(1, 5) UP(5, 4) \
+    ADD_4(2, 6) END(3) PASS(37, 3) COLUMN(4, 1) ADD_4(0, 4) UP(4, 4) ADD_4(1, 5) UP(5, 4) \
+    ADD_4(2, 6) END(3) PASS(40, 4) COLUMN(5, 0) ADD_4(0, 5) UP(5, 5) ADD_4(1, 6) COLUMN(5, 1) \
+    ADD_4(2, 5) UP(5, 5) ADD_4(3, 6) END(4) PASS(44, 2) COLUMN(6, 0) ADD_4(0, 6) COLUMN(6, 1) \
+    ADD_4(1, 6) END(2)
+#define PLAN_RGB_5 PASS(0, 3) COLUMN(0, 0) ADD_5(0, 0) UP(0, 0) ADD_1(2, 1) UP(1, 0) CUT END(3) \
+    PASS(3, 4) RESUME ADD_5(0, 2) UP(2, 0) ADD_5(2, 3) UP(3, 0) CUT END(4) PASS(7, 4) RESUME \
+    ADD_5(0, 4) UP(4, 0) ADD_4(2, 5) UP(5, 0) ADD_4(3, 6) END(4) PASS(11, 3) COLUMN(1, 0) \
+    ADD_1(0, 1) UP(1, 1) ADD_5(1, 2) UP(2, 1) CUT END(3) PASS(14, 4) RESUME ADD_5(0, 3) UP(3, 1) \
+    ADD_5(2, 4) UP(4, 1) CUT END(4) PASS(18, 2) RESUME ADD_4(0, 5) UP(5, 1) ADD_4(1, 6) END(2) \
+    PASS(20, 3) COLUMN(1, 1) ADD_1(0, 1) UP(1, 1) ADD_5(1, 2) UP(2, 1) CUT END(3) PASS(23, 4) \
+    RESUME ADD_5(0, 3) UP(3, 1) ADD_5(2, 4) UP(4, 1) CUT END(4) PASS(27, 2) RESUME ADD_4(0, 5) \
+    UP(5, 1) ADD_4(1, 6) END(2) PASS(29, 4) COLUMN(2, 0) ADD_5(0, 2) UP(2, 2) ADD_5(2, 3) \
+    UP(3, 2) CUT END(4) PASS(33, 4) RESUME ADD_5(0, 4) UP(4, 2) ADD_4(2, 5) UP(5, 2) ADD_4(3, 6) \
+    END(4) PASS(37, 4) COLUMN(2, 1) ADD_5(0, 2) UP(2, 2) ADD_5(2, 3) UP(3, 2) CUT END(4) \
+    PASS(41, 4) RESUME ADD_5(0, 4) UP(4, 2) ADD_4(2, 5) UP(5, 2) ADD_4(3, 6) END(4) PASS(45, 4) \
+    COLUMN(3, 0) ADD_5(0, 3) UP(3, 3) ADD_5(2, 4) UP(4, 3) CUT END(4) PASS(49, 2) RESUME \
+    ADD_4(0, 5) UP(5, 3) ADD_4(1, 6) END(2) PASS(51, 4) COLUMN(3, 1) ADD_5(0, 3) UP(3, 3) \
+    ADD_5(2, 4) UP(4, 3) CUT END(4) PASS(55, 2) RESUME ADD_4(0, 5) UP(5, 3) ADD_4(1, 6) END(2) \
+    PASS(57, 4) COLUMN(4, 0) ADD_5(0, 4) UP(4, 4) ADD_4(2, 5) UP(5, 4) ADD_4(3, 6) END(4) \
+    PASS(61, 4) COLUMN(4, 1) ADD_5(0, 4) UP(4, 4) ADD_4(2, 5) UP(5, 4) ADD_4(3, 6) END(4) \
+    PASS(65, 4) COLUMN(5, 0) ADD_4(0, 5) UP(5, 5) ADD_4(1, 6) COLUMN(5, 1) ADD_4(2, 5) UP(5, 5) \
+    ADD_4(3, 6) END(4) PASS(69, 2) COLUMN(6, 0) ADD_4(0, 6) COLUMN(6, 1) ADD_4(1, 6) END(2)
+#define PLAN_RGB_7 PASS(0, 4) COLUMN(0, 0) ADD_5(0, 0) UP(0, 0) ADD_3(2, 1) UP(1, 0) CUT END(4) \
+    PASS(4, 3) RESUME ADD_7(0, 2) UP(2, 0) CUT END(3) PASS(7, 3) RESUME ADD_7(0, 3) UP(3, 0) CUT \
+    END(3) PASS(10, 3) RESUME ADD_7(0, 4) UP(4, 0) CUT END(3) PASS(13, 3) RESUME ADD_6(0, 5) \
+    UP(5, 0) ADD_4(2, 6) END(3) PASS(16, 2) COLUMN(1, 0) ADD_3(0, 1) UP(1, 1) CUT END(2) \
+    PASS(18, 3) RESUME ADD_7(0, 2) UP(2, 1) CUT END(3) PASS(21, 3) RESUME ADD_7(0, 3) UP(3, 1) \
+    CUT END(3) PASS(24, 3) RESUME ADD_7(0, 4) UP(4, 1) CUT END(3) PASS(27, 3) RESUME ADD_6(0, 5) \
+    UP(5, 1) ADD_4(2, 6) END(3) PASS(30, 2) COLUMN(1, 1) ADD_3(0, 1) UP(1, 1) CUT END(2) \
+    PASS(32, 3) RESUME ADD_7(0, 2) UP(2, 1) CUT END(3) PASS(35, 3) RESUME ADD_7(0, 3) UP(3, 1) \
+    CUT END(3) PASS(38, 3) RESUME ADD_7(0, 4) UP(4, 1) CUT END(3) PASS(41, 3) RESUME ADD_6(0, 5) \
+    UP(5, 1) ADD_4(2, 6) END(3) PASS(44, 3) COLUMN(2, 0) ADD_7(0, 2) UP(2, 2) CUT END(3) \
+    PASS(47, 3) RESUME ADD_7(0, 3) UP(3, 2) CUT END(3) PASS(50, 3) RESUME ADD_7(0, 4) UP(4, 2) \
+    CUT END(3) PASS(53, 3) RESUME ADD_6(0, 5) UP(5, 2) ADD_4(2, 6) END(3) PASS(56, 3) \
+    COLUMN(2, 1) ADD_7(0, 2) UP(2, 2) CUT END(3) PASS(59, 3) RESUME ADD_7(0, 3) UP(3, 2) CUT \
+    END(3) PASS(62, 3) RESUME ADD_7(0, 4) UP(4, 2) CUT END(3) PASS(65, 3) RESUME ADD_6(0, 5) \
+    UP(5, 2) ADD_4(2, 6) END(3) PASS(68, 3) COLUMN(3, 0) ADD_7(0, 3) UP(3, 3) CUT END(3) \
+    PASS(71, 3) RESUME ADD_7(0, 4) UP(4, 3) CUT END(3) PASS(74, 3) RESUME ADD_6(0, 5) UP(5, 3) \
+    ADD_4(2, 6) END(3) PASS(77, 3) COLUMN(3, 1) ADD_7(0, 3) UP(3, 3) CUT END(3) PASS(80, 3) \
+    RESUME ADD_7(0, 4) UP(4, 3) CUT END(3) PASS(83, 3) RESUME ADD_6(0, 5) UP(5, 3) ADD_4(2, 6) \
+    END(3) PASS(86, 3) COLUMN(4, 0) ADD_7(0, 4) UP(4, 4) CUT END(3) PASS(89, 3) RESUME \
+    ADD_6(0, 5) UP(5, 4) ADD_4(2, 6) END(3) PASS(92, 3) COLUMN(4, 1) ADD_7(0, 4) UP(4, 4) CUT \
+    END(3) PASS(95, 3) RESUME ADD_6(0, 5) UP(5, 4) ADD_4(2, 6) END(3) PASS(98, 3) COLUMN(5, 0) \
+    ADD_6(0, 5) UP(5, 5) ADD_4(2, 6) END(3) PASS(101, 4) COLUMN(5, 1) ADD_6(0, 5) UP(5, 5) \
+    ADD_4(2, 6) COLUMN(6, 0) ADD_4(3, 6) END(4) PASS(105, 1) COLUMN(6, 1) ADD_4(0, 6) END(1)
 #endif
 #define KERNEL_NAME YLM_KERNEL(ylm__moments_4)
 #include "../kernel.h"

@@ -8,183 +8,365 @@
 */
 #define LMAX 5
 #if defined(__AVX512F__) || defined(__aarch64__)
-#define PLAN_1 PASS(0, 24) SEGMENT(0, 0, 0, 6, 0) SEGMENT(1, 0, 1, 6, 6) SEGMENT(1, 1, 1, 6, 11) \
-    SEGMENT(2, 0, 2, 6, 16) SEGMENT(2, 1, 2, 6, 20) END(24) PASS(24, 12) SEGMENT(3, 0, 3, 6, 0) \
-    SEGMENT(3, 1, 3, 6, 3) SEGMENT(4, 0, 4, 6, 6) SEGMENT(4, 1, 4, 6, 8) SEGMENT(5, 0, 5, 6, 10) \
-    SEGMENT(5, 1, 5, 6, 11) END(12)
-#define PLAN_3 PASS(0, 23) SEGMENT(0, 0, 0, 7, 0) SEGMENT(1, 0, 1, 7, 12) END(23) PASS(23, 20) \
-    SEGMENT(1, 1, 1, 7, 0) SEGMENT(2, 0, 2, 7, 11) END(20) PASS(43, 23) SEGMENT(2, 1, 2, 7, 0) \
-    SEGMENT(3, 0, 3, 7, 9) SEGMENT(3, 1, 3, 7, 16) END(23) PASS(66, 18) SEGMENT(4, 0, 4, 7, 0) \
-    SEGMENT(4, 1, 4, 7, 5) SEGMENT(5, 0, 5, 7, 10) SEGMENT(5, 1, 5, 7, 13) \
-    SEGMENT(6, 0, 6, 7, 16) SEGMENT(6, 1, 6, 7, 17) END(18)
-#define PLAN_4 PASS(0, 19) SEGMENT(0, 0, 0, 8, 0) SEGMENT(1, 0, 1, 8, 7) SEGMENT(1, 1, 1, 8, 13) \
-    END(19) PASS(19, 22) SEGMENT(2, 0, 2, 8, 0) SEGMENT(2, 1, 2, 8, 6) SEGMENT(3, 0, 3, 8, 12) \
-    SEGMENT(3, 1, 3, 8, 17) END(22) PASS(41, 20) SEGMENT(4, 0, 4, 8, 0) SEGMENT(4, 1, 4, 8, 4) \
-    SEGMENT(5, 0, 5, 8, 8) SEGMENT(5, 1, 5, 8, 11) SEGMENT(6, 0, 6, 8, 14) \
-    SEGMENT(6, 1, 6, 8, 16) SEGMENT(7, 0, 7, 8, 18) SEGMENT(7, 1, 7, 8, 19) END(20)
-#define PLAN_5 PASS(0, 24) SEGMENT(0, 0, 0, 8, 0) SEGMENT(1, 0, 1, 8, 13) END(24) PASS(24, 21) \
-    SEGMENT(1, 1, 1, 8, 0) SEGMENT(2, 0, 2, 8, 11) END(21) PASS(45, 18) SEGMENT(2, 1, 2, 8, 0) \
-    SEGMENT(3, 0, 3, 8, 10) END(18) PASS(63, 24) SEGMENT(3, 1, 3, 8, 0) SEGMENT(4, 0, 4, 8, 8) \
-    SEGMENT(4, 1, 4, 8, 14) SEGMENT(5, 0, 5, 8, 20) END(24) PASS(87, 10) SEGMENT(5, 1, 5, 8, 0) \
-    SEGMENT(6, 0, 6, 8, 4) SEGMENT(6, 1, 6, 8, 6) SEGMENT(7, 0, 7, 8, 8) SEGMENT(7, 1, 7, 8, 9) \
-    END(10)
-#define PLAN_7 PASS(0, 19) SEGMENT(0, 0, 0, 8, 0) END(19) PASS(19, 17) SEGMENT(1, 0, 1, 8, 0) \
-    END(17) PASS(36, 17) SEGMENT(1, 1, 1, 8, 0) END(17) PASS(53, 15) SEGMENT(2, 0, 2, 8, 0) \
-    END(15) PASS(68, 15) SEGMENT(2, 1, 2, 8, 0) END(15) PASS(83, 24) SEGMENT(3, 0, 3, 8, 0) \
-    SEGMENT(3, 1, 3, 8, 12) END(24) PASS(107, 24) SEGMENT(4, 0, 4, 8, 0) SEGMENT(4, 1, 4, 8, 9) \
-    SEGMENT(5, 0, 5, 8, 18) END(24) PASS(131, 14) SEGMENT(5, 1, 5, 8, 0) SEGMENT(6, 0, 6, 8, 6) \
-    SEGMENT(6, 1, 6, 8, 9) SEGMENT(7, 0, 7, 8, 12) SEGMENT(7, 1, 7, 8, 13) END(14)
-#define PLAN_RGB_1 PASS(0, 6) SEGMENT(0, 0, 0, 6, 0) END(6) PASS(6, 5) SEGMENT(1, 0, 1, 6, 0) \
-    END(5) PASS(11, 5) SEGMENT(1, 1, 1, 6, 0) END(5) PASS(16, 8) SEGMENT(2, 0, 2, 6, 0) \
-    SEGMENT(2, 1, 2, 6, 4) END(8) PASS(24, 8) SEGMENT(3, 0, 3, 6, 0) SEGMENT(3, 1, 3, 6, 3) \
-    SEGMENT(4, 0, 4, 6, 6) END(8) PASS(32, 4) SEGMENT(4, 1, 4, 6, 0) SEGMENT(5, 0, 5, 6, 2) \
-    SEGMENT(5, 1, 5, 6, 3) END(4)
-#define PLAN_RGB_3 PASS(0, 7) SEGMENT(0, 0, 0, 4, 0) END(7) PASS(7, 5) SEGMENT(0, 0, 4, 7, 0) \
-    END(5) PASS(12, 8) SEGMENT(1, 0, 1, 5, 0) END(8) PASS(20, 3) SEGMENT(1, 0, 5, 7, 0) END(3) \
-    PASS(23, 8) SEGMENT(1, 1, 1, 5, 0) END(8) PASS(31, 3) SEGMENT(1, 1, 5, 7, 0) END(3) \
-    PASS(34, 8) SEGMENT(2, 0, 2, 6, 0) END(8) PASS(42, 1) SEGMENT(2, 0, 6, 7, 0) END(1) \
-    PASS(43, 8) SEGMENT(2, 1, 2, 6, 0) END(8) PASS(51, 8) SEGMENT(2, 1, 6, 7, 0) \
-    SEGMENT(3, 0, 3, 7, 1) END(8) PASS(59, 7) SEGMENT(3, 1, 3, 7, 0) END(7) PASS(66, 5) \
-    SEGMENT(4, 0, 4, 7, 0) END(5) PASS(71, 8) SEGMENT(4, 1, 4, 7, 0) SEGMENT(5, 0, 5, 7, 5) \
-    END(8) PASS(79, 5) SEGMENT(5, 1, 5, 7, 0) SEGMENT(6, 0, 6, 7, 3) SEGMENT(6, 1, 6, 7, 4) \
-    END(5)
-#define PLAN_RGB_4 PASS(0, 7) SEGMENT(0, 0, 0, 8, 0) END(7) PASS(7, 6) SEGMENT(1, 0, 1, 8, 0) \
-    END(6) PASS(13, 6) SEGMENT(1, 1, 1, 8, 0) END(6) PASS(19, 6) SEGMENT(2, 0, 2, 8, 0) END(6) \
-    PASS(25, 6) SEGMENT(2, 1, 2, 8, 0) END(6) PASS(31, 5) SEGMENT(3, 0, 3, 8, 0) END(5) \
-    PASS(36, 5) SEGMENT(3, 1, 3, 8, 0) END(5) PASS(41, 8) SEGMENT(4, 0, 4, 8, 0) \
-    SEGMENT(4, 1, 4, 8, 4) END(8) PASS(49, 8) SEGMENT(5, 0, 5, 8, 0) SEGMENT(5, 1, 5, 8, 3) \
-    SEGMENT(6, 0, 6, 8, 6) END(8) PASS(57, 4) SEGMENT(6, 1, 6, 8, 0) SEGMENT(7, 0, 7, 8, 2) \
-    SEGMENT(7, 1, 7, 8, 3) END(4)
-#define PLAN_RGB_5 PASS(0, 7) SEGMENT(0, 0, 0, 4, 0) END(7) PASS(7, 6) SEGMENT(0, 0, 4, 8, 0) \
-    END(6) PASS(13, 7) SEGMENT(1, 0, 1, 5, 0) END(7) PASS(20, 4) SEGMENT(1, 0, 5, 8, 0) END(4) \
-    PASS(24, 7) SEGMENT(1, 1, 1, 5, 0) END(7) PASS(31, 4) SEGMENT(1, 1, 5, 8, 0) END(4) \
-    PASS(35, 8) SEGMENT(2, 0, 2, 6, 0) END(8) PASS(43, 2) SEGMENT(2, 0, 6, 8, 0) END(2) \
-    PASS(45, 8) SEGMENT(2, 1, 2, 6, 0) END(8) PASS(53, 2) SEGMENT(2, 1, 6, 8, 0) END(2) \
-    PASS(55, 8) SEGMENT(3, 0, 3, 8, 0) END(8) PASS(63, 8) SEGMENT(3, 1, 3, 8, 0) END(8) \
-    PASS(71, 6) SEGMENT(4, 0, 4, 8, 0) END(6) PASS(77, 6) SEGMENT(4, 1, 4, 8, 0) END(6) \
-    PASS(83, 8) SEGMENT(5, 0, 5, 8, 0) SEGMENT(5, 1, 5, 8, 4) END(8) PASS(91, 6) \
-    SEGMENT(6, 0, 6, 8, 0) SEGMENT(6, 1, 6, 8, 2) SEGMENT(7, 0, 7, 8, 4) SEGMENT(7, 1, 7, 8, 5) \
-    END(6)
-#define PLAN_RGB_7 PASS(0, 7) SEGMENT(0, 0, 0, 3, 0) END(7) PASS(7, 6) SEGMENT(0, 0, 3, 5, 0) \
-    END(6) PASS(13, 6) SEGMENT(0, 0, 5, 8, 0) END(6) PASS(19, 8) SEGMENT(1, 0, 1, 4, 0) END(8) \
-    PASS(27, 8) SEGMENT(1, 0, 4, 7, 0) END(8) PASS(35, 1) SEGMENT(1, 0, 7, 8, 0) END(1) \
-    PASS(36, 8) SEGMENT(1, 1, 1, 4, 0) END(8) PASS(44, 8) SEGMENT(1, 1, 4, 7, 0) END(8) \
-    PASS(52, 1) SEGMENT(1, 1, 7, 8, 0) END(1) PASS(53, 6) SEGMENT(2, 0, 2, 4, 0) END(6) \
-    PASS(59, 8) SEGMENT(2, 0, 4, 7, 0) END(8) PASS(67, 1) SEGMENT(2, 0, 7, 8, 0) END(1) \
-    PASS(68, 6) SEGMENT(2, 1, 2, 4, 0) END(6) PASS(74, 8) SEGMENT(2, 1, 4, 7, 0) END(8) \
-    PASS(82, 1) SEGMENT(2, 1, 7, 8, 0) END(1) PASS(83, 6) SEGMENT(3, 0, 3, 5, 0) END(6) \
-    PASS(89, 6) SEGMENT(3, 0, 5, 8, 0) END(6) PASS(95, 6) SEGMENT(3, 1, 3, 5, 0) END(6) \
-    PASS(101, 6) SEGMENT(3, 1, 5, 8, 0) END(6) PASS(107, 8) SEGMENT(4, 0, 4, 7, 0) END(8) \
-    PASS(115, 1) SEGMENT(4, 0, 7, 8, 0) END(1) PASS(116, 8) SEGMENT(4, 1, 4, 7, 0) END(8) \
-    PASS(124, 7) SEGMENT(4, 1, 7, 8, 0) SEGMENT(5, 0, 5, 8, 1) END(7) PASS(131, 6) \
-    SEGMENT(5, 1, 5, 8, 0) END(6) PASS(137, 8) SEGMENT(6, 0, 6, 8, 0) SEGMENT(6, 1, 6, 8, 3) \
-    SEGMENT(7, 0, 7, 8, 6) SEGMENT(7, 1, 7, 8, 7) END(8)
+#define PLAN_1 PASS(0, 24) COLUMN(0, 0) ADD_1(0, 0) UP(0, 0) ADD_1(1, 1) UP(1, 0) ADD_1(2, 2) \
+    UP(2, 0) ADD_1(3, 3) UP(3, 0) ADD_1(4, 4) UP(4, 0) ADD_1(5, 5) COLUMN(1, 0) ADD_1(6, 1) \
+    UP(1, 1) ADD_1(7, 2) UP(2, 1) ADD_1(8, 3) UP(3, 1) ADD_1(9, 4) UP(4, 1) ADD_1(10, 5) \
+    COLUMN(1, 1) ADD_1(11, 1) UP(1, 1) ADD_1(12, 2) UP(2, 1) ADD_1(13, 3) UP(3, 1) ADD_1(14, 4) \
+    UP(4, 1) ADD_1(15, 5) COLUMN(2, 0) ADD_1(16, 2) UP(2, 2) ADD_1(17, 3) UP(3, 2) ADD_1(18, 4) \
+    UP(4, 2) ADD_1(19, 5) COLUMN(2, 1) ADD_1(20, 2) UP(2, 2) ADD_1(21, 3) UP(3, 2) ADD_1(22, 4) \
+    UP(4, 2) ADD_1(23, 5) END(24) PASS(24, 12) COLUMN(3, 0) ADD_1(0, 3) UP(3, 3) ADD_1(1, 4) \
+    UP(4, 3) ADD_1(2, 5) COLUMN(3, 1) ADD_1(3, 3) UP(3, 3) ADD_1(4, 4) UP(4, 3) ADD_1(5, 5) \
+    COLUMN(4, 0) ADD_1(6, 4) UP(4, 4) ADD_1(7, 5) COLUMN(4, 1) ADD_1(8, 4) UP(4, 4) ADD_1(9, 5) \
+    COLUMN(5, 0) ADD_1(10, 5) COLUMN(5, 1) ADD_1(11, 5) END(12)
+#define PLAN_3 PASS(0, 23) COLUMN(0, 0) ADD_1(0, 0) UP(0, 0) ADD_3(1, 1) UP(1, 0) ADD_3(3, 2) \
+    UP(2, 0) ADD_3(5, 3) UP(3, 0) ADD_3(7, 4) UP(4, 0) ADD_3(9, 5) UP(5, 0) ADD_2(11, 6) \
+    COLUMN(1, 0) ADD_3(12, 1) UP(1, 1) ADD_3(14, 2) UP(2, 1) ADD_3(16, 3) UP(3, 1) ADD_3(18, 4) \
+    UP(4, 1) ADD_3(20, 5) UP(5, 1) ADD_2(22, 6) END(23) PASS(23, 20) COLUMN(1, 1) ADD_3(0, 1) \
+    UP(1, 1) ADD_3(2, 2) UP(2, 1) ADD_3(4, 3) UP(3, 1) ADD_3(6, 4) UP(4, 1) ADD_3(8, 5) UP(5, 1) \
+    ADD_2(10, 6) COLUMN(2, 0) ADD_3(11, 2) UP(2, 2) ADD_3(13, 3) UP(3, 2) ADD_3(15, 4) UP(4, 2) \
+    ADD_3(17, 5) UP(5, 2) ADD_2(19, 6) END(20) PASS(43, 23) COLUMN(2, 1) ADD_3(0, 2) UP(2, 2) \
+    ADD_3(2, 3) UP(3, 2) ADD_3(4, 4) UP(4, 2) ADD_3(6, 5) UP(5, 2) ADD_2(8, 6) COLUMN(3, 0) \
+    ADD_3(9, 3) UP(3, 3) ADD_3(11, 4) UP(4, 3) ADD_3(13, 5) UP(5, 3) ADD_2(15, 6) COLUMN(3, 1) \
+    ADD_3(16, 3) UP(3, 3) ADD_3(18, 4) UP(4, 3) ADD_3(20, 5) UP(5, 3) ADD_2(22, 6) END(23) \
+    PASS(66, 18) COLUMN(4, 0) ADD_3(0, 4) UP(4, 4) ADD_3(2, 5) UP(5, 4) ADD_2(4, 6) COLUMN(4, 1) \
+    ADD_3(5, 4) UP(4, 4) ADD_3(7, 5) UP(5, 4) ADD_2(9, 6) COLUMN(5, 0) ADD_3(10, 5) UP(5, 5) \
+    ADD_2(12, 6) COLUMN(5, 1) ADD_3(13, 5) UP(5, 5) ADD_2(15, 6) COLUMN(6, 0) ADD_2(16, 6) \
+    COLUMN(6, 1) ADD_2(17, 6) END(18)
+#define PLAN_4 PASS(0, 19) COLUMN(0, 0) ADD_4(0, 0) UP(0, 0) UP(1, 0) ADD_4(1, 2) UP(2, 0) \
+    ADD_4(2, 3) UP(3, 0) ADD_4(3, 4) UP(4, 0) ADD_4(4, 5) UP(5, 0) ADD_4(5, 6) UP(6, 0) \
+    ADD_4(6, 7) COLUMN(1, 0) UP(1, 1) ADD_4(7, 2) UP(2, 1) ADD_4(8, 3) UP(3, 1) ADD_4(9, 4) \
+    UP(4, 1) ADD_4(10, 5) UP(5, 1) ADD_4(11, 6) UP(6, 1) ADD_4(12, 7) COLUMN(1, 1) UP(1, 1) \
+    ADD_4(13, 2) UP(2, 1) ADD_4(14, 3) UP(3, 1) ADD_4(15, 4) UP(4, 1) ADD_4(16, 5) UP(5, 1) \
+    ADD_4(17, 6) UP(6, 1) ADD_4(18, 7) END(19) PASS(19, 22) COLUMN(2, 0) ADD_4(0, 2) UP(2, 2) \
+    ADD_4(1, 3) UP(3, 2) ADD_4(2, 4) UP(4, 2) ADD_4(3, 5) UP(5, 2) ADD_4(4, 6) UP(6, 2) \
+    ADD_4(5, 7) COLUMN(2, 1) ADD_4(6, 2) UP(2, 2) ADD_4(7, 3) UP(3, 2) ADD_4(8, 4) UP(4, 2) \
+    ADD_4(9, 5) UP(5, 2) ADD_4(10, 6) UP(6, 2) ADD_4(11, 7) COLUMN(3, 0) ADD_4(12, 3) UP(3, 3) \
+    ADD_4(13, 4) UP(4, 3) ADD_4(14, 5) UP(5, 3) ADD_4(15, 6) UP(6, 3) ADD_4(16, 7) COLUMN(3, 1) \
+    ADD_4(17, 3) UP(3, 3) ADD_4(18, 4) UP(4, 3) ADD_4(19, 5) UP(5, 3) ADD_4(20, 6) UP(6, 3) \
+    ADD_4(21, 7) END(22) PASS(41, 20) COLUMN(4, 0) ADD_4(0, 4) UP(4, 4) ADD_4(1, 5) UP(5, 4) \
+    ADD_4(2, 6) UP(6, 4) ADD_4(3, 7) COLUMN(4, 1) ADD_4(4, 4) UP(4, 4) ADD_4(5, 5) UP(5, 4) \
+    ADD_4(6, 6) UP(6, 4) ADD_4(7, 7) COLUMN(5, 0) ADD_4(8, 5) UP(5, 5) ADD_4(9, 6) UP(6, 5) \
+    ADD_4(10, 7) COLUMN(5, 1) ADD_4(11, 5) UP(5, 5) ADD_4(12, 6) UP(6, 5) ADD_4(13, 7) \
+    COLUMN(6, 0) ADD_4(14, 6) UP(6, 6) ADD_4(15, 7) COLUMN(6, 1) ADD_4(16, 6) UP(6, 6) \
+    ADD_4(17, 7) COLUMN(7, 0) ADD_4(18, 7) COLUMN(7, 1) ADD_4(19, 7) END(20)
+#define PLAN_5 PASS(0, 24) COLUMN(0, 0) ADD_5(0, 0) UP(0, 0) ADD_1(2, 1) UP(1, 0) ADD_5(3, 2) \
+    UP(2, 0) ADD_5(5, 3) UP(3, 0) ADD_5(7, 4) UP(4, 0) ADD_5(9, 5) UP(5, 0) ADD_4(11, 6) \
+    UP(6, 0) ADD_4(12, 7) COLUMN(1, 0) ADD_1(13, 1) UP(1, 1) ADD_5(14, 2) UP(2, 1) ADD_5(16, 3) \
+    UP(3, 1) ADD_5(18, 4) UP(4, 1) ADD_5(20, 5) UP(5, 1) ADD_4(22, 6) UP(6, 1) ADD_4(23, 7) \
+    END(24) PASS(24, 21) COLUMN(1, 1) ADD_1(0, 1) UP(1, 1) ADD_5(1, 2) UP(2, 1) ADD_5(3, 3) \
+    UP(3, 1) ADD_5(5, 4) UP(4, 1) ADD_5(7, 5) UP(5, 1) ADD_4(9, 6) UP(6, 1) ADD_4(10, 7) \
+    COLUMN(2, 0) ADD_5(11, 2) UP(2, 2) ADD_5(13, 3) UP(3, 2) ADD_5(15, 4) UP(4, 2) ADD_5(17, 5) \
+    UP(5, 2) ADD_4(19, 6) UP(6, 2) ADD_4(20, 7) END(21) PASS(45, 18) COLUMN(2, 1) ADD_5(0, 2) \
+    UP(2, 2) ADD_5(2, 3) UP(3, 2) ADD_5(4, 4) UP(4, 2) ADD_5(6, 5) UP(5, 2) ADD_4(8, 6) UP(6, 2) \
+    ADD_4(9, 7) COLUMN(3, 0) ADD_5(10, 3) UP(3, 3) ADD_5(12, 4) UP(4, 3) ADD_5(14, 5) UP(5, 3) \
+    ADD_4(16, 6) UP(6, 3) ADD_4(17, 7) END(18) PASS(63, 24) COLUMN(3, 1) ADD_5(0, 3) UP(3, 3) \
+    ADD_5(2, 4) UP(4, 3) ADD_5(4, 5) UP(5, 3) ADD_4(6, 6) UP(6, 3) ADD_4(7, 7) COLUMN(4, 0) \
+    ADD_5(8, 4) UP(4, 4) ADD_5(10, 5) UP(5, 4) ADD_4(12, 6) UP(6, 4) ADD_4(13, 7) COLUMN(4, 1) \
+    ADD_5(14, 4) UP(4, 4) ADD_5(16, 5) UP(5, 4) ADD_4(18, 6) UP(6, 4) ADD_4(19, 7) COLUMN(5, 0) \
+    ADD_5(20, 5) UP(5, 5) ADD_4(22, 6) UP(6, 5) ADD_4(23, 7) END(24) PASS(87, 10) COLUMN(5, 1) \
+    ADD_5(0, 5) UP(5, 5) ADD_4(2, 6) UP(6, 5) ADD_4(3, 7) COLUMN(6, 0) ADD_4(4, 6) UP(6, 6) \
+    ADD_4(5, 7) COLUMN(6, 1) ADD_4(6, 6) UP(6, 6) ADD_4(7, 7) COLUMN(7, 0) ADD_4(8, 7) \
+    COLUMN(7, 1) ADD_4(9, 7) END(10)
+#define PLAN_7 PASS(0, 19) COLUMN(0, 0) ADD_5(0, 0) UP(0, 0) ADD_3(2, 1) UP(1, 0) ADD_7(4, 2) \
+    UP(2, 0) ADD_7(7, 3) UP(3, 0) ADD_7(10, 4) UP(4, 0) ADD_7(13, 5) UP(5, 0) ADD_6(16, 6) \
+    UP(6, 0) ADD_4(18, 7) END(19) PASS(19, 17) COLUMN(1, 0) ADD_3(0, 1) UP(1, 1) ADD_7(2, 2) \
+    UP(2, 1) ADD_7(5, 3) UP(3, 1) ADD_7(8, 4) UP(4, 1) ADD_7(11, 5) UP(5, 1) ADD_6(14, 6) \
+    UP(6, 1) ADD_4(16, 7) END(17) PASS(36, 17) COLUMN(1, 1) ADD_3(0, 1) UP(1, 1) ADD_7(2, 2) \
+    UP(2, 1) ADD_7(5, 3) UP(3, 1) ADD_7(8, 4) UP(4, 1) ADD_7(11, 5) UP(5, 1) ADD_6(14, 6) \
+    UP(6, 1) ADD_4(16, 7) END(17) PASS(53, 15) COLUMN(2, 0) ADD_7(0, 2) UP(2, 2) ADD_7(3, 3) \
+    UP(3, 2) ADD_7(6, 4) UP(4, 2) ADD_7(9, 5) UP(5, 2) ADD_6(12, 6) UP(6, 2) ADD_4(14, 7) \
+    END(15) PASS(68, 15) COLUMN(2, 1) ADD_7(0, 2) UP(2, 2) ADD_7(3, 3) UP(3, 2) ADD_7(6, 4) \
+    UP(4, 2) ADD_7(9, 5) UP(5, 2) ADD_6(12, 6) UP(6, 2) ADD_4(14, 7) END(15) PASS(83, 24) \
+    COLUMN(3, 0) ADD_7(0, 3) UP(3, 3) ADD_7(3, 4) UP(4, 3) ADD_7(6, 5) UP(5, 3) ADD_6(9, 6) \
+    UP(6, 3) ADD_4(11, 7) COLUMN(3, 1) ADD_7(12, 3) UP(3, 3) ADD_7(15, 4) UP(4, 3) ADD_7(18, 5) \
+    UP(5, 3) ADD_6(21, 6) UP(6, 3) ADD_4(23, 7) END(24) PASS(107, 24) COLUMN(4, 0) ADD_7(0, 4) \
+    UP(4, 4) ADD_7(3, 5) UP(5, 4) ADD_6(6, 6) UP(6, 4) ADD_4(8, 7) COLUMN(4, 1) ADD_7(9, 4) \
+    UP(4, 4) ADD_7(12, 5) UP(5, 4) ADD_6(15, 6) UP(6, 4) ADD_4(17, 7) COLUMN(5, 0) ADD_7(18, 5) \
+    UP(5, 5) ADD_6(21, 6) UP(6, 5) ADD_4(23, 7) END(24) PASS(131, 14) COLUMN(5, 1) ADD_7(0, 5) \
+    UP(5, 5) ADD_6(3, 6) UP(6, 5) ADD_4(5, 7) COLUMN(6, 0) ADD_6(6, 6) UP(6, 6) ADD_4(8, 7) \
+    COLUMN(6, 1) ADD_6(9, 6) UP(6, 6) ADD_4(11, 7) COLUMN(7, 0) ADD_4(12, 7) COLUMN(7, 1) \
+    ADD_4(13, 7) END(14)
+#define PLAN_RGB_1 PASS(0, 6) COLUMN(0, 0) ADD_1(0, 0) UP(0, 0) ADD_1(1, 1) UP(1, 0) ADD_1(2, 2) \
+    UP(2, 0) ADD_1(3, 3) UP(3, 0) ADD_1(4, 4) UP(4, 0) ADD_1(5, 5) END(6) PASS(6, 5) \
+    COLUMN(1, 0) ADD_1(0, 1) UP(1, 1) ADD_1(1, 2) UP(2, 1) ADD_1(2, 3) UP(3, 1) ADD_1(3, 4) \
+    UP(4, 1) ADD_1(4, 5) END(5) PASS(11, 5) COLUMN(1, 1) ADD_1(0, 1) UP(1, 1) ADD_1(1, 2) \
+    UP(2, 1) ADD_1(2, 3) UP(3, 1) ADD_1(3, 4) UP(4, 1) ADD_1(4, 5) END(5) PASS(16, 8) \
+    COLUMN(2, 0) ADD_1(0, 2) UP(2, 2) ADD_1(1, 3) UP(3, 2) ADD_1(2, 4) UP(4, 2) ADD_1(3, 5) \
+    COLUMN(2, 1) ADD_1(4, 2) UP(2, 2) ADD_1(5, 3) UP(3, 2) ADD_1(6, 4) UP(4, 2) ADD_1(7, 5) \
+    END(8) PASS(24, 8) COLUMN(3, 0) ADD_1(0, 3) UP(3, 3) ADD_1(1, 4) UP(4, 3) ADD_1(2, 5) \
+    COLUMN(3, 1) ADD_1(3, 3) UP(3, 3) ADD_1(4, 4) UP(4, 3) ADD_1(5, 5) COLUMN(4, 0) ADD_1(6, 4) \
+    UP(4, 4) ADD_1(7, 5) END(8) PASS(32, 4) COLUMN(4, 1) ADD_1(0, 4) UP(4, 4) ADD_1(1, 5) \
+    COLUMN(5, 0) ADD_1(2, 5) COLUMN(5, 1) ADD_1(3, 5) END(4)
+#define PLAN_RGB_3 PASS(0, 7) COLUMN(0, 0) ADD_1(0, 0) UP(0, 0) ADD_3(1, 1) UP(1, 0) ADD_3(3, 2) \
+    UP(2, 0) ADD_3(5, 3) UP(3, 0) CUT END(7) PASS(7, 5) RESUME ADD_3(0, 4) UP(4, 0) ADD_3(2, 5) \
+    UP(5, 0) ADD_2(4, 6) END(5) PASS(12, 8) COLUMN(1, 0) ADD_3(0, 1) UP(1, 1) ADD_3(2, 2) \
+    UP(2, 1) ADD_3(4, 3) UP(3, 1) ADD_3(6, 4) UP(4, 1) CUT END(8) PASS(20, 3) RESUME ADD_3(0, 5) \
+    UP(5, 1) ADD_2(2, 6) END(3) PASS(23, 8) COLUMN(1, 1) ADD_3(0, 1) UP(1, 1) ADD_3(2, 2) \
+    UP(2, 1) ADD_3(4, 3) UP(3, 1) ADD_3(6, 4) UP(4, 1) CUT END(8) PASS(31, 3) RESUME ADD_3(0, 5) \
+    UP(5, 1) ADD_2(2, 6) END(3) PASS(34, 8) COLUMN(2, 0) ADD_3(0, 2) UP(2, 2) ADD_3(2, 3) \
+    UP(3, 2) ADD_3(4, 4) UP(4, 2) ADD_3(6, 5) UP(5, 2) CUT END(8) PASS(42, 1) RESUME ADD_2(0, 6) \
+    END(1) PASS(43, 8) COLUMN(2, 1) ADD_3(0, 2) UP(2, 2) ADD_3(2, 3) UP(3, 2) ADD_3(4, 4) \
+    UP(4, 2) ADD_3(6, 5) UP(5, 2) CUT END(8) PASS(51, 8) RESUME ADD_2(0, 6) COLUMN(3, 0) \
+    ADD_3(1, 3) UP(3, 3) ADD_3(3, 4) UP(4, 3) ADD_3(5, 5) UP(5, 3) ADD_2(7, 6) END(8) \
+    PASS(59, 7) COLUMN(3, 1) ADD_3(0, 3) UP(3, 3) ADD_3(2, 4) UP(4, 3) ADD_3(4, 5) UP(5, 3) \
+    ADD_2(6, 6) END(7) PASS(66, 5) COLUMN(4, 0) ADD_3(0, 4) UP(4, 4) ADD_3(2, 5) UP(5, 4) \
+    ADD_2(4, 6) END(5) PASS(71, 8) COLUMN(4, 1) ADD_3(0, 4) UP(4, 4) ADD_3(2, 5) UP(5, 4) \
+    ADD_2(4, 6) COLUMN(5, 0) ADD_3(5, 5) UP(5, 5) ADD_2(7, 6) END(8) PASS(79, 5) COLUMN(5, 1) \
+    ADD_3(0, 5) UP(5, 5) ADD_2(2, 6) COLUMN(6, 0) ADD_2(3, 6) COLUMN(6, 1) ADD_2(4, 6) END(5)
+#define PLAN_RGB_4 PASS(0, 7) COLUMN(0, 0) ADD_4(0, 0) UP(0, 0) UP(1, 0) ADD_4(1, 2) UP(2, 0) \
+    ADD_4(2, 3) UP(3, 0) ADD_4(3, 4) UP(4, 0) ADD_4(4, 5) UP(5, 0) ADD_4(5, 6) UP(6, 0) \
+    ADD_4(6, 7) END(7) PASS(7, 6) COLUMN(1, 0) UP(1, 1) ADD_4(0, 2) UP(2, 1) ADD_4(1, 3) \
+    UP(3, 1) ADD_4(2, 4) UP(4, 1) ADD_4(3, 5) UP(5, 1) ADD_4(4, 6) UP(6, 1) ADD_4(5, 7) END(6) \
+    PASS(13, 6) COLUMN(1, 1) UP(1, 1) ADD_4(0, 2) UP(2, 1) ADD_4(1, 3) UP(3, 1) ADD_4(2, 4) \
+    UP(4, 1) ADD_4(3, 5) UP(5, 1) ADD_4(4, 6) UP(6, 1) ADD_4(5, 7) END(6) PASS(19, 6) \
+    COLUMN(2, 0) ADD_4(0, 2) UP(2, 2) ADD_4(1, 3) UP(3, 2) ADD_4(2, 4) UP(4, 2) ADD_4(3, 5) \
+    UP(5, 2) ADD_4(4, 6) UP(6, 2) ADD_4(5, 7) END(6) PASS(25, 6) COLUMN(2, 1) ADD_4(0, 2) \
+    UP(2, 2) ADD_4(1, 3) UP(3, 2) ADD_4(2, 4) UP(4, 2) ADD_4(3, 5) UP(5, 2) ADD_4(4, 6) UP(6, 2) \
+    ADD_4(5, 7) END(6) PASS(31, 5) COLUMN(3, 0) ADD_4(0, 3) UP(3, 3) ADD_4(1, 4) UP(4, 3) \
+    ADD_4(2, 5) UP(5, 3) ADD_4(3, 6) UP(6, 3) ADD_4(4, 7) END(5) PASS(36, 5) COLUMN(3, 1) \
+    ADD_4(0, 3) UP(3, 3) ADD_4(1, 4) UP(4, 3) ADD_4(2, 5) UP(5, 3) ADD_4(3, 6) UP(6, 3) \
+    ADD_4(4, 7) END(5) PASS(41, 8) COLUMN(4, 0) ADD_4(0, 4) UP(4, 4) ADD_4(1, 5) UP(5, 4) \
+    ADD_4(2, 6) UP(6, 4) ADD_4(3, 7) COLUMN(4, 1) ADD_4(4, 4) UP(4, 4) ADD_4(5, 5) UP(5, 4) \
+    ADD_4(6, 6) UP(6, 4) ADD_4(7, 7) END(8) PASS(49, 8) COLUMN(5, 0) ADD_4(0, 5) UP(5, 5) \
+    ADD_4(1, 6) UP(6, 5) ADD_4(2, 7) COLUMN(5, 1) ADD_4(3, 5) UP(5, 5) ADD_4(4, 6) UP(6, 5) \
+    ADD_4(5, 7) COLUMN(6, 0) ADD_4(6, 6) UP(6, 6) ADD_4(7, 7) END(8) PASS(57, 4) COLUMN(6, 1) \
+    ADD_4(0, 6) UP(6, 6) ADD_4(1, 7) COLUMN(7, 0) ADD_4(2, 7) COLUMN(7, 1) ADD_4(3, 7) END(4)
+#define PLAN_RGB_5 PASS(0, 7) COLUMN(0, 0) ADD_5(0, 0) UP(0, 0) ADD_1(2, 1) UP(1, 0) ADD_5(3, 2) \
+    UP(2, 0) ADD_5(5, 3) UP(3, 0) CUT END(7) PASS(7, 6) RESUME ADD_5(0, 4) UP(4, 0) ADD_5(2, 5) \
+    UP(5, 0) ADD_4(4, 6) UP(6, 0) ADD_4(5, 7) END(6) PASS(13, 7) COLUMN(1, 0) ADD_1(0, 1) \
+    UP(1, 1) ADD_5(1, 2) UP(2, 1) ADD_5(3, 3) UP(3, 1) ADD_5(5, 4) UP(4, 1) CUT END(7) \
+    PASS(20, 4) RESUME ADD_5(0, 5) UP(5, 1) ADD_4(2, 6) UP(6, 1) ADD_4(3, 7) END(4) PASS(24, 7) \
+    COLUMN(1, 1) ADD_1(0, 1) UP(1, 1) ADD_5(1, 2) UP(2, 1) ADD_5(3, 3) UP(3, 1) ADD_5(5, 4) \
+    UP(4, 1) CUT END(7) PASS(31, 4) RESUME ADD_5(0, 5) UP(5, 1) ADD_4(2, 6) UP(6, 1) ADD_4(3, 7) \
+    END(4) PASS(35, 8) COLUMN(2, 0) ADD_5(0, 2) UP(2, 2) ADD_5(2, 3) UP(3, 2) ADD_5(4, 4) \
+    UP(4, 2) ADD_5(6, 5) UP(5, 2) CUT END(8) PASS(43, 2) RESUME ADD_4(0, 6) UP(6, 2) ADD_4(1, 7) \
+    END(2) PASS(45, 8) COLUMN(2, 1) ADD_5(0, 2) UP(2, 2) ADD_5(2, 3) UP(3, 2) ADD_5(4, 4) \
+    UP(4, 2) ADD_5(6, 5) UP(5, 2) CUT END(8) PASS(53, 2) RESUME ADD_4(0, 6) UP(6, 2) ADD_4(1, 7) \
+    END(2) PASS(55, 8) COLUMN(3, 0) ADD_5(0, 3) UP(3, 3) ADD_5(2, 4) UP(4, 3) ADD_5(4, 5) \
+    UP(5, 3) ADD_4(6, 6) UP(6, 3) ADD_4(7, 7) END(8) PASS(63, 8) COLUMN(3, 1) ADD_5(0, 3) \
+    UP(3, 3) ADD_5(2, 4) UP(4, 3) ADD_5(4, 5) UP(5, 3) ADD_4(6, 6) UP(6, 3) ADD_4(7, 7) END(8) \
+    PASS(71, 6) COLUMN(4, 0) ADD_5(0, 4) UP(4, 4) ADD_5(2, 5) UP(5, 4) ADD_4(4, 6) UP(6, 4) \
+    ADD_4(5, 7) END(6) PASS(77, 6) COLUMN(4, 1) ADD_5(0, 4) UP(4, 4) ADD_5(2, 5) UP(5, 4) \
+    ADD_4(4, 6) UP(6, 4) ADD_4(5, 7) END(6) PASS(83, 8) COLUMN(5, 0) ADD_5(0, 5) UP(5, 5) \
+    ADD_4(2, 6) UP(6, 5) ADD_4(3, 7) COLUMN(5, 1) ADD_5(4, 5) UP(5, 5) ADD_4(6, 6) UP(6, 5) \
+    ADD_4(7, 7) END(8) PASS(91, 6) COLUMN(6, 0) ADD_4(0, 6) UP(6, 6) ADD_4(1, 7) COLUMN(6, 1) \
+    ADD_4(2, 6) UP(6, 6) ADD_4(3, 7) COLUMN(7, 0) ADD_4(4, 7) COLUMN(7, 1) ADD_4(5, 7) END(6)
+#define PLAN_RGB_7 PASS(0, 7) COLUMN(0, 0) ADD_5(0, 0) UP(0, 0) ADD_3(2, 1) UP(1, 0) ADD_7(4, 2) \
+    UP(2, 0) CUT END(7) PASS(7, 6) RESUME ADD_7(0, 3) UP(3, 0) ADD_7(3, 4) UP(4, 0) CUT END(6) \
+    PASS(13, 6) RESUME ADD_7(0, 5) UP(5, 0) ADD_6(3, 6) UP(6, 0) ADD_4(5, 7) END(6) PASS(19, 8) \
+    COLUMN(1, 0) ADD_3(0, 1) UP(1, 1) ADD_7(2, 2) UP(2, 1) ADD_7(5, 3) UP(3, 1) CUT END(8) \
+    PASS(27, 8) RESUME ADD_7(0, 4) UP(4, 1) ADD_7(3, 5) UP(5, 1) ADD_6(6, 6) UP(6, 1) CUT END(8) \
+    PASS(35, 1) RESUME ADD_4(0, 7) END(1) PASS(36, 8) COLUMN(1, 1) ADD_3(0, 1) UP(1, 1) \
+    ADD_7(2, 2) UP(2, 1) ADD_7(5, 3) UP(3, 1) CUT END(8) PASS(44, 8) RESUME ADD_7(0, 4) UP(4, 1) \
+    ADD_7(3, 5) UP(5, 1) ADD_6(6, 6) UP(6, 1) CUT END(8) PASS(52, 1) RESUME ADD_4(0, 7) END(1) \
+    PASS(53, 6) COLUMN(2, 0) ADD_7(0, 2) UP(2, 2) ADD_7(3, 3) UP(3, 2) CUT END(6) PASS(59, 8) \
+    RESUME ADD_7(0, 4) UP(4, 2) ADD_7(3, 5) UP(5, 2) ADD_6(6, 6) UP(6, 2) CUT END(8) PASS(67, 1) \
+    RESUME ADD_4(0, 7) END(1) PASS(68, 6) COLUMN(2, 1) ADD_7(0, 2) UP(2, 2) ADD_7(3, 3) UP(3, 2) \
+    CUT END(6) PASS(74, 8) RESUME ADD_7(0, 4) UP(4, 2) ADD_7(3, 5) UP(5, 2) ADD_6(6, 6) UP(6, 2) \
+    CUT END(8) PASS(82, 1) RESUME ADD_4(0, 7) END(1) PASS(83, 6) COLUMN(3, 0) ADD_7(0, 3) \
+    UP(3, 3) ADD_7(3, 4) UP(4, 3) CUT END(6) PASS(89, 6) RESUME ADD_7(0, 5) UP(5, 3) ADD_6(3, 6) \
+    UP(6, 3) ADD_4(5, 7) END(6) PASS(95, 6) COLUMN(3, 1) ADD_7(0, 3) UP(3, 3) ADD_7(3, 4) \
+    UP(4, 3) CUT END(6) PASS(101, 6) RESUME ADD_7(0, 5) UP(5, 3) ADD_6(3, 6) UP(6, 3) \
+    ADD_4(5, 7) END(6) PASS(107, 8) COLUMN(4, 0) ADD_7(0, 4) UP(4, 4) ADD_7(3, 5) UP(5, 4) \
+    ADD_6(6, 6) UP(6, 4) CUT END(8) PASS(115, 1) RESUME ADD_4(0, 7) END(1) PASS(116, 8) \
+    COLUMN(4, 1) ADD_7(0, 4) UP(4, 4) ADD_7(3, 5) UP(5, 4) ADD_6(6, 6) UP(6, 4) CUT END(8) \
+    PASS(124, 7) RESUME ADD_4(0, 7) COLUMN(5, 0) ADD_7(1, 5) UP(5, 5) ADD_6(4, 6) UP(6, 5) \
+    ADD_4(6, 7) END(7) PASS(131, 6) COLUMN(5, 1) ADD_7(0, 5) UP(5, 5) ADD_6(3, 6) UP(6, 5) \
+    ADD_4(5, 7) END(6) PASS(137, 8) COLUMN(6, 0) ADD_6(0, 6) UP(6, 6) ADD_4(2, 7) COLUMN(6, 1) \
+    ADD_6(3, 6) UP(6, 6) ADD_4(5, 7) COLUMN(7, 0) ADD_4(6, 7) COLUMN(7, 1) ADD_4(7, 7) END(8)
 #else
-#define PLAN_1 PASS(0, 11) SEGMENT(0, 0, 0, 6, 0) SEGMENT(1, 0, 1, 6, 6) END(11) PASS(11, 9) \
-    SEGMENT(1, 1, 1, 6, 0) SEGMENT(2, 0, 2, 6, 5) END(9) PASS(20, 12) SEGMENT(2, 1, 2, 6, 0) \
-    SEGMENT(3, 0, 3, 6, 4) SEGMENT(3, 1, 3, 6, 7) SEGMENT(4, 0, 4, 6, 10) END(12) PASS(32, 4) \
-    SEGMENT(4, 1, 4, 6, 0) SEGMENT(5, 0, 5, 6, 2) SEGMENT(5, 1, 5, 6, 3) END(4)
-#define PLAN_3 PASS(0, 12) SEGMENT(0, 0, 0, 7, 0) END(12) PASS(12, 11) SEGMENT(1, 0, 1, 7, 0) \
-    END(11) PASS(23, 11) SEGMENT(1, 1, 1, 7, 0) END(11) PASS(34, 9) SEGMENT(2, 0, 2, 7, 0) \
-    END(9) PASS(43, 9) SEGMENT(2, 1, 2, 7, 0) END(9) PASS(52, 7) SEGMENT(3, 0, 3, 7, 0) END(7) \
-    PASS(59, 12) SEGMENT(3, 1, 3, 7, 0) SEGMENT(4, 0, 4, 7, 7) END(12) PASS(71, 12) \
-    SEGMENT(4, 1, 4, 7, 0) SEGMENT(5, 0, 5, 7, 5) SEGMENT(5, 1, 5, 7, 8) SEGMENT(6, 0, 6, 7, 11) \
-    END(12) PASS(83, 1) SEGMENT(6, 1, 6, 7, 0) END(1)
-#define PLAN_4 PASS(0, 7) SEGMENT(0, 0, 0, 8, 0) END(7) PASS(7, 12) SEGMENT(1, 0, 1, 8, 0) \
-    SEGMENT(1, 1, 1, 8, 6) END(12) PASS(19, 12) SEGMENT(2, 0, 2, 8, 0) SEGMENT(2, 1, 2, 8, 6) \
-    END(12) PASS(31, 10) SEGMENT(3, 0, 3, 8, 0) SEGMENT(3, 1, 3, 8, 5) END(10) PASS(41, 11) \
-    SEGMENT(4, 0, 4, 8, 0) SEGMENT(4, 1, 4, 8, 4) SEGMENT(5, 0, 5, 8, 8) END(11) PASS(52, 9) \
-    SEGMENT(5, 1, 5, 8, 0) SEGMENT(6, 0, 6, 8, 3) SEGMENT(6, 1, 6, 8, 5) SEGMENT(7, 0, 7, 8, 7) \
-    SEGMENT(7, 1, 7, 8, 8) END(9)
-#define PLAN_5 PASS(0, 12) SEGMENT(0, 0, 0, 7, 0) END(12) PASS(12, 12) SEGMENT(0, 0, 7, 8, 0) \
-    SEGMENT(1, 0, 1, 8, 1) END(12) PASS(24, 11) SEGMENT(1, 1, 1, 8, 0) END(11) PASS(35, 10) \
-    SEGMENT(2, 0, 2, 8, 0) END(10) PASS(45, 10) SEGMENT(2, 1, 2, 8, 0) END(10) PASS(55, 8) \
-    SEGMENT(3, 0, 3, 8, 0) END(8) PASS(63, 8) SEGMENT(3, 1, 3, 8, 0) END(8) PASS(71, 12) \
-    SEGMENT(4, 0, 4, 8, 0) SEGMENT(4, 1, 4, 8, 6) END(12) PASS(83, 12) SEGMENT(5, 0, 5, 8, 0) \
-    SEGMENT(5, 1, 5, 8, 4) SEGMENT(6, 0, 6, 8, 8) SEGMENT(6, 1, 6, 8, 10) END(12) PASS(95, 2) \
-    SEGMENT(7, 0, 7, 8, 0) SEGMENT(7, 1, 7, 8, 1) END(2)
-#define PLAN_7 PASS(0, 10) SEGMENT(0, 0, 0, 4, 0) END(10) PASS(10, 9) SEGMENT(0, 0, 4, 8, 0) \
-    END(9) PASS(19, 11) SEGMENT(1, 0, 1, 5, 0) END(11) PASS(30, 6) SEGMENT(1, 0, 5, 8, 0) END(6) \
-    PASS(36, 11) SEGMENT(1, 1, 1, 5, 0) END(11) PASS(47, 6) SEGMENT(1, 1, 5, 8, 0) END(6) \
-    PASS(53, 12) SEGMENT(2, 0, 2, 6, 0) END(12) PASS(65, 3) SEGMENT(2, 0, 6, 8, 0) END(3) \
-    PASS(68, 12) SEGMENT(2, 1, 2, 6, 0) END(12) PASS(80, 3) SEGMENT(2, 1, 6, 8, 0) END(3) \
-    PASS(83, 12) SEGMENT(3, 0, 3, 8, 0) END(12) PASS(95, 12) SEGMENT(3, 1, 3, 8, 0) END(12) \
-    PASS(107, 9) SEGMENT(4, 0, 4, 8, 0) END(9) PASS(116, 9) SEGMENT(4, 1, 4, 8, 0) END(9) \
-    PASS(125, 12) SEGMENT(5, 0, 5, 8, 0) SEGMENT(5, 1, 5, 8, 6) END(12) PASS(137, 8) \
-    SEGMENT(6, 0, 6, 8, 0) SEGMENT(6, 1, 6, 8, 3) SEGMENT(7, 0, 7, 8, 6) SEGMENT(7, 1, 7, 8, 7) \
-    END(8)
-#define PLAN_RGB_1 PASS(0, 4) SEGMENT(0, 0, 0, 4, 0) END(4) PASS(4, 2) SEGMENT(0, 0, 4, 6, 0) \
-    END(2) PASS(6, 4) SEGMENT(1, 0, 1, 5, 0) END(4) PASS(10, 1) SEGMENT(1, 0, 5, 6, 0) END(1) \
-    PASS(11, 4) SEGMENT(1, 1, 1, 5, 0) END(4) PASS(15, 1) SEGMENT(1, 1, 5, 6, 0) END(1) \
-    PASS(16, 4) SEGMENT(2, 0, 2, 6, 0) END(4) PASS(20, 4) SEGMENT(2, 1, 2, 6, 0) END(4) \
-    PASS(24, 3) SEGMENT(3, 0, 3, 6, 0) END(3) PASS(27, 3) SEGMENT(3, 1, 3, 6, 0) END(3) \
-    PASS(30, 4) SEGMENT(4, 0, 4, 6, 0) SEGMENT(4, 1, 4, 6, 2) END(4) PASS(34, 2) \
-    SEGMENT(5, 0, 5, 6, 0) SEGMENT(5, 1, 5, 6, 1) END(2)
-#define PLAN_RGB_3 PASS(0, 3) SEGMENT(0, 0, 0, 2, 0) END(3) PASS(3, 4) SEGMENT(0, 0, 2, 4, 0) \
-    END(4) PASS(7, 4) SEGMENT(0, 0, 4, 6, 0) END(4) PASS(11, 1) SEGMENT(0, 0, 6, 7, 0) END(1) \
-    PASS(12, 4) SEGMENT(1, 0, 1, 3, 0) END(4) PASS(16, 4) SEGMENT(1, 0, 3, 5, 0) END(4) \
-    PASS(20, 3) SEGMENT(1, 0, 5, 7, 0) END(3) PASS(23, 4) SEGMENT(1, 1, 1, 3, 0) END(4) \
-    PASS(27, 4) SEGMENT(1, 1, 3, 5, 0) END(4) PASS(31, 3) SEGMENT(1, 1, 5, 7, 0) END(3) \
-    PASS(34, 4) SEGMENT(2, 0, 2, 4, 0) END(4) PASS(38, 4) SEGMENT(2, 0, 4, 6, 0) END(4) \
-    PASS(42, 1) SEGMENT(2, 0, 6, 7, 0) END(1) PASS(43, 4) SEGMENT(2, 1, 2, 4, 0) END(4) \
-    PASS(47, 4) SEGMENT(2, 1, 4, 6, 0) END(4) PASS(51, 1) SEGMENT(2, 1, 6, 7, 0) END(1) \
-    PASS(52, 4) SEGMENT(3, 0, 3, 5, 0) END(4) PASS(56, 3) SEGMENT(3, 0, 5, 7, 0) END(3) \
-    PASS(59, 4) SEGMENT(3, 1, 3, 5, 0) END(4) PASS(63, 3) SEGMENT(3, 1, 5, 7, 0) END(3) \
-    PASS(66, 4) SEGMENT(4, 0, 4, 6, 0) END(4) PASS(70, 1) SEGMENT(4, 0, 6, 7, 0) END(1) \
-    PASS(71, 4) SEGMENT(4, 1, 4, 6, 0) END(4) PASS(75, 4) SEGMENT(4, 1, 6, 7, 0) \
-    SEGMENT(5, 0, 5, 7, 1) END(4) PASS(79, 4) SEGMENT(5, 1, 5, 7, 0) SEGMENT(6, 0, 6, 7, 3) \
-    END(4) PASS(83, 1) SEGMENT(6, 1, 6, 7, 0) END(1)
-#define PLAN_RGB_4 PASS(0, 4) SEGMENT(0, 0, 0, 5, 0) END(4) PASS(4, 3) SEGMENT(0, 0, 5, 8, 0) \
-    END(3) PASS(7, 4) SEGMENT(1, 0, 1, 6, 0) END(4) PASS(11, 2) SEGMENT(1, 0, 6, 8, 0) END(2) \
-    PASS(13, 4) SEGMENT(1, 1, 1, 6, 0) END(4) PASS(17, 2) SEGMENT(1, 1, 6, 8, 0) END(2) \
-    PASS(19, 4) SEGMENT(2, 0, 2, 6, 0) END(4) PASS(23, 2) SEGMENT(2, 0, 6, 8, 0) END(2) \
-    PASS(25, 4) SEGMENT(2, 1, 2, 6, 0) END(4) PASS(29, 2) SEGMENT(2, 1, 6, 8, 0) END(2) \
-    PASS(31, 4) SEGMENT(3, 0, 3, 7, 0) END(4) PASS(35, 1) SEGMENT(3, 0, 7, 8, 0) END(1) \
-    PASS(36, 4) SEGMENT(3, 1, 3, 7, 0) END(4) PASS(40, 1) SEGMENT(3, 1, 7, 8, 0) END(1) \
-    PASS(41, 4) SEGMENT(4, 0, 4, 8, 0) END(4) PASS(45, 4) SEGMENT(4, 1, 4, 8, 0) END(4) \
-    PASS(49, 3) SEGMENT(5, 0, 5, 8, 0) END(3) PASS(52, 3) SEGMENT(5, 1, 5, 8, 0) END(3) \
-    PASS(55, 4) SEGMENT(6, 0, 6, 8, 0) SEGMENT(6, 1, 6, 8, 2) END(4) PASS(59, 2) \
-    SEGMENT(7, 0, 7, 8, 0) SEGMENT(7, 1, 7, 8, 1) END(2)
-#define PLAN_RGB_5 PASS(0, 3) SEGMENT(0, 0, 0, 2, 0) END(3) PASS(3, 4) SEGMENT(0, 0, 2, 4, 0) \
-    END(4) PASS(7, 4) SEGMENT(0, 0, 4, 6, 0) END(4) PASS(11, 2) SEGMENT(0, 0, 6, 8, 0) END(2) \
-    PASS(13, 3) SEGMENT(1, 0, 1, 3, 0) END(3) PASS(16, 4) SEGMENT(1, 0, 3, 5, 0) END(4) \
-    PASS(20, 4) SEGMENT(1, 0, 5, 8, 0) END(4) PASS(24, 3) SEGMENT(1, 1, 1, 3, 0) END(3) \
-    PASS(27, 4) SEGMENT(1, 1, 3, 5, 0) END(4) PASS(31, 4) SEGMENT(1, 1, 5, 8, 0) END(4) \
-    PASS(35, 4) SEGMENT(2, 0, 2, 4, 0) END(4) PASS(39, 4) SEGMENT(2, 0, 4, 6, 0) END(4) \
-    PASS(43, 2) SEGMENT(2, 0, 6, 8, 0) END(2) PASS(45, 4) SEGMENT(2, 1, 2, 4, 0) END(4) \
-    PASS(49, 4) SEGMENT(2, 1, 4, 6, 0) END(4) PASS(53, 2) SEGMENT(2, 1, 6, 8, 0) END(2) \
-    PASS(55, 4) SEGMENT(3, 0, 3, 5, 0) END(4) PASS(59, 4) SEGMENT(3, 0, 5, 8, 0) END(4) \
-    PASS(63, 4) SEGMENT(3, 1, 3, 5, 0) END(4) PASS(67, 4) SEGMENT(3, 1, 5, 8, 0) END(4) \
-    PASS(71, 4) SEGMENT(4, 0, 4, 6, 0) END(4) PASS(75, 2) SEGMENT(4, 0, 6, 8, 0) END(2) \
-    PASS(77, 4) SEGMENT(4, 1, 4, 6, 0) END(4) PASS(81, 2) SEGMENT(4, 1, 6, 8, 0) END(2) \
-    PASS(83, 4) SEGMENT(5, 0, 5, 8, 0) END(4) PASS(87, 4) SEGMENT(5, 1, 5, 8, 0) END(4) \
-    PASS(91, 4) SEGMENT(6, 0, 6, 8, 0) SEGMENT(6, 1, 6, 8, 2) END(4) PASS(95, 2) \
-    SEGMENT(7, 0, 7, 8, 0) SEGMENT(7, 1, 7, 8, 1) END(2)
-#define PLAN_RGB_7 PASS(0, 4) SEGMENT(0, 0, 0, 2, 0) END(4) PASS(4, 3) SEGMENT(0, 0, 2, 3, 0) \
-    END(3) PASS(7, 3) SEGMENT(0, 0, 3, 4, 0) END(3) PASS(10, 3) SEGMENT(0, 0, 4, 5, 0) END(3) \
-    PASS(13, 3) SEGMENT(0, 0, 5, 6, 0) END(3) PASS(16, 3) SEGMENT(0, 0, 6, 8, 0) END(3) \
-    PASS(19, 2) SEGMENT(1, 0, 1, 2, 0) END(2) PASS(21, 3) SEGMENT(1, 0, 2, 3, 0) END(3) \
-    PASS(24, 3) SEGMENT(1, 0, 3, 4, 0) END(3) PASS(27, 3) SEGMENT(1, 0, 4, 5, 0) END(3) \
-    PASS(30, 3) SEGMENT(1, 0, 5, 6, 0) END(3) PASS(33, 3) SEGMENT(1, 0, 6, 8, 0) END(3) \
-    PASS(36, 2) SEGMENT(1, 1, 1, 2, 0) END(2) PASS(38, 3) SEGMENT(1, 1, 2, 3, 0) END(3) \
-    PASS(41, 3) SEGMENT(1, 1, 3, 4, 0) END(3) PASS(44, 3) SEGMENT(1, 1, 4, 5, 0) END(3) \
-    PASS(47, 3) SEGMENT(1, 1, 5, 6, 0) END(3) PASS(50, 3) SEGMENT(1, 1, 6, 8, 0) END(3) \
-    PASS(53, 3) SEGMENT(2, 0, 2, 3, 0) END(3) PASS(56, 3) SEGMENT(2, 0, 3, 4, 0) END(3) \
-    PASS(59, 3) SEGMENT(2, 0, 4, 5, 0) END(3) PASS(62, 3) SEGMENT(2, 0, 5, 6, 0) END(3) \
-    PASS(65, 3) SEGMENT(2, 0, 6, 8, 0) END(3) PASS(68, 3) SEGMENT(2, 1, 2, 3, 0) END(3) \
-    PASS(71, 3) SEGMENT(2, 1, 3, 4, 0) END(3) PASS(74, 3) SEGMENT(2, 1, 4, 5, 0) END(3) \
-    PASS(77, 3) SEGMENT(2, 1, 5, 6, 0) END(3) PASS(80, 3) SEGMENT(2, 1, 6, 8, 0) END(3) \
-    PASS(83, 3) SEGMENT(3, 0, 3, 4, 0) END(3) PASS(86, 3) SEGMENT(3, 0, 4, 5, 0) END(3) \
-    PASS(89, 3) SEGMENT(3, 0, 5, 6, 0) END(3) PASS(92, 3) SEGMENT(3, 0, 6, 8, 0) END(3) \
-    PASS(95, 3) SEGMENT(3, 1, 3, 4, 0) END(3) PASS(98, 3) SEGMENT(3, 1, 4, 5, 0) END(3) \
-    PASS(101, 3) SEGMENT(3, 1, 5, 6, 0) END(3) PASS(104, 3) SEGMENT(3, 1, 6, 8, 0) END(3) \
-    PASS(107, 3) SEGMENT(4, 0, 4, 5, 0) END(3) PASS(110, 3) SEGMENT(4, 0, 5, 6, 0) END(3) \
-    PASS(113, 3) SEGMENT(4, 0, 6, 8, 0) END(3) PASS(116, 3) SEGMENT(4, 1, 4, 5, 0) END(3) \
-    PASS(119, 3) SEGMENT(4, 1, 5, 6, 0) END(3) PASS(122, 3) SEGMENT(4, 1, 6, 8, 0) END(3) \
-    PASS(125, 3) SEGMENT(5, 0, 5, 6, 0) END(3) PASS(128, 3) SEGMENT(5, 0, 6, 8, 0) END(3) \
-    PASS(131, 3) SEGMENT(5, 1, 5, 6, 0) END(3) PASS(134, 3) SEGMENT(5, 1, 6, 8, 0) END(3) \
-    PASS(137, 3) SEGMENT(6, 0, 6, 8, 0) END(3) PASS(140, 4) SEGMENT(6, 1, 6, 8, 0) \
-    SEGMENT(7, 0, 7, 8, 3) END(4) PASS(144, 1) SEGMENT(7, 1, 7, 8, 0) END(1)
+#define PLAN_1 PASS(0, 11) COLUMN(0, 0) ADD_1(0, 0) UP(0, 0) ADD_1(1, 1) UP(1, 0) ADD_1(2, 2) \
+    UP(2, 0) ADD_1(3, 3) UP(3, 0) ADD_1(4, 4) UP(4, 0) ADD_1(5, 5) COLUMN(1, 0) ADD_1(6, 1) \
+    UP(1, 1) ADD_1(7, 2) UP(2, 1) ADD_1(8, 3) UP(3, 1) ADD_1(9, 4) UP(4, 1) ADD_1(10, 5) END(11) \
+    PASS(11, 9) COLUMN(1, 1) ADD_1(0, 1) UP(1, 1) ADD_1(1, 2) UP(2, 1) ADD_1(2, 3) UP(3, 1) \
+    ADD_1(3, 4) UP(4, 1) ADD_1(4, 5) COLUMN(2, 0) ADD_1(5, 2) UP(2, 2) ADD_1(6, 3) UP(3, 2) \
+    ADD_1(7, 4) UP(4, 2) ADD_1(8, 5) END(9) PASS(20, 12) COLUMN(2, 1) ADD_1(0, 2) UP(2, 2) \
+    ADD_1(1, 3) UP(3, 2) ADD_1(2, 4) UP(4, 2) ADD_1(3, 5) COLUMN(3, 0) ADD_1(4, 3) UP(3, 3) \
+    ADD_1(5, 4) UP(4, 3) ADD_1(6, 5) COLUMN(3, 1) ADD_1(7, 3) UP(3, 3) ADD_1(8, 4) UP(4, 3) \
+    ADD_1(9, 5) COLUMN(4, 0) ADD_1(10, 4) UP(4, 4) ADD_1(11, 5) END(12) PASS(32, 4) COLUMN(4, 1) \
+    ADD_1(0, 4) UP(4, 4) ADD_1(1, 5) COLUMN(5, 0) ADD_1(2, 5) COLUMN(5, 1) ADD_1(3, 5) END(4)
+#define PLAN_3 PASS(0, 12) COLUMN(0, 0) ADD_1(0, 0) UP(0, 0) ADD_3(1, 1) UP(1, 0) ADD_3(3, 2) \
+    UP(2, 0) ADD_3(5, 3) UP(3, 0) ADD_3(7, 4) UP(4, 0) ADD_3(9, 5) UP(5, 0) ADD_2(11, 6) END(12) \
+    PASS(12, 11) COLUMN(1, 0) ADD_3(0, 1) UP(1, 1) ADD_3(2, 2) UP(2, 1) ADD_3(4, 3) UP(3, 1) \
+    ADD_3(6, 4) UP(4, 1) ADD_3(8, 5) UP(5, 1) ADD_2(10, 6) END(11) PASS(23, 11) COLUMN(1, 1) \
+    ADD_3(0, 1) UP(1, 1) ADD_3(2, 2) UP(2, 1) ADD_3(4, 3) UP(3, 1) ADD_3(6, 4) UP(4, 1) \
+    ADD_3(8, 5) UP(5, 1) ADD_2(10, 6) END(11) PASS(34, 9) COLUMN(2, 0) ADD_3(0, 2) UP(2, 2) \
+    ADD_3(2, 3) UP(3, 2) ADD_3(4, 4) UP(4, 2) ADD_3(6, 5) UP(5, 2) ADD_2(8, 6) END(9) \
+    PASS(43, 9) COLUMN(2, 1) ADD_3(0, 2) UP(2, 2) ADD_3(2, 3) UP(3, 2) ADD_3(4, 4) UP(4, 2) \
+    ADD_3(6, 5) UP(5, 2) ADD_2(8, 6) END(9) PASS(52, 7) COLUMN(3, 0) ADD_3(0, 3) UP(3, 3) \
+    ADD_3(2, 4) UP(4, 3) ADD_3(4, 5) UP(5, 3) ADD_2(6, 6) END(7) PASS(59, 12) COLUMN(3, 1) \
+    ADD_3(0, 3) UP(3, 3) ADD_3(2, 4) UP(4, 3) ADD_3(4, 5) UP(5, 3) ADD_2(6, 6) COLUMN(4, 0) \
+    ADD_3(7, 4) UP(4, 4) ADD_3(9, 5) UP(5, 4) ADD_2(11, 6) END(12) PASS(71, 12) COLUMN(4, 1) \
+    ADD_3(0, 4) UP(4, 4) ADD_3(2, 5) UP(5, 4) ADD_2(4, 6) COLUMN(5, 0) ADD_3(5, 5) UP(5, 5) \
+    ADD_2(7, 6) COLUMN(5, 1) ADD_3(8, 5) UP(5, 5) ADD_2(10, 6) COLUMN(6, 0) ADD_2(11, 6) END(12) \
+    PASS(83, 1) COLUMN(6, 1) ADD_2(0, 6) END(1)
+#define PLAN_4 PASS(0, 7) COLUMN(0, 0) ADD_4(0, 0) UP(0, 0) UP(1, 0) ADD_4(1, 2) UP(2, 0) \
+    ADD_4(2, 3) UP(3, 0) ADD_4(3, 4) UP(4, 0) ADD_4(4, 5) UP(5, 0) ADD_4(5, 6) UP(6, 0) \
+    ADD_4(6, 7) END(7) PASS(7, 12) COLUMN(1, 0) UP(1, 1) ADD_4(0, 2) UP(2, 1) ADD_4(1, 3) \
+    UP(3, 1) ADD_4(2, 4) UP(4, 1) ADD_4(3, 5) UP(5, 1) ADD_4(4, 6) UP(6, 1) ADD_4(5, 7) \
+    COLUMN(1, 1) UP(1, 1) ADD_4(6, 2) UP(2, 1) ADD_4(7, 3) UP(3, 1) ADD_4(8, 4) UP(4, 1) \
+    ADD_4(9, 5) UP(5, 1) ADD_4(10, 6) UP(6, 1) ADD_4(11, 7) END(12) PASS(19, 12) COLUMN(2, 0) \
+    ADD_4(0, 2) UP(2, 2) ADD_4(1, 3) UP(3, 2) ADD_4(2, 4) UP(4, 2) ADD_4(3, 5) UP(5, 2) \
+    ADD_4(4, 6) UP(6, 2) ADD_4(5, 7) COLUMN(2, 1) ADD_4(6, 2) UP(2, 2) ADD_4(7, 3) UP(3, 2) \
+    ADD_4(8, 4) UP(4, 2) ADD_4(9, 5) UP(5, 2) ADD_4(10, 6) UP(6, 2) ADD_4(11, 7) END(12) \
+    PASS(31, 10) COLUMN(3, 0) ADD_4(0, 3) UP(3, 3) ADD_4(1, 4) UP(4, 3) ADD_4(2, 5) UP(5, 3) \
+    ADD_4(3, 6) UP(6, 3) ADD_4(4, 7) COLUMN(3, 1) ADD_4(5, 3) UP(3, 3) ADD_4(6, 4) UP(4, 3) \
+    ADD_4(7, 5) UP(5, 3) ADD_4(8, 6) UP(6, 3) ADD_4(9, 7) END(10) PASS(41, 11) COLUMN(4, 0) \
+    ADD_4(0, 4) UP(4, 4) ADD_4(1, 5) UP(5, 4) ADD_4(2, 6) UP(6, 4) ADD_4(3, 7) COLUMN(4, 1) \
+    ADD_4(4, 4) UP(4, 4) ADD_4(5, 5) UP(5, 4) ADD_4(6, 6) UP(6, 4) ADD_4(7, 7) COLUMN(5, 0) \
+    ADD_4(8, 5) UP(5, 5) ADD_4(9, 6) UP(6, 5) ADD_4(10, 7) END(11) PASS(52, 9) COLUMN(5, 1) \
+    ADD_4(0, 5) UP(5, 5) ADD_4(1, 6) UP(6, 5) ADD_4(2, 7) COLUMN(6, 0) ADD_4(3, 6) UP(6, 6) \
+    ADD_4(4, 7) COLUMN(6, 1) ADD_4(5, 6) UP(6, 6) ADD_4(6, 7) COLUMN(7, 0) ADD_4(7, 7) \
+    COLUMN(7, 1) ADD_4(8, 7) END(9)
+#define PLAN_5 PASS(0, 12) COLUMN(0, 0) ADD_5(0, 0) UP(0, 0) ADD_1(2, 1) UP(1, 0) ADD_5(3, 2) \
+    UP(2, 0) ADD_5(5, 3) UP(3, 0) ADD_5(7, 4) UP(4, 0) ADD_5(9, 5) UP(5, 0) ADD_4(11, 6) \
+    UP(6, 0) CUT END(12) PASS(12, 12) RESUME ADD_4(0, 7) COLUMN(1, 0) ADD_1(1, 1) UP(1, 1) \
+    ADD_5(2, 2) UP(2, 1) ADD_5(4, 3) UP(3, 1) ADD_5(6, 4) UP(4, 1) ADD_5(8, 5) UP(5, 1) \
+    ADD_4(10, 6) UP(6, 1) ADD_4(11, 7) END(12) PASS(24, 11) COLUMN(1, 1) ADD_1(0, 1) UP(1, 1) \
+    ADD_5(1, 2) UP(2, 1) ADD_5(3, 3) UP(3, 1) ADD_5(5, 4) UP(4, 1) ADD_5(7, 5) UP(5, 1) \
+    ADD_4(9, 6) UP(6, 1) ADD_4(10, 7) END(11) PASS(35, 10) COLUMN(2, 0) ADD_5(0, 2) UP(2, 2) \
+    ADD_5(2, 3) UP(3, 2) ADD_5(4, 4) UP(4, 2) ADD_5(6, 5) UP(5, 2) ADD_4(8, 6) UP(6, 2) \
+    ADD_4(9, 7) END(10) PASS(45, 10) COLUMN(2, 1) ADD_5(0, 2) UP(2, 2) ADD_5(2, 3) UP(3, 2) \
+    ADD_5(4, 4) UP(4, 2) ADD_5(6, 5) UP(5, 2) ADD_4(8, 6) UP(6, 2) ADD_4(9, 7) END(10) \
+    PASS(55, 8) COLUMN(3, 0) ADD_5(0, 3) UP(3, 3) ADD_5(2, 4) UP(4, 3) ADD_5(4, 5) UP(5, 3) \
+    ADD_4(6, 6) UP(6, 3) ADD_4(7, 7) END(8) PASS(63, 8) COLUMN(3, 1) ADD_5(0, 3) UP(3, 3) \
+    ADD_5(2, 4) UP(4, 3) ADD_5(4, 5) UP(5, 3) ADD_4(6, 6) UP(6, 3) ADD_4(7, 7) END(8) \
+    PASS(71, 12) COLUMN(4, 0) ADD_5(0, 4) UP(4, 4) ADD_5(2, 5) UP(5, 4) ADD_4(4, 6) UP(6, 4) \
+    ADD_4(5, 7) COLUMN(4, 1) ADD_5(6, 4) UP(4, 4) ADD_5(8, 5) UP(5, 4) ADD_4(10, 6) UP(6, 4) \
+    ADD_4(11, 7) END(12) PASS(83, 12) COLUMN(5, 0) ADD_5(0, 5) UP(5, 5) ADD_4(2, 6) UP(6, 5) \
+    ADD_4(3, 7) COLUMN(5, 1) ADD_5(4, 5) UP(5, 5) ADD_4(6, 6) UP(6, 5) ADD_4(7, 7) COLUMN(6, 0) \
+    ADD_4(8, 6) UP(6, 6) ADD_4(9, 7) COLUMN(6, 1) ADD_4(10, 6) UP(6, 6) ADD_4(11, 7) END(12) \
+    PASS(95, 2) COLUMN(7, 0) ADD_4(0, 7) COLUMN(7, 1) ADD_4(1, 7) END(2)
+#define PLAN_7 PASS(0, 10) COLUMN(0, 0) ADD_5(0, 0) UP(0, 0) ADD_3(2, 1) UP(1, 0) ADD_7(4, 2) \
+    UP(2, 0) ADD_7(7, 3) UP(3, 0) CUT END(10) PASS(10, 9) RESUME ADD_7(0, 4) UP(4, 0) \
+    ADD_7(3, 5) UP(5, 0) ADD_6(6, 6) UP(6, 0) ADD_4(8, 7) END(9) PASS(19, 11) COLUMN(1, 0) \
+    ADD_3(0, 1) UP(1, 1) ADD_7(2, 2) UP(2, 1) ADD_7(5, 3) UP(3, 1) ADD_7(8, 4) UP(4, 1) CUT \
+    END(11) PASS(30, 6) RESUME ADD_7(0, 5) UP(5, 1) ADD_6(3, 6) UP(6, 1) ADD_4(5, 7) END(6) \
+    PASS(36, 11) COLUMN(1, 1) ADD_3(0, 1) UP(1, 1) ADD_7(2, 2) UP(2, 1) ADD_7(5, 3) UP(3, 1) \
+    ADD_7(8, 4) UP(4, 1) CUT END(11) PASS(47, 6) RESUME ADD_7(0, 5) UP(5, 1) ADD_6(3, 6) \
+    UP(6, 1) ADD_4(5, 7) END(6) PASS(53, 12) COLUMN(2, 0) ADD_7(0, 2) UP(2, 2) ADD_7(3, 3) \
+    UP(3, 2) ADD_7(6, 4) UP(4, 2) ADD_7(9, 5) UP(5, 2) CUT END(12) PASS(65, 3) RESUME \
+    ADD_6(0, 6) UP(6, 2) ADD_4(2, 7) END(3) PASS(68, 12) COLUMN(2, 1) ADD_7(0, 2) UP(2, 2) \
+    ADD_7(3, 3) UP(3, 2) ADD_7(6, 4) UP(4, 2) ADD_7(9, 5) UP(5, 2) CUT END(12) PASS(80, 3) \
+    RESUME ADD_6(0, 6) UP(6, 2) ADD_4(2, 7) END(3) PASS(83, 12) COLUMN(3, 0) ADD_7(0, 3) \
+    UP(3, 3) ADD_7(3, 4) UP(4, 3) ADD_7(6, 5) UP(5, 3) ADD_6(9, 6) UP(6, 3) ADD_4(11, 7) END(12) \
+    PASS(95, 12) COLUMN(3, 1) ADD_7(0, 3) UP(3, 3) ADD_7(3, 4) UP(4, 3) ADD_7(6, 5) UP(5, 3) \
+    ADD_6(9, 6) UP(6, 3) ADD_4(11, 7) END(12) PASS(107, 9) COLUMN(4, 0) ADD_7(0, 4) UP(4, 4) \
+    ADD_7(3, 5) UP(5, 4) ADD_6(6, 6) UP(6, 4) ADD_4(8, 7) END(9) PASS(116, 9) COLUMN(4, 1) \
+    ADD_7(0, 4) UP(4, 4) ADD_7(3, 5) UP(5, 4) ADD_6(6, 6) UP(6, 4) ADD_4(8, 7) END(9) \
+    PASS(125, 12) COLUMN(5, 0) ADD_7(0, 5) UP(5, 5) ADD_6(3, 6) UP(6, 5) ADD_4(5, 7) \
+    COLUMN(5, 1) ADD_7(6, 5) UP(5, 5) ADD_6(9, 6) UP(6, 5) ADD_4(11, 7) END(12) PASS(137, 8) \
+    COLUMN(6, 0) ADD_6(0, 6) UP(6, 6) ADD_4(2, 7) COLUMN(6, 1) ADD_6(3, 6) UP(6, 6) ADD_4(5, 7) \
+    COLUMN(7, 0) ADD_4(6, 7) COLUMN(7, 1) ADD_4(7, 7) END(8)
+#define PLAN_RGB_1 PASS(0, 4) COLUMN(0, 0) ADD_1(0, 0) UP(0, 0) ADD_1(1, 1) UP(1, 0) ADD_1(2, 2) \
+    UP(2, 0) ADD_1(3, 3) UP(3, 0) CUT END(4) PASS(4, 2) RESUME ADD_1(0, 4) UP(4, 0) ADD_1(1, 5) \
+    END(2) PASS(6, 4) COLUMN(1, 0) ADD_1(0, 1) UP(1, 1) ADD_1(1, 2) UP(2, 1) ADD_1(2, 3) \
+    UP(3, 1) ADD_1(3, 4) UP(4, 1) CUT END(4) PASS(10, 1) RESUME ADD_1(0, 5) END(1) PASS(11, 4) \
+    COLUMN(1, 1) ADD_1(0, 1) UP(1, 1) ADD_1(1, 2) UP(2, 1) ADD_1(2, 3) UP(3, 1) ADD_1(3, 4) \
+    UP(4, 1) CUT END(4) PASS(15, 1) RESUME ADD_1(0, 5) END(1) PASS(16, 4) COLUMN(2, 0) \
+    ADD_1(0, 2) UP(2, 2) ADD_1(1, 3) UP(3, 2) ADD_1(2, 4) UP(4, 2) ADD_1(3, 5) END(4) \
+    PASS(20, 4) COLUMN(2, 1) ADD_1(0, 2) UP(2, 2) ADD_1(1, 3) UP(3, 2) ADD_1(2, 4) UP(4, 2) \
+    ADD_1(3, 5) END(4) PASS(24, 3) COLUMN(3, 0) ADD_1(0, 3) UP(3, 3) ADD_1(1, 4) UP(4, 3) \
+    ADD_1(2, 5) END(3) PASS(27, 3) COLUMN(3, 1) ADD_1(0, 3) UP(3, 3) ADD_1(1, 4) UP(4, 3) \
+    ADD_1(2, 5) END(3) PASS(30, 4) COLUMN(4, 0) ADD_1(0, 4) UP(4, 4) ADD_1(1, 5) COLUMN(4, 1) \
+    ADD_1(2, 4) UP(4, 4) ADD_1(3, 5) END(4) PASS(34, 2) COLUMN(5, 0) ADD_1(0, 5) COLUMN(5, 1) \
+    ADD_1(1, 5) END(2)
+#define PLAN_RGB_3 PASS(0, 3) COLUMN(0, 0) ADD_1(0, 0) UP(0, 0) ADD_3(1, 1) UP(1, 0) CUT END(3) \
+    PASS(3, 4) RESUME ADD_3(0, 2) UP(2, 0) ADD_3(2, 3) UP(3, 0) CUT END(4) PASS(7, 4) RESUME \
+    ADD_3(0, 4) UP(4, 0) ADD_3(2, 5) UP(5, 0) CUT END(4) PASS(11, 1) RESUME ADD_2(0, 6) END(1) \
+    PASS(12, 4) COLUMN(1, 0) ADD_3(0, 1) UP(1, 1) ADD_3(2, 2) UP(2, 1) CUT END(4) PASS(16, 4) \
+    RESUME ADD_3(0, 3) UP(3, 1) ADD_3(2, 4) UP(4, 1) CUT END(4) PASS(20, 3) RESUME ADD_3(0, 5) \
+    UP(5, 1) ADD_2(2, 6) END(3) PASS(23, 4) COLUMN(1, 1) ADD_3(0, 1) UP(1, 1) ADD_3(2, 2) \
+    UP(2, 1) CUT END(4) PASS(27, 4) RESUME ADD_3(0, 3) UP(3, 1) ADD_3(2, 4) UP(4, 1) CUT END(4) \
+    PASS(31, 3) RESUME ADD_3(0, 5) UP(5, 1) ADD_2(2, 6) END(3) PASS(34, 4) COLUMN(2, 0) \
+    ADD_3(0, 2) UP(2, 2) ADD_3(2, 3) UP(3, 2) CUT END(4) PASS(38, 4) RESUME ADD_3(0, 4) UP(4, 2) \
+    ADD_3(2, 5) UP(5, 2) CUT END(4) PASS(42, 1) RESUME ADD_2(0, 6) END(1) PASS(43, 4) \
+    COLUMN(2, 1) ADD_3(0, 2) UP(2, 2) ADD_3(2, 3) UP(3, 2) CUT END(4) PASS(47, 4) RESUME \
+    ADD_3(0, 4) UP(4, 2) ADD_3(2, 5) UP(5, 2) CUT END(4) PASS(51, 1) RESUME ADD_2(0, 6) END(1) \
+    PASS(52, 4) COLUMN(3, 0) ADD_3(0, 3) UP(3, 3) ADD_3(2, 4) UP(4, 3) CUT END(4) PASS(56, 3) \
+    RESUME ADD_3(0, 5) UP(5, 3) ADD_2(2, 6) END(3) PASS(59, 4) COLUMN(3, 1) ADD_3(0, 3) UP(3, 3) \
+    ADD_3(2, 4) UP(4, 3) CUT END(4) PASS(63, 3) RESUME ADD_3(0, 5) UP(5, 3) ADD_2(2, 6) END(3) \
+    PASS(66, 4) COLUMN(4, 0) ADD_3(0, 4) UP(4, 4) ADD_3(2, 5) UP(5, 4) CUT END(4) PASS(70, 1) \
+    RESUME ADD_2(0, 6) END(1) PASS(71, 4) COLUMN(4, 1) ADD_3(0, 4) UP(4, 4) ADD_3(2, 5) UP(5, 4) \
+    CUT END(4) PASS(75, 4) RESUME ADD_2(0, 6) COLUMN(5, 0) ADD_3(1, 5) UP(5, 5) ADD_2(3, 6) \
+    END(4) PASS(79, 4) COLUMN(5, 1) ADD_3(0, 5) UP(5, 5) ADD_2(2, 6) COLUMN(6, 0) ADD_2(3, 6) \
+    END(4) PASS(83, 1) COLUMN(6, 1) ADD_2(0, 6) END(1)
+#define PLAN_RGB_4 PASS(0, 4) COLUMN(0, 0) ADD_4(0, 0) UP(0, 0) UP(1, 0) ADD_4(1, 2) UP(2, 0) \
+    ADD_4(2, 3) UP(3, 0) ADD_4(3, 4) UP(4, 0) CUT END(4) PASS(4, 3) RESUME ADD_4(0, 5) UP(5, 0) \
+    ADD_4(1, 6) UP(6, 0) ADD_4(2, 7) END(3) PASS(7, 4) COLUMN(1, 0) UP(1, 1) ADD_4(0, 2) \
+    UP(2, 1) ADD_4(1, 3) UP(3, 1) ADD_4(2, 4) UP(4, 1) ADD_4(3, 5) UP(5, 1) CUT END(4) \
+    PASS(11, 2) RESUME ADD_4(0, 6) UP(6, 1) ADD_4(1, 7) END(2) PASS(13, 4) COLUMN(1, 1) UP(1, 1) \
+    ADD_4(0, 2) UP(2, 1) ADD_4(1, 3) UP(3, 1) ADD_4(2, 4) UP(4, 1) ADD_4(3, 5) UP(5, 1) CUT \
+    END(4) PASS(17, 2) RESUME ADD_4(0, 6) UP(6, 1) ADD_4(1, 7) END(2) PASS(19, 4) COLUMN(2, 0) \
+    ADD_4(0, 2) UP(2, 2) ADD_4(1, 3) UP(3, 2) ADD_4(2, 4) UP(4, 2) ADD_4(3, 5) UP(5, 2) CUT \
+    END(4) PASS(23, 2) RESUME ADD_4(0, 6) UP(6, 2) ADD_4(1, 7) END(2) PASS(25, 4) COLUMN(2, 1) \
+    ADD_4(0, 2) UP(2, 2) ADD_4(1, 3) UP(3, 2) ADD_4(2, 4) UP(4, 2) ADD_4(3, 5) UP(5, 2) CUT \
+    END(4) PASS(29, 2) RESUME ADD_4(0, 6) UP(6, 2) ADD_4(1, 7) END(2) PASS(31, 4) COLUMN(3, 0) \
+    ADD_4(0, 3) UP(3, 3) ADD_4(1, 4) UP(4, 3) ADD_4(2, 5) UP(5, 3) ADD_4(3, 6) UP(6, 3) CUT \
+    END(4) PASS(35, 1) RESUME ADD_4(0, 7) END(1) PASS(36, 4) COLUMN(3, 1) ADD_4(0, 3) UP(3, 3) \
+    ADD_4(1, 4) UP(4, 3) ADD_4(2, 5) UP(5, 3) ADD_4(3, 6) UP(6, 3) CUT END(4) PASS(40, 1) RESUME \
+    ADD_4(0, 7) END(1) PASS(41, 4) COLUMN(4, 0) ADD_4(0, 4) UP(4, 4) ADD_4(1, 5) UP(5, 4) \
+    ADD_4(2, 6) UP(6, 4) ADD_4(3, 7) END(4) PASS(45, 4) COLUMN(4, 1) ADD_4(0, 4) UP(4, 4) \
+    ADD_4(1, 5) UP(5, 4) ADD_4(2, 6) UP(6, 4) ADD_4(3, 7) END(4) PASS(49, 3) COLUMN(5, 0) \
+    ADD_4(0, 5) UP(5, 5) ADD_4(1, 6) UP(6, 5) ADD_4(2, 7) END(3) PASS(52, 3) COLUMN(5, 1) \
+    ADD_4(0, 5) UP(5, 5) ADD_4(1, 6) UP(6, 5) ADD_4(2, 7) END(3) PASS(55, 4) COLUMN(6, 0) \
+    ADD_4(0, 6) UP(6, 6) ADD_4(1, 7) COLUMN(6, 1) ADD_4(2, 6) UP(6, 6) ADD_4(3, 7) END(4) \
+    PASS(59, 2) COLUMN(7, 0) ADD_4(0, 7) COLUMN(7, 1) ADD_4(1, 7) END(2)
+#define PLAN_RGB_5 PASS(0, 3) COLUMN(0, 0) ADD_5(0, 0) UP(0, 0) ADD_1(2, 1) UP(1, 0) CUT END(3) \
+    PASS(3, 4) RESUME ADD_5(0, 2) UP(2, 0) ADD_5(2, 3) UP(3, 0) CUT END(4) PASS(7, 4) RESUME \
+    ADD_5(0, 4) UP(4, 0) ADD_5(2, 5) UP(5, 0) CUT END(4) PASS(11, 2) RESUME ADD_4(0, 6) UP(6, 0) \
+    ADD_4(1, 7) END(2) PASS(13, 3) COLUMN(1, 0) ADD_1(0, 1) UP(1, 1) ADD_5(1, 2) UP(2, 1) CUT \
+    END(3) PASS(16, 4) RESUME ADD_5(0, 3) UP(3, 1) ADD_5(2, 4) UP(4, 1) CUT END(4) PASS(20, 4) \
+    RESUME ADD_5(0, 5) UP(5, 1) ADD_4(2, 6) UP(6, 1) ADD_4(3, 7) END(4) PASS(24, 3) COLUMN(1, 1) \
+    ADD_1(0, 1) UP(1, 1) ADD_5(1, 2) UP(2, 1) CUT END(3) PASS(27, 4) RESUME ADD_5(0, 3) UP(3, 1) \
+    ADD_5(2, 4) UP(4, 1) CUT END(4) PASS(31, 4) RESUME ADD_5(0, 5) UP(5, 1) ADD_4(2, 6) UP(6, 1) \
+    ADD_4(3, 7) END(4) PASS(35, 4) COLUMN(2, 0) ADD_5(0, 2) UP(2, 2) ADD_5(2, 3) UP(3, 2) CUT \
+    END(4) PASS(39, 4) RESUME ADD_5(0, 4) UP(4, 2) ADD_5(2, 5) UP(5, 2) CUT END(4) PASS(43, 2) \
+    RESUME ADD_4(0, 6) UP(6, 2) ADD_4(1, 7) END(2) PASS(45, 4) COLUMN(2, 1) ADD_5(0, 2) UP(2, 2) \
+    ADD_5(2, 3) UP(3, 2) CUT END(4) PASS(49, 4) RESUME ADD_5(0, 4) UP(4, 2) ADD_5(2, 5) UP(5, 2) \
+    CUT END(4) PASS(53, 2) RESUME ADD_4(0, 6) UP(6, 2) ADD_4(1, 7) END(2) PASS(55, 4) \
+    COLUMN(3, 0) ADD_5(0, 3) UP(3, 3) ADD_5(2, 4) UP(4, 3) CUT END(4) PASS(59, 4) RESUME \
+    ADD_5(0, 5) UP(5, 3) ADD_4(2, 6) UP(6, 3) ADD_4(3, 7) END(4) PASS(63, 4) COLUMN(3, 1) \
+    ADD_5(0, 3) UP(3, 3) ADD_5(2, 4) UP(4, 3) CUT END(4) PASS(67, 4) RESUME ADD_5(0, 5) UP(5, 3) \
+    ADD_4(2, 6) UP(6, 3) ADD_4(3, 7) END(4) PASS(71, 4) COLUMN(4, 0) ADD_5(0, 4) UP(4, 4) \
+    ADD_5(2, 5) UP(5, 4) CUT END(4) PASS(75, 2) RESUME ADD_4(0, 6) UP(6, 4) ADD_4(1, 7) END(2) \
+    PASS(77, 4) COLUMN(4, 1) ADD_5(0, 4) UP(4, 4) ADD_5(2, 5) UP(5, 4) CUT END(4) PASS(81, 2) \
+    RESUME ADD_4(0, 6) UP(6, 4) ADD_4(1, 7) END(2) PASS(83, 4) COLUMN(5, 0) ADD_5(0, 5) UP(5, 5) \
+    ADD_4(2, 6) UP(6, 5) ADD_4(3, 7) END(4) PASS(87, 4) COLUMN(5, 1) ADD_5(0, 5) UP(5, 5) \
+    ADD_4(2, 6) UP(6, 5) ADD_4(3, 7) END(4) PASS(91, 4) COLUMN(6, 0) ADD_4(0, 6) UP(6, 6) \
+    ADD_4(1, 7) COLUMN(6, 1) ADD_4(2, 6) UP(6, 6) ADD_4(3, 7) END(4) PASS(95, 2) COLUMN(7, 0) \
+    ADD_4(0, 7) COLUMN(7, 1) ADD_4(1, 7) END(2)
+#define PLAN_RGB_7 PASS(0, 4) COLUMN(0, 0) ADD_5(0, 0) UP(0, 0) ADD_3(2, 1) UP(1, 0) CUT END(4) \
+    PASS(4, 3) RESUME ADD_7(0, 2) UP(2, 0) CUT END(3) PASS(7, 3) RESUME ADD_7(0, 3) UP(3, 0) CUT \
+    END(3) PASS(10, 3) RESUME ADD_7(0, 4) UP(4, 0) CUT END(3) PASS(13, 3) RESUME ADD_7(0, 5) \
+    UP(5, 0) CUT END(3) PASS(16, 3) RESUME ADD_6(0, 6) UP(6, 0) ADD_4(2, 7) END(3) PASS(19, 2) \
+    COLUMN(1, 0) ADD_3(0, 1) UP(1, 1) CUT END(2) PASS(21, 3) RESUME ADD_7(0, 2) UP(2, 1) CUT \
+    END(3) PASS(24, 3) RESUME ADD_7(0, 3) UP(3, 1) CUT END(3) PASS(27, 3) RESUME ADD_7(0, 4) \
+    UP(4, 1) CUT END(3) PASS(30, 3) RESUME ADD_7(0, 5) UP(5, 1) CUT END(3) PASS(33, 3) RESUME \
+    ADD_6(0, 6) UP(6, 1) ADD_4(2, 7) END(3) PASS(36, 2) COLUMN(1, 1) ADD_3(0, 1) UP(1, 1) CUT \
+    END(2) PASS(38, 3) RESUME ADD_7(0, 2) UP(2, 1) CUT END(3) PASS(41, 3) RESUME ADD_7(0, 3) \
+    UP(3, 1) CUT END(3) PASS(44, 3) RESUME ADD_7(0, 4) UP(4, 1) CUT END(3) PASS(47, 3) RESUME \
+    ADD_7(0, 5) UP(5, 1) CUT END(3) PASS(50, 3) RESUME ADD_6(0, 6) UP(6, 1) ADD_4(2, 7) END(3) \
+    PASS(53, 3) COLUMN(2, 0) ADD_7(0, 2) UP(2, 2) CUT END(3) PASS(56, 3) RESUME ADD_7(0, 3) \
+    UP(3, 2) CUT END(3) PASS(59, 3) RESUME ADD_7(0, 4) UP(4, 2) CUT END(3) PASS(62, 3) RESUME \
+    ADD_7(0, 5) UP(5, 2) CUT END(3) PASS(65, 3) RESUME ADD_6(0, 6) UP(6, 2) ADD_4(2, 7) END(3) \
+    PASS(68, 3) COLUMN(2, 1) ADD_7(0, 2) UP(2, 2) CUT END(3) PASS(71, 3) RESUME ADD_7(0, 3) \
+    UP(3, 2) CUT END(3) PASS(74, 3) RESUME ADD_7(0, 4) UP(4, 2) CUT END(3) PASS(77, 3) RESUME \
+    ADD_7(0, 5) UP(5, 2) CUT END(3) PASS(80, 3) RESUME ADD_6(0, 6) UP(6, 2) ADD_4(2, 7) END(3) \
+    PASS(83, 3) COLUMN(3, 0) ADD_7(0, 3) UP(3, 3) CUT END(3) PASS(86, 3) RESUME ADD_7(0, 4) \
+    UP(4, 3) CUT END(3) PASS(89, 3) RESUME ADD_7(0, 5) UP(5, 3) CUT END(3) PASS(92, 3) RESUME \
+    ADD_6(0, 6) UP(6, 3) ADD_4(2, 7) END(3) PASS(95, 3) COLUMN(3, 1) ADD_7(0, 3) UP(3, 3) CUT \
+    END(3) PASS(98, 3) RESUME ADD_7(0, 4) UP(4, 3) CUT END(3) PASS(101, 3) RESUME ADD_7(0, 5) \
+    UP(5, 3) CUT END(3) PASS(104, 3) RESUME ADD_6(0, 6) UP(6, 3) ADD_4(2, 7) END(3) PASS(107, 3) \
+    COLUMN(4, 0) ADD_7(0, 4) UP(4, 4) CUT END(3) PASS(110, 3) RESUME ADD_7(0, 5) UP(5, 4) CUT \
+    END(3) PASS(113, 3) RESUME ADD_6(0, 6) UP(6, 4) ADD_4(2, 7) END(3) PASS(116, 3) COLUMN(4, 1) \
+    ADD_7(0, 4) UP(4, 4) CUT END(3) PASS(119, 3) RESUME ADD_7(0, 5) UP(5, 4) CUT END(3) \
+    PASS(122, 3) RESUME ADD_6(0, 6) UP(6, 4) ADD_4(2, 7) END(3) PASS(125, 3) COLUMN(5, 0) \
+    ADD_7(0, 5) UP(5, 5) CUT END(3) PASS(128, 3) RESUME ADD_6(0, 6) UP(6, 5) ADD_4(2, 7) END(3) \
+    PASS(131, 3) COLUMN(5, 1) ADD_7(0, 5) UP(5, 5) CUT END(3) PASS(134, 3) RESUME ADD_6(0, 6) \
+    UP(6, 5) ADD_4(2, 7) END(3) PASS(137, 3) COLUMN(6, 0) ADD_6(0, 6) UP(6, 6) ADD_4(2, 7) \
+    END(3) PASS(140, 4) COLUMN(6, 1) ADD_6(0, 6) UP(6, 6) ADD_4(2, 7) COLUMN(7, 0) ADD_4(3, 7) \
+    END(4) PASS(144, 1) COLUMN(7, 1) ADD_4(0, 7) END(1)
 #endif
 #define KERNEL_NAME YLM_KERNEL(ylm__moments_5)
 #include "../kernel.h"

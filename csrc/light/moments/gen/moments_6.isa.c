@@ -8,226 +8,468 @@
 */
 #define LMAX 6
 #if defined(__AVX512F__) || defined(__aarch64__)
-#define PLAN_1 PASS(0, 24) SEGMENT(0, 0, 0, 7, 0) SEGMENT(1, 0, 1, 7, 7) SEGMENT(1, 1, 1, 7, 13) \
-    SEGMENT(2, 0, 2, 7, 19) END(24) PASS(24, 24) SEGMENT(2, 1, 2, 7, 0) SEGMENT(3, 0, 3, 7, 5) \
-    SEGMENT(3, 1, 3, 7, 9) SEGMENT(4, 0, 4, 7, 13) SEGMENT(4, 1, 4, 7, 16) \
-    SEGMENT(5, 0, 5, 7, 19) SEGMENT(5, 1, 5, 7, 21) SEGMENT(6, 0, 6, 7, 23) END(24) PASS(48, 1) \
-    SEGMENT(6, 1, 6, 7, 0) END(1)
-#define PLAN_3 PASS(0, 14) SEGMENT(0, 0, 0, 8, 0) END(14) PASS(14, 13) SEGMENT(1, 0, 1, 8, 0) \
-    END(13) PASS(27, 24) SEGMENT(1, 1, 1, 8, 0) SEGMENT(2, 0, 2, 8, 13) END(24) PASS(51, 20) \
-    SEGMENT(2, 1, 2, 8, 0) SEGMENT(3, 0, 3, 8, 11) END(20) PASS(71, 23) SEGMENT(3, 1, 3, 8, 0) \
-    SEGMENT(4, 0, 4, 8, 9) SEGMENT(4, 1, 4, 8, 16) END(23) PASS(94, 18) SEGMENT(5, 0, 5, 8, 0) \
-    SEGMENT(5, 1, 5, 8, 5) SEGMENT(6, 0, 6, 8, 10) SEGMENT(6, 1, 6, 8, 13) \
-    SEGMENT(7, 0, 7, 8, 16) SEGMENT(7, 1, 7, 8, 17) END(18)
-#define PLAN_4 PASS(0, 22) SEGMENT(0, 0, 0, 9, 0) SEGMENT(1, 0, 1, 9, 8) SEGMENT(1, 1, 1, 9, 15) \
-    END(22) PASS(22, 20) SEGMENT(2, 0, 2, 9, 0) SEGMENT(2, 1, 2, 9, 7) SEGMENT(3, 0, 3, 9, 14) \
-    END(20) PASS(42, 24) SEGMENT(3, 1, 3, 9, 0) SEGMENT(4, 0, 4, 9, 6) SEGMENT(4, 1, 4, 9, 11) \
-    SEGMENT(5, 0, 5, 9, 16) SEGMENT(5, 1, 5, 9, 20) END(24) PASS(66, 12) SEGMENT(6, 0, 6, 9, 0) \
-    SEGMENT(6, 1, 6, 9, 3) SEGMENT(7, 0, 7, 9, 6) SEGMENT(7, 1, 7, 9, 8) SEGMENT(8, 0, 8, 9, 10) \
-    SEGMENT(8, 1, 8, 9, 11) END(12)
-#define PLAN_5 PASS(0, 15) SEGMENT(0, 0, 0, 9, 0) END(15) PASS(15, 13) SEGMENT(1, 0, 1, 9, 0) \
-    END(13) PASS(28, 13) SEGMENT(1, 1, 1, 9, 0) END(13) PASS(41, 24) SEGMENT(2, 0, 2, 9, 0) \
-    SEGMENT(2, 1, 2, 9, 12) END(24) PASS(65, 20) SEGMENT(3, 0, 3, 9, 0) SEGMENT(3, 1, 3, 9, 10) \
-    END(20) PASS(85, 22) SEGMENT(4, 0, 4, 9, 0) SEGMENT(4, 1, 4, 9, 8) SEGMENT(5, 0, 5, 9, 16) \
-    END(22) PASS(107, 20) SEGMENT(5, 1, 5, 9, 0) SEGMENT(6, 0, 6, 9, 6) SEGMENT(6, 1, 6, 9, 10) \
-    SEGMENT(7, 0, 7, 9, 14) SEGMENT(7, 1, 7, 9, 16) SEGMENT(8, 0, 8, 9, 18) \
-    SEGMENT(8, 1, 8, 9, 19) END(20)
-#define PLAN_7 PASS(0, 22) SEGMENT(0, 0, 0, 9, 0) END(22) PASS(22, 20) SEGMENT(1, 0, 1, 9, 0) \
-    END(20) PASS(42, 20) SEGMENT(1, 1, 1, 9, 0) END(20) PASS(62, 18) SEGMENT(2, 0, 2, 9, 0) \
-    END(18) PASS(80, 18) SEGMENT(2, 1, 2, 9, 0) END(18) PASS(98, 15) SEGMENT(3, 0, 3, 9, 0) \
-    END(15) PASS(113, 15) SEGMENT(3, 1, 3, 9, 0) END(15) PASS(128, 24) SEGMENT(4, 0, 4, 9, 0) \
-    SEGMENT(4, 1, 4, 9, 12) END(24) PASS(152, 24) SEGMENT(5, 0, 5, 9, 0) SEGMENT(5, 1, 5, 9, 9) \
-    SEGMENT(6, 0, 6, 9, 18) END(24) PASS(176, 14) SEGMENT(6, 1, 6, 9, 0) SEGMENT(7, 0, 7, 9, 6) \
-    SEGMENT(7, 1, 7, 9, 9) SEGMENT(8, 0, 8, 9, 12) SEGMENT(8, 1, 8, 9, 13) END(14)
-#define PLAN_RGB_1 PASS(0, 7) SEGMENT(0, 0, 0, 7, 0) END(7) PASS(7, 6) SEGMENT(1, 0, 1, 7, 0) \
-    END(6) PASS(13, 6) SEGMENT(1, 1, 1, 7, 0) END(6) PASS(19, 5) SEGMENT(2, 0, 2, 7, 0) END(5) \
-    PASS(24, 5) SEGMENT(2, 1, 2, 7, 0) END(5) PASS(29, 8) SEGMENT(3, 0, 3, 7, 0) \
-    SEGMENT(3, 1, 3, 7, 4) END(8) PASS(37, 8) SEGMENT(4, 0, 4, 7, 0) SEGMENT(4, 1, 4, 7, 3) \
-    SEGMENT(5, 0, 5, 7, 6) END(8) PASS(45, 4) SEGMENT(5, 1, 5, 7, 0) SEGMENT(6, 0, 6, 7, 2) \
-    SEGMENT(6, 1, 6, 7, 3) END(4)
-#define PLAN_RGB_3 PASS(0, 7) SEGMENT(0, 0, 0, 4, 0) END(7) PASS(7, 7) SEGMENT(0, 0, 4, 8, 0) \
-    END(7) PASS(14, 8) SEGMENT(1, 0, 1, 5, 0) END(8) PASS(22, 5) SEGMENT(1, 0, 5, 8, 0) END(5) \
-    PASS(27, 8) SEGMENT(1, 1, 1, 5, 0) END(8) PASS(35, 5) SEGMENT(1, 1, 5, 8, 0) END(5) \
-    PASS(40, 8) SEGMENT(2, 0, 2, 6, 0) END(8) PASS(48, 3) SEGMENT(2, 0, 6, 8, 0) END(3) \
-    PASS(51, 8) SEGMENT(2, 1, 2, 6, 0) END(8) PASS(59, 3) SEGMENT(2, 1, 6, 8, 0) END(3) \
-    PASS(62, 8) SEGMENT(3, 0, 3, 7, 0) END(8) PASS(70, 1) SEGMENT(3, 0, 7, 8, 0) END(1) \
-    PASS(71, 8) SEGMENT(3, 1, 3, 7, 0) END(8) PASS(79, 8) SEGMENT(3, 1, 7, 8, 0) \
-    SEGMENT(4, 0, 4, 8, 1) END(8) PASS(87, 7) SEGMENT(4, 1, 4, 8, 0) END(7) PASS(94, 5) \
-    SEGMENT(5, 0, 5, 8, 0) END(5) PASS(99, 8) SEGMENT(5, 1, 5, 8, 0) SEGMENT(6, 0, 6, 8, 5) \
-    END(8) PASS(107, 5) SEGMENT(6, 1, 6, 8, 0) SEGMENT(7, 0, 7, 8, 3) SEGMENT(7, 1, 7, 8, 4) \
-    END(5)
-#define PLAN_RGB_4 PASS(0, 8) SEGMENT(0, 0, 0, 9, 0) END(8) PASS(8, 7) SEGMENT(1, 0, 1, 9, 0) \
-    END(7) PASS(15, 7) SEGMENT(1, 1, 1, 9, 0) END(7) PASS(22, 7) SEGMENT(2, 0, 2, 9, 0) END(7) \
-    PASS(29, 7) SEGMENT(2, 1, 2, 9, 0) END(7) PASS(36, 6) SEGMENT(3, 0, 3, 9, 0) END(6) \
-    PASS(42, 6) SEGMENT(3, 1, 3, 9, 0) END(6) PASS(48, 5) SEGMENT(4, 0, 4, 9, 0) END(5) \
-    PASS(53, 5) SEGMENT(4, 1, 4, 9, 0) END(5) PASS(58, 8) SEGMENT(5, 0, 5, 9, 0) \
-    SEGMENT(5, 1, 5, 9, 4) END(8) PASS(66, 8) SEGMENT(6, 0, 6, 9, 0) SEGMENT(6, 1, 6, 9, 3) \
-    SEGMENT(7, 0, 7, 9, 6) END(8) PASS(74, 4) SEGMENT(7, 1, 7, 9, 0) SEGMENT(8, 0, 8, 9, 2) \
-    SEGMENT(8, 1, 8, 9, 3) END(4)
-#define PLAN_RGB_5 PASS(0, 7) SEGMENT(0, 0, 0, 4, 0) END(7) PASS(7, 8) SEGMENT(0, 0, 4, 9, 0) \
-    END(8) PASS(15, 7) SEGMENT(1, 0, 1, 5, 0) END(7) PASS(22, 6) SEGMENT(1, 0, 5, 9, 0) END(6) \
-    PASS(28, 7) SEGMENT(1, 1, 1, 5, 0) END(7) PASS(35, 6) SEGMENT(1, 1, 5, 9, 0) END(6) \
-    PASS(41, 8) SEGMENT(2, 0, 2, 6, 0) END(8) PASS(49, 4) SEGMENT(2, 0, 6, 9, 0) END(4) \
-    PASS(53, 8) SEGMENT(2, 1, 2, 6, 0) END(8) PASS(61, 4) SEGMENT(2, 1, 6, 9, 0) END(4) \
-    PASS(65, 8) SEGMENT(3, 0, 3, 7, 0) END(8) PASS(73, 2) SEGMENT(3, 0, 7, 9, 0) END(2) \
-    PASS(75, 8) SEGMENT(3, 1, 3, 7, 0) END(8) PASS(83, 2) SEGMENT(3, 1, 7, 9, 0) END(2) \
-    PASS(85, 8) SEGMENT(4, 0, 4, 9, 0) END(8) PASS(93, 8) SEGMENT(4, 1, 4, 9, 0) END(8) \
-    PASS(101, 6) SEGMENT(5, 0, 5, 9, 0) END(6) PASS(107, 6) SEGMENT(5, 1, 5, 9, 0) END(6) \
-    PASS(113, 8) SEGMENT(6, 0, 6, 9, 0) SEGMENT(6, 1, 6, 9, 4) END(8) PASS(121, 6) \
-    SEGMENT(7, 0, 7, 9, 0) SEGMENT(7, 1, 7, 9, 2) SEGMENT(8, 0, 8, 9, 4) SEGMENT(8, 1, 8, 9, 5) \
-    END(6)
-#define PLAN_RGB_7 PASS(0, 7) SEGMENT(0, 0, 0, 3, 0) END(7) PASS(7, 6) SEGMENT(0, 0, 3, 5, 0) \
-    END(6) PASS(13, 8) SEGMENT(0, 0, 5, 8, 0) END(8) PASS(21, 1) SEGMENT(0, 0, 8, 9, 0) END(1) \
-    PASS(22, 8) SEGMENT(1, 0, 1, 4, 0) END(8) PASS(30, 6) SEGMENT(1, 0, 4, 6, 0) END(6) \
-    PASS(36, 6) SEGMENT(1, 0, 6, 9, 0) END(6) PASS(42, 8) SEGMENT(1, 1, 1, 4, 0) END(8) \
-    PASS(50, 6) SEGMENT(1, 1, 4, 6, 0) END(6) PASS(56, 6) SEGMENT(1, 1, 6, 9, 0) END(6) \
-    PASS(62, 6) SEGMENT(2, 0, 2, 4, 0) END(6) PASS(68, 6) SEGMENT(2, 0, 4, 6, 0) END(6) \
-    PASS(74, 6) SEGMENT(2, 0, 6, 9, 0) END(6) PASS(80, 6) SEGMENT(2, 1, 2, 4, 0) END(6) \
-    PASS(86, 6) SEGMENT(2, 1, 4, 6, 0) END(6) PASS(92, 6) SEGMENT(2, 1, 6, 9, 0) END(6) \
-    PASS(98, 6) SEGMENT(3, 0, 3, 5, 0) END(6) PASS(104, 8) SEGMENT(3, 0, 5, 8, 0) END(8) \
-    PASS(112, 1) SEGMENT(3, 0, 8, 9, 0) END(1) PASS(113, 6) SEGMENT(3, 1, 3, 5, 0) END(6) \
-    PASS(119, 8) SEGMENT(3, 1, 5, 8, 0) END(8) PASS(127, 1) SEGMENT(3, 1, 8, 9, 0) END(1) \
-    PASS(128, 6) SEGMENT(4, 0, 4, 6, 0) END(6) PASS(134, 6) SEGMENT(4, 0, 6, 9, 0) END(6) \
-    PASS(140, 6) SEGMENT(4, 1, 4, 6, 0) END(6) PASS(146, 6) SEGMENT(4, 1, 6, 9, 0) END(6) \
-    PASS(152, 8) SEGMENT(5, 0, 5, 8, 0) END(8) PASS(160, 1) SEGMENT(5, 0, 8, 9, 0) END(1) \
-    PASS(161, 8) SEGMENT(5, 1, 5, 8, 0) END(8) PASS(169, 7) SEGMENT(5, 1, 8, 9, 0) \
-    SEGMENT(6, 0, 6, 9, 1) END(7) PASS(176, 6) SEGMENT(6, 1, 6, 9, 0) END(6) PASS(182, 8) \
-    SEGMENT(7, 0, 7, 9, 0) SEGMENT(7, 1, 7, 9, 3) SEGMENT(8, 0, 8, 9, 6) SEGMENT(8, 1, 8, 9, 7) \
-    END(8)
+#define PLAN_1 PASS(0, 24) COLUMN(0, 0) ADD_1(0, 0) UP(0, 0) ADD_1(1, 1) UP(1, 0) ADD_1(2, 2) \
+    UP(2, 0) ADD_1(3, 3) UP(3, 0) ADD_1(4, 4) UP(4, 0) ADD_1(5, 5) UP(5, 0) ADD_1(6, 6) \
+    COLUMN(1, 0) ADD_1(7, 1) UP(1, 1) ADD_1(8, 2) UP(2, 1) ADD_1(9, 3) UP(3, 1) ADD_1(10, 4) \
+    UP(4, 1) ADD_1(11, 5) UP(5, 1) ADD_1(12, 6) COLUMN(1, 1) ADD_1(13, 1) UP(1, 1) ADD_1(14, 2) \
+    UP(2, 1) ADD_1(15, 3) UP(3, 1) ADD_1(16, 4) UP(4, 1) ADD_1(17, 5) UP(5, 1) ADD_1(18, 6) \
+    COLUMN(2, 0) ADD_1(19, 2) UP(2, 2) ADD_1(20, 3) UP(3, 2) ADD_1(21, 4) UP(4, 2) ADD_1(22, 5) \
+    UP(5, 2) ADD_1(23, 6) END(24) PASS(24, 24) COLUMN(2, 1) ADD_1(0, 2) UP(2, 2) ADD_1(1, 3) \
+    UP(3, 2) ADD_1(2, 4) UP(4, 2) ADD_1(3, 5) UP(5, 2) ADD_1(4, 6) COLUMN(3, 0) ADD_1(5, 3) \
+    UP(3, 3) ADD_1(6, 4) UP(4, 3) ADD_1(7, 5) UP(5, 3) ADD_1(8, 6) COLUMN(3, 1) ADD_1(9, 3) \
+    UP(3, 3) ADD_1(10, 4) UP(4, 3) ADD_1(11, 5) UP(5, 3) ADD_1(12, 6) COLUMN(4, 0) ADD_1(13, 4) \
+    UP(4, 4) ADD_1(14, 5) UP(5, 4) ADD_1(15, 6) COLUMN(4, 1) ADD_1(16, 4) UP(4, 4) ADD_1(17, 5) \
+    UP(5, 4) ADD_1(18, 6) COLUMN(5, 0) ADD_1(19, 5) UP(5, 5) ADD_1(20, 6) COLUMN(5, 1) \
+    ADD_1(21, 5) UP(5, 5) ADD_1(22, 6) COLUMN(6, 0) ADD_1(23, 6) END(24) PASS(48, 1) \
+    COLUMN(6, 1) ADD_1(0, 6) END(1)
+#define PLAN_3 PASS(0, 14) COLUMN(0, 0) ADD_1(0, 0) UP(0, 0) ADD_3(1, 1) UP(1, 0) ADD_3(3, 2) \
+    UP(2, 0) ADD_3(5, 3) UP(3, 0) ADD_3(7, 4) UP(4, 0) ADD_3(9, 5) UP(5, 0) ADD_3(11, 6) \
+    UP(6, 0) ADD_2(13, 7) END(14) PASS(14, 13) COLUMN(1, 0) ADD_3(0, 1) UP(1, 1) ADD_3(2, 2) \
+    UP(2, 1) ADD_3(4, 3) UP(3, 1) ADD_3(6, 4) UP(4, 1) ADD_3(8, 5) UP(5, 1) ADD_3(10, 6) \
+    UP(6, 1) ADD_2(12, 7) END(13) PASS(27, 24) COLUMN(1, 1) ADD_3(0, 1) UP(1, 1) ADD_3(2, 2) \
+    UP(2, 1) ADD_3(4, 3) UP(3, 1) ADD_3(6, 4) UP(4, 1) ADD_3(8, 5) UP(5, 1) ADD_3(10, 6) \
+    UP(6, 1) ADD_2(12, 7) COLUMN(2, 0) ADD_3(13, 2) UP(2, 2) ADD_3(15, 3) UP(3, 2) ADD_3(17, 4) \
+    UP(4, 2) ADD_3(19, 5) UP(5, 2) ADD_3(21, 6) UP(6, 2) ADD_2(23, 7) END(24) PASS(51, 20) \
+    COLUMN(2, 1) ADD_3(0, 2) UP(2, 2) ADD_3(2, 3) UP(3, 2) ADD_3(4, 4) UP(4, 2) ADD_3(6, 5) \
+    UP(5, 2) ADD_3(8, 6) UP(6, 2) ADD_2(10, 7) COLUMN(3, 0) ADD_3(11, 3) UP(3, 3) ADD_3(13, 4) \
+    UP(4, 3) ADD_3(15, 5) UP(5, 3) ADD_3(17, 6) UP(6, 3) ADD_2(19, 7) END(20) PASS(71, 23) \
+    COLUMN(3, 1) ADD_3(0, 3) UP(3, 3) ADD_3(2, 4) UP(4, 3) ADD_3(4, 5) UP(5, 3) ADD_3(6, 6) \
+    UP(6, 3) ADD_2(8, 7) COLUMN(4, 0) ADD_3(9, 4) UP(4, 4) ADD_3(11, 5) UP(5, 4) ADD_3(13, 6) \
+    UP(6, 4) ADD_2(15, 7) COLUMN(4, 1) ADD_3(16, 4) UP(4, 4) ADD_3(18, 5) UP(5, 4) ADD_3(20, 6) \
+    UP(6, 4) ADD_2(22, 7) END(23) PASS(94, 18) COLUMN(5, 0) ADD_3(0, 5) UP(5, 5) ADD_3(2, 6) \
+    UP(6, 5) ADD_2(4, 7) COLUMN(5, 1) ADD_3(5, 5) UP(5, 5) ADD_3(7, 6) UP(6, 5) ADD_2(9, 7) \
+    COLUMN(6, 0) ADD_3(10, 6) UP(6, 6) ADD_2(12, 7) COLUMN(6, 1) ADD_3(13, 6) UP(6, 6) \
+    ADD_2(15, 7) COLUMN(7, 0) ADD_2(16, 7) COLUMN(7, 1) ADD_2(17, 7) END(18)
+#define PLAN_4 PASS(0, 22) COLUMN(0, 0) ADD_4(0, 0) UP(0, 0) UP(1, 0) ADD_4(1, 2) UP(2, 0) \
+    ADD_4(2, 3) UP(3, 0) ADD_4(3, 4) UP(4, 0) ADD_4(4, 5) UP(5, 0) ADD_4(5, 6) UP(6, 0) \
+    ADD_4(6, 7) UP(7, 0) ADD_4(7, 8) COLUMN(1, 0) UP(1, 1) ADD_4(8, 2) UP(2, 1) ADD_4(9, 3) \
+    UP(3, 1) ADD_4(10, 4) UP(4, 1) ADD_4(11, 5) UP(5, 1) ADD_4(12, 6) UP(6, 1) ADD_4(13, 7) \
+    UP(7, 1) ADD_4(14, 8) COLUMN(1, 1) UP(1, 1) ADD_4(15, 2) UP(2, 1) ADD_4(16, 3) UP(3, 1) \
+    ADD_4(17, 4) UP(4, 1) ADD_4(18, 5) UP(5, 1) ADD_4(19, 6) UP(6, 1) ADD_4(20, 7) UP(7, 1) \
+    ADD_4(21, 8) END(22) PASS(22, 20) COLUMN(2, 0) ADD_4(0, 2) UP(2, 2) ADD_4(1, 3) UP(3, 2) \
+    ADD_4(2, 4) UP(4, 2) ADD_4(3, 5) UP(5, 2) ADD_4(4, 6) UP(6, 2) ADD_4(5, 7) UP(7, 2) \
+    ADD_4(6, 8) COLUMN(2, 1) ADD_4(7, 2) UP(2, 2) ADD_4(8, 3) UP(3, 2) ADD_4(9, 4) UP(4, 2) \
+    ADD_4(10, 5) UP(5, 2) ADD_4(11, 6) UP(6, 2) ADD_4(12, 7) UP(7, 2) ADD_4(13, 8) COLUMN(3, 0) \
+    ADD_4(14, 3) UP(3, 3) ADD_4(15, 4) UP(4, 3) ADD_4(16, 5) UP(5, 3) ADD_4(17, 6) UP(6, 3) \
+    ADD_4(18, 7) UP(7, 3) ADD_4(19, 8) END(20) PASS(42, 24) COLUMN(3, 1) ADD_4(0, 3) UP(3, 3) \
+    ADD_4(1, 4) UP(4, 3) ADD_4(2, 5) UP(5, 3) ADD_4(3, 6) UP(6, 3) ADD_4(4, 7) UP(7, 3) \
+    ADD_4(5, 8) COLUMN(4, 0) ADD_4(6, 4) UP(4, 4) ADD_4(7, 5) UP(5, 4) ADD_4(8, 6) UP(6, 4) \
+    ADD_4(9, 7) UP(7, 4) ADD_4(10, 8) COLUMN(4, 1) ADD_4(11, 4) UP(4, 4) ADD_4(12, 5) UP(5, 4) \
+    ADD_4(13, 6) UP(6, 4) ADD_4(14, 7) UP(7, 4) ADD_4(15, 8) COLUMN(5, 0) ADD_4(16, 5) UP(5, 5) \
+    ADD_4(17, 6) UP(6, 5) ADD_4(18, 7) UP(7, 5) ADD_4(19, 8) COLUMN(5, 1) ADD_4(20, 5) UP(5, 5) \
+    ADD_4(21, 6) UP(6, 5) ADD_4(22, 7) UP(7, 5) ADD_4(23, 8) END(24) PASS(66, 12) COLUMN(6, 0) \
+    ADD_4(0, 6) UP(6, 6) ADD_4(1, 7) UP(7, 6) ADD_4(2, 8) COLUMN(6, 1) ADD_4(3, 6) UP(6, 6) \
+    ADD_4(4, 7) UP(7, 6) ADD_4(5, 8) COLUMN(7, 0) ADD_4(6, 7) UP(7, 7) ADD_4(7, 8) COLUMN(7, 1) \
+    ADD_4(8, 7) UP(7, 7) ADD_4(9, 8) COLUMN(8, 0) ADD_4(10, 8) COLUMN(8, 1) ADD_4(11, 8) END(12)
+#define PLAN_5 PASS(0, 15) COLUMN(0, 0) ADD_5(0, 0) UP(0, 0) ADD_1(2, 1) UP(1, 0) ADD_5(3, 2) \
+    UP(2, 0) ADD_5(5, 3) UP(3, 0) ADD_5(7, 4) UP(4, 0) ADD_5(9, 5) UP(5, 0) ADD_5(11, 6) \
+    UP(6, 0) ADD_4(13, 7) UP(7, 0) ADD_4(14, 8) END(15) PASS(15, 13) COLUMN(1, 0) ADD_1(0, 1) \
+    UP(1, 1) ADD_5(1, 2) UP(2, 1) ADD_5(3, 3) UP(3, 1) ADD_5(5, 4) UP(4, 1) ADD_5(7, 5) UP(5, 1) \
+    ADD_5(9, 6) UP(6, 1) ADD_4(11, 7) UP(7, 1) ADD_4(12, 8) END(13) PASS(28, 13) COLUMN(1, 1) \
+    ADD_1(0, 1) UP(1, 1) ADD_5(1, 2) UP(2, 1) ADD_5(3, 3) UP(3, 1) ADD_5(5, 4) UP(4, 1) \
+    ADD_5(7, 5) UP(5, 1) ADD_5(9, 6) UP(6, 1) ADD_4(11, 7) UP(7, 1) ADD_4(12, 8) END(13) \
+    PASS(41, 24) COLUMN(2, 0) ADD_5(0, 2) UP(2, 2) ADD_5(2, 3) UP(3, 2) ADD_5(4, 4) UP(4, 2) \
+    ADD_5(6, 5) UP(5, 2) ADD_5(8, 6) UP(6, 2) ADD_4(10, 7) UP(7, 2) ADD_4(11, 8) COLUMN(2, 1) \
+    ADD_5(12, 2) UP(2, 2) ADD_5(14, 3) UP(3, 2) ADD_5(16, 4) UP(4, 2) ADD_5(18, 5) UP(5, 2) \
+    ADD_5(20, 6) UP(6, 2) ADD_4(22, 7) UP(7, 2) ADD_4(23, 8) END(24) PASS(65, 20) COLUMN(3, 0) \
+    ADD_5(0, 3) UP(3, 3) ADD_5(2, 4) UP(4, 3) ADD_5(4, 5) UP(5, 3) ADD_5(6, 6) UP(6, 3) \
+    ADD_4(8, 7) UP(7, 3) ADD_4(9, 8) COLUMN(3, 1) ADD_5(10, 3) UP(3, 3) ADD_5(12, 4) UP(4, 3) \
+    ADD_5(14, 5) UP(5, 3) ADD_5(16, 6) UP(6, 3) ADD_4(18, 7) UP(7, 3) ADD_4(19, 8) END(20) \
+    PASS(85, 22) COLUMN(4, 0) ADD_5(0, 4) UP(4, 4) ADD_5(2, 5) UP(5, 4) ADD_5(4, 6) UP(6, 4) \
+    ADD_4(6, 7) UP(7, 4) ADD_4(7, 8) COLUMN(4, 1) ADD_5(8, 4) UP(4, 4) ADD_5(10, 5) UP(5, 4) \
+    ADD_5(12, 6) UP(6, 4) ADD_4(14, 7) UP(7, 4) ADD_4(15, 8) COLUMN(5, 0) ADD_5(16, 5) UP(5, 5) \
+    ADD_5(18, 6) UP(6, 5) ADD_4(20, 7) UP(7, 5) ADD_4(21, 8) END(22) PASS(107, 20) COLUMN(5, 1) \
+    ADD_5(0, 5) UP(5, 5) ADD_5(2, 6) UP(6, 5) ADD_4(4, 7) UP(7, 5) ADD_4(5, 8) COLUMN(6, 0) \
+    ADD_5(6, 6) UP(6, 6) ADD_4(8, 7) UP(7, 6) ADD_4(9, 8) COLUMN(6, 1) ADD_5(10, 6) UP(6, 6) \
+    ADD_4(12, 7) UP(7, 6) ADD_4(13, 8) COLUMN(7, 0) ADD_4(14, 7) UP(7, 7) ADD_4(15, 8) \
+    COLUMN(7, 1) ADD_4(16, 7) UP(7, 7) ADD_4(17, 8) COLUMN(8, 0) ADD_4(18, 8) COLUMN(8, 1) \
+    ADD_4(19, 8) END(20)
+#define PLAN_7 PASS(0, 22) COLUMN(0, 0) ADD_5(0, 0) UP(0, 0) ADD_3(2, 1) UP(1, 0) ADD_7(4, 2) \
+    UP(2, 0) ADD_7(7, 3) UP(3, 0) ADD_7(10, 4) UP(4, 0) ADD_7(13, 5) UP(5, 0) ADD_7(16, 6) \
+    UP(6, 0) ADD_6(19, 7) UP(7, 0) ADD_4(21, 8) END(22) PASS(22, 20) COLUMN(1, 0) ADD_3(0, 1) \
+    UP(1, 1) ADD_7(2, 2) UP(2, 1) ADD_7(5, 3) UP(3, 1) ADD_7(8, 4) UP(4, 1) ADD_7(11, 5) \
+    UP(5, 1) ADD_7(14, 6) UP(6, 1) ADD_6(17, 7) UP(7, 1) ADD_4(19, 8) END(20) PASS(42, 20) \
+    COLUMN(1, 1) ADD_3(0, 1) UP(1, 1) ADD_7(2, 2) UP(2, 1) ADD_7(5, 3) UP(3, 1) ADD_7(8, 4) \
+    UP(4, 1) ADD_7(11, 5) UP(5, 1) ADD_7(14, 6) UP(6, 1) ADD_6(17, 7) UP(7, 1) ADD_4(19, 8) \
+    END(20) PASS(62, 18) COLUMN(2, 0) ADD_7(0, 2) UP(2, 2) ADD_7(3, 3) UP(3, 2) ADD_7(6, 4) \
+    UP(4, 2) ADD_7(9, 5) UP(5, 2) ADD_7(12, 6) UP(6, 2) ADD_6(15, 7) UP(7, 2) ADD_4(17, 8) \
+    END(18) PASS(80, 18) COLUMN(2, 1) ADD_7(0, 2) UP(2, 2) ADD_7(3, 3) UP(3, 2) ADD_7(6, 4) \
+    UP(4, 2) ADD_7(9, 5) UP(5, 2) ADD_7(12, 6) UP(6, 2) ADD_6(15, 7) UP(7, 2) ADD_4(17, 8) \
+    END(18) PASS(98, 15) COLUMN(3, 0) ADD_7(0, 3) UP(3, 3) ADD_7(3, 4) UP(4, 3) ADD_7(6, 5) \
+    UP(5, 3) ADD_7(9, 6) UP(6, 3) ADD_6(12, 7) UP(7, 3) ADD_4(14, 8) END(15) PASS(113, 15) \
+    COLUMN(3, 1) ADD_7(0, 3) UP(3, 3) ADD_7(3, 4) UP(4, 3) ADD_7(6, 5) UP(5, 3) ADD_7(9, 6) \
+    UP(6, 3) ADD_6(12, 7) UP(7, 3) ADD_4(14, 8) END(15) PASS(128, 24) COLUMN(4, 0) ADD_7(0, 4) \
+    UP(4, 4) ADD_7(3, 5) UP(5, 4) ADD_7(6, 6) UP(6, 4) ADD_6(9, 7) UP(7, 4) ADD_4(11, 8) \
+    COLUMN(4, 1) ADD_7(12, 4) UP(4, 4) ADD_7(15, 5) UP(5, 4) ADD_7(18, 6) UP(6, 4) ADD_6(21, 7) \
+    UP(7, 4) ADD_4(23, 8) END(24) PASS(152, 24) COLUMN(5, 0) ADD_7(0, 5) UP(5, 5) ADD_7(3, 6) \
+    UP(6, 5) ADD_6(6, 7) UP(7, 5) ADD_4(8, 8) COLUMN(5, 1) ADD_7(9, 5) UP(5, 5) ADD_7(12, 6) \
+    UP(6, 5) ADD_6(15, 7) UP(7, 5) ADD_4(17, 8) COLUMN(6, 0) ADD_7(18, 6) UP(6, 6) ADD_6(21, 7) \
+    UP(7, 6) ADD_4(23, 8) END(24) PASS(176, 14) COLUMN(6, 1) ADD_7(0, 6) UP(6, 6) ADD_6(3, 7) \
+    UP(7, 6) ADD_4(5, 8) COLUMN(7, 0) ADD_6(6, 7) UP(7, 7) ADD_4(8, 8) COLUMN(7, 1) ADD_6(9, 7) \
+    UP(7, 7) ADD_4(11, 8) COLUMN(8, 0) ADD_4(12, 8) COLUMN(8, 1) ADD_4(13, 8) END(14)
+#define PLAN_RGB_1 PASS(0, 7) COLUMN(0, 0) ADD_1(0, 0) UP(0, 0) ADD_1(1, 1) UP(1, 0) ADD_1(2, 2) \
+    UP(2, 0) ADD_1(3, 3) UP(3, 0) ADD_1(4, 4) UP(4, 0) ADD_1(5, 5) UP(5, 0) ADD_1(6, 6) END(7) \
+    PASS(7, 6) COLUMN(1, 0) ADD_1(0, 1) UP(1, 1) ADD_1(1, 2) UP(2, 1) ADD_1(2, 3) UP(3, 1) \
+    ADD_1(3, 4) UP(4, 1) ADD_1(4, 5) UP(5, 1) ADD_1(5, 6) END(6) PASS(13, 6) COLUMN(1, 1) \
+    ADD_1(0, 1) UP(1, 1) ADD_1(1, 2) UP(2, 1) ADD_1(2, 3) UP(3, 1) ADD_1(3, 4) UP(4, 1) \
+    ADD_1(4, 5) UP(5, 1) ADD_1(5, 6) END(6) PASS(19, 5) COLUMN(2, 0) ADD_1(0, 2) UP(2, 2) \
+    ADD_1(1, 3) UP(3, 2) ADD_1(2, 4) UP(4, 2) ADD_1(3, 5) UP(5, 2) ADD_1(4, 6) END(5) \
+    PASS(24, 5) COLUMN(2, 1) ADD_1(0, 2) UP(2, 2) ADD_1(1, 3) UP(3, 2) ADD_1(2, 4) UP(4, 2) \
+    ADD_1(3, 5) UP(5, 2) ADD_1(4, 6) END(5) PASS(29, 8) COLUMN(3, 0) ADD_1(0, 3) UP(3, 3) \
+    ADD_1(1, 4) UP(4, 3) ADD_1(2, 5) UP(5, 3) ADD_1(3, 6) COLUMN(3, 1) ADD_1(4, 3) UP(3, 3) \
+    ADD_1(5, 4) UP(4, 3) ADD_1(6, 5) UP(5, 3) ADD_1(7, 6) END(8) PASS(37, 8) COLUMN(4, 0) \
+    ADD_1(0, 4) UP(4, 4) ADD_1(1, 5) UP(5, 4) ADD_1(2, 6) COLUMN(4, 1) ADD_1(3, 4) UP(4, 4) \
+    ADD_1(4, 5) UP(5, 4) ADD_1(5, 6) COLUMN(5, 0) ADD_1(6, 5) UP(5, 5) ADD_1(7, 6) END(8) \
+    PASS(45, 4) COLUMN(5, 1) ADD_1(0, 5) UP(5, 5) ADD_1(1, 6) COLUMN(6, 0) ADD_1(2, 6) \
+    COLUMN(6, 1) ADD_1(3, 6) END(4)
+#define PLAN_RGB_3 PASS(0, 7) COLUMN(0, 0) ADD_1(0, 0) UP(0, 0) ADD_3(1, 1) UP(1, 0) ADD_3(3, 2) \
+    UP(2, 0) ADD_3(5, 3) UP(3, 0) CUT END(7) PASS(7, 7) RESUME ADD_3(0, 4) UP(4, 0) ADD_3(2, 5) \
+    UP(5, 0) ADD_3(4, 6) UP(6, 0) ADD_2(6, 7) END(7) PASS(14, 8) COLUMN(1, 0) ADD_3(0, 1) \
+    UP(1, 1) ADD_3(2, 2) UP(2, 1) ADD_3(4, 3) UP(3, 1) ADD_3(6, 4) UP(4, 1) CUT END(8) \
+    PASS(22, 5) RESUME ADD_3(0, 5) UP(5, 1) ADD_3(2, 6) UP(6, 1) ADD_2(4, 7) END(5) PASS(27, 8) \
+    COLUMN(1, 1) ADD_3(0, 1) UP(1, 1) ADD_3(2, 2) UP(2, 1) ADD_3(4, 3) UP(3, 1) ADD_3(6, 4) \
+    UP(4, 1) CUT END(8) PASS(35, 5) RESUME ADD_3(0, 5) UP(5, 1) ADD_3(2, 6) UP(6, 1) ADD_2(4, 7) \
+    END(5) PASS(40, 8) COLUMN(2, 0) ADD_3(0, 2) UP(2, 2) ADD_3(2, 3) UP(3, 2) ADD_3(4, 4) \
+    UP(4, 2) ADD_3(6, 5) UP(5, 2) CUT END(8) PASS(48, 3) RESUME ADD_3(0, 6) UP(6, 2) ADD_2(2, 7) \
+    END(3) PASS(51, 8) COLUMN(2, 1) ADD_3(0, 2) UP(2, 2) ADD_3(2, 3) UP(3, 2) ADD_3(4, 4) \
+    UP(4, 2) ADD_3(6, 5) UP(5, 2) CUT END(8) PASS(59, 3) RESUME ADD_3(0, 6) UP(6, 2) ADD_2(2, 7) \
+    END(3) PASS(62, 8) COLUMN(3, 0) ADD_3(0, 3) UP(3, 3) ADD_3(2, 4) UP(4, 3) ADD_3(4, 5) \
+    UP(5, 3) ADD_3(6, 6) UP(6, 3) CUT END(8) PASS(70, 1) RESUME ADD_2(0, 7) END(1) PASS(71, 8) \
+    COLUMN(3, 1) ADD_3(0, 3) UP(3, 3) ADD_3(2, 4) UP(4, 3) ADD_3(4, 5) UP(5, 3) ADD_3(6, 6) \
+    UP(6, 3) CUT END(8) PASS(79, 8) RESUME ADD_2(0, 7) COLUMN(4, 0) ADD_3(1, 4) UP(4, 4) \
+    ADD_3(3, 5) UP(5, 4) ADD_3(5, 6) UP(6, 4) ADD_2(7, 7) END(8) PASS(87, 7) COLUMN(4, 1) \
+    ADD_3(0, 4) UP(4, 4) ADD_3(2, 5) UP(5, 4) ADD_3(4, 6) UP(6, 4) ADD_2(6, 7) END(7) \
+    PASS(94, 5) COLUMN(5, 0) ADD_3(0, 5) UP(5, 5) ADD_3(2, 6) UP(6, 5) ADD_2(4, 7) END(5) \
+    PASS(99, 8) COLUMN(5, 1) ADD_3(0, 5) UP(5, 5) ADD_3(2, 6) UP(6, 5) ADD_2(4, 7) COLUMN(6, 0) \
+    ADD_3(5, 6) UP(6, 6) ADD_2(7, 7) END(8) PASS(107, 5) COLUMN(6, 1) ADD_3(0, 6) UP(6, 6) \
+    ADD_2(2, 7) COLUMN(7, 0) ADD_2(3, 7) COLUMN(7, 1) ADD_2(4, 7) END(5)
+#define PLAN_RGB_4 PASS(0, 8) COLUMN(0, 0) ADD_4(0, 0) UP(0, 0) UP(1, 0) ADD_4(1, 2) UP(2, 0) \
+    ADD_4(2, 3) UP(3, 0) ADD_4(3, 4) UP(4, 0) ADD_4(4, 5) UP(5, 0) ADD_4(5, 6) UP(6, 0) \
+    ADD_4(6, 7) UP(7, 0) ADD_4(7, 8) END(8) PASS(8, 7) COLUMN(1, 0) UP(1, 1) ADD_4(0, 2) \
+    UP(2, 1) ADD_4(1, 3) UP(3, 1) ADD_4(2, 4) UP(4, 1) ADD_4(3, 5) UP(5, 1) ADD_4(4, 6) UP(6, 1) \
+    ADD_4(5, 7) UP(7, 1) ADD_4(6, 8) END(7) PASS(15, 7) COLUMN(1, 1) UP(1, 1) ADD_4(0, 2) \
+    UP(2, 1) ADD_4(1, 3) UP(3, 1) ADD_4(2, 4) UP(4, 1) ADD_4(3, 5) UP(5, 1) ADD_4(4, 6) UP(6, 1) \
+    ADD_4(5, 7) UP(7, 1) ADD_4(6, 8) END(7) PASS(22, 7) COLUMN(2, 0) ADD_4(0, 2) UP(2, 2) \
+    ADD_4(1, 3) UP(3, 2) ADD_4(2, 4) UP(4, 2) ADD_4(3, 5) UP(5, 2) ADD_4(4, 6) UP(6, 2) \
+    ADD_4(5, 7) UP(7, 2) ADD_4(6, 8) END(7) PASS(29, 7) COLUMN(2, 1) ADD_4(0, 2) UP(2, 2) \
+    ADD_4(1, 3) UP(3, 2) ADD_4(2, 4) UP(4, 2) ADD_4(3, 5) UP(5, 2) ADD_4(4, 6) UP(6, 2) \
+    ADD_4(5, 7) UP(7, 2) ADD_4(6, 8) END(7) PASS(36, 6) COLUMN(3, 0) ADD_4(0, 3) UP(3, 3) \
+    ADD_4(1, 4) UP(4, 3) ADD_4(2, 5) UP(5, 3) ADD_4(3, 6) UP(6, 3) ADD_4(4, 7) UP(7, 3) \
+    ADD_4(5, 8) END(6) PASS(42, 6) COLUMN(3, 1) ADD_4(0, 3) UP(3, 3) ADD_4(1, 4) UP(4, 3) \
+    ADD_4(2, 5) UP(5, 3) ADD_4(3, 6) UP(6, 3) ADD_4(4, 7) UP(7, 3) ADD_4(5, 8) END(6) \
+    PASS(48, 5) COLUMN(4, 0) ADD_4(0, 4) UP(4, 4) ADD_4(1, 5) UP(5, 4) ADD_4(2, 6) UP(6, 4) \
+    ADD_4(3, 7) UP(7, 4) ADD_4(4, 8) END(5) PASS(53, 5) COLUMN(4, 1) ADD_4(0, 4) UP(4, 4) \
+    ADD_4(1, 5) UP(5, 4) ADD_4(2, 6) UP(6, 4) ADD_4(3, 7) UP(7, 4) ADD_4(4, 8) END(5) \
+    PASS(58, 8) COLUMN(5, 0) ADD_4(0, 5) UP(5, 5) ADD_4(1, 6) UP(6, 5) ADD_4(2, 7) UP(7, 5) \
+    ADD_4(3, 8) COLUMN(5, 1) ADD_4(4, 5) UP(5, 5) ADD_4(5, 6) UP(6, 5) ADD_4(6, 7) UP(7, 5) \
+    ADD_4(7, 8) END(8) PASS(66, 8) COLUMN(6, 0) ADD_4(0, 6) UP(6, 6) ADD_4(1, 7) UP(7, 6) \
+    ADD_4(2, 8) COLUMN(6, 1) ADD_4(3, 6) UP(6, 6) ADD_4(4, 7) UP(7, 6) ADD_4(5, 8) COLUMN(7, 0) \
+    ADD_4(6, 7) UP(7, 7) ADD_4(7, 8) END(8) PASS(74, 4) COLUMN(7, 1) ADD_4(0, 7) UP(7, 7) \
+    ADD_4(1, 8) COLUMN(8, 0) ADD_4(2, 8) COLUMN(8, 1) ADD_4(3, 8) END(4)
+#define PLAN_RGB_5 PASS(0, 7) COLUMN(0, 0) ADD_5(0, 0) UP(0, 0) ADD_1(2, 1) UP(1, 0) ADD_5(3, 2) \
+    UP(2, 0) ADD_5(5, 3) UP(3, 0) CUT END(7) PASS(7, 8) RESUME ADD_5(0, 4) UP(4, 0) ADD_5(2, 5) \
+    UP(5, 0) ADD_5(4, 6) UP(6, 0) ADD_4(6, 7) UP(7, 0) ADD_4(7, 8) END(8) PASS(15, 7) \
+    COLUMN(1, 0) ADD_1(0, 1) UP(1, 1) ADD_5(1, 2) UP(2, 1) ADD_5(3, 3) UP(3, 1) ADD_5(5, 4) \
+    UP(4, 1) CUT END(7) PASS(22, 6) RESUME ADD_5(0, 5) UP(5, 1) ADD_5(2, 6) UP(6, 1) ADD_4(4, 7) \
+    UP(7, 1) ADD_4(5, 8) END(6) PASS(28, 7) COLUMN(1, 1) ADD_1(0, 1) UP(1, 1) ADD_5(1, 2) \
+    UP(2, 1) ADD_5(3, 3) UP(3, 1) ADD_5(5, 4) UP(4, 1) CUT END(7) PASS(35, 6) RESUME ADD_5(0, 5) \
+    UP(5, 1) ADD_5(2, 6) UP(6, 1) ADD_4(4, 7) UP(7, 1) ADD_4(5, 8) END(6) PASS(41, 8) \
+    COLUMN(2, 0) ADD_5(0, 2) UP(2, 2) ADD_5(2, 3) UP(3, 2) ADD_5(4, 4) UP(4, 2) ADD_5(6, 5) \
+    UP(5, 2) CUT END(8) PASS(49, 4) RESUME ADD_5(0, 6) UP(6, 2) ADD_4(2, 7) UP(7, 2) ADD_4(3, 8) \
+    END(4) PASS(53, 8) COLUMN(2, 1) ADD_5(0, 2) UP(2, 2) ADD_5(2, 3) UP(3, 2) ADD_5(4, 4) \
+    UP(4, 2) ADD_5(6, 5) UP(5, 2) CUT END(8) PASS(61, 4) RESUME ADD_5(0, 6) UP(6, 2) ADD_4(2, 7) \
+    UP(7, 2) ADD_4(3, 8) END(4) PASS(65, 8) COLUMN(3, 0) ADD_5(0, 3) UP(3, 3) ADD_5(2, 4) \
+    UP(4, 3) ADD_5(4, 5) UP(5, 3) ADD_5(6, 6) UP(6, 3) CUT END(8) PASS(73, 2) RESUME ADD_4(0, 7) \
+    UP(7, 3) ADD_4(1, 8) END(2) PASS(75, 8) COLUMN(3, 1) ADD_5(0, 3) UP(3, 3) ADD_5(2, 4) \
+    UP(4, 3) ADD_5(4, 5) UP(5, 3) ADD_5(6, 6) UP(6, 3) CUT END(8) PASS(83, 2) RESUME ADD_4(0, 7) \
+    UP(7, 3) ADD_4(1, 8) END(2) PASS(85, 8) COLUMN(4, 0) ADD_5(0, 4) UP(4, 4) ADD_5(2, 5) \
+    UP(5, 4) ADD_5(4, 6) UP(6, 4) ADD_4(6, 7) UP(7, 4) ADD_4(7, 8) END(8) PASS(93, 8) \
+    COLUMN(4, 1) ADD_5(0, 4) UP(4, 4) ADD_5(2, 5) UP(5, 4) ADD_5(4, 6) UP(6, 4) ADD_4(6, 7) \
+    UP(7, 4) ADD_4(7, 8) END(8) PASS(101, 6) COLUMN(5, 0) ADD_5(0, 5) UP(5, 5) ADD_5(2, 6) \
+    UP(6, 5) ADD_4(4, 7) UP(7, 5) ADD_4(5, 8) END(6) PASS(107, 6) COLUMN(5, 1) ADD_5(0, 5) \
+    UP(5, 5) ADD_5(2, 6) UP(6, 5) ADD_4(4, 7) UP(7, 5) ADD_4(5, 8) END(6) PASS(113, 8) \
+    COLUMN(6, 0) ADD_5(0, 6) UP(6, 6) ADD_4(2, 7) UP(7, 6) ADD_4(3, 8) COLUMN(6, 1) ADD_5(4, 6) \
+    UP(6, 6) ADD_4(6, 7) UP(7, 6) ADD_4(7, 8) END(8) PASS(121, 6) COLUMN(7, 0) ADD_4(0, 7) \
+    UP(7, 7) ADD_4(1, 8) COLUMN(7, 1) ADD_4(2, 7) UP(7, 7) ADD_4(3, 8) COLUMN(8, 0) ADD_4(4, 8) \
+    COLUMN(8, 1) ADD_4(5, 8) END(6)
+#define PLAN_RGB_7 PASS(0, 7) COLUMN(0, 0) ADD_5(0, 0) UP(0, 0) ADD_3(2, 1) UP(1, 0) ADD_7(4, 2) \
+    UP(2, 0) CUT END(7) PASS(7, 6) RESUME ADD_7(0, 3) UP(3, 0) ADD_7(3, 4) UP(4, 0) CUT END(6) \
+    PASS(13, 8) RESUME ADD_7(0, 5) UP(5, 0) ADD_7(3, 6) UP(6, 0) ADD_6(6, 7) UP(7, 0) CUT END(8) \
+    PASS(21, 1) RESUME ADD_4(0, 8) END(1) PASS(22, 8) COLUMN(1, 0) ADD_3(0, 1) UP(1, 1) \
+    ADD_7(2, 2) UP(2, 1) ADD_7(5, 3) UP(3, 1) CUT END(8) PASS(30, 6) RESUME ADD_7(0, 4) UP(4, 1) \
+    ADD_7(3, 5) UP(5, 1) CUT END(6) PASS(36, 6) RESUME ADD_7(0, 6) UP(6, 1) ADD_6(3, 7) UP(7, 1) \
+    ADD_4(5, 8) END(6) PASS(42, 8) COLUMN(1, 1) ADD_3(0, 1) UP(1, 1) ADD_7(2, 2) UP(2, 1) \
+    ADD_7(5, 3) UP(3, 1) CUT END(8) PASS(50, 6) RESUME ADD_7(0, 4) UP(4, 1) ADD_7(3, 5) UP(5, 1) \
+    CUT END(6) PASS(56, 6) RESUME ADD_7(0, 6) UP(6, 1) ADD_6(3, 7) UP(7, 1) ADD_4(5, 8) END(6) \
+    PASS(62, 6) COLUMN(2, 0) ADD_7(0, 2) UP(2, 2) ADD_7(3, 3) UP(3, 2) CUT END(6) PASS(68, 6) \
+    RESUME ADD_7(0, 4) UP(4, 2) ADD_7(3, 5) UP(5, 2) CUT END(6) PASS(74, 6) RESUME ADD_7(0, 6) \
+    UP(6, 2) ADD_6(3, 7) UP(7, 2) ADD_4(5, 8) END(6) PASS(80, 6) COLUMN(2, 1) ADD_7(0, 2) \
+    UP(2, 2) ADD_7(3, 3) UP(3, 2) CUT END(6) PASS(86, 6) RESUME ADD_7(0, 4) UP(4, 2) ADD_7(3, 5) \
+    UP(5, 2) CUT END(6) PASS(92, 6) RESUME ADD_7(0, 6) UP(6, 2) ADD_6(3, 7) UP(7, 2) ADD_4(5, 8) \
+    END(6) PASS(98, 6) COLUMN(3, 0) ADD_7(0, 3) UP(3, 3) ADD_7(3, 4) UP(4, 3) CUT END(6) \
+    PASS(104, 8) RESUME ADD_7(0, 5) UP(5, 3) ADD_7(3, 6) UP(6, 3) ADD_6(6, 7) UP(7, 3) CUT \
+    END(8) PASS(112, 1) RESUME ADD_4(0, 8) END(1) PASS(113, 6) COLUMN(3, 1) ADD_7(0, 3) UP(3, 3) \
+    ADD_7(3, 4) UP(4, 3) CUT END(6) PASS(119, 8) RESUME ADD_7(0, 5) UP(5, 3) ADD_7(3, 6) \
+    UP(6, 3) ADD_6(6, 7) UP(7, 3) CUT END(8) PASS(127, 1) RESUME ADD_4(0, 8) END(1) PASS(128, 6) \
+    COLUMN(4, 0) ADD_7(0, 4) UP(4, 4) ADD_7(3, 5) UP(5, 4) CUT END(6) PASS(134, 6) RESUME \
+    ADD_7(0, 6) UP(6, 4) ADD_6(3, 7) UP(7, 4) ADD_4(5, 8) END(6) PASS(140, 6) COLUMN(4, 1) \
+    ADD_7(0, 4) UP(4, 4) ADD_7(3, 5) UP(5, 4) CUT END(6) PASS(146, 6) RESUME ADD_7(0, 6) \
+    UP(6, 4) ADD_6(3, 7) UP(7, 4) ADD_4(5, 8) END(6) PASS(152, 8) COLUMN(5, 0) ADD_7(0, 5) \
+    UP(5, 5) ADD_7(3, 6) UP(6, 5) ADD_6(6, 7) UP(7, 5) CUT END(8) PASS(160, 1) RESUME \
+    ADD_4(0, 8) END(1) PASS(161, 8) COLUMN(5, 1) ADD_7(0, 5) UP(5, 5) ADD_7(3, 6) UP(6, 5) \
+    ADD_6(6, 7) UP(7, 5) CUT END(8) PASS(169, 7) RESUME ADD_4(0, 8) COLUMN(6, 0) ADD_7(1, 6) \
+    UP(6, 6) ADD_6(4, 7) UP(7, 6) ADD_4(6, 8) END(7) PASS(176, 6) COLUMN(6, 1) ADD_7(0, 6) \
+    UP(6, 6) ADD_6(3, 7) UP(7, 6) ADD_4(5, 8) END(6) PASS(182, 8) COLUMN(7, 0) ADD_6(0, 7) \
+    UP(7, 7) ADD_4(2, 8) COLUMN(7, 1) ADD_6(3, 7) UP(7, 7) ADD_4(5, 8) COLUMN(8, 0) ADD_4(6, 8) \
+    COLUMN(8, 1) ADD_4(7, 8) END(8)
 #else
-#define PLAN_1 PASS(0, 7) SEGMENT(0, 0, 0, 7, 0) END(7) PASS(7, 12) SEGMENT(1, 0, 1, 7, 0) \
-    SEGMENT(1, 1, 1, 7, 6) END(12) PASS(19, 10) SEGMENT(2, 0, 2, 7, 0) SEGMENT(2, 1, 2, 7, 5) \
-    END(10) PASS(29, 11) SEGMENT(3, 0, 3, 7, 0) SEGMENT(3, 1, 3, 7, 4) SEGMENT(4, 0, 4, 7, 8) \
-    END(11) PASS(40, 9) SEGMENT(4, 1, 4, 7, 0) SEGMENT(5, 0, 5, 7, 3) SEGMENT(5, 1, 5, 7, 5) \
-    SEGMENT(6, 0, 6, 7, 7) SEGMENT(6, 1, 6, 7, 8) END(9)
-#define PLAN_3 PASS(0, 11) SEGMENT(0, 0, 0, 6, 0) END(11) PASS(11, 3) SEGMENT(0, 0, 6, 8, 0) \
-    END(3) PASS(14, 12) SEGMENT(1, 0, 1, 7, 0) END(12) PASS(26, 1) SEGMENT(1, 0, 7, 8, 0) END(1) \
-    PASS(27, 12) SEGMENT(1, 1, 1, 7, 0) END(12) PASS(39, 12) SEGMENT(1, 1, 7, 8, 0) \
-    SEGMENT(2, 0, 2, 8, 1) END(12) PASS(51, 11) SEGMENT(2, 1, 2, 8, 0) END(11) PASS(62, 9) \
-    SEGMENT(3, 0, 3, 8, 0) END(9) PASS(71, 9) SEGMENT(3, 1, 3, 8, 0) END(9) PASS(80, 7) \
-    SEGMENT(4, 0, 4, 8, 0) END(7) PASS(87, 12) SEGMENT(4, 1, 4, 8, 0) SEGMENT(5, 0, 5, 8, 7) \
-    END(12) PASS(99, 12) SEGMENT(5, 1, 5, 8, 0) SEGMENT(6, 0, 6, 8, 5) SEGMENT(6, 1, 6, 8, 8) \
-    SEGMENT(7, 0, 7, 8, 11) END(12) PASS(111, 1) SEGMENT(7, 1, 7, 8, 0) END(1)
-#define PLAN_4 PASS(0, 8) SEGMENT(0, 0, 0, 9, 0) END(8) PASS(8, 7) SEGMENT(1, 0, 1, 9, 0) END(7) \
-    PASS(15, 7) SEGMENT(1, 1, 1, 9, 0) END(7) PASS(22, 7) SEGMENT(2, 0, 2, 9, 0) END(7) \
-    PASS(29, 7) SEGMENT(2, 1, 2, 9, 0) END(7) PASS(36, 12) SEGMENT(3, 0, 3, 9, 0) \
-    SEGMENT(3, 1, 3, 9, 6) END(12) PASS(48, 10) SEGMENT(4, 0, 4, 9, 0) SEGMENT(4, 1, 4, 9, 5) \
-    END(10) PASS(58, 11) SEGMENT(5, 0, 5, 9, 0) SEGMENT(5, 1, 5, 9, 4) SEGMENT(6, 0, 6, 9, 8) \
-    END(11) PASS(69, 9) SEGMENT(6, 1, 6, 9, 0) SEGMENT(7, 0, 7, 9, 3) SEGMENT(7, 1, 7, 9, 5) \
-    SEGMENT(8, 0, 8, 9, 7) SEGMENT(8, 1, 8, 9, 8) END(9)
-#define PLAN_5 PASS(0, 11) SEGMENT(0, 0, 0, 6, 0) END(11) PASS(11, 4) SEGMENT(0, 0, 6, 9, 0) \
-    END(4) PASS(15, 12) SEGMENT(1, 0, 1, 8, 0) END(12) PASS(27, 1) SEGMENT(1, 0, 8, 9, 0) END(1) \
-    PASS(28, 12) SEGMENT(1, 1, 1, 8, 0) END(12) PASS(40, 1) SEGMENT(1, 1, 8, 9, 0) END(1) \
-    PASS(41, 12) SEGMENT(2, 0, 2, 9, 0) END(12) PASS(53, 12) SEGMENT(2, 1, 2, 9, 0) END(12) \
-    PASS(65, 10) SEGMENT(3, 0, 3, 9, 0) END(10) PASS(75, 10) SEGMENT(3, 1, 3, 9, 0) END(10) \
-    PASS(85, 8) SEGMENT(4, 0, 4, 9, 0) END(8) PASS(93, 8) SEGMENT(4, 1, 4, 9, 0) END(8) \
-    PASS(101, 12) SEGMENT(5, 0, 5, 9, 0) SEGMENT(5, 1, 5, 9, 6) END(12) PASS(113, 12) \
-    SEGMENT(6, 0, 6, 9, 0) SEGMENT(6, 1, 6, 9, 4) SEGMENT(7, 0, 7, 9, 8) SEGMENT(7, 1, 7, 9, 10) \
-    END(12) PASS(125, 2) SEGMENT(8, 0, 8, 9, 0) SEGMENT(8, 1, 8, 9, 1) END(2)
-#define PLAN_7 PASS(0, 10) SEGMENT(0, 0, 0, 4, 0) END(10) PASS(10, 12) SEGMENT(0, 0, 4, 9, 0) \
-    END(12) PASS(22, 11) SEGMENT(1, 0, 1, 5, 0) END(11) PASS(33, 9) SEGMENT(1, 0, 5, 9, 0) \
-    END(9) PASS(42, 11) SEGMENT(1, 1, 1, 5, 0) END(11) PASS(53, 9) SEGMENT(1, 1, 5, 9, 0) END(9) \
-    PASS(62, 12) SEGMENT(2, 0, 2, 6, 0) END(12) PASS(74, 6) SEGMENT(2, 0, 6, 9, 0) END(6) \
-    PASS(80, 12) SEGMENT(2, 1, 2, 6, 0) END(12) PASS(92, 6) SEGMENT(2, 1, 6, 9, 0) END(6) \
-    PASS(98, 12) SEGMENT(3, 0, 3, 7, 0) END(12) PASS(110, 3) SEGMENT(3, 0, 7, 9, 0) END(3) \
-    PASS(113, 12) SEGMENT(3, 1, 3, 7, 0) END(12) PASS(125, 3) SEGMENT(3, 1, 7, 9, 0) END(3) \
-    PASS(128, 12) SEGMENT(4, 0, 4, 9, 0) END(12) PASS(140, 12) SEGMENT(4, 1, 4, 9, 0) END(12) \
-    PASS(152, 9) SEGMENT(5, 0, 5, 9, 0) END(9) PASS(161, 9) SEGMENT(5, 1, 5, 9, 0) END(9) \
-    PASS(170, 12) SEGMENT(6, 0, 6, 9, 0) SEGMENT(6, 1, 6, 9, 6) END(12) PASS(182, 8) \
-    SEGMENT(7, 0, 7, 9, 0) SEGMENT(7, 1, 7, 9, 3) SEGMENT(8, 0, 8, 9, 6) SEGMENT(8, 1, 8, 9, 7) \
-    END(8)
-#define PLAN_RGB_1 PASS(0, 4) SEGMENT(0, 0, 0, 4, 0) END(4) PASS(4, 3) SEGMENT(0, 0, 4, 7, 0) \
-    END(3) PASS(7, 4) SEGMENT(1, 0, 1, 5, 0) END(4) PASS(11, 2) SEGMENT(1, 0, 5, 7, 0) END(2) \
-    PASS(13, 4) SEGMENT(1, 1, 1, 5, 0) END(4) PASS(17, 2) SEGMENT(1, 1, 5, 7, 0) END(2) \
-    PASS(19, 4) SEGMENT(2, 0, 2, 6, 0) END(4) PASS(23, 1) SEGMENT(2, 0, 6, 7, 0) END(1) \
-    PASS(24, 4) SEGMENT(2, 1, 2, 6, 0) END(4) PASS(28, 1) SEGMENT(2, 1, 6, 7, 0) END(1) \
-    PASS(29, 4) SEGMENT(3, 0, 3, 7, 0) END(4) PASS(33, 4) SEGMENT(3, 1, 3, 7, 0) END(4) \
-    PASS(37, 3) SEGMENT(4, 0, 4, 7, 0) END(3) PASS(40, 3) SEGMENT(4, 1, 4, 7, 0) END(3) \
-    PASS(43, 4) SEGMENT(5, 0, 5, 7, 0) SEGMENT(5, 1, 5, 7, 2) END(4) PASS(47, 2) \
-    SEGMENT(6, 0, 6, 7, 0) SEGMENT(6, 1, 6, 7, 1) END(2)
-#define PLAN_RGB_3 PASS(0, 3) SEGMENT(0, 0, 0, 2, 0) END(3) PASS(3, 4) SEGMENT(0, 0, 2, 4, 0) \
-    END(4) PASS(7, 4) SEGMENT(0, 0, 4, 6, 0) END(4) PASS(11, 3) SEGMENT(0, 0, 6, 8, 0) END(3) \
-    PASS(14, 4) SEGMENT(1, 0, 1, 3, 0) END(4) PASS(18, 4) SEGMENT(1, 0, 3, 5, 0) END(4) \
-    PASS(22, 4) SEGMENT(1, 0, 5, 7, 0) END(4) PASS(26, 1) SEGMENT(1, 0, 7, 8, 0) END(1) \
-    PASS(27, 4) SEGMENT(1, 1, 1, 3, 0) END(4) PASS(31, 4) SEGMENT(1, 1, 3, 5, 0) END(4) \
-    PASS(35, 4) SEGMENT(1, 1, 5, 7, 0) END(4) PASS(39, 1) SEGMENT(1, 1, 7, 8, 0) END(1) \
-    PASS(40, 4) SEGMENT(2, 0, 2, 4, 0) END(4) PASS(44, 4) SEGMENT(2, 0, 4, 6, 0) END(4) \
-    PASS(48, 3) SEGMENT(2, 0, 6, 8, 0) END(3) PASS(51, 4) SEGMENT(2, 1, 2, 4, 0) END(4) \
-    PASS(55, 4) SEGMENT(2, 1, 4, 6, 0) END(4) PASS(59, 3) SEGMENT(2, 1, 6, 8, 0) END(3) \
-    PASS(62, 4) SEGMENT(3, 0, 3, 5, 0) END(4) PASS(66, 4) SEGMENT(3, 0, 5, 7, 0) END(4) \
-    PASS(70, 1) SEGMENT(3, 0, 7, 8, 0) END(1) PASS(71, 4) SEGMENT(3, 1, 3, 5, 0) END(4) \
-    PASS(75, 4) SEGMENT(3, 1, 5, 7, 0) END(4) PASS(79, 1) SEGMENT(3, 1, 7, 8, 0) END(1) \
-    PASS(80, 4) SEGMENT(4, 0, 4, 6, 0) END(4) PASS(84, 3) SEGMENT(4, 0, 6, 8, 0) END(3) \
-    PASS(87, 4) SEGMENT(4, 1, 4, 6, 0) END(4) PASS(91, 3) SEGMENT(4, 1, 6, 8, 0) END(3) \
-    PASS(94, 4) SEGMENT(5, 0, 5, 7, 0) END(4) PASS(98, 1) SEGMENT(5, 0, 7, 8, 0) END(1) \
-    PASS(99, 4) SEGMENT(5, 1, 5, 7, 0) END(4) PASS(103, 4) SEGMENT(5, 1, 7, 8, 0) \
-    SEGMENT(6, 0, 6, 8, 1) END(4) PASS(107, 4) SEGMENT(6, 1, 6, 8, 0) SEGMENT(7, 0, 7, 8, 3) \
-    END(4) PASS(111, 1) SEGMENT(7, 1, 7, 8, 0) END(1)
-#define PLAN_RGB_4 PASS(0, 4) SEGMENT(0, 0, 0, 5, 0) END(4) PASS(4, 4) SEGMENT(0, 0, 5, 9, 0) \
-    END(4) PASS(8, 4) SEGMENT(1, 0, 1, 6, 0) END(4) PASS(12, 3) SEGMENT(1, 0, 6, 9, 0) END(3) \
-    PASS(15, 4) SEGMENT(1, 1, 1, 6, 0) END(4) PASS(19, 3) SEGMENT(1, 1, 6, 9, 0) END(3) \
-    PASS(22, 4) SEGMENT(2, 0, 2, 6, 0) END(4) PASS(26, 3) SEGMENT(2, 0, 6, 9, 0) END(3) \
-    PASS(29, 4) SEGMENT(2, 1, 2, 6, 0) END(4) PASS(33, 3) SEGMENT(2, 1, 6, 9, 0) END(3) \
-    PASS(36, 4) SEGMENT(3, 0, 3, 7, 0) END(4) PASS(40, 2) SEGMENT(3, 0, 7, 9, 0) END(2) \
-    PASS(42, 4) SEGMENT(3, 1, 3, 7, 0) END(4) PASS(46, 2) SEGMENT(3, 1, 7, 9, 0) END(2) \
-    PASS(48, 4) SEGMENT(4, 0, 4, 8, 0) END(4) PASS(52, 1) SEGMENT(4, 0, 8, 9, 0) END(1) \
-    PASS(53, 4) SEGMENT(4, 1, 4, 8, 0) END(4) PASS(57, 1) SEGMENT(4, 1, 8, 9, 0) END(1) \
-    PASS(58, 4) SEGMENT(5, 0, 5, 9, 0) END(4) PASS(62, 4) SEGMENT(5, 1, 5, 9, 0) END(4) \
-    PASS(66, 3) SEGMENT(6, 0, 6, 9, 0) END(3) PASS(69, 3) SEGMENT(6, 1, 6, 9, 0) END(3) \
-    PASS(72, 4) SEGMENT(7, 0, 7, 9, 0) SEGMENT(7, 1, 7, 9, 2) END(4) PASS(76, 2) \
-    SEGMENT(8, 0, 8, 9, 0) SEGMENT(8, 1, 8, 9, 1) END(2)
-#define PLAN_RGB_5 PASS(0, 3) SEGMENT(0, 0, 0, 2, 0) END(3) PASS(3, 4) SEGMENT(0, 0, 2, 4, 0) \
-    END(4) PASS(7, 4) SEGMENT(0, 0, 4, 6, 0) END(4) PASS(11, 4) SEGMENT(0, 0, 6, 9, 0) END(4) \
-    PASS(15, 3) SEGMENT(1, 0, 1, 3, 0) END(3) PASS(18, 4) SEGMENT(1, 0, 3, 5, 0) END(4) \
-    PASS(22, 4) SEGMENT(1, 0, 5, 7, 0) END(4) PASS(26, 2) SEGMENT(1, 0, 7, 9, 0) END(2) \
-    PASS(28, 3) SEGMENT(1, 1, 1, 3, 0) END(3) PASS(31, 4) SEGMENT(1, 1, 3, 5, 0) END(4) \
-    PASS(35, 4) SEGMENT(1, 1, 5, 7, 0) END(4) PASS(39, 2) SEGMENT(1, 1, 7, 9, 0) END(2) \
-    PASS(41, 4) SEGMENT(2, 0, 2, 4, 0) END(4) PASS(45, 4) SEGMENT(2, 0, 4, 6, 0) END(4) \
-    PASS(49, 4) SEGMENT(2, 0, 6, 9, 0) END(4) PASS(53, 4) SEGMENT(2, 1, 2, 4, 0) END(4) \
-    PASS(57, 4) SEGMENT(2, 1, 4, 6, 0) END(4) PASS(61, 4) SEGMENT(2, 1, 6, 9, 0) END(4) \
-    PASS(65, 4) SEGMENT(3, 0, 3, 5, 0) END(4) PASS(69, 4) SEGMENT(3, 0, 5, 7, 0) END(4) \
-    PASS(73, 2) SEGMENT(3, 0, 7, 9, 0) END(2) PASS(75, 4) SEGMENT(3, 1, 3, 5, 0) END(4) \
-    PASS(79, 4) SEGMENT(3, 1, 5, 7, 0) END(4) PASS(83, 2) SEGMENT(3, 1, 7, 9, 0) END(2) \
-    PASS(85, 4) SEGMENT(4, 0, 4, 6, 0) END(4) PASS(89, 4) SEGMENT(4, 0, 6, 9, 0) END(4) \
-    PASS(93, 4) SEGMENT(4, 1, 4, 6, 0) END(4) PASS(97, 4) SEGMENT(4, 1, 6, 9, 0) END(4) \
-    PASS(101, 4) SEGMENT(5, 0, 5, 7, 0) END(4) PASS(105, 2) SEGMENT(5, 0, 7, 9, 0) END(2) \
-    PASS(107, 4) SEGMENT(5, 1, 5, 7, 0) END(4) PASS(111, 2) SEGMENT(5, 1, 7, 9, 0) END(2) \
-    PASS(113, 4) SEGMENT(6, 0, 6, 9, 0) END(4) PASS(117, 4) SEGMENT(6, 1, 6, 9, 0) END(4) \
-    PASS(121, 4) SEGMENT(7, 0, 7, 9, 0) SEGMENT(7, 1, 7, 9, 2) END(4) PASS(125, 2) \
-    SEGMENT(8, 0, 8, 9, 0) SEGMENT(8, 1, 8, 9, 1) END(2)
-#define PLAN_RGB_7 PASS(0, 4) SEGMENT(0, 0, 0, 2, 0) END(4) PASS(4, 3) SEGMENT(0, 0, 2, 3, 0) \
-    END(3) PASS(7, 3) SEGMENT(0, 0, 3, 4, 0) END(3) PASS(10, 3) SEGMENT(0, 0, 4, 5, 0) END(3) \
-    PASS(13, 3) SEGMENT(0, 0, 5, 6, 0) END(3) PASS(16, 3) SEGMENT(0, 0, 6, 7, 0) END(3) \
-    PASS(19, 3) SEGMENT(0, 0, 7, 9, 0) END(3) PASS(22, 2) SEGMENT(1, 0, 1, 2, 0) END(2) \
-    PASS(24, 3) SEGMENT(1, 0, 2, 3, 0) END(3) PASS(27, 3) SEGMENT(1, 0, 3, 4, 0) END(3) \
-    PASS(30, 3) SEGMENT(1, 0, 4, 5, 0) END(3) PASS(33, 3) SEGMENT(1, 0, 5, 6, 0) END(3) \
-    PASS(36, 3) SEGMENT(1, 0, 6, 7, 0) END(3) PASS(39, 3) SEGMENT(1, 0, 7, 9, 0) END(3) \
-    PASS(42, 2) SEGMENT(1, 1, 1, 2, 0) END(2) PASS(44, 3) SEGMENT(1, 1, 2, 3, 0) END(3) \
-    PASS(47, 3) SEGMENT(1, 1, 3, 4, 0) END(3) PASS(50, 3) SEGMENT(1, 1, 4, 5, 0) END(3) \
-    PASS(53, 3) SEGMENT(1, 1, 5, 6, 0) END(3) PASS(56, 3) SEGMENT(1, 1, 6, 7, 0) END(3) \
-    PASS(59, 3) SEGMENT(1, 1, 7, 9, 0) END(3) PASS(62, 3) SEGMENT(2, 0, 2, 3, 0) END(3) \
-    PASS(65, 3) SEGMENT(2, 0, 3, 4, 0) END(3) PASS(68, 3) SEGMENT(2, 0, 4, 5, 0) END(3) \
-    PASS(71, 3) SEGMENT(2, 0, 5, 6, 0) END(3) PASS(74, 3) SEGMENT(2, 0, 6, 7, 0) END(3) \
-    PASS(77, 3) SEGMENT(2, 0, 7, 9, 0) END(3) PASS(80, 3) SEGMENT(2, 1, 2, 3, 0) END(3) \
-    PASS(83, 3) SEGMENT(2, 1, 3, 4, 0) END(3) PASS(86, 3) SEGMENT(2, 1, 4, 5, 0) END(3) \
-    PASS(89, 3) SEGMENT(2, 1, 5, 6, 0) END(3) PASS(92, 3) SEGMENT(2, 1, 6, 7, 0) END(3) \
-    PASS(95, 3) SEGMENT(2, 1, 7, 9, 0) END(3) PASS(98, 3) SEGMENT(3, 0, 3, 4, 0) END(3) \
-    PASS(101, 3) SEGMENT(3, 0, 4, 5, 0) END(3) PASS(104, 3) SEGMENT(3, 0, 5, 6, 0) END(3) \
-    PASS(107, 3) SEGMENT(3, 0, 6, 7, 0) END(3) PASS(110, 3) SEGMENT(3, 0, 7, 9, 0) END(3) \
-    PASS(113, 3) SEGMENT(3, 1, 3, 4, 0) END(3) PASS(116, 3) SEGMENT(3, 1, 4, 5, 0) END(3) \
-    PASS(119, 3) SEGMENT(3, 1, 5, 6, 0) END(3) PASS(122, 3) SEGMENT(3, 1, 6, 7, 0) END(3) \
-    PASS(125, 3) SEGMENT(3, 1, 7, 9, 0) END(3) PASS(128, 3) SEGMENT(4, 0, 4, 5, 0) END(3) \
-    PASS(131, 3) SEGMENT(4, 0, 5, 6, 0) END(3) PASS(134, 3) SEGMENT(4, 0, 6, 7, 0) END(3) \
-    PASS(137, 3) SEGMENT(4, 0, 7, 9, 0) END(3) PASS(140, 3) SEGMENT(4, 1, 4, 5, 0) END(3) \
-    PASS(143, 3) SEGMENT(4, 1, 5, 6, 0) END(3) PASS(146, 3) SEGMENT(4, 1, 6, 7, 0) END(3) \
-    PASS(149, 3) SEGMENT(4, 1, 7, 9, 0) END(3) PASS(152, 3) SEGMENT(5, 0, 5, 6, 0) END(3) \
-    PASS(155, 3) SEGMENT(5, 0, 6, 7, 0) END(3) PASS(158, 3) SEGMENT(5, 0, 7, 9, 0) END(3) \
-    PASS(161, 3) SEGMENT(5, 1, 5, 6, 0) END(3) PASS(164, 3) SEGMENT(5, 1, 6, 7, 0) END(3) \
-    PASS(167, 3) SEGMENT(5, 1, 7, 9, 0) END(3) PASS(170, 3) SEGMENT(6, 0, 6, 7, 0) END(3) \
-    PASS(173, 3) SEGMENT(6, 0, 7, 9, 0) END(3) PASS(176, 3) SEGMENT(6, 1, 6, 7, 0) END(3) \
-    PASS(179, 3) SEGMENT(6, 1, 7, 9, 0) END(3) PASS(182, 3) SEGMENT(7, 0, 7, 9, 0) END(3) \
-    PASS(185, 4) SEGMENT(7, 1, 7, 9, 0) SEGMENT(8, 0, 8, 9, 3) END(4) PASS(189, 1) \
-    SEGMENT(8, 1, 8, 9, 0) END(1)
+#define PLAN_1 PASS(0, 7) COLUMN(0, 0) ADD_1(0, 0) UP(0, 0) ADD_1(1, 1) UP(1, 0) ADD_1(2, 2) \
+    UP(2, 0) ADD_1(3, 3) UP(3, 0) ADD_1(4, 4) UP(4, 0) ADD_1(5, 5) UP(5, 0) ADD_1(6, 6) END(7) \
+    PASS(7, 12) COLUMN(1, 0) ADD_1(0, 1) UP(1, 1) ADD_1(1, 2) UP(2, 1) ADD_1(2, 3) UP(3, 1) \
+    ADD_1(3, 4) UP(4, 1) ADD_1(4, 5) UP(5, 1) ADD_1(5, 6) COLUMN(1, 1) ADD_1(6, 1) UP(1, 1) \
+    ADD_1(7, 2) UP(2, 1) ADD_1(8, 3) UP(3, 1) ADD_1(9, 4) UP(4, 1) ADD_1(10, 5) UP(5, 1) \
+    ADD_1(11, 6) END(12) PASS(19, 10) COLUMN(2, 0) ADD_1(0, 2) UP(2, 2) ADD_1(1, 3) UP(3, 2) \
+    ADD_1(2, 4) UP(4, 2) ADD_1(3, 5) UP(5, 2) ADD_1(4, 6) COLUMN(2, 1) ADD_1(5, 2) UP(2, 2) \
+    ADD_1(6, 3) UP(3, 2) ADD_1(7, 4) UP(4, 2) ADD_1(8, 5) UP(5, 2) ADD_1(9, 6) END(10) \
+    PASS(29, 11) COLUMN(3, 0) ADD_1(0, 3) UP(3, 3) ADD_1(1, 4) UP(4, 3) ADD_1(2, 5) UP(5, 3) \
+    ADD_1(3, 6) COLUMN(3, 1) ADD_1(4, 3) UP(3, 3) ADD_1(5, 4) UP(4, 3) ADD_1(6, 5) UP(5, 3) \
+    ADD_1(7, 6) COLUMN(4, 0) ADD_1(8, 4) UP(4, 4) ADD_1(9, 5) UP(5, 4) ADD_1(10, 6) END(11) \
+    PASS(40, 9) COLUMN(4, 1) ADD_1(0, 4) UP(4, 4) ADD_1(1, 5) UP(5, 4) ADD_1(2, 6) COLUMN(5, 0) \
+    ADD_1(3, 5) UP(5, 5) ADD_1(4, 6) COLUMN(5, 1) ADD_1(5, 5) UP(5, 5) ADD_1(6, 6) COLUMN(6, 0) \
+    ADD_1(7, 6) COLUMN(6, 1) ADD_1(8, 6) END(9)
+#define PLAN_3 PASS(0, 11) COLUMN(0, 0) ADD_1(0, 0) UP(0, 0) ADD_3(1, 1) UP(1, 0) ADD_3(3, 2) \
+    UP(2, 0) ADD_3(5, 3) UP(3, 0) ADD_3(7, 4) UP(4, 0) ADD_3(9, 5) UP(5, 0) CUT END(11) \
+    PASS(11, 3) RESUME ADD_3(0, 6) UP(6, 0) ADD_2(2, 7) END(3) PASS(14, 12) COLUMN(1, 0) \
+    ADD_3(0, 1) UP(1, 1) ADD_3(2, 2) UP(2, 1) ADD_3(4, 3) UP(3, 1) ADD_3(6, 4) UP(4, 1) \
+    ADD_3(8, 5) UP(5, 1) ADD_3(10, 6) UP(6, 1) CUT END(12) PASS(26, 1) RESUME ADD_2(0, 7) END(1) \
+    PASS(27, 12) COLUMN(1, 1) ADD_3(0, 1) UP(1, 1) ADD_3(2, 2) UP(2, 1) ADD_3(4, 3) UP(3, 1) \
+    ADD_3(6, 4) UP(4, 1) ADD_3(8, 5) UP(5, 1) ADD_3(10, 6) UP(6, 1) CUT END(12) PASS(39, 12) \
+    RESUME ADD_2(0, 7) COLUMN(2, 0) ADD_3(1, 2) UP(2, 2) ADD_3(3, 3) UP(3, 2) ADD_3(5, 4) \
+    UP(4, 2) ADD_3(7, 5) UP(5, 2) ADD_3(9, 6) UP(6, 2) ADD_2(11, 7) END(12) PASS(51, 11) \
+    COLUMN(2, 1) ADD_3(0, 2) UP(2, 2) ADD_3(2, 3) UP(3, 2) ADD_3(4, 4) UP(4, 2) ADD_3(6, 5) \
+    UP(5, 2) ADD_3(8, 6) UP(6, 2) ADD_2(10, 7) END(11) PASS(62, 9) COLUMN(3, 0) ADD_3(0, 3) \
+    UP(3, 3) ADD_3(2, 4) UP(4, 3) ADD_3(4, 5) UP(5, 3) ADD_3(6, 6) UP(6, 3) ADD_2(8, 7) END(9) \
+    PASS(71, 9) COLUMN(3, 1) ADD_3(0, 3) UP(3, 3) ADD_3(2, 4) UP(4, 3) ADD_3(4, 5) UP(5, 3) \
+    ADD_3(6, 6) UP(6, 3) ADD_2(8, 7) END(9) PASS(80, 7) COLUMN(4, 0) ADD_3(0, 4) UP(4, 4) \
+    ADD_3(2, 5) UP(5, 4) ADD_3(4, 6) UP(6, 4) ADD_2(6, 7) END(7) PASS(87, 12) COLUMN(4, 1) \
+    ADD_3(0, 4) UP(4, 4) ADD_3(2, 5) UP(5, 4) ADD_3(4, 6) UP(6, 4) ADD_2(6, 7) COLUMN(5, 0) \
+    ADD_3(7, 5) UP(5, 5) ADD_3(9, 6) UP(6, 5) ADD_2(11, 7) END(12) PASS(99, 12) COLUMN(5, 1) \
+    ADD_3(0, 5) UP(5, 5) ADD_3(2, 6) UP(6, 5) ADD_2(4, 7) COLUMN(6, 0) ADD_3(5, 6) UP(6, 6) \
+    ADD_2(7, 7) COLUMN(6, 1) ADD_3(8, 6) UP(6, 6) ADD_2(10, 7) COLUMN(7, 0) ADD_2(11, 7) END(12) \
+    PASS(111, 1) COLUMN(7, 1) ADD_2(0, 7) END(1)
+#define PLAN_4 PASS(0, 8) COLUMN(0, 0) ADD_4(0, 0) UP(0, 0) UP(1, 0) ADD_4(1, 2) UP(2, 0) \
+    ADD_4(2, 3) UP(3, 0) ADD_4(3, 4) UP(4, 0) ADD_4(4, 5) UP(5, 0) ADD_4(5, 6) UP(6, 0) \
+    ADD_4(6, 7) UP(7, 0) ADD_4(7, 8) END(8) PASS(8, 7) COLUMN(1, 0) UP(1, 1) ADD_4(0, 2) \
+    UP(2, 1) ADD_4(1, 3) UP(3, 1) ADD_4(2, 4) UP(4, 1) ADD_4(3, 5) UP(5, 1) ADD_4(4, 6) UP(6, 1) \
+    ADD_4(5, 7) UP(7, 1) ADD_4(6, 8) END(7) PASS(15, 7) COLUMN(1, 1) UP(1, 1) ADD_4(0, 2) \
+    UP(2, 1) ADD_4(1, 3) UP(3, 1) ADD_4(2, 4) UP(4, 1) ADD_4(3, 5) UP(5, 1) ADD_4(4, 6) UP(6, 1) \
+    ADD_4(5, 7) UP(7, 1) ADD_4(6, 8) END(7) PASS(22, 7) COLUMN(2, 0) ADD_4(0, 2) UP(2, 2) \
+    ADD_4(1, 3) UP(3, 2) ADD_4(2, 4) UP(4, 2) ADD_4(3, 5) UP(5, 2) ADD_4(4, 6) UP(6, 2) \
+    ADD_4(5, 7) UP(7, 2) ADD_4(6, 8) END(7) PASS(29, 7) COLUMN(2, 1) ADD_4(0, 2) UP(2, 2) \
+    ADD_4(1, 3) UP(3, 2) ADD_4(2, 4) UP(4, 2) ADD_4(3, 5) UP(5, 2) ADD_4(4, 6) UP(6, 2) \
+    ADD_4(5, 7) UP(7, 2) ADD_4(6, 8) END(7) PASS(36, 12) COLUMN(3, 0) ADD_4(0, 3) UP(3, 3) \
+    ADD_4(1, 4) UP(4, 3) ADD_4(2, 5) UP(5, 3) ADD_4(3, 6) UP(6, 3) ADD_4(4, 7) UP(7, 3) \
+    ADD_4(5, 8) COLUMN(3, 1) ADD_4(6, 3) UP(3, 3) ADD_4(7, 4) UP(4, 3) ADD_4(8, 5) UP(5, 3) \
+    ADD_4(9, 6) UP(6, 3) ADD_4(10, 7) UP(7, 3) ADD_4(11, 8) END(12) PASS(48, 10) COLUMN(4, 0) \
+    ADD_4(0, 4) UP(4, 4) ADD_4(1, 5) UP(5, 4) ADD_4(2, 6) UP(6, 4) ADD_4(3, 7) UP(7, 4) \
+    ADD_4(4, 8) COLUMN(4, 1) ADD_4(5, 4) UP(4, 4) ADD_4(6, 5) UP(5, 4) ADD_4(7, 6) UP(6, 4) \
+    ADD_4(8, 7) UP(7, 4) ADD_4(9, 8) END(10) PASS(58, 11) COLUMN(5, 0) ADD_4(0, 5) UP(5, 5) \
+    ADD_4(1, 6) UP(6, 5) ADD_4(2, 7) UP(7, 5) ADD_4(3, 8) COLUMN(5, 1) ADD_4(4, 5) UP(5, 5) \
+    ADD_4(5, 6) UP(6, 5) ADD_4(6, 7) UP(7, 5) ADD_4(7, 8) COLUMN(6, 0) ADD_4(8, 6) UP(6, 6) \
+    ADD_4(9, 7) UP(7, 6) ADD_4(10, 8) END(11) PASS(69, 9) COLUMN(6, 1) ADD_4(0, 6) UP(6, 6) \
+    ADD_4(1, 7) UP(7, 6) ADD_4(2, 8) COLUMN(7, 0) ADD_4(3, 7) UP(7, 7) ADD_4(4, 8) COLUMN(7, 1) \
+    ADD_4(5, 7) UP(7, 7) ADD_4(6, 8) COLUMN(8, 0) ADD_4(7, 8) COLUMN(8, 1) ADD_4(8, 8) END(9)
+#define PLAN_5 PASS(0, 11) COLUMN(0, 0) ADD_5(0, 0) UP(0, 0) ADD_1(2, 1) UP(1, 0) ADD_5(3, 2) \
+    UP(2, 0) ADD_5(5, 3) UP(3, 0) ADD_5(7, 4) UP(4, 0) ADD_5(9, 5) UP(5, 0) CUT END(11) \
+    PASS(11, 4) RESUME ADD_5(0, 6) UP(6, 0) ADD_4(2, 7) UP(7, 0) ADD_4(3, 8) END(4) PASS(15, 12) \
+    COLUMN(1, 0) ADD_1(0, 1) UP(1, 1) ADD_5(1, 2) UP(2, 1) ADD_5(3, 3) UP(3, 1) ADD_5(5, 4) \
+    UP(4, 1) ADD_5(7, 5) UP(5, 1) ADD_5(9, 6) UP(6, 1) ADD_4(11, 7) UP(7, 1) CUT END(12) \
+    PASS(27, 1) RESUME ADD_4(0, 8) END(1) PASS(28, 12) COLUMN(1, 1) ADD_1(0, 1) UP(1, 1) \
+    ADD_5(1, 2) UP(2, 1) ADD_5(3, 3) UP(3, 1) ADD_5(5, 4) UP(4, 1) ADD_5(7, 5) UP(5, 1) \
+    ADD_5(9, 6) UP(6, 1) ADD_4(11, 7) UP(7, 1) CUT END(12) PASS(40, 1) RESUME ADD_4(0, 8) END(1) \
+    PASS(41, 12) COLUMN(2, 0) ADD_5(0, 2) UP(2, 2) ADD_5(2, 3) UP(3, 2) ADD_5(4, 4) UP(4, 2) \
+    ADD_5(6, 5) UP(5, 2) ADD_5(8, 6) UP(6, 2) ADD_4(10, 7) UP(7, 2) ADD_4(11, 8) END(12) \
+    PASS(53, 12) COLUMN(2, 1) ADD_5(0, 2) UP(2, 2) ADD_5(2, 3) UP(3, 2) ADD_5(4, 4) UP(4, 2) \
+    ADD_5(6, 5) UP(5, 2) ADD_5(8, 6) UP(6, 2) ADD_4(10, 7) UP(7, 2) ADD_4(11, 8) END(12) \
+    PASS(65, 10) COLUMN(3, 0) ADD_5(0, 3) UP(3, 3) ADD_5(2, 4) UP(4, 3) ADD_5(4, 5) UP(5, 3) \
+    ADD_5(6, 6) UP(6, 3) ADD_4(8, 7) UP(7, 3) ADD_4(9, 8) END(10) PASS(75, 10) COLUMN(3, 1) \
+    ADD_5(0, 3) UP(3, 3) ADD_5(2, 4) UP(4, 3) ADD_5(4, 5) UP(5, 3) ADD_5(6, 6) UP(6, 3) \
+    ADD_4(8, 7) UP(7, 3) ADD_4(9, 8) END(10) PASS(85, 8) COLUMN(4, 0) ADD_5(0, 4) UP(4, 4) \
+    ADD_5(2, 5) UP(5, 4) ADD_5(4, 6) UP(6, 4) ADD_4(6, 7) UP(7, 4) ADD_4(7, 8) END(8) \
+    PASS(93, 8) COLUMN(4, 1) ADD_5(0, 4) UP(4, 4) ADD_5(2, 5) UP(5, 4) ADD_5(4, 6) UP(6, 4) \
+    ADD_4(6, 7) UP(7, 4) ADD_4(7, 8) END(8) PASS(101, 12) COLUMN(5, 0) ADD_5(0, 5) UP(5, 5) \
+    ADD_5(2, 6) UP(6, 5) ADD_4(4, 7) UP(7, 5) ADD_4(5, 8) COLUMN(5, 1) ADD_5(6, 5) UP(5, 5) \
+    ADD_5(8, 6) UP(6, 5) ADD_4(10, 7) UP(7, 5) ADD_4(11, 8) END(12) PASS(113, 12) COLUMN(6, 0) \
+    ADD_5(0, 6) UP(6, 6) ADD_4(2, 7) UP(7, 6) ADD_4(3, 8) COLUMN(6, 1) ADD_5(4, 6) UP(6, 6) \
+    ADD_4(6, 7) UP(7, 6) ADD_4(7, 8) COLUMN(7, 0) ADD_4(8, 7) UP(7, 7) ADD_4(9, 8) COLUMN(7, 1) \
+    ADD_4(10, 7) UP(7, 7) ADD_4(11, 8) END(12) PASS(125, 2) COLUMN(8, 0) ADD_4(0, 8) \
+    COLUMN(8, 1) ADD_4(1, 8) END(2)
+#define PLAN_7 PASS(0, 10) COLUMN(0, 0) ADD_5(0, 0) UP(0, 0) ADD_3(2, 1) UP(1, 0) ADD_7(4, 2) \
+    UP(2, 0) ADD_7(7, 3) UP(3, 0) CUT END(10) PASS(10, 12) RESUME ADD_7(0, 4) UP(4, 0) \
+    ADD_7(3, 5) UP(5, 0) ADD_7(6, 6) UP(6, 0) ADD_6(9, 7) UP(7, 0) ADD_4(11, 8) END(12) \
+    PASS(22, 11) COLUMN(1, 0) ADD_3(0, 1) UP(1, 1) ADD_7(2, 2) UP(2, 1) ADD_7(5, 3) UP(3, 1) \
+    ADD_7(8, 4) UP(4, 1) CUT END(11) PASS(33, 9) RESUME ADD_7(0, 5) UP(5, 1) ADD_7(3, 6) \
+    UP(6, 1) ADD_6(6, 7) UP(7, 1) ADD_4(8, 8) END(9) PASS(42, 11) COLUMN(1, 1) ADD_3(0, 1) \
+    UP(1, 1) ADD_7(2, 2) UP(2, 1) ADD_7(5, 3) UP(3, 1) ADD_7(8, 4) UP(4, 1) CUT END(11) \
+    PASS(53, 9) RESUME ADD_7(0, 5) UP(5, 1) ADD_7(3, 6) UP(6, 1) ADD_6(6, 7) UP(7, 1) \
+    ADD_4(8, 8) END(9) PASS(62, 12) COLUMN(2, 0) ADD_7(0, 2) UP(2, 2) ADD_7(3, 3) UP(3, 2) \
+    ADD_7(6, 4) UP(4, 2) ADD_7(9, 5) UP(5, 2) CUT END(12) PASS(74, 6) RESUME ADD_7(0, 6) \
+    UP(6, 2) ADD_6(3, 7) UP(7, 2) ADD_4(5, 8) END(6) PASS(80, 12) COLUMN(2, 1) ADD_7(0, 2) \
+    UP(2, 2) ADD_7(3, 3) UP(3, 2) ADD_7(6, 4) UP(4, 2) ADD_7(9, 5) UP(5, 2) CUT END(12) \
+    PASS(92, 6) RESUME ADD_7(0, 6) UP(6, 2) ADD_6(3, 7) UP(7, 2) ADD_4(5, 8) END(6) PASS(98, 12) \
+    COLUMN(3, 0) ADD_7(0, 3) UP(3, 3) ADD_7(3, 4) UP(4, 3) ADD_7(6, 5) UP(5, 3) ADD_7(9, 6) \
+    UP(6, 3) CUT END(12) PASS(110, 3) RESUME ADD_6(0, 7) UP(7, 3) ADD_4(2, 8) END(3) \
+    PASS(113, 12) COLUMN(3, 1) ADD_7(0, 3) UP(3, 3) ADD_7(3, 4) UP(4, 3) ADD_7(6, 5) UP(5, 3) \
+    ADD_7(9, 6) UP(6, 3) CUT END(12) PASS(125, 3) RESUME ADD_6(0, 7) UP(7, 3) ADD_4(2, 8) END(3) \
+    PASS(128, 12) COLUMN(4, 0) ADD_7(0, 4) UP(4, 4) ADD_7(3, 5) UP(5, 4) ADD_7(6, 6) UP(6, 4) \
+    ADD_6(9, 7) UP(7, 4) ADD_4(11, 8) END(12) PASS(140, 12) COLUMN(4, 1) ADD_7(0, 4) UP(4, 4) \
+    ADD_7(3, 5) UP(5, 4) ADD_7(6, 6) UP(6, 4) ADD_6(9, 7) UP(7, 4) ADD_4(11, 8) END(12) \
+    PASS(152, 9) COLUMN(5, 0) ADD_7(0, 5) UP(5, 5) ADD_7(3, 6) UP(6, 5) ADD_6(6, 7) UP(7, 5) \
+    ADD_4(8, 8) END(9) PASS(161, 9) COLUMN(5, 1) ADD_7(0, 5) UP(5, 5) ADD_7(3, 6) UP(6, 5) \
+    ADD_6(6, 7) UP(7, 5) ADD_4(8, 8) END(9) PASS(170, 12) COLUMN(6, 0) ADD_7(0, 6) UP(6, 6) \
+    ADD_6(3, 7) UP(7, 6) ADD_4(5, 8) COLUMN(6, 1) ADD_7(6, 6) UP(6, 6) ADD_6(9, 7) UP(7, 6) \
+    ADD_4(11, 8) END(12) PASS(182, 8) COLUMN(7, 0) ADD_6(0, 7) UP(7, 7) ADD_4(2, 8) COLUMN(7, 1) \
+    ADD_6(3, 7) UP(7, 7) ADD_4(5, 8) COLUMN(8, 0) ADD_4(6, 8) COLUMN(8, 1) ADD_4(7, 8) END(8)
+#define PLAN_RGB_1 PASS(0, 4) COLUMN(0, 0) ADD_1(0, 0) UP(0, 0) ADD_1(1, 1) UP(1, 0) ADD_1(2, 2) \
+    UP(2, 0) ADD_1(3, 3) UP(3, 0) CUT END(4) PASS(4, 3) RESUME ADD_1(0, 4) UP(4, 0) ADD_1(1, 5) \
+    UP(5, 0) ADD_1(2, 6) END(3) PASS(7, 4) COLUMN(1, 0) ADD_1(0, 1) UP(1, 1) ADD_1(1, 2) \
+    UP(2, 1) ADD_1(2, 3) UP(3, 1) ADD_1(3, 4) UP(4, 1) CUT END(4) PASS(11, 2) RESUME ADD_1(0, 5) \
+    UP(5, 1) ADD_1(1, 6) END(2) PASS(13, 4) COLUMN(1, 1) ADD_1(0, 1) UP(1, 1) ADD_1(1, 2) \
+    UP(2, 1) ADD_1(2, 3) UP(3, 1) ADD_1(3, 4) UP(4, 1) CUT END(4) PASS(17, 2) RESUME ADD_1(0, 5) \
+    UP(5, 1) ADD_1(1, 6) END(2) PASS(19, 4) COLUMN(2, 0) ADD_1(0, 2) UP(2, 2) ADD_1(1, 3) \
+    UP(3, 2) ADD_1(2, 4) UP(4, 2) ADD_1(3, 5) UP(5, 2) CUT END(4) PASS(23, 1) RESUME ADD_1(0, 6) \
+    END(1) PASS(24, 4) COLUMN(2, 1) ADD_1(0, 2) UP(2, 2) ADD_1(1, 3) UP(3, 2) ADD_1(2, 4) \
+    UP(4, 2) ADD_1(3, 5) UP(5, 2) CUT END(4) PASS(28, 1) RESUME ADD_1(0, 6) END(1) PASS(29, 4) \
+    COLUMN(3, 0) ADD_1(0, 3) UP(3, 3) ADD_1(1, 4) UP(4, 3) ADD_1(2, 5) UP(5, 3) ADD_1(3, 6) \
+    END(4) PASS(33, 4) COLUMN(3, 1) ADD_1(0, 3) UP(3, 3) ADD_1(1, 4) UP(4, 3) ADD_1(2, 5) \
+    UP(5, 3) ADD_1(3, 6) END(4) PASS(37, 3) COLUMN(4, 0) ADD_1(0, 4) UP(4, 4) ADD_1(1, 5) \
+    UP(5, 4) ADD_1(2, 6) END(3) PASS(40, 3) COLUMN(4, 1) ADD_1(0, 4) UP(4, 4) ADD_1(1, 5) \
+    UP(5, 4) ADD_1(2, 6) END(3) PASS(43, 4) COLUMN(5, 0) ADD_1(0, 5) UP(5, 5) ADD_1(1, 6) \
+    COLUMN(5, 1) ADD_1(2, 5) UP(5, 5) ADD_1(3, 6) END(4) PASS(47, 2) COLUMN(6, 0) ADD_1(0, 6) \
+    COLUMN(6, 1) ADD_1(1, 6) END(2)
+#define PLAN_RGB_3 PASS(0, 3) COLUMN(0, 0) ADD_1(0, 0) UP(0, 0) ADD_3(1, 1) UP(1, 0) CUT END(3) \
+    PASS(3, 4) RESUME ADD_3(0, 2) UP(2, 0) ADD_3(2, 3) UP(3, 0) CUT END(4) PASS(7, 4) RESUME \
+    ADD_3(0, 4) UP(4, 0) ADD_3(2, 5) UP(5, 0) CUT END(4) PASS(11, 3) RESUME ADD_3(0, 6) UP(6, 0) \
+    ADD_2(2, 7) END(3) PASS(14, 4) COLUMN(1, 0) ADD_3(0, 1) UP(1, 1) ADD_3(2, 2) UP(2, 1) CUT \
+    END(4) PASS(18, 4) RESUME ADD_3(0, 3) UP(3, 1) ADD_3(2, 4) UP(4, 1) CUT END(4) PASS(22, 4) \
+    RESUME ADD_3(0, 5) UP(5, 1) ADD_3(2, 6) UP(6, 1) CUT END(4) PASS(26, 1) RESUME ADD_2(0, 7) \
+    END(1) PASS(27, 4) COLUMN(1, 1) ADD_3(0, 1) UP(1, 1) ADD_3(2, 2) UP(2, 1) CUT END(4) \
+    PASS(31, 4) RESUME ADD_3(0, 3) UP(3, 1) ADD_3(2, 4) UP(4, 1) CUT END(4) PASS(35, 4) RESUME \
+    ADD_3(0, 5) UP(5, 1) ADD_3(2, 6) UP(6, 1) CUT END(4) PASS(39, 1) RESUME ADD_2(0, 7) END(1) \
+    PASS(40, 4) COLUMN(2, 0) ADD_3(0, 2) UP(2, 2) ADD_3(2, 3) UP(3, 2) CUT END(4) PASS(44, 4) \
+    RESUME ADD_3(0, 4) UP(4, 2) ADD_3(2, 5) UP(5, 2) CUT END(4) PASS(48, 3) RESUME ADD_3(0, 6) \
+    UP(6, 2) ADD_2(2, 7) END(3) PASS(51, 4) COLUMN(2, 1) ADD_3(0, 2) UP(2, 2) ADD_3(2, 3) \
+    UP(3, 2) CUT END(4) PASS(55, 4) RESUME ADD_3(0, 4) UP(4, 2) ADD_3(2, 5) UP(5, 2) CUT END(4) \
+    PASS(59, 3) RESUME ADD_3(0, 6) UP(6, 2) ADD_2(2, 7) END(3) PASS(62, 4) COLUMN(3, 0) \
+    ADD_3(0, 3) UP(3, 3) ADD_3(2, 4) UP(4, 3) CUT END(4) PASS(66, 4) RESUME ADD_3(0, 5) UP(5, 3) \
+    ADD_3(2, 6) UP(6, 3) CUT END(4) PASS(70, 1) RESUME ADD_2(0, 7) END(1) PASS(71, 4) \
+    COLUMN(3, 1) ADD_3(0, 3) UP(3, 3) ADD_3(2, 4) UP(4, 3) CUT END(4) PASS(75, 4) RESUME \
+    ADD_3(0, 5) UP(5, 3) ADD_3(2, 6) UP(6, 3) CUT END(4) PASS(79, 1) RESUME ADD_2(0, 7) END(1) \
+    PASS(80, 4) COLUMN(4, 0) ADD_3(0, 4) UP(4, 4) ADD_3(2, 5) UP(5, 4) CUT END(4) PASS(84, 3) \
+    RESUME ADD_3(0, 6) UP(6, 4) ADD_2(2, 7) END(3) PASS(87, 4) COLUMN(4, 1) ADD_3(0, 4) UP(4, 4) \
+    ADD_3(2, 5) UP(5, 4) CUT END(4) PASS(91, 3) RESUME ADD_3(0, 6) UP(6, 4) ADD_2(2, 7) END(3) \
+    PASS(94, 4) COLUMN(5, 0) ADD_3(0, 5) UP(5, 5) ADD_3(2, 6) UP(6, 5) CUT END(4) PASS(98, 1) \
+    RESUME ADD_2(0, 7) END(1) PASS(99, 4) COLUMN(5, 1) ADD_3(0, 5) UP(5, 5) ADD_3(2, 6) UP(6, 5) \
+    CUT END(4) PASS(103, 4) RESUME ADD_2(0, 7) COLUMN(6, 0) ADD_3(1, 6) UP(6, 6) ADD_2(3, 7) \
+    END(4) PASS(107, 4) COLUMN(6, 1) ADD_3(0, 6) UP(6, 6) ADD_2(2, 7) COLUMN(7, 0) ADD_2(3, 7) \
+    END(4) PASS(111, 1) COLUMN(7, 1) ADD_2(0, 7) END(1)
+#define PLAN_RGB_4 PASS(0, 4) COLUMN(0, 0) ADD_4(0, 0) UP(0, 0) UP(1, 0) ADD_4(1, 2) UP(2, 0) \
+    ADD_4(2, 3) UP(3, 0) ADD_4(3, 4) UP(4, 0) CUT END(4) PASS(4, 4) RESUME ADD_4(0, 5) UP(5, 0) \
+    ADD_4(1, 6) UP(6, 0) ADD_4(2, 7) UP(7, 0) ADD_4(3, 8) END(4) PASS(8, 4) COLUMN(1, 0) \
+    UP(1, 1) ADD_4(0, 2) UP(2, 1) ADD_4(1, 3) UP(3, 1) ADD_4(2, 4) UP(4, 1) ADD_4(3, 5) UP(5, 1) \
+    CUT END(4) PASS(12, 3) RESUME ADD_4(0, 6) UP(6, 1) ADD_4(1, 7) UP(7, 1) ADD_4(2, 8) END(3) \
+    PASS(15, 4) COLUMN(1, 1) UP(1, 1) ADD_4(0, 2) UP(2, 1) ADD_4(1, 3) UP(3, 1) ADD_4(2, 4) \
+    UP(4, 1) ADD_4(3, 5) UP(5, 1) CUT END(4) PASS(19, 3) RESUME ADD_4(0, 6) UP(6, 1) ADD_4(1, 7) \
+    UP(7, 1) ADD_4(2, 8) END(3) PASS(22, 4) COLUMN(2, 0) ADD_4(0, 2) UP(2, 2) ADD_4(1, 3) \
+    UP(3, 2) ADD_4(2, 4) UP(4, 2) ADD_4(3, 5) UP(5, 2) CUT END(4) PASS(26, 3) RESUME ADD_4(0, 6) \
+    UP(6, 2) ADD_4(1, 7) UP(7, 2) ADD_4(2, 8) END(3) PASS(29, 4) COLUMN(2, 1) ADD_4(0, 2) \
+    UP(2, 2) ADD_4(1, 3) UP(3, 2) ADD_4(2, 4) UP(4, 2) ADD_4(3, 5) UP(5, 2) CUT END(4) \
+    PASS(33, 3) RESUME ADD_4(0, 6) UP(6, 2) ADD_4(1, 7) UP(7, 2) ADD_4(2, 8) END(3) PASS(36, 4) \
+    COLUMN(3, 0) ADD_4(0, 3) UP(3, 3) ADD_4(1, 4) UP(4, 3) ADD_4(2, 5) UP(5, 3) ADD_4(3, 6) \
+    UP(6, 3) CUT END(4) PASS(40, 2) RESUME ADD_4(0, 7) UP(7, 3) ADD_4(1, 8) END(2) PASS(42, 4) \
+    COLUMN(3, 1) ADD_4(0, 3) UP(3, 3) ADD_4(1, 4) UP(4, 3) ADD_4(2, 5) UP(5, 3) ADD_4(3, 6) \
+    UP(6, 3) CUT END(4) PASS(46, 2) RESUME ADD_4(0, 7) UP(7, 3) ADD_4(1, 8) END(2) PASS(48, 4) \
+    COLUMN(4, 0) ADD_4(0, 4) UP(4, 4) ADD_4(1, 5) UP(5, 4) ADD_4(2, 6) UP(6, 4) ADD_4(3, 7) \
+    UP(7, 4) CUT END(4) PASS(52, 1) RESUME ADD_4(0, 8) END(1) PASS(53, 4) COLUMN(4, 1) \
+    ADD_4(0, 4) UP(4, 4) ADD_4(1, 5) UP(5, 4) ADD_4(2, 6) UP(6, 4) ADD_4(3, 7) UP(7, 4) CUT \
+    END(4) PASS(57, 1) RESUME ADD_4(0, 8) END(1) PASS(58, 4) COLUMN(5, 0) ADD_4(0, 5) UP(5, 5) \
+    ADD_4(1, 6) UP(6, 5) ADD_4(2, 7) UP(7, 5) ADD_4(3, 8) END(4) PASS(62, 4) COLUMN(5, 1) \
+    ADD_4(0, 5) UP(5, 5) ADD_4(1, 6) UP(6, 5) ADD_4(2, 7) UP(7, 5) ADD_4(3, 8) END(4) \
+    PASS(66, 3) COLUMN(6, 0) ADD_4(0, 6) UP(6, 6) ADD_4(1, 7) UP(7, 6) ADD_4(2, 8) END(3) \
+    PASS(69, 3) COLUMN(6, 1) ADD_4(0, 6) UP(6, 6) ADD_4(1, 7) UP(7, 6) ADD_4(2, 8) END(3) \
+    PASS(72, 4) COLUMN(7, 0) ADD_4(0, 7) UP(7, 7) ADD_4(1, 8) COLUMN(7, 1) ADD_4(2, 7) UP(7, 7) \
+    ADD_4(3, 8) END(4) PASS(76, 2) COLUMN(8, 0) ADD_4(0, 8) COLUMN(8, 1) ADD_4(1, 8) END(2)
+#define PLAN_RGB_5 PASS(0, 3) COLUMN(0, 0) ADD_5(0, 0) UP(0, 0) ADD_1(2, 1) UP(1, 0) CUT END(3) \
+    PASS(3, 4) RESUME ADD_5(0, 2) UP(2, 0) ADD_5(2, 3) UP(3, 0) CUT END(4) PASS(7, 4) RESUME \
+    ADD_5(0, 4) UP(4, 0) ADD_5(2, 5) UP(5, 0) CUT END(4) PASS(11, 4) RESUME ADD_5(0, 6) UP(6, 0) \
+    ADD_4(2, 7) UP(7, 0) ADD_4(3, 8) END(4) PASS(15, 3) COLUMN(1, 0) ADD_1(0, 1) UP(1, 1) \
+    ADD_5(1, 2) UP(2, 1) CUT END(3) PASS(18, 4) RESUME ADD_5(0, 3) UP(3, 1) ADD_5(2, 4) UP(4, 1) \
+    CUT END(4) PASS(22, 4) RESUME ADD_5(0, 5) UP(5, 1) ADD_5(2, 6) UP(6, 1) CUT END(4) \
+    PASS(26, 2) RESUME ADD_4(0, 7) UP(7, 1) ADD_4(1, 8) END(2) PASS(28, 3) COLUMN(1, 1) \
+    ADD_1(0, 1) UP(1, 1) ADD_5(1, 2) UP(2, 1) CUT END(3) PASS(31, 4) RESUME ADD_5(0, 3) UP(3, 1) \
+    ADD_5(2, 4) UP(4, 1) CUT END(4) PASS(35, 4) RESUME ADD_5(0, 5) UP(5, 1) ADD_5(2, 6) UP(6, 1) \
+    CUT END(4) PASS(39, 2) RESUME ADD_4(0, 7) UP(7, 1) ADD_4(1, 8) END(2) PASS(41, 4) \
+    COLUMN(2, 0) ADD_5(0, 2) UP(2, 2) ADD_5(2, 3) UP(3, 2) CUT END(4) PASS(45, 4) RESUME \
+    ADD_5(0, 4) UP(4, 2) ADD_5(2, 5) UP(5, 2) CUT END(4) PASS(49, 4) RESUME ADD_5(0, 6) UP(6, 2) \
+    ADD_4(2, 7) UP(7, 2) ADD_4(3, 8) END(4) PASS(53, 4) COLUMN(2, 1) ADD_5(0, 2) UP(2, 2) \
+    ADD_5(2, 3) UP(3, 2) CUT END(4) PASS(57, 4) RESUME ADD_5(0, 4) UP(4, 2) ADD_5(2, 5) UP(5, 2) \
+    CUT END(4) PASS(61, 4) RESUME ADD_5(0, 6) UP(6, 2) ADD_4(2, 7) UP(7, 2) ADD_4(3, 8) END(4) \
+    PASS(65, 4) COLUMN(3, 0) ADD_5(0, 3) UP(3, 3) ADD_5(2, 4) UP(4, 3) CUT END(4) PASS(69, 4) \
+    RESUME ADD_5(0, 5) UP(5, 3) ADD_5(2, 6) UP(6, 3) CUT END(4) PASS(73, 2) RESUME ADD_4(0, 7) \
+    UP(7, 3) ADD_4(1, 8) END(2) PASS(75, 4) COLUMN(3, 1) ADD_5(0, 3) UP(3, 3) ADD_5(2, 4) \
+    UP(4, 3) CUT END(4) PASS(79, 4) RESUME ADD_5(0, 5) UP(5, 3) ADD_5(2, 6) UP(6, 3) CUT END(4) \
+    PASS(83, 2) RESUME ADD_4(0, 7) UP(7, 3) ADD_4(1, 8) END(2) PASS(85, 4) COLUMN(4, 0) \
+    ADD_5(0, 4) UP(4, 4) ADD_5(2, 5) UP(5, 4) CUT END(4) PASS(89, 4) RESUME ADD_5(0, 6) UP(6, 4) \
+    ADD_4(2, 7) UP(7, 4) ADD_4(3, 8) END(4) PASS(93, 4) COLUMN(4, 1) ADD_5(0, 4) UP(4, 4) \
+    ADD_5(2, 5) UP(5, 4) CUT END(4) PASS(97, 4) RESUME ADD_5(0, 6) UP(6, 4) ADD_4(2, 7) UP(7, 4) \
+    ADD_4(3, 8) END(4) PASS(101, 4) COLUMN(5, 0) ADD_5(0, 5) UP(5, 5) ADD_5(2, 6) UP(6, 5) CUT \
+    END(4) PASS(105, 2) RESUME ADD_4(0, 7) UP(7, 5) ADD_4(1, 8) END(2) PASS(107, 4) COLUMN(5, 1) \
+    ADD_5(0, 5) UP(5, 5) ADD_5(2, 6) UP(6, 5) CUT END(4) PASS(111, 2) RESUME ADD_4(0, 7) \
+    UP(7, 5) ADD_4(1, 8) END(2) PASS(113, 4) COLUMN(6, 0) ADD_5(0, 6) UP(6, 6) ADD_4(2, 7) \
+    UP(7, 6) ADD_4(3, 8) END(4) PASS(117, 4) COLUMN(6, 1) ADD_5(0, 6) UP(6, 6) ADD_4(2, 7) \
+    UP(7, 6) ADD_4(3, 8) END(4) PASS(121, 4) COLUMN(7, 0) ADD_4(0, 7) UP(7, 7) ADD_4(1, 8) \
+    COLUMN(7, 1) ADD_4(2, 7) UP(7, 7) ADD_4(3, 8) END(4) PASS(125, 2) COLUMN(8, 0) ADD_4(0, 8) \
+    COLUMN(8, 1) ADD_4(1, 8) END(2)
+#define PLAN_RGB_7 PASS(0, 4) COLUMN(0, 0) ADD_5(0, 0) UP(0, 0) ADD_3(2, 1) UP(1, 0) CUT END(4) \
+    PASS(4, 3) RESUME ADD_7(0, 2) UP(2, 0) CUT END(3) PASS(7, 3) RESUME ADD_7(0, 3) UP(3, 0) CUT \
+    END(3) PASS(10, 3) RESUME ADD_7(0, 4) UP(4, 0) CUT END(3) PASS(13, 3) RESUME ADD_7(0, 5) \
+    UP(5, 0) CUT END(3) PASS(16, 3) RESUME ADD_7(0, 6) UP(6, 0) CUT END(3) PASS(19, 3) RESUME \
+    ADD_6(0, 7) UP(7, 0) ADD_4(2, 8) END(3) PASS(22, 2) COLUMN(1, 0) ADD_3(0, 1) UP(1, 1) CUT \
+    END(2) PASS(24, 3) RESUME ADD_7(0, 2) UP(2, 1) CUT END(3) PASS(27, 3) RESUME ADD_7(0, 3) \
+    UP(3, 1) CUT END(3) PASS(30, 3) RESUME ADD_7(0, 4) UP(4, 1) CUT END(3) PASS(33, 3) RESUME \
+    ADD_7(0, 5) UP(5, 1) CUT END(3) PASS(36, 3) RESUME ADD_7(0, 6) UP(6, 1) CUT END(3) \
+    PASS(39, 3) RESUME ADD_6(0, 7) UP(7, 1) ADD_4(2, 8) END(3) PASS(42, 2) COLUMN(1, 1) \
+    ADD_3(0, 1) UP(1, 1) CUT END(2) PASS(44, 3) RESUME ADD_7(0, 2) UP(2, 1) CUT END(3) \
+    PASS(47, 3) RESUME ADD_7(0, 3) UP(3, 1) CUT END(3) PASS(50, 3) RESUME ADD_7(0, 4) UP(4, 1) \
+    CUT END(3) PASS(53, 3) RESUME ADD_7(0, 5) UP(5, 1) CUT END(3) PASS(56, 3) RESUME ADD_7(0, 6) \
+    UP(6, 1) CUT END(3) PASS(59, 3) RESUME ADD_6(0, 7) UP(7, 1) ADD_4(2, 8) END(3) PASS(62, 3) \
+    COLUMN(2, 0) ADD_7(0, 2) UP(2, 2) CUT END(3) PASS(65, 3) RESUME ADD_7(0, 3) UP(3, 2) CUT \
+    END(3) PASS(68, 3) RESUME ADD_7(0, 4) UP(4, 2) CUT END(3) PASS(71, 3) RESUME ADD_7(0, 5) \
+    UP(5, 2) CUT END(3) PASS(74, 3) RESUME ADD_7(0, 6) UP(6, 2) CUT END(3) PASS(77, 3) RESUME \
+    ADD_6(0, 7) UP(7, 2) ADD_4(2, 8) END(3) PASS(80, 3) COLUMN(2, 1) ADD_7(0, 2) UP(2, 2) CUT \
+    END(3) PASS(83, 3) RESUME ADD_7(0, 3) UP(3, 2) CUT END(3) PASS(86, 3) RESUME ADD_7(0, 4) \
+    UP(4, 2) CUT END(3) PASS(89, 3) RESUME ADD_7(0, 5) UP(5, 2) CUT END(3) PASS(92, 3) RESUME \
+    ADD_7(0, 6) UP(6, 2) CUT END(3) PASS(95, 3) RESUME ADD_6(0, 7) UP(7, 2) ADD_4(2, 8) END(3) \
+    PASS(98, 3) COLUMN(3, 0) ADD_7(0, 3) UP(3, 3) CUT END(3) PASS(101, 3) RESUME ADD_7(0, 4) \
+    UP(4, 3) CUT END(3) PASS(104, 3) RESUME ADD_7(0, 5) UP(5, 3) CUT END(3) PASS(107, 3) RESUME \
+    ADD_7(0, 6) UP(6, 3) CUT END(3) PASS(110, 3) RESUME ADD_6(0, 7) UP(7, 3) ADD_4(2, 8) END(3) \
+    PASS(113, 3) COLUMN(3, 1) ADD_7(0, 3) UP(3, 3) CUT END(3) PASS(116, 3) RESUME ADD_7(0, 4) \
+    UP(4, 3) CUT END(3) PASS(119, 3) RESUME ADD_7(0, 5) UP(5, 3) CUT END(3) PASS(122, 3) RESUME \
+    ADD_7(0, 6) UP(6, 3) CUT END(3) PASS(125, 3) RESUME ADD_6(0, 7) UP(7, 3) ADD_4(2, 8) END(3) \
+    PASS(128, 3) COLUMN(4, 0) ADD_7(0, 4) UP(4, 4) CUT END(3) PASS(131, 3) RESUME ADD_7(0, 5) \
+    UP(5, 4) CUT END(3) PASS(134, 3) RESUME ADD_7(0, 6) UP(6, 4) CUT END(3) PASS(137, 3) RESUME \
+    ADD_6(0, 7) UP(7, 4) ADD_4(2, 8) END(3) PASS(140, 3) COLUMN(4, 1) ADD_7(0, 4) UP(4, 4) CUT \
+    END(3) PASS(143, 3) RESUME ADD_7(0, 5) UP(5, 4) CUT END(3) PASS(146, 3) RESUME ADD_7(0, 6) \
+    UP(6, 4) CUT END(3) PASS(149, 3) RESUME ADD_6(0, 7) UP(7, 4) ADD_4(2, 8) END(3) PASS(152, 3) \
+    COLUMN(5, 0) ADD_7(0, 5) UP(5, 5) CUT END(3) PASS(155, 3) RESUME ADD_7(0, 6) UP(6, 5) CUT \
+    END(3) PASS(158, 3) RESUME ADD_6(0, 7) UP(7, 5) ADD_4(2, 8) END(3) PASS(161, 3) COLUMN(5, 1) \
+    ADD_7(0, 5) UP(5, 5) CUT END(3) PASS(164, 3) RESUME ADD_7(0, 6) UP(6, 5) CUT END(3) \
+    PASS(167, 3) RESUME ADD_6(0, 7) UP(7, 5) ADD_4(2, 8) END(3) PASS(170, 3) COLUMN(6, 0) \
+    ADD_7(0, 6) UP(6, 6) CUT END(3) PASS(173, 3) RESUME ADD_6(0, 7) UP(7, 6) ADD_4(2, 8) END(3) \
+    PASS(176, 3) COLUMN(6, 1) ADD_7(0, 6) UP(6, 6) CUT END(3) PASS(179, 3) RESUME ADD_6(0, 7) \
+    UP(7, 6) ADD_4(2, 8) END(3) PASS(182, 3) COLUMN(7, 0) ADD_6(0, 7) UP(7, 7) ADD_4(2, 8) \
+    END(3) PASS(185, 4) COLUMN(7, 1) ADD_6(0, 7) UP(7, 7) ADD_4(2, 8) COLUMN(8, 0) ADD_4(3, 8) \
+    END(4) PASS(189, 1) COLUMN(8, 1) ADD_4(0, 8) END(1)
 #endif
 #define KERNEL_NAME YLM_KERNEL(ylm__moments_6)
 #include "../kernel.h"
