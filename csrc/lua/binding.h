@@ -37,6 +37,7 @@
   X(light)                                                                                         \
   X(light_texture)                                                                                 \
   X(light_tree)                                                                                    \
+  X(limits)                                                                                        \
   X(process)                                                                                       \
   X(sandbox)                                                                                       \
   X(sh)                                                                                            \

@@ -16,13 +16,14 @@ require "ylm.describe".object "array" {
 }
 
 local array = {}
+local AXES = core.limits.axes
 local methods = core.metatable "ylm.array"
 
---- The shape of a nested table, taken along its first elements; nine axes are too many and enough to know (a table may
+--- The shape of a nested table, taken along its first elements; one axis too many is enough to know (a table may
 -- hold itself).
 local function shape_of(t)
   local shape = {}
-  while type(t) == "table" and #shape < 9 do
+  while type(t) == "table" and #shape <= AXES do
     shape[#shape + 1] = #t
     t = t[1]
   end
@@ -58,7 +59,9 @@ function array.array(values, dtype)
   end
   dtype = check_dtype(2, "array", dtype, "double")
   local shape = shape_of(values)
-  if #shape > 8 then return check.bad(1, "array", "at most 8 axes, got more; does the table hold itself?") end
+  if #shape > AXES then
+    return check.bad(1, "array", "at most %d axes, got more; does the table hold itself?", AXES)
+  end
   local a = check.result("array", core.array_zeros(shape, dtype))
   local ok, where = core.array_fill(a, values)
   if not ok then
@@ -79,8 +82,8 @@ describe "zeros" {
 }
 function array.zeros(shape, dtype)
   if check.is_integer(shape) then shape = { shape } end
-  if type(shape) ~= "table" or #shape < 1 or #shape > 8 then
-    return check.bad(1, "zeros", "a shape of 1 to 8 extents expected, got %s", check.describe(shape))
+  if type(shape) ~= "table" or #shape < 1 or #shape > AXES then
+    return check.bad(1, "zeros", "a shape of 1 to %d extents expected, got %s", AXES, check.describe(shape))
   end
   for i = 1, #shape do
     if not check.is_integer(shape[i]) or shape[i] < 0 then
@@ -298,7 +301,9 @@ function array.rows(n, name, what, value, width, dtype)
     if #a == 0 then a = core.array_zeros({ 0, width or 0 }, dtype or "double")
     else
       local shape = shape_of(a)
-      if #shape > 8 then return check.bad(n, name, "%s: at most 8 axes, got more; does the table hold itself?", what) end
+      if #shape > AXES then
+        return check.bad(n, name, "%s: at most %d axes, got more; does the table hold itself?", what, AXES)
+      end
       if width and shape[#shape] ~= width then
         return check.bad(n, name, "%s: rows of %d numbers expected, got an array of %s", what, width, table.concat(shape, "x"))
       end

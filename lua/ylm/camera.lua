@@ -1,11 +1,13 @@
 --- Cameras.
 
+local check = require "ylm.check"
+local core = require "ylm.c.core"
 local form = require "ylm.form"
 local vector = require "ylm.vector"
 
 local camera = {}
 
-local EXTENT = 1e15
+local EXTENT = core.limits.extent
 
 camera.camera = form.define("camera", {
   about = "A pinhole camera.",
@@ -19,7 +21,9 @@ camera.camera = form.define("camera", {
     local view = {}
     for i = 1, 3 do
       for _, name in ipairs { "from", "at" } do
-        if math.abs(values[name][i]) > EXTENT then return fail(name .. " is too far out (the limit is 1e15)") end
+        if math.abs(values[name][i]) > EXTENT then
+          return fail(("%s is too far out (the limit is %s)"):format(name, check.limit_text(EXTENT)))
+        end
       end
       view[i] = values.at[i] - values.from[i]
     end

@@ -56,6 +56,9 @@ function check.short(text)
   return text:sub(1, 37):gsub("[\192-\255][\128-\191]*$", "") .. "..."
 end
 
+--- A limit of C as messages say it, the same under every Lua: "1e15", "65536".
+function check.limit_text(x) return (("%g"):format(x):gsub("e%+", "e")) end
+
 --- Why a grid cannot be used; nil where it can, or is none.
 function check.grid_fault(grid)
   local is_open, updating, spent = core.grid_is_open(grid)

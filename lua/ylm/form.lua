@@ -136,12 +136,13 @@ end
 
 --- {min, max} corners; max must exceed min in every axis.
 function types.bounds(x)
-  local wanted = "{ {x0, y0, z0}, {x1, y1, z1} } with x0 < x1, y0 < y1, z0 < z1, none beyond 1e15"
+  local limit = core.limits.extent
+  local wanted = "{ {x0, y0, z0}, {x1, y1, z1} } with x0 < x1, y0 < y1, z0 < z1, none beyond " .. check.limit_text(limit)
   if type(x) ~= "table" or #x ~= 2 then return nil, wanted end
   local lo, hi = three(x[1]), three(x[2])
   if not (lo and hi) then return nil, wanted end
   for a = 1, 3 do
-    if not (lo[a] < hi[a] and lo[a] >= -1e15 and hi[a] <= 1e15) then
+    if not (lo[a] < hi[a] and lo[a] >= -limit and hi[a] <= limit) then
       return nil, wanted .. (" (axis %d goes from %g to %g)"):format(a, lo[a], hi[a])
     end
   end
@@ -259,6 +260,11 @@ function form.define(name, definition)
   if not before then form.names[#form.names + 1] = name end
   return construct
 end
+
+--- Options that many functions have.
+form.threads = { "threads", "integer", min = 1, max = 1024, optional = true, about = "default: YLM_THREADS or all cores" }
+form.progress = { "progress", "progress", optional = true,
+  about = "called as f(done, total, stage); returning false cancels" }
 
 --- Checks the option table that is argument `n` of function `name`; nil counts as empty.
 function form.options(n, name, fields, given)

@@ -108,8 +108,4 @@ static int sh_error(lua_State *L) {
 static const luaL_Reg functions[] = {
     {"sh_eval", sh_eval}, {"sh_reconstruct", sh_reconstruct}, {"sh_error", sh_error}, {NULL, NULL}};
 
-void ylmL_open_sh(lua_State *L) {
-  luaL_setfuncs(L, functions, 0);
-  lua_pushnumber(L, YLM_LMAX);
-  lua_setfield(L, -2, "sh_lmax");
-}
+void ylmL_open_sh(lua_State *L) { luaL_setfuncs(L, functions, 0); }

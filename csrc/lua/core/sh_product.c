@@ -129,8 +129,4 @@ void ylmL_open_sh_product(lua_State *L) {
   ylmL_type(L, PRODUCT, methods);
   lua_pop(L, 1);
   luaL_setfuncs(L, functions, 0);
-  lua_pushnumber(L, YLM_SH_PRODUCT_LMAX);
-  lua_setfield(L, -2, "sh_product_lmax");
-  lua_pushnumber(L, YLM_SH_PRODUCT_FACTORS);
-  lua_setfield(L, -2, "sh_product_factors");
 }

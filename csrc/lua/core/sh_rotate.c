@@ -277,6 +277,4 @@ void ylmL_open_sh_rotate(lua_State *L) {
   ylmL_type(L, ROTATION, rotation_methods);
   lua_pop(L, 2);
   luaL_setfuncs(L, functions, 0);
-  lua_pushnumber(L, YLM_SH_ROTATE_LMAX);
-  lua_setfield(L, -2, "sh_rotate_lmax");
 }

@@ -12,8 +12,8 @@ local processor = {}
 function processor.name() return nil end
 
 function processor.harmonics(_, lmax, points, out, o)
-  return check.result("eval", core.sh_eval(lmax, points, { y = out[1], dy = out[2], ddy = out[3], solid = o.solid, method = o.method,
-    threads = o.threads, isa = o.kernel, progress = progress.of(o.progress) }))
+  return check.result("eval", core.sh_eval(lmax, points, { y = out[1], dy = out[2], ddy = out[3], solid = o.solid,
+    method = o.method, threads = o.threads, isa = o.kernel, progress = progress.of(o.progress) }))
 end
 
 --- Does it lie in the memory of another device?

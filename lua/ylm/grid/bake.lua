@@ -123,8 +123,7 @@ local bake_options = {
   { "seed", "integer", min = 0, max = 2 ^ 53, default = 1, about = "of the choice of held-out points" },
   { "max_points", "integer", min = 8, max = 2 ^ 32 - 2, default = 2 ^ 24, about = "nil, message, 'ELIMIT' beyond" },
   light.tolerance_option "light_tolerance",
-  { "threads", "integer", min = 1, max = 1024, optional = true, about = "default: YLM_THREADS or all cores" },
-  { "progress", "progress", optional = true, about = "called as f(done, total, stage); returning false cancels" },
+  form.threads, form.progress,
   { "device", "gpu", optional = true,
     about = "lights are summed there, grids refined there (with a tolerance by the processor, from what the device "
       .. "measures); the grid stays there, for device = gpu of grid:sample and scene:render; grid.stats.stages says how "
@@ -216,8 +215,7 @@ local update_options = {
   { "tolerance", "number", min = 0, optional = true,
     about = "points whose light changed by less than this, relative to the field, are not updated; 0 updates every point. "
       .. "Default: an eighth of the grid's tolerance, 0.001 where it has none" },
-  { "threads", "integer", min = 1, max = 1024, optional = true, about = "default: YLM_THREADS or all cores" },
-  { "progress", "progress", optional = true, about = "called as f(done, total, stage); returning false cancels" },
+  form.threads, form.progress,
 }
 
 describe "grid:update" {

@@ -3,6 +3,7 @@
 -- ylm.bake and the methods of a grid are in grid/*.lua, by subject; all of them are loaded from here.
 
 local check = require "ylm.check"
+local core = require "ylm.c.core"
 local form = require "ylm.form"
 
 local grid = {}
@@ -11,7 +12,7 @@ local DEFAULT_TOLERANCE = 0.01
 
 local bounds_field = { "bounds", "bounds", optional = true, unit = "scene units",
   about = "corners {min, max}; default: those of the geometry or of the occupied points" }
-local lmax_field = { "lmax", "integer", min = 0, max = 100, default = 4, about = "highest degree" }
+local lmax_field = { "lmax", "integer", min = 0, max = core.limits.lmax, default = 4, about = "highest degree" }
 local channels_field = { "channels", "choice", of = { "rgb", "luminance" }, default = "rgb",
   about = "what is baked: three linear channels, or one" }
 
@@ -23,7 +24,8 @@ grid.adaptive_grid = form.define("adaptive_grid", {
     .. "tolerance promises an error; threshold reproduces the paper's metric. Without either, tolerance is 0.01.",
   fields = {
     bounds_field, lmax_field,
-    { "depth", "integer", min = 0, max = 16, default = 6, about = "finest level N: 2^N voxels along each axis" },
+    { "depth", "integer", min = 0, max = core.limits.grid_depth, default = 6,
+      about = "finest level N: 2^N voxels along each axis" },
     { "tolerance", "number", above = 0, optional = true,
       about = "relative L2 error that 99 % of the occupied points keep, of surfaces 99 % of the area; verified after "
         .. "bakes and updates, see stats.met" },
@@ -92,7 +94,7 @@ require "ylm.grid.sample"
 require "ylm.grid.look"
 
 local file = require "ylm.grid.file"
-require "ylm.memory".publish(require "ylm.c.core".metatable "ylm.grid")
+require "ylm.memory".publish(core.metatable "ylm.grid")
 grid.magic, grid.load = file.magic, file.load
 
 return grid

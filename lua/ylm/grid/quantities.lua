@@ -30,7 +30,7 @@ local function luminance(a, width)
   local n, channels, count = shape[1], shape[2], shape[3]
   local per_channel = count * width
   if channels == 1 then return core.figure_mix(a, n, { 0 }, { 1 }, width) end
-  return core.figure_mix(a, n, { 0, per_channel, 2 * per_channel }, { 0.2126, 0.7152, 0.0722 }, width)
+  return core.figure_mix(a, n, { 0, per_channel, 2 * per_channel }, core.luminance, width)
 end
 
 --- The part of a grid that pictures are made of; arrays are fetched once, when first asked for.
@@ -54,7 +54,7 @@ function quantities.open(grid)
     local value = point "value"
     local n, channels, count = value.shape[1], value.shape[2], value.shape[3]
     if channels == 1 then return core.figure_mix(value, n, { 0 }, { 1 }, count) end
-    return core.figure_mix(value, n, { 0, count, 2 * count }, { 0.2126, 0.7152, 0.0722 }, count)
+    return core.figure_mix(value, n, { 0, count, 2 * count }, core.luminance, count)
   end
   --- [cells] or [points] numbers of a quantity.
   function source.values(quantity)

@@ -16,13 +16,13 @@ local sample_options = {
     about = "points outside of the bounds: those of the nearest point inside, or NaN" },
   { "dtype", "choice", of = { "float", "double" }, default = "float", about = "of the results" },
   { "flags", "boolean", default = false, about = "also which points were outside or unbaked; not with device" },
-  { "threads", "integer", min = 1, max = 1024, optional = true, about = "default: YLM_THREADS or all cores" },
+  form.threads,
   { "device", "gpu", optional = true,
     about = "interpolates there, in float, with the copy of grid:to(gpu), made where there is none; new results are where "
       .. "the points are; report.stages" },
   { "out", "any", optional = true, about = "an array, or a list of them, shaped and typed like the results, which they take; "
     .. "with device also in its memory" },
-  { "progress", "progress", optional = true, about = "called as f(done, total, stage); returning false cancels" },
+  form.progress,
 }
 
 describe "grid:sample" {

@@ -5,7 +5,6 @@ local warning = require "ylm.warning"
 
 local unmet = {}
 
-local DEEPEST = 16 -- of adaptive_grid
 local FALL = 4     -- powers of 2 by which errors of fourth order fall from level to level
 
 --- Grid -> the light_tolerance that it was baked with, in this program.
@@ -24,7 +23,7 @@ local function looser(error) return error < math.huge and "tolerance = " .. roun
 local function deeper(depth, error, tolerance)
   local more = error < math.huge and math.ceil(math.log(error / tolerance) / math.log(2) / FALL) or 1
   local wanted = depth + math.max(1, more)
-  return wanted <= DEEPEST and ("depth = %d (errors fall about 16 times a level)"):format(wanted) or nil
+  return wanted <= core.limits.grid_depth and ("depth = %d (errors fall about 16 times a level)"):format(wanted) or nil
 end
 
 --- "; set depth = 7 or tolerance = 0.02", of those that are known.

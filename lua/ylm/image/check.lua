@@ -2,6 +2,7 @@
 
 local check = require "ylm.check"
 local core = require "ylm.c.core"
+local form = require "ylm.form"
 local memory = require "ylm.memory"
 
 local images = {}
@@ -51,6 +52,6 @@ function images.mask(fn, x, mask)
 end
 
 images.progress = { "progress", "progress", optional = true, about = "called as f(done, total, stage); false cancels" }
-images.threads = { "threads", "integer", min = 0, max = 1024, default = 0, about = "0: YLM_THREADS or all cores" }
+images.threads = { "threads", "integer", min = 0, max = form.threads.max, default = 0, about = "0: YLM_THREADS or all cores" }
 
 return images

@@ -35,8 +35,8 @@ image.image = form.define("image", {
     local size = values.size
     if #size ~= 2 then return fail "size must be { width, height }" end
     for i = 1, 2 do
-      if size[i] < 1 or size[i] > 65536 then
-        return fail(("image size %.0f x %.0f: sides must be 1 .. 65536"):format(size[1], size[2]))
+      if size[i] < 1 or size[i] > core.limits.image_side then
+        return fail(("image size %.0f x %.0f: sides must be 1 .. %d"):format(size[1], size[2], core.limits.image_side))
       end
     end
     local new = check.result("image", core.image_new(size[1], size[2]))

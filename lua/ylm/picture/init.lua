@@ -29,7 +29,7 @@ function picture.theme(background, fail)
     for i = 1, 3 do
       local x = background[i]
       if not check.is_number(x) or x < 0 or x > 1 then light = nil break end
-      light = light + x * ({ 0.2126, 0.7152, 0.0722 })[i]
+      light = light + x * core.luminance[i]
     end
     if light then
       local like = light > 0.5 and picture.themes.white or picture.themes.dark

@@ -1,13 +1,14 @@
 --- Options that the ways to render a scene have in common.
 
 local check = require "ylm.check"
+local core = require "ylm.c.core"
 local form = require "ylm.form"
 local light = require "ylm.light"
 
 local options = {}
 
 options.common = {
-  { "threads", "integer", min = 1, max = 1024, optional = true, about = "default: YLM_THREADS or all cores" },
+  form.threads,
   { "progress", "progress", optional = true,
     about = "called as f(done, total, stage), returning false cancels; true draws a bar" },
 }
@@ -21,9 +22,9 @@ function options.list(...)
 end
 
 function form.types.image_size(x)
-  local function good(n) return check.is_integer(n) and n >= 1 and n <= 65536 end
+  local function good(n) return check.is_integer(n) and n >= 1 and n <= core.limits.image_side end
   if type(x) == "table" and #x == 2 and good(x[1]) and good(x[2]) then return { x[1], x[2] } end
-  return nil, "{ width, height }, integers from 1 to 65536"
+  return nil, ("{ width, height }, integers from 1 to %d"):format(core.limits.image_side)
 end
 
 --- A positive number, infinity included.
@@ -55,7 +56,7 @@ options.transfer_fields = {
   { "occlusion_distance", "distance", optional = true, unit = "scene units",
     about = "how far occlusion rays reach, wherever the lamps are: light passes what is farther, and what is nearer "
       .. "darkens lamps before it too; default: a tenth of the diagonal of the scene's bounding box" },
-  { "lmax", "integer", min = 0, max = 100, optional = true,
+  { "lmax", "integer", min = 0, max = core.limits.lmax, optional = true,
     about = "highest degree of light and transfer; default: the grid's, the probes', or 4" },
 }
 

@@ -10,7 +10,7 @@ local args = {}
 --- lmax of a number of coefficients, or nil.
 function args.lmax_of(count)
   local l = math.floor(math.sqrt(count) + 0.5) - 1
-  if l >= 0 and l <= core.sh_lmax and (l + 1) * (l + 1) == count then return l end
+  if l >= 0 and l <= core.limits.sh_lmax and (l + 1) * (l + 1) == count then return l end
 end
 
 --- Argument `n` as coefficients [..][(lmax+1)^2]: array, lmax, shape, dtype, rows, convention.
@@ -118,8 +118,6 @@ function args.reconstruct(name, c, points, options)
   return out
 end
 
-args.threads = { "threads", "integer", min = 1, max = 1024, optional = true,
-  about = "default: YLM_THREADS or all cores" }
 args.progress = { "progress", "progress", optional = true }
 args.out = { "out", "array", optional = true, about = "the array to be written and returned" }
 args.dtype = { "dtype", "choice", of = { "float", "double" }, optional = true, about = "default: that of the argument" }

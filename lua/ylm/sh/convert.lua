@@ -71,7 +71,7 @@ end
 local convert_options = {
   { "from", "string", optional = true,
     about = "what the coefficients are, where they do not say so themselves; default: 'ylm'" },
-  args.threads, args.out, args.progress,
+  form.threads, args.out, args.progress,
 }
 
 describe "sh.convert" {
@@ -131,7 +131,7 @@ describe "sh.resize" {
 }
 function convert.resize(c, lmax)
   local a, own, shape, dtype, rows, convention = args.any_coefficients(1, "resize", c)
-  check.integer(2, "resize", "lmax", lmax, 0, core.sh_lmax)
+  check.integer(2, "resize", "lmax", lmax, 0, core.limits.sh_lmax)
   local system = core.sh_convention_name(convention):match("^%S+")
   if packed[system] or system == "scipy" then
     return check.bad(1, "resize", "coefficients are of convention '%s': convert them to 'ylm' first", system)

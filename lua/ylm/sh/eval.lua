@@ -20,7 +20,7 @@ local eval_options = {
     about = "the others are kept for comparison; they may be singular at the poles" },
   { "kernel", "choice", of = { "reference", "sse2", "neon", "avx2", "avx512" }, optional = true,
     about = "the kernel set; default: the one in ylm.info().kernel" },
-  args.threads,
+  form.threads,
   { "device", "gpu", optional = true,
     about = "a gpu of ylm.vulkan.open that computes instead; float to lmax 128, the method is solid" },
   { "out", "any", optional = true,
@@ -79,7 +79,7 @@ assert(#Y == 2 and Y.shape[2] == 25 and dY.shape[3] == 3)]],
   source = "Iwasaki & Dobashi 2025, Eqs. 10-17; docs/math.md",
 }
 function eval.eval(lmax, points, options)
-  check.integer(1, "eval", "lmax", lmax, 0, core.sh_lmax)
+  check.integer(1, "eval", "lmax", lmax, 0, core.limits.sh_lmax)
   options = form.options(3, "eval", eval_options, options)
   local dtype = dtype_of(points, options.dtype)
   local p, single = array.points(2, "eval", points, dtype)
@@ -92,7 +92,7 @@ function eval.eval(lmax, points, options)
   return out[1], out[2], out[3]
 end
 
-local reconstruct_options = { args.threads, args.out, args.progress }
+local reconstruct_options = { form.threads, args.out, args.progress }
 
 describe "sh.reconstruct" {
   about = "The functions that coefficients stand for, at points: sum over k of c_k Y_k(v/|v|).",

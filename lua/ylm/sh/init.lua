@@ -53,7 +53,7 @@ describe "sh.count" {
   example = "assert(ylm.sh.count(4) == 25)",
 }
 function sh.count(lmax)
-  check.integer(1, "count", "lmax", lmax, 0, core.sh_lmax)
+  check.integer(1, "count", "lmax", lmax, 0, core.limits.sh_lmax)
   return (lmax + 1) * (lmax + 1)
 end
 
@@ -65,7 +65,7 @@ describe "sh.index" {
   example = "assert(ylm.sh.index(0, 0) == 1 and ylm.sh.index(2, -2) == 5)",
 }
 function sh.index(l, m)
-  check.integer(1, "index", "l", l, 0, core.sh_lmax)
+  check.integer(1, "index", "l", l, 0, core.limits.sh_lmax)
   check.integer(2, "index", "m", m, -l, l)
   return l * (l + 1) + m + 1
 end
@@ -80,7 +80,7 @@ local l, m = ylm.sh.degree(5)
 assert(l == 2 and m == -2)]],
 }
 function sh.degree(index)
-  check.integer(1, "degree", "index", index, 1, (core.sh_lmax + 1) ^ 2)
+  check.integer(1, "degree", "index", index, 1, (core.limits.sh_lmax + 1) ^ 2)
   local l = math.floor(math.sqrt(index - 1))
   return l, index - 1 - l * (l + 1)
 end

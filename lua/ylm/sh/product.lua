@@ -37,7 +37,7 @@ local product_options = {
     about = "what the steps of 'recursive' are done by" },
   { "stages", "boolean", default = false,
     about = "also return the seconds of transform, multiplication, transform back" },
-  args.dtype, args.threads, args.out, args.progress,
+  args.dtype, form.threads, args.out, args.progress,
 }
 
 --- The shape that all factors broadcast to: the largest number of rows, others have as many or one.
@@ -81,12 +81,12 @@ function product.product(...)
     options, n = last, n - 1
   end
   options = form.options(n + 1, "product", product_options, options)
-  if n < 2 or n > core.sh_product_factors then
-    return check.fail("product: 2 to %d factors expected, got %d", core.sh_product_factors, n)
+  if n < 2 or n > core.limits.sh_product_factors then
+    return check.fail("product: 2 to %d factors expected, got %d", core.limits.sh_product_factors, n)
   end
   local list, dtype, all_small = {}, nil, options.dtype ~= "float"
   for i = 1, n do
-    local c, lmax, shape, own, rows, convention, small = args.coefficients(i, "product", given[i], core.sh_product_lmax, n)
+    local c, lmax, shape, own, rows, convention, small = args.coefficients(i, "product", given[i], core.limits.sh_product_lmax, n)
     all_small = all_small and small
     list[i] = { c = c, lmax = lmax, shape = shape, rows = rows, convention = convention }
     if lmax ~= list[1].lmax then
@@ -130,8 +130,8 @@ local method, integrals = ylm.sh.product_method(2, 2, "gaunt")
 assert(method == "gaunt" and integrals == 52)]],
 }
 function product.product_method(lmax, factors, method)
-  check.integer(1, "product_method", "lmax", lmax, 0, core.sh_product_lmax)
-  check.integer(2, "product_method", "factors", factors, 2, core.sh_product_factors)
+  check.integer(1, "product_method", "lmax", lmax, 0, core.limits.sh_product_lmax)
+  check.integer(2, "product_method", "factors", factors, 2, core.limits.sh_product_factors)
   method = method == nil and "auto" or method
   local known = false
   for _, name in ipairs(methods) do known = known or name == method end
@@ -167,7 +167,7 @@ function product.transfer(b, lmax, options)
   options = form.options(3, "transfer", transfer_options, options)
   local c, clmax, _, _, rows, convention = args.coefficients(1, "transfer", b)
   if rows ~= 1 then return check.bad(1, "transfer", "one vector of coefficients expected, got %d", rows) end
-  check.integer(2, "transfer", "lmax", lmax, 0, core.sh_product_lmax / 2)
+  check.integer(2, "transfer", "lmax", lmax, 0, core.limits.sh_product_lmax / 2)
   local n = (lmax + 1) * (lmax + 1)
   local M, message, code = args.result("transfer", nil, { n, n }, "double", convention)
   if not M then return nil, message, code end
@@ -179,7 +179,7 @@ function product.transfer(b, lmax, options)
   return args.held("transfer", result)
 end
 
-local apply_options = { args.threads, args.out, args.progress }
+local apply_options = { form.threads, args.out, args.progress }
 
 describe "sh.transfer_apply" {
   about = "Applies a transfer matrix (symmetric, from sh.transfer) to vectors of coefficients.",

@@ -22,7 +22,7 @@ local project_options = {
   { "up", "choice", of = { "z", "y" }, default = "z", about = "of an image: where its pole is" },
   { "layer", "string", optional = true, about = "of an image; default: the first" },
   { "dtype", "choice", of = { "float", "double" }, default = "double", about = "of the result" },
-  args.threads, args.out, args.progress,
+  form.threads, args.out, args.progress,
 }
 
 local cancelled = {}
@@ -265,7 +265,7 @@ assert(math.abs(ylm.sh.reconstruct(c, { 0, 0.6, 0.8 }) - 0.64) < 1e-13 and repor
   source = "Green 2003, \"SH Projection\"",
 }
 function project.project(lmax, f, options)
-  check.integer(1, "project", "lmax", lmax, 0, core.sh_lmax)
+  check.integer(1, "project", "lmax", lmax, 0, core.limits.sh_lmax)
   local o = form.options(3, "project", project_options, options)
   o.progress = progress.of(o.progress)
   local c, about, code

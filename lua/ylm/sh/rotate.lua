@@ -14,7 +14,7 @@ local methods = core.metatable "ylm.sh_rotation"
 
 -- Plans are immutable and depend on lmax alone; kept while the state lives.
 local plans = {}
-local sizes = { 6, 15, 31, 63, core.sh_rotate_lmax }
+local sizes = { 6, 15, 31, 63, core.limits.sh_rotate_lmax }
 
 --- A plan of degree lmax or more; nil, message, code where memory runs out.
 local function plan(lmax)
@@ -98,7 +98,7 @@ assert(c[2] == 1 and c[4] == 0)]],
   source = "Ivanic & Ruedenberg 1996, 1998; Pinchon & Hoggan 2007",
 }
 function rotate.rotation(lmax, r, options)
-  check.integer(1, "rotation", "lmax", lmax, 0, core.sh_rotate_lmax)
+  check.integer(1, "rotation", "lmax", lmax, 0, core.limits.sh_rotate_lmax)
   options = form.options(3, "rotation", rotation_options, options)
   local matrix = matrix_of(2, "rotation", r)
   local p, message, code = plan(lmax)
@@ -147,7 +147,7 @@ end
 local rotate_options = {
   { "method", "choice", of = { "fast", "reference" }, default = "fast",
     about = "reference: the recurrence of Ivanic & Ruedenberg, slow; it is 1e-14 off at degree 64, 1e-8 at 128" },
-  args.threads, { "out", "array", optional = true, about = "the array to be written and returned; may be c" },
+  form.threads, { "out", "array", optional = true, about = "the array to be written and returned; may be c" },
   args.progress,
 }
 
@@ -198,7 +198,7 @@ assert(c[2] == 1 and c[3] == 0)]],
 }
 function rotate.rotate(c, rotation, options)
   options = form.options(3, "rotate", rotate_options, options)
-  local a, lmax, shape, dtype, rows, convention, small = args.coefficients(1, "rotate", c, core.sh_rotate_lmax)
+  local a, lmax, shape, dtype, rows, convention, small = args.coefficients(1, "rotate", c, core.limits.sh_rotate_lmax)
   local object = core.type(rotation) == "ylm.sh_rotation" and rotation
   local matrix, p, out, message, code
   if object then

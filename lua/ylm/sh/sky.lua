@@ -92,7 +92,7 @@ assert(math.abs(sky(0, 1, 0) - 8) < 1e-12 and sky(0, -1, 0) == 0 and #c == 25)]]
   source = "Green 2003, \"Creating Light Sources\" (skies of the CIE; cos theta in 'partly cloudy', misprinted there)",
 }
 function sky.sky(lmax, options)
-  check.integer(1, "sky", "lmax", lmax, 0, core.sh_lmax)
+  check.integer(1, "sky", "lmax", lmax, 0, core.limits.sh_lmax)
   local o = form.options(2, "sky", sky_options, options)
   local zenith, sun = unit(o.zenith), o.sun and unit(o.sun)
   if o.kind ~= "overcast" then

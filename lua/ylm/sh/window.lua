@@ -184,7 +184,7 @@ assert(a:get(2, 16) == b:get(2, 16) and a:get(1, 1) ~= a:get(2, 1))]],
 }
 function window.random(rows, lmax, options)
   check.integer(1, "random", "rows", rows, 0, 2 ^ 40)
-  check.integer(2, "random", "lmax", lmax, 0, core.sh_lmax)
+  check.integer(2, "random", "lmax", lmax, 0, core.limits.sh_lmax)
   local o = form.options(3, "random", random_options, options)
   local out, message, code = args.result("random", nil, { rows, (lmax + 1) ^ 2 }, o.dtype)
   if not out then return nil, message, code end

@@ -45,7 +45,7 @@ function axial.zonal(z, direction)
   local list = zonal_of(1, "zonal", z)
   local d = direction_of(2, "zonal", "direction", direction)
   local lmax = #list - 1
-  check.integer(1, "zonal", "lmax", lmax, 0, core.sh_lmax)
+  check.integer(1, "zonal", "lmax", lmax, 0, core.limits.sh_lmax)
   local Y = eval.eval(lmax, d)
   local factors = {}
   for l = 0, lmax do factors[l + 1] = math.sqrt(4 * pi / (2 * l + 1)) * list[l + 1] end
@@ -98,7 +98,7 @@ assert(math.abs(c[1] - math.sqrt(4 * math.pi)) < 1e-14 and math.abs(c[3]) < 1e-1
   source = "Green 2003, \"synth_light\"; Mezieres et al. 2022, Eq. 9",
 }
 function axial.cap(lmax, direction, angle)
-  check.integer(1, "cap", "lmax", lmax, 0, core.sh_lmax - 1)
+  check.integer(1, "cap", "lmax", lmax, 0, core.limits.sh_lmax - 1)
   local d = direction_of(2, "cap", "direction", direction)
   if not check.is_number(angle) or angle < 0 or angle > pi then
     return check.bad(3, "cap", "angle must be a number >= 0 and <= pi, got %s", check.describe(angle))
@@ -119,7 +119,7 @@ end
 local irradiance_options = {
   { "method", "choice", of = { "full", "quadratic" }, default = "full",
     about = "quadratic: the polynomial of Ramamoorthi & Hanrahan 2001, degrees to 2" },
-  args.threads,
+  form.threads,
 }
 
 describe "sh.irradiance" {

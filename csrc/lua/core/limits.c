@@ -1,0 +1,37 @@
+/* limits.c - core.limits: C's bounds of arguments, for the forms and messages of lua/ylm; and
+   core.luminance. */
+#include "../binding.h"
+
+#include "ylm_grid.h"
+#include "ylm_image.h"
+#include "ylm_light.h"
+#include "ylm_sh.h"
+
+/* name, value */
+#define LIMITS(X)                                                                                  \
+  X(axes, YLM_MAX_AXES)                                                                            \
+  X(extent, YLM_LIGHT_EXTENT)                                                                      \
+  X(grid_depth, YLM_GRID_MAX_DEPTH)                                                                \
+  X(image_side, YLM_IMAGE_MAX_SIDE)                                                                \
+  X(lmax, YLM_LIGHT_LMAX)                                                                          \
+  X(sh_lmax, YLM_LMAX)                                                                             \
+  X(sh_product_factors, YLM_SH_PRODUCT_FACTORS)                                                    \
+  X(sh_product_lmax, YLM_SH_PRODUCT_LMAX)                                                          \
+  X(sh_rotate_lmax, YLM_SH_ROTATE_LMAX)                                                            \
+  X(tolerance_least, YLM_LIGHT_TOLERANCE_LEAST)                                                    \
+  X(tolerance_most, YLM_LIGHT_TOLERANCE_MOST)
+
+void ylmL_open_limits(lua_State *L) {
+  static const double luminance[3] = {YLM_LUMINANCE_R, YLM_LUMINANCE_G, YLM_LUMINANCE_B};
+  lua_newtable(L);
+#define X(name, value) ylmL_set_number(L, #name, value);
+  LIMITS(X)
+#undef X
+  lua_setfield(L, -2, "limits");
+  lua_newtable(L);
+  for (int i = 0; i < 3; i++) {
+    lua_pushnumber(L, luminance[i]);
+    lua_rawseti(L, -2, i + 1);
+  }
+  lua_setfield(L, -2, "luminance");
+}
