@@ -210,7 +210,7 @@ typedef struct ylm_grid_report {
 
 typedef struct ylm_grid_change {
   const ylm_light_set *lights; /* all lights as they are now */
-  const ylm_field *field;        /* their field */
+  const ylm_field *field;      /* their field */
   double tolerance; /* changes of light below this, relative, are left out; 0: none are left out;
                        negative: an eighth of the grid's tolerance, 1e-3 if it has none */
   bool everywhere;  /* makes continuity anew everywhere, not only around points that came

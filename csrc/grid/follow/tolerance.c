@@ -67,7 +67,8 @@ static ylm_status refine_more(refiner *r, uint64_t round, const uint8_t *changed
 /* True if the promise is kept, or the depth forbids it. */
 static bool is_settled(const ruling *said) {
   double all = (double)said->points, stuck = (double)said->stuck;
-  return said->met || (stuck > PROMISED * all && (double)said->failed - stuck <= ENOUGH_BESIDE_STUCK * all);
+  return said->met ||
+         (stuck > PROMISED * all && (double)said->failed - stuck <= ENOUGH_BESIDE_STUCK * all);
 }
 
 static ylm_status refine_changed(refiner *r, const uint8_t *changed, size_t known, const panel *p) {

@@ -236,7 +236,8 @@ static ylm_status take(ylm_gpu_lights *l, const ylm_light_part *p, ylm_error *e)
   else if (!l->cosines.kind)
     l->cosines = *p;
   else
-    return ylm_fail(e, YLM_EINVAL, "a device takes one set of lights with method = 'sphere'; join the two");
+    return ylm_fail(e, YLM_EINVAL,
+                    "a device takes one set of lights with method = 'sphere'; join the two");
   return YLM_OK;
 }
 

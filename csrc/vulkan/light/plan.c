@@ -43,8 +43,8 @@ static ylm_status base_maps(const ylm_gpu_lights *l, const sum_plan *p, int need
   int derivatives = derivatives_of(set->kinds);
   return !ylm__sum_base(l)             ? YLM_OK
          : l->method != YLM_GPU_MERGED ? ylm_light_product_maps_create(p->lmax, derivatives, maps)
-         : l->cosines.kind                 ? ylm_light_flat_maps_create(p->lmax, derivatives, maps)
-                       : ylm_light_maps_create(p->lmax, need, (int)set->kinds, maps);
+         : l->cosines.kind             ? ylm_light_flat_maps_create(p->lmax, derivatives, maps)
+                           : ylm_light_maps_create(p->lmax, need, (int)set->kinds, maps);
 }
 
 /* The maps for results of kinds `need` from a set's sums. */

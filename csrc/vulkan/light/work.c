@@ -96,12 +96,12 @@ static const char *pass_kernel(const step_list *s, const sum_set *set, const str
   if (pass->rims) c[5] = 0, c[6] = l->rims.cut, c[7] = s->p->dtype == YLM_DOUBLE;
   *constants = pass->items ? 8 : 6;
   memcpy(constant, c, sizeof c);
-  return pass->rims    ? "rims"
-         : pass->items ? "moments_any"
-         : !merged     ? "product"
-         : pass->bend  ? "flat_bend"
+  return pass->rims        ? "rims"
+         : pass->items     ? "moments_any"
+         : !merged         ? "product"
+         : pass->bend      ? "flat_bend"
          : l->cosines.kind ? "flat"
-                       : "moments";
+                           : "moments";
 }
 
 /* One chunk range of a pass along rims: a group has a point. */
