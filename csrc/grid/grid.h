@@ -184,16 +184,16 @@ uint64_t ylm__morton(uint32_t x, uint32_t y, uint32_t z);
 static inline uint64_t lattice_key(const uint32_t at[3]) {
   return (uint64_t)at[0] | (uint64_t)at[1] << 21 | (uint64_t)at[2] << 42;
 }
-ylm_status lattice_hash_reserve(lattice_hash *h, size_t entries);
+ylm_status ylm__lattice_hash_reserve(lattice_hash *h, size_t entries);
 /* The value's place: *value is YLM_GRID_NONE where the key is new. Room must have been reserved. */
-uint32_t *lattice_hash_at(lattice_hash *h, uint64_t key);
+uint32_t *ylm__lattice_hash_at(lattice_hash *h, uint64_t key);
 /* The value of a key, YLM_GRID_NONE if there is none. */
-uint32_t lattice_hash_find(const lattice_hash *h, uint64_t key);
+uint32_t ylm__lattice_hash_find(const lattice_hash *h, uint64_t key);
 /* Brings the place of a key that will be looked for into the cache. */
-void lattice_hash_prefetch(const lattice_hash *h, uint64_t key);
+void ylm__lattice_hash_prefetch(const lattice_hash *h, uint64_t key);
 /* Forgets a key, if it is there. */
-void lattice_hash_remove(lattice_hash *h, uint64_t key);
-void lattice_hash_free(lattice_hash *h);
+void ylm__lattice_hash_remove(lattice_hash *h, uint64_t key);
+void ylm__lattice_hash_free(lattice_hash *h);
 
 /* -- bake/occupancy.c: which voxels hold shading points --------------------------- */
 
@@ -209,20 +209,20 @@ typedef struct occupancy {
   uint64_t *code;   /* depth > dense: sorted, unique */
   size_t codes;
 } occupancy;
-ylm_status occupancy_build(occupancy *o, const ylm_grid *g, const ylm_grid_source *s,
-                           uint64_t *outside);
+ylm_status ylm__occupancy_build(occupancy *o, const ylm_grid *g, const ylm_grid_source *s,
+                                uint64_t *outside);
 /* Occupancy from the triangles of the source, which `e` is about. */
-ylm_status occupancy_from_surfaces(occupancy *o, const ylm_grid *g, const ylm_grid_source *s,
-                                   uint64_t *outside, ylm_error *e);
+ylm_status ylm__occupancy_from_surfaces(occupancy *o, const ylm_grid *g, const ylm_grid_source *s,
+                                        uint64_t *outside, ylm_error *e);
 /* Occupancy from Morton codes of the finest nodes, sorted, each once, which it takes. */
-ylm_status occupancy_take(occupancy *o, const ylm_grid *g, uint64_t *code, size_t n);
+ylm_status ylm__occupancy_take(occupancy *o, const ylm_grid *g, uint64_t *code, size_t n);
 /* Uniform grids: one byte per voxel. */
-void occupancy_mark_uniform(const ylm_grid *g, const ylm_grid_source *s, uint8_t *mark,
-                            uint64_t *outside);
+void ylm__occupancy_mark_uniform(const ylm_grid *g, const ylm_grid_source *s, uint8_t *mark,
+                                 uint64_t *outside);
 /* Which of the eight children of a voxel that is not of the finest level are occupied, as bits;
    `origin` in lattice coordinates. */
-uint8_t occupancy_children(const occupancy *o, int level, const uint32_t origin[3]);
-void occupancy_free(occupancy *o);
+uint8_t ylm__occupancy_children(const occupancy *o, int level, const uint32_t origin[3]);
+void ylm__occupancy_free(occupancy *o);
 
 /* -- bake/invalid.c ----------------------------------------------------------------- */
 

@@ -29,7 +29,7 @@ static size_t place(const lattice_hash *h, uint64_t key) {
   return i;
 }
 
-ylm_status lattice_hash_reserve(lattice_hash *h, size_t entries) {
+ylm_status ylm__lattice_hash_reserve(lattice_hash *h, size_t entries) {
   size_t size = h->size ? h->size : 256;
   while (size < entries * 2 + 16) size *= 2;
   if (size == h->size) return YLM_OK;
@@ -39,29 +39,29 @@ ylm_status lattice_hash_reserve(lattice_hash *h, size_t entries) {
   for (size_t i = 0; i < h->size; i++)
     if (h->entry[i].value != YLM_GRID_NONE)
       grown.entry[place(&grown, h->entry[i].key)] = h->entry[i];
-  lattice_hash_free(h);
+  ylm__lattice_hash_free(h);
   *h = grown;
   return YLM_OK;
 }
 
-uint32_t *lattice_hash_at(lattice_hash *h, uint64_t key) {
+uint32_t *ylm__lattice_hash_at(lattice_hash *h, uint64_t key) {
   size_t i = place(h, key);
   if (h->entry[i].value == YLM_GRID_NONE) h->used++;
   h->entry[i].key = key;
   return &h->entry[i].value;
 }
 
-uint32_t lattice_hash_find(const lattice_hash *h, uint64_t key) {
+uint32_t ylm__lattice_hash_find(const lattice_hash *h, uint64_t key) {
   return h->size ? h->entry[place(h, key)].value : YLM_GRID_NONE;
 }
 
-void lattice_hash_prefetch(const lattice_hash *h, uint64_t key) {
+void ylm__lattice_hash_prefetch(const lattice_hash *h, uint64_t key) {
   if (h->size) __builtin_prefetch(&h->entry[(size_t)mix(key) & (h->size - 1)]);
 }
 
 /* Backward-shift deletion: entries behind the gap move into it unless they are where they
    belong. */
-void lattice_hash_remove(lattice_hash *h, uint64_t key) {
+void ylm__lattice_hash_remove(lattice_hash *h, uint64_t key) {
   if (!h->size) return;
   size_t mask = h->size - 1, gap = place(h, key);
   if (h->entry[gap].value == YLM_GRID_NONE) return;
@@ -75,7 +75,7 @@ void lattice_hash_remove(lattice_hash *h, uint64_t key) {
   h->used--;
 }
 
-void lattice_hash_free(lattice_hash *h) {
+void ylm__lattice_hash_free(lattice_hash *h) {
   ylm_free(h->entry);
   *h = (lattice_hash){0};
 }

@@ -112,7 +112,7 @@ void ylm_grid_free(ylm_grid *g) {
   ylm_free(g->norm);
   ylm_free(g->flags);
   ylm_free(g->table);
-  lattice_hash_free(&g->hash);
+  ylm__lattice_hash_free(&g->hash);
   ylm_free(g->birth);
   if (g->follower) g->follower->free(g);
   ylm_free(g);

@@ -116,9 +116,9 @@ ylm_status ylm__assemble(baker *b) {
     return ylm_fail(b->e, YLM_EINVAL, "the cells are no octree");
   complete_cells(g);
   double t = ylm_seconds();
-  ylm_status s = lattice_hash_reserve(&g->hash, g->points);
+  ylm_status s = ylm__lattice_hash_reserve(&g->hash, g->points);
   for (size_t i = 0; s == YLM_OK && i < g->points; i++)
-    *lattice_hash_at(&g->hash, lattice_key(g->lattice + 3 * i)) = (uint32_t)i;
+    *ylm__lattice_hash_at(&g->hash, lattice_key(g->lattice + 3 * i)) = (uint32_t)i;
   g->stats.lattice_seconds += ylm_seconds() - t;
   return s;
 }

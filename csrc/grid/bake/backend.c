@@ -23,7 +23,7 @@ static ylm_status leave(baker *b, ylm_status s) {
   return k->rows(k->self, making(b), YLM_GRID_ROWS_LEAVE, b->g->evaluated, NULL, b->g->data);
 }
 
-ylm_status backend_occupied(baker *b, uint64_t **code, size_t *n) {
+ylm_status ylm__backend_occupied(baker *b, uint64_t **code, size_t *n) {
   const ylm_grid_backend *k = b->remote;
   if (!k) return YLM_OK;
   double t = ylm_seconds();
@@ -35,12 +35,12 @@ ylm_status backend_occupied(baker *b, uint64_t **code, size_t *n) {
   return s;
 }
 
-ylm_status backend_shading(baker *b, size_t n, const size_t *index, float *out) {
+ylm_status ylm__backend_shading(baker *b, size_t n, const size_t *index, float *out) {
   const ylm_grid_backend *k = b->source->backend; /* also of a bake that has left it */
   return k->shading(k->self, making(b), n, index, out);
 }
 
-ylm_status backend_evaluate(baker *b, size_t n) {
+ylm_status ylm__backend_evaluate(baker *b, size_t n) {
   ylm_grid *g = b->g;
   ylm_status s = g->follower ? g->follower->reserve(g) : YLM_OK;
   if (s == YLM_OK && b->remote && n)
@@ -50,8 +50,8 @@ ylm_status backend_evaluate(baker *b, size_t n) {
   return s;
 }
 
-ylm_status backend_residuals(baker *b, size_t n, const ylm_grid_probe *probe,
-                             const ylm_grid_held *held, double *distance) {
+ylm_status ylm__backend_residuals(baker *b, size_t n, const ylm_grid_probe *probe,
+                                  const ylm_grid_held *held, double *distance) {
   const ylm_grid_backend *k = b->remote;
   ylm_status s = YLM_OK;
   if (!n) return s;
@@ -60,7 +60,7 @@ ylm_status backend_residuals(baker *b, size_t n, const ylm_grid_probe *probe,
   return s;
 }
 
-ylm_status backend_fetch(baker *b) {
+ylm_status ylm__backend_fetch(baker *b) {
   const ylm_grid_backend *k = b->remote;
   if (!k) return YLM_OK;
   b->stage = "download";
@@ -120,7 +120,7 @@ static ylm_status fill_kept(baker *b, const uint8_t *mark, uint32_t *point, floa
   return k->rows(k->self, making(b), YLM_GRID_ROWS_PUT, n, point, row);
 }
 
-ylm_status backend_fill_invalid(baker *b) {
+ylm_status ylm__backend_fill_invalid(baker *b) {
   ylm_grid *g = b->g;
   if (!b->remote) return ylm__grid_fill_invalid(g);
   uint8_t *mark = ylm_alloc_zero(g->evaluated, 1);

@@ -30,9 +30,9 @@ ylm_status ylm__grid_no_room(ylm_status s, const ylm_grid_source *source, ylm_er
 /* The voxels of the first level, from the back end as far as it knows. */
 static ylm_status occupy(baker *b, size_t *voxels) {
   uint64_t *code = NULL;
-  ylm_status s = backend_occupied(b, &code, voxels);
+  ylm_status s = ylm__backend_occupied(b, &code, voxels);
   if (s != YLM_OK || backend_keeps_cells(b)) return s;
-  s = occupy_voxels(b, code, *voxels);
+  s = ylm__occupy_voxels(b, code, *voxels);
   *voxels = b->wave.n;
   return s;
 }
@@ -41,7 +41,7 @@ static ylm_status bake(baker *b) {
   size_t voxels = 0;
   ylm_status s = occupy(b, &voxels);
   if (s != YLM_OK) return s;
-  if (b->g->view.form.tolerance > 0) return tolerance_bake(b);
+  if (b->g->view.form.tolerance > 0) return ylm__tolerance_bake(b);
   s = ylm__refine(b, voxels);
   return s == YLM_OK ? ylm__finish(b) : s;
 }
@@ -56,14 +56,14 @@ ylm_status ylm_grid_bake(const ylm_grid_form *form, const ylm_grid_source *sourc
     s = ylm_fail(e, YLM_EINVAL, "a grid is wanted that is not dynamic");
   if (s != YLM_OK) return s;
   baker b;
-  baker_begin(&b, ylm__grid_new(form), source, e);
+  ylm__baker_begin(&b, ylm__grid_new(form), source, e);
   s = b.g ? YLM_OK : YLM_ENOMEM;
   if (s == YLM_OK && b.g->follower) s = b.g->follower->begin(b.g, source, &b.surface, e);
   if (s == YLM_OK) s = bake(&b);
   if (s == YLM_OK && b.g->follower) s = b.g->follower->end(b.g, &b.learnt);
-  occupancy_free(&b.learnt.occupied);
-  panel_free(&b.learnt.panel);
-  baker_free(&b);
+  ylm__occupancy_free(&b.learnt.occupied);
+  ylm__panel_free(&b.learnt.panel);
+  ylm__baker_free(&b);
   if (s != YLM_OK) {
     ylm_grid_free(b.g);
     return b.told ? s : ylm__grid_no_room(s, source, e);

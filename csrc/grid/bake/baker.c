@@ -8,9 +8,9 @@ static bool forward(void *user, uint64_t done, uint64_t total, const char *stage
   return ylm_report(b->source->progress, done, total, b->stage) == YLM_OK;
 }
 
-void baker_begin(baker *b, ylm_grid *g, const ylm_grid_source *source, ylm_error *e) {
+void ylm__baker_begin(baker *b, ylm_grid *g, const ylm_grid_source *source, ylm_error *e) {
   *b = (baker){.g = g, .source = source, .remote = source->backend, .e = e};
-  b->own = processor_backend(b);
+  b->own = ylm__processor_backend(b);
   b->stage = b->stage_text;
   b->progress = (ylm_progress){forward, b};
   b->making = (ylm_grid_making){.source = source,
@@ -20,8 +20,8 @@ void baker_begin(baker *b, ylm_grid *g, const ylm_grid_source *source, ylm_error
                                 .e = e};
 }
 
-void baker_free(baker *b) {
-  evaluate_free_block(&b->block);
+void ylm__baker_free(baker *b) {
+  ylm__evaluate_free_block(&b->block);
   ylm_free(b->row);
   ylm_free(b->wave.cell);
   ylm_free(b->next.cell);

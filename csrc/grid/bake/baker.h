@@ -9,7 +9,7 @@ typedef struct cell_list {
   uint32_t *cell;
   size_t n, room;
 } cell_list;
-ylm_status cell_list_push(cell_list *list, uint32_t cell);
+ylm_status ylm__cell_list_push(cell_list *list, uint32_t cell);
 
 /* Results of the field for a block of points. */
 typedef struct field_block {
@@ -52,9 +52,9 @@ typedef struct baker {
 
 /* -- baker.c -------------------------------------------------------------------------------- */
 
-void baker_begin(baker *b, ylm_grid *g, const ylm_grid_source *source, ylm_error *e);
+void ylm__baker_begin(baker *b, ylm_grid *g, const ylm_grid_source *source, ylm_error *e);
 /* Frees what a baker holds, the grid and what it has learnt excepted. */
-void baker_free(baker *b);
+void ylm__baker_free(baker *b);
 
 /* -- bake.c --------------------------------------------------------------------------------- */
 
@@ -65,7 +65,7 @@ ylm_status ylm__grid_no_room(ylm_status s, const ylm_grid_source *source, ylm_er
 
 /* The wave becomes a lattice's occupied voxels, or the root of an octree: its occupied voxels are
    those of n codes, which it takes; NULL: it finds them. */
-ylm_status occupy_voxels(baker *b, uint64_t *code, size_t n);
+ylm_status ylm__occupy_voxels(baker *b, uint64_t *code, size_t n);
 
 /* -- refine.c ------------------------------------------------------------------------------- */
 
@@ -88,16 +88,16 @@ ylm_status ylm__assemble(baker *b);
 /* Are cells kept elsewhere? */
 static inline bool backend_keeps_cells(const baker *b) { return b->remote && b->remote->corners; }
 /* What a back end knows of occupied voxels. */
-ylm_status backend_occupied(baker *b, uint64_t **code, size_t *n);
-ylm_status backend_shading(baker *b, size_t n, const size_t *index, float *out);
+ylm_status ylm__backend_occupied(baker *b, uint64_t **code, size_t *n);
+ylm_status ylm__backend_shading(baker *b, size_t n, const size_t *index, float *out);
 /* Evaluates the n points that wait. */
-ylm_status backend_evaluate(baker *b, size_t n);
-ylm_status backend_residuals(baker *b, size_t n, const ylm_grid_probe *probe,
-                             const ylm_grid_held *held, double *distance);
+ylm_status ylm__backend_evaluate(baker *b, size_t n);
+ylm_status ylm__backend_residuals(baker *b, size_t n, const ylm_grid_probe *probe,
+                                  const ylm_grid_held *held, double *distance);
 /* Fills points in lights from valid neighbours, wherever rows are. */
-ylm_status backend_fill_invalid(baker *b);
+ylm_status ylm__backend_fill_invalid(baker *b);
 /* All that is kept elsewhere, here too. */
-ylm_status backend_fetch(baker *b);
+ylm_status ylm__backend_fetch(baker *b);
 /* Does a source have shading points? Else surfaces or every voxel are occupied. */
 static inline bool backend_has_shading(const ylm_grid_source *s) {
   return s->occupied_points || (s->backend && s->occupied);
@@ -105,30 +105,31 @@ static inline bool backend_has_shading(const ylm_grid_source *s) {
 
 /* -- processor.c ---------------------------------------------------------------------------- */
 
-ylm_grid_backend processor_backend(baker *b);
+ylm_grid_backend ylm__processor_backend(baker *b);
 
 /* -- corners.c ------------------------------------------------------------------------------ */
 
-/* The index of the point at lattice coordinates; a new one waits for backend_evaluate. */
-ylm_status corners_point(baker *b, const uint32_t at[3], uint8_t flags, uint32_t *index);
+/* The index of the point at lattice coordinates; a new one waits for ylm__backend_evaluate. */
+ylm_status ylm__corners_point(baker *b, const uint32_t at[3], uint8_t flags, uint32_t *index);
 /* Finds the corners of the wave's cells; new points wait, in the order of cells. */
-ylm_status corners_find(baker *b);
+ylm_status ylm__corners_find(baker *b);
 /* b->parent, of cells that somebody else has made. */
-ylm_status corners_find_parents(baker *b);
+ylm_status ylm__corners_find_parents(baker *b);
 /* Corners that unoccupied cells share with others: of cells with only[cell] != 0. */
-void corners_find_shared(baker *b, const uint8_t *only);
+void ylm__corners_find_shared(baker *b, const uint8_t *only);
 
 /* -- evaluate.c ----------------------------------------------------------------------------- */
 
 /* Evaluates the n points of `list`, or from `first` on, in blocks through the field. */
-ylm_status evaluate_points(baker *b, size_t n, const uint32_t *list, size_t first);
+ylm_status ylm__evaluate_points(baker *b, size_t n, const uint32_t *list, size_t first);
 /* Values alone at n free points. */
-ylm_status evaluate_values(baker *b, size_t n, const float *points, float *value, uint8_t *inside);
+ylm_status ylm__evaluate_values(baker *b, size_t n, const float *points, float *value,
+                                uint8_t *inside);
 /* Asks a field for the block's results at its first n positions. */
-ylm_status evaluate_ask(baker *b, const ylm_field *field, size_t n, field_block *k);
+ylm_status ylm__evaluate_ask(baker *b, const ylm_field *field, size_t n, field_block *k);
 /* Room in a block for the results of n points; what frees it. */
-ylm_status evaluate_reserve_block(baker *b, field_block *k, size_t n);
-void evaluate_free_block(field_block *k);
+ylm_status ylm__evaluate_reserve_block(baker *b, field_block *k, size_t n);
+void ylm__evaluate_free_block(field_block *k);
 /* The float position that the field is asked at for a point. */
 void ylm__grid_asked(const ylm_grid *g, uint32_t point, float out[3]);
 
@@ -136,18 +137,18 @@ void ylm__grid_asked(const ylm_grid *g, uint32_t point, float out[3]);
 
 /* The metric of a cell that has its corners: mean over the valid ones of lambda D^2/2, or of that
    over the norm. */
-float metric_of(const baker *b, const ylm_grid_cell *c, ylm_grid_metric metric);
+float ylm__metric_of(const baker *b, const ylm_grid_cell *c, ylm_grid_metric metric);
 /* The metric of the wave's cells; finds which of them a light's surface crosses. */
-ylm_status metric_find(baker *b);
+ylm_status ylm__metric_find(baker *b);
 
 /* -- cells.c -------------------------------------------------------------------------------- */
 
 /* The root alone, occupied, is the wave. */
-ylm_status cells_root(baker *b);
+ylm_status ylm__cells_root(baker *b);
 /* Splits a cell; its occupied children come next. */
-ylm_status cells_split(baker *b, uint32_t cell);
+ylm_status ylm__cells_split(baker *b, uint32_t cell);
 /* The children that came next become the wave. */
-void cells_advance(baker *b);
+void ylm__cells_advance(baker *b);
 /* The cell in the same place before an update; NULL: none, or no update. */
 static inline const ylm_grid_cell *cells_before(const baker *b, const ylm_grid_cell *c) {
   return b->before && c->source != YLM_GRID_NONE ? &b->before[c->source] : NULL;
@@ -156,10 +157,10 @@ static inline const ylm_grid_cell *cells_before(const baker *b, const ylm_grid_c
 /* -- row.c ---------------------------------------------------------------------------------- */
 
 /* Relative distance of two rows; 0 where both vanish. */
-double row_distance(const float *a, const float *exact, size_t width);
+double ylm__row_distance(const float *a, const float *exact, size_t width);
 
 /* -- tolerance.c ---------------------------------------------------------------------------- */
 
-ylm_status tolerance_bake(baker *b);
+ylm_status ylm__tolerance_bake(baker *b);
 
 #endif

@@ -1,7 +1,7 @@
 /* cell_list.c - lists of cells. */
 #include "baker.h"
 
-ylm_status cell_list_push(cell_list *l, uint32_t cell) {
+ylm_status ylm__cell_list_push(cell_list *l, uint32_t cell) {
   if (l->n == l->room) {
     size_t room = l->room ? l->room * 2 : 64;
     uint32_t *more = ylm_realloc(l->cell, l->n * sizeof *more, room, sizeof *more);

@@ -2,7 +2,7 @@
 #include "panel.h"
 
 /* By the binomial distribution: exact (Clopper and Pearson 1934). */
-int confidence_allowed(size_t n, double share, double doubt) {
+int ylm__confidence_allowed(size_t n, double share, double doubt) {
   double term = exp((double)n * log1p(-share)), sum = term;
   int k = -1;
   while (sum <= doubt && (size_t)(k + 1) < n) {

@@ -168,13 +168,13 @@ static bool find_middles(const ylm_grid *g, const touched_box *b, uint32_t point
     if (!half || is_corner(n) || (around[n] & corners) != around[n]) continue;
     key[n] = lattice_key((const uint32_t[3]){
         b->origin[0] + n % 3 * half, b->origin[1] + n / 3 % 3 * half, b->origin[2] + n / 9 * half});
-    lattice_hash_prefetch(&g->hash, key[n]);
+    ylm__lattice_hash_prefetch(&g->hash, key[n]);
     wanted |= 1u << n;
   }
   bool any = false;
   for (uint32_t n = 0; n < 27; n++) {
     if (!(wanted >> n & 1)) continue;
-    point[n] = lattice_hash_find(&g->hash, key[n]);
+    point[n] = ylm__lattice_hash_find(&g->hash, key[n]);
     any |= point[n] != YLM_GRID_NONE && n != CENTRE;
   }
   return any;

@@ -17,13 +17,13 @@ static ylm_status reserve_used(baker *b) {
   return YLM_OK;
 }
 
-ylm_status corners_point(baker *b, const uint32_t at[3], uint8_t flags, uint32_t *index) {
+ylm_status ylm__corners_point(baker *b, const uint32_t at[3], uint8_t flags, uint32_t *index) {
   ylm_grid *g = b->g;
-  ylm_status s = lattice_hash_reserve(&b->g->hash, b->g->hash.used + 1);
+  ylm_status s = ylm__lattice_hash_reserve(&b->g->hash, b->g->hash.used + 1);
   if (s == YLM_OK) s = ylm__grid_reserve_points(g, 1);
   if (s == YLM_OK) s = reserve_used(b);
   if (s != YLM_OK) return s;
-  uint32_t *entry = lattice_hash_at(&b->g->hash, lattice_key(at));
+  uint32_t *entry = ylm__lattice_hash_at(&b->g->hash, lattice_key(at));
   if (*entry == YLM_GRID_NONE) {
     if (b->source->max_points && g->points >= b->source->max_points) return YLM_ELIMIT;
     *entry = (uint32_t)g->points++;
@@ -82,7 +82,7 @@ static void meet_brothers(const baker *b, uint32_t cell, family *f) {
     bool corner = place[0] != 1 && place[1] != 1 && place[2] != 1;
     for (int a = 0; a < 3; a++) at[a] = parent->origin[a] + place[a] * half;
     f->point[n] = corner ? parent->corner[place[0] / 2 + place[1] + place[2] * 2] : YLM_GRID_NONE;
-    if (!corner) lattice_hash_prefetch(&g->hash, lattice_key(at));
+    if (!corner) ylm__lattice_hash_prefetch(&g->hash, lattice_key(at));
   }
   f->asked = 0;
 }
@@ -113,7 +113,7 @@ static void look_for_corners(const baker *b, uint32_t cell, family *f) {
     uint32_t n = family_place(child, i), at[3];
     if (c->corner[i] == YLM_GRID_NONE && f->point[n] == YLM_GRID_NONE && !(f->asked >> n & 1)) {
       corner_at(g, c, (int)i, at);
-      f->point[n] = lattice_hash_find(&g->hash, lattice_key(at));
+      f->point[n] = ylm__lattice_hash_find(&g->hash, lattice_key(at));
       f->asked |= 1u << n;
     }
     if (c->corner[i] == YLM_GRID_NONE) c->corner[i] = f->point[n];
@@ -137,7 +137,7 @@ static ylm_status look_in_wave(void *context, size_t begin, size_t end, int work
 }
 
 /* Finds the corners of the wave's cells; new points wait, in the order of cells. */
-ylm_status corners_find(baker *b) {
+ylm_status ylm__corners_find(baker *b) {
   ylm_grid *g = b->g;
   ylm_parallel(b->wave.n, 512, b->source->threads, look_in_wave, b, NULL, NULL);
   for (size_t j = 0; j < b->wave.n; j++) {
@@ -146,7 +146,7 @@ ylm_status corners_find(baker *b) {
       uint32_t at[3];
       if (c->corner[i] == YLM_GRID_NONE) {
         corner_at(g, c, i, at);
-        ylm_status s = corners_point(b, at, 0, &c->corner[i]);
+        ylm_status s = ylm__corners_point(b, at, 0, &c->corner[i]);
         if (s != YLM_OK) return s;
       }
       g->flags[c->corner[i]] &= (uint8_t)~YLM_GRID_POINT_TESTED;
@@ -171,19 +171,20 @@ static ylm_status find_shared_corners(void *context, size_t begin, size_t end, i
 }
 
 /* Corners of unoccupied cells that were evaluated for their neighbours. */
-void corners_find_shared(baker *b, const uint8_t *only) {
+void ylm__corners_find_shared(baker *b, const uint8_t *only) {
   shared_job j = {b, only};
   ylm_parallel(b->g->view.octree_cells, 1024, b->source->threads, find_shared_corners, &j, NULL,
                NULL);
 }
 
 /* The parents of cells that somebody else has made. */
-ylm_status corners_find_parents(baker *b) {
+ylm_status ylm__corners_find_parents(baker *b) {
   const ylm_grid *g = b->g;
   ylm_status s = YLM_OK;
   if (g->view.form.kind == YLM_GRID_UNIFORM || b->parent.n == (g->cells - 1) / 8) return YLM_OK;
   b->parent.n = 0;
-  for (size_t i = 0; i < (g->cells - 1) / 8 && s == YLM_OK; i++) s = cell_list_push(&b->parent, 0);
+  for (size_t i = 0; i < (g->cells - 1) / 8 && s == YLM_OK; i++)
+    s = ylm__cell_list_push(&b->parent, 0);
   for (size_t i = 0; i < g->cells && s == YLM_OK; i++)
     if (g->cell[i].child) b->parent.cell[(g->cell[i].child - 1) / 8] = (uint32_t)i;
   return s;

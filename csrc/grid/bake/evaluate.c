@@ -26,13 +26,14 @@ static ylm_status ask(baker *b, const ylm_field *field, int want, int channels, 
   return s;
 }
 
-ylm_status evaluate_values(baker *b, size_t n, const float *points, float *value, uint8_t *inside) {
+ylm_status ylm__evaluate_values(baker *b, size_t n, const float *points, float *value,
+                                uint8_t *inside) {
   ylm_field_result r = {.value = value, .inside = inside};
   memset(inside, 0, n);
   return ask(b, b->source->field, YLM_WANT_VALUE, b->g->view.form.channels, n, points, &r);
 }
 
-ylm_status evaluate_ask(baker *b, const ylm_field *field, size_t n, field_block *k) {
+ylm_status ylm__evaluate_ask(baker *b, const ylm_field *field, size_t n, field_block *k) {
   const ylm_grid_form *f = &b->g->view.form;
   ylm_field_result r = {.value = k->value,
                         .gradient = k->gradient,
@@ -121,13 +122,13 @@ static ylm_status evaluate_block(const evaluation *j, size_t n) {
   baker *b = j->b;
   for (size_t i = 0; i < n; i++)
     ylm__grid_asked(b->g, (uint32_t)point_of(j, i), j->block->position + 3 * i);
-  ylm_status s = evaluate_ask(b, b->source->field, n, j->block);
+  ylm_status s = ylm__evaluate_ask(b, b->source->field, n, j->block);
   if (s != YLM_OK) return s;
   s = ylm_parallel(n, 64, b->source->threads, store_block, (void *)(uintptr_t)j, NULL, NULL);
   return s == YLM_EDOMAIN ? not_finite(j, n) : s;
 }
 
-void evaluate_free_block(field_block *k) {
+void ylm__evaluate_free_block(field_block *k) {
   ylm_free(k->position);
   ylm_free(k->value);
   ylm_free(k->gradient);
@@ -138,12 +139,12 @@ void evaluate_free_block(field_block *k) {
   *k = (field_block){0};
 }
 
-ylm_status evaluate_reserve_block(baker *b, field_block *k, size_t n) {
+ylm_status ylm__evaluate_reserve_block(baker *b, field_block *k, size_t n) {
   size_t width = b->g->width;
   if (n > BLOCK) n = BLOCK;
   if (n <= k->room) return YLM_OK;
   bool bends = b->g->follower && b->g->view.form.metric_channels;
-  evaluate_free_block(k);
+  ylm__evaluate_free_block(k);
   *k = (field_block){.position = ylm_alloc(n, 3 * sizeof(float)),
                      .value = ylm_alloc(n, width * sizeof(float)),
                      .gradient = ylm_alloc(n, 3 * width * sizeof(float)),
@@ -157,8 +158,8 @@ ylm_status evaluate_reserve_block(baker *b, field_block *k, size_t n) {
   return ok ? YLM_OK : YLM_ENOMEM;
 }
 
-ylm_status evaluate_points(baker *b, size_t n, const uint32_t *list, size_t first) {
-  ylm_status s = evaluate_reserve_block(b, &b->block, n);
+ylm_status ylm__evaluate_points(baker *b, size_t n, const uint32_t *list, size_t first) {
+  ylm_status s = ylm__evaluate_reserve_block(b, &b->block, n);
   for (size_t i = 0; s == YLM_OK && i < n; i += BLOCK) {
     evaluation j = {b, &b->block, list ? list + i : NULL, first + i};
     s = evaluate_block(&j, n - i < BLOCK ? n - i : BLOCK);

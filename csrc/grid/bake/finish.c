@@ -4,14 +4,14 @@
 ylm_status ylm__finish(baker *b) {
   ylm_grid *g = b->g;
   int threads = b->source->threads;
-  ylm_status s = backend_fetch(b);
+  ylm_status s = ylm__backend_fetch(b);
   if (s == YLM_OK && backend_keeps_cells(b)) s = ylm__assemble(b);
   if (s != YLM_OK) return s;
   g->view.octree_cells = g->cells;
-  s = corners_find_parents(b);
+  s = ylm__corners_find_parents(b);
   if (s != YLM_OK) return s;
   double t = ylm_seconds();
-  corners_find_shared(b, NULL);
+  ylm__corners_find_shared(b, NULL);
   g->stats.lattice_seconds += ylm_seconds() - t;
   s = ylm__grid_fill_invalid(g);
   t = ylm_seconds();

@@ -12,19 +12,19 @@ static void shading_point(const ylm_grid_source *s, size_t k, float out[3]) {
                  : ((const float *)s->occupied_points)[3 * k + a];
 }
 
-void held_surface_point(const ylm_grid_surface *surface, uint64_t seed, uint64_t k, uint64_t strata,
-                        float out[3]) {
+void ylm__held_surface_point(const ylm_grid_surface *surface, uint64_t seed, uint64_t k,
+                             uint64_t strata, float out[3]) {
   double p[3], normal[3];
   ylm_grid_surface_draw(surface, seed, k, strata, p, normal);
   for (int a = 0; a < 3; a++) out[a] = (float)p[a];
 }
 
-void held_draw(const refiner *r, ylm_rng *rng, float out[3]) {
+void ylm__held_draw(const refiner *r, ylm_rng *rng, float out[3]) {
   const ylm_grid_source *s = r->b->source;
   const double *box = r->b->g->view.form.bounds;
   if (r->surface) {
     uint64_t high = ylm_rng_u32(rng), low = ylm_rng_u32(rng);
-    held_surface_point(r->surface, high << 32 | low, 0, 1, out);
+    ylm__held_surface_point(r->surface, high << 32 | low, 0, 1, out);
   } else if (s->occupied_points)
     shading_point(s, (size_t)(ylm_rng_double(rng) * (double)s->occupied), out);
   else
@@ -32,33 +32,33 @@ void held_draw(const refiner *r, ylm_rng *rng, float out[3]) {
       out[a] = (float)(box[a] + (box[a + 3] - box[a]) * ylm_rng_double(rng));
 }
 
-uint32_t held_leaf(const ylm_grid *g, const float x[3]) {
+uint32_t ylm__held_leaf(const ylm_grid *g, const float x[3]) {
   return ylm_grid_locate(g, (double[3]){(double)x[0], (double)x[1], (double)x[2]}, false, NULL);
 }
 
-ylm_status held_points(refiner *r, ylm_rng *rng, bool all, size_t n) {
+ylm_status ylm__held_points(refiner *r, ylm_rng *rng, bool all, size_t n) {
   const ylm_grid_source *s = r->b->source;
   bool here = s->occupied_points || !backend_has_shading(s);
   size_t index[HELD_OUT];
   for (size_t i = 0; i < n; i++) {
     if (here && !all)
-      held_draw(r, rng, r->points + 3 * i);
+      ylm__held_draw(r, rng, r->points + 3 * i);
     else if (here)
       shading_point(s, i, r->points + 3 * i);
     else
       index[i] = all ? i : (size_t)(ylm_rng_double(rng) * (double)s->occupied);
   }
-  return here ? YLM_OK : backend_shading(r->b, n, index, r->points);
+  return here ? YLM_OK : ylm__backend_shading(r->b, n, index, r->points);
 }
 
-void held_fractions(const ylm_grid *g, const ylm_grid_cell *c, const float x[3], float t[3]) {
+void ylm__held_fractions(const ylm_grid *g, const ylm_grid_cell *c, const float x[3], float t[3]) {
   double at[3], inverse = 1 / (double)ylm__grid_edge(g, c);
   ylm__grid_coordinates(g, (double[3]){(double)x[0], (double)x[1], (double)x[2]}, at);
   for (int a = 0; a < 3; a++) t[a] = (float)edge_fraction(at[a], c->origin[a], inverse);
 }
 
-ylm_grid_probe held_probe(const ylm_grid *g, const ylm_grid_cell *c, const float t[3],
-                          uint32_t point) {
+ylm_grid_probe ylm__held_probe(const ylm_grid *g, const ylm_grid_cell *c, const float t[3],
+                               uint32_t point) {
   ylm_grid_probe p = {.edge = ylm__grid_edge(g, c), .point = point, .t = {t[0], t[1], t[2]}};
   memcpy(p.corner, c->corner, sizeof p.corner);
   return p;

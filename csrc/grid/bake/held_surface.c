@@ -47,8 +47,8 @@ static ylm_status hold_voxels(const refiner *r, uint64_t round, size_t *n, float
   if (!c) return YLM_ENOMEM;
   ylm_rng_seed(&rng, seed, round);
   for (size_t i = 0; i < candidates; i++) {
-    held_surface_point(r->surface, seed, round * candidates + i, candidates, c[i].x);
-    c[i].leaf = held_leaf(r->b->g, c[i].x);
+    ylm__held_surface_point(r->surface, seed, round * candidates + i, candidates, c[i].x);
+    c[i].leaf = ylm__held_leaf(r->b->g, c[i].x);
   }
   *n = choose_voxels(c, candidates, &rng, *n, out);
   ylm_free(c);
@@ -67,7 +67,7 @@ static size_t hold_triangles(const refiner *r, uint64_t round, size_t n, float *
   return held;
 }
 
-ylm_status held_surface(refiner *r, uint64_t round, size_t n) {
+ylm_status ylm__held_surface(refiner *r, uint64_t round, size_t n) {
   size_t voxels = n / EXTRA, aside = 0;
   ylm_status s = YLM_OK;
   if (round <= MAX_ROUNDS) {
@@ -76,7 +76,7 @@ ylm_status held_surface(refiner *r, uint64_t round, size_t n) {
   }
   size_t area = n - aside;
   for (size_t i = 0; s == YLM_OK && i < area; i++)
-    held_surface_point(r->surface, r->b->source->seed, round * n + i, area,
-                       r->points + 3 * (aside + i));
+    ylm__held_surface_point(r->surface, r->b->source->seed, round * n + i, area,
+                            r->points + 3 * (aside + i));
   return s;
 }

@@ -72,7 +72,7 @@ static ylm_status list_cells(const ylm_grid *g, filling *f) {
     if (c->flags & YLM_GRID_ADDED) continue;
     for (int k = 0; k < 8; k++)
       any |= c->corner[k] != YLM_GRID_NONE && f->slot[c->corner[k]] != YLM_GRID_NONE;
-    if (any) s = cell_list_push(&f->cell, (uint32_t)i);
+    if (any) s = ylm__cell_list_push(&f->cell, (uint32_t)i);
   }
   return s;
 }

@@ -4,7 +4,7 @@
 #include <math.h>
 #include <string.h>
 
-float metric_of(const baker *b, const ylm_grid_cell *c, ylm_grid_metric metric) {
+float ylm__metric_of(const baker *b, const ylm_grid_cell *c, ylm_grid_metric metric) {
   const ylm_grid *g = b->g;
   if (!g->view.form.metric_channels) return NAN;
   double box = 0, sum = 0, edge = ylm__grid_edge(g, c);
@@ -24,7 +24,7 @@ static ylm_status find_metric(void *context, size_t begin, size_t end, int worke
   const baker *b = context;
   for (size_t i = begin; i < end; i++) {
     ylm_grid_cell *c = &b->g->cell[b->wave.cell[i]];
-    c->error = metric_of(b, c, b->g->view.form.metric);
+    c->error = ylm__metric_of(b, c, b->g->view.form.metric);
   }
   return YLM_OK;
 }
@@ -89,7 +89,7 @@ static ylm_status find_crossed(baker *b) {
   return s;
 }
 
-ylm_status metric_find(baker *b) {
+ylm_status ylm__metric_find(baker *b) {
   ylm_status s = ylm_parallel(b->wave.n, 512, b->source->threads, find_metric, b, NULL, NULL);
   return s == YLM_OK && b->g->view.form.kind != YLM_GRID_UNIFORM ? find_crossed(b) : s;
 }

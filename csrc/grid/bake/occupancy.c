@@ -165,8 +165,8 @@ static void mark_codes(occupancy *o, const uint64_t *code, size_t n) {
   for (size_t i = 0; i < n; i++) set_bit(o->bits[o->dense], code[i] >> 3 * (o->depth - o->dense));
 }
 
-ylm_status occupancy_build(occupancy *o, const ylm_grid *g, const ylm_grid_source *s,
-                           uint64_t *outside) {
+ylm_status ylm__occupancy_build(occupancy *o, const ylm_grid *g, const ylm_grid_source *s,
+                                uint64_t *outside) {
   *o = (occupancy){.depth = g->view.form.depth, .all = !s->occupied_points};
   if (o->all) return YLM_OK;
   ylm_status status = begin(o, g);
@@ -182,7 +182,7 @@ ylm_status occupancy_build(occupancy *o, const ylm_grid *g, const ylm_grid_sourc
   return YLM_OK;
 }
 
-ylm_status occupancy_take(occupancy *o, const ylm_grid *g, uint64_t *code, size_t n) {
+ylm_status ylm__occupancy_take(occupancy *o, const ylm_grid *g, uint64_t *code, size_t n) {
   ylm_status status = begin(o, g);
   if (status == YLM_OK) mark_codes(o, code, n);
   if (status == YLM_OK) mark_parents(o);
@@ -194,12 +194,12 @@ ylm_status occupancy_take(occupancy *o, const ylm_grid *g, uint64_t *code, size_
   return status;
 }
 
-ylm_status occupancy_from_surfaces(occupancy *o, const ylm_grid *g, const ylm_grid_source *s,
-                                   uint64_t *outside, ylm_error *e) {
+ylm_status ylm__occupancy_from_surfaces(occupancy *o, const ylm_grid *g, const ylm_grid_source *s,
+                                        uint64_t *outside, ylm_error *e) {
   uint64_t *code;
   size_t n;
   ylm_status status = ylm_grid_surface_voxels(g, s, &code, &n, outside, e);
-  return status == YLM_OK ? occupancy_take(o, g, code, n) : status;
+  return status == YLM_OK ? ylm__occupancy_take(o, g, code, n) : status;
 }
 
 /* The place of the first code from `first` on, looked for behind `begin`. */
@@ -221,7 +221,7 @@ static size_t code_from(const occupancy *o, size_t begin, uint64_t first) {
   return lo;
 }
 
-uint8_t occupancy_children(const occupancy *o, int level, const uint32_t origin[3]) {
+uint8_t ylm__occupancy_children(const occupancy *o, int level, const uint32_t origin[3]) {
   if (o->all) return 0xff;
   int below = o->depth - level;
   uint64_t code = ylm__morton(origin[0] >> below, origin[1] >> below, origin[2] >> below);
@@ -260,14 +260,14 @@ static ylm_status mark_voxels(void *context, size_t begin, size_t end, int worke
   return YLM_OK;
 }
 
-void occupancy_mark_uniform(const ylm_grid *g, const ylm_grid_source *s, uint8_t *mark,
-                            uint64_t *outside) {
+void ylm__occupancy_mark_uniform(const ylm_grid *g, const ylm_grid_source *s, uint8_t *mark,
+                                 uint64_t *outside) {
   mark_job j = {.g = g, .source = s, .mark = mark};
   ylm_parallel(s->occupied, BLOCK, s->threads, mark_voxels, &j, NULL, NULL);
   *outside += j.outside;
 }
 
-void occupancy_free(occupancy *o) {
+void ylm__occupancy_free(occupancy *o) {
   for (int level = 0; level <= DENSE; level++) ylm_free(o->bits[level]);
   ylm_free(o->code);
   *o = (occupancy){0};

@@ -75,7 +75,7 @@ static void mark(marker *k, const uint32_t at[3]) {
 /* Marks those of the voxels first .. last that a triangle meets. */
 static void mark_box(marker *k, const uint32_t first[3], const uint32_t last[3]) {
   int longest = 0;
-  if (!triangle_meets(k->t, first, last) || k->m->marked > MOST) return;
+  if (!ylm__triangle_meets(k->t, first, last) || k->m->marked > MOST) return;
   for (int a = 1; a < 3; a++)
     if (last[a] - first[a] > last[longest] - first[longest]) longest = a;
   if (last[longest] == first[longest]) {
@@ -95,13 +95,13 @@ static void mark_box(marker *k, const uint32_t first[3], const uint32_t last[3])
 static bool set_triangle(const marking *m, size_t i, triangle *t) {
   double p[3][3];
   bool within = true;
-  triangle_list_get(&m->list, i, p);
+  ylm__triangle_list_get(&m->list, i, p);
   for (int c = 0; c < 3; c++)
     for (int a = 0; a < 3; a++) {
       within &= p[c][a] >= m->bounds[a] && p[c][a] <= m->bounds[a + 3];
       p[c][a] = (p[c][a] - m->bounds[a]) * m->scale[a];
     }
-  triangle_set(t, (const double(*)[3])p, m->margin);
+  ylm__triangle_set(t, (const double(*)[3])p, m->margin);
   return within;
 }
 
@@ -112,7 +112,7 @@ static bool range_of(const marking *m, const triangle *t, size_t part, uint32_t 
     uint64_t r = m->resolution[a], parts = (uint64_t)m->parts, k = part % parts;
     uint64_t lo = r * k / parts, end = r * (k + 1) / parts;
     part /= parts;
-    if (lo == end || !triangle_range(t, a, (uint32_t)r, &first[a], &last[a])) return false;
+    if (lo == end || !ylm__triangle_range(t, a, (uint32_t)r, &first[a], &last[a])) return false;
     if (first[a] < lo) first[a] = (uint32_t)lo;
     if (last[a] >= end) last[a] = (uint32_t)(end - 1);
     if (first[a] > last[a]) return false;
@@ -203,11 +203,11 @@ ylm_status ylm_grid_surface_voxels(const ylm_grid *g, const ylm_grid_source *sou
   marking m = {.source = source,
                .bounds = g->view.form.bounds,
                .uniform = g->view.form.kind == YLM_GRID_UNIFORM};
-  ylm_status s = triangle_list_make(&m.list, source->meshes, source->mesh);
+  ylm_status s = ylm__triangle_list_make(&m.list, source->meshes, source->mesh);
   m.parts = m.list.triangles < FEW ? PARTS : 1;
   *n = 0;
   if (s == YLM_OK) s = mark_all(&m, g, n);
-  triangle_list_free(&m.list);
+  ylm__triangle_list_free(&m.list);
   *outside += m.outside;
   *code = m.above;
   if (s == YLM_OK && *n) return YLM_OK;

@@ -29,7 +29,7 @@ static ylm_status mark_uniform(baker *b, uint8_t *mark, size_t n) {
     if (!b->source->occupied_points)
       memset(mark, 1, n);
     else
-      occupancy_mark_uniform(b->g, b->source, mark, &stats->outside);
+      ylm__occupancy_mark_uniform(b->g, b->source, mark, &stats->outside);
     return YLM_OK;
   }
   ylm_status s = ylm_grid_surface_voxels(b->g, b->source, &voxel, &voxels, &stats->outside, b->e);
@@ -52,7 +52,7 @@ static ylm_status list_lattice(baker *b) {
   if (s == YLM_OK) s = reserve_uniform(b, mark, n);
   for (size_t i = 0; i < n && s == YLM_OK; i++) {
     if (!mark[i]) continue;
-    s = cell_list_push(&b->wave, (uint32_t)g->cells);
+    s = ylm__cell_list_push(&b->wave, (uint32_t)g->cells);
     if (s != YLM_OK) break;
     ylm_grid_cell c = {.error = NAN, .residual = NAN, .flags = YLM_GRID_LEAF | YLM_GRID_OCCUPIED};
     c.origin[0] = (uint32_t)(i % r[0]);
@@ -71,17 +71,17 @@ static ylm_status list_lattice(baker *b) {
 static ylm_status find_occupied(baker *b, uint64_t *code, size_t n) {
   occupancy *o = &b->learnt.occupied;
   uint64_t *outside = &b->g->stats.outside;
-  if (code) return occupancy_take(o, b->g, code, n);
-  if (!b->source->meshes) return occupancy_build(o, b->g, b->source, outside);
-  ylm_status s = occupancy_from_surfaces(o, b->g, b->source, outside, b->e);
+  if (code) return ylm__occupancy_take(o, b->g, code, n);
+  if (!b->source->meshes) return ylm__occupancy_build(o, b->g, b->source, outside);
+  ylm_status s = ylm__occupancy_from_surfaces(o, b->g, b->source, outside, b->e);
   b->told = s != YLM_OK && s != YLM_ENOMEM;
   return s;
 }
 
-ylm_status occupy_voxels(baker *b, uint64_t *code, size_t n) {
+ylm_status ylm__occupy_voxels(baker *b, uint64_t *code, size_t n) {
   if (b->g->view.form.kind == YLM_GRID_UNIFORM) return list_lattice(b);
   double t = ylm_seconds();
   ylm_status s = find_occupied(b, code, n);
   b->g->stats.occupancy_seconds += ylm_seconds() - t;
-  return s == YLM_OK ? cells_root(b) : s;
+  return s == YLM_OK ? ylm__cells_root(b) : s;
 }

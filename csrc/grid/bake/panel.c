@@ -12,7 +12,7 @@
 
 /* -- arrays --------------------------------------------------------------------------------- */
 
-void panel_free(panel *p) {
+void ylm__panel_free(panel *p) {
   ylm_free(p->point);
   ylm_free(p->exact);
   ylm_free(p->drift);
@@ -22,12 +22,12 @@ void panel_free(panel *p) {
   *p = (panel){0};
 }
 
-size_t panel_bytes(const panel *p, size_t width) {
+size_t ylm__panel_bytes(const panel *p, size_t width) {
   size_t kept = p->sampled ? width * sizeof *p->sampled + 16 : 0; /* 16: of the track */
   return p->n * (3 * sizeof *p->point + width * sizeof *p->exact + sizeof *p->drift + 1 + kept);
 }
 
-ylm_status panel_copy_light(panel *to, const panel *from, size_t width) {
+ylm_status ylm__panel_copy_light(panel *to, const panel *from, size_t width) {
   *to = *from;
   to->exact = ylm_alloc_copy(from->exact, from->n, width * sizeof *to->exact);
   to->drift = ylm_alloc_copy(from->drift, from->n, sizeof *to->drift);
@@ -35,14 +35,14 @@ ylm_status panel_copy_light(panel *to, const panel *from, size_t width) {
   return to->exact && to->drift && to->inside ? YLM_OK : YLM_ENOMEM;
 }
 
-void panel_forget_light(panel *p) {
+void ylm__panel_forget_light(panel *p) {
   ylm_free(p->exact);
   ylm_free(p->drift);
   ylm_free(p->inside);
   *p = (panel){0};
 }
 
-void panel_exchange(panel *a, panel *b) {
+void ylm__panel_exchange(panel *a, panel *b) {
   panel was = *a;
   *a = *b;
   *b = was;
@@ -65,7 +65,8 @@ static ylm_status reserve(panel *p, size_t n, size_t width) {
 
 /* The most failures with which the promise is kept; -1: it cannot be said. */
 static int most_failures(const panel *p, size_t points, double doubt) {
-  return p->all ? (int)(PROMISED * (double)points) : confidence_allowed(points, PROMISED, doubt);
+  return p->all ? (int)(PROMISED * (double)points)
+                : ylm__confidence_allowed(points, PROMISED, doubt);
 }
 
 /* Sorts x into the n largest numbers so far, largest first. */
@@ -76,8 +77,8 @@ static void sort_in(double *largest, size_t n, double x) {
   largest[i] = x;
 }
 
-ylm_status panel_rule(const panel *p, const double *error, double tolerance, double doubt,
-                      ruling *out) {
+ylm_status ylm__panel_rule(const panel *p, const double *error, double tolerance, double doubt,
+                           ruling *out) {
   *out = (ruling){.met = true};
   for (size_t i = 0; i < p->n; i++) {
     out->points += error[i] >= 0;
@@ -96,19 +97,19 @@ ylm_status panel_rule(const panel *p, const double *error, double tolerance, dou
   return YLM_OK;
 }
 
-double panel_error(const panel *p, size_t i, const float *sample, size_t width) {
+double ylm__panel_error(const panel *p, size_t i, const float *sample, size_t width) {
   if (p->inside[i]) return -1;
-  double error = row_distance(sample, p->exact + i * width, width);
+  double error = ylm__row_distance(sample, p->exact + i * width, width);
   return isnan(error) ? INFINITY : error;
 }
 
-ylm_status panel_rule_samples(const ylm_grid *g, const panel *p, const float *sampled, double doubt,
-                              ruling *out) {
+ylm_status ylm__panel_rule_samples(const ylm_grid *g, const panel *p, const float *sampled,
+                                   double doubt, ruling *out) {
   size_t w = g->width;
   double *error = ylm_alloc(p->n, sizeof *error);
   if (!error) return YLM_ENOMEM;
-  for (size_t i = 0; i < p->n; i++) error[i] = panel_error(p, i, sampled + i * w, w);
-  ylm_status s = panel_rule(p, error, g->view.form.tolerance, doubt, out);
+  for (size_t i = 0; i < p->n; i++) error[i] = ylm__panel_error(p, i, sampled + i * w, w);
+  ylm_status s = ylm__panel_rule(p, error, g->view.form.tolerance, doubt, out);
   ylm_free(error);
   return s;
 }
@@ -120,12 +121,12 @@ static ylm_status rule_finished(const ylm_grid *g, const panel *p, double doubt,
   float *sampled = ylm_alloc(p->n, g->width * sizeof *sampled);
   ylm_status s = sampled ? YLM_OK : YLM_ENOMEM;
   if (s == YLM_OK) s = ylm_grid_sample(g, &q, p->n, p->point, sampled, NULL, NULL, e);
-  if (s == YLM_OK) s = panel_rule_samples(g, p, sampled, doubt, out);
+  if (s == YLM_OK) s = ylm__panel_rule_samples(g, p, sampled, doubt, out);
   ylm_free(sampled);
   return s;
 }
 
-void panel_report(ylm_grid_stats *s, const panel *p, const ruling *r, bool limited) {
+void ylm__panel_report(ylm_grid_stats *s, const panel *p, const ruling *r, bool limited) {
   s->verified = r->points;
   s->error = r->error;
   s->largest_error = r->largest;
@@ -165,7 +166,7 @@ static bool is_open(const ruling *r) {
   return !r->met && (double)r->failed <= expected + 2 * sqrt(expected);
 }
 
-ylm_status panel_judge(refiner *r, bool limited) {
+ylm_status ylm__panel_judge(refiner *r, bool limited) {
   ylm_grid *g = r->b->g;
   panel p = {.all = r->all};
   ruling said = {0};
@@ -179,10 +180,10 @@ ylm_status panel_judge(refiner *r, bool limited) {
     if (p.all || !is_open(&said)) break;
   }
   if (s == YLM_OK && g->follower && !p.all) s = draw(r, &p, &had, PANEL / HELD_OUT);
-  if (s == YLM_OK) panel_report(&g->stats, &p, &said, limited);
+  if (s == YLM_OK) ylm__panel_report(&g->stats, &p, &said, limited);
   if (s == YLM_OK && g->follower)
     r->b->learnt.panel = p;
   else
-    panel_free(&p);
+    ylm__panel_free(&p);
   return s;
 }

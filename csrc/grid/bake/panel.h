@@ -39,26 +39,26 @@ typedef struct ruling {
 ** largest k for which more than k of n fail with a chance of at least 1 - doubt wherever `share`
 ** or more do. -1: n points are too few.
 */
-int confidence_allowed(size_t n, double share, double doubt);
+int ylm__confidence_allowed(size_t n, double share, double doubt);
 
 /* -- panel.c ---------------------------------------------------------------------------- */
 
-void panel_free(panel *p);
+void ylm__panel_free(panel *p);
 /* A panel of the same points with light of its own, a copy; what frees it; two that change it. */
-ylm_status panel_copy_light(panel *to, const panel *from, size_t width);
-void panel_forget_light(panel *p);
-void panel_exchange(panel *a, panel *b);
+ylm_status ylm__panel_copy_light(panel *to, const panel *from, size_t width);
+void ylm__panel_forget_light(panel *p);
+void ylm__panel_exchange(panel *a, panel *b);
 /* Bytes of n points. */
-size_t panel_bytes(const panel *p, size_t width);
+size_t ylm__panel_bytes(const panel *p, size_t width);
 /* The error of a sample at point i; negative: left out; what is no number fails. */
-double panel_error(const panel *p, size_t i, const float *sample, size_t width);
+double ylm__panel_error(const panel *p, size_t i, const float *sample, size_t width);
 /* Judges the errors of all points. */
-ylm_status panel_rule(const panel *p, const double *error, double tolerance, double doubt,
-                      ruling *out);
+ylm_status ylm__panel_rule(const panel *p, const double *error, double tolerance, double doubt,
+                           ruling *out);
 /* Judges samples of a finished grid. */
-ylm_status panel_rule_samples(const ylm_grid *g, const panel *p, const float *sampled, double doubt,
-                              ruling *out);
+ylm_status ylm__panel_rule_samples(const ylm_grid *g, const panel *p, const float *sampled,
+                                   double doubt, ruling *out);
 /* The grid's stats say what the ruling does. */
-void panel_report(ylm_grid_stats *s, const panel *p, const ruling *r, bool limited);
+void ylm__panel_report(ylm_grid_stats *s, const panel *p, const ruling *r, bool limited);
 
 #endif

@@ -5,7 +5,7 @@ static ylm_status corners(void *self, const ylm_grid_making *m, int level, size_
   baker *b = self;
   (void)m;
   (void)level;
-  ylm_status s = corners_find(b);
+  ylm_status s = ylm__corners_find(b);
   *fresh = b->g->points - b->g->evaluated;
   return s;
 }
@@ -13,7 +13,7 @@ static ylm_status corners(void *self, const ylm_grid_making *m, int level, size_
 static ylm_status evaluate(void *self, const ylm_grid_making *m, size_t n) {
   baker *b = self;
   (void)m;
-  return evaluate_points(b, n, NULL, b->g->evaluated);
+  return ylm__evaluate_points(b, n, NULL, b->g->evaluated);
 }
 
 /* Splits the wave's cells by the threshold. */
@@ -24,9 +24,9 @@ static ylm_status split(baker *b, double threshold) {
     const ylm_grid_cell *c = &g->cell[b->wave.cell[i]];
     bool crossed = c->flags & YLM_GRID_CROSSED;
     if (c->level < g->view.form.depth && cell_splits((double)c->error, threshold, crossed))
-      s = cells_split(b, b->wave.cell[i]);
+      s = ylm__cells_split(b, b->wave.cell[i]);
   }
-  cells_advance(b);
+  ylm__cells_advance(b);
   return s;
 }
 
@@ -35,7 +35,7 @@ static ylm_status metric(void *self, const ylm_grid_making *m, int level, size_t
   const ylm_grid_form *f = &b->g->view.form;
   (void)m;
   (void)level;
-  ylm_status s = metric_find(b);
+  ylm_status s = ylm__metric_find(b);
   if (s != YLM_OK || f->kind == YLM_GRID_UNIFORM || f->tolerance > 0) return s;
   s = split(b, f->threshold);
   *next = b->wave.n;
@@ -62,7 +62,7 @@ static ylm_status compare(void *context, size_t begin, size_t end, int worker) {
     for (int r = 0; r < 4; r++)
       for (int k = 0; k < 8; k++) row[8 * r + k] = ylm__grid_row(g, p->corner[k], r);
     ylm__grid_mix(g, row, p->edge, p->t, value, NULL);
-    j->distance[i] = row_distance(value, exact, g->width);
+    j->distance[i] = ylm__row_distance(value, exact, g->width);
   }
   return YLM_OK;
 }
@@ -71,7 +71,7 @@ static ylm_status residuals(void *self, const ylm_grid_making *m, size_t n,
                             const ylm_grid_probe *probe, const ylm_grid_held *held,
                             double *distance) {
   baker *b = self;
-  ylm_status s = held ? evaluate_values(b, n, held->place, held->value, held->inside) : YLM_OK;
+  ylm_status s = held ? ylm__evaluate_values(b, n, held->place, held->value, held->inside) : YLM_OK;
   comparison j = {b, probe, held ? held->value : NULL, distance};
   (void)m;
   return s == YLM_OK ? ylm_parallel(n, 64, b->source->threads, compare, &j, NULL, NULL) : s;
@@ -79,7 +79,7 @@ static ylm_status residuals(void *self, const ylm_grid_making *m, size_t n,
 
 /* -- the table ------------------------------------------------------------------------------- */
 
-ylm_grid_backend processor_backend(baker *b) {
+ylm_grid_backend ylm__processor_backend(baker *b) {
   return (ylm_grid_backend){.self = b,
                             .corners = corners,
                             .evaluate = evaluate,

@@ -23,11 +23,11 @@ static ylm_status refine_level(baker *b, int level, size_t *voxels) {
   ylm_status s = k->corners(k->self, &b->making, level, &fresh);
   b->g->stats.lattice_seconds += ylm_seconds() - t;
   *voxels = 0;
-  if (s == YLM_OK) s = backend_evaluate(b, fresh);
+  if (s == YLM_OK) s = ylm__backend_evaluate(b, fresh);
   if (s == YLM_OK) s = k->metric(k->self, &b->making, level, voxels);
   if (s != YLM_OK || !b->choose) return s;
   s = b->choose(b->chooser);
-  cells_advance(b);
+  ylm__cells_advance(b);
   *voxels = b->wave.n;
   return s;
 }

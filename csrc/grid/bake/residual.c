@@ -22,25 +22,25 @@ static double ratios_quantile(const ratios *r, double q) {
 
 static double metric_squared(const refiner *r, const ylm_grid_cell *c) {
   bool known = r->b->g->view.form.metric == YLM_GRID_RELATIVE;
-  double e = (double)(known ? c->error : metric_of(r->b, c, YLM_GRID_RELATIVE));
+  double e = (double)(known ? c->error : ylm__metric_of(r->b, c, YLM_GRID_RELATIVE));
   return e * e;
 }
 
-void residual_learn(refiner *r) {
+void ylm__residual_learn(refiner *r) {
   r->trusted = r->ratio.n >= FEW_RATIOS;
   r->median = ratios_quantile(&r->ratio, MEDIAN_RATIO);
   r->high = ratios_quantile(&r->ratio, HIGH_RATIO);
 }
 
 /* The error that a cell may have. */
-double residual_estimate(const refiner *r, const ylm_grid_cell *c) {
+double ylm__residual_estimate(const refiner *r, const ylm_grid_cell *c) {
   if (!isnan(c->residual)) return (double)c->residual;
   double e2 = metric_squared(r, c);
   return r->trusted ? r->median * e2 : sqrt(e2);
 }
 
 /* True if a measurement may change what happens to a cell. */
-bool residual_wanted(const refiner *r, const ylm_grid_cell *c) {
+bool ylm__residual_wanted(const refiner *r, const ylm_grid_cell *c) {
   if (c->level >= r->b->g->view.form.depth || c->flags & YLM_GRID_CROSSED) return false;
   if (!isnan(c->residual)) return false;
   double e2 = metric_squared(r, c);
@@ -69,7 +69,7 @@ static size_t list_probes(refiner *r, ylm_grid_probe *probe) {
     uint32_t centre = r->centre.cell[i];
     if (take_residual(b, c, centre)) continue;
     r->tested.cell[n] = r->tested.cell[i];
-    probe[n++] = held_probe(b->g, c, (const float[3]){0.5f, 0.5f, 0.5f}, centre);
+    probe[n++] = ylm__held_probe(b->g, c, (const float[3]){0.5f, 0.5f, 0.5f}, centre);
   }
   return n;
 }
@@ -81,7 +81,7 @@ static ylm_status find_residuals(refiner *r) {
   double *distance = ylm_alloc(n, sizeof *distance);
   ylm_status s = probe && distance ? YLM_OK : YLM_ENOMEM;
   if (s == YLM_OK) r->tested.n = list_probes(r, probe);
-  if (s == YLM_OK) s = backend_residuals(r->b, r->tested.n, probe, NULL, distance);
+  if (s == YLM_OK) s = ylm__backend_residuals(r->b, r->tested.n, probe, NULL, distance);
   for (size_t i = 0; s == YLM_OK && i < r->tested.n; i++)
     r->b->g->cell[r->tested.cell[i]].residual = (float)distance[i];
   ylm_free(probe);
@@ -98,18 +98,18 @@ static ylm_status find_centres(refiner *r) {
     const ylm_grid_cell *c = &g->cell[r->tested.cell[i]];
     uint32_t half = ylm__grid_edge(g, c) / 2, at[3], point;
     for (int a = 0; a < 3; a++) at[a] = c->origin[a] + half;
-    s = corners_point(r->b, at, YLM_GRID_POINT_TESTED, &point);
-    if (s == YLM_OK) s = cell_list_push(&r->centre, point);
+    s = ylm__corners_point(r->b, at, YLM_GRID_POINT_TESTED, &point);
+    if (s == YLM_OK) s = ylm__cell_list_push(&r->centre, point);
   }
   return s;
 }
 
-ylm_status residual_measure(refiner *r) {
+ylm_status ylm__residual_measure(refiner *r) {
   ylm_grid *g = r->b->g;
   double t = ylm_seconds();
   ylm_status s = find_centres(r);
   g->stats.lattice_seconds += ylm_seconds() - t;
-  if (s == YLM_OK) s = backend_evaluate(r->b, g->points - g->evaluated);
+  if (s == YLM_OK) s = ylm__backend_evaluate(r->b, g->points - g->evaluated);
   t = ylm_seconds();
   if (s == YLM_OK && r->tested.n) s = find_residuals(r);
   for (size_t i = 0; i < r->tested.n && s == YLM_OK && !r->frozen; i++) {
@@ -117,7 +117,7 @@ ylm_status residual_measure(refiner *r) {
     double e2 = metric_squared(r, c);
     if (e2 > 0 && isfinite(e2)) ratios_add(&r->ratio, (double)c->residual / e2);
   }
-  residual_learn(r);
+  ylm__residual_learn(r);
   g->stats.residual_seconds += ylm_seconds() - t;
   r->tested.n = 0;
   return s;

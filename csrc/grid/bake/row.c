@@ -1,7 +1,7 @@
 /* row.c - coefficients of a point compared with others. */
 #include "baker.h"
 
-double row_distance(const float *a, const float *exact, size_t width) {
+double ylm__row_distance(const float *a, const float *exact, size_t width) {
   double d = 0, n = 0;
   for (size_t j = 0; j < width; j++) {
     double x = (double)a[j] - (double)exact[j];

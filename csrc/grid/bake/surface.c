@@ -16,7 +16,7 @@ struct ylm_grid_surface {
 
 /* -- lists of triangles ------------------------------------------------------------------ */
 
-ylm_status triangle_list_make(triangle_list *l, size_t meshes, const ylm_grid_mesh *mesh) {
+ylm_status ylm__triangle_list_make(triangle_list *l, size_t meshes, const ylm_grid_mesh *mesh) {
   *l = (triangle_list){.meshes = meshes, .mesh = mesh};
   l->first = ylm_alloc(meshes + 1, sizeof *l->first);
   if (!l->first) return YLM_ENOMEM;
@@ -28,7 +28,7 @@ ylm_status triangle_list_make(triangle_list *l, size_t meshes, const ylm_grid_me
   return YLM_OK;
 }
 
-void triangle_list_free(triangle_list *l) {
+void ylm__triangle_list_free(triangle_list *l) {
   ylm_free(l->first);
   *l = (triangle_list){0};
 }
@@ -46,7 +46,7 @@ static size_t mesh_of(const triangle_list *l, size_t i) {
   return lo;
 }
 
-void triangle_list_get(const triangle_list *l, size_t i, double p[3][3]) {
+void ylm__triangle_list_get(const triangle_list *l, size_t i, double p[3][3]) {
   size_t k = mesh_of(l, i);
   const ylm_grid_mesh *m = &l->mesh[k];
   const uint32_t *corner = m->index + 3 * (i - l->first[k]);
@@ -110,7 +110,7 @@ static void cut(polygon *q, int axis, double side, double at) {
 static void part_within(const ylm_grid_surface *s, size_t i, polygon *q) {
   double p[3][3];
   bool within = true;
-  triangle_list_get(&s->list, i, p);
+  ylm__triangle_list_get(&s->list, i, p);
   q->n = 3;
   for (int c = 0; c < 3; c++)
     for (int a = 0; a < 3; a++) {
@@ -167,7 +167,7 @@ static double sum_areas(ylm_grid_surface *s, int threads) {
 }
 
 static ylm_status measure(ylm_grid_surface *s, int threads, ylm_error *e) {
-  ylm_status status = triangle_list_make(&s->list, s->list.meshes, s->list.mesh);
+  ylm_status status = ylm__triangle_list_make(&s->list, s->list.meshes, s->list.mesh);
   if (status == YLM_OK) s->sum = ylm_alloc(s->list.triangles, sizeof *s->sum);
   if (!s->sum) return ylm_fail(e, YLM_ENOMEM, "%s", ylm_status_text(YLM_ENOMEM));
   if (sum_areas(s, threads) > 0) return YLM_OK;
@@ -205,7 +205,7 @@ void ylm_grid_surface_free(ylm_grid_surface *s) {
     ylm_free((void *)(uintptr_t)s->own[i].index);
   }
   ylm_free(s->own);
-  triangle_list_free(&s->list);
+  ylm__triangle_list_free(&s->list);
   ylm_free(s->sum);
   ylm_free(s);
 }
@@ -293,7 +293,7 @@ static bool place(const ylm_grid_surface *s, size_t i, double f, double g, doubl
 
 static void normal_of(const ylm_grid_surface *s, size_t i, double normal[3]) {
   double p[3][3], largest = 0, length;
-  triangle_list_get(&s->list, i, p);
+  ylm__triangle_list_get(&s->list, i, p);
   for (int c = 0; c < 3; c++)
     for (int a = 0; a < 3; a++) largest = fmax(largest, fabs(p[c][a] - p[0][a]));
   for (int c = 2; c >= 0; c--)

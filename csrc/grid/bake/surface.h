@@ -10,10 +10,10 @@ typedef struct triangle_list {
   const ylm_grid_mesh *mesh;
   size_t *first; /* [meshes + 1] number of each mesh's first triangle */
 } triangle_list;
-ylm_status triangle_list_make(triangle_list *l, size_t meshes, const ylm_grid_mesh *mesh);
-void triangle_list_free(triangle_list *l);
+ylm_status ylm__triangle_list_make(triangle_list *l, size_t meshes, const ylm_grid_mesh *mesh);
+void ylm__triangle_list_free(triangle_list *l);
 /* The vertices of triangle i, scene units. */
-void triangle_list_get(const triangle_list *l, size_t i, double p[3][3]);
+void ylm__triangle_list_get(const triangle_list *l, size_t i, double p[3][3]);
 
 /* Finite positions, indices in range, at least one triangle; the sentence names the mesh. */
 ylm_status ylm__grid_check_meshes(size_t meshes, const ylm_grid_mesh *mesh, ylm_error *e);
@@ -40,12 +40,13 @@ typedef struct triangle {
   double axis[TRIANGLE_AXES][3], least[TRIANGLE_AXES], most[TRIANGLE_AXES];
 } triangle;
 /* The triangle p in lattice units; boxes are enlarged by `margin`. */
-void triangle_set(triangle *t, const double p[3][3], const double margin[3]);
+void ylm__triangle_set(triangle *t, const double p[3][3], const double margin[3]);
 /* The voxels first .. last along an axis, of so many, that the triangle's box meets; false:
    none. */
-bool triangle_range(const triangle *t, int axis, uint32_t voxels, uint32_t *first, uint32_t *last);
+bool ylm__triangle_range(const triangle *t, int axis, uint32_t voxels, uint32_t *first,
+                         uint32_t *last);
 /* True unless the triangle is certainly apart from the box of voxels first .. last, whose sides
    its own box meets. */
-bool triangle_meets(const triangle *t, const uint32_t first[3], const uint32_t last[3]);
+bool ylm__triangle_meets(const triangle *t, const uint32_t first[3], const uint32_t last[3]);
 
 #endif

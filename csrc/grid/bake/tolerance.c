@@ -28,51 +28,51 @@ static ylm_status choose(void *chooser) {
   const ylm_grid *g = b->g;
   ylm_status s = YLM_OK;
   for (size_t i = 0; i < b->wave.n && s == YLM_OK; i++)
-    if (residual_wanted(r, &g->cell[b->wave.cell[i]]))
-      s = cell_list_push(&r->tested, b->wave.cell[i]);
-  if (s == YLM_OK) s = residual_measure(r);
+    if (ylm__residual_wanted(r, &g->cell[b->wave.cell[i]]))
+      s = ylm__cell_list_push(&r->tested, b->wave.cell[i]);
+  if (s == YLM_OK) s = ylm__residual_measure(r);
   for (size_t i = 0; i < b->wave.n && s == YLM_OK; i++) {
     const ylm_grid_cell *c = &g->cell[b->wave.cell[i]];
     if (c->level >= g->view.form.depth) continue;
-    if (c->flags & YLM_GRID_CROSSED || residual_estimate(r, c) * r->tight > r->tolerance ||
+    if (c->flags & YLM_GRID_CROSSED || ylm__residual_estimate(r, c) * r->tight > r->tolerance ||
         (r->frozen && r->forced(g, c)))
-      s = cells_split(b, b->wave.cell[i]);
+      s = ylm__cells_split(b, b->wave.cell[i]);
   }
   return s;
 }
 
-ylm_status tolerance_refine(refiner *r) {
+ylm_status ylm__tolerance_refine(refiner *r) {
   r->b->stage = r->b->stage_text;
   return ylm__refine(r->b, r->b->wave.n);
 }
 
-ylm_status tolerance_again(refiner *r) {
+ylm_status ylm__tolerance_again(refiner *r) {
   baker *b = r->b;
   ylm_grid *g = b->g;
   ylm_status s = YLM_OK;
   size_t cells = g->cells;
   for (size_t i = 0; i < cells && s == YLM_OK; i++) {
     const ylm_grid_cell *c = &g->cell[i];
-    if (c->flags & YLM_GRID_LEAF && c->flags & YLM_GRID_OCCUPIED && residual_wanted(r, c))
-      s = cell_list_push(&r->tested, (uint32_t)i);
+    if (c->flags & YLM_GRID_LEAF && c->flags & YLM_GRID_OCCUPIED && ylm__residual_wanted(r, c))
+      s = ylm__cell_list_push(&r->tested, (uint32_t)i);
   }
-  if (s == YLM_OK) s = residual_measure(r);
+  if (s == YLM_OK) s = ylm__residual_measure(r);
   for (size_t i = 0; i < r->verdicts && s == YLM_OK; i++) {
     const ylm_grid_cell *c = &g->cell[r->verdict[i].leaf];
     if (r->verdict[i].error > r->tolerance && c->flags & YLM_GRID_LEAF &&
         c->level < g->view.form.depth) {
       if (g->follower) s = g->follower->failed(g, c);
-      if (s == YLM_OK) s = cells_split(b, r->verdict[i].leaf);
+      if (s == YLM_OK) s = ylm__cells_split(b, r->verdict[i].leaf);
     }
   }
   for (size_t i = 0; i < cells && s == YLM_OK; i++) {
     const ylm_grid_cell *c = &g->cell[i];
     if (c->flags & YLM_GRID_LEAF && c->flags & YLM_GRID_OCCUPIED && c->level < g->view.form.depth &&
-        residual_estimate(r, c) * r->tight > r->tolerance)
-      s = cells_split(b, (uint32_t)i);
+        ylm__residual_estimate(r, c) * r->tight > r->tolerance)
+      s = ylm__cells_split(b, (uint32_t)i);
   }
-  cells_advance(b);
-  return s == YLM_OK ? tolerance_refine(r) : s;
+  ylm__cells_advance(b);
+  return s == YLM_OK ? ylm__tolerance_refine(r) : s;
 }
 
 /* -- the bake ---------------------------------------------------------------------------------- */
@@ -91,7 +91,7 @@ static ylm_status find_surface(refiner *r) {
   return status;
 }
 
-ylm_status tolerance_begin(refiner *r) {
+ylm_status ylm__tolerance_begin(refiner *r) {
   baker *b = r->b;
   size_t row = b->g->stride + ROW_PADDING;
   b->choose = choose;
@@ -101,25 +101,25 @@ ylm_status tolerance_begin(refiner *r) {
   r->exact = ylm_alloc(HELD_OUT, b->g->width * sizeof *r->exact);
   r->inside = ylm_alloc(HELD_OUT, 1);
   r->verdict = ylm_alloc(HELD_OUT, sizeof *r->verdict);
-  residual_learn(r);
+  ylm__residual_learn(r);
   bool ok = b->row && r->points && r->exact && r->inside && r->verdict;
   return ok ? find_surface(r) : YLM_ENOMEM;
 }
 
 static ylm_status run(refiner *r) {
   bool limited = false;
-  ylm_status s = tolerance_refine(r);
+  ylm_status s = ylm__tolerance_refine(r);
   for (uint64_t round = 1; s == YLM_OK; round++) {
     r->b->g->stats.rounds = round;
     s = ylm__verify(r, round);
-    if (s != YLM_OK || verify_satisfied(r, &limited) || round == MAX_ROUNDS) break;
-    s = tolerance_again(r);
+    if (s != YLM_OK || ylm__verify_satisfied(r, &limited) || round == MAX_ROUNDS) break;
+    s = ylm__tolerance_again(r);
   }
   if (s == YLM_OK) s = ylm__finish(r->b);
-  return s == YLM_OK ? panel_judge(r, limited) : s;
+  return s == YLM_OK ? ylm__panel_judge(r, limited) : s;
 }
 
-void tolerance_end(refiner *r) {
+void ylm__tolerance_end(refiner *r) {
   r->b->choose = NULL;
   ylm_free(r->points);
   ylm_free(r->exact);
@@ -130,11 +130,11 @@ void tolerance_end(refiner *r) {
   ylm_grid_surface_free(r->own);
 }
 
-ylm_status tolerance_bake(baker *b) {
+ylm_status ylm__tolerance_bake(baker *b) {
   refiner r = {.b = b, .tolerance = b->g->view.form.tolerance, .tight = FIRST_TIGHT};
-  ylm_status s = tolerance_begin(&r);
+  ylm_status s = ylm__tolerance_begin(&r);
   if (s == YLM_OK) s = run(&r);
-  tolerance_end(&r);
+  ylm__tolerance_end(&r);
   b->learnt.ratio = r.ratio;
   b->learnt.tight = r.tight;
   return s;

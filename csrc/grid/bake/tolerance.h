@@ -34,24 +34,24 @@ typedef struct refiner {
 /* -- tolerance.c ------------------------------------------------------------------------ */
 
 /* Memory for a refiner that has its baker; `end` frees it. */
-ylm_status tolerance_begin(refiner *r);
-void tolerance_end(refiner *r);
+ylm_status ylm__tolerance_begin(refiner *r);
+void ylm__tolerance_end(refiner *r);
 /* Measures and splits what the wave holds, then its children, until nothing is left. */
-ylm_status tolerance_refine(refiner *r);
+ylm_status ylm__tolerance_refine(refiner *r);
 /* Looks again at all leaves: those in which held-out points failed are split, and those that the
    tighter bound asks for. */
-ylm_status tolerance_again(refiner *r);
+ylm_status ylm__tolerance_again(refiner *r);
 
 /* -- residual.c ------------------------------------------------------------------------- */
 
 /* The error that a cell may have. */
-double residual_estimate(const refiner *r, const ylm_grid_cell *c);
+double ylm__residual_estimate(const refiner *r, const ylm_grid_cell *c);
 /* True if a measurement may change what happens to a cell. */
-bool residual_wanted(const refiner *r, const ylm_grid_cell *c);
+bool ylm__residual_wanted(const refiner *r, const ylm_grid_cell *c);
 /* Quantiles of the ratios there are. */
-void residual_learn(refiner *r);
+void ylm__residual_learn(refiner *r);
 /* Evaluates the centres of the cells in r->tested and keeps what the interpolant misses there. */
-ylm_status residual_measure(refiner *r);
+ylm_status ylm__residual_measure(refiner *r);
 
 /* -- verify.c --------------------------------------------------------------------------- */
 
@@ -59,39 +59,39 @@ ylm_status residual_measure(refiner *r);
 ylm_status ylm__verify(refiner *r, uint64_t round);
 /* Evaluates the r->held points, whose occupied leaves stand in r->verdict, and compares them with
    their leaves' interpolants. */
-ylm_status verify_compare(refiner *r);
+ylm_status ylm__verify_compare(refiner *r);
 /*
 ** True if refinement may stop. Else `tight` has grown so that the estimates of the voxels in which
 ** points failed (but for a few, which are split because of their points) exceed the tolerance.
 */
-bool verify_satisfied(refiner *r, bool *limited);
+bool ylm__verify_satisfied(refiner *r, bool *limited);
 
 /* -- held.c ----------------------------------------------------------------------------- */
 
 /* Point k of a seed on the surface, in float; `strata` as of ylm_grid_surface_draw. */
-void held_surface_point(const ylm_grid_surface *surface, uint64_t seed, uint64_t k, uint64_t strata,
-                        float out[3]);
+void ylm__held_surface_point(const ylm_grid_surface *surface, uint64_t seed, uint64_t k,
+                             uint64_t strata, float out[3]);
 /* A random shading point, or any where every voxel is occupied; the leaf of the octree it is in. */
-void held_draw(const refiner *r, ylm_rng *rng, float out[3]);
-uint32_t held_leaf(const ylm_grid *g, const float x[3]);
+void ylm__held_draw(const refiner *r, ylm_rng *rng, float out[3]);
+uint32_t ylm__held_leaf(const ylm_grid *g, const float x[3]);
 /* n shading points, all there are or random ones, or free places where there are none. */
-ylm_status held_points(refiner *r, ylm_rng *rng, bool all, size_t n);
+ylm_status ylm__held_points(refiner *r, ylm_rng *rng, bool all, size_t n);
 /* Fractions of its edges at which a cell has a point. */
-void held_fractions(const ylm_grid *g, const ylm_grid_cell *c, const float x[3], float t[3]);
+void ylm__held_fractions(const ylm_grid *g, const ylm_grid_cell *c, const float x[3], float t[3]);
 /* The cell's interpolant at fractions t of its edges, to be compared with a point's value. */
-ylm_grid_probe held_probe(const ylm_grid *g, const ylm_grid_cell *c, const float t[3],
-                          uint32_t point);
+ylm_grid_probe ylm__held_probe(const ylm_grid *g, const ylm_grid_cell *c, const float t[3],
+                               uint32_t point);
 
 /* -- held_surface.c ---------------------------------------------------------------------- */
 
 /* Writes n held-out points of the surface: by area, in rounds of refinement a part by voxel and by
    triangle. */
-ylm_status held_surface(refiner *r, uint64_t round, size_t n);
+ylm_status ylm__held_surface(refiner *r, uint64_t round, size_t n);
 
 /* -- panel.c ---------------------------------------------------------------------------- */
 
 /* Judges the finished grid by fresh points, as many as it takes, and writes what they say to its
    stats. A dynamic grid keeps them. */
-ylm_status panel_judge(refiner *r, bool limited);
+ylm_status ylm__panel_judge(refiner *r, bool limited);
 
 #endif

@@ -35,7 +35,7 @@ static void set_axis(triangle *t, int k, const double p[3][3], const double size
   t->most[k] = most + wide;
 }
 
-void triangle_set(triangle *t, const double p[3][3], const double margin[3]) {
+void ylm__triangle_set(triangle *t, const double p[3][3], const double margin[3]) {
   double edge[3][3], size[3];
   for (int i = 0; i < 3; i++) subtract(p[(i + 1) % 3], p[i], edge[i]);
   for (int a = 0; a < 3; a++) {
@@ -62,7 +62,8 @@ void triangle_set(triangle *t, const double p[3][3], const double margin[3]) {
   }
 }
 
-bool triangle_range(const triangle *t, int a, uint32_t voxels, uint32_t *first, uint32_t *last) {
+bool ylm__triangle_range(const triangle *t, int a, uint32_t voxels, uint32_t *first,
+                         uint32_t *last) {
   double lo = ceil(t->lo[a]) - 1, hi = floor(t->hi[a]); /* faces count */
   if (lo > (double)voxels - 1 || hi < 0) return false;
   *first = lo > 0 ? (uint32_t)lo : 0;
@@ -70,7 +71,7 @@ bool triangle_range(const triangle *t, int a, uint32_t voxels, uint32_t *first, 
   return true;
 }
 
-bool triangle_meets(const triangle *t, const uint32_t first[3], const uint32_t last[3]) {
+bool ylm__triangle_meets(const triangle *t, const uint32_t first[3], const uint32_t last[3]) {
   double from[3], half[3]; /* from the triangle's vertex to the centre; half of the edges */
   for (int a = 0; a < 3; a++) {
     half[a] = 0.5 * ((double)last[a] - (double)first[a] + 1);

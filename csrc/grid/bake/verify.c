@@ -16,10 +16,11 @@ static ylm_status hold_out(refiner *r, uint64_t round) {
   ylm_rng rng;
   ylm_rng_seed(&rng, s->seed, round);
   r->held = 0;
-  ylm_status status = r->surface ? held_surface(r, round, n) : held_points(r, &rng, all, n);
+  ylm_status status =
+      r->surface ? ylm__held_surface(r, round, n) : ylm__held_points(r, &rng, all, n);
   for (size_t i = 0; status == YLM_OK && i < n; i++) {
     const float *x = r->points + 3 * i;
-    uint32_t leaf = held_leaf(g, x);
+    uint32_t leaf = ylm__held_leaf(g, x);
     if (!(g->cell[leaf].flags & YLM_GRID_OCCUPIED)) continue;
     memmove(r->points + 3 * r->held, x, 3 * sizeof *x);
     r->verdict[r->held++].leaf = leaf;
@@ -27,7 +28,7 @@ static ylm_status hold_out(refiner *r, uint64_t round) {
   return status;
 }
 
-ylm_status verify_compare(refiner *r) {
+ylm_status ylm__verify_compare(refiner *r) {
   baker *b = r->b;
   ylm_grid_probe *probe = ylm_alloc(r->held, sizeof *probe);
   double *distance = ylm_alloc(r->held, sizeof *distance);
@@ -36,10 +37,10 @@ ylm_status verify_compare(refiner *r) {
   for (size_t i = 0; s == YLM_OK && i < r->held; i++) {
     const ylm_grid_cell *c = &b->g->cell[r->verdict[i].leaf];
     float t[3];
-    held_fractions(b->g, c, r->points + 3 * i, t);
-    probe[i] = held_probe(b->g, c, t, (uint32_t)i);
+    ylm__held_fractions(b->g, c, r->points + 3 * i, t);
+    probe[i] = ylm__held_probe(b->g, c, t, (uint32_t)i);
   }
-  if (s == YLM_OK) s = backend_residuals(b, r->held, probe, &held, distance);
+  if (s == YLM_OK) s = ylm__backend_residuals(b, r->held, probe, &held, distance);
   r->verdicts = 0;
   for (size_t i = 0; i < r->held && s == YLM_OK; i++)
     if (!r->inside[i]) r->verdict[r->verdicts++] = (verdict){distance[i], r->verdict[i].leaf};
@@ -53,7 +54,7 @@ static int downwards(const void *a, const void *b) {
   return x > y ? -1 : x < y;
 }
 
-bool verify_satisfied(refiner *r, bool *limited) {
+bool ylm__verify_satisfied(refiner *r, bool *limited) {
   const ylm_grid *g = r->b->g;
   double estimates[HELD_OUT];
   size_t refinable = 0, stuck = 0, n = r->verdicts;
@@ -61,7 +62,7 @@ bool verify_satisfied(refiner *r, bool *limited) {
     const ylm_grid_cell *c = &g->cell[r->verdict[i].leaf];
     if (!(r->verdict[i].error > r->tolerance)) continue;
     if (c->level < g->view.form.depth)
-      estimates[refinable++] = residual_estimate(r, c);
+      estimates[refinable++] = ylm__residual_estimate(r, c);
     else
       stuck++;
   }
@@ -83,8 +84,8 @@ ylm_status ylm__verify(refiner *r, uint64_t round) {
   double t = ylm_seconds();
   b->stage = "verifying";
   ylm_status s = hold_out(r, round);
-  if (s == YLM_OK) s = backend_fill_invalid(b);
-  if (s == YLM_OK) s = verify_compare(r);
+  if (s == YLM_OK) s = ylm__backend_fill_invalid(b);
+  if (s == YLM_OK) s = ylm__verify_compare(r);
   b->g->stats.verify_seconds += ylm_seconds() - t;
   return s;
 }

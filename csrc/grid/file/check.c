@@ -77,16 +77,16 @@ static const char *check_lattice(const ylm_grid *g) {
   return NULL;
 }
 
-ylm_status grid_file_check_cells(const ylm_grid *g, const char *name, ylm_error *e) {
+ylm_status ylm__grid_file_check_cells(const ylm_grid *g, const char *name, ylm_error *e) {
   bool lattice = g->view.form.kind == YLM_GRID_UNIFORM;
   uint8_t *seen = lattice ? NULL : ylm_alloc_zero(g->cells, 1);
   if (!lattice && !seen) return ylm_fail(e, YLM_ENOMEM, "%s: memory ran out", name);
   const char *what = lattice ? check_lattice(g) : check_octree(g, seen);
   ylm_free(seen);
-  return what ? grid_file_bad(name, what, e) : YLM_OK;
+  return what ? ylm__grid_file_bad(name, what, e) : YLM_OK;
 }
 
-bool grid_file_table_holds(const ylm_grid *g, uint64_t cells) {
+bool ylm__grid_file_table_holds(const ylm_grid *g, uint64_t cells) {
   const uint32_t *r = g->view.resolution;
   return g->view.form.kind != YLM_GRID_UNIFORM ||
          (uint64_t)r[0] * r[1] * r[2] <= 4096 * cells + (1u << 20);
@@ -94,7 +94,7 @@ bool grid_file_table_holds(const ylm_grid *g, uint64_t cells) {
 
 /* -- points ------------------------------------------------------------------------------------ */
 
-const char *grid_file_check_points(const ylm_grid *g) {
+const char *ylm__grid_file_check_points(const ylm_grid *g) {
   bool metric = g->view.form.metric_channels != 0;
   for (size_t i = 0; i < g->evaluated; i++) {
     if (metric && (isnan(g->lambda[i]) || isnan(g->norm[i]))) return "a point's metric";
@@ -124,7 +124,7 @@ static bool ancestors_hold(const ylm_grid *g, const ylm_grid_cell *c) {
   return true;
 }
 
-const char *grid_file_check_births(const ylm_grid *g) {
+const char *ylm__grid_file_check_births(const ylm_grid *g) {
   size_t n = g->points - g->evaluated;
   for (size_t i = 0; i < n; i++)
     if (!birth_holds(g, &g->birth[i])) return "where a point is interpolated";
@@ -134,7 +134,7 @@ const char *grid_file_check_births(const ylm_grid *g) {
   return NULL;
 }
 
-void grid_file_place_births(ylm_grid *g) {
+void ylm__grid_file_place_births(ylm_grid *g) {
   for (size_t p = g->evaluated; p < g->points; p++) {
     const ylm_grid_birth *b = &g->birth[p - g->evaluated];
     const ylm_grid_cell *c = &g->cell[b->cell];
@@ -159,7 +159,7 @@ static void note_births(ylm_grid *g, uint32_t cell) {
     }
 }
 
-ylm_status grid_file_find_births(ylm_grid *g) {
+ylm_status ylm__grid_file_find_births(ylm_grid *g) {
   size_t n = g->points - g->evaluated;
   if (!n) return YLM_OK;
   g->birth = ylm_alloc(n, sizeof *g->birth);
@@ -168,7 +168,7 @@ ylm_status grid_file_find_births(ylm_grid *g) {
   for (size_t i = 0; i < n; i++) g->birth[i] = (ylm_grid_birth){YLM_GRID_NONE, 0};
   for (size_t i = 0; i < g->cells; i++)
     if (g->cell[i].child && g->cell[i].child >= g->view.octree_cells) note_births(g, (uint32_t)i);
-  if (!grid_file_check_births(g)) return YLM_OK;
+  if (!ylm__grid_file_check_births(g)) return YLM_OK;
   ylm_free(g->birth);
   g->birth = NULL;
   g->birth_room = 0;
@@ -180,18 +180,18 @@ ylm_status grid_file_find_births(ylm_grid *g) {
 /* The hash of the evaluated points, which voxels without data are sampled with. */
 static ylm_status index_points(ylm_grid *g) {
   if (g->view.form.kind == YLM_GRID_UNIFORM || !g->view.form.continuous) return YLM_OK;
-  ylm_status s = lattice_hash_reserve(&g->hash, g->evaluated);
+  ylm_status s = ylm__lattice_hash_reserve(&g->hash, g->evaluated);
   for (size_t i = 0; s == YLM_OK && i < g->evaluated; i++)
-    *lattice_hash_at(&g->hash, lattice_key(g->lattice + 3 * i)) = (uint32_t)i;
+    *ylm__lattice_hash_at(&g->hash, lattice_key(g->lattice + 3 * i)) = (uint32_t)i;
   return s;
 }
 
-void grid_file_forget_times(ylm_grid_stats *s) {
+void ylm__grid_file_forget_times(ylm_grid_stats *s) {
   s->seconds = s->field_seconds = s->occupancy_seconds = s->lattice_seconds = NAN;
   s->residual_seconds = s->continuity_seconds = s->verify_seconds = NAN;
 }
 
-ylm_status grid_file_finish(ylm_grid *g) {
+ylm_status ylm__grid_file_finish(ylm_grid *g) {
   ylm_status status = index_points(g);
   return status == YLM_OK ? ylm__grid_finish(g) : status;
 }

@@ -98,9 +98,9 @@ static inline uint64_t grid_file_bound(uint64_t at) {
 }
 
 /* YLM_EFORMAT where this machine's numbers are not those of the file. file.c */
-ylm_status grid_file_machine(const char *name, ylm_error *e);
+ylm_status ylm__grid_file_machine(const char *name, ylm_error *e);
 /* "NAME: not a valid grid: WHAT". file.c */
-ylm_status grid_file_bad(const char *name, const char *what, ylm_error *e);
+ylm_status ylm__grid_file_bad(const char *name, const char *what, ylm_error *e);
 
 /* -- source.c: bytes of a file or of memory ---------------------------------------- */
 
@@ -113,13 +113,13 @@ typedef struct file_source {
   bool swapped; /* the other byte order: version 1 only */
 } file_source;
 /* A file, or bytes; both look at magic, byte order, version and size. */
-ylm_status file_source_open(file_source *s, const char *path, ylm_error *e);
-ylm_status file_source_memory(file_source *s, const char *name, const unsigned char *data,
-                              size_t size, ylm_error *e);
-void file_source_close(file_source *s);
+ylm_status ylm__file_source_open(file_source *s, const char *path, ylm_error *e);
+ylm_status ylm__file_source_memory(file_source *s, const char *name, const unsigned char *data,
+                                   size_t size, ylm_error *e);
+void ylm__file_source_close(file_source *s);
 /* n bytes from offset `at`, which lie in the file; adds to *crc (may be NULL). */
-ylm_status file_source_read(const file_source *s, uint64_t at, size_t n, void *to, uint64_t *crc,
-                            ylm_error *e);
+ylm_status ylm__file_source_read(const file_source *s, uint64_t at, size_t n, void *to,
+                                 uint64_t *crc, ylm_error *e);
 
 /* -- table.c: the sections of a file ------------------------------------------------ */
 
@@ -128,46 +128,46 @@ typedef struct file_table {
   grid_file_entry *entry;
 } file_table;
 /* Header and table, checked: nothing overlaps or lies outside. The caller frees t->entry. */
-ylm_status file_table_read(file_table *t, const file_source *s, ylm_error *e);
+ylm_status ylm__file_table_read(file_table *t, const file_source *s, ylm_error *e);
 /* The place of a section among those of GRID_FILE_LIST, GRID_FILE_COUNT: unknown. */
-int file_table_kind(const grid_file_entry *entry);
+int ylm__file_table_kind(const grid_file_entry *entry);
 /* The entry of a section; NULL: there is none. */
-const grid_file_entry *file_table_find(const file_table *t, int kind);
+const grid_file_entry *ylm__file_table_find(const file_table *t, int kind);
 /* A section whose size is `bytes`, of records of `record` bytes, to `to`; checks its sum. */
-ylm_status file_table_take(const file_table *t, const file_source *s, int kind, size_t record,
-                           size_t bytes, void *to, ylm_error *e);
+ylm_status ylm__file_table_take(const file_table *t, const file_source *s, int kind, size_t record,
+                                size_t bytes, void *to, ylm_error *e);
 /* Form and stats; those of a file without the section stats are 0, errors NaN. */
-ylm_status file_table_form(const file_table *t, const file_source *s, grid_file_form *form,
-                           ylm_grid_form *out, ylm_grid_stats *stats, ylm_error *e);
+ylm_status ylm__file_table_form(const file_table *t, const file_source *s, grid_file_form *form,
+                                ylm_grid_form *out, ylm_grid_stats *stats, ylm_error *e);
 
 /* -- readers ------------------------------------------------------------------------- */
 
 /* read.c: version 2. */
-ylm_status grid_file_read_2(const file_source *s, ylm_grid **out, ylm_error *e);
+ylm_status ylm__grid_file_read_2(const file_source *s, ylm_grid **out, ylm_error *e);
 /* version_1.c: version 1, all of whose bytes are at `data`. */
-ylm_status grid_file_read_1(const char *name, const unsigned char *data, size_t size, bool swapped,
-                            ylm_grid **out, ylm_error *e);
+ylm_status ylm__grid_file_read_1(const char *name, const unsigned char *data, size_t size,
+                                 bool swapped, ylm_grid **out, ylm_error *e);
 
 /* -- check.c: what no grid may have --------------------------------------------------- */
 
 /* Whether cells and points of a grid that was read hold, all of whose points have their lattice
    coordinates: YLM_EFORMAT, YLM_ENOMEM where there is no room to look. */
-ylm_status grid_file_check_cells(const ylm_grid *g, const char *name, ylm_error *e);
+ylm_status ylm__grid_file_check_cells(const ylm_grid *g, const char *name, ylm_error *e);
 /* The error in lambda and norm of evaluated points, or NULL. */
-const char *grid_file_check_points(const ylm_grid *g);
+const char *ylm__grid_file_check_points(const ylm_grid *g);
 /* The error in births, and in the range of cells' corners, or NULL; needs no check of cells
    before. */
-const char *grid_file_check_births(const ylm_grid *g);
+const char *ylm__grid_file_check_births(const ylm_grid *g);
 /* A uniform grid's table must be in proportion to the cells that the file holds. */
-bool grid_file_table_holds(const ylm_grid *g, uint64_t cells);
+bool ylm__grid_file_table_holds(const ylm_grid *g, uint64_t cells);
 /* Gives interpolated points flags and lattice coordinates from their births. */
-void grid_file_place_births(ylm_grid *g);
+void ylm__grid_file_place_births(ylm_grid *g);
 /* The births of a grid that has none, from its cells; where they do not explain all interpolated
    points, it still has none. */
-ylm_status grid_file_find_births(ylm_grid *g);
+ylm_status ylm__grid_file_find_births(ylm_grid *g);
 /* Stats without the times of a bake, which files do not have. */
-void grid_file_forget_times(ylm_grid_stats *s);
+void ylm__grid_file_forget_times(ylm_grid_stats *s);
 /* The hash of evaluated points, sources, table, counts. */
-ylm_status grid_file_finish(ylm_grid *g);
+ylm_status ylm__grid_file_finish(ylm_grid *g);
 
 #endif

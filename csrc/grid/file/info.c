@@ -16,7 +16,7 @@ static ylm_status list_sections(const file_table *t, ylm_grid_file_info *info) {
     s->size = entry->size;
     s->record = entry->record;
     s->required = entry->flags & GRID_FILE_REQUIRED;
-    s->known = file_table_kind(entry) != GRID_FILE_COUNT;
+    s->known = ylm__file_table_kind(entry) != GRID_FILE_COUNT;
   }
   return YLM_OK;
 }
@@ -26,8 +26,8 @@ static ylm_status info_of_sections(const file_source *source, ylm_grid_file_info
                                    ylm_error *e) {
   file_table t;
   grid_file_form form;
-  ylm_status s = file_table_read(&t, source, e);
-  if (s == YLM_OK) s = file_table_form(&t, source, &form, &info->form, &info->stats, e);
+  ylm_status s = ylm__file_table_read(&t, source, e);
+  if (s == YLM_OK) s = ylm__file_table_form(&t, source, &form, &info->form, &info->stats, e);
   if (s == YLM_OK && list_sections(&t, info) != YLM_OK)
     s = ylm_fail(e, YLM_ENOMEM, "%s: memory ran out", source->name);
   ylm_free(t.entry);
@@ -48,12 +48,12 @@ static ylm_status info_of_grid(const char *path, ylm_grid_file_info *info, ylm_e
 ylm_status ylm_grid_file_look(const char *path, ylm_grid_file_info *info, ylm_error *e) {
   file_source source;
   *info = (ylm_grid_file_info){0};
-  ylm_status s = file_source_open(&source, path, e);
+  ylm_status s = ylm__file_source_open(&source, path, e);
   info->version = source.version;
   info->size = source.size;
   if (s == YLM_OK)
     s = source.version == 1 ? info_of_grid(path, info, e) : info_of_sections(&source, info, e);
-  file_source_close(&source);
+  ylm__file_source_close(&source);
   if (s != YLM_OK) ylm_grid_file_forget(info);
   return s;
 }

@@ -33,15 +33,15 @@ typedef struct reading {
 
 /* n records of a section, to `to`. */
 static ylm_status take(const reading *r, int kind, size_t record, size_t n, void *to) {
-  return file_table_take(&r->table, r->source, kind, record, n * record, to, r->e);
+  return ylm__file_table_take(&r->table, r->source, kind, record, n * record, to, r->e);
 }
 
 /* True if the sections that memory is asked for are as long as the counts say. */
 static bool sizes_hold(const reading *r, const grid_file_form *f) {
   const ylm_grid *g = r->g;
-  const grid_file_entry *cells = file_table_find(&r->table, GRID_FILE_cells),
-                        *births = file_table_find(&r->table, GRID_FILE_births),
-                        *rows = file_table_find(&r->table, GRID_FILE_rows);
+  const grid_file_entry *cells = ylm__file_table_find(&r->table, GRID_FILE_cells),
+                        *births = ylm__file_table_find(&r->table, GRID_FILE_births),
+                        *rows = ylm__file_table_find(&r->table, GRID_FILE_rows);
   return cells && births && rows && cells->size == f->cells * sizeof *g->cell &&
          births->size == (f->points - f->evaluated) * sizeof *g->birth &&
          rows->size == (f->evaluated * 4 * g->stride + ROW_PADDING) * sizeof *g->data;
@@ -76,27 +76,27 @@ static ylm_status read_structure(reading *r) {
   if (s == YLM_OK) s = take(r, GRID_FILE_flags, 1, n, g->flags);
   if (s == YLM_OK) s = take(r, GRID_FILE_births, sizeof *g->birth, born, g->birth);
   if (s != YLM_OK) return s;
-  const char *what = grid_file_check_points(g);
-  if (!what) what = grid_file_check_births(g);
-  if (!what) grid_file_place_births(g);
-  if (what) return grid_file_bad(r->source->name, what, r->e);
-  return grid_file_check_cells(g, r->source->name, r->e);
+  const char *what = ylm__grid_file_check_points(g);
+  if (!what) what = ylm__grid_file_check_births(g);
+  if (!what) ylm__grid_file_place_births(g);
+  if (what) return ylm__grid_file_bad(r->source->name, what, r->e);
+  return ylm__grid_file_check_cells(g, r->source->name, r->e);
 }
 
 /* The rows of evaluated points from the file, then those of interpolated ones from these. */
 static ylm_status read_rows(reading *r) {
   ylm_grid *g = r->g;
   size_t row = 4 * g->stride, bytes = (g->evaluated * row + ROW_PADDING) * sizeof *g->data;
-  ylm_status s = file_table_take(&r->table, r->source, GRID_FILE_rows, row * sizeof *g->data, bytes,
-                                 g->data, r->e);
+  ylm_status s = ylm__file_table_take(&r->table, r->source, GRID_FILE_rows, row * sizeof *g->data,
+                                      bytes, g->data, r->e);
   if (s != YLM_OK) return s;
   if (!ylm_all_finite(YLM_FLOAT, g->data, g->evaluated * row, NULL))
-    return grid_file_bad(r->source->name, "coefficients", r->e);
+    return ylm__grid_file_bad(r->source->name, "coefficients", r->e);
   s = ylm__grid_interpolate_points(g, NULL, 0);
   if (s == YLM_OK && !ylm_all_finite(YLM_FLOAT, g->data + g->evaluated * row,
                                      (g->points - g->evaluated) * row, NULL))
-    return grid_file_bad(r->source->name, "coefficients", r->e);
-  if (s == YLM_OK) s = grid_file_finish(g);
+    return ylm__grid_file_bad(r->source->name, "coefficients", r->e);
+  if (s == YLM_OK) s = ylm__grid_file_finish(g);
   return s == YLM_OK ? YLM_OK : ylm_fail(r->e, s, "%s: memory ran out", r->source->name);
 }
 
@@ -106,23 +106,23 @@ static ylm_status read_grid(reading *r) {
   ylm_grid_form form;
   ylm_grid_stats stats;
   const char *name = r->source->name;
-  ylm_status s = file_table_form(&r->table, r->source, &f, &form, &stats, r->e);
+  ylm_status s = ylm__file_table_form(&r->table, r->source, &f, &form, &stats, r->e);
   if (s != YLM_OK) return s;
-  if (!counts_hold(&f, &form)) return grid_file_bad(name, "its counts", r->e);
+  if (!counts_hold(&f, &form)) return ylm__grid_file_bad(name, "its counts", r->e);
   r->g = ylm__grid_new(&form);
   if (!r->g) return ylm_fail(r->e, YLM_ENOMEM, "%s: memory ran out", name);
   r->g->stats = stats;
-  if (!sizes_hold(r, &f)) return grid_file_bad(name, "the size of a section", r->e);
-  if (!grid_file_table_holds(r->g, f.cells))
-    return grid_file_bad(name, "too sparse a lattice", r->e);
+  if (!sizes_hold(r, &f)) return ylm__grid_file_bad(name, "the size of a section", r->e);
+  if (!ylm__grid_file_table_holds(r->g, f.cells))
+    return ylm__grid_file_bad(name, "too sparse a lattice", r->e);
   s = reserve(r, &f);
   if (s == YLM_OK) s = read_structure(r);
   return s == YLM_OK ? read_rows(r) : s;
 }
 
-ylm_status grid_file_read_2(const file_source *source, ylm_grid **out, ylm_error *e) {
+ylm_status ylm__grid_file_read_2(const file_source *source, ylm_grid **out, ylm_error *e) {
   reading r = {.source = source, .e = e};
-  ylm_status s = file_table_read(&r.table, source, e);
+  ylm_status s = ylm__file_table_read(&r.table, source, e);
   if (s == YLM_OK) s = read_grid(&r);
   ylm_free(r.table.entry);
   if (s == YLM_OK)

@@ -28,13 +28,13 @@ static ylm_status look(file_source *s, const unsigned char *head, size_t n, ylm_
   return YLM_OK;
 }
 
-ylm_status file_source_memory(file_source *s, const char *name, const unsigned char *data,
-                              size_t size, ylm_error *e) {
+ylm_status ylm__file_source_memory(file_source *s, const char *name, const unsigned char *data,
+                                   size_t size, ylm_error *e) {
   *s = (file_source){.name = name, .data = data, .size = size};
   return look(s, data, size, e);
 }
 
-ylm_status file_source_open(file_source *s, const char *path, ylm_error *e) {
+ylm_status ylm__file_source_open(file_source *s, const char *path, ylm_error *e) {
   unsigned char head[GRID_FILE_LEAST];
   size_t n;
   *s = (file_source){.name = path};
@@ -48,7 +48,7 @@ ylm_status file_source_open(file_source *s, const char *path, ylm_error *e) {
   return look(s, head, n, e);
 }
 
-void file_source_close(file_source *s) {
+void ylm__file_source_close(file_source *s) {
   if (s->file) fclose(s->file);
   s->file = NULL;
 }
@@ -61,8 +61,8 @@ static ylm_status take(const file_source *s, size_t n, void *to, ylm_error *e) {
   return ylm_fail(e, YLM_ECHECKSUM, "%s: the grid file is cut off", s->name);
 }
 
-ylm_status file_source_read(const file_source *s, uint64_t at, size_t n, void *to, uint64_t *crc,
-                            ylm_error *e) {
+ylm_status ylm__file_source_read(const file_source *s, uint64_t at, size_t n, void *to,
+                                 uint64_t *crc, ylm_error *e) {
   if (s->file && fseeko(s->file, (off_t)at, SEEK_SET) != 0)
     return ylm_fail(e, YLM_EIO, "%s: %s", s->name, strerror(errno));
   for (size_t done = 0; done < n;) {

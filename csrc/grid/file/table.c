@@ -24,7 +24,7 @@ static ylm_status check_gap(const file_source *s, uint64_t at, uint64_t end, ylm
   unsigned char some[4096];
   while (at < end) {
     size_t n = end - at < sizeof some ? (size_t)(end - at) : sizeof some;
-    ylm_status status = file_source_read(s, at, n, some, NULL, e);
+    ylm_status status = ylm__file_source_read(s, at, n, some, NULL, e);
     if (status != YLM_OK) return status;
     for (size_t i = 0; i < n; i++)
       if (some[i]) return damaged(s, "between sections", e);
@@ -38,24 +38,25 @@ static ylm_status check_table(const file_table *t, const file_source *s, ylm_err
   uint64_t end = sizeof(grid_file_header) + t->sections * sizeof *t->entry;
   for (size_t i = 0; i < t->sections; i++) {
     const grid_file_entry *entry = &t->entry[i];
-    if (!name_holds(entry)) return grid_file_bad(s->name, "the name of a section", e);
+    if (!name_holds(entry)) return ylm__grid_file_bad(s->name, "the name of a section", e);
     for (size_t k = 0; k < i; k++)
       if (memcmp(entry->name, t->entry[k].name, sizeof entry->name) == 0)
-        return grid_file_bad(s->name, "two sections of one name", e);
+        return ylm__grid_file_bad(s->name, "two sections of one name", e);
     if (entry->offset % GRID_FILE_BOUND || entry->offset < end || entry->offset > s->size ||
         entry->size > s->size - entry->offset)
-      return grid_file_bad(s->name, "the place of a section", e);
+      return ylm__grid_file_bad(s->name, "the place of a section", e);
     ylm_status status = check_gap(s, end, entry->offset, e);
     if (status != YLM_OK) return status;
     end = entry->offset + entry->size;
   }
-  return end == s->size ? YLM_OK : grid_file_bad(s->name, "its length", e);
+  return end == s->size ? YLM_OK : ylm__grid_file_bad(s->name, "its length", e);
 }
 
 /* Refuses a file with a section that its reader must know and does not. */
 static ylm_status check_required(const file_table *t, const file_source *s, ylm_error *e) {
   for (size_t i = 0; i < t->sections; i++)
-    if (t->entry[i].flags & GRID_FILE_REQUIRED && file_table_kind(&t->entry[i]) == GRID_FILE_COUNT)
+    if (t->entry[i].flags & GRID_FILE_REQUIRED &&
+        ylm__file_table_kind(&t->entry[i]) == GRID_FILE_COUNT)
       return ylm_fail(
           e, YLM_EVERSION,
           "%s: the grid needs its section '%s', which this version of ylm does not know", s->name,
@@ -63,13 +64,13 @@ static ylm_status check_required(const file_table *t, const file_source *s, ylm_
   return YLM_OK;
 }
 
-ylm_status file_table_read(file_table *t, const file_source *s, ylm_error *e) {
+ylm_status ylm__file_table_read(file_table *t, const file_source *s, ylm_error *e) {
   grid_file_header h;
   *t = (file_table){0};
-  ylm_status status = grid_file_machine(s->name, e);
+  ylm_status status = ylm__grid_file_machine(s->name, e);
   if (status != YLM_OK) return status;
   if (s->size < sizeof h) return damaged(s, "cut off", e);
-  status = file_source_read(s, 0, sizeof h, &h, NULL, e);
+  status = ylm__file_source_read(s, 0, sizeof h, &h, NULL, e);
   if (status != YLM_OK) return status;
   if (!h.sections || h.sections > GRID_FILE_SECTIONS ||
       h.sections > (s->size - sizeof h) / sizeof *t->entry)
@@ -78,12 +79,12 @@ ylm_status file_table_read(file_table *t, const file_source *s, ylm_error *e) {
   if (!t->entry) return ylm_fail(e, YLM_ENOMEM, "%s: memory ran out", s->name);
   t->sections = h.sections;
   uint64_t crc = ylm_crc64(0, &h, offsetof(grid_file_header, crc));
-  status = file_source_read(s, sizeof h, t->sections * sizeof *t->entry, t->entry, &crc, e);
+  status = ylm__file_source_read(s, sizeof h, t->sections * sizeof *t->entry, t->entry, &crc, e);
   if (status == YLM_OK && crc != h.crc) status = damaged(s, "header", e);
   return status == YLM_OK ? check_table(t, s, e) : status;
 }
 
-int file_table_kind(const grid_file_entry *entry) {
+int ylm__file_table_kind(const grid_file_entry *entry) {
   static const char *const names[] = {
 #define X(name, record, required) #name,
       GRID_FILE_LIST(X)
@@ -94,23 +95,23 @@ int file_table_kind(const grid_file_entry *entry) {
   return kind;
 }
 
-const grid_file_entry *file_table_find(const file_table *t, int kind) {
+const grid_file_entry *ylm__file_table_find(const file_table *t, int kind) {
   for (size_t i = 0; i < t->sections; i++)
-    if (file_table_kind(&t->entry[i]) == kind) return &t->entry[i];
+    if (ylm__file_table_kind(&t->entry[i]) == kind) return &t->entry[i];
   return NULL;
 }
 
 /* -- sections --------------------------------------------------------------------------------- */
 
-ylm_status file_table_take(const file_table *t, const file_source *s, int kind, size_t record,
-                           size_t bytes, void *to, ylm_error *e) {
-  const grid_file_entry *entry = file_table_find(t, kind);
-  if (!entry) return grid_file_bad(s->name, "a section is missing", e);
+ylm_status ylm__file_table_take(const file_table *t, const file_source *s, int kind, size_t record,
+                                size_t bytes, void *to, ylm_error *e) {
+  const grid_file_entry *entry = ylm__file_table_find(t, kind);
+  if (!entry) return ylm__grid_file_bad(s->name, "a section is missing", e);
   uint64_t crc = 0;
   if (entry->record != record || entry->size != bytes)
     return ylm_fail(e, YLM_EFORMAT, "%s: not a valid grid: the size of section '%s'", s->name,
                     entry->name);
-  ylm_status status = file_source_read(s, entry->offset, bytes, to, &crc, e);
+  ylm_status status = ylm__file_source_read(s, entry->offset, bytes, to, &crc, e);
   if (status == YLM_OK && crc != entry->crc)
     return ylm_fail(e, YLM_ECHECKSUM, "%s: the grid file is damaged (section '%s')", s->name,
                     entry->name);
@@ -140,23 +141,24 @@ static ylm_grid_stats stats_of(const grid_file_form *f, const grid_file_stats *t
 #define X(type, name) out.name = t->name;
   GRID_FILE_STATS(X)
 #undef X
-  grid_file_forget_times(&out);
+  ylm__grid_file_forget_times(&out);
   return out;
 }
 
-ylm_status file_table_form(const file_table *t, const file_source *s, grid_file_form *form,
-                           ylm_grid_form *out, ylm_grid_stats *stats, ylm_error *e) {
+ylm_status ylm__file_table_form(const file_table *t, const file_source *s, grid_file_form *form,
+                                ylm_grid_form *out, ylm_grid_stats *stats, ylm_error *e) {
   grid_file_stats history = {.error = NAN, .largest_error = NAN};
   ylm_error why = {0};
   ylm_status status = check_required(t, s, e);
   if (status == YLM_OK)
-    status = file_table_take(t, s, GRID_FILE_form, sizeof *form, sizeof *form, form, e);
-  if (status == YLM_OK && file_table_find(t, GRID_FILE_stats))
-    status = file_table_take(t, s, GRID_FILE_stats, sizeof history, sizeof history, &history, e);
+    status = ylm__file_table_take(t, s, GRID_FILE_form, sizeof *form, sizeof *form, form, e);
+  if (status == YLM_OK && ylm__file_table_find(t, GRID_FILE_stats))
+    status =
+        ylm__file_table_take(t, s, GRID_FILE_stats, sizeof history, sizeof history, &history, e);
   if (status != YLM_OK) return status;
   *out = form_of(form);
   *stats = stats_of(form, &history);
-  if (ylm__grid_check_form(out, &why) != YLM_OK) return grid_file_bad(s->name, why.text, e);
-  if (form->evaluated > form->points) return grid_file_bad(s->name, "its counts", e);
+  if (ylm__grid_check_form(out, &why) != YLM_OK) return ylm__grid_file_bad(s->name, why.text, e);
+  if (form->evaluated > form->points) return ylm__grid_file_bad(s->name, "its counts", e);
   return YLM_OK;
 }

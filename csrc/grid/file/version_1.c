@@ -76,7 +76,7 @@ static void history(stream *s, ylm_grid_stats *t) {
   numbers(s, &t->largest_error, 1, sizeof t->largest_error);
   t->met = number32(s) != 0;
   t->limited = number32(s) != 0;
-  grid_file_forget_times(t);
+  ylm__grid_file_forget_times(t);
 }
 
 static void cells(stream *s, ylm_grid *g) {
@@ -129,7 +129,7 @@ static const char *check_numbers(const ylm_grid *g) {
   for (size_t i = 0; i < g->points; i++)
     if (metric && (isnan(g->lambda[i]) || isnan(g->norm[i]))) return "a point's metric";
   if (!ylm_all_finite(YLM_FLOAT, g->data, 4 * g->points * g->stride, NULL)) return "coefficients";
-  return grid_file_check_points(g);
+  return ylm__grid_file_check_points(g);
 }
 
 /* Cells and points of a grid whose form and counts are known. */
@@ -146,18 +146,18 @@ static ylm_status read_body(stream *s, ylm_grid *g, const uint64_t counts[4], co
   g->evaluated = counts[3];
   cells(s, g);
   points(s, g);
-  if (s->failed || s->at != s->size) return grid_file_bad(name, "its length", e);
+  if (s->failed || s->at != s->size) return ylm__grid_file_bad(name, "its length", e);
   const char *what = check_numbers(g);
-  if (what) return grid_file_bad(name, what, e);
-  status = grid_file_check_cells(g, name, e);
+  if (what) return ylm__grid_file_bad(name, what, e);
+  status = ylm__grid_file_check_cells(g, name, e);
   if (status != YLM_OK) return status;
-  status = grid_file_find_births(g);
-  if (status == YLM_OK) status = grid_file_finish(g);
+  status = ylm__grid_file_find_births(g);
+  if (status == YLM_OK) status = ylm__grid_file_finish(g);
   return status == YLM_OK ? YLM_OK : ylm_fail(e, status, "%s: memory ran out", name);
 }
 
-ylm_status grid_file_read_1(const char *name, const unsigned char *data, size_t size, bool swapped,
-                            ylm_grid **out, ylm_error *e) {
+ylm_status ylm__grid_file_read_1(const char *name, const unsigned char *data, size_t size,
+                                 bool swapped, ylm_grid **out, ylm_error *e) {
   stream s = {.data = data, .size = size, .at = 24, .swap = swapped}; /* behind the size */
   uint64_t counts[4] = {0};
   ylm_grid_form form = {0};
@@ -168,16 +168,16 @@ ylm_status grid_file_read_1(const char *name, const unsigned char *data, size_t 
   s.size -= 8;
   header(&s, &form, counts);
   history(&s, &stats);
-  if (s.failed) return grid_file_bad(name, "its length", e);
-  if (ylm__grid_check_form(&form, &why) != YLM_OK) return grid_file_bad(name, why.text, e);
+  if (s.failed) return ylm__grid_file_bad(name, "its length", e);
+  if (ylm__grid_check_form(&form, &why) != YLM_OK) return ylm__grid_file_bad(name, why.text, e);
   ylm_grid *g = ylm__grid_new(&form);
   if (!g) return ylm_fail(e, YLM_ENOMEM, "%s: memory ran out", name);
   g->stats = stats;
   ylm_status status;
   if (!counts_hold(&s, g, counts))
-    status = grid_file_bad(name, "its counts", e);
-  else if (!grid_file_table_holds(g, counts[0]))
-    status = grid_file_bad(name, "too sparse a lattice", e);
+    status = ylm__grid_file_bad(name, "its counts", e);
+  else if (!ylm__grid_file_table_holds(g, counts[0]))
+    status = ylm__grid_file_bad(name, "too sparse a lattice", e);
   else
     status = read_body(&s, g, counts, name, e);
   if (status == YLM_OK)

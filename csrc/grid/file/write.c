@@ -174,7 +174,7 @@ static ylm_status begin(writing *w, const ylm_grid *g, ylm_error *e) {
 
 ylm_status ylm_grid_encode(const ylm_grid *g, unsigned char **data, size_t *size, ylm_error *e) {
   writing w;
-  ylm_status status = grid_file_machine("the grid", e);
+  ylm_status status = ylm__grid_file_machine("the grid", e);
   if (status == YLM_OK) status = begin(&w, g, e);
   if (status != YLM_OK) return status;
   *size = w.header.size;
@@ -192,7 +192,7 @@ ylm_status ylm_grid_encode(const ylm_grid *g, unsigned char **data, size_t *size
 ylm_status ylm_grid_write(const ylm_grid *g, const char *path, ylm_error *e) {
   writing w;
   sink s = {0};
-  ylm_status status = grid_file_machine(path, e);
+  ylm_status status = ylm__grid_file_machine(path, e);
   if (status == YLM_OK) status = begin(&w, g, e);
   if (status == YLM_OK) status = ylm_file_create(path, &s.file, e);
   if (status != YLM_OK) return status;

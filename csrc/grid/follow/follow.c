@@ -77,7 +77,7 @@ static size_t bytes(const ylm_grid *g) {
          (d->born_room + d->cell_room) * sizeof *d->sign +
          d->source.occupied * 3 * ylm_dtype_size(d->source.occupied_dtype) +
          ylm__surface_bytes(d->surface) + d->log_bytes + d->spare_room * sizeof *d->spare +
-         panel_bytes(&d->panel, g->width);
+         ylm__panel_bytes(&d->panel, g->width);
 }
 
 static ylm_status end(ylm_grid *g, learnt *l) {
@@ -111,9 +111,9 @@ static void free_all(ylm_grid *g) {
   ylm_grid_surface_free(d->surface);
   ylm_regrow_free(d->log, d->log_bytes);
   ylm_free(d->spare);
-  occupancy_free(&d->occupied);
-  lattice_hash_free(&d->forced);
-  panel_free(&d->panel);
+  ylm__occupancy_free(&d->occupied);
+  ylm__lattice_hash_free(&d->forced);
+  ylm__panel_free(&d->panel);
   ylm_free(d);
 }
 
@@ -122,13 +122,13 @@ static void free_all(ylm_grid *g) {
 /* Remembers that a voxel is to be split. */
 static ylm_status failed(ylm_grid *g, const ylm_grid_cell *c) {
   grid_dynamic *d = g->dynamic;
-  if (lattice_hash_reserve(&d->forced, d->forced.used + 1) != YLM_OK) return YLM_ENOMEM;
-  *lattice_hash_at(&d->forced, cell_key(c)) = (uint32_t)g->stats.update.updates;
+  if (ylm__lattice_hash_reserve(&d->forced, d->forced.used + 1) != YLM_OK) return YLM_ENOMEM;
+  *ylm__lattice_hash_at(&d->forced, cell_key(c)) = (uint32_t)g->stats.update.updates;
   return YLM_OK;
 }
 
 bool ylm__dynamic_forced(const ylm_grid *g, const ylm_grid_cell *c) {
-  uint32_t when = lattice_hash_find(&g->dynamic->forced, cell_key(c));
+  uint32_t when = ylm__lattice_hash_find(&g->dynamic->forced, cell_key(c));
   uint32_t now = (uint32_t)g->stats.update.updates;
   return when != YLM_GRID_NONE && now - when < FORCED_UPDATES;
 }

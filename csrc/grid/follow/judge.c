@@ -28,7 +28,7 @@ static bool is_unchanged(const leaf_job *j, const ylm_grid_cell *c) {
 static void interpolate(const ylm_grid *g, const ylm_grid_cell *c, const float x[3], float *row) {
   sample_batch b = {.points = 1, .width = (int)g->width, .value = {row}};
   float t[3];
-  held_fractions(g, c, x, t);
+  ylm__held_fractions(g, c, x, t);
   for (int a = 0; a < 3; a++) b.t[a][0] = t[a];
   ylm__grid_set_cell(g, c, &b);
   ylm__grid_kernel()(&b);
@@ -44,22 +44,22 @@ static ylm_status compare_range(void *context, size_t begin, size_t end, int wor
     j->error[i] = -1;
     j->stuck[i] = 0;
     if (j->p->inside[i]) continue;
-    const ylm_grid_cell *c = &g->cell[held_leaf(g, x)];
+    const ylm_grid_cell *c = &g->cell[ylm__held_leaf(g, x)];
     if (!(c->flags & YLM_GRID_OCCUPIED)) continue;
     bool same = is_unchanged(j, c);
     if (!same) interpolate(g, c, x, row);
-    j->error[i] = panel_error(j->p, i, same ? j->p->sampled + i * g->width : row, g->width);
+    j->error[i] = ylm__panel_error(j->p, i, same ? j->p->sampled + i * g->width : row, g->width);
     j->stuck[i] = j->error[i] > j->r->tolerance && c->level >= g->view.form.depth;
   }
   return YLM_OK;
 }
 
-ylm_status judge_leaves(const refiner *r, const panel *p, const uint8_t *changed, size_t old,
-                        ruling *out) {
+ylm_status ylm__judge_leaves(const refiner *r, const panel *p, const uint8_t *changed, size_t old,
+                             ruling *out) {
   leaf_job j = {r, p, changed, old, ylm_alloc(p->n, sizeof *j.error), ylm_alloc(p->n, 1)};
   ylm_status s = j.error && j.stuck ? YLM_OK : YLM_ENOMEM;
   if (s == YLM_OK) s = ylm_parallel(p->n, 64, r->b->source->threads, compare_range, &j, NULL, NULL);
-  if (s == YLM_OK) s = panel_rule(p, j.error, r->tolerance, DOUBT, out);
+  if (s == YLM_OK) s = ylm__panel_rule(p, j.error, r->tolerance, DOUBT, out);
   for (size_t i = 0; s == YLM_OK && i < p->n; i++) out->stuck += j.stuck[i];
   ylm_free(j.error);
   ylm_free(j.stuck);
@@ -79,7 +79,7 @@ static void take_samples(void *user, size_t n, const uint32_t *point, size_t row
     memcpy(t->p->sampled + point[i] * t->width, value + i * row, t->width * sizeof *value);
 }
 
-ylm_status judge_samples(const ylm_grid *g, panel *p, int threads, ruling *out) {
+ylm_status ylm__judge_samples(const ylm_grid *g, panel *p, int threads, ruling *out) {
   panel_taker to = {p, g->width};
   uint64_t fresh;
   ylm_status s = YLM_OK;
@@ -90,5 +90,5 @@ ylm_status judge_samples(const ylm_grid *g, panel *p, int threads, ruling *out) 
     s = ylm_grid_track_sample(p->track, g, YLM_GRID_HERMITE, threads, NULL,
                               &(ylm_grid_taker){NULL, take_samples, &to}, &fresh, NULL);
   p->known = s == YLM_OK;
-  return s == YLM_OK ? panel_rule_samples(g, p, p->sampled, DOUBT, out) : s;
+  return s == YLM_OK ? ylm__panel_rule_samples(g, p, p->sampled, DOUBT, out) : s;
 }

@@ -60,7 +60,7 @@ static ylm_light dark(const ylm_light *l) {
 
 /* The light set becomes the new one; lights that changed are movers from now on. Arrays are changed
    only where nothing can fail any more, `of` is the new mover_of. */
-ylm_status update_enter_changes(update *u, int32_t *of) {
+ylm_status ylm__update_enter_changes(update *u, int32_t *of) {
   grid_dynamic *d = u->d;
   u->boxes = ylm_alloc(2 * u->changes, 6 * sizeof *u->boxes);
   if (!u->boxes) return YLM_ENOMEM;
@@ -91,7 +91,7 @@ ylm_status update_enter_changes(update *u, int32_t *of) {
 }
 
 /* Forgets movers that all points have in their present state. */
-void update_retire(grid_dynamic *d, size_t points) {
+void ylm__update_retire(grid_dynamic *d, size_t points) {
   for (size_t m = d->movers; m-- > 0;) {
     size_t n[STATES];
     count_states(&d->mover[m], points, n);

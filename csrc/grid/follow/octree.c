@@ -63,7 +63,7 @@ static bool many_came_or_went(const update *u) {
 static ylm_status repair_again(update *u) {
   ylm_grid *g = u->g;
   grid_dynamic *d = u->d;
-  update_forget_rows(u);
+  ylm__update_forget_rows(u);
   ylm_regrow_free(d->log, d->log_bytes);
   d->log = NULL;
   d->log_bytes = 0;
@@ -111,18 +111,18 @@ static ylm_status refine(update *u) {
   g->evaluated = g->points; /* new ones come behind interpolated ones, which go later */
   for (size_t p = 0; p < u->old.evaluated; p++) g->flags[p] |= YLM_GRID_POINT_TESTED;
   ylm_status s = ylm__grid_reserve_cells(g, u->old.cells);
-  if (s == YLM_OK) s = cells_root(b);
+  if (s == YLM_OK) s = ylm__cells_root(b);
   if (s != YLM_OK) return s;
-  return g->view.form.tolerance > 0 ? update_tolerance(b, u->changed, u->old.points, &u->panel)
+  return g->view.form.tolerance > 0 ? ylm__update_tolerance(b, u->changed, u->old.points, &u->panel)
                                     : ylm__refine(b, b->wave.n);
 }
 
-ylm_status update_octree(update *u) {
+ylm_status ylm__update_octree(update *u) {
   ylm_status s = refine(u);
   if (s != YLM_OK) return s;
   if (same_octree(u)) return keep_octree(u);
   u->whole |= many_came_or_went(u);
-  s = update_repair(u, u->whole);
+  s = ylm__update_repair(u, u->whole);
   if (s == YLM_ENOMEM && u->over) s = repair_again(u);
   if (s != YLM_OK && u->over) collapse(u->g);
   if (!u->over) return s;
@@ -131,11 +131,11 @@ ylm_status update_octree(update *u) {
   return s;
 }
 
-ylm_status update_uniform(update *u) {
+ylm_status ylm__update_uniform(update *u) {
   ylm_grid *g = u->g;
   ylm_status s = ylm__grid_fill_invalid(g);
   for (size_t i = 0; s == YLM_OK && i < g->cells; i++)
-    g->cell[i].error = metric_of(&u->b, &g->cell[i], g->view.form.metric);
+    g->cell[i].error = ylm__metric_of(&u->b, &g->cell[i], g->view.form.metric);
   ylm__grid_count(g);
   return s;
 }

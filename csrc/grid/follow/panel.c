@@ -95,7 +95,7 @@ static ylm_status sum_anew(const panel_change *k) {
   ylm_status s = point && exact ? YLM_OK : YLM_ENOMEM;
   for (size_t i = 0; s == YLM_OK && i < n; i++)
     memcpy(point + 3 * i, p->point + 3 * k->anew[i], 3 * sizeof *point);
-  if (s == YLM_OK && n) s = evaluate_values(&k->u->b, n, point, exact, k->inside);
+  if (s == YLM_OK && n) s = ylm__evaluate_values(&k->u->b, n, point, exact, k->inside);
   for (size_t i = 0; s == YLM_OK && i < n; i++) {
     memcpy(p->exact + k->anew[i] * w, exact + i * w, w * sizeof *exact);
     p->inside[k->anew[i]] = k->inside[i];
@@ -106,7 +106,7 @@ static ylm_status sum_anew(const panel_change *k) {
   return s;
 }
 
-ylm_status update_panel(update *u) {
+ylm_status ylm__update_panel(update *u) {
   const panel *before = &u->d->panel;
   size_t n = before->n, count = (size_t)u->g->view.count;
   if (!n) return YLM_OK;
@@ -115,7 +115,7 @@ ylm_status update_panel(update *u) {
                     .value = ylm_alloc(n, count * sizeof *k.value),
                     .inside = ylm_alloc(n, 1),
                     .anew = ylm_alloc(n, sizeof *k.anew)};
-  ylm_status s = panel_copy_light(&u->panel, before, u->g->width);
+  ylm_status s = ylm__panel_copy_light(&u->panel, before, u->g->width);
   if (!k.value || !k.inside || !k.anew) s = YLM_ENOMEM;
   if (s == YLM_OK && 2 * u->changes < u->now.n) s = add_changes(&k);
   if (s == YLM_OK && 2 * u->changes >= u->now.n)

@@ -107,7 +107,7 @@ static void drop_points(repair *r) {
   for (size_t p = 0; p < r->old_evaluated; p++) {
     if (u->b.used[p]) continue;
     u->stats.removed++;
-    lattice_hash_remove(&g->hash, lattice_key(g->lattice + 3 * p));
+    ylm__lattice_hash_remove(&g->hash, lattice_key(g->lattice + 3 * p));
   }
   u->stats.added = r->live + u->stats.removed - r->old_evaluated;
 }
@@ -162,7 +162,7 @@ static void place_evaluated(repair *r) {
     while (!used[from] || (from >= r->old_evaluated && from < r->old_points));
     r->place[from] = (uint32_t)to;
     ylm__dynamic_move(g, (uint32_t)from, (uint32_t)to);
-    *lattice_hash_at(&g->hash, lattice_key(g->lattice + 3 * to)) = (uint32_t)to;
+    *ylm__lattice_hash_at(&g->hash, lattice_key(g->lattice + 3 * to)) = (uint32_t)to;
   }
 }
 
@@ -230,7 +230,7 @@ static ylm_status renumber_changed(repair *r) {
 /* Continuity where it is affected; data of interpolated points that need new ones. */
 static ylm_status continue_affected(repair *r, size_t octree) {
   ylm_grid *g = r->g;
-  corners_find_shared(&r->u->b, r->affected);
+  ylm__corners_find_shared(&r->u->b, r->affected);
   ylm__grid_find_baked(g);
   ylm_status s = ylm__grid_fill_invalid(g);
   for (uint32_t i = 0; i < octree && s == YLM_OK && g->view.form.continuous; i++)
@@ -274,7 +274,7 @@ static ylm_status renumber(repair *r, bool everywhere) {
   return YLM_OK;
 }
 
-ylm_status update_repair(update *u, bool everywhere) {
+ylm_status ylm__update_repair(update *u, bool everywhere) {
   repair r = {.u = u,
               .g = u->g,
               .was = u->old.cell,

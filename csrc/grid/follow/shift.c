@@ -14,7 +14,7 @@
 #define CHUNK 512
 
 /* Which points are to be evaluated anew, and which get the difference. */
-ylm_status update_choose_points(update *u) {
+ylm_status ylm__update_choose_points(update *u) {
   ylm_grid *g = u->g;
   uint8_t *what = ylm_alloc(g->evaluated, 1);
   u->exact = ylm_alloc(g->evaluated, sizeof *u->exact);
@@ -134,7 +134,8 @@ static ylm_status shift_chunk(void *context, size_t begin, size_t end, int worke
   update *u = j->u;
   const uint32_t *point = u->shift + begin;
   ylm_status s = YLM_OK;
-  for (size_t i = begin; i < end; i++) update_log_row(u, u->old.logs - u->shifts + i, u->shift[i]);
+  for (size_t i = begin; i < end; i++)
+    ylm__update_log_row(u, u->old.logs - u->shifts + i, u->shift[i]);
   for (size_t m = 0; m < u->d->movers && s == YLM_OK; m++)
     s = follow_mover(j, &j->work[worker], &u->d->mover[m], end - begin, point);
   for (size_t i = 0; i < end - begin && s == YLM_OK; i++)
@@ -195,7 +196,7 @@ static ylm_status make_work(shift_job *j, int threads) {
   return j->work && ok ? YLM_OK : YLM_ENOMEM;
 }
 
-ylm_status update_shift_all(update *u) {
+ylm_status ylm__update_shift_all(update *u) {
   int threads = ylm_threads(u->source.threads);
   shift_job j = {.u = u, .lambda2 = ylm_light_lambda2()};
   if (!u->shifts) return YLM_OK;

@@ -27,8 +27,8 @@ static void hold_out(refiner *r, uint64_t round, const uint8_t *changed, size_t 
   r->held = 0;
   for (int i = 0; i < UPDATE_DRAWN && r->held < most; i++) {
     float x[3];
-    held_draw(r, &rng, x);
-    uint32_t leaf = held_leaf(g, x);
+    ylm__held_draw(r, &rng, x);
+    uint32_t leaf = ylm__held_leaf(g, x);
     const ylm_grid_cell *c = &g->cell[leaf];
     if (!(c->flags & YLM_GRID_OCCUPIED) || (r->held % 2 && !touched(c, changed, known))) continue;
     r->verdict[r->held].leaf = leaf;
@@ -45,10 +45,10 @@ static ylm_status split_failed(refiner *r) {
         c->level >= b->g->view.form.depth)
       continue;
     s = b->g->follower->failed(b->g, c);
-    if (s == YLM_OK) s = cells_split(b, r->verdict[i].leaf);
+    if (s == YLM_OK) s = ylm__cells_split(b, r->verdict[i].leaf);
   }
-  cells_advance(b);
-  return s == YLM_OK ? tolerance_refine(r) : s;
+  ylm__cells_advance(b);
+  return s == YLM_OK ? ylm__tolerance_refine(r) : s;
 }
 
 /* Splits where fresh points fail; where that is more than chance lets fail, also what the factor
@@ -58,10 +58,10 @@ static ylm_status refine_more(refiner *r, uint64_t round, const uint8_t *changed
   double start = ylm_seconds();
   hold_out(r, round, changed, known);
   r->b->stage = "verifying";
-  ylm_status s = verify_compare(r);
+  ylm_status s = ylm__verify_compare(r);
   r->b->g->stats.verify_seconds += ylm_seconds() - start;
   if (s != YLM_OK) return s;
-  return verify_satisfied(r, &limited) ? split_failed(r) : tolerance_again(r);
+  return ylm__verify_satisfied(r, &limited) ? split_failed(r) : ylm__tolerance_again(r);
 }
 
 /* True if the promise is kept, or the depth forbids it. */
@@ -74,22 +74,22 @@ static bool is_settled(const ruling *said) {
 static ylm_status refine_changed(refiner *r, const uint8_t *changed, size_t known, const panel *p) {
   ylm_grid *g = r->b->g;
   ruling said = {0};
-  ylm_status s = tolerance_refine(r);
+  ylm_status s = ylm__tolerance_refine(r);
   for (uint64_t round = 0; s == YLM_OK; round++) {
     double start = ylm_seconds();
     s = ylm__grid_fill_invalid(g);
-    if (s == YLM_OK) s = judge_leaves(r, p, changed, known, &said);
+    if (s == YLM_OK) s = ylm__judge_leaves(r, p, changed, known, &said);
     g->stats.verify_seconds += ylm_seconds() - start;
     if (s == YLM_OK && said.met && round == 0)
       r->tight = fmax(g->dynamic->loosest, RELAX * r->tight);
     if (s != YLM_OK || is_settled(&said) || round == UPDATE_ROUNDS) break;
     s = refine_more(r, round, changed, known);
   }
-  if (s == YLM_OK) panel_report(&g->stats, p, &said, said.stuck > 0);
+  if (s == YLM_OK) ylm__panel_report(&g->stats, p, &said, said.stuck > 0);
   return s;
 }
 
-ylm_status update_tolerance(baker *b, const uint8_t *changed, size_t known, const panel *p) {
+ylm_status ylm__update_tolerance(baker *b, const uint8_t *changed, size_t known, const panel *p) {
   grid_dynamic *d = b->g->dynamic;
   refiner r = {.b = b,
                .tolerance = b->g->view.form.tolerance,
@@ -97,9 +97,9 @@ ylm_status update_tolerance(baker *b, const uint8_t *changed, size_t known, cons
                .ratio = d->ratio,
                .frozen = true,
                .forced = ylm__dynamic_forced};
-  ylm_status s = tolerance_begin(&r);
+  ylm_status s = ylm__tolerance_begin(&r);
   if (s == YLM_OK) s = refine_changed(&r, changed, known, p);
   if (s == YLM_OK) d->tight = r.tight;
-  tolerance_end(&r);
+  ylm__tolerance_end(&r);
   return s;
 }

@@ -4,7 +4,7 @@
 #include <string.h>
 
 /* Keeps everything but rows of data. */
-ylm_status update_remember(update *u) {
+ylm_status ylm__update_remember(update *u) {
   const ylm_grid *g = u->g;
   const grid_dynamic *d = u->d;
   undo *o = &u->old;
@@ -34,7 +34,7 @@ ylm_status update_remember(update *u) {
   return YLM_OK;
 }
 
-void update_log_row(update *u, size_t log, uint32_t point) {
+void ylm__update_log_row(update *u, size_t log, uint32_t point) {
   undo *o = &u->old;
   size_t row = 4 * u->g->stride, bends = u->d->bends;
   memcpy(o->data + log * row, u->g->data + point * row, row * sizeof *o->data);
@@ -64,11 +64,11 @@ static ylm_status reserve_log(update *u, size_t n) {
 static ylm_status log_range(void *context, size_t begin, size_t end, int worker) {
   (void)worker;
   update *u = context;
-  for (size_t i = begin; i < end; i++) update_log_row(u, i, u->old.logged[i]);
+  for (size_t i = begin; i < end; i++) ylm__update_log_row(u, i, u->old.logged[i]);
   return YLM_OK;
 }
 
-ylm_status update_log_rows(update *u) {
+ylm_status ylm__update_log_rows(update *u) {
   const ylm_grid *g = u->g;
   undo *o = &u->old;
   size_t invalid = 0;
@@ -84,7 +84,7 @@ ylm_status update_log_rows(update *u) {
   return ylm_parallel(now, 64, u->source.threads, log_range, u, NULL, NULL);
 }
 
-void update_restore(update *u) {
+void ylm__update_restore(update *u) {
   ylm_grid *g = u->g;
   grid_dynamic *d = u->d;
   undo *o = &u->old;
@@ -94,7 +94,7 @@ void update_restore(update *u) {
   d->forced = o->forced;
   o->forced = forced;
   for (size_t p = o->points; p < g->points; p++)
-    lattice_hash_remove(&g->hash, lattice_key(g->lattice + 3 * p));
+    ylm__lattice_hash_remove(&g->hash, lattice_key(g->lattice + 3 * p));
   g->points = o->points;
   g->evaluated = o->evaluated;
   if (o->cell) {
@@ -131,7 +131,7 @@ void update_restore(update *u) {
   ylm__grid_sync(g);
 }
 
-void update_forget_rows(update *u) {
+void ylm__update_forget_rows(update *u) {
   undo *o = &u->old;
   for (size_t m = 0; o->mover && m < o->movers; m++) ylm_free(o->mover[m].seen);
   ylm_free(o->mover);
@@ -142,7 +142,7 @@ void update_forget_rows(update *u) {
   ylm_free(o->drift);
   ylm_free(o->sign);
   ylm_free(o->logged);
-  lattice_hash_free(&o->forced);
+  ylm__lattice_hash_free(&o->forced);
   u->old = (undo){.points = o->points,
                   .evaluated = o->evaluated,
                   .cells = o->cells,
@@ -150,8 +150,8 @@ void update_forget_rows(update *u) {
                   .cell = o->cell};
 }
 
-void update_forget(update *u) {
-  update_forget_rows(u);
+void ylm__update_forget(update *u) {
+  ylm__update_forget_rows(u);
   ylm_free(u->old.cell);
   ylm_light_list_free(&u->now);
   ylm_free(u->origin);
@@ -160,6 +160,6 @@ void update_forget(update *u) {
   ylm_free(u->shift);
   ylm_free(u->changed);
   ylm_free(u->boxes);
-  panel_forget_light(&u->panel);
-  baker_free(&u->b);
+  ylm__panel_forget_light(&u->panel);
+  ylm__baker_free(&u->b);
 }

@@ -54,7 +54,7 @@ static void commit(update *u, int32_t *of) {
   d->mover_of = of;
   d->lights = u->now.n;
   u->now.light = NULL;
-  panel_exchange(&d->panel, &u->panel);
+  ylm__panel_exchange(&d->panel, &u->panel);
 }
 
 /* Judges the finished grid; where memory runs out, what was said of its octree stands. */
@@ -63,8 +63,8 @@ static void judge(const update *u) {
   ruling said;
   if (!(g->view.form.tolerance > 0) || g->spent) return;
   double t = ylm_seconds();
-  if (judge_samples(g, &u->d->panel, u->source.threads, &said) == YLM_OK)
-    panel_report(&g->stats, &u->d->panel, &said, g->stats.limited);
+  if (ylm__judge_samples(g, &u->d->panel, u->source.threads, &said) == YLM_OK)
+    ylm__panel_report(&g->stats, &u->d->panel, &said, g->stats.limited);
   g->stats.verify_seconds += ylm_seconds() - t;
 }
 
@@ -76,36 +76,37 @@ static ylm_status renew_worn(update *u) {
   for (size_t i = 0; i < u->shifts; i++)
     if (ylm__grid_is_worn(g, u->shift[i], u->tolerance, 4)) list[n++] = u->shift[i];
   u->stats.exact += n;
-  return evaluate_points(&u->b, n, list, 0);
+  return ylm__evaluate_points(&u->b, n, list, 0);
 }
 
 static ylm_status follow(update *u) {
   ylm_grid *g = u->g;
   ylm_status s = ylm_light_bounds_meet(&u->d->bounds, u->now.n, u->now.light, u->b.e);
-  if (s == YLM_OK) s = update_remember(u);
+  if (s == YLM_OK) s = ylm__update_remember(u);
   if (s == YLM_OK) s = keep_shapes(u);
-  if (s == YLM_OK) s = update_panel(u);
+  if (s == YLM_OK) s = ylm__update_panel(u);
   if (s != YLM_OK) return s;
   int32_t *of = ylm_alloc(u->now.n, sizeof *of);
   if (!of) return YLM_ENOMEM;
-  s = update_enter_changes(u, of);
-  if (s == YLM_OK) s = update_choose_points(u);
-  if (s == YLM_OK) s = update_log_rows(u);
-  if (s == YLM_OK) s = evaluate_points(&u->b, u->exacts, u->exact, 0);
-  if (s == YLM_OK) s = update_shift_all(u);
+  s = ylm__update_enter_changes(u, of);
+  if (s == YLM_OK) s = ylm__update_choose_points(u);
+  if (s == YLM_OK) s = ylm__update_log_rows(u);
+  if (s == YLM_OK) s = ylm__evaluate_points(&u->b, u->exacts, u->exact, 0);
+  if (s == YLM_OK) s = ylm__update_shift_all(u);
   u->stats.exact = u->exacts;
   if (s == YLM_OK) s = renew_worn(u);
   u->stats.points = u->exacts + u->shifts;
   double begin = ylm_seconds(), field = g->stats.field_seconds;
-  if (s == YLM_OK) s = g->view.form.kind == YLM_GRID_UNIFORM ? update_uniform(u) : update_octree(u);
+  if (s == YLM_OK)
+    s = g->view.form.kind == YLM_GRID_UNIFORM ? ylm__update_uniform(u) : ylm__update_octree(u);
   u->stats.tree_seconds = ylm_seconds() - begin - (g->stats.field_seconds - field);
   if (s != YLM_OK && !u->over) {
-    update_restore(u);
+    ylm__update_restore(u);
     ylm_free(of);
     return s;
   }
   commit(u, of);
-  update_retire(u->d, g->evaluated);
+  ylm__update_retire(u->d, g->evaluated);
   ylm__dynamic_sign_all(g, u->source.threads);
   if (s == YLM_OK) judge(u);
   ylm__grid_sync(g);
@@ -148,7 +149,7 @@ ylm_status ylm_grid_update(ylm_grid *g, const ylm_grid_change *change, ylm_error
   u.source.field = change->field;
   u.source.threads = change->threads;
   u.source.progress = change->progress;
-  baker_begin(&u.b, g, &u.source, e);
+  ylm__baker_begin(&u.b, g, &u.source, e);
   u.b.learnt.occupied = u.d->occupied;
   u.b.surface = u.d->surface;
   u.b.stage = "updating";
@@ -157,7 +158,7 @@ ylm_status ylm_grid_update(ylm_grid *g, const ylm_grid_change *change, ylm_error
   u.origin = ylm_alloc(u.now.n, sizeof *u.origin);
   g->updating = true;
   g->stats.update = u.stats; /* its number is used by refinement */
-  if (u.d->forced.used > MOST_FORCED) lattice_hash_free(&u.d->forced);
+  if (u.d->forced.used > MOST_FORCED) ylm__lattice_hash_free(&u.d->forced);
   g->stats.pairs = 0;
   g->stats.field_seconds = 0;
   if (!u.origin) s = YLM_ENOMEM;
@@ -170,7 +171,7 @@ ylm_status ylm_grid_update(ylm_grid *g, const ylm_grid_change *change, ylm_error
     g->stats.verify_seconds = before.verify_seconds;
   }
   g->updating = false;
-  update_forget(&u);
+  ylm__update_forget(&u);
   ylm__dynamic_sweep(g->dynamic);
   u.stats.seconds = ylm_seconds() - begin;
   if (s == YLM_OK)

@@ -43,64 +43,64 @@ typedef struct update {
 /* -- undo.c ----------------------------------------------------------------------------- */
 
 /* Keeps everything but rows of data. */
-ylm_status update_remember(update *u);
+ylm_status ylm__update_remember(update *u);
 /* Keeps the rows of the points that will be written; those of u->shift, the last of the log, when
    their turn comes. */
-ylm_status update_log_rows(update *u);
-void update_log_row(update *u, size_t log, uint32_t point);
+ylm_status ylm__update_log_rows(update *u);
+void ylm__update_log_row(update *u, size_t log, uint32_t point);
 /* Takes everything back. */
-void update_restore(update *u);
+void ylm__update_restore(update *u);
 /* Frees what only taking back needs. */
-void update_forget_rows(update *u);
+void ylm__update_forget_rows(update *u);
 /* Frees what an update holds, the grid excepted. */
-void update_forget(update *u);
+void ylm__update_forget(update *u);
 
 /* -- movers.c --------------------------------------------------------------------------- */
 
 /* The light set becomes the new one; lights that changed are movers from now on. Arrays are changed
    only where nothing can fail any more, `of` is the new mover_of. */
-ylm_status update_enter_changes(update *u, int32_t *of);
+ylm_status ylm__update_enter_changes(update *u, int32_t *of);
 /* Forgets movers that all points have in their present state. */
-void update_retire(grid_dynamic *d, size_t points);
+void ylm__update_retire(grid_dynamic *d, size_t points);
 
 /* -- shift.c ---------------------------------------------------------------------------- */
 
 /* Which points are to be evaluated anew, and which get the difference. */
-ylm_status update_choose_points(update *u);
+ylm_status ylm__update_choose_points(update *u);
 /* Brings the points that are listed in u->shift up to date with all movers. */
-ylm_status update_shift_all(update *u);
+ylm_status ylm__update_shift_all(update *u);
 
 /* -- panel.c ---------------------------------------------------------------------------- */
 
 /* The exact light of the panel's points, with the lights as they are now. */
-ylm_status update_panel(update *u);
+ylm_status ylm__update_panel(update *u);
 
 /* -- judge.c ---------------------------------------------------------------------------- */
 
 /* Judges a grid that is being updated by its panel, in the leaves of the octree; changed [old] by
    point that was there. */
-ylm_status judge_leaves(const refiner *r, const panel *p, const uint8_t *changed, size_t old,
-                        ruling *out);
+ylm_status ylm__judge_leaves(const refiner *r, const panel *p, const uint8_t *changed, size_t old,
+                             ruling *out);
 /* Judges a dynamic grid after an update, by its samples; those that did not change are known. Where
    it fails, nothing is known. */
-ylm_status judge_samples(const ylm_grid *g, panel *p, int threads, ruling *out);
+ylm_status ylm__judge_samples(const ylm_grid *g, panel *p, int threads, ruling *out);
 
 /* -- tolerance.c ------------------------------------------------------------------------ */
 
 /* Refines from the root by what the bake has learnt, then further while the panel says that the
    tolerance is not kept: by held-out points, half of them in voxels with changed corners (changed:
    by point; points from `known` on are new). */
-ylm_status update_tolerance(baker *b, const uint8_t *changed, size_t known, const panel *p);
+ylm_status ylm__update_tolerance(baker *b, const uint8_t *changed, size_t known, const panel *p);
 
 /* -- octree.c --------------------------------------------------------------------------- */
 
-ylm_status update_octree(update *u);
-ylm_status update_uniform(update *u);
+ylm_status ylm__update_octree(update *u);
+ylm_status ylm__update_uniform(update *u);
 
 /* -- repair.c --------------------------------------------------------------------------- */
 
 /* Drops points and makes the new octree continuous: around points that came or went, or everywhere.
    Where it fails with u->over, only the octree and its evaluated points are good. */
-ylm_status update_repair(update *u, bool everywhere);
+ylm_status ylm__update_repair(update *u, bool everywhere);
 
 #endif

@@ -17,7 +17,7 @@ static void virtual_corner(const ylm_grid *g, const virtual_cell *v, const uint3
     middle += place[a] == 1;
     corner |= (int)(place[a] / 2) << a;
   }
-  uint32_t point = middle ? lattice_hash_find(&g->hash, lattice_key(at)) : YLM_GRID_NONE;
+  uint32_t point = middle ? ylm__lattice_hash_find(&g->hash, lattice_key(at)) : YLM_GRID_NONE;
   for (int r = 0; r < 4; r++) {
     if (!middle) /* its rows may lie in the room that the next descent writes to */
       row[r] = memcpy(to + (size_t)r * g->stride, v->row[8 * r + corner], g->stride * sizeof *to);

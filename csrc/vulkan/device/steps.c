@@ -7,7 +7,7 @@
 
 #define SCAN_BLOCK ((uint32_t)YLM_GPU_SCAN_EACH * YLM_GPU_SCAN_LANES)
 
-void steps_free(step_queue *q) {
+void ylm__steps_free(step_queue *q) {
   ylm_gpu_buffer_free(q->blocks[0]);
   ylm_gpu_buffer_free(q->blocks[1]);
   ylm_free(q->work);
@@ -34,8 +34,8 @@ static ylm_gpu_work *next_step(step_queue *q) {
   return w;
 }
 
-void steps_dispatch(step_queue *q, const step_kernel *k, uint64_t items, int words,
-                    const uint32_t *push, int binds, ylm_gpu_buffer *const *buffer) {
+void ylm__steps_dispatch(step_queue *q, const step_kernel *k, uint64_t items, int words,
+                         const uint32_t *push, int binds, ylm_gpu_buffer *const *buffer) {
   uint32_t constant[5] = {STEP_GROUP};
   memcpy(constant + 1, k->constant, sizeof k->constant);
   ylm_gpu_kernel *kernel = NULL;
@@ -52,13 +52,13 @@ void steps_dispatch(step_queue *q, const step_kernel *k, uint64_t items, int wor
   for (int i = 0; i < binds; i++) w->bind[i].buffer = buffer[i];
 }
 
-void steps_part(step_queue *q, int bind, uint64_t offset, uint64_t bytes) {
+void ylm__steps_part(step_queue *q, int bind, uint64_t offset, uint64_t bytes) {
   if (q->status != YLM_OK) return;
   q->work[q->n - 1].bind[bind].offset = offset;
   q->work[q->n - 1].bind[bind].bytes = bytes;
 }
 
-void steps_work(step_queue *q, const ylm_gpu_work *from) {
+void ylm__steps_work(step_queue *q, const ylm_gpu_work *from) {
   ylm_gpu_work *w = next_step(q);
   if (!w) return;
   const char *stage = w->stage;
@@ -67,7 +67,7 @@ void steps_work(step_queue *q, const ylm_gpu_work *from) {
   ylm_copy(q->push[q->n - 1], from->push, from->push_bytes);
 }
 
-void steps_fill(step_queue *q, ylm_gpu_buffer *b, uint32_t value) {
+void ylm__steps_fill(step_queue *q, ylm_gpu_buffer *b, uint32_t value) {
   ylm_gpu_work *w = next_step(q);
   if (!w) return;
   w->verb = YLM_GPU_FILL;
@@ -76,7 +76,7 @@ void steps_fill(step_queue *q, ylm_gpu_buffer *b, uint32_t value) {
   w->value = value;
 }
 
-void steps_copy(step_queue *q, ylm_gpu_buffer *from, uint64_t bytes, ylm_gpu_buffer *to) {
+void ylm__steps_copy(step_queue *q, ylm_gpu_buffer *from, uint64_t bytes, ylm_gpu_buffer *to) {
   ylm_gpu_work *w = bytes ? next_step(q) : NULL;
   if (!w) return;
   w->verb = YLM_GPU_COPY;
@@ -91,7 +91,7 @@ static void scan_phase(step_queue *q, int kind, uint32_t phase, const uint32_t p
                        ylm_gpu_buffer *counts) {
   step_kernel k = {"octree_scan", 2, {(uint32_t)kind, phase}, 0};
   ylm_gpu_buffer *buffer[] = {x, before, blocks ? blocks : counts, counts};
-  steps_dispatch(q, &k, (uint64_t)push[2] * STEP_GROUP, 4, push, 4, buffer);
+  ylm__steps_dispatch(q, &k, (uint64_t)push[2] * STEP_GROUP, 4, push, 4, buffer);
 }
 
 /* Sums blocks into room of depth `deep`, scans that in place, adds up. */
@@ -107,8 +107,8 @@ static void scan(step_queue *q, int kind, uint32_t mask, ylm_gpu_buffer *x, uint
   scan_phase(q, kind, 1, push, x, before, room, counts);
 }
 
-void steps_scan(step_queue *q, int kind, uint32_t mask, ylm_gpu_buffer *x, uint32_t n,
-                ylm_gpu_buffer *before, ylm_gpu_buffer *counts, uint32_t slot) {
+void ylm__steps_scan(step_queue *q, int kind, uint32_t mask, ylm_gpu_buffer *x, uint32_t n,
+                     ylm_gpu_buffer *before, ylm_gpu_buffer *counts, uint32_t slot) {
   uint64_t blocks = (n + SCAN_BLOCK - 1) / SCAN_BLOCK, above = blocks / SCAN_BLOCK + 1;
   if (q->status != YLM_OK || !n) return;
   if (above > SCAN_BLOCK) { /* two rooms are enough for 2^30 numbers */
@@ -119,13 +119,14 @@ void steps_scan(step_queue *q, int kind, uint32_t mask, ylm_gpu_buffer *x, uint3
   for (int i = 0; i < 2 && q->status == YLM_OK; i++) {
     uint64_t bytes = 4 * (i ? above : blocks);
     bool fits = q->blocks[i] && ylm_gpu_buffer_bytes(q->blocks[i]) >= bytes;
-    if (!fits && q->n) q->status = steps_run(q);
-    if (!fits && q->status == YLM_OK) q->status = steps_reserve(q->g, &q->blocks[i], bytes, q->e);
+    if (!fits && q->n) q->status = ylm__steps_run(q);
+    if (!fits && q->status == YLM_OK)
+      q->status = ylm__steps_reserve(q->g, &q->blocks[i], bytes, q->e);
   }
   scan(q, kind, mask, x, n, before, counts, slot, 0);
 }
 
-ylm_status steps_run(step_queue *q) {
+ylm_status ylm__steps_run(step_queue *q) {
   for (size_t i = 0; i < q->n; i++) q->work[i].push = q->push[i];
   if (q->status == YLM_OK && q->n)
     q->status = ylm_gpu_run(q->g, q->n, q->work, q->times, q->progress, q->e);
@@ -133,21 +134,21 @@ ylm_status steps_run(step_queue *q) {
   return q->status;
 }
 
-ylm_status steps_counts(step_queue *q, ylm_gpu_buffer *counts, int n, uint32_t *count) {
-  ylm_status s = steps_run(q);
+ylm_status ylm__steps_counts(step_queue *q, ylm_gpu_buffer *counts, int n, uint32_t *count) {
+  ylm_status s = ylm__steps_run(q);
   if (s == YLM_OK) s = ylm_gpu_download(counts, 0, 4 * (uint64_t)n, count, q->e);
-  steps_fill(q, counts, 0);
+  ylm__steps_fill(q, counts, 0);
   return s;
 }
 
-ylm_status steps_reserve(ylm_gpu *g, ylm_gpu_buffer **b, uint64_t bytes, ylm_error *e) {
+ylm_status ylm__steps_reserve(ylm_gpu *g, ylm_gpu_buffer **b, uint64_t bytes, ylm_error *e) {
   if (*b && ylm_gpu_buffer_bytes(*b) >= bytes) return YLM_OK;
   ylm_gpu_buffer_free(*b);
   *b = NULL;
   return ylm_gpu_buffer_create(g, bytes, b, e);
 }
 
-void steps_copied(ylm_gpu_times *t, const char *stage, double start) {
+void ylm__steps_copied(ylm_gpu_times *t, const char *stage, double start) {
   if (!t) return;
   int i = 0;
   while (i < t->stages && strcmp(t->stage[i].name, stage) != 0) i++;

@@ -16,7 +16,7 @@ static ylm_status bake_with(ylm_gpu_lights *l, const ylm_grid_form *form,
   ylm_status s = ylm_grid_bake(form, &own, out, e);
   l->busy = false;
   p->e = p->q.e = e;
-  if (s == YLM_OK && p->grid) s = points_copy(p, copy);
+  if (s == YLM_OK && p->grid) s = ylm__points_copy(p, copy);
   if (s == YLM_OK) return YLM_OK;
   ylm_grid_free(*out);
   *out = NULL;
@@ -31,10 +31,10 @@ static ylm_status bake_octree(ylm_gpu_lights *l, const ylm_grid_form *form,
   if (!t) return ylm_fail(e, YLM_ENOMEM, "%s", ylm_status_text(YLM_ENOMEM));
   t->l = l;
   t->occupied.there = there;
-  ylm_grid_backend backend = octree_backend(t);
+  ylm_grid_backend backend = ylm__octree_backend(t);
   ylm_status s = bake_with(l, form, source, &backend, &t->p, out, copy, e);
-  if (s == YLM_EINVAL && t->gathered) s = octree_fails(t); /* that is not the caller's doing */
-  octree_end(t);
+  if (s == YLM_EINVAL && t->gathered) s = ylm__octree_fails(t); /* that is not the caller's doing */
+  ylm__octree_end(t);
   ylm_free(t);
   return s;
 }
@@ -44,9 +44,9 @@ static ylm_status bake_kept(ylm_gpu_lights *l, const ylm_grid_form *form,
                             const ylm_grid_source *source, ylm_gpu_buffer *there, ylm_grid **out,
                             ylm_gpu_grid **copy, ylm_error *e) {
   gpu_points p = {.l = l, .there = there};
-  ylm_grid_backend backend = points_backend(&p);
+  ylm_grid_backend backend = ylm__points_backend(&p);
   ylm_status s = bake_with(l, form, source, &backend, &p, out, copy, e);
-  points_end(&p);
+  ylm__points_end(&p);
   return s;
 }
 
@@ -68,13 +68,13 @@ static ylm_status bake(ylm_gpu_lights *l, const ylm_grid_form *form, const ylm_g
   ylm_grid_source own = *source;
   void *points = NULL;
   bool kernels = ylm_gpu_about(l->gpu)->binds >= OCTREE_BINDS;
-  if (kernels && octree_takes(l->gpu, form, &own))
+  if (kernels && ylm__octree_takes(l->gpu, form, &own))
     return bake_octree(l, form, &own, there, out, copy, e);
   if (kernels && form->kind == YLM_GRID_ADAPTIVE && !form->dynamic)
     return bake_kept(l, form, &own, there, out, copy, e);
-  ylm_status s = there ? occupied_fetch(&own, there, &points, e) : YLM_OK;
+  ylm_status s = there ? ylm__occupied_fetch(&own, there, &points, e) : YLM_OK;
   if (points) own.occupied_points = points;
-  if (s == YLM_OK && kernels && !form->dynamic && points_fit(form->cells))
+  if (s == YLM_OK && kernels && !form->dynamic && ylm__points_fit(form->cells))
     s = bake_kept(l, form, &own, NULL, out, copy, e);
   else if (s == YLM_OK)
     s = ylm_grid_bake(form, &own, out, e);

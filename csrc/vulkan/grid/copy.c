@@ -124,7 +124,7 @@ void ylm_gpu_grid_free(ylm_gpu_grid *k) {
                            k->order, k->tally, k->value,  k->gradient, k->transfer, k->material};
   for (size_t i = 0; i < sizeof all / sizeof *all; i++) ylm_gpu_buffer_free(all[i]);
   for (int i = 0; i < GRID_PARTS; i++) ylm_gpu_buffer_free(k->data[i]);
-  steps_free(&k->queue);
+  ylm__steps_free(&k->queue);
   ylm_gpu_free(k->g);
   ylm_free(k);
 }

@@ -117,8 +117,8 @@ static void find_chunk(occupied_voxels *o, const shading *p, size_t i, ylm_gpu_b
   step_kernel k = {"octree_voxel", 1, {words, 0}, 0};
   uint32_t push[] = {(uint32_t)n, (uint32_t)(i * CHUNK), low, r[0], r[1], r[2]};
   ylm_gpu_buffer *bind[] = {points, fences, p->place[i], o->counts};
-  steps_dispatch(o->q, &k, n, 6, push, 4, bind);
-  if (o->there) steps_part(o->q, 0, i * CHUNK * row, n * row);
+  ylm__steps_dispatch(o->q, &k, n, 6, push, 4, bind);
+  if (o->there) ylm__steps_part(o->q, 0, i * CHUNK * row, n * row);
 }
 
 /* Chunk after chunk, uploaded where they are not there; the device keeps their voxels. */
@@ -141,7 +141,7 @@ static ylm_status find_voxels(occupied_voxels *o, shading *p) {
     if (s == YLM_OK) s = ylm_gpu_buffer_create(g, n * 12, &p->place[i], o->e);
     if (s != YLM_OK) break;
     find_chunk(o, p, i, o->there ? o->there : points, fences);
-    s = steps_run(o->q);
+    s = ylm__steps_run(o->q);
   }
   ylm_gpu_buffer_free(fences);
   ylm_gpu_buffer_free(points);
@@ -154,7 +154,7 @@ static ylm_status reserve_level(occupied_voxels *o, occupied_level *v, uint64_t 
   v->words = (uint32_t)words;
   ylm_status s = ylm_gpu_buffer_create(o->l->gpu, 4 * words, &v->bits, o->e);
   if (s == YLM_OK) s = ylm_gpu_buffer_create(o->l->gpu, 4 * words, &v->before, o->e);
-  if (s == YLM_OK) steps_fill(o->q, v->bits, 0);
+  if (s == YLM_OK) ylm__steps_fill(o->q, v->bits, 0);
   return s;
 }
 
@@ -167,10 +167,11 @@ static ylm_status mark_level(occupied_voxels *o, const shading *p, int level, ui
     step_kernel k = {"octree_mark", 0, {0, 0}, 0};
     uint32_t push[] = {(uint32_t)chunk_size(o, i), (uint32_t)level, (uint32_t)(depth - level)};
     ylm_gpu_buffer *bind[] = {p->place[i], v->bits, above->bits, above->before};
-    steps_dispatch(o->q, &k, push[0], 3, push, 4, bind);
+    ylm__steps_dispatch(o->q, &k, push[0], 3, push, 4, bind);
   }
   if (s == YLM_OK)
-    steps_scan(o->q, SCAN_BITS, UINT32_MAX, v->bits, v->words, v->before, o->counts, SCAN_NO_SUM);
+    ylm__steps_scan(o->q, SCAN_BITS, UINT32_MAX, v->bits, v->words, v->before, o->counts,
+                    SCAN_NO_SUM);
   return s;
 }
 
@@ -193,15 +194,15 @@ static ylm_status mark_lattice(occupied_voxels *o, const shading *p) {
     step_kernel k = {"lattice_mark", 0, {0}, 0};
     uint32_t push[] = {(uint32_t)chunk_size(o, i), r[0], r[1]};
     ylm_gpu_buffer *bind[] = {p->place[i], v->bits};
-    steps_dispatch(o->q, &k, push[0], 3, push, 2, bind);
+    ylm__steps_dispatch(o->q, &k, push[0], 3, push, 2, bind);
   }
   if (s == YLM_OK)
-    steps_scan(o->q, SCAN_BITS, UINT32_MAX, v->bits, v->words, v->before, o->counts,
-               YLM_GPU_COUNT_VOXELS);
+    ylm__steps_scan(o->q, SCAN_BITS, UINT32_MAX, v->bits, v->words, v->before, o->counts,
+                    YLM_GPU_COUNT_VOXELS);
   return s;
 }
 
-ylm_status occupied_mark(occupied_voxels *o, uint32_t count[YLM_GPU_COUNTS]) {
+ylm_status ylm__occupied_mark(occupied_voxels *o, uint32_t count[YLM_GPU_COUNTS]) {
   size_t n = o->source->occupied;
   bool uniform = ylm_grid_look(o->grid)->form.kind == YLM_GRID_UNIFORM;
   if (n > UINT32_MAX / 8)
@@ -211,7 +212,7 @@ ylm_status occupied_mark(occupied_voxels *o, uint32_t count[YLM_GPU_COUNTS]) {
   ylm_status s = p.place ? YLM_OK : ylm_fail(o->e, YLM_ENOMEM, "%s", ylm_status_text(YLM_ENOMEM));
   if (s == YLM_OK) s = find_voxels(o, &p);
   if (s == YLM_OK) s = (uniform ? mark_lattice : mark_octree)(o, &p);
-  if (s == YLM_OK) s = steps_counts(o->q, o->counts, YLM_GPU_COUNTS, count);
+  if (s == YLM_OK) s = ylm__steps_counts(o->q, o->counts, YLM_GPU_COUNTS, count);
   for (size_t i = 0; p.place && i < p.chunks; i++) ylm_gpu_buffer_free(p.place[i]);
   ylm_free(p.place);
   if (s != YLM_OK || !count[YLM_GPU_COUNT_BAD]) return s;
@@ -219,7 +220,7 @@ ylm_status occupied_mark(occupied_voxels *o, uint32_t count[YLM_GPU_COUNTS]) {
                   ~count[YLM_GPU_COUNT_BAD] + 1);
 }
 
-void occupied_free(occupied_voxels *o) {
+void ylm__occupied_free(occupied_voxels *o) {
   for (int k = 0; k < OCTREE_LEVELS; k++) {
     ylm_gpu_buffer_free(o->level[k].bits);
     ylm_gpu_buffer_free(o->level[k].before);

@@ -29,20 +29,21 @@ typedef struct occupied_voxels {
 
 /* Marks them; counts are those of outside points and, of a lattice, voxels. YLM_EDOMAIN where a
    point in the device's memory is not finite. */
-ylm_status occupied_mark(occupied_voxels *o, uint32_t count[YLM_GPU_COUNTS]);
-void occupied_free(occupied_voxels *o);
+ylm_status ylm__occupied_mark(occupied_voxels *o, uint32_t count[YLM_GPU_COUNTS]);
+void ylm__occupied_free(occupied_voxels *o);
 
 /* Marks the voxels that the source's surfaces meet. occupied_surface.c */
-ylm_status occupied_surfaces(occupied_voxels *o, uint32_t count[YLM_GPU_COUNTS]);
+ylm_status ylm__occupied_surfaces(occupied_voxels *o, uint32_t count[YLM_GPU_COUNTS]);
 
 /* -- occupied_host.c ------------------------------------------------------------------------- */
 
 /* Morton codes of the finest nodes of an octree that has been marked, sorted, each once. */
-ylm_status occupied_codes(const occupied_voxels *o, uint64_t **code, size_t *n);
+ylm_status ylm__occupied_codes(const occupied_voxels *o, uint64_t **code, size_t *n);
 /* Shading points of n indices, rounded to float, [n][3]. */
-ylm_status occupied_points(const occupied_voxels *o, size_t n, const size_t *index, float *out);
+ylm_status ylm__occupied_points(const occupied_voxels *o, size_t n, const size_t *index,
+                                float *out);
 /* All shading points in the device's memory, as they are; the caller frees them. */
-ylm_status occupied_fetch(const ylm_grid_source *source, const ylm_gpu_buffer *there, void **points,
-                          ylm_error *e);
+ylm_status ylm__occupied_fetch(const ylm_grid_source *source, const ylm_gpu_buffer *there,
+                               void **points, ylm_error *e);
 
 #endif

@@ -24,7 +24,7 @@ static ylm_status descend(const occupied_level *v, uint64_t **code, size_t *n, y
   return s;
 }
 
-ylm_status occupied_codes(const occupied_voxels *o, uint64_t **code, size_t *n) {
+ylm_status ylm__occupied_codes(const occupied_voxels *o, uint64_t **code, size_t *n) {
   int depth = ylm_grid_look(o->grid)->form.depth;
   double start = ylm_seconds();
   *n = 1;
@@ -51,13 +51,14 @@ static ylm_status gather(const occupied_voxels *o, size_t n, ylm_gpu_buffer *ind
     step_kernel k = {"shading_take", 1, {(uint32_t)row / 4}, 0};
     uint32_t push[] = {(uint32_t)n, (uint32_t)at, (uint32_t)(at + now)};
     ylm_gpu_buffer *bind[] = {o->there, index, rows};
-    steps_dispatch(o->q, &k, n * (row / 4), 3, push, 3, bind);
-    steps_part(o->q, 0, at * row, now * row);
+    ylm__steps_dispatch(o->q, &k, n * (row / 4), 3, push, 3, bind);
+    ylm__steps_part(o->q, 0, at * row, now * row);
   }
-  return steps_run(o->q);
+  return ylm__steps_run(o->q);
 }
 
-ylm_status occupied_points(const occupied_voxels *o, size_t n, const size_t *index, float *out) {
+ylm_status ylm__occupied_points(const occupied_voxels *o, size_t n, const size_t *index,
+                                float *out) {
   bool wide = o->source->occupied_dtype == YLM_DOUBLE;
   size_t row = wide ? 24 : 12;
   uint32_t *which = ylm_alloc(n, sizeof *which);
@@ -78,8 +79,8 @@ ylm_status occupied_points(const occupied_voxels *o, size_t n, const size_t *ind
   return s;
 }
 
-ylm_status occupied_fetch(const ylm_grid_source *source, const ylm_gpu_buffer *there, void **points,
-                          ylm_error *e) {
+ylm_status ylm__occupied_fetch(const ylm_grid_source *source, const ylm_gpu_buffer *there,
+                               void **points, ylm_error *e) {
   size_t row = 3 * ylm_dtype_size(source->occupied_dtype);
   *points = ylm_alloc(source->occupied, row);
   if (!*points) return ylm_fail(e, YLM_ENOMEM, "%s", ylm_status_text(YLM_ENOMEM));

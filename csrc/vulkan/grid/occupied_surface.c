@@ -14,8 +14,9 @@ static ylm_status upload_bits(occupied_voxels *o, occupied_level *v, uint32_t *b
   ylm_free(bits);
   if (s == YLM_OK) s = ylm_gpu_buffer_create(g, 4 * words, &v->before, o->e);
   if (s != YLM_OK) return s;
-  steps_scan(o->q, SCAN_BITS, UINT32_MAX, v->bits, v->words, v->before, o->counts, SCAN_NO_SUM);
-  return steps_run(o->q);
+  ylm__steps_scan(o->q, SCAN_BITS, UINT32_MAX, v->bits, v->words, v->before, o->counts,
+                  SCAN_NO_SUM);
+  return ylm__steps_run(o->q);
 }
 
 /* A byte for each node above that has codes, with a bit for each of its children that has. */
@@ -40,7 +41,7 @@ static ylm_status upload_lattice(occupied_voxels *o, const uint64_t *place, size
   return upload_bits(o, &o->level[0], bits, words);
 }
 
-ylm_status occupied_surfaces(occupied_voxels *o, uint32_t count[YLM_GPU_COUNTS]) {
+ylm_status ylm__occupied_surfaces(occupied_voxels *o, uint32_t count[YLM_GPU_COUNTS]) {
   const ylm_grid_form *form = &ylm_grid_look(o->grid)->form;
   uint64_t *code, outside = 0;
   size_t n;

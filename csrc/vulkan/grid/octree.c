@@ -15,16 +15,18 @@ static bool forward(void *user, uint64_t done, uint64_t total, const char *stage
   return ylm_report(t->outer, t->done + here, t->of, stage) == YLM_OK;
 }
 
-ylm_status octree_report(octree *t) { return forward(t, 0, 0, NULL) ? YLM_OK : YLM_ECANCELLED; }
+ylm_status ylm__octree_report(octree *t) {
+  return forward(t, 0, 0, NULL) ? YLM_OK : YLM_ECANCELLED;
+}
 
-void octree_restart(octree *t) {
+void ylm__octree_restart(octree *t) {
   t->done = t->now = 0;
   t->of = 1;
   t->told = -1;
 }
 
-ylm_status octree_counts(octree *t, uint32_t count[YLM_GPU_COUNTS]) {
-  return steps_counts(&t->q, t->counts, YLM_GPU_COUNTS, count);
+ylm_status ylm__octree_counts(octree *t, uint32_t count[YLM_GPU_COUNTS]) {
+  return ylm__steps_counts(&t->q, t->counts, YLM_GPU_COUNTS, count);
 }
 
 /* -- beginning ----------------------------------------------------------------------------- */
@@ -76,7 +78,7 @@ static ylm_status begin(octree *t, const ylm_grid_making *m) {
   t->q = (step_queue){
       .g = t->g, .times = &t->l->times, .progress = t->outer ? &t->progress : NULL, .e = t->e};
   ylm_status s = ylm_gpu_state(t->g, t->e);
-  if (s == YLM_OK) s = points_begin(&t->p, t->l, t->grid, t->e);
+  if (s == YLM_OK) s = ylm__points_begin(&t->p, t->l, t->grid, t->e);
   if (s == YLM_OK) s = ylm_gpu_buffer_create(t->g, YLM_GPU_COUNTS * 4, &t->counts, t->e);
   if (s == YLM_OK && !t->uniform) s = upload_exact(t);
   if (s == YLM_OK && !t->uniform) s = begin_root(t);
@@ -87,13 +89,13 @@ static ylm_status begin(octree *t, const ylm_grid_making *m) {
                                   .q = &t->q,
                                   .counts = t->counts,
                                   .e = t->e};
-  octree_restart(t);
+  ylm__octree_restart(t);
   t->q.stage = "occupancy";
-  if (s == YLM_OK) steps_fill(&t->q, t->counts, 0);
+  if (s == YLM_OK) ylm__steps_fill(&t->q, t->counts, 0);
   return s;
 }
 
-bool octree_takes(const ylm_gpu *g, const ylm_grid_form *form, const ylm_grid_source *source) {
+bool ylm__octree_takes(const ylm_gpu *g, const ylm_grid_form *form, const ylm_grid_source *source) {
   const ylm_gpu_info *about = ylm_gpu_about(g);
   if (form->kind == YLM_GRID_ADAPTIVE)
     return !(form->tolerance > 0) && about->binds >= OCTREE_BINDS;
@@ -128,9 +130,9 @@ static ylm_status list_voxels(octree *t, uint32_t voxels) {
   step_kernel k = {"lattice_voxel", 0, {0}, 0};
   uint32_t push[] = {lattice_voxels(t), r[0], r[1], t->all};
   ylm_gpu_buffer *bind[] = {o->bits, o->before, v->voxel};
-  steps_fill(&t->q, v->state, 0);
-  steps_dispatch(&t->q, &k, push[0], 4, push, 3, bind);
-  return steps_run(&t->q);
+  ylm__steps_fill(&t->q, v->state, 0);
+  ylm__steps_dispatch(&t->q, &k, push[0], 4, push, 3, bind);
+  return ylm__steps_run(&t->q);
 }
 
 /* Which voxels are occupied; of a uniform grid they are then listed. */
@@ -139,9 +141,9 @@ static ylm_status occupy(octree *t) {
   uint32_t count[YLM_GPU_COUNTS] = {[YLM_GPU_COUNT_VOXELS] = t->all ? lattice_voxels(t) : 0};
   ylm_status s = YLM_OK;
   if (t->source->meshes)
-    s = occupied_surfaces(&t->occupied, count);
+    s = ylm__occupied_surfaces(&t->occupied, count);
   else if (!t->all)
-    s = occupied_mark(&t->occupied, count);
+    s = ylm__occupied_mark(&t->occupied, count);
   else { /* bound, not read */
     s = ylm_gpu_buffer_create(t->g, 4, &o->bits, t->e);
     if (s == YLM_OK) s = ylm_gpu_buffer_create(t->g, 4, &o->before, t->e);
@@ -166,22 +168,22 @@ static ylm_status occupied(void *self, const ylm_grid_making *m, uint64_t **code
 static ylm_status corners(void *self, const ylm_grid_making *m, int level, size_t *fresh) {
   uint32_t n = 0;
   (void)m;
-  octree_restart(self);
-  ylm_status s = octree_corners(self, level, &n);
+  ylm__octree_restart(self);
+  ylm_status s = ylm__octree_corners(self, level, &n);
   *fresh = n;
   return s;
 }
 
 static ylm_status evaluate(void *self, const ylm_grid_making *m, size_t n) {
   (void)m;
-  return octree_evaluate(self, (uint32_t)n);
+  return ylm__octree_evaluate(self, (uint32_t)n);
 }
 
 static ylm_status metric(void *self, const ylm_grid_making *m, int level, size_t *next) {
   octree *t = self;
   (void)m;
-  if (t->uniform) return octree_errors(t);
-  ylm_status s = octree_split(t, level);
+  if (t->uniform) return ylm__octree_errors(t);
+  ylm_status s = ylm__octree_split(t, level);
   *next = t->levels > level + 1 ? t->level[level + 1].voxels : 0;
   return s;
 }
@@ -189,10 +191,10 @@ static ylm_status metric(void *self, const ylm_grid_making *m, int level, size_t
 static ylm_status rows(void *self, const ylm_grid_making *m, ylm_grid_rows which, size_t n,
                        const uint32_t *point, float *row) {
   (void)m, (void)which, (void)n, (void)point, (void)row;
-  return octree_gather(self);
+  return ylm__octree_gather(self);
 }
 
-ylm_grid_backend octree_backend(octree *t) {
+ylm_grid_backend ylm__octree_backend(octree *t) {
   return (ylm_grid_backend){.self = t,
                             .occupied = occupied,
                             .corners = corners,
@@ -201,7 +203,7 @@ ylm_grid_backend octree_backend(octree *t) {
                             .rows = rows};
 }
 
-void octree_end(octree *t) {
+void ylm__octree_end(octree *t) {
   for (int k = 0; k < OCTREE_LEVELS; k++) {
     octree_level *v = &t->level[k];
     ylm_gpu_buffer *gone[] = {v->voxel, v->state, v->error, v->corner};
@@ -210,7 +212,7 @@ void octree_end(octree *t) {
   ylm_gpu_buffer *gone[] = {t->counts,    t->exact, t->asked,     t->sphere[0],
                             t->sphere[1], t->slot,  t->before[0], t->before[1]};
   for (int i = 0; i < 8; i++) ylm_gpu_buffer_free(gone[i]);
-  occupied_free(&t->occupied);
-  points_end(&t->p);
-  steps_free(&t->q);
+  ylm__occupied_free(&t->occupied);
+  ylm__points_end(&t->p);
+  ylm__steps_free(&t->q);
 }

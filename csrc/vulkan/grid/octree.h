@@ -71,32 +71,32 @@ static inline uint32_t octree_edge(const octree *t, int level) {
   return 1u << (t->form.depth - level);
 }
 /* Reads the counts; zeroes them for what comes next. */
-ylm_status octree_counts(octree *t, uint32_t count[YLM_GPU_COUNTS]);
+ylm_status ylm__octree_counts(octree *t, uint32_t count[YLM_GPU_COUNTS]);
 /* Progress counts from the beginning: another stage of the bake, or level, begins. */
-void octree_restart(octree *t);
+void ylm__octree_restart(octree *t);
 /* Reports `done`; YLM_ECANCELLED. */
-ylm_status octree_report(octree *t);
+ylm_status ylm__octree_report(octree *t);
 
 /* Corners of the voxels of a level; *fresh points that they add have numbers and keys. */
-ylm_status octree_corners(octree *t, int level, uint32_t *fresh);
+ylm_status ylm__octree_corners(octree *t, int level, uint32_t *fresh);
 /* Evaluates n points from t->p.points on; rows for which the device has no room go to the host. */
-ylm_status octree_evaluate(octree *t, uint32_t n);
+ylm_status ylm__octree_evaluate(octree *t, uint32_t n);
 /* Decides about the voxels of a level; makes the next level, without voxels where nothing is split.
  */
-ylm_status octree_split(octree *t, int level);
+ylm_status ylm__octree_split(octree *t, int level);
 /* The metric of a uniform grid's voxels. */
-ylm_status octree_errors(octree *t);
+ylm_status ylm__octree_errors(octree *t);
 /* Can a grid be made by these kernels? */
-bool octree_takes(const ylm_gpu *g, const ylm_grid_form *form, const ylm_grid_source *source);
+bool ylm__octree_takes(const ylm_gpu *g, const ylm_grid_form *form, const ylm_grid_source *source);
 /* The grid's cells and points from what is on the device, where points' rows stay. */
-ylm_status octree_gather(octree *t);
+ylm_status ylm__octree_gather(octree *t);
 /* The device's numbers do not fit together. */
-ylm_status octree_fails(const octree *t);
+ylm_status ylm__octree_fails(const octree *t);
 
 /* What makes a grid with a threshold, or a uniform one, of t->l and the shading points in
    t->occupied.there (NULL: the source's), on a device whose kernels have enough buffers. The rest
-   of *t is zero; octree_end frees what there is. */
-ylm_grid_backend octree_backend(octree *t);
-void octree_end(octree *t);
+   of *t is zero; ylm__octree_end frees what there is. */
+ylm_grid_backend ylm__octree_backend(octree *t);
+void ylm__octree_end(octree *t);
 
 #endif

@@ -20,11 +20,11 @@ static ylm_status reserve_table(octree *t, uint64_t more) {
   t->slots = (uint32_t)slots;
   ylm_status s = ylm_gpu_buffer_create(t->g, 4 * slots, &t->slot, t->e);
   if (s != YLM_OK) return s;
-  steps_fill(&t->q, t->slot, UINT32_MAX);
+  ylm__steps_fill(&t->q, t->slot, UINT32_MAX);
   step_kernel k = {"octree_insert", 1, {1, 0}, 0};
   uint32_t push[] = {t->p.points, 0, t->slots - 1};
   ylm_gpu_buffer *bind[] = {t->slot, t->p.key, t->level[0].voxel};
-  if (t->p.points) steps_dispatch(&t->q, &k, t->p.points, 3, push, 3, bind);
+  if (t->p.points) ylm__steps_dispatch(&t->q, &k, t->p.points, 3, push, 3, bind);
   return YLM_OK;
 }
 
@@ -33,8 +33,8 @@ static ylm_status reserve_points(octree *t, uint32_t more) {
   size_t most = t->source->max_points;
   if (most && (uint64_t)t->p.points + more > most)
     return ylm_fail(t->e, YLM_ELIMIT, "the grid needs more than %zu points", most);
-  ylm_status s = steps_run(&t->q);
-  return s == YLM_OK ? points_reserve(&t->p, more) : s;
+  ylm_status s = ylm__steps_run(&t->q);
+  return s == YLM_OK ? ylm__points_reserve(&t->p, more) : s;
 }
 
 /* -- a level's corners --------------------------------------------------------------------- */
@@ -55,15 +55,15 @@ static ylm_status find_corners(octree *t, int level, uint32_t *fresh) {
   ylm_status s = reserve_table(t, most_fresh(t, level));
   if (s == YLM_OK && !t->p.key) s = reserve_points(t, 8);
   if (s == YLM_OK) s = ylm_gpu_buffer_create(t->g, 4 * (uint64_t)n, &v->corner, t->e);
-  if (s == YLM_OK) s = steps_reserve(t->g, &t->before[0], 4 * (uint64_t)n, t->e);
+  if (s == YLM_OK) s = ylm__steps_reserve(t->g, &t->before[0], 4 * (uint64_t)n, t->e);
   if (s != YLM_OK) return s;
   step_kernel insert = {"octree_insert", 1, {0, 0}, 0}, find = {"octree_find", 0, {0, 0}, 0};
   uint32_t push[] = {n, edge, t->slots - 1};
   ylm_gpu_buffer *bind[] = {t->slot, t->p.key, v->voxel, v->corner};
-  steps_dispatch(&t->q, &insert, n, 3, push, 3, bind);
-  steps_dispatch(&t->q, &find, n, 3, push, 4, bind);
-  steps_scan(&t->q, SCAN_OWN, 0, v->corner, n, t->before[0], t->counts, YLM_GPU_COUNT_FRESH);
-  s = octree_counts(t, count);
+  ylm__steps_dispatch(&t->q, &insert, n, 3, push, 3, bind);
+  ylm__steps_dispatch(&t->q, &find, n, 3, push, 4, bind);
+  ylm__steps_scan(&t->q, SCAN_OWN, 0, v->corner, n, t->before[0], t->counts, YLM_GPU_COUNT_FRESH);
+  s = ylm__octree_counts(t, count);
   *fresh = count[YLM_GPU_COUNT_FRESH];
   return s;
 }
@@ -74,20 +74,20 @@ static void number_corners(octree *t, int level) {
   uint32_t n = 8 * v->voxels, push[] = {n, octree_edge(t, level), t->p.points};
   step_kernel number = {"octree_number", 0, {0, 0}, 0}, settle = {"octree_settle", 0, {0, 0}, 0};
   ylm_gpu_buffer *bind[] = {v->corner, t->before[0], t->p.key, v->voxel};
-  steps_dispatch(&t->q, &number, n, 3, push, 4, bind);
+  ylm__steps_dispatch(&t->q, &number, n, 3, push, 4, bind);
   uint32_t slots[] = {t->slots, t->p.points};
   ylm_gpu_buffer *table[] = {t->slot, t->before[0]};
-  steps_dispatch(&t->q, &settle, t->slots, 2, slots, 2, table);
+  ylm__steps_dispatch(&t->q, &settle, t->slots, 2, slots, 2, table);
 }
 
-ylm_status octree_corners(octree *t, int level, uint32_t *fresh) {
+ylm_status ylm__octree_corners(octree *t, int level, uint32_t *fresh) {
   if (t->level[level].voxels >= MOST_VOXELS)
     return ylm_fail(t->e, YLM_ELIMIT, "more than 2^27 voxels in a level on a device");
   t->q.stage = "points";
   ylm_status s = find_corners(t, level, fresh);
   if (s == YLM_OK) s = reserve_points(t, *fresh);
   if (s == YLM_OK) number_corners(t, level);
-  return s == YLM_OK ? steps_run(&t->q) : s;
+  return s == YLM_OK ? ylm__steps_run(&t->q) : s;
 }
 
 /* -- evaluating ---------------------------------------------------------------------------- */
@@ -96,13 +96,13 @@ ylm_status octree_corners(octree *t, int level, uint32_t *fresh) {
 static ylm_status flush(octree *t) {
   ylm_grid_parts parts;
   ylm_status s = ylm_grid_room(t->grid, 0, t->p.points, &parts, t->e);
-  if (s == YLM_OK) s = points_download(&t->p, parts.data);
-  if (s == YLM_OK) s = octree_report(t);
-  points_forget(&t->p);
+  if (s == YLM_OK) s = ylm__points_download(&t->p, parts.data);
+  if (s == YLM_OK) s = ylm__octree_report(t);
+  ylm__points_forget(&t->p);
   return s;
 }
 
-ylm_status octree_evaluate(octree *t, uint32_t n) {
+ylm_status ylm__octree_evaluate(octree *t, uint32_t n) {
   uint32_t end = t->p.points + n;
   double start = ylm_seconds();
   ylm_status s = YLM_OK;
@@ -111,7 +111,7 @@ ylm_status octree_evaluate(octree *t, uint32_t n) {
     bool full;
     t->now = end - t->p.points;
     t->done = n - t->now;
-    s = points_evaluate(&t->p, (uint32_t)t->now, t->q.progress, &full);
+    s = ylm__points_evaluate(&t->p, (uint32_t)t->now, t->q.progress, &full);
     if (full && t->p.points > t->p.first) s = flush(t);
   }
   t->done = n;

@@ -18,10 +18,10 @@ static ylm_status take_points(octree *t, const ylm_grid_parts *parts) {
       points_unpack(key[k], parts->lattice + 3 * (i + k));
   }
   ylm_free(key);
-  if (s == YLM_OK) s = points_download(&t->p, parts->data);
+  if (s == YLM_OK) s = ylm__points_download(&t->p, parts->data);
   if (s != YLM_OK) return s;
   memset(parts->flags, 0, t->p.points);
-  return points_extra(&t->p, 0, t->p.points, parts->lambda, parts->norm, parts->flags);
+  return ylm__points_extra(&t->p, 0, t->p.points, parts->lambda, parts->norm, parts->flags);
 }
 
 /* -- cells --------------------------------------------------------------------------------- */
@@ -96,7 +96,7 @@ static void write_lattice(const octree *t, const voxels *v, ylm_grid_cell *cell)
   }
 }
 
-ylm_status octree_fails(const octree *t) {
+ylm_status ylm__octree_fails(const octree *t) {
   return ylm_fail(t->e, YLM_EDEVICE, "'%s' made no octree", ylm_gpu_about(t->g)->name);
 }
 
@@ -118,19 +118,19 @@ static ylm_status take_cells(octree *t, ylm_grid_cell *cell, size_t cells) {
     s = voxels_take(t, &t->level[k], &v);
     bool fits = s != YLM_OK || write_level(t, &t->level[k], &v, cell, begin, end, &next);
     voxels_free(&v);
-    if (!fits) s = octree_fails(t);
+    if (!fits) s = ylm__octree_fails(t);
     begin = end;
     end = next;
   }
-  return s == YLM_OK && end != cells ? octree_fails(t) : s;
+  return s == YLM_OK && end != cells ? ylm__octree_fails(t) : s;
 }
 
-ylm_status octree_gather(octree *t) {
+ylm_status ylm__octree_gather(octree *t) {
   ylm_grid_parts parts;
   size_t cells = t->uniform ? t->level[0].voxels : 1;
   for (int k = 0; k < t->levels; k++) cells += 8 * (size_t)t->level[k].splits;
-  octree_restart(t);
-  ylm_status s = octree_report(t);
+  ylm__octree_restart(t);
+  ylm_status s = ylm__octree_report(t);
   if (s == YLM_OK) s = ylm_grid_room(t->grid, cells, t->p.points, &parts, t->e);
   if (s == YLM_OK) s = take_points(t, &parts);
   double start = ylm_seconds();

@@ -41,7 +41,7 @@ static ylm_status cross_spheres(octree *t, int level, int flat) {
   ylm_gpu_buffer *bind[] = {t->sphere[flat], t->asked, t->level[level].voxel, t->exact,
                             t->level[level].state};
   t->q.stage = "crossing";
-  steps_dispatch(&t->q, &k, blocks * chunks * STEP_GROUP, 5, push, 5, bind);
+  ylm__steps_dispatch(&t->q, &k, blocks * chunks * STEP_GROUP, 5, push, 5, bind);
   return YLM_OK;
 }
 
@@ -80,7 +80,7 @@ static ylm_status ask_field(octree *t, int level, const crossing *c) {
 /* Crossing by the host, for devices that do not compute in double. */
 static ylm_status cross_any(octree *t, int level) {
   size_t n = t->asks, all = t->level[level].voxels;
-  ylm_status s = steps_run(&t->q);
+  ylm_status s = ylm__steps_run(&t->q);
   if (s != YLM_OK) return s;
   crossing c = {ylm_alloc(n, sizeof *c.asked), ylm_alloc(all, sizeof *c.voxel),
                 ylm_alloc(all, sizeof *c.state), ylm_alloc(n, sizeof *c.box), ylm_alloc(n, 1)};
@@ -135,16 +135,16 @@ static void decide(octree *t, int level) {
   ylm_gpu_buffer *bits = o->bits ? o->bits : t->counts;
   ylm_gpu_buffer *bind[] = {v->voxel, v->corner, t->p.ratio, bits, v->state, v->error, t->counts};
   t->q.stage = "subdivide";
-  steps_dispatch(&t->q, &k, v->voxels, 5, push, 7, bind);
+  ylm__steps_dispatch(&t->q, &k, v->voxels, 5, push, 7, bind);
 }
 
-ylm_status octree_errors(octree *t) {
+ylm_status ylm__octree_errors(octree *t) {
   octree_level *v = &t->level[0];
-  ylm_status s = steps_run(&t->q);
+  ylm_status s = ylm__steps_run(&t->q);
   if (s == YLM_OK) s = ylm_gpu_buffer_create(t->g, 4 * (uint64_t)v->voxels, &v->error, t->e);
   if (s != YLM_OK) return s;
   decide(t, 0); /* there is no finer level, so that nothing is split */
-  return steps_run(&t->q);
+  return ylm__steps_run(&t->q);
 }
 
 /* The voxels of the next level, as many as `count` says. */
@@ -156,31 +156,31 @@ static ylm_status descend(octree *t, int level, const uint32_t count[YLM_GPU_COU
   t->levels = level + 2;
   ylm_status s = ylm_gpu_buffer_create(t->g, 16 * (uint64_t)next->voxels, &next->voxel, t->e);
   if (s == YLM_OK) s = ylm_gpu_buffer_create(t->g, 4 * (uint64_t)next->voxels, &next->state, t->e);
-  if (s == YLM_OK) s = steps_reserve(t->g, &t->asked, 4 * (uint64_t)t->asks, t->e);
+  if (s == YLM_OK) s = ylm__steps_reserve(t->g, &t->asked, 4 * (uint64_t)t->asks, t->e);
   if (s != YLM_OK) return s;
   step_kernel k = {"octree_descend", 0, {0, 0}, 0};
   uint32_t push[] = {v->voxels, octree_edge(t, level + 1), t->all};
   ylm_gpu_buffer *bind[] = {v->voxel,     v->state,    o->bits,     o->before, t->before[0],
                             t->before[1], next->voxel, next->state, t->asked,  t->counts};
-  steps_dispatch(&t->q, &k, v->voxels, 3, push, 10, bind);
-  return steps_run(&t->q);
+  ylm__steps_dispatch(&t->q, &k, v->voxels, 3, push, 10, bind);
+  return ylm__steps_run(&t->q);
 }
 
-ylm_status octree_split(octree *t, int level) {
+ylm_status ylm__octree_split(octree *t, int level) {
   octree_level *v = &t->level[level];
   uint32_t count[YLM_GPU_COUNTS];
-  ylm_status s = steps_run(&t->q); /* the room for prefix sums may be replaced */
+  ylm_status s = ylm__steps_run(&t->q); /* the room for prefix sums may be replaced */
   if (s == YLM_OK) s = ylm_gpu_buffer_create(t->g, 4 * (uint64_t)v->voxels, &v->error, t->e);
   for (int i = 0; s == YLM_OK && i < 2; i++)
-    s = steps_reserve(t->g, &t->before[i], 4 * (uint64_t)v->voxels, t->e);
+    s = ylm__steps_reserve(t->g, &t->before[i], 4 * (uint64_t)v->voxels, t->e);
   if (s == YLM_OK) s = cross(t, level);
   if (s != YLM_OK) return s;
   decide(t, level);
-  steps_scan(&t->q, SCAN_BITS, YLM_GPU_SPLIT, v->state, v->voxels, t->before[0], t->counts,
-             YLM_GPU_COUNT_SPLITS);
-  steps_scan(&t->q, SCAN_BITS, YLM_GPU_CHILDREN, v->state, v->voxels, t->before[1], t->counts,
-             YLM_GPU_COUNT_VOXELS);
-  s = octree_counts(t, count);
+  ylm__steps_scan(&t->q, SCAN_BITS, YLM_GPU_SPLIT, v->state, v->voxels, t->before[0], t->counts,
+                  YLM_GPU_COUNT_SPLITS);
+  ylm__steps_scan(&t->q, SCAN_BITS, YLM_GPU_CHILDREN, v->state, v->voxels, t->before[1], t->counts,
+                  YLM_GPU_COUNT_VOXELS);
+  s = ylm__octree_counts(t, count);
   v->splits = count[YLM_GPU_COUNT_SPLITS];
   return s == YLM_OK && count[YLM_GPU_COUNT_VOXELS] ? descend(t, level, count) : s;
 }

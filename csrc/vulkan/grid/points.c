@@ -6,7 +6,7 @@
 
 /* -- beginning and end ------------------------------------------------------------------- */
 
-bool points_fit(const uint32_t resolution[3]) {
+bool ylm__points_fit(const uint32_t resolution[3]) {
   return resolution[0] < 1u << 17 && resolution[1] < 1u << 17 && resolution[2] < 1u << 17;
 }
 
@@ -56,7 +56,7 @@ static ylm_status upload_axes(gpu_points *p) {
   return s;
 }
 
-ylm_status points_begin(gpu_points *p, ylm_gpu_lights *l, const ylm_grid *grid, ylm_error *e) {
+ylm_status ylm__points_begin(gpu_points *p, ylm_gpu_lights *l, const ylm_grid *grid, ylm_error *e) {
   const ylm_grid_view *v = ylm_grid_look(grid);
   *p = (gpu_points){.g = l->gpu, .l = l, .grid = grid, .e = e};
   p->q = (step_queue){.g = l->gpu, .times = &l->times, .e = e, .stage = "points"};
@@ -79,23 +79,23 @@ static void drop(ylm_gpu_buffer **b) {
   *b = NULL;
 }
 
-void points_forget(gpu_points *p) {
+void ylm__points_forget(gpu_points *p) {
   for (int i = 0; i < GRID_PARTS; i++) drop(&p->data[i]);
   p->parts = 0;
   p->part_room = 0;
   p->first = p->points;
 }
 
-void points_end(gpu_points *p) {
+void ylm__points_end(gpu_points *p) {
   ylm_gpu_buffer **own[] = {&p->axes,  &p->bad,  &p->key,    &p->ratio,
                             &p->extra, &p->item, &p->packed, &p->value};
   for (size_t i = 0; i < sizeof own / sizeof *own; i++) drop(own[i]);
   for (int i = 0; i < GRID_PARTS; i++) drop(&p->data[i]);
-  steps_free(&p->q);
+  ylm__steps_free(&p->q);
   p->q = (step_queue){.g = NULL};
 }
 
-void points_unit(const gpu_points *p, uint32_t unit[3]) {
+void ylm__points_unit(const gpu_points *p, uint32_t unit[3]) {
   const ylm_grid_view *v = ylm_grid_look(p->grid);
   for (int a = 0; a < 3; a++) {
     float edge = (float)((v->form.bounds[a + 3] - v->form.bounds[a]) / v->resolution[a]);
@@ -105,19 +105,19 @@ void points_unit(const gpu_points *p, uint32_t unit[3]) {
 
 /* -- room ---------------------------------------------------------------------------------- */
 
-ylm_status points_grow(gpu_points *p, ylm_gpu_buffer **b, uint64_t used, uint64_t bytes) {
+ylm_status ylm__points_grow(gpu_points *p, ylm_gpu_buffer **b, uint64_t used, uint64_t bytes) {
   ylm_gpu_buffer *more;
-  ylm_status s = steps_run(&p->q);
+  ylm_status s = ylm__steps_run(&p->q);
   if (s == YLM_OK) s = ylm_gpu_buffer_create(p->g, bytes, &more, p->e);
   if (s != YLM_OK) return s;
-  if (used) steps_copy(&p->q, *b, used, more);
-  s = steps_run(&p->q);
+  if (used) ylm__steps_copy(&p->q, *b, used, more);
+  s = ylm__steps_run(&p->q);
   ylm_gpu_buffer_free(*b);
   *b = more;
   return s;
 }
 
-ylm_status points_reserve(gpu_points *p, uint32_t more) {
+ylm_status ylm__points_reserve(gpu_points *p, uint32_t more) {
   uint64_t wanted = (uint64_t)p->points + more, room = 2 * (uint64_t)p->room, n = p->points;
   if (wanted >= YLM_GRID_NONE)
     return ylm_fail(p->e, YLM_ELIMIT, "the grid needs more than %u points", YLM_GRID_NONE);
@@ -125,14 +125,16 @@ ylm_status points_reserve(gpu_points *p, uint32_t more) {
   if (room < wanted) room = wanted;
   uint64_t bind = ylm_gpu_about(p->g)->bind_bytes / 12;
   if (room > bind && wanted <= bind) room = bind;
-  ylm_status s = points_grow(p, &p->key, 8 * n, 8 * room);
-  if (s == YLM_OK) s = points_grow(p, &p->ratio, 4 * n, 4 * room);
-  if (s == YLM_OK) s = points_grow(p, &p->extra, 12 * n, 12 * room);
+  ylm_status s = ylm__points_grow(p, &p->key, 8 * n, 8 * room);
+  if (s == YLM_OK) s = ylm__points_grow(p, &p->ratio, 4 * n, 4 * room);
+  if (s == YLM_OK) s = ylm__points_grow(p, &p->extra, 12 * n, 12 * room);
   if (s == YLM_OK) p->room = (uint32_t)room;
   return s;
 }
 
-uint64_t points_most_bytes(const gpu_points *p) { return ylm_gpu_about(p->g)->memory_bytes / 4; }
+uint64_t ylm__points_most_bytes(const gpu_points *p) {
+  return ylm_gpu_about(p->g)->memory_bytes / 4;
+}
 
 /*
 ** Room for the rows of some of the next n points, *some of them, in one part: at least of `few`,
@@ -141,7 +143,7 @@ uint64_t points_most_bytes(const gpu_points *p) { return ylm_gpu_about(p->g)->me
 static ylm_status reserve_rows(gpu_points *p, uint32_t n, uint32_t few, uint32_t *some) {
   uint64_t row = 16 * (uint64_t)p->stride, at = p->points - p->first, part = p->part_rows;
   uint64_t k = part ? at / part : GRID_PARTS, used = part ? at % part : 0,
-           most = points_most_bytes(p);
+           most = ylm__points_most_bytes(p);
   *some = 0;
   if (k >= GRID_PARTS) return YLM_OK;
   uint64_t room = k == (uint64_t)p->parts ? 0 : p->part_room, before = k * part * row;
@@ -150,7 +152,7 @@ static ylm_status reserve_rows(gpu_points *p, uint32_t n, uint32_t few, uint32_t
   ylm_status s = used < room ? YLM_OK : YLM_ENOMEM;
   for (int i = 0; i < 3 && s == YLM_ENOMEM; i++) {
     uint64_t rows = wanted[i] < last ? wanted[i] : last;
-    if (rows > used) s = points_grow(p, &p->data[k], used * row, rows * row);
+    if (rows > used) s = ylm__points_grow(p, &p->data[k], used * row, rows * row);
     if (s == YLM_OK) room = rows;
   }
   if (s != YLM_OK) return s == YLM_ENOMEM ? YLM_OK : s;
@@ -174,8 +176,8 @@ static ylm_status pass(gpu_points *p, const sum_plan *plan, const ylm_field_quer
   uint32_t where[] = {n, p->points, p->resolution};
   ylm_gpu_buffer *from[] = {p->key, p->axes, scratch[BUFFER_POINTS]};
   p->q.stage = "points";
-  steps_dispatch(&p->q, &place, n, 3, where, 3, from);
-  s = steps_run(&p->q);
+  ylm__steps_dispatch(&p->q, &place, n, 3, where, 3, from);
+  s = ylm__steps_run(&p->q);
   if (s == YLM_OK) s = ylm__sum_run(p->l, plan, q, n, reach->at_once, progress, p->e);
   uint32_t what[] = {n,         p->points,   p->resolution, p->width,
                      p->stride, p->relative, metric,        (uint32_t)(row % p->part_rows)};
@@ -191,8 +193,8 @@ static ylm_status pass(gpu_points *p, const sum_plan *plan, const ylm_field_quer
                             p->extra,
                             p->ratio,
                             p->bad};
-  if (s == YLM_OK) steps_dispatch(&p->q, &store, (uint64_t)n * p->stride, 8, what, 11, bind);
-  return s == YLM_OK ? steps_run(&p->q) : s;
+  if (s == YLM_OK) ylm__steps_dispatch(&p->q, &store, (uint64_t)n * p->stride, 8, what, 11, bind);
+  return s == YLM_OK ? ylm__steps_run(&p->q) : s;
 }
 
 /* Arrays of the host's, for a block of points at which the field is not finite. */
@@ -245,13 +247,14 @@ static ylm_status check_finite(gpu_points *p, uint32_t begin, uint32_t end) {
   return s;
 }
 
-bool points_forward(void *user, uint64_t done, uint64_t total, const char *stage) {
+bool ylm__points_forward(void *user, uint64_t done, uint64_t total, const char *stage) {
   const pass_progress *p = user;
   uint64_t here = total ? (uint64_t)((double)p->now * (double)done / (double)total) : 0;
   return ylm_report(p->outer, p->done + here, p->all, stage) == YLM_OK;
 }
 
-ylm_status points_evaluate(gpu_points *p, uint32_t n, const ylm_progress *progress, bool *full) {
+ylm_status ylm__points_evaluate(gpu_points *p, uint32_t n, const ylm_progress *progress,
+                                bool *full) {
   ylm_field_query q = query_of(p);
   const sum_plan *plan;
   sum_reach reach;
@@ -260,18 +263,18 @@ ylm_status points_evaluate(gpu_points *p, uint32_t n, const ylm_progress *progre
   ylm_status s = ylm__sum_plan_get(p->l, &q, &plan, p->e);
   if (s == YLM_OK) s = ylm__lights_reach(p->l, plan, &q, n, 16 * (size_t)p->stride, &reach, p->e);
   p->q.status = YLM_OK;
-  steps_fill(&p->q, p->bad, 0);
+  ylm__steps_fill(&p->q, p->bad, 0);
   while (s == YLM_OK && !*full && p->points < end) {
     uint32_t left = end - p->points, few = left < reach.rows ? left : (uint32_t)reach.rows;
     s = reserve_rows(p, left, few, &now);
     if (now > few) now = few;
     *full = s == YLM_OK && !now;
     pass_progress part = {progress, p->points - begin, now, n};
-    ylm_progress inner = {points_forward, &part};
+    ylm_progress inner = {ylm__points_forward, &part};
     if (s == YLM_OK && now) s = pass(p, plan, &q, now, &reach, progress ? &inner : NULL);
     if (s == YLM_OK) p->points += now;
   }
-  if (s == YLM_OK) s = steps_run(&p->q);
+  if (s == YLM_OK) s = ylm__steps_run(&p->q);
   if (s == YLM_OK) s = check_finite(p, begin, p->points);
   p->q.n = 0;
   if (s != YLM_OK) p->points = begin;

@@ -37,12 +37,12 @@ typedef struct gpu_points {
   ylm_gpu_buffer *value;         /* [..][width]: of the field at free places */
 } gpu_points;
 
-/* Progress of a pass as that of all points: points_forward. */
+/* Progress of a pass as that of all points: ylm__points_forward. */
 typedef struct pass_progress {
   const ylm_progress *outer;
   uint32_t done, now, all;
 } pass_progress;
-bool points_forward(void *user, uint64_t done, uint64_t total, const char *stage);
+bool ylm__points_forward(void *user, uint64_t done, uint64_t total, const char *stage);
 
 /* Keys of lattice coordinates. */
 static inline void points_pack(const uint32_t at[3], uint32_t key[2]) {
@@ -55,51 +55,52 @@ static inline void points_unpack(const uint32_t key[2], uint32_t at[3]) {
   at[2] = key_z(key[1]);
 }
 /* Can points of a grid of such resolution be named by a key (octree.glsl)? */
-bool points_fit(const uint32_t resolution[3]);
-/* For a grid in the making; points_end frees what there is. */
-ylm_status points_begin(gpu_points *p, ylm_gpu_lights *l, const ylm_grid *grid, ylm_error *e);
-void points_end(gpu_points *p);
+bool ylm__points_fit(const uint32_t resolution[3]);
+/* For a grid in the making; ylm__points_end frees what there is. */
+ylm_status ylm__points_begin(gpu_points *p, ylm_gpu_lights *l, const ylm_grid *grid, ylm_error *e);
+void ylm__points_end(gpu_points *p);
 /* Room for the keys of `more` points. */
-ylm_status points_reserve(gpu_points *p, uint32_t more);
+ylm_status ylm__points_reserve(gpu_points *p, uint32_t more);
 /*
-** points_evaluate - the light field at n points from p->points on, whose keys are there.
+** ylm__points_evaluate - the light field at n points from p->points on, whose keys are there.
 **
 ** Returns  what sums return. YLM_ENOMEM with *full set: there is no room for more rows, in parts or
 **          in a quarter of the device's memory; p->points says how many there are. After other
 **          failures they are as many as before.
 */
-ylm_status points_evaluate(gpu_points *p, uint32_t n, const ylm_progress *progress, bool *full);
+ylm_status ylm__points_evaluate(gpu_points *p, uint32_t n, const ylm_progress *progress,
+                                bool *full);
 /* Rows of points from p->first on, to `data`, the array of all points. */
-ylm_status points_download(gpu_points *p, float *data);
+ylm_status ylm__points_download(gpu_points *p, float *data);
 /* Forgets the rows there are: they are the host's. */
-void points_forget(gpu_points *p);
+void ylm__points_forget(gpu_points *p);
 /* Lambda and norm of n points from `first` on; flags those that are in a light. */
-ylm_status points_extra(gpu_points *p, uint32_t first, uint32_t n, float *lambda, float *norm,
-                        uint8_t *flags);
+ylm_status ylm__points_extra(gpu_points *p, uint32_t first, uint32_t n, float *lambda, float *norm,
+                             uint8_t *flags);
 /* Copies rows of n points, none of which has been forgotten, to [n][4][stride], or from there. */
-ylm_status points_take(gpu_points *p, size_t n, const uint32_t *point, float *rows);
-ylm_status points_put(gpu_points *p, size_t n, const uint32_t *point, const float *rows);
+ylm_status ylm__points_take(gpu_points *p, size_t n, const uint32_t *point, float *rows);
+ylm_status ylm__points_put(gpu_points *p, size_t n, const uint32_t *point, const float *rows);
 /*
 ** points_probe.c: interpolants against values, relative distances [n]. `held`: the values are those
-** of points_values, the light field at n free places [n][3], which are kept; inside [n] is 1 in a
+** of ylm__points_values, the light field at n free places [n][3], which are kept; inside [n] is 1 in a
 ** light.
 */
-ylm_status points_probe(gpu_points *p, size_t n, const ylm_grid_probe *probe, bool held,
-                        float *distance);
-ylm_status points_values(gpu_points *p, size_t n, const float *places, uint8_t *inside,
-                         const ylm_progress *progress);
+ylm_status ylm__points_probe(gpu_points *p, size_t n, const ylm_grid_probe *probe, bool held,
+                             float *distance);
+ylm_status ylm__points_values(gpu_points *p, size_t n, const float *places, uint8_t *inside,
+                              const ylm_progress *progress);
 /* remote.c: what keeps a grid's rows on the device while the processor refines it; *p is zero but
    for `l` and `there`. */
-ylm_grid_backend points_backend(gpu_points *p);
+ylm_grid_backend ylm__points_backend(gpu_points *p);
 /* The grid's copy from these rows, which are then its own, and what the finished grid has beside
    them. *copy is NULL where rows are the host's alone, or do not fit: points_copy.c */
-ylm_status points_copy(gpu_points *p, ylm_gpu_grid **copy);
+ylm_status ylm__points_copy(gpu_points *p, ylm_gpu_grid **copy);
 /* A buffer of so many bytes in *b that has the first `used` of the one that was there. */
-ylm_status points_grow(gpu_points *p, ylm_gpu_buffer **b, uint64_t used, uint64_t bytes);
+ylm_status ylm__points_grow(gpu_points *p, ylm_gpu_buffer **b, uint64_t used, uint64_t bytes);
 /* Of the device's memory, that rows may take. */
-uint64_t points_most_bytes(const gpu_points *p);
+uint64_t ylm__points_most_bytes(const gpu_points *p);
 /* A lattice cell in scene units, floats as push constants. */
-void points_unit(const gpu_points *p, uint32_t unit[3]);
+void ylm__points_unit(const gpu_points *p, uint32_t unit[3]);
 /* The push constants of shaders/grid_rows.glsl. */
 static inline void points_bind(const gpu_points *p, ylm_gpu_buffer *bind[GRID_PARTS]) {
   for (int i = 0; i < GRID_PARTS; i++) bind[i] = p->data[i < p->parts ? i : 0];

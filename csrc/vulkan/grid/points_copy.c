@@ -11,7 +11,7 @@ static ylm_status fit_parts(gpu_points *p, uint64_t rows) {
     uint64_t wanted = rows - at < p->part_rows ? rows - at : p->part_rows;
     uint64_t used = p->points > at ? p->points - at : 0;
     if (p->data[k] && ylm_gpu_buffer_bytes(p->data[k]) == wanted * row) continue;
-    s = points_grow(p, &p->data[k], (used < wanted ? used : wanted) * row, wanted * row);
+    s = ylm__points_grow(p, &p->data[k], (used < wanted ? used : wanted) * row, wanted * row);
     p->parts = (int)k + 1;
   }
   return s;
@@ -31,7 +31,7 @@ static ylm_status put_filled(gpu_points *p, const ylm_grid_view *v) {
     memcpy(rows + k * row, v->data + i * row, row * sizeof *rows);
     point[k++] = (uint32_t)i;
   }
-  if (s == YLM_OK) s = points_put(p, n, point, rows);
+  if (s == YLM_OK) s = ylm__points_put(p, n, point, rows);
   ylm_free(point);
   ylm_free(rows);
   return s;
@@ -81,10 +81,10 @@ static ylm_status give_birth(gpu_points *p, const ylm_grid_view *v, ylm_gpu_buff
     uint32_t n = first[k + 1] - first[k];
     step_kernel birth = {"grid_birth", 4, {0, 0, 0, (uint32_t)p->parts}, (double)p->stride};
     uint32_t push[7] = {n, first[k], p->stride, (uint32_t)p->part_rows};
-    points_unit(p, push + 4);
-    steps_dispatch(&p->q, &birth, 8 * (uint64_t)n, 7, push, GRID_PARTS + 2, bind);
+    ylm__points_unit(p, push + 4);
+    ylm__steps_dispatch(&p->q, &birth, 8 * (uint64_t)n, 7, push, GRID_PARTS + 2, bind);
   }
-  if (s == YLM_OK) s = steps_run(&p->q);
+  if (s == YLM_OK) s = ylm__steps_run(&p->q);
   ylm_gpu_buffer_free(births);
   return s;
 }
@@ -97,12 +97,12 @@ static ylm_status make_copy(gpu_points *p, const ylm_grid_view *v, ylm_gpu_grid 
   return s == YLM_OK ? give_birth(p, v, k->cells) : s;
 }
 
-ylm_status points_copy(gpu_points *p, ylm_gpu_grid **copy) {
+ylm_status ylm__points_copy(gpu_points *p, ylm_gpu_grid **copy) {
   const ylm_grid_view *v = ylm_grid_look(p->grid);
   uint64_t bytes = 16 * (uint64_t)p->stride * v->points;
   ylm_gpu_grid *k = NULL;
   *copy = NULL;
-  if (p->first || p->points != v->evaluated || bytes > points_most_bytes(p)) return YLM_OK;
+  if (p->first || p->points != v->evaluated || bytes > ylm__points_most_bytes(p)) return YLM_OK;
   double start = ylm_seconds();
   ylm_status s = ylm__gpu_grid_begin(p->g, p->grid, &k, p->e);
   points_copied(p, "upload", start);

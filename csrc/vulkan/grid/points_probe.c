@@ -10,24 +10,24 @@ static ylm_status dispatch(gpu_points *p, uint32_t n, bool held, ylm_gpu_buffer 
   step_kernel k = {"grid_probe", 4, {0, held, 0, (uint32_t)p->parts}, (double)p->width};
   uint32_t push[7] = {n, p->stride, (uint32_t)p->part_rows, p->width};
   ylm_gpu_buffer *bind[GRID_PARTS + 3];
-  points_unit(p, push + 4);
+  ylm__points_unit(p, push + 4);
   points_bind(p, bind);
   bind[GRID_PARTS] = p->item;
   bind[GRID_PARTS + 1] = held ? p->value : p->item;
   bind[GRID_PARTS + 2] = distance;
   p->q.stage = "residuals";
   p->q.status = YLM_OK;
-  steps_dispatch(&p->q, &k, 8 * (uint64_t)n, 7, push, GRID_PARTS + 3, bind);
-  return steps_run(&p->q);
+  ylm__steps_dispatch(&p->q, &k, 8 * (uint64_t)n, 7, push, GRID_PARTS + 3, bind);
+  return ylm__steps_run(&p->q);
 }
 
-ylm_status points_probe(gpu_points *p, size_t n, const ylm_grid_probe *probe, bool held,
-                        float *distance) {
+ylm_status ylm__points_probe(gpu_points *p, size_t n, const ylm_grid_probe *probe, bool held,
+                             float *distance) {
   uint64_t bind = ylm_gpu_about(p->g)->bind_bytes / sizeof *probe;
   size_t some = n < PROBES ? n : PROBES;
   if (some > bind) some = (size_t)bind;
-  ylm_status s = steps_reserve(p->g, &p->item, some * sizeof *probe, p->e);
-  if (s == YLM_OK) s = steps_reserve(p->g, &p->packed, some * sizeof *distance, p->e);
+  ylm_status s = ylm__steps_reserve(p->g, &p->item, some * sizeof *probe, p->e);
+  if (s == YLM_OK) s = ylm__steps_reserve(p->g, &p->packed, some * sizeof *distance, p->e);
   for (size_t at = 0, now; s == YLM_OK && at < n; at += now) {
     now = n - at < some ? n - at : some;
     double start = ylm_seconds();
@@ -64,12 +64,12 @@ static ylm_status pass(gpu_points *p, const sum_plan *plan, const ylm_field_quer
                        .bind = {{scratch[BUFFER_VALUE], 0, n * row}, {p->value, at * row, 0}}};
   p->q.stage = "points";
   p->q.status = YLM_OK;
-  if (s == YLM_OK) steps_work(&p->q, &copy);
-  return s == YLM_OK ? steps_run(&p->q) : s;
+  if (s == YLM_OK) ylm__steps_work(&p->q, &copy);
+  return s == YLM_OK ? ylm__steps_run(&p->q) : s;
 }
 
-ylm_status points_values(gpu_points *p, size_t n, const float *places, uint8_t *inside,
-                         const ylm_progress *progress) {
+ylm_status ylm__points_values(gpu_points *p, size_t n, const float *places, uint8_t *inside,
+                              const ylm_progress *progress) {
   const ylm_grid_form *f = &ylm_grid_look(p->grid)->form;
   ylm_field_query q = {.lmax = f->lmax,
                        .channels = f->channels,
@@ -81,10 +81,10 @@ ylm_status points_values(gpu_points *p, size_t n, const float *places, uint8_t *
   if (!n) return YLM_OK;
   ylm_status s = ylm__sum_plan_get(p->l, &q, &plan, p->e);
   if (s == YLM_OK) s = ylm__lights_reach(p->l, plan, &q, n, 0, &reach, p->e);
-  if (s == YLM_OK) s = steps_reserve(p->g, &p->value, n * 4 * (uint64_t)p->width, p->e);
+  if (s == YLM_OK) s = ylm__steps_reserve(p->g, &p->value, n * 4 * (uint64_t)p->width, p->e);
   for (size_t at = 0, now; s == YLM_OK && at < n; at += now) {
     pass_progress part = {progress, (uint32_t)at, 0, (uint32_t)n};
-    ylm_progress inner = {points_forward, &part};
+    ylm_progress inner = {ylm__points_forward, &part};
     now = n - at < reach.rows ? n - at : reach.rows;
     part.now = (uint32_t)now;
     s = pass(p, plan, &q, &reach, at, (uint32_t)now, places, inside, progress ? &inner : NULL);

@@ -5,7 +5,7 @@
 
 #define PACKED_BYTES ((uint64_t)32 << 20) /* of rows that are gathered or scattered at a time */
 
-ylm_status points_download(gpu_points *p, float *data) {
+ylm_status ylm__points_download(gpu_points *p, float *data) {
   uint64_t row = 16 * (uint64_t)p->stride, n = p->points - p->first;
   ylm_status s = YLM_OK;
   double start = ylm_seconds();
@@ -18,8 +18,8 @@ ylm_status points_download(gpu_points *p, float *data) {
   return s;
 }
 
-ylm_status points_extra(gpu_points *p, uint32_t first, uint32_t n, float *lambda, float *norm,
-                        uint8_t *flags) {
+ylm_status ylm__points_extra(gpu_points *p, uint32_t first, uint32_t n, float *lambda, float *norm,
+                             uint8_t *flags) {
   enum { PART = 4096 };
   float(*extra)[3] = ylm_alloc(n < PART ? n : PART, sizeof *extra);
   ylm_status s = extra ? YLM_OK : ylm_fail(p->e, YLM_ENOMEM, "%s", ylm_status_text(YLM_ENOMEM));
@@ -50,8 +50,8 @@ static ylm_status move(gpu_points *p, uint32_t n, const uint32_t *point, bool pu
   points_bind(p, bind);
   p->q.stage = "points";
   p->q.status = YLM_OK;
-  steps_dispatch(&p->q, &k, 4 * (uint64_t)n * p->stride, 3, push, GRID_PARTS + 2, bind);
-  return steps_run(&p->q);
+  ylm__steps_dispatch(&p->q, &k, 4 * (uint64_t)n * p->stride, 3, push, GRID_PARTS + 2, bind);
+  return ylm__steps_run(&p->q);
 }
 
 static ylm_status move_all(gpu_points *p, size_t n, const uint32_t *point, float *to,
@@ -60,8 +60,8 @@ static ylm_status move_all(gpu_points *p, size_t n, const uint32_t *point, float
   uint64_t some = (most < PACKED_BYTES ? most : PACKED_BYTES) / row;
   if (some > n) some = n;
   if (!n) return YLM_OK;
-  ylm_status s = steps_reserve(p->g, &p->item, 4 * some, p->e);
-  if (s == YLM_OK) s = steps_reserve(p->g, &p->packed, some * row, p->e);
+  ylm_status s = ylm__steps_reserve(p->g, &p->item, 4 * some, p->e);
+  if (s == YLM_OK) s = ylm__steps_reserve(p->g, &p->packed, some * row, p->e);
   double start = ylm_seconds();
   for (size_t at = 0, now; s == YLM_OK && at < n; at += now) {
     now = n - at < some ? n - at : (size_t)some;
@@ -74,10 +74,10 @@ static ylm_status move_all(gpu_points *p, size_t n, const uint32_t *point, float
   return s;
 }
 
-ylm_status points_take(gpu_points *p, size_t n, const uint32_t *point, float *rows) {
+ylm_status ylm__points_take(gpu_points *p, size_t n, const uint32_t *point, float *rows) {
   return move_all(p, n, point, rows, NULL);
 }
 
-ylm_status points_put(gpu_points *p, size_t n, const uint32_t *point, const float *rows) {
+ylm_status ylm__points_put(gpu_points *p, size_t n, const uint32_t *point, const float *rows) {
   return move_all(p, n, point, NULL, rows);
 }

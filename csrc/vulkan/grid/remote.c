@@ -8,7 +8,7 @@
 /* Where memory runs out, the first evaluation says so. */
 static ylm_status begin(gpu_points *p, const ylm_grid_making *m) {
   ylm_gpu_buffer *there = p->there;
-  ylm_status s = points_begin(p, p->l, m->grid, m->e);
+  ylm_status s = ylm__points_begin(p, p->l, m->grid, m->e);
   p->source = m->source;
   p->there = there;
   if (s != YLM_ENOMEM && s != YLM_ELIMIT) return s;
@@ -29,9 +29,9 @@ static ylm_status find_codes(occupied_voxels *o, uint64_t **code, size_t *n, uin
   uint32_t count[YLM_GPU_COUNTS];
   ylm_status s = ylm_gpu_buffer_create(o->l->gpu, YLM_GPU_COUNTS * 4, &o->counts, o->e);
   if (s != YLM_OK) return s;
-  steps_fill(o->q, o->counts, 0);
-  s = occupied_mark(o, count);
-  if (s == YLM_OK) s = occupied_codes(o, code, n);
+  ylm__steps_fill(o->q, o->counts, 0);
+  s = ylm__occupied_mark(o, count);
+  if (s == YLM_OK) s = ylm__occupied_codes(o, code, n);
   if (s == YLM_OK) *outside += count[YLM_GPU_COUNT_OUTSIDE];
   return s;
 }
@@ -51,9 +51,9 @@ static ylm_status mark(gpu_points *p, const ylm_grid_making *m, uint64_t **code,
   p->l->busy = true;
   s = find_codes(&o, code, n, &m->stats->outside);
   p->l->busy = false;
-  occupied_free(&o);
+  ylm__occupied_free(&o);
   ylm_gpu_buffer_free(o.counts);
-  steps_free(&q);
+  ylm__steps_free(&q);
   if ((s != YLM_ENOMEM && s != YLM_ELIMIT) || !m->source->occupied_points) return s;
   *code = NULL;
   return YLM_OK;
@@ -71,8 +71,8 @@ static ylm_status shading(void *self, const ylm_grid_making *m, size_t n, const 
   gpu_points *p = self;
   step_queue q = {.g = p->l->gpu, .times = &p->l->times, .stage = "points", .e = m->e};
   occupied_voxels o = {.l = p->l, .source = m->source, .there = p->there, .q = &q, .e = m->e};
-  ylm_status s = occupied_points(&o, n, index, out);
-  steps_free(&q);
+  ylm_status s = ylm__occupied_points(&o, n, index, out);
+  ylm__steps_free(&q);
   return s;
 }
 
@@ -100,19 +100,19 @@ static ylm_status evaluate(void *self, const ylm_grid_making *m, size_t n) {
   size_t first = p->points;
   uint64_t rows = first + n;
   if (p->unfit != YLM_OK) return p->unfit;
-  if (rows > GRID_PARTS * p->part_rows || 16 * rows * p->stride > points_most_bytes(p))
+  if (rows > GRID_PARTS * p->part_rows || 16 * rows * p->stride > ylm__points_most_bytes(p))
     return ylm_fail(p->e, YLM_ENOMEM, "the device has no room for so many points");
   double start = ylm_seconds();
   ylm_status s = ylm__lights_idle(p->l, p->e);
-  if (s == YLM_OK) s = points_reserve(p, (uint32_t)n);
+  if (s == YLM_OK) s = ylm__points_reserve(p, (uint32_t)n);
   if (s == YLM_OK) s = upload_keys(p, first, n, to->lattice + 3 * first);
   if (s != YLM_OK) return s;
   p->l->busy = true;
-  s = points_evaluate(p, (uint32_t)n, m->progress, &full);
+  s = ylm__points_evaluate(p, (uint32_t)n, m->progress, &full);
   p->l->busy = false;
   if (s == YLM_OK)
-    s = points_extra(p, (uint32_t)first, (uint32_t)n, to->lambda + first, to->norm + first,
-                     to->flags + first);
+    s = ylm__points_extra(p, (uint32_t)first, (uint32_t)n, to->lambda + first, to->norm + first,
+                          to->flags + first);
   m->stats->field_seconds += ylm_seconds() - start;
   if (s == YLM_OK)
     m->stats->pairs += n * ylm__lights_pairs(p->l);
@@ -127,7 +127,7 @@ static ylm_status evaluate_held(gpu_points *p, const ylm_grid_making *m, size_t 
   ylm_status s = ylm__lights_idle(p->l, p->e);
   if (s != YLM_OK) return s;
   p->l->busy = true;
-  s = points_values(p, n, held->place, held->inside, m->progress);
+  s = ylm__points_values(p, n, held->place, held->inside, m->progress);
   p->l->busy = false;
   double start = ylm_seconds();
   if (s == YLM_OK) s = ylm_gpu_download(p->value, 0, n * 4 * (uint64_t)p->width, held->value, p->e);
@@ -144,7 +144,7 @@ static ylm_status residuals(void *self, const ylm_grid_making *m, size_t n,
   float *near = ylm_alloc(n, sizeof *near);
   ylm_status s = near ? YLM_OK : ylm_fail(p->e, YLM_ENOMEM, "%s", ylm_status_text(YLM_ENOMEM));
   if (s == YLM_OK && held) s = evaluate_held(p, m, n, held);
-  if (s == YLM_OK) s = points_probe(p, n, probe, held != NULL, near);
+  if (s == YLM_OK) s = ylm__points_probe(p, n, probe, held != NULL, near);
   for (size_t i = 0; s == YLM_OK && i < n; i++) distance[i] = (double)near[i];
   if (held) m->stats->field_seconds += ylm_seconds() - start;
   ylm_free(near);
@@ -154,17 +154,17 @@ static ylm_status residuals(void *self, const ylm_grid_making *m, size_t n,
 static ylm_status rows(void *self, const ylm_grid_making *m, ylm_grid_rows which, size_t n,
                        const uint32_t *point, float *row) {
   gpu_points *p = points_of(self, m);
-  if (which == YLM_GRID_ROWS_TAKE) return points_take(p, n, point, row);
-  if (which == YLM_GRID_ROWS_PUT) return points_put(p, n, point, row);
+  if (which == YLM_GRID_ROWS_TAKE) return ylm__points_take(p, n, point, row);
+  if (which == YLM_GRID_ROWS_PUT) return ylm__points_put(p, n, point, row);
   p->points = (uint32_t)n;
-  ylm_status s = points_download(p, row);
+  ylm_status s = ylm__points_download(p, row);
   if (which == YLM_GRID_ROWS_ALL) return s;
-  if (s == YLM_OK) points_end(p);
-  points_forget(p);
+  if (s == YLM_OK) ylm__points_end(p);
+  ylm__points_forget(p);
   return s;
 }
 
-ylm_grid_backend points_backend(gpu_points *p) {
+ylm_grid_backend ylm__points_backend(gpu_points *p) {
   return (ylm_grid_backend){.self = p,
                             .occupied = occupied,
                             .shading = shading,

@@ -46,9 +46,9 @@ static ylm_status bring(const sampling *m, const ylm_gpu_input *in, size_t at, s
                         size_t bytes, ylm_gpu_buffer **room, ylm_error *e) {
   if (!in->host) return YLM_OK;
   double start = ylm_seconds();
-  ylm_status s = steps_reserve(m->k->g, room, n * bytes, e);
+  ylm_status s = ylm__steps_reserve(m->k->g, room, n * bytes, e);
   if (s == YLM_OK) s = ylm_gpu_upload(*room, 0, n * bytes, (const char *)in->host + at * bytes, e);
-  steps_copied(m->times, "upload", start);
+  ylm__steps_copied(m->times, "upload", start);
   return s;
 }
 
@@ -66,7 +66,7 @@ static ylm_status fetch(const sampling *m, const ylm_gpu_output *out, size_t at,
   if (!out->host) return YLM_OK;
   double start = ylm_seconds();
   ylm_status s = ylm_gpu_download(from, 0, n * bytes, (char *)out->host + at * bytes, e);
-  steps_copied(m->times, "download", start);
+  ylm__steps_copied(m->times, "download", start);
   return s;
 }
 
@@ -80,11 +80,11 @@ static ylm_gpu_bind rows_of(ylm_gpu_buffer *theirs, ylm_gpu_buffer *own, size_t 
 static ylm_status reserve(const sampling *m, size_t n, bool sorted, ylm_error *e) {
   ylm_gpu_grid *k = m->k;
   size_t value = width_of(m) * sizeof(float);
-  ylm_status s = steps_reserve(k->g, &k->places, n * 16, e);
-  if (s == YLM_OK && sorted) s = steps_reserve(k->g, &k->order, n * 4, e);
-  if (s == YLM_OK && sorted) s = steps_reserve(k->g, &k->tally, (k->cell_count + 1) * 4, e);
-  if (s == YLM_OK && m->value.host) s = steps_reserve(k->g, &k->value, n * value, e);
-  if (s == YLM_OK && m->gradient.host) s = steps_reserve(k->g, &k->gradient, 3 * n * value, e);
+  ylm_status s = ylm__steps_reserve(k->g, &k->places, n * 16, e);
+  if (s == YLM_OK && sorted) s = ylm__steps_reserve(k->g, &k->order, n * 4, e);
+  if (s == YLM_OK && sorted) s = ylm__steps_reserve(k->g, &k->tally, (k->cell_count + 1) * 4, e);
+  if (s == YLM_OK && m->value.host) s = ylm__steps_reserve(k->g, &k->value, n * value, e);
+  if (s == YLM_OK && m->gradient.host) s = ylm__steps_reserve(k->g, &k->gradient, 3 * n * value, e);
   return s;
 }
 
@@ -113,8 +113,8 @@ static void locate(const sampling *m, size_t at, size_t n, bool sorted, ylm_erro
       (uint32_t)n,      (uint32_t)k->form.depth, k->form.kind == YLM_GRID_UNIFORM, k->resolution[0],
       k->resolution[1], k->resolution[2],        (uint32_t)k->cell_count};
   q->stage = "locate";
-  steps_fill(q, k->counts, 0);
-  if (sorted) steps_fill(q, k->tally, 0);
+  ylm__steps_fill(q, k->counts, 0);
+  if (sorted) ylm__steps_fill(q, k->tally, 0);
   ylm_gpu_work w = work_of(m, k->wide ? "grid_locate_double" : "grid_locate_float", 3, constant, n,
                            &q->status, e);
   w.push = push;
@@ -127,12 +127,12 @@ static void locate(const sampling *m, size_t at, size_t n, bool sorted, ylm_erro
   w.bind[4].buffer = k->places;
   w.bind[5].buffer = k->counts;
   w.bind[6].buffer = sorted ? k->tally : k->counts;
-  steps_work(q, &w);
+  ylm__steps_work(q, &w);
   if (!sorted) return;
   uint32_t groups[] = {CHUNK}, items[] = {(uint32_t)n, (uint32_t)k->cell_count};
   q->stage = "sort";
-  steps_scan(q, SCAN_PLAIN, 0, k->tally, (uint32_t)k->cell_count + 1, k->tally, k->counts,
-             SCAN_NO_SUM);
+  ylm__steps_scan(q, SCAN_PLAIN, 0, k->tally, (uint32_t)k->cell_count + 1, k->tally, k->counts,
+                  SCAN_NO_SUM);
   w = work_of(m, "grid_order", 1, groups, n, &q->status, e);
   w.push = items;
   w.push_bytes = sizeof items;
@@ -140,7 +140,7 @@ static void locate(const sampling *m, size_t at, size_t n, bool sorted, ylm_erro
   w.bind[0].buffer = k->places;
   w.bind[1].buffer = k->tally;
   w.bind[2].buffer = k->order;
-  steps_work(q, &w);
+  ylm__steps_work(q, &w);
 }
 
 /* The push constants of shaders/grid_data.glsl. */
@@ -190,7 +190,7 @@ static void sample(const sampling *m, size_t at, size_t n, bool sorted, ylm_erro
   w.bind[7] = rows_of(m->value.there, k->value, at, n, value);
   w.bind[8] = gradient ? rows_of(m->gradient.there, k->gradient, at, n, 3 * value) : w.bind[7];
   k->queue.stage = "sample";
-  steps_work(&k->queue, &w);
+  ylm__steps_work(&k->queue, &w);
 }
 
 static void shade(const sampling *m, size_t at, size_t n, bool sorted, ylm_error *e) {
@@ -221,7 +221,7 @@ static void shade(const sampling *m, size_t at, size_t n, bool sorted, ylm_error
   w.bind[8] = material ? rows_of(m->material.there, k->material, at, n, ROW) : w.bind[7];
   w.bind[9] = rows_of(m->value.there, k->value, at, n, 12);
   k->queue.stage = "shade";
-  steps_work(&k->queue, &w);
+  ylm__steps_work(&k->queue, &w);
 }
 
 /* -- what the device leaves to the host ------------------------------------------------------ */
@@ -321,7 +321,7 @@ static ylm_status pass(const sampling *m, size_t at, size_t n, ylm_error *e) {
   k->queue.e = e;
   locate(m, at, n, sorted, e);
   (m->shade ? shade : sample)(m, at, n, sorted, e);
-  s = steps_run(&k->queue);
+  s = ylm__steps_run(&k->queue);
   if (s == YLM_OK) s = ylm_gpu_download(k->counts, 0, sizeof counts, counts, e);
   if (s == YLM_OK) s = fetch(m, &m->value, at, n, w, k->value, e);
   if (s == YLM_OK) s = fetch(m, &m->gradient, at, n, 3 * w, k->gradient, e);

@@ -97,9 +97,9 @@ static ylm_status upload(ylm_gpu_picture *k, size_t n, const double *disc, const
                          ylm_error *e) {
   ylm_gpu *g = k->g;
   size_t tiles = t->tiles * sizeof *t->tile, list = t->entries * sizeof *t->list;
-  ylm_status s = picture_reals(k, disc, n * YLM_GPU_DISC, &k->disc, e);
-  if (s == YLM_OK) s = steps_reserve(g, &k->tile, tiles, e);
-  if (s == YLM_OK) s = steps_reserve(g, &k->list, list, e);
+  ylm_status s = ylm__picture_reals(k, disc, n * YLM_GPU_DISC, &k->disc, e);
+  if (s == YLM_OK) s = ylm__steps_reserve(g, &k->tile, tiles, e);
+  if (s == YLM_OK) s = ylm__steps_reserve(g, &k->list, list, e);
   if (s == YLM_OK) s = ylm_gpu_upload(k->tile, 0, tiles, t->tile, e);
   return s == YLM_OK ? ylm_gpu_upload(k->list, 0, list, t->list, e) : s;
 }
@@ -118,17 +118,17 @@ static void dispatch(ylm_gpu_picture *k, const tiling *t, ylm_gpu_buffer *image,
   k->queue.status = ylm_gpu_kernel_get(
       k->g, k->wide ? "picture_lamps_double" : "picture_lamps_float", 1, constant, &w.kernel, e);
   k->queue.stage = "lamps";
-  steps_work(&k->queue, &w);
+  ylm__steps_work(&k->queue, &w);
 }
 
-void picture_lamps(ylm_gpu_picture *k, size_t n, const double *disc, ylm_gpu_buffer *image,
-                   ylm_gpu_times *times, ylm_error *e) {
+void ylm__picture_lamps(ylm_gpu_picture *k, size_t n, const double *disc, ylm_gpu_buffer *image,
+                        ylm_gpu_times *times, ylm_error *e) {
   tiling t = {0};
   if (k->queue.status != YLM_OK) return;
   double start = ylm_seconds();
   ylm_status s = tile_discs(k, n, disc, &t, e);
   if (s == YLM_OK && t.tiles) s = upload(k, n, disc, &t, e);
-  steps_copied(times, "upload", start);
+  ylm__steps_copied(times, "upload", start);
   k->queue.status = s;
   if (s == YLM_OK && t.tiles) dispatch(k, &t, image, e);
   ylm_free(t.at);

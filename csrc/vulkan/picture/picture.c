@@ -40,8 +40,8 @@ static ylm_status take_words(ylm_gpu *g, const double *x, size_t n, double below
 }
 
 /* The camera's numbers in the type that lamps are drawn in. */
-ylm_status picture_reals(const ylm_gpu_picture *k, const double *x, size_t n, ylm_gpu_buffer **b,
-                         ylm_error *e) {
+ylm_status ylm__picture_reals(const ylm_gpu_picture *k, const double *x, size_t n,
+                              ylm_gpu_buffer **b, ylm_error *e) {
   ylm_gpu *g = k->g;
   float *f = NULL;
   const void *from = x;
@@ -52,7 +52,7 @@ ylm_status picture_reals(const ylm_gpu_picture *k, const double *x, size_t n, yl
     for (size_t i = 0; i < n; i++) f[i] = (float)x[i];
     from = f;
   }
-  ylm_status s = steps_reserve(g, b, bytes, e);
+  ylm_status s = ylm__steps_reserve(g, b, bytes, e);
   if (s == YLM_OK) s = ylm_gpu_upload(*b, 0, bytes, from, e);
   ylm_free(f);
   return s;
@@ -106,7 +106,7 @@ static ylm_status copy_pixels(ylm_gpu_picture *k, const ylm_gpu_pixels *p, ylm_e
   if (s == YLM_OK && p->point)
     s = take_words(g, p->point, 3 * p->entries, (double)p->points, false, &k->corner, e);
   if (s == YLM_OK && p->point) s = ylm_gpu_buffer_from(g, 12 * p->entries, p->part, &k->part, e);
-  if (s == YLM_OK) s = picture_reals(k, p->camera, 10, &k->camera, e);
+  if (s == YLM_OK) s = ylm__picture_reals(k, p->camera, 10, &k->camera, e);
   if (s == YLM_OK) cut_strips(k, p->first);
   return s;
 }
@@ -137,7 +137,7 @@ void ylm_gpu_picture_free(ylm_gpu_picture *k) {
   ylm_gpu_buffer *all[] = {k->first,  k->shown, k->weight, k->depth, k->corner, k->part,
                            k->camera, k->disc,  k->tile,   k->list,  k->image,  k->radiance};
   for (size_t i = 0; i < sizeof all / sizeof *all; i++) ylm_gpu_buffer_free(all[i]);
-  steps_free(&k->queue);
+  ylm__steps_free(&k->queue);
   ylm_gpu_free(k->g);
   ylm_free(k);
 }
@@ -174,7 +174,7 @@ static void filter(ylm_gpu_picture *k, ylm_gpu_buffer *radiance, const float bac
     w.cost = k->strip[i].cost;
     w.push = &push;
     w.push_bytes = sizeof push;
-    steps_work(q, &w);
+    ylm__steps_work(q, &w);
   }
 }
 
@@ -201,9 +201,9 @@ static ylm_status bring(ylm_gpu_picture *k, const ylm_gpu_input *radiance, ylm_g
   *out = radiance->there;
   if (*out) return YLM_OK;
   double start = ylm_seconds();
-  ylm_status s = steps_reserve(k->g, &k->radiance, 12 * k->points, e);
+  ylm_status s = ylm__steps_reserve(k->g, &k->radiance, 12 * k->points, e);
   if (s == YLM_OK) s = ylm_gpu_upload(k->radiance, 0, 12 * k->points, radiance->host, e);
-  steps_copied(times, "upload", start);
+  ylm__steps_copied(times, "upload", start);
   *out = k->radiance;
   return s;
 }
@@ -217,7 +217,7 @@ ylm_status ylm_gpu_picture_make(ylm_gpu_picture *k, ylm_gpu_input radiance,
   ylm_status s = check(k, &radiance, &image, e);
   if (s == YLM_OK) s = bring(k, &radiance, &from, times, e);
   if (s == YLM_OK && !to) {
-    s = steps_reserve(k->g, &k->image, bytes, e);
+    s = ylm__steps_reserve(k->g, &k->image, bytes, e);
     to = k->image;
   }
   if (s != YLM_OK) return s;
@@ -227,14 +227,14 @@ ylm_status ylm_gpu_picture_make(ylm_gpu_picture *k, ylm_gpu_input radiance,
   k->queue.status = YLM_OK;
   k->queue.e = e;
   filter(k, from, background, to, e);
-  if (discs) picture_lamps(k, discs, disc, to, times, e);
+  if (discs) ylm__picture_lamps(k, discs, disc, to, times, e);
   k->busy = true;
-  s = steps_run(&k->queue);
+  s = ylm__steps_run(&k->queue);
   k->busy = false;
   double start = ylm_seconds();
   if (s == YLM_OK && image.host) {
     s = ylm_gpu_download(to, 0, bytes, image.host, e);
-    steps_copied(times, "download", start);
+    ylm__steps_copied(times, "download", start);
   }
   return s;
 }

@@ -27,10 +27,10 @@ struct ylm_gpu_picture {
 };
 
 /* Numbers in the type that lamps are drawn in, to *b, which is made longer where it has to. */
-ylm_status picture_reals(const ylm_gpu_picture *k, const double *x, size_t n, ylm_gpu_buffer **b,
-                         ylm_error *e);
+ylm_status ylm__picture_reals(const ylm_gpu_picture *k, const double *x, size_t n,
+                              ylm_gpu_buffer **b, ylm_error *e);
 /* Queues drawing discs [n][YLM_GPU_DISC] over the image. */
-void picture_lamps(ylm_gpu_picture *k, size_t n, const double *disc, ylm_gpu_buffer *image,
-                   ylm_gpu_times *times, ylm_error *e);
+void ylm__picture_lamps(ylm_gpu_picture *k, size_t n, const double *disc, ylm_gpu_buffer *image,
+                        ylm_gpu_times *times, ylm_error *e);
 
 #endif
