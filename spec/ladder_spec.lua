@@ -18,6 +18,12 @@ local rooms = {
   lua = { "core", "codec", "scene", "vtk", "vulkan" },
 }
 
+--- Files that are compiled into one unit with another room's, against the direction of their folder.
+local joined = { ["csrc/light/moments/sum.isa.c"] = "tree" }
+
+--- Rooms whose files call one another in one direction, no two each other.
+local ordered = { "grid/bake" }
+
 --- Which folders may include a system header that matches.
 local reserved = {
   { "^lua%.h$", "lua" }, { "^lauxlib%.h$", "lua" }, { "^lualib%.h$", "lua" }, { "^luajit%.h$", "lua" },
@@ -72,6 +78,58 @@ local function each_include(f)
   end
 end
 
+--- A way through a graph { [from] = { [to] = true } } that ends in a circle, as "a > b > c > b"; or nil.
+local function circle(graph)
+  local state = {}
+  local function visit(node, path)
+    if state[node] == "done" then return end
+    if state[node] then return path .. node end
+    state[node] = "open"
+    for to in pairs(graph[node] or {}) do
+      local found = visit(to, path .. node .. " > ")
+      if found then return found end
+    end
+    state[node] = "done"
+  end
+  for node in pairs(graph) do
+    local found = visit(node, "")
+    if found then return found end
+  end
+end
+
+local function add(graph, from, to)
+  graph[from] = graph[from] or {}
+  graph[from][to] = true
+end
+
+--- The names that an object file defines for others, and those that it uses of others.
+local function symbols_of(object)
+  local own, used = {}, {}
+  for _, line in ipairs(lines_of("nm " .. scratch.quote(object))) do
+    local kind, name = line:match "(%a) (%S+)$"
+    if kind == "U" then used[#used + 1] = name
+    elseif kind and kind:find "[TDBR]" then own[#own + 1] = name end
+  end
+  return own, used
+end
+
+--- Which file of a room calls which.
+local function calls_of(room)
+  local home, uses, graph = {}, {}, {}
+  for _, path in ipairs(lines_of("find csrc/" .. room .. " -name '*.c' -not -name '*.isa.c'")) do
+    local name = path:match "([^/]+)%.c$"
+    local own, used = symbols_of(build .. "/obj/" .. room .. "/" .. name .. ".o")
+    for _, symbol in ipairs(own) do home[symbol] = name end
+    uses[name] = used
+  end
+  for name, used in pairs(uses) do
+    for _, symbol in ipairs(used) do
+      if home[symbol] and home[symbol] ~= name then add(graph, name, home[symbol]) end
+    end
+  end
+  return graph
+end
+
 describe("the ladder", function()
   it("knows every folder", function()
     assert(#sources > 0)
@@ -104,6 +162,33 @@ describe("the ladder", function()
       end
     end)
     assert.equal("", table.concat(wrong, "\n"))
+  end)
+
+  it("leads through the rooms of a folder in one direction", function()
+    local graphs = {}
+    each_include(function(path, folder, _, header)
+      local room = path:match("^csrc/[^/]+/([^/]+)/")
+      local place = beside(path, header)
+      if not exists(place) then place = beside("csrc/" .. folder .. "/", header) end
+      local other = place:match("^csrc/" .. folder .. "/([^/]+)/")
+      if not rooms[folder] or not room or not other or other == room or other == "gen" or room == "gen" then return end
+      if joined[path] ~= other and exists(place) then
+        graphs[folder] = graphs[folder] or {}
+        add(graphs[folder], room, other)
+      end
+    end)
+    for folder, graph in pairs(graphs) do assert.equal("", circle(graph) or "", folder) end
+    assert(graphs.grid.follow.bake and not graphs.grid.bake, "csrc/grid/bake includes another room")
+    assert(circle { b = { a = true }, a = { b = true, c = true } } and not circle { b = { a = true }, a = { c = true } })
+  end)
+
+  it("has rooms whose files call one another in one direction", function()
+    if not scratch.shell "command -v nm >/dev/null" then pending "nm is not installed" end
+    for _, room in ipairs(ordered) do
+      local graph = calls_of(room)
+      assert(next(graph), "build/obj/" .. room .. " is missing")
+      assert.equal("", circle(graph) or "", room)
+    end
   end)
 
   it("keeps Lua to csrc/lua, VTK to csrc/vtk, and each library to its folder", function()
