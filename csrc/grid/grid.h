@@ -45,7 +45,7 @@ struct ylm_grid {
   int top_shift;   /* lattice coordinate >> top_shift is a coordinate of the table */
   double scale[3]; /* lattice cells per scene unit */
 
-  const struct follower *follower; /* NULL: nobody, the grid stays as it is */
+  const struct follower *follower; /* NULL: the grid follows no lights */
   struct grid_dynamic *dynamic;    /* what the follower keeps (follow/follow.h) */
   bool updating;
   bool spent; /* memory ran out where an update could not be taken back: the root voxel is left */

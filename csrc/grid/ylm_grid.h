@@ -381,7 +381,7 @@ typedef enum ylm_grid_rows {
 **              those above it, and crossed ones, are split. The next level has *next voxels
 **   residuals  relative distances [n] of interpolants from the values of their points; with `held`,
 **              from those of the field at free places, which probe.point counts, and which it
-*writes
+**              writes
 **   rows       of n points, [n][4][stride]; a back end that keeps cells is asked for
 **              YLM_GRID_ROWS_ALL alone and writes all parts, for which ylm_grid_room makes room
 */

@@ -66,7 +66,7 @@ YLM_API ylm_status ylm_scene_create(size_t meshes, const ylm_scene_mesh *mesh,
 YLM_API void ylm_scene_free(ylm_scene *scene);
 /* Box around all meshes (not the lamps); zeros where there are none. */
 YLM_API void ylm_scene_bounds(const ylm_scene *scene, double lo[3], double hi[3]);
-/* What rays are traced through; lives as long as the scene. */
+/* The structure that rays are traced through; lives as long as the scene. */
 YLM_API const ylm_trace *ylm_scene_trace(const ylm_scene *scene);
 
 /* The number of meshes; what mesh m is made of; the corners of its triangle `element`, as vertices
@@ -118,7 +118,7 @@ YLM_API void ylm_scene_vertex(const ylm_scene *scene, size_t m, size_t vertex, b
 YLM_API const float *ylm_scene_lamp_radiance(const ylm_scene *scene, const ylm_trace_ray *ray,
                                              const ylm_trace_hit *hit);
 
-/* What choosing rays to the lamps of a scene takes. */
+/* State for choosing rays to the lamps of a scene. */
 typedef struct ylm_scene_chooser ylm_scene_chooser;
 /* NULL without memory. */
 YLM_API ylm_scene_chooser *ylm_scene_chooser_create(const ylm_scene *scene);

@@ -2,9 +2,8 @@
 ** ylm_sh_rival.h - tables of functions for methods that exist to be compared with.
 **
 ** A rival is a method that the library itself does not use. Rivals stand in a library of their own
-*(csrc/rival), which
-** hands its tables to ylm_sh_rivals_set. Without them ylm_sh_eval_how and ylm_sh_product_create
-*answer YLM_EMISSING.
+** (csrc/rival), which hands its tables to ylm_sh_rivals_set. Without them ylm_sh_eval_how and
+** ylm_sh_product_create answer YLM_EMISSING.
 */
 #ifndef YLM_SH_RIVAL_H
 #define YLM_SH_RIVAL_H
@@ -15,8 +14,7 @@
 extern "C" {
 #endif
 
-/* -- evaluation ----------------------------------------------------------------------------------
- */
+/* -- evaluation ------------------------------------------------------------------------------- */
 
 /* A call of ylm_sh_eval_how whose points have been checked: finite, and not zero unless solid. */
 typedef struct ylm_sh_job {
@@ -50,8 +48,7 @@ YLM_API void ylm_sh_unit(const double v[3], double w[3], double *d);
 YLM_API void ylm_sh_scale_solid(int l, double d, double s[10]);
 YLM_API void ylm_sh_surface(int l, double d, const double w[3], double s[10]);
 
-/* -- products ------------------------------------------------------------------------------------
- */
+/* -- products --------------------------------------------------------------------------------- */
 
 /*
 ** A way to multiply coefficient vectors of degree <= lmax.
@@ -59,7 +56,7 @@ YLM_API void ylm_sh_surface(int l, double d, const double w[3], double s[10]);
 **   free     accepts NULL
 **   scratch  bytes that a product needs
 **   apply    one product: c [factors][(lmax+1)^2] to out [(lmax+1)^2]; stage as of
-*ylm_sh_product_apply
+**            ylm_sh_product_apply
 */
 typedef struct ylm_sh_rival_product {
   ylm_status (*create)(int lmax, int factors, void **plan, ylm_error *e);
@@ -69,12 +66,11 @@ typedef struct ylm_sh_rival_product {
                 double *stage);
 } ylm_sh_rival_product;
 
-/* -- registration --------------------------------------------------------------------------------
- */
+/* -- registration ---------------------------------------------------------------------------- */
 
 /*
 ** Makes rivals known for the life of the process: tables by method, NULL where libylm.so has it
-** itself. What they point to must stay. May be called again, and from any thread.
+** itself. Their targets must stay. May be called again, and from any thread.
 */
 YLM_API void
 ylm_sh_rivals_set(const ylm_sh_rival_eval *const eval[YLM_SH_METHOD_COUNT],

@@ -11,7 +11,7 @@ typedef struct shade_entry {
   float weight, depth;
 } shade_entry;
 
-/* What a pixel shows beside surfaces. */
+/* The part of a pixel beside surfaces. */
 typedef struct shade_pixel {
   size_t first; /* of its entries */
   float lamps[3], coverage, emitter;
@@ -31,7 +31,7 @@ struct ylm_shade_view {
   float *transfer;                                  /* [points][count]                         */
 };
 
-/* What point i is made of. */
+/* The material at point i. */
 static inline const ylm_material *ylm__shade_material(const ylm_shade_view *v, size_t i) {
   return ylm_scene_material(v->scene, v->mesh[i]);
 }

@@ -73,7 +73,7 @@ function check.device(n, name, gpu)
   return getmetatable(gpu).__device(gpu)
 end
 
---- What a value is, for messages: "a table", "{1, 0}", "nil", "-1", "'text'", "an array of 2x3".
+--- A value in words, for messages: "a table", "{1, 0}", "nil", "-1", "'text'", "an array of 2x3".
 function check.describe(value)
   local t = type(value)
   if t == "number" or t == "boolean" or t == "nil" then return tostring(value) end

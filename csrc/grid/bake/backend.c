@@ -1,13 +1,12 @@
 /*
 ** backend.c - asking the back end of a bake. Without one, and where a device's memory has run out,
-*the
-** processor is asked: b->remote is NULL then.
+** the processor is asked: b->remote is NULL then.
 */
 #include "baker.h"
 
 #include <string.h>
 
-/* What a back end is told. */
+/* The facts that a back end is told. */
 static const ylm_grid_making *making(baker *b) {
   const ylm_grid *g = b->g;
   b->making.parts =

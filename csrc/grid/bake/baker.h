@@ -14,7 +14,7 @@ ylm_status ylm__cell_list_push(cell_list *list, uint32_t cell);
 /* Results of the field for a block of points. */
 typedef struct field_block {
   float *position, *value, *gradient, *lambda, *norm;
-  float *hessian; /* [n][channels][count][6]; NULL where nobody keeps them */
+  float *hessian; /* [n][channels][count][6]; NULL where they are not kept */
   uint8_t *inside;
   size_t room; /* points */
 } field_block;
@@ -29,7 +29,7 @@ typedef struct baker {
   ylm_grid_backend own;           /* the processor */
   ylm_grid_making making;
   learnt learnt;
-  const ylm_grid_surface *surface; /* of the source's meshes, where somebody keeps it; or NULL */
+  const ylm_grid_surface *surface; /* of the source's meshes, where it is kept; or NULL */
   cell_list wave, next;            /* cells to decide about, their children that come next */
   cell_list parent;                /* of cells 1 .. 8, 9 .. 16, and so on */
   /* Splits cells of the wave once their metric is known; NULL: the threshold has done so. */

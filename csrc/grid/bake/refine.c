@@ -1,13 +1,12 @@
 /*
 ** refine.c - the loop over levels that makes every grid, whoever finds, evaluates and keeps its
 ** points: corners of the voxels, their light, their metric, then what is split. A uniform grid is
-*one
-** level. By a threshold the back end splits with the metric; by a tolerance b->choose does, which
-** measures residuals first.
+** one level. By a threshold the back end splits with the metric; by a tolerance b->choose does,
+** which measures residuals first.
 */
 #include "baker.h"
 
-/* What progress says. */
+/* The stage that progress names. */
 static void name_stage(baker *b, int level) {
   if (b->g->view.form.kind == YLM_GRID_UNIFORM)
     snprintf(b->stage_text, sizeof b->stage_text, "baking");

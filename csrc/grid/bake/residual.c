@@ -74,7 +74,7 @@ static size_t list_probes(refiner *r, ylm_grid_probe *probe) {
   return n;
 }
 
-/* What the interpolants miss at the centres of the cells in r->tested, which are evaluated. */
+/* Errors of interpolants at the centres of the cells in r->tested, which are evaluated. */
 static ylm_status find_residuals(refiner *r) {
   size_t n = r->tested.n;
   ylm_grid_probe *probe = ylm_alloc(n, sizeof *probe);

@@ -25,7 +25,7 @@ typedef struct refiner {
   size_t held, verdicts;
   bool all;                        /* these are all the shading points there are */
   const ylm_grid_surface *surface; /* held-out points are drawn on; NULL: among shading points */
-  ylm_grid_surface *own;           /* the same where nobody else frees it */
+  ylm_grid_surface *own;           /* that surface where it is to be freed here */
   /* An update: ratios and `tight` are those of the bake; voxels that failed lately stay split. */
   bool frozen;
   bool (*forced)(const ylm_grid *g, const ylm_grid_cell *c);

@@ -1,5 +1,6 @@
-/* grid.c - grids in a device's memory. Arguments come sorted from lua/ylm/vulkan/grid.lua.
- */
+/*
+** grid.c - grids in a device's memory. Arguments come sorted from lua/ylm/vulkan/grid.lua.
+*/
 #include "../binding_grid.h"
 #include "vulkan.h"
 

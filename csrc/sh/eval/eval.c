@@ -143,7 +143,7 @@ static void rival_double(const ylm__sh_job *job, size_t begin, size_t end, void 
   rival(job, YLM_DOUBLE, begin, end, scratch);
 }
 
-/* What evaluates: a kernel, its scratch, and whether it needs the table. */
+/* An evaluator: a kernel, its scratch, and whether it needs the table. */
 typedef struct choice {
   ylm__sh_kernel *kernel;
   size_t scratch;

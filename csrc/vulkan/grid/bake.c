@@ -1,8 +1,7 @@
 /*
 ** bake.c - grids baked on a device, by the loop of ylm_grid_bake. With a threshold, and of a
-*uniform
-** grid, cells and points are the device's (octree.c); with a tolerance it keeps the rows of points
-** (remote.c). Where kernels have too few buffers for that, it sums.
+** uniform grid, cells and points are the device's (octree.c); with a tolerance it keeps the rows of
+** points (remote.c). Where kernels have too few buffers for that, it sums.
 */
 #include "../device/gpu.h"
 #include "octree.h"

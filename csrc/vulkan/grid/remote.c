@@ -16,7 +16,7 @@ static ylm_status begin(gpu_points *p, const ylm_grid_making *m) {
   return YLM_OK;
 }
 
-/* What a call says goes to its error. */
+/* Messages of a call go to its error. */
 static gpu_points *points_of(void *self, const ylm_grid_making *m) {
   gpu_points *p = self;
   p->e = p->q.e = m->e;
@@ -36,8 +36,8 @@ static ylm_status find_codes(occupied_voxels *o, uint64_t **code, size_t *n, uin
   return s;
 }
 
-/* By kernels; where the device has no room for that, the processor finds them if it has the points.
- */
+/* By kernels; where the device has no room for that, the processor finds them if it has the
+   points. */
 static ylm_status mark(gpu_points *p, const ylm_grid_making *m, uint64_t **code, size_t *n) {
   step_queue q = {.g = p->l->gpu,
                   .times = &p->l->times,

@@ -1,4 +1,4 @@
---- Devices: what computes. The processor is one, and so is what the option `device` names; nobody asks which it is.
+--- Devices compute. The processor is one, and so is the object that the option `device` names; no caller asks which it is.
 --
 -- A device is an object with these methods (`n`, `name`: the argument that is refused, the function that refuses it; o: the
 -- options of that function). Each returns nil, message, code where the world fails it.

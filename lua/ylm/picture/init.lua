@@ -1,4 +1,4 @@
---- What views, plots and figures share: canvases, texts, ticks, saving. Scalar bars: picture/bar.lua.
+--- Functions that views, plots and figures share: canvases, texts, ticks, saving. Scalar bars: picture/bar.lua.
 
 local check = require "ylm.check"
 local core = require "ylm.c.core"

@@ -44,7 +44,7 @@ local function shortcomings(name, p, o)
   return report
 end
 
---- What writes a picture by o.grid on a device, function(layer) -> true, or nil, message, code; it completes the report.
+--- The writer of a picture by o.grid on a device, function(layer) -> true, or nil, message, code; it completes the report.
 local function writer(device, name, p, o, report)
   local bar = progress.resolve(o.progress)
   return function(layer)

@@ -99,7 +99,7 @@ function vulkan_grid.outputs(n, name, out, shapes)
   return out[1], out[2]
 end
 
---- What grid:sample does with device = gpu: its results, or nil, message, code. New results are where the points are.
+--- grid:sample with device = gpu: its results, or nil, message, code. New results are where the points are.
 function vulkan_grid.sample(gpu, grid, points, o, shapes, single)
   if o.flags then return check.bad(2, "sample", "flags: the processor finds them: leave device out") end
   local out1, out2 = vulkan_grid.outputs(2, "sample", o.out, shapes)
