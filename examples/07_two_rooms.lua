@@ -31,7 +31,7 @@ end
 
 -- Distances against rays to the lamps -----------------------------------------------------------------
 
-local left = halves(assert(scene:raycast { size = small, pixel_samples = option.samples, samples = 16 }))
+local left = halves(assert(scene:raycast { size = small, samples = option.samples, light_samples = 16 }))
 local row = common.table { { "occlusion_distance", "%18s" }, { "passing %", "%9.1f" }, { "+-", "%4.1f" },
   { "missing %", "%9.1f" }, { "+-", "%4.1f" }, { "left / true", "%11.3f" }, { "right / all", "%11.3f" } }
 local function try(name, distance)
@@ -46,7 +46,7 @@ try("default"); try(nil, 0.5); try(nil, 1.5); try(nil, 2); try(nil, 3); try(nil,
 -- The picture ---------------------------------------------------------------------------------------
 
 local image = assert(scene:render { size = size, samples = option.samples, transfer_samples = 2 * option.rays })
-local truth = assert(scene:raycast { size = size, pixel_samples = option.samples, samples = option.rays })
+local truth = assert(scene:raycast { size = size, samples = option.samples, light_samples = option.rays })
 common.save(ylm.figure {
   rows = { {
     { image = image, tone = "hable", exposure = option.exposure, caption = "scene:render: light passes the wall" },

@@ -31,7 +31,7 @@ describe("ylm.polygon_light", function()
     local image = scene:render { grid = grid, size = { 24, 16 } }
     local truth = scene:reference { size = { 24, 16 }, lmax = 3 }
     assert(image:compare(truth).rmse < 0.05 * image:compare(truth).peak)
-    assert(scene:raycast { size = { 8, 8 }, samples = 1 })
+    assert(scene:raycast { size = { 8, 8 }, light_samples = 1 })
   end)
 
   describe("and disk_light in pictures", function()
@@ -53,7 +53,7 @@ describe("ylm.polygon_light", function()
 
     it("are sampled without bias: rays without shadows bring what high degrees give", function()
       local scene, size = floor(), { 16, 16 }
-      local rays = scene:raycast { size = size, samples = 1024, pixel_samples = 1, shadows = false }
+      local rays = scene:raycast { size = size, light_samples = 1024, samples = 1, shadows = false }
       local truth = scene:reference { size = size, samples = 1, lmax = 30, visibility = "none" }
       local a, b = rays:layer():totable(), truth:layer():totable()
       local sum_a, sum_b = { 0, 0, 0 }, { 0, 0, 0 }
@@ -94,10 +94,10 @@ describe("ylm.polygon_light", function()
         ylm.disk_light { at = { 0.6, 0.5, -0.4 }, normal = { 1, 0, 0 }, radius = 0.4, radiance = { 1, 2, 3 }, horizon = up },
       }
       local scene, size = floor { lights = lights }, { 12, 12 }
-      local rays = scene:raycast { size = size, samples = 1024, pixel_samples = 1, shadows = false }
+      local rays = scene:raycast { size = size, light_samples = 1024, samples = 1, shadows = false }
       local truth = scene:reference { size = size, samples = 1, lmax = 30, visibility = "none" }
       local whole = floor { lights = { ylm.polygon_light { vertices = lights[1].vertices, radiance = 3 } } }
-        :raycast { size = size, samples = 1024, pixel_samples = 1, shadows = false }
+        :raycast { size = size, light_samples = 1024, samples = 1, shadows = false }
       local a, b, c, covered = rays:layer():totable(), truth:layer():totable(), whole:layer():totable(),
         rays:layer "coverage"
       local less = 0
@@ -122,7 +122,7 @@ describe("ylm.polygon_light", function()
         end
         local image = floor { geometry = geometry, lights = { light },
           camera = ylm.camera { from = { 0.3, 0.2, 0 }, at = { 0, 0, 0 }, fov = 5 } }
-          :raycast { size = { 4, 4 }, samples = 64, pixel_samples = 1 }
+          :raycast { size = { 4, 4 }, light_samples = 64, samples = 1 }
         return image:layer():get(2, 2, 1)
       end
       assert.equal(0, brightness(0.5))

@@ -251,7 +251,7 @@ describe("ylm.textured_light", function()
           up = { 0, 1, 0.2 }, fov = 2 * math.deg(math.atan(0.5 / math.sqrt(1.04))) * 1.06 }
         local scene = floor(panel(window), camera)
         scene.probes = ylm.uniform_grid { cells = { 2, 2, 2 }, lmax = 1, bounds = { { -1, -1, -1 }, { 1, 1, 1 } } }
-        for _, image in ipairs { scene:raycast { size = size, pixel_samples = 1, samples = 1 },
+        for _, image in ipairs { scene:raycast { size = size, samples = 1, light_samples = 1 },
           scene:reference { size = size, samples = 1, transfer_samples = 1 },
           (scene:render { size = size, samples = 1, transfer_samples = 1,
             grid = scene:bake { occupied = "everywhere" } }) } do
@@ -271,7 +271,7 @@ describe("ylm.textured_light", function()
 
     it("is sampled without bias: rays without shadows bring what high degrees of the exact method give", function()
       local scene, size = floor(panel(window, { method = "exact", scale = 2 })), { 12, 12 }
-      local rays = scene:raycast { size = size, samples = 1024, pixel_samples = 1, shadows = false }
+      local rays = scene:raycast { size = size, light_samples = 1024, samples = 1, shadows = false }
       local truth = scene:reference { size = size, samples = 1, lmax = 30, visibility = "none" }
       local a, b, hits = rays:layer():totable(), truth:layer():totable(), rays:layer "coverage"
       local sums = { { 0, 0, 0 }, { 0, 0, 0 } }

@@ -39,7 +39,7 @@ describe("materials", function()
         local s = inside(m)
         local options = { size = { 2, 2 }, samples = 1, visibility = "none", lmax = 2 }
         local view = s:prepare(options)
-        local images = { (view:reference()), (view:raycast { samples = 16 }) }
+        local images = { (view:reference()), (view:raycast { light_samples = 16 }) }
         local points = view:points()
         for c = 1, 3 do
           assert(albedo[c] >= 0 and albedo[c] <= 1)

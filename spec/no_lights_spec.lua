@@ -133,7 +133,7 @@ describe("no lights", function()
       local grid = assert(scene:bake())
       local size = { 16, 12 }
       local pictures = { scene:render { grid = grid, size = size }, scene:reference { size = size },
-        (scene:raycast { size = size, samples = 2 }) }
+        (scene:raycast { size = size, light_samples = 2 }) }
       assert.equal(3, #pictures, name)
       local prepared = assert(scene:prepare { size = size, samples = 1, transfer_samples = 4 })
       pictures[4] = prepared:render { grid = grid, lamps = {} }

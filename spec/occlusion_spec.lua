@@ -86,7 +86,7 @@ describe("light that passes occluders", function()
 
   it("is what rays to the lamps find, without shadows", function()
     local scene = floor(ylm.sphere { at = { 0.2, 0.3, 0.1 }, radius = 0.25 })
-    local rays = { size = { 80, 60 }, pixel_samples = 4, samples = 32 }
+    local rays = { size = { 80, 60 }, samples = 4, light_samples = 32 }
     local true_part = surfaces(scene:raycast(rays)) / surfaces(scene:raycast(with(rays, { shadows = false })))
     for _, shading in ipairs { "pixel", "vertex" } do
       local r = report_of(scene, { visibility = "none", shading = shading, size = { 80, 60 }, samples = 4 })
@@ -109,7 +109,7 @@ describe("light that passes occluders", function()
         method = "exact" })),
     } do
       local scene = floor(plank, { lights = { lamp } })
-      local rays = { size = { 40, 30 }, pixel_samples = 4, samples = 32 }
+      local rays = { size = { 40, 30 }, samples = 4, light_samples = 32 }
       local true_part = surfaces(scene:raycast(rays)) / surfaces(scene:raycast(with(rays, { shadows = false })))
       local o = report_of(scene, { visibility = "none", size = { 40, 30 }, samples = 4 }).occlusion
       assert.near(1 - true_part, o.passing, 3 * o.passing_error, what)
@@ -169,7 +169,7 @@ describe("light that passes occluders", function()
     local o = report.occlusion
     assert.is_true(o.passing > 0.1 and o.missing < 0.01)
     assert.near(right(image), o.passing, 3 * o.passing_error + 0.02) -- harmonics blur some of it
-    assert.equal(0, right(scene:raycast { size = small.size, pixel_samples = 4, samples = 4 }))
+    assert.equal(0, right(scene:raycast { size = small.size, samples = 4, light_samples = 4 }))
     local long = report_of(scene, with(small, { occlusion_distance = 3 }))
     assert.is_true(long.occlusion.missing > 0.2 and long.occlusion.passing > 0.05)
     assert.truthy(long.warnings[1]:find(" passes through occluders and %d+ %% of the scene's light is missing: "))
@@ -196,7 +196,7 @@ describe("light that passes occluders", function()
     assert.same(first.occlusion, second.occlusion)
     assert.same(first.warnings, second.warnings)
     assert.equal(first.occlusion.seconds, second.seconds.occlusion)
-    local image, rays = view:raycast { samples = 4 }
+    local image, rays = view:raycast { light_samples = 4 }
     assert.is_nil(rays.occlusion)
     assert.is_nil(image.metadata.light_passing)
     assert.same({}, rays.warnings)

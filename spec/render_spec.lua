@@ -65,12 +65,45 @@ describe("a picture", function()
       camera = ylm.camera { from = { 0, 0, d }, fov = 40 },
       lights = { ylm.sphere_light { at = { 0, 0, 0 }, radius = r, radiance = { 1, 2, 4 } } },
     }
-    local image = s:raycast { size = { n, n }, pixel_samples = 9, samples = 1 }
+    local image = s:raycast { size = { n, n }, samples = 9, light_samples = 1 }
     -- The silhouette's radius is that of the tangent cone.
     local a = r / math.sqrt(d * d - r * r) / tan(pi / 9)
     assert.near(pi * a * a / 4, sum(image:layer "emitter") / n / n, 1e-3)
     assert.same({ 1, 2, 4 }, image:layer()[n / 2][n / 2]:totable())
     assert.equal(0, sum(image:layer "coverage"))
+  end)
+
+  it("takes samples as camera rays by every method, by either name", function()
+    local size = { 6, 4 }
+    local function primary(_, report) return report.rays.primary end
+    for _, method in ipairs { "reference", "raycast" } do
+      for _, name in ipairs { "samples", "pixel_samples" } do
+        local s = card(1)
+        assert.equal(72, primary(s[method](s, { size = size, [name] = 3, light_samples = method == "raycast" and 2 or nil })))
+      end
+    end
+    local view = card(1):prepare { size = size, pixel_samples = 3 }
+    assert.equal(72, view.stats.primary_rays)
+    assert.equal(3, view.options.samples)
+    local image, report = card(1):raycast { size = size, samples = 1, light_samples = 5 }
+    assert.equal(5 * report.points, report.rays.shadow)
+    assert.same({ "1", "5" }, { image.metadata.samples, image.metadata.light_samples })
+  end)
+
+  it("says that raycast's samples are no shadow rays, where they may be meant as such", function()
+    local said = {}
+    local before = ylm.on_warning(function(message) said[#said + 1] = message end)
+    local s = card(1)
+    for _, o in ipairs { { light_samples = 2 }, { pixel_samples = 2 }, { samples = 2, light_samples = 2 }, {} } do
+      o.size = { 6, 4 }
+      assert.same({}, (select(2, s:raycast(o))).warnings)
+    end
+    local _, report = s:raycast { size = { 6, 4 }, samples = 2 }
+    ylm.on_warning(before)
+    assert.equal(1, #report.warnings)
+    assert.same(report.warnings, said)
+    assert.truthy(said[1]:find("samples = 2 are camera rays per pixel", 1, true), said[1])
+    assert.truthy(said[1]:find("set light_samples, which are 64", 1, true), said[1])
   end)
 
   it("is lit as the closed form says: a lamp over a plane", function()

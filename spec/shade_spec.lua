@@ -160,7 +160,7 @@ describe("transfer vectors", function()
     local few, all = one:reference { threads = 1 }, many:reference { threads = 3 }
     assert.equal(0, (core.array_distance(few:layer(), all:layer())))
     assert.is_true(core.array_distance(one:reference():layer(), other:reference():layer()) > 0)
-    local a, b = one:raycast { samples = 4, threads = 1 }, many:raycast { samples = 4, threads = 3 }
+    local a, b = one:raycast { light_samples = 4, threads = 1 }, many:raycast { light_samples = 4, threads = 3 }
     assert.equal(0, (core.array_distance(a:layer(), b:layer())))
   end)
 end)
@@ -333,7 +333,7 @@ for _, lmax in ipairs { 0, 2, 4, 5 } do
   local t = v:reference():layer():totable()
   for _, row in ipairs(t) do for _, p in ipairs(row) do print(p[1]) print(p[2]) end end
 end
-for _, row in ipairs(s:raycast({ size = { 24, 14 }, pixel_samples = 3, samples = 8 }):layer():totable()) do
+for _, row in ipairs(s:raycast({ size = { 24, 14 }, samples = 3, light_samples = 8 }):layer():totable()) do
   for _, p in ipairs(row) do print(p[1]) end
 end]]
     local name = os.tmpname()
@@ -363,7 +363,7 @@ describe("ray casting", function()
     for i = 1, #elements do
       local e = elements[i]
       local s = element(e.x, e.n, { ylm.sphere_light { at = e.y, radius = e.r, radiance = 1 } })
-      local image = s:raycast { size = { 1, 1 }, pixel_samples = 1, samples = 4096, shadows = false }
+      local image = s:raycast { size = { 1, 1 }, samples = 1, light_samples = 4096, shadows = false }
       local off = math.abs(pixel(image) * pi - e.value)
       assert.is_true(off <= 5e-3 * e.value + 1e-12, ("record %d, seed 1: %g of %g"):format(i, off, e.value))
     end
@@ -378,15 +378,15 @@ describe("ray casting", function()
       lights[i] = ylm.sphere_light { at = y, radius = r, radiance = i }
       wanted = wanted + i * pi * r * r / d2 * y[3] / sqrt(d2)
     end
-    local image = element(x, n, lights):raycast { size = { 1, 1 }, pixel_samples = 1, samples = 2048, shadows = false }
+    local image = element(x, n, lights):raycast { size = { 1, 1 }, samples = 1, light_samples = 2048, shadows = false }
     assert.near(1, pixel(image) * pi / wanted, 2e-3)
     local around = element(x, n, { ylm.sphere_light { at = { 0, 0, 0.1 }, radius = 0.5, radiance = 3 } })
-    assert.near(3, pixel(around:raycast { size = { 1, 1 }, pixel_samples = 1, samples = 64, shadows = true }), 1e-4)
+    assert.near(3, pixel(around:raycast { size = { 1, 1 }, samples = 1, light_samples = 64, shadows = true }), 1e-4)
   end)
 
   it("sees shadows: none in the open, all of them behind a blocker", function()
     local lamp = ylm.sphere_light { at = { 0, 0, 2 }, radius = 0.1, radiance = 1 }
-    local options = { size = { 1, 1 }, pixel_samples = 1, samples = 64 }
+    local options = { size = { 1, 1 }, samples = 1, light_samples = 64 }
     local open = element({ 0, 0, 0 }, { 0, 0, 1 }, { lamp }):raycast(options)
     assert.near(pi * 0.05 ^ 2, pixel(open) * pi, 1e-5)
     local blocker = ylm.quad { corner = { -1, -1, 1 }, u = { 2, 0, 0 }, v = { 0, 2, 0 } }
@@ -399,7 +399,7 @@ describe("ray casting", function()
   it("agrees with SH shading where light is of low degree", function()
     local s = small_scene()
     local view = s:prepare { size = { 32, 18 }, samples = 4, visibility = "none", lmax = 10 }
-    local sh, rays = view:reference(), view:raycast { samples = 64, shadows = false }
+    local sh, rays = view:reference(), view:raycast { light_samples = 64, shadows = false }
     local _, off, norm = core.array_distance(sh:layer(), rays:layer())
     assert.is_true(off < 0.03 * norm, tostring(off / norm))
   end)

@@ -105,8 +105,8 @@ void ylm_scene_chooser_free(ylm_scene_chooser *c) {
 
 /* Places on lamps follow Roberts' sequence R2, shifted at random, so that successive rays, most of
    them to one lamp, spread over it. */
-size_t ylm_scene_aim(const ylm_scene_chooser *a, const float x[3], const float n[3], int samples,
-                     ylm_rng *rng, ylm_trace_ray *ray, float (*value)[3]) {
+size_t ylm_scene_aim(const ylm_scene_chooser *a, const float x[3], const float n[3],
+                     int light_samples, ylm_rng *rng, ylm_trace_ray *ray, float (*value)[3]) {
   const ylm_scene *scene = a->scene;
   double total = 0;
   size_t rays = 0, before = a->spheres * YLM_LAMP_CHUNK; /* places of spheres */
@@ -116,8 +116,8 @@ size_t ylm_scene_aim(const ylm_scene_chooser *a, const float x[3], const float n
   if (!(total > 0)) return 0;
   walk w = {0};
   double s0 = ylm_rng_double(rng), s1 = ylm_rng_double(rng);
-  for (int k = 0; k < samples; k++) {
-    double target = (k + ylm_rng_double(rng)) / samples * total;
+  for (int k = 0; k < light_samples; k++) {
+    double target = (k + ylm_rng_double(rng)) / light_samples * total;
     double u0 = wrap(s0 + k * 0.75487766624669276), u1 = wrap(s1 + k * 0.56984029099805327);
     walk_to(&w, a, target);
     if (!(a->weight[w.lamp] > 0)) continue; /* padding has none */
@@ -127,7 +127,7 @@ size_t ylm_scene_aim(const ylm_scene_chooser *a, const float x[3], const float n
         flat ? ylm__scene_patch_sample(scene, w.lamp - before, x, n, u0, u1, &ray[rays], &radiance)
              : sample_lamp(scene, w.lamp, x, n, u0, u1, &ray[rays]);
     if (!(e > 0)) continue;
-    e *= total / a->weight[w.lamp] / samples;
+    e *= total / a->weight[w.lamp] / light_samples;
     for (int c = 0; c < 3; c++) value[rays][c] = (float)e * radiance[c];
     rays++;
   }

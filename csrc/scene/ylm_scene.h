@@ -127,21 +127,22 @@ YLM_API void ylm_scene_chooser_free(ylm_scene_chooser *c);
 /*
 ** ylm_scene_aim - rays from x, on a surface with normal n, to the lamps.
 **
-** Each of `samples` strata chooses a lamp in proportion to (a bound of) its unshadowed luminous
-** irradiance, then a direction uniform in the solid angle it fills (disks, and triangles that fill
+** Each of `light_samples` strata chooses a lamp in proportion to (a bound of) its unshadowed
+** luminous irradiance, then a direction uniform in the solid angle it fills (disks, and triangles that fill
 ** little: a place uniform in area).
 **
-**   ray    out  [samples]     from x, each to a place of a lamp
-**   value  out  [samples][3]  the irradiance that the ray brings if nothing is in its way
+**   ray    out  [light_samples]     from x, each to a place of a lamp
+**   value  out  [light_samples][3]  the irradiance that the ray brings if nothing is in its way
 **
-** Returns  how many rays there are: at most `samples`
-** Cost     O(lamps + samples), no allocation
+** Returns  how many rays there are: at most `light_samples`
+** Cost     O(lamps + light_samples), no allocation
 ** Source   Shirley, Wang, Zimmerman 1996, "Monte Carlo Techniques for Direct Lighting
 **          Calculations"; Arvo 1995, "Stratified Sampling of Spherical Triangles";
 **          Roberts 2018, "The Unreasonable Effectiveness of Quasirandom Sequences" (R2)
 */
 YLM_API size_t ylm_scene_aim(const ylm_scene_chooser *c, const float x[3], const float n[3],
-                             int samples, ylm_rng *rng, ylm_trace_ray *ray, float (*value)[3]);
+                             int light_samples, ylm_rng *rng, ylm_trace_ray *ray,
+                             float (*value)[3]);
 
 /* -- cameras ----------------------------------------------------------------- */
 

@@ -15,15 +15,15 @@ enum { METHOD, TRUTH, PASSING, MISSING, LIGHTS };
 typedef struct job {
   const ylm_shade_view *view;
   size_t places;
-  int samples;
+  int light_samples;
   double (*light)[LIGHTS]; /* [places] */
   atomic_uint_fast64_t rays;
 } job;
 
 typedef struct scratch {
   ylm_scene_chooser *lamps;
-  ylm_trace_ray *to_lamp, *near; /* [samples] */
-  float (*value)[3];             /* [samples] */
+  ylm_trace_ray *to_lamp, *near; /* [light_samples] */
+  float (*value)[3];             /* [light_samples] */
 } scratch;
 
 static double luminance(const float value[3], const float albedo[3]) {
@@ -62,7 +62,7 @@ static size_t look(const job *j, size_t k, const scratch *s, double *out) {
   size_t point = choose(j, k, &rng, &entry);
   float albedo[3];
   ylm_material_albedo(ylm__shade_material(v, point), albedo);
-  size_t n = ylm_scene_aim(s->lamps, v->origin[point], v->normal[point], j->samples, &rng,
+  size_t n = ylm_scene_aim(s->lamps, v->origin[point], v->normal[point], j->light_samples, &rng,
                            s->to_lamp, s->value);
   memset(out, 0, LIGHTS * sizeof *out);
   if (shadows) by_direction(v, n, s);
@@ -83,11 +83,11 @@ static size_t look(const job *j, size_t k, const scratch *s, double *out) {
 static ylm_status run(void *context, size_t begin, size_t end, int worker) {
   (void)worker;
   job *j = context;
-  size_t samples = (size_t)j->samples, rays = 0;
+  size_t light_samples = (size_t)j->light_samples, rays = 0;
   scratch s = {.lamps = ylm_scene_chooser_create(j->view->scene),
-               .to_lamp = ylm_alloc(samples, sizeof *s.to_lamp),
-               .near = ylm_alloc(samples, sizeof *s.near),
-               .value = ylm_alloc(samples, sizeof *s.value)};
+               .to_lamp = ylm_alloc(light_samples, sizeof *s.to_lamp),
+               .near = ylm_alloc(light_samples, sizeof *s.near),
+               .value = ylm_alloc(light_samples, sizeof *s.value)};
   ylm_status status = s.lamps && s.to_lamp && s.near && s.value ? YLM_OK : YLM_ENOMEM;
   for (size_t k = begin; status == YLM_OK && k < end; k++) rays += look(j, k, &s, j->light[k]);
   ylm_scene_chooser_free(s.lamps);
@@ -115,12 +115,14 @@ static double share(const job *j, int part, int whole, double *error) {
   return parts / wholes;
 }
 
-ylm_status ylm_shade_measure_occlusion(const ylm_shade_view *v, size_t places, int samples,
+ylm_status ylm_shade_measure_occlusion(const ylm_shade_view *v, size_t places, int light_samples,
                                        int threads, ylm_shade_occlusion *out) {
   *out = (ylm_shade_occlusion){0};
-  if (places < 1 || samples < 1 || samples > 65536) return YLM_ERANGE;
+  if (places < 1 || light_samples < 1 || light_samples > 65536) return YLM_ERANGE;
   double start = ylm_seconds();
-  job j = {.view = v, .places = places < v->entries ? places : v->entries, .samples = samples};
+  job j = {.view = v,
+           .places = places < v->entries ? places : v->entries,
+           .light_samples = light_samples};
   j.light = ylm_alloc_zero(j.places, sizeof *j.light);
   if (!j.light) return YLM_ENOMEM;
   ylm_status s = ylm_parallel(j.places, GRAIN, threads, run, &j, NULL, NULL);

@@ -8,7 +8,7 @@
 
 typedef struct job {
   const ylm_shade_view *view;
-  int samples;
+  int light_samples;
   bool shadows;
   uint64_t seed;
   float *out;
@@ -17,8 +17,8 @@ typedef struct job {
 
 typedef struct scratch {
   ylm_scene_chooser *lamps;
-  ylm_trace_ray *ray; /* [samples] */
-  float (*value)[3];  /* [samples]: irradiance that the ray brings if nothing is hit */
+  ylm_trace_ray *ray; /* [light_samples] */
+  float (*value)[3];  /* [light_samples]: irradiance that the ray brings if nothing is hit */
 } scratch;
 
 /* Irradiance of one point; returns the number of rays that were traced. */
@@ -26,8 +26,8 @@ static size_t gather(const job *j, size_t i, const scratch *s, double E[3]) {
   ylm_rng rng;
   ylm_rng_seed(&rng, j->seed, i);
   E[0] = E[1] = E[2] = 0;
-  size_t rays = ylm_scene_aim(s->lamps, j->view->origin[i], j->view->normal[i], j->samples, &rng,
-                              s->ray, s->value);
+  size_t rays = ylm_scene_aim(s->lamps, j->view->origin[i], j->view->normal[i], j->light_samples,
+                              &rng, s->ray, s->value);
   if (j->shadows) ylm_trace_occluded(ylm_scene_trace(j->view->scene), rays, s->ray);
   for (size_t k = 0; k < rays; k++)
     if (!j->shadows || !(s->ray[k].far < 0))
@@ -38,10 +38,10 @@ static size_t gather(const job *j, size_t i, const scratch *s, double E[3]) {
 static ylm_status run(void *context, size_t begin, size_t end, int worker) {
   (void)worker;
   job *j = context;
-  size_t samples = (size_t)j->samples, rays = 0;
+  size_t light_samples = (size_t)j->light_samples, rays = 0;
   scratch s = {.lamps = ylm_scene_chooser_create(j->view->scene),
-               .ray = ylm_alloc(samples, sizeof(ylm_trace_ray)),
-               .value = ylm_alloc(samples, 12)};
+               .ray = ylm_alloc(light_samples, sizeof(ylm_trace_ray)),
+               .value = ylm_alloc(light_samples, 12)};
   ylm_status status = s.lamps && s.ray && s.value ? YLM_OK : YLM_ENOMEM;
   for (size_t i = begin; status == YLM_OK && i < end; i++) {
     double E[3];
@@ -55,11 +55,11 @@ static ylm_status run(void *context, size_t begin, size_t end, int worker) {
   return status;
 }
 
-ylm_status ylm_shade_raycast(const ylm_shade_view *v, int samples, bool shadows, uint64_t seed,
-                             int threads, const ylm_progress *progress, float *out,
+ylm_status ylm_shade_raycast(const ylm_shade_view *v, int light_samples, bool shadows,
+                             uint64_t seed, int threads, const ylm_progress *progress, float *out,
                              uint64_t *rays) {
-  if (samples < 1 || samples > 65536) return YLM_ERANGE;
-  job j = {.view = v, .samples = samples, .shadows = shadows, .seed = seed, .out = out};
+  if (light_samples < 1 || light_samples > 65536) return YLM_ERANGE;
+  job j = {.view = v, .light_samples = light_samples, .shadows = shadows, .seed = seed, .out = out};
   ylm_status s = ylm_parallel(v->points, GRAIN, threads, run, &j, progress, "raycast");
   if (rays) *rays = j.rays;
   return s;

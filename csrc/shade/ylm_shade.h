@@ -176,22 +176,22 @@ YLM_API ylm_status ylm_shade_coefficients(const ylm_shade_view *view, size_t fir
 /*
 ** ylm_shade_raycast - radiance of every shading point by sampling the lamps themselves.
 **
-** Each of `samples` strata chooses a lamp in proportion to (a bound of) its unshadowed luminous
-** irradiance, then a direction uniform in the solid angle it fills (disks, and triangles that fill
+** Each of `light_samples` strata chooses a lamp in proportion to (a bound of) its unshadowed
+** luminous irradiance, then a direction uniform in the solid angle it fills (disks, and triangles that fill
 ** little: a place uniform in area); a ray that starts at the point and ends at the lamp decides. No
 ** SH, no grid, no occlusion_distance.
 **
-**   samples  in   shadow rays per shading point, 1 .. 65536
-**   out      out  [points][3]
-**   rays     out  shadow rays that were traced, may be NULL
+**   light_samples  in   shadow rays per shading point, 1 .. 65536
+**   out            out  [points][3]
+**   rays           out  shadow rays that were traced, may be NULL
 **
 ** Returns  YLM_OK; YLM_ERANGE, YLM_ENOMEM, YLM_ECANCELLED (progress stage "raycast")
-** Cost     points * (lamps + samples rays)
+** Cost     points * (lamps + light_samples rays)
 ** Source   Shirley, Wang, Zimmerman 1996, "Monte Carlo Techniques for Direct Lighting
 **          Calculations"; Arvo 1995, "Stratified Sampling of Spherical Triangles";
 **          Roberts 2018, "The Unreasonable Effectiveness of Quasirandom Sequences" (R2)
 */
-YLM_API ylm_status ylm_shade_raycast(const ylm_shade_view *view, int samples, bool shadows,
+YLM_API ylm_status ylm_shade_raycast(const ylm_shade_view *view, int light_samples, bool shadows,
                                      uint64_t seed, int threads, const ylm_progress *progress,
                                      float *out, uint64_t *rays);
 
@@ -219,16 +219,17 @@ typedef struct ylm_shade_occlusion {
 ** Both are 0 where there are no lamps or nothing occludes. Light that harmonics of the view's
 ** degree lose counts in neither.
 **
-**   points   in   how many shading points, spread evenly over the view's; at most all
-**   samples  in   rays per point, 1 .. 65536
-**   out      out  the same whatever the number of threads, but for `seconds`
+**   points         in   how many shading points, spread evenly over the view's; at most all
+**   light_samples  in   rays per point, 1 .. 65536
+**   out            out  the same whatever the number of threads, but for `seconds`
 **
 ** Returns  YLM_OK; YLM_ERANGE, YLM_ENOMEM
-** Cost     points * (lamps + 2 samples rays)
+** Cost     points * (lamps + 2 light_samples rays)
 ** Source   docs/math.md "Shading"; Cochran 1977, "Sampling Techniques" (errors of ratios)
 */
 YLM_API ylm_status ylm_shade_measure_occlusion(const ylm_shade_view *view, size_t points,
-                                               int samples, int threads, ylm_shade_occlusion *out);
+                                               int light_samples, int threads,
+                                               ylm_shade_occlusion *out);
 
 /* -- image ------------------------------------------------------------------- */
 

@@ -82,7 +82,7 @@ static int shade_stats(lua_State *L) {
   return 1;
 }
 
-/* shade_occlusion(view, points, samples, threads) -> table: ylm_shade_occlusion */
+/* shade_occlusion(view, points, light_samples, threads) -> table: ylm_shade_occlusion */
 static int shade_occlusion(lua_State *L) {
   ylm_shade_occlusion o;
   ylm_status s =

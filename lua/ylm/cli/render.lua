@@ -45,12 +45,9 @@ end
 
 --- The options of scene:render, scene:reference or scene:raycast.
 local function options_of(given, method)
-  local options = { size = given.size, threads = given.threads, progress = report.progress(given) }
-  if method == "raycast" then
-    options.pixel_samples, options.samples = given.samples, given["light-samples"]
-  else
-    options.samples, options.light_tolerance, options.shading = given.samples, given.light_tolerance, given.shading
-  end
+  local options = { size = given.size, pixel_samples = given.samples, threads = given.threads, progress = report.progress(given) }
+  if method == "raycast" then options.light_samples = given["light-samples"]
+  else options.light_tolerance, options.shading = given.light_tolerance, given.shading end
   if method == "grid" then options.interpolation = given.interpolation end
   return options
 end

@@ -6,17 +6,17 @@ local check = require "ylm.check"
 local core = require "ylm.c.core"
 local describe = require "ylm.describe".describe
 local devices = require "ylm.device"
-local form = require "ylm.form"
 local light = require "ylm.light"
 local options = require "ylm.render.options"
 local pictures = require "ylm.render.picture"
 local shading = require "ylm.render.shade"
 local tracing = require "ylm.render.scene"
 local views = require "ylm.render.view"
+local warning = require "ylm.warning"
 
 local render = { true_error = pictures.true_error }
 
-local prepare_options = options.list(options.view_fields "samples", options.transfer_fields, options.common)
+local prepare_options = options.list(options.view_fields, options.transfer_fields, options.common)
 
 describe "scene:prepare" {
   about = "Traces a camera's rays and the visibility of what they hit, once, for any number of renderings.",
@@ -32,12 +32,12 @@ assert(image.size[1] == 32 and report.points == view.stats.points)]],
 }
 function render.prepare(s, given)
   tracing.check_scene("prepare", s)
-  local o = form.options(1, "prepare", prepare_options, given)
+  local o = options.of_view("prepare", prepare_options, given)
   o.lmax = o.lmax or views.default_lmax(s)
   return views.prepare("prepare", s, o)
 end
 
-local bake_options = options.list(options.view_fields "samples", {
+local bake_options = options.list(options.view_fields, {
   { "probes", "object", of = { "adaptive_grid", "uniform_grid" }, optional = true, about = "instead of the scene's" },
   { "occupied", "any", default = "surfaces",
     about = "where light is needed: 'surfaces' (the whole geometry), 'camera' (what its rays hit: size, samples, share and "
@@ -52,7 +52,7 @@ local bake_options = options.list(options.view_fields "samples", {
 --- Raises where options that are about the camera alone are given and would be ignored.
 local function check_camera_options(given, o)
   if o.occupied == "camera" or type(given) ~= "table" then return end
-  for _, name in ipairs { "size", "samples", "share", "shading" } do
+  for _, name in ipairs { "size", "samples", "pixel_samples", "share", "shading" } do
     if given[name] ~= nil then
       return check.fail("bake: %s is about the camera's rays: give occupied = 'camera' too, or leave it out", name)
     end
@@ -101,7 +101,7 @@ assert(grid.stats.points >= seen.stats.points)]],
 }
 function render.bake(s, given)
   tracing.check_scene("bake", s)
-  local o = form.options(1, "bake", bake_options, given)
+  local o = options.of_view("bake", bake_options, given)
   local probes = o.probes or s.probes
   if not probes then
     return check.fail("bake: scene %q has no probes (probes = adaptive_grid { ... })", s.name or "?")
@@ -124,7 +124,7 @@ function render.bake(s, given)
     progress = o.progress, light_tolerance = o.light_tolerance, device = o.device })
 end
 
-local render_options = options.list(options.view_fields "samples", options.transfer_fields, options.grid_fields,
+local render_options = options.list(options.view_fields, options.transfer_fields, options.grid_fields,
   options.baked_fields, options.layer_fields, options.common)
 
 describe "scene:render" {
@@ -141,7 +141,7 @@ assert(image:layer "level" and report.seconds.light)]],
 }
 function render.render(s, given)
   tracing.check_scene("render", s)
-  local o = form.options(1, "render", render_options, given)
+  local o = options.of_view("render", render_options, given)
   if not (o.grid == nil and s.probes) then views.check_grid("render", o.grid) end
   if o.grid and o.light_tolerance then
     return check.fail "render: light_tolerance is for baking the scene's probes, this grid is baked: leave one out"
@@ -159,7 +159,7 @@ function render.render(s, given)
   return shading.by_grid("render", views.open("render", view), o)
 end
 
-local reference_options = options.list(options.view_fields "samples", options.transfer_fields, options.reference_fields,
+local reference_options = options.list(options.view_fields, options.transfer_fields, options.reference_fields,
   options.layer_fields, options.common)
 
 describe "scene:reference" {
@@ -173,14 +173,21 @@ describe "scene:reference" {
 }
 function render.reference(s, given)
   tracing.check_scene("reference", s)
-  local o = form.options(1, "reference", reference_options, given)
+  local o = options.of_view("reference", reference_options, given)
   o.lmax = o.lmax or views.default_lmax(s)
   local view, message, code = views.prepare("reference", s, o)
   if not view then return nil, message, code end
   return shading.by_lights("reference", views.open("reference", view), o)
 end
 
-local raycast_options = options.list(options.view_fields "pixel_samples", options.ray_fields, options.layer_fields,
+--- One release: samples of raycast were shadow rays.
+local function say_samples(s, o, report)
+  report.warnings[#report.warnings + 1] = warning.say(s, "samples", "scene %q: raycast: samples = %d are camera rays per pixel, "
+    .. "as everywhere, and no longer shadow rays per shading point: set light_samples, which are %d", s.name or "?", o.samples,
+    o.light_samples)
+end
+
+local raycast_options = options.list(options.view_fields, options.ray_fields, options.layer_fields,
   options.common)
 
 describe "scene:raycast" {
@@ -189,18 +196,20 @@ describe "scene:raycast" {
   options = raycast_options,
   returns = { { "image", "image", "" }, { "report", "table", options.report_text .. "rays.shadow" } },
   errors = "raises on a bad option or a scene without camera; nil, message, code: memory, cancelled",
-  example = options.one_lamp .. "assert(scene:raycast { size = { 32, 18 }, pixel_samples = 4, samples = 8 })",
+  example = options.one_lamp .. "assert(scene:raycast { size = { 32, 18 }, samples = 4, light_samples = 8 })",
   source = "Shirley, Wang, Zimmerman 1996",
 }
 function render.raycast(s, given)
   tracing.check_scene("raycast", s)
-  local o = form.options(1, "raycast", raycast_options, given)
-  local rays = o.samples
-  o.samples, o.lmax, o.shading, o.visibility = o.pixel_samples, 0, "pixel", "none"
+  local o = options.of_view("raycast", raycast_options, given)
+  o.lmax, o.shading, o.visibility = 0, "pixel", "none"
   local view, message, code = views.prepare("raycast", s, o)
   if not view then return nil, message, code end
-  o.samples = rays
-  return shading.by_rays("raycast", views.open("raycast", view), o)
+  local image, report
+  image, report, code = shading.by_rays("raycast", views.open("raycast", view), o)
+  if not image then return nil, report, code end
+  if given and given.samples ~= nil and given.light_samples == nil then say_samples(s, o, report) end
+  return image, report
 end
 
 return render

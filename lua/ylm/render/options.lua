@@ -33,15 +33,26 @@ function form.types.distance(x)
   return nil, "a number > 0 (math.huge: no end)"
 end
 
-function options.view_fields(samples)
-  return {
-    { "size", "image_size", default = { 1280, 720 }, unit = "pixels", about = "{ width, height }" },
-    { samples, "integer", min = 1, max = 1024, default = 16, about = "camera rays per pixel, stratified" },
-    { "seed", "integer", min = 0, max = 2 ^ 32, default = 1, about = "of all random numbers" },
-    { "share", "number", min = 0, default = 1.5, unit = "pixel widths",
-      about = "samples of a pixel that hit one mesh this near to each other, normals within 10 degrees, "
-        .. "are shaded as one; 0: every sample is shaded" },
-  }
+options.view_fields = {
+  { "size", "image_size", default = { 1280, 720 }, unit = "pixels", about = "{ width, height }" },
+  { "samples", "integer", min = 1, max = 1024, default = 16, about = "camera rays per pixel, stratified" },
+  { "pixel_samples", "integer", min = 1, max = 1024, optional = true, about = "another name of samples" },
+  { "seed", "integer", min = 0, max = 2 ^ 32, default = 1, about = "of all random numbers" },
+  { "share", "number", min = 0, default = 1.5, unit = "pixel widths",
+    about = "samples of a pixel that hit one mesh this near to each other, normals within 10 degrees, "
+      .. "are shaded as one; 0: every sample is shaded" },
+}
+
+--- The option table of function `name`, whose fields begin with view_fields: samples by either name.
+function options.of_view(name, fields, given)
+  local o = form.options(1, name, fields, given)
+  if not o.pixel_samples then return o end
+  if given.samples ~= nil and given.samples ~= o.pixel_samples then
+    return check.bad(1, name, "pixel_samples is another name of samples, got %d and %d: leave one out", o.pixel_samples,
+      given.samples)
+  end
+  o.samples, o.pixel_samples = o.pixel_samples, nil
+  return o
 end
 
 options.transfer_fields = {
@@ -84,7 +95,7 @@ options.reference_fields = {
 }
 
 options.ray_fields = {
-  { "samples", "integer", min = 1, max = 65536, default = 64, about = "shadow rays per shading point" },
+  { "light_samples", "integer", min = 1, max = 65536, default = 64, about = "shadow rays per shading point" },
   { "shadows", "boolean", default = true, about = "false: nothing occludes" },
 }
 

@@ -69,11 +69,15 @@ describe "prepared:raycast" {
   errors = "raises on a bad option; nil, message, code where memory runs out or it is cancelled",
   example = options.one_lamp .. [[
 local view = scene:prepare { size = { 32, 18 }, samples = 4 }
-assert(view:raycast { samples = 16 })]],
+assert(view:raycast { light_samples = 16 })]],
   source = "Shirley, Wang, Zimmerman 1996",
 }
 function prepared.raycast(view, given)
   local p = views.open("raycast", view)
+  if type(given) == "table" and given.samples ~= nil then
+    return check.bad(1, "raycast", "samples are camera rays, which the view has already: shadow rays per shading point are "
+      .. "light_samples")
+  end
   return shading.by_rays("raycast", p, form.options(1, "raycast", prepared_raycast, given))
 end
 

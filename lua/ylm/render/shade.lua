@@ -121,7 +121,7 @@ function shading.by_rays(name, p, o)
   pictures.check_truth(name, p, o)
   local start = core.seconds()
   local report = pictures.new_report(p)
-  local radiance, rays, code = check.result(name, p.lib.shade_raycast(p.view, o.samples, o.shadows,
+  local radiance, rays, code = check.result(name, p.lib.shade_raycast(p.view, o.light_samples, o.shadows,
     o.seed or p.options.seed, o.threads or 0, progress.resolve(o.progress)))
   if not radiance then return nil, rays, code end
   local seconds = core.seconds() - start
@@ -130,7 +130,7 @@ function shading.by_rays(name, p, o)
   out, message, code = pictures.picture(name, p, radiance, o)
   if not out then return nil, message, code end
   pictures.finish(report, start, seconds)
-  pictures.sign(out, p, "raycast", report, { shadow_rays = o.samples, shadows = o.shadows })
+  pictures.sign(out, p, "raycast", report, { light_samples = o.light_samples, shadows = o.shadows })
   return out, report
 end
 

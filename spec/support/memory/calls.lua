@@ -306,7 +306,7 @@ end)
 calls["scene:bake"] = on(scene, function(s) return s:bake { samples = 1, size = size } end)
 for _, name in ipairs { "render", "reference", "raycast" } do
   calls["scene:" .. name] = on(scene, function(s)
-    return s[name](s, { size = size, samples = name ~= "raycast" and 1 or 2, light_samples = nil })
+    return s[name](s, { size = size, samples = 1, light_samples = name == "raycast" and 2 or nil })
   end)
 end
 calls["prepared"] = on(scene, function(s)

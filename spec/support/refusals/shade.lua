@@ -105,7 +105,9 @@ return {
   ["scene:reference"] = options("reference", joined(view_cases, { { { dtype = "half" }, "dtype must be" },
     { { light_tolerance = 2 }, "light_tolerance must be a number >= 1e%-06 and <= 0.5, got 2" } })),
   ["scene:raycast"] = options("raycast", {
-    { { samples = 0 }, "samples must be" }, { { pixel_samples = 0 }, "pixel_samples must be" },
+    { { samples = 0 }, "samples must be" }, { { samples = 1025 }, "samples must be" },
+    { { pixel_samples = 0 }, "pixel_samples must be" }, { { samples = 2, pixel_samples = 3 }, "is another name of samples" },
+    { { light_samples = 0 }, "light_samples must be" }, { { light_samples = 1e9 }, "light_samples must be" },
     { { shadows = 1 }, "shadows must be" }, { { lmax = 4 }, "no field 'lmax'" },
   }),
   ["scene:bake"] = joined(options("bake", {
@@ -144,7 +146,8 @@ return {
   })),
   ["prepared:reference"] = of_prepared("reference", joined(layer_cases, { { { dtype = 4 }, "dtype must be" } })),
   ["prepared:raycast"] = of_prepared("raycast", joined(layer_cases, {
-    { { samples = 0 }, "samples must be" }, { { samples = 1e9 }, "samples must be" }, { { seed = -1 }, "seed must be" },
+    { { light_samples = 0 }, "light_samples must be" }, { { light_samples = 1e9 }, "light_samples must be" },
+    { { samples = 4 }, "samples are camera rays" }, { { seed = -1 }, "seed must be" },
   })),
   ["prepared:points"] = of_prepared("points"),
   ["prepared:transfer"] = of_prepared("transfer"),
