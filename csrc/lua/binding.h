@@ -207,6 +207,9 @@ ylmL_field_of *ylmL_field_getter(lua_State *L, int i);
 
 /* The set of lights at `i`; raises if there is none or it has been closed. binding_objects.c */
 struct ylm_light_set *ylmL_lights_check(lua_State *L, int i);
+/* What rays see of the set of lights at `i`, images in at most `tiles` tiles a side; it lives in an
+   object left on the stack. NULL without memory. binding_objects.c */
+struct ylm_light_surfaces *ylmL_light_surfaces(lua_State *L, int i, size_t tiles);
 /* The texture in arguments 1 to 5: texels float [h][w][3], {corner, u, v: 9 numbers}, scale,
    tolerance, largest. core/light_texture.c */
 struct ylm_light_texture ylmL_light_texture(lua_State *L);

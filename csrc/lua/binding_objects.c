@@ -5,6 +5,7 @@
 #include "binding.h"
 #include "ylm_geom.h"
 #include "ylm_image.h"
+#include "ylm_light.h"
 #include "ylm_material.h"
 
 #include <stdlib.h>
@@ -92,4 +93,20 @@ struct ylm_light_set *ylmL_lights_check(lua_State *L, int i) {
   struct ylm_light_set *set = *(struct ylm_light_set **)ylmL_check(L, i, YLM_LIGHTS);
   if (!set) luaL_argerror(L, i, "the lights have been closed");
   return set;
+}
+
+static int free_surfaces(lua_State *L) {
+  ylm_light_surfaces_free(lua_touserdata(L, 1));
+  return 0;
+}
+
+static const luaL_Reg surfaces_methods[] = {{"__gc", free_surfaces}, {NULL, NULL}};
+
+ylm_light_surfaces *ylmL_light_surfaces(lua_State *L, int i, size_t tiles) {
+  const ylm_light_set *set = ylmL_lights_check(L, i);
+  ylm_light_surfaces *s = lua_newuserdata(L, sizeof *s);
+  *s = (ylm_light_surfaces){0};
+  ylmL_type(L, "ylm.light_surfaces", surfaces_methods);
+  lua_setmetatable(L, -2);
+  return ylm_light_set_surfaces(set, tiles, s) == YLM_OK ? s : NULL;
 }

@@ -5,7 +5,7 @@
 #include "scene.h"
 
 /* The vectors whose products with p - corner are the image's coordinates; false: no area. */
-static bool coordinates(const ylm_scene_texture *in, scene_texture *out) {
+static bool coordinates(const ylm_light_image *in, scene_texture *out) {
   const double *u = in->u, *v = in->v;
   double uu = 0, uv = 0, vv = 0;
   for (int a = 0; a < 3; a++) uu += u[a] * u[a], uv += u[a] * v[a], vv += v[a] * v[a];
@@ -19,7 +19,7 @@ static bool coordinates(const ylm_scene_texture *in, scene_texture *out) {
   return d > 0;
 }
 
-static ylm_status copy(scene_texture *t, const ylm_scene_texture *in, ylm_error *e) {
+static ylm_status copy(scene_texture *t, const ylm_light_image *in, ylm_error *e) {
   size_t n = 3 * in->width * in->height, where;
   t->width = in->width;
   t->height = in->height;
@@ -33,15 +33,15 @@ static ylm_status copy(scene_texture *t, const ylm_scene_texture *in, ylm_error 
 
 ylm_status ylm__scene_copy_textures(ylm_scene *s, const ylm_scene_lamps *l, ylm_error *e) {
   size_t behind = s->triangles;
-  s->texture = ylm_alloc_zero(l->textures, sizeof *s->texture);
+  s->texture = ylm_alloc_zero(l->images, sizeof *s->texture);
   if (!s->texture) return YLM_ENOMEM;
-  s->textures = l->textures;
-  for (size_t i = l->textures; i-- > 0;) {
-    if (l->texture[i].triangles > behind)
+  s->textures = l->images;
+  for (size_t i = l->images; i-- > 0;) {
+    if (l->image[i].triangles > behind)
       return ylm_fail(e, YLM_EINVAL, "textures have more triangles than there are");
     s->texture[i].behind = behind;
-    s->texture[i].first = behind -= l->texture[i].triangles;
-    ylm_status st = copy(&s->texture[i], &l->texture[i], e);
+    s->texture[i].first = behind -= l->image[i].triangles;
+    ylm_status st = copy(&s->texture[i], &l->image[i], e);
     if (st != YLM_OK) return st;
   }
   return YLM_OK;

@@ -16,6 +16,7 @@
 #define YLM_SCENE_H
 
 #include "ylm_base.h"
+#include "ylm_light.h"
 #include "ylm_material.h"
 #include "ylm_trace.h"
 
@@ -37,26 +38,17 @@ typedef struct ylm_scene_mesh {
   bool occludes;                /* false: seen, but never in the way of light */
 } ylm_scene_mesh;
 
-/* An image on a parallelogram, which emits it to both sides. */
-typedef struct ylm_scene_texture {
-  double corner[3], u[3], v[3]; /* its bottom left, to its bottom right, to its top left */
-  size_t width, height;
-  const float *texel; /* [height][width][3], the top row first; W sr^-1 m^-2 */
-  double scale;       /* multiplies it */
-  size_t triangles;   /* how many cover it */
-} ylm_scene_texture;
-
 /* Lamps, spheres and flat ones that emit to both sides: drawn as emitters, sampled by choosers;
-   they never occlude. The last triangles are those of textures, one after the other: their radiance
-   is the texture's where they are hit, what stands in `radiance` says how often rays are aimed at
+   they never occlude. The last triangles are those of images, one after the other: their radiance
+   is the image's where they are hit, what stands in `radiance` says how often rays are aimed at
    them (0: never). */
 typedef struct ylm_scene_lamps {
   ylm_trace_lamps shape;
   const float *radiance; /* [spheres + triangles + disks][3]  W sr^-1 m^-2, linear Rec. 709 */
   const float *horizon;  /* [triangles + disks][3] or NULL: what of a lamp is below the plane across
                             it through a shading point brings no light there; 0: all does */
-  size_t textures;
-  const ylm_scene_texture *texture;
+  size_t images;
+  const ylm_light_image *image;
 } ylm_scene_lamps;
 
 /* YLM_OK; YLM_EINVAL, YLM_EDOMAIN, YLM_EOVERFLOW, YLM_ENOMEM, YLM_EDEVICE as ylm_trace_create

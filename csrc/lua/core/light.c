@@ -208,46 +208,24 @@ static bool push_emission(lua_State *L, const ylm_light_surfaces *s) {
   return a != NULL;
 }
 
-/* Images as { texels float [h][w][3], {corner, u, v}, scale, triangles }. */
-static bool push_images(lua_State *L, const ylm_light_surfaces *s) {
+/* lights_surfaces(lights, tiles a side of an image) -> spheres: at [n][3], radius [n], radiance
+   [n][3]; flat ones: triangles [t][9], disks [d][7], radiance and horizon of both [t+d][6], the
+   numbers of triangles of images, which are the last */
+static int lights_surfaces(lua_State *L) {
+  luaL_checkstack(L, 20, "lights_surfaces");
+  const ylm_light_surfaces *s = ylmL_light_surfaces(L, 1, (size_t)luaL_checknumber(L, 2));
+  bool ok = s && push_rows(L, s->sphere, s->spheres, 7, 0, 3) &&
+            push_rows(L, s->sphere, s->spheres, 7, 3, 1) &&
+            push_rows(L, s->sphere, s->spheres, 7, 4, 3) &&
+            push_rows(L, s->triangle, s->triangles, 9, 0, 9) &&
+            push_rows(L, s->disk, s->disks, 7, 0, 7) && push_emission(L, s);
+  if (!ok) return ylmL_result(L, 0, YLM_ENOMEM, NULL);
   lua_createtable(L, (int)s->images, 0);
   for (size_t i = 0; i < s->images; i++) {
-    const ylm_light_image *k = &s->image[i];
-    lua_createtable(L, 4, 0);
-    ylmL_array *a = ylmL_array_new(L, YLM_FLOAT, 3, (size_t[]){k->height, k->width, 3});
-    if (!a) return false;
-    memcpy(a->data, k->texel, a->count * sizeof(float));
-    lua_rawseti(L, -2, 1);
-    lua_createtable(L, 9, 0);
-    for (int j = 0; j < 9; j++) {
-      lua_pushnumber(L, (j < 3 ? k->corner : j < 6 ? k->u : k->v)[j % 3]);
-      lua_rawseti(L, -2, j + 1);
-    }
-    lua_rawseti(L, -2, 2);
-    lua_pushnumber(L, k->scale);
-    lua_rawseti(L, -2, 3);
-    ylmL_push_count(L, k->triangles);
-    lua_rawseti(L, -2, 4);
+    ylmL_push_count(L, s->image[i].triangles);
     lua_rawseti(L, -2, (int)i + 1);
   }
-  return true;
-}
-
-/* lights_surfaces(lights, tiles a side of an image) -> spheres: at [n][3], radius [n], radiance
-   [n][3]; flat ones: triangles [t][9], disks [d][7], radiance and horizon of both [t+d][6], images:
-   see push_images, whose triangles are the last */
-static int lights_surfaces(lua_State *L) {
-  ylm_light_set *set = ylmL_lights_check(L, 1);
-  ylm_light_surfaces s;
-  ylm_status status = ylm_light_set_surfaces(set, (size_t)luaL_checknumber(L, 2), &s);
-  luaL_checkstack(L, 20, "lights_surfaces");
-  bool ok = status == YLM_OK && push_rows(L, s.sphere, s.spheres, 7, 0, 3) &&
-            push_rows(L, s.sphere, s.spheres, 7, 3, 1) &&
-            push_rows(L, s.sphere, s.spheres, 7, 4, 3) &&
-            push_rows(L, s.triangle, s.triangles, 9, 0, 9) &&
-            push_rows(L, s.disk, s.disks, 7, 0, 7) && push_emission(L, &s) && push_images(L, &s);
-  ylm_light_surfaces_free(&s);
-  return ok ? 7 : ylmL_result(L, 0, YLM_ENOMEM, NULL);
+  return 7;
 }
 
 /* has_field(value) -> true for an object with a light field */

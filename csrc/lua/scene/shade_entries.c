@@ -42,12 +42,12 @@ static int shade_entries(lua_State *L) {
   return ylmL_result(L, 1, s, NULL);
 }
 
-/* shade_discs(view, at [n][3], radius [n], radiance [n][3]: double) -> discs in sight
-   [..][YLM_SHADE_DISC]; nil where there are none */
+/* shade_discs(view, lights) -> discs of the spheres in sight [..][YLM_SHADE_DISC]; nil where there
+   are none */
 static int shade_discs(lua_State *L) {
   ylm_shade_view *v = ylmL_shade_view(L, 1);
   ylm_scene_lamps lamps;
-  lua_settop(L, 7); /* no flat lamps */
+  lua_settop(L, 2);
   if (!ylmL_scene_lamps(L, 2, &lamps)) return ylmL_result(L, 0, YLM_ENOMEM, NULL);
   size_t n = lamps.shape.spheres, seen = 0;
   ylmL_array *all = ylmL_array_new(L, YLM_DOUBLE, 2, (size_t[]){n, YLM_SHADE_DISC});

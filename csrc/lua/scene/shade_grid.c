@@ -80,8 +80,7 @@ static int shade_grid_again(lua_State *L) {
   return ylmL_result_progress(L, 5, s, &e, &p);
 }
 
-/* shade_draw_lamps(view, threads, image [h][w][3], at [n][3], radius [n], radiance [n][3]:
-   double) */
+/* shade_draw_lamps(view, threads, image [h][w][3], lights) */
 static int shade_draw_lamps(lua_State *L) {
   ylm_shade_view *v = ylmL_shade_view(L, 1);
   const ylm_shade_options *o = ylm_shade_view_options(v);
@@ -90,7 +89,7 @@ static int shade_draw_lamps(lua_State *L) {
   ylm_scene_lamps lamps;
   if (image->dtype != YLM_FLOAT || image->count != 3 * (size_t)o->width * (size_t)o->height)
     return ylmL_result(L, 0, YLM_ESHAPE, NULL);
-  lua_settop(L, 9); /* no flat lamps */
+  lua_settop(L, 4);
   if (!ylmL_scene_lamps(L, 4, &lamps)) return ylmL_result(L, 0, YLM_ENOMEM, NULL);
   ylm_status s = ylm_shade_draw_lamps(v, &lamps, threads, image->data);
   lua_pushboolean(L, 1);

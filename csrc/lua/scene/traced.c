@@ -5,6 +5,7 @@
 #include "ylm_geom.h"
 
 #define SCENE "ylm.traced"
+#define IMAGE_TILES 8 /* a side, for rays that are aimed at images */
 
 static int scene_close(lua_State *L) {
   ylm_scene **s = ylmL_check(L, 1, SCENE);
@@ -44,84 +45,50 @@ static ylm_scene_mesh read_mesh(lua_State *L, int i) {
                           m->triangles, material,  occludes};
 }
 
+static void copy(float *to, const double *from, size_t n) {
+  for (size_t k = 0; k < n; k++) to[k] = (float)from[k];
+}
+
+/* Radiances and horizons of n patches from rows [n][6]. */
+static void split(const double *row, size_t n, float *radiance, float *horizon) {
+  for (size_t k = 0; k < n; k++) {
+    copy(radiance + 3 * k, row + 6 * k, 3);
+    copy(horizon + 3 * k, row + 6 * k + 3, 3);
+  }
+}
+
 bool ylmL_scene_lamps(lua_State *L, int i, ylm_scene_lamps *lamps) {
-  ylmL_array *at = ylmL_array_check(L, i), *r = ylmL_array_check(L, i + 1);
-  ylmL_array *c = ylmL_array_check(L, i + 2);
-  size_t n = r->count;
-  if (at->dtype != YLM_DOUBLE || r->dtype != YLM_DOUBLE || c->dtype != YLM_DOUBLE ||
-      at->count != 3 * n || c->count != 3 * n)
-    luaL_argerror(L, i, "double arrays [n][3], [n], [n][3] expected");
-  ylmL_array *t = ylmL_array_opt(L, i + 3), *d = ylmL_array_opt(L, i + 4),
-             *more = ylmL_array_opt(L, i + 5);
-  size_t nt = t ? t->count / 9 : 0, nd = d ? d->count / 7 : 0, flat = 9 * nt + 7 * nd;
-  if ((more ? more->count : 0) != 6 * (nt + nd) || (t && t->dtype != YLM_DOUBLE) ||
-      (d && d->dtype != YLM_DOUBLE) || (more && more->dtype != YLM_DOUBLE))
-    luaL_argerror(L, i + 3, "double arrays [t][9], [d][7], [t+d][6] expected");
+  const ylm_light_surfaces *s = ylmL_light_surfaces(L, i, IMAGE_TILES);
+  if (!s) return false;
+  size_t n = s->spheres, nt = s->triangles, nd = s->disks, flat = 9 * nt + 7 * nd;
   ylmL_array *all = ylmL_array_new(L, YLM_FLOAT, 1, (size_t[]){7 * n + flat + 6 * (nt + nd)});
   if (!all) return false;
   float *sphere = all->data, *radiance = sphere + 4 * n, *shape = radiance + 3 * (n + nt + nd);
-  for (size_t k = 0; k < 9 * nt; k++) shape[k] = (float)((const double *)t->data)[k];
-  for (size_t k = 0; k < 7 * nd; k++) shape[9 * nt + k] = (float)((const double *)d->data)[k];
   float *horizon = shape + flat;
-  for (size_t k = 0; k < nt + nd; k++)
-    for (size_t a = 0; a < 3; a++) {
-      radiance[3 * (n + k) + a] = (float)((const double *)more->data)[6 * k + a];
-      horizon[3 * k + a] = (float)((const double *)more->data)[6 * k + 3 + a];
-    }
   for (size_t k = 0; k < n; k++) {
-    for (size_t a = 0; a < 3; a++) {
-      sphere[4 * k + a] = (float)((const double *)at->data)[3 * k + a];
-      radiance[3 * k + a] = (float)((const double *)c->data)[3 * k + a];
-    }
-    sphere[4 * k + 3] = (float)((const double *)r->data)[k];
+    copy(sphere + 4 * k, s->sphere + 7 * k, 4);
+    copy(radiance + 3 * k, s->sphere + 7 * k + 4, 3);
   }
-  *lamps =
-      (ylm_scene_lamps){{n, nt, nd, sphere, shape, shape + 9 * nt}, radiance, horizon, 0, NULL};
+  copy(shape, s->triangle, 9 * nt);
+  copy(shape + 9 * nt, s->disk, 7 * nd);
+  split(s->triangle_emission, nt, radiance + 3 * n, horizon);
+  split(s->disk_emission, nd, radiance + 3 * (n + nt), horizon + 3 * nt);
+  *lamps = (ylm_scene_lamps){.shape = {n, nt, nd, sphere, shape, shape + 9 * nt},
+                             .radiance = radiance,
+                             .horizon = horizon,
+                             .images = s->images,
+                             .image = s->image};
   return true;
 }
 
-/* Adds the list of textures at `i` to the lamps: { texels float [h][w][3], {corner, u, v: 9
-   numbers}, scale, triangles }. Leaves values on the stack that keep them alive. */
-static void read_textures(lua_State *L, int i, ylm_scene_lamps *lamps) {
-  size_t n = lua_isnoneornil(L, i) ? 0 : lua_rawlen(L, i);
-  ylm_scene_texture *list = lua_newuserdata(L, (n + 1) * sizeof *list);
-  for (size_t k = 0; k < n; k++) {
-    double x[11];
-    lua_rawgeti(L, i, (int)k + 1);
-    lua_rawgeti(L, -1, 1);
-    ylmL_array *a = ylmL_array_check(L, -1);
-    lua_rawgeti(L, -2, 2);
-    ylmL_scene_numbers(L, lua_gettop(L), 9, x);
-    for (int c = 3; c <= 4; c++) {
-      lua_rawgeti(L, -c, c); /* the entry moves down by one each time */
-      x[c + 6] = (double)luaL_checknumber(L, -1);
-    }
-    if (a->dtype != YLM_FLOAT || a->axes != 3 || a->shape[2] != 3)
-      luaL_argerror(L, i, "float arrays [height][width][3] expected");
-    list[k] = (ylm_scene_texture){.width = a->shape[1],
-                                  .height = a->shape[0],
-                                  .texel = a->data,
-                                  .scale = x[9],
-                                  .triangles = (size_t)x[10]};
-    memcpy(list[k].corner, x, sizeof list[k].corner);
-    memcpy(list[k].u, x + 3, sizeof list[k].u);
-    memcpy(list[k].v, x + 6, sizeof list[k].v);
-    lua_pop(L, 5); /* the list itself keeps the arrays */
-  }
-  lamps->textures = n;
-  lamps->texture = list;
-}
-
-/* scene_create(meshes, materials, occludes, at, radius, radiance, triangles, disks, radiance and
-   horizon of these [..][6], textures) -> scene; the last four may be nil */
+/* scene_create(meshes, materials, occludes, lights) -> scene */
 static int scene_create(lua_State *L) {
   ylm_error e = {0};
   ylm_scene_lamps lamps;
   for (int i = 1; i <= 3; i++) luaL_checktype(L, i, LUA_TTABLE);
-  lua_settop(L, 10);
+  lua_settop(L, 4);
   size_t n = lua_rawlen(L, 1);
   if (!ylmL_scene_lamps(L, 4, &lamps)) return ylmL_result(L, 0, YLM_ENOMEM, NULL);
-  read_textures(L, 10, &lamps);
   ylm_scene_mesh *mesh = lua_newuserdata(L, (n + 1) * sizeof *mesh);
   for (size_t i = 0; i < n; i++) mesh[i] = read_mesh(L, (int)i + 1);
   ylm_scene **s = lua_newuserdata(L, sizeof *s);

@@ -76,28 +76,28 @@ function pack.pack(n, name, lights)
   return check.result(name, core.lights_create(sources))
 end
 
---- What rays see: of spheres centres [n][3], radii [n], radiances [n][3]; of flat lights corners of triangles [t][9], disks
--- [d][7] (centre, radius, normal), radiances and horizons [t+d][6], all double arrays, and a list of images: { texels,
--- { corner, u, v }, scale, triangles }, whose triangles are the last, `tiles` a side at most.
-local function surfaces(packed, tiles)
-  if core.type(packed) ~= "ylm.lights" then packed = core.lights_create {} end
-  return core.lights_surfaces(packed, tiles)
+--- The set of lights that an object with a light field is, or an empty one: rays see no other light fields.
+function pack.set(packed)
+  if core.type(packed) == "ylm.lights" then return packed end
+  return assert(core.lights_create {})
 end
 
 --- Centres [n][3], radii [n] and radiances [n][3] of the spheres in what pack.pack returned, as new double arrays.
 function pack.arrays(packed)
-  local at, radius, radiance = check.result("lights", surfaces(packed, 1))
+  local at, radius, radiance = check.result("lights", core.lights_surfaces(pack.set(packed), 1))
   return at, radius, radiance
 end
 
---- Triangles, disks, their radiances and horizons, and images of the flat lights in what pack.pack returned; images are
--- covered by `tiles` (8) times as many tiles. Nothing where there are none.
+--- Of the flat lights in what pack.pack returned: corners of triangles [t][9], disks [d][7] (centre, radius, normal),
+-- radiances and horizons [t+d][6], as new double arrays, and the numbers of triangles of images, which are the last, at most
+-- `tiles` (8) a side. Nothing where there are none.
 function pack.patches(packed, tiles)
-  local triangles, disks, radiances, images = select(4, check.result("lights", surfaces(packed, tiles or 8)))
+  local triangles, disks, radiances, images = select(4, check.result("lights",
+    core.lights_surfaces(pack.set(packed), tiles or 8)))
   if #triangles + #disks > 0 then return triangles, disks, radiances, images end
 end
 
---- pack.arrays of the option `lamps` of the function `name`: of spheres, since flat lights are surfaces of a scene.
+--- The option `lamps` of the function `name` as a set of sphere lights: flat ones are surfaces of a scene.
 function pack.lamps(name, lamps)
   local packed = pack.pack(1, name, lamps)
   local n, spheres = 0, 0
@@ -105,7 +105,7 @@ function pack.lamps(name, lamps)
   if n ~= spheres then
     return check.bad(1, name, "lamps: sphere lights expected; flat lights are drawn with the scene that they are prepared in")
   end
-  return pack.arrays(packed)
+  return pack.set(packed)
 end
 
 --- Argument `n` of `name` as an open object with a light field: such an object itself, or lights packed.

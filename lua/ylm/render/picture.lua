@@ -14,8 +14,7 @@ function pictures.compose(name, p, radiance, o, layer)
   local lib, view, threads = p.lib, p.view, o.threads or 0
   assert(check.result(name, lib.shade_compose(view, radiance, p.scene.background or { 0, 0, 0 }, threads, layer)))
   if not o.lamps then return true end
-  local at, radius, emitted = light.lamps(name, o.lamps)
-  return assert(check.result(name, lib.shade_draw_lamps(view, threads, layer, at, radius, emitted)))
+  return assert(check.result(name, lib.shade_draw_lamps(view, threads, layer, light.lamps(name, o.lamps))))
 end
 
 --- The image `out` where it has a size and layers { name, channels }; those that are missing are added.

@@ -64,11 +64,8 @@ function tracing.trace(name, s)
   local lights
   lights, message, code = light.pack(1, name, s.lights)
   if not lights then return nil, message, code end
-  local at, radius, radiance = light.arrays(lights)
-  if not at then return nil, radius, radiance end
   local handle
-  handle, message, code = check.result(name, lib.scene_create(meshes, materials, occludes, at, radius, radiance,
-    light.patches(lights)))
+  handle, message, code = check.result(name, lib.scene_create(meshes, materials, occludes, light.set(lights)))
   if not handle then return nil, message, code end
   local lo, hi = lib.scene_bounds(handle)
   local new = { parts = parts, handle = handle, lights = lights, lo = lo, hi = hi, lib = lib,

@@ -62,19 +62,20 @@ local function lit(rgb)
 end
 
 --- The tiles of images in the colours of their radiances, the brightest of each image as bright as can be.
-local function colour_tiles(rgb, first, textures)
-  for _, t in ipairs(textures) do
+local function colour_tiles(rgb, first, images)
+  for _, t in ipairs(images) do
     local most = 1e-30
-    for i = first, first + t[4] - 1 do most = math.max(most, rgb[i][1], rgb[i][2], rgb[i][3]) end
-    for i = first, first + t[4] - 1 do
+    for i = first, first + t - 1 do most = math.max(most, rgb[i][1], rgb[i][2], rgb[i][3]) end
+    for i = first, first + t - 1 do
       for a = 1, 3 do rgb[i][a] = encode(rgb[i][a] / most) end
     end
-    first = first + t[4]
+    first = first + t
   end
 end
 
---- Triangles [t][9], and disks [d][7] as 48-gons, in the colours of radiance [t+d][..]; the last triangles are textures'.
-local function add_flat_lights(stage, triangles, disks, radiance, textures)
+--- Triangles [t][9], and disks [d][7] as 48-gons, in the colours of radiance [t+d][..]; the last triangles are those of
+-- images, whose numbers are listed.
+local function add_flat_lights(stage, triangles, disks, radiance, images)
   local position, colour, index = {}, {}, {} -- three rows to a triangle, no corner shared
   local rgb, list = core.array_totable(radiance), core.array_totable(triangles)
   local function corner(x, y, z, c)
@@ -83,8 +84,8 @@ local function add_flat_lights(stage, triangles, disks, radiance, textures)
   end
   for i, c in ipairs(rgb) do rgb[i] = { c[1], c[2], c[3] } end
   local plain = #list
-  for _, t in ipairs(textures) do plain = plain - t[4] end
-  colour_tiles(rgb, plain + 1, textures)
+  for _, t in ipairs(images) do plain = plain - t end
+  colour_tiles(rgb, plain + 1, images)
   for i, t in ipairs(list) do
     local c = i <= plain and lit(rgb[i]) or rgb[i]
     for k = 0, 2 do corner(t[3 * k + 1], t[3 * k + 2], t[3 * k + 3], c) end
@@ -115,8 +116,8 @@ end
 function fill.lights(stage, v)
   local light = require "ylm.light"
   local packed = core.has_field(v.lights) and v.lights or light.pack(1, "view", v.lights)
-  local triangles, disks, flat, textures = light.patches(packed, 64)
-  if triangles then add_flat_lights(stage, triangles, disks, flat, textures) end
+  local triangles, disks, flat, images = light.patches(packed, 64)
+  if triangles then add_flat_lights(stage, triangles, disks, flat, images) end
   local at, radius, radiance = light.arrays(packed)
   local c, r = core.array_totable(radiance), core.array_totable(radius)
   local least = stage.bounds and drawing.diagonal(stage.bounds) * 0.0022 or 0
