@@ -67,6 +67,10 @@ struct ylm__light_kind {
      pack adds as a whole: i is 0. */
   ylm_status (*surfaces)(const void *of, size_t i, ylm_light_surfaces *out);
   bool images;
+  /* Distant lights: adds the radiance that comes from direction d, of length 1. NULL: none does. */
+  void (*radiance)(const void *of, const double d[3], double rgb[3]);
+  /* Where light i of them comes from, if that is a cone. NULL: they fill the sky. */
+  void (*cone)(const void *of, size_t i, ylm_light_cone *out);
   /* What a device sums of the pack; NULL: no device does. */
   void (*device)(const void *of, ylm_light_part *out);
 

@@ -96,8 +96,7 @@ static ylm_status list_records(maker *m) {
 
 /* -- spheres -------------------------------------------------------------------------------- */
 
-/* The records, and the packs of other sets, that have spheres: how many spheres, of how many packs.
- */
+/* How many spheres there are, in records and in packs of other sets; how many of these packs. */
 static size_t count_spheres(const maker *m, size_t *packs) {
   size_t n = 0;
   *packs = 0;

@@ -267,6 +267,22 @@ YLM_API ylm_status ylm_light_set_surfaces(const ylm_light_set *set, size_t tiles
                                           ylm_light_surfaces *out);
 YLM_API void ylm_light_surfaces_free(ylm_light_surfaces *s);
 
+/* -- light from infinity, as rays see it: csrc/light/sky.c ------------------------------------- */
+
+/* Directions about an axis of length 1, with the cosine of half the angle; radiance all over it. */
+typedef struct ylm_light_cone {
+  double axis[3], cosine, radiance[3];
+} ylm_light_cone;
+
+/* Whether there are distant lights. */
+YLM_API bool ylm_light_set_is_distant(const ylm_light_set *set);
+/* The radiance that comes from infinity, from direction d of length 1: of lights that fill the sky,
+   and with `cones` of all. */
+YLM_API void ylm_light_set_sky(const ylm_light_set *set, const double d[3], bool cones,
+                               double rgb[3]);
+/* Cone i of the set; false where there are no more. */
+YLM_API bool ylm_light_set_cone(const ylm_light_set *set, size_t i, ylm_light_cone *out);
+
 /* -- textured parallelograms: csrc/light/texture.c,
  * textured.c----------------------------------------- */
 

@@ -7,9 +7,9 @@
 
 struct ylm_scene_chooser {
   const ylm_scene *scene;
-  size_t chunks, spheres; /* chunks of all lamps; of these, of spheres */
+  size_t chunks, spheres, near; /* chunks of all lamps; of spheres; of spheres and patches */
   ylm_scene_weights_fn *weights;
-  float *weight, *sum; /* [chunks*YLM_LAMP_CHUNK], [chunks]: spheres, then patches */
+  float *weight, *sum; /* [chunks*YLM_LAMP_CHUNK], [chunks]: spheres, patches, the sky */
 };
 
 const float *ylm_scene_lamp_radiance(const ylm_scene *s, const ylm_trace_ray *ray,
@@ -45,8 +45,7 @@ static void walk_to(walk *w, const ylm_scene_chooser *s, double target) {
   }
 }
 
-/* A direction about the axis: cosine z, azimuth u. */
-static void turn(const float axis[3], double z, double u, float out[3]) {
+void ylm__scene_turn(const float axis[3], double z, double u, float out[3]) {
   float a[3], b[3];
   double r = sqrt(fmax(0, 1 - z * z)), c = r * cos(2 * PI * u), s = r * sin(2 * PI * u);
   ylm_scene_basis(axis, a, b);
@@ -64,7 +63,7 @@ static double sample_lamp(const ylm_scene *s, size_t i, const float x[3], const 
   }
   ray->near = 0;
   if (d2 <= r * r) { /* light from everywhere: directions as the cosine, to the lamp's far side */
-    turn(n, sqrt(1 - u0), u1, ray->dir);
+    ylm__scene_turn(n, sqrt(1 - u0), u1, ray->dir);
     double along = 0;
     for (int a = 0; a < 3; a++) along += v[a] * (double)ray->dir[a];
     ray->far = (float)(along + sqrt(fmax(0, along * along + r * r - d2)));
@@ -74,7 +73,7 @@ static double sample_lamp(const ylm_scene *s, size_t i, const float x[3], const 
   double d = sqrt(d2), s2 = r * r / d2, cap = s2 / (1 + sqrt(1 - s2));
   for (int a = 0; a < 3; a++) axis[a] = (float)(v[a] / d);
   double z = 1 - u0 * cap, side2 = d2 * fmax(0, 1 - z * z);
-  turn(axis, z, u1, ray->dir);
+  ylm__scene_turn(axis, z, u1, ray->dir);
   ray->far = (float)(d * z - sqrt(fmax(0, r * r - side2)));
   return fmax(0, (double)ylm_dot3(ray->dir, n)) * 2 * PI * cap;
 }
@@ -88,7 +87,8 @@ ylm_scene_chooser *ylm_scene_chooser_create(const ylm_scene *s) {
   c->scene = s;
   c->weights = ylm__scene_weights();
   c->spheres = (s->lamps + YLM_LAMP_CHUNK - 1) / YLM_LAMP_CHUNK;
-  c->chunks = c->spheres + (patches + YLM_LAMP_CHUNK - 1) / YLM_LAMP_CHUNK;
+  c->near = c->spheres + (patches + YLM_LAMP_CHUNK - 1) / YLM_LAMP_CHUNK;
+  c->chunks = c->near + (ylm__scene_sky_lights(s) + YLM_LAMP_CHUNK - 1) / YLM_LAMP_CHUNK;
   c->weight = ylm_alloc(c->chunks * YLM_LAMP_CHUNK, sizeof *c->weight);
   c->sum = ylm_alloc(c->chunks, sizeof *c->sum);
   if (c->weight && c->sum) return c;
@@ -110,8 +110,11 @@ size_t ylm_scene_aim(const ylm_scene_chooser *a, const float x[3], const float n
   const ylm_scene *scene = a->scene;
   double total = 0;
   size_t rays = 0, before = a->spheres * YLM_LAMP_CHUNK; /* places of spheres */
+  size_t near = a->near * YLM_LAMP_CHUNK;                /* of these and of patches */
+  float sky[3];
   a->weights(a->spheres, scene->lamp, scene->lamp_luminance, x, n, a->weight, a->sum);
   ylm__scene_patch_weights(scene, x, n, a->weight + before, a->sum + a->spheres);
+  ylm__scene_sky_weights(scene, n, a->weight + near, a->sum + a->near);
   for (size_t b = 0; b < a->chunks; b++) total += a->sum[b];
   if (!(total > 0)) return 0;
   walk w = {0};
@@ -123,9 +126,14 @@ size_t ylm_scene_aim(const ylm_scene_chooser *a, const float x[3], const float n
     if (!(a->weight[w.lamp] > 0)) continue; /* padding has none */
     bool flat = w.lamp >= before;
     const float *radiance = scene->lamp_radiance + (flat ? 0 : 3 * w.lamp);
-    double e =
-        flat ? ylm__scene_patch_sample(scene, w.lamp - before, x, n, u0, u1, &ray[rays], &radiance)
-             : sample_lamp(scene, w.lamp, x, n, u0, u1, &ray[rays]);
+    double e;
+    if (w.lamp >= near) {
+      e = ylm__scene_sky_sample(scene, w.lamp - near, x, n, u0, u1, &ray[rays], sky);
+      radiance = sky;
+    } else if (flat)
+      e = ylm__scene_patch_sample(scene, w.lamp - before, x, n, u0, u1, &ray[rays], &radiance);
+    else
+      e = sample_lamp(scene, w.lamp, x, n, u0, u1, &ray[rays]);
     if (!(e > 0)) continue;
     e *= total / a->weight[w.lamp] / light_samples;
     for (int c = 0; c < 3; c++) value[rays][c] = (float)e * radiance[c];

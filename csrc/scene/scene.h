@@ -37,6 +37,11 @@ struct ylm_scene {
   float *horizon;          /* [triangles + disks][3] or NULL */
   size_t textures;
   scene_texture *texture; /* in the order of their triangles */
+  ylm_light_set *sky;     /* distant lights; NULL: none */
+  bool sky_is_seen;
+  float sky_luminance; /* of those that fill the sky, a mean over directions */
+  size_t cones;
+  ylm_light_cone *cone; /* [cones] the others */
 };
 
 /* -- weights.c ------------------------------------------------------------------ */
@@ -62,6 +67,23 @@ void ylm__scene_patch_weights(const ylm_scene *s, const float x[3], const float 
    area. */
 double ylm__scene_patch_sample(const ylm_scene *s, size_t i, const float x[3], const float n[3],
                                double u0, double u1, ylm_trace_ray *ray, const float **radiance);
+
+/* -- sky.c --------------------------------------------------------------------- */
+
+/* Shares the distant lights of the lamps; to be freed in any case. */
+ylm_status ylm__scene_share_sky(ylm_scene *s, const ylm_scene_lamps *l);
+void ylm__scene_free_sky(ylm_scene *s);
+/* Places of distant lights among the lamps: 0 fills the sky, cones follow. */
+static inline size_t ylm__scene_sky_lights(const ylm_scene *s) { return s->sky ? 1 + s->cones : 0; }
+/* As ylm__scene_patch_weights, of distant lights on a surface with normal n. */
+void ylm__scene_sky_weights(const ylm_scene *s, const float n[3], float *weight, float *sum);
+/* A ray from x to distant light i, the radiance there and the irradiance that it brings for
+   radiance 1. */
+double ylm__scene_sky_sample(const ylm_scene *s, size_t i, const float x[3], const float n[3],
+                             double u0, double u1, ylm_trace_ray *ray, float radiance[3]);
+
+/* A direction about the axis: cosine z, azimuth u of 0 .. 1. lamps.c */
+void ylm__scene_turn(const float axis[3], double z, double u, float out[3]);
 
 /* -- texture.c ---------------------------------------------------------------- */
 

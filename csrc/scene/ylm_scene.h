@@ -49,6 +49,8 @@ typedef struct ylm_scene_lamps {
                             it through a shading point brings no light there; 0: all does */
   size_t images;
   const ylm_light_image *image;
+  const ylm_light_set *sky; /* distant lights, which the scene shares with the set; or NULL */
+  bool sky_is_seen;         /* by camera rays that hit nothing */
 } ylm_scene_lamps;
 
 /* YLM_OK; YLM_EINVAL, YLM_EDOMAIN, YLM_EOVERFLOW, YLM_ENOMEM, YLM_EDEVICE as ylm_trace_create
@@ -110,6 +112,10 @@ YLM_API void ylm_scene_vertex(const ylm_scene *scene, size_t m, size_t vertex, b
 YLM_API const float *ylm_scene_lamp_radiance(const ylm_scene *scene, const ylm_trace_ray *ray,
                                              const ylm_trace_hit *hit);
 
+/* Whether a ray that hits nothing sees distant lights, and then the radiance [3] of those. */
+YLM_API bool ylm_scene_sky_radiance(const ylm_scene *scene, const ylm_trace_ray *ray,
+                                    double radiance[3]);
+
 /* State for choosing rays to the lamps of a scene. */
 typedef struct ylm_scene_chooser ylm_scene_chooser;
 /* NULL without memory. */
@@ -121,9 +127,9 @@ YLM_API void ylm_scene_chooser_free(ylm_scene_chooser *c);
 **
 ** Each of `light_samples` strata chooses a lamp in proportion to (a bound of) its unshadowed
 ** luminous irradiance, then a direction uniform in the solid angle it fills (disks, and triangles that fill
-** little: a place uniform in area).
+** little: a place uniform in area; light that fills the sky: as the cosine).
 **
-**   ray    out  [light_samples]     from x, each to a place of a lamp
+**   ray    out  [light_samples]     from x, each to a place of a lamp, or to infinity
 **   value  out  [light_samples][3]  the irradiance that the ray brings if nothing is in its way
 **
 ** Returns  how many rays there are: at most `light_samples`

@@ -124,13 +124,17 @@ static bool finish_pixel(job *j, row *r, shade_pixel *p, const scratch *s, const
                          const ylm_trace_hit *hit) {
   const ylm_shade_view *v = j->view;
   int samples = v->o.samples, count = 0, groups = 0, lamps = 0;
-  double light[3] = {0};
+  double light[3] = {0}, sky[3];
   for (int i = 0; i < samples; i++) {
     const ylm_trace_hit *h = &hit[i];
     if (h->mesh == YLM_TRACE_LAMP) {
       const float *seen = ylm_scene_lamp_radiance(v->scene, &ray[i], h);
       lamps++;
       for (int c = 0; c < 3; c++) light[c] += seen[c];
+    }
+    if (h->mesh == YLM_TRACE_NOTHING && ylm_scene_sky_radiance(v->scene, &ray[i], sky)) {
+      lamps++;
+      for (int c = 0; c < 3; c++) light[c] += sky[c];
     }
     if (h->mesh < 0) continue;
     shade_entry *e = &s->entry[count];

@@ -126,7 +126,8 @@ local construct = form.define("scene", {
     { "lights", "parts", default = {}, about = "lights: one, or a list that may nest" },
     { "probes", "object", of = { "adaptive_grid", "uniform_grid" }, optional = true,
       about = "the grid that bake fills" },
-    { "background", "colour", min = 0, default = 0, unit = "W sr^-1 m^-2", about = "radiance where nothing is hit" },
+    { "background", "colour", min = 0, optional = true, unit = "W sr^-1 m^-2",
+      about = "radiance where nothing is hit; default: what distant lights send from there, else 0" },
   },
   metatable = metatable,
   build = function(values, fail)
@@ -136,6 +137,8 @@ local construct = form.define("scene", {
       parts.listed = nil
       values[field] = parts
     end
+    values.sky_is_seen = values.background == nil
+    values.background = values.background or { 0, 0, 0 }
     return setmetatable(values, metatable)
   end,
   example = [[

@@ -98,8 +98,8 @@ static size_t count_foreign(lua_State *L, int n) {
   return all;
 }
 
-/* lights_create({{kind, records: double array} | lights | object with a light field ..}) -> lights
- */
+/* lights_create({{kind, records: double array} | lights | object with a light field ..})
+   -> lights */
 static int lights_create(lua_State *L) {
   ylm_error e = {0};
   luaL_checktype(L, 1, LUA_TTABLE);
@@ -179,8 +179,8 @@ static int lights_close(lua_State *L) {
   return 0;
 }
 
-/* lights_count(lights) -> number, or nil once closed; of these spheres; whether all can be followed
- */
+/* lights_count(lights) -> number, or nil once closed; of these spheres; whether all can be
+   followed */
 static int lights_count(lua_State *L) {
   const lights *l = ylmL_check(L, 1, YLM_LIGHTS);
   if (!l->set) return 0;

@@ -1,5 +1,4 @@
-/* light_texture.c - images on parallelograms: their texels, and the parts that they are cut into.
- */
+/* light_texture.c - images on parallelograms: texels, and the parts that they are cut into. */
 #include "../binding.h"
 
 #include "ylm_light.h"

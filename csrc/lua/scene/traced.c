@@ -77,18 +77,20 @@ bool ylmL_scene_lamps(lua_State *L, int i, ylm_scene_lamps *lamps) {
                              .radiance = radiance,
                              .horizon = horizon,
                              .images = s->images,
-                             .image = s->image};
+                             .image = s->image,
+                             .sky = ylmL_lights_check(L, i)};
   return true;
 }
 
-/* scene_create(meshes, materials, occludes, lights) -> scene */
+/* scene_create(meshes, materials, occludes, lights, whether distant lights are seen) -> scene */
 static int scene_create(lua_State *L) {
   ylm_error e = {0};
   ylm_scene_lamps lamps;
   for (int i = 1; i <= 3; i++) luaL_checktype(L, i, LUA_TTABLE);
-  lua_settop(L, 4);
+  lua_settop(L, 5);
   size_t n = lua_rawlen(L, 1);
   if (!ylmL_scene_lamps(L, 4, &lamps)) return ylmL_result(L, 0, YLM_ENOMEM, NULL);
+  lamps.sky_is_seen = lua_toboolean(L, 5);
   ylm_scene_mesh *mesh = lua_newuserdata(L, (n + 1) * sizeof *mesh);
   for (size_t i = 0; i < n; i++) mesh[i] = read_mesh(L, (int)i + 1);
   ylm_scene **s = lua_newuserdata(L, sizeof *s);

@@ -36,7 +36,7 @@ local function ingredients(s)
     add(form.kind(m))
     for _, x in ipairs(material.numbers(m)) do add(x) end
   end
-  add("lights")
+  add("lights"); add(s.sky_is_seen)
   for _, l in ipairs(s.lights) do
     add(l)
     local as_light = type(l) == "table" and form.defined[form.kind(l)].light
@@ -65,7 +65,8 @@ function tracing.trace(name, s)
   lights, message, code = light.pack(1, name, s.lights)
   if not lights then return nil, message, code end
   local handle
-  handle, message, code = check.result(name, lib.scene_create(meshes, materials, occludes, light.set(lights)))
+  handle, message, code = check.result(name, lib.scene_create(meshes, materials, occludes, light.set(lights),
+    s.sky_is_seen))
   if not handle then return nil, message, code end
   local lo, hi = lib.scene_bounds(handle)
   local new = { parts = parts, handle = handle, lights = lights, lo = lo, hi = hi, lib = lib,
