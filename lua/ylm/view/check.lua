@@ -7,33 +7,24 @@ local drawing = require "ylm.view.drawing"
 local form = require "ylm.form"
 local memory = require "ylm.memory"
 
---- Fields of a layer's own table; fail(message) raises.
-local known = {
-  volume = { density = "number", smooth = "boolean", values = "any", bounds = "any" },
-  levels = { opacity = "number", width = "number", occupied = "boolean", from = "number" },
-  boxes = { shrink = "number", opacity = "number", occupied = "boolean" },
-  glyphs = { count = "number", length = "number", at = "any", along = "any" },
-  streamlines = { count = "number", width = "number", along = "any", bounds = "any" },
-  lobes = { count = "number", size = "number" },
+--- An optional field: a number from 0 on, or another type.
+local function number(name) return { name, "number", min = 0, optional = true } end
+local function optional(name, kind) return { name, kind, optional = true } end
+
+--- Fields of layers' own tables.
+local layer_fields = {
+  volume = { optional("bounds", "any"), number "density", optional("smooth", "boolean"), optional("values", "any") },
+  levels = { number "from", optional("occupied", "boolean"), number "opacity", number "width" },
+  boxes = { optional("occupied", "boolean"), number "opacity", number "shrink" },
+  glyphs = { optional("along", "any"), optional("at", "any"), number "count", number "length" },
+  streamlines = { optional("along", "any"), optional("bounds", "any"), number "count", number "width" },
+  lobes = { number "count", number "size" },
 }
 
-local function check_layer(name, value, fail)
-  if type(value) ~= "table" then return end
-  local names = {}
-  for key in pairs(known[name]) do names[#names + 1] = key end
-  table.sort(names)
-  for key, x in pairs(value) do
-    local wanted = known[name][key]
-    if not wanted then
-      local guess = type(key) == "string" and check.guess(key, names)
-      return fail(("%s: no field %s%s"):format(name, check.describe(key), guess and (" (did you mean '%s'?)"):format(guess)
-        or ("; fields are " .. table.concat(names, ", "))))
-    end
-    local good = wanted == "any" or type(x) == wanted
-    if wanted == "number" then good = check.is_number(x) and x >= 0 end
-    if not good then
-      return fail(("%s: %s must be a %s, got %s"):format(name, key, wanted == "number" and "number >= 0" or wanted,
-        check.describe(x)))
+local function check_layers(values, fail)
+  for name, fields in pairs(layer_fields) do
+    if type(values[name]) == "table" then
+      form.check(fields, values[name], function(message) return fail(name .. ": " .. message) end)
     end
   end
 end
@@ -205,16 +196,8 @@ local function check_lights(values, fail)
   values.lights = packed
 end
 
-local needs_grid = { "levels", "boxes", "lobes" }
-local needs_numbers = { "slices", "isosurfaces" }
-
---- Checks everything of a view that its form cannot.
-local function check_view(values, fail)
-  for name in pairs(known) do check_layer(name, values[name], fail) end
-  check_slices(values, fail)
-  check_isosurfaces(values, fail)
-  check_meshes(values, fail)
-  check_lights(values, fail)
+--- Numbers and arrows that a view is given without a grid: values.lattice, .arrows, .flow.
+local function take_own_numbers(values, fail)
   local options = drawing.options
   local volume, glyphs, stream = options(values.volume), options(values.glyphs), options(values.streamlines)
   if volume.values then
@@ -228,52 +211,61 @@ local function check_view(values, fail)
     if #values.arrows.at ~= #values.arrows.along then return fail "glyphs: at and along must have as many rows" end
   end
   if stream.along then values.flow = lattice("streamlines: along", stream.along, stream.bounds, 3, fail) end
-  if values.sh ~= nil then
-    values.sh = rows("sh", values.sh, nil, fail)
-    local shape = values.sh.shape
-    local count, n = shape[#shape], 1
-    local lmax = math.floor(math.sqrt(count) + 0.5) - 1
-    if (lmax + 1) ^ 2 ~= count then
-      return fail(("sh: rows of (lmax+1)^2 coefficients expected, got %d"):format(count))
+end
+
+--- SH vectors as [n][count] doubles, and their lmax.
+local function check_sh(values, fail)
+  if values.sh == nil then return end
+  values.sh = rows("sh", values.sh, nil, fail)
+  local shape = values.sh.shape
+  local count, n = shape[#shape], 1
+  local lmax = math.floor(math.sqrt(count) + 0.5) - 1
+  if (lmax + 1) ^ 2 ~= count then
+    return fail(("sh: rows of (lmax+1)^2 coefficients expected, got %d"):format(count))
+  end
+  for i = 1, #shape - 1 do n = n * shape[i] end
+  values.sh, values.lmax = core.array_reshape(values.sh, { n, count }), lmax
+end
+
+--- Layer -> what it may be made from instead of a grid, and the words for that; in the order of complaints.
+local needs = {
+  { "levels", nil, "a grid: ylm.view { grid, ... }" },
+  { "boxes", nil, "a grid: ylm.view { grid, ... }" },
+  { "lobes", nil, "a grid: ylm.view { grid, ... }" },
+  { "slices", "lattice", "a grid, or volume = { values = }" },
+  { "isosurfaces", "lattice", "a grid, or volume = { values = }" },
+  { "volume", "lattice", "a grid, or { values = }" },
+  { "glyphs", "arrows", "a grid, or { at = , along = }" },
+  { "streamlines", "flow", "a grid, or { along = }" },
+}
+
+--- Raises where a layer lacks what it shows, or there is nothing to show.
+local function check_needs(values, fail)
+  for _, need in ipairs(needs) do
+    local layer, instead, words = need[1], need[2], need[3]
+    if values[layer] and not values.subject and not (instead and values[instead]) then
+      return fail(layer .. " needs " .. words)
     end
-    for i = 1, #shape - 1 do n = n * shape[i] end
-    values.sh, values.lmax = core.array_reshape(values.sh, { n, count }), lmax
-  end
-  if values.points ~= nil then values.points = rows("points", values.points, 3, fail) end
-  for _, name in ipairs(needs_grid) do
-    if values[name] and not values.subject then return fail(name .. " needs a grid: ylm.view { grid, ... }") end
-  end
-  for _, name in ipairs(needs_numbers) do
-    if values[name] and not values.subject and not values.lattice then
-      return fail(name .. " needs a grid, or volume = { values = }")
-    end
-  end
-  local fault = values.subject and check.grid_fault(values.subject)
-  if fault then return fail(fault) end
-  if math.max(values.size[1], values.size[2]) * values.supersample > 16384 then
-    return fail "size times supersample must be at most 16384 pixels"
-  end
-  if values.volume and not (values.subject or values.lattice) then
-    return fail "volume needs a grid, or { values = }"
-  end
-  if values.glyphs and not (values.subject or values.arrows) then
-    return fail "glyphs needs a grid, or { at = , along = }"
-  end
-  if values.streamlines and not values.subject and not values.flow then
-    return fail "streamlines needs a grid, or { along = }"
   end
   if values.quantity and not values.subject then return fail "quantity is of a grid: ylm.view { grid, ... }" end
-  if not values.quantity and values.subject then values.quantity = "error" end
-  if values.subject and not (values.volume or values.slices or values.levels or values.boxes or values.isosurfaces
-      or values.glyphs or values.streamlines or values.lobes) then
-    values.volume, values.levels = true, true
-  end
   if not (values.subject or values.lattice or values.sh or values.scene or values.meshes or values.arrows or values.flow
       or values.points or values.lights) then
     return fail "nothing to show: give a grid, a scene, sh, meshes, or another layer"
   end
-  values.log_given = values.log
-  if values.log and values.range and values.range[1] <= 0 then return fail "range must be above 0 where log is true" end
+end
+
+--- What a grid shows where nothing is chosen.
+local function choose_layers(values)
+  if not values.subject then return end
+  values.quantity = values.quantity or "error"
+  if not (values.volume or values.slices or values.levels or values.boxes or values.isosurfaces or values.glyphs
+      or values.streamlines or values.lobes) then
+    values.volume, values.levels = true, true
+  end
+end
+
+--- From where a view looks where nothing is chosen.
+local function choose_camera(values)
   local alone = values.sh and not (values.subject or values.scene or values.meshes or values.lattice)
   values.directions = { values.direction or (alone and { 0.12, -1, 0.22 } or { 0.55, 0.42, 0.8 }) }
   if not (values.direction or values.up or alone) then -- from higher above, where that fills the window's height
@@ -281,6 +273,28 @@ local function check_view(values, fail)
   end
   values.up = values.up or (alone and { 0, 0, 1 } or { 0, 1, 0 })
   values.fov = alone and 10 or 28
+end
+
+--- Checks everything of a view that its form cannot.
+local function check_view(values, fail)
+  check_layers(values, fail)
+  check_slices(values, fail)
+  check_isosurfaces(values, fail)
+  check_meshes(values, fail)
+  check_lights(values, fail)
+  take_own_numbers(values, fail)
+  check_sh(values, fail)
+  if values.points ~= nil then values.points = rows("points", values.points, 3, fail) end
+  local fault = values.subject and check.grid_fault(values.subject)
+  if fault then return fail(fault) end
+  if math.max(values.size[1], values.size[2]) * values.supersample > 16384 then
+    return fail "size times supersample must be at most 16384 pixels"
+  end
+  check_needs(values, fail)
+  choose_layers(values)
+  values.log_given = values.log
+  if values.log and values.range and values.range[1] <= 0 then return fail "range must be above 0 where log is true" end
+  choose_camera(values)
 end
 
 return check_view
