@@ -71,7 +71,7 @@ HAVE := core $(PARTS)
 
 BINDINGS := $(foreach a,$(ABIS),$(foreach m,$(HAVE),$(BUILD)/$(a)/ylm/c/$(m).so))
 
-.PHONY: all deps demo test spec bench gen gen-check check asan fuzz docs format install rock clean help
+.PHONY: all deps demo test spec quick bench gen gen-check check check-long asan fuzz docs format install rock clean help
 .DEFAULT_GOAL := all
 
 all: $(LIBS) $(BINDINGS) $(BUILD)/ylm   ## build the libraries, a binding for each Lua found, and build/ylm
@@ -153,8 +153,15 @@ test:   ## install, build, run every check; the last line counts them
 
 # -- checks ------------------------------------------------------------------------
 
-spec: all   ## run the specs (SPEC=files for some of them, SPEC_LUAS=lua5.4 for a Lua)
+spec: all   ## run the specs, without installing what they need (SPEC=files for some of them, SPEC_LUAS=lua5.4 for a Lua)
 	@BUILD=$(abspath $(BUILD)) spec/run $(SPEC)
+
+# Under one Lua, without devices, cross-compiling, installing, and the papers' scripts.
+quick: all   ## the specs that a change of one file needs: 90 seconds on two cores
+	@YLM_SPEC=quick BUILD=$(abspath $(BUILD)) SPEC_LUAS='$(or $(SPEC_LUAS),lua5.4)' spec/run $(SPEC)
+
+check-long: all   ## run by hand before a release, hours: sanitizers, kills, random updates at length, memory, portability (LONG=names)
+	@BUILD=$(abspath $(BUILD)) spec/long $(LONG)
 
 check: gen-check bench-check fuzz-check   ## style, generated files, warnings of benches and fuzz targets, without running specs
 	luacheck -q .

@@ -1,21 +1,15 @@
 -- Messages of the command-line tool about searches, misspellings and options without a meaning.
 
 local scratch = require "spec.support.scratch"
-
-local build = os.getenv "YLM_BUILD" or "build"
-local lua = os.getenv "YLM_LUA" or "lua5.4"
+local tool = require "spec.support.tool"
 
 describe("the command-line tool's messages", function()
-  local folder
-  setup(function() folder = scratch.new() end)
+  local folder, ylm
+  setup(function()
+    folder = scratch.new()
+    ylm = tool.runner(folder)
+  end)
   teardown(function() folder:remove() end)
-
-  --- Runs `ylm words`; returns stdout, exit status, stderr.
-  local function ylm(words)
-    local out, code = scratch.capture(("YLM_LUA=%s LUA_PATH= LUA_CPATH= %s %s 2>%s"):format(lua,
-      scratch.quote(build .. "/ylm"), words, scratch.quote(folder.path .. "/stderr")))
-    return out, code, folder:read "stderr"
-  end
 
   --- The first line of stderr of a command that is used wrongly.
   local function refused(words)
@@ -106,7 +100,7 @@ describe("the command-line tool's messages", function()
   end)
 
   it("say that YLM_LUA names no interpreter", function()
-    local out, code = scratch.capture(("YLM_LUA=nolua %s info"):format(scratch.quote(build .. "/ylm")))
+    local out, code = scratch.capture("YLM_LUA=nolua " .. tool.path .. " info")
     assert.equal(1, code)
     assert.equal("ylm: no Lua called 'nolua'; set YLM_LUA to luajit, lua5.4, lua5.3 or lua5.1\n", out)
   end)

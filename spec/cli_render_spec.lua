@@ -1,14 +1,13 @@
 -- `ylm render` and `ylm bake`: which options each method takes, warnings, --strict.
 
 local scratch = require "spec.support.scratch"
-
-local build = os.getenv "YLM_BUILD" or "build"
-local lua = os.getenv "YLM_LUA" or "lua5.4"
+local tool = require "spec.support.tool"
 
 describe("the command-line tool's renderings", function()
-  local folder, scene
+  local folder, scene, ylm -- its warnings on
   setup(function()
     folder = scratch.new()
+    ylm = tool.runner(folder, "YLM_WARNINGS=")
     scene = scratch.quote(folder:write("scene.lua", [[
       return scene "under a shelf" {
         camera   = camera { from = { 2, 2, 3 }, at = { 0, 0, 0 } },
@@ -19,13 +18,6 @@ describe("the command-line tool's renderings", function()
       }]]))
   end)
   teardown(function() folder:remove() end)
-
-  --- Runs `ylm words` with warnings on; returns stdout, exit status, stderr.
-  local function ylm(words)
-    local out, code = scratch.capture(("YLM_WARNINGS= YLM_LUA=%s LUA_PATH= LUA_CPATH= %s %s 2>%s"):format(lua,
-      scratch.quote(build .. "/ylm"), words, scratch.quote(folder.path .. "/stderr")))
-    return out, code, folder:read "stderr"
-  end
 
   local function to(name) return " -o " .. scratch.quote(folder.path .. "/" .. name) end
 

@@ -1,21 +1,15 @@
 -- The command-line tool: what it prints where, and its exit statuses.
 
 local scratch = require "spec.support.scratch"
-
-local build = os.getenv "YLM_BUILD" or "build"
-local lua = os.getenv "YLM_LUA" or "lua5.4"
+local tool = require "spec.support.tool"
 
 describe("the command-line tool", function()
-  local folder
-  setup(function() folder = scratch.new() end)
+  local folder, ylm
+  setup(function()
+    folder = scratch.new()
+    ylm = tool.runner(folder)
+  end)
   teardown(function() folder:remove() end)
-
-  --- Runs `ylm words`; returns stdout, exit status, stderr.
-  local function ylm(words)
-    local out, code = scratch.capture(("YLM_LUA=%s LUA_PATH= LUA_CPATH= %s %s 2>%s"):format(lua,
-      scratch.quote(build .. "/ylm"), words, scratch.quote(folder.path .. "/stderr")))
-    return out, code, folder:read "stderr"
-  end
 
   local function file(name, text) return scratch.quote(folder:write(name, text)) end
 

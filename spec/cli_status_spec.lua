@@ -1,21 +1,20 @@
 -- How the command-line tool ends: full disks, what experiments return and raise, interrupts.
 
 local scratch = require "spec.support.scratch"
-
-local build = os.getenv "YLM_BUILD" or "build"
-local lua = os.getenv "YLM_LUA" or "lua5.4"
-local tool = ("YLM_LUA=%s LUA_PATH= LUA_CPATH= %s "):format(lua, scratch.quote(build .. "/ylm"))
+local tool = require "spec.support.tool"
 
 describe("the command-line tool's exit status", function()
-  local folder
-  setup(function() folder = scratch.new() end)
+  local folder, start
+  setup(function()
+    folder = scratch.new()
+    start = tool.runner(folder)
+  end)
   teardown(function() folder:remove() end)
 
   --- Runs `ylm words`; returns its status and stderr.
   local function ylm(words, to)
-    local _, code = scratch.capture(("%s %s >%s 2>%s"):format(tool, words, to or "/dev/null",
-      scratch.quote(folder.path .. "/stderr")))
-    return code, folder:read "stderr"
+    local _, code, err = start(words, to or "/dev/null")
+    return code, err
   end
 
   --- Exit status and output of an experiment of this text.
@@ -87,7 +86,7 @@ describe("the command-line tool's exit status", function()
     for words, wait in pairs { ["run work " .. begun] = "while [ ! -e " .. begun .. " ]; do sleep 0.02; done; sleep 0.1",
       ["render scene -q -s 1920x1080 -n 64 -o out"] = "sleep 0.5" } do
       words = words:gsub("%l+", quoted)
-      local out = scratch.capture(("%s %s >/dev/null 2>&1 & p=$!; %s; %s"):format(tool, words, wait, timed))
+      local out = scratch.capture(("%s %s >/dev/null 2>&1 & p=$!; %s; %s"):format(tool.command, words, wait, timed))
       local code, ms = out:match "(%d+) (%d+)%s*$"
       assert.equal("130", code, words .. ": " .. out)
       assert.truthy(tonumber(ms) < 2000, words .. ": " .. ms .. " ms")

@@ -3,6 +3,7 @@
 local core = require "ylm.c.core"
 local ylm = require "ylm"
 local grids = require "spec.support.grids"
+local long = require "spec.support.long"
 local moving = require "spec.support.moving"
 local random = require "spec.support.random".minimal
 
@@ -165,12 +166,13 @@ describe("grid:update of flat lights", function()
     { name = "by a threshold", make = function(dynamic)
       return ylm.adaptive_grid { bounds = box, lmax = 2, depth = 5, threshold = 5, dynamic = dynamic }
     end },
-    { name = "by a tolerance", tolerance = 0.02, make = function(dynamic)
+    { name = "by a tolerance", tolerance = 0.02, updates = long(120, 1000), make = function(dynamic)
       return ylm.adaptive_grid { bounds = box, lmax = 2, depth = 5, tolerance = 0.02, dynamic = dynamic }
     end },
   }
   for _, d in ipairs(small) do
-    it("is right after 1000 updates of all kinds of lights: grid " .. d.name, function()
+    local updates = d.updates or 1000
+    it(("is right after %d updates of all kinds of lights: grid %s"):format(updates, d.name), function()
       local r, lights = random(moving.seed), ceiling(24)
       local kept = { {}, { method = "sphere" }, { horizon = { 0, 1, 0 } } }
       for _ = 1, 12 do lights[#lights + 1] = lamp(2 * r() - 1, 0.7, 2 * r() - 1, 0.03) end
@@ -182,7 +184,7 @@ describe("grid:update of flat lights", function()
         return panel(x, y, z, 0.03, 6 * r(), 6 * r(), o)
       end
       local grid = bake(d, lights, true)
-      for k = 1, 1000 do
+      for k = 1, updates do
         local kind, i = r(), math.floor(r() * 5) + 1
         if kind < 0.85 then lights[i] = any()
         elseif kind < 0.93 and #lights < 36 then table.insert(lights, math.floor(r() * #lights) + 1, any())

@@ -1,9 +1,17 @@
 --- Prints what spec/run has to do, "LUA FILE" a line, the longest first.
 --
 --     lua spec/support/run/jobs.lua "lua5.4 luajit" spec/sh_eval_spec.lua spec ...
+--
+-- YLM_SPEC=quick leaves out what is slow or needs more than a compiler; YLM_SPEC=long runs every spec under each Lua.
 
 local once = dofile "spec/once.lua"
 local OTHERS = 10 -- seconds: a spec that runs under each Lua takes less
+local which = os.getenv "YLM_SPEC"
+
+--- Is a spec left out of `make quick`?
+local function slow(name)
+  return (once[name] or 0) > 15 or name:find "^vulkan" or name == "install" or name == "memory"
+end
 
 local function quote(s) return "'" .. s:gsub("'", "'\\''") .. "'" end
 
@@ -19,10 +27,12 @@ end
 local jobs = {}
 for i = 2, #arg do
   for _, file in ipairs(files(arg[i])) do
-    local seconds = once[file:match "([^/]*)_spec%.lua$"]
+    local name = file:match "([^/]*)_spec%.lua$" or file
     for lua in arg[1]:gmatch "%S+" do
-      jobs[#jobs + 1] = { seconds = seconds or OTHERS, text = lua .. " " .. file }
-      if seconds then break end
+      if which ~= "quick" or not slow(name) then
+        jobs[#jobs + 1] = { seconds = once[name] or OTHERS, text = lua .. " " .. file }
+      end
+      if once[name] and which ~= "long" then break end
     end
   end
 end

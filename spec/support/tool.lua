@@ -1,0 +1,26 @@
+--- The command-line tool of the build, under the Lua that runs the specs:
+--
+--     local ylm = tool.runner(folder)
+--     local out, status, err = ylm "info --json"
+
+local scratch = require "spec.support.scratch"
+
+local tool = {}
+
+--- Its name for a shell.
+tool.path = scratch.quote((os.getenv "YLM_BUILD" or "build") .. "/ylm")
+
+--- What a shell command begins with; `words` of the tool follow.
+tool.command = ("YLM_LUA=%s LUA_PATH= LUA_CPATH= %s "):format(os.getenv "YLM_LUA" or "lua5.4", tool.path)
+
+--- A function of the tool's words, and of where its stdout goes instead: returns stdout, exit status, stderr, which a folder
+-- (scratch.new) takes. `environment` stands before the command.
+function tool.runner(folder, environment)
+  return function(words, to)
+    local out, status = scratch.capture(("%s %s%s %s 2>%s"):format(environment or "", tool.command, words, to and ">" .. to or "",
+      scratch.quote(folder.path .. "/stderr")))
+    return out, status, folder:read "stderr"
+  end
+end
+
+return tool
