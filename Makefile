@@ -160,7 +160,7 @@ spec: all   ## run the specs, without installing what they need (SPEC=files for 
 quick: all   ## the specs that a change of one file needs: 90 seconds on two cores
 	@YLM_SPEC=quick BUILD=$(abspath $(BUILD)) SPEC_LUAS='$(or $(SPEC_LUAS),lua5.4)' spec/run $(SPEC)
 
-check-long: all   ## run by hand before a release, hours: sanitizers, kills, random updates at length, memory, portability (LONG=names)
+check-long: all   ## run by hand before a release, hours: sanitizers, kills, 1000 updates, memory at each request, clang (LONG=names)
 	@BUILD=$(abspath $(BUILD)) spec/long $(LONG)
 
 check: gen-check bench-check fuzz-check   ## style, generated files, warnings of benches and fuzz targets, without running specs

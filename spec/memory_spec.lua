@@ -1,55 +1,31 @@
 -- Memory that runs out, wherever it is asked for: nil, message, "ENOMEM", and everything goes on afterwards.
 --
 -- Every call of spec/support/memory/calls.lua is made while one of the requests for memory that it makes fails, by a
--- library that is preloaded. The specs let every 12th fail (of few requests every one, of pictures every 300th);
--- `YLM_MEMORY=all spec/run spec/memory_spec.lua` all 4,958: six minutes, where pictures are drawn without a GPU.
+-- library that is preloaded. The specs let every 12th fail, of few requests every one (memory_picture_spec.lua: of pictures
+-- every 300th); `YLM_MEMORY=all spec/run spec/memory_spec.lua spec/memory_picture_spec.lua` all 4,958: six minutes, where
+-- pictures are drawn without a GPU.
 
 local core = require "ylm.c.core"
 local form = require "ylm.form"
 local library = require "ylm.library"
 local memory = require "ylm.memory"
+local preload = require "spec.support.memory.preload"
 local scratch = require "spec.support.scratch"
 local ylm = require "ylm"
 
-local build, lua = os.getenv "YLM_BUILD" or "build", os.getenv "YLM_LUA" or "lua5.4"
-local abi = lua == "luajit" and "lua5.1" or lua
-local all = os.getenv "YLM_MEMORY" == "all"
-
 describe("memory that runs out", function()
-  local folder, missing
+  local folder, program, missing
   setup(function()
     folder = scratch.new()
-    scratch.shell("mkdir -p " .. scratch.quote(folder.path .. "/files"))
-    if (os.getenv "LD_PRELOAD" or "") ~= "" then
-      missing = "another library is preloaded"
-      return
-    end
-    local out, status = scratch.capture(("${CC:-cc} -std=gnu11 -O1 -Wall -Wextra -Werror -shared -fPIC "
-      .. "$(pkg-config --cflags %s) spec/support/memory/failure.c -o %s -ldl"):format(lua,
-      scratch.quote(folder.path .. "/failure.so")))
-    if status ~= 0 then missing = "spec/support/memory/failure.c cannot be built: " .. out end
+    program, missing = preload.new(folder)
   end)
   teardown(function() folder:remove() end)
 
-  --- Sweeps the calls whose names match, in a process of its own; returns what it prints, and its exit status.
-  local function sweep(pattern, stride)
-    local quote, path = scratch.quote, folder.path
-    local environment = "YLM_THREADS=1 YLM_WARNINGS=no LUA_PATH='lua/?.lua;lua/?/init.lua;./?.lua;;' "
-      .. "LD_PRELOAD=" .. quote(path .. "/failure.so")
-      .. " LUA_CPATH=" .. quote(path .. "/?.so;" .. build .. "/" .. abi .. "/?.so;;")
-    return scratch.capture(("%s %s spec/support/memory/sweep.lua %s %d %s"):format(environment, lua,
-      quote(path .. "/files"), all and 1 or stride, quote(pattern)))
-  end
-
-  for _, part in ipairs {
-    { "in calls of every kind", "^[^:]*$", 12 }, { "in pictures", "^picture: ", 300 },
-  } do
-    it("is said " .. part[1] .. ", which can be made again", function()
-      if missing then return pending(missing) end
-      local out, status = sweep(part[2], part[3])
-      assert(status == 0 and out:find "\n%d+ calls, %d+ requests, %d+ failures, 0 defects", out)
-    end)
-  end
+  it("is said in calls of every kind, which can be made again", function()
+    if missing then return pending(missing) end
+    local out, status = preload.sweep(program, folder, "^[^:]*$", 12)
+    assert(status == 0 and out:find "\n%d+ calls, %d+ requests, %d+ failures, 0 defects", out)
+  end)
 
   it("is said where Lua's own runs out", function()
     local f = memory.public(function() error("not enough memory", 0) end)

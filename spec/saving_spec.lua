@@ -80,11 +80,11 @@ describe("saving", function()
   end)
 
   it("takes names of up to 255 bytes and says that one is too long", function()
-    local long = ("n"):rep(251) .. ".npy"
-    assert.is_true(save(long))
-    assert.is_true(save(long)) -- again, over itself
-    assert.same({ 1, 2 }, ylm.load(path(long)):totable())
-    local ok, message, code = save("n" .. long)
+    local name = ("n"):rep(251) .. ".npy"
+    assert.is_true(save(name))
+    assert.is_true(save(name)) -- again, over itself
+    assert.same({ 1, 2 }, ylm.load(path(name)):totable())
+    local ok, message, code = save("n" .. name)
     assert.is_nil(ok)
     assert.equal("EIO", code)
     assert.truthy(message:find "cannot be created: File name too long", message)

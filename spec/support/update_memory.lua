@@ -1,12 +1,12 @@
 -- Updates in which memory runs out at every request in turn: once, and from there on.
 --
---     LD_PRELOAD=exhausted.so lua5.4 spec/support/update_memory.lua STRIDE
+--     LD_PRELOAD=failure.so lua5.4 spec/support/update_memory.lua STRIDE
 --
 -- Every STRIDE-th request is tried; with 1 also uniform grids, and more changes.
 -- A failed update leaves the grid as it was, or spent. A grid that is not spent takes the update afterwards. Prints a line
 -- for each defect, and counts last; its exit status is 1 where there was a defect.
 
-local exhausted = require "exhausted"
+local failure = require "failure"
 local core = require "ylm.c.core"
 local light = require "ylm.light"
 local ylm = require "ylm"
@@ -74,10 +74,10 @@ local function try(where, bake, now, before, after, a, b)
   end
   local grid = bake()
   collectgarbage()
-  exhausted.between(a, b)
+  failure.arm(a, b)
   local ok, report, message, code = pcall(grid.update, grid, now, { threads = 1 })
-  local requests = exhausted.requests()
-  exhausted.between(0, 0)
+  local requests = failure.requests()
+  failure.arm(0)
   if not ok then defect("raised %s", tostring(report))
   elseif report then
     if samples_differ(grid, after) > 0 then defect "succeeded, but is no update" end
@@ -115,7 +115,7 @@ for _, d in ipairs(descriptions) do
     local function bake() return assert(ylm.bake(d[2], change[2], { occupied = floor, threads = 1 })) end
     local before, after = bake(), bake()
     assert(after:update(change[3], { threads = 1 }))
-    local requests, first = try(where, bake, change[3], before, after, 0, 0), failures
+    local requests, first = try(where, bake, change[3], before, after, 1e9, 1e9), failures
     for a = 1, requests, stride do
       try(where, bake, change[3], before, after, a, a)
       try(where, bake, change[3], before, after, a, 1e9)

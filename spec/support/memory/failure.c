@@ -2,7 +2,8 @@
 ** failure.c - memory that runs out where a spec wants it: preloaded, and a Lua module.
 **
 **   local failure = require "failure"
-**   failure.arm(k)      the k-th request for memory by ylm's libraries from here on fails; 0: none
+**   failure.arm(a, b)   requests a to b (a) for memory by ylm's libraries from here on fail
+**   failure.arm(0)      none fails
 **   failure.requests()  requests since then
 **   failure.limit(n)    the address space may grow by n bytes more; nil: by any number
 **
@@ -25,7 +26,7 @@
 enum { MOST = 64 };
 static struct { uintptr_t begin, end; } ours[MOST];
 static int count;
-static long wanted, seen; /* one thread asks at a time, or the spec sets YLM_THREADS=1 */
+static long first, last, seen; /* one thread asks at a time, or the spec sets YLM_THREADS=1 */
 
 static int note(struct dl_phdr_info *info, size_t size, void *unused) {
   (void)size, (void)unused;
@@ -41,11 +42,13 @@ static int note(struct dl_phdr_info *info, size_t size, void *unused) {
 
 /* Shall this request fail? */
 static bool fails(void *caller) {
-  if (!wanted) return false;
+  if (!first) return false;
   uintptr_t c = (uintptr_t)caller;
   for (int i = 0; i < count; i++)
-    if (c >= ours[i].begin && c < ours[i].end)
-      return __atomic_add_fetch(&seen, 1, __ATOMIC_RELAXED) == wanted;
+    if (c >= ours[i].begin && c < ours[i].end) {
+      long k = __atomic_add_fetch(&seen, 1, __ATOMIC_RELAXED);
+      return k >= first && k <= last;
+    }
   return false;
 }
 
@@ -104,7 +107,8 @@ static int arm(lua_State *L) {
   count = 0;
   dl_iterate_phdr(note, NULL);
   seen = 0;
-  wanted = (long)lua_tonumber(L, 1);
+  first = (long)lua_tonumber(L, 1);
+  last = lua_type(L, 2) == LUA_TNUMBER ? (long)lua_tonumber(L, 2) : first;
   return 0;
 }
 
