@@ -8,14 +8,14 @@ typedef const ylm__moment_kernel *of_dtype(int dtype);
 #define SET(isa)                                                                                   \
   YLM__SPECIAL_LIST(DECLARE, isa)                                                                  \
   of_dtype ylm__moments_any_##isa;                                                                 \
-  ylm__sum_range ylm__sum_range_f_##isa, ylm__sum_range_d_##isa;                                   \
-  ylm__tree_range ylm__tree_range_f_##isa, ylm__tree_range_d_##isa;                                \
+  ylm__sum_range ylm__sum_range_float_##isa, ylm__sum_range_double_##isa;                          \
+  ylm__tree_range ylm__tree_range_float_##isa, ylm__tree_range_double_##isa;                       \
   ylm_light_lambda2_fn ylm__lambda2_##isa;                                                         \
   static void find_##isa(int lmax, ylm_dtype t, ylm__kernel_set *set) {                            \
     static of_dtype *const special[] = {YLM__SPECIAL_LIST(ENTRY, isa)};                            \
     set->moments = (lmax <= YLM__SPECIAL ? special[lmax] : ylm__moments_any_##isa)(t);             \
-    set->range = t == YLM_DOUBLE ? ylm__sum_range_d_##isa : ylm__sum_range_f_##isa;                \
-    set->tree = t == YLM_DOUBLE ? ylm__tree_range_d_##isa : ylm__tree_range_f_##isa;               \
+    set->range = t == YLM_DOUBLE ? ylm__sum_range_double_##isa : ylm__sum_range_float_##isa;       \
+    set->tree = t == YLM_DOUBLE ? ylm__tree_range_double_##isa : ylm__tree_range_float_##isa;      \
     set->lambda2 = ylm__lambda2_##isa;                                                             \
   }
 

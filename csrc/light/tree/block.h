@@ -1,11 +1,15 @@
 /*
-** block.h - blocks of packets, for one element type; included by body.h. A block shares
-** what is far from all of it where that pays (far.h), and leaves the rest to the
-** smaller blocks that it is halved into, down to packets.
+** block.h - blocks of packets, for the unit's element type. A block shares the sums of lights that
+** are far from all of it where that pays (far.h), and leaves the rest to the smaller blocks that it
+** is halved into, down to packets.
 */
+#ifndef YLM_LIGHT_TREE_BLOCK_H
+#define YLM_LIGHT_TREE_BLOCK_H
+
+#include "packet.h"
 
 /* Packets as balls, at most PARTS of them. */
-static void NAME(see_parts)(const NAME(packet) * q, size_t packets, seen_by *by) {
+static void see_parts(const packet *q, size_t packets, seen_by *by) {
   size_t parts = packets < PARTS ? packets : PARTS;
   by->vectors = (int)((parts + YLM_VF - 1) / YLM_VF);
   for (size_t i = 0; i < (size_t)by->vectors * YLM_VF; i++) {
@@ -15,7 +19,7 @@ static void NAME(see_parts)(const NAME(packet) * q, size_t packets, seen_by *by)
     seen_from part = {.radius = 0};
     for (int j = 0; j < 3; j++) part.allowed[j] = part.part[j] = part.error[j] = INFINITY;
     for (size_t j = 0; j < n; j++) {
-      NAME(be_strict)(&q[first + j].whole, &part);
+      be_strict(&q[first + j].whole, &part);
       for (int a = 0; a < 3; a++) part.x[a] += q[first + j].whole.x[a] / (float)n;
     }
     for (size_t j = 0; j < n; j++) {
@@ -35,55 +39,56 @@ static void NAME(see_parts)(const NAME(packet) * q, size_t packets, seen_by *by)
 }
 
 /* Sums what is far from all points of so many packets, where that pays; what they share. */
-static NAME(far) * NAME(share_far)(const ylm__tree_plan *p, NAME(tree_work) * k,
-                                   const NAME(packet) * q, size_t packets, int level) {
-  NAME(far) *f = &k->far[level], *above = k->shared;
-  REAL lo[3] = {INFINITY, INFINITY, INFINITY}, hi[3] = {-INFINITY, -INFINITY, -INFINITY}, half[3];
+static far_field *share_far(const ylm__tree_plan *p, tree_work *k, const packet *q, size_t packets,
+                            int level) {
+  far_field *f = &k->far[level], *above = k->shared;
+  real lo[3] = {INFINITY, INFINITY, INFINITY}, hi[3] = {-INFINITY, -INFINITY, -INFINITY}, half[3];
   seen_from whole = {.skip = 0};
   size_t n = 0;
   if (f->pays == 0) return above;
-  NAME(see_parts)(q, packets, &f->crowd.by);
+  see_parts(q, packets, &f->crowd.by);
   for (int j = 0; j < 3; j++) whole.allowed[j] = whole.part[j] = whole.error[j] = INFINITY;
   for (size_t i = 0; i < packets; i++) {
-    NAME(be_strict)(&q[i].whole, &whole);
+    be_strict(&q[i].whole, &whole);
     n += q[i].n;
     for (size_t j = 0; j < q[i].n; j++)
       for (int a = 0; a < 3; a++) {
-        REAL x = q[i].x[j][a];
+        real x = q[i].x[j][a];
         lo[a] = x < lo[a] ? x : lo[a], hi[a] = x > hi[a] ? x : hi[a];
       }
   }
   for (int a = 0; a < 3; a++) {
-    REAL middle = f->middle[a] = lo[a] / 2 + hi[a] / 2;
+    real middle = f->middle[a] = lo[a] / 2 + hi[a] / 2;
     half[a] = hi[a] - middle > middle - lo[a] ? hi[a] - middle : middle - lo[a];
     whole.x[a] = (float)(((double)middle - p->tree->centre[a]) / p->tree->size);
     whole.half[a] = (float)((double)half[a] / p->tree->size);
     whole.radius += whole.half[a] * whole.half[a];
   }
   whole.radius = sqrtf(whole.radius);
-  if (f->pays < 0)
-    f->pays = whole.radius > 0 && NAME(pays)(p, &k->walk, above, n, &whole, &f->crowd.by);
+  if (f->pays < 0) f->pays = whole.radius > 0 && pays(p, &k->walk, above, n, &whole, &f->crowd.by);
   if (!f->pays || !(whole.radius > 0)) return above;
-  k->pairs += NAME(sum_far)(p, &k->walk, above, f, &k->main, &whole, n, half);
+  k->pairs += sum_far(p, &k->walk, above, f, &k->main, &whole, n, half);
   return f->nodes ? f : above;
 }
 
 /* Sums at so many packets, which are halved as they were when they were made; every other time
    halves share what is far. */
-static void NAME(sum_block)(const ylm__tree_plan *p, NAME(tree_work) * k, NAME(packet) * q,
-                            size_t packets, int depth, ylm_field_result *r) {
-  NAME(far) *above = k->shared;
+static void sum_block(const ylm__tree_plan *p, tree_work *k, packet *q, size_t packets, int depth,
+                      ylm_field_result *r) {
+  far_field *above = k->shared;
   if (packets == 1) {
-    NAME(attend)(q, &k->crowd);
-    NAME(sum_packet)(p, k, q);
-    NAME(write_packet)(p, k, q, r);
+    attend(q, &k->crowd);
+    sum_packet(p, k, q);
+    write_packet(p, k, q, r);
     return;
   }
   if (p->nodes && depth % 2 == 0 && packets >= YLM__SHARING && depth / 2 < LEVELS) {
-    k->shared = NAME(share_far)(p, k, q, packets, depth / 2);
+    k->shared = share_far(p, k, q, packets, depth / 2);
     for (int level = depth / 2 + 1; level < LEVELS; level++) k->far[level].pays = -1;
   }
-  NAME(sum_block)(p, k, q, packets / 2, depth + 1, r);
-  NAME(sum_block)(p, k, q + packets / 2, packets - packets / 2, depth + 1, r);
+  sum_block(p, k, q, packets / 2, depth + 1, r);
+  sum_block(p, k, q + packets / 2, packets - packets / 2, depth + 1, r);
   k->shared = above;
 }
+
+#endif

@@ -1,9 +1,13 @@
 /*
-** far.h - what a block of points shares, for one element type; included by body.h. Lights
-** that are far from the whole block are summed at the nodes of a grid of Chebyshev's over its box,
-** lanes being nodes; the sums of its points are interpolated from there. Near lights are left to
-** the packets of the block.
+** far.h - the sums that a block of points shares, for the unit's element type. Lights that are far
+** from the whole block are summed at the nodes of a grid of Chebyshev's over its box, lanes being
+** nodes; the sums of its points are interpolated from there. Near lights are left to the packets
+** of the block.
 */
+#ifndef YLM_LIGHT_TREE_FAR_H
+#define YLM_LIGHT_TREE_FAR_H
+
+#include "crowd.h"
 
 /* Vectors of sums that are interpolated together, so that no addition is waited for. */
 #define ABREAST 4
@@ -22,31 +26,31 @@
 #define COST 0.5
 #define INSTEAD 0.4
 
-typedef struct NAME(far) {
+typedef struct far_field {
   int pays;      /* if blocks of this size do; -1: not known yet */
   float nearest; /* what is nearer is left to the packets */
   size_t nodes;
   int n[3];                                      /* nodes along each axis; x varies fastest */
-  REAL middle[3], scale[3];                      /* of the box; 1 over half an extent */
-  REAL basis[3][YLM__FAR_NODES][YLM__FAR_NODES]; /* of Lagrange, by Chebyshev */
-  V weight[3][YLM__FAR_NODES];                   /* of the nodes, at points */
-  NAME(crowd) crowd;                             /* the nodes */
-  REAL *table;                                   /* [sums][nodes] */
+  real middle[3], scale[3];                      /* of the box; 1 over half an extent */
+  real basis[3][YLM__FAR_NODES][YLM__FAR_NODES]; /* of Lagrange, by Chebyshev */
+  vreal weight[3][YLM__FAR_NODES];               /* of the nodes, at points */
+  crowd crowd;                                   /* the nodes */
+  real *table;                                   /* [sums][nodes] */
   size_t n_start;
   uint32_t start[LEFT]; /* what is left to the packets */
-} NAME(far);
+} far_field;
 
 /* -- nodes ----------------------------------------------------------------------------------- */
 
 /* Places the nodes in the box; the last vector is filled up with the first node. */
-static void NAME(place_nodes)(NAME(far) * f, const REAL *half) {
-  NAME(crowd) *c = &f->crowd;
+static void place_nodes(far_field *f, const real *half) {
+  crowd *c = &f->crowd;
   c->vectors = (int)((f->nodes + LANES - 1) / LANES);
   for (size_t i = 0; i < (size_t)c->vectors * LANES; i++) {
     size_t at = i < f->nodes ? i : 0;
     for (int a = 0; a < 3; at /= (size_t)f->n[a++]) {
       double t = cos(((double)(at % (size_t)f->n[a]) + 0.5) * M_PI / f->n[a]);
-      c->xyz[i / LANES][a][i % LANES] = f->middle[a] + half[a] * (REAL)t;
+      c->xyz[i / LANES][a][i % LANES] = f->middle[a] + half[a] * (real)t;
     }
   }
   for (int a = 0; a < 3; a++) {
@@ -54,18 +58,18 @@ static void NAME(place_nodes)(NAME(far) * f, const REAL *half) {
     f->scale[a] = n > 1 ? 1 / half[a] : 0;
     for (int i = 0; i < n; i++)
       for (int j = 0; j < n; j++)
-        f->basis[a][i][j] = (REAL)((j ? 2.0 : 1.0) / n * cos(j * (i + 0.5) * M_PI / n));
+        f->basis[a][i][j] = (real)((j ? 2.0 : 1.0) / n * cos(j * (i + 0.5) * M_PI / n));
   }
 }
 
 /* The nodes' weights at LANES points. */
-static void NAME(weigh)(NAME(far) * f, const V *xyz) {
+static void weigh(far_field *f, const vreal *xyz) {
   for (int a = 0; a < 3; a++) {
-    V T[YLM__FAR_NODES], t = (xyz[a] - f->middle[a]) * f->scale[a];
-    T[0] = (V){0} + 1, T[1] = t;
+    vreal T[YLM__FAR_NODES], t = (xyz[a] - f->middle[a]) * f->scale[a];
+    T[0] = (vreal){0} + 1, T[1] = t;
     for (int j = 2; j < f->n[a]; j++) T[j] = 2 * t * T[j - 1] - T[j - 2];
     for (int i = 0; i < f->n[a]; i++) {
-      V w = {0};
+      vreal w = {0};
       for (int j = 0; j < f->n[a]; j++) w += f->basis[a][i][j] * T[j];
       f->weight[a][i] = w;
     }
@@ -73,17 +77,17 @@ static void NAME(weigh)(NAME(far) * f, const V *xyz) {
 }
 
 /* Adds the sums that are interpolated at LANES points, n of them. */
-static void NAME(interpolate)(NAME(far) * f, const V *xyz, size_t n, V *to) {
-  NAME(weigh)(f, xyz);
+static void interpolate(far_field *f, const vreal *xyz, size_t n, vreal *to) {
+  weigh(f, xyz);
   size_t X = (size_t)f->n[0], Y = (size_t)f->n[1], Z = (size_t)f->n[2];
   for (size_t s = 0; s < n; s += ABREAST) {
-    const REAL *at[ABREAST];
-    V sum[ABREAST] = {{0}};
+    const real *at[ABREAST];
+    vreal sum[ABREAST] = {{0}};
     for (size_t i = 0; i < ABREAST; i++) at[i] = f->table + (s + i < n ? s + i : s) * f->nodes;
     for (size_t z = 0; z < Z; z++) {
-      V plane[ABREAST] = {{0}};
+      vreal plane[ABREAST] = {{0}};
       for (size_t y = 0; y < Y; y++) {
-        V row[ABREAST] = {{0}};
+        vreal row[ABREAST] = {{0}};
         for (size_t x = 0; x < X; x++)
           for (int i = 0; i < ABREAST; i++) row[i] += f->weight[0][x] * *at[i]++;
         for (int i = 0; i < ABREAST; i++) plane[i] += f->weight[1][y] * row[i];
@@ -97,18 +101,18 @@ static void NAME(interpolate)(NAME(far) * f, const V *xyz, size_t n, V *to) {
 /* -- what is far ----------------------------------------------------------------------------- */
 
 /* Walks from what the larger block `above` left, or from the root. */
-static void NAME(walk_below)(tree_walk *walk, const NAME(far) * above) {
+static void walk_below(tree_walk *walk, const far_field *above) {
   static const uint32_t root = 1;
   walk->n_left = 0, walk->too_many = false;
   walk_from(walk, above ? above->start : &root, above ? above->n_start : 1);
 }
 
 /* How many lights and proxies a block's walk comes to. */
-static size_t NAME(count_far)(tree_walk *walk, const NAME(far) * above, const seen_from *from,
-                              const seen_by *by) {
+static size_t count_far(tree_walk *walk, const far_field *above, const seen_from *from,
+                        const seen_by *by) {
   const note_lists *notes = &walk->notes;
   size_t n = 0;
-  NAME(walk_below)(walk, above);
+  walk_below(walk, above);
   while (walk_on(walk, from, by) > 0 && !walk->too_many)
     for (int dim = 0; dim <= OF_DIM; dim += OF_DIM) {
       for (size_t i = 0; i < notes->n[OF_LEAF + dim]; i++)
@@ -120,7 +124,7 @@ static size_t NAME(count_far)(tree_walk *walk, const NAME(far) * above, const se
 
 /* The nodes of a block of so many points, and the distance from which on they serve; 0 if there
    would be too many. */
-static size_t NAME(find_nodes)(const ylm__tree_plan *p, size_t points, seen_from *from, int n[3]) {
+static size_t find_nodes(const ylm__tree_plan *p, size_t points, seen_from *from, int n[3]) {
   float part[3];
   int axes = (from->half[0] > 0) + (from->half[1] > 0) + (from->half[2] > 0), along = ALONG;
   while (pow(along, axes) > 0.25 * (double)points) along--;
@@ -138,38 +142,37 @@ static size_t NAME(find_nodes)(const ylm__tree_plan *p, size_t points, seen_from
 }
 
 /* Does it pay to interpolate? */
-static bool NAME(pays)(const ylm__tree_plan *p, tree_walk *walk, const NAME(far) * above,
-                       size_t points, seen_from *from, const seen_by *by) {
+static bool pays(const ylm__tree_plan *p, tree_walk *walk, const far_field *above, size_t points,
+                 seen_from *from, const seen_by *by) {
   int n[3];
-  size_t nodes = NAME(find_nodes)(p, points, from, n);
+  size_t nodes = find_nodes(p, points, from, n);
   if (nodes == 0 || (above && from->nearest >= above->nearest)) return false;
   double lanes = (double)((nodes + LANES - 1) / LANES * LANES);
-  double many = (double)NAME(count_far)(walk, above, from, by);
+  double many = (double)count_far(walk, above, from, by);
   return !walk->too_many && many * (INSTEAD - lanes / (double)points) > COST * (double)nodes;
 }
 
 /* Sums what is far from a block at its nodes; how many pairs that took. `from` is the box and what
    its points allow, `half` its extent in the scene. f->nodes is 0 if nothing is interpolated. */
-static uint64_t NAME(sum_far)(const ylm__tree_plan *p, tree_walk *walk, NAME(far) * above,
-                              NAME(far) * f, NAME(work) * w, seen_from *from, size_t points,
-                              const REAL *half) {
-  NAME(crowd) *c = &f->crowd;
+static uint64_t sum_far(const ylm__tree_plan *p, tree_walk *walk, far_field *above, far_field *f,
+                        work *w, seen_from *from, size_t points, const real *half) {
+  crowd *c = &f->crowd;
   size_t n = (size_t)(p->sums->n_lum + 3 * p->sums->n_rgb);
   size_t dim = (size_t)(p->dim.n_lum + 3 * p->dim.n_rgb);
-  f->nodes = NAME(find_nodes)(p, points, from, f->n);
+  f->nodes = find_nodes(p, points, from, f->n);
   if (f->nodes == 0) return 0;
-  NAME(place_nodes)(f, half);
-  memset(c->sums, 0, (size_t)c->vectors * n * sizeof(V));
-  memset(c->dim_sums, 0, (size_t)c->vectors * dim * sizeof(V));
-  NAME(walk_below)(walk, above);
-  uint64_t pairs = (size_t)c->vectors * LANES * NAME(walk_together)(walk, c, w, from);
+  place_nodes(f, half);
+  memset(c->sums, 0, (size_t)c->vectors * n * sizeof(vreal));
+  memset(c->dim_sums, 0, (size_t)c->vectors * dim * sizeof(vreal));
+  walk_below(walk, above);
+  uint64_t pairs = (size_t)c->vectors * LANES * walk_together(walk, c, w, from);
   if (walk->too_many) f->nodes = 0;
   for (int v = 0; v < c->vectors; v++) {
-    V *sums = c->sums + (size_t)v * n;
-    NAME(add_dim)(p, c->dim_sums + (size_t)v * dim, sums);
-    if (above) NAME(interpolate)(above, c->xyz[v], n, sums);
+    vreal *sums = c->sums + (size_t)v * n;
+    add_dim(p, c->dim_sums + (size_t)v * dim, sums);
+    if (above) interpolate(above, c->xyz[v], n, sums);
   }
-  const REAL *sums = (const REAL *)c->sums;
+  const real *sums = (const real *)c->sums;
   for (size_t s = 0; s < n; s++)
     for (size_t i = 0; i < f->nodes; i++)
       f->table[s * f->nodes + i] = sums[(i / LANES * n + s) * LANES + i % LANES];
@@ -178,3 +181,5 @@ static uint64_t NAME(sum_far)(const ylm__tree_plan *p, tree_walk *walk, NAME(far
   memcpy(f->start, walk->left, f->n_start * sizeof *f->start);
   return pairs;
 }
+
+#endif

@@ -1,7 +1,11 @@
 /*
-** near.h - which nodes of the tree of lights are too near or too strong for a block of points
-** to interpolate; included by walk.h. Lanes are nodes.
+** near.h - which nodes of the tree of lights are too near or too strong for a block of points to
+** interpolate. Lanes are nodes.
 */
+#ifndef YLM_LIGHT_TREE_NEAR_H
+#define YLM_LIGHT_TREE_NEAR_H
+
+#include "nodes.h"
 
 /* The square of the distance of nodes from a block, less `reach`, by which its interpolation
    converges, and in `d` the square of the distance itself. Along an axis whose half extent is h,
@@ -70,3 +74,5 @@ static void leave_nodes(tree_walk *w, const seen_from *from, node_vector *v) {
         v->at[i / YLM__GROUP] | (v->small[i] ? 0 : NOT_FIRST) | (v->small[i + 1] ? 0 : NOT_SECOND);
   }
 }
+
+#endif

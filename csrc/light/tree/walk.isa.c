@@ -1,96 +1,8 @@
 /*
-** walk.h - which nodes of the tree of lights are far enough from a box of points, in float and
-** the tree's units; a vector of nodes at a time. Included by moments/sum.isa.c.
+** walk.isa.c - which nodes of the tree of lights are far enough from a box of points; a vector of
+** nodes at a time.
 */
-
-#define SIDE (YLM_VF / YLM__GROUP) /* groups in a vector */
-
-/* Groups that a packet may leave to its points, and a block to its packets. */
-#define LEFT 1024
-/* In a list: this group but for its first or its second node. */
-#define NOT_FIRST 0x80000000u
-#define NOT_SECOND 0x40000000u
-/* Groups on the stack that are taken several at a time: those left are there from the start. */
-#define BROAD (2 * LEFT)
-/* Sizes of blocks in each other, of which each has a quarter of the points of the next. */
-#define LEVELS 4
-/* Nodes that are noted before they are summed. */
-#define NOTES 256
-
-/* A box as the tests see it: a packet's, or one point. */
-typedef struct seen_from {
-  float x[3], half[3], radius; /* middle, half of its edges and of its diagonal */
-  float allowed[3];            /* B_k of tree.h */
-  float part[3], error[3];     /* errors: of the norm of the lights' own sum, and in all */
-  float skip;                  /* beyond this distance Hessians are negligible */
-  float nearest;               /* of what a block interpolates; 0 for packets and points */
-  float strong[3];             /* 1 over what is too strong for that at this distance */
-  int power;                   /* by which errors of interpolation fall with the distance, halved */
-  bool pilot;
-} seen_from;
-
-/* Parts of a block, and vectors of them. */
-#define PARTS 64
-#define SEEN (PARTS / YLM_VF)
-
-/* The points of a packet, or balls with parts of a block, lanes beside each other. */
-typedef struct seen_by {
-  int vectors;
-  ylm_vf x[SEEN][3], radius[SEEN], allowed[SEEN][3], skip[SEEN];
-} seen_by;
-
-/* Kinds of sums: lights of a leaf, four or eight proxies of a node, or one light for a node. With
-   OF_DIM added their Hessians are negligible. */
-enum { OF_LEAF, OF_FEW, OF_MANY, OF_WHOLE, OF_DIM, KINDS = 2 * OF_DIM };
-
-/* Results of a walk, kind by kind: leaves with their number of lights as in ylm__group, blocks of
-   proxies, or nodes, group times YLM__GROUP plus place. Lists have room for one entry that is not
-   noted. */
-typedef struct note_lists {
-  size_t all, n[KINDS];
-  uint32_t at[KINDS][NOTES + 1];
-} note_lists;
-
-typedef struct tree_walk {
-  const ylm__tree_plan *plan;
-  uint32_t *stack;
-  size_t top, n_left;
-  uint64_t lights_left;
-  bool too_many;       /* more than there was room for */
-  uint32_t left[LEFT]; /* groups that are smaller than the packet and in or near it, or nodes that
-                          are too near for a block */
-  note_lists notes;
-} tree_walk;
-
-/* A field of groups side by side. */
-YLM_INLINE ylm_vf side_by_side(const ylm__group *const *g, size_t offset) {
-  _Static_assert(YLM__GROUP * sizeof(float) == sizeof(int64_t), "a field of a group is one number");
-  ylm_vl v = {0};
-  for (size_t i = 0; i < SIDE; i++) {
-    int64_t pair;
-    memcpy(&pair, (const char *)g[i] + offset, sizeof pair);
-    v[i] = pair;
-  }
-  return (ylm_vf)v;
-}
-#define FIELD(name) side_by_side(g, offsetof(ylm__group, name))
-#define FIELD_OF(name, s)                                                                          \
-  side_by_side(g, offsetof(ylm__group, name) + (size_t)(s) * sizeof g[0]->name[0])
-
-/* How far coordinates are from the middle of an interval beyond its ends; 0 inside. */
-YLM_INLINE ylm_vf beyond(ylm_vf x, float middle, float half) {
-  x -= middle;
-  x = ylm_vf_select(x > 0, x, -x) - half;
-  return ylm_vf_select(x > 0, x, (ylm_vf){0});
-}
-
-/* A vector of nodes, and masks of what becomes of them. */
-typedef struct node_vector {
-  size_t n; /* groups */
-  uint32_t at[SIDE];
-  const ylm__group *g[SIDE];
-  int32_t absent[YLM_VF], closed[YLM_VF], dim[YLM_VF], small[YLM_VF];
-} node_vector;
+#include "near.h"
 
 /* Masks of the nodes that need not be opened, of those whose Hessians are negligible, and of those
    that are small beside the box. */
@@ -166,11 +78,6 @@ static bool test_points(const ylm__tree_plan *p, const ylm__group *g, int i, con
   return closed;
 }
 
-static void walk_from(tree_walk *w, const uint32_t *groups, size_t n) {
-  memcpy(w->stack, groups, n * sizeof *groups);
-  w->top = n;
-}
-
 /* Nodes that are too near for the box of a packet may not be for its points. */
 static void test_again(const ylm__tree_plan *p, const seen_by *by, node_vector *v) {
   for (int i = 0; i < YLM_VF; i++) {
@@ -192,8 +99,6 @@ static void leave(tree_walk *w, node_vector *v) {
     w->lights_left += g->lights[i % YLM__GROUP];
   }
 }
-
-#include "near.h"
 
 /* Puts each node on the stack or among the notes; without branches, which are unpredictable. */
 YLM_INLINE void sort_nodes(tree_walk *w, const node_vector *v, const bool pilot, const bool left) {
@@ -249,9 +154,9 @@ static void pop(tree_walk *w, node_vector *v) {
   }
 }
 
-/* Goes on until NOTES nodes are noted, or none is left; how many there are. Groups are taken off
-   the stack one turn before they are looked at: meanwhile they come from memory. */
-static size_t walk_on(tree_walk *w, const seen_from *from, const seen_by *by) {
+/* Groups are taken off the stack one turn before they are looked at: meanwhile they come from
+   memory. */
+size_t YLM_KERNEL(ylm__walk_on)(tree_walk *w, const seen_from *from, const seen_by *by) {
   node_vector now, next;
   memset(w->notes.n, 0, sizeof w->notes.n);
   w->notes.all = 0;

@@ -23,10 +23,10 @@ local languages = {
     inout = "%1 *%2", at = "*",
     before = "static inline ", constants = { "enum {", "  YLM_GPU_%s = 0x%x, /* %s */", "};" },
   },
-  -- C for lanes, included once for each element type with vectors V.
+  -- C for lanes of the unit's element type (csrc/base/ylm_real.h).
   kernel = {
-    real = "V", mask = "VI", constant = "(REAL)%s", words = {}, uint = "uint32_t", vector = "const V *%1",
-    floats = "const V *%1", exact = "", inout = "%1 *%2", at = "*", before = "YLM_INLINE ", name = "%1 NAME(%2)",
+    real = "vreal", mask = "vmask", constant = "(real)%s", words = {}, uint = "uint32_t", vector = "const vreal *%1",
+    floats = "const vreal *%1", exact = "", inout = "%1 *%2", at = "*", before = "YLM_INLINE ",
   },
   -- GLSL of either precision, and in double.
   shader = {
@@ -52,7 +52,6 @@ end
 local function words(text, language)
   text = template.fill(text, language):gsub("%f[%w_]uint%f[^%w_]", language.uint)
   text = text:gsub("inout (%w+) (%w+)", language.inout):gsub("@", language.at)
-  if language.name then text = text:gsub("^(%w+) ([%w_]+)", language.name) end
   for _, kind in ipairs { "vector", "floats" } do
     text = text:gsub("%f[%w_]" .. kind .. " (%w+)", language[kind])
   end
@@ -77,8 +76,12 @@ function common.text(name, module, banner, list, constants)
   }
   for _, line in ipairs(banner) do out[#out + 1] = "** " .. line end
   out[#out + 1] = "*/"
-  local guard = name == "c" and ("YLM_GEN_%s_H"):format(module:upper())
-  if guard then
+  local guard = (name == "c" or name == "kernel") and ("YLM_GEN_%s_H"):format(module:upper())
+  if name == "kernel" then
+    for _, line in ipairs { "#ifndef " .. guard, "#define " .. guard, "", '#include "ylm_real.h"', "" } do
+      out[#out + 1] = line
+    end
+  elseif guard then
     for _, line in ipairs { "#ifndef " .. guard, "#define " .. guard, "", "#include <math.h>", "#include <stdbool.h>",
       "#include <stdint.h>", "" } do out[#out + 1] = line end
   end

@@ -64,15 +64,14 @@ local languages = {
     about = "",
   },
   c = {
-    words = { LARGER = "NAME(larger)", SMALLER = "NAME(smaller)", SIZE = "NAME(size)", ROOT = "SQRT",
-      THIRD = "NAME(third)", CHOOSE = "NAME(choose)", ALL = "(V){0} + " },
-    real = "V", mask = "VI", constant = "(REAL)%s",
-    double = "#if FINE", third = "static inline V NAME(third)(V u) {", first = "  V s = (V){0} + %s;",
-    head = {},
-    start = "static inline V NAME(largest_eigenvalue)(const V *h) {\n"
-      .. "  const V h0 = h[0], h1 = h[1], h2 = h[2], h3 = h[3], h4 = h[4], h5 = h[5];",
-    about = "\n** V, VI, REAL: numbers, comparisons, a constant's type; FINE: double; TINY: the least divisor; larger, smaller,"
-      .. "\n** size, choose(VI, V, V): functions NAME(x); SQRT(x).",
+    words = { LARGER = "larger", SMALLER = "smaller", SIZE = "magnitude", ROOT = "vreal_sqrt", THIRD = "third",
+      CHOOSE = "choose", ALL = "(vreal){0} + " },
+    real = "vreal", mask = "vmask", constant = "(real)%s",
+    double = "#ifndef YLM_REAL_IS_FLOAT", third = "static inline vreal third(vreal u) {", first = "  vreal s = (vreal){0} + %s;",
+    head = { "#ifndef YLM_GEN_EIGENVALUE_H", "#define YLM_GEN_EIGENVALUE_H", "", '#include "../lanes.h"' },
+    start = "static inline vreal largest_eigenvalue(const vreal *h) {\n"
+      .. "  const vreal h0 = h[0], h1 = h[1], h2 = h[2], h3 = h[3], h4 = h[4], h5 = h[5];",
+    about = "", foot = "\n#endif\n",
   },
 }
 
@@ -118,5 +117,5 @@ return function(name)
   out[#out + 1] = "#endif\n}\n"
   out[#out + 1] = language.start
   out[#out + 1] = template.fill(body, language) .. "}"
-  return table.concat(out, "\n") .. "\n"
+  return table.concat(out, "\n") .. "\n" .. (language.foot or "")
 end

@@ -7,9 +7,9 @@ local template = {}
 --- The text in a language { real =, mask =, constant = "..%s..", words = { WORD = name } }.
 function template.fill(text, language)
   local function constant(x) return (language.constant:format(x)) end
-  text = text:gsub("#([%d%.]+e%-?%d+)", constant):gsub("#([%d%.]+)", constant)
   text = text:gsub("%f[%w_]real%f[^%w_]", language.real):gsub("%f[%w_]mask%f[^%w_]", language.mask)
-  return (text:gsub("%f[%u](%u+)%f[^%w_]", function(word) return language.words[word] end))
+  text = text:gsub("%f[%u](%u+)%f[^%w_]", function(word) return language.words[word] end)
+  return (text:gsub("#([%d%.]+e%-?%d+)", constant):gsub("#([%d%.]+)", constant))
 end
 
 return template

@@ -2,73 +2,77 @@
 ** The largest absolute eigenvalue of the symmetric matrix xx xy xz yy yz zz; 0 for zero. Two that are alike: r is
 ** near 1 or -1 and 1-|r| has lost its digits, but B = (H - q)/p then nearly solves B^2 - rB - 2 = 0, and 6(1-r^2) is
 ** the sum of the squares of that matrix's elements. Source: Smith 1961, "Eigenvalues of a symmetric 3x3 matrix"
-** Additions and multiplications: 153 in float, 197 in double; 3 divisions, 3 square roots.
-** V, VI, REAL: numbers, comparisons, a constant's type; FINE: double; TINY: the least divisor; larger, smaller,
-** size, choose(VI, V, V): functions NAME(x); SQRT(x). */
+** Additions and multiplications: 153 in float, 197 in double; 3 divisions, 3 square roots. */
+#ifndef YLM_GEN_EIGENVALUE_H
+#define YLM_GEN_EIGENVALUE_H
+
+#include "../lanes.h"
 
 /* cos(2/3 acos((1+u)/2)), Chebyshev interpolation: to 4e-9, 1e-15 */
-static inline V NAME(third)(V u) {
-#if FINE
-  V s = (V){0} + (REAL)-3.1513081921730191e-11;
-  s = s * u + (REAL)3.4040482432828866e-11;
-  s = s * u + (REAL)1.3821345135056616e-10;
-  s = s * u + (REAL)-1.1124320309363611e-10;
-  s = s * u + (REAL)-4.1134878791124913e-10;
-  s = s * u + (REAL)6.3750202983214879e-10;
-  s = s * u + (REAL)-8.22254314453013e-10;
-  s = s * u + (REAL)3.6162572749631748e-09;
-  s = s * u + (REAL)-1.3595880766041157e-08;
-  s = s * u + (REAL)4.6071824798210591e-08;
-  s = s * u + (REAL)-1.5944028400288515e-07;
-  s = s * u + (REAL)5.6406267964287383e-07;
-  s = s * u + (REAL)-2.0358952905125158e-06;
-  s = s * u + (REAL)7.5411011213028505e-06;
-  s = s * u + (REAL)-2.8919932765195519e-05;
-  s = s * u + (REAL)0.00011642544964303237;
-  s = s * u + (REAL)-0.000504124691375387;
-  s = s * u + (REAL)0.0024663528153279889;
-  s = s * u + (REAL)-0.015509188436479752;
-  s = s * u + (REAL)0.24740906632284712;
-  s = s * u + (REAL)0.7660444431189779;
+static inline vreal third(vreal u) {
+#ifndef YLM_REAL_IS_FLOAT
+  vreal s = (vreal){0} + (real)-3.1513081921730191e-11;
+  s = s * u + (real)3.4040482432828866e-11;
+  s = s * u + (real)1.3821345135056616e-10;
+  s = s * u + (real)-1.1124320309363611e-10;
+  s = s * u + (real)-4.1134878791124913e-10;
+  s = s * u + (real)6.3750202983214879e-10;
+  s = s * u + (real)-8.22254314453013e-10;
+  s = s * u + (real)3.6162572749631748e-09;
+  s = s * u + (real)-1.3595880766041157e-08;
+  s = s * u + (real)4.6071824798210591e-08;
+  s = s * u + (real)-1.5944028400288515e-07;
+  s = s * u + (real)5.6406267964287383e-07;
+  s = s * u + (real)-2.0358952905125158e-06;
+  s = s * u + (real)7.5411011213028505e-06;
+  s = s * u + (real)-2.8919932765195519e-05;
+  s = s * u + (real)0.00011642544964303237;
+  s = s * u + (real)-0.000504124691375387;
+  s = s * u + (real)0.0024663528153279889;
+  s = s * u + (real)-0.015509188436479752;
+  s = s * u + (real)0.24740906632284712;
+  s = s * u + (real)0.7660444431189779;
   return s;
 #else
-  V s = (V){0} + (REAL)7.1227402e-07;
-  s = s * u + (REAL)-2.49732176e-06;
-  s = s * u + (REAL)7.3851101e-06;
-  s = s * u + (REAL)-2.8496734e-05;
-  s = s * u + (REAL)0.000116495476;
-  s = s * u + (REAL)-0.000504279435;
-  s = s * u + (REAL)0.00246634011;
-  s = s * u + (REAL)-0.0155091689;
-  s = s * u + (REAL)0.247409067;
-  s = s * u + (REAL)0.766044443;
+  vreal s = (vreal){0} + (real)7.1227402e-07;
+  s = s * u + (real)-2.49732176e-06;
+  s = s * u + (real)7.3851101e-06;
+  s = s * u + (real)-2.8496734e-05;
+  s = s * u + (real)0.000116495476;
+  s = s * u + (real)-0.000504279435;
+  s = s * u + (real)0.00246634011;
+  s = s * u + (real)-0.0155091689;
+  s = s * u + (real)0.247409067;
+  s = s * u + (real)0.766044443;
   return s;
 #endif
 }
 
-static inline V NAME(largest_eigenvalue)(const V *h) {
-  const V h0 = h[0], h1 = h[1], h2 = h[2], h3 = h[3], h4 = h[4], h5 = h[5];
-  V top = NAME(larger)(NAME(larger)(NAME(larger)(NAME(size)(h0), NAME(size)(h1)), NAME(larger)(NAME(size)(h2), NAME(size)(h3))), NAME(larger)(NAME(size)(h4), NAME(size)(h5)));
-  top = NAME(larger)(top, (V){0} + (TINY));
-  V down = (REAL)1.0 / top, a = h0 * down, b = h1 * down, c = h2 * down;
-  V d = h3 * down, e = h4 * down, f = h5 * down;
-  V q = (a + d + f) * (REAL)0.33333333333333333;
+static inline vreal largest_eigenvalue(const vreal *h) {
+  const vreal h0 = h[0], h1 = h[1], h2 = h[2], h3 = h[3], h4 = h[4], h5 = h[5];
+  vreal top = larger(larger(larger(magnitude(h0), magnitude(h1)), larger(magnitude(h2), magnitude(h3))), larger(magnitude(h4), magnitude(h5)));
+  top = larger(top, (vreal){0} + (TINY));
+  vreal down = (real)1.0 / top, a = h0 * down, b = h1 * down, c = h2 * down;
+  vreal d = h3 * down, e = h4 * down, f = h5 * down;
+  vreal q = (a + d + f) * (real)0.33333333333333333;
   a -= q;
   d -= q;
   f -= q;
-  V p = SQRT((a * a + d * d + f * f + (REAL)2.0 * (b * b + c * c + e * e)) * (REAL)0.16666666666666667);
-  V up = (REAL)1.0 / NAME(larger)(p, (V){0} + (TINY));
+  vreal p = vreal_sqrt((a * a + d * d + f * f + (real)2.0 * (b * b + c * c + e * e)) * (real)0.16666666666666667);
+  vreal up = (real)1.0 / larger(p, (vreal){0} + (TINY));
   a *= up, b *= up, c *= up, d *= up, e *= up, f *= up;
-  V aa = a * a + b * b + c * c, dd = b * b + d * d + e * e, ff = c * c + e * e + f * f;
-  V ab = a * b + b * d + c * e, ac = a * c + b * e + c * f, de = b * c + d * e + e * f;
-  V r = (aa * a + dd * d + ff * f + (REAL)2.0 * (ab * b + ac * c + de * e)) * (REAL)0.16666666666666667;
-  aa -= r * a + (REAL)2.0, dd -= r * d + (REAL)2.0, ff -= r * f + (REAL)2.0;
+  vreal aa = a * a + b * b + c * c, dd = b * b + d * d + e * e, ff = c * c + e * e + f * f;
+  vreal ab = a * b + b * d + c * e, ac = a * c + b * e + c * f, de = b * c + d * e + e * f;
+  vreal r = (aa * a + dd * d + ff * f + (real)2.0 * (ab * b + ac * c + de * e)) * (real)0.16666666666666667;
+  aa -= r * a + (real)2.0, dd -= r * d + (real)2.0, ff -= r * f + (real)2.0;
   ab -= r * b, ac -= r * c, de -= r * e;
   /* sqrt(1 - r^2); sqrt((1+|r|)/2) and sqrt((1-|r|)/2), halves of the angle acos(|r|) */
-  V s = SQRT((aa * aa + dd * dd + ff * ff + (REAL)2.0 * (ab * ab + ac * ac + de * de)) * (REAL)0.16666666666666667);
-  V wide = SQRT((REAL)0.5 + (REAL)0.5 * NAME(smaller)(NAME(size)(r), (V){0} + ((REAL)1.0))), narrow = NAME(smaller)((REAL)0.5 * s / wide, (V){0} + ((REAL)1.0));
-  VI positive = r > (REAL)0.0;
-  V high = NAME(third)((REAL)2.0 * NAME(choose)(positive, wide, narrow) - (REAL)1.0);
-  V low = NAME(third)((REAL)2.0 * NAME(choose)(positive, narrow, wide) - (REAL)1.0);
-  return NAME(larger)(NAME(size)(q + (REAL)2.0 * p * high), NAME(size)(q - (REAL)2.0 * p * low)) * top;
+  vreal s = vreal_sqrt((aa * aa + dd * dd + ff * ff + (real)2.0 * (ab * ab + ac * ac + de * de)) * (real)0.16666666666666667);
+  vreal wide = vreal_sqrt((real)0.5 + (real)0.5 * smaller(magnitude(r), (vreal){0} + ((real)1.0))), narrow = smaller((real)0.5 * s / wide, (vreal){0} + ((real)1.0));
+  vmask positive = r > (real)0.0;
+  vreal high = third((real)2.0 * choose(positive, wide, narrow) - (real)1.0);
+  vreal low = third((real)2.0 * choose(positive, narrow, wide) - (real)1.0);
+  return larger(magnitude(q + (real)2.0 * p * high), magnitude(q - (real)2.0 * p * low)) * top;
 }
+
+#endif
