@@ -9,16 +9,13 @@
 
 static inline double larger(double a, double b) { return a > b ? a : b; }
 static inline double smaller(double a, double b) { return a < b ? a : b; }
-static inline double size(double a) { return fabs(a); }
+static inline double magnitude(double a) { return fabs(a); }
 static inline double choose(bool first, double a, double b) { return first ? a : b; }
 
-#define V double
-#define VI bool
-#define REAL double
-#define NAME(x) x
-#define SQRT sqrt
+typedef double real, vreal;
+typedef bool vmask;
+#define vreal_sqrt sqrt
 #define TINY 1e-280
-#define FINE 1
 #include "moments/gen/eigenvalue.h"
 
 static float lambda2(size_t count, const float *hessian) {

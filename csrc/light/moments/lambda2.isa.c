@@ -1,6 +1,6 @@
 /* lambda2.isa.c - squares of the largest eigenvalues of Hessians in float, added up. */
 #define YLM_REAL_IS_FLOAT
-#include "gen/eigenvalue.h"
+#include "lanes.h"
 #include "plan.h"
 
 ylm_light_lambda2_fn YLM_KERNEL(ylm__lambda2);

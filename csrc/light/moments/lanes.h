@@ -1,4 +1,4 @@
-/* lanes.h - choices and sizes, lane by lane, for the unit's element type. Private to csrc/light. */
+/* lanes.h - choices, sizes and eigenvalues, lane by lane, for the unit's element type. Private to csrc/light. */
 #ifndef YLM_LIGHT_LANES_H
 #define YLM_LIGHT_LANES_H
 
@@ -18,5 +18,7 @@ YLM_INLINE vreal keep_lanes(vmask mask, vreal a) { return (vreal)((vmask)a & mas
 YLM_INLINE vreal larger(vreal a, vreal b) { return choose(a > b, a, b); }
 YLM_INLINE vreal smaller(vreal a, vreal b) { return -larger(-a, -b); }
 YLM_INLINE vreal magnitude(vreal a) { return larger(a, -a); }
+
+#include "gen/eigenvalue.h"
 
 #endif

@@ -6,7 +6,6 @@
 #define YLM_LIGHT_SUM_KERNEL_H
 
 #include "gen/compensation.h"
-#include "gen/eigenvalue.h"
 #include "lanes.h"
 #include "plan.h"
 

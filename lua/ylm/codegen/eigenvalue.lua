@@ -68,10 +68,10 @@ local languages = {
       CHOOSE = "choose", ALL = "(vreal){0} + " },
     real = "vreal", mask = "vmask", constant = "(real)%s",
     double = "#ifndef YLM_REAL_IS_FLOAT", third = "static inline vreal third(vreal u) {", first = "  vreal s = (vreal){0} + %s;",
-    head = { "#ifndef YLM_GEN_EIGENVALUE_H", "#define YLM_GEN_EIGENVALUE_H", "", '#include "../lanes.h"' },
+    head = {},
     start = "static inline vreal largest_eigenvalue(const vreal *h) {\n"
       .. "  const vreal h0 = h[0], h1 = h[1], h2 = h[2], h3 = h[3], h4 = h[4], h5 = h[5];",
-    about = "", foot = "\n#endif\n",
+    about = "\n** Included by csrc/light/moments/lanes.h for lanes, and by csrc/light/metric.c for doubles.",
   },
 }
 
@@ -117,5 +117,5 @@ return function(name)
   out[#out + 1] = "#endif\n}\n"
   out[#out + 1] = language.start
   out[#out + 1] = template.fill(body, language) .. "}"
-  return table.concat(out, "\n") .. "\n" .. (language.foot or "")
+  return table.concat(out, "\n") .. "\n"
 end

@@ -2,11 +2,8 @@
 ** The largest absolute eigenvalue of the symmetric matrix xx xy xz yy yz zz; 0 for zero. Two that are alike: r is
 ** near 1 or -1 and 1-|r| has lost its digits, but B = (H - q)/p then nearly solves B^2 - rB - 2 = 0, and 6(1-r^2) is
 ** the sum of the squares of that matrix's elements. Source: Smith 1961, "Eigenvalues of a symmetric 3x3 matrix"
-** Additions and multiplications: 153 in float, 197 in double; 3 divisions, 3 square roots. */
-#ifndef YLM_GEN_EIGENVALUE_H
-#define YLM_GEN_EIGENVALUE_H
-
-#include "../lanes.h"
+** Additions and multiplications: 153 in float, 197 in double; 3 divisions, 3 square roots.
+** Included by csrc/light/moments/lanes.h for lanes, and by csrc/light/metric.c for doubles. */
 
 /* cos(2/3 acos((1+u)/2)), Chebyshev interpolation: to 4e-9, 1e-15 */
 static inline vreal third(vreal u) {
@@ -74,5 +71,3 @@ static inline vreal largest_eigenvalue(const vreal *h) {
   vreal low = third((real)2.0 * choose(positive, narrow, wide) - (real)1.0);
   return larger(magnitude(q + (real)2.0 * p * high), magnitude(q - (real)2.0 * p * low)) * top;
 }
-
-#endif
