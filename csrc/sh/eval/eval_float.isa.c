@@ -1,3 +1,3 @@
 /* eval_float.isa.c - evaluation in float; see sh_kernel.h. */
-#define SH_FLOAT
+#define YLM_REAL_IS_FLOAT
 #include "sh_kernel.h"

@@ -1,3 +1,3 @@
 /* low_float.isa.c - low degrees in float; see low_kernel.h. */
-#define SH_FLOAT
+#define YLM_REAL_IS_FLOAT
 #include "low_kernel.h"

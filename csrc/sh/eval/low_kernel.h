@@ -79,7 +79,7 @@ LOW_2(X)
 #undef X
 
 /* The kernel for this lmax and number of derivatives, NULL if none was generated. */
-ylm__sh_kernel *SH_NAME(ylm__sh_low)(int lmax, int derivatives) {
+ylm__sh_kernel *YLM_REAL_KERNEL(ylm__sh_low)(int lmax, int derivatives) {
 #define X(lmax) low_##lmax##_0,
   static ylm__sh_kernel *const values[] = {LOW_PLAIN(X) LOW_0(X)};
 #undef X
@@ -98,7 +98,7 @@ ylm__sh_kernel *SH_NAME(ylm__sh_low)(int lmax, int derivatives) {
   return (size_t)lmax < lists[derivatives].n ? lists[derivatives].kernels[lmax] : NULL;
 }
 
-bool SH_NAME(ylm__sh_all_between)(const void *p, size_t n, double least, double most) {
+bool YLM_REAL_KERNEL(ylm__sh_all_between)(const void *p, size_t n, double least, double most) {
   vreal low = sh_set((real)(3 * least * least)), high = sh_set((real)(most * most)), v[3];
   sh_mask good = ~(sh_mask){0};
   for (size_t i = 0; i < n; i += W) {

@@ -204,13 +204,14 @@ static size_t capacity(int lmax, int i) {
 /* Number of vectors that the rows of one degree take: three past the last are read. */
 static size_t row_size(int lmax) { return (size_t)lmax + 3; }
 
-size_t SH_NAME(ylm__sh_scratch)(int lmax) {
+size_t YLM_REAL_KERNEL(ylm__sh_scratch)(int lmax) {
   size_t n = 26 * row_size(lmax);
   for (int i = 0; i < 3; i++) n += capacity(lmax, i);
   return n * sizeof(vreal);
 }
 
-void SH_NAME(ylm__sh_recurrence)(const ylm__sh_job *job, size_t begin, size_t end, void *scratch) {
+void YLM_REAL_KERNEL(ylm__sh_recurrence)(const ylm__sh_job *job, size_t begin, size_t end,
+                                         void *scratch) {
   state s;
   vreal *next = scratch;
   size_t n = row_size(job->lmax);

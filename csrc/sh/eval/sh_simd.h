@@ -1,5 +1,5 @@
 /*
-** sh_simd.h - vectors of `real` (float where SH_FLOAT is defined, else double) for *.isa.c files.
+** sh_simd.h - vectors of the unit's element type for *.isa.c files.
 **
 ** Lanes are points. Points come as rows [n][3], results go out as rows [n][m]:
 ** sh_load_points takes rows apart, sh_store_columns puts columns back into rows,
@@ -9,25 +9,14 @@
 #define YLM_SH_SIMD_H
 
 #include "sh_eval.h"
-#include "ylm_simd.h"
+#include "ylm_real.h"
 
 #ifdef __AVX512F__
 #include <immintrin.h>
 #endif
 
-#ifdef SH_FLOAT
-typedef float real;
-typedef ylm_vf vreal;
-typedef ylm_vi sh_mask;
-#define W YLM_VF
-#define SH_NAME(name) YLM_KERNEL(name##_float)
-#else
-typedef double real;
-typedef ylm_vd vreal;
-typedef ylm_vl sh_mask;
-#define W YLM_VD
-#define SH_NAME(name) YLM_KERNEL(name##_double)
-#endif
+#define W LANES
+typedef vmask sh_mask;
 
 YLM_INLINE vreal sh_set(real x) { return (vreal){0} + x; }
 YLM_INLINE vreal sh_read(const real *p) {
@@ -55,7 +44,7 @@ YLM_INLINE void sh_write(real *p, vreal v) { memcpy(p, &v, sizeof v); }
 #define SH_W_FLOAT 16
 #define SH_W_DOUBLE 8
 #endif
-#ifdef SH_FLOAT
+#ifdef YLM_REAL_IS_FLOAT
 #define SH_LANES(F, a) SH_LANES__(SH_W_FLOAT, F, a)
 #else
 #define SH_LANES(F, a) SH_LANES__(SH_W_DOUBLE, F, a)
@@ -106,16 +95,16 @@ YLM_INLINE void sh_load_points(const real *p, size_t rows, vreal v[3]) {
 YLM_INLINE void sh_transpose(vreal v[W]) {
 #pragma GCC unroll 16
   SH_SWAP(1)
-#if !defined(SH_FLOAT) && YLM_VECTOR_BYTES == 16
+#if !defined(YLM_REAL_IS_FLOAT) && YLM_VECTOR_BYTES == 16
 #else
 #pragma GCC unroll 16
   SH_SWAP(2)
 #endif
-#if (defined(SH_FLOAT) && YLM_VECTOR_BYTES > 16) || YLM_VECTOR_BYTES > 32
+#if (defined(YLM_REAL_IS_FLOAT) && YLM_VECTOR_BYTES > 16) || YLM_VECTOR_BYTES > 32
 #pragma GCC unroll 16
   SH_SWAP(4)
 #endif
-#if defined(SH_FLOAT) && YLM_VECTOR_BYTES > 32
+#if defined(YLM_REAL_IS_FLOAT) && YLM_VECTOR_BYTES > 32
 #pragma GCC unroll 16
   SH_SWAP(8)
 #endif
@@ -172,13 +161,13 @@ YLM_INLINE void sh_store_columns(const vreal *column, size_t n, real *out, size_
 
 /* 1 / sqrt(v) for ordinary v, to an ulp or two. */
 YLM_INLINE vreal sh_inverse_root(vreal v) {
-#if defined(__AVX512F__) && !defined(SH_FLOAT)
+#if defined(__AVX512F__) && !defined(YLM_REAL_IS_FLOAT)
   vreal r = (vreal)_mm512_rsqrt14_pd((__m512d)v); /* 2^-14; Newton doubles the digits */
   r += r * (sh_set(0.5) - sh_set(0.5) * v * r * r);
   return r + r * (sh_set(0.5) - sh_set(0.5) * v * r * r);
 #else
   vreal r = v;
-#ifdef SH_FLOAT
+#ifdef YLM_REAL_IS_FLOAT
   for (size_t i = 0; i < W; i++) r[i] = __builtin_sqrtf(v[i]);
 #else
   for (size_t i = 0; i < W; i++) r[i] = __builtin_sqrt(v[i]);

@@ -1,13 +1,14 @@
 /*
-** transpose.h - rows to lanes and back, for the element type T (with V, LANES, FN, LOAD and STORE
-** as in rotate/rotate.isa.c).
+** transpose.h - rows to lanes and back, for the unit's element type.
 **
 ** Kernels whose lanes are the rows of a batch read and write through tiles: element k of row r is
-** tile[k * pitch + r]. Included once for each element type.
+** tile[k * pitch + r].
 */
-
 #ifndef YLM_SH_TRANSPOSE_H
 #define YLM_SH_TRANSPOSE_H
+
+#include "ylm_real.h"
+
 /* F(0,b), F(1,b) .. for 2, 4, 8 and 16 lanes. */
 #define TRANSPOSE_2(F, b) F(0, b), F(1, b)
 #define TRANSPOSE_4(F, b) TRANSPOSE_2(F, b), F(2, b), F(3, b)
@@ -19,14 +20,13 @@
 /* Exchanges the off-diagonal blocks of b x b. */
 #define TRANSPOSE_SWAP(LANES_OF, b)                                                                \
   _Pragma("GCC unroll 16") for (int i = 0; i < LANES; i++) if (!(i & (b))) {                       \
-    V low = __builtin_shufflevector(v[i], v[i + (b)], LANES_OF(TRANSPOSE_LOW, b));                 \
+    vreal low = __builtin_shufflevector(v[i], v[i + (b)], LANES_OF(TRANSPOSE_LOW, b));             \
     v[i + (b)] = __builtin_shufflevector(v[i], v[i + (b)], LANES_OF(TRANSPOSE_HIGH, b));           \
     v[i] = low;                                                                                    \
   }
-#endif
 
 /* v[i] lane j <-> v[j] lane i. */
-YLM_INLINE void FN(transpose)(V v[LANES]) {
+YLM_INLINE void transpose(vreal v[LANES]) {
 #if LANES == 2
   TRANSPOSE_SWAP(TRANSPOSE_2, 1)
 #elif LANES == 4
@@ -45,8 +45,8 @@ YLM_INLINE void FN(transpose)(V v[LANES]) {
 }
 
 /* Elements first .. first+n-1 of LANES rows into tile[0 .. n-1]. */
-static __attribute__((unused)) void FN(to_tile)(const T *const *row, size_t first, int n, T *tile,
-                                                int pitch) {
+static __attribute__((unused)) void to_tile(const real *const *row, size_t first, int n, real *tile,
+                                            int pitch) {
   if (n < LANES) {
     for (int k = 0; k < n; k++)
       for (int r = 0; r < LANES; r++) tile[k * pitch + r] = row[r][first + (size_t)k];
@@ -54,22 +54,22 @@ static __attribute__((unused)) void FN(to_tile)(const T *const *row, size_t firs
   }
   for (int k = 0;; k += LANES) {
     if (k > n - LANES) k = n - LANES; /* the last block overlaps the one before */
-    V v[LANES];
+    vreal v[LANES];
 #pragma GCC unroll 16
     for (int r = 0; r < LANES; r++) {
-      v[r] = LOAD(row[r] + first + k);
+      v[r] = vreal_load(row[r] + first + k);
       __builtin_prefetch(row[r] + first + k + n); /* what is read next */
     }
-    FN(transpose)(v);
+    transpose(v);
 #pragma GCC unroll 16
-    for (int r = 0; r < LANES; r++) STORE(tile + (k + r) * pitch, v[r]);
+    for (int r = 0; r < LANES; r++) vreal_store(tile + (k + r) * pitch, v[r]);
     if (k == n - LANES) return;
   }
 }
 
 /* tile[0 .. n-1] to elements first .. first+n-1 of LANES rows. */
-static __attribute__((unused)) void FN(from_tile)(const T *tile, int pitch, int n, size_t first,
-                                                  T *const *row) {
+static __attribute__((unused)) void from_tile(const real *tile, int pitch, int n, size_t first,
+                                              real *const *row) {
   if (n < LANES) {
     for (int k = 0; k < n; k++)
       for (int r = 0; r < LANES; r++) row[r][first + (size_t)k] = tile[k * pitch + r];
@@ -77,15 +77,17 @@ static __attribute__((unused)) void FN(from_tile)(const T *tile, int pitch, int 
   }
   for (int k = 0;; k += LANES) {
     if (k > n - LANES) k = n - LANES;
-    V v[LANES];
+    vreal v[LANES];
 #pragma GCC unroll 16
-    for (int r = 0; r < LANES; r++) v[r] = LOAD(tile + (k + r) * pitch);
-    FN(transpose)(v);
+    for (int r = 0; r < LANES; r++) v[r] = vreal_load(tile + (k + r) * pitch);
+    transpose(v);
 #pragma GCC unroll 16
     for (int r = 0; r < LANES; r++) {
-      STORE(row[r] + first + k, v[r]);
+      vreal_store(row[r] + first + k, v[r]);
       __builtin_prefetch(row[r] + first + k + n, 1);
     }
     if (k == n - LANES) return;
   }
 }
+
+#endif

@@ -246,11 +246,11 @@ static ylm_status transfer_rows(void *context, size_t begin, size_t end, int wor
   const void *in = j->in + offset;
   void *out = j->out + offset;
   if (j->t == YLM_DOUBLE)
-    (j->kernels ? j->kernels->transfer_d : transfer_plain_d)(j->n, j->padded, j->matrix, rows, in,
-                                                             out);
+    (j->kernels ? j->kernels->d->transfer : transfer_plain_d)(j->n, j->padded, j->matrix, rows, in,
+                                                              out);
   else
-    (j->kernels ? j->kernels->transfer_f : transfer_plain_f)(j->n, j->padded, j->matrix, rows, in,
-                                                             out);
+    (j->kernels ? j->kernels->f->transfer : transfer_plain_f)(j->n, j->padded, j->matrix, rows, in,
+                                                              out);
   return YLM_OK;
 }
 

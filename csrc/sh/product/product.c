@@ -14,7 +14,11 @@ const char *ylm_sh_product_method_name(ylm_sh_product_method m) {
 const ylm__product_kernels *ylm__product_kernels_now(void) {
   switch (ylm_isa_current()) {
 #define X(isa)                                                                                     \
-  case YLM_ISA_##isa: return &ylm__product_kernels_##isa;
+  case YLM_ISA_##isa: {                                                                            \
+    static const ylm__product_kernels kernels = {&ylm__product_kernels_float_##isa,                \
+                                                 &ylm__product_kernels_double_##isa};              \
+    return &kernels;                                                                               \
+  }
     PRODUCT_ISAS(X)
 #undef X
   default: return NULL;

@@ -73,29 +73,25 @@ static inline size_t product_batch_scratch(const ylm_sh_product *p, size_t lanes
   return ((factors + 1) * count + 8 * factors * orders + 8 * quadrants) * lanes;
 }
 
+/* Kernels for rows of T; `lanes` of them at once. */
+#define YLM__PRODUCT_KERNELS(T)                                                                    \
+  {                                                                                                \
+    void (*dense)(const ylm_sh_product *p, const T *const *c, T *out, T *scratch);                 \
+    /* stage: seconds of transform, multiplication, transform back are added; or NULL */           \
+    void (*separable)(const ylm_sh_product *p, const T *const *c, T *out, T *scratch,              \
+                      double *stage);                                                              \
+    /* by quadrature or by gaunt of low degree; rows: [factors][lanes]; out: [lanes] rows */       \
+    void (*batch)(const ylm_sh_product *p, const T *const *rows, T *const *out, T *scratch);       \
+    void (*gaunt)(int lmax, const T *a, const T *b, T *out); /* lmax <= PRODUCT_GAUNT_LOW */       \
+    /* transfer matrices: m [n][padded], symmetric, 64 bytes aligned, padded to 128 bytes a row */ \
+    void (*transfer)(size_t n, size_t padded, const T *m, size_t rows, const T *in, T *out);       \
+    int lanes;                                                                                     \
+  }
+typedef struct ylm__product_kernels_float YLM__PRODUCT_KERNELS(float) ylm__product_kernels_float;
+typedef struct ylm__product_kernels_double YLM__PRODUCT_KERNELS(double) ylm__product_kernels_double;
 typedef struct ylm__product_kernels {
-  void (*dense_f)(const ylm_sh_product *p, const float *const *c, float *out, float *scratch);
-  void (*dense_d)(const ylm_sh_product *p, const double *const *c, double *out, double *scratch);
-  /* stage: seconds of transform, multiplication, transform back are added; or NULL */
-  void (*separable_f)(const ylm_sh_product *p, const float *const *c, float *out, float *scratch,
-                      double *stage);
-  void (*separable_d)(const ylm_sh_product *p, const double *const *c, double *out, double *scratch,
-                      double *stage);
-  /* `lanes` products at once, by quadrature or by gaunt of low degree; rows: [factors][lanes]; out:
-   * [lanes] rows */
-  void (*batch_f)(const ylm_sh_product *p, const float *const *rows, float *const *out,
-                  float *scratch);
-  void (*batch_d)(const ylm_sh_product *p, const double *const *rows, double *const *out,
-                  double *scratch);
-  void (*gaunt_f)(int lmax, const float *a, const float *b,
-                  float *out); /* lmax <= PRODUCT_GAUNT_LOW */
-  void (*gaunt_d)(int lmax, const double *a, const double *b, double *out);
-  /* transfer matrices: m [n][padded], symmetric, 64 bytes aligned, padded to 128 bytes a row */
-  void (*transfer_f)(size_t n, size_t padded, const float *m, size_t rows, const float *in,
-                     float *out);
-  void (*transfer_d)(size_t n, size_t padded, const double *m, size_t rows, const double *in,
-                     double *out);
-  int lanes_f, lanes_d;
+  const ylm__product_kernels_float *f;
+  const ylm__product_kernels_double *d;
 } ylm__product_kernels;
 
 #define PRODUCT_GAUNT_LOW 3
@@ -108,7 +104,9 @@ typedef struct ylm__product_kernels {
 #define PRODUCT_ISAS(X)
 #endif
 
-#define X(isa) extern const ylm__product_kernels ylm__product_kernels_##isa;
+#define X(isa)                                                                                     \
+  extern const ylm__product_kernels_float ylm__product_kernels_float_##isa;                        \
+  extern const ylm__product_kernels_double ylm__product_kernels_double_##isa;
 PRODUCT_ISAS(X)
 #undef X
 

@@ -104,7 +104,7 @@ CHAIN(d, double)
     switch (p->method) {                                                                           \
     case YLM_SH_PRODUCT_gaunt:                                                                     \
       if (k && low_gaunt(p))                                                                       \
-        k->gaunt_##S(p->lmax, c[0], c[1], out);                                                    \
+        k->S->gaunt(p->lmax, c[0], c[1], out);                                                     \
       else                                                                                         \
         chain_##S(p, c, out, scratch);                                                             \
       break;                                                                                       \
@@ -129,9 +129,9 @@ CHAIN(d, double)
       if (!k)                                                                                      \
         PLAIN;                                                                                     \
       else if (p->dense && !stage)                                                                 \
-        k->dense_##S(p, c, out, scratch);                                                          \
+        k->S->dense(p, c, out, scratch);                                                           \
       else                                                                                         \
-        k->separable_##S(p, c, out, scratch, stage);                                               \
+        k->S->separable(p, c, out, scratch, stage);                                                \
     }                                                                                              \
   }
 ROW(f, float, YLM_FLOAT, plain_f(p, c, out, scratch))
@@ -160,7 +160,7 @@ static size_t scratch_of(const ylm_sh_product *p, ylm_dtype t) {
 static size_t lanes_of(const job *j) {
   const ylm__product_kernels *k = j->p->kernels;
   if (!k || j->stage || !(low_gaunt(j->p) || j->p->method == YLM_SH_PRODUCT_quadrature)) return 0;
-  return (size_t)(j->t == YLM_DOUBLE ? k->lanes_d : k->lanes_f);
+  return (size_t)(j->t == YLM_DOUBLE ? k->d->lanes : k->f->lanes);
 }
 
 /* Rows r .. r+n-1 in the lanes; lanes that are left repeat the last row. */
@@ -175,9 +175,9 @@ static void run_lanes(const job *j, size_t r, size_t n, size_t lanes, void *scra
       rows[(size_t)k * lanes + i] = (const char *)j->factor[k] + at * j->stride[k] * size;
   }
   if (j->t == YLM_DOUBLE)
-    j->p->kernels->batch_d(j->p, (const double *const *)rows, (double *const *)out, scratch);
+    j->p->kernels->d->batch(j->p, (const double *const *)rows, (double *const *)out, scratch);
   else
-    j->p->kernels->batch_f(j->p, (const float *const *)rows, (float *const *)out, scratch);
+    j->p->kernels->f->batch(j->p, (const float *const *)rows, (float *const *)out, scratch);
 }
 
 static void run_row(const job *j, size_t r, void *scratch) {

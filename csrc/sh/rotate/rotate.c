@@ -1,4 +1,4 @@
-/* rotate.c - rotation of coefficient vectors: angles, blocks, batches; kernels in rotate.isa.c. */
+/* rotate.c - rotation of coefficient vectors: angles, blocks, batches; kernels in rotate_kernel.h. */
 #include "ylm_sh.h"
 
 #include <math.h>
@@ -231,9 +231,9 @@ static ylm_status run(void *context, size_t begin, size_t end, int worker) {
   if (!k)
     apply_plain(j->r, j->lmax, end - begin, in, out);
   else if (j->r->t == YLM_DOUBLE)
-    k->apply_d(&j->r->batch, j->lmax, end - begin, in, out);
+    k->d->apply(&j->r->batch, j->lmax, end - begin, in, out);
   else
-    k->apply_f(&j->r->batch, j->lmax, end - begin, in, out);
+    k->f->apply(&j->r->batch, j->lmax, end - begin, in, out);
   return YLM_OK;
 }
 
@@ -261,9 +261,9 @@ ylm_status ylm_sh_rotate(const ylm_sh_rotator *p, const double r[9], int lmax, y
   if (k && rows <= 4 + (size_t)lmax && in != out) {
     for (size_t i = 0; i < rows; i++) {
       if (t == YLM_DOUBLE)
-        k->one_d(p, lmax, &a, (const double *)in + i * count, (double *)out + i * count);
+        k->d->one(p, lmax, &a, (const double *)in + i * count, (double *)out + i * count);
       else
-        k->one_f(p, lmax, &a, (const float *)in + i * count, (float *)out + i * count);
+        k->f->one(p, lmax, &a, (const float *)in + i * count, (float *)out + i * count);
     }
     return ylm_report(progress, rows, rows, "rotate");
   }

@@ -1,5 +1,5 @@
 /*
-** rotate.h - what rotate*.c and the kernels of rotate.isa.c share. Private to csrc/sh.
+** rotate.h - what rotate*.c and their kernels share. Private to csrc/sh.
 **
 ** A rotation is Rz(a) Ry(b) Rz(c). With J the matrix of the quarter turn about x,
 ** Ry(b) = J^T Z(b) J and J^T = Z(pi) J Z(pi), so that
@@ -81,15 +81,19 @@ typedef struct ylm__rotate_batch {
   const void *turns;  /* [3][2][lmax+1]: cosines and sines of m times each angle */
 } ylm__rotate_batch;
 
+/* Kernels for rows of T. */
+#define YLM__ROTATE_KERNELS(T)                                                                     \
+  {                                                                                                \
+    void (*one)(const ylm_sh_rotator *p, int lmax, const ylm__angles *a, const T *in, T *out);     \
+    /* lmax <= b->lmax; out may be in */                                                           \
+    void (*apply)(const ylm__rotate_batch *b, int lmax, size_t rows, const T *in, T *out);         \
+    int panel; /* rows of J in a panel */                                                          \
+  }
+typedef struct ylm__rotate_kernels_float YLM__ROTATE_KERNELS(float) ylm__rotate_kernels_float;
+typedef struct ylm__rotate_kernels_double YLM__ROTATE_KERNELS(double) ylm__rotate_kernels_double;
 typedef struct ylm__rotate_kernels {
-  void (*one_f)(const ylm_sh_rotator *p, int lmax, const ylm__angles *a, const float *in,
-                float *out);
-  void (*one_d)(const ylm_sh_rotator *p, int lmax, const ylm__angles *a, const double *in,
-                double *out);
-  /* lmax <= b->lmax; out may be in */
-  void (*apply_f)(const ylm__rotate_batch *b, int lmax, size_t rows, const float *in, float *out);
-  void (*apply_d)(const ylm__rotate_batch *b, int lmax, size_t rows, const double *in, double *out);
-  int panel; /* rows of J in a panel */
+  const ylm__rotate_kernels_float *f;
+  const ylm__rotate_kernels_double *d;
 } ylm__rotate_kernels;
 
 /* J of degrees 0 .. lmax, one after the other, [2l+1][2l+1] row-major: quarter.c. YLM_ENOMEM. */
@@ -103,7 +107,7 @@ struct ylm_sh_rotator {
   double *packed_d; /* J in class order, column by column, rotate_row(l) rows each */
   float *packed_f;
   size_t *packed_at; /* [lmax+1] */
-  /* J for tiles: of each class, panels of kernels->panel rows or what is left, column by column */
+  /* J for tiles: of each class, panels of kernels->f->panel rows or what is left, column by column */
   double *panels_d;
   float *panels_f;
   size_t *panel_at; /* [lmax+1] */
@@ -118,7 +122,9 @@ struct ylm_sh_rotator {
 #define ROTATE_ISAS(X)
 #endif
 
-#define X(isa) extern const ylm__rotate_kernels ylm__rotate_kernels_##isa;
+#define X(isa)                                                                                     \
+  extern const ylm__rotate_kernels_float ylm__rotate_kernels_float_##isa;                          \
+  extern const ylm__rotate_kernels_double ylm__rotate_kernels_double_##isa;
 ROTATE_ISAS(X)
 #undef X
 

@@ -6,7 +6,11 @@
 static const ylm__rotate_kernels *choose_kernels(void) {
   switch (ylm_isa_current()) {
 #define X(isa)                                                                                     \
-  case YLM_ISA_##isa: return &ylm__rotate_kernels_##isa;
+  case YLM_ISA_##isa: {                                                                            \
+    static const ylm__rotate_kernels kernels = {&ylm__rotate_kernels_float_##isa,                  \
+                                                &ylm__rotate_kernels_double_##isa};                \
+    return &kernels;                                                                               \
+  }
     ROTATE_ISAS(X)
 #undef X
   default: return NULL;
@@ -102,7 +106,7 @@ ylm_status ylm_sh_rotator_create(int lmax, ylm_sh_rotator **out, ylm_error *e) {
   for (int l = 0; l <= lmax; l++) {
     pack(l, p->dense + p->dense_at[l], p->packed_d + p->packed_at[l]);
     if (p->kernels)
-      pack_panels(l, p->kernels->panel, p->dense + p->dense_at[l], p->panels_d + p->panel_at[l]);
+      pack_panels(l, p->kernels->f->panel, p->dense + p->dense_at[l], p->panels_d + p->panel_at[l]);
   }
   for (size_t i = 0; p->kernels && i < panels; i++) p->panels_f[i] = (float)p->panels_d[i];
   for (size_t i = 0; i < packed; i++) p->packed_f[i] = (float)p->packed_d[i];
