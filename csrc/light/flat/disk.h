@@ -6,6 +6,11 @@
 ** components times the moments of kernel.h are summed, at equal steps of phi, in each lane as many
 ** as it needs.
 */
+#ifndef YLM_LIGHT_FLAT_DISK_H
+#define YLM_LIGHT_FLAT_DISK_H
+
+#include "kernel.h"
+#include "space.h"
 
 /* Nodes that are added at once. */
 #define AT_ONCE 4
@@ -129,3 +134,5 @@ YLM_INLINE void add_disk(const ylm__flat_plan *plan, const int kinds, size_t lig
   for (size_t c3 = 0; c3 < 3 && plan->channels == 3; c3++)
     for (size_t k = 0; k < rows; k++) sum[c3 * rows + k] += e[c3] * one[k];
 }
+
+#endif

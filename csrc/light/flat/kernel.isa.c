@@ -1,36 +1,6 @@
 /* kernel.isa.c - polygons and disks at as many points as a vector has lanes. */
-#include "ylm_simd.h"
-
-#include "kernel.h"
+#include "disk.h"
 #include "ylm_sh.h"
-
-typedef ylm_vd V;
-typedef ylm_vl VI;
-#define LANES YLM_VD
-
-/* A vector in space, one for each lane. */
-typedef struct v3 {
-  V x, y, z;
-} v3;
-
-YLM_INLINE V set(double x) { return ylm_vd_set(x); }
-
-YLM_INLINE V dot(v3 a, v3 b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
-YLM_INLINE v3 cross(v3 a, v3 b) {
-  return (v3){a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
-}
-YLM_INLINE v3 scale(v3 a, V s) { return (v3){a.x * s, a.y * s, a.z * s}; }
-YLM_INLINE v3 plus(v3 a, v3 b) { return (v3){a.x + b.x, a.y + b.y, a.z + b.z}; }
-YLM_INLINE v3 spread(const double *p) { return (v3){set(p[0]), set(p[1]), set(p[2])}; }
-YLM_INLINE V absolute(V x) { return ylm_vd_select(x < 0, -x, x); }
-YLM_INLINE V larger(V a, V b) { return ylm_vd_select(a > b, a, b); }
-YLM_INLINE bool any(VI m) {
-  int64_t all = 0;
-  for (int i = 0; i < LANES; i++) all |= m[i];
-  return all != 0;
-}
-
-#include "gen/rim.h"
 
 /* Two nodes: directions, and weights over rho to the power 0, 1, 2. */
 typedef struct nodes {
@@ -214,8 +184,6 @@ YLM_INLINE void add_polygon(const ylm__flat_plan *plan, const int kinds, size_t 
   for (size_t c = 0; c < 3 && plan->channels == 3; c++)
     for (size_t k = 0; k < row; k++) sum[c * row + k] += e[c] * one[k];
 }
-
-#include "disk.h"
 
 YLM_INLINE void put(double *sum, size_t step, size_t lanes, V v) {
   for (size_t i = 0; i < lanes; i++) sum[i * step] += v[i];

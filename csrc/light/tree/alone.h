@@ -11,7 +11,6 @@
 #include "walk.h"
 
 /* Lights to sum over: a whole number of tiles, and room for one more leaf. */
-#define AHEAD 12 /* notes whose lights are fetched before they are read */
 #define LIST (YLM__TILE * LANES > 64 ? YLM__TILE * LANES : 64)
 
 /* A field of leaves and of proxies, for the element type; and how much smaller than its distance a

@@ -4,22 +4,6 @@
 #include <math.h>
 
 /*
-** Bounds by Taylor's formula are some ten times what errors are: the directions of moments and
-** derivatives seldom agree. How much of them counts was chosen so that spec/bench/many_lights.c
-** and spec/light_tree_spec.lua find the 99.9 % quantile of errors below the tolerance in all their
-** scenes. Where light comes from one side many errors have one sign: YLM__ONE_SIGN of tree.h.
-*/
-#define SHARE_VALUE 4.3
-#define SHARE_GRADIENT 5.0
-#define SHARE_HESSIAN 3.2
-#define SHARE_METRIC 5.5 /* eigenvalues forgive more */
-/* reach/D of nodes beyond which Taylor's formula says little; and in the pilot, whose nodes are one
-   light each and whose norms may be off by a third: with derivatives, and for values alone */
-#define WIDEST 0.6f
-#define PILOT_WIDEST 0.5f
-#define PILOT_WIDEST_VALUE 0.7f
-
-/*
 ** The mean over the sphere of |j-th derivatives of d^a Y_lm|^2 at d = 1, all 3^j of them:
 ** a gradient has the degrees l+1 and l-1 in the shares of vector spherical harmonics,
 **   n_j(l,a) = (l+1)/(2l+1) (a-l)^2 n_(j-1)(l+1,a-1) + l/(2l+1) (a+l+1)^2 n_(j-1)(l-1,a-1),

@@ -9,23 +9,6 @@
 
 #include "crowd.h"
 
-/* Vectors of sums that are interpolated together, so that no addition is waited for. */
-#define ABREAST 4
-/* Most nodes along an axis, and fewest along the longest. */
-#define ALONG 8
-#define FEWEST 5
-/* How much interpolation may err, relative to the allowed error: FAR_SHARE for a single light
-   at the nearest distance (few are that near), but never more than LARGEST of that light's own
-   field; STRONG for a node that makes up the whole field, STRONG/sqrt(x) for one that makes up
-   a part x. */
-#define FAR_SHARE 16
-#define STRONG 0.5f
-#define LARGEST 0.25f
-/* The cost of interpolation for a point, in pairs for each node; and the part of the lights and
-   proxies of a block that its packets would have summed. */
-#define COST 0.5
-#define INSTEAD 0.4
-
 typedef struct far_field {
   int pays;      /* if blocks of this size do; -1: not known yet */
   float nearest; /* what is nearer is left to the packets */

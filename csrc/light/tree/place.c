@@ -25,11 +25,6 @@ static const double corner[YLM__MOST_PROXIES][3] = {{1, 1, 1},   {1, -1, -1},  {
                                                     {-1, -1, 1}, {-1, -1, -1}, {-1, 1, 1},
                                                     {1, -1, 1},  {1, 1, -1}};
 
-/* Least part of an equal weight that a proxy has, and of a square. */
-#define LEAST 0.2
-/* Times that third moments are brought nearer. */
-#define TIMES 5
-
 void ylm__tree_axes(const double *cov, double A[3][3]) {
   double C[3][3] = {{cov[0], cov[1], cov[2]}, {cov[1], cov[3], cov[4]}, {cov[2], cov[4], cov[5]}};
   double least = 1e-12 * (C[0][0] + C[1][1] + C[2][2]);

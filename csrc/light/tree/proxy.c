@@ -23,17 +23,6 @@ static const double times2[6] = {1, 2, 2, 1, 2, 1};
 static const double times3[10] = {1, 3, 3, 3, 6, 3, 1, 3, 3, 1};
 static const double times4[15] = {1, 4, 4, 6, 12, 6, 4, 12, 12, 4, 1, 4, 6, 4, 1};
 
-/* The error of a node, as estimated, for which the number of proxies is chosen. */
-#define TYPICAL 0.25
-
-/* How much of what is missed counts, so that errors beside their estimates are alike: second
-   moments of colours; third moments; fourth, whose directions seldom agree, and the fourth moments
-   themselves for all that is higher. */
-#define COLOURS 1.8
-#define SKEW 1.5
-#define MISSED 1.05
-#define HIGHER 0.045
-
 /* Products of two coordinates, of which proxies can have different powers in different colours. */
 static const int pair_of[3][2] = {{0, 1}, {0, 2}, {1, 2}};
 

@@ -14,31 +14,11 @@
 #define YLM_LIGHT_TREE_H
 
 #include "../moments/plan.h"
+#include "calibration.h"
 
-#define YLM__LEAF 8    /* most lights of a leaf */
 #define YLM__GROUP 2   /* nodes of a group */
 #define YLM__PROXIES 4 /* least lights that stand for a node; nodes with as many have none */
 #define YLM__MOST_PROXIES 8
-#define YLM__MANY 8    /* lights of a node that may have more than the least */
-#define YLM__PACKET 16 /* points that walk together */
-/* A block is a set of points for which distant lights are summed once. It has BLOCK_LEAST to
-   BLOCK_MOST points, at most 1/BLOCKS of the query; the sums at its nodes take at most
-   NODES_BYTES. */
-#define YLM__BLOCK_LEAST 256
-#define YLM__BLOCK_MOST 4096
-#define YLM__BLOCKS 64
-#define YLM__SHARING 4 /* fewest packets that share what is far */
-#define YLM__NODES_BYTES (1 << 21)
-/* A node that is too near for the packet, and whose reach is below LITTLE packet radii, is handed
-   to the packet's points, which walk on alone. That pays only if such nodes hold many lights,
-   n (1 + n/all) > WORTH in all; WORTH grows as sqrt(0.01/tolerance) below 0.01. */
-#define YLM__LITTLE 2
-#define YLM__WORTH 12000
-/* Nodes whose middle is near a block, and smaller than so much of what is near, are left to its
-   packets. */
-#define YLM__WITHIN 0.5f
-/* The points of a packet that fills less than one lane of so many walk alone. */
-#define YLM__LONELY 4
 
 /* Where a field of a block of lights stands: blocks are [field][lights]. */
 enum { YLM__X, YLM__Y, YLM__Z, YLM__R, YLM__E, YLM__LUM = YLM__E + 3, YLM__FIELDS };
@@ -88,19 +68,6 @@ typedef struct ylm_light_tree {
   ylm__proxies_f *proxies_f; /* [blocks] */
   ylm__proxies_d *proxies_d;
 } ylm_light_tree;
-
-/* Hessians of lights beyond a distance are left out where the sum of their norms is below this part
-   of the tolerance; so many distances are tried, from the tree's extent on, each smaller than the
-   one before by the square root of two. */
-#define YLM__SKIP 0.7
-#define YLM__TAILS 10
-/* Where light comes from one side, nodes' errors have one sign and add up: so much less counts. */
-#define YLM__ONE_SIGN 0.6
-/* Norms that cancel to less than this part of the sum of the lights' norms count as so much. */
-#define YLM__CANCELLED 64
-
-/* Fewer lights than this are never worth a tree, and 2^27 do not fit. */
-#define YLM__FEW 512
 
 /* -- build.c: cutting the lights into groups -------------------------------------------------- */
 

@@ -8,17 +8,11 @@
 #include "tree.h"
 #include "ylm_simd.h"
 
-/* Groups that a packet may leave to its points, and a block to its packets. */
-#define LEFT 1024
 /* In a list: this group but for its first or its second node. */
 #define NOT_FIRST 0x80000000u
 #define NOT_SECOND 0x40000000u
 /* Groups on the stack that are taken several at a time: those left are there from the start. */
 #define BROAD (2 * LEFT)
-/* Sizes of blocks in each other, of which each has a quarter of the points of the next. */
-#define LEVELS 4
-/* Nodes that are noted before they are summed. */
-#define NOTES 256
 
 /* A box as the tests see it: a packet's, or one point. */
 typedef struct seen_from {
@@ -32,8 +26,7 @@ typedef struct seen_from {
   bool pilot;
 } seen_from;
 
-/* Parts of a block, and vectors of them. */
-#define PARTS 64
+/* Vectors of the parts of a block. */
 #define SEEN (PARTS / YLM_VF)
 
 /* The points of a packet, or balls with parts of a block, lanes beside each other. */
