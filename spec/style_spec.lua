@@ -18,15 +18,6 @@ describe("the tree", function()
     for name in pairs(dofile "spec/once.lua") do assert(io.open("spec/" .. name .. "_spec.lua"), name):close() end
   end)
 
-  -- Headers that generated kernels include, mended when these are compiled again for another reason.
-  local later = { "csrc/base/ylm_base.h", "csrc/sh/ylm_sh.h", "csrc/light/ylm_light.h", "csrc/light/moments/" }
-
-  local function is_later(path)
-    for _, name in ipairs(later) do
-      if path:find(name, 1, true) == 1 then return true end
-    end
-  end
-
   -- The lines of a C file that a reflow of comments has torn: the end of a comment of one line, alone
   -- on the next; a word or two of a paragraph, before a line that they would fit into.
   local function torn(lines)
@@ -51,7 +42,7 @@ describe("the tree", function()
         lines[#lines + 1] = line
         if line:find "\t" or line:find "%s$" or line:find "^%*[^ /*]" then wrong[#wrong + 1] = path .. ":" .. #lines end
       end
-      for _, n in ipairs(is_later(path) and {} or torn(lines)) do wrong[#wrong + 1] = path .. ":" .. n end
+      for _, n in ipairs(torn(lines)) do wrong[#wrong + 1] = path .. ":" .. n end
     end
     pipe:close()
     assert.equal("", table.concat(wrong, "\n"))
@@ -105,7 +96,7 @@ describe("the tree", function()
     local pipe = assert(io.popen "git ls-files '*.c' '*.h' '*.cpp' '*.comp' '*.glsl' '*.lua' '*.md'")
     for path in pipe:lines() do
       local kind = path:match "%.(%w+)$"
-      local file = not path:find "/gen/" and path ~= "CHANGELOG.md" and not is_later(path) and io.open(path)
+      local file = not path:find "/gen/" and path ~= "CHANGELOG.md" and io.open(path)
       if file then
         for _, n in ipairs(hidden((comments[kind] or comments.c)(file:read "*a"))) do wrong[#wrong + 1] = path .. ":" .. n end
         file:close()

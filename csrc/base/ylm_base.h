@@ -1,11 +1,11 @@
 /*
-** ylm_base.h - what every other folder stands on.
+** ylm_base.h - the ground that every other folder stands on.
 **
 ** Status codes and messages, memory, threads with progress and cancellation,
 ** processor features, files that are replaced whole or not at all, and
 ** ylm_field, the one interface through which light is asked for.
 **
-** Ownership   whoever gets a pointer from a *_create / *_read frees it with the
+** Ownership   the caller of a *_create / *_read frees the pointer with the
 **             matching *_free; every *_free accepts NULL.
 ** Threads     functions are re-entrant; objects may be read from many threads
 **             at once, written from one.
@@ -92,7 +92,7 @@ YLM_API ylm_status ylm_fail(ylm_error *e, ylm_status s, const char *format, ...)
 /* count*size bytes aligned to YLM_ALIGN; NULL if the product overflows or memory runs out.
    A size of 0 gives a valid pointer. */
 YLM_API void *ylm_alloc(size_t count, size_t size) __attribute__((malloc));
-/* The same, zeroed. */
+/* ylm_alloc, with zeros. */
 YLM_API void *ylm_alloc_zero(size_t count, size_t size) __attribute__((malloc));
 /* A new block with a copy of `from`, which may be NULL where count is 0. */
 YLM_API void *ylm_alloc_copy(const void *from, size_t count, size_t size) __attribute__((malloc));
@@ -109,8 +109,8 @@ static inline void ylm_zero(void *to, size_t bytes) {
 }
 
 /*
-** ylm_regrow - the same for arrays that become large: from some megabytes on, the system moves
-** their pages instead of copying what is in them, where it can.
+** ylm_regrow - ylm_realloc for arrays that become large: from some megabytes on, the system moves
+** their pages instead of copying their contents, where it can.
 **
 **   p      in   NULL, or what the last call for this array gave
 **   old    in   bytes asked for then; 0 with NULL
@@ -171,9 +171,9 @@ YLM_API bool ylm_isa_available(ylm_isa isa);
 YLM_API ylm_isa ylm_isa_current(void);
 
 /*
-** ylm_environment_check - say what is wrong with the environment's YLM_ISA and YLM_THREADS.
+** ylm_environment_check - name the error in the environment's YLM_ISA and YLM_THREADS.
 **
-** Whoever reads them falls back in silence; a program that wants its user to know asks here, once.
+** The library falls back in silence; a program that wants its user to know asks here, once.
 ** Unset and empty are good. Returns YLM_OK, or YLM_EDOMAIN with a sentence that names the variable
 ** and what it may be: also for a set that this build or this processor lacks.
 */
@@ -253,7 +253,7 @@ YLM_API ylm_status ylm_file_probe(const char *path, ylm_error *e);
 ** that the target holds the old bytes or the new ones and never a part, also
 ** where the process is killed. Links are followed; mode, owner and group of a
 ** target stay. A target that may not be written is refused, and so is one
-** whose folder may not. What killed processes left is removed an hour later.
+** whose folder may not. Files of killed processes are removed an hour later.
 ** Errors stick; without a commit, ylm_file_discard removes what was written.
 */
 typedef struct ylm_file ylm_file;
@@ -268,7 +268,7 @@ YLM_API ylm_status ylm_file_save(const char *path, const void *data, size_t size
 
 /* -- array files ----------------------------------------------------------- */
 
-/* What an .npy file (versions 1 to 3; float32 or float64, C order) says of itself. */
+/* The header of an .npy file (versions 1 to 3; float32 or float64, C order). */
 typedef struct ylm_array_file {
   ylm_dtype dtype;
   int axes;
@@ -290,7 +290,7 @@ YLM_API ylm_status ylm_array_file_write(const char *path, ylm_dtype t, int axes,
 
 /* -- light fields ---------------------------------------------------------- */
 
-/* What is wanted of a light field at points; the bits add up. */
+/* Results that are wanted of a light field at points; the bits add up. */
 enum {
   YLM_WANT_VALUE = 1,    /* coefficients                          [n][channels][count]    */
   YLM_WANT_GRADIENT = 2, /* with respect to the point             [n][channels][count][3] */

@@ -17,7 +17,7 @@
 
 typedef struct ylm__light_kind ylm__light_kind;
 
-/* What a light has beside the numbers of ylm_light: the kind's `common` numbers first. */
+/* Numbers of a light beside those of ylm_light: the kind's `common` numbers first. */
 struct ylm_light_shape {
   const ylm__light_kind *kind;
   size_t numbers;
@@ -87,7 +87,7 @@ struct ylm__light_kind {
   /* Bounds hold at larger distances only, and on a way only where p is not passed by. */
   double (*near)(const ylm_light *l);
   bool (*passes)(const ylm_light *a, const ylm_light *b, const double p[3]);
-  /* What a horizon adds to bounds of value, gradient, Hessian at distance d for radiance e. */
+  /* A horizon's terms in bounds of value, gradient, Hessian at distance d for radiance e. */
   void (*cut)(const ylm_light *l, int lmax, double e, double d, double bound[3]);
   const ylm__light_probes *probes;
   /* Distant lights: the norm of their coefficients for radiance 1. */

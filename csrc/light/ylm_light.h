@@ -3,7 +3,7 @@
 **
 ** A set holds lights of any kinds. Its light field is the sum of theirs; dynamic grids follow them
 ** one by one; ray casting asks for their surfaces, devices for what they can sum
-** (ylm_light_device.h). What a kind is, its parameters and formulas stand in its file:
+** (ylm_light_device.h). The file of a kind says its parameters and formulas:
 **
 ** | kind              | file                        | lights |
 ** | sphere            | csrc/light/sphere/kind.c    | spheres of one radiance |
@@ -106,21 +106,19 @@ YLM_API ylm_status ylm_light_set_evaluate(const ylm_light_set *set, ylm_isa isa,
                                           ylm_field_result *r, ylm_error *e);
 
 /*
-** The sum over `count` symmetric matrices of the squares of their largest absolute eigenvalues,
-** which
-** for the Hessians of a light field is lambda squared (ylm_field_result). hessian: [6][count], all
+** The sum over `count` symmetric matrices of the squares of their largest absolute eigenvalues: for
+** the Hessians of a light field that is lambda squared (ylm_field_result). hessian: [6][count], all
 ** xx first, then xy, xz, yy, yz, zz.
 */
 typedef float ylm_light_lambda2_fn(size_t count, const float *hessian);
 /* That function for the instruction set in use. */
 YLM_API ylm_light_lambda2_fn *ylm_light_lambda2(void);
 
-/* -- many lights: csrc/light/tree ------------------------------------------------------------
- */
+/* -- many lights: csrc/light/tree ------------------------------------------------------------- */
 
 /*
-** The field of lights to a tolerance. Spheres that are far away from a point in relation to
-** what they span are summed as four proxy lights, by a tree that the lights keep once it is made.
+** The field of lights to a tolerance. A group of spheres that looks small from a point is replaced
+** by four or eight proxy lights. The tree of groups is built once and belongs to the lights.
 **
 **     ylm_light_cut *cut;
 **     if (ylm_light_cut_create(lamps, 1e-2, 0, &cut, &error) == YLM_OK) {
@@ -132,15 +130,15 @@ YLM_API ylm_light_lambda2_fn *ylm_light_lambda2(void);
 ** The distance of the coefficients from the exact ones, in the L2 norm over all coefficients and
 ** channels, is at most `tolerance` times the norm of the field that the lights would have if every
 ** radiance were replaced by its absolute value: for lights that are not negative, the field itself.
-** Gradients and Hessians keep the same tolerance, each beside its own norm (Frobenius), or beside
-** 1/64 of the sum of the lights' norms where they cancel to less; so does lambda beside itself.
-** That holds at 99.9 % of points; at the others it is at most four times as much
-** (docs/performance.md). It comes on top of what float rounds, see csrc/light/sphere/sphere.h.
-** Points that lie together are summed in packets, so a point's result depends, within the
-** tolerance,
-** on the other points of the query; but neither on their order nor on the number of threads. Sets
-** of some thousand lights, and the reference's,
-** are summed exactly; `pairs` counts what was summed, proxies included.
+** Gradients and Hessians keep the tolerance relative to their own norms (Frobenius), or relative to
+** 1/64 of the sum of the lights' norms where they cancel to less; lambda keeps it relative to
+** itself. That holds at 99.9 % of points; at the others the error is at most four times as large
+** (docs/bench/many_lights.md). Rounding in float comes on top, see csrc/light/sphere/sphere.h.
+**
+** Points that lie together are summed in packets. So a point's result depends, within the
+** tolerance, on the other points of the query, but neither on their order nor on the number of
+** threads. Sets of some thousand lights, and all sums of the reference set, are exact. `pairs`
+** counts the lights and proxies that were summed.
 */
 typedef struct ylm_light_cut ylm_light_cut;
 
@@ -171,7 +169,7 @@ YLM_API size_t ylm_light_set_tree_bytes(const ylm_light_set *set);
 
 /* -- lights one by one: csrc/light/one.c, bound.c --------------------------------------------- */
 
-/* What else a light is made of; its kind knows. */
+/* The other numbers of a light; its kind knows them. */
 typedef struct ylm_light_shape ylm_light_shape;
 
 /* One light, as it is remembered and compared. */
@@ -308,7 +306,7 @@ YLM_API size_t ylm_light_texture_quads(const ylm_light_texture *t, double *verti
                                        double *radiance);
 /* The whole parallelogram as a regular net of at most `across` tiles a side, cut at texels, two
    triangles each: triangles [n][9], radiance [n][3] the mean of absolute values, both halves of a
-   tile alike. What rays are aimed at. Returns n. */
+   tile alike. Rays are aimed at these. Returns n. */
 YLM_API size_t ylm_light_texture_tiles(const ylm_light_texture *t, size_t across, double *triangles,
                                        double *radiance);
 

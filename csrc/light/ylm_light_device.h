@@ -11,7 +11,7 @@
 extern "C" {
 #endif
 
-/* What a field of lights refuses of a query, with lmax at most `most`, in its words. */
+/* Refuses queries that a field of lights refuses, with lmax at most `most`, in its words. */
 YLM_API ylm_status ylm_light_check(const ylm_field_query *q, int most, size_t n, const void *points,
                                    const ylm_field_result *r, ylm_error *e);
 

@@ -200,7 +200,7 @@ typedef const ylm_field *ylmL_field_of(void *object);
 void ylmL_type_has_field(lua_State *L, ylmL_field_of *get);
 /* The field of the object at `i`; raises if it has none. It lives as long as the object. */
 const ylm_field *ylmL_field_check(lua_State *L, int i);
-/* What finds it; NULL: it has none. */
+/* The function that finds its field; NULL: it has none. */
 ylmL_field_of *ylmL_field_getter(lua_State *L, int i);
 
 #define YLM_LIGHTS "ylm.lights"

@@ -62,7 +62,7 @@ typedef struct ylm_material ylm_material;
    another number of them), YLM_EDOMAIN naming what is out of range, YLM_ENOMEM. */
 YLM_API ylm_status ylm_material_create(int kind, size_t n, const float *numbers, ylm_material **m,
                                        ylm_error *e);
-/* The same material, to be freed once more. */
+/* Another hold of the material, to be freed once more. */
 YLM_API const ylm_material *ylm_material_keep(const ylm_material *m);
 YLM_API void ylm_material_free(const ylm_material *m);
 YLM_API int ylm_material_kind(const ylm_material *m);
@@ -81,9 +81,9 @@ YLM_API void ylm_material_reflect(const ylm_material *m, const double irradiance
 
 #define YLM_MATERIAL_ROW 3
 
-/* The material as a row of numbers [YLM_MATERIAL_ROW], from which shaders (gen/material.glsl) make
-   radiance of products as ylm_material_radiance does. YLM_OK; YLM_EMISSING: no shader has the kind.
- */
+/* The material as a row of numbers [YLM_MATERIAL_ROW], from which shaders (gen/material.glsl)
+   make radiance of products as ylm_material_radiance does. YLM_OK; YLM_EMISSING: no shader has
+   the kind. */
 YLM_API ylm_status ylm_material_row(const ylm_material *m, float *row, ylm_error *e);
 /* As those shaders do: in place, the product of a transfer vector with light to radiance. */
 YLM_API void ylm_material_row_radiance(const float *row, float light[3]);

@@ -108,8 +108,7 @@ YLM_API ylm_status ylm_sh_reconstruct(int lmax, ylm_dtype t, size_t rows, const 
                                       const void *p, void *out, int threads,
                                       const ylm_progress *progress, ylm_error *e);
 
-/* -- rotation: csrc/sh/rotate/rotate.c, quarter.c -----------------------------------------------
- */
+/* -- rotation: csrc/sh/rotate/rotate.c, quarter.c --------------------------------------------- */
 
 /* The highest degree that can be rotated. */
 #define YLM_SH_ROTATE_LMAX 128
@@ -142,9 +141,8 @@ YLM_API ylm_status ylm_sh_rotation_check(const double r[9], double out[9], ylm_e
 **   out   out  [rows][(lmax+1)^2]      may be in
 **
 ** Identity, half and quarter turns about the axes and their products, the cube's 24 rotations, are
-** exact: signed
-** permutations where z stays on its axis and in degree 1, else each entry of the blocks the nearest
-** number (zeros exactly 0).
+** exact: signed permutations where z stays on its axis and in degree 1, else each entry of the
+** blocks the nearest number (zeros exactly 0).
 ** Returns  YLM_OK, YLM_ERANGE (lmax), YLM_EDOMAIN (r), YLM_ENOMEM
 ** Accuracy relative to the norm: 1e-13 (double), 2e-6 (float)
 ** Cost     O(lmax^3) a row: z-turns between quarter turns, one row at a time for few rows; for
@@ -157,9 +155,8 @@ YLM_API ylm_status ylm_sh_rotate(const ylm_sh_rotator *p, const double r[9], int
 
 /*
 ** A rotation prepared for batches: its blocks, one (2l+1)x(2l+1) matrix for each low degree; above,
-** where a
-** block has four times the numbers of a quarter turn, its angles. It keeps the rotator that it was
-** made by alive, which the caller may free.
+** where a block has four times the numbers of a quarter turn, its angles. It keeps the rotator that
+** it was made by alive, which the caller may free.
 */
 typedef struct ylm_sh_rotation ylm_sh_rotation;
 YLM_API ylm_status ylm_sh_rotation_create(const ylm_sh_rotator *p, const double r[9], int lmax,
@@ -251,8 +248,8 @@ YLM_API ylm_status ylm_sh_convert(uint32_t from, uint32_t to, int lmax, ylm_dtyp
                                   const void *in, void *out, int threads,
                                   const ylm_progress *progress, ylm_error *e);
 
-/* A(l) = 2 pi times the integral of t P_l(t) over 0 .. 1: the factor from radiance to irradiance.
- */
+/* A(l) = 2 pi times the integral of t P_l(t) over 0 .. 1: the factor from radiance to
+   irradiance. */
 YLM_API double ylm_sh_cosine_factor(int l);
 
 /* -- products: csrc/sh/product/product.c ----------------------------------------------------- */
@@ -399,7 +396,7 @@ YLM_API void ylm_sh_halve_pixels(int width, int height, int faces, int channels,
 
 /* -- for kernels elsewhere: csrc/sh/eval/eval.c, csrc/sh/project/quadrature.c ------------------ */
 
-/* What ylm_sh_eval_how refuses of points, in its words. */
+/* Refuses points that ylm_sh_eval_how refuses, in its words. */
 YLM_API ylm_status ylm_sh_check_points(const ylm_sh_how *how, int lmax, ylm_dtype t, size_t n,
                                        const void *p, ylm_error *e);
 /* The coefficients a b e A B b' c' of the recurrences of csrc/sh/eval/sh_kernel.h, for degree l > 0

@@ -6,9 +6,8 @@
 **
 ** Bench: `make bench` (spec/bench/grid.c) prints points and time of a bake to 0.01, `make demo` the
 ** points and the judged error of one scene. "The lamps" below are 12 lamps over a floor and a ball
-*at
-** tolerances 0.1, 0.03, 0.01, 0.003: 2532, 4914, 8037, 15076 points, judged errors of 0.64, 0.65,
-** 0.65, 0.56 of the tolerance.
+** at tolerances 0.1, 0.03, 0.01, 0.003: 2532, 4914, 8037, 15076 points, judged errors of 0.64,
+** 0.65, 0.65, 0.56 of the tolerance.
 */
 #ifndef YLM_GRID_CALIBRATION_H
 #define YLM_GRID_CALIBRATION_H
@@ -35,7 +34,7 @@
 #define ENOUGH 0.006
 /* It also ends where at most this part fails in voxels that could be split. */
 #define ENOUGH_REFINABLE 0.001
-/* The same where more than PROMISED fail at the finest level: splitting others cannot keep the
+/* That part where more than PROMISED fail at the finest level: splitting others cannot keep the
    promise any more. */
 #define ENOUGH_BESIDE_STUCK 0.005
 /* Part of the points whose voxels the factor does not have to reach: they are split because of

@@ -196,9 +196,9 @@ static bool passes(const ylm_light *a, const ylm_light *b, const double p[3]) {
   return !((sa > 0 && sb > 0) || (sa < 0 && sb < 0));
 }
 
-/* What a horizon cuts off changes with the point: the gradient gets what lies along the cut, which
-   is as long as the light at most; of the Hessian, which depends on the corners at its ends,
-   nothing is known. */
+/* The part that a horizon cuts off changes with the point. The gradient gets a term along the cut,
+   which is at most as long as the light. The Hessian depends on the corners at its ends and has no
+   bound. */
 static void cut(const ylm_light *l, int lmax, double e, double d, double bound[3]) {
   if (!is_cut(l) || !(e > 0)) return;
   double whole = (lmax + 1) * 0.28209479177387814; /* the norm of Y */

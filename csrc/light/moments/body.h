@@ -110,7 +110,7 @@ static void NAME(prepare)(int lmax, int kinds, int n, const void *lamps, int bri
 #ifndef ANY_LMAX
 
 /*
-** What plans are made of; all is written out, since the compiler takes far longer to unroll loops.
+** The parts of plans; all is written out, since the compiler takes far longer to unroll loops.
 ** A pass over a tile keeps `count` sums of each channel in a, from `first` on: channel by channel
 ** in memory, together in a. COLUMN begins the column (m, side), side 0 the real and 1 the imaginary
 ** part, and RESUME goes on with what CUT left in `state`. ADD_s adds the products of degree k for

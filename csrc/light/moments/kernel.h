@@ -41,7 +41,7 @@
 #define RHO(k) ((REAL)YLM__RHO(k))
 #define BETA(k, m) ((REAL)(GROW * GROW * YLM__BETA(k, m)))
 
-/* The same by differences from the pole, with o = 1 - z, from e_m = 0:
+/* Constants by differences from the pole, with o = 1 - z, from e_m = 0:
    e_(k+1) = SLOW e_k - o q_k, q_(k+1) = KEEP q_k + e_(k+1). */
 #define KEEP(k, m) ((REAL)(GROW * ((double)(k) + (m) + 1) / (2.0 * (k) + 1)))
 #define SLOW(k, m) ((REAL)(GROW * ((double)(k) - (m)) / (2.0 * (k) + 1)))

@@ -13,7 +13,7 @@
 ** polynomials in z times Re, Im (x+iy)^m for Y. The factors that are missing are put in once per
 ** point, with the linear maps of plan.h. Lanes are points.
 **
-** What float would lose at high degrees: P'_k changes by k^2/4 times a change of alpha near 1, P_k
+** Losses of float at high degrees: P'_k changes by k^2/4 times a change of alpha near 1, P_k
 ** by k^2/2 times a change of z near 1, both round to 6e-8, and so do all steps of a recurrence of
 ** three terms. So weights are found from delta = 1 - alpha by differences, and the columns of low
 ** order m (YLM__FINE), which hold what is near the poles, from o = (x^2+y^2)/(1+|z|). Directions
@@ -55,7 +55,7 @@ static inline bool ylm__has(int lmax, int kinds, int kind, int k) {
   return kind == 0 ? k <= lmax : kind == 1 ? k >= 1 && k <= lmax + 1 : k != 1 && k <= lmax + 2;
 }
 
-/* What z is multiplied by, so that high degrees do not underflow: as GROW of kernel.h. */
+/* The factor of z, so that high degrees do not underflow: as GROW of kernel.h. */
 static inline double ylm__grow(int lmax) { return lmax > YLM__SPECIAL ? 2 : 1; }
 
 /* Places of one light in a tile: z, then Re and Im of (x+iy)^m, m = 1 .. lmax+2, then 1 - |z|. */

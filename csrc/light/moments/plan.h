@@ -25,7 +25,7 @@ void ylm__rows_bent(ylm__rows *to, const ylm_light_maps *m, size_t i, double *ow
 void ylm__rows_free(ylm__rows *r);
 
 /*
-** What follows from the sums of one set of channels. Rows are in the order of the results:
+** Maps from the sums of one set of channels to results. Rows are in the order of the results:
 ** coefficient i = l(l+1)+m, then x y z, or xx xy xz yy yz zz. `bend` makes U of docs/math.md,
 ** [(lmax+2)^2][3], from sums, and `hessian` (in ylm__plan) the Hessian from U.
 */
@@ -65,7 +65,7 @@ void ylm__plan_free(ylm__plan *p);
 typedef ylm_status ylm__sum_range(const ylm__plan *p, void **scratch, size_t begin, size_t end,
                                   const void *points, ylm_field_result *r);
 struct ylm__tree_plan;
-/* The same over a tree of lights (tree/tree.h), for blocks begin .. end-1 of points; scratch is of
+/* The loop over a tree of lights (tree/tree.h), for blocks begin .. end-1 of points; scratch is of
    three, the first of which begins with the number of lights and proxies that were summed, a
    uint64_t. */
 typedef ylm_status ylm__tree_range(const struct ylm__tree_plan *p, void **scratch, size_t begin,

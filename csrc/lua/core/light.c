@@ -72,7 +72,7 @@ static ylm_light_source read_source(lua_State *L, int i, lights *l) {
   return s;
 }
 
-/* What sets keep of others that are joined. */
+/* A set keeps the foreign objects of sets that are joined to it. */
 static void take_foreign(lua_State *L, int i, lights *l) {
   const lights *from;
   lua_rawgeti(L, 1, i);

@@ -4,8 +4,8 @@
 
 static void *data_of(ylmL_array *a) { return a ? a->data : NULL; }
 
-/* gpu_sh_eval(gpu, lmax, points [n][3], {y, dy | nil, ddy | nil, solid, progress}) -> true, times
- */
+/* gpu_sh_eval(gpu, lmax, points [n][3], {y, dy | nil, ddy | nil, solid, progress}) -> true,
+   times */
 static int sh_eval(lua_State *L) {
   static const char *const names[] = {"y", "dy", "ddy", "solid", "progress", NULL};
   enum { Y = 5, DY, DDY, SOLID, PROGRESS };

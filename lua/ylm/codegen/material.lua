@@ -1,4 +1,4 @@
---- What materials make of light, once for C (csrc/material/gen/material.h) and once for GLSL (shaders/gen/material.glsl).
+--- Reflection by materials, once for C (csrc/material/gen/material.h) and once for GLSL (shaders/gen/material.glsl).
 
 local common = require "ylm.codegen.common"
 

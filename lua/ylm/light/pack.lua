@@ -67,7 +67,7 @@ local function gather(n, name, value, sources, run, depth)
 end
 
 --- Argument `n` of `name` as one object with a light field, "ylm.lights": a light, a list of them (nested fine), or a packed
--- object. An empty list is darkness. What has a light field of its own comes back alone as it is.
+-- object. An empty list is darkness. A single object with a light field of its own comes back as it is.
 function pack.pack(n, name, lights)
   local sources, run = {}, {}
   gather(n, name, lights, sources, run, 0)
@@ -119,13 +119,13 @@ function pack.field(n, name, value)
   return pack.pack(n, name, value)
 end
 
---- What pack.field returned, if all of it are lights that a dynamic grid can follow; else nil.
+--- A result of pack.field, if all of it are lights that a dynamic grid can follow; else nil.
 function pack.followed(object)
   if core.type(object) ~= "ylm.lights" then return nil end
   return select(3, core.lights_count(object)) and object or nil
 end
 
---- What a light field is that is none of lights alone, in words.
+--- The words for a light field that is not of lights alone.
 function pack.other(object)
   return type(object) == "function" and "a function" or "another light field"
 end

@@ -24,7 +24,7 @@ function material.object(name, m)
   return check.result(name, core.material_create(form.kind(m), material.numbers(m)))
 end
 
---- What it reflects of light from everywhere, { r, g, b }; nil, message, code.
+--- The part of light from everywhere that it reflects, { r, g, b }; nil, message, code.
 function material.albedo(name, m)
   local object, message, code = material.object(name, m)
   if not object then return nil, message, code end
