@@ -69,7 +69,7 @@ uint put_line(rvec3 v, rvec3 w, double weight, bool moves, uint t) {
 }
 
 /* The solid angle of the triangle a b c with its sign. */
-double solid(rvec3 a, rvec3 b, rvec3 c) {
+double solid_angle(rvec3 a, rvec3 b, rvec3 c) {
   number z = triangle(a, b, c, sqrt(dot(a, a)), sqrt(dot(b, b)), sqrt(dot(c, c)), cross(b - a, c - a));
   return z.im < 0 ? -2 * argument(z.re, -z.im) : 2 * argument(z.re, z.im);
 }
@@ -137,7 +137,7 @@ uint polygon_arc(rvec3 x, uint row, uint sides, uint edge, double radiance, doub
     }
     if (!leaves || !enters) return 0;
   }
-  omega += weight * solid(c, v, w);
+  omega += weight * solid_angle(c, v, w);
   return put_line(v, w, weight, moves, t);
 }
 
@@ -225,7 +225,7 @@ uint ellipse_arc(Ellipse o, bool chord, rvec3 up, double radiance, uint t, bool 
   }
   if (chord) {
     rvec3 from = on_rim(o, o.wide), to = on_rim(o, -o.wide);
-    omega += weight * solid(o.facing, normalize(from), normalize(to));
+    omega += weight * solid_angle(o.facing, normalize(from), normalize(to));
     return put_line(from, to, weight, false, t);
   }
   uint steps = cut_off ? 0 : equal_steps(o);
