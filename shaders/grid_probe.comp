@@ -1,5 +1,5 @@
 /*
-** How far cells' interpolants at some places are from what is there: relative distances of rows of values, as
+** Distances of cells' interpolants from the values at some places: relative distances of rows of values, as
 ** refiner_distance has them in csrc/grid/bake/residual.c. Eight invocations make one.
 */
 #version 450

@@ -17,7 +17,7 @@ typedef struct ylm__place {
   char *path;       /* of that file */
   const char *name; /* its last part */
   bool exists;
-  struct stat old; /* what is there, where `exists` */
+  struct stat old; /* the present file, where `exists` */
 } ylm__place;
 
 /* Finds the place of `path`, which may be a link, and checks that a file there may be replaced.
@@ -27,7 +27,7 @@ void ylm__place_leave(ylm__place *place);
 
 /* A new file beside the place, locked for as long as this process lives; its name goes to `name`.
    It has owner, group, mode and access list of the file there as far as they can be given, and is
-   open to nobody whom that file shuts out. -1 with errno. */
+   closed to every user whom that file shuts out. -1 with errno. */
 int ylm__place_open(const ylm__place *place, char name[YLM__UNFINISHED_NAME]);
 
 /* Removes files of ylm__place_open whose process ended before them, from an hour after their last

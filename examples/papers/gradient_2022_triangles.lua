@@ -61,7 +61,7 @@ for i = 0, n do
   for j = 0, n do plane[#plane + 1] = { -2 + 4 * i / n, 0, -2 + 4 * j / n } end
 end
 plane = ylm.array(plane, "double")
---- Absolute errors summed over the coefficients of each band, mean over the plane; the same of the coefficients.
+--- Absolute errors summed over the coefficients of each band, mean over the plane; and those of the coefficients.
 local function by_band(lights)
   local exact, rough, errors, sizes = field(lights, "exact", 9, plane), field(lights, "sphere", 9, plane), {}, {}
   for l = 0, 9 do

@@ -8,7 +8,7 @@
 --         { "profile", "choice", of = { "a", "b" }, optional = true },          -- absent stays nil
 --       },
 --       build  = function(values) return object end,
---       numbers = 256,     -- that the object holds besides its arrays: a scene file may describe so many only
+--       numbers = 256,     -- that the object holds besides its arrays: the number in a scene file is limited
 --       example = "sphere_light { at = {0, 2, 0}, radius = 0.1, radiance = 5 }",
 --     })
 --

@@ -187,7 +187,7 @@ static ylm_light_cut *cut_of(ylm_light_set *lights, double tolerance) {
   return cut;
 }
 
-/* Errors in double of a scene at n points of a set, of which about so many are looked at: true if
+/* Errors in double of a scene at n points of a set, of which about `sample` are compared: true if
    they are as promised. */
 static bool measure_errors(int kind, size_t lights, int set, size_t n, size_t sample) {
   lamps l = scene(kind, lights);

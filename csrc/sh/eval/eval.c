@@ -186,7 +186,7 @@ static ylm_status run(void *context, size_t begin, size_t end, int worker) {
   return YLM_OK;
 }
 
-/* Above this degree float loses what is left of Y near the poles: sin^m underflows too early. */
+/* Above this degree float loses Y near the poles: sin^m underflows too early. */
 #define FLOAT_LMAX 128
 
 /* Points evaluated at a time where float is computed in double. */

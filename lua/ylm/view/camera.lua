@@ -16,7 +16,7 @@ local function axes(towards, up)
   return x, cross(z, x), z
 end
 
--- The part of a window that is filled: what is left is a margin.
+-- The part of a window that is filled; the rest is a margin.
 local FILLED = 0.92
 
 --- A camera in direction `towards` that sees, as large as fits, what reach(directions) knows: for each direction the largest
