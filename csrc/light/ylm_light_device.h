@@ -59,12 +59,12 @@ typedef struct ylm_light_rows {
 
 /*
 ** How results follow from sums over lights. Rows are in the order of the results: coefficient
-** l(l+1)+m, then x y z, or xx xy xz yy yz zz. `bend` makes U of docs/math.md, [(lmax+2)^2][3],
-** from the sums, and `hessian` the Hessians from U; without a bend they follow from the sums.
+** l(l+1)+m, then x y z, or xx xy xz yy yz zz. `to_u` makes U of docs/math.md, [(lmax+2)^2][3],
+** from the sums, and `hessian` the Hessians from U; without it they follow from the sums.
 */
 typedef struct ylm_light_maps {
   size_t sums; /* how many there are of a channel */
-  ylm_light_rows value, gradient, bend, hessian;
+  ylm_light_rows value, gradient, to_u, hessian;
 } ylm_light_maps;
 
 /*
@@ -112,7 +112,7 @@ YLM_API size_t ylm_light_rim_rules(double *to);
 */
 YLM_API size_t ylm_light_rim_sums(int lmax, int kinds, bool cut);
 /* How results of kinds `need` follow from the sums of `base` (none: {0}) and, behind them, these;
-   without a bend. To be freed with ylm_light_maps_free in any case. YLM_ENOMEM. */
+   without it. To be freed with ylm_light_maps_free in any case. YLM_ENOMEM. */
 YLM_API ylm_status ylm_light_rim_maps_create(int lmax, int need, int kinds, bool cut,
                                              const ylm_light_maps *base, ylm_light_maps *maps);
 

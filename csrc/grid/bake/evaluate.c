@@ -150,11 +150,11 @@ ylm_status ylm__evaluate_reserve_block(baker *b, field_block *k, size_t n) {
                      .gradient = ylm_alloc(n, 3 * width * sizeof(float)),
                      .lambda = ylm_alloc(n, sizeof(float)),
                      .norm = ylm_alloc(n, sizeof(float)),
-                     .hessian = bends ? ylm_alloc(n, 6 * width * sizeof(float)) : NULL,
+                     .hessian = hessians ? ylm_alloc(n, 6 * width * sizeof(float)) : NULL,
                      .inside = ylm_alloc(n, 1),
                      .room = n};
   bool ok = k->position && k->value && k->gradient && k->lambda && k->norm && k->inside &&
-            (k->hessian || !bends);
+            (k->hessian || !hessians);
   return ok ? YLM_OK : YLM_ENOMEM;
 }
 

@@ -63,7 +63,7 @@ static ylm_status begin(ylm_grid *g, const ylm_grid_source *source,
   s = take_occupied(d, g, e);
   if (s != YLM_OK) return s;
   *surface = d->surface;
-  d->bends = 6 * (size_t)g->view.count * (size_t)g->view.form.metric_channels;
+  d->hessians = 6 * (size_t)g->view.count * (size_t)g->view.form.metric_channels;
   d->bounds = (ylm_light_bounds){.lmax = g->view.form.lmax, .channels = g->view.form.channels};
   return ylm_light_bounds_meet(&d->bounds, d->lights, d->light, e);
 }
@@ -73,7 +73,7 @@ static size_t bytes(const ylm_grid *g) {
   if (!d) return 0;
   return sizeof *d + d->shapes.bytes + d->lights * (sizeof *d->light + sizeof *d->mover_of) +
          d->movers * (sizeof *d->mover + d->room) +
-         d->room * ((d->bends + 2) * sizeof(float) + sizeof *d->sign) +
+         d->room * ((d->hessians + 2) * sizeof(float) + sizeof *d->sign) +
          (d->born_room + d->cell_room) * sizeof *d->sign +
          d->source.occupied * 3 * ylm_dtype_size(d->source.occupied_dtype) +
          ylm__surface_bytes(d->surface) + d->log_bytes + d->spare_room * sizeof *d->spare +

@@ -39,10 +39,10 @@ typedef struct grid_dynamic {
   mover *mover;
   size_t movers;
 
-  size_t room, bends; /* points; floats of Hessians per point */
-  float *hessian;     /* [room][metric channels][6][count] */
-  float *size;        /* [room] norm of a point's values, all channels */
-  float *drift;       /* [room] bound of what rounding has added up to */
+  size_t room, hessians; /* points; floats of Hessians per point */
+  float *hessian;        /* [room][metric channels][6][count] */
+  float *size;           /* [room] norm of a point's values, all channels */
+  float *drift;          /* [room] bound of what rounding has added up to */
 
   void *log; /* rows as they were before the last update: kept, so that its pages are there */
   size_t log_bytes;

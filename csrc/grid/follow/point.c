@@ -17,7 +17,7 @@ static bool grow(void *p, size_t used, size_t room) {
 ylm_status ylm__dynamic_reserve(ylm_grid *g) {
   grid_dynamic *d = g->dynamic;
   if (g->points <= d->room) return YLM_OK;
-  size_t was = d->room, room = g->points + g->points / 4, row = d->bends * sizeof(float);
+  size_t was = d->room, room = g->points + g->points / 4, row = d->hessians * sizeof(float);
   if (room > SIZE_MAX / (row + 8)) return YLM_ENOMEM;
   if (row && !grow(&d->hessian, was * row, room * row)) return YLM_ENOMEM;
   if (!grow(&d->sign, was * sizeof *d->sign, room * sizeof *d->sign)) return YLM_ENOMEM;
@@ -35,10 +35,10 @@ static void put_hessian(ylm_grid *g, uint32_t p, const field_block *k, size_t i)
   static const float luminance[3] = {(float)YLM_LUMINANCE_R, (float)YLM_LUMINANCE_G,
                                      (float)YLM_LUMINANCE_B};
   grid_dynamic *d = g->dynamic;
-  if (!d->bends) return;
+  if (!d->hessians) return;
   size_t count = (size_t)g->view.count, channels = (size_t)g->view.form.metric_channels;
   const float *from = k->hessian + i * 6 * (size_t)g->view.form.channels * count;
-  float *to = d->hessian + p * d->bends;
+  float *to = d->hessian + p * d->hessians;
   bool mix = g->view.form.channels == 3 && channels == 1;
   for (size_t c = 0; c < channels; c++)
     for (size_t j = 0; j < count; j++, from += 6)
@@ -94,7 +94,7 @@ static void channel_weights(const double colour[3], int channels, float out[3]) 
 void ylm__dynamic_add(ylm_grid *g, uint32_t p, const point_change *x, float *room) {
   size_t count = (size_t)g->view.count, channels = (size_t)g->view.form.channels;
   double exact[3], length = 0;
-  float weight[3], *value = room, *slope = room + count, *bend = room + 4 * count;
+  float weight[3], *value = room, *slope = room + count, *second = room + 4 * count;
   float *to = g->data + (size_t)p * 4 * g->stride;
   grid_dynamic *d = g->dynamic;
   ylm_grid_position(g, g->lattice + 3 * (size_t)p, exact);
@@ -112,11 +112,11 @@ void ylm__dynamic_add(ylm_grid *g, uint32_t p, const point_change *x, float *roo
   double change = sqrt(length) * norm_of(value, count);
   d->drift[p] += (float)(ROUNDING * ((double)d->size[p] + change));
   d->size[p] += (float)change; /* a bound, until it is measured */
-  if (!d->bends) return;
-  part(x->hessian, 6, count, bend);
+  if (!d->hessians) return;
+  part(x->hessian, 6, count, second);
   channel_weights(x->colour, g->view.form.metric_channels, weight);
-  for (size_t c = 0; c < d->bends / (6 * count); c++)
-    add_scaled(d->hessian + p * d->bends + 6 * count * c, weight[c], bend, 6 * count);
+  for (size_t c = 0; c < d->hessians / (6 * count); c++)
+    add_scaled(d->hessian + p * d->hessians + 6 * count * c, weight[c], second, 6 * count);
 }
 
 /* The norm of luminance of a row of three channels. */
@@ -137,9 +137,9 @@ void ylm__dynamic_measure(ylm_grid *g, uint32_t p, ylm_light_lambda2_fn *lambda2
   double lambda = 0;
   d->size[p] = (float)norm_of(row, g->width);
   ylm__dynamic_sign(g, p);
-  if (!d->bends) return;
-  for (size_t i = 0; i < d->bends; i += all)
-    lambda += (double)lambda2(count, d->hessian + p * d->bends + i);
+  if (!d->hessians) return;
+  for (size_t i = 0; i < d->hessians; i += all)
+    lambda += (double)lambda2(count, d->hessian + p * d->hessians + i);
   bool mix = g->view.form.channels == 3 && g->view.form.metric_channels == 1;
   g->lambda[p] = (float)sqrt(lambda);
   g->norm[p] = mix ? (float)luminance_norm(row, count) : d->size[p];
@@ -153,8 +153,9 @@ void ylm__dynamic_move(ylm_grid *g, uint32_t from, uint32_t to) {
   g->lambda[to] = g->lambda[from];
   g->norm[to] = g->norm[from];
   g->flags[to] = g->flags[from];
-  if (d->bends)
-    memcpy(d->hessian + to * d->bends, d->hessian + from * d->bends, d->bends * sizeof *d->hessian);
+  if (d->hessians)
+    memcpy(d->hessian + to * d->hessians, d->hessian + from * d->hessians,
+           d->hessians * sizeof *d->hessian);
   d->size[to] = d->size[from];
   d->drift[to] = d->drift[from];
   d->sign[to] = d->sign[from];

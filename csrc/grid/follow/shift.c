@@ -182,16 +182,16 @@ static void free_work(shift_job *j, int threads) {
 
 static ylm_status make_work(shift_job *j, int threads) {
   size_t count = (size_t)j->u->g->view.count, size = CHUNK * sizeof(float);
-  bool bends = j->u->d->bends > 0, ok = true;
+  bool hessians = j->u->d->hessians > 0, ok = true;
   j->work = ylm_alloc_zero((size_t)threads, sizeof *j->work);
   for (int i = 0; j->work && i < threads && ok; i++) {
     shift_work *w = &j->work[i];
     w->position = ylm_alloc(3, size);
     w->value = ylm_alloc(count, size);
     w->gradient = ylm_alloc(3 * count, size);
-    w->hessian = bends ? ylm_alloc(6 * count, size) : NULL;
+    w->hessian = hessians ? ylm_alloc(6 * count, size) : NULL;
     w->room = ylm_alloc(10 * count, sizeof(float));
-    ok = w->position && w->value && w->gradient && w->room && (w->hessian || !bends);
+    ok = w->position && w->value && w->gradient && w->room && (w->hessian || !hessians);
   }
   return j->work && ok ? YLM_OK : YLM_ENOMEM;
 }

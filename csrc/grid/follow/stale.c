@@ -34,7 +34,7 @@ static int judge(const stale_job *j, size_t p, const double at[3]) {
   if (g->flags[p] & YLM_GRID_POINT_INVALID) return STALE_NOT; /* filled from its neighbours */
   double limit = j->tolerance * (double)j->least[p], edge = (double)j->reach[p];
   bool beyond = 1.58 * sum[0] + 0.43 * edge * sum[1] > limit;
-  if (g->view.form.threshold >= 0 && g->dynamic->bends)
+  if (g->view.form.threshold >= 0 && g->dynamic->hessians)
     beyond |= sum[2] > 5 * j->tolerance * (double)g->lambda[p];
   if (!beyond && !forced) return STALE_SKIPPED;
   return ylm__grid_is_worn(g, p, j->tolerance, 1) ? STALE_EXACT : STALE_SHIFT;

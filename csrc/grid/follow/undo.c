@@ -36,10 +36,11 @@ ylm_status ylm__update_remember(update *u) {
 
 void ylm__update_log_row(update *u, size_t log, uint32_t point) {
   undo *o = &u->old;
-  size_t row = 4 * u->g->stride, bends = u->d->bends;
+  size_t row = 4 * u->g->stride, hessians = u->d->hessians;
   memcpy(o->data + log * row, u->g->data + point * row, row * sizeof *o->data);
-  if (bends)
-    memcpy(o->hessian + log * bends, u->d->hessian + point * bends, bends * sizeof *o->hessian);
+  if (hessians)
+    memcpy(o->hessian + log * hessians, u->d->hessian + point * hessians,
+           hessians * sizeof *o->hessian);
   o->logged[log] = point;
 }
 
@@ -48,7 +49,7 @@ void ylm__update_log_row(update *u, size_t log, uint32_t point) {
 static ylm_status reserve_log(update *u, size_t n) {
   undo *o = &u->old;
   grid_dynamic *d = u->d;
-  size_t row = 4 * u->g->stride, bytes = n * (row + d->bends) * sizeof(float);
+  size_t row = 4 * u->g->stride, bytes = n * (row + d->hessians) * sizeof(float);
   if (bytes > d->log_bytes) {
     void *log = ylm_regrow(d->log, d->log_bytes, bytes + bytes / 4);
     if (!log) return YLM_ENOMEM;
@@ -88,7 +89,7 @@ void ylm__update_restore(update *u) {
   ylm_grid *g = u->g;
   grid_dynamic *d = u->d;
   undo *o = &u->old;
-  size_t row = 4 * g->stride, bends = d->bends;
+  size_t row = 4 * g->stride, hessians = d->hessians;
   d->tight = o->tight;
   lattice_hash forced = d->forced;
   d->forced = o->forced;
@@ -114,7 +115,8 @@ void ylm__update_restore(update *u) {
     size_t p = o->logged[i];
     if (p == YLM_GRID_NONE) continue;
     memcpy(g->data + p * row, o->data + i * row, row * sizeof *g->data);
-    if (bends) memcpy(d->hessian + p * bends, o->hessian + i * bends, bends * sizeof *d->hessian);
+    if (hessians)
+      memcpy(d->hessian + p * hessians, o->hessian + i * hessians, hessians * sizeof *d->hessian);
   }
   for (size_t m = 0; m < d->movers; m++) {
     uint8_t *seen = d->mover[m].seen;

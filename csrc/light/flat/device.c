@@ -81,12 +81,12 @@ static ylm_status hessian_rows(ylm__rows *r, const ylm__flat_plan *p, const ylm_
                                size_t first, bool cut) {
   static const int row[6] = {0, 0, 0, 1, 1, 2}, column[6] = {0, 1, 2, 1, 2, 2};
   size_t n = 6 * p->count, sums = base->sums;
-  size_t terms = (sums < 144 ? sums : 144) + (base->bend.n ? 0 : 64) + 21;
+  size_t terms = (sums < 144 ? sums : 144) + (base->to_u.n ? 0 : 64) + 21;
   double *own = ylm_alloc(sums + 1, sizeof *own);
   ylm_status s = own ? ylm__rows_create(r, n, n * terms) : YLM_ENOMEM;
   for (size_t i = 0; i < n && s == YLM_OK; i++) {
-    if (base->bend.n) {
-      ylm__rows_bent(r, base, i, own);
+    if (base->to_u.n) {
+      ylm__rows_by_u(r, base, i, own);
     } else {
       append_base(r, &base->hessian, i);
     }

@@ -108,7 +108,7 @@ static void add_tile(const ylm_polygons *p, const ylm__merged *m, const work *k,
   static const int less[3] = {0, YLM__M0, YLM__M0 | YLM__M1};
   size_t lanes = (size_t)m->kernel->lanes, at = (size_t)ylm__sum_count(lmax, all[m->derivatives]);
   size_t slope = (size_t)ylm__sum_count(lmax, less[m->derivatives]);
-  size_t bend = (size_t)ylm__sum_count(lmax, YLM__M0);
+  size_t sums = (size_t)ylm__sum_count(lmax, YLM__M0);
   ylm__lamp_d lamp[YLM__TILE];
   double unused[MOST_LANES] __attribute__((aligned(YLM_ALIGN))) = {0};
   for (size_t t = 0; t < (size_t)n; t++) {
@@ -121,7 +121,7 @@ static void add_tile(const ylm_polygons *p, const ylm__merged *m, const work *k,
   add(p, m, k, lmax, all[m->derivatives], first, n, 0, 0);
   for (size_t a = 0; m->derivatives && a < 3; a++, at += slope)
     add(p, m, k, lmax, less[m->derivatives], first, n, 1 + a, at);
-  for (size_t a = 0; m->derivatives == 2 && a < 6; a++, at += bend)
+  for (size_t a = 0; m->derivatives == 2 && a < 6; a++, at += sums)
     add(p, m, k, lmax, YLM__M0, first, n, 4 + a, at);
 }
 

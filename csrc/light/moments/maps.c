@@ -51,7 +51,7 @@ ylm_status ylm_light_maps_create(int lmax, int need, int kinds, ylm_light_maps *
   ylm_status s = ylm__map_create(&map, lmax, need, kinds, ylm__grow(lmax));
   maps->value = map.value;
   maps->gradient = map.gradient;
-  maps->bend = map.bend;
+  maps->to_u = map.to_u;
   if (s == YLM_OK && need & YLM__M2) s = ylm__map_hessian(&maps->hessian, lmax);
   return s;
 }
@@ -75,12 +75,12 @@ void ylm__rows_append(ylm__rows *to, const ylm__rows *from, size_t row, size_t o
     ylm__rows_term(to, offset + from->index[t], factor * from->coef[t]);
 }
 
-void ylm__rows_bent(ylm__rows *to, const ylm_light_maps *m, size_t i, double *own) {
+void ylm__rows_by_u(ylm__rows *to, const ylm_light_maps *m, size_t i, double *own) {
   for (size_t k = 0; k < m->sums; k++) own[k] = 0;
   for (uint32_t t = m->hessian.start[i]; t < m->hessian.start[i + 1]; t++) {
     size_t u = m->hessian.index[t];
-    for (uint32_t j = m->bend.start[u]; j < m->bend.start[u + 1]; j++)
-      own[m->bend.index[j]] += m->hessian.coef[t] * m->bend.coef[j];
+    for (uint32_t j = m->to_u.start[u]; j < m->to_u.start[u + 1]; j++)
+      own[m->to_u.index[j]] += m->hessian.coef[t] * m->to_u.coef[j];
   }
   for (size_t j = 0; j < m->sums; j++) /* what cancels leaves a rounding error */
     if (fabs(own[j]) > 1e-13) ylm__rows_term(to, j, own[j]);
@@ -88,10 +88,10 @@ void ylm__rows_bent(ylm__rows *to, const ylm_light_maps *m, size_t i, double *ow
 
 /* Maps of the terms with c, with its derivatives, with its second derivatives. */
 typedef struct flat {
-  ylm_light_maps plain, slope, bend;
+  ylm_light_maps plain, slope, second;
 } flat;
 
-/* Terms of a Hessian's row over sums: a row of `hessian` has at most 12, and one of `bend` too. */
+/* Terms of a Hessian's row over sums: a row of `hessian` has at most 12, and one of `to_u` too. */
 static size_t hessian_terms(size_t sums) { return sums < 144 ? sums : 144; }
 
 /* Derivatives of c are by the light's position, minus those by x. */
@@ -108,15 +108,15 @@ static ylm_status flat_gradient(ylm__rows *r, const flat *f) {
 
 static ylm_status flat_hessian(ylm__rows *r, const flat *f) {
   static const size_t row[6] = {0, 0, 0, 1, 1, 2}, column[6] = {0, 1, 2, 1, 2, 2};
-  size_t n = f->plain.hessian.n, slope = f->plain.sums, bend = slope + 3 * f->slope.sums;
+  size_t n = f->plain.hessian.n, slope = f->plain.sums, second = slope + 3 * f->slope.sums;
   double *own = ylm_alloc(f->plain.sums, sizeof *own);
   ylm_status s = own ? ylm__rows_create(r, n, n * (hessian_terms(f->plain.sums) + 25)) : YLM_ENOMEM;
   for (size_t i = 0; i < n && s == YLM_OK; i++) {
     size_t k = i / 6, a = row[i % 6], b = column[i % 6];
-    ylm__rows_bent(r, &f->plain, i, own);
+    ylm__rows_by_u(r, &f->plain, i, own);
     ylm__rows_append(r, &f->slope.gradient, 3 * k + a, slope + b * f->slope.sums, -1);
     ylm__rows_append(r, &f->slope.gradient, 3 * k + b, slope + a * f->slope.sums, -1);
-    ylm__rows_append(r, &f->bend.value, k, bend + i % 6 * f->bend.sums, 1);
+    ylm__rows_append(r, &f->second.value, k, second + i % 6 * f->second.sums, 1);
     ylm__rows_end(r);
   }
   ylm_free(own);
@@ -129,22 +129,22 @@ ylm_status ylm_light_flat_maps_create(int lmax, int derivatives, ylm_light_maps 
   *maps = (ylm_light_maps){0};
   ylm_status s = ylm_light_maps_create(lmax, kinds, kinds, &f.plain);
   if (s == YLM_OK && derivatives) s = ylm_light_maps_create(lmax, lower, lower, &f.slope);
-  if (s == YLM_OK && derivatives > 1) s = ylm_light_maps_create(lmax, 1, 1, &f.bend);
-  maps->sums = f.plain.sums + 3 * f.slope.sums + 6 * f.bend.sums;
+  if (s == YLM_OK && derivatives > 1) s = ylm_light_maps_create(lmax, 1, 1, &f.second);
+  maps->sums = f.plain.sums + 3 * f.slope.sums + 6 * f.second.sums;
   if (s == YLM_OK && derivatives) s = flat_gradient(&maps->gradient, &f);
   if (s == YLM_OK && derivatives > 1) s = flat_hessian(&maps->hessian, &f);
   maps->value = f.plain.value;
   f.plain.value = (ylm__rows){0};
   ylm_light_maps_free(&f.plain);
   ylm_light_maps_free(&f.slope);
-  ylm_light_maps_free(&f.bend);
+  ylm_light_maps_free(&f.second);
   return s;
 }
 
 void ylm_light_maps_free(ylm_light_maps *maps) {
   ylm__rows_free(&maps->value);
   ylm__rows_free(&maps->gradient);
-  ylm__rows_free(&maps->bend);
+  ylm__rows_free(&maps->to_u);
   ylm__rows_free(&maps->hessian);
 }
 

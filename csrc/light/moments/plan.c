@@ -142,7 +142,7 @@ static ylm_status map_gradient(ylm__rows *r, const layout *y) {
 }
 
 /* U_a[k,m], k = 0 .. lmax+1 (row 0 is empty). */
-static ylm_status map_bend(ylm__rows *r, const layout *y) {
+static ylm_status map_u(ylm__rows *r, const layout *y) {
   size_t n = (size_t)(y->lmax + 2) * (size_t)(y->lmax + 2);
   if (ylm__rows_create(r, 3 * n, 3 * n * 12) != YLM_OK) return YLM_ENOMEM;
   for (int k = 0; k <= y->lmax + 1; k++)
@@ -185,7 +185,7 @@ ylm_status ylm__map_create(ylm__map *map, int lmax, int need, int kinds, double 
   ylm_status s = layout_create(&y, lmax, kinds, grow);
   if (s == YLM_OK && need & YLM__M0) s = map_value(&map->value, &y);
   if (s == YLM_OK && need & YLM__M1) s = map_gradient(&map->gradient, &y);
-  if (s == YLM_OK && need & YLM__M2) s = map_bend(&map->bend, &y);
+  if (s == YLM_OK && need & YLM__M2) s = map_u(&map->to_u, &y);
   layout_free(&y);
   return s;
 }
@@ -193,7 +193,7 @@ ylm_status ylm__map_create(ylm__map *map, int lmax, int need, int kinds, double 
 void ylm__map_free(ylm__map *map) {
   ylm__rows_free(&map->value);
   ylm__rows_free(&map->gradient);
-  ylm__rows_free(&map->bend);
+  ylm__rows_free(&map->to_u);
 }
 
 /* -- plans ------------------------------------------------------------------------------- */

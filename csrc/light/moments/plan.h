@@ -20,17 +20,17 @@ void ylm__rows_end(ylm__rows *r);
 /* Appends `factor` times a row over sums that begin at `offset` to the row being built. maps.c */
 void ylm__rows_append(ylm__rows *to, const ylm__rows *from, size_t row, size_t offset,
                       double factor);
-/* Appends row i of hessian * bend; own [m->sums] is scratch. maps.c */
-void ylm__rows_bent(ylm__rows *to, const ylm_light_maps *m, size_t i, double *own);
+/* Appends row i of hessian * to_u; own [m->sums] is scratch. maps.c */
+void ylm__rows_by_u(ylm__rows *to, const ylm_light_maps *m, size_t i, double *own);
 void ylm__rows_free(ylm__rows *r);
 
 /*
 ** Maps from the sums of one set of channels to results. Rows are in the order of the results:
-** coefficient i = l(l+1)+m, then x y z, or xx xy xz yy yz zz. `bend` makes U of docs/math.md,
+** coefficient i = l(l+1)+m, then x y z, or xx xy xz yy yz zz. `to_u` makes U of docs/math.md,
 ** [(lmax+2)^2][3], from sums, and `hessian` (in ylm__plan) the Hessian from U.
 */
 typedef struct ylm__map {
-  ylm__rows value, gradient, bend;
+  ylm__rows value, gradient, to_u;
 } ylm__map;
 
 /* The maps for the kinds of `need` out of sums of `kinds`. */

@@ -63,7 +63,7 @@ YLM_INLINE void see_lights(const ylm__tree_plan *p, lone_point *k, const light_l
   vreal part = r * inverse;
   part *= part;
   for (int a = 0; a < 3; a++) k->seen[j][a] = v[a] * -inverse;
-  k->solid[j] = r > 0;
+  k->has_radius[j] = r > 0;
   k->inverse[j] = inverse;
   for (int c = 0; c < 3; c++) k->rgb[3 * j + c] = *f[YLM__E + c] * part;
   k->luminance[j] = *f[YLM__LUM] * part;
@@ -91,7 +91,7 @@ static void prepare_lights(const ylm__tree_plan *p, lone_point *k, const work *w
     vmask in = {0};
     p->sums->kernel->prepare(lmax, kinds, 1, &unit, false, k->seen[j], w->geometry + j * G,
                              w->weights + j * W, &in);
-    *inside |= in & k->solid[j];
+    *inside |= in & k->has_radius[j];
   }
 }
 

@@ -70,7 +70,7 @@ static void whiten_third(double A[3][3], double t[3][3][3]) {
 }
 
 /* The corners, changed by s of the head of this file. */
-static void bend(const double s[3][3][3], const double *mirror, proxies *p) {
+static void move_corners(const double s[3][3][3], const double *mirror, proxies *p) {
   for (int j = 0; j < p->n; j++) {
     double u[3], *x = p->x[j], w = 1;
     for (int a = 0; a < 3; a++) u[a] = mirror[a] * corner[j][a];
@@ -113,7 +113,7 @@ void ylm__tree_place(const cluster *q, double A[3][3], int n, double mirror, pro
   for (int times = 0; times < (fits ? TIMES : 1); times++) {
     proxies next = {.n = n};
     double have[3][3][3], missing = 0;
-    bend(s, sign, &next);
+    move_corners(s, sign, &next);
     normalise(&next, have);
     for (int i = 0; i < 27; i++) {
       double d = want[i / 9][i / 3 % 3][i % 3] - have[i / 9][i / 3 % 3][i % 3];

@@ -21,15 +21,15 @@ typedef struct device_rows {
   ylm_gpu_buffer *start, *index, *coef;
 } device_rows;
 
-/* From sums to results; without a bend Hessians follow from the sums themselves. */
+/* From sums to results; without it Hessians follow from the sums themselves. */
 typedef struct device_maps {
-  device_rows value, gradient, bend, hessian;
+  device_rows value, gradient, to_u, hessian;
 } device_maps;
 
 /*
 ** Sums in some channels, by passes over ranges of orders m. Merged moments of flat lights have
 ** parts: three times `part` sums from `parts` on for derivatives of the cosine, six times for
-** second derivatives, which passes with `bend` sum.
+** second derivatives, which passes with `second` sum.
 */
 typedef struct sum_set {
   uint32_t channel_first, channels; /* 0 3: rgb; 3 1: luminance; channels 0: none */
@@ -37,7 +37,7 @@ typedef struct sum_set {
   int passes;
   struct sum_pass {
     uint32_t m_first, m_last, sums, parts, part;
-    bool bend, rims;
+    bool second, rims;
     /* moments_any.real.comp and rims.real.comp: */
     uint32_t kinds, block, items;
     ylm_gpu_buffer *item;
@@ -64,7 +64,7 @@ enum {
   BUFFER_TOTAL, /* luminance, then red, green, blue */
   BUFFER_LOST,
   BUFFER_MIXED,
-  BUFFER_BEND,
+  BUFFER_U,
   BUFFER_METRIC_VALUE,
   BUFFER_METRIC_HESSIAN,
   BUFFER_VALUE,

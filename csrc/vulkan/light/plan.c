@@ -30,7 +30,7 @@ static ylm_status rows_upload(ylm_gpu *g, const ylm_light_rows *from, ylm_dtype 
 static void maps_free(device_maps *m) {
   rows_free(&m->value);
   rows_free(&m->gradient);
-  rows_free(&m->bend);
+  rows_free(&m->to_u);
   rows_free(&m->hessian);
 }
 
@@ -59,7 +59,7 @@ static ylm_status maps_create(const ylm_gpu_lights *l, const sum_plan *p, int ne
   }
   if (s == YLM_OK) s = rows_upload(l->gpu, &maps->value, p->dtype, &m->value, e);
   if (s == YLM_OK) s = rows_upload(l->gpu, &maps->gradient, p->dtype, &m->gradient, e);
-  if (s == YLM_OK) s = rows_upload(l->gpu, &maps->bend, p->dtype, &m->bend, e);
+  if (s == YLM_OK) s = rows_upload(l->gpu, &maps->to_u, p->dtype, &m->to_u, e);
   if (s == YLM_OK) s = rows_upload(l->gpu, &maps->hessian, p->dtype, &m->hessian, e);
   ylm_light_maps_free(&base);
   ylm_light_maps_free(&all);
@@ -148,7 +148,7 @@ static ylm_status cut_base(const ylm_gpu_lights *l, sum_plan *p, sum_set *set, y
   if (!(set->kinds & 4)) return YLM_OK;
   pass.parts += 3 * pass.part;
   pass.part = ylm__sum_count_of(l->method, lmax, 1);
-  pass.bend = true;
+  pass.second = true;
   cut(l->method, lmax, 0, 1, 6, pass, set);
   return YLM_OK;
 }

@@ -99,7 +99,7 @@ static const char *pass_kernel(const step_list *s, const sum_set *set, const str
   return pass->rims        ? "rims"
          : pass->items     ? "moments_any"
          : !merged         ? "product"
-         : pass->bend      ? "flat_bend"
+         : pass->second    ? "flat_second"
          : l->cosines.kind ? "flat"
                            : "moments";
 }
@@ -209,9 +209,9 @@ static void add_hessian(step_list *s, int channels, uint32_t c, place y, uint32_
                         uint32_t to_point) {
   const device_maps *m;
   place x = source(s, 4, channels, c, &m);
-  if (m->bend.n) {
-    add_rows(s, &m->bend, x, (place){BUFFER_BEND, 0}, s->stride, 1);
-    x = (place){BUFFER_BEND, 0};
+  if (m->to_u.n) {
+    add_rows(s, &m->to_u, x, (place){BUFFER_U, 0}, s->stride, 1);
+    x = (place){BUFFER_U, 0};
   }
   add_rows(s, &m->hessian, x, y, to_row, to_point);
 }
@@ -258,7 +258,7 @@ static void add_metric(step_list *s) {
 /* Elements of type real that a point takes in each buffer (BUFFER_PARTIAL: of one chunk). */
 static void elements(const sum_plan *p, const ylm_field_query *q, size_t n[BUFFERS]) {
   size_t count = (size_t)(q->lmax + 1) * (size_t)(q->lmax + 1), C = (size_t)q->channels;
-  size_t bend = 3 * (size_t)(q->lmax + 2) * (size_t)(q->lmax + 2);
+  size_t to_u = 3 * (size_t)(q->lmax + 2) * (size_t)(q->lmax + 2);
   size_t lum = p->lum.channels * p->lum.sums, rgb = p->rgb.channels * p->rgb.sums;
   size_t metric = q->want & YLM_WANT_METRIC ? (size_t)q->metric_channels * count : 0;
   memset(n, 0, BUFFERS * sizeof *n);
@@ -266,7 +266,7 @@ static void elements(const sum_plan *p, const ylm_field_query *q, size_t n[BUFFE
   n[BUFFER_PARTIAL] = lum > rgb ? lum : rgb;
   n[BUFFER_TOTAL] = n[BUFFER_LOST] = lum + rgb;
   n[BUFFER_MIXED] = p->mixed ? p->rgb.sums : 0;
-  n[BUFFER_BEND] = (p->need_lum | p->need_rgb) & 4 ? bend : 0;
+  n[BUFFER_U] = (p->need_lum | p->need_rgb) & 4 ? to_u : 0;
   n[BUFFER_METRIC_VALUE] = metric;
   n[BUFFER_METRIC_HESSIAN] = 6 * metric;
   n[BUFFER_LAMBDA] = n[BUFFER_NORM] = metric ? 1 : 0;

@@ -1,4 +1,4 @@
-/* flat_bend.real.comp - flat.real.comp's sums of values times the Hessian of |cos gamma|, xx xy xz yy yz zz. */
+/* flat_second.real.comp - flat.real.comp's sums of values times the Hessian of |cos gamma|, xx xy xz yy yz zz. */
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "ylm.glsl"
