@@ -143,7 +143,7 @@ ylm_status ylm__evaluate_reserve_block(baker *b, field_block *k, size_t n) {
   size_t width = b->g->width;
   if (n > BLOCK) n = BLOCK;
   if (n <= k->room) return YLM_OK;
-  bool bends = b->g->follower && b->g->view.form.metric_channels;
+  bool hessians = b->g->follower && b->g->view.form.metric_channels;
   ylm__evaluate_free_block(k);
   *k = (field_block){.position = ylm_alloc(n, 3 * sizeof(float)),
                      .value = ylm_alloc(n, width * sizeof(float)),

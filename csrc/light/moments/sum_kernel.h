@@ -34,7 +34,7 @@ typedef struct work {
   vreal *geometry, *weights, *scaled, *emission, *state;
   vreal *lum, *rgb, *mixed; /* sums: [n_lum], [3][n_rgb], [n_rgb] */
   vreal *part, *lost; /* of the block at hand, and what the totals lost: as lum and rgb together */
-  vreal *bend, *out;  /* U, and one channel of results */
+  vreal *u, *out;     /* U, and one channel of results */
 } work;
 
 static ylm_status work_create(work *k, const ylm__plan *p, void **scratch) {
@@ -53,7 +53,7 @@ static ylm_status work_create(work *k, const ylm__plan *p, void **scratch) {
   vreal *at = *scratch;
   if (!at) return YLM_ENOMEM;
   vreal **slots[] = {&k->geometry, &k->weights, &k->scaled, &k->emission, &k->state, &k->lum,
-                     &k->mixed,    &k->part,    &k->lost,   &k->bend,     &k->out};
+                     &k->mixed,    &k->part,    &k->lost,   &k->u,        &k->out};
   for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++) *slots[i] = at, at += sizes[i];
   k->rgb = k->lum + lum;
   return YLM_OK;
@@ -144,8 +144,8 @@ static void results(const ylm__plan *p, work *k, const size_t *to, int lanes, yl
     }
     if (q->want & YLM_WANT_HESSIAN) {
       const vreal *sums = source(p, k, YLM__M2, q->channels, c, &map);
-      apply(&map->bend, 0, map->bend.n, sums, k->bend);
-      apply(&p->hessian, 0, 6 * count, k->bend, k->out);
+      apply(&map->to_u, 0, map->to_u.n, sums, k->u);
+      apply(&p->hessian, 0, 6 * count, k->u, k->out);
       put(k->out, 6 * count, to, lanes, (real *)r->hessian + first * 6 * count, C * 6 * count);
     }
   }
@@ -159,10 +159,10 @@ static void metric(const ylm__plan *p, work *k, const size_t *to, int lanes, ylm
   for (int c = 0; c < q->metric_channels; c++) {
     const ylm__map *map;
     const vreal *sums = source(p, k, YLM__M2, q->metric_channels, c, &map);
-    apply(&map->bend, 0, map->bend.n, sums, k->bend);
+    apply(&map->to_u, 0, map->to_u.n, sums, k->u);
     for (size_t i = 0; i < count; i++) {
       vreal h[6];
-      apply(&p->hessian, 6 * i, 6, k->bend, h);
+      apply(&p->hessian, 6 * i, 6, k->u, h);
       vreal e = largest_eigenvalue(h);
       lambda += e * e;
     }

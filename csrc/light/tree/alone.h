@@ -33,8 +33,8 @@ typedef struct light_list {
 /* State of one point. */
 typedef struct lone_point {
   light_list near, dim;
-  vreal seen[YLM__TILE][3]; /* -u of a tile's lights */
-  vmask solid[YLM__TILE];   /* masks: a light has a radius */
+  vreal seen[YLM__TILE][3];    /* -u of a tile's lights */
+  vmask has_radius[YLM__TILE]; /* masks: a light has a radius */
   vreal inverse[YLM__TILE], luminance[YLM__TILE], rgb[3 * YLM__TILE]; /* of a tile; 1/r */
   vreal c[YLM__STRENGTHS][3];                                         /* sums of strength u^(2+k) */
   vreal tail[YLM__TAILS];                                             /* of u^4 beyond distances */

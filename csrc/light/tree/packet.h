@@ -94,8 +94,8 @@ static void norms(const ylm__tree_plan *p, tree_work *k, const vreal down[3], vr
     vreal x = w->out[i] * down[1];
     norm[1] += x * x;
   }
-  if (p->want[2]) apply(&q->lum.bend, 0, q->lum.bend.n, w->lum, w->bend);
-  if (p->want[2]) apply(&q->hessian, 0, 6 * count, w->bend, w->out);
+  if (p->want[2]) apply(&q->lum.to_u, 0, q->lum.to_u.n, w->lum, w->u);
+  if (p->want[2]) apply(&q->hessian, 0, 6 * count, w->u, w->out);
   for (size_t i = 0; p->want[2] && i < 6 * count; i++) {
     vreal x = w->out[i] * down[2];
     norm[2] += times[i % 6] * x * x;
