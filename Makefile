@@ -22,7 +22,7 @@ ABIS    := $(sort $(patsubst luajit,lua5.1,$(LUAS)))
 
 # -- what belongs to which library (csrc/README.md) -------------------------
 
-CORE    := base sh rival image geom material light grid figure
+CORE    := base sh image geom material light grid figure
 CODEC   := codec
 SCENE   := trace scene shade
 
@@ -40,7 +40,7 @@ STRAIGHT := $(if $(filter -O3,$(OPT)),$(shell $(CC) $(STRAIGHT) -Werror -E -x c 
 KERNEL_OPT = $(if $(filter -g,$(OPT)),-g1) $(if $(findstring /gen/,$(1)),$(STRAIGHT) $(SANITIZE_gen))
 
 CFLAGS  := -std=gnu11 -fPIC -fvisibility=hidden -fopenmp -fno-math-errno -fno-trapping-math -MMD -MP \
-           $(OPT) $(CWARN) $(SANITIZE) -Icsrc $(foreach d,$(CORE) $(CODEC) $(SCENE) vulkan vtk,-Icsrc/$(d))
+           $(OPT) $(CWARN) $(SANITIZE) -Icsrc $(foreach d,$(CORE) $(CODEC) $(SCENE) vulkan vtk rival,-Icsrc/$(d))
 LDFLAGS := -shared -fopenmp $(SANITIZE) -Wl,-z,now -Wl,-z,nodelete $(if $(SANITIZE),,-Wl,-z,defs)
 
 pkg      = $(shell pkg-config $(1) $(2) 2>/dev/null)
@@ -67,7 +67,7 @@ PARTS := $(if $(WITH_CODEC),codec) $(if $(WITH_SCENE),scene)
 LIBS := $(BUILD)/lib/libylm.so $(foreach p,$(PARTS),$(BUILD)/lib/libylm_$(p).so)
 HAVE := core $(PARTS)
 # Parts with rules of their own.
--include csrc/vtk/build.mk csrc/vulkan/build.mk lua/ylm/codegen/build.mk spec/bench/build.mk spec/fuzz/build.mk lua/ylm/doc/build.mk
+-include csrc/vtk/build.mk csrc/vulkan/build.mk csrc/rival/build.mk lua/ylm/codegen/build.mk spec/bench/build.mk spec/fuzz/build.mk lua/ylm/doc/build.mk
 
 BINDINGS := $(foreach a,$(ABIS),$(foreach m,$(HAVE),$(BUILD)/$(a)/ylm/c/$(m).so))
 
@@ -113,6 +113,7 @@ LIBS_OF_codec  := -lylm_codec -lylm
 LIBS_OF_scene  := -lylm_scene -lylm
 LIBS_OF_vtk    := -lylm_vtk -lylm
 LIBS_OF_vulkan := -lylm_vulkan -lylm
+LIBS_OF_rival  := -lylm_rival -lylm
 
 define BINDING
 $(BUILD)/$(1)/obj/%.o: csrc/lua/%.c

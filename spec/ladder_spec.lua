@@ -15,7 +15,7 @@ local rooms = {
   light = { "sphere", "moments", "tree", "flat" },
   grid = { "bake", "sample", "follow", "file" },
   vulkan = { "device", "light", "grid", "picture" },
-  lua = { "core", "codec", "scene", "vtk", "vulkan" },
+  lua = { "core", "codec", "scene", "vtk", "vulkan", "rival" },
 }
 
 --- Files that are compiled into one unit with another room's, against the direction of their folder.
@@ -263,11 +263,32 @@ describe("the ladder", function()
     end
   end)
 
-  it("exports nothing but ylm_* from libylm.so", function()
+  it("exports nothing but ylm_* from libylm.so and libylm_rival.so", function()
     if not scratch.shell "command -v nm >/dev/null" then pending "nm is not installed" end
-    for _, line in ipairs(lines_of("nm -D --defined-only " .. scratch.quote(build .. "/lib/libylm.so"))) do
-      local name = line:match("%s[TDBRVWu]%s+(%S+)$")
-      assert(not name or name:find "^ylm_" or name:find "^_*asan" or name:find "^__odr", "exported: " .. line)
+    for _, library in ipairs { "libylm.so", "libylm_rival.so" } do
+      for _, line in ipairs(lines_of("nm -D --defined-only " .. scratch.quote(build .. "/lib/" .. library))) do
+        local name = line:match("%s[TDBRVWu]%s+(%S+)$")
+        assert(not name or name:find "^ylm_" or name:find "^_*asan" or name:find "^__odr", "exported: " .. line)
+      end
+    end
+  end)
+
+  it("leaves libylm_rival.so with libylm, libc and libm only, and libylm.so without its methods", function()
+    if not scratch.shell "command -v readelf nm >/dev/null" then pending "binutils are not installed" end
+    local allowed = { libylm = true, libc = true, libm = true, ld = true,
+      libasan = true, libubsan = true } -- under the sanitizers
+    for _, line in ipairs(lines_of("readelf -d " .. scratch.quote(build .. "/lib/libylm_rival.so"))) do
+      local name = line:match("%(NEEDED%).*%[(%w+)")
+      assert(not name or allowed[name], line)
+    end
+    local here = {}
+    for _, line in ipairs(lines_of("nm --defined-only " .. scratch.quote(build .. "/lib/libylm_rival.so"))) do
+      local name = line:match("%s[tTrRdD] (ylm__%S+)$")
+      if name then here[name] = true end
+    end
+    assert(here.ylm__rival_sloan and here.ylm__rival_brute)
+    for _, line in ipairs(lines_of("nm --defined-only " .. scratch.quote(build .. "/lib/libylm.so"))) do
+      assert(not here[line:match("%s%a (%S+)$")], "in libylm.so too: " .. line)
     end
   end)
 end)

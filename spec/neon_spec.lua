@@ -18,7 +18,7 @@ describe("NEON kernels", function()
     -- By the Makefile itself; without optimisation, because that is compiled in seconds.
     local out, status = scratch.capture(table.concat({ "env -u MAKEFLAGS -u MAKELEVEL -u LD_PRELOAD make -j2",
       "BUILD=" .. quote(folder.path), "CC=" .. cc, "OPT=-O0 SANITIZE= LUAS= WITH_SCENE=",
-      quote(folder.path .. "/lib/libylm.so") }, " "))
+      quote(folder.path .. "/lib/libylm_rival.so") }, " "))
     assert(status == 0 and not out:find "warning", out)
   end)
 
@@ -26,7 +26,7 @@ describe("NEON kernels", function()
   local function run(name, ...)
     local program = quote(folder.path .. "/" .. name)
     local out, status = scratch.capture(table.concat({ "env -u LD_PRELOAD", cc,
-      "-std=gnu11 -O0 -Wall -Wextra -Werror -fopenmp -static -Icsrc/base -Icsrc/sh -Icsrc/light -Icsrc/grid",
+      "-std=gnu11 -O0 -Wall -Wextra -Werror -fopenmp -static -Icsrc/base -Icsrc/sh -Icsrc/light -Icsrc/grid -Icsrc/rival",
       "spec/support/" .. name .. ".c", "$(find " .. quote(folder.path) .. "/obj -name '*.o')", "-lm -o", program }, " "))
     assert(status == 0, out)
     local words = { ... }

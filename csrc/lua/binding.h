@@ -65,6 +65,7 @@ YLML_SCENE_BINDINGS(X)
 /* The entry points of the shared objects. */
 YLM_API int luaopen_ylm_c_core(lua_State *L);
 YLM_API int luaopen_ylm_c_codec(lua_State *L);
+YLM_API int luaopen_ylm_c_rival(lua_State *L);
 YLM_API int luaopen_ylm_c_scene(lua_State *L);
 YLM_API int luaopen_ylm_c_vtk(lua_State *L);
 YLM_API int luaopen_ylm_c_vulkan(lua_State *L);

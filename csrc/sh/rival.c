@@ -6,21 +6,9 @@
 #include "eval/sh_eval.h"
 #include "product/product.h"
 
-extern const ylm_sh_rival_eval ylm__rival_polynomial, ylm__rival_direct, ylm__rival_sloan,
-    ylm__rival_scd;
-extern const ylm_sh_rival_product ylm__rival_fourier, ylm__rival_brute;
-
-static const ylm_sh_rival_eval *const own_evals[YLM_SH_METHOD_COUNT] = {
-    [YLM_SH_polynomial] = &ylm__rival_polynomial,
-    [YLM_SH_direct] = &ylm__rival_direct,
-    [YLM_SH_sloan] = &ylm__rival_sloan,
-    [YLM_SH_scd] = &ylm__rival_scd};
-static const ylm_sh_rival_product *const own_products[YLM_SH_PRODUCT_METHOD_COUNT] = {
-    [YLM_SH_PRODUCT_fourier] = &ylm__rival_fourier, [YLM_SH_PRODUCT_brute] = &ylm__rival_brute};
-
-/* Tables by method. */
-static _Atomic(const ylm_sh_rival_eval *const *) evals = own_evals;
-static _Atomic(const ylm_sh_rival_product *const *) products = own_products;
+/* Tables by method; NULL until they are set. */
+static _Atomic(const ylm_sh_rival_eval *const *) evals;
+static _Atomic(const ylm_sh_rival_product *const *) products;
 
 void ylm_sh_rivals_set(const ylm_sh_rival_eval *const eval[YLM_SH_METHOD_COUNT],
                        const ylm_sh_rival_product *const product[YLM_SH_PRODUCT_METHOD_COUNT]) {
@@ -29,8 +17,8 @@ void ylm_sh_rivals_set(const ylm_sh_rival_eval *const eval[YLM_SH_METHOD_COUNT],
 }
 
 static ylm_status missing(const char *method, ylm_error *e) {
-  return ylm_fail(e, YLM_EMISSING,
-                  "method '%s' is of libylm_rival.so: call ylm_rival_register() first", method);
+  return ylm_fail(e, YLM_EMISSING, "method '%s' needs libylm_rival: call ylm_rival_register()",
+                  method);
 }
 
 ylm_status ylm__sh_rival(ylm_sh_method m, const ylm_sh_rival_eval **out, ylm_error *e) {

@@ -29,8 +29,9 @@ static inline size_t ylm_sh_index(int l, int m) { return (size_t)(l * (l + 1) + 
 #define YLM_SH_NATIVE 0
 
 /*
-** The ways to evaluate. All but the first are kept for comparison; they are scalar, and those
-** that divide by sin(theta) give NaN in derivatives where x = y = 0.
+** The ways to evaluate. All but the first exist to be compared with, and are in libylm_rival.so
+** (csrc/rival). They are scalar. Those that divide by sin(theta) give NaN in derivatives where
+** x = y = 0.
 **   solid       Cartesian recurrences and ladders, vectorised, exact everywhere
 **   polynomial  explicit polynomials in x, y, z; lmax <= 6
 **   direct      Mezieres et al. 2022, "Direct": (theta, phi), Eq. 19; derivatives <= 1
@@ -85,8 +86,9 @@ typedef struct ylm_sh_how {
   const ylm_progress *progress;
 } ylm_sh_how;
 
-/* ylm_sh_eval with every choice open. Comparison methods: YLM_ERANGE beyond their lmax or
-   derivatives, YLM_EINVAL with solid (all but "polynomial"). */
+/* ylm_sh_eval with every choice open. Methods of libylm_rival.so: YLM_EMISSING until it is
+   registered, YLM_ERANGE beyond their lmax or derivatives, YLM_EINVAL with solid (all but
+   "polynomial"). */
 YLM_API ylm_status ylm_sh_eval_how(const ylm_sh_how *how, int lmax, ylm_dtype t, size_t n,
                                    const void *p, void *y, void *dy, void *ddy, ylm_error *e);
 
@@ -256,7 +258,8 @@ YLM_API double ylm_sh_cosine_factor(int l);
 
 /*
 ** The ways to multiply functions given by coefficients of degree <= lmax, cut off at lmax again.
-** All but the last are exact.
+** All but the last are exact. fourier and brute exist to be compared with, and are in
+** libylm_rival.so.
 **   auto        the fastest for the size
 **   gaunt       sums over the non-zero integrals of three basis functions; two factors
 **   quadrature  to the points of a rule that is exact for the degree, and back
@@ -283,7 +286,8 @@ typedef struct ylm_sh_product ylm_sh_product;
 /*
 ** `inner` is the method of the steps of `recursive`, else ignored.
 ** YLM_ERANGE (lmax; factors 2 .. YLM_SH_PRODUCT_FACTORS), YLM_EINVAL (gaunt with other than two
-** factors), YLM_ELIMIT (brute or gaunt: tables of more than some million entries), YLM_ENOMEM.
+** factors), YLM_ELIMIT (brute or gaunt: tables of more than some million entries), YLM_EMISSING
+** (a method of libylm_rival.so, which is not registered), YLM_ENOMEM.
 */
 YLM_API ylm_status ylm_sh_product_create(int lmax, int factors, ylm_sh_product_method method,
                                          ylm_sh_product_method inner, ylm_sh_product **out,

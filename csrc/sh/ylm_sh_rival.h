@@ -1,9 +1,9 @@
 /*
 ** ylm_sh_rival.h - tables of functions for methods that exist to be compared with.
 **
-** A rival is a method that the library itself does not use. Rivals stand in a library of their own
-** (csrc/rival), which hands its tables to ylm_sh_rivals_set. Without them ylm_sh_eval_how and
-** ylm_sh_product_create answer YLM_EMISSING.
+** A rival is a method that libylm.so itself does not use. Rivals stand in libylm_rival.so
+** (csrc/rival), which hands its tables to ylm_sh_rivals_set.
+** Until then ylm_sh_eval_how and ylm_sh_product_create answer YLM_EMISSING for their names.
 */
 #ifndef YLM_SH_RIVAL_H
 #define YLM_SH_RIVAL_H
@@ -55,7 +55,7 @@ YLM_API void ylm_sh_surface(int l, double d, const double w[3], double s[10]);
 **   create   tables for a size, immutable; YLM_ELIMIT, YLM_ENOMEM
 **   free     accepts NULL
 **   scratch  bytes that a product needs
-**   apply    one product: c [factors][(lmax+1)^2] to out [(lmax+1)^2]; stage as of
+**   apply    one product: c [factors][(lmax+1)^2] to out [(lmax+1)^2]; stage: see
 **            ylm_sh_product_apply
 */
 typedef struct ylm_sh_rival_product {

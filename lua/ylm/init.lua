@@ -76,14 +76,14 @@ describe "info" {
   arguments = {},
   returns = { { "info", "table", "version, kernel (the set in use; YLM_ISA forces one), kernels (a list), "
     .. "threads, lua, parts (those that load: core, and where installed codec: image files, scene: rays, "
-    .. "vtk: pictures, vulkan: computing on a GPU)" } },
+    .. "vtk: pictures, vulkan: computing on a GPU, rival: methods to compare with)" } },
   errors = "none (require \"ylm\" raises where the environment's YLM_ISA or YLM_THREADS is not what it may be)",
   example = "assert(ylm.info().threads >= 1 and ylm.info().parts[1] == 'core')",
 }
 function ylm.info()
   local version, kernel, kernels, threads = core.info()
   local parts = { "core" }
-  for _, name in ipairs { "codec", "scene", "vtk", "vulkan" } do
+  for _, name in ipairs { "codec", "scene", "vtk", "vulkan", "rival" } do
     if pcall(require, "ylm.c." .. name) then parts[#parts + 1] = name end
   end
   return { version = version, parts = parts, kernel = kernel, kernels = kernels, threads = threads,

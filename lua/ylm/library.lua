@@ -1,4 +1,4 @@
---- Libraries that are loaded when they are first used: image files, rays, pictures, GPUs.
+--- Libraries that are loaded when they are first used: image files, rays, pictures, GPUs, methods to compare with.
 
 local memory = require "ylm.memory"
 
@@ -26,6 +26,17 @@ function library.open(name, advice)
     end
   end
   return nil, advice:format(why), "EMISSING"
+end
+
+local RIVAL = "this method, kept for comparison, needs libylm_rival: run make (or make install) again (%s)"
+
+--- f(...), a function of ylm.c.core. Where it answers EMISSING, its method is one of libylm_rival, which is loaded first.
+function library.rival(f, ...)
+  local a, b, c = f(...)
+  if c ~= "EMISSING" then return a, b, c end
+  local binding, message, code = library.open("rival", RIVAL)
+  if not binding then return nil, message, code end
+  return f(...)
 end
 
 return library

@@ -7,6 +7,7 @@ BENCH   ?=
 # BENCH=quick: all, briefly; BENCH="light sh": these. many_lights and accuracy take minutes and are run by name.
 benches := $(filter-out quick,$(BENCH))
 BENCH_LIBS_transfer := -lylm_scene -lembree3
+BENCH_LIBS_products := -lylm_rival
 
 $(BUILD)/bench/%: spec/bench/%.c $(wildcard spec/bench/*.h) $(LIBS)
 	@mkdir -p $(@D)

@@ -1,4 +1,5 @@
 /* products.c - products of two coefficient vectors: one at a time by method, and batches. */
+#include "ylm_rival.h"
 #include "ylm_sh.h"
 
 #include "bench.h"
@@ -105,6 +106,7 @@ int main(void) {
       [8] = 3900, [10] = 10400, [12] = 14000, [16] = 36000, [20] = 127000};
   static const double directx[21] = {[3] = 20, [4] = 68, [5] = 176, [6] = 394};
   size_t n = BATCH * ylm_sh_count(19);
+  ylm_rival_register();
   void *memory[3];
   for (int i = 0; i < 3; i++) {
     memory[i] = ylm_alloc(n, sizeof(double));

@@ -14,6 +14,7 @@
 
 #include "ylm_grid.h"
 #include "ylm_light.h"
+#include "ylm_rival.h"
 #include "ylm_sh.h"
 
 enum { POINTS = 11, LIGHTS = 21 }; /* neither is a multiple of what a kernel works on at once */
@@ -158,6 +159,7 @@ static void rotations_and_products(void) {
   const double axis[3] = {1, 2, 3};
   double r[9];
   ylm_error e;
+  ylm_rival_register();
   stop("axis", ylm_sh_rotation_from_axis(axis, 1, r, &e));
   ylm_sh_rotator *rotator;
   stop("rotator", ylm_sh_rotator_create(9, &rotator, &e));

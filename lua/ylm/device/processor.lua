@@ -3,6 +3,7 @@
 local array = require "ylm.array"
 local check = require "ylm.check"
 local core = require "ylm.c.core"
+local library = require "ylm.library"
 local outputs = require "ylm.outputs"
 local progress = require "ylm.progress"
 
@@ -12,7 +13,7 @@ local processor = {}
 function processor.name() return nil end
 
 function processor.harmonics(_, lmax, points, out, o)
-  return check.result("eval", core.sh_eval(lmax, points, { y = out[1], dy = out[2], ddy = out[3], solid = o.solid,
+  return check.result("eval", library.rival(core.sh_eval, lmax, points, { y = out[1], dy = out[2], ddy = out[3], solid = o.solid,
     method = o.method, threads = o.threads, isa = o.kernel, progress = progress.of(o.progress) }))
 end
 

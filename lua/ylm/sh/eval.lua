@@ -17,7 +17,7 @@ local eval_options = {
   { "dtype", "choice", of = { "float", "double" }, optional = true,
     about = "of the results; default: that of the points, double for tables" },
   { "method", "choice", of = { "solid", "polynomial", "direct", "sloan", "scd" }, default = "solid",
-    about = "the others are kept for comparison; they may be singular at the poles" },
+    about = "the others are kept for comparison, in libylm_rival; they may be singular at the poles" },
   { "kernel", "choice", of = { "reference", "sse2", "neon", "avx2", "avx512" }, optional = true,
     about = "the kernel set; default: the one in ylm.info().kernel" },
   form.threads,
@@ -72,7 +72,7 @@ describe "sh.eval" {
     { "ddY", "array", "[n][(lmax+1)^2][6]: xx xy xz yy yz zz, with derivatives = 2" },
   },
   errors = "raises on zero and non-finite points, naming the row, and where results are not representable; "
-    .. "nil, message, code where memory runs out, progress cancels or a device fails",
+    .. "nil, message, code where memory runs out, progress cancels, a device fails or libylm_rival is missing",
   example = [[
 local Y, dY = ylm.sh.eval(4, { { 0, 0, 1 }, { 1, 2, 3 } }, { derivatives = 1 })
 assert(#Y == 2 and Y.shape[2] == 25 and dY.shape[3] == 3)]],

@@ -5,6 +5,7 @@ local check = require "ylm.check"
 local core = require "ylm.c.core"
 local describe = require "ylm.describe".describe
 local form = require "ylm.form"
+local library = require "ylm.library"
 local progress = require "ylm.progress"
 
 local product = {}
@@ -17,7 +18,7 @@ local function plan(lmax, factors, method, inner)
   local key = ("%d %d %s %s"):format(lmax, factors, method, inner)
   local known = plans[key]
   if not known then
-    local p, used, integrals = core.sh_product_plan(lmax, factors, method, inner)
+    local p, used, integrals = library.rival(core.sh_product_plan, lmax, factors, method, inner)
     if not p then return nil, used, integrals end
     known = { p, used, integrals }
     plans[key] = known
@@ -32,6 +33,7 @@ local methods = { "auto", "gaunt", "fourier", "quadrature", "brute", "recursive"
 local product_options = {
   { "method", "choice", of = methods, default = "auto",
     about = "auto: the fastest for the size. All are exact but 'recursive', which cuts off after every multiplication. "
+      .. "'fourier' and 'brute' are kept for comparison, in libylm_rival. "
       .. "'gaunt': (k+1)/2 lmax, rounded down to a multiple of lmax, is at most 30 for k factors" },
   { "inner", "choice", of = { "auto", "gaunt", "fourier", "quadrature", "brute" }, default = "auto",
     about = "what the steps of 'recursive' are done by" },

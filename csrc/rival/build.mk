@@ -1,0 +1,10 @@
+# The rivals: a library of its own, which needs nothing but libylm.so, and is loaded when one of its methods is asked for.
+
+OBJ_rival := $(call objects,rival)
+LIBS += $(BUILD)/lib/libylm_rival.so
+HAVE += rival
+
+$(BUILD)/lib/libylm_rival.so: $(OBJ_rival) $(BUILD)/lib/libylm.so
+	@mkdir -p $(@D)
+	$(call say,LINK,$@)
+	$(Q)$(CC) $(filter-out -fopenmp,$(LDFLAGS)) -Wl,-soname,libylm_rival.so -Wl,-rpath,'$$ORIGIN' $(OBJ_rival) -L$(BUILD)/lib -lylm -lm -o $@
