@@ -425,6 +425,37 @@ describe("a device", function()
   end)
 end)
 
+describe("a binding", function()
+  --- The number of arguments between the parentheses that open at byte `i` of `text`.
+  local function arguments(text, i)
+    local inside, n = text:match("^%b()", i):sub(2, -2), 1
+    inside = inside:gsub('"[^"]*"', ""):gsub("%b()", ""):gsub("%b{}", ""):gsub("%b[]", "")
+    for _ in inside:gmatch "," do n = n + 1 end
+    return n
+  end
+
+  it("is called with at most seven positional arguments: more have names, in a table", function()
+    local callers = { core = true, lib = true, c = true, vtk = true, binding = true, [")"] = true }
+    for _, path in ipairs(lines_of [[find lua/ylm -name '*.lua']]) do
+      local text = text_of(path):gsub("%-%-[^\n]*", "")
+      for caller, name, at in text:gmatch "([%w_%)]+)%.([%w_]+)()%f[(]" do
+        if callers[caller] then
+          assert(arguments(text, at) <= 7, ("%s: %s has %d arguments"):format(path, name, arguments(text, at)))
+        end
+      end
+    end
+  end)
+
+  it("says of itself that it takes at most seven", function()
+    for _, path in ipairs(lines_of [[find csrc/lua -mindepth 2 -name '*.c']]) do
+      for comment in text_of(path):gmatch "/%*(.-)%*/" do
+        local name, at = comment:match "^[%s*]*([%w_]+)()%("
+        if name then assert(arguments(comment, at) <= 7, path .. ": " .. name) end
+      end
+    end
+  end)
+end)
+
 describe("the tree", function()
   local files = lines_of "git ls-files 2>/dev/null"
   if #files == 0 then

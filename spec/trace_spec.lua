@@ -15,8 +15,9 @@ local function traced(geometry, lamps)
     at[i], radius[i], radiance[i] = { l[1], l[2], l[3] }, l[4], { 1, 1, 1 }
   end
   local n = #at
-  return assert(lib.scene_create(meshes, materials, occludes, n > 0 and ylm.array(at) or ylm.zeros { 0, 3 },
-    n > 0 and ylm.array(radius) or ylm.zeros { 0 }, n > 0 and ylm.array(radiance) or ylm.zeros { 0, 3 }))
+  return assert(lib.scene_create { meshes = meshes, materials = materials, occludes = occludes,
+    at = n > 0 and ylm.array(at) or ylm.zeros { 0, 3 }, radius = n > 0 and ylm.array(radius) or ylm.zeros { 0 },
+    radiance = n > 0 and ylm.array(radiance) or ylm.zeros { 0, 3 } })
 end
 
 --- Rays { origin, direction, far } as the array that scene_trace takes.

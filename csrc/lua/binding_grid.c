@@ -19,6 +19,26 @@ ylm_grid *ylmL_grid_check(lua_State *L, int i) {
   return *g;
 }
 
+ylm_grid_interpolation ylmL_grid_interpolation(lua_State *L, int i) {
+  static const char *const names[] = {"hermite", "taylor", "linear", NULL};
+  return (ylm_grid_interpolation)luaL_checkoption(L, i, NULL, names);
+}
+
+/* The place of entry `name` in `words`, the first where there is none. */
+static int choice(lua_State *L, int table, const char *name, const char *const *words) {
+  lua_getfield(L, table, name);
+  int k = luaL_checkoption(L, -1, words[0], words);
+  lua_pop(L, 1);
+  return k;
+}
+
+static bool boolean(lua_State *L, int table, const char *name) {
+  lua_getfield(L, table, name);
+  bool yes = lua_toboolean(L, -1);
+  lua_pop(L, 1);
+  return yes;
+}
+
 static double number(lua_State *L, int table, const char *name) {
   lua_getfield(L, table, name);
   double x = luaL_checknumber(L, -1);
@@ -39,22 +59,26 @@ static void list(lua_State *L, int table, const char *name, int n, double *out) 
 }
 
 ylm_grid_form ylmL_grid_form(lua_State *L, int i) {
+  static const char *const kinds[] = {"adaptive_grid", "uniform_grid", NULL};
+  static const char *const metrics[] = {"absolute", "relative", NULL};
+  static const char *const channels[] = {"none", "luminance", "rgb", NULL};
+  static const int numbers[] = {0, 1, 3};
   ylm_grid_form f = {0};
   double cells[3];
   luaL_checktype(L, i, LUA_TTABLE);
-  f.kind = (ylm_grid_kind)(int)number(L, i, "kind");
+  f.kind = (ylm_grid_kind)choice(L, i, "kind", kinds);
   list(L, i, "bounds", 6, f.bounds);
   f.lmax = (int)number(L, i, "lmax");
-  f.channels = (int)number(L, i, "channels");
-  f.metric_channels = (int)number(L, i, "metric_channels");
+  f.channels = numbers[choice(L, i, "channels", channels)];
+  f.metric_channels = numbers[choice(L, i, "metric_channels", channels)];
   f.depth = (int)number(L, i, "depth");
   list(L, i, "cells", 3, cells);
   for (int a = 0; a < 3; a++) f.cells[a] = (uint32_t)cells[a];
-  f.metric = (ylm_grid_metric)(int)number(L, i, "metric");
+  f.metric = (ylm_grid_metric)choice(L, i, "metric", metrics);
   f.threshold = number(L, i, "threshold");
   f.tolerance = number(L, i, "tolerance");
-  f.continuous = number(L, i, "continuous") != 0;
-  f.dynamic = number(L, i, "dynamic") != 0;
+  f.continuous = boolean(L, i, "continuous");
+  f.dynamic = boolean(L, i, "dynamic");
   return f;
 }
 

@@ -12,6 +12,8 @@
 ylm_grid **ylmL_grid_new(lua_State *L);
 /* The grid at `i`; raises where it has been closed or is being updated. */
 ylm_grid *ylmL_grid_check(lua_State *L, int i);
+/* The interpolation named at `i`. */
+ylm_grid_interpolation ylmL_grid_interpolation(lua_State *L, int i);
 /* The table at `i`, which lua/ylm/grid/bake.lua fills completely. */
 ylm_grid_form ylmL_grid_form(lua_State *L, int i);
 /* The triangles of the list of meshes at `i`, n of them, in a userdata left on the stack. */

@@ -8,29 +8,34 @@ static const ylm_field *field_of(void *object) {
 }
 
 /*
-** grid_sample(grid, points [n][3], interpolation number, derivatives, nan outside, dtype, threads,
-**             progress, out value | nil, out gradient | nil)
+** grid_sample(grid, points [n][3], {interpolation, derivatives, outside, dtype, threads, progress,
+**             value | nil, gradient | nil: arrays to be written})
 **   -> value, gradient | nil, outside, unbaked, seconds
 */
 static int grid_sample(lua_State *L) {
+  static const char *const names[] = {"interpolation", "derivatives", "outside",
+                                      "dtype",         "threads",     "progress",
+                                      "value",         "gradient",    NULL};
   static const char *const dtypes[] = {"float", "double", NULL};
-  lua_settop(L, 10);
+  static const char *const outside[] = {"clamp", "nan", NULL};
+  enum { INTERPOLATION = 4, DERIVATIVES, OUTSIDE, DTYPE, THREADS, PROGRESS, VALUE, GRADIENT };
+  ylmL_named(L, 3, names);
   const ylm_grid_view *v = ylm_grid_look(ylmL_grid_check(L, 1));
   ylmL_array *points = ylmL_array_check(L, 2), *value, *gradient = NULL;
   ylmL_progress progress;
-  ylm_grid_query q = {.interpolation = (ylm_grid_interpolation)(int)luaL_checknumber(L, 3),
-                      .nan_outside = lua_toboolean(L, 5),
+  ylm_grid_query q = {.interpolation = ylmL_grid_interpolation(L, INTERPOLATION),
+                      .nan_outside = luaL_checkoption(L, OUTSIDE, NULL, outside) == 1,
                       .point_dtype = points->dtype,
-                      .dtype = (ylm_dtype)luaL_checkoption(L, 6, NULL, dtypes),
-                      .threads = (int)luaL_checknumber(L, 7),
-                      .progress = ylmL_progress_begin(L, 8, &progress)};
+                      .dtype = (ylm_dtype)luaL_checkoption(L, DTYPE, NULL, dtypes),
+                      .threads = (int)luaL_optnumber(L, THREADS, 0),
+                      .progress = ylmL_progress_begin(L, PROGRESS, &progress)};
   size_t shape[4] = {points->count / 3, (size_t)v->form.channels, (size_t)v->count, 3};
   ylm_grid_report report = {0};
   ylm_error e = {0};
   ylm_status s = YLM_OK;
-  value = ylmL_array_result(L, 9, q.dtype, 3, shape, &s);
-  if (luaL_checknumber(L, 4) > 0)
-    gradient = ylmL_array_result(L, 10, q.dtype, 4, shape, &s);
+  value = ylmL_array_result(L, VALUE, q.dtype, 3, shape, &s);
+  if (luaL_checknumber(L, DERIVATIVES) > 0)
+    gradient = ylmL_array_result(L, GRADIENT, q.dtype, 4, shape, &s);
   else
     lua_pushnil(L);
   if (s == YLM_OK)

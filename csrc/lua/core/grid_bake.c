@@ -125,19 +125,19 @@ static ylm_status lua_field_evaluate(const ylm_field *base, const ylm_field_quer
 
 /*
 ** grid_bake(form table, object with a light field | function, lit places, seed, threads,
-**           max_points, progress, lights where it is dynamic) -> grid
+**           max_points, progress) -> grid; a dynamic grid is baked from lights
 **
 ** Lit places: points [n][3], a list of meshes, or nil.
 */
 static int grid_bake(lua_State *L) {
-  lua_settop(L, 8);
+  lua_settop(L, 7);
   luaL_checkstack(L, 20, "grid_bake");
   ylm_grid_form form = ylmL_grid_form(L, 1);
   ylmL_progress progress;
   lua_field own = {.base = {.self = &own, .evaluate = lua_field_evaluate}, .L = L, .index = 2};
   ylm_grid_source source = ylmL_grid_source(L, &progress);
   source.field = lua_isfunction(L, 2) ? &own.base : ylmL_field_check(L, 2);
-  if (!lua_isnil(L, 8)) source.lights = ylmL_lights_check(L, 8);
+  if (form.dynamic) source.lights = ylmL_lights_check(L, 2);
   ylm_grid **g = ylmL_grid_new(L);
   ylm_error e = {0};
   ylm_status s = ylm_grid_bake(&form, &source, g, &e);

@@ -235,21 +235,36 @@ static int has_field(lua_State *L) {
   return 1;
 }
 
+static const char *const query_names[] = {"lmax",    "channels", "derivatives", "metric",
+                                          "threads", "progress", "value",       "gradient",
+                                          "hessian", "isa",      NULL};
 enum {
   OBJECT = 1,
-  LMAX,
   POINTS,
+  LMAX = 4,
   CHANNELS,
-  WANT,
-  METRIC_CHANNELS,
+  DERIVATIVES,
+  METRIC,
   THREADS,
   PROGRESS,
   OUT_VALUE,
   OUT_GRADIENT,
   OUT_HESSIAN,
-  ISA,
-  ARGUMENTS = ISA
+  ISA
 };
+
+/* The number of channels named at `i`: luminance or rgb. */
+static int channels_at(lua_State *L, int i) {
+  static const char *const names[] = {"luminance", "rgb", NULL};
+  return luaL_checkoption(L, i, "luminance", names) ? 3 : 1;
+}
+
+/* What is wanted: values, derivatives to an order, a metric where one is named. */
+static int wanted(lua_State *L) {
+  int order = (int)luaL_checknumber(L, DERIVATIVES);
+  return YLM_WANT_VALUE | (order >= 1 ? YLM_WANT_GRADIENT : 0) |
+         (order >= 2 ? YLM_WANT_HESSIAN : 0) | (lua_isnil(L, METRIC) ? 0 : YLM_WANT_METRIC);
+}
 
 static ylm_isa check_isa(lua_State *L, int i) {
   const char *name = luaL_checkstring(L, i);
@@ -271,25 +286,25 @@ static ylm_status call_field(lua_State *L, const ylm_field *f, const ylm_field_q
 }
 
 /*
-** field_evaluate(object, lmax, points [n][3], channels, want, metric_channels, threads, progress,
-**                out value, out gradient, out hessian, isa)
+** field_evaluate(object, points [n][3], {lmax, channels, derivatives, metric | nil, threads,
+**                progress, value, gradient, hessian: arrays to be written | nil, isa | nil})
 **   -> value, gradient, hessian, lambda [n], norm [n], inside [n] of 0 and 1, pairs; nil where not
 **   wanted
 ** The dtype is that of the points.
 */
 static int field_evaluate(lua_State *L) {
-  lua_settop(L, ARGUMENTS);
+  ylmL_named(L, 3, query_names);
   luaL_checkstack(L, 20, "field_evaluate");
   const ylm_field *f = ylmL_field_check(L, OBJECT);
   ylmL_array *points = ylmL_array_check(L, POINTS);
   size_t n = points->count / 3;
   ylmL_progress progress;
   ylm_field_query q = {.lmax = (int)luaL_checknumber(L, LMAX),
-                       .channels = (int)luaL_checknumber(L, CHANNELS),
-                       .want = (int)luaL_checknumber(L, WANT),
-                       .metric_channels = (int)luaL_checknumber(L, METRIC_CHANNELS),
+                       .channels = channels_at(L, CHANNELS),
+                       .want = wanted(L),
+                       .metric_channels = channels_at(L, METRIC),
                        .dtype = points->dtype,
-                       .threads = (int)luaL_checknumber(L, THREADS),
+                       .threads = (int)luaL_optnumber(L, THREADS, 0),
                        .progress = ylmL_progress_begin(L, PROGRESS, &progress)};
   if (points->axes != 2 || points->shape[1] != 3 || q.lmax < 0 || q.lmax > 10000)
     return ylmL_result(L, 0, YLM_ERANGE, NULL);

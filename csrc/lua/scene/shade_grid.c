@@ -7,10 +7,9 @@
 /* shade_grid(view, grid, "hermite" | "taylor" | "linear", threads, progress)
    -> radiance [n][3], outside, unbaked, seconds */
 static int shade_grid(lua_State *L) {
-  static const char *const names[] = {"hermite", "taylor", "linear", NULL};
   ylm_shade_view *v = ylmL_shade_view(L, 1);
   const ylm_grid *g = ylmL_grid_check(L, 2);
-  ylm_grid_interpolation how = (ylm_grid_interpolation)luaL_checkoption(L, 3, "hermite", names);
+  ylm_grid_interpolation how = ylmL_grid_interpolation(L, 3);
   int threads = (int)luaL_checknumber(L, 4);
   ylm_grid_report report = {0};
   ylm_error e = {0};
@@ -53,11 +52,10 @@ static int shade_memory(lua_State *L) {
    radiance)
    -> radiance [n][3] (the array given), outside, unbaked, seconds, fresh */
 static int shade_grid_again(lua_State *L) {
-  static const char *const names[] = {"hermite", "taylor", "linear", NULL};
   ylm_shade_view *v = ylmL_shade_view(L, 1);
   ylm_shade_memory **m = ylmL_check(L, 2, MEMORY);
   const ylm_grid *g = ylmL_grid_check(L, 3);
-  ylm_grid_interpolation how = (ylm_grid_interpolation)luaL_checkoption(L, 4, "hermite", names);
+  ylm_grid_interpolation how = ylmL_grid_interpolation(L, 4);
   int threads = (int)luaL_checknumber(L, 5);
   ylmL_array *out = ylmL_array_check(L, 7);
   ylm_grid_report report = {0};

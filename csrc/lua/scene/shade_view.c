@@ -3,55 +3,71 @@
 
 #include "shade.h"
 
-enum {
-  VIEW_SCENE = 1,
-  CAMERA,
-  WIDTH,
-  HEIGHT,
-  SAMPLES,
-  LMAX,
-  PER_VERTEX,
-  VISIBILITY,
-  TRANSFER,
-  DISTANCE,
-  SHARE,
-  SEED,
-  THREADS,
-  PROGRESS,
-  LIGHT,
-  NOISE,
-  MOST
-};
-
-/* shade_view(scene, {from, at, up, fov: 10 numbers}, width, height, samples, lmax, per vertex,
-   "none" | "pixel" | "vertex", transfer samples, occlusion distance, share, seed, threads,
-   progress, light | nil, noise | nil, most samples | nil) -> view */
+/* shade_view(scene, {camera: from, at, up, fov, 10 numbers; width, height, samples, lmax, shading,
+   visibility, transfer_samples, occlusion_distance, share, seed, threads, progress, light | nil,
+   noise | nil, most_samples | nil}) -> view */
 static int shade_view(lua_State *L) {
-  static const char *const names[] = {"none", "pixel", "vertex", NULL};
-  const ylm_scene *scene = ylmL_scene(L, VIEW_SCENE);
+  static const char *const names[] = {"camera",
+                                      "width",
+                                      "height",
+                                      "samples",
+                                      "lmax",
+                                      "shading",
+                                      "visibility",
+                                      "transfer_samples",
+                                      "occlusion_distance",
+                                      "share",
+                                      "seed",
+                                      "threads",
+                                      "progress",
+                                      "light",
+                                      "noise",
+                                      "most_samples",
+                                      NULL};
+  static const char *const shadings[] = {"pixel", "vertex", NULL};
+  static const char *const visibilities[] = {"none", "pixel", "vertex", NULL};
+  enum {
+    CAMERA = 3,
+    WIDTH,
+    HEIGHT,
+    SAMPLES,
+    LMAX,
+    SHADING,
+    VISIBILITY,
+    TRANSFER,
+    DISTANCE,
+    SHARE,
+    SEED,
+    THREADS,
+    PROGRESS,
+    LIGHT,
+    NOISE,
+    MOST
+  };
+  ylmL_named(L, 2, names);
+  const ylm_scene *scene = ylmL_scene(L, 1);
   ylm_error e = {0};
   ylmL_progress p;
   double c[10];
   ylmL_scene_numbers(L, CAMERA, 10, c);
-  lua_settop(L, MOST);
   bool chosen = !lua_isnil(L, LIGHT);
   ylm_camera camera = {{c[0], c[1], c[2]}, {c[3], c[4], c[5]}, {c[6], c[7], c[8]}, c[9]};
-  ylm_shade_options o = {.width = (int)luaL_checknumber(L, WIDTH),
-                         .height = (int)luaL_checknumber(L, HEIGHT),
-                         .samples = (int)luaL_checknumber(L, SAMPLES),
-                         .lmax = (int)luaL_checknumber(L, LMAX),
-                         .per_vertex = lua_toboolean(L, PER_VERTEX),
-                         .visibility =
-                             (ylm_shade_visibility)luaL_checkoption(L, VISIBILITY, "pixel", names),
-                         .transfer_samples = (int)luaL_checknumber(L, TRANSFER),
-                         .light = chosen ? ylmL_field_check(L, LIGHT) : NULL,
-                         .noise = (double)luaL_optnumber(L, NOISE, 0),
-                         .most_samples = (int)luaL_optnumber(L, MOST, 0),
-                         .occlusion_distance = (double)luaL_checknumber(L, DISTANCE),
-                         .share = (double)luaL_checknumber(L, SHARE),
-                         .seed = (uint64_t)luaL_checknumber(L, SEED),
-                         .threads = (int)luaL_checknumber(L, THREADS),
-                         .progress = ylmL_progress_begin(L, PROGRESS, &p)};
+  ylm_shade_options o = {
+      .width = (int)luaL_checknumber(L, WIDTH),
+      .height = (int)luaL_checknumber(L, HEIGHT),
+      .samples = (int)luaL_checknumber(L, SAMPLES),
+      .lmax = (int)luaL_checknumber(L, LMAX),
+      .per_vertex = luaL_checkoption(L, SHADING, NULL, shadings) == 1,
+      .visibility = (ylm_shade_visibility)luaL_checkoption(L, VISIBILITY, NULL, visibilities),
+      .transfer_samples = (int)luaL_checknumber(L, TRANSFER),
+      .light = chosen ? ylmL_field_check(L, LIGHT) : NULL,
+      .noise = (double)luaL_optnumber(L, NOISE, 0),
+      .most_samples = (int)luaL_optnumber(L, MOST, 0),
+      .occlusion_distance = (double)luaL_checknumber(L, DISTANCE),
+      .share = (double)luaL_checknumber(L, SHARE),
+      .seed = (uint64_t)luaL_checknumber(L, SEED),
+      .threads = (int)luaL_optnumber(L, THREADS, 0),
+      .progress = ylmL_progress_begin(L, PROGRESS, &p)};
   ylm_shade_view **v = lua_newuserdata(L, sizeof *v);
   *v = NULL;
   luaL_getmetatable(L, YLML_SHADE_VIEW);

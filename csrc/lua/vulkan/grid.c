@@ -61,11 +61,15 @@ static int close_copy(lua_State *L) {
   return gc(L);
 }
 
-/* gpu_grid_sample(copy, grid, points, interpolation, derivatives, nan, progress, out | nil,
-   out | nil) -> value, gradient | nil, outside, unbaked, seconds, times. New results are where the
+/* gpu_grid_sample(copy, grid, points, {interpolation, derivatives, outside, progress, value | nil,
+   gradient | nil}) -> value, gradient | nil, outside, unbaked, seconds, times. New results are where the
    points are. */
 static int sample(lua_State *L) {
-  lua_settop(L, 9);
+  static const char *const names[] = {"interpolation", "derivatives", "outside", "progress",
+                                      "value",         "gradient",    NULL};
+  static const char *const outside[] = {"clamp", "nan", NULL};
+  enum { INTERPOLATION = 5, DERIVATIVES, OUTSIDE, PROGRESS, VALUE, GRADIENT };
+  ylmL_named(L, 4, names);
   ylm_gpu_grid *k = copy_at(L, 1);
   const ylm_grid *grid = ylmL_grid_check(L, 2);
   const ylm_grid_view *v = ylm_grid_look(grid);
@@ -74,17 +78,18 @@ static int sample(lua_State *L) {
   ylm_grid_report report = {0};
   ylm_gpu_times times = {0};
   ylmL_progress progress;
-  ylm_grid_query q = {.interpolation = (ylm_grid_interpolation)(int)luaL_checknumber(L, 4),
-                      .nan_outside = lua_toboolean(L, 6),
+  ylm_grid_query q = {.interpolation = ylmL_grid_interpolation(L, INTERPOLATION),
+                      .nan_outside = luaL_checkoption(L, OUTSIDE, NULL, outside) == 1,
                       .point_dtype = points.dtype,
                       .dtype = YLM_FLOAT,
-                      .progress = ylmL_progress_begin(L, 7, &progress)};
+                      .progress = ylmL_progress_begin(L, PROGRESS, &progress)};
   size_t shape[4] = {points.count / 3, (size_t)v->form.channels, (size_t)v->count, 3};
   ylm_gpu *there = points.there ? ylm_gpu_buffer_device(points.there) : NULL;
   ylm_status s = YLM_OK;
-  ylm_gpu_output gradient = {NULL, NULL}, value = ylmL_gpu_output(L, 8, there, 3, shape, &s, &e);
-  if (luaL_checknumber(L, 5) > 0)
-    gradient = ylmL_gpu_output(L, 9, there, 4, shape, &s, &e);
+  ylm_gpu_output gradient = {NULL, NULL},
+                 value = ylmL_gpu_output(L, VALUE, there, 3, shape, &s, &e);
+  if (luaL_checknumber(L, DERIVATIVES) > 0)
+    gradient = ylmL_gpu_output(L, GRADIENT, there, 4, shape, &s, &e);
   else
     lua_pushnil(L);
   if (s == YLM_OK)
@@ -99,14 +104,18 @@ static int sample(lua_State *L) {
   return ylmL_result_progress(L, 6, s, &e, &progress);
 }
 
-/* gpu_grid_shade(copy, grid, points [n][3], transfer [n][row], material [n][3], interpolation,
-   progress, out | nil) -> radiance [n][3], outside, unbaked, seconds, times; all float. It is where
+/* gpu_grid_shade(copy, grid, {points [n][3], transfer [n][row], material [n][3], interpolation,
+   progress, radiance | nil}) -> radiance [n][3], outside, unbaked, seconds, times; all float. It is where
    the points are. */
 static int shade(lua_State *L) {
-  lua_settop(L, 8);
+  static const char *const names[] = {"points",   "transfer", "material", "interpolation",
+                                      "progress", "radiance", NULL};
+  enum { POINTS = 4, TRANSFER, MATERIAL, INTERPOLATION, PROGRESS, RADIANCE };
+  ylmL_named(L, 3, names);
   ylm_gpu_grid *k = copy_at(L, 1);
   const ylm_grid *grid = ylmL_grid_check(L, 2);
-  ylmL_any_array points = ylmL_any(L, 3), transfer = ylmL_any(L, 4), material = ylmL_any(L, 5);
+  ylmL_any_array points = ylmL_any(L, POINTS), transfer = ylmL_any(L, TRANSFER),
+                 material = ylmL_any(L, MATERIAL);
   ylm_error e = {YLM_OK, ""};
   ylm_grid_report report = {0};
   ylm_gpu_times times = {0};
@@ -117,13 +126,13 @@ static int shade(lua_State *L) {
     return ylmL_result(L, 0, YLM_ETYPE, NULL);
   if (points.count != 3 * n || transfer.count != n * row || material.count != 3 * n)
     return ylmL_result(L, 0, YLM_ESHAPE, NULL);
-  ylm_grid_query q = {.interpolation = (ylm_grid_interpolation)(int)luaL_checknumber(L, 6),
+  ylm_grid_query q = {.interpolation = ylmL_grid_interpolation(L, INTERPOLATION),
                       .point_dtype = YLM_FLOAT,
                       .dtype = YLM_FLOAT,
-                      .progress = ylmL_progress_begin(L, 7, &progress)};
+                      .progress = ylmL_progress_begin(L, PROGRESS, &progress)};
   ylm_gpu *there = points.there ? ylm_gpu_buffer_device(points.there) : NULL;
   ylm_status s = YLM_OK;
-  ylm_gpu_output radiance = ylmL_gpu_output(L, 8, there, 2, (size_t[]){n, 3}, &s, &e);
+  ylm_gpu_output radiance = ylmL_gpu_output(L, RADIANCE, there, 2, (size_t[]){n, 3}, &s, &e);
   if (s == YLM_OK)
     s = ylm_gpu_grid_shade(k, grid, &q, n, ylmL_gpu_input(&points), row, ylmL_gpu_input(&transfer),
                            ylmL_gpu_input(&material), radiance, &report, &times, &e);

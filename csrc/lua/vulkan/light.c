@@ -18,13 +18,16 @@ static const ylm_field *field_of(void *object) {
   return d->on && *d->from ? ylm_gpu_lights_field(d->on) : NULL;
 }
 
-/* gpu_lights_create(gpu, lights, method number) -> lights on the device */
+/* In the order of ylm_gpu_method. */
+static const char *const methods_of_sums[] = {"merged", "forward", "reversed", NULL};
+
+/* gpu_lights_create(gpu, lights, method) -> lights on the device */
 static int create(lua_State *L) {
   ylm_error e = {YLM_OK, ""};
   lua_settop(L, 3);
   ylm_gpu *g = ylmL_gpu_check(L, 1);
   const ylm_light_set *set = ylmL_lights_check(L, 2);
-  int method = (int)luaL_checknumber(L, 3);
+  int method = luaL_checkoption(L, 3, NULL, methods_of_sums);
   device_lights *d = lua_newuserdata(L, sizeof *d);
   *d = (device_lights){NULL, lua_touserdata(L, 2), LUA_NOREF, method};
   luaL_getmetatable(L, GPU_LIGHTS);
@@ -49,12 +52,12 @@ static int close_lights(lua_State *L) {
   return release(L);
 }
 
-/* gpu_lights_info(lights) -> count, method number; nil once closed */
+/* gpu_lights_info(lights) -> count, method; nil once closed */
 static int info(lua_State *L) {
   const device_lights *d = ylmL_check(L, 1, GPU_LIGHTS);
   if (!field_of((void *)(uintptr_t)d)) return 0;
   ylmL_push_count(L, ylm_light_set_count(*d->from));
-  lua_pushnumber(L, d->method);
+  lua_pushstring(L, methods_of_sums[d->method]);
   return 2;
 }
 
@@ -74,7 +77,7 @@ static int times(lua_State *L) {
 }
 
 /*
-** gpu_grid_bake(form table, lights on a device, occupied [n][3], the host's or a device's | list of
+** gpu_grid_bake(form table, lights on a device, occupied [n][3] of the host or a device | list of
 ** meshes | nil, seed, threads, max_points, progress) -> grid, its copy on the device | nil
 */
 static int grid_bake(lua_State *L) {

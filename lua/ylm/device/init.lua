@@ -7,11 +7,11 @@
 --     device:harmonics(lmax, points, out, o)                   sh.eval into the arrays `out` -> true
 --     device:lights(n, name, object, o, within)                what has the light field there, whether made for this call
 --     device:is_open(object)                                   may these lights be used?
---     device:evaluate(name, ...)                               core.field_evaluate(...), its results looked at
+--     device:evaluate(name, object, points, query)            core.field_evaluate, its results looked at
 --     device:points(n, name, what, points)                     points [n][3], whether one row; nil: they lie elsewhere
 --     device:positions(name, p)                                where the prepared view p asks for light
 --     device:check_bake(description, lights)                   raises where the device bakes no such grid
---     device:bake(form, object, occupied, o, followed)         grid, times of its stages
+--     device:bake(form, object, occupied, o)                   grid, times of its stages
 --     device:sample(g, points, o, shapes, single)              what grid:sample returns
 --     device:check_picture(name, o)                            raises where the device makes no such picture
 --     device:room(name, p, o)                                  where a picture that stays on the device is written

@@ -35,8 +35,8 @@ function processor.lights(_, n, name, object, o, within)
   return within(name, object, o.tolerance or o.light_tolerance, o.threads)
 end
 
-function processor.evaluate(_, name, ...)
-  return check.result(name, core.field_evaluate(...))
+function processor.evaluate(_, name, object, points, query)
+  return check.result(name, core.field_evaluate(object, points, query))
 end
 
 -- Grids -------------------------------------------------------------------------------
@@ -52,19 +52,18 @@ end
 
 function processor.check_bake() end
 
-function processor.bake(_, form, object, occupied, o, followed)
+function processor.bake(_, form, object, occupied, o)
   return check.result("bake", core.grid_bake(form, object, occupied, o.seed, o.threads or 0, o.max_points,
-    progress.of(o.progress), followed))
+    progress.of(o.progress)))
 end
-
-local INTERPOLATION = { hermite = 0, taylor = 1, linear = 2 }
 
 function processor.sample(_, g, points, o, shapes, single)
   if o.flags then shapes[#shapes + 1] = { shapes[1][1] } end
   local value, gradient, flags = outputs.of(2, "sample", o.out, o.dtype, shapes, points)
   if o.derivatives == 0 then gradient, flags = nil, gradient end
-  local c, dc, outside, unbaked, seconds = check.result("sample", core.grid_sample(g, points, INTERPOLATION[o.interpolation],
-    o.derivatives, o.outside == "nan", o.dtype, o.threads or 0, progress.of(o.progress), value, gradient))
+  local c, dc, outside, unbaked, seconds = check.result("sample", core.grid_sample(g, points, {
+    interpolation = o.interpolation, derivatives = o.derivatives, outside = o.outside, dtype = o.dtype,
+    threads = o.threads, progress = progress.of(o.progress), value = value, gradient = gradient }))
   if c == nil then return nil, dc, outside end
   if o.flags then
     local message, code

@@ -15,10 +15,6 @@ local bake = {}
 
 local methods, open, stages_of = grid_object.methods, grid_object.open, grid_object.stages_of
 
-local KIND = { adaptive_grid = 0, uniform_grid = 1 }
-local METRIC_CHANNELS = { none = 0, luminance = 1, rgb = 3 }
-local METRIC = { absolute = 0, relative = 1 }
-
 --- The box around points, at least a thousandth as wide as it is long. Extent 0 in all axes is refused.
 local function bounds_of(points)
   local lo, hi = core.grid_bounds(points)
@@ -158,7 +154,7 @@ assert(grid.stats.met and grid.stats.error <= 0.01)]],
 }
 function bake.bake(description, lights, given)
   local kind = form.kind(description)
-  if not KIND[kind] then
+  if kind ~= "adaptive_grid" and kind ~= "uniform_grid" then
     return check.bad(1, "bake", "an adaptive_grid or a uniform_grid expected, got %s", check.describe(description))
   end
   local o = form.options(3, "bake", bake_options, given)
@@ -170,8 +166,7 @@ function bake.bake(description, lights, given)
     packed, failed, why = light.field(2, "bake", lights)
     if not packed then return nil, failed, why end
   end
-  local followed = description.dynamic and light.followed(packed)
-  if description.dynamic and not followed then
+  if description.dynamic and not light.followed(packed) then
     return check.bad(2, "bake", "a grid with dynamic = true follows sphere lights and flat lights, this is baked from %s: "
       .. "bake that into a second grid, or leave dynamic out", light.other(packed))
   end
@@ -188,14 +183,12 @@ function bake.bake(description, lights, given)
   object, made, failed = asked:lights(3, "bake", packed, o, light.within)
   if not object then return nil, made, failed end
   local baked, stages, code = devices.of(object):bake({
-    kind = KIND[kind], lmax = description.lmax, depth = description.depth or 0, cells = cells,
+    kind = kind, lmax = description.lmax, depth = description.depth or 0, cells = cells,
     bounds = { box[1][1], box[1][2], box[1][3], box[2][1], box[2][2], box[2][3] },
-    channels = description.channels == "rgb" and 3 or 1,
-    metric_channels = METRIC_CHANNELS[description.metric_channels],
-    metric = METRIC[description.metric],
+    channels = description.channels, metric_channels = description.metric_channels, metric = description.metric,
     threshold = description.threshold or -1, tolerance = description.tolerance or 0,
-    continuous = description.continuous and 1 or 0, dynamic = description.dynamic and 1 or 0,
-  }, object, occupied, o, followed or nil)
+    continuous = description.continuous, dynamic = description.dynamic,
+  }, object, occupied, o)
   if made then object:close() end
   if not baked then return nil, stages, code end
   stages_of[baked] = stages

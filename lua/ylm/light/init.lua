@@ -13,14 +13,11 @@ local light = {}
 
 for name, f in pairs(require "ylm.light.pack") do light[name] = f end
 
--- Results that may be asked of a field; the numbers are those of ylm_base.h.
-local VALUE, GRADIENT, HESSIAN, METRIC = 1, 2, 4, 8
-
 -- To a tolerance ------------------------------------------------------------------------
 
 --- The option that says how exactly lights are summed, by the name it has here.
 function light.tolerance_option(name)
-  return { name, "number", min = 1e-6, max = 0.5, optional = true,
+  return { name, "number", min = core.limits.tolerance_least, max = core.limits.tolerance_most, optional = true,
     about = "relative error at 99.9 % of points (of derivatives: relative to theirs) when many sphere lights are summed by a "
       .. "tree; default: exact sums. Ignored on a device, which always sums exactly" }
 end
@@ -46,9 +43,9 @@ local options = {
   { "dtype", "choice", of = { "float", "double" }, optional = true,
     about = "element type; that of the points where they are an array, else float" },
   light.tolerance_option "tolerance",
-  { "threads", "integer", min = 1, max = 1024, optional = true, about = "default: YLM_THREADS or all cores" },
+  form.threads,
   { "out", "any", optional = true, about = "an array, or a list of them, shaped and typed like the results, which they take" },
-  { "progress", "progress", optional = true, about = "called as f(done, total, stage); returning false cancels" },
+  form.progress,
   { "device", "gpu", optional = true, about = "lights are summed there; gpu:lights copies them once" },
   { "method", "choice", of = { "merged", "forward", "reversed" }, optional = true,
     about = "on a device: merged moments (default), or the papers' product rule for comparison, see gpu:lights" },
@@ -58,14 +55,12 @@ local options = {
 -- `given` is what the points were made from, with which `out` may share no memory either. `isa` names a kernel set, for
 -- specs and benchmarks.
 function light.evaluate(name, lmax, object, points, o, isa, given)
-  local want = VALUE + (o.derivatives >= 1 and GRADIENT or 0) + (o.derivatives >= 2 and HESSIAN or 0)
-    + (o.metric and METRIC or 0)
-  local channels, metric_channels = o.channels == "rgb" and 3 or 1, o.metric == "rgb" and 3 or 1
-  local shapes = {}
+  local channels, shapes = o.channels == "rgb" and 3 or 1, {}
   for i = 0, o.derivatives do shapes[i + 1] = { #points, channels, (lmax + 1) ^ 2, i > 0 and 3 * i or nil } end
   local out1, out2, out3 = outputs.of(4, name, o.out, points.dtype, shapes, given or points)
-  local L, dL, ddL, lambda, norm, inside, pairs = devices.of(object):evaluate(name, object, lmax, points, channels, want,
-    metric_channels, o.threads or 0, progress.of(o.progress), out1, out2, out3, isa)
+  local L, dL, ddL, lambda, norm, inside, pairs = devices.of(object):evaluate(name, object, points, {
+    lmax = lmax, channels = o.channels, derivatives = o.derivatives, metric = o.metric, threads = o.threads,
+    progress = progress.of(o.progress), value = out1, gradient = out2, hessian = out3, isa = isa })
   if L == nil then return nil, dL, ddL end
   return L, dL, ddL, { lambda = lambda, norm = norm, inside = inside, pairs = pairs }
 end
@@ -94,7 +89,7 @@ assert(#L == 2 and L.shape[2] == 3 and L.shape[3] == 25 and dL.shape[4] == 3)]],
   source = "Iwasaki & Dobashi 2025, Eqs. 2-8, 15-20",
 }
 function light.light_field(lmax, lights, points, given)
-  check.integer(1, "light_field", "lmax", lmax, 0, 100)
+  check.integer(1, "light_field", "lmax", lmax, 0, core.limits.lmax)
   local o = form.options(4, "light_field", options, given)
   local object, made, code = light.field(2, "light_field", lights)
   if not object then return nil, made, code end

@@ -87,7 +87,7 @@ polygon.disk_light = form.define("disk_light", {
   fields = {
     { "at", "point", unit = "scene units", about = "centre" },
     { "normal", "vector", about = "across the disk" },
-    { "radius", "number", above = 0, max = 1e15, default = 0.1, unit = "scene units" },
+    { "radius", "number", above = 0, max = core.limits.extent, default = 0.1, unit = "scene units" },
     { "radiance", "colour", default = 1, unit = "W sr^-1 m^-2", about = "number or {r, g, b}; may be negative" },
     { "method", "choice", of = { "exact", "sphere" }, default = "exact",
       about = "exact: integrals along the rim, to 1e-12 (no closed form off the axis); sphere: as of polygon_light" },

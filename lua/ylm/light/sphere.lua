@@ -6,7 +6,7 @@ local form = require "ylm.form"
 
 local sphere = {}
 
-local EXTENT = 1e15
+local EXTENT = core.limits.extent
 
 sphere.sphere_light = form.define("sphere_light", {
   about = "A sphere that emits the same radiance everywhere and in every direction.",
@@ -19,7 +19,9 @@ sphere.sphere_light = form.define("sphere_light", {
   },
   build = function(values, fail)
     for i = 1, 3 do
-      if math.abs(values.at[i]) > EXTENT then return fail("at is too far out (the limit is 1e15)") end
+      if math.abs(values.at[i]) > EXTENT then
+        return fail(("at is too far out (the limit is %s)"):format(check.limit_text(EXTENT)))
+      end
     end
     return setmetatable(values, form.defined.sphere_light.metatable)
   end,

@@ -7,7 +7,7 @@ local memory = require "ylm.memory"
 
 local textured = {}
 
-local MOST = 2 ^ 22
+local MOST, EXTENT = 2 ^ 22, core.limits.extent
 
 --- Rows of numbers or colours as a float array [h][w] or [h][w][3]; fails with what is wrong.
 local function from_rows(rows, fail)
@@ -60,13 +60,19 @@ local function frame_of(values, fail)
   local nx, ny, nz = u[2] * v[3] - u[3] * v[2], u[3] * v[1] - u[1] * v[3], u[1] * v[2] - u[2] * v[1]
   local lu, lv = math.sqrt(u[1] ^ 2 + u[2] ^ 2 + u[3] ^ 2), math.sqrt(v[1] ^ 2 + v[2] ^ 2 + v[3] ^ 2)
   for name, l in pairs { u = lu, v = lv } do
-    if not (l >= 1e-15 and l <= 1e15) then return fail(name .. " must be from 1e-15 to 1e15 long") end
+    if not (l >= 1e-15 and l <= EXTENT) then
+      return fail(("%s must be from 1e-15 to %s long"):format(name, check.limit_text(EXTENT)))
+    end
   end
   if not (math.sqrt(nx * nx + ny * ny + nz * nz) > 1e-6 * lu * lv) then return fail "u and v must not be parallel" end
   for _, p in ipairs { values.corner, u, v } do
     for i = 1, 3 do nine[#nine + 1] = p[i] end
   end
-  for i = 1, 3 do if math.abs(nine[i]) > 1e15 then return fail "corner is too far out (the limit is 1e15)" end end
+  for i = 1, 3 do
+    if math.abs(nine[i]) > EXTENT then
+      return fail(("corner is too far out (the limit is %s)"):format(check.limit_text(EXTENT)))
+    end
+  end
   return nine
 end
 

@@ -75,10 +75,12 @@ function views.prepare(name, s, o)
   local rays = o.transfer_samples or (visibility == "vertex" or o.shading == "vertex") and 256 or 128
   local light = not o.transfer_samples and #s.lights > 0 and visibility ~= "none" and t.lights or nil
   local view
-  view, message, code = check.result(name, t.lib.shade_view(t.handle,
-    { c.from[1], c.from[2], c.from[3], c.at[1], c.at[2], c.at[3], c.up[1], c.up[2], c.up[3], c.fov },
-    o.size[1], o.size[2], o.samples, o.lmax, o.shading == "vertex", visibility, rays, distance, o.share,
-    o.seed, o.threads or 0, progress.resolve(o.progress), light, NOISE, MOST_SAMPLES))
+  view, message, code = check.result(name, t.lib.shade_view(t.handle, {
+    camera = { c.from[1], c.from[2], c.from[3], c.at[1], c.at[2], c.at[3], c.up[1], c.up[2], c.up[3], c.fov },
+    width = o.size[1], height = o.size[2], samples = o.samples, lmax = o.lmax, shading = o.shading,
+    visibility = visibility, transfer_samples = rays, occlusion_distance = distance, share = o.share, seed = o.seed,
+    threads = o.threads, progress = progress.resolve(o.progress), light = light, noise = NOISE,
+    most_samples = MOST_SAMPLES }))
   if not view then return nil, message, code end
   local stats = t.lib.shade_stats(view)
   stats.scene_seconds = t.seconds

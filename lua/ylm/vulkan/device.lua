@@ -60,8 +60,8 @@ local function check_finite(name, points, results)
   end
 end
 
-function methods.evaluate(on, name, object, lmax, points, ...)
-  local L, dL, ddL, lambda, norm, inside, pairs = processor.evaluate(on, name, object, lmax, points, ...)
+function methods.evaluate(on, name, object, points, query)
+  local L, dL, ddL, lambda, norm, inside, pairs = processor.evaluate(on, name, object, points, query)
   if L == nil then return nil, dL, ddL end
   check_finite(name, points, { L, dL, ddL, lambda, norm })
   return L, dL, ddL, lambda, norm, inside, pairs

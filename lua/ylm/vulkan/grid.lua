@@ -28,7 +28,6 @@ local seconds_of = setmetatable({}, { __mode = "k" })
 
 local bound = binding.bound
 
-local INTERPOLATION = { hermite = 0, taylor = 1, linear = 2 }
 
 --- The copy of a grid on a device, made where there is none that is open; or nil, message, code.
 function vulkan_grid.copy_of(name, grid, gpu)
@@ -113,8 +112,9 @@ function vulkan_grid.sample(gpu, grid, points, o, shapes, single)
   end
   local copy, message, code = vulkan_grid.copy_of("sample", grid, gpu)
   if not copy then return nil, message, code end
-  local c, dc, outside, unbaked, seconds, stages = check.result("sample", bound().gpu_grid_sample(copy, grid, points,
-    INTERPOLATION[o.interpolation], o.derivatives, o.outside == "nan", progress.of(o.progress), out1, out2))
+  local c, dc, outside, unbaked, seconds, stages = check.result("sample", bound().gpu_grid_sample(copy, grid, points, {
+    interpolation = o.interpolation, derivatives = o.derivatives, outside = o.outside,
+    progress = progress.of(o.progress), value = out1, gradient = out2 }))
   if c == nil then return nil, dc, outside end
   if o.dtype == "double" then c, dc = core.array_convert(c, "double"), dc and core.array_convert(dc, "double") end
   if single and not out1 and core.type(c) == "ylm.array" then c, dc = c[1], dc and dc[1] end

@@ -107,8 +107,6 @@ local function view_on(name, gpu, p)
   return there
 end
 
-local INTERPOLATION = { hermite = 0, taylor = 1, linear = 2 }
-
 --- Adds the times of stages to others.
 local function add(stages, more)
   for name, t in pairs(more) do
@@ -158,8 +156,9 @@ function vulkan_image.shade(gpu, name, p, o, bar)
     to, message = core.array_zeros({ p.stats.points, 3 }, "float")
     if not to then return nil, message, "ENOMEM" end
   end
-  local radiance, outside, unbaked, seconds, stages = check.result(name, bound().gpu_grid_shade(copy, o.grid, v.position,
-    v.transfer, v.material, INTERPOLATION[o.interpolation], bar, to))
+  local radiance, outside, unbaked, seconds, stages = check.result(name, bound().gpu_grid_shade(copy, o.grid, {
+    points = v.position, transfer = v.transfer, material = v.material, interpolation = o.interpolation, progress = bar,
+    radiance = to }))
   if not radiance then return nil, outside, unbaked end
   return radiance, { outside = outside, unbaked = unbaked, seconds = seconds, stages = stages }
 end

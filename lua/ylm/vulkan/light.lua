@@ -13,10 +13,6 @@ local vulkan_light = {}
 local methods = {}
 vulkan_light.methods = methods
 
---- The numbers of ylm_gpu_method.
-local METHODS = { merged = 0, forward = 1, reversed = 2 }
-local NAMES = { [0] = "merged", "forward", "reversed" }
-
 reference.object "gpu_lights" {
   about = "Lights in a device's memory; stands wherever lights stand.",
   methods = methods,
@@ -49,7 +45,7 @@ local function create(name, gpu, packed, method)
   local c, message, code = binding.use(name, gpu)
   if not c then return nil, message, code end
   local lights
-  lights, message, code = check.result(name, c.gpu_lights_create(gpu, packed, METHODS[method]))
+  lights, message, code = check.result(name, c.gpu_lights_create(gpu, packed, method))
   if not lights then return nil, message, code end
   gpu_of[lights] = gpu
   return lights
@@ -136,7 +132,7 @@ function methods.__index(lights, key)
   local count, method = bound().gpu_lights_info(lights)
   if not count then return check.fail("gpu_lights: the lights have been closed") end
   if key == "count" then return count end
-  if key == "method" then return NAMES[method] end
+  if key == "method" then return method end
   if key == "stages" then return bound().gpu_lights_times(lights) end
 end
 
@@ -146,7 +142,7 @@ end
 
 function methods.__tostring(lights)
   local count, method = bound().gpu_lights_info(lights)
-  return count and ("ylm.gpu_lights %d, %s"):format(count, NAMES[method]) or "ylm.gpu_lights (closed)"
+  return count and ("ylm.gpu_lights %d, %s"):format(count, method) or "ylm.gpu_lights (closed)"
 end
 
 binding.methods("ylm.gpu_lights", methods)
