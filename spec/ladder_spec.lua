@@ -19,7 +19,7 @@ local rooms = {
 }
 
 --- Files that are compiled into one unit with another room's, against the direction of their folder.
-local joined = { ["csrc/light/moments/sum.isa.c"] = "tree" }
+local joined = { ["csrc/light/moments/sum_float.isa.c"] = "tree", ["csrc/light/moments/sum_double.isa.c"] = "tree" }
 
 --- Rooms whose files call one another in one direction, no two each other.
 local ordered = { "grid/bake" }

@@ -1,6 +1,7 @@
 local ylm = require "ylm"
 local core = require "ylm.c.core"
 local lib = require "ylm.c.scene"
+local light = require "ylm.light"
 
 local none = {}
 
@@ -10,14 +11,9 @@ local function traced(geometry, lamps)
   for i, g in ipairs(geometry) do
     meshes[i], materials[i], occludes[i] = g.mesh, core.material_create("matte", { 1, 1, 1 }), g.occludes
   end
-  local at, radius, radiance = {}, {}, {}
-  for i, l in ipairs(lamps or none) do
-    at[i], radius[i], radiance[i] = { l[1], l[2], l[3] }, l[4], { 1, 1, 1 }
-  end
-  local n = #at
-  return assert(lib.scene_create { meshes = meshes, materials = materials, occludes = occludes,
-    at = n > 0 and ylm.array(at) or ylm.zeros { 0, 3 }, radius = n > 0 and ylm.array(radius) or ylm.zeros { 0 },
-    radiance = n > 0 and ylm.array(radiance) or ylm.zeros { 0, 3 } })
+  local lights = {}
+  for i, l in ipairs(lamps or none) do lights[i] = ylm.sphere_light { at = { l[1], l[2], l[3] }, radius = l[4], radiance = 1 } end
+  return assert(lib.scene_create(meshes, materials, occludes, light.set(assert(light.pack(1, "spec", lights)))))
 end
 
 --- Rays { origin, direction, far } as the array that scene_trace takes.

@@ -71,7 +71,7 @@ struct ylm__light_kind {
   void (*radiance)(const void *of, const double d[3], double rgb[3]);
   /* Where light i of them comes from, if that is a cone. NULL: they fill the sky. */
   void (*cone)(const void *of, size_t i, ylm_light_cone *out);
-  /* What a device sums of the pack; NULL: no device does. */
+  /* The part of a device's sums that the pack is; NULL: no device sums it. */
   void (*device)(const void *of, ylm_light_part *out);
 
   /* -- one light of it -- */

@@ -206,9 +206,11 @@ ylmL_field_of *ylmL_field_getter(lua_State *L, int i);
 
 #define YLM_LIGHTS "ylm.lights"
 
+/* The cut of a set of lights at `i`, or NULL. core/light_tree.c */
+const struct ylm_light_cut *ylmL_light_cut(lua_State *L, int i);
 /* The set of lights at `i`; raises if there is none or it has been closed. binding_objects.c */
 struct ylm_light_set *ylmL_lights_check(lua_State *L, int i);
-/* What rays see of the set of lights at `i`, images in at most `tiles` tiles a side; it lives in an
+/* The surfaces that rays see of the set of lights at `i`, images in at most `tiles` tiles a side; it lives in an
    object left on the stack. NULL without memory. binding_objects.c */
 struct ylm_light_surfaces *ylmL_light_surfaces(lua_State *L, int i, size_t tiles);
 /* The texture in arguments 1 to 5: texels float [h][w][3], {corner, u, v: 9 numbers}, scale,

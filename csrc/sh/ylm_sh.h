@@ -30,7 +30,7 @@ static inline size_t ylm_sh_index(int l, int m) { return (size_t)(l * (l + 1) + 
 
 /*
 ** The ways to evaluate. All but the first exist to be compared with, and are in libylm_rival.so
-** (csrc/rival). They are scalar. Those that divide by sin(theta) give NaN in derivatives where
+** (csrc/rival). They are scalar. Methods that divide by sin(theta) give NaN in derivatives where
 ** x = y = 0.
 **   solid       Cartesian recurrences and ladders, vectorised, exact everywhere
 **   polynomial  explicit polynomials in x, y, z; lmax <= 6

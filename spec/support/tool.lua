@@ -10,7 +10,7 @@ local tool = {}
 --- Its name for a shell.
 tool.path = scratch.quote((os.getenv "YLM_BUILD" or "build") .. "/ylm")
 
---- What a shell command begins with; `words` of the tool follow.
+--- The beginning of a shell command; `words` of the tool follow.
 tool.command = ("YLM_LUA=%s LUA_PATH= LUA_CPATH= %s "):format(os.getenv "YLM_LUA" or "lua5.4", tool.path)
 
 --- A function of the tool's words, and of where its stdout goes instead: returns stdout, exit status, stderr, which a folder

@@ -87,7 +87,7 @@ ylm_status ylm__assemble(baker *b);
 
 /* Are cells kept elsewhere? */
 static inline bool backend_keeps_cells(const baker *b) { return b->remote && b->remote->corners; }
-/* What a back end knows of occupied voxels. */
+/* Occupied voxels, and values at n shading points, as far as a back end keeps them. */
 ylm_status ylm__backend_occupied(baker *b, uint64_t **code, size_t *n);
 ylm_status ylm__backend_shading(baker *b, size_t n, const size_t *index, float *out);
 /* Evaluates the n points that wait. */

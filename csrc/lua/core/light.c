@@ -259,7 +259,7 @@ static int channels_at(lua_State *L, int i) {
   return luaL_checkoption(L, i, "luminance", names) ? 3 : 1;
 }
 
-/* What is wanted: values, derivatives to an order, a metric where one is named. */
+/* The results that are wanted: values, derivatives to an order, a metric where one is named. */
 static int wanted(lua_State *L) {
   int order = (int)luaL_checknumber(L, DERIVATIVES);
   return YLM_WANT_VALUE | (order >= 1 ? YLM_WANT_GRADIENT : 0) |
@@ -279,8 +279,8 @@ static ylm_isa check_isa(lua_State *L, int i) {
 static ylm_status call_field(lua_State *L, const ylm_field *f, const ylm_field_query *q, size_t n,
                              const void *points, ylm_field_result *r, ylm_error *e) {
   if (lua_isnil(L, ISA)) return f->evaluate(f, q, n, points, r, e);
-  if (ylmL_test(L, OBJECT, "ylm.light_cut"))
-    return ylm_light_cut_evaluate(f->self, check_isa(L, ISA), q, n, points, r, e);
+  const ylm_light_cut *cut = ylmL_light_cut(L, OBJECT);
+  if (cut) return ylm_light_cut_evaluate(cut, check_isa(L, ISA), q, n, points, r, e);
   return ylm_light_set_evaluate(ylmL_lights_check(L, OBJECT), check_isa(L, ISA), q, n, points, r,
                                 e);
 }

@@ -17,6 +17,11 @@ static const ylm_field *field_of(void *object) {
   return c->cut && *c->of ? ylm_light_cut_field(c->cut) : NULL;
 }
 
+const ylm_light_cut *ylmL_light_cut(lua_State *L, int i) {
+  const cut *c = ylmL_test(L, i, CUT);
+  return c ? c->cut : NULL;
+}
+
 static int cut_gc(lua_State *L) {
   cut *c = ylmL_check(L, 1, CUT);
   ylm_light_cut_free(c->cut);

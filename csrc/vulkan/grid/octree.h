@@ -81,8 +81,8 @@ ylm_status ylm__octree_report(octree *t);
 ylm_status ylm__octree_corners(octree *t, int level, uint32_t *fresh);
 /* Evaluates n points from t->p.points on; rows for which the device has no room go to the host. */
 ylm_status ylm__octree_evaluate(octree *t, uint32_t n);
-/* Decides about the voxels of a level; makes the next level, without voxels where nothing is split.
- */
+/* Decides about the voxels of a level; makes the next level, which is empty where nothing is
+   split. */
 ylm_status ylm__octree_split(octree *t, int level);
 /* The metric of a uniform grid's voxels. */
 ylm_status ylm__octree_errors(octree *t);
@@ -93,7 +93,7 @@ ylm_status ylm__octree_gather(octree *t);
 /* The device's numbers do not fit together. */
 ylm_status ylm__octree_fails(const octree *t);
 
-/* What makes a grid with a threshold, or a uniform one, of t->l and the shading points in
+/* The back end of a grid with a threshold, or a uniform one, of t->l and the shading points in
    t->occupied.there (NULL: the source's), on a device whose kernels have enough buffers. The rest
    of *t is zero; ylm__octree_end frees what there is. */
 ylm_grid_backend ylm__octree_backend(octree *t);

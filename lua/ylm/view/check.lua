@@ -254,7 +254,7 @@ local function check_needs(values, fail)
   end
 end
 
---- What a grid shows where nothing is chosen.
+--- Chooses what a grid shows where nothing is chosen.
 local function choose_layers(values)
   if not values.subject then return end
   values.quantity = values.quantity or "error"
