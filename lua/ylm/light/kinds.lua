@@ -8,4 +8,5 @@ return {
   { "ylm.light.sphere", "sphere_light", "sphere_lights" },
   { "ylm.light.polygon", "polygon_light", "disk_light" },
   { "ylm.light.textured", "textured_light" },
+  { "ylm.light.environment", "environment_light" },
 }

@@ -1,0 +1,157 @@
+/*
+** environment.c - light from all around, infinitely far away, as a kind of light.
+**
+** | parameter    | unit         | allowed                                              |
+** | radiance     | W sr^-1 m^-2 | finite, linear Rec. 709; multiplies the coefficients |
+** | lmax         | -            | 0 .. YLM_LIGHT_LMAX, or -1: all others are zero      |
+** | coefficients | sr^1/2       | finite, [(lmax+1)^2]; with lmax -1 the first alone   |
+**
+** A record: radiance [3], lmax, coefficients. Channels that differ in more than a factor are three
+** records. L_lm(x) is the radiance times the coefficients, for every x. A query beyond lmax is
+** refused: coefficients that were left out are unknown. Rays see max(0, reconstruction), of all
+** records of a pack together.
+**
+** Source  docs/math.md "Distant light"
+*/
+#include <string.h>
+
+#include "distant.h"
+#include "ylm_sh.h"
+
+enum { LMAX = 3, HEAD };
+
+typedef struct environments {
+  ylm_field field;
+  size_t n;
+  const double **record; /* [n], in `numbers` */
+  double *numbers;
+} environments;
+
+static int degree_of(const double *record) { return record[LMAX] < 0 ? 0 : (int)record[LMAX]; }
+
+static size_t length(const double *x, size_t left) {
+  if (left < HEAD || !(x[LMAX] >= -1) || x[LMAX] > YLM_LIGHT_LMAX) return 0;
+  size_t n = HEAD + ylm_sh_count(degree_of(x));
+  return n <= left ? n : 0;
+}
+
+/* -- the field ------------------------------------------------------------------------------ */
+
+/* The highest degree that all records are known to. */
+static int known_to(const environments *p) {
+  int most = YLM_LIGHT_LMAX;
+  for (size_t i = 0; i < p->n; i++)
+    if (p->record[i][LMAX] >= 0 && degree_of(p->record[i]) < most) most = degree_of(p->record[i]);
+  return most;
+}
+
+static ylm_status evaluate(const ylm_field *f, const ylm_field_query *q, size_t n,
+                           const void *points, ylm_field_result *r, ylm_error *e) {
+  const environments *p = f->self;
+  ylm_status s = ylm__distant_check(q, n, points, r, known_to(p), "an environment light", e);
+  if (s != YLM_OK) return s;
+  size_t count = ylm_sh_count(q->lmax);
+  double *sum = ylm_alloc_zero(3 * count, sizeof *sum);
+  if (!sum) return ylm_fail(e, YLM_ENOMEM, "%s", ylm_status_text(YLM_ENOMEM));
+  for (size_t i = 0; i < p->n; i++) {
+    const double *x = p->record[i];
+    for (size_t k = 0; k < count && k < ylm_sh_count(degree_of(x)); k++)
+      for (size_t c = 0; c < 3; c++) sum[c * count + k] += x[c] * x[HEAD + k];
+  }
+  s = ylm__distant_write(q, n, points, sum, p->n, r, e);
+  ylm_free(sum);
+  return s;
+}
+
+static void radiance(const void *of, const double d[3], double rgb[3]) {
+  const environments *p = of;
+  double y[(YLM_LIGHT_LMAX + 1) * (YLM_LIGHT_LMAX + 1)], sum[3] = {0};
+  int lmax = 0;
+  for (size_t i = 0; i < p->n; i++)
+    if (degree_of(p->record[i]) > lmax) lmax = degree_of(p->record[i]);
+  if (ylm_sh_eval(lmax, 0, false, YLM_DOUBLE, 1, d, y, NULL, NULL, 1, NULL) != YLM_OK) return;
+  for (size_t i = 0; i < p->n; i++) {
+    const double *x = p->record[i];
+    double value = 0;
+    for (size_t k = 0; k < ylm_sh_count(degree_of(x)); k++) value += x[HEAD + k] * y[k];
+    for (int c = 0; c < 3; c++) sum[c] += x[c] * value;
+  }
+  for (int c = 0; c < 3; c++) rgb[c] += fmax(0, sum[c]);
+}
+
+/* -- a pack --------------------------------------------------------------------------------- */
+
+static void release(void *of) {
+  environments *p = of;
+  if (!p) return;
+  ylm_free((void *)p->record);
+  ylm_free(p->numbers);
+  ylm_free(p);
+}
+
+static ylm_status create(size_t n, const double *const *record, ylm__light_pack *made,
+                         ylm_error *e) {
+  size_t all = 0;
+  for (size_t i = 0; i < n; i++) {
+    size_t numbers = length(record[i], SIZE_MAX);
+    if (!ylm_all_finite(YLM_DOUBLE, record[i], numbers, NULL))
+      return ylm_fail(e, YLM_EDOMAIN, "environment %zu is not finite", i + 1);
+    all += numbers;
+  }
+  environments *p = ylm_alloc_zero(1, sizeof *p);
+  if (!p) return YLM_ENOMEM;
+  p->field = (ylm_field){.self = p, .evaluate = evaluate, .crosses = ylm__distant_crosses};
+  p->n = n;
+  p->record = ylm_alloc(n, sizeof *p->record);
+  double *to = p->numbers = ylm_alloc(all, sizeof *to);
+  if (!p->record || !to) {
+    release(p);
+    return YLM_ENOMEM;
+  }
+  for (size_t i = 0; i < n; i++) {
+    size_t numbers = length(record[i], SIZE_MAX);
+    memcpy(to, record[i], numbers * sizeof *to);
+    p->record[i] = to;
+    to += numbers;
+  }
+  *made = (ylm__light_pack){&ylm__environment_kind, p, &p->field, n, 0};
+  return YLM_OK;
+}
+
+/* A shape is the record behind its radiance. */
+static size_t get(const void *of, size_t i, ylm_light *out, ylm_light_shape *shape) {
+  const environments *p = of;
+  size_t numbers = length(p->record[i], SIZE_MAX) - LMAX;
+  if (!shape) return numbers;
+  *shape = (ylm_light_shape){&ylm__environment_kind, numbers, false};
+  memcpy(shape->x, p->record[i] + LMAX, numbers * sizeof *shape->x);
+  *out = (ylm_light){.shape = shape};
+  memcpy(out->radiance, p->record[i], sizeof out->radiance);
+  return numbers;
+}
+
+/* -- one of them ---------------------------------------------------------------------------- */
+
+static size_t record(const ylm_light *l, const double radiance[3], double *to) {
+  if (!to) return LMAX + l->shape->numbers;
+  memcpy(to, radiance, 3 * sizeof *to);
+  memcpy(to + LMAX, l->shape->x, l->shape->numbers * sizeof *to);
+  return LMAX + l->shape->numbers;
+}
+
+static double norm(const ylm_light *l, int lmax) {
+  double s = 0;
+  for (size_t k = 1; k < l->shape->numbers && k <= ylm_sh_count(lmax); k++)
+    s += l->shape->x[k] * l->shape->x[k];
+  return sqrt(s);
+}
+
+const ylm__light_kind ylm__environment_kind = {.name = "environment",
+                                               .length = length,
+                                               .create = create,
+                                               .free = release,
+                                               .get = get,
+                                               .radiance = radiance,
+                                               .record = record,
+                                               .slides = ylm__distant_slides,
+                                               .norm = norm};
