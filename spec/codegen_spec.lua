@@ -186,8 +186,7 @@ real f(vector x, floats y, uint k) {
         local written = { { about = "Twice.", text = "void g(inout real x) {\n  @x = #2.0 * @x;\n}" } }
         assert(common.text("shader", "x", {}, written):find("void g(inout real x) {\n  x = REAL(2.0lf) * x;\n}", 1, true))
         assert(common.text("c", "x", {}, written):find("static inline void g(double *x) {\n  *x = 2.0 * *x;\n}", 1, true))
-        assert(common.text("kernel", "x", {}, written):find("YLM_INLINE void NAME(g)(V *x) {\n  *x = (REAL)2.0 * *x;\n}", 1,
-          true))
+        assert(common.text("kernel", "x", {}, written):find("YLM_INLINE void g(vreal *x) {\n  *x = (real)2.0 * *x;\n}", 1, true))
         list = { list[1] }
         assert(common.text("double_shader", "x", {}, list):find("precise double a = 0.5lf * abs(x[0]);\n  return a;", 1, true))
       end)

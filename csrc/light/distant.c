@@ -38,7 +38,7 @@ ylm_status ylm__distant_write(const ylm_field_query *q, size_t n, const void *po
   if (q->want & YLM_WANT_METRIC) repeat(q, r->lambda, n, 1), repeat(q, r->norm, n, 1);
   if (r->inside) memset(r->inside, 0, n);
   r->pairs += (uint64_t)n * lights;
-  ylm_status s = ylm__field_finite(q, 1, points, r, e);
+  ylm_status s = ylm_light_finite(q, 1, points, r, e);
   return s == YLM_OK ? ylm_report(q->progress, n, n, "lights") : s;
 }
 

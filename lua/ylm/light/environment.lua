@@ -38,7 +38,7 @@ local function from_coefficients(values, fail)
   return #shape == 2 and list or { list }, lmax
 end
 
---- The same of an image of the whole sphere, projected; nil, message, code.
+--- Rows of coefficients of an image of the whole sphere, projected, and their lmax; nil, message, code.
 local function from_image(values, fail)
   local image, c, message, code = values.image
   if values.file then
