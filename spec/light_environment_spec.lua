@@ -121,7 +121,7 @@ describe("ylm.environment_light", function()
       local o = { size = { 9, 9 }, samples = 1, visibility = "none", lmax = 2 }
       local L = ylm.light_field(2, sky, { { 0, 0, 0 } }, { dtype = "double" })
       local by_light = scene:reference(o):layer():totable()[5][5]
-      local by_rays = scene:raycast { size = { 9, 9 }, pixel_samples = 1, samples = 4096 }:layer():totable()[5][5]
+      local by_rays = scene:raycast { size = { 9, 9 }, samples = 1, light_samples = 4096 }:layer():totable()[5][5]
       for channel = 1, 3 do
         local T = L[1][channel]:totable()
         for k = 1, 9 do T[k] = T[k] * core.sh_cosine_factor((ylm.sh.degree(k))) end
