@@ -11,6 +11,7 @@
 ** | polygon_as_sphere | csrc/light/flat/kind.c      | the same, approximated by spheres |
 ** | textured          | csrc/light/textured.c       | parallelograms with an image |
 ** | environment       | csrc/light/environment.c    | light from all around, infinitely far away |
+** | sun               | csrc/light/sun.c            | discs of one radiance, infinitely far away |
 **
 **     ylm_light_set *lamps;
 **     double at[3] = {0, 2, 0}, radius = 0.1, radiance[3] = {10, 8, 6};

@@ -9,4 +9,5 @@ return {
   { "ylm.light.polygon", "polygon_light", "disk_light" },
   { "ylm.light.textured", "textured_light" },
   { "ylm.light.environment", "environment_light" },
+  { "ylm.light.sun", "sun_light" },
 }

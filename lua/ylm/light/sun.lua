@@ -1,0 +1,34 @@
+--- Suns: ylm.sun_light.
+
+local form = require "ylm.form"
+local pack = require "ylm.light.pack"
+
+local sun = {}
+
+sun.sun_light = form.define("sun_light", {
+  about = "A disc of one radiance, infinitely far away: the same at every point, seen where nothing is hit.",
+  fields = {
+    { "direction", "vector", about = "towards the sun" },
+    { "angle", "number", min = 0.001, max = 180, default = 0.53, unit = "degrees", about = "across the disc" },
+    { "irradiance", "colour", default = 1, unit = "W m^-2",
+      about = "on a surface that faces it: number or {r, g, b}, linear Rec. 709; may be negative" },
+  },
+  build = function(values, fail)
+    local lights, message, code = pack.one("sun_light", values, fail)
+    if not lights then return nil, message, code end
+    values.lights = lights
+    return setmetatable(values, form.defined.sun_light.metatable)
+  end,
+  light = {
+    kind = "sun",
+    record = function(l, out)
+      for _, three in ipairs { l.irradiance, l.direction } do
+        for i = 1, 3 do out[#out + 1] = three[i] end
+      end
+      out[#out + 1] = l.angle
+    end,
+  },
+  example = "sun_light { direction = {1, 2, 0.5}, irradiance = {3, 2.9, 2.7} }",
+})
+
+return sun
