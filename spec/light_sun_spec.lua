@@ -47,7 +47,7 @@ describe("ylm.sun_light", function()
           material = ylm.matte { albedo = 0.5 } },
         lights = ylm.sun_light { direction = { 0, 0, 2 }, irradiance = { 4, 2, 1 } },
       }
-      local image = scene:raycast { size = { 3, 3 }, pixel_samples = 1, samples = 64 }:layer():totable()[2][2]
+      local image = scene:raycast { size = { 3, 3 }, samples = 1, light_samples = 64 }:layer():totable()[2][2]
       for c, irradiance in ipairs { 4, 2, 1 } do
         assert.is_near(0.5 / math.pi * irradiance * normal[4], image[c], 1e-4 * irradiance)
       end
