@@ -7,7 +7,11 @@
 **
 ** The includer has defined STORE's sums by clear_sums, add_light and store_sums of gen/.
 */
+#ifdef LMAX_IS_PUSHED
+#define LMAX lmax
+#else
 layout(constant_id = 1) const uint LMAX = 4;
+#endif
 layout(constant_id = 3) const uint M_FIRST = 0;
 layout(constant_id = 4) const uint M_LAST = 12;
 layout(constant_id = 5) const bool FLAT = false; /* lights have a normal */
@@ -39,6 +43,9 @@ PUSH {
   uint sums;           /* a channel's */
   uint parts, part_row; /* of these: where those times derivatives of the cosine begin, and how many of each */
   uint items;          /* groups that share points, chunk and channel: moments_any.real.comp */
+#ifdef LMAX_IS_PUSHED
+  uint lmax;
+#endif
 };
 
 uint which; /* of them this group is */

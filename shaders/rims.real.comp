@@ -17,6 +17,7 @@
 #endif
 #include "ylm.glsl"
 
+#define LMAX_IS_PUSHED /* drivers take seconds to compile this kernel: once for every lmax */
 #include "lamps.glsl"
 layout(constant_id = 2) const uint KINDS = 1;
 layout(constant_id = 6) const bool CUT = false;  /* lights have horizons */
@@ -38,10 +39,9 @@ layout(set = 0, binding = 7) readonly buffer Arcs { uvec2 arc_at[]; }; /* row of
 #define STEPS 96u
 
 /* Sums of a kind and axis, and where they begin among an axis's; all of an axis. */
-const uint WIDTH0 = LMAX * LMAX, WIDTH1 = (LMAX + 1) * (LMAX + 1), WIDTH2 = (LMAX + 2) * (LMAX + 2);
-const uint OFFSET1 = (KINDS & 1) != 0 ? WIDTH0 : 0, OFFSET2 = OFFSET1 + ((KINDS & 2) != 0 ? WIDTH1 : 0);
-const uint ALL = OFFSET2 + ((KINDS & 4) != 0 ? WIDTH2 : 0);
-uint offset(uint kind) { return kind == 0 ? 0 : kind == 1 ? OFFSET1 : OFFSET2; }
+uint width(uint kind) { return (KINDS >> kind & 1) != 0 ? (LMAX + kind) * (LMAX + kind) : 0; }
+uint offset(uint kind) { return (kind > 0 ? width(0) : 0) + (kind > 1 ? width(1) : 0); }
+uint all_sums() { return offset(2) + width(2); }
 
 #include "gen/rim.glsl"
 #include "rims_seen.glsl"
@@ -121,9 +121,9 @@ void store(uint t) {
     uint l = own.y + (t - own.w) % degrees, j = sine ? l * (l + 1) - own.x : l * (l + 1) + own.x;
     for (uint k = 0; k < 3; k++)
       for (uint a = 0; a < 3 && (KINDS >> k & 1) != 0 && l + 1 <= LMAX + k; a++)
-        partial[store_at + (parts + a * ALL + offset(k) + j) * stride] = stored(sum[3 * k + a]);
+        partial[store_at + (parts + a * all_sums() + offset(k) + j) * stride] = stored(sum[3 * k + a]);
     for (uint q = 0; q < 6 && CUT && (KINDS & 4) != 0 && l <= LMAX; q++)
-      partial[store_at + (parts + 3 * ALL + 1 + q * WIDTH1 + j) * stride] = stored(cut[q]);
+      partial[store_at + (parts + 3 * all_sums() + 1 + q * (LMAX + 1) * (LMAX + 1) + j) * stride] = stored(cut[q]);
   }
 }
 
@@ -176,6 +176,6 @@ void main() {
   store(t);
   if (which == 0 && t == 0) {
     for (uint k = 1; k < gl_WorkGroupSize.x; k++) omega += harmonic[k];
-    partial[store_at + (parts + 3 * ALL) * stride] = stored(omega);
+    partial[store_at + (parts + 3 * all_sums()) * stride] = stored(omega);
   }
 }

@@ -26,7 +26,8 @@ uint rule_for(double need, double least) {
   while (r < RULES - 1 && (rule[r * RULE_ROW + reach] < need || rule[r * RULE_ROW] < least)) r++;
   return r;
 }
-const uint DEGREE = LMAX + ((KINDS & 4) != 0 ? 3 : (KINDS & 2) != 0 ? 1 : 0); /* of what is summed along an edge */
+/* The degree of sums along an edge. */
+uint edge_degree() { return LMAX + ((KINDS & 4) != 0 ? 3 : (KINDS & 2) != 0 ? 1 : 0); }
 
 /* Node i of arc a and its weight. */
 node node_of(uint a, uint i, out double weight) {
@@ -64,7 +65,7 @@ uint put_line(rvec3 v, rvec3 w, double weight, bool moves, uint t) {
   arc a = arc_of(v, w, r0, r1, e, size);
   put(t, 0, a.normal), put(t, 3, a.foot), put(t, 6, a.along);
   arcs[9][t] = moves ? a.near : 0.0lf, arcs[12][t] = a.middle, arcs[13][t] = a.span, arcs[14][t] = weight;
-  arc_kind[t] = LINE, arc_rule[t] = rule_for(double(DEGREE) * a.span, 0);
+  arc_kind[t] = LINE, arc_rule[t] = rule_for(double(edge_degree()) * a.span, 0);
   return uint(rule[arc_rule[t] * RULE_ROW]);
 }
 

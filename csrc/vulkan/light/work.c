@@ -93,7 +93,10 @@ static const char *pass_kernel(const step_list *s, const sum_set *set, const str
                   pass->block,
                   s->p->grow};
   if (pass->items) c[2] = pass->kinds;
-  if (pass->rims) c[5] = 0, c[6] = l->rims.cut, c[7] = s->p->dtype == YLM_DOUBLE;
+  if (pass->rims) {
+    memset(c + 1, 0, sizeof c - sizeof *c); /* one pipeline for every lmax */
+    c[2] = pass->kinds, c[6] = l->rims.cut, c[7] = s->p->dtype == YLM_DOUBLE;
+  }
   *constants = pass->items ? 8 : 6;
   memcpy(constant, c, sizeof c);
   return pass->rims        ? "rims"
@@ -109,9 +112,9 @@ static void add_rims(step_list *s, const sum_set *set, const struct sum_pass *pa
                      uint32_t chunk_first, uint32_t chunks) {
   const rim_set *r = &s->l->rims;
   uint32_t constant[8];
-  uint32_t push[] = {s->n,       s->stride,          r->arcs,   r->chunk,    chunk_first,
-                     chunks,     set->channel_first, set->sums, pass->parts, 0,
-                     pass->items};
+  uint32_t push[] = {s->n,        s->stride,           r->arcs,   r->chunk,    chunk_first,
+                     chunks,      set->channel_first,  set->sums, pass->parts, 0,
+                     pass->items, (uint32_t)s->p->lmax};
   ylm_gpu_bind bind[] = {whole(s->l->scratch[BUFFER_POINTS]),
                          whole(r->row),
                          whole(s->l->scratch[BUFFER_PARTIAL]),
@@ -123,7 +126,7 @@ static void add_rims(step_list *s, const sum_set *set, const struct sum_pass *pa
   int constants;
   const char *name = pass_kernel(s, set, pass, constant, &constants);
   dispatch(s, "lights", name, constants, constant,
-           (uint64_t)s->n * pass->items * chunks * set->channels, (double)r->chunk * GROUP, 11,
+           (uint64_t)s->n * pass->items * chunks * set->channels, (double)r->chunk * GROUP, 12,
            push, 8, bind);
 }
 
