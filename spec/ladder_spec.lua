@@ -14,7 +14,7 @@ local rooms = {
   sh = { "eval", "product", "rotate", "project" },
   light = { "sphere", "moments", "tree", "flat" },
   grid = { "bake", "sample", "follow", "file" },
-  vulkan = { "device", "light", "grid", "picture" },
+  vulkan = { "device", "light", "grid", "picture", "rival" },
   lua = { "core", "codec", "scene", "vtk", "vulkan", "rival" },
 }
 

@@ -1,5 +1,4 @@
-/* rival.c - opens ylm.c.rival, which registers the methods of libylm_rival.so. For
- * lua/ylm/sh/rival.lua. */
+/* rival.c - opens ylm.c.rival, which registers libylm_rival.so. For lua/ylm/library.lua. */
 #include "ylm_rival.h"
 
 #include "../binding.h"

@@ -73,12 +73,9 @@ ylm_status ylm__lights_scratch(ylm_gpu_lights *l, int which, uint64_t bytes, ylm
 
 static ylm_status check(const ylm_gpu_lights *l, const ylm_field_query *q, size_t n,
                         const void *points, ylm_field_result *r, ylm_error *e) {
-  if (l->method != YLM_GPU_MERGED && q->lmax > YLM_GPU_PRODUCT_LMAX && q->lmax <= YLM_LIGHT_LMAX)
-    return ylm_fail(e, YLM_ERANGE,
-                    "lmax must be 0 .. %d for lights on a device with this method, got %d",
-                    YLM_GPU_PRODUCT_LMAX, q->lmax);
-  ylm_status s =
-      ylm_light_check(q, l->rims.objects ? YLM_LIGHT_RIM_LMAX : YLM_LIGHT_LMAX, n, points, r, e);
+  int most = l->rims.objects ? YLM_LIGHT_RIM_LMAX : YLM_LIGHT_LMAX;
+  ylm_status s = ylm__loops_check(l, q, e);
+  if (s == YLM_OK) s = ylm_light_check(q, most, n, points, r, e);
   if (s != YLM_OK) return s;
   if (q->dtype == YLM_DOUBLE && !ylm_gpu_about(l->gpu)->float64)
     return ylm_fail(e, YLM_EMISSING, "'%s' does not compute in double",

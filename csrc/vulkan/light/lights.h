@@ -37,7 +37,7 @@ typedef struct sum_set {
   int passes;
   struct sum_pass {
     uint32_t m_first, m_last, sums, parts, part;
-    bool second, rims;
+    bool second, rims, loops;
     /* moments_any.real.comp and rims.real.comp: */
     uint32_t kinds, block, items;
     ylm_gpu_buffer *item;
@@ -108,9 +108,7 @@ static inline bool ylm__sum_base(const ylm_gpu_lights *l) {
   return l->spheres.kind || l->cosines.kind;
 }
 /* Whether a set is summed by moments_any.real.comp. */
-static inline bool ylm__sum_any(ylm_gpu_method method, int lmax) {
-  return method == YLM_GPU_MERGED && lmax > YLM__UNROLLED;
-}
+static inline bool ylm__sum_any(int lmax) { return lmax > YLM__UNROLLED; }
 /* The passes of a set, and the plan's constants if it has none. */
 ylm_status ylm__sum_any_cut(const ylm_gpu_lights *l, sum_plan *p, sum_set *set, ylm_error *e);
 
@@ -122,12 +120,23 @@ void ylm__rims_free(rim_set *r);
 /* Adds to a set the pass that sums along rims, behind the sums that are there. */
 ylm_status ylm__rims_cut(const ylm_gpu_lights *l, sum_plan *p, sum_set *set, ylm_error *e);
 
+/* -- ../rival/loops.c ----------------------------------------------------------- */
+
+/* Whether lights are summed one by one, to compare with. */
+static inline bool ylm__loops(const ylm_gpu_lights *l) { return l->method != YLM_GPU_MERGED; }
+/* YLM_ERANGE: lmax is beyond what shaders/gen/product.glsl unrolls. */
+ylm_status ylm__loops_check(const ylm_gpu_lights *l, const ylm_field_query *q, ylm_error *e);
+/* The passes of a set. */
+void ylm__loops_cut(const ylm_gpu_lights *l, int lmax, sum_set *set);
+
 /* -- plan.c ------------------------------------------------------------------- */
 
 /* Sums that an invocation keeps in registers: 255 of them hold these and what a light needs. */
 #define SUM_BUDGET 144
 /* Sums of all orders. */
-uint32_t ylm__sum_count_of(ylm_gpu_method method, int lmax, uint32_t kinds);
+uint32_t ylm__sum_count_of(int lmax, uint32_t kinds);
+/* How many derivatives go with kinds. */
+static inline int ylm__sum_derivatives(uint32_t kinds) { return kinds & 4 ? 2 : kinds & 2 ? 1 : 0; }
 /* The plan of a query, which the object keeps. */
 ylm_status ylm__sum_plan_get(ylm_gpu_lights *l, const ylm_field_query *q, const sum_plan **p,
                              ylm_error *e);

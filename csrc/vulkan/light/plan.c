@@ -34,16 +34,13 @@ static void maps_free(device_maps *m) {
   rows_free(&m->hessian);
 }
 
-/* How many derivatives go with kinds. */
-static int derivatives_of(uint32_t kinds) { return kinds & 4 ? 2 : kinds & 2 ? 1 : 0; }
-
 /* From the sums of spheres, and of flat lights that these approximate. */
 static ylm_status base_maps(const ylm_gpu_lights *l, const sum_plan *p, int need,
                             const sum_set *set, ylm_light_maps *maps) {
-  int derivatives = derivatives_of(set->kinds);
-  return !ylm__sum_base(l)             ? YLM_OK
-         : l->method != YLM_GPU_MERGED ? ylm_light_product_maps_create(p->lmax, derivatives, maps)
-         : l->cosines.kind             ? ylm_light_flat_maps_create(p->lmax, derivatives, maps)
+  int derivatives = ylm__sum_derivatives(set->kinds);
+  return !ylm__sum_base(l) ? YLM_OK
+         : ylm__loops(l)   ? ylm_light_product_maps_create(p->lmax, derivatives, maps)
+         : l->cosines.kind ? ylm_light_flat_maps_create(p->lmax, derivatives, maps)
                            : ylm_light_maps_create(p->lmax, need, (int)set->kinds, maps);
 }
 
@@ -90,36 +87,30 @@ static ylm_status mix_create(ylm_gpu *g, uint32_t sums, ylm_dtype t, device_rows
 /* -- passes ------------------------------------------------------------------------- */
 
 /* The number of sums of one order m. */
-static uint32_t width_of(ylm_gpu_method method, int lmax, uint32_t kinds, int m) {
-  static const int parts[3] = {1, 4, 10};
+static uint32_t width_of(int lmax, uint32_t kinds, int m) {
   int n = 0;
-  if (method != YLM_GPU_MERGED)
-    n = m <= lmax ? (lmax + 1 - m) * parts[derivatives_of(kinds)] : 0;
-  else
-    for (int k = m; k <= lmax + 2; k++) n += ylm_light_sums_at(lmax, (int)kinds, k);
+  for (int k = m; k <= lmax + 2; k++) n += ylm_light_sums_at(lmax, (int)kinds, k);
   return (uint32_t)(m ? 2 * n : n);
 }
 
-uint32_t ylm__sum_count_of(ylm_gpu_method method, int lmax, uint32_t kinds) {
+uint32_t ylm__sum_count_of(int lmax, uint32_t kinds) {
   uint32_t n = 0;
-  for (int m = 0; m <= lmax + 2; m++) n += width_of(method, lmax, kinds, m);
+  for (int m = 0; m <= lmax + 2; m++) n += width_of(lmax, kinds, m);
   return n;
 }
 
 /*
-** Cuts the orders into passes that fit into registers; the paper's loops are all or one at a time.
+** Cuts the orders into passes that fit into registers.
 ** Beside the sums of `kinds`, a pass has `times` those of `parted`, which lie at first->parts.
 */
-static void cut(ylm_gpu_method method, int lmax, uint32_t kinds, uint32_t parted, uint32_t times,
-                struct sum_pass first, sum_set *set) {
-  static const uint32_t most[] = {
-      [YLM_GPU_MERGED] = SUM_BUDGET, [YLM_GPU_FORWARD] = UINT32_MAX, [YLM_GPU_REVERSED] = 0};
+static void cut(int lmax, uint32_t kinds, uint32_t parted, uint32_t times, struct sum_pass first,
+                sum_set *set) {
   struct sum_pass *last = NULL;
   for (int m = 0; m <= lmax + 2; m++) {
-    uint32_t n = width_of(method, lmax, kinds, m) + times * width_of(method, lmax, parted, m);
+    uint32_t n = width_of(lmax, kinds, m) + times * width_of(lmax, parted, m);
     if (!n) break;
     set->sums += n;
-    if (last && last->sums + n <= most[method]) {
+    if (last && last->sums + n <= SUM_BUDGET) {
       last->m_last = (uint32_t)m;
       last->sums += n;
     } else {
@@ -136,20 +127,24 @@ static ylm_status cut_base(const ylm_gpu_lights *l, sum_plan *p, sum_set *set, y
   const int lmax = p->lmax;
   struct sum_pass pass = {0};
   if (!ylm__sum_base(l)) return YLM_OK;
-  if (ylm__sum_any(l->method, lmax)) return ylm__sum_any_cut(l, p, set, e);
-  if (l->method != YLM_GPU_MERGED || !l->cosines.kind || set->kinds < 2) {
-    cut(l->method, lmax, set->kinds, 0, 0, pass, set);
+  if (ylm__loops(l)) {
+    ylm__loops_cut(l, lmax, set);
+    return YLM_OK;
+  }
+  if (ylm__sum_any(lmax)) return ylm__sum_any_cut(l, p, set, e);
+  if (!l->cosines.kind || set->kinds < 2) {
+    cut(lmax, set->kinds, 0, 0, pass, set);
     return YLM_OK;
   }
   uint32_t parted = set->kinds & 4 ? 3 : 1;
-  pass.parts = ylm__sum_count_of(l->method, lmax, set->kinds);
-  pass.part = ylm__sum_count_of(l->method, lmax, parted);
-  cut(l->method, lmax, set->kinds, parted, 3, pass, set);
+  pass.parts = ylm__sum_count_of(lmax, set->kinds);
+  pass.part = ylm__sum_count_of(lmax, parted);
+  cut(lmax, set->kinds, parted, 3, pass, set);
   if (!(set->kinds & 4)) return YLM_OK;
   pass.parts += 3 * pass.part;
-  pass.part = ylm__sum_count_of(l->method, lmax, 1);
+  pass.part = ylm__sum_count_of(lmax, 1);
   pass.second = true;
-  cut(l->method, lmax, 0, 1, 6, pass, set);
+  cut(lmax, 0, 1, 6, pass, set);
   return YLM_OK;
 }
 
@@ -160,7 +155,7 @@ static ylm_status cut_set(const ylm_gpu_lights *l, sum_plan *p, sum_set *set, yl
 
 /* The product rule, and flat lights, sum all that lower derivatives need too. */
 static uint32_t expand(const ylm_gpu_lights *l, int kinds) {
-  if (l->method == YLM_GPU_MERGED && !l->cosines.kind) return (uint32_t)kinds;
+  if (!ylm__loops(l) && !l->cosines.kind) return (uint32_t)kinds;
   return kinds & 4 ? 7 : kinds & 2 ? 3 : kinds & 1;
 }
 

@@ -73,7 +73,7 @@ ylm_status ylm__rims_create(ylm_gpu_lights *l, ylm_error *e) {
   rim_set *r = &l->rims;
   size_t rows = 0, arcs = 0;
   if (!r->objects) return YLM_OK;
-  if (l->method != YLM_GPU_MERGED)
+  if (ylm__loops(l))
     return ylm_fail(e, YLM_EINVAL,
                     "exact flat lights are summed along their rims: "
                     "method must be \"merged\" with them");

@@ -82,11 +82,9 @@ static size_t real_size(const step_list *s) { return ylm_dtype_size(s->p->dtype)
 static const char *pass_kernel(const step_list *s, const sum_set *set, const struct sum_pass *pass,
                                uint32_t constant[8], int *constants) {
   const ylm_gpu_lights *l = s->l;
-  const bool merged = l->method == YLM_GPU_MERGED;
-  uint32_t derivatives = set->kinds & 4 ? 2 : set->kinds & 2 ? 1 : 0;
   uint32_t c[] = {GROUP,
                   (uint32_t)s->p->lmax,
-                  merged ? set->kinds : derivatives,
+                  pass->loops ? (uint32_t)ylm__sum_derivatives(set->kinds) : set->kinds,
                   pass->m_first,
                   pass->m_last,
                   l->cosines.kind != NULL,
@@ -101,7 +99,7 @@ static const char *pass_kernel(const step_list *s, const sum_set *set, const str
   memcpy(constant, c, sizeof c);
   return pass->rims        ? "rims"
          : pass->items     ? "moments_any"
-         : !merged         ? "product"
+         : pass->loops     ? "product"
          : pass->second    ? "flat_second"
          : l->cosines.kind ? "flat"
                            : "moments";
