@@ -2,9 +2,9 @@
 -- under each. Behind a name stand its seconds of processor time: spec/run begins with the longest.
 
 return {
-  vulkan_rims = 123, vulkan_light = 90, grid_update_flat = 32, neon = 46, vulkan_octree = 31, vulkan_tolerance = 29,
-  vulkan_points = 27, vulkan_sample = 27, papers = 23, codegen = 13, vulkan_keep = 20, vulkan_fault = 19,
-  grid_update = 12, vulkan_image = 10, grid_update_octree = 10, memory_picture = 11, view_grid = 8,
+  vulkan_rims = 95, vulkan_light = 90, grid_update_flat = 32, neon = 46, vulkan_octree = 31, vulkan_tolerance = 29,
+  vulkan_points = 27, vulkan_sample = 27, papers = 23, codegen = 24, vulkan_keep = 20, vulkan_fault = 19,
+  grid_update = 14, vulkan_image = 10, grid_update_octree = 10, memory_picture = 11, view_grid = 8,
   vulkan_uniform = 7, light_tree = 7,
   grid_update_random = 5, view_bar = 5, install = 5, vulkan_sh = 5, grid_bake = 5, vulkan_surface = 4,
   light_blocks = 4, grid_surface = 4, light = 4, style = 4, sh_project = 4, vulkan_bake = 4, view = 4, occlusion = 3,

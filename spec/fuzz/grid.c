@@ -9,6 +9,7 @@
 #include <string.h>
 
 #include "../../csrc/grid/file/file.h"
+#include "ylm_light.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 size_t LLVMFuzzerCustomMutator(uint8_t *data, size_t size, size_t room, unsigned seed);
