@@ -206,6 +206,9 @@ ylmL_field_of *ylmL_field_getter(lua_State *L, int i);
 
 #define YLM_LIGHTS "ylm.lights"
 
+/* The number of the kernel set named at `i`; nil: -1, the one in use; raises if unknown.
+   core/sh.c */
+int ylmL_isa(lua_State *L, int i);
 /* The cut of a set of lights at `i`, or NULL. core/light_tree.c */
 const struct ylm_light_cut *ylmL_light_cut(lua_State *L, int i);
 /* The set of lights at `i`; raises if there is none or it has been closed. binding_objects.c */

@@ -266,23 +266,15 @@ static int wanted(lua_State *L) {
          (order >= 2 ? YLM_WANT_HESSIAN : 0) | (lua_isnil(L, METRIC) ? 0 : YLM_WANT_METRIC);
 }
 
-static ylm_isa check_isa(lua_State *L, int i) {
-  const char *name = luaL_checkstring(L, i);
-  for (int k = 0; k < YLM_ISA_COUNT; k++)
-    if (strcmp(name, ylm_isa_name((ylm_isa)k)) == 0) return (ylm_isa)k;
-  luaL_argerror(L, i, "no such instruction set");
-  return YLM_ISA_reference;
-}
-
 /* Calls the field, or lights by the kernels of a given instruction set (for specs and
    benchmarks). */
 static ylm_status call_field(lua_State *L, const ylm_field *f, const ylm_field_query *q, size_t n,
                              const void *points, ylm_field_result *r, ylm_error *e) {
   if (lua_isnil(L, ISA)) return f->evaluate(f, q, n, points, r, e);
   const ylm_light_cut *cut = ylmL_light_cut(L, OBJECT);
-  if (cut) return ylm_light_cut_evaluate(cut, check_isa(L, ISA), q, n, points, r, e);
-  return ylm_light_set_evaluate(ylmL_lights_check(L, OBJECT), check_isa(L, ISA), q, n, points, r,
-                                e);
+  if (cut) return ylm_light_cut_evaluate(cut, (ylm_isa)ylmL_isa(L, ISA), q, n, points, r, e);
+  return ylm_light_set_evaluate(ylmL_lights_check(L, OBJECT), (ylm_isa)ylmL_isa(L, ISA), q, n,
+                                points, r, e);
 }
 
 /*

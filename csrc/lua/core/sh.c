@@ -16,8 +16,7 @@ static int method_of(const char *name) {
   return -1;
 }
 
-/* The number of the kernel set called `name` (nil: -1, the one in use); raises if unknown. */
-static int isa_of(lua_State *L, int i) {
+int ylmL_isa(lua_State *L, int i) {
   if (lua_isnoneornil(L, i)) return -1;
   const char *name = luaL_checkstring(L, i);
   for (int k = 0; k < YLM_ISA_COUNT; k++)
@@ -50,7 +49,7 @@ static int sh_eval(lua_State *L) {
                                         : 0,
                     .solid = lua_toboolean(L, SOLID),
                     .method = (ylm_sh_method)method,
-                    .isa = isa_of(L, ISA),
+                    .isa = ylmL_isa(L, ISA),
                     .threads = (int)luaL_optnumber(L, THREADS, 0)};
   how.progress = ylmL_progress_begin(L, PROGRESS, &progress);
   ylm_status s =
