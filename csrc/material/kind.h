@@ -14,6 +14,11 @@ typedef struct material_kind {
   void (*radiance)(const float *x, size_t n, float *light);
   void (*reflect)(const float *x, const double irradiance[3], float radiance[3]);
   void (*row)(const float *x, float *row); /* NULL: shaders do not have the kind */
+  bool (*isotropic)(const float *x);
+  void (*eval)(const float *x, size_t n, const float (*wi)[3], const float (*wo)[3], float (*f)[3]);
+  void (*sample)(const float *x, size_t n, const float (*wo)[3], const float (*u)[3],
+                 float (*wi)[3], float (*weight)[3], float *pdf);
+  void (*pdf)(const float *x, size_t n, const float (*wi)[3], const float (*wo)[3], float *pdf);
 } material_kind;
 
 /* Each X(name) is a file name.c with ylm__material_name. */

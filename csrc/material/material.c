@@ -80,6 +80,23 @@ void ylm_material_reflect(const ylm_material *m, const double irradiance[3], flo
   kinds[m->kind]->reflect(m->x, irradiance, radiance);
 }
 
+bool ylm_material_isotropic(const ylm_material *m) { return kinds[m->kind]->isotropic(m->x); }
+
+void ylm_material_eval(const ylm_material *m, size_t n, const float (*wi)[3], const float (*wo)[3],
+                       float (*f)[3]) {
+  kinds[m->kind]->eval(m->x, n, wi, wo, f);
+}
+
+void ylm_material_sample(const ylm_material *m, size_t n, const float (*wo)[3], const float (*u)[3],
+                         float (*wi)[3], float (*weight)[3], float *pdf) {
+  kinds[m->kind]->sample(m->x, n, wo, u, wi, weight, pdf);
+}
+
+void ylm_material_pdf(const ylm_material *m, size_t n, const float (*wi)[3], const float (*wo)[3],
+                      float *pdf) {
+  kinds[m->kind]->pdf(m->x, n, wi, wo, pdf);
+}
+
 ylm_status ylm_material_row(const ylm_material *m, float *row, ylm_error *e) {
   const material_kind *k = kinds[m->kind];
   if (!k->row) return ylm_fail(e, YLM_EMISSING, "a device shades no %s surfaces", k->name);

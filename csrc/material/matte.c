@@ -1,4 +1,5 @@
 /* matte.c - matte (Lambertian) surfaces: albedo / pi times irradiance leaves in every direction. */
+#include <math.h>
 #include <string.h>
 
 #include "gen/material.h"
@@ -38,5 +39,38 @@ static void reflect(const float *albedo, const double irradiance[3], float out[3
   for (int c = 0; c < 3; c++) out[c] = (float)(irradiance[c] / PI) * albedo[c];
 }
 
-const material_kind ylm__material_matte = {"matte", 3,        check,   transfer,
-                                           copy,    radiance, reflect, copy};
+static bool isotropic(const float *albedo) {
+  (void)albedo;
+  return true;
+}
+
+static void eval(const float *albedo, size_t n, const float (*wi)[3], const float (*wo)[3],
+                 float (*f)[3]) {
+  for (size_t i = 0; i < n; i++)
+    for (int c = 0; c < 3; c++)
+      f[i][c] = wi[i][2] > 0 && wo[i][2] > 0 ? albedo[c] * (float)(1 / PI) : 0;
+}
+
+/* Directions as the cosine: a place on the unit disk, raised to the sphere. */
+static void sample(const float *albedo, size_t n, const float (*wo)[3], const float (*u)[3],
+                   float (*wi)[3], float (*weight)[3], float *pdf) {
+  for (size_t i = 0; i < n; i++) {
+    float z = sqrtf(1 - u[i][0]), r = sqrtf(u[i][0]), angle = (float)(2 * PI) * u[i][1];
+    bool above = wo[i][2] > 0;
+    wi[i][0] = r * cosf(angle);
+    wi[i][1] = r * sinf(angle);
+    wi[i][2] = z;
+    pdf[i] = above ? z * (float)(1 / PI) : 0;
+    for (int c = 0; c < 3; c++) weight[i][c] = above ? albedo[c] : 0;
+  }
+}
+
+static void pdf(const float *albedo, size_t n, const float (*wi)[3], const float (*wo)[3],
+                float *out) {
+  (void)albedo;
+  for (size_t i = 0; i < n; i++)
+    out[i] = wi[i][2] > 0 && wo[i][2] > 0 ? wi[i][2] * (float)(1 / PI) : 0;
+}
+
+const material_kind ylm__material_matte = {"matte", 3,    check,     transfer, copy,   radiance,
+                                           reflect, copy, isotropic, eval,     sample, pdf};

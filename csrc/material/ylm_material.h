@@ -77,6 +77,36 @@ YLM_API void ylm_material_radiance(const ylm_material *m, size_t n, float *light
 YLM_API void ylm_material_reflect(const ylm_material *m, const double irradiance[3],
                                   float radiance[3]);
 
+/* -- light from a direction into a direction ---------------------------------- */
+
+/* Directions have length 1 and stand in the surface's frame: x along its tangent, z its normal. wi
+   points to where light comes from, wo to where it goes. None of these functions allocates. */
+
+/* Whether a turn of both directions about the normal changes nothing. */
+YLM_API bool ylm_material_isotropic(const ylm_material *m);
+
+/* The bidirectional reflectance f, sr^-1, of n pairs of directions [n][3]; f out [n][3], 0 where
+   one of the two is not above the surface. */
+YLM_API void ylm_material_eval(const ylm_material *m, size_t n, const float (*wi)[3],
+                               const float (*wo)[3], float (*f)[3]);
+
+/*
+** ylm_material_sample - directions that light may come from, by their share in what leaves.
+**
+**   wo      in   [n][3]
+**   u       in   [n][3]  from 0, below 1
+**   wi      out  [n][3]
+**   weight  out  [n][3]  f wi.z over the density
+**   pdf     out  [n]     the density, sr^-1; 0: light is absorbed, and the weight is 0
+*/
+YLM_API void ylm_material_sample(const ylm_material *m, size_t n, const float (*wo)[3],
+                                 const float (*u)[3], float (*wi)[3], float (*weight)[3],
+                                 float *pdf);
+
+/* The density of ylm_material_sample, sr^-1, for n pairs of directions; pdf out [n]. */
+YLM_API void ylm_material_pdf(const ylm_material *m, size_t n, const float (*wi)[3],
+                              const float (*wo)[3], float *pdf);
+
 /* -- for kernels elsewhere --------------------------------------------------- */
 
 #define YLM_MATERIAL_ROW 3

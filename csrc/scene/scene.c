@@ -34,6 +34,9 @@ static ylm_status copy_mesh(scene_mesh *m, size_t i, const ylm_scene_mesh *in, y
   size_t where;
   if (in->normals && !ylm_all_finite(YLM_FLOAT, in->normals, 3 * in->vertices, &where))
     return ylm_fail(e, YLM_EDOMAIN, "mesh %zu: normal %zu is not finite", i + 1, where / 3 + 1);
+  if (in->uvs && !ylm_all_finite(YLM_FLOAT, in->uvs, 2 * in->vertices, &where))
+    return ylm_fail(e, YLM_EDOMAIN, "mesh %zu: texture coordinate %zu is not finite", i + 1,
+                    where / 2 + 1);
   m->vertices = in->vertices;
   m->count = in->count;
   m->material = ylm_material_keep(in->material);
@@ -41,7 +44,8 @@ static ylm_status copy_mesh(scene_mesh *m, size_t i, const ylm_scene_mesh *in, y
   m->position = ylm_alloc(in->vertices, 12);
   m->normal = ylm_alloc(in->vertices, 12);
   m->triangle = ylm_alloc(in->count, 12);
-  if (!m->position || !m->normal || !m->triangle) return YLM_ENOMEM;
+  m->uv = in->uvs ? ylm_alloc_copy(in->uvs, 2 * in->vertices, sizeof(float)) : NULL;
+  if (!m->position || !m->normal || !m->triangle || (in->uvs && !m->uv)) return YLM_ENOMEM;
   memcpy(m->position, in->positions, in->vertices * 12);
   memcpy(m->triangle, in->triangles, in->count * 12);
   if (!m->smooth)
@@ -131,6 +135,7 @@ void ylm_scene_free(ylm_scene *s) {
   for (size_t i = 0; i < s->meshes; i++) {
     ylm_free(s->mesh[i].position);
     ylm_free(s->mesh[i].normal);
+    ylm_free(s->mesh[i].uv);
     ylm_free(s->mesh[i].triangle);
     ylm_material_free(s->mesh[i].material);
   }
@@ -185,6 +190,28 @@ static void leave_triangle(const float *const corner[3], const float *const norm
   }
 }
 
+/* Where u grows on a triangle with corners p, as a part of the plane across n; else any direction
+   in it. Source: Lengyel 2001, "Computing Tangent Space Basis Vectors for an Arbitrary Mesh". */
+static void find_tangent(const scene_mesh *m, const uint32_t *t, const float *const p[3],
+                         const float n[3], float tangent[3]) {
+  float other[3], d[3] = {0, 0, 0}, along, length;
+  if (m->uv) {
+    const float *a = m->uv + 2 * t[0], *b = m->uv + 2 * t[1], *c = m->uv + 2 * t[2];
+    float area = (b[0] - a[0]) * (c[1] - a[1]) - (c[0] - a[0]) * (b[1] - a[1]);
+    float side = area < 0 ? -1 : 1;
+    for (int k = 0; k < 3; k++)
+      d[k] = side * ((c[1] - a[1]) * (p[1][k] - p[0][k]) - (b[1] - a[1]) * (p[2][k] - p[0][k]));
+  }
+  along = ylm_dot3(d, n);
+  for (int k = 0; k < 3; k++) tangent[k] = d[k] - along * n[k];
+  length = sqrtf(ylm_dot3(tangent, tangent));
+  if (!(length > 0)) {
+    ylm_scene_basis(n, tangent, other);
+    return;
+  }
+  for (int k = 0; k < 3; k++) tangent[k] /= length;
+}
+
 /* The surface at one place. */
 static void surface(const ylm_scene *s, const ylm_scene_place *e, ylm_scene_surface *out) {
   const scene_mesh *m = &s->mesh[e->mesh];
@@ -197,6 +224,7 @@ static void surface(const ylm_scene *s, const ylm_scene_place *e, ylm_scene_surf
   for (int a = 0; a < 3; a++) flat[a] *= side;
   normalise(flat);
   memcpy(out->normal, flat, 12);
+  memcpy(out->flat, flat, 12);
   memcpy(out->origin, out->position, 12);
   if (m->smooth) {
     float mean[3];
@@ -209,6 +237,8 @@ static void surface(const ylm_scene *s, const ylm_scene_place *e, ylm_scene_surf
     }
   }
   for (int a = 0; a < 3; a++) out->origin[a] += offset * flat[a];
+  find_tangent(m, t, p, out->normal, out->tangent);
+  out->material = m->material;
 }
 
 void ylm_scene_surfaces(const ylm_scene *s, size_t n, const ylm_scene_place *p,
@@ -224,5 +254,9 @@ void ylm_scene_vertex(const ylm_scene *s, size_t mesh, size_t vertex, bool back,
     out->position[a] = m->position[3 * vertex + a];
     out->normal[a] = side * m->normal[3 * vertex + a];
     out->origin[a] = out->position[a] + offset * out->normal[a];
+    out->flat[a] = out->normal[a];
   }
+  float other[3];
+  ylm_scene_basis(out->normal, out->tangent, other);
+  out->material = m->material;
 }

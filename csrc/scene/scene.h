@@ -9,6 +9,7 @@
    shading per vertex alone. */
 typedef struct scene_mesh {
   float *position, *normal; /* [vertices][3] */
+  float *uv;                /* [vertices][2] or NULL */
   uint32_t *triangle;       /* [count][3]    */
   size_t vertices, count, first_vertex;
   bool smooth;

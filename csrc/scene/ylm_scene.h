@@ -31,6 +31,7 @@ typedef struct ylm_scene ylm_scene;
 typedef struct ylm_scene_mesh {
   const float *positions; /* [vertices][3]  scene units                              */
   const float *normals;   /* [vertices][3]  any length; NULL: those of the triangles */
+  const float *uvs;       /* [vertices][2]  texture coordinates; NULL: none          */
   size_t vertices;
   const uint32_t *triangles; /* [count][3]     < vertices                               */
   size_t count;
@@ -83,10 +84,13 @@ typedef struct ylm_scene_place {
   bool back; /* seen against the triangle's winding */
 } ylm_scene_place;
 
-/* The surface there, turned to the side that is seen. */
+/* The surface there, turned to the side that is seen. Vectors have length 1. */
 typedef struct ylm_scene_surface {
   float position[3], normal[3];
-  float origin[3]; /* where rays start */
+  float origin[3];  /* where rays start */
+  float flat[3];    /* the normal of the triangle, or of the vertex */
+  float tangent[3]; /* at right angles to `normal`: where u grows, else ylm_scene_basis's first */
+  const ylm_material *material;
 } ylm_scene_surface;
 
 /*

@@ -41,8 +41,8 @@ static ylm_scene_mesh read_mesh(lua_State *L, int i) {
   lua_rawgeti(L, 3, i);
   bool occludes = lua_toboolean(L, -1);
   lua_pop(L, 3);
-  return (ylm_scene_mesh){m->position,  m->normal, m->vertices, m->index,
-                          m->triangles, material,  occludes};
+  return (ylm_scene_mesh){m->position, m->normal,    m->uv,    m->vertices,
+                          m->index,    m->triangles, material, occludes};
 }
 
 static void copy(float *to, const double *from, size_t n) {
