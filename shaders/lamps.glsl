@@ -16,6 +16,13 @@ layout(constant_id = 3) const uint M_FIRST = 0;
 layout(constant_id = 4) const uint M_LAST = 12;
 layout(constant_id = 5) const bool FLAT = false; /* lights have a normal */
 
+#ifdef YLM_LOW
+#include "gen/layout.glsl"
+#define LMAX_MOST int(LOW_LMAX)
+#else
+#define LMAX_MOST 1000
+#endif
+
 #ifdef YLM_DOUBLE
 #define rvec4 dvec4
 #else

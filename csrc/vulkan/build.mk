@@ -5,6 +5,9 @@ GLSLC       ?= glslc
 GLSLFLAGS   := --target-env=vulkan1.2 -O -Werror -fshader-stage=comp -mfmt=c -Ishaders -Ishaders/gen
 SHADERS     := $(patsubst shaders/%.comp,%,$(filter-out %.real.comp,$(wildcard shaders/*.comp))) \
                $(foreach s,$(patsubst shaders/%.real.comp,%,$(wildcard shaders/*.real.comp)),$(s)_float $(s)_double)
+# Kernels of sums once more, for low lmax alone: modules a quarter as long, which drivers take as much sooner.
+LOW         := moments flat flat_second product
+SHADERS     += $(foreach s,$(LOW),$(s)_low_float $(s)_low_double)
 SPIRV       := $(BUILD)/obj/vulkan/spirv
 OBJ_vulkan  := $(call objects,vulkan) $(BUILD)/obj/vulkan/shaders.o
 WITH_VULKAN ?= $(and $(wildcard csrc/lua/vulkan/vulkan.c),$(wildcard /usr/include/vulkan/vulkan.h /usr/local/include/vulkan/vulkan.h),\
@@ -27,6 +30,10 @@ $(SPIRV)/%_float.inc: shaders/%.real.comp
 	$(call GLSL)
 $(SPIRV)/%_double.inc: shaders/%.real.comp
 	$(call GLSL,-DYLM_DOUBLE)
+$(SPIRV)/%_low_float.inc: shaders/%.real.comp
+	$(call GLSL,-DYLM_LOW)
+$(SPIRV)/%_low_double.inc: shaders/%.real.comp
+	$(call GLSL,-DYLM_LOW -DYLM_DOUBLE)
 $(SPIRV)/%.inc: shaders/%.comp
 	$(call GLSL)
 

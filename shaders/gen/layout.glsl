@@ -21,6 +21,7 @@ const uint NONE = 0x3fffffff; /* of a place's cell: none here */
 const uint AWAY = 0x40000000; /* outside of the bounds */
 const uint SCAN_EACH = 0x10; /* numbers of an invocation of octree_scan.comp */
 const uint SCAN_LANES = 0x40; /* invocations of its groups */
+const uint LOW_LMAX = 0x4; /* the largest lmax of kernels named _low, which hold no sums of more */
 const uint PIXEL_TILE = 0x8; /* pixels along a side: picture_lamps.real.comp */
 
 /* A key: lattice coordinates, 0 .. 2^17 - 1 each, in two words. */

@@ -2,6 +2,7 @@
 ** The merged-moment sums for lmax 0 .. 10, in the order of csrc/light/moments/moments.h.
 **   real, REAL(c)     float or double, and a constant of that type
 **   LMAX, KINDS       specialisation constants: 1 value, 2 gradient, 4 Hessian, added up
+**   LMAX_MOST         the largest LMAX that the module is asked for: sums of more are left out
 **   M_FIRST, M_LAST   specialisation constants: the orders m that are summed here
 ** Of sums of each kind k = 0, 1, 2 the includer says, by default in shaders/sums.glsl, what they are:
 **   SUMk(a) declares, CLEARk(a), ADDk(a, e), STOREk(n, p, a): number n among all, p among those with PART1
@@ -1123,434 +1124,434 @@ void add_light(real x, real y, real z, real delta, real es, real invh, real far,
 /* Hands each sum and its numbers to STORE: p counts values, and what gradients need where PART1 says so. */
 void store_sums() {
   uint n = 0u, p = 0u;
-  if (HAS0(0)) { if (ORDER(0)) { STORE0(n, p, a0); } n++; p++; }
-  if (HAS2(0)) { if (ORDER(0)) { STORE2(n, p, a1); } n++; }
-  if (HAS0(1)) { if (ORDER(0)) { STORE0(n, p, a2); } n++; p++; }
-  if (HAS1(1)) { if (ORDER(0)) { STORE1(n, p, a3); } n++; p += PART1; }
-  if (HAS0(2)) { if (ORDER(0)) { STORE0(n, p, a4); } n++; p++; }
-  if (HAS1(2)) { if (ORDER(0)) { STORE1(n, p, a5); } n++; p += PART1; }
-  if (HAS2(2)) { if (ORDER(0)) { STORE2(n, p, a6); } n++; }
-  if (HAS0(3)) { if (ORDER(0)) { STORE0(n, p, a7); } n++; p++; }
-  if (HAS1(3)) { if (ORDER(0)) { STORE1(n, p, a8); } n++; p += PART1; }
-  if (HAS2(3)) { if (ORDER(0)) { STORE2(n, p, a9); } n++; }
-  if (HAS0(4)) { if (ORDER(0)) { STORE0(n, p, a10); } n++; p++; }
-  if (HAS1(4)) { if (ORDER(0)) { STORE1(n, p, a11); } n++; p += PART1; }
-  if (HAS2(4)) { if (ORDER(0)) { STORE2(n, p, a12); } n++; }
-  if (HAS0(5)) { if (ORDER(0)) { STORE0(n, p, a13); } n++; p++; }
-  if (HAS1(5)) { if (ORDER(0)) { STORE1(n, p, a14); } n++; p += PART1; }
-  if (HAS2(5)) { if (ORDER(0)) { STORE2(n, p, a15); } n++; }
-  if (HAS0(6)) { if (ORDER(0)) { STORE0(n, p, a16); } n++; p++; }
-  if (HAS1(6)) { if (ORDER(0)) { STORE1(n, p, a17); } n++; p += PART1; }
-  if (HAS2(6)) { if (ORDER(0)) { STORE2(n, p, a18); } n++; }
-  if (HAS0(7)) { if (ORDER(0)) { STORE0(n, p, a19); } n++; p++; }
-  if (HAS1(7)) { if (ORDER(0)) { STORE1(n, p, a20); } n++; p += PART1; }
-  if (HAS2(7)) { if (ORDER(0)) { STORE2(n, p, a21); } n++; }
-  if (HAS0(8)) { if (ORDER(0)) { STORE0(n, p, a22); } n++; p++; }
-  if (HAS1(8)) { if (ORDER(0)) { STORE1(n, p, a23); } n++; p += PART1; }
-  if (HAS2(8)) { if (ORDER(0)) { STORE2(n, p, a24); } n++; }
-  if (HAS0(9)) { if (ORDER(0)) { STORE0(n, p, a25); } n++; p++; }
-  if (HAS1(9)) { if (ORDER(0)) { STORE1(n, p, a26); } n++; p += PART1; }
-  if (HAS2(9)) { if (ORDER(0)) { STORE2(n, p, a27); } n++; }
-  if (HAS0(10)) { if (ORDER(0)) { STORE0(n, p, a28); } n++; p++; }
-  if (HAS1(10)) { if (ORDER(0)) { STORE1(n, p, a29); } n++; p += PART1; }
-  if (HAS2(10)) { if (ORDER(0)) { STORE2(n, p, a30); } n++; }
-  if (HAS1(11)) { if (ORDER(0)) { STORE1(n, p, a31); } n++; p += PART1; }
-  if (HAS2(11)) { if (ORDER(0)) { STORE2(n, p, a32); } n++; }
-  if (HAS2(12)) { if (ORDER(0)) { STORE2(n, p, a33); } n++; }
-  if (HAS0(1)) { if (ORDER(1)) { STORE0(n, p, a34); } n++; p++; }
-  if (HAS1(1)) { if (ORDER(1)) { STORE1(n, p, a35); } n++; p += PART1; }
-  if (HAS0(2)) { if (ORDER(1)) { STORE0(n, p, a36); } n++; p++; }
-  if (HAS1(2)) { if (ORDER(1)) { STORE1(n, p, a37); } n++; p += PART1; }
-  if (HAS2(2)) { if (ORDER(1)) { STORE2(n, p, a38); } n++; }
-  if (HAS0(3)) { if (ORDER(1)) { STORE0(n, p, a39); } n++; p++; }
-  if (HAS1(3)) { if (ORDER(1)) { STORE1(n, p, a40); } n++; p += PART1; }
-  if (HAS2(3)) { if (ORDER(1)) { STORE2(n, p, a41); } n++; }
-  if (HAS0(4)) { if (ORDER(1)) { STORE0(n, p, a42); } n++; p++; }
-  if (HAS1(4)) { if (ORDER(1)) { STORE1(n, p, a43); } n++; p += PART1; }
-  if (HAS2(4)) { if (ORDER(1)) { STORE2(n, p, a44); } n++; }
-  if (HAS0(5)) { if (ORDER(1)) { STORE0(n, p, a45); } n++; p++; }
-  if (HAS1(5)) { if (ORDER(1)) { STORE1(n, p, a46); } n++; p += PART1; }
-  if (HAS2(5)) { if (ORDER(1)) { STORE2(n, p, a47); } n++; }
-  if (HAS0(6)) { if (ORDER(1)) { STORE0(n, p, a48); } n++; p++; }
-  if (HAS1(6)) { if (ORDER(1)) { STORE1(n, p, a49); } n++; p += PART1; }
-  if (HAS2(6)) { if (ORDER(1)) { STORE2(n, p, a50); } n++; }
-  if (HAS0(7)) { if (ORDER(1)) { STORE0(n, p, a51); } n++; p++; }
-  if (HAS1(7)) { if (ORDER(1)) { STORE1(n, p, a52); } n++; p += PART1; }
-  if (HAS2(7)) { if (ORDER(1)) { STORE2(n, p, a53); } n++; }
-  if (HAS0(8)) { if (ORDER(1)) { STORE0(n, p, a54); } n++; p++; }
-  if (HAS1(8)) { if (ORDER(1)) { STORE1(n, p, a55); } n++; p += PART1; }
-  if (HAS2(8)) { if (ORDER(1)) { STORE2(n, p, a56); } n++; }
-  if (HAS0(9)) { if (ORDER(1)) { STORE0(n, p, a57); } n++; p++; }
-  if (HAS1(9)) { if (ORDER(1)) { STORE1(n, p, a58); } n++; p += PART1; }
-  if (HAS2(9)) { if (ORDER(1)) { STORE2(n, p, a59); } n++; }
-  if (HAS0(10)) { if (ORDER(1)) { STORE0(n, p, a60); } n++; p++; }
-  if (HAS1(10)) { if (ORDER(1)) { STORE1(n, p, a61); } n++; p += PART1; }
-  if (HAS2(10)) { if (ORDER(1)) { STORE2(n, p, a62); } n++; }
-  if (HAS1(11)) { if (ORDER(1)) { STORE1(n, p, a63); } n++; p += PART1; }
-  if (HAS2(11)) { if (ORDER(1)) { STORE2(n, p, a64); } n++; }
-  if (HAS2(12)) { if (ORDER(1)) { STORE2(n, p, a65); } n++; }
-  if (HAS0(1)) { if (ORDER(1)) { STORE0(n, p, a66); } n++; p++; }
-  if (HAS1(1)) { if (ORDER(1)) { STORE1(n, p, a67); } n++; p += PART1; }
-  if (HAS0(2)) { if (ORDER(1)) { STORE0(n, p, a68); } n++; p++; }
-  if (HAS1(2)) { if (ORDER(1)) { STORE1(n, p, a69); } n++; p += PART1; }
-  if (HAS2(2)) { if (ORDER(1)) { STORE2(n, p, a70); } n++; }
-  if (HAS0(3)) { if (ORDER(1)) { STORE0(n, p, a71); } n++; p++; }
-  if (HAS1(3)) { if (ORDER(1)) { STORE1(n, p, a72); } n++; p += PART1; }
-  if (HAS2(3)) { if (ORDER(1)) { STORE2(n, p, a73); } n++; }
-  if (HAS0(4)) { if (ORDER(1)) { STORE0(n, p, a74); } n++; p++; }
-  if (HAS1(4)) { if (ORDER(1)) { STORE1(n, p, a75); } n++; p += PART1; }
-  if (HAS2(4)) { if (ORDER(1)) { STORE2(n, p, a76); } n++; }
-  if (HAS0(5)) { if (ORDER(1)) { STORE0(n, p, a77); } n++; p++; }
-  if (HAS1(5)) { if (ORDER(1)) { STORE1(n, p, a78); } n++; p += PART1; }
-  if (HAS2(5)) { if (ORDER(1)) { STORE2(n, p, a79); } n++; }
-  if (HAS0(6)) { if (ORDER(1)) { STORE0(n, p, a80); } n++; p++; }
-  if (HAS1(6)) { if (ORDER(1)) { STORE1(n, p, a81); } n++; p += PART1; }
-  if (HAS2(6)) { if (ORDER(1)) { STORE2(n, p, a82); } n++; }
-  if (HAS0(7)) { if (ORDER(1)) { STORE0(n, p, a83); } n++; p++; }
-  if (HAS1(7)) { if (ORDER(1)) { STORE1(n, p, a84); } n++; p += PART1; }
-  if (HAS2(7)) { if (ORDER(1)) { STORE2(n, p, a85); } n++; }
-  if (HAS0(8)) { if (ORDER(1)) { STORE0(n, p, a86); } n++; p++; }
-  if (HAS1(8)) { if (ORDER(1)) { STORE1(n, p, a87); } n++; p += PART1; }
-  if (HAS2(8)) { if (ORDER(1)) { STORE2(n, p, a88); } n++; }
-  if (HAS0(9)) { if (ORDER(1)) { STORE0(n, p, a89); } n++; p++; }
-  if (HAS1(9)) { if (ORDER(1)) { STORE1(n, p, a90); } n++; p += PART1; }
-  if (HAS2(9)) { if (ORDER(1)) { STORE2(n, p, a91); } n++; }
-  if (HAS0(10)) { if (ORDER(1)) { STORE0(n, p, a92); } n++; p++; }
-  if (HAS1(10)) { if (ORDER(1)) { STORE1(n, p, a93); } n++; p += PART1; }
-  if (HAS2(10)) { if (ORDER(1)) { STORE2(n, p, a94); } n++; }
-  if (HAS1(11)) { if (ORDER(1)) { STORE1(n, p, a95); } n++; p += PART1; }
-  if (HAS2(11)) { if (ORDER(1)) { STORE2(n, p, a96); } n++; }
-  if (HAS2(12)) { if (ORDER(1)) { STORE2(n, p, a97); } n++; }
-  if (HAS0(2)) { if (ORDER(2)) { STORE0(n, p, a98); } n++; p++; }
-  if (HAS1(2)) { if (ORDER(2)) { STORE1(n, p, a99); } n++; p += PART1; }
-  if (HAS2(2)) { if (ORDER(2)) { STORE2(n, p, a100); } n++; }
-  if (HAS0(3)) { if (ORDER(2)) { STORE0(n, p, a101); } n++; p++; }
-  if (HAS1(3)) { if (ORDER(2)) { STORE1(n, p, a102); } n++; p += PART1; }
-  if (HAS2(3)) { if (ORDER(2)) { STORE2(n, p, a103); } n++; }
-  if (HAS0(4)) { if (ORDER(2)) { STORE0(n, p, a104); } n++; p++; }
-  if (HAS1(4)) { if (ORDER(2)) { STORE1(n, p, a105); } n++; p += PART1; }
-  if (HAS2(4)) { if (ORDER(2)) { STORE2(n, p, a106); } n++; }
-  if (HAS0(5)) { if (ORDER(2)) { STORE0(n, p, a107); } n++; p++; }
-  if (HAS1(5)) { if (ORDER(2)) { STORE1(n, p, a108); } n++; p += PART1; }
-  if (HAS2(5)) { if (ORDER(2)) { STORE2(n, p, a109); } n++; }
-  if (HAS0(6)) { if (ORDER(2)) { STORE0(n, p, a110); } n++; p++; }
-  if (HAS1(6)) { if (ORDER(2)) { STORE1(n, p, a111); } n++; p += PART1; }
-  if (HAS2(6)) { if (ORDER(2)) { STORE2(n, p, a112); } n++; }
-  if (HAS0(7)) { if (ORDER(2)) { STORE0(n, p, a113); } n++; p++; }
-  if (HAS1(7)) { if (ORDER(2)) { STORE1(n, p, a114); } n++; p += PART1; }
-  if (HAS2(7)) { if (ORDER(2)) { STORE2(n, p, a115); } n++; }
-  if (HAS0(8)) { if (ORDER(2)) { STORE0(n, p, a116); } n++; p++; }
-  if (HAS1(8)) { if (ORDER(2)) { STORE1(n, p, a117); } n++; p += PART1; }
-  if (HAS2(8)) { if (ORDER(2)) { STORE2(n, p, a118); } n++; }
-  if (HAS0(9)) { if (ORDER(2)) { STORE0(n, p, a119); } n++; p++; }
-  if (HAS1(9)) { if (ORDER(2)) { STORE1(n, p, a120); } n++; p += PART1; }
-  if (HAS2(9)) { if (ORDER(2)) { STORE2(n, p, a121); } n++; }
-  if (HAS0(10)) { if (ORDER(2)) { STORE0(n, p, a122); } n++; p++; }
-  if (HAS1(10)) { if (ORDER(2)) { STORE1(n, p, a123); } n++; p += PART1; }
-  if (HAS2(10)) { if (ORDER(2)) { STORE2(n, p, a124); } n++; }
-  if (HAS1(11)) { if (ORDER(2)) { STORE1(n, p, a125); } n++; p += PART1; }
-  if (HAS2(11)) { if (ORDER(2)) { STORE2(n, p, a126); } n++; }
-  if (HAS2(12)) { if (ORDER(2)) { STORE2(n, p, a127); } n++; }
-  if (HAS0(2)) { if (ORDER(2)) { STORE0(n, p, a128); } n++; p++; }
-  if (HAS1(2)) { if (ORDER(2)) { STORE1(n, p, a129); } n++; p += PART1; }
-  if (HAS2(2)) { if (ORDER(2)) { STORE2(n, p, a130); } n++; }
-  if (HAS0(3)) { if (ORDER(2)) { STORE0(n, p, a131); } n++; p++; }
-  if (HAS1(3)) { if (ORDER(2)) { STORE1(n, p, a132); } n++; p += PART1; }
-  if (HAS2(3)) { if (ORDER(2)) { STORE2(n, p, a133); } n++; }
-  if (HAS0(4)) { if (ORDER(2)) { STORE0(n, p, a134); } n++; p++; }
-  if (HAS1(4)) { if (ORDER(2)) { STORE1(n, p, a135); } n++; p += PART1; }
-  if (HAS2(4)) { if (ORDER(2)) { STORE2(n, p, a136); } n++; }
-  if (HAS0(5)) { if (ORDER(2)) { STORE0(n, p, a137); } n++; p++; }
-  if (HAS1(5)) { if (ORDER(2)) { STORE1(n, p, a138); } n++; p += PART1; }
-  if (HAS2(5)) { if (ORDER(2)) { STORE2(n, p, a139); } n++; }
-  if (HAS0(6)) { if (ORDER(2)) { STORE0(n, p, a140); } n++; p++; }
-  if (HAS1(6)) { if (ORDER(2)) { STORE1(n, p, a141); } n++; p += PART1; }
-  if (HAS2(6)) { if (ORDER(2)) { STORE2(n, p, a142); } n++; }
-  if (HAS0(7)) { if (ORDER(2)) { STORE0(n, p, a143); } n++; p++; }
-  if (HAS1(7)) { if (ORDER(2)) { STORE1(n, p, a144); } n++; p += PART1; }
-  if (HAS2(7)) { if (ORDER(2)) { STORE2(n, p, a145); } n++; }
-  if (HAS0(8)) { if (ORDER(2)) { STORE0(n, p, a146); } n++; p++; }
-  if (HAS1(8)) { if (ORDER(2)) { STORE1(n, p, a147); } n++; p += PART1; }
-  if (HAS2(8)) { if (ORDER(2)) { STORE2(n, p, a148); } n++; }
-  if (HAS0(9)) { if (ORDER(2)) { STORE0(n, p, a149); } n++; p++; }
-  if (HAS1(9)) { if (ORDER(2)) { STORE1(n, p, a150); } n++; p += PART1; }
-  if (HAS2(9)) { if (ORDER(2)) { STORE2(n, p, a151); } n++; }
-  if (HAS0(10)) { if (ORDER(2)) { STORE0(n, p, a152); } n++; p++; }
-  if (HAS1(10)) { if (ORDER(2)) { STORE1(n, p, a153); } n++; p += PART1; }
-  if (HAS2(10)) { if (ORDER(2)) { STORE2(n, p, a154); } n++; }
-  if (HAS1(11)) { if (ORDER(2)) { STORE1(n, p, a155); } n++; p += PART1; }
-  if (HAS2(11)) { if (ORDER(2)) { STORE2(n, p, a156); } n++; }
-  if (HAS2(12)) { if (ORDER(2)) { STORE2(n, p, a157); } n++; }
-  if (HAS0(3)) { if (ORDER(3)) { STORE0(n, p, a158); } n++; p++; }
-  if (HAS1(3)) { if (ORDER(3)) { STORE1(n, p, a159); } n++; p += PART1; }
-  if (HAS2(3)) { if (ORDER(3)) { STORE2(n, p, a160); } n++; }
-  if (HAS0(4)) { if (ORDER(3)) { STORE0(n, p, a161); } n++; p++; }
-  if (HAS1(4)) { if (ORDER(3)) { STORE1(n, p, a162); } n++; p += PART1; }
-  if (HAS2(4)) { if (ORDER(3)) { STORE2(n, p, a163); } n++; }
-  if (HAS0(5)) { if (ORDER(3)) { STORE0(n, p, a164); } n++; p++; }
-  if (HAS1(5)) { if (ORDER(3)) { STORE1(n, p, a165); } n++; p += PART1; }
-  if (HAS2(5)) { if (ORDER(3)) { STORE2(n, p, a166); } n++; }
-  if (HAS0(6)) { if (ORDER(3)) { STORE0(n, p, a167); } n++; p++; }
-  if (HAS1(6)) { if (ORDER(3)) { STORE1(n, p, a168); } n++; p += PART1; }
-  if (HAS2(6)) { if (ORDER(3)) { STORE2(n, p, a169); } n++; }
-  if (HAS0(7)) { if (ORDER(3)) { STORE0(n, p, a170); } n++; p++; }
-  if (HAS1(7)) { if (ORDER(3)) { STORE1(n, p, a171); } n++; p += PART1; }
-  if (HAS2(7)) { if (ORDER(3)) { STORE2(n, p, a172); } n++; }
-  if (HAS0(8)) { if (ORDER(3)) { STORE0(n, p, a173); } n++; p++; }
-  if (HAS1(8)) { if (ORDER(3)) { STORE1(n, p, a174); } n++; p += PART1; }
-  if (HAS2(8)) { if (ORDER(3)) { STORE2(n, p, a175); } n++; }
-  if (HAS0(9)) { if (ORDER(3)) { STORE0(n, p, a176); } n++; p++; }
-  if (HAS1(9)) { if (ORDER(3)) { STORE1(n, p, a177); } n++; p += PART1; }
-  if (HAS2(9)) { if (ORDER(3)) { STORE2(n, p, a178); } n++; }
-  if (HAS0(10)) { if (ORDER(3)) { STORE0(n, p, a179); } n++; p++; }
-  if (HAS1(10)) { if (ORDER(3)) { STORE1(n, p, a180); } n++; p += PART1; }
-  if (HAS2(10)) { if (ORDER(3)) { STORE2(n, p, a181); } n++; }
-  if (HAS1(11)) { if (ORDER(3)) { STORE1(n, p, a182); } n++; p += PART1; }
-  if (HAS2(11)) { if (ORDER(3)) { STORE2(n, p, a183); } n++; }
-  if (HAS2(12)) { if (ORDER(3)) { STORE2(n, p, a184); } n++; }
-  if (HAS0(3)) { if (ORDER(3)) { STORE0(n, p, a185); } n++; p++; }
-  if (HAS1(3)) { if (ORDER(3)) { STORE1(n, p, a186); } n++; p += PART1; }
-  if (HAS2(3)) { if (ORDER(3)) { STORE2(n, p, a187); } n++; }
-  if (HAS0(4)) { if (ORDER(3)) { STORE0(n, p, a188); } n++; p++; }
-  if (HAS1(4)) { if (ORDER(3)) { STORE1(n, p, a189); } n++; p += PART1; }
-  if (HAS2(4)) { if (ORDER(3)) { STORE2(n, p, a190); } n++; }
-  if (HAS0(5)) { if (ORDER(3)) { STORE0(n, p, a191); } n++; p++; }
-  if (HAS1(5)) { if (ORDER(3)) { STORE1(n, p, a192); } n++; p += PART1; }
-  if (HAS2(5)) { if (ORDER(3)) { STORE2(n, p, a193); } n++; }
-  if (HAS0(6)) { if (ORDER(3)) { STORE0(n, p, a194); } n++; p++; }
-  if (HAS1(6)) { if (ORDER(3)) { STORE1(n, p, a195); } n++; p += PART1; }
-  if (HAS2(6)) { if (ORDER(3)) { STORE2(n, p, a196); } n++; }
-  if (HAS0(7)) { if (ORDER(3)) { STORE0(n, p, a197); } n++; p++; }
-  if (HAS1(7)) { if (ORDER(3)) { STORE1(n, p, a198); } n++; p += PART1; }
-  if (HAS2(7)) { if (ORDER(3)) { STORE2(n, p, a199); } n++; }
-  if (HAS0(8)) { if (ORDER(3)) { STORE0(n, p, a200); } n++; p++; }
-  if (HAS1(8)) { if (ORDER(3)) { STORE1(n, p, a201); } n++; p += PART1; }
-  if (HAS2(8)) { if (ORDER(3)) { STORE2(n, p, a202); } n++; }
-  if (HAS0(9)) { if (ORDER(3)) { STORE0(n, p, a203); } n++; p++; }
-  if (HAS1(9)) { if (ORDER(3)) { STORE1(n, p, a204); } n++; p += PART1; }
-  if (HAS2(9)) { if (ORDER(3)) { STORE2(n, p, a205); } n++; }
-  if (HAS0(10)) { if (ORDER(3)) { STORE0(n, p, a206); } n++; p++; }
-  if (HAS1(10)) { if (ORDER(3)) { STORE1(n, p, a207); } n++; p += PART1; }
-  if (HAS2(10)) { if (ORDER(3)) { STORE2(n, p, a208); } n++; }
-  if (HAS1(11)) { if (ORDER(3)) { STORE1(n, p, a209); } n++; p += PART1; }
-  if (HAS2(11)) { if (ORDER(3)) { STORE2(n, p, a210); } n++; }
-  if (HAS2(12)) { if (ORDER(3)) { STORE2(n, p, a211); } n++; }
-  if (HAS0(4)) { if (ORDER(4)) { STORE0(n, p, a212); } n++; p++; }
-  if (HAS1(4)) { if (ORDER(4)) { STORE1(n, p, a213); } n++; p += PART1; }
-  if (HAS2(4)) { if (ORDER(4)) { STORE2(n, p, a214); } n++; }
-  if (HAS0(5)) { if (ORDER(4)) { STORE0(n, p, a215); } n++; p++; }
-  if (HAS1(5)) { if (ORDER(4)) { STORE1(n, p, a216); } n++; p += PART1; }
-  if (HAS2(5)) { if (ORDER(4)) { STORE2(n, p, a217); } n++; }
-  if (HAS0(6)) { if (ORDER(4)) { STORE0(n, p, a218); } n++; p++; }
-  if (HAS1(6)) { if (ORDER(4)) { STORE1(n, p, a219); } n++; p += PART1; }
-  if (HAS2(6)) { if (ORDER(4)) { STORE2(n, p, a220); } n++; }
-  if (HAS0(7)) { if (ORDER(4)) { STORE0(n, p, a221); } n++; p++; }
-  if (HAS1(7)) { if (ORDER(4)) { STORE1(n, p, a222); } n++; p += PART1; }
-  if (HAS2(7)) { if (ORDER(4)) { STORE2(n, p, a223); } n++; }
-  if (HAS0(8)) { if (ORDER(4)) { STORE0(n, p, a224); } n++; p++; }
-  if (HAS1(8)) { if (ORDER(4)) { STORE1(n, p, a225); } n++; p += PART1; }
-  if (HAS2(8)) { if (ORDER(4)) { STORE2(n, p, a226); } n++; }
-  if (HAS0(9)) { if (ORDER(4)) { STORE0(n, p, a227); } n++; p++; }
-  if (HAS1(9)) { if (ORDER(4)) { STORE1(n, p, a228); } n++; p += PART1; }
-  if (HAS2(9)) { if (ORDER(4)) { STORE2(n, p, a229); } n++; }
-  if (HAS0(10)) { if (ORDER(4)) { STORE0(n, p, a230); } n++; p++; }
-  if (HAS1(10)) { if (ORDER(4)) { STORE1(n, p, a231); } n++; p += PART1; }
-  if (HAS2(10)) { if (ORDER(4)) { STORE2(n, p, a232); } n++; }
-  if (HAS1(11)) { if (ORDER(4)) { STORE1(n, p, a233); } n++; p += PART1; }
-  if (HAS2(11)) { if (ORDER(4)) { STORE2(n, p, a234); } n++; }
-  if (HAS2(12)) { if (ORDER(4)) { STORE2(n, p, a235); } n++; }
-  if (HAS0(4)) { if (ORDER(4)) { STORE0(n, p, a236); } n++; p++; }
-  if (HAS1(4)) { if (ORDER(4)) { STORE1(n, p, a237); } n++; p += PART1; }
-  if (HAS2(4)) { if (ORDER(4)) { STORE2(n, p, a238); } n++; }
-  if (HAS0(5)) { if (ORDER(4)) { STORE0(n, p, a239); } n++; p++; }
-  if (HAS1(5)) { if (ORDER(4)) { STORE1(n, p, a240); } n++; p += PART1; }
-  if (HAS2(5)) { if (ORDER(4)) { STORE2(n, p, a241); } n++; }
-  if (HAS0(6)) { if (ORDER(4)) { STORE0(n, p, a242); } n++; p++; }
-  if (HAS1(6)) { if (ORDER(4)) { STORE1(n, p, a243); } n++; p += PART1; }
-  if (HAS2(6)) { if (ORDER(4)) { STORE2(n, p, a244); } n++; }
-  if (HAS0(7)) { if (ORDER(4)) { STORE0(n, p, a245); } n++; p++; }
-  if (HAS1(7)) { if (ORDER(4)) { STORE1(n, p, a246); } n++; p += PART1; }
-  if (HAS2(7)) { if (ORDER(4)) { STORE2(n, p, a247); } n++; }
-  if (HAS0(8)) { if (ORDER(4)) { STORE0(n, p, a248); } n++; p++; }
-  if (HAS1(8)) { if (ORDER(4)) { STORE1(n, p, a249); } n++; p += PART1; }
-  if (HAS2(8)) { if (ORDER(4)) { STORE2(n, p, a250); } n++; }
-  if (HAS0(9)) { if (ORDER(4)) { STORE0(n, p, a251); } n++; p++; }
-  if (HAS1(9)) { if (ORDER(4)) { STORE1(n, p, a252); } n++; p += PART1; }
-  if (HAS2(9)) { if (ORDER(4)) { STORE2(n, p, a253); } n++; }
-  if (HAS0(10)) { if (ORDER(4)) { STORE0(n, p, a254); } n++; p++; }
-  if (HAS1(10)) { if (ORDER(4)) { STORE1(n, p, a255); } n++; p += PART1; }
-  if (HAS2(10)) { if (ORDER(4)) { STORE2(n, p, a256); } n++; }
-  if (HAS1(11)) { if (ORDER(4)) { STORE1(n, p, a257); } n++; p += PART1; }
-  if (HAS2(11)) { if (ORDER(4)) { STORE2(n, p, a258); } n++; }
-  if (HAS2(12)) { if (ORDER(4)) { STORE2(n, p, a259); } n++; }
-  if (HAS0(5)) { if (ORDER(5)) { STORE0(n, p, a260); } n++; p++; }
-  if (HAS1(5)) { if (ORDER(5)) { STORE1(n, p, a261); } n++; p += PART1; }
-  if (HAS2(5)) { if (ORDER(5)) { STORE2(n, p, a262); } n++; }
-  if (HAS0(6)) { if (ORDER(5)) { STORE0(n, p, a263); } n++; p++; }
-  if (HAS1(6)) { if (ORDER(5)) { STORE1(n, p, a264); } n++; p += PART1; }
-  if (HAS2(6)) { if (ORDER(5)) { STORE2(n, p, a265); } n++; }
-  if (HAS0(7)) { if (ORDER(5)) { STORE0(n, p, a266); } n++; p++; }
-  if (HAS1(7)) { if (ORDER(5)) { STORE1(n, p, a267); } n++; p += PART1; }
-  if (HAS2(7)) { if (ORDER(5)) { STORE2(n, p, a268); } n++; }
-  if (HAS0(8)) { if (ORDER(5)) { STORE0(n, p, a269); } n++; p++; }
-  if (HAS1(8)) { if (ORDER(5)) { STORE1(n, p, a270); } n++; p += PART1; }
-  if (HAS2(8)) { if (ORDER(5)) { STORE2(n, p, a271); } n++; }
-  if (HAS0(9)) { if (ORDER(5)) { STORE0(n, p, a272); } n++; p++; }
-  if (HAS1(9)) { if (ORDER(5)) { STORE1(n, p, a273); } n++; p += PART1; }
-  if (HAS2(9)) { if (ORDER(5)) { STORE2(n, p, a274); } n++; }
-  if (HAS0(10)) { if (ORDER(5)) { STORE0(n, p, a275); } n++; p++; }
-  if (HAS1(10)) { if (ORDER(5)) { STORE1(n, p, a276); } n++; p += PART1; }
-  if (HAS2(10)) { if (ORDER(5)) { STORE2(n, p, a277); } n++; }
-  if (HAS1(11)) { if (ORDER(5)) { STORE1(n, p, a278); } n++; p += PART1; }
-  if (HAS2(11)) { if (ORDER(5)) { STORE2(n, p, a279); } n++; }
-  if (HAS2(12)) { if (ORDER(5)) { STORE2(n, p, a280); } n++; }
-  if (HAS0(5)) { if (ORDER(5)) { STORE0(n, p, a281); } n++; p++; }
-  if (HAS1(5)) { if (ORDER(5)) { STORE1(n, p, a282); } n++; p += PART1; }
-  if (HAS2(5)) { if (ORDER(5)) { STORE2(n, p, a283); } n++; }
-  if (HAS0(6)) { if (ORDER(5)) { STORE0(n, p, a284); } n++; p++; }
-  if (HAS1(6)) { if (ORDER(5)) { STORE1(n, p, a285); } n++; p += PART1; }
-  if (HAS2(6)) { if (ORDER(5)) { STORE2(n, p, a286); } n++; }
-  if (HAS0(7)) { if (ORDER(5)) { STORE0(n, p, a287); } n++; p++; }
-  if (HAS1(7)) { if (ORDER(5)) { STORE1(n, p, a288); } n++; p += PART1; }
-  if (HAS2(7)) { if (ORDER(5)) { STORE2(n, p, a289); } n++; }
-  if (HAS0(8)) { if (ORDER(5)) { STORE0(n, p, a290); } n++; p++; }
-  if (HAS1(8)) { if (ORDER(5)) { STORE1(n, p, a291); } n++; p += PART1; }
-  if (HAS2(8)) { if (ORDER(5)) { STORE2(n, p, a292); } n++; }
-  if (HAS0(9)) { if (ORDER(5)) { STORE0(n, p, a293); } n++; p++; }
-  if (HAS1(9)) { if (ORDER(5)) { STORE1(n, p, a294); } n++; p += PART1; }
-  if (HAS2(9)) { if (ORDER(5)) { STORE2(n, p, a295); } n++; }
-  if (HAS0(10)) { if (ORDER(5)) { STORE0(n, p, a296); } n++; p++; }
-  if (HAS1(10)) { if (ORDER(5)) { STORE1(n, p, a297); } n++; p += PART1; }
-  if (HAS2(10)) { if (ORDER(5)) { STORE2(n, p, a298); } n++; }
-  if (HAS1(11)) { if (ORDER(5)) { STORE1(n, p, a299); } n++; p += PART1; }
-  if (HAS2(11)) { if (ORDER(5)) { STORE2(n, p, a300); } n++; }
-  if (HAS2(12)) { if (ORDER(5)) { STORE2(n, p, a301); } n++; }
-  if (HAS0(6)) { if (ORDER(6)) { STORE0(n, p, a302); } n++; p++; }
-  if (HAS1(6)) { if (ORDER(6)) { STORE1(n, p, a303); } n++; p += PART1; }
-  if (HAS2(6)) { if (ORDER(6)) { STORE2(n, p, a304); } n++; }
-  if (HAS0(7)) { if (ORDER(6)) { STORE0(n, p, a305); } n++; p++; }
-  if (HAS1(7)) { if (ORDER(6)) { STORE1(n, p, a306); } n++; p += PART1; }
-  if (HAS2(7)) { if (ORDER(6)) { STORE2(n, p, a307); } n++; }
-  if (HAS0(8)) { if (ORDER(6)) { STORE0(n, p, a308); } n++; p++; }
-  if (HAS1(8)) { if (ORDER(6)) { STORE1(n, p, a309); } n++; p += PART1; }
-  if (HAS2(8)) { if (ORDER(6)) { STORE2(n, p, a310); } n++; }
-  if (HAS0(9)) { if (ORDER(6)) { STORE0(n, p, a311); } n++; p++; }
-  if (HAS1(9)) { if (ORDER(6)) { STORE1(n, p, a312); } n++; p += PART1; }
-  if (HAS2(9)) { if (ORDER(6)) { STORE2(n, p, a313); } n++; }
-  if (HAS0(10)) { if (ORDER(6)) { STORE0(n, p, a314); } n++; p++; }
-  if (HAS1(10)) { if (ORDER(6)) { STORE1(n, p, a315); } n++; p += PART1; }
-  if (HAS2(10)) { if (ORDER(6)) { STORE2(n, p, a316); } n++; }
-  if (HAS1(11)) { if (ORDER(6)) { STORE1(n, p, a317); } n++; p += PART1; }
-  if (HAS2(11)) { if (ORDER(6)) { STORE2(n, p, a318); } n++; }
-  if (HAS2(12)) { if (ORDER(6)) { STORE2(n, p, a319); } n++; }
-  if (HAS0(6)) { if (ORDER(6)) { STORE0(n, p, a320); } n++; p++; }
-  if (HAS1(6)) { if (ORDER(6)) { STORE1(n, p, a321); } n++; p += PART1; }
-  if (HAS2(6)) { if (ORDER(6)) { STORE2(n, p, a322); } n++; }
-  if (HAS0(7)) { if (ORDER(6)) { STORE0(n, p, a323); } n++; p++; }
-  if (HAS1(7)) { if (ORDER(6)) { STORE1(n, p, a324); } n++; p += PART1; }
-  if (HAS2(7)) { if (ORDER(6)) { STORE2(n, p, a325); } n++; }
-  if (HAS0(8)) { if (ORDER(6)) { STORE0(n, p, a326); } n++; p++; }
-  if (HAS1(8)) { if (ORDER(6)) { STORE1(n, p, a327); } n++; p += PART1; }
-  if (HAS2(8)) { if (ORDER(6)) { STORE2(n, p, a328); } n++; }
-  if (HAS0(9)) { if (ORDER(6)) { STORE0(n, p, a329); } n++; p++; }
-  if (HAS1(9)) { if (ORDER(6)) { STORE1(n, p, a330); } n++; p += PART1; }
-  if (HAS2(9)) { if (ORDER(6)) { STORE2(n, p, a331); } n++; }
-  if (HAS0(10)) { if (ORDER(6)) { STORE0(n, p, a332); } n++; p++; }
-  if (HAS1(10)) { if (ORDER(6)) { STORE1(n, p, a333); } n++; p += PART1; }
-  if (HAS2(10)) { if (ORDER(6)) { STORE2(n, p, a334); } n++; }
-  if (HAS1(11)) { if (ORDER(6)) { STORE1(n, p, a335); } n++; p += PART1; }
-  if (HAS2(11)) { if (ORDER(6)) { STORE2(n, p, a336); } n++; }
-  if (HAS2(12)) { if (ORDER(6)) { STORE2(n, p, a337); } n++; }
-  if (HAS0(7)) { if (ORDER(7)) { STORE0(n, p, a338); } n++; p++; }
-  if (HAS1(7)) { if (ORDER(7)) { STORE1(n, p, a339); } n++; p += PART1; }
-  if (HAS2(7)) { if (ORDER(7)) { STORE2(n, p, a340); } n++; }
-  if (HAS0(8)) { if (ORDER(7)) { STORE0(n, p, a341); } n++; p++; }
-  if (HAS1(8)) { if (ORDER(7)) { STORE1(n, p, a342); } n++; p += PART1; }
-  if (HAS2(8)) { if (ORDER(7)) { STORE2(n, p, a343); } n++; }
-  if (HAS0(9)) { if (ORDER(7)) { STORE0(n, p, a344); } n++; p++; }
-  if (HAS1(9)) { if (ORDER(7)) { STORE1(n, p, a345); } n++; p += PART1; }
-  if (HAS2(9)) { if (ORDER(7)) { STORE2(n, p, a346); } n++; }
-  if (HAS0(10)) { if (ORDER(7)) { STORE0(n, p, a347); } n++; p++; }
-  if (HAS1(10)) { if (ORDER(7)) { STORE1(n, p, a348); } n++; p += PART1; }
-  if (HAS2(10)) { if (ORDER(7)) { STORE2(n, p, a349); } n++; }
-  if (HAS1(11)) { if (ORDER(7)) { STORE1(n, p, a350); } n++; p += PART1; }
-  if (HAS2(11)) { if (ORDER(7)) { STORE2(n, p, a351); } n++; }
-  if (HAS2(12)) { if (ORDER(7)) { STORE2(n, p, a352); } n++; }
-  if (HAS0(7)) { if (ORDER(7)) { STORE0(n, p, a353); } n++; p++; }
-  if (HAS1(7)) { if (ORDER(7)) { STORE1(n, p, a354); } n++; p += PART1; }
-  if (HAS2(7)) { if (ORDER(7)) { STORE2(n, p, a355); } n++; }
-  if (HAS0(8)) { if (ORDER(7)) { STORE0(n, p, a356); } n++; p++; }
-  if (HAS1(8)) { if (ORDER(7)) { STORE1(n, p, a357); } n++; p += PART1; }
-  if (HAS2(8)) { if (ORDER(7)) { STORE2(n, p, a358); } n++; }
-  if (HAS0(9)) { if (ORDER(7)) { STORE0(n, p, a359); } n++; p++; }
-  if (HAS1(9)) { if (ORDER(7)) { STORE1(n, p, a360); } n++; p += PART1; }
-  if (HAS2(9)) { if (ORDER(7)) { STORE2(n, p, a361); } n++; }
-  if (HAS0(10)) { if (ORDER(7)) { STORE0(n, p, a362); } n++; p++; }
-  if (HAS1(10)) { if (ORDER(7)) { STORE1(n, p, a363); } n++; p += PART1; }
-  if (HAS2(10)) { if (ORDER(7)) { STORE2(n, p, a364); } n++; }
-  if (HAS1(11)) { if (ORDER(7)) { STORE1(n, p, a365); } n++; p += PART1; }
-  if (HAS2(11)) { if (ORDER(7)) { STORE2(n, p, a366); } n++; }
-  if (HAS2(12)) { if (ORDER(7)) { STORE2(n, p, a367); } n++; }
-  if (HAS0(8)) { if (ORDER(8)) { STORE0(n, p, a368); } n++; p++; }
-  if (HAS1(8)) { if (ORDER(8)) { STORE1(n, p, a369); } n++; p += PART1; }
-  if (HAS2(8)) { if (ORDER(8)) { STORE2(n, p, a370); } n++; }
-  if (HAS0(9)) { if (ORDER(8)) { STORE0(n, p, a371); } n++; p++; }
-  if (HAS1(9)) { if (ORDER(8)) { STORE1(n, p, a372); } n++; p += PART1; }
-  if (HAS2(9)) { if (ORDER(8)) { STORE2(n, p, a373); } n++; }
-  if (HAS0(10)) { if (ORDER(8)) { STORE0(n, p, a374); } n++; p++; }
-  if (HAS1(10)) { if (ORDER(8)) { STORE1(n, p, a375); } n++; p += PART1; }
-  if (HAS2(10)) { if (ORDER(8)) { STORE2(n, p, a376); } n++; }
-  if (HAS1(11)) { if (ORDER(8)) { STORE1(n, p, a377); } n++; p += PART1; }
-  if (HAS2(11)) { if (ORDER(8)) { STORE2(n, p, a378); } n++; }
-  if (HAS2(12)) { if (ORDER(8)) { STORE2(n, p, a379); } n++; }
-  if (HAS0(8)) { if (ORDER(8)) { STORE0(n, p, a380); } n++; p++; }
-  if (HAS1(8)) { if (ORDER(8)) { STORE1(n, p, a381); } n++; p += PART1; }
-  if (HAS2(8)) { if (ORDER(8)) { STORE2(n, p, a382); } n++; }
-  if (HAS0(9)) { if (ORDER(8)) { STORE0(n, p, a383); } n++; p++; }
-  if (HAS1(9)) { if (ORDER(8)) { STORE1(n, p, a384); } n++; p += PART1; }
-  if (HAS2(9)) { if (ORDER(8)) { STORE2(n, p, a385); } n++; }
-  if (HAS0(10)) { if (ORDER(8)) { STORE0(n, p, a386); } n++; p++; }
-  if (HAS1(10)) { if (ORDER(8)) { STORE1(n, p, a387); } n++; p += PART1; }
-  if (HAS2(10)) { if (ORDER(8)) { STORE2(n, p, a388); } n++; }
-  if (HAS1(11)) { if (ORDER(8)) { STORE1(n, p, a389); } n++; p += PART1; }
-  if (HAS2(11)) { if (ORDER(8)) { STORE2(n, p, a390); } n++; }
-  if (HAS2(12)) { if (ORDER(8)) { STORE2(n, p, a391); } n++; }
-  if (HAS0(9)) { if (ORDER(9)) { STORE0(n, p, a392); } n++; p++; }
-  if (HAS1(9)) { if (ORDER(9)) { STORE1(n, p, a393); } n++; p += PART1; }
-  if (HAS2(9)) { if (ORDER(9)) { STORE2(n, p, a394); } n++; }
-  if (HAS0(10)) { if (ORDER(9)) { STORE0(n, p, a395); } n++; p++; }
-  if (HAS1(10)) { if (ORDER(9)) { STORE1(n, p, a396); } n++; p += PART1; }
-  if (HAS2(10)) { if (ORDER(9)) { STORE2(n, p, a397); } n++; }
-  if (HAS1(11)) { if (ORDER(9)) { STORE1(n, p, a398); } n++; p += PART1; }
-  if (HAS2(11)) { if (ORDER(9)) { STORE2(n, p, a399); } n++; }
-  if (HAS2(12)) { if (ORDER(9)) { STORE2(n, p, a400); } n++; }
-  if (HAS0(9)) { if (ORDER(9)) { STORE0(n, p, a401); } n++; p++; }
-  if (HAS1(9)) { if (ORDER(9)) { STORE1(n, p, a402); } n++; p += PART1; }
-  if (HAS2(9)) { if (ORDER(9)) { STORE2(n, p, a403); } n++; }
-  if (HAS0(10)) { if (ORDER(9)) { STORE0(n, p, a404); } n++; p++; }
-  if (HAS1(10)) { if (ORDER(9)) { STORE1(n, p, a405); } n++; p += PART1; }
-  if (HAS2(10)) { if (ORDER(9)) { STORE2(n, p, a406); } n++; }
-  if (HAS1(11)) { if (ORDER(9)) { STORE1(n, p, a407); } n++; p += PART1; }
-  if (HAS2(11)) { if (ORDER(9)) { STORE2(n, p, a408); } n++; }
-  if (HAS2(12)) { if (ORDER(9)) { STORE2(n, p, a409); } n++; }
-  if (HAS0(10)) { if (ORDER(10)) { STORE0(n, p, a410); } n++; p++; }
-  if (HAS1(10)) { if (ORDER(10)) { STORE1(n, p, a411); } n++; p += PART1; }
-  if (HAS2(10)) { if (ORDER(10)) { STORE2(n, p, a412); } n++; }
-  if (HAS1(11)) { if (ORDER(10)) { STORE1(n, p, a413); } n++; p += PART1; }
-  if (HAS2(11)) { if (ORDER(10)) { STORE2(n, p, a414); } n++; }
-  if (HAS2(12)) { if (ORDER(10)) { STORE2(n, p, a415); } n++; }
-  if (HAS0(10)) { if (ORDER(10)) { STORE0(n, p, a416); } n++; p++; }
-  if (HAS1(10)) { if (ORDER(10)) { STORE1(n, p, a417); } n++; p += PART1; }
-  if (HAS2(10)) { if (ORDER(10)) { STORE2(n, p, a418); } n++; }
-  if (HAS1(11)) { if (ORDER(10)) { STORE1(n, p, a419); } n++; p += PART1; }
-  if (HAS2(11)) { if (ORDER(10)) { STORE2(n, p, a420); } n++; }
-  if (HAS2(12)) { if (ORDER(10)) { STORE2(n, p, a421); } n++; }
-  if (HAS1(11)) { if (ORDER(11)) { STORE1(n, p, a422); } n++; p += PART1; }
-  if (HAS2(11)) { if (ORDER(11)) { STORE2(n, p, a423); } n++; }
-  if (HAS2(12)) { if (ORDER(11)) { STORE2(n, p, a424); } n++; }
-  if (HAS1(11)) { if (ORDER(11)) { STORE1(n, p, a425); } n++; p += PART1; }
-  if (HAS2(11)) { if (ORDER(11)) { STORE2(n, p, a426); } n++; }
-  if (HAS2(12)) { if (ORDER(11)) { STORE2(n, p, a427); } n++; }
-  if (HAS2(12)) { if (ORDER(12)) { STORE2(n, p, a428); } n++; }
-  if (HAS2(12)) { if (ORDER(12)) { STORE2(n, p, a429); } n++; }
+  if (0 <= LMAX_MOST + 0) if (HAS0(0)) { if (ORDER(0)) { STORE0(n, p, a0); } n++; p++; }
+  if (0 <= LMAX_MOST + 2) if (HAS2(0)) { if (ORDER(0)) { STORE2(n, p, a1); } n++; }
+  if (1 <= LMAX_MOST + 0) if (HAS0(1)) { if (ORDER(0)) { STORE0(n, p, a2); } n++; p++; }
+  if (1 <= LMAX_MOST + 1) if (HAS1(1)) { if (ORDER(0)) { STORE1(n, p, a3); } n++; p += PART1; }
+  if (2 <= LMAX_MOST + 0) if (HAS0(2)) { if (ORDER(0)) { STORE0(n, p, a4); } n++; p++; }
+  if (2 <= LMAX_MOST + 1) if (HAS1(2)) { if (ORDER(0)) { STORE1(n, p, a5); } n++; p += PART1; }
+  if (2 <= LMAX_MOST + 2) if (HAS2(2)) { if (ORDER(0)) { STORE2(n, p, a6); } n++; }
+  if (3 <= LMAX_MOST + 0) if (HAS0(3)) { if (ORDER(0)) { STORE0(n, p, a7); } n++; p++; }
+  if (3 <= LMAX_MOST + 1) if (HAS1(3)) { if (ORDER(0)) { STORE1(n, p, a8); } n++; p += PART1; }
+  if (3 <= LMAX_MOST + 2) if (HAS2(3)) { if (ORDER(0)) { STORE2(n, p, a9); } n++; }
+  if (4 <= LMAX_MOST + 0) if (HAS0(4)) { if (ORDER(0)) { STORE0(n, p, a10); } n++; p++; }
+  if (4 <= LMAX_MOST + 1) if (HAS1(4)) { if (ORDER(0)) { STORE1(n, p, a11); } n++; p += PART1; }
+  if (4 <= LMAX_MOST + 2) if (HAS2(4)) { if (ORDER(0)) { STORE2(n, p, a12); } n++; }
+  if (5 <= LMAX_MOST + 0) if (HAS0(5)) { if (ORDER(0)) { STORE0(n, p, a13); } n++; p++; }
+  if (5 <= LMAX_MOST + 1) if (HAS1(5)) { if (ORDER(0)) { STORE1(n, p, a14); } n++; p += PART1; }
+  if (5 <= LMAX_MOST + 2) if (HAS2(5)) { if (ORDER(0)) { STORE2(n, p, a15); } n++; }
+  if (6 <= LMAX_MOST + 0) if (HAS0(6)) { if (ORDER(0)) { STORE0(n, p, a16); } n++; p++; }
+  if (6 <= LMAX_MOST + 1) if (HAS1(6)) { if (ORDER(0)) { STORE1(n, p, a17); } n++; p += PART1; }
+  if (6 <= LMAX_MOST + 2) if (HAS2(6)) { if (ORDER(0)) { STORE2(n, p, a18); } n++; }
+  if (7 <= LMAX_MOST + 0) if (HAS0(7)) { if (ORDER(0)) { STORE0(n, p, a19); } n++; p++; }
+  if (7 <= LMAX_MOST + 1) if (HAS1(7)) { if (ORDER(0)) { STORE1(n, p, a20); } n++; p += PART1; }
+  if (7 <= LMAX_MOST + 2) if (HAS2(7)) { if (ORDER(0)) { STORE2(n, p, a21); } n++; }
+  if (8 <= LMAX_MOST + 0) if (HAS0(8)) { if (ORDER(0)) { STORE0(n, p, a22); } n++; p++; }
+  if (8 <= LMAX_MOST + 1) if (HAS1(8)) { if (ORDER(0)) { STORE1(n, p, a23); } n++; p += PART1; }
+  if (8 <= LMAX_MOST + 2) if (HAS2(8)) { if (ORDER(0)) { STORE2(n, p, a24); } n++; }
+  if (9 <= LMAX_MOST + 0) if (HAS0(9)) { if (ORDER(0)) { STORE0(n, p, a25); } n++; p++; }
+  if (9 <= LMAX_MOST + 1) if (HAS1(9)) { if (ORDER(0)) { STORE1(n, p, a26); } n++; p += PART1; }
+  if (9 <= LMAX_MOST + 2) if (HAS2(9)) { if (ORDER(0)) { STORE2(n, p, a27); } n++; }
+  if (10 <= LMAX_MOST + 0) if (HAS0(10)) { if (ORDER(0)) { STORE0(n, p, a28); } n++; p++; }
+  if (10 <= LMAX_MOST + 1) if (HAS1(10)) { if (ORDER(0)) { STORE1(n, p, a29); } n++; p += PART1; }
+  if (10 <= LMAX_MOST + 2) if (HAS2(10)) { if (ORDER(0)) { STORE2(n, p, a30); } n++; }
+  if (11 <= LMAX_MOST + 1) if (HAS1(11)) { if (ORDER(0)) { STORE1(n, p, a31); } n++; p += PART1; }
+  if (11 <= LMAX_MOST + 2) if (HAS2(11)) { if (ORDER(0)) { STORE2(n, p, a32); } n++; }
+  if (12 <= LMAX_MOST + 2) if (HAS2(12)) { if (ORDER(0)) { STORE2(n, p, a33); } n++; }
+  if (1 <= LMAX_MOST + 0) if (HAS0(1)) { if (ORDER(1)) { STORE0(n, p, a34); } n++; p++; }
+  if (1 <= LMAX_MOST + 1) if (HAS1(1)) { if (ORDER(1)) { STORE1(n, p, a35); } n++; p += PART1; }
+  if (2 <= LMAX_MOST + 0) if (HAS0(2)) { if (ORDER(1)) { STORE0(n, p, a36); } n++; p++; }
+  if (2 <= LMAX_MOST + 1) if (HAS1(2)) { if (ORDER(1)) { STORE1(n, p, a37); } n++; p += PART1; }
+  if (2 <= LMAX_MOST + 2) if (HAS2(2)) { if (ORDER(1)) { STORE2(n, p, a38); } n++; }
+  if (3 <= LMAX_MOST + 0) if (HAS0(3)) { if (ORDER(1)) { STORE0(n, p, a39); } n++; p++; }
+  if (3 <= LMAX_MOST + 1) if (HAS1(3)) { if (ORDER(1)) { STORE1(n, p, a40); } n++; p += PART1; }
+  if (3 <= LMAX_MOST + 2) if (HAS2(3)) { if (ORDER(1)) { STORE2(n, p, a41); } n++; }
+  if (4 <= LMAX_MOST + 0) if (HAS0(4)) { if (ORDER(1)) { STORE0(n, p, a42); } n++; p++; }
+  if (4 <= LMAX_MOST + 1) if (HAS1(4)) { if (ORDER(1)) { STORE1(n, p, a43); } n++; p += PART1; }
+  if (4 <= LMAX_MOST + 2) if (HAS2(4)) { if (ORDER(1)) { STORE2(n, p, a44); } n++; }
+  if (5 <= LMAX_MOST + 0) if (HAS0(5)) { if (ORDER(1)) { STORE0(n, p, a45); } n++; p++; }
+  if (5 <= LMAX_MOST + 1) if (HAS1(5)) { if (ORDER(1)) { STORE1(n, p, a46); } n++; p += PART1; }
+  if (5 <= LMAX_MOST + 2) if (HAS2(5)) { if (ORDER(1)) { STORE2(n, p, a47); } n++; }
+  if (6 <= LMAX_MOST + 0) if (HAS0(6)) { if (ORDER(1)) { STORE0(n, p, a48); } n++; p++; }
+  if (6 <= LMAX_MOST + 1) if (HAS1(6)) { if (ORDER(1)) { STORE1(n, p, a49); } n++; p += PART1; }
+  if (6 <= LMAX_MOST + 2) if (HAS2(6)) { if (ORDER(1)) { STORE2(n, p, a50); } n++; }
+  if (7 <= LMAX_MOST + 0) if (HAS0(7)) { if (ORDER(1)) { STORE0(n, p, a51); } n++; p++; }
+  if (7 <= LMAX_MOST + 1) if (HAS1(7)) { if (ORDER(1)) { STORE1(n, p, a52); } n++; p += PART1; }
+  if (7 <= LMAX_MOST + 2) if (HAS2(7)) { if (ORDER(1)) { STORE2(n, p, a53); } n++; }
+  if (8 <= LMAX_MOST + 0) if (HAS0(8)) { if (ORDER(1)) { STORE0(n, p, a54); } n++; p++; }
+  if (8 <= LMAX_MOST + 1) if (HAS1(8)) { if (ORDER(1)) { STORE1(n, p, a55); } n++; p += PART1; }
+  if (8 <= LMAX_MOST + 2) if (HAS2(8)) { if (ORDER(1)) { STORE2(n, p, a56); } n++; }
+  if (9 <= LMAX_MOST + 0) if (HAS0(9)) { if (ORDER(1)) { STORE0(n, p, a57); } n++; p++; }
+  if (9 <= LMAX_MOST + 1) if (HAS1(9)) { if (ORDER(1)) { STORE1(n, p, a58); } n++; p += PART1; }
+  if (9 <= LMAX_MOST + 2) if (HAS2(9)) { if (ORDER(1)) { STORE2(n, p, a59); } n++; }
+  if (10 <= LMAX_MOST + 0) if (HAS0(10)) { if (ORDER(1)) { STORE0(n, p, a60); } n++; p++; }
+  if (10 <= LMAX_MOST + 1) if (HAS1(10)) { if (ORDER(1)) { STORE1(n, p, a61); } n++; p += PART1; }
+  if (10 <= LMAX_MOST + 2) if (HAS2(10)) { if (ORDER(1)) { STORE2(n, p, a62); } n++; }
+  if (11 <= LMAX_MOST + 1) if (HAS1(11)) { if (ORDER(1)) { STORE1(n, p, a63); } n++; p += PART1; }
+  if (11 <= LMAX_MOST + 2) if (HAS2(11)) { if (ORDER(1)) { STORE2(n, p, a64); } n++; }
+  if (12 <= LMAX_MOST + 2) if (HAS2(12)) { if (ORDER(1)) { STORE2(n, p, a65); } n++; }
+  if (1 <= LMAX_MOST + 0) if (HAS0(1)) { if (ORDER(1)) { STORE0(n, p, a66); } n++; p++; }
+  if (1 <= LMAX_MOST + 1) if (HAS1(1)) { if (ORDER(1)) { STORE1(n, p, a67); } n++; p += PART1; }
+  if (2 <= LMAX_MOST + 0) if (HAS0(2)) { if (ORDER(1)) { STORE0(n, p, a68); } n++; p++; }
+  if (2 <= LMAX_MOST + 1) if (HAS1(2)) { if (ORDER(1)) { STORE1(n, p, a69); } n++; p += PART1; }
+  if (2 <= LMAX_MOST + 2) if (HAS2(2)) { if (ORDER(1)) { STORE2(n, p, a70); } n++; }
+  if (3 <= LMAX_MOST + 0) if (HAS0(3)) { if (ORDER(1)) { STORE0(n, p, a71); } n++; p++; }
+  if (3 <= LMAX_MOST + 1) if (HAS1(3)) { if (ORDER(1)) { STORE1(n, p, a72); } n++; p += PART1; }
+  if (3 <= LMAX_MOST + 2) if (HAS2(3)) { if (ORDER(1)) { STORE2(n, p, a73); } n++; }
+  if (4 <= LMAX_MOST + 0) if (HAS0(4)) { if (ORDER(1)) { STORE0(n, p, a74); } n++; p++; }
+  if (4 <= LMAX_MOST + 1) if (HAS1(4)) { if (ORDER(1)) { STORE1(n, p, a75); } n++; p += PART1; }
+  if (4 <= LMAX_MOST + 2) if (HAS2(4)) { if (ORDER(1)) { STORE2(n, p, a76); } n++; }
+  if (5 <= LMAX_MOST + 0) if (HAS0(5)) { if (ORDER(1)) { STORE0(n, p, a77); } n++; p++; }
+  if (5 <= LMAX_MOST + 1) if (HAS1(5)) { if (ORDER(1)) { STORE1(n, p, a78); } n++; p += PART1; }
+  if (5 <= LMAX_MOST + 2) if (HAS2(5)) { if (ORDER(1)) { STORE2(n, p, a79); } n++; }
+  if (6 <= LMAX_MOST + 0) if (HAS0(6)) { if (ORDER(1)) { STORE0(n, p, a80); } n++; p++; }
+  if (6 <= LMAX_MOST + 1) if (HAS1(6)) { if (ORDER(1)) { STORE1(n, p, a81); } n++; p += PART1; }
+  if (6 <= LMAX_MOST + 2) if (HAS2(6)) { if (ORDER(1)) { STORE2(n, p, a82); } n++; }
+  if (7 <= LMAX_MOST + 0) if (HAS0(7)) { if (ORDER(1)) { STORE0(n, p, a83); } n++; p++; }
+  if (7 <= LMAX_MOST + 1) if (HAS1(7)) { if (ORDER(1)) { STORE1(n, p, a84); } n++; p += PART1; }
+  if (7 <= LMAX_MOST + 2) if (HAS2(7)) { if (ORDER(1)) { STORE2(n, p, a85); } n++; }
+  if (8 <= LMAX_MOST + 0) if (HAS0(8)) { if (ORDER(1)) { STORE0(n, p, a86); } n++; p++; }
+  if (8 <= LMAX_MOST + 1) if (HAS1(8)) { if (ORDER(1)) { STORE1(n, p, a87); } n++; p += PART1; }
+  if (8 <= LMAX_MOST + 2) if (HAS2(8)) { if (ORDER(1)) { STORE2(n, p, a88); } n++; }
+  if (9 <= LMAX_MOST + 0) if (HAS0(9)) { if (ORDER(1)) { STORE0(n, p, a89); } n++; p++; }
+  if (9 <= LMAX_MOST + 1) if (HAS1(9)) { if (ORDER(1)) { STORE1(n, p, a90); } n++; p += PART1; }
+  if (9 <= LMAX_MOST + 2) if (HAS2(9)) { if (ORDER(1)) { STORE2(n, p, a91); } n++; }
+  if (10 <= LMAX_MOST + 0) if (HAS0(10)) { if (ORDER(1)) { STORE0(n, p, a92); } n++; p++; }
+  if (10 <= LMAX_MOST + 1) if (HAS1(10)) { if (ORDER(1)) { STORE1(n, p, a93); } n++; p += PART1; }
+  if (10 <= LMAX_MOST + 2) if (HAS2(10)) { if (ORDER(1)) { STORE2(n, p, a94); } n++; }
+  if (11 <= LMAX_MOST + 1) if (HAS1(11)) { if (ORDER(1)) { STORE1(n, p, a95); } n++; p += PART1; }
+  if (11 <= LMAX_MOST + 2) if (HAS2(11)) { if (ORDER(1)) { STORE2(n, p, a96); } n++; }
+  if (12 <= LMAX_MOST + 2) if (HAS2(12)) { if (ORDER(1)) { STORE2(n, p, a97); } n++; }
+  if (2 <= LMAX_MOST + 0) if (HAS0(2)) { if (ORDER(2)) { STORE0(n, p, a98); } n++; p++; }
+  if (2 <= LMAX_MOST + 1) if (HAS1(2)) { if (ORDER(2)) { STORE1(n, p, a99); } n++; p += PART1; }
+  if (2 <= LMAX_MOST + 2) if (HAS2(2)) { if (ORDER(2)) { STORE2(n, p, a100); } n++; }
+  if (3 <= LMAX_MOST + 0) if (HAS0(3)) { if (ORDER(2)) { STORE0(n, p, a101); } n++; p++; }
+  if (3 <= LMAX_MOST + 1) if (HAS1(3)) { if (ORDER(2)) { STORE1(n, p, a102); } n++; p += PART1; }
+  if (3 <= LMAX_MOST + 2) if (HAS2(3)) { if (ORDER(2)) { STORE2(n, p, a103); } n++; }
+  if (4 <= LMAX_MOST + 0) if (HAS0(4)) { if (ORDER(2)) { STORE0(n, p, a104); } n++; p++; }
+  if (4 <= LMAX_MOST + 1) if (HAS1(4)) { if (ORDER(2)) { STORE1(n, p, a105); } n++; p += PART1; }
+  if (4 <= LMAX_MOST + 2) if (HAS2(4)) { if (ORDER(2)) { STORE2(n, p, a106); } n++; }
+  if (5 <= LMAX_MOST + 0) if (HAS0(5)) { if (ORDER(2)) { STORE0(n, p, a107); } n++; p++; }
+  if (5 <= LMAX_MOST + 1) if (HAS1(5)) { if (ORDER(2)) { STORE1(n, p, a108); } n++; p += PART1; }
+  if (5 <= LMAX_MOST + 2) if (HAS2(5)) { if (ORDER(2)) { STORE2(n, p, a109); } n++; }
+  if (6 <= LMAX_MOST + 0) if (HAS0(6)) { if (ORDER(2)) { STORE0(n, p, a110); } n++; p++; }
+  if (6 <= LMAX_MOST + 1) if (HAS1(6)) { if (ORDER(2)) { STORE1(n, p, a111); } n++; p += PART1; }
+  if (6 <= LMAX_MOST + 2) if (HAS2(6)) { if (ORDER(2)) { STORE2(n, p, a112); } n++; }
+  if (7 <= LMAX_MOST + 0) if (HAS0(7)) { if (ORDER(2)) { STORE0(n, p, a113); } n++; p++; }
+  if (7 <= LMAX_MOST + 1) if (HAS1(7)) { if (ORDER(2)) { STORE1(n, p, a114); } n++; p += PART1; }
+  if (7 <= LMAX_MOST + 2) if (HAS2(7)) { if (ORDER(2)) { STORE2(n, p, a115); } n++; }
+  if (8 <= LMAX_MOST + 0) if (HAS0(8)) { if (ORDER(2)) { STORE0(n, p, a116); } n++; p++; }
+  if (8 <= LMAX_MOST + 1) if (HAS1(8)) { if (ORDER(2)) { STORE1(n, p, a117); } n++; p += PART1; }
+  if (8 <= LMAX_MOST + 2) if (HAS2(8)) { if (ORDER(2)) { STORE2(n, p, a118); } n++; }
+  if (9 <= LMAX_MOST + 0) if (HAS0(9)) { if (ORDER(2)) { STORE0(n, p, a119); } n++; p++; }
+  if (9 <= LMAX_MOST + 1) if (HAS1(9)) { if (ORDER(2)) { STORE1(n, p, a120); } n++; p += PART1; }
+  if (9 <= LMAX_MOST + 2) if (HAS2(9)) { if (ORDER(2)) { STORE2(n, p, a121); } n++; }
+  if (10 <= LMAX_MOST + 0) if (HAS0(10)) { if (ORDER(2)) { STORE0(n, p, a122); } n++; p++; }
+  if (10 <= LMAX_MOST + 1) if (HAS1(10)) { if (ORDER(2)) { STORE1(n, p, a123); } n++; p += PART1; }
+  if (10 <= LMAX_MOST + 2) if (HAS2(10)) { if (ORDER(2)) { STORE2(n, p, a124); } n++; }
+  if (11 <= LMAX_MOST + 1) if (HAS1(11)) { if (ORDER(2)) { STORE1(n, p, a125); } n++; p += PART1; }
+  if (11 <= LMAX_MOST + 2) if (HAS2(11)) { if (ORDER(2)) { STORE2(n, p, a126); } n++; }
+  if (12 <= LMAX_MOST + 2) if (HAS2(12)) { if (ORDER(2)) { STORE2(n, p, a127); } n++; }
+  if (2 <= LMAX_MOST + 0) if (HAS0(2)) { if (ORDER(2)) { STORE0(n, p, a128); } n++; p++; }
+  if (2 <= LMAX_MOST + 1) if (HAS1(2)) { if (ORDER(2)) { STORE1(n, p, a129); } n++; p += PART1; }
+  if (2 <= LMAX_MOST + 2) if (HAS2(2)) { if (ORDER(2)) { STORE2(n, p, a130); } n++; }
+  if (3 <= LMAX_MOST + 0) if (HAS0(3)) { if (ORDER(2)) { STORE0(n, p, a131); } n++; p++; }
+  if (3 <= LMAX_MOST + 1) if (HAS1(3)) { if (ORDER(2)) { STORE1(n, p, a132); } n++; p += PART1; }
+  if (3 <= LMAX_MOST + 2) if (HAS2(3)) { if (ORDER(2)) { STORE2(n, p, a133); } n++; }
+  if (4 <= LMAX_MOST + 0) if (HAS0(4)) { if (ORDER(2)) { STORE0(n, p, a134); } n++; p++; }
+  if (4 <= LMAX_MOST + 1) if (HAS1(4)) { if (ORDER(2)) { STORE1(n, p, a135); } n++; p += PART1; }
+  if (4 <= LMAX_MOST + 2) if (HAS2(4)) { if (ORDER(2)) { STORE2(n, p, a136); } n++; }
+  if (5 <= LMAX_MOST + 0) if (HAS0(5)) { if (ORDER(2)) { STORE0(n, p, a137); } n++; p++; }
+  if (5 <= LMAX_MOST + 1) if (HAS1(5)) { if (ORDER(2)) { STORE1(n, p, a138); } n++; p += PART1; }
+  if (5 <= LMAX_MOST + 2) if (HAS2(5)) { if (ORDER(2)) { STORE2(n, p, a139); } n++; }
+  if (6 <= LMAX_MOST + 0) if (HAS0(6)) { if (ORDER(2)) { STORE0(n, p, a140); } n++; p++; }
+  if (6 <= LMAX_MOST + 1) if (HAS1(6)) { if (ORDER(2)) { STORE1(n, p, a141); } n++; p += PART1; }
+  if (6 <= LMAX_MOST + 2) if (HAS2(6)) { if (ORDER(2)) { STORE2(n, p, a142); } n++; }
+  if (7 <= LMAX_MOST + 0) if (HAS0(7)) { if (ORDER(2)) { STORE0(n, p, a143); } n++; p++; }
+  if (7 <= LMAX_MOST + 1) if (HAS1(7)) { if (ORDER(2)) { STORE1(n, p, a144); } n++; p += PART1; }
+  if (7 <= LMAX_MOST + 2) if (HAS2(7)) { if (ORDER(2)) { STORE2(n, p, a145); } n++; }
+  if (8 <= LMAX_MOST + 0) if (HAS0(8)) { if (ORDER(2)) { STORE0(n, p, a146); } n++; p++; }
+  if (8 <= LMAX_MOST + 1) if (HAS1(8)) { if (ORDER(2)) { STORE1(n, p, a147); } n++; p += PART1; }
+  if (8 <= LMAX_MOST + 2) if (HAS2(8)) { if (ORDER(2)) { STORE2(n, p, a148); } n++; }
+  if (9 <= LMAX_MOST + 0) if (HAS0(9)) { if (ORDER(2)) { STORE0(n, p, a149); } n++; p++; }
+  if (9 <= LMAX_MOST + 1) if (HAS1(9)) { if (ORDER(2)) { STORE1(n, p, a150); } n++; p += PART1; }
+  if (9 <= LMAX_MOST + 2) if (HAS2(9)) { if (ORDER(2)) { STORE2(n, p, a151); } n++; }
+  if (10 <= LMAX_MOST + 0) if (HAS0(10)) { if (ORDER(2)) { STORE0(n, p, a152); } n++; p++; }
+  if (10 <= LMAX_MOST + 1) if (HAS1(10)) { if (ORDER(2)) { STORE1(n, p, a153); } n++; p += PART1; }
+  if (10 <= LMAX_MOST + 2) if (HAS2(10)) { if (ORDER(2)) { STORE2(n, p, a154); } n++; }
+  if (11 <= LMAX_MOST + 1) if (HAS1(11)) { if (ORDER(2)) { STORE1(n, p, a155); } n++; p += PART1; }
+  if (11 <= LMAX_MOST + 2) if (HAS2(11)) { if (ORDER(2)) { STORE2(n, p, a156); } n++; }
+  if (12 <= LMAX_MOST + 2) if (HAS2(12)) { if (ORDER(2)) { STORE2(n, p, a157); } n++; }
+  if (3 <= LMAX_MOST + 0) if (HAS0(3)) { if (ORDER(3)) { STORE0(n, p, a158); } n++; p++; }
+  if (3 <= LMAX_MOST + 1) if (HAS1(3)) { if (ORDER(3)) { STORE1(n, p, a159); } n++; p += PART1; }
+  if (3 <= LMAX_MOST + 2) if (HAS2(3)) { if (ORDER(3)) { STORE2(n, p, a160); } n++; }
+  if (4 <= LMAX_MOST + 0) if (HAS0(4)) { if (ORDER(3)) { STORE0(n, p, a161); } n++; p++; }
+  if (4 <= LMAX_MOST + 1) if (HAS1(4)) { if (ORDER(3)) { STORE1(n, p, a162); } n++; p += PART1; }
+  if (4 <= LMAX_MOST + 2) if (HAS2(4)) { if (ORDER(3)) { STORE2(n, p, a163); } n++; }
+  if (5 <= LMAX_MOST + 0) if (HAS0(5)) { if (ORDER(3)) { STORE0(n, p, a164); } n++; p++; }
+  if (5 <= LMAX_MOST + 1) if (HAS1(5)) { if (ORDER(3)) { STORE1(n, p, a165); } n++; p += PART1; }
+  if (5 <= LMAX_MOST + 2) if (HAS2(5)) { if (ORDER(3)) { STORE2(n, p, a166); } n++; }
+  if (6 <= LMAX_MOST + 0) if (HAS0(6)) { if (ORDER(3)) { STORE0(n, p, a167); } n++; p++; }
+  if (6 <= LMAX_MOST + 1) if (HAS1(6)) { if (ORDER(3)) { STORE1(n, p, a168); } n++; p += PART1; }
+  if (6 <= LMAX_MOST + 2) if (HAS2(6)) { if (ORDER(3)) { STORE2(n, p, a169); } n++; }
+  if (7 <= LMAX_MOST + 0) if (HAS0(7)) { if (ORDER(3)) { STORE0(n, p, a170); } n++; p++; }
+  if (7 <= LMAX_MOST + 1) if (HAS1(7)) { if (ORDER(3)) { STORE1(n, p, a171); } n++; p += PART1; }
+  if (7 <= LMAX_MOST + 2) if (HAS2(7)) { if (ORDER(3)) { STORE2(n, p, a172); } n++; }
+  if (8 <= LMAX_MOST + 0) if (HAS0(8)) { if (ORDER(3)) { STORE0(n, p, a173); } n++; p++; }
+  if (8 <= LMAX_MOST + 1) if (HAS1(8)) { if (ORDER(3)) { STORE1(n, p, a174); } n++; p += PART1; }
+  if (8 <= LMAX_MOST + 2) if (HAS2(8)) { if (ORDER(3)) { STORE2(n, p, a175); } n++; }
+  if (9 <= LMAX_MOST + 0) if (HAS0(9)) { if (ORDER(3)) { STORE0(n, p, a176); } n++; p++; }
+  if (9 <= LMAX_MOST + 1) if (HAS1(9)) { if (ORDER(3)) { STORE1(n, p, a177); } n++; p += PART1; }
+  if (9 <= LMAX_MOST + 2) if (HAS2(9)) { if (ORDER(3)) { STORE2(n, p, a178); } n++; }
+  if (10 <= LMAX_MOST + 0) if (HAS0(10)) { if (ORDER(3)) { STORE0(n, p, a179); } n++; p++; }
+  if (10 <= LMAX_MOST + 1) if (HAS1(10)) { if (ORDER(3)) { STORE1(n, p, a180); } n++; p += PART1; }
+  if (10 <= LMAX_MOST + 2) if (HAS2(10)) { if (ORDER(3)) { STORE2(n, p, a181); } n++; }
+  if (11 <= LMAX_MOST + 1) if (HAS1(11)) { if (ORDER(3)) { STORE1(n, p, a182); } n++; p += PART1; }
+  if (11 <= LMAX_MOST + 2) if (HAS2(11)) { if (ORDER(3)) { STORE2(n, p, a183); } n++; }
+  if (12 <= LMAX_MOST + 2) if (HAS2(12)) { if (ORDER(3)) { STORE2(n, p, a184); } n++; }
+  if (3 <= LMAX_MOST + 0) if (HAS0(3)) { if (ORDER(3)) { STORE0(n, p, a185); } n++; p++; }
+  if (3 <= LMAX_MOST + 1) if (HAS1(3)) { if (ORDER(3)) { STORE1(n, p, a186); } n++; p += PART1; }
+  if (3 <= LMAX_MOST + 2) if (HAS2(3)) { if (ORDER(3)) { STORE2(n, p, a187); } n++; }
+  if (4 <= LMAX_MOST + 0) if (HAS0(4)) { if (ORDER(3)) { STORE0(n, p, a188); } n++; p++; }
+  if (4 <= LMAX_MOST + 1) if (HAS1(4)) { if (ORDER(3)) { STORE1(n, p, a189); } n++; p += PART1; }
+  if (4 <= LMAX_MOST + 2) if (HAS2(4)) { if (ORDER(3)) { STORE2(n, p, a190); } n++; }
+  if (5 <= LMAX_MOST + 0) if (HAS0(5)) { if (ORDER(3)) { STORE0(n, p, a191); } n++; p++; }
+  if (5 <= LMAX_MOST + 1) if (HAS1(5)) { if (ORDER(3)) { STORE1(n, p, a192); } n++; p += PART1; }
+  if (5 <= LMAX_MOST + 2) if (HAS2(5)) { if (ORDER(3)) { STORE2(n, p, a193); } n++; }
+  if (6 <= LMAX_MOST + 0) if (HAS0(6)) { if (ORDER(3)) { STORE0(n, p, a194); } n++; p++; }
+  if (6 <= LMAX_MOST + 1) if (HAS1(6)) { if (ORDER(3)) { STORE1(n, p, a195); } n++; p += PART1; }
+  if (6 <= LMAX_MOST + 2) if (HAS2(6)) { if (ORDER(3)) { STORE2(n, p, a196); } n++; }
+  if (7 <= LMAX_MOST + 0) if (HAS0(7)) { if (ORDER(3)) { STORE0(n, p, a197); } n++; p++; }
+  if (7 <= LMAX_MOST + 1) if (HAS1(7)) { if (ORDER(3)) { STORE1(n, p, a198); } n++; p += PART1; }
+  if (7 <= LMAX_MOST + 2) if (HAS2(7)) { if (ORDER(3)) { STORE2(n, p, a199); } n++; }
+  if (8 <= LMAX_MOST + 0) if (HAS0(8)) { if (ORDER(3)) { STORE0(n, p, a200); } n++; p++; }
+  if (8 <= LMAX_MOST + 1) if (HAS1(8)) { if (ORDER(3)) { STORE1(n, p, a201); } n++; p += PART1; }
+  if (8 <= LMAX_MOST + 2) if (HAS2(8)) { if (ORDER(3)) { STORE2(n, p, a202); } n++; }
+  if (9 <= LMAX_MOST + 0) if (HAS0(9)) { if (ORDER(3)) { STORE0(n, p, a203); } n++; p++; }
+  if (9 <= LMAX_MOST + 1) if (HAS1(9)) { if (ORDER(3)) { STORE1(n, p, a204); } n++; p += PART1; }
+  if (9 <= LMAX_MOST + 2) if (HAS2(9)) { if (ORDER(3)) { STORE2(n, p, a205); } n++; }
+  if (10 <= LMAX_MOST + 0) if (HAS0(10)) { if (ORDER(3)) { STORE0(n, p, a206); } n++; p++; }
+  if (10 <= LMAX_MOST + 1) if (HAS1(10)) { if (ORDER(3)) { STORE1(n, p, a207); } n++; p += PART1; }
+  if (10 <= LMAX_MOST + 2) if (HAS2(10)) { if (ORDER(3)) { STORE2(n, p, a208); } n++; }
+  if (11 <= LMAX_MOST + 1) if (HAS1(11)) { if (ORDER(3)) { STORE1(n, p, a209); } n++; p += PART1; }
+  if (11 <= LMAX_MOST + 2) if (HAS2(11)) { if (ORDER(3)) { STORE2(n, p, a210); } n++; }
+  if (12 <= LMAX_MOST + 2) if (HAS2(12)) { if (ORDER(3)) { STORE2(n, p, a211); } n++; }
+  if (4 <= LMAX_MOST + 0) if (HAS0(4)) { if (ORDER(4)) { STORE0(n, p, a212); } n++; p++; }
+  if (4 <= LMAX_MOST + 1) if (HAS1(4)) { if (ORDER(4)) { STORE1(n, p, a213); } n++; p += PART1; }
+  if (4 <= LMAX_MOST + 2) if (HAS2(4)) { if (ORDER(4)) { STORE2(n, p, a214); } n++; }
+  if (5 <= LMAX_MOST + 0) if (HAS0(5)) { if (ORDER(4)) { STORE0(n, p, a215); } n++; p++; }
+  if (5 <= LMAX_MOST + 1) if (HAS1(5)) { if (ORDER(4)) { STORE1(n, p, a216); } n++; p += PART1; }
+  if (5 <= LMAX_MOST + 2) if (HAS2(5)) { if (ORDER(4)) { STORE2(n, p, a217); } n++; }
+  if (6 <= LMAX_MOST + 0) if (HAS0(6)) { if (ORDER(4)) { STORE0(n, p, a218); } n++; p++; }
+  if (6 <= LMAX_MOST + 1) if (HAS1(6)) { if (ORDER(4)) { STORE1(n, p, a219); } n++; p += PART1; }
+  if (6 <= LMAX_MOST + 2) if (HAS2(6)) { if (ORDER(4)) { STORE2(n, p, a220); } n++; }
+  if (7 <= LMAX_MOST + 0) if (HAS0(7)) { if (ORDER(4)) { STORE0(n, p, a221); } n++; p++; }
+  if (7 <= LMAX_MOST + 1) if (HAS1(7)) { if (ORDER(4)) { STORE1(n, p, a222); } n++; p += PART1; }
+  if (7 <= LMAX_MOST + 2) if (HAS2(7)) { if (ORDER(4)) { STORE2(n, p, a223); } n++; }
+  if (8 <= LMAX_MOST + 0) if (HAS0(8)) { if (ORDER(4)) { STORE0(n, p, a224); } n++; p++; }
+  if (8 <= LMAX_MOST + 1) if (HAS1(8)) { if (ORDER(4)) { STORE1(n, p, a225); } n++; p += PART1; }
+  if (8 <= LMAX_MOST + 2) if (HAS2(8)) { if (ORDER(4)) { STORE2(n, p, a226); } n++; }
+  if (9 <= LMAX_MOST + 0) if (HAS0(9)) { if (ORDER(4)) { STORE0(n, p, a227); } n++; p++; }
+  if (9 <= LMAX_MOST + 1) if (HAS1(9)) { if (ORDER(4)) { STORE1(n, p, a228); } n++; p += PART1; }
+  if (9 <= LMAX_MOST + 2) if (HAS2(9)) { if (ORDER(4)) { STORE2(n, p, a229); } n++; }
+  if (10 <= LMAX_MOST + 0) if (HAS0(10)) { if (ORDER(4)) { STORE0(n, p, a230); } n++; p++; }
+  if (10 <= LMAX_MOST + 1) if (HAS1(10)) { if (ORDER(4)) { STORE1(n, p, a231); } n++; p += PART1; }
+  if (10 <= LMAX_MOST + 2) if (HAS2(10)) { if (ORDER(4)) { STORE2(n, p, a232); } n++; }
+  if (11 <= LMAX_MOST + 1) if (HAS1(11)) { if (ORDER(4)) { STORE1(n, p, a233); } n++; p += PART1; }
+  if (11 <= LMAX_MOST + 2) if (HAS2(11)) { if (ORDER(4)) { STORE2(n, p, a234); } n++; }
+  if (12 <= LMAX_MOST + 2) if (HAS2(12)) { if (ORDER(4)) { STORE2(n, p, a235); } n++; }
+  if (4 <= LMAX_MOST + 0) if (HAS0(4)) { if (ORDER(4)) { STORE0(n, p, a236); } n++; p++; }
+  if (4 <= LMAX_MOST + 1) if (HAS1(4)) { if (ORDER(4)) { STORE1(n, p, a237); } n++; p += PART1; }
+  if (4 <= LMAX_MOST + 2) if (HAS2(4)) { if (ORDER(4)) { STORE2(n, p, a238); } n++; }
+  if (5 <= LMAX_MOST + 0) if (HAS0(5)) { if (ORDER(4)) { STORE0(n, p, a239); } n++; p++; }
+  if (5 <= LMAX_MOST + 1) if (HAS1(5)) { if (ORDER(4)) { STORE1(n, p, a240); } n++; p += PART1; }
+  if (5 <= LMAX_MOST + 2) if (HAS2(5)) { if (ORDER(4)) { STORE2(n, p, a241); } n++; }
+  if (6 <= LMAX_MOST + 0) if (HAS0(6)) { if (ORDER(4)) { STORE0(n, p, a242); } n++; p++; }
+  if (6 <= LMAX_MOST + 1) if (HAS1(6)) { if (ORDER(4)) { STORE1(n, p, a243); } n++; p += PART1; }
+  if (6 <= LMAX_MOST + 2) if (HAS2(6)) { if (ORDER(4)) { STORE2(n, p, a244); } n++; }
+  if (7 <= LMAX_MOST + 0) if (HAS0(7)) { if (ORDER(4)) { STORE0(n, p, a245); } n++; p++; }
+  if (7 <= LMAX_MOST + 1) if (HAS1(7)) { if (ORDER(4)) { STORE1(n, p, a246); } n++; p += PART1; }
+  if (7 <= LMAX_MOST + 2) if (HAS2(7)) { if (ORDER(4)) { STORE2(n, p, a247); } n++; }
+  if (8 <= LMAX_MOST + 0) if (HAS0(8)) { if (ORDER(4)) { STORE0(n, p, a248); } n++; p++; }
+  if (8 <= LMAX_MOST + 1) if (HAS1(8)) { if (ORDER(4)) { STORE1(n, p, a249); } n++; p += PART1; }
+  if (8 <= LMAX_MOST + 2) if (HAS2(8)) { if (ORDER(4)) { STORE2(n, p, a250); } n++; }
+  if (9 <= LMAX_MOST + 0) if (HAS0(9)) { if (ORDER(4)) { STORE0(n, p, a251); } n++; p++; }
+  if (9 <= LMAX_MOST + 1) if (HAS1(9)) { if (ORDER(4)) { STORE1(n, p, a252); } n++; p += PART1; }
+  if (9 <= LMAX_MOST + 2) if (HAS2(9)) { if (ORDER(4)) { STORE2(n, p, a253); } n++; }
+  if (10 <= LMAX_MOST + 0) if (HAS0(10)) { if (ORDER(4)) { STORE0(n, p, a254); } n++; p++; }
+  if (10 <= LMAX_MOST + 1) if (HAS1(10)) { if (ORDER(4)) { STORE1(n, p, a255); } n++; p += PART1; }
+  if (10 <= LMAX_MOST + 2) if (HAS2(10)) { if (ORDER(4)) { STORE2(n, p, a256); } n++; }
+  if (11 <= LMAX_MOST + 1) if (HAS1(11)) { if (ORDER(4)) { STORE1(n, p, a257); } n++; p += PART1; }
+  if (11 <= LMAX_MOST + 2) if (HAS2(11)) { if (ORDER(4)) { STORE2(n, p, a258); } n++; }
+  if (12 <= LMAX_MOST + 2) if (HAS2(12)) { if (ORDER(4)) { STORE2(n, p, a259); } n++; }
+  if (5 <= LMAX_MOST + 0) if (HAS0(5)) { if (ORDER(5)) { STORE0(n, p, a260); } n++; p++; }
+  if (5 <= LMAX_MOST + 1) if (HAS1(5)) { if (ORDER(5)) { STORE1(n, p, a261); } n++; p += PART1; }
+  if (5 <= LMAX_MOST + 2) if (HAS2(5)) { if (ORDER(5)) { STORE2(n, p, a262); } n++; }
+  if (6 <= LMAX_MOST + 0) if (HAS0(6)) { if (ORDER(5)) { STORE0(n, p, a263); } n++; p++; }
+  if (6 <= LMAX_MOST + 1) if (HAS1(6)) { if (ORDER(5)) { STORE1(n, p, a264); } n++; p += PART1; }
+  if (6 <= LMAX_MOST + 2) if (HAS2(6)) { if (ORDER(5)) { STORE2(n, p, a265); } n++; }
+  if (7 <= LMAX_MOST + 0) if (HAS0(7)) { if (ORDER(5)) { STORE0(n, p, a266); } n++; p++; }
+  if (7 <= LMAX_MOST + 1) if (HAS1(7)) { if (ORDER(5)) { STORE1(n, p, a267); } n++; p += PART1; }
+  if (7 <= LMAX_MOST + 2) if (HAS2(7)) { if (ORDER(5)) { STORE2(n, p, a268); } n++; }
+  if (8 <= LMAX_MOST + 0) if (HAS0(8)) { if (ORDER(5)) { STORE0(n, p, a269); } n++; p++; }
+  if (8 <= LMAX_MOST + 1) if (HAS1(8)) { if (ORDER(5)) { STORE1(n, p, a270); } n++; p += PART1; }
+  if (8 <= LMAX_MOST + 2) if (HAS2(8)) { if (ORDER(5)) { STORE2(n, p, a271); } n++; }
+  if (9 <= LMAX_MOST + 0) if (HAS0(9)) { if (ORDER(5)) { STORE0(n, p, a272); } n++; p++; }
+  if (9 <= LMAX_MOST + 1) if (HAS1(9)) { if (ORDER(5)) { STORE1(n, p, a273); } n++; p += PART1; }
+  if (9 <= LMAX_MOST + 2) if (HAS2(9)) { if (ORDER(5)) { STORE2(n, p, a274); } n++; }
+  if (10 <= LMAX_MOST + 0) if (HAS0(10)) { if (ORDER(5)) { STORE0(n, p, a275); } n++; p++; }
+  if (10 <= LMAX_MOST + 1) if (HAS1(10)) { if (ORDER(5)) { STORE1(n, p, a276); } n++; p += PART1; }
+  if (10 <= LMAX_MOST + 2) if (HAS2(10)) { if (ORDER(5)) { STORE2(n, p, a277); } n++; }
+  if (11 <= LMAX_MOST + 1) if (HAS1(11)) { if (ORDER(5)) { STORE1(n, p, a278); } n++; p += PART1; }
+  if (11 <= LMAX_MOST + 2) if (HAS2(11)) { if (ORDER(5)) { STORE2(n, p, a279); } n++; }
+  if (12 <= LMAX_MOST + 2) if (HAS2(12)) { if (ORDER(5)) { STORE2(n, p, a280); } n++; }
+  if (5 <= LMAX_MOST + 0) if (HAS0(5)) { if (ORDER(5)) { STORE0(n, p, a281); } n++; p++; }
+  if (5 <= LMAX_MOST + 1) if (HAS1(5)) { if (ORDER(5)) { STORE1(n, p, a282); } n++; p += PART1; }
+  if (5 <= LMAX_MOST + 2) if (HAS2(5)) { if (ORDER(5)) { STORE2(n, p, a283); } n++; }
+  if (6 <= LMAX_MOST + 0) if (HAS0(6)) { if (ORDER(5)) { STORE0(n, p, a284); } n++; p++; }
+  if (6 <= LMAX_MOST + 1) if (HAS1(6)) { if (ORDER(5)) { STORE1(n, p, a285); } n++; p += PART1; }
+  if (6 <= LMAX_MOST + 2) if (HAS2(6)) { if (ORDER(5)) { STORE2(n, p, a286); } n++; }
+  if (7 <= LMAX_MOST + 0) if (HAS0(7)) { if (ORDER(5)) { STORE0(n, p, a287); } n++; p++; }
+  if (7 <= LMAX_MOST + 1) if (HAS1(7)) { if (ORDER(5)) { STORE1(n, p, a288); } n++; p += PART1; }
+  if (7 <= LMAX_MOST + 2) if (HAS2(7)) { if (ORDER(5)) { STORE2(n, p, a289); } n++; }
+  if (8 <= LMAX_MOST + 0) if (HAS0(8)) { if (ORDER(5)) { STORE0(n, p, a290); } n++; p++; }
+  if (8 <= LMAX_MOST + 1) if (HAS1(8)) { if (ORDER(5)) { STORE1(n, p, a291); } n++; p += PART1; }
+  if (8 <= LMAX_MOST + 2) if (HAS2(8)) { if (ORDER(5)) { STORE2(n, p, a292); } n++; }
+  if (9 <= LMAX_MOST + 0) if (HAS0(9)) { if (ORDER(5)) { STORE0(n, p, a293); } n++; p++; }
+  if (9 <= LMAX_MOST + 1) if (HAS1(9)) { if (ORDER(5)) { STORE1(n, p, a294); } n++; p += PART1; }
+  if (9 <= LMAX_MOST + 2) if (HAS2(9)) { if (ORDER(5)) { STORE2(n, p, a295); } n++; }
+  if (10 <= LMAX_MOST + 0) if (HAS0(10)) { if (ORDER(5)) { STORE0(n, p, a296); } n++; p++; }
+  if (10 <= LMAX_MOST + 1) if (HAS1(10)) { if (ORDER(5)) { STORE1(n, p, a297); } n++; p += PART1; }
+  if (10 <= LMAX_MOST + 2) if (HAS2(10)) { if (ORDER(5)) { STORE2(n, p, a298); } n++; }
+  if (11 <= LMAX_MOST + 1) if (HAS1(11)) { if (ORDER(5)) { STORE1(n, p, a299); } n++; p += PART1; }
+  if (11 <= LMAX_MOST + 2) if (HAS2(11)) { if (ORDER(5)) { STORE2(n, p, a300); } n++; }
+  if (12 <= LMAX_MOST + 2) if (HAS2(12)) { if (ORDER(5)) { STORE2(n, p, a301); } n++; }
+  if (6 <= LMAX_MOST + 0) if (HAS0(6)) { if (ORDER(6)) { STORE0(n, p, a302); } n++; p++; }
+  if (6 <= LMAX_MOST + 1) if (HAS1(6)) { if (ORDER(6)) { STORE1(n, p, a303); } n++; p += PART1; }
+  if (6 <= LMAX_MOST + 2) if (HAS2(6)) { if (ORDER(6)) { STORE2(n, p, a304); } n++; }
+  if (7 <= LMAX_MOST + 0) if (HAS0(7)) { if (ORDER(6)) { STORE0(n, p, a305); } n++; p++; }
+  if (7 <= LMAX_MOST + 1) if (HAS1(7)) { if (ORDER(6)) { STORE1(n, p, a306); } n++; p += PART1; }
+  if (7 <= LMAX_MOST + 2) if (HAS2(7)) { if (ORDER(6)) { STORE2(n, p, a307); } n++; }
+  if (8 <= LMAX_MOST + 0) if (HAS0(8)) { if (ORDER(6)) { STORE0(n, p, a308); } n++; p++; }
+  if (8 <= LMAX_MOST + 1) if (HAS1(8)) { if (ORDER(6)) { STORE1(n, p, a309); } n++; p += PART1; }
+  if (8 <= LMAX_MOST + 2) if (HAS2(8)) { if (ORDER(6)) { STORE2(n, p, a310); } n++; }
+  if (9 <= LMAX_MOST + 0) if (HAS0(9)) { if (ORDER(6)) { STORE0(n, p, a311); } n++; p++; }
+  if (9 <= LMAX_MOST + 1) if (HAS1(9)) { if (ORDER(6)) { STORE1(n, p, a312); } n++; p += PART1; }
+  if (9 <= LMAX_MOST + 2) if (HAS2(9)) { if (ORDER(6)) { STORE2(n, p, a313); } n++; }
+  if (10 <= LMAX_MOST + 0) if (HAS0(10)) { if (ORDER(6)) { STORE0(n, p, a314); } n++; p++; }
+  if (10 <= LMAX_MOST + 1) if (HAS1(10)) { if (ORDER(6)) { STORE1(n, p, a315); } n++; p += PART1; }
+  if (10 <= LMAX_MOST + 2) if (HAS2(10)) { if (ORDER(6)) { STORE2(n, p, a316); } n++; }
+  if (11 <= LMAX_MOST + 1) if (HAS1(11)) { if (ORDER(6)) { STORE1(n, p, a317); } n++; p += PART1; }
+  if (11 <= LMAX_MOST + 2) if (HAS2(11)) { if (ORDER(6)) { STORE2(n, p, a318); } n++; }
+  if (12 <= LMAX_MOST + 2) if (HAS2(12)) { if (ORDER(6)) { STORE2(n, p, a319); } n++; }
+  if (6 <= LMAX_MOST + 0) if (HAS0(6)) { if (ORDER(6)) { STORE0(n, p, a320); } n++; p++; }
+  if (6 <= LMAX_MOST + 1) if (HAS1(6)) { if (ORDER(6)) { STORE1(n, p, a321); } n++; p += PART1; }
+  if (6 <= LMAX_MOST + 2) if (HAS2(6)) { if (ORDER(6)) { STORE2(n, p, a322); } n++; }
+  if (7 <= LMAX_MOST + 0) if (HAS0(7)) { if (ORDER(6)) { STORE0(n, p, a323); } n++; p++; }
+  if (7 <= LMAX_MOST + 1) if (HAS1(7)) { if (ORDER(6)) { STORE1(n, p, a324); } n++; p += PART1; }
+  if (7 <= LMAX_MOST + 2) if (HAS2(7)) { if (ORDER(6)) { STORE2(n, p, a325); } n++; }
+  if (8 <= LMAX_MOST + 0) if (HAS0(8)) { if (ORDER(6)) { STORE0(n, p, a326); } n++; p++; }
+  if (8 <= LMAX_MOST + 1) if (HAS1(8)) { if (ORDER(6)) { STORE1(n, p, a327); } n++; p += PART1; }
+  if (8 <= LMAX_MOST + 2) if (HAS2(8)) { if (ORDER(6)) { STORE2(n, p, a328); } n++; }
+  if (9 <= LMAX_MOST + 0) if (HAS0(9)) { if (ORDER(6)) { STORE0(n, p, a329); } n++; p++; }
+  if (9 <= LMAX_MOST + 1) if (HAS1(9)) { if (ORDER(6)) { STORE1(n, p, a330); } n++; p += PART1; }
+  if (9 <= LMAX_MOST + 2) if (HAS2(9)) { if (ORDER(6)) { STORE2(n, p, a331); } n++; }
+  if (10 <= LMAX_MOST + 0) if (HAS0(10)) { if (ORDER(6)) { STORE0(n, p, a332); } n++; p++; }
+  if (10 <= LMAX_MOST + 1) if (HAS1(10)) { if (ORDER(6)) { STORE1(n, p, a333); } n++; p += PART1; }
+  if (10 <= LMAX_MOST + 2) if (HAS2(10)) { if (ORDER(6)) { STORE2(n, p, a334); } n++; }
+  if (11 <= LMAX_MOST + 1) if (HAS1(11)) { if (ORDER(6)) { STORE1(n, p, a335); } n++; p += PART1; }
+  if (11 <= LMAX_MOST + 2) if (HAS2(11)) { if (ORDER(6)) { STORE2(n, p, a336); } n++; }
+  if (12 <= LMAX_MOST + 2) if (HAS2(12)) { if (ORDER(6)) { STORE2(n, p, a337); } n++; }
+  if (7 <= LMAX_MOST + 0) if (HAS0(7)) { if (ORDER(7)) { STORE0(n, p, a338); } n++; p++; }
+  if (7 <= LMAX_MOST + 1) if (HAS1(7)) { if (ORDER(7)) { STORE1(n, p, a339); } n++; p += PART1; }
+  if (7 <= LMAX_MOST + 2) if (HAS2(7)) { if (ORDER(7)) { STORE2(n, p, a340); } n++; }
+  if (8 <= LMAX_MOST + 0) if (HAS0(8)) { if (ORDER(7)) { STORE0(n, p, a341); } n++; p++; }
+  if (8 <= LMAX_MOST + 1) if (HAS1(8)) { if (ORDER(7)) { STORE1(n, p, a342); } n++; p += PART1; }
+  if (8 <= LMAX_MOST + 2) if (HAS2(8)) { if (ORDER(7)) { STORE2(n, p, a343); } n++; }
+  if (9 <= LMAX_MOST + 0) if (HAS0(9)) { if (ORDER(7)) { STORE0(n, p, a344); } n++; p++; }
+  if (9 <= LMAX_MOST + 1) if (HAS1(9)) { if (ORDER(7)) { STORE1(n, p, a345); } n++; p += PART1; }
+  if (9 <= LMAX_MOST + 2) if (HAS2(9)) { if (ORDER(7)) { STORE2(n, p, a346); } n++; }
+  if (10 <= LMAX_MOST + 0) if (HAS0(10)) { if (ORDER(7)) { STORE0(n, p, a347); } n++; p++; }
+  if (10 <= LMAX_MOST + 1) if (HAS1(10)) { if (ORDER(7)) { STORE1(n, p, a348); } n++; p += PART1; }
+  if (10 <= LMAX_MOST + 2) if (HAS2(10)) { if (ORDER(7)) { STORE2(n, p, a349); } n++; }
+  if (11 <= LMAX_MOST + 1) if (HAS1(11)) { if (ORDER(7)) { STORE1(n, p, a350); } n++; p += PART1; }
+  if (11 <= LMAX_MOST + 2) if (HAS2(11)) { if (ORDER(7)) { STORE2(n, p, a351); } n++; }
+  if (12 <= LMAX_MOST + 2) if (HAS2(12)) { if (ORDER(7)) { STORE2(n, p, a352); } n++; }
+  if (7 <= LMAX_MOST + 0) if (HAS0(7)) { if (ORDER(7)) { STORE0(n, p, a353); } n++; p++; }
+  if (7 <= LMAX_MOST + 1) if (HAS1(7)) { if (ORDER(7)) { STORE1(n, p, a354); } n++; p += PART1; }
+  if (7 <= LMAX_MOST + 2) if (HAS2(7)) { if (ORDER(7)) { STORE2(n, p, a355); } n++; }
+  if (8 <= LMAX_MOST + 0) if (HAS0(8)) { if (ORDER(7)) { STORE0(n, p, a356); } n++; p++; }
+  if (8 <= LMAX_MOST + 1) if (HAS1(8)) { if (ORDER(7)) { STORE1(n, p, a357); } n++; p += PART1; }
+  if (8 <= LMAX_MOST + 2) if (HAS2(8)) { if (ORDER(7)) { STORE2(n, p, a358); } n++; }
+  if (9 <= LMAX_MOST + 0) if (HAS0(9)) { if (ORDER(7)) { STORE0(n, p, a359); } n++; p++; }
+  if (9 <= LMAX_MOST + 1) if (HAS1(9)) { if (ORDER(7)) { STORE1(n, p, a360); } n++; p += PART1; }
+  if (9 <= LMAX_MOST + 2) if (HAS2(9)) { if (ORDER(7)) { STORE2(n, p, a361); } n++; }
+  if (10 <= LMAX_MOST + 0) if (HAS0(10)) { if (ORDER(7)) { STORE0(n, p, a362); } n++; p++; }
+  if (10 <= LMAX_MOST + 1) if (HAS1(10)) { if (ORDER(7)) { STORE1(n, p, a363); } n++; p += PART1; }
+  if (10 <= LMAX_MOST + 2) if (HAS2(10)) { if (ORDER(7)) { STORE2(n, p, a364); } n++; }
+  if (11 <= LMAX_MOST + 1) if (HAS1(11)) { if (ORDER(7)) { STORE1(n, p, a365); } n++; p += PART1; }
+  if (11 <= LMAX_MOST + 2) if (HAS2(11)) { if (ORDER(7)) { STORE2(n, p, a366); } n++; }
+  if (12 <= LMAX_MOST + 2) if (HAS2(12)) { if (ORDER(7)) { STORE2(n, p, a367); } n++; }
+  if (8 <= LMAX_MOST + 0) if (HAS0(8)) { if (ORDER(8)) { STORE0(n, p, a368); } n++; p++; }
+  if (8 <= LMAX_MOST + 1) if (HAS1(8)) { if (ORDER(8)) { STORE1(n, p, a369); } n++; p += PART1; }
+  if (8 <= LMAX_MOST + 2) if (HAS2(8)) { if (ORDER(8)) { STORE2(n, p, a370); } n++; }
+  if (9 <= LMAX_MOST + 0) if (HAS0(9)) { if (ORDER(8)) { STORE0(n, p, a371); } n++; p++; }
+  if (9 <= LMAX_MOST + 1) if (HAS1(9)) { if (ORDER(8)) { STORE1(n, p, a372); } n++; p += PART1; }
+  if (9 <= LMAX_MOST + 2) if (HAS2(9)) { if (ORDER(8)) { STORE2(n, p, a373); } n++; }
+  if (10 <= LMAX_MOST + 0) if (HAS0(10)) { if (ORDER(8)) { STORE0(n, p, a374); } n++; p++; }
+  if (10 <= LMAX_MOST + 1) if (HAS1(10)) { if (ORDER(8)) { STORE1(n, p, a375); } n++; p += PART1; }
+  if (10 <= LMAX_MOST + 2) if (HAS2(10)) { if (ORDER(8)) { STORE2(n, p, a376); } n++; }
+  if (11 <= LMAX_MOST + 1) if (HAS1(11)) { if (ORDER(8)) { STORE1(n, p, a377); } n++; p += PART1; }
+  if (11 <= LMAX_MOST + 2) if (HAS2(11)) { if (ORDER(8)) { STORE2(n, p, a378); } n++; }
+  if (12 <= LMAX_MOST + 2) if (HAS2(12)) { if (ORDER(8)) { STORE2(n, p, a379); } n++; }
+  if (8 <= LMAX_MOST + 0) if (HAS0(8)) { if (ORDER(8)) { STORE0(n, p, a380); } n++; p++; }
+  if (8 <= LMAX_MOST + 1) if (HAS1(8)) { if (ORDER(8)) { STORE1(n, p, a381); } n++; p += PART1; }
+  if (8 <= LMAX_MOST + 2) if (HAS2(8)) { if (ORDER(8)) { STORE2(n, p, a382); } n++; }
+  if (9 <= LMAX_MOST + 0) if (HAS0(9)) { if (ORDER(8)) { STORE0(n, p, a383); } n++; p++; }
+  if (9 <= LMAX_MOST + 1) if (HAS1(9)) { if (ORDER(8)) { STORE1(n, p, a384); } n++; p += PART1; }
+  if (9 <= LMAX_MOST + 2) if (HAS2(9)) { if (ORDER(8)) { STORE2(n, p, a385); } n++; }
+  if (10 <= LMAX_MOST + 0) if (HAS0(10)) { if (ORDER(8)) { STORE0(n, p, a386); } n++; p++; }
+  if (10 <= LMAX_MOST + 1) if (HAS1(10)) { if (ORDER(8)) { STORE1(n, p, a387); } n++; p += PART1; }
+  if (10 <= LMAX_MOST + 2) if (HAS2(10)) { if (ORDER(8)) { STORE2(n, p, a388); } n++; }
+  if (11 <= LMAX_MOST + 1) if (HAS1(11)) { if (ORDER(8)) { STORE1(n, p, a389); } n++; p += PART1; }
+  if (11 <= LMAX_MOST + 2) if (HAS2(11)) { if (ORDER(8)) { STORE2(n, p, a390); } n++; }
+  if (12 <= LMAX_MOST + 2) if (HAS2(12)) { if (ORDER(8)) { STORE2(n, p, a391); } n++; }
+  if (9 <= LMAX_MOST + 0) if (HAS0(9)) { if (ORDER(9)) { STORE0(n, p, a392); } n++; p++; }
+  if (9 <= LMAX_MOST + 1) if (HAS1(9)) { if (ORDER(9)) { STORE1(n, p, a393); } n++; p += PART1; }
+  if (9 <= LMAX_MOST + 2) if (HAS2(9)) { if (ORDER(9)) { STORE2(n, p, a394); } n++; }
+  if (10 <= LMAX_MOST + 0) if (HAS0(10)) { if (ORDER(9)) { STORE0(n, p, a395); } n++; p++; }
+  if (10 <= LMAX_MOST + 1) if (HAS1(10)) { if (ORDER(9)) { STORE1(n, p, a396); } n++; p += PART1; }
+  if (10 <= LMAX_MOST + 2) if (HAS2(10)) { if (ORDER(9)) { STORE2(n, p, a397); } n++; }
+  if (11 <= LMAX_MOST + 1) if (HAS1(11)) { if (ORDER(9)) { STORE1(n, p, a398); } n++; p += PART1; }
+  if (11 <= LMAX_MOST + 2) if (HAS2(11)) { if (ORDER(9)) { STORE2(n, p, a399); } n++; }
+  if (12 <= LMAX_MOST + 2) if (HAS2(12)) { if (ORDER(9)) { STORE2(n, p, a400); } n++; }
+  if (9 <= LMAX_MOST + 0) if (HAS0(9)) { if (ORDER(9)) { STORE0(n, p, a401); } n++; p++; }
+  if (9 <= LMAX_MOST + 1) if (HAS1(9)) { if (ORDER(9)) { STORE1(n, p, a402); } n++; p += PART1; }
+  if (9 <= LMAX_MOST + 2) if (HAS2(9)) { if (ORDER(9)) { STORE2(n, p, a403); } n++; }
+  if (10 <= LMAX_MOST + 0) if (HAS0(10)) { if (ORDER(9)) { STORE0(n, p, a404); } n++; p++; }
+  if (10 <= LMAX_MOST + 1) if (HAS1(10)) { if (ORDER(9)) { STORE1(n, p, a405); } n++; p += PART1; }
+  if (10 <= LMAX_MOST + 2) if (HAS2(10)) { if (ORDER(9)) { STORE2(n, p, a406); } n++; }
+  if (11 <= LMAX_MOST + 1) if (HAS1(11)) { if (ORDER(9)) { STORE1(n, p, a407); } n++; p += PART1; }
+  if (11 <= LMAX_MOST + 2) if (HAS2(11)) { if (ORDER(9)) { STORE2(n, p, a408); } n++; }
+  if (12 <= LMAX_MOST + 2) if (HAS2(12)) { if (ORDER(9)) { STORE2(n, p, a409); } n++; }
+  if (10 <= LMAX_MOST + 0) if (HAS0(10)) { if (ORDER(10)) { STORE0(n, p, a410); } n++; p++; }
+  if (10 <= LMAX_MOST + 1) if (HAS1(10)) { if (ORDER(10)) { STORE1(n, p, a411); } n++; p += PART1; }
+  if (10 <= LMAX_MOST + 2) if (HAS2(10)) { if (ORDER(10)) { STORE2(n, p, a412); } n++; }
+  if (11 <= LMAX_MOST + 1) if (HAS1(11)) { if (ORDER(10)) { STORE1(n, p, a413); } n++; p += PART1; }
+  if (11 <= LMAX_MOST + 2) if (HAS2(11)) { if (ORDER(10)) { STORE2(n, p, a414); } n++; }
+  if (12 <= LMAX_MOST + 2) if (HAS2(12)) { if (ORDER(10)) { STORE2(n, p, a415); } n++; }
+  if (10 <= LMAX_MOST + 0) if (HAS0(10)) { if (ORDER(10)) { STORE0(n, p, a416); } n++; p++; }
+  if (10 <= LMAX_MOST + 1) if (HAS1(10)) { if (ORDER(10)) { STORE1(n, p, a417); } n++; p += PART1; }
+  if (10 <= LMAX_MOST + 2) if (HAS2(10)) { if (ORDER(10)) { STORE2(n, p, a418); } n++; }
+  if (11 <= LMAX_MOST + 1) if (HAS1(11)) { if (ORDER(10)) { STORE1(n, p, a419); } n++; p += PART1; }
+  if (11 <= LMAX_MOST + 2) if (HAS2(11)) { if (ORDER(10)) { STORE2(n, p, a420); } n++; }
+  if (12 <= LMAX_MOST + 2) if (HAS2(12)) { if (ORDER(10)) { STORE2(n, p, a421); } n++; }
+  if (11 <= LMAX_MOST + 1) if (HAS1(11)) { if (ORDER(11)) { STORE1(n, p, a422); } n++; p += PART1; }
+  if (11 <= LMAX_MOST + 2) if (HAS2(11)) { if (ORDER(11)) { STORE2(n, p, a423); } n++; }
+  if (12 <= LMAX_MOST + 2) if (HAS2(12)) { if (ORDER(11)) { STORE2(n, p, a424); } n++; }
+  if (11 <= LMAX_MOST + 1) if (HAS1(11)) { if (ORDER(11)) { STORE1(n, p, a425); } n++; p += PART1; }
+  if (11 <= LMAX_MOST + 2) if (HAS2(11)) { if (ORDER(11)) { STORE2(n, p, a426); } n++; }
+  if (12 <= LMAX_MOST + 2) if (HAS2(12)) { if (ORDER(11)) { STORE2(n, p, a427); } n++; }
+  if (12 <= LMAX_MOST + 2) if (HAS2(12)) { if (ORDER(12)) { STORE2(n, p, a428); } n++; }
+  if (12 <= LMAX_MOST + 2) if (HAS2(12)) { if (ORDER(12)) { STORE2(n, p, a429); } n++; }
 }

@@ -2,6 +2,7 @@
 ** One light by the product rule, for lmax 0 .. 8: the papers' form, for comparison.
 **   real, REAL(c)     float or double, and a constant of that type
 **   LMAX, DERIVATIVES specialisation constants; 0, 1 or 2 derivatives
+**   LMAX_MOST         the largest LMAX that the module is asked for: sums of more are left out
 **   M_FIRST, M_LAST   specialisation constants: the orders m that are summed here
 **   ADD(n)            adds p0 .. p9, the parts of a coefficient, to vn, xn, yn, zn, xxn .. zzn
 ** Operations per light with 0, 1, 2 derivatives: lmax 4 110, 631, 2140;
@@ -2657,814 +2658,814 @@ void add_light(real x, real y, real z, real id, real alpha, real u, real es, rea
 /* Hands each sum and its number to STORE(number, sum): by order, side, degree, part. */
 void store_sums() {
   uint n = 0u;
-  if (HAS(0, 0)) { if (ORDER(0)) { STORE(n, v0); } n++; }
-  if (HAS(1, 0)) { if (ORDER(0)) { STORE(n, x0); } n++; }
-  if (HAS(1, 0)) { if (ORDER(0)) { STORE(n, y0); } n++; }
-  if (HAS(1, 0)) { if (ORDER(0)) { STORE(n, z0); } n++; }
-  if (HAS(2, 0)) { if (ORDER(0)) { STORE(n, xx0); } n++; }
-  if (HAS(2, 0)) { if (ORDER(0)) { STORE(n, xy0); } n++; }
-  if (HAS(2, 0)) { if (ORDER(0)) { STORE(n, xz0); } n++; }
-  if (HAS(2, 0)) { if (ORDER(0)) { STORE(n, yy0); } n++; }
-  if (HAS(2, 0)) { if (ORDER(0)) { STORE(n, yz0); } n++; }
-  if (HAS(2, 0)) { if (ORDER(0)) { STORE(n, zz0); } n++; }
-  if (HAS(0, 1)) { if (ORDER(0)) { STORE(n, v1); } n++; }
-  if (HAS(1, 1)) { if (ORDER(0)) { STORE(n, x1); } n++; }
-  if (HAS(1, 1)) { if (ORDER(0)) { STORE(n, y1); } n++; }
-  if (HAS(1, 1)) { if (ORDER(0)) { STORE(n, z1); } n++; }
-  if (HAS(2, 1)) { if (ORDER(0)) { STORE(n, xx1); } n++; }
-  if (HAS(2, 1)) { if (ORDER(0)) { STORE(n, xy1); } n++; }
-  if (HAS(2, 1)) { if (ORDER(0)) { STORE(n, xz1); } n++; }
-  if (HAS(2, 1)) { if (ORDER(0)) { STORE(n, yy1); } n++; }
-  if (HAS(2, 1)) { if (ORDER(0)) { STORE(n, yz1); } n++; }
-  if (HAS(2, 1)) { if (ORDER(0)) { STORE(n, zz1); } n++; }
-  if (HAS(0, 2)) { if (ORDER(0)) { STORE(n, v2); } n++; }
-  if (HAS(1, 2)) { if (ORDER(0)) { STORE(n, x2); } n++; }
-  if (HAS(1, 2)) { if (ORDER(0)) { STORE(n, y2); } n++; }
-  if (HAS(1, 2)) { if (ORDER(0)) { STORE(n, z2); } n++; }
-  if (HAS(2, 2)) { if (ORDER(0)) { STORE(n, xx2); } n++; }
-  if (HAS(2, 2)) { if (ORDER(0)) { STORE(n, xy2); } n++; }
-  if (HAS(2, 2)) { if (ORDER(0)) { STORE(n, xz2); } n++; }
-  if (HAS(2, 2)) { if (ORDER(0)) { STORE(n, yy2); } n++; }
-  if (HAS(2, 2)) { if (ORDER(0)) { STORE(n, yz2); } n++; }
-  if (HAS(2, 2)) { if (ORDER(0)) { STORE(n, zz2); } n++; }
-  if (HAS(0, 3)) { if (ORDER(0)) { STORE(n, v3); } n++; }
-  if (HAS(1, 3)) { if (ORDER(0)) { STORE(n, x3); } n++; }
-  if (HAS(1, 3)) { if (ORDER(0)) { STORE(n, y3); } n++; }
-  if (HAS(1, 3)) { if (ORDER(0)) { STORE(n, z3); } n++; }
-  if (HAS(2, 3)) { if (ORDER(0)) { STORE(n, xx3); } n++; }
-  if (HAS(2, 3)) { if (ORDER(0)) { STORE(n, xy3); } n++; }
-  if (HAS(2, 3)) { if (ORDER(0)) { STORE(n, xz3); } n++; }
-  if (HAS(2, 3)) { if (ORDER(0)) { STORE(n, yy3); } n++; }
-  if (HAS(2, 3)) { if (ORDER(0)) { STORE(n, yz3); } n++; }
-  if (HAS(2, 3)) { if (ORDER(0)) { STORE(n, zz3); } n++; }
-  if (HAS(0, 4)) { if (ORDER(0)) { STORE(n, v4); } n++; }
-  if (HAS(1, 4)) { if (ORDER(0)) { STORE(n, x4); } n++; }
-  if (HAS(1, 4)) { if (ORDER(0)) { STORE(n, y4); } n++; }
-  if (HAS(1, 4)) { if (ORDER(0)) { STORE(n, z4); } n++; }
-  if (HAS(2, 4)) { if (ORDER(0)) { STORE(n, xx4); } n++; }
-  if (HAS(2, 4)) { if (ORDER(0)) { STORE(n, xy4); } n++; }
-  if (HAS(2, 4)) { if (ORDER(0)) { STORE(n, xz4); } n++; }
-  if (HAS(2, 4)) { if (ORDER(0)) { STORE(n, yy4); } n++; }
-  if (HAS(2, 4)) { if (ORDER(0)) { STORE(n, yz4); } n++; }
-  if (HAS(2, 4)) { if (ORDER(0)) { STORE(n, zz4); } n++; }
-  if (HAS(0, 5)) { if (ORDER(0)) { STORE(n, v5); } n++; }
-  if (HAS(1, 5)) { if (ORDER(0)) { STORE(n, x5); } n++; }
-  if (HAS(1, 5)) { if (ORDER(0)) { STORE(n, y5); } n++; }
-  if (HAS(1, 5)) { if (ORDER(0)) { STORE(n, z5); } n++; }
-  if (HAS(2, 5)) { if (ORDER(0)) { STORE(n, xx5); } n++; }
-  if (HAS(2, 5)) { if (ORDER(0)) { STORE(n, xy5); } n++; }
-  if (HAS(2, 5)) { if (ORDER(0)) { STORE(n, xz5); } n++; }
-  if (HAS(2, 5)) { if (ORDER(0)) { STORE(n, yy5); } n++; }
-  if (HAS(2, 5)) { if (ORDER(0)) { STORE(n, yz5); } n++; }
-  if (HAS(2, 5)) { if (ORDER(0)) { STORE(n, zz5); } n++; }
-  if (HAS(0, 6)) { if (ORDER(0)) { STORE(n, v6); } n++; }
-  if (HAS(1, 6)) { if (ORDER(0)) { STORE(n, x6); } n++; }
-  if (HAS(1, 6)) { if (ORDER(0)) { STORE(n, y6); } n++; }
-  if (HAS(1, 6)) { if (ORDER(0)) { STORE(n, z6); } n++; }
-  if (HAS(2, 6)) { if (ORDER(0)) { STORE(n, xx6); } n++; }
-  if (HAS(2, 6)) { if (ORDER(0)) { STORE(n, xy6); } n++; }
-  if (HAS(2, 6)) { if (ORDER(0)) { STORE(n, xz6); } n++; }
-  if (HAS(2, 6)) { if (ORDER(0)) { STORE(n, yy6); } n++; }
-  if (HAS(2, 6)) { if (ORDER(0)) { STORE(n, yz6); } n++; }
-  if (HAS(2, 6)) { if (ORDER(0)) { STORE(n, zz6); } n++; }
-  if (HAS(0, 7)) { if (ORDER(0)) { STORE(n, v7); } n++; }
-  if (HAS(1, 7)) { if (ORDER(0)) { STORE(n, x7); } n++; }
-  if (HAS(1, 7)) { if (ORDER(0)) { STORE(n, y7); } n++; }
-  if (HAS(1, 7)) { if (ORDER(0)) { STORE(n, z7); } n++; }
-  if (HAS(2, 7)) { if (ORDER(0)) { STORE(n, xx7); } n++; }
-  if (HAS(2, 7)) { if (ORDER(0)) { STORE(n, xy7); } n++; }
-  if (HAS(2, 7)) { if (ORDER(0)) { STORE(n, xz7); } n++; }
-  if (HAS(2, 7)) { if (ORDER(0)) { STORE(n, yy7); } n++; }
-  if (HAS(2, 7)) { if (ORDER(0)) { STORE(n, yz7); } n++; }
-  if (HAS(2, 7)) { if (ORDER(0)) { STORE(n, zz7); } n++; }
-  if (HAS(0, 8)) { if (ORDER(0)) { STORE(n, v8); } n++; }
-  if (HAS(1, 8)) { if (ORDER(0)) { STORE(n, x8); } n++; }
-  if (HAS(1, 8)) { if (ORDER(0)) { STORE(n, y8); } n++; }
-  if (HAS(1, 8)) { if (ORDER(0)) { STORE(n, z8); } n++; }
-  if (HAS(2, 8)) { if (ORDER(0)) { STORE(n, xx8); } n++; }
-  if (HAS(2, 8)) { if (ORDER(0)) { STORE(n, xy8); } n++; }
-  if (HAS(2, 8)) { if (ORDER(0)) { STORE(n, xz8); } n++; }
-  if (HAS(2, 8)) { if (ORDER(0)) { STORE(n, yy8); } n++; }
-  if (HAS(2, 8)) { if (ORDER(0)) { STORE(n, yz8); } n++; }
-  if (HAS(2, 8)) { if (ORDER(0)) { STORE(n, zz8); } n++; }
-  if (HAS(0, 1)) { if (ORDER(1)) { STORE(n, v9); } n++; }
-  if (HAS(1, 1)) { if (ORDER(1)) { STORE(n, x9); } n++; }
-  if (HAS(1, 1)) { if (ORDER(1)) { STORE(n, y9); } n++; }
-  if (HAS(1, 1)) { if (ORDER(1)) { STORE(n, z9); } n++; }
-  if (HAS(2, 1)) { if (ORDER(1)) { STORE(n, xx9); } n++; }
-  if (HAS(2, 1)) { if (ORDER(1)) { STORE(n, xy9); } n++; }
-  if (HAS(2, 1)) { if (ORDER(1)) { STORE(n, xz9); } n++; }
-  if (HAS(2, 1)) { if (ORDER(1)) { STORE(n, yy9); } n++; }
-  if (HAS(2, 1)) { if (ORDER(1)) { STORE(n, yz9); } n++; }
-  if (HAS(2, 1)) { if (ORDER(1)) { STORE(n, zz9); } n++; }
-  if (HAS(0, 2)) { if (ORDER(1)) { STORE(n, v10); } n++; }
-  if (HAS(1, 2)) { if (ORDER(1)) { STORE(n, x10); } n++; }
-  if (HAS(1, 2)) { if (ORDER(1)) { STORE(n, y10); } n++; }
-  if (HAS(1, 2)) { if (ORDER(1)) { STORE(n, z10); } n++; }
-  if (HAS(2, 2)) { if (ORDER(1)) { STORE(n, xx10); } n++; }
-  if (HAS(2, 2)) { if (ORDER(1)) { STORE(n, xy10); } n++; }
-  if (HAS(2, 2)) { if (ORDER(1)) { STORE(n, xz10); } n++; }
-  if (HAS(2, 2)) { if (ORDER(1)) { STORE(n, yy10); } n++; }
-  if (HAS(2, 2)) { if (ORDER(1)) { STORE(n, yz10); } n++; }
-  if (HAS(2, 2)) { if (ORDER(1)) { STORE(n, zz10); } n++; }
-  if (HAS(0, 3)) { if (ORDER(1)) { STORE(n, v11); } n++; }
-  if (HAS(1, 3)) { if (ORDER(1)) { STORE(n, x11); } n++; }
-  if (HAS(1, 3)) { if (ORDER(1)) { STORE(n, y11); } n++; }
-  if (HAS(1, 3)) { if (ORDER(1)) { STORE(n, z11); } n++; }
-  if (HAS(2, 3)) { if (ORDER(1)) { STORE(n, xx11); } n++; }
-  if (HAS(2, 3)) { if (ORDER(1)) { STORE(n, xy11); } n++; }
-  if (HAS(2, 3)) { if (ORDER(1)) { STORE(n, xz11); } n++; }
-  if (HAS(2, 3)) { if (ORDER(1)) { STORE(n, yy11); } n++; }
-  if (HAS(2, 3)) { if (ORDER(1)) { STORE(n, yz11); } n++; }
-  if (HAS(2, 3)) { if (ORDER(1)) { STORE(n, zz11); } n++; }
-  if (HAS(0, 4)) { if (ORDER(1)) { STORE(n, v12); } n++; }
-  if (HAS(1, 4)) { if (ORDER(1)) { STORE(n, x12); } n++; }
-  if (HAS(1, 4)) { if (ORDER(1)) { STORE(n, y12); } n++; }
-  if (HAS(1, 4)) { if (ORDER(1)) { STORE(n, z12); } n++; }
-  if (HAS(2, 4)) { if (ORDER(1)) { STORE(n, xx12); } n++; }
-  if (HAS(2, 4)) { if (ORDER(1)) { STORE(n, xy12); } n++; }
-  if (HAS(2, 4)) { if (ORDER(1)) { STORE(n, xz12); } n++; }
-  if (HAS(2, 4)) { if (ORDER(1)) { STORE(n, yy12); } n++; }
-  if (HAS(2, 4)) { if (ORDER(1)) { STORE(n, yz12); } n++; }
-  if (HAS(2, 4)) { if (ORDER(1)) { STORE(n, zz12); } n++; }
-  if (HAS(0, 5)) { if (ORDER(1)) { STORE(n, v13); } n++; }
-  if (HAS(1, 5)) { if (ORDER(1)) { STORE(n, x13); } n++; }
-  if (HAS(1, 5)) { if (ORDER(1)) { STORE(n, y13); } n++; }
-  if (HAS(1, 5)) { if (ORDER(1)) { STORE(n, z13); } n++; }
-  if (HAS(2, 5)) { if (ORDER(1)) { STORE(n, xx13); } n++; }
-  if (HAS(2, 5)) { if (ORDER(1)) { STORE(n, xy13); } n++; }
-  if (HAS(2, 5)) { if (ORDER(1)) { STORE(n, xz13); } n++; }
-  if (HAS(2, 5)) { if (ORDER(1)) { STORE(n, yy13); } n++; }
-  if (HAS(2, 5)) { if (ORDER(1)) { STORE(n, yz13); } n++; }
-  if (HAS(2, 5)) { if (ORDER(1)) { STORE(n, zz13); } n++; }
-  if (HAS(0, 6)) { if (ORDER(1)) { STORE(n, v14); } n++; }
-  if (HAS(1, 6)) { if (ORDER(1)) { STORE(n, x14); } n++; }
-  if (HAS(1, 6)) { if (ORDER(1)) { STORE(n, y14); } n++; }
-  if (HAS(1, 6)) { if (ORDER(1)) { STORE(n, z14); } n++; }
-  if (HAS(2, 6)) { if (ORDER(1)) { STORE(n, xx14); } n++; }
-  if (HAS(2, 6)) { if (ORDER(1)) { STORE(n, xy14); } n++; }
-  if (HAS(2, 6)) { if (ORDER(1)) { STORE(n, xz14); } n++; }
-  if (HAS(2, 6)) { if (ORDER(1)) { STORE(n, yy14); } n++; }
-  if (HAS(2, 6)) { if (ORDER(1)) { STORE(n, yz14); } n++; }
-  if (HAS(2, 6)) { if (ORDER(1)) { STORE(n, zz14); } n++; }
-  if (HAS(0, 7)) { if (ORDER(1)) { STORE(n, v15); } n++; }
-  if (HAS(1, 7)) { if (ORDER(1)) { STORE(n, x15); } n++; }
-  if (HAS(1, 7)) { if (ORDER(1)) { STORE(n, y15); } n++; }
-  if (HAS(1, 7)) { if (ORDER(1)) { STORE(n, z15); } n++; }
-  if (HAS(2, 7)) { if (ORDER(1)) { STORE(n, xx15); } n++; }
-  if (HAS(2, 7)) { if (ORDER(1)) { STORE(n, xy15); } n++; }
-  if (HAS(2, 7)) { if (ORDER(1)) { STORE(n, xz15); } n++; }
-  if (HAS(2, 7)) { if (ORDER(1)) { STORE(n, yy15); } n++; }
-  if (HAS(2, 7)) { if (ORDER(1)) { STORE(n, yz15); } n++; }
-  if (HAS(2, 7)) { if (ORDER(1)) { STORE(n, zz15); } n++; }
-  if (HAS(0, 8)) { if (ORDER(1)) { STORE(n, v16); } n++; }
-  if (HAS(1, 8)) { if (ORDER(1)) { STORE(n, x16); } n++; }
-  if (HAS(1, 8)) { if (ORDER(1)) { STORE(n, y16); } n++; }
-  if (HAS(1, 8)) { if (ORDER(1)) { STORE(n, z16); } n++; }
-  if (HAS(2, 8)) { if (ORDER(1)) { STORE(n, xx16); } n++; }
-  if (HAS(2, 8)) { if (ORDER(1)) { STORE(n, xy16); } n++; }
-  if (HAS(2, 8)) { if (ORDER(1)) { STORE(n, xz16); } n++; }
-  if (HAS(2, 8)) { if (ORDER(1)) { STORE(n, yy16); } n++; }
-  if (HAS(2, 8)) { if (ORDER(1)) { STORE(n, yz16); } n++; }
-  if (HAS(2, 8)) { if (ORDER(1)) { STORE(n, zz16); } n++; }
-  if (HAS(0, 1)) { if (ORDER(1)) { STORE(n, v17); } n++; }
-  if (HAS(1, 1)) { if (ORDER(1)) { STORE(n, x17); } n++; }
-  if (HAS(1, 1)) { if (ORDER(1)) { STORE(n, y17); } n++; }
-  if (HAS(1, 1)) { if (ORDER(1)) { STORE(n, z17); } n++; }
-  if (HAS(2, 1)) { if (ORDER(1)) { STORE(n, xx17); } n++; }
-  if (HAS(2, 1)) { if (ORDER(1)) { STORE(n, xy17); } n++; }
-  if (HAS(2, 1)) { if (ORDER(1)) { STORE(n, xz17); } n++; }
-  if (HAS(2, 1)) { if (ORDER(1)) { STORE(n, yy17); } n++; }
-  if (HAS(2, 1)) { if (ORDER(1)) { STORE(n, yz17); } n++; }
-  if (HAS(2, 1)) { if (ORDER(1)) { STORE(n, zz17); } n++; }
-  if (HAS(0, 2)) { if (ORDER(1)) { STORE(n, v18); } n++; }
-  if (HAS(1, 2)) { if (ORDER(1)) { STORE(n, x18); } n++; }
-  if (HAS(1, 2)) { if (ORDER(1)) { STORE(n, y18); } n++; }
-  if (HAS(1, 2)) { if (ORDER(1)) { STORE(n, z18); } n++; }
-  if (HAS(2, 2)) { if (ORDER(1)) { STORE(n, xx18); } n++; }
-  if (HAS(2, 2)) { if (ORDER(1)) { STORE(n, xy18); } n++; }
-  if (HAS(2, 2)) { if (ORDER(1)) { STORE(n, xz18); } n++; }
-  if (HAS(2, 2)) { if (ORDER(1)) { STORE(n, yy18); } n++; }
-  if (HAS(2, 2)) { if (ORDER(1)) { STORE(n, yz18); } n++; }
-  if (HAS(2, 2)) { if (ORDER(1)) { STORE(n, zz18); } n++; }
-  if (HAS(0, 3)) { if (ORDER(1)) { STORE(n, v19); } n++; }
-  if (HAS(1, 3)) { if (ORDER(1)) { STORE(n, x19); } n++; }
-  if (HAS(1, 3)) { if (ORDER(1)) { STORE(n, y19); } n++; }
-  if (HAS(1, 3)) { if (ORDER(1)) { STORE(n, z19); } n++; }
-  if (HAS(2, 3)) { if (ORDER(1)) { STORE(n, xx19); } n++; }
-  if (HAS(2, 3)) { if (ORDER(1)) { STORE(n, xy19); } n++; }
-  if (HAS(2, 3)) { if (ORDER(1)) { STORE(n, xz19); } n++; }
-  if (HAS(2, 3)) { if (ORDER(1)) { STORE(n, yy19); } n++; }
-  if (HAS(2, 3)) { if (ORDER(1)) { STORE(n, yz19); } n++; }
-  if (HAS(2, 3)) { if (ORDER(1)) { STORE(n, zz19); } n++; }
-  if (HAS(0, 4)) { if (ORDER(1)) { STORE(n, v20); } n++; }
-  if (HAS(1, 4)) { if (ORDER(1)) { STORE(n, x20); } n++; }
-  if (HAS(1, 4)) { if (ORDER(1)) { STORE(n, y20); } n++; }
-  if (HAS(1, 4)) { if (ORDER(1)) { STORE(n, z20); } n++; }
-  if (HAS(2, 4)) { if (ORDER(1)) { STORE(n, xx20); } n++; }
-  if (HAS(2, 4)) { if (ORDER(1)) { STORE(n, xy20); } n++; }
-  if (HAS(2, 4)) { if (ORDER(1)) { STORE(n, xz20); } n++; }
-  if (HAS(2, 4)) { if (ORDER(1)) { STORE(n, yy20); } n++; }
-  if (HAS(2, 4)) { if (ORDER(1)) { STORE(n, yz20); } n++; }
-  if (HAS(2, 4)) { if (ORDER(1)) { STORE(n, zz20); } n++; }
-  if (HAS(0, 5)) { if (ORDER(1)) { STORE(n, v21); } n++; }
-  if (HAS(1, 5)) { if (ORDER(1)) { STORE(n, x21); } n++; }
-  if (HAS(1, 5)) { if (ORDER(1)) { STORE(n, y21); } n++; }
-  if (HAS(1, 5)) { if (ORDER(1)) { STORE(n, z21); } n++; }
-  if (HAS(2, 5)) { if (ORDER(1)) { STORE(n, xx21); } n++; }
-  if (HAS(2, 5)) { if (ORDER(1)) { STORE(n, xy21); } n++; }
-  if (HAS(2, 5)) { if (ORDER(1)) { STORE(n, xz21); } n++; }
-  if (HAS(2, 5)) { if (ORDER(1)) { STORE(n, yy21); } n++; }
-  if (HAS(2, 5)) { if (ORDER(1)) { STORE(n, yz21); } n++; }
-  if (HAS(2, 5)) { if (ORDER(1)) { STORE(n, zz21); } n++; }
-  if (HAS(0, 6)) { if (ORDER(1)) { STORE(n, v22); } n++; }
-  if (HAS(1, 6)) { if (ORDER(1)) { STORE(n, x22); } n++; }
-  if (HAS(1, 6)) { if (ORDER(1)) { STORE(n, y22); } n++; }
-  if (HAS(1, 6)) { if (ORDER(1)) { STORE(n, z22); } n++; }
-  if (HAS(2, 6)) { if (ORDER(1)) { STORE(n, xx22); } n++; }
-  if (HAS(2, 6)) { if (ORDER(1)) { STORE(n, xy22); } n++; }
-  if (HAS(2, 6)) { if (ORDER(1)) { STORE(n, xz22); } n++; }
-  if (HAS(2, 6)) { if (ORDER(1)) { STORE(n, yy22); } n++; }
-  if (HAS(2, 6)) { if (ORDER(1)) { STORE(n, yz22); } n++; }
-  if (HAS(2, 6)) { if (ORDER(1)) { STORE(n, zz22); } n++; }
-  if (HAS(0, 7)) { if (ORDER(1)) { STORE(n, v23); } n++; }
-  if (HAS(1, 7)) { if (ORDER(1)) { STORE(n, x23); } n++; }
-  if (HAS(1, 7)) { if (ORDER(1)) { STORE(n, y23); } n++; }
-  if (HAS(1, 7)) { if (ORDER(1)) { STORE(n, z23); } n++; }
-  if (HAS(2, 7)) { if (ORDER(1)) { STORE(n, xx23); } n++; }
-  if (HAS(2, 7)) { if (ORDER(1)) { STORE(n, xy23); } n++; }
-  if (HAS(2, 7)) { if (ORDER(1)) { STORE(n, xz23); } n++; }
-  if (HAS(2, 7)) { if (ORDER(1)) { STORE(n, yy23); } n++; }
-  if (HAS(2, 7)) { if (ORDER(1)) { STORE(n, yz23); } n++; }
-  if (HAS(2, 7)) { if (ORDER(1)) { STORE(n, zz23); } n++; }
-  if (HAS(0, 8)) { if (ORDER(1)) { STORE(n, v24); } n++; }
-  if (HAS(1, 8)) { if (ORDER(1)) { STORE(n, x24); } n++; }
-  if (HAS(1, 8)) { if (ORDER(1)) { STORE(n, y24); } n++; }
-  if (HAS(1, 8)) { if (ORDER(1)) { STORE(n, z24); } n++; }
-  if (HAS(2, 8)) { if (ORDER(1)) { STORE(n, xx24); } n++; }
-  if (HAS(2, 8)) { if (ORDER(1)) { STORE(n, xy24); } n++; }
-  if (HAS(2, 8)) { if (ORDER(1)) { STORE(n, xz24); } n++; }
-  if (HAS(2, 8)) { if (ORDER(1)) { STORE(n, yy24); } n++; }
-  if (HAS(2, 8)) { if (ORDER(1)) { STORE(n, yz24); } n++; }
-  if (HAS(2, 8)) { if (ORDER(1)) { STORE(n, zz24); } n++; }
-  if (HAS(0, 2)) { if (ORDER(2)) { STORE(n, v25); } n++; }
-  if (HAS(1, 2)) { if (ORDER(2)) { STORE(n, x25); } n++; }
-  if (HAS(1, 2)) { if (ORDER(2)) { STORE(n, y25); } n++; }
-  if (HAS(1, 2)) { if (ORDER(2)) { STORE(n, z25); } n++; }
-  if (HAS(2, 2)) { if (ORDER(2)) { STORE(n, xx25); } n++; }
-  if (HAS(2, 2)) { if (ORDER(2)) { STORE(n, xy25); } n++; }
-  if (HAS(2, 2)) { if (ORDER(2)) { STORE(n, xz25); } n++; }
-  if (HAS(2, 2)) { if (ORDER(2)) { STORE(n, yy25); } n++; }
-  if (HAS(2, 2)) { if (ORDER(2)) { STORE(n, yz25); } n++; }
-  if (HAS(2, 2)) { if (ORDER(2)) { STORE(n, zz25); } n++; }
-  if (HAS(0, 3)) { if (ORDER(2)) { STORE(n, v26); } n++; }
-  if (HAS(1, 3)) { if (ORDER(2)) { STORE(n, x26); } n++; }
-  if (HAS(1, 3)) { if (ORDER(2)) { STORE(n, y26); } n++; }
-  if (HAS(1, 3)) { if (ORDER(2)) { STORE(n, z26); } n++; }
-  if (HAS(2, 3)) { if (ORDER(2)) { STORE(n, xx26); } n++; }
-  if (HAS(2, 3)) { if (ORDER(2)) { STORE(n, xy26); } n++; }
-  if (HAS(2, 3)) { if (ORDER(2)) { STORE(n, xz26); } n++; }
-  if (HAS(2, 3)) { if (ORDER(2)) { STORE(n, yy26); } n++; }
-  if (HAS(2, 3)) { if (ORDER(2)) { STORE(n, yz26); } n++; }
-  if (HAS(2, 3)) { if (ORDER(2)) { STORE(n, zz26); } n++; }
-  if (HAS(0, 4)) { if (ORDER(2)) { STORE(n, v27); } n++; }
-  if (HAS(1, 4)) { if (ORDER(2)) { STORE(n, x27); } n++; }
-  if (HAS(1, 4)) { if (ORDER(2)) { STORE(n, y27); } n++; }
-  if (HAS(1, 4)) { if (ORDER(2)) { STORE(n, z27); } n++; }
-  if (HAS(2, 4)) { if (ORDER(2)) { STORE(n, xx27); } n++; }
-  if (HAS(2, 4)) { if (ORDER(2)) { STORE(n, xy27); } n++; }
-  if (HAS(2, 4)) { if (ORDER(2)) { STORE(n, xz27); } n++; }
-  if (HAS(2, 4)) { if (ORDER(2)) { STORE(n, yy27); } n++; }
-  if (HAS(2, 4)) { if (ORDER(2)) { STORE(n, yz27); } n++; }
-  if (HAS(2, 4)) { if (ORDER(2)) { STORE(n, zz27); } n++; }
-  if (HAS(0, 5)) { if (ORDER(2)) { STORE(n, v28); } n++; }
-  if (HAS(1, 5)) { if (ORDER(2)) { STORE(n, x28); } n++; }
-  if (HAS(1, 5)) { if (ORDER(2)) { STORE(n, y28); } n++; }
-  if (HAS(1, 5)) { if (ORDER(2)) { STORE(n, z28); } n++; }
-  if (HAS(2, 5)) { if (ORDER(2)) { STORE(n, xx28); } n++; }
-  if (HAS(2, 5)) { if (ORDER(2)) { STORE(n, xy28); } n++; }
-  if (HAS(2, 5)) { if (ORDER(2)) { STORE(n, xz28); } n++; }
-  if (HAS(2, 5)) { if (ORDER(2)) { STORE(n, yy28); } n++; }
-  if (HAS(2, 5)) { if (ORDER(2)) { STORE(n, yz28); } n++; }
-  if (HAS(2, 5)) { if (ORDER(2)) { STORE(n, zz28); } n++; }
-  if (HAS(0, 6)) { if (ORDER(2)) { STORE(n, v29); } n++; }
-  if (HAS(1, 6)) { if (ORDER(2)) { STORE(n, x29); } n++; }
-  if (HAS(1, 6)) { if (ORDER(2)) { STORE(n, y29); } n++; }
-  if (HAS(1, 6)) { if (ORDER(2)) { STORE(n, z29); } n++; }
-  if (HAS(2, 6)) { if (ORDER(2)) { STORE(n, xx29); } n++; }
-  if (HAS(2, 6)) { if (ORDER(2)) { STORE(n, xy29); } n++; }
-  if (HAS(2, 6)) { if (ORDER(2)) { STORE(n, xz29); } n++; }
-  if (HAS(2, 6)) { if (ORDER(2)) { STORE(n, yy29); } n++; }
-  if (HAS(2, 6)) { if (ORDER(2)) { STORE(n, yz29); } n++; }
-  if (HAS(2, 6)) { if (ORDER(2)) { STORE(n, zz29); } n++; }
-  if (HAS(0, 7)) { if (ORDER(2)) { STORE(n, v30); } n++; }
-  if (HAS(1, 7)) { if (ORDER(2)) { STORE(n, x30); } n++; }
-  if (HAS(1, 7)) { if (ORDER(2)) { STORE(n, y30); } n++; }
-  if (HAS(1, 7)) { if (ORDER(2)) { STORE(n, z30); } n++; }
-  if (HAS(2, 7)) { if (ORDER(2)) { STORE(n, xx30); } n++; }
-  if (HAS(2, 7)) { if (ORDER(2)) { STORE(n, xy30); } n++; }
-  if (HAS(2, 7)) { if (ORDER(2)) { STORE(n, xz30); } n++; }
-  if (HAS(2, 7)) { if (ORDER(2)) { STORE(n, yy30); } n++; }
-  if (HAS(2, 7)) { if (ORDER(2)) { STORE(n, yz30); } n++; }
-  if (HAS(2, 7)) { if (ORDER(2)) { STORE(n, zz30); } n++; }
-  if (HAS(0, 8)) { if (ORDER(2)) { STORE(n, v31); } n++; }
-  if (HAS(1, 8)) { if (ORDER(2)) { STORE(n, x31); } n++; }
-  if (HAS(1, 8)) { if (ORDER(2)) { STORE(n, y31); } n++; }
-  if (HAS(1, 8)) { if (ORDER(2)) { STORE(n, z31); } n++; }
-  if (HAS(2, 8)) { if (ORDER(2)) { STORE(n, xx31); } n++; }
-  if (HAS(2, 8)) { if (ORDER(2)) { STORE(n, xy31); } n++; }
-  if (HAS(2, 8)) { if (ORDER(2)) { STORE(n, xz31); } n++; }
-  if (HAS(2, 8)) { if (ORDER(2)) { STORE(n, yy31); } n++; }
-  if (HAS(2, 8)) { if (ORDER(2)) { STORE(n, yz31); } n++; }
-  if (HAS(2, 8)) { if (ORDER(2)) { STORE(n, zz31); } n++; }
-  if (HAS(0, 2)) { if (ORDER(2)) { STORE(n, v32); } n++; }
-  if (HAS(1, 2)) { if (ORDER(2)) { STORE(n, x32); } n++; }
-  if (HAS(1, 2)) { if (ORDER(2)) { STORE(n, y32); } n++; }
-  if (HAS(1, 2)) { if (ORDER(2)) { STORE(n, z32); } n++; }
-  if (HAS(2, 2)) { if (ORDER(2)) { STORE(n, xx32); } n++; }
-  if (HAS(2, 2)) { if (ORDER(2)) { STORE(n, xy32); } n++; }
-  if (HAS(2, 2)) { if (ORDER(2)) { STORE(n, xz32); } n++; }
-  if (HAS(2, 2)) { if (ORDER(2)) { STORE(n, yy32); } n++; }
-  if (HAS(2, 2)) { if (ORDER(2)) { STORE(n, yz32); } n++; }
-  if (HAS(2, 2)) { if (ORDER(2)) { STORE(n, zz32); } n++; }
-  if (HAS(0, 3)) { if (ORDER(2)) { STORE(n, v33); } n++; }
-  if (HAS(1, 3)) { if (ORDER(2)) { STORE(n, x33); } n++; }
-  if (HAS(1, 3)) { if (ORDER(2)) { STORE(n, y33); } n++; }
-  if (HAS(1, 3)) { if (ORDER(2)) { STORE(n, z33); } n++; }
-  if (HAS(2, 3)) { if (ORDER(2)) { STORE(n, xx33); } n++; }
-  if (HAS(2, 3)) { if (ORDER(2)) { STORE(n, xy33); } n++; }
-  if (HAS(2, 3)) { if (ORDER(2)) { STORE(n, xz33); } n++; }
-  if (HAS(2, 3)) { if (ORDER(2)) { STORE(n, yy33); } n++; }
-  if (HAS(2, 3)) { if (ORDER(2)) { STORE(n, yz33); } n++; }
-  if (HAS(2, 3)) { if (ORDER(2)) { STORE(n, zz33); } n++; }
-  if (HAS(0, 4)) { if (ORDER(2)) { STORE(n, v34); } n++; }
-  if (HAS(1, 4)) { if (ORDER(2)) { STORE(n, x34); } n++; }
-  if (HAS(1, 4)) { if (ORDER(2)) { STORE(n, y34); } n++; }
-  if (HAS(1, 4)) { if (ORDER(2)) { STORE(n, z34); } n++; }
-  if (HAS(2, 4)) { if (ORDER(2)) { STORE(n, xx34); } n++; }
-  if (HAS(2, 4)) { if (ORDER(2)) { STORE(n, xy34); } n++; }
-  if (HAS(2, 4)) { if (ORDER(2)) { STORE(n, xz34); } n++; }
-  if (HAS(2, 4)) { if (ORDER(2)) { STORE(n, yy34); } n++; }
-  if (HAS(2, 4)) { if (ORDER(2)) { STORE(n, yz34); } n++; }
-  if (HAS(2, 4)) { if (ORDER(2)) { STORE(n, zz34); } n++; }
-  if (HAS(0, 5)) { if (ORDER(2)) { STORE(n, v35); } n++; }
-  if (HAS(1, 5)) { if (ORDER(2)) { STORE(n, x35); } n++; }
-  if (HAS(1, 5)) { if (ORDER(2)) { STORE(n, y35); } n++; }
-  if (HAS(1, 5)) { if (ORDER(2)) { STORE(n, z35); } n++; }
-  if (HAS(2, 5)) { if (ORDER(2)) { STORE(n, xx35); } n++; }
-  if (HAS(2, 5)) { if (ORDER(2)) { STORE(n, xy35); } n++; }
-  if (HAS(2, 5)) { if (ORDER(2)) { STORE(n, xz35); } n++; }
-  if (HAS(2, 5)) { if (ORDER(2)) { STORE(n, yy35); } n++; }
-  if (HAS(2, 5)) { if (ORDER(2)) { STORE(n, yz35); } n++; }
-  if (HAS(2, 5)) { if (ORDER(2)) { STORE(n, zz35); } n++; }
-  if (HAS(0, 6)) { if (ORDER(2)) { STORE(n, v36); } n++; }
-  if (HAS(1, 6)) { if (ORDER(2)) { STORE(n, x36); } n++; }
-  if (HAS(1, 6)) { if (ORDER(2)) { STORE(n, y36); } n++; }
-  if (HAS(1, 6)) { if (ORDER(2)) { STORE(n, z36); } n++; }
-  if (HAS(2, 6)) { if (ORDER(2)) { STORE(n, xx36); } n++; }
-  if (HAS(2, 6)) { if (ORDER(2)) { STORE(n, xy36); } n++; }
-  if (HAS(2, 6)) { if (ORDER(2)) { STORE(n, xz36); } n++; }
-  if (HAS(2, 6)) { if (ORDER(2)) { STORE(n, yy36); } n++; }
-  if (HAS(2, 6)) { if (ORDER(2)) { STORE(n, yz36); } n++; }
-  if (HAS(2, 6)) { if (ORDER(2)) { STORE(n, zz36); } n++; }
-  if (HAS(0, 7)) { if (ORDER(2)) { STORE(n, v37); } n++; }
-  if (HAS(1, 7)) { if (ORDER(2)) { STORE(n, x37); } n++; }
-  if (HAS(1, 7)) { if (ORDER(2)) { STORE(n, y37); } n++; }
-  if (HAS(1, 7)) { if (ORDER(2)) { STORE(n, z37); } n++; }
-  if (HAS(2, 7)) { if (ORDER(2)) { STORE(n, xx37); } n++; }
-  if (HAS(2, 7)) { if (ORDER(2)) { STORE(n, xy37); } n++; }
-  if (HAS(2, 7)) { if (ORDER(2)) { STORE(n, xz37); } n++; }
-  if (HAS(2, 7)) { if (ORDER(2)) { STORE(n, yy37); } n++; }
-  if (HAS(2, 7)) { if (ORDER(2)) { STORE(n, yz37); } n++; }
-  if (HAS(2, 7)) { if (ORDER(2)) { STORE(n, zz37); } n++; }
-  if (HAS(0, 8)) { if (ORDER(2)) { STORE(n, v38); } n++; }
-  if (HAS(1, 8)) { if (ORDER(2)) { STORE(n, x38); } n++; }
-  if (HAS(1, 8)) { if (ORDER(2)) { STORE(n, y38); } n++; }
-  if (HAS(1, 8)) { if (ORDER(2)) { STORE(n, z38); } n++; }
-  if (HAS(2, 8)) { if (ORDER(2)) { STORE(n, xx38); } n++; }
-  if (HAS(2, 8)) { if (ORDER(2)) { STORE(n, xy38); } n++; }
-  if (HAS(2, 8)) { if (ORDER(2)) { STORE(n, xz38); } n++; }
-  if (HAS(2, 8)) { if (ORDER(2)) { STORE(n, yy38); } n++; }
-  if (HAS(2, 8)) { if (ORDER(2)) { STORE(n, yz38); } n++; }
-  if (HAS(2, 8)) { if (ORDER(2)) { STORE(n, zz38); } n++; }
-  if (HAS(0, 3)) { if (ORDER(3)) { STORE(n, v39); } n++; }
-  if (HAS(1, 3)) { if (ORDER(3)) { STORE(n, x39); } n++; }
-  if (HAS(1, 3)) { if (ORDER(3)) { STORE(n, y39); } n++; }
-  if (HAS(1, 3)) { if (ORDER(3)) { STORE(n, z39); } n++; }
-  if (HAS(2, 3)) { if (ORDER(3)) { STORE(n, xx39); } n++; }
-  if (HAS(2, 3)) { if (ORDER(3)) { STORE(n, xy39); } n++; }
-  if (HAS(2, 3)) { if (ORDER(3)) { STORE(n, xz39); } n++; }
-  if (HAS(2, 3)) { if (ORDER(3)) { STORE(n, yy39); } n++; }
-  if (HAS(2, 3)) { if (ORDER(3)) { STORE(n, yz39); } n++; }
-  if (HAS(2, 3)) { if (ORDER(3)) { STORE(n, zz39); } n++; }
-  if (HAS(0, 4)) { if (ORDER(3)) { STORE(n, v40); } n++; }
-  if (HAS(1, 4)) { if (ORDER(3)) { STORE(n, x40); } n++; }
-  if (HAS(1, 4)) { if (ORDER(3)) { STORE(n, y40); } n++; }
-  if (HAS(1, 4)) { if (ORDER(3)) { STORE(n, z40); } n++; }
-  if (HAS(2, 4)) { if (ORDER(3)) { STORE(n, xx40); } n++; }
-  if (HAS(2, 4)) { if (ORDER(3)) { STORE(n, xy40); } n++; }
-  if (HAS(2, 4)) { if (ORDER(3)) { STORE(n, xz40); } n++; }
-  if (HAS(2, 4)) { if (ORDER(3)) { STORE(n, yy40); } n++; }
-  if (HAS(2, 4)) { if (ORDER(3)) { STORE(n, yz40); } n++; }
-  if (HAS(2, 4)) { if (ORDER(3)) { STORE(n, zz40); } n++; }
-  if (HAS(0, 5)) { if (ORDER(3)) { STORE(n, v41); } n++; }
-  if (HAS(1, 5)) { if (ORDER(3)) { STORE(n, x41); } n++; }
-  if (HAS(1, 5)) { if (ORDER(3)) { STORE(n, y41); } n++; }
-  if (HAS(1, 5)) { if (ORDER(3)) { STORE(n, z41); } n++; }
-  if (HAS(2, 5)) { if (ORDER(3)) { STORE(n, xx41); } n++; }
-  if (HAS(2, 5)) { if (ORDER(3)) { STORE(n, xy41); } n++; }
-  if (HAS(2, 5)) { if (ORDER(3)) { STORE(n, xz41); } n++; }
-  if (HAS(2, 5)) { if (ORDER(3)) { STORE(n, yy41); } n++; }
-  if (HAS(2, 5)) { if (ORDER(3)) { STORE(n, yz41); } n++; }
-  if (HAS(2, 5)) { if (ORDER(3)) { STORE(n, zz41); } n++; }
-  if (HAS(0, 6)) { if (ORDER(3)) { STORE(n, v42); } n++; }
-  if (HAS(1, 6)) { if (ORDER(3)) { STORE(n, x42); } n++; }
-  if (HAS(1, 6)) { if (ORDER(3)) { STORE(n, y42); } n++; }
-  if (HAS(1, 6)) { if (ORDER(3)) { STORE(n, z42); } n++; }
-  if (HAS(2, 6)) { if (ORDER(3)) { STORE(n, xx42); } n++; }
-  if (HAS(2, 6)) { if (ORDER(3)) { STORE(n, xy42); } n++; }
-  if (HAS(2, 6)) { if (ORDER(3)) { STORE(n, xz42); } n++; }
-  if (HAS(2, 6)) { if (ORDER(3)) { STORE(n, yy42); } n++; }
-  if (HAS(2, 6)) { if (ORDER(3)) { STORE(n, yz42); } n++; }
-  if (HAS(2, 6)) { if (ORDER(3)) { STORE(n, zz42); } n++; }
-  if (HAS(0, 7)) { if (ORDER(3)) { STORE(n, v43); } n++; }
-  if (HAS(1, 7)) { if (ORDER(3)) { STORE(n, x43); } n++; }
-  if (HAS(1, 7)) { if (ORDER(3)) { STORE(n, y43); } n++; }
-  if (HAS(1, 7)) { if (ORDER(3)) { STORE(n, z43); } n++; }
-  if (HAS(2, 7)) { if (ORDER(3)) { STORE(n, xx43); } n++; }
-  if (HAS(2, 7)) { if (ORDER(3)) { STORE(n, xy43); } n++; }
-  if (HAS(2, 7)) { if (ORDER(3)) { STORE(n, xz43); } n++; }
-  if (HAS(2, 7)) { if (ORDER(3)) { STORE(n, yy43); } n++; }
-  if (HAS(2, 7)) { if (ORDER(3)) { STORE(n, yz43); } n++; }
-  if (HAS(2, 7)) { if (ORDER(3)) { STORE(n, zz43); } n++; }
-  if (HAS(0, 8)) { if (ORDER(3)) { STORE(n, v44); } n++; }
-  if (HAS(1, 8)) { if (ORDER(3)) { STORE(n, x44); } n++; }
-  if (HAS(1, 8)) { if (ORDER(3)) { STORE(n, y44); } n++; }
-  if (HAS(1, 8)) { if (ORDER(3)) { STORE(n, z44); } n++; }
-  if (HAS(2, 8)) { if (ORDER(3)) { STORE(n, xx44); } n++; }
-  if (HAS(2, 8)) { if (ORDER(3)) { STORE(n, xy44); } n++; }
-  if (HAS(2, 8)) { if (ORDER(3)) { STORE(n, xz44); } n++; }
-  if (HAS(2, 8)) { if (ORDER(3)) { STORE(n, yy44); } n++; }
-  if (HAS(2, 8)) { if (ORDER(3)) { STORE(n, yz44); } n++; }
-  if (HAS(2, 8)) { if (ORDER(3)) { STORE(n, zz44); } n++; }
-  if (HAS(0, 3)) { if (ORDER(3)) { STORE(n, v45); } n++; }
-  if (HAS(1, 3)) { if (ORDER(3)) { STORE(n, x45); } n++; }
-  if (HAS(1, 3)) { if (ORDER(3)) { STORE(n, y45); } n++; }
-  if (HAS(1, 3)) { if (ORDER(3)) { STORE(n, z45); } n++; }
-  if (HAS(2, 3)) { if (ORDER(3)) { STORE(n, xx45); } n++; }
-  if (HAS(2, 3)) { if (ORDER(3)) { STORE(n, xy45); } n++; }
-  if (HAS(2, 3)) { if (ORDER(3)) { STORE(n, xz45); } n++; }
-  if (HAS(2, 3)) { if (ORDER(3)) { STORE(n, yy45); } n++; }
-  if (HAS(2, 3)) { if (ORDER(3)) { STORE(n, yz45); } n++; }
-  if (HAS(2, 3)) { if (ORDER(3)) { STORE(n, zz45); } n++; }
-  if (HAS(0, 4)) { if (ORDER(3)) { STORE(n, v46); } n++; }
-  if (HAS(1, 4)) { if (ORDER(3)) { STORE(n, x46); } n++; }
-  if (HAS(1, 4)) { if (ORDER(3)) { STORE(n, y46); } n++; }
-  if (HAS(1, 4)) { if (ORDER(3)) { STORE(n, z46); } n++; }
-  if (HAS(2, 4)) { if (ORDER(3)) { STORE(n, xx46); } n++; }
-  if (HAS(2, 4)) { if (ORDER(3)) { STORE(n, xy46); } n++; }
-  if (HAS(2, 4)) { if (ORDER(3)) { STORE(n, xz46); } n++; }
-  if (HAS(2, 4)) { if (ORDER(3)) { STORE(n, yy46); } n++; }
-  if (HAS(2, 4)) { if (ORDER(3)) { STORE(n, yz46); } n++; }
-  if (HAS(2, 4)) { if (ORDER(3)) { STORE(n, zz46); } n++; }
-  if (HAS(0, 5)) { if (ORDER(3)) { STORE(n, v47); } n++; }
-  if (HAS(1, 5)) { if (ORDER(3)) { STORE(n, x47); } n++; }
-  if (HAS(1, 5)) { if (ORDER(3)) { STORE(n, y47); } n++; }
-  if (HAS(1, 5)) { if (ORDER(3)) { STORE(n, z47); } n++; }
-  if (HAS(2, 5)) { if (ORDER(3)) { STORE(n, xx47); } n++; }
-  if (HAS(2, 5)) { if (ORDER(3)) { STORE(n, xy47); } n++; }
-  if (HAS(2, 5)) { if (ORDER(3)) { STORE(n, xz47); } n++; }
-  if (HAS(2, 5)) { if (ORDER(3)) { STORE(n, yy47); } n++; }
-  if (HAS(2, 5)) { if (ORDER(3)) { STORE(n, yz47); } n++; }
-  if (HAS(2, 5)) { if (ORDER(3)) { STORE(n, zz47); } n++; }
-  if (HAS(0, 6)) { if (ORDER(3)) { STORE(n, v48); } n++; }
-  if (HAS(1, 6)) { if (ORDER(3)) { STORE(n, x48); } n++; }
-  if (HAS(1, 6)) { if (ORDER(3)) { STORE(n, y48); } n++; }
-  if (HAS(1, 6)) { if (ORDER(3)) { STORE(n, z48); } n++; }
-  if (HAS(2, 6)) { if (ORDER(3)) { STORE(n, xx48); } n++; }
-  if (HAS(2, 6)) { if (ORDER(3)) { STORE(n, xy48); } n++; }
-  if (HAS(2, 6)) { if (ORDER(3)) { STORE(n, xz48); } n++; }
-  if (HAS(2, 6)) { if (ORDER(3)) { STORE(n, yy48); } n++; }
-  if (HAS(2, 6)) { if (ORDER(3)) { STORE(n, yz48); } n++; }
-  if (HAS(2, 6)) { if (ORDER(3)) { STORE(n, zz48); } n++; }
-  if (HAS(0, 7)) { if (ORDER(3)) { STORE(n, v49); } n++; }
-  if (HAS(1, 7)) { if (ORDER(3)) { STORE(n, x49); } n++; }
-  if (HAS(1, 7)) { if (ORDER(3)) { STORE(n, y49); } n++; }
-  if (HAS(1, 7)) { if (ORDER(3)) { STORE(n, z49); } n++; }
-  if (HAS(2, 7)) { if (ORDER(3)) { STORE(n, xx49); } n++; }
-  if (HAS(2, 7)) { if (ORDER(3)) { STORE(n, xy49); } n++; }
-  if (HAS(2, 7)) { if (ORDER(3)) { STORE(n, xz49); } n++; }
-  if (HAS(2, 7)) { if (ORDER(3)) { STORE(n, yy49); } n++; }
-  if (HAS(2, 7)) { if (ORDER(3)) { STORE(n, yz49); } n++; }
-  if (HAS(2, 7)) { if (ORDER(3)) { STORE(n, zz49); } n++; }
-  if (HAS(0, 8)) { if (ORDER(3)) { STORE(n, v50); } n++; }
-  if (HAS(1, 8)) { if (ORDER(3)) { STORE(n, x50); } n++; }
-  if (HAS(1, 8)) { if (ORDER(3)) { STORE(n, y50); } n++; }
-  if (HAS(1, 8)) { if (ORDER(3)) { STORE(n, z50); } n++; }
-  if (HAS(2, 8)) { if (ORDER(3)) { STORE(n, xx50); } n++; }
-  if (HAS(2, 8)) { if (ORDER(3)) { STORE(n, xy50); } n++; }
-  if (HAS(2, 8)) { if (ORDER(3)) { STORE(n, xz50); } n++; }
-  if (HAS(2, 8)) { if (ORDER(3)) { STORE(n, yy50); } n++; }
-  if (HAS(2, 8)) { if (ORDER(3)) { STORE(n, yz50); } n++; }
-  if (HAS(2, 8)) { if (ORDER(3)) { STORE(n, zz50); } n++; }
-  if (HAS(0, 4)) { if (ORDER(4)) { STORE(n, v51); } n++; }
-  if (HAS(1, 4)) { if (ORDER(4)) { STORE(n, x51); } n++; }
-  if (HAS(1, 4)) { if (ORDER(4)) { STORE(n, y51); } n++; }
-  if (HAS(1, 4)) { if (ORDER(4)) { STORE(n, z51); } n++; }
-  if (HAS(2, 4)) { if (ORDER(4)) { STORE(n, xx51); } n++; }
-  if (HAS(2, 4)) { if (ORDER(4)) { STORE(n, xy51); } n++; }
-  if (HAS(2, 4)) { if (ORDER(4)) { STORE(n, xz51); } n++; }
-  if (HAS(2, 4)) { if (ORDER(4)) { STORE(n, yy51); } n++; }
-  if (HAS(2, 4)) { if (ORDER(4)) { STORE(n, yz51); } n++; }
-  if (HAS(2, 4)) { if (ORDER(4)) { STORE(n, zz51); } n++; }
-  if (HAS(0, 5)) { if (ORDER(4)) { STORE(n, v52); } n++; }
-  if (HAS(1, 5)) { if (ORDER(4)) { STORE(n, x52); } n++; }
-  if (HAS(1, 5)) { if (ORDER(4)) { STORE(n, y52); } n++; }
-  if (HAS(1, 5)) { if (ORDER(4)) { STORE(n, z52); } n++; }
-  if (HAS(2, 5)) { if (ORDER(4)) { STORE(n, xx52); } n++; }
-  if (HAS(2, 5)) { if (ORDER(4)) { STORE(n, xy52); } n++; }
-  if (HAS(2, 5)) { if (ORDER(4)) { STORE(n, xz52); } n++; }
-  if (HAS(2, 5)) { if (ORDER(4)) { STORE(n, yy52); } n++; }
-  if (HAS(2, 5)) { if (ORDER(4)) { STORE(n, yz52); } n++; }
-  if (HAS(2, 5)) { if (ORDER(4)) { STORE(n, zz52); } n++; }
-  if (HAS(0, 6)) { if (ORDER(4)) { STORE(n, v53); } n++; }
-  if (HAS(1, 6)) { if (ORDER(4)) { STORE(n, x53); } n++; }
-  if (HAS(1, 6)) { if (ORDER(4)) { STORE(n, y53); } n++; }
-  if (HAS(1, 6)) { if (ORDER(4)) { STORE(n, z53); } n++; }
-  if (HAS(2, 6)) { if (ORDER(4)) { STORE(n, xx53); } n++; }
-  if (HAS(2, 6)) { if (ORDER(4)) { STORE(n, xy53); } n++; }
-  if (HAS(2, 6)) { if (ORDER(4)) { STORE(n, xz53); } n++; }
-  if (HAS(2, 6)) { if (ORDER(4)) { STORE(n, yy53); } n++; }
-  if (HAS(2, 6)) { if (ORDER(4)) { STORE(n, yz53); } n++; }
-  if (HAS(2, 6)) { if (ORDER(4)) { STORE(n, zz53); } n++; }
-  if (HAS(0, 7)) { if (ORDER(4)) { STORE(n, v54); } n++; }
-  if (HAS(1, 7)) { if (ORDER(4)) { STORE(n, x54); } n++; }
-  if (HAS(1, 7)) { if (ORDER(4)) { STORE(n, y54); } n++; }
-  if (HAS(1, 7)) { if (ORDER(4)) { STORE(n, z54); } n++; }
-  if (HAS(2, 7)) { if (ORDER(4)) { STORE(n, xx54); } n++; }
-  if (HAS(2, 7)) { if (ORDER(4)) { STORE(n, xy54); } n++; }
-  if (HAS(2, 7)) { if (ORDER(4)) { STORE(n, xz54); } n++; }
-  if (HAS(2, 7)) { if (ORDER(4)) { STORE(n, yy54); } n++; }
-  if (HAS(2, 7)) { if (ORDER(4)) { STORE(n, yz54); } n++; }
-  if (HAS(2, 7)) { if (ORDER(4)) { STORE(n, zz54); } n++; }
-  if (HAS(0, 8)) { if (ORDER(4)) { STORE(n, v55); } n++; }
-  if (HAS(1, 8)) { if (ORDER(4)) { STORE(n, x55); } n++; }
-  if (HAS(1, 8)) { if (ORDER(4)) { STORE(n, y55); } n++; }
-  if (HAS(1, 8)) { if (ORDER(4)) { STORE(n, z55); } n++; }
-  if (HAS(2, 8)) { if (ORDER(4)) { STORE(n, xx55); } n++; }
-  if (HAS(2, 8)) { if (ORDER(4)) { STORE(n, xy55); } n++; }
-  if (HAS(2, 8)) { if (ORDER(4)) { STORE(n, xz55); } n++; }
-  if (HAS(2, 8)) { if (ORDER(4)) { STORE(n, yy55); } n++; }
-  if (HAS(2, 8)) { if (ORDER(4)) { STORE(n, yz55); } n++; }
-  if (HAS(2, 8)) { if (ORDER(4)) { STORE(n, zz55); } n++; }
-  if (HAS(0, 4)) { if (ORDER(4)) { STORE(n, v56); } n++; }
-  if (HAS(1, 4)) { if (ORDER(4)) { STORE(n, x56); } n++; }
-  if (HAS(1, 4)) { if (ORDER(4)) { STORE(n, y56); } n++; }
-  if (HAS(1, 4)) { if (ORDER(4)) { STORE(n, z56); } n++; }
-  if (HAS(2, 4)) { if (ORDER(4)) { STORE(n, xx56); } n++; }
-  if (HAS(2, 4)) { if (ORDER(4)) { STORE(n, xy56); } n++; }
-  if (HAS(2, 4)) { if (ORDER(4)) { STORE(n, xz56); } n++; }
-  if (HAS(2, 4)) { if (ORDER(4)) { STORE(n, yy56); } n++; }
-  if (HAS(2, 4)) { if (ORDER(4)) { STORE(n, yz56); } n++; }
-  if (HAS(2, 4)) { if (ORDER(4)) { STORE(n, zz56); } n++; }
-  if (HAS(0, 5)) { if (ORDER(4)) { STORE(n, v57); } n++; }
-  if (HAS(1, 5)) { if (ORDER(4)) { STORE(n, x57); } n++; }
-  if (HAS(1, 5)) { if (ORDER(4)) { STORE(n, y57); } n++; }
-  if (HAS(1, 5)) { if (ORDER(4)) { STORE(n, z57); } n++; }
-  if (HAS(2, 5)) { if (ORDER(4)) { STORE(n, xx57); } n++; }
-  if (HAS(2, 5)) { if (ORDER(4)) { STORE(n, xy57); } n++; }
-  if (HAS(2, 5)) { if (ORDER(4)) { STORE(n, xz57); } n++; }
-  if (HAS(2, 5)) { if (ORDER(4)) { STORE(n, yy57); } n++; }
-  if (HAS(2, 5)) { if (ORDER(4)) { STORE(n, yz57); } n++; }
-  if (HAS(2, 5)) { if (ORDER(4)) { STORE(n, zz57); } n++; }
-  if (HAS(0, 6)) { if (ORDER(4)) { STORE(n, v58); } n++; }
-  if (HAS(1, 6)) { if (ORDER(4)) { STORE(n, x58); } n++; }
-  if (HAS(1, 6)) { if (ORDER(4)) { STORE(n, y58); } n++; }
-  if (HAS(1, 6)) { if (ORDER(4)) { STORE(n, z58); } n++; }
-  if (HAS(2, 6)) { if (ORDER(4)) { STORE(n, xx58); } n++; }
-  if (HAS(2, 6)) { if (ORDER(4)) { STORE(n, xy58); } n++; }
-  if (HAS(2, 6)) { if (ORDER(4)) { STORE(n, xz58); } n++; }
-  if (HAS(2, 6)) { if (ORDER(4)) { STORE(n, yy58); } n++; }
-  if (HAS(2, 6)) { if (ORDER(4)) { STORE(n, yz58); } n++; }
-  if (HAS(2, 6)) { if (ORDER(4)) { STORE(n, zz58); } n++; }
-  if (HAS(0, 7)) { if (ORDER(4)) { STORE(n, v59); } n++; }
-  if (HAS(1, 7)) { if (ORDER(4)) { STORE(n, x59); } n++; }
-  if (HAS(1, 7)) { if (ORDER(4)) { STORE(n, y59); } n++; }
-  if (HAS(1, 7)) { if (ORDER(4)) { STORE(n, z59); } n++; }
-  if (HAS(2, 7)) { if (ORDER(4)) { STORE(n, xx59); } n++; }
-  if (HAS(2, 7)) { if (ORDER(4)) { STORE(n, xy59); } n++; }
-  if (HAS(2, 7)) { if (ORDER(4)) { STORE(n, xz59); } n++; }
-  if (HAS(2, 7)) { if (ORDER(4)) { STORE(n, yy59); } n++; }
-  if (HAS(2, 7)) { if (ORDER(4)) { STORE(n, yz59); } n++; }
-  if (HAS(2, 7)) { if (ORDER(4)) { STORE(n, zz59); } n++; }
-  if (HAS(0, 8)) { if (ORDER(4)) { STORE(n, v60); } n++; }
-  if (HAS(1, 8)) { if (ORDER(4)) { STORE(n, x60); } n++; }
-  if (HAS(1, 8)) { if (ORDER(4)) { STORE(n, y60); } n++; }
-  if (HAS(1, 8)) { if (ORDER(4)) { STORE(n, z60); } n++; }
-  if (HAS(2, 8)) { if (ORDER(4)) { STORE(n, xx60); } n++; }
-  if (HAS(2, 8)) { if (ORDER(4)) { STORE(n, xy60); } n++; }
-  if (HAS(2, 8)) { if (ORDER(4)) { STORE(n, xz60); } n++; }
-  if (HAS(2, 8)) { if (ORDER(4)) { STORE(n, yy60); } n++; }
-  if (HAS(2, 8)) { if (ORDER(4)) { STORE(n, yz60); } n++; }
-  if (HAS(2, 8)) { if (ORDER(4)) { STORE(n, zz60); } n++; }
-  if (HAS(0, 5)) { if (ORDER(5)) { STORE(n, v61); } n++; }
-  if (HAS(1, 5)) { if (ORDER(5)) { STORE(n, x61); } n++; }
-  if (HAS(1, 5)) { if (ORDER(5)) { STORE(n, y61); } n++; }
-  if (HAS(1, 5)) { if (ORDER(5)) { STORE(n, z61); } n++; }
-  if (HAS(2, 5)) { if (ORDER(5)) { STORE(n, xx61); } n++; }
-  if (HAS(2, 5)) { if (ORDER(5)) { STORE(n, xy61); } n++; }
-  if (HAS(2, 5)) { if (ORDER(5)) { STORE(n, xz61); } n++; }
-  if (HAS(2, 5)) { if (ORDER(5)) { STORE(n, yy61); } n++; }
-  if (HAS(2, 5)) { if (ORDER(5)) { STORE(n, yz61); } n++; }
-  if (HAS(2, 5)) { if (ORDER(5)) { STORE(n, zz61); } n++; }
-  if (HAS(0, 6)) { if (ORDER(5)) { STORE(n, v62); } n++; }
-  if (HAS(1, 6)) { if (ORDER(5)) { STORE(n, x62); } n++; }
-  if (HAS(1, 6)) { if (ORDER(5)) { STORE(n, y62); } n++; }
-  if (HAS(1, 6)) { if (ORDER(5)) { STORE(n, z62); } n++; }
-  if (HAS(2, 6)) { if (ORDER(5)) { STORE(n, xx62); } n++; }
-  if (HAS(2, 6)) { if (ORDER(5)) { STORE(n, xy62); } n++; }
-  if (HAS(2, 6)) { if (ORDER(5)) { STORE(n, xz62); } n++; }
-  if (HAS(2, 6)) { if (ORDER(5)) { STORE(n, yy62); } n++; }
-  if (HAS(2, 6)) { if (ORDER(5)) { STORE(n, yz62); } n++; }
-  if (HAS(2, 6)) { if (ORDER(5)) { STORE(n, zz62); } n++; }
-  if (HAS(0, 7)) { if (ORDER(5)) { STORE(n, v63); } n++; }
-  if (HAS(1, 7)) { if (ORDER(5)) { STORE(n, x63); } n++; }
-  if (HAS(1, 7)) { if (ORDER(5)) { STORE(n, y63); } n++; }
-  if (HAS(1, 7)) { if (ORDER(5)) { STORE(n, z63); } n++; }
-  if (HAS(2, 7)) { if (ORDER(5)) { STORE(n, xx63); } n++; }
-  if (HAS(2, 7)) { if (ORDER(5)) { STORE(n, xy63); } n++; }
-  if (HAS(2, 7)) { if (ORDER(5)) { STORE(n, xz63); } n++; }
-  if (HAS(2, 7)) { if (ORDER(5)) { STORE(n, yy63); } n++; }
-  if (HAS(2, 7)) { if (ORDER(5)) { STORE(n, yz63); } n++; }
-  if (HAS(2, 7)) { if (ORDER(5)) { STORE(n, zz63); } n++; }
-  if (HAS(0, 8)) { if (ORDER(5)) { STORE(n, v64); } n++; }
-  if (HAS(1, 8)) { if (ORDER(5)) { STORE(n, x64); } n++; }
-  if (HAS(1, 8)) { if (ORDER(5)) { STORE(n, y64); } n++; }
-  if (HAS(1, 8)) { if (ORDER(5)) { STORE(n, z64); } n++; }
-  if (HAS(2, 8)) { if (ORDER(5)) { STORE(n, xx64); } n++; }
-  if (HAS(2, 8)) { if (ORDER(5)) { STORE(n, xy64); } n++; }
-  if (HAS(2, 8)) { if (ORDER(5)) { STORE(n, xz64); } n++; }
-  if (HAS(2, 8)) { if (ORDER(5)) { STORE(n, yy64); } n++; }
-  if (HAS(2, 8)) { if (ORDER(5)) { STORE(n, yz64); } n++; }
-  if (HAS(2, 8)) { if (ORDER(5)) { STORE(n, zz64); } n++; }
-  if (HAS(0, 5)) { if (ORDER(5)) { STORE(n, v65); } n++; }
-  if (HAS(1, 5)) { if (ORDER(5)) { STORE(n, x65); } n++; }
-  if (HAS(1, 5)) { if (ORDER(5)) { STORE(n, y65); } n++; }
-  if (HAS(1, 5)) { if (ORDER(5)) { STORE(n, z65); } n++; }
-  if (HAS(2, 5)) { if (ORDER(5)) { STORE(n, xx65); } n++; }
-  if (HAS(2, 5)) { if (ORDER(5)) { STORE(n, xy65); } n++; }
-  if (HAS(2, 5)) { if (ORDER(5)) { STORE(n, xz65); } n++; }
-  if (HAS(2, 5)) { if (ORDER(5)) { STORE(n, yy65); } n++; }
-  if (HAS(2, 5)) { if (ORDER(5)) { STORE(n, yz65); } n++; }
-  if (HAS(2, 5)) { if (ORDER(5)) { STORE(n, zz65); } n++; }
-  if (HAS(0, 6)) { if (ORDER(5)) { STORE(n, v66); } n++; }
-  if (HAS(1, 6)) { if (ORDER(5)) { STORE(n, x66); } n++; }
-  if (HAS(1, 6)) { if (ORDER(5)) { STORE(n, y66); } n++; }
-  if (HAS(1, 6)) { if (ORDER(5)) { STORE(n, z66); } n++; }
-  if (HAS(2, 6)) { if (ORDER(5)) { STORE(n, xx66); } n++; }
-  if (HAS(2, 6)) { if (ORDER(5)) { STORE(n, xy66); } n++; }
-  if (HAS(2, 6)) { if (ORDER(5)) { STORE(n, xz66); } n++; }
-  if (HAS(2, 6)) { if (ORDER(5)) { STORE(n, yy66); } n++; }
-  if (HAS(2, 6)) { if (ORDER(5)) { STORE(n, yz66); } n++; }
-  if (HAS(2, 6)) { if (ORDER(5)) { STORE(n, zz66); } n++; }
-  if (HAS(0, 7)) { if (ORDER(5)) { STORE(n, v67); } n++; }
-  if (HAS(1, 7)) { if (ORDER(5)) { STORE(n, x67); } n++; }
-  if (HAS(1, 7)) { if (ORDER(5)) { STORE(n, y67); } n++; }
-  if (HAS(1, 7)) { if (ORDER(5)) { STORE(n, z67); } n++; }
-  if (HAS(2, 7)) { if (ORDER(5)) { STORE(n, xx67); } n++; }
-  if (HAS(2, 7)) { if (ORDER(5)) { STORE(n, xy67); } n++; }
-  if (HAS(2, 7)) { if (ORDER(5)) { STORE(n, xz67); } n++; }
-  if (HAS(2, 7)) { if (ORDER(5)) { STORE(n, yy67); } n++; }
-  if (HAS(2, 7)) { if (ORDER(5)) { STORE(n, yz67); } n++; }
-  if (HAS(2, 7)) { if (ORDER(5)) { STORE(n, zz67); } n++; }
-  if (HAS(0, 8)) { if (ORDER(5)) { STORE(n, v68); } n++; }
-  if (HAS(1, 8)) { if (ORDER(5)) { STORE(n, x68); } n++; }
-  if (HAS(1, 8)) { if (ORDER(5)) { STORE(n, y68); } n++; }
-  if (HAS(1, 8)) { if (ORDER(5)) { STORE(n, z68); } n++; }
-  if (HAS(2, 8)) { if (ORDER(5)) { STORE(n, xx68); } n++; }
-  if (HAS(2, 8)) { if (ORDER(5)) { STORE(n, xy68); } n++; }
-  if (HAS(2, 8)) { if (ORDER(5)) { STORE(n, xz68); } n++; }
-  if (HAS(2, 8)) { if (ORDER(5)) { STORE(n, yy68); } n++; }
-  if (HAS(2, 8)) { if (ORDER(5)) { STORE(n, yz68); } n++; }
-  if (HAS(2, 8)) { if (ORDER(5)) { STORE(n, zz68); } n++; }
-  if (HAS(0, 6)) { if (ORDER(6)) { STORE(n, v69); } n++; }
-  if (HAS(1, 6)) { if (ORDER(6)) { STORE(n, x69); } n++; }
-  if (HAS(1, 6)) { if (ORDER(6)) { STORE(n, y69); } n++; }
-  if (HAS(1, 6)) { if (ORDER(6)) { STORE(n, z69); } n++; }
-  if (HAS(2, 6)) { if (ORDER(6)) { STORE(n, xx69); } n++; }
-  if (HAS(2, 6)) { if (ORDER(6)) { STORE(n, xy69); } n++; }
-  if (HAS(2, 6)) { if (ORDER(6)) { STORE(n, xz69); } n++; }
-  if (HAS(2, 6)) { if (ORDER(6)) { STORE(n, yy69); } n++; }
-  if (HAS(2, 6)) { if (ORDER(6)) { STORE(n, yz69); } n++; }
-  if (HAS(2, 6)) { if (ORDER(6)) { STORE(n, zz69); } n++; }
-  if (HAS(0, 7)) { if (ORDER(6)) { STORE(n, v70); } n++; }
-  if (HAS(1, 7)) { if (ORDER(6)) { STORE(n, x70); } n++; }
-  if (HAS(1, 7)) { if (ORDER(6)) { STORE(n, y70); } n++; }
-  if (HAS(1, 7)) { if (ORDER(6)) { STORE(n, z70); } n++; }
-  if (HAS(2, 7)) { if (ORDER(6)) { STORE(n, xx70); } n++; }
-  if (HAS(2, 7)) { if (ORDER(6)) { STORE(n, xy70); } n++; }
-  if (HAS(2, 7)) { if (ORDER(6)) { STORE(n, xz70); } n++; }
-  if (HAS(2, 7)) { if (ORDER(6)) { STORE(n, yy70); } n++; }
-  if (HAS(2, 7)) { if (ORDER(6)) { STORE(n, yz70); } n++; }
-  if (HAS(2, 7)) { if (ORDER(6)) { STORE(n, zz70); } n++; }
-  if (HAS(0, 8)) { if (ORDER(6)) { STORE(n, v71); } n++; }
-  if (HAS(1, 8)) { if (ORDER(6)) { STORE(n, x71); } n++; }
-  if (HAS(1, 8)) { if (ORDER(6)) { STORE(n, y71); } n++; }
-  if (HAS(1, 8)) { if (ORDER(6)) { STORE(n, z71); } n++; }
-  if (HAS(2, 8)) { if (ORDER(6)) { STORE(n, xx71); } n++; }
-  if (HAS(2, 8)) { if (ORDER(6)) { STORE(n, xy71); } n++; }
-  if (HAS(2, 8)) { if (ORDER(6)) { STORE(n, xz71); } n++; }
-  if (HAS(2, 8)) { if (ORDER(6)) { STORE(n, yy71); } n++; }
-  if (HAS(2, 8)) { if (ORDER(6)) { STORE(n, yz71); } n++; }
-  if (HAS(2, 8)) { if (ORDER(6)) { STORE(n, zz71); } n++; }
-  if (HAS(0, 6)) { if (ORDER(6)) { STORE(n, v72); } n++; }
-  if (HAS(1, 6)) { if (ORDER(6)) { STORE(n, x72); } n++; }
-  if (HAS(1, 6)) { if (ORDER(6)) { STORE(n, y72); } n++; }
-  if (HAS(1, 6)) { if (ORDER(6)) { STORE(n, z72); } n++; }
-  if (HAS(2, 6)) { if (ORDER(6)) { STORE(n, xx72); } n++; }
-  if (HAS(2, 6)) { if (ORDER(6)) { STORE(n, xy72); } n++; }
-  if (HAS(2, 6)) { if (ORDER(6)) { STORE(n, xz72); } n++; }
-  if (HAS(2, 6)) { if (ORDER(6)) { STORE(n, yy72); } n++; }
-  if (HAS(2, 6)) { if (ORDER(6)) { STORE(n, yz72); } n++; }
-  if (HAS(2, 6)) { if (ORDER(6)) { STORE(n, zz72); } n++; }
-  if (HAS(0, 7)) { if (ORDER(6)) { STORE(n, v73); } n++; }
-  if (HAS(1, 7)) { if (ORDER(6)) { STORE(n, x73); } n++; }
-  if (HAS(1, 7)) { if (ORDER(6)) { STORE(n, y73); } n++; }
-  if (HAS(1, 7)) { if (ORDER(6)) { STORE(n, z73); } n++; }
-  if (HAS(2, 7)) { if (ORDER(6)) { STORE(n, xx73); } n++; }
-  if (HAS(2, 7)) { if (ORDER(6)) { STORE(n, xy73); } n++; }
-  if (HAS(2, 7)) { if (ORDER(6)) { STORE(n, xz73); } n++; }
-  if (HAS(2, 7)) { if (ORDER(6)) { STORE(n, yy73); } n++; }
-  if (HAS(2, 7)) { if (ORDER(6)) { STORE(n, yz73); } n++; }
-  if (HAS(2, 7)) { if (ORDER(6)) { STORE(n, zz73); } n++; }
-  if (HAS(0, 8)) { if (ORDER(6)) { STORE(n, v74); } n++; }
-  if (HAS(1, 8)) { if (ORDER(6)) { STORE(n, x74); } n++; }
-  if (HAS(1, 8)) { if (ORDER(6)) { STORE(n, y74); } n++; }
-  if (HAS(1, 8)) { if (ORDER(6)) { STORE(n, z74); } n++; }
-  if (HAS(2, 8)) { if (ORDER(6)) { STORE(n, xx74); } n++; }
-  if (HAS(2, 8)) { if (ORDER(6)) { STORE(n, xy74); } n++; }
-  if (HAS(2, 8)) { if (ORDER(6)) { STORE(n, xz74); } n++; }
-  if (HAS(2, 8)) { if (ORDER(6)) { STORE(n, yy74); } n++; }
-  if (HAS(2, 8)) { if (ORDER(6)) { STORE(n, yz74); } n++; }
-  if (HAS(2, 8)) { if (ORDER(6)) { STORE(n, zz74); } n++; }
-  if (HAS(0, 7)) { if (ORDER(7)) { STORE(n, v75); } n++; }
-  if (HAS(1, 7)) { if (ORDER(7)) { STORE(n, x75); } n++; }
-  if (HAS(1, 7)) { if (ORDER(7)) { STORE(n, y75); } n++; }
-  if (HAS(1, 7)) { if (ORDER(7)) { STORE(n, z75); } n++; }
-  if (HAS(2, 7)) { if (ORDER(7)) { STORE(n, xx75); } n++; }
-  if (HAS(2, 7)) { if (ORDER(7)) { STORE(n, xy75); } n++; }
-  if (HAS(2, 7)) { if (ORDER(7)) { STORE(n, xz75); } n++; }
-  if (HAS(2, 7)) { if (ORDER(7)) { STORE(n, yy75); } n++; }
-  if (HAS(2, 7)) { if (ORDER(7)) { STORE(n, yz75); } n++; }
-  if (HAS(2, 7)) { if (ORDER(7)) { STORE(n, zz75); } n++; }
-  if (HAS(0, 8)) { if (ORDER(7)) { STORE(n, v76); } n++; }
-  if (HAS(1, 8)) { if (ORDER(7)) { STORE(n, x76); } n++; }
-  if (HAS(1, 8)) { if (ORDER(7)) { STORE(n, y76); } n++; }
-  if (HAS(1, 8)) { if (ORDER(7)) { STORE(n, z76); } n++; }
-  if (HAS(2, 8)) { if (ORDER(7)) { STORE(n, xx76); } n++; }
-  if (HAS(2, 8)) { if (ORDER(7)) { STORE(n, xy76); } n++; }
-  if (HAS(2, 8)) { if (ORDER(7)) { STORE(n, xz76); } n++; }
-  if (HAS(2, 8)) { if (ORDER(7)) { STORE(n, yy76); } n++; }
-  if (HAS(2, 8)) { if (ORDER(7)) { STORE(n, yz76); } n++; }
-  if (HAS(2, 8)) { if (ORDER(7)) { STORE(n, zz76); } n++; }
-  if (HAS(0, 7)) { if (ORDER(7)) { STORE(n, v77); } n++; }
-  if (HAS(1, 7)) { if (ORDER(7)) { STORE(n, x77); } n++; }
-  if (HAS(1, 7)) { if (ORDER(7)) { STORE(n, y77); } n++; }
-  if (HAS(1, 7)) { if (ORDER(7)) { STORE(n, z77); } n++; }
-  if (HAS(2, 7)) { if (ORDER(7)) { STORE(n, xx77); } n++; }
-  if (HAS(2, 7)) { if (ORDER(7)) { STORE(n, xy77); } n++; }
-  if (HAS(2, 7)) { if (ORDER(7)) { STORE(n, xz77); } n++; }
-  if (HAS(2, 7)) { if (ORDER(7)) { STORE(n, yy77); } n++; }
-  if (HAS(2, 7)) { if (ORDER(7)) { STORE(n, yz77); } n++; }
-  if (HAS(2, 7)) { if (ORDER(7)) { STORE(n, zz77); } n++; }
-  if (HAS(0, 8)) { if (ORDER(7)) { STORE(n, v78); } n++; }
-  if (HAS(1, 8)) { if (ORDER(7)) { STORE(n, x78); } n++; }
-  if (HAS(1, 8)) { if (ORDER(7)) { STORE(n, y78); } n++; }
-  if (HAS(1, 8)) { if (ORDER(7)) { STORE(n, z78); } n++; }
-  if (HAS(2, 8)) { if (ORDER(7)) { STORE(n, xx78); } n++; }
-  if (HAS(2, 8)) { if (ORDER(7)) { STORE(n, xy78); } n++; }
-  if (HAS(2, 8)) { if (ORDER(7)) { STORE(n, xz78); } n++; }
-  if (HAS(2, 8)) { if (ORDER(7)) { STORE(n, yy78); } n++; }
-  if (HAS(2, 8)) { if (ORDER(7)) { STORE(n, yz78); } n++; }
-  if (HAS(2, 8)) { if (ORDER(7)) { STORE(n, zz78); } n++; }
-  if (HAS(0, 8)) { if (ORDER(8)) { STORE(n, v79); } n++; }
-  if (HAS(1, 8)) { if (ORDER(8)) { STORE(n, x79); } n++; }
-  if (HAS(1, 8)) { if (ORDER(8)) { STORE(n, y79); } n++; }
-  if (HAS(1, 8)) { if (ORDER(8)) { STORE(n, z79); } n++; }
-  if (HAS(2, 8)) { if (ORDER(8)) { STORE(n, xx79); } n++; }
-  if (HAS(2, 8)) { if (ORDER(8)) { STORE(n, xy79); } n++; }
-  if (HAS(2, 8)) { if (ORDER(8)) { STORE(n, xz79); } n++; }
-  if (HAS(2, 8)) { if (ORDER(8)) { STORE(n, yy79); } n++; }
-  if (HAS(2, 8)) { if (ORDER(8)) { STORE(n, yz79); } n++; }
-  if (HAS(2, 8)) { if (ORDER(8)) { STORE(n, zz79); } n++; }
-  if (HAS(0, 8)) { if (ORDER(8)) { STORE(n, v80); } n++; }
-  if (HAS(1, 8)) { if (ORDER(8)) { STORE(n, x80); } n++; }
-  if (HAS(1, 8)) { if (ORDER(8)) { STORE(n, y80); } n++; }
-  if (HAS(1, 8)) { if (ORDER(8)) { STORE(n, z80); } n++; }
-  if (HAS(2, 8)) { if (ORDER(8)) { STORE(n, xx80); } n++; }
-  if (HAS(2, 8)) { if (ORDER(8)) { STORE(n, xy80); } n++; }
-  if (HAS(2, 8)) { if (ORDER(8)) { STORE(n, xz80); } n++; }
-  if (HAS(2, 8)) { if (ORDER(8)) { STORE(n, yy80); } n++; }
-  if (HAS(2, 8)) { if (ORDER(8)) { STORE(n, yz80); } n++; }
-  if (HAS(2, 8)) { if (ORDER(8)) { STORE(n, zz80); } n++; }
+  if (0 <= LMAX_MOST) if (HAS(0, 0)) { if (ORDER(0)) { STORE(n, v0); } n++; }
+  if (0 <= LMAX_MOST) if (HAS(1, 0)) { if (ORDER(0)) { STORE(n, x0); } n++; }
+  if (0 <= LMAX_MOST) if (HAS(1, 0)) { if (ORDER(0)) { STORE(n, y0); } n++; }
+  if (0 <= LMAX_MOST) if (HAS(1, 0)) { if (ORDER(0)) { STORE(n, z0); } n++; }
+  if (0 <= LMAX_MOST) if (HAS(2, 0)) { if (ORDER(0)) { STORE(n, xx0); } n++; }
+  if (0 <= LMAX_MOST) if (HAS(2, 0)) { if (ORDER(0)) { STORE(n, xy0); } n++; }
+  if (0 <= LMAX_MOST) if (HAS(2, 0)) { if (ORDER(0)) { STORE(n, xz0); } n++; }
+  if (0 <= LMAX_MOST) if (HAS(2, 0)) { if (ORDER(0)) { STORE(n, yy0); } n++; }
+  if (0 <= LMAX_MOST) if (HAS(2, 0)) { if (ORDER(0)) { STORE(n, yz0); } n++; }
+  if (0 <= LMAX_MOST) if (HAS(2, 0)) { if (ORDER(0)) { STORE(n, zz0); } n++; }
+  if (1 <= LMAX_MOST) if (HAS(0, 1)) { if (ORDER(0)) { STORE(n, v1); } n++; }
+  if (1 <= LMAX_MOST) if (HAS(1, 1)) { if (ORDER(0)) { STORE(n, x1); } n++; }
+  if (1 <= LMAX_MOST) if (HAS(1, 1)) { if (ORDER(0)) { STORE(n, y1); } n++; }
+  if (1 <= LMAX_MOST) if (HAS(1, 1)) { if (ORDER(0)) { STORE(n, z1); } n++; }
+  if (1 <= LMAX_MOST) if (HAS(2, 1)) { if (ORDER(0)) { STORE(n, xx1); } n++; }
+  if (1 <= LMAX_MOST) if (HAS(2, 1)) { if (ORDER(0)) { STORE(n, xy1); } n++; }
+  if (1 <= LMAX_MOST) if (HAS(2, 1)) { if (ORDER(0)) { STORE(n, xz1); } n++; }
+  if (1 <= LMAX_MOST) if (HAS(2, 1)) { if (ORDER(0)) { STORE(n, yy1); } n++; }
+  if (1 <= LMAX_MOST) if (HAS(2, 1)) { if (ORDER(0)) { STORE(n, yz1); } n++; }
+  if (1 <= LMAX_MOST) if (HAS(2, 1)) { if (ORDER(0)) { STORE(n, zz1); } n++; }
+  if (2 <= LMAX_MOST) if (HAS(0, 2)) { if (ORDER(0)) { STORE(n, v2); } n++; }
+  if (2 <= LMAX_MOST) if (HAS(1, 2)) { if (ORDER(0)) { STORE(n, x2); } n++; }
+  if (2 <= LMAX_MOST) if (HAS(1, 2)) { if (ORDER(0)) { STORE(n, y2); } n++; }
+  if (2 <= LMAX_MOST) if (HAS(1, 2)) { if (ORDER(0)) { STORE(n, z2); } n++; }
+  if (2 <= LMAX_MOST) if (HAS(2, 2)) { if (ORDER(0)) { STORE(n, xx2); } n++; }
+  if (2 <= LMAX_MOST) if (HAS(2, 2)) { if (ORDER(0)) { STORE(n, xy2); } n++; }
+  if (2 <= LMAX_MOST) if (HAS(2, 2)) { if (ORDER(0)) { STORE(n, xz2); } n++; }
+  if (2 <= LMAX_MOST) if (HAS(2, 2)) { if (ORDER(0)) { STORE(n, yy2); } n++; }
+  if (2 <= LMAX_MOST) if (HAS(2, 2)) { if (ORDER(0)) { STORE(n, yz2); } n++; }
+  if (2 <= LMAX_MOST) if (HAS(2, 2)) { if (ORDER(0)) { STORE(n, zz2); } n++; }
+  if (3 <= LMAX_MOST) if (HAS(0, 3)) { if (ORDER(0)) { STORE(n, v3); } n++; }
+  if (3 <= LMAX_MOST) if (HAS(1, 3)) { if (ORDER(0)) { STORE(n, x3); } n++; }
+  if (3 <= LMAX_MOST) if (HAS(1, 3)) { if (ORDER(0)) { STORE(n, y3); } n++; }
+  if (3 <= LMAX_MOST) if (HAS(1, 3)) { if (ORDER(0)) { STORE(n, z3); } n++; }
+  if (3 <= LMAX_MOST) if (HAS(2, 3)) { if (ORDER(0)) { STORE(n, xx3); } n++; }
+  if (3 <= LMAX_MOST) if (HAS(2, 3)) { if (ORDER(0)) { STORE(n, xy3); } n++; }
+  if (3 <= LMAX_MOST) if (HAS(2, 3)) { if (ORDER(0)) { STORE(n, xz3); } n++; }
+  if (3 <= LMAX_MOST) if (HAS(2, 3)) { if (ORDER(0)) { STORE(n, yy3); } n++; }
+  if (3 <= LMAX_MOST) if (HAS(2, 3)) { if (ORDER(0)) { STORE(n, yz3); } n++; }
+  if (3 <= LMAX_MOST) if (HAS(2, 3)) { if (ORDER(0)) { STORE(n, zz3); } n++; }
+  if (4 <= LMAX_MOST) if (HAS(0, 4)) { if (ORDER(0)) { STORE(n, v4); } n++; }
+  if (4 <= LMAX_MOST) if (HAS(1, 4)) { if (ORDER(0)) { STORE(n, x4); } n++; }
+  if (4 <= LMAX_MOST) if (HAS(1, 4)) { if (ORDER(0)) { STORE(n, y4); } n++; }
+  if (4 <= LMAX_MOST) if (HAS(1, 4)) { if (ORDER(0)) { STORE(n, z4); } n++; }
+  if (4 <= LMAX_MOST) if (HAS(2, 4)) { if (ORDER(0)) { STORE(n, xx4); } n++; }
+  if (4 <= LMAX_MOST) if (HAS(2, 4)) { if (ORDER(0)) { STORE(n, xy4); } n++; }
+  if (4 <= LMAX_MOST) if (HAS(2, 4)) { if (ORDER(0)) { STORE(n, xz4); } n++; }
+  if (4 <= LMAX_MOST) if (HAS(2, 4)) { if (ORDER(0)) { STORE(n, yy4); } n++; }
+  if (4 <= LMAX_MOST) if (HAS(2, 4)) { if (ORDER(0)) { STORE(n, yz4); } n++; }
+  if (4 <= LMAX_MOST) if (HAS(2, 4)) { if (ORDER(0)) { STORE(n, zz4); } n++; }
+  if (5 <= LMAX_MOST) if (HAS(0, 5)) { if (ORDER(0)) { STORE(n, v5); } n++; }
+  if (5 <= LMAX_MOST) if (HAS(1, 5)) { if (ORDER(0)) { STORE(n, x5); } n++; }
+  if (5 <= LMAX_MOST) if (HAS(1, 5)) { if (ORDER(0)) { STORE(n, y5); } n++; }
+  if (5 <= LMAX_MOST) if (HAS(1, 5)) { if (ORDER(0)) { STORE(n, z5); } n++; }
+  if (5 <= LMAX_MOST) if (HAS(2, 5)) { if (ORDER(0)) { STORE(n, xx5); } n++; }
+  if (5 <= LMAX_MOST) if (HAS(2, 5)) { if (ORDER(0)) { STORE(n, xy5); } n++; }
+  if (5 <= LMAX_MOST) if (HAS(2, 5)) { if (ORDER(0)) { STORE(n, xz5); } n++; }
+  if (5 <= LMAX_MOST) if (HAS(2, 5)) { if (ORDER(0)) { STORE(n, yy5); } n++; }
+  if (5 <= LMAX_MOST) if (HAS(2, 5)) { if (ORDER(0)) { STORE(n, yz5); } n++; }
+  if (5 <= LMAX_MOST) if (HAS(2, 5)) { if (ORDER(0)) { STORE(n, zz5); } n++; }
+  if (6 <= LMAX_MOST) if (HAS(0, 6)) { if (ORDER(0)) { STORE(n, v6); } n++; }
+  if (6 <= LMAX_MOST) if (HAS(1, 6)) { if (ORDER(0)) { STORE(n, x6); } n++; }
+  if (6 <= LMAX_MOST) if (HAS(1, 6)) { if (ORDER(0)) { STORE(n, y6); } n++; }
+  if (6 <= LMAX_MOST) if (HAS(1, 6)) { if (ORDER(0)) { STORE(n, z6); } n++; }
+  if (6 <= LMAX_MOST) if (HAS(2, 6)) { if (ORDER(0)) { STORE(n, xx6); } n++; }
+  if (6 <= LMAX_MOST) if (HAS(2, 6)) { if (ORDER(0)) { STORE(n, xy6); } n++; }
+  if (6 <= LMAX_MOST) if (HAS(2, 6)) { if (ORDER(0)) { STORE(n, xz6); } n++; }
+  if (6 <= LMAX_MOST) if (HAS(2, 6)) { if (ORDER(0)) { STORE(n, yy6); } n++; }
+  if (6 <= LMAX_MOST) if (HAS(2, 6)) { if (ORDER(0)) { STORE(n, yz6); } n++; }
+  if (6 <= LMAX_MOST) if (HAS(2, 6)) { if (ORDER(0)) { STORE(n, zz6); } n++; }
+  if (7 <= LMAX_MOST) if (HAS(0, 7)) { if (ORDER(0)) { STORE(n, v7); } n++; }
+  if (7 <= LMAX_MOST) if (HAS(1, 7)) { if (ORDER(0)) { STORE(n, x7); } n++; }
+  if (7 <= LMAX_MOST) if (HAS(1, 7)) { if (ORDER(0)) { STORE(n, y7); } n++; }
+  if (7 <= LMAX_MOST) if (HAS(1, 7)) { if (ORDER(0)) { STORE(n, z7); } n++; }
+  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(0)) { STORE(n, xx7); } n++; }
+  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(0)) { STORE(n, xy7); } n++; }
+  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(0)) { STORE(n, xz7); } n++; }
+  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(0)) { STORE(n, yy7); } n++; }
+  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(0)) { STORE(n, yz7); } n++; }
+  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(0)) { STORE(n, zz7); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(0, 8)) { if (ORDER(0)) { STORE(n, v8); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(1, 8)) { if (ORDER(0)) { STORE(n, x8); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(1, 8)) { if (ORDER(0)) { STORE(n, y8); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(1, 8)) { if (ORDER(0)) { STORE(n, z8); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(0)) { STORE(n, xx8); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(0)) { STORE(n, xy8); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(0)) { STORE(n, xz8); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(0)) { STORE(n, yy8); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(0)) { STORE(n, yz8); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(0)) { STORE(n, zz8); } n++; }
+  if (1 <= LMAX_MOST) if (HAS(0, 1)) { if (ORDER(1)) { STORE(n, v9); } n++; }
+  if (1 <= LMAX_MOST) if (HAS(1, 1)) { if (ORDER(1)) { STORE(n, x9); } n++; }
+  if (1 <= LMAX_MOST) if (HAS(1, 1)) { if (ORDER(1)) { STORE(n, y9); } n++; }
+  if (1 <= LMAX_MOST) if (HAS(1, 1)) { if (ORDER(1)) { STORE(n, z9); } n++; }
+  if (1 <= LMAX_MOST) if (HAS(2, 1)) { if (ORDER(1)) { STORE(n, xx9); } n++; }
+  if (1 <= LMAX_MOST) if (HAS(2, 1)) { if (ORDER(1)) { STORE(n, xy9); } n++; }
+  if (1 <= LMAX_MOST) if (HAS(2, 1)) { if (ORDER(1)) { STORE(n, xz9); } n++; }
+  if (1 <= LMAX_MOST) if (HAS(2, 1)) { if (ORDER(1)) { STORE(n, yy9); } n++; }
+  if (1 <= LMAX_MOST) if (HAS(2, 1)) { if (ORDER(1)) { STORE(n, yz9); } n++; }
+  if (1 <= LMAX_MOST) if (HAS(2, 1)) { if (ORDER(1)) { STORE(n, zz9); } n++; }
+  if (2 <= LMAX_MOST) if (HAS(0, 2)) { if (ORDER(1)) { STORE(n, v10); } n++; }
+  if (2 <= LMAX_MOST) if (HAS(1, 2)) { if (ORDER(1)) { STORE(n, x10); } n++; }
+  if (2 <= LMAX_MOST) if (HAS(1, 2)) { if (ORDER(1)) { STORE(n, y10); } n++; }
+  if (2 <= LMAX_MOST) if (HAS(1, 2)) { if (ORDER(1)) { STORE(n, z10); } n++; }
+  if (2 <= LMAX_MOST) if (HAS(2, 2)) { if (ORDER(1)) { STORE(n, xx10); } n++; }
+  if (2 <= LMAX_MOST) if (HAS(2, 2)) { if (ORDER(1)) { STORE(n, xy10); } n++; }
+  if (2 <= LMAX_MOST) if (HAS(2, 2)) { if (ORDER(1)) { STORE(n, xz10); } n++; }
+  if (2 <= LMAX_MOST) if (HAS(2, 2)) { if (ORDER(1)) { STORE(n, yy10); } n++; }
+  if (2 <= LMAX_MOST) if (HAS(2, 2)) { if (ORDER(1)) { STORE(n, yz10); } n++; }
+  if (2 <= LMAX_MOST) if (HAS(2, 2)) { if (ORDER(1)) { STORE(n, zz10); } n++; }
+  if (3 <= LMAX_MOST) if (HAS(0, 3)) { if (ORDER(1)) { STORE(n, v11); } n++; }
+  if (3 <= LMAX_MOST) if (HAS(1, 3)) { if (ORDER(1)) { STORE(n, x11); } n++; }
+  if (3 <= LMAX_MOST) if (HAS(1, 3)) { if (ORDER(1)) { STORE(n, y11); } n++; }
+  if (3 <= LMAX_MOST) if (HAS(1, 3)) { if (ORDER(1)) { STORE(n, z11); } n++; }
+  if (3 <= LMAX_MOST) if (HAS(2, 3)) { if (ORDER(1)) { STORE(n, xx11); } n++; }
+  if (3 <= LMAX_MOST) if (HAS(2, 3)) { if (ORDER(1)) { STORE(n, xy11); } n++; }
+  if (3 <= LMAX_MOST) if (HAS(2, 3)) { if (ORDER(1)) { STORE(n, xz11); } n++; }
+  if (3 <= LMAX_MOST) if (HAS(2, 3)) { if (ORDER(1)) { STORE(n, yy11); } n++; }
+  if (3 <= LMAX_MOST) if (HAS(2, 3)) { if (ORDER(1)) { STORE(n, yz11); } n++; }
+  if (3 <= LMAX_MOST) if (HAS(2, 3)) { if (ORDER(1)) { STORE(n, zz11); } n++; }
+  if (4 <= LMAX_MOST) if (HAS(0, 4)) { if (ORDER(1)) { STORE(n, v12); } n++; }
+  if (4 <= LMAX_MOST) if (HAS(1, 4)) { if (ORDER(1)) { STORE(n, x12); } n++; }
+  if (4 <= LMAX_MOST) if (HAS(1, 4)) { if (ORDER(1)) { STORE(n, y12); } n++; }
+  if (4 <= LMAX_MOST) if (HAS(1, 4)) { if (ORDER(1)) { STORE(n, z12); } n++; }
+  if (4 <= LMAX_MOST) if (HAS(2, 4)) { if (ORDER(1)) { STORE(n, xx12); } n++; }
+  if (4 <= LMAX_MOST) if (HAS(2, 4)) { if (ORDER(1)) { STORE(n, xy12); } n++; }
+  if (4 <= LMAX_MOST) if (HAS(2, 4)) { if (ORDER(1)) { STORE(n, xz12); } n++; }
+  if (4 <= LMAX_MOST) if (HAS(2, 4)) { if (ORDER(1)) { STORE(n, yy12); } n++; }
+  if (4 <= LMAX_MOST) if (HAS(2, 4)) { if (ORDER(1)) { STORE(n, yz12); } n++; }
+  if (4 <= LMAX_MOST) if (HAS(2, 4)) { if (ORDER(1)) { STORE(n, zz12); } n++; }
+  if (5 <= LMAX_MOST) if (HAS(0, 5)) { if (ORDER(1)) { STORE(n, v13); } n++; }
+  if (5 <= LMAX_MOST) if (HAS(1, 5)) { if (ORDER(1)) { STORE(n, x13); } n++; }
+  if (5 <= LMAX_MOST) if (HAS(1, 5)) { if (ORDER(1)) { STORE(n, y13); } n++; }
+  if (5 <= LMAX_MOST) if (HAS(1, 5)) { if (ORDER(1)) { STORE(n, z13); } n++; }
+  if (5 <= LMAX_MOST) if (HAS(2, 5)) { if (ORDER(1)) { STORE(n, xx13); } n++; }
+  if (5 <= LMAX_MOST) if (HAS(2, 5)) { if (ORDER(1)) { STORE(n, xy13); } n++; }
+  if (5 <= LMAX_MOST) if (HAS(2, 5)) { if (ORDER(1)) { STORE(n, xz13); } n++; }
+  if (5 <= LMAX_MOST) if (HAS(2, 5)) { if (ORDER(1)) { STORE(n, yy13); } n++; }
+  if (5 <= LMAX_MOST) if (HAS(2, 5)) { if (ORDER(1)) { STORE(n, yz13); } n++; }
+  if (5 <= LMAX_MOST) if (HAS(2, 5)) { if (ORDER(1)) { STORE(n, zz13); } n++; }
+  if (6 <= LMAX_MOST) if (HAS(0, 6)) { if (ORDER(1)) { STORE(n, v14); } n++; }
+  if (6 <= LMAX_MOST) if (HAS(1, 6)) { if (ORDER(1)) { STORE(n, x14); } n++; }
+  if (6 <= LMAX_MOST) if (HAS(1, 6)) { if (ORDER(1)) { STORE(n, y14); } n++; }
+  if (6 <= LMAX_MOST) if (HAS(1, 6)) { if (ORDER(1)) { STORE(n, z14); } n++; }
+  if (6 <= LMAX_MOST) if (HAS(2, 6)) { if (ORDER(1)) { STORE(n, xx14); } n++; }
+  if (6 <= LMAX_MOST) if (HAS(2, 6)) { if (ORDER(1)) { STORE(n, xy14); } n++; }
+  if (6 <= LMAX_MOST) if (HAS(2, 6)) { if (ORDER(1)) { STORE(n, xz14); } n++; }
+  if (6 <= LMAX_MOST) if (HAS(2, 6)) { if (ORDER(1)) { STORE(n, yy14); } n++; }
+  if (6 <= LMAX_MOST) if (HAS(2, 6)) { if (ORDER(1)) { STORE(n, yz14); } n++; }
+  if (6 <= LMAX_MOST) if (HAS(2, 6)) { if (ORDER(1)) { STORE(n, zz14); } n++; }
+  if (7 <= LMAX_MOST) if (HAS(0, 7)) { if (ORDER(1)) { STORE(n, v15); } n++; }
+  if (7 <= LMAX_MOST) if (HAS(1, 7)) { if (ORDER(1)) { STORE(n, x15); } n++; }
+  if (7 <= LMAX_MOST) if (HAS(1, 7)) { if (ORDER(1)) { STORE(n, y15); } n++; }
+  if (7 <= LMAX_MOST) if (HAS(1, 7)) { if (ORDER(1)) { STORE(n, z15); } n++; }
+  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(1)) { STORE(n, xx15); } n++; }
+  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(1)) { STORE(n, xy15); } n++; }
+  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(1)) { STORE(n, xz15); } n++; }
+  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(1)) { STORE(n, yy15); } n++; }
+  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(1)) { STORE(n, yz15); } n++; }
+  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(1)) { STORE(n, zz15); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(0, 8)) { if (ORDER(1)) { STORE(n, v16); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(1, 8)) { if (ORDER(1)) { STORE(n, x16); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(1, 8)) { if (ORDER(1)) { STORE(n, y16); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(1, 8)) { if (ORDER(1)) { STORE(n, z16); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(1)) { STORE(n, xx16); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(1)) { STORE(n, xy16); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(1)) { STORE(n, xz16); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(1)) { STORE(n, yy16); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(1)) { STORE(n, yz16); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(1)) { STORE(n, zz16); } n++; }
+  if (1 <= LMAX_MOST) if (HAS(0, 1)) { if (ORDER(1)) { STORE(n, v17); } n++; }
+  if (1 <= LMAX_MOST) if (HAS(1, 1)) { if (ORDER(1)) { STORE(n, x17); } n++; }
+  if (1 <= LMAX_MOST) if (HAS(1, 1)) { if (ORDER(1)) { STORE(n, y17); } n++; }
+  if (1 <= LMAX_MOST) if (HAS(1, 1)) { if (ORDER(1)) { STORE(n, z17); } n++; }
+  if (1 <= LMAX_MOST) if (HAS(2, 1)) { if (ORDER(1)) { STORE(n, xx17); } n++; }
+  if (1 <= LMAX_MOST) if (HAS(2, 1)) { if (ORDER(1)) { STORE(n, xy17); } n++; }
+  if (1 <= LMAX_MOST) if (HAS(2, 1)) { if (ORDER(1)) { STORE(n, xz17); } n++; }
+  if (1 <= LMAX_MOST) if (HAS(2, 1)) { if (ORDER(1)) { STORE(n, yy17); } n++; }
+  if (1 <= LMAX_MOST) if (HAS(2, 1)) { if (ORDER(1)) { STORE(n, yz17); } n++; }
+  if (1 <= LMAX_MOST) if (HAS(2, 1)) { if (ORDER(1)) { STORE(n, zz17); } n++; }
+  if (2 <= LMAX_MOST) if (HAS(0, 2)) { if (ORDER(1)) { STORE(n, v18); } n++; }
+  if (2 <= LMAX_MOST) if (HAS(1, 2)) { if (ORDER(1)) { STORE(n, x18); } n++; }
+  if (2 <= LMAX_MOST) if (HAS(1, 2)) { if (ORDER(1)) { STORE(n, y18); } n++; }
+  if (2 <= LMAX_MOST) if (HAS(1, 2)) { if (ORDER(1)) { STORE(n, z18); } n++; }
+  if (2 <= LMAX_MOST) if (HAS(2, 2)) { if (ORDER(1)) { STORE(n, xx18); } n++; }
+  if (2 <= LMAX_MOST) if (HAS(2, 2)) { if (ORDER(1)) { STORE(n, xy18); } n++; }
+  if (2 <= LMAX_MOST) if (HAS(2, 2)) { if (ORDER(1)) { STORE(n, xz18); } n++; }
+  if (2 <= LMAX_MOST) if (HAS(2, 2)) { if (ORDER(1)) { STORE(n, yy18); } n++; }
+  if (2 <= LMAX_MOST) if (HAS(2, 2)) { if (ORDER(1)) { STORE(n, yz18); } n++; }
+  if (2 <= LMAX_MOST) if (HAS(2, 2)) { if (ORDER(1)) { STORE(n, zz18); } n++; }
+  if (3 <= LMAX_MOST) if (HAS(0, 3)) { if (ORDER(1)) { STORE(n, v19); } n++; }
+  if (3 <= LMAX_MOST) if (HAS(1, 3)) { if (ORDER(1)) { STORE(n, x19); } n++; }
+  if (3 <= LMAX_MOST) if (HAS(1, 3)) { if (ORDER(1)) { STORE(n, y19); } n++; }
+  if (3 <= LMAX_MOST) if (HAS(1, 3)) { if (ORDER(1)) { STORE(n, z19); } n++; }
+  if (3 <= LMAX_MOST) if (HAS(2, 3)) { if (ORDER(1)) { STORE(n, xx19); } n++; }
+  if (3 <= LMAX_MOST) if (HAS(2, 3)) { if (ORDER(1)) { STORE(n, xy19); } n++; }
+  if (3 <= LMAX_MOST) if (HAS(2, 3)) { if (ORDER(1)) { STORE(n, xz19); } n++; }
+  if (3 <= LMAX_MOST) if (HAS(2, 3)) { if (ORDER(1)) { STORE(n, yy19); } n++; }
+  if (3 <= LMAX_MOST) if (HAS(2, 3)) { if (ORDER(1)) { STORE(n, yz19); } n++; }
+  if (3 <= LMAX_MOST) if (HAS(2, 3)) { if (ORDER(1)) { STORE(n, zz19); } n++; }
+  if (4 <= LMAX_MOST) if (HAS(0, 4)) { if (ORDER(1)) { STORE(n, v20); } n++; }
+  if (4 <= LMAX_MOST) if (HAS(1, 4)) { if (ORDER(1)) { STORE(n, x20); } n++; }
+  if (4 <= LMAX_MOST) if (HAS(1, 4)) { if (ORDER(1)) { STORE(n, y20); } n++; }
+  if (4 <= LMAX_MOST) if (HAS(1, 4)) { if (ORDER(1)) { STORE(n, z20); } n++; }
+  if (4 <= LMAX_MOST) if (HAS(2, 4)) { if (ORDER(1)) { STORE(n, xx20); } n++; }
+  if (4 <= LMAX_MOST) if (HAS(2, 4)) { if (ORDER(1)) { STORE(n, xy20); } n++; }
+  if (4 <= LMAX_MOST) if (HAS(2, 4)) { if (ORDER(1)) { STORE(n, xz20); } n++; }
+  if (4 <= LMAX_MOST) if (HAS(2, 4)) { if (ORDER(1)) { STORE(n, yy20); } n++; }
+  if (4 <= LMAX_MOST) if (HAS(2, 4)) { if (ORDER(1)) { STORE(n, yz20); } n++; }
+  if (4 <= LMAX_MOST) if (HAS(2, 4)) { if (ORDER(1)) { STORE(n, zz20); } n++; }
+  if (5 <= LMAX_MOST) if (HAS(0, 5)) { if (ORDER(1)) { STORE(n, v21); } n++; }
+  if (5 <= LMAX_MOST) if (HAS(1, 5)) { if (ORDER(1)) { STORE(n, x21); } n++; }
+  if (5 <= LMAX_MOST) if (HAS(1, 5)) { if (ORDER(1)) { STORE(n, y21); } n++; }
+  if (5 <= LMAX_MOST) if (HAS(1, 5)) { if (ORDER(1)) { STORE(n, z21); } n++; }
+  if (5 <= LMAX_MOST) if (HAS(2, 5)) { if (ORDER(1)) { STORE(n, xx21); } n++; }
+  if (5 <= LMAX_MOST) if (HAS(2, 5)) { if (ORDER(1)) { STORE(n, xy21); } n++; }
+  if (5 <= LMAX_MOST) if (HAS(2, 5)) { if (ORDER(1)) { STORE(n, xz21); } n++; }
+  if (5 <= LMAX_MOST) if (HAS(2, 5)) { if (ORDER(1)) { STORE(n, yy21); } n++; }
+  if (5 <= LMAX_MOST) if (HAS(2, 5)) { if (ORDER(1)) { STORE(n, yz21); } n++; }
+  if (5 <= LMAX_MOST) if (HAS(2, 5)) { if (ORDER(1)) { STORE(n, zz21); } n++; }
+  if (6 <= LMAX_MOST) if (HAS(0, 6)) { if (ORDER(1)) { STORE(n, v22); } n++; }
+  if (6 <= LMAX_MOST) if (HAS(1, 6)) { if (ORDER(1)) { STORE(n, x22); } n++; }
+  if (6 <= LMAX_MOST) if (HAS(1, 6)) { if (ORDER(1)) { STORE(n, y22); } n++; }
+  if (6 <= LMAX_MOST) if (HAS(1, 6)) { if (ORDER(1)) { STORE(n, z22); } n++; }
+  if (6 <= LMAX_MOST) if (HAS(2, 6)) { if (ORDER(1)) { STORE(n, xx22); } n++; }
+  if (6 <= LMAX_MOST) if (HAS(2, 6)) { if (ORDER(1)) { STORE(n, xy22); } n++; }
+  if (6 <= LMAX_MOST) if (HAS(2, 6)) { if (ORDER(1)) { STORE(n, xz22); } n++; }
+  if (6 <= LMAX_MOST) if (HAS(2, 6)) { if (ORDER(1)) { STORE(n, yy22); } n++; }
+  if (6 <= LMAX_MOST) if (HAS(2, 6)) { if (ORDER(1)) { STORE(n, yz22); } n++; }
+  if (6 <= LMAX_MOST) if (HAS(2, 6)) { if (ORDER(1)) { STORE(n, zz22); } n++; }
+  if (7 <= LMAX_MOST) if (HAS(0, 7)) { if (ORDER(1)) { STORE(n, v23); } n++; }
+  if (7 <= LMAX_MOST) if (HAS(1, 7)) { if (ORDER(1)) { STORE(n, x23); } n++; }
+  if (7 <= LMAX_MOST) if (HAS(1, 7)) { if (ORDER(1)) { STORE(n, y23); } n++; }
+  if (7 <= LMAX_MOST) if (HAS(1, 7)) { if (ORDER(1)) { STORE(n, z23); } n++; }
+  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(1)) { STORE(n, xx23); } n++; }
+  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(1)) { STORE(n, xy23); } n++; }
+  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(1)) { STORE(n, xz23); } n++; }
+  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(1)) { STORE(n, yy23); } n++; }
+  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(1)) { STORE(n, yz23); } n++; }
+  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(1)) { STORE(n, zz23); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(0, 8)) { if (ORDER(1)) { STORE(n, v24); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(1, 8)) { if (ORDER(1)) { STORE(n, x24); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(1, 8)) { if (ORDER(1)) { STORE(n, y24); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(1, 8)) { if (ORDER(1)) { STORE(n, z24); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(1)) { STORE(n, xx24); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(1)) { STORE(n, xy24); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(1)) { STORE(n, xz24); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(1)) { STORE(n, yy24); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(1)) { STORE(n, yz24); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(1)) { STORE(n, zz24); } n++; }
+  if (2 <= LMAX_MOST) if (HAS(0, 2)) { if (ORDER(2)) { STORE(n, v25); } n++; }
+  if (2 <= LMAX_MOST) if (HAS(1, 2)) { if (ORDER(2)) { STORE(n, x25); } n++; }
+  if (2 <= LMAX_MOST) if (HAS(1, 2)) { if (ORDER(2)) { STORE(n, y25); } n++; }
+  if (2 <= LMAX_MOST) if (HAS(1, 2)) { if (ORDER(2)) { STORE(n, z25); } n++; }
+  if (2 <= LMAX_MOST) if (HAS(2, 2)) { if (ORDER(2)) { STORE(n, xx25); } n++; }
+  if (2 <= LMAX_MOST) if (HAS(2, 2)) { if (ORDER(2)) { STORE(n, xy25); } n++; }
+  if (2 <= LMAX_MOST) if (HAS(2, 2)) { if (ORDER(2)) { STORE(n, xz25); } n++; }
+  if (2 <= LMAX_MOST) if (HAS(2, 2)) { if (ORDER(2)) { STORE(n, yy25); } n++; }
+  if (2 <= LMAX_MOST) if (HAS(2, 2)) { if (ORDER(2)) { STORE(n, yz25); } n++; }
+  if (2 <= LMAX_MOST) if (HAS(2, 2)) { if (ORDER(2)) { STORE(n, zz25); } n++; }
+  if (3 <= LMAX_MOST) if (HAS(0, 3)) { if (ORDER(2)) { STORE(n, v26); } n++; }
+  if (3 <= LMAX_MOST) if (HAS(1, 3)) { if (ORDER(2)) { STORE(n, x26); } n++; }
+  if (3 <= LMAX_MOST) if (HAS(1, 3)) { if (ORDER(2)) { STORE(n, y26); } n++; }
+  if (3 <= LMAX_MOST) if (HAS(1, 3)) { if (ORDER(2)) { STORE(n, z26); } n++; }
+  if (3 <= LMAX_MOST) if (HAS(2, 3)) { if (ORDER(2)) { STORE(n, xx26); } n++; }
+  if (3 <= LMAX_MOST) if (HAS(2, 3)) { if (ORDER(2)) { STORE(n, xy26); } n++; }
+  if (3 <= LMAX_MOST) if (HAS(2, 3)) { if (ORDER(2)) { STORE(n, xz26); } n++; }
+  if (3 <= LMAX_MOST) if (HAS(2, 3)) { if (ORDER(2)) { STORE(n, yy26); } n++; }
+  if (3 <= LMAX_MOST) if (HAS(2, 3)) { if (ORDER(2)) { STORE(n, yz26); } n++; }
+  if (3 <= LMAX_MOST) if (HAS(2, 3)) { if (ORDER(2)) { STORE(n, zz26); } n++; }
+  if (4 <= LMAX_MOST) if (HAS(0, 4)) { if (ORDER(2)) { STORE(n, v27); } n++; }
+  if (4 <= LMAX_MOST) if (HAS(1, 4)) { if (ORDER(2)) { STORE(n, x27); } n++; }
+  if (4 <= LMAX_MOST) if (HAS(1, 4)) { if (ORDER(2)) { STORE(n, y27); } n++; }
+  if (4 <= LMAX_MOST) if (HAS(1, 4)) { if (ORDER(2)) { STORE(n, z27); } n++; }
+  if (4 <= LMAX_MOST) if (HAS(2, 4)) { if (ORDER(2)) { STORE(n, xx27); } n++; }
+  if (4 <= LMAX_MOST) if (HAS(2, 4)) { if (ORDER(2)) { STORE(n, xy27); } n++; }
+  if (4 <= LMAX_MOST) if (HAS(2, 4)) { if (ORDER(2)) { STORE(n, xz27); } n++; }
+  if (4 <= LMAX_MOST) if (HAS(2, 4)) { if (ORDER(2)) { STORE(n, yy27); } n++; }
+  if (4 <= LMAX_MOST) if (HAS(2, 4)) { if (ORDER(2)) { STORE(n, yz27); } n++; }
+  if (4 <= LMAX_MOST) if (HAS(2, 4)) { if (ORDER(2)) { STORE(n, zz27); } n++; }
+  if (5 <= LMAX_MOST) if (HAS(0, 5)) { if (ORDER(2)) { STORE(n, v28); } n++; }
+  if (5 <= LMAX_MOST) if (HAS(1, 5)) { if (ORDER(2)) { STORE(n, x28); } n++; }
+  if (5 <= LMAX_MOST) if (HAS(1, 5)) { if (ORDER(2)) { STORE(n, y28); } n++; }
+  if (5 <= LMAX_MOST) if (HAS(1, 5)) { if (ORDER(2)) { STORE(n, z28); } n++; }
+  if (5 <= LMAX_MOST) if (HAS(2, 5)) { if (ORDER(2)) { STORE(n, xx28); } n++; }
+  if (5 <= LMAX_MOST) if (HAS(2, 5)) { if (ORDER(2)) { STORE(n, xy28); } n++; }
+  if (5 <= LMAX_MOST) if (HAS(2, 5)) { if (ORDER(2)) { STORE(n, xz28); } n++; }
+  if (5 <= LMAX_MOST) if (HAS(2, 5)) { if (ORDER(2)) { STORE(n, yy28); } n++; }
+  if (5 <= LMAX_MOST) if (HAS(2, 5)) { if (ORDER(2)) { STORE(n, yz28); } n++; }
+  if (5 <= LMAX_MOST) if (HAS(2, 5)) { if (ORDER(2)) { STORE(n, zz28); } n++; }
+  if (6 <= LMAX_MOST) if (HAS(0, 6)) { if (ORDER(2)) { STORE(n, v29); } n++; }
+  if (6 <= LMAX_MOST) if (HAS(1, 6)) { if (ORDER(2)) { STORE(n, x29); } n++; }
+  if (6 <= LMAX_MOST) if (HAS(1, 6)) { if (ORDER(2)) { STORE(n, y29); } n++; }
+  if (6 <= LMAX_MOST) if (HAS(1, 6)) { if (ORDER(2)) { STORE(n, z29); } n++; }
+  if (6 <= LMAX_MOST) if (HAS(2, 6)) { if (ORDER(2)) { STORE(n, xx29); } n++; }
+  if (6 <= LMAX_MOST) if (HAS(2, 6)) { if (ORDER(2)) { STORE(n, xy29); } n++; }
+  if (6 <= LMAX_MOST) if (HAS(2, 6)) { if (ORDER(2)) { STORE(n, xz29); } n++; }
+  if (6 <= LMAX_MOST) if (HAS(2, 6)) { if (ORDER(2)) { STORE(n, yy29); } n++; }
+  if (6 <= LMAX_MOST) if (HAS(2, 6)) { if (ORDER(2)) { STORE(n, yz29); } n++; }
+  if (6 <= LMAX_MOST) if (HAS(2, 6)) { if (ORDER(2)) { STORE(n, zz29); } n++; }
+  if (7 <= LMAX_MOST) if (HAS(0, 7)) { if (ORDER(2)) { STORE(n, v30); } n++; }
+  if (7 <= LMAX_MOST) if (HAS(1, 7)) { if (ORDER(2)) { STORE(n, x30); } n++; }
+  if (7 <= LMAX_MOST) if (HAS(1, 7)) { if (ORDER(2)) { STORE(n, y30); } n++; }
+  if (7 <= LMAX_MOST) if (HAS(1, 7)) { if (ORDER(2)) { STORE(n, z30); } n++; }
+  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(2)) { STORE(n, xx30); } n++; }
+  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(2)) { STORE(n, xy30); } n++; }
+  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(2)) { STORE(n, xz30); } n++; }
+  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(2)) { STORE(n, yy30); } n++; }
+  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(2)) { STORE(n, yz30); } n++; }
+  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(2)) { STORE(n, zz30); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(0, 8)) { if (ORDER(2)) { STORE(n, v31); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(1, 8)) { if (ORDER(2)) { STORE(n, x31); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(1, 8)) { if (ORDER(2)) { STORE(n, y31); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(1, 8)) { if (ORDER(2)) { STORE(n, z31); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(2)) { STORE(n, xx31); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(2)) { STORE(n, xy31); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(2)) { STORE(n, xz31); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(2)) { STORE(n, yy31); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(2)) { STORE(n, yz31); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(2)) { STORE(n, zz31); } n++; }
+  if (2 <= LMAX_MOST) if (HAS(0, 2)) { if (ORDER(2)) { STORE(n, v32); } n++; }
+  if (2 <= LMAX_MOST) if (HAS(1, 2)) { if (ORDER(2)) { STORE(n, x32); } n++; }
+  if (2 <= LMAX_MOST) if (HAS(1, 2)) { if (ORDER(2)) { STORE(n, y32); } n++; }
+  if (2 <= LMAX_MOST) if (HAS(1, 2)) { if (ORDER(2)) { STORE(n, z32); } n++; }
+  if (2 <= LMAX_MOST) if (HAS(2, 2)) { if (ORDER(2)) { STORE(n, xx32); } n++; }
+  if (2 <= LMAX_MOST) if (HAS(2, 2)) { if (ORDER(2)) { STORE(n, xy32); } n++; }
+  if (2 <= LMAX_MOST) if (HAS(2, 2)) { if (ORDER(2)) { STORE(n, xz32); } n++; }
+  if (2 <= LMAX_MOST) if (HAS(2, 2)) { if (ORDER(2)) { STORE(n, yy32); } n++; }
+  if (2 <= LMAX_MOST) if (HAS(2, 2)) { if (ORDER(2)) { STORE(n, yz32); } n++; }
+  if (2 <= LMAX_MOST) if (HAS(2, 2)) { if (ORDER(2)) { STORE(n, zz32); } n++; }
+  if (3 <= LMAX_MOST) if (HAS(0, 3)) { if (ORDER(2)) { STORE(n, v33); } n++; }
+  if (3 <= LMAX_MOST) if (HAS(1, 3)) { if (ORDER(2)) { STORE(n, x33); } n++; }
+  if (3 <= LMAX_MOST) if (HAS(1, 3)) { if (ORDER(2)) { STORE(n, y33); } n++; }
+  if (3 <= LMAX_MOST) if (HAS(1, 3)) { if (ORDER(2)) { STORE(n, z33); } n++; }
+  if (3 <= LMAX_MOST) if (HAS(2, 3)) { if (ORDER(2)) { STORE(n, xx33); } n++; }
+  if (3 <= LMAX_MOST) if (HAS(2, 3)) { if (ORDER(2)) { STORE(n, xy33); } n++; }
+  if (3 <= LMAX_MOST) if (HAS(2, 3)) { if (ORDER(2)) { STORE(n, xz33); } n++; }
+  if (3 <= LMAX_MOST) if (HAS(2, 3)) { if (ORDER(2)) { STORE(n, yy33); } n++; }
+  if (3 <= LMAX_MOST) if (HAS(2, 3)) { if (ORDER(2)) { STORE(n, yz33); } n++; }
+  if (3 <= LMAX_MOST) if (HAS(2, 3)) { if (ORDER(2)) { STORE(n, zz33); } n++; }
+  if (4 <= LMAX_MOST) if (HAS(0, 4)) { if (ORDER(2)) { STORE(n, v34); } n++; }
+  if (4 <= LMAX_MOST) if (HAS(1, 4)) { if (ORDER(2)) { STORE(n, x34); } n++; }
+  if (4 <= LMAX_MOST) if (HAS(1, 4)) { if (ORDER(2)) { STORE(n, y34); } n++; }
+  if (4 <= LMAX_MOST) if (HAS(1, 4)) { if (ORDER(2)) { STORE(n, z34); } n++; }
+  if (4 <= LMAX_MOST) if (HAS(2, 4)) { if (ORDER(2)) { STORE(n, xx34); } n++; }
+  if (4 <= LMAX_MOST) if (HAS(2, 4)) { if (ORDER(2)) { STORE(n, xy34); } n++; }
+  if (4 <= LMAX_MOST) if (HAS(2, 4)) { if (ORDER(2)) { STORE(n, xz34); } n++; }
+  if (4 <= LMAX_MOST) if (HAS(2, 4)) { if (ORDER(2)) { STORE(n, yy34); } n++; }
+  if (4 <= LMAX_MOST) if (HAS(2, 4)) { if (ORDER(2)) { STORE(n, yz34); } n++; }
+  if (4 <= LMAX_MOST) if (HAS(2, 4)) { if (ORDER(2)) { STORE(n, zz34); } n++; }
+  if (5 <= LMAX_MOST) if (HAS(0, 5)) { if (ORDER(2)) { STORE(n, v35); } n++; }
+  if (5 <= LMAX_MOST) if (HAS(1, 5)) { if (ORDER(2)) { STORE(n, x35); } n++; }
+  if (5 <= LMAX_MOST) if (HAS(1, 5)) { if (ORDER(2)) { STORE(n, y35); } n++; }
+  if (5 <= LMAX_MOST) if (HAS(1, 5)) { if (ORDER(2)) { STORE(n, z35); } n++; }
+  if (5 <= LMAX_MOST) if (HAS(2, 5)) { if (ORDER(2)) { STORE(n, xx35); } n++; }
+  if (5 <= LMAX_MOST) if (HAS(2, 5)) { if (ORDER(2)) { STORE(n, xy35); } n++; }
+  if (5 <= LMAX_MOST) if (HAS(2, 5)) { if (ORDER(2)) { STORE(n, xz35); } n++; }
+  if (5 <= LMAX_MOST) if (HAS(2, 5)) { if (ORDER(2)) { STORE(n, yy35); } n++; }
+  if (5 <= LMAX_MOST) if (HAS(2, 5)) { if (ORDER(2)) { STORE(n, yz35); } n++; }
+  if (5 <= LMAX_MOST) if (HAS(2, 5)) { if (ORDER(2)) { STORE(n, zz35); } n++; }
+  if (6 <= LMAX_MOST) if (HAS(0, 6)) { if (ORDER(2)) { STORE(n, v36); } n++; }
+  if (6 <= LMAX_MOST) if (HAS(1, 6)) { if (ORDER(2)) { STORE(n, x36); } n++; }
+  if (6 <= LMAX_MOST) if (HAS(1, 6)) { if (ORDER(2)) { STORE(n, y36); } n++; }
+  if (6 <= LMAX_MOST) if (HAS(1, 6)) { if (ORDER(2)) { STORE(n, z36); } n++; }
+  if (6 <= LMAX_MOST) if (HAS(2, 6)) { if (ORDER(2)) { STORE(n, xx36); } n++; }
+  if (6 <= LMAX_MOST) if (HAS(2, 6)) { if (ORDER(2)) { STORE(n, xy36); } n++; }
+  if (6 <= LMAX_MOST) if (HAS(2, 6)) { if (ORDER(2)) { STORE(n, xz36); } n++; }
+  if (6 <= LMAX_MOST) if (HAS(2, 6)) { if (ORDER(2)) { STORE(n, yy36); } n++; }
+  if (6 <= LMAX_MOST) if (HAS(2, 6)) { if (ORDER(2)) { STORE(n, yz36); } n++; }
+  if (6 <= LMAX_MOST) if (HAS(2, 6)) { if (ORDER(2)) { STORE(n, zz36); } n++; }
+  if (7 <= LMAX_MOST) if (HAS(0, 7)) { if (ORDER(2)) { STORE(n, v37); } n++; }
+  if (7 <= LMAX_MOST) if (HAS(1, 7)) { if (ORDER(2)) { STORE(n, x37); } n++; }
+  if (7 <= LMAX_MOST) if (HAS(1, 7)) { if (ORDER(2)) { STORE(n, y37); } n++; }
+  if (7 <= LMAX_MOST) if (HAS(1, 7)) { if (ORDER(2)) { STORE(n, z37); } n++; }
+  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(2)) { STORE(n, xx37); } n++; }
+  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(2)) { STORE(n, xy37); } n++; }
+  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(2)) { STORE(n, xz37); } n++; }
+  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(2)) { STORE(n, yy37); } n++; }
+  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(2)) { STORE(n, yz37); } n++; }
+  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(2)) { STORE(n, zz37); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(0, 8)) { if (ORDER(2)) { STORE(n, v38); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(1, 8)) { if (ORDER(2)) { STORE(n, x38); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(1, 8)) { if (ORDER(2)) { STORE(n, y38); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(1, 8)) { if (ORDER(2)) { STORE(n, z38); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(2)) { STORE(n, xx38); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(2)) { STORE(n, xy38); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(2)) { STORE(n, xz38); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(2)) { STORE(n, yy38); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(2)) { STORE(n, yz38); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(2)) { STORE(n, zz38); } n++; }
+  if (3 <= LMAX_MOST) if (HAS(0, 3)) { if (ORDER(3)) { STORE(n, v39); } n++; }
+  if (3 <= LMAX_MOST) if (HAS(1, 3)) { if (ORDER(3)) { STORE(n, x39); } n++; }
+  if (3 <= LMAX_MOST) if (HAS(1, 3)) { if (ORDER(3)) { STORE(n, y39); } n++; }
+  if (3 <= LMAX_MOST) if (HAS(1, 3)) { if (ORDER(3)) { STORE(n, z39); } n++; }
+  if (3 <= LMAX_MOST) if (HAS(2, 3)) { if (ORDER(3)) { STORE(n, xx39); } n++; }
+  if (3 <= LMAX_MOST) if (HAS(2, 3)) { if (ORDER(3)) { STORE(n, xy39); } n++; }
+  if (3 <= LMAX_MOST) if (HAS(2, 3)) { if (ORDER(3)) { STORE(n, xz39); } n++; }
+  if (3 <= LMAX_MOST) if (HAS(2, 3)) { if (ORDER(3)) { STORE(n, yy39); } n++; }
+  if (3 <= LMAX_MOST) if (HAS(2, 3)) { if (ORDER(3)) { STORE(n, yz39); } n++; }
+  if (3 <= LMAX_MOST) if (HAS(2, 3)) { if (ORDER(3)) { STORE(n, zz39); } n++; }
+  if (4 <= LMAX_MOST) if (HAS(0, 4)) { if (ORDER(3)) { STORE(n, v40); } n++; }
+  if (4 <= LMAX_MOST) if (HAS(1, 4)) { if (ORDER(3)) { STORE(n, x40); } n++; }
+  if (4 <= LMAX_MOST) if (HAS(1, 4)) { if (ORDER(3)) { STORE(n, y40); } n++; }
+  if (4 <= LMAX_MOST) if (HAS(1, 4)) { if (ORDER(3)) { STORE(n, z40); } n++; }
+  if (4 <= LMAX_MOST) if (HAS(2, 4)) { if (ORDER(3)) { STORE(n, xx40); } n++; }
+  if (4 <= LMAX_MOST) if (HAS(2, 4)) { if (ORDER(3)) { STORE(n, xy40); } n++; }
+  if (4 <= LMAX_MOST) if (HAS(2, 4)) { if (ORDER(3)) { STORE(n, xz40); } n++; }
+  if (4 <= LMAX_MOST) if (HAS(2, 4)) { if (ORDER(3)) { STORE(n, yy40); } n++; }
+  if (4 <= LMAX_MOST) if (HAS(2, 4)) { if (ORDER(3)) { STORE(n, yz40); } n++; }
+  if (4 <= LMAX_MOST) if (HAS(2, 4)) { if (ORDER(3)) { STORE(n, zz40); } n++; }
+  if (5 <= LMAX_MOST) if (HAS(0, 5)) { if (ORDER(3)) { STORE(n, v41); } n++; }
+  if (5 <= LMAX_MOST) if (HAS(1, 5)) { if (ORDER(3)) { STORE(n, x41); } n++; }
+  if (5 <= LMAX_MOST) if (HAS(1, 5)) { if (ORDER(3)) { STORE(n, y41); } n++; }
+  if (5 <= LMAX_MOST) if (HAS(1, 5)) { if (ORDER(3)) { STORE(n, z41); } n++; }
+  if (5 <= LMAX_MOST) if (HAS(2, 5)) { if (ORDER(3)) { STORE(n, xx41); } n++; }
+  if (5 <= LMAX_MOST) if (HAS(2, 5)) { if (ORDER(3)) { STORE(n, xy41); } n++; }
+  if (5 <= LMAX_MOST) if (HAS(2, 5)) { if (ORDER(3)) { STORE(n, xz41); } n++; }
+  if (5 <= LMAX_MOST) if (HAS(2, 5)) { if (ORDER(3)) { STORE(n, yy41); } n++; }
+  if (5 <= LMAX_MOST) if (HAS(2, 5)) { if (ORDER(3)) { STORE(n, yz41); } n++; }
+  if (5 <= LMAX_MOST) if (HAS(2, 5)) { if (ORDER(3)) { STORE(n, zz41); } n++; }
+  if (6 <= LMAX_MOST) if (HAS(0, 6)) { if (ORDER(3)) { STORE(n, v42); } n++; }
+  if (6 <= LMAX_MOST) if (HAS(1, 6)) { if (ORDER(3)) { STORE(n, x42); } n++; }
+  if (6 <= LMAX_MOST) if (HAS(1, 6)) { if (ORDER(3)) { STORE(n, y42); } n++; }
+  if (6 <= LMAX_MOST) if (HAS(1, 6)) { if (ORDER(3)) { STORE(n, z42); } n++; }
+  if (6 <= LMAX_MOST) if (HAS(2, 6)) { if (ORDER(3)) { STORE(n, xx42); } n++; }
+  if (6 <= LMAX_MOST) if (HAS(2, 6)) { if (ORDER(3)) { STORE(n, xy42); } n++; }
+  if (6 <= LMAX_MOST) if (HAS(2, 6)) { if (ORDER(3)) { STORE(n, xz42); } n++; }
+  if (6 <= LMAX_MOST) if (HAS(2, 6)) { if (ORDER(3)) { STORE(n, yy42); } n++; }
+  if (6 <= LMAX_MOST) if (HAS(2, 6)) { if (ORDER(3)) { STORE(n, yz42); } n++; }
+  if (6 <= LMAX_MOST) if (HAS(2, 6)) { if (ORDER(3)) { STORE(n, zz42); } n++; }
+  if (7 <= LMAX_MOST) if (HAS(0, 7)) { if (ORDER(3)) { STORE(n, v43); } n++; }
+  if (7 <= LMAX_MOST) if (HAS(1, 7)) { if (ORDER(3)) { STORE(n, x43); } n++; }
+  if (7 <= LMAX_MOST) if (HAS(1, 7)) { if (ORDER(3)) { STORE(n, y43); } n++; }
+  if (7 <= LMAX_MOST) if (HAS(1, 7)) { if (ORDER(3)) { STORE(n, z43); } n++; }
+  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(3)) { STORE(n, xx43); } n++; }
+  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(3)) { STORE(n, xy43); } n++; }
+  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(3)) { STORE(n, xz43); } n++; }
+  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(3)) { STORE(n, yy43); } n++; }
+  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(3)) { STORE(n, yz43); } n++; }
+  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(3)) { STORE(n, zz43); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(0, 8)) { if (ORDER(3)) { STORE(n, v44); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(1, 8)) { if (ORDER(3)) { STORE(n, x44); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(1, 8)) { if (ORDER(3)) { STORE(n, y44); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(1, 8)) { if (ORDER(3)) { STORE(n, z44); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(3)) { STORE(n, xx44); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(3)) { STORE(n, xy44); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(3)) { STORE(n, xz44); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(3)) { STORE(n, yy44); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(3)) { STORE(n, yz44); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(3)) { STORE(n, zz44); } n++; }
+  if (3 <= LMAX_MOST) if (HAS(0, 3)) { if (ORDER(3)) { STORE(n, v45); } n++; }
+  if (3 <= LMAX_MOST) if (HAS(1, 3)) { if (ORDER(3)) { STORE(n, x45); } n++; }
+  if (3 <= LMAX_MOST) if (HAS(1, 3)) { if (ORDER(3)) { STORE(n, y45); } n++; }
+  if (3 <= LMAX_MOST) if (HAS(1, 3)) { if (ORDER(3)) { STORE(n, z45); } n++; }
+  if (3 <= LMAX_MOST) if (HAS(2, 3)) { if (ORDER(3)) { STORE(n, xx45); } n++; }
+  if (3 <= LMAX_MOST) if (HAS(2, 3)) { if (ORDER(3)) { STORE(n, xy45); } n++; }
+  if (3 <= LMAX_MOST) if (HAS(2, 3)) { if (ORDER(3)) { STORE(n, xz45); } n++; }
+  if (3 <= LMAX_MOST) if (HAS(2, 3)) { if (ORDER(3)) { STORE(n, yy45); } n++; }
+  if (3 <= LMAX_MOST) if (HAS(2, 3)) { if (ORDER(3)) { STORE(n, yz45); } n++; }
+  if (3 <= LMAX_MOST) if (HAS(2, 3)) { if (ORDER(3)) { STORE(n, zz45); } n++; }
+  if (4 <= LMAX_MOST) if (HAS(0, 4)) { if (ORDER(3)) { STORE(n, v46); } n++; }
+  if (4 <= LMAX_MOST) if (HAS(1, 4)) { if (ORDER(3)) { STORE(n, x46); } n++; }
+  if (4 <= LMAX_MOST) if (HAS(1, 4)) { if (ORDER(3)) { STORE(n, y46); } n++; }
+  if (4 <= LMAX_MOST) if (HAS(1, 4)) { if (ORDER(3)) { STORE(n, z46); } n++; }
+  if (4 <= LMAX_MOST) if (HAS(2, 4)) { if (ORDER(3)) { STORE(n, xx46); } n++; }
+  if (4 <= LMAX_MOST) if (HAS(2, 4)) { if (ORDER(3)) { STORE(n, xy46); } n++; }
+  if (4 <= LMAX_MOST) if (HAS(2, 4)) { if (ORDER(3)) { STORE(n, xz46); } n++; }
+  if (4 <= LMAX_MOST) if (HAS(2, 4)) { if (ORDER(3)) { STORE(n, yy46); } n++; }
+  if (4 <= LMAX_MOST) if (HAS(2, 4)) { if (ORDER(3)) { STORE(n, yz46); } n++; }
+  if (4 <= LMAX_MOST) if (HAS(2, 4)) { if (ORDER(3)) { STORE(n, zz46); } n++; }
+  if (5 <= LMAX_MOST) if (HAS(0, 5)) { if (ORDER(3)) { STORE(n, v47); } n++; }
+  if (5 <= LMAX_MOST) if (HAS(1, 5)) { if (ORDER(3)) { STORE(n, x47); } n++; }
+  if (5 <= LMAX_MOST) if (HAS(1, 5)) { if (ORDER(3)) { STORE(n, y47); } n++; }
+  if (5 <= LMAX_MOST) if (HAS(1, 5)) { if (ORDER(3)) { STORE(n, z47); } n++; }
+  if (5 <= LMAX_MOST) if (HAS(2, 5)) { if (ORDER(3)) { STORE(n, xx47); } n++; }
+  if (5 <= LMAX_MOST) if (HAS(2, 5)) { if (ORDER(3)) { STORE(n, xy47); } n++; }
+  if (5 <= LMAX_MOST) if (HAS(2, 5)) { if (ORDER(3)) { STORE(n, xz47); } n++; }
+  if (5 <= LMAX_MOST) if (HAS(2, 5)) { if (ORDER(3)) { STORE(n, yy47); } n++; }
+  if (5 <= LMAX_MOST) if (HAS(2, 5)) { if (ORDER(3)) { STORE(n, yz47); } n++; }
+  if (5 <= LMAX_MOST) if (HAS(2, 5)) { if (ORDER(3)) { STORE(n, zz47); } n++; }
+  if (6 <= LMAX_MOST) if (HAS(0, 6)) { if (ORDER(3)) { STORE(n, v48); } n++; }
+  if (6 <= LMAX_MOST) if (HAS(1, 6)) { if (ORDER(3)) { STORE(n, x48); } n++; }
+  if (6 <= LMAX_MOST) if (HAS(1, 6)) { if (ORDER(3)) { STORE(n, y48); } n++; }
+  if (6 <= LMAX_MOST) if (HAS(1, 6)) { if (ORDER(3)) { STORE(n, z48); } n++; }
+  if (6 <= LMAX_MOST) if (HAS(2, 6)) { if (ORDER(3)) { STORE(n, xx48); } n++; }
+  if (6 <= LMAX_MOST) if (HAS(2, 6)) { if (ORDER(3)) { STORE(n, xy48); } n++; }
+  if (6 <= LMAX_MOST) if (HAS(2, 6)) { if (ORDER(3)) { STORE(n, xz48); } n++; }
+  if (6 <= LMAX_MOST) if (HAS(2, 6)) { if (ORDER(3)) { STORE(n, yy48); } n++; }
+  if (6 <= LMAX_MOST) if (HAS(2, 6)) { if (ORDER(3)) { STORE(n, yz48); } n++; }
+  if (6 <= LMAX_MOST) if (HAS(2, 6)) { if (ORDER(3)) { STORE(n, zz48); } n++; }
+  if (7 <= LMAX_MOST) if (HAS(0, 7)) { if (ORDER(3)) { STORE(n, v49); } n++; }
+  if (7 <= LMAX_MOST) if (HAS(1, 7)) { if (ORDER(3)) { STORE(n, x49); } n++; }
+  if (7 <= LMAX_MOST) if (HAS(1, 7)) { if (ORDER(3)) { STORE(n, y49); } n++; }
+  if (7 <= LMAX_MOST) if (HAS(1, 7)) { if (ORDER(3)) { STORE(n, z49); } n++; }
+  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(3)) { STORE(n, xx49); } n++; }
+  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(3)) { STORE(n, xy49); } n++; }
+  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(3)) { STORE(n, xz49); } n++; }
+  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(3)) { STORE(n, yy49); } n++; }
+  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(3)) { STORE(n, yz49); } n++; }
+  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(3)) { STORE(n, zz49); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(0, 8)) { if (ORDER(3)) { STORE(n, v50); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(1, 8)) { if (ORDER(3)) { STORE(n, x50); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(1, 8)) { if (ORDER(3)) { STORE(n, y50); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(1, 8)) { if (ORDER(3)) { STORE(n, z50); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(3)) { STORE(n, xx50); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(3)) { STORE(n, xy50); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(3)) { STORE(n, xz50); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(3)) { STORE(n, yy50); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(3)) { STORE(n, yz50); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(3)) { STORE(n, zz50); } n++; }
+  if (4 <= LMAX_MOST) if (HAS(0, 4)) { if (ORDER(4)) { STORE(n, v51); } n++; }
+  if (4 <= LMAX_MOST) if (HAS(1, 4)) { if (ORDER(4)) { STORE(n, x51); } n++; }
+  if (4 <= LMAX_MOST) if (HAS(1, 4)) { if (ORDER(4)) { STORE(n, y51); } n++; }
+  if (4 <= LMAX_MOST) if (HAS(1, 4)) { if (ORDER(4)) { STORE(n, z51); } n++; }
+  if (4 <= LMAX_MOST) if (HAS(2, 4)) { if (ORDER(4)) { STORE(n, xx51); } n++; }
+  if (4 <= LMAX_MOST) if (HAS(2, 4)) { if (ORDER(4)) { STORE(n, xy51); } n++; }
+  if (4 <= LMAX_MOST) if (HAS(2, 4)) { if (ORDER(4)) { STORE(n, xz51); } n++; }
+  if (4 <= LMAX_MOST) if (HAS(2, 4)) { if (ORDER(4)) { STORE(n, yy51); } n++; }
+  if (4 <= LMAX_MOST) if (HAS(2, 4)) { if (ORDER(4)) { STORE(n, yz51); } n++; }
+  if (4 <= LMAX_MOST) if (HAS(2, 4)) { if (ORDER(4)) { STORE(n, zz51); } n++; }
+  if (5 <= LMAX_MOST) if (HAS(0, 5)) { if (ORDER(4)) { STORE(n, v52); } n++; }
+  if (5 <= LMAX_MOST) if (HAS(1, 5)) { if (ORDER(4)) { STORE(n, x52); } n++; }
+  if (5 <= LMAX_MOST) if (HAS(1, 5)) { if (ORDER(4)) { STORE(n, y52); } n++; }
+  if (5 <= LMAX_MOST) if (HAS(1, 5)) { if (ORDER(4)) { STORE(n, z52); } n++; }
+  if (5 <= LMAX_MOST) if (HAS(2, 5)) { if (ORDER(4)) { STORE(n, xx52); } n++; }
+  if (5 <= LMAX_MOST) if (HAS(2, 5)) { if (ORDER(4)) { STORE(n, xy52); } n++; }
+  if (5 <= LMAX_MOST) if (HAS(2, 5)) { if (ORDER(4)) { STORE(n, xz52); } n++; }
+  if (5 <= LMAX_MOST) if (HAS(2, 5)) { if (ORDER(4)) { STORE(n, yy52); } n++; }
+  if (5 <= LMAX_MOST) if (HAS(2, 5)) { if (ORDER(4)) { STORE(n, yz52); } n++; }
+  if (5 <= LMAX_MOST) if (HAS(2, 5)) { if (ORDER(4)) { STORE(n, zz52); } n++; }
+  if (6 <= LMAX_MOST) if (HAS(0, 6)) { if (ORDER(4)) { STORE(n, v53); } n++; }
+  if (6 <= LMAX_MOST) if (HAS(1, 6)) { if (ORDER(4)) { STORE(n, x53); } n++; }
+  if (6 <= LMAX_MOST) if (HAS(1, 6)) { if (ORDER(4)) { STORE(n, y53); } n++; }
+  if (6 <= LMAX_MOST) if (HAS(1, 6)) { if (ORDER(4)) { STORE(n, z53); } n++; }
+  if (6 <= LMAX_MOST) if (HAS(2, 6)) { if (ORDER(4)) { STORE(n, xx53); } n++; }
+  if (6 <= LMAX_MOST) if (HAS(2, 6)) { if (ORDER(4)) { STORE(n, xy53); } n++; }
+  if (6 <= LMAX_MOST) if (HAS(2, 6)) { if (ORDER(4)) { STORE(n, xz53); } n++; }
+  if (6 <= LMAX_MOST) if (HAS(2, 6)) { if (ORDER(4)) { STORE(n, yy53); } n++; }
+  if (6 <= LMAX_MOST) if (HAS(2, 6)) { if (ORDER(4)) { STORE(n, yz53); } n++; }
+  if (6 <= LMAX_MOST) if (HAS(2, 6)) { if (ORDER(4)) { STORE(n, zz53); } n++; }
+  if (7 <= LMAX_MOST) if (HAS(0, 7)) { if (ORDER(4)) { STORE(n, v54); } n++; }
+  if (7 <= LMAX_MOST) if (HAS(1, 7)) { if (ORDER(4)) { STORE(n, x54); } n++; }
+  if (7 <= LMAX_MOST) if (HAS(1, 7)) { if (ORDER(4)) { STORE(n, y54); } n++; }
+  if (7 <= LMAX_MOST) if (HAS(1, 7)) { if (ORDER(4)) { STORE(n, z54); } n++; }
+  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(4)) { STORE(n, xx54); } n++; }
+  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(4)) { STORE(n, xy54); } n++; }
+  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(4)) { STORE(n, xz54); } n++; }
+  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(4)) { STORE(n, yy54); } n++; }
+  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(4)) { STORE(n, yz54); } n++; }
+  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(4)) { STORE(n, zz54); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(0, 8)) { if (ORDER(4)) { STORE(n, v55); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(1, 8)) { if (ORDER(4)) { STORE(n, x55); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(1, 8)) { if (ORDER(4)) { STORE(n, y55); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(1, 8)) { if (ORDER(4)) { STORE(n, z55); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(4)) { STORE(n, xx55); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(4)) { STORE(n, xy55); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(4)) { STORE(n, xz55); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(4)) { STORE(n, yy55); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(4)) { STORE(n, yz55); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(4)) { STORE(n, zz55); } n++; }
+  if (4 <= LMAX_MOST) if (HAS(0, 4)) { if (ORDER(4)) { STORE(n, v56); } n++; }
+  if (4 <= LMAX_MOST) if (HAS(1, 4)) { if (ORDER(4)) { STORE(n, x56); } n++; }
+  if (4 <= LMAX_MOST) if (HAS(1, 4)) { if (ORDER(4)) { STORE(n, y56); } n++; }
+  if (4 <= LMAX_MOST) if (HAS(1, 4)) { if (ORDER(4)) { STORE(n, z56); } n++; }
+  if (4 <= LMAX_MOST) if (HAS(2, 4)) { if (ORDER(4)) { STORE(n, xx56); } n++; }
+  if (4 <= LMAX_MOST) if (HAS(2, 4)) { if (ORDER(4)) { STORE(n, xy56); } n++; }
+  if (4 <= LMAX_MOST) if (HAS(2, 4)) { if (ORDER(4)) { STORE(n, xz56); } n++; }
+  if (4 <= LMAX_MOST) if (HAS(2, 4)) { if (ORDER(4)) { STORE(n, yy56); } n++; }
+  if (4 <= LMAX_MOST) if (HAS(2, 4)) { if (ORDER(4)) { STORE(n, yz56); } n++; }
+  if (4 <= LMAX_MOST) if (HAS(2, 4)) { if (ORDER(4)) { STORE(n, zz56); } n++; }
+  if (5 <= LMAX_MOST) if (HAS(0, 5)) { if (ORDER(4)) { STORE(n, v57); } n++; }
+  if (5 <= LMAX_MOST) if (HAS(1, 5)) { if (ORDER(4)) { STORE(n, x57); } n++; }
+  if (5 <= LMAX_MOST) if (HAS(1, 5)) { if (ORDER(4)) { STORE(n, y57); } n++; }
+  if (5 <= LMAX_MOST) if (HAS(1, 5)) { if (ORDER(4)) { STORE(n, z57); } n++; }
+  if (5 <= LMAX_MOST) if (HAS(2, 5)) { if (ORDER(4)) { STORE(n, xx57); } n++; }
+  if (5 <= LMAX_MOST) if (HAS(2, 5)) { if (ORDER(4)) { STORE(n, xy57); } n++; }
+  if (5 <= LMAX_MOST) if (HAS(2, 5)) { if (ORDER(4)) { STORE(n, xz57); } n++; }
+  if (5 <= LMAX_MOST) if (HAS(2, 5)) { if (ORDER(4)) { STORE(n, yy57); } n++; }
+  if (5 <= LMAX_MOST) if (HAS(2, 5)) { if (ORDER(4)) { STORE(n, yz57); } n++; }
+  if (5 <= LMAX_MOST) if (HAS(2, 5)) { if (ORDER(4)) { STORE(n, zz57); } n++; }
+  if (6 <= LMAX_MOST) if (HAS(0, 6)) { if (ORDER(4)) { STORE(n, v58); } n++; }
+  if (6 <= LMAX_MOST) if (HAS(1, 6)) { if (ORDER(4)) { STORE(n, x58); } n++; }
+  if (6 <= LMAX_MOST) if (HAS(1, 6)) { if (ORDER(4)) { STORE(n, y58); } n++; }
+  if (6 <= LMAX_MOST) if (HAS(1, 6)) { if (ORDER(4)) { STORE(n, z58); } n++; }
+  if (6 <= LMAX_MOST) if (HAS(2, 6)) { if (ORDER(4)) { STORE(n, xx58); } n++; }
+  if (6 <= LMAX_MOST) if (HAS(2, 6)) { if (ORDER(4)) { STORE(n, xy58); } n++; }
+  if (6 <= LMAX_MOST) if (HAS(2, 6)) { if (ORDER(4)) { STORE(n, xz58); } n++; }
+  if (6 <= LMAX_MOST) if (HAS(2, 6)) { if (ORDER(4)) { STORE(n, yy58); } n++; }
+  if (6 <= LMAX_MOST) if (HAS(2, 6)) { if (ORDER(4)) { STORE(n, yz58); } n++; }
+  if (6 <= LMAX_MOST) if (HAS(2, 6)) { if (ORDER(4)) { STORE(n, zz58); } n++; }
+  if (7 <= LMAX_MOST) if (HAS(0, 7)) { if (ORDER(4)) { STORE(n, v59); } n++; }
+  if (7 <= LMAX_MOST) if (HAS(1, 7)) { if (ORDER(4)) { STORE(n, x59); } n++; }
+  if (7 <= LMAX_MOST) if (HAS(1, 7)) { if (ORDER(4)) { STORE(n, y59); } n++; }
+  if (7 <= LMAX_MOST) if (HAS(1, 7)) { if (ORDER(4)) { STORE(n, z59); } n++; }
+  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(4)) { STORE(n, xx59); } n++; }
+  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(4)) { STORE(n, xy59); } n++; }
+  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(4)) { STORE(n, xz59); } n++; }
+  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(4)) { STORE(n, yy59); } n++; }
+  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(4)) { STORE(n, yz59); } n++; }
+  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(4)) { STORE(n, zz59); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(0, 8)) { if (ORDER(4)) { STORE(n, v60); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(1, 8)) { if (ORDER(4)) { STORE(n, x60); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(1, 8)) { if (ORDER(4)) { STORE(n, y60); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(1, 8)) { if (ORDER(4)) { STORE(n, z60); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(4)) { STORE(n, xx60); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(4)) { STORE(n, xy60); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(4)) { STORE(n, xz60); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(4)) { STORE(n, yy60); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(4)) { STORE(n, yz60); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(4)) { STORE(n, zz60); } n++; }
+  if (5 <= LMAX_MOST) if (HAS(0, 5)) { if (ORDER(5)) { STORE(n, v61); } n++; }
+  if (5 <= LMAX_MOST) if (HAS(1, 5)) { if (ORDER(5)) { STORE(n, x61); } n++; }
+  if (5 <= LMAX_MOST) if (HAS(1, 5)) { if (ORDER(5)) { STORE(n, y61); } n++; }
+  if (5 <= LMAX_MOST) if (HAS(1, 5)) { if (ORDER(5)) { STORE(n, z61); } n++; }
+  if (5 <= LMAX_MOST) if (HAS(2, 5)) { if (ORDER(5)) { STORE(n, xx61); } n++; }
+  if (5 <= LMAX_MOST) if (HAS(2, 5)) { if (ORDER(5)) { STORE(n, xy61); } n++; }
+  if (5 <= LMAX_MOST) if (HAS(2, 5)) { if (ORDER(5)) { STORE(n, xz61); } n++; }
+  if (5 <= LMAX_MOST) if (HAS(2, 5)) { if (ORDER(5)) { STORE(n, yy61); } n++; }
+  if (5 <= LMAX_MOST) if (HAS(2, 5)) { if (ORDER(5)) { STORE(n, yz61); } n++; }
+  if (5 <= LMAX_MOST) if (HAS(2, 5)) { if (ORDER(5)) { STORE(n, zz61); } n++; }
+  if (6 <= LMAX_MOST) if (HAS(0, 6)) { if (ORDER(5)) { STORE(n, v62); } n++; }
+  if (6 <= LMAX_MOST) if (HAS(1, 6)) { if (ORDER(5)) { STORE(n, x62); } n++; }
+  if (6 <= LMAX_MOST) if (HAS(1, 6)) { if (ORDER(5)) { STORE(n, y62); } n++; }
+  if (6 <= LMAX_MOST) if (HAS(1, 6)) { if (ORDER(5)) { STORE(n, z62); } n++; }
+  if (6 <= LMAX_MOST) if (HAS(2, 6)) { if (ORDER(5)) { STORE(n, xx62); } n++; }
+  if (6 <= LMAX_MOST) if (HAS(2, 6)) { if (ORDER(5)) { STORE(n, xy62); } n++; }
+  if (6 <= LMAX_MOST) if (HAS(2, 6)) { if (ORDER(5)) { STORE(n, xz62); } n++; }
+  if (6 <= LMAX_MOST) if (HAS(2, 6)) { if (ORDER(5)) { STORE(n, yy62); } n++; }
+  if (6 <= LMAX_MOST) if (HAS(2, 6)) { if (ORDER(5)) { STORE(n, yz62); } n++; }
+  if (6 <= LMAX_MOST) if (HAS(2, 6)) { if (ORDER(5)) { STORE(n, zz62); } n++; }
+  if (7 <= LMAX_MOST) if (HAS(0, 7)) { if (ORDER(5)) { STORE(n, v63); } n++; }
+  if (7 <= LMAX_MOST) if (HAS(1, 7)) { if (ORDER(5)) { STORE(n, x63); } n++; }
+  if (7 <= LMAX_MOST) if (HAS(1, 7)) { if (ORDER(5)) { STORE(n, y63); } n++; }
+  if (7 <= LMAX_MOST) if (HAS(1, 7)) { if (ORDER(5)) { STORE(n, z63); } n++; }
+  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(5)) { STORE(n, xx63); } n++; }
+  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(5)) { STORE(n, xy63); } n++; }
+  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(5)) { STORE(n, xz63); } n++; }
+  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(5)) { STORE(n, yy63); } n++; }
+  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(5)) { STORE(n, yz63); } n++; }
+  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(5)) { STORE(n, zz63); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(0, 8)) { if (ORDER(5)) { STORE(n, v64); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(1, 8)) { if (ORDER(5)) { STORE(n, x64); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(1, 8)) { if (ORDER(5)) { STORE(n, y64); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(1, 8)) { if (ORDER(5)) { STORE(n, z64); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(5)) { STORE(n, xx64); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(5)) { STORE(n, xy64); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(5)) { STORE(n, xz64); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(5)) { STORE(n, yy64); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(5)) { STORE(n, yz64); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(5)) { STORE(n, zz64); } n++; }
+  if (5 <= LMAX_MOST) if (HAS(0, 5)) { if (ORDER(5)) { STORE(n, v65); } n++; }
+  if (5 <= LMAX_MOST) if (HAS(1, 5)) { if (ORDER(5)) { STORE(n, x65); } n++; }
+  if (5 <= LMAX_MOST) if (HAS(1, 5)) { if (ORDER(5)) { STORE(n, y65); } n++; }
+  if (5 <= LMAX_MOST) if (HAS(1, 5)) { if (ORDER(5)) { STORE(n, z65); } n++; }
+  if (5 <= LMAX_MOST) if (HAS(2, 5)) { if (ORDER(5)) { STORE(n, xx65); } n++; }
+  if (5 <= LMAX_MOST) if (HAS(2, 5)) { if (ORDER(5)) { STORE(n, xy65); } n++; }
+  if (5 <= LMAX_MOST) if (HAS(2, 5)) { if (ORDER(5)) { STORE(n, xz65); } n++; }
+  if (5 <= LMAX_MOST) if (HAS(2, 5)) { if (ORDER(5)) { STORE(n, yy65); } n++; }
+  if (5 <= LMAX_MOST) if (HAS(2, 5)) { if (ORDER(5)) { STORE(n, yz65); } n++; }
+  if (5 <= LMAX_MOST) if (HAS(2, 5)) { if (ORDER(5)) { STORE(n, zz65); } n++; }
+  if (6 <= LMAX_MOST) if (HAS(0, 6)) { if (ORDER(5)) { STORE(n, v66); } n++; }
+  if (6 <= LMAX_MOST) if (HAS(1, 6)) { if (ORDER(5)) { STORE(n, x66); } n++; }
+  if (6 <= LMAX_MOST) if (HAS(1, 6)) { if (ORDER(5)) { STORE(n, y66); } n++; }
+  if (6 <= LMAX_MOST) if (HAS(1, 6)) { if (ORDER(5)) { STORE(n, z66); } n++; }
+  if (6 <= LMAX_MOST) if (HAS(2, 6)) { if (ORDER(5)) { STORE(n, xx66); } n++; }
+  if (6 <= LMAX_MOST) if (HAS(2, 6)) { if (ORDER(5)) { STORE(n, xy66); } n++; }
+  if (6 <= LMAX_MOST) if (HAS(2, 6)) { if (ORDER(5)) { STORE(n, xz66); } n++; }
+  if (6 <= LMAX_MOST) if (HAS(2, 6)) { if (ORDER(5)) { STORE(n, yy66); } n++; }
+  if (6 <= LMAX_MOST) if (HAS(2, 6)) { if (ORDER(5)) { STORE(n, yz66); } n++; }
+  if (6 <= LMAX_MOST) if (HAS(2, 6)) { if (ORDER(5)) { STORE(n, zz66); } n++; }
+  if (7 <= LMAX_MOST) if (HAS(0, 7)) { if (ORDER(5)) { STORE(n, v67); } n++; }
+  if (7 <= LMAX_MOST) if (HAS(1, 7)) { if (ORDER(5)) { STORE(n, x67); } n++; }
+  if (7 <= LMAX_MOST) if (HAS(1, 7)) { if (ORDER(5)) { STORE(n, y67); } n++; }
+  if (7 <= LMAX_MOST) if (HAS(1, 7)) { if (ORDER(5)) { STORE(n, z67); } n++; }
+  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(5)) { STORE(n, xx67); } n++; }
+  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(5)) { STORE(n, xy67); } n++; }
+  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(5)) { STORE(n, xz67); } n++; }
+  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(5)) { STORE(n, yy67); } n++; }
+  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(5)) { STORE(n, yz67); } n++; }
+  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(5)) { STORE(n, zz67); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(0, 8)) { if (ORDER(5)) { STORE(n, v68); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(1, 8)) { if (ORDER(5)) { STORE(n, x68); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(1, 8)) { if (ORDER(5)) { STORE(n, y68); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(1, 8)) { if (ORDER(5)) { STORE(n, z68); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(5)) { STORE(n, xx68); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(5)) { STORE(n, xy68); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(5)) { STORE(n, xz68); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(5)) { STORE(n, yy68); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(5)) { STORE(n, yz68); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(5)) { STORE(n, zz68); } n++; }
+  if (6 <= LMAX_MOST) if (HAS(0, 6)) { if (ORDER(6)) { STORE(n, v69); } n++; }
+  if (6 <= LMAX_MOST) if (HAS(1, 6)) { if (ORDER(6)) { STORE(n, x69); } n++; }
+  if (6 <= LMAX_MOST) if (HAS(1, 6)) { if (ORDER(6)) { STORE(n, y69); } n++; }
+  if (6 <= LMAX_MOST) if (HAS(1, 6)) { if (ORDER(6)) { STORE(n, z69); } n++; }
+  if (6 <= LMAX_MOST) if (HAS(2, 6)) { if (ORDER(6)) { STORE(n, xx69); } n++; }
+  if (6 <= LMAX_MOST) if (HAS(2, 6)) { if (ORDER(6)) { STORE(n, xy69); } n++; }
+  if (6 <= LMAX_MOST) if (HAS(2, 6)) { if (ORDER(6)) { STORE(n, xz69); } n++; }
+  if (6 <= LMAX_MOST) if (HAS(2, 6)) { if (ORDER(6)) { STORE(n, yy69); } n++; }
+  if (6 <= LMAX_MOST) if (HAS(2, 6)) { if (ORDER(6)) { STORE(n, yz69); } n++; }
+  if (6 <= LMAX_MOST) if (HAS(2, 6)) { if (ORDER(6)) { STORE(n, zz69); } n++; }
+  if (7 <= LMAX_MOST) if (HAS(0, 7)) { if (ORDER(6)) { STORE(n, v70); } n++; }
+  if (7 <= LMAX_MOST) if (HAS(1, 7)) { if (ORDER(6)) { STORE(n, x70); } n++; }
+  if (7 <= LMAX_MOST) if (HAS(1, 7)) { if (ORDER(6)) { STORE(n, y70); } n++; }
+  if (7 <= LMAX_MOST) if (HAS(1, 7)) { if (ORDER(6)) { STORE(n, z70); } n++; }
+  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(6)) { STORE(n, xx70); } n++; }
+  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(6)) { STORE(n, xy70); } n++; }
+  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(6)) { STORE(n, xz70); } n++; }
+  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(6)) { STORE(n, yy70); } n++; }
+  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(6)) { STORE(n, yz70); } n++; }
+  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(6)) { STORE(n, zz70); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(0, 8)) { if (ORDER(6)) { STORE(n, v71); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(1, 8)) { if (ORDER(6)) { STORE(n, x71); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(1, 8)) { if (ORDER(6)) { STORE(n, y71); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(1, 8)) { if (ORDER(6)) { STORE(n, z71); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(6)) { STORE(n, xx71); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(6)) { STORE(n, xy71); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(6)) { STORE(n, xz71); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(6)) { STORE(n, yy71); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(6)) { STORE(n, yz71); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(6)) { STORE(n, zz71); } n++; }
+  if (6 <= LMAX_MOST) if (HAS(0, 6)) { if (ORDER(6)) { STORE(n, v72); } n++; }
+  if (6 <= LMAX_MOST) if (HAS(1, 6)) { if (ORDER(6)) { STORE(n, x72); } n++; }
+  if (6 <= LMAX_MOST) if (HAS(1, 6)) { if (ORDER(6)) { STORE(n, y72); } n++; }
+  if (6 <= LMAX_MOST) if (HAS(1, 6)) { if (ORDER(6)) { STORE(n, z72); } n++; }
+  if (6 <= LMAX_MOST) if (HAS(2, 6)) { if (ORDER(6)) { STORE(n, xx72); } n++; }
+  if (6 <= LMAX_MOST) if (HAS(2, 6)) { if (ORDER(6)) { STORE(n, xy72); } n++; }
+  if (6 <= LMAX_MOST) if (HAS(2, 6)) { if (ORDER(6)) { STORE(n, xz72); } n++; }
+  if (6 <= LMAX_MOST) if (HAS(2, 6)) { if (ORDER(6)) { STORE(n, yy72); } n++; }
+  if (6 <= LMAX_MOST) if (HAS(2, 6)) { if (ORDER(6)) { STORE(n, yz72); } n++; }
+  if (6 <= LMAX_MOST) if (HAS(2, 6)) { if (ORDER(6)) { STORE(n, zz72); } n++; }
+  if (7 <= LMAX_MOST) if (HAS(0, 7)) { if (ORDER(6)) { STORE(n, v73); } n++; }
+  if (7 <= LMAX_MOST) if (HAS(1, 7)) { if (ORDER(6)) { STORE(n, x73); } n++; }
+  if (7 <= LMAX_MOST) if (HAS(1, 7)) { if (ORDER(6)) { STORE(n, y73); } n++; }
+  if (7 <= LMAX_MOST) if (HAS(1, 7)) { if (ORDER(6)) { STORE(n, z73); } n++; }
+  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(6)) { STORE(n, xx73); } n++; }
+  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(6)) { STORE(n, xy73); } n++; }
+  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(6)) { STORE(n, xz73); } n++; }
+  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(6)) { STORE(n, yy73); } n++; }
+  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(6)) { STORE(n, yz73); } n++; }
+  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(6)) { STORE(n, zz73); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(0, 8)) { if (ORDER(6)) { STORE(n, v74); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(1, 8)) { if (ORDER(6)) { STORE(n, x74); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(1, 8)) { if (ORDER(6)) { STORE(n, y74); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(1, 8)) { if (ORDER(6)) { STORE(n, z74); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(6)) { STORE(n, xx74); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(6)) { STORE(n, xy74); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(6)) { STORE(n, xz74); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(6)) { STORE(n, yy74); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(6)) { STORE(n, yz74); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(6)) { STORE(n, zz74); } n++; }
+  if (7 <= LMAX_MOST) if (HAS(0, 7)) { if (ORDER(7)) { STORE(n, v75); } n++; }
+  if (7 <= LMAX_MOST) if (HAS(1, 7)) { if (ORDER(7)) { STORE(n, x75); } n++; }
+  if (7 <= LMAX_MOST) if (HAS(1, 7)) { if (ORDER(7)) { STORE(n, y75); } n++; }
+  if (7 <= LMAX_MOST) if (HAS(1, 7)) { if (ORDER(7)) { STORE(n, z75); } n++; }
+  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(7)) { STORE(n, xx75); } n++; }
+  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(7)) { STORE(n, xy75); } n++; }
+  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(7)) { STORE(n, xz75); } n++; }
+  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(7)) { STORE(n, yy75); } n++; }
+  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(7)) { STORE(n, yz75); } n++; }
+  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(7)) { STORE(n, zz75); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(0, 8)) { if (ORDER(7)) { STORE(n, v76); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(1, 8)) { if (ORDER(7)) { STORE(n, x76); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(1, 8)) { if (ORDER(7)) { STORE(n, y76); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(1, 8)) { if (ORDER(7)) { STORE(n, z76); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(7)) { STORE(n, xx76); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(7)) { STORE(n, xy76); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(7)) { STORE(n, xz76); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(7)) { STORE(n, yy76); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(7)) { STORE(n, yz76); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(7)) { STORE(n, zz76); } n++; }
+  if (7 <= LMAX_MOST) if (HAS(0, 7)) { if (ORDER(7)) { STORE(n, v77); } n++; }
+  if (7 <= LMAX_MOST) if (HAS(1, 7)) { if (ORDER(7)) { STORE(n, x77); } n++; }
+  if (7 <= LMAX_MOST) if (HAS(1, 7)) { if (ORDER(7)) { STORE(n, y77); } n++; }
+  if (7 <= LMAX_MOST) if (HAS(1, 7)) { if (ORDER(7)) { STORE(n, z77); } n++; }
+  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(7)) { STORE(n, xx77); } n++; }
+  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(7)) { STORE(n, xy77); } n++; }
+  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(7)) { STORE(n, xz77); } n++; }
+  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(7)) { STORE(n, yy77); } n++; }
+  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(7)) { STORE(n, yz77); } n++; }
+  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(7)) { STORE(n, zz77); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(0, 8)) { if (ORDER(7)) { STORE(n, v78); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(1, 8)) { if (ORDER(7)) { STORE(n, x78); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(1, 8)) { if (ORDER(7)) { STORE(n, y78); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(1, 8)) { if (ORDER(7)) { STORE(n, z78); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(7)) { STORE(n, xx78); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(7)) { STORE(n, xy78); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(7)) { STORE(n, xz78); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(7)) { STORE(n, yy78); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(7)) { STORE(n, yz78); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(7)) { STORE(n, zz78); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(0, 8)) { if (ORDER(8)) { STORE(n, v79); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(1, 8)) { if (ORDER(8)) { STORE(n, x79); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(1, 8)) { if (ORDER(8)) { STORE(n, y79); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(1, 8)) { if (ORDER(8)) { STORE(n, z79); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(8)) { STORE(n, xx79); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(8)) { STORE(n, xy79); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(8)) { STORE(n, xz79); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(8)) { STORE(n, yy79); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(8)) { STORE(n, yz79); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(8)) { STORE(n, zz79); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(0, 8)) { if (ORDER(8)) { STORE(n, v80); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(1, 8)) { if (ORDER(8)) { STORE(n, x80); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(1, 8)) { if (ORDER(8)) { STORE(n, y80); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(1, 8)) { if (ORDER(8)) { STORE(n, z80); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(8)) { STORE(n, xx80); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(8)) { STORE(n, xy80); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(8)) { STORE(n, xz80); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(8)) { STORE(n, yy80); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(8)) { STORE(n, yz80); } n++; }
+  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(8)) { STORE(n, zz80); } n++; }
 }

@@ -29,6 +29,7 @@ enum {
   YLM_GPU_AWAY = 0x40000000, /* outside of the bounds */
   YLM_GPU_SCAN_EACH = 0x10, /* numbers of an invocation of octree_scan.comp */
   YLM_GPU_SCAN_LANES = 0x40, /* invocations of its groups */
+  YLM_GPU_LOW_LMAX = 0x4, /* the largest lmax of kernels named _low, which hold no sums of more */
   YLM_GPU_PIXEL_TILE = 0x8, /* pixels along a side: picture_lamps.real.comp */
 };
 

@@ -1,6 +1,7 @@
 /* work.c - the steps that evaluate a pass of points: sums, their reduction, maps, metric. */
 #include <string.h>
 
+#include "../gen/layout.h"
 #include "lights.h"
 
 #define ROWS 8u /* rows of a group of shaders/rows.real.comp */
@@ -97,11 +98,13 @@ static const char *pass_kernel(const step_list *s, const sum_set *set, const str
   }
   *constants = pass->items ? 8 : 6;
   memcpy(constant, c, sizeof c);
+  bool low = s->p->lmax <= YLM_GPU_LOW_LMAX;
   return pass->rims        ? "rims"
          : pass->items     ? "moments_any"
-         : pass->loops     ? "product"
-         : pass->second    ? "flat_second"
-         : l->cosines.kind ? "flat"
+         : pass->loops     ? low ? "product_low" : "product"
+         : pass->second    ? low ? "flat_second_low" : "flat_second"
+         : l->cosines.kind ? low ? "flat_low" : "flat"
+         : low             ? "moments_low"
                            : "moments";
 }
 

@@ -25,6 +25,7 @@ layout.constants = {
   { "AWAY", 0x40000000, "outside of the bounds" },
   { "SCAN_EACH", 16, "numbers of an invocation of octree_scan.comp" },
   { "SCAN_LANES", 64, "invocations of its groups" },
+  { "LOW_LMAX", 4, "the largest lmax of kernels named _low, which hold no sums of more" },
   { "PIXEL_TILE", 8, "pixels along a side: picture_lamps.real.comp" },
 }
 

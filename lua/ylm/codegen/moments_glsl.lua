@@ -95,6 +95,7 @@ function moments.text(lmax)
   put(out, "** The merged-moment sums for lmax 0 .. %d, in the order of csrc/light/moments/moments.h.", lmax)
   put(out, "**   real, REAL(c)     float or double, and a constant of that type")
   put(out, "**   LMAX, KINDS       specialisation constants: 1 value, 2 gradient, 4 Hessian, added up")
+  put(out, "**   LMAX_MOST         the largest LMAX that the module is asked for: sums of more are left out")
   put(out, "**   M_FIRST, M_LAST   specialisation constants: the orders m that are summed here")
   put(out, "** Of sums of each kind k = 0, 1, 2 the includer says, by default in shaders/sums.glsl, what they are:")
   put(out, "**   SUMk(a) declares, CLEARk(a), ADDk(a, e), STOREk(n, p, a): number n among all, p among those with PART1")
@@ -122,7 +123,8 @@ function moments.text(lmax)
   put(out, "  uint n = 0u, p = 0u;")
   local counts = { [0] = "n++; p++;", "n++; p += PART1;", "n++;" }
   each_sum(lmax, function(m, _, k, kind, n)
-    put(out, "  if (HAS%d(%d)) { if (ORDER(%d)) { STORE%d(n, p, a%d); } %s }", kind, k, m, kind, n, counts[kind])
+    put(out, "  if (%d <= LMAX_MOST + %d) if (HAS%d(%d)) { if (ORDER(%d)) { STORE%d(n, p, a%d); } %s }", k, kind, kind, k,
+      m, kind, n, counts[kind])
   end)
   put(out, "}")
   return table.concat(out, "\n") .. "\n"

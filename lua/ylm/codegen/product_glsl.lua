@@ -126,6 +126,7 @@ function product.text(lmax)
   put(out, "** One light by the product rule, for lmax 0 .. %d: the papers' form, for comparison.", lmax)
   put(out, "**   real, REAL(c)     float or double, and a constant of that type")
   put(out, "**   LMAX, DERIVATIVES specialisation constants; 0, 1 or 2 derivatives")
+  put(out, "**   LMAX_MOST         the largest LMAX that the module is asked for: sums of more are left out")
   put(out, "**   M_FIRST, M_LAST   specialisation constants: the orders m that are summed here")
   put(out, "**   ADD(n)            adds p0 .. p9, the parts of a coefficient, to vn, xn, yn, zn, xxn .. zzn")
   local function of(l) return product.operations(l, 0), product.operations(l, 1), product.operations(l, 2) end
@@ -158,7 +159,7 @@ function product.text(lmax)
   put(out, "  uint n = 0u;")
   each(lmax, function(m, _, l, n)
     for i, name in ipairs(parts) do
-      put(out, "  if (HAS(%d, %d)) { if (ORDER(%d)) { STORE(n, %s%d); } n++; }", needs[i], l, m, name, n)
+      put(out, "  if (%d <= LMAX_MOST) if (HAS(%d, %d)) { if (ORDER(%d)) { STORE(n, %s%d); } n++; }", l, needs[i], l, m, name, n)
     end
   end)
   put(out, "}")
