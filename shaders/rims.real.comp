@@ -64,7 +64,7 @@ void find_node(uint at, uint t, bool cutting) {
     for (uint step = ARCS / 2; step > 0; step /= 2)
       if (begins[a + step] <= at) a += step;
     n = node_of(a, at - begins[a], weight);
-    omega += weight * n.solid;
+    omega += weight * n.angle;
   }
   for (int i = 0; i < 3; i++) direction[i][t] = n.s[i], moment[i][t] = weight * n.m[i];
   inverse[t] = n.inverse;

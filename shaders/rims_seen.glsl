@@ -37,7 +37,7 @@ node node_of(uint a, uint i, out double weight) {
   weight = arcs[14][a] * arcs[13][a];
   if (arc_kind[a] == CUT_AT) {
     weight = 1;
-    n.s = take(a, 3), n.m = take(a, 0), n.inverse = 0, n.solid = 0;
+    n.s = take(a, 3), n.m = take(a, 0), n.inverse = 0, n.angle = 0;
     return n;
   }
   if (arc_kind[a] == LINE) {

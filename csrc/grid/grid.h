@@ -20,7 +20,7 @@ typedef struct lattice_hash {
 } lattice_hash;
 
 struct ylm_grid {
-  ylm_grid_view view; /* its pointers are the arrays below */
+  ylm_grid_contents contents; /* its pointers are the arrays below */
   ylm_grid_stats stats;
   ylm_field field;
 
@@ -102,7 +102,7 @@ void ylm__grid_trim(ylm_grid *g);
 ylm_status ylm__grid_split(ylm_grid *g, uint32_t cell, uint32_t *first);
 /* Edge of a cell in lattice units. */
 static inline uint32_t ylm__grid_edge(const ylm_grid *g, const ylm_grid_cell *c) {
-  return g->view.form.kind == YLM_GRID_UNIFORM ? 1u : 1u << (g->view.form.depth - c->level);
+  return g->contents.form.kind == YLM_GRID_UNIFORM ? 1u : 1u << (g->contents.form.depth - c->level);
 }
 static inline const float *ylm__grid_row(const ylm_grid *g, uint32_t point, int row) {
   return g->data + ((size_t)point * 4 + (size_t)row) * g->stride;
@@ -116,7 +116,7 @@ static inline void ylm__grid_fetch(const ylm_grid *g, const ylm_grid_cell *c) {
 }
 /* Flags the octree's cells whose corners were all evaluated. */
 void ylm__grid_find_baked(ylm_grid *g);
-/* Brings the view up to date; counts cells and points into the stats. */
+/* Brings the contents up to date; counts cells and points into the stats. */
 void ylm__grid_sync(ylm_grid *g);
 void ylm__grid_count(ylm_grid *g);
 /* Finds each leaf's source of data, counts, builds the table: what sampling needs. */
@@ -138,7 +138,7 @@ static inline uint32_t ylm__grid_finest(const ylm_grid *g, const uint32_t at[3])
   int top = g->top_shift;
   uint32_t cell = g->table[ylm__grid_table_index(g, at[0] >> top, at[1] >> top, at[2] >> top)];
   for (const ylm_grid_cell *c = &g->cell[cell]; c->child; c = &g->cell[cell]) {
-    int shift = g->view.form.depth - c->level - 1;
+    int shift = g->contents.form.depth - c->level - 1;
     cell = c->child + octant_of(at[0], at[1], at[2], (uint32_t)shift);
   }
   return cell;

@@ -69,7 +69,7 @@ ylm_status ylm__grid_check_form(const ylm_grid_form *f, ylm_error *e) {
 }
 
 void ylm__grid_sync(ylm_grid *g) {
-  ylm_grid_view *v = &g->view;
+  ylm_grid_contents *v = &g->contents;
   v->cells = g->cells;
   v->cell = g->cell;
   v->points = g->points;
@@ -87,13 +87,13 @@ void ylm__grid_sync(ylm_grid *g) {
 ylm_grid *ylm__grid_new(const ylm_grid_form *form) {
   ylm_grid *g = ylm_alloc_zero(1, sizeof *g);
   if (!g) return NULL;
-  g->view.form = *form;
-  g->view.count = (form->lmax + 1) * (form->lmax + 1);
-  g->width = (uint32_t)(g->view.count * form->channels);
+  g->contents.form = *form;
+  g->contents.count = (form->lmax + 1) * (form->lmax + 1);
+  g->width = (uint32_t)(g->contents.count * form->channels);
   g->stride = (g->width + 7) / 8 * 8;
   for (int a = 0; a < 3; a++) {
-    g->view.resolution[a] = form->kind == YLM_GRID_UNIFORM ? form->cells[a] : 1u << form->depth;
-    g->scale[a] = g->view.resolution[a] / (form->bounds[a + 3] - form->bounds[a]);
+    g->contents.resolution[a] = form->kind == YLM_GRID_UNIFORM ? form->cells[a] : 1u << form->depth;
+    g->scale[a] = g->contents.resolution[a] / (form->bounds[a + 3] - form->bounds[a]);
   }
   g->field.self = g;
   g->field.evaluate = ylm__grid_evaluate;
@@ -212,7 +212,7 @@ void ylm__grid_find_baked(ylm_grid *g) {
 static void find_sources(ylm_grid *g) {
   for (size_t i = 0; i < g->cells; i++) {
     ylm_grid_cell *c = &g->cell[i];
-    bool root = i == 0 || g->view.form.kind == YLM_GRID_UNIFORM;
+    bool root = i == 0 || g->contents.form.kind == YLM_GRID_UNIFORM;
     if (root || has_corners(c, g->points)) c->source = (uint32_t)i;
     for (uint32_t k = 0; c->child && k < 8; k++) g->cell[c->child + k].source = c->source;
   }
@@ -220,7 +220,7 @@ static void find_sources(ylm_grid *g) {
 
 void ylm__grid_count(ylm_grid *g) {
   ylm_grid_stats *s = &g->stats;
-  size_t octree = g->view.octree_cells;
+  size_t octree = g->contents.octree_cells;
   s->points = g->evaluated;
   s->interpolated = g->points - g->evaluated;
   s->cells = octree;
@@ -283,14 +283,14 @@ static ylm_status spread_table(ylm_grid *g) {
 }
 
 ylm_status ylm__grid_build_table(ylm_grid *g) {
-  bool uniform = g->view.form.kind == YLM_GRID_UNIFORM;
+  bool uniform = g->contents.form.kind == YLM_GRID_UNIFORM;
   int level = 0;
   if (!uniform)
-    while (level < g->view.form.depth && level < MAX_TABLE_LEVEL &&
+    while (level < g->contents.form.depth && level < MAX_TABLE_LEVEL &&
            (size_t)1 << 3 * level < 2 * g->cells)
       level++;
-  g->top_shift = uniform ? 0 : g->view.form.depth - level;
-  for (int a = 0; a < 3; a++) g->top[a] = uniform ? g->view.resolution[a] : 1u << level;
+  g->top_shift = uniform ? 0 : g->contents.form.depth - level;
+  for (int a = 0; a < 3; a++) g->top[a] = uniform ? g->contents.resolution[a] : 1u << level;
   size_t n = (size_t)g->top[0] * g->top[1] * g->top[2];
   uint32_t *table = ylm_alloc(n, sizeof *table);
   if (!table) return YLM_ENOMEM;
@@ -317,11 +317,11 @@ ylm_status ylm__grid_finish(ylm_grid *g) {
 /* -- finding ------------------------------------------------------------------------ */
 
 bool ylm__grid_coordinates(const ylm_grid *g, const double p[3], double out[3]) {
-  const double *b = g->view.form.bounds;
+  const double *b = g->contents.form.bounds;
   bool inside = true;
   for (int a = 0; a < 3; a++) {
     inside &= within(p[a], b[a], b[a + 3]);
-    out[a] = lattice_coordinate(p[a], b[a], b[a + 3], g->scale[a], g->view.resolution[a]);
+    out[a] = lattice_coordinate(p[a], b[a], b[a + 3], g->scale[a], g->contents.resolution[a]);
   }
   return inside;
 }
@@ -329,18 +329,18 @@ bool ylm__grid_coordinates(const ylm_grid *g, const double p[3], double out[3]) 
 uint32_t ylm__grid_leaf(const ylm_grid *g, const double at[3]) {
   uint32_t c[3];
   for (int a = 0; a < 3; a++) {
-    uint32_t last = g->view.resolution[a] - 1, i = (uint32_t)at[a];
+    uint32_t last = g->contents.resolution[a] - 1, i = (uint32_t)at[a];
     c[a] = i > last ? last : i;
   }
   return ylm__grid_finest(g, c);
 }
 
-const ylm_grid_view *ylm_grid_look(const ylm_grid *g) { return &g->view; }
+const ylm_grid_contents *ylm_grid_look(const ylm_grid *g) { return &g->contents; }
 
 void ylm_grid_position(const ylm_grid *g, const uint32_t lattice[3], double out[3]) {
-  const double *b = g->view.form.bounds;
+  const double *b = g->contents.form.bounds;
   for (int a = 0; a < 3; a++) {
-    uint32_t n = g->view.resolution[a];
+    uint32_t n = g->contents.resolution[a];
     out[a] = lattice[a] >= n ? b[a + 3] : b[a] + (b[a + 3] - b[a]) * ((double)lattice[a] / n);
   }
 }
@@ -357,21 +357,22 @@ uint32_t ylm_grid_locate(const ylm_grid *g, const double p[3], bool finest, bool
   double at[3];
   bool inside = ylm__grid_coordinates(g, p, at);
   if (outside) *outside = !inside;
-  if (finest || g->view.form.kind == YLM_GRID_UNIFORM) {
+  if (finest || g->contents.form.kind == YLM_GRID_UNIFORM) {
     uint32_t leaf = ylm__grid_leaf(g, at);
-    if (g->view.form.kind == YLM_GRID_ADAPTIVE) return leaf;
+    if (g->contents.form.kind == YLM_GRID_ADAPTIVE) return leaf;
     for (int a = 0; a < 3; a++) {
-      uint32_t i = (uint32_t)at[a] == g->view.resolution[a] ? (uint32_t)at[a] - 1 : (uint32_t)at[a];
+      uint32_t i =
+          (uint32_t)at[a] == g->contents.resolution[a] ? (uint32_t)at[a] - 1 : (uint32_t)at[a];
       if (i != g->cell[leaf].origin[a]) return YLM_GRID_NONE;
     }
     return leaf;
   }
   uint32_t cell = 0;
   while (!(g->cell[cell].flags & YLM_GRID_LEAF)) {
-    int shift = g->view.form.depth - g->cell[cell].level - 1;
+    int shift = g->contents.form.depth - g->cell[cell].level - 1;
     uint32_t i[3];
     for (int a = 0; a < 3; a++)
-      i[a] = (uint32_t)at[a] == g->view.resolution[a] ? (uint32_t)at[a] - 1 : (uint32_t)at[a];
+      i[a] = (uint32_t)at[a] == g->contents.resolution[a] ? (uint32_t)at[a] - 1 : (uint32_t)at[a];
     cell = g->cell[cell].child + octant_of(i[0], i[1], i[2], (uint32_t)shift);
   }
   return cell;

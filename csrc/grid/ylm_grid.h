@@ -8,7 +8,7 @@
 ** is evaluated once.
 **
 ** Ownership   ylm_grid_bake and ylm_grid_read make a grid, ylm_grid_free frees it.
-**             Pointers of ylm_grid_view live as long as the grid.
+**             Pointers of ylm_grid_contents live as long as the grid.
 ** Threads     a grid is immutable once made: any number of threads may read it.
 ** Units       lengths and gradients in scene units; voxels count from 0.
 ** Source      Iwasaki & Dobashi 2025, Sec. 5 and 5.1; docs/grids.md
@@ -279,7 +279,7 @@ typedef struct ylm_grid_birth {
 } ylm_grid_birth;
 
 /* Everything a grid holds, read-only. */
-typedef struct ylm_grid_view {
+typedef struct ylm_grid_contents {
   ylm_grid_form form;
   int count;              /* coefficients per channel, (lmax+1)^2 */
   uint32_t resolution[3]; /* lattice cells along each axis: 2^N, or form.cells */
@@ -296,9 +296,9 @@ typedef struct ylm_grid_view {
   const uint8_t *flags; /* [points] YLM_GRID_POINT_* */
   const ylm_grid_birth *birth; /* [points - evaluated]; NULL where there are none */
   const ylm_grid_stats *stats;
-} ylm_grid_view;
+} ylm_grid_contents;
 
-YLM_API const ylm_grid_view *ylm_grid_look(const ylm_grid *g);
+YLM_API const ylm_grid_contents *ylm_grid_look(const ylm_grid *g);
 /* Scene coordinates of lattice coordinates [3]. */
 YLM_API void ylm_grid_position(const ylm_grid *g, const uint32_t lattice[3], double out[3]);
 /* The box of a cell: min x y z, max x y z. */

@@ -162,7 +162,7 @@ ylmL_array *ylmL_array_result(lua_State *L, int given, ylm_dtype t, int axes, co
 ylmL_array *ylmL_array_share(lua_State *L, ylm_dtype t, int axes, const size_t *shape, void *data,
                              void (*give_back)(void *owner), void *owner);
 /* A view of the array at absolute index `at` with the given shape, from flat element k on. */
-ylmL_array *ylmL_array_view(lua_State *L, int at, size_t k, int axes, const size_t *shape);
+ylmL_array *ylmL_array_part(lua_State *L, int at, size_t k, int axes, const size_t *shape);
 /* Lets go of the elements. */
 void ylmL_array_close(ylmL_array *a);
 /* The array at `i`, open; raises otherwise. */

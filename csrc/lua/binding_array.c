@@ -80,7 +80,7 @@ ylmL_array *ylmL_array_result(lua_State *L, int given, ylm_dtype t, int axes, co
   return NULL;
 }
 
-ylmL_array *ylmL_array_view(lua_State *L, int at, size_t k, int axes, const size_t *shape) {
+ylmL_array *ylmL_array_part(lua_State *L, int at, size_t k, int axes, const size_t *shape) {
   ylmL_array *parent = ylmL_array_check(L, at);
   ylmL_array *v = push_object(L);
   v->data = (char *)parent->data + k * ylm_dtype_size(parent->dtype);

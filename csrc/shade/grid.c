@@ -10,7 +10,7 @@
 typedef struct grid_job {
   const ylm_shade_view *view;
   const ylm_grid *grid;
-  const ylm_grid_view *look;
+  const ylm_grid_contents *look;
   ylm_grid_query query;
   ylm_shade_dot_fn *dot;
   float *out, *level, *error;

@@ -178,9 +178,9 @@ void clear_sums() {
 
 /* Adds one light. x, y, z: its direction; id: 1/d; alpha: h/d; u: r^2/(d^2 h); es: radiance r^2/d^2;
 ** first: es/(1+alpha), in a light twice the radiance (all else 0); slope: es/h;
-** bend: slope (2/d + d/h^2). Gradients and Hessians are by the light's position. */
+** second: slope (2/d + d/h^2). Gradients and Hessians are by the light's position. */
 void add_light(real x, real y, real z, real id, real alpha, real u, real es, real first, real slope,
-               real bend) {
+               real second) {
   real p0, p1, p2, p3, p4, p5, p6, p7, p8, p9;
   p0 = first;
   p1 = -(x * slope);
@@ -188,7 +188,7 @@ void add_light(real x, real y, real z, real id, real alpha, real u, real es, rea
   p3 = -(z * slope);
   real t1 = x * x;
   real t2 = slope * id;
-  real t3 = bend + t2;
+  real t3 = second + t2;
   p4 = t1 * t3 - t2;
   real t4 = x * y;
   p5 = t4 * t3;
@@ -216,7 +216,7 @@ void add_light(real x, real y, real z, real id, real alpha, real u, real es, rea
   real t18 = t5 * t16 + t5 * t17;
   real t19 = x * t18;
   real t20 = z * t17;
-  real t21 = alpha * bend - u * slope + t16;
+  real t21 = alpha * second - u * slope + t16;
   real t22 = t20 + z * t21;
   real t23 = t20 + z * t16;
   p4 = t19 + t19 + t1 * t22 - t23;
@@ -254,7 +254,7 @@ void add_light(real x, real y, real z, real id, real alpha, real u, real es, rea
   real t46 = t38 * t44 + t38 * t45;
   real t47 = x * t46;
   real t48 = z * REAL(2.0lf);
-  real t49 = bend * t39 - slope * (u * t32) + t44;
+  real t49 = second * t39 - slope * (u * t32) + t44;
   real t50 = t45 * (t37 + z * t48) + t34 * t49;
   real t51 = t34 * t44 + t37 * t45;
   p4 = t47 + t47 + t1 * t50 - t51;
@@ -290,7 +290,7 @@ void add_light(real x, real y, real z, real id, real alpha, real u, real es, rea
   real t72 = x * t71;
   real t73 = t48 + t36 * REAL(2.0lf);
   real t74 = z * t73;
-  real t75 = bend * t64 - slope * (u * t57) + t69;
+  real t75 = second * t64 - slope * (u * t57) + t69;
   real t76 = t70 * (t62 + z * t74) + t59 * t75;
   real t77 = t59 * t69 + t62 * t70;
   p4 = t72 + t72 + t1 * t76 - t77;
@@ -325,7 +325,7 @@ void add_light(real x, real y, real z, real id, real alpha, real u, real es, rea
   real t97 = x * t96;
   real t98 = t74 + REAL(2.0lf) * t61 - REAL(0.51428571428571423lf);
   real t99 = z * t98;
-  real t100 = bend * t89 - slope * (u * t82) + t94;
+  real t100 = second * t89 - slope * (u * t82) + t94;
   real t101 = t95 * (t87 + z * t99) + t84 * t100;
   real t102 = t84 * t94 + t87 * t95;
   p4 = t97 + t97 + t1 * t101 - t102;
@@ -360,7 +360,7 @@ void add_light(real x, real y, real z, real id, real alpha, real u, real es, rea
   real t122 = x * t121;
   real t123 = t99 + REAL(2.0lf) * t86 - t73 * REAL(0.25396825396825395lf);
   real t124 = z * t123;
-  real t125 = bend * t114 - slope * (u * t107) + t119;
+  real t125 = second * t114 - slope * (u * t107) + t119;
   real t126 = t120 * (t112 + z * t124) + t109 * t125;
   real t127 = t109 * t119 + t112 * t120;
   p4 = t122 + t122 + t1 * t126 - t127;
@@ -395,7 +395,7 @@ void add_light(real x, real y, real z, real id, real alpha, real u, real es, rea
   real t147 = x * t146;
   real t148 = t124 + REAL(2.0lf) * t111 - t98 * REAL(0.25252525252525254lf);
   real t149 = z * t148;
-  real t150 = bend * t139 - slope * (u * t132) + t144;
+  real t150 = second * t139 - slope * (u * t132) + t144;
   real t151 = t145 * (t137 + z * t149) + t134 * t150;
   real t152 = t134 * t144 + t137 * t145;
   p4 = t147 + t147 + t1 * t151 - t152;
@@ -430,7 +430,7 @@ void add_light(real x, real y, real z, real id, real alpha, real u, real es, rea
   real t172 = x * t171;
   real t173 = t149 + REAL(2.0lf) * t136 - t123 * REAL(0.25174825174825177lf);
   real t174 = z * t173;
-  real t175 = bend * t164 - slope * (u * t157) + t169;
+  real t175 = second * t164 - slope * (u * t157) + t169;
   real t176 = t170 * (t162 + z * t174) + t159 * t175;
   real t177 = t159 * t169 + t162 * t170;
   p4 = t172 + t172 + t1 * t176 - t177;
@@ -465,7 +465,7 @@ void add_light(real x, real y, real z, real id, real alpha, real u, real es, rea
   real t197 = x * t196;
   real t198 = t174 + REAL(2.0lf) * t161 - t148 * REAL(0.25128205128205128lf);
   real t199 = z * t198;
-  real t200 = bend * t189 - slope * (u * t182) + t194;
+  real t200 = second * t189 - slope * (u * t182) + t194;
   real t201 = t195 * (t187 + z * t199) + t184 * t200;
   real t202 = t184 * t194 + t187 * t195;
   p4 = t197 + t197 + t1 * t201 - t202;

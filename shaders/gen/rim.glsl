@@ -23,7 +23,7 @@ struct arc {
 /* Of a rim: its direction s, m without a weight, 1/rho, and n.m/(1 + n.s) of ellipses. */
 struct node {
   rvec3 s, m;
-  real inverse, solid;
+  real inverse, angle;
 };
 
 /* The angle of (cosine, sine), cosine >= 0: three halvings, then the series. */
@@ -118,7 +118,7 @@ node arc_node(arc a, real x) {
   n.s = plus(scale(a.foot, t.cosine), scale(a.along, t.sine));
   n.m = a.normal;
   n.inverse = t.cosine * a.near;
-  n.solid = real(REAL(0.0lf));
+  n.angle = real(REAL(0.0lf));
   return n;
 }
 
@@ -130,7 +130,7 @@ node rim_node(rvec3 c, rvec3 u, rvec3 v, rvec3 facing, real cosine, real sine) {
   n.inverse = REAL(1.0lf) / sqrt(dot(y, y));
   n.s = scale(y, n.inverse);
   n.m = scale(m, n.inverse * n.inverse);
-  n.solid = dot(facing, n.m) / (REAL(1.0lf) + dot(facing, n.s));
+  n.angle = dot(facing, n.m) / (REAL(1.0lf) + dot(facing, n.s));
   return n;
 }
 

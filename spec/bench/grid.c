@@ -102,7 +102,7 @@ static void shares(const scene *s, const ylm_grid_form *form, int threads) {
 }
 
 static void memory(const ylm_grid *g, const char *name) {
-  const ylm_grid_view *v = ylm_grid_look(g);
+  const ylm_grid_contents *v = ylm_grid_look(g);
   printf("  %-9s %8zu points, %8zu cells: %6.0f bytes a point in all, of which %zu are its "
          "coefficients and gradients\n",
          name, v->points, v->cells, (double)v->stats->bytes / (double)v->points, 16 * v->stride);
@@ -124,7 +124,7 @@ static void sample(void *context) {
 
 /* Points in the order of a grid's leaves, `each` in every leaf that has data. */
 static size_t place_points(const ylm_grid *g, float *points, size_t most, size_t each) {
-  const ylm_grid_view *v = ylm_grid_look(g);
+  const ylm_grid_contents *v = ylm_grid_look(g);
   ylm_rng r;
   size_t n = 0;
   ylm_rng_seed(&r, 2, 2);

@@ -25,7 +25,7 @@ bool ylm_grid_voxel(const ylm_grid *g, const double p[3], uint32_t voxel[3]) {
   double at[3];
   bool inside = ylm__grid_coordinates(g, p, at);
   for (int a = 0; a < 3; a++) {
-    uint32_t last = g->view.resolution[a] - 1, c = (uint32_t)at[a];
+    uint32_t last = g->contents.resolution[a] - 1, c = (uint32_t)at[a];
     voxel[a] = c > last ? last : c;
   }
   return inside;
@@ -53,7 +53,7 @@ static bool corners_hold(const ylm_grid *g, const ylm_grid_cell *c) {
 /* The children of cell i follow those of all cells before it, and lie where they should. */
 static bool children_hold(const ylm_grid *g, size_t i, size_t next) {
   const ylm_grid_cell *c = &g->cell[i];
-  if (c->child != next || g->cells - next < 8 || c->level >= g->view.form.depth) return false;
+  if (c->child != next || g->cells - next < 8 || c->level >= g->contents.form.depth) return false;
   uint32_t half = ylm__grid_edge(g, c) / 2;
   for (uint32_t k = 0; k < 8; k++) {
     const ylm_grid_cell *d = &g->cell[next + k];
@@ -83,7 +83,7 @@ static bool octree_holds(const ylm_grid *g) {
 
 /* Voxels of a lattice stand in its order, each once. */
 static bool lattice_holds(const ylm_grid *g) {
-  const uint32_t *r = g->view.resolution;
+  const uint32_t *r = g->contents.resolution;
   uint64_t next = 0;
   if (!g->cells || !g->points) return false;
   for (size_t i = 0; i < g->cells; i++) {
@@ -110,7 +110,7 @@ static void complete_cells(ylm_grid *g) {
 
 ylm_status ylm__assemble(baker *b) {
   ylm_grid *g = b->g;
-  bool uniform = g->view.form.kind == YLM_GRID_UNIFORM;
+  bool uniform = g->contents.form.kind == YLM_GRID_UNIFORM;
   g->evaluated = g->points;
   if (!(uniform ? lattice_holds(g) : octree_holds(g)))
     return ylm_fail(b->e, YLM_EINVAL, "the cells are no octree");

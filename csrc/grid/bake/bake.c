@@ -41,7 +41,7 @@ static ylm_status bake(baker *b) {
   size_t voxels = 0;
   ylm_status s = occupy(b, &voxels);
   if (s != YLM_OK) return s;
-  if (b->g->view.form.tolerance > 0) return ylm__tolerance_bake(b);
+  if (b->g->contents.form.tolerance > 0) return ylm__tolerance_bake(b);
   s = ylm__refine(b, voxels);
   return s == YLM_OK ? ylm__finish(b) : s;
 }

@@ -246,7 +246,7 @@ ylm_status ylm__grid_continue_leaf(ylm_grid *g, uint32_t cell) {
 bool ylm__grid_side(const ylm_grid *g, const uint32_t at[3], int side, uint32_t beside[3]) {
   bool out = false;
   for (int a = 0; a < 3; a++) {
-    out |= side >> a & 1 ? at[a] == g->view.resolution[a] : at[a] == 0;
+    out |= side >> a & 1 ? at[a] == g->contents.resolution[a] : at[a] == 0;
     beside[a] = side >> a & 1 ? at[a] : at[a] - 1;
   }
   return !out;

@@ -90,7 +90,7 @@ static void meet_brothers(const baker *b, uint32_t cell, family *f) {
 /* Begins with the family of a cell, if it is another than before; returns which child the cell
    is. */
 static uint32_t meet_family(const baker *b, uint32_t cell, family *f) {
-  if (b->g->view.form.kind == YLM_GRID_UNIFORM) {
+  if (b->g->contents.form.kind == YLM_GRID_UNIFORM) {
     meet_neighbour(b->g, cell, f);
     return 0;
   }
@@ -173,7 +173,7 @@ static ylm_status find_shared_corners(void *context, size_t begin, size_t end, i
 /* Corners of unoccupied cells that were evaluated for their neighbours. */
 void ylm__corners_find_shared(baker *b, const uint8_t *only) {
   shared_job j = {b, only};
-  ylm_parallel(b->g->view.octree_cells, 1024, b->source->threads, find_shared_corners, &j, NULL,
+  ylm_parallel(b->g->contents.octree_cells, 1024, b->source->threads, find_shared_corners, &j, NULL,
                NULL);
 }
 
@@ -181,7 +181,7 @@ void ylm__corners_find_shared(baker *b, const uint8_t *only) {
 ylm_status ylm__corners_find_parents(baker *b) {
   const ylm_grid *g = b->g;
   ylm_status s = YLM_OK;
-  if (g->view.form.kind == YLM_GRID_UNIFORM || b->parent.n == (g->cells - 1) / 8) return YLM_OK;
+  if (g->contents.form.kind == YLM_GRID_UNIFORM || b->parent.n == (g->cells - 1) / 8) return YLM_OK;
   b->parent.n = 0;
   for (size_t i = 0; i < (g->cells - 1) / 8 && s == YLM_OK; i++)
     s = ylm__cell_list_push(&b->parent, 0);

@@ -10,7 +10,7 @@
 /* Asks a field, and keeps the time. */
 static ylm_status ask(baker *b, const ylm_field *field, int want, int channels, size_t n,
                       const float *points, ylm_field_result *r) {
-  const ylm_grid_form *f = &b->g->view.form;
+  const ylm_grid_form *f = &b->g->contents.form;
   ylm_field_query q = {.lmax = f->lmax,
                        .channels = channels,
                        .want = want,
@@ -30,11 +30,11 @@ ylm_status ylm__evaluate_values(baker *b, size_t n, const float *points, float *
                                 uint8_t *inside) {
   ylm_field_result r = {.value = value, .inside = inside};
   memset(inside, 0, n);
-  return ask(b, b->source->field, YLM_WANT_VALUE, b->g->view.form.channels, n, points, &r);
+  return ask(b, b->source->field, YLM_WANT_VALUE, b->g->contents.form.channels, n, points, &r);
 }
 
 ylm_status ylm__evaluate_ask(baker *b, const ylm_field *field, size_t n, field_block *k) {
-  const ylm_grid_form *f = &b->g->view.form;
+  const ylm_grid_form *f = &b->g->contents.form;
   ylm_field_result r = {.value = k->value,
                         .gradient = k->gradient,
                         .hessian = k->hessian,
@@ -104,8 +104,8 @@ static ylm_status store_block(void *context, size_t begin, size_t end, int worke
 static ylm_status not_finite(const evaluation *j, size_t n) {
   const field_block *k = j->block;
   const baker *b = j->b;
-  ylm_field_query q = {.lmax = b->g->view.form.lmax,
-                       .channels = b->g->view.form.channels,
+  ylm_field_query q = {.lmax = b->g->contents.form.lmax,
+                       .channels = b->g->contents.form.channels,
                        .want = YLM_WANT_VALUE | YLM_WANT_GRADIENT,
                        .dtype = YLM_FLOAT};
   ylm_field_result r = {.value = k->value, .gradient = k->gradient};
@@ -143,7 +143,7 @@ ylm_status ylm__evaluate_reserve_block(baker *b, field_block *k, size_t n) {
   size_t width = b->g->width;
   if (n > BLOCK) n = BLOCK;
   if (n <= k->room) return YLM_OK;
-  bool hessians = b->g->follower && b->g->view.form.metric_channels;
+  bool hessians = b->g->follower && b->g->contents.form.metric_channels;
   ylm__evaluate_free_block(k);
   *k = (field_block){.position = ylm_alloc(n, 3 * sizeof(float)),
                      .value = ylm_alloc(n, width * sizeof(float)),

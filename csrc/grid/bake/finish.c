@@ -7,7 +7,7 @@ ylm_status ylm__finish(baker *b) {
   ylm_status s = ylm__backend_fetch(b);
   if (s == YLM_OK && backend_keeps_cells(b)) s = ylm__assemble(b);
   if (s != YLM_OK) return s;
-  g->view.octree_cells = g->cells;
+  g->contents.octree_cells = g->cells;
   s = ylm__corners_find_parents(b);
   if (s != YLM_OK) return s;
   double t = ylm_seconds();
@@ -16,7 +16,7 @@ ylm_status ylm__finish(baker *b) {
   s = ylm__grid_fill_invalid(g);
   t = ylm_seconds();
   ylm__grid_find_baked(g);
-  bool continuous = g->view.form.kind == YLM_GRID_ADAPTIVE && g->view.form.continuous;
+  bool continuous = g->contents.form.kind == YLM_GRID_ADAPTIVE && g->contents.form.continuous;
   if (s == YLM_OK && continuous) s = ylm__grid_make_continuous(g, threads);
   g->stats.continuity_seconds += ylm_seconds() - t;
   return s == YLM_OK ? ylm__grid_finish(g) : s;

@@ -21,7 +21,7 @@ void ylm__held_surface_point(const ylm_grid_surface *surface, uint64_t seed, uin
 
 void ylm__held_draw(const refiner *r, ylm_rng *rng, float out[3]) {
   const ylm_grid_source *s = r->b->source;
-  const double *box = r->b->g->view.form.bounds;
+  const double *box = r->b->g->contents.form.bounds;
   if (r->surface) {
     uint64_t high = ylm_rng_u32(rng), low = ylm_rng_u32(rng);
     ylm__held_surface_point(r->surface, high << 32 | low, 0, 1, out);

@@ -94,7 +94,7 @@ ylm_status ylm__grid_fill_invalid(ylm_grid *g) {
     }
     s = list_cells(g, &f);
     /* Finest cells first; what is deeper inside follows from what has been filled. */
-    int depth = g->view.form.kind == YLM_GRID_UNIFORM ? 0 : g->view.form.depth;
+    int depth = g->contents.form.kind == YLM_GRID_UNIFORM ? 0 : g->contents.form.depth;
     for (int level = depth; level >= 0 && s == YLM_OK; level--)
       while (gather(g, &f, level)) settle(g, &f, invalid);
   }

@@ -6,7 +6,7 @@
 
 float ylm__metric_of(const baker *b, const ylm_grid_cell *c, ylm_grid_metric metric) {
   const ylm_grid *g = b->g;
-  if (!g->view.form.metric_channels) return NAN;
+  if (!g->contents.form.metric_channels) return NAN;
   double box = 0, sum = 0, edge = ylm__grid_edge(g, c);
   int n = 0;
   for (int a = 0; a < 3; a++) box += edge / g->scale[a] * (edge / g->scale[a]);
@@ -24,7 +24,7 @@ static ylm_status find_metric(void *context, size_t begin, size_t end, int worke
   const baker *b = context;
   for (size_t i = begin; i < end; i++) {
     ylm_grid_cell *c = &b->g->cell[b->wave.cell[i]];
-    c->error = ylm__metric_of(b, c, b->g->view.form.metric);
+    c->error = ylm__metric_of(b, c, b->g->contents.form.metric);
   }
   return YLM_OK;
 }
@@ -91,5 +91,5 @@ static ylm_status find_crossed(baker *b) {
 
 ylm_status ylm__metric_find(baker *b) {
   ylm_status s = ylm_parallel(b->wave.n, 512, b->source->threads, find_metric, b, NULL, NULL);
-  return s == YLM_OK && b->g->view.form.kind != YLM_GRID_UNIFORM ? find_crossed(b) : s;
+  return s == YLM_OK && b->g->contents.form.kind != YLM_GRID_UNIFORM ? find_crossed(b) : s;
 }

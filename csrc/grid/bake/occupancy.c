@@ -17,7 +17,7 @@ static bool source_cell(const ylm_grid *g, const ylm_grid_source *s, size_t i, u
   source_point(s, i, p);
   bool inside = ylm__grid_coordinates(g, p, at);
   for (int a = 0; a < 3; a++) {
-    uint32_t last = g->view.resolution[a] - 1, c = (uint32_t)at[a];
+    uint32_t last = g->contents.resolution[a] - 1, c = (uint32_t)at[a];
     cell[a] = c > last ? last : c;
   }
   return inside;
@@ -151,7 +151,7 @@ static void mark_parents(occupancy *o) {
 }
 
 static ylm_status begin(occupancy *o, const ylm_grid *g) {
-  *o = (occupancy){.depth = g->view.form.depth};
+  *o = (occupancy){.depth = g->contents.form.depth};
   o->dense = o->depth < DENSE ? o->depth : DENSE;
   for (int level = 0; level <= o->dense; level++) {
     o->bits[level] = ylm_alloc_zero((((size_t)1 << 3 * level) + 7) / 8, 1);
@@ -167,7 +167,7 @@ static void mark_codes(occupancy *o, const uint64_t *code, size_t n) {
 
 ylm_status ylm__occupancy_build(occupancy *o, const ylm_grid *g, const ylm_grid_source *s,
                                 uint64_t *outside) {
-  *o = (occupancy){.depth = g->view.form.depth, .all = !s->occupied_points};
+  *o = (occupancy){.depth = g->contents.form.depth, .all = !s->occupied_points};
   if (o->all) return YLM_OK;
   ylm_status status = begin(o, g);
   code_job j = {.g = g, .source = s, .o = o};
@@ -249,7 +249,7 @@ typedef struct mark_job {
 static ylm_status mark_voxels(void *context, size_t begin, size_t end, int worker) {
   (void)worker;
   mark_job *j = context;
-  const uint32_t *r = j->g->view.resolution;
+  const uint32_t *r = j->g->contents.resolution;
   uint64_t outside = 0;
   for (size_t i = begin; i < end; i++) {
     uint32_t c[3];

@@ -160,7 +160,7 @@ static ylm_status collect(marking *m, size_t *n) {
 static ylm_status pass(marking *m, const ylm_grid *g, uint32_t coarser, size_t *n) {
   for (int a = 0; a < 3; a++) {
     const double *b = m->bounds;
-    m->resolution[a] = g->view.resolution[a] / coarser;
+    m->resolution[a] = g->contents.resolution[a] / coarser;
     m->scale[a] = g->scale[a] / coarser;
     double ulps = 0x1p-22 * fmax(fabs(b[a]), fabs(b[a + 3])) * m->scale[a];
     m->margin[a] = fmin(ulps, 0.25) + 1e-9;
@@ -180,8 +180,8 @@ static ylm_status pass(marking *m, const ylm_grid *g, uint32_t coarser, size_t *
 
 /* A uniform grid's lattice, or an octree's levels from DENSE on. */
 static ylm_status mark_all(marking *m, const ylm_grid *g, size_t *n) {
-  const uint32_t *r = g->view.resolution;
-  int depth = g->view.form.depth, level = m->uniform ? 0 : depth < DENSE ? depth : DENSE;
+  const uint32_t *r = g->contents.resolution;
+  int depth = g->contents.form.depth, level = m->uniform ? 0 : depth < DENSE ? depth : DENSE;
   m->shift = 6;
   m->counting = true;
   m->words =
@@ -201,8 +201,8 @@ static ylm_status mark_all(marking *m, const ylm_grid *g, size_t *n) {
 ylm_status ylm_grid_surface_voxels(const ylm_grid *g, const ylm_grid_source *source,
                                    uint64_t **code, size_t *n, uint64_t *outside, ylm_error *e) {
   marking m = {.source = source,
-               .bounds = g->view.form.bounds,
-               .uniform = g->view.form.kind == YLM_GRID_UNIFORM};
+               .bounds = g->contents.form.bounds,
+               .uniform = g->contents.form.kind == YLM_GRID_UNIFORM};
   ylm_status s = ylm__triangle_list_make(&m.list, source->meshes, source->mesh);
   m.parts = m.list.triangles < FEW ? PARTS : 1;
   *n = 0;

@@ -11,7 +11,7 @@
 /* Room for what is known before: voxels, and where all are occupied their points. */
 static ylm_status reserve_uniform(baker *b, const uint8_t *mark, size_t n) {
   ylm_grid *g = b->g;
-  const uint32_t *r = g->view.resolution;
+  const uint32_t *r = g->contents.resolution;
   size_t cells = 0, points = (size_t)(r[0] + 1) * (r[1] + 1) * (r[2] + 1);
   for (size_t i = 0; i < n; i++) cells += mark[i];
   ylm_status s = ylm__grid_reserve_cells(g, cells);
@@ -42,7 +42,7 @@ static ylm_status mark_uniform(baker *b, uint8_t *mark, size_t n) {
 /* Voxels of a lattice, all or those that are occupied. */
 static ylm_status list_lattice(baker *b) {
   ylm_grid *g = b->g;
-  const uint32_t *r = g->view.resolution;
+  const uint32_t *r = g->contents.resolution;
   size_t n = (size_t)r[0] * r[1] * r[2];
   uint8_t *mark = ylm_alloc_zero(n, 1);
   if (!mark) return YLM_ENOMEM;
@@ -79,7 +79,7 @@ static ylm_status find_occupied(baker *b, uint64_t *code, size_t n) {
 }
 
 ylm_status ylm__occupy_voxels(baker *b, uint64_t *code, size_t n) {
-  if (b->g->view.form.kind == YLM_GRID_UNIFORM) return list_lattice(b);
+  if (b->g->contents.form.kind == YLM_GRID_UNIFORM) return list_lattice(b);
   double t = ylm_seconds();
   ylm_status s = find_occupied(b, code, n);
   b->g->stats.occupancy_seconds += ylm_seconds() - t;

@@ -109,7 +109,7 @@ ylm_status ylm__panel_rule_samples(const ylm_grid *g, const panel *p, const floa
   double *error = ylm_alloc(p->n, sizeof *error);
   if (!error) return YLM_ENOMEM;
   for (size_t i = 0; i < p->n; i++) error[i] = ylm__panel_error(p, i, sampled + i * w, w);
-  ylm_status s = ylm__panel_rule(p, error, g->view.form.tolerance, doubt, out);
+  ylm_status s = ylm__panel_rule(p, error, g->contents.form.tolerance, doubt, out);
   ylm_free(error);
   return s;
 }

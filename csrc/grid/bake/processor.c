@@ -23,7 +23,7 @@ static ylm_status split(baker *b, double threshold) {
   for (size_t i = 0; s == YLM_OK && i < b->wave.n; i++) {
     const ylm_grid_cell *c = &g->cell[b->wave.cell[i]];
     bool crossed = c->flags & YLM_GRID_CROSSED;
-    if (c->level < g->view.form.depth && cell_splits((double)c->error, threshold, crossed))
+    if (c->level < g->contents.form.depth && cell_splits((double)c->error, threshold, crossed))
       s = ylm__cells_split(b, b->wave.cell[i]);
   }
   ylm__cells_advance(b);
@@ -32,7 +32,7 @@ static ylm_status split(baker *b, double threshold) {
 
 static ylm_status metric(void *self, const ylm_grid_making *m, int level, size_t *next) {
   baker *b = self;
-  const ylm_grid_form *f = &b->g->view.form;
+  const ylm_grid_form *f = &b->g->contents.form;
   (void)m;
   (void)level;
   ylm_status s = ylm__metric_find(b);

@@ -8,7 +8,7 @@
 
 /* The stage that progress names. */
 static void name_stage(baker *b, int level) {
-  if (b->g->view.form.kind == YLM_GRID_UNIFORM)
+  if (b->g->contents.form.kind == YLM_GRID_UNIFORM)
     snprintf(b->stage_text, sizeof b->stage_text, "baking");
   else
     snprintf(b->stage_text, sizeof b->stage_text, "level %d", level);

@@ -21,7 +21,7 @@ static double ratios_quantile(const ratios *r, double q) {
 /* -- estimates ------------------------------------------------------------------------- */
 
 static double metric_squared(const refiner *r, const ylm_grid_cell *c) {
-  bool known = r->b->g->view.form.metric == YLM_GRID_RELATIVE;
+  bool known = r->b->g->contents.form.metric == YLM_GRID_RELATIVE;
   double e = (double)(known ? c->error : ylm__metric_of(r->b, c, YLM_GRID_RELATIVE));
   return e * e;
 }
@@ -41,7 +41,7 @@ double ylm__residual_estimate(const refiner *r, const ylm_grid_cell *c) {
 
 /* True if a measurement may change what happens to a cell. */
 bool ylm__residual_wanted(const refiner *r, const ylm_grid_cell *c) {
-  if (c->level >= r->b->g->view.form.depth || c->flags & YLM_GRID_CROSSED) return false;
+  if (c->level >= r->b->g->contents.form.depth || c->flags & YLM_GRID_CROSSED) return false;
   if (!isnan(c->residual)) return false;
   double e2 = metric_squared(r, c);
   double high = r->trusted ? r->high * e2 : sqrt(e2);

@@ -33,7 +33,7 @@ static ylm_status choose(void *chooser) {
   if (s == YLM_OK) s = ylm__residual_measure(r);
   for (size_t i = 0; i < b->wave.n && s == YLM_OK; i++) {
     const ylm_grid_cell *c = &g->cell[b->wave.cell[i]];
-    if (c->level >= g->view.form.depth) continue;
+    if (c->level >= g->contents.form.depth) continue;
     if (c->flags & YLM_GRID_CROSSED || ylm__residual_estimate(r, c) * r->tight > r->tolerance ||
         (r->frozen && r->forced(g, c)))
       s = ylm__cells_split(b, b->wave.cell[i]);
@@ -60,15 +60,15 @@ ylm_status ylm__tolerance_again(refiner *r) {
   for (size_t i = 0; i < r->verdicts && s == YLM_OK; i++) {
     const ylm_grid_cell *c = &g->cell[r->verdict[i].leaf];
     if (r->verdict[i].error > r->tolerance && c->flags & YLM_GRID_LEAF &&
-        c->level < g->view.form.depth) {
+        c->level < g->contents.form.depth) {
       if (g->follower) s = g->follower->failed(g, c);
       if (s == YLM_OK) s = ylm__cells_split(b, r->verdict[i].leaf);
     }
   }
   for (size_t i = 0; i < cells && s == YLM_OK; i++) {
     const ylm_grid_cell *c = &g->cell[i];
-    if (c->flags & YLM_GRID_LEAF && c->flags & YLM_GRID_OCCUPIED && c->level < g->view.form.depth &&
-        ylm__residual_estimate(r, c) * r->tight > r->tolerance)
+    if (c->flags & YLM_GRID_LEAF && c->flags & YLM_GRID_OCCUPIED &&
+        c->level < g->contents.form.depth && ylm__residual_estimate(r, c) * r->tight > r->tolerance)
       s = ylm__cells_split(b, (uint32_t)i);
   }
   ylm__cells_advance(b);
@@ -84,7 +84,7 @@ static ylm_status find_surface(refiner *r) {
   ylm_status status = YLM_OK;
   r->surface = r->b->surface;
   if (!s->meshes || r->surface) return YLM_OK;
-  status = ylm_grid_surface_create(s->meshes, s->mesh, g->view.form.bounds, s->threads, &r->own,
+  status = ylm_grid_surface_create(s->meshes, s->mesh, g->contents.form.bounds, s->threads, &r->own,
                                    r->b->e);
   r->b->told = status != YLM_OK;
   r->surface = r->own;
@@ -131,7 +131,7 @@ void ylm__tolerance_end(refiner *r) {
 }
 
 ylm_status ylm__tolerance_bake(baker *b) {
-  refiner r = {.b = b, .tolerance = b->g->view.form.tolerance, .tight = FIRST_TIGHT};
+  refiner r = {.b = b, .tolerance = b->g->contents.form.tolerance, .tight = FIRST_TIGHT};
   ylm_status s = ylm__tolerance_begin(&r);
   if (s == YLM_OK) s = run(&r);
   ylm__tolerance_end(&r);

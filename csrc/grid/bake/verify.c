@@ -61,7 +61,7 @@ bool ylm__verify_satisfied(refiner *r, bool *limited) {
   for (size_t i = 0; i < n; i++) {
     const ylm_grid_cell *c = &g->cell[r->verdict[i].leaf];
     if (!(r->verdict[i].error > r->tolerance)) continue;
-    if (c->level < g->view.form.depth)
+    if (c->level < g->contents.form.depth)
       estimates[refinable++] = ylm__residual_estimate(r, c);
     else
       stuck++;

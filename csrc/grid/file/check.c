@@ -11,7 +11,7 @@
 /* The flags of a cell and its place among the octree's cells, so that descents end. */
 static bool links_hold(const ylm_grid *g, size_t i) {
   const ylm_grid_cell *c = &g->cell[i];
-  size_t octree = g->view.octree_cells;
+  size_t octree = g->contents.octree_cells;
   if (c->child && (c->child <= i || c->child > g->cells - 8 || g->cells < 8)) return false;
   if (i >= octree) return c->flags & YLM_GRID_ADDED && !(c->flags & YLM_GRID_LEAF);
   if (c->flags & YLM_GRID_ADDED) return false;
@@ -50,10 +50,10 @@ static const char *check_octree(const ylm_grid *g, uint8_t *seen) {
     if (!seen[i]) return "a cell without parent";
     if (!links_hold(g, i)) return "a cell's children";
     if (!corners_hold(g, c)) return "a cell's corners";
-    if (c->detail && (c->detail > g->view.form.depth || c->detail < c->level))
+    if (c->detail && (c->detail > g->contents.form.depth || c->detail < c->level))
       return "a cell's detail";
     if (!c->child) continue;
-    if (c->detail || c->level >= g->view.form.depth) return "a cell's level";
+    if (c->detail || c->level >= g->contents.form.depth) return "a cell's level";
     uint32_t half = ylm__grid_edge(g, c) / 2;
     for (uint32_t k = 0; k < 8; k++) {
       const ylm_grid_cell *d = &g->cell[c->child + k];
@@ -69,7 +69,7 @@ static const char *check_lattice(const ylm_grid *g) {
   for (size_t i = 0; i < g->cells; i++) {
     const ylm_grid_cell *c = &g->cell[i];
     for (int a = 0; a < 3; a++)
-      if (c->origin[a] >= g->view.resolution[a]) return "a voxel's origin";
+      if (c->origin[a] >= g->contents.resolution[a]) return "a voxel's origin";
     if (c->level || c->child || c->detail || !is_complete(c) || !corners_hold(g, c))
       return "a voxel";
     if (c->flags & YLM_GRID_ADDED || !(c->flags & YLM_GRID_LEAF)) return "a voxel's flags";
@@ -78,7 +78,7 @@ static const char *check_lattice(const ylm_grid *g) {
 }
 
 ylm_status ylm__grid_file_check_cells(const ylm_grid *g, const char *name, ylm_error *e) {
-  bool lattice = g->view.form.kind == YLM_GRID_UNIFORM;
+  bool lattice = g->contents.form.kind == YLM_GRID_UNIFORM;
   uint8_t *seen = lattice ? NULL : ylm_alloc_zero(g->cells, 1);
   if (!lattice && !seen) return ylm_fail(e, YLM_ENOMEM, "%s: memory ran out", name);
   const char *what = lattice ? check_lattice(g) : check_octree(g, seen);
@@ -87,20 +87,20 @@ ylm_status ylm__grid_file_check_cells(const ylm_grid *g, const char *name, ylm_e
 }
 
 bool ylm__grid_file_table_holds(const ylm_grid *g, uint64_t cells) {
-  const uint32_t *r = g->view.resolution;
-  return g->view.form.kind != YLM_GRID_UNIFORM ||
+  const uint32_t *r = g->contents.resolution;
+  return g->contents.form.kind != YLM_GRID_UNIFORM ||
          (uint64_t)r[0] * r[1] * r[2] <= 4096 * cells + (1u << 20);
 }
 
 /* -- points ------------------------------------------------------------------------------------ */
 
 const char *ylm__grid_file_check_points(const ylm_grid *g) {
-  bool metric = g->view.form.metric_channels != 0;
+  bool metric = g->contents.form.metric_channels != 0;
   for (size_t i = 0; i < g->evaluated; i++) {
     if (metric && (isnan(g->lambda[i]) || isnan(g->norm[i]))) return "a point's metric";
     if (g->flags[i] & YLM_GRID_POINT_INTERPOLATED) return "a point's flags";
     for (size_t a = 0; a < 3; a++)
-      if (g->lattice[3 * i + a] > g->view.resolution[a]) return "a point's place";
+      if (g->lattice[3 * i + a] > g->contents.resolution[a]) return "a point's place";
   }
   return NULL;
 }
@@ -109,7 +109,7 @@ const char *ylm__grid_file_check_points(const ylm_grid *g) {
 static bool birth_holds(const ylm_grid *g, const ylm_grid_birth *b) {
   if (b->cell >= g->cells || b->place >= 27) return false;
   const ylm_grid_cell *c = &g->cell[b->cell];
-  if (c->level >= g->view.form.depth) return false;
+  if (c->level >= g->contents.form.depth) return false;
   for (int k = 0; k < 8; k++)
     if (c->corner[k] >= g->points) return false;
   return true;
@@ -167,7 +167,8 @@ ylm_status ylm__grid_file_find_births(ylm_grid *g) {
   g->birth_room = n;
   for (size_t i = 0; i < n; i++) g->birth[i] = (ylm_grid_birth){YLM_GRID_NONE, 0};
   for (size_t i = 0; i < g->cells; i++)
-    if (g->cell[i].child && g->cell[i].child >= g->view.octree_cells) note_births(g, (uint32_t)i);
+    if (g->cell[i].child && g->cell[i].child >= g->contents.octree_cells)
+      note_births(g, (uint32_t)i);
   if (!ylm__grid_file_check_births(g)) return YLM_OK;
   ylm_free(g->birth);
   g->birth = NULL;
@@ -179,7 +180,7 @@ ylm_status ylm__grid_file_find_births(ylm_grid *g) {
 
 /* The hash of the evaluated points, which voxels without data are sampled with. */
 static ylm_status index_points(ylm_grid *g) {
-  if (g->view.form.kind == YLM_GRID_UNIFORM || !g->view.form.continuous) return YLM_OK;
+  if (g->contents.form.kind == YLM_GRID_UNIFORM || !g->contents.form.continuous) return YLM_OK;
   ylm_status s = ylm__lattice_hash_reserve(&g->hash, g->evaluated);
   for (size_t i = 0; s == YLM_OK && i < g->evaluated; i++)
     *ylm__lattice_hash_at(&g->hash, lattice_key(g->lattice + 3 * i)) = (uint32_t)i;

@@ -39,7 +39,7 @@ static ylm_status info_of_grid(const char *path, ylm_grid_file_info *info, ylm_e
   ylm_grid *g;
   ylm_status s = ylm_grid_read(path, &g, e);
   if (s != YLM_OK) return s;
-  info->form = g->view.form;
+  info->form = g->contents.form;
   info->stats = g->stats;
   ylm_grid_free(g);
   return YLM_OK;

@@ -59,7 +59,7 @@ static ylm_status reserve(reading *r, const grid_file_form *f) {
                     r->source->name);
   g->birth_room = born;
   g->cells = f->cells;
-  g->view.octree_cells = f->octree_cells;
+  g->contents.octree_cells = f->octree_cells;
   g->points = f->points;
   g->evaluated = f->evaluated;
   return YLM_OK;

@@ -125,7 +125,7 @@ static bool counts_hold(const stream *s, const ylm_grid *g, const uint64_t count
 
 /* The error in the numbers of a grid that was read, or NULL. */
 static const char *check_numbers(const ylm_grid *g) {
-  bool metric = g->view.form.metric_channels != 0;
+  bool metric = g->contents.form.metric_channels != 0;
   for (size_t i = 0; i < g->points; i++)
     if (metric && (isnan(g->lambda[i]) || isnan(g->norm[i]))) return "a point's metric";
   if (!ylm_all_finite(YLM_FLOAT, g->data, 4 * g->points * g->stride, NULL)) return "coefficients";
@@ -141,7 +141,7 @@ static ylm_status read_body(stream *s, ylm_grid *g, const uint64_t counts[4], co
   ylm_zero(g->cell, counts[0] * sizeof *g->cell);
   ylm_zero(g->data, counts[2] * 4 * g->stride * sizeof *g->data);
   g->cells = counts[0];
-  g->view.octree_cells = counts[1];
+  g->contents.octree_cells = counts[1];
   g->points = counts[2];
   g->evaluated = counts[3];
   cells(s, g);

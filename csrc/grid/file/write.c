@@ -45,7 +45,7 @@ typedef struct writing {
 
 static void describe(writing *w) {
   const ylm_grid *g = w->g;
-  const ylm_grid_form *f = &g->view.form;
+  const ylm_grid_form *f = &g->contents.form;
   const ylm_grid_stats *t = &g->stats;
   w->form = (grid_file_form){.kind = (uint32_t)f->kind,
                              .lmax = (uint32_t)f->lmax,
@@ -57,7 +57,7 @@ static void describe(writing *w) {
                              .threshold = f->threshold,
                              .tolerance = f->tolerance,
                              .cells = g->cells,
-                             .octree_cells = g->view.octree_cells,
+                             .octree_cells = g->contents.octree_cells,
                              .points = g->points,
                              .evaluated = g->evaluated};
   memcpy(w->form.lattice, f->cells, sizeof f->cells);

@@ -36,8 +36,8 @@ void ylm__dynamic_sweep(grid_dynamic *d) {
 static ylm_status take_occupied(grid_dynamic *d, const ylm_grid *g, ylm_error *e) {
   ylm_grid_source *s = &d->source;
   if (s->meshes) {
-    ylm_status status = ylm_grid_surface_create(s->meshes, s->mesh, g->view.form.bounds, s->threads,
-                                                &d->surface, e);
+    ylm_status status = ylm_grid_surface_create(s->meshes, s->mesh, g->contents.form.bounds,
+                                                s->threads, &d->surface, e);
     if (status == YLM_OK) status = ylm__surface_keep(d->surface);
     if (status == YLM_OK) s->mesh = ylm__surface_meshes(d->surface);
     return status;
@@ -63,8 +63,9 @@ static ylm_status begin(ylm_grid *g, const ylm_grid_source *source,
   s = take_occupied(d, g, e);
   if (s != YLM_OK) return s;
   *surface = d->surface;
-  d->hessians = 6 * (size_t)g->view.count * (size_t)g->view.form.metric_channels;
-  d->bounds = (ylm_light_bounds){.lmax = g->view.form.lmax, .channels = g->view.form.channels};
+  d->hessians = 6 * (size_t)g->contents.count * (size_t)g->contents.form.metric_channels;
+  d->bounds =
+      (ylm_light_bounds){.lmax = g->contents.form.lmax, .channels = g->contents.form.channels};
   return ylm_light_bounds_meet(&d->bounds, d->lights, d->light, e);
 }
 

@@ -49,7 +49,7 @@ static ylm_status compare_range(void *context, size_t begin, size_t end, int wor
     bool same = is_unchanged(j, c);
     if (!same) interpolate(g, c, x, row);
     j->error[i] = ylm__panel_error(j->p, i, same ? j->p->sampled + i * g->width : row, g->width);
-    j->stuck[i] = j->error[i] > j->r->tolerance && c->level >= g->view.form.depth;
+    j->stuck[i] = j->error[i] > j->r->tolerance && c->level >= g->contents.form.depth;
   }
   return YLM_OK;
 }

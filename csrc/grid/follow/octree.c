@@ -7,7 +7,7 @@
 static bool same_octree(const update *u) {
   const ylm_grid *g = u->g;
   const uint8_t flags = YLM_GRID_LEAF | YLM_GRID_OCCUPIED | YLM_GRID_CROSSED;
-  if (g->points != u->old.points || g->cells != g->view.octree_cells) return false;
+  if (g->points != u->old.points || g->cells != g->contents.octree_cells) return false;
   for (size_t p = 0; p < u->old.evaluated; p++)
     if (!u->b.used[p]) return false;
   for (size_t i = 0; i < g->cells; i++) {
@@ -67,7 +67,7 @@ static ylm_status repair_again(update *u) {
   ylm_regrow_free(d->log, d->log_bytes);
   d->log = NULL;
   d->log_bytes = 0;
-  g->cells = g->view.octree_cells;
+  g->cells = g->contents.octree_cells;
   g->points = g->evaluated;
   for (size_t i = 0; i < g->cells; i++) {
     ylm_grid_cell *c = &g->cell[i];
@@ -80,13 +80,13 @@ static ylm_status repair_again(update *u) {
 /* When that fails too: the root voxel alone, which needs no memory. It is not to be used. */
 static void collapse(ylm_grid *g) {
   ylm_grid_cell *c = &g->cell[0];
-  g->cells = g->view.octree_cells = 1;
+  g->cells = g->contents.octree_cells = 1;
   g->points = g->evaluated;
   c->child = c->source = 0;
   c->detail = 0;
   c->flags = YLM_GRID_LEAF | YLM_GRID_OCCUPIED | YLM_GRID_BAKED;
   for (int a = 0; a < 3; a++) g->top[a] = 1;
-  g->top_shift = g->view.form.depth;
+  g->top_shift = g->contents.form.depth;
   g->table[0] = 0;
   ylm__grid_count(g);
   g->spent = true;
@@ -113,8 +113,9 @@ static ylm_status refine(update *u) {
   ylm_status s = ylm__grid_reserve_cells(g, u->old.cells);
   if (s == YLM_OK) s = ylm__cells_root(b);
   if (s != YLM_OK) return s;
-  return g->view.form.tolerance > 0 ? ylm__update_tolerance(b, u->changed, u->old.points, &u->panel)
-                                    : ylm__refine(b, b->wave.n);
+  return g->contents.form.tolerance > 0
+             ? ylm__update_tolerance(b, u->changed, u->old.points, &u->panel)
+             : ylm__refine(b, b->wave.n);
 }
 
 ylm_status ylm__update_octree(update *u) {
@@ -135,7 +136,7 @@ ylm_status ylm__update_uniform(update *u) {
   ylm_grid *g = u->g;
   ylm_status s = ylm__grid_fill_invalid(g);
   for (size_t i = 0; s == YLM_OK && i < g->cells; i++)
-    g->cell[i].error = ylm__metric_of(&u->b, &g->cell[i], g->view.form.metric);
+    g->cell[i].error = ylm__metric_of(&u->b, &g->cell[i], g->contents.form.metric);
   ylm__grid_count(g);
   return s;
 }

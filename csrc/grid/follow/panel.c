@@ -23,8 +23,8 @@ static float length(const float *x, size_t n) {
 /* Adds `sign` times the value of a light of radiance 1 at point i, times its radiance. */
 static void add_value(const panel_change *k, size_t i, const ylm_light *l, double sign) {
   const ylm_grid *g = k->u->g;
-  size_t count = (size_t)g->view.count;
-  int channels = g->view.form.channels;
+  size_t count = (size_t)g->contents.count;
+  int channels = g->contents.form.channels;
   const double *e = l->radiance;
   double grey = YLM_LUMINANCE_R * e[0] + YLM_LUMINANCE_G * e[1] + YLM_LUMINANCE_B * e[2], sum = 0;
   const float *value = k->value + i * count;
@@ -41,7 +41,7 @@ static void add_value(const panel_change *k, size_t i, const ylm_light *l, doubl
    another: it is summed anew. */
 static ylm_status add_light(const panel_change *k, const ylm_light *l, double sign,
                             uint8_t *leaves) {
-  const ylm_grid_form *form = &k->u->g->view.form;
+  const ylm_grid_form *form = &k->u->g->contents.form;
   const double one = 1;
   ylm_light_set *set;
   ylm_status s = ylm_light_set_of(1, &l, &one, &set);
@@ -77,7 +77,7 @@ static ylm_status add_changes(panel_change *k) {
     if (c->before >= 0) s = add_light(k, &u->d->light[c->before], -1, leaves);
     if (s == YLM_OK && c->after >= 0) s = add_light(k, &u->now.light[c->after], 1, leaves);
   }
-  double part = fmax(u->g->view.form.tolerance / 16, 2e-6);
+  double part = fmax(u->g->contents.form.tolerance / 16, 2e-6);
   for (size_t i = 0; i < p->n && s == YLM_OK; i++) {
     double size = (double)length(p->exact + i * u->g->width, u->g->width);
     p->drift[i] += (float)(ROUNDING * (double)u->changes * size);
@@ -108,7 +108,7 @@ static ylm_status sum_anew(const panel_change *k) {
 
 ylm_status ylm__update_panel(update *u) {
   const panel *before = &u->d->panel;
-  size_t n = before->n, count = (size_t)u->g->view.count;
+  size_t n = before->n, count = (size_t)u->g->contents.count;
   if (!n) return YLM_OK;
   panel_change k = {.u = u,
                     .p = &u->panel,

@@ -36,10 +36,10 @@ static void put_hessian(ylm_grid *g, uint32_t p, const field_block *k, size_t i)
                                      (float)YLM_LUMINANCE_B};
   grid_dynamic *d = g->dynamic;
   if (!d->hessians) return;
-  size_t count = (size_t)g->view.count, channels = (size_t)g->view.form.metric_channels;
-  const float *from = k->hessian + i * 6 * (size_t)g->view.form.channels * count;
+  size_t count = (size_t)g->contents.count, channels = (size_t)g->contents.form.metric_channels;
+  const float *from = k->hessian + i * 6 * (size_t)g->contents.form.channels * count;
   float *to = d->hessian + p * d->hessians;
-  bool mix = g->view.form.channels == 3 && channels == 1;
+  bool mix = g->contents.form.channels == 3 && channels == 1;
   for (size_t c = 0; c < channels; c++)
     for (size_t j = 0; j < count; j++, from += 6)
       for (size_t a = 0; a < 6; a++) {
@@ -92,7 +92,7 @@ static void channel_weights(const double colour[3], int channels, float out[3]) 
 }
 
 void ylm__dynamic_add(ylm_grid *g, uint32_t p, const point_change *x, float *room) {
-  size_t count = (size_t)g->view.count, channels = (size_t)g->view.form.channels;
+  size_t count = (size_t)g->contents.count, channels = (size_t)g->contents.form.channels;
   double exact[3], length = 0;
   float weight[3], *value = room, *slope = room + count, *second = room + 4 * count;
   float *to = g->data + (size_t)p * 4 * g->stride;
@@ -103,7 +103,7 @@ void ylm__dynamic_add(ylm_grid *g, uint32_t p, const point_change *x, float *roo
   /* asked at a position rounded to float */
   for (size_t a = 0; a < 3; a++)
     add_scaled(value, (float)(exact[a] - (double)x->position[a]), slope + a * count, count);
-  channel_weights(x->colour, g->view.form.channels, weight);
+  channel_weights(x->colour, g->contents.form.channels, weight);
   for (size_t c = 0; c < channels; c++) {
     length += (double)weight[c] * (double)weight[c];
     for (size_t r = 0; r < 4; r++)
@@ -114,7 +114,7 @@ void ylm__dynamic_add(ylm_grid *g, uint32_t p, const point_change *x, float *roo
   d->size[p] += (float)change; /* a bound, until it is measured */
   if (!d->hessians) return;
   part(x->hessian, 6, count, second);
-  channel_weights(x->colour, g->view.form.metric_channels, weight);
+  channel_weights(x->colour, g->contents.form.metric_channels, weight);
   for (size_t c = 0; c < d->hessians / (6 * count); c++)
     add_scaled(d->hessian + p * d->hessians + 6 * count * c, weight[c], second, 6 * count);
 }
@@ -133,14 +133,14 @@ static double luminance_norm(const float *restrict row, size_t count) {
 void ylm__dynamic_measure(ylm_grid *g, uint32_t p, ylm_light_lambda2_fn *lambda2) {
   grid_dynamic *d = g->dynamic;
   const float *row = ylm__grid_row(g, p, 0);
-  size_t count = (size_t)g->view.count, all = 6 * count;
+  size_t count = (size_t)g->contents.count, all = 6 * count;
   double lambda = 0;
   d->size[p] = (float)norm_of(row, g->width);
   ylm__dynamic_sign(g, p);
   if (!d->hessians) return;
   for (size_t i = 0; i < d->hessians; i += all)
     lambda += (double)lambda2(count, d->hessian + p * d->hessians + i);
-  bool mix = g->view.form.channels == 3 && g->view.form.metric_channels == 1;
+  bool mix = g->contents.form.channels == 3 && g->contents.form.metric_channels == 1;
   g->lambda[p] = (float)sqrt(lambda);
   g->norm[p] = mix ? (float)luminance_norm(row, count) : d->size[p];
 }

@@ -36,7 +36,7 @@ static void affect_around(repair *r, const uint32_t at[3]) {
     if (!ylm__grid_side(g, at, side, beside)) continue;
     uint32_t cell = 0;
     while (g->cell[cell].child) {
-      int shift = g->view.form.depth - g->cell[cell].level - 1;
+      int shift = g->contents.form.depth - g->cell[cell].level - 1;
       cell = g->cell[cell].child + octant_of(beside[0], beside[1], beside[2], (uint32_t)shift);
     }
     r->affected[cell] = 1;
@@ -233,7 +233,7 @@ static ylm_status continue_affected(repair *r, size_t octree) {
   ylm__corners_find_shared(&r->u->b, r->affected);
   ylm__grid_find_baked(g);
   ylm_status s = ylm__grid_fill_invalid(g);
-  for (uint32_t i = 0; i < octree && s == YLM_OK && g->view.form.continuous; i++)
+  for (uint32_t i = 0; i < octree && s == YLM_OK && g->contents.form.continuous; i++)
     if (r->affected[i]) s = ylm__grid_continue_leaf(g, i);
   if (s == YLM_OK) s = renumber_changed(r);
   if (s == YLM_OK) s = ylm__grid_interpolate_points(g, r->u->changed, r->u->source.threads);
@@ -254,7 +254,7 @@ static void free_repair(repair *r) {
 static ylm_status renumber(repair *r, bool everywhere) {
   ylm_grid *g = r->g;
   size_t octree = g->cells;
-  ylm_status s = reserve(r, g->view.octree_cells);
+  ylm_status s = reserve(r, g->contents.octree_cells);
   if (s != YLM_OK) return s;
   if (!everywhere) {
     find_affected(r);
@@ -270,7 +270,7 @@ static ylm_status renumber(repair *r, bool everywhere) {
   renumber_corners(r);
   g->evaluated = r->live;
   g->points = r->live + r->kept;
-  g->view.octree_cells = octree;
+  g->contents.octree_cells = octree;
   return YLM_OK;
 }
 

@@ -58,7 +58,7 @@ static ylm_status add_lights(const shift_job *j, shift_work *w, size_t lights,
   ylm_status s = ylm_light_set_of(lights, light, strength, &set);
   const ylm_field *f = s == YLM_OK ? ylm_light_set_field(set) : NULL;
   for (size_t i = 0; i < n; i++) ylm__grid_asked(g, list[i], w->position + 3 * i);
-  ylm_field_query q = {.lmax = g->view.form.lmax,
+  ylm_field_query q = {.lmax = g->contents.form.lmax,
                        .channels = 1,
                        .metric_channels = 1,
                        .dtype = YLM_FLOAT,
@@ -71,7 +71,7 @@ static ylm_status add_lights(const shift_job *j, shift_work *w, size_t lights,
   w->seconds += ylm_seconds() - t;
   w->pairs += r.pairs;
   ylm_light_set_free(set);
-  size_t count = (size_t)g->view.count;
+  size_t count = (size_t)g->contents.count;
   for (size_t i = 0; s == YLM_OK && i < n; i++)
     ylm__dynamic_add(g, list[i],
                      &(point_change){w->value + i * count, w->gradient + 3 * i * count,
@@ -181,7 +181,7 @@ static void free_work(shift_job *j, int threads) {
 }
 
 static ylm_status make_work(shift_job *j, int threads) {
-  size_t count = (size_t)j->u->g->view.count, size = CHUNK * sizeof(float);
+  size_t count = (size_t)j->u->g->contents.count, size = CHUNK * sizeof(float);
   bool hessians = j->u->d->hessians > 0, ok = true;
   j->work = ylm_alloc_zero((size_t)threads, sizeof *j->work);
   for (int i = 0; j->work && i < threads && ok; i++) {

@@ -108,7 +108,7 @@ bool ylm__dynamic_room_births(ylm_grid *g, bool *all) {
 void ylm__dynamic_sign_all(ylm_grid *g, int threads) {
   grid_dynamic *d = g->dynamic;
   d->is_signed = false;
-  d->form_sign = sign_form(&g->view.form);
+  d->form_sign = sign_form(&g->contents.form);
   if (d->born_room < g->points - g->evaluated || !room_for(&d->cell_sign, &d->cell_room, g->cells))
     return; /* without signatures, everything is asked for again */
   d->is_signed = ylm_parallel(g->cells, 4096, threads, sign_cells, g, NULL, NULL) == YLM_OK;

@@ -34,7 +34,7 @@ static int judge(const stale_job *j, size_t p, const double at[3]) {
   if (g->flags[p] & YLM_GRID_POINT_INVALID) return STALE_NOT; /* filled from its neighbours */
   double limit = j->tolerance * (double)j->least[p], edge = (double)j->reach[p];
   bool beyond = 1.58 * sum[0] + 0.43 * edge * sum[1] > limit;
-  if (g->view.form.threshold >= 0 && g->dynamic->hessians)
+  if (g->contents.form.threshold >= 0 && g->dynamic->hessians)
     beyond |= sum[2] > 5 * j->tolerance * (double)g->lambda[p];
   if (!beyond && !forced) return STALE_SKIPPED;
   return ylm__grid_is_worn(g, p, j->tolerance, 1) ? STALE_EXACT : STALE_SHIFT;
@@ -64,7 +64,7 @@ static void find_reach(const ylm_grid *g, float *reach, float *least) {
     reach[p] = (float)unit;
     least[p] = g->dynamic->size[p];
   }
-  for (size_t i = 0; i < g->view.octree_cells; i++) {
+  for (size_t i = 0; i < g->contents.octree_cells; i++) {
     const ylm_grid_cell *c = &g->cell[i];
     if (!(c->flags & YLM_GRID_LEAF) || !(c->flags & YLM_GRID_OCCUPIED)) continue;
     float edge = (float)(ylm__grid_edge(g, c) * unit), low = INFINITY;

@@ -42,7 +42,7 @@ static ylm_status split_failed(refiner *r) {
   for (size_t i = 0; i < r->verdicts && s == YLM_OK; i++) {
     const ylm_grid_cell *c = &b->g->cell[r->verdict[i].leaf];
     if (!(r->verdict[i].error > r->tolerance) || !(c->flags & YLM_GRID_LEAF) ||
-        c->level >= b->g->view.form.depth)
+        c->level >= b->g->contents.form.depth)
       continue;
     s = b->g->follower->failed(b->g, c);
     if (s == YLM_OK) s = ylm__cells_split(b, r->verdict[i].leaf);
@@ -92,7 +92,7 @@ static ylm_status refine_changed(refiner *r, const uint8_t *changed, size_t know
 ylm_status ylm__update_tolerance(baker *b, const uint8_t *changed, size_t known, const panel *p) {
   grid_dynamic *d = b->g->dynamic;
   refiner r = {.b = b,
-               .tolerance = b->g->view.form.tolerance,
+               .tolerance = b->g->contents.form.tolerance,
                .tight = d->tight,
                .ratio = d->ratio,
                .frozen = true,

@@ -16,7 +16,7 @@
 /* Bakes everything anew; the grid changes places with the new one. */
 static ylm_status rebake(update *u) {
   ylm_grid *g = u->g, *fresh;
-  ylm_grid_form form = g->view.form;
+  ylm_grid_form form = g->contents.form;
   ylm_status s = ylm_grid_bake(&form, &u->source, &fresh, u->b.e);
   if (s != YLM_OK) return s;
   ylm_grid swap = *g;
@@ -61,7 +61,7 @@ static void commit(update *u, int32_t *of) {
 static void judge(const update *u) {
   ylm_grid *g = u->g;
   ruling said;
-  if (!(g->view.form.tolerance > 0) || g->spent) return;
+  if (!(g->contents.form.tolerance > 0) || g->spent) return;
   double t = ylm_seconds();
   if (ylm__judge_samples(g, &u->d->panel, u->source.threads, &said) == YLM_OK)
     ylm__panel_report(&g->stats, &u->d->panel, &said, g->stats.limited);
@@ -98,7 +98,7 @@ static ylm_status follow(update *u) {
   u->stats.points = u->exacts + u->shifts;
   double begin = ylm_seconds(), field = g->stats.field_seconds;
   if (s == YLM_OK)
-    s = g->view.form.kind == YLM_GRID_UNIFORM ? ylm__update_uniform(u) : ylm__update_octree(u);
+    s = g->contents.form.kind == YLM_GRID_UNIFORM ? ylm__update_uniform(u) : ylm__update_octree(u);
   u->stats.tree_seconds = ylm_seconds() - begin - (g->stats.field_seconds - field);
   if (s != YLM_OK && !u->over) {
     ylm__update_restore(u);
@@ -144,7 +144,8 @@ ylm_status ylm_grid_update(ylm_grid *g, const ylm_grid_change *change, ylm_error
               .tolerance = change->tolerance,
               .whole = change->everywhere};
   if (u.tolerance < 0)
-    u.tolerance = g->view.form.tolerance > 0 ? g->view.form.tolerance / 8 : DEFAULT_TOLERANCE;
+    u.tolerance =
+        g->contents.form.tolerance > 0 ? g->contents.form.tolerance / 8 : DEFAULT_TOLERANCE;
   u.source.lights = change->lights;
   u.source.field = change->field;
   u.source.threads = change->threads;

@@ -26,7 +26,8 @@ static double sample_lambda(const ylm_grid *g, const double p[3]) {
 static void convert_row(const ylm_grid *g, const ylm_field_query *q, const float *from, int step,
                         void *to, size_t at) {
   static const double weight[3] = {0.2126, 0.7152, 0.0722};
-  int count = (q->lmax + 1) * (q->lmax + 1), own = g->view.count, channels = g->view.form.channels;
+  int count = (q->lmax + 1) * (q->lmax + 1), own = g->contents.count,
+      channels = g->contents.form.channels;
   for (int c = 0; c < q->channels; c++)
     for (int j = 0; j < count; j++)
       for (int d = 0; d < step; d++) {
@@ -61,9 +62,9 @@ static void convert(const ylm_grid *g, const ylm_field_query *q, size_t n, const
 ylm_status ylm__grid_evaluate(const ylm_field *f, const ylm_field_query *q, size_t n,
                               const void *points, ylm_field_result *r, ylm_error *e) {
   const ylm_grid *g = f->self;
-  if (q->lmax > g->view.form.lmax)
+  if (q->lmax > g->contents.form.lmax)
     return ylm_fail(e, YLM_ERANGE, "the grid has coefficients up to lmax %d, %d is wanted",
-                    g->view.form.lmax, q->lmax);
+                    g->contents.form.lmax, q->lmax);
   if (q->want & YLM_WANT_HESSIAN) return ylm_fail(e, YLM_EINVAL, "a grid has no Hessians");
   size_t w = g->width, block = n < 16384 ? n : 16384;
   bool slopes = q->want & YLM_WANT_GRADIENT;

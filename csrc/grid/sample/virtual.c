@@ -51,7 +51,7 @@ void ylm__grid_virtual(const ylm_grid *g, uint32_t leaf, const double at[3], vir
   v->edge = ylm__grid_edge(g, from);
   for (int r = 0; r < 4; r++)
     for (int k = 0; k < 8; k++) v->row[8 * r + k] = ylm__grid_row(g, from->corner[k], r);
-  uint32_t last = 1u << (g->view.form.depth - c->detail);
+  uint32_t last = 1u << (g->contents.form.depth - c->detail);
   for (int level = 0; v->edge > last; level++) {
     uint32_t k = 0;
     for (int a = 0; a < 3; a++) k |= (uint32_t)(at[a] >= v->origin[a] + v->edge / 2) << a;

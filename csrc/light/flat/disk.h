@@ -96,7 +96,7 @@ YLM_INLINE V add_node(const seen_disk *d, int i, rim_nodes *n, int j) {
     n->w[1][a][j] = n->w[0][a][j] * at.inverse;
     n->w[2][a][j] = n->w[1][a][j] * at.inverse;
   }
-  return weight * at.solid;
+  return weight * at.angle;
 }
 
 /* Adds a disk to sums [channels][3 width + 1] as add_polygon does. */

@@ -145,7 +145,7 @@ static int array_view(lua_State *L) {
   ylmL_array *a = ylmL_array_check(L, 1);
   size_t k;
   if (a->axes < 2 || !offset(L, a, 1, &k)) return 0;
-  ylmL_array_view(L, 1, a->shape[0] ? k * (a->count / a->shape[0]) : 0, a->axes - 1, a->shape + 1);
+  ylmL_array_part(L, 1, a->shape[0] ? k * (a->count / a->shape[0]) : 0, a->axes - 1, a->shape + 1);
   return 1;
 }
 
@@ -163,7 +163,7 @@ static int array_reshape(lua_State *L) {
     lua_pop(L, 1);
   }
   if (!ylm_shape_count((int)axes, shape, &count) || count != a->count) return 0;
-  ylmL_array_view(L, 1, 0, (int)axes, shape);
+  ylmL_array_part(L, 1, 0, (int)axes, shape);
   return 1;
 }
 

@@ -20,7 +20,7 @@ static int grid_sample(lua_State *L) {
   static const char *const outside[] = {"clamp", "nan", NULL};
   enum { INTERPOLATION = 4, DERIVATIVES, OUTSIDE, DTYPE, THREADS, PROGRESS, VALUE, GRADIENT };
   ylmL_named(L, 3, names);
-  const ylm_grid_view *v = ylm_grid_look(ylmL_grid_check(L, 1));
+  const ylm_grid_contents *v = ylm_grid_look(ylmL_grid_check(L, 1));
   ylmL_array *points = ylmL_array_check(L, 2), *value, *gradient = NULL;
   ylmL_progress progress;
   ylm_grid_query q = {.interpolation = ylmL_grid_interpolation(L, INTERPOLATION),

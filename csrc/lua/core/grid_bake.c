@@ -160,7 +160,7 @@ static int grid_update(lua_State *L) {
                             .threads = (int)luaL_checknumber(L, 4),
                             .progress = ylmL_progress_begin(L, 5, &progress)};
   ylm_status s = ylm_grid_update(g, &change, &e);
-  const ylm_grid_view *v = ylm_grid_look(g);
+  const ylm_grid_contents *v = ylm_grid_look(g);
   if (s == YLM_OK) ylmL_grid_push_update(L, &v->form, v->stats);
   return ylmL_result_progress(L, 1, s, &e, &progress);
 }

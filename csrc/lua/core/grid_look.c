@@ -77,7 +77,7 @@ void ylmL_grid_push_stats(lua_State *L, const ylm_grid_form *f, const ylm_grid_s
 
 /* grid_stats(grid) -> table of numbers and booleans */
 static int grid_stats(lua_State *L) {
-  const ylm_grid_view *v = ylm_grid_look(ylmL_grid_check(L, 1));
+  const ylm_grid_contents *v = ylm_grid_look(ylmL_grid_check(L, 1));
   ylmL_grid_push_stats(L, &v->form, v->stats);
   return 1;
 }
@@ -136,7 +136,7 @@ static void *set_array(lua_State *L, const char *name, ylm_dtype t, int axes, co
 /* grid_points(grid) -> table of arrays, one row per point: evaluated ones first */
 static int grid_points(lua_State *L) {
   const ylm_grid *g = ylmL_grid_check(L, 1);
-  const ylm_grid_view *v = ylm_grid_look(g);
+  const ylm_grid_contents *v = ylm_grid_look(g);
   size_t n = v->points, c = (size_t)v->form.channels, k = (size_t)v->count, w = c * k;
   lua_newtable(L);
   double *position = set_array(L, "position", YLM_DOUBLE, 2, (size_t[]){n, 3});
@@ -171,7 +171,7 @@ static int grid_cells(lua_State *L) {
                {"crossed", YLM_GRID_CROSSED},
                {"added", YLM_GRID_ADDED}};
   const ylm_grid *g = ylmL_grid_check(L, 1);
-  const ylm_grid_view *v = ylm_grid_look(g);
+  const ylm_grid_contents *v = ylm_grid_look(g);
   size_t n = lua_toboolean(L, 2) ? v->cells : v->octree_cells;
   lua_newtable(L);
   double *origin = set_array(L, "origin", YLM_DOUBLE, 2, (size_t[]){n, 3});
@@ -203,7 +203,7 @@ static int grid_cells(lua_State *L) {
 /* grid_locate(grid, x, y, z, finest) -> one-based cell or nil, table of what it knows, outside */
 static int grid_locate(lua_State *L) {
   const ylm_grid *g = ylmL_grid_check(L, 1);
-  const ylm_grid_view *v = ylm_grid_look(g);
+  const ylm_grid_contents *v = ylm_grid_look(g);
   double p[3] = {luaL_checknumber(L, 2), luaL_checknumber(L, 3), luaL_checknumber(L, 4)}, box[6];
   bool outside;
   uint32_t i = ylm_grid_locate(g, p, lua_toboolean(L, 5), &outside);

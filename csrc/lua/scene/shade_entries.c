@@ -55,7 +55,7 @@ static int shade_discs(lua_State *L) {
   ylm_status s = ylm_shade_view_discs(v, &lamps, all->data, &seen);
   if (s != YLM_OK) return ylmL_result(L, 0, s, NULL);
   if (!seen) return 0;
-  if (!ylmL_array_view(L, lua_gettop(L), 0, 2, (size_t[]){seen, YLM_SHADE_DISC}))
+  if (!ylmL_array_part(L, lua_gettop(L), 0, 2, (size_t[]){seen, YLM_SHADE_DISC}))
     return ylmL_result(L, 0, YLM_ENOMEM, NULL);
   return 1;
 }

@@ -72,7 +72,7 @@ static int sample(lua_State *L) {
   ylmL_named(L, 4, names);
   ylm_gpu_grid *k = copy_at(L, 1);
   const ylm_grid *grid = ylmL_grid_check(L, 2);
-  const ylm_grid_view *v = ylm_grid_look(grid);
+  const ylm_grid_contents *v = ylm_grid_look(grid);
   ylmL_any_array points = ylmL_any(L, 3);
   ylm_error e = {YLM_OK, ""};
   ylm_grid_report report = {0};

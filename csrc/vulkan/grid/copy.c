@@ -8,7 +8,7 @@ typedef struct gpu_cell {
   uint32_t corner[8], origin[3], edge, child, source, info, unused;
 } gpu_cell;
 
-static void fill_cell(const ylm_grid_view *v, size_t i, gpu_cell *out) {
+static void fill_cell(const ylm_grid_contents *v, size_t i, gpu_cell *out) {
   const ylm_grid_cell *c = &v->cell[i];
   for (int k = 0; k < 8; k++) out->corner[k] = c->corner[k] == YLM_GRID_NONE ? 0 : c->corner[k];
   memcpy(out->origin, c->origin, sizeof out->origin);
@@ -20,7 +20,7 @@ static void fill_cell(const ylm_grid_view *v, size_t i, gpu_cell *out) {
   out->unused = 0;
 }
 
-static ylm_status copy_cells(ylm_gpu_grid *k, const ylm_grid_view *v, ylm_error *e) {
+static ylm_status copy_cells(ylm_gpu_grid *k, const ylm_grid_contents *v, ylm_error *e) {
   gpu_cell *cell = ylm_alloc(v->cells, sizeof *cell);
   if (!cell) return ylm_fail(e, YLM_ENOMEM, "%s", ylm_status_text(YLM_ENOMEM));
   for (size_t i = 0; i < v->cells; i++) fill_cell(v, i, &cell[i]);
@@ -30,7 +30,7 @@ static ylm_status copy_cells(ylm_gpu_grid *k, const ylm_grid_view *v, ylm_error 
 }
 
 /* Uniform grids: the cell at each lattice place. */
-static ylm_status copy_table(ylm_gpu_grid *k, const ylm_grid_view *v, ylm_error *e) {
+static ylm_status copy_table(ylm_gpu_grid *k, const ylm_grid_contents *v, ylm_error *e) {
   const uint32_t *r = v->resolution;
   if (v->form.kind != YLM_GRID_UNIFORM) return ylm_gpu_buffer_create(k->g, 0, &k->table, e);
   size_t n = (size_t)r[0] * r[1] * r[2];
@@ -46,7 +46,7 @@ static ylm_status copy_table(ylm_gpu_grid *k, const ylm_grid_view *v, ylm_error 
   return s;
 }
 
-static ylm_status copy_bounds(ylm_gpu_grid *k, const ylm_grid_view *v, ylm_error *e) {
+static ylm_status copy_bounds(ylm_gpu_grid *k, const ylm_grid_contents *v, ylm_error *e) {
   double b[9];
   float f[9];
   for (int a = 0; a < 3; a++) {
@@ -60,7 +60,7 @@ static ylm_status copy_bounds(ylm_gpu_grid *k, const ylm_grid_view *v, ylm_error
 }
 
 /* As few parts as there can be. */
-static ylm_status copy_data(ylm_gpu_grid *k, const ylm_grid_view *v, ylm_error *e) {
+static ylm_status copy_data(ylm_gpu_grid *k, const ylm_grid_contents *v, ylm_error *e) {
   size_t row = 4 * v->stride, n = v->points;
   ylm_status s = YLM_OK;
   for (size_t at = 0; s == YLM_OK && (at < n || !k->parts); at += k->part_rows) {
@@ -72,7 +72,7 @@ static ylm_status copy_data(ylm_gpu_grid *k, const ylm_grid_view *v, ylm_error *
 }
 
 ylm_status ylm__gpu_grid_begin(ylm_gpu *g, const ylm_grid *grid, ylm_gpu_grid **out, ylm_error *e) {
-  const ylm_grid_view *v = ylm_grid_look(grid);
+  const ylm_grid_contents *v = ylm_grid_look(grid);
   *out = NULL;
   ylm_status s = ylm_gpu_state(g, e);
   if (s != YLM_OK) return s;

@@ -69,7 +69,7 @@ static void put(uint32_t to[2], ylm_dtype t, uint64_t order) {
 
 static ylm_status upload_fences(const occupied_voxels *o, ylm_gpu_buffer **fences) {
   ylm_dtype type = o->source->occupied_dtype;
-  const ylm_grid_view *v = ylm_grid_look(o->grid);
+  const ylm_grid_contents *v = ylm_grid_look(o->grid);
   const uint32_t *r = v->resolution;
   size_t inner = (size_t)r[0] + r[1] + r[2] - 3, n = inner + 6, at = 0;
   uint32_t(*fence)[2] = ylm_alloc(n, sizeof *fence);

@@ -62,7 +62,7 @@ static ylm_status begin_root(octree *t) {
 
 static ylm_status begin(octree *t, const ylm_grid_making *m) {
   const ylm_grid_source *source = m->source;
-  const ylm_grid_view *v = ylm_grid_look(m->grid);
+  const ylm_grid_contents *v = ylm_grid_look(m->grid);
   t->g = t->l->gpu;
   t->source = source;
   t->grid = m->grid;

@@ -57,7 +57,7 @@ static ylm_status upload_axes(gpu_points *p) {
 }
 
 ylm_status ylm__points_begin(gpu_points *p, ylm_gpu_lights *l, const ylm_grid *grid, ylm_error *e) {
-  const ylm_grid_view *v = ylm_grid_look(grid);
+  const ylm_grid_contents *v = ylm_grid_look(grid);
   *p = (gpu_points){.g = l->gpu, .l = l, .grid = grid, .e = e};
   p->q = (step_queue){.g = l->gpu, .times = &l->times, .e = e, .stage = "points"};
   p->width = (uint32_t)(v->count * v->form.channels);
@@ -96,7 +96,7 @@ void ylm__points_end(gpu_points *p) {
 }
 
 void ylm__points_unit(const gpu_points *p, uint32_t unit[3]) {
-  const ylm_grid_view *v = ylm_grid_look(p->grid);
+  const ylm_grid_contents *v = ylm_grid_look(p->grid);
   for (int a = 0; a < 3; a++) {
     float edge = (float)((v->form.bounds[a + 3] - v->form.bounds[a]) / v->resolution[a]);
     memcpy(&unit[a], &edge, 4);

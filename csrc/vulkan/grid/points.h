@@ -2,7 +2,7 @@
 ** points.h - data of a grid's points in a device's memory: evaluated there, and kept where kernels
 ** that interpolate read them. Private.
 **
-** A row is a point's values and gradients, [4][stride] floats, as ylm_grid_view has them. Rows lie
+** A row is a point's values and gradients, [4][stride] floats, as ylm_grid_contents has them. Rows lie
 ** in up to GRID_PARTS buffers of `part_rows` each, as long as a kernel sees, which grow as points
 ** come. Points before `first` have been brought to the host and are no longer here.
 */

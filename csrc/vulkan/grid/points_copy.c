@@ -18,7 +18,7 @@ static ylm_status fit_parts(gpu_points *p, uint64_t rows) {
 }
 
 /* Points in lights were filled by the host. */
-static ylm_status put_filled(gpu_points *p, const ylm_grid_view *v) {
+static ylm_status put_filled(gpu_points *p, const ylm_grid_contents *v) {
   size_t n = 0, row = 4 * v->stride;
   for (size_t i = 0; i < v->evaluated; i++) n += (v->flags[i] & YLM_GRID_POINT_INVALID) != 0;
   if (!n) return YLM_OK;
@@ -45,7 +45,7 @@ typedef struct gpu_birth {
 } gpu_birth;
 
 /* Births by the level of their cells; first[k] is where those of level k begin. */
-static ylm_status sort_births(gpu_points *p, const ylm_grid_view *v,
+static ylm_status sort_births(gpu_points *p, const ylm_grid_contents *v,
                               uint32_t first[YLM_GRID_MAX_DEPTH + 2], ylm_gpu_buffer **births) {
   uint32_t n = (uint32_t)(v->points - v->evaluated), next[YLM_GRID_MAX_DEPTH + 2];
   gpu_birth *list = ylm_alloc(n, sizeof *list);
@@ -67,7 +67,7 @@ static ylm_status sort_births(gpu_points *p, const ylm_grid_view *v,
 }
 
 /* Corners of a cell were born of coarser cells, so levels follow one another. */
-static ylm_status give_birth(gpu_points *p, const ylm_grid_view *v, ylm_gpu_buffer *cells) {
+static ylm_status give_birth(gpu_points *p, const ylm_grid_contents *v, ylm_gpu_buffer *cells) {
   uint32_t first[YLM_GRID_MAX_DEPTH + 2];
   ylm_gpu_buffer *births = NULL, *bind[GRID_PARTS + 2];
   if (v->points == v->evaluated) return YLM_OK;
@@ -91,14 +91,14 @@ static ylm_status give_birth(gpu_points *p, const ylm_grid_view *v, ylm_gpu_buff
 
 /* -- the copy ---------------------------------------------------------------------------------- */
 
-static ylm_status make_copy(gpu_points *p, const ylm_grid_view *v, ylm_gpu_grid *k) {
+static ylm_status make_copy(gpu_points *p, const ylm_grid_contents *v, ylm_gpu_grid *k) {
   ylm_status s = fit_parts(p, v->points);
   if (s == YLM_OK) s = put_filled(p, v);
   return s == YLM_OK ? give_birth(p, v, k->cells) : s;
 }
 
 ylm_status ylm__points_copy(gpu_points *p, ylm_gpu_grid **copy) {
-  const ylm_grid_view *v = ylm_grid_look(p->grid);
+  const ylm_grid_contents *v = ylm_grid_look(p->grid);
   uint64_t bytes = 16 * (uint64_t)p->stride * v->points;
   ylm_gpu_grid *k = NULL;
   *copy = NULL;

@@ -17,7 +17,7 @@ local needs = { 0, 1, 1, 1, 2, 2, 2, 2, 2, 2 } -- derivatives that a part belong
 --- F, F' and F'' of each degree: a light's coefficient is F_l(d) Y_lm, but for 2 pi.
 local function radial(g, lmax)
   local alpha, es, u = g.variable "alpha", g.variable "es", g.variable "u"
-  local slope, bend = g.variable "slope", g.variable "bend"
+  local slope, second = g.variable "slope", g.variable "second"
   local P, dP = { [0] = g.constant(1), alpha }, { [0] = g.constant(0), g.constant(1) }
   local F = {}
   for l = 2, lmax do
@@ -28,7 +28,7 @@ local function radial(g, lmax)
     F[l] = {
       l == 0 and g.variable "first" or (1 / (l * (l + 1))) * (es * dP[l]),
       -(P[l] * slope),
-      P[l] * bend - slope * (u * dP[l]),
+      P[l] * second - slope * (u * dP[l]),
     }
   end
   return F
@@ -147,9 +147,9 @@ function product.text(lmax)
   put(out, "")
   put(out, "/* Adds one light. x, y, z: its direction; id: 1/d; alpha: h/d; u: r^2/(d^2 h); es: radiance r^2/d^2;")
   put(out, "** first: es/(1+alpha), in a light twice the radiance (all else 0); slope: es/h;")
-  put(out, "** bend: slope (2/d + d/h^2). Gradients and Hessians are by the light's position. */")
+  put(out, "** second: slope (2/d + d/h^2). Gradients and Hessians are by the light's position. */")
   put(out, "void add_light(real x, real y, real z, real id, real alpha, real u, real es, real first, real slope,")
-  put(out, "               real bend) {")
+  put(out, "               real second) {")
   put(out, "  real p0, p1, p2, p3, p4, p5, p6, p7, p8, p9;")
   for _, line in ipairs(emit.statements(outputs, "shader")) do put(out, "  %s", line) end
   put(out, "}")

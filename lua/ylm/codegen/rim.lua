@@ -87,7 +87,7 @@ INLINE node arc_node(arc a, real x) {
   n.s = PLUS(SCALE(a.foot, t.cosine), SCALE(a.along, t.sine));
   n.m = a.normal;
   n.inverse = t.cosine * a.near;
-  n.solid = SET(#0.0);
+  n.angle = SET(#0.0);
   return n;
 }]],
   [[
@@ -99,7 +99,7 @@ INLINE node rim_node(VECTOR c, VECTOR u, VECTOR v, VECTOR facing, real cosine, r
   n.inverse = #1.0 / ROOT(DOT(y, y));
   n.s = SCALE(y, n.inverse);
   n.m = SCALE(m, n.inverse * n.inverse);
-  n.solid = DOT(facing, n.m) / (#1.0 + DOT(facing, n.s));
+  n.angle = DOT(facing, n.m) / (#1.0 + DOT(facing, n.s));
   return n;
 }]],
   [[
@@ -120,7 +120,7 @@ local structures = {
     .. "   foot's distance; half the angle, and that of its middle from the foot. */",
     { "VECTOR normal, foot, along", "real near, span, middle" } },
   { "node", "/* Of a rim: its direction s, m without a weight, 1/rho, and n.m/(1 + n.s) of ellipses. */",
-    { "VECTOR s, m", "real inverse, solid" } },
+    { "VECTOR s, m", "real inverse, angle" } },
 }
 
 local languages = {

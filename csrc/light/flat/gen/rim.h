@@ -20,7 +20,7 @@ typedef struct arc {
 /* Of a rim: its direction s, m without a weight, 1/rho, and n.m/(1 + n.s) of ellipses. */
 typedef struct node {
   v3 s, m;
-  V inverse, solid;
+  V inverse, angle;
 } node;
 
 /* The angle of (cosine, sine), cosine >= 0: three halvings, then the series. */
@@ -115,7 +115,7 @@ YLM_INLINE node arc_node(arc a, V x) {
   n.s = plus(scale(a.foot, t.cosine), scale(a.along, t.sine));
   n.m = a.normal;
   n.inverse = t.cosine * a.near;
-  n.solid = set(0.0);
+  n.angle = set(0.0);
   return n;
 }
 
@@ -127,7 +127,7 @@ YLM_INLINE node rim_node(v3 c, v3 u, v3 v, v3 facing, V cosine, V sine) {
   n.inverse = 1.0 / ylm_vd_sqrt(dot(y, y));
   n.s = scale(y, n.inverse);
   n.m = scale(m, n.inverse * n.inverse);
-  n.solid = dot(facing, n.m) / (1.0 + dot(facing, n.s));
+  n.angle = dot(facing, n.m) / (1.0 + dot(facing, n.s));
   return n;
 }
 
