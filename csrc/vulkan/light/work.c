@@ -1,87 +1,69 @@
 /* work.c - the steps that evaluate a pass of points: sums, their reduction, maps, metric. */
+#include <stdio.h>
 #include <string.h>
 
+#include "../device/steps.h"
 #include "../gen/layout.h"
 #include "lights.h"
 
 #define ROWS 8u /* rows of a group of shaders/rows.real.comp */
-#define PUSH_WORDS 12
 
-/* -- lists of steps ------------------------------------------------------------------ */
+/* -- steps ------------------------------------------------------------------------------ */
 
-typedef struct step_list {
+/* A pass, and the steps that it takes. */
+typedef struct sum_steps {
+  step_queue queue;
   ylm_gpu_lights *l;
   const sum_plan *p;
   const ylm_field_query *q;
   uint32_t n, stride;
-  ylm_gpu_work *work;
-  uint32_t (*push)[PUSH_WORDS];
-  size_t steps, room;
-  ylm_status status; /* of the first failure; later calls do nothing */
-  ylm_error *e;
-} step_list;
+} sum_steps;
 
-/* Room for one more step; NULL after a failure. */
-static ylm_gpu_work *next_step(step_list *s, const char *stage) {
-  if (s->status != YLM_OK) return NULL;
-  if (s->steps == s->room) {
-    size_t room = s->room ? 2 * s->room : 32;
-    void *work = ylm_realloc(s->work, s->steps * sizeof *s->work, room, sizeof *s->work);
-    if (work) s->work = work;
-    void *push =
-        work ? ylm_realloc(s->push, s->steps * sizeof *s->push, room, sizeof *s->push) : NULL;
-    if (!push) {
-      s->status = ylm_fail(s->e, YLM_ENOMEM, "%s", ylm_status_text(YLM_ENOMEM));
-      return NULL;
-    }
-    s->push = push;
-    s->room = room;
-  }
-  ylm_gpu_work *w = &s->work[s->steps];
-  *w = (ylm_gpu_work){.stage = stage};
-  s->steps++;
-  return w;
+static void clear(sum_steps *s, int which, uint64_t bytes) {
+  s->queue.stage = "clearing";
+  if (bytes)
+    ylm__steps_work(&s->queue, &(ylm_gpu_work){.verb = YLM_GPU_FILL,
+                                               .binds = 1,
+                                               .bind = {{s->l->scratch[which], 0, bytes}}});
 }
 
-static void clear(step_list *s, int which, uint64_t bytes) {
-  ylm_gpu_work *w = bytes ? next_step(s, "clearing") : NULL;
-  if (!w) return;
-  w->verb = YLM_GPU_FILL;
-  w->binds = 1;
-  w->bind[0] = (ylm_gpu_bind){s->l->scratch[which], 0, bytes};
-}
+/* A dispatch of a kernel in the plan's precision, the group's size being its first constant. */
+typedef struct sum_step {
+  const char *stage, *kernel;
+  int constants, words, binds;
+  uint32_t constant[8];
+  const uint32_t *push;
+  const ylm_gpu_bind *bind;
+  uint64_t groups;
+  double cost; /* of a group */
+} sum_step;
 
-/* A dispatch of the kernel NAME in the plan's precision. */
-static void dispatch(step_list *s, const char *stage, const char *name, int constants,
-                     const uint32_t *constant, uint64_t groups, double cost, int words,
-                     const uint32_t *push, int binds, const ylm_gpu_bind *bind) {
-  char full[32];
+static void add_step(sum_steps *s, const sum_step *x) {
+  char name[32];
   ylm_gpu_kernel *kernel = NULL;
-  size_t k = 0;
-  if (s->status != YLM_OK || !groups) return;
-  while (name[k]) full[k] = name[k], k++;
-  strcpy(full + k, s->p->dtype == YLM_DOUBLE ? "_double" : "_float");
-  s->status = ylm_gpu_kernel_get(s->l->gpu, full, constants, constant, &kernel, s->e);
-  ylm_gpu_work *w = next_step(s, stage);
-  if (!w) return;
-  w->kernel = kernel;
-  w->groups = groups;
-  w->cost = cost;
-  w->push_bytes = (size_t)words * 4;
-  memcpy(s->push[s->steps - 1], push, w->push_bytes);
-  w->binds = binds;
-  memcpy(w->bind, bind, (size_t)binds * sizeof *bind);
+  if (s->queue.status != YLM_OK || !x->groups) return;
+  snprintf(name, sizeof name, "%s_%s", x->kernel, s->p->dtype == YLM_DOUBLE ? "double" : "float");
+  s->queue.status =
+      ylm_gpu_kernel_get(s->l->gpu, name, x->constants, x->constant, &kernel, s->queue.e);
+  s->queue.stage = x->stage;
+  ylm_gpu_work w = {.kernel = kernel,
+                    .groups = x->groups,
+                    .cost = x->cost,
+                    .push = x->push,
+                    .push_bytes = (size_t)x->words * 4,
+                    .binds = x->binds};
+  memcpy(w.bind, x->bind, (size_t)x->binds * sizeof *x->bind);
+  ylm__steps_work(&s->queue, &w);
 }
 
 static ylm_gpu_bind whole(ylm_gpu_buffer *b) { return (ylm_gpu_bind){b, 0, 0}; }
 
 /* -- sums ------------------------------------------------------------------------------ */
 
-static size_t real_size(const step_list *s) { return ylm_dtype_size(s->p->dtype); }
+static size_t real_size(const sum_steps *s) { return ylm_dtype_size(s->p->dtype); }
 
-/* The kernel of a pass, its constants (at most 8; returns how many) and its items. */
-static const char *pass_kernel(const step_list *s, const sum_set *set, const struct sum_pass *pass,
-                               uint32_t constant[8], int *constants) {
+/* A step of a pass: its kernel with constants. */
+static sum_step pass_step(const sum_steps *s, const sum_set *set, const struct sum_pass *pass) {
   const ylm_gpu_lights *l = s->l;
   uint32_t c[] = {GROUP,
                   (uint32_t)s->p->lmax,
@@ -96,23 +78,23 @@ static const char *pass_kernel(const step_list *s, const sum_set *set, const str
     memset(c + 1, 0, sizeof c - sizeof *c); /* one pipeline for every lmax */
     c[2] = pass->kinds, c[6] = l->rims.cut, c[7] = s->p->dtype == YLM_DOUBLE;
   }
-  *constants = pass->items ? 8 : 6;
-  memcpy(constant, c, sizeof c);
+  sum_step step = {.stage = "lights", .constants = pass->items ? 8 : 6};
+  memcpy(step.constant, c, sizeof c);
   bool low = s->p->lmax <= YLM_GPU_LOW_LMAX;
-  return pass->rims        ? "rims"
-         : pass->items     ? "moments_any"
-         : pass->loops     ? low ? "product_low" : "product"
-         : pass->second    ? low ? "flat_second_low" : "flat_second"
-         : l->cosines.kind ? low ? "flat_low" : "flat"
-         : low             ? "moments_low"
-                           : "moments";
+  step.kernel = pass->rims        ? "rims"
+                : pass->items     ? "moments_any"
+                : pass->loops     ? low ? "product_low" : "product"
+                : pass->second    ? low ? "flat_second_low" : "flat_second"
+                : l->cosines.kind ? low ? "flat_low" : "flat"
+                : low             ? "moments_low"
+                                  : "moments";
+  return step;
 }
 
 /* One chunk range of a pass along rims: a group has a point. */
-static void add_rims(step_list *s, const sum_set *set, const struct sum_pass *pass,
+static void add_rims(sum_steps *s, const sum_set *set, const struct sum_pass *pass,
                      uint32_t chunk_first, uint32_t chunks) {
   const rim_set *r = &s->l->rims;
-  uint32_t constant[8];
   uint32_t push[] = {s->n,        s->stride,           r->arcs,   r->chunk,    chunk_first,
                      chunks,      set->channel_first,  set->sums, pass->parts, 0,
                      pass->items, (uint32_t)s->p->lmax};
@@ -124,15 +106,15 @@ static void add_rims(step_list *s, const sum_set *set, const struct sum_pass *pa
                          whole(s->p->betas),
                          whole(r->rule),
                          whole(r->arc)};
-  int constants;
-  const char *name = pass_kernel(s, set, pass, constant, &constants);
-  dispatch(s, "lights", name, constants, constant,
-           (uint64_t)s->n * pass->items * chunks * set->channels, (double)r->chunk * GROUP, 12,
-           push, 8, bind);
+  sum_step step = pass_step(s, set, pass);
+  step.words = 12, step.push = push, step.binds = 8, step.bind = bind;
+  step.groups = (uint64_t)s->n * pass->items * chunks * set->channels;
+  step.cost = (double)r->chunk * GROUP;
+  add_step(s, &step);
 }
 
 /* One chunk range of all passes of a set, into BUFFER_PARTIAL. */
-static void add_sums(step_list *s, const sum_set *set, uint32_t chunk_first, uint32_t chunks) {
+static void add_sums(sum_steps *s, const sum_set *set, uint32_t chunk_first, uint32_t chunks) {
   const ylm_gpu_lights *l = s->l;
   for (int i = 0; i < set->passes; i++) {
     const struct sum_pass *pass = &set->pass[i];
@@ -140,7 +122,7 @@ static void add_sums(step_list *s, const sum_set *set, uint32_t chunk_first, uin
       add_rims(s, set, pass, chunk_first, chunks);
       continue;
     }
-    uint32_t items = pass->items ? pass->items : 1, constant[8];
+    uint32_t items = pass->items ? pass->items : 1;
     uint32_t push[] = {s->n,   s->stride,          l->active, l->chunk,    chunk_first,
                        chunks, set->channel_first, set->sums, pass->parts, pass->part,
                        items};
@@ -150,26 +132,27 @@ static void add_sums(step_list *s, const sum_set *set, uint32_t chunk_first, uin
                            whole(l->scratch[BUFFER_INSIDE]),
                            whole(pass->item),
                            whole(s->p->constants)};
-    int constants;
-    const char *name = pass_kernel(s, set, pass, constant, &constants);
-    dispatch(s, "lights", name, constants, constant,
-             (uint64_t)(s->stride / GROUP) * items * chunks * set->channels,
-             (double)l->chunk * GROUP, 11, push, pass->items ? 6 : 4, bind);
+    sum_step step = pass_step(s, set, pass);
+    step.words = 11, step.push = push, step.binds = pass->items ? 6 : 4, step.bind = bind;
+    step.groups = (uint64_t)(s->stride / GROUP) * items * chunks * set->channels;
+    step.cost = (double)l->chunk * GROUP;
+    add_step(s, &step);
   }
 }
 
 /* Adds these partial sums to the totals, which begin at element `total`. */
-static void add_reduction(step_list *s, const sum_set *set, uint64_t total, uint32_t chunks) {
-  uint32_t row = set->sums * s->stride, elements = set->channels * row, constant[] = {GROUP};
+static void add_reduction(sum_steps *s, const sum_set *set, uint64_t total, uint32_t chunks) {
+  uint32_t row = set->sums * s->stride, elements = set->channels * row;
   uint32_t push[] = {elements, row, chunks};
   uint64_t at = total * s->stride * real_size(s), bytes = elements * real_size(s);
   ylm_gpu_bind bind[] = {whole(s->l->scratch[BUFFER_PARTIAL]),
                          {s->l->scratch[BUFFER_TOTAL], at, bytes},
                          {s->l->scratch[BUFFER_LOST], at, bytes}};
-  dispatch(s, "adding", "reduce", 1, constant, elements / GROUP, chunks, 3, push, 3, bind);
+  add_step(s,
+           &(sum_step){"adding", "reduce", 1, 3, 3, {GROUP}, push, bind, elements / GROUP, chunks});
 }
 
-static void add_set(step_list *s, const sum_set *set, uint64_t total, uint32_t at_once) {
+static void add_set(sum_steps *s, const sum_set *set, uint64_t total, uint32_t at_once) {
   uint32_t all = ylm__lights_chunks(s->l);
   for (uint32_t first = 0; set->channels && first < all; first += at_once) {
     uint32_t chunks = all - first < at_once ? all - first : at_once;
@@ -187,20 +170,26 @@ typedef struct place {
 } place;
 
 /* y = A x. Results go to y's element `first` + row * to_row + point * to_point. */
-static void add_rows(step_list *s, const device_rows *A, place x, place y, uint32_t to_row,
+static void add_rows(sum_steps *s, const device_rows *A, place x, place y, uint32_t to_row,
                      uint32_t to_point) {
-  uint32_t constant[] = {GROUP},
-           push[] = {s->n, s->stride, A->n, x.first * s->stride, y.first, to_row, to_point};
+  uint32_t push[] = {s->n, s->stride, A->n, x.first * s->stride, y.first, to_row, to_point};
   if (!A->n) return;
   ylm_gpu_bind bind[] = {whole(s->l->scratch[x.buffer]), whole(s->l->scratch[y.buffer]),
                          whole(A->start), whole(A->index), whole(A->coef)};
-  dispatch(s, "coefficients", "rows", 1, constant,
-           (uint64_t)(s->stride / GROUP) * ((A->n + ROWS - 1) / ROWS),
-           (double)A->terms / A->n * ROWS * GROUP, 7, push, 5, bind);
+  add_step(s, &(sum_step){"coefficients",
+                          "rows",
+                          1,
+                          7,
+                          5,
+                          {GROUP},
+                          push,
+                          bind,
+                          (uint64_t)(s->stride / GROUP) * ((A->n + ROWS - 1) / ROWS),
+                          (double)A->terms / A->n * ROWS * GROUP});
 }
 
 /* The sums that kind `kind` of channel c of `channels` follows from, and the maps. */
-static place source(const step_list *s, int kind, int channels, uint32_t c, const device_maps **m) {
+static place source(const sum_steps *s, int kind, int channels, uint32_t c, const device_maps **m) {
   const sum_plan *p = s->p;
   uint32_t lum = p->lum.channels ? p->lum.sums : 0;
   if (channels == 3) return *m = &p->from_rgb, (place){BUFFER_TOTAL, lum + c * p->rgb.sums};
@@ -209,7 +198,7 @@ static place source(const step_list *s, int kind, int channels, uint32_t c, cons
 }
 
 /* Hessians of channel c, to y. */
-static void add_hessian(step_list *s, int channels, uint32_t c, place y, uint32_t to_row,
+static void add_hessian(sum_steps *s, int channels, uint32_t c, place y, uint32_t to_row,
                         uint32_t to_point) {
   const device_maps *m;
   place x = source(s, 4, channels, c, &m);
@@ -220,7 +209,7 @@ static void add_hessian(step_list *s, int channels, uint32_t c, place y, uint32_
   add_rows(s, &m->hessian, x, y, to_row, to_point);
 }
 
-static void add_results(step_list *s) {
+static void add_results(sum_steps *s) {
   const ylm_field_query *q = s->q;
   uint32_t count = (uint32_t)(q->lmax + 1) * (uint32_t)(q->lmax + 1), C = (uint32_t)q->channels;
   const device_maps *m;
@@ -238,10 +227,10 @@ static void add_results(step_list *s) {
   }
 }
 
-static void add_metric(step_list *s) {
+static void add_metric(sum_steps *s) {
   const ylm_field_query *q = s->q;
   uint32_t count = (uint32_t)(q->lmax + 1) * (uint32_t)(q->lmax + 1);
-  uint32_t channels = (uint32_t)q->metric_channels, constant[] = {GROUP};
+  uint32_t channels = (uint32_t)q->metric_channels;
   const device_maps *m;
   for (uint32_t c = 0; c < channels; c++) {
     place x = source(s, 1, q->metric_channels, c, &m);
@@ -253,8 +242,10 @@ static void add_metric(step_list *s) {
   ylm_gpu_bind bind[] = {whole(s->l->scratch[BUFFER_METRIC_VALUE]),
                          whole(s->l->scratch[BUFFER_METRIC_HESSIAN]),
                          whole(s->l->scratch[BUFFER_LAMBDA]), whole(s->l->scratch[BUFFER_NORM])};
-  dispatch(s, "metric", "metric", 1, constant, s->stride / GROUP, channels * count, 3, push, 4,
-           bind);
+  add_step(
+      s,
+      &(sum_step){
+          "metric", "metric", 1, 3, 4, {GROUP}, push, bind, s->stride / GROUP, channels * count});
 }
 
 /* -- memory -------------------------------------------------------------------------------- */
@@ -294,12 +285,12 @@ sum_size ylm__sum_size(const sum_plan *p, const ylm_field_query *q) {
 
 /* -- a pass ----------------------------------------------------------------------------------- */
 
-static void reserve(step_list *s, uint32_t chunks) {
+static void reserve(sum_steps *s, uint32_t chunks) {
   size_t n[BUFFERS];
   elements(s->p, s->q, n);
   n[BUFFER_PARTIAL] *= chunks;
-  for (int i = 0; i < BUFFERS && s->status == YLM_OK; i++)
-    s->status = ylm__lights_scratch(s->l, i, n[i] * s->stride * real_size(s), s->e);
+  for (int i = 0; i < BUFFERS && s->queue.status == YLM_OK; i++)
+    s->queue.status = ylm__lights_scratch(s->l, i, n[i] * s->stride * real_size(s), s->queue.e);
   clear(s, BUFFER_TOTAL, n[BUFFER_TOTAL] * s->stride * real_size(s));
   clear(s, BUFFER_LOST, n[BUFFER_LOST] * s->stride * real_size(s));
   clear(s, BUFFER_INSIDE, s->stride * 4);
@@ -307,7 +298,12 @@ static void reserve(step_list *s, uint32_t chunks) {
 
 ylm_status ylm__sum_run(ylm_gpu_lights *l, const sum_plan *p, const ylm_field_query *q, uint32_t n,
                         uint32_t at_once, const ylm_progress *progress, ylm_error *e) {
-  step_list s = {.l = l, .p = p, .q = q, .n = n, .stride = (n + GROUP - 1) / GROUP * GROUP, .e = e};
+  sum_steps s = {.queue = {.g = l->gpu, .times = &l->times, .progress = progress, .e = e},
+                 .l = l,
+                 .p = p,
+                 .q = q,
+                 .n = n,
+                 .stride = (n + GROUP - 1) / GROUP * GROUP};
   reserve(&s, at_once);
   add_set(&s, &p->lum, 0, at_once);
   add_set(&s, &p->rgb, p->lum.channels * p->lum.sums, at_once);
@@ -316,9 +312,7 @@ ylm_status ylm__sum_run(ylm_gpu_lights *l, const sum_plan *p, const ylm_field_qu
              (place){BUFFER_MIXED, 0}, s.stride, 1);
   add_results(&s);
   if (q->want & YLM_WANT_METRIC) add_metric(&s);
-  for (size_t i = 0; i < s.steps; i++) s.work[i].push = s.push[i];
-  if (s.status == YLM_OK) s.status = ylm_gpu_run(l->gpu, s.steps, s.work, &l->times, progress, e);
-  ylm_free(s.work);
-  ylm_free(s.push);
-  return s.status;
+  ylm_status status = ylm__steps_run(&s.queue);
+  ylm__steps_free(&s.queue);
+  return status;
 }
