@@ -1,30 +1,12 @@
-/* trace.c - Embree 3 (Wald et al. 2014) behind ylm_trace.h. */
-#include "ylm_trace.h"
-
-#include <embree3/rtcore.h>
+/* trace.c - Embree (Wald et al. 2014) behind ylm_trace.h: its trees, and rays through them. */
 #include <math.h>
-#include <stddef.h>
 #include <string.h>
+
+#include "trace.h"
 
 #if defined(__SSE__)
 #include <xmmintrin.h>
 #endif
-
-/* Embree sorts streams by direction; longer ones gain nothing. */
-#define STREAM 256
-
-_Static_assert(sizeof(ylm_trace_ray) == sizeof(struct RTCRay), "ylm_trace_ray is Embree's ray");
-_Static_assert(offsetof(ylm_trace_ray, dir) == offsetof(struct RTCRay, dir_x), "dir");
-_Static_assert(offsetof(ylm_trace_ray, far) == offsetof(struct RTCRay, tfar), "far");
-
-/* Two trees: occluders, and what only primary rays see (lamps, meshes that do not occlude). */
-struct ylm_trace {
-  RTCDevice device;
-  RTCScene occluders, others;
-  uint32_t meshes; /* geometry ids below are meshes; this one and the next two are lamps */
-  uint32_t spheres, triangles;
-  float lo[3], hi[3];
-};
 
 /* Denormals off; returns the mode to restore. */
 static unsigned enter_fast_mode(void) {
@@ -77,10 +59,12 @@ static void grow_bounds(ylm_trace *t, bool *any, const ylm_trace_mesh *m) {
     }
 }
 
-/* Attaches `g` under `id` and gives up this file's reference. */
-static void attach(RTCScene s, RTCGeometry g, uint32_t id) {
+/* Attaches `g` under `id` to a scene, and to `second` if that is not NULL; gives up this file's
+   reference. */
+static void attach(RTCScene s, RTCScene second, RTCGeometry g, uint32_t id) {
   rtcCommitGeometry(g);
   rtcAttachGeometryByID(s, g, id);
+  if (second) rtcAttachGeometryByID(second, g, id);
   rtcReleaseGeometry(g);
 }
 
@@ -100,7 +84,7 @@ static ylm_status add_mesh(ylm_trace *t, uint32_t id, const ylm_trace_mesh *m, y
   }
   memcpy(p, m->positions, m->vertices * 12);
   memcpy(k, m->triangles, m->count * 12);
-  attach(m->occludes ? t->occluders : t->others, g, id);
+  attach(m->occludes ? t->occluders : t->others, NULL, g, id);
   return YLM_OK;
 }
 
@@ -116,7 +100,7 @@ static bool fill(RTCGeometry g, enum RTCBufferType type, enum RTCFormat format, 
 static ylm_status finish_lamps(ylm_trace *t, RTCGeometry g, bool filled, uint32_t id,
                                ylm_error *e) {
   if (g && filled) {
-    attach(t->others, g, id);
+    attach(t->others, t->lamps, g, id);
     return YLM_OK;
   }
   if (g) rtcReleaseGeometry(g);
@@ -128,6 +112,12 @@ static ylm_status add_spheres(ylm_trace *t, const ylm_trace_lamps *l, ylm_error 
   if (!l->spheres) return YLM_OK;
   RTCGeometry g = rtcNewGeometry(t->device, RTC_GEOMETRY_TYPE_SPHERE_POINT);
   bool ok = g && fill(g, RTC_BUFFER_TYPE_VERTEX, RTC_FORMAT_FLOAT4, l->spheres, 4, l->sphere, 4);
+  if (ok) t->sphere = rtcGetGeometryBufferData(g, RTC_BUFFER_TYPE_VERTEX, 0);
+  for (size_t i = 0; i < l->spheres; i++) {
+    const double x = l->sphere[4 * i], y = l->sphere[4 * i + 1], z = l->sphere[4 * i + 2];
+    t->largest = fmax(t->largest, (double)l->sphere[4 * i + 3]);
+    t->reach = fmax(t->reach, sqrt(x * x + y * y + z * z) + (double)l->sphere[4 * i + 3]);
+  }
   return finish_lamps(t, g, ok, t->meshes, e);
 }
 
@@ -168,9 +158,9 @@ static ylm_status add_lamps(ylm_trace *t, const ylm_trace_lamps *l, ylm_error *e
   return s == YLM_OK ? add_disks(t, l, e) : s;
 }
 
-static RTCScene new_scene(RTCDevice d) {
+static RTCScene new_scene(RTCDevice d, enum RTCSceneFlags flags) {
   RTCScene s = rtcNewScene(d);
-  if (s) rtcSetSceneFlags(s, RTC_SCENE_FLAG_ROBUST);
+  if (s) rtcSetSceneFlags(s, RTC_SCENE_FLAG_ROBUST | flags);
   return s;
 }
 
@@ -181,9 +171,10 @@ static ylm_status build(ylm_trace *t, size_t mesh_count, const ylm_trace_mesh *m
   t->meshes = (uint32_t)mesh_count;
   t->device = rtcNewDevice("threads=1,set_affinity=0");
   if (!t->device) return device_status(NULL, e);
-  t->occluders = new_scene(t->device);
-  t->others = new_scene(t->device);
-  if (!t->occluders || !t->others) return device_status(t->device, e);
+  t->occluders = new_scene(t->device, RTC_SCENE_FLAG_NONE);
+  t->others = new_scene(t->device, RTC_SCENE_FLAG_NONE);
+  t->lamps = new_scene(t->device, ylm__trace_filters);
+  if (!t->occluders || !t->others || !t->lamps) return device_status(t->device, e);
   for (size_t i = 0; i < mesh_count; i++) {
     ylm_status s = check_mesh(i, &meshes[i], e);
     if (s == YLM_OK) s = add_mesh(t, (uint32_t)i, &meshes[i], e);
@@ -194,6 +185,7 @@ static ylm_status build(ylm_trace *t, size_t mesh_count, const ylm_trace_mesh *m
   if (s != YLM_OK) return s;
   rtcCommitScene(t->occluders);
   rtcCommitScene(t->others);
+  rtcCommitScene(t->lamps);
   return device_status(t->device, e);
 }
 
@@ -216,6 +208,7 @@ void ylm_trace_free(ylm_trace *t) {
   if (!t) return;
   if (t->occluders) rtcReleaseScene(t->occluders);
   if (t->others) rtcReleaseScene(t->others);
+  if (t->lamps) rtcReleaseScene(t->lamps);
   if (t->device) rtcReleaseDevice(t->device);
   ylm_free(t);
 }
@@ -231,63 +224,31 @@ float ylm_trace_offset(const ylm_trace *t) {
   return largest > 0 ? 1e-5f * largest : 1e-5f;
 }
 
-static void prepare_ray(struct RTCRay *r) {
-  r->time = 0;
-  r->mask = UINT32_MAX;
-  r->id = r->flags = 0;
-}
-
-static struct RTCIntersectContext context_for(bool coherent) {
-  struct RTCIntersectContext c;
-  rtcInitIntersectContext(&c);
-  c.flags = coherent ? RTC_INTERSECT_CONTEXT_FLAG_COHERENT : RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
-  return c;
-}
-
-static void read_hit(const ylm_trace *t, const struct RTCRayHit *r, ylm_trace_hit *h) {
-  uint32_t kind = r->hit.geomID - t->meshes; /* 0 sphere, 1 triangle, 2 disk */
-  bool lamp = r->hit.geomID != RTC_INVALID_GEOMETRY_ID && r->hit.geomID >= t->meshes;
-  h->mesh = r->hit.geomID == RTC_INVALID_GEOMETRY_ID ? YLM_TRACE_NOTHING
-            : lamp                                   ? YLM_TRACE_LAMP
-                                                     : (int32_t)r->hit.geomID;
-  h->element = r->hit.primID + (!lamp || kind == 0 ? 0
-                                : kind == 1        ? t->spheres
-                                                   : t->spheres + t->triangles);
-  h->t = r->ray.tfar;
-  h->u = r->hit.u;
-  h->v = r->hit.v;
-  h->normal[0] = r->hit.Ng_x;
-  h->normal[1] = r->hit.Ng_y;
-  h->normal[2] = r->hit.Ng_z;
-}
-
 void ylm_trace_intersect(const ylm_trace *t, size_t n, const ylm_trace_ray *rays, bool coherent,
                          ylm_trace_hit *hits) {
-  struct RTCRayHit r[STREAM];
+  const RTCScene all[2] = {t->occluders, t->others};
   unsigned mode = enter_fast_mode();
-  for (size_t first = 0; first < n; first += STREAM) {
-    unsigned count = n - first < STREAM ? (unsigned)(n - first) : STREAM;
-    for (unsigned i = 0; i < count; i++) {
-      memcpy(&r[i].ray, &rays[first + i], sizeof r[i].ray);
-      prepare_ray(&r[i].ray);
-      r[i].hit.geomID = r[i].hit.primID = r[i].hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
-    }
-    struct RTCIntersectContext c = context_for(coherent);
-    rtcIntersect1M(t->occluders, &c, r, count, sizeof r[0]);
-    rtcIntersect1M(t->others, &c, r, count, sizeof r[0]);
-    for (unsigned i = 0; i < count; i++) read_hit(t, &r[i], &hits[first + i]);
-  }
+  ylm__trace_first(t, 2, all, n, rays, coherent, hits);
+  leave_fast_mode(mode);
+}
+
+void ylm_trace_nearest(const ylm_trace *t, size_t n, const ylm_trace_ray *rays, bool coherent,
+                       ylm_trace_hit *hits) {
+  unsigned mode = enter_fast_mode();
+  ylm__trace_first(t, 1, &t->occluders, n, rays, coherent, hits);
   leave_fast_mode(mode);
 }
 
 void ylm_trace_occluded(const ylm_trace *t, size_t n, ylm_trace_ray *rays) {
   unsigned mode = enter_fast_mode();
-  for (size_t first = 0; first < n; first += STREAM) {
-    unsigned count = n - first < STREAM ? (unsigned)(n - first) : STREAM;
-    struct RTCRay *r = (struct RTCRay *)&rays[first];
-    for (unsigned i = 0; i < count; i++) prepare_ray(&r[i]);
-    struct RTCIntersectContext c = context_for(false);
-    rtcOccluded1M(t->occluders, &c, r, count, sizeof r[0]);
-  }
+  ylm__trace_any(t->occluders, n, rays);
   leave_fast_mode(mode);
+}
+
+size_t ylm_trace_next_lamps(const ylm_trace *t, const ylm_trace_ray *ray,
+                            const ylm_trace_meeting *after, size_t n, ylm_trace_meeting *met) {
+  unsigned mode = enter_fast_mode();
+  size_t count = ylm__trace_gather(t, ray, after, n, met);
+  leave_fast_mode(mode);
+  return count;
 }

@@ -81,6 +81,37 @@ YLM_API float ylm_trace_offset(const ylm_trace *t);
 YLM_API void ylm_trace_intersect(const ylm_trace *t, size_t n, const ylm_trace_ray *rays,
                                  bool coherent, ylm_trace_hit *hits);
 
+/* The first hit of each of n rays among meshes that occlude: lamps, and meshes that do not occlude,
+   are not there. Where nothing is hit t is the ray's far. */
+YLM_API void ylm_trace_nearest(const ylm_trace *t, size_t n, const ylm_trace_ray *rays,
+                               bool coherent, ylm_trace_hit *hits);
+
+/* A lamp that a ray meets, and where: in lengths of dir. */
+typedef struct ylm_trace_meeting {
+  float distance;
+  uint32_t lamp; /* counted as hits count lamps */
+} ylm_trace_meeting;
+
+/*
+** ylm_trace_next_lamps - the next lamps that a ray meets: no lamp hides another.
+**
+** A ray meets a lamp at most once: a sphere where it enters it, or where it leaves it if it starts
+** inside or on it; a triangle or a disk where it crosses it, from either side. Lamps count whose
+** distance is from `near` to `far`. They come in the order of their distances, at equal ones in the
+** order of their numbers; a lamp that is given twice is met twice, under two numbers.
+**
+**   ray    in   one ray; not changed
+**   after  in   the last meeting of the call before; NULL: from the ray's start
+**   n      in   how many are wanted, 16 at best: that is fast along rays that meet hundreds
+**   met    out  [n]  those after `after`; may hold `after`
+**
+** Returns  how many there are; fewer than n: no more are left
+** Cost     a walk through the tree of lamps a call; no allocation
+*/
+YLM_API size_t ylm_trace_next_lamps(const ylm_trace *t, const ylm_trace_ray *ray,
+                                    const ylm_trace_meeting *after, size_t n,
+                                    ylm_trace_meeting *met);
+
 /* Sets far < 0 in each of n rays that meets an occluding mesh; lamps never do. */
 YLM_API void ylm_trace_occluded(const ylm_trace *t, size_t n, ylm_trace_ray *rays);
 

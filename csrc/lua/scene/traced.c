@@ -126,50 +126,98 @@ static int scene_vertices(lua_State *L) {
   return 1;
 }
 
-/*
-** scene_trace(scene, rays [n][8]: origin, direction, near, far; float, occlusion) ->
-**   occlusion: blocked [n], 1 or 0
-**   else:      hits [n][8]: mesh (from 1; 0 nothing, -1 a lamp), element from 1, t, u, v, normal
-*/
-static int scene_trace(lua_State *L) {
-  const ylm_trace *t = ylm_scene_trace(ylmL_scene(L, 1));
+/* Rays [n][8] at 2: origin, direction, near, far; NULL and a result pushed if they are not. */
+static const float *check_rays(lua_State *L, size_t *n) {
   ylmL_array *in = ylmL_array_check(L, 2);
-  bool occlusion = lua_toboolean(L, 3);
-  size_t n = in->count / 8, shape[2] = {n, 8};
-  if (in->dtype != YLM_FLOAT || in->count % 8) return ylmL_result(L, 0, YLM_ESHAPE, NULL);
-  ylmL_array *out = ylmL_array_new(L, YLM_FLOAT, occlusion ? 1 : 2, shape);
-  if (!out) return ylmL_result(L, 0, YLM_ENOMEM, NULL);
-  float *x = out->data;
-  const float *f = in->data;
-  for (size_t i = 0; i < n; i++, f += 8) {
-    ylm_trace_ray r = {{f[0], f[1], f[2]}, f[6], {f[3], f[4], f[5]}, 0, f[7], {0}};
-    ylm_trace_hit h;
-    if (occlusion) {
-      ylm_trace_occluded(t, 1, &r);
-      x[i] = r.far < 0;
-      continue;
-    }
-    ylm_trace_intersect(t, 1, &r, false, &h);
-    bool none = h.mesh == YLM_TRACE_NOTHING;
-    float hit[8] = {none                       ? 0
-                    : h.mesh == YLM_TRACE_LAMP ? -1
-                                               : (float)h.mesh + 1,
-                    none ? 0 : (float)h.element + 1,
-                    h.t,
-                    h.u,
-                    h.v,
-                    h.normal[0],
-                    h.normal[1],
-                    h.normal[2]};
-    memcpy(x + 8 * i, hit, sizeof hit);
-  }
-  return 1;
+  *n = in->count / 8;
+  return in->dtype == YLM_FLOAT && in->count % 8 == 0 ? in->data : NULL;
 }
 
-static const luaL_Reg functions[] = {
-    {"scene_create", scene_create},     {"scene_bounds", scene_bounds},
-    {"scene_vertices", scene_vertices}, {"scene_trace", scene_trace},
-    {"scene_close", scene_close},       {NULL, NULL}};
+static ylm_trace_ray read_ray(const float *f) {
+  return (ylm_trace_ray){{f[0], f[1], f[2]}, f[6], {f[3], f[4], f[5]}, 0, f[7], {0}};
+}
+
+static void write_hit(const ylm_trace_hit *h, float x[8]) {
+  bool none = h->mesh == YLM_TRACE_NOTHING, lamp = h->mesh == YLM_TRACE_LAMP;
+  x[0] = none ? 0 : lamp ? -1 : (float)h->mesh + 1;
+  x[1] = none ? 0 : (float)h->element + 1;
+  x[2] = h->t;
+  x[3] = h->u;
+  x[4] = h->v;
+  memcpy(x + 5, h->normal, sizeof h->normal);
+}
+
+enum { FIRST, OCCLUSION, NEAREST };
+
+/*
+** scene_trace(scene, rays [n][8]: origin, direction, near, far; float, kind) ->
+**   "occlusion": blocked [n], 1 or 0
+**   else:        hits [n][8]: mesh (from 1; 0 nothing, -1 a lamp), element from 1, t, u, v, normal;
+**                "first": of meshes and lamps, "nearest": of meshes that occlude
+*/
+static int scene_trace(lua_State *L) {
+  static const char *const kinds[] = {"first", "occlusion", "nearest", NULL};
+  const ylm_trace *t = ylm_scene_trace(ylmL_scene(L, 1));
+  int kind = luaL_checkoption(L, 3, "first", kinds);
+  size_t n, width = kind == OCCLUSION ? 1 : 8;
+  const float *f = check_rays(L, &n);
+  if (!f) return ylmL_result(L, 0, YLM_ESHAPE, NULL);
+  ylmL_array *out = ylmL_array_new(L, YLM_FLOAT, kind == OCCLUSION ? 1 : 2, (size_t[]){n, 8});
+  ylm_trace_ray *rays = ylm_alloc(n, sizeof *rays);
+  ylm_trace_hit *hits = kind == OCCLUSION ? NULL : ylm_alloc(n, sizeof *hits);
+  bool room = out && rays && (hits || kind == OCCLUSION);
+  for (size_t i = 0; room && i < n; i++) rays[i] = read_ray(f + 8 * i);
+  if (room && kind == OCCLUSION) ylm_trace_occluded(t, n, rays);
+  if (room && kind == FIRST) ylm_trace_intersect(t, n, rays, false, hits);
+  if (room && kind == NEAREST) ylm_trace_nearest(t, n, rays, false, hits);
+  for (size_t i = 0; room && i < n; i++) {
+    float *x = (float *)out->data + width * i;
+    if (kind == OCCLUSION)
+      x[0] = rays[i].far < 0;
+    else
+      write_hit(&hits[i], x);
+  }
+  ylm_free(rays);
+  ylm_free(hits);
+  return room ? 1 : ylmL_result(L, 0, YLM_ENOMEM, NULL);
+}
+
+/* scene_lamps(scene, rays [1][8], n, last distance, last lamp; both nil: from the start) ->
+   distances, lamps from 1: of the next n that the first ray meets */
+static int scene_lamps(lua_State *L) {
+  const ylm_trace *t = ylm_scene_trace(ylmL_scene(L, 1));
+  lua_Integer n = luaL_checkinteger(L, 3);
+  ylm_trace_meeting after = {0}, *met;
+  size_t rays, count;
+  const float *f = check_rays(L, &rays);
+  if (!f || rays < 1) return ylmL_result(L, 0, YLM_ESHAPE, NULL);
+  luaL_argcheck(L, n >= 0 && n <= 1 << 20, 3, "0 .. 2^20");
+  bool from_start = lua_isnoneornil(L, 4);
+  if (!from_start) {
+    after.distance = (float)luaL_checknumber(L, 4);
+    after.lamp = (uint32_t)(luaL_checkinteger(L, 5) - 1);
+  }
+  met = lua_newuserdata(L, (size_t)(n + 1) * sizeof *met);
+  ylm_trace_ray ray = read_ray(f);
+  count = ylm_trace_next_lamps(t, &ray, from_start ? NULL : &after, (size_t)n, met);
+  lua_createtable(L, (int)count, 0);
+  lua_createtable(L, (int)count, 0);
+  for (size_t i = 0; i < count; i++) {
+    lua_pushnumber(L, (lua_Number)met[i].distance);
+    lua_rawseti(L, -3, (int)i + 1);
+    lua_pushinteger(L, (lua_Integer)met[i].lamp + 1);
+    lua_rawseti(L, -2, (int)i + 1);
+  }
+  return 2;
+}
+
+static const luaL_Reg functions[] = {{"scene_create", scene_create},
+                                     {"scene_bounds", scene_bounds},
+                                     {"scene_vertices", scene_vertices},
+                                     {"scene_trace", scene_trace},
+                                     {"scene_lamps", scene_lamps},
+                                     {"scene_close", scene_close},
+                                     {NULL, NULL}};
 
 void ylmL_open_traced(lua_State *L) {
   ylmL_type(L, SCENE, methods);

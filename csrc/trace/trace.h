@@ -1,0 +1,57 @@
+/* trace.h - what the files of csrc/trace share. Private. */
+#ifndef YLM_TRACE_PRIVATE_H
+#define YLM_TRACE_PRIVATE_H
+
+#include <embree3/rtcore.h>
+
+#include "ylm_trace.h"
+
+/* Trees: occluders; what only primary rays see (lamps, meshes that do not occlude); lamps alone. */
+struct ylm_trace {
+  RTCDevice device;
+  RTCScene occluders, others, lamps;
+  uint32_t meshes; /* geometry ids below are meshes; this one and the next two are lamps */
+  uint32_t spheres, triangles;
+  float lo[3], hi[3];
+  const float *sphere;   /* [spheres][4], in Embree's memory */
+  double reach, largest; /* of spheres: the farthest point from 0, the largest radius */
+};
+
+/* The lamp that primitive `primitive` of geometry `geometry` is. */
+static inline uint32_t ylm__trace_lamp(const ylm_trace *t, uint32_t geometry, uint32_t primitive) {
+  uint32_t kind = geometry - t->meshes; /* 0 sphere, 1 triangle, 2 disk */
+  return primitive + (kind == 0 ? 0 : kind == 1 ? t->spheres : t->spheres + t->triangles);
+}
+
+/* Says in `h` which mesh or lamp was hit. */
+static inline void ylm__trace_name(const ylm_trace *t, uint32_t geometry, uint32_t primitive,
+                                   ylm_trace_hit *h) {
+  bool nothing = geometry == RTC_INVALID_GEOMETRY_ID, lamp = !nothing && geometry >= t->meshes;
+  h->mesh = nothing ? YLM_TRACE_NOTHING : lamp ? YLM_TRACE_LAMP : (int32_t)geometry;
+  h->element = lamp ? ylm__trace_lamp(t, geometry, primitive) : primitive;
+}
+
+/* As ylm_trace_next_lamps. lamps.c */
+size_t ylm__trace_gather(const ylm_trace *t, const ylm_trace_ray *ray,
+                         const ylm_trace_meeting *after, size_t n, ylm_trace_meeting *met);
+
+/* -- what differs between Embree 3 and 4: embree3.c, embree4.c --------------------- */
+
+/* A flag of scenes whose rays may be filtered (ylm__trace_filtered). */
+extern const enum RTCSceneFlags ylm__trace_filters;
+
+/* First hits among `count` scenes. */
+void ylm__trace_first(const ylm_trace *t, size_t count, const RTCScene *scene, size_t n,
+                      const ylm_trace_ray *rays, bool coherent, ylm_trace_hit *hits);
+
+/* Sets far < 0 in rays that meet a primitive of the scene. */
+void ylm__trace_any(RTCScene scene, size_t n, ylm_trace_ray *rays);
+
+/* A candidate: a primitive that the ray meets at ray->tfar, for `state`. False: the ray goes on as
+   if it were not there; true: the ray goes on to the tfar that was set, no more than before. */
+typedef bool ylm_trace_filter(void *state, struct RTCRay *ray, const struct RTCHit *hit);
+
+/* Shows `filter` the primitives of the scene that one ray meets, some of them more than once. */
+void ylm__trace_filtered(RTCScene scene, struct RTCRay ray, ylm_trace_filter *filter, void *state);
+
+#endif
