@@ -46,7 +46,8 @@ LDFLAGS := -shared -fopenmp $(SANITIZE) -Wl,-z,now -Wl,-z,nodelete $(if $(SANITI
 pkg      = $(shell pkg-config $(1) $(2) 2>/dev/null)
 CFLAGS_codec = $(call pkg,--cflags,OpenEXR libpng)
 LIBS_codec   = -lOpenEXRCore-3_1 $(call pkg,--libs,libpng)
-LIBS_scene   = -lembree3
+LIBS_scene   = $(EMBREE_DIR:%=-L%/lib -Wl,-rpath,%/lib) -lembree$(EMBREE)
+CFLAGS_scene = -DYLM_EMBREE=$(EMBREE) $(EMBREE_DIR:%=-isystem %/include)
 
 # -- objects: *.c of a folder and its rooms once, *.isa.c once per instruction set ----------
 
@@ -55,13 +56,17 @@ kernels = $(wildcard csrc/$(1)/*.isa.c csrc/$(1)/*/*.isa.c csrc/$(1)/*/gen/*.isa
 objects = $(patsubst csrc/%.c,$(BUILD)/obj/%.o,$(call sources,$(1))) \
           $(foreach i,$(ISAS),$(patsubst csrc/%.isa.c,$(BUILD)/obj/%.$(i).o,$(call kernels,$(1))))
 
-# Built where OpenEXR and libpng are, and where Embree 3 is; spherical harmonics alone need none of them.
+# Embree 3 or 4, whichever is there, the former if both are; EMBREE=4 wants the other, EMBREE_DIR=prefix one elsewhere.
+EMBREE_DIR ?=
+EMBREE     ?= $(firstword $(foreach v,3 4,$(if $(wildcard $(addsuffix /include/embree$(v)/rtcore.h,$(EMBREE_DIR) /usr /usr/local)),$(v))))
+
+# Built where OpenEXR and libpng are, and where Embree is; spherical harmonics alone need none of them.
 WITH_CODEC ?= $(shell pkg-config --exists OpenEXR libpng 2>/dev/null && echo y)
-WITH_SCENE ?= $(wildcard /usr/include/embree3/rtcore.h /usr/local/include/embree3/rtcore.h)
+WITH_SCENE ?= $(EMBREE)
 
 OBJ_core  := $(foreach d,$(CORE),$(call objects,$(d)))
 OBJ_codec := $(foreach d,$(CODEC),$(call objects,$(d)))
-OBJ_scene := $(foreach d,$(SCENE),$(call objects,$(d)))
+OBJ_scene := $(filter-out $(patsubst %,$(BUILD)/obj/trace/embree%.o,$(filter-out $(EMBREE),3 4)),$(foreach d,$(SCENE),$(call objects,$(d))))
 
 PARTS := $(if $(WITH_CODEC),codec) $(if $(WITH_SCENE),scene)
 LIBS := $(BUILD)/lib/libylm.so $(foreach p,$(PARTS),$(BUILD)/lib/libylm_$(p).so)
@@ -88,6 +93,16 @@ $(BUILD)/obj/codec/%.o: csrc/codec/%.c
 	@mkdir -p $(@D)
 	$(call say,CC,$@)
 	$(Q)$(CC) $(CFLAGS) $(CFLAGS_codec) -c $< -o $@
+
+# Says for which Embree objects were made; made anew where it is for the other.
+EMBREE_IS := $(BUILD)/obj/trace/embree
+$(if $(WITH_SCENE),$(if $(filter $(EMBREE)$(EMBREE_DIR),$(shell cat $(EMBREE_IS) 2>/dev/null)),,$(eval .PHONY: $(EMBREE_IS))))
+$(EMBREE_IS):
+	@mkdir -p $(@D) && echo $(EMBREE)$(EMBREE_DIR) > $@
+$(BUILD)/obj/trace/%.o: csrc/trace/%.c $(EMBREE_IS)
+	@mkdir -p $(@D)
+	$(call say,CC,$@)
+	$(Q)$(CC) $(CFLAGS) $(CFLAGS_scene) -c $< -o $@
 
 $(BUILD)/obj/%.o: csrc/%.c
 	@mkdir -p $(@D)

@@ -1,5 +1,4 @@
 /* embree3.c - rays through Embree 3 (Wald et al. 2014): streams. */
-#include <stddef.h>
 #include <string.h>
 
 #include "trace.h"
@@ -7,17 +6,7 @@
 /* Embree sorts streams by direction; longer ones gain nothing. */
 #define STREAM 256
 
-_Static_assert(sizeof(ylm_trace_ray) == sizeof(struct RTCRay), "ylm_trace_ray is Embree's ray");
-_Static_assert(offsetof(ylm_trace_ray, dir) == offsetof(struct RTCRay, dir_x), "dir");
-_Static_assert(offsetof(ylm_trace_ray, far) == offsetof(struct RTCRay, tfar), "far");
-
 const enum RTCSceneFlags ylm__trace_filters = RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION;
-
-static void prepare_ray(struct RTCRay *r) {
-  r->time = 0;
-  r->mask = UINT32_MAX;
-  r->id = r->flags = 0;
-}
 
 static void prepare_hit(struct RTCHit *h) {
   h->geomID = h->primID = h->instID[0] = RTC_INVALID_GEOMETRY_ID;
@@ -47,7 +36,7 @@ void ylm__trace_first(const ylm_trace *t, size_t scenes, const RTCScene *scene, 
     unsigned count = n - first < STREAM ? (unsigned)(n - first) : STREAM;
     for (unsigned i = 0; i < count; i++) {
       memcpy(&r[i].ray, &rays[first + i], sizeof r[i].ray);
-      prepare_ray(&r[i].ray);
+      ylm__trace_prepare(&r[i].ray);
       prepare_hit(&r[i].hit);
     }
     struct RTCIntersectContext c = context_for(coherent);
@@ -56,11 +45,12 @@ void ylm__trace_first(const ylm_trace *t, size_t scenes, const RTCScene *scene, 
   }
 }
 
-void ylm__trace_any(RTCScene scene, size_t n, ylm_trace_ray *rays) {
+void ylm__trace_any(const ylm_trace *t, RTCScene scene, size_t n, ylm_trace_ray *rays) {
+  (void)t;
   for (size_t first = 0; first < n; first += STREAM) {
     unsigned count = n - first < STREAM ? (unsigned)(n - first) : STREAM;
     struct RTCRay *r = (struct RTCRay *)&rays[first];
-    for (unsigned i = 0; i < count; i++) prepare_ray(&r[i]);
+    for (unsigned i = 0; i < count; i++) ylm__trace_prepare(&r[i]);
     struct RTCIntersectContext c = context_for(false);
     rtcOccluded1M(scene, &c, r, count, sizeof r[0]);
   }
@@ -83,7 +73,6 @@ void ylm__trace_filtered(RTCScene scene, struct RTCRay ray, ylm_trace_filter *fi
   struct RTCRayHit r = {.ray = ray};
   filtered f = {context_for(false), filter, state};
   f.context.filter = call_filter;
-  prepare_ray(&r.ray);
   prepare_hit(&r.hit);
   rtcIntersect1(scene, &f.context, &r);
 }

@@ -76,6 +76,7 @@ size_t ylm__trace_gather(const ylm_trace *t, const ylm_trace_ray *ray,
   g.limit = (float)((double)ray->far + g.margin);
   struct RTCRay r;
   memcpy(&r, ray, sizeof r);
+  ylm__trace_prepare(&r);
   r.tnear = fmaxf(ray->near, (float)((double)g.after.distance - g.margin));
   r.tfar = g.limit;
   if (n > 0) ylm__trace_filtered(t->lamps, r, gather, &g);

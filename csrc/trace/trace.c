@@ -241,7 +241,7 @@ void ylm_trace_nearest(const ylm_trace *t, size_t n, const ylm_trace_ray *rays, 
 
 void ylm_trace_occluded(const ylm_trace *t, size_t n, ylm_trace_ray *rays) {
   unsigned mode = enter_fast_mode();
-  ylm__trace_any(t->occluders, n, rays);
+  ylm__trace_any(t, t->occluders, n, rays);
   leave_fast_mode(mode);
 }
 

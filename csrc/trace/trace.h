@@ -2,9 +2,19 @@
 #ifndef YLM_TRACE_PRIVATE_H
 #define YLM_TRACE_PRIVATE_H
 
+#include <stddef.h>
+
+#if YLM_EMBREE == 4
+#include <embree4/rtcore.h>
+#else
 #include <embree3/rtcore.h>
+#endif
 
 #include "ylm_trace.h"
+
+_Static_assert(sizeof(ylm_trace_ray) == sizeof(struct RTCRay), "ylm_trace_ray is Embree's ray");
+_Static_assert(offsetof(ylm_trace_ray, dir) == offsetof(struct RTCRay, dir_x), "dir");
+_Static_assert(offsetof(ylm_trace_ray, far) == offsetof(struct RTCRay, tfar), "far");
 
 /* Trees: occluders; what only primary rays see (lamps, meshes that do not occlude); lamps alone. */
 struct ylm_trace {
@@ -16,6 +26,13 @@ struct ylm_trace {
   const float *sphere;   /* [spheres][4], in Embree's memory */
   double reach, largest; /* of spheres: the farthest point from 0, the largest radius */
 };
+
+/* Sets what Embree wants of a ray beyond ylm_trace_ray. */
+static inline void ylm__trace_prepare(struct RTCRay *r) {
+  r->time = 0;
+  r->mask = UINT32_MAX;
+  r->id = r->flags = 0;
+}
 
 /* The lamp that primitive `primitive` of geometry `geometry` is. */
 static inline uint32_t ylm__trace_lamp(const ylm_trace *t, uint32_t geometry, uint32_t primitive) {
@@ -45,7 +62,7 @@ void ylm__trace_first(const ylm_trace *t, size_t count, const RTCScene *scene, s
                       const ylm_trace_ray *rays, bool coherent, ylm_trace_hit *hits);
 
 /* Sets far < 0 in rays that meet a primitive of the scene. */
-void ylm__trace_any(RTCScene scene, size_t n, ylm_trace_ray *rays);
+void ylm__trace_any(const ylm_trace *t, RTCScene scene, size_t n, ylm_trace_ray *rays);
 
 /* A candidate: a primitive that the ray meets at ray->tfar, for `state`. False: the ray goes on as
    if it were not there; true: the ray goes on to the tfar that was set, no more than before. */

@@ -6,13 +6,14 @@ PEER    ?=
 BENCH   ?=
 # BENCH=quick: all, briefly; BENCH="light sh": these. many_lights and accuracy take minutes and are run by name.
 benches := $(filter-out quick,$(BENCH))
-BENCH_LIBS_transfer := -lylm_scene -lembree3
+BENCH_LIBS_transfer := -lylm_scene $(LIBS_scene)
+BENCH_CFLAGS_transfer := $(CFLAGS_scene)
 BENCH_LIBS_products := -lylm_rival
 
 $(BUILD)/bench/%: spec/bench/%.c $(wildcard spec/bench/*.h) $(LIBS)
 	@mkdir -p $(@D)
 	$(call say,CC,$@)
-	$(Q)$(CC) $(CFLAGS) $< -L$(BUILD)/lib $(BENCH_LIBS_$*) -lylm -lm \
+	$(Q)$(CC) $(CFLAGS) $(BENCH_CFLAGS_$*) $< -L$(BUILD)/lib $(BENCH_LIBS_$*) -lylm -lm \
 	  -Wl,-rpath,'$$ORIGIN/../lib' -o $@
 
 # `make all` leaves benches alone: `make check` compiles them, optimised, since some warnings need that.
@@ -20,6 +21,7 @@ $(BUILD)/check/%.o: %.c
 	@mkdir -p $(@D)
 	$(call say,CC,$@)
 	$(Q)$(CC) $(CFLAGS) $(CFLAGS_check) -Werror -c $< -o $@
+$(BUILD)/check/spec/bench/transfer.o: CFLAGS_check = $(CFLAGS_scene)
 $(BUILD)/check/spec/fuzz/%.o: CFLAGS_check = -Ispec/fuzz/support $(call pkg,--cflags,lua5.4)
 bench-check: $(patsubst $(BUILD)/bench/%,$(BUILD)/check/spec/bench/%.o,$(BENCHES))
 .PHONY: bench-check

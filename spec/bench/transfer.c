@@ -2,7 +2,11 @@
 ** transfer.c - transfer vectors: rays and vectors a second beside what Embree alone does with rays
 ** of the same kind in the same scene, and the bytes of a shading point.
 */
+#if YLM_EMBREE == 4
+#include <embree4/rtcore.h>
+#else
 #include <embree3/rtcore.h>
+#endif
 #include <math.h>
 
 #include "bench.h"
@@ -23,13 +27,17 @@ typedef struct job {
 static void raw_rays(void *context) {
   job *j = context;
   for (size_t i = 0; i < RAYS; i++) {
-    struct RTCIntersectContext c;
     struct RTCRay r = {0};
-    rtcInitIntersectContext(&c);
     r.org_x = j->ray[i].org[0], r.org_y = j->ray[i].org[1], r.org_z = j->ray[i].org[2];
     r.dir_x = j->ray[i].dir[0], r.dir_y = j->ray[i].dir[1], r.dir_z = j->ray[i].dir[2];
     r.tnear = j->ray[i].near, r.tfar = j->ray[i].far, r.mask = ~0u;
+#if YLM_EMBREE == 4
+    rtcOccluded1(j->raw, &r, NULL);
+#else
+    struct RTCIntersectContext c;
+    rtcInitIntersectContext(&c);
     rtcOccluded1(j->raw, &c, &r);
+#endif
   }
 }
 
