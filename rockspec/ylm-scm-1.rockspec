@@ -9,7 +9,7 @@ description = {
   detailed = [[
 Evaluates spherical harmonics with first and second derivatives, projects sphere lights analytically,
 bakes grids of probes that refine themselves by the Hessian of the light field, renders with them.
-Needs a C compiler; OpenEXR and libpng for image files, Embree 3 for scenes, VTK 9 for pictures of the
+Needs a C compiler; OpenEXR and libpng for image files, Embree 3 or 4 for scenes, VTK 9 for pictures of the
 mathematics: without them the parts that need them are left out.]],
   license = "MIT",
 }

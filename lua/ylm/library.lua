@@ -11,7 +11,7 @@ local exhausted = { "not enough memory", "[Cc]annot allocate memory", "failed to
 --- Why a module did not load, in a line: "libembree3.so.3: cannot open shared object file: ...".
 local function reason(raised)
   local text = memory.message(raised) or tostring(raised)
-  return text:match "^error loading module[^\n]*\n%s*([^\n]*)" or text:match "^[^\n]*"
+  return text:match "^error loading module[^\n]*\n%s*([^\n]*)" or text:match "^([^\n]-):?\n" or text
 end
 
 --- The binding ylm.c.NAME; or nil, message, "ENOMEM" | "EMISSING". `advice` has a %s for the reason.

@@ -3,6 +3,7 @@
 --     local ylm = tool.runner(folder)
 --     local out, status, err = ylm "info --json"
 
+local lacking = require "spec.support.run.lacking"
 local scratch = require "spec.support.scratch"
 
 local tool = {}
@@ -19,7 +20,9 @@ function tool.runner(folder, environment)
   return function(words, to)
     local out, status = scratch.capture(("%s %s%s %s 2>%s"):format(environment or "", tool.command, words, to and ">" .. to or "",
       scratch.quote(folder.path .. "/stderr")))
-    return out, status, folder:read "stderr"
+    local err = folder:read "stderr"
+    lacking.read(out .. err)
+    return out, status, err
   end
 end
 

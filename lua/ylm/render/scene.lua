@@ -9,9 +9,11 @@ local material = require "ylm.material"
 
 local tracing = {}
 
+local MISSING = "rendering needs libylm_scene with Embree 3 or 4 (Debian 12 and 13: apt install libembree-dev, then make): %s"
+
 --- The library that traces rays, or nil, message, "EMISSING" | "ENOMEM".
 function tracing.library()
-  return library.open("scene", "rendering needs libylm_scene with Embree 3 (Debian: libembree-dev, then make): %s")
+  return library.open("scene", MISSING)
 end
 
 function tracing.check_scene(name, s)

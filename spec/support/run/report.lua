@@ -1,9 +1,11 @@
 --- busted's output handler for spec/run: what failed, in words on stdout; each `it` as a line of the file YLM_SPEC_REPORT.
 --
 -- A line is "passed", "failed" or "skipped", seconds of processor time (children included) and the name, between tabs.
+-- A failure is "skipped" after the file has asked for a part of ylm that is not built; "lacking" names that.
 -- The line "done" ends the report of a run that came to its end: a crash, a signal or os.exit leaves it out.
 
 local busted = require "busted"
+local lacking = require "spec.support.run.lacking"
 local path = os.getenv "YLM_SPEC_REPORT" or "/dev/null"
 local ticks = 100 -- per second, in /proc/*/stat
 
@@ -22,6 +24,7 @@ local function clock()
 end
 
 return function()
+  lacking.watch()
   local names = require "busted.outputHandlers.base"()
   local report = assert(io.open(path, "a"))
   local begun, failures = 0, {}
@@ -49,6 +52,7 @@ return function()
     elseif status == "pending" then
       note("skipped", name)
       if not failures[element] then say("skipped:", name, element.message or "pending") end
+    elseif lacking.part then note("skipped", name)
     else note("failed", name) end
     return nil, true
   end
@@ -61,6 +65,12 @@ return function()
 
   local function failed(element, _, message, trace)
     local name = names.getFullName(element)
+    if lacking.part then
+      note("lacking", "libylm_" .. lacking.part)
+      say("skipped:", name, ("libylm_%s is not built"):format(lacking.part))
+      if element.descriptor ~= "it" then note("skipped", name) end
+      return nil, true
+    end
     say("FAILED:", name, message, trace)
     if element.descriptor ~= "it" then note("failed", name) end -- of a file, describe, setup ..: no `it` is counted for it
     return nil, true
