@@ -2,23 +2,51 @@
 #ifndef YLM_MATERIAL_KIND_H
 #define YLM_MATERIAL_KIND_H
 
+#include <stdatomic.h>
+
 #include "ylm_material.h"
+
+struct ylm_material {
+  atomic_size_t holders;
+  int kind;
+  float x[YLM_MATERIAL_NUMBERS];
+  float albedo[3]; /* of light from everywhere alike                                         */
+  void *table;     /* what the kind makes of the numbers, or keeps of a file; NULL: nothing  */
+  size_t bytes;    /* its size, of which Lua's collector is told                             */
+};
 
 /* A kind's functions, which ylm_material.h describes; x: the numbers of a material. */
 typedef struct material_kind {
   const char *name;
   size_t numbers; /* at most YLM_MATERIAL_NUMBERS */
   ylm_status (*check)(const float *x, ylm_error *e);
+
+  /* Functions that make a table, once, of a material whose numbers are there; where one
+     fails, `free` gets the table as it is left. `prepare`: of the numbers, NULL: nothing is made.
+     `load`: of a file's bytes, which it does not keep; `name` stands in messages; NULL: the kind is
+     of no file. `free` gives back a table, never NULL; NULL: ylm_free. */
+  ylm_status (*prepare)(ylm_material *m, ylm_error *e);
+  ylm_status (*load)(ylm_material *m, const unsigned char *bytes, size_t size, const char *name,
+                     ylm_error *e);
+  void (*free)(void *table);
+  /* Of light from everywhere alike, the mean; NULL: by quadrature of `sample`. */
+  void (*mean)(const ylm_material *m, float albedo[3]);
+  /* The reflectance towards n directions; NULL: by quadrature of `sample`. */
+  void (*reflectance)(const ylm_material *m, size_t n, const float (*wo)[3], float (*albedo)[3]);
+
+  /* Of transfer vectors. All NULL: as a matte surface of the mean albedo, which shaders refuse. */
   ylm_status (*transfer)(int lmax, double *a);
-  void (*albedo)(const float *x, float albedo[3]);
   void (*radiance)(const float *x, size_t n, float *light);
   void (*reflect)(const float *x, const double irradiance[3], float radiance[3]);
-  void (*row)(const float *x, float *row); /* NULL: shaders do not have the kind */
-  bool (*isotropic)(const float *x);
-  void (*eval)(const float *x, size_t n, const float (*wi)[3], const float (*wo)[3], float (*f)[3]);
-  void (*sample)(const float *x, size_t n, const float (*wo)[3], const float (*u)[3],
+  void (*row)(const float *x, float *row);
+
+  bool (*isotropic)(const ylm_material *m);
+  void (*eval)(const ylm_material *m, size_t n, const float (*wi)[3], const float (*wo)[3],
+               float (*f)[3]);
+  void (*sample)(const ylm_material *m, size_t n, const float (*wo)[3], const float (*u)[3],
                  float (*wi)[3], float (*weight)[3], float *pdf);
-  void (*pdf)(const float *x, size_t n, const float (*wi)[3], const float (*wo)[3], float *pdf);
+  void (*pdf)(const ylm_material *m, size_t n, const float (*wi)[3], const float (*wo)[3],
+              float *pdf);
 } material_kind;
 
 /* Each X(name) is a file name.c with ylm__material_name. */
@@ -27,5 +55,13 @@ typedef struct material_kind {
 #define X(name) extern const material_kind ylm__material_##name;
 MATERIAL_KINDS(X)
 #undef X
+
+/* -- albedo.c: by quadrature of what a material samples -------------------------- */
+
+/* The mean over directions; its error is about 5e-4. */
+void ylm__material_mean(const ylm_material *m, float albedo[3]);
+/* Towards n directions; the error is about 2e-4. */
+void ylm__material_reflectance(const ylm_material *m, size_t n, const float (*wo)[3],
+                               float (*albedo)[3]);
 
 #endif

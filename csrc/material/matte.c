@@ -30,6 +30,13 @@ static ylm_status transfer(int lmax, double *a) {
 
 static void copy(const float *albedo, float *out) { memcpy(out, albedo, 3 * sizeof *out); }
 
+static void mean(const ylm_material *m, float albedo[3]) { copy(m->x, albedo); }
+
+static void reflectance(const ylm_material *m, size_t n, const float (*wo)[3], float (*albedo)[3]) {
+  for (size_t i = 0; i < n; i++)
+    for (int c = 0; c < 3; c++) albedo[i][c] = wo[i][2] > 0 ? m->x[c] : 0;
+}
+
 static void radiance(const float *albedo, size_t n, float *light) {
   for (size_t i = 0; i < 3 * n; i += 3)
     for (size_t c = 0; c < 3; c++) light[i + c] = matte_radiance(light[i + c], albedo[c]);
@@ -39,20 +46,20 @@ static void reflect(const float *albedo, const double irradiance[3], float out[3
   for (int c = 0; c < 3; c++) out[c] = (float)(irradiance[c] / PI) * albedo[c];
 }
 
-static bool isotropic(const float *albedo) {
-  (void)albedo;
+static bool isotropic(const ylm_material *m) {
+  (void)m;
   return true;
 }
 
-static void eval(const float *albedo, size_t n, const float (*wi)[3], const float (*wo)[3],
+static void eval(const ylm_material *m, size_t n, const float (*wi)[3], const float (*wo)[3],
                  float (*f)[3]) {
   for (size_t i = 0; i < n; i++)
     for (int c = 0; c < 3; c++)
-      f[i][c] = wi[i][2] > 0 && wo[i][2] > 0 ? albedo[c] * (float)(1 / PI) : 0;
+      f[i][c] = wi[i][2] > 0 && wo[i][2] > 0 ? m->x[c] * (float)(1 / PI) : 0;
 }
 
 /* Directions as the cosine: a place on the unit disk, raised to the sphere. */
-static void sample(const float *albedo, size_t n, const float (*wo)[3], const float (*u)[3],
+static void sample(const ylm_material *m, size_t n, const float (*wo)[3], const float (*u)[3],
                    float (*wi)[3], float (*weight)[3], float *pdf) {
   for (size_t i = 0; i < n; i++) {
     float z = sqrtf(1 - u[i][0]), r = sqrtf(u[i][0]), angle = (float)(2 * PI) * u[i][1];
@@ -61,16 +68,27 @@ static void sample(const float *albedo, size_t n, const float (*wo)[3], const fl
     wi[i][1] = r * sinf(angle);
     wi[i][2] = z;
     pdf[i] = above ? z * (float)(1 / PI) : 0;
-    for (int c = 0; c < 3; c++) weight[i][c] = above ? albedo[c] : 0;
+    for (int c = 0; c < 3; c++) weight[i][c] = above ? m->x[c] : 0;
   }
 }
 
-static void pdf(const float *albedo, size_t n, const float (*wi)[3], const float (*wo)[3],
+static void pdf(const ylm_material *m, size_t n, const float (*wi)[3], const float (*wo)[3],
                 float *out) {
-  (void)albedo;
+  (void)m;
   for (size_t i = 0; i < n; i++)
     out[i] = wi[i][2] > 0 && wo[i][2] > 0 ? wi[i][2] * (float)(1 / PI) : 0;
 }
 
-const material_kind ylm__material_matte = {"matte", 3,    check,     transfer, copy,   radiance,
-                                           reflect, copy, isotropic, eval,     sample, pdf};
+const material_kind ylm__material_matte = {.name = "matte",
+                                           .numbers = 3,
+                                           .check = check,
+                                           .mean = mean,
+                                           .reflectance = reflectance,
+                                           .transfer = transfer,
+                                           .radiance = radiance,
+                                           .reflect = reflect,
+                                           .row = copy,
+                                           .isotropic = isotropic,
+                                           .eval = eval,
+                                           .sample = sample,
+                                           .pdf = pdf};

@@ -56,19 +56,31 @@ YLM_API ylm_status ylm_material_transfer(int kind, int lmax, double *a);
 typedef struct ylm_material ylm_material;
 
 /* The most numbers that describe a material. */
-#define YLM_MATERIAL_NUMBERS 3
+#define YLM_MATERIAL_NUMBERS 16
 
-/* A material of a kind from the n numbers that describe it. YLM_OK; YLM_EINVAL (no such kind, or
-   another number of them), YLM_EDOMAIN naming what is out of range, YLM_ENOMEM. */
+/* Whether n numbers describe a material of a kind. YLM_OK; YLM_EINVAL (no such kind, or another
+   number of them), YLM_EDOMAIN naming what is out of range. O(n). */
+YLM_API ylm_status ylm_material_check(int kind, size_t n, const float *numbers, ylm_error *e);
+/* A material of a kind from the n numbers that describe it. YLM_OK; as ylm_material_check, or
+   YLM_ENOMEM. Materials that gloss take a millisecond: their mean albedo is found. */
 YLM_API ylm_status ylm_material_create(int kind, size_t n, const float *numbers, ylm_material **m,
                                        ylm_error *e);
+/* A material of a kind that a file describes, from its bytes [size], not kept; `name` stands
+   for the file in messages. As ylm_material_create, or YLM_EFORMAT naming what is wrong with it. */
+YLM_API ylm_status ylm_material_load(int kind, size_t n, const float *numbers, const void *bytes,
+                                     size_t size, const char *name, ylm_material **m, ylm_error *e);
 /* Another hold of the material, to be freed once more. */
 YLM_API const ylm_material *ylm_material_keep(const ylm_material *m);
 YLM_API void ylm_material_free(const ylm_material *m);
 YLM_API int ylm_material_kind(const ylm_material *m);
+/* The memory that it takes. */
+YLM_API size_t ylm_material_bytes(const ylm_material *m);
 
-/* Reflected over incident flux, where light comes from everywhere alike. */
+/* Reflected over incident flux, where light comes from everywhere alike: the mean albedo. */
 YLM_API void ylm_material_albedo(const ylm_material *m, float albedo[3]);
+
+/* Transfer vectors know no direction of view: by the two functions that follow, surfaces that gloss
+   are matte ones of their mean albedo. */
 
 /* In place, products of n transfer vectors with light to the radiance that leaves: light [n][3]. */
 YLM_API void ylm_material_radiance(const ylm_material *m, size_t n, float *light);
@@ -102,6 +114,12 @@ YLM_API void ylm_material_eval(const ylm_material *m, size_t n, const float (*wi
 YLM_API void ylm_material_sample(const ylm_material *m, size_t n, const float (*wo)[3],
                                  const float (*u)[3], float (*wi)[3], float (*weight)[3],
                                  float *pdf);
+
+/* The directional-hemispherical reflectance towards n directions wo [n][3]: the integral of f wi.z
+   over wi, which is what leaves towards wo where light comes from everywhere alike; albedo out
+   [n][3], 0 where wo is not above the surface. */
+YLM_API void ylm_material_reflectance(const ylm_material *m, size_t n, const float (*wo)[3],
+                                      float (*albedo)[3]);
 
 /* The density of ylm_material_sample, sr^-1, for n pairs of directions; pdf out [n]. */
 YLM_API void ylm_material_pdf(const ylm_material *m, size_t n, const float (*wi)[3],

@@ -179,8 +179,13 @@ void ylm_shade_view_surface(const ylm_shade_view *v, float *albedo, float *objec
 
 ylm_status ylm_shade_view_materials(const ylm_shade_view *v, float *row, ylm_error *e) {
   ylm_status s = YLM_OK;
-  for (size_t i = 0; s == YLM_OK && i < v->points; i++, row += YLM_MATERIAL_ROW)
-    s = ylm_material_row(ylm__shade_material(v, i), row, e);
+  for (size_t i = 0; s == YLM_OK && i < v->points; i++, row += YLM_MATERIAL_ROW) {
+    const ylm_material *m = ylm__shade_material(v, i);
+    s = ylm_material_row(m, row, e);
+    if (s == YLM_EMISSING)
+      s = ylm_fail(e, s, "a device shades matte surfaces only: mesh %u is %s", v->mesh[i] + 1,
+                   ylm_material_kind_name(ylm_material_kind(m)));
+  }
   return s;
 }
 

@@ -171,11 +171,12 @@ function types.list(x, field)
   return out
 end
 
---- An object of ylm (`field.of` names one kind or lists several).
+--- An object of ylm (`field.of` names one kind or lists several, `field.what` says what these are).
 function types.object(x, field)
   local kinds = type(field.of) == "table" and field.of or { field.of }
   local kind = form.kind(x)
   for _, wanted in ipairs(kinds) do if kind == wanted then return x end end
+  if field.what then return nil, ("%s (%s)"):format(field.what, table.concat(kinds, ", ")) end
   return nil, "a " .. table.concat(kinds, " or a ")
 end
 

@@ -91,7 +91,8 @@ local common = {
       about = "{ axis =, angle = }, or a list of such; after scale" },
   { "scale", "scale", optional = true, about = "a factor, or one for each axis" },
   { "matrix", "matrix", optional = true, about = "three rows of four numbers, instead of at, rotate, scale" },
-  { "material", "object", of = material.kinds, optional = true, about = "reflectance: matte { albedo = 0.75 }" },
+  { "material", "object", of = material.kinds, what = "a material", optional = true,
+    about = "reflectance: matte { albedo = 0.75 }" },
   { "occludes", "boolean", default = true, about = "whether it casts shadows" },
 }
 

@@ -12,20 +12,41 @@ static int material_kinds(lua_State *L) {
   return 1;
 }
 
-/* material_create(kind, numbers) -> material */
-static int material_create(lua_State *L) {
-  float x[YLM_MATERIAL_NUMBERS];
-  ylm_error e = {0};
+/* The kind named at 1 and the numbers in the table at 2. */
+static int read_numbers(lua_State *L, size_t *n, float x[YLM_MATERIAL_NUMBERS]) {
   int kind = ylm_material_kind_find(luaL_checkstring(L, 1));
   luaL_checktype(L, 2, LUA_TTABLE);
-  size_t n = lua_rawlen(L, 2);
-  for (size_t i = 0; i < n && i < YLM_MATERIAL_NUMBERS; i++) {
+  *n = lua_rawlen(L, 2);
+  for (size_t i = 0; i < *n && i < YLM_MATERIAL_NUMBERS; i++) {
     lua_rawgeti(L, 2, (int)i + 1);
     x[i] = (float)luaL_checknumber(L, -1);
     lua_pop(L, 1);
   }
+  return kind;
+}
+
+/* material_check(kind, numbers) -> true */
+static int material_check(lua_State *L) {
+  float x[YLM_MATERIAL_NUMBERS];
+  size_t n;
+  ylm_error e = {0};
+  int kind = read_numbers(L, &n, x);
+  lua_pushboolean(L, 1);
+  return ylmL_result(L, 1, ylm_material_check(kind, n, x, &e), &e);
+}
+
+/* material_create(kind, numbers [, bytes of a file, its name]) -> material */
+static int material_create(lua_State *L) {
+  float x[YLM_MATERIAL_NUMBERS];
+  size_t n, size = 0;
+  ylm_error e = {0};
+  int kind = read_numbers(L, &n, x);
+  const char *bytes = luaL_optlstring(L, 3, NULL, &size), *name = luaL_optstring(L, 4, "the file");
   ylm_material **m = ylmL_material_new(L);
-  return ylmL_result(L, 1, ylm_material_create(kind, n, x, m, &e), &e);
+  ylm_status s = bytes ? ylm_material_load(kind, n, x, bytes, size, name, m, &e)
+                       : ylm_material_create(kind, n, x, m, &e);
+  if (s == YLM_OK) ylmL_charge(L, ylm_material_bytes(*m));
+  return ylmL_result(L, 1, s, &e);
 }
 
 /* material_albedo(material) -> red, green, blue */
@@ -47,10 +68,9 @@ static int material_transfer(lua_State *L) {
   return ylmL_result(L, 1, ylm_material_transfer(kind, (int)lmax, a->data), NULL);
 }
 
-static const luaL_Reg functions[] = {{"material_kinds", material_kinds},
-                                     {"material_create", material_create},
-                                     {"material_albedo", material_albedo},
-                                     {"material_transfer", material_transfer},
-                                     {NULL, NULL}};
+static const luaL_Reg functions[] = {
+    {"material_kinds", material_kinds},       {"material_check", material_check},
+    {"material_create", material_create},     {"material_albedo", material_albedo},
+    {"material_transfer", material_transfer}, {NULL, NULL}};
 
 void ylmL_open_material(lua_State *L) { luaL_setfuncs(L, functions, 0); }

@@ -1,6 +1,7 @@
 --- Matte surfaces.
 
 local form = require "ylm.form"
+local object = require "ylm.material.object"
 
 local matte = form.define("matte", {
   about = "A matte (Lambertian) surface: light leaves it alike in every direction.",
@@ -9,6 +10,8 @@ local matte = form.define("matte", {
       about = "reflected over incident flux, a number or linear Rec. 709 {r, g, b}" },
   },
   material = function(m) return m.albedo end,
+  metatable = object.metatable(),
+  build = object.builder "matte",
   example = "matte { albedo = { 0.63, 0.06, 0.05 } }",
 })
 

@@ -35,8 +35,7 @@ local function ingredients(s)
   for _, g in ipairs(s.geometry) do
     local m = g.material or material.default
     add(g.mesh); add(g.occludes ~= false)
-    add(form.kind(m))
-    for _, x in ipairs(material.numbers(m)) do add(x) end
+    add(m) -- materials do not change
   end
   add("lights"); add(s.sky_is_seen)
   for _, l in ipairs(s.lights) do
@@ -50,18 +49,20 @@ end
 --- Traced scenes by scene object, as long as the scene is unchanged.
 local traced = setmetatable({}, { __mode = "k" })
 
---- { handle, lights, bounds, seconds } of a scene; nil, message, code.
+--- { handle, lights, bounds, glossy: the number of such meshes, seconds } of a scene; nil, message, code.
 function tracing.trace(name, s)
   local lib, message, code = tracing.library()
   if not lib then return nil, message, code end
   local parts, known = ingredients(s), traced[s]
   if known and same(known.parts, parts) then return known end
   local start = core.seconds()
-  local meshes, materials, occludes = {}, {}, {}
+  local meshes, materials, occludes, glossy = {}, {}, {}, 0
   for i, g in ipairs(s.geometry) do
     meshes[i], occludes[i] = g.mesh, g.occludes ~= false
-    materials[i], message, code = material.object(name, g.material or material.default)
+    local m = g.material or material.default
+    materials[i], message, code = material.object(name, m)
     if not materials[i] then return nil, message, code end
+    if material.glossy(m) then glossy = glossy + 1 end
   end
   local lights
   lights, message, code = light.pack(1, name, s.lights)
@@ -71,7 +72,7 @@ function tracing.trace(name, s)
     s.sky_is_seen))
   if not handle then return nil, message, code end
   local lo, hi = lib.scene_bounds(handle)
-  local new = { parts = parts, handle = handle, lights = lights, lo = lo, hi = hi, lib = lib,
+  local new = { parts = parts, handle = handle, lights = lights, lo = lo, hi = hi, lib = lib, glossy = glossy,
     seconds = core.seconds() - start }
   traced[s] = new
   return new

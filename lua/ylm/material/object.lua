@@ -1,0 +1,76 @@
+--- What all materials are in Lua: objects that do not change, with methods that ask C.
+--
+-- A kind's form has `metatable = object.metatable()`, `build = object.builder "KIND"` and `material`, a function of the
+-- checked fields that returns the numbers that describe the material, as csrc/material/KIND.c takes them. Of a file it
+-- returns the file's bytes and its name besides; where the file cannot be had: nil, message, code.
+
+local check = require "ylm.check"
+local core = require "ylm.c.core"
+local form = require "ylm.form"
+
+local object = {}
+
+--- The methods of materials; lua/ylm/material/methods.lua fills them.
+object.methods = {}
+
+--- Material -> { values, numbers, made: C's object, once it is needed }.
+local inside = setmetatable({}, { __mode = "k" })
+
+--- A colour that stands in a field named as a method is called as that method: matte's albedo.
+local function callable(value, method)
+  return setmetatable({ value[1], value[2], value[3] }, { __call = function(_, ...) return method(...) end })
+end
+
+--- A method, or a field as the form has checked it.
+local function index(m, key)
+  local method, value = object.methods[key], inside[m].values[key]
+  if method and type(value) == "table" and #value == 3 then return callable(value, method) end
+  if method ~= nil then return method end
+  return value
+end
+
+--- The metatable of a kind.
+function object.metatable()
+  return {
+    __index = index,
+    __newindex = function(_, key)
+      return check.fail("material: cannot set %s: a material does not change, make another", check.describe(key))
+    end,
+    __tostring = function(m) return "ylm." .. form.kind(m) end,
+  }
+end
+
+--- The function that makes a material of checked fields, or returns nil, message, code.
+function object.builder(kind)
+  return function(values, fail)
+    local definition = form.defined[kind]
+    local numbers, bytes, name = definition.material(values, fail)
+    if not numbers then return nil, bytes, name end
+    local made, message, code
+    if bytes then made, message, code = core.material_create(kind, numbers, bytes, name)
+    else made, message, code = core.material_check(kind, numbers) end
+    if not made then
+      if core.status(code) == "caller" then return fail(message) end
+      return nil, message, code
+    end
+    local m = setmetatable({}, definition.metatable)
+    inside[m] = { values = values, numbers = numbers, made = bytes and made or nil }
+    return m
+  end
+end
+
+--- Is it a material?
+function object.is(m) return type(m) == "table" and inside[m] ~= nil end
+
+--- The numbers that describe a material.
+function object.numbers(m) return inside[m].numbers end
+
+--- The material as C asks it what it does with light; nil, message, code. `name`: the function that raises.
+function object.made(name, m)
+  local own = inside[m]
+  local message, code
+  if not own.made then own.made, message, code = check.result(name, core.material_create(form.kind(m), own.numbers)) end
+  return own.made, message, code
+end
+
+return object
