@@ -50,7 +50,7 @@ typedef struct material_kind {
 } material_kind;
 
 /* Each X(name) is a file name.c with ylm__material_name. */
-#define MATERIAL_KINDS(X) X(matte)
+#define MATERIAL_KINDS(X) X(matte) X(ggx) X(phong) X(abc)
 
 #define X(name) extern const material_kind ylm__material_##name;
 MATERIAL_KINDS(X)

@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "gen/material.h"
+#include "kernels.h"
 #include "kind.h"
 
 #define PI 3.14159265358979323846
@@ -51,16 +52,18 @@ static bool isotropic(const ylm_material *m) {
   return true;
 }
 
-static void eval(const ylm_material *m, size_t n, const float (*wi)[3], const float (*wo)[3],
-                 float (*f)[3]) {
+/* -- the plain form --------------------------------------------------------------- */
+
+static void eval_plain(const void *albedo, size_t n, const float (*wi)[3], const float (*wo)[3],
+                       float (*f)[3]) {
   for (size_t i = 0; i < n; i++)
     for (int c = 0; c < 3; c++)
-      f[i][c] = wi[i][2] > 0 && wo[i][2] > 0 ? m->x[c] * (float)(1 / PI) : 0;
+      f[i][c] = wi[i][2] > 0 && wo[i][2] > 0 ? ((const float *)albedo)[c] * (float)(1 / PI) : 0;
 }
 
 /* Directions as the cosine: a place on the unit disk, raised to the sphere. */
-static void sample(const ylm_material *m, size_t n, const float (*wo)[3], const float (*u)[3],
-                   float (*wi)[3], float (*weight)[3], float *pdf) {
+static void sample_plain(const void *albedo, size_t n, const float (*wo)[3], const float (*u)[3],
+                         float (*wi)[3], float (*weight)[3], float *pdf) {
   for (size_t i = 0; i < n; i++) {
     float z = sqrtf(1 - u[i][0]), r = sqrtf(u[i][0]), angle = (float)(2 * PI) * u[i][1];
     bool above = wo[i][2] > 0;
@@ -68,15 +71,34 @@ static void sample(const ylm_material *m, size_t n, const float (*wo)[3], const 
     wi[i][1] = r * sinf(angle);
     wi[i][2] = z;
     pdf[i] = above ? z * (float)(1 / PI) : 0;
-    for (int c = 0; c < 3; c++) weight[i][c] = above ? m->x[c] : 0;
+    for (int c = 0; c < 3; c++) weight[i][c] = above ? ((const float *)albedo)[c] : 0;
   }
+}
+
+static void pdf_plain(const void *albedo, size_t n, const float (*wi)[3], const float (*wo)[3],
+                      float *out) {
+  (void)albedo;
+  for (size_t i = 0; i < n; i++)
+    out[i] = wi[i][2] > 0 && wo[i][2] > 0 ? wi[i][2] * (float)(1 / PI) : 0;
+}
+
+const material_kernels ylm__material_matte_plain = {eval_plain, sample_plain, pdf_plain};
+
+/* -- the kind ------------------------------------------------------------------- */
+
+static void eval(const ylm_material *m, size_t n, const float (*wi)[3], const float (*wo)[3],
+                 float (*f)[3]) {
+  ylm__material_matte_kernels()->eval(m->x, n, wi, wo, f);
+}
+
+static void sample(const ylm_material *m, size_t n, const float (*wo)[3], const float (*u)[3],
+                   float (*wi)[3], float (*weight)[3], float *pdf) {
+  ylm__material_matte_kernels()->sample(m->x, n, wo, u, wi, weight, pdf);
 }
 
 static void pdf(const ylm_material *m, size_t n, const float (*wi)[3], const float (*wo)[3],
                 float *out) {
-  (void)m;
-  for (size_t i = 0; i < n; i++)
-    out[i] = wi[i][2] > 0 && wo[i][2] > 0 ? wi[i][2] * (float)(1 / PI) : 0;
+  ylm__material_matte_kernels()->pdf(m->x, n, wi, wo, out);
 }
 
 const material_kind ylm__material_matte = {.name = "matte",

@@ -8,6 +8,14 @@
 ** | ----- | ------- | ---- | ------ | ----------------------------------------------------- |
 ** | matte | [3]     | 1    | 0 .. 1 | reflected over incident flux, linear Rec. 709; the    |
 ** |       |         |      |        | same radiance in every direction (Lambertian)         |
+** | ggx   | [2]     | 1    | 1e-3.. | alpha, roughness along the tangent and across it      |
+** |       | [3]     | 1    | 0 .. 1 | f0, reflected along the normal                        |
+** |       | [3]     | 1    | 0 .. 1 | base, the albedo below                                |
+** |       | [1]     |      | 0, 1   | whether what is lost between microfacets comes back   |
+** | phong | [1]     | 1    | 0..1e5 | exponent                                              |
+** |       | [3] [3] | 1    | 0 .. 1 | specular, base; their sum at most 1                   |
+** | abc   | [3] [3] | 1    | >= 0   | kd, a                                                 |
+** |       | [4]     | 1    | >= 0   | b, c, ior (at least 1), scale                         |
 **
 ** A material knows nothing of scenes, meshes or rays.
 **
@@ -124,6 +132,25 @@ YLM_API void ylm_material_reflectance(const ylm_material *m, size_t n, const flo
 /* The density of ylm_material_sample, sr^-1, for n pairs of directions; pdf out [n]. */
 YLM_API void ylm_material_pdf(const ylm_material *m, size_t n, const float (*wi)[3],
                               const float (*wo)[3], float *pdf);
+
+/* The highest degree of ylm_material_degrees. */
+#define YLM_MATERIAL_DEGREES 100
+
+/*
+** ylm_material_degrees - the degree of spherical harmonics that slices of a material need.
+**
+** The slice of a view is f wi.z over directions wi; cut at a degree, it misses a part of its norm.
+**
+**   error   in   above 0, below 1: the part that may be missed
+**   most    in   0 .. YLM_MATERIAL_DEGREES
+**   angle   in   [n]  of views from the normal towards the tangent, radians, below pi/2
+**   degree  out  [n]  the least that misses no more; most + 1: a higher one
+**
+** Returns  YLM_OK; YLM_ERANGE, YLM_ENOMEM
+** Accuracy nodes are doubled until the norm is settled to error^2/10, or are 1,024 x 2,048
+*/
+YLM_API ylm_status ylm_material_degrees(const ylm_material *m, double error, int most, size_t n,
+                                        const double *angle, int *degree);
 
 /* -- for kernels elsewhere --------------------------------------------------- */
 

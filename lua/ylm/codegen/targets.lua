@@ -36,6 +36,7 @@ targets[#targets + 1] = { "shaders/gen/layout.glsl", "ylm.codegen.layout", "shad
 targets[#targets + 1] = { "csrc/vulkan/gen/layout.h", "ylm.codegen.layout", "c" }
 targets[#targets + 1] = { "shaders/gen/material.glsl", "ylm.codegen.material", "shader" }
 targets[#targets + 1] = { "csrc/material/gen/material.h", "ylm.codegen.material", "c" }
+targets[#targets + 1] = { "csrc/material/gen/albedo.c", "ylm.codegen.albedo" }
 targets[#targets + 1] = { "shaders/gen/picture.glsl", "ylm.codegen.picture", "shader" }
 targets[#targets + 1] = { "csrc/shade/gen/picture.h", "ylm.codegen.picture", "c" }
 targets[#targets + 1] = { "shaders/gen/rim.glsl", "ylm.codegen.rim", "shader" }

@@ -7,6 +7,8 @@ local core = require "ylm.c.core"
 local form = require "ylm.form"
 local object = require "ylm.material.object"
 
+require "ylm.material.methods"
+
 local material = {}
 
 --- The names of all kinds.
@@ -24,6 +26,13 @@ material.object = object.made
 
 --- Does it send more light into some directions than into others?
 function material.glossy(m) return form.kind(m) ~= "matte" end
+
+--- The words for what makes a material, with its object, look different when it is turned about the normal; nil: nothing.
+function material.direction(m, made)
+  if core.material_isotropic(made) then return nil end
+  local kind = form.kind(m)
+  return form.defined[kind].directed or "an anisotropic " .. kind
+end
 
 --- The part of light from everywhere that it reflects, { r, g, b }; nil, message, code.
 function material.albedo(name, m)

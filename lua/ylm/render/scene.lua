@@ -63,6 +63,10 @@ function tracing.trace(name, s)
     materials[i], message, code = material.object(name, m)
     if not materials[i] then return nil, message, code end
     if material.glossy(m) then glossy = glossy + 1 end
+    local direction = material.direction(m, materials[i])
+    if direction and not core.mesh_uvs(g.mesh) then
+      return check.fail("%s: %s needs uvs: mesh %d has none", name, direction, i)
+    end
   end
   local lights
   lights, message, code = light.pack(1, name, s.lights)

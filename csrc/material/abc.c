@@ -1,0 +1,169 @@
+/* abc.c - the ABC model: numbers kd [3], a [3], b, c, ior, scale. The plain form judges the
+   kernels. */
+#include "abc.h"
+
+#include <math.h>
+
+#include "kernels.h"
+#include "kind.h"
+
+#define PI 3.14159265358979323846
+#define FOLDED 1e-7 /* visible.h */
+
+enum { KD, A = KD + 3, B = A + 3, C, IOR, SCALE, NUMBERS };
+
+static ylm_status check(const float *x, ylm_error *e) {
+  static const char *const names[] = {"kd's red", "kd's green", "kd's blue", "a's red", "a's green",
+                                      "a's blue", "b",          "c",         "ior",     "scale"};
+  static const float most[] = {1, 1, 1, 1e6f, 1e6f, 1e6f, 1e8f, 100, 1000, 100};
+  for (int i = 0; i < NUMBERS; i++) {
+    float least = i == IOR ? 1 : 0;
+    if (!(x[i] >= least && x[i] <= most[i]))
+      return ylm_fail(e, YLM_EDOMAIN, "%s must be from %g to %g, got %g", names[i], (double)least,
+                      (double)most[i], (double)x[i]);
+  }
+  return YLM_OK;
+}
+
+/* Roughness at which GGX falls to a quarter where S does, seen along the normal. */
+static double roughness(double b, double c) {
+  double fall = (pow(4, 1 / fmax(c, 0.05)) - 1) / fmax(b, 1e-6); /* 1 - m.z */
+  if (!(fall < 0.29)) return 1;
+  return fmax(0.002, sqrt(fall * (2 - fall)) / (1 - fall));
+}
+
+static ylm_status prepare(ylm_material *m, ylm_error *e) {
+  (void)e;
+  const float *x = m->x;
+  abc *g = ylm_alloc_zero(1, sizeof *g);
+  if (!g) return YLM_ENOMEM;
+  m->table = g;
+  m->bytes = sizeof *g;
+  for (int k = 0; k < 3; k++) {
+    g->kd[k] = (float)((double)x[SCALE] * (double)x[KD + k] / PI);
+    g->a[k] = (float)((double)x[SCALE] * (double)x[A + k] / PI);
+  }
+  g->b = x[B], g->c = x[C], g->ior = x[IOR];
+  g->alpha = (float)roughness((double)g->b, (double)g->c);
+  g->share = 0.5f;
+  ylm__material_mean(m, m->albedo); /* of these samples; then of the share that it says is glossy */
+  double all = 0, diffuse = 0;
+  for (int k = 0; k < 3; k++) {
+    all += (double)m->albedo[k];
+    diffuse += (double)(x[SCALE] * x[KD + k]);
+  }
+  if (all > 0) g->share = (float)fmin(0.9, fmax(0.1, 1 - diffuse / all));
+  return YLM_OK;
+}
+
+static bool isotropic(const ylm_material *m) {
+  (void)m;
+  return true;
+}
+
+/* -- the plain form --------------------------------------------------------------- */
+
+/* Reflected by a dielectric at a cosine, unpolarised. */
+static double fresnel(double ior, double c) {
+  double t = sqrt(fmax(0, ior * ior - 1 + c * c)), s = (c - t) / (c + t);
+  double p = (ior * ior * c - t) / (ior * ior * c + t);
+  return (s * s + p * p) / 2;
+}
+
+/* D of GGX of the normal along (x, y, z). */
+static double ndf(double alpha, double x2, double z) {
+  double q = (x2 + z * z) / (x2 / (alpha * alpha) + z * z);
+  return q * q / (PI * alpha * alpha);
+}
+
+/* f and the density of samples for two directions above the surface. */
+static double both(const abc *g, const double wi[3], const double wo[3], double f[3]) {
+  double x = wi[0] + wo[0], y = wi[1] + wo[1], z = wi[2] + wo[2], gz = wo[2] - wi[2];
+  double flat = x * x + y * y, length = sqrt(flat + z * z), up = z / length, c = length / 2;
+  double fall = flat / (length * (length + z)); /* 1 - m.z, without loss of digits */
+  double G = fmin(1, 2 * up * fmin(wi[2], wo[2]) / c);
+  double shape = exp(-(double)g->c * log1p((double)g->b * fall)) * G *
+                 fresnel((double)g->ior, fmin(1, c)) / (wi[2] * wo[2]);
+  for (int k = 0; k < 3; k++) f[k] = (double)g->kd[k] + (double)g->a[k] * shape;
+  double alpha = (double)g->alpha, share = (double)g->share;
+  double root = sqrt(wo[2] * wo[2] + alpha * alpha * (wo[0] * wo[0] + wo[1] * wo[1]));
+  double D = ndf(alpha, flat, z) + (gz > 0 && flat + gz * gz > FOLDED ? ndf(alpha, flat, gz) : 0);
+  return share * D / (2 * (wo[2] + root)) + (1 - share) * wi[2] / PI;
+}
+
+static void eval_plain(const void *p, size_t n, const float (*wi)[3], const float (*wo)[3],
+                       float (*f)[3]) {
+  for (size_t i = 0; i < n; i++) {
+    double a[3] = {wi[i][0], wi[i][1], wi[i][2]}, b[3] = {wo[i][0], wo[i][1], wo[i][2]}, x[3] = {0};
+    if (a[2] > 0 && b[2] > 0) both(p, a, b, x);
+    for (int c = 0; c < 3; c++) f[i][c] = (float)x[c];
+  }
+}
+
+static void pdf_plain(const void *p, size_t n, const float (*wi)[3], const float (*wo)[3],
+                      float *pdf) {
+  for (size_t i = 0; i < n; i++) {
+    double a[3] = {wi[i][0], wi[i][1], wi[i][2]}, b[3] = {wo[i][0], wo[i][1], wo[i][2]}, f[3];
+    pdf[i] = a[2] > 0 && b[2] > 0 ? (float)both(p, a, b, f) : 0;
+  }
+}
+
+/* A mirrored direction: visible.h. */
+static void mirrored(double alpha, const double wo[3], const float u[3], double wi[3]) {
+  double v[3] = {wo[0] * alpha, wo[1] * alpha, wo[2]}, turn = 2 * PI * (double)u[0];
+  double length = sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+  for (int a = 0; a < 3; a++) v[a] /= length;
+  double h = (1 - (double)u[1]) * (1 + v[2]), z = h - v[2], r = sqrt(fmax(0, 1 - z * z));
+  double m[3] = {(r * cos(turn) + v[0]) * alpha, (r * sin(turn) + v[1]) * alpha, h};
+  double d =
+      2 * (m[0] * wo[0] + m[1] * wo[1] + m[2] * wo[2]) / (m[0] * m[0] + m[1] * m[1] + m[2] * m[2]);
+  for (int a = 0; a < 3; a++) wi[a] = d * m[a] - wo[a];
+  wi[2] = fabs(wi[2]);
+}
+
+static void sample_plain(const void *p, size_t n, const float (*wo)[3], const float (*u)[3],
+                         float (*wi)[3], float (*weight)[3], float *pdf) {
+  const abc *g = p;
+  for (size_t i = 0; i < n; i++) {
+    double b[3] = {wo[i][0], wo[i][1], wo[i][2]}, a[3], f[3] = {0}, density = 0;
+    double turn = 2 * PI * (double)u[i][0], r = sqrt((double)u[i][1]);
+    if (u[i][2] < g->share)
+      mirrored((double)g->alpha, b, u[i], a);
+    else
+      a[0] = r * cos(turn), a[1] = r * sin(turn), a[2] = sqrt(1 - (double)u[i][1]);
+    if (a[2] > 0 && b[2] > 0) density = both(g, a, b, f);
+    pdf[i] = (float)density;
+    for (int c = 0; c < 3; c++) {
+      wi[i][c] = (float)a[c];
+      weight[i][c] = density > 0 ? (float)(f[c] * a[2] / density) : 0;
+    }
+  }
+}
+
+const material_kernels ylm__material_abc_plain = {eval_plain, sample_plain, pdf_plain};
+
+/* -- the kind ------------------------------------------------------------------- */
+
+static void eval(const ylm_material *m, size_t n, const float (*wi)[3], const float (*wo)[3],
+                 float (*f)[3]) {
+  ylm__material_abc_kernels()->eval(m->table, n, wi, wo, f);
+}
+
+static void sample(const ylm_material *m, size_t n, const float (*wo)[3], const float (*u)[3],
+                   float (*wi)[3], float (*weight)[3], float *pdf) {
+  ylm__material_abc_kernels()->sample(m->table, n, wo, u, wi, weight, pdf);
+}
+
+static void pdf(const ylm_material *m, size_t n, const float (*wi)[3], const float (*wo)[3],
+                float *out) {
+  ylm__material_abc_kernels()->pdf(m->table, n, wi, wo, out);
+}
+
+const material_kind ylm__material_abc = {.name = "abc",
+                                         .numbers = NUMBERS,
+                                         .check = check,
+                                         .prepare = prepare,
+                                         .isotropic = isotropic,
+                                         .eval = eval,
+                                         .sample = sample,
+                                         .pdf = pdf};

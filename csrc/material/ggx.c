@@ -1,0 +1,271 @@
+/* ggx.c - surfaces of GGX microfacets: numbers alpha along the tangent and across it, f0 [3], base
+   [3], whether light lost between microfacets comes back. The plain form judges the kernels. */
+#include "ggx.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "gen/material.h"
+#include "kernels.h"
+#include "kind.h"
+
+#define PI 3.14159265358979323846
+#define FOLDED 1e-7 /* visible.h */
+
+enum { ALPHA_X, ALPHA_Y, F0, BASE = F0 + 3, COMPENSATE = BASE + 3, NUMBERS };
+
+static ylm_status check(const float *x, ylm_error *e) {
+  static const char *const names[] = {"red", "green", "blue"};
+  for (int i = 0; i < 2; i++)
+    if (!(x[ALPHA_X + i] >= 1e-3f && x[ALPHA_X + i] <= 1))
+      return ylm_fail(e, YLM_EDOMAIN, "alpha must be from 0.001 to 1, got %g", (double)x[i]);
+  for (int c = 0; c < 6; c++)
+    if (!(x[F0 + c] >= 0 && x[F0 + c] <= 1))
+      return ylm_fail(e, YLM_EDOMAIN, "the %s's %s must be from 0 to 1, got %g",
+                      c < 3 ? "f0" : "base", names[c % 3], (double)x[F0 + c]);
+  return YLM_OK;
+}
+
+/* -- albedo -------------------------------------------------------------------- */
+
+/* The first of four knots about x in 0 .. YLM__ALBEDO_KNOTS-1, and their weights in the cubic. */
+static int cubic(double x, double w[4]) {
+  int k = (int)x - 1;
+  if (k < 0) k = 0;
+  if (k > YLM__ALBEDO_KNOTS - 4) k = YLM__ALBEDO_KNOTS - 4;
+  double t = x - k;
+  w[0] = -(t - 1) * (t - 2) * (t - 3) / 6;
+  w[1] = t * (t - 2) * (t - 3) / 2;
+  w[2] = -t * (t - 1) * (t - 3) / 2;
+  w[3] = t * (t - 1) * (t - 2) / 6;
+  return k;
+}
+
+/* The curve of a roughness from the table. */
+static void find_curve(double alpha, ggx *g) {
+  const double least = sqrt(YLM__ALBEDO_LEAST), knots = YLM__ALBEDO_KNOTS - 1;
+  double row[4], column[4];
+  int r = cubic((sqrt(alpha) - least) / (1 - least) * knots, row);
+  for (int i = 0; i <= GGX_CURVE + 1; i++) {
+    double s = i < GGX_CURVE ? (double)i / GGX_CURVE : 1, sum[2] = {0};
+    int c = cubic(s * knots, column);
+    for (int y = 0; y < 4; y++)
+      for (int x = 0; x < 4; x++)
+        for (int k = 0; k < 2; k++)
+          sum[k] += row[y] * column[x] * (double)ylm__material_albedo[r + y][c + x][k];
+    double over = fmax(1, sum[0] + sum[1]);
+    for (int k = 0; k < 2; k++) g->curve[i][k] = (float)(sum[k] / over);
+  }
+}
+
+/* A and B at a cosine. */
+static void curve_at(const ggx *g, double cosine, double *A, double *B) {
+  double s = sqrt(cosine) * GGX_CURVE;
+  int i = s < GGX_CURVE ? (int)s : GGX_CURVE - 1;
+  double t = s - i;
+  *A = (double)g->curve[i][0] * (1 - t) + (double)g->curve[i + 1][0] * t;
+  *B = (double)g->curve[i][1] * (1 - t) + (double)g->curve[i + 1][1] * t;
+}
+
+/* Their averages over the cosine. */
+static void average(const ggx *g, double *A, double *B) {
+  const int n = 4096;
+  *A = *B = 0;
+  for (int i = 0; i < n; i++) {
+    double a, b;
+    curve_at(g, sqrt((i + 0.5) / n), &a, &b);
+    *A += a / n, *B += b / n;
+  }
+}
+
+/* Albedo of all above the base in channel c. */
+static double above(const ggx *g, int c, double A, double B) {
+  return (double)g->f0[c] * A + B + (double)g->K[c] * (1 - A - B);
+}
+
+static ylm_status prepare(ylm_material *m, ylm_error *e) {
+  (void)e;
+  const float *x = m->x;
+  ggx *g = ylm_alloc_zero(1, sizeof *g);
+  if (!g) return YLM_ENOMEM;
+  m->table = g;
+  m->bytes = sizeof *g;
+  g->ax = x[ALPHA_X], g->ay = x[ALPHA_Y];
+  memcpy(g->f0, x + F0, sizeof g->f0);
+  memcpy(g->colour, x + BASE, sizeof g->colour);
+  g->plain = x[COMPENSATE] == 0 && x[BASE] == 0 && x[BASE + 1] == 0 && x[BASE + 2] == 0;
+  double A, B, ax = (double)g->ax, ay = (double)g->ay;
+  find_curve(sqrt((ax * ax + ay * ay) / 2), g);
+  average(g, &A, &B);
+  double E = A + B;
+  for (int c = 0; c < 3; c++) {
+    double f0 = (double)g->f0[c], F = f0 + (1 - f0) / 21;
+    double K = x[COMPENSATE] != 0 ? F * F * E / (1 - F * (1 - E)) : 0;
+    g->K[c] = (float)K;
+    g->lost[c] = E < 1 - 1e-6 ? (float)(K / (PI * (1 - E))) : 0;
+    double over = above(g, c, A, B);
+    g->base[c] = over < 1 - 1e-6 ? (float)((double)g->colour[c] / (PI * (1 - over))) : 0;
+  }
+  return YLM_OK;
+}
+
+static bool isotropic(const ylm_material *m) { return m->x[ALPHA_X] == m->x[ALPHA_Y]; }
+
+static void mean(const ylm_material *m, float albedo[3]) {
+  const ggx *g = m->table;
+  double A, B;
+  if (!isotropic(m)) {
+    ylm__material_mean(m, albedo);
+    return;
+  }
+  average(g, &A, &B);
+  for (int c = 0; c < 3; c++) {
+    double over = above(g, c, A, B);
+    albedo[c] = (float)fmin(1, over + (double)g->colour[c] * (1 - over));
+  }
+}
+
+static void reflectance(const ylm_material *m, size_t n, const float (*wo)[3], float (*albedo)[3]) {
+  const ggx *g = m->table;
+  if (!isotropic(m)) {
+    ylm__material_reflectance(m, n, wo, albedo);
+    return;
+  }
+  for (size_t i = 0; i < n; i++) {
+    double A, B;
+    curve_at(g, fmax(0, (double)wo[i][2]), &A, &B);
+    for (int c = 0; c < 3; c++) {
+      double over = above(g, c, A, B);
+      albedo[i][c] = wo[i][2] > 0 ? (float)(over + (double)g->colour[c] * (1 - over)) : 0;
+    }
+  }
+}
+
+/* -- the plain form --------------------------------------------------------------- */
+
+/* sqrt(z^2 + ax^2 x^2 + ay^2 y^2). */
+static double root(const ggx *g, const double w[3]) {
+  double x = w[0] * (double)g->ax, y = w[1] * (double)g->ay;
+  return sqrt(w[2] * w[2] + x * x + y * y);
+}
+
+/* D of the normal along h. */
+static double ndf(const ggx *g, double x, double y, double z) {
+  double ax = (double)g->ax, ay = (double)g->ay, e = x * x / (ax * ax) + y * y / (ay * ay) + z * z;
+  double q = (x * x + y * y + z * z) / e;
+  return q * q / (PI * ax * ay);
+}
+
+/* The share of mirrored directions among samples. */
+static double share_of(const ggx *g, double cosine) {
+  if (g->plain) return 1;
+  double A, B, mirrored = 0, rest = 0;
+  curve_at(g, cosine, &A, &B);
+  for (int c = 0; c < 3; c++) {
+    double K = (double)g->K[c] * (1 - A - B);
+    mirrored += (double)g->f0[c] * A + B;
+    rest += K + (double)g->colour[c] * (1 - above(g, c, A, B));
+  }
+  return fmax(0.1, mirrored / (mirrored + rest));
+}
+
+/* f and the density of samples for two directions above the surface. */
+static double both(const ggx *g, const double wi[3], const double wo[3], double f[3]) {
+  double h[3] = {wi[0] + wo[0], wi[1] + wo[1], wi[2] + wo[2]}, gz = wo[2] - wi[2];
+  double square = h[0] * h[0] + h[1] * h[1] + h[2] * h[2];
+  double image = h[0] * h[0] + h[1] * h[1] + gz * gz, ro = root(g, wo);
+  double D = ndf(g, h[0], h[1], h[2]), also = 0;
+  if (gz > 0 && image > FOLDED) also = ndf(g, h[0], h[1], gz);
+  double schlick = pow(1 - sqrt(square) / 2, 5), Ai, Bi, Ao, Bo;
+  curve_at(g, wi[2], &Ai, &Bi);
+  curve_at(g, wo[2], &Ao, &Bo);
+  for (int c = 0; c < 3; c++) {
+    double f0 = (double)g->f0[c], F = f0 + (1 - f0) * schlick;
+    f[c] = F * D / (2 * (wo[2] * root(g, wi) + wi[2] * ro));
+    f[c] += (double)g->lost[c] * (1 - Ai - Bi) * (1 - Ao - Bo);
+    f[c] += (double)g->base[c] * (1 - above(g, c, Ai, Bi)) * (1 - above(g, c, Ao, Bo));
+  }
+  double share = share_of(g, wo[2]);
+  return share * (D + also) / (2 * (wo[2] + ro)) + (1 - share) * wi[2] / PI;
+}
+
+static void eval_plain(const void *p, size_t n, const float (*wi)[3], const float (*wo)[3],
+                       float (*f)[3]) {
+  for (size_t i = 0; i < n; i++) {
+    double a[3] = {wi[i][0], wi[i][1], wi[i][2]}, b[3] = {wo[i][0], wo[i][1], wo[i][2]}, x[3] = {0};
+    if (a[2] > 0 && b[2] > 0) both(p, a, b, x);
+    for (int c = 0; c < 3; c++) f[i][c] = (float)x[c];
+  }
+}
+
+static void pdf_plain(const void *p, size_t n, const float (*wi)[3], const float (*wo)[3],
+                      float *pdf) {
+  for (size_t i = 0; i < n; i++) {
+    double a[3] = {wi[i][0], wi[i][1], wi[i][2]}, b[3] = {wo[i][0], wo[i][1], wo[i][2]}, f[3];
+    pdf[i] = a[2] > 0 && b[2] > 0 ? (float)both(p, a, b, f) : 0;
+  }
+}
+
+/* A mirrored direction: visible.h. */
+static void mirrored(const ggx *g, const double wo[3], const float u[3], double wi[3]) {
+  double v[3] = {wo[0] * (double)g->ax, wo[1] * (double)g->ay, wo[2]};
+  double length = sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]), turn = 2 * PI * (double)u[0];
+  for (int a = 0; a < 3; a++) v[a] /= length;
+  double h = (1 - (double)u[1]) * (1 + v[2]), z = h - v[2], r = sqrt(fmax(0, 1 - z * z));
+  double m[3] = {(r * cos(turn) + v[0]) * (double)g->ax, (r * sin(turn) + v[1]) * (double)g->ay, h};
+  double d =
+      2 * (m[0] * wo[0] + m[1] * wo[1] + m[2] * wo[2]) / (m[0] * m[0] + m[1] * m[1] + m[2] * m[2]);
+  for (int a = 0; a < 3; a++) wi[a] = d * m[a] - wo[a];
+  wi[2] = fabs(wi[2]);
+}
+
+static void sample_plain(const void *p, size_t n, const float (*wo)[3], const float (*u)[3],
+                         float (*wi)[3], float (*weight)[3], float *pdf) {
+  const ggx *g = p;
+  for (size_t i = 0; i < n; i++) {
+    double b[3] = {wo[i][0], wo[i][1], wo[i][2]}, a[3], f[3] = {0}, density = 0;
+    double turn = 2 * PI * (double)u[i][0];
+    if ((double)u[i][2] < share_of(g, fmax(0, b[2])))
+      mirrored(g, b, u[i], a);
+    else {
+      double r = sqrt((double)u[i][1]);
+      a[0] = r * cos(turn), a[1] = r * sin(turn), a[2] = sqrt(1 - (double)u[i][1]);
+    }
+    if (a[2] > 0 && b[2] > 0) density = both(g, a, b, f);
+    pdf[i] = (float)density;
+    for (int c = 0; c < 3; c++) {
+      wi[i][c] = (float)a[c];
+      weight[i][c] = density > 0 ? (float)(f[c] * a[2] / density) : 0;
+    }
+  }
+}
+
+const material_kernels ylm__material_ggx_plain = {eval_plain, sample_plain, pdf_plain};
+
+/* -- the kind ------------------------------------------------------------------- */
+
+static void eval(const ylm_material *m, size_t n, const float (*wi)[3], const float (*wo)[3],
+                 float (*f)[3]) {
+  ylm__material_ggx_kernels()->eval(m->table, n, wi, wo, f);
+}
+
+static void sample(const ylm_material *m, size_t n, const float (*wo)[3], const float (*u)[3],
+                   float (*wi)[3], float (*weight)[3], float *pdf) {
+  ylm__material_ggx_kernels()->sample(m->table, n, wo, u, wi, weight, pdf);
+}
+
+static void pdf(const ylm_material *m, size_t n, const float (*wi)[3], const float (*wo)[3],
+                float *out) {
+  ylm__material_ggx_kernels()->pdf(m->table, n, wi, wo, out);
+}
+
+const material_kind ylm__material_ggx = {.name = "ggx",
+                                         .numbers = NUMBERS,
+                                         .check = check,
+                                         .prepare = prepare,
+                                         .mean = mean,
+                                         .reflectance = reflectance,
+                                         .isotropic = isotropic,
+                                         .eval = eval,
+                                         .sample = sample,
+                                         .pdf = pdf};

@@ -1,0 +1,134 @@
+/* ggx.isa.c - GGX microfacets, once per instruction set. ggx.c has the plain form. */
+#include "ggx.h"
+#include "kernels.h"
+#include "visible.h"
+
+/* A and B at sqrt(cosine) s of each lane. */
+YLM_INLINE void curve_at(const ggx *g, lane cosine, lane *A, lane *B) {
+  lane s = ylm_vf_sqrt(lane_max(cosine, lane_of(0))) * GGX_CURVE;
+  mask at = lane_int(lane_min(s, lane_of(GGX_CURVE - 1)));
+  lane t = s - lane_float(at);
+  float a[4][W];
+  for (int j = 0; j < W; j++) {
+    const float *pair = g->curve[at[j]];
+    a[0][j] = pair[0], a[1][j] = pair[1], a[2][j] = pair[2], a[3][j] = pair[3];
+  }
+  lane a0 = ylm_vf_load(a[0]), b0 = ylm_vf_load(a[1]);
+  *A = a0 + t * (ylm_vf_load(a[2]) - a0);
+  *B = b0 + t * (ylm_vf_load(a[3]) - b0);
+}
+
+YLM_INLINE lane above(const ggx *g, int c, lane A, lane B) {
+  return g->f0[c] * A + B + g->K[c] * (1 - A - B);
+}
+
+/* The share of mirrored directions among samples, from A and B at wo. */
+YLM_INLINE lane share_of(const ggx *g, lane A, lane B) {
+  lane mirrored = {0}, rest = {0};
+  for (int c = 0; c < 3; c++) {
+    mirrored += g->f0[c] * A + B;
+    rest += g->K[c] * (1 - A - B) + g->colour[c] * (1 - above(g, c, A, B));
+  }
+  return lane_max(mirrored / lane_max(mirrored + rest, lane_of(1e-20f)), lane_of(0.1f));
+}
+
+/* Of a direction wo, once for eval and sample. */
+typedef struct view {
+  lane root, A, B, share;
+} view;
+
+YLM_INLINE view look(const ggx *g, const lane wo[3], bool plain) {
+  view v = {.root = visible_root(g->ax, g->ay, wo), .share = lane_of(1)};
+  if (plain) return v;
+  curve_at(g, wo[2], &v.A, &v.B);
+  v.share = share_of(g, v.A, v.B);
+  return v;
+}
+
+/* f where the masks of both directions are set, from D and |wi + wo|^2. */
+YLM_INLINE void reflect(const ggx *g, const lane wi[3], const lane wo[3], const view *v, lane D,
+                        lane square, bool plain, lane f[3]) {
+  lane q = 1 - 0.5f * ylm_vf_sqrt(square), q2 = q * q, schlick = q2 * q2 * q, A, B;
+  lane mirrored = D / (2 * (wo[2] * visible_root(g->ax, g->ay, wi) + wi[2] * v->root));
+  for (int c = 0; c < 3; c++) f[c] = (g->f0[c] + (1 - g->f0[c]) * schlick) * mirrored;
+  if (plain) return;
+  curve_at(g, wi[2], &A, &B);
+  lane lost = (1 - A - B) * (1 - v->A - v->B);
+  for (int c = 0; c < 3; c++)
+    f[c] +=
+        g->lost[c] * lost + g->base[c] * (1 - above(g, c, A, B)) * (1 - above(g, c, v->A, v->B));
+}
+
+YLM_INLINE void eval_as(const ggx *g, size_t n, const float (*in)[3], const float (*out)[3],
+                        float (*to)[3], bool plain) {
+  LANES_EACH(i, rows, n) {
+    lane wi[3], wo[3], f[3], square;
+    lanes_load3(in + i, rows, wi);
+    lanes_load3(out + i, rows, wo);
+    mask lit = (wi[2] > 0) & (wo[2] > 0);
+    view v = look(g, wo, plain);
+    lane D = visible_ndf(g->ax, g->ay, wi[0] + wo[0], wi[1] + wo[1], wi[2] + wo[2], &square);
+    reflect(g, wi, wo, &v, D, square, plain, f);
+    for (int c = 0; c < 3; c++) f[c] = lane_if(lit, f[c]);
+    lanes_store3(f, rows, to + i);
+  }
+}
+
+YLM_INLINE void sample_as(const ggx *g, size_t n, const float (*out)[3], const float (*numbers)[3],
+                          float (*in)[3], float (*weight)[3], float *pdf, bool plain) {
+  LANES_EACH(i, rows, n) {
+    lane wi[3], wo[3], u[3], f[3], D, square;
+    lanes_load3(out + i, rows, wo);
+    lanes_load3(numbers + i, rows, u);
+    view v = look(g, wo, plain);
+    visible_sample(g->ax, g->ay, wo, u[0], u[1], wi);
+    if (!plain) {
+      lane other[3];
+      mask diffuse = u[2] >= v.share;
+      lane_cosine(u[1], u[0], other);
+      for (int a = 0; a < 3; a++) wi[a] = ylm_vf_select(diffuse, other[a], wi[a]);
+    }
+    mask lit = (wi[2] > 0) & (wo[2] > 0);
+    lane density = visible_pdf(g->ax, g->ay, wi, wo, v.root, &D, &square);
+    reflect(g, wi, wo, &v, D, square, plain, f);
+    if (!plain) density = v.share * density + (1 - v.share) * wi[2] * (1 / VISIBLE_PI);
+    lane scale = lane_if(lit & (density > 0), wi[2] / density);
+    for (int c = 0; c < 3; c++) f[c] = lane_if(lit, f[c]) * scale;
+    lanes_store3(wi, rows, in + i);
+    lanes_store3(f, rows, weight + i);
+    lanes_store(lane_if(lit, density), rows, pdf + i);
+  }
+}
+
+static void eval(const void *p, size_t n, const float (*wi)[3], const float (*wo)[3],
+                 float (*f)[3]) {
+  const ggx *g = p;
+  if (g->plain)
+    eval_as(g, n, wi, wo, f, true);
+  else
+    eval_as(g, n, wi, wo, f, false);
+}
+
+static void sample(const void *p, size_t n, const float (*wo)[3], const float (*u)[3],
+                   float (*wi)[3], float (*weight)[3], float *pdf) {
+  const ggx *g = p;
+  if (g->plain)
+    sample_as(g, n, wo, u, wi, weight, pdf, true);
+  else
+    sample_as(g, n, wo, u, wi, weight, pdf, false);
+}
+
+static void pdf(const void *p, size_t n, const float (*in)[3], const float (*out)[3], float *to) {
+  const ggx *g = p;
+  LANES_EACH(i, rows, n) {
+    lane wi[3], wo[3], D, square;
+    lanes_load3(in + i, rows, wi);
+    lanes_load3(out + i, rows, wo);
+    view v = look(g, wo, g->plain);
+    lane density = visible_pdf(g->ax, g->ay, wi, wo, v.root, &D, &square);
+    density = v.share * density + (1 - v.share) * wi[2] * (1 / VISIBLE_PI);
+    lanes_store(lane_if((wi[2] > 0) & (wo[2] > 0), density), rows, to + i);
+  }
+}
+
+const material_kernels YLM_KERNEL(ylm_k_material_ggx) = {eval, sample, pdf};
