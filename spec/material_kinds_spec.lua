@@ -8,24 +8,29 @@ local material = require "ylm.material"
 
 local rows = require "spec.support.material_rows" (ylm)
 
-local views = { { 0, 0, 1 }, { 0.6, 0, 0.8 }, { 0.3, -0.9, 0.3162277660168379 } }
+local views = { { 0.6, 0, 0.8 }, { 0.3, -0.9, 0.3162277660168379 } }
 
---- Directions above the surface, n rows of 2 n: array, list, and the solid angle of each.
-local function hemisphere(n)
-  local list, weights = {}, {}
-  for i = 1, n do
-    local angle, half = (i - 0.5) / n * math.pi / 2, math.pi / 4 / n
-    local z, r = math.cos(angle), math.sin(angle)
-    local weight = (math.cos(angle - half) - math.cos(angle + half)) * math.pi / n
-    for k = 1, 2 * n do
-      local turn = (k - 0.5) / n * math.pi
-      list[#list + 1], weights[#weights + 1] = { r * math.cos(turn), r * math.sin(turn), z }, weight
+--- Directions above the surface: array, list, and the solid angle of each. Densities jump at the height of the view.
+local function hemisphere(wo, n)
+  local list, weights, view = {}, {}, math.acos(wo[3])
+  for _, part in ipairs { { 0, view }, { view, math.pi / 2 } } do
+    local rows_here = math.ceil(n * (part[2] - part[1]) / (math.pi / 2))
+    local half = (part[2] - part[1]) / rows_here / 2
+    for i = 1, rows_here do
+      local angle = part[1] + (2 * i - 1) * half
+      local z, r = math.cos(angle), math.sin(angle)
+      local weight = (math.cos(angle - half) - math.cos(angle + half)) * math.pi / n
+      for k = 1, 2 * n do
+        local turn = (k - 0.5) / n * math.pi
+        list[#list + 1], weights[#weights + 1] = { r * math.cos(turn), r * math.sin(turn), z }, weight
+      end
     end
   end
-  return ylm.array(list), list, weights
+  return { array = ylm.array(list), list = list, weights = weights }
 end
 
-local fine, fine_list, solid_angle = hemisphere(144)
+local around = {}
+for i, wo in ipairs(views) do around[i] = hemisphere(wo, 64) end
 
 --- n rows of three numbers that fill the cube.
 local function numbers(n)
@@ -34,7 +39,15 @@ local function numbers(n)
   return ylm.array(u, "float")
 end
 
-local many = numbers(20000)
+local many = numbers(3000)
+
+local RANDOM, random = 2000, {}
+math.randomseed(7)
+for i = 1, RANDOM do
+  random[i] = {}
+  for k = 1, 3 do random[i][k] = math.min(math.random(), 0.9999999) end
+end
+random = ylm.array(random, "float")
 
 --- Pairs of directions above the surface.
 local function pairs_above(n)
@@ -49,6 +62,9 @@ local function pairs_above(n)
   end
   return a, b
 end
+
+--- All numbers of an array, as a list.
+local function flat(a) return a:reshape({ a.shape[1] * (a.shape[2] or 1) }):totable() end
 
 --- The cell of a direction among 8 x 16.
 local function cell(d)
@@ -68,11 +84,10 @@ describe("materials of each kind", function()
     end)
 
     it("are sampled by a density that integrates to 1, with weights f cos / density: " .. name, function()
-      for _, wo in ipairs(views) do
-        local density = m:pdf(fine, wo):totable()
-        local sum = 0
-        for i, p in ipairs(density) do sum = sum + p * solid_angle[i] end
-        assert.near(1, sum, 2e-3)
+      for v, wo in ipairs(views) do
+        local all, sum = around[v], 0
+        for i, p in ipairs(m:pdf(all.array, wo):totable()) do sum = sum + p * all.weights[i] end
+        assert.near(1, sum, row.integral or 2e-3)
         local wi, weight, pdf = m:sample(wo, many)
         local f, p = m:eval(wi, wo):totable(), m:pdf(wi, wo):totable()
         local w, q, d, mean = weight:totable(), pdf:totable(), wi:totable(), { 0, 0, 0 }
@@ -87,39 +102,34 @@ describe("materials of each kind", function()
           end
         end
         -- Their mean is the albedo, by another quadrature too.
-        local whole, albedo = m:eval(fine, wo):totable(), { 0, 0, 0 }
-        for i, v in ipairs(whole) do
-          for c = 1, 3 do albedo[c] = albedo[c] + v[c] * fine_list[i][3] * solid_angle[i] end
+        local albedo = { 0, 0, 0 }
+        for i, value in ipairs(m:eval(all.array, wo):totable()) do
+          for c = 1, 3 do albedo[c] = albedo[c] + value[c] * all.list[i][3] * all.weights[i] end
         end
         local azimuth = math.deg((math.atan2 or math.atan)(wo[2], wo[1]))
         local said = m:albedo(wo[3], { azimuth = azimuth }):totable()[1]
         for c = 1, 3 do
-          assert.near(albedo[c], mean[c], 3e-3)
-          assert.near(albedo[c], said[c], 1e-3)
+          assert.near(albedo[c], mean[c], row.integral or 3e-3)
+          assert.near(albedo[c], said[c], row.integral or 1e-3)
         end
       end
     end)
 
     it("have samples that follow it: " .. name, function()
-      for _, wo in ipairs(views) do
-        local expected, counted = {}, {}
+      for v, wo in ipairs(views) do
+        local all, expected, counted = around[v], {}, {}
         for i = 1, 128 do expected[i], counted[i] = 0, 0 end
-        for i, p in ipairs(m:pdf(fine, wo):totable()) do
-          local k = cell(fine_list[i])
-          expected[k] = expected[k] + p * solid_angle[i]
+        for i, p in ipairs(m:pdf(all.array, wo):totable()) do
+          local k = cell(all.list[i])
+          expected[k] = expected[k] + p * all.weights[i]
         end
-        local random, list = ylm.zeros({ 1 }), {}
-        random:close()
-        math.randomseed(7)
-        for i = 1, 5000 do list[i] = { math.random(), math.random(), math.random() } end
-        for i = 1, #list do for k = 1, 3 do list[i][k] = math.min(list[i][k], 0.9999999) end end
-        for _, d in ipairs((m:sample(wo, list)):totable()) do
+        for _, d in ipairs((m:sample(wo, random)):totable()) do
           local k = cell(d)
           counted[k] = counted[k] + 1
         end
         local chi2, cells, rest, left = 0, -1, 0, 0
         for i = 1, 128 do
-          local e = expected[i] * #list
+          local e = expected[i] * RANDOM
           if e < 8 then rest, left = rest + e, left + counted[i]
           else chi2, cells = chi2 + (counted[i] - e) ^ 2 / e, cells + 1 end
         end
@@ -142,15 +152,18 @@ describe("materials of each kind", function()
 
   it("have finite values at the edges: the normal, grazing, numbers 0 and nearly 1", function()
     local edges, u = { { 0, 0, 1 }, { 1, 0, 1e-6 }, { -1, 0, 1e-6 }, { 0, 1, 1e-3 }, { 1, 0, 1e-30 } }, {}
-    for i = 0, 7 do u[i + 1] = { i % 2 * 0.99999994, math.floor(i / 2) % 2 * 0.99999994, math.floor(i / 4) * 0.99999994 } end
-    local materials = { ylm.ggx { alpha = 1e-3, f0 = 1 }, ylm.ggx { alpha = 1e-3, f0 = 0, base = 1 }, ylm.phong { exponent = 1e5 },
+    for i = 0, 7 do
+      u[i + 1] = { i % 2 * 0.99999994, math.floor(i / 2) % 2 * 0.99999994, math.floor(i / 4) * 0.99999994 }
+    end
+    local materials = { ylm.ggx { alpha = 1e-3, f0 = 1 }, ylm.ggx { alpha = 1e-3, f0 = 0, base = 1 },
+      ylm.phong { exponent = 1e5 },
       ylm.phong { exponent = 0, specular = 1, base = 0 }, ylm.abc { kd = 0, a = 0, b = 0, c = 0, ior = 1 } }
     for _, row in ipairs(rows) do materials[#materials + 1] = row[2] end
     for _, m in ipairs(materials) do
       for _, wo in ipairs(edges) do
         local wi, weight, pdf = m:sample(wo, u)
         for _, a in ipairs { wi, weight, pdf, m:eval(wi, wo), m:pdf(wi, wo), m:eval(edges, wo) } do
-          for _, x in ipairs(a:reshape({ #a == 0 and 0 or a.count or 1 * (a.shape[1] * (a.shape[2] or 1)) }):totable()) do
+          for _, x in ipairs(flat(a)) do
             assert(x == x and math.abs(x) < math.huge, tostring(m))
           end
         end
@@ -177,7 +190,8 @@ describe("materials of each kind", function()
       end]])
     local results = {}
     for _, isa in ipairs(ylm.info().kernels) do
-      local out, status = scratch.capture(("YLM_ISA=%s %s %s"):format(isa, os.getenv "YLM_LUA" or "lua", scratch.quote(script)))
+      local lua = os.getenv "YLM_LUA" or "lua"
+      local out, status = scratch.capture(("YLM_ISA=%s %s %s"):format(isa, lua, scratch.quote(script)))
       assert(status == 0, out)
       results[isa] = {}
       for word in out:gmatch "%S+" do table.insert(results[isa], tonumber(word)) end
@@ -259,13 +273,13 @@ describe("ggx", function()
   end)
 
   it("returns all light where f0 is 1, or the base is, within 2e-3: isotropic furnaces", function()
-    local u = numbers(8192)
-    for _, alpha in ipairs { 0.01, 0.05, 0.1, 0.3, 0.6, 1 } do
+    local u = numbers(4096)
+    for _, alpha in ipairs { 0.01, 0.1, 0.3, 1 } do
       for _, m in ipairs { ylm.ggx { alpha = alpha, f0 = 1 }, ylm.ggx { alpha = alpha, f0 = { 0.04, 0.5, 0.95 }, base = 1 } } do
-        for _, z in ipairs { 1, 0.7, 0.3, 0.1 } do
+        for _, z in ipairs { 1, 0.5, 0.1 } do
           local _, weight = m:sample({ math.sqrt(1 - z * z), 0, z }, u)
           local sum = { 0, 0, 0 }
-          for _, w in ipairs(weight:totable()) do for c = 1, 3 do sum[c] = sum[c] + w[c] / 8192 end end
+          for _, w in ipairs(weight:totable()) do for c = 1, 3 do sum[c] = sum[c] + w[c] / 4096 end end
           for c = 1, 3 do assert.near(1, sum[c], 2e-3) end
         end
       end
@@ -281,7 +295,9 @@ describe("ggx", function()
   it("mirrors: light leaves 180 degrees from where it comes, wide across the direction of the larger alpha", function()
     local m = ylm.ggx { alpha = 0.05, f0 = 1 }
     local best, at = 0, nil
-    for i, f in ipairs(m:eval(fine, { 0.6, 0, 0.8 }):totable()) do if f[1] > best then best, at = f[1], fine_list[i] end end
+    for i, f in ipairs(m:eval(around[1].array, { 0.6, 0, 0.8 }):totable()) do
+      if f[1] > best then best, at = f[1], around[1].list[i] end
+    end
     assert.near(-0.6, at[1], 0.05)
     assert.near(0, at[2], 0.05)
     local brushed = ylm.ggx { alpha = { 0.1, 0.4 }, f0 = 1, compensate = false }

@@ -72,18 +72,19 @@ static double fresnel(double ior, double c) {
 
 /* D of GGX of the normal along (x, y, z). */
 static double ndf(double alpha, double x2, double z) {
-  double q = (x2 + z * z) / (x2 / (alpha * alpha) + z * z);
+  double q = (x2 + z * z) / fmax(1e-30, x2 / (alpha * alpha) + z * z);
   return q * q / (PI * alpha * alpha);
 }
 
 /* f and the density of samples for two directions above the surface. */
 static double both(const abc *g, const double wi[3], const double wo[3], double f[3]) {
   double x = wi[0] + wo[0], y = wi[1] + wo[1], z = wi[2] + wo[2], gz = wo[2] - wi[2];
-  double flat = x * x + y * y, length = sqrt(flat + z * z), up = z / length, c = length / 2;
+  double flat = x * x + y * y, length = fmax(1e-6, sqrt(flat + z * z));
+  double up = z / length, c = length / 2, zi = fmax(1e-6, wi[2]), zo = fmax(1e-6, wo[2]);
   double fall = flat / (length * (length + z)); /* 1 - m.z, without loss of digits */
-  double G = fmin(1, 2 * up * fmin(wi[2], wo[2]) / c);
+  double G = fmin(1, 2 * up * fmin(zi, zo) / c);
   double shape = exp(-(double)g->c * log1p((double)g->b * fall)) * G *
-                 fresnel((double)g->ior, fmin(1, c)) / (wi[2] * wo[2]);
+                 fresnel((double)g->ior, fmin(1, c)) / (zi * zo);
   for (int k = 0; k < 3; k++) f[k] = (double)g->kd[k] + (double)g->a[k] * shape;
   double alpha = (double)g->alpha, share = (double)g->share;
   double root = sqrt(wo[2] * wo[2] + alpha * alpha * (wo[0] * wo[0] + wo[1] * wo[1]));

@@ -15,11 +15,12 @@ YLM_INLINE lane fresnel(float ior, lane c) {
 /* F S G / (wi.z wo.z), but for the factor a. */
 YLM_INLINE lane shape_of(const abc *g, const lane wi[3], const lane wo[3]) {
   lane x = wi[0] + wo[0], y = wi[1] + wo[1], z = wi[2] + wo[2], flat = x * x + y * y;
-  lane length = ylm_vf_sqrt(flat + z * z), c = length * 0.5f;
+  lane least = lane_of(1e-6f), length = lane_max(ylm_vf_sqrt(flat + z * z), least);
+  lane c = length * 0.5f, zi = lane_max(wi[2], least), zo = lane_max(wo[2], least);
   lane fall = flat / (length * (length + z)); /* 1 - m.z, without loss of digits */
-  lane G = lane_min(2 * z * lane_min(wi[2], wo[2]) / (length * c), lane_of(1));
+  lane G = lane_min(2 * z * lane_min(zi, zo) / (length * c), lane_of(1));
   lane over = lane_exp(-g->c * lane_log(1 + g->b * fall));
-  return over * G * fresnel(g->ior, lane_min(c, lane_of(1))) / (wi[2] * wo[2]);
+  return over * G * fresnel(g->ior, lane_min(c, lane_of(1))) / (zi * zo);
 }
 
 YLM_INLINE lane density_at(const abc *g, const lane wi[3], const lane wo[3]) {

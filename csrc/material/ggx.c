@@ -152,7 +152,7 @@ static double root(const ggx *g, const double w[3]) {
 /* D of the normal along h. */
 static double ndf(const ggx *g, double x, double y, double z) {
   double ax = (double)g->ax, ay = (double)g->ay, e = x * x / (ax * ax) + y * y / (ay * ay) + z * z;
-  double q = (x * x + y * y + z * z) / e;
+  double q = (x * x + y * y + z * z) / fmax(e, 1e-30);
   return q * q / (PI * ax * ay);
 }
 
@@ -181,7 +181,7 @@ static double both(const ggx *g, const double wi[3], const double wo[3], double 
   curve_at(g, wo[2], &Ao, &Bo);
   for (int c = 0; c < 3; c++) {
     double f0 = (double)g->f0[c], F = f0 + (1 - f0) * schlick;
-    f[c] = F * D / (2 * (wo[2] * root(g, wi) + wi[2] * ro));
+    f[c] = F * D / fmax(1e-30, 2 * (wo[2] * root(g, wi) + wi[2] * ro));
     f[c] += (double)g->lost[c] * (1 - Ai - Bi) * (1 - Ao - Bo);
     f[c] += (double)g->base[c] * (1 - above(g, c, Ai, Bi)) * (1 - above(g, c, Ao, Bo));
   }

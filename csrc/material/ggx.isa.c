@@ -49,7 +49,8 @@ YLM_INLINE view look(const ggx *g, const lane wo[3], bool plain) {
 YLM_INLINE void reflect(const ggx *g, const lane wi[3], const lane wo[3], const view *v, lane D,
                         lane square, bool plain, lane f[3]) {
   lane q = 1 - 0.5f * ylm_vf_sqrt(square), q2 = q * q, schlick = q2 * q2 * q, A, B;
-  lane mirrored = D / (2 * (wo[2] * visible_root(g->ax, g->ay, wi) + wi[2] * v->root));
+  lane under = wo[2] * visible_root(g->ax, g->ay, wi) + wi[2] * v->root;
+  lane mirrored = D / lane_max(2 * under, lane_of(1e-30f));
   for (int c = 0; c < 3; c++) f[c] = (g->f0[c] + (1 - g->f0[c]) * schlick) * mirrored;
   if (plain) return;
   curve_at(g, wi[2], &A, &B);

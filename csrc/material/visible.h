@@ -24,7 +24,7 @@ YLM_INLINE lane visible_root(float ax, float ay, const lane w[3]) {
 /* D of the normal along h, and |h|^2. */
 YLM_INLINE lane visible_ndf(float ax, float ay, lane hx, lane hy, lane hz, lane *square) {
   lane x2 = hx * hx, y2 = hy * hy, z2 = hz * hz, l2 = x2 + y2 + z2;
-  lane e = x2 * (1 / (ax * ax)) + y2 * (1 / (ay * ay)) + z2, q = l2 / e;
+  lane e = x2 * (1 / (ax * ax)) + y2 * (1 / (ay * ay)) + z2, q = l2 / lane_max(e, lane_of(1e-30f));
   *square = l2;
   return q * q * (1 / (VISIBLE_PI * ax * ay));
 }

@@ -1,4 +1,4 @@
---- What materials do with light: the methods of every kind.
+--- The methods of materials of every kind: light between directions.
 
 local array = require "ylm.array"
 local check = require "ylm.check"
@@ -66,7 +66,8 @@ function methods.eval(m, wi, wo, given)
   if not made then return nil, message, code end
   local o = form.options(3, "eval", options, given)
   local a, b, n, single = pair("eval", wi, wo)
-  local out, f = outputs.of(3, "eval", o.out, "float", { { n, 3 } }), nil
+  local out = outputs.of(3, "eval", o.out, "float", { { n, 3 } })
+  local f
   f, message, code = check.result("eval", core.material_eval(made, a, b, out))
   if not f then return nil, message, code end
   return single and not out and f[1] or f
@@ -88,7 +89,8 @@ function methods.pdf(m, wi, wo, given)
   if not made then return nil, message, code end
   local o = form.options(3, "pdf", options, given)
   local a, b, n, single = pair("pdf", wi, wo)
-  local out, p = outputs.of(3, "pdf", o.out, "float", { { n } }), nil
+  local out = outputs.of(3, "pdf", o.out, "float", { { n } })
+  local p
   p, message, code = check.result("pdf", core.material_pdf(made, a, b, out))
   if not p then return nil, message, code end
   return single and not out and p:get(1) or p
@@ -179,7 +181,7 @@ function methods.degrees(m, given)
   local made, message, code = open("degrees", m)
   if not made then return nil, message, code end
   local o = form.options(1, "degrees", degrees_options, given)
-  local angles, list = {}, nil
+  local angles, list = {}
   for i = 0, 17 do angles[i + 1] = math.rad(5 * i) end
   list, message, code = check.result("degrees", core.material_degrees(made, o.error, o.most, angles))
   if not list then return nil, message, code end

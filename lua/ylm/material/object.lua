@@ -1,4 +1,4 @@
---- What all materials are in Lua: objects that do not change, with methods that ask C.
+--- Materials of all kinds in Lua: objects that do not change, with methods that ask C.
 --
 -- A kind's form has `metatable = object.metatable()`, `build = object.builder "KIND"` and `material`, a function of the
 -- checked fields that returns the numbers that describe the material, as csrc/material/KIND.c takes them. Of a file it
