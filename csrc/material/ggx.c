@@ -53,8 +53,8 @@ static void find_curve(double alpha, ggx *g) {
       for (int x = 0; x < 4; x++)
         for (int k = 0; k < 2; k++)
           sum[k] += row[y] * column[x] * (double)ylm__material_albedo[r + y][c + x][k];
-    double over = fmax(1, sum[0] + sum[1]);
-    for (int k = 0; k < 2; k++) g->curve[i][k] = (float)(sum[k] / over);
+    double scale = 65535 / fmax(1, sum[0] + sum[1]); /* rounded down: their sum is at most 1 */
+    g->curve[i] = (uint32_t)(fmax(0, sum[0]) * scale) + ((uint32_t)(fmax(0, sum[1]) * scale) << 16);
   }
 }
 
@@ -63,8 +63,9 @@ static void curve_at(const ggx *g, double cosine, double *A, double *B) {
   double s = sqrt(cosine) * GGX_CURVE;
   int i = s < GGX_CURVE ? (int)s : GGX_CURVE - 1;
   double t = s - i;
-  *A = (double)g->curve[i][0] * (1 - t) + (double)g->curve[i + 1][0] * t;
-  *B = (double)g->curve[i][1] * (1 - t) + (double)g->curve[i + 1][1] * t;
+  uint32_t a = g->curve[i], b = g->curve[i + 1];
+  *A = ((a & 65535) * (1 - t) + (b & 65535) * t) / 65535;
+  *B = ((a >> 16) * (1 - t) + (b >> 16) * t) / 65535;
 }
 
 /* Their averages over the cosine. */

@@ -16,6 +16,7 @@
 #define YLM_MATERIAL_GGX_H
 
 #include <stdbool.h>
+#include <stdint.h>
 
 /* gen/albedo.c: { A, B } over sqrt(alpha), from sqrt(YLM__ALBEDO_LEAST) to 1, and sqrt(cosine), from
    0 to 1; both even. */
@@ -32,7 +33,7 @@ typedef struct ggx {
   float lost[3];                 /* m */
   float base[3];                 /* b */
   float K[3], colour[3];         /* K; base as it was given */
-  float curve[GGX_CURVE + 2][2]; /* A, B; one more repeats the last */
+  uint32_t curve[GGX_CURVE + 2]; /* A + 65536 B, in 65535ths; one more repeats the last */
 } ggx;
 
 #endif

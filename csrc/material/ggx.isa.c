@@ -3,19 +3,30 @@
 #include "kernels.h"
 #include "visible.h"
 
-/* A and B at sqrt(cosine) s of each lane. */
+/* Entries i and i + 1 of the curve for each lane's i. */
+#define EVEN(j, a) (2 * (j))
+#define ODD(j, a) (2 * (j) + 1)
+YLM_INLINE void look_up(const ggx *g, mask i, mask *here, mask *next) {
+  int32_t at[W];
+  uint64_t pair[W]; /* two neighbours are one load */
+  memcpy(at, &i, sizeof at);
+  for (int j = 0; j < W; j++) memcpy(&pair[j], &g->curve[at[j]], sizeof *pair);
+  mask low, high;
+  memcpy(&low, pair, sizeof low);
+  memcpy(&high, pair + W / 2, sizeof high);
+  *here = __builtin_shufflevector(low, high, LANES(EVEN, 0));
+  *next = __builtin_shufflevector(low, high, LANES(ODD, 0));
+}
+
+/* A and B at the cosine of each lane. */
 YLM_INLINE void curve_at(const ggx *g, lane cosine, lane *A, lane *B) {
   lane s = ylm_vf_sqrt(lane_max(cosine, lane_of(0))) * GGX_CURVE;
-  mask at = lane_int(lane_min(s, lane_of(GGX_CURVE - 1)));
+  mask at = lane_int(lane_min(s, lane_of(GGX_CURVE - 1))), here, next;
   lane t = s - lane_float(at);
-  float a[4][W];
-  for (int j = 0; j < W; j++) {
-    const float *pair = g->curve[at[j]];
-    a[0][j] = pair[0], a[1][j] = pair[1], a[2][j] = pair[2], a[3][j] = pair[3];
-  }
-  lane a0 = ylm_vf_load(a[0]), b0 = ylm_vf_load(a[1]);
-  *A = a0 + t * (ylm_vf_load(a[2]) - a0);
-  *B = b0 + t * (ylm_vf_load(a[3]) - b0);
+  look_up(g, at, &here, &next);
+  lane a = lane_float(here & 65535), b = lane_float((here >> 16) & 65535);
+  *A = (a + t * (lane_float(next & 65535) - a)) * (1 / 65535.0f);
+  *B = (b + t * (lane_float((next >> 16) & 65535) - b)) * (1 / 65535.0f);
 }
 
 YLM_INLINE lane above(const ggx *g, int c, lane A, lane B) {
