@@ -384,6 +384,13 @@ describe("pictures of surfaces that gloss", function()
     assert.truthy(said:find("1 mesh is glossy: transfer vectors shade it as a matte one of its mean albedo", 1, true), said)
   end)
 
+  it("are refused by devices, by the mesh and its kind", function()
+    local view = scene(ylm.ggx {}):prepare { size = { 8, 4 }, samples = 1, visibility = "none", lmax = 0 }
+    local none, message = require "ylm.c.scene".shade_materials(view)
+    assert.is_nil(none)
+    assert.equal("a device shades matte surfaces only: mesh 1 is ggx", message)
+  end)
+
   it("need texture coordinates where alpha has two values", function()
     local s = scene(ylm.ggx {})
     s.geometry[2] = ylm.mesh { vertices = { { 0, 0, 0 }, { 1, 0, 0 }, { 0, 1, 0 } }, triangles = { { 1, 2, 3 } },

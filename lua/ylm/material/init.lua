@@ -8,6 +8,9 @@ local form = require "ylm.form"
 local object = require "ylm.material.object"
 
 require "ylm.material.methods"
+require "ylm.material.shape"
+
+require "ylm.memory".publish(object.methods)
 
 local material = {}
 

@@ -5,7 +5,6 @@ local check = require "ylm.check"
 local core = require "ylm.c.core"
 local describe = require "ylm.describe".describe
 local form = require "ylm.form"
-local memory = require "ylm.memory"
 local object = require "ylm.material.object"
 local outputs = require "ylm.outputs"
 
@@ -247,7 +246,5 @@ function methods.check(m)
   facts.reciprocity, facts.negative = compare(made)
   return facts
 end
-
-memory.publish(methods)
 
 return methods

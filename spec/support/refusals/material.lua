@@ -88,5 +88,13 @@ return {
     { { error = 0 }, nil, nil, "error must be a number > 0" }, { { error = 1 }, nil, nil, "error must be" },
     { { most = 101 }, nil, nil, "most must be an integer" }, { 5, nil, nil, "a table of options expected" },
   }),
+  ["material:slice"] = method("slice", {
+    { { angle = 91 }, nil, nil, "angle must be a number >= 0 and <= 90" }, { { count = 1 }, nil, nil, "count must be" },
+    { { cosine = 1 }, nil, nil, "cosine must be true or false" },
+  }),
+  ["material:lobe"] = method("lobe", {
+    { { divide = 4 }, nil, nil, "divide must be an integer >= 8" }, { { scale = 0 }, nil, nil, "scale must be a number > 0" },
+    { { angles = 1 }, nil, nil, "did you mean 'angle'" },
+  }),
   ["material:check"] = method("check"),
 }
