@@ -47,6 +47,7 @@
   X(image)                                                                                         \
   X(image_ops)                                                                                     \
   X(material)                                                                                      \
+  X(material_file)                                                                                 \
   X(mesh)
 
 #define YLML_SCENE_BINDINGS(X)                                                                     \

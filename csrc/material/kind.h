@@ -40,6 +40,9 @@ typedef struct material_kind {
   void (*reflect)(const float *x, const double irradiance[3], float radiance[3]);
   void (*row)(const float *x, float *row);
 
+  /* Of a table: as ylm_material_facts. NULL: nothing. */
+  void (*facts)(const ylm_material *m, ylm_material_fact *fact, void *to);
+
   bool (*isotropic)(const ylm_material *m);
   void (*eval)(const ylm_material *m, size_t n, const float (*wi)[3], const float (*wo)[3],
                float (*f)[3]);
@@ -50,7 +53,7 @@ typedef struct material_kind {
 } material_kind;
 
 /* Each X(name) is a file name.c with ylm__material_name. */
-#define MATERIAL_KINDS(X) X(matte) X(ggx) X(phong) X(abc)
+#define MATERIAL_KINDS(X) X(matte) X(ggx) X(phong) X(abc) X(merl) X(rgl) X(tabulated)
 
 #define X(name) extern const material_kind ylm__material_##name;
 MATERIAL_KINDS(X)

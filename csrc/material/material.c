@@ -154,6 +154,11 @@ void ylm_material_pdf(const ylm_material *m, size_t n, const float (*wi)[3], con
   kinds[m->kind]->pdf(m, n, wi, wo, pdf);
 }
 
+void ylm_material_facts(const ylm_material *m, ylm_material_fact *fact, void *to) {
+  const material_kind *k = kinds[m->kind];
+  if (k->facts) k->facts(m, fact, to);
+}
+
 ylm_status ylm_material_row(const ylm_material *m, float *row, ylm_error *e) {
   const material_kind *k = kinds[m->kind];
   if (!k->row)

@@ -152,6 +152,34 @@ YLM_API void ylm_material_pdf(const ylm_material *m, size_t n, const float (*wi)
 YLM_API ylm_status ylm_material_degrees(const ylm_material *m, double error, int most, size_t n,
                                         const double *angle, int *degree);
 
+/* -- files ------------------------------------------------------------------- */
+
+/*
+** ylm_material_write_merl - an isotropic material as one of MERL's files.
+**
+** The file has the material's f at the centres of the bins, and -1 where one of the directions is not
+** above the surface; of a material that is such a table, its own numbers. It has 34,992,012 bytes.
+**
+** Returns  YLM_OK; YLM_EDOMAIN (anisotropic), YLM_EIO, YLM_ENOMEM
+** Source   Matusik et al. 2003, "A Data-Driven Reflectance Model"; Rusinkiewicz 1998
+*/
+YLM_API ylm_status ylm_material_write_merl(const ylm_material *m, const char *path, ylm_error *e);
+
+/* The bins of such a file, and the numbers [..][3] that a tabulated material is loaded from: sr^-1,
+   negative where nothing is known. */
+#define YLM_MERL_THETA_H 90
+#define YLM_MERL_THETA_D 90
+#define YLM_MERL_PHI_D 180
+
+/* The directions of the centre of a bin, whose half vector lies in the plane y = 0; false: one of them
+   is not above the surface. */
+YLM_API bool ylm_material_merl_centre(int theta_h, int theta_d, int phi_d, double wi[3],
+                                      double wo[3]);
+
+/* Calls fact(to, name, number) with each number that says what a material's tables hold. */
+typedef void ylm_material_fact(void *to, const char *name, double x);
+YLM_API void ylm_material_facts(const ylm_material *m, ylm_material_fact *fact, void *to);
+
 /* -- for kernels elsewhere --------------------------------------------------- */
 
 #define YLM_MATERIAL_ROW 3

@@ -81,6 +81,11 @@ function types.string(x)
   return nil, "a string"
 end
 
+function types.path(x)
+  if type(x) == "string" and #x > 0 and not x:find "%z" then return x end
+  return nil, "a file name"
+end
+
 types["function"] = function(x)
   if type(x) == "function" then return x end
   return nil, "a function"

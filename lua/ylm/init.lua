@@ -20,7 +20,7 @@ local contents = {
   { "ylm.array", "array", "zeros" },
   { "ylm.light", "light_field" },
   { "ylm.grid", "adaptive_grid", "uniform_grid", "bake" },
-  { "ylm.material", "matte", "ggx", "phong", "abc" },
+  { "ylm.material", "matte", "ggx", "phong", "abc", "merl", "rgl", "tabulated" },
   { "ylm.camera", "camera" },
   { "ylm.scene", "scene", "load_scene" },
   { "ylm.file", "load" },

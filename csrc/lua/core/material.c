@@ -37,16 +37,14 @@ static int material_check(lua_State *L) {
   return ylmL_result(L, 1, ylm_material_check(kind, n, x, &e), &e);
 }
 
-/* material_create(kind, numbers [, bytes of a file, its name]) -> material */
+/* material_create(kind, numbers) -> material */
 static int material_create(lua_State *L) {
   float x[YLM_MATERIAL_NUMBERS];
-  size_t n, size = 0;
+  size_t n;
   ylm_error e = {0};
   int kind = read_numbers(L, &n, x);
-  const char *bytes = luaL_optlstring(L, 3, NULL, &size), *name = luaL_optstring(L, 4, "the file");
   ylm_material **m = ylmL_material_new(L);
-  ylm_status s = bytes ? ylm_material_load(kind, n, x, bytes, size, name, m, &e)
-                       : ylm_material_create(kind, n, x, m, &e);
+  ylm_status s = ylm_material_create(kind, n, x, m, &e);
   if (s == YLM_OK) ylmL_charge(L, ylm_material_bytes(*m));
   return ylmL_result(L, 1, s, &e);
 }

@@ -1,8 +1,8 @@
 --- Materials of all kinds in Lua: objects that do not change, with methods that ask C.
 --
 -- A kind's form has `metatable = object.metatable()`, `build = object.builder "KIND"` and `material`, a function of the
--- checked fields that returns the numbers that describe the material, as csrc/material/KIND.c takes them. Of a file it
--- returns the file's bytes and its name besides; where the file cannot be had: nil, message, code.
+-- checked fields that returns the numbers that describe the material, as csrc/material/KIND.c takes them. Of a table it
+-- returns C's object besides; where that cannot be made: nil, message, code.
 
 local check = require "ylm.check"
 local core = require "ylm.c.core"
@@ -44,17 +44,15 @@ end
 function object.builder(kind)
   return function(values, fail)
     local definition = form.defined[kind]
-    local numbers, bytes, name = definition.material(values, fail)
-    if not numbers then return nil, bytes, name end
-    local made, message, code
-    if bytes then made, message, code = core.material_create(kind, numbers, bytes, name)
-    else made, message, code = core.material_check(kind, numbers) end
-    if not made then
+    local numbers, made, code = definition.material(values, fail)
+    local good, message = numbers, made
+    if numbers and not made then good, message, code = core.material_check(kind, numbers) end
+    if not good then
       if core.status(code) == "caller" then return fail(message) end
       return nil, message, code
     end
     local m = setmetatable({}, definition.metatable)
-    inside[m] = { values = values, numbers = numbers, made = bytes and made or nil }
+    inside[m] = { values = values, numbers = numbers, made = made }
     return m
   end
 end

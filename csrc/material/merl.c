@@ -1,0 +1,212 @@
+/* merl.c - reflectance from MERL's bins: lookups, and the kind that is read from a file. */
+#include "merl.h"
+
+#include <math.h>
+
+#include "kind.h"
+
+#define PI 3.14159265358979323846
+
+/* -- places ----------------------------------------------------------------- */
+
+/* Of a pair, by the angles of the light's direction d in the frame of the half vector. */
+static void place(int phis, const float wi[3], const float wo[3], float out[3]) {
+  double h[3], v[3];
+  for (int a = 0; a < 3; a++) {
+    h[a] = (double)wi[a] + wo[a];
+    v[a] = (double)wi[a] - wo[a];
+  }
+  double flat = sqrt(h[0] * h[0] + h[1] * h[1]), length = sqrt(flat * flat + h[2] * h[2]);
+  double theta_h = atan2(flat, h[2]);
+  double theta_d = atan2(sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]), length);
+  /* d has its x axis down the half vector's meridian. */
+  double phi = flat > 0 ? atan2(v[1] * h[0] - v[0] * h[1], -v[2] * length) : atan2(v[1], v[0]);
+  if (phi < 0) phi += phis == YLM_MERL_PHI_D ? PI : 2 * PI;
+  out[0] = (float)(YLM_MERL_THETA_H * sqrt(theta_h * (2 / PI)));
+  out[1] = (float)(YLM_MERL_THETA_D * theta_d * (2 / PI));
+  out[2] = (float)(YLM_MERL_PHI_D * phi / PI);
+}
+
+static void places(int phis, size_t n, const float (*wi)[3], const float (*wo)[3],
+                   merl_places *out) {
+  for (size_t k = 0; k < n; k++) {
+    float at[3];
+    place(phis, wi[k], wo[k], at);
+    out->theta_h[k] = at[0];
+    out->theta_d[k] = at[1];
+    out->phi_d[k] = at[2];
+  }
+}
+
+#if defined(__x86_64__)
+merl_places_fn ylm_k_merl_places_sse2, ylm_k_merl_places_avx2, ylm_k_merl_places_avx512;
+#elif defined(__aarch64__)
+merl_places_fn ylm_k_merl_places_neon;
+#endif
+
+merl_places_fn *ylm__merl_places(void) {
+  switch (ylm_isa_current()) {
+#if defined(__x86_64__)
+  case YLM_ISA_sse2: return ylm_k_merl_places_sse2;
+  case YLM_ISA_avx2: return ylm_k_merl_places_avx2;
+  case YLM_ISA_avx512: return ylm_k_merl_places_avx512;
+#elif defined(__aarch64__)
+  case YLM_ISA_neon: return ylm_k_merl_places_neon;
+#endif
+  default: return places;
+  }
+}
+
+bool ylm_material_merl_centre(int theta_h, int theta_d, int phi_d, double wi[3], double wo[3]) {
+  double root = (theta_h + 0.5) / YLM_MERL_THETA_H, th = root * root * PI / 2;
+  double td = (theta_d + 0.5) / YLM_MERL_THETA_D * PI / 2, pd = (phi_d + 0.5) / YLM_MERL_PHI_D * PI;
+  double d[3] = {sin(td) * cos(pd), sin(td) * sin(pd), cos(td)};
+  double x = cos(th) * d[0], z = -sin(th) * d[0];
+  double hx = sin(th) * d[2], hz = cos(th) * d[2];
+  wi[0] = hx + x, wi[1] = d[1], wi[2] = hz + z;
+  wo[0] = hx - x, wo[1] = -d[1], wo[2] = hz - z;
+  return wi[2] > 0 && wo[2] > 0;
+}
+
+/* -- lookups ---------------------------------------------------------------- */
+
+static int clamp(int i, int n) { return i < 0 ? 0 : i < n ? i : n - 1; }
+
+static size_t row_of(const merl_table *t, int theta_h, int theta_d) {
+  return ((size_t)theta_h * YLM_MERL_THETA_D + (size_t)theta_d) * (size_t)t->phis;
+}
+
+/* The bin that holds a place. */
+static const float *nearest(const merl_table *t, float theta_h, float theta_d, float phi_d) {
+  size_t row =
+      row_of(t, clamp((int)theta_h, YLM_MERL_THETA_H), clamp((int)theta_d, YLM_MERL_THETA_D));
+  return t->bin[row + (size_t)clamp((int)phi_d, t->phis)];
+}
+
+/* The centres before and behind a place x among n bins; *t: the share of the second. */
+static void centres(float x, int n, int at[2], float *t) {
+  float below = floorf(x - 0.5f);
+  *t = x - 0.5f - below;
+  at[0] = clamp((int)below, n);
+  at[1] = clamp((int)below + 1, n);
+}
+
+typedef float four __attribute__((vector_size(16), may_alias));
+
+/* Between the eight centres around a place; missing bins have no share. Where all are missing: the bin that
+   holds it. */
+static void linear(const merl_table *t, float theta_h, float theta_d, float phi_d, float f[3]) {
+  int h[2], d[2], p[2];
+  float th, td, tp;
+  centres(theta_h, YLM_MERL_THETA_H, h, &th);
+  centres(theta_d, YLM_MERL_THETA_D, d, &td);
+  centres(phi_d, t->phis, p, &tp);
+  if (phi_d < 0.5f) p[0] = t->phis - 1;
+  if (phi_d >= (float)t->phis - 0.5f) p[1] = 0;
+  four sum = {0};
+  for (int k = 0; k < 4; k++) {
+    const merl_bin *row = t->bin + row_of(t, h[k >> 1], d[k & 1]);
+    float w = (k & 2 ? th : 1 - th) * (k & 1 ? td : 1 - td);
+    four a = *(const four *)row[p[0]], b = *(const four *)row[p[1]];
+    sum += (w * (1 - tp) * a[3]) * a + (w * tp * b[3]) * b;
+  }
+  const float *missing = nearest(t, theta_h, theta_d, phi_d);
+  for (int c = 0; c < 3; c++) f[c] = sum[3] > 1e-6f ? sum[c] / sum[3] : missing[c];
+}
+
+void ylm__merl_eval(const merl_table *t, size_t n, const float (*wi)[3], const float (*wo)[3],
+                    float (*f)[3]) {
+  merl_places_fn *find = ylm__merl_places();
+  merl_places at;
+  for (size_t first = 0; first < n; first += MERL_BLOCK) {
+    size_t some = n - first < MERL_BLOCK ? n - first : MERL_BLOCK;
+    find(t->phis, some, wi + first, wo + first, &at);
+    for (size_t k = 0; k < some; k++) {
+      float *out = f[first + k];
+      if (!(wi[first + k][2] > 0 && wo[first + k][2] > 0)) {
+        out[0] = out[1] = out[2] = 0;
+      } else if (t->linear) {
+        linear(t, at.theta_h[k], at.theta_d[k], at.phi_d[k], out);
+      } else {
+        const float *bin = nearest(t, at.theta_h[k], at.theta_d[k], at.phi_d[k]);
+        for (int c = 0; c < 3; c++) out[c] = bin[c];
+      }
+    }
+  }
+}
+
+void ylm__merl_pdf(const merl_table *t, size_t n, const float (*wi)[3], const float (*wo)[3],
+                   float *pdf) {
+  for (size_t k = 0; k < n; k++)
+    pdf[k] = wi[k][2] > 0 && wo[k][2] > 0 ? ylm__lobe_pdf(t->lobe, wi[k], wo[k]) : 0;
+}
+
+void ylm__merl_sample(const merl_table *t, size_t n, const float (*wo)[3], const float (*u)[3],
+                      float (*wi)[3], float (*weight)[3], float *pdf) {
+  for (size_t k = 0; k < n; k++) {
+    ylm__lobe_sample(t->lobe, wo[k], u[k], wi[k]);
+    pdf[k] = wi[k][2] > 0 && wo[k][2] > 0 ? ylm__lobe_pdf(t->lobe, wi[k], wo[k]) : 0;
+  }
+  ylm__merl_eval(t, n, wi, wo, weight);
+  for (size_t k = 0; k < n; k++)
+    for (int c = 0; c < 3; c++) weight[k][c] = pdf[k] > 0 ? weight[k][c] * wi[k][2] / pdf[k] : 0;
+}
+
+/* -- the kind --------------------------------------------------------------- */
+
+static ylm_status check(const float *x, ylm_error *e) {
+  if (x[0] != 0 && x[0] != 1)
+    return ylm_fail(e, YLM_EDOMAIN, "interpolation must be 0 (nearest) or 1 (linear), got %g",
+                    (double)x[0]);
+  return YLM_OK;
+}
+
+static ylm_status load(ylm_material *m, const unsigned char *bytes, size_t size, const char *name,
+                       ylm_error *e) {
+  merl_table *t;
+  ylm_status s = ylm__merl_read(bytes, size, name, &t, &m->bytes, e);
+  if (s != YLM_OK) return s;
+  t->linear = m->x[0] == 1;
+  m->table = t;
+  return YLM_OK;
+}
+
+static void facts(const ylm_material *m, ylm_material_fact *fact, void *to) {
+  ylm__merl_facts(m->table, fact, to);
+}
+
+static bool isotropic(const ylm_material *m) {
+  (void)m;
+  return true;
+}
+
+static void eval(const ylm_material *m, size_t n, const float (*wi)[3], const float (*wo)[3],
+                 float (*f)[3]) {
+  ylm__merl_eval(m->table, n, wi, wo, f);
+}
+
+static void sample(const ylm_material *m, size_t n, const float (*wo)[3], const float (*u)[3],
+                   float (*wi)[3], float (*weight)[3], float *pdf) {
+  ylm__merl_sample(m->table, n, wo, u, wi, weight, pdf);
+}
+
+static void pdf(const ylm_material *m, size_t n, const float (*wi)[3], const float (*wo)[3],
+                float *out) {
+  ylm__merl_pdf(m->table, n, wi, wo, out);
+}
+
+const merl_table *ylm__merl_table_of(const ylm_material *m) {
+  bool is_table =
+      m->kind == ylm_material_kind_find("merl") || m->kind == ylm_material_kind_find("tabulated");
+  return is_table ? m->table : NULL;
+}
+
+const material_kind ylm__material_merl = {.name = "merl",
+                                          .numbers = 1,
+                                          .check = check,
+                                          .load = load,
+                                          .facts = facts,
+                                          .isotropic = isotropic,
+                                          .eval = eval,
+                                          .sample = sample,
+                                          .pdf = pdf};

@@ -1,0 +1,59 @@
+/*
+** merl.h - isotropic reflectance in MERL's bins (Matusik et al. 2003). Private to csrc/material.
+**
+** Bins belong to the half vector's angle from the normal, theta_h, and to the angles of the light's
+** direction about it, theta_d and phi_d (Rusinkiewicz 1998). In 90 x 90 x 180 of them phi_d goes half
+** around, since exchanged directions have phi_d + pi: such tables are reciprocal.
+*/
+#ifndef YLM_MATERIAL_MERL_H
+#define YLM_MATERIAL_MERL_H
+
+#include "lobe.h"
+#include "ylm_material.h"
+
+/* A bin: f in sr^-1, and 1; or f of the nearest measured bin of smaller theta_d, and 0: missing. */
+typedef float merl_bin[4];
+
+typedef struct merl_table {
+  int phis;      /* YLM_MERL_PHI_D, or twice as many: all around */
+  bool linear;   /* between the centres of bins */
+  lobe lobe;     /* to sample by */
+  merl_bin *bin; /* [YLM_MERL_THETA_H][YLM_MERL_THETA_D][phis], aligned as vectors are */
+} merl_table;
+
+/* Places among the bins, in bins from the border of the first. */
+#define MERL_BLOCK 64
+typedef struct merl_places {
+  float theta_h[MERL_BLOCK], theta_d[MERL_BLOCK], phi_d[MERL_BLOCK];
+} merl_places;
+
+/* Places of n pairs of directions, n at most MERL_BLOCK, among `phis` bins around. */
+typedef void merl_places_fn(int phis, size_t n, const float (*wi)[3], const float (*wo)[3],
+                            merl_places *out);
+merl_places_fn *ylm__merl_places(void);
+
+/* As ylm_material_eval, ylm_material_pdf and ylm_material_sample do. */
+void ylm__merl_eval(const merl_table *t, size_t n, const float (*wi)[3], const float (*wo)[3],
+                    float (*f)[3]);
+void ylm__merl_pdf(const merl_table *t, size_t n, const float (*wi)[3], const float (*wo)[3],
+                   float *pdf);
+void ylm__merl_sample(const merl_table *t, size_t n, const float (*wo)[3], const float (*u)[3],
+                      float (*wi)[3], float (*weight)[3], float *pdf);
+
+/* A table without any bin filled; *held: its bytes. NULL where memory runs out; ylm_free frees it. */
+merl_table *ylm__merl_new(int phis, size_t *held);
+
+/* Completes a table whose bins are filled: the missing ones, and the lobe. */
+void ylm__merl_complete(merl_table *t);
+
+/* The table of a file's bytes. YLM_OK; YLM_EFORMAT naming what is wrong with the file, YLM_ENOMEM. */
+ylm_status ylm__merl_read(const unsigned char *bytes, size_t size, const char *name, merl_table **t,
+                          size_t *held, ylm_error *e);
+
+/* As ylm_material_facts. */
+void ylm__merl_facts(const merl_table *t, ylm_material_fact *fact, void *to);
+
+/* The table of a material that is one; NULL: it is of another kind. */
+const merl_table *ylm__merl_table_of(const ylm_material *m);
+
+#endif
