@@ -83,35 +83,61 @@ static const float *nearest(const merl_table *t, float theta_h, float theta_d, f
   return t->bin[row + (size_t)clamp((int)phi_d, t->phis)];
 }
 
-/* The centres before and behind a place x among n bins; *t: the share of the second. */
-static void centres(float x, int n, int at[2], float *t) {
-  float below = floorf(x - 0.5f);
-  *t = x - 0.5f - below;
-  at[0] = clamp((int)below, n);
-  at[1] = clamp((int)below + 1, n);
+/* The eight centres around a place: rows of bins, two bins in them, and how far the place is from the
+   first towards the second. */
+typedef struct cell {
+  const merl_bin *row[4];
+  int bin[2];
+  float theta_h, theta_d, phi_d;
+} cell;
+
+/* The centre before a place x among n bins; *t: the way to the next. */
+static int centre(float x, float *t) {
+  int before = (int)(x + 0.5f) - 1;
+  *t = x - 0.5f - (float)before;
+  return before;
+}
+
+static cell cell_of(const merl_table *t, float theta_h, float theta_d, float phi_d) {
+  cell c;
+  int h = centre(theta_h, &c.theta_h), d = centre(theta_d, &c.theta_d), p = centre(phi_d, &c.phi_d);
+  for (int k = 0; k < 4; k++)
+    c.row[k] = t->bin + row_of(t, clamp(h + (k >> 1), YLM_MERL_THETA_H),
+                               clamp(d + (k & 1), YLM_MERL_THETA_D));
+  c.bin[0] = p < 0 ? t->phis - 1 : clamp(p, t->phis);
+  c.bin[1] = p + 1 < t->phis ? clamp(p + 1, t->phis) : 0;
+  return c;
 }
 
 typedef float four __attribute__((vector_size(16), may_alias));
 
-/* Between the eight centres around a place; missing bins have no share. Where all are missing: the bin that
-   holds it. */
-static void linear(const merl_table *t, float theta_h, float theta_d, float phi_d, float f[3]) {
-  int h[2], d[2], p[2];
-  float th, td, tp;
-  centres(theta_h, YLM_MERL_THETA_H, h, &th);
-  centres(theta_d, YLM_MERL_THETA_D, d, &td);
-  centres(phi_d, t->phis, p, &tp);
-  if (phi_d < 0.5f) p[0] = t->phis - 1;
-  if (phi_d >= (float)t->phis - 0.5f) p[1] = 0;
+/* Between the centres; missing bins have no share. False: all are missing. */
+static bool blend_cell(const cell *c, float f[3]) {
   four sum = {0};
   for (int k = 0; k < 4; k++) {
-    const merl_bin *row = t->bin + row_of(t, h[k >> 1], d[k & 1]);
-    float w = (k & 2 ? th : 1 - th) * (k & 1 ? td : 1 - td);
-    four a = *(const four *)row[p[0]], b = *(const four *)row[p[1]];
-    sum += (w * (1 - tp) * a[3]) * a + (w * tp * b[3]) * b;
+    float w = (k & 2 ? c->theta_h : 1 - c->theta_h) * (k & 1 ? c->theta_d : 1 - c->theta_d);
+    four a = *(const four *)c->row[k][c->bin[0]], b = *(const four *)c->row[k][c->bin[1]];
+    sum += (w * (1 - c->phi_d) * a[3]) * a + (w * c->phi_d * b[3]) * b;
   }
-  const float *missing = nearest(t, theta_h, theta_d, phi_d);
-  for (int c = 0; c < 3; c++) f[c] = sum[3] > 1e-6f ? sum[c] / sum[3] : missing[c];
+  if (!(sum[3] > 1e-6f)) return false;
+  for (int i = 0; i < 3; i++) f[i] = sum[i] / sum[3];
+  return true;
+}
+
+/* f at n <= MERL_BLOCK places. All memory is asked for before any of it is used: tables are larger
+   than caches near the core. */
+static void look_up(const merl_table *t, const merl_places *at, size_t n, float (*f)[3]) {
+  cell cells[MERL_BLOCK];
+  if (t->linear)
+    for (size_t k = 0; k < n; k++) {
+      cells[k] = cell_of(t, at->theta_h[k], at->theta_d[k], at->phi_d[k]);
+      for (int i = 0; i < 4; i++) __builtin_prefetch(cells[k].row[i][cells[k].bin[0]]);
+    }
+  for (size_t k = 0; k < n; k++) {
+    if (t->linear && blend_cell(cells + k, f[k])) continue;
+    const float *bin = nearest(t, at->theta_h[k], at->theta_d[k], at->phi_d[k]);
+    for (int c = 0; c < 3; c++) f[k][c] = bin[c];
+  }
 }
 
 void ylm__merl_eval(const merl_table *t, size_t n, const float (*wi)[3], const float (*wo)[3],
@@ -121,17 +147,9 @@ void ylm__merl_eval(const merl_table *t, size_t n, const float (*wi)[3], const f
   for (size_t first = 0; first < n; first += MERL_BLOCK) {
     size_t some = n - first < MERL_BLOCK ? n - first : MERL_BLOCK;
     find(t->phis, some, wi + first, wo + first, &at);
-    for (size_t k = 0; k < some; k++) {
-      float *out = f[first + k];
-      if (!(wi[first + k][2] > 0 && wo[first + k][2] > 0)) {
-        out[0] = out[1] = out[2] = 0;
-      } else if (t->linear) {
-        linear(t, at.theta_h[k], at.theta_d[k], at.phi_d[k], out);
-      } else {
-        const float *bin = nearest(t, at.theta_h[k], at.theta_d[k], at.phi_d[k]);
-        for (int c = 0; c < 3; c++) out[c] = bin[c];
-      }
-    }
+    look_up(t, &at, some, f + first);
+    for (size_t k = first; k < first + some; k++)
+      if (!(wi[k][2] > 0 && wo[k][2] > 0)) f[k][0] = f[k][1] = f[k][2] = 0;
   }
 }
 

@@ -9,6 +9,7 @@
 
 #include <math.h>
 
+#include "angle.h"
 #include "kind.h"
 
 #define PI 3.14159265358979323846f
@@ -17,11 +18,10 @@
 
 /* The angle from the normal, with all its digits near the normal. */
 static float elevation(const float d[3]) {
-  float z = d[2] - 1, half = sqrtf(d[0] * d[0] + d[1] * d[1] + z * z) / 2;
-  return 2 * asinf(half < 1 ? half : 1);
+  return ylm__angle(sqrtf(d[0] * d[0] + d[1] * d[1]), d[2]);
 }
 
-static float azimuth(const float d[3]) { return atan2f(d[1], d[0]); }
+static float azimuth(const float d[3]) { return ylm__angle(d[1], d[0]); }
 
 static float place_of_theta(float theta) { return sqrtf(theta * (2 / PI)); }
 static float place_of_phi(float phi) { return (phi + PI) / (2 * PI); }
@@ -75,15 +75,11 @@ static blend slices_of(const rgl_table *t, float phi, float theta) {
   float a, b;
   size_t i = (size_t)nodes(t->phi, t->phis, phi, &a);
   size_t j = (size_t)nodes(t->theta, t->thetas, theta, &b);
-  size_t at = i * (size_t)t->thetas + j;
-  blend out = {0};
-  for (int k = 0; k < 4; k++) {
-    float share = (k & 2 ? a : 1 - a) * (k & 1 ? b : 1 - b);
-    if (share <= 0) continue;
-    out.slice[out.n] = at + (k & 2 ? (size_t)t->thetas : 0) + (k & 1);
-    out.share[out.n++] = share;
-  }
-  return out;
+  size_t at = i * (size_t)t->thetas + j, above = t->thetas > 1, round = (size_t)t->thetas;
+  if (t->phis == 1) return (blend){2, {at, at + above}, {1 - b, b}};
+  return (blend){4,
+                 {at, at + above, at + round, at + round + above},
+                 {(1 - a) * (1 - b), (1 - a) * b, a * (1 - b), a * b}};
 }
 
 /* The eye, as the tables know it. */
@@ -177,26 +173,38 @@ static float half_vector(const rgl_table *t, const view *v, const float u[2], fl
   return per_direction(m[0] * v->o[0] + m[1] * v->o[1] + m[2] * v->o[2], u[0], sine);
 }
 
+/* Directions for n <= WARP_BLOCK eyes above the surface. */
+static void sample_block(const rgl_table *t, size_t n, const float (*wo)[3], const float (*u)[3],
+                         float (*wi)[3], float (*weight)[3], float *pdf) {
+  view v[WARP_BLOCK];
+  blend slices[WARP_BLOCK];
+  float start[WARP_BLOCK][2], s[WARP_BLOCK][2], um[WARP_BLOCK][2], of_s[WARP_BLOCK],
+      of_u[WARP_BLOCK];
+  for (size_t k = 0; k < n; k++) {
+    v[k] = view_of(t, wo[k]);
+    slices[k] = v[k].slices;
+    start[k][0] = u[k][0];
+    start[k][1] = u[k][1];
+  }
+  ylm__warp_sample(&t->luminance, n, slices, (const float(*)[2])start, s, of_s);
+  ylm__warp_sample(&t->vndf, n, slices, (const float(*)[2])s, um, of_u);
+  for (size_t k = 0; k < n; k++) {
+    float h[3], i[3], density = of_s[k] * of_u[k] * half_vector(t, v + k, um[k], h);
+    float cosine = h[0] * v[k].o[0] + h[1] * v[k].o[1] + h[2] * v[k].o[2];
+    for (int a = 0; a < 3; a++) i[a] = 2 * cosine * h[a] - v[k].o[a];
+    back(&v[k].frame, i, wi[k]);
+    bool good = wo[k][2] > 0 && cosine > 0 && i[2] > 0 && density > 0;
+    pdf[k] = good ? density : 0;
+    value_at(t, v + k, um[k], s[k], weight[k]);
+    for (int c = 0; c < 3; c++) weight[k][c] = good ? weight[k][c] / density : 0;
+  }
+}
+
 static void sample(const ylm_material *m, size_t n, const float (*wo)[3], const float (*u)[3],
                    float (*wi)[3], float (*weight)[3], float *pdf) {
-  const rgl_table *t = m->table;
-  for (size_t k = 0; k < n; k++) {
-    float s[2], um[2], h[3], i[3];
-    wi[k][0] = wi[k][1] = 0, wi[k][2] = 1;
-    weight[k][0] = weight[k][1] = weight[k][2] = pdf[k] = 0;
-    if (!(wo[k][2] > 0)) continue;
-    view v = view_of(t, wo[k]);
-    float density = ylm__warp_sample(&t->luminance, &v.slices, u[k], s);
-    density *= ylm__warp_sample(&t->vndf, &v.slices, s, um);
-    density *= half_vector(t, &v, um, h);
-    float cosine = h[0] * v.o[0] + h[1] * v.o[1] + h[2] * v.o[2];
-    for (int a = 0; a < 3; a++) i[a] = 2 * cosine * h[a] - v.o[a];
-    back(&v.frame, i, wi[k]);
-    if (!(cosine > 0 && i[2] > 0 && density > 0)) continue;
-    pdf[k] = density;
-    value_at(t, &v, um, s, weight[k]);
-    for (int c = 0; c < 3; c++) weight[k][c] /= density;
-  }
+  for (size_t k = 0; k < n; k += WARP_BLOCK)
+    sample_block(m->table, n - k < WARP_BLOCK ? n - k : WARP_BLOCK, wo + k, u + k, wi + k,
+                 weight + k, pdf + k);
 }
 
 /* -- the kind --------------------------------------------------------------- */

@@ -77,9 +77,11 @@ bool ylm__warp_fill(warp *w, size_t slice, const float *density) {
 
 /* Number i of a slice of size `stride`, blended. */
 static inline float blended(const float *table, size_t stride, const blend *b, size_t i) {
-  float sum = 0;
-  for (int k = 0; k < b->n; k++) sum += b->share[k] * table[b->slice[k] * stride + i];
-  return sum;
+  float sum =
+      b->share[0] * table[b->slice[0] * stride + i] + b->share[1] * table[b->slice[1] * stride + i];
+  if (b->n == 2) return sum;
+  return sum + b->share[2] * table[b->slice[2] * stride + i] +
+         b->share[3] * table[b->slice[3] * stride + i];
 }
 
 /* The t in 0 .. 1 where the integral of a + (b - a) t, from 0, is x. */
@@ -88,21 +90,32 @@ static float solve(float x, float a, float b) {
   return root > 0 ? minimum(2 * x / root, 1) : 0;
 }
 
-/* The last i of 0 .. n-2 that is first, or with entry(i) <= x; entries: (1 - t) row + t row behind. */
-static int interval(const float *table, size_t stride, const blend *b, size_t at, size_t behind,
-                    float t, int n, float x, float *entry) {
-  int low = 0, high = n - 1;
-  *entry = (1 - t) * blended(table, stride, b, at) + t * blended(table, stride, b, at + behind);
-  while (high - low > 1) {
-    int mid = (low + high) / 2;
-    float here = (1 - t) * blended(table, stride, b, at + (size_t)mid) +
-                 t * blended(table, stride, b, at + behind + (size_t)mid);
-    if (here <= x)
-      low = mid, *entry = here;
-    else
-      high = mid;
-  }
-  return low;
+/* A list of n numbers that increase, one of a place: (1 - t) times the numbers from `at` on, plus t times
+   those `behind` them, where that is not 0. */
+typedef struct list {
+  size_t at, behind;
+  float t;
+} list;
+
+static inline float entry(const float *table, size_t stride, const blend *b, const list *l,
+                          size_t i) {
+  if (!l->behind) return blended(table, stride, b, l->at + i);
+  return (1 - l->t) * blended(table, stride, b, l->at + i) +
+         l->t * blended(table, stride, b, l->at + l->behind + i);
+}
+
+/* Of each place the last i of 0 .. length-2 that is 0, or whose entry is not larger than x; *before:
+   that entry. The places take their steps together, since one step waits for the one before. */
+static void intervals(const float *table, size_t stride, int length, size_t n, const blend *b,
+                      const list *lists, const float *x, size_t *found, float *before) {
+  for (size_t k = 0; k < n; k++) found[k] = 0;
+  for (size_t left = (size_t)length - 1; left > 1; left -= left / 2)
+    for (size_t k = 0; k < n; k++) {
+      size_t half = left / 2;
+      float here = entry(table, stride, b + k, lists + k, found[k] + half);
+      found[k] += half * (size_t)(here <= x[k]);
+    }
+  for (size_t k = 0; k < n; k++) before[k] = entry(table, stride, b + k, lists + k, found[k]);
 }
 
 /* The cell's densities at the left and at the right border, t of the way through it. */
@@ -126,22 +139,31 @@ float ylm__warp_density(const warp *w, const blend *b, const float at[2]) {
   return per_square(w, tx, c);
 }
 
-float ylm__warp_sample(const warp *w, const blend *b, const float u[2], float out[2]) {
+void ylm__warp_sample(const warp *w, size_t n, const blend *b, const float (*u)[2], float (*out)[2],
+                      float *density) {
   size_t width = (size_t)w->width, stride = width * (size_t)w->height;
-  float before;
-  int y = interval(w->marginal, (size_t)w->height, b, 0, 0, 0, w->height, u[1], &before);
-  size_t row = (size_t)y * width;
-  float r0 = blended(w->conditional, stride, b, row + width - 1);
-  float r1 = blended(w->conditional, stride, b, row + 2 * width - 1);
-  float ty = solve(u[1] - before, r0, r1);
-  float wanted = u[0] * ((1 - ty) * r0 + ty * r1);
-  int x = interval(w->conditional, stride, b, row, width, ty, w->width, wanted, &before);
-  float c[2];
-  borders(w, stride, b, row + (size_t)x, ty, c);
-  float tx = solve(wanted - before, c[0], c[1]);
-  out[0] = ((float)x + tx) / (float)(w->width - 1);
-  out[1] = ((float)y + ty) / (float)(w->height - 1);
-  return per_square(w, tx, c);
+  list lists[WARP_BLOCK] = {0};
+  size_t x[WARP_BLOCK], y[WARP_BLOCK];
+  float wanted[WARP_BLOCK] = {0}, before[WARP_BLOCK];
+  for (size_t k = 0; k < n; k++) wanted[k] = u[k][1];
+  intervals(w->marginal, (size_t)w->height, w->height, n, b, lists, wanted, y, before);
+  for (size_t k = 0; k < n; k++) {
+    size_t row = y[k] * width;
+    float r0 = blended(w->conditional, stride, b + k, row + width - 1);
+    float r1 = blended(w->conditional, stride, b + k, row + 2 * width - 1);
+    float t = solve(wanted[k] - before[k], r0, r1);
+    lists[k] = (list){row, width, t};
+    wanted[k] = u[k][0] * ((1 - t) * r0 + t * r1);
+  }
+  intervals(w->conditional, stride, w->width, n, b, lists, wanted, x, before);
+  for (size_t k = 0; k < n; k++) {
+    float c[2];
+    borders(w, stride, b + k, lists[k].at + x[k], lists[k].t, c);
+    float t = solve(wanted[k] - before[k], c[0], c[1]);
+    out[k][0] = ((float)x[k] + t) / (float)(w->width - 1);
+    out[k][1] = ((float)y[k] + lists[k].t) / (float)(w->height - 1);
+    density[k] = per_square(w, t, c);
+  }
 }
 
 float ylm__warp_invert(const warp *w, const blend *b, const float at[2], float u[2]) {

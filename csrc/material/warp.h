@@ -12,7 +12,7 @@
 
 /* Slices by their shares, which add up to 1. */
 typedef struct blend {
-  int n;
+  int n; /* 2 or 4 */
   size_t slice[4];
   float share[4];
 } blend;
@@ -44,8 +44,13 @@ bool ylm__warp_fill(warp *w, size_t slice, const float *density);
 /* The density at a place. */
 float ylm__warp_density(const warp *w, const blend *b, const float at[2]);
 
-/* The place out whose share of the density lies before it as u says; returns the density there. */
-float ylm__warp_sample(const warp *w, const blend *b, const float u[2], float out[2]);
+/* At most so many places at a time. */
+#define WARP_BLOCK 16
+
+/* Of each of n places u the place out before which that share of the density lies, and the density
+   there. */
+void ylm__warp_sample(const warp *w, size_t n, const blend *b, const float (*u)[2], float (*out)[2],
+                      float *density);
 
 /* Its inverse: u of the place at; returns the density there. */
 float ylm__warp_invert(const warp *w, const blend *b, const float at[2], float u[2]);

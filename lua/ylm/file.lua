@@ -1,4 +1,4 @@
---- ylm.load: grids, arrays, images and meshes, by content.
+--- ylm.load: grids, arrays, images, meshes and measured materials, by content.
 
 local check = require "ylm.check"
 local core = require "ylm.c.core"
@@ -18,7 +18,8 @@ function file.kind_of(path)
   end
   if head:find("^ply[\r\n]") or path:lower():find("%.obj$") then return "mesh" end
   if head:sub(1, 8) == require("ylm.grid").magic then return "grid" end
-  return nil, path .. ": not a file that ylm knows (grid, .npy, .exr, .png, .hdr, .pfm, .obj, .ply)", "EFORMAT"
+  if require("ylm.material.file").kind_of(path, head) then return "material" end
+  return nil, path .. ": not a file that ylm knows (grid, .npy, .exr, .png, .hdr, .pfm, .obj, .ply, .binary, .bsdf)", "EFORMAT"
 end
 
 local readers = {
@@ -26,6 +27,7 @@ local readers = {
   image = function(path, options) return require("ylm.image").read(path, options.raw) end,
   mesh = function(path) return core.mesh_read(path) end,
   grid = function(path) return require("ylm.grid").load(path) end,
+  material = function(path) return require("ylm.material.file").load(path) end,
 }
 
 local load_options = {
@@ -33,10 +35,11 @@ local load_options = {
 }
 
 describe "load" {
-  about = "Reads a grid, an array (.npy), an image (.exr, .png, .hdr, .pfm) or a mesh (.obj, .ply): content decides.",
+  about = "Reads a grid, an array (.npy), an image (.exr, .png, .hdr, .pfm), a mesh (.obj, .ply) or a measured material "
+    .. "(.binary of MERL, .bsdf of RGL): content decides.",
   arguments = { { "path", "string", "a regular file" }, { "options?", "table", "" } },
   options = load_options,
-  returns = { { "object", "grid|array|image|mesh", "what the file holds" } },
+  returns = { { "object", "grid|array|image|mesh|material", "what the file holds" } },
   errors = "nil, message, code where the file is missing, damaged or of another kind; raises on a wrong argument",
   example = [[
 local name = os.tmpname()

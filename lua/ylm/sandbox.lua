@@ -27,7 +27,8 @@ sandbox.limits = {
   { "cells", "number", min = 0, default = 2 ^ 24, about = "of all uniform grids together" },
   { "lmax", "number", min = 0, default = 64, about = "of any grid" },
   { "depth", "number", min = 0, default = 12, about = "of any adaptive grid" },
-  { "file_size", "number", min = 0, default = 2 ^ 28, unit = "bytes", about = "of the scene file, each mesh and each image" },
+  { "file_size", "number", min = 0, default = 2 ^ 28, unit = "bytes", about = "of the scene file, each mesh, image and material" },
+  { "material_bytes", "number", min = 0, default = 2 ^ 30, about = "of all files of materials together" },
 }
 
 -- Numbers: mathematics with a generator that is the same everywhere ------------------
@@ -211,7 +212,7 @@ end
 --- The observer of forms (see form.observer): counts what is described, resolves file names.
 local function observer(folder, limits, state)
   local left = { triangles = limits.triangles, numbers = limits.numbers, cells = limits.cells, texels = limits.texels,
-    file_size = limits.file_size } -- of each file: not used up
+    material_bytes = limits.material_bytes, file_size = limits.file_size } -- of each file: not used up
   local function take(what, n, fail)
     left[what] = left[what] - n
     if left[what] < 0 then
@@ -238,6 +239,7 @@ local function observer(folder, limits, state)
         end
         -- Every further corner of a polygon is a triangle, and takes two bytes of text at least.
         if is_geometry(definition) then take("triangles", size / 2, fail) end
+        if definition.material then take("material_bytes", size, fail) end
         values[name] = real
       end
     end
@@ -281,7 +283,7 @@ local function constructors(env, state, scene)
     homes[module] = true
   end
   for name, definition in pairs(form.defined) do
-    if homes["ylm." .. definition.home] or definition.material then
+    if (homes["ylm." .. definition.home] or definition.material) and not definition.trusted then
       local construct = definition.construct
       env[name] = function(given)
         local object, message, code = construct(unwrap(given))

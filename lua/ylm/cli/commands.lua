@@ -2,7 +2,7 @@
 
 local status = require "ylm.cli.status"
 
-local commands = { "render", "bake", "view", "compare", "run", "codegen", "bench", "info", "help" }
+local commands = { "render", "bake", "view", "compare", "material", "run", "codegen", "bench", "info", "help" }
 
 --- Is there such a command?
 function commands.known(name)

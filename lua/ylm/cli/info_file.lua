@@ -84,6 +84,8 @@ function kinds.mesh(path)
     { "kind", "vertices", "triangles", "bounds", "area" }
 end
 
+function kinds.material(path) return require "ylm.cli.material".look(path) end
+
 --- Prints what the file given[1] holds.
 return function(given)
   local kind = status.need(require("ylm.file").kind_of(given[1]))

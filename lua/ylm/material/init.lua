@@ -18,6 +18,8 @@ local material = {}
 material.kinds = core.material_kinds()
 for _, name in ipairs(material.kinds) do material[name] = require("ylm.material." .. name) end
 
+require "ylm.material.file" -- material:save
+
 --- The material of geometry that names none.
 material.default = material.matte {}
 
