@@ -21,10 +21,10 @@ static void place(int phis, const float wi[3], const float wo[3], float out[3]) 
   double theta_d = atan2(sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]), length);
   /* d has its x axis down the half vector's meridian. */
   double phi = flat > 0 ? atan2(v[1] * h[0] - v[0] * h[1], -v[2] * length) : atan2(v[1], v[0]);
-  if (phi < 0) phi += phis == YLM_MERL_PHI_D ? PI : 2 * PI;
-  out[0] = (float)(YLM_MERL_THETA_H * sqrt(theta_h * (2 / PI)));
-  out[1] = (float)(YLM_MERL_THETA_D * theta_d * (2 / PI));
-  out[2] = (float)(YLM_MERL_PHI_D * phi / PI);
+  if (phi < 0) phi += phis == MERL_PHI_D ? PI : 2 * PI;
+  out[0] = (float)(MERL_THETA_H * sqrt(theta_h * (2 / PI)));
+  out[1] = (float)(MERL_THETA_D * theta_d * (2 / PI));
+  out[2] = (float)(MERL_PHI_D * phi / PI);
 }
 
 static void places(int phis, size_t n, const float (*wi)[3], const float (*wo)[3],
@@ -58,8 +58,8 @@ merl_places_fn *ylm__merl_places(void) {
 }
 
 bool ylm_material_merl_centre(int theta_h, int theta_d, int phi_d, double wi[3], double wo[3]) {
-  double root = (theta_h + 0.5) / YLM_MERL_THETA_H, th = root * root * PI / 2;
-  double td = (theta_d + 0.5) / YLM_MERL_THETA_D * PI / 2, pd = (phi_d + 0.5) / YLM_MERL_PHI_D * PI;
+  double root = (theta_h + 0.5) / MERL_THETA_H, th = root * root * PI / 2;
+  double td = (theta_d + 0.5) / MERL_THETA_D * PI / 2, pd = (phi_d + 0.5) / MERL_PHI_D * PI;
   double d[3] = {sin(td) * cos(pd), sin(td) * sin(pd), cos(td)};
   double x = cos(th) * d[0], z = -sin(th) * d[0];
   double hx = sin(th) * d[2], hz = cos(th) * d[2];
@@ -73,13 +73,12 @@ bool ylm_material_merl_centre(int theta_h, int theta_d, int phi_d, double wi[3],
 static int clamp(int i, int n) { return i < 0 ? 0 : i < n ? i : n - 1; }
 
 static size_t row_of(const merl_table *t, int theta_h, int theta_d) {
-  return ((size_t)theta_h * YLM_MERL_THETA_D + (size_t)theta_d) * (size_t)t->phis;
+  return ((size_t)theta_h * MERL_THETA_D + (size_t)theta_d) * (size_t)t->phis;
 }
 
 /* The bin that holds a place. */
 static const float *nearest(const merl_table *t, float theta_h, float theta_d, float phi_d) {
-  size_t row =
-      row_of(t, clamp((int)theta_h, YLM_MERL_THETA_H), clamp((int)theta_d, YLM_MERL_THETA_D));
+  size_t row = row_of(t, clamp((int)theta_h, MERL_THETA_H), clamp((int)theta_d, MERL_THETA_D));
   return t->bin[row + (size_t)clamp((int)phi_d, t->phis)];
 }
 
@@ -102,8 +101,8 @@ static cell cell_of(const merl_table *t, float theta_h, float theta_d, float phi
   cell c;
   int h = centre(theta_h, &c.theta_h), d = centre(theta_d, &c.theta_d), p = centre(phi_d, &c.phi_d);
   for (int k = 0; k < 4; k++)
-    c.row[k] = t->bin + row_of(t, clamp(h + (k >> 1), YLM_MERL_THETA_H),
-                               clamp(d + (k & 1), YLM_MERL_THETA_D));
+    c.row[k] =
+        t->bin + row_of(t, clamp(h + (k >> 1), MERL_THETA_H), clamp(d + (k & 1), MERL_THETA_D));
   c.bin[0] = p < 0 ? t->phis - 1 : clamp(p, t->phis);
   c.bin[1] = p + 1 < t->phis ? clamp(p + 1, t->phis) : 0;
   return c;
@@ -211,12 +210,6 @@ static void sample(const ylm_material *m, size_t n, const float (*wo)[3], const 
 static void pdf(const ylm_material *m, size_t n, const float (*wi)[3], const float (*wo)[3],
                 float *out) {
   ylm__merl_pdf(m->table, n, wi, wo, out);
-}
-
-const merl_table *ylm__merl_table_of(const ylm_material *m) {
-  bool is_table =
-      m->kind == ylm_material_kind_find("merl") || m->kind == ylm_material_kind_find("tabulated");
-  return is_table ? m->table : NULL;
 }
 
 const material_kind ylm__material_merl = {.name = "merl",

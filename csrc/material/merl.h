@@ -11,14 +11,25 @@
 #include "lobe.h"
 #include "ylm_material.h"
 
+/* The fuzzer mutates a whole file, so its files have few bins. */
+#ifdef FUZZING_BUILD_MODE_UNSAFE_FOR_PRODUCTION
+#define MERL_THETA_H 3
+#define MERL_THETA_D 3
+#define MERL_PHI_D 4
+#else
+#define MERL_THETA_H YLM_MERL_THETA_H
+#define MERL_THETA_D YLM_MERL_THETA_D
+#define MERL_PHI_D YLM_MERL_PHI_D
+#endif
+
 /* A bin: f in sr^-1, and 1; or f of the nearest measured bin of smaller theta_d, and 0: missing. */
 typedef float merl_bin[4];
 
 typedef struct merl_table {
-  int phis;      /* YLM_MERL_PHI_D, or twice as many: all around */
+  int phis;      /* MERL_PHI_D, or twice as many: all around */
   bool linear;   /* between the centres of bins */
   lobe lobe;     /* to sample by */
-  merl_bin *bin; /* [YLM_MERL_THETA_H][YLM_MERL_THETA_D][phis], aligned as vectors are */
+  merl_bin *bin; /* [MERL_THETA_H][MERL_THETA_D][phis], aligned as vectors are */
 } merl_table;
 
 /* Places among the bins, in bins from the border of the first. */
@@ -46,14 +57,15 @@ merl_table *ylm__merl_new(int phis, size_t *held);
 /* Completes a table whose bins are filled: the missing ones, and the lobe. */
 void ylm__merl_complete(merl_table *t);
 
+/* Bytes of a file before its numbers; sr^-1 of a number 1 in each plane. */
+#define MERL_HEADER 12
+extern const double ylm__merl_scale[3];
+
 /* The table of a file's bytes. YLM_OK; YLM_EFORMAT naming what is wrong with the file, YLM_ENOMEM. */
 ylm_status ylm__merl_read(const unsigned char *bytes, size_t size, const char *name, merl_table **t,
                           size_t *held, ylm_error *e);
 
 /* As ylm_material_facts. */
 void ylm__merl_facts(const merl_table *t, ylm_material_fact *fact, void *to);
-
-/* The table of a material that is one; NULL: it is of another kind. */
-const merl_table *ylm__merl_table_of(const ylm_material *m);
 
 #endif

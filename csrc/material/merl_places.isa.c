@@ -49,10 +49,10 @@ void YLM_KERNEL(ylm_k_merl_places)(int phis, size_t n, const float (*wi)[3], con
     ylm_vf y = ylm_vf_select(pole, vy, vy * hx - vx * hy), x = ylm_vf_select(pole, vx, -(vz * h));
     ylm_vf phi = quarter(ylm_vf_select(y < zero, -y, y), ylm_vf_select(x < zero, -x, x));
     phi = ylm_vf_select(x < zero, PI - phi, phi);
-    ylm_vf turn = ylm_vf_set(phis == YLM_MERL_PHI_D ? PI : 2 * PI);
+    ylm_vf turn = ylm_vf_set(phis == MERL_PHI_D ? PI : 2 * PI);
     phi = ylm_vf_select(y < zero, turn - phi, phi);
-    ylm_vf_store(out->theta_h + k, YLM_MERL_THETA_H * ylm_vf_sqrt(theta_h * (2 / PI)));
-    ylm_vf_store(out->theta_d + k, theta_d * (YLM_MERL_THETA_D * 2 / PI));
-    ylm_vf_store(out->phi_d + k, phi * (YLM_MERL_PHI_D / PI));
+    ylm_vf_store(out->theta_h + k, MERL_THETA_H * ylm_vf_sqrt(theta_h * (2 / PI)));
+    ylm_vf_store(out->theta_d + k, theta_d * (MERL_THETA_D * 2 / PI));
+    ylm_vf_store(out->phi_d + k, phi * (MERL_PHI_D / PI));
   }
 }

@@ -9,7 +9,7 @@
 #define LINE 64
 
 merl_table *ylm__merl_new(int phis, size_t *held) {
-  size_t bins = (size_t)YLM_MERL_THETA_H * YLM_MERL_THETA_D * (size_t)phis;
+  size_t bins = (size_t)MERL_THETA_H * MERL_THETA_D * (size_t)phis;
   *held = sizeof(merl_table) + LINE + bins * sizeof(merl_bin);
   merl_table *t = ylm_alloc(*held, 1);
   if (!t) return NULL;
@@ -23,11 +23,11 @@ merl_table *ylm__merl_new(int phis, size_t *held) {
 /* A missing bin holds the numbers of the nearest that is measured of smaller theta_d, or zeros. */
 static void fill_missing(merl_table *t) {
   size_t phis = (size_t)t->phis;
-  for (size_t row = 0; row < (size_t)YLM_MERL_THETA_H * YLM_MERL_THETA_D; row++)
+  for (size_t row = 0; row < (size_t)MERL_THETA_H * MERL_THETA_D; row++)
     for (size_t p = 0; p < phis; p++) {
       float *bin = t->bin[row * phis + p];
       if (bin[3] != 0) continue;
-      const float *below = row % YLM_MERL_THETA_D ? bin - 4 * phis : NULL;
+      const float *below = row % MERL_THETA_D ? bin - 4 * phis : NULL;
       for (int c = 0; c < 3; c++) bin[c] = below ? below[c] : 0;
     }
 }
@@ -40,13 +40,13 @@ static float luminance(const float *bin) {
 
 /* The angle of the centre of a bin, or of the border before it. */
 static float theta_h_of(float place) {
-  float root = place / YLM_MERL_THETA_H;
+  float root = place / MERL_THETA_H;
   return root * root * (PI / 2);
 }
 
 /* The mean over phi_d of the bins around theta_d = 0. */
 static float profile(const merl_table *t, int theta_h) {
-  const merl_bin *row = t->bin + (size_t)theta_h * YLM_MERL_THETA_D * (size_t)t->phis;
+  const merl_bin *row = t->bin + (size_t)theta_h * MERL_THETA_D * (size_t)t->phis;
   double sum = 0;
   for (int p = 0; p < t->phis; p++) sum += (double)luminance(row[p]);
   return (float)(sum / t->phis);
@@ -55,7 +55,7 @@ static float profile(const merl_table *t, int theta_h) {
 /* The roughness of GGX whose profile falls to a quarter where this one does: tan^2 theta = alpha^2. */
 static float roughness(const merl_table *t) {
   float before = profile(t, 0), quarter = before / 4;
-  for (int i = 1; i < YLM_MERL_THETA_H; i++) {
+  for (int i = 1; i < MERL_THETA_H; i++) {
     float here = profile(t, i);
     if (here <= quarter) {
       float part = before > here ? (before - quarter) / (before - here) : 0;
@@ -71,11 +71,11 @@ static float roughness(const merl_table *t) {
    2 theta_h from the normal, and theta_d = theta_h. */
 static float gloss(const merl_table *t) {
   float albedo = 0, least = -1;
-  for (int i = 0; i < YLM_MERL_THETA_H; i++) {
+  for (int i = 0; i < MERL_THETA_H; i++) {
     float theta = theta_h_of((float)i + 0.5f);
     if (theta >= PI / 4) break;
-    int d = (int)(theta * (YLM_MERL_THETA_D * 2 / PI));
-    const float *bin = t->bin[((size_t)i * YLM_MERL_THETA_D + (size_t)d) * (size_t)t->phis];
+    int d = (int)(theta * (MERL_THETA_D * 2 / PI));
+    const float *bin = t->bin[((size_t)i * MERL_THETA_D + (size_t)d) * (size_t)t->phis];
     float f = luminance(bin), step = 2 * (theta_h_of((float)i + 1) - theta_h_of((float)i));
     albedo += PI * f * sinf(4 * theta) * step;
     if (bin[3] != 0 && (least < 0 || f < least)) least = f;
@@ -90,10 +90,10 @@ void ylm__merl_complete(merl_table *t) {
 }
 
 void ylm__merl_facts(const merl_table *t, ylm_material_fact *fact, void *to) {
-  size_t bins = (size_t)YLM_MERL_THETA_H * YLM_MERL_THETA_D * (size_t)t->phis, missing = 0;
+  size_t bins = (size_t)MERL_THETA_H * MERL_THETA_D * (size_t)t->phis, missing = 0;
   for (size_t i = 0; i < bins; i++) missing += t->bin[i][3] == 0;
-  fact(to, "theta_h", YLM_MERL_THETA_H);
-  fact(to, "theta_d", YLM_MERL_THETA_D);
+  fact(to, "theta_h", MERL_THETA_H);
+  fact(to, "theta_d", MERL_THETA_D);
   fact(to, "phi_d", t->phis);
   fact(to, "negative", (double)missing / (double)bins);
   fact(to, "lobe_alpha", (double)t->lobe.alpha);

@@ -10,14 +10,14 @@ static ylm_status check(const float *x, ylm_error *e) {
   return YLM_OK;
 }
 
-/* The bytes are floats [YLM_MERL_THETA_H][YLM_MERL_THETA_D][YLM_MERL_PHI_D][3]. */
+/* The bytes are floats [MERL_THETA_H][MERL_THETA_D][MERL_PHI_D][3]. */
 static ylm_status load(ylm_material *m, const unsigned char *bytes, size_t size, const char *name,
                        ylm_error *e) {
-  size_t bins = (size_t)YLM_MERL_THETA_H * YLM_MERL_THETA_D * YLM_MERL_PHI_D;
+  size_t bins = (size_t)MERL_THETA_H * MERL_THETA_D * MERL_PHI_D;
   if (size != bins * 3 * sizeof(float))
     return ylm_fail(e, YLM_ESHAPE, "%s: %zu bytes, but %zu bins of three floats take %zu", name,
                     size, bins, bins * 3 * sizeof(float));
-  merl_table *t = ylm__merl_new(YLM_MERL_PHI_D, &m->bytes);
+  merl_table *t = ylm__merl_new(MERL_PHI_D, &m->bytes);
   if (!t) return YLM_ENOMEM;
   m->table = t;
   for (size_t i = 0; i < bins; i++) {

@@ -23,6 +23,8 @@ FUZZ_ABOUT_exr := csrc/codec/exr.c csrc/codec/exr_read.c
 FUZZ_ABOUT_png := csrc/codec/png.c
 FUZZ_ABOUT_hdr := csrc/codec/hdr.c
 FUZZ_ABOUT_pfm := csrc/codec/pfm.c
+FUZZ_ABOUT_merl := csrc/material/merl_file.c csrc/material/merl_table.c
+FUZZ_ABOUT_tensor := csrc/material/tensor.c csrc/material/rgl_file.c csrc/material/warp.c csrc/material/rgl.c
 FUZZ_ABOUT_grid := $(wildcard csrc/grid/file/*.c)
 
 FUZZ_SANITIZE := -fsanitize=address,undefined,fuzzer-no-link -fno-sanitize-recover=undefined
@@ -30,7 +32,7 @@ FUZZ_CFLAGS := -std=gnu11 -DFUZZING_BUILD_MODE_UNSAFE_FOR_PRODUCTION -O1 -g -fno
   -Wno-unknown-pragmas -MMD -MP -Ispec/fuzz/support -Icsrc $(foreach d,$(CORE) codec,-Icsrc/$(d))
 # Folders whose sources every target may use, and single sources beside them (no kernels: compiling
 # the generated ones with sanitizers takes many minutes).
-FUZZ_FOLDERS := base image geom grid codec
+FUZZ_FOLDERS := base image geom grid codec material
 FUZZ_MORE    ?=
 FUZZ_OBJ := $(patsubst csrc/%.c,$(FUZZ_DIR)/obj/%.o,$(foreach d,$(FUZZ_FOLDERS),$(call sources,$(d))) $(FUZZ_MORE))
 
