@@ -27,7 +27,8 @@ sandbox.limits = {
   { "cells", "number", min = 0, default = 2 ^ 24, about = "of all uniform grids together" },
   { "lmax", "number", min = 0, default = 64, about = "of any grid" },
   { "depth", "number", min = 0, default = 12, about = "of any adaptive grid" },
-  { "file_size", "number", min = 0, default = 2 ^ 28, unit = "bytes", about = "of the scene file, each mesh, image and material" },
+  { "file_size", "number", min = 0, default = 2 ^ 28, unit = "bytes",
+    about = "of the scene file, each mesh, image and material" },
   { "material_bytes", "number", min = 0, default = 2 ^ 30, about = "of all files of materials together" },
 }
 
