@@ -4,6 +4,18 @@ local ylm = require "ylm"
 local core = require "ylm.c.core"
 local form = require "ylm.form"
 local material = require "ylm.material"
+local files = require "spec.support.brdf_files"
+local scratch = require "spec.support.scratch"
+
+local folder = scratch.new()
+teardown(function() folder:remove() end)
+
+--- A MERL file of a matte surface, an RGL file of f cos = colour / 4.
+local function merl(name, albedo)
+  assert(ylm.matte { albedo = albedo }:save(folder.path .. "/" .. name))
+  return folder.path .. "/" .. name
+end
+local function rgl(name, colour) return folder:write(name, files.tensor(files.constant_fields(colour))) end
 
 --- Materials of each kind, by its form.
 local examples = {
@@ -11,6 +23,9 @@ local examples = {
   ggx = { ylm.ggx {}, ylm.ggx { f0 = 1 }, ylm.ggx { alpha = { 0.1, 0.3 }, base = { 0.5, 0.2, 0 } } },
   phong = { ylm.phong { base = 0 }, ylm.phong {} },
   abc = { ylm.abc { fit = "chrome" }, ylm.abc { fit = "white-paint" } },
+  merl = { ylm.merl { file = merl("a.binary", 0.2) }, ylm.merl { file = merl("b.binary", { 0.5, 0.3, 0.7 }) } },
+  rgl = { ylm.rgl { file = rgl("a.bsdf", { 0.3, 0.2, 0.1 }) }, ylm.rgl { file = rgl("b.bsdf", { 0.5, 0.6, 0 }) } },
+  tabulated = { ylm.tabulated { f = function() return 0.1 end }, ylm.tabulated { f = function() return 0.3, 0, 0.2 end } },
 }
 
 --- A square of a material in a lamp that is all around it, of radiance 1.

@@ -27,7 +27,10 @@ local readers = {
   image = function(path, options) return require("ylm.image").read(path, options.raw) end,
   mesh = function(path) return core.mesh_read(path) end,
   grid = function(path) return require("ylm.grid").load(path) end,
-  material = function(path) return require("ylm.material.file").load(path) end,
+  material = function(path)
+    require "ylm.material" -- the forms
+    return require("ylm.material.file").load(path)
+  end,
 }
 
 local load_options = {

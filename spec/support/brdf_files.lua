@@ -96,9 +96,9 @@ function files.constant_fields(colour, size, thetas)
   for _ = 1, thetas do
     for c = 1, 3 do for _ = 1, size * size do rgb[#rgb + 1] = colour[c] end end
   end
-  local ones = constant(size * size, 1)
-  return rgl_fields { phi_i = { 0 }, theta_i = angles(thetas, 0, math.pi / 2), size = size, fine = size, ndf = ones, sigma = ones,
-    vndf = constant(thetas * size * size, 1), luminance = constant(thetas * size * size, 1), rgb = rgb }
+  return rgl_fields { phi_i = { 0 }, theta_i = angles(thetas, 0, math.pi / 2), size = size, fine = size,
+    ndf = constant(size * size, 1), sigma = constant(size * size, 1), vndf = constant(thetas * size * size, 1),
+    luminance = constant(thetas * size * size, 1), rgb = rgb }
 end
 
 -- GGX, as the tables know it ---------------------------------------------------------------

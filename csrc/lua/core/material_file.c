@@ -45,12 +45,6 @@ static int material_facts(lua_State *L) {
   return 1;
 }
 
-/* material_isotropic(material) -> whether a turn about the normal changes nothing */
-static int material_isotropic(lua_State *L) {
-  lua_pushboolean(L, ylm_material_isotropic(ylmL_material_check(L, 1)));
-  return 1;
-}
-
 /* material_bins() -> extents of the bins: theta_h, theta_d, phi_d */
 static int material_bins(lua_State *L) {
   lua_pushinteger(L, YLM_MERL_THETA_H);
@@ -114,7 +108,6 @@ static int material_tabulate(lua_State *L) {
 static const luaL_Reg functions[] = {{"material_read", material_read},
                                      {"material_write", material_write},
                                      {"material_facts", material_facts},
-                                     {"material_isotropic", material_isotropic},
                                      {"material_bins", material_bins},
                                      {"material_bin_angles", material_bin_angles},
                                      {"material_fill_bins", material_fill_bins},

@@ -15,12 +15,11 @@ function file.kind_of(path, head)
   if head:find "^Z%z%z%zZ%z%z%z" or path:lower():find "%.binary$" then return "merl" end
 end
 
---- The material in a file; nil, message, code.
+--- The material in a file, of which ylm.file.kind_of knows that it holds one; nil, message, code.
 function file.load(path)
   local head, message, code = core.file_head(path)
   if not head then return nil, message, code end
-  local kind = file.kind_of(path, head)
-  return require("ylm.material." .. kind) { file = path }
+  return form.defined[file.kind_of(path, head)].construct { file = path }
 end
 
 --- What a material's tables hold: { kind, isotropic, albedo, .. numbers }; nil, message, code.

@@ -226,7 +226,7 @@ describe "material:check" {
   arguments = {},
   returns = { { "facts", "table", "energy (the largest albedo of 20 views, 80 where it is anisotropic; more than 1 is more than "
     .. "comes), least (the smallest), reciprocity (the largest relative difference of f with exchanged directions, of 4,096 "
-    .. "pairs), negative (the share of them whose f is negative), isotropic" } },
+    .. "pairs), negative (the share of them whose f is negative; of a MERL table, of bins that are), isotropic" } },
   errors = "nil, message, code: memory",
   example = [[
 local facts = ylm.ggx { alpha = { 0.1, 0.9 }, f0 = 1 }:check()
@@ -244,6 +244,7 @@ function methods.check(m)
     end
   end
   facts.reciprocity, facts.negative = compare(made)
+  facts.negative = core.material_facts(made).negative or facts.negative
   return facts
 end
 

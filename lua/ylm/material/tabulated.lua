@@ -17,17 +17,18 @@ local function place(theta_i, theta_o, dphi)
   return ("theta_i = %.6g, theta_o = %.6g, dphi = %.6g"):format(theta_i, theta_o, dphi)
 end
 
+local function is_good(x) return type(x) == "number" and x >= 0 and x < math.huge end
+
 --- f's values as three numbers; one stands for all.
 local function asked(f, fail, theta_i, theta_o, dphi)
   local r, g, b = f(theta_i, theta_o, dphi)
   if g == nil and b == nil then g, b = r, r end
-  for _, x in ipairs { r == nil and "nil" or r, g == nil and "nil" or g, b == nil and "nil" or b } do
-    if not check.is_number(x) or x < 0 then
-      return fail(("f must return finite numbers that are not negative, got %s at %s"):format(
-        x == "nil" and "nil" or check.describe(x), place(theta_i, theta_o, dphi)))
-    end
-  end
-  return r, g, b
+  if is_good(r) and is_good(g) and is_good(b) then return r, g, b end
+  local wrong = r
+  if is_good(r) then wrong = g end
+  if is_good(r) and is_good(g) then wrong = b end
+  return fail(("f must return finite numbers that are not negative, got %s at %s"):format(check.describe(wrong),
+    place(theta_i, theta_o, dphi)))
 end
 
 local function apart(a, b) return math.abs(a - b) > TOLERANCE * math.max(a, b) end
@@ -49,10 +50,7 @@ local function row(f, fail, theta_h)
     local theta_i, theta_o, dphi = angles[i], angles[i + 1], angles[i + 2]
     local r, g, b = -1, -1, -1
     if theta_i >= 0 then
-      r, g, b = f(theta_i, theta_o, dphi)
-      if not (g and b and r >= 0 and g >= 0 and b >= 0 and r < math.huge and g < math.huge and b < math.huge) then
-        r, g, b = asked(f, fail, theta_i, theta_o, dphi)
-      end
+      r, g, b = asked(f, fail, theta_i, theta_o, dphi)
       if (theta_h + (i - 1) / 3) % EXCHANGED == 0 then
         check_exchanged(f, fail, theta_i, theta_o, dphi, r, g, b)
       end
