@@ -44,7 +44,7 @@ static void evaluate_row(const ylm_material *m, int theta_h, int theta_d, float 
     if (!above[p]) f[p][0] = f[p][1] = f[p][2] = -1;
 }
 
-/* The same of a table: its own numbers. */
+/* A row of a table: its own numbers. */
 static void copy_row(const merl_table *t, size_t row, float (*f)[3]) {
   const merl_bin *bin = t->bin + row * (size_t)t->phis;
   for (int p = 0; p < t->phis; p++)

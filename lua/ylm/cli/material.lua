@@ -1,4 +1,4 @@
---- ylm material FILE: what a file of a measured material holds, and whether it keeps to energy and reciprocity.
+--- ylm material FILE: the contents of a file of a measured material holds, and whether it keeps to energy and reciprocity.
 
 local report = require "ylm.cli.report"
 local status = require "ylm.cli.status"
@@ -14,7 +14,7 @@ local command = {
   most = 1,
 }
 
---- What is in the file, as a table and the order of its names.
+--- Results of a file by name, and the order of the names.
 function command.look(path)
   local m = status.need(require "ylm".load(path))
   local results = status.need(require "ylm.material.file".facts(m))

@@ -22,7 +22,7 @@ function file.load(path)
   return form.defined[file.kind_of(path, head)].construct { file = path }
 end
 
---- What a material's tables hold: { kind, isotropic, albedo, .. numbers }; nil, message, code.
+--- The contents of a material's tables: { kind, isotropic, albedo, .. numbers }; nil, message, code.
 function file.facts(m)
   local made, message, code = object.made("facts", m)
   if not made then return nil, message, code end
