@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include "bench.h"
+#include "material_files.h"
 #include "ylm_material.h"
 
 enum { BATCH = 1024 };
@@ -53,6 +54,31 @@ static const struct row {
     {"abc", "abc", 10, {0.01f, 0.01f, 0.01f, 1.7f, 1.1f, 0.4f, 54, 1.5f, 9, 1}},
 };
 
+static const char *const tables[] = {"merl, linear", "merl, nearest", "rgl, isotropic",
+                                     "rgl, anisotropic"};
+
+/* The material of a row; NULL where it cannot be made. */
+static ylm_material *made(const struct row *w) {
+  ylm_material *m = NULL;
+  ylm_material_create(ylm_material_kind_find(w->kind), w->n, w->x, &m, NULL);
+  return m;
+}
+
+static ylm_material *read_table(size_t i) {
+  return i < 2 ? bench_merl(i == 0) : bench_rgl(i == 2 ? 1 : 17);
+}
+
+/* One row of the table; frees the material. */
+static int measure_one(job *j, const char *says, ylm_material *m) {
+  if (!m) return 1;
+  j->material = m;
+  double e = bench_seconds(eval, j), s = bench_seconds(sample, j), p = bench_seconds(pdf, j);
+  printf("%-10s %-20s %7.2f  %7.2f  %7.2f\n", ylm_isa_name(ylm_isa_current()), says,
+         1e9 * e / BATCH, 1e9 * s / BATCH, 1e9 * p / BATCH);
+  ylm_material_free(m);
+  return 0;
+}
+
 /* All rows on the kernel set in use. */
 static int measure(void) {
   static job j;
@@ -63,16 +89,10 @@ static int measure(void) {
     direction(&r, j.wo[i]);
     for (int a = 0; a < 3; a++) j.u[i][a] = fminf((float)ylm_rng_double(&r), 0x1.fffffep-1f);
   }
-  for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
-    const struct row *w = &rows[i];
-    if (ylm_material_create(ylm_material_kind_find(w->kind), w->n, w->x, &j.material, NULL) !=
-        YLM_OK)
-      return 1;
-    double e = bench_seconds(eval, &j), s = bench_seconds(sample, &j), p = bench_seconds(pdf, &j);
-    printf("%-10s %-20s %7.2f  %7.2f  %7.2f\n", ylm_isa_name(ylm_isa_current()), w->says,
-           1e9 * e / BATCH, 1e9 * s / BATCH, 1e9 * p / BATCH);
-    ylm_material_free(j.material);
-  }
+  for (size_t i = 0; i < sizeof rows / sizeof *rows; i++)
+    if (measure_one(&j, rows[i].says, made(&rows[i]))) return 1;
+  for (size_t i = 0; i < sizeof tables / sizeof *tables; i++)
+    if (measure_one(&j, tables[i], read_table(i))) return 1;
   return 0;
 }
 
