@@ -168,6 +168,42 @@ describe("MERL's files", function()
     end
   end)
 
+  --- Places of a pair among the bins, as the data's own definition has it: d = R_y(-theta_h) R_z(-phi_h) wi.
+  local function places(wi, wo)
+    local h = { wi[1] + wo[1], wi[2] + wo[2], wi[3] + wo[3] }
+    local length = math.sqrt(h[1] ^ 2 + h[2] ^ 2 + h[3] ^ 2)
+    local theta, phi = math.acos(h[3] / length), atan2(h[2], h[1])
+    local x, y = math.cos(phi) * wi[1] + math.sin(phi) * wi[2], math.cos(phi) * wi[2] - math.sin(phi) * wi[1]
+    local d = { math.cos(theta) * x - math.sin(theta) * wi[3], y, math.sin(theta) * x + math.cos(theta) * wi[3] }
+    return { (atan2(d[2], d[1]) % pi) * 180 / pi, math.acos(d[3]) * 180 / pi, 90 * math.sqrt(theta * 2 / pi) }
+  end
+
+  it("are looked up by half vector and difference, in the bin or between centres", function()
+    local function one(x) return string.pack("<d", x) end -- luacheck: ignore 143
+    local planes, row = { {}, {}, {} }, {}
+    for i = 1, 180 do row[i] = one(1500 * i) end
+    for i = 1, 90 do planes[2][i], planes[3][i] = one(1500 / 1.15 * i):rep(180), one(1500 / 1.66 * i):rep(16200) end
+    planes[1] = table.concat(row):rep(8100)
+    planes[2], planes[3] = table.concat(planes[2]):rep(90), table.concat(planes[3])
+    local file = folder:write("places.binary", folder:read "matte.binary":sub(1, 12) .. table.concat(planes))
+    local r, near, between, truth = random(17), {}, {}, {}
+    local wi, wo = directions(r, 2000, 1.5), directions(r, 2000, 1.5)
+    local bins = ylm.merl { file = file, interpolation = "nearest" }:eval(wi, wo):totable()
+    local centres = ylm.merl { file = file }:eval(wi, wo):totable()
+    for i = 1, 2000 do
+      local at = places(wi[i], wo[i])
+      local inside = at[1] > 0.5 and at[1] < 179.5
+      for c = 1, 3 do
+        local edge = math.abs(at[c] - math.floor(at[c] + 0.5))
+        if edge > 1e-4 then near[#near + 1] = bins[i][c] - 1 - math.floor(at[c]) end
+        if at[c] > 0.5 and inside then truth[#truth + 1], between[#between + 1] = at[c] + 0.5, centres[i][c] end
+      end
+    end
+    assert(#near > 5900 and #truth > 5900)
+    for i, x in ipairs(near) do if math.abs(x) > 1e-3 then error("off by a bin: " .. i .. " " .. x) end end
+    assert.near(0, worst(truth, between, 1), 1e-4)
+  end)
+
   it("give a matte surface back, wherever both directions are above it", function()
     local r = random(11)
     local wi, wo = directions(r, 4000, 1.5), directions(r, 4000, 1.5)
