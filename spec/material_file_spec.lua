@@ -478,8 +478,8 @@ end)
 describe("a tabulated material", function()
   it("is what its function says", function()
     local function f(theta_i, theta_o, dphi)
-      local x = math.cos(theta_i) * math.cos(theta_o)
-      return 0.1 + 0.05 * x, 0.1 + 0.02 * math.sin(theta_i) * math.sin(theta_o) * math.cos(dphi), 0.2 * x
+      local x = theta_i * theta_o
+      return 0.15 - 0.05 * x, 0.1 + 0.02 * x * math.cos(dphi), 0.1 * x
     end
     local m = ylm.tabulated { f = f }
     local r = random(7)

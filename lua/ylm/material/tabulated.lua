@@ -61,7 +61,8 @@ local function row(f, fail, theta_h)
 end
 
 local tabulated = form.define("tabulated", {
-  about = "An isotropic reciprocal material that a function describes. The function is called once, for a table like MERL's.",
+  about = "An isotropic reciprocal material that a function describes. The function fills a table like MERL's when the material "
+    .. "is made, which takes a second.",
   fields = {
     { "f", "function", about = "f(theta_i, theta_o, dphi) returns sr^-1, a number or red, green, blue: the angles of the "
       .. "light's direction and the eye's from the normal, and azimuth of the light less azimuth of the eye, in radians" },
