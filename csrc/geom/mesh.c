@@ -36,6 +36,7 @@ void ylm_mesh_free(ylm_mesh *m) {
   ylm_free(m->normal);
   ylm_free(m->uv);
   ylm_free(m->index);
+  ylm_free(m->colour);
   ylm_free(m);
 }
 

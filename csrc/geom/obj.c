@@ -1,5 +1,5 @@
 /* obj.c - Wavefront OBJ. */
-#include "reader.h"
+#include "groups.h"
 
 #include <math.h>
 #include <string.h>
@@ -11,44 +11,15 @@ typedef struct extent {
 } extent;
 
 typedef struct parser {
-  const unsigned char *p, *end;
-  size_t line;
+  ylm_lines at;
   const char *name;
   ylm_error *e;
   ylm_growing position, uv, normal; /* float[3], float[2], float[3] */
   ylm_growing polygon, triangle;    /* ylm_corner */
   extent most[3];                   /* v, vt, vn */
+  ylm_grouping *groups;             /* NULL: not wanted */
   bool bare_normal;                 /* some corner has none */
 } parser;
-
-static bool at_line_end(const parser *s) {
-  return s->p == s->end || *s->p == '\n' || *s->p == '\r';
-}
-
-/* Skips blanks and continued line ends. */
-static void skip_blanks(parser *s) {
-  for (;;) {
-    if (s->p < s->end && (*s->p == ' ' || *s->p == '\t'))
-      s->p++;
-    else if (s->end - s->p >= 2 && s->p[0] == '\\' && s->p[1] == '\n')
-      s->p += 2, s->line++;
-    else if (s->end - s->p >= 3 && s->p[0] == '\\' && s->p[1] == '\r' && s->p[2] == '\n')
-      s->p += 3, s->line++;
-    else
-      return;
-  }
-}
-
-static void skip_line(parser *s) {
-  while (!at_line_end(s)) {
-    if (*s->p == '\\') {
-      const unsigned char *before = s->p;
-      skip_blanks(s);
-      if (s->p != before) continue;
-    }
-    s->p++;
-  }
-}
 
 /* n numbers of a v, vt or vn statement; `least` of them must be there, the others are 0. */
 static ylm_status read_floats(parser *s, ylm_growing *to, const char *what, int n, int least) {
@@ -56,44 +27,44 @@ static ylm_status read_floats(parser *s, ylm_growing *to, const char *what, int 
   if (!out) return ylm_fail(s->e, YLM_ENOMEM, "%s: memory ran out", s->name);
   for (int i = 0; i < n; i++) {
     double x = 0;
-    skip_blanks(s);
-    if (!ylm__read_number(&s->p, s->end, &x) && i < least)
+    ylm__skip_blanks(&s->at);
+    if (!ylm__read_number(&s->at.p, s->at.end, &x) && i < least)
       return ylm_fail(s->e, YLM_EFORMAT, "%s:%zu: '%s' wants %d numbers, number %d is none",
-                      s->name, s->line, what, n, i + 1);
+                      s->name, s->at.line, what, n, i + 1);
     out[i] = (float)x;
     if (!isfinite(out[i]))
-      return ylm_fail(s->e, YLM_EFORMAT, "%s:%zu: number %d of '%s' is too large", s->name, s->line,
-                      i + 1, what);
+      return ylm_fail(s->e, YLM_EFORMAT, "%s:%zu: number %d of '%s' is too large", s->name,
+                      s->at.line, i + 1, what);
   }
   if (++to->count > YLM_MESH_MAX)
-    return ylm_fail(s->e, YLM_ELIMIT, "%s:%zu: more than %zu of '%s'", s->name, s->line,
+    return ylm_fail(s->e, YLM_ELIMIT, "%s:%zu: more than %zu of '%s'", s->name, s->at.line,
                     YLM_MESH_MAX, what);
-  skip_line(s);
+  ylm__skip_line(&s->at);
   return YLM_OK;
 }
 
 /* One index of a face corner (kind 0 v, 1 vt, 2 vn) as a zero-based one. */
 static ylm_status read_index(parser *s, int kind, uint32_t *out) {
   static const char *const names[] = {"vertex", "texture coordinate", "normal"};
-  bool negative = s->p < s->end && *s->p == '-';
-  if (negative) s->p++;
+  bool negative = s->at.p < s->at.end && *s->at.p == '-';
+  if (negative) s->at.p++;
   uint64_t k = 0;
-  if (s->p == s->end || *s->p < '0' || *s->p > '9')
-    return ylm_fail(s->e, YLM_EFORMAT, "%s:%zu: a %s index expected in a face", s->name, s->line,
+  if (s->at.p == s->at.end || *s->at.p < '0' || *s->at.p > '9')
+    return ylm_fail(s->e, YLM_EFORMAT, "%s:%zu: a %s index expected in a face", s->name, s->at.line,
                     names[kind]);
-  for (; s->p < s->end && *s->p >= '0' && *s->p <= '9'; s->p++)
-    if (k < 1u << 31) k = 10 * k + (uint64_t)(*s->p - '0');
+  for (; s->at.p < s->at.end && *s->at.p >= '0' && *s->at.p <= '9'; s->at.p++)
+    if (k < 1u << 31) k = 10 * k + (uint64_t)(*s->at.p - '0');
   const ylm_growing *pool = kind == 0 ? &s->position : kind == 1 ? &s->uv : &s->normal;
   if (negative) {
     if (k == 0 || k > pool->count)
       return ylm_fail(s->e, YLM_EFORMAT, "%s:%zu: a face refers to %s -%llu, %zu are there so far",
-                      s->name, s->line, names[kind], (unsigned long long)k, pool->count);
+                      s->name, s->at.line, names[kind], (unsigned long long)k, pool->count);
     k = pool->count - k + 1;
   }
   if (k == 0 || k > YLM_MESH_MAX)
-    return ylm_fail(s->e, YLM_EFORMAT, "%s:%zu: a face refers to %s %llu", s->name, s->line,
+    return ylm_fail(s->e, YLM_EFORMAT, "%s:%zu: a face refers to %s %llu", s->name, s->at.line,
                     names[kind], (unsigned long long)k);
-  if (k > s->most[kind].largest) s->most[kind] = (extent){k, s->line};
+  if (k > s->most[kind].largest) s->most[kind] = (extent){k, s->at.line};
   *out = (uint32_t)(k - 1);
   return YLM_OK;
 }
@@ -102,74 +73,89 @@ static ylm_status read_index(parser *s, int kind, uint32_t *out) {
 static ylm_status read_corner(parser *s, ylm_corner *c) {
   *c = (ylm_corner){YLM_NO_INDEX, YLM_NO_INDEX, YLM_NO_INDEX};
   ylm_status st = read_index(s, 0, &c->v);
-  if (st == YLM_OK && s->p < s->end && *s->p == '/') {
-    s->p++;
-    if (s->p < s->end && *s->p != '/') st = read_index(s, 1, &c->t);
-    if (st == YLM_OK && s->p < s->end && *s->p == '/') {
-      s->p++;
+  if (st == YLM_OK && s->at.p < s->at.end && *s->at.p == '/') {
+    s->at.p++;
+    if (s->at.p < s->at.end && *s->at.p != '/') st = read_index(s, 1, &c->t);
+    if (st == YLM_OK && s->at.p < s->at.end && *s->at.p == '/') {
+      s->at.p++;
       st = read_index(s, 2, &c->n);
     }
   }
-  if (st == YLM_OK && !at_line_end(s) && *s->p != ' ' && *s->p != '\t' && *s->p != '\\')
+  if (st == YLM_OK && !ylm__at_line_end(&s->at) && *s->at.p != ' ' && *s->at.p != '\t' &&
+      *s->at.p != '\\')
     st = ylm_fail(s->e, YLM_EFORMAT, "%s:%zu: a face has corners v, v/vt, v//vn or v/vt/vn",
-                  s->name, s->line);
+                  s->name, s->at.line);
   s->bare_normal |= c->n == YLM_NO_INDEX;
   return st;
 }
 
 static ylm_status read_face(parser *s) {
   s->polygon.count = 0;
-  for (skip_blanks(s); !at_line_end(s) && *s->p != '#'; skip_blanks(s)) {
+  for (ylm__skip_blanks(&s->at); !ylm__at_line_end(&s->at) && *s->at.p != '#';
+       ylm__skip_blanks(&s->at)) {
     ylm_corner *c = ylm__grow(&s->polygon, 1);
     if (!c) return ylm_fail(s->e, YLM_ENOMEM, "%s: memory ran out", s->name);
     ylm_status st = read_corner(s, c);
     if (st != YLM_OK) return st;
     s->polygon.count++;
-    if (!at_line_end(s) && *s->p == '\\' &&
-        (s->end - s->p < 2 || (s->p[1] != '\n' && s->p[1] != '\r')))
-      return ylm_fail(s->e, YLM_EFORMAT, "%s:%zu: unexpected '\\' in a face", s->name, s->line);
-    const unsigned char *before = s->p;
-    skip_blanks(s);
-    if (s->p == before && !at_line_end(s) && *s->p != '#')
-      return ylm_fail(s->e, YLM_EFORMAT, "%s:%zu: unexpected text in a face", s->name, s->line);
+    if (!ylm__at_line_end(&s->at) && *s->at.p == '\\' &&
+        (s->at.end - s->at.p < 2 || (s->at.p[1] != '\n' && s->at.p[1] != '\r')))
+      return ylm_fail(s->e, YLM_EFORMAT, "%s:%zu: unexpected '\\' in a face", s->name, s->at.line);
+    const unsigned char *before = s->at.p;
+    ylm__skip_blanks(&s->at);
+    if (s->at.p == before && !ylm__at_line_end(&s->at) && *s->at.p != '#')
+      return ylm_fail(s->e, YLM_EFORMAT, "%s:%zu: unexpected text in a face", s->name, s->at.line);
   }
   if (s->polygon.count < 3)
     return ylm_fail(s->e, YLM_EFORMAT, "%s:%zu: a face has %zu corners, 3 at least are wanted",
-                    s->name, s->line, s->polygon.count);
-  if (!ylm__add_polygon(&s->triangle, s->polygon.data, s->polygon.count))
+                    s->name, s->at.line, s->polygon.count);
+  if (!ylm__add_polygon(&s->triangle, s->polygon.data, s->polygon.count) ||
+      (s->groups && !ylm__groups_faces(s->groups, s->polygon.count - 2)))
     return ylm_fail(s->e, YLM_ENOMEM, "%s: memory ran out", s->name);
   if (s->triangle.count / 3 > YLM_MESH_MAX)
-    return ylm_fail(s->e, YLM_ELIMIT, "%s:%zu: more than %zu triangles", s->name, s->line,
+    return ylm_fail(s->e, YLM_ELIMIT, "%s:%zu: more than %zu triangles", s->name, s->at.line,
                     YLM_MESH_MAX);
-  skip_line(s);
+  ylm__skip_line(&s->at);
+  return YLM_OK;
+}
+
+/* A statement about materials, by the function that reads its rest. */
+static ylm_status read_grouping(parser *s, const char *what,
+                                ylm_status (*read)(ylm_grouping *, ylm_lines *)) {
+  size_t line = s->at.line;
+  ylm_status st = read(s->groups, &s->at);
+  if (st == YLM_ENOMEM) return ylm_fail(s->e, st, "%s: memory ran out", s->name);
+  if (st != YLM_OK)
+    return ylm_fail(s->e, st, "%s:%zu: the name after %s has a zero byte", s->name, line, what);
   return YLM_OK;
 }
 
 /* One line, from its first word on. */
 static ylm_status read_statement(parser *s) {
-  const unsigned char *word = s->p;
-  while (!at_line_end(s) && *s->p != ' ' && *s->p != '\t' && *s->p != '\\') s->p++;
-  size_t n = (size_t)(s->p - word);
+  const unsigned char *word = s->at.p;
+  size_t n = ylm__skip_word(&s->at);
   if (n == 1 && word[0] == 'v') return read_floats(s, &s->position, "v", 3, 3);
   if (n == 2 && memcmp(word, "vt", 2) == 0) return read_floats(s, &s->uv, "vt", 2, 1);
   if (n == 2 && memcmp(word, "vn", 2) == 0) return read_floats(s, &s->normal, "vn", 3, 3);
   if (n == 1 && word[0] == 'f') return read_face(s);
-  bool letter = n > 0 && ((word[0] >= 'a' && word[0] <= 'z') || (word[0] >= 'A' && word[0] <= 'Z'));
-  if (n > 0 && !letter && word[0] != '#')
-    return ylm_fail(s->e, YLM_EFORMAT, "%s:%zu: not a statement of an OBJ file", s->name, s->line);
-  s->p = word;
-  skip_line(s);
+  if (s->groups && ylm__is_word(word, n, "mtllib"))
+    return read_grouping(s, "mtllib", ylm__groups_library);
+  if (s->groups && ylm__is_word(word, n, "usemtl"))
+    return read_grouping(s, "usemtl", ylm__groups_use);
+  if (n > 0 && !ylm__is_statement(word, n))
+    return ylm_fail(s->e, YLM_EFORMAT, "%s:%zu: not a statement of an OBJ file", s->name,
+                    s->at.line);
+  s->at.p = word;
+  ylm__skip_line(&s->at);
   return YLM_OK;
 }
 
 static ylm_status read_lines(parser *s) {
-  while (s->p < s->end) {
-    skip_blanks(s);
-    ylm_status st = at_line_end(s) ? YLM_OK : read_statement(s);
+  while (s->at.p < s->at.end) {
+    ylm__skip_blanks(&s->at);
+    ylm_status st = ylm__at_line_end(&s->at) ? YLM_OK : read_statement(s);
     if (st != YLM_OK) return st;
-    if (s->p < s->end && *s->p == '\r') s->p++;
-    if (s->p < s->end && *s->p == '\n') s->p++;
-    s->line++;
+    ylm__next_line(&s->at);
   }
   static const char *const names[] = {"vertex", "texture coordinate", "normal"};
   const ylm_growing *pool[] = {&s->position, &s->uv, &s->normal};
@@ -280,9 +266,10 @@ static void normalise(float *n, size_t count) {
   }
 }
 
-ylm_status ylm_mesh_parse_obj(const unsigned char *text, size_t size, const char *name,
-                              ylm_mesh **m, ylm_error *e) {
-  parser s = {.p = text, .end = text + size, .line = 1, .name = name, .e = e};
+/* ylm_mesh_parse_obj; groups NULL: not wanted. */
+static ylm_status parse(const unsigned char *text, size_t size, const char *name,
+                        ylm_grouping *groups, ylm_mesh **m, ylm_error *e) {
+  parser s = {.at = {text, text + size, 1}, .name = name, .e = e, .groups = groups};
   s.position.size = s.normal.size = 3 * sizeof(float);
   s.uv.size = 2 * sizeof(float);
   s.polygon.size = s.triangle.size = sizeof(ylm_corner);
@@ -302,15 +289,38 @@ ylm_status ylm_mesh_parse_obj(const unsigned char *text, size_t size, const char
   return st;
 }
 
+ylm_status ylm_mesh_parse_obj(const unsigned char *text, size_t size, const char *name,
+                              ylm_mesh **m, ylm_error *e) {
+  return parse(text, size, name, NULL, m, e);
+}
+
+ylm_status ylm_mesh_parse_obj_groups(const unsigned char *text, size_t size, const char *name,
+                                     ylm_mesh **m, ylm_mesh_groups **groups, ylm_error *e) {
+  ylm_grouping g;
+  ylm__groups_begin(&g);
+  *groups = NULL;
+  ylm_status st = parse(text, size, name, &g, m, e);
+  if (st == YLM_OK && !(*groups = ylm__groups_finish(&g))) {
+    ylm_mesh_free(*m);
+    *m = NULL;
+    st = ylm_fail(e, YLM_ENOMEM, "%s: memory ran out", name);
+  }
+  ylm__groups_discard(&g);
+  return st;
+}
+
+bool ylm_mesh_is_ply(const unsigned char *bytes, size_t size) {
+  return size >= 4 && memcmp(bytes, "ply", 3) == 0 && (bytes[3] == '\n' || bytes[3] == '\r');
+}
+
 ylm_status ylm_mesh_read(const char *path, ylm_mesh **m, ylm_error *e) {
   unsigned char *bytes;
   size_t size;
   *m = NULL;
   ylm_status s = ylm_file_read(path, 0, &bytes, &size, e);
   if (s != YLM_OK) return s;
-  bool ply = size >= 4 && memcmp(bytes, "ply", 3) == 0 && (bytes[3] == '\n' || bytes[3] == '\r');
-  s = ply ? ylm_mesh_parse_ply(bytes, size, path, m, e)
-          : ylm_mesh_parse_obj(bytes, size, path, m, e);
+  s = ylm_mesh_is_ply(bytes, size) ? ylm_mesh_parse_ply(bytes, size, path, m, e)
+                                   : ylm_mesh_parse_obj(bytes, size, path, m, e);
   ylm_free(bytes);
   return s;
 }

@@ -1,5 +1,6 @@
 /* ply.c - PLY: ascii and binary of both byte orders. */
 #include "reader.h"
+#include "ylm_image.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -12,8 +13,9 @@ typedef enum type { INT8, UINT8, INT16, UINT16, INT32, UINT32, FLOAT32, FLOAT64,
 
 static const size_t type_size[] = {1, 1, 2, 2, 4, 4, 4, 8};
 
-/* Targets of a property: a slot 0 .. 7 of a vertex (x y z nx ny nz u v), a face's list, nothing. */
-enum { SLOTS = 8, FACE_LIST = 8, NOTHING = 9 };
+/* Targets of a property: a slot of a vertex (x y z nx ny nz u v red green blue), a face's list,
+   nothing. */
+enum { COLOUR = 8, SLOTS = 11, FACE_LIST = 11, NOTHING = 12 };
 
 typedef struct property {
   type value, count; /* count is NO_TYPE where it is no list */
@@ -42,7 +44,7 @@ typedef struct parser {
   uint64_t largest, vertices; /* largest index that a face used, how many there are */
   size_t largest_line;
   uint64_t largest_face;
-  float *out[3]; /* position, normal, uv */
+  float *out[4]; /* position, normal, uv, colour */
 } parser;
 
 /* An error with its line (text) or its byte (binary data). */
@@ -95,8 +97,24 @@ static int find_slot(const char *word) {
   static const struct {
     const char *name;
     int slot;
-  } names[] = {{"x", 0}, {"y", 1}, {"z", 2}, {"nx", 3}, {"ny", 4},        {"nz", 5},
-               {"u", 6}, {"v", 7}, {"s", 6}, {"t", 7},  {"texture_u", 6}, {"texture_v", 7}};
+  } names[] = {{"x", 0},
+               {"y", 1},
+               {"z", 2},
+               {"nx", 3},
+               {"ny", 4},
+               {"nz", 5},
+               {"u", 6},
+               {"v", 7},
+               {"s", 6},
+               {"t", 7},
+               {"red", 8},
+               {"green", 9},
+               {"texture_u", 6},
+               {"texture_v", 7},
+               {"blue", 10},
+               {"diffuse_red", 8},
+               {"diffuse_green", 9},
+               {"diffuse_blue", 10}};
   for (size_t i = 0; i < sizeof names / sizeof *names; i++)
     if (strcmp(word, names[i].name) == 0) return names[i].slot;
   return NOTHING;
@@ -121,6 +139,11 @@ static ylm_status add_element(parser *s, const char *name, const char *count) {
   return YLM_OK;
 }
 
+/* Whether numbers of a type can be colours: 0 .. 255, 0 .. 65535 or 0 .. 1. */
+static bool holds_colour(type t) {
+  return t == UINT8 || t == UINT16 || t == FLOAT32 || t == FLOAT64;
+}
+
 static ylm_status add_property(parser *s, char word[5][40], int words) {
   if (s->elements == 0) return fail(s, "a property before any element");
   if (s->properties == MAX_PROPERTIES) return fail(s, "more than %d properties", MAX_PROPERTIES);
@@ -138,6 +161,7 @@ static ylm_status add_property(parser *s, char word[5][40], int words) {
     if (p->value >= FLOAT32) return fail(s, "vertex indices must be integers");
     p->target = FACE_LIST;
   }
+  if (p->target >= COLOUR && p->target < SLOTS && !holds_colour(p->value)) p->target = NOTHING;
   if (p->target < SLOTS) s->slots |= 1u << p->target;
   s->properties++;
   el->properties++;
@@ -220,12 +244,27 @@ static bool read_value(parser *s, type t, double *x) {
   return true;
 }
 
+/* A channel of vertex i's colour as linear light. */
+static ylm_status read_colour(parser *s, const property *q, double x, uint64_t i) {
+  static const char *const names[] = {"red", "green", "blue"};
+  int c = q->target - COLOUR;
+  double largest = q->value == UINT8 ? 255 : q->value == UINT16 ? 65535 : 1;
+  if (!(x >= 0 && x <= largest))
+    return fail(s, "vertex %llu: %s must be from 0 to %g, got %g", (unsigned long long)i + 1,
+                names[c], largest, x);
+  if (s->out[3])
+    s->out[3][3 * i + (uint64_t)c] =
+        largest > 1 ? ylm_tone_decode_srgb((float)(x / largest)) : (float)x;
+  return YLM_OK;
+}
+
 static ylm_status read_scalar(parser *s, const property *q, uint64_t i) {
   double x;
   if (!read_value(s, q->value, &x)) return fail(s, "the data end or are no number");
   if (q->target >= SLOTS) return YLM_OK;
   float f = (float)x;
   if (!isfinite(f)) return fail(s, "vertex %llu is not finite", (unsigned long long)i + 1);
+  if (q->target >= COLOUR) return read_colour(s, q, x, i);
   if (q->target < 3)
     s->out[0][3 * i + (uint64_t)q->target] = f;
   else if (q->target < 6) {
@@ -301,7 +340,12 @@ static ylm_status read_data(parser *s, ylm_mesh **m) {
   ylm_mesh *v = NULL;
   st = ylm_mesh_create((size_t)s->vertices, 0, normals, uvs, &v, s->e);
   if (st != YLM_OK) return st;
-  s->out[0] = v->position, s->out[1] = v->normal, s->out[2] = v->uv;
+  if ((s->slots >> COLOUR & 7) == 7) v->colour = ylm_alloc_zero(v->vertices * 3, sizeof(float));
+  if ((s->slots >> COLOUR & 7) == 7 && !v->colour) {
+    ylm_mesh_free(v);
+    return ylm_fail(s->e, YLM_ENOMEM, "%s: memory ran out", s->name);
+  }
+  s->out[0] = v->position, s->out[1] = v->normal, s->out[2] = v->uv, s->out[3] = v->colour;
   for (int i = 0; st == YLM_OK && i < s->elements; i++) st = read_element(s, &s->element[i]);
   if (st == YLM_OK && s->largest > s->vertices) {
     s->line = s->largest_line;
@@ -370,21 +414,24 @@ ylm_status ylm_mesh_write_ply(const ylm_mesh *m, const char *path, ylm_error *e)
   ylm_file *f;
   ylm_status s = ylm_file_create(path, &f, e);
   if (s != YLM_OK) return s;
-  char head[400];
+  char head[500];
   int n = snprintf(
       head, sizeof head,
       "ply\nformat binary_little_endian 1.0\ncomment ylm " YLM_VERSION "\nelement vertex %zu\n"
-      "property float x\nproperty float y\nproperty float z\n%s%selement face %zu\n"
+      "property float x\nproperty float y\nproperty float z\n%s%s%selement face %zu\n"
       "property list uchar int vertex_indices\nend_header\n",
       m->vertices, m->normal ? "property float nx\nproperty float ny\nproperty float nz\n" : "",
-      m->uv ? "property float u\nproperty float v\n" : "", m->triangles);
+      m->uv ? "property float u\nproperty float v\n" : "",
+      m->colour ? "property float red\nproperty float green\nproperty float blue\n" : "",
+      m->triangles);
   ylm_file_write(f, head, (size_t)n);
-  unsigned char row[32];
+  unsigned char row[44];
   for (size_t i = 0; i < m->vertices; i++) {
     unsigned char *p = row;
     for (int a = 0; a < 3; a++) p = put(p, m->position + 3 * i + (size_t)a);
     for (int a = 0; m->normal && a < 3; a++) p = put(p, m->normal + 3 * i + (size_t)a);
     for (int a = 0; m->uv && a < 2; a++) p = put(p, m->uv + 2 * i + (size_t)a);
+    for (int a = 0; m->colour && a < 3; a++) p = put(p, m->colour + 3 * i + (size_t)a);
     ylm_file_write(f, row, (size_t)(p - row));
   }
   for (size_t t = 0; t < m->triangles; t++) {

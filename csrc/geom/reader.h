@@ -29,4 +29,29 @@ bool ylm__add_polygon(ylm_growing *triangles, const ylm_corner *corner, size_t n
 */
 bool ylm__read_number(const unsigned char **p, const unsigned char *end, double *x);
 
+/* -- lines of OBJ and MTL files ------------------------------------------------- */
+
+/* Where a reader is in a text. */
+typedef struct ylm_lines {
+  const unsigned char *p, *end;
+  size_t line;
+} ylm_lines;
+
+bool ylm__at_line_end(const ylm_lines *s);
+/* Skips blanks and continued line ends. */
+void ylm__skip_blanks(ylm_lines *s);
+/* Goes to the end of the line, continued ones included. */
+void ylm__skip_line(ylm_lines *s);
+/* Goes from a line's end to the next line. */
+void ylm__next_line(ylm_lines *s);
+/* The length of the word here, up to a blank, '\\' or the line's end, which is passed over. */
+size_t ylm__skip_word(ylm_lines *s);
+/* Whether the word of n bytes is `name`, in upper or lower case. */
+bool ylm__is_word(const unsigned char *word, size_t n, const char *name);
+/* Whether a word may begin a statement: by a letter, or by '#' for a comment. */
+bool ylm__is_statement(const unsigned char *word, size_t n);
+/* The rest of the line without blanks around it, a continued line end as one blank; goes to the line's
+   end. YLM_EFORMAT (a zero byte), YLM_ENOMEM; the caller frees *out with ylm_free. */
+ylm_status ylm__rest_of_line(ylm_lines *s, char **out);
+
 #endif

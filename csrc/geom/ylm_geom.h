@@ -20,6 +20,7 @@ typedef struct ylm_mesh {
   float *normal;   /* [vertices][3] unit; NULL: none                */
   float *uv;       /* [vertices][2]; NULL: none                     */
   uint32_t *index; /* [triangles][3], each below `vertices`         */
+  float *colour;   /* [vertices][3] 0 .. 1, linear; NULL: none      */
 } ylm_mesh;
 
 /* A mesh of zeros. YLM_EOVERFLOW (more than YLM_MESH_MAX), YLM_ENOMEM. */
@@ -98,15 +99,84 @@ YLM_API ylm_status ylm_mesh_parse_obj(const unsigned char *text, size_t size, co
                                       ylm_mesh **mesh, ylm_error *e);
 /*
 ** ylm_mesh_parse_ply - a mesh from the bytes of a PLY file: ascii, binary_little_endian,
-** binary_big_endian, 1.0; vertex x y z [nx ny nz] [s t | u v | texture_u texture_v], face
-** vertex_indices or vertex_index as lists; other elements and properties are skipped.
+** binary_big_endian, 1.0; vertex x y z [nx ny nz] [s t | u v | texture_u texture_v] [red green blue],
+** face vertex_indices or vertex_index as lists; other elements and properties are skipped.
+** Colours of 8 and 16 bits are sRGB-encoded and become linear; float and double are linear, from 0 to 1.
 */
 YLM_API ylm_status ylm_mesh_parse_ply(const unsigned char *bytes, size_t size, const char *name,
                                       ylm_mesh **mesh, ylm_error *e);
 /* By content: PLY if it begins with "ply", else OBJ. Errors of ylm_file_read too. */
 YLM_API ylm_status ylm_mesh_read(const char *path, ylm_mesh **mesh, ylm_error *e);
+/* Whether ylm_mesh_read takes these bytes for PLY. */
+YLM_API bool ylm_mesh_is_ply(const unsigned char *bytes, size_t size);
 /* Writes binary little-endian PLY. YLM_EIO. */
 YLM_API ylm_status ylm_mesh_write_ply(const ylm_mesh *mesh, const char *path, ylm_error *e);
+
+/* -- materials of OBJ files -------------------------------------------------------- */
+
+/* A name or file name as a file gives it, up to the end of the line. */
+typedef struct ylm_mesh_text {
+  char *text;
+  size_t line;
+} ylm_mesh_text;
+
+/* The materials that an OBJ file names. */
+typedef struct ylm_mesh_groups {
+  size_t libraries, names;
+  ylm_mesh_text *library; /* [libraries] of mtllib                                              */
+  ylm_mesh_text *name;    /* [names] of usemtl, each once, in the order of their first mention  */
+  size_t triangles;
+  uint32_t *group; /* [triangles]: 1 + the name's place, 0 before the first usemtl       */
+} ylm_mesh_groups;
+
+/* ylm_mesh_parse_obj, and what it says about materials; groups are the caller's to free. */
+YLM_API ylm_status ylm_mesh_parse_obj_groups(const unsigned char *text, size_t size,
+                                             const char *name, ylm_mesh **mesh,
+                                             ylm_mesh_groups **groups, ylm_error *e);
+YLM_API void ylm_mesh_groups_free(ylm_mesh_groups *groups);
+/*
+** ylm_mesh_split - a mesh for each group of triangles, with the vertices that these use.
+**
+**   part  out  [names + 1], NULL where a group has no triangle; the caller's to free
+**
+** Returns  YLM_OK; YLM_ENOMEM (all parts are then NULL)
+** Cost     O(vertices + triangles)
+*/
+YLM_API ylm_status ylm_mesh_split(const ylm_mesh *mesh, const ylm_mesh_groups *groups,
+                                  ylm_mesh **part, ylm_error *e);
+
+/* A material of an MTL file: what it says, else `has` is false and the numbers are 0. */
+typedef struct ylm_mesh_material {
+  ylm_mesh_text name;
+  float kd[3], ks[3], ke[3]; /* diffuse, specular 0 .. 1; emitted radiance >= 0        */
+  float ns;                  /* exponent, 0 .. 1e5                                     */
+  bool has_kd, has_ks, has_ke, has_ns;
+  ylm_mesh_text map_kd; /* the file's name; text NULL: none                       */
+} ylm_mesh_material;
+
+/* All materials of an MTL file. */
+typedef struct ylm_mesh_library {
+  size_t count;
+  ylm_mesh_material *material; /* [count] */
+  size_t skipped;              /* statements and options that were not read */
+  char words[100];             /* the first of their names */
+} ylm_mesh_library;
+
+/*
+** ylm_mesh_parse_mtl - the materials of a Wavefront MTL file.
+**
+** Read: newmtl, Kd, Ks, Ke (r g b, or r for all three), Ns, map_Kd (without its options), in upper or
+** lower case. Other statements are skipped and counted. Names go to the end of the line.
+**
+**   text  in  [size] bytes
+**   name  in  what errors call it: "name:line: ..."
+**
+** Returns  YLM_OK; YLM_EFORMAT with the line, YLM_ENOMEM
+** Cost     O(size)
+*/
+YLM_API ylm_status ylm_mesh_parse_mtl(const unsigned char *text, size_t size, const char *name,
+                                      ylm_mesh_library **library, ylm_error *e);
+YLM_API void ylm_mesh_library_free(ylm_mesh_library *library);
 
 #ifdef __cplusplus
 }

@@ -241,6 +241,37 @@ YLM_API bool ylm_mapping_position(ylm_mapping m, ylm_up up, int width, int heigh
 YLM_API ylm_status ylm_mapping_pixels(ylm_mapping m, ylm_up up, int width, int height,
                                       double *direction, double *solid_angle);
 
+/* -- textures ----------------------------------------------------------------- */
+
+/* An image that is looked up at texture coordinates. It does not change and is reference counted. */
+typedef struct ylm_texture ylm_texture;
+
+/*
+** ylm_texture_create - a texture of numbers from 0 to 1, which are copied.
+**
+**   channels  in  1 .. 4; one or two are grey (and alpha), the fourth is left out
+**   texel     in  [height][width][channels], the top row first
+**
+** Returns  YLM_OK; YLM_EDOMAIN naming row, column and channel of a number outside of 0 .. 1, YLM_ERANGE,
+**          YLM_EOVERFLOW, YLM_ENOMEM
+*/
+YLM_API ylm_status ylm_texture_create(size_t width, size_t height, int channels, const float *texel,
+                                      ylm_texture **texture, ylm_error *e);
+/* Another hold of the texture, to be freed once more; of NULL NULL. */
+YLM_API const ylm_texture *ylm_texture_keep(const ylm_texture *texture);
+YLM_API void ylm_texture_free(const ylm_texture *texture);
+YLM_API void ylm_texture_size(const ylm_texture *texture, size_t *width, size_t *height);
+/* The mean of all texels. */
+YLM_API void ylm_texture_mean(const ylm_texture *texture, float mean[3]);
+/*
+** ylm_texture_at - the colour at texture coordinates: bilinear between the centres of texels.
+**
+**   u, v  in   finite; u grows to the right, v upwards, (0, 0) is the bottom left corner; the image is
+**              repeated beyond 0 .. 1
+**   out   out  [3]
+*/
+YLM_API void ylm_texture_at(const ylm_texture *texture, float u, float v, float out[3]);
+
 #ifdef __cplusplus
 }
 #endif
