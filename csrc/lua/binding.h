@@ -48,7 +48,8 @@
   X(image_ops)                                                                                     \
   X(material)                                                                                      \
   X(material_file)                                                                                 \
-  X(mesh)
+  X(mesh)                                                                                          \
+  X(texture)
 
 #define YLML_SCENE_BINDINGS(X)                                                                     \
   X(shade)                                                                                         \
@@ -176,17 +177,20 @@ ylmL_array *ylmL_array_opt(lua_State *L, int i);
 #define YLM_IMAGE "ylm.image"
 #define YLM_MESH "ylm.mesh"
 #define YLM_MATERIAL "ylm.material"
+#define YLM_TEXTURE "ylm.texture"
 
 /* An object without an image yet, on the stack: the caller fills the address returned, which the
    object then owns. ylmL_no_memory where memory runs out, so call it before making the image. */
 struct ylm_image **ylmL_image_new(lua_State *L);
 /* The image at `i`; raises if there is none or it has been closed. */
 struct ylm_image *ylmL_image_check(lua_State *L, int i);
-/* ylmL_image_new and ylmL_image_check for meshes, and for materials. */
+/* ylmL_image_new and ylmL_image_check for meshes, materials and textures. */
 struct ylm_mesh **ylmL_mesh_new(lua_State *L);
 struct ylm_mesh *ylmL_mesh_check(lua_State *L, int i);
 struct ylm_material **ylmL_material_new(lua_State *L);
 struct ylm_material *ylmL_material_check(lua_State *L, int i);
+struct ylm_texture **ylmL_texture_new(lua_State *L);
+struct ylm_texture *ylmL_texture_check(lua_State *L, int i);
 /* Lets go of the image or mesh at 1. */
 int ylmL_object_close(lua_State *L);
 /* An array over memory of the image or mesh at `i`, which it keeps alive; ylmL_no_memory where

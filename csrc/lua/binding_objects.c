@@ -56,6 +56,7 @@ static shared *check_object(lua_State *L, int i, const char *type) {
 static void destroy_image(void *image) { ylm_image_free(image); }
 static void destroy_mesh(void *mesh) { ylm_mesh_free(mesh); }
 static void destroy_material(void *material) { ylm_material_free(material); }
+static void destroy_texture(void *texture) { ylm_texture_free(texture); }
 
 ylm_image **ylmL_image_new(lua_State *L) {
   return (ylm_image **)(void *)&new_object(L, YLM_IMAGE, destroy_image)->object;
@@ -75,6 +76,14 @@ ylm_material **ylmL_material_new(lua_State *L) {
 
 ylm_material *ylmL_material_check(lua_State *L, int i) {
   return check_object(L, i, YLM_MATERIAL)->object;
+}
+
+ylm_texture **ylmL_texture_new(lua_State *L) {
+  return (ylm_texture **)(void *)&new_object(L, YLM_TEXTURE, destroy_texture)->object;
+}
+
+ylm_texture *ylmL_texture_check(lua_State *L, int i) {
+  return check_object(L, i, YLM_TEXTURE)->object;
 }
 
 ylmL_array *ylmL_object_array(lua_State *L, int i, ylm_dtype t, int axes, const size_t *shape,

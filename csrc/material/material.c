@@ -170,3 +170,7 @@ ylm_status ylm_material_row(const ylm_material *m, float *row, ylm_error *e) {
 void ylm_material_row_radiance(const float *row, float light[3]) {
   for (int c = 0; c < 3; c++) light[c] = matte_radiance(light[c], row[c]);
 }
+
+void ylm_material_row_tint(float *row, const float tint[3]) {
+  for (int c = 0; c < 3; c++) row[c] *= tint[c];
+}

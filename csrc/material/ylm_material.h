@@ -188,6 +188,8 @@ YLM_API void ylm_material_facts(const ylm_material *m, ylm_material_fact *fact, 
    make radiance of products as ylm_material_radiance does. YLM_OK; YLM_EMISSING: no shader has
    the kind. */
 YLM_API ylm_status ylm_material_row(const ylm_material *m, float *row, ylm_error *e);
+/* In place, the row of the material with its reflectance multiplied by a tint. */
+YLM_API void ylm_material_row_tint(float *row, const float tint[3]);
 /* As those shaders do: in place, the product of a transfer vector with light to radiance. */
 YLM_API void ylm_material_row_radiance(const float *row, float light[3]);
 

@@ -54,7 +54,7 @@ static ylm_status copy_mesh(scene_mesh *m, size_t i, const ylm_scene_mesh *in, y
     memcpy(m->normal, in->normals, in->vertices * 12);
     for (size_t k = 0; k < m->vertices; k++) normalise(&m->normal[3 * k]);
   }
-  return YLM_OK;
+  return ylm__scene_copy_tint(m, i, in, e);
 }
 
 static float luminance_of(const float *c) {
@@ -138,6 +138,7 @@ void ylm_scene_free(ylm_scene *s) {
     ylm_free(s->mesh[i].uv);
     ylm_free(s->mesh[i].triangle);
     ylm_material_free(s->mesh[i].material);
+    ylm__scene_free_tint(&s->mesh[i]);
   }
   for (int a = 0; a < 4; a++) ylm_free(s->lamp[a]);
   ylm_free(s->lamp_luminance);
@@ -239,6 +240,7 @@ static void surface(const ylm_scene *s, const ylm_scene_place *e, ylm_scene_surf
   for (int a = 0; a < 3; a++) out->origin[a] += offset * flat[a];
   find_tangent(m, t, p, out->normal, out->tangent);
   out->material = m->material;
+  ylm__scene_tint(m, t, w, out->tint);
 }
 
 void ylm_scene_surfaces(const ylm_scene *s, size_t n, const ylm_scene_place *p,
@@ -259,4 +261,6 @@ void ylm_scene_vertex(const ylm_scene *s, size_t mesh, size_t vertex, bool back,
   float other[3];
   ylm_scene_basis(out->normal, out->tangent, other);
   out->material = m->material;
+  ylm__scene_tint(m, (uint32_t[3]){(uint32_t)vertex, (uint32_t)vertex, (uint32_t)vertex},
+                  (float[3]){1, 0, 0}, out->tint);
 }

@@ -14,6 +14,8 @@ typedef struct scene_mesh {
   size_t vertices, count, first_vertex;
   bool smooth;
   const ylm_material *material;
+  float *colour; /* [vertices][3] or NULL */
+  const ylm_texture *texture;
 } scene_mesh;
 
 /* A texture as copied. */
@@ -44,6 +46,15 @@ struct ylm_scene {
   size_t cones;
   ylm_light_cone *cone; /* [cones] the others */
 };
+
+/* -- tint.c --------------------------------------------------------------------- */
+
+/* Copies colours and keeps the texture of mesh i; YLM_EINVAL, YLM_EDOMAIN, YLM_ENOMEM. */
+ylm_status ylm__scene_copy_tint(scene_mesh *m, size_t i, const ylm_scene_mesh *in, ylm_error *e);
+void ylm__scene_free_tint(scene_mesh *m);
+/* The tint at a place on a triangle, by the weights of its corners. */
+void ylm__scene_tint(const scene_mesh *m, const uint32_t corner[3], const float weight[3],
+                     float tint[3]);
 
 /* -- weights.c ------------------------------------------------------------------ */
 

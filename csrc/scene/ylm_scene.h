@@ -16,6 +16,7 @@
 #define YLM_SCENE_H
 
 #include "ylm_base.h"
+#include "ylm_image.h"
 #include "ylm_light.h"
 #include "ylm_material.h"
 #include "ylm_trace.h"
@@ -37,6 +38,9 @@ typedef struct ylm_scene_mesh {
   size_t count;
   const ylm_material *material; /* kept: reference counted */
   bool occludes;                /* false: seen, but never in the way of light */
+  const float *colours;         /* [vertices][3]  0 .. 1, linear; NULL: none: they, and          */
+  const ylm_texture *texture;   /* at the uvs (kept: reference counted; NULL: none), multiply what
+                                   the material reflects */
 } ylm_scene_mesh;
 
 /* Lamps, spheres and flat ones that emit to both sides: drawn as emitters, sampled by choosers;
@@ -69,6 +73,8 @@ YLM_API const ylm_trace *ylm_scene_trace(const ylm_scene *scene);
 YLM_API size_t ylm_scene_meshes(const ylm_scene *scene);
 YLM_API const ylm_material *ylm_scene_material(const ylm_scene *scene, size_t m);
 YLM_API const uint32_t *ylm_scene_triangle(const ylm_scene *scene, size_t m, size_t element);
+/* Whether some mesh has a texture or colours: tints of all surfaces are 1 otherwise. */
+YLM_API bool ylm_scene_is_tinted(const ylm_scene *scene);
 
 /* All vertices of all meshes, one after the other: their number; out [n][3], NULL: not wanted. */
 YLM_API size_t ylm_scene_vertices(const ylm_scene *scene, float *out);
@@ -91,6 +97,7 @@ typedef struct ylm_scene_surface {
   float flat[3];    /* the normal of the triangle, or of the vertex */
   float tangent[3]; /* at right angles to `normal`: where u grows, else ylm_scene_basis's first */
   const ylm_material *material;
+  float tint[3]; /* what the material reflects is multiplied by it: texture and colours, else 1 */
 } ylm_scene_surface;
 
 /*

@@ -36,6 +36,7 @@ void ylm__shade_points(const ylm_shade_view *v, ylm_shade_dot_fn *dot, size_t fi
     for (behind = i + 1; behind < n && v->mesh[first + behind] == v->mesh[first + i];) behind++;
     ylm_material_radiance(ylm__shade_material(v, first + i), behind - i, out + 3 * i);
   }
+  ylm__shade_tint(v, first, n, out);
 }
 
 void ylm__shade_some(const ylm_shade_view *v, ylm_shade_dot_fn *dot, size_t n,
@@ -43,8 +44,10 @@ void ylm__shade_some(const ylm_shade_view *v, ylm_shade_dot_fn *dot, size_t n,
   size_t row = ylm_sh_count(v->o.lmax), given = ylm_sh_count(x->lmax);
   dot(row < given ? row : given, n, x->channels, point, row, v->transfer, given, l_point, x->L,
       out);
-  for (size_t i = 0; i < n; i++)
+  for (size_t i = 0; i < n; i++) {
     ylm_material_radiance(ylm__shade_material(v, point[i]), 1, out + 3 * point[i]);
+    ylm__shade_tint(v, point[i], 1, out + 3 * point[i]);
+  }
 }
 
 /* -- any field ------------------------------------------------------------------ */

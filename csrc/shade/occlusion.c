@@ -61,7 +61,7 @@ static size_t look(const job *j, size_t k, const scratch *s, double *out) {
   ylm_rng_seed(&rng, v->o.seed ^ STREAMS, k);
   size_t point = choose(j, k, &rng, &entry);
   float albedo[3];
-  ylm_material_albedo(ylm__shade_material(v, point), albedo);
+  ylm__shade_albedo(v, point, albedo);
   size_t n = ylm_scene_aim(s->lamps, v->origin[point], v->normal[point], j->light_samples, &rng,
                            s->to_lamp, s->value);
   memset(out, 0, LIGHTS * sizeof *out);

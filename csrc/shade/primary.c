@@ -15,17 +15,20 @@ typedef struct group {
   uint32_t mesh;
   float position[3], normal[3]; /* of its first sample */
   double sum[3];
+  float tint[3]; /* summed */
   int count;
 } group;
 
 /* A row of the image while it is made. */
 typedef struct row {
   shade_entry *entry;
+  float (*tint)[3]; /* [room] mean tints, where the scene has some */
   size_t count, room;
 } row;
 
 typedef struct job {
   ylm_shade_view *view;
+  bool tinted;
   const ylm_camera_frame *frame;
   row *rows;
   const float *radical; /* [samples] */
@@ -85,20 +88,31 @@ static int find_group(const ylm_shade_view *v, group *groups, int *count, const 
   return (*count)++;
 }
 
-static bool append(row *r, const shade_entry *e) {
-  if (r->count == r->room) {
-    size_t room = r->room ? 2 * r->room : 1024;
-    shade_entry *p = ylm_realloc(r->entry, r->count * sizeof *p, room, sizeof *p);
-    if (!p) return false;
-    r->entry = p;
-    r->room = room;
+/* Room for another entry, and its tint if wanted. */
+static bool widen(row *r, bool tinted) {
+  size_t room = r->room ? 2 * r->room : 1024;
+  shade_entry *p = ylm_realloc(r->entry, r->count * sizeof *p, room, sizeof *p);
+  if (!p) return false;
+  r->entry = p;
+  if (tinted) {
+    float(*t)[3] = ylm_realloc(r->tint, r->count * sizeof *t, room, sizeof *t);
+    if (!t) return false;
+    r->tint = t;
   }
+  r->room = room;
+  return true;
+}
+
+static bool append(row *r, const shade_entry *e, bool tinted, const group *g) {
+  if (r->count == r->room && !widen(r, tinted)) return false;
+  for (int c = 0; tinted && c < 3; c++) r->tint[r->count][c] = g->tint[c] / (float)g->count;
   r->entry[r->count++] = *e;
   return true;
 }
 
 /* Adds for each group the sample nearest to its mean. */
-static bool append_groups(row *r, const scratch *s, int groups, int count, int samples) {
+static bool append_groups(row *r, bool tinted, const scratch *s, int groups, int count,
+                          int samples) {
   for (int g = 0; g < groups; g++) {
     const group *q = &s->groups[g];
     int best = -1;
@@ -114,7 +128,7 @@ static bool append_groups(row *r, const scratch *s, int groups, int count, int s
     }
     shade_entry e = s->entry[best];
     e.weight = (float)q->count / (float)samples;
-    if (!append(r, &e)) return false;
+    if (!append(r, &e, tinted, q)) return false;
   }
   return true;
 }
@@ -144,6 +158,7 @@ static bool finish_pixel(job *j, row *r, shade_pixel *p, const scratch *s, const
     int g = find_group(v, s->groups, &groups, e, &s->surface[count], j->frame->pixel);
     s->groups[g].count++;
     for (int a = 0; a < 3; a++) s->groups[g].sum[a] += s->surface[count].position[a];
+    for (int c = 0; c < 3; c++) s->groups[g].tint[c] += s->surface[count].tint[c];
     s->group_of[count++] = g;
   }
   p->first = r->count;
@@ -151,7 +166,7 @@ static bool finish_pixel(job *j, row *r, shade_pixel *p, const scratch *s, const
   p->emitter = (float)lamps / (float)samples;
   for (int c = 0; c < 3; c++) p->lamps[c] = (float)(light[c] / samples);
   atomic_fetch_add_explicit(&j->hits, (size_t)count, memory_order_relaxed);
-  return append_groups(r, s, groups, count, samples);
+  return append_groups(r, j->tinted, s, groups, count, samples);
 }
 
 static void scratch_free(scratch *s) {
@@ -202,21 +217,28 @@ static ylm_status trace_rows(void *context, size_t begin, size_t end, int worker
   return ok ? YLM_OK : YLM_ENOMEM;
 }
 
+static void row_free(row *r) {
+  ylm_free(r->entry);
+  ylm_free(r->tint);
+  memset(r, 0, sizeof *r);
+}
+
 /* Puts the rows behind each other. */
-static ylm_status join_rows(ylm_shade_view *v, row *rows) {
+static ylm_status join_rows(ylm_shade_view *v, bool tinted, row *rows) {
   size_t width = (size_t)v->o.width, height = (size_t)v->o.height, total = 0;
   for (size_t y = 0; y < height; y++) total += rows[y].count;
   if (total > UINT32_MAX) return YLM_EOVERFLOW;
   v->entry = ylm_alloc(total, sizeof *v->entry);
-  if (!v->entry) return YLM_ENOMEM;
+  if (tinted) v->seen = ylm_alloc(total, sizeof *v->seen);
+  if (!v->entry || (tinted && !v->seen)) return YLM_ENOMEM;
   v->entries = total;
   total = 0;
   for (size_t y = 0; y < height; y++) {
     ylm_copy(v->entry + total, rows[y].entry, rows[y].count * sizeof *v->entry);
+    if (tinted) ylm_copy(v->seen + total, rows[y].tint, rows[y].count * sizeof *v->seen);
     for (size_t x = 0; x < width; x++) v->pixel[y * width + x].first += total;
     total += rows[y].count;
-    ylm_free(rows[y].entry);
-    rows[y].entry = NULL;
+    row_free(&rows[y]);
   }
   v->pixel[width * height].first = total;
   return YLM_OK;
@@ -226,15 +248,19 @@ ylm_status ylm__shade_primary(ylm_shade_view *v, const ylm_camera_frame *f) {
   double start = ylm_seconds();
   size_t height = (size_t)v->o.height, pixels = height * (size_t)v->o.width;
   float *radical = ylm_alloc((size_t)v->o.samples, sizeof *radical);
-  job j = {.view = v, .frame = f, .rows = ylm_alloc_zero(height, sizeof(row)), .radical = radical};
+  job j = {.view = v,
+           .tinted = ylm_scene_is_tinted(v->scene),
+           .frame = f,
+           .rows = ylm_alloc_zero(height, sizeof(row)),
+           .radical = radical};
   v->pixel = ylm_alloc_zero(pixels + 1, sizeof *v->pixel);
   ylm_status s = radical && j.rows && v->pixel ? YLM_OK : YLM_ENOMEM;
   for (int i = 0; s == YLM_OK && i < v->o.samples; i++)
     radical[i] = (float)ylm_scene_radical((uint32_t)i);
   if (s == YLM_OK)
     s = ylm_parallel(height, 1, v->o.threads, trace_rows, &j, v->o.progress, "primary rays");
-  if (s == YLM_OK) s = join_rows(v, j.rows);
-  for (size_t y = 0; j.rows && y < height; y++) ylm_free(j.rows[y].entry);
+  if (s == YLM_OK) s = join_rows(v, j.tinted, j.rows);
+  for (size_t y = 0; j.rows && y < height; y++) row_free(&j.rows[y]);
   ylm_free(j.rows);
   ylm_free(radical);
   v->stats.pixels = pixels;

@@ -47,6 +47,7 @@ static ylm_status run(void *context, size_t begin, size_t end, int worker) {
     double E[3];
     rays += gather(j, i, &s, E);
     ylm_material_reflect(ylm__shade_material(j->view, i), E, j->out + 3 * i);
+    ylm__shade_tint(j->view, i, 1, j->out + 3 * i);
   }
   ylm_scene_chooser_free(s.lamps);
   ylm_free(s.ray);

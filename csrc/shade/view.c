@@ -30,7 +30,8 @@ static ylm_status make_points(ylm_shade_view *v, size_t n) {
   v->normal = ylm_alloc(n, sizeof *v->normal);
   v->origin = ylm_alloc(n, sizeof *v->origin);
   v->transfer = ylm_alloc(n, ylm_sh_count(v->o.lmax) * sizeof *v->transfer);
-  return v->mesh && v->position && v->normal && v->origin && v->transfer ? YLM_OK : YLM_ENOMEM;
+  if (!v->mesh || !v->position || !v->normal || !v->origin || !v->transfer) return YLM_ENOMEM;
+  return ylm__shade_make_tints(v);
 }
 
 static void set_point(ylm_shade_view *v, size_t i, uint32_t mesh, const ylm_scene_surface *s) {
@@ -38,6 +39,7 @@ static void set_point(ylm_shade_view *v, size_t i, uint32_t mesh, const ylm_scen
   memcpy(v->position[i], s->position, 12);
   memcpy(v->normal[i], s->normal, 12);
   memcpy(v->origin[i], s->origin, 12);
+  if (v->tint && v->tint != v->seen) memcpy(v->tint[i], s->tint, 12);
 }
 
 /* Points are the entries themselves. */
@@ -123,7 +125,8 @@ static ylm_status make_transfer(ylm_shade_view *v, ylm_error *e) {
 static size_t bytes_held(const ylm_shade_view *v) {
   return sizeof *v + v->entries * (sizeof(shade_entry) + (v->corner ? 12 : 0)) +
          (v->stats.pixels + 1) * sizeof(shade_pixel) +
-         v->points * (4 + 3 * 12 + 4 * ylm_sh_count(v->o.lmax));
+         v->points * (4 + 3 * 12 + 4 * ylm_sh_count(v->o.lmax)) + (v->seen ? 12 * v->entries : 0) +
+         (v->tint != v->seen ? 12 * v->points : 0);
 }
 
 ylm_status ylm_shade_view_create(const ylm_scene *scene, const ylm_camera *camera,
@@ -161,6 +164,7 @@ void ylm_shade_view_free(ylm_shade_view *v) {
   ylm_free(v->normal);
   ylm_free(v->origin);
   ylm_free(v->transfer);
+  ylm__shade_free_tints(v);
   ylm_free(v);
 }
 
@@ -172,7 +176,7 @@ const float *ylm_shade_view_transfer(const ylm_shade_view *v) { return v->transf
 
 void ylm_shade_view_surface(const ylm_shade_view *v, float *albedo, float *object) {
   for (size_t i = 0; i < v->points; i++) {
-    if (albedo) ylm_material_albedo(ylm__shade_material(v, i), albedo + 3 * i);
+    if (albedo) ylm__shade_albedo(v, i, albedo + 3 * i);
     if (object) object[i] = (float)v->mesh[i];
   }
 }
@@ -185,6 +189,7 @@ ylm_status ylm_shade_view_materials(const ylm_shade_view *v, float *row, ylm_err
     if (s == YLM_EMISSING)
       s = ylm_fail(e, s, "a device shades matte surfaces only: mesh %u is %s", v->mesh[i] + 1,
                    ylm_material_kind_name(ylm_material_kind(m)));
+    if (s == YLM_OK && v->tint) ylm_material_row_tint(row, v->tint[i]);
   }
   return s;
 }
@@ -293,7 +298,7 @@ static void surface_mean(const layer_job *j, const shade_pixel *q, float *out) {
     const float *x = &e->depth;
     float albedo[3];
     if (j->layer == YLM_SHADE_ALBEDO) {
-      ylm_material_albedo(ylm_scene_material(j->v->scene, e->at.mesh), albedo);
+      ylm__shade_seen_albedo(j->v, i, albedo);
       x = albedo;
     } else if (j->layer != YLM_SHADE_DEPTH) {
       ylm_scene_surfaces(j->v->scene, 1, &e->at, &s);

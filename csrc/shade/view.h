@@ -29,12 +29,23 @@ struct ylm_shade_view {
   uint32_t *mesh;        /* [points]                                */
   float (*position)[3], (*normal)[3], (*origin)[3]; /* [points]    */
   float *transfer;                                  /* [points][count]                         */
+  float (*seen)[3]; /* [entries]: the mean tint of the samples; NULL: the scene has no tints */
+  float (*tint)[3]; /* [points]; NULL as `seen`, else often the same                         */
 };
 
 /* The material at point i. */
 static inline const ylm_material *ylm__shade_material(const ylm_shade_view *v, size_t i) {
   return ylm_scene_material(v->scene, v->mesh[i]);
 }
+
+/* tint.c: in place, the radiance of n points from `first` on, and one point's albedo, by tints. */
+void ylm__shade_tint(const ylm_shade_view *v, size_t first, size_t n, float *radiance);
+void ylm__shade_albedo(const ylm_shade_view *v, size_t point, float albedo[3]);
+/* tint.c: room for the tints of all points; frees all tints. */
+ylm_status ylm__shade_make_tints(ylm_shade_view *v);
+void ylm__shade_free_tints(ylm_shade_view *v);
+/* tint.c: the albedo in sight of entry i. */
+void ylm__shade_seen_albedo(const ylm_shade_view *v, size_t i, float albedo[3]);
 
 /* view.c: weights of an entry's triangle's corners. */
 void ylm__shade_corner_weights(const shade_entry *e, float w[3]);

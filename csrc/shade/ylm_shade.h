@@ -103,9 +103,9 @@ YLM_API const ylm_shade_options *ylm_shade_view_options(const ylm_shade_view *vi
 YLM_API const float *ylm_shade_view_positions(const ylm_shade_view *view); /* [points][3] */
 YLM_API const float *ylm_shade_view_normals(const ylm_shade_view *view);   /* [points][3] unit */
 YLM_API const float *ylm_shade_view_transfer(const ylm_shade_view *view);  /* [points][count] */
-/* albedo [points][3]; object [points]: index of the mesh. Either may be NULL. */
+/* albedo [points][3], tinted; object [points]: index of the mesh. Either may be NULL. */
 YLM_API void ylm_shade_view_surface(const ylm_shade_view *view, float *albedo, float *object);
-/* ylm_material_row of each point's material: row [points][YLM_MATERIAL_ROW]. */
+/* ylm_material_row of each point's material, tinted: row [points][YLM_MATERIAL_ROW]. */
 YLM_API ylm_status ylm_shade_view_materials(const ylm_shade_view *view, float *row, ylm_error *e);
 
 /* -- light ------------------------------------------------------------------- */

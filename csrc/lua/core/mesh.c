@@ -76,9 +76,23 @@ static bool copy_floats(const ylmL_array *a, float *out) {
   return ylm_all_finite(YLM_FLOAT, out, a->count, &where);
 }
 
+/* Gives a mesh the colours [vertices][3], each number from 0 to 1. */
+static ylm_status copy_colours(const ylmL_array *a, size_t vertices, ylm_mesh *m, ylm_error *e) {
+  m->colour = ylm_alloc(3 * vertices, sizeof(float));
+  if (!m->colour) return ylm_fail(e, YLM_ENOMEM, "memory ran out");
+  for (size_t i = 0; i < a->count; i++) {
+    m->colour[i] = (float)ylmL_array_get(a, i);
+    if (!(m->colour[i] >= 0 && m->colour[i] <= 1))
+      return ylm_fail(e, YLM_EDOMAIN, "colours: row %zu has %g, numbers from 0 to 1 are wanted",
+                      i / 3 + 1, (double)m->colour[i]);
+  }
+  return YLM_OK;
+}
+
 /* Fills an empty mesh from arrays; indices are one-based. */
 static ylm_status from_arrays(const ylmL_array *p, const ylmL_array *t, const ylmL_array *n,
-                              const ylmL_array *uv, ylm_mesh **m, ylm_error *e) {
+                              const ylmL_array *uv, const ylmL_array *colour, ylm_mesh **m,
+                              ylm_error *e) {
   size_t vertices = p->count / 3, triangles = t->count / 3;
   ylm_status s = ylm_mesh_create(vertices, triangles, n != NULL, uv != NULL, m, e);
   if (s != YLM_OK) return s;
@@ -86,6 +100,8 @@ static ylm_status from_arrays(const ylmL_array *p, const ylmL_array *t, const yl
   if (n && !copy_floats(n, (*m)->normal)) return ylm_fail(e, YLM_EDOMAIN, "a normal is not finite");
   if (uv && !copy_floats(uv, (*m)->uv))
     return ylm_fail(e, YLM_EDOMAIN, "a texture coordinate is not finite");
+  if (colour) s = copy_colours(colour, vertices, *m, e);
+  if (s != YLM_OK) return s;
   for (size_t i = 0; i < t->count; i++) {
     double k = ylmL_array_get(t, i);
     if (!(k >= 1 && k <= (double)vertices) || k != (double)(uint32_t)k)
@@ -96,16 +112,16 @@ static ylm_status from_arrays(const ylmL_array *p, const ylmL_array *t, const yl
   return n ? YLM_OK : ylm_mesh_make_normals(*m);
 }
 
-/* mesh_from(vertices [n][3], triangles [m][3], normals or nil, uvs or nil) -> mesh */
+/* mesh_from(vertices [n][3], triangles [m][3], normals, uvs, colours: each may be nil) -> mesh */
 static int mesh_from(lua_State *L) {
   ylmL_array *p = ylmL_array_check(L, 1), *t = ylmL_array_check(L, 2);
-  ylmL_array *n = ylmL_array_opt(L, 3), *uv = ylmL_array_opt(L, 4);
+  ylmL_array *n = ylmL_array_opt(L, 3), *uv = ylmL_array_opt(L, 4), *c = ylmL_array_opt(L, 5);
   ylm_error e = {0};
   if (p->count % 3 || t->count % 3 || (n && n->count != p->count) ||
-      (uv && uv->count / 2 != p->count / 3))
+      (uv && uv->count / 2 != p->count / 3) || (c && c->count != p->count))
     return ylmL_result(L, 0, YLM_ESHAPE, NULL);
   ylm_mesh **m = ylmL_mesh_new(L);
-  return ylmL_result(L, 1, from_arrays(p, t, n, uv, m, &e), &e);
+  return ylmL_result(L, 1, from_arrays(p, t, n, uv, c, m, &e), &e);
 }
 
 /* mesh_read(path) -> mesh */
@@ -190,6 +206,11 @@ static int mesh_uvs(lua_State *L) {
   return push_floats(L, m->uv, m->vertices, 2);
 }
 
+static int mesh_colours(lua_State *L) {
+  ylm_mesh *m = ylmL_mesh_check(L, 1);
+  return push_floats(L, m->colour, m->vertices, 3);
+}
+
 /* mesh_triangles(mesh) -> a new array of one-based indices, double [m][3] */
 static int mesh_triangles(lua_State *L) {
   ylm_mesh *m = ylmL_mesh_check(L, 1);
@@ -214,6 +235,7 @@ static const luaL_Reg functions[] = {{"mesh_quad", mesh_quad},
                                      {"mesh_vertices", mesh_vertices},
                                      {"mesh_normals", mesh_normals},
                                      {"mesh_uvs", mesh_uvs},
+                                     {"mesh_colours", mesh_colours},
                                      {"mesh_triangles", mesh_triangles},
                                      {NULL, NULL}};
 

@@ -32,7 +32,7 @@ void ylmL_scene_numbers(lua_State *L, int i, int n, double *x) {
   }
 }
 
-/* One mesh from lists of meshes, materials and flags at 1, 2, 3. */
+/* One mesh from lists of meshes, materials and flags at 1, 2, 3, textures or false at 6. */
 static ylm_scene_mesh read_mesh(lua_State *L, int i) {
   lua_rawgeti(L, 1, i);
   const ylm_mesh *m = ylmL_mesh_check(L, lua_gettop(L));
@@ -40,9 +40,11 @@ static ylm_scene_mesh read_mesh(lua_State *L, int i) {
   const ylm_material *material = ylmL_material_check(L, lua_gettop(L));
   lua_rawgeti(L, 3, i);
   bool occludes = lua_toboolean(L, -1);
-  lua_pop(L, 3);
-  return (ylm_scene_mesh){m->position, m->normal,    m->uv,    m->vertices,
-                          m->index,    m->triangles, material, occludes};
+  lua_rawgeti(L, 6, i);
+  const ylm_texture *texture = lua_toboolean(L, -1) ? ylmL_texture_check(L, lua_gettop(L)) : NULL;
+  lua_pop(L, 4);
+  return (ylm_scene_mesh){m->position,  m->normal, m->uv,    m->vertices, m->index,
+                          m->triangles, material,  occludes, m->colour,   texture};
 }
 
 static void copy(float *to, const double *from, size_t n) {
@@ -82,12 +84,14 @@ bool ylmL_scene_lamps(lua_State *L, int i, ylm_scene_lamps *lamps) {
   return true;
 }
 
-/* scene_create(meshes, materials, occludes, lights, whether distant lights are seen) -> scene */
+/* scene_create(meshes, materials, occludes, lights, whether distant lights are seen, textures: of each
+   mesh one or false) -> scene */
 static int scene_create(lua_State *L) {
   ylm_error e = {0};
   ylm_scene_lamps lamps;
   for (int i = 1; i <= 3; i++) luaL_checktype(L, i, LUA_TTABLE);
-  lua_settop(L, 5);
+  lua_settop(L, 6);
+  luaL_checktype(L, 6, LUA_TTABLE);
   size_t n = lua_rawlen(L, 1);
   if (!ylmL_scene_lamps(L, 4, &lamps)) return ylmL_result(L, 0, YLM_ENOMEM, NULL);
   lamps.sky_is_seen = lua_toboolean(L, 5);

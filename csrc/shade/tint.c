@@ -1,0 +1,31 @@
+/* tint.c - textures and colours at shading points. */
+#include <string.h>
+
+#include "view.h"
+
+void ylm__shade_tint(const ylm_shade_view *v, size_t first, size_t n, float *radiance) {
+  if (!v->tint) return;
+  for (size_t i = 0; i < n; i++)
+    for (size_t c = 0; c < 3; c++) radiance[3 * i + c] *= v->tint[first + i][c];
+}
+
+void ylm__shade_albedo(const ylm_shade_view *v, size_t point, float albedo[3]) {
+  ylm_material_albedo(ylm__shade_material(v, point), albedo);
+  ylm__shade_tint(v, point, 1, albedo);
+}
+
+void ylm__shade_seen_albedo(const ylm_shade_view *v, size_t i, float albedo[3]) {
+  ylm_material_albedo(ylm_scene_material(v->scene, v->entry[i].at.mesh), albedo);
+  for (int c = 0; v->seen && c < 3; c++) albedo[c] *= v->seen[i][c];
+}
+
+ylm_status ylm__shade_make_tints(ylm_shade_view *v) {
+  if (!v->seen) return YLM_OK;
+  v->tint = v->o.per_vertex ? ylm_alloc(v->points, sizeof *v->tint) : v->seen;
+  return v->tint ? YLM_OK : YLM_ENOMEM;
+}
+
+void ylm__shade_free_tints(ylm_shade_view *v) {
+  if (v->tint != v->seen) ylm_free(v->tint);
+  ylm_free(v->seen);
+}
