@@ -29,6 +29,9 @@ form.names = {}
 form.observer = nil
 --- Then too: budget(what) is how much of `what` the file may still describe; budget(what, n, fail) takes n of it.
 form.budget = nil
+--- Then too: locate(folder, name) is the path of a file that another file in `folder` names; nil, message, code where it is
+-- missing ("EIO"), too large, or not at or below the folder.
+form.locate = nil
 
 --- Takes the numbers of an array of this shape from what the file may describe, before it is made; fail(message) raises.
 function form.take_numbers(shape, fail)

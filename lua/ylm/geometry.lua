@@ -10,6 +10,9 @@ local describe = require "ylm.describe".describe
 local form = require "ylm.form"
 local material = require "ylm.material"
 local memory = require "ylm.memory"
+local mtl = require "ylm.material.mtl"
+local text = require "ylm.text"
+local warning = require "ylm.warning"
 
 local geometry = {}
 
@@ -96,8 +99,56 @@ local common = {
   { "occludes", "boolean", default = true, about = "whether it casts shadows" },
 }
 
---- Defines a shape: `make(values, fail)` returns a mesh, or nil, message, code; `triangles(values)`
--- says beforehand how many there will be (scene files are bounded by it).
+--- Moves all meshes of an entry: true, or nil, message, code.
+local function place(name, entry, transform)
+  local meshes = { entry.mesh }
+  for _, list in ipairs { entry.parts or {}, entry.emitters or {} } do
+    for _, part in ipairs(list) do if part.mesh ~= entry.mesh then meshes[#meshes + 1] = part.mesh end end
+  end
+  for _, mesh in ipairs(transform and meshes or {}) do
+    local ok, message, code = check.result(name, core.mesh_transform(mesh, transform))
+    if not ok then return nil, message, code end
+  end
+  return true
+end
+
+--- Raises where a part has a texture and no place to look it up at.
+local function check_texture(part, fail)
+  if part.material and material.texture(part.material) and not core.mesh_uvs(part.mesh) then
+    return fail(("%s has a texture, and the mesh no texture coordinates (uvs; of an OBJ file vt)"):format(
+      part.name and "material '" .. text.shown(check.short(part.name)) .. "'" or "the material"))
+  end
+end
+
+--- Says what was made of the materials of a file, and warns of what is missing.
+local function tell(entry, set, emitting)
+  local notes = set.notes
+  if emitting > 0 then
+    local triangles = 0
+    for _, part in ipairs(entry.emitters) do triangles = triangles + #part.mesh end
+    notes[#notes + 1] = ("%s: %s of materials with Ke emit%s light to both sides as polygon lights, instead of surfaces"):format(
+      text.shown(set.file), triangles == 1 and "1 triangle" or triangles .. " triangles", triangles == 1 and "s" or "")
+  end
+  entry.notes = #notes > 0 and notes or nil
+  for i, sentence in ipairs(set.warnings) do warning.say(entry, i, "%s", sentence) end
+end
+
+--- Puts the parts of a file into its entry: one surface has its material, several are listed.
+local function add_parts(entry, parts, set, fail)
+  if form.budget then form.budget("numbers", 64 * (#parts - 1), fail) end
+  local surfaces, emitters = {}, {}
+  for _, part in ipairs(parts) do
+    local list = part.emission and emitters or surfaces
+    list[#list + 1] = setmetatable({ mesh = part.mesh, name = part.name, material = part.material, emission = part.emission,
+      occludes = entry.occludes }, getmetatable(entry))
+  end
+  if #parts == 1 and #surfaces == 1 then entry.material, entry.name = surfaces[1].material, surfaces[1].name
+  else entry.parts, entry.emitters = surfaces, #emitters > 0 and emitters or nil end
+  tell(entry, set, #emitters)
+end
+
+--- Defines a shape: `make(values, fail)` returns a mesh (of a file also what parts_of_file returns), or nil, message, code;
+-- `triangles(values)` says beforehand how many there will be (scene files are bounded by it).
 local function shape(name, definition)
   local fields = definition.fields
   for _, field in ipairs(common) do fields[#fields + 1] = field end
@@ -107,14 +158,14 @@ local function shape(name, definition)
   definition.numbers = 64
   definition.build = function(values, fail)
     local transform = placement(values, fail)
-    local mesh, message, code = check.result(name, make(values, fail))
-    if not mesh then return nil, message, code end
-    if transform then
-      local ok
-      ok, message, code = check.result(name, core.mesh_transform(mesh, transform))
-      if not ok then return nil, message, code end
-    end
-    return setmetatable({ mesh = mesh, material = values.material, occludes = values.occludes }, definition.metatable)
+    local mesh, parts, set = check.result(name, make(values, fail)) -- or nil, message, code
+    if not mesh then return nil, parts, set end
+    local entry = setmetatable({ mesh = mesh, material = values.material, occludes = values.occludes }, definition.metatable)
+    if parts then add_parts(entry, parts, set, fail) end
+    local ok, message, code = place(name, entry, transform)
+    if not ok then return nil, message, code end
+    for _, part in ipairs(entry.parts or { entry }) do check_texture(part, fail) end
+    return entry
   end
   geometry[name] = form.define(name, definition)
 end
@@ -202,24 +253,57 @@ local function mesh_of_arrays(values)
   local triangles = array.rows(1, "mesh", "triangles", values.triangles, 3)
   local normals = values.normals ~= nil and array.rows(1, "mesh", "normals", values.normals, 3)
   local uvs = values.uvs ~= nil and array.rows(1, "mesh", "uvs", values.uvs, 2)
-  return core.mesh_from(vertices, triangles, normals or nil, uvs or nil)
+  local colours = values.colours ~= nil and array.rows(1, "mesh", "colours", values.colours, 3)
+  return core.mesh_from(vertices, triangles, normals or nil, uvs or nil, colours or nil)
+end
+
+--- The parts of an OBJ file that names materials, { mesh =, material =, emission = }, and the set of these; nothing where it
+-- names none; or nil, message, code.
+local function parts_of_file(values, libraries, groups, fail)
+  if #libraries == 0 and #groups < 2 then return nil end
+  local set, message, code = mtl.open(libraries, values.file)
+  if not set then return nil, message, code end
+  local parts = {}
+  for i, group in ipairs(groups) do
+    local found = {}
+    if group.name then
+      found, message, code = set:find(group.name, group.line, fail)
+      if not found then return nil, message, code end
+    end
+    parts[i] = { mesh = group.mesh, name = group.name, material = found.material, emission = found.emission }
+  end
+  set:finish()
+  return parts, set
+end
+
+--- Reads a file: its mesh, and what parts_of_file returns, unless the scene gives the material; or nil, message, code.
+local function mesh_of_file(values, fail)
+  local mesh, libraries, groups = core.mesh_read_parts(values.file, form.budget and form.budget "file_size" or 0)
+  if not mesh then return nil, libraries, groups end
+  if values.material or not libraries then return mesh end
+  local parts, set, code = parts_of_file(values, libraries, groups, fail)
+  if not parts and set then return nil, set, code end
+  return mesh, parts, set
 end
 
 shape("mesh", {
-  about = "Triangles from an OBJ or PLY file, or from arrays. Normals are computed where there are none.",
+  about = "Triangles from an OBJ or PLY file, or from arrays. Normals are computed where there are none. Of an OBJ file that "
+    .. "names materials (mtllib, usemtl) parts is a list of geometry, one for each, emitters are the parts that emit, which "
+    .. "scenes turn into polygon lights, and notes says what was not read; material = overrules all of it.",
   fields = {
     { "file", "string", optional = true, about = ".obj or .ply, recognised by content" },
     { "vertices", "any", optional = true, unit = "scene units", about = "[n][3], with triangles, instead of file" },
     { "triangles", "any", optional = true, about = "[m][3] one-based indices of vertices" },
     { "normals", "any", optional = true, about = "[n][3]" },
-    { "uvs", "any", optional = true, about = "[n][2]" },
+    { "uvs", "any", optional = true, about = "[n][2], texture coordinates: u to the right, v upwards" },
+    { "colours", "any", optional = true, about = "[n][3], linear, 0 to 1: they multiply what the material reflects" },
   },
   triangles = function(v) return type(v.triangles) == "table" and #v.triangles or 0 end,
   make = function(values, fail)
     if values.file then
       if values.vertices or values.triangles then return fail "give file, or vertices and triangles, not both" end
       if #values.file == 0 or values.file:find("%z") then return fail "file must be a file name" end
-      return core.mesh_read(values.file)
+      return mesh_of_file(values, fail)
     end
     if not (values.vertices and values.triangles) then
       return fail "field 'file' is missing (or vertices and triangles)"
@@ -299,6 +383,21 @@ describe "mesh:uvs" {
 function methods.uvs(x)
   open(x, "uvs")
   return (core.mesh_uvs(x))
+end
+
+describe "mesh:colours" {
+  about = "The vertices' colours, linear, sharing the mesh's memory; nil where there are none.",
+  arguments = {},
+  returns = { { "colours", "array", "float [n][3], or nil" } },
+  errors = "raises on what is not a mesh",
+  example = [[
+local m = ylm.mesh { vertices = { { 0, 0, 0 }, { 1, 0, 0 }, { 0, 1, 0 } }, triangles = { { 1, 2, 3 } },
+  colours = { { 1, 0, 0 }, { 0, 1, 0 }, { 0, 0, 1 } } }
+assert(m.mesh:colours():get(2, 2) == 1)]],
+}
+function methods.colours(x)
+  open(x, "colours")
+  return (core.mesh_colours(x))
 end
 
 describe "mesh:triangles" {

@@ -225,7 +225,15 @@ local function observer(folder, limits, state)
     if n then take(what, n, fail) end
     return left[what]
   end
-  return budget, function(definition, values, fail)
+  --- form.locate: the folder of a file of the scene's folder lies inside it.
+  local function locate(place, name)
+    local real, size, code = core.resolve_inside(place, name)
+    if not real then return nil, size, code end
+    if size <= limits.file_size then return real end
+    state.limit = "file_size"
+    return nil, ("%s has more than %.0f bytes"):format(name, limits.file_size), "ELIMIT"
+  end
+  return budget, locate, function(definition, values, fail)
     for _, field in ipairs(definition.fields) do
       local name = field[1]
       if values[name] ~= nil and (name == "file" or field[2] == "path") then
@@ -424,12 +432,12 @@ function sandbox.run(path, limits, scene)
     return result
   end
 
-  local budget, observe = observer(folder, limits, state)
+  local budget, locate, observe = observer(folder, limits, state)
   local restore, compile_again = guarded_strings(source), without_jit()
-  form.budget, form.observer, check.boundary = budget, observe, work
+  form.budget, form.locate, form.observer, check.boundary = budget, locate, observe, work
   local called, ok, result, reason = pcall(core.bounded_call, work, limits.instructions, limits.memory, limits.seconds,
     located(source))
-  form.budget, form.observer, check.boundary = nil, nil, false
+  form.budget, form.locate, form.observer, check.boundary = nil, nil, nil, false
   restore()
   compile_again()
   if not called then error(ok, 0) end

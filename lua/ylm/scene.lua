@@ -8,8 +8,10 @@ local core = require "ylm.c.core"
 local describe = require "ylm.describe".describe
 local form = require "ylm.form"
 local memory = require "ylm.memory"
+local polygon = require "ylm.light.polygon"
 local sandbox = require "ylm.sandbox"
 local text = require "ylm.text"
+local vector = require "ylm.vector"
 
 local scene = {}
 
@@ -60,7 +62,9 @@ end
 local function flatten(field, x, out, place, depth, fail)
   if is_part[field](x) then
     if form.budget and out.listed[x] then take_again(x, fail) end
-    out[#out + 1], out.listed[x] = x, true
+    out.listed[x] = true
+    for _, part in ipairs(type(x) == "table" and x.parts or { x }) do out[#out + 1] = part end
+    if type(x) == "table" and (x.notes or x.emitters) then out.files[#out.files + 1] = x end
     return
   end
   if type(x) ~= "table" or form.kind(x) then
@@ -89,6 +93,30 @@ local function flatten(field, x, out, place, depth, fail)
   for i = 1, n do flatten(field, x[i], out, ("%s[%d]"):format(place, i), depth + 1, fail) end
 end
 
+--- Adds the triangles of a mesh as polygon lights to a list; those without an area emit nothing.
+local function add_emitter(list, part)
+  local vertices, triangles = core.array_totable(part.mesh:vertices()), core.array_totable(part.mesh:triangles())
+  for _, t in ipairs(triangles) do
+    local a, b, c = vertices[t[1]], vertices[t[2]], vertices[t[3]]
+    local u, v = { b[1] - a[1], b[2] - a[2], b[3] - a[3] }, { c[1] - a[1], c[2] - a[2], c[3] - a[3] }
+    local size = 0
+    for i = 1, 3 do size = math.max(size, math.abs(u[i]), math.abs(v[i])) end
+    if vector.length(vector.cross(u, v)) > 2e-12 * size * size then -- polygons of less are refused
+      list[#list + 1] = polygon.polygon_light { vertices = { a, b, c }, radiance = part.emission }
+    end
+  end
+end
+
+--- Adds what files bring beside surfaces: lights of emitting materials, and notes.
+local function add_files(values, files)
+  local notes = {}
+  for _, entry in ipairs(files) do
+    for _, part in ipairs(entry.emitters or {}) do add_emitter(values.lights, part) end
+    for _, sentence in ipairs(entry.notes or {}) do notes[#notes + 1] = sentence end
+  end
+  values.notes = #notes > 0 and notes or nil
+end
+
 require "ylm.describe".object "scene" {
   about = "What a picture is made of.",
   fields = {
@@ -98,6 +126,7 @@ require "ylm.describe".object "scene" {
     { "lights", "table", "a flat list" },
     { "probes", "table", "the grid's description, or nil" },
     { "background", "number[]", "{r, g, b}" },
+    { "notes", "string[]", "about files: materials that are not there, lights that Ke made; or nil" },
   },
 }
 
@@ -131,12 +160,15 @@ local construct = form.define("scene", {
   },
   metatable = metatable,
   build = function(values, fail)
+    local files
     for field in pairs(is_part) do
-      local parts = { listed = {} }
+      local parts = { listed = {}, files = {} }
       flatten(field, values[field], parts, field, 0, fail)
-      parts.listed = nil
+      files = field == "geometry" and parts.files or files
+      parts.listed, parts.files = nil, nil
       values[field] = parts
     end
+    add_files(values, files)
     values.sky_is_seen = values.background == nil
     values.background = values.background or { 0, 0, 0 }
     return setmetatable(values, metatable)

@@ -6,6 +6,7 @@
 local core = require "ylm.c.core"
 local form = require "ylm.form"
 local object = require "ylm.material.object"
+local texture = require "ylm.material.texture"
 
 require "ylm.material.methods"
 require "ylm.material.shape"
@@ -39,11 +40,24 @@ function material.direction(m, made)
   return form.defined[kind].directed or "an anisotropic " .. kind
 end
 
---- The part of light from everywhere that it reflects, { r, g, b }; nil, message, code.
+--- The part of light from everywhere that it reflects, { r, g, b }, of a texture its mean; nil, message, code.
 function material.albedo(name, m)
   local made, message, code = object.made(name, m)
   if not made then return nil, message, code end
-  return { core.material_albedo(made) }
+  local c, mean = { core.material_albedo(made) }, texture.mean(texture.of(m))
+  return { c[1] * mean[1], c[2] * mean[2], c[3] * mean[3] }
 end
+
+--- The albedo at a mesh's vertices, float [n][3], where a texture or colours vary it; nothing where it is the same
+-- everywhere; nil, message, code. `m`: nil for the material of geometry that names none.
+function material.at_vertices(name, m, mesh)
+  m = m or material.default
+  local made, message, code = object.made(name, m)
+  if not made then return nil, message, code end
+  return core.mesh_albedo(mesh, texture.of(m) or false, core.material_albedo(made))
+end
+
+--- The texture that multiplies what a material reflects, or nil.
+material.texture = texture.of
 
 return material

@@ -109,7 +109,7 @@ local scene = ylm.scene "one lamp" {
 ]]
 
 --- Fields of every report.
-options.report_text = "note (where nothing is to be shaded), "
+options.report_text = "note (where nothing is to be shaded), notes (about files of the scene, where there are any), "
   .. "warnings (a list of sentences: what the picture does not keep), "
   .. "seconds (by stage: scene, primary, transfer, light, image; total), rays, points, hits, pixels; "
   .. "transfer_samples, and where they were chosen noise: the root mean square deviation that they leave in the radiance, "

@@ -96,6 +96,7 @@ function pictures.new_report(p)
   local st = p.stats
   return {
     note = st.points == 0 and "the camera sees no geometry: nothing to shade" or nil,
+    notes = p.scene.notes,
     warnings = {},
     points = st.points, hits = st.hits, pixels = st.pixels, bytes = st.bytes,
     rays = { primary = st.primary_rays, occlusion = st.occlusion_rays },

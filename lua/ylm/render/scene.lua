@@ -56,10 +56,10 @@ function tracing.trace(name, s)
   local parts, known = ingredients(s), traced[s]
   if known and same(known.parts, parts) then return known end
   local start = core.seconds()
-  local meshes, materials, occludes, glossy = {}, {}, {}, 0
+  local meshes, materials, occludes, textures, glossy = {}, {}, {}, {}, 0
   for i, g in ipairs(s.geometry) do
-    meshes[i], occludes[i] = g.mesh, g.occludes ~= false
     local m = g.material or material.default
+    meshes[i], occludes[i], textures[i] = g.mesh, g.occludes ~= false, material.texture(m) or false
     materials[i], message, code = material.object(name, m)
     if not materials[i] then return nil, message, code end
     if material.glossy(m) then glossy = glossy + 1 end
@@ -73,7 +73,7 @@ function tracing.trace(name, s)
   if not lights then return nil, message, code end
   local handle
   handle, message, code = check.result(name, lib.scene_create(meshes, materials, occludes, light.set(lights),
-    s.sky_is_seen))
+    s.sky_is_seen, textures))
   if not handle then return nil, message, code end
   local lo, hi = lib.scene_bounds(handle)
   local new = { parts = parts, handle = handle, lights = lights, lo = lo, hi = hi, lib = lib, glossy = glossy,

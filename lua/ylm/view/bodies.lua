@@ -133,6 +133,20 @@ function fill.lights(stage, v)
   drawing.surface(stage, shape, { ambient = 1, diffuse = 0, specular = 0 })
 end
 
+--- The colours of vertices that a texture or the mesh itself varies, double [n][3]; nothing where they do not.
+local function varying(m)
+  local albedo, message, code = material.at_vertices("view", m.material, m.mesh)
+  if message then drawing.run(nil, message, code) end
+  if not albedo then return nil end
+  local rows = core.array_totable(albedo)
+  for _, c in ipairs(rows) do
+    for i = 1, 3 do c[i] = encode(c[i]) end
+  end
+  local colours = core.array_zeros({ #rows, 3 }, "double")
+  core.array_fill(colours, rows)
+  return colours
+end
+
 local function add_mesh(stage, m, opacity)
   local mesh = m.mesh
   local position = core.array_convert(mesh:vertices(), "double")
@@ -142,6 +156,7 @@ local function add_mesh(stage, m, opacity)
   if colour and #colour ~= #position then
     error({ ("meshes: %d colours for %d vertices"):format(#colour, #position), "ESHAPE" }, 0)
   end
+  if not colour and not m.colour then colour = varying(m) end
   if not colour then
     local c = m.colour
     if not c and m.material then

@@ -166,7 +166,10 @@ local function check_meshes(values, fail)
   if type(x) ~= "table" and form.kind(x) ~= "ylm.mesh" then return one_mesh(x, fail) end
   local single = form.kind(x) or (type(x) == "table" and (x.colour or x.colours or x.opacity or form.kind(x.mesh)))
   local list = {}
-  for i, entry in ipairs(single and { x } or x) do list[i] = one_mesh(entry, fail) end
+  for _, entry in ipairs(single and { x } or x) do
+    local parts = type(entry) == "table" and form.kind(entry) and entry.parts or { entry }
+    for _, part in ipairs(parts) do list[#list + 1] = one_mesh(part, fail) end
+  end
   if #list == 0 then return fail "meshes: the list is empty" end
   values.meshes = list
 end

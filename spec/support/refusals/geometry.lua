@@ -107,12 +107,14 @@ return {
       case(with("triangles", { { 1, 2 } }), "rows of 3 numbers expected"),
       case(with("vertices", { { 0, 0, inf } }), "row 1 is not finite"), case(with("vertices", "x"), "got 'x'"),
       case(with("normals", { { 0, 0, 1 } }), "do not fit"), case(with("uvs", { { 0, 0 } }), "do not fit"),
+      case(with("colours", { { 0, 0, 0 } }), "do not fit"),
       case(with("normals", { { 0, 0, 1 }, { 0, 0, nan }, { 0, 0, 1 } }), "a normal is not finite"),
     }
   end),
   ["mesh:vertices"] = method "vertices",
   ["mesh:normals"] = method "normals",
   ["mesh:uvs"] = method "uvs",
+  ["mesh:colours"] = method "colours",
   ["mesh:triangles"] = method "triangles",
   ["mesh:save"] = method("save", {
     case(function(ylm) ylm.box {}.mesh:save() end, "a file name that ends in .ply expected, got nil"),
