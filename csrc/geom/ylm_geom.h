@@ -1,5 +1,5 @@
 /*
-** ylm_geom.h - triangle meshes: procedural shapes, transforms, OBJ and PLY. No ray tracing.
+** ylm_geom.h - triangle meshes: procedural shapes, transforms, OBJ with MTL, PLY. No ray tracing.
 **
 ** Triangles are counter-clockwise seen from outside. Positions are in scene units.
 */

@@ -25,7 +25,10 @@ end
 local readers = {
   array = function(path) return core.array_read(path) end,
   image = function(path, options) return require("ylm.image").read(path, options.raw) end,
-  mesh = function(path) return core.mesh_read(path) end,
+  mesh = function(path, options)
+    if options.materials then return require "ylm.geometry".mesh { file = path } end
+    return core.mesh_read(path)
+  end,
   grid = function(path) return require("ylm.grid").load(path) end,
   material = function(path)
     require "ylm.material" -- the forms
@@ -35,6 +38,8 @@ local readers = {
 
 local load_options = {
   { "raw", "boolean", default = false, about = ".png: numbers as they stand instead of decoded from sRGB" },
+  { "materials", "boolean", default = false,
+    about = ".obj, .ply: geometry as ylm.mesh { file = } makes it, with the materials of the file, instead of a mesh" },
 }
 
 describe "load" {
@@ -42,7 +47,7 @@ describe "load" {
     .. "(.binary of MERL, .bsdf of RGL): content decides.",
   arguments = { { "path", "string", "a regular file" }, { "options?", "table", "" } },
   options = load_options,
-  returns = { { "object", "grid|array|image|mesh|material", "what the file holds" } },
+  returns = { { "object", "grid|array|image|mesh|geometry|material", "what the file holds" } },
   errors = "nil, message, code where the file is missing, damaged or of another kind; raises on a wrong argument",
   example = [[
 local name = os.tmpname()

@@ -258,13 +258,13 @@ local function mesh_of_arrays(values)
 end
 
 --- The parts of an OBJ file that names materials, { mesh =, material =, emission = }, and the set of these; nothing where it
--- names none; or nil, message, code.
+-- names no library; or nil, message, code.
 local function parts_of_file(values, libraries, groups, fail)
-  if #libraries == 0 and #groups < 2 then return nil end
+  if #libraries == 0 then return nil end
   local set, message, code = mtl.open(libraries, values.file)
   if not set then return nil, message, code end
   local parts = {}
-  for i, group in ipairs(groups) do
+  for i, group in ipairs(set.known and groups or { {} }) do
     local found = {}
     if group.name then
       found, message, code = set:find(group.name, group.line, fail)

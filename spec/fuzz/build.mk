@@ -16,7 +16,8 @@ FUZZ_ARGS ?= -max_total_time=1800 -timeout=120 -rss_limit_mb=4096 -print_final_s
 
 # Which sources a target is about, for the coverage; FUZZ_LIBS_NAME and FUZZ_ALSO_NAME (objects of
 # its own) may be added.
-FUZZ_ABOUT_obj := csrc/geom/obj.c csrc/geom/reader.c
+FUZZ_ABOUT_obj := csrc/geom/obj.c csrc/geom/groups.c csrc/geom/reader.c
+FUZZ_ABOUT_mtl := csrc/geom/mtl.c csrc/geom/reader.c
 FUZZ_ABOUT_ply := csrc/geom/ply.c csrc/geom/reader.c
 FUZZ_ABOUT_npy := csrc/base/array_file.c
 FUZZ_ABOUT_exr := csrc/codec/exr.c csrc/codec/exr_read.c

@@ -50,7 +50,7 @@ static int mesh_albedo(lua_State *L) {
 
 /* -- materials of OBJ files -------------------------------------------------------- */
 
-/* What must be freed although Lua may raise. */
+/* Memory of C that must be freed although Lua may raise. */
 typedef struct holder {
   ylm_mesh_groups *groups;
   ylm_mesh_library *library;

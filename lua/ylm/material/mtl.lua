@@ -2,6 +2,7 @@
 --
 --     local set = mtl.open({ { name = "room.mtl", line = 1 } }, "scenes", fail)    -- or nil, message, code
 --     local found = set:find("wall", 12)      -- { material =, emission = or nil }, or nil, message, code
+--     set.known                               -- whether a library was read
 --     set.notes, set.warnings                 -- sentences about what is read, and what is not
 --
 -- Notes say what was made of the file; warnings, which are among them, that something is missing.
@@ -101,8 +102,7 @@ local function read_statement(set, statement)
       ok, message, code = read_library(set, path)
       if not ok then return nil, message, code end
     elseif code == "EIO" then
-      warn(set, "library", "%s:%d: mtllib %s is not there: materials are those that the scene gives", set.file,
-        statement.line, check.describe(name))
+      warn(set, "library", "%s:%d: mtllib %s is not read: %s", set.file, statement.line, check.describe(name), message)
     else
       return nil, ("%s:%d: mtllib %s: %s"):format(set.file, statement.line, check.describe(name), message), code
     end
@@ -119,7 +119,7 @@ local function texture_of(set, m, fail)
   local place = ("%s:%d: map_Kd %s"):format(m.file, m.map_Kd.line, check.describe(m.map_Kd.name))
   local path, message, code = locate(folder_of(m.file), m.map_Kd.name)
   if not path and code == "EIO" then
-    warn(set, "image", "%s is not there: Kd stands alone", place)
+    warn(set, "image", "%s is not read, and Kd stands alone: %s", place, message)
     return nil
   end
   if not path then return nil, place .. ": " .. message, code end
@@ -176,14 +176,10 @@ function methods.find(set, name, line, fail)
     made, message, code = make(set, m, fail)
     if not made then return nil, message, code end
   else
+    local guess = (set.counts.material or 0) < NAMED and check.guess(name, set.names)
+    warn(set, "material", "%s:%d: no material '%s'%s", set.file, line, check.short(name),
+      guess and (" (did you mean '%s'?)"):format(check.short(guess)) or "")
     made = {}
-    if set.known and (set.counts.material or 0) < NAMED then
-      local guess = check.guess(name, set.names)
-      warn(set, "material", "%s:%d: no material '%s'%s", set.file, line, check.short(name),
-        guess and (" (did you mean '%s'?)"):format(guess) or "")
-    elseif set.known then
-      warn(set, "material", "")
-    end
   end
   set.made[name] = made
   return made
