@@ -4,6 +4,7 @@
 local ylm = require "ylm"
 local core = require "ylm.c.core"
 local device = require "spec.support.gpu"
+local form = require "ylm.form"
 local material = require "ylm.material"
 local pictures = require "spec.support.pictures"
 local scratch = require "spec.support.scratch"
@@ -298,6 +299,23 @@ describe("materials of OBJ files", function()
     assert.same({ nil, { 0, 0, 0 } }, { m.parts[1].material, m.parts[2].material.albedo })
     assert.equal(2, #ylm.load(folder.path .. "/a.obj", { materials = true }).parts)
     assert.equal(2, #ylm.load(folder.path .. "/a.obj"))
+  end)
+
+  it("are phong where they have highlights, and reflect no more than arrives", function()
+    local m = assert(obj("mtllib a.mtl\n" .. corners .. "usemtl a\nf 1 2 3\nusemtl b\nf 1 2 4\nusemtl c\nf 2 3 4\n",
+      "newmtl a\nKd 0.5 0.4 0.3\nKs 0.25 0.1 0\nNs 96\nnewmtl b\nKd 1 0.5 0\nKs 0.5 0.75 0.25\nnewmtl c\nKd 0.5\nKs 0\n"))
+    local a, b, c = m.parts[1].material, m.parts[2].material, m.parts[3].material
+    assert.same({ "phong", "phong", "matte" }, { form.kind(a), form.kind(b), form.kind(c) })
+    local function near(wanted, got)
+      for i = 1, 3 do assert.near(wanted[i], got[i], 2e-6) end
+    end
+    near({ 0.5, 0.4, 0.3 }, a.base)
+    near({ 0.25, 0.1, 0 }, a.specular)
+    assert.same({ 96, 0 }, { a.exponent, b.exponent })
+    near({ 2 / 3, 1 / 3, 0 }, b.base)
+    near({ 1 / 3, 1 / 2, 1 / 6 }, b.specular)
+    assert.same(1, #m.notes)
+    assert.truthy(m.notes[1]:find("a.mtl:5: material 'b': Kd + Ks is above 1: both are multiplied by 0.667", 1, true), m.notes[1])
   end)
 
   it("are told where they are missing, with a guess", function()
