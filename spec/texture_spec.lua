@@ -103,6 +103,17 @@ describe("textures", function()
     } do
       assert(apart(truth, image:layer()) < 3e-6, name)
     end
+    if s.pathtrace then
+      local mean = s:reference { size = { 24, 24 }, samples = 64, share = 10, visibility = "none", lmax = 2 }:layer "albedo"
+      local paths = s:pathtrace { size = { 24, 24 }, samples = 64, bounces = 0 }:layer()
+      local product, square = 0, 0
+      for y = 1, 24 do
+        for x = 1, 24 do
+          product, square = product + mean:get(y, x, 1) * paths:get(y, x, 1), square + mean:get(y, x, 1) ^ 2
+        end
+      end
+      assert.near(1, product / square, 0.02) -- without the texture 1.6
+    end
     local found = device.choose()
     if found then
       local gpu = assert(device.open())

@@ -71,8 +71,10 @@ local function names_in(list)
   return names
 end
 
---- Reads one library into the set: true, or nil, message, code.
+--- Reads one library into the set, if that was not done before: true, or nil, message, code.
 local function read_library(set, path)
+  if set.read[path] then return true end
+  set.read[path] = true
   local materials, skipped, words = core.mtl_read(path, form.budget and form.budget "file_size" or 0)
   if not materials then return nil, skipped, words end
   for _, m in ipairs(materials) do
@@ -187,8 +189,8 @@ end
 
 --- The libraries of the OBJ file `file`, which its statements mtllib name; nil, message, code.
 function mtl.open(libraries, file)
-  local set = setmetatable({ file = file, folder = folder_of(file), names = {}, materials = {}, made = {}, textures = {},
-    notes = {}, warnings = {}, counts = {} }, { __index = methods })
+  local set = setmetatable({ file = file, folder = folder_of(file), names = {}, materials = {}, read = {}, made = {},
+    textures = {}, notes = {}, warnings = {}, counts = {} }, { __index = methods })
   for _, statement in ipairs(libraries) do
     local ok, message, code = read_statement(set, statement)
     if not ok then return nil, message, code end
