@@ -288,6 +288,31 @@ calls["load .obj"] = function(keep)
   file:close()
   return function() return ylm.load(keep "m.obj") end
 end
+calls["mesh of an OBJ file with materials"] = function(keep)
+  local function write(name, text)
+    local file = assert(io.open(keep(name), "w"))
+    file:write(text)
+    file:close()
+  end
+  assert(picture(2, 2):save(keep "t.png"))
+  write("r.mtl", "newmtl a\nKd 0.5\nmap_Kd t.png\nillum 1\nnewmtl b\nKd 1\nKs 1\nNs 9\nnewmtl c\nKe 4\n")
+  write("r.obj", "mtllib r.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\n"
+    .. "usemtl a\nf 1/1 2/1 3/1\nusemtl b\nf 1 2 3\nusemtl c\nf 1 2 3\n")
+  return function()
+    local m, message, code = ylm.mesh { file = keep "r.obj", at = { 0, 1, 0 } }
+    if not m then return nil, message, code end
+    return { m.mesh, #m.parts, #m.emitters, m.parts[1].mesh, #m.notes }
+  end
+end
+calls["matte with a texture"] = on(function()
+  local x = ylm.image { size = { 2, 2 } }
+  x:fill(1, 1, 2, 2, { 0.5, 1, 0 })
+  return x
+end, function(x)
+  local m, message, code = ylm.matte { albedo = x }
+  if not m then return nil, message, code end
+  return { m.albedo[1] }
+end)
 
 calls["load_scene"] = function(keep)
   local file = assert(io.open(keep "s.lua", "w"))
