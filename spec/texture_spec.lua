@@ -106,13 +106,13 @@ describe("textures", function()
     if s.pathtrace then
       local mean = s:reference { size = { 24, 24 }, samples = 64, share = 10, visibility = "none", lmax = 2 }:layer "albedo"
       local paths = s:pathtrace { size = { 24, 24 }, samples = 64, bounces = 0 }:layer()
-      local product, square = 0, 0
+      local product, power = 0, 0
       for y = 1, 24 do
         for x = 1, 24 do
-          product, square = product + mean:get(y, x, 1) * paths:get(y, x, 1), square + mean:get(y, x, 1) ^ 2
+          product, power = product + mean:get(y, x, 1) * paths:get(y, x, 1), power + mean:get(y, x, 1) ^ 2
         end
       end
-      assert.near(1, product / square, 0.02) -- without the texture 1.6
+      assert.near(1, product / power, 0.02) -- without the texture 1.6
     end
     local found = device.choose()
     if found then

@@ -289,9 +289,9 @@ calls["load .obj"] = function(keep)
   return function() return ylm.load(keep "m.obj") end
 end
 calls["mesh of an OBJ file with materials"] = function(keep)
-  local function write(name, text)
+  local function write(name, content)
     local file = assert(io.open(keep(name), "w"))
-    file:write(text)
+    file:write(content)
     file:close()
   end
   assert(picture(2, 2):save(keep "t.png"))
