@@ -49,6 +49,7 @@ local abc = form.define("abc", {
     local kd, a = m.kd, m.a
     return { kd[1], kd[2], kd[3], a[1], a[2], a[3], m.b, m.c, m.ior, m.scale }
   end,
+  numbers = 64,
   metatable = object.metatable(),
   build = object.builder "abc",
   example = 'abc { fit = "gold-metallic-paint" }',

@@ -16,7 +16,7 @@ local ggx = form.define("ggx", {
   fields = {
     { "alpha", "roughness", min = 1e-3, max = 1, default = 0.3,
       about = "roughness; two numbers: along the direction in which texture coordinates u grow, and across it" },
-    { "f0", "colour", min = 0, max = 1, default = 0.04, about = "reflected along the normal, linear Rec. 709" },
+    { "f0", "colour", min = 0, max = 1, default = 0.9, about = "reflected along the normal, linear Rec. 709" },
     { "base", "colour", min = 0, max = 1, default = 0, about = "albedo of what lies below; the sum stays reciprocal" },
     { "compensate", "boolean", default = true,
       about = "whether light that is lost between microfacets comes back: with f0 = 1 all light is reflected" },
@@ -25,7 +25,7 @@ local ggx = form.define("ggx", {
     local f, b = m.f0, m.base
     return { m.alpha[1], m.alpha[2], f[1], f[2], f[3], b[1], b[2], b[3], m.compensate and 1 or 0 }
   end,
-  numbers = 2048,
+  numbers = 640,
   directed = "alpha = {a, b}",
   metatable = object.metatable(),
   build = object.builder "ggx",

@@ -14,6 +14,7 @@ local phong = form.define("phong", {
     local s, b = m.specular, m.base
     return { m.exponent, s[1], s[2], s[3], b[1], b[2], b[3] }
   end,
+  numbers = 64,
   metatable = object.metatable(),
   build = object.builder "phong",
   example = "phong { exponent = 100, specular = 0.4, base = { 0.3, 0.1, 0.05 } }",
