@@ -129,7 +129,8 @@ YLM_API void ylm_material_sample(const ylm_material *m, size_t n, const float (*
 YLM_API void ylm_material_reflectance(const ylm_material *m, size_t n, const float (*wo)[3],
                                       float (*albedo)[3]);
 
-/* The density of ylm_material_sample, sr^-1, for n pairs of directions; pdf out [n]. */
+/* The density of ylm_material_sample, sr^-1, for n pairs of directions; pdf out [n]. Of matte, ggx,
+   phong and abc it integrates to 1 over directions above the surface. */
 YLM_API void ylm_material_pdf(const ylm_material *m, size_t n, const float (*wi)[3],
                               const float (*wo)[3], float *pdf);
 
