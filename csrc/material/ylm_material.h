@@ -16,7 +16,10 @@
 ** |       | [3] [3] | 1    | 0 .. 1 | specular, base; their sum at most 1                   |
 ** | abc   | [3] [3] | 1    | >= 0   | kd, a                                                 |
 ** |       | [4]     | 1    | >= 0   | b, c, ior (at least 1), scale                         |
+** | merl  | [1]     |      | 0, 1   | interpolation: nearest, linear; besides: a MERL file  |
+** | rgl   | [1]     | deg  | finite | turn about the normal; besides: an RGL file           |
 **
+** A tabulated material has no numbers but a table, f in MERL's bins ("files" below).
 ** A material knows nothing of scenes, meshes or rays.
 **
 ** Ownership   materials are reference counted

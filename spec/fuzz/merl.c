@@ -38,7 +38,8 @@ KERNEL(neon)
 
 size_t LLVMFuzzerCustomMutator(uint8_t *data, size_t size, size_t room, unsigned seed) {
   size = LLVMFuzzerMutate(data, size, room);
-  size_t wanted = size > MERL_HEADER && data[8] == 2 * MERL_PHI_D ? 2 * BYTES - MERL_HEADER : BYTES;
+  bool around = size > MERL_HEADER && data[8] + 256 * data[9] == 2 * MERL_PHI_D;
+  size_t wanted = around ? 2 * BYTES - MERL_HEADER : BYTES;
   if (seed % 16 == 0 || wanted > room) return size;
   if (size < wanted) memset(data + size, 0, wanted - size);
   return wanted;
