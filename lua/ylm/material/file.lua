@@ -6,6 +6,7 @@ local describe = require "ylm.describe".describe
 local form = require "ylm.form"
 local memory = require "ylm.memory"
 local object = require "ylm.material.object"
+local texture = require "ylm.material.texture"
 
 local file = {}
 
@@ -36,7 +37,8 @@ describe "material:save" {
   about = "Writes an isotropic material as one of MERL's files, of 34,992,012 bytes: its f at the centres of the bins.",
   arguments = { { "path", "string", "ends in .binary" } },
   returns = { { "ok", "boolean", "true" } },
-  errors = "raises on another ending, and on an anisotropic material; nil, message, code where the file cannot be written",
+  errors = "raises on another ending, and on a material that is anisotropic or has a texture; "
+    .. "nil, message, code where the file cannot be written",
   example = [[
 local name = os.tmpname() .. ".binary"
 assert(ylm.matte { albedo = 0.5 }:save(name))
@@ -51,6 +53,7 @@ local function save(m, path)
   if type(path) ~= "string" or not path:lower():find "%.binary$" or path:find "%z" then
     return check.bad(1, "save", "a file name that ends in .binary expected, got %s", check.describe(path))
   end
+  if texture.of(m) then return check.fail("save: a texture is no part of MERL's files, and this material has one") end
   local made, message, code = object.made("save", m)
   if not made then return nil, message, code end
   return check.result("save", core.material_write(made, path))

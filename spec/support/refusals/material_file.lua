@@ -36,5 +36,9 @@ return {
     function(ylm) ylm.matte {}:save() end, "bad argument #1 to 'save' %(a file name that ends in .binary expected, got nil%)",
     function(ylm) ylm.matte {}:save "x.bsdf" end, "a file name that ends in .binary expected, got 'x.bsdf'",
     function(ylm) return ylm.matte {}:save "/nonexistent/x.binary" end, "No such file",
+    function(ylm) ylm.ggx { alpha = { 0.1, 0.2 } }:save "x.binary" end, "save: MERL's files hold isotropic materials, and this ggx",
+    function(ylm)
+      ylm.matte { albedo = ylm.image { size = { 2, 2 } } }:save "x.binary"
+    end, "save: a texture is no part of MERL's files",
     function(ylm) ylm.matte {}.save(3, "x.binary") end, "save: a material expected before the colon, got 3"),
 }
