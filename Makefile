@@ -46,7 +46,7 @@ LDFLAGS := -shared -fopenmp $(SANITIZE) -Wl,-z,now -Wl,-z,nodelete $(if $(SANITI
 pkg      = $(shell pkg-config $(1) $(2) 2>/dev/null)
 CFLAGS_codec = $(call pkg,--cflags,OpenEXR libpng)
 LIBS_codec   = -lOpenEXRCore-3_1 $(call pkg,--libs,libpng)
-LIBS_scene   = $(EMBREE_DIR:%=-L%/lib -Wl,-rpath,%/lib) -lembree$(EMBREE)
+LIBS_scene   = $(EMBREE_DIR:%=-L%/lib) $(EMBREE_DIR:%=-Wl,-rpath,%/lib) -lembree$(EMBREE)
 CFLAGS_scene = -DYLM_EMBREE=$(EMBREE) $(EMBREE_DIR:%=-isystem %/include)
 
 # -- objects: *.c of a folder and its rooms once, *.isa.c once per instruction set ----------
