@@ -5,13 +5,6 @@
 
 #define PI 3.14159265358979323846
 
-struct ylm_scene_chooser {
-  const ylm_scene *scene;
-  size_t chunks, spheres, near; /* chunks of all lamps; of spheres; of spheres and patches */
-  ylm_scene_weights_fn *weights;
-  float *weight, *sum; /* [chunks*YLM_LAMP_CHUNK], [chunks]: spheres, patches, the sky */
-};
-
 const float *ylm_scene_lamp_radiance(const ylm_scene *s, const ylm_trace_ray *ray,
                                      const ylm_trace_hit *h) {
   double p[3];
@@ -20,14 +13,7 @@ const float *ylm_scene_lamp_radiance(const ylm_scene *s, const ylm_trace_ray *ra
   return ylm__scene_patch_radiance(s, h->element - s->lamps, p);
 }
 
-/* A place in the list of lamps as strata walk along the sum of weights. */
-typedef struct walk {
-  size_t chunk, lamp;
-  double passed; /* weight of all lamps before `lamp` */
-} walk;
-
-/* Moves on to the lamp that holds `target`; targets increase. */
-static void walk_to(walk *w, const ylm_scene_chooser *s, double target) {
+void ylm__scene_walk_to(scene_walk *w, const ylm_scene_chooser *s, double target) {
   size_t chunks = s->chunks;
   while (w->lamp % YLM_LAMP_CHUNK == 0 && w->chunk + 1 < chunks &&
          w->passed + s->sum[w->chunk] <= target) {
@@ -52,30 +38,49 @@ void ylm__scene_turn(const float axis[3], double z, double u, float out[3]) {
   for (int k = 0; k < 3; k++) out[k] = (float)(c * a[k] + s * b[k] + z * axis[k]);
 }
 
-/* A ray from x to a random place of lamp i and the irradiance it brings, for radiance 1. */
-static double sample_lamp(const ylm_scene *s, size_t i, const float x[3], const float n[3],
-                          double u0, double u1, ylm_trace_ray *ray) {
-  double v[3], d2 = 0, r = s->lamp[3][i];
+/* From x to the centre of sphere i, and the square of that distance. */
+static double to_centre(const ylm_scene *s, size_t i, const float x[3], double v[3]) {
+  double d2 = 0;
   for (int a = 0; a < 3; a++) {
     v[a] = (double)s->lamp[a][i] - (double)x[a];
     d2 += v[a] * v[a];
-    ray->org[a] = x[a];
   }
+  return d2;
+}
+
+/* 1 minus the cosine of the half angle that a sphere fills at a distance: its part of 2 pi. */
+static double cap_of(double r, double d2) {
+  double s2 = r * r / d2;
+  return s2 / (1 + sqrt(1 - s2));
+}
+
+double ylm__scene_sphere_sample(const ylm_scene *s, size_t i, const float x[3], const float n[3],
+                                double u0, double u1, ylm_trace_ray *ray) {
+  static const float pole[3] = {0, 0, 1};
+  double v[3], r = s->lamp[3][i], d2 = to_centre(s, i, x, v);
+  for (int a = 0; a < 3; a++) ray->org[a] = x[a];
   ray->near = 0;
   if (d2 <= r * r) { /* light from everywhere: directions as the cosine, to the lamp's far side */
-    ylm__scene_turn(n, sqrt(1 - u0), u1, ray->dir);
+    ylm__scene_turn(n ? n : pole, n ? sqrt(1 - u0) : 1 - 2 * u0, u1, ray->dir);
     double along = 0;
     for (int a = 0; a < 3; a++) along += v[a] * (double)ray->dir[a];
     ray->far = (float)(along + sqrt(fmax(0, along * along + r * r - d2)));
-    return PI;
+    return n ? PI : 4 * PI;
   }
   float axis[3];
-  double d = sqrt(d2), s2 = r * r / d2, cap = s2 / (1 + sqrt(1 - s2));
+  double d = sqrt(d2), cap = cap_of(r, d2);
   for (int a = 0; a < 3; a++) axis[a] = (float)(v[a] / d);
   double z = 1 - u0 * cap, side2 = d2 * fmax(0, 1 - z * z);
   ylm__scene_turn(axis, z, u1, ray->dir);
   ray->far = (float)(d * z - sqrt(fmax(0, r * r - side2)));
-  return fmax(0, (double)ylm_dot3(ray->dir, n)) * 2 * PI * cap;
+  return (n ? fmax(0, (double)ylm_dot3(ray->dir, n)) : 1) * 2 * PI * cap;
+}
+
+double ylm__scene_sphere_density(const ylm_scene *s, size_t i, const float x[3], const float n[3],
+                                 const float d[3]) {
+  double v[3], r = s->lamp[3][i], d2 = to_centre(s, i, x, v);
+  if (d2 <= r * r) return n ? fmax(0, (double)ylm_dot3(d, n)) / PI : 1 / (4 * PI);
+  return 1 / (2 * PI * cap_of(r, d2));
 }
 
 static double wrap(double x) { return x - floor(x); }
@@ -117,12 +122,12 @@ size_t ylm_scene_aim(const ylm_scene_chooser *a, const float x[3], const float n
   ylm__scene_sky_weights(scene, n, a->weight + near, a->sum + a->near);
   for (size_t b = 0; b < a->chunks; b++) total += a->sum[b];
   if (!(total > 0)) return 0;
-  walk w = {0};
+  scene_walk w = {0};
   double s0 = ylm_rng_double(rng), s1 = ylm_rng_double(rng);
   for (int k = 0; k < light_samples; k++) {
     double target = (k + ylm_rng_double(rng)) / light_samples * total;
     double u0 = wrap(s0 + k * 0.75487766624669276), u1 = wrap(s1 + k * 0.56984029099805327);
-    walk_to(&w, a, target);
+    ylm__scene_walk_to(&w, a, target);
     if (!(a->weight[w.lamp] > 0)) continue; /* padding has none */
     bool flat = w.lamp >= before;
     const float *radiance = scene->lamp_radiance + (flat ? 0 : 3 * w.lamp);
@@ -133,7 +138,7 @@ size_t ylm_scene_aim(const ylm_scene_chooser *a, const float x[3], const float n
     } else if (flat)
       e = ylm__scene_patch_sample(scene, w.lamp - before, x, n, u0, u1, &ray[rays], &radiance);
     else
-      e = sample_lamp(scene, w.lamp, x, n, u0, u1, &ray[rays]);
+      e = ylm__scene_sphere_sample(scene, w.lamp, x, n, u0, u1, &ray[rays]);
     if (!(e > 0)) continue;
     e *= total / a->weight[w.lamp] / light_samples;
     for (int c = 0; c < 3; c++) value[rays][c] = (float)e * radiance[c];

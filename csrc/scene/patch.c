@@ -36,6 +36,7 @@ static double triangle_about(const float *corners, const float x[3], double v[3]
 static double triangle_weight(const float *corners, const float x[3], const float n[3]) {
   double v[3][3], across[3], most = 0;
   double omega = triangle_about(corners, x, v, across);
+  if (!n) return omega / PI;
   for (int i = 0; i < 3; i++) {
     double h = v[i][0] * (double)n[0] + v[i][1] * (double)n[1] + v[i][2] * (double)n[2];
     double r = sqrt(dot(v[i], v[i]));
@@ -50,14 +51,14 @@ static double disk_weight(const float *disk, const float x[3], const float n[3])
   for (int k = 0; k < 3; k++) {
     v[k] = (double)disk[k] - (double)x[k];
     m[k] = (double)disk[4 + k];
-    up += v[k] * (double)n[k];
-    nm += m[k] * (double)n[k];
+    up += v[k] * (n ? (double)n[k] : 0);
+    nm += m[k] * (n ? (double)n[k] : 0);
   }
   double highest = up + r * sqrt(fmax(0, 1 - nm * nm)), d2 = dot(v, v), d = sqrt(d2);
-  if (!(highest > 0)) return 0;
+  if (n && !(highest > 0)) return 0;
   double facing = fabs(dot(v, m)) / fmax(d, 1e-30), near = fmax(d - r, 0.2 * r);
   double omega = 2 * PI * (1 - d / sqrt(d2 + r * r)) * fmax(facing, 0.1);
-  return omega / PI * fmin(1, fmax(0.2, highest / near));
+  return omega / PI * (n ? fmin(1, fmax(0.2, highest / near)) : 1);
 }
 
 void ylm__scene_patch_weights(const ylm_scene *s, const float x[3], const float n[3], float *weight,
@@ -113,10 +114,15 @@ static void in_triangle(double v[3][3], double u0, double u1, double out[3]) {
     out[k] = (1 - r) * v[0][k] + r * (1 - u1) * v[1][k] + r * u1 * v[2][k];
 }
 
+/* The part of y along n; its length where there is no normal. */
+static double part_along(const double y[3], const float n[3]) {
+  return n ? y[0] * (double)n[0] + y[1] * (double)n[1] + y[2] * (double)n[2] : sqrt(dot(y, y));
+}
+
 /* Irradiance through a place y of a patch, for unit radiance: cosines over distance squared times
    the area. */
 static double by_area(const double y[3], const double m[3], double area, const float n[3]) {
-  double r2 = dot(y, y), up = y[0] * (double)n[0] + y[1] * (double)n[1] + y[2] * (double)n[2];
+  double r2 = dot(y, y), up = part_along(y, n);
   return up > 0 && r2 > 0 ? up * fabs(dot(y, m)) * area / (r2 * r2) : 0;
 }
 
@@ -138,8 +144,7 @@ static double sample_triangle(const float *corners, const float x[3], const floa
   double along = dot(s, m), h = dot(v[0], m), t = h / along;
   if (!(t > 0) || !isfinite(t)) return 0;
   for (int k = 0; k < 3; k++) y[k] = t * s[k];
-  double up = s[0] * (double)n[0] + s[1] * (double)n[1] + s[2] * (double)n[2];
-  return fmax(0, up) * omega;
+  return fmax(0, part_along(s, n)) * omega;
 }
 
 static double sample_disk(const float *disk, const float x[3], const float n[3], double u0,
@@ -173,4 +178,37 @@ double ylm__scene_patch_sample(const ylm_scene *s, size_t i, const float x[3], c
   /* a light may lie on a wall: the ray ends just before it */
   ray->far = fmaxf(0, (float)(d * (1 - 1e-5)) - ylm_trace_offset(s->trace));
   return e;
+}
+
+/* Distance squared over the cosine at the patch and its area: h is the plane's distance, `along` the
+   cosine. */
+static double density_by_area(double h, double along, double area) {
+  double t = h / along;
+  return t > 0 && isfinite(t) ? t * t / (fabs(along) * area) : 0;
+}
+
+static double triangle_density(const float *corners, const float x[3], const double d[3]) {
+  double v[3][3], across[3], omega = triangle_about(corners, x, v, across);
+  double twice = sqrt(dot(across, across));
+  if (omega >= SMALL) return 1 / omega;
+  if (!(twice > 0)) return 0;
+  return density_by_area(dot(v[0], across) / twice, dot(d, across) / twice, twice / 2);
+}
+
+static double disk_density(const float *disk, const float x[3], const double d[3]) {
+  double h = 0, along = 0, r = (double)disk[3];
+  for (int k = 0; k < 3; k++) {
+    h += ((double)disk[k] - (double)x[k]) * (double)disk[4 + k];
+    along += d[k] * (double)disk[4 + k];
+  }
+  return density_by_area(h, along, PI * r * r);
+}
+
+double ylm__scene_patch_density(const ylm_scene *s, size_t i, const float x[3], const float d[3]) {
+  double to[3], above = 0;
+  for (int k = 0; k < 3; k++) to[k] = (double)d[k];
+  for (int k = 0; s->horizon && k < 3; k++) above += (double)s->horizon[3 * i + (size_t)k] * to[k];
+  if (above < 0) return 0;
+  return i < s->triangles ? triangle_density(s->triangle + 9 * i, x, to)
+                          : disk_density(s->disk + 7 * (i - s->triangles), x, to);
 }

@@ -5,6 +5,8 @@
 #include "ylm_scene.h"
 #include "ylm_vector.h"
 
+typedef struct scene_power scene_power;
+
 /* A mesh as copied: `smooth` where it came with normals; else they are means over triangles, for
    shading per vertex alone. */
 typedef struct scene_mesh {
@@ -45,6 +47,7 @@ struct ylm_scene {
   float sky_luminance; /* of those that fill the sky, a mean over directions */
   size_t cones;
   ylm_light_cone *cone; /* [cones] the others */
+  scene_power *power;   /* NULL: lamps are weighed one by one */
 };
 
 /* -- tint.c --------------------------------------------------------------------- */
@@ -71,14 +74,18 @@ ylm_scene_weights_fn *ylm__scene_weights(void);
 /* -- patch.c ------------------------------------------------------------------ */
 
 /* For each patch the luminance times a bound of about its unshadowed irradiance over pi, above 0
-   wherever it brings light; `weight` is padded to chunks, `sum` over them. */
+   wherever it brings light; `weight` is padded to chunks, `sum` over them. n NULL: a point in space,
+   whose scalar irradiance that is. */
 void ylm__scene_patch_weights(const ylm_scene *s, const float x[3], const float n[3], float *weight,
                               float *sum);
 /* A ray from x to a random place on patch i, the radiance there and the irradiance that it brings
-   for radiance 1: uniform in the solid angle of triangles that fill much of it (Arvo 1995), else by
-   area. */
+   for radiance 1, of a point in space (n NULL) the scalar one: uniform in the solid angle of
+   triangles that fill much of it (Arvo 1995), else by area. */
 double ylm__scene_patch_sample(const ylm_scene *s, size_t i, const float x[3], const float n[3],
                                double u0, double u1, ylm_trace_ray *ray, const float **radiance);
+/* The density per solid angle of those rays, sr^-1, in a direction of length 1 that meets patch i;
+   0: it does not. */
+double ylm__scene_patch_density(const ylm_scene *s, size_t i, const float x[3], const float d[3]);
 
 /* -- sky.c --------------------------------------------------------------------- */
 
@@ -87,15 +94,65 @@ ylm_status ylm__scene_share_sky(ylm_scene *s, const ylm_scene_lamps *l);
 void ylm__scene_free_sky(ylm_scene *s);
 /* Places of distant lights among the lamps: 0 fills the sky, cones follow. */
 static inline size_t ylm__scene_sky_lights(const ylm_scene *s) { return s->sky ? 1 + s->cones : 0; }
-/* As ylm__scene_patch_weights, of distant lights on a surface with normal n. */
+/* As ylm__scene_patch_weights, of distant lights. */
 void ylm__scene_sky_weights(const ylm_scene *s, const float n[3], float *weight, float *sum);
 /* A ray from x to distant light i, the radiance there and the irradiance that it brings for
-   radiance 1. */
+   radiance 1, of a point in space (n NULL) the scalar one. */
 double ylm__scene_sky_sample(const ylm_scene *s, size_t i, const float x[3], const float n[3],
                              double u0, double u1, ylm_trace_ray *ray, float radiance[3]);
+/* The density of those rays, sr^-1, in a direction of length 1. */
+double ylm__scene_sky_density(const ylm_scene *s, size_t i, const float n[3], const float d[3]);
 
-/* A direction about the axis: cosine z, azimuth u of 0 .. 1. lamps.c */
+/* -- lamps.c -------------------------------------------------------------------- */
+
+struct ylm_scene_chooser {
+  const ylm_scene *scene;
+  size_t chunks, spheres, near; /* chunks of all lamps; of spheres; of spheres and patches */
+  ylm_scene_weights_fn *weights;
+  float *weight, *sum; /* [chunks*YLM_LAMP_CHUNK], [chunks]: spheres, patches, the sky */
+  /* what ylm_scene_choose was told last */
+  float x[3], normal[3];
+  bool in_space;
+  double total; /* of the sums; of those of the sky alone where lamps are chosen by power */
+};
+
+/* A place in the list of lamps as strata walk along the sum of weights. */
+typedef struct scene_walk {
+  size_t chunk, lamp;
+  double passed; /* weight of all lamps before `lamp` */
+} scene_walk;
+
+/* Moves on to the lamp that holds `target`; targets increase. */
+void ylm__scene_walk_to(scene_walk *w, const ylm_scene_chooser *c, double target);
+
+/* A direction about the axis: cosine z, azimuth u of 0 .. 1. */
 void ylm__scene_turn(const float axis[3], double z, double u, float out[3]);
+
+/* A ray from x to a random place of sphere i and the irradiance that it brings for radiance 1, of a
+   point in space (n NULL) the scalar one. */
+double ylm__scene_sphere_sample(const ylm_scene *s, size_t i, const float x[3], const float n[3],
+                                double u0, double u1, ylm_trace_ray *ray);
+/* The density of those rays, sr^-1, in a direction of length 1 that meets sphere i. */
+double ylm__scene_sphere_density(const ylm_scene *s, size_t i, const float x[3], const float n[3],
+                                 const float d[3]);
+
+/* -- power.c -------------------------------------------------------------------- */
+
+/* The most lamps, distant ones left out, that are weighed one by one for each point. */
+#define YLM_SCENE_FEW 4096
+
+/* Lamps by the power that they send out, for scenes with more of them (Walker 1977). */
+struct scene_power {
+  double *share;   /* [lamps] of the sum over all */
+  float *stay;     /* [lamps] of column i that lamp i keeps */
+  uint32_t *other; /* [lamps] the lamp that has the rest of it */
+};
+
+/* Fills s->power where there are more than YLM_SCENE_FEW lamps that emit. */
+ylm_status ylm__scene_weigh_power(ylm_scene *s);
+void ylm__scene_free_power(ylm_scene *s);
+/* The lamp of u, from 0 below 1. */
+size_t ylm__scene_by_power(const scene_power *p, size_t lamps, double u);
 
 /* -- texture.c ---------------------------------------------------------------- */
 

@@ -53,17 +53,21 @@ bool ylm_scene_sky_radiance(const ylm_scene *s, const ylm_trace_ray *ray, double
   return true;
 }
 
+/* Bound of the irradiance over pi of a cone of radiance 1; n NULL: the scalar one. */
+static double cone_weight(const ylm_light_cone *c, const float n[3]) {
+  double up = 0, wide = sqrt(fmax(0, 1 - c->cosine * c->cosine));
+  if (!n) return 2 * (1 - c->cosine);
+  for (int a = 0; a < 3; a++) up += c->axis[a] * (double)n[a];
+  return fmax(0, up + wide) * 2 * (1 - c->cosine);
+}
+
 void ylm__scene_sky_weights(const ylm_scene *s, const float n[3], float *weight, float *sum) {
   for (size_t b = 0; b * YLM_LAMP_CHUNK < ylm__scene_sky_lights(s); b++) {
     double total = 0;
     for (size_t i = b * YLM_LAMP_CHUNK; i < (b + 1) * YLM_LAMP_CHUNK; i++) {
-      double w = i == 0 ? (double)s->sky_luminance : 0;
-      if (i > 0 && i <= s->cones) {
-        const ylm_light_cone *c = &s->cone[i - 1];
-        double up = 0, wide = sqrt(fmax(0, 1 - c->cosine * c->cosine));
-        for (int a = 0; a < 3; a++) up += c->axis[a] * (double)n[a];
-        w = fmax(0, up + wide) * 2 * (1 - c->cosine) * luminance_of(c->radiance);
-      }
+      double w = i == 0 ? (n ? 1 : 4) * (double)s->sky_luminance : 0;
+      if (i > 0 && i <= s->cones)
+        w = cone_weight(&s->cone[i - 1], n) * luminance_of(s->cone[i - 1].radiance);
       weight[i] = (float)w;
       total += (double)weight[i];
     }
@@ -73,6 +77,7 @@ void ylm__scene_sky_weights(const ylm_scene *s, const float n[3], float *weight,
 
 double ylm__scene_sky_sample(const ylm_scene *s, size_t i, const float x[3], const float n[3],
                              double u0, double u1, ylm_trace_ray *ray, float radiance[3]) {
+  static const float pole[3] = {0, 0, 1};
   double rgb[3], d[3];
   for (int a = 0; a < 3; a++) ray->org[a] = x[a];
   ray->near = 0;
@@ -82,11 +87,32 @@ double ylm__scene_sky_sample(const ylm_scene *s, size_t i, const float x[3], con
     float axis[3] = {(float)c->axis[0], (float)c->axis[1], (float)c->axis[2]};
     ylm__scene_turn(axis, 1 - u0 * (1 - c->cosine), u1, ray->dir);
     for (int a = 0; a < 3; a++) radiance[a] = (float)c->radiance[a];
-    return fmax(0, (double)ylm_dot3(ray->dir, n)) * 2 * PI * (1 - c->cosine);
+    return (n ? fmax(0, (double)ylm_dot3(ray->dir, n)) : 1) * 2 * PI * (1 - c->cosine);
   }
-  ylm__scene_turn(n, sqrt(1 - u0), u1, ray->dir);
+  ylm__scene_turn(n ? n : pole, n ? sqrt(1 - u0) : 1 - 2 * u0, u1, ray->dir);
   for (int a = 0; a < 3; a++) d[a] = (double)ray->dir[a];
   ylm_light_set_sky(s->sky, d, false, rgb);
   for (int a = 0; a < 3; a++) radiance[a] = (float)rgb[a];
-  return PI;
+  return n ? PI : 4 * PI;
+}
+
+double ylm__scene_sky_density(const ylm_scene *s, size_t i, const float n[3], const float d[3]) {
+  if (i > 0) return 1 / (2 * PI * (1 - s->cone[i - 1].cosine));
+  return n ? fmax(0, (double)ylm_dot3(d, n)) / PI : 1 / (4 * PI);
+}
+
+size_t ylm_scene_distant(const ylm_scene *s) { return ylm__scene_sky_lights(s); }
+
+bool ylm_scene_distant_radiance(const ylm_scene *s, size_t i, const float direction[3],
+                                float radiance[3]) {
+  double d[3], rgb[3], cosine = 0;
+  for (int a = 0; a < 3; a++) d[a] = (double)direction[a];
+  if (i == 0) {
+    ylm_light_set_sky(s->sky, d, false, rgb);
+    for (int a = 0; a < 3; a++) radiance[a] = (float)rgb[a];
+    return true;
+  }
+  const ylm_light_cone *c = &s->cone[i - 1];
+  for (int a = 0; a < 3; a++) cosine += c->axis[a] * d[a], radiance[a] = (float)c->radiance[a];
+  return cosine >= c->cosine;
 }

@@ -153,6 +153,54 @@ YLM_API size_t ylm_scene_aim(const ylm_scene_chooser *c, const float x[3], const
                              int light_samples, ylm_rng *rng, ylm_trace_ray *ray,
                              float (*value)[3]);
 
+/* Lamps are counted as ylm_trace.h counts those that are hit; distant lights follow them. */
+
+/* The number of lamps that are not distant; of distant ones. */
+YLM_API size_t ylm_scene_near(const ylm_scene *scene);
+YLM_API size_t ylm_scene_distant(const ylm_scene *scene);
+/* The radiance [3] that a lamp, met at distance t of a ray of length 1, sends to the ray's origin;
+   false: it is below the lamp's horizon, and sends none. */
+YLM_API bool ylm_scene_near_radiance(const ylm_scene *scene, const ylm_trace_ray *ray,
+                                     uint32_t lamp, float t, float radiance[3]);
+/* How far a ray that leaves off at distance t sees lamp `lamp`, which may lie on what is there. */
+YLM_API float ylm_scene_reach(const ylm_scene *scene, uint32_t lamp, float t);
+/* The radiance [3] of distant light i from a direction of length 1; false: it is not there. */
+YLM_API bool ylm_scene_distant_radiance(const ylm_scene *scene, size_t i, const float direction[3],
+                                        float radiance[3]);
+
+/*
+** ylm_scene_choose - turn a chooser to the point x.
+**
+** Lamps are then chosen by (a bound of) the luminous irradiance that they bring there; more than
+** 4,096 of them by the power that they send out, whatever their distance, so that a choice costs as
+** much with a million. Every lamp that may bring light has a chance.
+**
+**   normal  in  [3] of the surface there; NULL: a point in space, lit from all sides
+**
+** Returns  false where no lamp can bring light
+** Cost     O(lamps), above 4,096 of them O(1); no allocation
+** Source   Walker 1977, "An Efficient Method for Generating Discrete Random Variables with General
+**          Distributions"
+*/
+YLM_API bool ylm_scene_choose(ylm_scene_chooser *c, const float x[3], const float *normal);
+
+/*
+** ylm_scene_sample - a ray from the chooser's point to a lamp.
+**
+**   u         in   [3], from 0 below 1: the lamp, and the place on it
+**   ray       out  ends at the lamp, or at infinity
+**   radiance  out  [3] that it brings if nothing is in its way
+**   lamp      out  which one, as above
+**
+** Returns  the density of its direction for this lamp, sr^-1, the choice of the lamp included;
+**          0: nothing is to be had there
+*/
+YLM_API double ylm_scene_sample(const ylm_scene_chooser *c, const double u[3], ylm_trace_ray *ray,
+                                float radiance[3], uint32_t *lamp);
+/* The same density for a direction of length 1 that meets the lamp. */
+YLM_API double ylm_scene_density(const ylm_scene_chooser *c, uint32_t lamp,
+                                 const float direction[3]);
+
 /* -- cameras ----------------------------------------------------------------- */
 
 /* A pinhole camera. */
