@@ -52,6 +52,7 @@
   X(texture)
 
 #define YLML_SCENE_BINDINGS(X)                                                                     \
+  X(path)                                                                                          \
   X(shade)                                                                                         \
   X(shade_entries)                                                                                 \
   X(shade_grid)                                                                                    \

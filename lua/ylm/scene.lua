@@ -134,7 +134,7 @@ require "ylm.describe".object "scene" {
 
 --- The methods are those of lua/ylm/render/init.lua, loaded when one is first called.
 local methods = {}
-for _, name in ipairs { "bake", "prepare", "render", "reference", "raycast" } do
+for _, name in ipairs { "bake", "prepare", "render", "reference", "raycast", "pathtrace", "probe" } do
   methods[name] = function(...) return require("ylm.render")[name](...) end
 end
 memory.publish(methods)

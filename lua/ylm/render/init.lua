@@ -8,13 +8,14 @@ local describe = require "ylm.describe".describe
 local devices = require "ylm.device"
 local light = require "ylm.light"
 local options = require "ylm.render.options"
+local paths = require "ylm.render.path"
 local pictures = require "ylm.render.picture"
 local shading = require "ylm.render.shade"
 local tracing = require "ylm.render.scene"
 local views = require "ylm.render.view"
 local warning = require "ylm.warning"
 
-local render = { true_error = pictures.true_error }
+local render = { true_error = pictures.true_error, pathtrace = paths.pathtrace, probe = paths.probe }
 
 local prepare_options = options.list(options.view_fields, options.transfer_fields, options.common)
 

@@ -60,12 +60,17 @@ end
 -- and kept; an array too where the device has no room for it. Or nil, message, code.
 function prepared.__positions(view, name, device) return device:positions(name, views.open(name, view)) end
 
+--- The camera of a scene as C takes it: from, at, up, fov.
+function views.camera_numbers(s)
+  local c = s.camera
+  return { c.from[1], c.from[2], c.from[3], c.at[1], c.at[2], c.at[3], c.up[1], c.up[2], c.up[3], c.fov }
+end
+
 --- Makes the view that options `o` (with samples = camera rays per pixel) describe.
 function views.prepare(name, s, o)
   if not s.camera then return check.fail("%s: scene %q has no camera", name, s.name or "?") end
   local t, message, code = tracing.trace(name, s)
   if not t then return nil, message, code end
-  local c = s.camera
   local visibility = o.visibility or o.shading
   local distance = o.occlusion_distance
   if not distance then
@@ -76,9 +81,8 @@ function views.prepare(name, s, o)
   local light = not o.transfer_samples and #s.lights > 0 and visibility ~= "none" and t.lights or nil
   local view
   view, message, code = check.result(name, t.lib.shade_view(t.handle, {
-    camera = { c.from[1], c.from[2], c.from[3], c.at[1], c.at[2], c.at[3], c.up[1], c.up[2], c.up[3], c.fov },
-    width = o.size[1], height = o.size[2], samples = o.samples, lmax = o.lmax, shading = o.shading,
-    visibility = visibility, transfer_samples = rays, occlusion_distance = distance, share = o.share, seed = o.seed,
+    camera = views.camera_numbers(s), width = o.size[1], height = o.size[2], samples = o.samples,
+    lmax = o.lmax, shading = o.shading, visibility = visibility, transfer_samples = rays, occlusion_distance = distance, share = o.share, seed = o.seed,
     threads = o.threads, progress = progress.resolve(o.progress), light = light, noise = NOISE,
     most_samples = MOST_SAMPLES }))
   if not view then return nil, message, code end

@@ -1,0 +1,132 @@
+/* path.c - the path tracer: pictures and probes; lua/ylm/path drives it. */
+#include "traced.h"
+#include "ylm_path.h"
+#include "ylm_sh.h"
+
+/* Arguments that all estimates take, in the order in which they stand behind others. */
+#define COMMON                                                                                     \
+  "samples", "first", "last", "strategy", "error", "seconds", "seed", "threads", "progress"
+enum { SAMPLES, FIRST, LAST, STRATEGY, ERROR, SECONDS, SEED, THREADS, PROGRESS };
+
+/* Options from stack index `at` on. */
+static ylm_path_options read_options(lua_State *L, int at, ylmL_progress *p) {
+  static const char *const strategies[] = {"both", "lights", "material", NULL};
+  return (ylm_path_options){
+      .samples = (int)luaL_checknumber(L, at + SAMPLES),
+      .first = (int)luaL_checknumber(L, at + FIRST),
+      .last = (int)luaL_checknumber(L, at + LAST),
+      .strategy = (ylm_path_strategy)luaL_checkoption(L, at + STRATEGY, NULL, strategies),
+      .error = (double)luaL_optnumber(L, at + ERROR, 0),
+      .seconds = (double)luaL_optnumber(L, at + SECONDS, 0),
+      .seed = (uint64_t)luaL_checknumber(L, at + SEED),
+      .threads = (int)luaL_optnumber(L, at + THREADS, 0),
+      .progress = ylmL_progress_begin(L, at + PROGRESS, p)};
+}
+
+static void push_stats(lua_State *L, const ylm_path_sum *sum, const ylm_path_stats *s) {
+  static const char *const ends[] = {"samples", "error", "seconds"};
+  lua_newtable(L);
+  ylmL_set_count(L, "samples", sum->samples);
+  ylmL_set_count(L, "paths", s->paths);
+  ylmL_set_count(L, "nearest", s->nearest_rays);
+  ylmL_set_count(L, "lamps", s->lamp_rays);
+  ylmL_set_count(L, "shadow", s->shadow_rays);
+  ylmL_set_count(L, "absorbed", s->absorbed);
+  ylmL_set_count(L, "lost", s->lost);
+  if (s->noise >= 0) ylmL_set_number(L, "noise", s->noise);
+  ylmL_set_number(L, "seconds", s->seconds);
+  lua_pushstring(L, ends[s->end]);
+  lua_setfield(L, -2, "ended");
+}
+
+/* The float array at `i`, of n elements. */
+static float *floats(lua_State *L, int i, size_t n) {
+  ylmL_array *a = ylmL_array_check(L, i);
+  if (a->dtype != YLM_FLOAT || a->count != n) luaL_argerror(L, 2, "an array of another size");
+  return a->data;
+}
+
+/* path_image(scene, {camera: from, at, up, fov, 10 numbers; width, height, background {r, g, b}, mean,
+   rest, variance: float [h][w][3], done: samples that they hold; COMMON}) -> stats */
+static int path_image(lua_State *L) {
+  static const char *const names[] = {"camera", "width",    "height", "background", "mean",
+                                      "rest",   "variance", "done",   COMMON,       NULL};
+  enum { CAMERA = 3, WIDTH, HEIGHT, BACKGROUND, MEAN, REST, VARIANCE, DONE, OTHERS };
+  const ylm_scene *scene = ylmL_scene(L, 1);
+  ylm_error e = {0};
+  ylmL_progress p;
+  double c[10], b[3];
+  ylmL_named(L, 2, names);
+  ylmL_scene_numbers(L, CAMERA, 10, c);
+  ylmL_scene_numbers(L, BACKGROUND, 3, b);
+  ylm_camera camera = {{c[0], c[1], c[2]}, {c[3], c[4], c[5]}, {c[6], c[7], c[8]}, c[9]};
+  int width = (int)luaL_checknumber(L, WIDTH), height = (int)luaL_checknumber(L, HEIGHT);
+  size_t n = 3 * (size_t)width * (size_t)height;
+  ylm_path_sum sum = {(uint64_t)luaL_checknumber(L, DONE), floats(L, MEAN, n), floats(L, REST, n),
+                      floats(L, VARIANCE, n)};
+  ylm_path_options o = read_options(L, OTHERS, &p);
+  ylm_path_stats stats;
+  ylm_status s =
+      ylm_path_image(scene, &camera, width, height,
+                     (float[]){(float)b[0], (float)b[1], (float)b[2]}, &o, &sum, &stats, &e);
+  if (s == YLM_OK) push_stats(L, &sum, &stats);
+  return ylmL_result_progress(L, 1, s, &e, &p);
+}
+
+/* The sums of n numbers as two arrays of doubles, [n][3][count] or [n][3], at the stack's top. */
+static bool push_sum(lua_State *L, const ylm_path_sum *sum, size_t n, size_t count) {
+  ylmL_array *a[2];
+  for (int i = 0; i < 2; i++) {
+    a[i] = ylmL_array_new(L, YLM_DOUBLE, count ? 3 : 2, (size_t[]){n, 3, count});
+    if (!a[i]) return false;
+  }
+  for (size_t k = 0; k < a[0]->count; k++) {
+    ((double *)a[0]->data)[k] = (double)sum->mean[k] + (double)sum->rest[k];
+    ((double *)a[1]->data)[k] = (double)sum->variance[k];
+  }
+  return true;
+}
+
+/* path_probe(scene, {points float [n][3], normals float [n][3] or nil, lmax, COMMON}) ->
+   without normals: c, variance [n][3][count]; with: irradiance, variance [n][3]; stats */
+static int path_probe(lua_State *L) {
+  static const char *const names[] = {"points", "normals", "lmax", COMMON, NULL};
+  enum { POINTS = 3, NORMALS, LMAX, OTHERS };
+  const ylm_scene *scene = ylmL_scene(L, 1);
+  ylm_error e = {0};
+  ylmL_progress p;
+  ylmL_named(L, 2, names);
+  size_t n = ylmL_array_check(L, POINTS)->count / 3;
+  const float *points = floats(L, POINTS, 3 * n);
+  const float *normals = lua_isnil(L, NORMALS) ? NULL : floats(L, NORMALS, 3 * n);
+  int lmax = (int)luaL_checknumber(L, LMAX);
+  size_t count = normals ? 0 : (size_t)(lmax + 1) * (size_t)(lmax + 1),
+         all = 3 * n * (count ? count : 1);
+  ylm_path_options o = read_options(L, OTHERS, &p);
+  ylmL_array *room = ylmL_array_new(L, YLM_FLOAT, 1, (size_t[]){3 * all});
+  if (!room) return ylmL_result(L, 0, YLM_ENOMEM, NULL);
+  float *data = room->data;
+  ylm_path_sum sum = {0, data, data + all, data + 2 * all};
+  ylm_path_stats stats;
+  const float(*x)[3] = (const float(*)[3])points, (*d)[3] = (const float(*)[3])normals;
+  ylm_status s = d ? ylm_path_irradiance(scene, n, x, d, &o, &sum, &stats, &e)
+                   : ylm_path_probe(scene, n, x, lmax, &o, &sum, &stats, &e);
+  if (s == YLM_OK && !push_sum(L, &sum, n, count)) s = YLM_ENOMEM;
+  if (s == YLM_OK) push_stats(L, &sum, &stats);
+  return ylmL_result_progress(L, 3, s, &e, &p);
+}
+
+/* path_copy(from, to): float arrays of one size */
+static int path_copy(lua_State *L) {
+  ylmL_array *from = ylmL_array_check(L, 1), *to = ylmL_array_check(L, 2);
+  if (from->dtype != YLM_FLOAT || to->dtype != YLM_FLOAT) return ylmL_result(L, 0, YLM_ETYPE, NULL);
+  if (from->count != to->count) return ylmL_result(L, 0, YLM_ESHAPE, NULL);
+  ylm_copy(to->data, from->data, from->count * sizeof(float));
+  lua_pushvalue(L, 2);
+  return 1;
+}
+
+static const luaL_Reg functions[] = {
+    {"path_copy", path_copy}, {"path_image", path_image}, {"path_probe", path_probe}, {NULL, NULL}};
+
+void ylmL_open_path(lua_State *L) { luaL_setfuncs(L, functions, 0); }

@@ -1,0 +1,122 @@
+/* direct.c - light of lamps at the places where paths are reflected. */
+#include "path.h"
+
+/* Lamps along a ray that are asked for at once. */
+#define LAMPS 16
+
+void ylm__path_add(path_tile *t, float sum[3], const float x[3]) {
+  if (isfinite(x[0] + x[1] + x[2]))
+    for (int c = 0; c < 3; c++) sum[c] += x[c];
+  else
+    t->counts.lost++;
+}
+
+/* The weight of a lamp that a ray meets by chance. */
+static float by_chance(const path_tile *t, uint32_t lamp, const float direction[3], float pdf) {
+  if (t->job->o->strategy != YLM_PATH_BOTH) return 1;
+  return ylm__path_balance(pdf, (float)ylm_scene_density(t->lamps, lamp, direction));
+}
+
+static void meet_distant(path_tile *t, const float direction[3], float pdf, float radiance[3]) {
+  const ylm_scene *s = t->job->scene;
+  uint32_t near = (uint32_t)ylm_scene_near(s);
+  for (uint32_t i = 0; i < ylm_scene_distant(s); i++) {
+    float one[3], w;
+    if (!ylm_scene_distant_radiance(s, i, direction, one)) continue;
+    w = by_chance(t, near + i, direction, pdf);
+    for (int c = 0; c < 3; c++) radiance[c] += w * one[c];
+  }
+}
+
+void ylm__path_meet(path_tile *t, const ylm_trace_ray *ray, const ylm_trace_hit *hit, float pdf,
+                    float radiance[3]) {
+  const ylm_scene *s = t->job->scene;
+  bool open = hit->mesh == YLM_TRACE_NOTHING;
+  ylm_trace_ray way = *ray;
+  ylm_trace_meeting met[LAMPS];
+  size_t n = ylm_scene_near(s) ? LAMPS : 0;
+  memset(radiance, 0, 12);
+  if (!open) way.far = ylm_scene_reach(s, UINT32_MAX, hit->t);
+  for (bool more = false; n == LAMPS; more = true) {
+    n = ylm_trace_next_lamps(t->job->trace, &way, more ? &met[LAMPS - 1] : NULL, LAMPS, met);
+    t->counts.lamp_rays++;
+    for (size_t i = 0; i < n; i++) {
+      float one[3], w;
+      if (!open && !(met[i].distance < ylm_scene_reach(s, met[i].lamp, hit->t))) continue;
+      if (!ylm_scene_near_radiance(s, ray, met[i].lamp, met[i].distance, one)) continue;
+      w = by_chance(t, met[i].lamp, ray->dir, pdf);
+      for (int c = 0; c < 3; c++) radiance[c] += w * one[c];
+    }
+  }
+  if (open) meet_distant(t, ray->dir, pdf, radiance);
+}
+
+/* A ray from vertex v to a lamp; it is kept where it may bring light. */
+static void aim(path_tile *t, uint32_t v, const double u[3]) {
+  path_lights *l = &t->lights;
+  size_t i = l->n;
+  uint32_t lamp;
+  double pdf = ylm_scene_sample(t->lamps, u, &l->ray[i], l->radiance[i], &lamp);
+  if (!(pdf > 0)) return;
+  ylm__path_inward(&t->vertex[v], l->ray[i].dir, l->wi[i]);
+  if (!(l->wi[i][2] > 0)) return;
+  memcpy(l->wo[i], t->wo[v], 12);
+  l->density[i] = (float)pdf;
+  for (int c = 0; c < 3; c++) l->radiance[i][c] = (float)((double)l->radiance[i][c] / pdf);
+  l->of[i] = v;
+  l->n++;
+}
+
+/* Aims at lamps from all vertices, and adds the lamps that material rays meet. */
+static void gather(path_tile *t, bool first) {
+  ylm_path_strategy strategy = t->job->o->strategy;
+  const path_rays *r = &t->rays;
+  t->lights.n = 0;
+  for (uint32_t v = 0, i = 0; v < t->n; v++) {
+    path_state *p = &t->path[t->vertex[v].path];
+    const ylm_scene_surface *at = &t->vertex[v].at;
+    if (strategy != YLM_PATH_MATERIAL) {
+      double u[3];
+      for (int a = 0; a < 3; a++) u[a] = first ? p->light[a] : ylm_rng_double(&p->rng);
+      if (ylm_scene_choose(t->lamps, at->origin, at->normal)) aim(t, v, u);
+    }
+    if (i >= r->n || r->of[i] != v) continue;
+    if (strategy != YLM_PATH_LIGHTS) {
+      float x[3];
+      ylm__path_meet(t, &r->ray[i], &r->hit[i], t->pdf[v], x);
+      for (int c = 0; c < 3; c++) x[c] *= p->throughput[c] * t->weight[v][c];
+      ylm__path_add(t, p->radiance, x);
+    }
+    i++;
+  }
+}
+
+/* Asks each material of its light samples, which are in the order of vertices. */
+static void reflect(path_tile *t) {
+  const path_job *j = t->job;
+  path_lights *l = &t->lights;
+  for (size_t m = 0, i = 0, end; m < j->materials; m++, i = end) {
+    for (end = i; end < l->n && l->of[end] < t->behind[m];) end++;
+    if (end == i) continue;
+    const float(*wi)[3] = (const float(*)[3])(l->wi + i), (*wo)[3] = (const float(*)[3])(l->wo + i);
+    ylm_material_eval(j->material[m], end - i, wi, wo, l->f + i);
+    if (j->o->strategy == YLM_PATH_BOTH)
+      ylm_material_pdf(j->material[m], end - i, wi, wo, l->pdf + i);
+  }
+}
+
+void ylm__path_direct(path_tile *t, bool first) {
+  path_lights *l = &t->lights;
+  bool both = t->job->o->strategy == YLM_PATH_BOTH;
+  gather(t, first);
+  reflect(t);
+  ylm_trace_occluded(t->job->trace, l->n, l->ray);
+  t->counts.shadow_rays += l->n;
+  for (size_t i = 0; i < l->n; i++) {
+    if (l->ray[i].far < 0) continue;
+    path_state *p = &t->path[t->vertex[l->of[i]].path];
+    float w = (both ? ylm__path_balance(l->density[i], l->pdf[i]) : 1) * l->wi[i][2], x[3];
+    for (int c = 0; c < 3; c++) x[c] = w * p->throughput[c] * l->f[i][c] * l->radiance[i][c];
+    ylm__path_add(t, p->radiance, x);
+  }
+}

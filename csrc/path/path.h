@@ -1,0 +1,135 @@
+/* path.h - what the files of csrc/path share. Private. */
+#ifndef YLM_PATH_PRIVATE_H
+#define YLM_PATH_PRIVATE_H
+
+#include "ylm_path.h"
+#include "ylm_vector.h"
+
+/* A tile holds batches of items: pairs of the two. */
+#define PATH_PAIRS 256
+#define PATH_TILE (PATH_PAIRS * YLM_PATH_BATCH)
+
+/* One path. */
+typedef struct path_state {
+  ylm_rng rng;
+  float throughput[3], radiance[3];
+  double pixel[2];  /* numbers that are stratified over the batch: a place in the pixel, */
+  double light[3];  /* the first light sample, */
+  double chosen[3]; /* the first direction */
+} path_state;
+
+/* Where a path is reflected. */
+typedef struct path_vertex {
+  uint32_t path;
+  ylm_scene_surface at;
+  float other[3]; /* the frame's second axis, across tangent and normal */
+} path_vertex;
+
+/* Rays whose first hits are the next places. */
+typedef struct path_rays {
+  size_t n;
+  ylm_trace_ray *ray; /* [PATH_TILE] */
+  ylm_trace_hit *hit; /* [PATH_TILE] */
+  uint32_t *of;       /* [PATH_TILE] its vertex; between two steps its path */
+} path_rays;
+
+/* Rays to lamps. */
+typedef struct path_lights {
+  size_t n;
+  ylm_trace_ray *ray;             /* [PATH_TILE] */
+  float (*radiance)[3], *density; /* [PATH_TILE] the former over the latter */
+  float (*wi)[3], (*wo)[3];       /* [PATH_TILE] in the surface's frame */
+  float (*f)[3], *pdf;            /* [PATH_TILE] what the material says of them */
+  uint32_t *of;                   /* [PATH_TILE] its vertex */
+} path_lights;
+
+typedef struct path_job path_job;
+
+/* What one thread works with. */
+typedef struct path_tile {
+  const path_job *job;
+  ylm_scene_chooser *lamps;
+  ylm_path_stats counts;
+  size_t pairs;           /* in use */
+  uint64_t *item, *batch; /* [PATH_PAIRS] */
+  path_state *path;       /* [PATH_TILE] */
+  /* of this step */
+  size_t n;
+  path_vertex *vertex, *unsorted; /* [PATH_TILE] those of a material follow one another */
+  uint32_t *material, *behind; /* [PATH_TILE] of `unsorted`; [materials] where a material's end */
+  float (*wo)[3], (*u)[3];     /* [PATH_TILE] */
+  float (*wi)[3], (*weight)[3], *pdf;
+  path_rays rays;
+  path_lights lights;
+  /* of probes: the light samples of the start */
+  float (*toward)[3], (*start)[3],
+      (*first)[3]; /* [PATH_TILE] direction, radiance; first direction */
+  float *basis;    /* [2 YLM_PATH_BATCH][count] */
+} path_tile;
+
+/* A kind of estimate. */
+typedef struct path_kind {
+  const char *stage;
+  /* Fills tile->rays with the first ones, traced, and the paths' throughput and radiance. */
+  void (*begin)(path_tile *t);
+  /* Writes the means over the batch of pair k. */
+  void (*finish)(path_tile *t, size_t k, double *values);
+} path_kind;
+
+struct path_job {
+  const path_kind *kind;
+  const ylm_scene *scene;
+  const ylm_trace *trace;
+  const ylm_path_options *o;
+  size_t items, values;
+  size_t batches_per_tile;
+  const ylm_material **material; /* [materials] distinct */
+  uint32_t *material_of;         /* [meshes] */
+  size_t materials;
+  double radical[YLM_PATH_BATCH];
+  /* images */
+  ylm_camera_frame frame;
+  int width, height;
+  const float *background;
+  /* probes; normals NULL: light from all sides to degree lmax */
+  const float (*points)[3], (*normals)[3];
+  int lmax;
+};
+
+/* -- tile.c ---------------------------------------------------------------------- */
+
+path_tile *ylm__path_tile_create(const path_job *j);
+void ylm__path_tile_free(path_tile *t);
+/* Starts the generators of all paths, and the numbers that are stratified. */
+void ylm__path_tile_seed(path_tile *t);
+/* Turns first hits into vertices, sorted by material; drops rays that hit nothing. */
+void ylm__path_tile_vertices(path_tile *t);
+/* A direction in the vertex's frame, and back. */
+void ylm__path_inward(const path_vertex *v, const float d[3], float out[3]);
+void ylm__path_outward(const path_vertex *v, const float d[3], float out[3]);
+
+/* -- direct.c -------------------------------------------------------------------- */
+
+/* Adds to the paths' radiance the lamps' light on their vertices: by rays to lamps, and along
+   t->rays, of which ray i leaves vertex of[i] with density pdf[of[i]]. */
+void ylm__path_direct(path_tile *t, bool first);
+/* The radiance of lamps along a ray that was chosen with density pdf and ends at its hit, weighed as
+   the strategy says against choosing these lamps by t->lamps. */
+void ylm__path_meet(path_tile *t, const ylm_trace_ray *ray, const ylm_trace_hit *hit, float pdf,
+                    float radiance[3]);
+/* Adds to `sum` what is finite; counts what is not. */
+void ylm__path_add(path_tile *t, float sum[3], const float x[3]);
+/* How much an estimate counts whose direction another kind of ray finds with density `other`. */
+static inline float ylm__path_balance(float own, float other) { return own / (own + other); }
+
+/* -- path.c ---------------------------------------------------------------------- */
+
+/* Fills values [pairs][values] of a tile whose pairs are chosen. */
+void ylm__path_walk(path_tile *t, double *values);
+
+/* -- film.c ---------------------------------------------------------------------- */
+
+/* Runs all batches that are missing. */
+ylm_status ylm__path_run(path_job *j, ylm_path_sum *sum, ylm_path_stats *stats, ylm_error *e);
+
+#endif
