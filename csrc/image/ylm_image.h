@@ -198,6 +198,33 @@ YLM_API ylm_status ylm_image_compare(const ylm_image *a, const ylm_image *b, con
                                      const float *mask, double peak, double floor, int threads,
                                      const ylm_progress *progress, ylm_metrics *m, ylm_error *e);
 
+/*
+** How far two estimates are apart, in terms of their noise: sums run over all channels of all pixels
+** whose mask is not 0.
+**   z2        sum of (a - b)^2 over the sum of the variances of both: its expectation is 1 where
+**             both are unbiased estimates of one picture, however many samples they have
+**   z2_block  the largest such ratio over blocks of 16 x 9 pixels: bias that is local
+**   block     the left and top pixel of that block
+*/
+typedef struct ylm_agreement {
+  double z2, z2_block;
+  int block[2];
+  size_t pixels; /* that counted */
+} ylm_agreement;
+
+/*
+** ylm_image_agree - whether layer `name` (NULL: the first) of `a` and that of `b` agree within their
+** layers `variance`, the variances of what stands there. An image without one is taken as exact.
+**
+**   mask   in  [height][width] or NULL: everywhere
+**
+** Returns  YLM_OK; YLM_EINVAL (no such layer, no variance in either, an empty mask), YLM_ESHAPE
+**          (sizes, channels), YLM_EDOMAIN (a number that counts is not finite, or a variance
+**          negative: the pixel is named)
+*/
+YLM_API ylm_status ylm_image_agree(const ylm_image *a, const ylm_image *b, const char *name,
+                                   const float *mask, ylm_agreement *out, ylm_error *e);
+
 typedef enum ylm_difference {
   YLM_DIFFERENCE_ABSOLUTE, /* |a - b| * scale                   */
   YLM_DIFFERENCE_SIGNED,   /* (a - b) * scale                   */

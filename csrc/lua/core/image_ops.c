@@ -58,6 +58,22 @@ static int image_compare(lua_State *L) {
   return ylmL_result_progress(L, 1, s, &e, &progress);
 }
 
+/* image_agree(a, b, layer or nil, mask or nil) -> z2, largest z2 of a block, its left and top pixel
+   from 1 */
+static int image_agree(lua_State *L) {
+  ylm_image *a = ylmL_image_check(L, 1), *b = ylmL_image_check(L, 2);
+  lua_settop(L, 4);
+  const float *where = mask(L, 4, a);
+  ylm_error e = {0};
+  ylm_agreement m;
+  ylm_status s = ylm_image_agree(a, b, luaL_optstring(L, 3, NULL), where, &m, &e);
+  lua_pushnumber(L, (lua_Number)m.z2);
+  lua_pushnumber(L, (lua_Number)m.z2_block);
+  ylmL_push_count(L, (uint64_t)m.block[0] + 1);
+  ylmL_push_count(L, (uint64_t)m.block[1] + 1);
+  return ylmL_result(L, 4, s, &e);
+}
+
 /* image_difference(a, b, layer or nil, kind, scale, floor) -> image */
 static int image_difference(lua_State *L) {
   static const char *const kinds[] = {"absolute", "signed", "relative", NULL};
@@ -219,6 +235,7 @@ static int mapping_positions(lua_State *L) {
 
 static const luaL_Reg functions[] = {{"image_compare", image_compare},
                                      {"image_difference", image_difference},
+                                     {"image_agree", image_agree},
                                      {"image_crop", image_crop},
                                      {"image_resize", image_resize},
                                      {"image_paste", image_paste},

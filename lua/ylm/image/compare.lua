@@ -25,6 +25,8 @@ local compare_options = {
   { "peak", "number", above = 0, optional = true, about = "what psnr refers to; default the largest reference value" },
   { "floor", "number", above = 0, optional = true,
     about = "least divisor of mape, of the reference's unit; default peak / 1000" },
+  { "variance", "boolean", default = false,
+    about = "also z2 and z2_block, from the layers variance of both images; one that has none is taken as exact" },
   images.threads,
   images.progress,
 }
@@ -33,10 +35,12 @@ describe "image:compare" {
   about = "How far the image is from a reference, over all channels of a layer. mse and rmse; psnr in dB of peak;"
     .. " mae and max, the mean and largest absolute difference; mape in percent of the reference, where that is"
     .. " above floor; ssim, the mean structural similarity (Gaussian window, sigma 1.5, dynamic range = peak);"
-    .. " and pixels, the number of pixels that counted.",
+    .. " and pixels, the number of pixels that counted. With variance = true z2, the sum of squared differences over the sum"
+    .. " of both variances, whose expectation is 1 where two noisy images agree; z2_block, the largest such ratio over blocks"
+    .. " of 16 x 9 pixels, and block, the left and top pixel of that one.",
   arguments = { { "reference", "image", "the truth" }, { "options?", "table", "" } },
   options = compare_options,
-  returns = { { "metrics", "table", "{ mse, rmse, psnr, peak, mae, mape, floor, ssim, max, pixels }" } },
+  returns = { { "metrics", "table", "{ mse, rmse, psnr, peak, mae, mape, floor, ssim, max, pixels, z2, z2_block, block }" } },
   errors = "raises where sizes or channels differ, the mask is empty, or a pixel that counts is not finite; nil, message, "
     .. "code where memory runs out or progress cancels",
   example = [[
@@ -48,8 +52,15 @@ assert(m.mse == 1 and m.psnr == 0 and m.peak == 1)]],
 }
 function methods.compare(x, reference, options)
   local o, layer = compared("compare", x, reference, compare_options, options)
-  return check.result("compare", core.image_compare(x, reference, { layer = layer, mask = images.mask("compare", x, o.mask),
+  local mask = images.mask("compare", x, o.mask)
+  local metrics, message, code = check.result("compare", core.image_compare(x, reference, { layer = layer, mask = mask,
     peak = o.peak, floor = o.floor, threads = o.threads, progress = progress.of(o.progress) }))
+  if not metrics then return nil, message, code end
+  if o.variance then
+    local z2, block, left, top = check.result("compare", core.image_agree(x, reference, layer, mask))
+    metrics.z2, metrics.z2_block, metrics.block = z2, block, { left, top }
+  end
+  return metrics
 end
 
 local difference_options = {
