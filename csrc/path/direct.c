@@ -28,27 +28,44 @@ static void meet_distant(path_tile *t, const float direction[3], float pdf, floa
   }
 }
 
-void ylm__path_meet(path_tile *t, const ylm_trace_ray *ray, const ylm_trace_hit *hit, float pdf,
-                    float radiance[3]) {
+void ylm__path_look(path_tile *t) {
   const ylm_scene *s = t->job->scene;
+  path_rays *r = &t->rays;
+  if (t->job->o->strategy == YLM_PATH_LIGHTS || ylm_scene_near(s) == 0) return;
+  for (size_t i = 0; i < r->n; i++) {
+    r->way[i] = r->ray[i];
+    if (r->hit[i].mesh >= 0) r->way[i].far = ylm_scene_reach(s, UINT32_MAX, r->hit[i].t);
+  }
+  ylm_trace_meets_lamps(t->job->trace, r->n, r->way);
+  t->counts.lamp_rays += r->n;
+}
+
+/* Lamps along ray i that are not distant. */
+static void meet_near(path_tile *t, size_t i, float pdf, float radiance[3]) {
+  const ylm_scene *s = t->job->scene;
+  const ylm_trace_hit *hit = &t->rays.hit[i];
   bool open = hit->mesh == YLM_TRACE_NOTHING;
-  ylm_trace_ray way = *ray;
+  ylm_trace_ray way = t->rays.ray[i];
   ylm_trace_meeting met[LAMPS];
-  size_t n = ylm_scene_near(s) ? LAMPS : 0;
-  memset(radiance, 0, 12);
+  size_t n = LAMPS;
   if (!open) way.far = ylm_scene_reach(s, UINT32_MAX, hit->t);
   for (bool more = false; n == LAMPS; more = true) {
     n = ylm_trace_next_lamps(t->job->trace, &way, more ? &met[LAMPS - 1] : NULL, LAMPS, met);
-    t->counts.lamp_rays++;
-    for (size_t i = 0; i < n; i++) {
+    for (size_t k = 0; k < n; k++) {
       float one[3], w;
-      if (!open && !(met[i].distance < ylm_scene_reach(s, met[i].lamp, hit->t))) continue;
-      if (!ylm_scene_near_radiance(s, ray, met[i].lamp, met[i].distance, one)) continue;
-      w = by_chance(t, met[i].lamp, ray->dir, pdf);
+      if (!open && !(met[k].distance < ylm_scene_reach(s, met[k].lamp, hit->t))) continue;
+      if (!ylm_scene_near_radiance(s, &way, met[k].lamp, met[k].distance, one)) continue;
+      w = by_chance(t, met[k].lamp, way.dir, pdf);
       for (int c = 0; c < 3; c++) radiance[c] += w * one[c];
     }
   }
-  if (open) meet_distant(t, ray->dir, pdf, radiance);
+}
+
+void ylm__path_meet(path_tile *t, size_t i, float pdf, float radiance[3]) {
+  const path_rays *r = &t->rays;
+  memset(radiance, 0, 12);
+  if (ylm_scene_near(t->job->scene) && r->way[i].far < 0) meet_near(t, i, pdf, radiance);
+  if (r->hit[i].mesh == YLM_TRACE_NOTHING) meet_distant(t, r->ray[i].dir, pdf, radiance);
 }
 
 /* A ray from vertex v to a lamp; it is kept where it may bring light. */
@@ -72,18 +89,19 @@ static void gather(path_tile *t, bool first) {
   ylm_path_strategy strategy = t->job->o->strategy;
   const path_rays *r = &t->rays;
   t->lights.n = 0;
+  ylm__path_look(t);
   for (uint32_t v = 0, i = 0; v < t->n; v++) {
     path_state *p = &t->path[t->vertex[v].path];
     const ylm_scene_surface *at = &t->vertex[v].at;
     if (strategy != YLM_PATH_MATERIAL) {
       double u[3];
-      for (int a = 0; a < 3; a++) u[a] = first ? p->light[a] : ylm_rng_double(&p->rng);
+      for (int a = 0; a < 3; a++) u[a] = first ? p->light[a] : ylm__path_random(&p->rng);
       if (ylm_scene_choose(t->lamps, at->origin, at->normal)) aim(t, v, u);
     }
     if (i >= r->n || r->of[i] != v) continue;
     if (strategy != YLM_PATH_LIGHTS) {
       float x[3];
-      ylm__path_meet(t, &r->ray[i], &r->hit[i], t->pdf[v], x);
+      ylm__path_meet(t, i, t->pdf[v], x);
       for (int c = 0; c < 3; c++) x[c] *= p->throughput[c] * t->weight[v][c];
       ylm__path_add(t, p->radiance, x);
     }

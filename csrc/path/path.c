@@ -14,7 +14,7 @@ static void choose(path_tile *t, bool first) {
   for (size_t v = 0; v < t->n; v++) {
     path_state *p = &t->path[t->vertex[v].path];
     for (int a = 0; a < 3; a++)
-      t->u[v][a] = fminf(BELOW_ONE, (float)(first ? p->chosen[a] : ylm_rng_double(&p->rng)));
+      t->u[v][a] = fminf(BELOW_ONE, (float)(first ? p->chosen[a] : ylm__path_random(&p->rng)));
   }
   for (size_t m = 0, v = 0; m < j->materials; v = t->behind[m++]) {
     size_t n = t->behind[m] - v;
@@ -49,7 +49,7 @@ static float luminance(const float *c) {
 /* Whether a path goes on: at random by its throughput, which is then raised. */
 static bool survives(path_state *p) {
   float chance = fminf(MOST_CHANCE, fmaxf(LEAST_CHANCE, luminance(p->throughput)));
-  if (ylm_rng_double(&p->rng) >= (double)chance) return false;
+  if (ylm__path_random(&p->rng) >= (double)chance) return false;
   for (int c = 0; c < 3; c++) p->throughput[c] /= chance;
   return true;
 }

@@ -6,7 +6,7 @@
 #include "ylm_vector.h"
 
 /* A tile holds batches of items: pairs of the two. */
-#define PATH_PAIRS 256
+#define PATH_PAIRS 64
 #define PATH_TILE (PATH_PAIRS * YLM_PATH_BATCH)
 
 /* One path. */
@@ -29,6 +29,7 @@ typedef struct path_vertex {
 typedef struct path_rays {
   size_t n;
   ylm_trace_ray *ray; /* [PATH_TILE] */
+  ylm_trace_ray *way; /* [PATH_TILE] as far as lamps along it count; far < 0: it meets some */
   ylm_trace_hit *hit; /* [PATH_TILE] */
   uint32_t *of;       /* [PATH_TILE] its vertex; between two steps its path */
 } path_rays;
@@ -113,12 +114,20 @@ void ylm__path_outward(const path_vertex *v, const float d[3], float out[3]);
 /* Adds to the paths' radiance the lamps' light on their vertices: by rays to lamps, and along
    t->rays, of which ray i leaves vertex of[i] with density pdf[of[i]]. */
 void ylm__path_direct(path_tile *t, bool first);
-/* The radiance of lamps along a ray that was chosen with density pdf and ends at its hit, weighed as
-   the strategy says against choosing these lamps by t->lamps. */
-void ylm__path_meet(path_tile *t, const ylm_trace_ray *ray, const ylm_trace_hit *hit, float pdf,
-                    float radiance[3]);
+/* Finds which of t->rays meet lamps before their hits. */
+void ylm__path_look(path_tile *t);
+/* The radiance of lamps along ray i of t->rays, which was chosen with density pdf, weighed as the
+   strategy says against choosing these lamps by t->lamps. */
+void ylm__path_meet(path_tile *t, size_t i, float pdf, float radiance[3]);
 /* Adds to `sum` what is finite; counts what is not. */
 void ylm__path_add(path_tile *t, float sum[3], const float x[3]);
+/* The next random number, from 0 below 1: ylm_rng_u32, without a call. */
+static inline double ylm__path_random(ylm_rng *r) {
+  uint64_t s = r->state;
+  r->state = s * 6364136223846793005u + r->stream;
+  uint32_t x = (uint32_t)(((s >> 18) ^ s) >> 27), turn = (uint32_t)(s >> 59);
+  return (x >> turn | x << (-turn & 31)) * 0x1p-32;
+}
 /* How much an estimate counts whose direction another kind of ray finds with density `other`. */
 static inline float ylm__path_balance(float own, float other) { return own / (own + other); }
 

@@ -66,13 +66,14 @@ static bool aim(path_tile *t, uint32_t i, const float *normal, const float start
 static void light_start(path_tile *t) {
   static const float none[3] = {0, 0, 0};
   t->lights.n = 0;
+  ylm__path_look(t);
   for (uint32_t i = 0; i < t->rays.n; i++) {
     float n[3], x[3];
     const float *normal = normal_of(t->job, t->item[i / YLM_PATH_BATCH], n);
     const ylm_trace_ray *ray = &t->rays.ray[i];
     if (!aim(t, i, normal, ray->org)) memset(t->start[i], 0, 12);
     if (t->job->o->strategy == YLM_PATH_LIGHTS) continue;
-    ylm__path_meet(t, ray, &t->rays.hit[i], density_of(normal, ray->dir), x);
+    ylm__path_meet(t, i, density_of(normal, ray->dir), x);
     ylm__path_add(t, t->path[i].radiance, x);
   }
   ylm_trace_occluded(t->job->trace, t->lights.n, t->lights.ray);

@@ -18,11 +18,11 @@ static bool room(path_tile *t) {
   path_rays *r = &t->rays;
   path_lights *l = &t->lights;
   return ROOM(t->item, PATH_PAIRS) && ROOM(t->batch, PATH_PAIRS) && ROOM(t->path, n) &&
-         ROOM(t->vertex, n) && ROOM(t->unsorted, n) && ROOM(t->material, n) &&
-         ROOM(t->behind, t->job->materials) && ROOM(t->wo, n) && ROOM(t->u, n) && ROOM(t->wi, n) &&
-         ROOM(t->weight, n) && ROOM(t->pdf, n) && ROOM(r->ray, n) && ROOM(r->hit, n) &&
-         ROOM(r->of, n) && ROOM(l->ray, n) && ROOM(l->radiance, n) && ROOM(l->density, n) &&
-         ROOM(l->wi, n) && ROOM(l->wo, n) && ROOM(l->f, n) && ROOM(l->pdf, n) && ROOM(l->of, n) &&
+         ROOM(t->vertex, n) && ROOM(t->behind, t->job->materials) && ROOM(t->wo, n) &&
+         ROOM(t->u, n) && ROOM(t->wi, n) && ROOM(t->weight, n) && ROOM(t->pdf, n) &&
+         ROOM(r->ray, n) && ROOM(r->way, n) && ROOM(r->hit, n) && ROOM(r->of, n) &&
+         ROOM(l->ray, n) && ROOM(l->radiance, n) && ROOM(l->density, n) && ROOM(l->wi, n) &&
+         ROOM(l->wo, n) && ROOM(l->f, n) && ROOM(l->pdf, n) && ROOM(l->of, n) &&
          (!t->job->points || (ROOM(t->toward, n) && ROOM(t->start, n) && ROOM(t->first, n) &&
                               ROOM(t->basis, 2 * YLM_PATH_BATCH * count)));
 }
@@ -39,12 +39,13 @@ path_tile *ylm__path_tile_create(const path_job *j) {
 
 void ylm__path_tile_free(path_tile *t) {
   if (!t) return;
-  void *all[] = {
-      t->item,      t->batch,     t->path,     t->vertex,     t->unsorted,        t->material,
-      t->behind,    t->wo,        t->u,        t->wi,         t->weight,          t->pdf,
-      t->rays.ray,  t->rays.hit,  t->rays.of,  t->lights.ray, t->lights.radiance, t->lights.density,
-      t->lights.wi, t->lights.wo, t->lights.f, t->lights.pdf, t->lights.of,       t->toward,
-      t->start,     t->first,     t->basis};
+  void *all[] = {t->item,           t->batch,     t->path,       t->vertex,
+                 t->behind,         t->wo,        t->u,          t->wi,
+                 t->weight,         t->pdf,       t->rays.ray,   t->rays.way,
+                 t->rays.hit,       t->rays.of,   t->lights.ray, t->lights.radiance,
+                 t->lights.density, t->lights.wi, t->lights.wo,  t->lights.f,
+                 t->lights.pdf,     t->lights.of, t->toward,     t->start,
+                 t->first,          t->basis};
   for (size_t i = 0; i < sizeof all / sizeof *all; i++) ylm_free(all[i]);
   ylm_scene_chooser_free(t->lamps);
   ylm_free(t);
@@ -78,7 +79,7 @@ static void shuffle(ylm_rng *r, int order[YLM_PATH_BATCH]) {
 
 /* Sample i's stratum of the batch in one dimension, and in two: a Hammersley set, shifted. */
 static double one(const int *order, int i, ylm_rng *r) {
-  return (order[i] + ylm_rng_double(r)) / YLM_PATH_BATCH;
+  return (order[i] + ylm__path_random(r)) / YLM_PATH_BATCH;
 }
 static void two(const path_job *j, const int *order, int i, const double shift[2], double out[2]) {
   out[0] = wrap((double)order[i] / YLM_PATH_BATCH + shift[0]);
@@ -93,7 +94,7 @@ static void seed_batch(path_tile *t, size_t k) {
   seed(&rng, t->job->o->seed, BATCHES, number);
   for (int s = 0; s < 5; s++) shuffle(&rng, order[s]);
   for (int s = 0; s < 3; s++)
-    for (int a = 0; a < 2; a++) shift[s][a] = ylm_rng_double(&rng);
+    for (int a = 0; a < 2; a++) shift[s][a] = ylm__path_random(&rng);
   for (int i = 0; i < YLM_PATH_BATCH; i++) {
     path_state *p = &t->path[k * YLM_PATH_BATCH + (size_t)i];
     two(t->job, order[0], i, shift[0], p->pixel);
@@ -150,24 +151,20 @@ static void toward_eye(const path_vertex *v, const float d[3], float wo[3]) {
 
 void ylm__path_tile_vertices(path_tile *t) {
   const path_job *j = t->job;
-  uint32_t *of = t->rays.of;
+  const path_rays *r = &t->rays;
   t->n = 0;
   memset(t->behind, 0, j->materials * sizeof *t->behind);
-  for (size_t i = 0; i < t->rays.n; i++) {
-    if (t->rays.hit[i].mesh < 0) continue;
-    vertex_of(t, i, &t->unsorted[t->n]);
-    t->material[t->n] = j->material_of[t->rays.hit[i].mesh];
-    t->behind[t->material[t->n]]++;
-    of[t->n++] = (uint32_t)i; /* the ray that found it: never behind those still to be read */
-  }
-  for (uint32_t m = 0, sum = 0; m < j->materials; m++) {
+  for (size_t i = 0; i < r->n; i++)
+    if (r->hit[i].mesh >= 0) t->behind[j->material_of[r->hit[i].mesh]]++;
+  for (size_t m = 0; m < j->materials; m++) {
     uint32_t count = t->behind[m];
-    t->behind[m] = sum;
-    sum += count;
+    t->behind[m] = (uint32_t)t->n;
+    t->n += count;
   }
-  for (size_t i = 0; i < t->n; i++) {
-    uint32_t k = t->behind[t->material[i]]++;
-    t->vertex[k] = t->unsorted[i];
-    toward_eye(&t->vertex[k], t->rays.ray[of[i]].dir, t->wo[k]);
+  for (size_t i = 0; i < r->n; i++) {
+    if (r->hit[i].mesh < 0) continue;
+    uint32_t k = t->behind[j->material_of[r->hit[i].mesh]]++;
+    vertex_of(t, i, &t->vertex[k]);
+    toward_eye(&t->vertex[k], r->ray[i].dir, t->wo[k]);
   }
 }

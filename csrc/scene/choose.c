@@ -7,6 +7,8 @@
 #define PI 3.14159265358979323846
 /* The part of rays that are aimed at distant lights where others are chosen by power. */
 #define SKY_PART 0.5
+/* Lamps that are weighed faster one by one. */
+#define FEW 16
 
 size_t ylm_scene_near(const ylm_scene *s) { return s->lamps + s->triangles + s->disks; }
 
@@ -24,23 +26,16 @@ float ylm_scene_reach(const ylm_scene *s, uint32_t lamp, float t) {
   return lamp < s->lamps ? t : (t + ylm_trace_offset(s->trace)) * (1 / (1 - 1e-5f));
 }
 
-/* ylm_scene_weights_fn of a point in space: 2 pi of its sky are 2, as much as it sends to a plane
-   from everywhere above. */
-static void sphere_weights(const ylm_scene_chooser *c) {
+/* ylm_scene_weights_fn for few lamps, and for points in space. */
+static void weigh_spheres(const ylm_scene_chooser *c, const float *normal) {
   const ylm_scene *s = c->scene;
-  for (size_t b = 0; b < c->spheres; b++) {
-    double total = 0;
-    for (size_t i = b * YLM_LAMP_CHUNK; i < (b + 1) * YLM_LAMP_CHUNK; i++) {
-      double d2 = 0, r2 = (double)s->lamp[3][i] * (double)s->lamp[3][i], w;
-      for (int a = 0; a < 3; a++) {
-        double v = (double)s->lamp[a][i] - (double)c->x[a];
-        d2 += v * v;
-      }
-      w = d2 > r2 ? 2 * (r2 / d2) / (1 + sqrt(1 - r2 / d2)) : r2 > 0 ? 4 : 0;
-      c->weight[i] = (float)w * s->lamp_luminance[i];
-      total += (double)c->weight[i];
-    }
-    c->sum[b] = (float)total;
+  for (size_t i = 0; i < s->lamps; i++) {
+    double v[3];
+    if (i % YLM_LAMP_CHUNK == 0) c->sum[i / YLM_LAMP_CHUNK] = 0;
+    for (int a = 0; a < 3; a++) v[a] = (double)s->lamp[a][i] - (double)c->x[a];
+    c->weight[i] =
+        (float)ylm__scene_weight(v, (double)s->lamp[3][i], normal) * s->lamp_luminance[i];
+    c->sum[i / YLM_LAMP_CHUNK] += c->weight[i];
   }
 }
 
@@ -51,12 +46,12 @@ bool ylm_scene_choose(ylm_scene_chooser *c, const float x[3], const float *norma
   if (normal) memcpy(c->normal, normal, 12);
   c->total = 0;
   if (!s->power) {
-    if (normal)
+    if (normal && s->lamps > FEW)
       c->weights(c->spheres, s->lamp, s->lamp_luminance, x, normal, c->weight, c->sum);
     else
-      sphere_weights(c);
-    ylm__scene_patch_weights(s, x, normal, c->weight + c->spheres * YLM_LAMP_CHUNK,
-                             c->sum + c->spheres);
+      weigh_spheres(c, normal);
+    ylm__scene_patch_weights_of_one(s, x, normal, c->weight + c->spheres * YLM_LAMP_CHUNK,
+                                    c->sum + c->spheres);
   }
   ylm__scene_sky_weights(s, normal, c->weight + c->near * YLM_LAMP_CHUNK, c->sum + c->near);
   for (size_t b = s->power ? c->near : 0; b < c->chunks; b++) c->total += (double)c->sum[b];
@@ -131,11 +126,12 @@ double ylm_scene_sample(const ylm_scene_chooser *c, const double u[3], ylm_trace
   if (*lamp >= near)
     e = ylm__scene_sky_sample(s, *lamp - near, c->x, n, u[1], u[2], ray, radiance);
   else if (*lamp >= s->lamps) {
-    e = ylm__scene_patch_sample(s, *lamp - s->lamps, c->x, n, u[1], u[2], ray, &emitted);
+    e = ylm__scene_patch_sample_one(s, *lamp - s->lamps, c->x, n, u[1], u[2], ray, &emitted);
     if (e > 0) memcpy(radiance, emitted, 12);
   } else {
     e = ylm__scene_sphere_sample(s, *lamp, c->x, n, u[1], u[2], ray);
     memcpy(radiance, s->lamp_radiance + 3 * *lamp, 12);
   }
-  return e > 0 ? ylm_scene_density(c, *lamp, ray->dir) : 0;
+  if (!(e > 0)) return 0;
+  return share_of(c, *lamp) * (n ? fmax(0, (double)ylm_dot3(ray->dir, n)) : 1) / e;
 }

@@ -94,7 +94,7 @@ ylm_scene_chooser *ylm_scene_chooser_create(const ylm_scene *s) {
   c->spheres = (s->lamps + YLM_LAMP_CHUNK - 1) / YLM_LAMP_CHUNK;
   c->near = c->spheres + (patches + YLM_LAMP_CHUNK - 1) / YLM_LAMP_CHUNK;
   c->chunks = c->near + (ylm__scene_sky_lights(s) + YLM_LAMP_CHUNK - 1) / YLM_LAMP_CHUNK;
-  c->weight = ylm_alloc(c->chunks * YLM_LAMP_CHUNK, sizeof *c->weight);
+  c->weight = ylm_alloc_zero(c->chunks * YLM_LAMP_CHUNK, sizeof *c->weight); /* padding stays 0 */
   c->sum = ylm_alloc(c->chunks, sizeof *c->sum);
   if (c->weight && c->sum) return c;
   ylm_scene_chooser_free(c);

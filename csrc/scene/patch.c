@@ -65,14 +65,13 @@ void ylm__scene_patch_weights(const ylm_scene *s, const float x[3], const float 
                               float *sum) {
   size_t count = s->triangles + s->disks;
   for (size_t b = 0; b * YLM_LAMP_CHUNK < count; b++) {
+    size_t first = b * YLM_LAMP_CHUNK,
+           end = count - first < YLM_LAMP_CHUNK ? count : first + YLM_LAMP_CHUNK;
     double total = 0;
-    for (size_t i = b * YLM_LAMP_CHUNK; i < (b + 1) * YLM_LAMP_CHUNK; i++) {
-      double w = 0;
-      if (i < s->triangles)
-        w = triangle_weight(s->triangle + 9 * i, x, n);
-      else if (i < count)
-        w = disk_weight(s->disk + 7 * (i - s->triangles), x, n);
-      weight[i] = i < count ? (float)(w * (double)s->patch_luminance[i]) : 0;
+    for (size_t i = first; i < end; i++) {
+      double w = i < s->triangles ? triangle_weight(s->triangle + 9 * i, x, n)
+                                  : disk_weight(s->disk + 7 * (i - s->triangles), x, n);
+      weight[i] = (float)(w * (double)s->patch_luminance[i]);
       total += (double)weight[i];
     }
     sum[b] = (float)total;
@@ -126,6 +125,17 @@ static double by_area(const double y[3], const double m[3], double area, const f
   return up > 0 && r2 > 0 ? up * fabs(dot(y, m)) * area / (r2 * r2) : 0;
 }
 
+static double sample_by_area(const float *corners, const float x[3], const float n[3], double u0,
+                             double u1, double y[3]) {
+  double v[3][3], a[3], b[3], m[3];
+  for (int i = 0; i < 3; i++)
+    for (int k = 0; k < 3; k++) v[i][k] = (double)corners[3 * i + k] - (double)x[k];
+  for (int k = 0; k < 3; k++) a[k] = v[1][k] - v[0][k], b[k] = v[2][k] - v[0][k];
+  cross(a, b, m);
+  in_triangle(v, u0, u1, y);
+  return by_area(y, m, 0.5, n);
+}
+
 static double sample_triangle(const float *corners, const float x[3], const float n[3], double u0,
                               double u1, double y[3]) {
   double v[3][3], across[3], omega = triangle_about(corners, x, v, across);
@@ -160,12 +170,11 @@ static double sample_disk(const float *disk, const float x[3], const float n[3],
   return by_area(y, m, PI * r * r, n);
 }
 
-double ylm__scene_patch_sample(const ylm_scene *s, size_t i, const float x[3], const float n[3],
-                               double u0, double u1, ylm_trace_ray *ray, const float **radiance) {
-  double y[3] = {0, 0, 0}, p[3], e;
-  e = i < s->triangles ? sample_triangle(s->triangle + 9 * i, x, n, u0, u1, y)
-                       : sample_disk(s->disk + 7 * (i - s->triangles), x, n, u0, u1, y);
-  double d = sqrt(dot(y, y)), above = 0;
+/* The ray from x to x + y on patch i that brings irradiance e for radiance 1: e, or 0 where the
+   patch's horizon hides that place. */
+static double aim(const ylm_scene *s, size_t i, const float x[3], const double y[3], double e,
+                  ylm_trace_ray *ray, const float **radiance) {
+  double p[3], d = sqrt(dot(y, y)), above = 0;
   for (int k = 0; s->horizon && k < 3; k++) above += (double)s->horizon[3 * i + (size_t)k] * y[k];
   if (!(e > 0) || !(d > 0) || above < 0) return 0;
   for (int k = 0; k < 3; k++) {
@@ -180,6 +189,82 @@ double ylm__scene_patch_sample(const ylm_scene *s, size_t i, const float x[3], c
   return e;
 }
 
+double ylm__scene_patch_sample(const ylm_scene *s, size_t i, const float x[3], const float n[3],
+                               double u0, double u1, ylm_trace_ray *ray, const float **radiance) {
+  double y[3] = {0, 0, 0}, e;
+  e = i < s->triangles ? sample_triangle(s->triangle + 9 * i, x, n, u0, u1, y)
+                       : sample_disk(s->disk + 7 * (i - s->triangles), x, n, u0, u1, y);
+  return aim(s, i, x, y, e, ray, radiance);
+}
+
+/* -- one lamp ---------------------------------------------------------------------- */
+
+/* Distance over the longest edge from which on a triangle is far: it then fills less than a fifth of
+   a steradian. */
+#define FAR 1.5
+
+ylm_status ylm__scene_make_far(ylm_scene *s) {
+  s->far = ylm_alloc(s->triangles, sizeof *s->far);
+  if (!s->far) return YLM_ENOMEM;
+  for (size_t i = 0; i < s->triangles; i++) {
+    const float *t = s->triangle + 9 * i;
+    scene_far *f = &s->far[i];
+    double e[3][3], longest = 0;
+    for (int k = 0; k < 3; k++) {
+      f->centre[k] = ((double)t[k] + (double)t[3 + k] + (double)t[6 + k]) / 3;
+      for (int c = 0; c < 3; c++) e[c][k] = (double)t[3 * ((c + 1) % 3) + k] - (double)t[3 * c + k];
+    }
+    for (int c = 0; c < 3; c++) longest = fmax(longest, dot(e[c], e[c]));
+    cross(e[0], e[1], f->across);
+    for (int k = 0; k < 3; k++) f->across[k] /= 2;
+    f->area = sqrt(dot(f->across, f->across));
+    f->reach2 = FAR * FAR * longest;
+  }
+  return YLM_OK;
+}
+
+/* From x to the centre of triangle i, and the square of that distance where it is far; else 0. */
+static double far_away(const ylm_scene *s, size_t i, const float x[3], double v[3]) {
+  const scene_far *f = &s->far[i];
+  for (int k = 0; k < 3; k++) v[k] = f->centre[k] - (double)x[k];
+  double d2 = dot(v, v);
+  return d2 >= f->reach2 && f->area > 0 ? d2 : 0;
+}
+
+/* As triangle_weight; never 0 where a corner is above the horizon. */
+static double far_weight(const scene_far *f, const double v[3], double d2, const float n[3]) {
+  double d = sqrt(d2), omega = fmax(fabs(dot(v, f->across)) / d, 0.1 * f->area) / d2;
+  if (!n) return omega / PI;
+  double up = (v[0] * (double)n[0] + v[1] * (double)n[1] + v[2] * (double)n[2]) / d;
+  /* corners are within 2/3 of the longest edge of the centre */
+  return up > -2.0 / 3 / FAR ? omega / PI * fmax(up, 0.2) : 0;
+}
+
+void ylm__scene_patch_weights_of_one(const ylm_scene *s, const float x[3], const float n[3],
+                                     float *weight, float *sum) {
+  size_t count = s->triangles + s->disks;
+  for (size_t i = 0; i < count; i++) {
+    double v[3], w, d2 = i < s->triangles ? far_away(s, i, x, v) : 0;
+    if (i % YLM_LAMP_CHUNK == 0) sum[i / YLM_LAMP_CHUNK] = 0;
+    if (d2 > 0)
+      w = far_weight(&s->far[i], v, d2, n);
+    else
+      w = i < s->triangles ? triangle_weight(s->triangle + 9 * i, x, n)
+                           : disk_weight(s->disk + 7 * (i - s->triangles), x, n);
+    weight[i] = (float)(w * (double)s->patch_luminance[i]);
+    sum[i / YLM_LAMP_CHUNK] += weight[i];
+  }
+}
+
+double ylm__scene_patch_sample_one(const ylm_scene *s, size_t i, const float x[3], const float n[3],
+                                   double u0, double u1, ylm_trace_ray *ray,
+                                   const float **radiance) {
+  double y[3], v[3];
+  if (i >= s->triangles || !(far_away(s, i, x, v) > 0))
+    return ylm__scene_patch_sample(s, i, x, n, u0, u1, ray, radiance);
+  return aim(s, i, x, y, sample_by_area(s->triangle + 9 * i, x, n, u0, u1, y), ray, radiance);
+}
+
 /* Distance squared over the cosine at the patch and its area: h is the plane's distance, `along` the
    cosine. */
 static double density_by_area(double h, double along, double area) {
@@ -187,12 +272,15 @@ static double density_by_area(double h, double along, double area) {
   return t > 0 && isfinite(t) ? t * t / (fabs(along) * area) : 0;
 }
 
-static double triangle_density(const float *corners, const float x[3], const double d[3]) {
-  double v[3][3], across[3], omega = triangle_about(corners, x, v, across);
-  double twice = sqrt(dot(across, across));
-  if (omega >= SMALL) return 1 / omega;
-  if (!(twice > 0)) return 0;
-  return density_by_area(dot(v[0], across) / twice, dot(d, across) / twice, twice / 2);
+static double triangle_density(const ylm_scene *s, size_t i, const float x[3], const double d[3]) {
+  const scene_far *f = &s->far[i];
+  double v[3][3], across[3], to[3];
+  if (!(far_away(s, i, x, to) > 0)) {
+    double omega = triangle_about(s->triangle + 9 * i, x, v, across);
+    if (omega >= SMALL) return 1 / omega;
+  }
+  if (!(f->area > 0)) return 0;
+  return density_by_area(dot(to, f->across) / f->area, dot(d, f->across) / f->area, f->area);
 }
 
 static double disk_density(const float *disk, const float x[3], const double d[3]) {
@@ -209,6 +297,6 @@ double ylm__scene_patch_density(const ylm_scene *s, size_t i, const float x[3], 
   for (int k = 0; k < 3; k++) to[k] = (double)d[k];
   for (int k = 0; s->horizon && k < 3; k++) above += (double)s->horizon[3 * i + (size_t)k] * to[k];
   if (above < 0) return 0;
-  return i < s->triangles ? triangle_density(s->triangle + 9 * i, x, to)
+  return i < s->triangles ? triangle_density(s, i, x, to)
                           : disk_density(s->disk + 7 * (i - s->triangles), x, to);
 }

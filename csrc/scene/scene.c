@@ -119,6 +119,7 @@ ylm_status ylm_scene_create(size_t meshes, const ylm_scene_mesh *mesh, const ylm
     status = copy_mesh(&s->mesh[i], i, &mesh[i], e);
   }
   if (status == YLM_OK) status = copy_lamps(s, lamps, e);
+  if (status == YLM_OK) status = ylm__scene_make_far(s);
   if (status == YLM_OK) status = ylm__scene_weigh_power(s);
   if (status == YLM_OK) status = ylm__scene_share_sky(s, lamps);
   if (status == YLM_OK && s->vertices > UINT32_MAX / 2)
@@ -148,6 +149,7 @@ void ylm_scene_free(ylm_scene *s) {
   ylm_free(s->disk);
   ylm_free(s->patch_luminance);
   ylm_free(s->horizon);
+  ylm_free(s->far);
   ylm__scene_free_power(s);
   ylm__scene_free_textures(s);
   ylm__scene_free_sky(s);

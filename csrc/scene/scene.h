@@ -28,6 +28,12 @@ typedef struct scene_texture {
   size_t first, behind; /* its triangles: first .. behind-1 */
 } scene_texture;
 
+/* A triangle as it is seen from afar. */
+typedef struct scene_far {
+  double centre[3], across[3]; /* the normal, as long as the area */
+  double area, reach2;         /* from this distance on, squared, it counts as far */
+} scene_far;
+
 struct ylm_scene {
   ylm_trace *trace;
   scene_mesh *mesh;
@@ -39,6 +45,7 @@ struct ylm_scene {
   size_t triangles, disks; /* of flat lights: "patches", triangles first */
   float *triangle, *disk;  /* [triangles][9], [disks][7] */
   float *patch_luminance;  /* [triangles + disks] */
+  scene_far *far;          /* [triangles] */
   float *horizon;          /* [triangles + disks][3] or NULL */
   size_t textures;
   scene_texture *texture; /* in the order of their triangles */
@@ -70,11 +77,14 @@ typedef void ylm_scene_weights_fn(size_t chunks, float *const lamp[4], const flo
 
 /* The kernel of the instruction set in use. */
 ylm_scene_weights_fn *ylm__scene_weights(void);
+/* The bound of one lamp at v with radius r, for luminance 1; n NULL: of the scalar irradiance of a
+   point in space. */
+double ylm__scene_weight(const double v[3], double r, const float n[3]);
 
 /* -- patch.c ------------------------------------------------------------------ */
 
 /* For each patch the luminance times a bound of about its unshadowed irradiance over pi, above 0
-   wherever it brings light; `weight` is padded to chunks, `sum` over them. n NULL: a point in space,
+   wherever it brings light; `sum` is that over chunks. n NULL: a point in space,
    whose scalar irradiance that is. */
 void ylm__scene_patch_weights(const ylm_scene *s, const float x[3], const float n[3], float *weight,
                               float *sum);
@@ -83,7 +93,16 @@ void ylm__scene_patch_weights(const ylm_scene *s, const float x[3], const float 
    triangles that fill much of it (Arvo 1995), else by area. */
 double ylm__scene_patch_sample(const ylm_scene *s, size_t i, const float x[3], const float n[3],
                                double u0, double u1, ylm_trace_ray *ray, const float **radiance);
-/* The density per solid angle of those rays, sr^-1, in a direction of length 1 that meets patch i;
+
+/* The same for choosers of one lamp, in less time: triangles that are far count as if they were at
+   their centre, and rays to them are uniform in area. */
+ylm_status ylm__scene_make_far(ylm_scene *s);
+void ylm__scene_patch_weights_of_one(const ylm_scene *s, const float x[3], const float n[3],
+                                     float *weight, float *sum);
+double ylm__scene_patch_sample_one(const ylm_scene *s, size_t i, const float x[3], const float n[3],
+                                   double u0, double u1, ylm_trace_ray *ray,
+                                   const float **radiance);
+/* The density per solid angle of these rays, sr^-1, in a direction of length 1 that meets patch i;
    0: it does not. */
 double ylm__scene_patch_density(const ylm_scene *s, size_t i, const float x[3], const float d[3]);
 

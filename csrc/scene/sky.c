@@ -62,12 +62,14 @@ static double cone_weight(const ylm_light_cone *c, const float n[3]) {
 }
 
 void ylm__scene_sky_weights(const ylm_scene *s, const float n[3], float *weight, float *sum) {
-  for (size_t b = 0; b * YLM_LAMP_CHUNK < ylm__scene_sky_lights(s); b++) {
+  size_t count = ylm__scene_sky_lights(s);
+  for (size_t b = 0; b * YLM_LAMP_CHUNK < count; b++) {
+    size_t first = b * YLM_LAMP_CHUNK,
+           end = count - first < YLM_LAMP_CHUNK ? count : first + YLM_LAMP_CHUNK;
     double total = 0;
-    for (size_t i = b * YLM_LAMP_CHUNK; i < (b + 1) * YLM_LAMP_CHUNK; i++) {
-      double w = i == 0 ? (n ? 1 : 4) * (double)s->sky_luminance : 0;
-      if (i > 0 && i <= s->cones)
-        w = cone_weight(&s->cone[i - 1], n) * luminance_of(s->cone[i - 1].radiance);
+    for (size_t i = first; i < end; i++) {
+      double w = i == 0 ? (n ? 1 : 4) * (double)s->sky_luminance
+                        : cone_weight(&s->cone[i - 1], n) * luminance_of(s->cone[i - 1].radiance);
       weight[i] = (float)w;
       total += (double)weight[i];
     }

@@ -4,9 +4,9 @@
 
 #include "scene.h"
 
-/* Bound of the unshadowed irradiance, over pi, of a lamp of radiance 1 at v with radius r. */
-static double weight(const double v[3], double r, const float n[3]) {
+double ylm__scene_weight(const double v[3], double r, const float n[3]) {
   double d2 = v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
+  if (!n) return d2 > r * r ? 2 * (r * r / d2) / (1 + sqrt(1 - r * r / d2)) : r > 0 ? 4 : 0;
   if (d2 <= r * r) return r > 0;
   double cosine = (v[0] * n[0] + v[1] * n[1] + v[2] * n[2]) / sqrt(d2), s = r * r / d2;
   if (cosine >= sqrt(s)) return s * cosine;
@@ -21,7 +21,7 @@ static void weights(size_t chunks, float *const lamp[4], const float *luminance,
     for (size_t j = b * YLM_LAMP_CHUNK; j < (b + 1) * YLM_LAMP_CHUNK; j++) {
       double v[3] = {(double)lamp[0][j] - x[0], (double)lamp[1][j] - x[1],
                      (double)lamp[2][j] - x[2]};
-      w[j] = (float)weight(v, lamp[3][j], n) * luminance[j];
+      w[j] = (float)ylm__scene_weight(v, lamp[3][j], n) * luminance[j];
       sum[b] += w[j];
     }
   }

@@ -50,6 +50,13 @@ static ylm_status check_mesh(size_t i, const ylm_trace_mesh *m, ylm_error *e) {
   return YLM_OK;
 }
 
+/* How far rays start off surfaces of these bounds. */
+static float offset_of(const ylm_trace *t) {
+  float largest = 0;
+  for (int a = 0; a < 3; a++) largest = fmaxf(largest, fmaxf(fabsf(t->lo[a]), fabsf(t->hi[a])));
+  return largest > 0 ? 1e-5f * largest : 1e-5f;
+}
+
 static void grow_bounds(ylm_trace *t, bool *any, const ylm_trace_mesh *m) {
   for (size_t k = 0; k < m->vertices; k++, *any = true)
     for (int a = 0; a < 3; a++) {
@@ -181,6 +188,7 @@ static ylm_status build(ylm_trace *t, size_t mesh_count, const ylm_trace_mesh *m
     if (s != YLM_OK) return s;
     grow_bounds(t, &any, &meshes[i]);
   }
+  t->offset = offset_of(t);
   ylm_status s = add_lamps(t, lamps, e);
   if (s != YLM_OK) return s;
   rtcCommitScene(t->occluders);
@@ -218,11 +226,7 @@ void ylm_trace_bounds(const ylm_trace *t, float lo[3], float hi[3]) {
   memcpy(hi, t->hi, sizeof t->hi);
 }
 
-float ylm_trace_offset(const ylm_trace *t) {
-  float largest = 0;
-  for (int a = 0; a < 3; a++) largest = fmaxf(largest, fmaxf(fabsf(t->lo[a]), fabsf(t->hi[a])));
-  return largest > 0 ? 1e-5f * largest : 1e-5f;
-}
+float ylm_trace_offset(const ylm_trace *t) { return t->offset; }
 
 void ylm_trace_intersect(const ylm_trace *t, size_t n, const ylm_trace_ray *rays, bool coherent,
                          ylm_trace_hit *hits) {
@@ -242,6 +246,12 @@ void ylm_trace_nearest(const ylm_trace *t, size_t n, const ylm_trace_ray *rays, 
 void ylm_trace_occluded(const ylm_trace *t, size_t n, ylm_trace_ray *rays) {
   unsigned mode = enter_fast_mode();
   ylm__trace_any(t, t->occluders, n, rays);
+  leave_fast_mode(mode);
+}
+
+void ylm_trace_meets_lamps(const ylm_trace *t, size_t n, ylm_trace_ray *rays) {
+  unsigned mode = enter_fast_mode();
+  ylm__trace_any(t->lamps, n, rays);
   leave_fast_mode(mode);
 }
 

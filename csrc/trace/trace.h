@@ -22,7 +22,7 @@ struct ylm_trace {
   RTCScene occluders, others, lamps;
   uint32_t meshes; /* geometry ids below are meshes; this one and the next two are lamps */
   uint32_t spheres, triangles;
-  float lo[3], hi[3];
+  float lo[3], hi[3], offset;
   const float *sphere;   /* [spheres][4], in Embree's memory */
   double reach, largest; /* of spheres: the farthest point from 0, the largest radius */
 };

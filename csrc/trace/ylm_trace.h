@@ -112,6 +112,9 @@ YLM_API size_t ylm_trace_next_lamps(const ylm_trace *t, const ylm_trace_ray *ray
                                     const ylm_trace_meeting *after, size_t n,
                                     ylm_trace_meeting *met);
 
+/* Sets far < 0 in each of n rays that may meet a lamp: the others meet none. */
+YLM_API void ylm_trace_meets_lamps(const ylm_trace *t, size_t n, ylm_trace_ray *rays);
+
 /* Sets far < 0 in each of n rays that meets an occluding mesh; lamps never do. */
 YLM_API void ylm_trace_occluded(const ylm_trace *t, size_t n, ylm_trace_ray *rays);
 
