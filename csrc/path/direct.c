@@ -128,8 +128,10 @@ void ylm__path_direct(path_tile *t, bool first) {
   bool both = t->job->o->strategy == YLM_PATH_BOTH;
   gather(t, first);
   reflect(t);
-  ylm_trace_occluded(t->job->trace, l->n, l->ray);
-  t->counts.shadow_rays += l->n;
+  if (!t->job->open) {
+    ylm_trace_occluded(t->job->trace, l->n, l->ray);
+    t->counts.shadow_rays += l->n;
+  }
   for (size_t i = 0; i < l->n; i++) {
     if (l->ray[i].far < 0) continue;
     path_state *p = &t->path[t->vertex[l->of[i]].path];

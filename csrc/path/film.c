@@ -58,6 +58,12 @@ static void add(ylm_path_sum *sum, size_t i, double before, double x) {
   sum->variance[i] = before > 0 ? (float)(squares / (n * before)) : 0;
 }
 
+void ylm_path_add(ylm_path_sum *sum, size_t n, const float *values) {
+  double before = (double)(sum->samples / YLM_PATH_BATCH);
+  for (size_t i = 0; i < n; i++) add(sum, i, before, (double)values[i]);
+  sum->samples += YLM_PATH_BATCH;
+}
+
 static void add_round(const run *r, ylm_path_sum *sum) {
   size_t numbers = r->job->items * r->job->values;
   for (size_t b = 0; b < r->batches; b++) {

@@ -43,18 +43,10 @@ static void begin(path_tile *t) {
   for (size_t i = 0; i < n; i++) see(t, i, t->path[i].radiance);
 }
 
-static void finish(path_tile *t, size_t k, double *values) {
-  const path_state *p = &t->path[k * YLM_PATH_BATCH];
-  for (int c = 0; c < 3; c++) {
-    values[c] = 0;
-    for (int i = 0; i < YLM_PATH_BATCH; i++) values[c] += (double)p[i].radiance[c] / YLM_PATH_BATCH;
-  }
-}
-
 ylm_status ylm_path_image(const ylm_scene *scene, const ylm_camera *camera, int width, int height,
                           const float background[3], const ylm_path_options *o, ylm_path_sum *sum,
                           ylm_path_stats *stats, ylm_error *e) {
-  static const path_kind kind = {"paths", begin, finish};
+  static const path_kind kind = {"paths", begin, ylm__path_mean};
   path_job j = {.kind = &kind,
                 .scene = scene,
                 .o = o,

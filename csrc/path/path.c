@@ -37,6 +37,10 @@ static void follow(path_tile *t) {
     ray->far = INFINITY;
     r->of[r->n++] = v;
   }
+  if (t->job->open) {
+    for (size_t i = 0; i < r->n; i++) r->hit[i].mesh = YLM_TRACE_NOTHING;
+    return;
+  }
   ylm_trace_nearest(t->job->trace, r->n, r->ray, false, r->hit);
   t->counts.nearest_rays += r->n;
 }
@@ -75,6 +79,14 @@ static void go_on(path_tile *t, int order) {
     r->of[n++] = at->path;
   }
   r->n = n;
+}
+
+void ylm__path_mean(path_tile *t, size_t k, double *values) {
+  const path_state *p = &t->path[k * YLM_PATH_BATCH];
+  for (int c = 0; c < 3; c++) {
+    values[c] = 0;
+    for (int i = 0; i < YLM_PATH_BATCH; i++) values[c] += (double)p[i].radiance[c] / YLM_PATH_BATCH;
+  }
 }
 
 void ylm__path_walk(path_tile *t, double *values) {

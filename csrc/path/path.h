@@ -95,6 +95,10 @@ struct path_job {
   /* probes; normals NULL: light from all sides to degree lmax */
   const float (*points)[3], (*normals)[3];
   int lmax;
+  /* places of surfaces */
+  const ylm_scene_place *places;
+  double eye[3];
+  bool open; /* nothing occludes */
 };
 
 /* -- tile.c ---------------------------------------------------------------------- */
@@ -135,6 +139,9 @@ static inline float ylm__path_balance(float own, float other) { return own / (ow
 
 /* Fills values [pairs][values] of a tile whose pairs are chosen. */
 void ylm__path_walk(path_tile *t, double *values);
+
+/* path_kind's finish of radiance itself. */
+void ylm__path_mean(path_tile *t, size_t k, double *values);
 
 /* -- film.c ---------------------------------------------------------------------- */
 

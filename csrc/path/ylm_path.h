@@ -109,6 +109,21 @@ YLM_API ylm_status ylm_path_irradiance(const ylm_scene *scene, size_t n, const f
                                        const float (*normals)[3], const ylm_path_options *o,
                                        ylm_path_sum *sum, ylm_path_stats *stats, ylm_error *e);
 
+/*
+** ylm_path_places - radiance that leaves places of surfaces towards an eye.
+**
+**   places   in      [n]
+**   eye      in      [3]     where they are seen from
+**   shadows  in      false: nothing is in the way of light, and it is reflected once
+**   sum      in/out  [n][3]  W sr^-1 m^-2; of order 1 at least
+*/
+YLM_API ylm_status ylm_path_places(const ylm_scene *scene, size_t n, const ylm_scene_place *places,
+                                   const double eye[3], bool shadows, const ylm_path_options *o,
+                                   ylm_path_sum *sum, ylm_path_stats *stats, ylm_error *e);
+
+/* Adds estimates of all n numbers of a sum as one batch. */
+YLM_API void ylm_path_add(ylm_path_sum *sum, size_t n, const float *values);
+
 #ifdef __cplusplus
 }
 #endif

@@ -3,6 +3,7 @@
 #include <stdatomic.h>
 
 #include "view.h"
+#include "ylm_path.h"
 
 #define GRAIN 32
 
@@ -35,6 +36,11 @@ static size_t gather(const job *j, size_t i, const scratch *s, double E[3]) {
   return j->shadows ? rays : 0;
 }
 
+/* Materials whose radiance is the same in all directions: irradiance tells all of it. */
+static bool is_matte(const ylm_material *m) {
+  return ylm_material_kind(m) == ylm_material_kind_find("matte");
+}
+
 static ylm_status run(void *context, size_t begin, size_t end, int worker) {
   (void)worker;
   job *j = context;
@@ -45,6 +51,7 @@ static ylm_status run(void *context, size_t begin, size_t end, int worker) {
   ylm_status status = s.lamps && s.ray && s.value ? YLM_OK : YLM_ENOMEM;
   for (size_t i = begin; status == YLM_OK && i < end; i++) {
     double E[3];
+    if (!is_matte(ylm__shade_material(j->view, i))) continue;
     rays += gather(j, i, &s, E);
     ylm_material_reflect(ylm__shade_material(j->view, i), E, j->out + 3 * i);
     ylm__shade_tint(j->view, i, 1, j->out + 3 * i);
@@ -56,12 +63,50 @@ static ylm_status run(void *context, size_t begin, size_t end, int worker) {
   return status;
 }
 
+/* The points that are of other materials; their number. */
+static size_t list_glossy(const ylm_shade_view *v, size_t *point) {
+  size_t n = 0;
+  for (size_t i = 0; i < v->points; i++)
+    if (!is_matte(ylm__shade_material(v, i))) point[n++] = i;
+  return n;
+}
+
+/* Points of other materials by rays to lamps and rays that the material chooses, as many of each. */
+static ylm_status cast_glossy(const job *j, int threads, const ylm_progress *progress,
+                              uint64_t *rays) {
+  const ylm_shade_view *v = j->view;
+  size_t *point = ylm_alloc(v->points, sizeof *point), n = point ? list_glossy(v, point) : 0;
+  ylm_scene_place *place = ylm_alloc(n, sizeof *place);
+  float *room = ylm_alloc_zero(9 * n, sizeof *room);
+  ylm_path_options o = {.samples = j->light_samples,
+                        .first = 1,
+                        .last = 1,
+                        .seed = j->seed,
+                        .threads = threads,
+                        .progress = progress};
+  ylm_path_sum sum = {0, room, room + 3 * n, room + 6 * n};
+  ylm_path_stats stats = {0};
+  ylm_status s = point && place && room ? YLM_OK : YLM_ENOMEM;
+  if (s == YLM_OK && n > 0 && v->corner) s = YLM_EINVAL;
+  for (size_t i = 0; s == YLM_OK && i < n; i++) place[i] = v->entry[point[i]].at;
+  if (s == YLM_OK && n > 0)
+    s = ylm_path_places(v->scene, n, place, v->frame.from, j->shadows, &o, &sum, &stats, NULL);
+  for (size_t i = 0; s == YLM_OK && i < 3 * n; i++) j->out[3 * point[i / 3] + i % 3] = room[i];
+  *rays += stats.nearest_rays + stats.shadow_rays;
+  ylm_free(point);
+  ylm_free(place);
+  ylm_free(room);
+  return s;
+}
+
 ylm_status ylm_shade_raycast(const ylm_shade_view *v, int light_samples, bool shadows,
                              uint64_t seed, int threads, const ylm_progress *progress, float *out,
                              uint64_t *rays) {
   if (light_samples < 1 || light_samples > 65536) return YLM_ERANGE;
   job j = {.view = v, .light_samples = light_samples, .shadows = shadows, .seed = seed, .out = out};
   ylm_status s = ylm_parallel(v->points, GRAIN, threads, run, &j, progress, "raycast");
-  if (rays) *rays = j.rays;
+  uint64_t all = j.rays;
+  if (s == YLM_OK) s = cast_glossy(&j, threads, progress, &all);
+  if (rays) *rays = all;
   return s;
 }

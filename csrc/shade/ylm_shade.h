@@ -179,13 +179,15 @@ YLM_API ylm_status ylm_shade_coefficients(const ylm_shade_view *view, size_t fir
 ** Each of `light_samples` strata chooses a lamp in proportion to (a bound of) its unshadowed
 ** luminous irradiance, then a direction uniform in the solid angle it fills (disks, and triangles that fill
 ** little: a place uniform in area); a ray that starts at the point and ends at the lamp decides. No
-** SH, no grid, no occlusion_distance.
+** SH, no grid, no occlusion_distance. Surfaces that are not matte are lit by as many rays again that
+** their material chooses, weighed by the balance heuristic (ylm_path_places).
 **
 **   light_samples  in   shadow rays per shading point, 1 .. 65536
 **   out            out  [points][3]
 **   rays           out  shadow rays that were traced, may be NULL
 **
-** Returns  YLM_OK; YLM_ERANGE, YLM_ENOMEM, YLM_ECANCELLED (progress stage "raycast")
+** Returns  YLM_OK; YLM_ERANGE, YLM_ENOMEM, YLM_ECANCELLED (progress stage "raycast"); YLM_EINVAL: a
+**          view per vertex has surfaces that are not matte
 ** Cost     points * (lamps + light_samples rays)
 ** Source   Shirley, Wang, Zimmerman 1996, "Monte Carlo Techniques for Direct Lighting
 **          Calculations"; Arvo 1995, "Stratified Sampling of Spherical Triangles";

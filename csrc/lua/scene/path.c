@@ -126,7 +126,21 @@ static int path_copy(lua_State *L) {
   return 1;
 }
 
-static const luaL_Reg functions[] = {
-    {"path_copy", path_copy}, {"path_image", path_image}, {"path_probe", path_probe}, {NULL, NULL}};
+/* path_add(values, mean, rest, variance: float arrays of one size, done) -> done: adds a batch */
+static int path_add(lua_State *L) {
+  ylmL_array *values = ylmL_array_check(L, 1);
+  size_t n = values->count;
+  ylm_path_sum sum = {(uint64_t)luaL_checknumber(L, 5), floats(L, 2, n), floats(L, 3, n),
+                      floats(L, 4, n)};
+  ylm_path_add(&sum, n, floats(L, 1, n));
+  ylmL_push_count(L, sum.samples);
+  return 1;
+}
+
+static const luaL_Reg functions[] = {{"path_add", path_add},
+                                     {"path_copy", path_copy},
+                                     {"path_image", path_image},
+                                     {"path_probe", path_probe},
+                                     {NULL, NULL}};
 
 void ylmL_open_path(lua_State *L) { luaL_setfuncs(L, functions, 0); }

@@ -188,7 +188,7 @@ local function say_samples(s, o, report)
     o.light_samples)
 end
 
-local raycast_options = options.list(options.view_fields, options.ray_fields, options.layer_fields,
+local raycast_options = options.list(options.view_fields, options.ray_fields, options.noise_fields, options.layer_fields,
   options.common)
 
 describe "scene:raycast" {
@@ -204,10 +204,15 @@ function render.raycast(s, given)
   tracing.check_scene("raycast", s)
   local o = options.of_view("raycast", raycast_options, given)
   o.lmax, o.shading, o.visibility = 0, "pixel", "none"
+  if o.variance then o.samples = math.max(1, math.floor(o.samples / shading.BATCHES + 0.5)) end
   local view, message, code = views.prepare("raycast", s, o)
   if not view then return nil, message, code end
   local image, report
-  image, report, code = shading.by_rays("raycast", views.open("raycast", view), o)
+  local function cast(picked)
+    return shading.by_rays("raycast", views.open("raycast", picked), o)
+  end
+  if o.variance then image, report, code = shading.in_batches("raycast", s, view, o, cast)
+  else image, report, code = cast(view) end
   if not image then return nil, report, code end
   if given and given.samples ~= nil and given.light_samples == nil then say_samples(s, o, report) end
   return image, report

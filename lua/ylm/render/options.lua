@@ -95,8 +95,16 @@ options.reference_fields = {
 }
 
 options.ray_fields = {
-  { "light_samples", "integer", min = 1, max = 65536, default = 64, about = "shadow rays per shading point" },
+  { "light_samples", "integer", min = 1, max = 65536, default = 64, about = "shadow rays per shading point; where a surface is not matte as many rays again by its material, in batches of "
+      .. "16, of which there are two at least" },
   { "shadows", "boolean", default = true, about = "false: nothing occludes" },
+}
+
+-- Of raycast, which makes its own views.
+options.noise_fields = {
+  { "variance", "boolean", default = false,
+    about = "samples are cast as 16 pictures with random numbers of their own, one camera ray each at least: their mean, and "
+      .. "the layer variance, that of it" },
 }
 
 --- A scene for examples.

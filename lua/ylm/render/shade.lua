@@ -1,12 +1,15 @@
 --- Renders prepared views: by a grid, by the lights themselves, by rays to the lamps.
 
+local array = require "ylm.array"
 local check = require "ylm.check"
 local core = require "ylm.c.core"
 local devices = require "ylm.device"
+local form = require "ylm.form"
 local light = require "ylm.light"
 local progress = require "ylm.progress"
 local occlusion = require "ylm.render.occlusion"
 local pictures = require "ylm.render.picture"
+local tracing = require "ylm.render.scene"
 local unmet = require "ylm.grid.unmet"
 local views = require "ylm.render.view"
 local warning = require "ylm.warning"
@@ -127,9 +130,20 @@ function shading.by_lights(name, p, o)
   return out, report
 end
 
+--- Do all surfaces send the same radiance in every direction?
+local function is_matte(s)
+  for _, g in ipairs(s.geometry) do
+    if g.material and form.kind(g.material) ~= "matte" then return false end
+  end
+  return true
+end
+
 --- Renders a prepared view by sampling the lamps.
 function shading.by_rays(name, p, o)
   pictures.check_truth(name, p, o)
+  if p.options.shading == "vertex" and not is_matte(p.scene) then
+    return check.fail("%s: surfaces that are not matte are ray-cast from pixels: shading = 'pixel' in scene:prepare", name)
+  end
   local start = core.seconds()
   local report = pictures.new_report(p)
   say_gloss(p, report, "rays to the lamps")
@@ -144,6 +158,39 @@ function shading.by_rays(name, p, o)
   pictures.finish(report, start, seconds)
   pictures.sign(out, p, "raycast", report, { light_samples = o.light_samples, shadows = o.shadows })
   return out, report
+end
+
+--- How many pictures variance is that of.
+shading.BATCHES = 16
+
+--- Adds layers `variance`, `samples` to the first of BATCHES pictures by cast(view), whose radiance becomes their mean. Views
+-- behind the first are made with the next seeds.
+function shading.in_batches(name, s, view, o, cast)
+  local image, report, code = cast(view)
+  if not image then return nil, report, code end
+  local lib, first, layers = tracing.library(), o.seed, o.layers
+  local mean, variance = image:layer "radiance", image:add("variance", 3)
+  local rest = array.zeros({ o.size[2], o.size[1], 3 }, "float")
+  local done, seconds = lib.path_add(mean, mean, rest, variance, 0), report.seconds
+  o.layers, o.lmax, o.shading, o.visibility = false, 0, "pixel", "none"
+  for k = 2, shading.BATCHES do
+    o.seed = first + k - 1
+    local again, message
+    again, message, code = views.prepare(name, s, o)
+    if not again then return nil, message, code end
+    local other, facts
+    other, facts, code = cast(again)
+    if not other then return nil, facts, code end
+    done = lib.path_add(other:layer "radiance", mean, rest, variance, done)
+    report.rays.primary, report.rays.shadow = report.rays.primary + facts.rays.primary, report.rays.shadow + facts.rays.shadow
+    for stage, x in pairs(facts.seconds) do seconds[stage] = (seconds[stage] or 0) + x end
+    again:close()
+  end
+  o.seed, o.layers = first, layers
+  image:add("samples", 1)
+  image:fill(1, 1, o.size[1], o.size[2], o.samples * shading.BATCHES, { layer = "samples" })
+  image.metadata.samples, image.metadata.batches = o.samples * shading.BATCHES, shading.BATCHES
+  return image, report
 end
 
 return shading
