@@ -40,6 +40,28 @@ describe("the command-line tool's renderings", function()
     assert.truthy(usage:find "%-%-light%-samples N +raycast: shadow rays per shading point\n", usage)
   end)
 
+  it("trace paths, go on from their file, and say whether two images agree", function()
+    local out, code, err = ylm("pathtrace " .. scene .. " -s 16x9 -n 32 -b 1 --json" .. to "a.exr")
+    assert.equal(0, code, err)
+    assert.truthy(out:find('"samples":32', 1, true) and out:find '"noise":0', out)
+    local resume = " --resume " .. scratch.quote(folder.path .. "/a.exr")
+    out, code, err = ylm("pathtrace " .. scene .. " -s 16x9 -n 64 -b 1 --json" .. resume .. to "b.exr")
+    assert.equal(0, code, err)
+    assert.truthy(out:find('"samples":64', 1, true), out)
+    out, code, err = ylm("compare --variance --json " .. scratch.quote(folder.path .. "/a.exr") .. " "
+      .. scratch.quote(folder.path .. "/b.exr"))
+    assert.equal(0, code, err)
+    assert.truthy(out:find '"z2":[01]%.', out)
+    for words, says in pairs {
+      ["-b some -n 2"] = "%-%-bounces is a number from 0 on, or all, got 'some'",
+      ["-b 0 -n 0"] = "samples must be an integer >= 1",
+      ["-b 2 -s 16x9" .. resume] = "resume: the image's reflections is '0 2', this is '0 3'",
+    } do
+      out, code, err = ylm("pathtrace " .. scene .. " " .. words .. to "c.exr")
+      assert.is_true(code ~= 0 and out == "" and err:find(says) ~= nil, words .. ": " .. err)
+    end
+  end)
+
   it("refuse options that a method would not use, before they work", function()
     for words, says in pairs {
       ["render -m raycast --shading vertex"] = "--shading is for --method grid and reference, this is raycast: leave it out",

@@ -26,7 +26,8 @@ local function room()
     },
     lights = {
       ylm.sphere_light { at = { -0.4, 1.2, 0.2 }, radius = 0.25, radiance = { 5, 4, 3 } },
-      ylm.polygon_light { vertices = { { -0.2, 1.8, -0.9 }, { 0.6, 1.8, -0.9 }, { 0.6, 1.8, 0 }, { -0.2, 1.8, 0 } }, radiance = 3 },
+      ylm.polygon_light { radiance = 3,
+        vertices = { { -0.2, 1.8, -0.9 }, { 0.6, 1.8, -0.9 }, { 0.6, 1.8, 0 }, { -0.2, 1.8, 0 } } },
     },
   }
 end
@@ -208,8 +209,8 @@ describe("scene:pathtrace", function()
     local image, report = scene:pathtrace { size = small, samples = 65536, bounces = 0, error = 0.1, layers = false }
     assert.are.equal("error", report.ended)
     assert.is_true(report.noise <= 0.1 and report.samples < 65536 and image.metadata.samples == tostring(report.samples))
-    _, report = scene:pathtrace { size = small, samples = 2 ^ 24, seconds = 0.05, layers = false }
-    assert.are.equal("seconds", report.ended)
+    local _, late = scene:pathtrace { size = small, samples = 2 ^ 24, seconds = 0.05, layers = false }
+    assert.are.equal("seconds", late.ended)
     local calls = 0
     local none, message, code = scene:pathtrace { size = small, samples = 65536, progress = function(done, total)
       calls = calls + 1

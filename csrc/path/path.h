@@ -46,7 +46,7 @@ typedef struct path_lights {
 
 typedef struct path_job path_job;
 
-/* What one thread works with. */
+/* The memory of one thread. */
 typedef struct path_tile {
   const path_job *job;
   ylm_scene_chooser *lamps;

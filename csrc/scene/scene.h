@@ -94,7 +94,7 @@ void ylm__scene_patch_weights(const ylm_scene *s, const float x[3], const float 
 double ylm__scene_patch_sample(const ylm_scene *s, size_t i, const float x[3], const float n[3],
                                double u0, double u1, ylm_trace_ray *ray, const float **radiance);
 
-/* The same for choosers of one lamp, in less time: triangles that are far count as if they were at
+/* For choosers of one lamp these take less time: triangles that are far count as if they were at
    their centre, and rays to them are uniform in area. */
 ylm_status ylm__scene_make_far(ylm_scene *s);
 void ylm__scene_patch_weights_of_one(const ylm_scene *s, const float x[3], const float n[3],

@@ -197,7 +197,7 @@ YLM_API bool ylm_scene_choose(ylm_scene_chooser *c, const float x[3], const floa
 */
 YLM_API double ylm_scene_sample(const ylm_scene_chooser *c, const double u[3], ylm_trace_ray *ray,
                                 float radiance[3], uint32_t *lamp);
-/* The same density for a direction of length 1 that meets the lamp. */
+/* That density for a direction of length 1 that meets the lamp. */
 YLM_API double ylm_scene_density(const ylm_scene_chooser *c, uint32_t lamp,
                                  const float direction[3]);
 

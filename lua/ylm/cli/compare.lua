@@ -3,7 +3,7 @@
 local report = require "ylm.cli.report"
 local status = require "ylm.cli.status"
 
-local order = { "mse", "rmse", "psnr", "peak", "mae", "mape", "ssim", "max" }
+local order = { "mse", "rmse", "psnr", "peak", "mae", "mape", "ssim", "max", "z2", "z2_block" }
 
 return {
   summary = "compares two images: mse, psnr, mape, ssim ...; --difference writes a picture of it",
@@ -12,6 +12,7 @@ return {
   options = {
     { "difference", "-o", "FILE", "writes the difference image" },
     { "scale", nil, "N", "of the difference image, default 1" },
+    { "variance", nil, nil, "also z2: 1 where two noisy images agree, by their layers variance" },
     { "max-mse", nil, "N", "exit status 4 where the mse is larger" },
     { "min-psnr", nil, "N", "exit status 4 where the psnr is smaller" },
   },
@@ -27,7 +28,7 @@ return {
     for i = 1, 2 do
       images[i] = status.need_kind("ylm.image", "an image", given[i], ylm.load(given[i]))
     end
-    local metrics = status.need(images[1]:compare(images[2]))
+    local metrics = status.need(images[1]:compare(images[2], { variance = given.variance }))
     report.print(given, metrics, not given.json and order or nil)
     if given.difference then
       local difference = status.need(images[1]:difference(images[2], { scale = given.scale }))

@@ -95,7 +95,8 @@ options.reference_fields = {
 }
 
 options.ray_fields = {
-  { "light_samples", "integer", min = 1, max = 65536, default = 64, about = "shadow rays per shading point; where a surface is not matte as many rays again by its material, in batches of "
+  { "light_samples", "integer", min = 1, max = 65536, default = 64,
+    about = "shadow rays per shading point; where a surface is not matte as many rays again by its material, in batches of "
       .. "16, of which there are two at least" },
   { "shadows", "boolean", default = true, about = "false: nothing occludes" },
 }

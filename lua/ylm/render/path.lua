@@ -54,7 +54,7 @@ local pathtrace_options = options.list({
     about = "instead of bounces, { first, last }: 0 lamps that are seen, 1 direct light, 2 the first bounce; last also 'all'" },
 }, estimate, {
   { "resume", "object", of = "ylm.image", optional = true,
-    about = "an image of an earlier call, or loaded from its .exr, with the same options but for samples: it goes on from there" },
+    about = "an image of an earlier call, or loaded from its .exr, with the same options but for samples: goes on from there" },
 }, options.layer_fields, options.common)
 
 local probe_options = options.list({

@@ -82,7 +82,8 @@ function views.prepare(name, s, o)
   local view
   view, message, code = check.result(name, t.lib.shade_view(t.handle, {
     camera = views.camera_numbers(s), width = o.size[1], height = o.size[2], samples = o.samples,
-    lmax = o.lmax, shading = o.shading, visibility = visibility, transfer_samples = rays, occlusion_distance = distance, share = o.share, seed = o.seed,
+    lmax = o.lmax, shading = o.shading, visibility = visibility, transfer_samples = rays,
+    occlusion_distance = distance, share = o.share, seed = o.seed,
     threads = o.threads, progress = progress.resolve(o.progress), light = light, noise = NOISE,
     most_samples = MOST_SAMPLES }))
   if not view then return nil, message, code end

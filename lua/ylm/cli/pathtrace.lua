@@ -1,0 +1,48 @@
+--- ylm pathtrace scene.lua -o out.exr
+
+local report = require "ylm.cli.report"
+local status = require "ylm.cli.status"
+
+--- A number of bounces, or "all".
+local function bounces_of(text)
+  if text == nil or text == "all" then return text end
+  local n = tonumber(text)
+  if not n or n < 0 or n ~= math.floor(n) then
+    status.stop(status.usage, "pathtrace: --bounces is a number from 0 on, or all, got '%s'", text)
+  end
+  return n
+end
+
+return {
+  summary = "renders a scene file by paths of any length: unbiased, with its variance",
+  usage = "SCENE.lua -o IMAGE",
+  least = 1,
+  options = {
+    { "output", "-o", "FILE", "the image: .exr (with variance, to go on from), .png, .hdr or .pfm" },
+    { "size", "-s", "WxH", "pixels, default that of the renderer" },
+    { "samples", "-n", "N", "camera rays per pixel, in batches of 16" },
+    { "bounces", "-b", "NAME", "reflections after direct light: 0, 1 .. or all (default)" },
+    { "strategy", nil, "NAME", "both (default), lights or material" },
+    { "error", nil, "N", "end once the noise is at most this" },
+    { "seconds", nil, "N", "end after so long" },
+    { "seed", nil, "N", "of all random numbers" },
+    { "resume", nil, "FILE", "go on from this .exr of an earlier run" },
+    { "threads", "-j", "N", "default: YLM_THREADS or all cores" },
+  },
+  run = function(given)
+    local ylm = require "ylm"
+    if not given.output then status.stop(status.usage, "pathtrace: -o FILE says where the image goes") end
+    status.need_output("pathtrace", given.output, "exr", "png", "hdr", "pfm")
+    local bounces = bounces_of(given.bounces)
+    local scene = status.need_scene(ylm.load_scene(given[1]))
+    local resume
+    if given.resume then resume = status.need_kind("ylm.image", "an image", given.resume, ylm.load(given.resume)) end
+    local image, facts = scene:pathtrace { size = given.size, samples = given.samples, bounces = bounces,
+      strategy = given.strategy, error = given.error, seconds = given.seconds, seed = given.seed, resume = resume,
+      threads = given.threads, progress = report.progress(given) }
+    status.need(image, facts)
+    status.need(image:save(given.output))
+    report.print(given, facts)
+    return status.good
+  end,
+}
