@@ -251,7 +251,7 @@ void ylm_trace_occluded(const ylm_trace *t, size_t n, ylm_trace_ray *rays) {
 
 void ylm_trace_meets_lamps(const ylm_trace *t, size_t n, ylm_trace_ray *rays) {
   unsigned mode = enter_fast_mode();
-  ylm__trace_any(t->lamps, n, rays);
+  ylm__trace_any(t, t->lamps, n, rays);
   leave_fast_mode(mode);
 }
 
