@@ -1,10 +1,79 @@
-/* distant.c - fields of distant lights: the same at every point. */
+/* distant.c - what kinds of distant lights share: their packs, and fields that are the same at
+   every point. */
 #include "distant.h"
 
 #include <string.h>
 
 #include "finite.h"
 #include "ylm_sh.h"
+
+/* -- packs ---------------------------------------------------------------------------------- */
+
+ylm_status ylm__distant_copy(ylm__distant *d, const ylm__light_kind *kind, size_t n,
+                             const double *const *record, ylm__distant_settle_fn *settle,
+                             ylm_error *e) {
+  size_t all = 0;
+  for (size_t i = 0; i < n; i++) all += kind->length(record[i], SIZE_MAX);
+  d->field = (ylm_field){.self = d, .crosses = ylm__distant_crosses};
+  d->kind = kind;
+  d->n = n;
+  d->record = ylm_alloc(n, sizeof *d->record);
+  double *to = d->numbers = ylm_alloc(all, sizeof *to);
+  ylm_status s = d->record && to ? YLM_OK : YLM_ENOMEM;
+  for (size_t i = 0; i < n && s == YLM_OK; i++) {
+    size_t numbers = kind->length(record[i], SIZE_MAX);
+    memcpy(to, record[i], numbers * sizeof *to);
+    s = settle(to, i, e);
+    d->record[i] = to;
+    to += numbers;
+  }
+  return s;
+}
+
+void ylm__distant_release(ylm__distant *d) {
+  ylm_free(d->record);
+  ylm_free(d->numbers);
+}
+
+void ylm__distant_free(void *of) {
+  ylm__distant_release(of);
+  ylm_free(of);
+}
+
+ylm_status ylm__distant_create(const ylm__light_kind *kind, size_t n, const double *const *record,
+                               ylm__distant_settle_fn *settle, ylm__light_pack *made,
+                               ylm_error *e) {
+  ylm__distant *d = ylm_alloc_zero(1, sizeof *d);
+  if (!d) return YLM_ENOMEM;
+  ylm_status s = ylm__distant_copy(d, kind, n, record, settle, e);
+  if (s == YLM_OK)
+    *made = (ylm__light_pack){kind, d, &d->field, n, 0};
+  else
+    ylm__distant_free(d);
+  return s;
+}
+
+size_t ylm__distant_get(const void *of, size_t i, ylm_light *out, ylm_light_shape *shape) {
+  const ylm__distant *d = of;
+  const double *x = d->record[i];
+  size_t numbers = d->kind->length(x, SIZE_MAX) - 3;
+  if (!shape) return numbers;
+  *shape = (ylm_light_shape){d->kind, numbers, false};
+  memcpy(shape->x, x + 3, numbers * sizeof *shape->x);
+  *out = (ylm_light){.shape = shape};
+  memcpy(out->radiance, x, sizeof out->radiance);
+  return numbers;
+}
+
+size_t ylm__distant_record(const ylm_light *l, const double radiance[3], double *to) {
+  size_t numbers = l->shape->numbers;
+  if (!to) return 3 + numbers;
+  memcpy(to, radiance, 3 * sizeof *to);
+  memcpy(to + 3, l->shape->x, numbers * sizeof *to);
+  return 3 + numbers;
+}
+
+/* -- fields --------------------------------------------------------------------------------- */
 
 ylm_status ylm__distant_check(const ylm_field_query *q, size_t n, const void *points,
                               const ylm_field_result *r, int most, const char *what, ylm_error *e) {

@@ -20,13 +20,6 @@
 
 enum { LMAX = 3, HEAD };
 
-typedef struct environments {
-  ylm_field field;
-  size_t n;
-  const double **record; /* [n], in `numbers` */
-  double *numbers;
-} environments;
-
 static int degree_of(const double *record) { return record[LMAX] < 0 ? 0 : (int)record[LMAX]; }
 
 static size_t length(const double *x, size_t left) {
@@ -38,7 +31,7 @@ static size_t length(const double *x, size_t left) {
 /* -- the field ------------------------------------------------------------------------------ */
 
 /* The highest degree that all records are known to. */
-static int known_to(const environments *p) {
+static int known_to(const ylm__distant *p) {
   int most = YLM_LIGHT_LMAX;
   for (size_t i = 0; i < p->n; i++)
     if (p->record[i][LMAX] >= 0 && degree_of(p->record[i]) < most) most = degree_of(p->record[i]);
@@ -47,7 +40,7 @@ static int known_to(const environments *p) {
 
 static ylm_status evaluate(const ylm_field *f, const ylm_field_query *q, size_t n,
                            const void *points, ylm_field_result *r, ylm_error *e) {
-  const environments *p = f->self;
+  const ylm__distant *p = f->self;
   ylm_status s = ylm__distant_check(q, n, points, r, known_to(p), "an environment light", e);
   if (s != YLM_OK) return s;
   size_t count = ylm_sh_count(q->lmax);
@@ -64,7 +57,7 @@ static ylm_status evaluate(const ylm_field *f, const ylm_field_query *q, size_t 
 }
 
 static void radiance(const void *of, const double d[3], double rgb[3]) {
-  const environments *p = of;
+  const ylm__distant *p = of;
   double y[(YLM_LIGHT_LMAX + 1) * (YLM_LIGHT_LMAX + 1)], sum[3] = {0};
   int lmax = 0;
   for (size_t i = 0; i < p->n; i++)
@@ -81,63 +74,19 @@ static void radiance(const void *of, const double d[3], double rgb[3]) {
 
 /* -- a pack --------------------------------------------------------------------------------- */
 
-static void release(void *of) {
-  environments *p = of;
-  if (!p) return;
-  ylm_free((void *)p->record);
-  ylm_free(p->numbers);
-  ylm_free(p);
+static ylm_status settle(double *record, size_t i, ylm_error *e) {
+  if (ylm_all_finite(YLM_DOUBLE, record, length(record, SIZE_MAX), NULL)) return YLM_OK;
+  return ylm_fail(e, YLM_EDOMAIN, "environment %zu is not finite", i + 1);
 }
 
 static ylm_status create(size_t n, const double *const *record, ylm__light_pack *made,
                          ylm_error *e) {
-  size_t all = 0;
-  for (size_t i = 0; i < n; i++) {
-    size_t numbers = length(record[i], SIZE_MAX);
-    if (!ylm_all_finite(YLM_DOUBLE, record[i], numbers, NULL))
-      return ylm_fail(e, YLM_EDOMAIN, "environment %zu is not finite", i + 1);
-    all += numbers;
-  }
-  environments *p = ylm_alloc_zero(1, sizeof *p);
-  if (!p) return YLM_ENOMEM;
-  p->field = (ylm_field){.self = p, .evaluate = evaluate, .crosses = ylm__distant_crosses};
-  p->n = n;
-  p->record = ylm_alloc(n, sizeof *p->record);
-  double *to = p->numbers = ylm_alloc(all, sizeof *to);
-  if (!p->record || !to) {
-    release(p);
-    return YLM_ENOMEM;
-  }
-  for (size_t i = 0; i < n; i++) {
-    size_t numbers = length(record[i], SIZE_MAX);
-    memcpy(to, record[i], numbers * sizeof *to);
-    p->record[i] = to;
-    to += numbers;
-  }
-  *made = (ylm__light_pack){&ylm__environment_kind, p, &p->field, n, 0};
-  return YLM_OK;
-}
-
-/* A shape is the record behind its radiance. */
-static size_t get(const void *of, size_t i, ylm_light *out, ylm_light_shape *shape) {
-  const environments *p = of;
-  size_t numbers = length(p->record[i], SIZE_MAX) - LMAX;
-  if (!shape) return numbers;
-  *shape = (ylm_light_shape){&ylm__environment_kind, numbers, false};
-  memcpy(shape->x, p->record[i] + LMAX, numbers * sizeof *shape->x);
-  *out = (ylm_light){.shape = shape};
-  memcpy(out->radiance, p->record[i], sizeof out->radiance);
-  return numbers;
+  ylm_status s = ylm__distant_create(&ylm__environment_kind, n, record, settle, made, e);
+  if (s == YLM_OK) ((ylm__distant *)made->of)->field.evaluate = evaluate;
+  return s;
 }
 
 /* -- one of them ---------------------------------------------------------------------------- */
-
-static size_t record(const ylm_light *l, const double radiance[3], double *to) {
-  if (!to) return LMAX + l->shape->numbers;
-  memcpy(to, radiance, 3 * sizeof *to);
-  memcpy(to + LMAX, l->shape->x, l->shape->numbers * sizeof *to);
-  return LMAX + l->shape->numbers;
-}
 
 static double norm(const ylm_light *l, int lmax) {
   double s = 0;
@@ -149,9 +98,9 @@ static double norm(const ylm_light *l, int lmax) {
 const ylm__light_kind ylm__environment_kind = {.name = "environment",
                                                .length = length,
                                                .create = create,
-                                               .free = release,
-                                               .get = get,
+                                               .free = ylm__distant_free,
+                                               .get = ylm__distant_get,
                                                .radiance = radiance,
-                                               .record = record,
+                                               .record = ylm__distant_record,
                                                .slides = ylm__distant_slides,
                                                .norm = norm};

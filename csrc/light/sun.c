@@ -23,16 +23,6 @@
 
 enum { DIRECTION = 3, ANGLE = 6, NUMBERS };
 
-typedef struct sun {
-  double irradiance[3], direction[3], angle, alpha;
-} sun;
-
-typedef struct suns {
-  ylm_field field;
-  size_t n;
-  sun *sun; /* [n] */
-} suns;
-
 static size_t length(const double *x, size_t left) {
   (void)x;
   return left < NUMBERS ? 0 : NUMBERS;
@@ -57,42 +47,41 @@ static void zonal(double alpha, int lmax, double *F) {
 /* -- the field ------------------------------------------------------------------------------ */
 
 /* Adds a sun's coefficients to sum [3][count]; y and F are scratch. */
-static ylm_status add(const sun *s, int lmax, double *y, double *F, double *sum) {
+static ylm_status add(const double *sun, int lmax, double *y, double *F, double *sum) {
   size_t count = ylm_sh_count(lmax);
-  zonal(s->alpha, lmax, F);
+  zonal(alpha_of(sun[ANGLE]), lmax, F);
   ylm_status status =
-      ylm_sh_eval(lmax, 0, false, YLM_DOUBLE, 1, s->direction, y, NULL, NULL, 1, NULL);
+      ylm_sh_eval(lmax, 0, false, YLM_DOUBLE, 1, sun + DIRECTION, y, NULL, NULL, 1, NULL);
   for (int l = 0; l <= lmax && status == YLM_OK; l++)
     for (size_t k = ylm_sh_index(l, -l); k <= ylm_sh_index(l, l); k++)
-      for (size_t c = 0; c < 3; c++) sum[c * count + k] += s->irradiance[c] * F[l] * y[k];
+      for (size_t c = 0; c < 3; c++) sum[c * count + k] += sun[c] * F[l] * y[k];
   return status;
 }
 
 static ylm_status evaluate(const ylm_field *f, const ylm_field_query *q, size_t n,
                            const void *points, ylm_field_result *r, ylm_error *e) {
-  const suns *p = f->self;
+  const ylm__distant *p = f->self;
   ylm_status s = ylm__distant_check(q, n, points, r, YLM_LIGHT_LMAX, "a sun light", e);
   if (s != YLM_OK) return s;
   size_t count = ylm_sh_count(q->lmax);
   double *sum = ylm_alloc_zero(4 * count + (size_t)q->lmax + 1, sizeof *sum);
   if (!sum) return ylm_fail(e, YLM_ENOMEM, "%s", ylm_status_text(YLM_ENOMEM));
   for (size_t i = 0; i < p->n && s == YLM_OK; i++)
-    s = add(&p->sun[i], q->lmax, sum + 3 * count, sum + 4 * count, sum);
+    s = add(p->record[i], q->lmax, sum + 3 * count, sum + 4 * count, sum);
   if (s == YLM_OK) s = ylm__distant_write(q, n, points, sum, p->n, r, e);
   ylm_free(sum);
   return s;
 }
 
 static void cone(const void *of, size_t i, ylm_light_cone *out) {
-  const sun *s = &((const suns *)of)->sun[i];
-  *out = (ylm_light_cone){.cosine = s->alpha};
-  memcpy(out->axis, s->direction, sizeof out->axis);
-  for (int c = 0; c < 3; c++)
-    out->radiance[c] = s->irradiance[c] / (M_PI * (1 - s->alpha) * (1 + s->alpha));
+  const double *sun = ((const ylm__distant *)of)->record[i], alpha = alpha_of(sun[ANGLE]);
+  *out = (ylm_light_cone){.cosine = alpha};
+  memcpy(out->axis, sun + DIRECTION, sizeof out->axis);
+  for (int c = 0; c < 3; c++) out->radiance[c] = sun[c] / (M_PI * (1 - alpha) * (1 + alpha));
 }
 
 static void radiance(const void *of, const double d[3], double rgb[3]) {
-  const suns *p = of;
+  const ylm__distant *p = of;
   for (size_t i = 0; i < p->n; i++) {
     ylm_light_cone k;
     cone(of, i, &k);
@@ -103,59 +92,25 @@ static void radiance(const void *of, const double d[3], double rgb[3]) {
 
 /* -- a pack --------------------------------------------------------------------------------- */
 
-static void release(void *of) {
-  suns *p = of;
-  ylm_free(p->sun);
-  ylm_free(p);
+/* Directions come to have length 1. */
+static ylm_status settle(double *sun, size_t i, ylm_error *e) {
+  double angle = sun[ANGLE];
+  if (!ylm_all_finite(YLM_DOUBLE, sun, 3, NULL) || !ylm_unit3(sun + DIRECTION))
+    return ylm_fail(e, YLM_EDOMAIN, "sun %zu has no direction, or is not finite", i + 1);
+  if (!(angle > 0 && angle <= 180) || !(alpha_of(angle) < 1))
+    return ylm_fail(e, YLM_EDOMAIN, "sun %zu: its angle must be above 0 and at most 180, got %g",
+                    i + 1, angle);
+  return YLM_OK;
 }
 
 static ylm_status create(size_t n, const double *const *record, ylm__light_pack *made,
                          ylm_error *e) {
-  suns *p = ylm_alloc_zero(1, sizeof *p);
-  if (!p) return YLM_ENOMEM;
-  p->field = (ylm_field){.self = p, .evaluate = evaluate, .crosses = ylm__distant_crosses};
-  p->n = n;
-  p->sun = ylm_alloc(n, sizeof *p->sun);
-  ylm_status s = p->sun ? YLM_OK : YLM_ENOMEM;
-  for (size_t i = 0; i < n && s == YLM_OK; i++) {
-    sun *to = &p->sun[i];
-    memcpy(to->irradiance, record[i], sizeof to->irradiance);
-    memcpy(to->direction, record[i] + DIRECTION, sizeof to->direction);
-    to->angle = record[i][ANGLE];
-    to->alpha = alpha_of(to->angle);
-    if (!ylm_all_finite(YLM_DOUBLE, to->irradiance, 3, NULL) || !ylm_unit3(to->direction))
-      s = ylm_fail(e, YLM_EDOMAIN, "sun %zu has no direction, or is not finite", i + 1);
-    else if (!(to->angle > 0 && to->angle <= 180) || !(to->alpha < 1))
-      s = ylm_fail(e, YLM_EDOMAIN, "sun %zu: its angle must be above 0 and at most 180, got %g",
-                   i + 1, to->angle);
-  }
-  if (s == YLM_OK)
-    *made = (ylm__light_pack){&ylm__sun_kind, p, &p->field, n, 0};
-  else
-    release(p);
+  ylm_status s = ylm__distant_create(&ylm__sun_kind, n, record, settle, made, e);
+  if (s == YLM_OK) ((ylm__distant *)made->of)->field.evaluate = evaluate;
   return s;
 }
 
-/* A shape is direction and angle. */
-static size_t get(const void *of, size_t i, ylm_light *out, ylm_light_shape *shape) {
-  const sun *s = &((const suns *)of)->sun[i];
-  if (!shape) return NUMBERS - DIRECTION;
-  *shape = (ylm_light_shape){&ylm__sun_kind, NUMBERS - DIRECTION, false};
-  memcpy(shape->x, s->direction, sizeof s->direction);
-  shape->x[ANGLE - DIRECTION] = s->angle;
-  *out = (ylm_light){.shape = shape};
-  memcpy(out->radiance, s->irradiance, sizeof out->radiance);
-  return NUMBERS - DIRECTION;
-}
-
 /* -- one of them ---------------------------------------------------------------------------- */
-
-static size_t record(const ylm_light *l, const double irradiance[3], double *to) {
-  if (!to) return NUMBERS;
-  memcpy(to, irradiance, 3 * sizeof *to);
-  memcpy(to + DIRECTION, l->shape->x, (NUMBERS - DIRECTION) * sizeof *to);
-  return NUMBERS;
-}
 
 static double norm(const ylm_light *l, int lmax) {
   double F[YLM_LIGHT_LMAX + 1], s = 0;
@@ -167,10 +122,10 @@ static double norm(const ylm_light *l, int lmax) {
 const ylm__light_kind ylm__sun_kind = {.name = "sun",
                                        .length = length,
                                        .create = create,
-                                       .free = release,
-                                       .get = get,
+                                       .free = ylm__distant_free,
+                                       .get = ylm__distant_get,
                                        .radiance = radiance,
                                        .cone = cone,
-                                       .record = record,
+                                       .record = ylm__distant_record,
                                        .slides = ylm__distant_slides,
                                        .norm = norm};
