@@ -96,6 +96,48 @@ static double solid_angle(ylm_mapping m, int width, int height, int x, int y) {
   return corner_angle(s1, t1) - corner_angle(s0, t1) - corner_angle(s1, t0) + corner_angle(s0, t0);
 }
 
+bool ylm_mapping_fits(ylm_mapping m, int width, int height) {
+  if (width < 1 || height < 1) return false;
+  if (m == YLM_MAPPING_LATLONG) return width == 2 * (int64_t)height;
+  return height == (m == YLM_MAPPING_CUBE ? 6 : 1) * (int64_t)width;
+}
+
+/* Which of n pixels holds the position x. */
+static size_t index_of(double x, int n) { return x > 0 ? x < n ? (size_t)x : (size_t)n - 1 : 0; }
+
+bool ylm_mapping_pixel(ylm_mapping m, ylm_up up, int width, int height, const double d[3],
+                       size_t *pixel) {
+  double x, y;
+  *pixel = 0;
+  if (!ylm_mapping_position(m, up, width, height, d, &x, &y)) return false;
+  *pixel = index_of(y, height) * (size_t)width + index_of(x, width);
+  return true;
+}
+
+bool ylm_mapping_within(ylm_mapping m, ylm_up up, int width, int height, size_t pixel, double u,
+                        double v, double d[3]) {
+  double x = (double)(pixel % (size_t)width) + u, row = (double)(pixel / (size_t)width);
+  if (m != YLM_MAPPING_LATLONG) return ylm_mapping_direction(m, up, width, height, x, row + v, d);
+  /* 1 - cos theta = 2 sin^2(theta/2) grows evenly */
+  double a = sin(PI * row / (2 * height)), b = sin(PI * (row + 1) / (2 * height));
+  double s = sqrt(a * a + v * (b * b - a * a));
+  return ylm_mapping_direction(m, up, width, height, x, 2 * height / PI * asin(fmin(1, s)), d);
+}
+
+double ylm_mapping_spread(ylm_mapping m, ylm_up up, int width, int height, size_t pixel,
+                          const double d[3]) {
+  double x, y;
+  if (m == YLM_MAPPING_LATLONG)
+    return solid_angle(m, width, height, 0, (int)(pixel / (size_t)width));
+  if (!ylm_mapping_position(m, up, width, height, d, &x, &y)) return 0;
+  if (m == YLM_MAPPING_ANGULAR) {
+    double r = hypot(2 * x / width - 1, 1 - 2 * y / height);
+    return (r > 0 ? PI * fmax(0, sin(PI * r)) / r : PI * PI) * 4 / width / height;
+  }
+  double s = 2 * x / width - 1, t = 2 * (y / width - floor(fmin(5, y / width))) - 1;
+  return 4 / ((double)width * width) / pow(1 + s * s + t * t, 1.5);
+}
+
 ylm_status ylm_mapping_pixels(ylm_mapping m, ylm_up up, int width, int height, double *direction,
                               double *angle) {
   if (width < 1 || height < 1) return YLM_ERANGE;

@@ -19,6 +19,11 @@ extern "C" {
 #define YLM_IMAGE_MAX_LAYERS 64
 #define YLM_IMAGE_MAX_NAME 64 /* bytes of a layer's name, without the final 0 */
 
+/* Luminance of linear red, green and blue, Rec. 709. */
+static inline double ylm_luminance(const double rgb[3]) {
+  return 0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2];
+}
+
 /* -- rasters ------------------------------------------------------------------ */
 
 typedef struct ylm_layer {
@@ -257,6 +262,25 @@ YLM_API bool ylm_mapping_direction(ylm_mapping m, ylm_up up, int width, int heig
 /* The image position of a direction of any length but 0; false for a zero or non-finite one. */
 YLM_API bool ylm_mapping_position(ylm_mapping m, ylm_up up, int width, int height,
                                   const double d[3], double *x, double *y);
+/* Whether an image of the whole sphere may have this size: latlong twice as wide as high, angular as
+   wide as high. */
+YLM_API bool ylm_mapping_fits(ylm_mapping m, int width, int height);
+/* The pixel, row by row, that a direction falls into; false as ylm_mapping_position. */
+YLM_API bool ylm_mapping_pixel(ylm_mapping m, ylm_up up, int width, int height, const double d[3],
+                               size_t *pixel);
+/*
+** ylm_mapping_within - a direction in a pixel, for u and v of 0 .. 1 that are uniform.
+**
+** Directions are uniform in solid angle (latlong), or positions uniform in the pixel (angular,
+** cube). Their density at d is 1/ylm_mapping_spread(.., d) sr^-1, an area that a pixel would fill
+** if all of it were stretched as it is there.
+**
+** Returns  false and zeros outside of the disc
+*/
+YLM_API bool ylm_mapping_within(ylm_mapping m, ylm_up up, int width, int height, size_t pixel,
+                                double u, double v, double d[3]);
+YLM_API double ylm_mapping_spread(ylm_mapping m, ylm_up up, int width, int height, size_t pixel,
+                                  const double d[3]);
 /*
 ** ylm_mapping_pixels - direction and solid angle of every pixel's middle.
 **

@@ -75,15 +75,6 @@ size_t ylm__distant_record(const ylm_light *l, const double radiance[3], double 
 
 /* -- fields --------------------------------------------------------------------------------- */
 
-ylm_status ylm__distant_check(const ylm_field_query *q, size_t n, const void *points,
-                              const ylm_field_result *r, int most, const char *what, ylm_error *e) {
-  ylm_status s = ylm__field_check(q, n, points, r, YLM_LIGHT_LMAX, e);
-  if (s == YLM_OK && q->lmax > most)
-    return ylm_fail(e, YLM_ERANGE, "%s is known to lmax %d, and asked for at lmax %d", what, most,
-                    q->lmax);
-  return s;
-}
-
 /* Copies the first of n rows of results to all others. */
 static void repeat(const ylm_field_query *q, void *rows, size_t n, size_t width) {
   size_t bytes = width * ylm_dtype_size(q->dtype);

@@ -30,9 +30,6 @@ void ylm__distant_free(void *of);
 size_t ylm__distant_get(const void *of, size_t i, ylm_light *out, ylm_light_shape *shape);
 size_t ylm__distant_record(const ylm_light *l, const double radiance[3], double *to);
 
-/* A query is sound; lmax <= most, which `what` says of itself. */
-ylm_status ylm__distant_check(const ylm_field_query *q, size_t n, const void *points,
-                              const ylm_field_result *r, int most, const char *what, ylm_error *e);
 /* Writes coefficients [3][(lmax+1)^2] for all n points; derivatives are 0, nothing is inside;
    `lights` of them count as pairs. */
 ylm_status ylm__distant_write(const ylm_field_query *q, size_t n, const void *points,

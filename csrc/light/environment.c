@@ -15,7 +15,7 @@
 */
 #include <string.h>
 
-#include "distant.h"
+#include "environment.h"
 #include "ylm_sh.h"
 
 enum { LMAX = 3, HEAD };
@@ -38,10 +38,21 @@ static int known_to(const ylm__distant *p) {
   return most;
 }
 
-static ylm_status evaluate(const ylm_field *f, const ylm_field_query *q, size_t n,
-                           const void *points, ylm_field_result *r, ylm_error *e) {
-  const ylm__distant *p = f->self;
-  ylm_status s = ylm__distant_check(q, n, points, r, known_to(p), "an environment light", e);
+static ylm_status check(const ylm__distant *p, bool projected, const ylm_field_query *q, size_t n,
+                        const void *points, const ylm_field_result *r, ylm_error *e) {
+  ylm_status s = ylm__field_check(q, n, points, r, YLM_LIGHT_LMAX, e);
+  int most = known_to(p);
+  if (s != YLM_OK || q->lmax <= most) return s;
+  return ylm_fail(e, YLM_ERANGE,
+                  "an environment light is %s to lmax %d%s, and asked for at lmax %d",
+                  projected ? "projected" : "known", most,
+                  projected ? " (lmax = in environment_light)" : "", q->lmax);
+}
+
+ylm_status ylm__environment_evaluate(const ylm__distant *p, bool projected,
+                                     const ylm_field_query *q, size_t n, const void *points,
+                                     ylm_field_result *r, ylm_error *e) {
+  ylm_status s = check(p, projected, q, n, points, r, e);
   if (s != YLM_OK) return s;
   size_t count = ylm_sh_count(q->lmax);
   double *sum = ylm_alloc_zero(3 * count, sizeof *sum);
@@ -54,6 +65,11 @@ static ylm_status evaluate(const ylm_field *f, const ylm_field_query *q, size_t 
   s = ylm__distant_write(q, n, points, sum, p->n, r, e);
   ylm_free(sum);
   return s;
+}
+
+static ylm_status evaluate(const ylm_field *f, const ylm_field_query *q, size_t n,
+                           const void *points, ylm_field_result *r, ylm_error *e) {
+  return ylm__environment_evaluate(f->self, false, q, n, points, r, e);
 }
 
 static void radiance(const void *of, const double d[3], double rgb[3]) {
@@ -72,11 +88,24 @@ static void radiance(const void *of, const double d[3], double rgb[3]) {
   for (int c = 0; c < 3; c++) rgb[c] += fmax(0, sum[c]);
 }
 
+/* Uniform where no record knows more than the mean. */
+static void dome(const void *of, ylm_light_dome *out) {
+  const ylm__distant *p = of;
+  out->uniform = true;
+  for (size_t i = 0; i < p->n; i++)
+    if (degree_of(p->record[i]) > 0) out->uniform = false;
+}
+
 /* -- a pack --------------------------------------------------------------------------------- */
 
 static ylm_status settle(double *record, size_t i, ylm_error *e) {
   if (ylm_all_finite(YLM_DOUBLE, record, length(record, SIZE_MAX), NULL)) return YLM_OK;
   return ylm_fail(e, YLM_EDOMAIN, "environment %zu is not finite", i + 1);
+}
+
+ylm_status ylm__environment_copy(ylm__distant *d, size_t n, const double *const *record,
+                                 ylm_error *e) {
+  return ylm__distant_copy(d, &ylm__environment_kind, n, record, settle, e);
 }
 
 static ylm_status create(size_t n, const double *const *record, ylm__light_pack *made,
@@ -101,6 +130,7 @@ const ylm__light_kind ylm__environment_kind = {.name = "environment",
                                                .free = ylm__distant_free,
                                                .get = ylm__distant_get,
                                                .radiance = radiance,
+                                               .dome = dome,
                                                .record = ylm__distant_record,
                                                .slides = ylm__distant_slides,
                                                .norm = norm};

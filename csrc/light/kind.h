@@ -14,6 +14,7 @@
 
 #include "light.h"
 #include "ylm_light_device.h"
+#include "ylm_light_sky.h"
 
 typedef struct ylm__light_kind ylm__light_kind;
 
@@ -71,6 +72,8 @@ struct ylm__light_kind {
   void (*radiance)(const void *of, const double d[3], double rgb[3]);
   /* Where light i of them comes from, if that is a cone. NULL: they fill the sky. */
   void (*cone)(const void *of, size_t i, ylm_light_cone *out);
+  /* Lights that fill the sky: what `out` says of their radiance but the pack. */
+  void (*dome)(const void *of, ylm_light_dome *out);
   /* The part of a device's sums that the pack is; NULL: no device sums it. */
   void (*device)(const void *of, ylm_light_part *out);
 
@@ -96,7 +99,7 @@ struct ylm__light_kind {
 
 /* The table. `foreign`: a light field of another origin, of which nothing else is known. */
 #define YLM__LIGHT_KINDS(X)                                                                        \
-  X(sphere) X(polygon) X(polygon_as_sphere) X(textured) X(environment) X(sun) X(foreign)
+  X(sphere) X(polygon) X(polygon_as_sphere) X(textured) X(environment) X(panorama) X(sun) X(foreign)
 #define X(name) extern const ylm__light_kind ylm__##name##_kind;
 YLM__LIGHT_KINDS(X)
 #undef X

@@ -27,3 +27,20 @@ bool ylm_light_set_cone(const ylm_light_set *set, size_t i, ylm_light_cone *out)
   }
   return false;
 }
+
+bool ylm_light_set_dome(const ylm_light_set *set, size_t i, ylm_light_dome *out) {
+  for (size_t k = 0; k < set->packs; k++) {
+    const ylm__light_pack *p = set->pack[k];
+    if (!p->kind->dome || i-- > 0) continue;
+    *out = (ylm_light_dome){.pack = p};
+    p->kind->dome(p->of, out);
+    return true;
+  }
+  return false;
+}
+
+void ylm_light_dome_radiance(const ylm_light_dome *dome, const double d[3], double rgb[3]) {
+  const ylm__light_pack *p = dome->pack;
+  rgb[0] = rgb[1] = rgb[2] = 0;
+  p->kind->radiance(p->of, d, rgb);
+}

@@ -61,7 +61,7 @@ static ylm_status add(const double *sun, int lmax, double *y, double *F, double 
 static ylm_status evaluate(const ylm_field *f, const ylm_field_query *q, size_t n,
                            const void *points, ylm_field_result *r, ylm_error *e) {
   const ylm__distant *p = f->self;
-  ylm_status s = ylm__distant_check(q, n, points, r, YLM_LIGHT_LMAX, "a sun light", e);
+  ylm_status s = ylm__field_check(q, n, points, r, YLM_LIGHT_LMAX, e);
   if (s != YLM_OK) return s;
   size_t count = ylm_sh_count(q->lmax);
   double *sum = ylm_alloc_zero(4 * count + (size_t)q->lmax + 1, sizeof *sum);

@@ -35,6 +35,7 @@
   X(grid_file)                                                                                     \
   X(grid_look)                                                                                     \
   X(light)                                                                                         \
+  X(light_sky)                                                                                     \
   X(light_texture)                                                                                 \
   X(light_tree)                                                                                    \
   X(limits)                                                                                        \
@@ -217,6 +218,8 @@ ylmL_field_of *ylmL_field_getter(lua_State *L, int i);
 int ylmL_isa(lua_State *L, int i);
 /* The cut of a set of lights at `i`, or NULL. core/light_tree.c */
 const struct ylm_light_cut *ylmL_light_cut(lua_State *L, int i);
+/* New lights on the stack, whose set is to be made there. core/light.c */
+struct ylm_light_set **ylmL_lights_new(lua_State *L);
 /* The set of lights at `i`; raises if there is none or it has been closed. binding_objects.c */
 struct ylm_light_set *ylmL_lights_check(lua_State *L, int i);
 /* The surfaces that rays see of the set of lights at `i`, images in at most `tiles` tiles a side; it lives in an

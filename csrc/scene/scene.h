@@ -2,6 +2,7 @@
 #ifndef YLM_SCENE_PRIVATE_H
 #define YLM_SCENE_PRIVATE_H
 
+#include "dome.h"
 #include "ylm_scene.h"
 #include "ylm_vector.h"
 
@@ -51,9 +52,10 @@ struct ylm_scene {
   scene_texture *texture; /* in the order of their triangles */
   ylm_light_set *sky;     /* distant lights; NULL: none */
   bool sky_is_seen;
-  float sky_luminance; /* of those that fill the sky, a mean over directions */
-  size_t cones;
+  size_t domes, cones, sky_lights;
+  scene_dome *dome;     /* [domes] those that fill the sky */
   ylm_light_cone *cone; /* [cones] the others */
+  float *sky_bound[6];  /* [sky_lights], padded: mean x, y, z, spread, 1/(4 spread), power */
   scene_power *power;   /* NULL: lamps are weighed one by one */
 };
 
@@ -111,16 +113,16 @@ double ylm__scene_patch_density(const ylm_scene *s, size_t i, const float x[3], 
 /* Shares the distant lights of the lamps; to be freed in any case. */
 ylm_status ylm__scene_share_sky(ylm_scene *s, const ylm_scene_lamps *l);
 void ylm__scene_free_sky(ylm_scene *s);
-/* Places of distant lights among the lamps: 0 fills the sky, cones follow. */
-static inline size_t ylm__scene_sky_lights(const ylm_scene *s) { return s->sky ? 1 + s->cones : 0; }
+/* Distant lights: tiles of domes, or uniform domes, then cones. */
+static inline size_t ylm__scene_sky_lights(const ylm_scene *s) { return s->sky_lights; }
 /* As ylm__scene_patch_weights, of distant lights. */
-void ylm__scene_sky_weights(const ylm_scene *s, const float n[3], float *weight, float *sum);
+void ylm__scene_sky_weights(const ylm_scene *s, const float *n, float *weight, float *sum);
 /* A ray from x to distant light i, the radiance there and the irradiance that it brings for
    radiance 1, of a point in space (n NULL) the scalar one. */
 double ylm__scene_sky_sample(const ylm_scene *s, size_t i, const float x[3], const float n[3],
                              double u0, double u1, ylm_trace_ray *ray, float radiance[3]);
 /* The density of those rays, sr^-1, in a direction of length 1. */
-double ylm__scene_sky_density(const ylm_scene *s, size_t i, const float n[3], const float d[3]);
+double ylm__scene_sky_density(const ylm_scene *s, size_t i, const float *n, const float d[3]);
 
 /* -- lamps.c -------------------------------------------------------------------- */
 

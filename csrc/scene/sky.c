@@ -1,47 +1,92 @@
-/* sky.c - distant lights: seen by rays that hit nothing, and aimed at. */
+/*
+** sky.c - distant lights: seen by rays that hit nothing, and aimed at.
+**
+** A tile of a dome, or a cone, is a light. Its weight is the irradiance of a light of its power and
+** mean direction: the cosine to that, softened where the light may cross the horizon.
+*/
 #include <math.h>
+#include <string.h>
 
 #include "scene.h"
 
 #define PI 3.14159265358979323846
-/* Directions that the mean luminance of the sky is taken over. */
-#define LOOKS 64
 
-static double luminance_of(const double *c) {
-  return YLM_LUMINANCE_R * fabs(c[0]) + YLM_LUMINANCE_G * fabs(c[1]) + YLM_LUMINANCE_B * fabs(c[2]);
-}
+enum { SPREAD = 3, QUARTER, POWER };
 
-/* The mean over directions that are spread evenly (Fibonacci's lattice). */
-static double mean_luminance(const ylm_light_set *sky) {
-  double sum = 0;
-  for (int i = 0; i < LOOKS; i++) {
-    double z = (2 * i + 1.0) / LOOKS - 1, r = sqrt(1 - z * z), u = 2 * PI * i * 0.6180339887498949;
-    double d[3] = {r * cos(u), r * sin(u), z}, rgb[3];
-    ylm_light_set_sky(sky, d, false, rgb);
-    sum += luminance_of(rgb) / LOOKS;
+/* -- the lights of the sky --------------------------------------------------------------------- */
+
+static ylm_status make_domes(ylm_scene *s) {
+  ylm_light_dome light;
+  size_t n = 0;
+  while (ylm_light_set_dome(s->sky, n, &light)) n++;
+  s->dome = ylm_alloc_zero(n, sizeof *s->dome);
+  if (!s->dome) return YLM_ENOMEM;
+  while (s->domes < n) {
+    ylm_light_set_dome(s->sky, s->domes, &light);
+    scene_dome *d = &s->dome[s->domes++];
+    ylm_status status = ylm__scene_dome_create(d, &light);
+    if (status != YLM_OK) return status;
+    s->sky_lights += d->lights;
   }
-  return sum;
+  return YLM_OK;
 }
 
-ylm_status ylm__scene_share_sky(ylm_scene *s, const ylm_scene_lamps *l) {
+static ylm_status make_cones(ylm_scene *s) {
   ylm_light_cone cone;
-  if (!l->sky || !ylm_light_set_is_distant(l->sky)) return YLM_OK;
-  ylm_status status = ylm_light_set_create(1, &(ylm_light_source){.set = l->sky}, &s->sky, NULL);
-  if (status != YLM_OK) return status;
   size_t n = 0;
   while (ylm_light_set_cone(s->sky, n, &cone)) n++;
   s->cone = ylm_alloc(n, sizeof *s->cone);
   if (!s->cone) return YLM_ENOMEM;
-  for (s->cones = 0; s->cones < n; s->cones++)
-    ylm_light_set_cone(s->sky, s->cones, &s->cone[s->cones]);
-  s->sky_is_seen = l->sky_is_seen;
-  s->sky_luminance = (float)mean_luminance(s->sky);
+  for (; s->cones < n; s->cones++) ylm_light_set_cone(s->sky, s->cones, &s->cone[s->cones]);
+  s->sky_lights += n;
   return YLM_OK;
 }
 
+static scene_sky_bound bound_cone(const ylm_light_cone *c) {
+  double rgb[3];
+  for (int k = 0; k < 3; k++) rgb[k] = fabs(c->radiance[k]);
+  double power = 2 * (1 - c->cosine) * ylm_luminance(rgb), mean = (1 + c->cosine) / 2;
+  double rim = hypot(sqrt(fmax(0, 1 - c->cosine * c->cosine)), c->cosine - mean);
+  scene_sky_bound b = {.power = power, .spread = rim * power};
+  for (int a = 0; a < 3; a++) b.mean[a] = mean * power * c->axis[a];
+  return b;
+}
+
+static void put_bound(ylm_scene *s, size_t i, const scene_sky_bound *b) {
+  for (int a = 0; a < 3; a++) s->sky_bound[a][i] = (float)b->mean[a];
+  s->sky_bound[SPREAD][i] = (float)b->spread;
+  s->sky_bound[QUARTER][i] = b->spread > 0 ? (float)(0.25 / b->spread) : 0;
+  s->sky_bound[POWER][i] = (float)b->power;
+}
+
+static ylm_status make_bounds(ylm_scene *s) {
+  size_t padded = (s->sky_lights + YLM_LAMP_CHUNK - 1) / YLM_LAMP_CHUNK * YLM_LAMP_CHUNK, at = 0;
+  for (int k = 0; k < 6; k++)
+    if (!(s->sky_bound[k] = ylm_alloc_zero(padded, sizeof(float)))) return YLM_ENOMEM;
+  for (size_t k = 0; k < s->domes; k++)
+    for (size_t i = 0; i < s->dome[k].lights; i++) put_bound(s, at++, &s->dome[k].bound[i]);
+  for (size_t i = 0; i < s->cones; i++) {
+    scene_sky_bound b = bound_cone(&s->cone[i]);
+    put_bound(s, at++, &b);
+  }
+  return YLM_OK;
+}
+
+ylm_status ylm__scene_share_sky(ylm_scene *s, const ylm_scene_lamps *l) {
+  if (!l->sky || !ylm_light_set_is_distant(l->sky)) return YLM_OK;
+  ylm_status status = ylm_light_set_create(1, &(ylm_light_source){.set = l->sky}, &s->sky, NULL);
+  s->sky_is_seen = l->sky_is_seen;
+  if (status == YLM_OK) status = make_domes(s);
+  if (status == YLM_OK) status = make_cones(s);
+  return status == YLM_OK ? make_bounds(s) : status;
+}
+
 void ylm__scene_free_sky(ylm_scene *s) {
-  ylm_light_set_free(s->sky);
+  for (size_t k = 0; s->dome && k < s->domes; k++) ylm__scene_dome_free(&s->dome[k]);
+  for (int k = 0; k < 6; k++) ylm_free(s->sky_bound[k]);
+  ylm_free(s->dome);
   ylm_free(s->cone);
+  ylm_light_set_free(s->sky);
 }
 
 bool ylm_scene_sky_radiance(const ylm_scene *s, const ylm_trace_ray *ray, double radiance[3]) {
@@ -53,68 +98,160 @@ bool ylm_scene_sky_radiance(const ylm_scene *s, const ylm_trace_ray *ray, double
   return true;
 }
 
-/* Bound of the irradiance over pi of a cone of radiance 1; n NULL: the scalar one. */
-static double cone_weight(const ylm_light_cone *c, const float n[3]) {
-  double up = 0, wide = sqrt(fmax(0, 1 - c->cosine * c->cosine));
-  if (!n) return 2 * (1 - c->cosine);
-  for (int a = 0; a < 3; a++) up += c->axis[a] * (double)n[a];
-  return fmax(0, up + wide) * 2 * (1 - c->cosine);
+/* -- weights ----------------------------------------------------------------------------------- */
+
+/* With the cosine to the mean x and the spread s, times power: x above s, 0 below -s, and a parabola
+   between them that meets both. */
+void ylm__scene_sky_weights(const ylm_scene *s, const float *n, float *weight, float *sum) {
+  float *const *b = s->sky_bound;
+  for (size_t chunk = 0; chunk * YLM_LAMP_CHUNK < s->sky_lights; chunk++) {
+    size_t first = chunk * YLM_LAMP_CHUNK;
+    double total = 0;
+    if (n)
+      for (size_t i = first; i < first + YLM_LAMP_CHUNK; i++) {
+        float x = n[0] * b[0][i] + n[1] * b[1][i] + n[2] * b[2][i], spread = b[SPREAD][i];
+        float over = x + spread, most = 2 * spread;
+        over = over > 0 ? over : 0;
+        float soft = over < most ? over : most;
+        weight[i] = soft * soft * b[QUARTER][i] + (over - soft);
+      }
+    else
+      memcpy(weight + first, b[POWER] + first, YLM_LAMP_CHUNK * sizeof *weight);
+    for (size_t i = first; i < first + YLM_LAMP_CHUNK; i++) total += (double)weight[i];
+    sum[chunk] = (float)total;
+  }
 }
 
-void ylm__scene_sky_weights(const ylm_scene *s, const float n[3], float *weight, float *sum) {
-  size_t count = ylm__scene_sky_lights(s);
-  for (size_t b = 0; b * YLM_LAMP_CHUNK < count; b++) {
-    size_t first = b * YLM_LAMP_CHUNK,
-           end = count - first < YLM_LAMP_CHUNK ? count : first + YLM_LAMP_CHUNK;
-    double total = 0;
-    for (size_t i = first; i < end; i++) {
-      double w = i == 0 ? (n ? 1 : 4) * (double)s->sky_luminance
-                        : cone_weight(&s->cone[i - 1], n) * luminance_of(s->cone[i - 1].radiance);
-      weight[i] = (float)w;
-      total += (double)weight[i];
-    }
-    sum[b] = (float)total;
+/* -- rays -------------------------------------------------------------------------------------- */
+
+/* The dome that has light *i, which comes to count from its first; NULL: a cone, counted from 0. */
+static const scene_dome *dome_of(const ylm_scene *s, size_t *i) {
+  for (size_t k = 0; k < s->domes; k++) {
+    if (*i < s->dome[k].lights) return &s->dome[k];
+    *i -= s->dome[k].lights;
   }
+  return NULL;
+}
+
+static void widen(const float d[3], double out[3]) {
+  for (int a = 0; a < 3; a++) out[a] = (double)d[a];
+}
+
+static void narrow(const double d[3], float out[3]) {
+  for (int a = 0; a < 3; a++) out[a] = (float)d[a];
+}
+
+static double aim_at_cone(const ylm_light_cone *c, double u0, double u1, float direction[3],
+                          float radiance[3]) {
+  float axis[3];
+  narrow(c->axis, axis);
+  narrow(c->radiance, radiance);
+  ylm__scene_turn(axis, 1 - u0 * (1 - c->cosine), u1, direction);
+  return 2 * PI * (1 - c->cosine);
+}
+
+/* As the cosine where there is a normal. */
+static double aim_at_uniform(const scene_dome *d, const float *n, double u0, double u1,
+                             float direction[3], float radiance[3]) {
+  double wide[3], rgb[3];
+  ylm__scene_turn(n ? n : (const float[]){0, 0, 1}, n ? sqrt(1 - u0) : 1 - 2 * u0, u1, direction);
+  widen(direction, wide);
+  ylm_light_dome_radiance(&d->light, wide, rgb);
+  narrow(rgb, radiance);
+  if (!n) return 4 * PI;
+  double cosine = (double)ylm_dot3(direction, n);
+  return cosine > 0 ? PI / cosine : 0;
+}
+
+static double aim_at_tile(const scene_dome *d, size_t tile, double u0, double u1,
+                          float direction[3], float radiance[3]) {
+  double wide[3], rgb[3];
+  size_t pixel = ylm__scene_dome_pixel(d, tile, u0, &u0);
+  double share = (double)d->share[pixel];
+  if (!(share > 0)) return 0;
+  if (!ylm_mapping_within(d->mapping, d->up, d->width, d->height, pixel, u0, u1, wide)) return 0;
+  ylm__scene_dome_radiance(d, pixel, wide, rgb);
+  narrow(wide, direction);
+  narrow(rgb, radiance);
+  return ylm_mapping_spread(d->mapping, d->up, d->width, d->height, pixel, wide) / share;
+}
+
+/* A direction to distant light i and its radiance there; 1 over the density, sr; 0: there is none. */
+static double aim(const ylm_scene *s, size_t i, const float *n, double u0, double u1,
+                  float direction[3], float radiance[3]) {
+  const scene_dome *d = dome_of(s, &i);
+  if (!d) return aim_at_cone(&s->cone[i], u0, u1, direction, radiance);
+  if (d->light.uniform) return aim_at_uniform(d, n, u0, u1, direction, radiance);
+  return aim_at_tile(d, i, u0, u1, direction, radiance);
 }
 
 double ylm__scene_sky_sample(const ylm_scene *s, size_t i, const float x[3], const float n[3],
                              double u0, double u1, ylm_trace_ray *ray, float radiance[3]) {
-  static const float pole[3] = {0, 0, 1};
-  double rgb[3], d[3];
+  size_t at = i;
+  const scene_dome *d = dome_of(s, &at);
+  double area = aim(s, i, n, u0, u1, ray->dir, radiance);
   for (int a = 0; a < 3; a++) ray->org[a] = x[a];
   ray->near = 0;
   ray->far = INFINITY;
-  if (i > 0) {
-    const ylm_light_cone *c = &s->cone[i - 1];
-    float axis[3] = {(float)c->axis[0], (float)c->axis[1], (float)c->axis[2]};
-    ylm__scene_turn(axis, 1 - u0 * (1 - c->cosine), u1, ray->dir);
-    for (int a = 0; a < 3; a++) radiance[a] = (float)c->radiance[a];
-    return (n ? fmax(0, (double)ylm_dot3(ray->dir, n)) : 1) * 2 * PI * (1 - c->cosine);
+  if (!(area > 0) || !n) return area;
+  return d && d->light.uniform ? PI : fmax(0, (double)ylm_dot3(ray->dir, n)) * area;
+}
+
+/* -- directions -------------------------------------------------------------------------------- */
+
+static bool in_cone(const ylm_light_cone *c, const double d[3]) {
+  return c->axis[0] * d[0] + c->axis[1] * d[1] + c->axis[2] * d[2] >= c->cosine;
+}
+
+/* The pixel that a direction falls into. */
+static bool pixel_at(const scene_dome *d, const double direction[3], size_t *pixel) {
+  return ylm_mapping_pixel(d->mapping, d->up, d->width, d->height, direction, pixel);
+}
+
+double ylm__scene_sky_density(const ylm_scene *s, size_t i, const float *n,
+                              const float direction[3]) {
+  const scene_dome *d = dome_of(s, &i);
+  double wide[3];
+  size_t pixel;
+  widen(direction, wide);
+  if (!d) return in_cone(&s->cone[i], wide) ? 1 / (2 * PI * (1 - s->cone[i].cosine)) : 0;
+  if (d->light.uniform) return n ? fmax(0, (double)ylm_dot3(direction, n)) / PI : 1 / (4 * PI);
+  if (!pixel_at(d, wide, &pixel) || ylm__scene_dome_tile(d, pixel) != i) return 0;
+  double area = ylm_mapping_spread(d->mapping, d->up, d->width, d->height, pixel, wide);
+  return area > 0 ? (double)d->share[pixel] / area : 0;
+}
+
+/* Where a dome shines from a direction: the light of it, and its radiance. */
+static size_t light_at(const scene_dome *d, const double direction[3], double rgb[3]) {
+  size_t pixel = 0;
+  if (!d->light.uniform && !pixel_at(d, direction, &pixel)) return d->lights;
+  ylm__scene_dome_radiance(d, pixel, direction, rgb);
+  return d->light.uniform ? 0 : ylm__scene_dome_tile(d, pixel);
+}
+
+size_t ylm_scene_distant(const ylm_scene *s) { return s->sky_lights; }
+
+size_t ylm_scene_distant_next(const ylm_scene *s, size_t i, const float direction[3],
+                              float radiance[3]) {
+  double wide[3], rgb[3];
+  size_t first = 0;
+  widen(direction, wide);
+  for (size_t k = 0; k < s->domes; first += s->dome[k++].lights) {
+    if (i >= first + s->dome[k].lights) continue;
+    size_t at = light_at(&s->dome[k], wide, rgb);
+    if (first + at < i || at == s->dome[k].lights) continue;
+    narrow(rgb, radiance);
+    return first + at;
   }
-  ylm__scene_turn(n ? n : pole, n ? sqrt(1 - u0) : 1 - 2 * u0, u1, ray->dir);
-  for (int a = 0; a < 3; a++) d[a] = (double)ray->dir[a];
-  ylm_light_set_sky(s->sky, d, false, rgb);
-  for (int a = 0; a < 3; a++) radiance[a] = (float)rgb[a];
-  return n ? PI : 4 * PI;
+  for (size_t k = i > first ? i - first : 0; k < s->cones; k++) {
+    if (!in_cone(&s->cone[k], wide)) continue;
+    narrow(s->cone[k].radiance, radiance);
+    return first + k;
+  }
+  return s->sky_lights;
 }
-
-double ylm__scene_sky_density(const ylm_scene *s, size_t i, const float n[3], const float d[3]) {
-  if (i > 0) return 1 / (2 * PI * (1 - s->cone[i - 1].cosine));
-  return n ? fmax(0, (double)ylm_dot3(d, n)) / PI : 1 / (4 * PI);
-}
-
-size_t ylm_scene_distant(const ylm_scene *s) { return ylm__scene_sky_lights(s); }
 
 bool ylm_scene_distant_radiance(const ylm_scene *s, size_t i, const float direction[3],
                                 float radiance[3]) {
-  double d[3], rgb[3], cosine = 0;
-  for (int a = 0; a < 3; a++) d[a] = (double)direction[a];
-  if (i == 0) {
-    ylm_light_set_sky(s->sky, d, false, rgb);
-    for (int a = 0; a < 3; a++) radiance[a] = (float)rgb[a];
-    return true;
-  }
-  const ylm_light_cone *c = &s->cone[i - 1];
-  for (int a = 0; a < 3; a++) cosine += c->axis[a] * d[a], radiance[a] = (float)c->radiance[a];
-  return cosine >= c->cosine;
+  return ylm_scene_distant_next(s, i, direction, radiance) == i;
 }

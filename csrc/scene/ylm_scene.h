@@ -138,7 +138,8 @@ YLM_API void ylm_scene_chooser_free(ylm_scene_chooser *c);
 **
 ** Each of `light_samples` strata chooses a lamp in proportion to (a bound of) its unshadowed
 ** luminous irradiance, then a direction uniform in the solid angle it fills (disks, and triangles that fill
-** little: a place uniform in area; light that fills the sky: as the cosine).
+** little: a place uniform in area; a sky of one radiance: as the cosine; other skies: pixels as their
+** luminance times solid angle, in tiles that are chosen like lamps).
 **
 **   ray    out  [light_samples]     from x, each to a place of a lamp, or to infinity
 **   value  out  [light_samples][3]  the irradiance that the ray brings if nothing is in its way
@@ -164,6 +165,11 @@ YLM_API bool ylm_scene_near_radiance(const ylm_scene *scene, const ylm_trace_ray
                                      uint32_t lamp, float t, float radiance[3]);
 /* How far a ray that leaves off at distance t sees lamp `lamp`, which may lie on what is there. */
 YLM_API float ylm_scene_reach(const ylm_scene *scene, uint32_t lamp, float t);
+/* The first distant light from i on that shines from a direction of length 1, and its radiance [3]
+   there; ylm_scene_distant: none does. The sky is in tiles, of which a direction meets one: this
+   finds it at once. */
+YLM_API size_t ylm_scene_distant_next(const ylm_scene *scene, size_t i, const float direction[3],
+                                      float radiance[3]);
 /* The radiance [3] of distant light i from a direction of length 1; false: it is not there. */
 YLM_API bool ylm_scene_distant_radiance(const ylm_scene *scene, size_t i, const float direction[3],
                                         float radiance[3]);

@@ -35,6 +35,8 @@ static lights *push_lights(lua_State *L) {
   return l;
 }
 
+ylm_light_set **ylmL_lights_new(lua_State *L) { return &push_lights(L)->set; }
+
 /* The lights on top of the stack, made with a status. */
 static int made(lua_State *L, const lights *l, ylm_status s, const ylm_error *e) {
   if (s == YLM_OK) ylmL_charge(L, ylm_light_set_count(l->set) * 160);

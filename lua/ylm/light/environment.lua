@@ -4,7 +4,9 @@ local array = require "ylm.array"
 local check = require "ylm.check"
 local core = require "ylm.c.core"
 local form = require "ylm.form"
+local memory = require "ylm.memory"
 local pack = require "ylm.light.pack"
+local skies = require "ylm.sh.sky"
 
 local environment = {}
 
@@ -13,14 +15,16 @@ local MOST = 2 ^ 22 -- texels
 --- Which of the sources of an environment is given; fails unless there is one.
 local function source_of(values, fail)
   local given = {}
-  for _, name in ipairs { "radiance", "coefficients", "image", "file" } do
+  for _, name in ipairs { "radiance", "coefficients", "image", "file", "sky" } do
     if values[name] ~= nil then given[#given + 1] = name end
   end
   if #given ~= 1 then
-    return fail("give one of radiance, coefficients, image and file"
+    return fail("give one of radiance, coefficients, image, file and sky"
       .. (given[1] and ", got " .. table.concat(given, " and ") or ""))
   end
-  if values.lmax and values.image == nil and values.file == nil then return fail "lmax is for an image or a file" end
+  if values.lmax and (given[1] == "radiance" or given[1] == "coefficients") then
+    return fail "lmax is for an image, a file or a sky"
+  end
   return given[1]
 end
 
@@ -38,9 +42,9 @@ local function from_coefficients(values, fail)
   return #shape == 2 and list or { list }, lmax
 end
 
---- Rows of coefficients of an image of the whole sphere, projected, and their lmax; nil, message, code.
-local function from_image(values, fail)
-  local image, c, message, code = values.image
+--- The image that is given, or read from a file; nil, message, code.
+local function image_of(values, fail)
+  local image, message, code = values.image
   if values.file then
     if #values.file == 0 or values.file:find "%z" then return fail "file must be a file name" end
     local lib
@@ -52,11 +56,43 @@ local function from_image(values, fail)
     if form.budget then form.budget("texels", image.size[1] * image.size[2], fail) end
   end
   if core.type(image) ~= "ylm.image" then return fail("image must be a ylm.image, got " .. check.describe(image)) end
-  local lmax = values.lmax or 20
+  if not memory.pcall(core.image_info, image) then return fail "the image has been closed" end
+  return image
+end
+
+--- Rows of coefficients of an image of the whole sphere, their lmax, and what rays see, for core.lights_panorama; or nil,
+-- message, code.
+local function from_image(values, fail)
+  local image, message, code = image_of(values, fail)
+  if not image then return nil, message, code end
+  local size = image.size
+  local wrong = require "ylm.sh.project".misshapen(values.mapping, size[1], size[2])
+  if wrong then return fail(wrong) end
+  if size[1] * size[2] > MOST then
+    return fail(("image must have at most 2^22 texels, got %dx%d"):format(size[1], size[2]))
+  end
+  local texels
+  texels, message, code = core.texture_texels(core.image_layer(image))
+  if not texels then return nil, message, code end
+  local sound, fault = core.panorama_check(texels, values.mapping, values.up)
+  if not sound then return fail("image: " .. fault) end
+  local lmax, c = values.lmax or 20
   c, message, code = require "ylm.sh.project".project(lmax, image, { mapping = values.mapping, up = values.up })
   if not c then return nil, message, code end
   local list = core.array_totable(c)
-  return type(list[1]) == "table" and list or { list }, lmax
+  if type(list[1]) ~= "table" then list = { list } end
+  return list[3] and list or { list[1] }, lmax, texels
+end
+
+--- Rows of coefficients of a sky of the CIE, their lmax, and what rays see; or nil, message, code.
+local function from_sky(values, fail)
+  local function wrong(message) return fail("sky: " .. message) end
+  if form.kind(values.sky) then return fail("sky must be a table, got a " .. form.kind(values.sky)) end
+  local sky = skies.settle(form.check(skies.fields, values.sky, wrong), wrong)
+  local lmax = values.lmax or 20
+  local c, message, code = skies.coefficients(lmax, sky, math.max(96, 2 * lmax))
+  if not c then return nil, message, code end
+  return { core.array_totable(c) }, lmax, sky
 end
 
 local function equal(a, b)
@@ -72,18 +108,47 @@ local function records_of(rows, lmax, scale)
   return { { { scale, 0, 0 }, lmax, rows[1] }, { { 0, scale, 0 }, lmax, rows[2] }, { { 0, 0, scale }, lmax, rows[3] } }
 end
 
+local function uniform(values)
+  local c, scale = values.radiance, values.scale
+  return { { { scale * c[1], scale * c[2], scale * c[3] }, -1, { 2 * math.sqrt(math.pi) } } }
+end
+
+--- Appends the numbers of a record { colour, lmax, coefficients } to `out`.
+local function append(out, r)
+  local n = #out
+  out[n + 1], out[n + 2], out[n + 3], out[n + 4] = r[1][1], r[1][2], r[1][3], r[2]
+  for i = 1, #r[3] do out[n + 4 + i] = r[3][i] end
+  return out
+end
+
+--- The lights of records that rays see otherwise; fail(message) raises; or nil, message, code.
+local function panorama(values, seen, fail)
+  local records = {}
+  for i, r in ipairs(values.records) do records[i] = array.array(append({}, r), "double") end
+  local lights, message, code = core.lights_panorama(seen, values.mapping, values.up, values.scale, records)
+  if lights then return lights end
+  if core.status(code) == "caller" then return fail((message:gsub("^%a+ %d+", "it"))) end
+  return check.result("environment_light", nil, message, code)
+end
+
+local from = { coefficients = from_coefficients, image = from_image, file = from_image, sky = from_sky }
+
 local function build(values, fail)
-  local source, scale = source_of(values, fail), values.scale
+  local source = source_of(values, fail)
   if source == "radiance" then
-    local c = values.radiance
-    values.records = { { { scale * c[1], scale * c[2], scale * c[3] }, -1, { 2 * math.sqrt(math.pi) } } }
+    values.records = uniform(values)
   else
-    local rows, lmax, code = (source == "coefficients" and from_coefficients or from_image)(values, fail)
-    if not rows then return nil, lmax, code end
+    local rows, lmax, seen = from[source](values, fail)
+    if not rows then return nil, lmax, seen end
     form.take_numbers({ #rows, #rows[1] }, fail)
-    values.records, values.lmax = records_of(rows, lmax, scale), lmax
+    values.records, values.lmax, values.seen = records_of(rows, lmax, values.scale), lmax, seen
   end
-  local lights, message, code = pack.one("environment_light", values, fail)
+  local lights, message, code
+  if values.seen then
+    lights, message, code = panorama(values, values.seen, fail)
+  else
+    lights, message, code = pack.one("environment_light", values, fail)
+  end
   if not lights then return nil, message, code end
   values.lights = lights
   return setmetatable(values, form.defined.environment_light.metatable)
@@ -92,28 +157,27 @@ end
 environment.environment_light = form.define("environment_light", {
   numbers = 256,
   about = "Light from all around, infinitely far away: the same at every point, seen where nothing is hit. Give radiance, "
-    .. "coefficients, image or file. Rays see the reconstruction from the coefficients, or 0 where that is negative.",
+    .. "coefficients, image, file or sky. Light fields have its coefficients; rays see the image or the sky itself, of "
+    .. "coefficients the reconstruction, or 0 where that is negative.",
   fields = {
     { "radiance", "colour", optional = true, unit = "W sr^-1 m^-2", about = "the same from every direction; may be negative" },
     { "coefficients", "any", optional = true, unit = "W sr^-1/2 m^-2",
       about = "[(lmax+1)^2] or [3][(lmax+1)^2], of the convention that the array says; higher degrees are refused" },
-    { "image", "any", optional = true, unit = "W sr^-1 m^-2", about = "a ylm.image of the whole sphere, projected" },
+    { "image", "any", optional = true, unit = "W sr^-1 m^-2", about = "a ylm.image of the whole sphere, whose first layer is radiance, not negative" },
     { "file", "string", optional = true, about = "an image file (.exr, .hdr, .png, .pfm) instead of image" },
+    { "sky", "table", optional = true, unit = "W sr^-1 m^-2",
+      about = "a sky of the CIE: { kind =, zenith =, sun =, luminance = } as ylm.sh.sky takes them" },
     { "mapping", "choice", of = { "latlong", "angular", "cube" }, default = "latlong", about = "of the image" },
     { "up", "choice", of = { "z", "y" }, default = "z", about = "of the image: where its pole is" },
     { "lmax", "integer", min = 0, max = 100, optional = true,
-      about = "of the image's coefficients, default 20; fields of higher degree are refused" },
+      about = "of the coefficients of an image or a sky, default 20; fields of higher degree are refused" },
     { "scale", "number", default = 1, about = "multiplies everything" },
   },
   build = build,
   light = {
-    kind = "environment",
+    kind = function(l) return not l.seen and "environment" or nil end,
     record = function(l, out)
-      for _, r in ipairs(l.records) do
-        local n = #out
-        out[n + 1], out[n + 2], out[n + 3], out[n + 4] = r[1][1], r[1][2], r[1][3], r[2]
-        for i = 1, #r[3] do out[n + 4 + i] = r[3][i] end
-      end
+      for _, r in ipairs(l.records) do append(out, r) end
     end,
   },
   example = "environment_light { radiance = {0.5, 0.6, 0.8} }",

@@ -1,8 +1,8 @@
 --- The kinds of lights: module, then its constructors. A kind is a row here, a form there, a row and a file in csrc/light.
 --
 -- A form says in `light` how its values become records of csrc/light/kind.h: kind (a name, or a function(values)) and
--- record(values, out), which appends the numbers of one record to `out`. A form without a record makes a set of lights by
--- itself: values.lights.
+-- record(values, out), which appends the numbers of one record to `out`. A form without a record, or values without a kind,
+-- make a set of lights by themselves: values.lights.
 
 return {
   { "ylm.light.sphere", "sphere_light", "sphere_lights" },

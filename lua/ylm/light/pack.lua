@@ -14,9 +14,10 @@ local function doubles(list)
   return a
 end
 
---- The kind of the records of a light that a form has built.
+--- The kind of the records of a light that a form has built; nil: it is a set by itself, values.lights.
 local function kind_of(light, value)
-  return type(light.kind) == "function" and light.kind(value) or light.kind
+  if type(light.kind) == "function" then return light.kind(value) end
+  return light.kind
 end
 
 --- The lights object of one value of the form `name`, so that what is wrong with it is said where it is made; fail(message)
@@ -41,8 +42,8 @@ end
 local function gather(n, name, value, sources, run, depth)
   local kind = form.kind(value)
   local light = type(value) == "table" and kind and form.defined[kind].light
-  if light and light.record then
-    local records = kind_of(light, value)
+  local records = light and light.record and kind_of(light, value)
+  if records then
     if run.kind ~= records then flush(sources, run) end
     run.kind = records
     light.record(value, run)

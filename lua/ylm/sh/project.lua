@@ -156,19 +156,23 @@ local function of_function(lmax, f, o)
 end
 
 local shapes = {
-  latlong = { function(w, h) return w == 2 * h end, "twice as wide as high" },
-  angular = { function(w, h) return w == h end, "as wide as high" },
-  cube = { function(w, h) return h == 6 * w end, "six times as high as wide, its faces one above the other" },
+  latlong = "twice as wide as high",
+  angular = "as wide as high",
+  cube = "six times as high as wide, its faces one above the other",
 }
+
+--- What is wrong with the size of an image for a mapping, or nil.
+local function misshapen(mapping, w, h)
+  if core.mapping_fits(mapping, w, h) then return nil end
+  return ("an image for mapping '%s' is %s, got %dx%d"):format(mapping, shapes[mapping], w, h)
+end
 
 --- Of an image of the whole sphere: every pixel with its solid angle. The error is that of taking a pixel's direction
 -- for its whole area, which falls with the square of its size: a third of what blocks of 2 x 2 pixels differ by.
 local function of_image(lmax, image, o)
   local size = image.size
-  if not shapes[o.mapping][1](size[1], size[2]) then
-    return check.bad(2, "project", "an image for mapping '%s' is %s, got %dx%d", o.mapping, shapes[o.mapping][2], size[1],
-      size[2])
-  end
+  local wrong = misshapen(o.mapping, size[1], size[2])
+  if wrong then return check.bad(2, "project", "%s", wrong) end
   local directions, angles, code = image:directions { mapping = o.mapping, up = o.up }
   if not directions then return nil, angles, code end
   local layer = image:layer(o.layer)
@@ -287,5 +291,6 @@ function project.project(lmax, f, options)
 end
 
 project.of_samples, project.distance = of_samples, distance -- sh/sky.lua
+project.misshapen = misshapen -- light/environment.lua
 
 return project

@@ -1,0 +1,38 @@
+/* dome.h - light that fills the sky, as tiles that rays are aimed at. Private to csrc/scene. */
+#ifndef YLM_SCENE_DOME_H
+#define YLM_SCENE_DOME_H
+
+#include "ylm_light_sky.h"
+
+/* What weights of a light of the sky take: luminous power over pi, its mean direction times that,
+   and the largest distance of a direction from that mean, times power too. */
+typedef struct scene_sky_bound {
+  double power, mean[3], spread;
+} scene_sky_bound;
+
+/* The pixels of a panorama, or of a table of what has none, in tiles: each is a light. Uniform domes
+   have no pixels and are one light. */
+typedef struct scene_dome {
+  ylm_light_dome light;
+  ylm_mapping mapping;
+  ylm_up up;
+  int width, height;
+  size_t across, down, lights; /* tiles; lights = across*down, or 1 */
+  scene_sky_bound *bound;      /* [lights] */
+  float *share;                /* [height][width] of the luminous power of a pixel's tile */
+  float *keep;                 /* [height][width] the alias table of each tile: how often its own */
+  uint32_t *other;             /* pixel is meant, and which one else, counted in the tile */
+} scene_dome;
+
+/* To be freed in any case; YLM_ENOMEM. */
+ylm_status ylm__scene_dome_create(scene_dome *d, const ylm_light_dome *light);
+void ylm__scene_dome_free(scene_dome *d);
+/* A pixel of a tile that is not dark, for u of 0 .. 1; *rest: what u is within it. */
+size_t ylm__scene_dome_pixel(const scene_dome *d, size_t tile, double u, double *rest);
+/* The tile of a pixel. */
+size_t ylm__scene_dome_tile(const scene_dome *d, size_t pixel);
+/* The radiance from direction d of length 1, which falls into that pixel. */
+void ylm__scene_dome_radiance(const scene_dome *d, size_t pixel, const double direction[3],
+                              double rgb[3]);
+
+#endif
