@@ -53,6 +53,7 @@
   X(texture)
 
 #define YLML_SCENE_BINDINGS(X)                                                                     \
+  X(chooser)                                                                                       \
   X(path)                                                                                          \
   X(shade)                                                                                         \
   X(shade_entries)                                                                                 \
