@@ -93,7 +93,7 @@ void ylm_colourmap_at(ylm_colourmap map, double t, float rgb[3]) {
 
 /* The number that stands for a pixel: luminance, or its only channel. */
 static double measure(const float *p, int channels) {
-  return channels >= 3 ? 0.2126 * p[0] + 0.7152 * p[1] + 0.0722 * p[2] : p[0];
+  return channels >= 3 ? ylm_luminance((const double[]){p[0], p[1], p[2]}) : p[0];
 }
 
 ylm_status ylm_image_false_colour(const ylm_image *in, const char *name, ylm_colourmap map,

@@ -120,8 +120,7 @@ ylm_status ylm_light_bounds_meet(ylm_light_bounds *b, size_t n, const ylm_light 
 static double emission(const ylm_light_bounds *t, const ylm_light *a, const ylm_light *b) {
   double x[3], s = 0;
   for (int c = 0; c < 3; c++) x[c] = a->radiance[c] - (b ? b->radiance[c] : 0);
-  if (t->channels == 1)
-    return fabs(YLM_LUMINANCE_R * x[0] + YLM_LUMINANCE_G * x[1] + YLM_LUMINANCE_B * x[2]);
+  if (t->channels == 1) return fabs(ylm_luminance(x));
   for (int c = 0; c < 3; c++) s += x[c] * x[c];
   return sqrt(s);
 }

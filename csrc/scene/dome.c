@@ -89,10 +89,6 @@ void ylm__scene_dome_radiance(const scene_dome *d, size_t pixel, const double di
     ylm_light_dome_radiance(&d->light, direction, rgb);
 }
 
-static double luminance_of(const double rgb[3]) {
-  return ylm_luminance((const double[]){fabs(rgb[0]), fabs(rgb[1]), fabs(rgb[2])});
-}
-
 /* The mean luminance of a pixel, from places in it. */
 static double look(const scene_dome *d, size_t pixel) {
   double sum = 0, direction[3], rgb[3];
@@ -100,7 +96,7 @@ static double look(const scene_dome *d, size_t pixel) {
   for (int i = 0; i < looks * looks; i++) {
     within(d, pixel, (i % looks + 0.5) / looks, (i / looks + 0.5) / looks, direction);
     ylm__scene_dome_radiance(d, pixel, direction, rgb);
-    sum += luminance_of(rgb) / (looks * looks);
+    sum += ylm_luminance_size(rgb) / (looks * looks);
   }
   return sum;
 }
@@ -186,7 +182,8 @@ static void bound_tile(const scene_dome *d, const tile *t, const double *power,
 static void bound_uniform(const scene_dome *d, scene_sky_bound *out) {
   double rgb[3], direction[3] = {0, 0, 1};
   ylm_light_dome_radiance(&d->light, direction, rgb);
-  *out = (scene_sky_bound){.power = 4 * luminance_of(rgb), .spread = 4 * luminance_of(rgb)};
+  *out = (scene_sky_bound){.power = 4 * ylm_luminance_size(rgb),
+                           .spread = 4 * ylm_luminance_size(rgb)};
 }
 
 /* -- domes ------------------------------------------------------------------------------------- */

@@ -43,9 +43,7 @@ static ylm_status make_cones(ylm_scene *s) {
 }
 
 static scene_sky_bound bound_cone(const ylm_light_cone *c) {
-  double rgb[3];
-  for (int k = 0; k < 3; k++) rgb[k] = fabs(c->radiance[k]);
-  double power = 2 * (1 - c->cosine) * ylm_luminance(rgb), mean = (1 + c->cosine) / 2;
+  double power = 2 * (1 - c->cosine) * ylm_luminance_size(c->radiance), mean = (1 + c->cosine) / 2;
   double rim = hypot(sqrt(fmax(0, 1 - c->cosine * c->cosine)), c->cosine - mean);
   scene_sky_bound b = {.power = power, .spread = rim * power};
   for (int a = 0; a < 3; a++) b.mean[a] = mean * power * c->axis[a];

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "view.h"
+#include "ylm_image.h"
 
 #define GRAIN 16
 #define STREAMS 0x6f63636c7573696fu /* random numbers that no other estimate of the view uses */
@@ -27,8 +28,9 @@ typedef struct scratch {
 } scratch;
 
 static double luminance(const float value[3], const float albedo[3]) {
-  return fabs(0.2126 * (double)(value[0] * albedo[0]) + 0.7152 * (double)(value[1] * albedo[1]) +
-              0.0722 * (double)(value[2] * albedo[2]));
+  double rgb[3];
+  for (int c = 0; c < 3; c++) rgb[c] = (double)(value[c] * albedo[c]);
+  return fabs(ylm_luminance(rgb));
 }
 
 /* A random entry of stratum k, and the shading point that colours it: of a view per vertex one of

@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "update.h"
+#include "ylm_image.h"
 
 typedef struct panel_change {
   update *u;
@@ -26,7 +27,7 @@ static void add_value(const panel_change *k, size_t i, const ylm_light *l, doubl
   size_t count = (size_t)g->contents.count;
   int channels = g->contents.form.channels;
   const double *e = l->radiance;
-  double grey = YLM_LUMINANCE_R * e[0] + YLM_LUMINANCE_G * e[1] + YLM_LUMINANCE_B * e[2], sum = 0;
+  double grey = ylm_luminance(e), sum = 0;
   const float *value = k->value + i * count;
   for (int c = 0; c < channels; c++) {
     double x = sign * (channels == 1 ? grey : e[c]);

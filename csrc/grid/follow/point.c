@@ -4,6 +4,8 @@
 #include <math.h>
 #include <string.h>
 
+#include "ylm_image.h"
+
 /* Grows *p from `used` to `room` bytes; false without memory. */
 static bool grow(void *p, size_t used, size_t room) {
   void *old, *now;
@@ -86,9 +88,7 @@ static void add_scaled(float *restrict to, float scale, const float *restrict x,
 /* Weights of a light's unit field in the `channels` of a grid. */
 static void channel_weights(const double colour[3], int channels, float out[3]) {
   for (int c = 0; c < 3; c++) out[c] = (float)colour[c];
-  if (channels == 1)
-    out[0] = (float)(YLM_LUMINANCE_R * colour[0] + YLM_LUMINANCE_G * colour[1] +
-                     YLM_LUMINANCE_B * colour[2]);
+  if (channels == 1) out[0] = (float)ylm_luminance(colour);
 }
 
 void ylm__dynamic_add(ylm_grid *g, uint32_t p, const point_change *x, float *room) {
@@ -123,8 +123,7 @@ void ylm__dynamic_add(ylm_grid *g, uint32_t p, const point_change *x, float *roo
 static double luminance_norm(const float *restrict row, size_t count) {
   double s[2] = {0};
   for (size_t i = 0; i < count; i++) {
-    double x = YLM_LUMINANCE_R * (double)row[i] + YLM_LUMINANCE_G * (double)row[count + i] +
-               YLM_LUMINANCE_B * (double)row[2 * count + i];
+    double x = ylm_luminance((const double[]){row[i], row[count + i], row[2 * count + i]});
     s[i & 1] += x * x;
   }
   return sqrt(s[0] + s[1]);

@@ -3,10 +3,9 @@
 
 #include <math.h>
 
-static double magnitude(const ylm__lamp_d *l) {
-  return YLM_LUMINANCE_R * fabs(l->rgb[0]) + YLM_LUMINANCE_G * fabs(l->rgb[1]) +
-         YLM_LUMINANCE_B * fabs(l->rgb[2]);
-}
+#include "ylm_image.h"
+
+static double magnitude(const ylm__lamp_d *l) { return ylm_luminance_size(l->rgb); }
 
 void ylm__tree_add(double m[MOMENTS], double e, const double *x, double r2) {
   int k2 = M2, k3 = M3;

@@ -4,6 +4,8 @@
 #include <math.h>
 #include <string.h>
 
+#include "ylm_image.h"
+
 #define PASS_BYTES ((uint64_t)96 << 20) /* of the device's memory for a pass of points */
 #define PARTIAL_BYTES ((uint64_t)48 << 20)
 
@@ -18,7 +20,7 @@ static void pack_lamp(const ylm_light_lamp *l, bool cosine, ylm_dtype t, double 
   /* in float r^2 is exact in double; there the rest is by fma */
   double square = r * r, high = t == YLM_FLOAT ? (double)(float)square : square;
   double low = t == YLM_FLOAT ? square - high : fma(r, r, -square);
-  double lum = YLM_LUMINANCE_R * rgb[0] + YLM_LUMINANCE_G * rgb[1] + YLM_LUMINANCE_B * rgb[2];
+  double lum = ylm_luminance(rgb);
   double plain = cosine ? 0 : 1;
   double rest[9] = {high, low, r, plain, lum, rgb[0], rgb[1], rgb[2], 0};
   memcpy(x, l->at, 3 * sizeof *x);

@@ -3,6 +3,7 @@
 #include <math.h>
 
 #include "lights.h"
+#include "ylm_image.h"
 
 #define RUNS 10u /* of a slice; these as in the kernel */
 #define SLOTS 64u
@@ -39,7 +40,7 @@ static void pack(packed *p, const ylm_light_rims *a, size_t i) {
   size_t vertices = rows_of(a->sides[i]);
   put(row[0], a->normal + 3 * i, a->sides[i]);
   put(row[1], a->centroid + 3 * i, a->sides[i] ? 0 : ylm_light_rim_speed(v + 3, v + 6));
-  put(row[2], rgb, YLM_LUMINANCE_R * rgb[0] + YLM_LUMINANCE_G * rgb[1] + YLM_LUMINANCE_B * rgb[2]);
+  put(row[2], rgb, ylm_luminance(rgb));
   put(row[3], a->horizon, a->horizon ? 1 : 0);
   for (size_t k = 0; k < vertices; k++) put(row[ROWS + k], v + 3 * k, 0);
   for (size_t k = 0; k < arcs_of(a, i); k++, p->arcs++) {
