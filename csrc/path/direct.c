@@ -19,11 +19,11 @@ static float by_chance(const path_tile *t, uint32_t lamp, const float direction[
 
 static void meet_distant(path_tile *t, const float direction[3], float pdf, float radiance[3]) {
   const ylm_scene *s = t->job->scene;
-  uint32_t near = (uint32_t)ylm_scene_near(s);
-  for (uint32_t i = 0; i < ylm_scene_distant(s); i++) {
-    float one[3], w;
-    if (!ylm_scene_distant_radiance(s, i, direction, one)) continue;
-    w = by_chance(t, near + i, direction, pdf);
+  size_t near = ylm_scene_near(s), all = ylm_scene_distant(s);
+  float one[3];
+  for (size_t i = ylm_scene_distant_next(s, 0, direction, one); i < all;
+       i = ylm_scene_distant_next(s, i + 1, direction, one)) {
+    float w = by_chance(t, (uint32_t)(near + i), direction, pdf);
     for (int c = 0; c < 3; c++) radiance[c] += w * one[c];
   }
 }

@@ -248,8 +248,3 @@ size_t ylm_scene_distant_next(const ylm_scene *s, size_t i, const float directio
   }
   return s->sky_lights;
 }
-
-bool ylm_scene_distant_radiance(const ylm_scene *s, size_t i, const float direction[3],
-                                float radiance[3]) {
-  return ylm_scene_distant_next(s, i, direction, radiance) == i;
-}

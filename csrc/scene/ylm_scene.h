@@ -170,10 +170,6 @@ YLM_API float ylm_scene_reach(const ylm_scene *scene, uint32_t lamp, float t);
    finds it at once. */
 YLM_API size_t ylm_scene_distant_next(const ylm_scene *scene, size_t i, const float direction[3],
                                       float radiance[3]);
-/* The radiance [3] of distant light i from a direction of length 1; false: it is not there. */
-YLM_API bool ylm_scene_distant_radiance(const ylm_scene *scene, size_t i, const float direction[3],
-                                        float radiance[3]);
-
 /*
 ** ylm_scene_choose - turn a chooser to the point x.
 **
