@@ -1,5 +1,5 @@
 /* metrics.c - how far two images are apart. */
-#include "ylm_image.h"
+#include "metrics.h"
 
 #include <math.h>
 #include <string.h>
@@ -9,14 +9,14 @@
 #define FIELDS 6 /* weight, a, b, aa, bb, ab */
 
 typedef struct partial {
-  double square, absolute, percent, ssim, max, peak;
+  double square, absolute, percent, relative, ssim, max, peak;
   size_t pixels, bad; /* bad: one-based index of the first pixel that is not finite */
 } partial;
 
 typedef struct comparison {
   const float *a, *b, *mask;
   size_t width, height, channels;
-  double peak, floor;
+  double peak, floor, epsilon;
   double window[2 * RADIUS + 1];
   partial *part; /* one for each block */
 } comparison;
@@ -50,6 +50,7 @@ static ylm_status sum_up(void *context, size_t begin, size_t end, int worker) {
     for (size_t k = 0; k < c->channels; k++) {
       double y = c->b[i * c->channels + k], d = fabs((double)c->a[i * c->channels + k] - y);
       p->square += d * d;
+      p->relative += d * d / (y * y + c->epsilon);
       p->absolute += d;
       if (d > 0) p->percent += d / fmax(fabs(y), c->floor);
       if (d > p->max) p->max = d;
@@ -123,9 +124,13 @@ static void make_window(double window[2 * RADIUS + 1]) {
 
 /* -- both -------------------------------------------------------------------------------- */
 
-/* One layer of both images, checked: equal sizes and numbers of channels. */
-static ylm_status match(const ylm_image *a, const ylm_image *b, const char *name,
-                        const ylm_layer **la, const ylm_layer **lb, ylm_error *e) {
+ylm_status ylm__image_not_finite(size_t i, size_t width, ylm_error *e) {
+  return ylm_fail(e, YLM_EDOMAIN, "pixel (%zu, %zu) is not finite: give a mask that leaves it out",
+                  i % width + 1, i / width + 1);
+}
+
+ylm_status ylm__image_match(const ylm_image *a, const ylm_image *b, const char *name,
+                            const ylm_layer **la, const ylm_layer **lb, ylm_error *e) {
   *la = ylm_image_find(a, name);
   *lb = *la ? ylm_image_find(b, name ? name : (*la)->name) : NULL;
   if (*la && !name && !*lb) *lb = ylm_image_find(b, NULL);
@@ -141,15 +146,11 @@ static ylm_status match(const ylm_image *a, const ylm_image *b, const char *name
   return YLM_OK;
 }
 
-static ylm_status measure(comparison *c, size_t blocks, double peak, double floor, int threads,
-                          const ylm_progress *progress, ylm_metrics *m, ylm_error *e) {
+static ylm_status measure(comparison *c, size_t blocks, double peak, double floor, double epsilon,
+                          int threads, const ylm_progress *progress, ylm_metrics *m, ylm_error *e) {
   ylm_parallel(c->height, ROWS, threads, survey, c, NULL, NULL);
   for (size_t i = 0; i < blocks; i++) {
-    size_t bad = c->part[i].bad;
-    if (bad)
-      return ylm_fail(e, YLM_EDOMAIN,
-                      "pixel (%zu, %zu) is not finite: give a mask that leaves it out",
-                      (bad - 1) % c->width + 1, (bad - 1) / c->width + 1);
+    if (c->part[i].bad) return ylm__image_not_finite(c->part[i].bad - 1, c->width, e);
     m->pixels += c->part[i].pixels;
     if (c->part[i].peak > m->peak) m->peak = c->part[i].peak;
   }
@@ -158,6 +159,7 @@ static ylm_status measure(comparison *c, size_t blocks, double peak, double floo
   m->floor = floor > 0 ? floor : m->peak / 1000;
   c->peak = m->peak;
   c->floor = m->floor;
+  c->epsilon = m->epsilon = epsilon > 0 ? epsilon : 0.01;
   ylm_parallel(c->height, ROWS, threads, sum_up, c, NULL, NULL);
   ylm_status s = ylm_parallel(c->height, ROWS, threads, ssim_rows, c, progress, "comparing");
   if (s != YLM_OK) return ylm_fail(e, s, "%s", ylm_status_text(s));
@@ -165,6 +167,7 @@ static ylm_status measure(comparison *c, size_t blocks, double peak, double floo
     m->mse += c->part[i].square;
     m->mae += c->part[i].absolute;
     m->mape += c->part[i].percent;
+    m->relmse += c->part[i].relative;
     m->ssim += c->part[i].ssim;
     if (c->part[i].max > m->max) m->max = c->part[i].max;
   }
@@ -172,6 +175,7 @@ static ylm_status measure(comparison *c, size_t blocks, double peak, double floo
   m->mse /= n;
   m->mae /= n;
   m->mape *= 100 / n;
+  m->relmse /= n;
   m->ssim /= n;
   m->rmse = sqrt(m->mse);
   m->psnr = m->mse > 0 ? 10 * log10(m->peak * m->peak / m->mse) : INFINITY;
@@ -179,11 +183,12 @@ static ylm_status measure(comparison *c, size_t blocks, double peak, double floo
 }
 
 ylm_status ylm_image_compare(const ylm_image *a, const ylm_image *b, const char *name,
-                             const float *mask, double peak, double floor, int threads,
-                             const ylm_progress *progress, ylm_metrics *m, ylm_error *e) {
+                             const float *mask, double peak, double floor, double epsilon,
+                             int threads, const ylm_progress *progress, ylm_metrics *m,
+                             ylm_error *e) {
   const ylm_layer *la, *lb;
   memset(m, 0, sizeof *m);
-  ylm_status s = match(a, b, name, &la, &lb, e);
+  ylm_status s = ylm__image_match(a, b, name, &la, &lb, e);
   if (s != YLM_OK) return s;
   comparison c = {.a = la->data,
                   .b = lb->data,
@@ -195,7 +200,7 @@ ylm_status ylm_image_compare(const ylm_image *a, const ylm_image *b, const char 
   make_window(c.window);
   c.part = ylm_alloc_zero(blocks, sizeof *c.part);
   if (!c.part) return ylm_fail(e, YLM_ENOMEM, "memory ran out");
-  s = measure(&c, blocks, peak, floor, threads, progress, m, e);
+  s = measure(&c, blocks, peak, floor, epsilon, threads, progress, m, e);
   ylm_free(c.part);
   return s;
 }
@@ -205,7 +210,7 @@ ylm_status ylm_image_difference(const ylm_image *a, const ylm_image *b, const ch
                                 ylm_error *e) {
   const ylm_layer *la, *lb;
   *out = NULL;
-  ylm_status s = match(a, b, name, &la, &lb, e);
+  ylm_status s = ylm__image_match(a, b, name, &la, &lb, e);
   if (s != YLM_OK) return s;
   s = ylm_image_create(a->width, a->height, out, e);
   if (s == YLM_OK) s = ylm_image_add(*out, la->name, la->channels, e);

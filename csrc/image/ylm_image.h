@@ -192,12 +192,14 @@ YLM_API ylm_status ylm_image_false_colour(const ylm_image *in, const char *layer
 **   mae, max   mean and largest absolute difference
 **   mape       mean of |a - b| / max(|b|, floor), in percent; the floor as asked for, else
 **              peak / 1000
+**   relmse     mean of (a - b)^2 / (b^2 + epsilon) (Rousselle et al. 2011); epsilon as asked for,
+**              else 0.01
 **   ssim       mean structural similarity (Wang et al. 2004) over pixels of the mask and channels:
 **              Gaussian window, sigma 1.5, 11 x 11, cut at the edges and normalised,
 **              K1 = 0.01, K2 = 0.03, dynamic range = peak
 */
 typedef struct ylm_metrics {
-  double mse, rmse, psnr, peak, mae, mape, floor, ssim, max;
+  double mse, rmse, psnr, peak, mae, mape, floor, relmse, epsilon, ssim, max;
   size_t pixels; /* that counted */
 } ylm_metrics;
 
@@ -207,6 +209,7 @@ typedef struct ylm_metrics {
 **   mask   in  [height][width] or NULL: everywhere
 **   peak   in  > 0, or 0: from the reference
 **   floor  in  > 0, or 0: peak / 1000
+**   epsilon  in  > 0, or 0: 0.01
 **   progress   in  may be NULL
 **
 ** Returns  YLM_OK; YLM_EINVAL (no such layer, an empty mask), YLM_ESHAPE (sizes, channels),
@@ -214,8 +217,37 @@ typedef struct ylm_metrics {
 **          YLM_ECANCELLED
 */
 YLM_API ylm_status ylm_image_compare(const ylm_image *a, const ylm_image *b, const char *name,
-                                     const float *mask, double peak, double floor, int threads,
-                                     const ylm_progress *progress, ylm_metrics *m, ylm_error *e);
+                                     const float *mask, double peak, double floor, double epsilon,
+                                     int threads, const ylm_progress *progress, ylm_metrics *m,
+                                     ylm_error *e);
+
+/* The parameters of ylm_image_flip, and its results behind them. */
+typedef struct ylm_flip {
+  double pixels_per_degree; /* 67.02: 0.7 m before a screen of 0.7 m with 3840 pixels */
+  bool hdr;                 /* pictures of radiance; else 0 .. 1, linear, cut off there */
+  double start, stop; /* hdr: first and last exposure, stops; NAN: as the reference asks for */
+  int exposures;      /* from start to stop: 2, or one for each stop */
+  double mean, max;
+} ylm_flip;
+
+/*
+** ylm_image_flip - how different two pictures look when they alternate on a screen, 0 .. 1.
+**
+** Layers of less than 3 channels are grey, a fourth channel is left out; negative numbers are 0.
+** Edges repeat. Pixels that the mask leaves out are seen beside others, black where they are not
+** finite; the map is 0 there.
+**
+**   o     in/out  parameters, results
+**   mask  in      [height][width] or NULL: everywhere
+**   map   out     an image of one layer "flip" of one channel
+**
+** Returns  YLM_OK; as ylm_image_compare, YLM_ERANGE (pixels per degree, start above stop)
+** Cost     80 bytes a pixel, some 2 us a pixel, exposure and thread
+** Source   Andersson et al. 2020, 2021: csrc/image/flip.c
+*/
+YLM_API ylm_status ylm_image_flip(const ylm_image *a, const ylm_image *b, const char *name,
+                                  const float *mask, ylm_flip *o, int threads,
+                                  const ylm_progress *progress, ylm_image **map, ylm_error *e);
 
 /*
 ** How far two estimates are apart, in terms of their noise: sums run over all channels of all pixels

@@ -4,7 +4,7 @@
 
 #include "ylm_light_sky.h"
 
-/* What weights of a light of the sky take: luminous power over pi, its mean direction times that,
+/* The numbers behind weights of lights of the sky: luminous power over pi, its mean direction times that,
    and the largest distance of a direction from that mean, times power too. */
 typedef struct scene_sky_bound {
   double power, mean[3], spread;

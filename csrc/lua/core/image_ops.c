@@ -2,6 +2,9 @@
 ** image_ops.c - what is computed from images: metrics, resizing, drawing, colours, directions.
 */
 #include "../binding.h"
+
+#include <math.h>
+
 #include "ylm_image.h"
 
 static int integer(lua_State *L, int i) {
@@ -29,11 +32,11 @@ static const float *mask(lua_State *L, int i, const ylm_image *image) {
   return a->data;
 }
 
-/* image_compare(a, b, {layer or nil, mask or nil, peak, floor, threads, progress}) -> table */
+/* image_compare(a, b, {layer or nil, mask or nil, peak, floor, epsilon, threads, progress}) -> table */
 static int image_compare(lua_State *L) {
-  static const char *const names[] = {"layer",   "mask",     "peak", "floor",
-                                      "threads", "progress", NULL};
-  enum { LAYER = 4, MASK, PEAK, FLOOR, THREADS, PROGRESS };
+  static const char *const names[] = {"layer",   "mask",    "peak",     "floor",
+                                      "epsilon", "threads", "progress", NULL};
+  enum { LAYER = 4, MASK, PEAK, FLOOR, EPSILON, THREADS, PROGRESS };
   ylm_image *a = ylmL_image_check(L, 1), *b = ylmL_image_check(L, 2);
   ylmL_named(L, 3, names);
   const float *where = mask(L, MASK, a);
@@ -42,9 +45,10 @@ static int image_compare(lua_State *L) {
   ylmL_progress progress;
   const char *layer = luaL_optstring(L, LAYER, NULL);
   double peak = (double)luaL_optnumber(L, PEAK, 0), least = (double)luaL_optnumber(L, FLOOR, 0);
-  ylm_status s = ylm_image_compare(a, b, layer, where, peak, least, integer(L, THREADS),
+  double epsilon = (double)luaL_optnumber(L, EPSILON, 0);
+  ylm_status s = ylm_image_compare(a, b, layer, where, peak, least, epsilon, integer(L, THREADS),
                                    ylmL_progress_begin(L, PROGRESS, &progress), &m, &e);
-  lua_createtable(L, 0, 10);
+  lua_createtable(L, 0, 12);
   ylmL_set_number(L, "mse", m.mse);
   ylmL_set_number(L, "rmse", m.rmse);
   ylmL_set_number(L, "psnr", m.psnr);
@@ -52,10 +56,41 @@ static int image_compare(lua_State *L) {
   ylmL_set_number(L, "mae", m.mae);
   ylmL_set_number(L, "mape", m.mape);
   ylmL_set_number(L, "floor", m.floor);
+  ylmL_set_number(L, "relmse", m.relmse);
+  ylmL_set_number(L, "epsilon", m.epsilon);
   ylmL_set_number(L, "ssim", m.ssim);
   ylmL_set_number(L, "max", m.max);
   ylmL_set_count(L, "pixels", m.pixels);
   return ylmL_result_progress(L, 1, s, &e, &progress);
+}
+
+/* image_flip(a, b, {layer or nil, mask or nil, pixels_per_degree, hdr, start or nil, stop or nil,
+   threads, progress}) -> map, {mean, max, start, stop, exposures} */
+static int image_flip(lua_State *L) {
+  static const char *const names[] = {"layer", "mask",    "pixels_per_degree", "hdr", "start",
+                                      "stop",  "threads", "progress",          NULL};
+  enum { LAYER = 4, MASK, PIXELS, HDR, START, STOP, THREADS, PROGRESS };
+  ylm_image *a = ylmL_image_check(L, 1), *b = ylmL_image_check(L, 2);
+  ylmL_named(L, 3, names);
+  const float *where = mask(L, MASK, a);
+  const char *layer = luaL_optstring(L, LAYER, NULL);
+  ylm_error e = {0};
+  ylm_flip o = {.pixels_per_degree = (double)luaL_checknumber(L, PIXELS),
+                .hdr = lua_toboolean(L, HDR),
+                .start = (double)luaL_optnumber(L, START, (lua_Number)NAN),
+                .stop = (double)luaL_optnumber(L, STOP, (lua_Number)NAN)};
+  ylmL_progress p;
+  int threads = integer(L, THREADS);
+  const ylm_progress *progress = ylmL_progress_begin(L, PROGRESS, &p);
+  ylm_image **map = ylmL_image_new(L);
+  ylm_status s = ylm_image_flip(a, b, layer, where, &o, threads, progress, map, &e);
+  lua_createtable(L, 0, 5);
+  ylmL_set_number(L, "mean", o.mean);
+  ylmL_set_number(L, "max", o.max);
+  ylmL_set_number(L, "start", o.start);
+  ylmL_set_number(L, "stop", o.stop);
+  ylmL_set_number(L, "exposures", o.exposures);
+  return ylmL_result_progress(L, 2, s, &e, &p);
 }
 
 /* image_agree(a, b, layer or nil, mask or nil) -> z2, largest z2 of a block, its left and top pixel
@@ -236,6 +271,7 @@ static int mapping_positions(lua_State *L) {
 static const luaL_Reg functions[] = {{"image_compare", image_compare},
                                      {"image_difference", image_difference},
                                      {"image_agree", image_agree},
+                                     {"image_flip", image_flip},
                                      {"image_crop", image_crop},
                                      {"image_resize", image_resize},
                                      {"image_paste", image_paste},

@@ -161,7 +161,7 @@ local shapes = {
   cube = "six times as high as wide, its faces one above the other",
 }
 
---- What is wrong with the size of an image for a mapping, or nil.
+--- The fault of the size of an image for a mapping, or nil.
 local function misshapen(mapping, w, h)
   if core.mapping_fits(mapping, w, h) then return nil end
   return ("an image for mapping '%s' is %s, got %dx%d"):format(mapping, shapes[mapping], w, h)

@@ -14,7 +14,7 @@ local sky = {}
 
 local pi = math.pi
 
---- What a sky is.
+--- The fields that describe a sky.
 local fields = {
   { "kind", "choice", of = { "overcast", "clear", "partly cloudy" }, default = "overcast", about = "CIE standard sky" },
   { "zenith", "vector", default = { 0, 0, 1 }, about = "up" },
