@@ -55,7 +55,7 @@ struct ylm_scene {
   size_t domes, cones, sky_lights;
   scene_dome *dome;     /* [domes] those that fill the sky */
   ylm_light_cone *cone; /* [cones] the others */
-  float *sky_bound[6];  /* [sky_lights], padded: mean x, y, z, spread, 1/(4 spread), power */
+  float *sky_bound[6];  /* [sky_lights] mean x, y, z, spread, 1/(4 spread), power */
   scene_power *power;   /* NULL: lamps are weighed one by one */
 };
 

@@ -99,14 +99,15 @@ bool ylm_scene_sky_radiance(const ylm_scene *s, const ylm_trace_ray *ray, double
 /* -- weights ----------------------------------------------------------------------------------- */
 
 /* With the cosine to the mean x and the spread s, times power: x above s, 0 below -s, and a parabola
-   between them that meets both. */
+   between them that meets both. Padding keeps the weight 0 that it has. */
 void ylm__scene_sky_weights(const ylm_scene *s, const float *n, float *weight, float *sum) {
   float *const *b = s->sky_bound;
   for (size_t chunk = 0; chunk * YLM_LAMP_CHUNK < s->sky_lights; chunk++) {
-    size_t first = chunk * YLM_LAMP_CHUNK;
+    size_t first = chunk * YLM_LAMP_CHUNK, left = s->sky_lights - first;
+    size_t end = left < YLM_LAMP_CHUNK ? s->sky_lights : first + YLM_LAMP_CHUNK;
     double total = 0;
     if (n)
-      for (size_t i = first; i < first + YLM_LAMP_CHUNK; i++) {
+      for (size_t i = first; i < end; i++) {
         float x = n[0] * b[0][i] + n[1] * b[1][i] + n[2] * b[2][i], spread = b[SPREAD][i];
         float over = x + spread, most = 2 * spread;
         over = over > 0 ? over : 0;
@@ -114,8 +115,8 @@ void ylm__scene_sky_weights(const ylm_scene *s, const float *n, float *weight, f
         weight[i] = soft * soft * b[QUARTER][i] + (over - soft);
       }
     else
-      memcpy(weight + first, b[POWER] + first, YLM_LAMP_CHUNK * sizeof *weight);
-    for (size_t i = first; i < first + YLM_LAMP_CHUNK; i++) total += (double)weight[i];
+      memcpy(weight + first, b[POWER] + first, (end - first) * sizeof *weight);
+    for (size_t i = first; i < end; i++) total += (double)weight[i];
     sum[chunk] = (float)total;
   }
 }
