@@ -1,14 +1,13 @@
 -- Skies that rays see as they are: images and skies of the CIE, sampled by their pixels, and their harmonics.
 
 local core = require "ylm.c.core"
+local lib = require "ylm.c.scene"
 local ylm = require "ylm"
-local library = require "ylm.library"
 local tracing = require "ylm.render.scene"
 local relative = require "spec.support.vectors".relative
 local scratch = require "spec.support.scratch"
 local spread = require("spec.support.random").spread
 
-local lib = assert(library.open("scene", "%s"))
 local up, here = { 0, 1, 0 }, { 0, 0, 0 }
 
 --- An image of w x h pixels f(x, y), counted from 1 at the top left.

@@ -29,7 +29,7 @@
 /* The filters of a picture along x or y: the eye's, of Y, Cx, and Cz as a sum of two; then those
    of features: a Gaussian and its first and second derivative. */
 enum { EYE_Y, EYE_X, EYE_Z1, EYE_Z2, GAUSS, FIRST, SECOND, FILTERS };
-/* What a picture's rows are filtered to first, and then both directions. */
+/* Planes of a picture that is filtered along x; results of filtering them along y. */
 enum { ROW_Y, ROW_X, ROW_Z1, ROW_Z2, ROW_GAUSS, ROW_FIRST, ROW_SECOND, PLANES };
 enum { SEEN_Y, SEEN_X, SEEN_Z1, SEEN_Z2, EDGE_X, EDGE_Y, POINT_X, POINT_Y, RESULTS };
 
@@ -140,7 +140,7 @@ static double tone(double x) {
   return x < 1e100 ? x * (TONE_A * x + TONE_B) / (x * (TONE_D * x + TONE_E) + TONE_F) : 1;
 }
 
-/* What the curve makes BRIGHT of: the larger root of a quadratic. */
+/* The number that the curve makes BRIGHT: the larger root of a quadratic. */
 static double tone_bright(void) {
   double a = TONE_A - BRIGHT * TONE_D, b = TONE_B - BRIGHT * TONE_E, c = -BRIGHT * TONE_F;
   double half = -b / (2 * a);
