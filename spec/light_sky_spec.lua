@@ -134,6 +134,23 @@ describe("a sky that rays are aimed at", function()
       assert(freedom > 5 and chi < freedom + 4.5 * math.sqrt(2 * freedom), ("%g of %d"):format(chi, freedom))
     end)
 
+    it("brings the irradiance that a quadrature finds, within four standard errors: " .. row[1], function()
+      local scene = handle(ylm.environment_light(row[2]))
+      local normal, n = row[4] == "y" and up or { 0, 0, 1 }, 8192
+      local directions, angles, seen = looked_at(row, scene, normal)
+      local truth, sum, squares = 0, 0, 0
+      for i, d in ipairs(directions) do
+        truth = truth + seen[i][2] * angles[i] * math.max(0, normal[2] * d[2] + normal[3] * d[3])
+      end
+      for _, s in ipairs(lib.chooser_sample(scene, here, normal, uniforms(n, 23)):totable()) do
+        local x = s[4] > 0 and s[5] * math.max(0, normal[2] * s[2] + normal[3] * s[3]) / s[4] or 0
+        sum, squares = sum + x / n, squares + x * x / n
+      end
+      local noise = math.sqrt(math.max(0, squares - sum * sum) / n)
+      assert(noise < 0.01 * truth, noise / truth)
+      assert.is_near(truth, sum, 4 * noise + 3e-3 * truth)
+    end)
+
     it("returns with a ray the density and the radiance of its direction: " .. row[1], function()
       local scene = handle(ylm.environment_light(row[2]))
       local samples = lib.chooser_sample(scene, here, up, uniforms(2000, 3)):totable()
