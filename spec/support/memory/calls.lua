@@ -314,6 +314,16 @@ end, function(x)
   return { m.albedo[1] }
 end)
 
+calls["rgl of a file"] = function(keep)
+  local files = require "spec.support.brdf_files"
+  files.write(keep "m.bsdf", files.tensor(files.constant_fields { 0.5, 0.4, 0.3 }))
+  return function()
+    local m, message, code = ylm.load(keep "m.bsdf")
+    if not m then return nil, message, code end
+    return m:eval({ 0, 0, 1 }, { 0.6, 0, 0.8 })
+  end
+end
+
 calls["load_scene"] = function(keep)
   local file = assert(io.open(keep "s.lua", "w"))
   file:write(text)
