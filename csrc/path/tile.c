@@ -131,6 +131,7 @@ static void vertex_of(const path_tile *t, size_t i, path_vertex *v) {
   ylm_scene_place place = {(uint32_t)h->mesh, h->element, h->u, h->v, back};
   ylm_scene_surfaces(t->job->scene, 1, &place, &v->at);
   v->path = t->rays.of[i];
+  for (int c = 0; c < 3; c++) t->path[v->path].throughput[c] *= v->at.tint[c];
   for (int a = 0; a < 3; a++)
     v->other[a] = n[(a + 1) % 3] * x[(a + 2) % 3] - n[(a + 2) % 3] * x[(a + 1) % 3];
 }

@@ -35,14 +35,13 @@ local function sign(out, p, o, report)
     unbaked = report.unbaked, device = devices.of(o.device):name() })
 end
 
---- Says in the report that `what` shades surfaces that gloss as matte ones.
-local function say_gloss(p, report, what)
+--- Says in the report that transfer vectors shade surfaces that gloss as matte ones.
+local function say_gloss(p, report)
   local n = p.traced.glossy
   if n == 0 then return end
-  local sentence = n == 1 and "1 mesh is glossy: %s shade it as a matte one of its mean albedo"
-    or n .. " meshes are glossy: %s shade them as matte ones of their mean albedo"
-  report.warnings[#report.warnings + 1] = warning.say(p.scene, "gloss, " .. what, "scene %q: " .. sentence,
-    p.scene.name or "?", what)
+  local sentence = n == 1 and "1 mesh is glossy: transfer vectors shade it as a matte one of its mean albedo"
+    or n .. " meshes are glossy: transfer vectors shade them as matte ones of their mean albedo"
+  report.warnings[#report.warnings + 1] = warning.say(p.scene, "gloss", "scene %q: " .. sentence, p.scene.name or "?")
 end
 
 --- The report of a picture by transfer vectors, with what it does not keep: its own warnings and those of o.grid; or nil,
@@ -53,7 +52,7 @@ local function shortcomings(name, p, o)
   if not ok then return nil, message, code end
   local loud = views.loud(p)
   if loud then report.warnings[#report.warnings + 1] = warning.say(p.scene, "noise", "%s", loud) end
-  say_gloss(p, report, "transfer vectors")
+  say_gloss(p, report)
   for _, sentence in ipairs(unmet.warn(o.grid)) do report.warnings[#report.warnings + 1] = sentence end
   return report
 end
@@ -146,7 +145,6 @@ function shading.by_rays(name, p, o)
   end
   local start = core.seconds()
   local report = pictures.new_report(p)
-  say_gloss(p, report, "rays to the lamps")
   local radiance, rays, code = check.result(name, p.lib.shade_raycast(p.view, o.light_samples, o.shadows,
     o.seed or p.options.seed, o.threads or 0, progress.resolve(o.progress)))
   if not radiance then return nil, rays, code end
