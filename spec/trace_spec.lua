@@ -16,7 +16,7 @@ local function traced(geometry, lamps)
   for i, l in ipairs(lamps or none) do
     lights[i] = l[4] and ylm.sphere_light { at = { l[1], l[2], l[3] }, radius = l[4], radiance = 1 } or l
   end
-  return assert(lib.scene_create(meshes, materials, occludes, light.set(assert(light.pack(1, "spec", lights)))))
+  return assert(lib.scene_create(meshes, materials, occludes, light.set(assert(light.pack(1, "spec", lights))), false, {}))
 end
 
 --- Rays { origin, direction, far } as the array that scene_trace takes.
