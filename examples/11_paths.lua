@@ -1,0 +1,96 @@
+-- Paths of any length: a room with its noise, a furnace in which a sphere vanishes, ten spheres of more and more roughness.
+--
+--     ylm run examples/11_paths.lua [--out DIR] [--width N] [--samples N]
+--
+-- Writes paths.png, paths_furnace.png and paths_spheres.png, and prints what direct light alone lacks.
+
+local ylm = require "ylm"
+
+local here = arg[0]:match "^(.*/)" or "./"
+local common = dofile(here .. "common.lua")
+local option = common.options { out = "out", width = 320, samples = 256 }
+
+-- A room: direct light, all bounces, and how far its pixels may be off ---------------------------------
+
+local room = assert(ylm.load_scene(here .. "scenes/room.lua"))
+local size = { option.width, math.floor(option.width * 0.75) }
+local direct = assert(room:pathtrace { size = size, samples = option.samples, bounces = 0 })
+local all, report = assert(room:pathtrace { size = size, samples = option.samples })
+
+local function luminance(p) return 0.2126 * p[1] + 0.7152 * p[2] + 0.0722 * p[3] end
+
+--- Standard error of each pixel relative to it; of black pixels 0.
+local function relative(image)
+  local mean, variance, out = image:layer "radiance":totable(), image:layer "variance":totable(), {}
+  for y, row in ipairs(mean) do
+    out[y] = {}
+    for x, p in ipairs(row) do
+      local v = variance[y][x]
+      local e = luminance { math.sqrt(v[1]), math.sqrt(v[2]), math.sqrt(v[3]) }
+      out[y][x] = luminance(p) > 0 and e / luminance(p) or 0
+    end
+  end
+  return out
+end
+
+local function sum(image)
+  local total = 0
+  for _, row in ipairs(image:layer():totable()) do
+    for _, p in ipairs(row) do total = total + luminance(p) end
+  end
+  return total
+end
+
+print(("direct light is %.0f %% of the picture; noise %.2f %%, %.1f s"):format(100 * sum(direct) / sum(all), 100 * report.noise,
+  report.seconds.total))
+common.save(ylm.figure {
+  rows = { {
+    { image = direct, tone = "hable", exposure = 1, caption = "direct light (bounces = 0)" },
+    { image = all, tone = "hable", exposure = 1, caption = ("all bounces, %d samples"):format(option.samples) },
+    { values = relative(all), caption = "standard error over radiance" },
+  } },
+  bar = { range = { 0.01, 1 }, log = true, label = "relative standard error" },
+}, option.out .. "paths.png")
+
+-- Furnaces: what reflects everything cannot be seen under a uniform sky ---------------------------------
+
+--- A sphere of a material under a sky of 1.
+local function furnace(material)
+  return assert(ylm.scene "furnace" {
+    camera = ylm.camera { from = { 0, 0, 4 }, at = { 0, 0, 0 }, fov = 40 },
+    geometry = { ylm.sphere { radius = 1, divide = { 256, 128 }, material = material } },
+    lights = { ylm.environment_light { radiance = 1 } },
+  }:pathtrace { size = { 160, 160 }, samples = option.samples })
+end
+
+local furnaces = {
+  { "matte, albedo 0.8", ylm.matte { albedo = 0.8 } },
+  { "matte, albedo 1", ylm.matte { albedo = 1 } },
+  { "ggx, alpha 0.8, f0 1, single scattering", ylm.ggx { alpha = 0.8, f0 = 1, compensate = false } },
+  { "the same, compensated", ylm.ggx { alpha = 0.8, f0 = 1, compensate = true } },
+}
+local items = {}
+for i, row in ipairs(furnaces) do
+  items[i] = { image = furnace(row[2]), tone = "srgb", exposure = -0.5, caption = row[1] }
+end
+common.save(ylm.figure { rows = { items } }, option.out .. "paths_furnace.png")
+
+-- Ten spheres, alpha 0.05 to 1 ------------------------------------------------------------------------
+
+local spheres = { ylm.quad { corner = { -30, 0, 12 }, u = { 60, 0, 0 }, v = { 0, 0, -30 }, material = ylm.matte { albedo = 0.3 } } }
+for i = 0, 9 do
+  spheres[#spheres + 1] = ylm.sphere { at = { 2.1 * (i - 4.5), 0.95, 0 }, radius = 0.95, divide = { 192, 96 },
+    material = ylm.ggx { alpha = 0.05 * 20 ^ (i / 9), f0 = { 0.95, 0.8, 0.55 } } }
+end
+local row = ylm.scene "ten spheres" {
+  camera = ylm.camera { from = { 0, 5, 26 }, at = { 0, 0.8, 0 }, fov = 9.6 },
+  geometry = spheres,
+  lights = {
+    ylm.environment_light { radiance = { 0.25, 0.32, 0.45 } },
+    ylm.polygon_light { vertices = { { -9, 7, 2 }, { 9, 7, 2 }, { 9, 7, 4 }, { -9, 7, 4 } }, radiance = 4 },
+  },
+}
+local image = assert(row:pathtrace { size = { 2 * option.width, math.floor(0.4 * option.width) }, samples = option.samples })
+common.save(ylm.figure { rows = { { { image = image, tone = "hable", exposure = 1.5,
+  caption = "GGX, alpha from 0.05 to 1 in equal ratios, under a sky and a flat lamp as long as the row" } } } },
+  option.out .. "paths_spheres.png")
