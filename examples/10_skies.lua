@@ -41,7 +41,7 @@ local function lit_by(sky)
   return ylm.scene "skies" {
     camera = ylm.camera { from = { 2.4, 1.5, 4.2 }, at = { 0, 0.95, 0 }, fov = 42 },
     geometry = {
-      ylm.quad { corner = { -60, 0, 60 }, u = { 120, 0, 0 }, v = { 0, 0, -120 }, material = grey },
+      ylm.quad { corner = { -600, 0, 600 }, u = { 1200, 0, 0 }, v = { 0, 0, -1200 }, material = grey },
       ylm.knot { at = { 0, 1, 0 }, p = 2, q = 3, radius = 0.6, minor = 0.3, tube = 0.17, divide = { 700, 60 }, material = clay },
     },
     lights = sky,

@@ -316,7 +316,7 @@ describe("ylm.environment_light { sky }", function()
   it("lights a floor: 7/9 of the zenith where it is overcast", function()
     local sky = ylm.environment_light { sky = { zenith = up, luminance = 9 } }
     local scene = floor_under(sky)
-    assert.is_near(7, (middle(scene:raycast { size = { 32, 32 }, samples = 1, light_samples = 64 })), 7 * 2e-3)
+    assert.is_near(7, (middle(scene:raycast { size = { 32, 32 }, samples = 1, light_samples = 256 })), 7 * 2e-3)
     assert.is_near(7, (middle(scene:reference { size = { 8, 8 }, samples = 1, visibility = "none", lmax = 8 })), 7e-3)
   end)
 

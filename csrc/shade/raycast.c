@@ -25,7 +25,7 @@ typedef struct scratch {
 /* Irradiance of one point; returns the number of rays that were traced. */
 static size_t gather(const job *j, size_t i, const scratch *s, double E[3]) {
   ylm_rng rng;
-  ylm_rng_seed(&rng, j->seed, i);
+  ylm_rng_seed(&rng, j->seed, ylm__shade_stream(j->view, i));
   E[0] = E[1] = E[2] = 0;
   size_t rays = ylm_scene_aim(s->lamps, j->view->origin[i], j->view->normal[i], j->light_samples,
                               &rng, s->ray, s->value);

@@ -61,7 +61,8 @@ static void point_rays(const job *j, size_t i, ylm_trace_ray *ray) {
   float a[3], b[3], far = (float)fmin(j->view->o.occlusion_distance, 3e38);
   const float *n = j->normal[i];
   ylm_rng rng;
-  ylm_rng_seed(&rng, ~j->view->o.seed, i);
+  bool own = j->normal == (const float(*)[3])j->view->normal;
+  ylm_rng_seed(&rng, ~j->view->o.seed, own ? ylm__shade_stream(j->view, i) : i);
   float shift = (float)ylm_rng_double(&rng);
   double turn = 2 * PI * ylm_rng_double(&rng);
   float c = (float)cos(turn), s = (float)sin(turn);

@@ -66,6 +66,19 @@ static ylm_status points_of_vertices(ylm_shade_view *v, shade_vertices *x) {
   return status;
 }
 
+uint64_t ylm__shade_stream(const ylm_shade_view *v, size_t i) {
+  size_t low = 0, high = v->stats.pixels; /* the pixel is among low .. high-1 */
+  if (v->corner) return i;
+  while (high - low > 1) {
+    size_t middle = low + (high - low) / 2;
+    if (v->pixel[middle].first <= i)
+      low = middle;
+    else
+      high = middle;
+  }
+  return (uint64_t)low << 24 | (i - v->pixel[low].first);
+}
+
 void ylm__shade_corner_weights(const shade_entry *e, float w[3]) {
   w[0] = 1 - e->at.u - e->at.v;
   w[1] = e->at.u;
