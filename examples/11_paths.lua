@@ -77,7 +77,8 @@ common.save(ylm.figure { rows = { items } }, option.out .. "paths_furnace.png")
 
 -- Ten spheres, alpha 0.05 to 1 ------------------------------------------------------------------------
 
-local spheres = { ylm.quad { corner = { -30, 0, 12 }, u = { 60, 0, 0 }, v = { 0, 0, -30 }, material = ylm.matte { albedo = 0.3 } } }
+local ground = ylm.matte { albedo = 0.3 }
+local spheres = { ylm.quad { corner = { -30, 0, 12 }, u = { 60, 0, 0 }, v = { 0, 0, -30 }, material = ground } }
 for i = 0, 9 do
   spheres[#spheres + 1] = ylm.sphere { at = { 2.1 * (i - 4.5), 0.95, 0 }, radius = 0.95, divide = { 192, 96 },
     material = ylm.ggx { alpha = 0.05 * 20 ^ (i / 9), f0 = { 0.95, 0.8, 0.55 } } }
