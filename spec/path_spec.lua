@@ -37,7 +37,7 @@ local small = { 32, 18 }
 describe("scene:probe", function()
   for _, case in ipairs(closed.cases) do
     it("finds " .. case.name, function()
-      local estimate, error, truth = case.measure(ylm, case.samples * long(1, 100))
+      local estimate, error, truth = case.measure(ylm, long(case.samples, case.long))
       near(estimate, error, truth, long(0.02, 0.002), case.name)
     end)
   end
