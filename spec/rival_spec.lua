@@ -76,7 +76,7 @@ nil	method 'fourier' needs libylm_rival: call ylm_rival_register()	EMISSING
     it("is named by calls that need it, which say what to do", function()
       local _, count = run(folder.path .. "/lua", calls .. missing)
         :gsub("this method, kept for comparison, needs libylm_rival: run make %(or make install%) again %(module 'ylm%.c%.rival' "
-          .. "not found:%)\n", "")
+          .. "not found%)\n", "")
       assert.equal(4, count)
     end)
 

@@ -80,7 +80,7 @@ function check.describe(value)
   if t == "string" then return "'" .. check.short(value) .. "'" end
   if t == "table" and getmetatable(value) == nil and #value > 0 and #value <= 4 then
     local words = {}
-    for i, x in ipairs(value) do if type(x) == "number" then words[i] = ("%.14g"):format(x) end end
+    for _, x in ipairs(value) do if type(x) == "number" then words[#words + 1] = ("%.14g"):format(x) end end
     if #words == #value then return "{" .. table.concat(words, ", ") .. "}" end
   end
   local object = core.type(value)
