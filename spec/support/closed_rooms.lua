@@ -44,10 +44,10 @@ local function places(c)
   return points, normals, math.cos(theta)
 end
 
-for _, order in ipairs { 0, 1, 2, 5 } do
-  add(("order %d of a sphere around a lamp: rho^%d"):format(order, order), order < 5 and 1024 or 4096, order < 5 and 1024 or 400000, function(ylm, samples)
+for order, samples in pairs { [0] = { 1024, 1024 }, { 1024, 1024 }, { 1024, 1024 }, [5] = { 4096, 400000 } } do
+  add(("order %d of a sphere around a lamp: rho^%d"):format(order, order), samples[1], samples[2], function(ylm, n)
     local points, normals = places(0.3)
-    local E, v = globe(ylm, 0):probe { points = points, normals = normals, samples = samples, reflections = { order, order } }
+    local E, v = globe(ylm, 0):probe { points = points, normals = normals, samples = n, reflections = { order, order } }
     local m, e = mean(E, v)
     return m, e, pi * RADIANCE * RADIUS ^ 2 * RHO ^ order / (order == 0 and WITHIN ^ 2 or 1)
   end)
@@ -76,7 +76,8 @@ for _, c in ipairs { 0.9, -0.5 } do
 end
 
 for l = 0, 2 do
-  add(("coefficient %d, 0 of bounced light at the centre, lamp off it"):format(l), 32768, ({ 65536, 1400000, 3200000 })[l + 1], function(ylm, samples)
+  add(("coefficient %d, 0 of bounced light at the centre, lamp off it"):format(l), 32768,
+    ({ 65536, 1400000, 3200000 })[l + 1], function(ylm, samples)
     local a, e = 0.5, RADIANCE * RADIUS ^ 2
     local c, v = globe(ylm, a):probe { points = { { 0, 0, 0 } }, lmax = 2, samples = samples, reflections = { 1, "all" } }
     local truth = RHO * e * (l + 1) * a ^ l * math.sqrt(4 * pi / (2 * l + 1))
