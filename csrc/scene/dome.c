@@ -4,13 +4,10 @@
 ** A pixel is chosen as its luminance times its solid angle. Panoramas that are images have their own
 ** pixels, whose radiance is one; other domes have a latitude-longitude table, whose cells hold a
 ** mean and a little more, so that no direction with light is left out.
-**
-** Source  Walker 1977, "An Efficient Method for Generating Discrete Random Variables with General
-**         Distributions"; Vose 1991, "A Linear Algorithm for Generating Random Numbers with a Given
-**         Distribution" (tables in linear time)
 */
 #include <math.h>
 
+#include "alias.h"
 #include "dome.h"
 #include "ylm_base.h"
 
@@ -112,28 +109,28 @@ static void measure(const scene_dome *d, double *power) {
   for (size_t i = 0; i < n; i++) power[i] += LEAST * sum / (4 * PI) * solid_angle(d, i);
 }
 
-/* The alias table of a tile. `list` has room for its pixels, `left` for what each has too much. */
-static void pair_up(scene_dome *d, const tile *t, const double *power, uint32_t *list,
-                    double *left) {
-  size_t n = t->width * t->height, small = 0, large = n;
+/* Room for the alias table of a tile. */
+typedef struct table {
+  double *height;
+  uint32_t *list, *other;
+  float *stay;
+} table;
+
+/* The alias table of a tile, whose pixels are counted in it. */
+static void pair_up(scene_dome *d, const tile *t, const double *power, const table *x) {
+  size_t n = t->width * t->height;
   double total = 0;
   for (size_t k = 0; k < n; k++) total += power[pixel_in(d, t, k)];
   for (size_t k = 0; k < n; k++) {
-    size_t i = pixel_in(d, t, k);
-    double share = total > 0 ? power[i] / total : 0;
-    d->share[i] = (float)share;
-    d->keep[i] = 1;
-    d->other[i] = (uint32_t)k;
-    left[k] = share * (double)n;
-    list[left[k] < 1 ? small++ : --large] = (uint32_t)k;
+    double share = total > 0 ? power[pixel_in(d, t, k)] / total : 0;
+    d->share[pixel_in(d, t, k)] = (float)share;
+    x->height[k] = total > 0 ? share * (double)n : 1; /* of a dark tile each pixel keeps its own */
   }
-  while (total > 0 && small > 0 && large < n) { /* small ones from the front, large ones behind */
-    uint32_t k = list[--small], more = list[large];
+  ylm__alias_fill(n, x->height, x->list, x->stay, x->other);
+  for (size_t k = 0; k < n; k++) {
     size_t i = pixel_in(d, t, k);
-    d->keep[i] = (float)left[k];
-    d->other[i] = more;
-    left[more] -= 1 - left[k];
-    if (left[more] < 1) list[small++] = list[large++];
+    d->keep[i] = x->stay[k];
+    d->other[i] = x->other[k];
   }
 }
 
@@ -190,21 +187,26 @@ static void bound_uniform(const scene_dome *d, scene_sky_bound *out) {
 
 static ylm_status make_tables(scene_dome *d) {
   size_t n = pixels_of(d);
-  double *power = ylm_alloc(n, sizeof *power), *left = ylm_alloc(n, sizeof *left);
-  uint32_t *list = ylm_alloc(n, sizeof *list);
+  double *power = ylm_alloc(n, sizeof *power);
+  table x = {.height = ylm_alloc(n, sizeof *x.height),
+             .list = ylm_alloc(n, sizeof *x.list),
+             .other = ylm_alloc(n, sizeof *x.other),
+             .stay = ylm_alloc(n, sizeof *x.stay)};
   d->share = ylm_alloc(n, sizeof *d->share);
   d->keep = ylm_alloc(n, sizeof *d->keep);
   d->other = ylm_alloc(n, sizeof *d->other);
-  bool room = power && left && list && d->share && d->keep && d->other;
+  bool room = power && x.height && x.list && x.other && x.stay && d->share && d->keep && d->other;
   if (room) measure(d, power);
   for (size_t i = 0; room && i < d->lights; i++) {
     tile t = tile_at(d, i);
-    pair_up(d, &t, power, list, left);
+    pair_up(d, &t, power, &x);
     bound_tile(d, &t, power, &d->bound[i]);
   }
   ylm_free(power);
-  ylm_free(left);
-  ylm_free(list);
+  ylm_free(x.height);
+  ylm_free(x.list);
+  ylm_free(x.other);
+  ylm_free(x.stay);
   return room ? YLM_OK : YLM_ENOMEM;
 }
 

@@ -1,7 +1,8 @@
 /* power.c - many lamps, chosen by the power that they send out in a time that does not grow with
-   their number: an alias table (Walker 1977, built as in Vose 1991). */
+   their number. */
 #include <math.h>
 
+#include "alias.h"
 #include "scene.h"
 
 #define PI 3.14159265358979323846
@@ -30,25 +31,6 @@ static double power_of(const ylm_scene *s, size_t i) {
   return 2 * PI * r * r * luminance;
 }
 
-/* Columns of equal width: each is filled by its own lamp and by another that has more than its
-   share. `list` has room for all. */
-static void fill(scene_power *p, size_t n, double *height, uint32_t *list) {
-  size_t low = 0, high = n;
-  for (size_t i = 0; i < n; i++) {
-    height[i] = p->share[i] * (double)n;
-    p->stay[i] = 1;
-    p->other[i] = (uint32_t)i;
-    list[height[i] < 1 ? low++ : --high] = (uint32_t)i;
-  }
-  while (low > 0 && high < n) {
-    uint32_t from = list[--low], to = list[high];
-    p->stay[from] = (float)height[from];
-    p->other[from] = to;
-    height[to] -= 1 - height[from];
-    if (height[to] < 1) list[low++] = list[high++];
-  }
-}
-
 ylm_status ylm__scene_weigh_power(ylm_scene *s) {
   size_t n = s->lamps + s->triangles + s->disks;
   double total = 0;
@@ -63,8 +45,11 @@ ylm_status ylm__scene_weigh_power(ylm_scene *s) {
   double *height = ylm_alloc(n, sizeof *height);
   uint32_t *list = ylm_alloc(n, sizeof *list);
   bool ok = p->share && p->stay && p->other && height && list;
-  for (size_t i = 0; ok && i < n; i++) p->share[i] = power_of(s, i) / total;
-  if (ok) fill(p, n, height, list);
+  for (size_t i = 0; ok && i < n; i++) {
+    p->share[i] = power_of(s, i) / total;
+    height[i] = p->share[i] * (double)n;
+  }
+  if (ok) ylm__alias_fill(n, height, list, p->stay, p->other);
   ylm_free(height);
   ylm_free(list);
   return ok ? YLM_OK : YLM_ENOMEM;
