@@ -5,6 +5,7 @@
 #include "ylm_grid.h"
 #include "ylm_image.h"
 #include "ylm_light.h"
+#include "ylm_path.h"
 #include "ylm_sh.h"
 
 /* name, value */
@@ -14,6 +15,9 @@
   X(grid_depth, YLM_GRID_MAX_DEPTH)                                                                \
   X(image_side, YLM_IMAGE_MAX_SIDE)                                                                \
   X(lmax, YLM_LIGHT_LMAX)                                                                          \
+  X(path_batch, YLM_PATH_BATCH)                                                                    \
+  X(path_lmax, YLM_PATH_LMAX)                                                                      \
+  X(path_samples, YLM_PATH_SAMPLES)                                                                \
   X(sh_lmax, YLM_LMAX)                                                                             \
   X(sh_product_factors, YLM_SH_PRODUCT_FACTORS)                                                    \
   X(sh_product_lmax, YLM_SH_PRODUCT_LMAX)                                                          \

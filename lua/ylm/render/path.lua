@@ -14,7 +14,7 @@ local views = require "ylm.render.view"
 
 local paths = {}
 
-local BATCH, MOST_SAMPLES = 16, 2 ^ 28 -- YLM_PATH_BATCH, YLM_PATH_SAMPLES
+local BATCH, MOST_SAMPLES = core.limits.path_batch, core.limits.path_samples
 local MOST_ORDER = 2 ^ 30
 local VIEW_SAMPLES = 16 -- of the layers beside the radiance, at most
 
@@ -60,7 +60,7 @@ local pathtrace_options = options.list({
 local probe_options = options.list({
   { "points", "any", about = "array [n][3] or list: where light arrives, scene units" },
   { "normals", "any", optional = true, about = "array [n][3] or list: asks for the irradiance of surfaces instead" },
-  { "lmax", "integer", min = 0, max = 20, default = 4, about = "highest degree" },
+  { "lmax", "integer", min = 0, max = core.limits.path_lmax, default = 4, about = "highest degree" },
   { "samples", "integer", min = 1, max = MOST_SAMPLES, default = 4096,
     about = "paths from each point, in batches of 16, of which there are two at least" },
   { "reflections", "reflections", optional = true,
