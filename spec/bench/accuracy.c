@@ -109,7 +109,7 @@ static ylm_light_set *lights_of(const scene *s) {
       at[i][a] = (double)s->at[i][a], radiance[i][a] = (double)s->radiance[i];
   }
   return ylm_light_set_spheres(s->n, at[0], radius, radiance[0], &lights, NULL) == YLM_OK ? lights
-                                                                                      : NULL;
+                                                                                          : NULL;
 }
 
 /* The bound at point i. */
@@ -127,8 +127,8 @@ typedef struct results {
   double value[POINTS * COUNT], gradient[POINTS * COUNT * 3], hessian[POINTS * COUNT * 6];
 } results;
 
-static bool evaluate(const ylm_light_set *lights, ylm_isa isa, const scene *s, int lmax, ylm_dtype t,
-                     results *out) {
+static bool evaluate(const ylm_light_set *lights, ylm_isa isa, const scene *s, int lmax,
+                     ylm_dtype t, results *out) {
   double x[POINTS][3];
   ylm_field_query q = {
       .lmax = lmax, .channels = 1, .metric_channels = 1, .want = 7, .dtype = t, .threads = 1};

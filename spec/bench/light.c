@@ -67,7 +67,7 @@ static ylm_light_set *lamps(void) {
     for (int a = 0; a < 3; a++) radiance[i][a] = 1 + a;
   }
   return ylm_light_set_spheres(LIGHTS, at[0], radius, radiance[0], &lights, NULL) == YLM_OK ? lights
-                                                                                        : NULL;
+                                                                                            : NULL;
 }
 
 static void place_points(ylm_dtype t, void *points, size_t n) {

@@ -110,7 +110,7 @@ static void light_sums(const ylm_light_set *lights, const double *pd, const floa
         r.inside = inside;
         ylm_error e;
         stop("evaluate", ylm_light_set_evaluate(lights, ylm_isa_current(), &q, POINTS,
-                                             t ? (const void *)pd : pf, &r, &e));
+                                                t ? (const void *)pd : pf, &r, &e));
         result("light", q.dtype, count, r.value);
         result("light gradient", q.dtype, 3 * count, r.gradient);
         result("light hessian", q.dtype, 6 * count, r.hessian);
