@@ -180,6 +180,7 @@ static void sample_block(const rgl_table *t, size_t n, const float (*wo)[3], con
   blend slices[WARP_BLOCK];
   float start[WARP_BLOCK][2], s[WARP_BLOCK][2], um[WARP_BLOCK][2], of_s[WARP_BLOCK],
       of_u[WARP_BLOCK];
+  if (n == 0) return;
   for (size_t k = 0; k < n; k++) {
     v[k] = view_of(t, wo[k]);
     slices[k] = v[k].slices;
