@@ -133,11 +133,12 @@ static int material_sample(lua_State *L) {
   ylm_error e = {0};
   lua_settop(L, 6);
   if (u->dtype != YLM_FLOAT || pairs(L, 3, 2) != n) return ylmL_result(L, 0, YLM_ESHAPE, NULL);
+  const float *x = u->data;
   for (size_t i = 0; i < u->count; i++)
-    if (!(ROWS(u)[0][i] >= 0 && ROWS(u)[0][i] < 1))
+    if (!(x[i] >= 0 && x[i] < 1))
       return ylmL_result(L, 0,
                          ylm_fail(&e, YLM_EDOMAIN, "u: row %zu has %g: numbers from 0, below 1",
-                                  i / 3 + 1, (double)ROWS(u)[0][i]),
+                                  i / 3 + 1, (double)x[i]),
                          &e);
   for (int k = 0; k < 3; k++) {
     out[k] = ylmL_array_result(L, 4 + k, YLM_FLOAT, k < 2 ? 2 : 1, shape, &s);
