@@ -145,26 +145,9 @@ const material_kernels ylm__material_abc_plain = {eval_plain, sample_plain, pdf_
 
 /* -- the kind ------------------------------------------------------------------- */
 
-static void eval(const ylm_material *m, size_t n, const float (*wi)[3], const float (*wo)[3],
-                 float (*f)[3]) {
-  ylm__material_abc_kernels()->eval(m->table, n, wi, wo, f);
-}
-
-static void sample(const ylm_material *m, size_t n, const float (*wo)[3], const float (*u)[3],
-                   float (*wi)[3], float (*weight)[3], float *pdf) {
-  ylm__material_abc_kernels()->sample(m->table, n, wo, u, wi, weight, pdf);
-}
-
-static void pdf(const ylm_material *m, size_t n, const float (*wi)[3], const float (*wo)[3],
-                float *out) {
-  ylm__material_abc_kernels()->pdf(m->table, n, wi, wo, out);
-}
-
 const material_kind ylm__material_abc = {.name = "abc",
                                          .numbers = NUMBERS,
                                          .check = check,
                                          .prepare = prepare,
                                          .isotropic = isotropic,
-                                         .eval = eval,
-                                         .sample = sample,
-                                         .pdf = pdf};
+                                         .kernels = ylm__material_abc_kernels};

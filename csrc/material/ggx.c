@@ -245,21 +245,6 @@ const material_kernels ylm__material_ggx_plain = {eval_plain, sample_plain, pdf_
 
 /* -- the kind ------------------------------------------------------------------- */
 
-static void eval(const ylm_material *m, size_t n, const float (*wi)[3], const float (*wo)[3],
-                 float (*f)[3]) {
-  ylm__material_ggx_kernels()->eval(m->table, n, wi, wo, f);
-}
-
-static void sample(const ylm_material *m, size_t n, const float (*wo)[3], const float (*u)[3],
-                   float (*wi)[3], float (*weight)[3], float *pdf) {
-  ylm__material_ggx_kernels()->sample(m->table, n, wo, u, wi, weight, pdf);
-}
-
-static void pdf(const ylm_material *m, size_t n, const float (*wi)[3], const float (*wo)[3],
-                float *out) {
-  ylm__material_ggx_kernels()->pdf(m->table, n, wi, wo, out);
-}
-
 const material_kind ylm__material_ggx = {.name = "ggx",
                                          .numbers = NUMBERS,
                                          .check = check,
@@ -267,6 +252,4 @@ const material_kind ylm__material_ggx = {.name = "ggx",
                                          .mean = mean,
                                          .reflectance = reflectance,
                                          .isotropic = isotropic,
-                                         .eval = eval,
-                                         .sample = sample,
-                                         .pdf = pdf};
+                                         .kernels = ylm__material_ggx_kernels};

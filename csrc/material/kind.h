@@ -4,6 +4,7 @@
 
 #include <stdatomic.h>
 
+#include "kernels.h"
 #include "ylm_material.h"
 
 struct ylm_material {
@@ -44,6 +45,10 @@ typedef struct material_kind {
   void (*facts)(const ylm_material *m, ylm_material_fact *fact, void *to);
 
   bool (*isotropic)(const ylm_material *m);
+
+  /* eval, sample, pdf: of kernels, of the table or else the numbers; NULL: as the next three have
+     it. */
+  const material_kernels *(*kernels)(void);
   void (*eval)(const ylm_material *m, size_t n, const float (*wi)[3], const float (*wo)[3],
                float (*f)[3]);
   void (*sample)(const ylm_material *m, size_t n, const float (*wo)[3], const float (*u)[3],

@@ -139,19 +139,34 @@ void ylm_material_reflect(const ylm_material *m, const double irradiance[3], flo
 
 bool ylm_material_isotropic(const ylm_material *m) { return kinds[m->kind]->isotropic(m); }
 
+/* The argument of kernels: the table, or else the numbers. */
+static const void *made_of(const ylm_material *m) { return m->table ? m->table : m->x; }
+
 void ylm_material_eval(const ylm_material *m, size_t n, const float (*wi)[3], const float (*wo)[3],
                        float (*f)[3]) {
-  kinds[m->kind]->eval(m, n, wi, wo, f);
+  const material_kind *k = kinds[m->kind];
+  if (k->kernels)
+    k->kernels()->eval(made_of(m), n, wi, wo, f);
+  else
+    k->eval(m, n, wi, wo, f);
 }
 
 void ylm_material_sample(const ylm_material *m, size_t n, const float (*wo)[3], const float (*u)[3],
                          float (*wi)[3], float (*weight)[3], float *pdf) {
-  kinds[m->kind]->sample(m, n, wo, u, wi, weight, pdf);
+  const material_kind *k = kinds[m->kind];
+  if (k->kernels)
+    k->kernels()->sample(made_of(m), n, wo, u, wi, weight, pdf);
+  else
+    k->sample(m, n, wo, u, wi, weight, pdf);
 }
 
 void ylm_material_pdf(const ylm_material *m, size_t n, const float (*wi)[3], const float (*wo)[3],
                       float *pdf) {
-  kinds[m->kind]->pdf(m, n, wi, wo, pdf);
+  const material_kind *k = kinds[m->kind];
+  if (k->kernels)
+    k->kernels()->pdf(made_of(m), n, wi, wo, pdf);
+  else
+    k->pdf(m, n, wi, wo, pdf);
 }
 
 void ylm_material_facts(const ylm_material *m, ylm_material_fact *fact, void *to) {

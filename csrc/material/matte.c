@@ -86,21 +86,6 @@ const material_kernels ylm__material_matte_plain = {eval_plain, sample_plain, pd
 
 /* -- the kind ------------------------------------------------------------------- */
 
-static void eval(const ylm_material *m, size_t n, const float (*wi)[3], const float (*wo)[3],
-                 float (*f)[3]) {
-  ylm__material_matte_kernels()->eval(m->x, n, wi, wo, f);
-}
-
-static void sample(const ylm_material *m, size_t n, const float (*wo)[3], const float (*u)[3],
-                   float (*wi)[3], float (*weight)[3], float *pdf) {
-  ylm__material_matte_kernels()->sample(m->x, n, wo, u, wi, weight, pdf);
-}
-
-static void pdf(const ylm_material *m, size_t n, const float (*wi)[3], const float (*wo)[3],
-                float *out) {
-  ylm__material_matte_kernels()->pdf(m->x, n, wi, wo, out);
-}
-
 const material_kind ylm__material_matte = {.name = "matte",
                                            .numbers = 3,
                                            .check = check,
@@ -111,6 +96,4 @@ const material_kind ylm__material_matte = {.name = "matte",
                                            .reflect = reflect,
                                            .row = copy,
                                            .isotropic = isotropic,
-                                           .eval = eval,
-                                           .sample = sample,
-                                           .pdf = pdf};
+                                           .kernels = ylm__material_matte_kernels};
