@@ -8,6 +8,7 @@
 #include "gen/material.h"
 #include "kernels.h"
 #include "kind.h"
+#include "plain.h"
 
 #define PI 3.14159265358979323846
 #define FOLDED 1e-7 /* visible.h */
@@ -171,7 +172,8 @@ static double share_of(const ggx *g, double cosine) {
 }
 
 /* f and the density of samples for two directions above the surface. */
-static double both(const ggx *g, const double wi[3], const double wo[3], double f[3]) {
+static double both(const void *p, const double wi[3], const double wo[3], double f[3]) {
+  const ggx *g = p;
   double h[3] = {wi[0] + wo[0], wi[1] + wo[1], wi[2] + wo[2]}, gz = wo[2] - wi[2];
   double square = h[0] * h[0] + h[1] * h[1] + h[2] * h[2];
   double image = h[0] * h[0] + h[1] * h[1] + gz * gz, ro = root(g, wo);
@@ -190,55 +192,28 @@ static double both(const ggx *g, const double wi[3], const double wo[3], double 
   return share * (D + also) / (2 * (wo[2] + ro)) + (1 - share) * wi[2] / PI;
 }
 
+/* A direction: mirrored, or as the cosine. */
+static void choose(const void *p, const double wo[3], const float u[3], double wi[3]) {
+  const ggx *g = p;
+  if ((double)u[2] < share_of(g, fmax(0, wo[2])))
+    ylm__plain_mirrored((double)g->ax, (double)g->ay, wo, u, wi);
+  else
+    ylm__plain_cosine(u, wi);
+}
+
 static void eval_plain(const void *p, size_t n, const float (*wi)[3], const float (*wo)[3],
                        float (*f)[3]) {
-  for (size_t i = 0; i < n; i++) {
-    double a[3] = {wi[i][0], wi[i][1], wi[i][2]}, b[3] = {wo[i][0], wo[i][1], wo[i][2]}, x[3] = {0};
-    if (a[2] > 0 && b[2] > 0) both(p, a, b, x);
-    for (int c = 0; c < 3; c++) f[i][c] = (float)x[c];
-  }
+  ylm__plain_eval(both, p, n, wi, wo, f);
 }
 
 static void pdf_plain(const void *p, size_t n, const float (*wi)[3], const float (*wo)[3],
                       float *pdf) {
-  for (size_t i = 0; i < n; i++) {
-    double a[3] = {wi[i][0], wi[i][1], wi[i][2]}, b[3] = {wo[i][0], wo[i][1], wo[i][2]}, f[3];
-    pdf[i] = a[2] > 0 && b[2] > 0 ? (float)both(p, a, b, f) : 0;
-  }
-}
-
-/* A mirrored direction: visible.h. */
-static void mirrored(const ggx *g, const double wo[3], const float u[3], double wi[3]) {
-  double v[3] = {wo[0] * (double)g->ax, wo[1] * (double)g->ay, wo[2]};
-  double length = sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]), turn = 2 * PI * (double)u[0];
-  for (int a = 0; a < 3; a++) v[a] /= length;
-  double h = (1 - (double)u[1]) * (1 + v[2]), z = h - v[2], r = sqrt(fmax(0, 1 - z * z));
-  double m[3] = {(r * cos(turn) + v[0]) * (double)g->ax, (r * sin(turn) + v[1]) * (double)g->ay, h};
-  double d =
-      2 * (m[0] * wo[0] + m[1] * wo[1] + m[2] * wo[2]) / (m[0] * m[0] + m[1] * m[1] + m[2] * m[2]);
-  for (int a = 0; a < 3; a++) wi[a] = d * m[a] - wo[a];
-  wi[2] = fabs(wi[2]);
+  ylm__plain_pdf(both, p, n, wi, wo, pdf);
 }
 
 static void sample_plain(const void *p, size_t n, const float (*wo)[3], const float (*u)[3],
                          float (*wi)[3], float (*weight)[3], float *pdf) {
-  const ggx *g = p;
-  for (size_t i = 0; i < n; i++) {
-    double b[3] = {wo[i][0], wo[i][1], wo[i][2]}, a[3], f[3] = {0}, density = 0;
-    double turn = 2 * PI * (double)u[i][0];
-    if ((double)u[i][2] < share_of(g, fmax(0, b[2])))
-      mirrored(g, b, u[i], a);
-    else {
-      double r = sqrt((double)u[i][1]);
-      a[0] = r * cos(turn), a[1] = r * sin(turn), a[2] = sqrt(1 - (double)u[i][1]);
-    }
-    if (a[2] > 0 && b[2] > 0) density = both(g, a, b, f);
-    pdf[i] = (float)density;
-    for (int c = 0; c < 3; c++) {
-      wi[i][c] = (float)a[c];
-      weight[i][c] = density > 0 ? (float)(f[c] * a[2] / density) : 0;
-    }
-  }
+  ylm__plain_sample(both, choose, p, n, wo, u, wi, weight, pdf);
 }
 
 const material_kernels ylm__material_ggx_plain = {eval_plain, sample_plain, pdf_plain};

@@ -139,8 +139,9 @@ static void look_up(const merl_table *t, const merl_places *at, size_t n, float 
   }
 }
 
-void ylm__merl_eval(const merl_table *t, size_t n, const float (*wi)[3], const float (*wo)[3],
-                    float (*f)[3]) {
+static void eval(const void *p, size_t n, const float (*wi)[3], const float (*wo)[3],
+                 float (*f)[3]) {
+  const merl_table *t = p;
   merl_places_fn *find = ylm__merl_places();
   merl_places at;
   for (size_t first = 0; first < n; first += MERL_BLOCK) {
@@ -152,21 +153,32 @@ void ylm__merl_eval(const merl_table *t, size_t n, const float (*wi)[3], const f
   }
 }
 
-void ylm__merl_pdf(const merl_table *t, size_t n, const float (*wi)[3], const float (*wo)[3],
-                   float *pdf) {
+static void pdf(const void *p, size_t n, const float (*wi)[3], const float (*wo)[3], float *pdf) {
+  const merl_table *t = p;
   for (size_t k = 0; k < n; k++)
     pdf[k] = wi[k][2] > 0 && wo[k][2] > 0 ? ylm__lobe_pdf(t->lobe, wi[k], wo[k]) : 0;
 }
 
-void ylm__merl_sample(const merl_table *t, size_t n, const float (*wo)[3], const float (*u)[3],
-                      float (*wi)[3], float (*weight)[3], float *pdf) {
+static void sample(const void *p, size_t n, const float (*wo)[3], const float (*u)[3],
+                   float (*wi)[3], float (*weight)[3], float *pdf) {
+  const merl_table *t = p;
   for (size_t k = 0; k < n; k++) {
     ylm__lobe_sample(t->lobe, wo[k], u[k], wi[k]);
     pdf[k] = wi[k][2] > 0 && wo[k][2] > 0 ? ylm__lobe_pdf(t->lobe, wi[k], wo[k]) : 0;
   }
-  ylm__merl_eval(t, n, wi, wo, weight);
+  eval(t, n, wi, wo, weight);
   for (size_t k = 0; k < n; k++)
     for (int c = 0; c < 3; c++) weight[k][c] = pdf[k] > 0 ? weight[k][c] * wi[k][2] / pdf[k] : 0;
+}
+
+const material_kernels *ylm__merl_kernels(void) {
+  static const material_kernels kernels = {eval, sample, pdf};
+  return &kernels;
+}
+
+bool ylm__merl_isotropic(const ylm_material *m) {
+  (void)m;
+  return true;
 }
 
 /* -- the kind --------------------------------------------------------------- */
@@ -188,36 +200,10 @@ static ylm_status load(ylm_material *m, const unsigned char *bytes, size_t size,
   return YLM_OK;
 }
 
-static void facts(const ylm_material *m, ylm_material_fact *fact, void *to) {
-  ylm__merl_facts(m->table, fact, to);
-}
-
-static bool isotropic(const ylm_material *m) {
-  (void)m;
-  return true;
-}
-
-static void eval(const ylm_material *m, size_t n, const float (*wi)[3], const float (*wo)[3],
-                 float (*f)[3]) {
-  ylm__merl_eval(m->table, n, wi, wo, f);
-}
-
-static void sample(const ylm_material *m, size_t n, const float (*wo)[3], const float (*u)[3],
-                   float (*wi)[3], float (*weight)[3], float *pdf) {
-  ylm__merl_sample(m->table, n, wo, u, wi, weight, pdf);
-}
-
-static void pdf(const ylm_material *m, size_t n, const float (*wi)[3], const float (*wo)[3],
-                float *out) {
-  ylm__merl_pdf(m->table, n, wi, wo, out);
-}
-
 const material_kind ylm__material_merl = {.name = "merl",
                                           .numbers = 1,
                                           .check = check,
                                           .load = load,
-                                          .facts = facts,
-                                          .isotropic = isotropic,
-                                          .eval = eval,
-                                          .sample = sample,
-                                          .pdf = pdf};
+                                          .facts = ylm__merl_facts,
+                                          .isotropic = ylm__merl_isotropic,
+                                          .kernels = ylm__merl_kernels};

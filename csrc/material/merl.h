@@ -8,6 +8,7 @@
 #ifndef YLM_MATERIAL_MERL_H
 #define YLM_MATERIAL_MERL_H
 
+#include "kernels.h"
 #include "lobe.h"
 #include "ylm_material.h"
 
@@ -43,13 +44,8 @@ typedef void merl_places_fn(int phis, size_t n, const float (*wi)[3], const floa
                             merl_places *out);
 merl_places_fn *ylm__merl_places(void);
 
-/* As ylm_material_eval, ylm_material_pdf and ylm_material_sample do. */
-void ylm__merl_eval(const merl_table *t, size_t n, const float (*wi)[3], const float (*wo)[3],
-                    float (*f)[3]);
-void ylm__merl_pdf(const merl_table *t, size_t n, const float (*wi)[3], const float (*wo)[3],
-                   float *pdf);
-void ylm__merl_sample(const merl_table *t, size_t n, const float (*wo)[3], const float (*u)[3],
-                      float (*wi)[3], float (*weight)[3], float *pdf);
+/* eval, sample and pdf, asked with a merl_table. */
+const material_kernels *ylm__merl_kernels(void);
 
 /* A table without any bin filled; *held: its bytes. NULL where memory runs out; ylm_free frees it. */
 merl_table *ylm__merl_new(int phis, size_t *held);
@@ -65,7 +61,8 @@ extern const double ylm__merl_scale[3];
 ylm_status ylm__merl_read(const unsigned char *bytes, size_t size, const char *name, merl_table **t,
                           size_t *held, ylm_error *e);
 
-/* As ylm_material_facts. */
-void ylm__merl_facts(const merl_table *t, ylm_material_fact *fact, void *to);
+/* As kind.h has them, of materials with such a table. */
+void ylm__merl_facts(const ylm_material *m, ylm_material_fact *fact, void *to);
+bool ylm__merl_isotropic(const ylm_material *m);
 
 #endif

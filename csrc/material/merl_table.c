@@ -1,6 +1,7 @@
 /* merl_table.c - tables of MERL's bins: their memory, missing bins, the lobe to sample by. */
 #include <string.h>
 
+#include "kind.h"
 #include "merl.h"
 
 #define PI 3.14159265358979323846f
@@ -89,7 +90,8 @@ void ylm__merl_complete(merl_table *t) {
   t->lobe = (lobe){roughness(t), share < 0.1f ? 0.1f : share > 0.9f ? 0.9f : share};
 }
 
-void ylm__merl_facts(const merl_table *t, ylm_material_fact *fact, void *to) {
+void ylm__merl_facts(const ylm_material *m, ylm_material_fact *fact, void *to) {
+  const merl_table *t = m->table;
   size_t bins = (size_t)MERL_THETA_H * MERL_THETA_D * (size_t)t->phis, missing = 0;
   for (size_t i = 0; i < bins; i++) missing += t->bin[i][3] == 0;
   fact(to, "theta_h", MERL_THETA_H);

@@ -7,6 +7,7 @@
 
 #include "kernels.h"
 #include "kind.h"
+#include "plain.h"
 
 #define PI 3.14159265358979323846
 
@@ -64,30 +65,14 @@ static double power(double square, double n) {
 
 /* f and the density of samples for two directions above the surface: of the lobe and of what is
    mirrored in the surface, as visible.h has it. */
-static double both(const phong *g, const double wi[3], const double wo[3], double f[3]) {
+static double both(const void *p, const double wi[3], const double wo[3], double f[3]) {
+  const phong *g = p;
   double x = wi[0] + wo[0], y = wi[1] + wo[1], near = wi[2] - wo[2], far = wi[2] + wo[2];
   double lobe = power(x * x + y * y + near * near, (double)g->exponent);
   double image = power(x * x + y * y + far * far, (double)g->exponent);
   for (int c = 0; c < 3; c++) f[c] = (double)g->base[c] + (double)g->lobe[c] * lobe;
   return (double)g->share * (double)g->density * (lobe + image) +
          (1 - (double)g->share) * wi[2] / PI;
-}
-
-static void eval_plain(const void *p, size_t n, const float (*wi)[3], const float (*wo)[3],
-                       float (*f)[3]) {
-  for (size_t i = 0; i < n; i++) {
-    double a[3] = {wi[i][0], wi[i][1], wi[i][2]}, b[3] = {wo[i][0], wo[i][1], wo[i][2]}, x[3] = {0};
-    if (a[2] > 0 && b[2] > 0) both(p, a, b, x);
-    for (int c = 0; c < 3; c++) f[i][c] = (float)x[c];
-  }
-}
-
-static void pdf_plain(const void *p, size_t n, const float (*wi)[3], const float (*wo)[3],
-                      float *pdf) {
-  for (size_t i = 0; i < n; i++) {
-    double a[3] = {wi[i][0], wi[i][1], wi[i][2]}, b[3] = {wo[i][0], wo[i][1], wo[i][2]}, f[3];
-    pdf[i] = a[2] > 0 && b[2] > 0 ? (float)both(p, a, b, f) : 0;
-  }
 }
 
 /* A direction of the lobe about the mirror direction. */
@@ -100,23 +85,28 @@ static void lobe(const phong *g, const double wo[3], const float u[3], double wi
   wi[2] = fabs(-a * x - b * y + (1 - t) * wo[2]);
 }
 
+/* A direction of the lobe, or as the cosine. */
+static void choose(const void *p, const double wo[3], const float u[3], double wi[3]) {
+  const phong *g = p;
+  if (u[2] < g->share)
+    lobe(g, wo, u, wi);
+  else
+    ylm__plain_cosine(u, wi);
+}
+
+static void eval_plain(const void *p, size_t n, const float (*wi)[3], const float (*wo)[3],
+                       float (*f)[3]) {
+  ylm__plain_eval(both, p, n, wi, wo, f);
+}
+
+static void pdf_plain(const void *p, size_t n, const float (*wi)[3], const float (*wo)[3],
+                      float *pdf) {
+  ylm__plain_pdf(both, p, n, wi, wo, pdf);
+}
+
 static void sample_plain(const void *p, size_t n, const float (*wo)[3], const float (*u)[3],
                          float (*wi)[3], float (*weight)[3], float *pdf) {
-  const phong *g = p;
-  for (size_t i = 0; i < n; i++) {
-    double b[3] = {wo[i][0], wo[i][1], wo[i][2]}, a[3], f[3] = {0}, density = 0;
-    double turn = 2 * PI * (double)u[i][0], r = sqrt((double)u[i][1]);
-    if (u[i][2] < g->share)
-      lobe(g, b, u[i], a);
-    else
-      a[0] = r * cos(turn), a[1] = r * sin(turn), a[2] = sqrt(1 - (double)u[i][1]);
-    if (a[2] > 0 && b[2] > 0) density = both(g, a, b, f);
-    pdf[i] = (float)density;
-    for (int c = 0; c < 3; c++) {
-      wi[i][c] = (float)a[c];
-      weight[i][c] = density > 0 ? (float)(f[c] * a[2] / density) : 0;
-    }
-  }
+  ylm__plain_sample(both, choose, p, n, wo, u, wi, weight, pdf);
 }
 
 const material_kernels ylm__material_phong_plain = {eval_plain, sample_plain, pdf_plain};

@@ -35,35 +35,9 @@ static ylm_status load(ylm_material *m, const unsigned char *bytes, size_t size,
   return YLM_OK;
 }
 
-static void facts(const ylm_material *m, ylm_material_fact *fact, void *to) {
-  ylm__merl_facts(m->table, fact, to);
-}
-
-static bool isotropic(const ylm_material *m) {
-  (void)m;
-  return true;
-}
-
-static void eval(const ylm_material *m, size_t n, const float (*wi)[3], const float (*wo)[3],
-                 float (*f)[3]) {
-  ylm__merl_eval(m->table, n, wi, wo, f);
-}
-
-static void sample(const ylm_material *m, size_t n, const float (*wo)[3], const float (*u)[3],
-                   float (*wi)[3], float (*weight)[3], float *pdf) {
-  ylm__merl_sample(m->table, n, wo, u, wi, weight, pdf);
-}
-
-static void pdf(const ylm_material *m, size_t n, const float (*wi)[3], const float (*wo)[3],
-                float *out) {
-  ylm__merl_pdf(m->table, n, wi, wo, out);
-}
-
 const material_kind ylm__material_tabulated = {.name = "tabulated",
                                                .check = check,
                                                .load = load,
-                                               .facts = facts,
-                                               .isotropic = isotropic,
-                                               .eval = eval,
-                                               .sample = sample,
-                                               .pdf = pdf};
+                                               .facts = ylm__merl_facts,
+                                               .isotropic = ylm__merl_isotropic,
+                                               .kernels = ylm__merl_kernels};

@@ -50,9 +50,9 @@ static void ask(merl_table *t, const float wo[1][3]) {
   float f[1][3], wi[1][3], weight[1][3], pdf[1], u[1][3];
   for (int linear = 0; linear < 2; linear++) {
     t->linear = linear;
-    ylm__merl_eval(t, 1, wo, wo, f);
+    ylm__merl_kernels()->eval(t, 1, wo, wo, f);
     for (int a = 0; a < 3; a++) u[0][a] = everywhere[a] * 0.999f;
-    ylm__merl_sample(t, 1, wo, (const float(*)[3])u, wi, weight, pdf);
+    ylm__merl_kernels()->sample(t, 1, wo, (const float(*)[3])u, wi, weight, pdf);
     for (int c = 0; c < 3; c++)
       if (!(f[0][c] >= 0 && f[0][c] <= 1e12f && weight[0][c] >= 0 && pdf[0] >= 0)) __builtin_trap();
   }
