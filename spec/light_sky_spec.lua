@@ -3,7 +3,7 @@
 local core = require "ylm.c.core"
 local lib = require "ylm.c.scene"
 local ylm = require "ylm"
-local tracing = require "ylm.render.scene"
+local tracing = require "ylm.trace"
 local relative = require "spec.support.vectors".relative
 local scratch = require "spec.support.scratch"
 local spread = require("spec.support.random").spread

@@ -11,7 +11,7 @@ local options = require "ylm.render.options"
 local paths = require "ylm.render.path"
 local pictures = require "ylm.render.picture"
 local shading = require "ylm.render.shade"
-local tracing = require "ylm.render.scene"
+local tracing = require "ylm.trace"
 local views = require "ylm.render.view"
 local warning = require "ylm.warning"
 

@@ -9,7 +9,7 @@ local image = require "ylm.image"
 local options = require "ylm.render.options"
 local pictures = require "ylm.render.picture"
 local progress = require "ylm.progress"
-local tracing = require "ylm.render.scene"
+local tracing = require "ylm.trace"
 local views = require "ylm.render.view"
 
 local paths = {}

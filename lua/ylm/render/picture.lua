@@ -5,7 +5,7 @@ local core = require "ylm.c.core"
 local describe = require "ylm.describe".describe
 local image = require "ylm.image"
 local light = require "ylm.light"
-local tracing = require "ylm.render.scene"
+local tracing = require "ylm.trace"
 
 local pictures = {}
 

@@ -6,7 +6,7 @@ local box = require "ylm.box"
 local check = require "ylm.check"
 local core = require "ylm.c.core"
 local progress = require "ylm.progress"
-local tracing = require "ylm.render.scene"
+local tracing = require "ylm.trace"
 
 local views = {}
 

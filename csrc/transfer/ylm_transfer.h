@@ -1,0 +1,289 @@
+/*
+** ylm_transfer.h - light from surface to surface.
+**
+**   ylm_transfer   the surfaces of a scene in elements, and links: the elements that each of them sees
+**   ylm_radiosity  light on these elements: direct light, and all its bounces
+**   ylm_gather     a light field: what the elements send to points in space
+**
+** A ray of an element, of a shading point or of a probe is traced once, and the number of the
+** element that it hit is kept. Rays have the density of the cosine, so all links of a place weigh
+** alike, and what arrives there is a mean over rows:
+**
+**   E_i = E0_i + 1/K sum over links j of i of rho_j E_j
+**
+** E irradiance, E0 that of direct light, rho the albedo. Surfaces reflect as matte ones of their
+** mean albedo.
+**
+** Elements    numbered from 0; behind the last stands a row of zeros: links that hit nothing lead there.
+** Ownership   a transfer must not outlive its scene, a radiosity its transfer, a gather its radiosity.
+** Threads     transfers are read-only after creation. Results do not depend on the number of threads.
+** Source      Goral et al. 1984, "Modeling the Interaction of Light Between Diffuse Surfaces"; Green
+**             2003, "Spherical Harmonic Lighting: The Gritty Details"; docs/bouncing.md
+*/
+#ifndef YLM_TRANSFER_H
+#define YLM_TRANSFER_H
+
+#include "ylm_base.h"
+#include "ylm_scene.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* -- elements and links ------------------------------------------------------- */
+
+typedef struct ylm_transfer ylm_transfer;
+
+#define YLM_TRANSFER_LINKS 4096 /* the most links of a place */
+#define YLM_TRANSFER_LMAX 20    /* the highest degree of transfer vectors */
+
+/* Which sides of a mesh reflect. AUTO: of a closed mesh the outer one, or the inner one where it is
+   a room, which holds a lamp or one of the `inside` places; of an open mesh both. */
+typedef enum ylm_transfer_sides {
+  YLM_TRANSFER_AUTO,
+  YLM_TRANSFER_BOTH,
+  YLM_TRANSFER_FRONT,
+  YLM_TRANSFER_BACK
+} ylm_transfer_sides;
+
+typedef struct ylm_transfer_form {
+  double spacing; /* the longest edge of an element, scene units; 0: a hundredth of the diagonal,
+                              raised until there are at most max_elements                       */
+  size_t max_elements; /* YLM_ELIMIT beyond; 0: 2^20                                        */
+  int links;           /* of an element, 4 .. YLM_TRANSFER_LINKS, a multiple of 4           */
+  int lmax; /* of the transfer vectors of direct light, 0 .. YLM_TRANSFER_LMAX; -1: none */
+  ylm_transfer_sides sides;
+  const uint8_t *mesh_sides; /* [meshes] ylm_transfer_sides each, or NULL: `sides` for all      */
+  size_t places;
+  const float (*inside)[3]; /* [places] points in space from which rooms are seen: the camera  */
+  uint64_t seed;
+  int threads;
+  const ylm_progress *progress; /* stage "links" */
+} ylm_transfer_form;
+
+typedef struct ylm_transfer_stats {
+  size_t elements;      /* sides counted */
+  size_t degenerate;    /* triangles without area: no element */
+  size_t closed, rooms; /* closed meshes; of these, those whose inner side is used */
+  size_t dead;          /* elements whose rays all begin inside of a body: E = 0 */
+  uint64_t rays, escaped, buried,
+      lost; /* links: to nothing; begun inside of a body and replaced; to a side
+                                           that has no element */
+  double seconds;
+  size_t bytes;
+} ylm_transfer_stats;
+
+/*
+** ylm_transfer_create - cut the surfaces of a scene into elements, and find what each of them sees.
+**
+** A triangle whose longest edge is longer than `spacing` is cut into k^2 equal ones. Each element sends
+** `links` rays, their origins stratified over it, their directions distributed as the cosine about the
+** normal. A ray whose first hit is a side that is not used begins inside of a body: it is replaced
+** by one of the element's other rays. Meshes that do not occlude have no elements.
+**
+** Returns  YLM_OK; YLM_ERANGE (a field of the form), YLM_ELIMIT, YLM_ENOMEM, YLM_ECANCELLED
+** Cost     elements * links rays; 4 bytes a link
+*/
+YLM_API ylm_status ylm_transfer_create(const ylm_scene *scene, const ylm_transfer_form *form,
+                                       ylm_transfer **t, ylm_error *e);
+YLM_API void ylm_transfer_free(ylm_transfer *t);
+YLM_API void ylm_transfer_look(const ylm_transfer *t, ylm_transfer_stats *stats);
+/* What it was made with; `mesh_sides`, `inside` and `progress` are NULL, `spacing` is that in use. */
+YLM_API const ylm_transfer_form *ylm_transfer_made(const ylm_transfer *t);
+YLM_API const ylm_scene *ylm_transfer_scene(const ylm_transfer *t);
+
+/* The number of elements n. */
+YLM_API size_t ylm_transfer_count(const ylm_transfer *t);
+/* centre, normal [n][3], area [n], albedo [n][3] tinted, mesh [n]; any may be NULL. */
+YLM_API void ylm_transfer_elements(const ylm_transfer *t, float *centre, float *normal, float *area,
+                                   float *albedo, uint32_t *mesh);
+/* The element at a place, or n where that side has none. */
+YLM_API uint32_t ylm_transfer_element(const ylm_transfer *t, const ylm_scene_place *p);
+/* The elements that n rays hit first (n hits of ylm_trace_nearest for them): out [n]; n of the transfer
+   where nothing is hit, n + 1 (YLM_TRANSFER_BURIED) where a side is that is not used. */
+#define YLM_TRANSFER_BURIED(t) ((uint32_t)ylm_transfer_count(t) + 1)
+YLM_API void ylm_transfer_hits(const ylm_transfer *t, size_t n, const ylm_trace_ray *ray,
+                               const ylm_trace_hit *hit, uint32_t *out);
+/* The links, [elements][links], in the order of their targets. */
+YLM_API const uint32_t *ylm_transfer_links(const ylm_transfer *t);
+/* Transfer vectors of direct light, [elements][(lmax+1)^2], the SH of cosine times escape; NULL: none. */
+YLM_API const float *ylm_transfer_escape(const ylm_transfer *t);
+
+/*
+** ylm_transfer_find - links of n other places.
+**
+**   origin   in   [n][3]  where rays start
+**   normal   in   [n][3]  unit: directions are distributed as the cosine about it; NULL: evenly over
+**                         the sphere
+**   links    in   of a place, 4 .. YLM_TRANSFER_LINKS, a multiple of 4
+**   stream   in   [n] or NULL: the number of each place's random numbers; NULL: its place in the list
+**   out      out  [n][links]
+**   escape   out  [n][(lmax+1)^2] or NULL: SH of cosine times escape (of the sphere: of escape), by the
+**                 same rays
+**
+** Returns  YLM_OK; YLM_ERANGE, YLM_ENOMEM, YLM_ECANCELLED (stage "links")
+*/
+YLM_API ylm_status ylm_transfer_find(const ylm_transfer *t, size_t n, const float (*origin)[3],
+                                     const float (*normal)[3], const uint64_t *stream, int links,
+                                     uint64_t seed, int threads, const ylm_progress *progress,
+                                     uint32_t *out, int lmax, float *escape, ylm_error *e);
+/*
+** ylm_transfer_sum - means of rows over links.
+**
+**   out[i] = start[i] + 1/links sum over j < links of in[link[i][j]]
+**
+**   link   in   [n][links]
+**   width  in   numbers in a row, a multiple of 4
+**   in     in   [elements + 1][width], the last row zero; 16-byte aligned
+**   start  in   [n][width] or NULL: zeros
+**   out    out  [n][width]
+**
+** Cost     memory: 4 bytes a link, and rows at random. No allocation
+*/
+YLM_API void ylm_transfer_sum(size_t n, int links, const uint32_t *link, int width, const float *in,
+                              const float *start, float *out, int threads);
+
+/* Writes to a file, beside it first; reads one, which must be of this scene (YLM_EINVAL). */
+YLM_API ylm_status ylm_transfer_write(const ylm_transfer *t, const char *path, ylm_error *e);
+YLM_API ylm_status ylm_transfer_read(const ylm_scene *scene, const unsigned char *bytes,
+                                     size_t size, const char *name, ylm_transfer **t, ylm_error *e);
+
+/* -- bounces ------------------------------------------------------------------ */
+
+typedef struct ylm_radiosity
+    ylm_radiosity; /* E0, E and what leaves; written by one thread at a time */
+
+typedef struct ylm_radiosity_stats {
+  int bounces;     /* that were summed */
+  bool closed;     /* the rest was added as a geometric series */
+  double residual; /* change by the last bounce, relative to E, by area and L1 */
+  double shrink;   /* q, that change over the one before */
+  double emitted[3], absorbed[3],
+      escaped[3]; /* W: direct light that lands on elements; what they keep; what
+                                                 leaves the scene. emitted = absorbed + escaped but for
+                                                 the noise of links and the residual */
+  double balance; /* |emitted - absorbed - escaped| / emitted, the largest of the channels */
+  uint64_t rays;  /* of direct light */
+  double direct_seconds, solve_seconds;
+} ylm_radiosity_stats;
+
+YLM_API ylm_status ylm_radiosity_create(const ylm_transfer *t, ylm_radiosity **r);
+YLM_API void ylm_radiosity_free(ylm_radiosity *r);
+YLM_API const ylm_transfer *ylm_radiosity_transfer(const ylm_radiosity *r);
+
+/*
+** ylm_radiosity_rays - direct light on the elements of a scene by rays to its lamps and sky, light_samples from
+** each element. `scene` is the transfer's, or another of the same meshes with other lamps.
+**
+** ylm_radiosity_field - direct light from coefficients: E0 = T0 . L with L at the elements' centres, T0 of
+** ylm_transfer_escape. It knows no shadow of what is nearer than a light and takes what is behind one for an
+** occluder.
+**
+** ylm_radiosity_set - direct light that is given, irradiance E0 [elements][3], W m^-2.
+**
+** Returns  YLM_OK; YLM_ERANGE, YLM_EINVAL (no transfer vectors; another geometry), YLM_ENOMEM, YLM_ECANCELLED (stage
+**          "direct"), what the field returns. The radiosity then is as it was
+*/
+YLM_API ylm_status ylm_radiosity_rays(ylm_radiosity *r, const ylm_scene *scene, int light_samples,
+                                      uint64_t seed, int threads, const ylm_progress *progress,
+                                      ylm_error *e);
+YLM_API ylm_status ylm_radiosity_field(ylm_radiosity *r, const ylm_field *field, int threads,
+                                       const ylm_progress *progress, ylm_error *e);
+YLM_API void ylm_radiosity_set(ylm_radiosity *r, const float *E0);
+
+/*
+** ylm_radiosity_solve - all bounces of the direct light.
+**
+**   bounces   in  reflections after direct light; negative: until the residual is reached
+**   residual  in  the relative change at which the series ends, > 0
+**   closure   in  then add what is left as the geometric series of the last change
+**
+** Returns  YLM_OK; YLM_EDOMAIN (all bounces do not converge: the albedo is 1 and nothing escapes), YLM_ENOMEM,
+**          YLM_ECANCELLED (stage "bounces")
+*/
+YLM_API ylm_status ylm_radiosity_solve(ylm_radiosity *r, int bounces, double residual, bool closure,
+                                       int threads, const ylm_progress *progress,
+                                       ylm_radiosity_stats *stats, ylm_error *e);
+/* Of the last solution; valid until the next. [elements + 1][4], the fourth number of a row and the last row are
+   zero: direct irradiance, irradiance W m^-2, and radiance that leaves, W sr^-1 m^-2: rho E / pi. */
+YLM_API const float *ylm_radiosity_direct(const ylm_radiosity *r);
+YLM_API const float *ylm_radiosity_irradiance(const ylm_radiosity *r);
+YLM_API const float *ylm_radiosity_leaving(const ylm_radiosity *r);
+YLM_API void ylm_radiosity_look(const ylm_radiosity *r, ylm_radiosity_stats *stats);
+
+/* -- the gathered field --------------------------------------------------------- */
+
+typedef enum ylm_gather_parts {
+  YLM_GATHER_INDIRECT = 1, /* what surfaces send back          */
+  YLM_GATHER_DIRECT = 2,   /* lamps and sky, with shadows      */
+  YLM_GATHER_ALL = 3
+} ylm_gather_parts;
+
+typedef enum ylm_gather_derivatives {
+  YLM_GATHER_CELLS, /* borders of cells move with the nearer surface: gradient and Hessian */
+  YLM_GATHER_POINTS /* hit points move, less the mean radiance: gradient; Hessian by cells  */
+} ylm_gather_derivatives;
+
+typedef struct ylm_gather_form {
+  int base;   /* cells along an edge of the cube of directions, 4 .. 64                 */
+  int levels; /* of splitting 4 x 4, 0 .. 2                                            */
+  double
+      contrast; /* splits where radiance differs from a neighbour's by more than this part of the mean */
+  double spacing; /* the least distance that counts in derivatives; 0: the elements' spacing */
+  ylm_gather_parts parts;
+  ylm_gather_derivatives derivatives;
+  double
+      tolerance; /* of shadow rays of direct light: groups are looked at closer until they matter less than an eighth of it */
+  bool
+      remember; /* keep each point's cells: the field asked again there, after another solution, traces nothing */
+  uint64_t seed;
+} ylm_gather_form;
+
+typedef struct ylm_gather_stats {
+  uint64_t points, rays, shadow_rays;
+  uint64_t invalid; /* points that see more of sides that are not used than of others */
+  size_t bytes;     /* that are remembered */
+} ylm_gather_stats;
+
+typedef struct ylm_gather ylm_gather; /* a light field of a radiosity */
+
+/* YLM_OK; YLM_ERANGE, YLM_ENOMEM */
+YLM_API ylm_status ylm_gather_create(const ylm_radiosity *r, const ylm_gather_form *form,
+                                     ylm_gather **g, ylm_error *e);
+YLM_API void ylm_gather_free(ylm_gather *g);
+/* Lives as long as the gather; `inside` is 1 at points that are not valid. Up to degree YLM_TRANSFER_LMAX. */
+YLM_API const ylm_field *ylm_gather_field(const ylm_gather *g);
+/* validity [n]: 1 less the share of directions that see sides that are not used; below 0.5 the point is in a body. */
+YLM_API ylm_status ylm_gather_validity(const ylm_gather *g, size_t n, const float (*point)[3],
+                                       int threads, float *validity, ylm_error *e);
+/*
+** ylm_gather_noise - how exactly the field knows the light: its values with `base` cells against twice as many.
+**
+**   point     in   [n][3]
+**   quantile  out  the 95 % quantile of the errors, each relative to the norm there
+*/
+YLM_API ylm_status ylm_gather_noise(const ylm_gather *g, size_t n, const float (*point)[3],
+                                    int lmax, int threads, const ylm_progress *progress,
+                                    double *quantile, ylm_error *e);
+YLM_API void ylm_gather_look(const ylm_gather *g, ylm_gather_stats *stats);
+
+/* -- distant light ---------------------------------------------------------------- */
+
+/*
+** ylm_transfer_vectors - transfer vectors of the elements with bounces, of light that is the same everywhere.
+**
+** T = T0 + 1/K sum over links of rho T, in three channels: rows of ylm_transfer_escape solved as light is.
+**
+**   bounces, residual, closure  in   as ylm_radiosity_solve
+**   out                         out  [elements + 1][3][(lmax+1)^2] in rows of `width` floats, the last row zero; width is
+**                                    3 (lmax+1)^2 rounded up to a multiple of 4
+** Source   Sloan et al. 2002, "Precomputed Radiance Transfer"; Green 2003
+*/
+YLM_API ylm_status ylm_transfer_vectors(const ylm_transfer *t, int bounces, double residual,
+                                        bool closure, int threads, const ylm_progress *progress,
+                                        float *out, ylm_error *e);
+
+#ifdef __cplusplus
+}
+#endif
+#endif
