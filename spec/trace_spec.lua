@@ -6,17 +6,22 @@ local spread = require("spec.support.random").spread
 
 local none = {}
 
---- A traced scene of geometry and lights, of which {x, y, z, radius} are spheres.
+--- Lights as the library takes them; {x, y, z, radius} are spheres.
+local function packed(lamps)
+  local lights = {}
+  for i, l in ipairs(lamps or none) do
+    lights[i] = l[4] and ylm.sphere_light { at = { l[1], l[2], l[3] }, radius = l[4], radiance = 1 } or l
+  end
+  return light.set(assert(light.pack(1, "spec", lights)))
+end
+
+--- A traced scene of geometry and lights.
 local function traced(geometry, lamps)
   local meshes, materials, occludes = {}, {}, {}
   for i, g in ipairs(geometry) do
     meshes[i], materials[i], occludes[i] = g.mesh, core.material_create("matte", { 1, 1, 1 }), g.occludes
   end
-  local lights = {}
-  for i, l in ipairs(lamps or none) do
-    lights[i] = l[4] and ylm.sphere_light { at = { l[1], l[2], l[3] }, radius = l[4], radiance = 1 } or l
-  end
-  return assert(lib.scene_create(meshes, materials, occludes, light.set(assert(light.pack(1, "spec", lights))), false, {}))
+  return assert(lib.scene_create(meshes, materials, occludes, packed(lamps), false, {}))
 end
 
 --- Rays { origin, direction, far } as the array that scene_trace takes.
@@ -251,5 +256,80 @@ describe("the lamps that a ray meets", function()
       end
     end
     assert.is_true(met > 200)
+  end)
+end)
+
+describe("a traced scene with other lamps", function()
+  local ray = rays { { { 0.2, 5, 0.3 }, { 0, -1, 0 } } }
+
+  --- Rays from all around, and lamps that they meet.
+  local function many(seed)
+    local random, lamps, list = spread(seed), {}, {}
+    local function at() return { random() * 4 - 2, random() * 4 - 2, random() * 4 - 2 } end
+    for i = 1, 100 do
+      local p = at()
+      lamps[i] = i % 3 > 0 and { p[1], p[2], p[3], 0.05 + 0.2 * random() }
+        or ylm.disk_light { at = p, normal = at(), radius = 0.3, radiance = i }
+    end
+    for i = 1, 500 do list[i] = { at(), at() } end
+    return lamps, rays(list)
+  end
+
+  it("is what a scene of the same meshes and those lamps is", function()
+    local geometry = { ylm.sphere { radius = 0.7, divide = { 16, 12 } }, floor { at = { 0, 1, 0 }, occludes = false }, floor() }
+    local before, lamps, list = many(5), many(6)
+    local moved, made = assert(lib.scene_relight(traced(geometry, before), packed(lamps), false)), traced(geometry, lamps)
+    assert.same(lib.scene_trace(made, list, "occlusion"):totable(), lib.scene_trace(moved, list, "occlusion"):totable())
+    local lit = 0
+    for _, kind in ipairs { "first", "nearest" } do
+      local a, b = lib.scene_trace(made, list, kind), lib.scene_trace(moved, list, kind)
+      for i = 1, 500 do
+        for k = 1, a:get(i, 1) > 0 and 8 or 3 do assert.equal(a:get(i, k), b:get(i, k)) end
+        lit = lit + (a:get(i, 1) < 0 and 1 or 0)
+      end
+    end
+    assert.is_true(lit > 50)
+    assert.same({ lib.scene_bounds(made) }, { lib.scene_bounds(moved) })
+    assert.same(lib.scene_vertices(made):totable(), lib.scene_vertices(moved):totable())
+    local sphere = { { 2, 2, 2 }, { -0.5, -0.5, -0.5 } }
+    assert.same({ lib.scene_lamps(made, rays { sphere }, 16) }, { lib.scene_lamps(moved, rays { sphere }, 16) })
+    local u = {}
+    for i = 1, 200 do u[i] = { (i - 0.5) / 200, i * 0.754877 % 1, i * 0.569840 % 1 } end
+    u = ylm.array(u, "double")
+    assert.same(lib.chooser_sample(made, { 0, 0.1, 0.9 }, { 0, 1, 0 }, u):totable(),
+      lib.chooser_sample(moved, { 0, 0.1, 0.9 }, { 0, 1, 0 }, u):totable())
+  end)
+
+  it("leaves the first as it was, and needs it no longer", function()
+    local first = traced({ floor() }, { { 0.2, 2, 0.3, 0.5 } })
+    local second = assert(lib.scene_relight(first, packed { { 0.2, 3, 0.3, 0.5 } }, false))
+    local third = assert(lib.scene_relight(second, packed {}, false))
+    assert.near(2.5, lib.scene_trace(first, ray):get(1, 3), 1e-5)
+    lib.scene_close(first)
+    assert.near(1.5, lib.scene_trace(second, ray):get(1, 3), 1e-5)
+    lib.scene_close(second)
+    assert.equal(1, lib.scene_trace(third, ray):get(1, 1))
+    assert.near(5, lib.scene_trace(third, ray):get(1, 3), 1e-5)
+  end)
+
+  it("is made by a scene whose lights alone have changed, of one whose meshes have not", function()
+    local tracing = require "ylm.trace"
+    local quad = floor { divide = 256 }
+    local lamp = ylm.sphere_light { at = { 0, 1, 0 }, radius = 0.1, radiance = 1 }
+    local s = ylm.scene "moving" { geometry = { quad }, lights = { lamp } }
+    local created, relit = 0, 0
+    local create, relight = lib.scene_create, lib.scene_relight
+    lib.scene_create = function(...) created = created + 1 return create(...) end
+    lib.scene_relight = function(...) relit = relit + 1 return relight(...) end
+    finally(function() lib.scene_create, lib.scene_relight = create, relight end)
+    local one = assert(tracing.trace("spec", s))
+    assert.equal(one, tracing.trace("spec", s))
+    lamp.at = { 0.2, 2, 0.3 }
+    local two = assert(tracing.trace("spec", s))
+    assert.same({ 1, 1 }, { created, relit })
+    assert.near(2.9, lib.scene_trace(two.handle, ray):get(1, 3), 1e-5)
+    s.geometry[1] = floor { at = { 0, 4, 0 } }
+    assert.near(1, lib.scene_trace(assert(tracing.trace("spec", s)).handle, ray):get(1, 3), 1e-5)
+    assert.same({ 2, 1 }, { created, relit })
   end)
 end)

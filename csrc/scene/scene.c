@@ -92,15 +92,73 @@ static ylm_status copy_lamps(ylm_scene *s, const ylm_scene_lamps *l, ylm_error *
   return ylm__scene_copy_textures(s, l, e);
 }
 
-static ylm_status trace_scene(ylm_scene *s, const ylm_scene_mesh *mesh,
+static ylm_status trace_scene(ylm_scene *s, size_t meshes, const ylm_scene_mesh *mesh,
                               const ylm_scene_lamps *lamps, ylm_error *e) {
-  ylm_trace_mesh *m = ylm_alloc(s->meshes, sizeof *m);
+  ylm_trace_mesh *m = ylm_alloc(meshes, sizeof *m);
   if (!m) return YLM_ENOMEM;
-  for (size_t i = 0; i < s->meshes; i++)
+  for (size_t i = 0; i < meshes; i++)
     m[i] = (ylm_trace_mesh){mesh[i].positions, mesh[i].vertices, mesh[i].triangles, mesh[i].count,
                             mesh[i].occludes};
-  ylm_status status = ylm_trace_create(s->meshes, m, &lamps->shape, &s->trace, e);
+  ylm_status status = ylm_trace_create(meshes, m, &lamps->shape, &s->trace, e);
   ylm_free(m);
+  return status;
+}
+
+/* Copies meshes; to be freed in any case. */
+static ylm_status share_meshes(size_t meshes, const ylm_scene_mesh *mesh, scene_meshes **shared,
+                               ylm_error *e) {
+  scene_meshes *m = *shared = ylm_alloc_zero(1, sizeof *m);
+  if (!m) return YLM_ENOMEM;
+  m->references = 1;
+  if (!(m->mesh = ylm_alloc_zero(meshes, sizeof *m->mesh))) return YLM_ENOMEM;
+  for (; m->meshes < meshes; m->vertices += mesh[m->meshes++].vertices) {
+    scene_mesh *to = &m->mesh[m->meshes];
+    to->first_vertex = m->vertices;
+    ylm_status s = copy_mesh(to, m->meshes, &mesh[m->meshes], e);
+    if (s == YLM_OK) continue;
+    m->meshes++;
+    return s;
+  }
+  if (m->vertices > UINT32_MAX / 2)
+    return ylm_fail(e, YLM_EOVERFLOW, "the scene has more than 2^31 vertices");
+  return YLM_OK;
+}
+
+static void free_meshes(scene_meshes *m) {
+  if (!m || atomic_fetch_sub(&m->references, 1) > 1) return;
+  for (size_t i = 0; i < m->meshes; i++) {
+    ylm_free(m->mesh[i].position);
+    ylm_free(m->mesh[i].normal);
+    ylm_free(m->mesh[i].uv);
+    ylm_free(m->mesh[i].triangle);
+    ylm_material_free(m->mesh[i].material);
+    ylm__scene_free_tint(&m->mesh[i]);
+  }
+  ylm_free(m->mesh);
+  ylm_free(m);
+}
+
+static void take_meshes(ylm_scene *s, scene_meshes *shared) {
+  s->shared = shared;
+  s->mesh = shared->mesh;
+  s->meshes = shared->meshes;
+  s->vertices = shared->vertices;
+}
+
+/* Everything that is made of lamps. */
+static ylm_status light(ylm_scene *s, const ylm_scene_lamps *lamps, ylm_error *e) {
+  ylm_status status = copy_lamps(s, lamps, e);
+  if (status == YLM_OK) status = ylm__scene_make_far(s);
+  if (status == YLM_OK) status = ylm__scene_weigh_power(s);
+  return status == YLM_OK ? ylm__scene_share_sky(s, lamps) : status;
+}
+
+/* Gives the scene to *out, or frees it. */
+static ylm_status deliver(ylm_status status, ylm_scene *s, ylm_scene **out) {
+  if (status == YLM_OK)
+    *out = s;
+  else
+    ylm_scene_free(s);
   return status;
 }
 
@@ -109,39 +167,30 @@ ylm_status ylm_scene_create(size_t meshes, const ylm_scene_mesh *mesh, const ylm
   *scene = NULL;
   ylm_scene *s = ylm_alloc_zero(1, sizeof *s);
   if (!s) return YLM_ENOMEM;
-  s->mesh = ylm_alloc_zero(meshes, sizeof *s->mesh);
-  ylm_status status = s->mesh ? YLM_OK : YLM_ENOMEM;
-  s->meshes = s->mesh ? meshes : 0;
-  if (status == YLM_OK) status = trace_scene(s, mesh, lamps, e); /* checks positions, indices */
-  for (size_t i = 0; status == YLM_OK && i < meshes; i++) {
-    s->mesh[i].first_vertex = s->vertices;
-    s->vertices += mesh[i].vertices;
-    status = copy_mesh(&s->mesh[i], i, &mesh[i], e);
-  }
-  if (status == YLM_OK) status = copy_lamps(s, lamps, e);
-  if (status == YLM_OK) status = ylm__scene_make_far(s);
-  if (status == YLM_OK) status = ylm__scene_weigh_power(s);
-  if (status == YLM_OK) status = ylm__scene_share_sky(s, lamps);
-  if (status == YLM_OK && s->vertices > UINT32_MAX / 2)
-    status = ylm_fail(e, YLM_EOVERFLOW, "the scene has more than 2^31 vertices");
-  if (status == YLM_OK)
-    *scene = s;
-  else
-    ylm_scene_free(s);
-  return status;
+  scene_meshes *shared = NULL;
+  ylm_status status = trace_scene(s, meshes, mesh, lamps, e); /* checks positions, indices */
+  if (status == YLM_OK) status = share_meshes(meshes, mesh, &shared, e);
+  if (shared) take_meshes(s, shared);
+  if (status == YLM_OK) status = light(s, lamps, e);
+  return deliver(status, s, scene);
+}
+
+ylm_status ylm_scene_relight(const ylm_scene *from, const ylm_scene_lamps *lamps, ylm_scene **scene,
+                             ylm_error *e) {
+  *scene = NULL;
+  ylm_scene *s = ylm_alloc_zero(1, sizeof *s);
+  if (!s) return YLM_ENOMEM;
+  atomic_fetch_add(&from->shared->references, 1);
+  take_meshes(s, from->shared);
+  ylm_status status = ylm_trace_relight(from->trace, &lamps->shape, &s->trace, e);
+  if (status == YLM_OK) status = light(s, lamps, e);
+  return deliver(status, s, scene);
 }
 
 void ylm_scene_free(ylm_scene *s) {
   if (!s) return;
   ylm_trace_free(s->trace);
-  for (size_t i = 0; i < s->meshes; i++) {
-    ylm_free(s->mesh[i].position);
-    ylm_free(s->mesh[i].normal);
-    ylm_free(s->mesh[i].uv);
-    ylm_free(s->mesh[i].triangle);
-    ylm_material_free(s->mesh[i].material);
-    ylm__scene_free_tint(&s->mesh[i]);
-  }
+  free_meshes(s->shared);
   for (int a = 0; a < 4; a++) ylm_free(s->lamp[a]);
   ylm_free(s->lamp_luminance);
   ylm_free(s->lamp_radiance);
@@ -153,7 +202,6 @@ void ylm_scene_free(ylm_scene *s) {
   ylm__scene_free_power(s);
   ylm__scene_free_textures(s);
   ylm__scene_free_sky(s);
-  ylm_free(s->mesh);
   ylm_free(s);
 }
 

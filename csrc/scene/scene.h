@@ -2,6 +2,8 @@
 #ifndef YLM_SCENE_PRIVATE_H
 #define YLM_SCENE_PRIVATE_H
 
+#include <stdatomic.h>
+
 #include "dome.h"
 #include "ylm_scene.h"
 #include "ylm_vector.h"
@@ -21,6 +23,13 @@ typedef struct scene_mesh {
   const ylm_texture *texture;
 } scene_mesh;
 
+/* Meshes as scenes that differ in lamps alone share them. */
+typedef struct scene_meshes {
+  atomic_uint references;
+  scene_mesh *mesh;
+  size_t meshes, vertices;
+} scene_meshes;
+
 /* A texture as copied. */
 typedef struct scene_texture {
   double corner[3], across[3], up[3]; /* s = across.(p - corner) from 0 to 1, upwards by up */
@@ -37,8 +46,9 @@ typedef struct scene_far {
 
 struct ylm_scene {
   ylm_trace *trace;
-  scene_mesh *mesh;
-  size_t meshes, vertices;
+  scene_meshes *shared;
+  const scene_mesh *mesh;  /* [meshes] of `shared` */
+  size_t meshes, vertices; /* of `shared` */
   size_t lamps;
   float *lamp[4]; /* x, y, z, radius: each [lamps], padded to a multiple of YLM_LAMP_CHUNK */
   float *lamp_luminance;

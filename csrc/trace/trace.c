@@ -66,12 +66,10 @@ static void grow_bounds(ylm_trace *t, bool *any, const ylm_trace_mesh *m) {
     }
 }
 
-/* Attaches `g` under `id` to a scene, and to `second` if that is not NULL; gives up this file's
-   reference. */
-static void attach(RTCScene s, RTCScene second, RTCGeometry g, uint32_t id) {
+/* Attaches `g` under `id` to a scene; gives up this file's reference. */
+static void attach(RTCScene s, RTCGeometry g, uint32_t id) {
   rtcCommitGeometry(g);
   rtcAttachGeometryByID(s, g, id);
-  if (second) rtcAttachGeometryByID(second, g, id);
   rtcReleaseGeometry(g);
 }
 
@@ -91,7 +89,8 @@ static ylm_status add_mesh(ylm_trace *t, uint32_t id, const ylm_trace_mesh *m, y
   }
   memcpy(p, m->positions, m->vertices * 12);
   memcpy(k, m->triangles, m->count * 12);
-  attach(m->occludes ? t->occluders : t->others, NULL, g, id);
+  if (!m->occludes) t->draws = true;
+  attach(m->occludes ? t->occluders : t->drawn, g, id);
   return YLM_OK;
 }
 
@@ -107,7 +106,7 @@ static bool fill(RTCGeometry g, enum RTCBufferType type, enum RTCFormat format, 
 static ylm_status finish_lamps(ylm_trace *t, RTCGeometry g, bool filled, uint32_t id,
                                ylm_error *e) {
   if (g && filled) {
-    attach(t->others, t->lamps, g, id);
+    attach(t->lamps, g, id);
     return YLM_OK;
   }
   if (g) rtcReleaseGeometry(g);
@@ -171,17 +170,27 @@ static RTCScene new_scene(RTCDevice d, enum RTCSceneFlags flags) {
   return s;
 }
 
-static ylm_status build(ylm_trace *t, size_t mesh_count, const ylm_trace_mesh *meshes,
-                        const ylm_trace_lamps *lamps, ylm_error *e) {
+/* The tree of lamps. */
+static ylm_status build_lamps(ylm_trace *t, const ylm_trace_lamps *lamps, ylm_error *e) {
+  t->lamps = new_scene(t->device, ylm__trace_filters);
+  if (!t->lamps) return device_status(t->device, e);
+  ylm_status s = add_lamps(t, lamps, e);
+  if (s != YLM_OK) return s;
+  rtcCommitScene(t->lamps);
+  return device_status(t->device, e);
+}
+
+/* The trees of meshes. */
+static ylm_status build_meshes(ylm_trace *t, size_t mesh_count, const ylm_trace_mesh *meshes,
+                               ylm_error *e) {
   bool any = false;
   if (mesh_count > INT32_MAX - 3) return ylm_fail(e, YLM_EOVERFLOW, "more than 2^31 meshes");
   t->meshes = (uint32_t)mesh_count;
   t->device = rtcNewDevice("threads=1,set_affinity=0");
   if (!t->device) return device_status(NULL, e);
   t->occluders = new_scene(t->device, RTC_SCENE_FLAG_NONE);
-  t->others = new_scene(t->device, RTC_SCENE_FLAG_NONE);
-  t->lamps = new_scene(t->device, ylm__trace_filters);
-  if (!t->occluders || !t->others || !t->lamps) return device_status(t->device, e);
+  t->drawn = new_scene(t->device, RTC_SCENE_FLAG_NONE);
+  if (!t->occluders || !t->drawn) return device_status(t->device, e);
   for (size_t i = 0; i < mesh_count; i++) {
     ylm_status s = check_mesh(i, &meshes[i], e);
     if (s == YLM_OK) s = add_mesh(t, (uint32_t)i, &meshes[i], e);
@@ -189,11 +198,8 @@ static ylm_status build(ylm_trace *t, size_t mesh_count, const ylm_trace_mesh *m
     grow_bounds(t, &any, &meshes[i]);
   }
   t->offset = offset_of(t);
-  ylm_status s = add_lamps(t, lamps, e);
-  if (s != YLM_OK) return s;
   rtcCommitScene(t->occluders);
-  rtcCommitScene(t->others);
-  rtcCommitScene(t->lamps);
+  rtcCommitScene(t->drawn);
   return device_status(t->device, e);
 }
 
@@ -203,7 +209,39 @@ ylm_status ylm_trace_create(size_t mesh_count, const ylm_trace_mesh *meshes,
   ylm_trace *t = ylm_alloc_zero(1, sizeof *t);
   if (!t) return YLM_ENOMEM;
   unsigned mode = enter_fast_mode();
-  ylm_status s = build(t, mesh_count, meshes, lamps, e);
+  ylm_status s = build_meshes(t, mesh_count, meshes, e);
+  if (s == YLM_OK) s = build_lamps(t, lamps, e);
+  leave_fast_mode(mode);
+  if (s == YLM_OK)
+    *out = t;
+  else
+    ylm_trace_free(t);
+  return s;
+}
+
+/* Shares everything but lamps. */
+static void share_meshes(ylm_trace *t, const ylm_trace *from) {
+  t->device = from->device;
+  t->occluders = from->occluders;
+  t->drawn = from->drawn;
+  t->draws = from->draws;
+  t->meshes = from->meshes;
+  t->offset = from->offset;
+  memcpy(t->lo, from->lo, sizeof t->lo);
+  memcpy(t->hi, from->hi, sizeof t->hi);
+  rtcRetainDevice(t->device);
+  rtcRetainScene(t->occluders);
+  rtcRetainScene(t->drawn);
+}
+
+ylm_status ylm_trace_relight(const ylm_trace *from, const ylm_trace_lamps *lamps, ylm_trace **out,
+                             ylm_error *e) {
+  *out = NULL;
+  ylm_trace *t = ylm_alloc_zero(1, sizeof *t);
+  if (!t) return YLM_ENOMEM;
+  share_meshes(t, from);
+  unsigned mode = enter_fast_mode();
+  ylm_status s = build_lamps(t, lamps, e);
   leave_fast_mode(mode);
   if (s == YLM_OK)
     *out = t;
@@ -215,7 +253,7 @@ ylm_status ylm_trace_create(size_t mesh_count, const ylm_trace_mesh *meshes,
 void ylm_trace_free(ylm_trace *t) {
   if (!t) return;
   if (t->occluders) rtcReleaseScene(t->occluders);
-  if (t->others) rtcReleaseScene(t->others);
+  if (t->drawn) rtcReleaseScene(t->drawn);
   if (t->lamps) rtcReleaseScene(t->lamps);
   if (t->device) rtcReleaseDevice(t->device);
   ylm_free(t);
@@ -230,9 +268,9 @@ float ylm_trace_offset(const ylm_trace *t) { return t->offset; }
 
 void ylm_trace_intersect(const ylm_trace *t, size_t n, const ylm_trace_ray *rays, bool coherent,
                          ylm_trace_hit *hits) {
-  const RTCScene all[2] = {t->occluders, t->others};
+  const RTCScene all[3] = {t->occluders, t->lamps, t->drawn};
   unsigned mode = enter_fast_mode();
-  ylm__trace_first(t, 2, all, n, rays, coherent, hits);
+  ylm__trace_first(t, t->draws ? 3 : 2, all, n, rays, coherent, hits);
   leave_fast_mode(mode);
 }
 

@@ -16,10 +16,12 @@ _Static_assert(sizeof(ylm_trace_ray) == sizeof(struct RTCRay), "ylm_trace_ray is
 _Static_assert(offsetof(ylm_trace_ray, dir) == offsetof(struct RTCRay, dir_x), "dir");
 _Static_assert(offsetof(ylm_trace_ray, far) == offsetof(struct RTCRay, tfar), "far");
 
-/* Trees: occluders; what only primary rays see (lamps, meshes that do not occlude); lamps alone. */
+/* Trees: meshes that occlude; meshes that are only drawn; lamps. Structures that differ in lamps alone
+   share device and meshes by Embree's counts of references. */
 struct ylm_trace {
   RTCDevice device;
-  RTCScene occluders, others, lamps;
+  RTCScene occluders, drawn, lamps;
+  bool draws;      /* some mesh is only drawn */
   uint32_t meshes; /* geometry ids below are meshes; this one and the next two are lamps */
   uint32_t spheres, triangles;
   float lo[3], hi[3], offset;

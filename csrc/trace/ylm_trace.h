@@ -70,6 +70,17 @@ YLM_API ylm_status ylm_trace_create(size_t mesh_count, const ylm_trace_mesh *mes
                                     const ylm_trace_lamps *lamps, ylm_trace **out, ylm_error *e);
 YLM_API void ylm_trace_free(ylm_trace *t);
 
+/*
+** ylm_trace_relight - the same meshes with other lamps.
+**
+** The two share the meshes' trees, which live until both are freed.
+**
+** Returns  as ylm_trace_create
+** Cost     less than 1 us a lamp; nothing grows with the meshes
+*/
+YLM_API ylm_status ylm_trace_relight(const ylm_trace *t, const ylm_trace_lamps *lamps,
+                                     ylm_trace **out, ylm_error *e);
+
 /* Box around the meshes, lamps left out; all zero where there are none. */
 YLM_API void ylm_trace_bounds(const ylm_trace *t, float lo[3], float hi[3]);
 

@@ -28,18 +28,22 @@ local function same(a, b)
   return true
 end
 
---- Flat list of all that tracing depends on.
-local function ingredients(s)
+--- Flat list of all that meshes of a traced scene depend on.
+local function shapes_of(s)
   local parts = {}
-  local function add(x) parts[#parts + 1] = x == nil and false or x end
   for _, g in ipairs(s.geometry) do
-    local m = g.material or material.default
-    add(g.mesh); add(g.occludes ~= false)
-    add(m) -- materials do not change
+    parts[#parts + 1] = g.mesh
+    parts[#parts + 1] = g.occludes ~= false
+    parts[#parts + 1] = g.material or material.default -- materials do not change
   end
-  add("lights"); add(s.sky_is_seen)
+  return parts
+end
+
+--- Flat list of all that its lamps depend on.
+local function lamps_of(s)
+  local parts = { s.sky_is_seen or false }
   for _, l in ipairs(s.lights) do
-    add(l)
+    parts[#parts + 1] = l
     local as_light = type(l) == "table" and form.defined[form.kind(l)].light
     if as_light and as_light.record then as_light.record(l, parts) end
   end
@@ -49,16 +53,11 @@ end
 --- Traced scenes by scene object, as long as the scene is unchanged.
 local traced = setmetatable({}, { __mode = "k" })
 
---- { handle, lights, bounds, glossy: the number of such meshes, seconds } of a scene; nil, message, code.
-function tracing.trace(name, s)
-  local lib, message, code = tracing.library()
-  if not lib then return nil, message, code end
-  local parts, known = ingredients(s), traced[s]
-  if known and same(known.parts, parts) then return known end
-  local start = core.seconds()
+--- Arguments of scene_create about geometry, and the number of glossy meshes; nil, message, code.
+local function surfaces(name, s)
   local meshes, materials, occludes, textures, glossy = {}, {}, {}, {}, 0
   for i, g in ipairs(s.geometry) do
-    local m = g.material or material.default
+    local m, message, code = g.material or material.default
     meshes[i], occludes[i], textures[i] = g.mesh, g.occludes ~= false, material.texture(m) or false
     materials[i], message, code = material.object(name, m)
     if not materials[i] then return nil, message, code end
@@ -68,16 +67,36 @@ function tracing.trace(name, s)
       return check.fail("%s: %s needs uvs: mesh %d has none", name, direction, i)
     end
   end
+  return { meshes, materials, occludes, textures, glossy = glossy }
+end
+
+--- { handle, lights, bounds, glossy: the number of such meshes, seconds } of a scene; nil, message, code. Where lights
+-- alone have changed since the last call, meshes are shared with what was made then.
+function tracing.trace(name, s)
+  local lib, message, code = tracing.library()
+  if not lib then return nil, message, code end
+  local shapes, lamps, known = shapes_of(s), lamps_of(s), traced[s]
+  local alike = known and same(known.shapes, shapes)
+  if alike and same(known.lamps, lamps) then return known end
+  local start, made = core.seconds(), nil
+  if not alike then
+    made, message, code = surfaces(name, s)
+    if not made then return nil, message, code end
+  end
   local lights
   lights, message, code = light.pack(1, name, s.lights)
   if not lights then return nil, message, code end
   local handle
-  handle, message, code = check.result(name, lib.scene_create(meshes, materials, occludes, light.set(lights),
-    s.sky_is_seen, textures))
+  if alike then
+    handle, message, code = lib.scene_relight(known.handle, light.set(lights), s.sky_is_seen)
+  else
+    handle, message, code = lib.scene_create(made[1], made[2], made[3], light.set(lights), s.sky_is_seen, made[4])
+  end
+  handle, message, code = check.result(name, handle, message, code)
   if not handle then return nil, message, code end
   local lo, hi = lib.scene_bounds(handle)
-  local new = { parts = parts, handle = handle, lights = lights, lo = lo, hi = hi, lib = lib, glossy = glossy,
-    seconds = core.seconds() - start }
+  local new = { shapes = shapes, lamps = lamps, handle = handle, lights = lights, lo = lo, hi = hi, lib = lib,
+    glossy = alike and known.glossy or made.glossy, seconds = core.seconds() - start }
   traced[s] = new
   return new
 end

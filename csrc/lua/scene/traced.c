@@ -84,6 +84,15 @@ bool ylmL_scene_lamps(lua_State *L, int i, ylm_scene_lamps *lamps) {
   return true;
 }
 
+/* Pushes a scene that is still to be made. */
+static ylm_scene **new_scene(lua_State *L) {
+  ylm_scene **s = lua_newuserdata(L, sizeof *s);
+  *s = NULL;
+  luaL_getmetatable(L, SCENE);
+  lua_setmetatable(L, -2);
+  return s;
+}
+
 /* scene_create(meshes, materials, occludes, lights, whether distant lights are seen, textures: of each
    mesh one or false) -> scene */
 static int scene_create(lua_State *L) {
@@ -97,11 +106,20 @@ static int scene_create(lua_State *L) {
   lamps.sky_is_seen = lua_toboolean(L, 5);
   ylm_scene_mesh *mesh = lua_newuserdata(L, (n + 1) * sizeof *mesh);
   for (size_t i = 0; i < n; i++) mesh[i] = read_mesh(L, (int)i + 1);
-  ylm_scene **s = lua_newuserdata(L, sizeof *s);
-  *s = NULL;
-  luaL_getmetatable(L, SCENE);
-  lua_setmetatable(L, -2);
+  ylm_scene **s = new_scene(L);
   return ylmL_result(L, 1, ylm_scene_create(n, mesh, &lamps, s, &e), &e);
+}
+
+/* scene_relight(scene, lights, whether distant lights are seen) -> another one with the same meshes */
+static int scene_relight(lua_State *L) {
+  ylm_error e = {0};
+  ylm_scene_lamps lamps;
+  const ylm_scene *from = ylmL_scene(L, 1);
+  lua_settop(L, 3);
+  if (!ylmL_scene_lamps(L, 2, &lamps)) return ylmL_result(L, 0, YLM_ENOMEM, NULL);
+  lamps.sky_is_seen = lua_toboolean(L, 3);
+  ylm_scene **s = new_scene(L);
+  return ylmL_result(L, 1, ylm_scene_relight(from, &lamps, s, &e), &e);
 }
 
 static void push_three(lua_State *L, const double x[3]) {
@@ -215,13 +233,11 @@ static int scene_lamps(lua_State *L) {
   return 2;
 }
 
-static const luaL_Reg functions[] = {{"scene_create", scene_create},
-                                     {"scene_bounds", scene_bounds},
-                                     {"scene_vertices", scene_vertices},
-                                     {"scene_trace", scene_trace},
-                                     {"scene_lamps", scene_lamps},
-                                     {"scene_close", scene_close},
-                                     {NULL, NULL}};
+static const luaL_Reg functions[] = {
+    {"scene_create", scene_create}, {"scene_relight", scene_relight},
+    {"scene_bounds", scene_bounds}, {"scene_vertices", scene_vertices},
+    {"scene_trace", scene_trace},   {"scene_lamps", scene_lamps},
+    {"scene_close", scene_close},   {NULL, NULL}};
 
 void ylmL_open_traced(lua_State *L) {
   ylmL_type(L, SCENE, methods);
