@@ -101,4 +101,16 @@ function tracing.trace(name, s)
   return new
 end
 
+--- A traced scene with other lights, which are those of the scene no more: as tracing.trace returns it; nil, message, code.
+function tracing.relight(name, t, lights)
+  local start, packed, message, code = core.seconds(), nil, nil, nil
+  packed, message, code = light.pack(1, name, lights)
+  if not packed then return nil, message, code end
+  local handle
+  handle, message, code = check.result(name, t.lib.scene_relight(t.handle, light.set(packed), true))
+  if not handle then return nil, message, code end
+  return { shapes = t.shapes, lamps = false, handle = handle, lights = packed, lo = t.lo, hi = t.hi, lib = t.lib,
+    glossy = t.glossy, seconds = core.seconds() - start }
+end
+
 return tracing
