@@ -12,6 +12,7 @@
 ** | textured          | csrc/light/textured.c       | parallelograms with an image |
 ** | environment       | csrc/light/environment.c    | light from all around, infinitely far away |
 ** | sun               | csrc/light/sun.c            | discs of one radiance, infinitely far away |
+** | sampled           | csrc/light/sampled.c        | light known at a few places, blended between them |
 **
 **     ylm_light_set *lamps;
 **     double at[3] = {0, 2, 0}, radius = 0.1, radiance[3] = {10, 8, 6};
@@ -318,6 +319,25 @@ YLM_API size_t ylm_light_texture_tiles(const ylm_light_texture *t, size_t across
 YLM_API ylm_status ylm_light_set_textured(const ylm_light_texture *t, bool exact,
                                           const double *horizon, ylm_light_set **set, size_t *parts,
                                           ylm_error *e);
+
+/* -- light from samples: csrc/light/sampled.c --------------------------------------------- */
+
+#define YLM_LIGHT_SAMPLES 4096 /* the most places of a sampled light */
+
+/* Light that is known at n places, between which it is blended by 1/distance^power. */
+typedef struct ylm_light_sampled {
+  size_t n;
+  const double *at; /* [n][3], no two of them at one place */
+  int lmax;
+  const double *coefficients; /* [n][3][(lmax+1)^2] W m^-2 sr^-1/2 */
+  double power;               /* 2 .. 100: below 2 it would have kinks */
+} ylm_light_sampled;
+
+/* A set of one sampled light; numbers are copied. Rays see nothing of it, and nothing follows it.
+   YLM_OK; YLM_ERANGE, YLM_EDOMAIN: `e` names the sample, counted from 1; YLM_ENOMEM.
+   Cost  O(n) a point. */
+YLM_API ylm_status ylm_light_set_sampled(const ylm_light_sampled *light, ylm_light_set **set,
+                                         ylm_error *e);
 
 /* -- sums of fields: csrc/light/field_sum.c ------------------------------------------------ */
 

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "ylm_light.h"
+#include "ylm_sh.h"
 
 /* An object of another type whose light field a set adds. */
 typedef struct foreign {
@@ -169,6 +170,24 @@ static int lights_textured(lua_State *L) {
   ylmL_charge(L, parts * 300 + t.width * t.height * 12);
   ylmL_push_count(L, parts);
   return 2;
+}
+
+/* lights_sampled(at double [n][3], coefficients double [n][3][(lmax+1)^2], lmax, power) -> lights */
+static int lights_sampled(lua_State *L) {
+  ylm_error e = {0};
+  const ylmL_array *at = doubles(L, 1), *c = doubles(L, 2);
+  ylm_light_sampled s = {.n = at->count / 3,
+                         .at = at->data,
+                         .lmax = (int)luaL_checknumber(L, 3),
+                         .coefficients = c->data,
+                         .power = (double)luaL_checknumber(L, 4)};
+  if (s.lmax < 0 || s.lmax > YLM_LIGHT_LMAX || at->count % 3 ||
+      c->count != 3 * s.n * ylm_sh_count(s.lmax))
+    return ylmL_result(L, 0, YLM_ESHAPE, NULL);
+  lights *l = push_lights(L);
+  ylm_status status = ylm_light_set_sampled(&s, &l->set, &e);
+  if (status == YLM_OK) ylmL_charge(L, (at->count + c->count) * sizeof(double));
+  return ylmL_result(L, 1, status, &e);
 }
 
 static int lights_close(lua_State *L) {
@@ -353,6 +372,7 @@ static int field_crosses(lua_State *L) {
 static const luaL_Reg functions[] = {{"lights_create", lights_create},
                                      {"lights_spheres", lights_spheres},
                                      {"lights_textured", lights_textured},
+                                     {"lights_sampled", lights_sampled},
                                      {"lights_close", lights_close},
                                      {"lights_count", lights_count},
                                      {"lights_surfaces", lights_surfaces},

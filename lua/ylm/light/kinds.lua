@@ -10,4 +10,5 @@ return {
   { "ylm.light.textured", "textured_light" },
   { "ylm.light.environment", "environment_light" },
   { "ylm.light.sun", "sun_light" },
+  { "ylm.light.sampled", "sampled_light" },
 }
