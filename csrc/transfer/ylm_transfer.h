@@ -88,7 +88,7 @@ YLM_API ylm_status ylm_transfer_create(const ylm_scene *scene, const ylm_transfe
                                        ylm_transfer **t, ylm_error *e);
 YLM_API void ylm_transfer_free(ylm_transfer *t);
 YLM_API void ylm_transfer_look(const ylm_transfer *t, ylm_transfer_stats *stats);
-/* What it was made with; `mesh_sides`, `inside` and `progress` are NULL, `spacing` is that in use. */
+/* The form that it was made with; `mesh_sides`, `inside` and `progress` are NULL, `spacing` is that in use. */
 YLM_API const ylm_transfer_form *ylm_transfer_made(const ylm_transfer *t);
 YLM_API const ylm_scene *ylm_transfer_scene(const ylm_transfer *t);
 
