@@ -41,6 +41,7 @@ static ylm_status copy_mesh(scene_mesh *m, size_t i, const ylm_scene_mesh *in, y
   m->count = in->count;
   m->material = ylm_material_keep(in->material);
   m->smooth = in->normals != NULL;
+  m->occludes = in->occludes;
   m->position = ylm_alloc(in->vertices, 12);
   m->normal = ylm_alloc(in->vertices, 12);
   m->triangle = ylm_alloc(in->count, 12);
@@ -225,6 +226,27 @@ const ylm_material *ylm_scene_material(const ylm_scene *s, size_t m) { return s-
 
 const uint32_t *ylm_scene_triangle(const ylm_scene *s, size_t m, size_t element) {
   return &s->mesh[m].triangle[3 * element];
+}
+
+size_t ylm_scene_triangles(const ylm_scene *s, size_t m) { return s->mesh[m].count; }
+
+bool ylm_scene_occludes(const ylm_scene *s, size_t m) { return s->mesh[m].occludes; }
+
+void ylm_scene_lamp_middle(const ylm_scene *s, size_t i, float middle[3], float normal[3]) {
+  memset(normal, 0, 12);
+  if (i < s->lamps) {
+    for (int a = 0; a < 3; a++) middle[a] = s->lamp[a][i];
+  } else if (i - s->lamps < s->triangles) {
+    const float *p = s->triangle + 9 * (i - s->lamps);
+    for (int a = 0; a < 3; a++) middle[a] = (p[a] + p[3 + a] + p[6 + a]) / 3;
+    triangle_normal(p, p + 3, p + 6, normal);
+    normalise(normal);
+  } else {
+    const float *d = s->disk + 7 * (i - s->lamps - s->triangles);
+    memcpy(middle, d, 12);
+    memcpy(normal, d + 4, 12);
+    normalise(normal);
+  }
 }
 
 size_t ylm_scene_first_vertex(const ylm_scene *s, size_t m) {

@@ -17,7 +17,7 @@ typedef struct scene_mesh {
   float *uv;                /* [vertices][2] or NULL */
   uint32_t *triangle;       /* [count][3]    */
   size_t vertices, count, first_vertex;
-  bool smooth;
+  bool smooth, occludes;
   const ylm_material *material;
   float *colour; /* [vertices][3] or NULL */
   const ylm_texture *texture;

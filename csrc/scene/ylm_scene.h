@@ -85,6 +85,9 @@ YLM_API const ylm_trace *ylm_scene_trace(const ylm_scene *scene);
 YLM_API size_t ylm_scene_meshes(const ylm_scene *scene);
 YLM_API const ylm_material *ylm_scene_material(const ylm_scene *scene, size_t m);
 YLM_API const uint32_t *ylm_scene_triangle(const ylm_scene *scene, size_t m, size_t element);
+/* How many triangles mesh m has, and whether it occludes. */
+YLM_API size_t ylm_scene_triangles(const ylm_scene *scene, size_t m);
+YLM_API bool ylm_scene_occludes(const ylm_scene *scene, size_t m);
 /* Whether some mesh has a texture or colours: tints of all surfaces are 1 otherwise. */
 YLM_API bool ylm_scene_is_tinted(const ylm_scene *scene);
 
@@ -171,6 +174,9 @@ YLM_API size_t ylm_scene_aim(const ylm_scene_chooser *c, const float x[3], const
 /* The number of lamps that are not distant; of distant ones. */
 YLM_API size_t ylm_scene_near(const ylm_scene *scene);
 YLM_API size_t ylm_scene_distant(const ylm_scene *scene);
+/* The middle of a lamp that is not distant, and the unit normal of a flat one; of a sphere: zeros. */
+YLM_API void ylm_scene_lamp_middle(const ylm_scene *scene, size_t lamp, float middle[3],
+                                   float normal[3]);
 /* The radiance [3] that a lamp, met at distance t of a ray of length 1, sends to the ray's origin;
    false: it is below the lamp's horizon, and sends none. */
 YLM_API bool ylm_scene_near_radiance(const ylm_scene *scene, const ylm_trace_ray *ray,

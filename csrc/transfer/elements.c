@@ -1,0 +1,279 @@
+/* elements.c - surfaces cut into elements, and the element at a place. */
+#include <math.h>
+
+#include "transfer.h"
+
+/* Places of an element whose tints are averaged. */
+#define TINTS 16
+
+/* Corners of triangle i of mesh m. */
+static void corners_of(const ylm_scene *s, const float *positions, size_t m, size_t i,
+                       double p[3][3]) {
+  const uint32_t *t = ylm_scene_triangle(s, m, i);
+  const float *of = positions + 3 * ylm_scene_first_vertex(s, m);
+  for (int k = 0; k < 9; k++) p[k / 3][k % 3] = (double)of[3 * t[k / 3] + k % 3];
+}
+
+static double area_of(double p[3][3]) {
+  double a[3], b[3], n[3];
+  for (int k = 0; k < 3; k++) a[k] = p[1][k] - p[0][k], b[k] = p[2][k] - p[0][k];
+  for (int k = 0; k < 3; k++)
+    n[k] = a[(k + 1) % 3] * b[(k + 2) % 3] - a[(k + 2) % 3] * b[(k + 1) % 3];
+  return sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]) / 2;
+}
+
+static double longest_edge(double p[3][3]) {
+  double longest = 0;
+  for (int i = 0; i < 3; i++) {
+    double d = 0;
+    for (int k = 0; k < 3; k++) d += (p[i][k] - p[(i + 1) % 3][k]) * (p[i][k] - p[(i + 1) % 3][k]);
+    longest = fmax(longest, d);
+  }
+  return sqrt(longest);
+}
+
+/* Longest edges of all triangles, below 0 where there is no area: a triangle that floats cannot tell
+   from a line has none. */
+static ylm_status find_edges(const ylm_transfer *t, const float *positions, float *edge) {
+  for (size_t m = 0; m < t->meshes; m++)
+    for (size_t i = 0; i < t->first[m + 1] - t->first[m]; i++) {
+      double p[3][3], longest;
+      corners_of(t->scene, positions, m, i, p);
+      longest = longest_edge(p);
+      bool flat = !(area_of(p) > 1e-12 * longest * longest);
+      edge[t->first[m] + i] = flat ? -1 : (float)longest;
+    }
+  return YLM_OK;
+}
+
+static double pieces(float edge, double spacing) {
+  return edge < 0 ? 0 : fmax(1, ceil((double)edge / spacing));
+}
+
+static int sides_of(const ylm_transfer *t, size_t m) {
+  return (t->side[m] & TRANSFER_FRONT ? 1 : 0) + (t->side[m] & TRANSFER_BACK ? 1 : 0);
+}
+
+/* How many elements a spacing makes. */
+static double count_at(const ylm_transfer *t, const float *edge, double spacing) {
+  double n = 0;
+  for (size_t m = 0; m < t->meshes; m++) {
+    double one = 0;
+    for (size_t i = t->first[m]; i < t->first[m + 1]; i++) {
+      double k = pieces(edge[i], spacing);
+      one += k * k;
+    }
+    n += one * sides_of(t, m);
+  }
+  return n;
+}
+
+static ylm_status too_many(const ylm_transfer *t, const float *edge, double spacing, double most,
+                           ylm_error *e) {
+  double n = count_at(t, edge, spacing), least = count_at(t, edge, INFINITY), wider = spacing;
+  if (least > most)
+    return ylm_fail(e, YLM_ELIMIT,
+                    "max_elements = %.0f is less than the sides of the scene's triangles, %.0f",
+                    most, least);
+  for (double step = 1; count_at(t, edge, wider) > most && step < 200; step++)
+    wider *= count_at(t, edge, wider) > 4 * most ? 2 : 1.1;
+  double unit = pow(10, floor(log10(wider)) - 1);
+  wider = ceil(wider / unit - 1e-9) * unit;
+  return ylm_fail(e, YLM_ELIMIT,
+                  "spacing = %g would make %.2g elements; spacing %g makes %.2g (at most "
+                  "max_elements = %.0f)",
+                  spacing, n, wider, count_at(t, edge, wider), most);
+}
+
+/* Settles t->form.spacing. */
+static ylm_status choose_spacing(ylm_transfer *t, const float *edge, ylm_error *e) {
+  double lo[3], hi[3], diagonal = 0, most = (double)t->form.max_elements;
+  if (t->form.spacing == 0) {
+    ylm_scene_bounds(t->scene, lo, hi);
+    for (int a = 0; a < 3; a++) diagonal += (hi[a] - lo[a]) * (hi[a] - lo[a]);
+    t->form.spacing = diagonal > 0 ? sqrt(diagonal) / 100 : 1;
+    if (count_at(t, edge, INFINITY) <= most)
+      while (count_at(t, edge, t->form.spacing) > most) t->form.spacing *= 1.05;
+  }
+  double k = 0;
+  for (size_t i = 0; i < t->triangles; i++) k = fmax(k, pieces(edge[i], t->form.spacing));
+  if (count_at(t, edge, t->form.spacing) > most || k > TRANSFER_CUT)
+    return too_many(t, edge, t->form.spacing, most, e);
+  return YLM_OK;
+}
+
+/* Numbers the elements. */
+static void number(ylm_transfer *t, const float *edge) {
+  size_t n = 0;
+  for (size_t m = 0; m < t->meshes; m++)
+    for (size_t i = t->first[m]; i < t->first[m + 1]; i++) {
+      size_t k = (size_t)pieces(edge[i], t->form.spacing);
+      t->cut[i] = (uint16_t)k;
+      if (t->side[m] && k == 0) t->stats.degenerate++;
+      for (int side = 0; side < 2; side++) {
+        bool used = k > 0 && (t->side[m] & (side ? TRANSFER_BACK : TRANSFER_FRONT));
+        t->start[i][side] = used ? (uint32_t)n : TRANSFER_NONE;
+        if (used) n += k * k;
+      }
+    }
+  t->elements = t->stats.elements = n;
+}
+
+void ylm__transfer_corners(const ylm_transfer *t, size_t e, ylm_scene_place *place,
+                           float corner[3][2]) {
+  size_t of = t->first[t->mesh[e]] + t->triangle[e], k = t->cut[of];
+  bool back = ylm__transfer_is_back(t, e);
+  size_t x = e - t->start[of][back];
+  size_t i = (size_t)((double)k - sqrt((double)(k * k - x)));
+  while (i > 0 && i * (2 * k - i) > x) i--;
+  while ((i + 1) * (2 * k - (i + 1)) <= x) i++;
+  size_t rest = x - i * (2 * k - i), j = rest / 2, upper = rest % 2;
+  const size_t at[3][2] = {
+      {i + upper, j + upper}, {i + 1 - upper, j + upper}, {i + upper, j + 1 - upper}};
+  for (int c = 0; c < 3; c++)
+    for (int a = 0; a < 2; a++) corner[c][a] = (float)((double)at[c][a] / (double)k);
+  *place = (ylm_scene_place){.mesh = t->mesh[e], .element = t->triangle[e], .back = back};
+}
+
+/* The mean tint of an element. */
+static void tint_of(const ylm_transfer *t, ylm_scene_place place, float corner[3][2],
+                    float tint[3]) {
+  double sum[3] = {0, 0, 0}, x = 0.5, y = 0.5;
+  for (int k = 0; k < TINTS; k++) {
+    ylm_scene_surface at;
+    x += 0.7548776662466927, y += 0.5698402909980532;
+    x -= floor(x), y -= floor(y);
+    float u = (float)(x + y > 1 ? 1 - x : x), v = (float)(x + y > 1 ? 1 - y : y);
+    place.u = corner[0][0] + u * (corner[1][0] - corner[0][0]) + v * (corner[2][0] - corner[0][0]);
+    place.v = corner[0][1] + u * (corner[1][1] - corner[0][1]) + v * (corner[2][1] - corner[0][1]);
+    ylm_scene_surfaces(t->scene, 1, &place, &at);
+    for (int c = 0; c < 3; c++) sum[c] += (double)at.tint[c];
+  }
+  for (int c = 0; c < 3; c++) tint[c] = (float)(sum[c] / TINTS);
+}
+
+typedef struct job {
+  ylm_transfer *t;
+  const float *positions;
+  bool tinted;
+} job;
+
+/* Describes elements begin .. end-1, whose mesh and triangle are known. */
+static ylm_status describe(void *context, size_t begin, size_t end, int worker) {
+  (void)worker;
+  const job *j = context;
+  ylm_transfer *t = j->t;
+  for (size_t e = begin; e < end; e++) {
+    ylm_scene_place place;
+    ylm_scene_surface at;
+    float corner[3][2], tint[3] = {1, 1, 1};
+    double p[3][3];
+    ylm__transfer_corners(t, e, &place, corner);
+    place.u = (corner[0][0] + corner[1][0] + corner[2][0]) / 3;
+    place.v = (corner[0][1] + corner[1][1] + corner[2][1]) / 3;
+    ylm_scene_surfaces(t->scene, 1, &place, &at);
+    memcpy(t->centre[e], at.position, 12);
+    memcpy(t->normal[e], at.normal, 12);
+    corners_of(t->scene, j->positions, place.mesh, place.element, p);
+    double k = t->cut[t->first[place.mesh] + place.element];
+    t->area[e] = (float)(area_of(p) / (k * k));
+    ylm_material_albedo(at.material, t->albedo[e]);
+    if (j->tinted) tint_of(t, place, corner, tint);
+    for (int c = 0; c < 3; c++) t->albedo[e][c] *= tint[c];
+  }
+  return YLM_OK;
+}
+
+static ylm_status make(ylm_transfer *t, const float *positions) {
+  size_t n = t->elements;
+  t->centre = ylm_alloc(n, sizeof *t->centre);
+  t->normal = ylm_alloc(n, sizeof *t->normal);
+  t->area = ylm_alloc(n, sizeof *t->area);
+  t->albedo = ylm_alloc(n, sizeof *t->albedo);
+  t->mesh = ylm_alloc(n, sizeof *t->mesh);
+  t->triangle = ylm_alloc(n, sizeof *t->triangle);
+  t->dead = ylm_alloc_zero(n, 1);
+  if (!t->centre || !t->normal || !t->area || !t->albedo || !t->mesh || !t->triangle || !t->dead)
+    return YLM_ENOMEM;
+  for (size_t m = 0; m < t->meshes; m++)
+    for (size_t i = t->first[m]; i < t->first[m + 1]; i++)
+      for (int side = 0; side < 2; side++) {
+        size_t of = t->start[i][side], each = (size_t)t->cut[i] * t->cut[i];
+        for (size_t e = 0; of != TRANSFER_NONE && e < each; e++)
+          t->mesh[of + e] = (uint32_t)m, t->triangle[of + e] = (uint32_t)(i - t->first[m]);
+      }
+  job j = {t, positions, ylm_scene_is_tinted(t->scene)};
+  return ylm_parallel(n, 256, t->form.threads, describe, &j, NULL, NULL);
+}
+
+static ylm_status list_triangles(ylm_transfer *t) {
+  t->meshes = ylm_scene_meshes(t->scene);
+  t->first = ylm_alloc(t->meshes + 1, sizeof *t->first);
+  t->side = ylm_alloc_zero(t->meshes, 1);
+  if (!t->first || !t->side) return YLM_ENOMEM;
+  t->first[0] = 0;
+  for (size_t m = 0; m < t->meshes; m++)
+    t->first[m + 1] = t->first[m] + ylm_scene_triangles(t->scene, m);
+  t->triangles = t->first[t->meshes];
+  t->cut = ylm_alloc_zero(t->triangles, sizeof *t->cut);
+  t->start = ylm_alloc(t->triangles, sizeof *t->start);
+  return t->cut && t->start ? YLM_OK : YLM_ENOMEM;
+}
+
+ylm_status ylm__transfer_cut(ylm_transfer *t, const ylm_transfer_form *form, ylm_error *e) {
+  ylm_status s = list_triangles(t);
+  float *positions = ylm_alloc(ylm_scene_vertices(t->scene, NULL), 12);
+  float *edge = ylm_alloc(t->triangles, sizeof *edge);
+  if (s == YLM_OK && (!positions || !edge)) s = YLM_ENOMEM;
+  if (s == YLM_OK) {
+    ylm_scene_vertices(t->scene, positions);
+    s = ylm__transfer_sides(t, form, positions);
+  }
+  if (s == YLM_OK) s = find_edges(t, positions, edge);
+  if (s == YLM_OK) s = choose_spacing(t, edge, e);
+  if (s == YLM_OK) {
+    number(t, edge);
+    s = make(t, positions);
+  }
+  ylm_free(edge);
+  ylm_free(positions);
+  return s;
+}
+
+uint32_t ylm_transfer_element(const ylm_transfer *t, const ylm_scene_place *p) {
+  size_t of = t->first[p->mesh] + p->element;
+  uint32_t start = t->start[of][p->back], k = t->cut[of];
+  if (start == TRANSFER_NONE) return (uint32_t)t->elements;
+  float u = p->u * (float)k, v = p->v * (float)k;
+  uint32_t i = u > 0 ? (uint32_t)u : 0, j = v > 0 ? (uint32_t)v : 0;
+  if (i > k - 1) i = k - 1;
+  if (j > k - 1 - i) j = k - 1 - i;
+  uint32_t upper = i + j < k - 1 && (u - (float)i) + (v - (float)j) > 1;
+  return start + i * (2 * k - i) + 2 * j + upper;
+}
+
+void ylm_transfer_hits(const ylm_transfer *t, size_t n, const ylm_trace_ray *ray,
+                       const ylm_trace_hit *hit, uint32_t *out) {
+  for (size_t i = 0; i < n; i++) {
+    const ylm_trace_hit *h = &hit[i];
+    out[i] = (uint32_t)t->elements;
+    if (h->mesh < 0) continue;
+    bool back = ylm_dot3(h->normal, ray[i].dir) > 0;
+    out[i] = ylm_transfer_element(
+        t,
+        &(ylm_scene_place){
+            .mesh = (uint32_t)h->mesh, .element = h->element, .u = h->u, .v = h->v, .back = back});
+    uint8_t side = back ? TRANSFER_BACK : TRANSFER_FRONT;
+    if (!(t->side[h->mesh] & side)) out[i] = YLM_TRANSFER_BURIED(t);
+  }
+}
+
+void ylm_transfer_elements(const ylm_transfer *t, float *centre, float *normal, float *area,
+                           float *albedo, uint32_t *mesh) {
+  size_t n = t->elements;
+  if (centre) ylm_copy(centre, t->centre, n * 12);
+  if (normal) ylm_copy(normal, t->normal, n * 12);
+  if (area) ylm_copy(area, t->area, n * sizeof *area);
+  if (albedo) ylm_copy(albedo, t->albedo, n * 12);
+  if (mesh) ylm_copy(mesh, t->mesh, n * sizeof *mesh);
+}

@@ -1,0 +1,326 @@
+/* links.c - rays of elements and of other places, and the elements that they hit first. */
+#include <math.h>
+#include <stdatomic.h>
+
+#include "transfer.h"
+
+/* Rays that are traced in one go, unless one place has more. */
+#define BATCH 1024
+#define PI 3.14159265358979323846
+
+typedef struct job {
+  const ylm_transfer *t;
+  int links, lmax; /* lmax < 0: no escape */
+  uint64_t seed;
+  const float (*origin)[3], (*normal)[3]; /* of places; origin NULL: the transfer's elements */
+  const uint64_t *stream;
+  uint32_t *out;
+  float *escape;
+  uint8_t *dead;
+  float (*disk)[2], *height; /* [links] cos and sin of the unshifted azimuth; k / links */
+  float (*inside)[2];        /* [links] unshifted places of a square */
+  double *zonal;             /* [lmax + 1] of the cosine */
+  atomic_uint_fast64_t escaped, buried, lost, deads;
+} job;
+
+/* The memory of one thread. */
+typedef struct scratch {
+  ylm_trace_ray *ray; /* [places*links] */
+  ylm_trace_hit *hit;
+  uint32_t *target;
+  uint8_t *open;           /* [places*links] the ray leaves the scene */
+  uint8_t *below;          /* [places*links] it starts into its own triangle */
+  uint32_t *pick, *sorted; /* [links] */
+  float *direction, *Y;    /* [BATCH][3], [BATCH][count] */
+  float *seen, *all;       /* [count] */
+  uint64_t escaped, buried, lost, deads;
+} scratch;
+
+/* Directions of one place: dense as the cosine about n, or even over the sphere. */
+static void aim(const job *j, const float *n, ylm_rng *rng, ylm_trace_ray *ray) {
+  float shift = (float)ylm_rng_double(rng), a[3], b[3];
+  double turn = 2 * PI * ylm_rng_double(rng);
+  float c = (float)cos(turn), s = (float)sin(turn);
+  if (n) ylm_scene_basis(n, a, b);
+  for (int k = 0; k < j->links; k++) {
+    float h = j->height[k] + shift, r, z;
+    if (h >= 1) h -= 1;
+    z = n ? sqrtf(1 - h) : 1 - 2 * h;
+    r = n ? sqrtf(h) : sqrtf(4 * h * (1 - h));
+    float x = r * (j->disk[k][0] * c - j->disk[k][1] * s);
+    float y = r * (j->disk[k][0] * s + j->disk[k][1] * c);
+    for (int q = 0; q < 3; q++)
+      ray[k].dir[q] = n ? x * a[q] + y * b[q] + z * n[q] : q == 0 ? x : q == 1 ? y : z;
+    ray[k].near = 0;
+    ray[k].far = INFINITY;
+  }
+}
+
+/* Rays of place i. */
+static void place_rays(const job *j, size_t i, ylm_trace_ray *ray, uint8_t *below) {
+  ylm_rng rng;
+  ylm_rng_seed(&rng, j->seed, j->stream ? j->stream[i] : i);
+  aim(j, j->normal ? j->normal[i] : NULL, &rng, ray);
+  for (int k = 0; k < j->links; k++) memcpy(ray[k].org, j->origin[i], 12);
+  memset(below, 0, (size_t)j->links);
+}
+
+/* Rays of element i, whose origins are stratified over it. */
+static void element_rays(const job *j, size_t i, ylm_trace_ray *ray, uint8_t *below) {
+  const ylm_transfer *t = j->t;
+  ylm_scene_place place[3];
+  ylm_scene_surface at[3];
+  float corner[3][2], d[2][3], across[3];
+  ylm_rng rng;
+  ylm_rng_seed(&rng, j->seed, i);
+  aim(j, t->normal[i], &rng, ray);
+  float x0 = (float)ylm_rng_double(&rng), y0 = (float)ylm_rng_double(&rng);
+  ylm__transfer_corners(t, i, place, corner);
+  for (int k = 2; k >= 0; k--) {
+    place[k] = place[0];
+    place[k].u = corner[k][0], place[k].v = corner[k][1];
+  }
+  ylm_scene_surfaces(t->scene, 3, place, at);
+  for (int a = 0; a < 6; a++) d[a / 3][a % 3] = at[1 + a / 3].origin[a % 3] - at[0].origin[a % 3];
+  memcpy(across, at[0].flat, 12);
+  for (int k = 0; k < j->links; k++) {
+    float x = j->inside[k][0] + x0, y = j->inside[k][1] + y0;
+    if (x >= 1) x -= 1;
+    if (y >= 1) y -= 1;
+    if (x + y > 1) x = 1 - x, y = 1 - y;
+    for (int a = 0; a < 3; a++) ray[k].org[a] = at[0].origin[a] + x * d[0][a] + y * d[1][a];
+    below[k] = !(ylm_dot3(ray[k].dir, across) > 0);
+    if (below[k]) ray[k].far = -1;
+  }
+}
+
+/* Puts numbers, all below or equal to `most`, in order. */
+static void sort(uint32_t *a, uint32_t *b, size_t n, uint32_t most) {
+  for (unsigned shift = 0; shift < 32 && most >> shift; shift += 8) {
+    uint32_t place[256] = {0}, sum = 0;
+    for (size_t i = 0; i < n; i++) place[a[i] >> shift & 255]++;
+    for (int k = 0; k < 256; k++) {
+      uint32_t count = place[k];
+      place[k] = sum;
+      sum += count;
+    }
+    for (size_t i = 0; i < n; i++) b[place[a[i] >> shift & 255]++] = a[i];
+    memcpy(a, b, n * sizeof *a);
+  }
+}
+
+/* The unoccluded transfer: the cosine's, or that of 1. */
+static ylm_status whole(const job *j, const float *n, float *T) {
+  size_t count = ylm_sh_count(j->lmax);
+  if (!n) {
+    memset(T, 0, count * sizeof *T);
+    T[0] = (float)sqrt(4 * PI);
+    return YLM_OK;
+  }
+  ylm_status s = ylm_sh_eval(j->lmax, 0, false, YLM_FLOAT, 1, n, T, NULL, NULL, 1, NULL);
+  for (int l = 0; l <= j->lmax; l++)
+    for (size_t k = ylm_sh_index(l, -l); k <= ylm_sh_index(l, l); k++) T[k] *= (float)j->zonal[l];
+  return s;
+}
+
+/* Coefficients of cosine times escape of one place, from its rays x->pick; those of the cosine, which
+   are known, are a control variate. */
+static ylm_status escape(const job *j, scratch *x, const float *n, const ylm_trace_ray *ray,
+                         const uint8_t *open, float *T) {
+  size_t count = ylm_sh_count(j->lmax);
+  int seen = 0;
+  for (int k = 0; k < j->links; k++) seen += open[x->pick[k]];
+  memset(T, 0, count * sizeof *T);
+  if (seen == 0) return YLM_OK;
+  ylm_status s = whole(j, n, T);
+  if (seen == j->links || s != YLM_OK) return s;
+  memset(x->seen, 0, count * sizeof *x->seen);
+  memset(x->all, 0, count * sizeof *x->all);
+  for (int first = 0; s == YLM_OK && first < j->links; first += BATCH) {
+    int m = j->links - first < BATCH ? j->links - first : BATCH;
+    for (int k = 0; k < m; k++) memcpy(x->direction + 3 * k, ray[x->pick[first + k]].dir, 12);
+    s = ylm_sh_eval(j->lmax, 0, false, YLM_FLOAT, (size_t)m, x->direction, x->Y, NULL, NULL, 1,
+                    NULL);
+    for (int k = 0; s == YLM_OK && k < m; k++) {
+      const float *y = x->Y + (size_t)k * count;
+      for (size_t q = 0; q < count; q++) x->all[q] += y[q];
+      if (open[x->pick[first + k]])
+        for (size_t q = 0; q < count; q++) x->seen[q] += y[q];
+    }
+  }
+  float each = (float)((n ? PI : 4 * PI) / j->links), part = (float)seen / (float)j->links;
+  for (size_t q = 0; q < count; q++) T[q] = each * x->seen[q] + part * (T[q] - each * x->all[q]);
+  return s;
+}
+
+/* Turns targets into links: what begins inside of a body gives its slots to the others, evenly. */
+static void settle(const job *j, scratch *x, const uint32_t *target, uint32_t *out) {
+  uint32_t none = (uint32_t)j->t->elements, links = (uint32_t)j->links, n = 0, b = 0;
+  for (uint32_t k = 0; k < links; k++)
+    if (target[k] <= none) x->sorted[n++] = k;
+  x->buried += links - n;
+  x->deads += n == 0;
+  for (uint32_t k = 0; k < links; k++) {
+    bool good = target[k] <= none;
+    x->pick[k] = good || n == 0 ? k : x->sorted[(uint64_t)b++ * n / (links - n)];
+    out[k] = n == 0 ? none : target[x->pick[k]];
+  }
+}
+
+/* Links of a place whose rays have been traced. */
+static ylm_status finish(const job *j, scratch *x, size_t i, size_t first) {
+  size_t links = (size_t)j->links, at = (i - first) * links;
+  uint32_t none = (uint32_t)j->t->elements, *out = j->out + i * links;
+  uint8_t *open = x->open + at;
+  for (size_t k = 0; k < links; k++) {
+    bool hit = x->hit[at + k].mesh >= 0, below = x->below[at + k];
+    if (below) x->target[at + k] = none;
+    open[k] = !hit && !below;
+    x->escaped += !hit || below;
+    x->lost += hit && !below && x->target[at + k] == none;
+  }
+  settle(j, x, x->target + at, out);
+  bool dead = x->target[at] > none && out[0] == none;
+  for (size_t k = 0; dead && k < links; k++) dead = x->target[at + k] > none;
+  if (j->dead) j->dead[i] = dead;
+  ylm_status s = YLM_OK;
+  if (j->escape) {
+    const float *n = j->origin ? (j->normal ? j->normal[i] : NULL) : j->t->normal[i];
+    s = escape(j, x, n, x->ray + at, open, j->escape + i * ylm_sh_count(j->lmax));
+  }
+  sort(out, x->sorted, links, none);
+  return s;
+}
+
+static void scratch_free(scratch *x) {
+  ylm_free(x->ray);
+  ylm_free(x->hit);
+  ylm_free(x->target);
+  ylm_free(x->open);
+  ylm_free(x->below);
+  ylm_free(x->pick);
+  ylm_free(x->sorted);
+  ylm_free(x->direction);
+  ylm_free(x->Y);
+  ylm_free(x->seen);
+  ylm_free(x->all);
+}
+
+static bool scratch_create(scratch *x, size_t rays, size_t links, int lmax) {
+  size_t count = ylm_sh_count(lmax < 0 ? 0 : lmax), batch = links < BATCH ? links : BATCH;
+  x->ray = ylm_alloc(rays, sizeof *x->ray);
+  x->hit = ylm_alloc(rays, sizeof *x->hit);
+  x->target = ylm_alloc(rays, sizeof *x->target);
+  x->open = ylm_alloc(rays, 1);
+  x->below = ylm_alloc(rays, 1);
+  x->pick = ylm_alloc(links, sizeof *x->pick);
+  x->sorted = ylm_alloc(links, sizeof *x->sorted);
+  x->direction = ylm_alloc(batch, 12);
+  x->Y = ylm_alloc(batch * count, sizeof *x->Y);
+  x->seen = ylm_alloc(count, sizeof *x->seen);
+  x->all = ylm_alloc(count, sizeof *x->all);
+  return x->ray && x->hit && x->target && x->open && x->below && x->pick && x->sorted &&
+         x->direction && x->Y && x->seen && x->all;
+}
+
+/* Places begin .. end-1. */
+static ylm_status run(void *context, size_t begin, size_t end, int worker) {
+  (void)worker;
+  job *j = context;
+  size_t links = (size_t)j->links, batch = BATCH / links > 1 ? BATCH / links : 1;
+  scratch x = {0};
+  ylm_status s = scratch_create(&x, batch * links, links, j->lmax) ? YLM_OK : YLM_ENOMEM;
+  for (size_t first = begin; s == YLM_OK && first < end; first += batch) {
+    size_t n = end - first < batch ? end - first : batch;
+    for (size_t i = 0; i < n; i++)
+      (j->origin ? place_rays : element_rays)(j, first + i, x.ray + i * links, x.below + i * links);
+    ylm_trace_nearest(ylm_scene_trace(j->t->scene), n * links, x.ray, false, x.hit);
+    ylm_transfer_hits(j->t, n * links, x.ray, x.hit, x.target);
+    for (size_t i = first; s == YLM_OK && i < first + n; i++) s = finish(j, &x, i, first);
+  }
+  atomic_fetch_add(&j->escaped, x.escaped);
+  atomic_fetch_add(&j->buried, x.buried);
+  atomic_fetch_add(&j->lost, x.lost);
+  atomic_fetch_add(&j->deads, x.deads);
+  scratch_free(&x);
+  return s;
+}
+
+/* Low-discrepancy numbers that all places share: Hammersley's set, and R2 (Roberts 2018). */
+static ylm_status share(job *j) {
+  size_t links = (size_t)j->links;
+  j->disk = ylm_alloc(links, sizeof *j->disk);
+  j->height = ylm_alloc(links, sizeof *j->height);
+  j->inside = ylm_alloc(links, sizeof *j->inside);
+  j->zonal = ylm_alloc((size_t)(j->lmax < 0 ? 0 : j->lmax) + 1, sizeof *j->zonal);
+  if (!j->disk || !j->height || !j->inside || !j->zonal) return YLM_ENOMEM;
+  for (size_t k = 0; k < links; k++) {
+    double turn = 2 * PI * ylm_scene_radical((uint32_t)k), x, y;
+    j->disk[k][0] = (float)cos(turn);
+    j->disk[k][1] = (float)sin(turn);
+    j->height[k] = (float)k / (float)links;
+    j->inside[k][0] = (float)modf((double)k * 0.7548776662466927, &x);
+    j->inside[k][1] = (float)modf((double)k * 0.5698402909980532, &y);
+  }
+  if (j->lmax < 0) return YLM_OK;
+  return ylm_material_transfer(ylm_material_kind_find("matte"), j->lmax, j->zonal);
+}
+
+static ylm_status go(job *j, size_t n, int threads, const ylm_progress *progress) {
+  ylm_status s = share(j);
+  if (s == YLM_OK) s = ylm_parallel(n, 64, threads, run, j, progress, "links");
+  ylm_free(j->disk);
+  ylm_free(j->height);
+  ylm_free(j->inside);
+  ylm_free(j->zonal);
+  return s;
+}
+
+ylm_status ylm__transfer_link(ylm_transfer *t, const ylm_progress *progress, ylm_error *e) {
+  size_t links = (size_t)t->form.links;
+  t->link = ylm_alloc(t->elements * links, sizeof *t->link);
+  if (t->form.lmax >= 0)
+    t->escape = ylm_alloc(t->elements * ylm_sh_count(t->form.lmax), sizeof *t->escape);
+  if (!t->link || (t->form.lmax >= 0 && !t->escape)) return YLM_ENOMEM;
+  job j = {.t = t,
+           .links = t->form.links,
+           .lmax = t->form.lmax,
+           .seed = t->form.seed,
+           .out = t->link,
+           .escape = t->escape,
+           .dead = t->dead};
+  ylm_status s = go(&j, t->elements, t->form.threads, progress);
+  if (s == YLM_ECANCELLED) ylm_fail(e, s, "cancelled while links were found");
+  t->stats.rays = t->elements * links;
+  t->stats.escaped = j.escaped;
+  t->stats.buried = j.buried;
+  t->stats.lost = j.lost;
+  t->stats.dead = j.deads;
+  return s;
+}
+
+ylm_status ylm__transfer_check_links(int links, ylm_error *e) {
+  if (links >= 4 && links <= YLM_TRANSFER_LINKS && links % 4 == 0) return YLM_OK;
+  return ylm_fail(e, YLM_ERANGE, "links must be a multiple of 4 from 4 to %d, got %d",
+                  YLM_TRANSFER_LINKS, links);
+}
+
+ylm_status ylm_transfer_find(const ylm_transfer *t, size_t n, const float (*origin)[3],
+                             const float (*normal)[3], const uint64_t *stream, int links,
+                             uint64_t seed, int threads, const ylm_progress *progress,
+                             uint32_t *out, int lmax, float *escapes, ylm_error *e) {
+  ylm_status s = ylm__transfer_check_links(links, e);
+  if (s != YLM_OK || n == 0) return s;
+  if (escapes && (lmax < 0 || lmax > YLM_TRANSFER_LMAX))
+    return ylm_fail(e, YLM_ERANGE, "lmax must be from 0 to %d, got %d", YLM_TRANSFER_LMAX, lmax);
+  job j = {.t = t,
+           .links = links,
+           .lmax = escapes ? lmax : -1,
+           .seed = seed,
+           .origin = origin,
+           .normal = normal,
+           .stream = stream,
+           .out = out,
+           .escape = escapes};
+  return go(&j, n, threads, progress);
+}

@@ -1,0 +1,55 @@
+/* sum.c - means of rows over links: the plain form, which judges the others, and their choice. */
+#include "transfer.h"
+
+static void plain(size_t n, int links, const uint32_t *link, int width, const float *in,
+                  const float *start, float *out) {
+  size_t row = (size_t)width;
+  for (size_t i = 0; i < n; i++, link += links)
+    for (size_t k = 0; k < row; k++) {
+      double s = 0;
+      for (int j = 0; j < links; j++) s += (double)in[link[j] * row + k];
+      out[i * row + k] = (float)(s / links) + (start ? start[i * row + k] : 0);
+    }
+}
+
+#if defined(__x86_64__)
+ylm_transfer_sum_fn ylm_k_transfer_sum_sse2, ylm_k_transfer_sum_avx2, ylm_k_transfer_sum_avx512;
+#elif defined(__aarch64__)
+ylm_transfer_sum_fn ylm_k_transfer_sum_neon;
+#endif
+
+ylm_transfer_sum_fn *ylm__transfer_sum(void) {
+  switch (ylm_isa_current()) {
+#if defined(__x86_64__)
+  case YLM_ISA_sse2: return ylm_k_transfer_sum_sse2;
+  case YLM_ISA_avx2: return ylm_k_transfer_sum_avx2;
+  case YLM_ISA_avx512: return ylm_k_transfer_sum_avx512;
+#elif defined(__aarch64__)
+  case YLM_ISA_neon: return ylm_k_transfer_sum_neon;
+#endif
+  default: return plain;
+  }
+}
+
+typedef struct job {
+  ylm_transfer_sum_fn *sum;
+  int links, width;
+  const uint32_t *link;
+  const float *in, *start;
+  float *out;
+} job;
+
+static ylm_status run(void *context, size_t begin, size_t end, int worker) {
+  (void)worker;
+  const job *j = context;
+  size_t row = begin * (size_t)j->width;
+  j->sum(end - begin, j->links, j->link + begin * (size_t)j->links, j->width, j->in,
+         j->start ? j->start + row : NULL, j->out + row);
+  return YLM_OK;
+}
+
+void ylm_transfer_sum(size_t n, int links, const uint32_t *link, int width, const float *in,
+                      const float *start, float *out, int threads) {
+  job j = {ylm__transfer_sum(), links, width, link, in, start, out};
+  ylm_parallel(n, 256, threads, run, &j, NULL, NULL);
+}

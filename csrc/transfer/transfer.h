@@ -1,0 +1,78 @@
+/* transfer.h - what the files of csrc/transfer share. Private. */
+#ifndef YLM_TRANSFER_PRIVATE_H
+#define YLM_TRANSFER_PRIVATE_H
+
+#include "ylm_sh.h"
+#include "ylm_transfer.h"
+#include "ylm_vector.h"
+
+/* Bits of the sides of a mesh that reflect. */
+enum { TRANSFER_FRONT = 1, TRANSFER_BACK = 2 };
+
+/* The first element of a triangle's side that has none. */
+#define TRANSFER_NONE UINT32_MAX
+
+/* How finely a triangle is cut at best. */
+#define TRANSFER_CUT 65535
+
+struct ylm_transfer {
+  const ylm_scene *scene;
+  ylm_transfer_form form;
+  ylm_transfer_stats stats;
+  size_t meshes, triangles;
+  size_t *first;        /* [meshes + 1] of its triangles */
+  uint8_t *side;        /* [meshes] bits; 0: the mesh does not occlude */
+  uint16_t *cut;        /* [triangles] k: k^2 elements a side; 0: no area */
+  uint32_t (*start)[2]; /* [triangles] the first element of front and back, or TRANSFER_NONE */
+  size_t elements;
+  float (*centre)[3], (*normal)[3], *area, (*albedo)[3]; /* [elements] */
+  uint32_t *mesh, *triangle;                             /* [elements] the latter in its mesh */
+  uint8_t *dead;                                         /* [elements] */
+  uint32_t *link;                                        /* [elements][links] */
+  float *escape;                                         /* [elements][(lmax+1)^2] or NULL */
+};
+
+/* -- closed.c ------------------------------------------------------------------- */
+
+/*
+** Whether every edge of a mesh is passed as often in one direction as in the other; ends are the same
+** where their positions are, bit for bit. `volume`: what it encloses, negative where its front is inside.
+*/
+ylm_status ylm__transfer_closed(const ylm_scene *scene, size_t mesh, const float *positions,
+                                bool *closed, double *volume);
+
+/* -- sides.c -------------------------------------------------------------------- */
+
+/* Fills t->side and the statistics of closed meshes. `positions`: those of all vertices. */
+ylm_status ylm__transfer_sides(ylm_transfer *t, const ylm_transfer_form *form,
+                               const float *positions);
+
+/* -- elements.c ----------------------------------------------------------------- */
+
+/* Cuts the surfaces: everything but links. */
+ylm_status ylm__transfer_cut(ylm_transfer *t, const ylm_transfer_form *form, ylm_error *e);
+/* Where element i lies: its triangle's place, and the weights (u, v) of its three corners. */
+void ylm__transfer_corners(const ylm_transfer *t, size_t i, ylm_scene_place *place,
+                           float corner[3][2]);
+static inline bool ylm__transfer_is_back(const ylm_transfer *t, size_t i) {
+  const uint32_t *start = t->start[t->first[t->mesh[i]] + t->triangle[i]];
+  return start[1] != TRANSFER_NONE && i >= start[1];
+}
+
+/* -- links.c -------------------------------------------------------------------- */
+
+/* Fills t->link, t->escape, t->dead and what the statistics say of rays. */
+ylm_status ylm__transfer_link(ylm_transfer *t, const ylm_progress *progress, ylm_error *e);
+
+/* YLM_ERANGE unless there can be so many links. */
+ylm_status ylm__transfer_check_links(int links, ylm_error *e);
+
+/* -- sum.c ---------------------------------------------------------------------- */
+
+/* As ylm_transfer_sum, of n places. */
+typedef void ylm_transfer_sum_fn(size_t n, int links, const uint32_t *link, int width,
+                                 const float *in, const float *start, float *out);
+/* The kernel of the instruction set in use. */
+ylm_transfer_sum_fn *ylm__transfer_sum(void);
+
+#endif
