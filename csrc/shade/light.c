@@ -23,6 +23,14 @@ static void dot_double(size_t count, size_t n, int channels, size_t t_row, const
     }
 }
 
+void ylm__shade_reflect(const ylm_shade_view *v, size_t first, size_t n, float *out) {
+  for (size_t i = 0, behind; i < n; i = behind) {
+    for (behind = i + 1; behind < n && v->mesh[first + behind] == v->mesh[first + i];) behind++;
+    ylm_material_radiance(ylm__shade_material(v, first + i), behind - i, out + 3 * i);
+  }
+  ylm__shade_tint(v, first, n, out);
+}
+
 void ylm__shade_points(const ylm_shade_view *v, ylm_shade_dot_fn *dot, size_t first, size_t n,
                        const shade_light *x, float *out) {
   size_t row = ylm_sh_count(v->o.lmax), given = ylm_sh_count(x->lmax);
@@ -32,11 +40,7 @@ void ylm__shade_points(const ylm_shade_view *v, ylm_shade_dot_fn *dot, size_t fi
     dot_double(count, n, x->channels, row, T, given, x->L, out);
   else
     dot(count, n, x->channels, NULL, row, T, given, (size_t)x->channels * given, x->L, out);
-  for (size_t i = 0, behind; i < n; i = behind) {
-    for (behind = i + 1; behind < n && v->mesh[first + behind] == v->mesh[first + i];) behind++;
-    ylm_material_radiance(ylm__shade_material(v, first + i), behind - i, out + 3 * i);
-  }
-  ylm__shade_tint(v, first, n, out);
+  ylm__shade_reflect(v, first, n, out);
 }
 
 void ylm__shade_some(const ylm_shade_view *v, ylm_shade_dot_fn *dot, size_t n,

@@ -9,6 +9,7 @@
 
 typedef struct job {
   const ylm_shade_view *view;
+  const ylm_scene *lit;
   int light_samples;
   bool shadows;
   uint64_t seed;
@@ -29,7 +30,7 @@ static size_t gather(const job *j, size_t i, const scratch *s, double E[3]) {
   E[0] = E[1] = E[2] = 0;
   size_t rays = ylm_scene_aim(s->lamps, j->view->origin[i], j->view->normal[i], j->light_samples,
                               &rng, s->ray, s->value);
-  if (j->shadows) ylm_trace_occluded(ylm_scene_trace(j->view->scene), rays, s->ray);
+  if (j->shadows) ylm_trace_occluded(ylm_scene_trace(j->lit), rays, s->ray);
   for (size_t k = 0; k < rays; k++)
     if (!j->shadows || !(s->ray[k].far < 0))
       for (int c = 0; c < 3; c++) E[c] += s->value[k][c];
@@ -45,7 +46,7 @@ static ylm_status run(void *context, size_t begin, size_t end, int worker) {
   (void)worker;
   job *j = context;
   size_t light_samples = (size_t)j->light_samples, rays = 0;
-  scratch s = {.lamps = ylm_scene_chooser_create(j->view->scene),
+  scratch s = {.lamps = ylm_scene_chooser_create(j->lit),
                .ray = ylm_alloc(light_samples, sizeof(ylm_trace_ray)),
                .value = ylm_alloc(light_samples, 12)};
   ylm_status status = s.lamps && s.ray && s.value ? YLM_OK : YLM_ENOMEM;
@@ -90,7 +91,7 @@ static ylm_status cast_glossy(const job *j, int threads, const ylm_progress *pro
   if (s == YLM_OK && n > 0 && v->corner) s = YLM_EINVAL;
   for (size_t i = 0; s == YLM_OK && i < n; i++) place[i] = v->entry[point[i]].at;
   if (s == YLM_OK && n > 0)
-    s = ylm_path_places(v->scene, n, place, v->frame.from, j->shadows, &o, &sum, &stats, NULL);
+    s = ylm_path_places(j->lit, n, place, v->frame.from, j->shadows, &o, &sum, &stats, NULL);
   for (size_t i = 0; s == YLM_OK && i < 3 * n; i++) j->out[3 * point[i / 3] + i % 3] = room[i];
   *rays += stats.nearest_rays + stats.shadow_rays;
   ylm_free(point);
@@ -99,11 +100,17 @@ static ylm_status cast_glossy(const job *j, int threads, const ylm_progress *pro
   return s;
 }
 
-ylm_status ylm_shade_raycast(const ylm_shade_view *v, int light_samples, bool shadows,
-                             uint64_t seed, int threads, const ylm_progress *progress, float *out,
-                             uint64_t *rays) {
+ylm_status ylm_shade_raycast(const ylm_shade_view *v, const ylm_scene *lit, int light_samples,
+                             bool shadows, uint64_t seed, int threads, const ylm_progress *progress,
+                             float *out, uint64_t *rays) {
   if (light_samples < 1 || light_samples > 65536) return YLM_ERANGE;
-  job j = {.view = v, .light_samples = light_samples, .shadows = shadows, .seed = seed, .out = out};
+  if (lit && ylm_scene_meshes(lit) != ylm_scene_meshes(v->scene)) return YLM_EINVAL;
+  job j = {.view = v,
+           .lit = lit ? lit : v->scene,
+           .light_samples = light_samples,
+           .shadows = shadows,
+           .seed = seed,
+           .out = out};
   ylm_status s = ylm_parallel(v->points, GRAIN, threads, run, &j, progress, "raycast");
   uint64_t all = j.rays;
   if (s == YLM_OK) s = cast_glossy(&j, threads, progress, &all);

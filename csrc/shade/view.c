@@ -76,7 +76,7 @@ uint64_t ylm__shade_stream(const ylm_shade_view *v, size_t i) {
     else
       high = middle;
   }
-  return (uint64_t)low << 24 | (i - v->pixel[low].first);
+  return (uint64_t)(v->number ? v->number[low] : low) << 24 | (i - v->pixel[low].first);
 }
 
 void ylm__shade_corner_weights(const shade_entry *e, float w[3]) {
@@ -171,6 +171,7 @@ void ylm_shade_view_free(ylm_shade_view *v) {
   if (!v) return;
   ylm_free(v->entry);
   ylm_free(v->pixel);
+  ylm_free(v->number);
   ylm_free(v->corner);
   ylm_free(v->mesh);
   ylm_free(v->position);

@@ -25,6 +25,7 @@ struct ylm_shade_view {
   size_t entries, points;
   shade_entry *entry;    /* [entries] in the order of pixels        */
   shade_pixel *pixel;    /* [width*height + 1]                      */
+  uint32_t *number;      /* [pixels] of a part: places in the whole; NULL: this is the whole */
   uint32_t (*corner)[3]; /* [entries]: points at the triangle's corners; NULL: entry i is point i */
   uint32_t *mesh;        /* [points]                                */
   float (*position)[3], (*normal)[3], (*origin)[3]; /* [points]    */
@@ -62,6 +63,7 @@ typedef struct shade_vertices {
   size_t count;
   uint32_t *mesh, *vertex; /* [count] */
   bool *back;
+  uint32_t *number;      /* [pixels] of a part: places in the whole; NULL: this is the whole */
   uint32_t (*corner)[3]; /* [entries]: indices of the entry's triangle's vertices here */
 } shade_vertices;
 ylm_status ylm__shade_vertices(const ylm_shade_view *v, shade_vertices *out);
@@ -102,6 +104,8 @@ typedef struct shade_light {
   const void *L;
 } shade_light;
 
+/* In place: from irradiance at n points from `first` on to the radiance that they reflect. light.c */
+void ylm__shade_reflect(const ylm_shade_view *v, size_t first, size_t n, float *out);
 /* Radiance of the n points `point`, whose coefficients, float, begin every l_point floats; out is
    [points][3]. light.c */
 void ylm__shade_some(const ylm_shade_view *v, ylm_shade_dot_fn *dot, size_t n,

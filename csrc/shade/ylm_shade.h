@@ -25,6 +25,7 @@
 
 #include "ylm_base.h"
 #include "ylm_grid.h"
+#include "ylm_path.h"
 #include "ylm_scene.h"
 
 #ifdef __cplusplus
@@ -108,6 +109,49 @@ YLM_API void ylm_shade_view_surface(const ylm_shade_view *view, float *albedo, f
 /* ylm_material_row of each point's material, tinted: row [points][YLM_MATERIAL_ROW]. */
 YLM_API ylm_status ylm_shade_view_materials(const ylm_shade_view *view, float *row, ylm_error *e);
 
+/*
+** ylm_shade_view_part - some pixels of a view, as a view of their own, in one row.
+**
+** Shading points, their random numbers and so all that is computed for them are those of the whole.
+**
+**   pixel  in   [n]  y * width + x of the whole, n <= 65536
+**
+** Returns  YLM_OK; YLM_EINVAL (shading points are vertices), YLM_ERANGE, YLM_ENOMEM
+*/
+YLM_API ylm_status ylm_shade_view_part(const ylm_shade_view *whole, size_t n, const uint32_t *pixel,
+                                       ylm_shade_view **part, ylm_error *e);
+
+/*
+** ylm_shade_judge - what paths say of the radiance of a view's shading points (ylm_path_places).
+**
+**   mean, variance  out  [points][3]
+**
+** Returns  YLM_OK; as ylm_path_places; YLM_EINVAL (shading points are vertices)
+*/
+YLM_API ylm_status ylm_shade_judge(const ylm_shade_view *view, const ylm_path_options *o,
+                                   float *mean, float *variance, ylm_path_stats *stats,
+                                   ylm_error *e);
+
+/* How far pixels by one estimate are from another, over the pixels that show surfaces, all channels. */
+typedef struct ylm_shade_error {
+  size_t pixels;
+  double mean;        /* of b                                                        */
+  double square;      /* of (a - b)^2 - variance                                     */
+  double uncertainty; /* standard error of `square`, pixels being a random choice    */
+  double edges;       /* variance of a that other camera rays would leave, estimated */
+} ylm_shade_error;
+
+/*
+** ylm_shade_compare - how far radiance at shading points is from what the judge says, pixel by pixel.
+**
+**   a, b      in  [points][3]
+**   variance  in  [points][3] of b, or NULL: 0
+**
+** Returns  YLM_OK; YLM_EINVAL (shading points are vertices)
+*/
+YLM_API ylm_status ylm_shade_compare(const ylm_shade_view *view, const float *a, const float *b,
+                                     const float *variance, ylm_shade_error *out);
+
 /* -- light ------------------------------------------------------------------- */
 
 /*
@@ -182,20 +226,21 @@ YLM_API ylm_status ylm_shade_coefficients(const ylm_shade_view *view, size_t fir
 ** SH, no grid, no occlusion_distance. Surfaces that are not matte are lit by as many rays again that
 ** their material chooses, weighed by the balance heuristic (ylm_path_places).
 **
+**   lit            in   whose lamps: the view's scene with others (ylm_scene_relight); NULL: its own
 **   light_samples  in   shadow rays per shading point, 1 .. 65536
 **   out            out  [points][3]
 **   rays           out  shadow rays that were traced, may be NULL
 **
-** Returns  YLM_OK; YLM_ERANGE, YLM_ENOMEM, YLM_ECANCELLED (progress stage "raycast"); YLM_EINVAL: a
-**          view per vertex has surfaces that are not matte
+** Returns  YLM_OK; YLM_ERANGE, YLM_ENOMEM, YLM_ECANCELLED (progress stage "raycast"); YLM_EINVAL:
+**          `lit` has other meshes, or a view per vertex has surfaces that are not matte
 ** Cost     points * (lamps + light_samples rays)
 ** Source   Shirley, Wang, Zimmerman 1996, "Monte Carlo Techniques for Direct Lighting
 **          Calculations"; Arvo 1995, "Stratified Sampling of Spherical Triangles";
 **          Roberts 2018, "The Unreasonable Effectiveness of Quasirandom Sequences" (R2)
 */
-YLM_API ylm_status ylm_shade_raycast(const ylm_shade_view *view, int light_samples, bool shadows,
-                                     uint64_t seed, int threads, const ylm_progress *progress,
-                                     float *out, uint64_t *rays);
+YLM_API ylm_status ylm_shade_raycast(const ylm_shade_view *view, const ylm_scene *lit,
+                                     int light_samples, bool shadows, uint64_t seed, int threads,
+                                     const ylm_progress *progress, float *out, uint64_t *rays);
 
 /* How a view's visibility differs from that of its scene, as light of the picture. */
 typedef struct ylm_shade_occlusion {

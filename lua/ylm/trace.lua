@@ -103,8 +103,8 @@ end
 
 --- A traced scene with other lights, which are those of the scene no more: as tracing.trace returns it; nil, message, code.
 function tracing.relight(name, t, lights)
-  local start, packed, message, code = core.seconds(), nil, nil, nil
-  packed, message, code = light.pack(1, name, lights)
+  local start = core.seconds()
+  local packed, message, code = light.pack(1, name, lights)
   if not packed then return nil, message, code end
   local handle
   handle, message, code = check.result(name, t.lib.scene_relight(t.handle, light.set(packed), true))
