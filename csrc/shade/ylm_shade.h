@@ -27,6 +27,7 @@
 #include "ylm_grid.h"
 #include "ylm_path.h"
 #include "ylm_scene.h"
+#include "ylm_transfer.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -205,6 +206,53 @@ YLM_API ylm_status ylm_shade_grid_again(const ylm_shade_view *view, ylm_shade_me
                                         const ylm_grid *grid, ylm_grid_interpolation interpolation,
                                         int threads, const ylm_progress *progress, float *out,
                                         ylm_grid_report *report, uint64_t *fresh, ylm_error *e);
+
+/* Links of a view's shading points: the elements of surfaces that they see. */
+typedef struct ylm_shade_links ylm_shade_links;
+
+typedef struct ylm_shade_links_stats {
+  int links;      /* of a shading point */
+  uint64_t rays;  /* that were traced for them */
+  size_t bytes;   /* memory they hold */
+  double seconds; /* that finding them took */
+} ylm_shade_links_stats;
+
+/*
+** ylm_shade_links_create - find the elements that rays from the shading points of a view hit.
+**
+**   links  in   of a point, 4 .. YLM_TRANSFER_LINKS, a multiple of 4
+**
+** A point's rays have the density of the cosine about its normal, and random numbers of its place in
+** the image: what is seen elsewhere changes nothing.
+**
+** Returns    YLM_OK; YLM_ERANGE, YLM_ENOMEM, YLM_ECANCELLED (progress stage "links")
+** Ownership  links must not outlive their view, nor the transfer
+** Cost       points * links rays; 4 bytes a link
+*/
+YLM_API ylm_status ylm_shade_links_create(const ylm_shade_view *view, const ylm_transfer *transfer,
+                                          int links, uint64_t seed, int threads,
+                                          const ylm_progress *progress, ylm_shade_links **out,
+                                          ylm_error *e);
+YLM_API void ylm_shade_links_free(ylm_shade_links *links);
+/* The transfer whose elements they lead to. */
+YLM_API const ylm_transfer *ylm_shade_links_transfer(const ylm_shade_links *links);
+YLM_API void ylm_shade_links_look(const ylm_shade_links *links, ylm_shade_links_stats *stats);
+
+/*
+** ylm_shade_gather - light that surfaces send to the shading points of a view, and that these reflect.
+**
+**   out[i] += albedo_i/pi E_i,   E_i = pi * mean over links j of i of the radiance that leaves j
+**
+** Nothing is traced. Surfaces that are not matte reflect as matte ones of their mean albedo.
+**
+**   leaving  in      [elements + 1][4] of the links' transfer: ylm_radiosity_leaving
+**   out      in/out  [points][3]
+**
+** Returns  YLM_OK; YLM_ECANCELLED (progress stage "gathering")
+** Cost     as ylm_transfer_sum; no allocation
+*/
+YLM_API ylm_status ylm_shade_gather(const ylm_shade_links *links, const float *leaving, int threads,
+                                    const ylm_progress *progress, float *out);
 
 /* Level of the leaf that holds each shading point and the error estimated for it (NaN: unknown);
    level, error [points]. */

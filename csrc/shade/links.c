@@ -1,0 +1,95 @@
+/* links.c - what shading points see of the elements of a scene, and the light that these send. */
+#include <math.h>
+
+#include "view.h"
+
+/* Points that are gathered at once: their sums stay in the first-level cache. */
+#define BLOCK 256
+
+struct ylm_shade_links {
+  const ylm_shade_view *view;
+  const ylm_transfer *transfer;
+  int links;
+  uint32_t *link; /* [points][links] */
+  double seconds;
+};
+
+static uint64_t *list_streams(const ylm_shade_view *v) {
+  uint64_t *stream = ylm_alloc(v->points, sizeof *stream);
+  for (size_t i = 0; stream && i < v->points; i++) stream[i] = ylm__shade_stream(v, i);
+  return stream;
+}
+
+ylm_status ylm_shade_links_create(const ylm_shade_view *v, const ylm_transfer *t, int links,
+                                  uint64_t seed, int threads, const ylm_progress *progress,
+                                  ylm_shade_links **out, ylm_error *e) {
+  *out = NULL;
+  if (links < 4 || links > YLM_TRANSFER_LINKS || links % 4)
+    return ylm_fail(e, YLM_ERANGE, "links must be a multiple of 4 from 4 to %d, got %d",
+                    YLM_TRANSFER_LINKS, links);
+  double start = ylm_seconds();
+  ylm_shade_links *l = ylm_alloc_zero(1, sizeof *l);
+  uint64_t *stream = l ? list_streams(v) : NULL;
+  if (l) *l = (ylm_shade_links){.view = v, .transfer = t, .links = links};
+  if (l) l->link = ylm_alloc(v->points, (size_t)links * sizeof *l->link);
+  ylm_status s = stream && l->link ? YLM_OK : YLM_ENOMEM;
+  if (s == YLM_OK)
+    s = ylm_transfer_find(t, v->points, (const float(*)[3])v->origin, (const float(*)[3])v->normal,
+                          stream, links, seed, threads, progress, l->link, 0, NULL, e);
+  ylm_free(stream);
+  if (s != YLM_OK) {
+    ylm_shade_links_free(l);
+    return s;
+  }
+  l->seconds = ylm_seconds() - start;
+  *out = l;
+  return YLM_OK;
+}
+
+void ylm_shade_links_free(ylm_shade_links *l) {
+  if (!l) return;
+  ylm_free(l->link);
+  ylm_free(l);
+}
+
+void ylm_shade_links_look(const ylm_shade_links *l, ylm_shade_links_stats *stats) {
+  size_t n = l->view->points * (size_t)l->links;
+  *stats = (ylm_shade_links_stats){l->links, n, sizeof *l + n * sizeof *l->link, l->seconds};
+}
+
+const ylm_transfer *ylm_shade_links_transfer(const ylm_shade_links *l) { return l->transfer; }
+
+/* -- gathering ------------------------------------------------------------------- */
+
+typedef struct gather_job {
+  const ylm_shade_links *l;
+  const float *leaving;
+  float *out;
+} gather_job;
+
+/* Radiance at n points from the mean radiance that arrives along their links, [n][4]: added to out. */
+static void add_reflected(const ylm_shade_view *v, size_t first, size_t n, const float *mean,
+                          float *out) {
+  float radiance[3 * BLOCK];
+  for (size_t i = 0; i < n; i++)
+    for (size_t c = 0; c < 3; c++) radiance[3 * i + c] = (float)M_PI * mean[4 * i + c];
+  ylm__shade_reflect(v, first, n, radiance);
+  for (size_t k = 0; k < 3 * n; k++) out[k] += radiance[k];
+}
+
+static ylm_status run_gather(void *context, size_t begin, size_t end, int worker) {
+  (void)worker;
+  const gather_job *j = context;
+  const ylm_shade_links *l = j->l;
+  size_t n = end - begin;
+  float mean[4 * BLOCK] __attribute__((aligned(64)));
+  ylm_transfer_sum(n, l->links, l->link + begin * (size_t)l->links, 4, j->leaving, NULL, mean, 1);
+  add_reflected(l->view, begin, n, mean, j->out + 3 * begin);
+  return YLM_OK;
+}
+
+ylm_status ylm_shade_gather(const ylm_shade_links *l, const float *leaving, int threads,
+                            const ylm_progress *progress, float *out) {
+  gather_job j = {l, leaving, out};
+  return ylm_parallel(l->view->points, BLOCK, threads, run_gather, &j, progress, "gathering");
+}
