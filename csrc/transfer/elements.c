@@ -192,8 +192,8 @@ static ylm_status make(ylm_transfer *t, const float *positions) {
   t->albedo = ylm_alloc(n, sizeof *t->albedo);
   t->mesh = ylm_alloc(n, sizeof *t->mesh);
   t->triangle = ylm_alloc(n, sizeof *t->triangle);
-  t->dead = ylm_alloc_zero(n, 1);
-  if (!t->centre || !t->normal || !t->area || !t->albedo || !t->mesh || !t->triangle || !t->dead)
+  t->share = ylm_alloc(n, sizeof *t->share);
+  if (!t->centre || !t->normal || !t->area || !t->albedo || !t->mesh || !t->triangle || !t->share)
     return YLM_ENOMEM;
   for (size_t m = 0; m < t->meshes; m++)
     for (size_t i = t->first[m]; i < t->first[m + 1]; i++)
@@ -273,7 +273,7 @@ void ylm_transfer_elements(const ylm_transfer *t, float *centre, float *normal, 
   size_t n = t->elements;
   if (centre) ylm_copy(centre, t->centre, n * 12);
   if (normal) ylm_copy(normal, t->normal, n * 12);
-  if (area) ylm_copy(area, t->area, n * sizeof *area);
+  for (size_t i = 0; area && i < n; i++) area[i] = t->area[i] * t->share[i];
   if (albedo) ylm_copy(albedo, t->albedo, n * 12);
   if (mesh) ylm_copy(mesh, t->mesh, n * sizeof *mesh);
 }

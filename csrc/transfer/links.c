@@ -16,7 +16,7 @@ typedef struct job {
   const uint64_t *stream;
   uint32_t *out;
   float *escape;
-  uint8_t *dead;
+  float *share;
   float (*disk)[2], *height; /* [links] cos and sin of the unshifted azimuth; k / links */
   float (*inside)[2];        /* [links] unshifted places of a square */
   double *zonal;             /* [lmax + 1] of the cosine */
@@ -153,36 +153,39 @@ static ylm_status escape(const job *j, scratch *x, const float *n, const ylm_tra
   return s;
 }
 
-/* Turns targets into links: what begins inside of a body gives its slots to the others, evenly. */
-static void settle(const job *j, scratch *x, const uint32_t *target, uint32_t *out) {
+/* Turns targets into links: what begins inside of a body gives its slots to the others, evenly. Returns
+   how many do not. */
+static uint32_t settle(const job *j, scratch *x, const uint32_t *target, uint32_t *out) {
   uint32_t none = (uint32_t)j->t->elements, links = (uint32_t)j->links, n = 0, b = 0;
   for (uint32_t k = 0; k < links; k++)
     if (target[k] <= none) x->sorted[n++] = k;
   x->buried += links - n;
-  x->deads += n == 0;
   for (uint32_t k = 0; k < links; k++) {
     bool good = target[k] <= none;
     x->pick[k] = good || n == 0 ? k : x->sorted[(uint64_t)b++ * n / (links - n)];
     out[k] = n == 0 ? none : target[x->pick[k]];
   }
+  return n;
 }
 
 /* Links of a place whose rays have been traced. */
 static ylm_status finish(const job *j, scratch *x, size_t i, size_t first) {
-  size_t links = (size_t)j->links, at = (i - first) * links;
+  size_t links = (size_t)j->links, at = (i - first) * links, under = 0;
   uint32_t none = (uint32_t)j->t->elements, *out = j->out + i * links;
   uint8_t *open = x->open + at;
   for (size_t k = 0; k < links; k++) {
     bool hit = x->hit[at + k].mesh >= 0, below = x->below[at + k];
     if (below) x->target[at + k] = none;
+    under += below;
     open[k] = !hit && !below;
     x->escaped += !hit || below;
     x->lost += hit && !below && x->target[at + k] == none;
   }
-  settle(j, x, x->target + at, out);
-  bool dead = x->target[at] > none && out[0] == none;
-  for (size_t k = 0; dead && k < links; k++) dead = x->target[at + k] > none;
-  if (j->dead) j->dead[i] = dead;
+  size_t good = settle(j, x, x->target + at, out);
+  bool dead = good == 0 || (good == under && good < links);
+  x->deads += dead;
+  if (j->share) j->share[i] = dead ? 0 : (float)(good - under) / (float)(links - under);
+  if (j->share && under == links) j->share[i] = 1;
   ylm_status s = YLM_OK;
   if (j->escape) {
     const float *n = j->origin ? (j->normal ? j->normal[i] : NULL) : j->t->normal[i];
@@ -288,7 +291,7 @@ ylm_status ylm__transfer_link(ylm_transfer *t, const ylm_progress *progress, ylm
            .seed = t->form.seed,
            .out = t->link,
            .escape = t->escape,
-           .dead = t->dead};
+           .share = t->share};
   ylm_status s = go(&j, t->elements, t->form.threads, progress);
   if (s == YLM_ECANCELLED) ylm_fail(e, s, "cancelled while links were found");
   t->stats.rays = t->elements * links;

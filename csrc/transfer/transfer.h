@@ -27,9 +27,9 @@ struct ylm_transfer {
   size_t elements;
   float (*centre)[3], (*normal)[3], *area, (*albedo)[3]; /* [elements] */
   uint32_t *mesh, *triangle;                             /* [elements] the latter in its mesh */
-  uint8_t *dead;                                         /* [elements] */
-  uint32_t *link;                                        /* [elements][links] */
-  float *escape;                                         /* [elements][(lmax+1)^2] or NULL */
+  float *share;   /* [elements] the part of it that is not inside of a body; 0: dead */
+  uint32_t *link; /* [elements][links] */
+  float *escape;  /* [elements][(lmax+1)^2] or NULL */
 };
 
 /* -- closed.c ------------------------------------------------------------------- */
@@ -61,11 +61,18 @@ static inline bool ylm__transfer_is_back(const ylm_transfer *t, size_t i) {
 
 /* -- links.c -------------------------------------------------------------------- */
 
-/* Fills t->link, t->escape, t->dead and what the statistics say of rays. */
+/* Fills t->link, t->escape, t->share, and what the statistics say of rays. */
 ylm_status ylm__transfer_link(ylm_transfer *t, const ylm_progress *progress, ylm_error *e);
 
 /* YLM_ERANGE unless there can be so many links. */
 ylm_status ylm__transfer_check_links(int links, ylm_error *e);
+
+/* -- transfer.c ----------------------------------------------------------------- */
+
+/* The positions, triangles and sides of occlusion of all meshes, in 64 bits. */
+ylm_status ylm__transfer_fingerprint(const ylm_scene *scene, uint64_t *print);
+/* Whether two scenes have the same meshes. */
+ylm_status ylm__transfer_same(const ylm_scene *a, const ylm_scene *b, bool *same);
 
 /* -- sum.c ---------------------------------------------------------------------- */
 
@@ -74,5 +81,16 @@ typedef void ylm_transfer_sum_fn(size_t n, int links, const uint32_t *link, int 
                                  const float *in, const float *start, float *out);
 /* The kernel of the instruction set in use. */
 ylm_transfer_sum_fn *ylm__transfer_sum(void);
+
+/* -- solve.c -------------------------------------------------------------------- */
+
+struct ylm_radiosity {
+  const ylm_transfer *t;
+  float *E0; /* of the next solution, [elements + 1][4] as all others */
+  float *direct, *E, *leaving;
+  uint64_t rays; /* of E0 */
+  double seconds;
+  ylm_radiosity_stats stats;
+};
 
 #endif

@@ -94,7 +94,8 @@ YLM_API const ylm_scene *ylm_transfer_scene(const ylm_transfer *t);
 
 /* The number of elements n. */
 YLM_API size_t ylm_transfer_count(const ylm_transfer *t);
-/* centre, normal [n][3], area [n], albedo [n][3] tinted, mesh [n]; any may be NULL. */
+/* centre, normal [n][3], area [n] of the part that is not inside of a body, albedo [n][3] tinted, mesh [n]; any
+   may be NULL. */
 YLM_API void ylm_transfer_elements(const ylm_transfer *t, float *centre, float *normal, float *area,
                                    float *albedo, uint32_t *mesh);
 /* The element at a place, or n where that side has none. */
@@ -154,10 +155,12 @@ typedef struct ylm_radiosity
     ylm_radiosity; /* E0, E and what leaves; written by one thread at a time */
 
 typedef struct ylm_radiosity_stats {
-  int bounces;     /* that were summed */
-  bool closed;     /* the rest was added as a geometric series */
-  double residual; /* change by the last bounce, relative to E, by area and L1 */
-  double shrink;   /* q, that change over the one before */
+  int bounces; /* that were summed */
+  bool closed; /* the rest was added as a geometric series */
+  double
+      residual; /* change by the last bounce, relative to E, by area and L1; with closure, about that
+                      which one more would bring */
+  double shrink; /* q, that change over the one before */
   double emitted[3], absorbed[3],
       escaped[3]; /* W: direct light that lands on elements; what they keep; what
                                                  leaves the scene. emitted = absorbed + escaped but for
@@ -194,9 +197,10 @@ YLM_API void ylm_radiosity_set(ylm_radiosity *r, const float *E0);
 /*
 ** ylm_radiosity_solve - all bounces of the direct light.
 **
-**   bounces   in  reflections after direct light; negative: until the residual is reached
+**   bounces   in  reflections after direct light; negative: until the residual is reached,
+**                 which is not looked for below 1e-6
 **   residual  in  the relative change at which the series ends, > 0
-**   closure   in  then add what is left as the geometric series of the last change
+**   closure   in  of negative bounces: the rest, the geometric series of the last change, is added
 **
 ** Returns  YLM_OK; YLM_EDOMAIN (all bounces do not converge: the albedo is 1 and nothing escapes), YLM_ENOMEM,
 **          YLM_ECANCELLED (stage "bounces")

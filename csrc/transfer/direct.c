@@ -1,0 +1,167 @@
+/* direct.c - direct light on elements: by rays to lamps, by coefficients, or as it is given. */
+#include <math.h>
+#include <stdatomic.h>
+
+#include "transfer.h"
+
+/* Places of an element from which lamps are looked at, at best: each costs a choice among all lamps. */
+#define PLACES 4
+/* Elements whose light is asked of a field at a time. */
+#define ASK 4096
+
+typedef struct job {
+  const ylm_transfer *t;
+  const ylm_scene *scene;
+  int places, each; /* rays of a place */
+  uint64_t seed;
+  float *E0;
+  atomic_uint_fast64_t rays;
+} job;
+
+typedef struct scratch {
+  ylm_scene_chooser *lamps;
+  ylm_trace_ray *ray; /* [places * each] */
+  float (*value)[3];
+} scratch;
+
+/* A place of element i: number k of a sequence that begins at (x, y). */
+static ylm_scene_place place_of(ylm_scene_place place, float corner[3][2], double x, double y,
+                                int k) {
+  x += k * 0.7548776662466927, y += k * 0.5698402909980532;
+  x -= floor(x), y -= floor(y);
+  if (x + y > 1) x = 1 - x, y = 1 - y;
+  float u = (float)x, v = (float)y;
+  place.u = corner[0][0] + u * (corner[1][0] - corner[0][0]) + v * (corner[2][0] - corner[0][0]);
+  place.v = corner[0][1] + u * (corner[1][1] - corner[0][1]) + v * (corner[2][1] - corner[0][1]);
+  return place;
+}
+
+/* Irradiance of element i; returns how many rays were traced. */
+static size_t gather(const job *j, size_t i, scratch *s, float E0[4]) {
+  ylm_scene_place place;
+  float corner[3][2];
+  double E[3] = {0, 0, 0};
+  size_t rays = 0;
+  ylm_rng rng;
+  memset(E0, 0, 4 * sizeof *E0);
+  if (!(j->t->share[i] > 0)) return 0;
+  ylm_rng_seed(&rng, ~j->seed, i);
+  double x = ylm_rng_double(&rng), y = ylm_rng_double(&rng);
+  ylm__transfer_corners(j->t, i, &place, corner);
+  for (int k = 0; k < j->places; k++) {
+    ylm_scene_surface at;
+    ylm_scene_place here = place_of(place, corner, x, y, k);
+    ylm_scene_surfaces(j->scene, 1, &here, &at);
+    rays += ylm_scene_aim(s->lamps, at.origin, at.normal, j->each, &rng, s->ray + rays,
+                          s->value + rays);
+  }
+  ylm_trace_occluded(ylm_scene_trace(j->scene), rays, s->ray);
+  for (size_t k = 0; k < rays; k++)
+    if (!(s->ray[k].far < 0))
+      for (int c = 0; c < 3; c++) E[c] += (double)s->value[k][c];
+  double scale = 1 / ((double)j->places * (double)j->t->share[i]);
+  for (int c = 0; c < 3; c++) E0[c] = (float)(E[c] * scale);
+  return rays;
+}
+
+static ylm_status run(void *context, size_t begin, size_t end, int worker) {
+  (void)worker;
+  job *j = context;
+  size_t most = (size_t)j->places * (size_t)j->each, rays = 0;
+  scratch s = {.lamps = ylm_scene_chooser_create(j->scene),
+               .ray = ylm_alloc(most, sizeof(ylm_trace_ray)),
+               .value = ylm_alloc(most, 12)};
+  ylm_status status = s.lamps && s.ray && s.value ? YLM_OK : YLM_ENOMEM;
+  for (size_t i = begin; status == YLM_OK && i < end; i++) rays += gather(j, i, &s, j->E0 + 4 * i);
+  ylm_scene_chooser_free(s.lamps);
+  ylm_free(s.ray);
+  ylm_free(s.value);
+  atomic_fetch_add(&j->rays, rays);
+  return status;
+}
+
+/* Takes new direct light over, or frees it. */
+static ylm_status take(ylm_radiosity *r, ylm_status s, float *E0, uint64_t rays, double begun) {
+  if (s != YLM_OK) {
+    ylm_free(E0);
+    return s;
+  }
+  ylm_free(r->E0);
+  r->E0 = E0;
+  r->rays = rays;
+  r->seconds = ylm_seconds() - begun;
+  return s;
+}
+
+ylm_status ylm_radiosity_rays(ylm_radiosity *r, const ylm_scene *scene, int light_samples,
+                              uint64_t seed, int threads, const ylm_progress *progress,
+                              ylm_error *e) {
+  double begun = ylm_seconds();
+  bool same;
+  if (light_samples < 1 || light_samples > YLM_TRANSFER_LINKS)
+    return ylm_fail(e, YLM_ERANGE, "light_samples must be from 1 to %d, got %d", YLM_TRANSFER_LINKS,
+                    light_samples);
+  ylm_status s = ylm__transfer_same(r->t->scene, scene, &same);
+  if (s == YLM_OK && !same)
+    s = ylm_fail(e, YLM_EINVAL, "the scene has other meshes than those of the transfer");
+  if (s != YLM_OK) return s;
+  int places = light_samples / 2 < PLACES ? (light_samples + 1) / 2 : PLACES;
+  job j = {.t = r->t,
+           .scene = scene,
+           .places = places,
+           .each = (light_samples + places - 1) / places,
+           .seed = seed,
+           .E0 = ylm_alloc_zero(r->t->elements + 1, 16)};
+  s = j.E0 ? ylm_parallel(r->t->elements, 128, threads, run, &j, progress, "direct") : YLM_ENOMEM;
+  return take(r, s, j.E0, j.rays, begun);
+}
+
+/* The products of transfer vectors from `first` on with light [n][3][count]. */
+static void dot(const ylm_transfer *t, size_t first, size_t n, const float *light, float *E0) {
+  size_t count = ylm_sh_count(t->form.lmax);
+  for (size_t i = 0; i < n; i++) {
+    const float *T = t->escape + (first + i) * count;
+    if (!(t->share[first + i] > 0)) continue;
+    for (size_t c = 0; c < 3; c++) {
+      double sum = 0;
+      for (size_t k = 0; k < count; k++)
+        sum += (double)T[k] * (double)light[(i * 3 + c) * count + k];
+      E0[4 * (first + i) + c] = (float)sum;
+    }
+  }
+}
+
+ylm_status ylm_radiosity_field(ylm_radiosity *r, const ylm_field *field, int threads,
+                               const ylm_progress *progress, ylm_error *e) {
+  const ylm_transfer *t = r->t;
+  double begun = ylm_seconds();
+  if (!t->escape)
+    return ylm_fail(e, YLM_EINVAL, "the transfer was made without transfer vectors (lmax)");
+  ylm_field_query q = {.lmax = t->form.lmax,
+                       .channels = 3,
+                       .want = YLM_WANT_VALUE,
+                       .metric_channels = 1,
+                       .dtype = YLM_FLOAT,
+                       .threads = threads};
+  size_t n = t->elements, room = n < ASK ? n : ASK;
+  float *E0 = ylm_alloc_zero(n + 1, 16);
+  float *light = ylm_alloc(room * 3 * ylm_sh_count(q.lmax), sizeof *light);
+  ylm_status s = E0 && light ? YLM_OK : YLM_ENOMEM;
+  for (size_t first = 0; s == YLM_OK && first < n; first += room) {
+    size_t part = n - first < room ? n - first : room;
+    ylm_field_result out = {.value = light};
+    s = field->evaluate(field, &q, part, t->centre[first], &out, e);
+    if (s != YLM_OK) break;
+    dot(t, first, part, light, E0);
+    s = ylm_report(progress, first + part, n, "direct");
+  }
+  ylm_free(light);
+  return take(r, s, E0, 0, begun);
+}
+
+void ylm_radiosity_set(ylm_radiosity *r, const float *E0) {
+  for (size_t i = 0; i < r->t->elements; i++)
+    for (size_t c = 0; c < 3; c++) r->E0[4 * i + c] = r->t->share[i] > 0 ? E0[3 * i + c] : 0;
+  r->rays = 0;
+  r->seconds = 0;
+}

@@ -1,0 +1,247 @@
+/* solve.c - bounces of direct light as sums over links. */
+#include <math.h>
+
+#include "transfer.h"
+
+#define GRAIN 256
+/* Changes below this, relative, are rounding; a shrinkage this near to 1 has no sum. */
+#define ROUNDING 1e-6
+#define ENDLESS 1e-5
+#define PATIENCE 64
+#define MOST_BOUNCES 20000
+
+/* Norms by area, of the three channels. */
+typedef struct norms {
+  double change[3], bent[3], E[3]; /* of dE; of dE - q times the one before; of E */
+} norms;
+
+typedef struct job {
+  const ylm_transfer *t;
+  ylm_transfer_sum_fn *sum;
+  const float *E0;
+  float *E, *next;       /* irradiance, and after one more bounce */
+  float *B, *next_B;     /* albedo times that */
+  float *change, *after; /* by the last bounce, and by this one */
+  double q[3];
+  norms *part; /* [blocks] */
+} job;
+
+static size_t blocks_of(const ylm_transfer *t) { return t->elements / GRAIN + 1; }
+
+/* One bounce on elements begin .. end-1. */
+static ylm_status bounce(void *context, size_t begin, size_t end, int worker) {
+  (void)worker;
+  const job *j = context;
+  size_t links = (size_t)j->t->form.links;
+  j->sum(end - begin, (int)links, j->t->link + begin * links, 4, j->B, j->E0 + 4 * begin,
+         j->next + 4 * begin);
+  norms x = {{0}, {0}, {0}};
+  for (size_t i = begin; i < end; i++) {
+    double area = (double)j->t->area[i] * (double)j->t->share[i];
+    for (size_t c = 0; c < 3; c++) {
+      float E = j->next[4 * i + c], d = E - j->E[4 * i + c];
+      j->after[4 * i + c] = d;
+      j->next_B[4 * i + c] = j->t->albedo[i][c] * E;
+      x.change[c] += area * fabs((double)d);
+      x.bent[c] += area * fabs((double)d - j->q[c] * (double)j->change[4 * i + c]);
+      x.E[c] += area * fabs((double)E);
+    }
+  }
+  j->part[begin / GRAIN] = x;
+  return YLM_OK;
+}
+
+static void swap(float **a, float **b) {
+  float *c = *a;
+  *a = *b;
+  *b = c;
+}
+
+static void turn(job *j) {
+  swap(&j->E, &j->next);
+  swap(&j->B, &j->next_B);
+  swap(&j->change, &j->after);
+}
+
+static norms sum_parts(const job *j) {
+  norms all = {{0}, {0}, {0}};
+  for (size_t b = 0; b * GRAIN < j->t->elements; b++)
+    for (int c = 0; c < 3; c++) {
+      all.change[c] += j->part[b].change[c];
+      all.bent[c] += j->part[b].bent[c];
+      all.E[c] += j->part[b].E[c];
+    }
+  return all;
+}
+
+static double ratio(double a, double b) { return b > 0 ? a / b : 0; }
+
+static ylm_status endless(const job *j, ylm_error *e) {
+  double area = 0, albedo[3] = {0, 0, 0};
+  const ylm_transfer *t = j->t;
+  int most = 0;
+  for (size_t i = 0; i < t->elements; i++) {
+    area += (double)t->area[i];
+    for (int c = 0; c < 3; c++) albedo[c] += (double)t->area[i] * (double)t->albedo[i][c];
+  }
+  for (int c = 1; c < 3; c++)
+    if (j->q[c] > j->q[most]) most = c;
+  return ylm_fail(
+      e, YLM_EDOMAIN,
+      "bounces = 'all' does not converge: each bounce keeps %.6g of the light before (the "
+      "mean albedo is %.3g, and %.2g %% of the links leave the scene); give a number of "
+      "bounces",
+      j->q[most], ratio(albedo[most], area),
+      100 * ratio((double)t->stats.escaped, (double)t->stats.rays));
+}
+
+/* Bounces until they are done or small. `closed`: the rest may be added. */
+static ylm_status walk(job *j, int bounces, double residual, bool closure, int threads,
+                       const ylm_progress *progress, ylm_radiosity_stats *stats, ylm_error *e) {
+  double before[3] = {0, 0, 0};
+  if (residual < ROUNDING) residual = ROUNDING;
+  for (int k = 0; bounces < 0 || k < bounces; k++) {
+    ylm_status s = ylm_parallel(j->t->elements, GRAIN, threads, bounce, j, NULL, NULL);
+    if (s == YLM_OK)
+      s = ylm_report(progress, (uint64_t)k + 1,
+                     bounces < 0 ? (uint64_t)(k < 15 ? 16 : k + 2) : (uint64_t)bounces, "bounces");
+    if (s != YLM_OK) return s;
+    norms x = sum_parts(j);
+    turn(j);
+    double left = 0, bent = 0, shrink = 0;
+    for (int c = 0; c < 3; c++) {
+      j->q[c] = ratio(x.change[c], before[c]);
+      before[c] = x.change[c];
+      left = fmax(left, ratio(x.change[c], x.E[c]));
+      shrink = fmax(shrink, j->q[c]);
+      bent = fmax(bent, j->q[c] < 1 ? ratio(x.bent[c] * j->q[c] / (1 - j->q[c]), x.E[c]) : 1);
+    }
+    stats->bounces = k + 1;
+    stats->residual = left;
+    stats->shrink = shrink;
+    if (bounces >= 0) continue;
+    if (left <= residual && (shrink < 1 - ENDLESS || left < ROUNDING)) return YLM_OK;
+    if (k >= PATIENCE && shrink >= 1 - ENDLESS) return endless(j, e);
+    if (closure && k >= 2 && shrink < 1 - ENDLESS && bent <= residual) {
+      stats->closed = true;
+      stats->residual = bent;
+      return YLM_OK;
+    }
+    if (k + 1 >= MOST_BOUNCES) return endless(j, e);
+  }
+  return YLM_OK;
+}
+
+/* Adds the geometric series that goes on from the last change. */
+static void close_series(const job *j) {
+  for (size_t i = 0; i < j->t->elements; i++)
+    for (size_t c = 0; c < 3; c++)
+      if (j->q[c] < 1)
+        j->E[4 * i + c] += (float)((double)j->change[4 * i + c] * j->q[c] / (1 - j->q[c]));
+}
+
+static void balance(const job *j, ylm_radiosity_stats *stats) {
+  const ylm_transfer *t = j->t;
+  size_t links = (size_t)t->form.links;
+  for (size_t i = 0; i < t->elements; i++) {
+    double area = (double)t->area[i] * (double)t->share[i];
+    size_t open = 0;
+    while (open < links && t->link[i * links + links - 1 - open] == t->elements) open++;
+    for (size_t c = 0; c < 3; c++) {
+      double E = (double)j->E[4 * i + c], rho = (double)t->albedo[i][c];
+      stats->emitted[c] += area * (double)j->E0[4 * i + c];
+      stats->absorbed[c] += area * (1 - rho) * E;
+      stats->escaped[c] += area * rho * E * (double)open / (double)links;
+    }
+  }
+  for (int c = 0; c < 3; c++) {
+    double off = fabs(stats->emitted[c] - stats->absorbed[c] - stats->escaped[c]);
+    stats->balance = fmax(stats->balance, ratio(off, fabs(stats->emitted[c])));
+  }
+}
+
+static float *rows(const ylm_transfer *t) { return ylm_alloc_zero(t->elements + 1, 16); }
+
+static bool job_create(job *j, const ylm_radiosity *r) {
+  const ylm_transfer *t = r->t;
+  size_t bytes = (t->elements + 1) * 16;
+  *j = (job){.t = t, .sum = ylm__transfer_sum(), .E0 = r->E0};
+  j->E = rows(t), j->next = rows(t), j->B = rows(t), j->next_B = rows(t);
+  j->change = rows(t), j->after = rows(t);
+  j->part = ylm_alloc(blocks_of(t), sizeof *j->part);
+  if (!j->E || !j->next || !j->B || !j->next_B || !j->change || !j->after || !j->part) return false;
+  memcpy(j->E, r->E0, bytes);
+  memcpy(j->change, r->E0, bytes);
+  for (size_t i = 0; i < t->elements; i++)
+    for (size_t c = 0; c < 3; c++) j->B[4 * i + c] = t->albedo[i][c] * j->E[4 * i + c];
+  return true;
+}
+
+static void job_free(job *j) {
+  ylm_free(j->E);
+  ylm_free(j->next);
+  ylm_free(j->B);
+  ylm_free(j->next_B);
+  ylm_free(j->change);
+  ylm_free(j->after);
+  ylm_free(j->part);
+}
+
+/* Gives the solution to r. */
+static void deliver(job *j, ylm_radiosity *r, const ylm_radiosity_stats *stats) {
+  const float each = 0.318309886183790672f;
+  memcpy(r->direct, r->E0, (j->t->elements + 1) * 16);
+  swap(&r->E, &j->E);
+  for (size_t i = 0; i < j->t->elements; i++)
+    for (size_t c = 0; c < 3; c++)
+      r->leaving[4 * i + c] = j->t->albedo[i][c] * r->E[4 * i + c] * each;
+  r->stats = *stats;
+}
+
+ylm_status ylm_radiosity_solve(ylm_radiosity *r, int bounces, double residual, bool closure,
+                               int threads, const ylm_progress *progress,
+                               ylm_radiosity_stats *stats, ylm_error *e) {
+  double begun = ylm_seconds();
+  ylm_radiosity_stats found = {.rays = r->rays, .direct_seconds = r->seconds};
+  job j = {0};
+  if (!(residual > 0)) return ylm_fail(e, YLM_ERANGE, "residual must be above 0, got %g", residual);
+  ylm_status s = job_create(&j, r) ? YLM_OK : YLM_ENOMEM;
+  if (s == YLM_OK) s = walk(&j, bounces, residual, closure, threads, progress, &found, e);
+  if (s == YLM_OK) {
+    if (found.closed) close_series(&j);
+    balance(&j, &found);
+    found.solve_seconds = ylm_seconds() - begun;
+    deliver(&j, r, &found);
+    if (stats) *stats = found;
+  }
+  job_free(&j);
+  return s;
+}
+
+ylm_status ylm_radiosity_create(const ylm_transfer *t, ylm_radiosity **out) {
+  *out = NULL;
+  ylm_radiosity *r = ylm_alloc_zero(1, sizeof *r);
+  if (!r) return YLM_ENOMEM;
+  r->t = t;
+  r->E0 = rows(t), r->direct = rows(t), r->E = rows(t), r->leaving = rows(t);
+  if (r->E0 && r->direct && r->E && r->leaving)
+    *out = r;
+  else
+    ylm_radiosity_free(r);
+  return *out ? YLM_OK : YLM_ENOMEM;
+}
+
+void ylm_radiosity_free(ylm_radiosity *r) {
+  if (!r) return;
+  ylm_free(r->E0);
+  ylm_free(r->direct);
+  ylm_free(r->E);
+  ylm_free(r->leaving);
+  ylm_free(r);
+}
+
+const ylm_transfer *ylm_radiosity_transfer(const ylm_radiosity *r) { return r->t; }
+const float *ylm_radiosity_direct(const ylm_radiosity *r) { return r->direct; }
+const float *ylm_radiosity_irradiance(const ylm_radiosity *r) { return r->E; }
+const float *ylm_radiosity_leaving(const ylm_radiosity *r) { return r->leaving; }
+void ylm_radiosity_look(const ylm_radiosity *r, ylm_radiosity_stats *stats) { *stats = r->stats; }
