@@ -63,18 +63,18 @@ const ylm_transfer *ylm_shade_links_transfer(const ylm_shade_links *l) { return 
 
 typedef struct gather_job {
   const ylm_shade_links *l;
-  const float *leaving;
+  const float *leaving, *start;
   float *out;
 } gather_job;
 
-/* Radiance at n points from the mean radiance that arrives along their links, [n][4]: added to out. */
-static void add_reflected(const ylm_shade_view *v, size_t first, size_t n, const float *mean,
-                          float *out) {
+/* What n points reflect of the mean radiance that arrives along their links, [n][4], and `start`. */
+static void reflect(const ylm_shade_view *v, size_t first, size_t n, const float *mean,
+                    const float *start, float *out) {
   float radiance[3 * BLOCK];
   for (size_t i = 0; i < n; i++)
     for (size_t c = 0; c < 3; c++) radiance[3 * i + c] = (float)M_PI * mean[4 * i + c];
   ylm__shade_reflect(v, first, n, radiance);
-  for (size_t k = 0; k < 3 * n; k++) out[k] += radiance[k];
+  for (size_t k = 0; k < 3 * n; k++) out[k] = (start ? start[k] : 0) + radiance[k];
 }
 
 static ylm_status run_gather(void *context, size_t begin, size_t end, int worker) {
@@ -84,12 +84,12 @@ static ylm_status run_gather(void *context, size_t begin, size_t end, int worker
   size_t n = end - begin;
   float mean[4 * BLOCK] __attribute__((aligned(64)));
   ylm_transfer_sum(n, l->links, l->link + begin * (size_t)l->links, 4, j->leaving, NULL, mean, 1);
-  add_reflected(l->view, begin, n, mean, j->out + 3 * begin);
+  reflect(l->view, begin, n, mean, j->start ? j->start + 3 * begin : NULL, j->out + 3 * begin);
   return YLM_OK;
 }
 
-ylm_status ylm_shade_gather(const ylm_shade_links *l, const float *leaving, int threads,
-                            const ylm_progress *progress, float *out) {
-  gather_job j = {l, leaving, out};
+ylm_status ylm_shade_gather(const ylm_shade_links *l, const float *leaving, const float *start,
+                            int threads, const ylm_progress *progress, float *out) {
+  gather_job j = {l, leaving, start, out};
   return ylm_parallel(l->view->points, BLOCK, threads, run_gather, &j, progress, "gathering");
 }

@@ -241,18 +241,20 @@ YLM_API void ylm_shade_links_look(const ylm_shade_links *links, ylm_shade_links_
 /*
 ** ylm_shade_gather - light that surfaces send to the shading points of a view, and that these reflect.
 **
-**   out[i] += albedo_i/pi E_i,   E_i = pi * mean over links j of i of the radiance that leaves j
+**   out[i] = start[i] + albedo_i/pi E_i,   E_i = pi * mean over links j of i of the radiance that leaves j
 **
 ** Nothing is traced. Surfaces that are not matte reflect as matte ones of their mean albedo.
 **
 **   leaving  in      [elements + 1][4] of the links' transfer: ylm_radiosity_leaving
-**   out      in/out  [points][3]
+**   start    in      [points][3] or NULL: zeros
+**   out      out     [points][3]; may be `start`
 **
 ** Returns  YLM_OK; YLM_ECANCELLED (progress stage "gathering")
 ** Cost     as ylm_transfer_sum; no allocation
 */
-YLM_API ylm_status ylm_shade_gather(const ylm_shade_links *links, const float *leaving, int threads,
-                                    const ylm_progress *progress, float *out);
+YLM_API ylm_status ylm_shade_gather(const ylm_shade_links *links, const float *leaving,
+                                    const float *start, int threads, const ylm_progress *progress,
+                                    float *out);
 
 /* Level of the leaf that holds each shading point and the error estimated for it (NaN: unknown);
    level, error [points]. */
