@@ -236,6 +236,48 @@ describe("ylm.sh.transfer", function()
     end
   end)
 
+  it("applies one matrix of any shape, and one to each of many vectors", function()
+    math.randomseed(seed)
+    local function matrices(...)
+      local shape, count = { ... }, 1
+      for _, extent in ipairs(shape) do count = count * extent end
+      local flat = {}
+      for i = 1, count do flat[i] = 2 * math.random() - 1 end
+      return ylm.array(flat):reshape(shape), flat
+    end
+    --- Row `row` of `flat` matrices axb times the vector at `from` of `v`, number k.
+    local function wanted(flat, b, row, v, from)
+      local s = 0
+      for i = 1, b do s = s + flat[row * b + i] * v[from + i] end
+      return s
+    end
+    local apply, n, a, b = ylm.sh.transfer_apply, 5, 9, 25
+    local one, entries = matrices(a, b)
+    local square, corners = matrices(9, 9) -- not symmetric
+    local c, v = matrices(n, 3, b)
+    local small, w = matrices(n, 9)
+    local many, all = matrices(n, a, b)
+    local channels, each = matrices(n, 3, a, b)
+    local function near(x, y) assert.is_near(x, y, 1e-12) end
+    for i = 0, n - 1 do
+      for k = 0, a - 1 do
+        near(wanted(corners, 9, k, w, 9 * i), apply(square, small):get(i + 1, k + 1))
+        near(wanted(all, b, i * a + k, v, 0), apply(many, c[1][1]:clone()):get(i + 1, k + 1))
+        near(wanted(all, b, i * a + k, v, (3 * i + 1) * b), apply(many, c):get(i + 1, 2, k + 1))
+        for r = 0, 2 do
+          near(wanted(entries, b, k, v, (3 * i + r) * b), apply(one, c):get(i + 1, r + 1, k + 1))
+          local row = (3 * i + r) * a + k
+          near(wanted(each, b, row, v, (3 * i + r) * b), apply(channels, c):get(i + 1, r + 1, k + 1))
+          near(wanted(each, b, row, v, r * b), apply(channels, c[1]:clone()):get(i + 1, r + 1, k + 1))
+          near(wanted(each, b, row, v, 0), apply(channels, c[1][1]:clone()):get(i + 1, r + 1, k + 1))
+        end
+      end
+    end
+    local f = apply(ylm.array(channels, "float"), ylm.array(c, "float"), { threads = 2 })
+    assert(relative(ylm.array(f, "double"), apply(channels, c)) < 1e-6)
+    assert.same({ nil, "cancelled", "ECANCELLED" }, { apply(many, c, { progress = function() return false end }) })
+  end)
+
   it("takes functions of higher degree than the vectors, which matter up to twice their lmax", function()
     math.randomseed(seed)
     local b, c = random_vectors(1, 9), random_vectors(5, 3)

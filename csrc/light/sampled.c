@@ -156,7 +156,8 @@ static void blend(const job *j, const weight *w, size_t m, double *sum) {
   }
 }
 
-static ylm_status run(void *context, size_t begin, size_t end) {
+static ylm_status run(void *context, size_t begin, size_t end, int worker) {
+  (void)worker;
   const job *j = context;
   size_t wide = WIDE * ylm_sh_count(j->q->lmax);
   double *sum = ylm_alloc(3 * wide, sizeof *sum);

@@ -340,6 +340,21 @@ YLM_API ylm_status ylm_sh_transfer_apply(size_t n, ylm_dtype t, const void *matr
                                          const void *in, void *out, int threads,
                                          const ylm_progress *progress);
 
+/*
+** ylm_sh_matrices_apply - n matrices of their own, each applied to `rows` rows: out[i][r] = M[i] in[i mod period][r].
+**
+**   matrix  in   [n][a][b], of any kind
+**   period  in   1 .. n: of in; 1: all matrices are applied to the same rows
+**   in      in   [period][rows][b]
+**   out     out  [n][rows][a], is not in
+**
+** Returns  YLM_OK, YLM_ECANCELLED (stage "transfer").  Cost  the matrices' memory, read once
+*/
+YLM_API ylm_status ylm_sh_matrices_apply(size_t n, size_t a, size_t b, ylm_dtype t,
+                                         const void *matrix, size_t period, size_t rows,
+                                         const void *in, void *out, int threads,
+                                         const ylm_progress *progress);
+
 /* -- projection: csrc/sh/project/project.c --------------------------------------------------- */
 
 /*

@@ -117,10 +117,44 @@ static int sh_transfer_apply(lua_State *L) {
   return ylmL_result_progress(L, 1, s, NULL, &progress);
 }
 
+/* sh_matrices_apply(matrices [..][a][b], in [period][rows][b], out, period, threads, progress)
+   -> true */
+static int sh_matrices_apply(lua_State *L) {
+  ylmL_array *m = ylmL_array_check(L, 1), *in = ylmL_array_check(L, 2),
+             *out = ylmL_array_check(L, 3);
+  ylmL_progress progress;
+  size_t period = (size_t)luaL_checknumber(L, 4);
+  const ylm_progress *report = ylmL_progress_begin(L, 6, &progress);
+  size_t b = m->shape[m->axes - 1], a = m->axes > 1 ? m->shape[m->axes - 2] : 1;
+  size_t n = a && b ? m->count / (a * b) : 0, rows = n && period ? in->count / (period * b) : 0;
+  bool fits = in->count == period * rows * b && out->count == n * rows * a;
+  ylm_status s = n == 0 || fits ? YLM_OK : YLM_ESHAPE;
+  if (s == YLM_OK && (m->dtype != in->dtype || in->dtype != out->dtype)) s = YLM_ETYPE;
+  if (s == YLM_OK)
+    s = ylm_sh_matrices_apply(n, a, b, in->dtype, m->data, period, rows, in->data, out->data,
+                              (int)luaL_optnumber(L, 5, 0), report);
+  lua_pushboolean(L, 1);
+  return ylmL_result_progress(L, 1, s, NULL, &progress);
+}
+
+/* sh_symmetric(matrix [n][n]) -> whether it is, exactly */
+static int sh_symmetric(lua_State *L) {
+  const ylmL_array *m = ylmL_array_check(L, 1);
+  size_t n = m->shape[0];
+  bool same = m->axes == 2 && m->shape[1] == n;
+  for (size_t i = 0; same && i < n; i++)
+    for (size_t k = 0; same && k < i; k++)
+      same = ylm_get(m->dtype, m->data, i * n + k) == ylm_get(m->dtype, m->data, k * n + i);
+  lua_pushboolean(L, same);
+  return 1;
+}
+
 static const luaL_Reg functions[] = {{"sh_product_plan", sh_product_plan},
                                      {"sh_product", sh_product},
                                      {"sh_transfer", sh_transfer},
                                      {"sh_transfer_apply", sh_transfer_apply},
+                                     {"sh_matrices_apply", sh_matrices_apply},
+                                     {"sh_symmetric", sh_symmetric},
                                      {NULL, NULL}};
 
 static const luaL_Reg methods[] = {{"__gc", product_gc}, {NULL, NULL}};

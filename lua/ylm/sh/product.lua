@@ -183,14 +183,37 @@ end
 
 local apply_options = { form.threads, args.out, args.progress }
 
+--- How matrices of this shape meet coefficients of that one: the period of ylm_sh_matrices_apply, the shape of the result. Nil:
+-- they do not.
+local function meeting(size, shape)
+  local n, m, c = size[1], #size, #shape
+  if m < 2 or m > 4 or size[m] ~= shape[c] then return nil end
+  local out = {}
+  for i = 1, m - 1 do out[i] = size[i] end
+  if m == 2 then
+    for i = 1, c - 1 do out[i] = shape[i] end
+    out[c] = size[1]
+    return 1, out
+  end
+  if c == 1 then return 1, out end
+  if m == 3 and c == 2 and shape[1] == n then return n, out end
+  if m == 3 and c == 3 and shape[1] == n then return n, { n, shape[2], size[2] } end
+  if m == 4 and c == 2 and shape[1] == size[2] then return size[2], out end
+  if m == 4 and c == 3 and shape[1] == n and shape[2] == size[2] then return n * size[2], out end
+end
+
+local fits = "[a][b] with c [..][b], [n][a][b] with c [b], [n][b] or [n][k][b], [n][k][a][b] with c [b], [k][b] or [n][k][b]"
+
 describe "sh.transfer_apply" {
-  about = "Applies a transfer matrix (symmetric, from sh.transfer) to vectors of coefficients.",
+  about = "Applies a transfer matrix (from sh.transfer) to vectors of coefficients, or a matrix of its own to each of n of them "
+    .. "(from view:matrices). The matrices may be " .. fits .. ".",
   arguments = {
-    { "M", "array", "[(lmax+1)^2][(lmax+1)^2]" }, { "c", "array|table", "[..][(lmax+1)^2]" },
+    { "M", "array", "[a][b], [n][a][b] or [n][k][a][b]; b as many as coefficients of c" },
+    { "c", "array|table", "[..][(lmax+1)^2]" },
     { "options?", "table", "see the options" },
   },
   options = apply_options,
-  returns = { { "c", "array", "of the shape of c" } },
+  returns = { { "c", "array", "of the shape of c with a for b, [n][a], or [n][k][a]" } },
   errors = "raises where the sizes do not fit",
   example = [[
 local M = ylm.sh.transfer({ 1, 0.5, 0, 0.2 }, 2)
@@ -201,17 +224,23 @@ assert(math.abs(ylm.sh.transfer_apply(M, a)[5] - ylm.sh.product(a, b)[5]) < 1e-1
 }
 function product.transfer_apply(M, c, options)
   options = form.options(3, "transfer_apply", apply_options, options)
-  local a, lmax, shape, dtype, _, convention = args.coefficients(2, "transfer_apply", c)
-  local n = (lmax + 1) * (lmax + 1)
-  local size = core.type(M) == "ylm.array" and M.shape
-  if not size or #size ~= 2 or size[1] ~= n or size[2] ~= n then
-    return check.bad(1, "transfer_apply", "a matrix of %dx%d expected, got %s", n, n, check.describe(M))
+  local a, _, shape, dtype, _, convention = args.coefficients(2, "transfer_apply", c)
+  local size = core.type(M) == "ylm.array" and M.shape or {}
+  local period, result = meeting(size, shape)
+  if not period then
+    local stack = #size > 2 and (", or a stack of them that fits c of %s (%s)"):format(table.concat(shape, "x"), fits) or ""
+    return check.bad(1, "transfer_apply", "a matrix of %dx%d expected%s, got %s", shape[#shape], shape[#shape], stack,
+      check.describe(M))
   end
   M = args.as(M, dtype)
-  local out, message, code = args.result("transfer_apply", options.out, shape, dtype, convention, { a, M })
+  local out, message, code = args.result("transfer_apply", options.out, result, dtype, convention, { a, M })
   if not out then return nil, message, code end
   local ok
-  ok, message, code = core.sh_transfer_apply(M, a, out, options.threads, progress.of(options.progress))
+  if #size == 2 and core.sh_symmetric(M) then
+    ok, message, code = core.sh_transfer_apply(M, a, out, options.threads, progress.of(options.progress))
+  else
+    ok, message, code = core.sh_matrices_apply(M, a, out, period, options.threads, progress.of(options.progress))
+  end
   if not ok then return check.result("transfer_apply", nil, message, code) end
   return args.held("transfer_apply", out)
 end

@@ -64,6 +64,9 @@ return {
   ["sh.transfer_apply"] = {
     { call = function(ylm) return ylm.sh.transfer_apply(nil, c) end, says = "a matrix of 4x4 expected, got nil" },
     { call = function(ylm) return ylm.sh.transfer_apply(ylm.zeros { 9, 9 }, c) end, says = "a matrix of 4x4 expected" },
+    { call = function(ylm) return ylm.sh.transfer_apply(ylm.zeros { 3, 4, 4 }, { c, c }) end,
+      says = "or a stack of them that fits c of 2x4 .*got .*3x4x4" },
+    { call = function(ylm) return ylm.sh.transfer_apply(ylm.zeros { 3, 3, 4, 4 }, { c, c }) end, says = "that fits c of 2x4" },
     { call = function(ylm) return ylm.sh.transfer_apply(ylm.zeros { 4, 4 }, { 1, 2 }) end,
       says = "coefficients expected" },
   },
