@@ -46,7 +46,7 @@ say("%s: %s triangles, %s lamps, %d x %d pixels, %d samples each", scene.name, c
   common.thousands(#scene.lights), size[1], size[2], option.samples)
 
 -- Everything that does not depend on how light is known is done once: all pictures share their points.
-local view = assert(scene:prepare { size = size, samples = option.samples, progress = progress })
+local view = assert(scene:prepare { size = size, samples = option.samples, visibility = "transfer", progress = progress })
 local points = view:points().position
 print(("%s shading points, %s occlusion rays: %.1f s"):format(common.thousands(#points),
   common.thousands(view.stats.occlusion_rays), view.stats.primary_seconds + view.stats.transfer_seconds))

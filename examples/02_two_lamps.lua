@@ -19,7 +19,7 @@ local kept = {}
 
 local function compare(shading)
   local view = assert(scene:prepare { size = { option.width, option.height }, samples = option.samples,
-    shading = shading, transfer_samples = 256, progress = not option.quiet or nil })
+    shading = shading, visibility = "transfer", transfer_samples = 256, progress = not option.quiet or nil })
   local truth = assert(view:reference())
   local mask = common.surface_mask(ylm, truth)
   print(("\nShaded at every %s: %s shading points"):format(shading, common.thousands(view.stats.points)))

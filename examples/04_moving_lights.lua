@@ -61,7 +61,8 @@ end
 
 local started = core.seconds()
 local stage = ylm.scene(scene.name) { camera = scene.camera, geometry = scene.geometry, lights = {} }
-local view = good(stage:prepare { size = size, samples = option.samples, transfer_samples = option.rays })
+local view = good(stage:prepare { size = size, samples = option.samples, transfer_samples = option.rays,
+  visibility = "transfer" })
 local prepared = core.seconds() - started
 local around = { { -5.51, -0.01, -5.51 }, { 5.51, 2.6, 5.51 } } -- the floor and the knot
 local probes = ylm.adaptive_grid { bounds = around, lmax = 4, depth = option.depth, tolerance = option.tolerance,

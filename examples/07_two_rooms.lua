@@ -1,4 +1,4 @@
--- Light that passes a closed wall: two rooms by SH transfer and by ray casting, and what occlusion_distance makes of them.
+-- Light that passes a closed wall: two rooms by SH transfer and by rays, and what occlusion_distance makes of them.
 --
 --     ylm run examples/07_two_rooms.lua [--out DIR] [--width N] [--samples N] [--rays N] [--exposure STOPS]
 --
@@ -45,11 +45,13 @@ try("default"); try(nil, 0.5); try(nil, 1.5); try(nil, 2); try(nil, 3); try(nil,
 
 -- The picture ---------------------------------------------------------------------------------------
 
-local image = assert(scene:render { size = size, samples = option.samples, transfer_samples = 2 * option.rays })
-local truth = assert(scene:raycast { size = size, samples = option.samples, light_samples = option.rays })
+local image = assert(scene:render { size = size, samples = option.samples, visibility = "transfer",
+  transfer_samples = 2 * option.rays })
+local truth = assert(scene:render { size = size, samples = option.samples, light_samples = option.rays })
 common.save(ylm.figure {
   rows = { {
-    { image = image, tone = "hable", exposure = option.exposure, caption = "scene:render: light passes the wall" },
-    { image = truth, tone = "hable", exposure = option.exposure, caption = "scene:raycast: the right room is dark" },
+    { image = image, tone = "hable", exposure = option.exposure, caption = 'visibility = "transfer": light passes the wall' },
+    { image = truth, tone = "hable", exposure = option.exposure,
+      caption = 'visibility = "rays", the default: the right room is dark' },
   } },
 }, option.out .. "two_rooms.png")

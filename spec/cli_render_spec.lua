@@ -37,7 +37,8 @@ describe("the command-line tool's renderings", function()
     assert.truthy(out:find('"warnings":[]', 1, true), out)
     local usage = ylm "render --help"
     assert.truthy(usage:find "%-n, %-%-samples N +camera rays per pixel\n", usage)
-    assert.truthy(usage:find "%-%-light%-samples N +raycast: shadow rays per shading point\n", usage)
+    assert.truthy(usage:find "%-%-light%-samples N +rays, raycast: shadow rays per shading point, default 16; raycast: 64\n",
+      usage)
   end)
 
   it("trace paths, go on from their file, and say whether two images agree", function()
@@ -69,7 +70,15 @@ describe("the command-line tool's renderings", function()
       ["render -m reference --interpolation linear"] = "--interpolation is for --method grid, this is reference",
       ["render -m reference --grid x.ylm"] = "--grid is for --method grid, this is reference",
       ["render -m reference --light-samples 4"] = "--light-samples is for --method raycast, this is reference",
-      ["render --light-samples 4"] = "--light-samples is for --method raycast, this is grid",
+      ["render -m grid --light-samples 4"] = "--light-samples is for --method raycast, this is grid",
+      ["render --visibility transfer --light-samples 4"] = "--light-samples is for pictures by rays to the lamps",
+      ["render --grid x.ylm --light-samples 4"] = "--light-samples is for pictures by rays to the lamps",
+      ["render --interpolation linear"] = "--interpolation is for grids (--grid FILE, or --visibility transfer)",
+      ["render --light_tolerance 0.1"] = "--light_tolerance is for grids (--grid FILE, or --visibility transfer)",
+      ["render --visibility tansfer"] = "--visibility is rays, transfer, none or self, got 'tansfer' (did you mean transfer?)",
+      ["render --visibility self"] = "--visibility self needs shadow fields, which are not there yet: rays has true shadows",
+      ["render -m reference --visibility rays"] = "--visibility rays is for pictures without --method reference: leave one out",
+      ["render -m raycast --visibility none"] = "--visibility is for --method grid and reference, this is raycast",
       ["render --grid x.ylm --light_tolerance 0.1"] = "--light_tolerance is for baking the scene's probes, --grid is baked",
       ["bake --occupied vertices --size 16x9"] = "--size and --samples are of the camera's view, --occupied is vertices",
       ["bake --occupied everywhere -n 2"] = "--size and --samples are of the camera's view, --occupied is everywhere",
@@ -110,11 +119,12 @@ describe("the command-line tool's renderings", function()
     assert.equal(2, #said, err)
     assert.truthy(said[1]:find('^scene "under a shelf": %d+ %% of the picture\'s light passes through occluders'), err)
     assert.truthy(said[2]:find("^bake: tolerance "), err)
-    out, code, err = ylm("render " .. scene .. small .. " --strict --json -q")
+    out, code, err = ylm("render " .. scene .. small .. " --visibility transfer --strict --json -q")
     assert.equal(6, code, err)
     assert.equal("", err)
     assert.truthy(out:find('"warnings":["scene \\"under a shelf\\": ', 1, true), out)
     assert.equal(0, select(2, ylm("render " .. scene .. small .. " -m raycast --strict")))
+    assert.equal(0, select(2, ylm("render " .. scene .. small .. " --strict"))) -- by rays
     assert.truthy((ylm "--help"):find("6 a warning was given and --strict asked for", 1, true))
   end)
 end)

@@ -298,7 +298,9 @@ describe("grid:update of flat lights", function()
     local floor = ylm.quad { corner = { -1, 0, 1 }, u = { 2, 0, 0 }, v = { 0, 0, -2 }, divide = 8 }
     local stage = ylm.scene "stage" { camera = ylm.camera { from = { 0, 1.2, 2.6 }, at = { 0, 0, 0 }, fov = 45 },
       geometry = { floor }, lights = {} }
-    local function prepare() return assert(stage:prepare { size = { 48, 32 }, samples = 2, transfer_samples = 8 }) end
+    local function prepare()
+      return assert(stage:prepare { size = { 48, 32 }, samples = 2, transfer_samples = 8, visibility = "transfer" })
+    end
     local view, lights, partly = prepare(), ceiling(200), 0
     local grid = ylm.bake(ylm.adaptive_grid { bounds = box, depth = 5, tolerance = 0.04, dynamic = true }, lights,
       { occupied = view:points().position, threads = 1 })

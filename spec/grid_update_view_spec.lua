@@ -13,7 +13,9 @@ describe("prepared:render of a grid that was updated", function()
   local stage = ylm.scene "stage" { camera = camera, geometry = { floor }, lights = {} }
   local size = { 64, 48 }
 
-  local function prepare(scene) return assert(scene:prepare { size = size, samples = 4, transfer_samples = 8 }) end
+  local function prepare(scene)
+    return assert(scene:prepare { size = size, samples = 4, transfer_samples = 8, visibility = "transfer" })
+  end
 
   it("samples only what changed, and shows what a new view shows", function()
     local view = prepare(stage)
@@ -82,9 +84,9 @@ describe("prepared:render of a grid that was updated", function()
       lamp(-0.2, 0.5, 0.5, 0.05, 4), lamp(0, 1.2, 4, 0.1, 5) } -- one below the floor, one behind the camera
     local traced = ylm.scene "traced" { camera = camera, geometry = { floor }, lights = lights }
     local grid = ylm.bake(ylm.uniform_grid { bounds = box, cells = 4, lmax = 2, dynamic = true }, lights, { threads = 1 })
-    local view = assert(stage:prepare { size = size, samples = 64, transfer_samples = 8 })
+    local view = assert(stage:prepare { size = size, samples = 64, transfer_samples = 8, visibility = "transfer" })
     local drawn = view:render { grid = grid, layers = false, lamps = lights }
-    local truth = assert(traced:prepare { size = size, samples = 64, transfer_samples = 8 })
+    local truth = assert(traced:prepare { size = size, samples = 64, transfer_samples = 8, visibility = "transfer" })
       :render { grid = grid, layers = false }
     local report = drawn:compare(truth)
     local bare = view:render { grid = grid, layers = false }:compare(truth)

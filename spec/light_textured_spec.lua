@@ -303,7 +303,7 @@ return scene "panel" {
   lights = { textured_light { corner = { -1, 0.4, -0.3 }, u = { 2, 0, 0 }, v = { 0, 1, 0.2 }, ]] .. given .. [[ } },
   probes = adaptive_grid { lmax = 3, depth = 5, tolerance = 0.02 },
 }]])))
-        picture[i] = assert(scene:render { size = { 32, 24 }, samples = 1, transfer_samples = 16 })
+        picture[i] = assert(scene:render { size = { 32, 24 }, samples = 1, transfer_samples = 16, visibility = "transfer" })
         local truth = scene:reference { size = { 32, 24 }, samples = 1, lmax = 3, transfer_samples = 16 }
         assert(picture[i]:compare(truth).rmse < 0.01 * picture[i]:compare(truth).peak)
         if require("ylm.picture").vtk() then

@@ -135,7 +135,7 @@ describe("no lights", function()
       local pictures = { scene:render { grid = grid, size = size }, scene:reference { size = size },
         (scene:raycast { size = size, light_samples = 2 }) }
       assert.equal(3, #pictures, name)
-      local prepared = assert(scene:prepare { size = size, samples = 1, transfer_samples = 4 })
+      local prepared = assert(scene:prepare { size = size, samples = 1, transfer_samples = 4, visibility = "transfer" })
       pictures[4] = prepared:render { grid = grid, lamps = {} }
       for _, picture in ipairs(pictures) do assert_dark(picture:layer "radiance") end
     end

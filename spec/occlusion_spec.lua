@@ -21,7 +21,7 @@ local function ceiling(y)
 end
 local below = { camera = ylm.camera { from = { 0, 0.4, 0.01 }, fov = 100 } }
 
-local size = { size = { 40, 30 }, samples = 2, transfer_samples = 16 }
+local size = { size = { 40, 30 }, samples = 2, transfer_samples = 16, visibility = "transfer" }
 
 --- Calls f and returns the lines that it says beside its results.
 local function listening(f)
@@ -70,8 +70,8 @@ describe("light that passes occluders", function()
     assert.same({ 1, 0, 0, 0 }, { o.passing, o.passing_error, o.missing, o.missing_error })
     assert.equal("1", image.metadata.light_passing)
     assert.same({ 'scene "floor": 100 % of the picture\'s light passes through occluders: occluders count by direction, up to '
-      .. "occlusion_distance = 0.3 wherever the lamp is; set a longer one or use raycast (scene:raycast, ylm render --method "
-      .. "raycast), whose shadows are true" }, said)
+      .. "occlusion_distance = 0.3 wherever the lamp is; set a longer one or use visibility = \"rays\" (scene:raycast, ylm "
+      .. "render --visibility rays), whose shadows are true" }, said)
     assert.same(said, report.warnings)
     assert.same({}, (listening(function() return scene:reference(size) end))) -- once a scene
   end)
@@ -94,7 +94,8 @@ describe("light that passes occluders", function()
       assert.equal(0, o.missing)
       assert.is_true(o.passing_error > 0 and o.passing_error < 0.2 * o.passing, tostring(o.passing_error))
       if shading == "pixel" then assert.near(1 - true_part, o.passing, 3 * o.passing_error) end
-      assert.truthy(r.warnings[1]:find('visibility = "none" has no shadows; set visibility = "pixel" or use raycast', 1, true))
+      assert.truthy(r.warnings[1]:find('visibility = "none" has no shadows; set visibility = "transfer" or use visibility = '
+        .. '"rays"', 1, true))
     end
   end)
 

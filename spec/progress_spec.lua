@@ -59,7 +59,7 @@ describe("progress", function()
     local f, a, y = points "float", points "double", ylm.zeros({ 20000, 9 }, "double")
     local view = assert((ylm.scene "one" { camera = ylm.camera { from = { 0, 1, 3 }, at = { 0, 0, 0 }, fov = 40 },
       geometry = { ylm.quad { corner = { -1, 0, 1 }, u = { 2, 0, 0 }, v = { 0, 0, -2 }, divide = 2 } }, lights = {} })
-      :prepare { size = { 64, 48 }, samples = 4, transfer_samples = 4, lmax = 2 })
+      :prepare { size = { 64, 48 }, samples = 4, transfer_samples = 4, visibility = "transfer", lmax = 2 })
     local function update() return grid:update(moved) end
     local function render(on) return view:render { grid = grid, layers = false, progress = on } end
     for name, call in pairs {

@@ -8,7 +8,8 @@ if not pcall(require, "ylm.c.scene") then
   return
 end
 
-local small = { size = { 64, 48 }, samples = 1, share = 0, lmax = 4, occlusion_distance = math.huge }
+local small = { size = { 64, 48 }, samples = 1, share = 0, lmax = 4, occlusion_distance = math.huge,
+  visibility = "transfer" }
 
 --- A plate over a floor, in a beam: half of the picture is in its half-shadow.
 local function shaded(lights)
@@ -71,7 +72,7 @@ describe("occlusion rays", function()
   end)
 
   it("are as many as somebody asks for; then, without lights or visibility no noise is measured", function()
-    local given = assert(shaded():prepare(with(small, { transfer_samples = 77 })))
+    local given = assert(shaded():prepare(with(small, { transfer_samples = 77, visibility = "transfer" })))
     assert.equal(77, given.stats.transfer_samples)
     assert.is_nil(given.stats.noise)
     assert.equal(given.stats.points * 77, given.stats.occlusion_rays)
@@ -100,7 +101,7 @@ describe("occlusion rays", function()
     end
     assert.is_truthy(warned(0.1):find "2048 occlusion rays from each shading point leave a noise of %d+%.%d %%, more than 2 %%: "
       and warned(0.1):find "set transfer_samples = %d+")
-    assert.is_truthy(warned(0.02):find "too little of the sky is seen for such rays, use raycast")
+    assert.is_truthy(warned(0.02):find 'too little of the sky is seen for such rays, use visibility = "rays"')
     local clear, noise = warned(4)
     assert.is_true(noise <= 0.02 and not clear:find "noise", clear)
   end)

@@ -91,7 +91,8 @@ describe("transfer vectors", function()
   --- Transfer of an element with normal z in the middle of `geometry`.
   local function transfer(geometry, options)
     local s = element({ 0, 0, 0 }, { 0, 0, 1 }, {}, geometry)
-    return s:prepare(with(one_pixel, with({ lmax = 4, occlusion_distance = math.huge }, options or {}))):transfer()
+    local all = { lmax = 4, occlusion_distance = math.huge, visibility = "transfer" }
+    return s:prepare(with(one_pixel, with(all, options or {}))):transfer()
   end
 
   --- A square wall at distance x, as wide and high as it takes.
@@ -152,7 +153,8 @@ describe("transfer vectors", function()
   it("depend on the seed and not on the number of threads", function()
     local s = small_scene()
     local function view(threads, seed)
-      return s:prepare { size = { 48, 27 }, samples = 5, threads = threads, seed = seed, transfer_samples = 16 }
+      return s:prepare { size = { 48, 27 }, samples = 5, threads = threads, seed = seed, transfer_samples = 16,
+        visibility = "transfer" }
     end
     local one, many, other = view(1, 1), view(3, 1), view(1, 2)
     assert.equal(0, (core.array_distance(one:transfer(), many:transfer())))
@@ -183,7 +185,7 @@ describe("shading", function()
 
   it("is the same by any object with that light field, and in double", function()
     local s = small_scene()
-    local view = s:prepare { size = { 32, 18 }, samples = 4, transfer_samples = 16 }
+    local view = s:prepare { size = { 32, 18 }, samples = 4, transfer_samples = 16, visibility = "transfer" }
     local truth = view:reference()
     local packed = require("ylm.light").pack(1, "spec", s.lights)
     assert.equal(0, (core.array_distance(view:render({ grid = packed }):layer(), truth:layer())))
@@ -193,7 +195,7 @@ describe("shading", function()
 
   it("by a grid comes near the reference as the grid gets finer, and says where a grid does not reach", function()
     local s = small_scene()
-    local view = s:prepare { size = { 32, 18 }, samples = 4, transfer_samples = 16 }
+    local view = s:prepare { size = { 32, 18 }, samples = 4, transfer_samples = 16, visibility = "transfer" }
     local truth, last = view:reference(), math.huge
     for _, n in ipairs { 4, 8, 16 } do
       local grid = assert(s:bake { probes = ylm.uniform_grid { cells = n }, occupied = view })
@@ -249,11 +251,11 @@ describe("shading", function()
       end
       return ylm.array(value), ylm.array(gradient)
     end
-    local view = s:prepare { size = { 32, 18 }, samples = 4, transfer_samples = 16, lmax = 2 }
+    local view = s:prepare { size = { 32, 18 }, samples = 4, transfer_samples = 16, visibility = "transfer", lmax = 2 }
     local box = { { -4, -2, -4 }, { 4, 4, 4 } }
     -- One voxel is the polynomial itself: asked as a light field, point by point, it gives the reference.
     local one = ylm.bake(ylm.uniform_grid { bounds = box, cells = 1, lmax = 2, metric_channels = "none" }, cubic)
-    local truth = lib.shade_field(view, one, "double", 0, nil)
+    local truth = lib.shade_field(view, one, "transfer", "double", 0, nil)
     -- .. which is also albedo/pi times transfer times the polynomial.
     local p, T = view:points(), view:transfer():totable()
     local exact, albedo, rows = cubic(p.position):totable(), p.albedo:totable(), {}
@@ -280,11 +282,11 @@ describe("shading", function()
         { occupied = p.position }),
     } do
       assert.is_true(grid.stats.cells > 1 or what == "one voxel")
-      near(what, lib.shade_grid(view, grid, "hermite", 0, nil), 1e-5)
+      near(what, lib.shade_grid(view, grid, "transfer", "hermite", 0, nil), 1e-5)
       local _, off, norm = core.array_distance(view:render({ grid = grid }):layer(), view:render({ grid = one }):layer())
       assert.is_true(off < 1e-5 * norm, ("%s: %g in the picture"):format(what, off / norm))
       -- .. and it is the interpolation that makes it so
-      local _, linear = core.array_distance(lib.shade_grid(view, grid, "linear", 0, nil), truth)
+      local _, linear = core.array_distance(lib.shade_grid(view, grid, "transfer", "linear", 0, nil), truth)
       assert.is_true(linear > 1e-3, what .. " by linear interpolation")
     end
   end)
@@ -311,7 +313,9 @@ describe("shading", function()
     local options = { size = { 32, 18 }, samples = 4, layers = false }
     local pixels = s:reference(options)
     local vertices, report = s:reference(with(options, { shading = "vertex" }))
-    local mixed = s:reference(with(options, { visibility = "vertex" }))
+    local mixed = s:reference(with(options, { shading = "pixel", visibility = "vertex" }))
+    local earlier = s:reference(with(options, { visibility = "vertex" })) -- the name that this had before "transfer"
+    assert.equal(0, select(2, core.array_distance(earlier:layer(), vertices:layer())))
     assert.is_true(report.points > 100)
     for _, image in ipairs { vertices, mixed } do
       local _, off, norm = core.array_distance(image:layer(), pixels:layer())
@@ -329,7 +333,7 @@ local s = ylm.scene "k" {
   lights = { ylm.sphere_light { at = { -0.9, 0.3, 0.8 }, radius = 0.1, radiance = { 40, 30, 18 } },
     ylm.sphere_light { at = { 1.2, -0.1, -0.4 }, radius = 0.2, radiance = 9 } } }
 for _, lmax in ipairs { 0, 2, 4, 5 } do
-  local v = s:prepare { size = { 24, 14 }, samples = 3, lmax = lmax, transfer_samples = 16 }
+  local v = s:prepare { size = { 24, 14 }, samples = 3, lmax = lmax, transfer_samples = 16, visibility = "transfer" }
   local t = v:reference():layer():totable()
   for _, row in ipairs(t) do for _, p in ipairs(row) do print(p[1]) print(p[2]) end end
 end

@@ -43,7 +43,7 @@ describe("ylm.vulkan pictures", function()
     local s = scene()
     local grid = assert(s:bake())
     for _, case in ipairs { { { 40, 30 }, 1 }, { { 37, 23 }, 5 }, { { 1, 1 }, 16 }, { { 131, 1 }, 2 }, { { 3, 67 }, 4 } } do
-      local view = assert(s:prepare { size = case[1], samples = case[2], transfer_samples = 16 })
+      local view = assert(s:prepare { size = case[1], samples = case[2], transfer_samples = 16, visibility = "transfer" })
       local _, report = compare(view, { grid = grid })
       assert(report.stages.filter.dispatches > 0 and report.stages.download.seconds >= 0)
     end
@@ -53,7 +53,8 @@ describe("ylm.vulkan pictures", function()
     local s = scene { channels = "luminance" }
     local grid = assert(s:bake())
     for samples = 1, 3, 2 do
-      compare(assert(s:prepare { size = { 41, 31 }, samples = samples, shading = "vertex", transfer_samples = 16 }),
+      compare(assert(s:prepare { size = { 41, 31 }, samples = samples, shading = "vertex", transfer_samples = 16,
+        visibility = "transfer" }),
         { grid = grid, lamps = flying })
     end
   end)
@@ -63,7 +64,7 @@ describe("ylm.vulkan pictures", function()
     local grid = assert(s:bake())
     local away = ylm.scene "nothing" { camera = ylm.camera { from = { 0, 3, 0 }, at = { 0, 4, 0.1 }, fov = 30 },
       background = { 0.2, 0.1, 0.4 }, geometry = s.geometry, lights = s.lights }
-    local view = assert(away:prepare { size = { 9, 7 }, samples = 2 })
+    local view = assert(away:prepare { size = { 9, 7 }, samples = 2, visibility = "transfer" })
     assert.equal(0, view.stats.points)
     compare(view, { grid = grid })
   end)
@@ -75,7 +76,7 @@ describe("ylm.vulkan pictures", function()
       local s = scene()
       local grid = assert(s:bake())
       for _, case in ipairs { { { 150, 110 }, 1 }, { { 61, 47 }, 4 } } do
-        local view = assert(s:prepare { size = case[1], samples = case[2], transfer_samples = 16 })
+        local view = assert(s:prepare { size = case[1], samples = case[2], transfer_samples = 16, visibility = "transfer" })
         local _, report = compare(view, { grid = grid, lamps = flying }, bound, device)
         assert(report.stages.lamps.dispatches > 0)
       end
@@ -114,7 +115,7 @@ describe("ylm.vulkan pictures", function()
     assert.equal(here.metadata.grid, there.metadata.grid)
     assert.equal(gpu.name, there.metadata.device)
     o.layers, o.truth = false, nil
-    local view = assert(s:prepare { size = o.size, samples = 2, transfer_samples = 16 })
+    local view = assert(s:prepare { size = o.size, samples = 2, transfer_samples = 16, visibility = "transfer" })
     local again = ylm.image { size = o.size }
     assert.equal(again, (assert(view:render { grid = o.grid, device = gpu, layers = false, out = again })))
     same(here:layer(), again:layer())
@@ -122,7 +123,8 @@ describe("ylm.vulkan pictures", function()
 
   it("stay on the device if asked for, in arrays that are written again", function()
     local s = scene()
-    local grid, view = assert(s:bake()), assert(s:prepare { size = { 50, 40 }, samples = 3, transfer_samples = 16 })
+    local grid = assert(s:bake())
+    local view = assert(s:prepare { size = { 50, 40 }, samples = 3, transfer_samples = 16, visibility = "transfer" })
     local here = assert(view:render { grid = grid, layers = false, lamps = flying })
     local o = { grid = grid, device = gpu, download = false, lamps = flying }
     local picture, report = assert(view:render(o))
@@ -140,7 +142,8 @@ describe("ylm.vulkan pictures", function()
 
   it("come back alone: a frame's bytes are its lamps and its pixels", function()
     local s = scene()
-    local grid, view = assert(s:bake()), assert(s:prepare { size = { 64, 48 }, samples = 4, transfer_samples = 16 })
+    local grid = assert(s:bake())
+    local view = assert(s:prepare { size = { 64, 48 }, samples = 4, transfer_samples = 16, visibility = "transfer" })
     local o = { grid = grid, device = gpu, layers = false, lamps = flying }
     assert(view:render(o))
     local before, _, report = gpu.stats, assert(view:render(o))
@@ -188,7 +191,7 @@ describe("ylm.vulkan pictures", function()
     local own, s = support.open { validate = true, staging = true }, scene()
     local grid = assert(ylm.bake(ylm.uniform_grid { bounds = { { -1.1, -0.1, -1.1 }, { 1.1, 1.1, 1.1 } }, cells = 6, lmax = 2 },
       s.lights, { occupied = { { -0.9, 0, -0.9 }, { 0.4, 0.1, 0.3 } } }))
-    local view = assert(s:prepare { size = { 40, 30 }, samples = 2, transfer_samples = 16, lmax = 3 })
+    local view = assert(s:prepare { size = { 40, 30 }, samples = 2, transfer_samples = 16, visibility = "transfer", lmax = 3 })
     local _, report = compare(view, { grid = grid, lamps = flying }, nil, own)
     assert(report.unbaked > 100, report.unbaked)
     support.close_silent(own)
@@ -196,7 +199,8 @@ describe("ylm.vulkan pictures", function()
 
   it("are filtered by the host where the device has no room for them", function()
     local own, s = support.open { validate = true }, scene()
-    local grid, view = assert(s:bake()), assert(s:prepare { size = { 80, 60 }, samples = 2, transfer_samples = 16 })
+    local grid = assert(s:bake())
+    local view = assert(s:prepare { size = { 80, 60 }, samples = 2, transfer_samples = 16, visibility = "transfer" })
     local n = view.stats.points
     grid:to(own)
     -- room for points, transfer vectors, albedo, and what a pass needs; not for 20 bytes a pixel
@@ -210,7 +214,8 @@ describe("ylm.vulkan pictures", function()
 
   it("can be cancelled, and refuse arrays that do not fit", function()
     local own, s = support.open { validate = true }, scene()
-    local grid, view = assert(s:bake()), assert(s:prepare { size = { 30, 20 }, samples = 1, transfer_samples = 16 })
+    local grid = assert(s:bake())
+    local view = assert(s:prepare { size = { 30, 20 }, samples = 1, transfer_samples = 16, visibility = "transfer" })
     local o = { grid = grid, device = own, layers = false, progress = function() return false end }
     local image, message, code = view:render(o)
     assert(image == nil and message == "cancelled" and code == "ECANCELLED")

@@ -190,7 +190,8 @@ describe("shading points in a device's memory", function()
     }
 
     it("are copied once, for bakes and pictures", function()
-      local view = assert(scene:prepare { size = { 64, 48 }, samples = 2, transfer_samples = 8, lmax = 2 })
+      local view = assert(scene:prepare { size = { 64, 48 }, samples = 2, transfer_samples = 8,
+        visibility = "transfer", lmax = 2 })
       local d, lights = description { threshold = 0.5 }, gpu:lights(lamps)
       local function run(occupied)
         local before = gpu.stats.uploaded
@@ -207,7 +208,8 @@ describe("shading points in a device's memory", function()
       local before = gpu.stats.uploaded
       assert(view:render { grid = second, device = gpu, layers = false })
       local drawn = gpu.stats.uploaded - before
-      local fresh = assert(scene:prepare { size = { 64, 48 }, samples = 2, transfer_samples = 8, lmax = 2 })
+      local fresh = assert(scene:prepare { size = { 64, 48 }, samples = 2, transfer_samples = 8,
+        visibility = "transfer", lmax = 2 })
       before = gpu.stats.uploaded
       assert(fresh:render { grid = second, device = gpu, layers = false })
       assert.equal(bytes, gpu.stats.uploaded - before - drawn)
@@ -219,7 +221,8 @@ describe("shading points in a device's memory", function()
     end)
 
     it("serve scene:bake, with its device too", function()
-      local view = assert(scene:prepare { size = { 32, 24 }, samples = 2, transfer_samples = 8, lmax = 2 })
+      local view = assert(scene:prepare { size = { 32, 24 }, samples = 2, transfer_samples = 8,
+        visibility = "transfer", lmax = 2 })
       local here = assert(scene:bake { occupied = view })
       local there = assert(scene:bake { occupied = view, device = gpu })
       bakes.same(here, there)

@@ -41,7 +41,7 @@ describe("ylm.vulkan", function()
 
     it("keeps a view's points on the device between frames", function()
       local gpu, s = open(), scene "rgb"
-      local grid, view = assert(s:bake()), assert(s:prepare { size = { 40, 30 }, samples = 1 })
+      local grid, view = assert(s:bake()), assert(s:prepare { size = { 40, 30 }, samples = 1, visibility = "transfer" })
       grid:to(gpu)
       local o = { grid = grid, device = gpu, layers = false }
       local first = assert(view:render(o))

@@ -12,6 +12,7 @@ typedef struct grid_job {
   const ylm_grid *grid;
   const ylm_grid_contents *look;
   ylm_grid_query query;
+  shade_rows rows;
   ylm_shade_dot_fn *dot;
   float *out, *level, *error;
   atomic_uint_fast64_t outside, unbaked;
@@ -28,19 +29,19 @@ static ylm_status run_grid(void *context, size_t begin, size_t end, int worker) 
   if (s == YLM_OK)
     s = ylm_grid_sample(j->grid, &j->query, n, j->view->position[begin], L, NULL, &r, NULL);
   if (s == YLM_OK)
-    ylm__shade_points(j->view, j->dot, begin, n,
-                      &(shade_light){form->channels, form->lmax, YLM_FLOAT, L}, j->out + 3 * begin);
+    s = ylm__shade_points(j->view, j->dot, &j->rows, begin, n,
+                          &(shade_light){form->channels, form->lmax, YLM_FLOAT, L},
+                          j->out + 3 * begin);
   atomic_fetch_add_explicit(&j->outside, r.outside, memory_order_relaxed);
   atomic_fetch_add_explicit(&j->unbaked, r.unbaked, memory_order_relaxed);
   ylm_free(L);
   return s;
 }
 
-ylm_status ylm_shade_grid(const ylm_shade_view *v, const ylm_grid *grid,
+ylm_status ylm_shade_grid(const ylm_shade_view *v, const ylm_grid *grid, ylm_shade_weight weight,
                           ylm_grid_interpolation interpolation, int threads,
                           const ylm_progress *progress, float *out, ylm_grid_report *report,
                           ylm_error *e) {
-  (void)e;
   double start = ylm_seconds();
   grid_job j = {.view = v,
                 .grid = grid,
@@ -51,7 +52,9 @@ ylm_status ylm_shade_grid(const ylm_shade_view *v, const ylm_grid *grid,
                           .point_dtype = YLM_FLOAT,
                           .dtype = YLM_FLOAT,
                           .threads = 1}};
-  ylm_status s = ylm_parallel(v->points, BLOCK, threads, run_grid, &j, progress, "shading");
+  ylm_status s = ylm__shade_rows(v, weight, j.look->form.lmax, &j.rows, e);
+  if (s == YLM_OK) s = ylm_parallel(v->points, BLOCK, threads, run_grid, &j, progress, "shading");
+  ylm_free(j.rows.zonal);
   if (report) *report = (ylm_grid_report){j.outside, j.unbaked, ylm_seconds() - start};
   return s;
 }

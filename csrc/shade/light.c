@@ -31,16 +31,42 @@ void ylm__shade_reflect(const ylm_shade_view *v, size_t first, size_t n, float *
   ylm__shade_tint(v, first, n, out);
 }
 
-void ylm__shade_points(const ylm_shade_view *v, ylm_shade_dot_fn *dot, size_t first, size_t n,
-                       const shade_light *x, float *out) {
-  size_t row = ylm_sh_count(v->o.lmax), given = ylm_sh_count(x->lmax);
+ylm_status ylm__shade_rows(const ylm_shade_view *v, ylm_shade_weight weight, int lmax,
+                           shade_rows *rows, ylm_error *e) {
+  *rows = (shade_rows){weight, lmax, NULL};
+  if (weight == YLM_SHADE_TRANSFER)
+    return v->transfer || v->points == 0
+               ? YLM_OK
+               : ylm_fail(e, YLM_EINVAL, "the view has no transfer vectors: it was made by rays");
+  rows->zonal = ylm__shade_zonal(lmax);
+  return rows->zonal ? YLM_OK : YLM_ENOMEM;
+}
+
+/* Radiance of n points from coefficients and rows T of degree lmax. */
+static void multiply(const ylm_shade_view *v, ylm_shade_dot_fn *dot, int lmax, const float *T,
+                     size_t first, size_t n, const shade_light *x, float *out) {
+  size_t row = ylm_sh_count(lmax), given = ylm_sh_count(x->lmax);
   size_t count = row < given ? row : given;
-  const float *T = v->transfer + first * row;
   if (x->type == YLM_DOUBLE)
     dot_double(count, n, x->channels, row, T, given, x->L, out);
   else
     dot(count, n, x->channels, NULL, row, T, given, (size_t)x->channels * given, x->L, out);
   ylm__shade_reflect(v, first, n, out);
+}
+
+ylm_status ylm__shade_points(const ylm_shade_view *v, ylm_shade_dot_fn *dot, const shade_rows *rows,
+                             size_t first, size_t n, const shade_light *x, float *out) {
+  if (rows->weight == YLM_SHADE_TRANSFER) {
+    multiply(v, dot, v->o.lmax, v->transfer + first * ylm_sh_count(v->o.lmax), first, n, x, out);
+    return YLM_OK;
+  }
+  float *T = ylm_alloc(n, ylm_sh_count(rows->lmax) * sizeof *T);
+  ylm_status s = T ? ylm__shade_cosines(v, rows->lmax, rows->zonal, n, v->mesh + first,
+                                        (const float(*)[3])v->normal + first, T)
+                   : YLM_ENOMEM;
+  if (s == YLM_OK) multiply(v, dot, rows->lmax, T, first, n, x, out);
+  ylm_free(T);
+  return s;
 }
 
 void ylm__shade_some(const ylm_shade_view *v, ylm_shade_dot_fn *dot, size_t n,
@@ -59,6 +85,7 @@ void ylm__shade_some(const ylm_shade_view *v, ylm_shade_dot_fn *dot, size_t n,
 typedef struct field_job {
   const ylm_shade_view *view;
   const ylm_field *field;
+  shade_rows rows;
   ylm_dtype type;
   ylm_shade_dot_fn *dot;
   float *out;
@@ -93,8 +120,8 @@ static ylm_status run_field(void *context, size_t begin, size_t end, int worker)
     s = j->field->evaluate(j->field, &q, n, wide ? (void *)wide : (void *)v->position[begin], &r,
                            &e);
   if (s == YLM_OK)
-    ylm__shade_points(v, j->dot, begin, n, &(shade_light){3, v->o.lmax, j->type, L},
-                      j->out + 3 * begin);
+    s = ylm__shade_points(v, j->dot, &j->rows, begin, n, &(shade_light){3, v->o.lmax, j->type, L},
+                          j->out + 3 * begin);
   else if (j->error && !atomic_flag_test_and_set(&j->failed))
     *j->error = e;
   atomic_fetch_add_explicit(&j->pairs, r.pairs, memory_order_relaxed);
@@ -103,9 +130,9 @@ static ylm_status run_field(void *context, size_t begin, size_t end, int worker)
   return s;
 }
 
-ylm_status ylm_shade_field(const ylm_shade_view *v, const ylm_field *field, ylm_dtype t,
-                           int threads, const ylm_progress *progress, float *out, uint64_t *pairs,
-                           ylm_error *e) {
+ylm_status ylm_shade_field(const ylm_shade_view *v, const ylm_field *field, ylm_shade_weight weight,
+                           ylm_dtype t, int threads, const ylm_progress *progress, float *out,
+                           uint64_t *pairs, ylm_error *e) {
   field_job j = {.view = v,
                  .field = field,
                  .type = t,
@@ -113,8 +140,10 @@ ylm_status ylm_shade_field(const ylm_shade_view *v, const ylm_field *field, ylm_
                  .out = out,
                  .error = e,
                  .failed = ATOMIC_FLAG_INIT};
-  ylm_status s = ylm_parallel(v->points, BLOCK, threads, run_field, &j, progress, "shading");
+  ylm_status s = ylm__shade_rows(v, weight, v->o.lmax, &j.rows, e);
+  if (s == YLM_OK) s = ylm_parallel(v->points, BLOCK, threads, run_field, &j, progress, "shading");
   if (pairs) *pairs = j.pairs;
+  ylm_free(j.rows.zonal);
   return s;
 }
 
@@ -123,6 +152,7 @@ ylm_status ylm_shade_field(const ylm_shade_view *v, const ylm_field *field, ylm_
 typedef struct given_job {
   const ylm_shade_view *view;
   ylm_shade_dot_fn *dot;
+  shade_rows rows;
   size_t first;
   shade_light light;
   float *out;
@@ -134,14 +164,16 @@ static ylm_status run_given(void *context, size_t begin, size_t end, int worker)
   shade_light x = j->light;
   size_t row = (size_t)x.channels * ylm_sh_count(x.lmax) * ylm_dtype_size(x.type);
   x.L = (const char *)x.L + begin * row;
-  ylm__shade_points(j->view, j->dot, j->first + begin, end - begin, &x, j->out + 3 * begin);
-  return YLM_OK;
+  return ylm__shade_points(j->view, j->dot, &j->rows, j->first + begin, end - begin, &x,
+                           j->out + 3 * begin);
 }
 
 ylm_status ylm_shade_coefficients(const ylm_shade_view *v, size_t first, size_t n, int channels,
                                   int lmax, ylm_dtype t, const void *L, int threads, float *out) {
   if (first > v->points || n > v->points - first) return YLM_ERANGE;
   if (channels != 1 && channels != 3) return YLM_ESHAPE;
-  given_job j = {v, ylm__shade_kernels().dot, first, {channels, lmax, t, L}, out};
+  given_job j = {v, ylm__shade_kernels().dot, {.lmax = lmax}, first, {channels, lmax, t, L}, out};
+  ylm_status s = ylm__shade_rows(v, YLM_SHADE_TRANSFER, lmax, &j.rows, NULL);
+  if (s != YLM_OK) return s;
   return ylm_parallel(n, 4096, threads, run_given, &j, NULL, NULL);
 }

@@ -103,7 +103,9 @@ static ylm_status trial_trace(const ylm_shade_view *v, trial *x, int samples, ui
 ylm_status ylm__shade_choose_samples(ylm_shade_view *v, ylm_error *e) {
   trial x = {0};
   v->stats.noise = -1;
-  if (!v->o.light || v->o.visibility == YLM_SHADE_UNSHADOWED || v->points == 0) return YLM_OK;
+  if (!v->o.light || v->points == 0 || v->o.visibility == YLM_SHADE_UNSHADOWED ||
+      v->o.visibility == YLM_SHADE_RAYS)
+    return YLM_OK;
   ylm_status s = trial_create(v, &x, e);
   int samples = v->o.transfer_samples;
   while (s == YLM_OK) {

@@ -121,6 +121,7 @@ ylm_status ylm_shade_measure_occlusion(const ylm_shade_view *v, size_t places, i
                                        int threads, ylm_shade_occlusion *out) {
   *out = (ylm_shade_occlusion){0};
   if (places < 1 || light_samples < 1 || light_samples > 65536) return YLM_ERANGE;
+  if (v->o.visibility == YLM_SHADE_RAYS) return YLM_OK;
   double start = ylm_seconds();
   job j = {.view = v,
            .places = places < v->entries ? places : v->entries,

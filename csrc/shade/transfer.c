@@ -17,7 +17,7 @@ typedef struct job {
   const uint32_t *mesh;
   const float (*normal)[3], (*origin)[3];
   float *transfer;
-  double *zonal;    /* [kinds of materials][lmax+1]: ylm_material_transfer */
+  double *zonal;    /* of ylm__shade_zonal */
   float (*disk)[2]; /* [samples] cos and sin of the unshifted azimuth */
   float *height;    /* [samples] i / samples         */
   shade_kernels k;
@@ -31,29 +31,6 @@ typedef struct scratch {
   float *seen, *all;  /* [count]          */
   uint8_t *visible;   /* [samples]        */
 } scratch;
-
-/* The zonal coefficients of the material of a mesh. */
-static const double *zonal_of(const job *j, uint32_t mesh) {
-  int kind = ylm_material_kind(ylm_scene_material(j->view->scene, mesh));
-  return j->zonal + (size_t)kind * ((size_t)j->view->o.lmax + 1);
-}
-
-/* T = A Y(n) for n points. */
-static ylm_status unshadowed(const job *j, size_t first, size_t n) {
-  int lmax = j->view->o.lmax;
-  size_t count = ylm_sh_count(lmax);
-  float *T = j->transfer + first * count;
-  ylm_status s =
-      ylm_sh_eval(lmax, 0, false, YLM_FLOAT, n, j->normal[first], T, NULL, NULL, 1, NULL);
-  const double *a = NULL;
-  for (size_t i = 0; s == YLM_OK && i < n; i++, T += count) {
-    const uint32_t *mesh = &j->mesh[first + i];
-    if (i == 0 || mesh[0] != mesh[-1]) a = zonal_of(j, *mesh);
-    for (int l = 0; l <= lmax; l++)
-      for (size_t k = ylm_sh_index(l, -l); k <= ylm_sh_index(l, l); k++) T[k] *= (float)a[l];
-  }
-  return s;
-}
 
 /* Rays about the normal of point i, dense as the cosine. */
 static void point_rays(const job *j, size_t i, ylm_trace_ray *ray) {
@@ -135,7 +112,8 @@ static ylm_status run(void *context, size_t begin, size_t end, int worker) {
   const ylm_shade_view *v = j->view;
   size_t samples = (size_t)v->o.transfer_samples, count = ylm_sh_count(v->o.lmax);
   size_t batch = BATCH / samples > 1 ? BATCH / samples : 1;
-  ylm_status s = unshadowed(j, begin, end - begin);
+  ylm_status s = ylm__shade_cosines(v, v->o.lmax, j->zonal, end - begin, j->mesh + begin,
+                                    j->normal + begin, j->transfer + begin * count);
   if (s != YLM_OK || !j->shadows) return s;
   scratch x = {0};
   if (!scratch_create(&x, samples, batch * samples, count)) s = YLM_ENOMEM;
@@ -148,17 +126,6 @@ static ylm_status run(void *context, size_t begin, size_t end, int worker) {
   }
   scratch_free(&x);
   atomic_fetch_add_explicit(&j->rays, (end - begin) * samples, memory_order_relaxed);
-  return s;
-}
-
-/* Fills j->zonal for all kinds of materials. */
-static ylm_status find_zonal(job *j) {
-  int kinds = ylm_material_kinds(), lmax = j->view->o.lmax;
-  size_t row = (size_t)lmax + 1;
-  j->zonal = ylm_alloc((size_t)kinds * row, sizeof *j->zonal);
-  ylm_status s = j->zonal ? YLM_OK : YLM_ENOMEM;
-  for (int i = 0; s == YLM_OK && i < kinds; i++)
-    s = ylm_material_transfer(i, lmax, j->zonal + (size_t)i * row);
   return s;
 }
 
@@ -175,7 +142,8 @@ ylm_status ylm__shade_transfer(const ylm_shade_view *v, bool shadows, size_t n,
            .k = ylm__shade_kernels()};
   j.disk = ylm_alloc((size_t)samples, sizeof *j.disk);
   j.height = ylm_alloc((size_t)samples, sizeof *j.height);
-  ylm_status s = j.disk && j.height ? find_zonal(&j) : YLM_ENOMEM;
+  j.zonal = ylm__shade_zonal(v->o.lmax);
+  ylm_status s = j.disk && j.height && j.zonal ? YLM_OK : YLM_ENOMEM;
   for (int k = 0; s == YLM_OK && k < samples; k++) {
     double turn = 2 * PI * ylm_scene_radical((uint32_t)k);
     j.disk[k][0] = (float)cos(turn);

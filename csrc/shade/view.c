@@ -29,8 +29,10 @@ static ylm_status make_points(ylm_shade_view *v, size_t n) {
   v->position = ylm_alloc(n, sizeof *v->position);
   v->normal = ylm_alloc(n, sizeof *v->normal);
   v->origin = ylm_alloc(n, sizeof *v->origin);
-  v->transfer = ylm_alloc(n, ylm_sh_count(v->o.lmax) * sizeof *v->transfer);
-  if (!v->mesh || !v->position || !v->normal || !v->origin || !v->transfer) return YLM_ENOMEM;
+  bool rays = v->o.visibility == YLM_SHADE_RAYS;
+  if (!rays) v->transfer = ylm_alloc(n, ylm_sh_count(v->o.lmax) * sizeof *v->transfer);
+  if (!v->mesh || !v->position || !v->normal || !v->origin || (!rays && !v->transfer))
+    return YLM_ENOMEM;
   return ylm__shade_make_tints(v);
 }
 
@@ -126,7 +128,7 @@ static ylm_status make_transfer(ylm_shade_view *v, ylm_error *e) {
   if (s == YLM_OK) s = ylm__shade_choose_samples(v, e);
   if (s == YLM_OK && by_vertex)
     s = transfer_by_vertices(v, &x);
-  else if (s == YLM_OK)
+  else if (s == YLM_OK && v->transfer)
     s = ylm__shade_transfer(v, v->o.visibility != YLM_SHADE_UNSHADOWED, v->points, v->mesh,
                             (const float(*)[3])v->normal, (const float(*)[3])v->origin, v->transfer,
                             &v->stats.occlusion_rays);
@@ -138,8 +140,8 @@ static ylm_status make_transfer(ylm_shade_view *v, ylm_error *e) {
 static size_t bytes_held(const ylm_shade_view *v) {
   return sizeof *v + v->entries * (sizeof(shade_entry) + (v->corner ? 12 : 0)) +
          (v->stats.pixels + 1) * sizeof(shade_pixel) +
-         v->points * (4 + 3 * 12 + 4 * ylm_sh_count(v->o.lmax)) + (v->seen ? 12 * v->entries : 0) +
-         (v->tint != v->seen ? 12 * v->points : 0);
+         v->points * (4 + 3 * 12 + (v->transfer ? 4 * ylm_sh_count(v->o.lmax) : 0)) +
+         (v->seen ? 12 * v->entries : 0) + (v->tint != v->seen ? 12 * v->points : 0);
 }
 
 ylm_status ylm_shade_view_create(const ylm_scene *scene, const ylm_camera *camera,

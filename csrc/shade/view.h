@@ -29,7 +29,7 @@ struct ylm_shade_view {
   uint32_t (*corner)[3]; /* [entries]: points at the triangle's corners; NULL: entry i is point i */
   uint32_t *mesh;        /* [points]                                */
   float (*position)[3], (*normal)[3], (*origin)[3]; /* [points]    */
-  float *transfer;                                  /* [points][count]                         */
+  float *transfer;  /* [points][count]; NULL: a view by rays            */
   float (*seen)[3]; /* [entries]: the mean tint of the samples; NULL: the scene has no tints */
   float (*tint)[3]; /* [points]; NULL as `seen`, else often the same                         */
 };
@@ -68,6 +68,13 @@ typedef struct shade_vertices {
 } shade_vertices;
 ylm_status ylm__shade_vertices(const ylm_shade_view *v, shade_vertices *out);
 void ylm__shade_vertices_free(shade_vertices *x);
+
+/* cosine.c: the zonal coefficients of all kinds of materials, [kinds][lmax+1]; NULL without memory. */
+double *ylm__shade_zonal(int lmax);
+/* cosine.c: SH coefficients of what the materials of n points weigh light with, out
+   [n][(lmax+1)^2]; zonal of ylm__shade_zonal(lmax). */
+ylm_status ylm__shade_cosines(const ylm_shade_view *v, int lmax, const double *zonal, size_t n,
+                              const uint32_t *mesh, const float (*normal)[3], float *out);
 
 /* transfer.c: transfer vectors at n points of the given meshes; `rays` is added to. */
 ylm_status ylm__shade_transfer(const ylm_shade_view *v, bool shadows, size_t n,
@@ -110,8 +117,18 @@ void ylm__shade_reflect(const ylm_shade_view *v, size_t first, size_t n, float *
    [points][3]. light.c */
 void ylm__shade_some(const ylm_shade_view *v, ylm_shade_dot_fn *dot, size_t n,
                      const uint32_t *point, const shade_light *x, size_t l_point, float *out);
-/* Radiance of n points from `first` on; x and out begin at the first of them. */
-void ylm__shade_points(const ylm_shade_view *v, ylm_shade_dot_fn *dot, size_t first, size_t n,
-                       const shade_light *x, float *out);
+/* The rows that the light of a view's points is multiplied by: transfer vectors, or cosines. */
+typedef struct shade_rows {
+  ylm_shade_weight weight;
+  int lmax;      /* of the light */
+  double *zonal; /* COSINE       */
+} shade_rows;
+
+/* light.c: YLM_EINVAL where the view has no transfer vectors; ylm_free(zonal) afterwards. */
+ylm_status ylm__shade_rows(const ylm_shade_view *v, ylm_shade_weight weight, int lmax,
+                           shade_rows *rows, ylm_error *e);
+/* Radiance of n points from `first` on; x and out begin at the first of them. YLM_ENOMEM. */
+ylm_status ylm__shade_points(const ylm_shade_view *v, ylm_shade_dot_fn *dot, const shade_rows *rows,
+                             size_t first, size_t n, const shade_light *x, float *out);
 
 #endif

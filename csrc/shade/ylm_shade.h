@@ -40,9 +40,18 @@ typedef struct ylm_shade_view ylm_shade_view;
 typedef enum ylm_shade_visibility {
   YLM_SHADE_UNSHADOWED, /* V = 1: the clamped cosine, analytically                      */
   YLM_SHADE_PIXEL,      /* V by occlusion rays from every shading point                 */
-  YLM_SHADE_VERTEX      /* V by occlusion rays from the vertices of the triangles seen;
+  YLM_SHADE_VERTEX,     /* V by occlusion rays from the vertices of the triangles seen;
                            transfer vectors are interpolated over the triangle          */
+  YLM_SHADE_RAYS        /* no transfer vectors: for ylm_shade_raycast, and for light that
+                           holds its shadows (YLM_SHADE_COSINE)                          */
 } ylm_shade_visibility;
+
+/* What the coefficients of light are multiplied by at a shading point. */
+typedef enum ylm_shade_weight {
+  YLM_SHADE_TRANSFER, /* its transfer vector: light without shadows                    */
+  YLM_SHADE_COSINE    /* the clamped cosine A alone: light that holds its shadows, to the
+                         degree of the light                                           */
+} ylm_shade_weight;
 
 typedef struct ylm_shade_options {
   int width, height;               /* pixels, 1 .. 65536                                   */
@@ -104,7 +113,8 @@ YLM_API const ylm_shade_options *ylm_shade_view_options(const ylm_shade_view *vi
 /* Per shading point; valid as long as the view. */
 YLM_API const float *ylm_shade_view_positions(const ylm_shade_view *view); /* [points][3] */
 YLM_API const float *ylm_shade_view_normals(const ylm_shade_view *view);   /* [points][3] unit */
-YLM_API const float *ylm_shade_view_transfer(const ylm_shade_view *view);  /* [points][count] */
+/* [points][count]; NULL: a view by rays has none */
+YLM_API const float *ylm_shade_view_transfer(const ylm_shade_view *view);
 /* albedo [points][3], tinted; object [points]: index of the mesh. Either may be NULL. */
 YLM_API void ylm_shade_view_surface(const ylm_shade_view *view, float *albedo, float *object);
 /* ylm_material_row of each point's material, tinted: row [points][YLM_MATERIAL_ROW]. */
@@ -159,32 +169,36 @@ YLM_API ylm_status ylm_shade_compare(const ylm_shade_view *view, const float *a,
 ** ylm_shade_field - radiance of every shading point under a light field.
 **
 **   field   in   asked for values at lmax of the view, 3 channels, float (or double)
+**   weight  in   what it is multiplied by
 **   t       in   the element type light is asked for and multiplied in; radiance is float
 **   out     out  [points][3]
 **   pairs   out  light x point evaluations, may be NULL
 **
-** Returns  YLM_OK; what the field returns; YLM_ENOMEM, YLM_ECANCELLED (progress stage "shading")
+** Returns  YLM_OK; what the field returns; YLM_EINVAL: TRANSFER, and the view has no transfer vectors;
+**          YLM_ENOMEM, YLM_ECANCELLED (progress stage "shading")
 */
-YLM_API ylm_status ylm_shade_field(const ylm_shade_view *view, const ylm_field *field, ylm_dtype t,
-                                   int threads, const ylm_progress *progress, float *out,
-                                   uint64_t *pairs, ylm_error *e);
+YLM_API ylm_status ylm_shade_field(const ylm_shade_view *view, const ylm_field *field,
+                                   ylm_shade_weight weight, ylm_dtype t, int threads,
+                                   const ylm_progress *progress, float *out, uint64_t *pairs,
+                                   ylm_error *e);
 
 /*
 ** ylm_shade_grid - radiance of every shading point by interpolating a grid.
 **
-** A grid of another lmax than the view's is used up to the smaller of the two.
+** TRANSFER: a grid of another lmax than the view's is used up to the smaller of the two.
 **
 **   grid           in
+**   weight         in   what its light is multiplied by
 **   interpolation  in
 **   out            out  [points][3]
 **   report         out  points outside and unbaked; seconds of sampling and shading together
 **
-** Returns  YLM_OK; YLM_ENOMEM, YLM_ECANCELLED (progress stage "shading")
+** Returns  YLM_OK; YLM_EINVAL as ylm_shade_field; YLM_ENOMEM, YLM_ECANCELLED (progress stage "shading")
 */
 YLM_API ylm_status ylm_shade_grid(const ylm_shade_view *view, const ylm_grid *grid,
-                                  ylm_grid_interpolation interpolation, int threads,
-                                  const ylm_progress *progress, float *out, ylm_grid_report *report,
-                                  ylm_error *e);
+                                  ylm_shade_weight weight, ylm_grid_interpolation interpolation,
+                                  int threads, const ylm_progress *progress, float *out,
+                                  ylm_grid_report *report, ylm_error *e);
 
 /* Radiance of a view under a dynamic grid, kept from one rendering to the next. */
 typedef struct ylm_shade_memory ylm_shade_memory;
@@ -199,7 +213,7 @@ YLM_API void ylm_shade_memory_free(ylm_shade_memory *memory);
 **   fresh   out     points that were sampled
 **
 ** Points in voxels whose data are what they were keep their radiance (ylm_grid_track); results are
-** those of ylm_shade_grid. A grid that is not dynamic is sampled everywhere.
+** those of ylm_shade_grid with weight TRANSFER. A grid that is not dynamic is sampled everywhere.
 ** Threads  one memory is for one caller at a time
 */
 YLM_API ylm_status ylm_shade_grid_again(const ylm_shade_view *view, ylm_shade_memory *memory,
@@ -261,8 +275,8 @@ YLM_API ylm_status ylm_shade_gather(const ylm_shade_links *links, const float *l
 YLM_API ylm_status ylm_shade_grid_cells(const ylm_shade_view *view, const ylm_grid *grid,
                                         int threads, float *level, float *error);
 
-/* Radiance of points first .. first+n-1 from coefficients L [n][channels][(lmax+1)^2], channels 1
-   or 3, any lmax; out [n][3]. YLM_ERANGE, YLM_ESHAPE. */
+/* Radiance of points first .. first+n-1 by their transfer vectors from coefficients L [n][channels][(lmax+1)^2], channels 1
+   or 3, any lmax; out [n][3]. YLM_ERANGE, YLM_ESHAPE; YLM_EINVAL: the view has none. */
 YLM_API ylm_status ylm_shade_coefficients(const ylm_shade_view *view, size_t first, size_t n,
                                           int channels, int lmax, ylm_dtype t, const void *L,
                                           int threads, float *out);
@@ -313,7 +327,7 @@ typedef struct ylm_shade_occlusion {
 **
 **   passing = sum c M (1 - V) / sum c M        missing = sum c V (1 - M) / sum c V
 **
-** Both are 0 where there are no lamps or nothing occludes. Light that harmonics of the view's
+** Both are 0 where there are no lamps or nothing occludes, and of a view by rays. Light that harmonics of the view's
 ** degree lose counts in neither.
 **
 **   points         in   how many shading points, spread evenly over the view's; at most all

@@ -15,7 +15,8 @@ local out = option.out
 
 local scene = assert(ylm.load_scene(here .. "../scenes/two_lamps.lua"))
 local size = { option.width, option.height }
-local view = assert(scene:prepare { size = size, samples = option.samples, shading = "vertex" })
+local view = assert(scene:prepare { size = size, samples = option.samples, shading = "vertex",
+  visibility = "transfer" })
 local truth = assert(view:reference())
 local mask = common.surface_mask(ylm, truth)
 

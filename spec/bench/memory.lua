@@ -64,9 +64,10 @@ local function per_point()
   end
   local scene = assert(ylm.load_scene "examples/scenes/floor_lights.lua")
   local stage = ylm.scene(scene.name) { camera = scene.camera, geometry = scene.geometry, lights = {} }
-  assert(stage:prepare { size = { 8, 8 }, samples = 1, transfer_samples = 1 }) -- the traced scene is not the view's
+  -- the traced scene is not the view's
+  assert(stage:prepare { size = { 8, 8 }, samples = 1, transfer_samples = 1, visibility = "transfer" })
   measure("prepared view, 480 x 270, 4 samples a pixel", function()
-    return assert(stage:prepare { size = { 480, 270 }, samples = 4, transfer_samples = 4 })
+    return assert(stage:prepare { size = { 480, 270 }, samples = 4, transfer_samples = 4, visibility = "transfer" })
   end, function(view) return #view:points().position end)
 end
 

@@ -64,7 +64,7 @@ local function slide(n)
 end
 
 local stage = ylm.scene(scene.name) { camera = scene.camera, geometry = scene.geometry, lights = {} }
-local view = assert(stage:prepare { size = { 1024, 768 }, samples = 4, transfer_samples = 32 })
+local view = assert(stage:prepare { size = { 1024, 768 }, samples = 4, transfer_samples = 32, visibility = "transfer" })
 local points = view:points().position
 
 --- Milliseconds of a frame by stage, wall and processor time together: mean over frames 2 .. n of one thread or several.

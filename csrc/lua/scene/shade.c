@@ -39,21 +39,28 @@ size_t ylmL_shade_points(const ylm_shade_view *v) {
   return stats.points;
 }
 
-/* shade_field(view, object, "float" | "double", threads, progress) -> radiance [n][3], pairs */
+ylm_shade_weight ylmL_shade_weight(lua_State *L, int i) {
+  static const char *const names[] = {"transfer", "cosine", NULL};
+  return (ylm_shade_weight)luaL_checkoption(L, i, NULL, names);
+}
+
+/* shade_field(view, object, "transfer" | "cosine", "float" | "double", threads, progress)
+   -> radiance [n][3], pairs */
 static int shade_field(lua_State *L) {
   static const char *const names[] = {"float", "double", NULL};
   ylm_shade_view *v = ylmL_shade_view(L, 1);
   const ylm_field *field = ylmL_field_check(L, 2);
-  ylm_dtype t = (ylm_dtype)luaL_checkoption(L, 3, "float", names);
-  int threads = (int)luaL_checknumber(L, 4);
+  ylm_shade_weight weight = ylmL_shade_weight(L, 3);
+  ylm_dtype t = (ylm_dtype)luaL_checkoption(L, 4, "float", names);
+  int threads = (int)luaL_checknumber(L, 5);
   ylm_error e = {0};
   ylmL_progress p;
-  lua_settop(L, 5);
+  lua_settop(L, 6);
   ylmL_array *out = ylmL_array_new(L, YLM_FLOAT, 2, (size_t[]){ylmL_shade_points(v), 3});
   if (!out) return ylmL_result(L, 0, YLM_ENOMEM, NULL);
   uint64_t pairs = 0;
-  const ylm_progress *progress = ylmL_progress_begin(L, 5, &p);
-  ylm_status s = ylm_shade_field(v, field, t, threads, progress, out->data, &pairs, &e);
+  const ylm_progress *progress = ylmL_progress_begin(L, 6, &p);
+  ylm_status s = ylm_shade_field(v, field, weight, t, threads, progress, out->data, &pairs, &e);
   if (s == YLM_OK) ylmL_push_count(L, pairs);
   return ylmL_result_progress(L, 2, s, &e, &p);
 }

@@ -9,6 +9,8 @@
 
 /* The view at `i`, open; raises otherwise. */
 ylm_shade_view *ylmL_shade_view(lua_State *L, int i);
+/* The option at `i`: "transfer" or "cosine". */
+ylm_shade_weight ylmL_shade_weight(lua_State *L, int i);
 /* How many shading points a view has. */
 size_t ylmL_shade_points(const ylm_shade_view *v);
 /* The float array at `i`, which must have that many elements, or a new one; on the stack's top.

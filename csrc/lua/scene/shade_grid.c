@@ -4,21 +4,22 @@
 #include "../binding_grid.h"
 #include "shade.h"
 
-/* shade_grid(view, grid, "hermite" | "taylor" | "linear", threads, progress)
+/* shade_grid(view, grid, "transfer" | "cosine", "hermite" | "taylor" | "linear", threads, progress)
    -> radiance [n][3], outside, unbaked, seconds */
 static int shade_grid(lua_State *L) {
   ylm_shade_view *v = ylmL_shade_view(L, 1);
   const ylm_grid *g = ylmL_grid_check(L, 2);
-  ylm_grid_interpolation how = ylmL_grid_interpolation(L, 3);
-  int threads = (int)luaL_checknumber(L, 4);
+  ylm_shade_weight weight = ylmL_shade_weight(L, 3);
+  ylm_grid_interpolation how = ylmL_grid_interpolation(L, 4);
+  int threads = (int)luaL_checknumber(L, 5);
   ylm_grid_report report = {0};
   ylm_error e = {0};
   ylmL_progress p;
-  lua_settop(L, 5);
+  lua_settop(L, 6);
   ylmL_array *out = ylmL_array_new(L, YLM_FLOAT, 2, (size_t[]){ylmL_shade_points(v), 3});
   if (!out) return ylmL_result(L, 0, YLM_ENOMEM, NULL);
-  const ylm_progress *progress = ylmL_progress_begin(L, 5, &p);
-  ylm_status s = ylm_shade_grid(v, g, how, threads, progress, out->data, &report, &e);
+  const ylm_progress *progress = ylmL_progress_begin(L, 6, &p);
+  ylm_status s = ylm_shade_grid(v, g, weight, how, threads, progress, out->data, &report, &e);
   if (s == YLM_OK) {
     ylmL_push_count(L, report.outside);
     ylmL_push_count(L, report.unbaked);

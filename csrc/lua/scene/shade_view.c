@@ -25,7 +25,7 @@ static int shade_view(lua_State *L) {
                                       "most_samples",
                                       NULL};
   static const char *const shadings[] = {"pixel", "vertex", NULL};
-  static const char *const visibilities[] = {"none", "pixel", "vertex", NULL};
+  static const char *const visibilities[] = {"none", "pixel", "vertex", "rays", NULL};
   enum {
     CAMERA = 3,
     WIDTH,
@@ -161,6 +161,8 @@ static int shade_positions(lua_State *L) {
 static int shade_transfer(lua_State *L) {
   ylm_shade_view *v = ylmL_shade_view(L, 1);
   ylm_shade_stats stats;
+  if (ylm_shade_view_options(v)->visibility == YLM_SHADE_RAYS)
+    return ylmL_result(L, 0, YLM_EINVAL, NULL);
   ylm_shade_view_stats(v, &stats);
   size_t l = (size_t)ylm_shade_view_options(v)->lmax + 1;
   ylmL_array *a = ylmL_array_new(L, YLM_FLOAT, 2, (size_t[]){stats.points, l * l});

@@ -1,15 +1,20 @@
 --- ylm render scene.lua -o out.exr
 
+local check = require "ylm.check"
 local report = require "ylm.cli.report"
 local status = require "ylm.cli.status"
 
-local methods = { grid = "render", reference = "reference", raycast = "raycast" }
+--- The methods of a scene; without --method it is rendered as --visibility, or a grid, says.
+local methods = { default = "render", grid = "render", reference = "reference", raycast = "raycast" }
 
 --- Which methods an option is for, where it is not for all.
 local only = {
-  grid = { "grid" }, interpolation = { "grid" }, shading = { "grid", "reference" }, light_tolerance = { "grid", "reference" },
-  ["light-samples"] = { "raycast" },
+  grid = { "default", "grid" }, interpolation = { "default", "grid" }, shading = { "default", "grid", "reference" },
+  visibility = { "default", "grid", "reference" }, light_tolerance = { "default", "grid", "reference" },
+  ["light-samples"] = { "default", "raycast" },
 }
+
+local visibilities = { "rays", "transfer", "none", "self" }
 
 local MOST_STOPS = 60 -- of image:save
 
@@ -20,15 +25,51 @@ local function refuse_idle(given, method)
   table.sort(names)
   for _, name in ipairs(names) do
     local fits = given[name] == nil
-    for _, one in ipairs(only[name]) do fits = fits or one == method end
+    local fit = {}
+    for _, one in ipairs(only[name]) do
+      fits = fits or one == method
+      if one ~= "default" then fit[#fit + 1] = one end
+    end
     if not fits then
       status.stop(status.usage, "render: --%s is for --method %s, this is %s: leave it out", name,
-        table.concat(only[name], " and "), method)
+        table.concat(fit, " and "), method)
     end
   end
   if given.grid and given.light_tolerance then
     status.stop(status.usage, "render: --light_tolerance is for baking the scene's probes, --grid is baked: leave one out")
   end
+end
+
+--- The visibility that the options mean; nil: the default of scene:render or scene:reference. Ends the command where they
+-- do not fit together.
+local function visibility_of(given, method)
+  local v = given.visibility
+  if v then
+    local known = false
+    for _, name in ipairs(visibilities) do known = known or v == name end
+    if not known then
+      local guess = check.guess(v, visibilities)
+      status.stop(status.usage, "render: --visibility is rays, transfer, none or self, got '%s'%s", v,
+        guess and (" (did you mean %s?)"):format(guess) or "")
+    end
+    if v == "self" then
+      status.stop(status.usage, "render: --visibility self needs shadow fields, which are not there yet: rays has true shadows")
+    end
+    if v == "rays" and method ~= "default" then
+      status.stop(status.usage, "render: --visibility rays is for pictures without --method %s: leave one out", method)
+    end
+  elseif method == "grid" and not given.grid then v = "transfer" end
+  local by_rays = not given.grid and (v or "rays") == "rays" and method == "default"
+  for _, name in ipairs { "interpolation", "light_tolerance" } do
+    if by_rays and given[name] then
+      status.stop(status.usage, "render: --%s is for grids (--grid FILE, or --visibility transfer): leave it out", name)
+    end
+  end
+  if method == "default" and not by_rays and given["light-samples"] then
+    status.stop(status.usage, "render: --light-samples is for pictures by rays to the lamps (--visibility rays, "
+      .. "--method raycast): leave it out")
+  end
+  return v
 end
 
 --- Ends the command where --exposure is out of range or the image has none.
@@ -46,25 +87,30 @@ end
 --- The options of scene:render, scene:reference or scene:raycast.
 local function options_of(given, method)
   local options = { size = given.size, pixel_samples = given.samples, threads = given.threads, progress = report.progress(given) }
-  if method == "raycast" then options.light_samples = given["light-samples"]
-  else options.light_tolerance, options.shading = given.light_tolerance, given.shading end
-  if method == "grid" then options.interpolation = given.interpolation end
+  options.light_samples = given["light-samples"]
+  if method == "raycast" then return options end
+  options.light_tolerance, options.shading = given.light_tolerance, given.shading
+  options.visibility = visibility_of(given, method)
+  if method ~= "reference" then options.interpolation = given.interpolation end
   return options
 end
 
 return {
-  summary = "renders a scene file, baking its probes first",
+  summary = "renders a scene file: by rays to its lamps, or by a grid of probes",
   usage = "SCENE.lua -o IMAGE",
   least = 1,
   options = {
     { "output", "-o", "FILE", "the image: .exr, .png, .hdr or .pfm" },
     { "size", "-s", "WxH", "pixels, default that of the renderer" },
     { "samples", "-n", "N", "camera rays per pixel" },
-    { "method", "-m", "NAME", "grid (default), reference (no interpolation) or raycast (no harmonics)" },
-    { "light-samples", nil, "N", "raycast: shadow rays per shading point" },
-    { "grid", "-g", "FILE", "a grid baked before; without it the scene's probes are baked" },
-    { "shading", nil, "NAME", "grid, reference: pixel or vertex" },
-    { "interpolation", nil, "NAME", "grid: hermite, taylor or linear" },
+    { "visibility", nil, "NAME", "rays (default: true shadows, no probes) or transfer (the papers': the scene's probes are "
+      .. "baked), none, self" },
+    { "light-samples", nil, "N", "rays, raycast: shadow rays per shading point, default 16; raycast: 64" },
+    { "method", "-m", "NAME", "instead: grid (as --visibility transfer), reference (of grids, no interpolation) or raycast (no "
+      .. "harmonics)" },
+    { "grid", "-g", "FILE", "a grid baked before" },
+    { "shading", nil, "NAME", "pixel (default) or vertex; not of raycast" },
+    { "interpolation", nil, "NAME", "of a grid: hermite, taylor or linear" },
     { "exposure", nil, "N", "of a .png, in stops" },
     { "light_tolerance", nil, "N", "sum many lights by a tree, to this part of the light; default: exactly" },
     { "strict", nil, nil, "exit status 6 where a warning is given; the image is written" },
@@ -74,22 +120,22 @@ return {
     local ylm = require "ylm"
     if not given.output then status.stop(status.usage, "render: -o FILE says where the image goes") end
     status.need_output("render", given.output, "exr", "png", "hdr", "pfm")
-    local method = given.method or "grid"
-    if not methods[method] then
+    local method = given.method or "default"
+    if not methods[method] or given.method == "default" then
       status.stop(status.usage, "render: --method is grid, reference or raycast, got '%s'", method)
     end
     refuse_idle(given, method)
     check_exposure(given)
-    local scene = status.need_scene(ylm.load_scene(given[1]))
     local options = options_of(given, method)
+    local scene = status.need_scene(ylm.load_scene(given[1]))
     if given.grid then options.grid = status.need_kind("ylm.grid", "a grid", given.grid, ylm.load(given.grid))
-    elseif method == "grid" and not scene.probes then
-      status.stop(status.script, "%s: the scene has no probes; add some, or use --method reference", given[1])
+    elseif methods[method] == "render" and options.visibility and options.visibility ~= "rays" and not scene.probes then
+      status.stop(status.script, "%s: the scene has no probes; add some, or use --visibility rays", given[1])
     end
     local image, facts = scene[methods[method]](scene, options)
     status.need(image, facts)
     status.need(image:save(given.output, given.exposure and { exposure = given.exposure } or nil))
-    report.print(given, facts)
+    report.print(given, facts, report.names(facts, { "reference", "visibility" }))
     return status.of_warnings(given, facts.warnings)
   end,
 }

@@ -13,9 +13,11 @@
 --     device:check_bake(description, lights)                   raises where the device bakes no such grid
 --     device:bake(form, object, occupied, o)                   grid, times of its stages
 --     device:sample(g, points, o, shapes, single)              what grid:sample returns
+--     device:check_rays(name)                                  raises where the device traces no rays to lamps
 --     device:check_picture(name, o)                            raises where the device makes no such picture
 --     device:room(name, p, o)                                  where a picture that stays on the device is written
---     device:shade(name, p, o, bar)                            radiance of shading points, { seconds, outside, unbaked, .. }
+--     device:shade(name, p, o, bar)                            radiance of shading points, by o.weight ("transfer",
+--                                                              "cosine"); { seconds, outside, unbaked, .. }
 --     device:picture(name, p, o, layer, bar, compose)          writes a picture to `layer` -> that table
 
 local core = require "ylm.c.core"

@@ -98,7 +98,8 @@ end
 --- Radiance of a view under any object with a light field.
 local function shade_field(name, p, o, bar)
   local start = core.seconds()
-  local radiance, pairs, code = check.result(name, p.lib.shade_field(p.view, o.grid, "float", o.threads or 0, bar))
+  local radiance, pairs, code = check.result(name, p.lib.shade_field(p.view, o.grid, o.weight, "float", o.threads or 0,
+    bar))
   if not radiance then return nil, pairs, code end
   return radiance, { pairs = pairs, seconds = core.seconds() - start }
 end
@@ -106,14 +107,16 @@ end
 function processor.shade(_, name, p, o, bar)
   if core.type(o.grid) ~= "ylm.grid" then return shade_field(name, p, o, bar) end
   local radiance, outside, unbaked, seconds, fresh
-  if o.grid.dynamic then radiance, outside, unbaked, seconds, fresh = shade_again(name, p, o, bar)
+  if o.grid.dynamic and o.weight == "transfer" then radiance, outside, unbaked, seconds, fresh = shade_again(name, p, o, bar)
   else
-    radiance, outside, unbaked, seconds = check.result(name, p.lib.shade_grid(p.view, o.grid, o.interpolation,
-      o.threads or 0, bar))
+    radiance, outside, unbaked, seconds = check.result(name, p.lib.shade_grid(p.view, o.grid, o.weight,
+      o.interpolation, o.threads or 0, bar))
   end
   if not radiance then return nil, outside, unbaked end
   return radiance, { outside = outside, unbaked = unbaked, seconds = seconds, fresh = fresh }
 end
+
+function processor.check_rays() end
 
 function processor.check_picture(_, name, o)
   if o.download == false then return processor.room(nil, name) end

@@ -13,6 +13,7 @@ local pictures = require "ylm.render.picture"
 local shading = require "ylm.render.shade"
 local tracing = require "ylm.trace"
 local views = require "ylm.render.view"
+local visibility = require "ylm.render.visibility"
 local warning = require "ylm.warning"
 
 local render = { true_error = pictures.true_error, pathtrace = paths.pathtrace, probe = paths.probe }
@@ -20,20 +21,24 @@ local render = { true_error = pictures.true_error, pathtrace = paths.pathtrace, 
 local prepare_options = options.list(options.view_fields, options.transfer_fields, options.common)
 
 describe "scene:prepare" {
-  about = "Traces a camera's rays and the visibility of what they hit, once, for any number of renderings.",
+  about = "Traces a camera's rays, and with visibility = 'transfer' the transfer vectors of what they hit, once, for any number "
+    .. "of renderings.",
   arguments = { { "options?", "table", "" } },
   options = prepare_options,
   returns = { { "view", "prepared", "view:render, view:reference, view:raycast, view:points; view.stats, .options" } },
   errors = "raises on a bad option or a scene without camera; nil, message, code: memory, cancelled",
   example = options.one_lamp .. [[
 local view = scene:prepare { size = { 32, 18 }, samples = 4 }
-local image, report = view:reference()
-assert(image.size[1] == 32 and report.points == view.stats.points)]],
+local image, report = view:render()                           -- by rays to the lamps
+assert(image.size[1] == 32 and report.points == view.stats.points)
+local papers = scene:prepare { size = { 32, 18 }, samples = 4, visibility = "transfer" }
+assert(papers:reference())]],
   source = "Iwasaki & Dobashi 2025, Sec. 6.2",
 }
 function render.prepare(s, given)
   tracing.check_scene("prepare", s)
   local o = options.of_view("prepare", prepare_options, given)
+  visibility.settle("prepare", o, given or {}, "rays")
   o.lmax = o.lmax or views.default_lmax(s)
   return views.prepare("prepare", s, o)
 end
@@ -80,8 +85,7 @@ local function occupied_points(s, t, o)
       .. "got %s", check.describe(x))
   end
   local view, message, code = views.prepare("bake", s, { size = o.size, samples = o.samples, seed = o.seed, share = o.share,
-    shading = o.shading, visibility = "none", transfer_samples = 1, lmax = 0, threads = o.threads,
-    progress = o.progress })
+    shading = o.shading, visibility = "rays", lmax = 0, threads = o.threads, progress = o.progress })
   if not view then return false, message, code end
   local points = t.lib.shade_positions(view)
   view:close()
@@ -126,55 +130,74 @@ function render.bake(s, given)
 end
 
 local render_options = options.list(options.view_fields, options.transfer_fields, options.grid_fields,
-  options.baked_fields, options.layer_fields, options.common)
+  options.direct_fields, options.baked_fields, options.layer_fields, options.common)
+
+--- The grid of the scene's probes for what a view sees; or nil, message, code.
+local function bake_for(s, view, o)
+  if views.made[view].stats.points == 0 then
+    return views.made[view].traced.lights -- no grid can be baked for no points; no point will ask what light there is
+  end
+  return render.bake(s, { occupied = view, threads = o.threads, progress = o.progress, light_tolerance = o.light_tolerance })
+end
 
 describe "scene:render" {
-  about = "Renders a scene by a grid (default: one that is baked for what the camera sees).",
+  about = "Renders a scene: by rays to its lamps, whose shadows are true (no probes are needed), or by a grid. A grid of lights "
+    .. "is shaded by transfer vectors, as is the one that visibility = 'transfer' bakes for what the camera sees; the report "
+    .. "says how much light of theirs is not the scene's.",
   arguments = { { "options?", "table", "" } },
   options = render_options,
   returns = { { "image", "image", "" }, { "report", "table", options.transfer_text .. "outside, unbaked: shading points" } },
-  errors = "raises on a bad option, no camera, neither grid nor probes; nil, message, code: memory, cancelled",
+  errors = "raises on a bad option, no camera, visibility = 'transfer' with neither grid nor probes; nil, message, code: memory, "
+    .. "cancelled",
   example = options.one_lamp .. [[
+local image, report = scene:render { size = { 32, 18 }, samples = 4 }
+assert(report.visibility == "rays" and report.rays.shadow > 0)
 local grid = scene:bake { probes = ylm.uniform_grid { cells = { 4, 4, 4 }, lmax = 2 } }
-local image, report = scene:render { grid = grid, size = { 32, 18 }, samples = 4 }
-assert(image:layer "level" and report.seconds.light)]],
+image, report = scene:render { grid = grid, size = { 32, 18 }, samples = 4 }
+assert(image:layer "level" and report.visibility == "transfer")]],
   source = "Iwasaki & Dobashi 2025, Sec. 6.2",
 }
 function render.render(s, given)
   tracing.check_scene("render", s)
   local o = options.of_view("render", render_options, given)
-  if not (o.grid == nil and s.probes) then views.check_grid("render", o.grid) end
+  if o.grid ~= nil then views.check_grid("render", o.grid) end
+  visibility.settle_picture("render", o, given or {})
+  local probes = o.visibility ~= "rays" and o.grid == nil
+  if probes and not s.probes then views.check_grid("render", nil) end
   if o.grid and o.light_tolerance then
     return check.fail "render: light_tolerance is for baking the scene's probes, this grid is baked: leave one out"
   end
   o.lmax = o.lmax or views.default_lmax(s, o.grid)
   local view, message, code = views.prepare("render", s, o)
   if not view then return nil, message, code end
-  if not o.grid and views.made[view].stats.points == 0 then
-    o.grid = views.made[view].traced.lights -- no grid can be baked for no points; no point will ask what light there is
-  elseif not o.grid then
-    o.grid, message, code = render.bake(s, { occupied = view, threads = o.threads, progress = o.progress,
-      light_tolerance = o.light_tolerance })
+  if probes then
+    o.grid, message, code = bake_for(s, view, o)
     if not o.grid then return nil, message, code end
   end
-  return shading.by_grid("render", views.open("render", view), o)
+  return shading.picture("render", views.open("render", view), o)
 end
 
 local reference_options = options.list(options.view_fields, options.transfer_fields, options.reference_fields,
   options.layer_fields, options.common)
 
 describe "scene:reference" {
-  about = "Renders a scene with the lights' coefficients at every shading point: what an exact grid would give. "
-    .. "Its visibility is that of scene:render; true shadows are those of scene:raycast.",
+  about = "The reference of pictures by grids of lights, T . L: what an exact grid under transfer vectors would give. "
+    .. "The lights' coefficients are summed at every shading point; visibility is 'transfer' or 'none'. It is no reference of "
+    .. "the scene's shadows and bounces: these are those of scene:render, scene:raycast and scene:pathtrace.",
   arguments = { { "options?", "table", "" } },
   options = reference_options,
-  returns = { { "image", "image", "" }, { "report", "table", options.transfer_text .. "pairs: light x point evaluations" } },
+  returns = { { "image", "image", "" }, { "report", "table", "reference (of what it is one), " .. options.transfer_text
+    .. "pairs: light x point evaluations" } },
   errors = "raises on a bad option or a scene without camera; nil, message, code: memory, cancelled",
   example = options.one_lamp .. "assert(scene:reference { size = { 32, 18 }, samples = 4 })",
 }
 function render.reference(s, given)
   tracing.check_scene("reference", s)
   local o = options.of_view("reference", reference_options, given)
+  visibility.settle("reference", o, given or {}, "transfer")
+  if o.visibility == "rays" then
+    return check.fail 'reference: it is T . L, visibility = "transfer" or "none": rays to the lamps are scene:render\'s'
+  end
   o.lmax = o.lmax or views.default_lmax(s)
   local view, message, code = views.prepare("reference", s, o)
   if not view then return nil, message, code end
@@ -203,7 +226,7 @@ describe "scene:raycast" {
 function render.raycast(s, given)
   tracing.check_scene("raycast", s)
   local o = options.of_view("raycast", raycast_options, given)
-  o.lmax, o.shading, o.visibility = 0, "pixel", "none"
+  o.lmax, o.shading, o.visibility = 0, "pixel", "rays"
   if o.variance then o.samples = math.max(1, math.floor(o.samples / shading.BATCHES + 0.5)) end
   local view, message, code = views.prepare("raycast", s, o)
   if not view then return nil, message, code end

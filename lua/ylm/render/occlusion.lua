@@ -28,7 +28,7 @@ local function percent(share, error)
 end
 
 local CAUSE = "occluders count by direction, up to occlusion_distance = %.3g wherever the lamp is; "
-local REMEDY = "raycast (scene:raycast, ylm render --method raycast), whose shadows are true"
+local REMEDY = 'visibility = "rays" (scene:raycast, ylm render --visibility rays), whose shadows are true'
 
 --- The sentence about a view: how much is not the scene's, why, and what to change; nil where it is of no account.
 local function sentence(p, found)
@@ -37,7 +37,7 @@ local function sentence(p, found)
   local o, words, advice = p.options, {}, "use "
   if passing then words[1] = passing .. " of the picture's light passes through occluders" end
   if missing then words[#words + 1] = missing .. " of the scene's light is missing" end
-  if o.visibility == "none" then advice = 'set visibility = "pixel" or use '
+  if o.visibility == "none" then advice = 'set visibility = "transfer" or use '
   elseif not missing then advice = "set a longer one or use "
   elseif not passing then advice = "set a shorter one or use " end
   local cause = o.visibility == "none" and 'visibility = "none" has no shadows; ' or CAUSE:format(o.occlusion_distance)

@@ -7,6 +7,9 @@ local light = require "ylm.light"
 
 local options = {}
 
+--- Shadow rays per shading point, where nobody says how many: their noise is measured in docs/performance.md.
+options.LIGHT_SAMPLES = 16
+
 options.common = {
   form.threads,
   { "progress", "progress", optional = true,
@@ -58,15 +61,16 @@ end
 options.transfer_fields = {
   { "shading", "choice", of = { "pixel", "vertex" }, default = "pixel",
     about = "shade what camera rays hit, or the vertices of the triangles they hit (colours are interpolated)" },
-  { "visibility", "choice", of = { "pixel", "vertex", "none" }, optional = true,
-    about = "occlusion rays from every shading point, from the vertices (transfer vectors are interpolated), "
-      .. "or no occlusion; default: as shading" },
+  { "visibility", "choice", of = { "rays", "transfer", "none", "self", "pixel", "vertex" }, optional = true,
+    about = "'rays': rays to the lamps, whose shadows are true (default without a grid of lights); 'transfer': occlusion rays "
+      .. "by direction, projected into transfer vectors, as the papers do; 'none': no occlusion; 'self': refused until there "
+      .. "are shadow fields; 'pixel', 'vertex': 'transfer' with that shading" },
   { "transfer_samples", "integer", min = 1, max = 65536, optional = true,
-    about = "occlusion rays per transfer vector; default: 128, 256 from vertices, doubled until the noise that they leave "
-      .. "under the scene's lights is at most 2 %, at most 2048 (report.transfer_samples, report.noise)" },
+    about = "'transfer': occlusion rays per transfer vector; default: 128, 256 from vertices, doubled until the noise that they "
+      .. "leave under the scene's lights is at most 2 %, at most 2048 (report.transfer_samples, report.noise)" },
   { "occlusion_distance", "distance", optional = true, unit = "scene units",
-    about = "how far occlusion rays reach, wherever the lamps are: light passes what is farther, and what is nearer "
-      .. "darkens lamps before it too; default: a tenth of the diagonal of the scene's bounding box" },
+    about = "'transfer': how far occlusion rays reach, wherever the lamps are: light passes what is farther, and "
+      .. "what is nearer darkens lamps before it too; default: a tenth of the diagonal of the scene's bounding box" },
   { "lmax", "integer", min = 0, max = core.limits.lmax, optional = true,
     about = "highest degree of light and transfer; default: the grid's, the probes', or 4" },
 }
@@ -86,8 +90,15 @@ options.grid_fields = {
     about = "a gpu of ylm.vulkan.open samples the grid, shades and filters; report.stages has its times" },
 }
 
--- Of the bake that a render without a grid makes first.
+-- Of the bake that a render by transfer vectors without a grid makes first.
 options.baked_fields = { light.tolerance_option "light_tolerance" }
+
+-- Of pictures by rays to the lamps.
+options.direct_fields = {
+  { "light_samples", "integer", min = 1, max = 65536, optional = true,
+    about = "'rays': shadow rays per shading point, default " .. options.LIGHT_SAMPLES .. "; as many again where a surface is "
+      .. "not matte" },
+}
 
 options.reference_fields = {
   { "dtype", "choice", of = { "float", "double" }, default = "float", about = "in which light is summed" },
@@ -125,7 +136,8 @@ options.report_text = "note (where nothing is to be shaded), notes (about files 
   .. "relative to it plus a tenth of its mean; "
 
 --- Fields of reports about pictures by transfer vectors.
-options.transfer_text = options.report_text .. "occlusion (of the light that the scene's lamps bring: passing, the part of the "
+options.transfer_text = options.report_text .. "visibility (rays, transfer, none; grid: the shadows are those that the grid "
+  .. "holds); by transfer vectors occlusion (of the light that the scene's lamps bring: passing, the part of the "
   .. "picture's that occluders stop in the scene, missing, the part of the scene's that the picture lacks, their standard "
   .. "errors passing_error and missing_error, points, rays; measured once a view, in seconds.occlusion); "
 

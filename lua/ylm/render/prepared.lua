@@ -8,10 +8,11 @@ local memory = require "ylm.memory"
 local options = require "ylm.render.options"
 local shading = require "ylm.render.shade"
 local views = require "ylm.render.view"
+local visibility = require "ylm.render.visibility"
 
 local prepared = views.methods
 
-local prepared_render = options.list(options.grid_fields, {
+local prepared_render = options.list(options.grid_fields, options.direct_fields, {
   { "lamps", "any", optional = true,
     about = "sphere lights to draw that are not in the prepared scene, because they move" },
   { "download", "boolean", default = true,
@@ -26,34 +27,36 @@ local prepared_raycast = options.list(options.ray_fields, {
 }, options.layer_fields, options.common)
 
 describe "prepared:render" {
-  about = "Shades a prepared view by a grid. Only sampling and shading are done, report.seconds.light says how long. "
-    .. "Of a grid made with dynamic = true only what grid:update changed since the last time is sampled.",
-  arguments = { { "options", "table", "grid is needed" } },
+  about = "Shades a prepared view: by a grid, or one that was prepared with visibility = 'rays' by rays to its lamps. "
+    .. "report.seconds.light says how long sampling and shading took. Of a grid made with dynamic = true only what grid:update "
+    .. "changed since the last time is sampled. A grid of lights needs the view's transfer vectors; others hold their shadows.",
+  arguments = { { "options?", "table", "grid is needed where the view has transfer vectors" } },
   options = prepared_render,
   returns = { { "image", "image", "" }, { "report", "table", options.transfer_text .. "outside, unbaked: shading points; "
     .. "of a dynamic grid fresh: those that were sampled" } },
   errors = "raises on a bad option; nil, message, code where memory runs out or it is cancelled",
   example = options.one_lamp .. [[
-local view = scene:prepare { size = { 32, 18 }, samples = 4 }
+local view = scene:prepare { size = { 32, 18 }, samples = 4, visibility = "transfer" }
 local lights = ylm.sphere_lights { at = { { 0, 1, 0 } }, radius = 0.1, radiance = 50 }
 local image = view:render { grid = lights.lights }     -- anything that has a light field
-assert(image:layer "radiance":get(9, 16, 1) > 0)]],
+assert(image:layer "radiance":get(9, 16, 1) > 0)
+assert(scene:prepare { size = { 32, 18 } }:render { light_samples = 4 })   -- by rays]],
 }
 function prepared.render(view, given)
   local p = views.open("render", view)
   local o = form.options(1, "render", prepared_render, given)
-  views.check_grid("render", o.grid)
-  return shading.by_grid("render", p, o)
+  return shading.picture("render", p, o)
 end
 
 describe "prepared:reference" {
-  about = "Shades a prepared view with the lights' coefficients at every shading point: no interpolation.",
+  about = "The reference of pictures by grids of lights under the view's transfer vectors: the lights' own coefficients at every "
+    .. "shading point, no interpolation. The view is one that was prepared with visibility = 'transfer' or 'none'.",
   arguments = { { "options?", "table", "" } },
   options = prepared_reference,
   returns = { { "image", "image", "" }, { "report", "table", options.transfer_text .. "pairs: light x point evaluations" } },
   errors = "raises on a bad option; nil, message, code where memory runs out or it is cancelled",
   example = options.one_lamp .. [[
-local view = scene:prepare { size = { 32, 18 }, samples = 4 }
+local view = scene:prepare { size = { 32, 18 }, samples = 4, visibility = "transfer" }
 assert(view:reference { dtype = "double" })]],
 }
 function prepared.reference(view, given)
@@ -99,16 +102,18 @@ function prepared.points(view)
 end
 
 describe "prepared:transfer" {
-  about = "The transfer vectors of a prepared view: SH coefficients of cosine times visibility.",
+  about = "The transfer vectors of a view that was prepared with visibility = 'transfer' or 'none': SH coefficients of cosine "
+    .. "times visibility.",
   arguments = {},
   returns = { { "T", "array", "float [n][(lmax+1)^2]; radiance is albedo / pi times its product with light" } },
   errors = "raises on what is no prepared view; nil, message, code where memory runs out",
   example = options.one_lamp .. [[
-local view = scene:prepare { size = { 32, 18 }, samples = 1, lmax = 2 }
+local view = scene:prepare { size = { 32, 18 }, samples = 1, lmax = 2, visibility = "transfer" }
 assert(view:transfer().shape[2] == 9)]],
 }
 function prepared.transfer(view)
   local p = views.open("transfer", view)
+  visibility.need_transfer("transfer", p)
   return check.result("transfer", p.lib.shade_transfer(p.view))
 end
 

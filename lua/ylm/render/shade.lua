@@ -7,11 +7,13 @@ local devices = require "ylm.device"
 local form = require "ylm.form"
 local light = require "ylm.light"
 local progress = require "ylm.progress"
+local options = require "ylm.render.options"
 local occlusion = require "ylm.render.occlusion"
 local pictures = require "ylm.render.picture"
 local tracing = require "ylm.trace"
 local unmet = require "ylm.grid.unmet"
 local views = require "ylm.render.view"
+local visibility = require "ylm.render.visibility"
 local warning = require "ylm.warning"
 
 local shading = {}
@@ -35,23 +37,27 @@ local function sign(out, p, o, report)
     unbaked = report.unbaked, device = devices.of(o.device):name() })
 end
 
---- Says in the report that transfer vectors shade surfaces that gloss as matte ones.
+--- Says in the report that coefficients of light shade surfaces that gloss as matte ones.
 local function say_gloss(p, report)
   local n = p.traced.glossy
   if n == 0 then return end
-  local sentence = n == 1 and "1 mesh is glossy: transfer vectors shade it as a matte one of its mean albedo"
-    or n .. " meshes are glossy: transfer vectors shade them as matte ones of their mean albedo"
+  local what = report.visibility == "grid" and "a grid's light shades " or "transfer vectors shade "
+  local sentence = n == 1 and "1 mesh is glossy: " .. what .. "it as a matte one of its mean albedo"
+    or n .. " meshes are glossy: " .. what .. "them as matte ones of their mean albedo"
   report.warnings[#report.warnings + 1] = warning.say(p.scene, "gloss", "scene %q: " .. sentence, p.scene.name or "?")
 end
 
---- The report of a picture by transfer vectors, with what it does not keep: its own warnings and those of o.grid; or nil,
--- message, code.
+--- The report of a picture by coefficients of light, with what it does not keep: its own warnings and those of o.grid; or
+-- nil, message, code.
 local function shortcomings(name, p, o)
   local report = pictures.new_report(p)
-  local ok, message, code = occlusion.report(name, p, o, report)
-  if not ok then return nil, message, code end
-  local loud = views.loud(p)
-  if loud then report.warnings[#report.warnings + 1] = warning.say(p.scene, "noise", "%s", loud) end
+  if o.weight == "cosine" then report.visibility = "grid"
+  else
+    local ok, message, code = occlusion.report(name, p, o, report)
+    if not ok then return nil, message, code end
+    local loud = views.loud(p)
+    if loud then report.warnings[#report.warnings + 1] = warning.say(p.scene, "noise", "%s", loud) end
+  end
   say_gloss(p, report)
   for _, sentence in ipairs(unmet.warn(o.grid)) do report.warnings[#report.warnings + 1] = sentence end
   return report
@@ -84,6 +90,7 @@ end
 -- the device.
 function shading.by_grid(name, p, o)
   pictures.check_truth(name, p, o)
+  o.weight = visibility.weight(name, p, o.grid)
   local device = devices.of(o.device)
   device:check_picture(name, o)
   local report, failed, why = shortcomings(name, p, o)
@@ -106,17 +113,23 @@ function shading.by_grid(name, p, o)
   return out, report
 end
 
+--- What scene:reference is a reference of, for its report.
+shading.REFERENCE = "of grids under transfer vectors: their pictures without the error of the grid, not the scene's true shadows"
+
 --- Renders a prepared view with the lights' own coefficients at every shading point.
 function shading.by_lights(name, p, o)
   pictures.check_truth(name, p, o)
+  visibility.need_transfer(name, p)
+  o.weight = "transfer"
   local report, failed, why = shortcomings(name, p, o)
   if not report then return nil, failed, why end
+  report.reference = shading.REFERENCE
   local start = core.seconds()
   local lights, message, code = light.within(name, p.traced.lights, o.light_tolerance, o.threads)
   if not lights then return nil, message, code end
   local radiance, pairs
-  radiance, pairs, code = check.result(name, p.lib.shade_field(p.view, lights, o.dtype, o.threads or 0,
-    progress.resolve(o.progress)))
+  radiance, pairs, code = check.result(name, p.lib.shade_field(p.view, lights, o.weight, o.dtype,
+    o.threads or 0, progress.resolve(o.progress)))
   if not radiance then return nil, pairs, code end
   local seconds = core.seconds() - start
   report.pairs = pairs
@@ -137,14 +150,19 @@ local function is_matte(s)
   return true
 end
 
---- Renders a prepared view by sampling the lamps.
-function shading.by_rays(name, p, o)
+--- Renders a prepared view by sampling the lamps; `method` for the metadata, default raycast.
+function shading.by_rays(name, p, o, method)
   pictures.check_truth(name, p, o)
+  local device = devices.of(o.device)
+  device:check_rays(name)
+  if o.download == false then return device:room(name, p, o) end
   if p.options.shading == "vertex" and not is_matte(p.scene) then
     return check.fail("%s: surfaces that are not matte are ray-cast from pixels: shading = 'pixel' in scene:prepare", name)
   end
   local start = core.seconds()
   local report = pictures.new_report(p)
+  report.visibility = o.shadows and "rays" or "none"
+  report.light_samples = o.light_samples
   local radiance, rays, code = check.result(name, p.lib.shade_raycast(p.view, o.light_samples, o.shadows,
     o.seed or p.options.seed, o.threads or 0, progress.resolve(o.progress)))
   if not radiance then return nil, rays, code end
@@ -154,8 +172,21 @@ function shading.by_rays(name, p, o)
   out, message, code = pictures.picture(name, p, radiance, o)
   if not out then return nil, message, code end
   pictures.finish(report, start, seconds)
-  pictures.sign(out, p, "raycast", report, { light_samples = o.light_samples, shadows = o.shadows })
+  pictures.sign(out, p, method or "raycast", report, { light_samples = o.light_samples, shadows = o.shadows })
   return out, report
+end
+
+--- The picture of a prepared view: by o.grid, or by rays to the lamps of its scene.
+function shading.picture(name, p, o)
+  if o.grid ~= nil or p.options.visibility ~= "rays" then
+    views.check_grid(name, o.grid)
+    if o.light_samples then
+      return check.fail("%s: light_samples is for pictures by rays to the lamps, here is a grid: leave one out", name)
+    end
+    return shading.by_grid(name, p, o)
+  end
+  o.shadows, o.light_samples = true, o.light_samples or options.LIGHT_SAMPLES
+  return shading.by_rays(name, p, o, "rays")
 end
 
 --- How many pictures variance is that of.
@@ -170,7 +201,7 @@ function shading.in_batches(name, s, view, o, cast)
   local mean, variance = image:layer "radiance", image:add("variance", 3)
   local rest = array.zeros({ o.size[2], o.size[1], 3 }, "float")
   local done, seconds = lib.path_add(mean, mean, rest, variance, 0), report.seconds
-  o.layers, o.lmax, o.shading, o.visibility = false, 0, "pixel", "none"
+  o.layers, o.lmax, o.shading, o.visibility = false, 0, "pixel", "rays"
   for k = 2, shading.BATCHES do
     o.seed = first + k - 1
     local again, message

@@ -16,7 +16,8 @@ local NOISE, MOST_SAMPLES = 0.02, 2048
 local GIVEN_SAMPLES = 65536 -- the most that transfer_samples may be
 
 require "ylm.describe".object "prepared" {
-  about = "What one camera sees of a scene, with transfer vectors, ready to be shaded by any light field.",
+  about = "What one camera sees of a scene, ready to be shaded: by rays to its lamps, or with transfer vectors by any light "
+    .. "field.",
   fields = {
     { "stats", "table", "points, hits, pixels, primary_rays, occlusion_rays, scene_seconds, primary_seconds, "
       .. "transfer_seconds, bytes; transfer_samples, noise as in a report" },
@@ -66,34 +67,36 @@ function views.camera_numbers(s)
   return { c.from[1], c.from[2], c.from[3], c.at[1], c.at[2], c.at[3], c.up[1], c.up[2], c.up[3], c.fov }
 end
 
---- Makes the view that options `o` (with samples = camera rays per pixel) describe.
+--- Makes the view that options `o` (with samples = camera rays per pixel) describe, whose visibility has been settled.
 function views.prepare(name, s, o)
   if not s.camera then return check.fail("%s: scene %q has no camera", name, s.name or "?") end
   local t, message, code = tracing.trace(name, s)
   if not t then return nil, message, code end
-  local visibility = o.visibility or o.shading
+  local visibility = o.visibility
   local distance = o.occlusion_distance
   if not distance then
     distance = box.diagonal(t.lo, t.hi) / 10
     if distance == 0 then distance = 1 end
   end
-  local rays = o.transfer_samples or (visibility == "vertex" or o.shading == "vertex") and 256 or 128
-  local light = not o.transfer_samples and #s.lights > 0 and visibility ~= "none" and t.lights or nil
+  local rays = o.transfer_samples or (o.vectors == "vertex" or o.shading == "vertex") and 256 or 128
+  local light = not o.transfer_samples and #s.lights > 0 and visibility == "transfer" and t.lights or nil
   local view
   view, message, code = check.result(name, t.lib.shade_view(t.handle, {
     camera = views.camera_numbers(s), width = o.size[1], height = o.size[2], samples = o.samples,
-    lmax = o.lmax, shading = o.shading, visibility = visibility, transfer_samples = rays,
+    lmax = o.lmax, shading = o.shading, visibility = visibility == "transfer" and o.vectors or visibility,
+    transfer_samples = rays,
     occlusion_distance = distance, share = o.share, seed = o.seed,
     threads = o.threads, progress = progress.resolve(o.progress), light = light, noise = NOISE,
     most_samples = MOST_SAMPLES }))
   if not view then return nil, message, code end
   local stats = t.lib.shade_stats(view)
   stats.scene_seconds = t.seconds
-  if visibility == "none" then stats.transfer_samples = nil end
+  if visibility ~= "transfer" then stats.transfer_samples = nil end
   made[view] = { scene = s, traced = t, lib = t.lib, stats = stats,
     options = { size = o.size, samples = o.samples, seed = o.seed, lmax = o.lmax, share = o.share,
-      shading = o.shading, visibility = visibility, transfer_samples = stats.transfer_samples or rays,
-      occlusion_distance = distance } }
+      shading = o.shading, visibility = visibility,
+      transfer_samples = visibility ~= "rays" and (stats.transfer_samples or rays) or nil,
+      occlusion_distance = visibility ~= "rays" and distance or nil } }
   return view
 end
 
@@ -103,7 +106,7 @@ function views.loud(p)
   if not noise or noise <= NOISE then return nil end
   local enough = 2 ^ math.ceil(math.log(rays * (noise / NOISE) ^ 2) / math.log(2))
   local advice = enough <= GIVEN_SAMPLES and ("set transfer_samples = %d"):format(enough)
-    or "too little of the sky is seen for such rays, use raycast (scene:raycast, ylm render --method raycast)"
+    or 'too little of the sky is seen for such rays, use visibility = "rays" (scene:raycast, ylm render --visibility rays)'
   return ("scene %q: %d occlusion rays from each shading point leave a noise of %.1f %%, more than %g %%: %s"):format(
     p.scene.name or "?", rays, 100 * noise, 100 * NOISE, advice)
 end

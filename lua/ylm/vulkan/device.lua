@@ -96,9 +96,17 @@ function methods.sample(on, ...) return grids.sample(on.gpu, ...) end
 
 -- Pictures ----------------------------------------------------------------------------
 
+function methods.check_rays(_, name)
+  return check.bad(1, name, 'device: it traces no rays to lamps: leave it out, or name visibility = "transfer"')
+end
+
 function methods.check_picture(_, name, o)
   if core.type(o.grid) ~= "ylm.grid" then
     return check.bad(1, name, "device: a baked grid expected, got %s", check.describe(o.grid))
+  end
+  if o.weight == "cosine" then
+    return check.bad(1, name, "device: it shades grids of lights by transfer vectors, this one holds %q: leave device out",
+      o.grid.quantity)
   end
 end
 

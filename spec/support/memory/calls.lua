@@ -341,11 +341,21 @@ end)
 calls["scene:bake"] = on(scene, function(s) return s:bake { samples = 1, size = size } end)
 for _, name in ipairs { "render", "reference", "raycast" } do
   calls["scene:" .. name] = on(scene, function(s)
-    return s[name](s, { size = size, samples = 1, light_samples = name == "raycast" and 2 or nil })
+    return s[name](s, { size = size, samples = 1, light_samples = name ~= "reference" and 2 or nil })
   end)
 end
-calls["prepared"] = on(scene, function(s)
+calls["scene:render transfer"] = on(scene, function(s) return s:render { size = size, samples = 1, visibility = "transfer" } end)
+calls["prepared by rays"] = on(scene, function(s)
   local view, message, code = s:prepare { size = size, samples = 1 }
+  if not view then return nil, message, code end
+  local image
+  image, message, code = view:render { light_samples = 2 }
+  if image == nil then assert(view:points() or view:points()) end -- still usable
+  view:close()
+  return image, message, code
+end)
+calls["prepared"] = on(scene, function(s)
+  local view, message, code = s:prepare { size = size, samples = 1, visibility = "transfer" }
   if not view then return nil, message, code end
   local out = {}
   for _, call in ipairs { "points", "transfer", "reference", "raycast" } do

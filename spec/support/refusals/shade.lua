@@ -53,6 +53,9 @@ local view_cases = {
   { { occlusion_distance = 0 }, "occlusion_distance must be" },
   { { occlusion_distance = nan }, "occlusion_distance must be" },
   { { lmax = -1 }, "lmax must be" }, { { lmax = 1e6 }, "lmax must be" },
+  { { visibility = "transfr" }, "did you mean 'transfer'" }, { { visibility = "self" }, 'visibility = "self" needs shadow fields' },
+  { { visibility = "rays", transfer_samples = 8 }, 'transfer_samples is for visibility = "transfer", visibility is "rays"' },
+  { { visibility = "rays", occlusion_distance = 8 }, 'occlusion_distance is for visibility = "transfer"' },
 }
 
 local function joined(...)
@@ -61,7 +64,22 @@ local function joined(...)
   return out
 end
 
-local function prepared(ylm) return scene(ylm):prepare { size = { 4, 2 }, samples = 1 } end
+local function prepared(ylm) return scene(ylm):prepare { size = { 4, 2 }, samples = 1, visibility = "transfer" } end
+
+--- A call of a view that was prepared by rays.
+local function by_rays(name, given, says)
+  return { call = function(ylm)
+    local view = scene(ylm):prepare { size = { 4, 2 }, samples = 1 }
+    return view[name](view, given and given(ylm))
+  end, says = says }
+end
+
+local function lamp(ylm) return ylm.sphere_light { at = { 0, 1, 0 }, radius = 0.1 } end
+
+--- A grid of lights.
+local function lights(ylm) return ylm.bake(ylm.uniform_grid { cells = 1, lmax = 1, bounds = { { -1, 0, -1 }, { 1, 1, 1 } } }, lamp(ylm)) end
+
+local no_transfer = 'the view has no transfer vectors: prepare it with visibility = "transfer"'
 
 --- Cases of method `name` of prepared views.
 local function of_prepared(name, cases)
@@ -98,11 +116,15 @@ return {
   },
   ["scene:prepare"] = options("prepare", view_cases),
   ["scene:render"] = options("render", joined(view_cases, {
-    { {}, "field 'grid' is missing" }, { { grid = 5 }, "grid must be a grid" },
+    { { visibility = "transfer" }, "field 'grid' is missing" }, { { grid = 5 }, "grid must be a grid" },
+    { { visibility = "none" }, "field 'grid' is missing" }, { { light_samples = 0 }, "light_samples must be" },
     { { interpolation = "cubic" }, "interpolation" },
+    { { interpolation = "linear" }, "interpolation is for a grid" }, { { light_tolerance = 0.1 }, "light_tolerance is for a grid" },
+    { { visibility = "transfer", light_samples = 4 }, 'light_samples is for visibility = "rays", visibility is "transfer"' },
     { { layers = 1 }, "layers must be" }, { { light_tolerance = 0 }, "light_tolerance must be a number >= 1e%-06" },
   })),
   ["scene:reference"] = options("reference", joined(view_cases, { { { dtype = "half" }, "dtype must be" },
+    { { visibility = "rays" }, 'it is T . L, visibility = "transfer" or "none"' },
     { { light_tolerance = 2 }, "light_tolerance must be a number >= 1e%-06 and <= 0.5, got 2" } })),
   ["scene:raycast"] = options("raycast", {
     { { samples = 0 }, "samples must be" }, { { samples = 1025 }, "samples must be" },
@@ -140,17 +162,26 @@ return {
         progress = function() return false end }
     end, says = "cancelled" },
   }),
-  ["prepared:render"] = of_prepared("render", joined(layer_cases, {
+  ["prepared:render"] = joined(of_prepared("render", joined(layer_cases, {
     { {}, "field 'grid' is missing" }, { { grid = {} }, "grid must be a grid" },
-    { { interpolation = 1 }, "interpolation" },
-  })),
-  ["prepared:reference"] = of_prepared("reference", joined(layer_cases, { { { dtype = 4 }, "dtype must be" } })),
+    { { interpolation = 1 }, "interpolation" }, { { light_samples = 4 }, "field 'grid' is missing" },
+  })), {
+    by_rays("render", function(ylm) return { grid = lights(ylm) } end,
+      "a ylm.grid holds lights without their shadows, which transfer vectors shade, and the view has none: prepare it"),
+    by_rays("render", function() return { download = false } end, "download: name the device"),
+    { call = function(ylm) return prepared(ylm):render { grid = lights(ylm), light_samples = 4 } end,
+      says = "light_samples is for pictures by rays to the lamps, here is a grid" },
+    { call = function(ylm) return scene(ylm):render { grid = lights(ylm), visibility = "rays" } end,
+      says = "the grid holds lights without their shadows, which transfer vectors shade: name visibility" },
+  }),
+  ["prepared:reference"] = joined(of_prepared("reference", joined(layer_cases, { { { dtype = 4 }, "dtype must be" } })),
+    { by_rays("reference", nil, no_transfer) }),
   ["prepared:raycast"] = of_prepared("raycast", joined(layer_cases, {
     { { light_samples = 0 }, "light_samples must be" }, { { light_samples = 1e9 }, "light_samples must be" },
     { { samples = 4 }, "samples are camera rays" }, { { seed = -1 }, "seed must be" },
   })),
   ["prepared:points"] = of_prepared("points"),
-  ["prepared:transfer"] = of_prepared("transfer"),
+  ["prepared:transfer"] = joined(of_prepared("transfer"), { by_rays("transfer", nil, no_transfer) }),
   ["prepared:close"] = {
     { call = function(ylm) return prepared(ylm).close(5) end, says = "close: a prepared view expected" },
   },

@@ -1,0 +1,78 @@
+--- What lights the shading points of a picture: options visibility, shading, and what a light is multiplied by.
+--
+--     visibility   light of lamps               a grid, or another field, of
+--                                               lights       direct, indirect, all
+--     "rays"       rays to the lamps            refused      cosine . L
+--     "transfer"   T . L of the scene's probes  T . L        cosine . L
+--     "none"       cosine . L of these          cosine . L   cosine . L
+
+local check = require "ylm.check"
+local core = require "ylm.c.core"
+
+local visibility = {}
+
+--- What a field holds: "lights" (that nothing occludes), "direct", "indirect" or "all".
+function visibility.quantity(field)
+  local kind = core.type(field)
+  if kind == "ylm.grid" or kind == "ylm.gather" then return field.quantity or "lights" end
+  return kind == "ylm.radiosity" and "indirect" or "lights"
+end
+
+--- Options of the ways that need them.
+local of_transfer = { "transfer_samples", "occlusion_distance" }
+
+--- Raises where `given` has one of `names`, which options with o.visibility have no use for.
+local function refuse(name, given, names, whose, o)
+  for _, field in ipairs(names) do
+    if type(given) == "table" and given[field] ~= nil then
+      return check.fail("%s: %s is for %s, visibility is %q: name one that fits, or leave %s out", name, field, whose,
+        o.visibility, field)
+    end
+  end
+end
+
+--- Settles o.visibility ("rays", "transfer", "none") and o.vectors: whose transfer vectors they are, "pixel" or "vertex".
+-- `default` is the visibility where none is given; "pixel" and "vertex" are earlier names of "transfer".
+function visibility.settle(name, o, given, default)
+  local v = o.visibility or default
+  if v == "self" then
+    return check.fail('%s: visibility = "self" needs shadow fields, which are not there yet: "rays" has true shadows', name)
+  end
+  if v == "pixel" or v == "vertex" then
+    if given.shading == nil then o.shading = v end
+    o.visibility, o.vectors = "transfer", v
+  else o.visibility, o.vectors = v, o.shading end
+  if o.visibility == "rays" then return refuse(name, given, of_transfer, 'visibility = "transfer"', o) end
+  return refuse(name, given, { "light_samples" }, 'visibility = "rays"', o)
+end
+
+--- Settles the options of a picture by o.grid, where there is one, or without: o.visibility as above.
+function visibility.settle_picture(name, o, given)
+  local held = o.grid ~= nil and visibility.quantity(o.grid)
+  if held == "lights" and o.visibility == "rays" then
+    return check.fail("%s: the grid holds lights without their shadows, which transfer vectors shade: name visibility = "
+      .. '"transfer", or leave the grid out', name)
+  end
+  visibility.settle(name, o, given, held == "lights" and "transfer" or "rays")
+  if held and held ~= "lights" then o.visibility = "rays" end -- the grid knows all shadows
+  if o.visibility == "rays" and not held then
+    return refuse(name, given, { "interpolation", "light_tolerance" }, 'a grid (visibility = "transfer" bakes one)', o)
+  end
+  if held then return refuse(name, given, { "light_samples" }, "pictures without a grid", o) end
+end
+
+--- By what the prepared view p multiplies the light of a field: "transfer" or "cosine". Raises where it cannot.
+function visibility.weight(name, p, field)
+  if visibility.quantity(field) ~= "lights" then return "cosine" end
+  if p.options.visibility ~= "rays" then return "transfer" end
+  return check.fail("%s: %s holds lights without their shadows, which transfer vectors shade, and the view has none: prepare it "
+    .. 'with visibility = "transfer"', name, check.describe(field))
+end
+
+--- Raises where a prepared view has no transfer vectors.
+function visibility.need_transfer(name, p)
+  if p.options.visibility ~= "rays" then return end
+  return check.fail('%s: the view has no transfer vectors: prepare it with visibility = "transfer"', name)
+end
+
+return visibility
