@@ -46,7 +46,7 @@ typedef enum ylm_shade_visibility {
                            holds its shadows (YLM_SHADE_COSINE)                          */
 } ylm_shade_visibility;
 
-/* What the coefficients of light are multiplied by at a shading point. */
+/* The factor of the coefficients of light at a shading point. */
 typedef enum ylm_shade_weight {
   YLM_SHADE_TRANSFER, /* its transfer vector: light without shadows                    */
   YLM_SHADE_COSINE    /* the clamped cosine A alone: light that holds its shadows, to the

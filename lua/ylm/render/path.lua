@@ -167,7 +167,7 @@ function paths.pathtrace(s, given)
   local o = form.options(1, "pathtrace", pathtrace_options, given)
   local first, last = orders("pathtrace", o, 1)
   local view, message, code = views.prepare("pathtrace", s, { size = o.size, samples = math.min(o.samples, VIEW_SAMPLES),
-    seed = o.seed, share = 1.5, shading = "pixel", visibility = "none", transfer_samples = 1, lmax = 0, threads = o.threads })
+    seed = o.seed, share = 1.5, shading = "pixel", visibility = "rays", lmax = 0, threads = o.threads })
   if not view then return nil, message, code end
   local p = views.open("pathtrace", view)
   pictures.check_truth("pathtrace", p, o)

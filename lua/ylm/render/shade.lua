@@ -113,7 +113,7 @@ function shading.by_grid(name, p, o)
   return out, report
 end
 
---- What scene:reference is a reference of, for its report.
+--- The kind of pictures that scene:reference is a reference of, for its report.
 shading.REFERENCE = "of grids under transfer vectors: their pictures without the error of the grid, not the scene's true shadows"
 
 --- Renders a prepared view with the lights' own coefficients at every shading point.

@@ -1,4 +1,4 @@
---- What lights the shading points of a picture: options visibility, shading, and what a light is multiplied by.
+--- The light of a picture's shading points: options visibility, shading, and what the light of a grid is multiplied by.
 --
 --     visibility   light of lamps               a grid, or another field, of
 --                                               lights       direct, indirect, all
@@ -11,7 +11,7 @@ local core = require "ylm.c.core"
 
 local visibility = {}
 
---- What a field holds: "lights" (that nothing occludes), "direct", "indirect" or "all".
+--- The quantity that a field holds: "lights" (that nothing occludes), "direct", "indirect" or "all".
 function visibility.quantity(field)
   local kind = core.type(field)
   if kind == "ylm.grid" or kind == "ylm.gather" then return field.quantity or "lights" end
