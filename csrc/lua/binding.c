@@ -99,6 +99,8 @@ void ylmL_named(lua_State *L, int i, const char *const *names) {
   X("ylm.mesh", "ylm.geometry")                                                                    \
   X("ylm.grid", "ylm.grid")                                                                        \
   X("ylm.prepared", "ylm.render")                                                                  \
+  X("ylm.transfer", "ylm.transfer")                                                                \
+  X("ylm.radiosity", "ylm.transfer")                                                               \
   X("ylm.sh_rotation", "ylm.sh.rotate")
 
 /* Functions that a module may define for its type. */

@@ -55,13 +55,15 @@
 #define YLML_SCENE_BINDINGS(X)                                                                     \
   X(chooser)                                                                                       \
   X(path)                                                                                          \
+  X(radiosity)                                                                                     \
   X(shade)                                                                                         \
   X(shade_entries)                                                                                 \
   X(shade_grid)                                                                                    \
   X(shade_part)                                                                                    \
   X(shade_picture)                                                                                 \
   X(shade_view)                                                                                    \
-  X(traced)
+  X(traced)                                                                                        \
+  X(transfer)
 
 #define X(name) void ylmL_open_##name(lua_State *L);
 YLML_CORE_BINDINGS(X)

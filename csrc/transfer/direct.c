@@ -8,6 +8,7 @@
 #define PLACES 4
 /* Elements whose light is asked of a field at a time. */
 #define ASK 4096
+#define GRAIN 128
 
 typedef struct job {
   const ylm_transfer *t;
@@ -15,6 +16,7 @@ typedef struct job {
   int places, each; /* rays of a place */
   uint64_t seed;
   float *E0;
+  double (*part)[2]; /* [blocks] W: of rays to lamps that are near, of all */
   atomic_uint_fast64_t rays;
 } job;
 
@@ -36,8 +38,8 @@ static ylm_scene_place place_of(ylm_scene_place place, float corner[3][2], doubl
   return place;
 }
 
-/* Irradiance of element i; returns how many rays were traced. */
-static size_t gather(const job *j, size_t i, scratch *s, float E0[4]) {
+/* Irradiance of element i; adds up what is near and what is there; returns how many rays were traced. */
+static size_t gather(const job *j, size_t i, scratch *s, float E0[4], double part[2]) {
   ylm_scene_place place;
   float corner[3][2];
   double E[3] = {0, 0, 0};
@@ -57,8 +59,12 @@ static size_t gather(const job *j, size_t i, scratch *s, float E0[4]) {
   }
   ylm_trace_occluded(ylm_scene_trace(j->scene), rays, s->ray);
   for (size_t k = 0; k < rays; k++)
-    if (!(s->ray[k].far < 0))
+    if (!(s->ray[k].far < 0)) {
+      double each = (double)s->value[k][0] + (double)s->value[k][1] + (double)s->value[k][2];
       for (int c = 0; c < 3; c++) E[c] += (double)s->value[k][c];
+      if ((double)s->ray[k].far < 2 * j->t->form.spacing) part[0] += (double)j->t->area[i] * each;
+      part[1] += (double)j->t->area[i] * each;
+    }
   double scale = 1 / ((double)j->places * (double)j->t->share[i]);
   for (int c = 0; c < 3; c++) E0[c] = (float)(E[c] * scale);
   return rays;
@@ -72,7 +78,7 @@ static ylm_status run(void *context, size_t begin, size_t end, int worker) {
                .ray = ylm_alloc(most, sizeof(ylm_trace_ray)),
                .value = ylm_alloc(most, 12)};
   ylm_status status = s.lamps && s.ray && s.value ? YLM_OK : YLM_ENOMEM;
-  for (size_t i = begin; status == YLM_OK && i < end; i++) rays += gather(j, i, &s, j->E0 + 4 * i);
+  for (size_t i = begin; status == YLM_OK && i < end; i++) rays += gather(j, i, &s, j->E0 + 4 * i, j->part[begin / GRAIN]);
   ylm_scene_chooser_free(s.lamps);
   ylm_free(s.ray);
   ylm_free(s.value);
@@ -81,7 +87,8 @@ static ylm_status run(void *context, size_t begin, size_t end, int worker) {
 }
 
 /* Takes new direct light over, or frees it. */
-static ylm_status take(ylm_radiosity *r, ylm_status s, float *E0, uint64_t rays, double begun) {
+static ylm_status take(ylm_radiosity *r, ylm_status s, float *E0, uint64_t rays, double close,
+                       double begun) {
   if (s != YLM_OK) {
     ylm_free(E0);
     return s;
@@ -89,6 +96,7 @@ static ylm_status take(ylm_radiosity *r, ylm_status s, float *E0, uint64_t rays,
   ylm_free(r->E0);
   r->E0 = E0;
   r->rays = rays;
+  r->close = close;
   r->seconds = ylm_seconds() - begun;
   return s;
 }
@@ -111,9 +119,15 @@ ylm_status ylm_radiosity_rays(ylm_radiosity *r, const ylm_scene *scene, int ligh
            .places = places,
            .each = (light_samples + places - 1) / places,
            .seed = seed,
-           .E0 = ylm_alloc_zero(r->t->elements + 1, 16)};
-  s = j.E0 ? ylm_parallel(r->t->elements, 128, threads, run, &j, progress, "direct") : YLM_ENOMEM;
-  return take(r, s, j.E0, j.rays, begun);
+           .E0 = ylm_alloc_zero(r->t->elements + 1, 16),
+           .part = ylm_alloc_zero(r->t->elements / GRAIN + 1, sizeof *j.part)};
+  s = j.E0 && j.part ? ylm_parallel(r->t->elements, GRAIN, threads, run, &j, progress, "direct")
+                     : YLM_ENOMEM;
+  double near = 0, all = 0;
+  for (size_t b = 0; s == YLM_OK && b * GRAIN < r->t->elements; b++)
+    near += j.part[b][0], all += j.part[b][1];
+  ylm_free(j.part);
+  return take(r, s, j.E0, j.rays, all > 0 ? near / all : 0, begun);
 }
 
 /* The products of transfer vectors from `first` on with light [n][3][count]. */
@@ -156,12 +170,12 @@ ylm_status ylm_radiosity_field(ylm_radiosity *r, const ylm_field *field, int thr
     s = ylm_report(progress, first + part, n, "direct");
   }
   ylm_free(light);
-  return take(r, s, E0, 0, begun);
+  return take(r, s, E0, 0, 0, begun);
 }
 
 void ylm_radiosity_set(ylm_radiosity *r, const float *E0) {
   for (size_t i = 0; i < r->t->elements; i++)
     for (size_t c = 0; c < 3; c++) r->E0[4 * i + c] = r->t->share[i] > 0 ? E0[3 * i + c] : 0;
   r->rays = 0;
-  r->seconds = 0;
+  r->close = r->seconds = 0;
 }

@@ -202,7 +202,7 @@ ylm_status ylm_radiosity_solve(ylm_radiosity *r, int bounces, double residual, b
                                int threads, const ylm_progress *progress,
                                ylm_radiosity_stats *stats, ylm_error *e) {
   double begun = ylm_seconds();
-  ylm_radiosity_stats found = {.rays = r->rays, .direct_seconds = r->seconds};
+  ylm_radiosity_stats found = {.rays = r->rays, .close = r->close, .direct_seconds = r->seconds};
   job j = {0};
   if (!(residual > 0)) return ylm_fail(e, YLM_ERANGE, "residual must be above 0, got %g", residual);
   ylm_status s = job_create(&j, r) ? YLM_OK : YLM_ENOMEM;

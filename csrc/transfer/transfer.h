@@ -89,7 +89,7 @@ struct ylm_radiosity {
   float *E0; /* of the next solution, [elements + 1][4] as all others */
   float *direct, *E, *leaving;
   uint64_t rays; /* of E0 */
-  double seconds;
+  double close, seconds;
   ylm_radiosity_stats stats;
 };
 

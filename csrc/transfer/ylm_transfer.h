@@ -167,6 +167,8 @@ typedef struct ylm_radiosity_stats {
                                                  the noise of links and the residual */
   double balance; /* |emitted - absorbed - escaped| / emitted, the largest of the channels */
   uint64_t rays;  /* of direct light */
+  double
+      close; /* the part of direct light that rays to lamps bring from nearer than twice the spacing */
   double direct_seconds, solve_seconds;
 } ylm_radiosity_stats;
 

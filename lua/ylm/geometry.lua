@@ -97,6 +97,9 @@ local common = {
   { "material", "object", of = material.kinds, what = "a material", optional = true,
     about = "reflectance: matte { albedo = 0.75 }" },
   { "occludes", "boolean", default = true, about = "whether it casts shadows" },
+  { "sides", "choice", of = { "auto", "both", "front", "back" }, optional = true,
+    about = "which sides reflect to other surfaces (scene:transfer); front: from which the corners of triangles run "
+      .. "counter-clockwise" },
 }
 
 --- Moves all meshes of an entry: true, or nil, message, code.
@@ -140,7 +143,7 @@ local function add_parts(entry, parts, set, fail)
   for _, part in ipairs(parts) do
     local list = part.emission and emitters or surfaces
     list[#list + 1] = setmetatable({ mesh = part.mesh, name = part.name, material = part.material, emission = part.emission,
-      occludes = entry.occludes }, getmetatable(entry))
+      occludes = entry.occludes, sides = entry.sides }, getmetatable(entry))
   end
   if #parts == 1 and #surfaces == 1 then entry.material, entry.name = surfaces[1].material, surfaces[1].name
   else entry.parts, entry.emitters = surfaces, #emitters > 0 and emitters or nil end
@@ -160,7 +163,8 @@ local function shape(name, definition)
     local transform = placement(values, fail)
     local mesh, parts, set = check.result(name, make(values, fail)) -- or nil, message, code
     if not mesh then return nil, parts, set end
-    local entry = setmetatable({ mesh = mesh, material = values.material, occludes = values.occludes }, definition.metatable)
+    local entry = setmetatable({ mesh = mesh, material = values.material, occludes = values.occludes,
+      sides = values.sides }, definition.metatable)
     if parts then add_parts(entry, parts, set, fail) end
     local ok, message, code = place(name, entry, transform)
     if not ok then return nil, message, code end

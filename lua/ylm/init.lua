@@ -22,6 +22,7 @@ local contents = {
   { "ylm.grid", "adaptive_grid", "uniform_grid", "bake" },
   { "ylm.material", "matte", "ggx", "phong", "abc", "merl", "rgl", "tabulated" },
   { "ylm.camera", "camera" },
+  { "ylm.transfer", "transfer" },
   { "ylm.scene", "scene", "load_scene" },
   { "ylm.file", "load" },
   { "ylm.image", "image", "colour" },

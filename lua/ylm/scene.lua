@@ -11,6 +11,7 @@ local memory = require "ylm.memory"
 local polygon = require "ylm.light.polygon"
 local sandbox = require "ylm.sandbox"
 local text = require "ylm.text"
+require "ylm.transfer.form" -- a field of scenes
 local vector = require "ylm.vector"
 
 local scene = {}
@@ -126,6 +127,7 @@ require "ylm.describe".object "scene" {
     { "lights", "table", "a flat list" },
     { "probes", "table", "the grid's description, or nil" },
     { "background", "number[]", "{r, g, b}" },
+    { "transfer_options", "table", "the form transfer, or nil" },
     { "notes", "string[]", "about files: materials that are not there, lights that Ke made; or nil" },
   },
 }
@@ -137,6 +139,7 @@ local methods = {}
 for _, name in ipairs { "bake", "prepare", "render", "reference", "raycast", "pathtrace", "probe" } do
   methods[name] = function(...) return require("ylm.render")[name](...) end
 end
+function methods.transfer(...) return require("ylm.transfer").of_scene(...) end
 memory.publish(methods)
 
 local metatable = {
@@ -155,6 +158,8 @@ local construct = form.define("scene", {
     { "lights", "parts", default = {}, about = "lights: one, or a list that may nest" },
     { "probes", "object", of = { "adaptive_grid", "uniform_grid" }, optional = true,
       about = "the grid that bake fills" },
+    { "transfer", "object", of = "transfer", optional = true,
+      about = "how surfaces are cut where light bounces; in the scene it is transfer_options" },
     { "background", "colour", min = 0, optional = true, unit = "W sr^-1 m^-2",
       about = "radiance where nothing is hit; default: what distant lights send from there, else 0" },
   },
@@ -170,6 +175,7 @@ local construct = form.define("scene", {
     end
     add_files(values, files)
     values.sky_is_seen = values.background == nil
+    values.transfer_options, values.transfer = values.transfer, nil -- the method has that name
     values.background = values.background or { 0, 0, 0 }
     return setmetatable(values, metatable)
   end,

@@ -7,6 +7,7 @@
 #include "ylm_light.h"
 #include "ylm_path.h"
 #include "ylm_sh.h"
+#include "ylm_transfer.h"
 
 /* name, value */
 #define LIMITS(X)                                                                                  \
@@ -23,7 +24,9 @@
   X(sh_product_lmax, YLM_SH_PRODUCT_LMAX)                                                          \
   X(sh_rotate_lmax, YLM_SH_ROTATE_LMAX)                                                            \
   X(tolerance_least, YLM_LIGHT_TOLERANCE_LEAST)                                                    \
-  X(tolerance_most, YLM_LIGHT_TOLERANCE_MOST)
+  X(tolerance_most, YLM_LIGHT_TOLERANCE_MOST)                                                      \
+  X(transfer_links, YLM_TRANSFER_LINKS)                                                            \
+  X(transfer_lmax, YLM_TRANSFER_LMAX)
 
 void ylmL_open_limits(lua_State *L) {
   static const double luminance[3] = {YLM_LUMINANCE_R, YLM_LUMINANCE_G, YLM_LUMINANCE_B};

@@ -1,0 +1,130 @@
+/* radiosity.c - light on elements as a Lua object. */
+#include "transfer.h"
+
+ylm_radiosity *ylmL_radiosity(lua_State *L, int i) {
+  return ylmL_held_check(L, i, YLML_RADIOSITY)->object;
+}
+
+static void destroy(void *r) { ylm_radiosity_free(r); }
+
+/* radiosity_create(transfer) -> radiosity, dark */
+static int radiosity_create(lua_State *L) {
+  ylmL_held *of = ylmL_held_check(L, 1, YLML_TRANSFER);
+  ylmL_held *h = ylmL_hold(L, YLML_RADIOSITY, destroy, of);
+  ylm_radiosity *r;
+  ylm_status s = ylm_radiosity_create(of->object, &r);
+  h->object = r;
+  if (s == YLM_OK) ylmL_charge(L, 64 * ylm_transfer_count(of->object));
+  return ylmL_result(L, 1, s, NULL);
+}
+
+/* radiosity_rays(radiosity, scene, light_samples, seed, threads, progress) -> radiosity */
+static int radiosity_rays(lua_State *L) {
+  ylm_radiosity *r = ylmL_radiosity(L, 1);
+  const ylm_scene *scene = ylmL_scene(L, 2);
+  ylm_error e = {0};
+  ylmL_progress p;
+  lua_settop(L, 6);
+  if (ylmL_busy(L, 1) != YLM_OK) return ylmL_result(L, 0, YLM_EBUSY, NULL);
+  ylm_status s =
+      ylm_radiosity_rays(r, scene, (int)luaL_checknumber(L, 3), (uint64_t)luaL_checknumber(L, 4),
+                         (int)luaL_optnumber(L, 5, 0), ylmL_progress_begin(L, 6, &p), &e);
+  lua_pushvalue(L, 1);
+  return ylmL_result_progress(L, 1, s, &e, &p);
+}
+
+/* radiosity_field(radiosity, object with a field, threads, progress) -> radiosity */
+static int radiosity_field(lua_State *L) {
+  ylm_radiosity *r = ylmL_radiosity(L, 1);
+  const ylm_field *field = ylmL_field_check(L, 2);
+  ylm_error e = {0};
+  ylmL_progress p;
+  lua_settop(L, 4);
+  if (ylmL_busy(L, 1) != YLM_OK) return ylmL_result(L, 0, YLM_EBUSY, NULL);
+  ylm_status s = ylm_radiosity_field(r, field, (int)luaL_optnumber(L, 3, 0),
+                                     ylmL_progress_begin(L, 4, &p), &e);
+  lua_pushvalue(L, 1);
+  return ylmL_result_progress(L, 1, s, &e, &p);
+}
+
+/* radiosity_set(radiosity, float [n][3]) -> radiosity */
+static int radiosity_set(lua_State *L) {
+  ylm_radiosity *r = ylmL_radiosity(L, 1);
+  ylmL_array *a = ylmL_array_check(L, 2);
+  if (ylmL_busy(L, 1) != YLM_OK) return ylmL_result(L, 0, YLM_EBUSY, NULL);
+  if (a->dtype != YLM_FLOAT) return ylmL_result(L, 0, YLM_ETYPE, NULL);
+  if (a->count != 3 * ylm_transfer_count(ylm_radiosity_transfer(r)))
+    return ylmL_result(L, 0, YLM_ESHAPE, NULL);
+  ylm_radiosity_set(r, a->data);
+  lua_pushvalue(L, 1);
+  return 1;
+}
+
+static void set_three(lua_State *L, const char *name, const double x[3]) {
+  lua_createtable(L, 3, 0);
+  for (int c = 0; c < 3; c++) {
+    lua_pushnumber(L, (lua_Number)x[c]);
+    lua_rawseti(L, -2, c + 1);
+  }
+  lua_setfield(L, -2, name);
+}
+
+static void push_stats(lua_State *L, const ylm_radiosity_stats *s) {
+  lua_newtable(L);
+  ylmL_set_count(L, "bounces", (uint64_t)s->bounces);
+  ylmL_set_boolean(L, "closed", s->closed);
+  ylmL_set_number(L, "residual", s->residual);
+  ylmL_set_number(L, "shrink", s->shrink);
+  set_three(L, "emitted", s->emitted);
+  set_three(L, "absorbed", s->absorbed);
+  set_three(L, "escaped", s->escaped);
+  ylmL_set_number(L, "balance", s->balance);
+  ylmL_set_number(L, "close", s->close);
+  ylmL_set_count(L, "rays", s->rays);
+  ylmL_set_number(L, "direct_seconds", s->direct_seconds);
+  ylmL_set_number(L, "solve_seconds", s->solve_seconds);
+}
+
+/* radiosity_solve(radiosity, bounces (-1: all), residual, closure, threads, progress) -> stats */
+static int radiosity_solve(lua_State *L) {
+  ylm_radiosity *r = ylmL_radiosity(L, 1);
+  ylm_radiosity_stats stats;
+  ylm_error e = {0};
+  ylmL_progress p;
+  lua_settop(L, 6);
+  if (ylmL_busy(L, 1) != YLM_OK) return ylmL_result(L, 0, YLM_EBUSY, NULL);
+  ylm_status s = ylm_radiosity_solve(r, (int)luaL_checknumber(L, 2), (double)luaL_checknumber(L, 3),
+                                     lua_toboolean(L, 4), (int)luaL_optnumber(L, 5, 0),
+                                     ylmL_progress_begin(L, 6, &p), &stats, &e);
+  if (s == YLM_OK) push_stats(L, &stats);
+  return ylmL_result_progress(L, 1, s, &e, &p);
+}
+
+/* radiosity_values(radiosity, "direct" | "irradiance" | "leaving") -> float [n][3] */
+static int radiosity_values(lua_State *L) {
+  static const char *const names[] = {"direct", "irradiance", "leaving", NULL};
+  const ylm_radiosity *r = ylmL_radiosity(L, 1);
+  int which = luaL_checkoption(L, 2, NULL, names);
+  const float *rows = which == 0   ? ylm_radiosity_direct(r)
+                      : which == 1 ? ylm_radiosity_irradiance(r)
+                                   : ylm_radiosity_leaving(r);
+  size_t n = ylm_transfer_count(ylm_radiosity_transfer(r));
+  ylmL_array *a = ylmL_array_new(L, YLM_FLOAT, 2, (size_t[]){n, 3});
+  if (!a) return ylmL_result(L, 0, YLM_ENOMEM, NULL);
+  for (size_t i = 0; i < n; i++) memcpy((float *)a->data + 3 * i, rows + 4 * i, 12);
+  return 1;
+}
+
+static const luaL_Reg functions[] = {
+    {"radiosity_create", radiosity_create}, {"radiosity_rays", radiosity_rays},
+    {"radiosity_field", radiosity_field},   {"radiosity_set", radiosity_set},
+    {"radiosity_solve", radiosity_solve},   {"radiosity_values", radiosity_values},
+    {"radiosity_close", ylmL_let_go},       {NULL, NULL}};
+
+static const luaL_Reg methods[] = {{"__gc", ylmL_let_go}, {NULL, NULL}};
+
+void ylmL_open_radiosity(lua_State *L) {
+  ylmL_type(L, YLML_RADIOSITY, methods);
+  lua_pop(L, 1);
+  luaL_setfuncs(L, functions, 0);
+}

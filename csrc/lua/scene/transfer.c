@@ -1,0 +1,176 @@
+/* transfer.c - elements and links of scenes as Lua objects. */
+#include "transfer.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+static void drop(ylmL_held *h) {
+  while (h && --h->holds == 0) {
+    ylmL_held *of = h->of;
+    if (h->object) h->destroy(h->object);
+    free(h);
+    h = of;
+  }
+}
+
+int ylmL_let_go(lua_State *L) {
+  ylmL_held **u = lua_touserdata(L, 1);
+  if (!u || !*u) return 0;
+  if (ylmL_busy(L, 1) != YLM_OK) return ylmL_result(L, 0, YLM_EBUSY, NULL);
+  drop(*u);
+  *u = NULL;
+  return 0;
+}
+
+ylmL_held *ylmL_hold(lua_State *L, const char *type, void (*destroy)(void *), ylmL_held *of) {
+  ylmL_held **u = lua_newuserdata(L, sizeof *u);
+  *u = NULL;
+  luaL_getmetatable(L, type);
+  lua_setmetatable(L, -2);
+  *u = calloc(1, sizeof **u);
+  if (!*u) ylmL_no_memory(L, NULL);
+  **u = (ylmL_held){1, NULL, destroy, of};
+  if (of) of->holds++;
+  return *u;
+}
+
+ylmL_held *ylmL_held_check(lua_State *L, int i, const char *type) {
+  ylmL_held **u = ylmL_check(L, i, type);
+  if (!*u || !(*u)->object) luaL_argerror(L, i, lua_pushfstring(L, "the %s has been closed", type));
+  return *u;
+}
+
+ylm_transfer *ylmL_transfer(lua_State *L, int i) {
+  return ylmL_held_check(L, i, YLML_TRANSFER)->object;
+}
+
+static void destroy(void *t) { ylm_transfer_free(t); }
+
+static const char *const sides[] = {"auto", "both", "front", "back", NULL};
+
+/* Sides by their names, in an array over the lua_State's memory; NULL: the list is nil. */
+static const uint8_t *read_sides(lua_State *L, int i, size_t meshes) {
+  if (lua_isnil(L, i)) return NULL;
+  uint8_t *out = lua_newuserdata(L, meshes + 1);
+  for (size_t m = 0; m < meshes; m++) {
+    lua_rawgeti(L, i, (int)m + 1);
+    out[m] = (uint8_t)luaL_checkoption(L, lua_gettop(L), NULL, sides);
+    lua_pop(L, 1);
+  }
+  return out;
+}
+
+/* transfer_create(scene, {spacing (0: chosen), max_elements, links, lmax, sides: names of all meshes,
+   inside float [n][3] or nil, seed, threads, progress}) -> transfer */
+static int transfer_create(lua_State *L) {
+  static const char *const names[] = {"spacing", "max_elements", "links",   "lmax",     "sides",
+                                      "inside",  "seed",         "threads", "progress", NULL};
+  enum { SPACING = 3, MOST, LINKS, LMAX, SIDES, INSIDE, SEED, THREADS, PROGRESS };
+  const ylm_scene *scene = ylmL_scene(L, 1);
+  ylm_error e = {0};
+  ylmL_progress p;
+  ylmL_named(L, 2, names);
+  ylmL_array *inside = ylmL_array_opt(L, INSIDE);
+  ylm_transfer_form f = {.spacing = (double)luaL_checknumber(L, SPACING),
+                         .max_elements = (size_t)luaL_checknumber(L, MOST),
+                         .links = (int)luaL_checknumber(L, LINKS),
+                         .lmax = (int)luaL_checknumber(L, LMAX),
+                         .places = inside ? inside->count / 3 : 0,
+                         .inside = inside ? inside->data : NULL,
+                         .seed = (uint64_t)luaL_checknumber(L, SEED),
+                         .threads = (int)luaL_optnumber(L, THREADS, 0),
+                         .progress = ylmL_progress_begin(L, PROGRESS, &p)};
+  f.mesh_sides = read_sides(L, SIDES, ylm_scene_meshes(scene));
+  ylmL_held *h = ylmL_hold(L, YLML_TRANSFER, destroy, NULL);
+  ylm_transfer *t;
+  ylm_status s = ylm_transfer_create(scene, &f, &t, &e);
+  h->object = t;
+  if (s == YLM_OK) {
+    ylm_transfer_stats stats;
+    ylm_transfer_look(t, &stats);
+    ylmL_charge(L, stats.bytes);
+  }
+  return ylmL_result_progress(L, 1, s, &e, &p);
+}
+
+/* transfer_stats(t) -> table */
+static int transfer_stats(lua_State *L) {
+  const ylm_transfer *t = ylmL_transfer(L, 1);
+  const ylm_transfer_form *f = ylm_transfer_made(t);
+  ylm_transfer_stats s;
+  ylm_transfer_look(t, &s);
+  lua_newtable(L);
+  ylmL_set_count(L, "elements", s.elements);
+  ylmL_set_count(L, "degenerate", s.degenerate);
+  ylmL_set_count(L, "closed", s.closed);
+  ylmL_set_count(L, "rooms", s.rooms);
+  ylmL_set_count(L, "dead", s.dead);
+  ylmL_set_count(L, "rays", s.rays);
+  ylmL_set_count(L, "escaped", s.escaped);
+  ylmL_set_count(L, "buried", s.buried);
+  ylmL_set_count(L, "lost", s.lost);
+  ylmL_set_number(L, "seconds", s.seconds);
+  ylmL_set_count(L, "bytes", s.bytes);
+  ylmL_set_number(L, "spacing", f->spacing);
+  ylmL_set_count(L, "links", (uint64_t)f->links);
+  lua_pushinteger(L, f->lmax);
+  lua_setfield(L, -2, "lmax");
+  return 1;
+}
+
+/* transfer_elements(t) -> centre [n][3], normal [n][3], albedo [n][3], area [n], mesh [n] from 1 */
+static int transfer_elements(lua_State *L) {
+  const ylm_transfer *t = ylmL_transfer(L, 1);
+  size_t n = ylm_transfer_count(t);
+  ylmL_array *a[5];
+  for (int i = 0; i < 5; i++) {
+    a[i] = ylmL_array_new(L, YLM_FLOAT, i < 3 ? 2 : 1, (size_t[]){n, 3});
+    if (!a[i]) return ylmL_result(L, 0, YLM_ENOMEM, NULL);
+  }
+  uint32_t *mesh = a[4]->data; /* numbers of meshes, then these as floats */
+  ylm_transfer_elements(t, a[0]->data, a[1]->data, a[3]->data, a[2]->data, mesh);
+  for (size_t i = 0; i < n; i++) {
+    float number = (float)mesh[i] + 1;
+    memcpy(&mesh[i], &number, sizeof number);
+  }
+  return 5;
+}
+
+/* transfer_links(t) -> [n][links] from 1; n + 1 is nothing */
+static int transfer_links(lua_State *L) {
+  const ylm_transfer *t = ylmL_transfer(L, 1);
+  size_t n = ylm_transfer_count(t), links = (size_t)ylm_transfer_made(t)->links;
+  ylmL_array *a = ylmL_array_new(L, YLM_DOUBLE, 2, (size_t[]){n, links});
+  if (!a) return ylmL_result(L, 0, YLM_ENOMEM, NULL);
+  for (size_t k = 0; k < a->count; k++)
+    ((double *)a->data)[k] = (double)ylm_transfer_links(t)[k] + 1;
+  return 1;
+}
+
+/* transfer_escape(t) -> [n][(lmax+1)^2], or nil */
+static int transfer_escape(lua_State *L) {
+  const ylm_transfer *t = ylmL_transfer(L, 1);
+  const float *escape = ylm_transfer_escape(t);
+  if (!escape) return 0;
+  size_t row = (size_t)ylm_transfer_made(t)->lmax + 1;
+  ylmL_array *a = ylmL_array_new(L, YLM_FLOAT, 2, (size_t[]){ylm_transfer_count(t), row * row});
+  if (!a) return ylmL_result(L, 0, YLM_ENOMEM, NULL);
+  ylm_copy(a->data, escape, a->count * sizeof(float));
+  return 1;
+}
+
+static const luaL_Reg functions[] = {{"transfer_create", transfer_create},
+                                     {"transfer_stats", transfer_stats},
+                                     {"transfer_elements", transfer_elements},
+                                     {"transfer_links", transfer_links},
+                                     {"transfer_escape", transfer_escape},
+                                     {"transfer_close", ylmL_let_go},
+                                     {NULL, NULL}};
+
+static const luaL_Reg methods[] = {{"__gc", ylmL_let_go}, {NULL, NULL}};
+
+void ylmL_open_transfer(lua_State *L) {
+  ylmL_type(L, YLML_TRANSFER, methods);
+  lua_pop(L, 1);
+  luaL_setfuncs(L, functions, 0);
+}

@@ -1,0 +1,45 @@
+--- The form `transfer`: how a scene file wants its surfaces cut.
+
+local core = require "ylm.c.core"
+local form = require "ylm.form"
+
+local cut = {}
+
+local MOST_LINKS, MOST_LMAX = core.limits.transfer_links, core.limits.transfer_lmax
+local IN_FILES = 2 ^ 28 -- links of all elements that a scene file may ask for: 1 GiB
+
+function form.types.links(x)
+  if type(x) == "number" and x >= 4 and x <= MOST_LINKS and x % 4 == 0 then return x end
+  return nil, ("a multiple of 4 from 4 to %d"):format(MOST_LINKS)
+end
+
+--- Options of scene:transfer that a scene may carry.
+cut.fields = {
+  { "spacing", "number", above = 0, optional = true, unit = "scene units",
+    about = "the longest edge of an element; default: a hundredth of the diagonal of the scene's bounding box, raised until "
+      .. "there "
+      .. "are at most max_elements" },
+  { "links", "links", default = 128, about = "rays of an element: 4 bytes each" },
+  { "lmax", "integer", min = 0, max = MOST_LMAX, default = 4,
+    about = "highest degree of the elements' transfer vectors: what direct = 'field' and distant light are weighed with" },
+  { "sides", "choice", of = { "auto", "both", "front", "back" }, default = "auto",
+    about = "which sides of triangles reflect: 'auto' is both of an open mesh, and of a closed one those that a lamp or the "
+      .. "camera "
+      .. "can see; geometry has an option of this name too" },
+  { "max_elements", "integer", min = 1, max = 2 ^ 30, default = 2 ^ 20, about = "more are refused" },
+  { "seed", "integer", min = 0, max = 2 ^ 32, default = 1, about = "of all random numbers" },
+}
+
+cut.transfer = form.define("transfer", {
+  about = "How surfaces of a scene are cut into elements, and how many rays each of them sends: the defaults of scene:transfer.",
+  fields = cut.fields,
+  build = function(values, fail)
+    if form.budget and values.links * values.max_elements > IN_FILES then
+      return fail(("links times max_elements at most %.0f in a scene file"):format(IN_FILES))
+    end
+    return setmetatable(values, form.defined.transfer.metatable)
+  end,
+  example = "transfer { spacing = 0.05, links = 128 }",
+})
+
+return cut

@@ -1,0 +1,70 @@
+--- The objects that scene:transfer and transfer:radiosity return, and what they were made of.
+
+local check = require "ylm.check"
+local core = require "ylm.c.core"
+local tracing = require "ylm.trace"
+
+local objects = {}
+
+local lib = tracing.library()
+
+--- { methods, made } of the userdata "ylm.NAME"; `fields` can be read from it, `text` is what it prints as.
+local function kind(name, fields, text)
+  local methods, made, readable = lib and core.metatable("ylm." .. name) or {}, setmetatable({}, { __mode = "k" }), {}
+  for _, field in ipairs(fields) do readable[field] = true end
+  methods.__index = function(object, key)
+    local m = made[object]
+    if m and readable[key] then return m[key] end
+    return rawget(methods, key)
+  end
+  methods.__newindex = function(_, key)
+    return check.fail("%s: cannot set %s: a %s does not change so", name, check.describe(key), name)
+  end
+  methods.__tostring = function(object)
+    local m = made[object]
+    if not m or m.closed then return ("ylm.%s (closed)"):format(name) end
+    return ("ylm.%s of %q: %s"):format(name, m.scene.name or "?", text(m))
+  end
+  return methods, made
+end
+
+objects.transfer, objects.transfers = kind("transfer", { "stats", "scene", "notes" }, function(m)
+  return ("%d elements, %d links of each"):format(m.stats.elements, m.stats.links)
+end)
+
+objects.radiosity, objects.radiosities = kind("radiosity", { "stats", "scene", "transfer", "notes" }, function(m)
+  return ("%d elements, %d bounces"):format(m.elements, m.stats.bounces)
+end)
+
+--- All about the object before the colon: `made` of its kind, and `handle`.
+local function opened(name, object, kinds, type_name, article)
+  if core.type(object) ~= type_name then
+    return check.fail("%s: %s expected before the colon, got %s", name, article, check.describe(object))
+  end
+  local m = kinds[object]
+  if not m or m.closed then return check.fail("%s: %s has been closed", name, article:gsub("^an? ", "the ")) end
+  return m
+end
+
+function objects.open_transfer(name, t)
+  return opened(name, t, objects.transfers, "ylm.transfer", "a transfer")
+end
+
+function objects.open_radiosity(name, lit)
+  return opened(name, lit, objects.radiosities, "ylm.radiosity", "a radiosity")
+end
+
+--- Raises where the meshes of a scene are no more those of a transfer; the traced scene as it is now; nil, message, code.
+function objects.traced_again(name, m)
+  local now, message, code = tracing.trace(name, m.scene)
+  if not now then return nil, message, code end
+  local before, after = m.traced.shapes, now.shapes
+  local alike = #before == #after
+  for i = 1, #before do alike = alike and before[i] == after[i] end
+  if alike then return now end
+  return check.fail("%s: the geometry of scene %q has changed since its transfer was made: make another one "
+    .. "(scene:transfer)", name,
+    m.scene.name or "?")
+end
+
+return objects

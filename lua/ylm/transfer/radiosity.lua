@@ -1,0 +1,224 @@
+--- Bounces of light on the elements of a scene: transfer:radiosity, and the methods of what it returns.
+
+local check = require "ylm.check"
+local core = require "ylm.c.core"
+local describe = require "ylm.describe".describe
+local form = require "ylm.form"
+local light = require "ylm.light"
+local memory = require "ylm.memory"
+local objects = require "ylm.transfer.object"
+local progress = require "ylm.progress"
+local tracing = require "ylm.trace"
+
+local methods = objects.radiosity
+
+local CLOSE = 0.02 -- the part of direct light from lamps nearer than two elements' lengths of which a note is made
+
+require "ylm.describe".object "radiosity" {
+  about = "Light on the elements of a scene: direct light, and all its bounces (transfer:radiosity).",
+  fields = {
+    { "stats", "table", "bounces that were summed; closed: whether the rest was added as a geometric series; residual: what "
+      .. "one more "
+      .. "bounce would change, relative; shrink: the change by the last bounce over the one before; emitted, absorbed, "
+      .. "escaped: W "
+      .. "{r, g, b}, direct light on elements, what they keep, what leaves the scene; balance: what is missing between these, "
+      .. "relative; rays: shadow rays; direct_seconds, solve_seconds, seconds" },
+    { "transfer", "transfer", "of which elements" },
+    { "scene", "scene", "of what" },
+    { "notes", "string[]", "what is known to be missed, or nil" },
+  },
+}
+
+function form.types.bounces_summed(x)
+  if x == "all" or check.is_integer(x) and x >= 0 and x <= 1e6 then return x end
+  return nil, "a number of reflections after direct light, 0, 1, 2 .., or 'all'"
+end
+
+local options = {
+  { "direct", "choice", of = { "rays", "field" }, optional = true,
+    about = "how light first arrives: by shadow rays to lamps (default for lights), or from coefficients at the elements' "
+      .. "centres, "
+      .. "times their transfer vectors (default for other light fields: no rays, but no shadow of what is nearer than a lamp)" },
+  { "light_samples", "integer", min = 1, max = core.limits.transfer_links, default = 16, about = "shadow rays of an element" },
+  { "bounces", "bounces_summed", default = "all", about = "reflections after direct light: 0 is direct light alone" },
+  { "residual", "number", above = 0, max = 1, default = 1e-3, about = "the relative change at which 'all' bounces end" },
+  { "closure", "boolean", default = true, about = "'all' bounces: the rest is added as the geometric series of the last change" },
+  { "seed", "integer", min = 0, max = 2 ^ 32, default = 1, about = "of shadow rays" },
+  form.threads,
+  form.progress,
+}
+
+--- Where the light comes from: { traced } for rays, { field } else; nil, message, code.
+local function source(name, m, lights, direct)
+  if core.has_field(lights) and core.type(lights) ~= "ylm.lights" then
+    if direct == "rays" then
+      return check.fail("%s: direct = 'rays' is for lights; %s has coefficients alone: direct = 'field'", name,
+        check.describe(lights))
+    end
+    return { field = light.field(1, name, lights) }
+  end
+  local traced, message, code = objects.traced_again(name, m)
+  if not traced then return nil, message, code end
+  if lights ~= nil and lights ~= m.scene.lights then
+    traced, message, code = tracing.relight(name, traced, lights)
+    if not traced then return nil, message, code end
+  end
+  local is_set = core.type(traced.lights) == "ylm.lights"
+  if direct == "rays" and not is_set then
+    return check.fail("%s: direct = 'rays' is for lights; %s has coefficients alone: direct = 'field'", name,
+      light.other(traced.lights))
+  end
+  if direct == "field" or not is_set then return { field = traced.lights } end
+  return { traced = traced }
+end
+
+--- Direct light anew: true, or nil, message, code.
+local function illuminate(name, lit, m, lights, o, show)
+  local from, message, code = source(name, m.of, lights, o.direct)
+  if not from then return nil, message, code end
+  if from.field then return check.result(name, m.lib.radiosity_field(lit, from.field, o.threads, show)) end
+  m.lit_by = from.traced -- rays go through it
+  return check.result(name, m.lib.radiosity_rays(lit, from.traced.handle, o.light_samples, o.seed, o.threads, show))
+end
+
+local function add_notes(m)
+  local notes = {}
+  for _, sentence in ipairs(m.of.notes or {}) do notes[#notes + 1] = sentence end
+  if m.stats.close > CLOSE then
+    notes[#notes + 1] = ("scene %q: %.0f %% of the direct light comes from lamps that are nearer to a surface than two "
+      .. "elements are long: "
+      .. "its spots are blurred over elements; less than spacing = %.3g shows them"):format(m.scene.name or "?",
+      100 * m.stats.close,
+      m.of.stats.spacing / 2)
+  end
+  m.notes = #notes > 0 and notes or nil
+end
+
+--- Direct light and its bounces: lit, or nil, message, code.
+local function light_up(name, lit, m, lights, o)
+  local start, show = core.seconds(), progress.resolve(o.progress)
+  local done, message, code = illuminate(name, lit, m, lights, o, show)
+  if not done then return nil, message, code end
+  local stats
+  stats, message, code = check.result(name, m.lib.radiosity_solve(lit, o.bounces == "all" and -1 or o.bounces, o.residual,
+    o.closure,
+    o.threads, show))
+  if not stats then return nil, message, code end
+  stats.seconds = core.seconds() - start
+  m.stats = stats
+  add_notes(m)
+  return lit
+end
+
+local one_box = [[
+local scene = ylm.scene "a box and a lamp" {
+  geometry = { ylm.box { scale = 2, material = ylm.matte { albedo = 0.5 } } },
+  lights = ylm.sphere_light { at = { 0, 0, 0 }, radius = 0.1, radiance = 10 },
+}
+local t = scene:transfer { spacing = 0.5, links = 64 }
+]]
+
+describe "transfer:radiosity" {
+  about = "Light on the elements of a scene: direct light, and its bounces as sums over links.",
+  arguments = { { "lights?", "any", "lights, or any object with a light field; default: the scene's lights" }, { "options?",
+    "table", "" } },
+  options = options,
+  returns = { { "lit", "radiosity", "lit:irradiance(), lit:leaving(), lit:update(lights); lit.stats" } },
+  errors = "raises on a bad option, a scene whose geometry has changed, and bounces that do not converge (albedo 1 in a "
+    .. "closed scene); "
+    .. "nil, message, code: memory, cancelled",
+  example = one_box .. [[
+local lit = t:radiosity()
+local emitted, absorbed = lit.stats.emitted[1], lit.stats.absorbed[1]
+assert(math.abs(absorbed / emitted - 1) < 0.01) -- nothing leaves a closed box]],
+  source = "Goral et al. 1984",
+}
+function objects.transfer.radiosity(t, lights, given)
+  local of = objects.open_transfer("radiosity", t)
+  local o = form.options(2, "radiosity", options, given)
+  local lit, message, code = check.result("radiosity", of.lib.radiosity_create(t))
+  if not lit then return nil, message, code end
+  local m = { of = of, transfer = t, scene = of.scene, lib = of.lib, elements = of.stats.elements, options = o }
+  local done
+  done, message, code = light_up("radiosity", lit, m, lights, o)
+  if not done then return nil, message, code end
+  objects.radiosities[lit] = m
+  return lit
+end
+
+describe "radiosity:update" {
+  about = "Lights the elements anew: direct light and bounces, without tracing links. Options are those that it was made with.",
+  arguments = { { "lights?", "any", "as transfer:radiosity takes; default: the scene's lights as they are now" } },
+  returns = { { "lit", "radiosity", "itself" } },
+  errors = "as transfer:radiosity; what was known before stays where it fails or is cancelled",
+  example = one_box .. [[
+local lit = t:radiosity()
+lit:update(ylm.sphere_light { at = { 0.5, 0, 0 }, radius = 0.1, radiance = 20 })
+assert(lit.stats.bounces > 0)]],
+}
+function methods.update(lit, lights)
+  local m = objects.open_radiosity("update", lit)
+  return light_up("update", lit, m, lights, m.options)
+end
+
+describe "radiosity:irradiance" {
+  about = "The irradiance of the elements, all bounces included.",
+  arguments = { { "part?", "string", "'all' (default), or 'direct': light that comes straight from lamps" } },
+  returns = { { "E", "array", "float [n][3], W m^-2" } },
+  errors = "raises on another part; nil, message, code where memory runs out",
+  example = one_box .. [[
+local lit = t:radiosity()
+assert(lit:irradiance():get(1, 1) > lit:irradiance "direct":get(1, 1))]],
+}
+function methods.irradiance(lit, part)
+  local m = objects.open_radiosity("irradiance", lit)
+  if part ~= nil and part ~= "all" and part ~= "direct" then
+    return check.bad(1, "irradiance", "'all' or 'direct' expected, got %s", check.describe(part))
+  end
+  return check.result("irradiance", m.lib.radiosity_values(lit, part == "direct" and "direct" or "irradiance"))
+end
+
+describe "radiosity:leaving" {
+  about = "The radiance that leaves the elements, the same in all directions: albedo times irradiance over pi.",
+  arguments = {},
+  returns = { { "L", "array", "float [n][3], W sr^-1 m^-2" } },
+  errors = "raises on what is no radiosity; nil, message, code where memory runs out",
+  example = one_box .. [[
+assert(t:radiosity():leaving().shape[1] == t.stats.elements)]],
+}
+function methods.leaving(lit)
+  local m = objects.open_radiosity("leaving", lit)
+  return check.result("leaving", m.lib.radiosity_values(lit, "leaving"))
+end
+
+describe "radiosity:elements" {
+  about = "The elements: transfer:elements of its transfer.",
+  arguments = {},
+  returns = { { "elements", "table", "as transfer:elements" } },
+  errors = "raises on what is no radiosity; nil, message, code where memory runs out",
+  example = one_box .. [[
+assert(#t:radiosity():elements().area == t.stats.elements)]],
+}
+function methods.elements(lit)
+  return objects.transfer.elements(objects.open_radiosity("elements", lit).transfer)
+end
+
+describe "radiosity:close" {
+  about = "Frees the memory of a radiosity now rather than at the next collection.",
+  arguments = {},
+  returns = {},
+  errors = "raises on what is no radiosity",
+  example = one_box .. "t:radiosity():close()",
+}
+function methods.close(lit)
+  if core.type(lit) ~= "ylm.radiosity" then
+    return check.fail("close: a radiosity expected before the colon, got %s", check.describe(lit))
+  end
+  local m = objects.radiosities[lit]
+  check.result("close", m.lib.radiosity_close(lit))
+  m.closed = true
+end
+
+memory.publish(methods)
+
+return methods

@@ -1,0 +1,101 @@
+-- Refusals of elements, links and radiosity: see spec/refusals_spec.lua.
+
+local nan, inf = 0 / 0, 1 / 0
+
+local function scene(ylm, fields)
+  return ylm.scene "refusing" {
+    geometry = fields and fields.geometry or { ylm.box { scale = 2,
+      material = ylm.matte { albedo = fields and fields.albedo or 0.5 } } },
+    lights = ylm.sphere_light { at = { 0, 0, 0 }, radius = 0.1 },
+  }
+end
+
+local function transfer(ylm, fields) return scene(ylm, fields):transfer { spacing = 4, links = 4 } end
+local function radiosity(ylm) return transfer(ylm):radiosity() end
+
+--- Cases of method `name` of what `make` makes, called `what` in messages, before those of `list`.
+local function methods(name, make, what, list)
+  local out = {
+    { call = function(ylm) return make(ylm)[name]({}) end, says = name .. ": a " .. what .. " expected before the colon" },
+  }
+  if name ~= "close" then
+    out[2] = { call = function(ylm)
+      local object = make(ylm)
+      object:close()
+      return object[name](object)
+    end, says = name .. ": the " .. what .. " has been closed" }
+  end
+  for _, case in ipairs(list or {}) do out[#out + 1] = case end
+  return out
+end
+
+local function form_cases(wrap)
+  local out = {}
+  for _, case in ipairs {
+    { { spacing = 0 }, "spacing must be a number > 0" }, { { spacing = -1 }, "spacing must be" },
+    { { spacing = nan }, "spacing must be" }, { { spacing = inf }, "spacing must be" }, { { links = 3 }, "links must be a "
+      .. "multiple of 4" },
+    { { links = 6 }, "links must be" }, { { links = 0 }, "links must be" }, { { links = 4100 }, "links must be" },
+    { { links = nan }, "links must be" }, { { lmax = -1 }, "lmax must be" }, { { lmax = 21 }, "lmax must be" },
+    { { sides = "frnt" }, "did you mean 'front'" }, { { max_elements = 0 }, "max_elements must be" },
+    { { seed = -1 }, "seed must be" }, { { spaceing = 1 }, "did you mean 'spacing'" },
+  } do out[#out + 1] = { call = function(ylm) return wrap(ylm, case[1]) end, says = case[2] } end
+  return out
+end
+
+local of_scene = form_cases(function(ylm, o) return scene(ylm):transfer(o) end)
+for _, case in ipairs {
+  { call = function(ylm) return scene(ylm).transfer({}) end, says = "transfer: a scene expected before the colon" },
+  { call = function(ylm) return scene(ylm):transfer(7) end, says = "a table of options expected, got 7" },
+  { call = function(ylm) return scene(ylm):transfer { spacing = 1e-6 } end,
+    says = "spacing = 1e%-06 would make 9.6e%+13 elements; spacing 0.01 makes 9.6e%+05 %(at most max_elements = 1048576%)" },
+  { call = function(ylm) return scene(ylm):transfer { max_elements = 11 } end,
+    says = "max_elements = 11 is less than the sides of the scene's triangles, 12" },
+  { call = function(ylm) return scene(ylm):transfer { inside = { { 0, 0 } } } end, says = "transfer" },
+  { call = function(ylm) return scene(ylm):transfer { threads = 0 } end, says = "threads must be" },
+  { call = function(ylm) return scene(ylm):transfer { progress = 5 } end, says = "progress must be" },
+  { call = function(ylm) return scene(ylm):transfer { progress = function() return false end } end, says = "cancelled" },
+} do of_scene[#of_scene + 1] = case end
+
+local function lit_by(o, says)
+  return { call = function(ylm) return transfer(ylm):radiosity(nil, o) end, says = says }
+end
+
+return {
+  transfer = form_cases(function(ylm, o) return ylm.transfer(o) end),
+  ["scene:transfer"] = of_scene,
+  ["transfer:elements"] = methods("elements", transfer, "transfer"),
+  ["transfer:links"] = methods("links", transfer, "transfer"),
+  ["transfer:close"] = methods("close", transfer, "transfer"),
+  ["transfer:radiosity"] = methods("radiosity", transfer, "transfer", {
+    lit_by({ direct = "ray" }, "did you mean 'rays'"), lit_by({ light_samples = 0 }, "light_samples must be"),
+    lit_by({ bounces = -1 }, "bounces must be a number of reflections after direct light"), lit_by({ bounces = 1.5 },
+      "bounces must be"),
+    lit_by({ residual = 0 }, "residual must be"), lit_by({ residual = nan }, "residual must be"), lit_by({ closure = 1 },
+      "closure must be"),
+    lit_by({ progress = function() return false end }, "cancelled"),
+    { call = function(ylm) return transfer(ylm):radiosity(5) end, says = "a light or a list of lights expected, got 5" },
+    { call = function(ylm)
+      local t = transfer(ylm)
+      local grid = ylm.bake(ylm.uniform_grid { cells = 1, lmax = 4, bounds = { { -1, -1, -1 }, { 1, 1, 1 } } }, t.scene.lights)
+      return t:radiosity(grid, { direct = "rays" })
+    end, says = "direct = 'rays' is for lights; a ylm.grid has coefficients alone: direct = 'field'" },
+    { call = function(ylm) return transfer(ylm, { albedo = 1 }):radiosity() end,
+      says = "bounces = 'all' does not converge: each bounce keeps 1 of the light before %(the mean albedo is 1, and 0 %% of "
+        .. "the links" },
+    { call = function(ylm)
+      local t = transfer(ylm)
+      t.scene.geometry[2] = ylm.box {}
+      return t:radiosity()
+    end, says = "radiosity: the geometry of scene \"refusing\" has changed since its transfer was made" },
+  }),
+  ["radiosity:update"] = methods("update", radiosity, "radiosity", {
+    { call = function(ylm) return radiosity(ylm):update "dark" end, says = "a light or a list of lights expected" },
+  }),
+  ["radiosity:irradiance"] = methods("irradiance", radiosity, "radiosity", {
+    { call = function(ylm) return radiosity(ylm):irradiance "indirect" end, says = "'all' or 'direct' expected, got 'indirect'" },
+  }),
+  ["radiosity:leaving"] = methods("leaving", radiosity, "radiosity"),
+  ["radiosity:elements"] = methods("elements", radiosity, "radiosity"),
+  ["radiosity:close"] = methods("close", radiosity, "radiosity"),
+}
