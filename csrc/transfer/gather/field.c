@@ -1,0 +1,239 @@
+/* field.c - what surfaces send to points in space, as a light field. */
+#include "gather.h"
+
+#include "ylm_light.h"
+
+/* A query, and the memory of each thread. */
+typedef struct gather_job {
+  const ylm_gather *g;
+  const ylm_field_query *q;
+  const void *points;
+  ylm_field_result *r;
+  gather_want want;
+  float *base;
+  gather_slopes slopes;
+  gather_view **view;
+  gather_sums **sums;
+} gather_job;
+
+static ylm_status check_query(const ylm_field_query *q, size_t n, const void *points,
+                              const ylm_field_result *r, ylm_error *e) {
+  size_t where;
+  if (q->lmax < 0 || q->lmax > YLM_TRANSFER_LMAX)
+    return ylm_fail(e, YLM_ERANGE, "lmax must be 0 .. %d for gathered light, got %d",
+                    YLM_TRANSFER_LMAX, q->lmax);
+  if (q->channels != 1 && q->channels != 3)
+    return ylm_fail(e, YLM_EINVAL, "channels must be 1 or 3, got %d", q->channels);
+  if ((q->want & YLM_WANT_METRIC) && q->metric_channels != 1 && q->metric_channels != 3)
+    return ylm_fail(e, YLM_EINVAL, "metric_channels must be 1 or 3, got %d", q->metric_channels);
+  if (((q->want & YLM_WANT_VALUE) && !r->value) ||
+      ((q->want & YLM_WANT_GRADIENT) && !r->gradient) ||
+      ((q->want & YLM_WANT_HESSIAN) && !r->hessian))
+    return ylm_fail(e, YLM_EINVAL, "a result is wanted but has no place to go");
+  if (!ylm_all_finite(q->dtype, points, 3 * n, &where))
+    return ylm_fail(e, YLM_EDOMAIN, "point %zu is not finite", where / 3 + 1);
+  for (size_t i = 0; i < 3 * n; i++)
+    if (fabs(ylm_get(q->dtype, points, i)) > YLM_LIGHT_EXTENT)
+      return ylm_fail(e, YLM_ERANGE, "point %zu is farther away than %g", i / 3 + 1,
+                      YLM_LIGHT_EXTENT);
+  return YLM_OK;
+}
+
+static gather_want want_of(const ylm_field_query *q) {
+  bool metric = q->want & YLM_WANT_METRIC, hessian = q->want & YLM_WANT_HESSIAN;
+  bool all = metric && q->metric_channels == 3;
+  return (gather_want){.lmax = q->lmax,
+                       .count = ylm_sh_count(q->lmax),
+                       .channels = all ? 3 : q->channels,
+                       .hessians = all || (hessian && q->channels == 3) ? 3 : metric || hessian,
+                       .gradient = q->want & YLM_WANT_GRADIENT};
+}
+
+/* Number `at` of channel c, of luminance where `sum` has three and one is asked for. */
+static double channel_of(const double *sum, int from, int to, int c, size_t wide, size_t at) {
+  if (from == 1) return sum[at];
+  if (to == 3) return sum[(size_t)c * wide + at];
+  return YLM_LUMINANCE_R * sum[at] + YLM_LUMINANCE_G * sum[wide + at] +
+         YLM_LUMINANCE_B * sum[2 * wide + at];
+}
+
+/* Writes sums [from][axes][count] to row `point` of an array [..][channels][count][axes]. */
+static void put_rows(const gather_job *j, void *out, size_t point, const double *sum, int from,
+                     size_t axes) {
+  size_t count = j->want.count;
+  for (int c = 0; c < j->q->channels; c++)
+    for (size_t k = 0; k < count; k++)
+      for (size_t a = 0; a < axes; a++)
+        ylm_put(j->q->dtype, out,
+                ((point * (size_t)j->q->channels + (size_t)c) * count + k) * axes + a,
+                channel_of(sum, from, j->q->channels, c, axes * count, a * count + k));
+}
+
+static void put_metric(const gather_job *j, size_t point, const gather_sums *s) {
+  const gather_want *w = &j->want;
+  float hessian[6 * (YLM_TRANSFER_LMAX + 1) * (YLM_TRANSFER_LMAX + 1)];
+  int channels = j->q->metric_channels;
+  double lambda2 = 0, norm2 = 0;
+  for (int c = 0; c < channels; c++) {
+    for (size_t i = 0; i < 6 * w->count; i++)
+      hessian[i] =
+          (float)channel_of(ylm__gather_hessian(s), w->hessians, channels, c, 6 * w->count, i);
+    lambda2 += (double)ylm_light_lambda2()(w->count, hessian);
+    for (size_t i = 0; i < w->count; i++) {
+      double x = channel_of(ylm__gather_value(s), w->channels, channels, c, w->count, i);
+      norm2 += x * x;
+    }
+  }
+  if (j->r->lambda) ylm_put(j->q->dtype, j->r->lambda, point, sqrt(lambda2));
+  if (j->r->norm) ylm_put(j->q->dtype, j->r->norm, point, sqrt(norm2));
+}
+
+/* Bodies hold no light: within them the field has a value, and no derivatives. */
+static void put(const gather_job *j, size_t point, const gather_sums *s) {
+  const ylm_field_query *q = j->q;
+  const gather_want *w = &j->want;
+  if (q->want & YLM_WANT_VALUE)
+    put_rows(j, j->r->value, point, ylm__gather_value(s), w->channels, 1);
+  if (q->want & YLM_WANT_GRADIENT)
+    put_rows(j, j->r->gradient, point, ylm__gather_gradient(s), w->channels, 3);
+  if (q->want & YLM_WANT_HESSIAN)
+    put_rows(j, j->r->hessian, point, ylm__gather_hessian(s), w->hessians, 6);
+  if (q->want & YLM_WANT_METRIC) put_metric(j, point, s);
+}
+
+static ylm_status evaluate_range(void *context, size_t begin, size_t end, int worker) {
+  const gather_job *j = context;
+  ylm_gather *g = (ylm_gather *)j->g; /* its counters */
+  gather_view **v = &j->view[worker];
+  gather_sums **s = &j->sums[worker];
+  if (!*v) *v = ylm__gather_view_create(g);
+  if (!*s) *s = ylm__gather_sums_create(g, &j->want, j->base, &j->slopes);
+  if (!*v || !*s) return YLM_ENOMEM;
+  for (size_t i = begin; i < end; i++) {
+    float at[3];
+    for (size_t a = 0; a < 3; a++) at[a] = (float)ylm_get(j->q->dtype, j->points, 3 * i + a);
+    ylm_status status = ylm__gather_look(*v, at);
+    if (status != YLM_OK) return status;
+    bool inside = (*v)->buried > 0.5f;
+    ylm__gather_sum(*s, *v);
+    if (inside) ylm__gather_flatten(*s);
+    put(j, i, *s);
+    if (j->r->inside) j->r->inside[i] = inside;
+    atomic_fetch_add_explicit(&g->points, 1, memory_order_relaxed);
+    atomic_fetch_add_explicit(&g->rays, (*v)->rays, memory_order_relaxed);
+    atomic_fetch_add_explicit(&g->invalid, inside, memory_order_relaxed);
+  }
+  return YLM_OK;
+}
+
+static ylm_status evaluate(const ylm_field *f, const ylm_field_query *q, size_t n,
+                           const void *points, ylm_field_result *r, ylm_error *e) {
+  const ylm_gather *g = f->self;
+  ylm_status s = check_query(q, n, points, r, e);
+  if (s != YLM_OK || n == 0) return s;
+  size_t threads = (size_t)ylm_threads(q->threads);
+  gather_job j = {.g = g, .q = q, .points = points, .r = r, .want = want_of(q)};
+  j.base = ylm__gather_base(&g->lattice, q->lmax);
+  j.view = ylm_alloc_zero(threads, sizeof *j.view);
+  j.sums = ylm_alloc_zero(threads, sizeof *j.sums);
+  s = ylm__gather_slopes_create(q->lmax, &j.slopes);
+  if (!j.base || !j.view || !j.sums) s = YLM_ENOMEM;
+  if (s == YLM_OK) s = ylm_parallel(n, 1, (int)threads, evaluate_range, &j, q->progress, "gather");
+  for (size_t i = 0; i < threads; i++) {
+    if (j.view) ylm__gather_view_free(j.view[i]);
+    if (j.sums) ylm__gather_sums_free(j.sums[i]);
+  }
+  ylm_free(j.base);
+  ylm__gather_slopes_free(&j.slopes);
+  ylm_free(j.view);
+  ylm_free(j.sums);
+  r->pairs += n;
+  return s == YLM_OK ? ylm_light_finite(q, n, points, r, e) : s;
+}
+
+static ylm_status crosses(const ylm_field *f, size_t n, const double *boxes, uint8_t *out) {
+  (void)f, (void)boxes;
+  ylm_zero(out, n);
+  return YLM_OK;
+}
+
+/* -- objects ------------------------------------------------------------------------------------ */
+
+static ylm_status check_form(const ylm_gather_form *f, ylm_error *e) {
+  if (f->base < 4 || f->base > 64)
+    return ylm_fail(e, YLM_ERANGE, "base must be from 4 to 64, got %d", f->base);
+  if (f->levels < 0 || f->levels > 2)
+    return ylm_fail(e, YLM_ERANGE, "levels must be from 0 to 2, got %d", f->levels);
+  if (!(f->contrast >= 0) || !isfinite(f->contrast))
+    return ylm_fail(e, YLM_ERANGE, "contrast must be a number that is not negative, got %g",
+                    f->contrast);
+  if (!(f->spacing >= 0) || !isfinite(f->spacing))
+    return ylm_fail(e, YLM_ERANGE, "spacing must be a distance, got %g", f->spacing);
+  if (!(f->parts & YLM_GATHER_ALL) || (f->parts & ~YLM_GATHER_ALL))
+    return ylm_fail(e, YLM_ERANGE, "parts must be indirect, direct or all, got %d", (int)f->parts);
+  return YLM_OK;
+}
+
+static ylm_status fill(ylm_gather *g) {
+  ylm_status s = ylm__gather_lattice_create(g->form.base, g->form.levels, true, &g->lattice);
+  if (s != YLM_OK) return s;
+  g->most = ylm__gather_most(&g->lattice);
+  if (g->form.derivatives == YLM_GATHER_POINTS) {
+    g->normal = ylm_alloc(g->elements, sizeof *g->normal);
+    if (!g->normal) return YLM_ENOMEM;
+    ylm_transfer_elements(g->transfer, NULL, (float *)g->normal, NULL, NULL, NULL);
+  }
+  return g->form.remember ? ylm__gather_memory_create(&g->memory) : YLM_OK;
+}
+
+/* A field of `form`, which has been checked but for its base. */
+static ylm_status create(const ylm_radiosity *r, const ylm_gather_form *form, ylm_gather **out) {
+  ylm_gather *g = ylm_alloc_zero(1, sizeof *g);
+  if (!g) return YLM_ENOMEM;
+  g->field = (ylm_field){.self = g, .evaluate = evaluate, .crosses = crosses};
+  g->form = *form;
+  g->radiosity = r;
+  g->transfer = ylm_radiosity_transfer(r);
+  g->scene = ylm_transfer_scene(g->transfer);
+  g->elements = ylm_transfer_count(g->transfer);
+  g->spacing = (float)(form->spacing > 0 ? form->spacing : ylm_transfer_made(g->transfer)->spacing);
+  ylm_status s = fill(g);
+  if (s == YLM_OK)
+    *out = g;
+  else
+    ylm_gather_free(g);
+  return s;
+}
+
+ylm_status ylm_gather_create(const ylm_radiosity *r, const ylm_gather_form *form, ylm_gather **out,
+                             ylm_error *e) {
+  *out = NULL;
+  ylm_status s = check_form(form, e);
+  return s == YLM_OK ? create(r, form, out) : s;
+}
+
+ylm_status ylm__gather_finer(const ylm_gather *g, ylm_gather **out) {
+  ylm_gather_form form = g->form;
+  form.base *= 2;
+  form.remember = false;
+  form.derivatives = YLM_GATHER_CELLS;
+  return create(g->radiosity, &form, out);
+}
+
+void ylm_gather_free(ylm_gather *g) {
+  if (!g) return;
+  ylm__gather_lattice_free(&g->lattice);
+  ylm__gather_memory_free(g->memory);
+  ylm_free(g->normal);
+  ylm_free(g);
+}
+
+const ylm_field *ylm_gather_field(const ylm_gather *g) { return &g->field; }
+
+void ylm_gather_look(const ylm_gather *g, ylm_gather_stats *stats) {
+  *stats = (ylm_gather_stats){.points = g->points,
+                              .rays = g->rays,
+                              .shadow_rays = g->shadow_rays,
+                              .invalid = g->invalid,
+                              .bytes = g->memory ? ylm__gather_memory_bytes(g->memory) : 0};
+}
