@@ -14,6 +14,7 @@ for folder in pairs(tops) do rank[folder] = 50 end
 local rooms = {
   sh = { "eval", "product", "rotate", "project" },
   light = { "sphere", "moments", "tree", "flat" },
+  transfer = { "gather" },
   grid = { "bake", "sample", "follow", "file" },
   vulkan = { "device", "light", "grid", "picture", "rival" },
   lua = { "core", "codec", "scene", "vtk", "vulkan", "rival" },
