@@ -78,7 +78,8 @@ static ylm_status run(void *context, size_t begin, size_t end, int worker) {
                .ray = ylm_alloc(most, sizeof(ylm_trace_ray)),
                .value = ylm_alloc(most, 12)};
   ylm_status status = s.lamps && s.ray && s.value ? YLM_OK : YLM_ENOMEM;
-  for (size_t i = begin; status == YLM_OK && i < end; i++) rays += gather(j, i, &s, j->E0 + 4 * i, j->part[begin / GRAIN]);
+  for (size_t i = begin; status == YLM_OK && i < end; i++)
+    rays += gather(j, i, &s, j->E0 + 4 * i, j->part[begin / GRAIN]);
   ylm_scene_chooser_free(s.lamps);
   ylm_free(s.ray);
   ylm_free(s.value);

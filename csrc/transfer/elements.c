@@ -34,7 +34,7 @@ static double longest_edge(double p[3][3]) {
 
 /* Longest edges of all triangles, below 0 where there is no area: a triangle that floats cannot tell
    from a line has none. */
-static ylm_status find_edges(const ylm_transfer *t, const float *positions, float *edge) {
+static void find_edges(const ylm_transfer *t, const float *positions, float *edge) {
   for (size_t m = 0; m < t->meshes; m++)
     for (size_t i = 0; i < t->first[m + 1] - t->first[m]; i++) {
       double p[3][3], longest;
@@ -43,7 +43,6 @@ static ylm_status find_edges(const ylm_transfer *t, const float *positions, floa
       bool flat = !(area_of(p) > 1e-12 * longest * longest);
       edge[t->first[m] + i] = flat ? -1 : (float)longest;
     }
-  return YLM_OK;
 }
 
 static double pieces(float edge, double spacing) {
@@ -102,21 +101,28 @@ static ylm_status choose_spacing(ylm_transfer *t, const float *edge, ylm_error *
   return YLM_OK;
 }
 
-/* Numbers the elements. */
-static void number(ylm_transfer *t, const float *edge) {
+/* Numbers the elements, whose cuts are known; how many there are. */
+static size_t number(ylm_transfer *t) {
   size_t n = 0;
   for (size_t m = 0; m < t->meshes; m++)
     for (size_t i = t->first[m]; i < t->first[m + 1]; i++) {
-      size_t k = (size_t)pieces(edge[i], t->form.spacing);
-      t->cut[i] = (uint16_t)k;
-      if (t->side[m] && k == 0) t->stats.degenerate++;
+      size_t k = t->cut[i];
       for (int side = 0; side < 2; side++) {
         bool used = k > 0 && (t->side[m] & (side ? TRANSFER_BACK : TRANSFER_FRONT));
         t->start[i][side] = used ? (uint32_t)n : TRANSFER_NONE;
         if (used) n += k * k;
       }
     }
-  t->elements = t->stats.elements = n;
+  return n;
+}
+
+/* Cuts triangles of these longest edges. */
+static void cut(ylm_transfer *t, const float *edge) {
+  for (size_t m = 0; m < t->meshes; m++)
+    for (size_t i = t->first[m]; i < t->first[m + 1]; i++) {
+      t->cut[i] = (uint16_t)pieces(edge[i], t->form.spacing);
+      if (t->side[m] && t->cut[i] == 0) t->stats.degenerate++;
+    }
 }
 
 void ylm__transfer_corners(const ylm_transfer *t, size_t e, ylm_scene_place *place,
@@ -186,13 +192,14 @@ static ylm_status describe(void *context, size_t begin, size_t end, int worker) 
 
 static ylm_status make(ylm_transfer *t, const float *positions) {
   size_t n = t->elements;
+  t->stats.elements = n;
   t->centre = ylm_alloc(n, sizeof *t->centre);
   t->normal = ylm_alloc(n, sizeof *t->normal);
   t->area = ylm_alloc(n, sizeof *t->area);
   t->albedo = ylm_alloc(n, sizeof *t->albedo);
   t->mesh = ylm_alloc(n, sizeof *t->mesh);
   t->triangle = ylm_alloc(n, sizeof *t->triangle);
-  t->share = ylm_alloc(n, sizeof *t->share);
+  if (!t->share) t->share = ylm_alloc(n, sizeof *t->share);
   if (!t->centre || !t->normal || !t->area || !t->albedo || !t->mesh || !t->triangle || !t->share)
     return YLM_ENOMEM;
   for (size_t m = 0; m < t->meshes; m++)
@@ -209,33 +216,54 @@ static ylm_status make(ylm_transfer *t, const float *positions) {
 static ylm_status list_triangles(ylm_transfer *t) {
   t->meshes = ylm_scene_meshes(t->scene);
   t->first = ylm_alloc(t->meshes + 1, sizeof *t->first);
-  t->side = ylm_alloc_zero(t->meshes, 1);
-  if (!t->first || !t->side) return YLM_ENOMEM;
+  if (!t->first) return YLM_ENOMEM;
   t->first[0] = 0;
   for (size_t m = 0; m < t->meshes; m++)
     t->first[m + 1] = t->first[m] + ylm_scene_triangles(t->scene, m);
   t->triangles = t->first[t->meshes];
-  t->cut = ylm_alloc_zero(t->triangles, sizeof *t->cut);
   t->start = ylm_alloc(t->triangles, sizeof *t->start);
-  return t->cut && t->start ? YLM_OK : YLM_ENOMEM;
+  return t->start ? YLM_OK : YLM_ENOMEM;
+}
+
+/* The positions of all vertices, or NULL. */
+static float *positions_of(const ylm_scene *scene) {
+  float *positions = ylm_alloc(ylm_scene_vertices(scene, NULL), 12);
+  if (positions) ylm_scene_vertices(scene, positions);
+  return positions;
 }
 
 ylm_status ylm__transfer_cut(ylm_transfer *t, const ylm_transfer_form *form, ylm_error *e) {
   ylm_status s = list_triangles(t);
-  float *positions = ylm_alloc(ylm_scene_vertices(t->scene, NULL), 12);
-  float *edge = ylm_alloc(t->triangles, sizeof *edge);
-  if (s == YLM_OK && (!positions || !edge)) s = YLM_ENOMEM;
+  float *positions = positions_of(t->scene), *edge = ylm_alloc(t->triangles, sizeof *edge);
+  t->side = ylm_alloc_zero(t->meshes, 1);
+  t->cut = ylm_alloc_zero(t->triangles, sizeof *t->cut);
+  if (s == YLM_OK && (!positions || !edge || !t->side || !t->cut)) s = YLM_ENOMEM;
+  if (s == YLM_OK) s = ylm__transfer_sides(t, form, positions);
   if (s == YLM_OK) {
-    ylm_scene_vertices(t->scene, positions);
-    s = ylm__transfer_sides(t, form, positions);
+    find_edges(t, positions, edge);
+    s = choose_spacing(t, edge, e);
   }
-  if (s == YLM_OK) s = find_edges(t, positions, edge);
-  if (s == YLM_OK) s = choose_spacing(t, edge, e);
   if (s == YLM_OK) {
-    number(t, edge);
+    cut(t, edge);
+    t->elements = number(t);
     s = make(t, positions);
   }
   ylm_free(edge);
+  ylm_free(positions);
+  return s;
+}
+
+ylm_status ylm__transfer_cut_again(ylm_transfer *t, size_t elements) {
+  ylm_status s = list_triangles(t);
+  double n = 0;
+  for (size_t m = 0; s == YLM_OK && m < t->meshes; m++)
+    for (size_t i = t->first[m]; i < t->first[m + 1]; i++)
+      n += (double)t->cut[i] * (double)t->cut[i] * sides_of(t, m);
+  if (s == YLM_OK && n != (double)elements) return YLM_EFORMAT;
+  float *positions = s == YLM_OK ? positions_of(t->scene) : NULL;
+  if (!positions) return YLM_ENOMEM;
+  t->elements = number(t);
+  s = make(t, positions);
   ylm_free(positions);
   return s;
 }

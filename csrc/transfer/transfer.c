@@ -21,7 +21,7 @@ static ylm_status check(const ylm_transfer_form *f, size_t meshes, ylm_error *e)
   return YLM_OK;
 }
 
-static size_t bytes_of(const ylm_transfer *t) {
+size_t ylm__transfer_bytes(const ylm_transfer *t) {
   size_t row = t->escape ? ylm_sh_count(t->form.lmax) : 0;
   return t->elements * (3 * 12 + 4 * 4 + 4 * ((size_t)t->form.links + row)) +
          t->triangles * (sizeof *t->cut + sizeof *t->start);
@@ -44,7 +44,7 @@ ylm_status ylm_transfer_create(const ylm_scene *scene, const ylm_transfer_form *
   s = ylm__transfer_cut(t, form, e);
   if (s == YLM_OK) s = ylm__transfer_link(t, form->progress, e);
   t->stats.seconds = ylm_seconds() - begun;
-  t->stats.bytes = bytes_of(t);
+  t->stats.bytes = ylm__transfer_bytes(t);
   if (s == YLM_OK)
     *out = t;
   else
@@ -76,31 +76,3 @@ const ylm_scene *ylm_transfer_scene(const ylm_transfer *t) { return t->scene; }
 size_t ylm_transfer_count(const ylm_transfer *t) { return t->elements; }
 const uint32_t *ylm_transfer_links(const ylm_transfer *t) { return t->link; }
 const float *ylm_transfer_escape(const ylm_transfer *t) { return t->escape; }
-
-ylm_status ylm__transfer_fingerprint(const ylm_scene *scene, uint64_t *print) {
-  size_t n = ylm_scene_vertices(scene, NULL);
-  float *positions = ylm_alloc(n, 12);
-  if (!positions) return YLM_ENOMEM;
-  ylm_scene_vertices(scene, positions);
-  uint64_t crc = ylm_crc64(0, positions, 12 * n);
-  for (size_t m = 0; m < ylm_scene_meshes(scene); m++) {
-    uint64_t of[3] = {ylm_scene_first_vertex(scene, m), ylm_scene_triangles(scene, m),
-                      ylm_scene_occludes(scene, m)};
-    crc = ylm_crc64(crc, of, sizeof of);
-    if (of[1]) crc = ylm_crc64(crc, ylm_scene_triangle(scene, m, 0), 12 * of[1]);
-  }
-  ylm_free(positions);
-  *print = crc;
-  return YLM_OK;
-}
-
-ylm_status ylm__transfer_same(const ylm_scene *a, const ylm_scene *b, bool *same) {
-  uint64_t print[2];
-  *same = a == b || (ylm_scene_meshes(a) > 0 && ylm_scene_meshes(a) == ylm_scene_meshes(b) &&
-                     ylm_scene_triangle(a, 0, 0) == ylm_scene_triangle(b, 0, 0));
-  if (*same) return YLM_OK;
-  ylm_status s = ylm__transfer_fingerprint(a, &print[0]);
-  if (s == YLM_OK) s = ylm__transfer_fingerprint(b, &print[1]);
-  *same = s == YLM_OK && print[0] == print[1];
-  return s;
-}

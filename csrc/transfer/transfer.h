@@ -51,6 +51,9 @@ ylm_status ylm__transfer_sides(ylm_transfer *t, const ylm_transfer_form *form,
 
 /* Cuts the surfaces: everything but links. */
 ylm_status ylm__transfer_cut(ylm_transfer *t, const ylm_transfer_form *form, ylm_error *e);
+/* The same where t->side, t->cut and t->share are known; YLM_EFORMAT, and nothing made, unless there are
+   so many elements then. */
+ylm_status ylm__transfer_cut_again(ylm_transfer *t, size_t elements);
 /* Where element i lies: its triangle's place, and the weights (u, v) of its three corners. */
 void ylm__transfer_corners(const ylm_transfer *t, size_t i, ylm_scene_place *place,
                            float corner[3][2]);
@@ -69,7 +72,12 @@ ylm_status ylm__transfer_check_links(int links, ylm_error *e);
 
 /* -- transfer.c ----------------------------------------------------------------- */
 
-/* The positions, triangles and sides of occlusion of all meshes, in 64 bits. */
+/* The memory that a transfer takes. */
+size_t ylm__transfer_bytes(const ylm_transfer *t);
+
+/* -- file.c --------------------------------------------------------------------- */
+
+/* The positions, triangles and flags of all meshes, in 64 bits. */
 ylm_status ylm__transfer_fingerprint(const ylm_scene *scene, uint64_t *print);
 /* Whether two scenes have the same meshes. */
 ylm_status ylm__transfer_same(const ylm_scene *a, const ylm_scene *b, bool *same);

@@ -93,6 +93,33 @@ static int transfer_create(lua_State *L) {
   return ylmL_result_progress(L, 1, s, &e, &p);
 }
 
+/* transfer_write(t, path) -> true */
+static int transfer_write(lua_State *L) {
+  ylm_error e = {0};
+  ylm_status s = ylm_transfer_write(ylmL_transfer(L, 1), luaL_checkstring(L, 2), &e);
+  lua_pushboolean(L, 1);
+  return ylmL_result(L, 1, s, &e);
+}
+
+/* transfer_read(scene, path) -> transfer */
+static int transfer_read(lua_State *L) {
+  const ylm_scene *scene = ylmL_scene(L, 1);
+  const char *path = luaL_checkstring(L, 2);
+  ylm_error e = {0};
+  unsigned char *bytes;
+  size_t size;
+  ylmL_held *h = ylmL_hold(L, YLML_TRANSFER, destroy, NULL);
+  ylm_transfer *t = NULL;
+  ylm_status s = ylm_file_read(path, (size_t)1 << 40, &bytes, &size, &e);
+  if (s == YLM_OK) {
+    s = ylm_transfer_read(scene, bytes, size, path, &t, &e);
+    ylm_free(bytes);
+  }
+  h->object = t;
+  if (s == YLM_OK) ylmL_charge(L, size);
+  return ylmL_result(L, 1, s, &e);
+}
+
 /* transfer_stats(t) -> table */
 static int transfer_stats(lua_State *L) {
   const ylm_transfer *t = ylmL_transfer(L, 1);
@@ -164,6 +191,8 @@ static const luaL_Reg functions[] = {{"transfer_create", transfer_create},
                                      {"transfer_elements", transfer_elements},
                                      {"transfer_links", transfer_links},
                                      {"transfer_escape", transfer_escape},
+                                     {"transfer_read", transfer_read},
+                                     {"transfer_write", transfer_write},
                                      {"transfer_close", ylmL_let_go},
                                      {NULL, NULL}};
 

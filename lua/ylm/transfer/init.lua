@@ -35,6 +35,8 @@ for _, field in ipairs(cut.fields) do
 end
 options[#options + 1] = { "inside", "any", optional = true,
   about = "places [n][3] from which rooms are seen, besides lamps and the camera: array or list" }
+options[#options + 1] = { "file", "path", optional = true,
+  about = "reads a file of t:save instead, of a scene with the same meshes; all other options are the file's" }
 options[#options + 1] = form.threads
 options[#options + 1] = form.progress
 
@@ -74,6 +76,16 @@ local function notes_of(s, traced)
     s.name or "?", traced.glossy, #s.geometry) }
 end
 
+--- The transfer of a file, whose options are those that it was made with.
+local function from_file(traced, o, given)
+  for key in pairs(given) do
+    if key ~= "file" and key ~= "threads" and key ~= "progress" then
+      return check.fail("transfer: %s is the file's: leave out file, or %s", key, key)
+    end
+  end
+  return check.result("transfer", traced.lib.transfer_read(traced.handle, o.file))
+end
+
 --- A transfer of `handle`; what it was made of is remembered.
 local function remember(s, traced, handle)
   objects.transfers[handle] = { scene = s, traced = traced, lib = traced.lib, stats = traced.lib.transfer_stats(handle),
@@ -99,10 +111,16 @@ assert(t.stats.rooms == 1 and t.stats.escaped == 0)]],
 }
 function transfer.of_scene(s, given)
   tracing.check_scene("transfer", s)
-  local o = settled(s, form.options(1, "transfer", options, given))
+  local o = form.options(1, "transfer", options, given)
   local traced, message, code = tracing.trace("transfer", s)
   if not traced then return nil, message, code end
   local handle
+  if o.file then
+    handle, message, code = from_file(traced, o, given)
+    if not handle then return nil, message, code end
+    return remember(s, traced, handle)
+  end
+  settled(s, o)
   handle, message, code = check.result("transfer", traced.lib.transfer_create(traced.handle, {
     spacing = o.spacing or 0, max_elements = o.max_elements, links = o.links, lmax = o.lmax, sides = sides_of(s, o.sides),
     inside = places_inside(s, o.inside), seed = o.seed, threads = o.threads, progress = progress.resolve(o.progress) }))
@@ -141,6 +159,26 @@ assert(t:links():get(1, 1) == t.stats.elements + 1) -- a floor sees nothing]],
 function methods.links(t)
   local m = objects.open_transfer("links", t)
   return check.result("links", m.lib.transfer_links(t))
+end
+
+describe "transfer:save" {
+  about = "Writes elements and links to a file, which scene:transfer { file = } reads where the scene has the same meshes.",
+  arguments = { { "path", "string", "the file, by custom NAME.transfer" } },
+  returns = { { "ok", "boolean", "true, or nil, message, 'EIO'" } },
+  errors = "raises on what is no file name; nil, message, code: files, memory",
+  example = [[
+local scene = ylm.scene "a floor" { geometry = { ylm.quad { corner = { 0, 0, 0 }, u = { 1, 0, 0 }, v = { 0, 0, -1 } } } }
+local name = os.tmpname()
+assert(scene:transfer({ links = 16, spacing = 2 }):save(name))
+assert(scene:transfer({ file = name }).stats.links == 16)
+os.remove(name)]],
+}
+function methods.save(t, path)
+  local m = objects.open_transfer("save", t)
+  if type(path) ~= "string" or path == "" or path:find("%z") then
+    return check.bad(1, "save", "the name of a file expected, got %s", check.describe(path))
+  end
+  return check.result("save", m.lib.transfer_write(t, path))
 end
 
 describe "transfer:close" {

@@ -51,6 +51,10 @@ for _, case in ipairs {
     says = "spacing = 1e%-06 would make 9.6e%+13 elements; spacing 0.01 makes 9.6e%+05 %(at most max_elements = 1048576%)" },
   { call = function(ylm) return scene(ylm):transfer { max_elements = 11 } end,
     says = "max_elements = 11 is less than the sides of the scene's triangles, 12" },
+  { call = function(ylm) return scene(ylm):transfer { file = "none.transfer" } end, says = "none.transfer" },
+  { call = function(ylm) return scene(ylm):transfer { file = "spec/once.lua" } end, says = "spec/once.lua: this is no transfer" },
+  { call = function(ylm) return scene(ylm):transfer { file = "none.transfer", spacing = 1 } end,
+    says = "spacing is the file's: leave out file, or spacing" },
   { call = function(ylm) return scene(ylm):transfer { inside = { { 0, 0 } } } end, says = "transfer" },
   { call = function(ylm) return scene(ylm):transfer { threads = 0 } end, says = "threads must be" },
   { call = function(ylm) return scene(ylm):transfer { progress = 5 } end, says = "progress must be" },
@@ -66,6 +70,10 @@ return {
   ["scene:transfer"] = of_scene,
   ["transfer:elements"] = methods("elements", transfer, "transfer"),
   ["transfer:links"] = methods("links", transfer, "transfer"),
+  ["transfer:save"] = methods("save", transfer, "transfer", {
+    { call = function(ylm) return transfer(ylm):save(5) end, says = "the name of a file expected, got 5" },
+    { call = function(ylm) return transfer(ylm):save "no such folder/a.transfer" end, says = "no such folder" },
+  }),
   ["transfer:close"] = methods("close", transfer, "transfer"),
   ["transfer:radiosity"] = methods("radiosity", transfer, "transfer", {
     lit_by({ direct = "ray" }, "did you mean 'rays'"), lit_by({ light_samples = 0 }, "light_samples must be"),

@@ -1,0 +1,312 @@
+/*
+** file.c - transfers as files (docs/bouncing.md has the table).
+**
+** A header, the cuts and the links; elements are made again from the scene, which must have the
+** meshes that the links were found for. Files are written in this machine's byte order and read in
+** either; the fingerprint of the meshes is that of little-endian bytes.
+*/
+#include "transfer.h"
+
+#define ORDER 0x01020304u
+#define SWAPPED 0x04030201u
+#define VERSION 1u
+#define LITTLE (__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__)
+/* Bytes that are summed at a time. */
+#define CHUNK 65536
+
+static const char magic[8] = {(char)0x89, 'Y', 'L', 'M', 't', 'r', 'f', 's'};
+
+/* All numbers behind the version, in their order; no padding. */
+typedef struct header {
+  char magic[8];
+  uint32_t order, version;
+  uint64_t size;                      /* of the file */
+  uint32_t lmax, links, meshes, zero; /* lmax + 1, so that none is 0 */
+  uint64_t triangles, elements, fingerprint, seed, max_elements;
+  double spacing;
+  uint64_t degenerate, closed, rooms, dead, rays, escaped, buried, lost;
+} header;
+_Static_assert(sizeof(header) == 152, "the header of transfers has padding");
+
+/* The sections behind the header; each begins at a multiple of 8 bytes. */
+enum { SIDES, CUTS, SHARES, LINKS, ESCAPE, SECTIONS };
+typedef struct section {
+  size_t width, count; /* bytes of a number, and how many */
+} section;
+
+static void sections_of(const header *h, section out[SECTIONS]) {
+  size_t row = h->lmax;
+  out[SIDES] = (section){1, h->meshes};
+  out[CUTS] = (section){2, h->triangles};
+  out[SHARES] = (section){4, h->elements};
+  out[LINKS] = (section){4, h->elements * h->links};
+  out[ESCAPE] = (section){4, h->elements * row * row};
+}
+
+static size_t padded(const section *s) { return (s->width * s->count + 7) / 8 * 8; }
+
+static size_t size_of(const header *h) {
+  section s[SECTIONS];
+  size_t size = sizeof *h + 8;
+  sections_of(h, s);
+  for (int i = 0; i < SECTIONS; i++) size += padded(&s[i]);
+  return size;
+}
+
+/* -- fingerprint -------------------------------------------------------------------- */
+
+/* crc of n numbers of `width` bytes as little-endian machines have them. */
+static uint64_t sum_numbers(uint64_t crc, const void *numbers, size_t n, size_t width) {
+  const unsigned char *from = numbers;
+  if (LITTLE) return ylm_crc64(crc, from, n * width);
+  unsigned char turned[8];
+  for (size_t i = 0; i < n; i++, from += width) {
+    for (size_t k = 0; k < width; k++) turned[k] = from[width - 1 - k];
+    crc = ylm_crc64(crc, turned, width);
+  }
+  return crc;
+}
+
+ylm_status ylm__transfer_fingerprint(const ylm_scene *scene, uint64_t *print) {
+  size_t n = ylm_scene_vertices(scene, NULL);
+  float *positions = ylm_alloc(n, 12);
+  if (!positions) return YLM_ENOMEM;
+  ylm_scene_vertices(scene, positions);
+  uint64_t crc = sum_numbers(0, positions, 3 * n, 4);
+  for (size_t m = 0; m < ylm_scene_meshes(scene); m++) {
+    uint64_t of[3] = {ylm_scene_first_vertex(scene, m), ylm_scene_triangles(scene, m),
+                      ylm_scene_occludes(scene, m)};
+    crc = sum_numbers(crc, of, 3, 8);
+    if (of[1]) crc = sum_numbers(crc, ylm_scene_triangle(scene, m, 0), 3 * of[1], 4);
+  }
+  ylm_free(positions);
+  *print = crc;
+  return YLM_OK;
+}
+
+ylm_status ylm__transfer_same(const ylm_scene *a, const ylm_scene *b, bool *same) {
+  uint64_t print[2];
+  *same = a == b || (ylm_scene_meshes(a) > 0 && ylm_scene_meshes(a) == ylm_scene_meshes(b) &&
+                     ylm_scene_triangles(a, 0) > 0 && ylm_scene_triangles(b, 0) > 0 &&
+                     ylm_scene_triangle(a, 0, 0) == ylm_scene_triangle(b, 0, 0));
+  if (*same) return YLM_OK;
+  ylm_status s = ylm__transfer_fingerprint(a, &print[0]);
+  if (s == YLM_OK) s = ylm__transfer_fingerprint(b, &print[1]);
+  *same = s == YLM_OK && print[0] == print[1];
+  return s;
+}
+
+/* -- writing ------------------------------------------------------------------------ */
+
+/* Bytes to a file, summed. */
+static void put(ylm_file *f, uint64_t *crc, const void *data, size_t size) {
+  for (size_t at = 0; at < size; at += CHUNK) {
+    size_t part = size - at < CHUNK ? size - at : CHUNK;
+    *crc = ylm_crc64(*crc, (const char *)data + at, part);
+    ylm_file_write(f, (const char *)data + at, part); /* errors stick */
+  }
+}
+
+static ylm_status describe(const ylm_transfer *t, header *h) {
+  const ylm_transfer_stats *s = &t->stats;
+  *h = (header){.order = ORDER,
+                .version = VERSION,
+                .lmax = (uint32_t)(t->form.lmax + 1),
+                .links = (uint32_t)t->form.links,
+                .meshes = (uint32_t)t->meshes,
+                .triangles = t->triangles,
+                .elements = t->elements,
+                .seed = t->form.seed,
+                .max_elements = t->form.max_elements,
+                .spacing = t->form.spacing,
+                .degenerate = s->degenerate,
+                .closed = s->closed,
+                .rooms = s->rooms,
+                .dead = s->dead,
+                .rays = s->rays,
+                .escaped = s->escaped,
+                .buried = s->buried,
+                .lost = s->lost};
+  memcpy(h->magic, magic, sizeof magic);
+  h->size = size_of(h);
+  return ylm__transfer_fingerprint(t->scene, &h->fingerprint);
+}
+
+ylm_status ylm_transfer_write(const ylm_transfer *t, const char *path, ylm_error *e) {
+  static const char zeros[8] = {0};
+  const void *data[SECTIONS] = {t->side, t->cut, t->share, t->link, t->escape};
+  section sections[SECTIONS];
+  header h;
+  ylm_file *f;
+  ylm_status s = describe(t, &h);
+  if (s == YLM_OK) s = ylm_file_create(path, &f, e);
+  if (s != YLM_OK) return s;
+  uint64_t crc = 0;
+  put(f, &crc, &h, sizeof h);
+  sections_of(&h, sections);
+  for (int i = 0; i < SECTIONS; i++) {
+    size_t bytes = sections[i].width * sections[i].count;
+    put(f, &crc, data[i], bytes);
+    put(f, &crc, zeros, padded(&sections[i]) - bytes);
+  }
+  ylm_file_write(f, &crc, sizeof crc);
+  return ylm_file_commit(f, e);
+}
+
+/* -- reading ------------------------------------------------------------------------ */
+
+static void turn(void *numbers, size_t n, size_t width) {
+  unsigned char *p = numbers;
+  for (size_t i = 0; i < n; i++, p += width)
+    for (size_t a = 0, b = width - 1; a < b; a++, b--) {
+      unsigned char c = p[a];
+      p[a] = p[b];
+      p[b] = c;
+    }
+}
+
+/* The header as it would stand on this machine. */
+static void turn_header(header *h) {
+  turn(&h->order, 2, 4);
+  turn(&h->size, 1, 8);
+  turn(&h->lmax, 4, 4);
+  turn(&h->triangles, 5, 8);
+  turn(&h->spacing, 1, 8);
+  turn(&h->degenerate, 8, 8);
+}
+
+static ylm_status damaged(const char *name, const char *what, ylm_error *e) {
+  return ylm_fail(e, YLM_EFORMAT, "%s: %s of the transfer cannot be", name, what);
+}
+
+/* The header of a file that is whole. */
+static ylm_status read_header(const unsigned char *bytes, size_t size, const char *name, header *h,
+                              bool *turned, ylm_error *e) {
+  uint64_t crc;
+  if (size < 24 || memcmp(bytes, magic, sizeof magic) != 0)
+    return ylm_fail(e, YLM_EFORMAT, "%s: this is no transfer", name);
+  *h = (header){0};
+  memcpy(h, bytes, size < sizeof *h ? size : sizeof *h);
+  *turned = h->order == SWAPPED;
+  if (*turned) turn_header(h);
+  if (h->order != ORDER) return damaged(name, "the byte order", e);
+  if (h->version > VERSION)
+    return ylm_fail(e, YLM_EVERSION, "%s: a transfer of version %u, this ylm reads up to %u", name,
+                    h->version, VERSION);
+  if (h->version != VERSION) return damaged(name, "the version", e);
+  if (h->size != size || size < sizeof *h + 8)
+    return ylm_fail(e, YLM_EFORMAT, "%s: the file is cut short, or longer than it says", name);
+  memcpy(&crc, bytes + size - 8, 8);
+  if (*turned) turn(&crc, 1, 8);
+  if (crc != ylm_crc64(0, bytes, size - 8))
+    return ylm_fail(e, YLM_ECHECKSUM, "%s: the file has been damaged (checksum)", name);
+  return YLM_OK;
+}
+
+/* Whether the numbers of the header can be, for this scene. */
+static ylm_status check_header(const header *h, const ylm_scene *scene, const char *name,
+                               ylm_error *e) {
+  size_t triangles = 0;
+  uint64_t print;
+  for (size_t m = 0; m < ylm_scene_meshes(scene); m++) triangles += ylm_scene_triangles(scene, m);
+  ylm_status s = ylm__transfer_fingerprint(scene, &print);
+  if (s != YLM_OK) return s;
+  if (h->fingerprint != print || h->meshes != ylm_scene_meshes(scene) || h->triangles != triangles)
+    return ylm_fail(e, YLM_EINVAL,
+                    "%s: the transfer is of another scene: its meshes are others (make it again)",
+                    name);
+  if (h->lmax > YLM_TRANSFER_LMAX + 1) return damaged(name, "lmax", e);
+  if (ylm__transfer_check_links((int)h->links, NULL) != YLM_OK || h->links > YLM_TRANSFER_LINKS)
+    return damaged(name, "the number of links", e);
+  if (!(h->spacing > 0) || !(h->spacing < 1e300)) return damaged(name, "the spacing", e);
+  if (h->elements > h->size / (4 * h->links) || h->elements >= UINT32_MAX / 2 ||
+      h->max_elements > UINT32_MAX / 2)
+    return damaged(name, "the number of elements", e);
+  return size_of(h) == h->size ? YLM_OK : damaged(name, "the size", e);
+}
+
+/* A section in new memory. */
+static void *copy_section(const unsigned char *from, const section *s, bool turned) {
+  void *to = ylm_alloc_copy(from, s->count, s->width);
+  if (to && turned && s->width > 1) turn(to, s->count, s->width);
+  return to;
+}
+
+/* Takes sections over; which of them cannot be, or NULL. */
+static const char *check_sections(const ylm_transfer *t, const header *h) {
+  uint32_t none = (uint32_t)h->elements;
+  for (size_t m = 0; m < t->meshes; m++)
+    if (t->side[m] > 3 || (t->side[m] != 0) != ylm_scene_occludes(t->scene, m)) return "a side";
+  for (size_t i = 0; i < h->elements; i++)
+    if (!(t->share[i] >= 0 && t->share[i] <= 1)) return "an element";
+  for (size_t i = 0; i < h->elements; i++)
+    for (uint32_t k = 0; k < h->links; k++) {
+      const uint32_t *link = t->link + i * h->links + k;
+      if (*link > none || (k > 0 && *link < link[-1])) return "a link";
+    }
+  if (t->escape && !ylm_all_finite(YLM_FLOAT, t->escape, h->elements * h->lmax * h->lmax, NULL))
+    return "a transfer vector";
+  return NULL;
+}
+
+static ylm_status read_sections(ylm_transfer *t, const header *h, const unsigned char *bytes,
+                                bool turned, const char *name, ylm_error *e) {
+  section s[SECTIONS];
+  void *data[SECTIONS] = {NULL};
+  bool room = true;
+  sections_of(h, s);
+  bytes += sizeof *h;
+  for (int i = 0; i < SECTIONS; bytes += padded(&s[i++])) {
+    if (i == ESCAPE && !h->lmax) continue;
+    data[i] = copy_section(bytes, &s[i], turned);
+    room = room && data[i];
+  }
+  t->side = data[SIDES], t->cut = data[CUTS], t->share = data[SHARES];
+  t->link = data[LINKS], t->escape = data[ESCAPE];
+  t->meshes = ylm_scene_meshes(t->scene);
+  if (!room) return YLM_ENOMEM;
+  const char *what = check_sections(t, h);
+  return what ? damaged(name, what, e) : YLM_OK;
+}
+
+/* What the header says of how it was made. */
+static void restore(ylm_transfer *t, const header *h) {
+  t->form = (ylm_transfer_form){.spacing = h->spacing,
+                                .max_elements = h->max_elements,
+                                .links = (int)h->links,
+                                .lmax = (int)h->lmax - 1,
+                                .seed = h->seed};
+  t->stats = (ylm_transfer_stats){.degenerate = h->degenerate,
+                                  .closed = h->closed,
+                                  .rooms = h->rooms,
+                                  .dead = h->dead,
+                                  .rays = h->rays,
+                                  .escaped = h->escaped,
+                                  .buried = h->buried,
+                                  .lost = h->lost};
+}
+
+ylm_status ylm_transfer_read(const ylm_scene *scene, const unsigned char *bytes, size_t size,
+                             const char *name, ylm_transfer **out, ylm_error *e) {
+  *out = NULL;
+  header h;
+  bool turned = false;
+  double begun = ylm_seconds();
+  ylm_status s = read_header(bytes, size, name, &h, &turned, e);
+  if (s == YLM_OK) s = check_header(&h, scene, name, e);
+  if (s != YLM_OK) return s;
+  ylm_transfer *t = ylm_alloc_zero(1, sizeof *t);
+  if (!t) return YLM_ENOMEM;
+  t->scene = scene;
+  restore(t, &h);
+  s = read_sections(t, &h, bytes, turned, name, e);
+  if (s == YLM_OK) s = ylm__transfer_cut_again(t, h.elements);
+  if (s == YLM_EFORMAT && !t->centre) s = damaged(name, "the number of elements", e);
+  if (s == YLM_OK) {
+    t->stats.seconds = ylm_seconds() - begun;
+    t->stats.bytes = ylm__transfer_bytes(t);
+    *out = t;
+  } else
+    ylm_transfer_free(t);
+  return s;
+}
