@@ -90,6 +90,20 @@ typedef void ylm_transfer_sum_fn(size_t n, int links, const uint32_t *link, int 
 /* The kernel of the instruction set in use. */
 ylm_transfer_sum_fn *ylm__transfer_sum(void);
 
+/* -- outer.c -------------------------------------------------------------------- */
+
+/* m[o][k] += sum over i < n of left[i][o] right[i][k]: left [n][rows], right [n][width], m [rows][width], width a
+   multiple of 4. */
+typedef void ylm_transfer_outer_fn(size_t n, size_t rows, size_t width, const float *left,
+                                   const float *right, float *m);
+/* The kernel of the instruction set in use. */
+ylm_transfer_outer_fn *ylm__transfer_outer(void);
+
+/* -- vectors.c ------------------------------------------------------------------ */
+
+/* [elements + 1][width] scale times albedo times the vectors; NULL without memory. To be freed. */
+float *ylm__transfer_reflected(const ylm_transfer *t, const float *vectors, double scale);
+
 /* -- solve.c -------------------------------------------------------------------- */
 
 struct ylm_radiosity {

@@ -275,19 +275,69 @@ YLM_API void ylm_gather_look(const ylm_gather *g, ylm_gather_stats *stats);
 
 /* -- distant light ---------------------------------------------------------------- */
 
+/* Numbers in a row of transfer vectors: 3 (lmax+1)^2 rounded up to a multiple of 4. The transfer has vectors of
+   direct light. */
+YLM_API size_t ylm_transfer_width(const ylm_transfer *t);
+
 /*
 ** ylm_transfer_vectors - transfer vectors of the elements with bounces, of light that is the same everywhere.
 **
-** T = T0 + 1/K sum over links of rho T, in three channels: rows of ylm_transfer_escape solved as light is.
+**   T = T0 + 1/K sum over links of rho T,   in three channels: ylm_transfer_escape solved as light is
+**
+** The product of T and the coefficients of distant light is irradiance. Light from nearby lamps differs from place to
+** place: an element is then lit by light that is not there. ylm_radiosity_solve is right for both.
 **
 **   bounces, residual, closure  in   as ylm_radiosity_solve
-**   out                         out  [elements + 1][3][(lmax+1)^2] in rows of `width` floats, the last row zero; width is
-**                                    3 (lmax+1)^2 rounded up to a multiple of 4
+**   stats                       out  bounces, closed, residual, shrink, solve_seconds; or NULL
+**   out                         out  [elements + 1][ylm_transfer_width], a row [3][(lmax+1)^2], the last zero
+**
+** Returns  YLM_OK; YLM_EINVAL (no vectors of direct light), YLM_ERANGE, YLM_EDOMAIN (as ylm_radiosity_solve), YLM_ENOMEM,
+**          YLM_ECANCELLED (stage "bounces"). Cost  as ylm_transfer_sum, a third of it where no albedo is coloured
 ** Source   Sloan et al. 2002, "Precomputed Radiance Transfer"; Green 2003
 */
 YLM_API ylm_status ylm_transfer_vectors(const ylm_transfer *t, int bounces, double residual,
                                         bool closure, int threads, const ylm_progress *progress,
-                                        float *out, ylm_error *e);
+                                        ylm_radiosity_stats *stats, float *out, ylm_error *e);
+
+/*
+** ylm_transfer_vectors_at - transfer vectors of n other places: T0 + 1/links sum over links of rho T.
+**
+** Rays of a place find T0 and links together, so what T0 does not see is seen by a link.
+**
+**   vectors                  in   of the elements, with one bounce less than the places get; NULL: T0 alone
+**   origin, normal, stream,  in   as ylm_transfer_find
+**   links, seed
+**   out                      out  [n][3][(lmax+1)^2]
+**
+** Returns  YLM_OK; YLM_EINVAL, YLM_ERANGE, YLM_ENOMEM, YLM_ECANCELLED (stage "links")
+*/
+YLM_API ylm_status ylm_transfer_vectors_at(const ylm_transfer *t, const float *vectors, size_t n,
+                                           const float (*origin)[3], const float (*normal)[3],
+                                           const uint64_t *stream, int links, uint64_t seed,
+                                           int threads, const ylm_progress *progress, float *out,
+                                           ylm_error *e);
+
+/*
+** ylm_transfer_matrices - matrices from distant light to the light that arrives at n places.
+**
+**   M_ij = integral over the hemisphere about the normal of Y_i(w) x (escape: Y_j(w); an element: rho/pi T_j)
+**
+** found by rays that are even over it. M L are coefficients of incident radiance, which is 0 below the horizon.
+**
+**   vectors  in   as ylm_transfer_vectors_at; NULL: light that comes straight
+**   rays     in   of a place, 1 .. 65536
+**   lmax_in  in   at most that of the transfer;   lmax_out  in  0 .. YLM_TRANSFER_LMAX
+**   out      out  [n][3][(lmax_out+1)^2][(lmax_in+1)^2]
+**
+** Returns  YLM_OK; YLM_EINVAL, YLM_ERANGE, YLM_ENOMEM, YLM_ECANCELLED (stage "matrices")
+** Cost     a place: rays, and rays (lmax_out+1)^2 (1 or 3) (lmax_in+1)^2 products
+** Source   Sloan et al. 2002; Lehtinen & Kautz 2003, "Matrix Radiance Transfer"; Green 2003
+*/
+YLM_API ylm_status ylm_transfer_matrices(const ylm_transfer *t, const float *vectors, size_t n,
+                                         const float (*origin)[3], const float (*normal)[3],
+                                         const uint64_t *stream, int rays, uint64_t seed,
+                                         int lmax_in, int lmax_out, int threads,
+                                         const ylm_progress *progress, float *out, ylm_error *e);
 
 #ifdef __cplusplus
 }
