@@ -277,3 +277,42 @@ ylm_status ylm_transfer_vectors_at(const ylm_transfer *t, const float *vectors, 
   places_free(&p);
   return s;
 }
+
+/* -- vertices ------------------------------------------------------------------------- */
+
+/* A place on a triangle near its corner k, on the side where t has an element; where there is none, the number of elements. */
+static uint32_t element_at(const ylm_transfer *t, size_t mesh, size_t triangle, int k) {
+  const float near = 1 - 1e-4f, rest = 0.5e-4f;
+  ylm_scene_place p = {.mesh = (uint32_t)mesh, .element = (uint32_t)triangle};
+  p.u = k == 1 ? near : rest;
+  p.v = k == 2 ? near : rest;
+  uint32_t i = ylm_transfer_element(t, &p);
+  if (i < t->elements) return i;
+  p.back = true;
+  return ylm_transfer_element(t, &p);
+}
+
+ylm_status ylm_transfer_vectors_of(const ylm_transfer *t, const float *vectors, size_t mesh,
+                                   float *out) {
+  size_t wide = 3 * ylm_sh_count(t->form.lmax), width = ylm_transfer_width(t);
+  size_t first = ylm_scene_first_vertex(t->scene, mesh);
+  size_t n = ylm_scene_first_vertex(t->scene, mesh + 1) - first;
+  double *weight = ylm_alloc_zero(n, sizeof *weight);
+  if (!weight) return YLM_ENOMEM;
+  memset(out, 0, n * wide * sizeof *out);
+  for (size_t i = 0; i < ylm_scene_triangles(t->scene, mesh); i++) {
+    const uint32_t *corner = ylm_scene_triangle(t->scene, mesh, i);
+    for (int k = 0; k < 3; k++) {
+      uint32_t at = element_at(t, mesh, i, k);
+      if (at >= t->elements || !(t->share[at] > 0)) continue;
+      const float *from = vectors + at * width;
+      float area = t->area[at], *to = out + corner[k] * wide;
+      for (size_t q = 0; q < wide; q++) to[q] += area * from[q];
+      weight[corner[k]] += (double)area;
+    }
+  }
+  for (size_t i = 0; i < n; i++)
+    for (size_t q = 0; q < wide && weight[i] > 0; q++) out[i * wide + q] /= (float)weight[i];
+  ylm_free(weight);
+  return YLM_OK;
+}

@@ -318,6 +318,19 @@ YLM_API ylm_status ylm_transfer_vectors_at(const ylm_transfer *t, const float *v
                                            ylm_error *e);
 
 /*
+** ylm_transfer_vectors_of - transfer vectors of the vertices of a mesh: means of those of the elements around them, by
+** area, of the front where it has elements, else of the back. Nothing is traced.
+**
+**   vectors  in   of the elements
+**   mesh     in   its place in the scene
+**   out      out  [vertices][3][(lmax+1)^2]; zeros where no element is
+**
+** Returns  YLM_OK; YLM_ENOMEM
+*/
+YLM_API ylm_status ylm_transfer_vectors_of(const ylm_transfer *t, const float *vectors, size_t mesh,
+                                           float *out);
+
+/*
 ** ylm_transfer_matrices - matrices from distant light to the light that arrives at n places.
 **
 **   M_ij = integral over the hemisphere about the normal of Y_i(w) x (escape: Y_j(w); an element: rho/pi T_j)
