@@ -37,7 +37,7 @@ describe("the command-line tool's renderings", function()
     assert.truthy(out:find('"warnings":[]', 1, true), out)
     local usage = ylm "render --help"
     assert.truthy(usage:find "%-n, %-%-samples N +camera rays per pixel\n", usage)
-    assert.truthy(usage:find "%-%-light%-samples N +rays, raycast: shadow rays per shading point, default 16; raycast: 64\n",
+    assert.truthy(usage:find "%-%-light%-samples N +rays, raycast: shadow rays per shading point, default 32; raycast: 64\n",
       usage)
   end)
 

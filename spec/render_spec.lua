@@ -117,6 +117,47 @@ describe("a picture", function()
     for c = 1, 3 do assert.near(1, got[c] / wanted[c], 2e-3) end -- l(l+1)/4 sin^2 of the lamp's angle is lost
   end)
 
+  it("is lit by rays to the lamps where nobody says how, without probes: prepared or not, by any number of threads", function()
+    local s, size = card(1, 40, { probes = nil }), { 40, 20 }
+    local image, report = s:render { size = size, samples = 4 }
+    local m = image.metadata
+    assert.same({ "rays", 32, 0 }, { report.visibility, report.light_samples, report.rays.occlusion })
+    assert.equal(32 * report.points, report.rays.shadow)
+    assert.same({ "rays", "rays", "32" }, { m.method, m.visibility, m.light_samples })
+    assert.is_nil(m.occlusion_distance)
+    assert.same({}, report.warnings)
+    local function same(what, other) assert.equal(0, (core.array_distance(image:layer(), other:layer())), what) end
+    local view = s:prepare { size = size, samples = 4 }
+    same("named", (s:render { size = size, samples = 4, visibility = "rays", light_samples = 32, threads = 1 }))
+    same("prepared", (view:render()))
+    same("raycast", (view:raycast { light_samples = 32, threads = 3 }))
+    same("written again", (view:render { out = s:render { size = size, samples = 4, light_samples = 1 } }))
+    -- A lamp behind the card brings nothing, what the closed form says in front of it.
+    local dark = card(1, 40, { camera = ylm.camera { from = { 0, 0, -5 } } }):render { size = size, samples = 4 }
+    assert.same({ 0, 0, 0 }, dark:layer()[10][20]:totable())
+    local p = image:layer "position"[10][20]:totable()
+    local r2 = p[1] ^ 2 + p[2] ^ 2 + 81
+    assert.near(0.5 * 100 * 0.01 * 9 / r2 ^ 1.5, image:layer():get(10, 20, 1), 1e-3 * image:layer():get(10, 20, 1))
+    -- By vertices, of a mesh of two triangles.
+    local vertices = s:render { size = size, samples = 4, shading = "vertex" }
+    assert.is_true(vertices:layer():get(10, 20, 1) > 0)
+  end)
+
+  it("by a grid of lights has transfer vectors, whose light that is not the scene's is said", function()
+    local shelf = ylm.quad { corner = { -3, -3, 8 }, u = { 6, 0, 0 }, v = { 0, 6, 0 } }
+    local s = card(1)
+    s.geometry[2] = shelf
+    local o = { size = { 20, 10 }, samples = 1, occlusion_distance = 0.5, transfer_samples = 8 }
+    o.grid = s:bake { probes = ylm.uniform_grid { cells = 2, lmax = 2 } }
+    local before = ylm.on_warning(function() end)
+    local image, report = s:render(o)
+    ylm.on_warning(before)
+    assert.same({ "transfer", 1 }, { report.visibility, report.occlusion.passing })
+    assert.truthy(report.warnings[1]:find "100 %% of the picture's light passes through occluders")
+    assert.is_true(image:layer():get(5, 10, 1) > 0)
+    assert.same({ 0, 0, 0 }, (s:render { size = o.size, samples = 1 }):layer()[5][10]:totable())
+  end)
+
   it("carries how it was made", function()
     local s = card(1)
     local grid = s:bake { probes = ylm.uniform_grid { cells = 2, lmax = 3 } }

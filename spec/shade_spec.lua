@@ -304,6 +304,44 @@ describe("shading", function()
     assert.is_true(off < 1e-5 * norm, tostring(off / norm))
   end)
 
+  it("by the cosine alone, of light that holds its shadows, is shading where nothing occludes", function()
+    local s = ylm.scene "cosine" {
+      camera = ylm.camera { from = { 2, 3, 4 }, at = { 0, 0.3, 0 }, fov = 40 },
+      geometry = { ylm.quad { corner = { -2, 0, 2 }, u = { 4, 0, 0 }, v = { 0, 0, -4 },
+        material = ylm.matte { albedo = { 0.5, 0.25, 0.125 } } }, ylm.sphere { at = { 0, 0.5, 0 }, radius = 0.5 } },
+      lights = { ylm.sphere_light { at = { -0.9, 1.3, 0.8 }, radius = 0.1, radiance = { 40, 30, 18 } } },
+    }
+    local lights = s.lights
+    for _, shading in ipairs { "pixel", "vertex" } do
+      local o = { size = { 32, 18 }, samples = 2, shading = shading, lmax = 4 }
+      local open, rays = s:prepare(with(o, { visibility = "none" })), s:prepare(o)
+      local shadowed = s:prepare(with(o, { visibility = "transfer", transfer_samples = 16, occlusion_distance = 1 }))
+      assert.equal(4 * 25 * rays.stats.points, open.stats.bytes - rays.stats.bytes)
+      local probes = { bounds = { { -3, -1, -3 }, { 3, 2, 3 } }, cells = 5, lmax = 4 }
+      local lamps = ylm.sphere_lights { at = { { -0.9, 1.3, 0.8 } }, radius = 0.1, radiance = { { 40, 30, 18 } } }
+      for _, field in ipairs { ylm.bake(ylm.uniform_grid(probes), lights), lamps.lights } do
+        local function shade(view, weight)
+          if core.type(field) == "ylm.grid" then return (lib.shade_grid(view, field, weight, "hermite", 0, nil)) end
+          return (lib.shade_field(view, field, weight, "float", 0, nil))
+        end
+        local wanted = shade(open, "transfer")
+        local _, _, norm = core.array_distance(wanted, wanted)
+        assert.is_true(norm > 0.1)
+        for _, view in ipairs { open, rays, shadowed } do
+          assert.equal(0, (core.array_distance(shade(view, "cosine"), wanted)))
+        end
+        assert.is_true((core.array_distance(shade(shadowed, "transfer"), wanted)) > 0.01)
+        local radiance, message = shade(rays, "transfer")
+        assert.is_nil(radiance, message)
+      end
+      -- light of another degree than the view's is used to its own
+      probes.lmax = 6
+      local high = ylm.bake(ylm.uniform_grid(probes), lights)
+      local wanted = lib.shade_grid(s:prepare(with(o, { visibility = "none", lmax = 6 })), high, "transfer", "hermite", 0, nil)
+      assert.equal(0, (core.array_distance(lib.shade_grid(rays, high, "cosine", "hermite", 0, nil), wanted)))
+    end
+  end)
+
   it("of vertices comes near that of pixels on a fine mesh", function()
     local s = ylm.scene "fine" {
       camera = ylm.camera { from = { 0, 3, 0.1 }, at = { 0, 0, 0 }, fov = 30 },

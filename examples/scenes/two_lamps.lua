@@ -1,6 +1,6 @@
 -- Two lamps standing on the floor of a room, remembered by an adaptive grid.
 --
---     ylm render examples/scenes/two_lamps.lua -o two_lamps.exr
+--     ylm render examples/scenes/two_lamps.lua --visibility transfer -o two_lamps.exr
 --
 -- The arrangement of Iwasaki & Dobashi 2025, Fig. 6, with plain furniture. The walls do not occlude: a
 -- ray that leaves a closed room always meets one, also on its way past a lamp.

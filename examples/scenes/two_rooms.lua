@@ -1,9 +1,9 @@
 -- Two rooms with a closed wall between them; 18 lamps hang in the left one, the right one is dark.
 --
---     ylm render examples/scenes/two_rooms.lua --method raycast -o two_rooms.exr
+--     ylm render examples/scenes/two_rooms.lua -o two_rooms.exr
 --
 -- The front is open, for the camera alone: every straight line from a lamp into the right room meets the wall.
--- Shading by SH transfer lets the light pass it; docs/math.md, "Shading", says why and by how much.
+-- Shading by SH transfer (--visibility transfer) lets the light pass it; docs/math.md, "Shading", says why and by how much.
 -- Metres, degrees, W sr^-1 m^-2; y is up.
 
 local plaster = matte { albedo = { 0.74, 0.72, 0.68 } }

@@ -1,7 +1,7 @@
 -- A stained glass window, a textured light of 48 by 64 texels: its colours on the floor, on a wall and on a knot.
 --
---     ylm render examples/scenes/window.lua -o window.exr
---     ylm render examples/scenes/window.lua --method raycast -o rays.exr
+--     ylm render examples/scenes/window.lua --visibility transfer -o window.exr
+--     ylm render examples/scenes/window.lua --light-samples 128 -o rays.exr
 --
 -- Metres, degrees, W sr^-1 m^-2; y is up.
 

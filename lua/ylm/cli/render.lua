@@ -105,7 +105,7 @@ return {
     { "samples", "-n", "N", "camera rays per pixel" },
     { "visibility", nil, "NAME", "rays (default: true shadows, no probes) or transfer (the papers': the scene's probes are "
       .. "baked), none, self" },
-    { "light-samples", nil, "N", "rays, raycast: shadow rays per shading point, default 16; raycast: 64" },
+    { "light-samples", nil, "N", "rays, raycast: shadow rays per shading point, default 32; raycast: 64" },
     { "method", "-m", "NAME", "instead: grid (as --visibility transfer), reference (of grids, no interpolation) or raycast (no "
       .. "harmonics)" },
     { "grid", "-g", "FILE", "a grid baked before" },

@@ -8,7 +8,7 @@ local light = require "ylm.light"
 local options = {}
 
 --- Shadow rays per shading point, where nobody says how many: their noise is measured in docs/performance.md.
-options.LIGHT_SAMPLES = 16
+options.LIGHT_SAMPLES = 32
 
 options.common = {
   form.threads,

@@ -1,0 +1,53 @@
+-- Noise and time of pictures by rays to the lamps, by the number of shadow rays; the same pictures by transfer vectors.
+--
+--     make bench BENCH=rays              build/ylm run spec/bench/rays.lua [width height]
+--
+-- Noise is that of docs/math.md, "Shading": the root mean square deviation of a pixel relative to its luminance plus a tenth of
+-- the mean, over pixels that show light on surfaces, from two pictures of the same view. Times are of all threads.
+
+local ylm = require "ylm"
+
+local size = { tonumber(arg[1] or 320), tonumber(arg[2] or 180) }
+local counts = { 4, 8, 16, 32, 64 }
+
+local function luminance(p) return 0.2126 * p[1] + 0.7152 * p[2] + 0.0722 * p[3] end
+
+--- The deviation of one of two pictures of a view.
+local function noise(first, second)
+  local a, b, pixels, mean = first:layer():totable(), second:layer():totable(), {}, 0
+  for y, row in ipairs(a) do
+    for x, p in ipairs(row) do
+      local u, v = luminance(p), luminance(b[y][x])
+      if u ~= v then -- lamps and background are the same in both, and so is darkness
+        pixels[#pixels + 1] = { u, v }
+        mean = mean + (u + v) / 2
+      end
+    end
+  end
+  local sum, tenth = 0, mean / #pixels / 10
+  for _, p in ipairs(pixels) do sum = sum + ((p[1] - p[2]) / ((p[1] + p[2]) / 2 + tenth)) ^ 2 / 2 end
+  return math.sqrt(sum / #pixels)
+end
+
+print(("%d x %d, 16 samples a pixel, %d threads"):format(size[1], size[2], ylm.info().threads))
+print(("%-14s %7s %9s %15s %9s %15s"):format("scene", "points", "rays", "noise %", "light s", "picture s"))
+for _, name in ipairs { "floor_lights", "two_rooms", "two_lamps", "room", "window" } do
+  local scene = assert(ylm.load_scene("examples/scenes/" .. name .. ".lua"))
+  local view = assert(scene:prepare { size = size })
+  local rest = view.stats.primary_seconds + view.stats.transfer_seconds
+  for _, n in ipairs(counts) do
+    local first, report = view:render { light_samples = n, layers = false }
+    local second = view:raycast { light_samples = n, layers = false, seed = 77 }
+    local light = report.seconds.light
+    print(("%-14s %7d %9d %15.2f %9.3f %15.3f"):format(name, view.stats.points, n, 100 * noise(first, second), light,
+      light + rest))
+  end
+  if scene.probes then
+    local before = ylm.on_warning(false)
+    local _, report = scene:render { size = size, visibility = "transfer", layers = false }
+    ylm.on_warning(before)
+    local s = report.seconds
+    print(("%-14s %7d %9d %15s %9.3f %15s"):format(name, report.points, report.transfer_samples, ("by transfer %.2f"):format(
+      100 * report.noise), s.light, ("%.3f and a bake"):format(s.light + s.primary + s.transfer)))
+  end
+end
