@@ -309,4 +309,91 @@ describe("ylm.sh.rotate", function()
     assert.equal("float", turned.dtype)
     assert.equal("ylm irradiance", turned.convention)
   end)
+
+  describe("with a rotation for each row", function()
+    local function random_quaternions(n)
+      local list = {}
+      for i = 1, n do
+        local q = {}
+        for k = 1, 4 do q[k] = 2 * math.random() - 1 end
+        list[i] = q
+      end
+      return list
+    end
+
+    --- Frames [n][3][3] of quaternions, an identity and turns that leave z or turn it over, or turn by little.
+    local function frames(n, dtype)
+      local list = {}
+      for i, q in ipairs(random_quaternions(n)) do
+        if i % 7 == 1 then q = ({ { 1, 0, 0, 0 }, { 0, 1, 0, 0 }, { 0, 0, 0, 1 }, { 1, 1e-4, 0, 0 }, { 1, 0, 0, 1 },
+          { 0, 1, 1e-5, 0 }, { 1, 1, 0, 0 } })[(i - 1) / 7 % 7 + 1] end
+        list[i] = ylm.sh.rotation(0, { quaternion = q }).matrix
+      end
+      return ylm.array(list, dtype), list
+    end
+
+    --- The largest distance of rows relative to their norm.
+    local function worst(got, expected)
+      local most = 0
+      for i = 1, #got do most = math.max(most, relative(ylm.array(got[i]:totable()), expected[i])) end
+      return most
+    end
+
+    for _, case in ipairs { { 0, 1 }, { 1, 70 }, { 4, 131 }, { 6, 17 }, { 7, 33 }, { 9, 40 }, { 14, 65 }, { 20, 50 },
+      { 60, 9 } } do
+      it(("turns %d rows of degree %d as one by one, in both types"):format(case[2], case[1]), function()
+        local lmax, n = case[1], case[2]
+        for dtype, limit in pairs { double = 1e-13, float = lmax > 20 and 5e-6 or 2e-6 } do
+          local c = random_vectors(n, lmax, dtype)
+          local r = frames(n, dtype)
+          local got, expected = ylm.sh.rotate(c, r), {}
+          for i = 1, n do
+            expected[i] = ylm.sh.rotate(ylm.array(c[i]:totable()), ylm.sh.rotation(lmax, r[i]:totable()))
+          end
+          assert.is_true(worst(got, expected) <= limit)
+        end
+      end)
+    end
+
+    it("turns the rows of one frame alike, in place too, whatever the number of threads", function()
+      local n, lmax = 300, 5
+      local rows, r = {}, frames(n, "float")
+      for i = 1, n do rows[i] = random_vectors(3, lmax, "float"):totable() end
+      local c = ylm.array(rows, "float")
+      local got = ylm.sh.rotate(c, r, { threads = 1 })
+      assert.same({ n, 3, 36 }, got.shape)
+      local second = {}
+      for i = 1, n do second[i] = rows[i][2] end
+      local alone = ylm.sh.rotate(ylm.array(second, "float"), r)
+      for i = 1, n do assert.equal(0, (core.array_distance(alone[i], got[i][2]))) end
+      ylm.sh.rotate(c, r, { threads = 2, out = c })
+      assert.equal(0, (core.array_distance(c, got)))
+    end)
+
+    it("names the row whose frame is no rotation", function()
+      local r, list = frames(40, "double")
+      local c = random_vectors(40, 2)
+      r:set(33, 2, 2, 5)
+      assert.error_matches(function() ylm.sh.rotate(c, r) end, "rotation 33 is none: its columns must be orthonormal to 0.001")
+      list[12] = { { 1, 0, 0 }, { 0, 1, 0 }, { 0, 0, -1 } }
+      assert.error_matches(function() ylm.sh.rotate(c, ylm.array(list)) end, "rotation 12 is none")
+      list[3][1][1] = 0 / 0
+      assert.error_matches(function() ylm.sh.rotate(c, ylm.array(list)) end, "rotation 3 is none")
+      assert.error_matches(function() ylm.sh.rotate(random_vectors(7, 2), r) end, "40 rotations, 7 rows")
+      assert.error_matches(function() ylm.sh.rotate(random_vectors(40, 61), r) end, "lmax up to 60 expected")
+    end)
+
+    it("is as orthonormal as its frames: those that are off by 1e-4 keep the norm", function()
+      local r = frames(20, "double")
+      local c = random_vectors(20, 4)
+      for i = 1, 20 do r:set(i, 1, 1, r:get(i, 1, 1) + 1e-4) end
+      local got = ylm.sh.rotate(c, r)
+      local function norm(a)
+        local sum = 0
+        for _, x in ipairs(a:totable()) do sum = sum + x * x end
+        return math.sqrt(sum)
+      end
+      for i = 1, 20 do assert.near(1, norm(got[i]) / norm(c[i]), 1e-12) end
+    end)
+  end)
 end)

@@ -173,6 +173,30 @@ YLM_API ylm_status ylm_sh_rotation_apply(const ylm_sh_rotation *r, int lmax, siz
                                          const void *in, void *out, int threads,
                                          const ylm_progress *progress);
 
+/* The highest degree of ylm_sh_rotate_each. */
+#define YLM_SH_ROTATE_EACH_LMAX 60
+
+/*
+** ylm_sh_rotate_each - turn rows that each have a rotation of their own, as frames of surfaces are.
+**
+**   p       in   of degree >= lmax
+**   r       in   [n][3][3]       rotations, orthonormal to 1e-3; columns are the axes of a frame. Of type t
+**   rows    in   1 ..            rows of each rotation
+**   halves  in                   rows of `in` hold m >= 0 alone, l by l: (lmax+1)(lmax+2)/2 numbers
+**   in      in   [n][rows][(lmax+1)^2 or that]
+**   out     out  [n][rows][(lmax+1)^2]      may be in, if rows are whole
+**
+** Returns  YLM_OK; YLM_ERANGE (lmax 0 .. YLM_SH_ROTATE_EACH_LMAX and that of p), YLM_EDOMAIN (which rotation is none),
+**          YLM_ECANCELLED (stage "rotate")
+** Accuracy relative to the norm, where r is exact to its type: 1e-13 (double), 2e-6 (float; 5e-6 above degree 20)
+** Cost     O(lmax^3) a row, rows in the lanes of vectors
+** Source   Pinchon & Hoggan 2007, Sec. 2; docs/math.md "Rotation"
+*/
+YLM_API ylm_status ylm_sh_rotate_each(const ylm_sh_rotator *p, int lmax, ylm_dtype t, size_t n,
+                                      const void *r, int rows, bool halves, const void *in,
+                                      void *out, int threads, const ylm_progress *progress,
+                                      ylm_error *e);
+
 /*
 ** The recurrence of Ivanic & Ruedenberg 1996 (corrected 1998), which judges the others:
 ** blocks of degrees 0 .. lmax, one after the other, [2l+1][2l+1] each. `r` is not checked.

@@ -22,6 +22,7 @@
   X(sh_lmax, YLM_LMAX)                                                                             \
   X(sh_product_factors, YLM_SH_PRODUCT_FACTORS)                                                    \
   X(sh_product_lmax, YLM_SH_PRODUCT_LMAX)                                                          \
+  X(sh_rotate_each_lmax, YLM_SH_ROTATE_EACH_LMAX)                                                  \
   X(sh_rotate_lmax, YLM_SH_ROTATE_LMAX)                                                            \
   X(tolerance_least, YLM_LIGHT_TOLERANCE_LEAST)                                                    \
   X(tolerance_most, YLM_LIGHT_TOLERANCE_MOST)                                                      \

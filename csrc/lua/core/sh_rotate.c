@@ -109,6 +109,26 @@ static int sh_rotate(lua_State *L) {
   return ylmL_result_progress(L, 1, s, &e, &progress);
 }
 
+/* sh_rotate_each(plan, frames [n][3][3], lmax, in [n][..][count], out, threads, progress) -> true */
+static int sh_rotate_each(lua_State *L) {
+  handle *h = ylmL_check(L, 1, ROTATOR);
+  ylmL_array *frames = ylmL_array_check(L, 2);
+  ylm_error e = {YLM_OK, ""};
+  int lmax = (int)luaL_checknumber(L, 3);
+  ylmL_array *in = ylmL_array_check(L, 4), *out = ylmL_array_check(L, 5);
+  ylmL_progress progress;
+  size_t rows, n = frames->count / 9;
+  ylm_status s = rows_of(lmax, in, out, &rows);
+  const ylm_progress *report = ylmL_progress_begin(L, 7, &progress);
+  if (s == YLM_OK && (n == 0 ? rows > 0 : rows % n != 0)) s = YLM_ESHAPE;
+  if (s == YLM_OK && frames->dtype != in->dtype) s = YLM_ETYPE;
+  if (s == YLM_OK && rows > 0)
+    s = ylm_sh_rotate_each(h->object, lmax, in->dtype, n, frames->data, (int)(rows / n), false,
+                           in->data, out->data, (int)luaL_optnumber(L, 6, 0), report, &e);
+  lua_pushboolean(L, 1);
+  return ylmL_result_progress(L, 1, s, &e, &progress);
+}
+
 /* sh_rotation(plan, {9}, lmax, dtype) -> rotation */
 static int sh_rotation(lua_State *L) {
   static const char *const types[] = {"float", "double", NULL};
@@ -258,6 +278,7 @@ static int sh_cosine_factor(lua_State *L) {
 static const luaL_Reg functions[] = {{"sh_rotator", sh_rotator},
                                      {"sh_rotation_matrix", sh_rotation_matrix},
                                      {"sh_rotate", sh_rotate},
+                                     {"sh_rotate_each", sh_rotate_each},
                                      {"sh_rotation", sh_rotation},
                                      {"sh_rotation_apply", sh_rotation_apply},
                                      {"sh_rotation_block", sh_rotation_block},

@@ -87,6 +87,11 @@ typedef struct ylm__rotate_batch {
     void (*one)(const ylm_sh_rotator *p, int lmax, const ylm__angles *a, const T *in, T *out);     \
     /* lmax <= b->lmax; out may be in */                                                           \
     void (*apply)(const ylm__rotate_batch *b, int lmax, size_t rows, const T *in, T *out);         \
+    /* n rotations r [n][9], of `rows` rows each; `halves`: of in, m >= 0 alone; out may be in */  \
+    void (*each)(const ylm_sh_rotator *p, int lmax, size_t n, const T *r, int rows, bool halves,   \
+                 const T *in, T *out);                                                             \
+    /* the first of n matrices that is no rotation within ROTATE_NEAR, or n */                     \
+    size_t (*not_rotation)(size_t n, const T *r);                                                  \
     int panel; /* rows of J in a panel */                                                          \
   }
 typedef struct ylm__rotate_kernels_float YLM__ROTATE_KERNELS(float) ylm__rotate_kernels_float;
@@ -113,6 +118,13 @@ struct ylm_sh_rotator {
   size_t *panel_at; /* [lmax+1] */
   int users;        /* the caller and the rotations that were made by it */
 };
+
+/* By how much columns of rotations that are given for rows may depart from orthonormal ones. */
+#define ROTATE_NEAR 1e-3
+/* Makes a matrix that departs from a rotation by less than 1e-3 one, to rounding: rotate_matrix.c. */
+void ylm__sh_orthonormal(double m[9]);
+/* Whether columns are orthonormal within so much, right-handed and finite. */
+bool ylm__sh_is_rotation(const double r[9], double within);
 
 #if defined(__x86_64__)
 #define ROTATE_ISAS(X) X(sse2) X(avx2) X(avx512)

@@ -9,6 +9,7 @@
 #define YLM_SH_ROTATE_BATCH_H
 
 #include "../eval/transpose.h"
+#include "rotate_angles.h"
 #include "rotate_one.h"
 
 /* Rows of J at a time: two sums each and some registers to spare. */
@@ -94,8 +95,6 @@ YLM_INLINE void apply_rows(const int R, int lmax, const real *b, const real *con
 
 /* -- degrees by quarter turns, TILE rows at once
  * --------------------------------------------------- */
-
-#define TILE (2 * LANES)
 
 /* R rows of one class of J times the tile's rows, of which every second belongs to a class. */
 YLM_INLINE void panel(const int R, int columns, const real *j, const real *x, int x_step, real *y,

@@ -4,6 +4,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "rotate.h"
 #include "ylm_vector.h"
 
 static double determinant(const double r[9]) {
@@ -36,6 +37,28 @@ static bool snap(const double r[9], double out[9]) {
   return true;
 }
 
+void ylm__sh_orthonormal(double m[9]) {
+  double d[6], worst = departure(m, d);
+  /* R (I - (R^T R - I)/2): the departure is squared each time */
+  for (int pass = 0; pass < 3 && worst > 1e-15; pass++) {
+    double q[9] = {1 - d[0] / 2, -d[1] / 2, -d[2] / 2, -d[1] / 2,   1 - d[3] / 2,
+                   -d[4] / 2,    -d[2] / 2, -d[4] / 2, 1 - d[5] / 2},
+           t[9];
+    for (int i = 0; i < 3; i++)
+      for (int j = 0; j < 3; j++)
+        t[i * 3 + j] = m[i * 3] * q[j] + m[i * 3 + 1] * q[3 + j] + m[i * 3 + 2] * q[6 + j];
+    memcpy(m, t, sizeof t);
+    worst = departure(m, d);
+  }
+}
+
+bool ylm__sh_is_rotation(const double r[9], double within) {
+  double d[6];
+  for (int i = 0; i < 9; i++)
+    if (!isfinite(r[i])) return false;
+  return departure(r, d) <= within && determinant(r) > 0;
+}
+
 ylm_status ylm_sh_rotation_check(const double r[9], double out[9], ylm_error *e) {
   if (snap(r, out)) return YLM_OK;
   double d[6], m[9], worst = departure(r, d);
@@ -50,17 +73,7 @@ ylm_status ylm_sh_rotation_check(const double r[9], double out[9], ylm_error *e)
   double det = determinant(r);
   if (det < 0) return ylm_fail(e, YLM_EDOMAIN, "3x3 rotation expected, determinant is %.6g", det);
   memcpy(m, r, sizeof m);
-  /* R (I - (R^T R - I)/2): the departure is squared each time */
-  for (int pass = 0; pass < 3 && worst > 1e-15; pass++) {
-    double q[9] = {1 - d[0] / 2, -d[1] / 2, -d[2] / 2, -d[1] / 2,   1 - d[3] / 2,
-                   -d[4] / 2,    -d[2] / 2, -d[4] / 2, 1 - d[5] / 2},
-           t[9];
-    for (int i = 0; i < 3; i++)
-      for (int j = 0; j < 3; j++)
-        t[i * 3 + j] = m[i * 3] * q[j] + m[i * 3 + 1] * q[3 + j] + m[i * 3 + 2] * q[6 + j];
-    memcpy(m, t, sizeof m);
-    worst = departure(m, d);
-  }
+  ylm__sh_orthonormal(m);
   memcpy(out, m, sizeof m);
   return YLM_OK;
 }

@@ -1,6 +1,7 @@
 --- ylm.sh.rotate and ylm.sh.rotation.
 
 local args = require "ylm.sh.args"
+local array = require "ylm.array"
 local check = require "ylm.check"
 local core = require "ylm.c.core"
 local describe = require "ylm.describe".describe
@@ -177,13 +178,37 @@ local function by_reference(matrix, lmax, a, dtype, rows)
   return result
 end
 
+--- Are these frames, [n][3][3], and not one matrix?
+local function are_frames(x)
+  if core.type(x) ~= "ylm.array" then return type(x) == "table" and type(x[1]) == "table" and type(x[1][1]) == "table" end
+  local shape = core.array_info(x)
+  return #shape == 3
+end
+
+--- The array of frames of argument 2 for coefficients whose first axis they follow.
+local function frames_of(value, shape, lmax, dtype)
+  local frames = array.rows(2, "rotate", "rotations", value, 3, dtype)
+  local extents = core.array_info(frames)
+  if #extents ~= 3 or extents[2] ~= 3 then
+    return check.bad(2, "rotate", "rotations [n][3][3] expected, got %s", check.describe(frames))
+  end
+  if #shape < 2 or extents[1] ~= shape[1] then
+    return check.bad(2, "rotate", "as many rotations as there are rows along the first axis of the coefficients expected: %d "
+      .. "rotations, %d rows", extents[1], #shape < 2 and 1 or shape[1])
+  end
+  local most = core.limits.sh_rotate_each_lmax
+  if lmax > most then return check.bad(1, "rotate", "lmax up to %d expected with a rotation for each row, got %d", most, lmax) end
+  return frames
+end
+
 describe "sh.rotate" {
   about = "Turns functions given by coefficients: the result at s is the argument at R^-1 s.\n"
     .. "Identity, quarter and half turns about the axes and their products are exact.",
   arguments = {
     { "c", "array|table", "[..][(lmax+1)^2], lmax up to 128" },
     { "rotation", "table|array|sh_rotation",
-      "as for sh.rotation, or an object made by it, which is fastest for batches" },
+      "as for sh.rotation, or an object made by it, which is fastest for batches; or [n][3][3], one for each row along the "
+      .. "first axis of c, lmax up to 60: columns are the axes of a frame, orthonormal to 1e-3" },
     { "options?", "table", "see the options" },
   },
   options = rotate_options,
@@ -200,6 +225,7 @@ function rotate.rotate(c, rotation, options)
   options = form.options(3, "rotate", rotate_options, options)
   local a, lmax, shape, dtype, rows, convention, small = args.coefficients(1, "rotate", c, core.limits.sh_rotate_lmax)
   local object = core.type(rotation) == "ylm.sh_rotation" and rotation
+  local frames = are_frames(rotation) and frames_of(rotation, shape, lmax, dtype)
   local matrix, p, out, message, code
   if object then
     local about = rotate.about[object]
@@ -211,8 +237,10 @@ function rotate.rotate(c, rotation, options)
       for i = 1, 9 do matrix[i] = about.matrix[math.floor((i - 1) / 3) + 1][(i - 1) % 3 + 1] end
       object = nil
     end
-  else matrix = matrix_of(2, "rotate", rotation) end
-  if options.method == "reference" then
+  elseif not frames then matrix = matrix_of(2, "rotate", rotation) end
+  if frames and options.method == "reference" then
+    return check.fail "rotate: method 'reference' takes one rotation"
+  elseif options.method == "reference" then
     if options.out then return check.fail("rotate: method 'reference' makes a new array, it takes no out") end
     if object then matrix = numbers(rotate.about[object].matrix, 9) end
     local result = core.array_reshape(by_reference(matrix, lmax, a, dtype, rows), shape)
@@ -227,7 +255,9 @@ function rotate.rotate(c, rotation, options)
   else
     p, message, code = plan(lmax)
     if not p then return nil, message, code end
-    ok, message, code = core.sh_rotate(p, matrix, lmax, a, out, options.threads, progress.of(options.progress))
+    if frames then
+      ok, message, code = core.sh_rotate_each(p, frames, lmax, a, out, options.threads, progress.of(options.progress))
+    else ok, message, code = core.sh_rotate(p, matrix, lmax, a, out, options.threads, progress.of(options.progress)) end
   end
   if not ok then return check.result("rotate", nil, message, code) end
   return args.held("rotate", out, small)

@@ -1,0 +1,169 @@
+/*
+** rotate_each.h - rotation of rows that each have a rotation of their own, for the unit's element type.
+**
+** Lanes are rows: quarter turns are the same in all of them, cosines and sines are each lane's.
+*/
+#ifndef YLM_SH_ROTATE_EACH_H
+#define YLM_SH_ROTATE_EACH_H
+
+#include "../gen/rotate_each_low.h"
+#include "rotate_batch.h"
+
+#ifdef YLM_REAL_IS_FLOAT
+#define EACH_SELECT ylm_vf_select
+#else
+#define EACH_SELECT ylm_vd_select
+#endif
+
+/* Degrees that are turned in one tile; higher ones come one by one. */
+#define EACH_LOW 14
+#define EACH_COUNT ((EACH_LOW + 1) * (EACH_LOW + 1))
+#define EACH_WIDEST (2 * YLM_SH_ROTATE_LMAX + 1)
+
+/* The angles of rotations near to orthonormal, r [9][TILE]: R = Rz(a) Ry(b) Rz(c), as rotate.c has them. */
+static void each_begin(const real *r, int lmax, each_angles *a) {
+  for (int k = 0; k < TILE; k += LANES) {
+    vreal one = vreal_set(1), zero = vreal_set(0), tiny = vreal_set((real)1e-30);
+#define R(i) vreal_load(r + (i)*TILE + k)
+    vreal sb = vreal_sqrt(R(2) * R(2) + R(5) * R(5)), length = vreal_sqrt(sb * sb + R(8) * R(8));
+    vmask turned = sb > tiny; /* below: about z alone, or about z and by half a turn */
+    vreal inverse = one / EACH_SELECT(turned, sb, one);
+    vreal ca = EACH_SELECT(turned, R(2) * inverse, one);
+    vreal sa = EACH_SELECT(turned, R(5) * inverse, zero);
+    vreal sc = ca * R(3) - sa * R(0), cc = ca * R(4) - sa * R(1);
+#undef R
+    vreal unit = one / vreal_sqrt(sc * sc + cc * cc);
+    const vreal c1[3] = {-ca, -(vreal_load(r + 8 * TILE + k) / length), cc * unit};
+    const vreal s1[3] = {-sa, -(sb / length), sc * unit};
+    for (int i = 0; i < 3; i++) {
+      vreal c = one, s = zero;
+      vreal_store(a->c[i][0] + k, c);
+      vreal_store(a->s[i][0] + k, s);
+      for (int m = 1; m <= lmax; m++) {
+        vreal next = c * c1[i] - s * s1[i];
+        s = c * s1[i] + s * c1[i];
+        c = next;
+        vreal_store(a->c[i][m] + k, c);
+        vreal_store(a->s[i][m] + k, s);
+      }
+    }
+  }
+}
+
+/* x = Z x for degree l. */
+YLM_INLINE void each_turn(int l, const real (*c)[TILE], const real (*s)[TILE], real *x) {
+  for (int m = 1; m <= l; m++) {
+    real *a = x + (l + m) * TILE, *b = x + (l - m) * TILE;
+    for (int k = 0; k < TILE; k += LANES) {
+      vreal cm = vreal_load(c[m] + k), sm = vreal_load(s[m] + k);
+      vreal ak = vreal_load(a + k), bk = vreal_load(b + k);
+      vreal_store(a + k, cm * ak - sm * bk);
+      vreal_store(b + k, sm * ak + cm * bk);
+    }
+  }
+}
+
+/* x = Z h for degree l of rows that hold m >= 0 alone. */
+YLM_INLINE void each_unfold(int l, const real (*c)[TILE], const real (*s)[TILE], const real *h,
+                            real *x) {
+  for (int k = 0; k < TILE; k += LANES) vreal_store(x + l * TILE + k, vreal_load(h + k));
+  for (int m = 1; m <= l; m++)
+    for (int k = 0; k < TILE; k += LANES) {
+      vreal hm = vreal_load(h + m * TILE + k);
+      vreal_store(x + (l + m) * TILE + k, vreal_load(c[m] + k) * hm);
+      vreal_store(x + (l - m) * TILE + k, vreal_load(s[m] + k) * hm);
+    }
+}
+
+/* The rest of the rotation of degree l, x after Z(c); y: room. */
+YLM_INLINE void each_degree(const ylm_sh_rotator *p, int l, const each_angles *a, real *x,
+                            real *y) {
+  const real *j = (const real *)p->PANELS + p->panel_at[l];
+  quarter_tile(l, j, x, y);
+  each_turn(l, a->c[1], a->s[1], y);
+  quarter_tile(l, j, y, x);
+  each_turn(l, a->c[0], a->s[0], x);
+}
+
+/* Where degree l stands in a row. */
+static size_t each_at(bool halves, int l) {
+  return halves ? (size_t)(l * (l + 1) / 2) : (size_t)l * (size_t)l;
+}
+
+/* Degrees first .. last of TILE rows; room for what they are. */
+static void each_degrees(const ylm_sh_rotator *p, int first, int last, bool halves,
+                         const each_angles *a, const real *const *in, real *const *out, real *x,
+                         real *y, real *h) {
+  size_t from = each_at(halves, first), to = (size_t)first * (size_t)first;
+  int n_in = (int)(each_at(halves, last + 1) - from), n = (last + 1) * (last + 1) - first * first;
+  for (int k = 0; k < TILE; k += LANES) to_tile(in + k, from, n_in, (halves ? h : x) + k, TILE);
+  for (int l = first; l <= last; l++) {
+    real *xl = x + (l * l - first * first) * TILE;
+    const real *hl = h + (each_at(true, l) - each_at(true, first)) * TILE;
+    if (l == 0) {
+      if (halves) memcpy(xl, hl, TILE * sizeof *xl);
+    } else if (l <= EACH_STRAIGHT) {
+      if (halves)
+        each_low_half[l](a, hl, xl);
+      else
+        each_low[l](a, xl);
+    } else {
+      if (halves)
+        each_unfold(l, a->c[2], a->s[2], hl, xl);
+      else
+        each_turn(l, a->c[2], a->s[2], xl);
+      each_degree(p, l, a, xl, y);
+    }
+  }
+  for (int k = 0; k < TILE; k += LANES) from_tile(x + k, TILE, n, to, out + k);
+}
+
+static void each(const ylm_sh_rotator *p, int lmax, size_t n, const real *r, int rows, bool halves,
+                 const real *in, real *out) {
+  size_t width = each_at(halves, lmax + 1), count = (size_t)(lmax + 1) * (size_t)(lmax + 1);
+  size_t total = n * (size_t)rows;
+  each_angles a;
+  real x[(EACH_COUNT > EACH_WIDEST ? EACH_COUNT : EACH_WIDEST) * TILE] __attribute__((aligned(64)));
+  real h[EACH_COUNT * TILE] __attribute__((aligned(64)));
+  real y[EACH_WIDEST * TILE] __attribute__((aligned(64)));
+  real turns[9 * TILE] __attribute__((aligned(64)));
+  int low = lmax < EACH_LOW ? lmax : EACH_LOW;
+  for (size_t at = 0; at < total; at += TILE) {
+    const real *from[TILE];
+    real *to[TILE];
+    for (size_t i = 0; i < TILE; i++) { /* what is missing repeats the last row */
+      size_t k = at + i < total ? at + i : total - 1;
+      const real *m = r + 9 * (k / (size_t)rows);
+      for (size_t q = 0; q < 9; q++) turns[q * TILE + i] = m[q];
+      from[i] = in + k * width;
+      to[i] = out + k * count;
+    }
+    each_begin(turns, lmax, &a);
+    each_degrees(p, 0, low, halves, &a, from, to, x, y, h);
+    for (int l = low + 1; l <= lmax; l++) each_degrees(p, l, l, halves, &a, from, to, x, y, h);
+  }
+}
+
+/* The first of n matrices [9] that is no rotation, nearly; n: there is none. */
+static size_t not_rotation(size_t n, const real *r) {
+  for (size_t at = 0; at < n; at += LANES) {
+    real t[9][LANES] __attribute__((aligned(64)));
+    for (size_t i = 0; i < LANES; i++)
+      for (size_t q = 0; q < 9; q++) t[q][i] = r[9 * (at + i < n ? at + i : n - 1) + q];
+    vreal v[9], off = vreal_set(0);
+    for (int q = 0; q < 9; q++) v[q] = vreal_load(t[q]);
+    for (int i = 0; i < 3; i++)
+      for (int j = i; j < 3; j++) {
+        vreal d = v[i] * v[j] + v[3 + i] * v[3 + j] + v[6 + i] * v[6 + j] - (real)(i == j);
+        off += d * d;
+      }
+    vreal volume = v[0] * (v[4] * v[8] - v[5] * v[7]) - v[1] * (v[3] * v[8] - v[5] * v[6]) +
+                   v[2] * (v[3] * v[7] - v[4] * v[6]);
+    vmask good = (off <= (real)(ROTATE_NEAR * ROTATE_NEAR)) & (volume > 0); /* not of NaN */
+    for (size_t i = 0; i < LANES; i++)
+      if (!good[i] && at + i < n) return at + i;
+  }
+  return n;
+}
+
+#endif
