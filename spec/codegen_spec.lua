@@ -1,6 +1,7 @@
 -- The code generator: what stands in the tree is what it makes, and what it makes is right.
 
 local codegen = require "ylm.codegen.main"
+local long = require "spec.support.long"
 local scratch = require "spec.support.scratch"
 local source = require "ylm.codegen.source"
 local targets = require "ylm.codegen.targets"
@@ -104,9 +105,9 @@ describe("ylm.codegen", function()
       for path in out:gmatch("%S+") do assert(known[path], path .. " is not in lua/ylm/codegen/targets.lua") end
     end)
 
-    it("are the same under every Lua that is installed", function()
+    it("are the same under every other Lua that is installed", function()
       for _, lua in ipairs { "lua5.1", "luajit", "lua5.3", "lua5.4" } do
-        if has(lua) then
+        if has(lua) and lua ~= os.getenv "YLM_LUA" then
           local out, status = capture("LUA_PATH='lua/?.lua;lua/?/init.lua' " .. lua
             .. " lua/ylm/codegen/command.lua --check")
           assert(status == 0, lua .. ": " .. out)
@@ -251,9 +252,9 @@ int main(void) {
       assert_same(evaluate_c(folder, scd, u), evaluate_ylm(scd, u), 1e-11)
     end)
 
-    it("agrees at high degrees, where functions are long: lmax 32 with gradients, 60, 150", function()
+    it("agrees at high degrees, where functions are long: lmax 32 with gradients, 60" .. long("", ", 150"), function()
       local vectors = { { 0.3, -1.1, 0.7 }, { 0.001, 0.002, -1 } }
-      for lmax, derivatives in pairs { [32] = 1, [60] = 0, [150] = 0 } do
+      for lmax, derivatives in pairs { [32] = 1, [60] = 0, [150] = long(nil, 0) } do
         local request = { lmax = lmax, derivatives = derivatives, name = "f" }
         for i, numbers in ipairs(evaluate_all_c(folder, request, vectors, "-O0")) do
           assert_same(numbers, evaluate_ylm(request, vectors[i]), 1e-11)

@@ -2,9 +2,9 @@
 -- under each. Behind a name stand its seconds of processor time: spec/run begins with the longest.
 
 return {
-  vulkan_rims = 95, vulkan_light = 90, grid_update_flat = 32, neon = 46, vulkan_octree = 31, vulkan_tolerance = 29,
-  vulkan_points = 27, vulkan_sample = 27, papers = 23, codegen = 24, vulkan_keep = 20, vulkan_fault = 19,
-  grid_update = 14, vulkan_image = 10, grid_update_octree = 10, memory_picture = 11, view_grid = 8,
+  vulkan_rims = 60, vulkan_light = 60, grid_update_flat = 16, neon = 46, vulkan_octree = 31, vulkan_tolerance = 16,
+  vulkan_points = 27, vulkan_sample = 14, papers = 23, codegen = 10, vulkan_keep = 20, vulkan_fault = 12,
+  grid_update = 6, vulkan_image = 10, grid_update_octree = 10, memory_picture = 11, view_grid = 8,
   vulkan_uniform = 7, light_tree = 7,
   grid_update_random = 5, view_bar = 5, install = 5, vulkan_sh = 5, grid_bake = 5, vulkan_surface = 4,
   light_blocks = 4, material_kinds = 6, material_file = 5, material = 4, grid_surface = 4, light = 4, style = 4,
@@ -12,5 +12,5 @@ return {
   grid_sample = 3, grid_update_undo = 3, texture = 3, plot = 3, sh_eval = 2, vulkan_render = 2, no_lights = 2,
   light_polygon_kernel = 2, shade = 2, render_noise = 2, render = 2, grid_update_memory = 1, grid_update_view = 1,
   codec = 1, light_textured = 1, sh_product = 1, light_polygon_scene = 1, light_merged = 1, sh_rotate = 1, ladder = 1,
-  abi = 1, path = 5, light_sky = 3, flip = 3, two_rooms_light = 2,
+  abi = 1, path = 5, light_sky = 3, first_call = 5, flip = 3, two_rooms_light = 2,
 }

@@ -174,7 +174,7 @@ describe "material:degrees" {
   options = degrees_options,
   returns = { { "degrees", "table", "18 integers; math.huge where a higher degree than `most` is needed" } },
   errors = "raises on a bad option; nil, message, code: memory",
-  example = "assert(ylm.ggx { alpha = 0.5, f0 = 1, compensate = false }:degrees { error = 0.1 }[1] == 3)",
+  example = "assert(ylm.ggx { alpha = 0.5, f0 = 1, compensate = false }:degrees { error = 0.1, most = 4 }[1] == 3)",
 }
 function methods.degrees(m, given)
   local made, message, code = open("degrees", m)
