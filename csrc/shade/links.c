@@ -67,7 +67,7 @@ typedef struct gather_job {
   float *out;
 } gather_job;
 
-/* What n points reflect of the mean radiance that arrives along their links, [n][4], and `start`. */
+/* Reflected at n points: the mean radiance that arrives along their links, [n][4], and `start`. */
 static void reflect(const ylm_shade_view *v, size_t first, size_t n, const float *mean,
                     const float *start, float *out) {
   float radiance[3 * BLOCK];

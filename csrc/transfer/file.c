@@ -269,7 +269,7 @@ static ylm_status read_sections(ylm_transfer *t, const header *h, const unsigned
   return what ? damaged(name, what, e) : YLM_OK;
 }
 
-/* What the header says of how it was made. */
+/* Form and statistics as the header has them. */
 static void restore(ylm_transfer *t, const header *h) {
   t->form = (ylm_transfer_form){.spacing = h->spacing,
                                 .max_elements = h->max_elements,

@@ -8,6 +8,8 @@
 #define ROUNDING 1e-6
 #define ENDLESS 1e-5
 #define PATIENCE 64
+/* Links of which a bounce takes less time than to wake other threads. */
+#define FEW 200000
 #define MOST_BOUNCES 20000
 
 /* Norms by area, of the three channels. */
@@ -100,6 +102,7 @@ static ylm_status walk(job *j, int bounces, double residual, bool closure, int t
                        const ylm_progress *progress, ylm_radiosity_stats *stats, ylm_error *e) {
   double before[3] = {0, 0, 0};
   if (residual < ROUNDING) residual = ROUNDING;
+  if (j->t->elements * (size_t)j->t->form.links < FEW) threads = 1;
   for (int k = 0; bounces < 0 || k < bounces; k++) {
     ylm_status s = ylm_parallel(j->t->elements, GRAIN, threads, bounce, j, NULL, NULL);
     if (s == YLM_OK)

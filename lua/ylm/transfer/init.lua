@@ -40,7 +40,7 @@ options[#options + 1] = { "file", "path", optional = true,
 options[#options + 1] = form.threads
 options[#options + 1] = form.progress
 
---- What the scene's own `transfer` says stands for options that are not given.
+--- The scene's own `transfer` stands for options that are not given.
 local function settled(s, o)
   for _, field in ipairs(cut.fields) do
     local name = field[1]
@@ -58,7 +58,7 @@ local function places_inside(s, given)
     for _, p in ipairs(core.array_totable(a)) do list[#list + 1] = p end
   end
   if s.camera then list[#list + 1] = s.camera.from end
-  if #list > 0 then return core.array_new(list, "float") end
+  if #list > 0 then return array.array(list, "float") end
 end
 
 --- The sides of all meshes, as C names them.
@@ -68,7 +68,7 @@ local function sides_of(s, default)
   return sides
 end
 
---- What light from surface to surface misses in a scene, in words; or nil.
+--- The sentences about light that bounces of which links know nothing; or nil.
 local function notes_of(s, traced)
   if traced.glossy == 0 then return nil end
   return { ("scene %q: %d of %d meshes gloss; they reflect to others as matte ones of their mean albedo: no highlights, no "

@@ -1,0 +1,211 @@
+-- Bounces: closed forms, energy, direct light, what stops them, and moving lights.
+
+local elements = require "spec.support.elements"
+local long = require "spec.support.long"
+local ylm = require "ylm"
+
+local pi = math.pi
+
+local function near(x, truth, tolerance, what)
+  assert.is_true(math.abs(x - truth) <= tolerance * math.abs(truth),
+    ("%s: %.6g, not %.6g: off by %.2g of it"):format(what or "value", x, truth, math.abs(x / truth - 1)))
+end
+
+--- A sphere of radius 1 around a lamp at distance a from its middle.
+local function globe(albedo, a)
+  return ylm.scene "globe" {
+    geometry = { ylm.sphere { radius = 1, divide = { 48, 24 }, material = ylm.matte { albedo = albedo } } },
+    lights = { ylm.sphere_light { at = { 0, 0, a }, radius = 0.1, radiance = 10 } },
+  }
+end
+
+local cut = { spacing = 0.2, links = 64 }
+local POWER = pi * 10 * 4 * pi * 0.1 ^ 2 -- of that lamp
+
+describe("transfer:radiosity", function()
+  it("finds rho^k for order k in a sphere, and 1 / (1 - rho) for all", function()
+    local t = globe({ 0.5, 0.75, 0.25 }, 0.4):transfer(cut)
+    local e = t:elements()
+    local direct = t:radiosity(nil, { bounces = 0 })
+    local E0 = elements.integral(e, direct:irradiance(), 1)
+    near(E0, POWER, 2e-3, "all of the lamp's light lands")
+    local last = E0
+    for k = 1, 3 do
+      local E = elements.integral(e, t:radiosity(nil, { bounces = k }):irradiance(), 1)
+      near(E - last, E0 * 0.5 ^ k, 5e-3, "order " .. k)
+      last = E
+    end
+    local lit = t:radiosity()
+    for c, rho in ipairs { 0.5, 0.75, 0.25 } do
+      near(elements.integral(e, lit:irradiance(), c), POWER / (1 - rho), 3e-3, "channel " .. c)
+    end
+  end)
+
+  it("finds what bounces in a sphere to be the same everywhere", function()
+    local t = globe(0.5, 0.6):transfer { spacing = 0.2, links = 256 }
+    local e, lit = t:elements(), t:radiosity()
+    local E, E0, area = lit:irradiance(), lit:irradiance "direct", elements.integral(t:elements())
+    local bounced, sum2 = POWER / area, 0 -- rho / (1 - rho) = 1
+    for i = 1, #e.area do sum2 = sum2 + (E:get(i, 1) - E0:get(i, 1) - bounced) ^ 2 end
+    -- Links are 256 to each element: their mean has the deviation of E0 over the sphere / 16, stratified less.
+    assert.is_true(math.sqrt(sum2 / #e.area) < 0.1 * bounced, math.sqrt(sum2 / #e.area) / bounced)
+  end)
+
+  it("finds pi (1 - s) / (1 - rho s) in a bowl under a uniform sky, by rays and by coefficients", function()
+    local g, rho = 1.2, 0.5
+    local s = (1 - math.cos(g)) / 2
+    local sky = ylm.environment_light { radiance = 1 }
+    local t = ylm.scene "bowl" { geometry = { elements.bowl(g, 24, rho) }, lights = { sky } }:transfer { spacing = 0.2,
+      links = 128 }
+    local e = t:elements()
+    for _, direct in ipairs { "rays", "field" } do
+      local E = t:radiosity(sky, { direct = direct, residual = 1e-5 }):irradiance()
+      near(elements.mean(e, E, 1), pi * (1 - s) / (1 - rho * s), 6e-3, direct) -- facets see a little more of the sky
+    end
+  end)
+
+  it("keeps account of all light: emitted is absorbed and escaped, but for the noise of links", function()
+    local torus = ylm.torus { at = { 0, 1, 0 }, scale = 0.5, divide = { 16, 8 }, material = ylm.matte { albedo = { 0.2, 0.5,
+      0.8 } } }
+    local room = elements.room({ 0.8, 0.5, 0.3 }, torus)
+    room.geometry[4].mesh = ylm.quad({ corner = { 0, 0, 1 }, u = { -1, 0, 0 }, v = { 0, 2, 0 } }).mesh -- half a wall is open
+    local t = room:transfer { spacing = 0.25, links = 64 }
+    local stats = t:radiosity().stats
+    local bound = 3 / ((1 - 0.75) * math.sqrt(t.stats.elements * 64))
+    assert.is_true(stats.balance <= bound, stats.balance .. " of at most " .. bound)
+    assert.is_true(stats.escaped[1] > 0.01 * stats.emitted[1])
+    for c = 1, 3 do near(stats.absorbed[c] + stats.escaped[c], stats.emitted[c], bound, "channel " .. c) end
+  end)
+
+  it("ends at the residual, or adds the rest: both are what many bounces reach", function()
+    local t = elements.room(0.75):transfer { spacing = 0.4, links = 64, sides = "front" }
+    local e = t:elements()
+    local function total(o)
+      local lit = t:radiosity(nil, o)
+      return elements.integral(e, lit:irradiance(), 1), lit.stats
+    end
+    local truth = total { bounces = 80 }
+    local closed, with_rest = total {}
+    local open, without = total { closure = false, residual = 1e-4 }
+    near(closed, truth, 1e-3, "closure")
+    near(open, truth, 5e-4, "no closure")
+    assert.is_true(with_rest.closed and not without.closed and with_rest.bounces < without.bounces / 3)
+    assert.is_true(without.residual <= 1e-4 and without.shrink > 0.7 and without.shrink < 0.8)
+    assert.equal(3, select(2, total { bounces = 3 }).bounces)
+  end)
+
+  it("agrees with the path tracer on the walls of a room with a box in it", function()
+    local box = ylm.box { bounds = { { -0.6, 0, -0.6 }, { -0.1, 0.8, -0.1 } }, material = ylm.matte { albedo = { 0.7, 0.2,
+      0.1 } } }
+    local room = elements.room({ 0.6, 0.7, 0.5 }, box)
+    local t = room:transfer { spacing = long(0.15, 0.06), links = long(128, 512), sides = "auto" }
+    local e, E = t:elements(), t:radiosity(nil, { light_samples = 64 }):irradiance()
+    local points, normals, found = {}, {}, { 0, 0, 0 }
+    for i = 1, #e.area, math.floor(#e.area / 90) do
+      local n, x = {}, {}
+      for a = 1, 3 do n[a], x[a] = e.normal:get(i, a), e.centre:get(i, a) end
+      if x[1] * n[1] + (x[2] - 1) * n[2] + x[3] * n[3] < -0.9 then -- of a wall's inner side
+        points[#points + 1], normals[#normals + 1] = x, n
+        for c = 1, 3 do found[c] = found[c] + E:get(i, c) end
+      end
+    end
+    local truth = room:probe { points = points, normals = normals, samples = long(1024, 16384) }
+    assert.is_true(#points > 20)
+    for c = 1, 3 do
+      local sum = 0
+      for i = 1, #points do sum = sum + truth:get(i, c) end
+      near(found[c], sum, long(0.02, 0.005), "channel " .. c)
+    end
+  end)
+
+  it("does not depend on the number of threads", function()
+    local t = elements.room(0.7):transfer { spacing = 0.4, links = 32 }
+    local function found(threads) return t:radiosity(nil, { threads = threads }):leaving():totable() end
+    local one = found(1)
+    assert.same(one, found(2))
+    assert.same(one, found(7))
+  end)
+
+  it("is the same by each set of kernels, to rounding", function()
+    local script = [[
+      local elements = require "spec.support.elements"
+      local t = elements.room(0.7):transfer { spacing = 0.5, links = 16 }
+      local lit = t:radiosity(nil, { bounces = 4 })
+      io.write(("%.9g"):format(elements.integral(t:elements(), lit:irradiance(), 1)))]]
+    local interpreter, values = arg and arg[-1] or "lua", {}
+    for _, isa in ipairs(ylm.info().kernels) do
+      local name = os.tmpname()
+      local f = assert(io.open(name, "w"))
+      f:write(script)
+      f:close()
+      local pipe = assert(io.popen(("YLM_ISA=%s %s %s"):format(isa, interpreter, name)))
+      values[#values + 1] = tonumber(pipe:read "*a")
+      pipe:close()
+      os.remove(name)
+    end
+    for _, x in ipairs(values) do near(x, values[1], 1e-5, "kernels") end
+    assert.equal(#ylm.info().kernels, #values)
+  end)
+
+  it("of light that leaves is albedo over pi times irradiance", function()
+    local t = elements.room({ 0.2, 0.4, 0.6 }):transfer { spacing = 1, links = 16 }
+    local lit = t:radiosity()
+    for c, rho in ipairs { 0.2, 0.4, 0.6 } do near(lit:leaving():get(1, c), lit:irradiance():get(1, c) * rho / pi, 1e-6) end
+  end)
+
+  it("sees no light without lights, and nothing without geometry", function()
+    local t = elements.room(0.5):transfer { spacing = 1, links = 16 }
+    assert.equal(0, elements.integral(t:elements(), t:radiosity({}):irradiance(), 1))
+    local empty = ylm.scene "empty" { lights = ylm.sphere_light { at = { 0, 0, 0 }, radius = 1 } }:transfer {}
+    assert.equal(0, empty:radiosity().stats.emitted[1])
+  end)
+
+  it("notes surfaces that gloss, and lamps nearer than elements are long", function()
+    local glossy = elements.room(0.5, ylm.sphere { at = { 0, 0.5, 0 }, scale = 0.3, material = ylm.ggx { alpha = 0.3,
+      f0 = 0.9 } },
+      ylm.sphere_light { at = { 0, 0.2, 0.8 }, radius = 0.02, radiance = 10 })
+    local t = glossy:transfer { spacing = 0.5, links = 16 }
+    assert(t.notes[1]:find "1 of 7 meshes gloss")
+    local notes = table.concat(t:radiosity().notes, "\n")
+    assert(notes:find "1 of 7 meshes gloss" and notes:find "less than spacing = 0.25 shows them", notes)
+    local plain = elements.room(0.5):transfer { spacing = 0.1, links = 16 }
+    assert.is_nil(plain:radiosity().notes)
+  end)
+end)
+
+describe("radiosity:update", function()
+  local function at(x) return ylm.sphere_light { at = { x, 1, 0 }, radius = 0.1, radiance = 10 } end
+
+  it("gives what a new radiosity gives, of lights of the scene and others", function()
+    local room = elements.room(0.6, nil, { at(0) })
+    local t = room:transfer { spacing = 0.5, links = 32 }
+    local lit = t:radiosity()
+    lit:update { at(0.5), at(-0.5) }
+    assert.same(t:radiosity({ at(0.5), at(-0.5) }):leaving():totable(), lit:leaving():totable())
+    room.lights[1] = at(0.25)
+    lit:update()
+    assert.same(t:radiosity(at(0.25)):leaving():totable(), lit:leaving():totable())
+  end)
+
+  it("leaves what was known where it is cancelled", function()
+    local cancel = false
+    local t = elements.room(0.6):transfer { spacing = 0.5, links = 32 }
+    local lit = t:radiosity(nil, { progress = function() return not cancel end })
+    local before = lit:leaving():totable()
+    cancel = true
+    assert.same({ nil, "cancelled", "ECANCELLED" }, { lit:update(at(0.5)) })
+    assert.same(before, lit:leaving():totable())
+    cancel = false
+    assert(lit:update(at(0.5)))
+    assert.is_true(lit:leaving():get(1, 1) ~= before[1][1])
+  end)
+end)
+
+describe("a scene's own transfer", function()
+  it("stands for options that are not given", function()
+    local s = ylm.scene "own" { geometry = ylm.box {}, transfer = ylm.transfer { spacing = 0.5, links = 32, seed = 3 } }
+    local t = s:transfer()
+    assert.same({ 0.5, 32 }, { t.stats.spacing, t.stats.links })
+    assert.equal(64, s:transfer({ links = 64 }).stats.links)
+  end)
+end)
