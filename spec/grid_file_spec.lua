@@ -179,7 +179,7 @@ assert(grid:points().value:save(folder .. "/value.npy"))]])
 
   it("skip sections that they do not know, and refuse those they would have to", function()
     local plain = core.grid_decode(forge():seal())
-    local more = core.grid_decode(forge():add("quantity", "lights", false, 3):add("later.than-this_1", "", false):seal())
+    local more = core.grid_decode(forge():add("body", "lights", false, 3):add("later.than-this_1", "", false):seal())
     identical(plain, more)
     local g, message, code = core.grid_decode(forge():add("brick", bytes.u64(7), true):seal())
     assert.is_nil(g)

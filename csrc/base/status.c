@@ -28,6 +28,15 @@ const char *ylm_status_text(ylm_status s) { return known(s) ? texts[s] : "unknow
 
 bool ylm_status_is_callers(ylm_status s) { return known(s) && classes[s] == CALLER; }
 
+const char *ylm_quantity_name(ylm_quantity q) {
+  static const char *const quantities[] = {
+#define X(name) #name,
+      YLM_QUANTITY_LIST(X)
+#undef X
+  };
+  return (int)q >= 0 && q < YLM_QUANTITY_COUNT ? quantities[q] : "?";
+}
+
 ylm_status ylm_fail(ylm_error *e, ylm_status s, const char *format, ...) {
   if (e) {
     va_list args;

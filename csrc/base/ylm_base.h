@@ -298,6 +298,21 @@ enum {
   YLM_WANT_METRIC = 8    /* lambda and norm, see ylm_field_result [n]                     */
 };
 
+/* The content of a light field, or of a grid of it: light of lamps and sky that nothing occludes; with
+   shadows; what surfaces send back; both; visibility. */
+#define YLM_QUANTITY_LIST(X) X(lights) X(direct) X(indirect) X(all) X(visibility)
+
+typedef enum ylm_quantity {
+#define X(name) YLM_QUANTITY_##name,
+  YLM_QUANTITY_LIST(X)
+#undef X
+      YLM_QUANTITY_COUNT
+} ylm_quantity;
+
+YLM_API const char *ylm_quantity_name(ylm_quantity q);
+/* True where the field jumps at surfaces, which shadow it or send it back. */
+static inline bool ylm_quantity_jumps(ylm_quantity q) { return q != YLM_QUANTITY_lights; }
+
 typedef struct ylm_field_query {
   int lmax;                     /* 0 .. YLM_LMAX */
   int channels;                 /* 1 luminance (Rec. 709 weights), 3 linear rgb */
@@ -312,7 +327,9 @@ typedef struct ylm_field_query {
 ** Where results go: pointers may be NULL where nothing is wanted.
 **   lambda   L2 norm over coefficients of the largest absolute eigenvalue of each Hessian
 **   norm     L2 norm of the coefficients
-**   inside   1 where the point lies in or on a light (the field jumps there), else 0
+**   inside   1 where the point lies in or on a light (the field jumps there), or in a body, else 0
+**   validity 1 less the share of directions that see sides of surfaces that are not used; written by
+**            fields that tell it (ylm_field.tells_validity), float whatever the dtype
 **   pairs    number of light x point evaluations, added to what stands there
 */
 typedef struct ylm_field_result {
@@ -320,6 +337,7 @@ typedef struct ylm_field_result {
   void *lambda, *norm;              /* dtype of the query */
   uint8_t *inside;
   uint64_t pairs;
+  float *validity;
 } ylm_field_result;
 
 typedef struct ylm_field ylm_field;
@@ -330,6 +348,8 @@ struct ylm_field {
                          ylm_field_result *r, ylm_error *e);
   /* out[i] = 1 if a surface on which the field jumps meets box i (boxes [n][6]: min, max) */
   ylm_status (*crosses)(const ylm_field *f, size_t n, const double *boxes, uint8_t *out);
+  ylm_quantity quantity; /* what it holds */
+  bool tells_validity;   /* evaluate writes r->validity where there is room for it */
 };
 
 #ifdef __cplusplus

@@ -32,6 +32,7 @@ struct ylm_grid {
   size_t data_bytes;
   float *lambda, *norm;
   uint8_t *flags;
+  float *validity; /* [evaluated], as long as point_room in a bake; NULL: none is told */
   size_t points, point_room, evaluated, stride;
 
   /* Where interpolated points come from, in their order: [points - evaluated]. */
@@ -253,6 +254,11 @@ typedef struct virtual_cell {
 /* The virtual cell that holds lattice coordinates `at` of a leaf with `detail`. */
 void ylm__grid_virtual(const ylm_grid *g, uint32_t leaf, const double at[3], virtual_cell *v,
                        float *scratch);
+
+/* -- sample/bias.c ------------------------------------------------------------------ */
+
+/* How far off point x on a surface with normal n a grid is looked up, without a limit. */
+double ylm__grid_bias_at(const ylm_grid *g, double factor, const float x[3], const float n[3]);
 
 /* -- sample/sample.c ---------------------------------------------------------------- */
 

@@ -47,6 +47,8 @@ static ylm_status check_adaptive(const ylm_grid_form *f, ylm_error *e) {
     return ylm_fail(e, YLM_EDOMAIN, "tolerance: a positive number, got %g", f->tolerance);
   if (isnan(f->threshold) || isinf(f->threshold))
     return ylm_fail(e, YLM_EDOMAIN, "threshold: a number of at least 0, got %g", f->threshold);
+  if (f->measure == YLM_GRID_IRRADIANCE && !(f->tolerance > 0))
+    return ylm_fail(e, YLM_EINVAL, "measure: irradiance is of a tolerance, this grid has none");
   if ((f->tolerance > 0) == (f->threshold >= 0))
     return ylm_fail(e, YLM_EINVAL, "either a tolerance or a threshold is wanted, not both");
   return YLM_OK;
@@ -63,6 +65,12 @@ ylm_status ylm__grid_check_form(const ylm_grid_form *f, ylm_error *e) {
   if (f->metric_channels != 1 && !none && (f->metric_channels != 3 || f->channels != 3))
     return ylm_fail(e, YLM_EINVAL,
                     "metric_channels: 1, 3 where channels are 3, or 0 where the grid is uniform");
+  if (!(f->bias >= 0 && f->bias <= YLM_GRID_MAX_BIAS))
+    return ylm_fail(e, YLM_ERANGE, "bias: 0 to %d, got %g", YLM_GRID_MAX_BIAS, f->bias);
+  if (f->measure != YLM_GRID_COEFFICIENTS && f->measure != YLM_GRID_IRRADIANCE)
+    return ylm_fail(e, YLM_EINVAL, "measure: coefficients or irradiance");
+  if ((int)f->quantity < 0 || f->quantity >= YLM_QUANTITY_COUNT)
+    return ylm_fail(e, YLM_EINVAL, "quantity: lights, direct, indirect, all or visibility");
   if (f->kind == YLM_GRID_UNIFORM) return check_uniform(f, e);
   if (f->kind == YLM_GRID_ADAPTIVE) return check_adaptive(f, e);
   return ylm_fail(e, YLM_EINVAL, "kind: adaptive or uniform");
@@ -80,6 +88,7 @@ void ylm__grid_sync(ylm_grid *g) {
   v->lambda = g->lambda;
   v->norm = g->norm;
   v->flags = g->flags;
+  v->validity = g->validity;
   v->birth = g->birth;
   v->stats = &g->stats;
 }
@@ -97,6 +106,7 @@ ylm_grid *ylm__grid_new(const ylm_grid_form *form) {
   }
   g->field.self = g;
   g->field.evaluate = ylm__grid_evaluate;
+  g->field.quantity = form->quantity;
   g->stats.error = g->stats.largest_error = NAN;
   if (form->dynamic) g->follower = &ylm__follower;
   ylm__grid_sync(g);
@@ -111,6 +121,7 @@ void ylm_grid_free(ylm_grid *g) {
   ylm_free(g->lambda);
   ylm_free(g->norm);
   ylm_free(g->flags);
+  ylm_free(g->validity);
   ylm_free(g->table);
   ylm__lattice_hash_free(&g->hash);
   ylm_free(g->birth);
@@ -151,7 +162,8 @@ ylm_status ylm__grid_reserve_points(ylm_grid *g, size_t more) {
   g->data_bytes = room * record + padding;
   if (!grow(&g->lattice, n, room, 3 * sizeof *g->lattice) ||
       !grow(&g->lambda, n, room, sizeof *g->lambda) || !grow(&g->norm, n, room, sizeof *g->norm) ||
-      !grow(&g->flags, n, room, 1))
+      !grow(&g->flags, n, room, 1) ||
+      (g->validity && !grow(&g->validity, n, room, sizeof *g->validity)))
     return YLM_ENOMEM;
   g->point_room = room;
   return YLM_OK;

@@ -25,6 +25,7 @@ extern "C" {
 #define YLM_GRID_MAX_DEPTH 16
 #define YLM_GRID_NONE UINT32_MAX
 #define YLM_GRID_BLOCK 8192 /* points of one call of the field in a bake */
+#define YLM_GRID_MAX_BIAS 16
 
 typedef struct ylm_grid ylm_grid;
 typedef struct ylm_light_set ylm_light_set; /* ylm_light.h */
@@ -34,21 +35,32 @@ typedef enum ylm_grid_metric { YLM_GRID_ABSOLUTE = 0, YLM_GRID_RELATIVE = 1 } yl
 
 /* -- baking ------------------------------------------------------------------ */
 
+/* The subject of a tolerance: coefficients, their distance relative to their norm; or the
+   irradiance of occupied points with normals (ylm_grid_source.normals). */
+typedef enum ylm_grid_measure {
+  YLM_GRID_COEFFICIENTS = 0,
+  YLM_GRID_IRRADIANCE = 1
+} ylm_grid_measure;
+
 /* The description of a grid. */
 typedef struct ylm_grid_form {
   ylm_grid_kind kind;
-  double bounds[6];       /* min x y z, max x y z; max > min */
-  int lmax;               /* 0 .. */
-  int channels;           /* 1 luminance, 3 rgb */
-  int metric_channels;    /* 1 or 3: of what lambda and norm are; 3 only where channels is 3;
+  double bounds[6];         /* min x y z, max x y z; max > min */
+  int lmax;                 /* 0 .. */
+  int channels;             /* 1 luminance, 3 rgb */
+  int metric_channels;      /* 1 or 3: of what lambda and norm are; 3 only where channels is 3;
                              0 in a uniform grid: they are not asked for, and NaN */
-  int depth;              /* adaptive: finest level N, 0 .. YLM_GRID_MAX_DEPTH */
-  uint32_t cells[3];      /* uniform: voxels along each axis */
-  ylm_grid_metric metric; /* adaptive, with a threshold */
-  double threshold;       /* adaptive: subdivide above it; negative: none, use the tolerance */
-  double tolerance;       /* adaptive: relative error promised; 0: none, use the threshold */
-  bool continuous;        /* adaptive: no jumps across faces that change level */
-  bool dynamic;           /* keeps what ylm_grid_update needs */
+  int depth;                /* adaptive: finest level N, 0 .. YLM_GRID_MAX_DEPTH */
+  uint32_t cells[3];        /* uniform: voxels along each axis */
+  ylm_grid_metric metric;   /* adaptive, with a threshold */
+  double threshold;         /* adaptive: subdivide above it; negative: none, use the tolerance */
+  double tolerance;         /* adaptive: relative error promised; 0: none, use the threshold */
+  bool continuous;          /* adaptive: no jumps across faces that change level */
+  bool dynamic;             /* keeps what ylm_grid_update needs */
+  ylm_grid_measure measure; /* adaptive, with a tolerance */
+  double bias;           /* factor of the biased look-up (ylm_grid_bias), by which held-out points
+                             with normals are looked up too; 0: none */
+  ylm_quantity quantity; /* what it holds; a bake takes it from its field */
 } ylm_grid_form;
 
 /* Triangles whose surface is to be lit. Sides and normals are those of ylm_geom.h. */
@@ -70,7 +82,9 @@ typedef struct ylm_grid_source {
   ylm_dtype occupied_dtype;
   const void
       *occupied_points; /* [occupied][3]; NULL: every voxel is occupied, or the back end has them */
-  size_t meshes;        /* surfaces instead of points: voxels that a triangle meets */
+  const void *normals; /* [occupied][3] of the points, unit, of their type: the sides that are seen;
+                           NULL: none. Surfaces have both of theirs */
+  size_t meshes;       /* surfaces instead of points: voxels that a triangle meets */
   const ylm_grid_mesh *mesh;    /* [meshes]; a dynamic grid keeps a copy */
   uint64_t seed;                /* of the choice of held-out points */
   size_t max_points;            /* YLM_ELIMIT beyond; 0: no limit but memory */
@@ -121,6 +135,9 @@ typedef struct ylm_grid_stats {
   double error;         /* a bound of the 99 % quantile of all points' errors; NaN: not measured */
   double confidence;    /* of that bound; 0 in a grid that was loaded */
   double largest_error; /* of the points that judge it */
+  uint64_t failed;      /* of the points that judge it: above the tolerance */
+  uint64_t crossed;     /* of these: looked up in voxels that occluders cross, where the field jumps
+                           (of a field that jumps; 0 in a grid that was loaded) */
   bool met;             /* error <= tolerance */
   bool limited;         /* not met because the depth is reached where it would refine */
   ylm_grid_update_stats update;
@@ -243,6 +260,25 @@ YLM_API bool ylm_grid_updating(const ylm_grid *g);
 /* True if an update failed and could not be taken back: the grid is good for ylm_grid_free only. */
 YLM_API bool ylm_grid_spent(const ylm_grid *g);
 
+/* -- other light: refresh.c ------------------------------------------------------------------ */
+
+/*
+** ylm_grid_refresh - evaluate a grid's points anew, in another light field or in one that changed.
+**
+** Values, gradients and metrics of evaluated points are the field's, points in lights or bodies are
+** filled from their neighbours, and interpolated ones follow. The octree is what it was: where the
+** field is sharper than that of the bake, a promised tolerance is not kept. So `met` is true no
+** longer, and `error` is NaN, unless the bake's own field gave the bake's own values.
+**
+** Returns  YLM_OK; YLM_EINVAL (a dynamic grid, which has ylm_grid_update), YLM_ENOMEM,
+**          YLM_ECANCELLED, what the field returns: the grid then is as it was
+** Results  with the field of the bake, the grid is the same to the bit
+** Threads  the grid must not be read meanwhile
+** Cost     the field at stats.points points; memory: the evaluated points' rows once more
+*/
+YLM_API ylm_status ylm_grid_refresh(ylm_grid *g, const ylm_field *field, int threads,
+                                    const ylm_progress *progress, ylm_error *e);
+
 /* -- looking inside ---------------------------------------------------------- */
 
 enum {
@@ -290,10 +326,11 @@ typedef struct ylm_grid_contents {
   size_t evaluated;
   const uint32_t *lattice; /* [points][3] lattice coordinates */
   size_t stride;           /* floats from one row of `data` to the next, >= channels*count */
-  const float *data;    /* [points][4][stride]: values [channels][count], then d/dx, d/dy, d/dz */
-  const float *lambda;  /* [points]; NaN where interpolated */
-  const float *norm;    /* [points] */
-  const uint8_t *flags; /* [points] YLM_GRID_POINT_* */
+  const float *data;     /* [points][4][stride]: values [channels][count], then d/dx, d/dy, d/dz */
+  const float *lambda;   /* [points]; NaN where interpolated */
+  const float *norm;     /* [points] */
+  const uint8_t *flags;  /* [points] YLM_GRID_POINT_* */
+  const float *validity; /* [evaluated] as of ylm_field_result; NULL: the field told none */
   const ylm_grid_birth *birth; /* [points - evaluated]; NULL where there are none */
   const ylm_grid_stats *stats;
 } ylm_grid_contents;
@@ -519,6 +556,51 @@ YLM_API ylm_status ylm_grid_track_sample(ylm_grid_track *track, const ylm_grid *
                                          ylm_grid_interpolation how, int threads,
                                          const ylm_progress *progress, const ylm_grid_taker *taker,
                                          uint64_t *fresh, ylm_grid_report *report);
+
+/*
+** ylm_grid_bias - how far from a surface a grid is looked up, where its light jumps at surfaces.
+**
+** A voxel that a surface cuts holds light of both its sides. A shading point x with normal n is
+** looked up at x + b n, in a voxel beyond the surface's plane:
+**
+**   b = factor * (h_x |n_x| + h_y |n_y| + h_z |n_z|)
+**
+** h edges of the leaf at x, or of that at x + b n where it is larger.
+**
+**   factor   in   of ylm_grid_form.bias; 0: b = 0
+**   points   in   [n][3] any finite position
+**   normals  in   [n][3] unit, on the side that is seen
+**   limit    in   [n] the most that b may be, such as half of the distance to the first hit along
+**                 n; NULL: no limit
+**   b        out  [n] scene units; it may be `limit`
+*/
+YLM_API void ylm_grid_bias(const ylm_grid *g, double factor, size_t n, const float (*points)[3],
+                           const float (*normals)[3], const float *limit, float *b, int threads);
+
+/* Of biased look-ups: the mean and the largest b. */
+typedef struct ylm_grid_bias_report {
+  double mean, largest;
+} ylm_grid_bias_report;
+
+/*
+** ylm_grid_sample_biased - interpolate coefficients at points on surfaces, looked up b off them.
+**
+**   value = L(x + b n) - b n . grad L(x + b n),     L the interpolant
+**
+** Where b is 0 the value is that of ylm_grid_sample, to the bit.
+**
+**   q        in   points and values are float, whatever it says
+**   b        in   [n] of ylm_grid_bias
+**   value    out  [n][channels][count]
+**   report   out  of the places x + b n; may be NULL
+**
+** Returns  as ylm_grid_sample
+** Cost     a sample with its gradient: about 3 times one without
+*/
+YLM_API ylm_status ylm_grid_sample_biased(const ylm_grid *g, const ylm_grid_query *q, size_t n,
+                                          const float (*points)[3], const float (*normals)[3],
+                                          const float *b, float *value, ylm_grid_report *report,
+                                          ylm_error *e);
 
 /* The grid as a light field (Hermite, clamped): value, gradient, and lambda and norm interpolated.
    It has no Hessian, and no degree above its own. */

@@ -239,7 +239,12 @@ ylm_status ylm_light_set_sampled(const ylm_light_sampled *light, ylm_light_set *
   if (status != YLM_OK) return status;
   sampled *s = ylm_alloc_zero(1, sizeof *s);
   if (!s) return ylm_fail(e, YLM_ENOMEM, "%s", ylm_status_text(YLM_ENOMEM));
-  *s = (sampled){{s, evaluate, crosses}, light->n, light->lmax, light->power, NULL, NULL};
+  *s = (sampled){{.self = s, .evaluate = evaluate, .crosses = crosses},
+                 light->n,
+                 light->lmax,
+                 light->power,
+                 NULL,
+                 NULL};
   s->at = ylm_alloc_copy(light->at, 3 * light->n, sizeof *s->at);
   s->coefficients = ylm_alloc_copy(light->coefficients, 3 * light->n * ylm_sh_count(light->lmax),
                                    sizeof *s->coefficients);

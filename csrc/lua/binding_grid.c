@@ -24,6 +24,15 @@ ylm_grid_interpolation ylmL_grid_interpolation(lua_State *L, int i) {
   return (ylm_grid_interpolation)luaL_checkoption(L, i, NULL, names);
 }
 
+ylm_quantity ylmL_grid_quantity(lua_State *L, int i) {
+  static const char *const names[] = {
+#define X(name) #name,
+      YLM_QUANTITY_LIST(X)
+#undef X
+          NULL};
+  return (ylm_quantity)luaL_checkoption(L, i, names[0], names);
+}
+
 /* The place of entry `name` in `words`, the first where there is none. */
 static int choice(lua_State *L, int table, const char *name, const char *const *words) {
   lua_getfield(L, table, name);
@@ -79,6 +88,14 @@ ylm_grid_form ylmL_grid_form(lua_State *L, int i) {
   f.tolerance = number(L, i, "tolerance");
   f.continuous = boolean(L, i, "continuous");
   f.dynamic = boolean(L, i, "dynamic");
+  static const char *const measures[] = {"coefficients", "irradiance", NULL};
+  f.measure = (ylm_grid_measure)choice(L, i, "measure", measures);
+  lua_getfield(L, i, "quantity");
+  f.quantity = ylmL_grid_quantity(L, -1);
+  lua_pop(L, 1);
+  lua_getfield(L, i, "bias");
+  f.bias = luaL_optnumber(L, -1, 0);
+  lua_pop(L, 1);
   return f;
 }
 
@@ -94,6 +111,14 @@ const ylm_grid_mesh *ylmL_grid_meshes(lua_State *L, int i, size_t *n) {
   return mesh;
 }
 
+/* The array `name` of the table, which keeps it, or NULL. */
+static const ylmL_array *named_array(lua_State *L, int table, const char *name) {
+  lua_getfield(L, table, name);
+  const ylmL_array *a = ylmL_array_opt(L, lua_gettop(L));
+  lua_pop(L, 1);
+  return a;
+}
+
 ylm_grid_source ylmL_grid_source(lua_State *L, ylmL_progress *progress) {
   bool surfaces = lua_istable(L, 3);
   const ylmL_array *occupied = surfaces ? NULL : ylmL_array_opt(L, 3);
@@ -105,6 +130,9 @@ ylm_grid_source ylmL_grid_source(lua_State *L, ylmL_progress *progress) {
     s.occupied = occupied->count / 3;
     s.occupied_points = occupied->data;
     s.occupied_dtype = occupied->dtype;
+    const ylmL_array *normals = named_array(L, 1, "normals");
+    if (normals && normals->count == occupied->count && normals->dtype == occupied->dtype)
+      s.normals = normals->data;
   }
   if (surfaces) s.mesh = ylmL_grid_meshes(L, 3, &s.meshes);
   return s;

@@ -15,8 +15,26 @@ typedef struct grid_job {
   shade_rows rows;
   ylm_shade_dot_fn *dot;
   float *out, *level, *error;
+  double factor; /* of look-ups beside surfaces */
+  float *b;      /* [points] of these; NULL: none */
   atomic_uint_fast64_t outside, unbaked;
 } grid_job;
+
+/* Coefficients of points begin .. begin+n-1 to L, looked up beside their surfaces. */
+static ylm_status sample_beside(grid_job *j, size_t begin, size_t n, float *L, ylm_grid_report *r) {
+  float(*flat)[3] = ylm_alloc(n, sizeof *flat);
+  ylm_status s = flat ? YLM_OK : YLM_ENOMEM;
+  if (s == YLM_OK) {
+    ylm_shade_view_flats(j->view, begin, n, flat);
+    s = ylm_shade_bias(j->view, j->grid, j->factor, begin, n, (const float(*)[3])flat,
+                       j->b + begin);
+  }
+  if (s == YLM_OK)
+    s = ylm_grid_sample_biased(j->grid, &j->query, n, (const float(*)[3])j->view->position + begin,
+                               (const float(*)[3])flat, j->b + begin, L, r, NULL);
+  ylm_free(flat);
+  return s;
+}
 
 static ylm_status run_grid(void *context, size_t begin, size_t end, int worker) {
   (void)worker;
@@ -26,7 +44,9 @@ static ylm_status run_grid(void *context, size_t begin, size_t end, int worker) 
   ylm_grid_report r = {0};
   float *L = ylm_alloc(n * (size_t)form->channels * (size_t)j->look->count, sizeof *L);
   ylm_status s = L ? YLM_OK : YLM_ENOMEM;
-  if (s == YLM_OK)
+  if (s == YLM_OK && j->b)
+    s = sample_beside(j, begin, n, L, &r);
+  else if (s == YLM_OK)
     s = ylm_grid_sample(j->grid, &j->query, n, j->view->position[begin], L, NULL, &r, NULL);
   if (s == YLM_OK)
     s = ylm__shade_points(j->view, j->dot, &j->rows, begin, n,
@@ -38,13 +58,25 @@ static ylm_status run_grid(void *context, size_t begin, size_t end, int worker) 
   return s;
 }
 
-ylm_status ylm_shade_grid(const ylm_shade_view *v, const ylm_grid *grid, ylm_shade_weight weight,
-                          ylm_grid_interpolation interpolation, int threads,
-                          const ylm_progress *progress, float *out, ylm_grid_report *report,
-                          ylm_error *e) {
+/* The mean and the largest of n distances. */
+static ylm_grid_bias_report distances(const float *b, size_t n) {
+  ylm_grid_bias_report out = {0};
+  for (size_t i = 0; b && i < n; i++) {
+    out.mean += (double)b[i] / (double)n;
+    out.largest = fmax(out.largest, (double)b[i]);
+  }
+  return out;
+}
+
+ylm_status ylm_shade_grid_biased(const ylm_shade_view *v, const ylm_grid *grid,
+                                 ylm_shade_weight weight, ylm_grid_interpolation interpolation,
+                                 double factor, int threads, const ylm_progress *progress,
+                                 float *out, ylm_grid_report *report, ylm_grid_bias_report *bias,
+                                 ylm_error *e) {
   double start = ylm_seconds();
   grid_job j = {.view = v,
                 .grid = grid,
+                .factor = factor,
                 .look = ylm_grid_look(grid),
                 .out = out,
                 .dot = ylm__shade_kernels().dot,
@@ -52,11 +84,25 @@ ylm_status ylm_shade_grid(const ylm_shade_view *v, const ylm_grid *grid, ylm_sha
                           .point_dtype = YLM_FLOAT,
                           .dtype = YLM_FLOAT,
                           .threads = 1}};
+  if (factor > 0) {
+    j.b = ylm_alloc(v->points, sizeof *j.b);
+    if (!j.b) return ylm_fail(e, YLM_ENOMEM, "no memory to shade %zu points", v->points);
+  }
   ylm_status s = ylm__shade_rows(v, weight, j.look->form.lmax, &j.rows, e);
   if (s == YLM_OK) s = ylm_parallel(v->points, BLOCK, threads, run_grid, &j, progress, "shading");
   ylm_free(j.rows.zonal);
   if (report) *report = (ylm_grid_report){j.outside, j.unbaked, ylm_seconds() - start};
+  if (bias && s == YLM_OK) *bias = distances(j.b, v->points);
+  ylm_free(j.b);
   return s;
+}
+
+ylm_status ylm_shade_grid(const ylm_shade_view *v, const ylm_grid *grid, ylm_shade_weight weight,
+                          ylm_grid_interpolation interpolation, int threads,
+                          const ylm_progress *progress, float *out, ylm_grid_report *report,
+                          ylm_error *e) {
+  return ylm_shade_grid_biased(v, grid, weight, interpolation, 0, threads, progress, out, report,
+                               NULL, e);
 }
 
 static ylm_status run_cells(void *context, size_t begin, size_t end, int worker) {

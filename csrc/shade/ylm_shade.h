@@ -113,6 +113,10 @@ YLM_API const ylm_shade_options *ylm_shade_view_options(const ylm_shade_view *vi
 /* Per shading point; valid as long as the view. */
 YLM_API const float *ylm_shade_view_positions(const ylm_shade_view *view); /* [points][3] */
 YLM_API const float *ylm_shade_view_normals(const ylm_shade_view *view);   /* [points][3] unit */
+/* Normals of n points' triangles from `first` on, unit, on the side that is seen; of shading by
+   vertices those of `normals`. */
+YLM_API void ylm_shade_view_flats(const ylm_shade_view *view, size_t first, size_t n,
+                                  float (*out)[3]);
 /* [points][count]; NULL: a view by rays has none */
 YLM_API const float *ylm_shade_view_transfer(const ylm_shade_view *view);
 /* albedo [points][3], tinted; object [points]: index of the mesh. Either may be NULL. */
@@ -199,6 +203,38 @@ YLM_API ylm_status ylm_shade_grid(const ylm_shade_view *view, const ylm_grid *gr
                                   ylm_shade_weight weight, ylm_grid_interpolation interpolation,
                                   int threads, const ylm_progress *progress, float *out,
                                   ylm_grid_report *report, ylm_error *e);
+
+/*
+** ylm_shade_bias - how far off the surfaces of n shading points from `first` on a grid is looked up:
+** ylm_grid_bias, at most half of the distance to the first hit along the normal.
+**
+**   factor  in   of ylm_grid_form.bias
+**   flat    in   [n][3] of ylm_shade_view_flats
+**   b       out  [n] scene units
+**
+** Returns  YLM_OK, YLM_ENOMEM
+** Cost     a ray per point
+*/
+YLM_API ylm_status ylm_shade_bias(const ylm_shade_view *view, const ylm_grid *grid, double factor,
+                                  size_t first, size_t n, const float (*flat)[3], float *b);
+
+/*
+** ylm_shade_grid_biased - ylm_shade_grid, looked up beside surfaces (ylm_shade_bias,
+** ylm_grid_sample_biased): of grids whose light jumps there.
+**
+**   factor  in   0: looked up at the points themselves, as ylm_shade_grid does
+**   report  out  points outside and unbaked, of the places that are looked up; may be NULL
+**   bias    out  of the distances; may be NULL
+**
+** Returns  as ylm_shade_grid
+** Cost     a ray per point, and samples with gradients
+*/
+YLM_API ylm_status ylm_shade_grid_biased(const ylm_shade_view *view, const ylm_grid *grid,
+                                         ylm_shade_weight weight,
+                                         ylm_grid_interpolation interpolation, double factor,
+                                         int threads, const ylm_progress *progress, float *out,
+                                         ylm_grid_report *report, ylm_grid_bias_report *bias,
+                                         ylm_error *e);
 
 /* Radiance of a view under a dynamic grid, kept from one rendering to the next. */
 typedef struct ylm_shade_memory ylm_shade_memory;

@@ -56,8 +56,14 @@ ylm_status ylm_grid_bake(const ylm_grid_form *form, const ylm_grid_source *sourc
     s = ylm_fail(e, YLM_EINVAL, "a grid is wanted that is not dynamic");
   if (s != YLM_OK) return s;
   baker b;
-  ylm__baker_begin(&b, ylm__grid_new(form), source, e);
+  ylm_grid_form meant = *form;
+  meant.quantity = source->field->quantity;
+  ylm__baker_begin(&b, ylm__grid_new(&meant), source, e);
   s = b.g ? YLM_OK : YLM_ENOMEM;
+  if (s == YLM_OK && source->field->tells_validity && !source->backend) {
+    b.g->validity = ylm_alloc(1, sizeof *b.g->validity);
+    s = b.g->validity ? YLM_OK : YLM_ENOMEM;
+  }
   if (s == YLM_OK && b.g->follower) s = b.g->follower->begin(b.g, source, &b.surface, e);
   if (s == YLM_OK) s = bake(&b);
   if (s == YLM_OK && b.g->follower) s = b.g->follower->end(b.g, &b.learnt);

@@ -16,7 +16,8 @@ typedef struct field_block {
   float *position, *value, *gradient, *lambda, *norm;
   float *hessian; /* [n][channels][count][6]; NULL where they are not kept */
   uint8_t *inside;
-  size_t room; /* points */
+  float *validity; /* NULL where the grid has none */
+  size_t room;     /* points */
 } field_block;
 
 /* A bake under way. */

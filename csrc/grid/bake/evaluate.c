@@ -40,7 +40,8 @@ ylm_status ylm__evaluate_ask(baker *b, const ylm_field *field, size_t n, field_b
                         .hessian = k->hessian,
                         .lambda = k->lambda,
                         .norm = k->norm,
-                        .inside = k->inside};
+                        .inside = k->inside,
+                        .validity = k->validity};
   memset(k->inside, 0, n);
   int want = YLM_WANT_VALUE | YLM_WANT_GRADIENT | (k->hessian ? YLM_WANT_HESSIAN : 0);
   if (f->metric_channels)
@@ -94,6 +95,7 @@ static ylm_status store_block(void *context, size_t begin, size_t end, int worke
     g->norm[p] = k->norm[i];
     g->flags[p] &= (uint8_t)~YLM_GRID_POINT_INVALID;
     if (k->inside[i]) g->flags[p] |= YLM_GRID_POINT_INVALID;
+    if (k->validity) g->validity[p] = k->validity[i];
     if (!ylm_all_finite(YLM_FLOAT, to, 4 * g->stride, NULL)) return YLM_EDOMAIN;
     if (g->follower) g->follower->store(g, (uint32_t)p, k, i);
   }
@@ -136,6 +138,7 @@ void ylm__evaluate_free_block(field_block *k) {
   ylm_free(k->norm);
   ylm_free(k->hessian);
   ylm_free(k->inside);
+  ylm_free(k->validity);
   *k = (field_block){0};
 }
 
@@ -152,9 +155,10 @@ ylm_status ylm__evaluate_reserve_block(baker *b, field_block *k, size_t n) {
                      .norm = ylm_alloc(n, sizeof(float)),
                      .hessian = hessians ? ylm_alloc(n, 6 * width * sizeof(float)) : NULL,
                      .inside = ylm_alloc(n, 1),
+                     .validity = b->g->validity ? ylm_alloc(n, sizeof(float)) : NULL,
                      .room = n};
   bool ok = k->position && k->value && k->gradient && k->lambda && k->norm && k->inside &&
-            (k->hessian || !hessians);
+            (k->hessian || !hessians) && (k->validity || !b->g->validity);
   return ok ? YLM_OK : YLM_ENOMEM;
 }
 

@@ -99,6 +99,7 @@ const char *ylm__grid_file_check_points(const ylm_grid *g) {
   for (size_t i = 0; i < g->evaluated; i++) {
     if (metric && (isnan(g->lambda[i]) || isnan(g->norm[i]))) return "a point's metric";
     if (g->flags[i] & YLM_GRID_POINT_INTERPOLATED) return "a point's flags";
+    if (g->validity && !(g->validity[i] >= 0 && g->validity[i] <= 1)) return "a point's validity";
     for (size_t a = 0; a < 3; a++)
       if (g->lattice[3 * i + a] > g->contents.resolution[a]) return "a point's place";
   }

@@ -67,13 +67,22 @@ typedef struct grid_file_stats {
 #undef X
 } grid_file_stats;
 
-_Static_assert(sizeof(grid_file_header) == 64 && sizeof(grid_file_entry) == 64 &&
-                   sizeof(grid_file_form) == 136 && sizeof(grid_file_stats) == 104 &&
-                   sizeof(ylm_grid_cell) == 64 && sizeof(ylm_grid_birth) == 8,
+/* Section "measure". */
+typedef struct grid_file_measure {
+  uint32_t measure, zero;
+  double bias;
+} grid_file_measure;
+
+_Static_assert(sizeof(grid_file_measure) == 16 && sizeof(grid_file_header) == 64 &&
+                   sizeof(grid_file_entry) == 64 && sizeof(grid_file_form) == 136 &&
+                   sizeof(grid_file_stats) == 104 && sizeof(ylm_grid_cell) == 64 &&
+                   sizeof(ylm_grid_birth) == 8,
                "a record of grid files has padding");
 
 /* The sections of a grid, in their order in the file: name, bytes of a record, required. `rows` are
-   the evaluated points' [4][stride], the stride a multiple of 8, and ROW_PADDING zeros behind. */
+   the evaluated points' [4][stride], the stride a multiple of 8, and ROW_PADDING zeros behind. The
+   sections behind `rows` are left out where they would say nothing: quantity "lights", measure
+   "coefficients" without bias, and the validity of points that nobody told. */
 #define GRID_FILE_LIST(X)                                                                          \
   X(form, sizeof(grid_file_form), true)                                                            \
   X(stats, sizeof(grid_file_stats), false)                                                         \
@@ -83,7 +92,10 @@ _Static_assert(sizeof(grid_file_header) == 64 && sizeof(grid_file_entry) == 64 &
   X(norm, sizeof(float), true)                                                                     \
   X(flags, 1, true)                                                                                \
   X(births, sizeof(ylm_grid_birth), true)                                                          \
-  X(rows, 4 * g->stride * sizeof(float), true)
+  X(rows, 4 * g->stride * sizeof(float), true)                                                     \
+  X(quantity, sizeof(uint32_t), false)                                                             \
+  X(measure, sizeof(grid_file_measure), false)                                                     \
+  X(validity, sizeof(float), false)
 
 enum {
 #define X(name, record, required) GRID_FILE_##name,

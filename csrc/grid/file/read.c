@@ -41,10 +41,12 @@ static bool sizes_hold(const reading *r, const grid_file_form *f) {
   const ylm_grid *g = r->g;
   const grid_file_entry *cells = ylm__file_table_find(&r->table, GRID_FILE_cells),
                         *births = ylm__file_table_find(&r->table, GRID_FILE_births),
-                        *rows = ylm__file_table_find(&r->table, GRID_FILE_rows);
+                        *rows = ylm__file_table_find(&r->table, GRID_FILE_rows),
+                        *validity = ylm__file_table_find(&r->table, GRID_FILE_validity);
   return cells && births && rows && cells->size == f->cells * sizeof *g->cell &&
          births->size == (f->points - f->evaluated) * sizeof *g->birth &&
-         rows->size == (f->evaluated * 4 * g->stride + ROW_PADDING) * sizeof *g->data;
+         rows->size == (f->evaluated * 4 * g->stride + ROW_PADDING) * sizeof *g->data &&
+         (!validity || validity->size == f->evaluated * sizeof *g->validity);
 }
 
 /* Room for all that there is. */
@@ -54,7 +56,9 @@ static ylm_status reserve(reading *r, const grid_file_form *f) {
   ylm_status s = ylm__grid_reserve_cells(g, f->cells);
   if (s == YLM_OK) s = ylm__grid_reserve_points(g, f->points);
   if (s == YLM_OK && born) g->birth = ylm_alloc(born, sizeof *g->birth);
-  if (s != YLM_OK || (born && !g->birth))
+  bool told = ylm__file_table_find(&r->table, GRID_FILE_validity);
+  if (s == YLM_OK && told) g->validity = ylm_alloc(f->evaluated, sizeof *g->validity);
+  if (s != YLM_OK || (born && !g->birth) || (told && !g->validity))
     return ylm_fail(r->e, s == YLM_OK ? YLM_ENOMEM : s, "%s: the grid does not fit into memory",
                     r->source->name);
   g->birth_room = born;
@@ -75,6 +79,8 @@ static ylm_status read_structure(reading *r) {
   if (s == YLM_OK) s = take(r, GRID_FILE_norm, sizeof *g->norm, n, g->norm);
   if (s == YLM_OK) s = take(r, GRID_FILE_flags, 1, n, g->flags);
   if (s == YLM_OK) s = take(r, GRID_FILE_births, sizeof *g->birth, born, g->birth);
+  if (s == YLM_OK && g->validity)
+    s = take(r, GRID_FILE_validity, sizeof *g->validity, n, g->validity);
   if (s != YLM_OK) return s;
   const char *what = ylm__grid_file_check_points(g);
   if (!what) what = ylm__grid_file_check_births(g);

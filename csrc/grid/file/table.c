@@ -145,6 +145,23 @@ static ylm_grid_stats stats_of(const grid_file_form *f, const grid_file_stats *t
   return out;
 }
 
+/* Quantity and measure; a file without these sections is of lights and of coefficients. */
+static ylm_status take_meaning(const file_table *t, const file_source *s, ylm_grid_form *out,
+                               ylm_error *e) {
+  uint32_t quantity = 0;
+  grid_file_measure m = {0};
+  ylm_status status = YLM_OK;
+  if (ylm__file_table_find(t, GRID_FILE_quantity))
+    status = ylm__file_table_take(t, s, GRID_FILE_quantity, sizeof quantity, sizeof quantity,
+                                  &quantity, e);
+  if (status == YLM_OK && ylm__file_table_find(t, GRID_FILE_measure))
+    status = ylm__file_table_take(t, s, GRID_FILE_measure, sizeof m, sizeof m, &m, e);
+  out->quantity = quantity < YLM_QUANTITY_COUNT ? (ylm_quantity)quantity : YLM_QUANTITY_COUNT;
+  out->measure = (ylm_grid_measure)m.measure;
+  out->bias = m.bias;
+  return status;
+}
+
 ylm_status ylm__file_table_form(const file_table *t, const file_source *s, grid_file_form *form,
                                 ylm_grid_form *out, ylm_grid_stats *stats, ylm_error *e) {
   grid_file_stats history = {.error = NAN, .largest_error = NAN};
@@ -157,6 +174,8 @@ ylm_status ylm__file_table_form(const file_table *t, const file_source *s, grid_
         ylm__file_table_take(t, s, GRID_FILE_stats, sizeof history, sizeof history, &history, e);
   if (status != YLM_OK) return status;
   *out = form_of(form);
+  status = take_meaning(t, s, out, e);
+  if (status != YLM_OK) return status;
   *stats = stats_of(form, &history);
   if (ylm__grid_check_form(out, &why) != YLM_OK) return ylm__grid_file_bad(s->name, why.text, e);
   if (form->evaluated > form->points) return ylm__grid_file_bad(s->name, "its counts", e);

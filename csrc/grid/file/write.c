@@ -39,8 +39,12 @@ typedef struct writing {
   const ylm_grid *g;
   grid_file_header header;
   grid_file_entry entry[GRID_FILE_COUNT];
+  size_t entries;
   grid_file_form form;
   grid_file_stats stats;
+  uint32_t quantity;
+  grid_file_measure measure;
+  int kind[GRID_FILE_COUNT]; /* of each entry, one of GRID_FILE_LIST */
 } writing;
 
 static void describe(writing *w) {
@@ -60,6 +64,8 @@ static void describe(writing *w) {
                              .octree_cells = g->contents.octree_cells,
                              .points = g->points,
                              .evaluated = g->evaluated};
+  w->quantity = (uint32_t)f->quantity;
+  w->measure = (grid_file_measure){.measure = (uint32_t)f->measure, .bias = f->bias};
   memcpy(w->form.lattice, f->cells, sizeof f->cells);
   memcpy(w->form.bounds, f->bounds, sizeof f->bounds);
 #define X(type, name) w->stats.name = t->name;
@@ -84,31 +90,42 @@ static void sizes(const writing *w, uint64_t size[GRID_FILE_COUNT],
   SECTION(flags, g->flags, n);
   SECTION(births, g->birth, (g->points - n) * sizeof *g->birth);
   SECTION(rows, NULL, (n * 4 * g->stride + ROW_PADDING) * sizeof *g->data);
+  SECTION(quantity, &w->quantity, w->quantity ? sizeof w->quantity : 0);
+  SECTION(measure, &w->measure, w->measure.measure || w->measure.bias > 0 ? sizeof w->measure : 0);
+  SECTION(validity, g->validity, g->validity ? n * sizeof *g->validity : 0);
 #undef SECTION
 }
 
 /* Where every section will stand, and the size of the file. */
 static void lay_out(writing *w) {
   const ylm_grid *g = w->g;
-  uint64_t size[GRID_FILE_COUNT], at = sizeof w->header + sizeof w->entry;
+  uint64_t size[GRID_FILE_COUNT], at = sizeof w->header;
   const void *data[GRID_FILE_COUNT];
   describe(w);
   sizes(w, size, data);
+  const grid_file_entry all[] = {
 #define X(name_, record_, required)                                                                \
-  w->entry[GRID_FILE_##name_] = (grid_file_entry){.name = #name_,                                  \
-                                                  .record = (uint32_t)(record_),                   \
-                                                  .flags = (required) ? GRID_FILE_REQUIRED : 0};
-  GRID_FILE_LIST(X)
+  {.name = #name_,                                                                                 \
+   .record = (uint32_t)(record_),                                                                  \
+   .flags = (required) ? GRID_FILE_REQUIRED : 0,                                                   \
+   .size = size[GRID_FILE_##name_]},
+      GRID_FILE_LIST(X)
 #undef X
+  };
   for (int i = 0; i < GRID_FILE_COUNT; i++) {
+    if (i > GRID_FILE_rows && !size[i]) continue;
+    w->kind[w->entries] = i;
+    w->entry[w->entries++] = all[i];
+  }
+  at += w->entries * sizeof *w->entry;
+  for (size_t i = 0; i < w->entries; i++) {
     w->entry[i].offset = at = grid_file_bound(at);
-    w->entry[i].size = size[i];
-    at += size[i];
+    at += w->entry[i].size;
   }
   w->header = (grid_file_header){.order = GRID_FILE_ORDER,
                                  .version = GRID_FILE_VERSION,
                                  .size = at,
-                                 .sections = GRID_FILE_COUNT};
+                                 .sections = (uint32_t)w->entries};
   memcpy(w->header.magic, YLM_GRID_MAGIC, sizeof w->header.magic);
 }
 
@@ -139,14 +156,15 @@ static ylm_status put_sections(writing *w, sink *s) {
   if (!room) return YLM_ENOMEM;
   sizes(w, size, data);
   put(s, w->entry, sizeof w->header);
-  put(s, w->entry, sizeof w->entry);
-  for (int i = 0; i < GRID_FILE_COUNT; i++) {
+  put(s, w->entry, w->entries * sizeof *w->entry);
+  for (size_t i = 0; i < w->entries; i++) {
+    int kind = w->kind[i];
     put_zeros(s, w->entry[i].offset);
     s->crc = 0;
-    if (i == GRID_FILE_rows)
+    if (kind == GRID_FILE_rows)
       put_rows(s, g, room, rows);
     else
-      put(s, data[i], size[i]);
+      put(s, data[kind], size[kind]);
     w->entry[i].crc = s->crc;
   }
   ylm_free(room);
@@ -156,10 +174,10 @@ static ylm_status put_sections(writing *w, sink *s) {
 /* Header and table, at the beginning. */
 static void put_head(writing *w, sink *s) {
   uint64_t crc = ylm_crc64(0, &w->header, offsetof(grid_file_header, crc));
-  w->header.crc = ylm_crc64(crc, w->entry, sizeof w->entry);
+  w->header.crc = ylm_crc64(crc, w->entry, w->entries * sizeof *w->entry);
   s->at = 0;
   put(s, &w->header, sizeof w->header);
-  put(s, w->entry, sizeof w->entry);
+  put(s, w->entry, w->entries * sizeof *w->entry);
 }
 
 /* Interpolated points need births: only a forged file of version 1 makes a grid without. */

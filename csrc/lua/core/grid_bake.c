@@ -136,6 +136,7 @@ static int grid_bake(lua_State *L) {
   ylmL_progress progress;
   lua_field own = {.base = {.self = &own, .evaluate = lua_field_evaluate}, .L = L, .index = 2};
   ylm_grid_source source = ylmL_grid_source(L, &progress);
+  own.base.quantity = form.quantity;
   source.field = lua_isfunction(L, 2) ? &own.base : ylmL_field_check(L, 2);
   if (form.dynamic) source.lights = ylmL_lights_check(L, 2);
   ylm_grid **g = ylmL_grid_new(L);
@@ -163,6 +164,50 @@ static int grid_update(lua_State *L) {
   const ylm_grid_contents *v = ylm_grid_look(g);
   if (s == YLM_OK) ylmL_grid_push_update(L, &v->form, v->stats);
   return ylmL_result_progress(L, 1, s, &e, &progress);
+}
+
+/* grid_refresh(grid, object with a light field | function, quantity of the function, threads,
+   progress) -> points evaluated, seconds */
+static int grid_refresh(lua_State *L) {
+  lua_settop(L, 5);
+  luaL_checkstack(L, 20, "grid_refresh");
+  ylm_grid *g = ylmL_grid_check(L, 1);
+  if (ylmL_busy(L, 1) != YLM_OK) return ylmL_result(L, 0, YLM_EBUSY, NULL);
+  ylmL_progress progress;
+  lua_field own = {.base = {.self = &own, .evaluate = lua_field_evaluate}, .L = L, .index = 2};
+  own.base.quantity = ylmL_grid_quantity(L, 3);
+  const ylm_field *field = lua_isfunction(L, 2) ? &own.base : ylmL_field_check(L, 2);
+  if (!lua_isfunction(L, 2) && field->self == g) return ylmL_result(L, 0, YLM_EINVAL, NULL);
+  ylm_error e = {0};
+  double start = ylm_seconds();
+  ylm_status s = ylm_grid_refresh(g, field, (int)luaL_checknumber(L, 4),
+                                  ylmL_progress_begin(L, 5, &progress), &e);
+  if (own.raised) return lua_error(L);
+  ylmL_push_count(L, ylm_grid_look(g)->evaluated);
+  lua_pushnumber(L, ylm_seconds() - start);
+  return ylmL_result_progress(L, 2, s, &e, &progress);
+}
+
+/* grid_split(rows [n][6]) -> points [n][3], normals [n][3] of length 1, of the rows' type; the
+   number of the first row without a normal, if there is one */
+static int grid_split(lua_State *L) {
+  const ylmL_array *a = ylmL_array_check(L, 1);
+  size_t n = a->count / 6, shape[2] = {n, 3}, bad = 0;
+  ylmL_array *p = ylmL_array_new(L, a->dtype, 2, shape);
+  ylmL_array *normal = p ? ylmL_array_new(L, a->dtype, 2, shape) : NULL;
+  if (!normal) return ylmL_result(L, 0, YLM_ENOMEM, NULL);
+  for (size_t i = 0; i < n; i++) {
+    double x[6], sum = 0;
+    for (size_t k = 0; k < 6; k++) x[k] = ylmL_array_get(a, 6 * i + k);
+    for (size_t k = 3; k < 6; k++) sum += x[k] * x[k];
+    if (!(sum > 0 && isfinite(sum)) && !bad) bad = i + 1;
+    for (size_t k = 0; k < 3; k++) {
+      ylm_put(a->dtype, p->data, 3 * i + k, x[k]);
+      ylm_put(a->dtype, normal->data, 3 * i + k, x[k + 3] / sqrt(sum));
+    }
+  }
+  if (bad) ylmL_push_count(L, bad);
+  return bad ? 3 : 2;
 }
 
 /* grid_bounds(points [n][3]) -> lowest {x, y, z}, highest */
@@ -214,6 +259,8 @@ static int grid_surface_points(lua_State *L) {
 static const luaL_Reg functions[] = {{"grid_bake", grid_bake},
                                      {"grid_surface_points", grid_surface_points},
                                      {"grid_update", grid_update},
+                                     {"grid_refresh", grid_refresh},
+                                     {"grid_split", grid_split},
                                      {"grid_bounds", grid_bounds},
                                      {NULL, NULL}};
 

@@ -70,6 +70,8 @@ void ylmL_grid_push_stats(lua_State *L, const ylm_grid_form *f, const ylm_grid_s
     return;
   }
   ylmL_set_number(L, "tolerance", f->tolerance);
+  lua_pushstring(L, f->measure == YLM_GRID_IRRADIANCE ? "irradiance" : "coefficients");
+  lua_setfield(L, -2, "measure");
   ylmL_set_count(L, "rounds", s->rounds);
   ylmL_set_number(L, "largest_error", s->largest_error);
   set_promise(L, s);
@@ -103,6 +105,9 @@ void ylmL_grid_push_form(lua_State *L, const ylm_grid_form *f) {
   }
   lua_setfield(L, -2, "bounds");
   ylmL_set_boolean(L, "dynamic", f->dynamic);
+  lua_pushstring(L, ylm_quantity_name(f->quantity));
+  lua_setfield(L, -2, "quantity");
+  ylmL_set_number(L, "bias", f->bias);
   lua_newtable(L);
   for (int a = 0; a < 3; a++) {
     ylmL_push_count(L, adaptive ? (uint64_t)1 << f->depth : (uint64_t)f->cells[a]);
@@ -116,6 +121,10 @@ void ylmL_grid_push_form(lua_State *L, const ylm_grid_form *f) {
     lua_setfield(L, -2, "metric");
     ylmL_set_number(L, f->tolerance > 0 ? "tolerance" : "threshold",
                     f->tolerance > 0 ? f->tolerance : f->threshold);
+    if (f->tolerance > 0) {
+      lua_pushstring(L, f->measure == YLM_GRID_IRRADIANCE ? "irradiance" : "coefficients");
+      lua_setfield(L, -2, "measure");
+    }
   }
 }
 
@@ -133,6 +142,22 @@ static void *set_array(lua_State *L, const char *name, ylm_dtype t, int axes, co
   return a->data;
 }
 
+/* The validity of a point; of an interpolated one trilinear between the corners that it is from. */
+static double validity_of(const ylm_grid_contents *v, size_t i) {
+  double sum = 0;
+  if (i < v->evaluated)
+    return v->validity ? (double)v->validity[i] : !(v->flags[i] & YLM_GRID_POINT_INVALID);
+  if (!v->birth) return 1;
+  ylm_grid_birth b = v->birth[i - v->evaluated];
+  uint32_t place[3] = {b.place % 3, b.place / 3 % 3, b.place / 9};
+  for (int k = 0; k < 8; k++) {
+    double w = 1;
+    for (int a = 0; a < 3; a++) w *= 0.5 * (k >> a & 1 ? place[a] : 2 - place[a]);
+    if (w > 0) sum += w * validity_of(v, v->cell[b.cell].corner[k]);
+  }
+  return sum;
+}
+
 /* grid_points(grid) -> table of arrays, one row per point: evaluated ones first */
 static int grid_points(lua_State *L) {
   const ylm_grid *g = ylmL_grid_check(L, 1);
@@ -146,6 +171,7 @@ static int grid_points(lua_State *L) {
   float *norm = set_array(L, "norm", YLM_FLOAT, 1, &n);
   float *invalid = set_array(L, "invalid", YLM_FLOAT, 1, &n);
   float *interpolated = set_array(L, "interpolated", YLM_FLOAT, 1, &n);
+  float *validity = set_array(L, "validity", YLM_FLOAT, 1, &n);
   for (size_t i = 0; i < n; i++) {
     const float *row = v->data + 4 * i * v->stride;
     ylm_grid_position(g, v->lattice + 3 * i, position + 3 * i);
@@ -156,6 +182,7 @@ static int grid_points(lua_State *L) {
     norm[i] = v->norm[i];
     invalid[i] = (v->flags[i] & YLM_GRID_POINT_INVALID) != 0;
     interpolated[i] = (v->flags[i] & YLM_GRID_POINT_INTERPOLATED) != 0;
+    validity[i] = (float)validity_of(v, i);
   }
   return 1;
 }

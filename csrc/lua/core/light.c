@@ -256,6 +256,14 @@ static int has_field(lua_State *L) {
   return 1;
 }
 
+/* field_quantity(object) -> what its light field holds, whether that jumps at surfaces */
+static int field_quantity(lua_State *L) {
+  ylm_quantity q = ylmL_field_check(L, 1)->quantity;
+  lua_pushstring(L, ylm_quantity_name(q));
+  lua_pushboolean(L, ylm_quantity_jumps(q));
+  return 2;
+}
+
 static const char *const query_names[] = {"lmax",    "channels", "derivatives", "metric",
                                           "threads", "progress", "value",       "gradient",
                                           "hessian", "isa",      NULL};
@@ -369,17 +377,13 @@ static int field_crosses(lua_State *L) {
   return 1;
 }
 
-static const luaL_Reg functions[] = {{"lights_create", lights_create},
-                                     {"lights_spheres", lights_spheres},
-                                     {"lights_textured", lights_textured},
-                                     {"lights_sampled", lights_sampled},
-                                     {"lights_close", lights_close},
-                                     {"lights_count", lights_count},
-                                     {"lights_surfaces", lights_surfaces},
-                                     {"has_field", has_field},
-                                     {"field_evaluate", field_evaluate},
-                                     {"field_crosses", field_crosses},
-                                     {NULL, NULL}};
+static const luaL_Reg functions[] = {
+    {"lights_create", lights_create},     {"lights_spheres", lights_spheres},
+    {"lights_textured", lights_textured}, {"lights_sampled", lights_sampled},
+    {"lights_close", lights_close},       {"lights_count", lights_count},
+    {"lights_surfaces", lights_surfaces}, {"has_field", has_field},
+    {"field_quantity", field_quantity},   {"field_evaluate", field_evaluate},
+    {"field_crosses", field_crosses},     {NULL, NULL}};
 
 static const luaL_Reg methods[] = {{"__gc", lights_close}, {NULL, NULL}};
 

@@ -4,7 +4,8 @@
 #include "../binding_grid.h"
 #include "shade.h"
 
-/* shade_grid(view, grid, "transfer" | "cosine", "hermite" | "taylor" | "linear", threads, progress)
+/* shade_grid(view, grid, "transfer" | "cosine", "hermite" | "taylor" | "linear", threads, progress,
+              bias)
    -> radiance [n][3], outside, unbaked, seconds */
 static int shade_grid(lua_State *L) {
   ylm_shade_view *v = ylmL_shade_view(L, 1);
@@ -15,17 +16,21 @@ static int shade_grid(lua_State *L) {
   ylm_grid_report report = {0};
   ylm_error e = {0};
   ylmL_progress p;
-  lua_settop(L, 6);
+  ylm_grid_bias_report bias = {0};
+  lua_settop(L, 7);
   ylmL_array *out = ylmL_array_new(L, YLM_FLOAT, 2, (size_t[]){ylmL_shade_points(v), 3});
   if (!out) return ylmL_result(L, 0, YLM_ENOMEM, NULL);
   const ylm_progress *progress = ylmL_progress_begin(L, 6, &p);
-  ylm_status s = ylm_shade_grid(v, g, weight, how, threads, progress, out->data, &report, &e);
+  ylm_status s = ylm_shade_grid_biased(v, g, weight, how, luaL_optnumber(L, 7, 0), threads,
+                                       progress, out->data, &report, &bias, &e);
   if (s == YLM_OK) {
     ylmL_push_count(L, report.outside);
     ylmL_push_count(L, report.unbaked);
     lua_pushnumber(L, (lua_Number)report.seconds);
+    lua_pushnumber(L, bias.mean);
+    lua_pushnumber(L, bias.largest);
   }
-  return ylmL_result_progress(L, 4, s, &e, &p);
+  return ylmL_result_progress(L, 6, s, &e, &p);
 }
 
 #define MEMORY "ylm.shade_memory"

@@ -146,6 +146,19 @@ static int shade_materials(lua_State *L) {
   return ylmL_result(L, 1, s, &e);
 }
 
+/* shade_normals(view, of triangles) -> [n][3] on the side that is seen */
+static int shade_normals(lua_State *L) {
+  const ylm_shade_view *v = ylmL_shade_view(L, 1);
+  size_t n = ylmL_shade_points(v);
+  ylmL_array *a = ylmL_array_new(L, YLM_FLOAT, 2, (size_t[]){n, 3});
+  if (!a) return ylmL_result(L, 0, YLM_ENOMEM, NULL);
+  if (lua_toboolean(L, 2))
+    ylm_shade_view_flats(v, 0, n, a->data);
+  else
+    ylm_copy(a->data, ylm_shade_view_normals(v), n * 3 * sizeof(float));
+  return 1;
+}
+
 /* shade_positions(view) -> [n][3] */
 static int shade_positions(lua_State *L) {
   ylm_shade_view *v = ylmL_shade_view(L, 1);
@@ -171,10 +184,14 @@ static int shade_transfer(lua_State *L) {
   return 1;
 }
 
-static const luaL_Reg functions[] = {
-    {"shade_view", shade_view},           {"shade_stats", shade_stats},
-    {"shade_points", shade_points},       {"shade_materials", shade_materials},
-    {"shade_positions", shade_positions}, {"shade_transfer", shade_transfer},
-    {"shade_occlusion", shade_occlusion}, {NULL, NULL}};
+static const luaL_Reg functions[] = {{"shade_view", shade_view},
+                                     {"shade_stats", shade_stats},
+                                     {"shade_points", shade_points},
+                                     {"shade_materials", shade_materials},
+                                     {"shade_positions", shade_positions},
+                                     {"shade_normals", shade_normals},
+                                     {"shade_transfer", shade_transfer},
+                                     {"shade_occlusion", shade_occlusion},
+                                     {NULL, NULL}};
 
 void ylmL_open_shade_view(lua_State *L) { luaL_setfuncs(L, functions, 0); }

@@ -119,6 +119,7 @@ static ylm_status evaluate_range(void *context, size_t begin, size_t end, int wo
     if (inside) ylm__gather_flatten(*s);
     put(j, i, *s);
     if (j->r->inside) j->r->inside[i] = inside;
+    if (j->r->validity) j->r->validity[i] = 1 - (*v)->buried;
     atomic_fetch_add_explicit(&g->points, 1, memory_order_relaxed);
     atomic_fetch_add_explicit(&g->rays, (*v)->rays, memory_order_relaxed);
     atomic_fetch_add_explicit(&g->invalid, inside, memory_order_relaxed);
@@ -190,7 +191,13 @@ static ylm_status fill(ylm_gather *g) {
 static ylm_status create(const ylm_radiosity *r, const ylm_gather_form *form, ylm_gather **out) {
   ylm_gather *g = ylm_alloc_zero(1, sizeof *g);
   if (!g) return YLM_ENOMEM;
-  g->field = (ylm_field){.self = g, .evaluate = evaluate, .crosses = crosses};
+  g->field = (ylm_field){.self = g,
+                         .evaluate = evaluate,
+                         .crosses = crosses,
+                         .quantity = form->parts == YLM_GATHER_ALL      ? YLM_QUANTITY_all
+                                     : form->parts == YLM_GATHER_DIRECT ? YLM_QUANTITY_direct
+                                                                        : YLM_QUANTITY_indirect,
+                         .tells_validity = true};
   g->form = *form;
   g->radiosity = r;
   g->transfer = ylm_radiosity_transfer(r);

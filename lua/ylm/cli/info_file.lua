@@ -3,8 +3,8 @@
 local report = require "ylm.cli.report"
 local status = require "ylm.cli.status"
 
-local form = { "lmax", "channels", "bounds", "resolution", "depth", "continuous", "metric", "metric_channels",
-  "tolerance", "threshold" }
+local form = { "quantity", "lmax", "channels", "bounds", "resolution", "depth", "continuous", "metric", "metric_channels",
+  "tolerance", "measure", "threshold", "bias" }
 local stats = { "points", "interpolated", "invalid", "tested", "cells", "leaves", "occupied", "levels", "continuity", "pairs",
   "outside", "error", "largest_error", "met", "limited", "verified" }
 

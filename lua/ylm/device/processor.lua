@@ -107,13 +107,15 @@ end
 function processor.shade(_, name, p, o, bar)
   if core.type(o.grid) ~= "ylm.grid" then return shade_field(name, p, o, bar) end
   local radiance, outside, unbaked, seconds, fresh
+  local bias, mean, largest = o.bias or o.grid.bias, nil, nil
   if o.grid.dynamic and o.weight == "transfer" then radiance, outside, unbaked, seconds, fresh = shade_again(name, p, o, bar)
   else
-    radiance, outside, unbaked, seconds = check.result(name, p.lib.shade_grid(p.view, o.grid, o.weight,
-      o.interpolation, o.threads or 0, bar))
+    radiance, outside, unbaked, seconds, mean, largest = check.result(name, p.lib.shade_grid(p.view, o.grid, o.weight,
+      o.interpolation, o.threads or 0, bar, bias))
   end
   if not radiance then return nil, outside, unbaked end
-  return radiance, { outside = outside, unbaked = unbaked, seconds = seconds, fresh = fresh }
+  return radiance, { outside = outside, unbaked = unbaked, seconds = seconds, fresh = fresh,
+    bias = bias > 0 and mean and { mean = mean, largest = largest } or nil }
 end
 
 function processor.check_rays() end

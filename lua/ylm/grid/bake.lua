@@ -1,5 +1,6 @@
 --- ylm.bake, and grid:update, which follows lights that move.
 
+local array = require "ylm.array"
 local boxes = require "ylm.box"
 local check = require "ylm.check"
 local core = require "ylm.c.core"
@@ -27,22 +28,45 @@ local function bounds_of(points)
   return { lo, hi }
 end
 
---- The shading points that a bake on `device` is to serve: an array of the host's, or of a device's memory; nil: everywhere.
--- Or nil, message, code.
-local function shading_points(x, device)
+--- An array [n][6] as points [n][3] and normals [n][3] of length 1. Or nil, message, code.
+local function split(given)
+  local points, normals, bad = check.result("bake", core.grid_split((array.rows(3, "bake", "occupied", given, 6))))
+  if not points then return nil, normals, bad end
+  if bad then return check.bad(3, "bake", "occupied: row %d has no normal: a finite vector of some length expected", bad) end
+  return points, normals
+end
+
+--- True for an array [n][6], or a list of such rows.
+local function has_normals(x)
+  if core.type(x) == "ylm.array" then return #x.shape == 2 and x.shape[2] == 6 end
+  return type(x) == "table" and type(x[1]) == "table" and #x[1] == 6
+end
+
+--- The shading points that a bake on `device` is to serve: an array of the host's, or of a device's memory; nil: everywhere;
+-- and their normals, where they come with some. Or nil, message, code.
+-- `jumps`: normals of triangles are wanted, not of shading.
+local function shading_points(x, device, jumps)
   if x == nil then return nil end
-  local points = x
+  local points, normals = x, nil
   if core.type(x) == "ylm.prepared" then
     local message, code
     points, message, code = getmetatable(x).__positions(x, "bake", device)
     if not points then return nil, message, code end
+    if device:name() == nil then
+      normals, message, code = getmetatable(x).__normals(x, "bake", jumps)
+      if not normals then return nil, message, code end
+    end
+  elseif has_normals(x) then
+    local code
+    points, normals, code = split(x)
+    if not points then return nil, normals, code end
   end
   points = device:points(3, "bake", "occupied", points)
   if not points then
     return check.bad(3, "bake", "device: occupied is in a device's memory: name the device, or download it")
   end
   if points.shape[1] == 0 then return check.bad(3, "bake", "occupied: at least one point expected") end
-  return points
+  return points, normals
 end
 
 --- The mesh of a mesh or a shape, else nil.
@@ -111,11 +135,15 @@ end
 local bake_options = {
   { "occupied", "any", optional = true,
     about = "'surfaces': voxels that the triangles of geometry meet, where the tolerance holds by area; or shading points "
-      .. "[n][3], where it holds at them; or those of a prepared view. Other voxels are not subdivided. Default: 'surfaces' "
+      .. "[n][3], where it holds at them, or [n][6] with their normals; or those of a prepared view. Other voxels are not "
+      .. "subdivided. Default: 'surfaces' "
       .. "with geometry, else every voxel; with device also a gpu_array, and a view's points are copied there once" },
   { "geometry", "any", optional = true,
     about = "what occupied = 'surfaces' is about: a mesh, a shape (quad, sphere, mesh ...) or a list of them" },
   { "bounds", "bounds", optional = true, about = "where the description has none" },
+  { "quantity", "choice", of = { "lights", "direct", "indirect", "all", "visibility" }, optional = true,
+    about = "what a field that is a function holds; other fields know it. 'lights': light that nothing occludes (default); "
+      .. "'direct': light of lamps and sky with shadows; 'indirect': what surfaces send back; 'all': both" },
   { "seed", "integer", min = 0, max = 2 ^ 53, default = 1, about = "of the choice of held-out points" },
   { "max_points", "integer", min = 8, max = 2 ^ 32 - 2, default = 2 ^ 24, about = "nil, message, 'ELIMIT' beyond" },
   light.tolerance_option "light_tolerance",
@@ -125,6 +153,26 @@ local bake_options = {
       .. "measures); the grid stays there, for device = gpu of grid:sample and scene:render; grid.stats.stages says how "
       .. "long that took" },
 }
+
+--- The quantity that a light field holds, and whether it jumps at surfaces.
+function bake.quantity(n, name, packed, given)
+  if type(packed) == "function" then return given or "lights", given ~= nil and given ~= "lights" end
+  local quantity, jumps = core.field_quantity(packed)
+  if given and given ~= quantity then
+    return check.bad(n, name, "quantity: this light field holds %s, not %s: leave it out", quantity, given)
+  end
+  return quantity, jumps
+end
+
+--- The measure of a tolerance: that of the description, else that of the field. Raises where there are no normals for it.
+local function measure_of(description, jumps, normals)
+  if not description.tolerance then return "coefficients" end
+  local wanted = description.measure
+  if wanted == "irradiance" and not normals then
+    return check.bad(3, "bake", "irradiance needs normals: occupied = a view, 'camera' or an array [n][6]")
+  end
+  return wanted or (jumps and normals and not description.dynamic and "irradiance") or "coefficients"
+end
 
 --- Grid -> the lights it was baked from.
 local baked_from = setmetatable({}, { __mode = "k" })
@@ -172,11 +220,13 @@ function bake.bake(description, lights, given)
   end
   local asked = devices.of(o.device)
   asked:check_bake(description, packed)
-  local occupied = surfaces(o)
+  local quantity, jumps = bake.quantity(3, "bake", packed, o.quantity)
+  local occupied, normals = surfaces(o), nil
   if not occupied then
-    occupied, failed, why = shading_points(o.occupied, devices.of(o.device or packed))
-    if not occupied and failed then return nil, failed, why end
+    occupied, normals, why = shading_points(o.occupied, devices.of(o.device or packed), jumps)
+    if not occupied and normals then return nil, normals, why end
   end
+  local measure = measure_of(description, jumps, normals or type(occupied) == "table")
   local box = bounds(description, o.bounds, occupied)
   local cells = description.cells or { 1, 1, 1 }
   local object, made
@@ -188,6 +238,7 @@ function bake.bake(description, lights, given)
     channels = description.channels, metric_channels = description.metric_channels, metric = description.metric,
     threshold = description.threshold or -1, tolerance = description.tolerance or 0,
     continuous = description.continuous, dynamic = description.dynamic,
+    measure = measure, quantity = quantity, normals = normals, bias = description.bias or jumps and 1 or 0,
   }, object, occupied, o)
   if made then object:close() end
   if not baked then return nil, stages, code end
@@ -196,6 +247,12 @@ function bake.bake(description, lights, given)
   unmet.remember(baked, o.light_tolerance)
   unmet.warn(baked)
   return baked
+end
+
+--- Remembers the lights of a grid that was refreshed.
+function bake.refreshed(g, packed)
+  baked_from[g] = type(packed) ~= "function" and light.followed(packed) and packed or nil
+  unmet.remember(g, nil)
 end
 
 --- The lights that a grid was baked from, if that was in this program and they were lights; for pictures.

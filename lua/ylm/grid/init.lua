@@ -19,6 +19,11 @@ local channels_field = { "channels", "choice", of = { "rgb", "luminance" }, defa
 local dynamic_field = { "dynamic", "boolean", default = false,
   about = "keeps what grid:update needs to follow sphere and flat lights that move: Hessians, lights, where light is needed" }
 
+local bias_field = { "bias", "number", min = 0, max = 16, optional = true,
+  about = "shading points with normals are looked up beside their surface, bias times the thickness of a voxel along the "
+    .. "normal off it, since a voxel that a surface cuts holds light of both its sides. Default: 1 where light jumps at "
+    .. "surfaces (quantity is not 'lights'), else 0: no bias" }
+
 grid.adaptive_grid = form.define("adaptive_grid", {
   about = "An octree of voxels that subdivides where its interpolation would be wrong and light is needed. "
     .. "tolerance promises an error; threshold reproduces the paper's metric. Without either, tolerance is 0.01.",
@@ -29,6 +34,12 @@ grid.adaptive_grid = form.define("adaptive_grid", {
     { "tolerance", "number", above = 0, optional = true,
       about = "relative L2 error that 99 % of the occupied points keep, of surfaces 99 % of the area; verified after "
         .. "bakes and updates, see stats.met" },
+    { "measure", "choice", of = { "coefficients", "irradiance" }, optional = true,
+      about = "what tolerance is of: 'coefficients', the distance of all of them relative to their norm; 'irradiance', the "
+        .. "irradiance of occupied points with normals, relative to itself or, where that is more, to its mean over "
+        .. "the occupied points, in the worst channel. Default: 'irradiance' where light jumps at surfaces (quantity is not "
+        .. "'lights') and normals are known, else 'coefficients'" },
+    bias_field,
     { "metric", "choice", of = { "relative", "absolute" }, default = "relative",
       about = "the Hessian's error metric that threshold is compared with" },
     { "threshold", "number", min = 0, optional = true, about = "voxels above it are subdivided" },
@@ -44,6 +55,12 @@ grid.adaptive_grid = form.define("adaptive_grid", {
     end
     if values.metric_channels == "rgb" and values.channels ~= "rgb" then
       return fail("metric_channels = 'rgb' needs channels = 'rgb'")
+    end
+    if values.measure and values.threshold then
+      return fail("measure is what a tolerance is of: give a tolerance, or leave measure out")
+    end
+    if values.measure == "irradiance" and values.dynamic then
+      return fail("measure = 'irradiance': a dynamic grid keeps a tolerance of coefficients; leave dynamic or measure out")
     end
     if not values.threshold and not values.tolerance then values.tolerance = DEFAULT_TOLERANCE end
     return setmetatable(values, form.defined.adaptive_grid.metatable)
@@ -73,6 +90,7 @@ grid.uniform_grid = form.define("uniform_grid", {
       about = "what the metric is of; none: faster to bake, and cells() knows no errors" },
     { "metric", "choice", of = { "relative", "absolute" }, default = "relative",
       about = "of the errors that cells() reports" },
+    bias_field,
     dynamic_field,
   },
   build = function(values, fail)
@@ -90,6 +108,7 @@ grid.uniform_grid = form.define("uniform_grid", {
 local bake = require "ylm.grid.bake"
 grid.bake, grid.lights_of = bake.bake, bake.lights_of
 
+require "ylm.grid.refresh"
 require "ylm.grid.sample"
 require "ylm.grid.look"
 

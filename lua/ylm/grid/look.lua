@@ -13,7 +13,9 @@ describe "grid:points" {
     .. "continuity needs.",
   arguments = {},
   returns = { { "points", "table", "position [n][3], value [n][channels][count], gradient [n][channels][count][3], "
-    .. "lambda [n], norm [n], invalid [n] (1: in a light, filled from neighbours), interpolated [n]" } },
+    .. "lambda [n], norm [n], invalid [n] (1: in a light or a body, filled from neighbours), validity [n] (1 less the share of "
+    .. "directions that see sides of surfaces that are not used, below 0.5 in a body; of a field that knows of no bodies "
+    .. "1, in lights 0), interpolated [n]" } },
   errors = "raises on a closed grid",
   example = [[
 local lamp = ylm.sphere_light { at = { 0, 2, 0 } }

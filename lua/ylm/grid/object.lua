@@ -24,8 +24,12 @@ require "ylm.describe".object "grid" {
     { "lmax", "integer", "of the coefficients" },
     { "channels", "integer", "1 luminance, 3 rgb" },
     { "metric_channels", "string", "what the error metric is of" },
+    { "quantity", "string", "what it holds: 'lights' (light that nothing occludes), 'direct' (with shadows), 'indirect', 'all' "
+      .. "or 'visibility'" },
+    { "bias", "number", "factor of the look-up beside surfaces; 0: none" },
     { "dynamic", "boolean", "whether grid:update follows lights" },
-    { "depth", "integer", "finest level of an adaptive grid; its metric, continuous, and tolerance or threshold likewise" },
+    { "depth", "integer", "finest level of an adaptive grid; its metric, continuous, and tolerance with its "
+      .. "measure, or threshold likewise" },
     { "stats", "table", "points, cells, leaves, levels, pairs, invalid, bytes, ...; with a tolerance met: at least 99 % "
       .. "of the occupied points keep it, error: a bound of their 99 % quantile, both with this confidence (1: all points were "
       .. "compared; nil in a loaded grid), verified: the random points that judge, limited: not met because of the depth, "

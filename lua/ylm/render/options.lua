@@ -86,6 +86,10 @@ options.grid_fields = {
   { "grid", "any", optional = true, about = "what scene:bake or ylm.bake returned" },
   { "interpolation", "choice", of = { "hermite", "taylor", "linear" }, default = "hermite",
     about = "of the grid" },
+  { "bias", "number", min = 0, max = 16, optional = true,
+    about = "of a grid whose light jumps at surfaces: factor of the distance at which it is looked up beside them, in "
+      .. "thicknesses of a voxel, at most half of the way to the next surface; 0: at the points themselves. Default: the "
+      .. "grid's (grid.bias); report.bias = { mean, largest }, scene units" },
   { "device", "gpu", optional = true,
     about = "a gpu of ylm.vulkan.open samples the grid, shades and filters; report.stages has its times" },
 }

@@ -70,6 +70,7 @@ local function writer(device, name, p, o, report)
     local done, message, code = device:picture(name, p, o, layer, bar, pictures.compose)
     if not done then return nil, message, code end
     report.outside, report.unbaked, report.stages = done.outside, done.unbaked, done.stages
+    report.bias = done.bias
     report.pairs, report.fresh, report.seconds.light = done.pairs, done.fresh, done.seconds
     return true
   end

@@ -61,6 +61,13 @@ end
 -- and kept; an array too where the device has no room for it. Or nil, message, code.
 function prepared.__positions(view, name, device) return device:positions(name, views.open(name, view)) end
 
+--- The normals of these points, [n][3] float, on the side that is seen: of triangles (flat), or of shading. Or nil, message,
+-- code.
+function prepared.__normals(view, name, flat)
+  local p = views.open(name, view)
+  return check.result(name, p.lib.shade_normals(p.view, flat))
+end
+
 --- The camera of a scene as C takes it: from, at, up, fov.
 function views.camera_numbers(s)
   local c = s.camera

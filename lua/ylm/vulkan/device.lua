@@ -81,6 +81,12 @@ function methods.check_bake(_, description, object)
   if description.dynamic then
     return check.bad(3, "bake", "device: a dynamic grid follows its lights on the processor")
   end
+  if description.measure == "irradiance" then
+    return check.bad(3, "bake", "device: measure = 'irradiance' is the processor's: leave device or measure out")
+  end
+  if (description.bias or 0) > 0 then
+    return check.bad(3, "bake", "device: bias is the processor's: leave device or bias out")
+  end
 end
 
 function methods.bake(on, form, object, occupied, o)
@@ -103,6 +109,9 @@ end
 function methods.check_picture(_, name, o)
   if core.type(o.grid) ~= "ylm.grid" then
     return check.bad(1, name, "device: a baked grid expected, got %s", check.describe(o.grid))
+  end
+  if (o.bias or o.grid.bias) > 0 then
+    return check.bad(1, name, "device: it looks grids up at the points themselves: give bias = 0, or leave device out")
   end
   if o.weight == "cosine" then
     return check.bad(1, name, "device: it shades grids of lights by transfer vectors, this one holds %q: leave device out",
