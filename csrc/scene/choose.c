@@ -5,8 +5,7 @@
 #include "scene.h"
 
 #define PI 3.14159265358979323846
-/* The part of rays that are aimed at distant lights where others are chosen by power. */
-#define SKY_PART 0.5
+
 /* Lamps that are weighed faster one by one. */
 #define FEW 16
 
@@ -39,13 +38,15 @@ static void weigh_spheres(const ylm_scene_chooser *c, const float *normal) {
   }
 }
 
+/* The chance of the tree of lamps: the rest are distant lights. */
+static double tree_part(const ylm_scene_chooser *c) {
+  return c->scene->tree ? ylm__scene_tree_weight(c) / c->total : 0;
+}
+
 bool ylm_scene_choose(ylm_scene_chooser *c, const float x[3], const float *normal) {
   const ylm_scene *s = c->scene;
-  c->in_space = !normal;
-  memcpy(c->x, x, 12);
-  if (normal) memcpy(c->normal, normal, 12);
-  c->total = 0;
-  if (!s->power) {
+  ylm__scene_turn_to(c, x, normal);
+  if (!s->tree) {
     if (normal && s->lamps > FEW)
       c->weights(c->spheres, s->lamp, s->lamp_luminance, x, normal, c->weight, c->sum);
     else
@@ -53,13 +54,8 @@ bool ylm_scene_choose(ylm_scene_chooser *c, const float x[3], const float *norma
     ylm__scene_patch_weights_of_one(s, x, normal, c->weight + c->spheres * YLM_LAMP_CHUNK,
                                     c->sum + c->spheres);
   }
-  ylm__scene_sky_weights(s, normal, c->weight + c->near * YLM_LAMP_CHUNK, c->sum + c->near);
-  for (size_t b = s->power ? c->near : 0; b < c->chunks; b++) c->total += (double)c->sum[b];
-  return s->power || c->total > 0;
+  return ylm__scene_add_weights(c) > 0;
 }
-
-/* Of all rays, those that go to distant lights where the others are chosen by power. */
-static double sky_part(const ylm_scene_chooser *c) { return c->total > 0 ? SKY_PART : 0; }
 
 /* The place of a lamp in the chooser's weights. */
 static size_t place_of(const ylm_scene_chooser *c, uint32_t lamp) {
@@ -68,8 +64,7 @@ static size_t place_of(const ylm_scene_chooser *c, uint32_t lamp) {
   return lamp < c->scene->lamps ? lamp : c->spheres * YLM_LAMP_CHUNK + (lamp - c->scene->lamps);
 }
 
-/* The lamp at a place; the reverse of it. */
-static uint32_t lamp_at(const ylm_scene_chooser *c, size_t place) {
+uint32_t ylm__scene_lamp_at(const ylm_scene_chooser *c, size_t place) {
   const ylm_scene *s = c->scene;
   size_t near = c->near * YLM_LAMP_CHUNK, flat = c->spheres * YLM_LAMP_CHUNK;
   return (uint32_t)(place >= near   ? ylm_scene_near(s) + place - near
@@ -77,39 +72,35 @@ static uint32_t lamp_at(const ylm_scene_chooser *c, size_t place) {
                                     : place);
 }
 
-/* How often a lamp is chosen. */
-static double share_of(const ylm_scene_chooser *c, uint32_t lamp) {
-  const ylm_scene *s = c->scene;
-  bool distant = lamp >= ylm_scene_near(s);
-  if (s->power && !distant) return (1 - sky_part(c)) * s->power->share[lamp];
+double ylm_scene_share(const ylm_scene_chooser *c, uint32_t lamp) {
   if (!(c->total > 0)) return 0;
-  return (s->power ? SKY_PART : 1) * (double)c->weight[place_of(c, lamp)] / c->total;
+  if (c->scene->tree && lamp < ylm_scene_near(c->scene)) {
+    double part = tree_part(c);
+    return part > 0 ? part * ylm__scene_drawn_share(c, lamp) : 0;
+  }
+  return (double)c->weight[place_of(c, lamp)] / c->total;
 }
 
-/* The lamp that u chooses; false: rounding led to none. */
-static bool choose(const ylm_scene_chooser *c, double u, uint32_t *lamp) {
+/* The lamp that u chooses; returns how often it is: 0 where rounding led to none. */
+static double choose(const ylm_scene_chooser *c, double u, uint32_t *lamp) {
   scene_walk w = {0};
-  if (c->scene->power) {
-    double sky = sky_part(c);
-    if (u >= sky) {
-      double v = (u - sky) / (1 - sky);
-      *lamp = (uint32_t)ylm__scene_by_power(c->scene->power, ylm_scene_near(c->scene), v);
-      return true;
-    }
-    u /= sky;
-    w.chunk = c->near;
-    w.lamp = c->near * YLM_LAMP_CHUNK;
+  double target = u * c->total, tree = c->scene->tree ? ylm__scene_tree_weight(c) : 0;
+  if (tree > 0 && (target < tree || c->chunks == 0)) {
+    scene_drawn d = {.at = {fmin(target / tree, SCENE_BELOW_ONE)}};
+    ylm__scene_draw(c, 1, &d);
+    if (d.share[0] > 0) *lamp = d.lamp[0];
+    return tree_part(c) * d.share[0];
   }
-  ylm__scene_walk_to(&w, c, u * c->total);
-  *lamp = lamp_at(c, w.lamp);
-  return c->weight[w.lamp] > 0;
+  ylm__scene_walk_to(&w, c, target - tree);
+  *lamp = ylm__scene_lamp_at(c, w.lamp);
+  return (double)c->weight[w.lamp] / c->total;
 }
 
 double ylm_scene_density(const ylm_scene_chooser *c, uint32_t lamp, const float d[3]) {
   const ylm_scene *s = c->scene;
   const float *n = c->in_space ? NULL : c->normal;
   size_t near = ylm_scene_near(s);
-  double share = share_of(c, lamp);
+  double share = ylm_scene_share(c, lamp);
   if (!(share > 0)) return 0;
   if (lamp >= near) return share * ylm__scene_sky_density(s, lamp - near, n, d);
   if (lamp >= s->lamps) return share * ylm__scene_patch_density(s, lamp - s->lamps, c->x, d);
@@ -121,8 +112,8 @@ double ylm_scene_sample(const ylm_scene_chooser *c, const double u[3], ylm_trace
   const ylm_scene *s = c->scene;
   const float *n = c->in_space ? NULL : c->normal, *emitted;
   size_t near = ylm_scene_near(s);
-  double e;
-  if (!choose(c, u[0], lamp)) return 0;
+  double e, share = choose(c, u[0], lamp);
+  if (!(share > 0)) return 0;
   if (*lamp >= near)
     e = ylm__scene_sky_sample(s, *lamp - near, c->x, n, u[1], u[2], ray, radiance);
   else if (*lamp >= s->lamps) {
@@ -133,5 +124,5 @@ double ylm_scene_sample(const ylm_scene_chooser *c, const double u[3], ylm_trace
     memcpy(radiance, s->lamp_radiance + 3 * *lamp, 12);
   }
   if (!(e > 0)) return 0;
-  return share_of(c, *lamp) * (n ? fmax(0, (double)ylm_dot3(ray->dir, n)) : 1) / e;
+  return share * (n ? fmax(0, (double)ylm_dot3(ray->dir, n)) : 1) / e;
 }

@@ -91,12 +91,14 @@ ylm_scene_chooser *ylm_scene_chooser_create(const ylm_scene *s) {
   if (!c) return NULL;
   c->scene = s;
   c->weights = ylm__scene_weights();
-  c->spheres = (s->lamps + YLM_LAMP_CHUNK - 1) / YLM_LAMP_CHUNK;
-  c->near = c->spheres + (patches + YLM_LAMP_CHUNK - 1) / YLM_LAMP_CHUNK;
+  c->nodes = ylm__scene_nodes();
+  c->spheres = s->tree ? 0 : (s->lamps + YLM_LAMP_CHUNK - 1) / YLM_LAMP_CHUNK;
+  c->near = c->spheres + (s->tree ? 0 : (patches + YLM_LAMP_CHUNK - 1) / YLM_LAMP_CHUNK);
   c->chunks = c->near + (ylm__scene_sky_lights(s) + YLM_LAMP_CHUNK - 1) / YLM_LAMP_CHUNK;
   c->weight = ylm_alloc_zero(c->chunks * YLM_LAMP_CHUNK, sizeof *c->weight); /* padding stays 0 */
   c->sum = ylm_alloc(c->chunks, sizeof *c->sum);
-  if (c->weight && c->sum) return c;
+  c->cut = s->tree ? ylm_alloc(1, sizeof *c->cut) : NULL;
+  if (c->weight && c->sum && (c->cut || !s->tree)) return c;
   ylm_scene_chooser_free(c);
   return NULL;
 }
@@ -105,44 +107,101 @@ void ylm_scene_chooser_free(ylm_scene_chooser *c) {
   if (!c) return;
   ylm_free(c->weight);
   ylm_free(c->sum);
+  ylm_free(c->cut);
   ylm_free(c);
+}
+
+void ylm__scene_turn_to(ylm_scene_chooser *c, const float x[3], const float *normal) {
+  c->in_space = !normal;
+  memcpy(c->x, x, 12);
+  if (normal) memcpy(c->normal, normal, 12);
+}
+
+double ylm__scene_add_weights(ylm_scene_chooser *c) {
+  const ylm_scene *s = c->scene;
+  c->total = 0;
+  if (s->tree) {
+    ylm__scene_look(c);
+    c->total = ylm__scene_tree_weight(c);
+  }
+  ylm__scene_sky_weights(s, c->in_space ? NULL : c->normal, c->weight + c->near * YLM_LAMP_CHUNK,
+                         c->sum + c->near);
+  for (size_t b = 0; b < c->chunks; b++) c->total += (double)c->sum[b];
+  return c->total;
+}
+
+/* Rays on their way out of ylm_scene_aim. */
+typedef struct aiming {
+  const ylm_scene_chooser *c;
+  int light_samples;
+  double s0, s1; /* where the sequence of places on lamps begins */
+  size_t rays;
+  ylm_trace_ray *ray;
+  float (*value)[3];
+} aiming;
+
+/* Ray k of all, to a lamp that was chosen with the chance 1/rarity. */
+static void aim_at(aiming *a, int k, uint32_t lamp, double rarity) {
+  const ylm_scene *s = a->c->scene;
+  const float *x = a->c->x, *n = a->c->normal, *radiance;
+  size_t near = ylm_scene_near(s);
+  ylm_trace_ray *ray = &a->ray[a->rays];
+  double u0 = wrap(a->s0 + k * 0.75487766624669276), u1 = wrap(a->s1 + k * 0.56984029099805327), e;
+  float sky[3];
+  if (lamp >= near) {
+    e = ylm__scene_sky_sample(s, lamp - near, x, n, u0, u1, ray, sky);
+    radiance = sky;
+  } else if (lamp >= s->lamps) {
+    e = s->tree ? ylm__scene_patch_sample_one(s, lamp - s->lamps, x, n, u0, u1, ray, &radiance)
+                : ylm__scene_patch_sample(s, lamp - s->lamps, x, n, u0, u1, ray, &radiance);
+  } else {
+    e = ylm__scene_sphere_sample(s, lamp, x, n, u0, u1, ray);
+    radiance = s->lamp_radiance + 3 * lamp;
+  }
+  if (!(e > 0)) return;
+  e *= rarity / a->light_samples;
+  for (int c = 0; c < 3; c++) a->value[a->rays][c] = (float)e * radiance[c];
+  a->rays++;
+}
+
+/* Samples of the tree, from k on: where they are of all weights. */
+static void aim_into_tree(aiming *a, int k, size_t n, scene_drawn *d) {
+  double weight = ylm__scene_tree_weight(a->c);
+  ylm__scene_draw(a->c, n, d);
+  for (size_t i = 0; i < n; i++)
+    if (d->share[i] > 0) aim_at(a, k + (int)i, d->lamp[i], a->c->total / (weight * d->share[i]));
 }
 
 /* Places on lamps follow Roberts' sequence R2, shifted at random, so that successive rays, most of
    them to one lamp, spread over it. */
-size_t ylm_scene_aim(const ylm_scene_chooser *a, const float x[3], const float n[3],
-                     int light_samples, ylm_rng *rng, ylm_trace_ray *ray, float (*value)[3]) {
-  const ylm_scene *scene = a->scene;
-  double total = 0;
-  size_t rays = 0, before = a->spheres * YLM_LAMP_CHUNK; /* places of spheres */
-  size_t near = a->near * YLM_LAMP_CHUNK;                /* of these and of patches */
-  float sky[3];
-  a->weights(a->spheres, scene->lamp, scene->lamp_luminance, x, n, a->weight, a->sum);
-  ylm__scene_patch_weights(scene, x, n, a->weight + before, a->sum + a->spheres);
-  ylm__scene_sky_weights(scene, n, a->weight + near, a->sum + a->near);
-  for (size_t b = 0; b < a->chunks; b++) total += a->sum[b];
-  if (!(total > 0)) return 0;
-  scene_walk w = {0};
-  double s0 = ylm_rng_double(rng), s1 = ylm_rng_double(rng);
-  for (int k = 0; k < light_samples; k++) {
-    double target = (k + ylm_rng_double(rng)) / light_samples * total;
-    double u0 = wrap(s0 + k * 0.75487766624669276), u1 = wrap(s1 + k * 0.56984029099805327);
-    ylm__scene_walk_to(&w, a, target);
-    if (!(a->weight[w.lamp] > 0)) continue; /* padding has none */
-    bool flat = w.lamp >= before;
-    const float *radiance = scene->lamp_radiance + (flat ? 0 : 3 * w.lamp);
-    double e;
-    if (w.lamp >= near) {
-      e = ylm__scene_sky_sample(scene, w.lamp - near, x, n, u0, u1, &ray[rays], sky);
-      radiance = sky;
-    } else if (flat)
-      e = ylm__scene_patch_sample(scene, w.lamp - before, x, n, u0, u1, &ray[rays], &radiance);
-    else
-      e = ylm__scene_sphere_sample(scene, w.lamp, x, n, u0, u1, &ray[rays]);
-    if (!(e > 0)) continue;
-    e *= total / a->weight[w.lamp] / light_samples;
-    for (int c = 0; c < 3; c++) value[rays][c] = (float)e * radiance[c];
-    rays++;
+size_t ylm_scene_aim(ylm_scene_chooser *c, const float x[3], const float n[3], int light_samples,
+                     ylm_rng *rng, ylm_trace_ray *ray, float (*value)[3]) {
+  const ylm_scene *s = c->scene;
+  ylm__scene_turn_to(c, x, n);
+  if (!s->tree) {
+    c->weights(c->spheres, s->lamp, s->lamp_luminance, x, n, c->weight, c->sum);
+    ylm__scene_patch_weights(s, x, n, c->weight + c->spheres * YLM_LAMP_CHUNK, c->sum + c->spheres);
   }
-  return rays;
+  if (!(ylm__scene_add_weights(c) > 0)) return 0;
+  scene_walk w = {0};
+  scene_drawn d;
+  size_t drawn = 0;
+  double tree = s->tree ? ylm__scene_tree_weight(c) : 0;
+  aiming a = {.c = c, .light_samples = light_samples, .ray = ray, .value = value};
+  a.s0 = ylm_rng_double(rng);
+  a.s1 = ylm_rng_double(rng);
+  for (int k = 0; k < light_samples; k++) {
+    double target = (k + ylm_rng_double(rng)) / light_samples * c->total;
+    bool in_tree = tree > 0 && (target < tree || c->chunks == 0);
+    if (in_tree) d.at[drawn++] = fmin(target / tree, SCENE_BELOW_ONE);
+    if (drawn > 0 && (!in_tree || drawn == SCENE_GROUP || k + 1 == light_samples)) {
+      aim_into_tree(&a, k + in_tree - (int)drawn, drawn, &d);
+      drawn = 0;
+    }
+    if (in_tree) continue;
+    ylm__scene_walk_to(&w, c, target - tree);
+    if (c->weight[w.lamp] > 0) /* padding has none */
+      aim_at(&a, k, ylm__scene_lamp_at(c, w.lamp), c->total / (double)c->weight[w.lamp]);
+  }
+  return a.rays;
 }

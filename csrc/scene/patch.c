@@ -61,6 +61,11 @@ static double disk_weight(const float *disk, const float x[3], const float n[3])
   return omega / PI * (n ? fmin(1, fmax(0.2, highest / near)) : 1);
 }
 
+double ylm__scene_patch_weight(const ylm_scene *s, size_t i, const float x[3], const float n[3]) {
+  return i < s->triangles ? triangle_weight(s->triangle + 9 * i, x, n)
+                          : disk_weight(s->disk + 7 * (i - s->triangles), x, n);
+}
+
 void ylm__scene_patch_weights(const ylm_scene *s, const float x[3], const float n[3], float *weight,
                               float *sum) {
   size_t count = s->triangles + s->disks;
@@ -69,8 +74,7 @@ void ylm__scene_patch_weights(const ylm_scene *s, const float x[3], const float 
            end = count - first < YLM_LAMP_CHUNK ? count : first + YLM_LAMP_CHUNK;
     double total = 0;
     for (size_t i = first; i < end; i++) {
-      double w = i < s->triangles ? triangle_weight(s->triangle + 9 * i, x, n)
-                                  : disk_weight(s->disk + 7 * (i - s->triangles), x, n);
+      double w = ylm__scene_patch_weight(s, i, x, n);
       weight[i] = (float)(w * (double)s->patch_luminance[i]);
       total += (double)weight[i];
     }
@@ -249,8 +253,7 @@ void ylm__scene_patch_weights_of_one(const ylm_scene *s, const float x[3], const
     if (d2 > 0)
       w = far_weight(&s->far[i], v, d2, n);
     else
-      w = i < s->triangles ? triangle_weight(s->triangle + 9 * i, x, n)
-                           : disk_weight(s->disk + 7 * (i - s->triangles), x, n);
+      w = ylm__scene_patch_weight(s, i, x, n);
     weight[i] = (float)(w * (double)s->patch_luminance[i]);
     sum[i / YLM_LAMP_CHUNK] += weight[i];
   }

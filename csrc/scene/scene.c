@@ -150,7 +150,7 @@ static void take_meshes(ylm_scene *s, scene_meshes *shared) {
 static ylm_status light(ylm_scene *s, const ylm_scene_lamps *lamps, ylm_error *e) {
   ylm_status status = copy_lamps(s, lamps, e);
   if (status == YLM_OK) status = ylm__scene_make_far(s);
-  if (status == YLM_OK) status = ylm__scene_weigh_power(s);
+  if (status == YLM_OK) status = ylm__scene_plant(s, lamps->one_by_one);
   return status == YLM_OK ? ylm__scene_share_sky(s, lamps) : status;
 }
 
@@ -200,7 +200,7 @@ void ylm_scene_free(ylm_scene *s) {
   ylm_free(s->patch_luminance);
   ylm_free(s->horizon);
   ylm_free(s->far);
-  ylm__scene_free_power(s);
+  ylm__scene_free_tree(s);
   ylm__scene_free_textures(s);
   ylm__scene_free_sky(s);
   ylm_free(s);

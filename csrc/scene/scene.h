@@ -5,10 +5,9 @@
 #include <stdatomic.h>
 
 #include "dome.h"
+#include "tree.h"
 #include "ylm_scene.h"
 #include "ylm_vector.h"
-
-typedef struct scene_power scene_power;
 
 /* A mesh as copied: `smooth` where it came with normals; else they are means over triangles, for
    shading per vertex alone. */
@@ -66,7 +65,7 @@ struct ylm_scene {
   scene_dome *dome;     /* [domes] those that fill the sky */
   ylm_light_cone *cone; /* [cones] the others */
   float *sky_bound[6];  /* [sky_lights] mean x, y, z, spread, 1/(4 spread), power */
-  scene_power *power;   /* NULL: lamps are weighed one by one */
+  scene_tree *tree;     /* of lamps; NULL: they are weighed one by one */
 };
 
 /* -- tint.c --------------------------------------------------------------------- */
@@ -94,6 +93,10 @@ ylm_scene_weights_fn *ylm__scene_weights(void);
 double ylm__scene_weight(const double v[3], double r, const float n[3]);
 
 /* -- patch.c ------------------------------------------------------------------ */
+
+/* A bound of about the unshadowed irradiance over pi of patch i for luminance 1, above 0 wherever it
+   brings light; n NULL: of the scalar irradiance of a point in space. */
+double ylm__scene_patch_weight(const ylm_scene *s, size_t i, const float x[3], const float n[3]);
 
 /* For each patch the luminance times a bound of about its unshadowed irradiance over pi, above 0
    wherever it brings light; `sum` is that over chunks. n NULL: a point in space,
@@ -138,14 +141,27 @@ double ylm__scene_sky_density(const ylm_scene *s, size_t i, const float *n, cons
 
 struct ylm_scene_chooser {
   const ylm_scene *scene;
-  size_t chunks, spheres, near; /* chunks of all lamps; of spheres; of spheres and patches */
+  /* chunks of all lamps; of spheres; of spheres and patches: those of a tree are in none */
+  size_t chunks, spheres, near;
   ylm_scene_weights_fn *weights;
   float *weight, *sum; /* [chunks*YLM_LAMP_CHUNK], [chunks]: spheres, patches, the sky */
   /* what ylm_scene_choose was told last */
   float x[3], normal[3];
   bool in_space;
-  double total; /* of the sums; of those of the sky alone where lamps are chosen by power */
+  double
+      total; /* of the sums, and of the tree of lamps: lamps of a tree come before distant lights */
+  ylm_scene_nodes_fn *nodes;
+  scene_cut *cut; /* of the tree, as it is seen from x; NULL: there is none */
 };
+
+/* Turns a chooser to x; `normal` may be NULL. */
+void ylm__scene_turn_to(ylm_scene_chooser *c, const float x[3], const float *normal);
+/* Weighs the tree of lamps, if there is one, and distant lights; returns the total with all chunks. */
+double ylm__scene_add_weights(ylm_scene_chooser *c);
+/* The weight of the tree of lamps. */
+static inline double ylm__scene_tree_weight(const ylm_scene_chooser *c) {
+  return c->cut->n > 0 ? c->cut->open[0].upto[SCENE_WIDTH - 1] * c->scene->tree->unit : 0;
+}
 
 /* A place in the list of lamps as strata walk along the sum of weights. */
 typedef struct scene_walk {
@@ -153,6 +169,8 @@ typedef struct scene_walk {
   double passed; /* weight of all lamps before `lamp` */
 } scene_walk;
 
+/* The lamp at a place in the chooser's weights. */
+uint32_t ylm__scene_lamp_at(const ylm_scene_chooser *c, size_t place);
 /* Moves on to the lamp that holds `target`; targets increase. */
 void ylm__scene_walk_to(scene_walk *w, const ylm_scene_chooser *c, double target);
 
@@ -166,24 +184,6 @@ double ylm__scene_sphere_sample(const ylm_scene *s, size_t i, const float x[3], 
 /* The density of those rays, sr^-1, in a direction of length 1 that meets sphere i. */
 double ylm__scene_sphere_density(const ylm_scene *s, size_t i, const float x[3], const float n[3],
                                  const float d[3]);
-
-/* -- power.c -------------------------------------------------------------------- */
-
-/* The most lamps, distant ones left out, that are weighed one by one for each point. */
-#define YLM_SCENE_FEW 4096
-
-/* Lamps by the power that they send out, for scenes with more of them (Walker 1977). */
-struct scene_power {
-  double *share;   /* [lamps] of the sum over all */
-  float *stay;     /* [lamps] of column i that lamp i keeps */
-  uint32_t *other; /* [lamps] the lamp that has the rest of it */
-};
-
-/* Fills s->power where there are more than YLM_SCENE_FEW lamps that emit. */
-ylm_status ylm__scene_weigh_power(ylm_scene *s);
-void ylm__scene_free_power(ylm_scene *s);
-/* The lamp of u, from 0 below 1. */
-size_t ylm__scene_by_power(const scene_power *p, size_t lamps, double u);
 
 /* -- texture.c ---------------------------------------------------------------- */
 

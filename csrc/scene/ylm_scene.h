@@ -29,6 +29,9 @@ extern "C" {
 
 typedef struct ylm_scene ylm_scene;
 
+/* Spheres that are weighed one by one; flat lamps count eightfold. */
+enum { YLM_SCENE_ONE_BY_ONE = 256 };
+
 typedef struct ylm_scene_mesh {
   const float *positions; /* [vertices][3]  scene units                              */
   const float *normals;   /* [vertices][3]  any length; NULL: those of the triangles */
@@ -56,6 +59,8 @@ typedef struct ylm_scene_lamps {
   const ylm_light_image *image;
   const ylm_light_set *sky; /* distant lights, which the scene shares with the set; or NULL */
   bool sky_is_seen;         /* by camera rays that hit nothing */
+  size_t one_by_one;        /* up to so many lamps choosers weigh one by one for each point, more of
+                               them through a tree; 0: YLM_SCENE_ONE_BY_ONE */
 } ylm_scene_lamps;
 
 /* YLM_OK; YLM_EINVAL, YLM_EDOMAIN, YLM_EOVERFLOW, YLM_ENOMEM, YLM_EDEVICE as ylm_trace_create
@@ -151,8 +156,8 @@ YLM_API void ylm_scene_chooser_free(ylm_scene_chooser *c);
 /*
 ** ylm_scene_aim - rays from x, on a surface with normal n, to the lamps.
 **
-** Each of `light_samples` strata chooses a lamp in proportion to (a bound of) its unshadowed
-** luminous irradiance, then a direction uniform in the solid angle it fills (disks, and triangles that fill
+** Each of `light_samples` strata chooses a lamp about in proportion to its unshadowed luminous
+** irradiance (ylm_scene_choose), then a direction uniform in the solid angle it fills (disks, and triangles that fill
 ** little: a place uniform in area; a sky of one radiance: as the cosine; other skies: pixels as their
 ** luminance times solid angle, in tiles that are chosen like lamps).
 **
@@ -160,12 +165,13 @@ YLM_API void ylm_scene_chooser_free(ylm_scene_chooser *c);
 **   value  out  [light_samples][3]  the irradiance that the ray brings if nothing is in its way
 **
 ** Returns  how many rays there are: at most `light_samples`
-** Cost     O(lamps + light_samples), no allocation
+** Cost     of few lamps O(lamps + light_samples), of many O(light_samples log lamps); of the sky
+**          O(tiles); no allocation. The samples of a point walk down the tree together.
 ** Source   Shirley, Wang, Zimmerman 1996, "Monte Carlo Techniques for Direct Lighting
 **          Calculations"; Arvo 1995, "Stratified Sampling of Spherical Triangles";
 **          Roberts 2018, "The Unreasonable Effectiveness of Quasirandom Sequences" (R2)
 */
-YLM_API size_t ylm_scene_aim(const ylm_scene_chooser *c, const float x[3], const float n[3],
+YLM_API size_t ylm_scene_aim(ylm_scene_chooser *c, const float x[3], const float n[3],
                              int light_samples, ylm_rng *rng, ylm_trace_ray *ray,
                              float (*value)[3]);
 
@@ -191,16 +197,17 @@ YLM_API size_t ylm_scene_distant_next(const ylm_scene *scene, size_t i, const fl
 /*
 ** ylm_scene_choose - turn a chooser to the point x.
 **
-** Lamps are then chosen by (a bound of) the luminous irradiance that they bring there; more than
-** 4,096 of them by the power that they send out, whatever their distance, so that a choice costs as
-** much with a million. Every lamp that may bring light has a chance.
+** Lamps are then chosen by (a bound of) the luminous irradiance that they bring there. Many of them
+** are chosen through a tree, in which that of a group is estimated: its power over the squared
+** distance, times the cosines there and at the lamps. Groups whose estimate may be far off for the
+** whole are replaced by what is in them. Every lamp that may bring light has a chance.
 **
 **   normal  in  [3] of the surface there; NULL: a point in space, lit from all sides
 **
 ** Returns  false where no lamp can bring light
-** Cost     O(lamps), above 4,096 of them O(1); no allocation
-** Source   Walker 1977, "An Efficient Method for Generating Discrete Random Variables with General
-**          Distributions"
+** Cost     of few lamps O(lamps), of many O(log lamps); of the sky O(tiles); no allocation
+** Source   Conty Estevez & Kulla 2018, "Importance Sampling of Many Lights with Adaptive Tree
+**          Splitting"; Walter et al. 2005, "Lightcuts: A Scalable Approach to Illumination"
 */
 YLM_API bool ylm_scene_choose(ylm_scene_chooser *c, const float x[3], const float *normal);
 
@@ -220,6 +227,10 @@ YLM_API double ylm_scene_sample(const ylm_scene_chooser *c, const double u[3], y
 /* That density for a direction of length 1 that meets the lamp. */
 YLM_API double ylm_scene_density(const ylm_scene_chooser *c, uint32_t lamp,
                                  const float direction[3]);
+
+/* How often a chooser that has been turned to a point chooses a lamp there: 0 .. 1, of all lamps
+   together 1. O(log lamps) where they are many. */
+YLM_API double ylm_scene_share(const ylm_scene_chooser *c, uint32_t lamp);
 
 /* -- cameras ----------------------------------------------------------------- */
 

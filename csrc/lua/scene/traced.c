@@ -110,14 +110,17 @@ static int scene_create(lua_State *L) {
   return ylmL_result(L, 1, ylm_scene_create(n, mesh, &lamps, s, &e), &e);
 }
 
-/* scene_relight(scene, lights, whether distant lights are seen) -> another one with the same meshes */
+/* scene_relight(scene, lights, whether distant lights are seen, how many lamps are weighed one by one or
+   nil) -> another one with the same meshes */
 static int scene_relight(lua_State *L) {
   ylm_error e = {0};
   ylm_scene_lamps lamps;
   const ylm_scene *from = ylmL_scene(L, 1);
-  lua_settop(L, 3);
+  lua_settop(L, 4);
+  lua_Integer one_by_one = luaL_optinteger(L, 4, 0);
   if (!ylmL_scene_lamps(L, 2, &lamps)) return ylmL_result(L, 0, YLM_ENOMEM, NULL);
   lamps.sky_is_seen = lua_toboolean(L, 3);
+  lamps.one_by_one = one_by_one > 0 ? (size_t)one_by_one : 0;
   ylm_scene **s = new_scene(L);
   return ylmL_result(L, 1, ylm_scene_relight(from, &lamps, s, &e), &e);
 }
