@@ -17,7 +17,7 @@
 /* Samples that walk down together. */
 #define SCENE_GROUP 64
 
-/* What is known of the light that leaves each child: its power, as luminance times area over pi as seen
+/* Light that leaves each child: its power, as luminance times area over pi as seen
    from where it is largest; the mean of its places, weighed by power; the mean square of distances to
    that; the radius of a ball about it that holds all. `facing` is the mean of the squared cosine at
    lamps towards v, v'Fv/|v|^2: xx, yy, zz, xy, xz, yz; spheres have 1 on all sides. */

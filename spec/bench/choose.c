@@ -11,7 +11,7 @@
 #define POINTS 1024
 #define PI 3.14159265358979323846
 
-/* What lamps there are. */
+/* Kinds of lamps. */
 typedef enum kind { SPHERES, TRIANGLES } kind;
 
 typedef struct job {
