@@ -2658,814 +2658,976 @@ void add_light(real x, real y, real z, real id, real alpha, real u, real es, rea
 /* Hands each sum and its number to STORE(number, sum): by order, side, degree, part. */
 void store_sums() {
   uint n = 0u;
-  if (0 <= LMAX_MOST) if (HAS(0, 0)) { if (ORDER(0)) { STORE(n, v0); } n++; }
-  if (0 <= LMAX_MOST) if (HAS(1, 0)) { if (ORDER(0)) { STORE(n, x0); } n++; }
-  if (0 <= LMAX_MOST) if (HAS(1, 0)) { if (ORDER(0)) { STORE(n, y0); } n++; }
-  if (0 <= LMAX_MOST) if (HAS(1, 0)) { if (ORDER(0)) { STORE(n, z0); } n++; }
-  if (0 <= LMAX_MOST) if (HAS(2, 0)) { if (ORDER(0)) { STORE(n, xx0); } n++; }
-  if (0 <= LMAX_MOST) if (HAS(2, 0)) { if (ORDER(0)) { STORE(n, xy0); } n++; }
-  if (0 <= LMAX_MOST) if (HAS(2, 0)) { if (ORDER(0)) { STORE(n, xz0); } n++; }
-  if (0 <= LMAX_MOST) if (HAS(2, 0)) { if (ORDER(0)) { STORE(n, yy0); } n++; }
-  if (0 <= LMAX_MOST) if (HAS(2, 0)) { if (ORDER(0)) { STORE(n, yz0); } n++; }
-  if (0 <= LMAX_MOST) if (HAS(2, 0)) { if (ORDER(0)) { STORE(n, zz0); } n++; }
-  if (1 <= LMAX_MOST) if (HAS(0, 1)) { if (ORDER(0)) { STORE(n, v1); } n++; }
-  if (1 <= LMAX_MOST) if (HAS(1, 1)) { if (ORDER(0)) { STORE(n, x1); } n++; }
-  if (1 <= LMAX_MOST) if (HAS(1, 1)) { if (ORDER(0)) { STORE(n, y1); } n++; }
-  if (1 <= LMAX_MOST) if (HAS(1, 1)) { if (ORDER(0)) { STORE(n, z1); } n++; }
-  if (1 <= LMAX_MOST) if (HAS(2, 1)) { if (ORDER(0)) { STORE(n, xx1); } n++; }
-  if (1 <= LMAX_MOST) if (HAS(2, 1)) { if (ORDER(0)) { STORE(n, xy1); } n++; }
-  if (1 <= LMAX_MOST) if (HAS(2, 1)) { if (ORDER(0)) { STORE(n, xz1); } n++; }
-  if (1 <= LMAX_MOST) if (HAS(2, 1)) { if (ORDER(0)) { STORE(n, yy1); } n++; }
-  if (1 <= LMAX_MOST) if (HAS(2, 1)) { if (ORDER(0)) { STORE(n, yz1); } n++; }
-  if (1 <= LMAX_MOST) if (HAS(2, 1)) { if (ORDER(0)) { STORE(n, zz1); } n++; }
-  if (2 <= LMAX_MOST) if (HAS(0, 2)) { if (ORDER(0)) { STORE(n, v2); } n++; }
-  if (2 <= LMAX_MOST) if (HAS(1, 2)) { if (ORDER(0)) { STORE(n, x2); } n++; }
-  if (2 <= LMAX_MOST) if (HAS(1, 2)) { if (ORDER(0)) { STORE(n, y2); } n++; }
-  if (2 <= LMAX_MOST) if (HAS(1, 2)) { if (ORDER(0)) { STORE(n, z2); } n++; }
-  if (2 <= LMAX_MOST) if (HAS(2, 2)) { if (ORDER(0)) { STORE(n, xx2); } n++; }
-  if (2 <= LMAX_MOST) if (HAS(2, 2)) { if (ORDER(0)) { STORE(n, xy2); } n++; }
-  if (2 <= LMAX_MOST) if (HAS(2, 2)) { if (ORDER(0)) { STORE(n, xz2); } n++; }
-  if (2 <= LMAX_MOST) if (HAS(2, 2)) { if (ORDER(0)) { STORE(n, yy2); } n++; }
-  if (2 <= LMAX_MOST) if (HAS(2, 2)) { if (ORDER(0)) { STORE(n, yz2); } n++; }
-  if (2 <= LMAX_MOST) if (HAS(2, 2)) { if (ORDER(0)) { STORE(n, zz2); } n++; }
-  if (3 <= LMAX_MOST) if (HAS(0, 3)) { if (ORDER(0)) { STORE(n, v3); } n++; }
-  if (3 <= LMAX_MOST) if (HAS(1, 3)) { if (ORDER(0)) { STORE(n, x3); } n++; }
-  if (3 <= LMAX_MOST) if (HAS(1, 3)) { if (ORDER(0)) { STORE(n, y3); } n++; }
-  if (3 <= LMAX_MOST) if (HAS(1, 3)) { if (ORDER(0)) { STORE(n, z3); } n++; }
-  if (3 <= LMAX_MOST) if (HAS(2, 3)) { if (ORDER(0)) { STORE(n, xx3); } n++; }
-  if (3 <= LMAX_MOST) if (HAS(2, 3)) { if (ORDER(0)) { STORE(n, xy3); } n++; }
-  if (3 <= LMAX_MOST) if (HAS(2, 3)) { if (ORDER(0)) { STORE(n, xz3); } n++; }
-  if (3 <= LMAX_MOST) if (HAS(2, 3)) { if (ORDER(0)) { STORE(n, yy3); } n++; }
-  if (3 <= LMAX_MOST) if (HAS(2, 3)) { if (ORDER(0)) { STORE(n, yz3); } n++; }
-  if (3 <= LMAX_MOST) if (HAS(2, 3)) { if (ORDER(0)) { STORE(n, zz3); } n++; }
-  if (4 <= LMAX_MOST) if (HAS(0, 4)) { if (ORDER(0)) { STORE(n, v4); } n++; }
-  if (4 <= LMAX_MOST) if (HAS(1, 4)) { if (ORDER(0)) { STORE(n, x4); } n++; }
-  if (4 <= LMAX_MOST) if (HAS(1, 4)) { if (ORDER(0)) { STORE(n, y4); } n++; }
-  if (4 <= LMAX_MOST) if (HAS(1, 4)) { if (ORDER(0)) { STORE(n, z4); } n++; }
-  if (4 <= LMAX_MOST) if (HAS(2, 4)) { if (ORDER(0)) { STORE(n, xx4); } n++; }
-  if (4 <= LMAX_MOST) if (HAS(2, 4)) { if (ORDER(0)) { STORE(n, xy4); } n++; }
-  if (4 <= LMAX_MOST) if (HAS(2, 4)) { if (ORDER(0)) { STORE(n, xz4); } n++; }
-  if (4 <= LMAX_MOST) if (HAS(2, 4)) { if (ORDER(0)) { STORE(n, yy4); } n++; }
-  if (4 <= LMAX_MOST) if (HAS(2, 4)) { if (ORDER(0)) { STORE(n, yz4); } n++; }
-  if (4 <= LMAX_MOST) if (HAS(2, 4)) { if (ORDER(0)) { STORE(n, zz4); } n++; }
-  if (5 <= LMAX_MOST) if (HAS(0, 5)) { if (ORDER(0)) { STORE(n, v5); } n++; }
-  if (5 <= LMAX_MOST) if (HAS(1, 5)) { if (ORDER(0)) { STORE(n, x5); } n++; }
-  if (5 <= LMAX_MOST) if (HAS(1, 5)) { if (ORDER(0)) { STORE(n, y5); } n++; }
-  if (5 <= LMAX_MOST) if (HAS(1, 5)) { if (ORDER(0)) { STORE(n, z5); } n++; }
-  if (5 <= LMAX_MOST) if (HAS(2, 5)) { if (ORDER(0)) { STORE(n, xx5); } n++; }
-  if (5 <= LMAX_MOST) if (HAS(2, 5)) { if (ORDER(0)) { STORE(n, xy5); } n++; }
-  if (5 <= LMAX_MOST) if (HAS(2, 5)) { if (ORDER(0)) { STORE(n, xz5); } n++; }
-  if (5 <= LMAX_MOST) if (HAS(2, 5)) { if (ORDER(0)) { STORE(n, yy5); } n++; }
-  if (5 <= LMAX_MOST) if (HAS(2, 5)) { if (ORDER(0)) { STORE(n, yz5); } n++; }
-  if (5 <= LMAX_MOST) if (HAS(2, 5)) { if (ORDER(0)) { STORE(n, zz5); } n++; }
-  if (6 <= LMAX_MOST) if (HAS(0, 6)) { if (ORDER(0)) { STORE(n, v6); } n++; }
-  if (6 <= LMAX_MOST) if (HAS(1, 6)) { if (ORDER(0)) { STORE(n, x6); } n++; }
-  if (6 <= LMAX_MOST) if (HAS(1, 6)) { if (ORDER(0)) { STORE(n, y6); } n++; }
-  if (6 <= LMAX_MOST) if (HAS(1, 6)) { if (ORDER(0)) { STORE(n, z6); } n++; }
-  if (6 <= LMAX_MOST) if (HAS(2, 6)) { if (ORDER(0)) { STORE(n, xx6); } n++; }
-  if (6 <= LMAX_MOST) if (HAS(2, 6)) { if (ORDER(0)) { STORE(n, xy6); } n++; }
-  if (6 <= LMAX_MOST) if (HAS(2, 6)) { if (ORDER(0)) { STORE(n, xz6); } n++; }
-  if (6 <= LMAX_MOST) if (HAS(2, 6)) { if (ORDER(0)) { STORE(n, yy6); } n++; }
-  if (6 <= LMAX_MOST) if (HAS(2, 6)) { if (ORDER(0)) { STORE(n, yz6); } n++; }
-  if (6 <= LMAX_MOST) if (HAS(2, 6)) { if (ORDER(0)) { STORE(n, zz6); } n++; }
-  if (7 <= LMAX_MOST) if (HAS(0, 7)) { if (ORDER(0)) { STORE(n, v7); } n++; }
-  if (7 <= LMAX_MOST) if (HAS(1, 7)) { if (ORDER(0)) { STORE(n, x7); } n++; }
-  if (7 <= LMAX_MOST) if (HAS(1, 7)) { if (ORDER(0)) { STORE(n, y7); } n++; }
-  if (7 <= LMAX_MOST) if (HAS(1, 7)) { if (ORDER(0)) { STORE(n, z7); } n++; }
-  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(0)) { STORE(n, xx7); } n++; }
-  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(0)) { STORE(n, xy7); } n++; }
-  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(0)) { STORE(n, xz7); } n++; }
-  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(0)) { STORE(n, yy7); } n++; }
-  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(0)) { STORE(n, yz7); } n++; }
-  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(0)) { STORE(n, zz7); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(0, 8)) { if (ORDER(0)) { STORE(n, v8); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(1, 8)) { if (ORDER(0)) { STORE(n, x8); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(1, 8)) { if (ORDER(0)) { STORE(n, y8); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(1, 8)) { if (ORDER(0)) { STORE(n, z8); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(0)) { STORE(n, xx8); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(0)) { STORE(n, xy8); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(0)) { STORE(n, xz8); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(0)) { STORE(n, yy8); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(0)) { STORE(n, yz8); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(0)) { STORE(n, zz8); } n++; }
-  if (1 <= LMAX_MOST) if (HAS(0, 1)) { if (ORDER(1)) { STORE(n, v9); } n++; }
-  if (1 <= LMAX_MOST) if (HAS(1, 1)) { if (ORDER(1)) { STORE(n, x9); } n++; }
-  if (1 <= LMAX_MOST) if (HAS(1, 1)) { if (ORDER(1)) { STORE(n, y9); } n++; }
-  if (1 <= LMAX_MOST) if (HAS(1, 1)) { if (ORDER(1)) { STORE(n, z9); } n++; }
-  if (1 <= LMAX_MOST) if (HAS(2, 1)) { if (ORDER(1)) { STORE(n, xx9); } n++; }
-  if (1 <= LMAX_MOST) if (HAS(2, 1)) { if (ORDER(1)) { STORE(n, xy9); } n++; }
-  if (1 <= LMAX_MOST) if (HAS(2, 1)) { if (ORDER(1)) { STORE(n, xz9); } n++; }
-  if (1 <= LMAX_MOST) if (HAS(2, 1)) { if (ORDER(1)) { STORE(n, yy9); } n++; }
-  if (1 <= LMAX_MOST) if (HAS(2, 1)) { if (ORDER(1)) { STORE(n, yz9); } n++; }
-  if (1 <= LMAX_MOST) if (HAS(2, 1)) { if (ORDER(1)) { STORE(n, zz9); } n++; }
-  if (2 <= LMAX_MOST) if (HAS(0, 2)) { if (ORDER(1)) { STORE(n, v10); } n++; }
-  if (2 <= LMAX_MOST) if (HAS(1, 2)) { if (ORDER(1)) { STORE(n, x10); } n++; }
-  if (2 <= LMAX_MOST) if (HAS(1, 2)) { if (ORDER(1)) { STORE(n, y10); } n++; }
-  if (2 <= LMAX_MOST) if (HAS(1, 2)) { if (ORDER(1)) { STORE(n, z10); } n++; }
-  if (2 <= LMAX_MOST) if (HAS(2, 2)) { if (ORDER(1)) { STORE(n, xx10); } n++; }
-  if (2 <= LMAX_MOST) if (HAS(2, 2)) { if (ORDER(1)) { STORE(n, xy10); } n++; }
-  if (2 <= LMAX_MOST) if (HAS(2, 2)) { if (ORDER(1)) { STORE(n, xz10); } n++; }
-  if (2 <= LMAX_MOST) if (HAS(2, 2)) { if (ORDER(1)) { STORE(n, yy10); } n++; }
-  if (2 <= LMAX_MOST) if (HAS(2, 2)) { if (ORDER(1)) { STORE(n, yz10); } n++; }
-  if (2 <= LMAX_MOST) if (HAS(2, 2)) { if (ORDER(1)) { STORE(n, zz10); } n++; }
-  if (3 <= LMAX_MOST) if (HAS(0, 3)) { if (ORDER(1)) { STORE(n, v11); } n++; }
-  if (3 <= LMAX_MOST) if (HAS(1, 3)) { if (ORDER(1)) { STORE(n, x11); } n++; }
-  if (3 <= LMAX_MOST) if (HAS(1, 3)) { if (ORDER(1)) { STORE(n, y11); } n++; }
-  if (3 <= LMAX_MOST) if (HAS(1, 3)) { if (ORDER(1)) { STORE(n, z11); } n++; }
-  if (3 <= LMAX_MOST) if (HAS(2, 3)) { if (ORDER(1)) { STORE(n, xx11); } n++; }
-  if (3 <= LMAX_MOST) if (HAS(2, 3)) { if (ORDER(1)) { STORE(n, xy11); } n++; }
-  if (3 <= LMAX_MOST) if (HAS(2, 3)) { if (ORDER(1)) { STORE(n, xz11); } n++; }
-  if (3 <= LMAX_MOST) if (HAS(2, 3)) { if (ORDER(1)) { STORE(n, yy11); } n++; }
-  if (3 <= LMAX_MOST) if (HAS(2, 3)) { if (ORDER(1)) { STORE(n, yz11); } n++; }
-  if (3 <= LMAX_MOST) if (HAS(2, 3)) { if (ORDER(1)) { STORE(n, zz11); } n++; }
-  if (4 <= LMAX_MOST) if (HAS(0, 4)) { if (ORDER(1)) { STORE(n, v12); } n++; }
-  if (4 <= LMAX_MOST) if (HAS(1, 4)) { if (ORDER(1)) { STORE(n, x12); } n++; }
-  if (4 <= LMAX_MOST) if (HAS(1, 4)) { if (ORDER(1)) { STORE(n, y12); } n++; }
-  if (4 <= LMAX_MOST) if (HAS(1, 4)) { if (ORDER(1)) { STORE(n, z12); } n++; }
-  if (4 <= LMAX_MOST) if (HAS(2, 4)) { if (ORDER(1)) { STORE(n, xx12); } n++; }
-  if (4 <= LMAX_MOST) if (HAS(2, 4)) { if (ORDER(1)) { STORE(n, xy12); } n++; }
-  if (4 <= LMAX_MOST) if (HAS(2, 4)) { if (ORDER(1)) { STORE(n, xz12); } n++; }
-  if (4 <= LMAX_MOST) if (HAS(2, 4)) { if (ORDER(1)) { STORE(n, yy12); } n++; }
-  if (4 <= LMAX_MOST) if (HAS(2, 4)) { if (ORDER(1)) { STORE(n, yz12); } n++; }
-  if (4 <= LMAX_MOST) if (HAS(2, 4)) { if (ORDER(1)) { STORE(n, zz12); } n++; }
-  if (5 <= LMAX_MOST) if (HAS(0, 5)) { if (ORDER(1)) { STORE(n, v13); } n++; }
-  if (5 <= LMAX_MOST) if (HAS(1, 5)) { if (ORDER(1)) { STORE(n, x13); } n++; }
-  if (5 <= LMAX_MOST) if (HAS(1, 5)) { if (ORDER(1)) { STORE(n, y13); } n++; }
-  if (5 <= LMAX_MOST) if (HAS(1, 5)) { if (ORDER(1)) { STORE(n, z13); } n++; }
-  if (5 <= LMAX_MOST) if (HAS(2, 5)) { if (ORDER(1)) { STORE(n, xx13); } n++; }
-  if (5 <= LMAX_MOST) if (HAS(2, 5)) { if (ORDER(1)) { STORE(n, xy13); } n++; }
-  if (5 <= LMAX_MOST) if (HAS(2, 5)) { if (ORDER(1)) { STORE(n, xz13); } n++; }
-  if (5 <= LMAX_MOST) if (HAS(2, 5)) { if (ORDER(1)) { STORE(n, yy13); } n++; }
-  if (5 <= LMAX_MOST) if (HAS(2, 5)) { if (ORDER(1)) { STORE(n, yz13); } n++; }
-  if (5 <= LMAX_MOST) if (HAS(2, 5)) { if (ORDER(1)) { STORE(n, zz13); } n++; }
-  if (6 <= LMAX_MOST) if (HAS(0, 6)) { if (ORDER(1)) { STORE(n, v14); } n++; }
-  if (6 <= LMAX_MOST) if (HAS(1, 6)) { if (ORDER(1)) { STORE(n, x14); } n++; }
-  if (6 <= LMAX_MOST) if (HAS(1, 6)) { if (ORDER(1)) { STORE(n, y14); } n++; }
-  if (6 <= LMAX_MOST) if (HAS(1, 6)) { if (ORDER(1)) { STORE(n, z14); } n++; }
-  if (6 <= LMAX_MOST) if (HAS(2, 6)) { if (ORDER(1)) { STORE(n, xx14); } n++; }
-  if (6 <= LMAX_MOST) if (HAS(2, 6)) { if (ORDER(1)) { STORE(n, xy14); } n++; }
-  if (6 <= LMAX_MOST) if (HAS(2, 6)) { if (ORDER(1)) { STORE(n, xz14); } n++; }
-  if (6 <= LMAX_MOST) if (HAS(2, 6)) { if (ORDER(1)) { STORE(n, yy14); } n++; }
-  if (6 <= LMAX_MOST) if (HAS(2, 6)) { if (ORDER(1)) { STORE(n, yz14); } n++; }
-  if (6 <= LMAX_MOST) if (HAS(2, 6)) { if (ORDER(1)) { STORE(n, zz14); } n++; }
-  if (7 <= LMAX_MOST) if (HAS(0, 7)) { if (ORDER(1)) { STORE(n, v15); } n++; }
-  if (7 <= LMAX_MOST) if (HAS(1, 7)) { if (ORDER(1)) { STORE(n, x15); } n++; }
-  if (7 <= LMAX_MOST) if (HAS(1, 7)) { if (ORDER(1)) { STORE(n, y15); } n++; }
-  if (7 <= LMAX_MOST) if (HAS(1, 7)) { if (ORDER(1)) { STORE(n, z15); } n++; }
-  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(1)) { STORE(n, xx15); } n++; }
-  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(1)) { STORE(n, xy15); } n++; }
-  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(1)) { STORE(n, xz15); } n++; }
-  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(1)) { STORE(n, yy15); } n++; }
-  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(1)) { STORE(n, yz15); } n++; }
-  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(1)) { STORE(n, zz15); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(0, 8)) { if (ORDER(1)) { STORE(n, v16); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(1, 8)) { if (ORDER(1)) { STORE(n, x16); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(1, 8)) { if (ORDER(1)) { STORE(n, y16); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(1, 8)) { if (ORDER(1)) { STORE(n, z16); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(1)) { STORE(n, xx16); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(1)) { STORE(n, xy16); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(1)) { STORE(n, xz16); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(1)) { STORE(n, yy16); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(1)) { STORE(n, yz16); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(1)) { STORE(n, zz16); } n++; }
-  if (1 <= LMAX_MOST) if (HAS(0, 1)) { if (ORDER(1)) { STORE(n, v17); } n++; }
-  if (1 <= LMAX_MOST) if (HAS(1, 1)) { if (ORDER(1)) { STORE(n, x17); } n++; }
-  if (1 <= LMAX_MOST) if (HAS(1, 1)) { if (ORDER(1)) { STORE(n, y17); } n++; }
-  if (1 <= LMAX_MOST) if (HAS(1, 1)) { if (ORDER(1)) { STORE(n, z17); } n++; }
-  if (1 <= LMAX_MOST) if (HAS(2, 1)) { if (ORDER(1)) { STORE(n, xx17); } n++; }
-  if (1 <= LMAX_MOST) if (HAS(2, 1)) { if (ORDER(1)) { STORE(n, xy17); } n++; }
-  if (1 <= LMAX_MOST) if (HAS(2, 1)) { if (ORDER(1)) { STORE(n, xz17); } n++; }
-  if (1 <= LMAX_MOST) if (HAS(2, 1)) { if (ORDER(1)) { STORE(n, yy17); } n++; }
-  if (1 <= LMAX_MOST) if (HAS(2, 1)) { if (ORDER(1)) { STORE(n, yz17); } n++; }
-  if (1 <= LMAX_MOST) if (HAS(2, 1)) { if (ORDER(1)) { STORE(n, zz17); } n++; }
-  if (2 <= LMAX_MOST) if (HAS(0, 2)) { if (ORDER(1)) { STORE(n, v18); } n++; }
-  if (2 <= LMAX_MOST) if (HAS(1, 2)) { if (ORDER(1)) { STORE(n, x18); } n++; }
-  if (2 <= LMAX_MOST) if (HAS(1, 2)) { if (ORDER(1)) { STORE(n, y18); } n++; }
-  if (2 <= LMAX_MOST) if (HAS(1, 2)) { if (ORDER(1)) { STORE(n, z18); } n++; }
-  if (2 <= LMAX_MOST) if (HAS(2, 2)) { if (ORDER(1)) { STORE(n, xx18); } n++; }
-  if (2 <= LMAX_MOST) if (HAS(2, 2)) { if (ORDER(1)) { STORE(n, xy18); } n++; }
-  if (2 <= LMAX_MOST) if (HAS(2, 2)) { if (ORDER(1)) { STORE(n, xz18); } n++; }
-  if (2 <= LMAX_MOST) if (HAS(2, 2)) { if (ORDER(1)) { STORE(n, yy18); } n++; }
-  if (2 <= LMAX_MOST) if (HAS(2, 2)) { if (ORDER(1)) { STORE(n, yz18); } n++; }
-  if (2 <= LMAX_MOST) if (HAS(2, 2)) { if (ORDER(1)) { STORE(n, zz18); } n++; }
-  if (3 <= LMAX_MOST) if (HAS(0, 3)) { if (ORDER(1)) { STORE(n, v19); } n++; }
-  if (3 <= LMAX_MOST) if (HAS(1, 3)) { if (ORDER(1)) { STORE(n, x19); } n++; }
-  if (3 <= LMAX_MOST) if (HAS(1, 3)) { if (ORDER(1)) { STORE(n, y19); } n++; }
-  if (3 <= LMAX_MOST) if (HAS(1, 3)) { if (ORDER(1)) { STORE(n, z19); } n++; }
-  if (3 <= LMAX_MOST) if (HAS(2, 3)) { if (ORDER(1)) { STORE(n, xx19); } n++; }
-  if (3 <= LMAX_MOST) if (HAS(2, 3)) { if (ORDER(1)) { STORE(n, xy19); } n++; }
-  if (3 <= LMAX_MOST) if (HAS(2, 3)) { if (ORDER(1)) { STORE(n, xz19); } n++; }
-  if (3 <= LMAX_MOST) if (HAS(2, 3)) { if (ORDER(1)) { STORE(n, yy19); } n++; }
-  if (3 <= LMAX_MOST) if (HAS(2, 3)) { if (ORDER(1)) { STORE(n, yz19); } n++; }
-  if (3 <= LMAX_MOST) if (HAS(2, 3)) { if (ORDER(1)) { STORE(n, zz19); } n++; }
-  if (4 <= LMAX_MOST) if (HAS(0, 4)) { if (ORDER(1)) { STORE(n, v20); } n++; }
-  if (4 <= LMAX_MOST) if (HAS(1, 4)) { if (ORDER(1)) { STORE(n, x20); } n++; }
-  if (4 <= LMAX_MOST) if (HAS(1, 4)) { if (ORDER(1)) { STORE(n, y20); } n++; }
-  if (4 <= LMAX_MOST) if (HAS(1, 4)) { if (ORDER(1)) { STORE(n, z20); } n++; }
-  if (4 <= LMAX_MOST) if (HAS(2, 4)) { if (ORDER(1)) { STORE(n, xx20); } n++; }
-  if (4 <= LMAX_MOST) if (HAS(2, 4)) { if (ORDER(1)) { STORE(n, xy20); } n++; }
-  if (4 <= LMAX_MOST) if (HAS(2, 4)) { if (ORDER(1)) { STORE(n, xz20); } n++; }
-  if (4 <= LMAX_MOST) if (HAS(2, 4)) { if (ORDER(1)) { STORE(n, yy20); } n++; }
-  if (4 <= LMAX_MOST) if (HAS(2, 4)) { if (ORDER(1)) { STORE(n, yz20); } n++; }
-  if (4 <= LMAX_MOST) if (HAS(2, 4)) { if (ORDER(1)) { STORE(n, zz20); } n++; }
-  if (5 <= LMAX_MOST) if (HAS(0, 5)) { if (ORDER(1)) { STORE(n, v21); } n++; }
-  if (5 <= LMAX_MOST) if (HAS(1, 5)) { if (ORDER(1)) { STORE(n, x21); } n++; }
-  if (5 <= LMAX_MOST) if (HAS(1, 5)) { if (ORDER(1)) { STORE(n, y21); } n++; }
-  if (5 <= LMAX_MOST) if (HAS(1, 5)) { if (ORDER(1)) { STORE(n, z21); } n++; }
-  if (5 <= LMAX_MOST) if (HAS(2, 5)) { if (ORDER(1)) { STORE(n, xx21); } n++; }
-  if (5 <= LMAX_MOST) if (HAS(2, 5)) { if (ORDER(1)) { STORE(n, xy21); } n++; }
-  if (5 <= LMAX_MOST) if (HAS(2, 5)) { if (ORDER(1)) { STORE(n, xz21); } n++; }
-  if (5 <= LMAX_MOST) if (HAS(2, 5)) { if (ORDER(1)) { STORE(n, yy21); } n++; }
-  if (5 <= LMAX_MOST) if (HAS(2, 5)) { if (ORDER(1)) { STORE(n, yz21); } n++; }
-  if (5 <= LMAX_MOST) if (HAS(2, 5)) { if (ORDER(1)) { STORE(n, zz21); } n++; }
-  if (6 <= LMAX_MOST) if (HAS(0, 6)) { if (ORDER(1)) { STORE(n, v22); } n++; }
-  if (6 <= LMAX_MOST) if (HAS(1, 6)) { if (ORDER(1)) { STORE(n, x22); } n++; }
-  if (6 <= LMAX_MOST) if (HAS(1, 6)) { if (ORDER(1)) { STORE(n, y22); } n++; }
-  if (6 <= LMAX_MOST) if (HAS(1, 6)) { if (ORDER(1)) { STORE(n, z22); } n++; }
-  if (6 <= LMAX_MOST) if (HAS(2, 6)) { if (ORDER(1)) { STORE(n, xx22); } n++; }
-  if (6 <= LMAX_MOST) if (HAS(2, 6)) { if (ORDER(1)) { STORE(n, xy22); } n++; }
-  if (6 <= LMAX_MOST) if (HAS(2, 6)) { if (ORDER(1)) { STORE(n, xz22); } n++; }
-  if (6 <= LMAX_MOST) if (HAS(2, 6)) { if (ORDER(1)) { STORE(n, yy22); } n++; }
-  if (6 <= LMAX_MOST) if (HAS(2, 6)) { if (ORDER(1)) { STORE(n, yz22); } n++; }
-  if (6 <= LMAX_MOST) if (HAS(2, 6)) { if (ORDER(1)) { STORE(n, zz22); } n++; }
-  if (7 <= LMAX_MOST) if (HAS(0, 7)) { if (ORDER(1)) { STORE(n, v23); } n++; }
-  if (7 <= LMAX_MOST) if (HAS(1, 7)) { if (ORDER(1)) { STORE(n, x23); } n++; }
-  if (7 <= LMAX_MOST) if (HAS(1, 7)) { if (ORDER(1)) { STORE(n, y23); } n++; }
-  if (7 <= LMAX_MOST) if (HAS(1, 7)) { if (ORDER(1)) { STORE(n, z23); } n++; }
-  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(1)) { STORE(n, xx23); } n++; }
-  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(1)) { STORE(n, xy23); } n++; }
-  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(1)) { STORE(n, xz23); } n++; }
-  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(1)) { STORE(n, yy23); } n++; }
-  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(1)) { STORE(n, yz23); } n++; }
-  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(1)) { STORE(n, zz23); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(0, 8)) { if (ORDER(1)) { STORE(n, v24); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(1, 8)) { if (ORDER(1)) { STORE(n, x24); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(1, 8)) { if (ORDER(1)) { STORE(n, y24); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(1, 8)) { if (ORDER(1)) { STORE(n, z24); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(1)) { STORE(n, xx24); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(1)) { STORE(n, xy24); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(1)) { STORE(n, xz24); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(1)) { STORE(n, yy24); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(1)) { STORE(n, yz24); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(1)) { STORE(n, zz24); } n++; }
-  if (2 <= LMAX_MOST) if (HAS(0, 2)) { if (ORDER(2)) { STORE(n, v25); } n++; }
-  if (2 <= LMAX_MOST) if (HAS(1, 2)) { if (ORDER(2)) { STORE(n, x25); } n++; }
-  if (2 <= LMAX_MOST) if (HAS(1, 2)) { if (ORDER(2)) { STORE(n, y25); } n++; }
-  if (2 <= LMAX_MOST) if (HAS(1, 2)) { if (ORDER(2)) { STORE(n, z25); } n++; }
-  if (2 <= LMAX_MOST) if (HAS(2, 2)) { if (ORDER(2)) { STORE(n, xx25); } n++; }
-  if (2 <= LMAX_MOST) if (HAS(2, 2)) { if (ORDER(2)) { STORE(n, xy25); } n++; }
-  if (2 <= LMAX_MOST) if (HAS(2, 2)) { if (ORDER(2)) { STORE(n, xz25); } n++; }
-  if (2 <= LMAX_MOST) if (HAS(2, 2)) { if (ORDER(2)) { STORE(n, yy25); } n++; }
-  if (2 <= LMAX_MOST) if (HAS(2, 2)) { if (ORDER(2)) { STORE(n, yz25); } n++; }
-  if (2 <= LMAX_MOST) if (HAS(2, 2)) { if (ORDER(2)) { STORE(n, zz25); } n++; }
-  if (3 <= LMAX_MOST) if (HAS(0, 3)) { if (ORDER(2)) { STORE(n, v26); } n++; }
-  if (3 <= LMAX_MOST) if (HAS(1, 3)) { if (ORDER(2)) { STORE(n, x26); } n++; }
-  if (3 <= LMAX_MOST) if (HAS(1, 3)) { if (ORDER(2)) { STORE(n, y26); } n++; }
-  if (3 <= LMAX_MOST) if (HAS(1, 3)) { if (ORDER(2)) { STORE(n, z26); } n++; }
-  if (3 <= LMAX_MOST) if (HAS(2, 3)) { if (ORDER(2)) { STORE(n, xx26); } n++; }
-  if (3 <= LMAX_MOST) if (HAS(2, 3)) { if (ORDER(2)) { STORE(n, xy26); } n++; }
-  if (3 <= LMAX_MOST) if (HAS(2, 3)) { if (ORDER(2)) { STORE(n, xz26); } n++; }
-  if (3 <= LMAX_MOST) if (HAS(2, 3)) { if (ORDER(2)) { STORE(n, yy26); } n++; }
-  if (3 <= LMAX_MOST) if (HAS(2, 3)) { if (ORDER(2)) { STORE(n, yz26); } n++; }
-  if (3 <= LMAX_MOST) if (HAS(2, 3)) { if (ORDER(2)) { STORE(n, zz26); } n++; }
-  if (4 <= LMAX_MOST) if (HAS(0, 4)) { if (ORDER(2)) { STORE(n, v27); } n++; }
-  if (4 <= LMAX_MOST) if (HAS(1, 4)) { if (ORDER(2)) { STORE(n, x27); } n++; }
-  if (4 <= LMAX_MOST) if (HAS(1, 4)) { if (ORDER(2)) { STORE(n, y27); } n++; }
-  if (4 <= LMAX_MOST) if (HAS(1, 4)) { if (ORDER(2)) { STORE(n, z27); } n++; }
-  if (4 <= LMAX_MOST) if (HAS(2, 4)) { if (ORDER(2)) { STORE(n, xx27); } n++; }
-  if (4 <= LMAX_MOST) if (HAS(2, 4)) { if (ORDER(2)) { STORE(n, xy27); } n++; }
-  if (4 <= LMAX_MOST) if (HAS(2, 4)) { if (ORDER(2)) { STORE(n, xz27); } n++; }
-  if (4 <= LMAX_MOST) if (HAS(2, 4)) { if (ORDER(2)) { STORE(n, yy27); } n++; }
-  if (4 <= LMAX_MOST) if (HAS(2, 4)) { if (ORDER(2)) { STORE(n, yz27); } n++; }
-  if (4 <= LMAX_MOST) if (HAS(2, 4)) { if (ORDER(2)) { STORE(n, zz27); } n++; }
-  if (5 <= LMAX_MOST) if (HAS(0, 5)) { if (ORDER(2)) { STORE(n, v28); } n++; }
-  if (5 <= LMAX_MOST) if (HAS(1, 5)) { if (ORDER(2)) { STORE(n, x28); } n++; }
-  if (5 <= LMAX_MOST) if (HAS(1, 5)) { if (ORDER(2)) { STORE(n, y28); } n++; }
-  if (5 <= LMAX_MOST) if (HAS(1, 5)) { if (ORDER(2)) { STORE(n, z28); } n++; }
-  if (5 <= LMAX_MOST) if (HAS(2, 5)) { if (ORDER(2)) { STORE(n, xx28); } n++; }
-  if (5 <= LMAX_MOST) if (HAS(2, 5)) { if (ORDER(2)) { STORE(n, xy28); } n++; }
-  if (5 <= LMAX_MOST) if (HAS(2, 5)) { if (ORDER(2)) { STORE(n, xz28); } n++; }
-  if (5 <= LMAX_MOST) if (HAS(2, 5)) { if (ORDER(2)) { STORE(n, yy28); } n++; }
-  if (5 <= LMAX_MOST) if (HAS(2, 5)) { if (ORDER(2)) { STORE(n, yz28); } n++; }
-  if (5 <= LMAX_MOST) if (HAS(2, 5)) { if (ORDER(2)) { STORE(n, zz28); } n++; }
-  if (6 <= LMAX_MOST) if (HAS(0, 6)) { if (ORDER(2)) { STORE(n, v29); } n++; }
-  if (6 <= LMAX_MOST) if (HAS(1, 6)) { if (ORDER(2)) { STORE(n, x29); } n++; }
-  if (6 <= LMAX_MOST) if (HAS(1, 6)) { if (ORDER(2)) { STORE(n, y29); } n++; }
-  if (6 <= LMAX_MOST) if (HAS(1, 6)) { if (ORDER(2)) { STORE(n, z29); } n++; }
-  if (6 <= LMAX_MOST) if (HAS(2, 6)) { if (ORDER(2)) { STORE(n, xx29); } n++; }
-  if (6 <= LMAX_MOST) if (HAS(2, 6)) { if (ORDER(2)) { STORE(n, xy29); } n++; }
-  if (6 <= LMAX_MOST) if (HAS(2, 6)) { if (ORDER(2)) { STORE(n, xz29); } n++; }
-  if (6 <= LMAX_MOST) if (HAS(2, 6)) { if (ORDER(2)) { STORE(n, yy29); } n++; }
-  if (6 <= LMAX_MOST) if (HAS(2, 6)) { if (ORDER(2)) { STORE(n, yz29); } n++; }
-  if (6 <= LMAX_MOST) if (HAS(2, 6)) { if (ORDER(2)) { STORE(n, zz29); } n++; }
-  if (7 <= LMAX_MOST) if (HAS(0, 7)) { if (ORDER(2)) { STORE(n, v30); } n++; }
-  if (7 <= LMAX_MOST) if (HAS(1, 7)) { if (ORDER(2)) { STORE(n, x30); } n++; }
-  if (7 <= LMAX_MOST) if (HAS(1, 7)) { if (ORDER(2)) { STORE(n, y30); } n++; }
-  if (7 <= LMAX_MOST) if (HAS(1, 7)) { if (ORDER(2)) { STORE(n, z30); } n++; }
-  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(2)) { STORE(n, xx30); } n++; }
-  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(2)) { STORE(n, xy30); } n++; }
-  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(2)) { STORE(n, xz30); } n++; }
-  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(2)) { STORE(n, yy30); } n++; }
-  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(2)) { STORE(n, yz30); } n++; }
-  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(2)) { STORE(n, zz30); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(0, 8)) { if (ORDER(2)) { STORE(n, v31); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(1, 8)) { if (ORDER(2)) { STORE(n, x31); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(1, 8)) { if (ORDER(2)) { STORE(n, y31); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(1, 8)) { if (ORDER(2)) { STORE(n, z31); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(2)) { STORE(n, xx31); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(2)) { STORE(n, xy31); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(2)) { STORE(n, xz31); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(2)) { STORE(n, yy31); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(2)) { STORE(n, yz31); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(2)) { STORE(n, zz31); } n++; }
-  if (2 <= LMAX_MOST) if (HAS(0, 2)) { if (ORDER(2)) { STORE(n, v32); } n++; }
-  if (2 <= LMAX_MOST) if (HAS(1, 2)) { if (ORDER(2)) { STORE(n, x32); } n++; }
-  if (2 <= LMAX_MOST) if (HAS(1, 2)) { if (ORDER(2)) { STORE(n, y32); } n++; }
-  if (2 <= LMAX_MOST) if (HAS(1, 2)) { if (ORDER(2)) { STORE(n, z32); } n++; }
-  if (2 <= LMAX_MOST) if (HAS(2, 2)) { if (ORDER(2)) { STORE(n, xx32); } n++; }
-  if (2 <= LMAX_MOST) if (HAS(2, 2)) { if (ORDER(2)) { STORE(n, xy32); } n++; }
-  if (2 <= LMAX_MOST) if (HAS(2, 2)) { if (ORDER(2)) { STORE(n, xz32); } n++; }
-  if (2 <= LMAX_MOST) if (HAS(2, 2)) { if (ORDER(2)) { STORE(n, yy32); } n++; }
-  if (2 <= LMAX_MOST) if (HAS(2, 2)) { if (ORDER(2)) { STORE(n, yz32); } n++; }
-  if (2 <= LMAX_MOST) if (HAS(2, 2)) { if (ORDER(2)) { STORE(n, zz32); } n++; }
-  if (3 <= LMAX_MOST) if (HAS(0, 3)) { if (ORDER(2)) { STORE(n, v33); } n++; }
-  if (3 <= LMAX_MOST) if (HAS(1, 3)) { if (ORDER(2)) { STORE(n, x33); } n++; }
-  if (3 <= LMAX_MOST) if (HAS(1, 3)) { if (ORDER(2)) { STORE(n, y33); } n++; }
-  if (3 <= LMAX_MOST) if (HAS(1, 3)) { if (ORDER(2)) { STORE(n, z33); } n++; }
-  if (3 <= LMAX_MOST) if (HAS(2, 3)) { if (ORDER(2)) { STORE(n, xx33); } n++; }
-  if (3 <= LMAX_MOST) if (HAS(2, 3)) { if (ORDER(2)) { STORE(n, xy33); } n++; }
-  if (3 <= LMAX_MOST) if (HAS(2, 3)) { if (ORDER(2)) { STORE(n, xz33); } n++; }
-  if (3 <= LMAX_MOST) if (HAS(2, 3)) { if (ORDER(2)) { STORE(n, yy33); } n++; }
-  if (3 <= LMAX_MOST) if (HAS(2, 3)) { if (ORDER(2)) { STORE(n, yz33); } n++; }
-  if (3 <= LMAX_MOST) if (HAS(2, 3)) { if (ORDER(2)) { STORE(n, zz33); } n++; }
-  if (4 <= LMAX_MOST) if (HAS(0, 4)) { if (ORDER(2)) { STORE(n, v34); } n++; }
-  if (4 <= LMAX_MOST) if (HAS(1, 4)) { if (ORDER(2)) { STORE(n, x34); } n++; }
-  if (4 <= LMAX_MOST) if (HAS(1, 4)) { if (ORDER(2)) { STORE(n, y34); } n++; }
-  if (4 <= LMAX_MOST) if (HAS(1, 4)) { if (ORDER(2)) { STORE(n, z34); } n++; }
-  if (4 <= LMAX_MOST) if (HAS(2, 4)) { if (ORDER(2)) { STORE(n, xx34); } n++; }
-  if (4 <= LMAX_MOST) if (HAS(2, 4)) { if (ORDER(2)) { STORE(n, xy34); } n++; }
-  if (4 <= LMAX_MOST) if (HAS(2, 4)) { if (ORDER(2)) { STORE(n, xz34); } n++; }
-  if (4 <= LMAX_MOST) if (HAS(2, 4)) { if (ORDER(2)) { STORE(n, yy34); } n++; }
-  if (4 <= LMAX_MOST) if (HAS(2, 4)) { if (ORDER(2)) { STORE(n, yz34); } n++; }
-  if (4 <= LMAX_MOST) if (HAS(2, 4)) { if (ORDER(2)) { STORE(n, zz34); } n++; }
-  if (5 <= LMAX_MOST) if (HAS(0, 5)) { if (ORDER(2)) { STORE(n, v35); } n++; }
-  if (5 <= LMAX_MOST) if (HAS(1, 5)) { if (ORDER(2)) { STORE(n, x35); } n++; }
-  if (5 <= LMAX_MOST) if (HAS(1, 5)) { if (ORDER(2)) { STORE(n, y35); } n++; }
-  if (5 <= LMAX_MOST) if (HAS(1, 5)) { if (ORDER(2)) { STORE(n, z35); } n++; }
-  if (5 <= LMAX_MOST) if (HAS(2, 5)) { if (ORDER(2)) { STORE(n, xx35); } n++; }
-  if (5 <= LMAX_MOST) if (HAS(2, 5)) { if (ORDER(2)) { STORE(n, xy35); } n++; }
-  if (5 <= LMAX_MOST) if (HAS(2, 5)) { if (ORDER(2)) { STORE(n, xz35); } n++; }
-  if (5 <= LMAX_MOST) if (HAS(2, 5)) { if (ORDER(2)) { STORE(n, yy35); } n++; }
-  if (5 <= LMAX_MOST) if (HAS(2, 5)) { if (ORDER(2)) { STORE(n, yz35); } n++; }
-  if (5 <= LMAX_MOST) if (HAS(2, 5)) { if (ORDER(2)) { STORE(n, zz35); } n++; }
-  if (6 <= LMAX_MOST) if (HAS(0, 6)) { if (ORDER(2)) { STORE(n, v36); } n++; }
-  if (6 <= LMAX_MOST) if (HAS(1, 6)) { if (ORDER(2)) { STORE(n, x36); } n++; }
-  if (6 <= LMAX_MOST) if (HAS(1, 6)) { if (ORDER(2)) { STORE(n, y36); } n++; }
-  if (6 <= LMAX_MOST) if (HAS(1, 6)) { if (ORDER(2)) { STORE(n, z36); } n++; }
-  if (6 <= LMAX_MOST) if (HAS(2, 6)) { if (ORDER(2)) { STORE(n, xx36); } n++; }
-  if (6 <= LMAX_MOST) if (HAS(2, 6)) { if (ORDER(2)) { STORE(n, xy36); } n++; }
-  if (6 <= LMAX_MOST) if (HAS(2, 6)) { if (ORDER(2)) { STORE(n, xz36); } n++; }
-  if (6 <= LMAX_MOST) if (HAS(2, 6)) { if (ORDER(2)) { STORE(n, yy36); } n++; }
-  if (6 <= LMAX_MOST) if (HAS(2, 6)) { if (ORDER(2)) { STORE(n, yz36); } n++; }
-  if (6 <= LMAX_MOST) if (HAS(2, 6)) { if (ORDER(2)) { STORE(n, zz36); } n++; }
-  if (7 <= LMAX_MOST) if (HAS(0, 7)) { if (ORDER(2)) { STORE(n, v37); } n++; }
-  if (7 <= LMAX_MOST) if (HAS(1, 7)) { if (ORDER(2)) { STORE(n, x37); } n++; }
-  if (7 <= LMAX_MOST) if (HAS(1, 7)) { if (ORDER(2)) { STORE(n, y37); } n++; }
-  if (7 <= LMAX_MOST) if (HAS(1, 7)) { if (ORDER(2)) { STORE(n, z37); } n++; }
-  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(2)) { STORE(n, xx37); } n++; }
-  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(2)) { STORE(n, xy37); } n++; }
-  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(2)) { STORE(n, xz37); } n++; }
-  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(2)) { STORE(n, yy37); } n++; }
-  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(2)) { STORE(n, yz37); } n++; }
-  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(2)) { STORE(n, zz37); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(0, 8)) { if (ORDER(2)) { STORE(n, v38); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(1, 8)) { if (ORDER(2)) { STORE(n, x38); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(1, 8)) { if (ORDER(2)) { STORE(n, y38); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(1, 8)) { if (ORDER(2)) { STORE(n, z38); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(2)) { STORE(n, xx38); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(2)) { STORE(n, xy38); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(2)) { STORE(n, xz38); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(2)) { STORE(n, yy38); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(2)) { STORE(n, yz38); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(2)) { STORE(n, zz38); } n++; }
-  if (3 <= LMAX_MOST) if (HAS(0, 3)) { if (ORDER(3)) { STORE(n, v39); } n++; }
-  if (3 <= LMAX_MOST) if (HAS(1, 3)) { if (ORDER(3)) { STORE(n, x39); } n++; }
-  if (3 <= LMAX_MOST) if (HAS(1, 3)) { if (ORDER(3)) { STORE(n, y39); } n++; }
-  if (3 <= LMAX_MOST) if (HAS(1, 3)) { if (ORDER(3)) { STORE(n, z39); } n++; }
-  if (3 <= LMAX_MOST) if (HAS(2, 3)) { if (ORDER(3)) { STORE(n, xx39); } n++; }
-  if (3 <= LMAX_MOST) if (HAS(2, 3)) { if (ORDER(3)) { STORE(n, xy39); } n++; }
-  if (3 <= LMAX_MOST) if (HAS(2, 3)) { if (ORDER(3)) { STORE(n, xz39); } n++; }
-  if (3 <= LMAX_MOST) if (HAS(2, 3)) { if (ORDER(3)) { STORE(n, yy39); } n++; }
-  if (3 <= LMAX_MOST) if (HAS(2, 3)) { if (ORDER(3)) { STORE(n, yz39); } n++; }
-  if (3 <= LMAX_MOST) if (HAS(2, 3)) { if (ORDER(3)) { STORE(n, zz39); } n++; }
-  if (4 <= LMAX_MOST) if (HAS(0, 4)) { if (ORDER(3)) { STORE(n, v40); } n++; }
-  if (4 <= LMAX_MOST) if (HAS(1, 4)) { if (ORDER(3)) { STORE(n, x40); } n++; }
-  if (4 <= LMAX_MOST) if (HAS(1, 4)) { if (ORDER(3)) { STORE(n, y40); } n++; }
-  if (4 <= LMAX_MOST) if (HAS(1, 4)) { if (ORDER(3)) { STORE(n, z40); } n++; }
-  if (4 <= LMAX_MOST) if (HAS(2, 4)) { if (ORDER(3)) { STORE(n, xx40); } n++; }
-  if (4 <= LMAX_MOST) if (HAS(2, 4)) { if (ORDER(3)) { STORE(n, xy40); } n++; }
-  if (4 <= LMAX_MOST) if (HAS(2, 4)) { if (ORDER(3)) { STORE(n, xz40); } n++; }
-  if (4 <= LMAX_MOST) if (HAS(2, 4)) { if (ORDER(3)) { STORE(n, yy40); } n++; }
-  if (4 <= LMAX_MOST) if (HAS(2, 4)) { if (ORDER(3)) { STORE(n, yz40); } n++; }
-  if (4 <= LMAX_MOST) if (HAS(2, 4)) { if (ORDER(3)) { STORE(n, zz40); } n++; }
-  if (5 <= LMAX_MOST) if (HAS(0, 5)) { if (ORDER(3)) { STORE(n, v41); } n++; }
-  if (5 <= LMAX_MOST) if (HAS(1, 5)) { if (ORDER(3)) { STORE(n, x41); } n++; }
-  if (5 <= LMAX_MOST) if (HAS(1, 5)) { if (ORDER(3)) { STORE(n, y41); } n++; }
-  if (5 <= LMAX_MOST) if (HAS(1, 5)) { if (ORDER(3)) { STORE(n, z41); } n++; }
-  if (5 <= LMAX_MOST) if (HAS(2, 5)) { if (ORDER(3)) { STORE(n, xx41); } n++; }
-  if (5 <= LMAX_MOST) if (HAS(2, 5)) { if (ORDER(3)) { STORE(n, xy41); } n++; }
-  if (5 <= LMAX_MOST) if (HAS(2, 5)) { if (ORDER(3)) { STORE(n, xz41); } n++; }
-  if (5 <= LMAX_MOST) if (HAS(2, 5)) { if (ORDER(3)) { STORE(n, yy41); } n++; }
-  if (5 <= LMAX_MOST) if (HAS(2, 5)) { if (ORDER(3)) { STORE(n, yz41); } n++; }
-  if (5 <= LMAX_MOST) if (HAS(2, 5)) { if (ORDER(3)) { STORE(n, zz41); } n++; }
-  if (6 <= LMAX_MOST) if (HAS(0, 6)) { if (ORDER(3)) { STORE(n, v42); } n++; }
-  if (6 <= LMAX_MOST) if (HAS(1, 6)) { if (ORDER(3)) { STORE(n, x42); } n++; }
-  if (6 <= LMAX_MOST) if (HAS(1, 6)) { if (ORDER(3)) { STORE(n, y42); } n++; }
-  if (6 <= LMAX_MOST) if (HAS(1, 6)) { if (ORDER(3)) { STORE(n, z42); } n++; }
-  if (6 <= LMAX_MOST) if (HAS(2, 6)) { if (ORDER(3)) { STORE(n, xx42); } n++; }
-  if (6 <= LMAX_MOST) if (HAS(2, 6)) { if (ORDER(3)) { STORE(n, xy42); } n++; }
-  if (6 <= LMAX_MOST) if (HAS(2, 6)) { if (ORDER(3)) { STORE(n, xz42); } n++; }
-  if (6 <= LMAX_MOST) if (HAS(2, 6)) { if (ORDER(3)) { STORE(n, yy42); } n++; }
-  if (6 <= LMAX_MOST) if (HAS(2, 6)) { if (ORDER(3)) { STORE(n, yz42); } n++; }
-  if (6 <= LMAX_MOST) if (HAS(2, 6)) { if (ORDER(3)) { STORE(n, zz42); } n++; }
-  if (7 <= LMAX_MOST) if (HAS(0, 7)) { if (ORDER(3)) { STORE(n, v43); } n++; }
-  if (7 <= LMAX_MOST) if (HAS(1, 7)) { if (ORDER(3)) { STORE(n, x43); } n++; }
-  if (7 <= LMAX_MOST) if (HAS(1, 7)) { if (ORDER(3)) { STORE(n, y43); } n++; }
-  if (7 <= LMAX_MOST) if (HAS(1, 7)) { if (ORDER(3)) { STORE(n, z43); } n++; }
-  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(3)) { STORE(n, xx43); } n++; }
-  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(3)) { STORE(n, xy43); } n++; }
-  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(3)) { STORE(n, xz43); } n++; }
-  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(3)) { STORE(n, yy43); } n++; }
-  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(3)) { STORE(n, yz43); } n++; }
-  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(3)) { STORE(n, zz43); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(0, 8)) { if (ORDER(3)) { STORE(n, v44); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(1, 8)) { if (ORDER(3)) { STORE(n, x44); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(1, 8)) { if (ORDER(3)) { STORE(n, y44); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(1, 8)) { if (ORDER(3)) { STORE(n, z44); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(3)) { STORE(n, xx44); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(3)) { STORE(n, xy44); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(3)) { STORE(n, xz44); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(3)) { STORE(n, yy44); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(3)) { STORE(n, yz44); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(3)) { STORE(n, zz44); } n++; }
-  if (3 <= LMAX_MOST) if (HAS(0, 3)) { if (ORDER(3)) { STORE(n, v45); } n++; }
-  if (3 <= LMAX_MOST) if (HAS(1, 3)) { if (ORDER(3)) { STORE(n, x45); } n++; }
-  if (3 <= LMAX_MOST) if (HAS(1, 3)) { if (ORDER(3)) { STORE(n, y45); } n++; }
-  if (3 <= LMAX_MOST) if (HAS(1, 3)) { if (ORDER(3)) { STORE(n, z45); } n++; }
-  if (3 <= LMAX_MOST) if (HAS(2, 3)) { if (ORDER(3)) { STORE(n, xx45); } n++; }
-  if (3 <= LMAX_MOST) if (HAS(2, 3)) { if (ORDER(3)) { STORE(n, xy45); } n++; }
-  if (3 <= LMAX_MOST) if (HAS(2, 3)) { if (ORDER(3)) { STORE(n, xz45); } n++; }
-  if (3 <= LMAX_MOST) if (HAS(2, 3)) { if (ORDER(3)) { STORE(n, yy45); } n++; }
-  if (3 <= LMAX_MOST) if (HAS(2, 3)) { if (ORDER(3)) { STORE(n, yz45); } n++; }
-  if (3 <= LMAX_MOST) if (HAS(2, 3)) { if (ORDER(3)) { STORE(n, zz45); } n++; }
-  if (4 <= LMAX_MOST) if (HAS(0, 4)) { if (ORDER(3)) { STORE(n, v46); } n++; }
-  if (4 <= LMAX_MOST) if (HAS(1, 4)) { if (ORDER(3)) { STORE(n, x46); } n++; }
-  if (4 <= LMAX_MOST) if (HAS(1, 4)) { if (ORDER(3)) { STORE(n, y46); } n++; }
-  if (4 <= LMAX_MOST) if (HAS(1, 4)) { if (ORDER(3)) { STORE(n, z46); } n++; }
-  if (4 <= LMAX_MOST) if (HAS(2, 4)) { if (ORDER(3)) { STORE(n, xx46); } n++; }
-  if (4 <= LMAX_MOST) if (HAS(2, 4)) { if (ORDER(3)) { STORE(n, xy46); } n++; }
-  if (4 <= LMAX_MOST) if (HAS(2, 4)) { if (ORDER(3)) { STORE(n, xz46); } n++; }
-  if (4 <= LMAX_MOST) if (HAS(2, 4)) { if (ORDER(3)) { STORE(n, yy46); } n++; }
-  if (4 <= LMAX_MOST) if (HAS(2, 4)) { if (ORDER(3)) { STORE(n, yz46); } n++; }
-  if (4 <= LMAX_MOST) if (HAS(2, 4)) { if (ORDER(3)) { STORE(n, zz46); } n++; }
-  if (5 <= LMAX_MOST) if (HAS(0, 5)) { if (ORDER(3)) { STORE(n, v47); } n++; }
-  if (5 <= LMAX_MOST) if (HAS(1, 5)) { if (ORDER(3)) { STORE(n, x47); } n++; }
-  if (5 <= LMAX_MOST) if (HAS(1, 5)) { if (ORDER(3)) { STORE(n, y47); } n++; }
-  if (5 <= LMAX_MOST) if (HAS(1, 5)) { if (ORDER(3)) { STORE(n, z47); } n++; }
-  if (5 <= LMAX_MOST) if (HAS(2, 5)) { if (ORDER(3)) { STORE(n, xx47); } n++; }
-  if (5 <= LMAX_MOST) if (HAS(2, 5)) { if (ORDER(3)) { STORE(n, xy47); } n++; }
-  if (5 <= LMAX_MOST) if (HAS(2, 5)) { if (ORDER(3)) { STORE(n, xz47); } n++; }
-  if (5 <= LMAX_MOST) if (HAS(2, 5)) { if (ORDER(3)) { STORE(n, yy47); } n++; }
-  if (5 <= LMAX_MOST) if (HAS(2, 5)) { if (ORDER(3)) { STORE(n, yz47); } n++; }
-  if (5 <= LMAX_MOST) if (HAS(2, 5)) { if (ORDER(3)) { STORE(n, zz47); } n++; }
-  if (6 <= LMAX_MOST) if (HAS(0, 6)) { if (ORDER(3)) { STORE(n, v48); } n++; }
-  if (6 <= LMAX_MOST) if (HAS(1, 6)) { if (ORDER(3)) { STORE(n, x48); } n++; }
-  if (6 <= LMAX_MOST) if (HAS(1, 6)) { if (ORDER(3)) { STORE(n, y48); } n++; }
-  if (6 <= LMAX_MOST) if (HAS(1, 6)) { if (ORDER(3)) { STORE(n, z48); } n++; }
-  if (6 <= LMAX_MOST) if (HAS(2, 6)) { if (ORDER(3)) { STORE(n, xx48); } n++; }
-  if (6 <= LMAX_MOST) if (HAS(2, 6)) { if (ORDER(3)) { STORE(n, xy48); } n++; }
-  if (6 <= LMAX_MOST) if (HAS(2, 6)) { if (ORDER(3)) { STORE(n, xz48); } n++; }
-  if (6 <= LMAX_MOST) if (HAS(2, 6)) { if (ORDER(3)) { STORE(n, yy48); } n++; }
-  if (6 <= LMAX_MOST) if (HAS(2, 6)) { if (ORDER(3)) { STORE(n, yz48); } n++; }
-  if (6 <= LMAX_MOST) if (HAS(2, 6)) { if (ORDER(3)) { STORE(n, zz48); } n++; }
-  if (7 <= LMAX_MOST) if (HAS(0, 7)) { if (ORDER(3)) { STORE(n, v49); } n++; }
-  if (7 <= LMAX_MOST) if (HAS(1, 7)) { if (ORDER(3)) { STORE(n, x49); } n++; }
-  if (7 <= LMAX_MOST) if (HAS(1, 7)) { if (ORDER(3)) { STORE(n, y49); } n++; }
-  if (7 <= LMAX_MOST) if (HAS(1, 7)) { if (ORDER(3)) { STORE(n, z49); } n++; }
-  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(3)) { STORE(n, xx49); } n++; }
-  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(3)) { STORE(n, xy49); } n++; }
-  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(3)) { STORE(n, xz49); } n++; }
-  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(3)) { STORE(n, yy49); } n++; }
-  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(3)) { STORE(n, yz49); } n++; }
-  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(3)) { STORE(n, zz49); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(0, 8)) { if (ORDER(3)) { STORE(n, v50); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(1, 8)) { if (ORDER(3)) { STORE(n, x50); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(1, 8)) { if (ORDER(3)) { STORE(n, y50); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(1, 8)) { if (ORDER(3)) { STORE(n, z50); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(3)) { STORE(n, xx50); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(3)) { STORE(n, xy50); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(3)) { STORE(n, xz50); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(3)) { STORE(n, yy50); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(3)) { STORE(n, yz50); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(3)) { STORE(n, zz50); } n++; }
-  if (4 <= LMAX_MOST) if (HAS(0, 4)) { if (ORDER(4)) { STORE(n, v51); } n++; }
-  if (4 <= LMAX_MOST) if (HAS(1, 4)) { if (ORDER(4)) { STORE(n, x51); } n++; }
-  if (4 <= LMAX_MOST) if (HAS(1, 4)) { if (ORDER(4)) { STORE(n, y51); } n++; }
-  if (4 <= LMAX_MOST) if (HAS(1, 4)) { if (ORDER(4)) { STORE(n, z51); } n++; }
-  if (4 <= LMAX_MOST) if (HAS(2, 4)) { if (ORDER(4)) { STORE(n, xx51); } n++; }
-  if (4 <= LMAX_MOST) if (HAS(2, 4)) { if (ORDER(4)) { STORE(n, xy51); } n++; }
-  if (4 <= LMAX_MOST) if (HAS(2, 4)) { if (ORDER(4)) { STORE(n, xz51); } n++; }
-  if (4 <= LMAX_MOST) if (HAS(2, 4)) { if (ORDER(4)) { STORE(n, yy51); } n++; }
-  if (4 <= LMAX_MOST) if (HAS(2, 4)) { if (ORDER(4)) { STORE(n, yz51); } n++; }
-  if (4 <= LMAX_MOST) if (HAS(2, 4)) { if (ORDER(4)) { STORE(n, zz51); } n++; }
-  if (5 <= LMAX_MOST) if (HAS(0, 5)) { if (ORDER(4)) { STORE(n, v52); } n++; }
-  if (5 <= LMAX_MOST) if (HAS(1, 5)) { if (ORDER(4)) { STORE(n, x52); } n++; }
-  if (5 <= LMAX_MOST) if (HAS(1, 5)) { if (ORDER(4)) { STORE(n, y52); } n++; }
-  if (5 <= LMAX_MOST) if (HAS(1, 5)) { if (ORDER(4)) { STORE(n, z52); } n++; }
-  if (5 <= LMAX_MOST) if (HAS(2, 5)) { if (ORDER(4)) { STORE(n, xx52); } n++; }
-  if (5 <= LMAX_MOST) if (HAS(2, 5)) { if (ORDER(4)) { STORE(n, xy52); } n++; }
-  if (5 <= LMAX_MOST) if (HAS(2, 5)) { if (ORDER(4)) { STORE(n, xz52); } n++; }
-  if (5 <= LMAX_MOST) if (HAS(2, 5)) { if (ORDER(4)) { STORE(n, yy52); } n++; }
-  if (5 <= LMAX_MOST) if (HAS(2, 5)) { if (ORDER(4)) { STORE(n, yz52); } n++; }
-  if (5 <= LMAX_MOST) if (HAS(2, 5)) { if (ORDER(4)) { STORE(n, zz52); } n++; }
-  if (6 <= LMAX_MOST) if (HAS(0, 6)) { if (ORDER(4)) { STORE(n, v53); } n++; }
-  if (6 <= LMAX_MOST) if (HAS(1, 6)) { if (ORDER(4)) { STORE(n, x53); } n++; }
-  if (6 <= LMAX_MOST) if (HAS(1, 6)) { if (ORDER(4)) { STORE(n, y53); } n++; }
-  if (6 <= LMAX_MOST) if (HAS(1, 6)) { if (ORDER(4)) { STORE(n, z53); } n++; }
-  if (6 <= LMAX_MOST) if (HAS(2, 6)) { if (ORDER(4)) { STORE(n, xx53); } n++; }
-  if (6 <= LMAX_MOST) if (HAS(2, 6)) { if (ORDER(4)) { STORE(n, xy53); } n++; }
-  if (6 <= LMAX_MOST) if (HAS(2, 6)) { if (ORDER(4)) { STORE(n, xz53); } n++; }
-  if (6 <= LMAX_MOST) if (HAS(2, 6)) { if (ORDER(4)) { STORE(n, yy53); } n++; }
-  if (6 <= LMAX_MOST) if (HAS(2, 6)) { if (ORDER(4)) { STORE(n, yz53); } n++; }
-  if (6 <= LMAX_MOST) if (HAS(2, 6)) { if (ORDER(4)) { STORE(n, zz53); } n++; }
-  if (7 <= LMAX_MOST) if (HAS(0, 7)) { if (ORDER(4)) { STORE(n, v54); } n++; }
-  if (7 <= LMAX_MOST) if (HAS(1, 7)) { if (ORDER(4)) { STORE(n, x54); } n++; }
-  if (7 <= LMAX_MOST) if (HAS(1, 7)) { if (ORDER(4)) { STORE(n, y54); } n++; }
-  if (7 <= LMAX_MOST) if (HAS(1, 7)) { if (ORDER(4)) { STORE(n, z54); } n++; }
-  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(4)) { STORE(n, xx54); } n++; }
-  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(4)) { STORE(n, xy54); } n++; }
-  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(4)) { STORE(n, xz54); } n++; }
-  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(4)) { STORE(n, yy54); } n++; }
-  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(4)) { STORE(n, yz54); } n++; }
-  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(4)) { STORE(n, zz54); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(0, 8)) { if (ORDER(4)) { STORE(n, v55); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(1, 8)) { if (ORDER(4)) { STORE(n, x55); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(1, 8)) { if (ORDER(4)) { STORE(n, y55); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(1, 8)) { if (ORDER(4)) { STORE(n, z55); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(4)) { STORE(n, xx55); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(4)) { STORE(n, xy55); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(4)) { STORE(n, xz55); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(4)) { STORE(n, yy55); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(4)) { STORE(n, yz55); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(4)) { STORE(n, zz55); } n++; }
-  if (4 <= LMAX_MOST) if (HAS(0, 4)) { if (ORDER(4)) { STORE(n, v56); } n++; }
-  if (4 <= LMAX_MOST) if (HAS(1, 4)) { if (ORDER(4)) { STORE(n, x56); } n++; }
-  if (4 <= LMAX_MOST) if (HAS(1, 4)) { if (ORDER(4)) { STORE(n, y56); } n++; }
-  if (4 <= LMAX_MOST) if (HAS(1, 4)) { if (ORDER(4)) { STORE(n, z56); } n++; }
-  if (4 <= LMAX_MOST) if (HAS(2, 4)) { if (ORDER(4)) { STORE(n, xx56); } n++; }
-  if (4 <= LMAX_MOST) if (HAS(2, 4)) { if (ORDER(4)) { STORE(n, xy56); } n++; }
-  if (4 <= LMAX_MOST) if (HAS(2, 4)) { if (ORDER(4)) { STORE(n, xz56); } n++; }
-  if (4 <= LMAX_MOST) if (HAS(2, 4)) { if (ORDER(4)) { STORE(n, yy56); } n++; }
-  if (4 <= LMAX_MOST) if (HAS(2, 4)) { if (ORDER(4)) { STORE(n, yz56); } n++; }
-  if (4 <= LMAX_MOST) if (HAS(2, 4)) { if (ORDER(4)) { STORE(n, zz56); } n++; }
-  if (5 <= LMAX_MOST) if (HAS(0, 5)) { if (ORDER(4)) { STORE(n, v57); } n++; }
-  if (5 <= LMAX_MOST) if (HAS(1, 5)) { if (ORDER(4)) { STORE(n, x57); } n++; }
-  if (5 <= LMAX_MOST) if (HAS(1, 5)) { if (ORDER(4)) { STORE(n, y57); } n++; }
-  if (5 <= LMAX_MOST) if (HAS(1, 5)) { if (ORDER(4)) { STORE(n, z57); } n++; }
-  if (5 <= LMAX_MOST) if (HAS(2, 5)) { if (ORDER(4)) { STORE(n, xx57); } n++; }
-  if (5 <= LMAX_MOST) if (HAS(2, 5)) { if (ORDER(4)) { STORE(n, xy57); } n++; }
-  if (5 <= LMAX_MOST) if (HAS(2, 5)) { if (ORDER(4)) { STORE(n, xz57); } n++; }
-  if (5 <= LMAX_MOST) if (HAS(2, 5)) { if (ORDER(4)) { STORE(n, yy57); } n++; }
-  if (5 <= LMAX_MOST) if (HAS(2, 5)) { if (ORDER(4)) { STORE(n, yz57); } n++; }
-  if (5 <= LMAX_MOST) if (HAS(2, 5)) { if (ORDER(4)) { STORE(n, zz57); } n++; }
-  if (6 <= LMAX_MOST) if (HAS(0, 6)) { if (ORDER(4)) { STORE(n, v58); } n++; }
-  if (6 <= LMAX_MOST) if (HAS(1, 6)) { if (ORDER(4)) { STORE(n, x58); } n++; }
-  if (6 <= LMAX_MOST) if (HAS(1, 6)) { if (ORDER(4)) { STORE(n, y58); } n++; }
-  if (6 <= LMAX_MOST) if (HAS(1, 6)) { if (ORDER(4)) { STORE(n, z58); } n++; }
-  if (6 <= LMAX_MOST) if (HAS(2, 6)) { if (ORDER(4)) { STORE(n, xx58); } n++; }
-  if (6 <= LMAX_MOST) if (HAS(2, 6)) { if (ORDER(4)) { STORE(n, xy58); } n++; }
-  if (6 <= LMAX_MOST) if (HAS(2, 6)) { if (ORDER(4)) { STORE(n, xz58); } n++; }
-  if (6 <= LMAX_MOST) if (HAS(2, 6)) { if (ORDER(4)) { STORE(n, yy58); } n++; }
-  if (6 <= LMAX_MOST) if (HAS(2, 6)) { if (ORDER(4)) { STORE(n, yz58); } n++; }
-  if (6 <= LMAX_MOST) if (HAS(2, 6)) { if (ORDER(4)) { STORE(n, zz58); } n++; }
-  if (7 <= LMAX_MOST) if (HAS(0, 7)) { if (ORDER(4)) { STORE(n, v59); } n++; }
-  if (7 <= LMAX_MOST) if (HAS(1, 7)) { if (ORDER(4)) { STORE(n, x59); } n++; }
-  if (7 <= LMAX_MOST) if (HAS(1, 7)) { if (ORDER(4)) { STORE(n, y59); } n++; }
-  if (7 <= LMAX_MOST) if (HAS(1, 7)) { if (ORDER(4)) { STORE(n, z59); } n++; }
-  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(4)) { STORE(n, xx59); } n++; }
-  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(4)) { STORE(n, xy59); } n++; }
-  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(4)) { STORE(n, xz59); } n++; }
-  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(4)) { STORE(n, yy59); } n++; }
-  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(4)) { STORE(n, yz59); } n++; }
-  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(4)) { STORE(n, zz59); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(0, 8)) { if (ORDER(4)) { STORE(n, v60); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(1, 8)) { if (ORDER(4)) { STORE(n, x60); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(1, 8)) { if (ORDER(4)) { STORE(n, y60); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(1, 8)) { if (ORDER(4)) { STORE(n, z60); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(4)) { STORE(n, xx60); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(4)) { STORE(n, xy60); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(4)) { STORE(n, xz60); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(4)) { STORE(n, yy60); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(4)) { STORE(n, yz60); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(4)) { STORE(n, zz60); } n++; }
-  if (5 <= LMAX_MOST) if (HAS(0, 5)) { if (ORDER(5)) { STORE(n, v61); } n++; }
-  if (5 <= LMAX_MOST) if (HAS(1, 5)) { if (ORDER(5)) { STORE(n, x61); } n++; }
-  if (5 <= LMAX_MOST) if (HAS(1, 5)) { if (ORDER(5)) { STORE(n, y61); } n++; }
-  if (5 <= LMAX_MOST) if (HAS(1, 5)) { if (ORDER(5)) { STORE(n, z61); } n++; }
-  if (5 <= LMAX_MOST) if (HAS(2, 5)) { if (ORDER(5)) { STORE(n, xx61); } n++; }
-  if (5 <= LMAX_MOST) if (HAS(2, 5)) { if (ORDER(5)) { STORE(n, xy61); } n++; }
-  if (5 <= LMAX_MOST) if (HAS(2, 5)) { if (ORDER(5)) { STORE(n, xz61); } n++; }
-  if (5 <= LMAX_MOST) if (HAS(2, 5)) { if (ORDER(5)) { STORE(n, yy61); } n++; }
-  if (5 <= LMAX_MOST) if (HAS(2, 5)) { if (ORDER(5)) { STORE(n, yz61); } n++; }
-  if (5 <= LMAX_MOST) if (HAS(2, 5)) { if (ORDER(5)) { STORE(n, zz61); } n++; }
-  if (6 <= LMAX_MOST) if (HAS(0, 6)) { if (ORDER(5)) { STORE(n, v62); } n++; }
-  if (6 <= LMAX_MOST) if (HAS(1, 6)) { if (ORDER(5)) { STORE(n, x62); } n++; }
-  if (6 <= LMAX_MOST) if (HAS(1, 6)) { if (ORDER(5)) { STORE(n, y62); } n++; }
-  if (6 <= LMAX_MOST) if (HAS(1, 6)) { if (ORDER(5)) { STORE(n, z62); } n++; }
-  if (6 <= LMAX_MOST) if (HAS(2, 6)) { if (ORDER(5)) { STORE(n, xx62); } n++; }
-  if (6 <= LMAX_MOST) if (HAS(2, 6)) { if (ORDER(5)) { STORE(n, xy62); } n++; }
-  if (6 <= LMAX_MOST) if (HAS(2, 6)) { if (ORDER(5)) { STORE(n, xz62); } n++; }
-  if (6 <= LMAX_MOST) if (HAS(2, 6)) { if (ORDER(5)) { STORE(n, yy62); } n++; }
-  if (6 <= LMAX_MOST) if (HAS(2, 6)) { if (ORDER(5)) { STORE(n, yz62); } n++; }
-  if (6 <= LMAX_MOST) if (HAS(2, 6)) { if (ORDER(5)) { STORE(n, zz62); } n++; }
-  if (7 <= LMAX_MOST) if (HAS(0, 7)) { if (ORDER(5)) { STORE(n, v63); } n++; }
-  if (7 <= LMAX_MOST) if (HAS(1, 7)) { if (ORDER(5)) { STORE(n, x63); } n++; }
-  if (7 <= LMAX_MOST) if (HAS(1, 7)) { if (ORDER(5)) { STORE(n, y63); } n++; }
-  if (7 <= LMAX_MOST) if (HAS(1, 7)) { if (ORDER(5)) { STORE(n, z63); } n++; }
-  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(5)) { STORE(n, xx63); } n++; }
-  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(5)) { STORE(n, xy63); } n++; }
-  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(5)) { STORE(n, xz63); } n++; }
-  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(5)) { STORE(n, yy63); } n++; }
-  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(5)) { STORE(n, yz63); } n++; }
-  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(5)) { STORE(n, zz63); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(0, 8)) { if (ORDER(5)) { STORE(n, v64); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(1, 8)) { if (ORDER(5)) { STORE(n, x64); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(1, 8)) { if (ORDER(5)) { STORE(n, y64); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(1, 8)) { if (ORDER(5)) { STORE(n, z64); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(5)) { STORE(n, xx64); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(5)) { STORE(n, xy64); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(5)) { STORE(n, xz64); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(5)) { STORE(n, yy64); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(5)) { STORE(n, yz64); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(5)) { STORE(n, zz64); } n++; }
-  if (5 <= LMAX_MOST) if (HAS(0, 5)) { if (ORDER(5)) { STORE(n, v65); } n++; }
-  if (5 <= LMAX_MOST) if (HAS(1, 5)) { if (ORDER(5)) { STORE(n, x65); } n++; }
-  if (5 <= LMAX_MOST) if (HAS(1, 5)) { if (ORDER(5)) { STORE(n, y65); } n++; }
-  if (5 <= LMAX_MOST) if (HAS(1, 5)) { if (ORDER(5)) { STORE(n, z65); } n++; }
-  if (5 <= LMAX_MOST) if (HAS(2, 5)) { if (ORDER(5)) { STORE(n, xx65); } n++; }
-  if (5 <= LMAX_MOST) if (HAS(2, 5)) { if (ORDER(5)) { STORE(n, xy65); } n++; }
-  if (5 <= LMAX_MOST) if (HAS(2, 5)) { if (ORDER(5)) { STORE(n, xz65); } n++; }
-  if (5 <= LMAX_MOST) if (HAS(2, 5)) { if (ORDER(5)) { STORE(n, yy65); } n++; }
-  if (5 <= LMAX_MOST) if (HAS(2, 5)) { if (ORDER(5)) { STORE(n, yz65); } n++; }
-  if (5 <= LMAX_MOST) if (HAS(2, 5)) { if (ORDER(5)) { STORE(n, zz65); } n++; }
-  if (6 <= LMAX_MOST) if (HAS(0, 6)) { if (ORDER(5)) { STORE(n, v66); } n++; }
-  if (6 <= LMAX_MOST) if (HAS(1, 6)) { if (ORDER(5)) { STORE(n, x66); } n++; }
-  if (6 <= LMAX_MOST) if (HAS(1, 6)) { if (ORDER(5)) { STORE(n, y66); } n++; }
-  if (6 <= LMAX_MOST) if (HAS(1, 6)) { if (ORDER(5)) { STORE(n, z66); } n++; }
-  if (6 <= LMAX_MOST) if (HAS(2, 6)) { if (ORDER(5)) { STORE(n, xx66); } n++; }
-  if (6 <= LMAX_MOST) if (HAS(2, 6)) { if (ORDER(5)) { STORE(n, xy66); } n++; }
-  if (6 <= LMAX_MOST) if (HAS(2, 6)) { if (ORDER(5)) { STORE(n, xz66); } n++; }
-  if (6 <= LMAX_MOST) if (HAS(2, 6)) { if (ORDER(5)) { STORE(n, yy66); } n++; }
-  if (6 <= LMAX_MOST) if (HAS(2, 6)) { if (ORDER(5)) { STORE(n, yz66); } n++; }
-  if (6 <= LMAX_MOST) if (HAS(2, 6)) { if (ORDER(5)) { STORE(n, zz66); } n++; }
-  if (7 <= LMAX_MOST) if (HAS(0, 7)) { if (ORDER(5)) { STORE(n, v67); } n++; }
-  if (7 <= LMAX_MOST) if (HAS(1, 7)) { if (ORDER(5)) { STORE(n, x67); } n++; }
-  if (7 <= LMAX_MOST) if (HAS(1, 7)) { if (ORDER(5)) { STORE(n, y67); } n++; }
-  if (7 <= LMAX_MOST) if (HAS(1, 7)) { if (ORDER(5)) { STORE(n, z67); } n++; }
-  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(5)) { STORE(n, xx67); } n++; }
-  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(5)) { STORE(n, xy67); } n++; }
-  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(5)) { STORE(n, xz67); } n++; }
-  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(5)) { STORE(n, yy67); } n++; }
-  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(5)) { STORE(n, yz67); } n++; }
-  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(5)) { STORE(n, zz67); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(0, 8)) { if (ORDER(5)) { STORE(n, v68); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(1, 8)) { if (ORDER(5)) { STORE(n, x68); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(1, 8)) { if (ORDER(5)) { STORE(n, y68); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(1, 8)) { if (ORDER(5)) { STORE(n, z68); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(5)) { STORE(n, xx68); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(5)) { STORE(n, xy68); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(5)) { STORE(n, xz68); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(5)) { STORE(n, yy68); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(5)) { STORE(n, yz68); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(5)) { STORE(n, zz68); } n++; }
-  if (6 <= LMAX_MOST) if (HAS(0, 6)) { if (ORDER(6)) { STORE(n, v69); } n++; }
-  if (6 <= LMAX_MOST) if (HAS(1, 6)) { if (ORDER(6)) { STORE(n, x69); } n++; }
-  if (6 <= LMAX_MOST) if (HAS(1, 6)) { if (ORDER(6)) { STORE(n, y69); } n++; }
-  if (6 <= LMAX_MOST) if (HAS(1, 6)) { if (ORDER(6)) { STORE(n, z69); } n++; }
-  if (6 <= LMAX_MOST) if (HAS(2, 6)) { if (ORDER(6)) { STORE(n, xx69); } n++; }
-  if (6 <= LMAX_MOST) if (HAS(2, 6)) { if (ORDER(6)) { STORE(n, xy69); } n++; }
-  if (6 <= LMAX_MOST) if (HAS(2, 6)) { if (ORDER(6)) { STORE(n, xz69); } n++; }
-  if (6 <= LMAX_MOST) if (HAS(2, 6)) { if (ORDER(6)) { STORE(n, yy69); } n++; }
-  if (6 <= LMAX_MOST) if (HAS(2, 6)) { if (ORDER(6)) { STORE(n, yz69); } n++; }
-  if (6 <= LMAX_MOST) if (HAS(2, 6)) { if (ORDER(6)) { STORE(n, zz69); } n++; }
-  if (7 <= LMAX_MOST) if (HAS(0, 7)) { if (ORDER(6)) { STORE(n, v70); } n++; }
-  if (7 <= LMAX_MOST) if (HAS(1, 7)) { if (ORDER(6)) { STORE(n, x70); } n++; }
-  if (7 <= LMAX_MOST) if (HAS(1, 7)) { if (ORDER(6)) { STORE(n, y70); } n++; }
-  if (7 <= LMAX_MOST) if (HAS(1, 7)) { if (ORDER(6)) { STORE(n, z70); } n++; }
-  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(6)) { STORE(n, xx70); } n++; }
-  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(6)) { STORE(n, xy70); } n++; }
-  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(6)) { STORE(n, xz70); } n++; }
-  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(6)) { STORE(n, yy70); } n++; }
-  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(6)) { STORE(n, yz70); } n++; }
-  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(6)) { STORE(n, zz70); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(0, 8)) { if (ORDER(6)) { STORE(n, v71); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(1, 8)) { if (ORDER(6)) { STORE(n, x71); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(1, 8)) { if (ORDER(6)) { STORE(n, y71); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(1, 8)) { if (ORDER(6)) { STORE(n, z71); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(6)) { STORE(n, xx71); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(6)) { STORE(n, xy71); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(6)) { STORE(n, xz71); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(6)) { STORE(n, yy71); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(6)) { STORE(n, yz71); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(6)) { STORE(n, zz71); } n++; }
-  if (6 <= LMAX_MOST) if (HAS(0, 6)) { if (ORDER(6)) { STORE(n, v72); } n++; }
-  if (6 <= LMAX_MOST) if (HAS(1, 6)) { if (ORDER(6)) { STORE(n, x72); } n++; }
-  if (6 <= LMAX_MOST) if (HAS(1, 6)) { if (ORDER(6)) { STORE(n, y72); } n++; }
-  if (6 <= LMAX_MOST) if (HAS(1, 6)) { if (ORDER(6)) { STORE(n, z72); } n++; }
-  if (6 <= LMAX_MOST) if (HAS(2, 6)) { if (ORDER(6)) { STORE(n, xx72); } n++; }
-  if (6 <= LMAX_MOST) if (HAS(2, 6)) { if (ORDER(6)) { STORE(n, xy72); } n++; }
-  if (6 <= LMAX_MOST) if (HAS(2, 6)) { if (ORDER(6)) { STORE(n, xz72); } n++; }
-  if (6 <= LMAX_MOST) if (HAS(2, 6)) { if (ORDER(6)) { STORE(n, yy72); } n++; }
-  if (6 <= LMAX_MOST) if (HAS(2, 6)) { if (ORDER(6)) { STORE(n, yz72); } n++; }
-  if (6 <= LMAX_MOST) if (HAS(2, 6)) { if (ORDER(6)) { STORE(n, zz72); } n++; }
-  if (7 <= LMAX_MOST) if (HAS(0, 7)) { if (ORDER(6)) { STORE(n, v73); } n++; }
-  if (7 <= LMAX_MOST) if (HAS(1, 7)) { if (ORDER(6)) { STORE(n, x73); } n++; }
-  if (7 <= LMAX_MOST) if (HAS(1, 7)) { if (ORDER(6)) { STORE(n, y73); } n++; }
-  if (7 <= LMAX_MOST) if (HAS(1, 7)) { if (ORDER(6)) { STORE(n, z73); } n++; }
-  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(6)) { STORE(n, xx73); } n++; }
-  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(6)) { STORE(n, xy73); } n++; }
-  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(6)) { STORE(n, xz73); } n++; }
-  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(6)) { STORE(n, yy73); } n++; }
-  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(6)) { STORE(n, yz73); } n++; }
-  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(6)) { STORE(n, zz73); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(0, 8)) { if (ORDER(6)) { STORE(n, v74); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(1, 8)) { if (ORDER(6)) { STORE(n, x74); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(1, 8)) { if (ORDER(6)) { STORE(n, y74); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(1, 8)) { if (ORDER(6)) { STORE(n, z74); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(6)) { STORE(n, xx74); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(6)) { STORE(n, xy74); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(6)) { STORE(n, xz74); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(6)) { STORE(n, yy74); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(6)) { STORE(n, yz74); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(6)) { STORE(n, zz74); } n++; }
-  if (7 <= LMAX_MOST) if (HAS(0, 7)) { if (ORDER(7)) { STORE(n, v75); } n++; }
-  if (7 <= LMAX_MOST) if (HAS(1, 7)) { if (ORDER(7)) { STORE(n, x75); } n++; }
-  if (7 <= LMAX_MOST) if (HAS(1, 7)) { if (ORDER(7)) { STORE(n, y75); } n++; }
-  if (7 <= LMAX_MOST) if (HAS(1, 7)) { if (ORDER(7)) { STORE(n, z75); } n++; }
-  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(7)) { STORE(n, xx75); } n++; }
-  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(7)) { STORE(n, xy75); } n++; }
-  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(7)) { STORE(n, xz75); } n++; }
-  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(7)) { STORE(n, yy75); } n++; }
-  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(7)) { STORE(n, yz75); } n++; }
-  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(7)) { STORE(n, zz75); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(0, 8)) { if (ORDER(7)) { STORE(n, v76); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(1, 8)) { if (ORDER(7)) { STORE(n, x76); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(1, 8)) { if (ORDER(7)) { STORE(n, y76); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(1, 8)) { if (ORDER(7)) { STORE(n, z76); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(7)) { STORE(n, xx76); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(7)) { STORE(n, xy76); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(7)) { STORE(n, xz76); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(7)) { STORE(n, yy76); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(7)) { STORE(n, yz76); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(7)) { STORE(n, zz76); } n++; }
-  if (7 <= LMAX_MOST) if (HAS(0, 7)) { if (ORDER(7)) { STORE(n, v77); } n++; }
-  if (7 <= LMAX_MOST) if (HAS(1, 7)) { if (ORDER(7)) { STORE(n, x77); } n++; }
-  if (7 <= LMAX_MOST) if (HAS(1, 7)) { if (ORDER(7)) { STORE(n, y77); } n++; }
-  if (7 <= LMAX_MOST) if (HAS(1, 7)) { if (ORDER(7)) { STORE(n, z77); } n++; }
-  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(7)) { STORE(n, xx77); } n++; }
-  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(7)) { STORE(n, xy77); } n++; }
-  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(7)) { STORE(n, xz77); } n++; }
-  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(7)) { STORE(n, yy77); } n++; }
-  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(7)) { STORE(n, yz77); } n++; }
-  if (7 <= LMAX_MOST) if (HAS(2, 7)) { if (ORDER(7)) { STORE(n, zz77); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(0, 8)) { if (ORDER(7)) { STORE(n, v78); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(1, 8)) { if (ORDER(7)) { STORE(n, x78); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(1, 8)) { if (ORDER(7)) { STORE(n, y78); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(1, 8)) { if (ORDER(7)) { STORE(n, z78); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(7)) { STORE(n, xx78); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(7)) { STORE(n, xy78); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(7)) { STORE(n, xz78); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(7)) { STORE(n, yy78); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(7)) { STORE(n, yz78); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(7)) { STORE(n, zz78); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(0, 8)) { if (ORDER(8)) { STORE(n, v79); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(1, 8)) { if (ORDER(8)) { STORE(n, x79); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(1, 8)) { if (ORDER(8)) { STORE(n, y79); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(1, 8)) { if (ORDER(8)) { STORE(n, z79); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(8)) { STORE(n, xx79); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(8)) { STORE(n, xy79); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(8)) { STORE(n, xz79); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(8)) { STORE(n, yy79); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(8)) { STORE(n, yz79); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(8)) { STORE(n, zz79); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(0, 8)) { if (ORDER(8)) { STORE(n, v80); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(1, 8)) { if (ORDER(8)) { STORE(n, x80); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(1, 8)) { if (ORDER(8)) { STORE(n, y80); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(1, 8)) { if (ORDER(8)) { STORE(n, z80); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(8)) { STORE(n, xx80); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(8)) { STORE(n, xy80); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(8)) { STORE(n, xz80); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(8)) { STORE(n, yy80); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(8)) { STORE(n, yz80); } n++; }
-  if (8 <= LMAX_MOST) if (HAS(2, 8)) { if (ORDER(8)) { STORE(n, zz80); } n++; }
+  if (0 <= LMAX_MOST) {
+    if (HAS(0, 0) && ORDER(0)) { STORE(n + 0, v0); }
+    n += uint(HAS(0, 0)) * 1;
+  }
+  if (0 <= LMAX_MOST) {
+    if (HAS(1, 0) && ORDER(0)) { STORE(n + 0, x0); STORE(n + 1, y0); STORE(n + 2, z0); }
+    n += uint(HAS(1, 0)) * 3;
+  }
+  if (0 <= LMAX_MOST) {
+    if (HAS(2, 0) && ORDER(0)) { STORE(n + 0, xx0); STORE(n + 1, xy0); STORE(n + 2, xz0); STORE(n + 3, yy0); STORE(n + 4, yz0); STORE(n + 5, zz0); }
+    n += uint(HAS(2, 0)) * 6;
+  }
+  if (1 <= LMAX_MOST) {
+    if (HAS(0, 1) && ORDER(0)) { STORE(n + 0, v1); }
+    n += uint(HAS(0, 1)) * 1;
+  }
+  if (1 <= LMAX_MOST) {
+    if (HAS(1, 1) && ORDER(0)) { STORE(n + 0, x1); STORE(n + 1, y1); STORE(n + 2, z1); }
+    n += uint(HAS(1, 1)) * 3;
+  }
+  if (1 <= LMAX_MOST) {
+    if (HAS(2, 1) && ORDER(0)) { STORE(n + 0, xx1); STORE(n + 1, xy1); STORE(n + 2, xz1); STORE(n + 3, yy1); STORE(n + 4, yz1); STORE(n + 5, zz1); }
+    n += uint(HAS(2, 1)) * 6;
+  }
+  if (2 <= LMAX_MOST) {
+    if (HAS(0, 2) && ORDER(0)) { STORE(n + 0, v2); }
+    n += uint(HAS(0, 2)) * 1;
+  }
+  if (2 <= LMAX_MOST) {
+    if (HAS(1, 2) && ORDER(0)) { STORE(n + 0, x2); STORE(n + 1, y2); STORE(n + 2, z2); }
+    n += uint(HAS(1, 2)) * 3;
+  }
+  if (2 <= LMAX_MOST) {
+    if (HAS(2, 2) && ORDER(0)) { STORE(n + 0, xx2); STORE(n + 1, xy2); STORE(n + 2, xz2); STORE(n + 3, yy2); STORE(n + 4, yz2); STORE(n + 5, zz2); }
+    n += uint(HAS(2, 2)) * 6;
+  }
+  if (3 <= LMAX_MOST) {
+    if (HAS(0, 3) && ORDER(0)) { STORE(n + 0, v3); }
+    n += uint(HAS(0, 3)) * 1;
+  }
+  if (3 <= LMAX_MOST) {
+    if (HAS(1, 3) && ORDER(0)) { STORE(n + 0, x3); STORE(n + 1, y3); STORE(n + 2, z3); }
+    n += uint(HAS(1, 3)) * 3;
+  }
+  if (3 <= LMAX_MOST) {
+    if (HAS(2, 3) && ORDER(0)) { STORE(n + 0, xx3); STORE(n + 1, xy3); STORE(n + 2, xz3); STORE(n + 3, yy3); STORE(n + 4, yz3); STORE(n + 5, zz3); }
+    n += uint(HAS(2, 3)) * 6;
+  }
+  if (4 <= LMAX_MOST) {
+    if (HAS(0, 4) && ORDER(0)) { STORE(n + 0, v4); }
+    n += uint(HAS(0, 4)) * 1;
+  }
+  if (4 <= LMAX_MOST) {
+    if (HAS(1, 4) && ORDER(0)) { STORE(n + 0, x4); STORE(n + 1, y4); STORE(n + 2, z4); }
+    n += uint(HAS(1, 4)) * 3;
+  }
+  if (4 <= LMAX_MOST) {
+    if (HAS(2, 4) && ORDER(0)) { STORE(n + 0, xx4); STORE(n + 1, xy4); STORE(n + 2, xz4); STORE(n + 3, yy4); STORE(n + 4, yz4); STORE(n + 5, zz4); }
+    n += uint(HAS(2, 4)) * 6;
+  }
+  if (5 <= LMAX_MOST) {
+    if (HAS(0, 5) && ORDER(0)) { STORE(n + 0, v5); }
+    n += uint(HAS(0, 5)) * 1;
+  }
+  if (5 <= LMAX_MOST) {
+    if (HAS(1, 5) && ORDER(0)) { STORE(n + 0, x5); STORE(n + 1, y5); STORE(n + 2, z5); }
+    n += uint(HAS(1, 5)) * 3;
+  }
+  if (5 <= LMAX_MOST) {
+    if (HAS(2, 5) && ORDER(0)) { STORE(n + 0, xx5); STORE(n + 1, xy5); STORE(n + 2, xz5); STORE(n + 3, yy5); STORE(n + 4, yz5); STORE(n + 5, zz5); }
+    n += uint(HAS(2, 5)) * 6;
+  }
+  if (6 <= LMAX_MOST) {
+    if (HAS(0, 6) && ORDER(0)) { STORE(n + 0, v6); }
+    n += uint(HAS(0, 6)) * 1;
+  }
+  if (6 <= LMAX_MOST) {
+    if (HAS(1, 6) && ORDER(0)) { STORE(n + 0, x6); STORE(n + 1, y6); STORE(n + 2, z6); }
+    n += uint(HAS(1, 6)) * 3;
+  }
+  if (6 <= LMAX_MOST) {
+    if (HAS(2, 6) && ORDER(0)) { STORE(n + 0, xx6); STORE(n + 1, xy6); STORE(n + 2, xz6); STORE(n + 3, yy6); STORE(n + 4, yz6); STORE(n + 5, zz6); }
+    n += uint(HAS(2, 6)) * 6;
+  }
+  if (7 <= LMAX_MOST) {
+    if (HAS(0, 7) && ORDER(0)) { STORE(n + 0, v7); }
+    n += uint(HAS(0, 7)) * 1;
+  }
+  if (7 <= LMAX_MOST) {
+    if (HAS(1, 7) && ORDER(0)) { STORE(n + 0, x7); STORE(n + 1, y7); STORE(n + 2, z7); }
+    n += uint(HAS(1, 7)) * 3;
+  }
+  if (7 <= LMAX_MOST) {
+    if (HAS(2, 7) && ORDER(0)) { STORE(n + 0, xx7); STORE(n + 1, xy7); STORE(n + 2, xz7); STORE(n + 3, yy7); STORE(n + 4, yz7); STORE(n + 5, zz7); }
+    n += uint(HAS(2, 7)) * 6;
+  }
+  if (8 <= LMAX_MOST) {
+    if (HAS(0, 8) && ORDER(0)) { STORE(n + 0, v8); }
+    n += uint(HAS(0, 8)) * 1;
+  }
+  if (8 <= LMAX_MOST) {
+    if (HAS(1, 8) && ORDER(0)) { STORE(n + 0, x8); STORE(n + 1, y8); STORE(n + 2, z8); }
+    n += uint(HAS(1, 8)) * 3;
+  }
+  if (8 <= LMAX_MOST) {
+    if (HAS(2, 8) && ORDER(0)) { STORE(n + 0, xx8); STORE(n + 1, xy8); STORE(n + 2, xz8); STORE(n + 3, yy8); STORE(n + 4, yz8); STORE(n + 5, zz8); }
+    n += uint(HAS(2, 8)) * 6;
+  }
+  if (1 <= LMAX_MOST) {
+    if (HAS(0, 1) && ORDER(1)) { STORE(n + 0, v9); }
+    n += uint(HAS(0, 1)) * 1;
+  }
+  if (1 <= LMAX_MOST) {
+    if (HAS(1, 1) && ORDER(1)) { STORE(n + 0, x9); STORE(n + 1, y9); STORE(n + 2, z9); }
+    n += uint(HAS(1, 1)) * 3;
+  }
+  if (1 <= LMAX_MOST) {
+    if (HAS(2, 1) && ORDER(1)) { STORE(n + 0, xx9); STORE(n + 1, xy9); STORE(n + 2, xz9); STORE(n + 3, yy9); STORE(n + 4, yz9); STORE(n + 5, zz9); }
+    n += uint(HAS(2, 1)) * 6;
+  }
+  if (2 <= LMAX_MOST) {
+    if (HAS(0, 2) && ORDER(1)) { STORE(n + 0, v10); }
+    n += uint(HAS(0, 2)) * 1;
+  }
+  if (2 <= LMAX_MOST) {
+    if (HAS(1, 2) && ORDER(1)) { STORE(n + 0, x10); STORE(n + 1, y10); STORE(n + 2, z10); }
+    n += uint(HAS(1, 2)) * 3;
+  }
+  if (2 <= LMAX_MOST) {
+    if (HAS(2, 2) && ORDER(1)) { STORE(n + 0, xx10); STORE(n + 1, xy10); STORE(n + 2, xz10); STORE(n + 3, yy10); STORE(n + 4, yz10); STORE(n + 5, zz10); }
+    n += uint(HAS(2, 2)) * 6;
+  }
+  if (3 <= LMAX_MOST) {
+    if (HAS(0, 3) && ORDER(1)) { STORE(n + 0, v11); }
+    n += uint(HAS(0, 3)) * 1;
+  }
+  if (3 <= LMAX_MOST) {
+    if (HAS(1, 3) && ORDER(1)) { STORE(n + 0, x11); STORE(n + 1, y11); STORE(n + 2, z11); }
+    n += uint(HAS(1, 3)) * 3;
+  }
+  if (3 <= LMAX_MOST) {
+    if (HAS(2, 3) && ORDER(1)) { STORE(n + 0, xx11); STORE(n + 1, xy11); STORE(n + 2, xz11); STORE(n + 3, yy11); STORE(n + 4, yz11); STORE(n + 5, zz11); }
+    n += uint(HAS(2, 3)) * 6;
+  }
+  if (4 <= LMAX_MOST) {
+    if (HAS(0, 4) && ORDER(1)) { STORE(n + 0, v12); }
+    n += uint(HAS(0, 4)) * 1;
+  }
+  if (4 <= LMAX_MOST) {
+    if (HAS(1, 4) && ORDER(1)) { STORE(n + 0, x12); STORE(n + 1, y12); STORE(n + 2, z12); }
+    n += uint(HAS(1, 4)) * 3;
+  }
+  if (4 <= LMAX_MOST) {
+    if (HAS(2, 4) && ORDER(1)) { STORE(n + 0, xx12); STORE(n + 1, xy12); STORE(n + 2, xz12); STORE(n + 3, yy12); STORE(n + 4, yz12); STORE(n + 5, zz12); }
+    n += uint(HAS(2, 4)) * 6;
+  }
+  if (5 <= LMAX_MOST) {
+    if (HAS(0, 5) && ORDER(1)) { STORE(n + 0, v13); }
+    n += uint(HAS(0, 5)) * 1;
+  }
+  if (5 <= LMAX_MOST) {
+    if (HAS(1, 5) && ORDER(1)) { STORE(n + 0, x13); STORE(n + 1, y13); STORE(n + 2, z13); }
+    n += uint(HAS(1, 5)) * 3;
+  }
+  if (5 <= LMAX_MOST) {
+    if (HAS(2, 5) && ORDER(1)) { STORE(n + 0, xx13); STORE(n + 1, xy13); STORE(n + 2, xz13); STORE(n + 3, yy13); STORE(n + 4, yz13); STORE(n + 5, zz13); }
+    n += uint(HAS(2, 5)) * 6;
+  }
+  if (6 <= LMAX_MOST) {
+    if (HAS(0, 6) && ORDER(1)) { STORE(n + 0, v14); }
+    n += uint(HAS(0, 6)) * 1;
+  }
+  if (6 <= LMAX_MOST) {
+    if (HAS(1, 6) && ORDER(1)) { STORE(n + 0, x14); STORE(n + 1, y14); STORE(n + 2, z14); }
+    n += uint(HAS(1, 6)) * 3;
+  }
+  if (6 <= LMAX_MOST) {
+    if (HAS(2, 6) && ORDER(1)) { STORE(n + 0, xx14); STORE(n + 1, xy14); STORE(n + 2, xz14); STORE(n + 3, yy14); STORE(n + 4, yz14); STORE(n + 5, zz14); }
+    n += uint(HAS(2, 6)) * 6;
+  }
+  if (7 <= LMAX_MOST) {
+    if (HAS(0, 7) && ORDER(1)) { STORE(n + 0, v15); }
+    n += uint(HAS(0, 7)) * 1;
+  }
+  if (7 <= LMAX_MOST) {
+    if (HAS(1, 7) && ORDER(1)) { STORE(n + 0, x15); STORE(n + 1, y15); STORE(n + 2, z15); }
+    n += uint(HAS(1, 7)) * 3;
+  }
+  if (7 <= LMAX_MOST) {
+    if (HAS(2, 7) && ORDER(1)) { STORE(n + 0, xx15); STORE(n + 1, xy15); STORE(n + 2, xz15); STORE(n + 3, yy15); STORE(n + 4, yz15); STORE(n + 5, zz15); }
+    n += uint(HAS(2, 7)) * 6;
+  }
+  if (8 <= LMAX_MOST) {
+    if (HAS(0, 8) && ORDER(1)) { STORE(n + 0, v16); }
+    n += uint(HAS(0, 8)) * 1;
+  }
+  if (8 <= LMAX_MOST) {
+    if (HAS(1, 8) && ORDER(1)) { STORE(n + 0, x16); STORE(n + 1, y16); STORE(n + 2, z16); }
+    n += uint(HAS(1, 8)) * 3;
+  }
+  if (8 <= LMAX_MOST) {
+    if (HAS(2, 8) && ORDER(1)) { STORE(n + 0, xx16); STORE(n + 1, xy16); STORE(n + 2, xz16); STORE(n + 3, yy16); STORE(n + 4, yz16); STORE(n + 5, zz16); }
+    n += uint(HAS(2, 8)) * 6;
+  }
+  if (1 <= LMAX_MOST) {
+    if (HAS(0, 1) && ORDER(1)) { STORE(n + 0, v17); }
+    n += uint(HAS(0, 1)) * 1;
+  }
+  if (1 <= LMAX_MOST) {
+    if (HAS(1, 1) && ORDER(1)) { STORE(n + 0, x17); STORE(n + 1, y17); STORE(n + 2, z17); }
+    n += uint(HAS(1, 1)) * 3;
+  }
+  if (1 <= LMAX_MOST) {
+    if (HAS(2, 1) && ORDER(1)) { STORE(n + 0, xx17); STORE(n + 1, xy17); STORE(n + 2, xz17); STORE(n + 3, yy17); STORE(n + 4, yz17); STORE(n + 5, zz17); }
+    n += uint(HAS(2, 1)) * 6;
+  }
+  if (2 <= LMAX_MOST) {
+    if (HAS(0, 2) && ORDER(1)) { STORE(n + 0, v18); }
+    n += uint(HAS(0, 2)) * 1;
+  }
+  if (2 <= LMAX_MOST) {
+    if (HAS(1, 2) && ORDER(1)) { STORE(n + 0, x18); STORE(n + 1, y18); STORE(n + 2, z18); }
+    n += uint(HAS(1, 2)) * 3;
+  }
+  if (2 <= LMAX_MOST) {
+    if (HAS(2, 2) && ORDER(1)) { STORE(n + 0, xx18); STORE(n + 1, xy18); STORE(n + 2, xz18); STORE(n + 3, yy18); STORE(n + 4, yz18); STORE(n + 5, zz18); }
+    n += uint(HAS(2, 2)) * 6;
+  }
+  if (3 <= LMAX_MOST) {
+    if (HAS(0, 3) && ORDER(1)) { STORE(n + 0, v19); }
+    n += uint(HAS(0, 3)) * 1;
+  }
+  if (3 <= LMAX_MOST) {
+    if (HAS(1, 3) && ORDER(1)) { STORE(n + 0, x19); STORE(n + 1, y19); STORE(n + 2, z19); }
+    n += uint(HAS(1, 3)) * 3;
+  }
+  if (3 <= LMAX_MOST) {
+    if (HAS(2, 3) && ORDER(1)) { STORE(n + 0, xx19); STORE(n + 1, xy19); STORE(n + 2, xz19); STORE(n + 3, yy19); STORE(n + 4, yz19); STORE(n + 5, zz19); }
+    n += uint(HAS(2, 3)) * 6;
+  }
+  if (4 <= LMAX_MOST) {
+    if (HAS(0, 4) && ORDER(1)) { STORE(n + 0, v20); }
+    n += uint(HAS(0, 4)) * 1;
+  }
+  if (4 <= LMAX_MOST) {
+    if (HAS(1, 4) && ORDER(1)) { STORE(n + 0, x20); STORE(n + 1, y20); STORE(n + 2, z20); }
+    n += uint(HAS(1, 4)) * 3;
+  }
+  if (4 <= LMAX_MOST) {
+    if (HAS(2, 4) && ORDER(1)) { STORE(n + 0, xx20); STORE(n + 1, xy20); STORE(n + 2, xz20); STORE(n + 3, yy20); STORE(n + 4, yz20); STORE(n + 5, zz20); }
+    n += uint(HAS(2, 4)) * 6;
+  }
+  if (5 <= LMAX_MOST) {
+    if (HAS(0, 5) && ORDER(1)) { STORE(n + 0, v21); }
+    n += uint(HAS(0, 5)) * 1;
+  }
+  if (5 <= LMAX_MOST) {
+    if (HAS(1, 5) && ORDER(1)) { STORE(n + 0, x21); STORE(n + 1, y21); STORE(n + 2, z21); }
+    n += uint(HAS(1, 5)) * 3;
+  }
+  if (5 <= LMAX_MOST) {
+    if (HAS(2, 5) && ORDER(1)) { STORE(n + 0, xx21); STORE(n + 1, xy21); STORE(n + 2, xz21); STORE(n + 3, yy21); STORE(n + 4, yz21); STORE(n + 5, zz21); }
+    n += uint(HAS(2, 5)) * 6;
+  }
+  if (6 <= LMAX_MOST) {
+    if (HAS(0, 6) && ORDER(1)) { STORE(n + 0, v22); }
+    n += uint(HAS(0, 6)) * 1;
+  }
+  if (6 <= LMAX_MOST) {
+    if (HAS(1, 6) && ORDER(1)) { STORE(n + 0, x22); STORE(n + 1, y22); STORE(n + 2, z22); }
+    n += uint(HAS(1, 6)) * 3;
+  }
+  if (6 <= LMAX_MOST) {
+    if (HAS(2, 6) && ORDER(1)) { STORE(n + 0, xx22); STORE(n + 1, xy22); STORE(n + 2, xz22); STORE(n + 3, yy22); STORE(n + 4, yz22); STORE(n + 5, zz22); }
+    n += uint(HAS(2, 6)) * 6;
+  }
+  if (7 <= LMAX_MOST) {
+    if (HAS(0, 7) && ORDER(1)) { STORE(n + 0, v23); }
+    n += uint(HAS(0, 7)) * 1;
+  }
+  if (7 <= LMAX_MOST) {
+    if (HAS(1, 7) && ORDER(1)) { STORE(n + 0, x23); STORE(n + 1, y23); STORE(n + 2, z23); }
+    n += uint(HAS(1, 7)) * 3;
+  }
+  if (7 <= LMAX_MOST) {
+    if (HAS(2, 7) && ORDER(1)) { STORE(n + 0, xx23); STORE(n + 1, xy23); STORE(n + 2, xz23); STORE(n + 3, yy23); STORE(n + 4, yz23); STORE(n + 5, zz23); }
+    n += uint(HAS(2, 7)) * 6;
+  }
+  if (8 <= LMAX_MOST) {
+    if (HAS(0, 8) && ORDER(1)) { STORE(n + 0, v24); }
+    n += uint(HAS(0, 8)) * 1;
+  }
+  if (8 <= LMAX_MOST) {
+    if (HAS(1, 8) && ORDER(1)) { STORE(n + 0, x24); STORE(n + 1, y24); STORE(n + 2, z24); }
+    n += uint(HAS(1, 8)) * 3;
+  }
+  if (8 <= LMAX_MOST) {
+    if (HAS(2, 8) && ORDER(1)) { STORE(n + 0, xx24); STORE(n + 1, xy24); STORE(n + 2, xz24); STORE(n + 3, yy24); STORE(n + 4, yz24); STORE(n + 5, zz24); }
+    n += uint(HAS(2, 8)) * 6;
+  }
+  if (2 <= LMAX_MOST) {
+    if (HAS(0, 2) && ORDER(2)) { STORE(n + 0, v25); }
+    n += uint(HAS(0, 2)) * 1;
+  }
+  if (2 <= LMAX_MOST) {
+    if (HAS(1, 2) && ORDER(2)) { STORE(n + 0, x25); STORE(n + 1, y25); STORE(n + 2, z25); }
+    n += uint(HAS(1, 2)) * 3;
+  }
+  if (2 <= LMAX_MOST) {
+    if (HAS(2, 2) && ORDER(2)) { STORE(n + 0, xx25); STORE(n + 1, xy25); STORE(n + 2, xz25); STORE(n + 3, yy25); STORE(n + 4, yz25); STORE(n + 5, zz25); }
+    n += uint(HAS(2, 2)) * 6;
+  }
+  if (3 <= LMAX_MOST) {
+    if (HAS(0, 3) && ORDER(2)) { STORE(n + 0, v26); }
+    n += uint(HAS(0, 3)) * 1;
+  }
+  if (3 <= LMAX_MOST) {
+    if (HAS(1, 3) && ORDER(2)) { STORE(n + 0, x26); STORE(n + 1, y26); STORE(n + 2, z26); }
+    n += uint(HAS(1, 3)) * 3;
+  }
+  if (3 <= LMAX_MOST) {
+    if (HAS(2, 3) && ORDER(2)) { STORE(n + 0, xx26); STORE(n + 1, xy26); STORE(n + 2, xz26); STORE(n + 3, yy26); STORE(n + 4, yz26); STORE(n + 5, zz26); }
+    n += uint(HAS(2, 3)) * 6;
+  }
+  if (4 <= LMAX_MOST) {
+    if (HAS(0, 4) && ORDER(2)) { STORE(n + 0, v27); }
+    n += uint(HAS(0, 4)) * 1;
+  }
+  if (4 <= LMAX_MOST) {
+    if (HAS(1, 4) && ORDER(2)) { STORE(n + 0, x27); STORE(n + 1, y27); STORE(n + 2, z27); }
+    n += uint(HAS(1, 4)) * 3;
+  }
+  if (4 <= LMAX_MOST) {
+    if (HAS(2, 4) && ORDER(2)) { STORE(n + 0, xx27); STORE(n + 1, xy27); STORE(n + 2, xz27); STORE(n + 3, yy27); STORE(n + 4, yz27); STORE(n + 5, zz27); }
+    n += uint(HAS(2, 4)) * 6;
+  }
+  if (5 <= LMAX_MOST) {
+    if (HAS(0, 5) && ORDER(2)) { STORE(n + 0, v28); }
+    n += uint(HAS(0, 5)) * 1;
+  }
+  if (5 <= LMAX_MOST) {
+    if (HAS(1, 5) && ORDER(2)) { STORE(n + 0, x28); STORE(n + 1, y28); STORE(n + 2, z28); }
+    n += uint(HAS(1, 5)) * 3;
+  }
+  if (5 <= LMAX_MOST) {
+    if (HAS(2, 5) && ORDER(2)) { STORE(n + 0, xx28); STORE(n + 1, xy28); STORE(n + 2, xz28); STORE(n + 3, yy28); STORE(n + 4, yz28); STORE(n + 5, zz28); }
+    n += uint(HAS(2, 5)) * 6;
+  }
+  if (6 <= LMAX_MOST) {
+    if (HAS(0, 6) && ORDER(2)) { STORE(n + 0, v29); }
+    n += uint(HAS(0, 6)) * 1;
+  }
+  if (6 <= LMAX_MOST) {
+    if (HAS(1, 6) && ORDER(2)) { STORE(n + 0, x29); STORE(n + 1, y29); STORE(n + 2, z29); }
+    n += uint(HAS(1, 6)) * 3;
+  }
+  if (6 <= LMAX_MOST) {
+    if (HAS(2, 6) && ORDER(2)) { STORE(n + 0, xx29); STORE(n + 1, xy29); STORE(n + 2, xz29); STORE(n + 3, yy29); STORE(n + 4, yz29); STORE(n + 5, zz29); }
+    n += uint(HAS(2, 6)) * 6;
+  }
+  if (7 <= LMAX_MOST) {
+    if (HAS(0, 7) && ORDER(2)) { STORE(n + 0, v30); }
+    n += uint(HAS(0, 7)) * 1;
+  }
+  if (7 <= LMAX_MOST) {
+    if (HAS(1, 7) && ORDER(2)) { STORE(n + 0, x30); STORE(n + 1, y30); STORE(n + 2, z30); }
+    n += uint(HAS(1, 7)) * 3;
+  }
+  if (7 <= LMAX_MOST) {
+    if (HAS(2, 7) && ORDER(2)) { STORE(n + 0, xx30); STORE(n + 1, xy30); STORE(n + 2, xz30); STORE(n + 3, yy30); STORE(n + 4, yz30); STORE(n + 5, zz30); }
+    n += uint(HAS(2, 7)) * 6;
+  }
+  if (8 <= LMAX_MOST) {
+    if (HAS(0, 8) && ORDER(2)) { STORE(n + 0, v31); }
+    n += uint(HAS(0, 8)) * 1;
+  }
+  if (8 <= LMAX_MOST) {
+    if (HAS(1, 8) && ORDER(2)) { STORE(n + 0, x31); STORE(n + 1, y31); STORE(n + 2, z31); }
+    n += uint(HAS(1, 8)) * 3;
+  }
+  if (8 <= LMAX_MOST) {
+    if (HAS(2, 8) && ORDER(2)) { STORE(n + 0, xx31); STORE(n + 1, xy31); STORE(n + 2, xz31); STORE(n + 3, yy31); STORE(n + 4, yz31); STORE(n + 5, zz31); }
+    n += uint(HAS(2, 8)) * 6;
+  }
+  if (2 <= LMAX_MOST) {
+    if (HAS(0, 2) && ORDER(2)) { STORE(n + 0, v32); }
+    n += uint(HAS(0, 2)) * 1;
+  }
+  if (2 <= LMAX_MOST) {
+    if (HAS(1, 2) && ORDER(2)) { STORE(n + 0, x32); STORE(n + 1, y32); STORE(n + 2, z32); }
+    n += uint(HAS(1, 2)) * 3;
+  }
+  if (2 <= LMAX_MOST) {
+    if (HAS(2, 2) && ORDER(2)) { STORE(n + 0, xx32); STORE(n + 1, xy32); STORE(n + 2, xz32); STORE(n + 3, yy32); STORE(n + 4, yz32); STORE(n + 5, zz32); }
+    n += uint(HAS(2, 2)) * 6;
+  }
+  if (3 <= LMAX_MOST) {
+    if (HAS(0, 3) && ORDER(2)) { STORE(n + 0, v33); }
+    n += uint(HAS(0, 3)) * 1;
+  }
+  if (3 <= LMAX_MOST) {
+    if (HAS(1, 3) && ORDER(2)) { STORE(n + 0, x33); STORE(n + 1, y33); STORE(n + 2, z33); }
+    n += uint(HAS(1, 3)) * 3;
+  }
+  if (3 <= LMAX_MOST) {
+    if (HAS(2, 3) && ORDER(2)) { STORE(n + 0, xx33); STORE(n + 1, xy33); STORE(n + 2, xz33); STORE(n + 3, yy33); STORE(n + 4, yz33); STORE(n + 5, zz33); }
+    n += uint(HAS(2, 3)) * 6;
+  }
+  if (4 <= LMAX_MOST) {
+    if (HAS(0, 4) && ORDER(2)) { STORE(n + 0, v34); }
+    n += uint(HAS(0, 4)) * 1;
+  }
+  if (4 <= LMAX_MOST) {
+    if (HAS(1, 4) && ORDER(2)) { STORE(n + 0, x34); STORE(n + 1, y34); STORE(n + 2, z34); }
+    n += uint(HAS(1, 4)) * 3;
+  }
+  if (4 <= LMAX_MOST) {
+    if (HAS(2, 4) && ORDER(2)) { STORE(n + 0, xx34); STORE(n + 1, xy34); STORE(n + 2, xz34); STORE(n + 3, yy34); STORE(n + 4, yz34); STORE(n + 5, zz34); }
+    n += uint(HAS(2, 4)) * 6;
+  }
+  if (5 <= LMAX_MOST) {
+    if (HAS(0, 5) && ORDER(2)) { STORE(n + 0, v35); }
+    n += uint(HAS(0, 5)) * 1;
+  }
+  if (5 <= LMAX_MOST) {
+    if (HAS(1, 5) && ORDER(2)) { STORE(n + 0, x35); STORE(n + 1, y35); STORE(n + 2, z35); }
+    n += uint(HAS(1, 5)) * 3;
+  }
+  if (5 <= LMAX_MOST) {
+    if (HAS(2, 5) && ORDER(2)) { STORE(n + 0, xx35); STORE(n + 1, xy35); STORE(n + 2, xz35); STORE(n + 3, yy35); STORE(n + 4, yz35); STORE(n + 5, zz35); }
+    n += uint(HAS(2, 5)) * 6;
+  }
+  if (6 <= LMAX_MOST) {
+    if (HAS(0, 6) && ORDER(2)) { STORE(n + 0, v36); }
+    n += uint(HAS(0, 6)) * 1;
+  }
+  if (6 <= LMAX_MOST) {
+    if (HAS(1, 6) && ORDER(2)) { STORE(n + 0, x36); STORE(n + 1, y36); STORE(n + 2, z36); }
+    n += uint(HAS(1, 6)) * 3;
+  }
+  if (6 <= LMAX_MOST) {
+    if (HAS(2, 6) && ORDER(2)) { STORE(n + 0, xx36); STORE(n + 1, xy36); STORE(n + 2, xz36); STORE(n + 3, yy36); STORE(n + 4, yz36); STORE(n + 5, zz36); }
+    n += uint(HAS(2, 6)) * 6;
+  }
+  if (7 <= LMAX_MOST) {
+    if (HAS(0, 7) && ORDER(2)) { STORE(n + 0, v37); }
+    n += uint(HAS(0, 7)) * 1;
+  }
+  if (7 <= LMAX_MOST) {
+    if (HAS(1, 7) && ORDER(2)) { STORE(n + 0, x37); STORE(n + 1, y37); STORE(n + 2, z37); }
+    n += uint(HAS(1, 7)) * 3;
+  }
+  if (7 <= LMAX_MOST) {
+    if (HAS(2, 7) && ORDER(2)) { STORE(n + 0, xx37); STORE(n + 1, xy37); STORE(n + 2, xz37); STORE(n + 3, yy37); STORE(n + 4, yz37); STORE(n + 5, zz37); }
+    n += uint(HAS(2, 7)) * 6;
+  }
+  if (8 <= LMAX_MOST) {
+    if (HAS(0, 8) && ORDER(2)) { STORE(n + 0, v38); }
+    n += uint(HAS(0, 8)) * 1;
+  }
+  if (8 <= LMAX_MOST) {
+    if (HAS(1, 8) && ORDER(2)) { STORE(n + 0, x38); STORE(n + 1, y38); STORE(n + 2, z38); }
+    n += uint(HAS(1, 8)) * 3;
+  }
+  if (8 <= LMAX_MOST) {
+    if (HAS(2, 8) && ORDER(2)) { STORE(n + 0, xx38); STORE(n + 1, xy38); STORE(n + 2, xz38); STORE(n + 3, yy38); STORE(n + 4, yz38); STORE(n + 5, zz38); }
+    n += uint(HAS(2, 8)) * 6;
+  }
+  if (3 <= LMAX_MOST) {
+    if (HAS(0, 3) && ORDER(3)) { STORE(n + 0, v39); }
+    n += uint(HAS(0, 3)) * 1;
+  }
+  if (3 <= LMAX_MOST) {
+    if (HAS(1, 3) && ORDER(3)) { STORE(n + 0, x39); STORE(n + 1, y39); STORE(n + 2, z39); }
+    n += uint(HAS(1, 3)) * 3;
+  }
+  if (3 <= LMAX_MOST) {
+    if (HAS(2, 3) && ORDER(3)) { STORE(n + 0, xx39); STORE(n + 1, xy39); STORE(n + 2, xz39); STORE(n + 3, yy39); STORE(n + 4, yz39); STORE(n + 5, zz39); }
+    n += uint(HAS(2, 3)) * 6;
+  }
+  if (4 <= LMAX_MOST) {
+    if (HAS(0, 4) && ORDER(3)) { STORE(n + 0, v40); }
+    n += uint(HAS(0, 4)) * 1;
+  }
+  if (4 <= LMAX_MOST) {
+    if (HAS(1, 4) && ORDER(3)) { STORE(n + 0, x40); STORE(n + 1, y40); STORE(n + 2, z40); }
+    n += uint(HAS(1, 4)) * 3;
+  }
+  if (4 <= LMAX_MOST) {
+    if (HAS(2, 4) && ORDER(3)) { STORE(n + 0, xx40); STORE(n + 1, xy40); STORE(n + 2, xz40); STORE(n + 3, yy40); STORE(n + 4, yz40); STORE(n + 5, zz40); }
+    n += uint(HAS(2, 4)) * 6;
+  }
+  if (5 <= LMAX_MOST) {
+    if (HAS(0, 5) && ORDER(3)) { STORE(n + 0, v41); }
+    n += uint(HAS(0, 5)) * 1;
+  }
+  if (5 <= LMAX_MOST) {
+    if (HAS(1, 5) && ORDER(3)) { STORE(n + 0, x41); STORE(n + 1, y41); STORE(n + 2, z41); }
+    n += uint(HAS(1, 5)) * 3;
+  }
+  if (5 <= LMAX_MOST) {
+    if (HAS(2, 5) && ORDER(3)) { STORE(n + 0, xx41); STORE(n + 1, xy41); STORE(n + 2, xz41); STORE(n + 3, yy41); STORE(n + 4, yz41); STORE(n + 5, zz41); }
+    n += uint(HAS(2, 5)) * 6;
+  }
+  if (6 <= LMAX_MOST) {
+    if (HAS(0, 6) && ORDER(3)) { STORE(n + 0, v42); }
+    n += uint(HAS(0, 6)) * 1;
+  }
+  if (6 <= LMAX_MOST) {
+    if (HAS(1, 6) && ORDER(3)) { STORE(n + 0, x42); STORE(n + 1, y42); STORE(n + 2, z42); }
+    n += uint(HAS(1, 6)) * 3;
+  }
+  if (6 <= LMAX_MOST) {
+    if (HAS(2, 6) && ORDER(3)) { STORE(n + 0, xx42); STORE(n + 1, xy42); STORE(n + 2, xz42); STORE(n + 3, yy42); STORE(n + 4, yz42); STORE(n + 5, zz42); }
+    n += uint(HAS(2, 6)) * 6;
+  }
+  if (7 <= LMAX_MOST) {
+    if (HAS(0, 7) && ORDER(3)) { STORE(n + 0, v43); }
+    n += uint(HAS(0, 7)) * 1;
+  }
+  if (7 <= LMAX_MOST) {
+    if (HAS(1, 7) && ORDER(3)) { STORE(n + 0, x43); STORE(n + 1, y43); STORE(n + 2, z43); }
+    n += uint(HAS(1, 7)) * 3;
+  }
+  if (7 <= LMAX_MOST) {
+    if (HAS(2, 7) && ORDER(3)) { STORE(n + 0, xx43); STORE(n + 1, xy43); STORE(n + 2, xz43); STORE(n + 3, yy43); STORE(n + 4, yz43); STORE(n + 5, zz43); }
+    n += uint(HAS(2, 7)) * 6;
+  }
+  if (8 <= LMAX_MOST) {
+    if (HAS(0, 8) && ORDER(3)) { STORE(n + 0, v44); }
+    n += uint(HAS(0, 8)) * 1;
+  }
+  if (8 <= LMAX_MOST) {
+    if (HAS(1, 8) && ORDER(3)) { STORE(n + 0, x44); STORE(n + 1, y44); STORE(n + 2, z44); }
+    n += uint(HAS(1, 8)) * 3;
+  }
+  if (8 <= LMAX_MOST) {
+    if (HAS(2, 8) && ORDER(3)) { STORE(n + 0, xx44); STORE(n + 1, xy44); STORE(n + 2, xz44); STORE(n + 3, yy44); STORE(n + 4, yz44); STORE(n + 5, zz44); }
+    n += uint(HAS(2, 8)) * 6;
+  }
+  if (3 <= LMAX_MOST) {
+    if (HAS(0, 3) && ORDER(3)) { STORE(n + 0, v45); }
+    n += uint(HAS(0, 3)) * 1;
+  }
+  if (3 <= LMAX_MOST) {
+    if (HAS(1, 3) && ORDER(3)) { STORE(n + 0, x45); STORE(n + 1, y45); STORE(n + 2, z45); }
+    n += uint(HAS(1, 3)) * 3;
+  }
+  if (3 <= LMAX_MOST) {
+    if (HAS(2, 3) && ORDER(3)) { STORE(n + 0, xx45); STORE(n + 1, xy45); STORE(n + 2, xz45); STORE(n + 3, yy45); STORE(n + 4, yz45); STORE(n + 5, zz45); }
+    n += uint(HAS(2, 3)) * 6;
+  }
+  if (4 <= LMAX_MOST) {
+    if (HAS(0, 4) && ORDER(3)) { STORE(n + 0, v46); }
+    n += uint(HAS(0, 4)) * 1;
+  }
+  if (4 <= LMAX_MOST) {
+    if (HAS(1, 4) && ORDER(3)) { STORE(n + 0, x46); STORE(n + 1, y46); STORE(n + 2, z46); }
+    n += uint(HAS(1, 4)) * 3;
+  }
+  if (4 <= LMAX_MOST) {
+    if (HAS(2, 4) && ORDER(3)) { STORE(n + 0, xx46); STORE(n + 1, xy46); STORE(n + 2, xz46); STORE(n + 3, yy46); STORE(n + 4, yz46); STORE(n + 5, zz46); }
+    n += uint(HAS(2, 4)) * 6;
+  }
+  if (5 <= LMAX_MOST) {
+    if (HAS(0, 5) && ORDER(3)) { STORE(n + 0, v47); }
+    n += uint(HAS(0, 5)) * 1;
+  }
+  if (5 <= LMAX_MOST) {
+    if (HAS(1, 5) && ORDER(3)) { STORE(n + 0, x47); STORE(n + 1, y47); STORE(n + 2, z47); }
+    n += uint(HAS(1, 5)) * 3;
+  }
+  if (5 <= LMAX_MOST) {
+    if (HAS(2, 5) && ORDER(3)) { STORE(n + 0, xx47); STORE(n + 1, xy47); STORE(n + 2, xz47); STORE(n + 3, yy47); STORE(n + 4, yz47); STORE(n + 5, zz47); }
+    n += uint(HAS(2, 5)) * 6;
+  }
+  if (6 <= LMAX_MOST) {
+    if (HAS(0, 6) && ORDER(3)) { STORE(n + 0, v48); }
+    n += uint(HAS(0, 6)) * 1;
+  }
+  if (6 <= LMAX_MOST) {
+    if (HAS(1, 6) && ORDER(3)) { STORE(n + 0, x48); STORE(n + 1, y48); STORE(n + 2, z48); }
+    n += uint(HAS(1, 6)) * 3;
+  }
+  if (6 <= LMAX_MOST) {
+    if (HAS(2, 6) && ORDER(3)) { STORE(n + 0, xx48); STORE(n + 1, xy48); STORE(n + 2, xz48); STORE(n + 3, yy48); STORE(n + 4, yz48); STORE(n + 5, zz48); }
+    n += uint(HAS(2, 6)) * 6;
+  }
+  if (7 <= LMAX_MOST) {
+    if (HAS(0, 7) && ORDER(3)) { STORE(n + 0, v49); }
+    n += uint(HAS(0, 7)) * 1;
+  }
+  if (7 <= LMAX_MOST) {
+    if (HAS(1, 7) && ORDER(3)) { STORE(n + 0, x49); STORE(n + 1, y49); STORE(n + 2, z49); }
+    n += uint(HAS(1, 7)) * 3;
+  }
+  if (7 <= LMAX_MOST) {
+    if (HAS(2, 7) && ORDER(3)) { STORE(n + 0, xx49); STORE(n + 1, xy49); STORE(n + 2, xz49); STORE(n + 3, yy49); STORE(n + 4, yz49); STORE(n + 5, zz49); }
+    n += uint(HAS(2, 7)) * 6;
+  }
+  if (8 <= LMAX_MOST) {
+    if (HAS(0, 8) && ORDER(3)) { STORE(n + 0, v50); }
+    n += uint(HAS(0, 8)) * 1;
+  }
+  if (8 <= LMAX_MOST) {
+    if (HAS(1, 8) && ORDER(3)) { STORE(n + 0, x50); STORE(n + 1, y50); STORE(n + 2, z50); }
+    n += uint(HAS(1, 8)) * 3;
+  }
+  if (8 <= LMAX_MOST) {
+    if (HAS(2, 8) && ORDER(3)) { STORE(n + 0, xx50); STORE(n + 1, xy50); STORE(n + 2, xz50); STORE(n + 3, yy50); STORE(n + 4, yz50); STORE(n + 5, zz50); }
+    n += uint(HAS(2, 8)) * 6;
+  }
+  if (4 <= LMAX_MOST) {
+    if (HAS(0, 4) && ORDER(4)) { STORE(n + 0, v51); }
+    n += uint(HAS(0, 4)) * 1;
+  }
+  if (4 <= LMAX_MOST) {
+    if (HAS(1, 4) && ORDER(4)) { STORE(n + 0, x51); STORE(n + 1, y51); STORE(n + 2, z51); }
+    n += uint(HAS(1, 4)) * 3;
+  }
+  if (4 <= LMAX_MOST) {
+    if (HAS(2, 4) && ORDER(4)) { STORE(n + 0, xx51); STORE(n + 1, xy51); STORE(n + 2, xz51); STORE(n + 3, yy51); STORE(n + 4, yz51); STORE(n + 5, zz51); }
+    n += uint(HAS(2, 4)) * 6;
+  }
+  if (5 <= LMAX_MOST) {
+    if (HAS(0, 5) && ORDER(4)) { STORE(n + 0, v52); }
+    n += uint(HAS(0, 5)) * 1;
+  }
+  if (5 <= LMAX_MOST) {
+    if (HAS(1, 5) && ORDER(4)) { STORE(n + 0, x52); STORE(n + 1, y52); STORE(n + 2, z52); }
+    n += uint(HAS(1, 5)) * 3;
+  }
+  if (5 <= LMAX_MOST) {
+    if (HAS(2, 5) && ORDER(4)) { STORE(n + 0, xx52); STORE(n + 1, xy52); STORE(n + 2, xz52); STORE(n + 3, yy52); STORE(n + 4, yz52); STORE(n + 5, zz52); }
+    n += uint(HAS(2, 5)) * 6;
+  }
+  if (6 <= LMAX_MOST) {
+    if (HAS(0, 6) && ORDER(4)) { STORE(n + 0, v53); }
+    n += uint(HAS(0, 6)) * 1;
+  }
+  if (6 <= LMAX_MOST) {
+    if (HAS(1, 6) && ORDER(4)) { STORE(n + 0, x53); STORE(n + 1, y53); STORE(n + 2, z53); }
+    n += uint(HAS(1, 6)) * 3;
+  }
+  if (6 <= LMAX_MOST) {
+    if (HAS(2, 6) && ORDER(4)) { STORE(n + 0, xx53); STORE(n + 1, xy53); STORE(n + 2, xz53); STORE(n + 3, yy53); STORE(n + 4, yz53); STORE(n + 5, zz53); }
+    n += uint(HAS(2, 6)) * 6;
+  }
+  if (7 <= LMAX_MOST) {
+    if (HAS(0, 7) && ORDER(4)) { STORE(n + 0, v54); }
+    n += uint(HAS(0, 7)) * 1;
+  }
+  if (7 <= LMAX_MOST) {
+    if (HAS(1, 7) && ORDER(4)) { STORE(n + 0, x54); STORE(n + 1, y54); STORE(n + 2, z54); }
+    n += uint(HAS(1, 7)) * 3;
+  }
+  if (7 <= LMAX_MOST) {
+    if (HAS(2, 7) && ORDER(4)) { STORE(n + 0, xx54); STORE(n + 1, xy54); STORE(n + 2, xz54); STORE(n + 3, yy54); STORE(n + 4, yz54); STORE(n + 5, zz54); }
+    n += uint(HAS(2, 7)) * 6;
+  }
+  if (8 <= LMAX_MOST) {
+    if (HAS(0, 8) && ORDER(4)) { STORE(n + 0, v55); }
+    n += uint(HAS(0, 8)) * 1;
+  }
+  if (8 <= LMAX_MOST) {
+    if (HAS(1, 8) && ORDER(4)) { STORE(n + 0, x55); STORE(n + 1, y55); STORE(n + 2, z55); }
+    n += uint(HAS(1, 8)) * 3;
+  }
+  if (8 <= LMAX_MOST) {
+    if (HAS(2, 8) && ORDER(4)) { STORE(n + 0, xx55); STORE(n + 1, xy55); STORE(n + 2, xz55); STORE(n + 3, yy55); STORE(n + 4, yz55); STORE(n + 5, zz55); }
+    n += uint(HAS(2, 8)) * 6;
+  }
+  if (4 <= LMAX_MOST) {
+    if (HAS(0, 4) && ORDER(4)) { STORE(n + 0, v56); }
+    n += uint(HAS(0, 4)) * 1;
+  }
+  if (4 <= LMAX_MOST) {
+    if (HAS(1, 4) && ORDER(4)) { STORE(n + 0, x56); STORE(n + 1, y56); STORE(n + 2, z56); }
+    n += uint(HAS(1, 4)) * 3;
+  }
+  if (4 <= LMAX_MOST) {
+    if (HAS(2, 4) && ORDER(4)) { STORE(n + 0, xx56); STORE(n + 1, xy56); STORE(n + 2, xz56); STORE(n + 3, yy56); STORE(n + 4, yz56); STORE(n + 5, zz56); }
+    n += uint(HAS(2, 4)) * 6;
+  }
+  if (5 <= LMAX_MOST) {
+    if (HAS(0, 5) && ORDER(4)) { STORE(n + 0, v57); }
+    n += uint(HAS(0, 5)) * 1;
+  }
+  if (5 <= LMAX_MOST) {
+    if (HAS(1, 5) && ORDER(4)) { STORE(n + 0, x57); STORE(n + 1, y57); STORE(n + 2, z57); }
+    n += uint(HAS(1, 5)) * 3;
+  }
+  if (5 <= LMAX_MOST) {
+    if (HAS(2, 5) && ORDER(4)) { STORE(n + 0, xx57); STORE(n + 1, xy57); STORE(n + 2, xz57); STORE(n + 3, yy57); STORE(n + 4, yz57); STORE(n + 5, zz57); }
+    n += uint(HAS(2, 5)) * 6;
+  }
+  if (6 <= LMAX_MOST) {
+    if (HAS(0, 6) && ORDER(4)) { STORE(n + 0, v58); }
+    n += uint(HAS(0, 6)) * 1;
+  }
+  if (6 <= LMAX_MOST) {
+    if (HAS(1, 6) && ORDER(4)) { STORE(n + 0, x58); STORE(n + 1, y58); STORE(n + 2, z58); }
+    n += uint(HAS(1, 6)) * 3;
+  }
+  if (6 <= LMAX_MOST) {
+    if (HAS(2, 6) && ORDER(4)) { STORE(n + 0, xx58); STORE(n + 1, xy58); STORE(n + 2, xz58); STORE(n + 3, yy58); STORE(n + 4, yz58); STORE(n + 5, zz58); }
+    n += uint(HAS(2, 6)) * 6;
+  }
+  if (7 <= LMAX_MOST) {
+    if (HAS(0, 7) && ORDER(4)) { STORE(n + 0, v59); }
+    n += uint(HAS(0, 7)) * 1;
+  }
+  if (7 <= LMAX_MOST) {
+    if (HAS(1, 7) && ORDER(4)) { STORE(n + 0, x59); STORE(n + 1, y59); STORE(n + 2, z59); }
+    n += uint(HAS(1, 7)) * 3;
+  }
+  if (7 <= LMAX_MOST) {
+    if (HAS(2, 7) && ORDER(4)) { STORE(n + 0, xx59); STORE(n + 1, xy59); STORE(n + 2, xz59); STORE(n + 3, yy59); STORE(n + 4, yz59); STORE(n + 5, zz59); }
+    n += uint(HAS(2, 7)) * 6;
+  }
+  if (8 <= LMAX_MOST) {
+    if (HAS(0, 8) && ORDER(4)) { STORE(n + 0, v60); }
+    n += uint(HAS(0, 8)) * 1;
+  }
+  if (8 <= LMAX_MOST) {
+    if (HAS(1, 8) && ORDER(4)) { STORE(n + 0, x60); STORE(n + 1, y60); STORE(n + 2, z60); }
+    n += uint(HAS(1, 8)) * 3;
+  }
+  if (8 <= LMAX_MOST) {
+    if (HAS(2, 8) && ORDER(4)) { STORE(n + 0, xx60); STORE(n + 1, xy60); STORE(n + 2, xz60); STORE(n + 3, yy60); STORE(n + 4, yz60); STORE(n + 5, zz60); }
+    n += uint(HAS(2, 8)) * 6;
+  }
+  if (5 <= LMAX_MOST) {
+    if (HAS(0, 5) && ORDER(5)) { STORE(n + 0, v61); }
+    n += uint(HAS(0, 5)) * 1;
+  }
+  if (5 <= LMAX_MOST) {
+    if (HAS(1, 5) && ORDER(5)) { STORE(n + 0, x61); STORE(n + 1, y61); STORE(n + 2, z61); }
+    n += uint(HAS(1, 5)) * 3;
+  }
+  if (5 <= LMAX_MOST) {
+    if (HAS(2, 5) && ORDER(5)) { STORE(n + 0, xx61); STORE(n + 1, xy61); STORE(n + 2, xz61); STORE(n + 3, yy61); STORE(n + 4, yz61); STORE(n + 5, zz61); }
+    n += uint(HAS(2, 5)) * 6;
+  }
+  if (6 <= LMAX_MOST) {
+    if (HAS(0, 6) && ORDER(5)) { STORE(n + 0, v62); }
+    n += uint(HAS(0, 6)) * 1;
+  }
+  if (6 <= LMAX_MOST) {
+    if (HAS(1, 6) && ORDER(5)) { STORE(n + 0, x62); STORE(n + 1, y62); STORE(n + 2, z62); }
+    n += uint(HAS(1, 6)) * 3;
+  }
+  if (6 <= LMAX_MOST) {
+    if (HAS(2, 6) && ORDER(5)) { STORE(n + 0, xx62); STORE(n + 1, xy62); STORE(n + 2, xz62); STORE(n + 3, yy62); STORE(n + 4, yz62); STORE(n + 5, zz62); }
+    n += uint(HAS(2, 6)) * 6;
+  }
+  if (7 <= LMAX_MOST) {
+    if (HAS(0, 7) && ORDER(5)) { STORE(n + 0, v63); }
+    n += uint(HAS(0, 7)) * 1;
+  }
+  if (7 <= LMAX_MOST) {
+    if (HAS(1, 7) && ORDER(5)) { STORE(n + 0, x63); STORE(n + 1, y63); STORE(n + 2, z63); }
+    n += uint(HAS(1, 7)) * 3;
+  }
+  if (7 <= LMAX_MOST) {
+    if (HAS(2, 7) && ORDER(5)) { STORE(n + 0, xx63); STORE(n + 1, xy63); STORE(n + 2, xz63); STORE(n + 3, yy63); STORE(n + 4, yz63); STORE(n + 5, zz63); }
+    n += uint(HAS(2, 7)) * 6;
+  }
+  if (8 <= LMAX_MOST) {
+    if (HAS(0, 8) && ORDER(5)) { STORE(n + 0, v64); }
+    n += uint(HAS(0, 8)) * 1;
+  }
+  if (8 <= LMAX_MOST) {
+    if (HAS(1, 8) && ORDER(5)) { STORE(n + 0, x64); STORE(n + 1, y64); STORE(n + 2, z64); }
+    n += uint(HAS(1, 8)) * 3;
+  }
+  if (8 <= LMAX_MOST) {
+    if (HAS(2, 8) && ORDER(5)) { STORE(n + 0, xx64); STORE(n + 1, xy64); STORE(n + 2, xz64); STORE(n + 3, yy64); STORE(n + 4, yz64); STORE(n + 5, zz64); }
+    n += uint(HAS(2, 8)) * 6;
+  }
+  if (5 <= LMAX_MOST) {
+    if (HAS(0, 5) && ORDER(5)) { STORE(n + 0, v65); }
+    n += uint(HAS(0, 5)) * 1;
+  }
+  if (5 <= LMAX_MOST) {
+    if (HAS(1, 5) && ORDER(5)) { STORE(n + 0, x65); STORE(n + 1, y65); STORE(n + 2, z65); }
+    n += uint(HAS(1, 5)) * 3;
+  }
+  if (5 <= LMAX_MOST) {
+    if (HAS(2, 5) && ORDER(5)) { STORE(n + 0, xx65); STORE(n + 1, xy65); STORE(n + 2, xz65); STORE(n + 3, yy65); STORE(n + 4, yz65); STORE(n + 5, zz65); }
+    n += uint(HAS(2, 5)) * 6;
+  }
+  if (6 <= LMAX_MOST) {
+    if (HAS(0, 6) && ORDER(5)) { STORE(n + 0, v66); }
+    n += uint(HAS(0, 6)) * 1;
+  }
+  if (6 <= LMAX_MOST) {
+    if (HAS(1, 6) && ORDER(5)) { STORE(n + 0, x66); STORE(n + 1, y66); STORE(n + 2, z66); }
+    n += uint(HAS(1, 6)) * 3;
+  }
+  if (6 <= LMAX_MOST) {
+    if (HAS(2, 6) && ORDER(5)) { STORE(n + 0, xx66); STORE(n + 1, xy66); STORE(n + 2, xz66); STORE(n + 3, yy66); STORE(n + 4, yz66); STORE(n + 5, zz66); }
+    n += uint(HAS(2, 6)) * 6;
+  }
+  if (7 <= LMAX_MOST) {
+    if (HAS(0, 7) && ORDER(5)) { STORE(n + 0, v67); }
+    n += uint(HAS(0, 7)) * 1;
+  }
+  if (7 <= LMAX_MOST) {
+    if (HAS(1, 7) && ORDER(5)) { STORE(n + 0, x67); STORE(n + 1, y67); STORE(n + 2, z67); }
+    n += uint(HAS(1, 7)) * 3;
+  }
+  if (7 <= LMAX_MOST) {
+    if (HAS(2, 7) && ORDER(5)) { STORE(n + 0, xx67); STORE(n + 1, xy67); STORE(n + 2, xz67); STORE(n + 3, yy67); STORE(n + 4, yz67); STORE(n + 5, zz67); }
+    n += uint(HAS(2, 7)) * 6;
+  }
+  if (8 <= LMAX_MOST) {
+    if (HAS(0, 8) && ORDER(5)) { STORE(n + 0, v68); }
+    n += uint(HAS(0, 8)) * 1;
+  }
+  if (8 <= LMAX_MOST) {
+    if (HAS(1, 8) && ORDER(5)) { STORE(n + 0, x68); STORE(n + 1, y68); STORE(n + 2, z68); }
+    n += uint(HAS(1, 8)) * 3;
+  }
+  if (8 <= LMAX_MOST) {
+    if (HAS(2, 8) && ORDER(5)) { STORE(n + 0, xx68); STORE(n + 1, xy68); STORE(n + 2, xz68); STORE(n + 3, yy68); STORE(n + 4, yz68); STORE(n + 5, zz68); }
+    n += uint(HAS(2, 8)) * 6;
+  }
+  if (6 <= LMAX_MOST) {
+    if (HAS(0, 6) && ORDER(6)) { STORE(n + 0, v69); }
+    n += uint(HAS(0, 6)) * 1;
+  }
+  if (6 <= LMAX_MOST) {
+    if (HAS(1, 6) && ORDER(6)) { STORE(n + 0, x69); STORE(n + 1, y69); STORE(n + 2, z69); }
+    n += uint(HAS(1, 6)) * 3;
+  }
+  if (6 <= LMAX_MOST) {
+    if (HAS(2, 6) && ORDER(6)) { STORE(n + 0, xx69); STORE(n + 1, xy69); STORE(n + 2, xz69); STORE(n + 3, yy69); STORE(n + 4, yz69); STORE(n + 5, zz69); }
+    n += uint(HAS(2, 6)) * 6;
+  }
+  if (7 <= LMAX_MOST) {
+    if (HAS(0, 7) && ORDER(6)) { STORE(n + 0, v70); }
+    n += uint(HAS(0, 7)) * 1;
+  }
+  if (7 <= LMAX_MOST) {
+    if (HAS(1, 7) && ORDER(6)) { STORE(n + 0, x70); STORE(n + 1, y70); STORE(n + 2, z70); }
+    n += uint(HAS(1, 7)) * 3;
+  }
+  if (7 <= LMAX_MOST) {
+    if (HAS(2, 7) && ORDER(6)) { STORE(n + 0, xx70); STORE(n + 1, xy70); STORE(n + 2, xz70); STORE(n + 3, yy70); STORE(n + 4, yz70); STORE(n + 5, zz70); }
+    n += uint(HAS(2, 7)) * 6;
+  }
+  if (8 <= LMAX_MOST) {
+    if (HAS(0, 8) && ORDER(6)) { STORE(n + 0, v71); }
+    n += uint(HAS(0, 8)) * 1;
+  }
+  if (8 <= LMAX_MOST) {
+    if (HAS(1, 8) && ORDER(6)) { STORE(n + 0, x71); STORE(n + 1, y71); STORE(n + 2, z71); }
+    n += uint(HAS(1, 8)) * 3;
+  }
+  if (8 <= LMAX_MOST) {
+    if (HAS(2, 8) && ORDER(6)) { STORE(n + 0, xx71); STORE(n + 1, xy71); STORE(n + 2, xz71); STORE(n + 3, yy71); STORE(n + 4, yz71); STORE(n + 5, zz71); }
+    n += uint(HAS(2, 8)) * 6;
+  }
+  if (6 <= LMAX_MOST) {
+    if (HAS(0, 6) && ORDER(6)) { STORE(n + 0, v72); }
+    n += uint(HAS(0, 6)) * 1;
+  }
+  if (6 <= LMAX_MOST) {
+    if (HAS(1, 6) && ORDER(6)) { STORE(n + 0, x72); STORE(n + 1, y72); STORE(n + 2, z72); }
+    n += uint(HAS(1, 6)) * 3;
+  }
+  if (6 <= LMAX_MOST) {
+    if (HAS(2, 6) && ORDER(6)) { STORE(n + 0, xx72); STORE(n + 1, xy72); STORE(n + 2, xz72); STORE(n + 3, yy72); STORE(n + 4, yz72); STORE(n + 5, zz72); }
+    n += uint(HAS(2, 6)) * 6;
+  }
+  if (7 <= LMAX_MOST) {
+    if (HAS(0, 7) && ORDER(6)) { STORE(n + 0, v73); }
+    n += uint(HAS(0, 7)) * 1;
+  }
+  if (7 <= LMAX_MOST) {
+    if (HAS(1, 7) && ORDER(6)) { STORE(n + 0, x73); STORE(n + 1, y73); STORE(n + 2, z73); }
+    n += uint(HAS(1, 7)) * 3;
+  }
+  if (7 <= LMAX_MOST) {
+    if (HAS(2, 7) && ORDER(6)) { STORE(n + 0, xx73); STORE(n + 1, xy73); STORE(n + 2, xz73); STORE(n + 3, yy73); STORE(n + 4, yz73); STORE(n + 5, zz73); }
+    n += uint(HAS(2, 7)) * 6;
+  }
+  if (8 <= LMAX_MOST) {
+    if (HAS(0, 8) && ORDER(6)) { STORE(n + 0, v74); }
+    n += uint(HAS(0, 8)) * 1;
+  }
+  if (8 <= LMAX_MOST) {
+    if (HAS(1, 8) && ORDER(6)) { STORE(n + 0, x74); STORE(n + 1, y74); STORE(n + 2, z74); }
+    n += uint(HAS(1, 8)) * 3;
+  }
+  if (8 <= LMAX_MOST) {
+    if (HAS(2, 8) && ORDER(6)) { STORE(n + 0, xx74); STORE(n + 1, xy74); STORE(n + 2, xz74); STORE(n + 3, yy74); STORE(n + 4, yz74); STORE(n + 5, zz74); }
+    n += uint(HAS(2, 8)) * 6;
+  }
+  if (7 <= LMAX_MOST) {
+    if (HAS(0, 7) && ORDER(7)) { STORE(n + 0, v75); }
+    n += uint(HAS(0, 7)) * 1;
+  }
+  if (7 <= LMAX_MOST) {
+    if (HAS(1, 7) && ORDER(7)) { STORE(n + 0, x75); STORE(n + 1, y75); STORE(n + 2, z75); }
+    n += uint(HAS(1, 7)) * 3;
+  }
+  if (7 <= LMAX_MOST) {
+    if (HAS(2, 7) && ORDER(7)) { STORE(n + 0, xx75); STORE(n + 1, xy75); STORE(n + 2, xz75); STORE(n + 3, yy75); STORE(n + 4, yz75); STORE(n + 5, zz75); }
+    n += uint(HAS(2, 7)) * 6;
+  }
+  if (8 <= LMAX_MOST) {
+    if (HAS(0, 8) && ORDER(7)) { STORE(n + 0, v76); }
+    n += uint(HAS(0, 8)) * 1;
+  }
+  if (8 <= LMAX_MOST) {
+    if (HAS(1, 8) && ORDER(7)) { STORE(n + 0, x76); STORE(n + 1, y76); STORE(n + 2, z76); }
+    n += uint(HAS(1, 8)) * 3;
+  }
+  if (8 <= LMAX_MOST) {
+    if (HAS(2, 8) && ORDER(7)) { STORE(n + 0, xx76); STORE(n + 1, xy76); STORE(n + 2, xz76); STORE(n + 3, yy76); STORE(n + 4, yz76); STORE(n + 5, zz76); }
+    n += uint(HAS(2, 8)) * 6;
+  }
+  if (7 <= LMAX_MOST) {
+    if (HAS(0, 7) && ORDER(7)) { STORE(n + 0, v77); }
+    n += uint(HAS(0, 7)) * 1;
+  }
+  if (7 <= LMAX_MOST) {
+    if (HAS(1, 7) && ORDER(7)) { STORE(n + 0, x77); STORE(n + 1, y77); STORE(n + 2, z77); }
+    n += uint(HAS(1, 7)) * 3;
+  }
+  if (7 <= LMAX_MOST) {
+    if (HAS(2, 7) && ORDER(7)) { STORE(n + 0, xx77); STORE(n + 1, xy77); STORE(n + 2, xz77); STORE(n + 3, yy77); STORE(n + 4, yz77); STORE(n + 5, zz77); }
+    n += uint(HAS(2, 7)) * 6;
+  }
+  if (8 <= LMAX_MOST) {
+    if (HAS(0, 8) && ORDER(7)) { STORE(n + 0, v78); }
+    n += uint(HAS(0, 8)) * 1;
+  }
+  if (8 <= LMAX_MOST) {
+    if (HAS(1, 8) && ORDER(7)) { STORE(n + 0, x78); STORE(n + 1, y78); STORE(n + 2, z78); }
+    n += uint(HAS(1, 8)) * 3;
+  }
+  if (8 <= LMAX_MOST) {
+    if (HAS(2, 8) && ORDER(7)) { STORE(n + 0, xx78); STORE(n + 1, xy78); STORE(n + 2, xz78); STORE(n + 3, yy78); STORE(n + 4, yz78); STORE(n + 5, zz78); }
+    n += uint(HAS(2, 8)) * 6;
+  }
+  if (8 <= LMAX_MOST) {
+    if (HAS(0, 8) && ORDER(8)) { STORE(n + 0, v79); }
+    n += uint(HAS(0, 8)) * 1;
+  }
+  if (8 <= LMAX_MOST) {
+    if (HAS(1, 8) && ORDER(8)) { STORE(n + 0, x79); STORE(n + 1, y79); STORE(n + 2, z79); }
+    n += uint(HAS(1, 8)) * 3;
+  }
+  if (8 <= LMAX_MOST) {
+    if (HAS(2, 8) && ORDER(8)) { STORE(n + 0, xx79); STORE(n + 1, xy79); STORE(n + 2, xz79); STORE(n + 3, yy79); STORE(n + 4, yz79); STORE(n + 5, zz79); }
+    n += uint(HAS(2, 8)) * 6;
+  }
+  if (8 <= LMAX_MOST) {
+    if (HAS(0, 8) && ORDER(8)) { STORE(n + 0, v80); }
+    n += uint(HAS(0, 8)) * 1;
+  }
+  if (8 <= LMAX_MOST) {
+    if (HAS(1, 8) && ORDER(8)) { STORE(n + 0, x80); STORE(n + 1, y80); STORE(n + 2, z80); }
+    n += uint(HAS(1, 8)) * 3;
+  }
+  if (8 <= LMAX_MOST) {
+    if (HAS(2, 8) && ORDER(8)) { STORE(n + 0, xx80); STORE(n + 1, xy80); STORE(n + 2, xz80); STORE(n + 3, yy80); STORE(n + 4, yz80); STORE(n + 5, zz80); }
+    n += uint(HAS(2, 8)) * 6;
+  }
 }

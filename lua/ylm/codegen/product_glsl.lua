@@ -158,8 +158,15 @@ function product.text(lmax)
   put(out, "void store_sums() {")
   put(out, "  uint n = 0u;")
   each(lmax, function(m, _, l, n)
-    for i, name in ipairs(parts) do
-      put(out, "  if (%d <= LMAX_MOST) if (HAS(%d, %d)) { if (ORDER(%d)) { STORE(n, %s%d); } n++; }", l, needs[i], l, m, name, n)
+    for derivatives = 0, 2 do
+      local stores = {}
+      for i, name in ipairs(parts) do
+        if needs[i] == derivatives then stores[#stores + 1] = ("STORE(n + %d, %s%d);"):format(#stores, name, n) end
+      end
+      put(out, "  if (%d <= LMAX_MOST) {", l)
+      put(out, "    if (HAS(%d, %d) && ORDER(%d)) { %s }", derivatives, l, m, table.concat(stores, " "))
+      put(out, "    n += uint(HAS(%d, %d)) * %d;", derivatives, l, #stores)
+      put(out, "  }")
     end
   end)
   put(out, "}")
