@@ -59,6 +59,7 @@
   X(shade)                                                                                         \
   X(shade_entries)                                                                                 \
   X(shade_grid)                                                                                    \
+  X(shade_links)                                                                                   \
   X(shade_part)                                                                                    \
   X(shade_picture)                                                                                 \
   X(shade_view)                                                                                    \

@@ -3,16 +3,6 @@
 local report = require "ylm.cli.report"
 local status = require "ylm.cli.status"
 
---- A number of bounces, or "all".
-local function bounces_of(text)
-  if text == nil or text == "all" then return text end
-  local n = tonumber(text)
-  if not n or n < 0 or n ~= math.floor(n) then
-    status.stop(status.usage, "pathtrace: --bounces is a number from 0 on, or all, got '%s'", text)
-  end
-  return n
-end
-
 return {
   summary = "renders a scene file by paths of any length: unbiased, with its variance",
   usage = "SCENE.lua -o IMAGE",
@@ -33,7 +23,7 @@ return {
     local ylm = require "ylm"
     if not given.output then status.stop(status.usage, "pathtrace: -o FILE says where the image goes") end
     status.need_output("pathtrace", given.output, "exr", "png", "hdr", "pfm")
-    local bounces = bounces_of(given.bounces)
+    local bounces = status.bounces("pathtrace", given.bounces)
     local scene = status.need_scene(ylm.load_scene(given[1]))
     local resume
     if given.resume then resume = status.need_kind("ylm.image", "an image", given.resume, ylm.load(given.resume)) end

@@ -11,7 +11,7 @@ local methods = { default = "render", grid = "render", reference = "reference", 
 local only = {
   grid = { "default", "grid" }, interpolation = { "default", "grid" }, shading = { "default", "grid", "reference" },
   visibility = { "default", "grid", "reference" }, light_tolerance = { "default", "grid", "reference" },
-  ["light-samples"] = { "default", "raycast" },
+  ["light-samples"] = { "default", "raycast" }, bounces = { "default", "grid" }, tolerance = { "default" },
 }
 
 local visibilities = { "rays", "transfer", "none", "self" }
@@ -91,6 +91,14 @@ local function options_of(given, method)
   if method == "raycast" then return options end
   options.light_tolerance, options.shading = given.light_tolerance, given.shading
   options.visibility = visibility_of(given, method)
+  options.bounces, options.tolerance = status.bounces("render", given.bounces), given.tolerance
+  if given.tolerance and (given.grid or options.visibility and options.visibility ~= "rays") then
+    status.stop(status.usage, "render: --tolerance chooses how light is found, by rays: leave --%s out",
+      given.grid and "grid" or "visibility")
+  end
+  if given.tolerance and given.shading == "vertex" then
+    status.stop(status.usage, "render: --tolerance is judged at what camera rays hit: leave --shading vertex out")
+  end
   if method ~= "reference" then options.interpolation = given.interpolation end
   return options
 end
@@ -105,6 +113,9 @@ return {
     { "samples", "-n", "N", "camera rays per pixel" },
     { "visibility", nil, "NAME", "rays (default: true shadows, no probes) or transfer (the papers': the scene's probes are "
       .. "baked), none, self" },
+    { "bounces", "-b", "NAME", "reflections after direct light: 0 (default), 1 .. or all" },
+    { "tolerance", nil, "N", "of the picture, 0.02 for 2 %: chooses samples, light-samples and all about bounces, judges itself "
+      .. "by paths, and says whether it is met" },
     { "light-samples", nil, "N", "rays, raycast: shadow rays per shading point, default 32; raycast: 64" },
     { "method", "-m", "NAME", "instead: grid (as --visibility transfer), reference (of grids, no interpolation) or raycast (no "
       .. "harmonics)" },
@@ -135,7 +146,7 @@ return {
     local image, facts = scene[methods[method]](scene, options)
     status.need(image, facts)
     status.need(image:save(given.output, given.exposure and { exposure = given.exposure } or nil))
-    report.print(given, facts, report.names(facts, { "reference", "visibility" }))
+    report.print(given, facts, report.names(facts, { "reference", "visibility", "bounces", "omits", "met", "error" }))
     return status.of_warnings(given, facts.warnings)
   end,
 }

@@ -29,6 +29,16 @@ function status.stop(code, message, ...)
   error(setmetatable({ status = code, message = message }, ending), 0)
 end
 
+--- The number of bounces, or "all", that the option of a command says; nil: it was not given.
+function status.bounces(name, text)
+  if text == nil or text == "all" then return text end
+  local n = tonumber(text)
+  if not n or n < 0 or n ~= math.floor(n) or n >= 2 ^ 30 then
+    status.stop(status.usage, "%s: --bounces is a number from 0 on, or all, got '%s'", name, text)
+  end
+  return n
+end
+
 --- Ends the command unless `path` ends in one of the extensions and can be written: before the work, not after it.
 function status.need_output(name, path, ...)
   local words, fits = {}, false

@@ -6,6 +6,8 @@ local check = require "ylm.check"
 local core = require "ylm.c.core"
 local describe = require "ylm.describe".describe
 local devices = require "ylm.device"
+local indirect = require "ylm.render.indirect"
+local knob = require "ylm.render.knob"
 local light = require "ylm.light"
 local options = require "ylm.render.options"
 local paths = require "ylm.render.path"
@@ -18,7 +20,7 @@ local warning = require "ylm.warning"
 
 local render = { true_error = pictures.true_error, pathtrace = paths.pathtrace, probe = paths.probe }
 
-local prepare_options = options.list(options.view_fields, options.transfer_fields, options.common)
+local prepare_options = options.list(options.view_fields, options.transfer_fields, indirect.link_fields, options.common)
 
 describe "scene:prepare" {
   about = "Traces a camera's rays, and with visibility = 'transfer' the transfer vectors of what they hit, once, for any number "
@@ -40,7 +42,12 @@ function render.prepare(s, given)
   local o = options.of_view("prepare", prepare_options, given)
   visibility.settle("prepare", o, given or {}, "rays")
   o.lmax = o.lmax or views.default_lmax(s)
-  return views.prepare("prepare", s, o)
+  local view, message, code = views.prepare("prepare", s, o)
+  if not view or not (o.links or o.transfer) then return view, message, code end
+  local ok
+  ok, message, code = indirect.link("prepare", views.open("prepare", view), o.transfer, o)
+  if not ok then return nil, message, code end
+  return view
 end
 
 local bake_options = options.list(options.view_fields, {
@@ -130,7 +137,8 @@ function render.bake(s, given)
 end
 
 local render_options = options.list(options.view_fields, options.transfer_fields, options.grid_fields,
-  options.direct_fields, options.baked_fields, options.layer_fields, options.common)
+  options.direct_fields, indirect.bounce_fields, indirect.link_fields, knob.fields, options.baked_fields, options.layer_fields,
+  options.common)
 
 --- The grid of the scene's probes for what a view sees; or nil, message, code.
 local function bake_for(s, view, o)
@@ -138,6 +146,27 @@ local function bake_for(s, view, o)
     return views.made[view].traced.lights -- no grid can be baked for no points; no point will ask what light there is
   end
   return render.bake(s, { occupied = view, threads = o.threads, progress = o.progress, light_tolerance = o.light_tolerance })
+end
+
+--- The picture that keeps a tolerance, and says whether it does.
+local function by_tolerance(s, o, given)
+  for _, field in ipairs { "grid", "indirect", "visibility", "device" } do
+    if given[field] ~= nil and given[field] ~= "rays" then
+      return check.fail("render: tolerance chooses how light is found, by rays and links: leave %s out", field)
+    end
+  end
+  if o.shading == "vertex" then
+    return check.fail "render: tolerance is judged at what camera rays hit: shading = 'pixel'"
+  end
+  local found, message, code = knob.choose("render", s, o, given)
+  if not found then return nil, message, code end
+  o.light_samples, o.links, o.samples = found.chosen.light_samples, found.chosen.links, found.chosen.samples
+  if o.bounced then o.bounced.lit, o.transfer = found.lit, nil end
+  local image, report
+  image, report, code = shading.picture("render", views.open("render", found.view), o)
+  if not image then return nil, report, code end
+  knob.report(found, report, image)
+  return image, report
 end
 
 describe "scene:render" {
@@ -162,6 +191,8 @@ function render.render(s, given)
   local o = options.of_view("render", render_options, given)
   if o.grid ~= nil then views.check_grid("render", o.grid) end
   visibility.settle_picture("render", o, given or {})
+  indirect.settle("render", o)
+  if o.tolerance then return by_tolerance(s, o, given) end
   local probes = o.visibility ~= "rays" and o.grid == nil
   if probes and not s.probes then views.check_grid("render", nil) end
   if o.grid and o.light_tolerance then
@@ -174,7 +205,11 @@ function render.render(s, given)
     o.grid, message, code = bake_for(s, view, o)
     if not o.grid then return nil, message, code end
   end
-  return shading.picture("render", views.open("render", view), o)
+  local p = views.open("render", view)
+  local ok
+  ok, message, code = indirect.relight("render", p, o)
+  if not ok then return nil, message, code end
+  return shading.picture("render", p, o)
 end
 
 local reference_options = options.list(options.view_fields, options.transfer_fields, options.reference_fields,

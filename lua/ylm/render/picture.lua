@@ -9,9 +9,14 @@ local tracing = require "ylm.trace"
 
 local pictures = {}
 
---- Writes the layer radiance from that of shading points [points][3], o.lamps drawn over it.
+--- Writes the layer radiance from that of shading points [points][3], bounces added, o.lamps drawn over it.
 function pictures.compose(name, p, radiance, o, layer)
   local lib, view, threads = p.lib, p.view, o.threads or 0
+  if o.bounced then
+    local all, message, code = o.bounced.add(name, p, o, radiance)
+    if not all then return nil, message, code end
+    radiance = all
+  end
   assert(check.result(name, lib.shade_compose(view, radiance, p.scene.background or { 0, 0, 0 }, threads, layer)))
   if not o.lamps then return true end
   return assert(check.result(name, lib.shade_draw_lamps(view, threads, layer, light.lamps(name, o.lamps))))

@@ -4,6 +4,7 @@ local check = require "ylm.check"
 local core = require "ylm.c.core"
 local describe = require "ylm.describe".describe
 local form = require "ylm.form"
+local indirect = require "ylm.render.indirect"
 local memory = require "ylm.memory"
 local options = require "ylm.render.options"
 local shading = require "ylm.render.shade"
@@ -12,7 +13,9 @@ local visibility = require "ylm.render.visibility"
 
 local prepared = views.methods
 
-local prepared_render = options.list(options.grid_fields, options.direct_fields, {
+local prepared_render = options.list(options.grid_fields, options.direct_fields, indirect.bounce_fields, indirect.link_fields, {
+  { "lights", "any", optional = true,
+    about = "lights that shine instead of the scene's, by rays: they may move; default with indirect = lit: those of lit" },
   { "lamps", "any", optional = true,
     about = "sphere lights to draw that are not in the prepared scene, because they move" },
   { "download", "boolean", default = true,
@@ -45,6 +48,9 @@ assert(scene:prepare { size = { 32, 18 } }:render { light_samples = 4 })   -- by
 function prepared.render(view, given)
   local p = views.open("render", view)
   local o = form.options(1, "render", prepared_render, given)
+  indirect.settle("render", o)
+  local ok, message, code = indirect.relight("render", p, o)
+  if not ok then return nil, message, code end
   return shading.picture("render", p, o)
 end
 

@@ -8,6 +8,7 @@ local form = require "ylm.form"
 local light = require "ylm.light"
 local progress = require "ylm.progress"
 local options = require "ylm.render.options"
+local indirect = require "ylm.render.indirect"
 local occlusion = require "ylm.render.occlusion"
 local pictures = require "ylm.render.picture"
 local tracing = require "ylm.trace"
@@ -165,7 +166,7 @@ function shading.by_rays(name, p, o, method)
   report.visibility = o.shadows and "rays" or "none"
   report.light_samples = o.light_samples
   local radiance, rays, code = check.result(name, p.lib.shade_raycast(p.view, o.light_samples, o.shadows,
-    o.seed or p.options.seed, o.threads or 0, progress.resolve(o.progress)))
+    o.seed or p.options.seed, o.threads or 0, progress.resolve(o.progress), o.lit and o.lit.handle))
   if not radiance then return nil, rays, code end
   local seconds = core.seconds() - start
   report.rays.shadow = rays
@@ -177,8 +178,8 @@ function shading.by_rays(name, p, o, method)
   return out, report
 end
 
---- The picture of a prepared view: by o.grid, or by rays to the lamps of its scene.
-function shading.picture(name, p, o)
+--- Direct light of a picture of a prepared view: by o.grid, or by rays to the lamps of its scene.
+local function direct(name, p, o)
   if o.grid ~= nil or p.options.visibility ~= "rays" then
     views.check_grid(name, o.grid)
     if o.light_samples then
@@ -188,6 +189,17 @@ function shading.picture(name, p, o)
   end
   o.shadows, o.light_samples = true, o.light_samples or options.LIGHT_SAMPLES
   return shading.by_rays(name, p, o, "rays")
+end
+
+--- The picture of a prepared view, with bounces as indirect.settle has settled them.
+function shading.picture(name, p, o)
+  local image, report, code
+  image, report, code = indirect.ready(name, p, o)
+  if not image then return nil, report, code end
+  image, report, code = direct(name, p, o)
+  if not image then return nil, report, code end
+  indirect.report(p, o, report, image)
+  return image, report
 end
 
 --- How many pictures variance is that of.

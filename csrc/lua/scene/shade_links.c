@@ -1,0 +1,93 @@
+/* shade_links.c - views with links: light that surfaces send to their points. */
+#include "shade.h"
+#include "transfer.h"
+
+#define LINKS "ylm.shade_links"
+
+static void destroy(void *links) { ylm_shade_links_free(links); }
+
+static const ylm_shade_links *check_links(lua_State *L, int i) {
+  return ylmL_held_check(L, i, LINKS)->object;
+}
+
+/* shade_links(view, transfer, links, seed, threads, progress) -> links, which the view must outlive */
+static int shade_links(lua_State *L) {
+  ylm_shade_view *v = ylmL_shade_view(L, 1);
+  const ylm_transfer *t = ylmL_transfer(L, 2);
+  int links = (int)luaL_checknumber(L, 3), threads = (int)luaL_checknumber(L, 5);
+  uint64_t seed = (uint64_t)luaL_checknumber(L, 4);
+  ylm_error e = {0};
+  ylmL_progress p;
+  lua_settop(L, 6);
+  const ylm_progress *progress = ylmL_progress_begin(L, 6, &p);
+  ylmL_held *h = ylmL_hold(L, LINKS, destroy, ylmL_held_check(L, 2, YLML_TRANSFER));
+  ylm_shade_links *l;
+  ylm_status s = ylm_shade_links_create(v, t, links, seed, threads, progress, &l, &e);
+  h->object = l;
+  ylm_shade_links_stats stats = {0};
+  if (s == YLM_OK) ylm_shade_links_look(l, &stats);
+  ylmL_charge(L, stats.bytes);
+  return ylmL_result_progress(L, 1, s, &e, &p);
+}
+
+/* shade_links_stats(links) -> { links, rays, bytes, seconds } */
+static int shade_links_stats(lua_State *L) {
+  ylm_shade_links_stats s;
+  ylm_shade_links_look(check_links(L, 1), &s);
+  lua_newtable(L);
+  ylmL_set_count(L, "links", (uint64_t)s.links);
+  ylmL_set_count(L, "rays", s.rays);
+  ylmL_set_count(L, "bytes", s.bytes);
+  ylmL_set_number(L, "seconds", s.seconds);
+  return 1;
+}
+
+/* shade_gather(view, links, lit, radiance [n][3] or nil, threads, progress) -> radiance [n][3], a new array
+   with gathered light added */
+static int shade_gather(lua_State *L) {
+  ylm_shade_view *v = ylmL_shade_view(L, 1);
+  const ylm_shade_links *l = check_links(L, 2);
+  const ylm_radiosity *lit = ylmL_radiosity(L, 3);
+  const ylmL_array *start = ylmL_array_opt(L, 4);
+  int threads = (int)luaL_checknumber(L, 5);
+  ylm_error e = {0};
+  ylmL_progress p;
+  size_t shape[] = {ylmL_shade_points(v), 3};
+  lua_settop(L, 6);
+  if (start && (start->dtype != YLM_FLOAT || start->count != 3 * shape[0]))
+    return ylmL_result(L, 0, YLM_ESHAPE, NULL);
+  if (ylm_radiosity_transfer(lit) != ylm_shade_links_transfer(l)) {
+    ylm_fail(&e, YLM_EINVAL, "the view has links to elements of another transfer");
+    return ylmL_result(L, 0, YLM_EINVAL, &e);
+  }
+  ylmL_array *out = ylmL_array_new(L, YLM_FLOAT, 2, shape);
+  if (!out) return ylmL_result(L, 0, YLM_ENOMEM, NULL);
+  const ylm_progress *progress = ylmL_progress_begin(L, 6, &p);
+  ylm_status s = ylm_shade_gather(l, ylm_radiosity_leaving(lit), start ? start->data : NULL,
+                                  threads, progress, out->data);
+  return ylmL_result_progress(L, 1, s, &e, &p);
+}
+
+/* shade_add(a, b): a += b; float arrays of one size -> a */
+static int shade_add(lua_State *L) {
+  ylmL_array *a = ylmL_array_check(L, 1), *b = ylmL_array_check(L, 2);
+  if (a->dtype != YLM_FLOAT || b->dtype != YLM_FLOAT) return ylmL_result(L, 0, YLM_ETYPE, NULL);
+  if (a->count != b->count) return ylmL_result(L, 0, YLM_ESHAPE, NULL);
+  for (size_t i = 0; i < a->count; i++) ((float *)a->data)[i] += ((const float *)b->data)[i];
+  lua_pushvalue(L, 1);
+  return 1;
+}
+
+static const luaL_Reg functions[] = {{"shade_links", shade_links},
+                                     {"shade_links_stats", shade_links_stats},
+                                     {"shade_gather", shade_gather},
+                                     {"shade_add", shade_add},
+                                     {NULL, NULL}};
+
+static const luaL_Reg methods[] = {{"__gc", ylmL_let_go}, {NULL, NULL}};
+
+void ylmL_open_shade_links(lua_State *L) {
+  ylmL_type(L, LINKS, methods);
+  lua_pop(L, 1);
+  luaL_setfuncs(L, functions, 0);
+}

@@ -1,0 +1,187 @@
+--- Light that bounces, in pictures: gathered along links of the shading points, or from a grid of it.
+
+local check = require "ylm.check"
+local core = require "ylm.c.core"
+local devices = require "ylm.device"
+local objects = require "ylm.transfer.object"
+local progress = require "ylm.progress"
+local tracing = require "ylm.trace"
+local views = require "ylm.render.view"
+local visibility = require "ylm.render.visibility"
+local warning = require "ylm.warning"
+
+local indirect = {}
+
+local LINKS = 64
+
+local transfer_field = { "transfer", "object", of = "ylm.transfer", optional = true,
+  about = "what scene:transfer returned; default: one with its defaults, where bounces are wanted" }
+
+--- Options of views.
+indirect.link_fields = {
+  { "links", "links", optional = true,
+    about = "of a shading point: rays to surfaces, traced once, whose light is then gathered without rays; default 64 where "
+      .. "bounces are wanted, 4 bytes each" },
+  transfer_field,
+}
+
+--- Options of pictures.
+indirect.bounce_fields = {
+  { "bounces", "bounces", optional = true,
+    about = "reflections after direct light, a number or 'all', gathered pixel by pixel; default 0, which the report says" },
+  { "indirect", "any", optional = true,
+    about = "instead of bounces: what t:radiosity returned, gathered pixel by pixel; a grid of it, or of indirect light; "
+      .. "'gather': as bounces = 'all'" },
+}
+
+-- Bounces that are wanted ------------------------------------------------------------------------
+
+--- Settles o.bounced, nil or { by = "gather" | "grid", bounces =, lit =, grid =, add = }, from bounces and indirect.
+function indirect.settle(name, o)
+  local x = o.indirect
+  local b
+  if x ~= nil and o.bounces ~= nil then
+    return check.fail("%s: bounces and indirect say the same: leave one out", name)
+  end
+  if x == nil or x == "gather" then
+    local bounces = x and "all" or o.bounces or 0
+    b = bounces ~= 0 and { by = "gather", bounces = bounces } or nil
+  elseif core.type(x) == "ylm.radiosity" then
+    b = { by = "gather", lit = x, bounces = objects.open_radiosity(name, x).options.bounces }
+  elseif core.has_field(x) and visibility.quantity(x) == "indirect" then
+    b = { by = "grid", grid = x }
+  else
+    return check.fail("%s: indirect must be what t:radiosity returned, a grid of it, or 'gather', got %s%s", name,
+      check.describe(x), core.has_field(x) and " of " .. visibility.quantity(x) or "")
+  end
+  if not b then return end
+  if o.grid ~= nil and visibility.quantity(o.grid) == "all" then
+    return check.fail("%s: the grid holds bounces already: leave bounces and indirect out, or bake parts = 'direct'", name)
+  end
+  devices.of(o.device):check_rays(name)
+  b.add, o.bounced = indirect.add, b
+end
+
+-- Links ------------------------------------------------------------------------------------
+
+--- The transfer that options or the view's links name, or a new one; or nil, message, code.
+local function transfer_of(p, o)
+  local known = views.made[p.view].links
+  return o.transfer or known and known.transfer
+    or p.scene:transfer { lmax = 0, seed = p.options.seed, threads = o.threads, progress = o.progress }
+end
+
+--- Finds the links of a prepared view to the elements of t (nil: as above), or keeps those that it has: true, or nil,
+-- message, code.
+function indirect.link(name, p, t, o)
+  local m, count, handle, message, code = views.made[p.view], o.links
+  if not t then
+    t, message, code = transfer_of(p, o)
+    if not t then return nil, message, code end
+  end
+  if t.scene ~= p.scene then
+    return check.fail("%s: the transfer is of scene %q, the view of %q", name, t.scene.name or "?", p.scene.name or "?")
+  end
+  local known = m.links
+  if known and known.transfer == t and (count == nil or known.count == count) then return true end
+  count = count or LINKS
+  handle, message, code = check.result(name, p.lib.shade_links(p.view, t, count, p.options.seed, o.threads or 0,
+    progress.resolve(o.progress)))
+  if not handle then return nil, message, code end
+  local stats = p.lib.shade_links_stats(handle)
+  m.links = { handle = handle, transfer = t, count = count, stats = stats }
+  m.stats.links, m.stats.link_rays, m.stats.link_bytes, m.stats.link_seconds = count, stats.rays, stats.bytes, stats.seconds
+  return true
+end
+
+--- Light on the elements of a transfer for b.bounces reflections after direct light, the last at the shading points: b.lit,
+-- or nil, message, code.
+local function shine(p, o, b)
+  local t, message, code = transfer_of(p, o)
+  if not t then return nil, message, code end
+  b.lit, message, code = t:radiosity(o.lights or p.scene.lights, { bounces = b.bounces == "all" and "all" or b.bounces - 1,
+    seed = p.options.seed, threads = o.threads, progress = o.progress })
+  return b.lit, message, code
+end
+
+--- Makes what o.bounced needs: links of the view, and light on the elements. True, or nil, message, code.
+function indirect.ready(name, p, o)
+  local b, start = o.bounced, core.seconds()
+  if not b or b.by ~= "gather" then return true end
+  if not b.lit then
+    local lit, message, code = shine(p, o, b)
+    if not lit then return nil, message, code end
+  elseif o.transfer and o.transfer ~= b.lit.transfer then
+    return check.fail("%s: indirect is of another transfer than the option transfer: leave transfer out", name)
+  end
+  local ok, message, code = indirect.link(name, p, b.lit.transfer, o)
+  if not ok then return nil, message, code end
+  b.prepared = core.seconds() - start
+  return true
+end
+
+--- Other lamps than the view's: o.lit, traced, from o.lights, or those that light o.indirect. True, or nil, message, code.
+function indirect.relight(name, p, o)
+  if o.lights ~= nil and (o.grid ~= nil or p.options.visibility ~= "rays") then
+    return check.fail("%s: lights shine by rays, here is a grid: leave one out", name)
+  end
+  if o.lights ~= nil then
+    local lit, message, code = tracing.relight(name, p.traced, o.lights)
+    if not lit then return nil, message, code end
+    o.lit = lit
+  elseif o.bounced and o.bounced.lit then
+    o.lit = objects.radiosities[o.bounced.lit].lit_by
+  end
+  return true
+end
+
+-- Light --------------------------------------------------------------------------------------
+
+--- Radiance of shading points with light that bounces added, a new array; or nil, message, code.
+function indirect.add(name, p, o, radiance)
+  local b, start = o.bounced, core.seconds()
+  local bar, threads = progress.resolve(o.progress), o.threads or 0
+  local out, message, code
+  if b.by == "gather" then
+    out, message, code = check.result(name, p.lib.shade_gather(p.view, views.made[p.view].links.handle, b.lit, radiance,
+      threads, bar))
+  else
+    out, message, code = check.result(name, p.lib.shade_grid(p.view, b.grid, "cosine", o.interpolation or "hermite", threads,
+      bar))
+    if out then out, message, code = check.result(name, p.lib.shade_add(out, radiance)) end
+  end
+  if not out then return nil, message, code end
+  b.seconds = core.seconds() - start
+  return out
+end
+
+--- Completes report and metadata of a picture by its bounces.
+function indirect.report(p, o, report, image)
+  local b = o.bounced
+  if not b then
+    report.bounces = o.grid ~= nil and visibility.quantity(o.grid) == "all" and "those of the grid" or 0
+    if core.type(image) == "ylm.image" then image.metadata.bounces = tostring(report.bounces) end
+    if report.bounces == 0 then report.omits = 'light that bounces (bounces = 0; bounces = "all" has it)' end
+    return
+  end
+  report.bounces = b.by == "grid" and "those of the grid" or b.bounces
+  report.indirect, image.metadata.bounces = b.by, tostring(report.bounces)
+  local seconds = report.seconds
+  seconds.bounces, seconds.indirect = b.prepared, b.seconds
+  seconds.image = seconds.image - b.seconds
+  seconds.total = seconds.total + (b.prepared or 0)
+  if b.by == "gather" then
+    local m = views.made[p.view]
+    report.links, report.rays.links = m.links.count, m.links.stats.rays
+    report.elements, report.balance = b.lit.transfer.stats.elements, b.lit.stats.balance
+  end
+  local n = p.traced.glossy
+  if n > 0 then
+    report.warnings[#report.warnings + 1] = warning.say(p.scene, "gloss bounced", n == 1
+      and "scene %q: 1 mesh is glossy: bounced light meets it as a matte one of its mean albedo"
+      or "scene %q: " .. n .. " meshes are glossy: bounced light meets them as matte ones of their mean albedo",
+      p.scene.name or "?")
+  end
+end
+
+return indirect

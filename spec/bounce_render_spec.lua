@@ -1,0 +1,192 @@
+-- Pictures with bounces: closed forms, the path tracer, relighting without rays, walls, reports and the one knob.
+local ylm = require "ylm"
+
+local pi = math.pi
+
+local function mean(image, c)
+  local a, n, sum = image:layer "radiance", 0, 0
+  for _, row in ipairs(a:totable()) do
+    for _, p in ipairs(row) do n, sum = n + 1, sum + p[c or 2] end
+  end
+  return sum / n
+end
+
+--- sqrt(max(0, mean((a-b)^2 - variance of b))) / mean of b.
+local function error_of(a, b)
+  local x, y, v = a:layer "radiance":totable(), b:layer "radiance":totable(), b:layer "variance":totable()
+  local n, square, sum = 0, 0, 0
+  for i, row in ipairs(y) do
+    for k, p in ipairs(row) do
+      for c = 1, 3 do
+        n, sum = n + 1, sum + p[c]
+        square = square + (x[i][k][c] - p[c]) ^ 2 - v[i][k][c]
+      end
+    end
+  end
+  return math.sqrt(math.max(0, square / n)) / (sum / n)
+end
+
+--- How many numbers of two pictures differ.
+local function different(a, b)
+  local x, y, n = a:layer "radiance":totable(), b:layer "radiance":totable(), 0
+  for i, row in ipairs(x) do
+    for k, p in ipairs(row) do
+      for c = 1, 3 do if p[c] ~= y[i][k][c] then n = n + 1 end end
+    end
+  end
+  return n
+end
+
+-- Closed forms ---------------------------------------------------------------------------------
+
+local RADIUS, RADIANCE, RHO = 0.1, 10, 0.5
+
+--- The inside of a sphere around a lamp, seen from beside it.
+local function globe()
+  return ylm.scene "globe" {
+    camera = ylm.camera { from = { 0.4, 0, 0 }, at = { 1, 0.1, 0 }, fov = 60 },
+    geometry = { ylm.sphere { radius = 1, divide = { 64, 32 }, material = ylm.matte { albedo = RHO } } },
+    lights = { ylm.sphere_light { at = { 0, 0, 0 }, radius = RADIUS, radiance = RADIANCE } },
+  }
+end
+
+describe("a picture with bounces", function()
+  it("is rho/pi E / (1 - rho) inside of a sphere, and what n bounces add up to", function()
+    local scene = globe()
+    local t = scene:transfer { spacing = 0.2, links = 64 }
+    local E = pi * RADIANCE * RADIUS ^ 2
+    for bounces, sum in pairs { [0] = 1, [1] = 1 + RHO, [2] = 1 + RHO + RHO ^ 2, all = 1 / (1 - RHO) } do
+      local image, report = scene:render { size = { 16, 9 }, samples = 1, bounces = bounces,
+        transfer = bounces ~= 0 and t or nil }
+      assert.near(1, mean(image) / (RHO / pi * E * sum), 0.01)
+      assert.equal(bounces, report.bounces)
+      assert.equal(bounces == 0, report.omits ~= nil)
+    end
+  end)
+
+  it("is 1 where an albedo of 1 stands under a sky of 1", function()
+    local scene = ylm.scene "furnace" {
+      camera = ylm.camera { from = { 0, -4, 1 }, up = { 0, 0, 1 }, fov = 30 },
+      geometry = { ylm.knot { p = 2, q = 3, radius = 1, minor = 0.4, tube = 0.2, divide = { 200, 16 },
+        material = ylm.matte { albedo = 1 } } },
+      lights = { ylm.environment_light { radiance = 1 } }, transfer = ylm.transfer { spacing = 0.2, links = 128 },
+    }
+    local image = scene:render { size = { 24, 18 }, samples = 4, light_samples = 32, bounces = "all" }
+    assert.near(1, mean(image), 0.01)
+  end)
+end)
+
+-- A room -----------------------------------------------------------------------------------------
+
+local function lamp(x, radiance)
+  return ylm.sphere_light { at = { x, 1.7, 1.3 }, radius = 0.1, radiance = radiance or { 30, 25, 20 } }
+end
+
+local function room(lights, more)
+  local geometry = {
+    ylm.box { bounds = { { -1.5, 0, -1.5 }, { 1.5, 2, 1.5 } }, material = ylm.matte { albedo = { 0.7, 0.6, 0.5 } } },
+    ylm.box { bounds = { { -0.4, 0.001, -0.9 }, { 0.2, 0.8, -0.3 } }, material = ylm.matte { albedo = { 0.2, 0.3, 0.6 } } },
+  }
+  for _, g in ipairs(more or {}) do geometry[#geometry + 1] = g end
+  return ylm.scene "room" { camera = ylm.camera { from = { 0.9, 1.2, 1.3 }, at = { 0, 0.6, -0.5 }, fov = 60 },
+    geometry = geometry, lights = lights or { lamp(-0.5) }, transfer = ylm.transfer { spacing = 0.15, links = 64 } }
+end
+
+local SMALL = { size = { 32, 18 }, samples = 4 }
+
+local function with(more)
+  local o = {}
+  for k, v in pairs(SMALL) do o[k] = v end
+  for k, v in pairs(more) do o[k] = v end
+  return o
+end
+
+describe("gathered light", function()
+  it("is that of paths, pixel by pixel", function()
+    local scene = room()
+    local truth = scene:pathtrace { size = SMALL.size, samples = 256, layers = false, reflections = { 1, "all" } }
+    local image = scene:render(with { bounces = "all", samples = 64, links = 512, light_samples = 64,
+      transfer = scene:transfer { spacing = 0.1, links = 64 } })
+    assert.is_true(error_of(image, truth) < 0.04)
+    assert.is_true(error_of(scene:render(with { light_samples = 64 }), truth) > 0.2)
+  end)
+
+  it("follows lamps without a ray, as a picture made anew, whatever the number of threads", function()
+    local before, after = { lamp(-0.5) }, { lamp(0.6, { 5, 20, 40 }) }
+    local scene = room(before)
+    local t = scene:transfer { spacing = 0.4, links = 32 }
+    local view = scene:prepare(with { links = 32, transfer = t })
+    assert.equal(32, view.stats.links)
+    assert.equal(4 * 32 * view.stats.points, view.stats.link_rays * 4)
+    assert.is_true(view.stats.link_bytes >= view.stats.link_rays * 4)
+    local lit = t:radiosity()
+    local first = view:render { indirect = lit }
+    lit:update(after)
+    local image, report = view:render { indirect = lit, threads = 1 }
+    local anew = room(after)
+    local again = anew:render(with { bounces = "all", links = 32, transfer = anew:transfer { spacing = 0.4, links = 32 } })
+    assert.equal(0, different(again, image))
+    assert.is_false(mean(first) == mean(image))
+    assert.equal("gather", report.indirect)
+    for _, threads in ipairs { 2, 7 } do
+      local other = view:render { indirect = lit, threads = threads, lights = after }
+      assert.equal(0, different(image, other))
+    end
+  end)
+
+  it("meets surfaces that gloss as matte ones, and the report says so in one line", function()
+    local scene = room(nil, { ylm.sphere { at = { 0.7, 0.3, -0.2 }, radius = 0.25, divide = { 16, 8 },
+      material = ylm.ggx { alpha = 0.2, f0 = 0.6 } } })
+    local before = ylm.on_warning(false)
+    local _, report = scene:render(with { bounces = 1 })
+    ylm.on_warning(before)
+    assert.equal(1, #report.warnings)
+    assert.matches("1 mesh is glossy: bounced light meets it as a matte one", report.warnings[1])
+  end)
+end)
+
+-- Walls --------------------------------------------------------------------------------------------
+
+--- A lamp in the left of two rooms with a wall between them; the camera is in the left or in the right one.
+local function two_rooms(wall, side)
+  return ylm.scene "two rooms" { camera = ylm.camera { from = { 1.8 * side, 1.2, 1.2 }, at = { side, 0.8, -0.5 }, fov = 70 },
+    geometry = { ylm.box { bounds = { { -2, 0, -1.5 }, { 2, 2, 1.5 } }, material = ylm.matte { albedo = 0.6 } }, wall },
+    lights = { lamp(-0.8) }, transfer = ylm.transfer { spacing = 0.1, links = 64 } }
+end
+
+describe("a wall", function()
+  local walls = {
+    quad = ylm.quad { corner = { 0, 0, 1.5 }, u = { 0, 0, -3 }, v = { 0, 2, 0 }, material = ylm.matte { albedo = 0.6 } },
+    box = ylm.box { bounds = { { -0.05, 0.0001, -1.4999 }, { 0.05, 1.9999, 1.4999 } }, material = ylm.matte { albedo = 0.6 } },
+  }
+  for name, wall in pairs(walls) do
+    it("of a " .. name .. " lets less than 1 % of the light through", function()
+      local bright = mean((two_rooms(wall, -1):render(with { bounces = "all" })))
+      local dark = mean((two_rooms(wall, 1):render(with { bounces = "all" })))
+      assert.is_true(dark < 0.01 * bright)
+    end)
+  end
+end)
+
+-- The knob -----------------------------------------------------------------------------------------
+
+describe("a tolerance of a picture", function()
+  it("chooses, judges and says so", function()
+    local image, report = room():render { size = { 32, 18 }, bounces = "all", tolerance = 0.05 }
+    assert.is_true(report.met)
+    assert.is_true(report.error <= 0.05 and report.judged.pixels > 300)
+    assert.equal(report.chosen.links, report.links)
+    assert.equal("true", image.metadata.met)
+  end)
+
+  it("that is not met is said with cause and remedy", function()
+    local said = {}
+    local before = ylm.on_warning(function(m) said[#said + 1] = m end)
+    local _, report = room():render { size = { 32, 18 }, tolerance = 0.001, samples = 1, light_samples = 1 }
+    ylm.on_warning(before)
+    assert.is_false(report.met)
+    assert.equal(1, #said)
+    assert.matches("tolerance 0.001 is not met, the error is .*: .* set .* or set tolerance = ", said[1])
+    assert.same(said, report.warnings)
+  end)
+end)
