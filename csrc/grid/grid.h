@@ -215,6 +215,9 @@ ylm_status ylm__occupancy_build(occupancy *o, const ylm_grid *g, const ylm_grid_
 /* Occupancy from the triangles of the source, which `e` is about. */
 ylm_status ylm__occupancy_from_surfaces(occupancy *o, const ylm_grid *g, const ylm_grid_source *s,
                                         uint64_t *outside, ylm_error *e);
+/* Marks a node of a level of at most o->dense; marks the ancestors of all that are marked. */
+void ylm__occupancy_mark(occupancy *o, int level, uint64_t code);
+void ylm__occupancy_mark_parents(occupancy *o);
 /* Occupancy from Morton codes of the finest nodes, sorted, each once, which it takes. */
 ylm_status ylm__occupancy_take(occupancy *o, const ylm_grid *g, uint64_t *code, size_t n);
 /* Uniform grids: one byte per voxel. */

@@ -84,6 +84,7 @@ typedef struct ylm_grid_source {
       *occupied_points; /* [occupied][3]; NULL: every voxel is occupied, or the back end has them */
   const void *normals; /* [occupied][3] of the points, unit, of their type: the sides that are seen;
                            NULL: none. Surfaces have both of theirs */
+  const float *limits; /* [occupied] the most that the bias may be at each point; NULL: no limit */
   size_t meshes;       /* surfaces instead of points: voxels that a triangle meets */
   const ylm_grid_mesh *mesh;    /* [meshes]; a dynamic grid keeps a copy */
   uint64_t seed;                /* of the choice of held-out points */

@@ -133,6 +133,9 @@ ylm_grid_source ylmL_grid_source(lua_State *L, ylmL_progress *progress) {
     const ylmL_array *normals = named_array(L, 1, "normals");
     if (normals && normals->count == occupied->count && normals->dtype == occupied->dtype)
       s.normals = normals->data;
+    const ylmL_array *limits = named_array(L, 1, "limits");
+    if (limits && limits->dtype == YLM_FLOAT && limits->count == s.occupied)
+      s.limits = limits->data;
   }
   if (surfaces) s.mesh = ylmL_grid_meshes(L, 3, &s.meshes);
   return s;

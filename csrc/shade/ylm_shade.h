@@ -205,6 +205,19 @@ YLM_API ylm_status ylm_shade_grid(const ylm_shade_view *view, const ylm_grid *gr
                                   ylm_grid_report *report, ylm_error *e);
 
 /*
+** ylm_shade_limits - halves of the distances from n shading points to the first surface along their
+** normals.
+**
+**   flat   in   [n][3] of ylm_shade_view_flats
+**   most   in   distances beyond twice this are infinite
+**   limit  out  [n] scene units
+**
+** Returns  YLM_OK, YLM_ENOMEM
+*/
+YLM_API ylm_status ylm_shade_limits(const ylm_shade_view *view, size_t first, size_t n,
+                                    const float (*flat)[3], float most, float *limit);
+
+/*
 ** ylm_shade_bias - how far off the surfaces of n shading points from `first` on a grid is looked up:
 ** ylm_grid_bias, at most half of the distance to the first hit along the normal.
 **

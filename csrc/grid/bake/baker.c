@@ -11,6 +11,7 @@ static bool forward(void *user, uint64_t done, uint64_t total, const char *stage
 void ylm__baker_begin(baker *b, ylm_grid *g, const ylm_grid_source *source, ylm_error *e) {
   *b = (baker){.g = g, .source = source, .remote = source->backend, .e = e};
   b->own = ylm__processor_backend(b);
+  if (g) b->measure = ylm__measure_of(&g->contents.form);
   b->stage = b->stage_text;
   b->progress = (ylm_progress){forward, b};
   b->making = (ylm_grid_making){.source = source,

@@ -30,6 +30,7 @@ typedef struct baker {
   ylm_grid_backend own;           /* the processor */
   ylm_grid_making making;
   learnt learnt;
+  measure measure;
   const ylm_grid_surface *surface; /* of the source's meshes, where it is kept; or NULL */
   cell_list wave, next;            /* cells to decide about, their children that come next */
   cell_list parent;                /* of cells 1 .. 8, 9 .. 16, and so on */
@@ -139,6 +140,8 @@ void ylm__grid_asked(const ylm_grid *g, uint32_t point, float out[3]);
 /* The metric of a cell that has its corners: mean over the valid ones of lambda D^2/2, or of that
    over the norm. */
 float ylm__metric_of(const baker *b, const ylm_grid_cell *c, ylm_grid_metric metric);
+/* The relative metric where norms are at least `least`. */
+double ylm__metric_above(const baker *b, const ylm_grid_cell *c, double least);
 /* The metric of the wave's cells; finds which of them a light's surface crosses. */
 ylm_status ylm__metric_find(baker *b);
 
@@ -154,6 +157,14 @@ void ylm__cells_advance(baker *b);
 static inline const ylm_grid_cell *cells_before(const baker *b, const ylm_grid_cell *c) {
   return b->before && c->source != YLM_GRID_NONE ? &b->before[c->source] : NULL;
 }
+
+/* -- beside.c ------------------------------------------------------------------------------- */
+
+/* True if points have normals, and are looked up beside their surfaces. */
+bool ylm__beside_wanted(const ylm_grid *g, const ylm_grid_source *s);
+/* Voxels of each level that are looked up beside surfaces are occupied too; of a lattice, marked. */
+ylm_status ylm__beside_mark(occupancy *o, const ylm_grid *g, const ylm_grid_source *s);
+ylm_status ylm__beside_mark_uniform(const ylm_grid *g, const ylm_grid_source *s, uint8_t *mark);
 
 /* -- row.c ---------------------------------------------------------------------------------- */
 

@@ -17,6 +17,9 @@
 /* Factor of a voxel's estimate at first; it only grows. With 0.5, and LET_GO 0.001, STEP 2, the
    lamps took 2977, 5386, 8948, 16613 points. */
 #define FIRST_TIGHT 0.35
+/* That factor where points are looked up beside surfaces: the metric itself is the estimate then, since
+   values carried back over a voxel's thickness err as its square. */
+#define FIRST_TIGHT_BIASED 0.1
 /* Ratios of residual to squared metric before their quantiles are trusted; before, the metric alone
    is the estimate. */
 #define FEW_RATIOS 32

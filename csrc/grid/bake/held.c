@@ -1,4 +1,5 @@
 /* held.c - held-out points: random shading points, and where in the grid they are. */
+#include <math.h>
 #include <string.h>
 
 #include "surface.h"
@@ -10,6 +11,21 @@ static void shading_point(const ylm_grid_source *s, size_t k, float out[3]) {
     out[a] = s->occupied_dtype == YLM_DOUBLE
                  ? (float)((const double *)s->occupied_points)[3 * k + a]
                  : ((const float *)s->occupied_points)[3 * k + a];
+}
+
+/* The side of shading point k. */
+static void shading_side(const ylm_grid_source *s, size_t k, float out[4]) {
+  for (size_t a = 0; a < 3; a++) out[a] = (float)ylm_get(s->occupied_dtype, s->normals, 3 * k + a);
+  out[3] = s->limits ? s->limits[k] : INFINITY;
+}
+
+void ylm__held_surface_side(const ylm_grid_surface *surface, uint64_t seed, uint64_t k,
+                            uint64_t strata, float out[4]) {
+  double p[3], normal[3];
+  ylm_grid_surface_draw(surface, seed, k, strata, p, normal);
+  float side = k & 1 ? -1 : 1; /* triangles have two */
+  for (int a = 0; a < 3; a++) out[a] = side * (float)normal[a];
+  out[3] = INFINITY;
 }
 
 void ylm__held_surface_point(const ylm_grid_surface *surface, uint64_t seed, uint64_t k,
@@ -41,7 +57,11 @@ ylm_status ylm__held_points(refiner *r, ylm_rng *rng, bool all, size_t n) {
   bool here = s->occupied_points || !backend_has_shading(s);
   size_t index[HELD_OUT];
   for (size_t i = 0; i < n; i++) {
-    if (here && !all)
+    if (r->side) {
+      size_t k = all ? i : (size_t)(ylm_rng_double(rng) * (double)s->occupied);
+      shading_point(s, k, r->points + 3 * i);
+      shading_side(s, k, r->side + 4 * i);
+    } else if (here && !all)
       ylm__held_draw(r, rng, r->points + 3 * i);
     else if (here)
       shading_point(s, i, r->points + 3 * i);

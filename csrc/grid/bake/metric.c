@@ -19,6 +19,20 @@ float ylm__metric_of(const baker *b, const ylm_grid_cell *c, ylm_grid_metric met
   return (float)cell_metric(sum, n, box, 0.5);
 }
 
+double ylm__metric_above(const baker *b, const ylm_grid_cell *c, double least) {
+  const ylm_grid *g = b->g;
+  double box = 0, sum = 0, edge = ylm__grid_edge(g, c);
+  int n = 0;
+  for (int a = 0; a < 3; a++) box += edge / g->scale[a] * (edge / g->scale[a]);
+  for (int k = 0; k < 8; k++) {
+    uint32_t p = c->corner[k];
+    if (g->flags[p] & YLM_GRID_POINT_INVALID) continue;
+    sum += point_ratio((double)g->lambda[p], fmax((double)g->norm[p], least), true);
+    n++;
+  }
+  return cell_metric(sum, n, box, 0.5);
+}
+
 static ylm_status find_metric(void *context, size_t begin, size_t end, int worker) {
   (void)worker;
   const baker *b = context;

@@ -150,6 +150,10 @@ static void mark_parents(occupancy *o) {
     }
 }
 
+void ylm__occupancy_mark(occupancy *o, int level, uint64_t code) { set_bit(o->bits[level], code); }
+
+void ylm__occupancy_mark_parents(occupancy *o) { mark_parents(o); }
+
 static ylm_status begin(occupancy *o, const ylm_grid *g) {
   *o = (occupancy){.depth = g->contents.form.depth};
   o->dense = o->depth < DENSE ? o->depth : DENSE;

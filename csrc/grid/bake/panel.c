@@ -17,6 +17,7 @@ void ylm__panel_free(panel *p) {
   ylm_free(p->exact);
   ylm_free(p->drift);
   ylm_free(p->inside);
+  ylm_free(p->side);
   ylm_free(p->sampled);
   ylm_grid_track_free(p->track);
   *p = (panel){0};
@@ -114,10 +115,23 @@ ylm_status ylm__panel_rule_samples(const ylm_grid *g, const panel *p, const floa
   return s;
 }
 
+/* Judges a finished grid whose points have sides. */
+static ylm_status rule_sides(const refiner *r, const panel *p, double doubt, ruling *out) {
+  ylm_grid *g = r->b->g;
+  double *error = ylm_alloc(p->n, sizeof *error);
+  ylm_status s = error ? ylm__sides_errors(r, p, error) : YLM_ENOMEM;
+  if (s == YLM_OK) s = ylm__panel_rule(p, error, g->contents.form.tolerance, doubt, out);
+  if (s == YLM_OK) s = ylm__sides_count(r, p, error, &g->stats.crossed);
+  ylm_free(error);
+  return s;
+}
+
 /* Judges a finished grid. */
-static ylm_status rule_finished(const ylm_grid *g, const panel *p, double doubt, int threads,
+static ylm_status rule_finished(const refiner *r, const panel *p, double doubt, int threads,
                                 ruling *out, ylm_error *e) {
+  const ylm_grid *g = r->b->g;
   ylm_grid_query q = {.point_dtype = YLM_FLOAT, .dtype = YLM_FLOAT, .threads = threads};
+  if (p->side) return rule_sides(r, p, doubt, out);
   float *sampled = ylm_alloc(p->n, g->width * sizeof *sampled);
   ylm_status s = sampled ? YLM_OK : YLM_ENOMEM;
   if (s == YLM_OK) s = ylm_grid_sample(g, &q, p->n, p->point, sampled, NULL, NULL, e);
@@ -131,6 +145,7 @@ void ylm__panel_report(ylm_grid_stats *s, const panel *p, const ruling *r, bool 
   s->error = r->error;
   s->largest_error = r->largest;
   s->met = r->met;
+  s->failed = r->failed;
   s->limited = !r->met && limited;
   s->confidence = p->all ? 1 : 1 - DOUBT;
 }
@@ -141,6 +156,13 @@ void ylm__panel_report(ylm_grid_stats *s, const panel *p, const ruling *r, bool 
 static ylm_status take(const refiner *r, panel *p) {
   size_t w = r->b->g->width, n = r->held;
   ylm_status s = reserve(p, p->n + n, w);
+  if (s == YLM_OK && r->side) {
+    size_t row = 4 * sizeof *p->side;
+    float *side = ylm_realloc(p->side, p->n * row, p->n + n, row);
+    if (!side) return YLM_ENOMEM;
+    p->side = side;
+    ylm_copy(side + 4 * p->n, r->side, n * row);
+  }
   if (s != YLM_OK) return s;
   ylm_copy(p->point + 3 * p->n, r->points, 3 * n * sizeof *p->point);
   ylm_copy(p->exact + w * p->n, r->exact, w * n * sizeof *p->exact);
@@ -175,7 +197,7 @@ ylm_status ylm__panel_judge(refiner *r, bool limited) {
   for (int look = 0; look < LOOKS && s == YLM_OK; look++) {
     if (!p.all) s = draw(r, &p, &had, (size_t)1 << look);
     double t = ylm_seconds();
-    if (s == YLM_OK) s = rule_finished(g, &p, DOUBT / LOOKS, r->b->source->threads, &said, r->b->e);
+    if (s == YLM_OK) s = rule_finished(r, &p, DOUBT / LOOKS, r->b->source->threads, &said, r->b->e);
     g->stats.verify_seconds += ylm_seconds() - t;
     if (p.all || !is_open(&said)) break;
   }

@@ -62,7 +62,7 @@ static ylm_status compare(void *context, size_t begin, size_t end, int worker) {
     for (int r = 0; r < 4; r++)
       for (int k = 0; k < 8; k++) row[8 * r + k] = ylm__grid_row(g, p->corner[k], r);
     ylm__grid_mix(g, row, p->edge, p->t, value, NULL);
-    j->distance[i] = ylm__row_distance(value, exact, g->width);
+    j->distance[i] = ylm__measure_anywhere(&j->b->measure, value, exact);
   }
   return YLM_OK;
 }

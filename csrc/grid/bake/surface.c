@@ -315,7 +315,8 @@ void ylm_grid_surface_draw(const ylm_grid_surface *s, uint64_t seed, uint64_t k,
 }
 
 bool ylm__surface_draw_alike(const ylm_grid_surface *s, uint64_t seed, uint64_t k,
-                             double position[3]) {
+                             double position[3], double normal[3]) {
   size_t n = s->list.triangles, i = (size_t)(uniform(seed, k, 0) * (double)n);
+  normal_of(s, i, normal);
   return place(s, i, uniform(seed, k, 1), uniform(seed, k, 2), position);
 }

@@ -25,7 +25,7 @@ const ylm_grid_mesh *ylm__surface_meshes(const ylm_grid_surface *s);
 /* Random point k of a seed, of any triangle with the same chance, whatever its area; false where
    none of the triangle is within the bounds. */
 bool ylm__surface_draw_alike(const ylm_grid_surface *s, uint64_t seed, uint64_t k,
-                             double position[3]);
+                             double position[3], double normal[3]);
 /* Bytes of memory that it holds. */
 size_t ylm__surface_bytes(const ylm_grid_surface *s);
 

@@ -46,6 +46,16 @@ ylm_status ylm__tolerance_refine(refiner *r) {
   return ylm__refine(r->b, r->b->wave.n);
 }
 
+/* Splits a voxel in which a held-out point failed. */
+static ylm_status split_failed(refiner *r, uint32_t leaf) {
+  const ylm_grid *g = r->b->g;
+  const ylm_grid_cell *c = &g->cell[leaf];
+  ylm_status s = YLM_OK;
+  if (!(c->flags & YLM_GRID_LEAF) || c->level >= g->contents.form.depth) return s;
+  if (g->follower) s = g->follower->failed(r->b->g, c);
+  return s == YLM_OK ? ylm__cells_split(r->b, leaf) : s;
+}
+
 ylm_status ylm__tolerance_again(refiner *r) {
   baker *b = r->b;
   ylm_grid *g = b->g;
@@ -58,12 +68,11 @@ ylm_status ylm__tolerance_again(refiner *r) {
   }
   if (s == YLM_OK) s = ylm__residual_measure(r);
   for (size_t i = 0; i < r->verdicts && s == YLM_OK; i++) {
-    const ylm_grid_cell *c = &g->cell[r->verdict[i].leaf];
-    if (r->verdict[i].error > r->tolerance && c->flags & YLM_GRID_LEAF &&
-        c->level < g->contents.form.depth) {
-      if (g->follower) s = g->follower->failed(g, c);
-      if (s == YLM_OK) s = ylm__cells_split(b, r->verdict[i].leaf);
-    }
+    const verdict *v = &r->verdict[i];
+    if (!(v->error > r->tolerance)) continue;
+    int here = g->cell[v->leaf].level, there = g->cell[v->beyond].level;
+    if (here <= there) s = split_failed(r, v->leaf);
+    if (s == YLM_OK && there <= here) s = split_failed(r, v->beyond);
   }
   for (size_t i = 0; i < cells && s == YLM_OK; i++) {
     const ylm_grid_cell *c = &g->cell[i];
@@ -101,9 +110,12 @@ ylm_status ylm__tolerance_begin(refiner *r) {
   r->exact = ylm_alloc(HELD_OUT, b->g->width * sizeof *r->exact);
   r->inside = ylm_alloc(HELD_OUT, 1);
   r->verdict = ylm_alloc(HELD_OUT, sizeof *r->verdict);
+  bool sides = ylm__sides_wanted(b);
+  if (sides) r->side = ylm_alloc(HELD_OUT, 4 * sizeof *r->side);
   ylm__residual_learn(r);
-  bool ok = b->row && r->points && r->exact && r->inside && r->verdict;
-  return ok ? find_surface(r) : YLM_ENOMEM;
+  bool ok = b->row && r->points && r->exact && r->inside && r->verdict && (r->side || !sides);
+  ylm_status s = ok ? find_surface(r) : YLM_ENOMEM;
+  return s == YLM_OK && r->side ? ylm__sides_scale(r) : s;
 }
 
 static ylm_status run(refiner *r) {
@@ -124,6 +136,7 @@ void ylm__tolerance_end(refiner *r) {
   ylm_free(r->points);
   ylm_free(r->exact);
   ylm_free(r->inside);
+  ylm_free(r->side);
   ylm_free(r->verdict);
   ylm_free(r->tested.cell);
   ylm_free(r->centre.cell);
@@ -131,7 +144,10 @@ void ylm__tolerance_end(refiner *r) {
 }
 
 ylm_status ylm__tolerance_bake(baker *b) {
-  refiner r = {.b = b, .tolerance = b->g->contents.form.tolerance, .tight = FIRST_TIGHT};
+  bool biased = b->g->contents.form.bias > 0 && ylm__sides_wanted(b);
+  refiner r = {.b = b,
+               .tolerance = b->g->contents.form.tolerance,
+               .tight = biased ? FIRST_TIGHT_BIASED : FIRST_TIGHT};
   ylm_status s = ylm__tolerance_begin(&r);
   if (s == YLM_OK) s = run(&r);
   ylm__tolerance_end(&r);

@@ -7,8 +7,9 @@
 
 /* A held-out point after comparison. */
 typedef struct verdict {
-  double error; /* relative */
+  double error; /* by the grid's measure */
   uint32_t leaf;
+  uint32_t beyond; /* the leaf that is looked up, beside the surface; else `leaf` */
 } verdict;
 
 typedef struct refiner {
@@ -21,6 +22,8 @@ typedef struct refiner {
   float *points;            /* [HELD_OUT][3] */
   float *exact;             /* [HELD_OUT][width] */
   uint8_t *inside;
+  float
+      *side; /* [HELD_OUT][4] normals and the most that the bias may be; NULL: none are asked for */
   verdict *verdict;
   size_t held, verdicts;
   bool all;                        /* these are all the shading points there are */
@@ -53,6 +56,21 @@ void ylm__residual_learn(refiner *r);
 /* Evaluates the centres of the cells in r->tested and keeps what the interpolant misses there. */
 ylm_status ylm__residual_measure(refiner *r);
 
+/* -- sides.c ----------------------------------------------------------------------------- */
+
+/* True if held-out points are compared beside their surfaces, or by their irradiance. */
+bool ylm__sides_wanted(const baker *b);
+/* Means over held-out points, which the errors of darker light are relative to. */
+ylm_status ylm__sides_scale(refiner *r);
+/* ylm__verify_compare of points with sides. */
+ylm_status ylm__sides_compare(refiner *r);
+/* Errors of a panel's points in the finished grid; negative: left out. */
+ylm_status ylm__sides_errors(const refiner *r, const panel *p, double *error);
+/* How many of a panel's points with errors above the tolerance are looked up in voxels that surfaces
+   cross. */
+ylm_status ylm__sides_count(const refiner *r, const panel *p, const double *error,
+                            uint64_t *crossed);
+
 /* -- verify.c --------------------------------------------------------------------------- */
 
 /* One verification of the grid as it is. */
@@ -71,6 +89,9 @@ bool ylm__verify_satisfied(refiner *r, bool *limited);
 /* Point k of a seed on the surface, in float; `strata` as of ylm_grid_surface_draw. */
 void ylm__held_surface_point(const ylm_grid_surface *surface, uint64_t seed, uint64_t k,
                              uint64_t strata, float out[3]);
+/* Its normal, of one of its two sides, and no limit. */
+void ylm__held_surface_side(const ylm_grid_surface *surface, uint64_t seed, uint64_t k,
+                            uint64_t strata, float out[4]);
 /* A random shading point, or any where every voxel is occupied; the leaf of the octree it is in. */
 void ylm__held_draw(const refiner *r, ylm_rng *rng, float out[3]);
 uint32_t ylm__held_leaf(const ylm_grid *g, const float x[3]);

@@ -23,6 +23,7 @@ static ylm_status hold_out(refiner *r, uint64_t round) {
     uint32_t leaf = ylm__held_leaf(g, x);
     if (!(g->cell[leaf].flags & YLM_GRID_OCCUPIED)) continue;
     memmove(r->points + 3 * r->held, x, 3 * sizeof *x);
+    if (r->side) memmove(r->side + 4 * r->held, r->side + 4 * i, 4 * sizeof *x);
     r->verdict[r->held++].leaf = leaf;
   }
   return status;
@@ -30,6 +31,7 @@ static ylm_status hold_out(refiner *r, uint64_t round) {
 
 ylm_status ylm__verify_compare(refiner *r) {
   baker *b = r->b;
+  if (r->side) return ylm__sides_compare(r);
   ylm_grid_probe *probe = ylm_alloc(r->held, sizeof *probe);
   double *distance = ylm_alloc(r->held, sizeof *distance);
   ylm_grid_held held = {r->points, r->exact, r->inside};
@@ -43,7 +45,8 @@ ylm_status ylm__verify_compare(refiner *r) {
   if (s == YLM_OK) s = ylm__backend_residuals(b, r->held, probe, &held, distance);
   r->verdicts = 0;
   for (size_t i = 0; i < r->held && s == YLM_OK; i++)
-    if (!r->inside[i]) r->verdict[r->verdicts++] = (verdict){distance[i], r->verdict[i].leaf};
+    if (!r->inside[i])
+      r->verdict[r->verdicts++] = (verdict){distance[i], r->verdict[i].leaf, r->verdict[i].leaf};
   ylm_free(probe);
   ylm_free(distance);
   return s;
@@ -61,6 +64,8 @@ bool ylm__verify_satisfied(refiner *r, bool *limited) {
   for (size_t i = 0; i < n; i++) {
     const ylm_grid_cell *c = &g->cell[r->verdict[i].leaf];
     if (!(r->verdict[i].error > r->tolerance)) continue;
+    const ylm_grid_cell *beyond = &g->cell[r->verdict[i].beyond];
+    if (beyond->level < c->level) c = beyond;
     if (c->level < g->contents.form.depth)
       estimates[refinable++] = ylm__residual_estimate(r, c);
     else

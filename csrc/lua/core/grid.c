@@ -1,5 +1,7 @@
 /* grid.c - ylm.grid: the object and its light field, sampling. lua/ylm/grid/object.lua,
    grid/sample.lua. */
+#include <string.h>
+
 #include "../binding_grid.h"
 
 static const ylm_field *field_of(void *object) {
@@ -65,6 +67,36 @@ static int grid_flags(lua_State *L) {
   return ylmL_result(L, 1, s, NULL);
 }
 
+/* grid_sample_biased(grid, rows [n][6] of float: points and normals, factor) -> values
+   [n][channels][count], distances [n] */
+static int grid_sample_biased(lua_State *L) {
+  const ylm_grid *g = ylmL_grid_check(L, 1);
+  const ylm_grid_contents *v = ylm_grid_look(g);
+  const ylmL_array *rows = ylmL_array_check(L, 2);
+  double factor = luaL_checknumber(L, 3);
+  size_t n = rows->count / 6;
+  if (rows->dtype != YLM_FLOAT || rows->axes != 2 || rows->shape[1] != 6)
+    return ylmL_result(L, 0, YLM_ESHAPE, NULL);
+  ylm_grid_query q = {.point_dtype = YLM_FLOAT, .dtype = YLM_FLOAT};
+  ylmL_array *x = ylmL_array_new(L, YLM_FLOAT, 3, (size_t[]){2, n, 3});
+  ylmL_array *value =
+      x ? ylmL_array_new(L, YLM_FLOAT, 3, (size_t[]){n, (size_t)v->form.channels, (size_t)v->count})
+        : NULL;
+  ylmL_array *b = value ? ylmL_array_new(L, YLM_FLOAT, 1, &n) : NULL;
+  if (!b) return ylmL_result(L, 0, YLM_ENOMEM, NULL);
+  float(*points)[3] = x->data, (*normals)[3] = points + n;
+  for (size_t i = 0; i < n; i++) {
+    memcpy(points[i], (const float *)rows->data + 6 * i, sizeof *points);
+    memcpy(normals[i], (const float *)rows->data + 6 * i + 3, sizeof *normals);
+  }
+  ylm_error e = {0};
+  ylm_grid_bias(g, factor, n, (const float(*)[3])points, (const float(*)[3])normals, NULL, b->data,
+                0);
+  ylm_status s = ylm_grid_sample_biased(g, &q, n, (const float(*)[3])points,
+                                        (const float(*)[3])normals, b->data, value->data, NULL, &e);
+  return ylmL_result(L, 2, s, &e);
+}
+
 /* grid_is_open(value) -> true for a grid that has not been closed, false for a closed one, else
    nil; whether it is being updated; whether an update has spent it */
 static int grid_is_open(lua_State *L) {
@@ -86,6 +118,7 @@ static int grid_close(lua_State *L) {
 
 static const luaL_Reg functions[] = {{"grid_sample", grid_sample},
                                      {"grid_flags", grid_flags},
+                                     {"grid_sample_biased", grid_sample_biased},
                                      {"grid_is_open", grid_is_open},
                                      {"grid_close", grid_close},
                                      {NULL, NULL}};

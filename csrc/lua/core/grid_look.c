@@ -9,6 +9,10 @@
 static void set_promise(lua_State *L, const ylm_grid_stats *s) {
   ylmL_set_count(L, "verified", s->verified);
   ylmL_set_number(L, "error", s->error);
+  if (s->verified && s->confidence > 0) {
+    ylmL_set_count(L, "failed", s->failed);
+    ylmL_set_count(L, "crossed", s->crossed);
+  }
   if (s->confidence > 0) ylmL_set_number(L, "confidence", s->confidence);
   ylmL_set_boolean(L, "met", s->met);
   ylmL_set_boolean(L, "limited", s->limited);

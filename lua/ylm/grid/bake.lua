@@ -43,18 +43,18 @@ local function has_normals(x)
 end
 
 --- The shading points that a bake on `device` is to serve: an array of the host's, or of a device's memory; nil: everywhere;
--- and their normals, where they come with some. Or nil, message, code.
+-- and, where they come with some, their normals and halves of the distances to the next surfaces. Or nil, message, code.
 -- `jumps`: normals of triangles are wanted, not of shading.
 local function shading_points(x, device, jumps)
   if x == nil then return nil end
-  local points, normals = x, nil
+  local points, normals, limits = x, nil, nil
   if core.type(x) == "ylm.prepared" then
     local message, code
     points, message, code = getmetatable(x).__positions(x, "bake", device)
     if not points then return nil, message, code end
     if device:name() == nil then
-      normals, message, code = getmetatable(x).__normals(x, "bake", jumps)
-      if not normals then return nil, message, code end
+      normals, limits, code = getmetatable(x).__normals(x, "bake", jumps)
+      if not normals then return nil, limits, code end
     end
   elseif has_normals(x) then
     local code
@@ -66,7 +66,7 @@ local function shading_points(x, device, jumps)
     return check.bad(3, "bake", "device: occupied is in a device's memory: name the device, or download it")
   end
   if points.shape[1] == 0 then return check.bad(3, "bake", "occupied: at least one point expected") end
-  return points, normals
+  return points, normals, limits
 end
 
 --- The mesh of a mesh or a shape, else nil.
@@ -221,10 +221,10 @@ function bake.bake(description, lights, given)
   local asked = devices.of(o.device)
   asked:check_bake(description, packed)
   local quantity, jumps = bake.quantity(3, "bake", packed, o.quantity)
-  local occupied, normals = surfaces(o), nil
+  local occupied, normals, limits = surfaces(o), nil, nil
   if not occupied then
-    occupied, normals, why = shading_points(o.occupied, devices.of(o.device or packed), jumps)
-    if not occupied and normals then return nil, normals, why end
+    occupied, normals, limits = shading_points(o.occupied, devices.of(o.device or packed), jumps)
+    if not occupied and normals then return nil, normals, limits end
   end
   local measure = measure_of(description, jumps, normals or type(occupied) == "table")
   local box = bounds(description, o.bounds, occupied)
@@ -238,7 +238,7 @@ function bake.bake(description, lights, given)
     channels = description.channels, metric_channels = description.metric_channels, metric = description.metric,
     threshold = description.threshold or -1, tolerance = description.tolerance or 0,
     continuous = description.continuous, dynamic = description.dynamic,
-    measure = measure, quantity = quantity, normals = normals, bias = description.bias or jumps and 1 or 0,
+    measure = measure, quantity = quantity, normals = normals, limits = limits, bias = description.bias or jumps and 1 or 0,
   }, object, occupied, o)
   if made then object:close() end
   if not baked then return nil, stages, code end

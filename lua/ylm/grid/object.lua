@@ -33,6 +33,8 @@ require "ylm.describe".object "grid" {
     { "stats", "table", "points, cells, leaves, levels, pairs, invalid, bytes, ...; with a tolerance met: at least 99 % "
       .. "of the occupied points keep it, error: a bound of their 99 % quantile, both with this confidence (1: all points were "
       .. "compared; nil in a loaded grid), verified: the random points that judge, limited: not met because of the depth, "
+      .. "failed: of these points, those above the tolerance, crossed: of these, those looked up in voxels that surfaces cross, "
+      .. "where light jumps; measure: what error is of; "
       .. "warning: a sentence, where it is not met; "
       .. "seconds, of which field_seconds in the light field, occupancy_, lattice_, residual_ and continuity_seconds in "
       .. "parts of the bake, verify_seconds (field included) to verify (a loaded grid has none: files hold no times); baked "

@@ -29,7 +29,7 @@ end
 --- "; set depth = 7 or tolerance = 0.02", of those that are known.
 local function set(...)
   local words = {}
-  for i = 1, select("#", ...) do words[#words + 1] = (select(i, ...)) end
+  for i = 1, select("#", ...) do words[#words + 1] = (select(i, ...)) end -- nil: not known
   return words[1] and "; set " .. table.concat(words, " or ") or ""
 end
 
@@ -38,12 +38,23 @@ local function too_shallow(depth, error, tolerance)
   return ("voxels end at depth %d"):format(depth) .. set(deeper(depth, error, tolerance), looser(error))
 end
 
+--- The cause where light jumps at surfaces: in the voxels that they cross no depth helps, the look-up beside them does.
+local function too_crossed(s, form)
+  local words = ("%.0f of the %.0f points that fail are looked up in voxels that surfaces cross, where light jumps")
+    :format(s.crossed, s.failed)
+  if form.bias == 0 then return words .. "; leave bias = 0 out" .. (looser(s.error) and ", or set " .. looser(s.error) or "") end
+  local more = form.depth + 1
+  return words .. " (corners, walls thinner than a voxel)"
+    .. set(more <= core.limits.grid_depth and "depth = " .. more or nil, looser(s.error))
+end
+
 --- Why a bake's tolerance is not met, and what to change. The sum of lights is no smoother than its own tolerance.
 local function cause_of(s, form, lights)
   if lights and lights > s.tolerance then
     return ("lights are summed to light_tolerance = %.3g, voxels end at depth %d"):format(lights, form.depth)
       .. set(("light_tolerance = %.2g, then depth,"):format(s.tolerance), looser(s.error))
   end
+  if (s.crossed or 0) > (s.failed or 0) / 2 then return too_crossed(s, form) end
   if s.limited then return too_shallow(form.depth, s.error, s.tolerance) end
   return ("%d rounds of refinement end above it"):format(s.rounds) .. set(looser(s.error))
 end

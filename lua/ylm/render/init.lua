@@ -5,7 +5,6 @@ local box = require "ylm.box"
 local check = require "ylm.check"
 local core = require "ylm.c.core"
 local describe = require "ylm.describe".describe
-local devices = require "ylm.device"
 local indirect = require "ylm.render.indirect"
 local knob = require "ylm.render.knob"
 local light = require "ylm.light"
@@ -72,8 +71,8 @@ local function check_camera_options(given, o)
   end
 end
 
---- The shading points that a bake is to serve, as an array; nil: everywhere, or the surfaces of all geometry. Else false,
--- message, code.
+--- The shading points that a bake is to serve, an array or a view; nil: everywhere, or the surfaces of all geometry. Else
+-- false, message, code.
 local function occupied_points(s, t, o)
   local x = o.occupied
   if x == "everywhere" then return nil end
@@ -82,10 +81,7 @@ local function occupied_points(s, t, o)
     return check.fail("bake: scene %q has no geometry, so no surfaces (occupied = 'everywhere' needs none)", s.name or "?")
   end
   if x == "vertices" then return t.lib.scene_vertices(t.handle) end
-  if core.type(x) == "ylm.prepared" then
-    local points, message, code = views.methods.__positions(x, "bake", devices.of(o.device))
-    return points or false, message, code
-  end
+  if core.type(x) == "ylm.prepared" then return views.open("bake", x).view end
   if core.type(x) == "ylm.array" or core.type(x) == "ylm.gpu_array" then return x end
   if x ~= "camera" then
     return check.fail("bake: occupied must be 'surfaces', 'camera', 'vertices', 'everywhere', a prepared view or an array, "
@@ -94,9 +90,13 @@ local function occupied_points(s, t, o)
   local view, message, code = views.prepare("bake", s, { size = o.size, samples = o.samples, seed = o.seed, share = o.share,
     shading = o.shading, visibility = "rays", lmax = 0, threads = o.threads, progress = o.progress })
   if not view then return false, message, code end
-  local points = t.lib.shade_positions(view)
-  view:close()
-  return points
+  return view
+end
+
+--- How many shading points an array or a view has; nil: on a device, or no points.
+local function count_of(points)
+  if core.type(points) == "ylm.prepared" then return views.made[points].stats.points end
+  return core.type(points) == "ylm.array" and #points or nil
 end
 
 describe "scene:bake" {
@@ -124,16 +124,19 @@ function render.bake(s, given)
   local points
   points, message, code = occupied_points(s, t, o)
   if points == false then return nil, message, code end
-  if core.type(points) == "ylm.array" and #points == 0 then
+  if count_of(points) == 0 then
     local seen = o.occupied == "camera" or core.type(o.occupied) == "ylm.prepared"
     return check.fail("bake: no shading points: %s",
       seen and "the camera sees no geometry (occupied = 'everywhere' needs none)"
         or "occupied is empty")
   end
   local surfaces = o.occupied == "surfaces"
-  return require("ylm.grid").bake(probes, t.lights, { occupied = surfaces and "surfaces" or points,
+  local grid
+  grid, message, code = require("ylm.grid").bake(probes, t.lights, { occupied = surfaces and "surfaces" or points,
     geometry = surfaces and s.geometry or nil, bounds = box.padded(t.lo, t.hi), seed = o.seed, threads = o.threads,
     progress = o.progress, light_tolerance = o.light_tolerance, device = o.device })
+  if o.occupied == "camera" then points:close() end
+  return grid, message, code
 end
 
 local render_options = options.list(options.view_fields, options.transfer_fields, options.grid_fields,

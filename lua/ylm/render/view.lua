@@ -63,6 +63,7 @@ function prepared.__positions(view, name, device) return device:positions(name, 
 
 --- The normals of these points, [n][3] float, on the side that is seen: of triangles (flat), or of shading. Or nil, message,
 -- code.
+-- Where normals are of triangles, also [n]: halves of the distances to the next surfaces along them.
 function prepared.__normals(view, name, flat)
   local p = views.open(name, view)
   return check.result(name, p.lib.shade_normals(p.view, flat))
