@@ -54,6 +54,7 @@
 
 #define YLML_SCENE_BINDINGS(X)                                                                     \
   X(chooser)                                                                                       \
+  X(gather)                                                                                        \
   X(path)                                                                                          \
   X(radiosity)                                                                                     \
   X(shade)                                                                                         \

@@ -242,7 +242,9 @@ typedef struct ylm_gather_form {
       tolerance; /* of shadow rays of direct light: groups are looked at closer until they matter less than an eighth of it */
   bool
       remember; /* keep each point's cells: the field asked again there, after another solution, traces nothing */
+  bool refine_surfaces; /* boxes that meet triangles are crossed by what the field jumps on */
   uint64_t seed;
+  const ylm_scene *lamps; /* whose lamps and sky give direct light; NULL: the transfer's scene */
 } ylm_gather_form;
 
 typedef struct ylm_gather_stats {
@@ -253,10 +255,15 @@ typedef struct ylm_gather_stats {
 
 typedef struct ylm_gather ylm_gather; /* a light field of a radiosity */
 
+/* base 16, levels 2, contrast 0.2, indirect light. */
+YLM_API ylm_gather_form ylm_gather_defaults(void);
 /* YLM_OK; YLM_ERANGE, YLM_ENOMEM */
 YLM_API ylm_status ylm_gather_create(const ylm_radiosity *r, const ylm_gather_form *form,
                                      ylm_gather **g, ylm_error *e);
 YLM_API void ylm_gather_free(ylm_gather *g);
+/* Direct light is from now on that of another scene's lamps, of the same meshes. YLM_OK; YLM_ENOMEM: it then is as
+   it was. */
+YLM_API ylm_status ylm_gather_lamps(ylm_gather *g, const ylm_scene *lamps, ylm_error *e);
 /* Lives as long as the gather; `inside` is 1 at points that are not valid. Up to degree YLM_TRANSFER_LMAX. */
 YLM_API const ylm_field *ylm_gather_field(const ylm_gather *g);
 /* validity [n]: 1 less the share of directions that see sides that are not used; below 0.5 the point is in a body. */

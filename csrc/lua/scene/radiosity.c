@@ -25,7 +25,7 @@ static int radiosity_rays(lua_State *L) {
   ylm_error e = {0};
   ylmL_progress p;
   lua_settop(L, 6);
-  if (ylmL_busy(L, 1) != YLM_OK) return ylmL_result(L, 0, YLM_EBUSY, NULL);
+  if (ylmL_radiosity_busy(L, 1) != YLM_OK) return ylmL_result(L, 0, YLM_EBUSY, NULL);
   ylm_status s =
       ylm_radiosity_rays(r, scene, (int)luaL_checknumber(L, 3), (uint64_t)luaL_checknumber(L, 4),
                          (int)luaL_optnumber(L, 5, 0), ylmL_progress_begin(L, 6, &p), &e);
@@ -40,7 +40,7 @@ static int radiosity_field(lua_State *L) {
   ylm_error e = {0};
   ylmL_progress p;
   lua_settop(L, 4);
-  if (ylmL_busy(L, 1) != YLM_OK) return ylmL_result(L, 0, YLM_EBUSY, NULL);
+  if (ylmL_radiosity_busy(L, 1) != YLM_OK) return ylmL_result(L, 0, YLM_EBUSY, NULL);
   ylm_status s = ylm_radiosity_field(r, field, (int)luaL_optnumber(L, 3, 0),
                                      ylmL_progress_begin(L, 4, &p), &e);
   lua_pushvalue(L, 1);
@@ -51,7 +51,7 @@ static int radiosity_field(lua_State *L) {
 static int radiosity_set(lua_State *L) {
   ylm_radiosity *r = ylmL_radiosity(L, 1);
   ylmL_array *a = ylmL_array_check(L, 2);
-  if (ylmL_busy(L, 1) != YLM_OK) return ylmL_result(L, 0, YLM_EBUSY, NULL);
+  if (ylmL_radiosity_busy(L, 1) != YLM_OK) return ylmL_result(L, 0, YLM_EBUSY, NULL);
   if (a->dtype != YLM_FLOAT) return ylmL_result(L, 0, YLM_ETYPE, NULL);
   if (a->count != 3 * ylm_transfer_count(ylm_radiosity_transfer(r)))
     return ylmL_result(L, 0, YLM_ESHAPE, NULL);
@@ -92,7 +92,7 @@ static int radiosity_solve(lua_State *L) {
   ylm_error e = {0};
   ylmL_progress p;
   lua_settop(L, 6);
-  if (ylmL_busy(L, 1) != YLM_OK) return ylmL_result(L, 0, YLM_EBUSY, NULL);
+  if (ylmL_radiosity_busy(L, 1) != YLM_OK) return ylmL_result(L, 0, YLM_EBUSY, NULL);
   ylm_status s = ylm_radiosity_solve(r, (int)luaL_checknumber(L, 2), (double)luaL_checknumber(L, 3),
                                      lua_toboolean(L, 4), (int)luaL_optnumber(L, 5, 0),
                                      ylmL_progress_begin(L, 6, &p), &stats, &e);
@@ -125,6 +125,7 @@ static const luaL_Reg methods[] = {{"__gc", ylmL_let_go}, {NULL, NULL}};
 
 void ylmL_open_radiosity(lua_State *L) {
   ylmL_type(L, YLML_RADIOSITY, methods);
+  ylmL_type_has_field(L, ylmL_radiosity_default);
   lua_pop(L, 1);
   luaL_setfuncs(L, functions, 0);
 }

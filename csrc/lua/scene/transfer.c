@@ -7,6 +7,7 @@
 static void drop(ylmL_held *h) {
   while (h && --h->holds == 0) {
     ylmL_held *of = h->of;
+    if (h->extra) h->destroy_extra(h->extra);
     if (h->object) h->destroy(h->object);
     free(h);
     h = of;
@@ -29,7 +30,7 @@ ylmL_held *ylmL_hold(lua_State *L, const char *type, void (*destroy)(void *), yl
   lua_setmetatable(L, -2);
   *u = calloc(1, sizeof **u);
   if (!*u) ylmL_no_memory(L, NULL);
-  **u = (ylmL_held){1, NULL, destroy, of};
+  **u = (ylmL_held){.holds = 1, .destroy = destroy, .of = of};
   if (of) of->holds++;
   return *u;
 }

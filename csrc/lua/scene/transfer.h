@@ -15,6 +15,9 @@ struct ylmL_held {
   void *object;
   void (*destroy)(void *object);
   ylmL_held *of; /* what it points to itself, or NULL */
+  void *extra;   /* another object that points to it, freed before it; or NULL */
+  void (*destroy_extra)(void *extra);
+  size_t running; /* calls that read it through another object */
 };
 
 /* A new userdata of a type, whose object is still to be made; `of` (NULL: nothing) is held. */
@@ -26,5 +29,10 @@ int ylmL_let_go(lua_State *L);
 
 ylm_transfer *ylmL_transfer(lua_State *L, int i);
 ylm_radiosity *ylmL_radiosity(lua_State *L, int i);
+
+/* The light field that a radiosity has by itself. gather.c */
+ylmL_field_of ylmL_radiosity_default;
+/* YLM_EBUSY where the radiosity at `i` is read by a call whose progress function runs now. */
+ylm_status ylmL_radiosity_busy(lua_State *L, int i);
 
 #endif

@@ -212,6 +212,17 @@ static ylm_status create(const ylm_radiosity *r, const ylm_gather_form *form, yl
   return s;
 }
 
+ylm_gather_form ylm_gather_defaults(void) {
+  return (ylm_gather_form){
+      .base = 16, .levels = 2, .contrast = 0.2, .parts = YLM_GATHER_INDIRECT, .tolerance = 0.03};
+}
+
+ylm_status ylm_gather_lamps(ylm_gather *g, const ylm_scene *lamps, ylm_error *e) {
+  (void)e;
+  g->form.lamps = lamps;
+  return YLM_OK;
+}
+
 ylm_status ylm_gather_create(const ylm_radiosity *r, const ylm_gather_form *form, ylm_gather **out,
                              ylm_error *e) {
   *out = NULL;

@@ -132,6 +132,14 @@ local function bounds(description, given, points)
   return check.bad(1, "bake", "no bounds: give them in the grid, or geometry or occupied points that span a box")
 end
 
+--- The light field to be asked: fields that are known to some noise settle that first. Or nil, message, code.
+local function settled(field, description, occupied, box, o)
+  local settle = core.type(field) and core.type(field) ~= "ylm.array" and getmetatable(field).__for_bake
+  if not settle then return field end
+  return settle(field, { lmax = description.lmax, tolerance = description.tolerance, bounds = box,
+    points = core.type(occupied) == "ylm.array" and occupied or nil, seed = o.seed, threads = o.threads, progress = o.progress })
+end
+
 local bake_options = {
   { "occupied", "any", optional = true,
     about = "'surfaces': voxels that the triangles of geometry meet, where the tolerance holds by area; or shading points "
@@ -228,6 +236,8 @@ function bake.bake(description, lights, given)
   end
   local measure = measure_of(description, jumps, normals or type(occupied) == "table")
   local box = bounds(description, o.bounds, occupied)
+  packed, failed, why = settled(packed, description, occupied, box, o)
+  if not packed then return nil, failed, why end
   local cells = description.cells or { 1, 1, 1 }
   local object, made
   object, made, failed = asked:lights(3, "bake", packed, o, light.within)

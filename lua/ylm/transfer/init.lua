@@ -200,6 +200,7 @@ function methods.close(t)
 end
 
 require "ylm.transfer.radiosity"
+require "ylm.transfer.field"
 memory.publish(methods)
 
 return transfer

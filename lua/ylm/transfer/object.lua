@@ -36,6 +36,10 @@ objects.radiosity, objects.radiosities = kind("radiosity", { "stats", "scene", "
   return ("%d elements, %d bounces"):format(m.elements, m.stats.bounces)
 end)
 
+objects.gather, objects.gathers = kind("gather", { "stats", "scene", "radiosity", "rays" }, function(m)
+  return ("%s light, %s rays"):format(m.parts, m.rays)
+end)
+
 --- All about the object before the colon: `made` of its kind, and `handle`.
 local function opened(name, object, kinds, type_name, article)
   if core.type(object) ~= type_name then
@@ -52,6 +56,10 @@ end
 
 function objects.open_radiosity(name, lit)
   return opened(name, lit, objects.radiosities, "ylm.radiosity", "a radiosity")
+end
+
+function objects.open_gather(name, field)
+  return opened(name, field, objects.gathers, "ylm.gather", "a gathered field")
 end
 
 --- Raises where the meshes of a scene are no more those of a transfer; the traced scene as it is now; nil, message, code.

@@ -158,7 +158,10 @@ assert(lit.stats.bounces > 0)]],
 }
 function methods.update(lit, lights)
   local m = objects.open_radiosity("update", lit)
-  return light_up("update", lit, m, lights, m.options)
+  local done, message, code = light_up("update", lit, m, lights, m.options)
+  if done then done, message, code = objects.relit(m) end
+  if not done then return nil, message, code end
+  return lit
 end
 
 describe "radiosity:irradiance" {

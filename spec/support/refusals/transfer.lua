@@ -29,6 +29,12 @@ local function methods(name, make, what, list)
   return out
 end
 
+local function field(ylm) return radiosity(ylm):field { rays = 192 } end
+
+local function field_of(o, says)
+  return { call = function(ylm) return radiosity(ylm):field(o) end, says = says }
+end
+
 local function form_cases(wrap)
   local out = {}
   for _, case in ipairs {
@@ -105,5 +111,34 @@ return {
   }),
   ["radiosity:leaving"] = methods("leaving", radiosity, "radiosity"),
   ["radiosity:elements"] = methods("elements", radiosity, "radiosity"),
+  ["radiosity:field"] = methods("field", radiosity, "radiosity", {
+    field_of({ parts = "indirekt" }, "did you mean 'indirect'"), field_of({ rays = 100 },
+      "rays must be 'auto' or an integer from 192 to 49152"),
+    field_of({ rays = "many" }, "rays must be 'auto'"), field_of({ rays = nan }, "rays must be"), field_of({ tolerance = 0 },
+      "tolerance must be"),
+    field_of({ tolerance = 1e-6 }, "field: tolerance 1e%-06: the gathered light is known to"),
+    field_of({ contrast = -1 }, "contrast must be"), field_of({ contrast = nan }, "contrast must be"),
+    field_of({ derivatives = "cell" }, "did you mean 'cells'"), field_of({ remember = 1 }, "remember must be"),
+    field_of({ seed = -1 }, "seed must be"), field_of({ ray = 192 }, "did you mean 'rays'"),
+    { call = function(ylm)
+      local t = transfer(ylm)
+      return t:radiosity(t:radiosity()):field { parts = "all" }
+    end, says = "parts = 'all' is for lights that rays can be sent to: this radiosity was lit by another light field" },
+    { call = function(ylm) return ylm.light_field(21, radiosity(ylm), { 0, 0, 0 }) end, says = "lmax must be 0 .. 20 for gathered light" },
+    { call = function(ylm)
+      local grid = ylm.adaptive_grid { bounds = { { -1, -1, -1 }, { 1, 1, 1 } }, lmax = 1, tolerance = 1e-6 }
+      return ylm.bake(grid, field(ylm))
+    end, says = "bake: tolerance 1e%-06: the gathered light is known to" },
+  }),
+  ["gather:noise"] = methods("noise", field, "gathered field", {
+    { call = function(ylm) return field(ylm):noise { points = { { 0, 0 } } } end, says = "noise" },
+    { call = function(ylm) return field(ylm):noise { lmax = 21 } end, says = "lmax must be" },
+    { call = function(ylm) return field(ylm):noise { progress = function() return false end } end, says = "cancelled" },
+  }),
+  ["gather:validity"] = methods("validity", field, "gathered field", {
+    { call = function(ylm) return field(ylm):validity { 0, 0 } end, says = "validity" },
+    { call = function(ylm) return field(ylm):validity({ 0, 0, 0 }, { thread = 1 }) end, says = "did you mean 'threads'" },
+  }),
+  ["gather:close"] = methods("close", field, "gathered field"),
   ["radiosity:close"] = methods("close", radiosity, "radiosity"),
 }
