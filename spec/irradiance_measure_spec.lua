@@ -5,7 +5,7 @@ local ylm = require "ylm"
 local irradiance = require "spec.support.irradiance"
 local walls = require "spec.support.walls"
 
-local box = { { -1.1, -1.1, -1 }, { 1.1, 1.1, 1.2 } }
+local box = walls.box
 
 --- A description with what a case changes.
 local function adaptive(changes)

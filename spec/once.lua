@@ -13,6 +13,7 @@ return {
   grid_sample = 3, grid_update_undo = 3, texture = 3, plot = 3, sh_eval = 2, vulkan_render = 2, no_lights = 2,
   light_polygon_kernel = 2, shade = 2, render_noise = 2, render = 2, grid_update_memory = 1, grid_update_view = 1,
   codec = 1, light_textured = 1, sh_product = 1, light_polygon_scene = 1, light_merged = 1, sh_rotate = 1, ladder = 1,
-  irradiance_measure = 3, abi = 1, bounce_render = 4, path = 5, light_sky = 3, first_call = 5, flip = 3, two_rooms_light = 2,
+  irradiance_measure = 3, refresh = 2, abi = 1, bounce_render = 4, path = 5, light_sky = 3, first_call = 5, flip = 3,
+  two_rooms_light = 2,
   transfer = 1, radiosity = 1,
 }

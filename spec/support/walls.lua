@@ -4,6 +4,7 @@ local ylm = require "ylm"
 
 local walls = {}
 
+walls.box = { { -1.1, -1.1, -1 }, { 1.1, 1.1, 1.2 } }
 walls.height = 0.03
 walls.dark = 0.1 -- light below the wall, as a part of that without it
 walls.lamp = ylm.sphere_light { at = { 0.2, 0.1, 1.3 }, radius = 0.1, radiance = { 10, 8, 6 } }

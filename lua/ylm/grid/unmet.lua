@@ -74,6 +74,9 @@ end
 --- The sentence of a bake, or of the last update; nil where its tolerance is met, or there is none.
 local function sentence_of(s, form, lights)
   if s.met ~= false then return nil end
+  if s.error ~= s.error then
+    return ("grid: it was refreshed, and nobody has looked whether tolerance %.3g is kept: bake anew to know"):format(s.tolerance)
+  end
   return begin(s.update and "update" or "bake", s.tolerance, s.error)
     .. (s.update and cause_after_update(s, form) or cause_of(s, form, lights))
 end
