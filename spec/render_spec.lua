@@ -158,6 +158,40 @@ describe("a picture", function()
     assert.same({ 0, 0, 0 }, (s:render { size = o.size, samples = 1 }):layer()[5][10]:totable())
   end)
 
+  it("by a grid that holds its shadows is lit by the cosine alone, whatever the view knows of visibility", function()
+    local s = card(1)
+    s.geometry[2] = ylm.quad { corner = { -3, -3, 1 }, u = { 6, 0, 0 }, v = { 0, 6, 0 } } -- behind the camera
+    s.camera = ylm.camera { from = { 0, 0, 0.9 }, fov = 40 }
+    local function glow(points) -- radiance 1, 2, 4 from all around
+      local rows = {}
+      for i = 1, #points do rows[i] = { { 2 * math.sqrt(pi) }, { 4 * math.sqrt(pi) }, { 8 * math.sqrt(pi) } } end
+      return ylm.array(rows, "double"), ylm.zeros({ #points, 3, 1, 3 }, "double")
+    end
+    local probes = ylm.uniform_grid { bounds = { { -4, -4, -1 }, { 4, 4, 2 } }, cells = 2, lmax = 0, metric_channels = "none" }
+    local held = { lights = ylm.bake(probes, glow), direct = ylm.bake(probes, glow, { quantity = "direct" }),
+      all = ylm.bake(probes, glow, { quantity = "all" }) }
+    local o = { size = { 8, 6 }, samples = 1, layers = false }
+    local function middle(image) return image:layer()[3][4]:totable() end
+    local before = ylm.on_warning(function() end)
+    for _, quantity in ipairs { "direct", "all" } do
+      o.grid = held[quantity]
+      local image, report = s:render(o)
+      assert.same({ "grid", 0 }, { report.visibility, report.rays.occlusion })
+      assert.is_nil(report.occlusion)
+      assert.equal("grid", image.metadata.method)
+      for _, v in ipairs { "rays", "transfer", "none" } do
+        local view = s:prepare { size = o.size, samples = 1, visibility = v }
+        for c, wanted in ipairs { 0.5, 0.5, 0.5 } do
+          assert.near(wanted, middle(view:render { grid = o.grid })[c], 1e-5)
+        end
+      end
+      assert.near(0.5, middle(image)[1], 1e-5)
+    end
+    o.grid, o.occlusion_distance = held.lights, 2
+    assert.is_true(middle(s:render(o))[1] < 0.2) -- the quad before the card darkens lights
+    ylm.on_warning(before)
+  end)
+
   it("carries how it was made", function()
     local s = card(1)
     local grid = s:bake { probes = ylm.uniform_grid { cells = 2, lmax = 3 } }

@@ -1,13 +1,11 @@
 --- Pictures of scenes: what bake, prepare, render, reference and raycast of a scene do.
 
 require "ylm.render.prepared" -- the methods of what prepare returns
-local box = require "ylm.box"
+local baking = require "ylm.render.bake"
 local check = require "ylm.check"
-local core = require "ylm.c.core"
 local describe = require "ylm.describe".describe
 local indirect = require "ylm.render.indirect"
 local knob = require "ylm.render.knob"
-local light = require "ylm.light"
 local options = require "ylm.render.options"
 local paths = require "ylm.render.path"
 local pictures = require "ylm.render.picture"
@@ -17,7 +15,7 @@ local views = require "ylm.render.view"
 local visibility = require "ylm.render.visibility"
 local warning = require "ylm.warning"
 
-local render = { true_error = pictures.true_error, pathtrace = paths.pathtrace, probe = paths.probe }
+local render = { bake = baking.bake, true_error = pictures.true_error, pathtrace = paths.pathtrace, probe = paths.probe }
 
 local prepare_options = options.list(options.view_fields, options.transfer_fields, indirect.link_fields, options.common)
 
@@ -49,96 +47,6 @@ function render.prepare(s, given)
   return view
 end
 
-local bake_options = options.list(options.view_fields, {
-  { "probes", "object", of = { "adaptive_grid", "uniform_grid" }, optional = true, about = "instead of the scene's" },
-  { "occupied", "any", default = "surfaces",
-    about = "where light is needed: 'surfaces' (the whole geometry), 'camera' (what its rays hit: size, samples, share and "
-      .. "shading are about them), 'vertices' (all of them), 'everywhere', a prepared view, or an array [n][3], with device "
-      .. "also a gpu_array" },
-  { "shading", "choice", of = { "pixel", "vertex" }, default = "pixel",
-    about = "with 'camera': what rays hit, or the vertices of the triangles they hit" },
-  light.tolerance_option "light_tolerance",
-  { "device", "gpu", optional = true, about = "bakes there, as ylm.bake does; a prepared view's points are copied there once" },
-}, options.common)
-
---- Raises where options that are about the camera alone are given and would be ignored.
-local function check_camera_options(given, o)
-  if o.occupied == "camera" or type(given) ~= "table" then return end
-  for _, name in ipairs { "size", "samples", "pixel_samples", "share", "shading" } do
-    if given[name] ~= nil then
-      return check.fail("bake: %s is about the camera's rays: give occupied = 'camera' too, or leave it out", name)
-    end
-  end
-end
-
---- The shading points that a bake is to serve, an array or a view; nil: everywhere, or the surfaces of all geometry. Else
--- false, message, code.
-local function occupied_points(s, t, o)
-  local x = o.occupied
-  if x == "everywhere" then return nil end
-  if x == "surfaces" then
-    if #s.geometry > 0 then return nil end
-    return check.fail("bake: scene %q has no geometry, so no surfaces (occupied = 'everywhere' needs none)", s.name or "?")
-  end
-  if x == "vertices" then return t.lib.scene_vertices(t.handle) end
-  if core.type(x) == "ylm.prepared" then return views.open("bake", x).view end
-  if core.type(x) == "ylm.array" or core.type(x) == "ylm.gpu_array" then return x end
-  if x ~= "camera" then
-    return check.fail("bake: occupied must be 'surfaces', 'camera', 'vertices', 'everywhere', a prepared view or an array, "
-      .. "got %s", check.describe(x))
-  end
-  local view, message, code = views.prepare("bake", s, { size = o.size, samples = o.samples, seed = o.seed, share = o.share,
-    shading = o.shading, visibility = "rays", lmax = 0, threads = o.threads, progress = o.progress })
-  if not view then return false, message, code end
-  return view
-end
-
---- How many shading points an array or a view has; nil: on a device, or no points.
-local function count_of(points)
-  if core.type(points) == "ylm.prepared" then return views.made[points].stats.points end
-  return core.type(points) == "ylm.array" and #points or nil
-end
-
-describe "scene:bake" {
-  about = "Bakes a scene's probes: a grid of its lights for the surfaces of its geometry, or for what its camera sees.",
-  arguments = { { "options?", "table", "the camera's default to those of scene:render" } },
-  options = bake_options,
-  returns = { { "grid", "grid", "bounds default to the box around the geometry" } },
-  errors = "raises where there are no probes or a bad option; nil, message, code: memory, cancelled",
-  example = options.one_lamp .. [[
-local probes = ylm.uniform_grid { cells = { 4, 4, 4 }, lmax = 2 }
-local grid = scene:bake { probes = probes }
-local seen = scene:bake { probes = probes, occupied = "camera", size = { 32, 18 }, samples = 4 }
-assert(grid.stats.points >= seen.stats.points)]],
-}
-function render.bake(s, given)
-  tracing.check_scene("bake", s)
-  local o = options.of_view("bake", bake_options, given)
-  local probes = o.probes or s.probes
-  if not probes then
-    return check.fail("bake: scene %q has no probes (probes = adaptive_grid { ... })", s.name or "?")
-  end
-  check_camera_options(given, o)
-  local t, message, code = tracing.trace("bake", s)
-  if not t then return nil, message, code end
-  local points
-  points, message, code = occupied_points(s, t, o)
-  if points == false then return nil, message, code end
-  if count_of(points) == 0 then
-    local seen = o.occupied == "camera" or core.type(o.occupied) == "ylm.prepared"
-    return check.fail("bake: no shading points: %s",
-      seen and "the camera sees no geometry (occupied = 'everywhere' needs none)"
-        or "occupied is empty")
-  end
-  local surfaces = o.occupied == "surfaces"
-  local grid
-  grid, message, code = require("ylm.grid").bake(probes, t.lights, { occupied = surfaces and "surfaces" or points,
-    geometry = surfaces and s.geometry or nil, bounds = box.padded(t.lo, t.hi), seed = o.seed, threads = o.threads,
-    progress = o.progress, light_tolerance = o.light_tolerance, device = o.device })
-  if o.occupied == "camera" then points:close() end
-  return grid, message, code
-end
-
 local render_options = options.list(options.view_fields, options.transfer_fields, options.grid_fields,
   options.direct_fields, indirect.bounce_fields, indirect.link_fields, knob.fields, options.baked_fields, options.layer_fields,
   options.common)
@@ -148,7 +56,8 @@ local function bake_for(s, view, o)
   if views.made[view].stats.points == 0 then
     return views.made[view].traced.lights -- no grid can be baked for no points; no point will ask what light there is
   end
-  return render.bake(s, { occupied = view, threads = o.threads, progress = o.progress, light_tolerance = o.light_tolerance })
+  return baking.bake(s, { parts = "lights", occupied = view, threads = o.threads, progress = o.progress,
+    light_tolerance = o.light_tolerance })
 end
 
 --- The picture that keeps a tolerance, and says whether it does.

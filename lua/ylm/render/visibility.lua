@@ -13,9 +13,7 @@ local visibility = {}
 
 --- The quantity that a field holds: "lights" (that nothing occludes), "direct", "indirect" or "all".
 function visibility.quantity(field)
-  local kind = core.type(field)
-  if kind == "ylm.grid" or kind == "ylm.gather" then return field.quantity or "lights" end
-  return kind == "ylm.radiosity" and "indirect" or "lights"
+  return core.has_field(field) and (core.field_quantity(field)) or "lights"
 end
 
 --- Options of the ways that need them.
@@ -56,14 +54,16 @@ function visibility.settle_picture(name, o, given)
   visibility.settle(name, o, given, held == "lights" and "transfer" or "rays")
   if held and held ~= "lights" then o.visibility = "rays" end -- the grid knows all shadows
   if o.visibility == "rays" and not held then
-    return refuse(name, given, { "interpolation", "light_tolerance" }, 'a grid (visibility = "transfer" bakes one)', o)
+    return refuse(name, given, { "interpolation", "bias", "light_tolerance" }, 'a grid (visibility = "transfer" bakes one)', o)
   end
   if held then return refuse(name, given, { "light_samples" }, "pictures without a grid", o) end
 end
 
 --- By what the prepared view p multiplies the light of a field: "transfer" or "cosine". Raises where it cannot.
 function visibility.weight(name, p, field)
-  if visibility.quantity(field) ~= "lights" then return "cosine" end
+  local held = visibility.quantity(field)
+  if held == "visibility" then return check.fail("%s: the grid holds visibility, which is no light", name) end
+  if held ~= "lights" then return "cosine" end
   if p.options.visibility ~= "rays" then return "transfer" end
   return check.fail("%s: %s holds lights without their shadows, which transfer vectors shade, and the view has none: prepare it "
     .. 'with visibility = "transfer"', name, check.describe(field))

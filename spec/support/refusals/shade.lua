@@ -1,5 +1,7 @@
 -- Refusals of cameras, materials and rendering: see spec/refusals_spec.lua.
 
+local shapes = require "ylm"
+
 local nan, inf = 0 / 0, 1 / 0
 
 local function scene(ylm, fields)
@@ -79,6 +81,9 @@ local function lamp(ylm) return ylm.sphere_light { at = { 0, 1, 0 }, radius = 0.
 --- A grid of lights.
 local function lights(ylm) return ylm.bake(ylm.uniform_grid { cells = 1, lmax = 1, bounds = { { -1, 0, -1 }, { 1, 1, 1 } } }, lamp(ylm)) end
 
+local uniform, following = shapes.uniform_grid { cells = 1, lmax = 1 },
+  shapes.uniform_grid { cells = 1, lmax = 1, dynamic = true }
+
 local no_transfer = 'the view has no transfer vectors: prepare it with visibility = "transfer"'
 
 --- Cases of method `name` of prepared views.
@@ -133,6 +138,14 @@ return {
     { { shadows = 1 }, "shadows must be" }, { { lmax = 4 }, "no field 'lmax'" },
   }),
   ["scene:bake"] = joined(options("bake", {
+    { { occupied = "camera", probes = uniform, parts = "shadows" }, "parts must be" },
+    { { occupied = "camera", probes = uniform, bounces = 2 }, "bounces are of parts = 'indirect' or 'all'" },
+    { { occupied = "camera", probes = uniform, bounces = 2, parts = "lights" }, "bounces are of parts = 'indirect' or 'all'" },
+    { { occupied = "camera", probes = uniform, bounces = 2, parts = "direct" }, "bounces are of parts = 'indirect' or 'all'" },
+    { { occupied = "camera", probes = uniform, parts = "indirect", bounces = 0 }, "parts = 'indirect' would be dark" },
+    { { occupied = "camera", probes = uniform, parts = "direct", light_tolerance = 0.1 },
+      "light_tolerance is for parts = 'lights', these are \"direct\"" },
+    { { occupied = "camera", probes = following, parts = "all" }, "a dynamic grid follows lights" },
     { { light_tolerance = -1 }, "light_tolerance must be a number >= 1e%-06" },
     { {}, "has no probes" }, { { probes = 5 }, "probes must be" }, { { samples = 0 }, "samples must be" },
   }), {

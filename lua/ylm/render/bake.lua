@@ -1,0 +1,162 @@
+--- Grids of scenes: where their light is needed, and what they hold.
+
+local box = require "ylm.box"
+local check = require "ylm.check"
+local core = require "ylm.c.core"
+local describe = require "ylm.describe".describe
+local grids = require "ylm.grid"
+local light = require "ylm.light"
+local options = require "ylm.render.options"
+local tracing = require "ylm.trace"
+local transfer = require "ylm.transfer"
+local views = require "ylm.render.view"
+
+local bake = {}
+
+-- Where light is needed ---------------------------------------------------------------
+
+--- Raises where options that are about the camera alone are given and would be ignored.
+local function check_camera_options(given, o)
+  if o.occupied == "camera" or type(given) ~= "table" then return end
+  for _, name in ipairs { "size", "samples", "pixel_samples", "share", "shading" } do
+    if given[name] ~= nil then
+      return check.fail("bake: %s is about the camera's rays: give occupied = 'camera' too, or leave it out", name)
+    end
+  end
+end
+
+--- The option `occupied` of ylm.bake, nil for everywhere; true where it is to be closed after the bake. Or false, message,
+-- code.
+local function occupied(s, t, o)
+  local x = o.occupied
+  if x == "everywhere" then return nil end
+  if x == "surfaces" then
+    if #s.geometry > 0 then return x end
+    return check.fail("bake: scene %q has no geometry, so no surfaces (occupied = 'everywhere' needs none)", s.name or "?")
+  end
+  if x == "vertices" then return t.lib.scene_vertices(t.handle) end
+  if core.type(x) == "ylm.prepared" then return views.open("bake", x).view end
+  if core.type(x) == "ylm.array" or core.type(x) == "ylm.gpu_array" then return x end
+  if x ~= "camera" then
+    return check.fail("bake: occupied must be 'surfaces', 'camera', 'vertices', 'everywhere', a prepared view or an array, "
+      .. "got %s", check.describe(x))
+  end
+  local view, message, code = views.prepare("bake", s, { size = o.size, samples = o.samples, seed = o.seed, share = o.share,
+    shading = o.shading, visibility = "rays", lmax = 0, threads = o.threads, progress = o.progress })
+  if not view then return false, message, code end
+  return view, true
+end
+
+--- Raises where a view or an array has no points.
+local function check_points(points)
+  if core.type(points) == "ylm.prepared" and views.made[points].stats.points == 0 then
+    return check.fail "bake: no shading points: the camera sees no geometry (occupied = 'everywhere' needs none)"
+  end
+  if core.type(points) == "ylm.array" and #points == 0 then
+    return check.fail "bake: no shading points: occupied is empty"
+  end
+end
+
+-- The light that is held ----------------------------------------------------------------
+
+--- The quantity that a bake of a scene holds where nobody says.
+local function default_parts() return "lights" end
+
+--- Reflections on elements for `bounces` of them before the light of a grid; raises where there is no light to hold.
+local function reflections(o)
+  if o.parts == "direct" then return 0 end
+  if o.bounces == nil or o.bounces == "all" then return "all" end
+  if o.bounces > 0 then return o.bounces - 1 end
+  if o.parts == "all" then return 0 end
+  return check.fail "bake: bounces = 0 is direct light alone, parts = 'indirect' would be dark: bounces = 1, 2 .. or 'all'"
+end
+
+--- The light field that is baked: the scene's lights, or light with shadows and bounces; or nil, message, code.
+local function field_of(s, t, o)
+  if o.parts == "lights" then return t.lights end
+  local n = reflections(o)
+  local direct = o.parts == "direct" or o.bounces == 0
+  local links, message, code = transfer.of_scene(s, { links = direct and 4 or nil, lmax = 0, threads = o.threads,
+    progress = o.progress })
+  if not links then return nil, message, code end
+  local lit
+  lit, message, code = links:radiosity(s.lights, { bounces = n, light_samples = direct and 1 or nil, threads = o.threads,
+    progress = o.progress })
+  if not lit then return nil, message, code end
+  if not lit.field then return check.fail("bake: parts = %q is not there yet", o.parts) end
+  return lit:field { parts = direct and "direct" or o.parts }
+end
+
+--- Raises where options of gathered light stand beside others that have no use for it.
+local function check_parts(o, probes)
+  if o.bounces and o.parts ~= "indirect" and o.parts ~= "all" then
+    return check.fail "bake: bounces are of parts = 'indirect' or 'all': name one, or leave bounces out"
+  end
+  if o.parts == "lights" then return end
+  for _, name in ipairs { "device", "light_tolerance" } do
+    if o[name] then
+      return check.fail("bake: %s is for parts = 'lights', these are %q: leave %s out", name, o.parts, name)
+    end
+  end
+  if probes.dynamic then
+    return check.fail("bake: a dynamic grid follows lights, parts = 'lights', these are %q (grid:refresh follows a field)",
+      o.parts)
+  end
+  reflections(o)
+end
+
+local bake_options = options.list(options.view_fields, {
+  { "probes", "object", of = { "adaptive_grid", "uniform_grid" }, optional = true, about = "instead of the scene's" },
+  { "parts", "choice", of = { "lights", "direct", "indirect", "all" }, optional = true,
+    about = "what the grid holds: 'lights', light that nothing occludes (default); 'direct', light of lamps and sky with "
+      .. "shadows; 'indirect', what surfaces send back; 'all', both" },
+  { "bounces", "bounces", optional = true, about = "of 'indirect' and 'all': reflections after direct light, default 'all'" },
+  { "occupied", "any", default = "surfaces",
+    about = "where light is needed: 'surfaces' (the whole geometry), 'camera' (what its rays hit: size, samples, share and "
+      .. "shading are about them), 'vertices' (all of them), 'everywhere', a prepared view, or an array [n][3], with device "
+      .. "also a gpu_array" },
+  { "shading", "choice", of = { "pixel", "vertex" }, default = "pixel",
+    about = "with 'camera': what rays hit, or the vertices of the triangles they hit" },
+  light.tolerance_option "light_tolerance",
+  { "device", "gpu", optional = true, about = "bakes there, as ylm.bake does; a prepared view's points are copied there once" },
+}, options.common)
+
+describe "scene:bake" {
+  about = "Bakes a scene's probes: a grid of its light for the surfaces of its geometry, or for what its camera sees.",
+  arguments = { { "options?", "table", "the camera's default to those of scene:render" } },
+  options = bake_options,
+  returns = { { "grid", "grid", "bounds default to the box around the geometry" } },
+  errors = "raises where there are no probes or a bad option; nil, message, code: memory, cancelled",
+  example = options.one_lamp .. [[
+local probes = ylm.uniform_grid { cells = { 4, 4, 4 }, lmax = 2 }
+local grid = scene:bake { probes = probes }
+local seen = scene:bake { probes = probes, occupied = "camera", size = { 32, 18 }, samples = 4 }
+assert(grid.stats.points >= seen.stats.points)]],
+}
+function bake.bake(s, given)
+  tracing.check_scene("bake", s)
+  local o = options.of_view("bake", bake_options, given)
+  local probes = o.probes or s.probes
+  if not probes then
+    return check.fail("bake: scene %q has no probes (probes = adaptive_grid { ... })", s.name or "?")
+  end
+  check_camera_options(given, o)
+  o.parts = o.parts or default_parts(s, o, probes)
+  check_parts(o, probes)
+  local t, message, code = tracing.trace("bake", s)
+  if not t then return nil, message, code end
+  local where, own, why = occupied(s, t, o)
+  if where == false then return nil, own, why end
+  check_points(where)
+  local field, grid
+  field, message, code = field_of(s, t, o)
+  if field then
+    grid, message, code = grids.bake(probes, field, { occupied = where, geometry = where == "surfaces" and s.geometry or nil,
+      bounds = box.padded(t.lo, t.hi), seed = o.seed, threads = o.threads, progress = o.progress,
+      light_tolerance = o.light_tolerance, device = o.device })
+  end
+  if own then where:close() end
+  return grid, message, code
+end
+
+return bake
