@@ -16,7 +16,8 @@ struct ylm_shade_links {
 
 static uint64_t *list_streams(const ylm_shade_view *v) {
   uint64_t *stream = ylm_alloc(v->points, sizeof *stream);
-  for (size_t i = 0; stream && i < v->points; i++) stream[i] = ylm__shade_stream(v, i);
+  shade_stream at = ylm__shade_stream_at(v, 0);
+  for (size_t i = 0; stream && i < v->points; i++) stream[i] = ylm__shade_stream_next(v, &at);
   return stream;
 }
 

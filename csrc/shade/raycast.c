@@ -5,12 +5,14 @@
 #include "view.h"
 #include "ylm_path.h"
 
-#define GRAIN 32
+#define GRAIN 256
+/* Rays that are traced in one go, where a point has fewer; points whose rays these are, at most. */
+#define BATCH 512
 
 typedef struct job {
   const ylm_shade_view *view;
   const ylm_scene *lit;
-  int light_samples;
+  int light_samples, matte; /* the kind */
   bool shadows;
   uint64_t seed;
   float *out;
@@ -19,56 +21,83 @@ typedef struct job {
 
 typedef struct scratch {
   ylm_scene_chooser *lamps;
-  ylm_trace_ray *ray; /* [light_samples] */
-  float (*value)[3];  /* [light_samples]: irradiance that the ray brings if nothing is hit */
+  ylm_trace_ray *ray;  /* [room] */
+  float (*value)[3];   /* [room]: irradiance that the ray brings if nothing is hit */
+  size_t point[BATCH]; /* whose rays these are */
+  size_t end[BATCH];   /* of each point's rays */
+  size_t points, rays, room;
+  uint64_t traced;
 } scratch;
 
-/* Irradiance of one point; returns the number of rays that were traced. */
-static size_t gather(const job *j, size_t i, const scratch *s, double E[3]) {
-  ylm_rng rng;
-  ylm_rng_seed(&rng, j->seed, ylm__shade_stream(j->view, i));
-  E[0] = E[1] = E[2] = 0;
-  size_t rays = ylm_scene_aim(s->lamps, j->view->origin[i], j->view->normal[i], j->light_samples,
-                              &rng, s->ray, s->value);
-  if (j->shadows) ylm_trace_occluded(ylm_scene_trace(j->lit), rays, s->ray);
-  for (size_t k = 0; k < rays; k++)
-    if (!j->shadows || !(s->ray[k].far < 0))
-      for (int c = 0; c < 3; c++) E[c] += s->value[k][c];
-  return j->shadows ? rays : 0;
+static bool scratch_create(const job *j, scratch *s) {
+  size_t each = (size_t)j->light_samples;
+  s->room = each > BATCH ? each : BATCH;
+  s->lamps = ylm_scene_chooser_create(j->lit);
+  s->ray = ylm_alloc(s->room, sizeof *s->ray);
+  s->value = ylm_alloc(s->room, sizeof *s->value);
+  return s->lamps && s->ray && s->value;
 }
 
-/* Materials whose radiance is the same in all directions: irradiance tells all of it. */
-static bool is_matte(const ylm_material *m) {
-  return ylm_material_kind(m) == ylm_material_kind_find("matte");
+static void scratch_free(scratch *s) {
+  ylm_scene_chooser_free(s->lamps);
+  ylm_free(s->ray);
+  ylm_free(s->value);
+}
+
+/* Traces the rays of all points so far; writes the radiance of these. */
+static void finish(const job *j, scratch *s) {
+  if (j->shadows) {
+    ylm_trace_occluded(ylm_scene_trace(j->lit), s->rays, s->ray);
+    s->traced += s->rays;
+  }
+  for (size_t p = 0, k = 0; p < s->points; p++) {
+    size_t i = s->point[p];
+    double E[3] = {0, 0, 0};
+    for (; k < s->end[p]; k++)
+      if (!j->shadows || !(s->ray[k].far < 0))
+        for (int c = 0; c < 3; c++) E[c] += s->value[k][c];
+    ylm_material_reflect(ylm__shade_material(j->view, i), E, j->out + 3 * i);
+    ylm__shade_tint(j->view, i, 1, j->out + 3 * i);
+  }
+  s->points = s->rays = 0;
+}
+
+/* Aims rays from a point whose random numbers have the number `stream`. */
+static void aim(const job *j, scratch *s, size_t i, uint64_t stream) {
+  ylm_rng rng;
+  if (s->points == BATCH || s->rays + (size_t)j->light_samples > s->room) finish(j, s);
+  ylm_rng_seed(&rng, j->seed, stream);
+  s->rays += ylm_scene_aim(s->lamps, j->view->origin[i], j->view->normal[i], j->light_samples, &rng,
+                           s->ray + s->rays, s->value + s->rays);
+  s->point[s->points] = i;
+  s->end[s->points++] = s->rays;
+}
+
+static bool is_matte(const job *j, size_t i) {
+  return ylm_material_kind(ylm__shade_material(j->view, i)) == j->matte;
 }
 
 static ylm_status run(void *context, size_t begin, size_t end, int worker) {
   (void)worker;
   job *j = context;
-  size_t light_samples = (size_t)j->light_samples, rays = 0;
-  scratch s = {.lamps = ylm_scene_chooser_create(j->lit),
-               .ray = ylm_alloc(light_samples, sizeof(ylm_trace_ray)),
-               .value = ylm_alloc(light_samples, 12)};
-  ylm_status status = s.lamps && s.ray && s.value ? YLM_OK : YLM_ENOMEM;
+  scratch s = {0};
+  ylm_status status = scratch_create(j, &s) ? YLM_OK : YLM_ENOMEM;
+  shade_stream at = ylm__shade_stream_at(j->view, begin);
   for (size_t i = begin; status == YLM_OK && i < end; i++) {
-    double E[3];
-    if (!is_matte(ylm__shade_material(j->view, i))) continue;
-    rays += gather(j, i, &s, E);
-    ylm_material_reflect(ylm__shade_material(j->view, i), E, j->out + 3 * i);
-    ylm__shade_tint(j->view, i, 1, j->out + 3 * i);
+    uint64_t stream = ylm__shade_stream_next(j->view, &at);
+    if (is_matte(j, i)) aim(j, &s, i, stream);
   }
-  ylm_scene_chooser_free(s.lamps);
-  ylm_free(s.ray);
-  ylm_free(s.value);
-  atomic_fetch_add_explicit(&j->rays, rays, memory_order_relaxed);
+  if (status == YLM_OK) finish(j, &s);
+  scratch_free(&s);
+  atomic_fetch_add_explicit(&j->rays, s.traced, memory_order_relaxed);
   return status;
 }
 
 /* The points that are of other materials; their number. */
-static size_t list_glossy(const ylm_shade_view *v, size_t *point) {
+static size_t list_glossy(const job *j, size_t *point) {
   size_t n = 0;
-  for (size_t i = 0; i < v->points; i++)
-    if (!is_matte(ylm__shade_material(v, i))) point[n++] = i;
+  for (size_t i = 0; i < j->view->points; i++)
+    if (!is_matte(j, i)) point[n++] = i;
   return n;
 }
 
@@ -76,7 +105,7 @@ static size_t list_glossy(const ylm_shade_view *v, size_t *point) {
 static ylm_status cast_glossy(const job *j, int threads, const ylm_progress *progress,
                               uint64_t *rays) {
   const ylm_shade_view *v = j->view;
-  size_t *point = ylm_alloc(v->points, sizeof *point), n = point ? list_glossy(v, point) : 0;
+  size_t *point = ylm_alloc(v->points, sizeof *point), n = point ? list_glossy(j, point) : 0;
   ylm_scene_place *place = ylm_alloc(n, sizeof *place);
   float *room = ylm_alloc_zero(9 * n, sizeof *room);
   ylm_path_options o = {.samples = j->light_samples,
@@ -108,6 +137,7 @@ ylm_status ylm_shade_raycast(const ylm_shade_view *v, const ylm_scene *lit, int 
   job j = {.view = v,
            .lit = lit ? lit : v->scene,
            .light_samples = light_samples,
+           .matte = ylm_material_kind_find("matte"),
            .shadows = shadows,
            .seed = seed,
            .out = out};

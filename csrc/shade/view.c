@@ -68,9 +68,9 @@ static ylm_status points_of_vertices(ylm_shade_view *v, shade_vertices *x) {
   return status;
 }
 
-uint64_t ylm__shade_stream(const ylm_shade_view *v, size_t i) {
+/* The pixel of point i. */
+static size_t pixel_of(const ylm_shade_view *v, size_t i) {
   size_t low = 0, high = v->stats.pixels; /* the pixel is among low .. high-1 */
-  if (v->corner) return i;
   while (high - low > 1) {
     size_t middle = low + (high - low) / 2;
     if (v->pixel[middle].first <= i)
@@ -78,7 +78,24 @@ uint64_t ylm__shade_stream(const ylm_shade_view *v, size_t i) {
     else
       high = middle;
   }
-  return (uint64_t)(v->number ? v->number[low] : low) << 24 | (i - v->pixel[low].first);
+  return low;
+}
+
+shade_stream ylm__shade_stream_at(const ylm_shade_view *v, size_t i) {
+  return (shade_stream){i, v->corner ? 0 : pixel_of(v, i)};
+}
+
+uint64_t ylm__shade_stream_next(const ylm_shade_view *v, shade_stream *at) {
+  size_t i = at->point++;
+  if (v->corner) return i;
+  while (v->pixel[at->pixel + 1].first <= i) at->pixel++;
+  return (uint64_t)(v->number ? v->number[at->pixel] : at->pixel) << 24 |
+         (i - v->pixel[at->pixel].first);
+}
+
+uint64_t ylm__shade_stream(const ylm_shade_view *v, size_t i) {
+  shade_stream at = ylm__shade_stream_at(v, i);
+  return ylm__shade_stream_next(v, &at);
 }
 
 void ylm__shade_corner_weights(const shade_entry *e, float w[3]) {

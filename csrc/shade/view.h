@@ -51,6 +51,12 @@ void ylm__shade_seen_albedo(const ylm_shade_view *v, size_t i, float albedo[3]);
 /* view.c: the number of point i's random numbers. It is the pixel's and the point's place in it, so
    that what is seen elsewhere changes nothing here. */
 uint64_t ylm__shade_stream(const ylm_shade_view *v, size_t i);
+/* The same for one point after the other. */
+typedef struct shade_stream {
+  size_t point, pixel;
+} shade_stream;
+shade_stream ylm__shade_stream_at(const ylm_shade_view *v, size_t i);
+uint64_t ylm__shade_stream_next(const ylm_shade_view *v, shade_stream *at);
 
 /* view.c: weights of an entry's triangle's corners. */
 void ylm__shade_corner_weights(const shade_entry *e, float w[3]);
