@@ -83,8 +83,6 @@ double ylm__scene_sphere_density(const ylm_scene *s, size_t i, const float x[3],
   return 1 / (2 * PI * cap_of(r, d2));
 }
 
-static double wrap(double x) { return x - floor(x); }
-
 ylm_scene_chooser *ylm_scene_chooser_create(const ylm_scene *s) {
   size_t patches = s->triangles + s->disks;
   ylm_scene_chooser *c = ylm_alloc_zero(1, sizeof *c);
@@ -92,6 +90,7 @@ ylm_scene_chooser *ylm_scene_chooser_create(const ylm_scene *s) {
   c->scene = s;
   c->weights = ylm__scene_weights();
   c->nodes = ylm__scene_nodes();
+  c->aim_at_spheres = ylm__scene_spheres();
   c->spheres = s->tree ? 0 : (s->lamps + YLM_LAMP_CHUNK - 1) / YLM_LAMP_CHUNK;
   c->near = c->spheres + (s->tree ? 0 : (patches + YLM_LAMP_CHUNK - 1) / YLM_LAMP_CHUNK);
   c->chunks = c->near + (ylm__scene_sky_lights(s) + YLM_LAMP_CHUNK - 1) / YLM_LAMP_CHUNK;
@@ -128,80 +127,4 @@ double ylm__scene_add_weights(ylm_scene_chooser *c) {
                          c->sum + c->near);
   for (size_t b = 0; b < c->chunks; b++) c->total += (double)c->sum[b];
   return c->total;
-}
-
-/* Rays on their way out of ylm_scene_aim. */
-typedef struct aiming {
-  const ylm_scene_chooser *c;
-  int light_samples;
-  double s0, s1; /* where the sequence of places on lamps begins */
-  size_t rays;
-  ylm_trace_ray *ray;
-  float (*value)[3];
-} aiming;
-
-/* Ray k of all, to a lamp that was chosen with the chance 1/rarity. */
-static void aim_at(aiming *a, int k, uint32_t lamp, double rarity) {
-  const ylm_scene *s = a->c->scene;
-  const float *x = a->c->x, *n = a->c->normal, *radiance;
-  size_t near = ylm_scene_near(s);
-  ylm_trace_ray *ray = &a->ray[a->rays];
-  double u0 = wrap(a->s0 + k * 0.75487766624669276), u1 = wrap(a->s1 + k * 0.56984029099805327), e;
-  float sky[3];
-  if (lamp >= near) {
-    e = ylm__scene_sky_sample(s, lamp - near, x, n, u0, u1, ray, sky);
-    radiance = sky;
-  } else if (lamp >= s->lamps) {
-    e = s->tree ? ylm__scene_patch_sample_one(s, lamp - s->lamps, x, n, u0, u1, ray, &radiance)
-                : ylm__scene_patch_sample(s, lamp - s->lamps, x, n, u0, u1, ray, &radiance);
-  } else {
-    e = ylm__scene_sphere_sample(s, lamp, x, n, u0, u1, ray);
-    radiance = s->lamp_radiance + 3 * lamp;
-  }
-  if (!(e > 0)) return;
-  e *= rarity / a->light_samples;
-  for (int c = 0; c < 3; c++) a->value[a->rays][c] = (float)e * radiance[c];
-  a->rays++;
-}
-
-/* Samples of the tree, from k on: where they are of all weights. */
-static void aim_into_tree(aiming *a, int k, size_t n, scene_drawn *d) {
-  double weight = ylm__scene_tree_weight(a->c);
-  ylm__scene_draw(a->c, n, d);
-  for (size_t i = 0; i < n; i++)
-    if (d->share[i] > 0) aim_at(a, k + (int)i, d->lamp[i], a->c->total / (weight * d->share[i]));
-}
-
-/* Places on lamps follow Roberts' sequence R2, shifted at random, so that successive rays, most of
-   them to one lamp, spread over it. */
-size_t ylm_scene_aim(ylm_scene_chooser *c, const float x[3], const float n[3], int light_samples,
-                     ylm_rng *rng, ylm_trace_ray *ray, float (*value)[3]) {
-  const ylm_scene *s = c->scene;
-  ylm__scene_turn_to(c, x, n);
-  if (!s->tree) {
-    c->weights(c->spheres, s->lamp, s->lamp_luminance, x, n, c->weight, c->sum);
-    ylm__scene_patch_weights(s, x, n, c->weight + c->spheres * YLM_LAMP_CHUNK, c->sum + c->spheres);
-  }
-  if (!(ylm__scene_add_weights(c) > 0)) return 0;
-  scene_walk w = {0};
-  scene_drawn d;
-  size_t drawn = 0;
-  double tree = s->tree ? ylm__scene_tree_weight(c) : 0;
-  aiming a = {.c = c, .light_samples = light_samples, .ray = ray, .value = value};
-  a.s0 = ylm_rng_double(rng);
-  a.s1 = ylm_rng_double(rng);
-  for (int k = 0; k < light_samples; k++) {
-    double target = (k + ylm_rng_double(rng)) / light_samples * c->total;
-    bool in_tree = tree > 0 && (target < tree || c->chunks == 0);
-    if (in_tree) d.at[drawn++] = fmin(target / tree, SCENE_BELOW_ONE);
-    if (drawn > 0 && (!in_tree || drawn == SCENE_GROUP || k + 1 == light_samples)) {
-      aim_into_tree(&a, k + in_tree - (int)drawn, drawn, &d);
-      drawn = 0;
-    }
-    if (in_tree) continue;
-    ylm__scene_walk_to(&w, c, target - tree);
-    if (c->weight[w.lamp] > 0) /* padding has none */
-      aim_at(&a, k, ylm__scene_lamp_at(c, w.lamp), c->total / (double)c->weight[w.lamp]);
-  }
-  return a.rays;
 }

@@ -151,6 +151,7 @@ struct ylm_scene_chooser {
   double
       total; /* of the sums, and of the tree of lamps: lamps of a tree come before distant lights */
   ylm_scene_nodes_fn *nodes;
+  ylm_scene_spheres_fn *aim_at_spheres;
   scene_cut *cut; /* of the tree, as it is seen from x; NULL: there is none */
 };
 

@@ -108,6 +108,24 @@ typedef struct scene_drawn {
   uint32_t lamp[SCENE_GROUP];
 } scene_drawn;
 
+/* -- spheres.c ------------------------------------------------------------------------------- */
+
+/* Rays to spheres, as ylm__scene_sphere_sample makes them. Numbers behind n, to the end of a
+   vector, are read and of no use. */
+typedef struct scene_spheres {
+  float v[3][SCENE_GROUP], radius[SCENE_GROUP]; /* in: from the point to the centre */
+  float u[2][SCENE_GROUP];                      /* in: the place on the sphere */
+  float dir[3][SCENE_GROUP], far[SCENE_GROUP];
+  float value[SCENE_GROUP]; /* the irradiance that it brings for radiance 1; -1: from inside */
+} scene_spheres;
+
+/* n <= SCENE_GROUP rays from a point with that normal. */
+typedef void ylm_scene_spheres_fn(size_t n, const float normal[3], scene_spheres *a);
+/* The kernel of the instruction set in use. */
+ylm_scene_spheres_fn *ylm__scene_spheres(void);
+
+/* -- walk.c ---------------------------------------------------------------------------------- */
+
 /* Looks at the tree from c->x, and opens nodes whose doubt is above SCENE_DOUBT of the whole. */
 void ylm__scene_look(ylm_scene_chooser *c);
 /* Draws n <= SCENE_GROUP lamps: one walk for all. */

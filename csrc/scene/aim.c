@@ -1,0 +1,138 @@
+/* aim.c - rays from a point to the lamps: lamps and places on them stratified, samples of the tree of
+   lamps together. */
+#include "scene.h"
+
+/* x >= 0 without its whole part. */
+static double wrap(double x) { return x - (double)(int64_t)x; }
+
+/* Rays on their way out of ylm_scene_aim. */
+typedef struct aiming {
+  const ylm_scene_chooser *c;
+  int light_samples;
+  double s0, s1; /* where the sequence of places on lamps begins */
+  size_t rays;
+  ylm_trace_ray *ray;
+  float (*value)[3];
+} aiming;
+
+/* Where on its lamp ray k goes. */
+static void place_of(const aiming *a, int k, double u[2]) {
+  u[0] = wrap(a->s0 + k * 0.75487766624669276);
+  u[1] = wrap(a->s1 + k * 0.56984029099805327);
+}
+
+/* Ray k of all, to a lamp that was chosen with the chance 1/rarity. */
+static void aim_at(aiming *a, int k, uint32_t lamp, double rarity) {
+  const ylm_scene *s = a->c->scene;
+  const float *x = a->c->x, *n = a->c->normal, *radiance;
+  size_t near = ylm_scene_near(s);
+  ylm_trace_ray *ray = &a->ray[a->rays];
+  double u[2], e;
+  float sky[3];
+  place_of(a, k, u);
+  if (lamp >= near) {
+    e = ylm__scene_sky_sample(s, lamp - near, x, n, u[0], u[1], ray, sky);
+    radiance = sky;
+  } else if (lamp >= s->lamps) {
+    e = s->tree ? ylm__scene_patch_sample_one(s, lamp - s->lamps, x, n, u[0], u[1], ray, &radiance)
+                : ylm__scene_patch_sample(s, lamp - s->lamps, x, n, u[0], u[1], ray, &radiance);
+  } else {
+    e = ylm__scene_sphere_sample(s, lamp, x, n, u[0], u[1], ray);
+    radiance = s->lamp_radiance + 3 * lamp;
+  }
+  if (!(e > 0)) return;
+  e *= rarity / a->light_samples;
+  for (int c = 0; c < 3; c++) a->value[a->rays][c] = (float)e * radiance[c];
+  a->rays++;
+}
+
+/* Lanes of the samples that go to spheres; returns how many there are. */
+static size_t list_spheres(const aiming *a, int k, size_t n, const scene_drawn *d,
+                           scene_spheres *to) {
+  const ylm_scene *s = a->c->scene;
+  size_t lanes = 0;
+  for (size_t i = 0; i < n; i++) {
+    uint32_t lamp = d->lamp[i];
+    double u[2];
+    if (!(d->share[i] > 0) || lamp >= s->lamps) continue;
+    place_of(a, k + (int)i, u);
+    for (int c = 0; c < 3; c++) to->v[c][lanes] = s->lamp[c][lamp] - a->c->x[c];
+    to->radius[lanes] = s->lamp[3][lamp];
+    to->u[0][lanes] = (float)u[0];
+    to->u[1][lanes++] = (float)u[1];
+  }
+  for (size_t i = lanes; i % SCENE_WIDTH; i++) { /* to the end of a vector */
+    for (int c = 0; c < 3; c++) to->v[c][i] = 0;
+    to->radius[i] = to->u[0][i] = to->u[1][i] = 0;
+  }
+  return lanes;
+}
+
+/* The ray of a lane to a sphere that was chosen with the chance 1/rarity. */
+static void add_lane(aiming *a, const scene_spheres *from, size_t lane, uint32_t lamp,
+                     double rarity) {
+  ylm_trace_ray *ray = &a->ray[a->rays];
+  float e = from->value[lane] * (float)(rarity / a->light_samples);
+  if (!(e > 0)) return;
+  for (int c = 0; c < 3; c++) {
+    ray->org[c] = a->c->x[c];
+    ray->dir[c] = from->dir[c][lane];
+    a->value[a->rays][c] = e * a->c->scene->lamp_radiance[3 * (size_t)lamp + (size_t)c];
+  }
+  ray->near = 0;
+  ray->far = from->far[lane];
+  a->rays++;
+}
+
+/* Samples of the tree, from k on: where they are of all weights. */
+static void aim_into_tree(aiming *a, int k, size_t n, scene_drawn *d) {
+  scene_spheres spheres;
+  double part = ylm__scene_tree_weight(a->c) / a->c->total;
+  ylm__scene_draw(a->c, n, d);
+  size_t lanes = list_spheres(a, k, n, d, &spheres), lane = 0;
+  if (lanes > 0) a->c->aim_at_spheres(lanes, a->c->normal, &spheres);
+  for (size_t i = 0; i < n; i++) {
+    uint32_t lamp = d->lamp[i];
+    if (!(d->share[i] > 0)) continue;
+    double rarity = 1 / (part * d->share[i]);
+    if (lamp >= a->c->scene->lamps || spheres.value[lane] < 0)
+      aim_at(a, k + (int)i, lamp, rarity);
+    else
+      add_lane(a, &spheres, lane, lamp, rarity);
+    if (lamp < a->c->scene->lamps) lane++;
+  }
+}
+
+/* Places on lamps follow Roberts' sequence R2, shifted at random, so that successive rays, most of
+   them to one lamp, spread over it. */
+size_t ylm_scene_aim(ylm_scene_chooser *c, const float x[3], const float n[3], int light_samples,
+                     ylm_rng *rng, ylm_trace_ray *ray, float (*value)[3]) {
+  const ylm_scene *s = c->scene;
+  ylm__scene_turn_to(c, x, n);
+  if (!s->tree) {
+    c->weights(c->spheres, s->lamp, s->lamp_luminance, x, n, c->weight, c->sum);
+    ylm__scene_patch_weights(s, x, n, c->weight + c->spheres * YLM_LAMP_CHUNK, c->sum + c->spheres);
+  }
+  if (!(ylm__scene_add_weights(c) > 0)) return 0;
+  scene_walk w = {0};
+  scene_drawn d;
+  size_t drawn = 0;
+  double tree = s->tree ? ylm__scene_tree_weight(c) : 0;
+  aiming a = {.c = c, .light_samples = light_samples, .ray = ray, .value = value};
+  a.s0 = ylm_rng_double(rng);
+  a.s1 = ylm_rng_double(rng);
+  for (int k = 0; k < light_samples; k++) {
+    double target = (k + ylm_rng_double(rng)) / light_samples * c->total;
+    bool in_tree = tree > 0 && (target < tree || c->chunks == 0);
+    if (in_tree) d.at[drawn++] = fmin(target / tree, SCENE_BELOW_ONE);
+    if (drawn > 0 && (!in_tree || drawn == SCENE_GROUP || k + 1 == light_samples)) {
+      aim_into_tree(&a, k + in_tree - (int)drawn, drawn, &d);
+      drawn = 0;
+    }
+    if (in_tree) continue;
+    ylm__scene_walk_to(&w, c, target - tree);
+    if (c->weight[w.lamp] > 0) /* padding has none */
+      aim_at(&a, k, ylm__scene_lamp_at(c, w.lamp), c->total / (double)c->weight[w.lamp]);
+  }
+  return a.rays;
+}
