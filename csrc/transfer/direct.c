@@ -9,6 +9,8 @@
 /* Elements whose light is asked of a field at a time. */
 #define ASK 4096
 #define GRAIN 128
+/* Rays that are traced in one go, where an element has fewer. */
+#define BATCH 512
 
 typedef struct job {
   const ylm_transfer *t;
@@ -20,11 +22,31 @@ typedef struct job {
   atomic_uint_fast64_t rays;
 } job;
 
+/* Elements from `first` on whose rays wait to be traced. */
 typedef struct scratch {
   ylm_scene_chooser *lamps;
-  ylm_trace_ray *ray; /* [places * each] */
-  float (*value)[3];
+  ylm_trace_ray *ray; /* [room] */
+  float (*value)[3];  /* [room] */
+  size_t first, count, rays, room;
+  size_t end[GRAIN]; /* of each element's rays */
+  uint64_t traced;
 } scratch;
+
+static bool scratch_create(const job *j, scratch *s, size_t first) {
+  size_t most = (size_t)j->places * (size_t)j->each;
+  s->first = first;
+  s->room = most > BATCH ? most : BATCH;
+  s->lamps = ylm_scene_chooser_create(j->scene);
+  s->ray = ylm_alloc(s->room, sizeof *s->ray);
+  s->value = ylm_alloc(s->room, sizeof *s->value);
+  return s->lamps && s->ray && s->value;
+}
+
+static void scratch_free(scratch *s) {
+  ylm_scene_chooser_free(s->lamps);
+  ylm_free(s->ray);
+  ylm_free(s->value);
+}
 
 /* A place of element i: number k of a sequence that begins at (x, y). */
 static ylm_scene_place place_of(ylm_scene_place place, float corner[3][2], double x, double y,
@@ -38,15 +60,12 @@ static ylm_scene_place place_of(ylm_scene_place place, float corner[3][2], doubl
   return place;
 }
 
-/* Irradiance of element i; adds up what is near and what is there; returns how many rays were traced. */
-static size_t gather(const job *j, size_t i, scratch *s, float E0[4], double part[2]) {
+/* Aims the rays of element i, where it has light. */
+static void aim(const job *j, size_t i, scratch *s) {
   ylm_scene_place place;
   float corner[3][2];
-  double E[3] = {0, 0, 0};
-  size_t rays = 0;
   ylm_rng rng;
-  memset(E0, 0, 4 * sizeof *E0);
-  if (!(j->t->share[i] > 0)) return 0;
+  if (!(j->t->share[i] > 0)) return;
   ylm_rng_seed(&rng, ~j->seed, i);
   double x = ylm_rng_double(&rng), y = ylm_rng_double(&rng);
   ylm__transfer_corners(j->t, i, &place, corner);
@@ -54,36 +73,50 @@ static size_t gather(const job *j, size_t i, scratch *s, float E0[4], double par
     ylm_scene_surface at;
     ylm_scene_place here = place_of(place, corner, x, y, k);
     ylm_scene_surfaces(j->scene, 1, &here, &at);
-    rays += ylm_scene_aim(s->lamps, at.origin, at.normal, j->each, &rng, s->ray + rays,
-                          s->value + rays);
+    s->rays += ylm_scene_aim(s->lamps, at.origin, at.normal, j->each, &rng, s->ray + s->rays,
+                             s->value + s->rays);
   }
-  ylm_trace_occluded(ylm_scene_trace(j->scene), rays, s->ray);
-  for (size_t k = 0; k < rays; k++)
+}
+
+/* Irradiance of element i from rays k .. end-1; adds up what is near and what is there. */
+static void add(const job *j, size_t i, const scratch *s, size_t k, size_t end, double part[2]) {
+  double E[3] = {0, 0, 0};
+  for (; k < end; k++)
     if (!(s->ray[k].far < 0)) {
       double each = (double)s->value[k][0] + (double)s->value[k][1] + (double)s->value[k][2];
       for (int c = 0; c < 3; c++) E[c] += (double)s->value[k][c];
       if ((double)s->ray[k].far < 2 * j->t->form.spacing) part[0] += (double)j->t->area[i] * each;
       part[1] += (double)j->t->area[i] * each;
     }
-  double scale = 1 / ((double)j->places * (double)j->t->share[i]);
-  for (int c = 0; c < 3; c++) E0[c] = (float)(E[c] * scale);
-  return rays;
+  double share = (double)j->t->share[i], scale = share > 0 ? 1 / (j->places * share) : 0;
+  for (int c = 0; c < 3; c++) j->E0[4 * i + (size_t)c] = (float)(E[c] * scale);
+}
+
+/* Traces the rays that wait. */
+static void finish(const job *j, scratch *s, double part[2]) {
+  ylm_trace_occluded(ylm_scene_trace(j->scene), s->rays, s->ray);
+  for (size_t k = 0; k < s->count; k++)
+    add(j, s->first + k, s, k > 0 ? s->end[k - 1] : 0, s->end[k], part);
+  s->traced += s->rays;
+  s->first += s->count;
+  s->count = s->rays = 0;
 }
 
 static ylm_status run(void *context, size_t begin, size_t end, int worker) {
   (void)worker;
   job *j = context;
-  size_t most = (size_t)j->places * (size_t)j->each, rays = 0;
-  scratch s = {.lamps = ylm_scene_chooser_create(j->scene),
-               .ray = ylm_alloc(most, sizeof(ylm_trace_ray)),
-               .value = ylm_alloc(most, 12)};
-  ylm_status status = s.lamps && s.ray && s.value ? YLM_OK : YLM_ENOMEM;
-  for (size_t i = begin; status == YLM_OK && i < end; i++)
-    rays += gather(j, i, &s, j->E0 + 4 * i, j->part[begin / GRAIN]);
-  ylm_scene_chooser_free(s.lamps);
-  ylm_free(s.ray);
-  ylm_free(s.value);
-  atomic_fetch_add(&j->rays, rays);
+  size_t most = (size_t)j->places * (size_t)j->each;
+  double *part = j->part[begin / GRAIN];
+  scratch s = {0};
+  ylm_status status = scratch_create(j, &s, begin) ? YLM_OK : YLM_ENOMEM;
+  for (size_t i = begin; status == YLM_OK && i < end; i++) {
+    if (s.rays + most > s.room) finish(j, &s, part);
+    aim(j, i, &s);
+    s.end[s.count++] = s.rays;
+  }
+  if (status == YLM_OK) finish(j, &s, part);
+  scratch_free(&s);
+  atomic_fetch_add(&j->rays, s.traced);
   return status;
 }
 
