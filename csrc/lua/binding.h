@@ -65,7 +65,8 @@
   X(shade_picture)                                                                                 \
   X(shade_view)                                                                                    \
   X(traced)                                                                                        \
-  X(transfer)
+  X(transfer)                                                                                      \
+  X(vectors)
 
 #define X(name) void ylmL_open_##name(lua_State *L);
 YLML_CORE_BINDINGS(X)

@@ -14,13 +14,6 @@ struct ylm_shade_links {
   double seconds;
 };
 
-static uint64_t *list_streams(const ylm_shade_view *v) {
-  uint64_t *stream = ylm_alloc(v->points, sizeof *stream);
-  shade_stream at = ylm__shade_stream_at(v, 0);
-  for (size_t i = 0; stream && i < v->points; i++) stream[i] = ylm__shade_stream_next(v, &at);
-  return stream;
-}
-
 ylm_status ylm_shade_links_create(const ylm_shade_view *v, const ylm_transfer *t, int links,
                                   uint64_t seed, int threads, const ylm_progress *progress,
                                   ylm_shade_links **out, ylm_error *e) {
@@ -30,7 +23,7 @@ ylm_status ylm_shade_links_create(const ylm_shade_view *v, const ylm_transfer *t
                     YLM_TRANSFER_LINKS, links);
   double start = ylm_seconds();
   ylm_shade_links *l = ylm_alloc_zero(1, sizeof *l);
-  uint64_t *stream = l ? list_streams(v) : NULL;
+  uint64_t *stream = l ? ylm__shade_streams(v) : NULL;
   if (l) *l = (ylm_shade_links){.view = v, .transfer = t, .links = links};
   if (l) l->link = ylm_alloc(v->points, (size_t)links * sizeof *l->link);
   ylm_status s = stream && l->link ? YLM_OK : YLM_ENOMEM;

@@ -98,6 +98,13 @@ uint64_t ylm__shade_stream(const ylm_shade_view *v, size_t i) {
   return ylm__shade_stream_next(v, &at);
 }
 
+uint64_t *ylm__shade_streams(const ylm_shade_view *v) {
+  uint64_t *stream = ylm_alloc(v->points, sizeof *stream);
+  shade_stream at = ylm__shade_stream_at(v, 0);
+  for (size_t i = 0; stream && i < v->points; i++) stream[i] = ylm__shade_stream_next(v, &at);
+  return stream;
+}
+
 void ylm__shade_corner_weights(const shade_entry *e, float w[3]) {
   w[0] = 1 - e->at.u - e->at.v;
   w[1] = e->at.u;

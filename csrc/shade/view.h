@@ -57,6 +57,8 @@ typedef struct shade_stream {
 } shade_stream;
 shade_stream ylm__shade_stream_at(const ylm_shade_view *v, size_t i);
 uint64_t ylm__shade_stream_next(const ylm_shade_view *v, shade_stream *at);
+/* view.c: those of all points; NULL without memory. To be freed. */
+uint64_t *ylm__shade_streams(const ylm_shade_view *v);
 
 /* view.c: weights of an entry's triangle's corners. */
 void ylm__shade_corner_weights(const shade_entry *e, float w[3]);

@@ -319,6 +319,17 @@ YLM_API ylm_status ylm_shade_gather(const ylm_shade_links *links, const float *l
                                     const float *start, int threads, const ylm_progress *progress,
                                     float *out);
 
+/* ylm_transfer_vectors_at and ylm_transfer_matrices of a view's shading points: out [points][3][(lmax+1)^2], lmax of the
+   transfer, and [points][3][(lmax_out+1)^2][(lmax_in+1)^2]. Points keep the random numbers of their place in the image. */
+YLM_API ylm_status ylm_shade_view_vectors(const ylm_shade_view *view, const ylm_transfer *transfer,
+                                          const float *vectors, int links, uint64_t seed,
+                                          int threads, const ylm_progress *progress, float *out,
+                                          ylm_error *e);
+YLM_API ylm_status ylm_shade_view_matrices(const ylm_shade_view *view, const ylm_transfer *transfer,
+                                           const float *vectors, int rays, uint64_t seed,
+                                           int lmax_in, int lmax_out, int threads,
+                                           const ylm_progress *progress, float *out, ylm_error *e);
+
 /* Level of the leaf that holds each shading point and the error estimated for it (NaN: unknown);
    level, error [points]. */
 YLM_API ylm_status ylm_shade_grid_cells(const ylm_shade_view *view, const ylm_grid *grid,

@@ -4,8 +4,9 @@
 #include "transfer.h"
 
 #define PI 3.14159265358979323846
-/* Rays that are summed in one go. */
+/* Rays that are summed in one go, and rows that are asked for ahead of their turn. */
 #define STEP 64
+#define AHEAD 8
 
 typedef struct job {
   const ylm_transfer *t;
@@ -15,6 +16,7 @@ typedef struct job {
   const uint64_t *stream;
   int rays, lmax_out;
   uint64_t seed;
+  float (*disk)[2];                         /* [rays] cos and sin of the unturned azimuth */
   size_t count_in, count_out, width, plain; /* rows of B, rows of one channel */
   float *out;
 } job;
@@ -66,15 +68,17 @@ static void aim(const job *j, size_t i, scratch *x) {
   const float *n = j->normal[i];
   ylm_rng rng;
   ylm_rng_seed(&rng, j->seed, j->stream ? j->stream[i] : i);
-  double shift = ylm_rng_double(&rng), turn = ylm_rng_double(&rng);
+  float shift = (float)ylm_rng_double(&rng), each = 1 / (float)j->rays;
+  double turn = 2 * PI * ylm_rng_double(&rng);
+  float c = (float)cos(turn), s = (float)sin(turn);
   ylm_scene_basis(n, a, b);
   for (int k = 0; k < j->rays; k++) {
-    double z = (k + shift) / j->rays, r = sqrt(1 - z * z);
-    double phi = 2 * PI * (ylm_scene_radical((uint32_t)k) + turn);
-    float u = (float)(r * cos(phi)), v = (float)(r * sin(phi)), *d = x->direction + 3 * k;
+    float z = fminf(((float)k + shift) * each, 1), r = sqrtf(1 - z * z);
+    float u = r * (j->disk[k][0] * c - j->disk[k][1] * s);
+    float v = r * (j->disk[k][0] * s + j->disk[k][1] * c), *d = x->direction + 3 * k;
     ylm_trace_ray *ray = &x->ray[k];
     for (int q = 0; q < 3; q++) {
-      d[q] = ray->dir[q] = u * a[q] + v * b[q] + (float)z * n[q];
+      d[q] = ray->dir[q] = u * a[q] + v * b[q] + z * n[q];
       ray->org[q] = j->origin[i][q];
     }
     ray->near = 0;
@@ -94,6 +98,9 @@ static void add(const job *j, scratch *x, bool sky, float *m) {
     }
     if (k == j->rays || (x->hit[k].mesh < 0) != sky || x->target[k] > none) continue;
     float *to = x->right + n * row;
+    if (!sky && k + AHEAD < j->rays)
+      for (size_t line = 0; line < row; line += 16)
+        __builtin_prefetch(j->B + x->target[k + AHEAD] % (none + 1) * j->width + line);
     memcpy(x->left + n * j->count_out, x->Y + (size_t)k * wide, j->count_out * sizeof *x->left);
     if (sky)
       memcpy(to, x->Y + (size_t)k * wide, j->count_in * sizeof *to);
@@ -173,10 +180,17 @@ ylm_status ylm_transfer_matrices(const ylm_transfer *t, const float *vectors, si
            .width = ylm_transfer_width(t),
            .out = out};
   j.plain = (j.count_in + 3) / 4 * 4;
+  j.disk = ylm_alloc((size_t)rays, sizeof *j.disk);
   float *B = vectors ? ylm__transfer_reflected(t, vectors, 1 / PI) : NULL;
-  if (vectors && !B) return YLM_ENOMEM;
+  if (!j.disk || (vectors && !B)) s = YLM_ENOMEM;
+  for (int k = 0; s == YLM_OK && k < rays; k++) {
+    double phi = 2 * PI * ylm_scene_radical((uint32_t)k);
+    j.disk[k][0] = (float)cos(phi);
+    j.disk[k][1] = (float)sin(phi);
+  }
   j.B = B;
-  s = ylm_parallel(n, 8, threads, run, &j, progress, "matrices");
+  if (s == YLM_OK) s = ylm_parallel(n, 8, threads, run, &j, progress, "matrices");
   ylm_free(B);
+  ylm_free(j.disk);
   return s;
 }

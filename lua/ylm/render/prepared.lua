@@ -9,7 +9,6 @@ local memory = require "ylm.memory"
 local options = require "ylm.render.options"
 local shading = require "ylm.render.shade"
 local views = require "ylm.render.view"
-local visibility = require "ylm.render.visibility"
 
 local prepared = views.methods
 
@@ -107,22 +106,6 @@ function prepared.points(view)
   return { position = position, normal = normal, albedo = albedo, object = object }
 end
 
-describe "prepared:transfer" {
-  about = "The transfer vectors of a view that was prepared with visibility = 'transfer' or 'none': SH coefficients of cosine "
-    .. "times visibility.",
-  arguments = {},
-  returns = { { "T", "array", "float [n][(lmax+1)^2]; radiance is albedo / pi times its product with light" } },
-  errors = "raises on what is no prepared view; nil, message, code where memory runs out",
-  example = options.one_lamp .. [[
-local view = scene:prepare { size = { 32, 18 }, samples = 1, lmax = 2, visibility = "transfer" }
-assert(view:transfer().shape[2] == 9)]],
-}
-function prepared.transfer(view)
-  local p = views.open("transfer", view)
-  visibility.need_transfer("transfer", p)
-  return check.result("transfer", p.lib.shade_transfer(p.view))
-end
-
 describe "prepared:close" {
   about = "Frees the memory of a prepared view now rather than at the next collection.",
   arguments = {},
@@ -138,6 +121,7 @@ function prepared.close(view)
   views.made[view].closed = true
 end
 
+require "ylm.render.vectors"
 memory.publish(prepared)
 
 return prepared

@@ -98,7 +98,7 @@ describe "scene:transfer" {
     .. "bounces of any light are sums over links.",
   arguments = { { "options?", "table", "default: those of the scene's `transfer`" } },
   options = options,
-  returns = { { "t", "transfer", "t:radiosity(lights), t:elements(), t:save(file); t.stats" } },
+  returns = { { "t", "transfer", "t:radiosity(lights), t:vectors(), t:elements(), t:save(file); t.stats" } },
   errors = "raises on a bad option; nil, message, code: too many elements (ELIMIT), memory, cancelled",
   example = [[
 local scene = ylm.scene "a box and a lamp" {
@@ -201,6 +201,7 @@ end
 
 require "ylm.transfer.radiosity"
 require "ylm.transfer.field"
+require "ylm.transfer.vectors"
 memory.publish(methods)
 
 return transfer
