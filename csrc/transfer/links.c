@@ -308,14 +308,10 @@ ylm_status ylm__transfer_check_links(int links, ylm_error *e) {
                   YLM_TRANSFER_LINKS, links);
 }
 
-ylm_status ylm_transfer_find(const ylm_transfer *t, size_t n, const float (*origin)[3],
-                             const float (*normal)[3], const uint64_t *stream, int links,
-                             uint64_t seed, int threads, const ylm_progress *progress,
-                             uint32_t *out, int lmax, float *escapes, ylm_error *e) {
-  ylm_status s = ylm__transfer_check_links(links, e);
-  if (s != YLM_OK || n == 0) return s;
-  if (escapes && (lmax < 0 || lmax > YLM_TRANSFER_LMAX))
-    return ylm_fail(e, YLM_ERANGE, "lmax must be from 0 to %d, got %d", YLM_TRANSFER_LMAX, lmax);
+ylm_status ylm__transfer_find_shares(const ylm_transfer *t, size_t n, const float (*origin)[3],
+                                     const float (*normal)[3], const uint64_t *stream, int links,
+                                     uint64_t seed, int threads, const ylm_progress *progress,
+                                     uint32_t *out, int lmax, float *escapes, float *share) {
   job j = {.t = t,
            .links = links,
            .lmax = escapes ? lmax : -1,
@@ -324,6 +320,19 @@ ylm_status ylm_transfer_find(const ylm_transfer *t, size_t n, const float (*orig
            .normal = normal,
            .stream = stream,
            .out = out,
-           .escape = escapes};
+           .escape = escapes,
+           .share = share};
   return go(&j, n, threads, progress);
+}
+
+ylm_status ylm_transfer_find(const ylm_transfer *t, size_t n, const float (*origin)[3],
+                             const float (*normal)[3], const uint64_t *stream, int links,
+                             uint64_t seed, int threads, const ylm_progress *progress,
+                             uint32_t *out, int lmax, float *escapes, ylm_error *e) {
+  ylm_status s = ylm__transfer_check_links(links, e);
+  if (s != YLM_OK || n == 0) return s;
+  if (escapes && (lmax < 0 || lmax > YLM_TRANSFER_LMAX))
+    return ylm_fail(e, YLM_ERANGE, "lmax must be from 0 to %d, got %d", YLM_TRANSFER_LMAX, lmax);
+  return ylm__transfer_find_shares(t, n, origin, normal, stream, links, seed, threads, progress,
+                                   out, lmax, escapes, NULL);
 }

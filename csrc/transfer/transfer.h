@@ -67,6 +67,12 @@ static inline bool ylm__transfer_is_back(const ylm_transfer *t, size_t i) {
 /* Fills t->link, t->escape, t->share, and what the statistics say of rays. */
 ylm_status ylm__transfer_link(ylm_transfer *t, const ylm_progress *progress, ylm_error *e);
 
+/* As ylm_transfer_find, of arguments that are good; share [n]: the part of each place's rays that does not begin
+   inside of a body. */
+ylm_status ylm__transfer_find_shares(const ylm_transfer *t, size_t n, const float (*origin)[3],
+                                     const float (*normal)[3], const uint64_t *stream, int links,
+                                     uint64_t seed, int threads, const ylm_progress *progress,
+                                     uint32_t *out, int lmax, float *escape, float *share);
 /* YLM_ERANGE unless there can be so many links. */
 ylm_status ylm__transfer_check_links(int links, ylm_error *e);
 

@@ -217,6 +217,38 @@ YLM_API const float *ylm_radiosity_irradiance(const ylm_radiosity *r);
 YLM_API const float *ylm_radiosity_leaving(const ylm_radiosity *r);
 YLM_API void ylm_radiosity_look(const ylm_radiosity *r, ylm_radiosity_stats *stats);
 
+/* Writes the elements as triangles of a PLY file, each with its irradiance and that of direct light. */
+YLM_API ylm_status ylm_radiosity_write_ply(const ylm_radiosity *r, const char *path, ylm_error *e);
+
+/* A picture of the irradiance of one mesh, by its texture coordinates. */
+typedef struct ylm_radiosity_map {
+  size_t mesh;
+  bool back;                /* of its back */
+  const float *uvs;         /* [vertices of the mesh][2]: u to the right, v upwards, 0 .. 1 */
+  int width, height;        /* 1 .. 16384 */
+  bool indirect;            /* with the light that elements send */
+  const ylm_scene *scene;   /* direct light by rays to the lamps of this scene, or NULL */
+  const ylm_field *field;   /* direct light by coefficients, or NULL */
+  int links, light_samples; /* of a texel */
+  int gutter;               /* how many texels beside the mesh take the mean of their neighbours */
+  uint64_t seed;
+  int threads;
+  const ylm_progress *progress; /* stage "lightmap" */
+} ylm_radiosity_map;
+
+/*
+** ylm_radiosity_lightmap - irradiance at the middles of texels: light that links bring, and direct light.
+**
+**   out       in/out  [height][width][3]  W m^-2, row 0 is the top; texels that are not on the mesh stay
+**   coverage  out     [height][width]     1 where the middle of the texel is on the mesh, and not inside of a body
+**   overlaps  out     how many texels more than one triangle has
+**
+** Returns  YLM_OK; YLM_ERANGE, YLM_EINVAL, YLM_ENOMEM, YLM_ECANCELLED, what the field returns
+*/
+YLM_API ylm_status ylm_radiosity_lightmap(const ylm_radiosity *r, const ylm_radiosity_map *m,
+                                          float *out, float *coverage, size_t *overlaps,
+                                          ylm_error *e);
+
 /* -- the gathered field --------------------------------------------------------- */
 
 typedef enum ylm_gather_parts {

@@ -115,10 +115,82 @@ static int radiosity_values(lua_State *L) {
   return 1;
 }
 
+/* radiosity_write(radiosity, path) -> true */
+static int radiosity_write(lua_State *L) {
+  ylm_error e = {0};
+  ylm_status s = ylm_radiosity_write_ply(ylmL_radiosity(L, 1), luaL_checkstring(L, 2), &e);
+  lua_pushboolean(L, 1);
+  return ylmL_result(L, 1, s, &e);
+}
+
+/* radiosity_map(radiosity, {mesh from 1, side: "front", "back" or nil, uvs float [n][2], out float [h][w][3],
+   coverage float [h][w], indirect, scene or nil, field or nil, links, light_samples, gutter, seed, threads,
+   progress}) -> how many texels more than one triangle has */
+static int radiosity_map(lua_State *L) {
+  static const char *const names[] = {"mesh",     "side",  "uvs",     "out",      "coverage",
+                                      "indirect", "scene", "field",   "links",    "light_samples",
+                                      "gutter",   "seed",  "threads", "progress", NULL};
+  enum {
+    MESH = 3,
+    SIDE,
+    UVS,
+    OUT,
+    COVERAGE,
+    INDIRECT,
+    SCENE,
+    FIELD,
+    LINKS,
+    SAMPLES,
+    GUTTER,
+    SEED,
+    THREADS,
+    PROGRESS
+  };
+  static const char *const sides[] = {"front", "back", NULL};
+  const ylm_radiosity *r = ylmL_radiosity(L, 1);
+  const ylm_transfer *t = ylm_radiosity_transfer(r);
+  const ylm_scene *own = ylm_transfer_scene(t);
+  ylm_error e = {0};
+  ylmL_progress p;
+  size_t overlaps = 0;
+  ylmL_named(L, 2, names);
+  ylmL_array *uvs = ylmL_array_check(L, UVS), *out = ylmL_array_check(L, OUT);
+  ylmL_array *coverage = ylmL_array_check(L, COVERAGE);
+  size_t mesh = (size_t)luaL_checknumber(L, MESH) - 1, vertices = 0;
+  if (mesh < ylm_scene_meshes(own))
+    vertices = ylm_scene_first_vertex(own, mesh + 1) - ylm_scene_first_vertex(own, mesh);
+  if (uvs->dtype != YLM_FLOAT || out->dtype != YLM_FLOAT || coverage->dtype != YLM_FLOAT)
+    return ylmL_result(L, 0, YLM_ETYPE, NULL);
+  if (uvs->count != 2 * vertices || out->count != 3 * coverage->count || coverage->axes < 2)
+    return ylmL_result(L, 0, YLM_ESHAPE, NULL);
+  ylm_radiosity_map m = {.mesh = mesh,
+                         .uvs = uvs->data,
+                         .width = (int)coverage->shape[1],
+                         .height = (int)coverage->shape[0],
+                         .indirect = lua_toboolean(L, INDIRECT),
+                         .scene = lua_isnil(L, SCENE) ? NULL : ylmL_scene(L, SCENE),
+                         .field = lua_isnil(L, FIELD) ? NULL : ylmL_field_check(L, FIELD),
+                         .links = (int)luaL_checknumber(L, LINKS),
+                         .light_samples = (int)luaL_checknumber(L, SAMPLES),
+                         .gutter = (int)luaL_checknumber(L, GUTTER),
+                         .seed = (uint64_t)luaL_checknumber(L, SEED),
+                         .threads = (int)luaL_optnumber(L, THREADS, 0),
+                         .progress = ylmL_progress_begin(L, PROGRESS, &p)};
+  ylm_scene_place front = {.mesh = (uint32_t)mesh};
+  if (!lua_isnil(L, SIDE))
+    m.back = luaL_checkoption(L, SIDE, NULL, sides) == 1;
+  else if (vertices > 0 && ylm_scene_triangles(own, mesh) > 0)
+    m.back = ylm_transfer_element(t, &front) == ylm_transfer_count(t);
+  ylm_status s = ylm_radiosity_lightmap(r, &m, out->data, coverage->data, &overlaps, &e);
+  ylmL_push_count(L, overlaps);
+  return ylmL_result_progress(L, 1, s, &e, &p);
+}
+
 static const luaL_Reg functions[] = {
     {"radiosity_create", radiosity_create}, {"radiosity_rays", radiosity_rays},
     {"radiosity_field", radiosity_field},   {"radiosity_set", radiosity_set},
     {"radiosity_solve", radiosity_solve},   {"radiosity_values", radiosity_values},
+    {"radiosity_write", radiosity_write},   {"radiosity_map", radiosity_map},
     {"radiosity_close", ylmL_let_go},       {NULL, NULL}};
 
 static const luaL_Reg methods[] = {{"__gc", ylmL_let_go}, {NULL, NULL}};

@@ -4,6 +4,7 @@ local check = require "ylm.check"
 local core = require "ylm.c.core"
 local describe = require "ylm.describe".describe
 local form = require "ylm.form"
+local image = require "ylm.image"
 local light = require "ylm.light"
 local memory = require "ylm.memory"
 local objects = require "ylm.transfer.object"
@@ -72,13 +73,18 @@ local function source(name, m, lights, direct)
   return { traced = traced }
 end
 
---- Direct light anew: true, or nil, message, code.
+--- Direct light anew: where it comes from, as above; or nil, message, code.
 local function illuminate(name, lit, m, lights, o, show)
   local from, message, code = source(name, m.of, lights, o.direct)
   if not from then return nil, message, code end
-  if from.field then return check.result(name, m.lib.radiosity_field(lit, from.field, o.threads, show)) end
-  m.lit_by = from.traced -- rays go through it
-  return check.result(name, m.lib.radiosity_rays(lit, from.traced.handle, o.light_samples, o.seed, o.threads, show))
+  local done
+  if from.field then done, message, code = check.result(name, m.lib.radiosity_field(lit, from.field, o.threads, show))
+  else
+    done, message, code = check.result(name, m.lib.radiosity_rays(lit, from.traced.handle, o.light_samples, o.seed,
+      o.threads, show))
+  end
+  if not done then return nil, message, code end
+  return from
 end
 
 local function add_notes(m)
@@ -88,8 +94,7 @@ local function add_notes(m)
     notes[#notes + 1] = ("scene %q: %.0f %% of the direct light comes from lamps that are nearer to a surface than two "
       .. "elements are long: "
       .. "its spots are blurred over elements; less than spacing = %.3g shows them"):format(m.scene.name or "?",
-      100 * m.stats.close,
-      m.of.stats.spacing / 2)
+      100 * m.stats.close, m.of.stats.spacing / 2)
   end
   m.notes = #notes > 0 and notes or nil
 end
@@ -97,15 +102,14 @@ end
 --- Direct light and its bounces: lit, or nil, message, code.
 local function light_up(name, lit, m, lights, o)
   local start, show = core.seconds(), progress.resolve(o.progress)
-  local done, message, code = illuminate(name, lit, m, lights, o, show)
-  if not done then return nil, message, code end
+  local from, message, code = illuminate(name, lit, m, lights, o, show)
+  if not from then return nil, message, code end
   local stats
   stats, message, code = check.result(name, m.lib.radiosity_solve(lit, o.bounces == "all" and -1 or o.bounces, o.residual,
-    o.closure,
-    o.threads, show))
+    o.closure, o.threads, show))
   if not stats then return nil, message, code end
   stats.seconds = core.seconds() - start
-  m.stats = stats
+  m.stats, m.from, m.lit_by = stats, from, from.traced
   add_notes(m)
   return lit
 end
@@ -204,6 +208,90 @@ assert(#t:radiosity():elements().area == t.stats.elements)]],
 }
 function methods.elements(lit)
   return objects.transfer.elements(objects.open_radiosity("elements", lit).transfer)
+end
+
+describe "radiosity:save" {
+  about = "Writes the elements as triangles of a PLY file: irradiance and that of direct light per face, in W m^-2, and "
+    .. "colours of "
+    .. "corners for viewers.",
+  arguments = { { "path", "string", "the file, NAME.ply" } },
+  returns = { { "ok", "boolean", "true, or nil, message, 'EIO'" } },
+  errors = "raises on what is no name of a .ply file; nil, message, code: files, memory",
+  example = one_box .. [[
+local name = os.tmpname() .. ".ply"
+assert(t:radiosity():save(name))
+assert(#ylm.mesh({ file = name }).mesh == t.stats.elements)
+os.remove(name)]],
+}
+function methods.save(lit, path)
+  local m = objects.open_radiosity("save", lit)
+  if type(path) ~= "string" or path:find("%z") or not path:lower():find "%.ply$" then
+    return check.bad(1, "save", "a file name that ends in .ply expected, got %s", check.describe(path))
+  end
+  return check.result("save", m.lib.radiosity_write(lit, path))
+end
+
+local map_options = {
+  { "mesh", "integer", min = 1, about = "place in scene.geometry; it must have texture coordinates" },
+  { "size", "texels", default = { 256, 256 }, unit = "texels", about = "{ width, height }" },
+  { "part", "choice", of = { "all", "direct", "indirect" }, default = "all", about = "direct light, what surfaces send, or "
+    .. "both" },
+  { "side", "choice", of = { "front", "back" }, optional = true, about = "default: the one that has elements, else the front" },
+  { "links", "links", default = 128, about = "rays of each texel, by which elements light it" },
+  { "light_samples", "integer", min = 1, max = core.limits.transfer_links, default = 32, about = "shadow rays of each texel" },
+  { "gutter", "integer", min = 0, max = 64, default = 2,
+    about = "texels around the mesh's that take their neighbours' mean, so that a filter finds no black" },
+  { "seed", "integer", min = 0, max = 2 ^ 32, default = 1, about = "of all rays" },
+  form.threads,
+  form.progress,
+}
+
+function form.types.texels(x)
+  local function good(n) return check.is_integer(n) and n >= 1 and n <= 16384 end
+  if type(x) == "table" and #x == 2 and good(x[1]) and good(x[2]) then return { x[1], x[2] } end
+  return nil, "{ width, height }, integers from 1 to 16384"
+end
+
+--- Argument `mesh` of radiosity:lightmap: its texture coordinates.
+local function uvs_of(m, number)
+  local g = m.scene.geometry[number]
+  if not g then return check.fail("lightmap: mesh = %d: the scene has %d pieces of geometry", number, #m.scene.geometry) end
+  return core.mesh_uvs(g.mesh) or check.fail("lightmap: mesh %d has no texture coordinates (uvs)", number)
+end
+
+describe "radiosity:lightmap" {
+  about = "The irradiance of one mesh as a picture by its texture coordinates: each texel is lit by shadow rays and by the "
+    .. "elements "
+    .. "that its own rays hit.",
+  arguments = { { "options", "table", "mesh is needed" } },
+  options = map_options,
+  returns = { { "image", "image", "layers irradiance, W m^-2, and coverage, 1 where the middle of a texel is on the mesh and "
+    .. "in no body; "
+    .. "image:save 'x.exr'" }, { "report", "table", "texels: how many are covered; overlaps: those that more than one "
+    .. "triangle has; "
+    .. "seconds" } },
+  errors = "raises on a bad option and a mesh without texture coordinates; nil, message, code: memory, cancelled",
+  example = one_box .. [[
+local image = t:radiosity():lightmap { mesh = 1, size = { 16, 16 }, links = 32 }
+assert(image:layer "coverage":get(8, 8, 1) == 1 and image:layer "irradiance":get(8, 8, 1) > 0)]],
+}
+function methods.lightmap(lit, given)
+  local m = objects.open_radiosity("lightmap", lit)
+  local o = form.options(1, "lightmap", map_options, given)
+  local uvs, start = uvs_of(m, o.mesh), core.seconds()
+  local out, message, code = image.image { size = o.size, layers = { { "irradiance", 3 }, { "coverage", 1 } } }
+  if not out then return nil, message, code end
+  local direct = o.part ~= "indirect"
+  local overlaps
+  overlaps, message, code = check.result("lightmap", m.lib.radiosity_map(lit, { mesh = o.mesh, side = o.side, uvs = uvs,
+    out = out:layer "irradiance", coverage = out:layer "coverage", indirect = o.part ~= "direct",
+    scene = direct and m.from.traced and m.from.traced.handle or nil, field = direct and m.from.field or nil, links = o.links,
+    light_samples = o.light_samples, gutter = o.gutter, seed = o.seed, threads = o.threads,
+    progress = progress.resolve(o.progress) }))
+  if not overlaps then return nil, message, code end
+  local texels = 0
+  for _, row in ipairs(out:layer("coverage"):totable()) do for _, c in ipairs(row) do texels = texels + c[1] end end
+  return out, { texels = texels, overlaps = overlaps, seconds = core.seconds() - start }
 end
 
 describe "radiosity:close" {

@@ -140,5 +140,25 @@ return {
     { call = function(ylm) return field(ylm):validity({ 0, 0, 0 }, { thread = 1 }) end, says = "did you mean 'threads'" },
   }),
   ["gather:close"] = methods("close", field, "gathered field"),
+  ["radiosity:save"] = methods("save", radiosity, "radiosity", {
+    { call = function(ylm) return radiosity(ylm):save "x.obj" end, says = "a file name that ends in .ply expected, got 'x.obj'" },
+    { call = function(ylm) return radiosity(ylm):save "no such folder/a.ply" end, says = "no such folder" },
+  }),
+  ["radiosity:lightmap"] = methods("lightmap", radiosity, "radiosity", (function()
+    local out = {
+      { call = function(ylm) return transfer(ylm, { geometry = ylm.mesh { vertices = { { 0, 0, 0 }, { 1, 0, 0 }, { 0, 1, 0 } },
+        triangles = { { 1, 2, 3 } } } }):radiosity():lightmap { mesh = 1 } end, says = "mesh 1 has no texture coordinates" },
+    }
+    for _, case in ipairs { { {}, "field 'mesh' is missing" }, { { mesh = 0 }, "mesh must be" },
+      { { mesh = 2 }, "mesh = 2: the scene has 1 pieces of geometry" }, { { mesh = 1, size = { 0, 4 } }, "size must be { "
+        .. "width, height }" },
+      { { mesh = 1, part = "al" }, "did you mean 'all'" }, { { mesh = 1, links = 5 }, "links must be" },
+      { { mesh = 1, light_samples = 0 }, "light_samples must be" }, { { mesh = 1, gutter = -1 }, "gutter must be" },
+      { { mesh = 1, side = "both" }, "side must be" },
+      { { mesh = 1, size = { 4, 4 }, progress = function() return false end }, "cancelled" } } do
+      out[#out + 1] = { call = function(ylm) return radiosity(ylm):lightmap(case[1]) end, says = case[2] }
+    end
+    return out
+  end)()),
   ["radiosity:close"] = methods("close", radiosity, "radiosity"),
 }
