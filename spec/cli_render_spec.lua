@@ -2,6 +2,7 @@
 
 local scratch = require "spec.support.scratch"
 local tool = require "spec.support.tool"
+local api = require "ylm"
 
 describe("the command-line tool's renderings", function()
   local folder, scene, ylm -- its warnings on
@@ -128,6 +129,16 @@ describe("the command-line tool's renderings", function()
     assert.equal(6, code, err)
     assert.equal("", err)
     assert.truthy(out:find('"warnings":["scene \\"under a shelf\\": ', 1, true), out)
+    -- a grid that holds its shadows
+    local glow = function(points) return api.zeros({ #points, 3, 1 }, "double"), api.zeros({ #points, 3, 1, 3 }, "double") end
+    local box = { { -3, -1, -3 }, { 3, 2, 3 } }
+    assert(api.bake(api.uniform_grid { bounds = box, cells = 1, lmax = 0, metric_channels = "none" }, glow,
+      { quantity = "direct" }):save(folder.path .. "/direct.ylm"))
+    local direct = " --strict --grid " .. scratch.quote(folder.path .. "/direct.ylm")
+    out, code, err = ylm("render " .. scene .. small .. direct)
+    assert.equal(0, code, err)
+    assert.truthy(out:find "^visibility +grid\n", out)
+    assert.is_nil(out:find "occlusion +missing", out)
     assert.equal(0, select(2, ylm("render " .. scene .. small .. " -m raycast --strict")))
     assert.equal(0, select(2, ylm("render " .. scene .. small .. " --strict"))) -- by rays
     assert.truthy((ylm "--help"):find("6 a warning was given and --strict asked for", 1, true))

@@ -57,6 +57,24 @@ describe("ylm.vulkan", function()
       local lamp = ylm.sphere_light { at = { 0, 1, 0 } }
       local ok, message = pcall(s.render, s, { grid = lamp, device = gpu, size = { 8, 8 }, samples = 1 })
       assert(not ok and message:find("grid must be a grid", 1, true), tostring(message))
+      local dark = function(points)
+        return ylm.zeros({ #points, 3, 1 }, "double"), ylm.zeros({ #points, 3, 1, 3 }, "double")
+      end
+      local direct = ylm.bake(ylm.uniform_grid { bounds = { { -1, -1, -1 }, { 1, 1, 1 } }, cells = 1, lmax = 0,
+        metric_channels = "none" }, dark, { quantity = "direct" })
+      local view = s:prepare { size = { 8, 8 }, samples = 1 }
+      for says, call in pairs {
+        ['device: it traces no rays to lamps: leave it out, or name visibility = "transfer"'] = function()
+          s:render { device = gpu, size = { 8, 8 }, samples = 1 }
+        end,
+        ["device: it traces no rays to lamps"] = function() view:render { device = gpu } end,
+        ['device: it shades grids of lights by transfer vectors, this one holds "direct": leave device out'] = function()
+          s:render { grid = direct, device = gpu, size = { 8, 8 }, samples = 1 }
+        end,
+      } do
+        ok, message = pcall(call)
+        assert(not ok and message:find(says, 1, true), tostring(message))
+      end
       local grid = assert(s:bake())
       binding.gpu_lose(gpu)
       local image, code

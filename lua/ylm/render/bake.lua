@@ -83,7 +83,6 @@ local function field_of(s, t, o)
   lit, message, code = links:radiosity(s.lights, { bounces = n, light_samples = direct and 1 or nil, threads = o.threads,
     progress = o.progress })
   if not lit then return nil, message, code end
-  if not lit.field then return check.fail("bake: parts = %q is not there yet", o.parts) end
   return lit:field { parts = direct and "direct" or o.parts }
 end
 

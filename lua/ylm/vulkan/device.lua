@@ -110,12 +110,12 @@ function methods.check_picture(_, name, o)
   if core.type(o.grid) ~= "ylm.grid" then
     return check.bad(1, name, "device: a baked grid expected, got %s", check.describe(o.grid))
   end
-  if (o.bias or o.grid.bias) > 0 then
-    return check.bad(1, name, "device: it looks grids up at the points themselves: give bias = 0, or leave device out")
-  end
   if o.weight == "cosine" then
     return check.bad(1, name, "device: it shades grids of lights by transfer vectors, this one holds %q: leave device out",
       o.grid.quantity)
+  end
+  if (o.bias or o.grid.bias) > 0 then
+    return check.bad(1, name, "device: it looks grids up at the points themselves: give bias = 0, or leave device out")
   end
 end
 
