@@ -147,6 +147,29 @@ describe("transfer:vectors", function()
   end)
 end)
 
+describe("prepared:shade", function()
+  it("multiplies vectors, light and albedo at each point; its own vectors are the reference's picture", function()
+    local s = court(sky)
+    s.camera = ylm.camera { from = { 0, 3.5, 0.4 }, at = { 0, 0, 0 }, fov = 12 } -- sees no sky
+    local view = s:prepare { size = { 12, 8 }, samples = 1, lmax = 2, visibility = "transfer", share = 0 }
+    local own = view:shade { vectors = view:transfer() }
+    assert(relative(own:layer(), view:reference():layer()) < 1e-6)
+    local t = s:transfer(cut)
+    local T = view:transfer { transfer = t }
+    local image = view:shade { vectors = T }
+    local L, albedo = light_at(sky, { { 0, 0, 0 } }, 2)[1], view:points().albedo
+    local sums, wanted, rows = { 0, 0, 0 }, { 0, 0, 0 }, T:totable()
+    for i = 1, #rows do
+      for c = 1, 3 do wanted[c] = wanted[c] + product(rows, i, c, L) * albedo:get(i, c) / pi end
+    end
+    for _, row in ipairs(image:layer():totable()) do
+      for _, p in ipairs(row) do for c = 1, 3 do sums[c] = sums[c] + p[c] end end
+    end
+    assert.equal(96, #T)
+    for c = 1, 3 do near(sums[c], wanted[c], 1e-5, "channel " .. c) end
+  end)
+end)
+
 describe("prepared:matrices", function()
   it("cuts the sphere at the horizon in the open: the matrix of a hemisphere", function()
     local floor = ylm.quad { corner = { -1, 0, 1 }, u = { 2, 0, 0 }, v = { 0, 0, -2 } }

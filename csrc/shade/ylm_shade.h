@@ -330,6 +330,21 @@ YLM_API ylm_status ylm_shade_view_matrices(const ylm_shade_view *view, const ylm
                                            int lmax_in, int lmax_out, int threads,
                                            const ylm_progress *progress, float *out, ylm_error *e);
 
+/*
+** ylm_shade_by_vectors - radiance of every shading point by transfer vectors that are given.
+**
+**   T         in   [points][channels][(lmax+1)^2], channels 3 or 1
+**   field     in   asked at every point for values at that lmax, 3 channels, float
+**   out       out  [points][3]
+**   pairs     out  light x point evaluations, may be NULL
+**
+** Returns  YLM_OK; what the field returns; YLM_ENOMEM, YLM_ECANCELLED (progress stage "shading")
+*/
+YLM_API ylm_status ylm_shade_by_vectors(const ylm_shade_view *view, int lmax, int channels,
+                                        const float *T, const ylm_field *field, int threads,
+                                        const ylm_progress *progress, float *out, uint64_t *pairs,
+                                        ylm_error *e);
+
 /* Level of the leaf that holds each shading point and the error estimated for it (NaN: unknown);
    level, error [points]. */
 YLM_API ylm_status ylm_shade_grid_cells(const ylm_shade_view *view, const ylm_grid *grid,

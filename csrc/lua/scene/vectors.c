@@ -108,9 +108,35 @@ static int shade_matrices(lua_State *L) {
   return ylmL_result_progress(L, 1, s, &e, &p);
 }
 
-static const luaL_Reg functions[] = {
-    {"transfer_vectors", transfer_vectors},       {"transfer_vectors_rows", transfer_vectors_rows},
-    {"transfer_vectors_of", transfer_vectors_of}, {"shade_vectors", shade_vectors},
-    {"shade_matrices", shade_matrices},           {NULL, NULL}};
+/* shade_by_vectors(view, float [n][channels][(lmax+1)^2], lmax, object with a field, threads, progress)
+   -> radiance [n][3], pairs */
+static int shade_by_vectors(lua_State *L) {
+  ylm_shade_view *v = ylmL_shade_view(L, 1);
+  const ylmL_array *T = ylmL_array_check(L, 2);
+  int lmax = (int)luaL_checknumber(L, 3);
+  const ylm_field *field = ylmL_field_check(L, 4);
+  size_t n = ylmL_shade_points(v), row = ((size_t)lmax + 1) * ((size_t)lmax + 1);
+  ylm_error e = {0};
+  ylmL_progress p;
+  uint64_t pairs = 0;
+  lua_settop(L, 6);
+  if (T->dtype != YLM_FLOAT) return ylmL_result(L, 0, YLM_ETYPE, NULL);
+  if (T->count != n * row && T->count != 3 * n * row) return ylmL_result(L, 0, YLM_ESHAPE, NULL);
+  ylmL_array *out = ylmL_array_new(L, YLM_FLOAT, 2, (size_t[]){n, 3});
+  if (!out) return ylmL_result(L, 0, YLM_ENOMEM, NULL);
+  const ylm_progress *show = ylmL_progress_begin(L, 6, &p);
+  ylm_status s = ylm_shade_by_vectors(v, lmax, T->count == n * row ? 1 : 3, T->data, field,
+                                      (int)luaL_optnumber(L, 5, 0), show, out->data, &pairs, &e);
+  if (s == YLM_OK) ylmL_push_count(L, pairs);
+  return ylmL_result_progress(L, 2, s, &e, &p);
+}
+
+static const luaL_Reg functions[] = {{"transfer_vectors", transfer_vectors},
+                                     {"transfer_vectors_rows", transfer_vectors_rows},
+                                     {"transfer_vectors_of", transfer_vectors_of},
+                                     {"shade_vectors", shade_vectors},
+                                     {"shade_matrices", shade_matrices},
+                                     {"shade_by_vectors", shade_by_vectors},
+                                     {NULL, NULL}};
 
 void ylmL_open_vectors(lua_State *L) { luaL_setfuncs(L, functions, 0); }

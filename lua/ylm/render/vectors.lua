@@ -4,8 +4,11 @@ local check = require "ylm.check"
 local core = require "ylm.c.core"
 local describe = require "ylm.describe".describe
 local form = require "ylm.form"
+local light = require "ylm.light"
+local lmax_of = require "ylm.sh.args".lmax_of
 local objects = require "ylm.transfer.object"
 local options = require "ylm.render.options"
+local pictures = require "ylm.render.picture"
 local progress = require "ylm.progress"
 local vectors = require "ylm.transfer.vectors"
 local views = require "ylm.render.view"
@@ -131,6 +134,60 @@ function prepared.matrices(view, given)
     { rays = o.rays, seed = o.seed, lmax_in = into, lmax_out = out, threads = o.threads, progress = show }))
   if not M then return nil, message, code end
   return M, stats
+end
+
+local shade_fields = options.list({
+  { "vectors", "array", about = "transfer vectors of the view's points, float [n][3][(lmax+1)^2] or [n][(lmax+1)^2]" },
+  { "lights", "any", optional = true,
+    about = "lights, or any other light field, asked at every point; default: the scene's lights" },
+}, options.layer_fields, options.common)
+
+--- The vectors as a float array, and their lmax.
+local function given_vectors(p, value)
+  local shape, dtype = core.array_info(value)
+  local n, lmax = p.stats.points, lmax_of(shape[#shape])
+  if shape[1] ~= n or #shape < 2 or #shape > 3 or #shape == 3 and shape[2] ~= 3 or not lmax then
+    return check.fail("shade: vectors must be [%d][3][(lmax+1)^2] or [%d][(lmax+1)^2], got %s", n, n, table.concat(shape, "x"))
+  end
+  return dtype == "float" and value or core.array_convert(value, "float"), lmax
+end
+
+describe "prepared:shade" {
+  about = "Shades a prepared view by transfer vectors of its points: view:transfer's, or others. Light is asked at every point, "
+    .. "so that vectors without bounces know any light, and vectors with bounces distant light. Surfaces reflect as matte ones.",
+  arguments = { { "options", "table", "vectors are needed" } },
+  options = shade_fields,
+  returns = { { "image", "image", "" }, { "report", "table", options.report_text .. "pairs: light x point evaluations" } },
+  errors = "raises on a bad option, and vectors of other points; nil, message, code: memory, cancelled",
+  example = options.one_lamp .. [[
+local view = scene:prepare { size = { 32, 18 }, samples = 1 }
+local T = view:transfer { transfer = scene:transfer { links = 16 } }
+local image = view:shade { vectors = T, lights = ylm.environment_light { radiance = 1 } }
+assert(image:layer "radiance":get(9, 16, 1) > 0)]],
+  source = "Green 2003; Sloan et al. 2002",
+}
+function prepared.shade(view, given)
+  local p = views.open("shade", view)
+  local o = form.options(1, "shade", shade_fields, given)
+  pictures.check_truth("shade", p, o)
+  local T, lmax = given_vectors(p, o.vectors)
+  local lights, message, code = p.traced.lights, nil, nil
+  if o.lights ~= nil then lights, message, code = light.field(1, "shade", o.lights) end
+  if not lights then return nil, message, code end
+  local report, start = pictures.new_report(p), core.seconds()
+  report.visibility = "vectors"
+  local radiance, pairs
+  radiance, pairs, code = check.result("shade", p.lib.shade_by_vectors(p.view, T, lmax, lights, o.threads,
+    progress.resolve(o.progress)))
+  if not radiance then return nil, pairs, code end
+  local seconds = core.seconds() - start
+  report.pairs = pairs
+  local out
+  out, message, code = pictures.picture("shade", p, radiance, o)
+  if not out then return nil, message, code end
+  pictures.finish(report, start, seconds)
+  pictures.sign(out, p, "vectors", report, { pairs = ("%.0f"):format(pairs) })
+  return out, report
 end
 
 return prepared

@@ -64,6 +64,22 @@ return {
     { call = function(ylm) return scene(ylm):prepare({ size = { 2, 2 }, samples = 1 }):transfer { bounces = 1 } end,
       says = "bounces is for vectors with bounces: give transfer" },
   },
+  ["prepared:shade"] = {
+    { call = function(ylm) return scene(ylm):prepare({ size = { 2, 2 }, samples = 1 }).shade {} end,
+      says = "shade: a prepared view expected" },
+    { call = function(ylm) return scene(ylm):prepare({ size = { 2, 2 }, samples = 1 }):shade() end,
+      says = "field 'vectors' is missing" },
+    { call = function(ylm) return scene(ylm):prepare({ size = { 2, 2 }, samples = 1 }):shade { vectors = ylm.zeros { 4, 3 } } end,
+      says = "shade: vectors must be %[%d%]%[3%].* got 4x3" },
+    { call = function(ylm)
+      local view = scene(ylm):prepare { size = { 2, 2 }, samples = 1 }
+      return view:shade { vectors = ylm.zeros { view.stats.points, 3, 9 }, lights = 4 }
+    end, says = "a light or a list of lights expected, got 4" },
+    { call = function(ylm)
+      local view = scene(ylm):prepare { size = { 2, 2 }, samples = 1 }
+      return view:shade { vectors = ylm.zeros { view.stats.points, 3, 9 }, progress = function() return false end }
+    end, says = "cancelled" },
+  },
   ["prepared:matrices"] = {
     { call = function(ylm) return scene(ylm):prepare({ size = { 2, 2 }, samples = 1 }).matrices {} end,
       says = "matrices: a prepared view expected" },
