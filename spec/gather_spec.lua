@@ -264,4 +264,93 @@ describe("radiosity:field", function()
     local grid = ylm.bake(ylm.adaptive_grid { bounds = bounds, lmax = 2, depth = 3, tolerance = 0.05 }, lit, o)
     assert(grid.stats.met and grid.stats.error <= 0.05 and grid.quantity == "indirect")
   end)
+
+  describe("of direct light", function()
+    local floor = ylm.quad { corner = { -2, -1, 2 }, u = { 4, 0, 0 }, v = { 0, 0, -4 } }
+    local lamps = { ylm.sphere_light { at = { 0.2, 1.5, 0 }, radius = 0.2, radiance = { 10, 8, 6 } },
+      ylm.polygon_light { vertices = { { 1, 1, 1 }, { 1.4, 1, 1 }, { 1.4, 1.1, 1.4 }, { 1, 1.1, 1.4 } }, radiance = 5 },
+      ylm.disk_light { at = { -1, 1, 0.5 }, normal = { 1, -1, 0 }, radius = 0.2, radiance = 8 },
+      ylm.sun_light { direction = { 1, 2, 0.5 }, angle = 5, irradiance = { 2, 1, 1 } } }
+
+    local function lit_scene(geometry, lights, o)
+      local scene = ylm.scene "lamps" { geometry = geometry, lights = lights }
+      local t = assert(scene:transfer { spacing = o and o.spacing or 0.5, links = 4 })
+      return assert(t:radiosity(nil, { bounces = 0, light_samples = 2 }))
+    end
+
+    it("is that of the lamps themselves, with gradients and Hessians, where nothing is in the way", function()
+      local points = { { 0, 0, 0 }, { -0.5, 0.4, 0.8 } }
+      local field = lit_scene({ floor }, lamps):field { parts = "direct", rays = 192 }
+      local o = { derivatives = 2, dtype = "double" }
+      local ours, theirs = { ylm.light_field(4, field, points, o) }, { ylm.light_field(4, lamps, points, o) }
+      for k = 1, 3 do assert(apart(flat(ours[k]), flat(theirs[k])) < 1e-5, k) end
+      local Y, dY, ddY = ylm.light_field(4, field, points, { derivatives = 2, channels = "luminance" })
+      local metric = select(4, ylm.light_field(4, field, points, { metric = "luminance" }))
+      local own = { ylm.light_field(4, lamps, points, { derivatives = 2, channels = "luminance", metric = "luminance" }) }
+      for k, x in ipairs { Y, dY, ddY } do assert(apart(flat(x), flat(own[k])) < 1e-5) end
+      assert(apart(flat(metric.lambda), flat(own[4].lambda)) < 1e-5)
+      assert.equal(3 * 2 * 5 * 4, field.stats.shadow_rays) -- 3 times 2 points, 5 lamps (2 triangles), 4 rays
+    end)
+
+    it("is exactly uniform under a uniform sky, and half of it over an endless floor", function()
+      local sky = ylm.environment_light { radiance = { 1, 2, 3 } }
+      local field = lit_scene({ ylm.quad { corner = { 40, 40, 40 }, u = { 1e-3, 0, 0 }, v = { 0, 1e-3, 0 } } }, sky)
+        :field { parts = "all", rays = 192 }
+      local L, dL, ddL = ylm.light_field(4, field, { { 0.3, 0.2, -0.1 } }, { derivatives = 2 })
+      assert.near(2 * sqrt(4 * pi), L:get(1, 2, 1), 1e-4)
+      for _, x in ipairs(flat(dL)) do assert.equal(0, x) end
+      for _, x in ipairs(flat(ddL)) do assert.equal(0, x) end
+      local wide = lit_scene({ ylm.quad { corner = { -9e3, -1, 9e3 }, u = { 1.8e4, 0, 0 }, v = { 0, 0, -1.8e4 } } }, sky,
+        { spacing = 1e3 }):field { parts = "direct", rays = 768 }
+      assert.near(sqrt(4 * pi) / 2, ylm.light_field(0, wide, { 0, 0, 0 }):get(1, 1), 0.01)
+    end)
+
+    it("has the shadows of paths, with and without bounces (z2)", function()
+      local grey = ylm.matte { albedo = 0.6 }
+      local geometry = { ylm.quad { corner = { -2, -1, 2 }, u = { 4, 0, 0 }, v = { 0, 0, -4 }, material = grey },
+        ylm.sphere { at = { 0.1, 0.8, 0 }, radius = 0.25, divide = { 48, 24 } } }
+      local scene = ylm.scene "shadows" { geometry = geometry, lights = lamps }
+      local lit = scene:transfer({ spacing = 0.1, links = 32 }):radiosity()
+      local points = { { 0, 0, 0 }, { 0.6, 0, 0.1 }, { -0.2, 0.2, -0.2 }, { 0.1, 0.8, 0.6 } }
+      for parts, reflections in pairs { direct = { 0, 0 }, all = { 0, 20 } } do
+        local field = lit:field { parts = parts, rays = 3072 }
+        local L = flat(ylm.light_field(1, field, points))
+        local truth, variance = scene:probe { points = points, lmax = 1, samples = 1024, reflections = reflections }
+        local c, v, sum, norm = flat(truth), flat(variance), 0, 0
+        for i = 1, #c do norm = norm + c[i] ^ 2 / #points end
+        for i = 1, #c do sum = sum + (L[i] - c[i]) ^ 2 / (v[i] + 4e-5 * norm) end -- 2 % over all coefficients
+        assert(sum / #c < 1.5, parts .. sum / #c)
+      end
+    end)
+
+    it("takes many lamps in groups, within the tolerance of their shadows", function()
+      local many = {}
+      for i = 1, 400 do
+        many[i] = ylm.sphere_light { at = { math.sin(i) * 1.5, 1 + 0.3 * math.cos(7 * i), math.cos(3 * i) * 1.5 }, radius = 0.03,
+          radiance = 20 }
+      end
+      local wall = ylm.quad { corner = { 0.3, -1, 2 }, u = { 0, 4, 0 }, v = { 0, 0, -4 } }
+      local scene = ylm.scene "many" { geometry = { floor, wall }, lights = many }
+      local field = scene:transfer({ spacing = 1, links = 4 }):radiosity(nil, { light_samples = 1, bounces = 0 })
+        :field { parts = "direct", rays = 192, tolerance = 0.02 }
+      local points = { { -0.5, 0, 0 }, { 0.8, 0.3, 0.2 } }
+      local L = flat(ylm.light_field(2, field, points))
+      for i, side in ipairs { -1, 1 } do -- a wall between the lamps on both sides
+        local seen = {}
+        for _, lamp in ipairs(many) do if (lamp.at[1] - 0.3) * side > 0.03 then seen[#seen + 1] = lamp end end
+        local part, truth = {}, flat(ylm.light_field(2, seen, { points[i] }))
+        for k = 1, 27 do part[k] = L[27 * (i - 1) + k] end
+        assert(apart(part, truth) < 0.05, apart(part, truth))
+      end
+      assert(field.stats.shadow_rays <= 2 * 256)
+    end)
+
+    it("follows lights that change", function()
+      local lit = lit_scene({ floor }, lamps[1])
+      local field = lit:field { parts = "direct", rays = 192 }
+      local before = ylm.light_field(0, field, { 0, 0, 0 }):get(2, 1)
+      lit:update(ylm.sphere_light { at = { 0.2, 1.5, 0 }, radius = 0.2, radiance = { 20, 16, 12 } })
+      assert.near(2 * before, ylm.light_field(0, field, { 0, 0, 0 }):get(2, 1), 1e-5)
+    end)
+  end)
 end)

@@ -180,6 +180,22 @@ YLM_API size_t ylm_scene_aim(ylm_scene_chooser *c, const float x[3], const float
 /* The number of lamps that are not distant; of distant ones. */
 YLM_API size_t ylm_scene_near(const ylm_scene *scene);
 YLM_API size_t ylm_scene_distant(const ylm_scene *scene);
+/*
+** ylm_scene_lamp_record - the light that a lamp is, of an image the mean of a part.
+**
+**   kind  out  "sphere", "polygon" or "sun"
+**   x     out  [16] its record: csrc/light/kind.h
+**
+** Returns  the numbers of the record; 0: a part of light that fills the sky
+*/
+YLM_API size_t ylm_scene_lamp_record(const ylm_scene *scene, size_t lamp, const char **kind,
+                                     double x[16]);
+/* A ray from x to the place u [2] of a lamp, from 0 below 1, uniform in the solid angle or the area;
+   false: nothing of it is seen there. */
+YLM_API bool ylm_scene_lamp_ray(const ylm_scene *scene, size_t lamp, const float x[3],
+                                const double u[2], ylm_trace_ray *ray);
+/* The distant lights of a scene; NULL: there are none. */
+YLM_API const ylm_light_set *ylm_scene_sky(const ylm_scene *scene);
 /* The middle of a lamp that is not distant, and the unit normal of a flat one; of a sphere: zeros. */
 YLM_API void ylm_scene_lamp_middle(const ylm_scene *scene, size_t lamp, float middle[3],
                                    float normal[3]);

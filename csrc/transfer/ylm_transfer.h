@@ -273,7 +273,7 @@ typedef struct ylm_gather_form {
   double
       tolerance; /* of shadow rays of direct light: groups are looked at closer until they matter less than an eighth of it */
   bool
-      remember; /* keep each point's cells: the field asked again there, after another solution, traces nothing */
+      remember; /* keep each point's cells: the field asked again there, after another solution, traces shadow rays alone */
   bool refine_surfaces; /* boxes that meet triangles are crossed by what the field jumps on */
   uint64_t seed;
   const ylm_scene *lamps; /* whose lamps and sky give direct light; NULL: the transfer's scene */

@@ -54,11 +54,21 @@ void ylm__gather_view_free(gather_view *v) {
 
 /* The one place where light comes from: radiance of cells first .. first+n-1. */
 static void shine(gather_view *v, size_t first, size_t n) {
-  const float(*leaving)[4] = (const float(*)[4])ylm_radiosity_leaving(v->g->radiosity);
+  const ylm_gather *g = v->g;
+  const float(*leaving)[4] = (const float(*)[4])ylm_radiosity_leaving(g->radiosity);
+  bool sky = ylm__gather_sky_cell(g->lamps, 0) != NULL,
+       indirect = g->form.parts & YLM_GATHER_INDIRECT;
   for (size_t i = first; i < first + n; i++) {
     uint32_t element = v->cell[i].element;
-    memcpy(v->radiance[i], leaving[element < v->g->elements ? element : v->g->elements], 16);
-    v->radiance[i][3] = 1 / fmaxf(v->cell[i].distance, v->g->spacing);
+    float *to = v->radiance[i];
+    memcpy(to, leaving[indirect && element < g->elements ? element : g->elements], 16);
+    if (sky && element == g->elements) {
+      if (i < g->lattice.cells)
+        memcpy(to, ylm__gather_sky_cell(g->lamps, i), 12);
+      else
+        ylm__gather_sky(g->lamps, v->toward[i], to);
+    }
+    to[3] = 1 / fmaxf(v->cell[i].distance, g->spacing);
   }
 }
 

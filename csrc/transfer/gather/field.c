@@ -14,6 +14,7 @@ typedef struct gather_job {
   gather_slopes slopes;
   gather_view **view;
   gather_sums **sums;
+  gather_direct **direct; /* where there are lamps */
 } gather_job;
 
 static ylm_status check_query(const ylm_field_query *q, size_t n, const void *points,
@@ -101,6 +102,20 @@ static void put(const gather_job *j, size_t point, const gather_sums *s) {
   if (q->want & YLM_WANT_METRIC) put_metric(j, point, s);
 }
 
+/* Adds the light of lamps at the point of a thread's view. */
+static ylm_status light(const gather_job *j, int worker, gather_sums *s, bool *inside) {
+  ylm_gather *g = (ylm_gather *)j->g;
+  const gather_view *v = j->view[worker];
+  gather_direct **d = &j->direct[worker];
+  double mean = YLM_LUMINANCE_R * (double)v->mean[0] + YLM_LUMINANCE_G * (double)v->mean[1] +
+                YLM_LUMINANCE_B * (double)v->mean[2];
+  if (!*d) *d = ylm__gather_direct_create(g, g->lamps, &j->want);
+  if (!*d) return YLM_ENOMEM;
+  ylm_status status = ylm__gather_direct_light(*d, v->at, 4 * PI * mean, s, inside, NULL);
+  atomic_fetch_add_explicit(&g->shadow_rays, ylm__gather_direct_rays(*d), memory_order_relaxed);
+  return status;
+}
+
 static ylm_status evaluate_range(void *context, size_t begin, size_t end, int worker) {
   const gather_job *j = context;
   ylm_gather *g = (ylm_gather *)j->g; /* its counters */
@@ -116,6 +131,10 @@ static ylm_status evaluate_range(void *context, size_t begin, size_t end, int wo
     if (status != YLM_OK) return status;
     bool inside = (*v)->buried > 0.5f;
     ylm__gather_sum(*s, *v);
+    if (g->lamps) {
+      status = light(j, worker, *s, &inside);
+      if (status != YLM_OK) return status;
+    }
     if (inside) ylm__gather_flatten(*s);
     put(j, i, *s);
     if (j->r->inside) j->r->inside[i] = inside;
@@ -137,17 +156,20 @@ static ylm_status evaluate(const ylm_field *f, const ylm_field_query *q, size_t 
   j.base = ylm__gather_base(&g->lattice, q->lmax);
   j.view = ylm_alloc_zero(threads, sizeof *j.view);
   j.sums = ylm_alloc_zero(threads, sizeof *j.sums);
+  j.direct = ylm_alloc_zero(threads, sizeof *j.direct);
   s = ylm__gather_slopes_create(q->lmax, &j.slopes);
-  if (!j.base || !j.view || !j.sums) s = YLM_ENOMEM;
+  if (!j.base || !j.view || !j.sums || !j.direct) s = YLM_ENOMEM;
   if (s == YLM_OK) s = ylm_parallel(n, 1, (int)threads, evaluate_range, &j, q->progress, "gather");
   for (size_t i = 0; i < threads; i++) {
     if (j.view) ylm__gather_view_free(j.view[i]);
     if (j.sums) ylm__gather_sums_free(j.sums[i]);
+    if (j.direct) ylm__gather_direct_free(j.direct[i]);
   }
   ylm_free(j.base);
   ylm__gather_slopes_free(&j.slopes);
   ylm_free(j.view);
   ylm_free(j.sums);
+  ylm_free(j.direct);
   r->pairs += n;
   return s == YLM_OK ? ylm_light_finite(q, n, points, r, e) : s;
 }
@@ -184,7 +206,10 @@ static ylm_status fill(ylm_gather *g) {
     if (!g->normal) return YLM_ENOMEM;
     ylm_transfer_elements(g->transfer, NULL, (float *)g->normal, NULL, NULL, NULL);
   }
-  return g->form.remember ? ylm__gather_memory_create(&g->memory) : YLM_OK;
+  if (g->form.parts & YLM_GATHER_DIRECT)
+    s = ylm__gather_light(g, g->form.lamps ? g->form.lamps : g->scene, &g->lamps);
+  if (s == YLM_OK && g->form.remember) s = ylm__gather_memory_create(&g->memory);
+  return s;
 }
 
 /* A field of `form`, which has been checked but for its base. */
@@ -217,9 +242,14 @@ ylm_gather_form ylm_gather_defaults(void) {
       .base = 16, .levels = 2, .contrast = 0.2, .parts = YLM_GATHER_INDIRECT, .tolerance = 0.03};
 }
 
-ylm_status ylm_gather_lamps(ylm_gather *g, const ylm_scene *lamps, ylm_error *e) {
-  (void)e;
-  g->form.lamps = lamps;
+ylm_status ylm_gather_lamps(ylm_gather *g, const ylm_scene *scene, ylm_error *e) {
+  gather_lamps *lamps = NULL;
+  if (!(g->form.parts & YLM_GATHER_DIRECT)) return YLM_OK;
+  ylm_status s = ylm__gather_light(g, scene, &lamps);
+  if (s != YLM_OK) return ylm_fail(e, s, "%s", ylm_status_text(s));
+  ylm__gather_dark(g->lamps);
+  g->lamps = lamps;
+  g->form.lamps = scene;
   return YLM_OK;
 }
 
@@ -242,6 +272,7 @@ void ylm_gather_free(ylm_gather *g) {
   if (!g) return;
   ylm__gather_lattice_free(&g->lattice);
   ylm__gather_memory_free(g->memory);
+  ylm__gather_dark(g->lamps);
   ylm_free(g->normal);
   ylm_free(g);
 }

@@ -78,6 +78,7 @@ static inline uint32_t ylm__gather_children(const gather_cell *c) {
 }
 
 struct gather_memory;
+typedef struct gather_lamps gather_lamps;
 
 struct ylm_gather {
   ylm_field field;
@@ -91,6 +92,7 @@ struct ylm_gather {
   gather_lattice lattice;
   size_t most;                  /* cells of a point */
   struct gather_memory *memory; /* NULL: nothing is remembered */
+  gather_lamps *lamps;          /* of direct light; NULL: it is not asked for */
   atomic_uint_fast64_t points, rays, shadow_rays, invalid;
 };
 
@@ -203,6 +205,29 @@ void ylm__gather_flatten(gather_sums *s);
 const double *ylm__gather_value(const gather_sums *s);
 const double *ylm__gather_gradient(const gather_sums *s);
 const double *ylm__gather_hessian(const gather_sums *s);
+
+/* Adds sums of one point in the layout of fields: [channels][count], [..][3], [..][6]. */
+void ylm__gather_add(gather_sums *s, const double *value, const double *gradient,
+                     const double *hessian);
+
+/* -- lamps.c, direct.c: light of lamps with shadows -------------------------------------------- */
+
+ylm_status ylm__gather_light(const ylm_gather *g, const ylm_scene *scene, gather_lamps **lamps);
+void ylm__gather_dark(gather_lamps *lamps);
+/* Whether there is a sky that fills directions, its radiance in cell i of the base, and in a direction of length 1. */
+const float *ylm__gather_sky_cell(const gather_lamps *l, size_t i);
+void ylm__gather_sky(const gather_lamps *l, const float direction[3], float rgb[3]);
+
+/* The memory of one thread. */
+typedef struct gather_direct gather_direct;
+gather_direct *ylm__gather_direct_create(const ylm_gather *g, const gather_lamps *lamps,
+                                         const gather_want *want);
+void ylm__gather_direct_free(gather_direct *d);
+/* Adds the light of lamps to sums; `indirect`: about the scalar irradiance of what is there already. */
+ylm_status ylm__gather_direct_light(gather_direct *d, const float at[3], double indirect,
+                                    gather_sums *s, bool *inside, ylm_error *e);
+/* Rays of the last point. */
+uint64_t ylm__gather_direct_rays(const gather_direct *d);
 
 /* -- field.c ------------------------------------------------------------------------------------- */
 
