@@ -10,7 +10,7 @@
 
 FUZZ_CC   ?= clang
 FUZZ_RUNS ?= 1000000
-FUZZ      ?= $(patsubst spec/fuzz/%.c,%,$(wildcard spec/fuzz/*.c))
+FUZZ      ?= $(filter-out $(if $(WITH_SCENE),,transfer),$(patsubst spec/fuzz/%.c,%,$(wildcard spec/fuzz/*.c)))
 FUZZ_DIR  := $(BUILD)/fuzz
 FUZZ_ARGS ?= -max_total_time=1800 -timeout=120 -rss_limit_mb=4096 -print_final_stats=1
 
@@ -30,7 +30,7 @@ FUZZ_ABOUT_grid := $(wildcard csrc/grid/file/*.c)
 
 FUZZ_SANITIZE := -fsanitize=address,undefined,fuzzer-no-link -fno-sanitize-recover=undefined
 FUZZ_CFLAGS := -std=gnu11 -DFUZZING_BUILD_MODE_UNSAFE_FOR_PRODUCTION -O1 -g -fno-omit-frame-pointer $(FUZZ_SANITIZE) -fprofile-instr-generate -fcoverage-mapping \
-  -Wno-unknown-pragmas -MMD -MP -Ispec/fuzz/support -Icsrc $(foreach d,$(CORE) codec,-Icsrc/$(d))
+  -Wno-unknown-pragmas -MMD -MP -Ispec/fuzz/support -Icsrc $(foreach d,$(CORE) codec $(SCENE),-Icsrc/$(d))
 # Folders whose sources every target may use, and single sources beside them (no kernels: compiling
 # the generated ones with sanitizers takes many minutes).
 FUZZ_FOLDERS := base image geom grid codec material
@@ -114,3 +114,12 @@ $(FUZZ_DIR)/bin/scene: $(FUZZ_ALSO_scene) $(BUILD)/lib/libylm.so
 	$(call say,LINK,$@)
 	$(Q)$(FUZZ_CC) $(FUZZ_CFLAGS) -fsanitize=fuzzer spec/fuzz/scene.c $(FUZZ_ALSO_scene) $(FUZZ_LIBS_scene) -lm -o $@
 $(FUZZ_DIR)/bin/scene: spec/fuzz/scene.c
+
+# Transfers: their reader and elements instrumented, scenes from libylm_scene as it is built.
+FUZZ_ABOUT_transfer := csrc/transfer/file.c csrc/transfer/elements.c
+FUZZ_ALSO_transfer := $(patsubst %,$(FUZZ_DIR)/obj/transfer/%.o,closed elements file links sides sum transfer)
+FUZZ_LIBS_transfer := -L$(BUILD)/lib -Wl,-rpath,$(abspath $(BUILD))/lib -lylm_scene -lylm
+$(FUZZ_DIR)/bin/transfer: spec/fuzz/transfer.c $(FUZZ_ALSO_transfer) $(LIBS)
+	@mkdir -p $(@D)
+	$(call say,LINK,$@)
+	$(Q)$(FUZZ_CC) $(FUZZ_CFLAGS) -fsanitize=fuzzer spec/fuzz/transfer.c $(FUZZ_ALSO_transfer) $(FUZZ_LIBS_transfer) -lm -o $@
