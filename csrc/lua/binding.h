@@ -49,6 +49,7 @@
   X(image_ops)                                                                                     \
   X(material)                                                                                      \
   X(material_file)                                                                                 \
+  X(material_table)                                                                                \
   X(mesh)                                                                                          \
   X(texture)
 

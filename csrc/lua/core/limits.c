@@ -5,6 +5,7 @@
 #include "ylm_grid.h"
 #include "ylm_image.h"
 #include "ylm_light.h"
+#include "ylm_material_table.h"
 #include "ylm_path.h"
 #include "ylm_sh.h"
 #include "ylm_transfer.h"
@@ -16,6 +17,8 @@
   X(grid_depth, YLM_GRID_MAX_DEPTH)                                                                \
   X(image_side, YLM_IMAGE_MAX_SIDE)                                                                \
   X(lmax, YLM_LIGHT_LMAX)                                                                          \
+  X(material_table_lmax, YLM_MATERIAL_TABLE_LMAX)                                                  \
+  X(material_table_rows, YLM_MATERIAL_TABLE_ROWS)                                                  \
   X(path_batch, YLM_PATH_BATCH)                                                                    \
   X(path_lmax, YLM_PATH_LMAX)                                                                      \
   X(path_samples, YLM_PATH_SAMPLES)                                                                \

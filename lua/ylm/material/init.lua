@@ -10,6 +10,7 @@ local texture = require "ylm.material.texture"
 
 require "ylm.material.methods"
 require "ylm.material.shape"
+require "ylm.material.table"
 
 require "ylm.memory".publish(object.methods)
 

@@ -1,0 +1,121 @@
+/* material_table.c - tables of materials in spherical harmonics; lua/ylm/material/table.lua drives it. */
+#include <math.h>
+
+#include "../binding.h"
+#include "ylm_material_table.h"
+
+#define TABLE "ylm.material_table"
+
+typedef struct handle {
+  ylm_material_table *table;
+} handle;
+
+static int table_gc(lua_State *L) {
+  handle *h = ylmL_check(L, 1, TABLE);
+  ylm_material_table_free(h->table);
+  h->table = NULL;
+  return 0;
+}
+
+/* material_table(material, {lmax, rows, columns, error, cosine, threads, progress}) -> table, facts */
+static int material_table(lua_State *L) {
+  static const char *const names[] = {"lmax",   "rows",    "columns",  "error",
+                                      "cosine", "threads", "progress", NULL};
+  enum { LMAX = 3, ROWS, COLUMNS, ERROR, COSINE, THREADS, PROGRESS };
+  const ylm_material *m = ylmL_material_check(L, 1);
+  ylm_error e = {0};
+  ylmL_progress p;
+  ylm_material_table_facts f;
+  ylmL_named(L, 2, names);
+  ylm_material_table_form form = {.lmax = (int)luaL_checknumber(L, LMAX),
+                                  .rows = (int)luaL_checknumber(L, ROWS),
+                                  .columns = (int)luaL_checknumber(L, COLUMNS),
+                                  .error = (double)luaL_checknumber(L, ERROR),
+                                  .without_cosine = !lua_toboolean(L, COSINE),
+                                  .threads = (int)luaL_optnumber(L, THREADS, 0)};
+  handle *h = lua_newuserdata(L, sizeof *h);
+  h->table = NULL;
+  luaL_getmetatable(L, TABLE);
+  lua_setmetatable(L, -2);
+  form.progress = ylmL_progress_begin(L, PROGRESS, &p);
+  ylm_status s = ylm_material_table_create(m, &form, &h->table, &e);
+  if (s != YLM_OK) return ylmL_result_progress(L, 0, s, &e, &p);
+  ylm_material_table_look(h->table, &f);
+  ylmL_charge(L, f.bytes);
+  lua_newtable(L);
+  ylmL_set_number(L, "lmax", f.lmax);
+  ylmL_set_number(L, "rows", f.rows);
+  ylmL_set_number(L, "columns", f.columns);
+  ylmL_set_number(L, "functions", f.functions);
+  ylmL_set_number(L, "error", f.error);
+  ylmL_set_number(L, "grazing", f.grazing);
+  ylmL_set_number(L, "bytes", (double)f.bytes);
+  ylmL_set_number(L, "seconds", f.seconds);
+  return ylmL_result_progress(L, 2, s, &e, &p);
+}
+
+/* Directions of length 1, [n][3] float, of rows [n][3]; NULL: nil, message, code are pushed. */
+static ylmL_array *unit_rows(lua_State *L, int i) {
+  ylmL_array *a = ylmL_array_check(L, i);
+  size_t n = a->count / 3;
+  ylm_error e = {0};
+  ylmL_array *to = ylmL_array_new(L, YLM_FLOAT, 2, (size_t[]){n, 3});
+  if (!to) {
+    ylmL_result(L, 0, YLM_ENOMEM, NULL);
+    return NULL;
+  }
+  for (size_t k = 0; k < n; k++) {
+    double v[3], l = 0;
+    for (size_t c = 0; c < 3; c++) {
+      v[c] = ylmL_array_get(a, 3 * k + c);
+      l += v[c] * v[c];
+    }
+    if (!(l > 0 && l < INFINITY && v[2] >= 0)) {
+      ylmL_result(L, 0,
+                  ylm_fail(&e, YLM_EDOMAIN, "wo: row %zu %s", k + 1,
+                           l > 0 && l < INFINITY ? "is below the surface" : "has no direction"),
+                  &e);
+      return NULL;
+    }
+    for (size_t c = 0; c < 3; c++) ((float *)to->data)[3 * k + c] = (float)(v[c] / sqrt(l));
+  }
+  return to;
+}
+
+/* material_table_slices(table, wo [n][3]) -> float [n][3][(lmax+1)^2] */
+static int material_table_slices(lua_State *L) {
+  handle *h = ylmL_check(L, 1, TABLE);
+  ylm_material_table_facts f;
+  ylmL_array *wo = unit_rows(L, 2);
+  if (!wo) return 3;
+  ylm_material_table_look(h->table, &f);
+  size_t n = wo->count / 3, count = (size_t)(f.lmax + 1) * (size_t)(f.lmax + 1);
+  ylmL_array *out = ylmL_array_new(L, YLM_FLOAT, 3, (size_t[]){n, 3, count});
+  if (!out) return ylmL_result(L, 0, YLM_ENOMEM, NULL);
+  return ylmL_result(
+      L, 1, ylm_material_table_slices(h->table, n, (const float(*)[3])wo->data, out->data), NULL);
+}
+
+/* material_table_missed(table, lmax, wo [n][3]) -> float [n] */
+static int material_table_missed(lua_State *L) {
+  handle *h = ylmL_check(L, 1, TABLE);
+  int lmax = (int)luaL_checknumber(L, 2);
+  ylmL_array *wo = unit_rows(L, 3);
+  if (!wo) return 3;
+  ylmL_array *out = ylmL_array_new(L, YLM_FLOAT, 1, (size_t[]){wo->count / 3});
+  if (!out) return ylmL_result(L, 0, YLM_ENOMEM, NULL);
+  ylm_material_table_missed(h->table, lmax, wo->count / 3, (const float(*)[3])wo->data, out->data);
+  return 1;
+}
+
+static const luaL_Reg functions[] = {{"material_table", material_table},
+                                     {"material_table_slices", material_table_slices},
+                                     {"material_table_missed", material_table_missed},
+                                     {NULL, NULL}};
+static const luaL_Reg methods[] = {{"__gc", table_gc}, {NULL, NULL}};
+
+void ylmL_open_material_table(lua_State *L) {
+  ylmL_type(L, TABLE, methods);
+  lua_pop(L, 1);
+  luaL_setfuncs(L, functions, 0);
+}

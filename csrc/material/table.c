@@ -1,0 +1,457 @@
+/* table.c - materials as tables of spherical harmonics: slices at rows and columns, and what is between them. */
+#include "ylm_material_table.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "slice.h"
+#include "ylm_sh.h"
+
+#define PI 3.14159265358979323846
+#define LAST (89.5 / 180 * PI) /* of the rows: f wi.z has a limit at the horizon, but no value */
+#define LAST_TOLD (84.0 / 180 * PI) /* of those that `error` is about */
+/* Functions that are a smaller part of all slices than this are left out. */
+#define FAINT 1e-3
+/* Columns at which rows are judged, and rows at which columns are. */
+#define JUDGES 4
+
+struct ylm_material_table {
+  int lmax, rows, columns, functions;
+  bool halves;
+  size_t width;
+  float mix[3][3];
+  float *data;   /* [columns][rows + 2][functions][width]: one row more at either end */
+  float *missed; /* [columns][rows][lmax + 1] */
+  ylm_material_table_facts facts;
+};
+
+/* -- making -------------------------------------------------------------------- */
+
+/* Slices in the making, one behind the other: numbers [3][width], then the part missed [lmax + 1]. */
+typedef struct making {
+  const ylm_material *m;
+  ylm_material_table_form form;
+  bool halves;
+  size_t width, size; /* of a channel; of a slice */
+  int rows, columns;
+  double *slice; /* [columns][rows][size] */
+  slice_room **room;
+} making;
+
+typedef struct wanted {
+  double angle, azimuth;
+  double *to;
+} wanted;
+
+typedef struct batch {
+  making *x;
+  const wanted *list;
+} batch;
+
+static void keep(const making *x, const material_slice *s, double *to) {
+  size_t count = ylm_sh_count(x->form.lmax), k = 0;
+  double total = s->total[0] + s->total[1] + s->total[2], left = total;
+  for (size_t c = 0; c < 3; c++)
+    for (int l = 0; l <= x->form.lmax; l++)
+      for (int m = x->halves ? 0 : -l; m <= l; m++, k++)
+        to[k] = s->c[c * count + (size_t)(l * l + l + m)];
+  for (int l = 0; l <= x->form.lmax; l++) {
+    for (size_t c = 0; c < 3; c++)
+      for (int i = l * l; i < (l + 1) * (l + 1); i++) {
+        double v = s->c[c * count + (size_t)i];
+        left -= v * v;
+      }
+    to[k++] = total > 0 ? sqrt(fmax(0, left / total)) : 0;
+  }
+}
+
+static ylm_status slices(void *context, size_t begin, size_t end, int worker) {
+  const batch *b = context;
+  making *x = b->x;
+  material_slice s = {.c = ylm_alloc(3 * ylm_sh_count(x->form.lmax), sizeof(double))};
+  if (!x->room[worker]) x->room[worker] = ylm__slice_room(x->form.lmax);
+  ylm_status status = s.c && x->room[worker] ? YLM_OK : YLM_ENOMEM;
+  for (size_t i = begin; status == YLM_OK && i < end; i++) {
+    const wanted *w = b->list + i;
+    status = ylm__slice(x->m, x->room[worker], w->angle, w->azimuth, !x->form.without_cosine, &s);
+    if (status == YLM_OK) keep(x, &s, w->to);
+  }
+  ylm_free(s.c);
+  return status;
+}
+
+static ylm_status make(making *x, size_t n, const wanted *list) {
+  batch b = {x, list};
+  return ylm_parallel(n, 1, x->form.threads, slices, &b, x->form.progress, "table");
+}
+
+static double angle_of(double row, int rows) { return LAST * row / (rows - 1); }
+static double azimuth_of(double column, int columns) { return 2 * PI * column / columns; }
+
+/* Slice (row, column), rows from -1 to `rows`: of what is beyond the normal, the other side's. */
+static double *at(const making *x, int row, int column) {
+  int turned = row < 0 ? (column + x->columns / 2) % x->columns : column;
+  return x->slice + x->size * ((size_t)turned * (size_t)x->rows + (size_t)(row < 0 ? -row : row));
+}
+
+/* Adds `weight` times that to [3][width]. */
+static void add_slice(const making *x, int row, int column, double weight, double *to) {
+  if (row == x->rows) { /* straight on */
+    add_slice(x, x->rows - 1, column, 2 * weight, to);
+    add_slice(x, x->rows - 2, column, -weight, to);
+    return;
+  }
+  const double *from = at(x, row, column);
+  size_t k = 0;
+  for (int c = 0; c < 3; c++)
+    for (int l = 0; l <= x->form.lmax; l++)
+      for (int m = x->halves ? 0 : -l; m <= l; m++, k++)
+        to[k] += (row < 0 && (m & 1) ? -weight : weight) * from[k];
+}
+
+/* Catmull and Rom's weights at t in 0 .. 1 between the second and third of four places. */
+static inline void cubic(double t, double w[4]) {
+  w[0] = t * (-0.5 + t * (1 - 0.5 * t));
+  w[1] = 1 + t * t * (-2.5 + 1.5 * t);
+  w[2] = t * (0.5 + t * (2 - 1.5 * t));
+  w[3] = t * t * (-0.5 + 0.5 * t);
+}
+
+/* The distance of slice `exact` from what stands between, relative to its norm. */
+static double difference(const making *x, const double *between, const double *exact) {
+  double d = 0, norm = 0;
+  for (size_t k = 0; k < 3 * x->width; k++) {
+    d += (between[k] - exact[k]) * (between[k] - exact[k]);
+    norm += exact[k] * exact[k];
+  }
+  return norm > 0 ? sqrt(d / norm) : 0;
+}
+
+/* The errors halfway between rows, at JUDGES columns; `exact` gets the slices there: [JUDGES][rows - 1][size]. */
+static ylm_status judge_rows(making *x, double *exact, double *between, wanted *list, double *error,
+                             double *grazing) {
+  int judges = x->columns > 1 ? JUDGES : 1, n = 0;
+  for (int j = 0; j < judges; j++)
+    for (int i = 0; i + 1 < x->rows; i++, n++)
+      list[n] =
+          (wanted){angle_of(i + 0.5, x->rows), azimuth_of(j * x->columns / judges, x->columns),
+                   exact + x->size * (size_t)n};
+  ylm_status s = make(x, (size_t)n, list);
+  *error = *grazing = 0;
+  for (int k = 0; s == YLM_OK && k < n; k++) {
+    int i = k % (x->rows - 1), j = k / (x->rows - 1) * x->columns / judges;
+    double w[4];
+    cubic(0.5, w);
+    memset(between, 0, 3 * x->width * sizeof *between);
+    for (int q = 0; q < 4; q++) add_slice(x, i - 1 + q, j, w[q], between);
+    double *worst = list[k].angle <= LAST_TOLD ? error : grazing;
+    *worst = fmax(*worst, difference(x, between, list[k].to));
+  }
+  return s;
+}
+
+/* The error halfway between columns, at JUDGES rows. */
+static ylm_status judge_columns(making *x, double *exact, double *between, wanted *list,
+                                double *error) {
+  int n = 0;
+  for (int j = 0; j < JUDGES; j++)
+    for (int i = 0; i < x->columns; i++, n++)
+      list[n] = (wanted){angle_of((j + 1) * (x->rows - 3) / JUDGES, x->rows),
+                         azimuth_of(i + 0.5, x->columns), exact + x->size * (size_t)n};
+  ylm_status s = make(x, (size_t)n, list);
+  *error = 0;
+  for (int k = 0; s == YLM_OK && k < n; k++) {
+    int i = k % x->columns, row = (k / x->columns + 1) * (x->rows - 3) / JUDGES;
+    double w[4];
+    cubic(0.5, w);
+    memset(between, 0, 3 * x->width * sizeof *between);
+    for (int q = 0; q < 4; q++)
+      add_slice(x, row, (i - 1 + q + x->columns) % x->columns, w[q], between);
+    *error = fmax(*error, difference(x, between, list[k].to));
+  }
+  return s;
+}
+
+/* Makes all slices of x->rows and x->columns that `old`, of half as many (or NULL), has not. */
+static ylm_status fill(making *x, const making *old) {
+  size_t n = 0, all = (size_t)x->rows * (size_t)x->columns;
+  wanted *list = ylm_alloc(all, sizeof *list);
+  x->slice = ylm_alloc(all * x->size, sizeof *x->slice);
+  ylm_status s = list && x->slice ? YLM_OK : YLM_ENOMEM;
+  int by_row = old && old->rows < x->rows ? 2 : 1,
+      by_column = old && old->columns < x->columns ? 2 : 1;
+  for (int j = 0; s == YLM_OK && j < x->columns; j++)
+    for (int i = 0; i < x->rows; i++) {
+      double *to = at(x, i, j);
+      if (old && i % by_row == 0 && j % by_column == 0)
+        memcpy(to, at(old, i / by_row, j / by_column), x->size * sizeof *to);
+      else
+        list[n++] = (wanted){angle_of(i, x->rows), azimuth_of(j, x->columns), to};
+    }
+  if (s == YLM_OK) s = make(x, n, list);
+  ylm_free(list);
+  return s;
+}
+
+/* Doubles rows or columns as long as there is too much between them. */
+static ylm_status refine(making *x, double *error, double *grazing) {
+  for (;;) {
+    size_t judged = JUDGES * (size_t)(x->rows > x->columns ? x->rows : x->columns);
+    double *exact = ylm_alloc(judged * x->size, sizeof *exact);
+    double *between = ylm_alloc(3 * x->width, sizeof *between);
+    wanted *list = ylm_alloc(judged, sizeof *list);
+    double by_rows = 0, by_columns = 0;
+    ylm_status s = exact && between && list ? YLM_OK : YLM_ENOMEM;
+    if (s == YLM_OK) s = judge_rows(x, exact, between, list, &by_rows, grazing);
+    if (s == YLM_OK && x->columns > 1) s = judge_columns(x, exact, between, list, &by_columns);
+    ylm_free(exact), ylm_free(between), ylm_free(list);
+    *error = fmax(by_rows, by_columns);
+    if (s != YLM_OK || x->form.error <= 0 || *error <= x->form.error) return s;
+    making old = *x;
+    if (by_rows > x->form.error && 2 * x->rows - 1 <= YLM_MATERIAL_TABLE_ROWS)
+      x->rows = 2 * x->rows - 1;
+    if (by_columns > x->form.error && 2 * x->columns <= YLM_MATERIAL_TABLE_ROWS) x->columns *= 2;
+    if (x->rows == old.rows && x->columns == old.columns) return YLM_OK;
+    s = fill(x, &old);
+    ylm_free(old.slice);
+    if (s != YLM_OK) return s;
+  }
+}
+
+/* Eigenvectors v[k] of a symmetric 3 x 3 matrix and their eigenvalues: Jacobi's rotations. */
+static void eigenvectors(double a[3][3], double v[3][3], double value[3]) {
+  for (int i = 0; i < 3; i++)
+    for (int j = 0; j < 3; j++) v[i][j] = i == j;
+  for (int sweep = 0; sweep < 30; sweep++)
+    for (int p = 0; p < 2; p++)
+      for (int q = p + 1; q < 3; q++) {
+        if (a[p][q] == 0) continue;
+        double turn = 0.5 * atan2(2 * a[p][q], a[q][q] - a[p][p]), c = cos(turn), s = sin(turn);
+        for (int k = 0; k < 3; k++) {
+          double x = a[k][p], y = a[k][q];
+          a[k][p] = c * x - s * y, a[k][q] = s * x + c * y;
+        }
+        for (int k = 0; k < 3; k++) {
+          double x = a[p][k], y = a[q][k];
+          a[p][k] = c * x - s * y, a[q][k] = s * x + c * y;
+          x = v[p][k], y = v[q][k];
+          v[p][k] = c * x - s * y, v[q][k] = s * x + c * y;
+        }
+      }
+  for (int k = 0; k < 3; k++) value[k] = a[k][k];
+}
+
+/* Which functions the channels are mixtures of. */
+static void choose_functions(const making *x, ylm_material_table *t) {
+  double gram[3][3] = {{0}}, v[3][3], value[3], total = 0;
+  size_t all = (size_t)x->rows * (size_t)x->columns;
+  for (size_t i = 0; i < all; i++) {
+    const double *s = x->slice + i * x->size;
+    for (int a = 0; a < 3; a++)
+      for (int b = 0; b < 3; b++)
+        for (size_t k = 0; k < x->width; k++)
+          gram[a][b] += s[(size_t)a * x->width + k] * s[(size_t)b * x->width + k];
+  }
+  eigenvectors(gram, v, value);
+  for (int k = 0; k < 3; k++) total += value[k];
+  bool used[3] = {false};
+  for (t->functions = 0; t->functions < 3; t->functions++) {
+    int best = -1;
+    for (int k = 0; k < 3; k++)
+      if (!used[k] && (best < 0 || value[k] > value[best])) best = k;
+    if (t->functions > 0 && value[best] <= FAINT * FAINT * total) break;
+    used[best] = true;
+    for (int c = 0; c < 3; c++) t->mix[c][t->functions] = (float)v[best][c];
+  }
+}
+
+/* Row `row` of column `column` of the table: -1 and `rows` are those beyond its ends. */
+static float *row_of(const ylm_material_table *t, int row, int column) {
+  return t->data + (size_t)t->functions * t->width *
+                       ((size_t)column * (size_t)(t->rows + 2) + (size_t)(row + 1));
+}
+
+static ylm_status finish(const making *x, ylm_material_table *t) {
+  t->lmax = x->form.lmax, t->rows = x->rows, t->columns = x->columns;
+  t->halves = x->halves, t->width = x->width;
+  choose_functions(x, t);
+  size_t degrees = (size_t)t->lmax + 1, line = (size_t)t->functions * t->width;
+  size_t floats = (size_t)t->columns * (size_t)(t->rows + 2) * line;
+  size_t misses = (size_t)t->columns * (size_t)t->rows * degrees;
+  double *s = ylm_alloc(3 * t->width, sizeof *s);
+  t->data = ylm_alloc(floats, sizeof *t->data);
+  t->missed = ylm_alloc(misses, sizeof *t->missed);
+  if (s && t->data && t->missed)
+    for (int j = 0; j < t->columns; j++)
+      for (int i = -1; i <= t->rows; i++) {
+        float *to = row_of(t, i, j);
+        memset(s, 0, 3 * t->width * sizeof *s);
+        add_slice(x, i, j, 1, s);
+        for (size_t f = 0; f < (size_t)t->functions; f++)
+          for (size_t k = 0; k < t->width; k++) {
+            double sum = 0;
+            for (size_t c = 0; c < 3; c++) sum += (double)t->mix[c][f] * s[c * t->width + k];
+            *to++ = (float)sum;
+          }
+        if (i < 0 || i == t->rows) continue;
+        const double *missed = at(x, i, j) + 3 * t->width;
+        for (size_t l = 0; l < degrees; l++)
+          t->missed[((size_t)j * (size_t)t->rows + (size_t)i) * degrees + l] = (float)missed[l];
+      }
+  ylm_status status = s && t->data && t->missed ? YLM_OK : YLM_ENOMEM;
+  ylm_free(s);
+  t->facts = (ylm_material_table_facts){.lmax = t->lmax,
+                                        .rows = t->rows,
+                                        .columns = t->columns,
+                                        .functions = t->functions,
+                                        .width = t->width,
+                                        .halves = t->halves,
+                                        .bytes = sizeof *t + 4 * (floats + misses)};
+  return status;
+}
+
+static ylm_status check(const ylm_material *m, const ylm_material_table_form *f, ylm_error *e) {
+  const int most = YLM_MATERIAL_TABLE_ROWS;
+  if (f->lmax < 0 || f->lmax > YLM_MATERIAL_TABLE_LMAX)
+    return ylm_fail(e, YLM_ERANGE, "lmax of a table must be from 0 to %d, got %d",
+                    YLM_MATERIAL_TABLE_LMAX, f->lmax);
+  if (f->rows < 4 || f->rows > most)
+    return ylm_fail(e, YLM_ERANGE, "rows must be from 4 to %d, got %d", most, f->rows);
+  if (!ylm_material_isotropic(m) && (f->columns < 4 || f->columns > most || f->columns % 4))
+    return ylm_fail(e, YLM_ERANGE, "columns must be from 4 to %d, a multiple of 4, got %d", most,
+                    f->columns);
+  return YLM_OK;
+}
+
+ylm_status ylm_material_table_create(const ylm_material *m, const ylm_material_table_form *form,
+                                     ylm_material_table **table, ylm_error *e) {
+  *table = NULL;
+  ylm_status s = check(m, form, e);
+  if (s != YLM_OK) return s;
+  double start = ylm_seconds(), error = 0, grazing = 0;
+  int workers = ylm_threads(form->threads);
+  making x = {.m = m, .form = *form, .halves = ylm_material_isotropic(m), .rows = form->rows};
+  size_t L = (size_t)form->lmax;
+  x.columns = x.halves ? 1 : form->columns;
+  x.width = x.halves ? (L + 1) * (L + 2) / 2 : (L + 1) * (L + 1);
+  x.size = 3 * x.width + L + 1;
+  x.room = ylm_alloc_zero((size_t)workers, sizeof(slice_room *));
+  ylm_material_table *t = ylm_alloc_zero(1, sizeof *t);
+  s = x.room && t ? fill(&x, NULL) : YLM_ENOMEM;
+  if (s == YLM_OK) s = refine(&x, &error, &grazing);
+  if (s == YLM_OK) s = finish(&x, t);
+  for (int i = 0; x.room && i < workers; i++) ylm__slice_room_free(x.room[i]);
+  ylm_free(x.room);
+  ylm_free(x.slice);
+  if (s != YLM_OK) {
+    ylm_material_table_free(t);
+    return s;
+  }
+  t->facts.error = error, t->facts.grazing = grazing;
+  t->facts.seconds = ylm_seconds() - start;
+  *table = t;
+  return YLM_OK;
+}
+
+void ylm_material_table_free(ylm_material_table *t) {
+  if (!t) return;
+  ylm_free(t->data);
+  ylm_free(t->missed);
+  ylm_free(t);
+}
+
+void ylm_material_table_look(const ylm_material_table *t, ylm_material_table_facts *facts) {
+  *facts = t->facts;
+}
+
+const float (*ylm_material_table_mix(const ylm_material_table *t))[3] {
+  return (const float(*)[3])t->mix;
+}
+
+/* -- asking ---------------------------------------------------------------------- */
+
+/* The row before a direction, and how far it is from there to the next. */
+static int row_at(const ylm_material_table *t, const float wo[3], double *part) {
+  double row = acos(fmin(1, fmax(0, (double)wo[2]))) / LAST * (t->rows - 1);
+  row = fmin(row, t->rows - 1);
+  int i = (int)row;
+  if (i > t->rows - 2) i = t->rows - 2;
+  *part = row - i;
+  return i;
+}
+
+static int column_at(const ylm_material_table *t, const float wo[3], double *part) {
+  *part = 0;
+  if (t->columns == 1) return 0;
+  double column = atan2((double)wo[1], (double)wo[0]) / (2 * PI) * t->columns;
+  if (column < 0) column += t->columns;
+  int j = (int)column;
+  *part = column - j;
+  return j % t->columns;
+}
+
+void ylm_material_table_rows(const ylm_material_table *t, size_t n, const float (*wo)[3],
+                             float *restrict out) {
+  size_t line = (size_t)t->functions * t->width;
+  for (size_t i = 0; i < n; i++, out += line) {
+    double by_row, by_column, u[4], v[4];
+    int row = row_at(t, wo[i], &by_row), column = column_at(t, wo[i], &by_column);
+    cubic(by_row, u);
+    cubic(by_column, v);
+    for (int j = t->columns == 1 ? 1 : 0; j < (t->columns == 1 ? 2 : 4); j++) {
+      const float *restrict a = row_of(t, row - 1, (column - 1 + j + t->columns) % t->columns);
+      const float w0 = (float)(u[0] * v[j]), w1 = (float)(u[1] * v[j]), w2 = (float)(u[2] * v[j]),
+                  w3 = (float)(u[3] * v[j]);
+      if (j < 2 && (t->columns == 1 || j == 0))
+        for (size_t k = 0; k < line; k++)
+          out[k] = w0 * a[k] + w1 * a[line + k] + w2 * a[2 * line + k] + w3 * a[3 * line + k];
+      else
+        for (size_t k = 0; k < line; k++)
+          out[k] += w0 * a[k] + w1 * a[line + k] + w2 * a[2 * line + k] + w3 * a[3 * line + k];
+    }
+  }
+}
+
+/* One channel of a row in the surface's frame, whose view stands at an azimuth. */
+static void turn_slice(const ylm_material_table *t, int channel, double azimuth, const float *row,
+                       float *out) {
+  size_t k = 0;
+  for (int l = 0; l <= t->lmax; l++) {
+    double c[2 * YLM_MATERIAL_TABLE_LMAX + 1] = {0};
+    for (int m = t->halves ? 0 : -l; m <= l; m++, k++)
+      for (int f = 0; f < t->functions; f++)
+        c[l + m] += (double)t->mix[channel][f] * (double)row[(size_t)f * t->width + k];
+    out[l * l + l] = (float)c[l];
+    for (int m = 1; m <= l; m++) {
+      double ca = cos(m * azimuth), sa = sin(m * azimuth);
+      out[l * l + l + m] = (float)(ca * c[l + m] - sa * c[l - m]);
+      out[l * l + l - m] = (float)(sa * c[l + m] + ca * c[l - m]);
+    }
+  }
+}
+
+ylm_status ylm_material_table_slices(const ylm_material_table *t, size_t n, const float (*wo)[3],
+                                     float *out) {
+  size_t count = ylm_sh_count(t->lmax);
+  float *row = ylm_alloc((size_t)t->functions * t->width, sizeof *row);
+  if (!row) return YLM_ENOMEM;
+  for (size_t i = 0; i < n; i++) {
+    double azimuth = atan2((double)wo[i][1], (double)wo[i][0]);
+    ylm_material_table_rows(t, 1, wo + i, row);
+    for (int c = 0; c < 3; c++, out += count) turn_slice(t, c, azimuth, row, out);
+  }
+  ylm_free(row);
+  return YLM_OK;
+}
+
+void ylm_material_table_missed(const ylm_material_table *t, int lmax, size_t n,
+                               const float (*wo)[3], float *error) {
+  size_t degrees = (size_t)t->lmax + 1, l = (size_t)(lmax < t->lmax ? lmax : t->lmax);
+  for (size_t i = 0; i < n; i++) {
+    double by_row, by_column;
+    int row = row_at(t, wo[i], &by_row), column = column_at(t, wo[i], &by_column);
+    if (by_column > 0.5) column = (column + 1) % t->columns;
+    const float *a = t->missed + ((size_t)column * (size_t)t->rows + (size_t)row) * degrees + l;
+    error[i] = (float)((1 - by_row) * (double)a[0] + by_row * (double)a[degrees]);
+  }
+}
