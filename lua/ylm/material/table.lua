@@ -53,13 +53,14 @@ local options = {
 }
 
 describe "material:table" {
-  about = "The slices f wi.z of a material in spherical harmonics, for every view: what shading by harmonics multiplies light with.",
+  about = "The slices f wi.z of a material in spherical harmonics, for every view: what shading by harmonics multiplies light "
+    .. "with.",
   arguments = { { "options?", "table", "" } },
   options = options,
   returns = { { "table", "material_table", "" } },
   errors = "raises on a bad option; nil, message, code: memory, cancelled",
   example = [[
-local t = ylm.ggx { alpha = 0.4, f0 = { 1, 0.8, 0.3 } }:table { lmax = 6 }
+local t = ylm.ggx { alpha = 0.4, f0 = { 1, 0.8, 0.3 }, compensate = false }:table { lmax = 6 }
 assert(t.functions == 2 and t.error < 0.002)]],
   source = "Kautz, Sloan, Snyder 2002",
 }
