@@ -14,9 +14,7 @@
 #include <stdint.h>
 #include <string.h>
 
-#ifdef __x86_64__
-#include <immintrin.h>
-#endif
+#include "ylm_intrinsics.h"
 
 #ifndef YLM_ISA
 #error "ylm_simd.h is for *.isa.c files: YLM_ISA is not defined"

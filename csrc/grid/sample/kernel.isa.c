@@ -8,10 +8,6 @@
 #include "../grid.h"
 #include "ylm_simd.h"
 
-#if defined(__AVX512F__)
-#include <immintrin.h>
-#endif
-
 #define F ylm_vf
 #include "../gen/interpolation.h"
 

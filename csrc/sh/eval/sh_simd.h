@@ -11,10 +11,6 @@
 #include "sh_eval.h"
 #include "ylm_real.h"
 
-#ifdef __AVX512F__
-#include <immintrin.h>
-#endif
-
 #define W LANES
 typedef vmask sh_mask;
 
