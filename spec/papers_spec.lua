@@ -12,6 +12,8 @@ local cases = {
   { "hessian_2025_table1.lua", "--count 20", "lmax .*SCD.*\n  16 " },
   { "hessian_2025_fig3.lua", "--out %s --n 12", "∂²/∂z² of L%(7, 2%)" },
   { "hessian_2025_fig10.lua", "--out %s --depth 4 --samples 1 --width 48 --height 36", "divides MAPE by" },
+  { "gritty_2003_transfer.lua", "--out %s --quick", "all bounces is %d%d%.%d dB .*\n  3  .*%%\n" },
+  { "gritty_2003_local.lua", "--out %s --quick", "32 samples, power 10 .*adaptive grid, tolerance 0.1" },
   { "gradient_2022_table4.lua", "--out %s --quick", "Table 4: .*%d+%.%d+ .*3 bands" },
 }
 

@@ -102,12 +102,14 @@ static size_t weigh(const sampled *s, const double x[3], bool derivatives, weigh
   double all = 0, b[3], M[6];
   for (size_t j = 0; j < s->n; j++) {
     w[j].of[VALUE] = pow(w[m].distance2 / w[j].distance2, s->power / 2);
+    w[j].of[HESSIAN] = 0;
     all += w[j].of[VALUE];
-    for (size_t a = 0; a < 3; a++)
-      w[j].log[a] = -s->power * (x[a] - s->at[3 * j + a]) / w[j].distance2;
   }
   for (size_t j = 0; j < s->n; j++) w[j].of[VALUE] /= all;
   if (!derivatives) return m;
+  for (size_t j = 0; j < s->n; j++)
+    for (size_t a = 0; a < 3; a++)
+      w[j].log[a] = -s->power * (x[a] - s->at[3 * j + a]) / w[j].distance2;
   means(s, w, b, M);
   for (size_t j = 0; j < s->n; j++) {
     double u = w[j].of[VALUE], round = s->power / w[j].distance2;
@@ -134,24 +136,37 @@ typedef struct job {
 
 /* Weights that are less than this change nothing. */
 #define LEAST 1e-40
+/* The same of values alone: n of them are less than rounding. */
+#define LESS 1e-21
 
-/* Sums [3][10 (lmax+1)^2], as ylm__field_write takes them. */
+/* Adds weighted differences of `count` coefficients to value, gradient and Hessian behind one another. */
+static void add_all(size_t count, const double *of, const double *x, const double *base,
+                    double *value) {
+  double *slope = value + count, *bend = slope + 3 * count;
+  for (size_t k = 0; k < count; k++) {
+    double d = x[k] - base[k];
+    value[k] += of[VALUE] * d;
+    for (size_t a = 0; a < 3; a++) slope[3 * k + a] += of[GRADIENT + a] * d;
+    for (size_t a = 0; a < 6; a++) bend[6 * k + a] += of[HESSIAN + a] * d;
+  }
+}
+
+/* Sums [3][10 (lmax+1)^2], as ylm__field_write takes them; those of derivatives are written where they are wanted. */
 static void blend(const job *j, const weight *w, size_t m, double *sum) {
   size_t count = ylm_sh_count(j->q->lmax), known = ylm_sh_count(j->s->lmax), wide = WIDE * count;
   const double *base = j->s->coefficients + 3 * m * known;
-  memset(sum, 0, 3 * wide * sizeof *sum);
+  if (j->derivatives) memset(sum, 0, 3 * wide * sizeof *sum);
   for (size_t c = 0; c < 3; c++) memcpy(sum + c * wide, base + c * known, count * sizeof *sum);
   for (size_t i = 0; i < j->s->n; i++) {
     const double *x = j->s->coefficients + 3 * i * known, *of = w[i].of;
-    if (i == m || (of[VALUE] < LEAST && of[HESSIAN] == 0)) continue;
-    for (size_t c = 0; c < 3; c++) {
-      double *value = sum + c * wide, *slope = value + count, *bend = slope + 3 * count;
-      for (size_t k = 0; k < count; k++) {
-        double d = x[c * known + k] - base[c * known + k];
-        value[k] += of[VALUE] * d;
-        for (size_t a = 0; j->derivatives && a < 3; a++) slope[3 * k + a] += of[GRADIENT + a] * d;
-        for (size_t a = 0; j->derivatives && a < 6; a++) bend[6 * k + a] += of[HESSIAN + a] * d;
-      }
+    if (i == m || (of[VALUE] < (j->derivatives ? LEAST : LESS) && of[HESSIAN] == 0)) continue;
+    for (size_t c = 0; c < 3; c++, x += known) {
+      const double *from = base + c * known;
+      double *value = sum + c * wide;
+      if (j->derivatives)
+        add_all(count, of, x, from, value);
+      else
+        for (size_t k = 0; k < count; k++) value[k] += of[VALUE] * (x[k] - from[k]);
     }
   }
 }
