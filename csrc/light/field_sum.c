@@ -93,6 +93,22 @@ static ylm_status crosses(const ylm_field *f, size_t n, const double *boxes, uin
   return status;
 }
 
+/* The quantity of a sum: that of its parts; direct and indirect light make all; else that of the first part whose
+   light jumps at surfaces. */
+static ylm_quantity quantity_of(size_t n, const ylm_field *const *part) {
+  ylm_quantity q = n ? part[0]->quantity : YLM_QUANTITY_lights;
+  for (size_t i = 1; i < n; i++) {
+    ylm_quantity other = part[i]->quantity;
+    bool both = (q == YLM_QUANTITY_direct && other == YLM_QUANTITY_indirect) ||
+                (q == YLM_QUANTITY_indirect && other == YLM_QUANTITY_direct);
+    if (both)
+      q = YLM_QUANTITY_all;
+    else if (!ylm_quantity_jumps(q))
+      q = other;
+  }
+  return q;
+}
+
 ylm_status ylm_field_sum_create(size_t n, const ylm_field *const *parts, ylm_field_sum **sum) {
   *sum = NULL;
   ylm_field_sum *s = ylm_alloc_zero(1, sizeof *s);
@@ -102,7 +118,10 @@ ylm_status ylm_field_sum_create(size_t n, const ylm_field *const *parts, ylm_fie
     ylm_free(copy);
     return YLM_ENOMEM;
   }
-  *s = (ylm_field_sum){{.self = s, .evaluate = evaluate, .crosses = crosses}, n, copy};
+  *s = (ylm_field_sum){
+      {.self = s, .evaluate = evaluate, .crosses = crosses, .quantity = quantity_of(n, copy)},
+      n,
+      copy};
   *sum = s;
   return YLM_OK;
 }

@@ -108,7 +108,9 @@ static ylm_status run_field(void *context, size_t begin, size_t end, int worker)
   double *wide = j->type == YLM_DOUBLE ? ylm_alloc(n, 24) : NULL;
   ylm_error e = {0};
   ylm_status s = L && (j->type == YLM_FLOAT || wide) ? YLM_OK : YLM_ENOMEM;
-  if (wide) widen(v->position[begin], n, wide);
+  const float *at = /* light that jumps at surfaces is asked for off them */
+      ylm_quantity_jumps(j->field->quantity) ? v->origin[begin] : v->position[begin];
+  if (wide) widen(at, n, wide);
   ylm_field_query q = {.lmax = v->o.lmax,
                        .channels = 3,
                        .want = YLM_WANT_VALUE,
@@ -116,9 +118,7 @@ static ylm_status run_field(void *context, size_t begin, size_t end, int worker)
                        .dtype = j->type,
                        .threads = 1};
   ylm_field_result r = {.value = L};
-  if (s == YLM_OK)
-    s = j->field->evaluate(j->field, &q, n, wide ? (void *)wide : (void *)v->position[begin], &r,
-                           &e);
+  if (s == YLM_OK) s = j->field->evaluate(j->field, &q, n, wide ? (const void *)wide : at, &r, &e);
   if (s == YLM_OK)
     s = ylm__shade_points(v, j->dot, &j->rows, begin, n, &(shade_light){3, v->o.lmax, j->type, L},
                           j->out + 3 * begin);

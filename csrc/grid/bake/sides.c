@@ -10,7 +10,8 @@
 #include <math.h>
 #include <string.h>
 
-#define ASIDE 0x1p-10    /* of the thickness of a finest voxel: where the field is asked */
+#define ASIDE 0x1p-10 /* of the thickness of a finest voxel: where the field is asked */
+#define JUMP 0.25
 #define ROUNDING 0x1p-20 /* of coordinates, at least */
 
 bool ylm__sides_wanted(const baker *b) {
@@ -215,6 +216,28 @@ static ylm_status mark_surfaces(const refiner *r, uint8_t *mark) {
   return status;
 }
 
+/* True if light jumps within a voxel: along one of its edges the mean slope misses the difference by
+   more than a quarter of the larger norm. */
+static bool jumps_within(const ylm_grid *g, const ylm_grid_cell *c) {
+  double edge = ylm__grid_edge(g, c);
+  for (int k = 0; k < 8; k++)
+    for (int a = 0; a < 3; a++) {
+      if (k >> a & 1 || !has_corners(c)) continue;
+      const float *p[2] = {ylm__grid_row(g, c->corner[k], 0),
+                           ylm__grid_row(g, c->corner[k | 1 << a], 0)};
+      double half = 0.5 * edge / g->scale[a], missed = 0, norm[2] = {0};
+      for (size_t j = 0; j < g->width; j++) {
+        size_t slope = (size_t)(a + 1) * g->stride + j;
+        double d =
+            (double)p[1][j] - (double)p[0][j] - half * ((double)p[0][slope] + (double)p[1][slope]);
+        missed += d * d;
+        for (int i = 0; i < 2; i++) norm[i] += (double)p[i][j] * (double)p[i][j];
+      }
+      if (missed > JUMP * JUMP * fmax(norm[0], norm[1])) return true;
+    }
+  return false;
+}
+
 ylm_status ylm__sides_count(const refiner *r, const panel *p, const double *error,
                             uint64_t *crossed) {
   const ylm_grid *g = r->b->g;
@@ -227,7 +250,8 @@ ylm_status ylm__sides_count(const refiner *r, const panel *p, const double *erro
     float place[3];
     if (!(error[i] > tolerance)) continue;
     look_up(g, p->point + 3 * i, p->side + 4 * i, place);
-    *crossed += mark[ylm__held_leaf(g, place)];
+    uint32_t leaf = ylm__held_leaf(g, place);
+    *crossed += mark[leaf] || (jumps && jumps_within(g, voxel_of(r->b, leaf)));
   }
   ylm_free(mark);
   return s;

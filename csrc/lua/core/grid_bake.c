@@ -210,6 +210,18 @@ static int grid_split(lua_State *L) {
   return bad ? 3 : 2;
 }
 
+/* grid_aside(points [n][3], normals [n][3], distance) -> [n][3] so far off, of the points' type */
+static int grid_aside(lua_State *L) {
+  const ylmL_array *p = ylmL_array_check(L, 1), *normal = ylmL_array_check(L, 2);
+  double distance = luaL_checknumber(L, 3);
+  if (p->count != normal->count) return ylmL_result(L, 0, YLM_ESHAPE, NULL);
+  ylmL_array *out = ylmL_array_new(L, p->dtype, 2, (size_t[]){p->count / 3, 3});
+  if (!out) return ylmL_result(L, 0, YLM_ENOMEM, NULL);
+  for (size_t i = 0; i < p->count; i++)
+    ylm_put(p->dtype, out->data, i, ylmL_array_get(p, i) + distance * ylmL_array_get(normal, i));
+  return 1;
+}
+
 /* grid_bounds(points [n][3]) -> lowest {x, y, z}, highest */
 static int grid_bounds(lua_State *L) {
   const ylmL_array *p = ylmL_array_check(L, 1);
@@ -256,12 +268,10 @@ static int grid_surface_points(lua_State *L) {
   return 3;
 }
 
-static const luaL_Reg functions[] = {{"grid_bake", grid_bake},
-                                     {"grid_surface_points", grid_surface_points},
-                                     {"grid_update", grid_update},
-                                     {"grid_refresh", grid_refresh},
-                                     {"grid_split", grid_split},
-                                     {"grid_bounds", grid_bounds},
-                                     {NULL, NULL}};
+static const luaL_Reg functions[] = {
+    {"grid_bake", grid_bake},     {"grid_surface_points", grid_surface_points},
+    {"grid_update", grid_update}, {"grid_refresh", grid_refresh},
+    {"grid_split", grid_split},   {"grid_aside", grid_aside},
+    {"grid_bounds", grid_bounds}, {NULL, NULL}};
 
 void ylmL_open_grid_bake(lua_State *L) { luaL_setfuncs(L, functions, 0); }

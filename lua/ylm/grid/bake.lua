@@ -132,10 +132,21 @@ local function bounds(description, given, points)
   return check.bad(1, "bake", "no bounds: give them in the grid, or geometry or occupied points that span a box")
 end
 
+--- Points a little off their surfaces: 1e-4 of the longest edge of a box. Or nil, message, code.
+local function aside(points, normals, box)
+  local longest = math.max(box[2][1] - box[1][1], box[2][2] - box[1][2], box[2][3] - box[1][3])
+  return check.result("bake", core.grid_aside(points, normals, 1e-4 * longest))
+end
+
 --- The light field to be asked: fields that are known to some noise settle that first. Or nil, message, code.
-local function settled(field, description, occupied, box, o)
+local function settled(field, description, occupied, normals, box, o)
   local settle = core.type(field) and core.type(field) ~= "ylm.array" and getmetatable(field).__for_bake
   if not settle then return field end
+  if normals then
+    local message, code
+    occupied, message, code = aside(occupied, normals, box)
+    if not occupied then return nil, message, code end
+  end
   return settle(field, { lmax = description.lmax, tolerance = description.tolerance, bounds = box,
     points = core.type(occupied) == "ylm.array" and occupied or nil, seed = o.seed, threads = o.threads, progress = o.progress })
 end
@@ -236,7 +247,7 @@ function bake.bake(description, lights, given)
   end
   local measure = measure_of(description, jumps, normals or type(occupied) == "table")
   local box = bounds(description, o.bounds, occupied)
-  packed, failed, why = settled(packed, description, occupied, box, o)
+  packed, failed, why = settled(packed, description, occupied, normals, box, o)
   if not packed then return nil, failed, why end
   local cells = description.cells or { 1, 1, 1 }
   local object, made
