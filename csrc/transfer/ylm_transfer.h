@@ -305,7 +305,8 @@ YLM_API ylm_status ylm_gather_validity(const ylm_gather *g, size_t n, const floa
 ** ylm_gather_noise - how exactly the field knows the light: its values with `base` cells against twice as many.
 **
 **   point     in   [n][3]
-**   quantile  out  the 95 % quantile of the errors, each relative to the norm there
+**   quantile  out  the 95 % quantile of the errors, each relative to the norm there, or
+**                  to the mean norm over the points where that is more
 */
 YLM_API ylm_status ylm_gather_noise(const ylm_gather *g, size_t n, const float (*point)[3],
                                     int lmax, int threads, const ylm_progress *progress,

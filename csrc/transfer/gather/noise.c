@@ -64,14 +64,26 @@ static ylm_status values(const ylm_gather *g, size_t n, const float (*point)[3],
   return g->field.evaluate(&g->field, &q, n, point, &r, e);
 }
 
-/* The distance of two rows, relative to the second. */
+/* The distance of two rows; of a row and zeros, where b is NULL. */
 static double distance(size_t width, const float *a, const float *b) {
-  double d = 0, all = 0;
+  double d = 0;
   for (size_t k = 0; k < width; k++) {
-    d += ((double)a[k] - (double)b[k]) * ((double)a[k] - (double)b[k]);
-    all += (double)b[k] * (double)b[k];
+    double x = (double)a[k] - (b ? (double)b[k] : 0);
+    d += x * x;
   }
-  return all > 0 ? sqrt(d / all) : 0;
+  return sqrt(d);
+}
+
+/* The mean norm of the rows of points that are not in bodies. */
+static double mean_norm(size_t n, size_t width, const float *row, const uint8_t *inside) {
+  double sum = 0;
+  size_t valid = 0;
+  for (size_t i = 0; i < n; i++) {
+    if (inside[i]) continue;
+    sum += distance(width, row + i * width, NULL);
+    valid++;
+  }
+  return valid ? sum / (double)valid : 0;
 }
 
 ylm_status ylm_gather_noise(const ylm_gather *g, size_t n, const float (*point)[3], int lmax,
@@ -88,8 +100,12 @@ ylm_status ylm_gather_noise(const ylm_gather *g, size_t n, const float (*point)[
   if (s == YLM_OK) s = values(g, n, point, lmax, threads, progress, value, inside, e);
   if (s == YLM_OK)
     s = values(finer, n, point, lmax, threads, progress, value + n * width, inside, e);
-  for (size_t i = 0; s == YLM_OK && i < n; i++)
-    if (!inside[i]) error[valid++] = distance(width, value + i * width, value + (n + i) * width);
+  double mean = s == YLM_OK ? mean_norm(n, width, value + n * width, inside) : 0;
+  for (size_t i = 0; s == YLM_OK && i < n; i++) {
+    const float *a = value + i * width, *b = value + (n + i) * width;
+    double scale = fmax(distance(width, b, NULL), mean);
+    if (!inside[i]) error[valid++] = scale > 0 ? distance(width, a, b) / scale : 0;
+  }
   if (s == YLM_OK && valid) {
     qsort(error, valid, sizeof *error, compare);
     *quantile = error[(size_t)ceil(0.95 * (double)valid) - 1];

@@ -215,7 +215,8 @@ describe "gather:noise" {
     .. "tolerance below twice of it.",
   arguments = { { "options?", "table", "see the options" } },
   options = noise_options,
-  returns = { { "noise", "number", "the 95 % quantile of the errors, each relative to the norm of the light there" } },
+  returns = { { "noise", "number", "the 95 % quantile of the errors, each relative to the norm of the light there, or to the "
+    .. "mean norm where that is more" } },
   errors = "raises on a bad option; nil, message, code: memory, cancelled",
   example = room .. "assert(lit:field({ rays = 768 }):noise { lmax = 2 } < 0.2)",
 }
