@@ -6,6 +6,7 @@
 
 /* Places of an element from which lamps are looked at, at best: each costs a choice among all lamps. */
 #define PLACES 4
+#define EACH 8 /* rays of a place, at least */
 /* Elements whose light is asked of a field at a time. */
 #define ASK 4096
 #define GRAIN 128
@@ -147,7 +148,9 @@ ylm_status ylm_radiosity_rays(ylm_radiosity *r, const ylm_scene *scene, int ligh
   if (s == YLM_OK && !same)
     s = ylm_fail(e, YLM_EINVAL, "the scene has other meshes than those of the transfer");
   if (s != YLM_OK) return s;
-  int places = light_samples / 2 < PLACES ? (light_samples + 1) / 2 : PLACES;
+  int places = light_samples / EACH < 1        ? 1
+               : light_samples / EACH < PLACES ? light_samples / EACH
+                                               : PLACES;
   job j = {.t = r->t,
            .scene = scene,
            .places = places,

@@ -125,6 +125,11 @@ static void links(task *x) {
   ylm_free(normal);
 }
 
+/* Of one thread processor time, of more wall time. */
+static double seconds_of(bench_fn *fn, void *context, int threads) {
+  return threads == 1 ? bench_seconds(fn, context) : bench_wall(fn, context);
+}
+
 /* -- light -------------------------------------------------------------------------- */
 
 static void direct(void *context) {
@@ -139,14 +144,14 @@ static void solve(void *context) {
 }
 
 static void light(const ylm_transfer *t, const ylm_material *m) {
-  printf("direct light on %zu elements and all bounces (albedo 0.7); milliseconds, wall\n"
+  printf("direct light on %zu elements and all bounces (albedo 0.7); milliseconds\n"
          "  %8s  %7s  %9s  %10s  %10s  %10s\n",
          ylm_transfer_count(t), "lamps", "samples", "threads", "direct", "bounces", "how many");
   for (int k = 0; k < 4; k++) {
     task x = {.scene = room(k < 2 ? 1 : 2516, m), .t = t, .threads = 1 + k % 2, .samples = 8};
     ylm_radiosity_stats stats;
     if (ylm_radiosity_create(t, &x.lit) != YLM_OK) exit(1);
-    double seconds = bench_wall(direct, &x), bounces = bench_wall(solve, &x);
+    double seconds = seconds_of(direct, &x, x.threads), bounces = seconds_of(solve, &x, x.threads);
     ylm_radiosity_look(x.lit, &stats);
     printf("  %8d  %7d  %9d  %10.1f  %10.1f  %10d\n", k < 2 ? 1 : 2516, x.samples, x.threads,
            1e3 * seconds, 1e3 * bounces, stats.bounces);
@@ -176,7 +181,7 @@ static void bounce(const char *name, const uint32_t *link, size_t n) {
     x.out = ylm_alloc_zero((n + 1) * (size_t)x.width, sizeof(float));
     if (!x.in || !x.out) exit(1);
     bench_fill(YLM_FLOAT, x.in, n * (size_t)x.width);
-    double seconds = bench_wall(sum, &x);
+    double seconds = seconds_of(sum, &x, x.threads);
     printf("  %-10s %8zu  %5d  %7d  %8.2f  %8.2f\n", name, n, x.width, x.threads, 1e3 * seconds,
            1e9 * seconds / ((double)n * LINKS));
     ylm_free(x.in);
@@ -198,12 +203,13 @@ int main(void) {
   if (!link) return 1;
   for (size_t i = 0; i < (size_t)ELEMENTS * LINKS; i++)
     link[i] = (uint32_t)((uint64_t)ylm_rng_u32(&r) * ELEMENTS >> 32);
-  printf("a bounce: means of rows over %d links of each element; wall\n"
+  printf("a bounce: means of rows over %d links of each element\n"
          "  %-10s %8s  %5s  %7s  %8s  %8s\n",
          LINKS, "links", "elements", "width", "threads", "ms", "ns a link");
   bounce("at random", link, ELEMENTS);
   bounce("of a room", ylm_transfer_links(t), ylm_transfer_count(t));
   light(t, m);
+  printf("  one thread: processor time; two: wall time\n");
   ylm_free(link);
   ylm_transfer_free(t);
   ylm_scene_free((ylm_scene *)x.scene);
