@@ -34,8 +34,10 @@ static void aim_at(aiming *a, int k, uint32_t lamp, double rarity) {
     e = ylm__scene_sky_sample(s, lamp - near, x, n, u[0], u[1], ray, sky);
     radiance = sky;
   } else if (lamp >= s->lamps) {
-    e = s->tree ? ylm__scene_patch_sample_one(s, lamp - s->lamps, x, n, u[0], u[1], ray, &radiance)
-                : ylm__scene_patch_sample(s, lamp - s->lamps, x, n, u[0], u[1], ray, &radiance);
+    size_t i = lamp - s->lamps;
+    double solid = ylm__scene_solid(a->c, i);
+    e = (s->tree ? ylm__scene_patch_sample_one : ylm__scene_patch_sample)(s, i, x, n, u[0], u[1],
+                                                                          solid, ray, &radiance);
   } else {
     e = ylm__scene_sphere_sample(s, lamp, x, n, u[0], u[1], ray);
     radiance = s->lamp_radiance + 3 * lamp;
@@ -111,7 +113,8 @@ size_t ylm_scene_aim(ylm_scene_chooser *c, const float x[3], const float n[3], i
   ylm__scene_turn_to(c, x, n);
   if (!s->tree) {
     c->weights(c->spheres, s->lamp, s->lamp_luminance, x, n, c->weight, c->sum);
-    ylm__scene_patch_weights(s, x, n, c->weight + c->spheres * YLM_LAMP_CHUNK, c->sum + c->spheres);
+    ylm__scene_patch_weights(s, x, n, c->weight + c->spheres * YLM_LAMP_CHUNK, c->sum + c->spheres,
+                             c->solid);
   }
   if (!(ylm__scene_add_weights(c) > 0)) return 0;
   scene_walk w = {0};

@@ -52,7 +52,7 @@ bool ylm_scene_choose(ylm_scene_chooser *c, const float x[3], const float *norma
     else
       weigh_spheres(c, normal);
     ylm__scene_patch_weights_of_one(s, x, normal, c->weight + c->spheres * YLM_LAMP_CHUNK,
-                                    c->sum + c->spheres);
+                                    c->sum + c->spheres, c->solid);
   }
   return ylm__scene_add_weights(c) > 0;
 }
@@ -103,7 +103,9 @@ double ylm_scene_density(const ylm_scene_chooser *c, uint32_t lamp, const float 
   double share = ylm_scene_share(c, lamp);
   if (!(share > 0)) return 0;
   if (lamp >= near) return share * ylm__scene_sky_density(s, lamp - near, n, d);
-  if (lamp >= s->lamps) return share * ylm__scene_patch_density(s, lamp - s->lamps, c->x, d);
+  if (lamp >= s->lamps)
+    return share * ylm__scene_patch_density(s, lamp - s->lamps, c->x,
+                                            ylm__scene_solid(c, lamp - s->lamps), d);
   return share * ylm__scene_sphere_density(s, lamp, c->x, n, d);
 }
 
@@ -117,7 +119,9 @@ double ylm_scene_sample(const ylm_scene_chooser *c, const double u[3], ylm_trace
   if (*lamp >= near)
     e = ylm__scene_sky_sample(s, *lamp - near, c->x, n, u[1], u[2], ray, radiance);
   else if (*lamp >= s->lamps) {
-    e = ylm__scene_patch_sample_one(s, *lamp - s->lamps, c->x, n, u[1], u[2], ray, &emitted);
+    size_t i = *lamp - s->lamps;
+    e = ylm__scene_patch_sample_one(s, i, c->x, n, u[1], u[2], ylm__scene_solid(c, i), ray,
+                                    &emitted);
     if (e > 0) memcpy(radiance, emitted, 12);
   } else {
     e = ylm__scene_sphere_sample(s, *lamp, c->x, n, u[1], u[2], ray);

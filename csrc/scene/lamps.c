@@ -97,7 +97,8 @@ ylm_scene_chooser *ylm_scene_chooser_create(const ylm_scene *s) {
   c->weight = ylm_alloc_zero(c->chunks * YLM_LAMP_CHUNK, sizeof *c->weight); /* padding stays 0 */
   c->sum = ylm_alloc(c->chunks, sizeof *c->sum);
   c->cut = s->tree ? ylm_alloc(1, sizeof *c->cut) : NULL;
-  if (c->weight && c->sum && (c->cut || !s->tree)) return c;
+  c->solid = s->tree ? NULL : ylm_alloc_zero(patches, sizeof *c->solid);
+  if (c->weight && c->sum && (s->tree ? c->cut != NULL : c->solid != NULL)) return c;
   ylm_scene_chooser_free(c);
   return NULL;
 }
@@ -107,6 +108,7 @@ void ylm_scene_chooser_free(ylm_scene_chooser *c) {
   ylm_free(c->weight);
   ylm_free(c->sum);
   ylm_free(c->cut);
+  ylm_free(c->solid);
   ylm_free(c);
 }
 

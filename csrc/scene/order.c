@@ -6,6 +6,8 @@
 #define PIECE ((size_t)1 << 14)
 #define PARTS 32
 #define MOST_PIECES (4 * PARTS)
+/* Lamps that are parted by branches. */
+#define FEW 32
 
 typedef struct range {
   size_t begin, end;
@@ -37,8 +39,20 @@ static float middle_of(float a, float b, float c) {
   return c < lo ? lo : c > hi ? hi : c;
 }
 
-/* Puts the smallest along an axis before `at`. Source: Hoare 1961, "Algorithm 65: Find". */
-static void separate(scene_item *item, range r, size_t at, int axis) {
+/* Puts those below the pivot first, without a branch on them; returns where the others begin. */
+static size_t part(scene_item *item, range r, float pivot, int axis) {
+  size_t at = r.begin;
+  for (size_t i = r.begin; i < r.end; i++) {
+    scene_item t = item[i];
+    item[i] = item[at];
+    item[at] = t;
+    at += t.x[axis] < pivot;
+  }
+  return at;
+}
+
+/* Puts the smallest of a range along an axis before `at`. Source: Hoare 1961, "Algorithm 65: Find". */
+static void separate_few(scene_item *item, range r, size_t at, int axis) {
   ptrdiff_t lo = (ptrdiff_t)r.begin, hi = (ptrdiff_t)r.end - 1, middle = (ptrdiff_t)at;
   while (lo < hi) {
     float pivot = middle_of(item[lo].x[axis], item[lo + (hi - lo) / 2].x[axis], item[hi].x[axis]);
@@ -58,6 +72,30 @@ static void separate(scene_item *item, range r, size_t at, int axis) {
     else
       return;
   }
+}
+
+/* The middle one of nine all over a range. */
+static float pivot_of(const scene_item *item, range r, int axis) {
+  float x[3];
+  size_t step = (r.end - r.begin - 1) / 8;
+  for (size_t i = 0; i < 3; i++) {
+    const scene_item *p = item + r.begin + 3 * i * step;
+    x[i] = middle_of(p[0].x[axis], p[step].x[axis], i < 2 ? p[2 * step].x[axis] : p[step].x[axis]);
+  }
+  return middle_of(x[0], x[1], x[2]);
+}
+
+/* As separate_few: large ranges are parted until that no longer helps. */
+static void separate(scene_item *item, range r, size_t at, int axis) {
+  while (r.end - r.begin > FEW) {
+    size_t n = r.end - r.begin, behind = part(item, r, pivot_of(item, r, axis), axis);
+    if (behind > at)
+      r.end = behind;
+    else
+      r.begin = behind;
+    if (r.end - r.begin > n - n / 8) break; /* many are alike */
+  }
+  separate_few(item, r, at, axis);
 }
 
 /* Where a range is halved: its first half is full nodes of the highest level that has several in it. */

@@ -18,32 +18,37 @@ static void cross(const double *a, const double *b, double *c) {
   c[2] = a[0] * b[1] - a[1] * b[0];
 }
 
-/* A triangle's corners about x, its unnormalised normal (twice the area) and solid angle. */
-static double triangle_about(const float *corners, const float x[3], double v[3][3], double n[3]) {
+/* A triangle's corners about x, its unnormalised normal (twice the area) and solid angle, which is
+   `known` if that is above 0. */
+static double triangle_about(const float *corners, const float x[3], double known, double v[3][3],
+                             double n[3]) {
   double r[3], d[3], a[3], b[3];
-  for (int i = 0; i < 3; i++) {
+  for (int i = 0; i < 3; i++)
     for (int k = 0; k < 3; k++) v[i][k] = (double)corners[3 * i + k] - (double)x[k];
-    r[i] = sqrt(dot(v[i], v[i]));
-  }
   for (int k = 0; k < 3; k++) a[k] = v[1][k] - v[0][k], b[k] = v[2][k] - v[0][k];
   cross(a, b, n);
+  if (known > 0) return known;
+  for (int i = 0; i < 3; i++) r[i] = sqrt(dot(v[i], v[i]));
   for (int i = 0; i < 3; i++) d[i] = dot(v[i], v[(i + 1) % 3]);
   return fabs(2 *
               atan2(dot(n, v[0]), r[0] * r[1] * r[2] + d[0] * r[2] + d[1] * r[0] + d[2] * r[1]));
 }
 
-/* Bound of the cosine at the surface over what of a patch is above its horizon; 0: nothing is. */
-static double triangle_weight(const float *corners, const float x[3], const float n[3]) {
+/* Bound of the cosine at the surface over what of a patch is above its horizon; 0: nothing is. Says
+   the solid angle. */
+static double triangle_weight(const float *corners, const float x[3], const float n[3],
+                              double *solid) {
   double v[3][3], across[3], most = 0;
-  double omega = triangle_about(corners, x, v, across);
+  double omega = *solid = triangle_about(corners, x, 0, v, across);
   if (!n) return omega / PI;
   for (int i = 0; i < 3; i++) {
     double h = v[i][0] * (double)n[0] + v[i][1] * (double)n[1] + v[i][2] * (double)n[2];
     double r = sqrt(dot(v[i], v[i]));
-    most = fmax(most, r > 0 ? h / r : 1);
+    double cosine = r > 0 ? h / r : 1;
+    most = cosine > most ? cosine : most;
   }
   /* between corners the cosine may be larger: never below a fifth where anything is visible */
-  return most > 0 ? omega / PI * fmax(most, 0.2) : 0;
+  return most > 0 ? omega / PI * (most > 0.2 ? most : 0.2) : 0;
 }
 
 static double disk_weight(const float *disk, const float x[3], const float n[3]) {
@@ -61,20 +66,22 @@ static double disk_weight(const float *disk, const float x[3], const float n[3])
   return omega / PI * (n ? fmin(1, fmax(0.2, highest / near)) : 1);
 }
 
-double ylm__scene_patch_weight(const ylm_scene *s, size_t i, const float x[3], const float n[3]) {
-  return i < s->triangles ? triangle_weight(s->triangle + 9 * i, x, n)
+double ylm__scene_patch_weight(const ylm_scene *s, size_t i, const float x[3], const float n[3],
+                               double *solid) {
+  *solid = 0;
+  return i < s->triangles ? triangle_weight(s->triangle + 9 * i, x, n, solid)
                           : disk_weight(s->disk + 7 * (i - s->triangles), x, n);
 }
 
 void ylm__scene_patch_weights(const ylm_scene *s, const float x[3], const float n[3], float *weight,
-                              float *sum) {
+                              float *sum, double *solid) {
   size_t count = s->triangles + s->disks;
   for (size_t b = 0; b * YLM_LAMP_CHUNK < count; b++) {
     size_t first = b * YLM_LAMP_CHUNK,
            end = count - first < YLM_LAMP_CHUNK ? count : first + YLM_LAMP_CHUNK;
     double total = 0;
     for (size_t i = first; i < end; i++) {
-      double w = ylm__scene_patch_weight(s, i, x, n);
+      double w = ylm__scene_patch_weight(s, i, x, n, &solid[i]);
       weight[i] = (float)(w * (double)s->patch_luminance[i]);
       total += (double)weight[i];
     }
@@ -141,8 +148,8 @@ static double sample_by_area(const float *corners, const float x[3], const float
 }
 
 static double sample_triangle(const float *corners, const float x[3], const float n[3], double u0,
-                              double u1, double y[3]) {
-  double v[3][3], across[3], omega = triangle_about(corners, x, v, across);
+                              double u1, double solid, double y[3]) {
+  double v[3][3], across[3], omega = triangle_about(corners, x, solid, v, across);
   double twice = sqrt(dot(across, across)), m[3];
   for (int k = 0; k < 3; k++) m[k] = across[k] / (twice > 0 ? twice : 1);
   if (omega < SMALL) {
@@ -194,9 +201,10 @@ static double aim(const ylm_scene *s, size_t i, const float x[3], const double y
 }
 
 double ylm__scene_patch_sample(const ylm_scene *s, size_t i, const float x[3], const float n[3],
-                               double u0, double u1, ylm_trace_ray *ray, const float **radiance) {
+                               double u0, double u1, double solid, ylm_trace_ray *ray,
+                               const float **radiance) {
   double y[3] = {0, 0, 0}, e;
-  e = i < s->triangles ? sample_triangle(s->triangle + 9 * i, x, n, u0, u1, y)
+  e = i < s->triangles ? sample_triangle(s->triangle + 9 * i, x, n, u0, u1, solid, y)
                        : sample_disk(s->disk + 7 * (i - s->triangles), x, n, u0, u1, y);
   return aim(s, i, x, y, e, ray, radiance);
 }
@@ -237,34 +245,35 @@ static double far_away(const ylm_scene *s, size_t i, const float x[3], double v[
 
 /* As triangle_weight; never 0 where a corner is above the horizon. */
 static double far_weight(const scene_far *f, const double v[3], double d2, const float n[3]) {
-  double d = sqrt(d2), omega = fmax(fabs(dot(v, f->across)) / d, 0.1 * f->area) / d2;
+  double d = sqrt(d2), facing = fabs(dot(v, f->across)) / d, least = 0.1 * f->area;
+  double omega = (facing > least ? facing : least) / d2;
   if (!n) return omega / PI;
   double up = (v[0] * (double)n[0] + v[1] * (double)n[1] + v[2] * (double)n[2]) / d;
   /* corners are within 2/3 of the longest edge of the centre */
-  return up > -2.0 / 3 / FAR ? omega / PI * fmax(up, 0.2) : 0;
+  return up > -2.0 / 3 / FAR ? omega / PI * (up > 0.2 ? up : 0.2) : 0;
 }
 
 void ylm__scene_patch_weights_of_one(const ylm_scene *s, const float x[3], const float n[3],
-                                     float *weight, float *sum) {
+                                     float *weight, float *sum, double *solid) {
   size_t count = s->triangles + s->disks;
   for (size_t i = 0; i < count; i++) {
     double v[3], w, d2 = i < s->triangles ? far_away(s, i, x, v) : 0;
     if (i % YLM_LAMP_CHUNK == 0) sum[i / YLM_LAMP_CHUNK] = 0;
     if (d2 > 0)
-      w = far_weight(&s->far[i], v, d2, n);
+      w = far_weight(&s->far[i], v, d2, n), solid[i] = 0;
     else
-      w = ylm__scene_patch_weight(s, i, x, n);
+      w = ylm__scene_patch_weight(s, i, x, n, &solid[i]);
     weight[i] = (float)(w * (double)s->patch_luminance[i]);
     sum[i / YLM_LAMP_CHUNK] += weight[i];
   }
 }
 
 double ylm__scene_patch_sample_one(const ylm_scene *s, size_t i, const float x[3], const float n[3],
-                                   double u0, double u1, ylm_trace_ray *ray,
+                                   double u0, double u1, double solid, ylm_trace_ray *ray,
                                    const float **radiance) {
   double y[3], v[3];
   if (i >= s->triangles || !(far_away(s, i, x, v) > 0))
-    return ylm__scene_patch_sample(s, i, x, n, u0, u1, ray, radiance);
+    return ylm__scene_patch_sample(s, i, x, n, u0, u1, solid, ray, radiance);
   return aim(s, i, x, y, sample_by_area(s->triangle + 9 * i, x, n, u0, u1, y), ray, radiance);
 }
 
@@ -275,11 +284,12 @@ static double density_by_area(double h, double along, double area) {
   return t > 0 && isfinite(t) ? t * t / (fabs(along) * area) : 0;
 }
 
-static double triangle_density(const ylm_scene *s, size_t i, const float x[3], const double d[3]) {
+static double triangle_density(const ylm_scene *s, size_t i, const float x[3], double solid,
+                               const double d[3]) {
   const scene_far *f = &s->far[i];
   double v[3][3], across[3], to[3];
   if (!(far_away(s, i, x, to) > 0)) {
-    double omega = triangle_about(s->triangle + 9 * i, x, v, across);
+    double omega = triangle_about(s->triangle + 9 * i, x, solid, v, across);
     if (omega >= SMALL) return 1 / omega;
   }
   if (!(f->area > 0)) return 0;
@@ -295,11 +305,12 @@ static double disk_density(const float *disk, const float x[3], const double d[3
   return density_by_area(h, along, PI * r * r);
 }
 
-double ylm__scene_patch_density(const ylm_scene *s, size_t i, const float x[3], const float d[3]) {
+double ylm__scene_patch_density(const ylm_scene *s, size_t i, const float x[3], double solid,
+                                const float d[3]) {
   double to[3], above = 0;
   for (int k = 0; k < 3; k++) to[k] = (double)d[k];
   for (int k = 0; s->horizon && k < 3; k++) above += (double)s->horizon[3 * i + (size_t)k] * to[k];
   if (above < 0) return 0;
-  return i < s->triangles ? triangle_density(s, i, x, to)
+  return i < s->triangles ? triangle_density(s, i, x, solid, to)
                           : disk_density(s->disk + 7 * (i - s->triangles), x, to);
 }

@@ -95,31 +95,35 @@ double ylm__scene_weight(const double v[3], double r, const float n[3]);
 /* -- patch.c ------------------------------------------------------------------ */
 
 /* A bound of about the unshadowed irradiance over pi of patch i for luminance 1, above 0 wherever it
-   brings light; n NULL: of the scalar irradiance of a point in space. */
-double ylm__scene_patch_weight(const ylm_scene *s, size_t i, const float x[3], const float n[3]);
+   brings light; n NULL: of the scalar irradiance of a point in space. *solid: the solid angle, if it
+   had to be known; else 0. */
+double ylm__scene_patch_weight(const ylm_scene *s, size_t i, const float x[3], const float n[3],
+                               double *solid);
 
 /* For each patch the luminance times a bound of about its unshadowed irradiance over pi, above 0
    wherever it brings light; `sum` is that over chunks. n NULL: a point in space,
    whose scalar irradiance that is. */
 void ylm__scene_patch_weights(const ylm_scene *s, const float x[3], const float n[3], float *weight,
-                              float *sum);
+                              float *sum, double *solid);
 /* A ray from x to a random place on patch i, the radiance there and the irradiance that it brings
    for radiance 1, of a point in space (n NULL) the scalar one: uniform in the solid angle of
    triangles that fill much of it (Arvo 1995), else by area. */
 double ylm__scene_patch_sample(const ylm_scene *s, size_t i, const float x[3], const float n[3],
-                               double u0, double u1, ylm_trace_ray *ray, const float **radiance);
+                               double u0, double u1, double solid, ylm_trace_ray *ray,
+                               const float **radiance);
 
 /* For choosers of one lamp these take less time: triangles that are far count as if they were at
    their centre, and rays to them are uniform in area. */
 ylm_status ylm__scene_make_far(ylm_scene *s);
 void ylm__scene_patch_weights_of_one(const ylm_scene *s, const float x[3], const float n[3],
-                                     float *weight, float *sum);
+                                     float *weight, float *sum, double *solid);
 double ylm__scene_patch_sample_one(const ylm_scene *s, size_t i, const float x[3], const float n[3],
-                                   double u0, double u1, ylm_trace_ray *ray,
+                                   double u0, double u1, double solid, ylm_trace_ray *ray,
                                    const float **radiance);
 /* The density per solid angle of these rays, sr^-1, in a direction of length 1 that meets patch i;
    0: it does not. */
-double ylm__scene_patch_density(const ylm_scene *s, size_t i, const float x[3], const float d[3]);
+double ylm__scene_patch_density(const ylm_scene *s, size_t i, const float x[3], double solid,
+                                const float d[3]);
 
 /* -- sky.c --------------------------------------------------------------------- */
 
@@ -145,6 +149,7 @@ struct ylm_scene_chooser {
   size_t chunks, spheres, near;
   ylm_scene_weights_fn *weights;
   float *weight, *sum; /* [chunks*YLM_LAMP_CHUNK], [chunks]: spheres, patches, the sky */
+  double *solid;       /* [patches] solid angles that are known, else 0; NULL: none is */
   /* what ylm_scene_choose was told last */
   float x[3], normal[3];
   bool in_space;
@@ -172,6 +177,10 @@ typedef struct scene_walk {
 
 /* The lamp at a place in the chooser's weights. */
 uint32_t ylm__scene_lamp_at(const ylm_scene_chooser *c, size_t place);
+/* The solid angle of patch i, if it is known; else 0. */
+static inline double ylm__scene_solid(const ylm_scene_chooser *c, size_t i) {
+  return c->solid ? c->solid[i] : 0;
+}
 /* Moves on to the lamp that holds `target`; targets increase. */
 void ylm__scene_walk_to(scene_walk *w, const ylm_scene_chooser *c, double target);
 

@@ -2,6 +2,7 @@
 #include "tree.h"
 
 #include <math.h>
+#include <string.h>
 
 #include "scene.h"
 
@@ -178,13 +179,21 @@ static double list_lamps(const ylm_scene *s, scene_tree *t, scene_item *item) {
   size_t all = ylm_scene_near(s);
   double most = 0;
   for (size_t i = 0; i < all; i++) {
-    lane l = lane_of(s, i);
+    double x[3], power;
+    if (i < s->lamps) {
+      for (int a = 0; a < 3; a++) x[a] = (double)s->lamp[a][i];
+      power = (double)s->lamp[3][i] * (double)s->lamp[3][i] * (double)s->lamp_luminance[i];
+    } else {
+      lane l = lane_of(s, i);
+      memcpy(x, l.x, sizeof x);
+      power = l.power;
+    }
     t->slot[i] = UINT32_MAX;
-    if (!(l.power > 0) || !isfinite(l.power)) continue;
-    most = fmax(most, l.power);
+    if (!(power > 0) || !isfinite(power)) continue;
+    most = power > most ? power : most;
     scene_item *to = &item[t->lamps++];
     to->lamp = (uint32_t)i;
-    for (int a = 0; a < 3; a++) to->x[a] = (float)l.x[a];
+    for (int a = 0; a < 3; a++) to->x[a] = (float)x[a];
   }
   return most;
 }

@@ -18,9 +18,9 @@
 /* The weight of lamp i where it is near. */
 static double exact(const ylm_scene_chooser *c, size_t i, const float *n) {
   const ylm_scene *s = c->scene;
-  double v[3];
+  double v[3], solid;
   if (i >= s->lamps)
-    return ylm__scene_patch_weight(s, i - s->lamps, c->x, n) *
+    return ylm__scene_patch_weight(s, i - s->lamps, c->x, n, &solid) *
            (double)s->patch_luminance[i - s->lamps];
   for (int a = 0; a < 3; a++) v[a] = (double)s->lamp[a][i] - (double)c->x[a];
   return ylm__scene_weight(v, (double)s->lamp[3][i], n) * (double)s->lamp_luminance[i];
