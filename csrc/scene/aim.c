@@ -116,7 +116,7 @@ size_t ylm_scene_aim(ylm_scene_chooser *c, const float x[3], const float n[3], i
     ylm__scene_patch_weights(s, x, n, c->weight + c->spheres * YLM_LAMP_CHUNK, c->sum + c->spheres,
                              c->solid);
   }
-  if (!(ylm__scene_add_weights(c) > 0)) return 0;
+  if (!(ylm__scene_add_weights(c, light_samples) > 0)) return 0;
   scene_walk w = {0};
   scene_drawn d;
   size_t drawn = 0;

@@ -54,7 +54,7 @@ bool ylm_scene_choose(ylm_scene_chooser *c, const float x[3], const float *norma
     ylm__scene_patch_weights_of_one(s, x, normal, c->weight + c->spheres * YLM_LAMP_CHUNK,
                                     c->sum + c->spheres, c->solid);
   }
-  return ylm__scene_add_weights(c) > 0;
+  return ylm__scene_add_weights(c, 1) > 0;
 }
 
 /* The place of a lamp in the chooser's weights. */

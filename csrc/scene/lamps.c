@@ -118,11 +118,11 @@ void ylm__scene_turn_to(ylm_scene_chooser *c, const float x[3], const float *nor
   if (normal) memcpy(c->normal, normal, 12);
 }
 
-double ylm__scene_add_weights(ylm_scene_chooser *c) {
+double ylm__scene_add_weights(ylm_scene_chooser *c, int light_samples) {
   const ylm_scene *s = c->scene;
   c->total = 0;
   if (s->tree) {
-    ylm__scene_look(c);
+    ylm__scene_look(c, light_samples);
     c->total = ylm__scene_tree_weight(c);
   }
   ylm__scene_sky_weights(s, c->in_space ? NULL : c->normal, c->weight + c->near * YLM_LAMP_CHUNK,

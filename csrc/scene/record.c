@@ -68,7 +68,7 @@ bool ylm_scene_lamp_ray(const ylm_scene *s, size_t lamp, const float x[3], const
   const float *there;
   if (lamp < s->lamps) return ylm__scene_sphere_sample(s, lamp, x, NULL, u[0], u[1], ray) > 0;
   if (lamp < near)
-    return ylm__scene_patch_sample_one(s, lamp - s->lamps, x, NULL, u[0], u[1], ray, &there) > 0;
+    return ylm__scene_patch_sample_one(s, lamp - s->lamps, x, NULL, u[0], u[1], 0, ray, &there) > 0;
   return ylm__scene_sky_sample(s, lamp - near, x, NULL, u[0], u[1], ray, radiance) > 0;
 }
 

@@ -162,8 +162,8 @@ struct ylm_scene_chooser {
 
 /* Turns a chooser to x; `normal` may be NULL. */
 void ylm__scene_turn_to(ylm_scene_chooser *c, const float x[3], const float *normal);
-/* Weighs the tree of lamps, if there is one, and distant lights; returns the total with all chunks. */
-double ylm__scene_add_weights(ylm_scene_chooser *c);
+/* Weighs the tree of lamps, if there is one, for so many samples, and distant lights; returns the total with all chunks. */
+double ylm__scene_add_weights(ylm_scene_chooser *c, int light_samples);
 /* The weight of the tree of lamps. */
 static inline double ylm__scene_tree_weight(const ylm_scene_chooser *c) {
   return c->cut->n > 0 ? c->cut->open[0].upto[SCENE_WIDTH - 1] * c->scene->tree->unit : 0;

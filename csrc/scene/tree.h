@@ -126,8 +126,9 @@ ylm_scene_spheres_fn *ylm__scene_spheres(void);
 
 /* -- walk.c ---------------------------------------------------------------------------------- */
 
-/* Looks at the tree from c->x, and opens nodes whose doubt is above SCENE_DOUBT of the whole. */
-void ylm__scene_look(ylm_scene_chooser *c);
+/* Looks at the tree from c->x, and opens nodes whose doubt is above SCENE_DOUBT of the whole over the
+   root of the number of samples. */
+void ylm__scene_look(ylm_scene_chooser *c, int light_samples);
 /* Draws n <= SCENE_GROUP lamps: one walk for all. */
 void ylm__scene_draw(const ylm_scene_chooser *c, size_t n, scene_drawn *d);
 /* How often a lamp is drawn. */

@@ -109,7 +109,7 @@ static void add_up(scene_cut *cut) {
   }
 }
 
-void ylm__scene_look(ylm_scene_chooser *c) {
+void ylm__scene_look(ylm_scene_chooser *c, int light_samples) {
   const scene_tree *t = c->scene->tree;
   scene_cut *cut = c->cut;
   cut->n = 0;
@@ -120,7 +120,7 @@ void ylm__scene_look(ylm_scene_chooser *c) {
     scene_seen *root = &cut->open[0].seen;
     float limit = 0;
     for (int k = 0; k < SCENE_WIDTH; k++) limit += root->weight[k];
-    limit *= (float)SCENE_DOUBT;
+    limit *= (float)(SCENE_DOUBT / sqrt((double)light_samples));
     for (unsigned k = 0; k < SCENE_WIDTH; k++)
       root->doubtful |= (uint32_t)(root->doubt[k] > limit) << k;
     for (uint32_t b = 0; b < cut->n; b++)
