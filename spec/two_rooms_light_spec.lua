@@ -68,4 +68,58 @@ describe("two rooms and a wall", function()
       assert(passes > 0.05 * passed, ("dark over bright by transfer vectors: %g"):format(passes / passed))
     end)
   end
+
+  --- Rooms 2 x 2 x 2, open to the camera, with a lamp in the left one.
+  local function small(wall)
+    local function quad(corner, u, v) return ylm.quad { corner = corner, u = u, v = v } end
+    return ylm.scene "small rooms" {
+      camera = ylm.camera { from = { 0, 1, 6 }, at = { 0, 1, 0 }, fov = 32 },
+      geometry = { quad({ -2.2, 0, 1 }, { 4.4, 0, 0 }, { 0, 0, -2 }), quad({ -2.2, 2, -1 }, { 4.4, 0, 0 }, { 0, 0, 2 }),
+        quad({ -2.2, 0, -1 }, { 4.4, 0, 0 }, { 0, 2, 0 }), quad({ -2.2, 0, 1 }, { 0, 0, -2 }, { 0, 2, 0 }),
+        quad({ 2.2, 0, -1 }, { 0, 0, 2 }, { 0, 2, 0 }), wall },
+      lights = { ylm.sphere_light { at = { -1.2, 1, 0 }, radius = 0.1, radiance = 30 } },
+    }
+  end
+
+  --- Luminance of what stands left of -x and right of x in a picture, lamps aside.
+  local function beyond(image, edge)
+    local radiance, emitter, position = image:layer():totable(), image:layer "emitter":totable(), image:layer "position":totable()
+    local sum = { 0, 0 }
+    for y, row in ipairs(radiance) do
+      for x, p in ipairs(row) do
+        local at = position[y][x][1]
+        if emitter[y][x][1] == 0 and math.abs(at) > edge then sum[at < 0 and 1 or 2] = sum[at < 0 and 1 or 2] + p[1] end
+      end
+    end
+    return sum[1], sum[2]
+  end
+
+  -- A voxel is 0.2 wide, and 0.19 for the quad, which stands in the middle of one.
+  for what, case in pairs {
+    ["a box of two voxels"] = { ylm.box { bounds = { { -0.2, 0, -1 }, { 0.2, 2, 1 } } }, { 22, 10, 10 }, 0.22 },
+    ["one quad, which halves a voxel"] = { ylm.quad { corner = { 0, 0, 1 }, u = { 0, 0, -2 }, v = { 0, 2, 0 } }, { 23, 11, 11 },
+      0.02 },
+  } do
+    it("are one bright and one dark by a grid that holds its shadows: a wall that is " .. what, function()
+      local rooms, o = small(case[1]), { size = { 96, 36 }, samples = 4 }
+      local bright = beyond(rooms:render(o), case[3])
+      local function by(parts)
+        o.grid = assert(rooms:bake { probes = ylm.uniform_grid { cells = case[2], lmax = 3 }, parts = parts,
+          occupied = "camera", size = o.size, samples = o.samples })
+        local image, report = rooms:render(o)
+        local l, r = beyond(image, case[3])
+        return l / bright, r / l, report.visibility
+      end
+      local left, right, visibility = by "direct"
+      assert.equal("grid", visibility)
+      assert(right < 0.01, ("dark over bright: %g"):format(right))
+      assert(math.abs(left - 1) < 0.12, ("bright over true: %g"):format(left)) -- voxels of 0.2 beside a lamp 1 away
+      local before = ylm.on_warning(false)
+      o.transfer_samples = 32
+      left, right, visibility = by "lights"
+      ylm.on_warning(before)
+      assert.equal("transfer", visibility)
+      assert(right > 0.05, ("dark over bright, of lights by transfer vectors: %g, %g"):format(right, left))
+    end)
+  end
 end)
