@@ -62,7 +62,7 @@
   X(shade_entries)                                                                                 \
   X(shade_grid)                                                                                    \
   X(shade_links)                                                                                   \
-  X(shade_part)                                                                                    \
+  X(shade_judge)                                                                                   \
   X(shade_picture)                                                                                 \
   X(shade_view)                                                                                    \
   X(traced)                                                                                        \

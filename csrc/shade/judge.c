@@ -35,50 +35,51 @@ ylm_status ylm_shade_judge(const ylm_shade_view *v, const ylm_path_options *o, f
 
 /* -- errors ----------------------------------------------------------------------- */
 
-/* One channel of a pixel: sums over its entries of a, b and the variance of b. */
-typedef struct pixel_sum {
-  double a, b, variance;
-} pixel_sum;
-
-static pixel_sum sum_pixel(const ylm_shade_view *v, const shade_pixel *q, size_t c, const float *a,
-                           const float *b, const float *variance) {
-  pixel_sum s = {0, 0, 0};
-  for (size_t i = q[0].first; i < q[1].first; i++) {
-    double w = (double)v->entry[i].weight;
-    s.a += w * (double)a[3 * i + c];
-    s.b += w * (double)b[3 * i + c];
-    if (variance) s.variance += w * w * (double)variance[3 * i + c];
-  }
-  return s;
+/* A channel of pixel p. */
+static double sum_pixel(const ylm_shade_view *v, size_t p, size_t c, const float *radiance) {
+  double sum = 0;
+  for (size_t i = v->pixel[p].first; i < v->pixel[p + 1].first; i++)
+    sum += (double)v->entry[i].weight * (double)radiance[3 * i + c];
+  return sum;
 }
 
-/* The variance of a channel of a pixel that other camera rays would leave: a stretch of edge crosses some
-   2 sqrt(N) of N strata, and each of these takes the one side or the other by chance; the part without surfaces counts as black. */
-static double edge_variance(const ylm_shade_view *v, const shade_pixel *q, size_t c, double sum,
-                            const float *a) {
-  double n = v->o.samples, between = fmax(0, 1 - (double)q->coverage) * sum * sum;
-  for (size_t i = q[0].first; i < q[1].first; i++) {
-    double d = (double)a[3 * i + c] - sum;
-    between += (double)v->entry[i].weight * d * d;
-  }
-  return 2 * between / (n * sqrt(n));
+/* The variance of that sum. */
+static double pixel_variance(const ylm_shade_view *v, size_t p, size_t c, const float *variance) {
+  double sum = 0;
+  for (size_t i = v->pixel[p].first; variance && i < v->pixel[p + 1].first; i++)
+    sum += (double)v->entry[i].weight * (double)v->entry[i].weight * (double)variance[3 * i + c];
+  return sum;
 }
 
-ylm_status ylm_shade_compare(const ylm_shade_view *v, const float *a, const float *b,
+static bool is_empty(const ylm_shade_view *v, size_t p) {
+  return v->pixel[p].first == v->pixel[p + 1].first;
+}
+
+/* The mean over channels of products of differences in pixel p; adds b to *sum. */
+static double product(const ylm_shade_estimate *a, const ylm_shade_estimate *b,
+                      const float *variance, size_t p, double *sum) {
+  double square = 0;
+  for (size_t c = 0; c < 3; c++) {
+    double second = sum_pixel(b->view, p, c, b->radiance);
+    double first = sum_pixel(a->view, p, c, a->radiance) - second, other = first;
+    if (a->again || b->again)
+      other = sum_pixel(a->view, p, c, a->again ? a->again : a->radiance) -
+              sum_pixel(b->view, p, c, b->again ? b->again : b->radiance);
+    square += (first * other - pixel_variance(b->view, p, c, variance)) / 3;
+    *sum += second / 3;
+  }
+  return square;
+}
+
+ylm_status ylm_shade_compare(const ylm_shade_estimate *a, const ylm_shade_estimate *b,
                              const float *variance, ylm_shade_error *out) {
   double spread = 0;
   *out = (ylm_shade_error){0};
-  if (v->corner) return YLM_EINVAL;
-  for (size_t p = 0; p < v->stats.pixels; p++) {
-    const shade_pixel *q = &v->pixel[p];
-    double square = 0;
-    if (q[1].first == q[0].first) continue;
-    for (size_t c = 0; c < 3; c++) {
-      pixel_sum s = sum_pixel(v, q, c, a, b, variance);
-      square += ((s.a - s.b) * (s.a - s.b) - s.variance) / 3;
-      out->mean += s.b / 3;
-      out->edges += edge_variance(v, q, c, s.a, a) / 3;
-    }
+  if (a->view->corner || b->view->corner) return YLM_EINVAL;
+  if (a->view->stats.pixels != b->view->stats.pixels) return YLM_ESHAPE;
+  for (size_t p = 0; p < a->view->stats.pixels; p++) {
+    if (is_empty(a->view, p) && is_empty(b->view, p)) continue;
+    double square = product(a, b, variance, p, &out->mean);
     out->pixels++;
     out->square += square;
     spread += square * square;
@@ -86,7 +87,6 @@ ylm_status ylm_shade_compare(const ylm_shade_view *v, const float *a, const floa
   double n = out->pixels > 0 ? (double)out->pixels : 1;
   out->mean /= n;
   out->square /= n;
-  out->edges /= n;
   out->uncertainty = sqrt(fmax(0, spread / n - out->square * out->square) / n);
   return YLM_OK;
 }

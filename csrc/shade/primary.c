@@ -51,12 +51,17 @@ static float wrap(double x) { return (float)(x - floor(x)); }
 static void pixel_rays(const job *j, int x, int y, ylm_trace_ray *ray) {
   const ylm_shade_options *o = &j->view->o;
   const ylm_camera_frame *f = j->frame;
+  const int *image = j->view->image;
   ylm_rng rng;
-  ylm_rng_seed(&rng, o->seed, (uint64_t)y * (uint64_t)o->width + (uint64_t)x);
+  if (j->view->number) {
+    x = (int)(j->view->number[y] % (uint32_t)image[0]);
+    y = (int)(j->view->number[y] / (uint32_t)image[0]);
+  }
+  ylm_rng_seed(&rng, o->seed, (uint64_t)y * (uint64_t)image[0] + (uint64_t)x);
   double a = ylm_rng_double(&rng), b = ylm_rng_double(&rng);
   for (int i = 0; i < o->samples; i++) {
-    double sx = 2 * (x + wrap((double)i / o->samples + a)) / o->width - 1;
-    double sy = 1 - 2 * (y + wrap((double)j->radical[i] + b)) / o->height;
+    double sx = 2 * (x + wrap((double)i / o->samples + a)) / image[0] - 1;
+    double sy = 1 - 2 * (y + wrap((double)j->radical[i] + b)) / image[1];
     for (int k = 0; k < 3; k++) {
       ray[i].org[k] = (float)f->from[k];
       ray[i].dir[k] = (float)(f->forward[k] + sx * f->right[k] + sy * f->up[k]);

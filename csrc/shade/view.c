@@ -19,6 +19,12 @@ static ylm_status check_options(const ylm_shade_options *o, ylm_error *e) {
   if (!(o->occlusion_distance > 0))
     return ylm_fail(e, YLM_ERANGE, "occlusion_distance must be > 0, got %g", o->occlusion_distance);
   if (!(o->share >= 0)) return ylm_fail(e, YLM_ERANGE, "share must be >= 0, got %g", o->share);
+  if (o->pixel && (o->pixels < 1 || o->pixels > 65536))
+    return ylm_fail(e, YLM_ERANGE, "from 1 to 65536 pixels are listed, got %zu", o->pixels);
+  for (size_t i = 0; o->pixel && i < o->pixels; i++)
+    if (o->pixel[i] >= (uint64_t)o->width * (uint64_t)o->height)
+      return ylm_fail(e, YLM_ERANGE, "pixel %u is not of an image of %dx%d", o->pixel[i], o->width,
+                      o->height);
   return YLM_OK;
 }
 
@@ -168,6 +174,17 @@ static size_t bytes_held(const ylm_shade_view *v) {
          (v->seen ? 12 * v->entries : 0) + (v->tint != v->seen ? 12 * v->points : 0);
 }
 
+/* The pixels that are listed make an image of one column. */
+static ylm_status list_pixels(ylm_shade_view *v) {
+  v->image[0] = v->o.width;
+  v->image[1] = v->o.height;
+  if (!v->o.pixel) return YLM_OK;
+  v->number = ylm_alloc_copy(v->o.pixel, v->o.pixels, sizeof *v->number);
+  v->o.width = 1;
+  v->o.height = (int)v->o.pixels;
+  return v->number ? YLM_OK : YLM_ENOMEM;
+}
+
 ylm_status ylm_shade_view_create(const ylm_scene *scene, const ylm_camera *camera,
                                  const ylm_shade_options *o, ylm_shade_view **view, ylm_error *e) {
   *view = NULL;
@@ -180,10 +197,12 @@ ylm_status ylm_shade_view_create(const ylm_scene *scene, const ylm_camera *camer
   v->scene = scene;
   v->o = *o;
   v->frame = frame;
-  s = ylm__shade_primary(v, &frame);
+  s = list_pixels(v);
+  if (s == YLM_OK) s = ylm__shade_primary(v, &frame);
   if (s == YLM_OK) s = make_transfer(v, e);
   v->o.progress = NULL;
   v->o.light = NULL;
+  v->o.pixel = NULL;
   v->stats.points = v->points;
   v->stats.bytes = bytes_held(v);
   if (s == YLM_OK)

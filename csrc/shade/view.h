@@ -25,7 +25,8 @@ struct ylm_shade_view {
   size_t entries, points;
   shade_entry *entry;    /* [entries] in the order of pixels        */
   shade_pixel *pixel;    /* [width*height + 1]                      */
-  uint32_t *number;      /* [pixels] of a part: places in the whole; NULL: this is the whole */
+  uint32_t *number;      /* [pixels]: these of the image alone; NULL: all */
+  int image[2];          /* width and height of the image that they are of */
   uint32_t (*corner)[3]; /* [entries]: points at the triangle's corners; NULL: entry i is point i */
   uint32_t *mesh;        /* [points]                                */
   float (*position)[3], (*normal)[3], (*origin)[3]; /* [points]    */
@@ -71,7 +72,8 @@ typedef struct shade_vertices {
   size_t count;
   uint32_t *mesh, *vertex; /* [count] */
   bool *back;
-  uint32_t *number;      /* [pixels] of a part: places in the whole; NULL: this is the whole */
+  uint32_t *number;      /* [pixels]: these of the image alone; NULL: all */
+  int image[2];          /* width and height of the image that they are of */
   uint32_t (*corner)[3]; /* [entries]: indices of the entry's triangle's vertices here */
 } shade_vertices;
 ylm_status ylm__shade_vertices(const ylm_shade_view *v, shade_vertices *out);

@@ -65,6 +65,8 @@ typedef struct ylm_shade_options {
   int most_samples;                /* up to this number. NULL: it is taken as it is        */
   double occlusion_distance;       /* > 0, may be infinite: how far these rays reach       */
   double share;                    /* pixel widths, >= 0                                   */
+  const uint32_t *pixel; /* [pixels] y * width + x: these alone, as an image of one column  */
+  size_t pixels;         /* 1 .. 65536; NULL: all                                   */
   uint64_t seed;
   int threads;
   const ylm_progress *progress; /* stages "primary rays", "transfer"                    */
@@ -107,7 +109,7 @@ YLM_API ylm_status ylm_shade_view_create(const ylm_scene *scene, const ylm_camer
 YLM_API void ylm_shade_view_free(ylm_shade_view *view);
 
 YLM_API void ylm_shade_view_stats(const ylm_shade_view *view, ylm_shade_stats *stats);
-/* The options that the view was made with; `progress` and `light` are NULL. */
+/* The options that the view was made with; `progress`, `light` and `pixel` are NULL. */
 YLM_API const ylm_shade_options *ylm_shade_view_options(const ylm_shade_view *view);
 
 /* Per shading point; valid as long as the view. */
@@ -125,18 +127,6 @@ YLM_API void ylm_shade_view_surface(const ylm_shade_view *view, float *albedo, f
 YLM_API ylm_status ylm_shade_view_materials(const ylm_shade_view *view, float *row, ylm_error *e);
 
 /*
-** ylm_shade_view_part - some pixels of a view, as a view of their own, in one row.
-**
-** Shading points, their random numbers and so all that is computed for them are those of the whole.
-**
-**   pixel  in   [n]  y * width + x of the whole, n <= 65536
-**
-** Returns  YLM_OK; YLM_EINVAL (shading points are vertices), YLM_ERANGE, YLM_ENOMEM
-*/
-YLM_API ylm_status ylm_shade_view_part(const ylm_shade_view *whole, size_t n, const uint32_t *pixel,
-                                       ylm_shade_view **part, ylm_error *e);
-
-/*
 ** ylm_shade_judge - what paths say of the radiance of a view's shading points (ylm_path_places).
 **
 **   mean, variance  out  [points][3]
@@ -147,24 +137,33 @@ YLM_API ylm_status ylm_shade_judge(const ylm_shade_view *view, const ylm_path_op
                                    float *mean, float *variance, ylm_path_stats *stats,
                                    ylm_error *e);
 
-/* How far pixels by one estimate are from another, over the pixels that show surfaces, all channels. */
+/* Estimates of the radiance of a view's shading points. */
+typedef struct ylm_shade_estimate {
+  const ylm_shade_view *view;
+  const float *radiance; /* [points][3] */
+  const float *again;    /* [points][3] with random numbers of its own, or NULL: as `radiance` */
+} ylm_shade_estimate;
+
+/* How far two estimates are from each other, over the pixels that show surfaces, all channels. */
 typedef struct ylm_shade_error {
   size_t pixels;
-  double mean;        /* of b                                                        */
-  double square;      /* of (a - b)^2 - variance                                     */
-  double uncertainty; /* standard error of `square`, pixels being a random choice    */
-  double edges;       /* variance of a that other camera rays would leave, estimated */
+  double mean;        /* of b                                                                   */
+  double square;      /* of (a - b) (a' - b') - variance                                        */
+  double uncertainty; /* standard error of `square`, pixels being a random choice               */
 } ylm_shade_error;
 
 /*
-** ylm_shade_compare - how far radiance at shading points is from what the judge says, pixel by pixel.
+** ylm_shade_compare - how far pixels by one estimate are from those by another.
 **
-**   a, b      in  [points][3]
+** With `again`, noise of the two adds nothing to the mean of products: what is left is their
+** systematic difference.
+**
+**   a, b      in  of views that show the same pixels
 **   variance  in  [points][3] of b, or NULL: 0
 **
-** Returns  YLM_OK; YLM_EINVAL (shading points are vertices)
+** Returns  YLM_OK; YLM_EINVAL (shading points are vertices), YLM_ESHAPE (other pixels)
 */
-YLM_API ylm_status ylm_shade_compare(const ylm_shade_view *view, const float *a, const float *b,
+YLM_API ylm_status ylm_shade_compare(const ylm_shade_estimate *a, const ylm_shade_estimate *b,
                                      const float *variance, ylm_shade_error *out);
 
 /* -- light ------------------------------------------------------------------- */

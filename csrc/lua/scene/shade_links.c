@@ -68,12 +68,13 @@ static int shade_gather(lua_State *L) {
   return ylmL_result_progress(L, 1, s, &e, &p);
 }
 
-/* shade_add(a, b): a += b; float arrays of one size -> a */
+/* shade_add(a, b, factor or nil: 1): a += factor b; float arrays of one size -> a */
 static int shade_add(lua_State *L) {
   ylmL_array *a = ylmL_array_check(L, 1), *b = ylmL_array_check(L, 2);
+  float factor = (float)luaL_optnumber(L, 3, 1);
   if (a->dtype != YLM_FLOAT || b->dtype != YLM_FLOAT) return ylmL_result(L, 0, YLM_ETYPE, NULL);
   if (a->count != b->count) return ylmL_result(L, 0, YLM_ESHAPE, NULL);
-  for (size_t i = 0; i < a->count; i++) ((float *)a->data)[i] += ((const float *)b->data)[i];
+  for (size_t i = 0; i < a->count; i++) ((float *)a->data)[i] += factor * ((const float *)b->data)[i];
   lua_pushvalue(L, 1);
   return 1;
 }

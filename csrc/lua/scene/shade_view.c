@@ -4,9 +4,23 @@
 
 #include "shade.h"
 
+/* The numbers of the list at `i` in memory of the state, and how many; NULL: there is none. */
+static const uint32_t *read_pixels(lua_State *L, int i, size_t *n) {
+  if (lua_isnil(L, i)) return NULL;
+  luaL_checktype(L, i, LUA_TTABLE);
+  *n = lua_rawlen(L, i);
+  uint32_t *pixel = lua_newuserdata(L, (*n + 1) * sizeof *pixel);
+  for (size_t k = 0; k < *n; k++) {
+    lua_rawgeti(L, i, (int)k + 1);
+    pixel[k] = (uint32_t)luaL_checknumber(L, -1);
+    lua_pop(L, 1);
+  }
+  return pixel;
+}
+
 /* shade_view(scene, {camera: from, at, up, fov, 10 numbers; width, height, samples, lmax, shading,
    visibility, transfer_samples, occlusion_distance, share, seed, threads, progress, light | nil,
-   noise | nil, most_samples | nil}) -> view */
+   noise | nil, most_samples | nil, pixels: a list of numbers from 0, these alone, | nil}) -> view */
 static int shade_view(lua_State *L) {
   static const char *const names[] = {"camera",
                                       "width",
@@ -24,6 +38,7 @@ static int shade_view(lua_State *L) {
                                       "light",
                                       "noise",
                                       "most_samples",
+                                      "pixels",
                                       NULL};
   static const char *const shadings[] = {"pixel", "vertex", NULL};
   static const char *const visibilities[] = {"none", "pixel", "vertex", "rays", NULL};
@@ -43,7 +58,8 @@ static int shade_view(lua_State *L) {
     PROGRESS,
     LIGHT,
     NOISE,
-    MOST
+    MOST,
+    PIXELS
   };
   ylmL_named(L, 2, names);
   const ylm_scene *scene = ylmL_scene(L, 1);
@@ -69,6 +85,7 @@ static int shade_view(lua_State *L) {
       .seed = (uint64_t)luaL_checknumber(L, SEED),
       .threads = (int)luaL_optnumber(L, THREADS, 0),
       .progress = ylmL_progress_begin(L, PROGRESS, &p)};
+  o.pixel = read_pixels(L, PIXELS, &o.pixels);
   ylm_shade_view **v = lua_newuserdata(L, sizeof *v);
   *v = NULL;
   luaL_getmetatable(L, YLML_SHADE_VIEW);

@@ -72,10 +72,13 @@ local function by_tolerance(s, o, given)
   end
   local found, message, code = knob.choose("render", s, o, given)
   if not found then return nil, message, code end
-  o.light_samples, o.links, o.samples = found.chosen.light_samples, found.chosen.links, found.chosen.samples
+  local c, view = found.chosen
+  o.light_samples, o.links, o.samples, o.share, o.lmax = c.light_samples, c.links, c.samples, c.share, 0
   if o.bounced then o.bounced.lit, o.transfer = found.lit, nil end
+  view, message, code = views.prepare("render", s, o)
+  if not view then return nil, message, code end
   local image, report
-  image, report, code = shading.picture("render", views.open("render", found.view), o)
+  image, report, code = shading.picture("render", views.open("render", view), o)
   if not image then return nil, report, code end
   knob.report(found, report, image)
   return image, report

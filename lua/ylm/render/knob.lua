@@ -1,8 +1,9 @@
 --- One knob: a picture with a tolerance chooses spacing, links, shadow rays and camera rays, and judges itself.
 --
 -- Some hundred pixels alone are rendered with ever finer means. Noise is the difference of two estimates with random numbers of
--- their own, the error of elements that from half their spacing. The whole picture is made once, with the means found, and
--- its error is what the path tracer says of these pixels, its noise taken off.
+-- their own, the error of elements that from half their spacing. The error of camera rays is that from 256 of them, each with
+-- its own shading point, in direct light and an even one. The whole picture is made once, with the means found. Its error is
+-- that of camera rays and what the path tracer says of these pixels, its noise taken off.
 
 local check = require "ylm.check"
 local core = require "ylm.c.core"
@@ -15,11 +16,14 @@ local warning = require "ylm.warning"
 local knob = {}
 
 local PIXELS = 512
--- Parts of the tolerance that each cause may have; their squares add up to 0.66.
-local SHARE = { edges = 0.4, direct = 0.35, links = 0.35, elements = 0.5 }
+-- Parts of the tolerance that each cause may have; their squares add up to 0.7.
+local SHARE = { pixels = 0.45, direct = 0.35, links = 0.35, elements = 0.5 }
 -- Where it begins (spacing: of the diagonal), and ends.
-local FIRST = { samples = 16, light_samples = 16, links = 64, spacing = 1 / 32 }
-local MOST = { samples = 256, light_samples = 1024, links = 1024, elements = 2 ^ 20, bytes = 2 ^ 30 }
+local FIRST = { light_samples = 16, links = 64, spacing = 1 / 32 }
+local MOST = { light_samples = 1024, links = 1024, elements = 2 ^ 20, bytes = 2 ^ 31 }
+local POINT = 110 -- bytes of a shading point without its links
+-- Camera rays of a pixel, and which of them are shaded as one, the cheapest first; the last judges the others.
+local RAYS = { { 16, 1.5 }, { 64, 1.5 }, { 16, 0 }, { 64, 0 }, { 256, 0 } }
 local ELEMENT = { links = 128, light_samples = 16 }
 local JUDGE_FIRST, JUDGE_MOST = 256, 4096 -- paths from each point
 local KNOWN = 0.36 -- of the squared tolerance: the judge is precise enough
@@ -61,40 +65,35 @@ local function need(...)
   return ...
 end
 
---- The view with `samples` camera rays a pixel and the part of it that is judged.
-local function look(x)
-  if x.view then
-    x.part = nil
-    x.view:close()
-  end
+--- The prepared view of the chosen pixels, with its points a pixel.
+local function look(x, samples, share)
   local o = x.o
-  x.view = need(views.prepare(x.name, x.scene, { size = o.size, samples = x.chosen.samples, seed = o.seed, share = o.share,
-    shading = "pixel", visibility = "rays", lmax = 0, threads = o.threads, progress = o.progress }))
-  x.p = views.open(x.name, x.view)
-  x.lib = x.p.lib
-  x.part = need(check.result(x.name, x.lib.shade_part(x.view, x.pixels)))
+  local view = need(views.prepare(x.name, x.scene, { size = o.size, samples = samples, seed = o.seed, share = share,
+    shading = "pixel", visibility = "rays", lmax = 0, threads = o.threads, progress = o.progress, pixels = x.pixels }))
+  local p = views.open(x.name, view)
+  return { p = p, view = view, density = p.stats.points / #x.pixels }
 end
 
---- Radiance of direct light at the part's points, by random numbers of seed + k.
-local function direct(x, k)
-  return (need(check.result(x.name, x.lib.shade_raycast(x.part, x.chosen.light_samples, true, x.o.seed + k, x.threads, x.bar))))
+--- Radiance of direct light at the points of a view v, by random numbers of seed + k.
+local function direct(x, v, rays, k)
+  return (need(check.result(x.name, x.lib.shade_raycast(v.view, rays, true, x.o.seed + k, x.threads, x.bar))))
 end
 
 --- Radiance `start` with gathered light added, by links of seed + k.
-local function gather(x, lit, start, k)
+local function gather(x, v, lit, count, start, k)
   if not lit then return start end
-  local links = need(check.result(x.name, x.lib.shade_links(x.part, lit.transfer, x.chosen.links, x.o.seed + k, x.threads,
-    x.bar)))
-  return need(check.result(x.name, x.lib.shade_gather(x.part, links, lit, start, x.threads, x.bar)))
+  local links = need(check.result(x.name, x.lib.shade_links(v.view, lit.transfer, count, x.o.seed + k, x.threads, x.bar)))
+  return need(check.result(x.name, x.lib.shade_gather(v.view, links, lit, start, x.threads, x.bar)))
 end
 
+--- Estimates { view, radiance, again } of two views.
 local function compare(x, a, b, variance)
-  return need(check.result(x.name, x.lib.shade_compare(x.part, a, b, variance)))
+  return need(check.result(x.name, x.lib.shade_compare(a, b, variance)))
 end
 
---- The root mean square difference of two estimates, relative to the mean of the picture.
+--- The root mean square difference of two estimates for the view that is judged, relative to the mean of the picture.
 local function difference(x, a, b)
-  return x.mean > 0 and math.sqrt(compare(x, a, b).square) / x.mean or 0
+  return x.mean > 0 and math.sqrt(compare(x, { x.first.view, a }, { x.first.view, b }).square) / x.mean or 0
 end
 
 --- The next power of two of a number of samples that are to lower an error to `aim`.
@@ -112,25 +111,55 @@ local function light_elements(x, spacing)
     bounces = x.bounces == "all" and "all" or x.bounces - 1, seed = o.seed, threads = o.threads, progress = o.progress }))
 end
 
---- Camera rays enough that edges are smooth; the mean of the picture.
-local function choose_samples(x)
-  while true do
-    look(x)
-    local a = gather(x, x.lit, direct(x, 0), 0)
-    local found = compare(x, a, a)
-    x.mean, x.pixels_seen = found.mean, found.pixels
-    x.causes.edges = found.mean > 0 and math.sqrt(found.edges) / found.mean or 0
-    if x.given.samples or x.causes.edges <= SHARE.edges * x.tolerance or x.chosen.samples >= MOST.samples then return end
-    x.chosen.samples = x.chosen.samples * 4
+--- Numbers of a shading point where each has the rays of `factor` ones together.
+local function per_point(light_samples, links, factor)
+  return math.max(1, math.ceil(light_samples / factor)), math.max(4, 4 * math.ceil(links / factor / 4))
+end
+
+--- The mean of the picture, and the even light that stands for what bounces, in units of what an albedo of 1 reflects.
+local function rough(x)
+  local v = x.first
+  local albedo, a = select(3, need(x.lib.shade_points(v.view))), direct(x, v, 2 * FIRST.light_samples, 0)
+  local all = gather(x, v, x.lit, FIRST.links, a, 0)
+  local function mean(values) return compare(x, { v.view, values }, { v.view, values }) end
+  local found, reflected = mean(all), mean(albedo).mean
+  x.mean, x.judged.pixels = found.mean, found.pixels
+  x.even = reflected > 0 and (found.mean - mean(a).mean) / reflected or 0
+end
+
+--- Two estimates by a view, with some 64 shadow rays a pixel.
+local function outlines(x, v)
+  local rays, albedo = per_point(64, 4, v.density), select(3, need(x.lib.shade_points(v.view)))
+  local function one(k) return need(check.result(x.name, x.lib.shade_add(direct(x, v, rays, k), albedo, x.even))) end
+  return { v.view, one(0), one(1) }
+end
+
+--- Camera rays that leave little of the edges of surfaces and shadows.
+local function choose_rays(x)
+  local pixels, fine = x.o.size[1] * x.o.size[2], outlines(x, look(x, RAYS[#RAYS][1], 0))
+  local best = math.huge
+  for i, rays in ipairs(RAYS) do
+    local samples, share = x.given.samples or rays[1], x.given.share or rays[2]
+    local v = look(x, samples, share)
+    if i > 1 and v.density * pixels * (POINT + 256) > MOST.bytes then break end
+    local square = compare(x, outlines(x, v), fine).square
+    local error = math.sqrt(math.max(0, square)) / x.mean
+    if error < best then
+      best, x.causes.pixels, x.density = error, error, v.density
+      x.chosen.samples, x.chosen.share = samples, share
+    end
+    v.view:close()
+    if error <= SHARE.pixels * x.tolerance then break end
   end
+  fine[1]:close()
 end
 
 --- Shadow rays enough.
 local function choose_light_samples(x)
   local c, aim = x.chosen, SHARE.direct * x.tolerance
   while true do
-    x.direct = direct(x, 0)
-    x.causes.direct = difference(x, x.direct, direct(x, 1)) / math.sqrt(2)
+    x.direct = direct(x, x.first, c.light_samples, 0)
+    x.causes.direct = difference(x, x.direct, direct(x, x.first, c.light_samples, 1)) / math.sqrt(2)
     if x.causes.direct <= aim or x.given.light_samples or c.light_samples >= MOST.light_samples then return end
     c.light_samples = math.min(MOST.light_samples, more(c.light_samples, x.causes.direct, aim, 1.5))
   end
@@ -143,14 +172,14 @@ local function choose_elements(x)
     c.spacing, c.elements = x.o.transfer.stats.spacing, x.o.transfer.stats.elements
     return
   end
-  local before = gather(x, x.lit, nil, 0)
+  local before = gather(x, x.first, x.lit, c.links, nil, 0)
   repeat
     local coarse = x.lit
     x.lit = light_elements(x, c.spacing / 2)
     c.spacing, c.elements = c.spacing / 2, x.lit.transfer.stats.elements
     coarse:close()
     coarse.transfer:close()
-    local now = gather(x, x.lit, nil, 0)
+    local now = gather(x, x.first, x.lit, c.links, nil, 0)
     x.causes.elements, before = difference(x, before, now) / 2, now
   until x.causes.elements <= aim or 4 * c.elements > MOST.elements
 end
@@ -158,10 +187,11 @@ end
 --- Links enough; the picture at the pixels with them.
 local function choose_links(x)
   local c, aim = x.chosen, SHARE.links * x.tolerance
-  local most = math.max(4, math.min(MOST.links, 4 * math.floor(MOST.bytes / 16 / math.max(1, x.p.stats.points))))
+  local pixels = x.o.size[1] * x.o.size[2] * x.first.density
+  local most = math.max(4, math.min(MOST.links, 4 * math.floor(MOST.bytes / 16 / math.max(1, pixels))))
   while true do
-    x.picture = gather(x, x.lit, x.direct, 0)
-    x.causes.links = difference(x, x.picture, gather(x, x.lit, x.direct, 1)) / math.sqrt(2)
+    x.picture = gather(x, x.first, x.lit, c.links, x.direct, 0)
+    x.causes.links = difference(x, x.picture, gather(x, x.first, x.lit, c.links, x.direct, 1)) / math.sqrt(2)
     if x.causes.links <= aim or x.given.links or c.links >= most then return end
     c.links = math.min(most, more(c.links, x.causes.links, aim, 2))
   end
@@ -169,11 +199,11 @@ end
 
 --- The squared error against the path tracer, which traces more paths until it is sure; and its standard error.
 local function ask_judge(x)
-  local samples, limit = JUDGE_FIRST, x.tolerance ^ 2 - x.causes.edges ^ 2
+  local samples, limit = JUDGE_FIRST, x.tolerance ^ 2 - x.causes.pixels ^ 2
   while true do
-    local mean, variance, rays = need(check.result(x.name, x.lib.shade_judge(x.part, { samples = samples, first = 1,
+    local mean, variance, rays = need(check.result(x.name, x.lib.shade_judge(x.first.view, { samples = samples, first = 1,
       last = x.bounces == "all" and -1 or x.bounces + 1, seed = x.o.seed + 101, threads = x.threads, progress = x.bar })))
-    local found = compare(x, x.picture, mean, variance)
+    local found = compare(x, { x.first.view, x.picture }, { x.first.view, mean }, variance)
     local scale = 1 / math.max(found.mean ^ 2, 1e-300)
     local square, u = found.square * scale, found.uncertainty * scale
     x.judged.rays, x.judged.samples = x.judged.rays + rays, samples
@@ -189,18 +219,18 @@ local function percent(share) return (share < 0.1 and "%.2g %%" or "%.0f %%"):fo
 --- The largest cause and its remedy; where causes that are known are too small to be it: surfaces that gloss, or small parts.
 local function cause_of(x, error)
   local c, worst, sum = x.chosen, nil, 0
-  for _, name in ipairs { "elements", "links", "direct", "edges" } do
+  for _, name in ipairs { "elements", "links", "direct", "pixels" } do
     sum = sum + (x.causes[name] or 0) ^ 2
     if x.causes[name] and (not worst or x.causes[name] > x.causes[worst]) then worst = name end
   end
   if x.bounces ~= 0 and math.sqrt(sum) < error / 2 then
-    return x.p.traced.glossy > 0 and "surfaces that gloss reflect bounced light as matte ones: use scene:pathtrace"
+    return x.glossy > 0 and "surfaces that gloss reflect bounced light as matte ones: use scene:pathtrace"
       or "elements meet light that changes faster than they are fine: give transfer = scene:transfer { spacing = .. }"
   end
   local share = percent(x.causes[worst])
-  if worst == "edges" then
-    return ("%s come from edges, at %d camera rays a pixel: set samples = %d"):format(share, c.samples,
-      math.min(1024, 4 * c.samples))
+  if worst == "pixels" then
+    return ("%s come from edges of surfaces and shadows, at %d camera rays a pixel: set samples = %d, share = 0"):format(share,
+      c.samples, math.min(1024, 4 * c.samples))
   elseif worst == "direct" then
     return ("%s come from %d shadow rays a point: set light_samples = %d"):format(share, c.light_samples, 4 * c.light_samples)
   elseif worst == "links" then
@@ -212,9 +242,9 @@ end
 
 --- The verdict on a picture of this squared error, known to a standard error of u.
 local function verdict(x, square, u, start)
-  local error = math.sqrt(math.max(0, square) + (x.causes.edges or 0) ^ 2)
+  local error = math.sqrt(math.max(0, square) + (x.causes.pixels or 0) ^ 2)
   local out = { tolerance = x.tolerance, error = error, met = error <= x.tolerance, causes = x.causes,
-    judged = { pixels = x.pixels_seen, samples = x.judged.samples, rays = x.judged.rays,
+    judged = { pixels = x.judged.pixels, samples = x.judged.samples, rays = x.judged.rays,
       uncertainty = u / math.max(2 * error, math.sqrt(u), 1e-300), seconds = core.seconds() - start } }
   if not out.met then
     out.warning = ("scene %q: tolerance %.3g is not met, the error is %.2g: %s, or set tolerance = %.2g"):format(
@@ -225,8 +255,10 @@ end
 
 local function choose(x, start)
   x.lit = light_elements(x, x.chosen.spacing)
-  choose_samples(x)
-  if x.pixels_seen == 0 then return verdict(x, 0, 0, start) end
+  x.first = look(x, RAYS[1][1], RAYS[1][2])
+  rough(x)
+  if x.mean <= 0 then return verdict(x, 0, 0, start) end
+  choose_rays(x)
   choose_light_samples(x)
   x.picture = x.direct
   if x.lit then
@@ -234,42 +266,44 @@ local function choose(x, start)
     choose_links(x)
   end
   local square, u = ask_judge(x)
+  local c, given, rays, links = x.chosen, x.given, per_point(x.chosen.light_samples, x.chosen.links, x.density / x.first.density)
+  c.light_samples, c.links = given.light_samples or rays, given.links or links
   return verdict(x, square, u, start)
 end
 
---- Chooses what options leave open: { view, lit, verdict, chosen }; or nil, message, code. `given` are the options
+--- Chooses what options leave open: { lit, verdict, chosen }; or nil, message, code. `given` are the options
 -- as the caller wrote them: what stands there is kept.
 function knob.choose(name, s, o, given)
   local start, chosen = core.seconds(), {}
   local t, message, code = tracing.trace(name, s)
   if not t then return nil, message, code end
   for key, first in pairs(FIRST) do chosen[key] = given[key] or first end
-  chosen.samples = given.samples or given.pixel_samples or chosen.samples
+  chosen.samples, chosen.share = given.samples or given.pixel_samples or RAYS[1][1], given.share or RAYS[1][2]
   if not o.transfer and s.transfer_options and s.transfer_options.spacing and (o.bounces or 0) ~= 0 then
     o.transfer, message, code = s:transfer { seed = o.seed, threads = o.threads, progress = o.progress } -- as the scene says
     if not o.transfer then return nil, message, code end
   end
-  local x = { name = name, scene = s, o = o, bounces = o.bounces or 0, tolerance = o.tolerance, threads = o.threads or 0,
-    bar = progress.resolve(o.progress), chosen = chosen, causes = {}, judged = { rays = 0 },
-    given = { samples = given.samples or given.pixel_samples, light_samples = given.light_samples, links = given.links },
-    pixels = choose_pixels(o.size[1], o.size[2], o.seed) }
   chosen.spacing = FIRST.spacing * math.max(box.diagonal(t.lo, t.hi), 1e-30)
+  local x = { name = name, scene = s, o = o, lib = t.lib, glossy = t.glossy, bounces = o.bounces or 0, tolerance = o.tolerance,
+    threads = o.threads or 0, bar = progress.resolve(o.progress), chosen = chosen, causes = {}, judged = { rays = 0 },
+    given = { samples = given.samples or given.pixel_samples, share = given.share, light_samples = given.light_samples,
+      links = given.links },
+    pixels = choose_pixels(o.size[1], o.size[2], o.seed) }
   local ok, found = pcall(choose, x, start)
   if not ok then
-    if x.view then x.view:close() end
     if type(found) == "table" and found.trial then return nil, found[1], found[2] end
     error(found, 0)
   end
   if not found.met then warning.say(s, "tolerance", "%s", found.warning) end
-  return { view = x.view, lit = x.lit, verdict = found, chosen = chosen }
+  return { lit = x.lit, verdict = found, chosen = chosen }
 end
 
 --- Completes report and metadata of a picture by its tolerance.
 function knob.report(found, report, image)
   local v, c, m = found.verdict, found.chosen, image.metadata
   report.tolerance, report.met, report.error = v.tolerance, v.met, v.error
-  report.chosen = { samples = c.samples, light_samples = c.light_samples, links = v.causes.links and c.links,
-    spacing = v.causes.elements and c.spacing, elements = c.elements }
+  report.chosen = { samples = c.samples, share = c.share, light_samples = c.light_samples, links = v.causes.links and c.links,
+    spacing = v.causes.links and c.spacing, elements = c.elements }
   report.causes, report.judged = v.causes, v.judged
   report.seconds.judge = v.judged.seconds
   report.seconds.total = report.seconds.total + v.judged.seconds

@@ -95,7 +95,7 @@ function views.prepare(name, s, o)
     transfer_samples = rays,
     occlusion_distance = distance, share = o.share, seed = o.seed,
     threads = o.threads, progress = progress.resolve(o.progress), light = light, noise = NOISE,
-    most_samples = MOST_SAMPLES }))
+    most_samples = MOST_SAMPLES, pixels = o.pixels }))
   if not view then return nil, message, code end
   local stats = t.lib.shade_stats(view)
   stats.scene_seconds = t.seconds

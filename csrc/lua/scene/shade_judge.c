@@ -1,24 +1,5 @@
-/* shade_part.c - parts of views, and what paths say of them. */
+/* shade_judge.c - what paths say of the points of a view, and how far estimates are from it. */
 #include "shade.h"
-
-/* shade_part(view, pixels: a list of numbers from 0) -> view */
-static int shade_part(lua_State *L) {
-  ylm_shade_view *whole = ylmL_shade_view(L, 1);
-  luaL_checktype(L, 2, LUA_TTABLE);
-  size_t n = lua_rawlen(L, 2);
-  ylm_error e = {0};
-  uint32_t *pixel = lua_newuserdata(L, (n + 1) * sizeof *pixel);
-  for (size_t i = 0; i < n; i++) {
-    lua_rawgeti(L, 2, (int)i + 1);
-    pixel[i] = (uint32_t)luaL_checknumber(L, -1);
-    lua_pop(L, 1);
-  }
-  ylm_shade_view **v = lua_newuserdata(L, sizeof *v);
-  *v = NULL;
-  luaL_getmetatable(L, YLML_SHADE_VIEW);
-  lua_setmetatable(L, -2);
-  return ylmL_result(L, 1, ylm_shade_view_part(whole, n, pixel, v, &e), &e);
-}
 
 /* shade_judge(view, {samples, first, last, error, seed, threads, progress})
    -> mean [n][3], variance [n][3], rays */
@@ -47,34 +28,43 @@ static int shade_judge(lua_State *L) {
   return ylmL_result_progress(L, 3, s, &e, &p);
 }
 
-/* Float rows [points][3] of a view at `i`; NULL: they are not. */
-static const float *rows(lua_State *L, int i, const ylm_shade_view *v) {
-  ylmL_array *a = ylmL_array_check(L, i);
-  return a->dtype == YLM_FLOAT && a->count == 3 * ylmL_shade_points(v) ? a->data : NULL;
+/* The estimate in the table at `i`: { view, radiance [n][3], another one or nil }. False: they do not fit
+   together. */
+static bool read_estimate(lua_State *L, int i, ylm_shade_estimate *out) {
+  luaL_checktype(L, i, LUA_TTABLE);
+  for (int k = 1; k <= 3; k++) lua_rawgeti(L, i, k);
+  int top = lua_gettop(L);
+  out->view = ylmL_shade_view(L, top - 2);
+  const ylmL_array *a = ylmL_array_check(L, top - 1), *again = ylmL_array_opt(L, top);
+  size_t count = 3 * ylmL_shade_points(out->view);
+  out->radiance = a->data;
+  out->again = again ? again->data : NULL;
+  return a->dtype == YLM_FLOAT && a->count == count &&
+         (!again || (again->dtype == YLM_FLOAT && again->count == count));
 }
 
-/* shade_compare(view, a [n][3], b [n][3], variance [n][3] or nil) -> { pixels, mean, square, uncertainty,
-   edges } */
+/* shade_compare(a, b: estimates as above, variance [n][3] of b or nil)
+   -> { pixels, mean, square, uncertainty } */
 static int shade_compare(lua_State *L) {
-  const ylm_shade_view *v = ylmL_shade_view(L, 1);
-  const float *a = rows(L, 2, v), *b = rows(L, 3, v);
-  const float *variance = lua_isnoneornil(L, 4) ? NULL : rows(L, 4, v);
+  ylm_shade_estimate a, b;
   ylm_shade_error out;
-  if (!a || !b || (!variance && !lua_isnoneornil(L, 4))) return ylmL_result(L, 0, YLM_ESHAPE, NULL);
-  ylm_status s = ylm_shade_compare(v, a, b, variance, &out);
+  lua_settop(L, 3);
+  const ylmL_array *variance = ylmL_array_opt(L, 3);
+  if (!read_estimate(L, 1, &a) || !read_estimate(L, 2, &b) ||
+      (variance &&
+       (variance->dtype != YLM_FLOAT || variance->count != 3 * ylmL_shade_points(b.view))))
+    return ylmL_result(L, 0, YLM_ESHAPE, NULL);
+  ylm_status s = ylm_shade_compare(&a, &b, variance ? variance->data : NULL, &out);
   if (s != YLM_OK) return ylmL_result(L, 0, s, NULL);
   lua_newtable(L);
   ylmL_set_count(L, "pixels", out.pixels);
   ylmL_set_number(L, "mean", out.mean);
   ylmL_set_number(L, "square", out.square);
   ylmL_set_number(L, "uncertainty", out.uncertainty);
-  ylmL_set_number(L, "edges", out.edges);
   return 1;
 }
 
-static const luaL_Reg functions[] = {{"shade_part", shade_part},
-                                     {"shade_judge", shade_judge},
-                                     {"shade_compare", shade_compare},
-                                     {NULL, NULL}};
+static const luaL_Reg functions[] = {
+    {"shade_judge", shade_judge}, {"shade_compare", shade_compare}, {NULL, NULL}};
 
-void ylmL_open_shade_part(lua_State *L) { luaL_setfuncs(L, functions, 0); }
+void ylmL_open_shade_judge(lua_State *L) { luaL_setfuncs(L, functions, 0); }

@@ -1,0 +1,72 @@
+-- Pictures with all bounces by one knob against the path tracer, on three scenes (spec/support/bounce_scenes.lua).
+--
+--     build/ylm run spec/bench/bounces.lua [width] [tolerance] [samples of the judge] [scene] [threads]
+--
+-- error: sqrt(max(0, mean((a-b)^2 - va))) / mean over pixels without lamps, b the judge and va its variance. block: the largest
+-- difference of means over 16 x 9 pixels, where the judge knows them to 0.5 %. paths: seconds that the path tracer takes to an
+-- error as small, its variance falling as 1/samples; ratio: to all seconds of the picture, and to those after its judge.
+
+local ylm = require "ylm"
+local scenes = dofile "spec/support/bounce_scenes.lua"
+
+local width, tolerance, samples = tonumber(arg[1] or 160), tonumber(arg[2] or 0.01), tonumber(arg[3] or 1024)
+local only, threads = tonumber(arg[4] or 0), tonumber(arg[5] or 2)
+local size = { width, math.floor(width * 9 / 16) }
+
+local function numbers(image, layer) return image:layer(layer):totable() end
+
+--- Sums over the pixels of a rectangle that show no lamp: error, mean, noise of the judge, all channels; means of a and b.
+local function compare(t, x0, y0, x1, y1)
+  local n, square, variance, a, b = 0, 0, 0, 0, 0
+  for y = y0, y1 do
+    for x = x0, x1 do
+      if t.lamp[y][x][1] == 0 then
+        for c = 1, 3 do
+          local p, q, v = t.a[y][x][c], t.b[y][x][c], t.v[y][x][c]
+          n, square, variance, a, b = n + 1, square + (p - q) ^ 2, variance + v, a + p, b + q
+        end
+      end
+    end
+  end
+  if n == 0 then return nil end
+  a, b = a / n, b / n
+  return { error = math.sqrt(math.max(0, (square - variance) / n)) / b, noise = math.sqrt(variance / n) / b, bias = a / b - 1,
+    known = math.sqrt(variance) / n / b }
+end
+
+--- The largest bias of a block that the judge knows to 0.5 %, and how many of these there are.
+local function worst_block(t)
+  local worst, count = 0, 0
+  for y = 1, size[2] - 8, 9 do
+    for x = 1, size[1] - 15, 16 do
+      local found = compare(t, x, y, x + 15, y + 8)
+      if found and found.known < 0.005 then worst, count = math.max(worst, math.abs(found.bias)), count + 1 end
+    end
+  end
+  return worst, count
+end
+
+print(("%dx%d, tolerance %g, judge of %d samples, %d threads"):format(size[1], size[2], tolerance, samples, threads))
+print(("%-26s %7s %7s %6s %8s %7s %8s %8s %9s %7s %7s"):format("scene", "error", "says", "met", "block", "blocks", "s",
+  "s judge", "s paths", "ratio", "after"))
+for i, case in ipairs(scenes) do
+  if only == 0 or only == i then
+    local scene = case.make(ylm)
+    local image, report = assert(scene:render { size = size, bounces = "all", tolerance = tolerance, threads = threads })
+    local truth, judge = assert(scene:pathtrace { size = size, samples = samples, reflections = { 1, "all" },
+      layers = false, threads = threads })
+    local t = { a = numbers(image, "radiance"), b = numbers(truth, "radiance"), v = numbers(truth, "variance"),
+      lamp = numbers(image, "emitter") }
+    local all = compare(t, 1, 1, size[1], size[2])
+    local block, blocks = worst_block(t)
+    local seconds = judge.seconds.total * (all.noise / math.max(all.error, 1e-9)) ^ 2
+    local own = report.seconds.total - report.seconds.judge
+    print(("%-26s %6.2f%% %6.2f%% %6s %7.2f%% %7d %8.1f %8.1f %9.1f %7.1f %7.1f"):format(case.name, 100 * all.error,
+      100 * report.error, tostring(report.met), 100 * block, blocks, report.seconds.total, report.seconds.judge, seconds,
+      seconds / report.seconds.total, seconds / own))
+    local c, causes = report.chosen, report.causes
+    print(("  chosen: %d camera rays, share %g, %d shadow rays, %d links, %d elements; pixels %.2f%%, direct %.2f%%, "
+      .. "links %.2f%%, elements %.2f%%; judge's noise %.2f%%"):format(c.samples, c.share, c.light_samples, c.links, c.elements,
+      100 * causes.pixels, 100 * causes.direct, 100 * causes.links, 100 * (causes.elements or 0), 100 * all.noise))
+  end
+end
