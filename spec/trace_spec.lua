@@ -312,6 +312,36 @@ describe("a traced scene with other lamps", function()
     assert.near(5, lib.scene_trace(third, ray):get(1, 3), 1e-5)
   end)
 
+  it("shares the tables of a sky that is still there", function()
+    local pixels, rows = ylm.image { size = { 512, 256 } }, {}
+    for y = 1, 256 do
+      rows[y] = {}
+      for x = 1, 512 do rows[y][x] = { 1, y, x } end
+    end
+    core.array_fill(pixels:layer(), rows)
+    local sky = ylm.environment_light { image = pixels, up = "y", lmax = 2 }
+    local down, up = ylm.array({ { 0, -1, 0 }, { 0, 1, 0 }, { 0.6, 0.8, 0 } }, "float"), { 0, 1, 0 }
+    local function seconds(make)
+      local start = core.seconds()
+      local made = assert(make())
+      return core.seconds() - start, made
+    end
+    local first = traced({ floor() }, { { 0.2, 2, 0.3, 0.5 }, sky })
+    local slow, made = seconds(function() return traced({ floor() }, { { 0.2, 3, 0.3, 0.5 }, sky }) end)
+    local set = packed { { 0.2, 3, 0.3, 0.5 }, sky }
+    local fast, moved = math.huge, nil
+    for _ = 1, 5 do
+      local time, one = seconds(function() return lib.scene_relight(first, set, false) end)
+      fast, moved = math.min(fast, time), one
+    end
+    assert.is_true(fast < slow / 4, ("%.4f s, %.4f made anew"):format(fast, slow))
+    lib.scene_close(first)
+    assert.same(lib.chooser_sky(made, { 0, 1, 0 }, up, down):totable(), lib.chooser_sky(moved, { 0, 1, 0 }, up, down):totable())
+    assert.same(lib.chooser_sky(made, { 0, 1, 0 }, nil, down):totable(), lib.chooser_sky(moved, { 0, 1, 0 }, nil, down):totable())
+    local other = assert(lib.scene_relight(moved, packed { { 0.2, 3, 0.3, 0.5 }, ylm.environment_light { radiance = 7 } }, false))
+    assert.near(7, lib.chooser_sky(other, { 0, 1, 0 }, nil, down):get(1, 2), 1e-5)
+  end)
+
   it("is made by a scene whose lights alone have changed, of one whose meshes have not", function()
     local tracing = require "ylm.trace"
     local quad = floor { divide = 256 }

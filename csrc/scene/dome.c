@@ -213,6 +213,8 @@ static ylm_status make_tables(scene_dome *d) {
 ylm_status ylm__scene_dome_create(scene_dome *d, const ylm_light_dome *light) {
   const ylm_light_panorama *p = light->panorama;
   *d = (scene_dome){.light = *light, .across = 1, .down = 1, .lights = 1};
+  if (!(d->references = ylm_alloc(1, sizeof *d->references))) return YLM_ENOMEM;
+  *d->references = 1;
   if (light->uniform) {
     d->bound = ylm_alloc(1, sizeof *d->bound);
     if (d->bound) bound_uniform(d, d->bound);
@@ -231,7 +233,14 @@ ylm_status ylm__scene_dome_create(scene_dome *d, const ylm_light_dome *light) {
   return d->bound ? make_tables(d) : YLM_ENOMEM;
 }
 
+void ylm__scene_dome_share(const scene_dome *from, scene_dome *d) {
+  *d = *from;
+  atomic_fetch_add(d->references, 1);
+}
+
 void ylm__scene_dome_free(scene_dome *d) {
+  if (d->references && atomic_fetch_sub(d->references, 1) > 1) return;
+  ylm_free(d->references);
   ylm_free(d->bound);
   ylm_free(d->share);
   ylm_free(d->keep);

@@ -2,6 +2,8 @@
 #ifndef YLM_SCENE_DOME_H
 #define YLM_SCENE_DOME_H
 
+#include <stdatomic.h>
+
 #include "ylm_light_sky.h"
 
 /* The numbers behind weights of lights of the sky: luminous power over pi, its mean direction times that,
@@ -13,6 +15,7 @@ typedef struct scene_sky_bound {
 /* The pixels of a panorama, or of a table of what has none, in tiles: each is a light. Uniform domes
    have no pixels and are one light. */
 typedef struct scene_dome {
+  atomic_uint *references; /* to its arrays, which scenes share that differ in other lamps */
   ylm_light_dome light;
   ylm_mapping mapping;
   ylm_up up;
@@ -27,6 +30,8 @@ typedef struct scene_dome {
 /* To be freed in any case; YLM_ENOMEM. */
 ylm_status ylm__scene_dome_create(scene_dome *d, const ylm_light_dome *light);
 void ylm__scene_dome_free(scene_dome *d);
+/* The same dome for another scene; to be freed too. */
+void ylm__scene_dome_share(const scene_dome *from, scene_dome *d);
 /* A pixel of a tile that is not dark, for u of 0 .. 1; *rest: what u is within it. */
 size_t ylm__scene_dome_pixel(const scene_dome *d, size_t tile, double u, double *rest);
 /* The tile of a pixel. */

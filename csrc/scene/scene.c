@@ -146,12 +146,13 @@ static void take_meshes(ylm_scene *s, scene_meshes *shared) {
   s->vertices = shared->vertices;
 }
 
-/* Everything that is made of lamps. */
-static ylm_status light(ylm_scene *s, const ylm_scene_lamps *lamps, ylm_error *e) {
+/* Everything that is made of lamps; `from`: a scene that may have the same sky, or NULL. */
+static ylm_status light(ylm_scene *s, const ylm_scene_lamps *lamps, const ylm_scene *from,
+                        ylm_error *e) {
   ylm_status status = copy_lamps(s, lamps, e);
   if (status == YLM_OK) status = ylm__scene_make_far(s);
   if (status == YLM_OK) status = ylm__scene_plant(s, lamps->one_by_one);
-  return status == YLM_OK ? ylm__scene_share_sky(s, lamps) : status;
+  return status == YLM_OK ? ylm__scene_share_sky(s, lamps, from) : status;
 }
 
 /* Gives the scene to *out, or frees it. */
@@ -172,7 +173,7 @@ ylm_status ylm_scene_create(size_t meshes, const ylm_scene_mesh *mesh, const ylm
   ylm_status status = trace_scene(s, meshes, mesh, lamps, e); /* checks positions, indices */
   if (status == YLM_OK) status = share_meshes(meshes, mesh, &shared, e);
   if (shared) take_meshes(s, shared);
-  if (status == YLM_OK) status = light(s, lamps, e);
+  if (status == YLM_OK) status = light(s, lamps, NULL, e);
   return deliver(status, s, scene);
 }
 
@@ -184,7 +185,7 @@ ylm_status ylm_scene_relight(const ylm_scene *from, const ylm_scene_lamps *lamps
   atomic_fetch_add(&from->shared->references, 1);
   take_meshes(s, from->shared);
   ylm_status status = ylm_trace_relight(from->trace, &lamps->shape, &s->trace, e);
-  if (status == YLM_OK) status = light(s, lamps, e);
+  if (status == YLM_OK) status = light(s, lamps, from, e);
   return deliver(status, s, scene);
 }
 

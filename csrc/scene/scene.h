@@ -127,8 +127,9 @@ double ylm__scene_patch_density(const ylm_scene *s, size_t i, const float x[3], 
 
 /* -- sky.c --------------------------------------------------------------------- */
 
-/* Shares the distant lights of the lamps; to be freed in any case. */
-ylm_status ylm__scene_share_sky(ylm_scene *s, const ylm_scene_lamps *l);
+/* Shares the distant lights of the lamps, and what `from` (or NULL) knows of them; to be freed in any
+   case. */
+ylm_status ylm__scene_share_sky(ylm_scene *s, const ylm_scene_lamps *l, const ylm_scene *from);
 void ylm__scene_free_sky(ylm_scene *s);
 /* Distant lights: tiles of domes, or uniform domes, then cones. */
 static inline size_t ylm__scene_sky_lights(const ylm_scene *s) { return s->sky_lights; }

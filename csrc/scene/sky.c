@@ -15,7 +15,8 @@ enum { SPREAD = 3, QUARTER, POWER };
 
 /* -- the lights of the sky --------------------------------------------------------------------- */
 
-static ylm_status make_domes(ylm_scene *s) {
+/* Tables of a dome that `from` (or NULL) has too are shared. */
+static ylm_status make_domes(ylm_scene *s, const ylm_scene *from) {
   ylm_light_dome light;
   size_t n = 0;
   while (ylm_light_set_dome(s->sky, n, &light)) n++;
@@ -23,8 +24,13 @@ static ylm_status make_domes(ylm_scene *s) {
   if (!s->dome) return YLM_ENOMEM;
   while (s->domes < n) {
     ylm_light_set_dome(s->sky, s->domes, &light);
+    const scene_dome *old = from && s->domes < from->domes ? &from->dome[s->domes] : NULL;
     scene_dome *d = &s->dome[s->domes++];
-    ylm_status status = ylm__scene_dome_create(d, &light);
+    ylm_status status = YLM_OK;
+    if (old && old->light.pack == light.pack) /* its set holds the pack as long as `from` lives */
+      ylm__scene_dome_share(old, d);
+    else
+      status = ylm__scene_dome_create(d, &light);
     if (status != YLM_OK) return status;
     s->sky_lights += d->lights;
   }
@@ -70,11 +76,11 @@ static ylm_status make_bounds(ylm_scene *s) {
   return YLM_OK;
 }
 
-ylm_status ylm__scene_share_sky(ylm_scene *s, const ylm_scene_lamps *l) {
+ylm_status ylm__scene_share_sky(ylm_scene *s, const ylm_scene_lamps *l, const ylm_scene *from) {
   if (!l->sky || !ylm_light_set_is_distant(l->sky)) return YLM_OK;
   ylm_status status = ylm_light_set_create(1, &(ylm_light_source){.set = l->sky}, &s->sky, NULL);
   s->sky_is_seen = l->sky_is_seen;
-  if (status == YLM_OK) status = make_domes(s);
+  if (status == YLM_OK) status = make_domes(s, from);
   if (status == YLM_OK) status = make_cones(s);
   return status == YLM_OK ? make_bounds(s) : status;
 }

@@ -72,8 +72,8 @@ YLM_API void ylm_scene_free(ylm_scene *scene);
 /*
 ** ylm_scene_relight - the same meshes with other lamps, for lamps that move.
 **
-** The two share meshes, materials and the structure that rays are traced through; each may be freed
-** before the other.
+** The two share meshes, materials and the structure that rays are traced through, and tables of a sky
+** that both have; each may be freed before the other.
 **
 ** Returns  as ylm_scene_create
 ** Cost     as if the scene had no meshes: 2,516 spheres take 0.6 ms
