@@ -26,6 +26,9 @@ const uint PART1 = (KINDS & 4) != 0 ? 1u : 0u;
   }
 #define ADD1(a, e) ADD0(a, e)
 #define ADD2(a, e) a += factor[0] * (e)
+#define KEEP0(a, b) real b = a, b##_x = a##_x, b##_y = a##_y, b##_z = a##_z
+#define KEEP1(a, b) KEEP0(a, b)
+#define KEEP2(a, b) real b = a
 #define STORE0(n, p, a) put(n, a); if (KINDS > 1) put_parts(p, a##_x, a##_y, a##_z)
 #define STORE1(n, p, a) put(n, a); if (KINDS > 3) put_parts(p, a##_x, a##_y, a##_z)
 #define STORE2(n, p, a) put(n, a)

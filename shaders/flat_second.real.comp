@@ -23,6 +23,10 @@ real factor[10];
   }
 #define ADD1(a, e)
 #define ADD2(a, e)
+#define KEEP0(a, b)                                                                                \
+  real b##_xx = a##_xx, b##_xy = a##_xy, b##_xz = a##_xz, b##_yy = a##_yy, b##_yz = a##_yz, b##_zz = a##_zz
+#define KEEP1(a, b)
+#define KEEP2(a, b)
 #define STORE0(n, p, a)                                                                            \
   put(p, 0u, a##_xx), put(p, 1u, a##_xy), put(p, 2u, a##_xz);                                      \
   put(p, 3u, a##_yy), put(p, 4u, a##_yz), put(p, 5u, a##_zz)

@@ -9,6 +9,9 @@
 #define ADD0(a, e) a += e
 #define ADD1(a, e) a += e
 #define ADD2(a, e) a += e
+#define KEEP0(a, b) real b = a
+#define KEEP1(a, b) real b = a
+#define KEEP2(a, b) real b = a
 #define STORE0(n, p, a) partial[store_at + (n) * stride] = a
 #define STORE1(n, p, a) partial[store_at + (n) * stride] = a
 #define STORE2(n, p, a) partial[store_at + (n) * stride] = a

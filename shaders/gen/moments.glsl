@@ -5,7 +5,8 @@
 **   LMAX_MOST         the largest LMAX that the module is asked for: sums of more are left out
 **   M_FIRST, M_LAST   specialisation constants: the orders m that are summed here
 ** Of sums of each kind k = 0, 1, 2 the includer says, by default in shaders/sums.glsl, what they are:
-**   SUMk(a) declares, CLEARk(a), ADDk(a, e), STOREk(n, p, a): number n among all, p among those with PART1
+**   SUMk(a) declares, CLEARk(a), ADDk(a, e), KEEPk(a, b) declares a copy b,
+**   STOREk(n, p, a): number n among all, p among those with PART1
 ** Operations per light with all kinds, a sum's multiply-add counted as two: lmax 10 1409, 4 371. */
 #define HAS0(k) ((KINDS & 1) != 0 && (k) <= LMAX)
 #define HAS1(k) ((KINDS & 2) != 0 && (k) <= LMAX + 1)
@@ -1121,437 +1122,868 @@ void add_light(real x, real y, real z, real delta, real es, real invh, real far,
   ADD2(a429, t55 * (x * t186 + y * t185));
 }
 
-/* Hands each sum and its numbers to STORE: p counts values, and what gradients need where PART1 says so. */
+/* Hands each sum and its numbers to STORE: p counts values, and what gradients need where PART1 says so.
+** Copies are made before the first branch: glslc follows what is stored but once in a third of the time. */
 void store_sums() {
+  KEEP0(a0, b0);
+  KEEP2(a1, b1);
+  KEEP0(a2, b2);
+  KEEP1(a3, b3);
+  KEEP0(a4, b4);
+  KEEP1(a5, b5);
+  KEEP2(a6, b6);
+  KEEP0(a7, b7);
+  KEEP1(a8, b8);
+  KEEP2(a9, b9);
+  KEEP0(a10, b10);
+  KEEP1(a11, b11);
+  KEEP2(a12, b12);
+  KEEP0(a13, b13);
+  KEEP1(a14, b14);
+  KEEP2(a15, b15);
+  KEEP0(a16, b16);
+  KEEP1(a17, b17);
+  KEEP2(a18, b18);
+  KEEP0(a19, b19);
+  KEEP1(a20, b20);
+  KEEP2(a21, b21);
+  KEEP0(a22, b22);
+  KEEP1(a23, b23);
+  KEEP2(a24, b24);
+  KEEP0(a25, b25);
+  KEEP1(a26, b26);
+  KEEP2(a27, b27);
+  KEEP0(a28, b28);
+  KEEP1(a29, b29);
+  KEEP2(a30, b30);
+  KEEP1(a31, b31);
+  KEEP2(a32, b32);
+  KEEP2(a33, b33);
+  KEEP0(a34, b34);
+  KEEP1(a35, b35);
+  KEEP0(a36, b36);
+  KEEP1(a37, b37);
+  KEEP2(a38, b38);
+  KEEP0(a39, b39);
+  KEEP1(a40, b40);
+  KEEP2(a41, b41);
+  KEEP0(a42, b42);
+  KEEP1(a43, b43);
+  KEEP2(a44, b44);
+  KEEP0(a45, b45);
+  KEEP1(a46, b46);
+  KEEP2(a47, b47);
+  KEEP0(a48, b48);
+  KEEP1(a49, b49);
+  KEEP2(a50, b50);
+  KEEP0(a51, b51);
+  KEEP1(a52, b52);
+  KEEP2(a53, b53);
+  KEEP0(a54, b54);
+  KEEP1(a55, b55);
+  KEEP2(a56, b56);
+  KEEP0(a57, b57);
+  KEEP1(a58, b58);
+  KEEP2(a59, b59);
+  KEEP0(a60, b60);
+  KEEP1(a61, b61);
+  KEEP2(a62, b62);
+  KEEP1(a63, b63);
+  KEEP2(a64, b64);
+  KEEP2(a65, b65);
+  KEEP0(a66, b66);
+  KEEP1(a67, b67);
+  KEEP0(a68, b68);
+  KEEP1(a69, b69);
+  KEEP2(a70, b70);
+  KEEP0(a71, b71);
+  KEEP1(a72, b72);
+  KEEP2(a73, b73);
+  KEEP0(a74, b74);
+  KEEP1(a75, b75);
+  KEEP2(a76, b76);
+  KEEP0(a77, b77);
+  KEEP1(a78, b78);
+  KEEP2(a79, b79);
+  KEEP0(a80, b80);
+  KEEP1(a81, b81);
+  KEEP2(a82, b82);
+  KEEP0(a83, b83);
+  KEEP1(a84, b84);
+  KEEP2(a85, b85);
+  KEEP0(a86, b86);
+  KEEP1(a87, b87);
+  KEEP2(a88, b88);
+  KEEP0(a89, b89);
+  KEEP1(a90, b90);
+  KEEP2(a91, b91);
+  KEEP0(a92, b92);
+  KEEP1(a93, b93);
+  KEEP2(a94, b94);
+  KEEP1(a95, b95);
+  KEEP2(a96, b96);
+  KEEP2(a97, b97);
+  KEEP0(a98, b98);
+  KEEP1(a99, b99);
+  KEEP2(a100, b100);
+  KEEP0(a101, b101);
+  KEEP1(a102, b102);
+  KEEP2(a103, b103);
+  KEEP0(a104, b104);
+  KEEP1(a105, b105);
+  KEEP2(a106, b106);
+  KEEP0(a107, b107);
+  KEEP1(a108, b108);
+  KEEP2(a109, b109);
+  KEEP0(a110, b110);
+  KEEP1(a111, b111);
+  KEEP2(a112, b112);
+  KEEP0(a113, b113);
+  KEEP1(a114, b114);
+  KEEP2(a115, b115);
+  KEEP0(a116, b116);
+  KEEP1(a117, b117);
+  KEEP2(a118, b118);
+  KEEP0(a119, b119);
+  KEEP1(a120, b120);
+  KEEP2(a121, b121);
+  KEEP0(a122, b122);
+  KEEP1(a123, b123);
+  KEEP2(a124, b124);
+  KEEP1(a125, b125);
+  KEEP2(a126, b126);
+  KEEP2(a127, b127);
+  KEEP0(a128, b128);
+  KEEP1(a129, b129);
+  KEEP2(a130, b130);
+  KEEP0(a131, b131);
+  KEEP1(a132, b132);
+  KEEP2(a133, b133);
+  KEEP0(a134, b134);
+  KEEP1(a135, b135);
+  KEEP2(a136, b136);
+  KEEP0(a137, b137);
+  KEEP1(a138, b138);
+  KEEP2(a139, b139);
+  KEEP0(a140, b140);
+  KEEP1(a141, b141);
+  KEEP2(a142, b142);
+  KEEP0(a143, b143);
+  KEEP1(a144, b144);
+  KEEP2(a145, b145);
+  KEEP0(a146, b146);
+  KEEP1(a147, b147);
+  KEEP2(a148, b148);
+  KEEP0(a149, b149);
+  KEEP1(a150, b150);
+  KEEP2(a151, b151);
+  KEEP0(a152, b152);
+  KEEP1(a153, b153);
+  KEEP2(a154, b154);
+  KEEP1(a155, b155);
+  KEEP2(a156, b156);
+  KEEP2(a157, b157);
+  KEEP0(a158, b158);
+  KEEP1(a159, b159);
+  KEEP2(a160, b160);
+  KEEP0(a161, b161);
+  KEEP1(a162, b162);
+  KEEP2(a163, b163);
+  KEEP0(a164, b164);
+  KEEP1(a165, b165);
+  KEEP2(a166, b166);
+  KEEP0(a167, b167);
+  KEEP1(a168, b168);
+  KEEP2(a169, b169);
+  KEEP0(a170, b170);
+  KEEP1(a171, b171);
+  KEEP2(a172, b172);
+  KEEP0(a173, b173);
+  KEEP1(a174, b174);
+  KEEP2(a175, b175);
+  KEEP0(a176, b176);
+  KEEP1(a177, b177);
+  KEEP2(a178, b178);
+  KEEP0(a179, b179);
+  KEEP1(a180, b180);
+  KEEP2(a181, b181);
+  KEEP1(a182, b182);
+  KEEP2(a183, b183);
+  KEEP2(a184, b184);
+  KEEP0(a185, b185);
+  KEEP1(a186, b186);
+  KEEP2(a187, b187);
+  KEEP0(a188, b188);
+  KEEP1(a189, b189);
+  KEEP2(a190, b190);
+  KEEP0(a191, b191);
+  KEEP1(a192, b192);
+  KEEP2(a193, b193);
+  KEEP0(a194, b194);
+  KEEP1(a195, b195);
+  KEEP2(a196, b196);
+  KEEP0(a197, b197);
+  KEEP1(a198, b198);
+  KEEP2(a199, b199);
+  KEEP0(a200, b200);
+  KEEP1(a201, b201);
+  KEEP2(a202, b202);
+  KEEP0(a203, b203);
+  KEEP1(a204, b204);
+  KEEP2(a205, b205);
+  KEEP0(a206, b206);
+  KEEP1(a207, b207);
+  KEEP2(a208, b208);
+  KEEP1(a209, b209);
+  KEEP2(a210, b210);
+  KEEP2(a211, b211);
+  KEEP0(a212, b212);
+  KEEP1(a213, b213);
+  KEEP2(a214, b214);
+  KEEP0(a215, b215);
+  KEEP1(a216, b216);
+  KEEP2(a217, b217);
+  KEEP0(a218, b218);
+  KEEP1(a219, b219);
+  KEEP2(a220, b220);
+  KEEP0(a221, b221);
+  KEEP1(a222, b222);
+  KEEP2(a223, b223);
+  KEEP0(a224, b224);
+  KEEP1(a225, b225);
+  KEEP2(a226, b226);
+  KEEP0(a227, b227);
+  KEEP1(a228, b228);
+  KEEP2(a229, b229);
+  KEEP0(a230, b230);
+  KEEP1(a231, b231);
+  KEEP2(a232, b232);
+  KEEP1(a233, b233);
+  KEEP2(a234, b234);
+  KEEP2(a235, b235);
+  KEEP0(a236, b236);
+  KEEP1(a237, b237);
+  KEEP2(a238, b238);
+  KEEP0(a239, b239);
+  KEEP1(a240, b240);
+  KEEP2(a241, b241);
+  KEEP0(a242, b242);
+  KEEP1(a243, b243);
+  KEEP2(a244, b244);
+  KEEP0(a245, b245);
+  KEEP1(a246, b246);
+  KEEP2(a247, b247);
+  KEEP0(a248, b248);
+  KEEP1(a249, b249);
+  KEEP2(a250, b250);
+  KEEP0(a251, b251);
+  KEEP1(a252, b252);
+  KEEP2(a253, b253);
+  KEEP0(a254, b254);
+  KEEP1(a255, b255);
+  KEEP2(a256, b256);
+  KEEP1(a257, b257);
+  KEEP2(a258, b258);
+  KEEP2(a259, b259);
+  KEEP0(a260, b260);
+  KEEP1(a261, b261);
+  KEEP2(a262, b262);
+  KEEP0(a263, b263);
+  KEEP1(a264, b264);
+  KEEP2(a265, b265);
+  KEEP0(a266, b266);
+  KEEP1(a267, b267);
+  KEEP2(a268, b268);
+  KEEP0(a269, b269);
+  KEEP1(a270, b270);
+  KEEP2(a271, b271);
+  KEEP0(a272, b272);
+  KEEP1(a273, b273);
+  KEEP2(a274, b274);
+  KEEP0(a275, b275);
+  KEEP1(a276, b276);
+  KEEP2(a277, b277);
+  KEEP1(a278, b278);
+  KEEP2(a279, b279);
+  KEEP2(a280, b280);
+  KEEP0(a281, b281);
+  KEEP1(a282, b282);
+  KEEP2(a283, b283);
+  KEEP0(a284, b284);
+  KEEP1(a285, b285);
+  KEEP2(a286, b286);
+  KEEP0(a287, b287);
+  KEEP1(a288, b288);
+  KEEP2(a289, b289);
+  KEEP0(a290, b290);
+  KEEP1(a291, b291);
+  KEEP2(a292, b292);
+  KEEP0(a293, b293);
+  KEEP1(a294, b294);
+  KEEP2(a295, b295);
+  KEEP0(a296, b296);
+  KEEP1(a297, b297);
+  KEEP2(a298, b298);
+  KEEP1(a299, b299);
+  KEEP2(a300, b300);
+  KEEP2(a301, b301);
+  KEEP0(a302, b302);
+  KEEP1(a303, b303);
+  KEEP2(a304, b304);
+  KEEP0(a305, b305);
+  KEEP1(a306, b306);
+  KEEP2(a307, b307);
+  KEEP0(a308, b308);
+  KEEP1(a309, b309);
+  KEEP2(a310, b310);
+  KEEP0(a311, b311);
+  KEEP1(a312, b312);
+  KEEP2(a313, b313);
+  KEEP0(a314, b314);
+  KEEP1(a315, b315);
+  KEEP2(a316, b316);
+  KEEP1(a317, b317);
+  KEEP2(a318, b318);
+  KEEP2(a319, b319);
+  KEEP0(a320, b320);
+  KEEP1(a321, b321);
+  KEEP2(a322, b322);
+  KEEP0(a323, b323);
+  KEEP1(a324, b324);
+  KEEP2(a325, b325);
+  KEEP0(a326, b326);
+  KEEP1(a327, b327);
+  KEEP2(a328, b328);
+  KEEP0(a329, b329);
+  KEEP1(a330, b330);
+  KEEP2(a331, b331);
+  KEEP0(a332, b332);
+  KEEP1(a333, b333);
+  KEEP2(a334, b334);
+  KEEP1(a335, b335);
+  KEEP2(a336, b336);
+  KEEP2(a337, b337);
+  KEEP0(a338, b338);
+  KEEP1(a339, b339);
+  KEEP2(a340, b340);
+  KEEP0(a341, b341);
+  KEEP1(a342, b342);
+  KEEP2(a343, b343);
+  KEEP0(a344, b344);
+  KEEP1(a345, b345);
+  KEEP2(a346, b346);
+  KEEP0(a347, b347);
+  KEEP1(a348, b348);
+  KEEP2(a349, b349);
+  KEEP1(a350, b350);
+  KEEP2(a351, b351);
+  KEEP2(a352, b352);
+  KEEP0(a353, b353);
+  KEEP1(a354, b354);
+  KEEP2(a355, b355);
+  KEEP0(a356, b356);
+  KEEP1(a357, b357);
+  KEEP2(a358, b358);
+  KEEP0(a359, b359);
+  KEEP1(a360, b360);
+  KEEP2(a361, b361);
+  KEEP0(a362, b362);
+  KEEP1(a363, b363);
+  KEEP2(a364, b364);
+  KEEP1(a365, b365);
+  KEEP2(a366, b366);
+  KEEP2(a367, b367);
+  KEEP0(a368, b368);
+  KEEP1(a369, b369);
+  KEEP2(a370, b370);
+  KEEP0(a371, b371);
+  KEEP1(a372, b372);
+  KEEP2(a373, b373);
+  KEEP0(a374, b374);
+  KEEP1(a375, b375);
+  KEEP2(a376, b376);
+  KEEP1(a377, b377);
+  KEEP2(a378, b378);
+  KEEP2(a379, b379);
+  KEEP0(a380, b380);
+  KEEP1(a381, b381);
+  KEEP2(a382, b382);
+  KEEP0(a383, b383);
+  KEEP1(a384, b384);
+  KEEP2(a385, b385);
+  KEEP0(a386, b386);
+  KEEP1(a387, b387);
+  KEEP2(a388, b388);
+  KEEP1(a389, b389);
+  KEEP2(a390, b390);
+  KEEP2(a391, b391);
+  KEEP0(a392, b392);
+  KEEP1(a393, b393);
+  KEEP2(a394, b394);
+  KEEP0(a395, b395);
+  KEEP1(a396, b396);
+  KEEP2(a397, b397);
+  KEEP1(a398, b398);
+  KEEP2(a399, b399);
+  KEEP2(a400, b400);
+  KEEP0(a401, b401);
+  KEEP1(a402, b402);
+  KEEP2(a403, b403);
+  KEEP0(a404, b404);
+  KEEP1(a405, b405);
+  KEEP2(a406, b406);
+  KEEP1(a407, b407);
+  KEEP2(a408, b408);
+  KEEP2(a409, b409);
+  KEEP0(a410, b410);
+  KEEP1(a411, b411);
+  KEEP2(a412, b412);
+  KEEP1(a413, b413);
+  KEEP2(a414, b414);
+  KEEP2(a415, b415);
+  KEEP0(a416, b416);
+  KEEP1(a417, b417);
+  KEEP2(a418, b418);
+  KEEP1(a419, b419);
+  KEEP2(a420, b420);
+  KEEP2(a421, b421);
+  KEEP1(a422, b422);
+  KEEP2(a423, b423);
+  KEEP2(a424, b424);
+  KEEP1(a425, b425);
+  KEEP2(a426, b426);
+  KEEP2(a427, b427);
+  KEEP2(a428, b428);
+  KEEP2(a429, b429);
   uint n = 0u, p = 0u;
-  if (0 <= LMAX_MOST + 0) if (HAS0(0)) { if (ORDER(0)) { STORE0(n, p, a0); } n++; p++; }
-  if (0 <= LMAX_MOST + 2) if (HAS2(0)) { if (ORDER(0)) { STORE2(n, p, a1); } n++; }
-  if (1 <= LMAX_MOST + 0) if (HAS0(1)) { if (ORDER(0)) { STORE0(n, p, a2); } n++; p++; }
-  if (1 <= LMAX_MOST + 1) if (HAS1(1)) { if (ORDER(0)) { STORE1(n, p, a3); } n++; p += PART1; }
-  if (2 <= LMAX_MOST + 0) if (HAS0(2)) { if (ORDER(0)) { STORE0(n, p, a4); } n++; p++; }
-  if (2 <= LMAX_MOST + 1) if (HAS1(2)) { if (ORDER(0)) { STORE1(n, p, a5); } n++; p += PART1; }
-  if (2 <= LMAX_MOST + 2) if (HAS2(2)) { if (ORDER(0)) { STORE2(n, p, a6); } n++; }
-  if (3 <= LMAX_MOST + 0) if (HAS0(3)) { if (ORDER(0)) { STORE0(n, p, a7); } n++; p++; }
-  if (3 <= LMAX_MOST + 1) if (HAS1(3)) { if (ORDER(0)) { STORE1(n, p, a8); } n++; p += PART1; }
-  if (3 <= LMAX_MOST + 2) if (HAS2(3)) { if (ORDER(0)) { STORE2(n, p, a9); } n++; }
-  if (4 <= LMAX_MOST + 0) if (HAS0(4)) { if (ORDER(0)) { STORE0(n, p, a10); } n++; p++; }
-  if (4 <= LMAX_MOST + 1) if (HAS1(4)) { if (ORDER(0)) { STORE1(n, p, a11); } n++; p += PART1; }
-  if (4 <= LMAX_MOST + 2) if (HAS2(4)) { if (ORDER(0)) { STORE2(n, p, a12); } n++; }
-  if (5 <= LMAX_MOST + 0) if (HAS0(5)) { if (ORDER(0)) { STORE0(n, p, a13); } n++; p++; }
-  if (5 <= LMAX_MOST + 1) if (HAS1(5)) { if (ORDER(0)) { STORE1(n, p, a14); } n++; p += PART1; }
-  if (5 <= LMAX_MOST + 2) if (HAS2(5)) { if (ORDER(0)) { STORE2(n, p, a15); } n++; }
-  if (6 <= LMAX_MOST + 0) if (HAS0(6)) { if (ORDER(0)) { STORE0(n, p, a16); } n++; p++; }
-  if (6 <= LMAX_MOST + 1) if (HAS1(6)) { if (ORDER(0)) { STORE1(n, p, a17); } n++; p += PART1; }
-  if (6 <= LMAX_MOST + 2) if (HAS2(6)) { if (ORDER(0)) { STORE2(n, p, a18); } n++; }
-  if (7 <= LMAX_MOST + 0) if (HAS0(7)) { if (ORDER(0)) { STORE0(n, p, a19); } n++; p++; }
-  if (7 <= LMAX_MOST + 1) if (HAS1(7)) { if (ORDER(0)) { STORE1(n, p, a20); } n++; p += PART1; }
-  if (7 <= LMAX_MOST + 2) if (HAS2(7)) { if (ORDER(0)) { STORE2(n, p, a21); } n++; }
-  if (8 <= LMAX_MOST + 0) if (HAS0(8)) { if (ORDER(0)) { STORE0(n, p, a22); } n++; p++; }
-  if (8 <= LMAX_MOST + 1) if (HAS1(8)) { if (ORDER(0)) { STORE1(n, p, a23); } n++; p += PART1; }
-  if (8 <= LMAX_MOST + 2) if (HAS2(8)) { if (ORDER(0)) { STORE2(n, p, a24); } n++; }
-  if (9 <= LMAX_MOST + 0) if (HAS0(9)) { if (ORDER(0)) { STORE0(n, p, a25); } n++; p++; }
-  if (9 <= LMAX_MOST + 1) if (HAS1(9)) { if (ORDER(0)) { STORE1(n, p, a26); } n++; p += PART1; }
-  if (9 <= LMAX_MOST + 2) if (HAS2(9)) { if (ORDER(0)) { STORE2(n, p, a27); } n++; }
-  if (10 <= LMAX_MOST + 0) if (HAS0(10)) { if (ORDER(0)) { STORE0(n, p, a28); } n++; p++; }
-  if (10 <= LMAX_MOST + 1) if (HAS1(10)) { if (ORDER(0)) { STORE1(n, p, a29); } n++; p += PART1; }
-  if (10 <= LMAX_MOST + 2) if (HAS2(10)) { if (ORDER(0)) { STORE2(n, p, a30); } n++; }
-  if (11 <= LMAX_MOST + 1) if (HAS1(11)) { if (ORDER(0)) { STORE1(n, p, a31); } n++; p += PART1; }
-  if (11 <= LMAX_MOST + 2) if (HAS2(11)) { if (ORDER(0)) { STORE2(n, p, a32); } n++; }
-  if (12 <= LMAX_MOST + 2) if (HAS2(12)) { if (ORDER(0)) { STORE2(n, p, a33); } n++; }
-  if (1 <= LMAX_MOST + 0) if (HAS0(1)) { if (ORDER(1)) { STORE0(n, p, a34); } n++; p++; }
-  if (1 <= LMAX_MOST + 1) if (HAS1(1)) { if (ORDER(1)) { STORE1(n, p, a35); } n++; p += PART1; }
-  if (2 <= LMAX_MOST + 0) if (HAS0(2)) { if (ORDER(1)) { STORE0(n, p, a36); } n++; p++; }
-  if (2 <= LMAX_MOST + 1) if (HAS1(2)) { if (ORDER(1)) { STORE1(n, p, a37); } n++; p += PART1; }
-  if (2 <= LMAX_MOST + 2) if (HAS2(2)) { if (ORDER(1)) { STORE2(n, p, a38); } n++; }
-  if (3 <= LMAX_MOST + 0) if (HAS0(3)) { if (ORDER(1)) { STORE0(n, p, a39); } n++; p++; }
-  if (3 <= LMAX_MOST + 1) if (HAS1(3)) { if (ORDER(1)) { STORE1(n, p, a40); } n++; p += PART1; }
-  if (3 <= LMAX_MOST + 2) if (HAS2(3)) { if (ORDER(1)) { STORE2(n, p, a41); } n++; }
-  if (4 <= LMAX_MOST + 0) if (HAS0(4)) { if (ORDER(1)) { STORE0(n, p, a42); } n++; p++; }
-  if (4 <= LMAX_MOST + 1) if (HAS1(4)) { if (ORDER(1)) { STORE1(n, p, a43); } n++; p += PART1; }
-  if (4 <= LMAX_MOST + 2) if (HAS2(4)) { if (ORDER(1)) { STORE2(n, p, a44); } n++; }
-  if (5 <= LMAX_MOST + 0) if (HAS0(5)) { if (ORDER(1)) { STORE0(n, p, a45); } n++; p++; }
-  if (5 <= LMAX_MOST + 1) if (HAS1(5)) { if (ORDER(1)) { STORE1(n, p, a46); } n++; p += PART1; }
-  if (5 <= LMAX_MOST + 2) if (HAS2(5)) { if (ORDER(1)) { STORE2(n, p, a47); } n++; }
-  if (6 <= LMAX_MOST + 0) if (HAS0(6)) { if (ORDER(1)) { STORE0(n, p, a48); } n++; p++; }
-  if (6 <= LMAX_MOST + 1) if (HAS1(6)) { if (ORDER(1)) { STORE1(n, p, a49); } n++; p += PART1; }
-  if (6 <= LMAX_MOST + 2) if (HAS2(6)) { if (ORDER(1)) { STORE2(n, p, a50); } n++; }
-  if (7 <= LMAX_MOST + 0) if (HAS0(7)) { if (ORDER(1)) { STORE0(n, p, a51); } n++; p++; }
-  if (7 <= LMAX_MOST + 1) if (HAS1(7)) { if (ORDER(1)) { STORE1(n, p, a52); } n++; p += PART1; }
-  if (7 <= LMAX_MOST + 2) if (HAS2(7)) { if (ORDER(1)) { STORE2(n, p, a53); } n++; }
-  if (8 <= LMAX_MOST + 0) if (HAS0(8)) { if (ORDER(1)) { STORE0(n, p, a54); } n++; p++; }
-  if (8 <= LMAX_MOST + 1) if (HAS1(8)) { if (ORDER(1)) { STORE1(n, p, a55); } n++; p += PART1; }
-  if (8 <= LMAX_MOST + 2) if (HAS2(8)) { if (ORDER(1)) { STORE2(n, p, a56); } n++; }
-  if (9 <= LMAX_MOST + 0) if (HAS0(9)) { if (ORDER(1)) { STORE0(n, p, a57); } n++; p++; }
-  if (9 <= LMAX_MOST + 1) if (HAS1(9)) { if (ORDER(1)) { STORE1(n, p, a58); } n++; p += PART1; }
-  if (9 <= LMAX_MOST + 2) if (HAS2(9)) { if (ORDER(1)) { STORE2(n, p, a59); } n++; }
-  if (10 <= LMAX_MOST + 0) if (HAS0(10)) { if (ORDER(1)) { STORE0(n, p, a60); } n++; p++; }
-  if (10 <= LMAX_MOST + 1) if (HAS1(10)) { if (ORDER(1)) { STORE1(n, p, a61); } n++; p += PART1; }
-  if (10 <= LMAX_MOST + 2) if (HAS2(10)) { if (ORDER(1)) { STORE2(n, p, a62); } n++; }
-  if (11 <= LMAX_MOST + 1) if (HAS1(11)) { if (ORDER(1)) { STORE1(n, p, a63); } n++; p += PART1; }
-  if (11 <= LMAX_MOST + 2) if (HAS2(11)) { if (ORDER(1)) { STORE2(n, p, a64); } n++; }
-  if (12 <= LMAX_MOST + 2) if (HAS2(12)) { if (ORDER(1)) { STORE2(n, p, a65); } n++; }
-  if (1 <= LMAX_MOST + 0) if (HAS0(1)) { if (ORDER(1)) { STORE0(n, p, a66); } n++; p++; }
-  if (1 <= LMAX_MOST + 1) if (HAS1(1)) { if (ORDER(1)) { STORE1(n, p, a67); } n++; p += PART1; }
-  if (2 <= LMAX_MOST + 0) if (HAS0(2)) { if (ORDER(1)) { STORE0(n, p, a68); } n++; p++; }
-  if (2 <= LMAX_MOST + 1) if (HAS1(2)) { if (ORDER(1)) { STORE1(n, p, a69); } n++; p += PART1; }
-  if (2 <= LMAX_MOST + 2) if (HAS2(2)) { if (ORDER(1)) { STORE2(n, p, a70); } n++; }
-  if (3 <= LMAX_MOST + 0) if (HAS0(3)) { if (ORDER(1)) { STORE0(n, p, a71); } n++; p++; }
-  if (3 <= LMAX_MOST + 1) if (HAS1(3)) { if (ORDER(1)) { STORE1(n, p, a72); } n++; p += PART1; }
-  if (3 <= LMAX_MOST + 2) if (HAS2(3)) { if (ORDER(1)) { STORE2(n, p, a73); } n++; }
-  if (4 <= LMAX_MOST + 0) if (HAS0(4)) { if (ORDER(1)) { STORE0(n, p, a74); } n++; p++; }
-  if (4 <= LMAX_MOST + 1) if (HAS1(4)) { if (ORDER(1)) { STORE1(n, p, a75); } n++; p += PART1; }
-  if (4 <= LMAX_MOST + 2) if (HAS2(4)) { if (ORDER(1)) { STORE2(n, p, a76); } n++; }
-  if (5 <= LMAX_MOST + 0) if (HAS0(5)) { if (ORDER(1)) { STORE0(n, p, a77); } n++; p++; }
-  if (5 <= LMAX_MOST + 1) if (HAS1(5)) { if (ORDER(1)) { STORE1(n, p, a78); } n++; p += PART1; }
-  if (5 <= LMAX_MOST + 2) if (HAS2(5)) { if (ORDER(1)) { STORE2(n, p, a79); } n++; }
-  if (6 <= LMAX_MOST + 0) if (HAS0(6)) { if (ORDER(1)) { STORE0(n, p, a80); } n++; p++; }
-  if (6 <= LMAX_MOST + 1) if (HAS1(6)) { if (ORDER(1)) { STORE1(n, p, a81); } n++; p += PART1; }
-  if (6 <= LMAX_MOST + 2) if (HAS2(6)) { if (ORDER(1)) { STORE2(n, p, a82); } n++; }
-  if (7 <= LMAX_MOST + 0) if (HAS0(7)) { if (ORDER(1)) { STORE0(n, p, a83); } n++; p++; }
-  if (7 <= LMAX_MOST + 1) if (HAS1(7)) { if (ORDER(1)) { STORE1(n, p, a84); } n++; p += PART1; }
-  if (7 <= LMAX_MOST + 2) if (HAS2(7)) { if (ORDER(1)) { STORE2(n, p, a85); } n++; }
-  if (8 <= LMAX_MOST + 0) if (HAS0(8)) { if (ORDER(1)) { STORE0(n, p, a86); } n++; p++; }
-  if (8 <= LMAX_MOST + 1) if (HAS1(8)) { if (ORDER(1)) { STORE1(n, p, a87); } n++; p += PART1; }
-  if (8 <= LMAX_MOST + 2) if (HAS2(8)) { if (ORDER(1)) { STORE2(n, p, a88); } n++; }
-  if (9 <= LMAX_MOST + 0) if (HAS0(9)) { if (ORDER(1)) { STORE0(n, p, a89); } n++; p++; }
-  if (9 <= LMAX_MOST + 1) if (HAS1(9)) { if (ORDER(1)) { STORE1(n, p, a90); } n++; p += PART1; }
-  if (9 <= LMAX_MOST + 2) if (HAS2(9)) { if (ORDER(1)) { STORE2(n, p, a91); } n++; }
-  if (10 <= LMAX_MOST + 0) if (HAS0(10)) { if (ORDER(1)) { STORE0(n, p, a92); } n++; p++; }
-  if (10 <= LMAX_MOST + 1) if (HAS1(10)) { if (ORDER(1)) { STORE1(n, p, a93); } n++; p += PART1; }
-  if (10 <= LMAX_MOST + 2) if (HAS2(10)) { if (ORDER(1)) { STORE2(n, p, a94); } n++; }
-  if (11 <= LMAX_MOST + 1) if (HAS1(11)) { if (ORDER(1)) { STORE1(n, p, a95); } n++; p += PART1; }
-  if (11 <= LMAX_MOST + 2) if (HAS2(11)) { if (ORDER(1)) { STORE2(n, p, a96); } n++; }
-  if (12 <= LMAX_MOST + 2) if (HAS2(12)) { if (ORDER(1)) { STORE2(n, p, a97); } n++; }
-  if (2 <= LMAX_MOST + 0) if (HAS0(2)) { if (ORDER(2)) { STORE0(n, p, a98); } n++; p++; }
-  if (2 <= LMAX_MOST + 1) if (HAS1(2)) { if (ORDER(2)) { STORE1(n, p, a99); } n++; p += PART1; }
-  if (2 <= LMAX_MOST + 2) if (HAS2(2)) { if (ORDER(2)) { STORE2(n, p, a100); } n++; }
-  if (3 <= LMAX_MOST + 0) if (HAS0(3)) { if (ORDER(2)) { STORE0(n, p, a101); } n++; p++; }
-  if (3 <= LMAX_MOST + 1) if (HAS1(3)) { if (ORDER(2)) { STORE1(n, p, a102); } n++; p += PART1; }
-  if (3 <= LMAX_MOST + 2) if (HAS2(3)) { if (ORDER(2)) { STORE2(n, p, a103); } n++; }
-  if (4 <= LMAX_MOST + 0) if (HAS0(4)) { if (ORDER(2)) { STORE0(n, p, a104); } n++; p++; }
-  if (4 <= LMAX_MOST + 1) if (HAS1(4)) { if (ORDER(2)) { STORE1(n, p, a105); } n++; p += PART1; }
-  if (4 <= LMAX_MOST + 2) if (HAS2(4)) { if (ORDER(2)) { STORE2(n, p, a106); } n++; }
-  if (5 <= LMAX_MOST + 0) if (HAS0(5)) { if (ORDER(2)) { STORE0(n, p, a107); } n++; p++; }
-  if (5 <= LMAX_MOST + 1) if (HAS1(5)) { if (ORDER(2)) { STORE1(n, p, a108); } n++; p += PART1; }
-  if (5 <= LMAX_MOST + 2) if (HAS2(5)) { if (ORDER(2)) { STORE2(n, p, a109); } n++; }
-  if (6 <= LMAX_MOST + 0) if (HAS0(6)) { if (ORDER(2)) { STORE0(n, p, a110); } n++; p++; }
-  if (6 <= LMAX_MOST + 1) if (HAS1(6)) { if (ORDER(2)) { STORE1(n, p, a111); } n++; p += PART1; }
-  if (6 <= LMAX_MOST + 2) if (HAS2(6)) { if (ORDER(2)) { STORE2(n, p, a112); } n++; }
-  if (7 <= LMAX_MOST + 0) if (HAS0(7)) { if (ORDER(2)) { STORE0(n, p, a113); } n++; p++; }
-  if (7 <= LMAX_MOST + 1) if (HAS1(7)) { if (ORDER(2)) { STORE1(n, p, a114); } n++; p += PART1; }
-  if (7 <= LMAX_MOST + 2) if (HAS2(7)) { if (ORDER(2)) { STORE2(n, p, a115); } n++; }
-  if (8 <= LMAX_MOST + 0) if (HAS0(8)) { if (ORDER(2)) { STORE0(n, p, a116); } n++; p++; }
-  if (8 <= LMAX_MOST + 1) if (HAS1(8)) { if (ORDER(2)) { STORE1(n, p, a117); } n++; p += PART1; }
-  if (8 <= LMAX_MOST + 2) if (HAS2(8)) { if (ORDER(2)) { STORE2(n, p, a118); } n++; }
-  if (9 <= LMAX_MOST + 0) if (HAS0(9)) { if (ORDER(2)) { STORE0(n, p, a119); } n++; p++; }
-  if (9 <= LMAX_MOST + 1) if (HAS1(9)) { if (ORDER(2)) { STORE1(n, p, a120); } n++; p += PART1; }
-  if (9 <= LMAX_MOST + 2) if (HAS2(9)) { if (ORDER(2)) { STORE2(n, p, a121); } n++; }
-  if (10 <= LMAX_MOST + 0) if (HAS0(10)) { if (ORDER(2)) { STORE0(n, p, a122); } n++; p++; }
-  if (10 <= LMAX_MOST + 1) if (HAS1(10)) { if (ORDER(2)) { STORE1(n, p, a123); } n++; p += PART1; }
-  if (10 <= LMAX_MOST + 2) if (HAS2(10)) { if (ORDER(2)) { STORE2(n, p, a124); } n++; }
-  if (11 <= LMAX_MOST + 1) if (HAS1(11)) { if (ORDER(2)) { STORE1(n, p, a125); } n++; p += PART1; }
-  if (11 <= LMAX_MOST + 2) if (HAS2(11)) { if (ORDER(2)) { STORE2(n, p, a126); } n++; }
-  if (12 <= LMAX_MOST + 2) if (HAS2(12)) { if (ORDER(2)) { STORE2(n, p, a127); } n++; }
-  if (2 <= LMAX_MOST + 0) if (HAS0(2)) { if (ORDER(2)) { STORE0(n, p, a128); } n++; p++; }
-  if (2 <= LMAX_MOST + 1) if (HAS1(2)) { if (ORDER(2)) { STORE1(n, p, a129); } n++; p += PART1; }
-  if (2 <= LMAX_MOST + 2) if (HAS2(2)) { if (ORDER(2)) { STORE2(n, p, a130); } n++; }
-  if (3 <= LMAX_MOST + 0) if (HAS0(3)) { if (ORDER(2)) { STORE0(n, p, a131); } n++; p++; }
-  if (3 <= LMAX_MOST + 1) if (HAS1(3)) { if (ORDER(2)) { STORE1(n, p, a132); } n++; p += PART1; }
-  if (3 <= LMAX_MOST + 2) if (HAS2(3)) { if (ORDER(2)) { STORE2(n, p, a133); } n++; }
-  if (4 <= LMAX_MOST + 0) if (HAS0(4)) { if (ORDER(2)) { STORE0(n, p, a134); } n++; p++; }
-  if (4 <= LMAX_MOST + 1) if (HAS1(4)) { if (ORDER(2)) { STORE1(n, p, a135); } n++; p += PART1; }
-  if (4 <= LMAX_MOST + 2) if (HAS2(4)) { if (ORDER(2)) { STORE2(n, p, a136); } n++; }
-  if (5 <= LMAX_MOST + 0) if (HAS0(5)) { if (ORDER(2)) { STORE0(n, p, a137); } n++; p++; }
-  if (5 <= LMAX_MOST + 1) if (HAS1(5)) { if (ORDER(2)) { STORE1(n, p, a138); } n++; p += PART1; }
-  if (5 <= LMAX_MOST + 2) if (HAS2(5)) { if (ORDER(2)) { STORE2(n, p, a139); } n++; }
-  if (6 <= LMAX_MOST + 0) if (HAS0(6)) { if (ORDER(2)) { STORE0(n, p, a140); } n++; p++; }
-  if (6 <= LMAX_MOST + 1) if (HAS1(6)) { if (ORDER(2)) { STORE1(n, p, a141); } n++; p += PART1; }
-  if (6 <= LMAX_MOST + 2) if (HAS2(6)) { if (ORDER(2)) { STORE2(n, p, a142); } n++; }
-  if (7 <= LMAX_MOST + 0) if (HAS0(7)) { if (ORDER(2)) { STORE0(n, p, a143); } n++; p++; }
-  if (7 <= LMAX_MOST + 1) if (HAS1(7)) { if (ORDER(2)) { STORE1(n, p, a144); } n++; p += PART1; }
-  if (7 <= LMAX_MOST + 2) if (HAS2(7)) { if (ORDER(2)) { STORE2(n, p, a145); } n++; }
-  if (8 <= LMAX_MOST + 0) if (HAS0(8)) { if (ORDER(2)) { STORE0(n, p, a146); } n++; p++; }
-  if (8 <= LMAX_MOST + 1) if (HAS1(8)) { if (ORDER(2)) { STORE1(n, p, a147); } n++; p += PART1; }
-  if (8 <= LMAX_MOST + 2) if (HAS2(8)) { if (ORDER(2)) { STORE2(n, p, a148); } n++; }
-  if (9 <= LMAX_MOST + 0) if (HAS0(9)) { if (ORDER(2)) { STORE0(n, p, a149); } n++; p++; }
-  if (9 <= LMAX_MOST + 1) if (HAS1(9)) { if (ORDER(2)) { STORE1(n, p, a150); } n++; p += PART1; }
-  if (9 <= LMAX_MOST + 2) if (HAS2(9)) { if (ORDER(2)) { STORE2(n, p, a151); } n++; }
-  if (10 <= LMAX_MOST + 0) if (HAS0(10)) { if (ORDER(2)) { STORE0(n, p, a152); } n++; p++; }
-  if (10 <= LMAX_MOST + 1) if (HAS1(10)) { if (ORDER(2)) { STORE1(n, p, a153); } n++; p += PART1; }
-  if (10 <= LMAX_MOST + 2) if (HAS2(10)) { if (ORDER(2)) { STORE2(n, p, a154); } n++; }
-  if (11 <= LMAX_MOST + 1) if (HAS1(11)) { if (ORDER(2)) { STORE1(n, p, a155); } n++; p += PART1; }
-  if (11 <= LMAX_MOST + 2) if (HAS2(11)) { if (ORDER(2)) { STORE2(n, p, a156); } n++; }
-  if (12 <= LMAX_MOST + 2) if (HAS2(12)) { if (ORDER(2)) { STORE2(n, p, a157); } n++; }
-  if (3 <= LMAX_MOST + 0) if (HAS0(3)) { if (ORDER(3)) { STORE0(n, p, a158); } n++; p++; }
-  if (3 <= LMAX_MOST + 1) if (HAS1(3)) { if (ORDER(3)) { STORE1(n, p, a159); } n++; p += PART1; }
-  if (3 <= LMAX_MOST + 2) if (HAS2(3)) { if (ORDER(3)) { STORE2(n, p, a160); } n++; }
-  if (4 <= LMAX_MOST + 0) if (HAS0(4)) { if (ORDER(3)) { STORE0(n, p, a161); } n++; p++; }
-  if (4 <= LMAX_MOST + 1) if (HAS1(4)) { if (ORDER(3)) { STORE1(n, p, a162); } n++; p += PART1; }
-  if (4 <= LMAX_MOST + 2) if (HAS2(4)) { if (ORDER(3)) { STORE2(n, p, a163); } n++; }
-  if (5 <= LMAX_MOST + 0) if (HAS0(5)) { if (ORDER(3)) { STORE0(n, p, a164); } n++; p++; }
-  if (5 <= LMAX_MOST + 1) if (HAS1(5)) { if (ORDER(3)) { STORE1(n, p, a165); } n++; p += PART1; }
-  if (5 <= LMAX_MOST + 2) if (HAS2(5)) { if (ORDER(3)) { STORE2(n, p, a166); } n++; }
-  if (6 <= LMAX_MOST + 0) if (HAS0(6)) { if (ORDER(3)) { STORE0(n, p, a167); } n++; p++; }
-  if (6 <= LMAX_MOST + 1) if (HAS1(6)) { if (ORDER(3)) { STORE1(n, p, a168); } n++; p += PART1; }
-  if (6 <= LMAX_MOST + 2) if (HAS2(6)) { if (ORDER(3)) { STORE2(n, p, a169); } n++; }
-  if (7 <= LMAX_MOST + 0) if (HAS0(7)) { if (ORDER(3)) { STORE0(n, p, a170); } n++; p++; }
-  if (7 <= LMAX_MOST + 1) if (HAS1(7)) { if (ORDER(3)) { STORE1(n, p, a171); } n++; p += PART1; }
-  if (7 <= LMAX_MOST + 2) if (HAS2(7)) { if (ORDER(3)) { STORE2(n, p, a172); } n++; }
-  if (8 <= LMAX_MOST + 0) if (HAS0(8)) { if (ORDER(3)) { STORE0(n, p, a173); } n++; p++; }
-  if (8 <= LMAX_MOST + 1) if (HAS1(8)) { if (ORDER(3)) { STORE1(n, p, a174); } n++; p += PART1; }
-  if (8 <= LMAX_MOST + 2) if (HAS2(8)) { if (ORDER(3)) { STORE2(n, p, a175); } n++; }
-  if (9 <= LMAX_MOST + 0) if (HAS0(9)) { if (ORDER(3)) { STORE0(n, p, a176); } n++; p++; }
-  if (9 <= LMAX_MOST + 1) if (HAS1(9)) { if (ORDER(3)) { STORE1(n, p, a177); } n++; p += PART1; }
-  if (9 <= LMAX_MOST + 2) if (HAS2(9)) { if (ORDER(3)) { STORE2(n, p, a178); } n++; }
-  if (10 <= LMAX_MOST + 0) if (HAS0(10)) { if (ORDER(3)) { STORE0(n, p, a179); } n++; p++; }
-  if (10 <= LMAX_MOST + 1) if (HAS1(10)) { if (ORDER(3)) { STORE1(n, p, a180); } n++; p += PART1; }
-  if (10 <= LMAX_MOST + 2) if (HAS2(10)) { if (ORDER(3)) { STORE2(n, p, a181); } n++; }
-  if (11 <= LMAX_MOST + 1) if (HAS1(11)) { if (ORDER(3)) { STORE1(n, p, a182); } n++; p += PART1; }
-  if (11 <= LMAX_MOST + 2) if (HAS2(11)) { if (ORDER(3)) { STORE2(n, p, a183); } n++; }
-  if (12 <= LMAX_MOST + 2) if (HAS2(12)) { if (ORDER(3)) { STORE2(n, p, a184); } n++; }
-  if (3 <= LMAX_MOST + 0) if (HAS0(3)) { if (ORDER(3)) { STORE0(n, p, a185); } n++; p++; }
-  if (3 <= LMAX_MOST + 1) if (HAS1(3)) { if (ORDER(3)) { STORE1(n, p, a186); } n++; p += PART1; }
-  if (3 <= LMAX_MOST + 2) if (HAS2(3)) { if (ORDER(3)) { STORE2(n, p, a187); } n++; }
-  if (4 <= LMAX_MOST + 0) if (HAS0(4)) { if (ORDER(3)) { STORE0(n, p, a188); } n++; p++; }
-  if (4 <= LMAX_MOST + 1) if (HAS1(4)) { if (ORDER(3)) { STORE1(n, p, a189); } n++; p += PART1; }
-  if (4 <= LMAX_MOST + 2) if (HAS2(4)) { if (ORDER(3)) { STORE2(n, p, a190); } n++; }
-  if (5 <= LMAX_MOST + 0) if (HAS0(5)) { if (ORDER(3)) { STORE0(n, p, a191); } n++; p++; }
-  if (5 <= LMAX_MOST + 1) if (HAS1(5)) { if (ORDER(3)) { STORE1(n, p, a192); } n++; p += PART1; }
-  if (5 <= LMAX_MOST + 2) if (HAS2(5)) { if (ORDER(3)) { STORE2(n, p, a193); } n++; }
-  if (6 <= LMAX_MOST + 0) if (HAS0(6)) { if (ORDER(3)) { STORE0(n, p, a194); } n++; p++; }
-  if (6 <= LMAX_MOST + 1) if (HAS1(6)) { if (ORDER(3)) { STORE1(n, p, a195); } n++; p += PART1; }
-  if (6 <= LMAX_MOST + 2) if (HAS2(6)) { if (ORDER(3)) { STORE2(n, p, a196); } n++; }
-  if (7 <= LMAX_MOST + 0) if (HAS0(7)) { if (ORDER(3)) { STORE0(n, p, a197); } n++; p++; }
-  if (7 <= LMAX_MOST + 1) if (HAS1(7)) { if (ORDER(3)) { STORE1(n, p, a198); } n++; p += PART1; }
-  if (7 <= LMAX_MOST + 2) if (HAS2(7)) { if (ORDER(3)) { STORE2(n, p, a199); } n++; }
-  if (8 <= LMAX_MOST + 0) if (HAS0(8)) { if (ORDER(3)) { STORE0(n, p, a200); } n++; p++; }
-  if (8 <= LMAX_MOST + 1) if (HAS1(8)) { if (ORDER(3)) { STORE1(n, p, a201); } n++; p += PART1; }
-  if (8 <= LMAX_MOST + 2) if (HAS2(8)) { if (ORDER(3)) { STORE2(n, p, a202); } n++; }
-  if (9 <= LMAX_MOST + 0) if (HAS0(9)) { if (ORDER(3)) { STORE0(n, p, a203); } n++; p++; }
-  if (9 <= LMAX_MOST + 1) if (HAS1(9)) { if (ORDER(3)) { STORE1(n, p, a204); } n++; p += PART1; }
-  if (9 <= LMAX_MOST + 2) if (HAS2(9)) { if (ORDER(3)) { STORE2(n, p, a205); } n++; }
-  if (10 <= LMAX_MOST + 0) if (HAS0(10)) { if (ORDER(3)) { STORE0(n, p, a206); } n++; p++; }
-  if (10 <= LMAX_MOST + 1) if (HAS1(10)) { if (ORDER(3)) { STORE1(n, p, a207); } n++; p += PART1; }
-  if (10 <= LMAX_MOST + 2) if (HAS2(10)) { if (ORDER(3)) { STORE2(n, p, a208); } n++; }
-  if (11 <= LMAX_MOST + 1) if (HAS1(11)) { if (ORDER(3)) { STORE1(n, p, a209); } n++; p += PART1; }
-  if (11 <= LMAX_MOST + 2) if (HAS2(11)) { if (ORDER(3)) { STORE2(n, p, a210); } n++; }
-  if (12 <= LMAX_MOST + 2) if (HAS2(12)) { if (ORDER(3)) { STORE2(n, p, a211); } n++; }
-  if (4 <= LMAX_MOST + 0) if (HAS0(4)) { if (ORDER(4)) { STORE0(n, p, a212); } n++; p++; }
-  if (4 <= LMAX_MOST + 1) if (HAS1(4)) { if (ORDER(4)) { STORE1(n, p, a213); } n++; p += PART1; }
-  if (4 <= LMAX_MOST + 2) if (HAS2(4)) { if (ORDER(4)) { STORE2(n, p, a214); } n++; }
-  if (5 <= LMAX_MOST + 0) if (HAS0(5)) { if (ORDER(4)) { STORE0(n, p, a215); } n++; p++; }
-  if (5 <= LMAX_MOST + 1) if (HAS1(5)) { if (ORDER(4)) { STORE1(n, p, a216); } n++; p += PART1; }
-  if (5 <= LMAX_MOST + 2) if (HAS2(5)) { if (ORDER(4)) { STORE2(n, p, a217); } n++; }
-  if (6 <= LMAX_MOST + 0) if (HAS0(6)) { if (ORDER(4)) { STORE0(n, p, a218); } n++; p++; }
-  if (6 <= LMAX_MOST + 1) if (HAS1(6)) { if (ORDER(4)) { STORE1(n, p, a219); } n++; p += PART1; }
-  if (6 <= LMAX_MOST + 2) if (HAS2(6)) { if (ORDER(4)) { STORE2(n, p, a220); } n++; }
-  if (7 <= LMAX_MOST + 0) if (HAS0(7)) { if (ORDER(4)) { STORE0(n, p, a221); } n++; p++; }
-  if (7 <= LMAX_MOST + 1) if (HAS1(7)) { if (ORDER(4)) { STORE1(n, p, a222); } n++; p += PART1; }
-  if (7 <= LMAX_MOST + 2) if (HAS2(7)) { if (ORDER(4)) { STORE2(n, p, a223); } n++; }
-  if (8 <= LMAX_MOST + 0) if (HAS0(8)) { if (ORDER(4)) { STORE0(n, p, a224); } n++; p++; }
-  if (8 <= LMAX_MOST + 1) if (HAS1(8)) { if (ORDER(4)) { STORE1(n, p, a225); } n++; p += PART1; }
-  if (8 <= LMAX_MOST + 2) if (HAS2(8)) { if (ORDER(4)) { STORE2(n, p, a226); } n++; }
-  if (9 <= LMAX_MOST + 0) if (HAS0(9)) { if (ORDER(4)) { STORE0(n, p, a227); } n++; p++; }
-  if (9 <= LMAX_MOST + 1) if (HAS1(9)) { if (ORDER(4)) { STORE1(n, p, a228); } n++; p += PART1; }
-  if (9 <= LMAX_MOST + 2) if (HAS2(9)) { if (ORDER(4)) { STORE2(n, p, a229); } n++; }
-  if (10 <= LMAX_MOST + 0) if (HAS0(10)) { if (ORDER(4)) { STORE0(n, p, a230); } n++; p++; }
-  if (10 <= LMAX_MOST + 1) if (HAS1(10)) { if (ORDER(4)) { STORE1(n, p, a231); } n++; p += PART1; }
-  if (10 <= LMAX_MOST + 2) if (HAS2(10)) { if (ORDER(4)) { STORE2(n, p, a232); } n++; }
-  if (11 <= LMAX_MOST + 1) if (HAS1(11)) { if (ORDER(4)) { STORE1(n, p, a233); } n++; p += PART1; }
-  if (11 <= LMAX_MOST + 2) if (HAS2(11)) { if (ORDER(4)) { STORE2(n, p, a234); } n++; }
-  if (12 <= LMAX_MOST + 2) if (HAS2(12)) { if (ORDER(4)) { STORE2(n, p, a235); } n++; }
-  if (4 <= LMAX_MOST + 0) if (HAS0(4)) { if (ORDER(4)) { STORE0(n, p, a236); } n++; p++; }
-  if (4 <= LMAX_MOST + 1) if (HAS1(4)) { if (ORDER(4)) { STORE1(n, p, a237); } n++; p += PART1; }
-  if (4 <= LMAX_MOST + 2) if (HAS2(4)) { if (ORDER(4)) { STORE2(n, p, a238); } n++; }
-  if (5 <= LMAX_MOST + 0) if (HAS0(5)) { if (ORDER(4)) { STORE0(n, p, a239); } n++; p++; }
-  if (5 <= LMAX_MOST + 1) if (HAS1(5)) { if (ORDER(4)) { STORE1(n, p, a240); } n++; p += PART1; }
-  if (5 <= LMAX_MOST + 2) if (HAS2(5)) { if (ORDER(4)) { STORE2(n, p, a241); } n++; }
-  if (6 <= LMAX_MOST + 0) if (HAS0(6)) { if (ORDER(4)) { STORE0(n, p, a242); } n++; p++; }
-  if (6 <= LMAX_MOST + 1) if (HAS1(6)) { if (ORDER(4)) { STORE1(n, p, a243); } n++; p += PART1; }
-  if (6 <= LMAX_MOST + 2) if (HAS2(6)) { if (ORDER(4)) { STORE2(n, p, a244); } n++; }
-  if (7 <= LMAX_MOST + 0) if (HAS0(7)) { if (ORDER(4)) { STORE0(n, p, a245); } n++; p++; }
-  if (7 <= LMAX_MOST + 1) if (HAS1(7)) { if (ORDER(4)) { STORE1(n, p, a246); } n++; p += PART1; }
-  if (7 <= LMAX_MOST + 2) if (HAS2(7)) { if (ORDER(4)) { STORE2(n, p, a247); } n++; }
-  if (8 <= LMAX_MOST + 0) if (HAS0(8)) { if (ORDER(4)) { STORE0(n, p, a248); } n++; p++; }
-  if (8 <= LMAX_MOST + 1) if (HAS1(8)) { if (ORDER(4)) { STORE1(n, p, a249); } n++; p += PART1; }
-  if (8 <= LMAX_MOST + 2) if (HAS2(8)) { if (ORDER(4)) { STORE2(n, p, a250); } n++; }
-  if (9 <= LMAX_MOST + 0) if (HAS0(9)) { if (ORDER(4)) { STORE0(n, p, a251); } n++; p++; }
-  if (9 <= LMAX_MOST + 1) if (HAS1(9)) { if (ORDER(4)) { STORE1(n, p, a252); } n++; p += PART1; }
-  if (9 <= LMAX_MOST + 2) if (HAS2(9)) { if (ORDER(4)) { STORE2(n, p, a253); } n++; }
-  if (10 <= LMAX_MOST + 0) if (HAS0(10)) { if (ORDER(4)) { STORE0(n, p, a254); } n++; p++; }
-  if (10 <= LMAX_MOST + 1) if (HAS1(10)) { if (ORDER(4)) { STORE1(n, p, a255); } n++; p += PART1; }
-  if (10 <= LMAX_MOST + 2) if (HAS2(10)) { if (ORDER(4)) { STORE2(n, p, a256); } n++; }
-  if (11 <= LMAX_MOST + 1) if (HAS1(11)) { if (ORDER(4)) { STORE1(n, p, a257); } n++; p += PART1; }
-  if (11 <= LMAX_MOST + 2) if (HAS2(11)) { if (ORDER(4)) { STORE2(n, p, a258); } n++; }
-  if (12 <= LMAX_MOST + 2) if (HAS2(12)) { if (ORDER(4)) { STORE2(n, p, a259); } n++; }
-  if (5 <= LMAX_MOST + 0) if (HAS0(5)) { if (ORDER(5)) { STORE0(n, p, a260); } n++; p++; }
-  if (5 <= LMAX_MOST + 1) if (HAS1(5)) { if (ORDER(5)) { STORE1(n, p, a261); } n++; p += PART1; }
-  if (5 <= LMAX_MOST + 2) if (HAS2(5)) { if (ORDER(5)) { STORE2(n, p, a262); } n++; }
-  if (6 <= LMAX_MOST + 0) if (HAS0(6)) { if (ORDER(5)) { STORE0(n, p, a263); } n++; p++; }
-  if (6 <= LMAX_MOST + 1) if (HAS1(6)) { if (ORDER(5)) { STORE1(n, p, a264); } n++; p += PART1; }
-  if (6 <= LMAX_MOST + 2) if (HAS2(6)) { if (ORDER(5)) { STORE2(n, p, a265); } n++; }
-  if (7 <= LMAX_MOST + 0) if (HAS0(7)) { if (ORDER(5)) { STORE0(n, p, a266); } n++; p++; }
-  if (7 <= LMAX_MOST + 1) if (HAS1(7)) { if (ORDER(5)) { STORE1(n, p, a267); } n++; p += PART1; }
-  if (7 <= LMAX_MOST + 2) if (HAS2(7)) { if (ORDER(5)) { STORE2(n, p, a268); } n++; }
-  if (8 <= LMAX_MOST + 0) if (HAS0(8)) { if (ORDER(5)) { STORE0(n, p, a269); } n++; p++; }
-  if (8 <= LMAX_MOST + 1) if (HAS1(8)) { if (ORDER(5)) { STORE1(n, p, a270); } n++; p += PART1; }
-  if (8 <= LMAX_MOST + 2) if (HAS2(8)) { if (ORDER(5)) { STORE2(n, p, a271); } n++; }
-  if (9 <= LMAX_MOST + 0) if (HAS0(9)) { if (ORDER(5)) { STORE0(n, p, a272); } n++; p++; }
-  if (9 <= LMAX_MOST + 1) if (HAS1(9)) { if (ORDER(5)) { STORE1(n, p, a273); } n++; p += PART1; }
-  if (9 <= LMAX_MOST + 2) if (HAS2(9)) { if (ORDER(5)) { STORE2(n, p, a274); } n++; }
-  if (10 <= LMAX_MOST + 0) if (HAS0(10)) { if (ORDER(5)) { STORE0(n, p, a275); } n++; p++; }
-  if (10 <= LMAX_MOST + 1) if (HAS1(10)) { if (ORDER(5)) { STORE1(n, p, a276); } n++; p += PART1; }
-  if (10 <= LMAX_MOST + 2) if (HAS2(10)) { if (ORDER(5)) { STORE2(n, p, a277); } n++; }
-  if (11 <= LMAX_MOST + 1) if (HAS1(11)) { if (ORDER(5)) { STORE1(n, p, a278); } n++; p += PART1; }
-  if (11 <= LMAX_MOST + 2) if (HAS2(11)) { if (ORDER(5)) { STORE2(n, p, a279); } n++; }
-  if (12 <= LMAX_MOST + 2) if (HAS2(12)) { if (ORDER(5)) { STORE2(n, p, a280); } n++; }
-  if (5 <= LMAX_MOST + 0) if (HAS0(5)) { if (ORDER(5)) { STORE0(n, p, a281); } n++; p++; }
-  if (5 <= LMAX_MOST + 1) if (HAS1(5)) { if (ORDER(5)) { STORE1(n, p, a282); } n++; p += PART1; }
-  if (5 <= LMAX_MOST + 2) if (HAS2(5)) { if (ORDER(5)) { STORE2(n, p, a283); } n++; }
-  if (6 <= LMAX_MOST + 0) if (HAS0(6)) { if (ORDER(5)) { STORE0(n, p, a284); } n++; p++; }
-  if (6 <= LMAX_MOST + 1) if (HAS1(6)) { if (ORDER(5)) { STORE1(n, p, a285); } n++; p += PART1; }
-  if (6 <= LMAX_MOST + 2) if (HAS2(6)) { if (ORDER(5)) { STORE2(n, p, a286); } n++; }
-  if (7 <= LMAX_MOST + 0) if (HAS0(7)) { if (ORDER(5)) { STORE0(n, p, a287); } n++; p++; }
-  if (7 <= LMAX_MOST + 1) if (HAS1(7)) { if (ORDER(5)) { STORE1(n, p, a288); } n++; p += PART1; }
-  if (7 <= LMAX_MOST + 2) if (HAS2(7)) { if (ORDER(5)) { STORE2(n, p, a289); } n++; }
-  if (8 <= LMAX_MOST + 0) if (HAS0(8)) { if (ORDER(5)) { STORE0(n, p, a290); } n++; p++; }
-  if (8 <= LMAX_MOST + 1) if (HAS1(8)) { if (ORDER(5)) { STORE1(n, p, a291); } n++; p += PART1; }
-  if (8 <= LMAX_MOST + 2) if (HAS2(8)) { if (ORDER(5)) { STORE2(n, p, a292); } n++; }
-  if (9 <= LMAX_MOST + 0) if (HAS0(9)) { if (ORDER(5)) { STORE0(n, p, a293); } n++; p++; }
-  if (9 <= LMAX_MOST + 1) if (HAS1(9)) { if (ORDER(5)) { STORE1(n, p, a294); } n++; p += PART1; }
-  if (9 <= LMAX_MOST + 2) if (HAS2(9)) { if (ORDER(5)) { STORE2(n, p, a295); } n++; }
-  if (10 <= LMAX_MOST + 0) if (HAS0(10)) { if (ORDER(5)) { STORE0(n, p, a296); } n++; p++; }
-  if (10 <= LMAX_MOST + 1) if (HAS1(10)) { if (ORDER(5)) { STORE1(n, p, a297); } n++; p += PART1; }
-  if (10 <= LMAX_MOST + 2) if (HAS2(10)) { if (ORDER(5)) { STORE2(n, p, a298); } n++; }
-  if (11 <= LMAX_MOST + 1) if (HAS1(11)) { if (ORDER(5)) { STORE1(n, p, a299); } n++; p += PART1; }
-  if (11 <= LMAX_MOST + 2) if (HAS2(11)) { if (ORDER(5)) { STORE2(n, p, a300); } n++; }
-  if (12 <= LMAX_MOST + 2) if (HAS2(12)) { if (ORDER(5)) { STORE2(n, p, a301); } n++; }
-  if (6 <= LMAX_MOST + 0) if (HAS0(6)) { if (ORDER(6)) { STORE0(n, p, a302); } n++; p++; }
-  if (6 <= LMAX_MOST + 1) if (HAS1(6)) { if (ORDER(6)) { STORE1(n, p, a303); } n++; p += PART1; }
-  if (6 <= LMAX_MOST + 2) if (HAS2(6)) { if (ORDER(6)) { STORE2(n, p, a304); } n++; }
-  if (7 <= LMAX_MOST + 0) if (HAS0(7)) { if (ORDER(6)) { STORE0(n, p, a305); } n++; p++; }
-  if (7 <= LMAX_MOST + 1) if (HAS1(7)) { if (ORDER(6)) { STORE1(n, p, a306); } n++; p += PART1; }
-  if (7 <= LMAX_MOST + 2) if (HAS2(7)) { if (ORDER(6)) { STORE2(n, p, a307); } n++; }
-  if (8 <= LMAX_MOST + 0) if (HAS0(8)) { if (ORDER(6)) { STORE0(n, p, a308); } n++; p++; }
-  if (8 <= LMAX_MOST + 1) if (HAS1(8)) { if (ORDER(6)) { STORE1(n, p, a309); } n++; p += PART1; }
-  if (8 <= LMAX_MOST + 2) if (HAS2(8)) { if (ORDER(6)) { STORE2(n, p, a310); } n++; }
-  if (9 <= LMAX_MOST + 0) if (HAS0(9)) { if (ORDER(6)) { STORE0(n, p, a311); } n++; p++; }
-  if (9 <= LMAX_MOST + 1) if (HAS1(9)) { if (ORDER(6)) { STORE1(n, p, a312); } n++; p += PART1; }
-  if (9 <= LMAX_MOST + 2) if (HAS2(9)) { if (ORDER(6)) { STORE2(n, p, a313); } n++; }
-  if (10 <= LMAX_MOST + 0) if (HAS0(10)) { if (ORDER(6)) { STORE0(n, p, a314); } n++; p++; }
-  if (10 <= LMAX_MOST + 1) if (HAS1(10)) { if (ORDER(6)) { STORE1(n, p, a315); } n++; p += PART1; }
-  if (10 <= LMAX_MOST + 2) if (HAS2(10)) { if (ORDER(6)) { STORE2(n, p, a316); } n++; }
-  if (11 <= LMAX_MOST + 1) if (HAS1(11)) { if (ORDER(6)) { STORE1(n, p, a317); } n++; p += PART1; }
-  if (11 <= LMAX_MOST + 2) if (HAS2(11)) { if (ORDER(6)) { STORE2(n, p, a318); } n++; }
-  if (12 <= LMAX_MOST + 2) if (HAS2(12)) { if (ORDER(6)) { STORE2(n, p, a319); } n++; }
-  if (6 <= LMAX_MOST + 0) if (HAS0(6)) { if (ORDER(6)) { STORE0(n, p, a320); } n++; p++; }
-  if (6 <= LMAX_MOST + 1) if (HAS1(6)) { if (ORDER(6)) { STORE1(n, p, a321); } n++; p += PART1; }
-  if (6 <= LMAX_MOST + 2) if (HAS2(6)) { if (ORDER(6)) { STORE2(n, p, a322); } n++; }
-  if (7 <= LMAX_MOST + 0) if (HAS0(7)) { if (ORDER(6)) { STORE0(n, p, a323); } n++; p++; }
-  if (7 <= LMAX_MOST + 1) if (HAS1(7)) { if (ORDER(6)) { STORE1(n, p, a324); } n++; p += PART1; }
-  if (7 <= LMAX_MOST + 2) if (HAS2(7)) { if (ORDER(6)) { STORE2(n, p, a325); } n++; }
-  if (8 <= LMAX_MOST + 0) if (HAS0(8)) { if (ORDER(6)) { STORE0(n, p, a326); } n++; p++; }
-  if (8 <= LMAX_MOST + 1) if (HAS1(8)) { if (ORDER(6)) { STORE1(n, p, a327); } n++; p += PART1; }
-  if (8 <= LMAX_MOST + 2) if (HAS2(8)) { if (ORDER(6)) { STORE2(n, p, a328); } n++; }
-  if (9 <= LMAX_MOST + 0) if (HAS0(9)) { if (ORDER(6)) { STORE0(n, p, a329); } n++; p++; }
-  if (9 <= LMAX_MOST + 1) if (HAS1(9)) { if (ORDER(6)) { STORE1(n, p, a330); } n++; p += PART1; }
-  if (9 <= LMAX_MOST + 2) if (HAS2(9)) { if (ORDER(6)) { STORE2(n, p, a331); } n++; }
-  if (10 <= LMAX_MOST + 0) if (HAS0(10)) { if (ORDER(6)) { STORE0(n, p, a332); } n++; p++; }
-  if (10 <= LMAX_MOST + 1) if (HAS1(10)) { if (ORDER(6)) { STORE1(n, p, a333); } n++; p += PART1; }
-  if (10 <= LMAX_MOST + 2) if (HAS2(10)) { if (ORDER(6)) { STORE2(n, p, a334); } n++; }
-  if (11 <= LMAX_MOST + 1) if (HAS1(11)) { if (ORDER(6)) { STORE1(n, p, a335); } n++; p += PART1; }
-  if (11 <= LMAX_MOST + 2) if (HAS2(11)) { if (ORDER(6)) { STORE2(n, p, a336); } n++; }
-  if (12 <= LMAX_MOST + 2) if (HAS2(12)) { if (ORDER(6)) { STORE2(n, p, a337); } n++; }
-  if (7 <= LMAX_MOST + 0) if (HAS0(7)) { if (ORDER(7)) { STORE0(n, p, a338); } n++; p++; }
-  if (7 <= LMAX_MOST + 1) if (HAS1(7)) { if (ORDER(7)) { STORE1(n, p, a339); } n++; p += PART1; }
-  if (7 <= LMAX_MOST + 2) if (HAS2(7)) { if (ORDER(7)) { STORE2(n, p, a340); } n++; }
-  if (8 <= LMAX_MOST + 0) if (HAS0(8)) { if (ORDER(7)) { STORE0(n, p, a341); } n++; p++; }
-  if (8 <= LMAX_MOST + 1) if (HAS1(8)) { if (ORDER(7)) { STORE1(n, p, a342); } n++; p += PART1; }
-  if (8 <= LMAX_MOST + 2) if (HAS2(8)) { if (ORDER(7)) { STORE2(n, p, a343); } n++; }
-  if (9 <= LMAX_MOST + 0) if (HAS0(9)) { if (ORDER(7)) { STORE0(n, p, a344); } n++; p++; }
-  if (9 <= LMAX_MOST + 1) if (HAS1(9)) { if (ORDER(7)) { STORE1(n, p, a345); } n++; p += PART1; }
-  if (9 <= LMAX_MOST + 2) if (HAS2(9)) { if (ORDER(7)) { STORE2(n, p, a346); } n++; }
-  if (10 <= LMAX_MOST + 0) if (HAS0(10)) { if (ORDER(7)) { STORE0(n, p, a347); } n++; p++; }
-  if (10 <= LMAX_MOST + 1) if (HAS1(10)) { if (ORDER(7)) { STORE1(n, p, a348); } n++; p += PART1; }
-  if (10 <= LMAX_MOST + 2) if (HAS2(10)) { if (ORDER(7)) { STORE2(n, p, a349); } n++; }
-  if (11 <= LMAX_MOST + 1) if (HAS1(11)) { if (ORDER(7)) { STORE1(n, p, a350); } n++; p += PART1; }
-  if (11 <= LMAX_MOST + 2) if (HAS2(11)) { if (ORDER(7)) { STORE2(n, p, a351); } n++; }
-  if (12 <= LMAX_MOST + 2) if (HAS2(12)) { if (ORDER(7)) { STORE2(n, p, a352); } n++; }
-  if (7 <= LMAX_MOST + 0) if (HAS0(7)) { if (ORDER(7)) { STORE0(n, p, a353); } n++; p++; }
-  if (7 <= LMAX_MOST + 1) if (HAS1(7)) { if (ORDER(7)) { STORE1(n, p, a354); } n++; p += PART1; }
-  if (7 <= LMAX_MOST + 2) if (HAS2(7)) { if (ORDER(7)) { STORE2(n, p, a355); } n++; }
-  if (8 <= LMAX_MOST + 0) if (HAS0(8)) { if (ORDER(7)) { STORE0(n, p, a356); } n++; p++; }
-  if (8 <= LMAX_MOST + 1) if (HAS1(8)) { if (ORDER(7)) { STORE1(n, p, a357); } n++; p += PART1; }
-  if (8 <= LMAX_MOST + 2) if (HAS2(8)) { if (ORDER(7)) { STORE2(n, p, a358); } n++; }
-  if (9 <= LMAX_MOST + 0) if (HAS0(9)) { if (ORDER(7)) { STORE0(n, p, a359); } n++; p++; }
-  if (9 <= LMAX_MOST + 1) if (HAS1(9)) { if (ORDER(7)) { STORE1(n, p, a360); } n++; p += PART1; }
-  if (9 <= LMAX_MOST + 2) if (HAS2(9)) { if (ORDER(7)) { STORE2(n, p, a361); } n++; }
-  if (10 <= LMAX_MOST + 0) if (HAS0(10)) { if (ORDER(7)) { STORE0(n, p, a362); } n++; p++; }
-  if (10 <= LMAX_MOST + 1) if (HAS1(10)) { if (ORDER(7)) { STORE1(n, p, a363); } n++; p += PART1; }
-  if (10 <= LMAX_MOST + 2) if (HAS2(10)) { if (ORDER(7)) { STORE2(n, p, a364); } n++; }
-  if (11 <= LMAX_MOST + 1) if (HAS1(11)) { if (ORDER(7)) { STORE1(n, p, a365); } n++; p += PART1; }
-  if (11 <= LMAX_MOST + 2) if (HAS2(11)) { if (ORDER(7)) { STORE2(n, p, a366); } n++; }
-  if (12 <= LMAX_MOST + 2) if (HAS2(12)) { if (ORDER(7)) { STORE2(n, p, a367); } n++; }
-  if (8 <= LMAX_MOST + 0) if (HAS0(8)) { if (ORDER(8)) { STORE0(n, p, a368); } n++; p++; }
-  if (8 <= LMAX_MOST + 1) if (HAS1(8)) { if (ORDER(8)) { STORE1(n, p, a369); } n++; p += PART1; }
-  if (8 <= LMAX_MOST + 2) if (HAS2(8)) { if (ORDER(8)) { STORE2(n, p, a370); } n++; }
-  if (9 <= LMAX_MOST + 0) if (HAS0(9)) { if (ORDER(8)) { STORE0(n, p, a371); } n++; p++; }
-  if (9 <= LMAX_MOST + 1) if (HAS1(9)) { if (ORDER(8)) { STORE1(n, p, a372); } n++; p += PART1; }
-  if (9 <= LMAX_MOST + 2) if (HAS2(9)) { if (ORDER(8)) { STORE2(n, p, a373); } n++; }
-  if (10 <= LMAX_MOST + 0) if (HAS0(10)) { if (ORDER(8)) { STORE0(n, p, a374); } n++; p++; }
-  if (10 <= LMAX_MOST + 1) if (HAS1(10)) { if (ORDER(8)) { STORE1(n, p, a375); } n++; p += PART1; }
-  if (10 <= LMAX_MOST + 2) if (HAS2(10)) { if (ORDER(8)) { STORE2(n, p, a376); } n++; }
-  if (11 <= LMAX_MOST + 1) if (HAS1(11)) { if (ORDER(8)) { STORE1(n, p, a377); } n++; p += PART1; }
-  if (11 <= LMAX_MOST + 2) if (HAS2(11)) { if (ORDER(8)) { STORE2(n, p, a378); } n++; }
-  if (12 <= LMAX_MOST + 2) if (HAS2(12)) { if (ORDER(8)) { STORE2(n, p, a379); } n++; }
-  if (8 <= LMAX_MOST + 0) if (HAS0(8)) { if (ORDER(8)) { STORE0(n, p, a380); } n++; p++; }
-  if (8 <= LMAX_MOST + 1) if (HAS1(8)) { if (ORDER(8)) { STORE1(n, p, a381); } n++; p += PART1; }
-  if (8 <= LMAX_MOST + 2) if (HAS2(8)) { if (ORDER(8)) { STORE2(n, p, a382); } n++; }
-  if (9 <= LMAX_MOST + 0) if (HAS0(9)) { if (ORDER(8)) { STORE0(n, p, a383); } n++; p++; }
-  if (9 <= LMAX_MOST + 1) if (HAS1(9)) { if (ORDER(8)) { STORE1(n, p, a384); } n++; p += PART1; }
-  if (9 <= LMAX_MOST + 2) if (HAS2(9)) { if (ORDER(8)) { STORE2(n, p, a385); } n++; }
-  if (10 <= LMAX_MOST + 0) if (HAS0(10)) { if (ORDER(8)) { STORE0(n, p, a386); } n++; p++; }
-  if (10 <= LMAX_MOST + 1) if (HAS1(10)) { if (ORDER(8)) { STORE1(n, p, a387); } n++; p += PART1; }
-  if (10 <= LMAX_MOST + 2) if (HAS2(10)) { if (ORDER(8)) { STORE2(n, p, a388); } n++; }
-  if (11 <= LMAX_MOST + 1) if (HAS1(11)) { if (ORDER(8)) { STORE1(n, p, a389); } n++; p += PART1; }
-  if (11 <= LMAX_MOST + 2) if (HAS2(11)) { if (ORDER(8)) { STORE2(n, p, a390); } n++; }
-  if (12 <= LMAX_MOST + 2) if (HAS2(12)) { if (ORDER(8)) { STORE2(n, p, a391); } n++; }
-  if (9 <= LMAX_MOST + 0) if (HAS0(9)) { if (ORDER(9)) { STORE0(n, p, a392); } n++; p++; }
-  if (9 <= LMAX_MOST + 1) if (HAS1(9)) { if (ORDER(9)) { STORE1(n, p, a393); } n++; p += PART1; }
-  if (9 <= LMAX_MOST + 2) if (HAS2(9)) { if (ORDER(9)) { STORE2(n, p, a394); } n++; }
-  if (10 <= LMAX_MOST + 0) if (HAS0(10)) { if (ORDER(9)) { STORE0(n, p, a395); } n++; p++; }
-  if (10 <= LMAX_MOST + 1) if (HAS1(10)) { if (ORDER(9)) { STORE1(n, p, a396); } n++; p += PART1; }
-  if (10 <= LMAX_MOST + 2) if (HAS2(10)) { if (ORDER(9)) { STORE2(n, p, a397); } n++; }
-  if (11 <= LMAX_MOST + 1) if (HAS1(11)) { if (ORDER(9)) { STORE1(n, p, a398); } n++; p += PART1; }
-  if (11 <= LMAX_MOST + 2) if (HAS2(11)) { if (ORDER(9)) { STORE2(n, p, a399); } n++; }
-  if (12 <= LMAX_MOST + 2) if (HAS2(12)) { if (ORDER(9)) { STORE2(n, p, a400); } n++; }
-  if (9 <= LMAX_MOST + 0) if (HAS0(9)) { if (ORDER(9)) { STORE0(n, p, a401); } n++; p++; }
-  if (9 <= LMAX_MOST + 1) if (HAS1(9)) { if (ORDER(9)) { STORE1(n, p, a402); } n++; p += PART1; }
-  if (9 <= LMAX_MOST + 2) if (HAS2(9)) { if (ORDER(9)) { STORE2(n, p, a403); } n++; }
-  if (10 <= LMAX_MOST + 0) if (HAS0(10)) { if (ORDER(9)) { STORE0(n, p, a404); } n++; p++; }
-  if (10 <= LMAX_MOST + 1) if (HAS1(10)) { if (ORDER(9)) { STORE1(n, p, a405); } n++; p += PART1; }
-  if (10 <= LMAX_MOST + 2) if (HAS2(10)) { if (ORDER(9)) { STORE2(n, p, a406); } n++; }
-  if (11 <= LMAX_MOST + 1) if (HAS1(11)) { if (ORDER(9)) { STORE1(n, p, a407); } n++; p += PART1; }
-  if (11 <= LMAX_MOST + 2) if (HAS2(11)) { if (ORDER(9)) { STORE2(n, p, a408); } n++; }
-  if (12 <= LMAX_MOST + 2) if (HAS2(12)) { if (ORDER(9)) { STORE2(n, p, a409); } n++; }
-  if (10 <= LMAX_MOST + 0) if (HAS0(10)) { if (ORDER(10)) { STORE0(n, p, a410); } n++; p++; }
-  if (10 <= LMAX_MOST + 1) if (HAS1(10)) { if (ORDER(10)) { STORE1(n, p, a411); } n++; p += PART1; }
-  if (10 <= LMAX_MOST + 2) if (HAS2(10)) { if (ORDER(10)) { STORE2(n, p, a412); } n++; }
-  if (11 <= LMAX_MOST + 1) if (HAS1(11)) { if (ORDER(10)) { STORE1(n, p, a413); } n++; p += PART1; }
-  if (11 <= LMAX_MOST + 2) if (HAS2(11)) { if (ORDER(10)) { STORE2(n, p, a414); } n++; }
-  if (12 <= LMAX_MOST + 2) if (HAS2(12)) { if (ORDER(10)) { STORE2(n, p, a415); } n++; }
-  if (10 <= LMAX_MOST + 0) if (HAS0(10)) { if (ORDER(10)) { STORE0(n, p, a416); } n++; p++; }
-  if (10 <= LMAX_MOST + 1) if (HAS1(10)) { if (ORDER(10)) { STORE1(n, p, a417); } n++; p += PART1; }
-  if (10 <= LMAX_MOST + 2) if (HAS2(10)) { if (ORDER(10)) { STORE2(n, p, a418); } n++; }
-  if (11 <= LMAX_MOST + 1) if (HAS1(11)) { if (ORDER(10)) { STORE1(n, p, a419); } n++; p += PART1; }
-  if (11 <= LMAX_MOST + 2) if (HAS2(11)) { if (ORDER(10)) { STORE2(n, p, a420); } n++; }
-  if (12 <= LMAX_MOST + 2) if (HAS2(12)) { if (ORDER(10)) { STORE2(n, p, a421); } n++; }
-  if (11 <= LMAX_MOST + 1) if (HAS1(11)) { if (ORDER(11)) { STORE1(n, p, a422); } n++; p += PART1; }
-  if (11 <= LMAX_MOST + 2) if (HAS2(11)) { if (ORDER(11)) { STORE2(n, p, a423); } n++; }
-  if (12 <= LMAX_MOST + 2) if (HAS2(12)) { if (ORDER(11)) { STORE2(n, p, a424); } n++; }
-  if (11 <= LMAX_MOST + 1) if (HAS1(11)) { if (ORDER(11)) { STORE1(n, p, a425); } n++; p += PART1; }
-  if (11 <= LMAX_MOST + 2) if (HAS2(11)) { if (ORDER(11)) { STORE2(n, p, a426); } n++; }
-  if (12 <= LMAX_MOST + 2) if (HAS2(12)) { if (ORDER(11)) { STORE2(n, p, a427); } n++; }
-  if (12 <= LMAX_MOST + 2) if (HAS2(12)) { if (ORDER(12)) { STORE2(n, p, a428); } n++; }
-  if (12 <= LMAX_MOST + 2) if (HAS2(12)) { if (ORDER(12)) { STORE2(n, p, a429); } n++; }
+  if (0 <= LMAX_MOST + 0) if (HAS0(0)) { if (ORDER(0)) { STORE0(n, p, b0); } n++; p++; }
+  if (0 <= LMAX_MOST + 2) if (HAS2(0)) { if (ORDER(0)) { STORE2(n, p, b1); } n++; }
+  if (1 <= LMAX_MOST + 0) if (HAS0(1)) { if (ORDER(0)) { STORE0(n, p, b2); } n++; p++; }
+  if (1 <= LMAX_MOST + 1) if (HAS1(1)) { if (ORDER(0)) { STORE1(n, p, b3); } n++; p += PART1; }
+  if (2 <= LMAX_MOST + 0) if (HAS0(2)) { if (ORDER(0)) { STORE0(n, p, b4); } n++; p++; }
+  if (2 <= LMAX_MOST + 1) if (HAS1(2)) { if (ORDER(0)) { STORE1(n, p, b5); } n++; p += PART1; }
+  if (2 <= LMAX_MOST + 2) if (HAS2(2)) { if (ORDER(0)) { STORE2(n, p, b6); } n++; }
+  if (3 <= LMAX_MOST + 0) if (HAS0(3)) { if (ORDER(0)) { STORE0(n, p, b7); } n++; p++; }
+  if (3 <= LMAX_MOST + 1) if (HAS1(3)) { if (ORDER(0)) { STORE1(n, p, b8); } n++; p += PART1; }
+  if (3 <= LMAX_MOST + 2) if (HAS2(3)) { if (ORDER(0)) { STORE2(n, p, b9); } n++; }
+  if (4 <= LMAX_MOST + 0) if (HAS0(4)) { if (ORDER(0)) { STORE0(n, p, b10); } n++; p++; }
+  if (4 <= LMAX_MOST + 1) if (HAS1(4)) { if (ORDER(0)) { STORE1(n, p, b11); } n++; p += PART1; }
+  if (4 <= LMAX_MOST + 2) if (HAS2(4)) { if (ORDER(0)) { STORE2(n, p, b12); } n++; }
+  if (5 <= LMAX_MOST + 0) if (HAS0(5)) { if (ORDER(0)) { STORE0(n, p, b13); } n++; p++; }
+  if (5 <= LMAX_MOST + 1) if (HAS1(5)) { if (ORDER(0)) { STORE1(n, p, b14); } n++; p += PART1; }
+  if (5 <= LMAX_MOST + 2) if (HAS2(5)) { if (ORDER(0)) { STORE2(n, p, b15); } n++; }
+  if (6 <= LMAX_MOST + 0) if (HAS0(6)) { if (ORDER(0)) { STORE0(n, p, b16); } n++; p++; }
+  if (6 <= LMAX_MOST + 1) if (HAS1(6)) { if (ORDER(0)) { STORE1(n, p, b17); } n++; p += PART1; }
+  if (6 <= LMAX_MOST + 2) if (HAS2(6)) { if (ORDER(0)) { STORE2(n, p, b18); } n++; }
+  if (7 <= LMAX_MOST + 0) if (HAS0(7)) { if (ORDER(0)) { STORE0(n, p, b19); } n++; p++; }
+  if (7 <= LMAX_MOST + 1) if (HAS1(7)) { if (ORDER(0)) { STORE1(n, p, b20); } n++; p += PART1; }
+  if (7 <= LMAX_MOST + 2) if (HAS2(7)) { if (ORDER(0)) { STORE2(n, p, b21); } n++; }
+  if (8 <= LMAX_MOST + 0) if (HAS0(8)) { if (ORDER(0)) { STORE0(n, p, b22); } n++; p++; }
+  if (8 <= LMAX_MOST + 1) if (HAS1(8)) { if (ORDER(0)) { STORE1(n, p, b23); } n++; p += PART1; }
+  if (8 <= LMAX_MOST + 2) if (HAS2(8)) { if (ORDER(0)) { STORE2(n, p, b24); } n++; }
+  if (9 <= LMAX_MOST + 0) if (HAS0(9)) { if (ORDER(0)) { STORE0(n, p, b25); } n++; p++; }
+  if (9 <= LMAX_MOST + 1) if (HAS1(9)) { if (ORDER(0)) { STORE1(n, p, b26); } n++; p += PART1; }
+  if (9 <= LMAX_MOST + 2) if (HAS2(9)) { if (ORDER(0)) { STORE2(n, p, b27); } n++; }
+  if (10 <= LMAX_MOST + 0) if (HAS0(10)) { if (ORDER(0)) { STORE0(n, p, b28); } n++; p++; }
+  if (10 <= LMAX_MOST + 1) if (HAS1(10)) { if (ORDER(0)) { STORE1(n, p, b29); } n++; p += PART1; }
+  if (10 <= LMAX_MOST + 2) if (HAS2(10)) { if (ORDER(0)) { STORE2(n, p, b30); } n++; }
+  if (11 <= LMAX_MOST + 1) if (HAS1(11)) { if (ORDER(0)) { STORE1(n, p, b31); } n++; p += PART1; }
+  if (11 <= LMAX_MOST + 2) if (HAS2(11)) { if (ORDER(0)) { STORE2(n, p, b32); } n++; }
+  if (12 <= LMAX_MOST + 2) if (HAS2(12)) { if (ORDER(0)) { STORE2(n, p, b33); } n++; }
+  if (1 <= LMAX_MOST + 0) if (HAS0(1)) { if (ORDER(1)) { STORE0(n, p, b34); } n++; p++; }
+  if (1 <= LMAX_MOST + 1) if (HAS1(1)) { if (ORDER(1)) { STORE1(n, p, b35); } n++; p += PART1; }
+  if (2 <= LMAX_MOST + 0) if (HAS0(2)) { if (ORDER(1)) { STORE0(n, p, b36); } n++; p++; }
+  if (2 <= LMAX_MOST + 1) if (HAS1(2)) { if (ORDER(1)) { STORE1(n, p, b37); } n++; p += PART1; }
+  if (2 <= LMAX_MOST + 2) if (HAS2(2)) { if (ORDER(1)) { STORE2(n, p, b38); } n++; }
+  if (3 <= LMAX_MOST + 0) if (HAS0(3)) { if (ORDER(1)) { STORE0(n, p, b39); } n++; p++; }
+  if (3 <= LMAX_MOST + 1) if (HAS1(3)) { if (ORDER(1)) { STORE1(n, p, b40); } n++; p += PART1; }
+  if (3 <= LMAX_MOST + 2) if (HAS2(3)) { if (ORDER(1)) { STORE2(n, p, b41); } n++; }
+  if (4 <= LMAX_MOST + 0) if (HAS0(4)) { if (ORDER(1)) { STORE0(n, p, b42); } n++; p++; }
+  if (4 <= LMAX_MOST + 1) if (HAS1(4)) { if (ORDER(1)) { STORE1(n, p, b43); } n++; p += PART1; }
+  if (4 <= LMAX_MOST + 2) if (HAS2(4)) { if (ORDER(1)) { STORE2(n, p, b44); } n++; }
+  if (5 <= LMAX_MOST + 0) if (HAS0(5)) { if (ORDER(1)) { STORE0(n, p, b45); } n++; p++; }
+  if (5 <= LMAX_MOST + 1) if (HAS1(5)) { if (ORDER(1)) { STORE1(n, p, b46); } n++; p += PART1; }
+  if (5 <= LMAX_MOST + 2) if (HAS2(5)) { if (ORDER(1)) { STORE2(n, p, b47); } n++; }
+  if (6 <= LMAX_MOST + 0) if (HAS0(6)) { if (ORDER(1)) { STORE0(n, p, b48); } n++; p++; }
+  if (6 <= LMAX_MOST + 1) if (HAS1(6)) { if (ORDER(1)) { STORE1(n, p, b49); } n++; p += PART1; }
+  if (6 <= LMAX_MOST + 2) if (HAS2(6)) { if (ORDER(1)) { STORE2(n, p, b50); } n++; }
+  if (7 <= LMAX_MOST + 0) if (HAS0(7)) { if (ORDER(1)) { STORE0(n, p, b51); } n++; p++; }
+  if (7 <= LMAX_MOST + 1) if (HAS1(7)) { if (ORDER(1)) { STORE1(n, p, b52); } n++; p += PART1; }
+  if (7 <= LMAX_MOST + 2) if (HAS2(7)) { if (ORDER(1)) { STORE2(n, p, b53); } n++; }
+  if (8 <= LMAX_MOST + 0) if (HAS0(8)) { if (ORDER(1)) { STORE0(n, p, b54); } n++; p++; }
+  if (8 <= LMAX_MOST + 1) if (HAS1(8)) { if (ORDER(1)) { STORE1(n, p, b55); } n++; p += PART1; }
+  if (8 <= LMAX_MOST + 2) if (HAS2(8)) { if (ORDER(1)) { STORE2(n, p, b56); } n++; }
+  if (9 <= LMAX_MOST + 0) if (HAS0(9)) { if (ORDER(1)) { STORE0(n, p, b57); } n++; p++; }
+  if (9 <= LMAX_MOST + 1) if (HAS1(9)) { if (ORDER(1)) { STORE1(n, p, b58); } n++; p += PART1; }
+  if (9 <= LMAX_MOST + 2) if (HAS2(9)) { if (ORDER(1)) { STORE2(n, p, b59); } n++; }
+  if (10 <= LMAX_MOST + 0) if (HAS0(10)) { if (ORDER(1)) { STORE0(n, p, b60); } n++; p++; }
+  if (10 <= LMAX_MOST + 1) if (HAS1(10)) { if (ORDER(1)) { STORE1(n, p, b61); } n++; p += PART1; }
+  if (10 <= LMAX_MOST + 2) if (HAS2(10)) { if (ORDER(1)) { STORE2(n, p, b62); } n++; }
+  if (11 <= LMAX_MOST + 1) if (HAS1(11)) { if (ORDER(1)) { STORE1(n, p, b63); } n++; p += PART1; }
+  if (11 <= LMAX_MOST + 2) if (HAS2(11)) { if (ORDER(1)) { STORE2(n, p, b64); } n++; }
+  if (12 <= LMAX_MOST + 2) if (HAS2(12)) { if (ORDER(1)) { STORE2(n, p, b65); } n++; }
+  if (1 <= LMAX_MOST + 0) if (HAS0(1)) { if (ORDER(1)) { STORE0(n, p, b66); } n++; p++; }
+  if (1 <= LMAX_MOST + 1) if (HAS1(1)) { if (ORDER(1)) { STORE1(n, p, b67); } n++; p += PART1; }
+  if (2 <= LMAX_MOST + 0) if (HAS0(2)) { if (ORDER(1)) { STORE0(n, p, b68); } n++; p++; }
+  if (2 <= LMAX_MOST + 1) if (HAS1(2)) { if (ORDER(1)) { STORE1(n, p, b69); } n++; p += PART1; }
+  if (2 <= LMAX_MOST + 2) if (HAS2(2)) { if (ORDER(1)) { STORE2(n, p, b70); } n++; }
+  if (3 <= LMAX_MOST + 0) if (HAS0(3)) { if (ORDER(1)) { STORE0(n, p, b71); } n++; p++; }
+  if (3 <= LMAX_MOST + 1) if (HAS1(3)) { if (ORDER(1)) { STORE1(n, p, b72); } n++; p += PART1; }
+  if (3 <= LMAX_MOST + 2) if (HAS2(3)) { if (ORDER(1)) { STORE2(n, p, b73); } n++; }
+  if (4 <= LMAX_MOST + 0) if (HAS0(4)) { if (ORDER(1)) { STORE0(n, p, b74); } n++; p++; }
+  if (4 <= LMAX_MOST + 1) if (HAS1(4)) { if (ORDER(1)) { STORE1(n, p, b75); } n++; p += PART1; }
+  if (4 <= LMAX_MOST + 2) if (HAS2(4)) { if (ORDER(1)) { STORE2(n, p, b76); } n++; }
+  if (5 <= LMAX_MOST + 0) if (HAS0(5)) { if (ORDER(1)) { STORE0(n, p, b77); } n++; p++; }
+  if (5 <= LMAX_MOST + 1) if (HAS1(5)) { if (ORDER(1)) { STORE1(n, p, b78); } n++; p += PART1; }
+  if (5 <= LMAX_MOST + 2) if (HAS2(5)) { if (ORDER(1)) { STORE2(n, p, b79); } n++; }
+  if (6 <= LMAX_MOST + 0) if (HAS0(6)) { if (ORDER(1)) { STORE0(n, p, b80); } n++; p++; }
+  if (6 <= LMAX_MOST + 1) if (HAS1(6)) { if (ORDER(1)) { STORE1(n, p, b81); } n++; p += PART1; }
+  if (6 <= LMAX_MOST + 2) if (HAS2(6)) { if (ORDER(1)) { STORE2(n, p, b82); } n++; }
+  if (7 <= LMAX_MOST + 0) if (HAS0(7)) { if (ORDER(1)) { STORE0(n, p, b83); } n++; p++; }
+  if (7 <= LMAX_MOST + 1) if (HAS1(7)) { if (ORDER(1)) { STORE1(n, p, b84); } n++; p += PART1; }
+  if (7 <= LMAX_MOST + 2) if (HAS2(7)) { if (ORDER(1)) { STORE2(n, p, b85); } n++; }
+  if (8 <= LMAX_MOST + 0) if (HAS0(8)) { if (ORDER(1)) { STORE0(n, p, b86); } n++; p++; }
+  if (8 <= LMAX_MOST + 1) if (HAS1(8)) { if (ORDER(1)) { STORE1(n, p, b87); } n++; p += PART1; }
+  if (8 <= LMAX_MOST + 2) if (HAS2(8)) { if (ORDER(1)) { STORE2(n, p, b88); } n++; }
+  if (9 <= LMAX_MOST + 0) if (HAS0(9)) { if (ORDER(1)) { STORE0(n, p, b89); } n++; p++; }
+  if (9 <= LMAX_MOST + 1) if (HAS1(9)) { if (ORDER(1)) { STORE1(n, p, b90); } n++; p += PART1; }
+  if (9 <= LMAX_MOST + 2) if (HAS2(9)) { if (ORDER(1)) { STORE2(n, p, b91); } n++; }
+  if (10 <= LMAX_MOST + 0) if (HAS0(10)) { if (ORDER(1)) { STORE0(n, p, b92); } n++; p++; }
+  if (10 <= LMAX_MOST + 1) if (HAS1(10)) { if (ORDER(1)) { STORE1(n, p, b93); } n++; p += PART1; }
+  if (10 <= LMAX_MOST + 2) if (HAS2(10)) { if (ORDER(1)) { STORE2(n, p, b94); } n++; }
+  if (11 <= LMAX_MOST + 1) if (HAS1(11)) { if (ORDER(1)) { STORE1(n, p, b95); } n++; p += PART1; }
+  if (11 <= LMAX_MOST + 2) if (HAS2(11)) { if (ORDER(1)) { STORE2(n, p, b96); } n++; }
+  if (12 <= LMAX_MOST + 2) if (HAS2(12)) { if (ORDER(1)) { STORE2(n, p, b97); } n++; }
+  if (2 <= LMAX_MOST + 0) if (HAS0(2)) { if (ORDER(2)) { STORE0(n, p, b98); } n++; p++; }
+  if (2 <= LMAX_MOST + 1) if (HAS1(2)) { if (ORDER(2)) { STORE1(n, p, b99); } n++; p += PART1; }
+  if (2 <= LMAX_MOST + 2) if (HAS2(2)) { if (ORDER(2)) { STORE2(n, p, b100); } n++; }
+  if (3 <= LMAX_MOST + 0) if (HAS0(3)) { if (ORDER(2)) { STORE0(n, p, b101); } n++; p++; }
+  if (3 <= LMAX_MOST + 1) if (HAS1(3)) { if (ORDER(2)) { STORE1(n, p, b102); } n++; p += PART1; }
+  if (3 <= LMAX_MOST + 2) if (HAS2(3)) { if (ORDER(2)) { STORE2(n, p, b103); } n++; }
+  if (4 <= LMAX_MOST + 0) if (HAS0(4)) { if (ORDER(2)) { STORE0(n, p, b104); } n++; p++; }
+  if (4 <= LMAX_MOST + 1) if (HAS1(4)) { if (ORDER(2)) { STORE1(n, p, b105); } n++; p += PART1; }
+  if (4 <= LMAX_MOST + 2) if (HAS2(4)) { if (ORDER(2)) { STORE2(n, p, b106); } n++; }
+  if (5 <= LMAX_MOST + 0) if (HAS0(5)) { if (ORDER(2)) { STORE0(n, p, b107); } n++; p++; }
+  if (5 <= LMAX_MOST + 1) if (HAS1(5)) { if (ORDER(2)) { STORE1(n, p, b108); } n++; p += PART1; }
+  if (5 <= LMAX_MOST + 2) if (HAS2(5)) { if (ORDER(2)) { STORE2(n, p, b109); } n++; }
+  if (6 <= LMAX_MOST + 0) if (HAS0(6)) { if (ORDER(2)) { STORE0(n, p, b110); } n++; p++; }
+  if (6 <= LMAX_MOST + 1) if (HAS1(6)) { if (ORDER(2)) { STORE1(n, p, b111); } n++; p += PART1; }
+  if (6 <= LMAX_MOST + 2) if (HAS2(6)) { if (ORDER(2)) { STORE2(n, p, b112); } n++; }
+  if (7 <= LMAX_MOST + 0) if (HAS0(7)) { if (ORDER(2)) { STORE0(n, p, b113); } n++; p++; }
+  if (7 <= LMAX_MOST + 1) if (HAS1(7)) { if (ORDER(2)) { STORE1(n, p, b114); } n++; p += PART1; }
+  if (7 <= LMAX_MOST + 2) if (HAS2(7)) { if (ORDER(2)) { STORE2(n, p, b115); } n++; }
+  if (8 <= LMAX_MOST + 0) if (HAS0(8)) { if (ORDER(2)) { STORE0(n, p, b116); } n++; p++; }
+  if (8 <= LMAX_MOST + 1) if (HAS1(8)) { if (ORDER(2)) { STORE1(n, p, b117); } n++; p += PART1; }
+  if (8 <= LMAX_MOST + 2) if (HAS2(8)) { if (ORDER(2)) { STORE2(n, p, b118); } n++; }
+  if (9 <= LMAX_MOST + 0) if (HAS0(9)) { if (ORDER(2)) { STORE0(n, p, b119); } n++; p++; }
+  if (9 <= LMAX_MOST + 1) if (HAS1(9)) { if (ORDER(2)) { STORE1(n, p, b120); } n++; p += PART1; }
+  if (9 <= LMAX_MOST + 2) if (HAS2(9)) { if (ORDER(2)) { STORE2(n, p, b121); } n++; }
+  if (10 <= LMAX_MOST + 0) if (HAS0(10)) { if (ORDER(2)) { STORE0(n, p, b122); } n++; p++; }
+  if (10 <= LMAX_MOST + 1) if (HAS1(10)) { if (ORDER(2)) { STORE1(n, p, b123); } n++; p += PART1; }
+  if (10 <= LMAX_MOST + 2) if (HAS2(10)) { if (ORDER(2)) { STORE2(n, p, b124); } n++; }
+  if (11 <= LMAX_MOST + 1) if (HAS1(11)) { if (ORDER(2)) { STORE1(n, p, b125); } n++; p += PART1; }
+  if (11 <= LMAX_MOST + 2) if (HAS2(11)) { if (ORDER(2)) { STORE2(n, p, b126); } n++; }
+  if (12 <= LMAX_MOST + 2) if (HAS2(12)) { if (ORDER(2)) { STORE2(n, p, b127); } n++; }
+  if (2 <= LMAX_MOST + 0) if (HAS0(2)) { if (ORDER(2)) { STORE0(n, p, b128); } n++; p++; }
+  if (2 <= LMAX_MOST + 1) if (HAS1(2)) { if (ORDER(2)) { STORE1(n, p, b129); } n++; p += PART1; }
+  if (2 <= LMAX_MOST + 2) if (HAS2(2)) { if (ORDER(2)) { STORE2(n, p, b130); } n++; }
+  if (3 <= LMAX_MOST + 0) if (HAS0(3)) { if (ORDER(2)) { STORE0(n, p, b131); } n++; p++; }
+  if (3 <= LMAX_MOST + 1) if (HAS1(3)) { if (ORDER(2)) { STORE1(n, p, b132); } n++; p += PART1; }
+  if (3 <= LMAX_MOST + 2) if (HAS2(3)) { if (ORDER(2)) { STORE2(n, p, b133); } n++; }
+  if (4 <= LMAX_MOST + 0) if (HAS0(4)) { if (ORDER(2)) { STORE0(n, p, b134); } n++; p++; }
+  if (4 <= LMAX_MOST + 1) if (HAS1(4)) { if (ORDER(2)) { STORE1(n, p, b135); } n++; p += PART1; }
+  if (4 <= LMAX_MOST + 2) if (HAS2(4)) { if (ORDER(2)) { STORE2(n, p, b136); } n++; }
+  if (5 <= LMAX_MOST + 0) if (HAS0(5)) { if (ORDER(2)) { STORE0(n, p, b137); } n++; p++; }
+  if (5 <= LMAX_MOST + 1) if (HAS1(5)) { if (ORDER(2)) { STORE1(n, p, b138); } n++; p += PART1; }
+  if (5 <= LMAX_MOST + 2) if (HAS2(5)) { if (ORDER(2)) { STORE2(n, p, b139); } n++; }
+  if (6 <= LMAX_MOST + 0) if (HAS0(6)) { if (ORDER(2)) { STORE0(n, p, b140); } n++; p++; }
+  if (6 <= LMAX_MOST + 1) if (HAS1(6)) { if (ORDER(2)) { STORE1(n, p, b141); } n++; p += PART1; }
+  if (6 <= LMAX_MOST + 2) if (HAS2(6)) { if (ORDER(2)) { STORE2(n, p, b142); } n++; }
+  if (7 <= LMAX_MOST + 0) if (HAS0(7)) { if (ORDER(2)) { STORE0(n, p, b143); } n++; p++; }
+  if (7 <= LMAX_MOST + 1) if (HAS1(7)) { if (ORDER(2)) { STORE1(n, p, b144); } n++; p += PART1; }
+  if (7 <= LMAX_MOST + 2) if (HAS2(7)) { if (ORDER(2)) { STORE2(n, p, b145); } n++; }
+  if (8 <= LMAX_MOST + 0) if (HAS0(8)) { if (ORDER(2)) { STORE0(n, p, b146); } n++; p++; }
+  if (8 <= LMAX_MOST + 1) if (HAS1(8)) { if (ORDER(2)) { STORE1(n, p, b147); } n++; p += PART1; }
+  if (8 <= LMAX_MOST + 2) if (HAS2(8)) { if (ORDER(2)) { STORE2(n, p, b148); } n++; }
+  if (9 <= LMAX_MOST + 0) if (HAS0(9)) { if (ORDER(2)) { STORE0(n, p, b149); } n++; p++; }
+  if (9 <= LMAX_MOST + 1) if (HAS1(9)) { if (ORDER(2)) { STORE1(n, p, b150); } n++; p += PART1; }
+  if (9 <= LMAX_MOST + 2) if (HAS2(9)) { if (ORDER(2)) { STORE2(n, p, b151); } n++; }
+  if (10 <= LMAX_MOST + 0) if (HAS0(10)) { if (ORDER(2)) { STORE0(n, p, b152); } n++; p++; }
+  if (10 <= LMAX_MOST + 1) if (HAS1(10)) { if (ORDER(2)) { STORE1(n, p, b153); } n++; p += PART1; }
+  if (10 <= LMAX_MOST + 2) if (HAS2(10)) { if (ORDER(2)) { STORE2(n, p, b154); } n++; }
+  if (11 <= LMAX_MOST + 1) if (HAS1(11)) { if (ORDER(2)) { STORE1(n, p, b155); } n++; p += PART1; }
+  if (11 <= LMAX_MOST + 2) if (HAS2(11)) { if (ORDER(2)) { STORE2(n, p, b156); } n++; }
+  if (12 <= LMAX_MOST + 2) if (HAS2(12)) { if (ORDER(2)) { STORE2(n, p, b157); } n++; }
+  if (3 <= LMAX_MOST + 0) if (HAS0(3)) { if (ORDER(3)) { STORE0(n, p, b158); } n++; p++; }
+  if (3 <= LMAX_MOST + 1) if (HAS1(3)) { if (ORDER(3)) { STORE1(n, p, b159); } n++; p += PART1; }
+  if (3 <= LMAX_MOST + 2) if (HAS2(3)) { if (ORDER(3)) { STORE2(n, p, b160); } n++; }
+  if (4 <= LMAX_MOST + 0) if (HAS0(4)) { if (ORDER(3)) { STORE0(n, p, b161); } n++; p++; }
+  if (4 <= LMAX_MOST + 1) if (HAS1(4)) { if (ORDER(3)) { STORE1(n, p, b162); } n++; p += PART1; }
+  if (4 <= LMAX_MOST + 2) if (HAS2(4)) { if (ORDER(3)) { STORE2(n, p, b163); } n++; }
+  if (5 <= LMAX_MOST + 0) if (HAS0(5)) { if (ORDER(3)) { STORE0(n, p, b164); } n++; p++; }
+  if (5 <= LMAX_MOST + 1) if (HAS1(5)) { if (ORDER(3)) { STORE1(n, p, b165); } n++; p += PART1; }
+  if (5 <= LMAX_MOST + 2) if (HAS2(5)) { if (ORDER(3)) { STORE2(n, p, b166); } n++; }
+  if (6 <= LMAX_MOST + 0) if (HAS0(6)) { if (ORDER(3)) { STORE0(n, p, b167); } n++; p++; }
+  if (6 <= LMAX_MOST + 1) if (HAS1(6)) { if (ORDER(3)) { STORE1(n, p, b168); } n++; p += PART1; }
+  if (6 <= LMAX_MOST + 2) if (HAS2(6)) { if (ORDER(3)) { STORE2(n, p, b169); } n++; }
+  if (7 <= LMAX_MOST + 0) if (HAS0(7)) { if (ORDER(3)) { STORE0(n, p, b170); } n++; p++; }
+  if (7 <= LMAX_MOST + 1) if (HAS1(7)) { if (ORDER(3)) { STORE1(n, p, b171); } n++; p += PART1; }
+  if (7 <= LMAX_MOST + 2) if (HAS2(7)) { if (ORDER(3)) { STORE2(n, p, b172); } n++; }
+  if (8 <= LMAX_MOST + 0) if (HAS0(8)) { if (ORDER(3)) { STORE0(n, p, b173); } n++; p++; }
+  if (8 <= LMAX_MOST + 1) if (HAS1(8)) { if (ORDER(3)) { STORE1(n, p, b174); } n++; p += PART1; }
+  if (8 <= LMAX_MOST + 2) if (HAS2(8)) { if (ORDER(3)) { STORE2(n, p, b175); } n++; }
+  if (9 <= LMAX_MOST + 0) if (HAS0(9)) { if (ORDER(3)) { STORE0(n, p, b176); } n++; p++; }
+  if (9 <= LMAX_MOST + 1) if (HAS1(9)) { if (ORDER(3)) { STORE1(n, p, b177); } n++; p += PART1; }
+  if (9 <= LMAX_MOST + 2) if (HAS2(9)) { if (ORDER(3)) { STORE2(n, p, b178); } n++; }
+  if (10 <= LMAX_MOST + 0) if (HAS0(10)) { if (ORDER(3)) { STORE0(n, p, b179); } n++; p++; }
+  if (10 <= LMAX_MOST + 1) if (HAS1(10)) { if (ORDER(3)) { STORE1(n, p, b180); } n++; p += PART1; }
+  if (10 <= LMAX_MOST + 2) if (HAS2(10)) { if (ORDER(3)) { STORE2(n, p, b181); } n++; }
+  if (11 <= LMAX_MOST + 1) if (HAS1(11)) { if (ORDER(3)) { STORE1(n, p, b182); } n++; p += PART1; }
+  if (11 <= LMAX_MOST + 2) if (HAS2(11)) { if (ORDER(3)) { STORE2(n, p, b183); } n++; }
+  if (12 <= LMAX_MOST + 2) if (HAS2(12)) { if (ORDER(3)) { STORE2(n, p, b184); } n++; }
+  if (3 <= LMAX_MOST + 0) if (HAS0(3)) { if (ORDER(3)) { STORE0(n, p, b185); } n++; p++; }
+  if (3 <= LMAX_MOST + 1) if (HAS1(3)) { if (ORDER(3)) { STORE1(n, p, b186); } n++; p += PART1; }
+  if (3 <= LMAX_MOST + 2) if (HAS2(3)) { if (ORDER(3)) { STORE2(n, p, b187); } n++; }
+  if (4 <= LMAX_MOST + 0) if (HAS0(4)) { if (ORDER(3)) { STORE0(n, p, b188); } n++; p++; }
+  if (4 <= LMAX_MOST + 1) if (HAS1(4)) { if (ORDER(3)) { STORE1(n, p, b189); } n++; p += PART1; }
+  if (4 <= LMAX_MOST + 2) if (HAS2(4)) { if (ORDER(3)) { STORE2(n, p, b190); } n++; }
+  if (5 <= LMAX_MOST + 0) if (HAS0(5)) { if (ORDER(3)) { STORE0(n, p, b191); } n++; p++; }
+  if (5 <= LMAX_MOST + 1) if (HAS1(5)) { if (ORDER(3)) { STORE1(n, p, b192); } n++; p += PART1; }
+  if (5 <= LMAX_MOST + 2) if (HAS2(5)) { if (ORDER(3)) { STORE2(n, p, b193); } n++; }
+  if (6 <= LMAX_MOST + 0) if (HAS0(6)) { if (ORDER(3)) { STORE0(n, p, b194); } n++; p++; }
+  if (6 <= LMAX_MOST + 1) if (HAS1(6)) { if (ORDER(3)) { STORE1(n, p, b195); } n++; p += PART1; }
+  if (6 <= LMAX_MOST + 2) if (HAS2(6)) { if (ORDER(3)) { STORE2(n, p, b196); } n++; }
+  if (7 <= LMAX_MOST + 0) if (HAS0(7)) { if (ORDER(3)) { STORE0(n, p, b197); } n++; p++; }
+  if (7 <= LMAX_MOST + 1) if (HAS1(7)) { if (ORDER(3)) { STORE1(n, p, b198); } n++; p += PART1; }
+  if (7 <= LMAX_MOST + 2) if (HAS2(7)) { if (ORDER(3)) { STORE2(n, p, b199); } n++; }
+  if (8 <= LMAX_MOST + 0) if (HAS0(8)) { if (ORDER(3)) { STORE0(n, p, b200); } n++; p++; }
+  if (8 <= LMAX_MOST + 1) if (HAS1(8)) { if (ORDER(3)) { STORE1(n, p, b201); } n++; p += PART1; }
+  if (8 <= LMAX_MOST + 2) if (HAS2(8)) { if (ORDER(3)) { STORE2(n, p, b202); } n++; }
+  if (9 <= LMAX_MOST + 0) if (HAS0(9)) { if (ORDER(3)) { STORE0(n, p, b203); } n++; p++; }
+  if (9 <= LMAX_MOST + 1) if (HAS1(9)) { if (ORDER(3)) { STORE1(n, p, b204); } n++; p += PART1; }
+  if (9 <= LMAX_MOST + 2) if (HAS2(9)) { if (ORDER(3)) { STORE2(n, p, b205); } n++; }
+  if (10 <= LMAX_MOST + 0) if (HAS0(10)) { if (ORDER(3)) { STORE0(n, p, b206); } n++; p++; }
+  if (10 <= LMAX_MOST + 1) if (HAS1(10)) { if (ORDER(3)) { STORE1(n, p, b207); } n++; p += PART1; }
+  if (10 <= LMAX_MOST + 2) if (HAS2(10)) { if (ORDER(3)) { STORE2(n, p, b208); } n++; }
+  if (11 <= LMAX_MOST + 1) if (HAS1(11)) { if (ORDER(3)) { STORE1(n, p, b209); } n++; p += PART1; }
+  if (11 <= LMAX_MOST + 2) if (HAS2(11)) { if (ORDER(3)) { STORE2(n, p, b210); } n++; }
+  if (12 <= LMAX_MOST + 2) if (HAS2(12)) { if (ORDER(3)) { STORE2(n, p, b211); } n++; }
+  if (4 <= LMAX_MOST + 0) if (HAS0(4)) { if (ORDER(4)) { STORE0(n, p, b212); } n++; p++; }
+  if (4 <= LMAX_MOST + 1) if (HAS1(4)) { if (ORDER(4)) { STORE1(n, p, b213); } n++; p += PART1; }
+  if (4 <= LMAX_MOST + 2) if (HAS2(4)) { if (ORDER(4)) { STORE2(n, p, b214); } n++; }
+  if (5 <= LMAX_MOST + 0) if (HAS0(5)) { if (ORDER(4)) { STORE0(n, p, b215); } n++; p++; }
+  if (5 <= LMAX_MOST + 1) if (HAS1(5)) { if (ORDER(4)) { STORE1(n, p, b216); } n++; p += PART1; }
+  if (5 <= LMAX_MOST + 2) if (HAS2(5)) { if (ORDER(4)) { STORE2(n, p, b217); } n++; }
+  if (6 <= LMAX_MOST + 0) if (HAS0(6)) { if (ORDER(4)) { STORE0(n, p, b218); } n++; p++; }
+  if (6 <= LMAX_MOST + 1) if (HAS1(6)) { if (ORDER(4)) { STORE1(n, p, b219); } n++; p += PART1; }
+  if (6 <= LMAX_MOST + 2) if (HAS2(6)) { if (ORDER(4)) { STORE2(n, p, b220); } n++; }
+  if (7 <= LMAX_MOST + 0) if (HAS0(7)) { if (ORDER(4)) { STORE0(n, p, b221); } n++; p++; }
+  if (7 <= LMAX_MOST + 1) if (HAS1(7)) { if (ORDER(4)) { STORE1(n, p, b222); } n++; p += PART1; }
+  if (7 <= LMAX_MOST + 2) if (HAS2(7)) { if (ORDER(4)) { STORE2(n, p, b223); } n++; }
+  if (8 <= LMAX_MOST + 0) if (HAS0(8)) { if (ORDER(4)) { STORE0(n, p, b224); } n++; p++; }
+  if (8 <= LMAX_MOST + 1) if (HAS1(8)) { if (ORDER(4)) { STORE1(n, p, b225); } n++; p += PART1; }
+  if (8 <= LMAX_MOST + 2) if (HAS2(8)) { if (ORDER(4)) { STORE2(n, p, b226); } n++; }
+  if (9 <= LMAX_MOST + 0) if (HAS0(9)) { if (ORDER(4)) { STORE0(n, p, b227); } n++; p++; }
+  if (9 <= LMAX_MOST + 1) if (HAS1(9)) { if (ORDER(4)) { STORE1(n, p, b228); } n++; p += PART1; }
+  if (9 <= LMAX_MOST + 2) if (HAS2(9)) { if (ORDER(4)) { STORE2(n, p, b229); } n++; }
+  if (10 <= LMAX_MOST + 0) if (HAS0(10)) { if (ORDER(4)) { STORE0(n, p, b230); } n++; p++; }
+  if (10 <= LMAX_MOST + 1) if (HAS1(10)) { if (ORDER(4)) { STORE1(n, p, b231); } n++; p += PART1; }
+  if (10 <= LMAX_MOST + 2) if (HAS2(10)) { if (ORDER(4)) { STORE2(n, p, b232); } n++; }
+  if (11 <= LMAX_MOST + 1) if (HAS1(11)) { if (ORDER(4)) { STORE1(n, p, b233); } n++; p += PART1; }
+  if (11 <= LMAX_MOST + 2) if (HAS2(11)) { if (ORDER(4)) { STORE2(n, p, b234); } n++; }
+  if (12 <= LMAX_MOST + 2) if (HAS2(12)) { if (ORDER(4)) { STORE2(n, p, b235); } n++; }
+  if (4 <= LMAX_MOST + 0) if (HAS0(4)) { if (ORDER(4)) { STORE0(n, p, b236); } n++; p++; }
+  if (4 <= LMAX_MOST + 1) if (HAS1(4)) { if (ORDER(4)) { STORE1(n, p, b237); } n++; p += PART1; }
+  if (4 <= LMAX_MOST + 2) if (HAS2(4)) { if (ORDER(4)) { STORE2(n, p, b238); } n++; }
+  if (5 <= LMAX_MOST + 0) if (HAS0(5)) { if (ORDER(4)) { STORE0(n, p, b239); } n++; p++; }
+  if (5 <= LMAX_MOST + 1) if (HAS1(5)) { if (ORDER(4)) { STORE1(n, p, b240); } n++; p += PART1; }
+  if (5 <= LMAX_MOST + 2) if (HAS2(5)) { if (ORDER(4)) { STORE2(n, p, b241); } n++; }
+  if (6 <= LMAX_MOST + 0) if (HAS0(6)) { if (ORDER(4)) { STORE0(n, p, b242); } n++; p++; }
+  if (6 <= LMAX_MOST + 1) if (HAS1(6)) { if (ORDER(4)) { STORE1(n, p, b243); } n++; p += PART1; }
+  if (6 <= LMAX_MOST + 2) if (HAS2(6)) { if (ORDER(4)) { STORE2(n, p, b244); } n++; }
+  if (7 <= LMAX_MOST + 0) if (HAS0(7)) { if (ORDER(4)) { STORE0(n, p, b245); } n++; p++; }
+  if (7 <= LMAX_MOST + 1) if (HAS1(7)) { if (ORDER(4)) { STORE1(n, p, b246); } n++; p += PART1; }
+  if (7 <= LMAX_MOST + 2) if (HAS2(7)) { if (ORDER(4)) { STORE2(n, p, b247); } n++; }
+  if (8 <= LMAX_MOST + 0) if (HAS0(8)) { if (ORDER(4)) { STORE0(n, p, b248); } n++; p++; }
+  if (8 <= LMAX_MOST + 1) if (HAS1(8)) { if (ORDER(4)) { STORE1(n, p, b249); } n++; p += PART1; }
+  if (8 <= LMAX_MOST + 2) if (HAS2(8)) { if (ORDER(4)) { STORE2(n, p, b250); } n++; }
+  if (9 <= LMAX_MOST + 0) if (HAS0(9)) { if (ORDER(4)) { STORE0(n, p, b251); } n++; p++; }
+  if (9 <= LMAX_MOST + 1) if (HAS1(9)) { if (ORDER(4)) { STORE1(n, p, b252); } n++; p += PART1; }
+  if (9 <= LMAX_MOST + 2) if (HAS2(9)) { if (ORDER(4)) { STORE2(n, p, b253); } n++; }
+  if (10 <= LMAX_MOST + 0) if (HAS0(10)) { if (ORDER(4)) { STORE0(n, p, b254); } n++; p++; }
+  if (10 <= LMAX_MOST + 1) if (HAS1(10)) { if (ORDER(4)) { STORE1(n, p, b255); } n++; p += PART1; }
+  if (10 <= LMAX_MOST + 2) if (HAS2(10)) { if (ORDER(4)) { STORE2(n, p, b256); } n++; }
+  if (11 <= LMAX_MOST + 1) if (HAS1(11)) { if (ORDER(4)) { STORE1(n, p, b257); } n++; p += PART1; }
+  if (11 <= LMAX_MOST + 2) if (HAS2(11)) { if (ORDER(4)) { STORE2(n, p, b258); } n++; }
+  if (12 <= LMAX_MOST + 2) if (HAS2(12)) { if (ORDER(4)) { STORE2(n, p, b259); } n++; }
+  if (5 <= LMAX_MOST + 0) if (HAS0(5)) { if (ORDER(5)) { STORE0(n, p, b260); } n++; p++; }
+  if (5 <= LMAX_MOST + 1) if (HAS1(5)) { if (ORDER(5)) { STORE1(n, p, b261); } n++; p += PART1; }
+  if (5 <= LMAX_MOST + 2) if (HAS2(5)) { if (ORDER(5)) { STORE2(n, p, b262); } n++; }
+  if (6 <= LMAX_MOST + 0) if (HAS0(6)) { if (ORDER(5)) { STORE0(n, p, b263); } n++; p++; }
+  if (6 <= LMAX_MOST + 1) if (HAS1(6)) { if (ORDER(5)) { STORE1(n, p, b264); } n++; p += PART1; }
+  if (6 <= LMAX_MOST + 2) if (HAS2(6)) { if (ORDER(5)) { STORE2(n, p, b265); } n++; }
+  if (7 <= LMAX_MOST + 0) if (HAS0(7)) { if (ORDER(5)) { STORE0(n, p, b266); } n++; p++; }
+  if (7 <= LMAX_MOST + 1) if (HAS1(7)) { if (ORDER(5)) { STORE1(n, p, b267); } n++; p += PART1; }
+  if (7 <= LMAX_MOST + 2) if (HAS2(7)) { if (ORDER(5)) { STORE2(n, p, b268); } n++; }
+  if (8 <= LMAX_MOST + 0) if (HAS0(8)) { if (ORDER(5)) { STORE0(n, p, b269); } n++; p++; }
+  if (8 <= LMAX_MOST + 1) if (HAS1(8)) { if (ORDER(5)) { STORE1(n, p, b270); } n++; p += PART1; }
+  if (8 <= LMAX_MOST + 2) if (HAS2(8)) { if (ORDER(5)) { STORE2(n, p, b271); } n++; }
+  if (9 <= LMAX_MOST + 0) if (HAS0(9)) { if (ORDER(5)) { STORE0(n, p, b272); } n++; p++; }
+  if (9 <= LMAX_MOST + 1) if (HAS1(9)) { if (ORDER(5)) { STORE1(n, p, b273); } n++; p += PART1; }
+  if (9 <= LMAX_MOST + 2) if (HAS2(9)) { if (ORDER(5)) { STORE2(n, p, b274); } n++; }
+  if (10 <= LMAX_MOST + 0) if (HAS0(10)) { if (ORDER(5)) { STORE0(n, p, b275); } n++; p++; }
+  if (10 <= LMAX_MOST + 1) if (HAS1(10)) { if (ORDER(5)) { STORE1(n, p, b276); } n++; p += PART1; }
+  if (10 <= LMAX_MOST + 2) if (HAS2(10)) { if (ORDER(5)) { STORE2(n, p, b277); } n++; }
+  if (11 <= LMAX_MOST + 1) if (HAS1(11)) { if (ORDER(5)) { STORE1(n, p, b278); } n++; p += PART1; }
+  if (11 <= LMAX_MOST + 2) if (HAS2(11)) { if (ORDER(5)) { STORE2(n, p, b279); } n++; }
+  if (12 <= LMAX_MOST + 2) if (HAS2(12)) { if (ORDER(5)) { STORE2(n, p, b280); } n++; }
+  if (5 <= LMAX_MOST + 0) if (HAS0(5)) { if (ORDER(5)) { STORE0(n, p, b281); } n++; p++; }
+  if (5 <= LMAX_MOST + 1) if (HAS1(5)) { if (ORDER(5)) { STORE1(n, p, b282); } n++; p += PART1; }
+  if (5 <= LMAX_MOST + 2) if (HAS2(5)) { if (ORDER(5)) { STORE2(n, p, b283); } n++; }
+  if (6 <= LMAX_MOST + 0) if (HAS0(6)) { if (ORDER(5)) { STORE0(n, p, b284); } n++; p++; }
+  if (6 <= LMAX_MOST + 1) if (HAS1(6)) { if (ORDER(5)) { STORE1(n, p, b285); } n++; p += PART1; }
+  if (6 <= LMAX_MOST + 2) if (HAS2(6)) { if (ORDER(5)) { STORE2(n, p, b286); } n++; }
+  if (7 <= LMAX_MOST + 0) if (HAS0(7)) { if (ORDER(5)) { STORE0(n, p, b287); } n++; p++; }
+  if (7 <= LMAX_MOST + 1) if (HAS1(7)) { if (ORDER(5)) { STORE1(n, p, b288); } n++; p += PART1; }
+  if (7 <= LMAX_MOST + 2) if (HAS2(7)) { if (ORDER(5)) { STORE2(n, p, b289); } n++; }
+  if (8 <= LMAX_MOST + 0) if (HAS0(8)) { if (ORDER(5)) { STORE0(n, p, b290); } n++; p++; }
+  if (8 <= LMAX_MOST + 1) if (HAS1(8)) { if (ORDER(5)) { STORE1(n, p, b291); } n++; p += PART1; }
+  if (8 <= LMAX_MOST + 2) if (HAS2(8)) { if (ORDER(5)) { STORE2(n, p, b292); } n++; }
+  if (9 <= LMAX_MOST + 0) if (HAS0(9)) { if (ORDER(5)) { STORE0(n, p, b293); } n++; p++; }
+  if (9 <= LMAX_MOST + 1) if (HAS1(9)) { if (ORDER(5)) { STORE1(n, p, b294); } n++; p += PART1; }
+  if (9 <= LMAX_MOST + 2) if (HAS2(9)) { if (ORDER(5)) { STORE2(n, p, b295); } n++; }
+  if (10 <= LMAX_MOST + 0) if (HAS0(10)) { if (ORDER(5)) { STORE0(n, p, b296); } n++; p++; }
+  if (10 <= LMAX_MOST + 1) if (HAS1(10)) { if (ORDER(5)) { STORE1(n, p, b297); } n++; p += PART1; }
+  if (10 <= LMAX_MOST + 2) if (HAS2(10)) { if (ORDER(5)) { STORE2(n, p, b298); } n++; }
+  if (11 <= LMAX_MOST + 1) if (HAS1(11)) { if (ORDER(5)) { STORE1(n, p, b299); } n++; p += PART1; }
+  if (11 <= LMAX_MOST + 2) if (HAS2(11)) { if (ORDER(5)) { STORE2(n, p, b300); } n++; }
+  if (12 <= LMAX_MOST + 2) if (HAS2(12)) { if (ORDER(5)) { STORE2(n, p, b301); } n++; }
+  if (6 <= LMAX_MOST + 0) if (HAS0(6)) { if (ORDER(6)) { STORE0(n, p, b302); } n++; p++; }
+  if (6 <= LMAX_MOST + 1) if (HAS1(6)) { if (ORDER(6)) { STORE1(n, p, b303); } n++; p += PART1; }
+  if (6 <= LMAX_MOST + 2) if (HAS2(6)) { if (ORDER(6)) { STORE2(n, p, b304); } n++; }
+  if (7 <= LMAX_MOST + 0) if (HAS0(7)) { if (ORDER(6)) { STORE0(n, p, b305); } n++; p++; }
+  if (7 <= LMAX_MOST + 1) if (HAS1(7)) { if (ORDER(6)) { STORE1(n, p, b306); } n++; p += PART1; }
+  if (7 <= LMAX_MOST + 2) if (HAS2(7)) { if (ORDER(6)) { STORE2(n, p, b307); } n++; }
+  if (8 <= LMAX_MOST + 0) if (HAS0(8)) { if (ORDER(6)) { STORE0(n, p, b308); } n++; p++; }
+  if (8 <= LMAX_MOST + 1) if (HAS1(8)) { if (ORDER(6)) { STORE1(n, p, b309); } n++; p += PART1; }
+  if (8 <= LMAX_MOST + 2) if (HAS2(8)) { if (ORDER(6)) { STORE2(n, p, b310); } n++; }
+  if (9 <= LMAX_MOST + 0) if (HAS0(9)) { if (ORDER(6)) { STORE0(n, p, b311); } n++; p++; }
+  if (9 <= LMAX_MOST + 1) if (HAS1(9)) { if (ORDER(6)) { STORE1(n, p, b312); } n++; p += PART1; }
+  if (9 <= LMAX_MOST + 2) if (HAS2(9)) { if (ORDER(6)) { STORE2(n, p, b313); } n++; }
+  if (10 <= LMAX_MOST + 0) if (HAS0(10)) { if (ORDER(6)) { STORE0(n, p, b314); } n++; p++; }
+  if (10 <= LMAX_MOST + 1) if (HAS1(10)) { if (ORDER(6)) { STORE1(n, p, b315); } n++; p += PART1; }
+  if (10 <= LMAX_MOST + 2) if (HAS2(10)) { if (ORDER(6)) { STORE2(n, p, b316); } n++; }
+  if (11 <= LMAX_MOST + 1) if (HAS1(11)) { if (ORDER(6)) { STORE1(n, p, b317); } n++; p += PART1; }
+  if (11 <= LMAX_MOST + 2) if (HAS2(11)) { if (ORDER(6)) { STORE2(n, p, b318); } n++; }
+  if (12 <= LMAX_MOST + 2) if (HAS2(12)) { if (ORDER(6)) { STORE2(n, p, b319); } n++; }
+  if (6 <= LMAX_MOST + 0) if (HAS0(6)) { if (ORDER(6)) { STORE0(n, p, b320); } n++; p++; }
+  if (6 <= LMAX_MOST + 1) if (HAS1(6)) { if (ORDER(6)) { STORE1(n, p, b321); } n++; p += PART1; }
+  if (6 <= LMAX_MOST + 2) if (HAS2(6)) { if (ORDER(6)) { STORE2(n, p, b322); } n++; }
+  if (7 <= LMAX_MOST + 0) if (HAS0(7)) { if (ORDER(6)) { STORE0(n, p, b323); } n++; p++; }
+  if (7 <= LMAX_MOST + 1) if (HAS1(7)) { if (ORDER(6)) { STORE1(n, p, b324); } n++; p += PART1; }
+  if (7 <= LMAX_MOST + 2) if (HAS2(7)) { if (ORDER(6)) { STORE2(n, p, b325); } n++; }
+  if (8 <= LMAX_MOST + 0) if (HAS0(8)) { if (ORDER(6)) { STORE0(n, p, b326); } n++; p++; }
+  if (8 <= LMAX_MOST + 1) if (HAS1(8)) { if (ORDER(6)) { STORE1(n, p, b327); } n++; p += PART1; }
+  if (8 <= LMAX_MOST + 2) if (HAS2(8)) { if (ORDER(6)) { STORE2(n, p, b328); } n++; }
+  if (9 <= LMAX_MOST + 0) if (HAS0(9)) { if (ORDER(6)) { STORE0(n, p, b329); } n++; p++; }
+  if (9 <= LMAX_MOST + 1) if (HAS1(9)) { if (ORDER(6)) { STORE1(n, p, b330); } n++; p += PART1; }
+  if (9 <= LMAX_MOST + 2) if (HAS2(9)) { if (ORDER(6)) { STORE2(n, p, b331); } n++; }
+  if (10 <= LMAX_MOST + 0) if (HAS0(10)) { if (ORDER(6)) { STORE0(n, p, b332); } n++; p++; }
+  if (10 <= LMAX_MOST + 1) if (HAS1(10)) { if (ORDER(6)) { STORE1(n, p, b333); } n++; p += PART1; }
+  if (10 <= LMAX_MOST + 2) if (HAS2(10)) { if (ORDER(6)) { STORE2(n, p, b334); } n++; }
+  if (11 <= LMAX_MOST + 1) if (HAS1(11)) { if (ORDER(6)) { STORE1(n, p, b335); } n++; p += PART1; }
+  if (11 <= LMAX_MOST + 2) if (HAS2(11)) { if (ORDER(6)) { STORE2(n, p, b336); } n++; }
+  if (12 <= LMAX_MOST + 2) if (HAS2(12)) { if (ORDER(6)) { STORE2(n, p, b337); } n++; }
+  if (7 <= LMAX_MOST + 0) if (HAS0(7)) { if (ORDER(7)) { STORE0(n, p, b338); } n++; p++; }
+  if (7 <= LMAX_MOST + 1) if (HAS1(7)) { if (ORDER(7)) { STORE1(n, p, b339); } n++; p += PART1; }
+  if (7 <= LMAX_MOST + 2) if (HAS2(7)) { if (ORDER(7)) { STORE2(n, p, b340); } n++; }
+  if (8 <= LMAX_MOST + 0) if (HAS0(8)) { if (ORDER(7)) { STORE0(n, p, b341); } n++; p++; }
+  if (8 <= LMAX_MOST + 1) if (HAS1(8)) { if (ORDER(7)) { STORE1(n, p, b342); } n++; p += PART1; }
+  if (8 <= LMAX_MOST + 2) if (HAS2(8)) { if (ORDER(7)) { STORE2(n, p, b343); } n++; }
+  if (9 <= LMAX_MOST + 0) if (HAS0(9)) { if (ORDER(7)) { STORE0(n, p, b344); } n++; p++; }
+  if (9 <= LMAX_MOST + 1) if (HAS1(9)) { if (ORDER(7)) { STORE1(n, p, b345); } n++; p += PART1; }
+  if (9 <= LMAX_MOST + 2) if (HAS2(9)) { if (ORDER(7)) { STORE2(n, p, b346); } n++; }
+  if (10 <= LMAX_MOST + 0) if (HAS0(10)) { if (ORDER(7)) { STORE0(n, p, b347); } n++; p++; }
+  if (10 <= LMAX_MOST + 1) if (HAS1(10)) { if (ORDER(7)) { STORE1(n, p, b348); } n++; p += PART1; }
+  if (10 <= LMAX_MOST + 2) if (HAS2(10)) { if (ORDER(7)) { STORE2(n, p, b349); } n++; }
+  if (11 <= LMAX_MOST + 1) if (HAS1(11)) { if (ORDER(7)) { STORE1(n, p, b350); } n++; p += PART1; }
+  if (11 <= LMAX_MOST + 2) if (HAS2(11)) { if (ORDER(7)) { STORE2(n, p, b351); } n++; }
+  if (12 <= LMAX_MOST + 2) if (HAS2(12)) { if (ORDER(7)) { STORE2(n, p, b352); } n++; }
+  if (7 <= LMAX_MOST + 0) if (HAS0(7)) { if (ORDER(7)) { STORE0(n, p, b353); } n++; p++; }
+  if (7 <= LMAX_MOST + 1) if (HAS1(7)) { if (ORDER(7)) { STORE1(n, p, b354); } n++; p += PART1; }
+  if (7 <= LMAX_MOST + 2) if (HAS2(7)) { if (ORDER(7)) { STORE2(n, p, b355); } n++; }
+  if (8 <= LMAX_MOST + 0) if (HAS0(8)) { if (ORDER(7)) { STORE0(n, p, b356); } n++; p++; }
+  if (8 <= LMAX_MOST + 1) if (HAS1(8)) { if (ORDER(7)) { STORE1(n, p, b357); } n++; p += PART1; }
+  if (8 <= LMAX_MOST + 2) if (HAS2(8)) { if (ORDER(7)) { STORE2(n, p, b358); } n++; }
+  if (9 <= LMAX_MOST + 0) if (HAS0(9)) { if (ORDER(7)) { STORE0(n, p, b359); } n++; p++; }
+  if (9 <= LMAX_MOST + 1) if (HAS1(9)) { if (ORDER(7)) { STORE1(n, p, b360); } n++; p += PART1; }
+  if (9 <= LMAX_MOST + 2) if (HAS2(9)) { if (ORDER(7)) { STORE2(n, p, b361); } n++; }
+  if (10 <= LMAX_MOST + 0) if (HAS0(10)) { if (ORDER(7)) { STORE0(n, p, b362); } n++; p++; }
+  if (10 <= LMAX_MOST + 1) if (HAS1(10)) { if (ORDER(7)) { STORE1(n, p, b363); } n++; p += PART1; }
+  if (10 <= LMAX_MOST + 2) if (HAS2(10)) { if (ORDER(7)) { STORE2(n, p, b364); } n++; }
+  if (11 <= LMAX_MOST + 1) if (HAS1(11)) { if (ORDER(7)) { STORE1(n, p, b365); } n++; p += PART1; }
+  if (11 <= LMAX_MOST + 2) if (HAS2(11)) { if (ORDER(7)) { STORE2(n, p, b366); } n++; }
+  if (12 <= LMAX_MOST + 2) if (HAS2(12)) { if (ORDER(7)) { STORE2(n, p, b367); } n++; }
+  if (8 <= LMAX_MOST + 0) if (HAS0(8)) { if (ORDER(8)) { STORE0(n, p, b368); } n++; p++; }
+  if (8 <= LMAX_MOST + 1) if (HAS1(8)) { if (ORDER(8)) { STORE1(n, p, b369); } n++; p += PART1; }
+  if (8 <= LMAX_MOST + 2) if (HAS2(8)) { if (ORDER(8)) { STORE2(n, p, b370); } n++; }
+  if (9 <= LMAX_MOST + 0) if (HAS0(9)) { if (ORDER(8)) { STORE0(n, p, b371); } n++; p++; }
+  if (9 <= LMAX_MOST + 1) if (HAS1(9)) { if (ORDER(8)) { STORE1(n, p, b372); } n++; p += PART1; }
+  if (9 <= LMAX_MOST + 2) if (HAS2(9)) { if (ORDER(8)) { STORE2(n, p, b373); } n++; }
+  if (10 <= LMAX_MOST + 0) if (HAS0(10)) { if (ORDER(8)) { STORE0(n, p, b374); } n++; p++; }
+  if (10 <= LMAX_MOST + 1) if (HAS1(10)) { if (ORDER(8)) { STORE1(n, p, b375); } n++; p += PART1; }
+  if (10 <= LMAX_MOST + 2) if (HAS2(10)) { if (ORDER(8)) { STORE2(n, p, b376); } n++; }
+  if (11 <= LMAX_MOST + 1) if (HAS1(11)) { if (ORDER(8)) { STORE1(n, p, b377); } n++; p += PART1; }
+  if (11 <= LMAX_MOST + 2) if (HAS2(11)) { if (ORDER(8)) { STORE2(n, p, b378); } n++; }
+  if (12 <= LMAX_MOST + 2) if (HAS2(12)) { if (ORDER(8)) { STORE2(n, p, b379); } n++; }
+  if (8 <= LMAX_MOST + 0) if (HAS0(8)) { if (ORDER(8)) { STORE0(n, p, b380); } n++; p++; }
+  if (8 <= LMAX_MOST + 1) if (HAS1(8)) { if (ORDER(8)) { STORE1(n, p, b381); } n++; p += PART1; }
+  if (8 <= LMAX_MOST + 2) if (HAS2(8)) { if (ORDER(8)) { STORE2(n, p, b382); } n++; }
+  if (9 <= LMAX_MOST + 0) if (HAS0(9)) { if (ORDER(8)) { STORE0(n, p, b383); } n++; p++; }
+  if (9 <= LMAX_MOST + 1) if (HAS1(9)) { if (ORDER(8)) { STORE1(n, p, b384); } n++; p += PART1; }
+  if (9 <= LMAX_MOST + 2) if (HAS2(9)) { if (ORDER(8)) { STORE2(n, p, b385); } n++; }
+  if (10 <= LMAX_MOST + 0) if (HAS0(10)) { if (ORDER(8)) { STORE0(n, p, b386); } n++; p++; }
+  if (10 <= LMAX_MOST + 1) if (HAS1(10)) { if (ORDER(8)) { STORE1(n, p, b387); } n++; p += PART1; }
+  if (10 <= LMAX_MOST + 2) if (HAS2(10)) { if (ORDER(8)) { STORE2(n, p, b388); } n++; }
+  if (11 <= LMAX_MOST + 1) if (HAS1(11)) { if (ORDER(8)) { STORE1(n, p, b389); } n++; p += PART1; }
+  if (11 <= LMAX_MOST + 2) if (HAS2(11)) { if (ORDER(8)) { STORE2(n, p, b390); } n++; }
+  if (12 <= LMAX_MOST + 2) if (HAS2(12)) { if (ORDER(8)) { STORE2(n, p, b391); } n++; }
+  if (9 <= LMAX_MOST + 0) if (HAS0(9)) { if (ORDER(9)) { STORE0(n, p, b392); } n++; p++; }
+  if (9 <= LMAX_MOST + 1) if (HAS1(9)) { if (ORDER(9)) { STORE1(n, p, b393); } n++; p += PART1; }
+  if (9 <= LMAX_MOST + 2) if (HAS2(9)) { if (ORDER(9)) { STORE2(n, p, b394); } n++; }
+  if (10 <= LMAX_MOST + 0) if (HAS0(10)) { if (ORDER(9)) { STORE0(n, p, b395); } n++; p++; }
+  if (10 <= LMAX_MOST + 1) if (HAS1(10)) { if (ORDER(9)) { STORE1(n, p, b396); } n++; p += PART1; }
+  if (10 <= LMAX_MOST + 2) if (HAS2(10)) { if (ORDER(9)) { STORE2(n, p, b397); } n++; }
+  if (11 <= LMAX_MOST + 1) if (HAS1(11)) { if (ORDER(9)) { STORE1(n, p, b398); } n++; p += PART1; }
+  if (11 <= LMAX_MOST + 2) if (HAS2(11)) { if (ORDER(9)) { STORE2(n, p, b399); } n++; }
+  if (12 <= LMAX_MOST + 2) if (HAS2(12)) { if (ORDER(9)) { STORE2(n, p, b400); } n++; }
+  if (9 <= LMAX_MOST + 0) if (HAS0(9)) { if (ORDER(9)) { STORE0(n, p, b401); } n++; p++; }
+  if (9 <= LMAX_MOST + 1) if (HAS1(9)) { if (ORDER(9)) { STORE1(n, p, b402); } n++; p += PART1; }
+  if (9 <= LMAX_MOST + 2) if (HAS2(9)) { if (ORDER(9)) { STORE2(n, p, b403); } n++; }
+  if (10 <= LMAX_MOST + 0) if (HAS0(10)) { if (ORDER(9)) { STORE0(n, p, b404); } n++; p++; }
+  if (10 <= LMAX_MOST + 1) if (HAS1(10)) { if (ORDER(9)) { STORE1(n, p, b405); } n++; p += PART1; }
+  if (10 <= LMAX_MOST + 2) if (HAS2(10)) { if (ORDER(9)) { STORE2(n, p, b406); } n++; }
+  if (11 <= LMAX_MOST + 1) if (HAS1(11)) { if (ORDER(9)) { STORE1(n, p, b407); } n++; p += PART1; }
+  if (11 <= LMAX_MOST + 2) if (HAS2(11)) { if (ORDER(9)) { STORE2(n, p, b408); } n++; }
+  if (12 <= LMAX_MOST + 2) if (HAS2(12)) { if (ORDER(9)) { STORE2(n, p, b409); } n++; }
+  if (10 <= LMAX_MOST + 0) if (HAS0(10)) { if (ORDER(10)) { STORE0(n, p, b410); } n++; p++; }
+  if (10 <= LMAX_MOST + 1) if (HAS1(10)) { if (ORDER(10)) { STORE1(n, p, b411); } n++; p += PART1; }
+  if (10 <= LMAX_MOST + 2) if (HAS2(10)) { if (ORDER(10)) { STORE2(n, p, b412); } n++; }
+  if (11 <= LMAX_MOST + 1) if (HAS1(11)) { if (ORDER(10)) { STORE1(n, p, b413); } n++; p += PART1; }
+  if (11 <= LMAX_MOST + 2) if (HAS2(11)) { if (ORDER(10)) { STORE2(n, p, b414); } n++; }
+  if (12 <= LMAX_MOST + 2) if (HAS2(12)) { if (ORDER(10)) { STORE2(n, p, b415); } n++; }
+  if (10 <= LMAX_MOST + 0) if (HAS0(10)) { if (ORDER(10)) { STORE0(n, p, b416); } n++; p++; }
+  if (10 <= LMAX_MOST + 1) if (HAS1(10)) { if (ORDER(10)) { STORE1(n, p, b417); } n++; p += PART1; }
+  if (10 <= LMAX_MOST + 2) if (HAS2(10)) { if (ORDER(10)) { STORE2(n, p, b418); } n++; }
+  if (11 <= LMAX_MOST + 1) if (HAS1(11)) { if (ORDER(10)) { STORE1(n, p, b419); } n++; p += PART1; }
+  if (11 <= LMAX_MOST + 2) if (HAS2(11)) { if (ORDER(10)) { STORE2(n, p, b420); } n++; }
+  if (12 <= LMAX_MOST + 2) if (HAS2(12)) { if (ORDER(10)) { STORE2(n, p, b421); } n++; }
+  if (11 <= LMAX_MOST + 1) if (HAS1(11)) { if (ORDER(11)) { STORE1(n, p, b422); } n++; p += PART1; }
+  if (11 <= LMAX_MOST + 2) if (HAS2(11)) { if (ORDER(11)) { STORE2(n, p, b423); } n++; }
+  if (12 <= LMAX_MOST + 2) if (HAS2(12)) { if (ORDER(11)) { STORE2(n, p, b424); } n++; }
+  if (11 <= LMAX_MOST + 1) if (HAS1(11)) { if (ORDER(11)) { STORE1(n, p, b425); } n++; p += PART1; }
+  if (11 <= LMAX_MOST + 2) if (HAS2(11)) { if (ORDER(11)) { STORE2(n, p, b426); } n++; }
+  if (12 <= LMAX_MOST + 2) if (HAS2(12)) { if (ORDER(11)) { STORE2(n, p, b427); } n++; }
+  if (12 <= LMAX_MOST + 2) if (HAS2(12)) { if (ORDER(12)) { STORE2(n, p, b428); } n++; }
+  if (12 <= LMAX_MOST + 2) if (HAS2(12)) { if (ORDER(12)) { STORE2(n, p, b429); } n++; }
 }

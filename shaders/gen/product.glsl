@@ -2657,977 +2657,1058 @@ void add_light(real x, real y, real z, real id, real alpha, real u, real es, rea
 
 /* Hands each sum and its number to STORE(number, sum): by order, side, degree, part. */
 void store_sums() {
+  real kv0 = v0, kx0 = x0, ky0 = y0, kz0 = z0, kxx0 = xx0, kxy0 = xy0, kxz0 = xz0, kyy0 = yy0, kyz0 = yz0, kzz0 = zz0;
+  real kv1 = v1, kx1 = x1, ky1 = y1, kz1 = z1, kxx1 = xx1, kxy1 = xy1, kxz1 = xz1, kyy1 = yy1, kyz1 = yz1, kzz1 = zz1;
+  real kv2 = v2, kx2 = x2, ky2 = y2, kz2 = z2, kxx2 = xx2, kxy2 = xy2, kxz2 = xz2, kyy2 = yy2, kyz2 = yz2, kzz2 = zz2;
+  real kv3 = v3, kx3 = x3, ky3 = y3, kz3 = z3, kxx3 = xx3, kxy3 = xy3, kxz3 = xz3, kyy3 = yy3, kyz3 = yz3, kzz3 = zz3;
+  real kv4 = v4, kx4 = x4, ky4 = y4, kz4 = z4, kxx4 = xx4, kxy4 = xy4, kxz4 = xz4, kyy4 = yy4, kyz4 = yz4, kzz4 = zz4;
+  real kv5 = v5, kx5 = x5, ky5 = y5, kz5 = z5, kxx5 = xx5, kxy5 = xy5, kxz5 = xz5, kyy5 = yy5, kyz5 = yz5, kzz5 = zz5;
+  real kv6 = v6, kx6 = x6, ky6 = y6, kz6 = z6, kxx6 = xx6, kxy6 = xy6, kxz6 = xz6, kyy6 = yy6, kyz6 = yz6, kzz6 = zz6;
+  real kv7 = v7, kx7 = x7, ky7 = y7, kz7 = z7, kxx7 = xx7, kxy7 = xy7, kxz7 = xz7, kyy7 = yy7, kyz7 = yz7, kzz7 = zz7;
+  real kv8 = v8, kx8 = x8, ky8 = y8, kz8 = z8, kxx8 = xx8, kxy8 = xy8, kxz8 = xz8, kyy8 = yy8, kyz8 = yz8, kzz8 = zz8;
+  real kv9 = v9, kx9 = x9, ky9 = y9, kz9 = z9, kxx9 = xx9, kxy9 = xy9, kxz9 = xz9, kyy9 = yy9, kyz9 = yz9, kzz9 = zz9;
+  real kv10 = v10, kx10 = x10, ky10 = y10, kz10 = z10, kxx10 = xx10, kxy10 = xy10, kxz10 = xz10, kyy10 = yy10, kyz10 = yz10, kzz10 = zz10;
+  real kv11 = v11, kx11 = x11, ky11 = y11, kz11 = z11, kxx11 = xx11, kxy11 = xy11, kxz11 = xz11, kyy11 = yy11, kyz11 = yz11, kzz11 = zz11;
+  real kv12 = v12, kx12 = x12, ky12 = y12, kz12 = z12, kxx12 = xx12, kxy12 = xy12, kxz12 = xz12, kyy12 = yy12, kyz12 = yz12, kzz12 = zz12;
+  real kv13 = v13, kx13 = x13, ky13 = y13, kz13 = z13, kxx13 = xx13, kxy13 = xy13, kxz13 = xz13, kyy13 = yy13, kyz13 = yz13, kzz13 = zz13;
+  real kv14 = v14, kx14 = x14, ky14 = y14, kz14 = z14, kxx14 = xx14, kxy14 = xy14, kxz14 = xz14, kyy14 = yy14, kyz14 = yz14, kzz14 = zz14;
+  real kv15 = v15, kx15 = x15, ky15 = y15, kz15 = z15, kxx15 = xx15, kxy15 = xy15, kxz15 = xz15, kyy15 = yy15, kyz15 = yz15, kzz15 = zz15;
+  real kv16 = v16, kx16 = x16, ky16 = y16, kz16 = z16, kxx16 = xx16, kxy16 = xy16, kxz16 = xz16, kyy16 = yy16, kyz16 = yz16, kzz16 = zz16;
+  real kv17 = v17, kx17 = x17, ky17 = y17, kz17 = z17, kxx17 = xx17, kxy17 = xy17, kxz17 = xz17, kyy17 = yy17, kyz17 = yz17, kzz17 = zz17;
+  real kv18 = v18, kx18 = x18, ky18 = y18, kz18 = z18, kxx18 = xx18, kxy18 = xy18, kxz18 = xz18, kyy18 = yy18, kyz18 = yz18, kzz18 = zz18;
+  real kv19 = v19, kx19 = x19, ky19 = y19, kz19 = z19, kxx19 = xx19, kxy19 = xy19, kxz19 = xz19, kyy19 = yy19, kyz19 = yz19, kzz19 = zz19;
+  real kv20 = v20, kx20 = x20, ky20 = y20, kz20 = z20, kxx20 = xx20, kxy20 = xy20, kxz20 = xz20, kyy20 = yy20, kyz20 = yz20, kzz20 = zz20;
+  real kv21 = v21, kx21 = x21, ky21 = y21, kz21 = z21, kxx21 = xx21, kxy21 = xy21, kxz21 = xz21, kyy21 = yy21, kyz21 = yz21, kzz21 = zz21;
+  real kv22 = v22, kx22 = x22, ky22 = y22, kz22 = z22, kxx22 = xx22, kxy22 = xy22, kxz22 = xz22, kyy22 = yy22, kyz22 = yz22, kzz22 = zz22;
+  real kv23 = v23, kx23 = x23, ky23 = y23, kz23 = z23, kxx23 = xx23, kxy23 = xy23, kxz23 = xz23, kyy23 = yy23, kyz23 = yz23, kzz23 = zz23;
+  real kv24 = v24, kx24 = x24, ky24 = y24, kz24 = z24, kxx24 = xx24, kxy24 = xy24, kxz24 = xz24, kyy24 = yy24, kyz24 = yz24, kzz24 = zz24;
+  real kv25 = v25, kx25 = x25, ky25 = y25, kz25 = z25, kxx25 = xx25, kxy25 = xy25, kxz25 = xz25, kyy25 = yy25, kyz25 = yz25, kzz25 = zz25;
+  real kv26 = v26, kx26 = x26, ky26 = y26, kz26 = z26, kxx26 = xx26, kxy26 = xy26, kxz26 = xz26, kyy26 = yy26, kyz26 = yz26, kzz26 = zz26;
+  real kv27 = v27, kx27 = x27, ky27 = y27, kz27 = z27, kxx27 = xx27, kxy27 = xy27, kxz27 = xz27, kyy27 = yy27, kyz27 = yz27, kzz27 = zz27;
+  real kv28 = v28, kx28 = x28, ky28 = y28, kz28 = z28, kxx28 = xx28, kxy28 = xy28, kxz28 = xz28, kyy28 = yy28, kyz28 = yz28, kzz28 = zz28;
+  real kv29 = v29, kx29 = x29, ky29 = y29, kz29 = z29, kxx29 = xx29, kxy29 = xy29, kxz29 = xz29, kyy29 = yy29, kyz29 = yz29, kzz29 = zz29;
+  real kv30 = v30, kx30 = x30, ky30 = y30, kz30 = z30, kxx30 = xx30, kxy30 = xy30, kxz30 = xz30, kyy30 = yy30, kyz30 = yz30, kzz30 = zz30;
+  real kv31 = v31, kx31 = x31, ky31 = y31, kz31 = z31, kxx31 = xx31, kxy31 = xy31, kxz31 = xz31, kyy31 = yy31, kyz31 = yz31, kzz31 = zz31;
+  real kv32 = v32, kx32 = x32, ky32 = y32, kz32 = z32, kxx32 = xx32, kxy32 = xy32, kxz32 = xz32, kyy32 = yy32, kyz32 = yz32, kzz32 = zz32;
+  real kv33 = v33, kx33 = x33, ky33 = y33, kz33 = z33, kxx33 = xx33, kxy33 = xy33, kxz33 = xz33, kyy33 = yy33, kyz33 = yz33, kzz33 = zz33;
+  real kv34 = v34, kx34 = x34, ky34 = y34, kz34 = z34, kxx34 = xx34, kxy34 = xy34, kxz34 = xz34, kyy34 = yy34, kyz34 = yz34, kzz34 = zz34;
+  real kv35 = v35, kx35 = x35, ky35 = y35, kz35 = z35, kxx35 = xx35, kxy35 = xy35, kxz35 = xz35, kyy35 = yy35, kyz35 = yz35, kzz35 = zz35;
+  real kv36 = v36, kx36 = x36, ky36 = y36, kz36 = z36, kxx36 = xx36, kxy36 = xy36, kxz36 = xz36, kyy36 = yy36, kyz36 = yz36, kzz36 = zz36;
+  real kv37 = v37, kx37 = x37, ky37 = y37, kz37 = z37, kxx37 = xx37, kxy37 = xy37, kxz37 = xz37, kyy37 = yy37, kyz37 = yz37, kzz37 = zz37;
+  real kv38 = v38, kx38 = x38, ky38 = y38, kz38 = z38, kxx38 = xx38, kxy38 = xy38, kxz38 = xz38, kyy38 = yy38, kyz38 = yz38, kzz38 = zz38;
+  real kv39 = v39, kx39 = x39, ky39 = y39, kz39 = z39, kxx39 = xx39, kxy39 = xy39, kxz39 = xz39, kyy39 = yy39, kyz39 = yz39, kzz39 = zz39;
+  real kv40 = v40, kx40 = x40, ky40 = y40, kz40 = z40, kxx40 = xx40, kxy40 = xy40, kxz40 = xz40, kyy40 = yy40, kyz40 = yz40, kzz40 = zz40;
+  real kv41 = v41, kx41 = x41, ky41 = y41, kz41 = z41, kxx41 = xx41, kxy41 = xy41, kxz41 = xz41, kyy41 = yy41, kyz41 = yz41, kzz41 = zz41;
+  real kv42 = v42, kx42 = x42, ky42 = y42, kz42 = z42, kxx42 = xx42, kxy42 = xy42, kxz42 = xz42, kyy42 = yy42, kyz42 = yz42, kzz42 = zz42;
+  real kv43 = v43, kx43 = x43, ky43 = y43, kz43 = z43, kxx43 = xx43, kxy43 = xy43, kxz43 = xz43, kyy43 = yy43, kyz43 = yz43, kzz43 = zz43;
+  real kv44 = v44, kx44 = x44, ky44 = y44, kz44 = z44, kxx44 = xx44, kxy44 = xy44, kxz44 = xz44, kyy44 = yy44, kyz44 = yz44, kzz44 = zz44;
+  real kv45 = v45, kx45 = x45, ky45 = y45, kz45 = z45, kxx45 = xx45, kxy45 = xy45, kxz45 = xz45, kyy45 = yy45, kyz45 = yz45, kzz45 = zz45;
+  real kv46 = v46, kx46 = x46, ky46 = y46, kz46 = z46, kxx46 = xx46, kxy46 = xy46, kxz46 = xz46, kyy46 = yy46, kyz46 = yz46, kzz46 = zz46;
+  real kv47 = v47, kx47 = x47, ky47 = y47, kz47 = z47, kxx47 = xx47, kxy47 = xy47, kxz47 = xz47, kyy47 = yy47, kyz47 = yz47, kzz47 = zz47;
+  real kv48 = v48, kx48 = x48, ky48 = y48, kz48 = z48, kxx48 = xx48, kxy48 = xy48, kxz48 = xz48, kyy48 = yy48, kyz48 = yz48, kzz48 = zz48;
+  real kv49 = v49, kx49 = x49, ky49 = y49, kz49 = z49, kxx49 = xx49, kxy49 = xy49, kxz49 = xz49, kyy49 = yy49, kyz49 = yz49, kzz49 = zz49;
+  real kv50 = v50, kx50 = x50, ky50 = y50, kz50 = z50, kxx50 = xx50, kxy50 = xy50, kxz50 = xz50, kyy50 = yy50, kyz50 = yz50, kzz50 = zz50;
+  real kv51 = v51, kx51 = x51, ky51 = y51, kz51 = z51, kxx51 = xx51, kxy51 = xy51, kxz51 = xz51, kyy51 = yy51, kyz51 = yz51, kzz51 = zz51;
+  real kv52 = v52, kx52 = x52, ky52 = y52, kz52 = z52, kxx52 = xx52, kxy52 = xy52, kxz52 = xz52, kyy52 = yy52, kyz52 = yz52, kzz52 = zz52;
+  real kv53 = v53, kx53 = x53, ky53 = y53, kz53 = z53, kxx53 = xx53, kxy53 = xy53, kxz53 = xz53, kyy53 = yy53, kyz53 = yz53, kzz53 = zz53;
+  real kv54 = v54, kx54 = x54, ky54 = y54, kz54 = z54, kxx54 = xx54, kxy54 = xy54, kxz54 = xz54, kyy54 = yy54, kyz54 = yz54, kzz54 = zz54;
+  real kv55 = v55, kx55 = x55, ky55 = y55, kz55 = z55, kxx55 = xx55, kxy55 = xy55, kxz55 = xz55, kyy55 = yy55, kyz55 = yz55, kzz55 = zz55;
+  real kv56 = v56, kx56 = x56, ky56 = y56, kz56 = z56, kxx56 = xx56, kxy56 = xy56, kxz56 = xz56, kyy56 = yy56, kyz56 = yz56, kzz56 = zz56;
+  real kv57 = v57, kx57 = x57, ky57 = y57, kz57 = z57, kxx57 = xx57, kxy57 = xy57, kxz57 = xz57, kyy57 = yy57, kyz57 = yz57, kzz57 = zz57;
+  real kv58 = v58, kx58 = x58, ky58 = y58, kz58 = z58, kxx58 = xx58, kxy58 = xy58, kxz58 = xz58, kyy58 = yy58, kyz58 = yz58, kzz58 = zz58;
+  real kv59 = v59, kx59 = x59, ky59 = y59, kz59 = z59, kxx59 = xx59, kxy59 = xy59, kxz59 = xz59, kyy59 = yy59, kyz59 = yz59, kzz59 = zz59;
+  real kv60 = v60, kx60 = x60, ky60 = y60, kz60 = z60, kxx60 = xx60, kxy60 = xy60, kxz60 = xz60, kyy60 = yy60, kyz60 = yz60, kzz60 = zz60;
+  real kv61 = v61, kx61 = x61, ky61 = y61, kz61 = z61, kxx61 = xx61, kxy61 = xy61, kxz61 = xz61, kyy61 = yy61, kyz61 = yz61, kzz61 = zz61;
+  real kv62 = v62, kx62 = x62, ky62 = y62, kz62 = z62, kxx62 = xx62, kxy62 = xy62, kxz62 = xz62, kyy62 = yy62, kyz62 = yz62, kzz62 = zz62;
+  real kv63 = v63, kx63 = x63, ky63 = y63, kz63 = z63, kxx63 = xx63, kxy63 = xy63, kxz63 = xz63, kyy63 = yy63, kyz63 = yz63, kzz63 = zz63;
+  real kv64 = v64, kx64 = x64, ky64 = y64, kz64 = z64, kxx64 = xx64, kxy64 = xy64, kxz64 = xz64, kyy64 = yy64, kyz64 = yz64, kzz64 = zz64;
+  real kv65 = v65, kx65 = x65, ky65 = y65, kz65 = z65, kxx65 = xx65, kxy65 = xy65, kxz65 = xz65, kyy65 = yy65, kyz65 = yz65, kzz65 = zz65;
+  real kv66 = v66, kx66 = x66, ky66 = y66, kz66 = z66, kxx66 = xx66, kxy66 = xy66, kxz66 = xz66, kyy66 = yy66, kyz66 = yz66, kzz66 = zz66;
+  real kv67 = v67, kx67 = x67, ky67 = y67, kz67 = z67, kxx67 = xx67, kxy67 = xy67, kxz67 = xz67, kyy67 = yy67, kyz67 = yz67, kzz67 = zz67;
+  real kv68 = v68, kx68 = x68, ky68 = y68, kz68 = z68, kxx68 = xx68, kxy68 = xy68, kxz68 = xz68, kyy68 = yy68, kyz68 = yz68, kzz68 = zz68;
+  real kv69 = v69, kx69 = x69, ky69 = y69, kz69 = z69, kxx69 = xx69, kxy69 = xy69, kxz69 = xz69, kyy69 = yy69, kyz69 = yz69, kzz69 = zz69;
+  real kv70 = v70, kx70 = x70, ky70 = y70, kz70 = z70, kxx70 = xx70, kxy70 = xy70, kxz70 = xz70, kyy70 = yy70, kyz70 = yz70, kzz70 = zz70;
+  real kv71 = v71, kx71 = x71, ky71 = y71, kz71 = z71, kxx71 = xx71, kxy71 = xy71, kxz71 = xz71, kyy71 = yy71, kyz71 = yz71, kzz71 = zz71;
+  real kv72 = v72, kx72 = x72, ky72 = y72, kz72 = z72, kxx72 = xx72, kxy72 = xy72, kxz72 = xz72, kyy72 = yy72, kyz72 = yz72, kzz72 = zz72;
+  real kv73 = v73, kx73 = x73, ky73 = y73, kz73 = z73, kxx73 = xx73, kxy73 = xy73, kxz73 = xz73, kyy73 = yy73, kyz73 = yz73, kzz73 = zz73;
+  real kv74 = v74, kx74 = x74, ky74 = y74, kz74 = z74, kxx74 = xx74, kxy74 = xy74, kxz74 = xz74, kyy74 = yy74, kyz74 = yz74, kzz74 = zz74;
+  real kv75 = v75, kx75 = x75, ky75 = y75, kz75 = z75, kxx75 = xx75, kxy75 = xy75, kxz75 = xz75, kyy75 = yy75, kyz75 = yz75, kzz75 = zz75;
+  real kv76 = v76, kx76 = x76, ky76 = y76, kz76 = z76, kxx76 = xx76, kxy76 = xy76, kxz76 = xz76, kyy76 = yy76, kyz76 = yz76, kzz76 = zz76;
+  real kv77 = v77, kx77 = x77, ky77 = y77, kz77 = z77, kxx77 = xx77, kxy77 = xy77, kxz77 = xz77, kyy77 = yy77, kyz77 = yz77, kzz77 = zz77;
+  real kv78 = v78, kx78 = x78, ky78 = y78, kz78 = z78, kxx78 = xx78, kxy78 = xy78, kxz78 = xz78, kyy78 = yy78, kyz78 = yz78, kzz78 = zz78;
+  real kv79 = v79, kx79 = x79, ky79 = y79, kz79 = z79, kxx79 = xx79, kxy79 = xy79, kxz79 = xz79, kyy79 = yy79, kyz79 = yz79, kzz79 = zz79;
+  real kv80 = v80, kx80 = x80, ky80 = y80, kz80 = z80, kxx80 = xx80, kxy80 = xy80, kxz80 = xz80, kyy80 = yy80, kyz80 = yz80, kzz80 = zz80;
   uint n = 0u;
   if (0 <= LMAX_MOST) {
-    if (HAS(0, 0) && ORDER(0)) { STORE(n + 0, v0); }
+    if (HAS(0, 0) && ORDER(0)) { STORE(n + 0, kv0); }
     n += uint(HAS(0, 0)) * 1;
   }
   if (0 <= LMAX_MOST) {
-    if (HAS(1, 0) && ORDER(0)) { STORE(n + 0, x0); STORE(n + 1, y0); STORE(n + 2, z0); }
+    if (HAS(1, 0) && ORDER(0)) { STORE(n + 0, kx0); STORE(n + 1, ky0); STORE(n + 2, kz0); }
     n += uint(HAS(1, 0)) * 3;
   }
   if (0 <= LMAX_MOST) {
-    if (HAS(2, 0) && ORDER(0)) { STORE(n + 0, xx0); STORE(n + 1, xy0); STORE(n + 2, xz0); STORE(n + 3, yy0); STORE(n + 4, yz0); STORE(n + 5, zz0); }
+    if (HAS(2, 0) && ORDER(0)) { STORE(n + 0, kxx0); STORE(n + 1, kxy0); STORE(n + 2, kxz0); STORE(n + 3, kyy0); STORE(n + 4, kyz0); STORE(n + 5, kzz0); }
     n += uint(HAS(2, 0)) * 6;
   }
   if (1 <= LMAX_MOST) {
-    if (HAS(0, 1) && ORDER(0)) { STORE(n + 0, v1); }
+    if (HAS(0, 1) && ORDER(0)) { STORE(n + 0, kv1); }
     n += uint(HAS(0, 1)) * 1;
   }
   if (1 <= LMAX_MOST) {
-    if (HAS(1, 1) && ORDER(0)) { STORE(n + 0, x1); STORE(n + 1, y1); STORE(n + 2, z1); }
+    if (HAS(1, 1) && ORDER(0)) { STORE(n + 0, kx1); STORE(n + 1, ky1); STORE(n + 2, kz1); }
     n += uint(HAS(1, 1)) * 3;
   }
   if (1 <= LMAX_MOST) {
-    if (HAS(2, 1) && ORDER(0)) { STORE(n + 0, xx1); STORE(n + 1, xy1); STORE(n + 2, xz1); STORE(n + 3, yy1); STORE(n + 4, yz1); STORE(n + 5, zz1); }
+    if (HAS(2, 1) && ORDER(0)) { STORE(n + 0, kxx1); STORE(n + 1, kxy1); STORE(n + 2, kxz1); STORE(n + 3, kyy1); STORE(n + 4, kyz1); STORE(n + 5, kzz1); }
     n += uint(HAS(2, 1)) * 6;
   }
   if (2 <= LMAX_MOST) {
-    if (HAS(0, 2) && ORDER(0)) { STORE(n + 0, v2); }
+    if (HAS(0, 2) && ORDER(0)) { STORE(n + 0, kv2); }
     n += uint(HAS(0, 2)) * 1;
   }
   if (2 <= LMAX_MOST) {
-    if (HAS(1, 2) && ORDER(0)) { STORE(n + 0, x2); STORE(n + 1, y2); STORE(n + 2, z2); }
+    if (HAS(1, 2) && ORDER(0)) { STORE(n + 0, kx2); STORE(n + 1, ky2); STORE(n + 2, kz2); }
     n += uint(HAS(1, 2)) * 3;
   }
   if (2 <= LMAX_MOST) {
-    if (HAS(2, 2) && ORDER(0)) { STORE(n + 0, xx2); STORE(n + 1, xy2); STORE(n + 2, xz2); STORE(n + 3, yy2); STORE(n + 4, yz2); STORE(n + 5, zz2); }
+    if (HAS(2, 2) && ORDER(0)) { STORE(n + 0, kxx2); STORE(n + 1, kxy2); STORE(n + 2, kxz2); STORE(n + 3, kyy2); STORE(n + 4, kyz2); STORE(n + 5, kzz2); }
     n += uint(HAS(2, 2)) * 6;
   }
   if (3 <= LMAX_MOST) {
-    if (HAS(0, 3) && ORDER(0)) { STORE(n + 0, v3); }
+    if (HAS(0, 3) && ORDER(0)) { STORE(n + 0, kv3); }
     n += uint(HAS(0, 3)) * 1;
   }
   if (3 <= LMAX_MOST) {
-    if (HAS(1, 3) && ORDER(0)) { STORE(n + 0, x3); STORE(n + 1, y3); STORE(n + 2, z3); }
+    if (HAS(1, 3) && ORDER(0)) { STORE(n + 0, kx3); STORE(n + 1, ky3); STORE(n + 2, kz3); }
     n += uint(HAS(1, 3)) * 3;
   }
   if (3 <= LMAX_MOST) {
-    if (HAS(2, 3) && ORDER(0)) { STORE(n + 0, xx3); STORE(n + 1, xy3); STORE(n + 2, xz3); STORE(n + 3, yy3); STORE(n + 4, yz3); STORE(n + 5, zz3); }
+    if (HAS(2, 3) && ORDER(0)) { STORE(n + 0, kxx3); STORE(n + 1, kxy3); STORE(n + 2, kxz3); STORE(n + 3, kyy3); STORE(n + 4, kyz3); STORE(n + 5, kzz3); }
     n += uint(HAS(2, 3)) * 6;
   }
   if (4 <= LMAX_MOST) {
-    if (HAS(0, 4) && ORDER(0)) { STORE(n + 0, v4); }
+    if (HAS(0, 4) && ORDER(0)) { STORE(n + 0, kv4); }
     n += uint(HAS(0, 4)) * 1;
   }
   if (4 <= LMAX_MOST) {
-    if (HAS(1, 4) && ORDER(0)) { STORE(n + 0, x4); STORE(n + 1, y4); STORE(n + 2, z4); }
+    if (HAS(1, 4) && ORDER(0)) { STORE(n + 0, kx4); STORE(n + 1, ky4); STORE(n + 2, kz4); }
     n += uint(HAS(1, 4)) * 3;
   }
   if (4 <= LMAX_MOST) {
-    if (HAS(2, 4) && ORDER(0)) { STORE(n + 0, xx4); STORE(n + 1, xy4); STORE(n + 2, xz4); STORE(n + 3, yy4); STORE(n + 4, yz4); STORE(n + 5, zz4); }
+    if (HAS(2, 4) && ORDER(0)) { STORE(n + 0, kxx4); STORE(n + 1, kxy4); STORE(n + 2, kxz4); STORE(n + 3, kyy4); STORE(n + 4, kyz4); STORE(n + 5, kzz4); }
     n += uint(HAS(2, 4)) * 6;
   }
   if (5 <= LMAX_MOST) {
-    if (HAS(0, 5) && ORDER(0)) { STORE(n + 0, v5); }
+    if (HAS(0, 5) && ORDER(0)) { STORE(n + 0, kv5); }
     n += uint(HAS(0, 5)) * 1;
   }
   if (5 <= LMAX_MOST) {
-    if (HAS(1, 5) && ORDER(0)) { STORE(n + 0, x5); STORE(n + 1, y5); STORE(n + 2, z5); }
+    if (HAS(1, 5) && ORDER(0)) { STORE(n + 0, kx5); STORE(n + 1, ky5); STORE(n + 2, kz5); }
     n += uint(HAS(1, 5)) * 3;
   }
   if (5 <= LMAX_MOST) {
-    if (HAS(2, 5) && ORDER(0)) { STORE(n + 0, xx5); STORE(n + 1, xy5); STORE(n + 2, xz5); STORE(n + 3, yy5); STORE(n + 4, yz5); STORE(n + 5, zz5); }
+    if (HAS(2, 5) && ORDER(0)) { STORE(n + 0, kxx5); STORE(n + 1, kxy5); STORE(n + 2, kxz5); STORE(n + 3, kyy5); STORE(n + 4, kyz5); STORE(n + 5, kzz5); }
     n += uint(HAS(2, 5)) * 6;
   }
   if (6 <= LMAX_MOST) {
-    if (HAS(0, 6) && ORDER(0)) { STORE(n + 0, v6); }
+    if (HAS(0, 6) && ORDER(0)) { STORE(n + 0, kv6); }
     n += uint(HAS(0, 6)) * 1;
   }
   if (6 <= LMAX_MOST) {
-    if (HAS(1, 6) && ORDER(0)) { STORE(n + 0, x6); STORE(n + 1, y6); STORE(n + 2, z6); }
+    if (HAS(1, 6) && ORDER(0)) { STORE(n + 0, kx6); STORE(n + 1, ky6); STORE(n + 2, kz6); }
     n += uint(HAS(1, 6)) * 3;
   }
   if (6 <= LMAX_MOST) {
-    if (HAS(2, 6) && ORDER(0)) { STORE(n + 0, xx6); STORE(n + 1, xy6); STORE(n + 2, xz6); STORE(n + 3, yy6); STORE(n + 4, yz6); STORE(n + 5, zz6); }
+    if (HAS(2, 6) && ORDER(0)) { STORE(n + 0, kxx6); STORE(n + 1, kxy6); STORE(n + 2, kxz6); STORE(n + 3, kyy6); STORE(n + 4, kyz6); STORE(n + 5, kzz6); }
     n += uint(HAS(2, 6)) * 6;
   }
   if (7 <= LMAX_MOST) {
-    if (HAS(0, 7) && ORDER(0)) { STORE(n + 0, v7); }
+    if (HAS(0, 7) && ORDER(0)) { STORE(n + 0, kv7); }
     n += uint(HAS(0, 7)) * 1;
   }
   if (7 <= LMAX_MOST) {
-    if (HAS(1, 7) && ORDER(0)) { STORE(n + 0, x7); STORE(n + 1, y7); STORE(n + 2, z7); }
+    if (HAS(1, 7) && ORDER(0)) { STORE(n + 0, kx7); STORE(n + 1, ky7); STORE(n + 2, kz7); }
     n += uint(HAS(1, 7)) * 3;
   }
   if (7 <= LMAX_MOST) {
-    if (HAS(2, 7) && ORDER(0)) { STORE(n + 0, xx7); STORE(n + 1, xy7); STORE(n + 2, xz7); STORE(n + 3, yy7); STORE(n + 4, yz7); STORE(n + 5, zz7); }
+    if (HAS(2, 7) && ORDER(0)) { STORE(n + 0, kxx7); STORE(n + 1, kxy7); STORE(n + 2, kxz7); STORE(n + 3, kyy7); STORE(n + 4, kyz7); STORE(n + 5, kzz7); }
     n += uint(HAS(2, 7)) * 6;
   }
   if (8 <= LMAX_MOST) {
-    if (HAS(0, 8) && ORDER(0)) { STORE(n + 0, v8); }
+    if (HAS(0, 8) && ORDER(0)) { STORE(n + 0, kv8); }
     n += uint(HAS(0, 8)) * 1;
   }
   if (8 <= LMAX_MOST) {
-    if (HAS(1, 8) && ORDER(0)) { STORE(n + 0, x8); STORE(n + 1, y8); STORE(n + 2, z8); }
+    if (HAS(1, 8) && ORDER(0)) { STORE(n + 0, kx8); STORE(n + 1, ky8); STORE(n + 2, kz8); }
     n += uint(HAS(1, 8)) * 3;
   }
   if (8 <= LMAX_MOST) {
-    if (HAS(2, 8) && ORDER(0)) { STORE(n + 0, xx8); STORE(n + 1, xy8); STORE(n + 2, xz8); STORE(n + 3, yy8); STORE(n + 4, yz8); STORE(n + 5, zz8); }
+    if (HAS(2, 8) && ORDER(0)) { STORE(n + 0, kxx8); STORE(n + 1, kxy8); STORE(n + 2, kxz8); STORE(n + 3, kyy8); STORE(n + 4, kyz8); STORE(n + 5, kzz8); }
     n += uint(HAS(2, 8)) * 6;
   }
   if (1 <= LMAX_MOST) {
-    if (HAS(0, 1) && ORDER(1)) { STORE(n + 0, v9); }
+    if (HAS(0, 1) && ORDER(1)) { STORE(n + 0, kv9); }
     n += uint(HAS(0, 1)) * 1;
   }
   if (1 <= LMAX_MOST) {
-    if (HAS(1, 1) && ORDER(1)) { STORE(n + 0, x9); STORE(n + 1, y9); STORE(n + 2, z9); }
+    if (HAS(1, 1) && ORDER(1)) { STORE(n + 0, kx9); STORE(n + 1, ky9); STORE(n + 2, kz9); }
     n += uint(HAS(1, 1)) * 3;
   }
   if (1 <= LMAX_MOST) {
-    if (HAS(2, 1) && ORDER(1)) { STORE(n + 0, xx9); STORE(n + 1, xy9); STORE(n + 2, xz9); STORE(n + 3, yy9); STORE(n + 4, yz9); STORE(n + 5, zz9); }
+    if (HAS(2, 1) && ORDER(1)) { STORE(n + 0, kxx9); STORE(n + 1, kxy9); STORE(n + 2, kxz9); STORE(n + 3, kyy9); STORE(n + 4, kyz9); STORE(n + 5, kzz9); }
     n += uint(HAS(2, 1)) * 6;
   }
   if (2 <= LMAX_MOST) {
-    if (HAS(0, 2) && ORDER(1)) { STORE(n + 0, v10); }
+    if (HAS(0, 2) && ORDER(1)) { STORE(n + 0, kv10); }
     n += uint(HAS(0, 2)) * 1;
   }
   if (2 <= LMAX_MOST) {
-    if (HAS(1, 2) && ORDER(1)) { STORE(n + 0, x10); STORE(n + 1, y10); STORE(n + 2, z10); }
+    if (HAS(1, 2) && ORDER(1)) { STORE(n + 0, kx10); STORE(n + 1, ky10); STORE(n + 2, kz10); }
     n += uint(HAS(1, 2)) * 3;
   }
   if (2 <= LMAX_MOST) {
-    if (HAS(2, 2) && ORDER(1)) { STORE(n + 0, xx10); STORE(n + 1, xy10); STORE(n + 2, xz10); STORE(n + 3, yy10); STORE(n + 4, yz10); STORE(n + 5, zz10); }
+    if (HAS(2, 2) && ORDER(1)) { STORE(n + 0, kxx10); STORE(n + 1, kxy10); STORE(n + 2, kxz10); STORE(n + 3, kyy10); STORE(n + 4, kyz10); STORE(n + 5, kzz10); }
     n += uint(HAS(2, 2)) * 6;
   }
   if (3 <= LMAX_MOST) {
-    if (HAS(0, 3) && ORDER(1)) { STORE(n + 0, v11); }
+    if (HAS(0, 3) && ORDER(1)) { STORE(n + 0, kv11); }
     n += uint(HAS(0, 3)) * 1;
   }
   if (3 <= LMAX_MOST) {
-    if (HAS(1, 3) && ORDER(1)) { STORE(n + 0, x11); STORE(n + 1, y11); STORE(n + 2, z11); }
+    if (HAS(1, 3) && ORDER(1)) { STORE(n + 0, kx11); STORE(n + 1, ky11); STORE(n + 2, kz11); }
     n += uint(HAS(1, 3)) * 3;
   }
   if (3 <= LMAX_MOST) {
-    if (HAS(2, 3) && ORDER(1)) { STORE(n + 0, xx11); STORE(n + 1, xy11); STORE(n + 2, xz11); STORE(n + 3, yy11); STORE(n + 4, yz11); STORE(n + 5, zz11); }
+    if (HAS(2, 3) && ORDER(1)) { STORE(n + 0, kxx11); STORE(n + 1, kxy11); STORE(n + 2, kxz11); STORE(n + 3, kyy11); STORE(n + 4, kyz11); STORE(n + 5, kzz11); }
     n += uint(HAS(2, 3)) * 6;
   }
   if (4 <= LMAX_MOST) {
-    if (HAS(0, 4) && ORDER(1)) { STORE(n + 0, v12); }
+    if (HAS(0, 4) && ORDER(1)) { STORE(n + 0, kv12); }
     n += uint(HAS(0, 4)) * 1;
   }
   if (4 <= LMAX_MOST) {
-    if (HAS(1, 4) && ORDER(1)) { STORE(n + 0, x12); STORE(n + 1, y12); STORE(n + 2, z12); }
+    if (HAS(1, 4) && ORDER(1)) { STORE(n + 0, kx12); STORE(n + 1, ky12); STORE(n + 2, kz12); }
     n += uint(HAS(1, 4)) * 3;
   }
   if (4 <= LMAX_MOST) {
-    if (HAS(2, 4) && ORDER(1)) { STORE(n + 0, xx12); STORE(n + 1, xy12); STORE(n + 2, xz12); STORE(n + 3, yy12); STORE(n + 4, yz12); STORE(n + 5, zz12); }
+    if (HAS(2, 4) && ORDER(1)) { STORE(n + 0, kxx12); STORE(n + 1, kxy12); STORE(n + 2, kxz12); STORE(n + 3, kyy12); STORE(n + 4, kyz12); STORE(n + 5, kzz12); }
     n += uint(HAS(2, 4)) * 6;
   }
   if (5 <= LMAX_MOST) {
-    if (HAS(0, 5) && ORDER(1)) { STORE(n + 0, v13); }
+    if (HAS(0, 5) && ORDER(1)) { STORE(n + 0, kv13); }
     n += uint(HAS(0, 5)) * 1;
   }
   if (5 <= LMAX_MOST) {
-    if (HAS(1, 5) && ORDER(1)) { STORE(n + 0, x13); STORE(n + 1, y13); STORE(n + 2, z13); }
+    if (HAS(1, 5) && ORDER(1)) { STORE(n + 0, kx13); STORE(n + 1, ky13); STORE(n + 2, kz13); }
     n += uint(HAS(1, 5)) * 3;
   }
   if (5 <= LMAX_MOST) {
-    if (HAS(2, 5) && ORDER(1)) { STORE(n + 0, xx13); STORE(n + 1, xy13); STORE(n + 2, xz13); STORE(n + 3, yy13); STORE(n + 4, yz13); STORE(n + 5, zz13); }
+    if (HAS(2, 5) && ORDER(1)) { STORE(n + 0, kxx13); STORE(n + 1, kxy13); STORE(n + 2, kxz13); STORE(n + 3, kyy13); STORE(n + 4, kyz13); STORE(n + 5, kzz13); }
     n += uint(HAS(2, 5)) * 6;
   }
   if (6 <= LMAX_MOST) {
-    if (HAS(0, 6) && ORDER(1)) { STORE(n + 0, v14); }
+    if (HAS(0, 6) && ORDER(1)) { STORE(n + 0, kv14); }
     n += uint(HAS(0, 6)) * 1;
   }
   if (6 <= LMAX_MOST) {
-    if (HAS(1, 6) && ORDER(1)) { STORE(n + 0, x14); STORE(n + 1, y14); STORE(n + 2, z14); }
+    if (HAS(1, 6) && ORDER(1)) { STORE(n + 0, kx14); STORE(n + 1, ky14); STORE(n + 2, kz14); }
     n += uint(HAS(1, 6)) * 3;
   }
   if (6 <= LMAX_MOST) {
-    if (HAS(2, 6) && ORDER(1)) { STORE(n + 0, xx14); STORE(n + 1, xy14); STORE(n + 2, xz14); STORE(n + 3, yy14); STORE(n + 4, yz14); STORE(n + 5, zz14); }
+    if (HAS(2, 6) && ORDER(1)) { STORE(n + 0, kxx14); STORE(n + 1, kxy14); STORE(n + 2, kxz14); STORE(n + 3, kyy14); STORE(n + 4, kyz14); STORE(n + 5, kzz14); }
     n += uint(HAS(2, 6)) * 6;
   }
   if (7 <= LMAX_MOST) {
-    if (HAS(0, 7) && ORDER(1)) { STORE(n + 0, v15); }
+    if (HAS(0, 7) && ORDER(1)) { STORE(n + 0, kv15); }
     n += uint(HAS(0, 7)) * 1;
   }
   if (7 <= LMAX_MOST) {
-    if (HAS(1, 7) && ORDER(1)) { STORE(n + 0, x15); STORE(n + 1, y15); STORE(n + 2, z15); }
+    if (HAS(1, 7) && ORDER(1)) { STORE(n + 0, kx15); STORE(n + 1, ky15); STORE(n + 2, kz15); }
     n += uint(HAS(1, 7)) * 3;
   }
   if (7 <= LMAX_MOST) {
-    if (HAS(2, 7) && ORDER(1)) { STORE(n + 0, xx15); STORE(n + 1, xy15); STORE(n + 2, xz15); STORE(n + 3, yy15); STORE(n + 4, yz15); STORE(n + 5, zz15); }
+    if (HAS(2, 7) && ORDER(1)) { STORE(n + 0, kxx15); STORE(n + 1, kxy15); STORE(n + 2, kxz15); STORE(n + 3, kyy15); STORE(n + 4, kyz15); STORE(n + 5, kzz15); }
     n += uint(HAS(2, 7)) * 6;
   }
   if (8 <= LMAX_MOST) {
-    if (HAS(0, 8) && ORDER(1)) { STORE(n + 0, v16); }
+    if (HAS(0, 8) && ORDER(1)) { STORE(n + 0, kv16); }
     n += uint(HAS(0, 8)) * 1;
   }
   if (8 <= LMAX_MOST) {
-    if (HAS(1, 8) && ORDER(1)) { STORE(n + 0, x16); STORE(n + 1, y16); STORE(n + 2, z16); }
+    if (HAS(1, 8) && ORDER(1)) { STORE(n + 0, kx16); STORE(n + 1, ky16); STORE(n + 2, kz16); }
     n += uint(HAS(1, 8)) * 3;
   }
   if (8 <= LMAX_MOST) {
-    if (HAS(2, 8) && ORDER(1)) { STORE(n + 0, xx16); STORE(n + 1, xy16); STORE(n + 2, xz16); STORE(n + 3, yy16); STORE(n + 4, yz16); STORE(n + 5, zz16); }
+    if (HAS(2, 8) && ORDER(1)) { STORE(n + 0, kxx16); STORE(n + 1, kxy16); STORE(n + 2, kxz16); STORE(n + 3, kyy16); STORE(n + 4, kyz16); STORE(n + 5, kzz16); }
     n += uint(HAS(2, 8)) * 6;
   }
   if (1 <= LMAX_MOST) {
-    if (HAS(0, 1) && ORDER(1)) { STORE(n + 0, v17); }
+    if (HAS(0, 1) && ORDER(1)) { STORE(n + 0, kv17); }
     n += uint(HAS(0, 1)) * 1;
   }
   if (1 <= LMAX_MOST) {
-    if (HAS(1, 1) && ORDER(1)) { STORE(n + 0, x17); STORE(n + 1, y17); STORE(n + 2, z17); }
+    if (HAS(1, 1) && ORDER(1)) { STORE(n + 0, kx17); STORE(n + 1, ky17); STORE(n + 2, kz17); }
     n += uint(HAS(1, 1)) * 3;
   }
   if (1 <= LMAX_MOST) {
-    if (HAS(2, 1) && ORDER(1)) { STORE(n + 0, xx17); STORE(n + 1, xy17); STORE(n + 2, xz17); STORE(n + 3, yy17); STORE(n + 4, yz17); STORE(n + 5, zz17); }
+    if (HAS(2, 1) && ORDER(1)) { STORE(n + 0, kxx17); STORE(n + 1, kxy17); STORE(n + 2, kxz17); STORE(n + 3, kyy17); STORE(n + 4, kyz17); STORE(n + 5, kzz17); }
     n += uint(HAS(2, 1)) * 6;
   }
   if (2 <= LMAX_MOST) {
-    if (HAS(0, 2) && ORDER(1)) { STORE(n + 0, v18); }
+    if (HAS(0, 2) && ORDER(1)) { STORE(n + 0, kv18); }
     n += uint(HAS(0, 2)) * 1;
   }
   if (2 <= LMAX_MOST) {
-    if (HAS(1, 2) && ORDER(1)) { STORE(n + 0, x18); STORE(n + 1, y18); STORE(n + 2, z18); }
+    if (HAS(1, 2) && ORDER(1)) { STORE(n + 0, kx18); STORE(n + 1, ky18); STORE(n + 2, kz18); }
     n += uint(HAS(1, 2)) * 3;
   }
   if (2 <= LMAX_MOST) {
-    if (HAS(2, 2) && ORDER(1)) { STORE(n + 0, xx18); STORE(n + 1, xy18); STORE(n + 2, xz18); STORE(n + 3, yy18); STORE(n + 4, yz18); STORE(n + 5, zz18); }
+    if (HAS(2, 2) && ORDER(1)) { STORE(n + 0, kxx18); STORE(n + 1, kxy18); STORE(n + 2, kxz18); STORE(n + 3, kyy18); STORE(n + 4, kyz18); STORE(n + 5, kzz18); }
     n += uint(HAS(2, 2)) * 6;
   }
   if (3 <= LMAX_MOST) {
-    if (HAS(0, 3) && ORDER(1)) { STORE(n + 0, v19); }
+    if (HAS(0, 3) && ORDER(1)) { STORE(n + 0, kv19); }
     n += uint(HAS(0, 3)) * 1;
   }
   if (3 <= LMAX_MOST) {
-    if (HAS(1, 3) && ORDER(1)) { STORE(n + 0, x19); STORE(n + 1, y19); STORE(n + 2, z19); }
+    if (HAS(1, 3) && ORDER(1)) { STORE(n + 0, kx19); STORE(n + 1, ky19); STORE(n + 2, kz19); }
     n += uint(HAS(1, 3)) * 3;
   }
   if (3 <= LMAX_MOST) {
-    if (HAS(2, 3) && ORDER(1)) { STORE(n + 0, xx19); STORE(n + 1, xy19); STORE(n + 2, xz19); STORE(n + 3, yy19); STORE(n + 4, yz19); STORE(n + 5, zz19); }
+    if (HAS(2, 3) && ORDER(1)) { STORE(n + 0, kxx19); STORE(n + 1, kxy19); STORE(n + 2, kxz19); STORE(n + 3, kyy19); STORE(n + 4, kyz19); STORE(n + 5, kzz19); }
     n += uint(HAS(2, 3)) * 6;
   }
   if (4 <= LMAX_MOST) {
-    if (HAS(0, 4) && ORDER(1)) { STORE(n + 0, v20); }
+    if (HAS(0, 4) && ORDER(1)) { STORE(n + 0, kv20); }
     n += uint(HAS(0, 4)) * 1;
   }
   if (4 <= LMAX_MOST) {
-    if (HAS(1, 4) && ORDER(1)) { STORE(n + 0, x20); STORE(n + 1, y20); STORE(n + 2, z20); }
+    if (HAS(1, 4) && ORDER(1)) { STORE(n + 0, kx20); STORE(n + 1, ky20); STORE(n + 2, kz20); }
     n += uint(HAS(1, 4)) * 3;
   }
   if (4 <= LMAX_MOST) {
-    if (HAS(2, 4) && ORDER(1)) { STORE(n + 0, xx20); STORE(n + 1, xy20); STORE(n + 2, xz20); STORE(n + 3, yy20); STORE(n + 4, yz20); STORE(n + 5, zz20); }
+    if (HAS(2, 4) && ORDER(1)) { STORE(n + 0, kxx20); STORE(n + 1, kxy20); STORE(n + 2, kxz20); STORE(n + 3, kyy20); STORE(n + 4, kyz20); STORE(n + 5, kzz20); }
     n += uint(HAS(2, 4)) * 6;
   }
   if (5 <= LMAX_MOST) {
-    if (HAS(0, 5) && ORDER(1)) { STORE(n + 0, v21); }
+    if (HAS(0, 5) && ORDER(1)) { STORE(n + 0, kv21); }
     n += uint(HAS(0, 5)) * 1;
   }
   if (5 <= LMAX_MOST) {
-    if (HAS(1, 5) && ORDER(1)) { STORE(n + 0, x21); STORE(n + 1, y21); STORE(n + 2, z21); }
+    if (HAS(1, 5) && ORDER(1)) { STORE(n + 0, kx21); STORE(n + 1, ky21); STORE(n + 2, kz21); }
     n += uint(HAS(1, 5)) * 3;
   }
   if (5 <= LMAX_MOST) {
-    if (HAS(2, 5) && ORDER(1)) { STORE(n + 0, xx21); STORE(n + 1, xy21); STORE(n + 2, xz21); STORE(n + 3, yy21); STORE(n + 4, yz21); STORE(n + 5, zz21); }
+    if (HAS(2, 5) && ORDER(1)) { STORE(n + 0, kxx21); STORE(n + 1, kxy21); STORE(n + 2, kxz21); STORE(n + 3, kyy21); STORE(n + 4, kyz21); STORE(n + 5, kzz21); }
     n += uint(HAS(2, 5)) * 6;
   }
   if (6 <= LMAX_MOST) {
-    if (HAS(0, 6) && ORDER(1)) { STORE(n + 0, v22); }
+    if (HAS(0, 6) && ORDER(1)) { STORE(n + 0, kv22); }
     n += uint(HAS(0, 6)) * 1;
   }
   if (6 <= LMAX_MOST) {
-    if (HAS(1, 6) && ORDER(1)) { STORE(n + 0, x22); STORE(n + 1, y22); STORE(n + 2, z22); }
+    if (HAS(1, 6) && ORDER(1)) { STORE(n + 0, kx22); STORE(n + 1, ky22); STORE(n + 2, kz22); }
     n += uint(HAS(1, 6)) * 3;
   }
   if (6 <= LMAX_MOST) {
-    if (HAS(2, 6) && ORDER(1)) { STORE(n + 0, xx22); STORE(n + 1, xy22); STORE(n + 2, xz22); STORE(n + 3, yy22); STORE(n + 4, yz22); STORE(n + 5, zz22); }
+    if (HAS(2, 6) && ORDER(1)) { STORE(n + 0, kxx22); STORE(n + 1, kxy22); STORE(n + 2, kxz22); STORE(n + 3, kyy22); STORE(n + 4, kyz22); STORE(n + 5, kzz22); }
     n += uint(HAS(2, 6)) * 6;
   }
   if (7 <= LMAX_MOST) {
-    if (HAS(0, 7) && ORDER(1)) { STORE(n + 0, v23); }
+    if (HAS(0, 7) && ORDER(1)) { STORE(n + 0, kv23); }
     n += uint(HAS(0, 7)) * 1;
   }
   if (7 <= LMAX_MOST) {
-    if (HAS(1, 7) && ORDER(1)) { STORE(n + 0, x23); STORE(n + 1, y23); STORE(n + 2, z23); }
+    if (HAS(1, 7) && ORDER(1)) { STORE(n + 0, kx23); STORE(n + 1, ky23); STORE(n + 2, kz23); }
     n += uint(HAS(1, 7)) * 3;
   }
   if (7 <= LMAX_MOST) {
-    if (HAS(2, 7) && ORDER(1)) { STORE(n + 0, xx23); STORE(n + 1, xy23); STORE(n + 2, xz23); STORE(n + 3, yy23); STORE(n + 4, yz23); STORE(n + 5, zz23); }
+    if (HAS(2, 7) && ORDER(1)) { STORE(n + 0, kxx23); STORE(n + 1, kxy23); STORE(n + 2, kxz23); STORE(n + 3, kyy23); STORE(n + 4, kyz23); STORE(n + 5, kzz23); }
     n += uint(HAS(2, 7)) * 6;
   }
   if (8 <= LMAX_MOST) {
-    if (HAS(0, 8) && ORDER(1)) { STORE(n + 0, v24); }
+    if (HAS(0, 8) && ORDER(1)) { STORE(n + 0, kv24); }
     n += uint(HAS(0, 8)) * 1;
   }
   if (8 <= LMAX_MOST) {
-    if (HAS(1, 8) && ORDER(1)) { STORE(n + 0, x24); STORE(n + 1, y24); STORE(n + 2, z24); }
+    if (HAS(1, 8) && ORDER(1)) { STORE(n + 0, kx24); STORE(n + 1, ky24); STORE(n + 2, kz24); }
     n += uint(HAS(1, 8)) * 3;
   }
   if (8 <= LMAX_MOST) {
-    if (HAS(2, 8) && ORDER(1)) { STORE(n + 0, xx24); STORE(n + 1, xy24); STORE(n + 2, xz24); STORE(n + 3, yy24); STORE(n + 4, yz24); STORE(n + 5, zz24); }
+    if (HAS(2, 8) && ORDER(1)) { STORE(n + 0, kxx24); STORE(n + 1, kxy24); STORE(n + 2, kxz24); STORE(n + 3, kyy24); STORE(n + 4, kyz24); STORE(n + 5, kzz24); }
     n += uint(HAS(2, 8)) * 6;
   }
   if (2 <= LMAX_MOST) {
-    if (HAS(0, 2) && ORDER(2)) { STORE(n + 0, v25); }
+    if (HAS(0, 2) && ORDER(2)) { STORE(n + 0, kv25); }
     n += uint(HAS(0, 2)) * 1;
   }
   if (2 <= LMAX_MOST) {
-    if (HAS(1, 2) && ORDER(2)) { STORE(n + 0, x25); STORE(n + 1, y25); STORE(n + 2, z25); }
+    if (HAS(1, 2) && ORDER(2)) { STORE(n + 0, kx25); STORE(n + 1, ky25); STORE(n + 2, kz25); }
     n += uint(HAS(1, 2)) * 3;
   }
   if (2 <= LMAX_MOST) {
-    if (HAS(2, 2) && ORDER(2)) { STORE(n + 0, xx25); STORE(n + 1, xy25); STORE(n + 2, xz25); STORE(n + 3, yy25); STORE(n + 4, yz25); STORE(n + 5, zz25); }
+    if (HAS(2, 2) && ORDER(2)) { STORE(n + 0, kxx25); STORE(n + 1, kxy25); STORE(n + 2, kxz25); STORE(n + 3, kyy25); STORE(n + 4, kyz25); STORE(n + 5, kzz25); }
     n += uint(HAS(2, 2)) * 6;
   }
   if (3 <= LMAX_MOST) {
-    if (HAS(0, 3) && ORDER(2)) { STORE(n + 0, v26); }
+    if (HAS(0, 3) && ORDER(2)) { STORE(n + 0, kv26); }
     n += uint(HAS(0, 3)) * 1;
   }
   if (3 <= LMAX_MOST) {
-    if (HAS(1, 3) && ORDER(2)) { STORE(n + 0, x26); STORE(n + 1, y26); STORE(n + 2, z26); }
+    if (HAS(1, 3) && ORDER(2)) { STORE(n + 0, kx26); STORE(n + 1, ky26); STORE(n + 2, kz26); }
     n += uint(HAS(1, 3)) * 3;
   }
   if (3 <= LMAX_MOST) {
-    if (HAS(2, 3) && ORDER(2)) { STORE(n + 0, xx26); STORE(n + 1, xy26); STORE(n + 2, xz26); STORE(n + 3, yy26); STORE(n + 4, yz26); STORE(n + 5, zz26); }
+    if (HAS(2, 3) && ORDER(2)) { STORE(n + 0, kxx26); STORE(n + 1, kxy26); STORE(n + 2, kxz26); STORE(n + 3, kyy26); STORE(n + 4, kyz26); STORE(n + 5, kzz26); }
     n += uint(HAS(2, 3)) * 6;
   }
   if (4 <= LMAX_MOST) {
-    if (HAS(0, 4) && ORDER(2)) { STORE(n + 0, v27); }
+    if (HAS(0, 4) && ORDER(2)) { STORE(n + 0, kv27); }
     n += uint(HAS(0, 4)) * 1;
   }
   if (4 <= LMAX_MOST) {
-    if (HAS(1, 4) && ORDER(2)) { STORE(n + 0, x27); STORE(n + 1, y27); STORE(n + 2, z27); }
+    if (HAS(1, 4) && ORDER(2)) { STORE(n + 0, kx27); STORE(n + 1, ky27); STORE(n + 2, kz27); }
     n += uint(HAS(1, 4)) * 3;
   }
   if (4 <= LMAX_MOST) {
-    if (HAS(2, 4) && ORDER(2)) { STORE(n + 0, xx27); STORE(n + 1, xy27); STORE(n + 2, xz27); STORE(n + 3, yy27); STORE(n + 4, yz27); STORE(n + 5, zz27); }
+    if (HAS(2, 4) && ORDER(2)) { STORE(n + 0, kxx27); STORE(n + 1, kxy27); STORE(n + 2, kxz27); STORE(n + 3, kyy27); STORE(n + 4, kyz27); STORE(n + 5, kzz27); }
     n += uint(HAS(2, 4)) * 6;
   }
   if (5 <= LMAX_MOST) {
-    if (HAS(0, 5) && ORDER(2)) { STORE(n + 0, v28); }
+    if (HAS(0, 5) && ORDER(2)) { STORE(n + 0, kv28); }
     n += uint(HAS(0, 5)) * 1;
   }
   if (5 <= LMAX_MOST) {
-    if (HAS(1, 5) && ORDER(2)) { STORE(n + 0, x28); STORE(n + 1, y28); STORE(n + 2, z28); }
+    if (HAS(1, 5) && ORDER(2)) { STORE(n + 0, kx28); STORE(n + 1, ky28); STORE(n + 2, kz28); }
     n += uint(HAS(1, 5)) * 3;
   }
   if (5 <= LMAX_MOST) {
-    if (HAS(2, 5) && ORDER(2)) { STORE(n + 0, xx28); STORE(n + 1, xy28); STORE(n + 2, xz28); STORE(n + 3, yy28); STORE(n + 4, yz28); STORE(n + 5, zz28); }
+    if (HAS(2, 5) && ORDER(2)) { STORE(n + 0, kxx28); STORE(n + 1, kxy28); STORE(n + 2, kxz28); STORE(n + 3, kyy28); STORE(n + 4, kyz28); STORE(n + 5, kzz28); }
     n += uint(HAS(2, 5)) * 6;
   }
   if (6 <= LMAX_MOST) {
-    if (HAS(0, 6) && ORDER(2)) { STORE(n + 0, v29); }
+    if (HAS(0, 6) && ORDER(2)) { STORE(n + 0, kv29); }
     n += uint(HAS(0, 6)) * 1;
   }
   if (6 <= LMAX_MOST) {
-    if (HAS(1, 6) && ORDER(2)) { STORE(n + 0, x29); STORE(n + 1, y29); STORE(n + 2, z29); }
+    if (HAS(1, 6) && ORDER(2)) { STORE(n + 0, kx29); STORE(n + 1, ky29); STORE(n + 2, kz29); }
     n += uint(HAS(1, 6)) * 3;
   }
   if (6 <= LMAX_MOST) {
-    if (HAS(2, 6) && ORDER(2)) { STORE(n + 0, xx29); STORE(n + 1, xy29); STORE(n + 2, xz29); STORE(n + 3, yy29); STORE(n + 4, yz29); STORE(n + 5, zz29); }
+    if (HAS(2, 6) && ORDER(2)) { STORE(n + 0, kxx29); STORE(n + 1, kxy29); STORE(n + 2, kxz29); STORE(n + 3, kyy29); STORE(n + 4, kyz29); STORE(n + 5, kzz29); }
     n += uint(HAS(2, 6)) * 6;
   }
   if (7 <= LMAX_MOST) {
-    if (HAS(0, 7) && ORDER(2)) { STORE(n + 0, v30); }
+    if (HAS(0, 7) && ORDER(2)) { STORE(n + 0, kv30); }
     n += uint(HAS(0, 7)) * 1;
   }
   if (7 <= LMAX_MOST) {
-    if (HAS(1, 7) && ORDER(2)) { STORE(n + 0, x30); STORE(n + 1, y30); STORE(n + 2, z30); }
+    if (HAS(1, 7) && ORDER(2)) { STORE(n + 0, kx30); STORE(n + 1, ky30); STORE(n + 2, kz30); }
     n += uint(HAS(1, 7)) * 3;
   }
   if (7 <= LMAX_MOST) {
-    if (HAS(2, 7) && ORDER(2)) { STORE(n + 0, xx30); STORE(n + 1, xy30); STORE(n + 2, xz30); STORE(n + 3, yy30); STORE(n + 4, yz30); STORE(n + 5, zz30); }
+    if (HAS(2, 7) && ORDER(2)) { STORE(n + 0, kxx30); STORE(n + 1, kxy30); STORE(n + 2, kxz30); STORE(n + 3, kyy30); STORE(n + 4, kyz30); STORE(n + 5, kzz30); }
     n += uint(HAS(2, 7)) * 6;
   }
   if (8 <= LMAX_MOST) {
-    if (HAS(0, 8) && ORDER(2)) { STORE(n + 0, v31); }
+    if (HAS(0, 8) && ORDER(2)) { STORE(n + 0, kv31); }
     n += uint(HAS(0, 8)) * 1;
   }
   if (8 <= LMAX_MOST) {
-    if (HAS(1, 8) && ORDER(2)) { STORE(n + 0, x31); STORE(n + 1, y31); STORE(n + 2, z31); }
+    if (HAS(1, 8) && ORDER(2)) { STORE(n + 0, kx31); STORE(n + 1, ky31); STORE(n + 2, kz31); }
     n += uint(HAS(1, 8)) * 3;
   }
   if (8 <= LMAX_MOST) {
-    if (HAS(2, 8) && ORDER(2)) { STORE(n + 0, xx31); STORE(n + 1, xy31); STORE(n + 2, xz31); STORE(n + 3, yy31); STORE(n + 4, yz31); STORE(n + 5, zz31); }
+    if (HAS(2, 8) && ORDER(2)) { STORE(n + 0, kxx31); STORE(n + 1, kxy31); STORE(n + 2, kxz31); STORE(n + 3, kyy31); STORE(n + 4, kyz31); STORE(n + 5, kzz31); }
     n += uint(HAS(2, 8)) * 6;
   }
   if (2 <= LMAX_MOST) {
-    if (HAS(0, 2) && ORDER(2)) { STORE(n + 0, v32); }
+    if (HAS(0, 2) && ORDER(2)) { STORE(n + 0, kv32); }
     n += uint(HAS(0, 2)) * 1;
   }
   if (2 <= LMAX_MOST) {
-    if (HAS(1, 2) && ORDER(2)) { STORE(n + 0, x32); STORE(n + 1, y32); STORE(n + 2, z32); }
+    if (HAS(1, 2) && ORDER(2)) { STORE(n + 0, kx32); STORE(n + 1, ky32); STORE(n + 2, kz32); }
     n += uint(HAS(1, 2)) * 3;
   }
   if (2 <= LMAX_MOST) {
-    if (HAS(2, 2) && ORDER(2)) { STORE(n + 0, xx32); STORE(n + 1, xy32); STORE(n + 2, xz32); STORE(n + 3, yy32); STORE(n + 4, yz32); STORE(n + 5, zz32); }
+    if (HAS(2, 2) && ORDER(2)) { STORE(n + 0, kxx32); STORE(n + 1, kxy32); STORE(n + 2, kxz32); STORE(n + 3, kyy32); STORE(n + 4, kyz32); STORE(n + 5, kzz32); }
     n += uint(HAS(2, 2)) * 6;
   }
   if (3 <= LMAX_MOST) {
-    if (HAS(0, 3) && ORDER(2)) { STORE(n + 0, v33); }
+    if (HAS(0, 3) && ORDER(2)) { STORE(n + 0, kv33); }
     n += uint(HAS(0, 3)) * 1;
   }
   if (3 <= LMAX_MOST) {
-    if (HAS(1, 3) && ORDER(2)) { STORE(n + 0, x33); STORE(n + 1, y33); STORE(n + 2, z33); }
+    if (HAS(1, 3) && ORDER(2)) { STORE(n + 0, kx33); STORE(n + 1, ky33); STORE(n + 2, kz33); }
     n += uint(HAS(1, 3)) * 3;
   }
   if (3 <= LMAX_MOST) {
-    if (HAS(2, 3) && ORDER(2)) { STORE(n + 0, xx33); STORE(n + 1, xy33); STORE(n + 2, xz33); STORE(n + 3, yy33); STORE(n + 4, yz33); STORE(n + 5, zz33); }
+    if (HAS(2, 3) && ORDER(2)) { STORE(n + 0, kxx33); STORE(n + 1, kxy33); STORE(n + 2, kxz33); STORE(n + 3, kyy33); STORE(n + 4, kyz33); STORE(n + 5, kzz33); }
     n += uint(HAS(2, 3)) * 6;
   }
   if (4 <= LMAX_MOST) {
-    if (HAS(0, 4) && ORDER(2)) { STORE(n + 0, v34); }
+    if (HAS(0, 4) && ORDER(2)) { STORE(n + 0, kv34); }
     n += uint(HAS(0, 4)) * 1;
   }
   if (4 <= LMAX_MOST) {
-    if (HAS(1, 4) && ORDER(2)) { STORE(n + 0, x34); STORE(n + 1, y34); STORE(n + 2, z34); }
+    if (HAS(1, 4) && ORDER(2)) { STORE(n + 0, kx34); STORE(n + 1, ky34); STORE(n + 2, kz34); }
     n += uint(HAS(1, 4)) * 3;
   }
   if (4 <= LMAX_MOST) {
-    if (HAS(2, 4) && ORDER(2)) { STORE(n + 0, xx34); STORE(n + 1, xy34); STORE(n + 2, xz34); STORE(n + 3, yy34); STORE(n + 4, yz34); STORE(n + 5, zz34); }
+    if (HAS(2, 4) && ORDER(2)) { STORE(n + 0, kxx34); STORE(n + 1, kxy34); STORE(n + 2, kxz34); STORE(n + 3, kyy34); STORE(n + 4, kyz34); STORE(n + 5, kzz34); }
     n += uint(HAS(2, 4)) * 6;
   }
   if (5 <= LMAX_MOST) {
-    if (HAS(0, 5) && ORDER(2)) { STORE(n + 0, v35); }
+    if (HAS(0, 5) && ORDER(2)) { STORE(n + 0, kv35); }
     n += uint(HAS(0, 5)) * 1;
   }
   if (5 <= LMAX_MOST) {
-    if (HAS(1, 5) && ORDER(2)) { STORE(n + 0, x35); STORE(n + 1, y35); STORE(n + 2, z35); }
+    if (HAS(1, 5) && ORDER(2)) { STORE(n + 0, kx35); STORE(n + 1, ky35); STORE(n + 2, kz35); }
     n += uint(HAS(1, 5)) * 3;
   }
   if (5 <= LMAX_MOST) {
-    if (HAS(2, 5) && ORDER(2)) { STORE(n + 0, xx35); STORE(n + 1, xy35); STORE(n + 2, xz35); STORE(n + 3, yy35); STORE(n + 4, yz35); STORE(n + 5, zz35); }
+    if (HAS(2, 5) && ORDER(2)) { STORE(n + 0, kxx35); STORE(n + 1, kxy35); STORE(n + 2, kxz35); STORE(n + 3, kyy35); STORE(n + 4, kyz35); STORE(n + 5, kzz35); }
     n += uint(HAS(2, 5)) * 6;
   }
   if (6 <= LMAX_MOST) {
-    if (HAS(0, 6) && ORDER(2)) { STORE(n + 0, v36); }
+    if (HAS(0, 6) && ORDER(2)) { STORE(n + 0, kv36); }
     n += uint(HAS(0, 6)) * 1;
   }
   if (6 <= LMAX_MOST) {
-    if (HAS(1, 6) && ORDER(2)) { STORE(n + 0, x36); STORE(n + 1, y36); STORE(n + 2, z36); }
+    if (HAS(1, 6) && ORDER(2)) { STORE(n + 0, kx36); STORE(n + 1, ky36); STORE(n + 2, kz36); }
     n += uint(HAS(1, 6)) * 3;
   }
   if (6 <= LMAX_MOST) {
-    if (HAS(2, 6) && ORDER(2)) { STORE(n + 0, xx36); STORE(n + 1, xy36); STORE(n + 2, xz36); STORE(n + 3, yy36); STORE(n + 4, yz36); STORE(n + 5, zz36); }
+    if (HAS(2, 6) && ORDER(2)) { STORE(n + 0, kxx36); STORE(n + 1, kxy36); STORE(n + 2, kxz36); STORE(n + 3, kyy36); STORE(n + 4, kyz36); STORE(n + 5, kzz36); }
     n += uint(HAS(2, 6)) * 6;
   }
   if (7 <= LMAX_MOST) {
-    if (HAS(0, 7) && ORDER(2)) { STORE(n + 0, v37); }
+    if (HAS(0, 7) && ORDER(2)) { STORE(n + 0, kv37); }
     n += uint(HAS(0, 7)) * 1;
   }
   if (7 <= LMAX_MOST) {
-    if (HAS(1, 7) && ORDER(2)) { STORE(n + 0, x37); STORE(n + 1, y37); STORE(n + 2, z37); }
+    if (HAS(1, 7) && ORDER(2)) { STORE(n + 0, kx37); STORE(n + 1, ky37); STORE(n + 2, kz37); }
     n += uint(HAS(1, 7)) * 3;
   }
   if (7 <= LMAX_MOST) {
-    if (HAS(2, 7) && ORDER(2)) { STORE(n + 0, xx37); STORE(n + 1, xy37); STORE(n + 2, xz37); STORE(n + 3, yy37); STORE(n + 4, yz37); STORE(n + 5, zz37); }
+    if (HAS(2, 7) && ORDER(2)) { STORE(n + 0, kxx37); STORE(n + 1, kxy37); STORE(n + 2, kxz37); STORE(n + 3, kyy37); STORE(n + 4, kyz37); STORE(n + 5, kzz37); }
     n += uint(HAS(2, 7)) * 6;
   }
   if (8 <= LMAX_MOST) {
-    if (HAS(0, 8) && ORDER(2)) { STORE(n + 0, v38); }
+    if (HAS(0, 8) && ORDER(2)) { STORE(n + 0, kv38); }
     n += uint(HAS(0, 8)) * 1;
   }
   if (8 <= LMAX_MOST) {
-    if (HAS(1, 8) && ORDER(2)) { STORE(n + 0, x38); STORE(n + 1, y38); STORE(n + 2, z38); }
+    if (HAS(1, 8) && ORDER(2)) { STORE(n + 0, kx38); STORE(n + 1, ky38); STORE(n + 2, kz38); }
     n += uint(HAS(1, 8)) * 3;
   }
   if (8 <= LMAX_MOST) {
-    if (HAS(2, 8) && ORDER(2)) { STORE(n + 0, xx38); STORE(n + 1, xy38); STORE(n + 2, xz38); STORE(n + 3, yy38); STORE(n + 4, yz38); STORE(n + 5, zz38); }
+    if (HAS(2, 8) && ORDER(2)) { STORE(n + 0, kxx38); STORE(n + 1, kxy38); STORE(n + 2, kxz38); STORE(n + 3, kyy38); STORE(n + 4, kyz38); STORE(n + 5, kzz38); }
     n += uint(HAS(2, 8)) * 6;
   }
   if (3 <= LMAX_MOST) {
-    if (HAS(0, 3) && ORDER(3)) { STORE(n + 0, v39); }
+    if (HAS(0, 3) && ORDER(3)) { STORE(n + 0, kv39); }
     n += uint(HAS(0, 3)) * 1;
   }
   if (3 <= LMAX_MOST) {
-    if (HAS(1, 3) && ORDER(3)) { STORE(n + 0, x39); STORE(n + 1, y39); STORE(n + 2, z39); }
+    if (HAS(1, 3) && ORDER(3)) { STORE(n + 0, kx39); STORE(n + 1, ky39); STORE(n + 2, kz39); }
     n += uint(HAS(1, 3)) * 3;
   }
   if (3 <= LMAX_MOST) {
-    if (HAS(2, 3) && ORDER(3)) { STORE(n + 0, xx39); STORE(n + 1, xy39); STORE(n + 2, xz39); STORE(n + 3, yy39); STORE(n + 4, yz39); STORE(n + 5, zz39); }
+    if (HAS(2, 3) && ORDER(3)) { STORE(n + 0, kxx39); STORE(n + 1, kxy39); STORE(n + 2, kxz39); STORE(n + 3, kyy39); STORE(n + 4, kyz39); STORE(n + 5, kzz39); }
     n += uint(HAS(2, 3)) * 6;
   }
   if (4 <= LMAX_MOST) {
-    if (HAS(0, 4) && ORDER(3)) { STORE(n + 0, v40); }
+    if (HAS(0, 4) && ORDER(3)) { STORE(n + 0, kv40); }
     n += uint(HAS(0, 4)) * 1;
   }
   if (4 <= LMAX_MOST) {
-    if (HAS(1, 4) && ORDER(3)) { STORE(n + 0, x40); STORE(n + 1, y40); STORE(n + 2, z40); }
+    if (HAS(1, 4) && ORDER(3)) { STORE(n + 0, kx40); STORE(n + 1, ky40); STORE(n + 2, kz40); }
     n += uint(HAS(1, 4)) * 3;
   }
   if (4 <= LMAX_MOST) {
-    if (HAS(2, 4) && ORDER(3)) { STORE(n + 0, xx40); STORE(n + 1, xy40); STORE(n + 2, xz40); STORE(n + 3, yy40); STORE(n + 4, yz40); STORE(n + 5, zz40); }
+    if (HAS(2, 4) && ORDER(3)) { STORE(n + 0, kxx40); STORE(n + 1, kxy40); STORE(n + 2, kxz40); STORE(n + 3, kyy40); STORE(n + 4, kyz40); STORE(n + 5, kzz40); }
     n += uint(HAS(2, 4)) * 6;
   }
   if (5 <= LMAX_MOST) {
-    if (HAS(0, 5) && ORDER(3)) { STORE(n + 0, v41); }
+    if (HAS(0, 5) && ORDER(3)) { STORE(n + 0, kv41); }
     n += uint(HAS(0, 5)) * 1;
   }
   if (5 <= LMAX_MOST) {
-    if (HAS(1, 5) && ORDER(3)) { STORE(n + 0, x41); STORE(n + 1, y41); STORE(n + 2, z41); }
+    if (HAS(1, 5) && ORDER(3)) { STORE(n + 0, kx41); STORE(n + 1, ky41); STORE(n + 2, kz41); }
     n += uint(HAS(1, 5)) * 3;
   }
   if (5 <= LMAX_MOST) {
-    if (HAS(2, 5) && ORDER(3)) { STORE(n + 0, xx41); STORE(n + 1, xy41); STORE(n + 2, xz41); STORE(n + 3, yy41); STORE(n + 4, yz41); STORE(n + 5, zz41); }
+    if (HAS(2, 5) && ORDER(3)) { STORE(n + 0, kxx41); STORE(n + 1, kxy41); STORE(n + 2, kxz41); STORE(n + 3, kyy41); STORE(n + 4, kyz41); STORE(n + 5, kzz41); }
     n += uint(HAS(2, 5)) * 6;
   }
   if (6 <= LMAX_MOST) {
-    if (HAS(0, 6) && ORDER(3)) { STORE(n + 0, v42); }
+    if (HAS(0, 6) && ORDER(3)) { STORE(n + 0, kv42); }
     n += uint(HAS(0, 6)) * 1;
   }
   if (6 <= LMAX_MOST) {
-    if (HAS(1, 6) && ORDER(3)) { STORE(n + 0, x42); STORE(n + 1, y42); STORE(n + 2, z42); }
+    if (HAS(1, 6) && ORDER(3)) { STORE(n + 0, kx42); STORE(n + 1, ky42); STORE(n + 2, kz42); }
     n += uint(HAS(1, 6)) * 3;
   }
   if (6 <= LMAX_MOST) {
-    if (HAS(2, 6) && ORDER(3)) { STORE(n + 0, xx42); STORE(n + 1, xy42); STORE(n + 2, xz42); STORE(n + 3, yy42); STORE(n + 4, yz42); STORE(n + 5, zz42); }
+    if (HAS(2, 6) && ORDER(3)) { STORE(n + 0, kxx42); STORE(n + 1, kxy42); STORE(n + 2, kxz42); STORE(n + 3, kyy42); STORE(n + 4, kyz42); STORE(n + 5, kzz42); }
     n += uint(HAS(2, 6)) * 6;
   }
   if (7 <= LMAX_MOST) {
-    if (HAS(0, 7) && ORDER(3)) { STORE(n + 0, v43); }
+    if (HAS(0, 7) && ORDER(3)) { STORE(n + 0, kv43); }
     n += uint(HAS(0, 7)) * 1;
   }
   if (7 <= LMAX_MOST) {
-    if (HAS(1, 7) && ORDER(3)) { STORE(n + 0, x43); STORE(n + 1, y43); STORE(n + 2, z43); }
+    if (HAS(1, 7) && ORDER(3)) { STORE(n + 0, kx43); STORE(n + 1, ky43); STORE(n + 2, kz43); }
     n += uint(HAS(1, 7)) * 3;
   }
   if (7 <= LMAX_MOST) {
-    if (HAS(2, 7) && ORDER(3)) { STORE(n + 0, xx43); STORE(n + 1, xy43); STORE(n + 2, xz43); STORE(n + 3, yy43); STORE(n + 4, yz43); STORE(n + 5, zz43); }
+    if (HAS(2, 7) && ORDER(3)) { STORE(n + 0, kxx43); STORE(n + 1, kxy43); STORE(n + 2, kxz43); STORE(n + 3, kyy43); STORE(n + 4, kyz43); STORE(n + 5, kzz43); }
     n += uint(HAS(2, 7)) * 6;
   }
   if (8 <= LMAX_MOST) {
-    if (HAS(0, 8) && ORDER(3)) { STORE(n + 0, v44); }
+    if (HAS(0, 8) && ORDER(3)) { STORE(n + 0, kv44); }
     n += uint(HAS(0, 8)) * 1;
   }
   if (8 <= LMAX_MOST) {
-    if (HAS(1, 8) && ORDER(3)) { STORE(n + 0, x44); STORE(n + 1, y44); STORE(n + 2, z44); }
+    if (HAS(1, 8) && ORDER(3)) { STORE(n + 0, kx44); STORE(n + 1, ky44); STORE(n + 2, kz44); }
     n += uint(HAS(1, 8)) * 3;
   }
   if (8 <= LMAX_MOST) {
-    if (HAS(2, 8) && ORDER(3)) { STORE(n + 0, xx44); STORE(n + 1, xy44); STORE(n + 2, xz44); STORE(n + 3, yy44); STORE(n + 4, yz44); STORE(n + 5, zz44); }
+    if (HAS(2, 8) && ORDER(3)) { STORE(n + 0, kxx44); STORE(n + 1, kxy44); STORE(n + 2, kxz44); STORE(n + 3, kyy44); STORE(n + 4, kyz44); STORE(n + 5, kzz44); }
     n += uint(HAS(2, 8)) * 6;
   }
   if (3 <= LMAX_MOST) {
-    if (HAS(0, 3) && ORDER(3)) { STORE(n + 0, v45); }
+    if (HAS(0, 3) && ORDER(3)) { STORE(n + 0, kv45); }
     n += uint(HAS(0, 3)) * 1;
   }
   if (3 <= LMAX_MOST) {
-    if (HAS(1, 3) && ORDER(3)) { STORE(n + 0, x45); STORE(n + 1, y45); STORE(n + 2, z45); }
+    if (HAS(1, 3) && ORDER(3)) { STORE(n + 0, kx45); STORE(n + 1, ky45); STORE(n + 2, kz45); }
     n += uint(HAS(1, 3)) * 3;
   }
   if (3 <= LMAX_MOST) {
-    if (HAS(2, 3) && ORDER(3)) { STORE(n + 0, xx45); STORE(n + 1, xy45); STORE(n + 2, xz45); STORE(n + 3, yy45); STORE(n + 4, yz45); STORE(n + 5, zz45); }
+    if (HAS(2, 3) && ORDER(3)) { STORE(n + 0, kxx45); STORE(n + 1, kxy45); STORE(n + 2, kxz45); STORE(n + 3, kyy45); STORE(n + 4, kyz45); STORE(n + 5, kzz45); }
     n += uint(HAS(2, 3)) * 6;
   }
   if (4 <= LMAX_MOST) {
-    if (HAS(0, 4) && ORDER(3)) { STORE(n + 0, v46); }
+    if (HAS(0, 4) && ORDER(3)) { STORE(n + 0, kv46); }
     n += uint(HAS(0, 4)) * 1;
   }
   if (4 <= LMAX_MOST) {
-    if (HAS(1, 4) && ORDER(3)) { STORE(n + 0, x46); STORE(n + 1, y46); STORE(n + 2, z46); }
+    if (HAS(1, 4) && ORDER(3)) { STORE(n + 0, kx46); STORE(n + 1, ky46); STORE(n + 2, kz46); }
     n += uint(HAS(1, 4)) * 3;
   }
   if (4 <= LMAX_MOST) {
-    if (HAS(2, 4) && ORDER(3)) { STORE(n + 0, xx46); STORE(n + 1, xy46); STORE(n + 2, xz46); STORE(n + 3, yy46); STORE(n + 4, yz46); STORE(n + 5, zz46); }
+    if (HAS(2, 4) && ORDER(3)) { STORE(n + 0, kxx46); STORE(n + 1, kxy46); STORE(n + 2, kxz46); STORE(n + 3, kyy46); STORE(n + 4, kyz46); STORE(n + 5, kzz46); }
     n += uint(HAS(2, 4)) * 6;
   }
   if (5 <= LMAX_MOST) {
-    if (HAS(0, 5) && ORDER(3)) { STORE(n + 0, v47); }
+    if (HAS(0, 5) && ORDER(3)) { STORE(n + 0, kv47); }
     n += uint(HAS(0, 5)) * 1;
   }
   if (5 <= LMAX_MOST) {
-    if (HAS(1, 5) && ORDER(3)) { STORE(n + 0, x47); STORE(n + 1, y47); STORE(n + 2, z47); }
+    if (HAS(1, 5) && ORDER(3)) { STORE(n + 0, kx47); STORE(n + 1, ky47); STORE(n + 2, kz47); }
     n += uint(HAS(1, 5)) * 3;
   }
   if (5 <= LMAX_MOST) {
-    if (HAS(2, 5) && ORDER(3)) { STORE(n + 0, xx47); STORE(n + 1, xy47); STORE(n + 2, xz47); STORE(n + 3, yy47); STORE(n + 4, yz47); STORE(n + 5, zz47); }
+    if (HAS(2, 5) && ORDER(3)) { STORE(n + 0, kxx47); STORE(n + 1, kxy47); STORE(n + 2, kxz47); STORE(n + 3, kyy47); STORE(n + 4, kyz47); STORE(n + 5, kzz47); }
     n += uint(HAS(2, 5)) * 6;
   }
   if (6 <= LMAX_MOST) {
-    if (HAS(0, 6) && ORDER(3)) { STORE(n + 0, v48); }
+    if (HAS(0, 6) && ORDER(3)) { STORE(n + 0, kv48); }
     n += uint(HAS(0, 6)) * 1;
   }
   if (6 <= LMAX_MOST) {
-    if (HAS(1, 6) && ORDER(3)) { STORE(n + 0, x48); STORE(n + 1, y48); STORE(n + 2, z48); }
+    if (HAS(1, 6) && ORDER(3)) { STORE(n + 0, kx48); STORE(n + 1, ky48); STORE(n + 2, kz48); }
     n += uint(HAS(1, 6)) * 3;
   }
   if (6 <= LMAX_MOST) {
-    if (HAS(2, 6) && ORDER(3)) { STORE(n + 0, xx48); STORE(n + 1, xy48); STORE(n + 2, xz48); STORE(n + 3, yy48); STORE(n + 4, yz48); STORE(n + 5, zz48); }
+    if (HAS(2, 6) && ORDER(3)) { STORE(n + 0, kxx48); STORE(n + 1, kxy48); STORE(n + 2, kxz48); STORE(n + 3, kyy48); STORE(n + 4, kyz48); STORE(n + 5, kzz48); }
     n += uint(HAS(2, 6)) * 6;
   }
   if (7 <= LMAX_MOST) {
-    if (HAS(0, 7) && ORDER(3)) { STORE(n + 0, v49); }
+    if (HAS(0, 7) && ORDER(3)) { STORE(n + 0, kv49); }
     n += uint(HAS(0, 7)) * 1;
   }
   if (7 <= LMAX_MOST) {
-    if (HAS(1, 7) && ORDER(3)) { STORE(n + 0, x49); STORE(n + 1, y49); STORE(n + 2, z49); }
+    if (HAS(1, 7) && ORDER(3)) { STORE(n + 0, kx49); STORE(n + 1, ky49); STORE(n + 2, kz49); }
     n += uint(HAS(1, 7)) * 3;
   }
   if (7 <= LMAX_MOST) {
-    if (HAS(2, 7) && ORDER(3)) { STORE(n + 0, xx49); STORE(n + 1, xy49); STORE(n + 2, xz49); STORE(n + 3, yy49); STORE(n + 4, yz49); STORE(n + 5, zz49); }
+    if (HAS(2, 7) && ORDER(3)) { STORE(n + 0, kxx49); STORE(n + 1, kxy49); STORE(n + 2, kxz49); STORE(n + 3, kyy49); STORE(n + 4, kyz49); STORE(n + 5, kzz49); }
     n += uint(HAS(2, 7)) * 6;
   }
   if (8 <= LMAX_MOST) {
-    if (HAS(0, 8) && ORDER(3)) { STORE(n + 0, v50); }
+    if (HAS(0, 8) && ORDER(3)) { STORE(n + 0, kv50); }
     n += uint(HAS(0, 8)) * 1;
   }
   if (8 <= LMAX_MOST) {
-    if (HAS(1, 8) && ORDER(3)) { STORE(n + 0, x50); STORE(n + 1, y50); STORE(n + 2, z50); }
+    if (HAS(1, 8) && ORDER(3)) { STORE(n + 0, kx50); STORE(n + 1, ky50); STORE(n + 2, kz50); }
     n += uint(HAS(1, 8)) * 3;
   }
   if (8 <= LMAX_MOST) {
-    if (HAS(2, 8) && ORDER(3)) { STORE(n + 0, xx50); STORE(n + 1, xy50); STORE(n + 2, xz50); STORE(n + 3, yy50); STORE(n + 4, yz50); STORE(n + 5, zz50); }
+    if (HAS(2, 8) && ORDER(3)) { STORE(n + 0, kxx50); STORE(n + 1, kxy50); STORE(n + 2, kxz50); STORE(n + 3, kyy50); STORE(n + 4, kyz50); STORE(n + 5, kzz50); }
     n += uint(HAS(2, 8)) * 6;
   }
   if (4 <= LMAX_MOST) {
-    if (HAS(0, 4) && ORDER(4)) { STORE(n + 0, v51); }
+    if (HAS(0, 4) && ORDER(4)) { STORE(n + 0, kv51); }
     n += uint(HAS(0, 4)) * 1;
   }
   if (4 <= LMAX_MOST) {
-    if (HAS(1, 4) && ORDER(4)) { STORE(n + 0, x51); STORE(n + 1, y51); STORE(n + 2, z51); }
+    if (HAS(1, 4) && ORDER(4)) { STORE(n + 0, kx51); STORE(n + 1, ky51); STORE(n + 2, kz51); }
     n += uint(HAS(1, 4)) * 3;
   }
   if (4 <= LMAX_MOST) {
-    if (HAS(2, 4) && ORDER(4)) { STORE(n + 0, xx51); STORE(n + 1, xy51); STORE(n + 2, xz51); STORE(n + 3, yy51); STORE(n + 4, yz51); STORE(n + 5, zz51); }
+    if (HAS(2, 4) && ORDER(4)) { STORE(n + 0, kxx51); STORE(n + 1, kxy51); STORE(n + 2, kxz51); STORE(n + 3, kyy51); STORE(n + 4, kyz51); STORE(n + 5, kzz51); }
     n += uint(HAS(2, 4)) * 6;
   }
   if (5 <= LMAX_MOST) {
-    if (HAS(0, 5) && ORDER(4)) { STORE(n + 0, v52); }
+    if (HAS(0, 5) && ORDER(4)) { STORE(n + 0, kv52); }
     n += uint(HAS(0, 5)) * 1;
   }
   if (5 <= LMAX_MOST) {
-    if (HAS(1, 5) && ORDER(4)) { STORE(n + 0, x52); STORE(n + 1, y52); STORE(n + 2, z52); }
+    if (HAS(1, 5) && ORDER(4)) { STORE(n + 0, kx52); STORE(n + 1, ky52); STORE(n + 2, kz52); }
     n += uint(HAS(1, 5)) * 3;
   }
   if (5 <= LMAX_MOST) {
-    if (HAS(2, 5) && ORDER(4)) { STORE(n + 0, xx52); STORE(n + 1, xy52); STORE(n + 2, xz52); STORE(n + 3, yy52); STORE(n + 4, yz52); STORE(n + 5, zz52); }
+    if (HAS(2, 5) && ORDER(4)) { STORE(n + 0, kxx52); STORE(n + 1, kxy52); STORE(n + 2, kxz52); STORE(n + 3, kyy52); STORE(n + 4, kyz52); STORE(n + 5, kzz52); }
     n += uint(HAS(2, 5)) * 6;
   }
   if (6 <= LMAX_MOST) {
-    if (HAS(0, 6) && ORDER(4)) { STORE(n + 0, v53); }
+    if (HAS(0, 6) && ORDER(4)) { STORE(n + 0, kv53); }
     n += uint(HAS(0, 6)) * 1;
   }
   if (6 <= LMAX_MOST) {
-    if (HAS(1, 6) && ORDER(4)) { STORE(n + 0, x53); STORE(n + 1, y53); STORE(n + 2, z53); }
+    if (HAS(1, 6) && ORDER(4)) { STORE(n + 0, kx53); STORE(n + 1, ky53); STORE(n + 2, kz53); }
     n += uint(HAS(1, 6)) * 3;
   }
   if (6 <= LMAX_MOST) {
-    if (HAS(2, 6) && ORDER(4)) { STORE(n + 0, xx53); STORE(n + 1, xy53); STORE(n + 2, xz53); STORE(n + 3, yy53); STORE(n + 4, yz53); STORE(n + 5, zz53); }
+    if (HAS(2, 6) && ORDER(4)) { STORE(n + 0, kxx53); STORE(n + 1, kxy53); STORE(n + 2, kxz53); STORE(n + 3, kyy53); STORE(n + 4, kyz53); STORE(n + 5, kzz53); }
     n += uint(HAS(2, 6)) * 6;
   }
   if (7 <= LMAX_MOST) {
-    if (HAS(0, 7) && ORDER(4)) { STORE(n + 0, v54); }
+    if (HAS(0, 7) && ORDER(4)) { STORE(n + 0, kv54); }
     n += uint(HAS(0, 7)) * 1;
   }
   if (7 <= LMAX_MOST) {
-    if (HAS(1, 7) && ORDER(4)) { STORE(n + 0, x54); STORE(n + 1, y54); STORE(n + 2, z54); }
+    if (HAS(1, 7) && ORDER(4)) { STORE(n + 0, kx54); STORE(n + 1, ky54); STORE(n + 2, kz54); }
     n += uint(HAS(1, 7)) * 3;
   }
   if (7 <= LMAX_MOST) {
-    if (HAS(2, 7) && ORDER(4)) { STORE(n + 0, xx54); STORE(n + 1, xy54); STORE(n + 2, xz54); STORE(n + 3, yy54); STORE(n + 4, yz54); STORE(n + 5, zz54); }
+    if (HAS(2, 7) && ORDER(4)) { STORE(n + 0, kxx54); STORE(n + 1, kxy54); STORE(n + 2, kxz54); STORE(n + 3, kyy54); STORE(n + 4, kyz54); STORE(n + 5, kzz54); }
     n += uint(HAS(2, 7)) * 6;
   }
   if (8 <= LMAX_MOST) {
-    if (HAS(0, 8) && ORDER(4)) { STORE(n + 0, v55); }
+    if (HAS(0, 8) && ORDER(4)) { STORE(n + 0, kv55); }
     n += uint(HAS(0, 8)) * 1;
   }
   if (8 <= LMAX_MOST) {
-    if (HAS(1, 8) && ORDER(4)) { STORE(n + 0, x55); STORE(n + 1, y55); STORE(n + 2, z55); }
+    if (HAS(1, 8) && ORDER(4)) { STORE(n + 0, kx55); STORE(n + 1, ky55); STORE(n + 2, kz55); }
     n += uint(HAS(1, 8)) * 3;
   }
   if (8 <= LMAX_MOST) {
-    if (HAS(2, 8) && ORDER(4)) { STORE(n + 0, xx55); STORE(n + 1, xy55); STORE(n + 2, xz55); STORE(n + 3, yy55); STORE(n + 4, yz55); STORE(n + 5, zz55); }
+    if (HAS(2, 8) && ORDER(4)) { STORE(n + 0, kxx55); STORE(n + 1, kxy55); STORE(n + 2, kxz55); STORE(n + 3, kyy55); STORE(n + 4, kyz55); STORE(n + 5, kzz55); }
     n += uint(HAS(2, 8)) * 6;
   }
   if (4 <= LMAX_MOST) {
-    if (HAS(0, 4) && ORDER(4)) { STORE(n + 0, v56); }
+    if (HAS(0, 4) && ORDER(4)) { STORE(n + 0, kv56); }
     n += uint(HAS(0, 4)) * 1;
   }
   if (4 <= LMAX_MOST) {
-    if (HAS(1, 4) && ORDER(4)) { STORE(n + 0, x56); STORE(n + 1, y56); STORE(n + 2, z56); }
+    if (HAS(1, 4) && ORDER(4)) { STORE(n + 0, kx56); STORE(n + 1, ky56); STORE(n + 2, kz56); }
     n += uint(HAS(1, 4)) * 3;
   }
   if (4 <= LMAX_MOST) {
-    if (HAS(2, 4) && ORDER(4)) { STORE(n + 0, xx56); STORE(n + 1, xy56); STORE(n + 2, xz56); STORE(n + 3, yy56); STORE(n + 4, yz56); STORE(n + 5, zz56); }
+    if (HAS(2, 4) && ORDER(4)) { STORE(n + 0, kxx56); STORE(n + 1, kxy56); STORE(n + 2, kxz56); STORE(n + 3, kyy56); STORE(n + 4, kyz56); STORE(n + 5, kzz56); }
     n += uint(HAS(2, 4)) * 6;
   }
   if (5 <= LMAX_MOST) {
-    if (HAS(0, 5) && ORDER(4)) { STORE(n + 0, v57); }
+    if (HAS(0, 5) && ORDER(4)) { STORE(n + 0, kv57); }
     n += uint(HAS(0, 5)) * 1;
   }
   if (5 <= LMAX_MOST) {
-    if (HAS(1, 5) && ORDER(4)) { STORE(n + 0, x57); STORE(n + 1, y57); STORE(n + 2, z57); }
+    if (HAS(1, 5) && ORDER(4)) { STORE(n + 0, kx57); STORE(n + 1, ky57); STORE(n + 2, kz57); }
     n += uint(HAS(1, 5)) * 3;
   }
   if (5 <= LMAX_MOST) {
-    if (HAS(2, 5) && ORDER(4)) { STORE(n + 0, xx57); STORE(n + 1, xy57); STORE(n + 2, xz57); STORE(n + 3, yy57); STORE(n + 4, yz57); STORE(n + 5, zz57); }
+    if (HAS(2, 5) && ORDER(4)) { STORE(n + 0, kxx57); STORE(n + 1, kxy57); STORE(n + 2, kxz57); STORE(n + 3, kyy57); STORE(n + 4, kyz57); STORE(n + 5, kzz57); }
     n += uint(HAS(2, 5)) * 6;
   }
   if (6 <= LMAX_MOST) {
-    if (HAS(0, 6) && ORDER(4)) { STORE(n + 0, v58); }
+    if (HAS(0, 6) && ORDER(4)) { STORE(n + 0, kv58); }
     n += uint(HAS(0, 6)) * 1;
   }
   if (6 <= LMAX_MOST) {
-    if (HAS(1, 6) && ORDER(4)) { STORE(n + 0, x58); STORE(n + 1, y58); STORE(n + 2, z58); }
+    if (HAS(1, 6) && ORDER(4)) { STORE(n + 0, kx58); STORE(n + 1, ky58); STORE(n + 2, kz58); }
     n += uint(HAS(1, 6)) * 3;
   }
   if (6 <= LMAX_MOST) {
-    if (HAS(2, 6) && ORDER(4)) { STORE(n + 0, xx58); STORE(n + 1, xy58); STORE(n + 2, xz58); STORE(n + 3, yy58); STORE(n + 4, yz58); STORE(n + 5, zz58); }
+    if (HAS(2, 6) && ORDER(4)) { STORE(n + 0, kxx58); STORE(n + 1, kxy58); STORE(n + 2, kxz58); STORE(n + 3, kyy58); STORE(n + 4, kyz58); STORE(n + 5, kzz58); }
     n += uint(HAS(2, 6)) * 6;
   }
   if (7 <= LMAX_MOST) {
-    if (HAS(0, 7) && ORDER(4)) { STORE(n + 0, v59); }
+    if (HAS(0, 7) && ORDER(4)) { STORE(n + 0, kv59); }
     n += uint(HAS(0, 7)) * 1;
   }
   if (7 <= LMAX_MOST) {
-    if (HAS(1, 7) && ORDER(4)) { STORE(n + 0, x59); STORE(n + 1, y59); STORE(n + 2, z59); }
+    if (HAS(1, 7) && ORDER(4)) { STORE(n + 0, kx59); STORE(n + 1, ky59); STORE(n + 2, kz59); }
     n += uint(HAS(1, 7)) * 3;
   }
   if (7 <= LMAX_MOST) {
-    if (HAS(2, 7) && ORDER(4)) { STORE(n + 0, xx59); STORE(n + 1, xy59); STORE(n + 2, xz59); STORE(n + 3, yy59); STORE(n + 4, yz59); STORE(n + 5, zz59); }
+    if (HAS(2, 7) && ORDER(4)) { STORE(n + 0, kxx59); STORE(n + 1, kxy59); STORE(n + 2, kxz59); STORE(n + 3, kyy59); STORE(n + 4, kyz59); STORE(n + 5, kzz59); }
     n += uint(HAS(2, 7)) * 6;
   }
   if (8 <= LMAX_MOST) {
-    if (HAS(0, 8) && ORDER(4)) { STORE(n + 0, v60); }
+    if (HAS(0, 8) && ORDER(4)) { STORE(n + 0, kv60); }
     n += uint(HAS(0, 8)) * 1;
   }
   if (8 <= LMAX_MOST) {
-    if (HAS(1, 8) && ORDER(4)) { STORE(n + 0, x60); STORE(n + 1, y60); STORE(n + 2, z60); }
+    if (HAS(1, 8) && ORDER(4)) { STORE(n + 0, kx60); STORE(n + 1, ky60); STORE(n + 2, kz60); }
     n += uint(HAS(1, 8)) * 3;
   }
   if (8 <= LMAX_MOST) {
-    if (HAS(2, 8) && ORDER(4)) { STORE(n + 0, xx60); STORE(n + 1, xy60); STORE(n + 2, xz60); STORE(n + 3, yy60); STORE(n + 4, yz60); STORE(n + 5, zz60); }
+    if (HAS(2, 8) && ORDER(4)) { STORE(n + 0, kxx60); STORE(n + 1, kxy60); STORE(n + 2, kxz60); STORE(n + 3, kyy60); STORE(n + 4, kyz60); STORE(n + 5, kzz60); }
     n += uint(HAS(2, 8)) * 6;
   }
   if (5 <= LMAX_MOST) {
-    if (HAS(0, 5) && ORDER(5)) { STORE(n + 0, v61); }
+    if (HAS(0, 5) && ORDER(5)) { STORE(n + 0, kv61); }
     n += uint(HAS(0, 5)) * 1;
   }
   if (5 <= LMAX_MOST) {
-    if (HAS(1, 5) && ORDER(5)) { STORE(n + 0, x61); STORE(n + 1, y61); STORE(n + 2, z61); }
+    if (HAS(1, 5) && ORDER(5)) { STORE(n + 0, kx61); STORE(n + 1, ky61); STORE(n + 2, kz61); }
     n += uint(HAS(1, 5)) * 3;
   }
   if (5 <= LMAX_MOST) {
-    if (HAS(2, 5) && ORDER(5)) { STORE(n + 0, xx61); STORE(n + 1, xy61); STORE(n + 2, xz61); STORE(n + 3, yy61); STORE(n + 4, yz61); STORE(n + 5, zz61); }
+    if (HAS(2, 5) && ORDER(5)) { STORE(n + 0, kxx61); STORE(n + 1, kxy61); STORE(n + 2, kxz61); STORE(n + 3, kyy61); STORE(n + 4, kyz61); STORE(n + 5, kzz61); }
     n += uint(HAS(2, 5)) * 6;
   }
   if (6 <= LMAX_MOST) {
-    if (HAS(0, 6) && ORDER(5)) { STORE(n + 0, v62); }
+    if (HAS(0, 6) && ORDER(5)) { STORE(n + 0, kv62); }
     n += uint(HAS(0, 6)) * 1;
   }
   if (6 <= LMAX_MOST) {
-    if (HAS(1, 6) && ORDER(5)) { STORE(n + 0, x62); STORE(n + 1, y62); STORE(n + 2, z62); }
+    if (HAS(1, 6) && ORDER(5)) { STORE(n + 0, kx62); STORE(n + 1, ky62); STORE(n + 2, kz62); }
     n += uint(HAS(1, 6)) * 3;
   }
   if (6 <= LMAX_MOST) {
-    if (HAS(2, 6) && ORDER(5)) { STORE(n + 0, xx62); STORE(n + 1, xy62); STORE(n + 2, xz62); STORE(n + 3, yy62); STORE(n + 4, yz62); STORE(n + 5, zz62); }
+    if (HAS(2, 6) && ORDER(5)) { STORE(n + 0, kxx62); STORE(n + 1, kxy62); STORE(n + 2, kxz62); STORE(n + 3, kyy62); STORE(n + 4, kyz62); STORE(n + 5, kzz62); }
     n += uint(HAS(2, 6)) * 6;
   }
   if (7 <= LMAX_MOST) {
-    if (HAS(0, 7) && ORDER(5)) { STORE(n + 0, v63); }
+    if (HAS(0, 7) && ORDER(5)) { STORE(n + 0, kv63); }
     n += uint(HAS(0, 7)) * 1;
   }
   if (7 <= LMAX_MOST) {
-    if (HAS(1, 7) && ORDER(5)) { STORE(n + 0, x63); STORE(n + 1, y63); STORE(n + 2, z63); }
+    if (HAS(1, 7) && ORDER(5)) { STORE(n + 0, kx63); STORE(n + 1, ky63); STORE(n + 2, kz63); }
     n += uint(HAS(1, 7)) * 3;
   }
   if (7 <= LMAX_MOST) {
-    if (HAS(2, 7) && ORDER(5)) { STORE(n + 0, xx63); STORE(n + 1, xy63); STORE(n + 2, xz63); STORE(n + 3, yy63); STORE(n + 4, yz63); STORE(n + 5, zz63); }
+    if (HAS(2, 7) && ORDER(5)) { STORE(n + 0, kxx63); STORE(n + 1, kxy63); STORE(n + 2, kxz63); STORE(n + 3, kyy63); STORE(n + 4, kyz63); STORE(n + 5, kzz63); }
     n += uint(HAS(2, 7)) * 6;
   }
   if (8 <= LMAX_MOST) {
-    if (HAS(0, 8) && ORDER(5)) { STORE(n + 0, v64); }
+    if (HAS(0, 8) && ORDER(5)) { STORE(n + 0, kv64); }
     n += uint(HAS(0, 8)) * 1;
   }
   if (8 <= LMAX_MOST) {
-    if (HAS(1, 8) && ORDER(5)) { STORE(n + 0, x64); STORE(n + 1, y64); STORE(n + 2, z64); }
+    if (HAS(1, 8) && ORDER(5)) { STORE(n + 0, kx64); STORE(n + 1, ky64); STORE(n + 2, kz64); }
     n += uint(HAS(1, 8)) * 3;
   }
   if (8 <= LMAX_MOST) {
-    if (HAS(2, 8) && ORDER(5)) { STORE(n + 0, xx64); STORE(n + 1, xy64); STORE(n + 2, xz64); STORE(n + 3, yy64); STORE(n + 4, yz64); STORE(n + 5, zz64); }
+    if (HAS(2, 8) && ORDER(5)) { STORE(n + 0, kxx64); STORE(n + 1, kxy64); STORE(n + 2, kxz64); STORE(n + 3, kyy64); STORE(n + 4, kyz64); STORE(n + 5, kzz64); }
     n += uint(HAS(2, 8)) * 6;
   }
   if (5 <= LMAX_MOST) {
-    if (HAS(0, 5) && ORDER(5)) { STORE(n + 0, v65); }
+    if (HAS(0, 5) && ORDER(5)) { STORE(n + 0, kv65); }
     n += uint(HAS(0, 5)) * 1;
   }
   if (5 <= LMAX_MOST) {
-    if (HAS(1, 5) && ORDER(5)) { STORE(n + 0, x65); STORE(n + 1, y65); STORE(n + 2, z65); }
+    if (HAS(1, 5) && ORDER(5)) { STORE(n + 0, kx65); STORE(n + 1, ky65); STORE(n + 2, kz65); }
     n += uint(HAS(1, 5)) * 3;
   }
   if (5 <= LMAX_MOST) {
-    if (HAS(2, 5) && ORDER(5)) { STORE(n + 0, xx65); STORE(n + 1, xy65); STORE(n + 2, xz65); STORE(n + 3, yy65); STORE(n + 4, yz65); STORE(n + 5, zz65); }
+    if (HAS(2, 5) && ORDER(5)) { STORE(n + 0, kxx65); STORE(n + 1, kxy65); STORE(n + 2, kxz65); STORE(n + 3, kyy65); STORE(n + 4, kyz65); STORE(n + 5, kzz65); }
     n += uint(HAS(2, 5)) * 6;
   }
   if (6 <= LMAX_MOST) {
-    if (HAS(0, 6) && ORDER(5)) { STORE(n + 0, v66); }
+    if (HAS(0, 6) && ORDER(5)) { STORE(n + 0, kv66); }
     n += uint(HAS(0, 6)) * 1;
   }
   if (6 <= LMAX_MOST) {
-    if (HAS(1, 6) && ORDER(5)) { STORE(n + 0, x66); STORE(n + 1, y66); STORE(n + 2, z66); }
+    if (HAS(1, 6) && ORDER(5)) { STORE(n + 0, kx66); STORE(n + 1, ky66); STORE(n + 2, kz66); }
     n += uint(HAS(1, 6)) * 3;
   }
   if (6 <= LMAX_MOST) {
-    if (HAS(2, 6) && ORDER(5)) { STORE(n + 0, xx66); STORE(n + 1, xy66); STORE(n + 2, xz66); STORE(n + 3, yy66); STORE(n + 4, yz66); STORE(n + 5, zz66); }
+    if (HAS(2, 6) && ORDER(5)) { STORE(n + 0, kxx66); STORE(n + 1, kxy66); STORE(n + 2, kxz66); STORE(n + 3, kyy66); STORE(n + 4, kyz66); STORE(n + 5, kzz66); }
     n += uint(HAS(2, 6)) * 6;
   }
   if (7 <= LMAX_MOST) {
-    if (HAS(0, 7) && ORDER(5)) { STORE(n + 0, v67); }
+    if (HAS(0, 7) && ORDER(5)) { STORE(n + 0, kv67); }
     n += uint(HAS(0, 7)) * 1;
   }
   if (7 <= LMAX_MOST) {
-    if (HAS(1, 7) && ORDER(5)) { STORE(n + 0, x67); STORE(n + 1, y67); STORE(n + 2, z67); }
+    if (HAS(1, 7) && ORDER(5)) { STORE(n + 0, kx67); STORE(n + 1, ky67); STORE(n + 2, kz67); }
     n += uint(HAS(1, 7)) * 3;
   }
   if (7 <= LMAX_MOST) {
-    if (HAS(2, 7) && ORDER(5)) { STORE(n + 0, xx67); STORE(n + 1, xy67); STORE(n + 2, xz67); STORE(n + 3, yy67); STORE(n + 4, yz67); STORE(n + 5, zz67); }
+    if (HAS(2, 7) && ORDER(5)) { STORE(n + 0, kxx67); STORE(n + 1, kxy67); STORE(n + 2, kxz67); STORE(n + 3, kyy67); STORE(n + 4, kyz67); STORE(n + 5, kzz67); }
     n += uint(HAS(2, 7)) * 6;
   }
   if (8 <= LMAX_MOST) {
-    if (HAS(0, 8) && ORDER(5)) { STORE(n + 0, v68); }
+    if (HAS(0, 8) && ORDER(5)) { STORE(n + 0, kv68); }
     n += uint(HAS(0, 8)) * 1;
   }
   if (8 <= LMAX_MOST) {
-    if (HAS(1, 8) && ORDER(5)) { STORE(n + 0, x68); STORE(n + 1, y68); STORE(n + 2, z68); }
+    if (HAS(1, 8) && ORDER(5)) { STORE(n + 0, kx68); STORE(n + 1, ky68); STORE(n + 2, kz68); }
     n += uint(HAS(1, 8)) * 3;
   }
   if (8 <= LMAX_MOST) {
-    if (HAS(2, 8) && ORDER(5)) { STORE(n + 0, xx68); STORE(n + 1, xy68); STORE(n + 2, xz68); STORE(n + 3, yy68); STORE(n + 4, yz68); STORE(n + 5, zz68); }
+    if (HAS(2, 8) && ORDER(5)) { STORE(n + 0, kxx68); STORE(n + 1, kxy68); STORE(n + 2, kxz68); STORE(n + 3, kyy68); STORE(n + 4, kyz68); STORE(n + 5, kzz68); }
     n += uint(HAS(2, 8)) * 6;
   }
   if (6 <= LMAX_MOST) {
-    if (HAS(0, 6) && ORDER(6)) { STORE(n + 0, v69); }
+    if (HAS(0, 6) && ORDER(6)) { STORE(n + 0, kv69); }
     n += uint(HAS(0, 6)) * 1;
   }
   if (6 <= LMAX_MOST) {
-    if (HAS(1, 6) && ORDER(6)) { STORE(n + 0, x69); STORE(n + 1, y69); STORE(n + 2, z69); }
+    if (HAS(1, 6) && ORDER(6)) { STORE(n + 0, kx69); STORE(n + 1, ky69); STORE(n + 2, kz69); }
     n += uint(HAS(1, 6)) * 3;
   }
   if (6 <= LMAX_MOST) {
-    if (HAS(2, 6) && ORDER(6)) { STORE(n + 0, xx69); STORE(n + 1, xy69); STORE(n + 2, xz69); STORE(n + 3, yy69); STORE(n + 4, yz69); STORE(n + 5, zz69); }
+    if (HAS(2, 6) && ORDER(6)) { STORE(n + 0, kxx69); STORE(n + 1, kxy69); STORE(n + 2, kxz69); STORE(n + 3, kyy69); STORE(n + 4, kyz69); STORE(n + 5, kzz69); }
     n += uint(HAS(2, 6)) * 6;
   }
   if (7 <= LMAX_MOST) {
-    if (HAS(0, 7) && ORDER(6)) { STORE(n + 0, v70); }
+    if (HAS(0, 7) && ORDER(6)) { STORE(n + 0, kv70); }
     n += uint(HAS(0, 7)) * 1;
   }
   if (7 <= LMAX_MOST) {
-    if (HAS(1, 7) && ORDER(6)) { STORE(n + 0, x70); STORE(n + 1, y70); STORE(n + 2, z70); }
+    if (HAS(1, 7) && ORDER(6)) { STORE(n + 0, kx70); STORE(n + 1, ky70); STORE(n + 2, kz70); }
     n += uint(HAS(1, 7)) * 3;
   }
   if (7 <= LMAX_MOST) {
-    if (HAS(2, 7) && ORDER(6)) { STORE(n + 0, xx70); STORE(n + 1, xy70); STORE(n + 2, xz70); STORE(n + 3, yy70); STORE(n + 4, yz70); STORE(n + 5, zz70); }
+    if (HAS(2, 7) && ORDER(6)) { STORE(n + 0, kxx70); STORE(n + 1, kxy70); STORE(n + 2, kxz70); STORE(n + 3, kyy70); STORE(n + 4, kyz70); STORE(n + 5, kzz70); }
     n += uint(HAS(2, 7)) * 6;
   }
   if (8 <= LMAX_MOST) {
-    if (HAS(0, 8) && ORDER(6)) { STORE(n + 0, v71); }
+    if (HAS(0, 8) && ORDER(6)) { STORE(n + 0, kv71); }
     n += uint(HAS(0, 8)) * 1;
   }
   if (8 <= LMAX_MOST) {
-    if (HAS(1, 8) && ORDER(6)) { STORE(n + 0, x71); STORE(n + 1, y71); STORE(n + 2, z71); }
+    if (HAS(1, 8) && ORDER(6)) { STORE(n + 0, kx71); STORE(n + 1, ky71); STORE(n + 2, kz71); }
     n += uint(HAS(1, 8)) * 3;
   }
   if (8 <= LMAX_MOST) {
-    if (HAS(2, 8) && ORDER(6)) { STORE(n + 0, xx71); STORE(n + 1, xy71); STORE(n + 2, xz71); STORE(n + 3, yy71); STORE(n + 4, yz71); STORE(n + 5, zz71); }
+    if (HAS(2, 8) && ORDER(6)) { STORE(n + 0, kxx71); STORE(n + 1, kxy71); STORE(n + 2, kxz71); STORE(n + 3, kyy71); STORE(n + 4, kyz71); STORE(n + 5, kzz71); }
     n += uint(HAS(2, 8)) * 6;
   }
   if (6 <= LMAX_MOST) {
-    if (HAS(0, 6) && ORDER(6)) { STORE(n + 0, v72); }
+    if (HAS(0, 6) && ORDER(6)) { STORE(n + 0, kv72); }
     n += uint(HAS(0, 6)) * 1;
   }
   if (6 <= LMAX_MOST) {
-    if (HAS(1, 6) && ORDER(6)) { STORE(n + 0, x72); STORE(n + 1, y72); STORE(n + 2, z72); }
+    if (HAS(1, 6) && ORDER(6)) { STORE(n + 0, kx72); STORE(n + 1, ky72); STORE(n + 2, kz72); }
     n += uint(HAS(1, 6)) * 3;
   }
   if (6 <= LMAX_MOST) {
-    if (HAS(2, 6) && ORDER(6)) { STORE(n + 0, xx72); STORE(n + 1, xy72); STORE(n + 2, xz72); STORE(n + 3, yy72); STORE(n + 4, yz72); STORE(n + 5, zz72); }
+    if (HAS(2, 6) && ORDER(6)) { STORE(n + 0, kxx72); STORE(n + 1, kxy72); STORE(n + 2, kxz72); STORE(n + 3, kyy72); STORE(n + 4, kyz72); STORE(n + 5, kzz72); }
     n += uint(HAS(2, 6)) * 6;
   }
   if (7 <= LMAX_MOST) {
-    if (HAS(0, 7) && ORDER(6)) { STORE(n + 0, v73); }
+    if (HAS(0, 7) && ORDER(6)) { STORE(n + 0, kv73); }
     n += uint(HAS(0, 7)) * 1;
   }
   if (7 <= LMAX_MOST) {
-    if (HAS(1, 7) && ORDER(6)) { STORE(n + 0, x73); STORE(n + 1, y73); STORE(n + 2, z73); }
+    if (HAS(1, 7) && ORDER(6)) { STORE(n + 0, kx73); STORE(n + 1, ky73); STORE(n + 2, kz73); }
     n += uint(HAS(1, 7)) * 3;
   }
   if (7 <= LMAX_MOST) {
-    if (HAS(2, 7) && ORDER(6)) { STORE(n + 0, xx73); STORE(n + 1, xy73); STORE(n + 2, xz73); STORE(n + 3, yy73); STORE(n + 4, yz73); STORE(n + 5, zz73); }
+    if (HAS(2, 7) && ORDER(6)) { STORE(n + 0, kxx73); STORE(n + 1, kxy73); STORE(n + 2, kxz73); STORE(n + 3, kyy73); STORE(n + 4, kyz73); STORE(n + 5, kzz73); }
     n += uint(HAS(2, 7)) * 6;
   }
   if (8 <= LMAX_MOST) {
-    if (HAS(0, 8) && ORDER(6)) { STORE(n + 0, v74); }
+    if (HAS(0, 8) && ORDER(6)) { STORE(n + 0, kv74); }
     n += uint(HAS(0, 8)) * 1;
   }
   if (8 <= LMAX_MOST) {
-    if (HAS(1, 8) && ORDER(6)) { STORE(n + 0, x74); STORE(n + 1, y74); STORE(n + 2, z74); }
+    if (HAS(1, 8) && ORDER(6)) { STORE(n + 0, kx74); STORE(n + 1, ky74); STORE(n + 2, kz74); }
     n += uint(HAS(1, 8)) * 3;
   }
   if (8 <= LMAX_MOST) {
-    if (HAS(2, 8) && ORDER(6)) { STORE(n + 0, xx74); STORE(n + 1, xy74); STORE(n + 2, xz74); STORE(n + 3, yy74); STORE(n + 4, yz74); STORE(n + 5, zz74); }
+    if (HAS(2, 8) && ORDER(6)) { STORE(n + 0, kxx74); STORE(n + 1, kxy74); STORE(n + 2, kxz74); STORE(n + 3, kyy74); STORE(n + 4, kyz74); STORE(n + 5, kzz74); }
     n += uint(HAS(2, 8)) * 6;
   }
   if (7 <= LMAX_MOST) {
-    if (HAS(0, 7) && ORDER(7)) { STORE(n + 0, v75); }
+    if (HAS(0, 7) && ORDER(7)) { STORE(n + 0, kv75); }
     n += uint(HAS(0, 7)) * 1;
   }
   if (7 <= LMAX_MOST) {
-    if (HAS(1, 7) && ORDER(7)) { STORE(n + 0, x75); STORE(n + 1, y75); STORE(n + 2, z75); }
+    if (HAS(1, 7) && ORDER(7)) { STORE(n + 0, kx75); STORE(n + 1, ky75); STORE(n + 2, kz75); }
     n += uint(HAS(1, 7)) * 3;
   }
   if (7 <= LMAX_MOST) {
-    if (HAS(2, 7) && ORDER(7)) { STORE(n + 0, xx75); STORE(n + 1, xy75); STORE(n + 2, xz75); STORE(n + 3, yy75); STORE(n + 4, yz75); STORE(n + 5, zz75); }
+    if (HAS(2, 7) && ORDER(7)) { STORE(n + 0, kxx75); STORE(n + 1, kxy75); STORE(n + 2, kxz75); STORE(n + 3, kyy75); STORE(n + 4, kyz75); STORE(n + 5, kzz75); }
     n += uint(HAS(2, 7)) * 6;
   }
   if (8 <= LMAX_MOST) {
-    if (HAS(0, 8) && ORDER(7)) { STORE(n + 0, v76); }
+    if (HAS(0, 8) && ORDER(7)) { STORE(n + 0, kv76); }
     n += uint(HAS(0, 8)) * 1;
   }
   if (8 <= LMAX_MOST) {
-    if (HAS(1, 8) && ORDER(7)) { STORE(n + 0, x76); STORE(n + 1, y76); STORE(n + 2, z76); }
+    if (HAS(1, 8) && ORDER(7)) { STORE(n + 0, kx76); STORE(n + 1, ky76); STORE(n + 2, kz76); }
     n += uint(HAS(1, 8)) * 3;
   }
   if (8 <= LMAX_MOST) {
-    if (HAS(2, 8) && ORDER(7)) { STORE(n + 0, xx76); STORE(n + 1, xy76); STORE(n + 2, xz76); STORE(n + 3, yy76); STORE(n + 4, yz76); STORE(n + 5, zz76); }
+    if (HAS(2, 8) && ORDER(7)) { STORE(n + 0, kxx76); STORE(n + 1, kxy76); STORE(n + 2, kxz76); STORE(n + 3, kyy76); STORE(n + 4, kyz76); STORE(n + 5, kzz76); }
     n += uint(HAS(2, 8)) * 6;
   }
   if (7 <= LMAX_MOST) {
-    if (HAS(0, 7) && ORDER(7)) { STORE(n + 0, v77); }
+    if (HAS(0, 7) && ORDER(7)) { STORE(n + 0, kv77); }
     n += uint(HAS(0, 7)) * 1;
   }
   if (7 <= LMAX_MOST) {
-    if (HAS(1, 7) && ORDER(7)) { STORE(n + 0, x77); STORE(n + 1, y77); STORE(n + 2, z77); }
+    if (HAS(1, 7) && ORDER(7)) { STORE(n + 0, kx77); STORE(n + 1, ky77); STORE(n + 2, kz77); }
     n += uint(HAS(1, 7)) * 3;
   }
   if (7 <= LMAX_MOST) {
-    if (HAS(2, 7) && ORDER(7)) { STORE(n + 0, xx77); STORE(n + 1, xy77); STORE(n + 2, xz77); STORE(n + 3, yy77); STORE(n + 4, yz77); STORE(n + 5, zz77); }
+    if (HAS(2, 7) && ORDER(7)) { STORE(n + 0, kxx77); STORE(n + 1, kxy77); STORE(n + 2, kxz77); STORE(n + 3, kyy77); STORE(n + 4, kyz77); STORE(n + 5, kzz77); }
     n += uint(HAS(2, 7)) * 6;
   }
   if (8 <= LMAX_MOST) {
-    if (HAS(0, 8) && ORDER(7)) { STORE(n + 0, v78); }
+    if (HAS(0, 8) && ORDER(7)) { STORE(n + 0, kv78); }
     n += uint(HAS(0, 8)) * 1;
   }
   if (8 <= LMAX_MOST) {
-    if (HAS(1, 8) && ORDER(7)) { STORE(n + 0, x78); STORE(n + 1, y78); STORE(n + 2, z78); }
+    if (HAS(1, 8) && ORDER(7)) { STORE(n + 0, kx78); STORE(n + 1, ky78); STORE(n + 2, kz78); }
     n += uint(HAS(1, 8)) * 3;
   }
   if (8 <= LMAX_MOST) {
-    if (HAS(2, 8) && ORDER(7)) { STORE(n + 0, xx78); STORE(n + 1, xy78); STORE(n + 2, xz78); STORE(n + 3, yy78); STORE(n + 4, yz78); STORE(n + 5, zz78); }
+    if (HAS(2, 8) && ORDER(7)) { STORE(n + 0, kxx78); STORE(n + 1, kxy78); STORE(n + 2, kxz78); STORE(n + 3, kyy78); STORE(n + 4, kyz78); STORE(n + 5, kzz78); }
     n += uint(HAS(2, 8)) * 6;
   }
   if (8 <= LMAX_MOST) {
-    if (HAS(0, 8) && ORDER(8)) { STORE(n + 0, v79); }
+    if (HAS(0, 8) && ORDER(8)) { STORE(n + 0, kv79); }
     n += uint(HAS(0, 8)) * 1;
   }
   if (8 <= LMAX_MOST) {
-    if (HAS(1, 8) && ORDER(8)) { STORE(n + 0, x79); STORE(n + 1, y79); STORE(n + 2, z79); }
+    if (HAS(1, 8) && ORDER(8)) { STORE(n + 0, kx79); STORE(n + 1, ky79); STORE(n + 2, kz79); }
     n += uint(HAS(1, 8)) * 3;
   }
   if (8 <= LMAX_MOST) {
-    if (HAS(2, 8) && ORDER(8)) { STORE(n + 0, xx79); STORE(n + 1, xy79); STORE(n + 2, xz79); STORE(n + 3, yy79); STORE(n + 4, yz79); STORE(n + 5, zz79); }
+    if (HAS(2, 8) && ORDER(8)) { STORE(n + 0, kxx79); STORE(n + 1, kxy79); STORE(n + 2, kxz79); STORE(n + 3, kyy79); STORE(n + 4, kyz79); STORE(n + 5, kzz79); }
     n += uint(HAS(2, 8)) * 6;
   }
   if (8 <= LMAX_MOST) {
-    if (HAS(0, 8) && ORDER(8)) { STORE(n + 0, v80); }
+    if (HAS(0, 8) && ORDER(8)) { STORE(n + 0, kv80); }
     n += uint(HAS(0, 8)) * 1;
   }
   if (8 <= LMAX_MOST) {
-    if (HAS(1, 8) && ORDER(8)) { STORE(n + 0, x80); STORE(n + 1, y80); STORE(n + 2, z80); }
+    if (HAS(1, 8) && ORDER(8)) { STORE(n + 0, kx80); STORE(n + 1, ky80); STORE(n + 2, kz80); }
     n += uint(HAS(1, 8)) * 3;
   }
   if (8 <= LMAX_MOST) {
-    if (HAS(2, 8) && ORDER(8)) { STORE(n + 0, xx80); STORE(n + 1, xy80); STORE(n + 2, xz80); STORE(n + 3, yy80); STORE(n + 4, yz80); STORE(n + 5, zz80); }
+    if (HAS(2, 8) && ORDER(8)) { STORE(n + 0, kxx80); STORE(n + 1, kxy80); STORE(n + 2, kxz80); STORE(n + 3, kyy80); STORE(n + 4, kyz80); STORE(n + 5, kzz80); }
     n += uint(HAS(2, 8)) * 6;
   }
 }

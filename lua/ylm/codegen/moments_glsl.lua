@@ -98,7 +98,8 @@ function moments.text(lmax)
   put(out, "**   LMAX_MOST         the largest LMAX that the module is asked for: sums of more are left out")
   put(out, "**   M_FIRST, M_LAST   specialisation constants: the orders m that are summed here")
   put(out, "** Of sums of each kind k = 0, 1, 2 the includer says, by default in shaders/sums.glsl, what they are:")
-  put(out, "**   SUMk(a) declares, CLEARk(a), ADDk(a, e), STOREk(n, p, a): number n among all, p among those with PART1")
+  put(out, "**   SUMk(a) declares, CLEARk(a), ADDk(a, e), KEEPk(a, b) declares a copy b,")
+  put(out, "**   STOREk(n, p, a): number n among all, p among those with PART1")
   put(out, "** Operations per light with all kinds, a sum's multiply-add counted as two: lmax %d %d, 4 %d. */", lmax,
     moments.operations(lmax), moments.operations(4))
   put(out, "#define HAS0(k) ((KINDS & 1) != 0 && (k) <= LMAX)")
@@ -118,12 +119,14 @@ function moments.text(lmax)
   for _, line in ipairs(emit.statements(outputs, "shader")) do put(out, "  %s", line) end
   put(out, "}")
   put(out, "")
-  put(out, "/* Hands each sum and its numbers to STORE: p counts values, and what gradients need where PART1 says so. */")
+  put(out, "/* Hands each sum and its numbers to STORE: p counts values, and what gradients need where PART1 says so.")
+  put(out, "** Copies are made before the first branch: glslc follows what is stored but once in a third of the time. */")
   put(out, "void store_sums() {")
+  each_sum(lmax, function(_, _, _, kind, n) put(out, "  KEEP%d(a%d, b%d);", kind, n, n) end)
   put(out, "  uint n = 0u, p = 0u;")
   local counts = { [0] = "n++; p++;", "n++; p += PART1;", "n++;" }
   each_sum(lmax, function(m, _, k, kind, n)
-    put(out, "  if (%d <= LMAX_MOST + %d) if (HAS%d(%d)) { if (ORDER(%d)) { STORE%d(n, p, a%d); } %s }", k, kind, kind, k,
+    put(out, "  if (%d <= LMAX_MOST + %d) if (HAS%d(%d)) { if (ORDER(%d)) { STORE%d(n, p, b%d); } %s }", k, kind, kind, k,
       m, kind, n, counts[kind])
   end)
   put(out, "}")

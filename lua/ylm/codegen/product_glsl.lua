@@ -156,12 +156,17 @@ function product.text(lmax)
   put(out, "")
   put(out, "/* Hands each sum and its number to STORE(number, sum): by order, side, degree, part. */")
   put(out, "void store_sums() {")
+  for n = 0, count - 1 do -- copies before the first branch: see moments_glsl.lua
+    local row = {}
+    for i, name in ipairs(parts) do row[i] = ("k%s%d = %s%d"):format(name, n, name, n) end
+    put(out, "  real %s;", table.concat(row, ", "))
+  end
   put(out, "  uint n = 0u;")
   each(lmax, function(m, _, l, n)
     for derivatives = 0, 2 do
       local stores = {}
       for i, name in ipairs(parts) do
-        if needs[i] == derivatives then stores[#stores + 1] = ("STORE(n + %d, %s%d);"):format(#stores, name, n) end
+        if needs[i] == derivatives then stores[#stores + 1] = ("STORE(n + %d, k%s%d);"):format(#stores, name, n) end
       end
       put(out, "  if (%d <= LMAX_MOST) {", l)
       put(out, "    if (HAS(%d, %d) && ORDER(%d)) { %s }", derivatives, l, m, table.concat(stores, " "))
