@@ -30,7 +30,7 @@ typedef struct scene_dome {
 /* To be freed in any case; YLM_ENOMEM. */
 ylm_status ylm__scene_dome_create(scene_dome *d, const ylm_light_dome *light);
 void ylm__scene_dome_free(scene_dome *d);
-/* The same dome for another scene; to be freed too. */
+/* One more owner of a dome, for another scene; to be freed too. */
 void ylm__scene_dome_share(const scene_dome *from, scene_dome *d);
 /* A pixel of a tile that is not dark, for u of 0 .. 1; *rest: what u is within it. */
 size_t ylm__scene_dome_pixel(const scene_dome *d, size_t tile, double u, double *rest);

@@ -345,6 +345,21 @@ for _, name in ipairs { "render", "reference", "raycast" } do
   end)
 end
 calls["scene:render transfer"] = on(scene, function(s) return s:render { size = size, samples = 1, visibility = "transfer" } end)
+local function many_lamps()
+  local at = {}
+  for i = 1, 300 do at[i] = { i / 100, 1, 0 } end
+  return ylm.sphere_lights { at = at, radius = 0.01 }
+end
+calls["scene:raycast with other lamps"] = on(function()
+  local s = scene()
+  assert(s:raycast { size = size, samples = 1, light_samples = 1 })
+  return s
+end, function(s)
+  local lamps, message, code = many_lamps()
+  if not lamps then return nil, message, code end
+  s.lights[1] = lamps -- meshes stay
+  return s:raycast { size = size, samples = 1, light_samples = 2 }
+end)
 calls["prepared by rays"] = on(scene, function(s)
   local view, message, code = s:prepare { size = size, samples = 1 }
   if not view then return nil, message, code end
