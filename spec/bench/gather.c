@@ -1,0 +1,159 @@
+/*
+** gather.c - probes of gathered light beside bare rays, a knot in a room: values, gradients and the metric of the
+** field at points, and as many nearest hits from there by csrc/trace alone.
+*/
+#include <math.h>
+
+#include "bench.h"
+#include "ylm_geom.h"
+#include "ylm_transfer.h"
+
+#define POINTS 64
+#define MOST 32768
+
+typedef struct task {
+  const ylm_scene *scene;
+  const ylm_radiosity *lit;
+  ylm_gather *gather;
+  ylm_field_query q;
+  ylm_field_result r;
+  float (*point)[3];
+  float *out;
+  ylm_trace_ray *ray;
+  ylm_trace_hit *hit;
+  size_t rays;
+} task;
+
+static ylm_scene_mesh part(const ylm_mesh *m, const ylm_material *material) {
+  return (ylm_scene_mesh){.positions = m->position,
+                          .normals = m->normal,
+                          .vertices = m->vertices,
+                          .triangles = m->index,
+                          .count = m->triangles,
+                          .material = material,
+                          .occludes = true};
+}
+
+/* A knot in a box, and one lamp. */
+static ylm_scene *room(void) {
+  const double lo[3] = {-3, -3, -2}, hi[3] = {3, 3, 2};
+  const float albedo[3] = {0.7f, 0.6f, 0.5f}, sphere[4] = {2, 2, 1, 0.2f},
+              radiance[3] = {30, 30, 30};
+  ylm_mesh *mesh[2];
+  ylm_material *m;
+  ylm_scene *s;
+  if (ylm_mesh_box(lo, hi, 1, &mesh[0], NULL) != YLM_OK ||
+      ylm_mesh_knot(2, 3, 1.2, 0.5, 0.25, 150, 40, &mesh[1], NULL) != YLM_OK ||
+      ylm_material_create(ylm_material_kind_find("matte"), 3, albedo, &m, NULL) != YLM_OK)
+    exit(1);
+  const ylm_scene_mesh parts[2] = {part(mesh[0], m), part(mesh[1], m)};
+  const ylm_scene_lamps l = {.shape = {.spheres = 1, .sphere = sphere}, .radiance = radiance};
+  if (ylm_scene_create(2, parts, &l, &s, NULL) != YLM_OK) exit(1);
+  for (int i = 0; i < 2; i++) ylm_mesh_free(mesh[i]);
+  ylm_material_free(m);
+  return s;
+}
+
+static void probes(void *context) {
+  task *x = context;
+  const ylm_field *f = ylm_gather_field(x->gather);
+  if (f->evaluate(f, &x->q, POINTS, x->point, &x->r, NULL) != YLM_OK) exit(1);
+}
+
+static void bare(void *context) {
+  task *x = context;
+  for (size_t p = 0; p < POINTS; p++)
+    for (size_t i = 0; i < x->rays; i += 256) {
+      size_t n = x->rays - i < 256 ? x->rays - i : 256;
+      for (size_t k = i; k < i + n; k++) {
+        memcpy(x->ray[k].org, x->point[p], 12);
+        x->ray[k].near = 0;
+        x->ray[k].far = INFINITY;
+      }
+      ylm_trace_nearest(ylm_scene_trace(x->scene), n, x->ray + i, false, x->hit);
+    }
+}
+
+/* Directions of a cube of cells, row by row, at least as many as asked for; or at random. */
+static void aim(task *x, bool random) {
+  size_t n = (size_t)ceil(sqrt((double)x->rays / 6)), k = 0;
+  ylm_rng r;
+  ylm_rng_seed(&r, 5, 5);
+  for (size_t c = 0; c < 6 * n * n && k < x->rays; c++, k++) {
+    double u = tan(((double)(2 * (c % n) + 1) / (double)n - 1) * 0.78539816),
+           v = tan(((double)(2 * (c / n % n) + 1) / (double)n - 1) * 0.78539816);
+    size_t a = c / (n * n) / 2;
+    float *d = x->ray[k].dir;
+    double z = 2 * ylm_rng_double(&r) - 1, angle = 6.28318531 * ylm_rng_double(&r);
+    double s = sqrt(1 - z * z), scale = 1 / sqrt(1 + u * u + v * v);
+    d[a] = (float)(c / (n * n) % 2 ? -scale : scale);
+    d[(a + 1) % 3] = (float)(u * scale);
+    d[(a + 2) % 3] = (float)(v * scale);
+    if (random) d[0] = (float)(s * cos(angle)), d[1] = (float)(s * sin(angle)), d[2] = (float)z;
+  }
+}
+
+static void measure(task *x, int base, int lmax, ylm_gather_derivatives derivatives, int want) {
+  static const char *const names[] = {"cells", "points"};
+  ylm_gather_form form = ylm_gather_defaults();
+  ylm_gather_stats stats;
+  form.base = base;
+  form.derivatives = derivatives;
+  if (ylm_gather_create(x->lit, &form, &x->gather, NULL) != YLM_OK) exit(1);
+  x->q.lmax = lmax;
+  x->q.want = want;
+  double least = bench_seconds(probes, x), lattice, random;
+  ylm_gather_look(x->gather, &stats);
+  x->rays = (size_t)(stats.rays / stats.points);
+  aim(x, false);
+  lattice = bench_seconds(bare, x);
+  aim(x, true);
+  random = bench_seconds(bare, x);
+  printf("  %4d  %6s  %-8s  %5zu  %8.0f  %7.2f  %9.2f  %9.2f  %6.2f\n", lmax, names[derivatives],
+         want == YLM_WANT_VALUE   ? "value"
+         : want & YLM_WANT_METRIC ? "all"
+                                  : "gradient",
+         x->rays, 1e6 * least / POINTS, 1e-6 * POINTS * (double)x->rays / least,
+         1e-6 * POINTS * (double)x->rays / lattice, 1e-6 * POINTS * (double)x->rays / random,
+         lattice / least);
+  ylm_gather_free(x->gather);
+}
+
+int main(void) {
+  const int all = YLM_WANT_VALUE | YLM_WANT_GRADIENT | YLM_WANT_METRIC;
+  task x = {.scene = room(), .q = {.channels = 3, .metric_channels = 1, .threads = 1}};
+  ylm_transfer *t;
+  ylm_radiosity *lit;
+  ylm_transfer_form form = {.spacing = 0.08, .links = 128, .lmax = -1, .seed = 1};
+  if (ylm_transfer_create(x.scene, &form, &t, NULL) != YLM_OK ||
+      ylm_radiosity_create(t, &lit) != YLM_OK ||
+      ylm_radiosity_rays(lit, x.scene, 16, 1, 0, NULL, NULL) != YLM_OK ||
+      ylm_radiosity_solve(lit, -1, 1e-3, true, 0, NULL, NULL, NULL) != YLM_OK)
+    return 1;
+  x.lit = lit;
+  x.point = ylm_alloc(POINTS, 12);
+  x.out = ylm_alloc(POINTS * 3 * 81 * 4 + 2 * POINTS, 4);
+  x.ray = ylm_alloc_zero(MOST, sizeof *x.ray);
+  x.hit = ylm_alloc(256, sizeof *x.hit);
+  if (!x.point || !x.out || !x.ray || !x.hit) return 1;
+  x.r = (ylm_field_result){.value = x.out,
+                           .gradient = x.out + POINTS * 3 * 81,
+                           .lambda = x.out + POINTS * 3 * 81 * 4,
+                           .norm = x.out + POINTS * 3 * 81 * 4 + POINTS};
+  bench_fill(YLM_FLOAT, x.point, 3 * POINTS);
+  for (size_t i = 0; i < POINTS; i++)
+    for (int a = 0; a < 3; a++) x.point[i][a] *= a < 2 ? 2.8f : 1.8f;
+  printf("probes of gathered light in a room with a knot, %zu elements; RGB; one thread\n"
+         "'of' is the rate of a probe's rays beside that of bare rays of a cube's cells\n"
+         "  %4s  %6s  %-8s  %5s  %8s  %7s  %9s  %9s  %6s\n",
+         ylm_transfer_count(t), "lmax", "by", "want", "rays", "us/probe", "M ray/s", "bare, cube",
+         "at random", "of");
+  measure(&x, 14, 4, YLM_GATHER_CELLS, YLM_WANT_VALUE);
+  measure(&x, 14, 4, YLM_GATHER_CELLS, YLM_WANT_VALUE | YLM_WANT_GRADIENT);
+  measure(&x, 14, 4, YLM_GATHER_CELLS, all);
+  measure(&x, 14, 4, YLM_GATHER_POINTS, all);
+  measure(&x, 14, 2, YLM_GATHER_CELLS, all);
+  measure(&x, 14, 8, YLM_GATHER_CELLS, all);
+  measure(&x, 32, 4, YLM_GATHER_CELLS, all);
+  return 0;
+}
