@@ -311,6 +311,10 @@ YLM_API ylm_status ylm_gather_validity(const ylm_gather *g, size_t n, const floa
 YLM_API ylm_status ylm_gather_noise(const ylm_gather *g, size_t n, const float (*point)[3],
                                     int lmax, int threads, const ylm_progress *progress,
                                     double *quantile, ylm_error *e);
+/* Directions of length 1 of the rays that the field sends from a point: how many; direction [room][3] has the first. 0
+   where memory runs out. */
+YLM_API size_t ylm_gather_directions(const ylm_gather *g, const float point[3], size_t room,
+                                     float (*direction)[3]);
 YLM_API void ylm_gather_look(const ylm_gather *g, ylm_gather_stats *stats);
 
 /* -- distant light ---------------------------------------------------------------- */

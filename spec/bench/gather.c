@@ -62,60 +62,53 @@ static void probes(void *context) {
 
 static void bare(void *context) {
   task *x = context;
-  for (size_t p = 0; p < POINTS; p++)
-    for (size_t i = 0; i < x->rays; i += 256) {
-      size_t n = x->rays - i < 256 ? x->rays - i : 256;
-      for (size_t k = i; k < i + n; k++) {
-        memcpy(x->ray[k].org, x->point[p], 12);
-        x->ray[k].near = 0;
-        x->ray[k].far = INFINITY;
-      }
-      ylm_trace_nearest(ylm_scene_trace(x->scene), n, x->ray + i, false, x->hit);
-    }
+  for (size_t i = 0; i < x->rays; i += 256)
+    ylm_trace_nearest(ylm_scene_trace(x->scene), x->rays - i < 256 ? x->rays - i : 256, x->ray + i,
+                      false, x->hit);
 }
 
-/* Directions of a cube of cells, row by row, at least as many as asked for; or at random. */
+/* The rays of all probes; or as many at random. */
 static void aim(task *x, bool random) {
-  size_t n = (size_t)ceil(sqrt((double)x->rays / 6)), k = 0;
+  float(*d)[3] = ylm_alloc(MOST, sizeof *d);
   ylm_rng r;
   ylm_rng_seed(&r, 5, 5);
-  for (size_t c = 0; c < 6 * n * n && k < x->rays; c++, k++) {
-    double u = tan(((double)(2 * (c % n) + 1) / (double)n - 1) * 0.78539816),
-           v = tan(((double)(2 * (c / n % n) + 1) / (double)n - 1) * 0.78539816);
-    size_t a = c / (n * n) / 2;
-    float *d = x->ray[k].dir;
-    double z = 2 * ylm_rng_double(&r) - 1, angle = 6.28318531 * ylm_rng_double(&r);
-    double s = sqrt(1 - z * z), scale = 1 / sqrt(1 + u * u + v * v);
-    d[a] = (float)(c / (n * n) % 2 ? -scale : scale);
-    d[(a + 1) % 3] = (float)(u * scale);
-    d[(a + 2) % 3] = (float)(v * scale);
-    if (random) d[0] = (float)(s * cos(angle)), d[1] = (float)(s * sin(angle)), d[2] = (float)z;
+  x->rays = 0;
+  if (!d) exit(1);
+  for (size_t p = 0; p < POINTS; p++) {
+    size_t n = ylm_gather_directions(x->gather, x->point[p], MOST, d);
+    for (size_t i = 0; i < n; i++) {
+      double z = 2 * ylm_rng_double(&r) - 1, angle = 6.28318531 * ylm_rng_double(&r);
+      double s = sqrt(1 - z * z), other[3] = {s * cos(angle), s * sin(angle), z};
+      ylm_trace_ray *ray = &x->ray[x->rays++];
+      *ray = (ylm_trace_ray){.far = INFINITY};
+      for (int a = 0; a < 3; a++) {
+        ray->org[a] = x->point[p][a];
+        ray->dir[a] = random ? (float)other[a] : d[i][a];
+      }
+    }
   }
+  ylm_free(d);
 }
 
 static void measure(task *x, int base, int lmax, ylm_gather_derivatives derivatives, int want) {
   static const char *const names[] = {"cells", "points"};
   ylm_gather_form form = ylm_gather_defaults();
-  ylm_gather_stats stats;
   form.base = base;
   form.derivatives = derivatives;
   if (ylm_gather_create(x->lit, &form, &x->gather, NULL) != YLM_OK) exit(1);
   x->q.lmax = lmax;
   x->q.want = want;
-  double least = bench_seconds(probes, x), lattice, random;
-  ylm_gather_look(x->gather, &stats);
-  x->rays = (size_t)(stats.rays / stats.points);
-  aim(x, false);
-  lattice = bench_seconds(bare, x);
+  double least = bench_seconds(probes, x), same, random;
   aim(x, true);
   random = bench_seconds(bare, x);
+  aim(x, false);
+  same = bench_seconds(bare, x);
   printf("  %4d  %6s  %-8s  %5zu  %8.0f  %7.2f  %9.2f  %9.2f  %6.2f\n", lmax, names[derivatives],
          want == YLM_WANT_VALUE   ? "value"
          : want & YLM_WANT_METRIC ? "all"
                                   : "gradient",
-         x->rays, 1e6 * least / POINTS, 1e-6 * POINTS * (double)x->rays / least,
-         1e-6 * POINTS * (double)x->rays / lattice, 1e-6 * POINTS * (double)x->rays / random,
-         lattice / least);
+         x->rays / POINTS, 1e6 * least / POINTS, 1e-6 * (double)x->rays / least,
+         1e-6 * (double)x->rays / random, 1e-6 * (double)x->rays / same, same / least);
   ylm_gather_free(x->gather);
 }
 
@@ -133,7 +126,7 @@ int main(void) {
   x.lit = lit;
   x.point = ylm_alloc(POINTS, 12);
   x.out = ylm_alloc(POINTS * 3 * 81 * 4 + 2 * POINTS, 4);
-  x.ray = ylm_alloc_zero(MOST, sizeof *x.ray);
+  x.ray = ylm_alloc_zero(POINTS * MOST, sizeof *x.ray);
   x.hit = ylm_alloc(256, sizeof *x.hit);
   if (!x.point || !x.out || !x.ray || !x.hit) return 1;
   x.r = (ylm_field_result){.value = x.out,
@@ -144,10 +137,10 @@ int main(void) {
   for (size_t i = 0; i < POINTS; i++)
     for (int a = 0; a < 3; a++) x.point[i][a] *= a < 2 ? 2.8f : 1.8f;
   printf("probes of gathered light in a room with a knot, %zu elements; RGB; one thread\n"
-         "'of' is the rate of a probe's rays beside that of bare rays of a cube's cells\n"
+         "'of' is the rate of a probe's rays beside that of the same rays alone\n"
          "  %4s  %6s  %-8s  %5s  %8s  %7s  %9s  %9s  %6s\n",
-         ylm_transfer_count(t), "lmax", "by", "want", "rays", "us/probe", "M ray/s", "bare, cube",
-         "at random", "of");
+         ylm_transfer_count(t), "lmax", "by", "want", "rays", "us/probe", "M ray/s", "at random",
+         "the same", "of");
   measure(&x, 14, 4, YLM_GATHER_CELLS, YLM_WANT_VALUE);
   measure(&x, 14, 4, YLM_GATHER_CELLS, YLM_WANT_VALUE | YLM_WANT_GRADIENT);
   measure(&x, 14, 4, YLM_GATHER_CELLS, all);

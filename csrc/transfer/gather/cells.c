@@ -186,11 +186,13 @@ void ylm__gather_borders(gather_view *v, gather_visit *visit, void *context) {
 
 /* -- splitting --------------------------------------------------------------------------------- */
 
+static inline float larger(float a, float b) { return a > b ? a : b; }
+
 static void compare(gather_view *v, const gather_border *b) {
   const float *x = v->radiance[b->low], *y = v->radiance[b->high];
   float d = fabsf(x[0] - y[0]) + fabsf(x[1] - y[1]) + fabsf(x[2] - y[2]);
-  if (d > v->contrast[b->low]) v->contrast[b->low] = d;
-  if (d > v->contrast[b->high]) v->contrast[b->high] = d;
+  v->contrast[b->low] = larger(v->contrast[b->low], d);
+  v->contrast[b->high] = larger(v->contrast[b->high], d);
 }
 
 static void compare_parts(gather_view *v, int n, const gather_border *b, const gather_line *line,
@@ -247,12 +249,10 @@ static float threshold_of(gather_view *v, float least, size_t most) {
 
 void ylm__gather_place_children(gather_view *v, size_t i, size_t first) {
   gather_place p = v->place[i];
-  for (size_t k = 0; k < 16; k++) {
-    gather_place q = {p.face, (uint8_t)(p.level + 1), (uint16_t)(4 * p.i + k % 4),
-                      (uint16_t)(4 * p.j + k / 4)};
-    v->place[first + k] = q;
-    v->toward[first + k][3] = ylm__gather_cell(&v->g->lattice, q, v->toward[first + k]);
-  }
+  for (size_t k = 0; k < 16; k++)
+    v->place[first + k] = (gather_place){p.face, (uint8_t)(p.level + 1),
+                                         (uint16_t)(4 * p.i + k % 4), (uint16_t)(4 * p.j + k / 4)};
+  ylm__gather_children_of(&v->g->lattice, p, v->toward + first);
 }
 
 /* Makes room for the children of cell i. */

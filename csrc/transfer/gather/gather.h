@@ -55,8 +55,8 @@ ylm_status ylm__gather_lattice_create(int base, int levels, bool lines, gather_l
 void ylm__gather_lattice_free(gather_lattice *l);
 /* Direction of length 1 at a place of a face, in halves of the finest cells. */
 void ylm__gather_direction(const gather_lattice *l, int face, size_t u, size_t v, float out[3]);
-/* Centre and solid angle of a cell that need not be of the base. */
-float ylm__gather_cell(const gather_lattice *l, gather_place p, float direction[3]);
+/* Directions of length 1 and solid angles of the 16 children of a cell. */
+void ylm__gather_children_of(const gather_lattice *l, gather_place p, float (*out)[4]);
 /* Of any border; `l` must have pieces. */
 void ylm__gather_line(const gather_lattice *l, const gather_border *b, gather_line *out);
 /* Its two Gauss points. */

@@ -24,13 +24,26 @@ void ylm__gather_direction(const gather_lattice *l, int face, size_t u, size_t v
   unit(out);
 }
 
-float ylm__gather_cell(const gather_lattice *l, gather_place p, float direction[3]) {
-  size_t half = (size_t)1 << 2 * (l->levels - p.level); /* of the cell's edge */
-  size_t u = half * (2 * (size_t)p.i + 1), v = half * (2 * (size_t)p.j + 1);
-  float x = l->tangent[u], y = l->tangent[v], r2 = 1 + x * x + y * y;
-  float edge = (float)(PI / 4) * (float)half / (float)l->fine * 2;
-  ylm__gather_direction(l, p.face, u, v, direction);
-  return edge * edge * (1 + x * x) * (1 + y * y) / (r2 * sqrtf(r2));
+void ylm__gather_children_of(const gather_lattice *l, gather_place p, float (*out)[4]) {
+  size_t half = (size_t)1 << 2 * (l->levels - p.level - 1); /* of a child's edge */
+  const float *u = l->tangent + half * (8 * (size_t)p.i + 1),
+              *v = l->tangent + half * (8 * (size_t)p.j + 1);
+  float edge = (float)(PI / 2) * (float)half / (float)l->fine, inverse[16], angle[16], x[4], y[4];
+  for (size_t k = 0; k < 4; k++) x[k] = u[2 * half * k], y[k] = v[2 * half * k];
+  for (size_t j = 0; j < 4; j++)
+    for (size_t k = 0; k < 4; k++) {
+      float r = 1 / sqrtf(1 + x[k] * x[k] + y[j] * y[j]);
+      inverse[4 * j + k] = r;
+      angle[4 * j + k] = edge * edge * (1 + x[k] * x[k]) * (1 + y[j] * y[j]) * (r * r * r);
+    }
+  int a = axis_of(p.face), b = (a + 1) % 3, c = (a + 2) % 3;
+  float sign = sign_of(p.face);
+  for (size_t k = 0; k < 16; k++) {
+    out[k][a] = sign * inverse[k];
+    out[k][b] = x[k % 4] * inverse[k];
+    out[k][c] = y[k / 4] * inverse[k];
+    out[k][3] = angle[k];
+  }
 }
 
 /* The solid angle of a cell exactly, by its corners. */
@@ -196,8 +209,8 @@ static void fill(gather_lattice *l) {
     for (size_t j = 0; j < n; j++)
       for (size_t i = 0; i < n; i++) {
         uint32_t c = cell_at(l, face, i, j);
-        ylm__gather_cell(l, (gather_place){(uint8_t)face, 0, (uint16_t)i, (uint16_t)j},
-                         l->direction[c]);
+        size_t half = l->fine / n;
+        ylm__gather_direction(l, face, half * (2 * i + 1), half * (2 * j + 1), l->direction[c]);
         l->angle[c] = exact_angle(l, i, j);
       }
   for (int face = 0; face < 6; face++) add_inner(l, face), add_outer(l, face);

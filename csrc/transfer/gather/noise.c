@@ -43,6 +43,17 @@ ylm_status ylm_gather_validity(const ylm_gather *g, size_t n, const float (*poin
   return s;
 }
 
+size_t ylm_gather_directions(const ylm_gather *g, const float point[3], size_t room,
+                             float (*direction)[3]) {
+  gather_view *v = ylm__gather_view_create(g);
+  size_t cells = 0;
+  if (v && ylm__gather_look(v, point) == YLM_OK) cells = v->cells;
+  for (size_t i = 0; i < cells && i < room; i++)
+    memcpy(direction[i], i < g->lattice.cells ? g->lattice.direction[i] : v->toward[i], 12);
+  ylm__gather_view_free(v);
+  return cells;
+}
+
 /* -- noise --------------------------------------------------------------------------------------- */
 
 static int compare(const void *a, const void *b) {

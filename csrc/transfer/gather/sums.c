@@ -25,7 +25,7 @@
 #include "ylm_light.h"
 
 /* Borders of l (l+1) length^2 above this have two Gauss points. */
-#define LONG 0.25f
+#define LONG 0.4f
 /* Borders of lmax times their length below this are taken as one. */
 #define GROUPED 0.15
 /* Surfaces seen at a lower cosine count as seen at this one where hit points move. */
