@@ -245,6 +245,28 @@ describe("radiosity:field", function()
     assert.equal(7, grid.stats.invalid) -- those on the axes through the middle of the sphere
   end)
 
+  it("crosses the boxes that meet triangles, where surfaces are to be refined", function()
+    local form = ylm.adaptive_grid { bounds = { { -0.3, -0.6, -0.7 }, { 0.7, 0.4, 0.3 } }, lmax = 0, depth = 3, threshold = 1e9 }
+    assert.equal(1, ylm.bake(form, the_room():field { rays = 192 }).stats.leaves)
+    local grid = ylm.bake(form, the_room():field { rays = 192, refine_surfaces = true })
+    local cells, finest = grid:cells(), 0
+    for i = 1, cells.origin.shape[1] do
+      local size = cells.size:get(i, 1)
+      if size < 0.126 then -- a leaf of the finest level, or one beside it that meets no triangle
+        finest = finest + 1
+      end
+    end
+    local far = 0.35 + math.sqrt(3) * 0.25 -- voxels of level 2 within which the sphere has been met
+    for i = 1, cells.origin.shape[1] do
+      if cells.size:get(i, 1) < 0.126 then
+        local d = 0
+        for a, c in ipairs { 0.15, -0.1, -0.2 } do d = d + (cells.origin:get(i, a) + 0.0625 - c) ^ 2 end
+        assert(sqrt(d) < far)
+      end
+    end
+    assert(finest > 150 and finest <= 512, finest)
+  end)
+
   it("is baked to a tolerance that its own noise allows, else says how many rays would", function()
     local lit, bounds = the_room(), { { -0.8, 0.3, -0.8 }, { 0.8, 0.8, 0.8 } }
     local o = { occupied = {} }

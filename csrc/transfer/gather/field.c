@@ -175,8 +175,8 @@ static ylm_status evaluate(const ylm_field *f, const ylm_field_query *q, size_t 
 }
 
 static ylm_status crosses(const ylm_field *f, size_t n, const double *boxes, uint8_t *out) {
-  (void)f, (void)boxes;
-  ylm_zero(out, n);
+  const ylm_gather *g = f->self;
+  for (size_t i = 0; i < n; i++) out[i] = g->meets && ylm__gather_meets(g->meets, boxes + 6 * i);
   return YLM_OK;
 }
 
@@ -208,6 +208,7 @@ static ylm_status fill(ylm_gather *g) {
   }
   if (g->form.parts & YLM_GATHER_DIRECT)
     s = ylm__gather_light(g, g->form.lamps ? g->form.lamps : g->scene, &g->lamps);
+  if (s == YLM_OK && g->form.refine_surfaces) s = ylm__gather_meets_create(g->scene, &g->meets);
   if (s == YLM_OK && g->form.remember) s = ylm__gather_memory_create(&g->memory);
   return s;
 }
@@ -273,6 +274,7 @@ void ylm_gather_free(ylm_gather *g) {
   ylm__gather_lattice_free(&g->lattice);
   ylm__gather_memory_free(g->memory);
   ylm__gather_dark(g->lamps);
+  ylm__gather_meets_free(g->meets);
   ylm_free(g->normal);
   ylm_free(g);
 }

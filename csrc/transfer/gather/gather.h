@@ -93,6 +93,7 @@ struct ylm_gather {
   size_t most;                  /* cells of a point */
   struct gather_memory *memory; /* NULL: nothing is remembered */
   gather_lamps *lamps;          /* of direct light; NULL: it is not asked for */
+  struct gather_meets *meets;   /* NULL: surfaces are not refined at */
   atomic_uint_fast64_t points, rays, shadow_rays, invalid;
 };
 
@@ -228,6 +229,14 @@ ylm_status ylm__gather_direct_light(gather_direct *d, const float at[3], double 
                                     gather_sums *s, bool *inside, ylm_error *e);
 /* Rays of the last point. */
 uint64_t ylm__gather_direct_rays(const gather_direct *d);
+
+/* -- meets.c: boxes and triangles -------------------------------------------------------------- */
+
+/* The triangles of a scene that occlude. To be freed in any case. */
+ylm_status ylm__gather_meets_create(const ylm_scene *s, struct gather_meets **m);
+void ylm__gather_meets_free(struct gather_meets *m);
+/* Whether a box (min, max) meets any of them. */
+bool ylm__gather_meets(const struct gather_meets *m, const double box[6]);
 
 /* -- field.c ------------------------------------------------------------------------------------- */
 
