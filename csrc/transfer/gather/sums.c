@@ -29,7 +29,7 @@
 /* Borders of lmax times their length below this are taken as one. */
 #define GROUPED 0.15
 /* Surfaces seen at a lower cosine count as seen at this one where hit points move. */
-#define GRAZING 0.05f
+#define GRAZING 0.1f
 
 /* Directions whose harmonics are summed with weights: to degree lmax, and to lmax + 1. */
 typedef struct batch {
