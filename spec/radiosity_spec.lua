@@ -64,6 +64,25 @@ describe("transfer:radiosity", function()
     end
   end)
 
+  it("takes direct light from grids: of lights times transfer vectors, of direct light with shadows times the cosine", function()
+    local box = ylm.box { bounds = { { -0.3, 0, -0.3 }, { 0.3, 0.5, 0.3 } }, material = ylm.matte { albedo = 0.5 } }
+    local room = elements.room(0.5, box)
+    local t = room:transfer { spacing = 0.25, links = 64, sides = "front", lmax = 4 }
+    local e, rays = t:elements(), t:radiosity()
+    local grid = room:bake { probes = ylm.uniform_grid { cells = { 20, 20, 20 }, lmax = 3, bounds = { { -1, 0, -1 }, { 1, 2,
+      1 } } },
+      parts = "direct" }
+    local lit = t:radiosity(grid)
+    near(elements.mean(e, lit:irradiance(), 1), elements.mean(e, rays:irradiance(), 1), 0.15, "by a grid of direct light")
+    assert.is_true(lit:lightmap({ mesh = 1, size = { 4, 4 }, links = 16 }):layer("irradiance"):get(1, 1, 1) > 0)
+    -- Lights without a ceiling above them: T0 . L, of a grid of a lower degree than the transfer vectors.
+    local yard = ylm.scene "a yard" { geometry = { ylm.quad { corner = { -1, 0, 1 }, u = { 2, 0, 0 }, v = { 0, 0, -2 } } },
+      lights = { ylm.sphere_light { at = { 0, 1, 0 }, radius = 0.1, radiance = 10 } } }
+    local open = yard:transfer { spacing = 0.25, links = 64, sides = "front" }
+    local probes = ylm.bake(ylm.uniform_grid { cells = 8, lmax = 2, bounds = { { -1, -0.1, -1 }, { 1, 0.5, 1 } } }, yard.lights)
+    near(open:radiosity(probes).stats.emitted[1], open:radiosity().stats.emitted[1], 0.03, "by a grid of lights")
+  end)
+
   it("keeps account of all light: emitted is absorbed and escaped, but for the noise of links", function()
     local torus = ylm.torus { at = { 0, 0.6, 0 }, scale = 0.5, divide = { 16, 8 }, material = ylm.matte { albedo = { 0.2, 0.5,
       0.8 } } }

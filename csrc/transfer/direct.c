@@ -167,46 +167,104 @@ ylm_status ylm_radiosity_rays(ylm_radiosity *r, const ylm_scene *scene, int ligh
   return take(r, s, j.E0, j.rays, all > 0 ? near / all : 0, begun);
 }
 
-/* The products of transfer vectors from `first` on with light [n][3][count]. */
-static void dot(const ylm_transfer *t, size_t first, size_t n, const float *light, float *E0) {
-  size_t count = ylm_sh_count(t->form.lmax);
-  for (size_t i = 0; i < n; i++) {
-    const float *T = t->escape + (first + i) * count;
-    if (!(t->share[first + i] > 0)) continue;
-    for (size_t c = 0; c < 3; c++) {
+/* Light by coefficients. */
+typedef struct by_field {
+  const ylm_transfer *t;
+  const ylm_grid *grid;
+  int lmax;
+  size_t count;   /* coefficients of a channel */
+  double *zonal;  /* [lmax+1] of the cosine; NULL: T0 is used */
+  float *normals; /* [ASK][count] the basis at normals */
+  float (*place)[3];
+  float *light; /* [ASK][3][count] */
+} by_field;
+
+/* The products of T0, or of the cosine, of elements from `first` on with x->light. */
+static ylm_status dot(const by_field *x, size_t first, size_t n, float *E0) {
+  const ylm_transfer *t = x->t;
+  size_t row = x->zonal ? x->count : ylm_sh_count(t->form.lmax);
+  const float *T = x->zonal ? x->normals : t->escape + first * row;
+  ylm_status s = YLM_OK;
+  if (x->zonal) {
+    s = ylm_sh_eval(x->lmax, 0, false, YLM_FLOAT, n, t->normal[first], x->normals, NULL, NULL, 1,
+                    NULL);
+    for (size_t i = 0; s == YLM_OK && i < n; i++)
+      for (int l = 0; l <= x->lmax; l++)
+        for (size_t k = ylm_sh_index(l, -l); k <= ylm_sh_index(l, l); k++)
+          x->normals[i * row + k] *= (float)x->zonal[l];
+  }
+  for (size_t i = 0; s == YLM_OK && i < n; i++)
+    for (size_t c = 0; c < 3 && t->share[first + i] > 0; c++) {
       double sum = 0;
-      for (size_t k = 0; k < count; k++)
-        sum += (double)T[k] * (double)light[(i * 3 + c) * count + k];
+      for (size_t k = 0; k < x->count; k++)
+        sum += (double)T[i * row + k] * (double)x->light[(i * 3 + c) * x->count + k];
       E0[4 * (first + i) + c] = (float)sum;
     }
-  }
+  return s;
 }
 
-ylm_status ylm_radiosity_field(ylm_radiosity *r, const ylm_field *field, int threads,
-                               const ylm_progress *progress, ylm_error *e) {
-  const ylm_transfer *t = r->t;
-  double begun = ylm_seconds();
-  if (!t->escape)
-    return ylm_fail(e, YLM_EINVAL, "the transfer was made without transfer vectors (lmax)");
-  ylm_field_query q = {.lmax = t->form.lmax,
+ylm_status ylm__transfer_beside(const ylm_transfer *t, const ylm_grid *grid, size_t n,
+                                const float (*place)[3], const float (*normal)[3],
+                                float (*out)[3]) {
+  float *b = ylm_alloc(n, sizeof *b);
+  if (!b) return YLM_ENOMEM;
+  for (size_t i = 0; i < n; i++) b[i] = (float)(t->form.spacing / 2);
+  if (grid) ylm_grid_bias(grid, 1, n, place, normal, NULL, b, 1);
+  for (size_t i = 0; i < n; i++)
+    for (int a = 0; a < 3; a++) out[i][a] = place[i][a] + b[i] * normal[i][a];
+  ylm_free(b);
+  return YLM_OK;
+}
+
+static ylm_status ask(const by_field *x, const ylm_field *field, int threads,
+                      const ylm_progress *progress, float *E0, ylm_error *e) {
+  size_t n = x->t->elements;
+  ylm_field_query q = {.lmax = x->lmax,
                        .channels = 3,
                        .want = YLM_WANT_VALUE,
                        .metric_channels = 1,
                        .dtype = YLM_FLOAT,
                        .threads = threads};
-  size_t n = t->elements, room = n < ASK ? n : ASK;
-  float *E0 = ylm_alloc_zero(n + 1, 16);
-  float *light = ylm_alloc(room * 3 * ylm_sh_count(q.lmax), sizeof *light);
-  ylm_status s = E0 && light ? YLM_OK : YLM_ENOMEM;
-  for (size_t first = 0; s == YLM_OK && first < n; first += room) {
-    size_t part = n - first < room ? n - first : room;
-    ylm_field_result out = {.value = light};
-    s = field->evaluate(field, &q, part, t->centre[first], &out, e);
-    if (s != YLM_OK) break;
-    dot(t, first, part, light, E0);
-    s = ylm_report(progress, first + part, n, "direct");
+  ylm_status s = YLM_OK;
+  for (size_t first = 0; s == YLM_OK && first < n; first += ASK) {
+    size_t part = n - first < ASK ? n - first : ASK;
+    ylm_field_result out = {.value = x->light};
+    const float(*place)[3] = (const float(*)[3])x->t->centre + first;
+    if (x->zonal) {
+      s = ylm__transfer_beside(x->t, x->grid, part, place, (const float(*)[3])x->t->normal + first,
+                               x->place);
+      place = (const float(*)[3])x->place;
+    }
+    if (s == YLM_OK) s = field->evaluate(field, &q, part, place, &out, e);
+    if (s == YLM_OK) s = dot(x, first, part, E0);
+    if (s == YLM_OK) s = ylm_report(progress, first + part, n, "direct");
   }
-  ylm_free(light);
+  return s;
+}
+
+ylm_status ylm_radiosity_field(ylm_radiosity *r, const ylm_field *field, const ylm_grid *grid,
+                               int lmax, int threads, const ylm_progress *progress, ylm_error *e) {
+  const ylm_transfer *t = r->t;
+  double begun = ylm_seconds();
+  bool shadowed = field->quantity != YLM_QUANTITY_lights;
+  if (!shadowed && !t->escape)
+    return ylm_fail(e, YLM_EINVAL, "the transfer was made without transfer vectors (lmax)");
+  if (lmax < 0 || lmax > (shadowed ? YLM_TRANSFER_LMAX : t->form.lmax))
+    return ylm_fail(e, YLM_ERANGE, "lmax %d is beyond that of the transfer", lmax);
+  by_field x = {.t = t, .grid = grid, .lmax = lmax, .count = ylm_sh_count(lmax)};
+  float *E0 = ylm_alloc_zero(t->elements + 1, 16);
+  x.place = ylm_alloc(ASK, 12);
+  x.light = ylm_alloc(ASK * 3 * x.count, sizeof *x.light);
+  x.normals = ylm_alloc(shadowed ? ASK * x.count : 0, sizeof *x.normals);
+  x.zonal = shadowed ? ylm_alloc((size_t)lmax + 1, sizeof *x.zonal) : NULL;
+  bool room = E0 && x.place && x.light && x.normals && (x.zonal || !shadowed);
+  ylm_status s = room ? YLM_OK : YLM_ENOMEM;
+  if (room && shadowed) s = ylm_material_transfer(ylm_material_kind_find("matte"), lmax, x.zonal);
+  if (s == YLM_OK) s = ask(&x, field, threads, progress, E0, e);
+  ylm_free(x.place);
+  ylm_free(x.light);
+  ylm_free(x.normals);
+  ylm_free(x.zonal);
   return take(r, s, E0, 0, 0, begun);
 }
 

@@ -43,7 +43,7 @@ static void scratch_free(scratch *x) {
 static scratch *scratch_create(const job *j) {
   const ylm_radiosity_map *m = j->m;
   scratch *x = ylm_alloc_zero(1, sizeof *x);
-  size_t count = ylm_sh_count(j->r->t->form.lmax < 0 ? 0 : j->r->t->form.lmax);
+  size_t count = ylm_sh_count(m->lmax);
   if (!x) return NULL;
   x->link = ylm_alloc((size_t)BATCH * (size_t)m->links, sizeof *x->link);
   x->sum = ylm_alloc(BATCH, 16);
@@ -75,9 +75,28 @@ static void add_rays(const job *j, scratch *x, size_t i, float E[3]) {
       if (!(x->ray[k].far < 0)) E[c] += x->value[k][c];
 }
 
+/* The cosine's coefficients at n texels, in place of transfer vectors. */
+static ylm_status cosines(const job *j, scratch *x, size_t n) {
+  int lmax = j->m->lmax;
+  double zonal[YLM_TRANSFER_LMAX + 1];
+  size_t count = ylm_sh_count(lmax);
+  ylm_status s = ylm_material_transfer(ylm_material_kind_find("matte"), lmax, zonal);
+  if (s == YLM_OK)
+    s = ylm_sh_eval(lmax, 0, false, YLM_FLOAT, n, x->normal, x->escape, NULL, NULL, 1, NULL);
+  for (size_t i = 0; s == YLM_OK && i < n; i++)
+    for (int l = 0; l <= lmax; l++)
+      for (size_t k = ylm_sh_index(l, -l); k <= ylm_sh_index(l, l); k++)
+        x->escape[i * count + k] *= (float)zonal[l];
+  return s;
+}
+
+static bool is_shadowed(const job *j) {
+  return j->m->field && j->m->field->quantity != YLM_QUANTITY_lights;
+}
+
 /* Adds direct light by coefficients to n texels. */
 static ylm_status add_field(const job *j, scratch *x, size_t n, float *E) {
-  int lmax = j->r->t->form.lmax;
+  int lmax = j->m->lmax;
   size_t count = ylm_sh_count(lmax);
   ylm_field_query q = {.lmax = lmax,
                        .channels = 3,
@@ -86,7 +105,11 @@ static ylm_status add_field(const job *j, scratch *x, size_t n, float *E) {
                        .dtype = YLM_FLOAT,
                        .threads = 1};
   ylm_field_result out = {.value = x->light};
-  ylm_status s = j->m->field->evaluate(j->m->field, &q, n, x->origin, &out, NULL);
+  ylm_status s = is_shadowed(j) ? cosines(j, x, n) : YLM_OK;
+  if (s == YLM_OK && is_shadowed(j))
+    s = ylm__transfer_beside(j->r->t, j->m->grid, n, (const float(*)[3])x->origin,
+                             (const float(*)[3])x->normal, x->origin);
+  if (s == YLM_OK) s = j->m->field->evaluate(j->m->field, &q, n, x->origin, &out, NULL);
   for (size_t i = 0; s == YLM_OK && i < n; i++)
     for (size_t c = 0; c < 3; c++) {
       double sum = 0;
@@ -111,9 +134,10 @@ static ylm_status run(void *context, size_t begin, size_t end, int worker) {
     memcpy(x->normal[i], x->at[i].normal, 12);
     x->stream[i] = j->texel[begin + i];
   }
-  ylm_status s = ylm__transfer_find_shares(
-      t, n, (const float(*)[3])x->origin, (const float(*)[3])x->normal, x->stream, j->m->links,
-      j->m->seed, 1, NULL, x->link, t->form.lmax, x->escape, j->share + begin);
+  ylm_status s =
+      ylm__transfer_find_shares(t, n, (const float(*)[3])x->origin, (const float(*)[3])x->normal,
+                                x->stream, j->m->links, j->m->seed, 1, NULL, x->link, j->m->lmax,
+                                is_shadowed(j) ? NULL : x->escape, j->share + begin);
   if (s == YLM_OK) ylm__transfer_sum()(n, j->m->links, x->link, 4, j->r->leaving, NULL, x->sum);
   for (size_t i = 0; s == YLM_OK && i < 4 * n; i++)
     x->sum[i] = j->m->indirect ? (float)PI * x->sum[i] : 0;
@@ -193,8 +217,8 @@ static ylm_status check(const ylm_radiosity *r, const ylm_radiosity_map *m, ylm_
     return ylm_fail(e, YLM_ERANGE, "a lightmap has 1 to 16384 texels a side");
   if (m->scene && (m->light_samples < 1 || m->light_samples > YLM_TRANSFER_LINKS))
     return ylm_fail(e, YLM_ERANGE, "light_samples must be from 1 to %d", YLM_TRANSFER_LINKS);
-  if (m->field && !t->escape)
-    return ylm_fail(e, YLM_EINVAL, "the transfer was made without transfer vectors (lmax)");
+  if (m->field && (m->lmax < 0 || m->lmax > YLM_TRANSFER_LMAX))
+    return ylm_fail(e, YLM_ERANGE, "lmax must be from 0 to %d, got %d", YLM_TRANSFER_LMAX, m->lmax);
   ylm_status s = ylm__transfer_check_links(m->links, e);
   if (s == YLM_OK && m->scene) s = ylm__transfer_same(t->scene, m->scene, &same);
   if (s == YLM_OK && !same)

@@ -110,6 +110,13 @@ ylm_transfer_outer_fn *ylm__transfer_outer(void);
 /* [elements + 1][width] scale times albedo times the vectors; NULL without memory. To be freed. */
 float *ylm__transfer_reflected(const ylm_transfer *t, const float *vectors, double scale);
 
+/* -- direct.c ------------------------------------------------------------------- */
+
+/* Where light that jumps at surfaces is asked for, for n places on them: off them, by the grid's voxels or by half a
+   spacing where there is none. */
+ylm_status ylm__transfer_beside(const ylm_transfer *t, const ylm_grid *grid, size_t n,
+                                const float (*place)[3], const float (*normal)[3], float (*out)[3]);
+
 /* -- solve.c -------------------------------------------------------------------- */
 
 struct ylm_radiosity {

@@ -24,6 +24,7 @@
 #define YLM_TRANSFER_H
 
 #include "ylm_base.h"
+#include "ylm_grid.h"
 #include "ylm_scene.h"
 
 #ifdef __cplusplus
@@ -180,9 +181,10 @@ YLM_API const ylm_transfer *ylm_radiosity_transfer(const ylm_radiosity *r);
 ** ylm_radiosity_rays - direct light on the elements of a scene by rays to its lamps and sky, light_samples from
 ** each element. `scene` is the transfer's, or another of the same meshes with other lamps.
 **
-** ylm_radiosity_field - direct light from coefficients: E0 = T0 . L with L at the elements' centres, T0 of
-** ylm_transfer_escape. It knows no shadow of what is nearer than a light and takes what is behind one for an
-** occluder.
+** ylm_radiosity_field - direct light from coefficients of degree <= lmax. Of a field of lights E0 = T0 . L with L at the
+** elements' centres and T0 of ylm_transfer_escape, lmax at most that of T0: it knows no shadow of what is nearer than a
+** light and takes what is behind one for an occluder. Of a field that holds shadows E0 = A . L, A the cosine, with L half
+** a spacing off the surface, or as far as ylm_grid_bias says of `grid`, if the field is one's (else NULL).
 **
 ** ylm_radiosity_set - direct light that is given, irradiance E0 [elements][3], W m^-2.
 **
@@ -192,7 +194,8 @@ YLM_API const ylm_transfer *ylm_radiosity_transfer(const ylm_radiosity *r);
 YLM_API ylm_status ylm_radiosity_rays(ylm_radiosity *r, const ylm_scene *scene, int light_samples,
                                       uint64_t seed, int threads, const ylm_progress *progress,
                                       ylm_error *e);
-YLM_API ylm_status ylm_radiosity_field(ylm_radiosity *r, const ylm_field *field, int threads,
+YLM_API ylm_status ylm_radiosity_field(ylm_radiosity *r, const ylm_field *field,
+                                       const ylm_grid *grid, int lmax, int threads,
                                        const ylm_progress *progress, ylm_error *e);
 YLM_API void ylm_radiosity_set(ylm_radiosity *r, const float *E0);
 
@@ -223,12 +226,14 @@ YLM_API ylm_status ylm_radiosity_write_ply(const ylm_radiosity *r, const char *p
 /* A picture of the irradiance of one mesh, by its texture coordinates. */
 typedef struct ylm_radiosity_map {
   size_t mesh;
-  bool back;                /* of its back */
-  const float *uvs;         /* [vertices of the mesh][2]: u to the right, v upwards, 0 .. 1 */
-  int width, height;        /* 1 .. 16384 */
-  bool indirect;            /* with the light that elements send */
-  const ylm_scene *scene;   /* direct light by rays to the lamps of this scene, or NULL */
-  const ylm_field *field;   /* direct light by coefficients, or NULL */
+  bool back;              /* of its back */
+  const float *uvs;       /* [vertices of the mesh][2]: u to the right, v upwards, 0 .. 1 */
+  int width, height;      /* 1 .. 16384 */
+  bool indirect;          /* with the light that elements send */
+  const ylm_scene *scene; /* direct light by rays to the lamps of this scene, or NULL */
+  const ylm_field *field; /* direct light by coefficients of degree <= lmax, or NULL */
+  const ylm_grid *grid;   /* and these two, as ylm_radiosity_field takes them */
+  int lmax;
   int links, light_samples; /* of a texel */
   int gutter;               /* how many texels beside the mesh take the mean of their neighbours */
   uint64_t seed;

@@ -1,8 +1,15 @@
 /* radiosity.c - light on elements as a Lua object. */
 #include "transfer.h"
 
+#include "../binding_grid.h"
+
 ylm_radiosity *ylmL_radiosity(lua_State *L, int i) {
   return ylmL_held_check(L, i, YLML_RADIOSITY)->object;
+}
+
+/* The grid at `i`, or NULL where another object is. */
+static const ylm_grid *grid_at(lua_State *L, int i) {
+  return ylmL_test(L, i, YLM_GRID_TYPE) ? ylmL_grid_check(L, i) : NULL;
 }
 
 static void destroy(void *r) { ylm_radiosity_free(r); }
@@ -33,16 +40,17 @@ static int radiosity_rays(lua_State *L) {
   return ylmL_result_progress(L, 1, s, &e, &p);
 }
 
-/* radiosity_field(radiosity, object with a field, threads, progress) -> radiosity */
+/* radiosity_field(radiosity, object with a field, lmax, threads, progress) -> radiosity */
 static int radiosity_field(lua_State *L) {
   ylm_radiosity *r = ylmL_radiosity(L, 1);
   const ylm_field *field = ylmL_field_check(L, 2);
   ylm_error e = {0};
   ylmL_progress p;
-  lua_settop(L, 4);
+  lua_settop(L, 5);
   if (ylmL_radiosity_busy(L, 1) != YLM_OK) return ylmL_result(L, 0, YLM_EBUSY, NULL);
-  ylm_status s = ylm_radiosity_field(r, field, (int)luaL_optnumber(L, 3, 0),
-                                     ylmL_progress_begin(L, 4, &p), &e);
+  ylm_status s =
+      ylm_radiosity_field(r, field, grid_at(L, 2), (int)luaL_checknumber(L, 3),
+                          (int)luaL_optnumber(L, 4, 0), ylmL_progress_begin(L, 5, &p), &e);
   lua_pushvalue(L, 1);
   return ylmL_result_progress(L, 1, s, &e, &p);
 }
@@ -124,12 +132,12 @@ static int radiosity_write(lua_State *L) {
 }
 
 /* radiosity_map(radiosity, {mesh from 1, side: "front", "back" or nil, uvs float [n][2], out float [h][w][3],
-   coverage float [h][w], indirect, scene or nil, field or nil, links, light_samples, gutter, seed, threads,
+   coverage float [h][w], indirect, scene or nil, field or nil, lmax, links, light_samples, gutter, seed, threads,
    progress}) -> how many texels more than one triangle has */
 static int radiosity_map(lua_State *L) {
-  static const char *const names[] = {"mesh",     "side",  "uvs",     "out",      "coverage",
-                                      "indirect", "scene", "field",   "links",    "light_samples",
-                                      "gutter",   "seed",  "threads", "progress", NULL};
+  static const char *const names[] = {
+      "mesh", "side",  "uvs",           "out",    "coverage", "indirect", "scene",    "field",
+      "lmax", "links", "light_samples", "gutter", "seed",     "threads",  "progress", NULL};
   enum {
     MESH = 3,
     SIDE,
@@ -139,6 +147,7 @@ static int radiosity_map(lua_State *L) {
     INDIRECT,
     SCENE,
     FIELD,
+    LMAX,
     LINKS,
     SAMPLES,
     GUTTER,

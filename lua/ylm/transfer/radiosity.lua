@@ -73,12 +73,30 @@ local function source(name, m, lights, direct)
   return { traced = traced }
 end
 
+--- The degree that direct light of a field is asked to: that of the transfer vectors, or the field's own below it.
+local function lmax_of(m, field)
+  local known = core.type(field) == "ylm.grid" and field.lmax or math.huge
+  return math.min(m.of.stats.lmax, known)
+end
+
+--- Raises where a field that is to be direct light holds bounces already.
+local function check_quantity(name, field, bounces)
+  local held = core.field_quantity(field)
+  if (held == "all" or held == "indirect") and bounces ~= 0 then
+    return check.fail("%s: %s holds light that has bounced (quantity %q): give lights or a grid of parts = 'direct', or "
+      .. "bounces = 0",
+      name, check.describe(field), held)
+  end
+end
+
 --- Direct light anew: where it comes from, as above; or nil, message, code.
 local function illuminate(name, lit, m, lights, o, show)
   local from, message, code = source(name, m.of, lights, o.direct)
   if not from then return nil, message, code end
   local done
-  if from.field then done, message, code = check.result(name, m.lib.radiosity_field(lit, from.field, o.threads, show))
+  if from.field then check_quantity(name, from.field, o.bounces) end
+  if from.field then done, message, code = check.result(name, m.lib.radiosity_field(lit, from.field, lmax_of(m, from.field),
+    o.threads, show))
   else
     done, message, code = check.result(name, m.lib.radiosity_rays(lit, from.traced.handle, o.light_samples, o.seed,
       o.threads, show))
@@ -285,7 +303,8 @@ function methods.lightmap(lit, given)
   local overlaps
   overlaps, message, code = check.result("lightmap", m.lib.radiosity_map(lit, { mesh = o.mesh, side = o.side, uvs = uvs,
     out = out:layer "irradiance", coverage = out:layer "coverage", indirect = o.part ~= "direct",
-    scene = direct and m.from.traced and m.from.traced.handle or nil, field = direct and m.from.field or nil, links = o.links,
+    scene = direct and m.from.traced and m.from.traced.handle or nil, field = direct and m.from.field or nil,
+      lmax = lmax_of(m, m.from.field), links = o.links,
     light_samples = o.light_samples, gutter = o.gutter, seed = o.seed, threads = o.threads,
     progress = progress.resolve(o.progress) }))
   if not overlaps then return nil, message, code end

@@ -95,7 +95,7 @@ return {
       return t:radiosity(grid, { direct = "rays" })
     end, says = "direct = 'rays' is for lights; a ylm.grid has coefficients alone: direct = 'field'" },
     { call = function(ylm) return transfer(ylm, { albedo = 1 }):radiosity() end,
-      says = "bounces = 'all' does not converge: each bounce keeps 1 of the light before %(the mean albedo is 1, and 0 %% of "
+      says = "bounces = 'all' does not converge: each bounce keeps [%d.]+ of the light before %(the mean albedo is 1, and 0 %% of "
         .. "the links" },
     { call = function(ylm)
       local t = transfer(ylm)
