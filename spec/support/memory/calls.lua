@@ -355,9 +355,9 @@ calls["scene:raycast with other lamps"] = on(function()
   assert(s:raycast { size = size, samples = 1, light_samples = 1 })
   return s
 end, function(s)
-  local lamps, message, code = many_lamps()
-  if not lamps then return nil, message, code end
-  s.lights[1] = lamps -- meshes stay
+  local others, message, code = many_lamps()
+  if not others then return nil, message, code end
+  s.lights[1] = others -- meshes stay
   return s:raycast { size = size, samples = 1, light_samples = 2 }
 end)
 calls["prepared by rays"] = on(scene, function(s)
