@@ -99,6 +99,10 @@ return {
         .. "the links" },
     { call = function(ylm)
       local t = transfer(ylm)
+      return t:radiosity(t:radiosity())
+    end, says = 'a ylm.radiosity holds light that has bounced %(quantity "indirect"%): give lights or a grid of parts' },
+    { call = function(ylm)
+      local t = transfer(ylm)
       t.scene.geometry[2] = ylm.box {}
       return t:radiosity()
     end, says = "radiosity: the geometry of scene \"refusing\" has changed since its transfer was made" },
@@ -122,7 +126,7 @@ return {
     field_of({ seed = -1 }, "seed must be"), field_of({ ray = 192 }, "did you mean 'rays'"),
     { call = function(ylm)
       local t = transfer(ylm)
-      return t:radiosity(t:radiosity()):field { parts = "all" }
+      return t:radiosity(t:radiosity(), { bounces = 0 }):field { parts = "all" }
     end, says = "parts = 'all' is for lights that rays can be sent to: this radiosity was lit by another light field" },
     { call = function(ylm) return ylm.light_field(21, radiosity(ylm), { 0, 0, 0 }) end, says = "lmax must be 0 .. 20 for gathered light" },
     { call = function(ylm)
