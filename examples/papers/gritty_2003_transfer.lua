@@ -230,5 +230,5 @@ common.save(ylm.figure {
   caption = ("One hemisphere of light. %d elements with %d links each; %d links at a shading point."):format(t.stats.elements,
     t.stats.links, links),
 }, out .. "gritty_2003_transfer.png")
-common.save(ylm.plot { series = series, y_log = true, legend = "top right", title = "Light by bounce", x_label = "reflections after direct light",
-  y_label = "part of the mean irradiance" }, out .. "gritty_2003_bounces.png")
+common.save(ylm.plot { series = series, y_log = true, legend = "top right", title = "Light by bounce",
+  x_label = "reflections after direct light", y_label = "part of the mean irradiance" }, out .. "gritty_2003_bounces.png")
