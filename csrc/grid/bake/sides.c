@@ -132,6 +132,7 @@ static ylm_status compare(void *context, size_t begin, size_t end, int worker) {
       value[k] += back[0] * gradient[k] + back[1] * gradient[g->stride + k] +
                   back[2] * gradient[2 * g->stride + k];
     j->error[i] = ylm__measure_error(&r->b->measure, value, r->exact + i * g->width, side);
+    if (!(g->cell[leaf].flags & YLM_GRID_OCCUPIED)) leaf = r->verdict[i].leaf; /* it has no data */
     r->verdict[i].beyond = leaf;
   }
   return YLM_OK;
