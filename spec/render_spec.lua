@@ -235,6 +235,49 @@ describe("a picture", function()
     end
   end)
 
+  it("bakes what it is to hold: lights, direct light with shadows, bounces, both", function()
+    local s = card(1, 40, { probes = ylm.uniform_grid { bounds = { { -1, -1, 0.1 }, { 1, 1, 1 } }, cells = 2, lmax = 2 } })
+    s.geometry[2] = ylm.quad { corner = { -1, -1, 2 }, u = { 1, 0, 0 }, v = { 0, 2, 0 } } -- shades the left half of the card
+    local o = { occupied = "everywhere" }
+    local function bake(parts, bounces)
+      o.parts, o.bounces = parts, bounces
+      local grid = assert(s:bake(o))
+      return grid, grid:points().value
+    end
+    local lights, all_lit = bake()
+    assert.equal("lights", lights.quantity)
+    local direct, lit = bake "direct"
+    assert.equal("direct", direct.quantity)
+    local at, n = direct:points().position:totable(), 0
+    for i, p in ipairs(at) do
+      for c = 1, 3 do
+        if p[1] > 0.5 then assert.near(all_lit:get(i, c, 1), lit:get(i, c, 1), 1e-4 * all_lit:get(i, c, 1)) end
+        if p[1] < -0.5 then assert.equal(0, lit:get(i, c, 1)) end
+      end
+      n = n + (math.abs(p[1]) > 0.5 and 1 or 0)
+    end
+    assert.equal(18, n)
+    local grid, back = bake "indirect"
+    assert.equal("indirect", grid.quantity)
+    local both
+    grid, both = bake "all"
+    assert.equal("all", grid.quantity)
+    local sent = 0
+    for i = 1, #at do
+      sent = sent + back:get(i, 1, 1)
+      assert.near(lit:get(i, 1, 1) + back:get(i, 1, 1), both:get(i, 1, 1), 1e-5)
+    end
+    assert.is_true(sent > 0)
+    grid, both = bake("all", 0)
+    assert.equal("direct", grid.quantity)
+    assert.equal(0, (core.array_distance(both, lit)))
+    o.progress = function() return false end
+    assert.same({ "cancelled", "ECANCELLED" }, { select(2, s:bake(o)) })
+    -- What is rendered without a grid is a grid of lights still.
+    local _, report = s:render { size = { 8, 6 }, samples = 1, visibility = "none" }
+    assert.equal("none", report.visibility)
+  end)
+
   it("bakes for its surfaces by default, in the box of its geometry", function()
     local s = card(1, 40, { probes = ylm.adaptive_grid { depth = 4, lmax = 2 } })
     local grid, same = s:bake(), s:bake { occupied = "surfaces", seed = 1, threads = 1 }

@@ -338,7 +338,7 @@ calls["scene"] = on(triangle, function(light)
   local s, message, code = ylm.scene "one light" { lights = light }
   return s and s.name, message, code
 end)
-calls["scene:bake"] = on(scene, function(s) return s:bake { samples = 1, size = size } end)
+calls["scene:bake"] = on(scene, function(s) return s:bake { occupied = "camera", samples = 1, size = size } end)
 for _, name in ipairs { "render", "reference", "raycast" } do
   calls["scene:" .. name] = on(scene, function(s)
     return s[name](s, { size = size, samples = 1, light_samples = name ~= "reference" and 2 or nil })
