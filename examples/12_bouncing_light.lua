@@ -48,7 +48,7 @@ local function with(more)
   return o
 end
 
---- What make() returns, and its seconds.
+--- Results of make(), and its seconds behind the first.
 local function timed(make)
   local start = core.seconds()
   local a, b, c = make()

@@ -1,5 +1,6 @@
 -- The examples about the papers' tables and figures run, in their quick form, and print what they should.
 
+local long = require "spec.support.long"
 local scratch = require "spec.support.scratch"
 
 local cases = {
@@ -36,6 +37,16 @@ describe("examples/papers", function()
     folder:remove()
     assert.equal(0, status, out)
     assert(out:find("two lights, projected by quadrature", 1, true) and out:find("........#................", 1, true), out)
+  end)
+
+  local bounces = long(false, true) and it or function() end -- a bake of gathered light takes a while
+  bounces("runs 12_bouncing_light.lua, a small one", function()
+    local folder = scratch.new()
+    local out, status = scratch.capture(("%s examples/12_bouncing_light.lua --out %s --width 64 --samples 16 "
+      .. "--tolerance 0.5"):format(os.getenv "YLM_LUA" or "lua5.4", scratch.quote(folder.path)))
+    folder:remove()
+    assert.equal(0, status, out)
+    assert(out:find "indirect light: %d+ probes" and out:find "and light gathered along links", out)
   end)
 
   it("runs 06_many_lights.lua, a small one", function()

@@ -136,7 +136,7 @@ typedef struct job {
 
 /* Weights that are less than this change nothing. */
 #define LEAST 1e-40
-/* The same of values alone: n of them are less than rounding. */
+/* Of values alone this, which n weights leave below rounding. */
 #define LESS 1e-21
 
 /* Adds weighted differences of `count` coefficients to value, gradient and Hessian behind one another. */
