@@ -260,8 +260,9 @@ void ylm__grid_virtual(const ylm_grid *g, uint32_t leaf, const double at[3], vir
 
 /* -- sample/bias.c ------------------------------------------------------------------ */
 
-/* How far off point x on a surface with normal n a grid is looked up, without a limit. */
-double ylm__grid_bias_at(const ylm_grid *g, double factor, const float x[3], const float n[3]);
+/* The place at which a grid is looked up for point x on a surface with normal n: ylm_grid_bias. */
+void ylm__grid_beside(const ylm_grid *g, double factor, const float x[3], const float n[3],
+                      double limit, const ylm_grid_reach *reach, float place[3]);
 
 /* -- sample/sample.c ---------------------------------------------------------------- */
 

@@ -73,6 +73,13 @@ typedef struct ylm_grid_mesh {
 
 typedef struct ylm_grid_backend ylm_grid_backend;
 
+/* The distance from x, along a direction of length 1, to the first surface; `far` where there is
+   none before. Called on any of the threads. */
+typedef struct ylm_grid_reach {
+  double (*distance)(const void *self, const float x[3], const float direction[3], double far);
+  const void *self;
+} ylm_grid_reach;
+
 /* From where, and how. */
 typedef struct ylm_grid_source {
   const ylm_field *field;
@@ -84,6 +91,7 @@ typedef struct ylm_grid_source {
       *occupied_points; /* [occupied][3]; NULL: every voxel is occupied, or the back end has them */
   const void *normals; /* [occupied][3] of the points, unit, of their type: the sides that are seen;
                            NULL: none. Surfaces have both of theirs */
+  const ylm_grid_reach *reach; /* where surfaces are; NULL: not known */
   const float *limits; /* [occupied] the most that the bias may be at each point; NULL: no limit */
   size_t meshes;       /* surfaces instead of points: voxels that a triangle meets */
   const ylm_grid_mesh *mesh;    /* [meshes]; a dynamic grid keeps a copy */
@@ -559,49 +567,54 @@ YLM_API ylm_status ylm_grid_track_sample(ylm_grid_track *track, const ylm_grid *
                                          uint64_t *fresh, ylm_grid_report *report);
 
 /*
-** ylm_grid_bias - how far from a surface a grid is looked up, where its light jumps at surfaces.
+** ylm_grid_bias - where a grid is looked up for points on surfaces, where its light jumps.
 **
 ** A voxel that a surface cuts holds light of both its sides. A shading point x with normal n is
 ** looked up at x + b n, in a voxel beyond the surface's plane:
 **
 **   b = factor * (h_x |n_x| + h_y |n_y| + h_z |n_z|)
 **
-** h edges of the leaf at x, or of that at x + b n where it is larger.
+** h edges of the leaf at x, or of that at x + b n where it is larger. Beside other surfaces, in
+** concave edges, it is moved away from these too, by as much as they are nearer than a voxel is
+** thick; between two of them to their middle.
 **
-**   factor   in   of ylm_grid_form.bias; 0: b = 0
+**   factor   in   of ylm_grid_form.bias; 0: points are looked up where they are
 **   points   in   [n][3] any finite position
 **   normals  in   [n][3] unit, on the side that is seen
 **   limit    in   [n] the most that b may be, such as half of the distance to the first hit along
 **                 n; NULL: no limit
-**   b        out  [n] scene units; it may be `limit`
+**   reach    in   NULL: nobody knows other surfaces
+**   places   out  [n][3]
+**
+** Cost     four rays a point
 */
 YLM_API void ylm_grid_bias(const ylm_grid *g, double factor, size_t n, const float (*points)[3],
-                           const float (*normals)[3], const float *limit, float *b, int threads);
+                           const float (*normals)[3], const float *limit,
+                           const ylm_grid_reach *reach, float (*places)[3], int threads);
 
-/* Of biased look-ups: the mean and the largest b. */
+/* Of biased look-ups: the mean and the largest distance. */
 typedef struct ylm_grid_bias_report {
   double mean, largest;
 } ylm_grid_bias_report;
 
 /*
-** ylm_grid_sample_biased - interpolate coefficients at points on surfaces, looked up b off them.
+** ylm_grid_sample_biased - interpolate coefficients at points on surfaces, looked up elsewhere.
 **
-**   value = L(x + b n) - b n . grad L(x + b n),     L the interpolant
+**   value = L(place) + (x - place) . grad L(place),     L the interpolant
 **
-** Where b is 0 the value is that of ylm_grid_sample, to the bit.
+** Where the place is x the value is that of ylm_grid_sample, to the bit.
 **
 **   q        in   points and values are float, whatever it says
-**   b        in   [n] of ylm_grid_bias
+**   places   in   [n][3] of ylm_grid_bias
 **   value    out  [n][channels][count]
-**   report   out  of the places x + b n; may be NULL
+**   report   out  of the places; may be NULL
 **
 ** Returns  as ylm_grid_sample
 ** Cost     a sample with its gradient: about 3 times one without
 */
 YLM_API ylm_status ylm_grid_sample_biased(const ylm_grid *g, const ylm_grid_query *q, size_t n,
-                                          const float (*points)[3], const float (*normals)[3],
-                                          const float *b, float *value, ylm_grid_report *report,
-                                          ylm_error *e);
+                                          const float (*points)[3], const float (*places)[3],
+                                          float *value, ylm_grid_report *report, ylm_error *e);
 
 /* The grid as a light field (Hermite, clamped): value, gradient, and lambda and norm interpolated.
    It has no Hessian, and no degree above its own. */

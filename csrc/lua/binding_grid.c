@@ -1,5 +1,7 @@
 /* binding_grid.c - how a bake is asked for: the form, its source, the object that is to be the
  * grid. */
+#include <string.h>
+
 #include "binding_grid.h"
 #include "ylm_geom.h"
 
@@ -111,6 +113,14 @@ const ylm_grid_mesh *ylmL_grid_meshes(lua_State *L, int i, size_t *n) {
   return mesh;
 }
 
+const ylm_grid_reach *ylmL_grid_reach(lua_State *L, int i, ylm_grid_reach *reach) {
+  size_t size;
+  const char *bytes = lua_tolstring(L, i, &size);
+  if (!bytes || size != sizeof *reach) return NULL;
+  memcpy(reach, bytes, sizeof *reach);
+  return reach;
+}
+
 /* The array `name` of the table, which keeps it, or NULL. */
 static const ylmL_array *named_array(lua_State *L, int table, const char *name) {
   lua_getfield(L, table, name);
@@ -138,5 +148,8 @@ ylm_grid_source ylmL_grid_source(lua_State *L, ylmL_progress *progress) {
       s.limits = limits->data;
   }
   if (surfaces) s.mesh = ylmL_grid_meshes(L, 3, &s.meshes);
+  lua_getfield(L, 1, "reach");
+  ylm_grid_reach *room = lua_newuserdata(L, sizeof *room); /* stays on the stack */
+  s.reach = ylmL_grid_reach(L, -2, room);
   return s;
 }

@@ -1,12 +1,8 @@
-/* bias.c - radiance of shading points under a grid whose light jumps at surfaces: it is looked up
-   beside them, and its irradiance is reflected as it is: shadows are in the grid. */
+/* bias.c - where shading points look a grid up whose light jumps at surfaces. */
 #include <math.h>
-#include <stdatomic.h>
 
 #include "view.h"
-#include "ylm_sh.h"
 
-#define BLOCK 512   /* points whose coefficients stay in the second-level cache */
 #define SURFACES 64 /* places asked for at once */
 
 void ylm_shade_view_flats(const ylm_shade_view *v, size_t first, size_t n, float (*out)[3]) {
@@ -43,15 +39,23 @@ ylm_status ylm_shade_limits(const ylm_shade_view *v, size_t first, size_t n, con
   return s;
 }
 
+double ylm_shade_reach(const void *scene, const float x[3], const float direction[3], double far) {
+  ylm_trace_ray ray = {.near = 0, .far = (float)far};
+  ylm_trace_hit hit;
+  memcpy(ray.org, x, sizeof ray.org);
+  memcpy(ray.dir, direction, sizeof ray.dir);
+  ylm_trace_nearest(ylm_scene_trace(scene), 1, &ray, false, &hit);
+  return hit.mesh == YLM_TRACE_NOTHING ? far : (double)hit.t;
+}
+
 ylm_status ylm_shade_bias(const ylm_shade_view *v, const ylm_grid *grid, double factor,
-                          size_t first, size_t n, const float (*flat)[3], float *b) {
-  float most = 0;
+                          size_t first, size_t n, const float (*flat)[3], float (*places)[3]) {
+  const float(*x)[3] = (const float(*)[3])v->position + first;
+  ylm_grid_reach reach = {ylm_shade_reach, v->scene};
   float *limit = ylm_alloc(n, sizeof *limit);
-  if (!limit) return YLM_ENOMEM;
-  ylm_grid_bias(grid, factor, n, (const float(*)[3])v->position + first, flat, NULL, b, 1);
-  for (size_t i = 0; i < n; i++) most = fmaxf(most, b[i]);
-  ylm_status s = factor > 0 ? ylm_shade_limits(v, first, n, flat, most, limit) : YLM_OK;
-  for (size_t i = 0; s == YLM_OK && factor > 0 && i < n; i++) b[i] = fminf(b[i], limit[i]);
+  ylm_status s = limit ? YLM_OK : YLM_ENOMEM;
+  if (s == YLM_OK && factor > 0) s = ylm_shade_limits(v, first, n, flat, INFINITY, limit);
+  if (s == YLM_OK) ylm_grid_bias(grid, factor, n, x, flat, limit, &reach, places, 1);
   ylm_free(limit);
   return s;
 }

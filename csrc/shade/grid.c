@@ -22,17 +22,22 @@ typedef struct grid_job {
 
 /* Coefficients of points begin .. begin+n-1 to L, looked up beside their surfaces. */
 static ylm_status sample_beside(grid_job *j, size_t begin, size_t n, float *L, ylm_grid_report *r) {
-  float(*flat)[3] = ylm_alloc(n, sizeof *flat);
-  ylm_status s = flat ? YLM_OK : YLM_ENOMEM;
+  const float(*x)[3] = (const float(*)[3])j->view->position + begin;
+  float(*flat)[3] = ylm_alloc(n, sizeof *flat), (*place)[3] = ylm_alloc(n, sizeof *place);
+  ylm_status s = flat && place ? YLM_OK : YLM_ENOMEM;
   if (s == YLM_OK) {
     ylm_shade_view_flats(j->view, begin, n, flat);
-    s = ylm_shade_bias(j->view, j->grid, j->factor, begin, n, (const float(*)[3])flat,
-                       j->b + begin);
+    s = ylm_shade_bias(j->view, j->grid, j->factor, begin, n, (const float(*)[3])flat, place);
   }
   if (s == YLM_OK)
-    s = ylm_grid_sample_biased(j->grid, &j->query, n, (const float(*)[3])j->view->position + begin,
-                               (const float(*)[3])flat, j->b + begin, L, r, NULL);
+    s = ylm_grid_sample_biased(j->grid, &j->query, n, x, (const float(*)[3])place, L, r, NULL);
+  for (size_t i = 0; s == YLM_OK && i < n; i++) {
+    float d[3];
+    for (int a = 0; a < 3; a++) d[a] = place[i][a] - x[i][a];
+    j->b[begin + i] = sqrtf(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
+  }
   ylm_free(flat);
+  ylm_free(place);
   return s;
 }
 

@@ -216,19 +216,25 @@ YLM_API ylm_status ylm_shade_grid(const ylm_shade_view *view, const ylm_grid *gr
 YLM_API ylm_status ylm_shade_limits(const ylm_shade_view *view, size_t first, size_t n,
                                     const float (*flat)[3], float most, float *limit);
 
+/* The distance from x along a direction of length 1 to the first occluding surface of a ylm_scene, or
+   `far`: of ylm_grid_reach. */
+YLM_API double ylm_shade_reach(const void *scene, const float x[3], const float direction[3],
+                               double far);
+
 /*
-** ylm_shade_bias - how far off the surfaces of n shading points from `first` on a grid is looked up:
-** ylm_grid_bias, at most half of the distance to the first hit along the normal.
+** ylm_shade_bias - where n shading points from `first` on look a grid up: ylm_grid_bias, at most half
+** of the way to the first hit along the normal.
 **
 **   factor  in   of ylm_grid_form.bias
 **   flat    in   [n][3] of ylm_shade_view_flats
-**   b       out  [n] scene units
+**   places  out  [n][3]
 **
 ** Returns  YLM_OK, YLM_ENOMEM
-** Cost     a ray per point
+** Cost     five rays a point
 */
 YLM_API ylm_status ylm_shade_bias(const ylm_shade_view *view, const ylm_grid *grid, double factor,
-                                  size_t first, size_t n, const float (*flat)[3], float *b);
+                                  size_t first, size_t n, const float (*flat)[3],
+                                  float (*places)[3]);
 
 /*
 ** ylm_shade_grid_biased - ylm_shade_grid, looked up beside surfaces (ylm_shade_bias,

@@ -206,13 +206,10 @@ static ylm_status dot(const by_field *x, size_t first, size_t n, float *E0) {
 ylm_status ylm__transfer_beside(const ylm_transfer *t, const ylm_grid *grid, size_t n,
                                 const float (*place)[3], const float (*normal)[3],
                                 float (*out)[3]) {
-  float *b = ylm_alloc(n, sizeof *b);
-  if (!b) return YLM_ENOMEM;
-  for (size_t i = 0; i < n; i++) b[i] = (float)(t->form.spacing / 2);
-  if (grid) ylm_grid_bias(grid, 1, n, place, normal, NULL, b, 1);
-  for (size_t i = 0; i < n; i++)
-    for (int a = 0; a < 3; a++) out[i][a] = place[i][a] + b[i] * normal[i][a];
-  ylm_free(b);
+  float b = (float)(t->form.spacing / 2);
+  if (grid) ylm_grid_bias(grid, 1, n, place, normal, NULL, NULL, out, 1);
+  for (size_t i = 0; !grid && i < n; i++)
+    for (int a = 0; a < 3; a++) out[i][a] = place[i][a] + b * normal[i][a];
   return YLM_OK;
 }
 

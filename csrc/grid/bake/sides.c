@@ -104,11 +104,14 @@ static bool is_outside(const ylm_grid *g, const float p[3]) {
   return out;
 }
 
-/* The place at which point i is looked up. */
-static void look_up(const ylm_grid *g, const float *x, const float *side, float place[3]) {
-  double factor = g->contents.form.bias;
-  double b = factor > 0 ? fmin(ylm__grid_bias_at(g, factor, x, side), (double)side[3]) : 0;
-  for (int a = 0; a < 3; a++) place[a] = x[a] + (float)b * side[a];
+/* The place at which a point is looked up. */
+static void look_up(const refiner *r, const float *x, const float *side, float place[3]) {
+  const ylm_grid *g = r->b->g;
+  if (g->contents.form.bias > 0)
+    ylm__grid_beside(g, g->contents.form.bias, x, side, (double)side[3], r->b->source->reach,
+                     place);
+  else
+    memcpy(place, x, 3 * sizeof *place);
 }
 
 static ylm_status compare(void *context, size_t begin, size_t end, int worker) {
@@ -120,7 +123,7 @@ static ylm_status compare(void *context, size_t begin, size_t end, int worker) {
   for (size_t i = begin; i < end; i++) {
     const float *x = r->points + 3 * i, *side = r->side + 4 * i;
     float place[3], t[3], back[3];
-    look_up(g, x, side, place);
+    look_up(r, x, side, place);
     j->error[i] = -1;
     if (r->inside[i] || is_outside(g, place)) continue;
     uint32_t leaf = ylm__held_leaf(g, place);
@@ -161,28 +164,28 @@ ylm_status ylm__sides_errors(const refiner *r, const panel *p, double *error) {
   size_t n = p->n, w = g->width;
   int threads = r->b->source->threads;
   ylm_grid_query q = {.point_dtype = YLM_FLOAT, .dtype = YLM_FLOAT, .threads = threads};
-  float *value = ylm_alloc(n, w * sizeof *value), *b = ylm_alloc(n, sizeof *b);
+  float *value = ylm_alloc(n, w * sizeof *value);
+  float(*place)[3] = ylm_alloc(n, sizeof *place);
   float(*normal)[3] = ylm_alloc(n, sizeof *normal), *limit = ylm_alloc(n, sizeof *limit);
   const float(*x)[3] = (const float(*)[3])p->point;
-  ylm_status s = value && b && normal && limit ? YLM_OK : YLM_ENOMEM;
+  ylm_status s = value && place && normal && limit ? YLM_OK : YLM_ENOMEM;
   for (size_t i = 0; s == YLM_OK && i < n; i++) {
     memcpy(normal[i], p->side + 4 * i, sizeof normal[i]);
     limit[i] = p->side[4 * i + 3];
   }
   if (s == YLM_OK) {
-    ylm_grid_bias(g, g->contents.form.bias, n, x, (const float(*)[3])normal, limit, b, threads);
-    s = ylm_grid_sample_biased(g, &q, n, x, (const float(*)[3])normal, b, value, NULL, r->b->e);
+    ylm_grid_bias(g, g->contents.form.bias, n, x, (const float(*)[3])normal, limit,
+                  r->b->source->reach, place, threads);
+    s = ylm_grid_sample_biased(g, &q, n, x, (const float(*)[3])place, value, NULL, r->b->e);
   }
   for (size_t i = 0; s == YLM_OK && i < n; i++) {
-    float place[3];
-    for (int a = 0; a < 3; a++) place[a] = x[i][a] + b[i] * normal[i][a];
-    error[i] = p->inside[i] || is_outside(g, place)
+    error[i] = p->inside[i] || is_outside(g, place[i])
                    ? -1
                    : ylm__measure_error(&r->b->measure, value + i * w, p->exact + i * w, normal[i]);
     if (isnan(error[i])) error[i] = INFINITY;
   }
   ylm_free(value);
-  ylm_free(b);
+  ylm_free(place);
   ylm_free(normal);
   ylm_free(limit);
   return s;
@@ -250,7 +253,7 @@ ylm_status ylm__sides_count(const refiner *r, const panel *p, const double *erro
   for (size_t i = 0; s == YLM_OK && i < p->n; i++) {
     float place[3];
     if (!(error[i] > tolerance)) continue;
-    look_up(g, p->point + 3 * i, p->side + 4 * i, place);
+    look_up(r, p->point + 3 * i, p->side + 4 * i, place);
     uint32_t leaf = ylm__held_leaf(g, place);
     *crossed += mark[leaf] || (jumps && jumps_within(g, voxel_of(r->b, leaf)));
   }

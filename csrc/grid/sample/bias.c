@@ -12,14 +12,6 @@
 
 #define LOOKS 4 /* at larger and larger leaves */
 
-typedef struct bias_job {
-  const ylm_grid *g;
-  double factor;
-  const float (*points)[3], (*normals)[3];
-  const float *limit;
-  float *b;
-} bias_job;
-
 /* The thickness along n of the octree's leaf at p. */
 static double thickness(const ylm_grid *g, const double p[3], const float n[3]) {
   bool uniform = g->contents.form.kind == YLM_GRID_UNIFORM;
@@ -29,7 +21,8 @@ static double thickness(const ylm_grid *g, const double p[3], const float n[3]) 
   return sum;
 }
 
-double ylm__grid_bias_at(const ylm_grid *g, double factor, const float x[3], const float n[3]) {
+/* How far off point x on a surface with normal n a grid is looked up, without a limit. */
+static double bias_at(const ylm_grid *g, double factor, const float x[3], const float n[3]) {
   double p[3] = {x[0], x[1], x[2]}, q[3], b = factor * thickness(g, p, n);
   for (int look = 0; look < LOOKS; look++) {
     for (int a = 0; a < 3; a++) q[a] = p[a] + b * (double)n[a];
@@ -40,45 +33,86 @@ double ylm__grid_bias_at(const ylm_grid *g, double factor, const float x[3], con
   return b;
 }
 
-static ylm_status find_distances(void *context, size_t begin, size_t end, int worker) {
+/* Two directions at right angles to n, along axes where n is. */
+static void tangents(const float n[3], float t[2][3]) {
+  int least = 0;
+  for (int a = 1; a < 3; a++)
+    if (fabsf(n[a]) < fabsf(n[least])) least = a;
+  float sum = 0;
+  for (int a = 0; a < 3; a++) t[0][a] = (float)(a == least) - n[a] * n[least];
+  for (int a = 0; a < 3; a++) sum += t[0][a] * t[0][a];
+  for (int a = 0; a < 3; a++) t[0][a] /= sqrtf(sum);
+  for (int a = 0; a < 3; a++)
+    t[1][a] = n[(a + 1) % 3] * t[0][(a + 2) % 3] - n[(a + 2) % 3] * t[0][(a + 1) % 3];
+}
+
+/* Moves a place away from surfaces that are nearer along +-t than a voxel is thick. */
+static void move_away(const ylm_grid *g, double factor, const ylm_grid_reach *r, const float t[3],
+                      float place[3]) {
+  double p[3] = {place[0], place[1], place[2]}, far = factor * thickness(g, p, t), by;
+  float back[3] = {-t[0], -t[1], -t[2]};
+  double there = r->distance(r->self, place, t, far), here = r->distance(r->self, place, back, far);
+  if (there < far && here < far)
+    by = 0.5 * (there - here);
+  else
+    by = (far - here) - (far - there);
+  for (int a = 0; a < 3; a++) place[a] += (float)by * t[a];
+}
+
+void ylm__grid_beside(const ylm_grid *g, double factor, const float x[3], const float n[3],
+                      double limit, const ylm_grid_reach *reach, float place[3]) {
+  float t[2][3];
+  double b = fmin(bias_at(g, factor, x, n), limit);
+  for (int a = 0; a < 3; a++) place[a] = x[a] + (float)b * n[a];
+  if (!reach || !(b > 0)) return;
+  tangents(n, t);
+  for (int k = 0; k < 2; k++) move_away(g, factor, reach, t[k], place);
+}
+
+typedef struct bias_job {
+  const ylm_grid *g;
+  double factor;
+  const float (*points)[3], (*normals)[3];
+  const float *limit;
+  const ylm_grid_reach *reach;
+  float (*places)[3];
+} bias_job;
+
+static ylm_status find_places(void *context, size_t begin, size_t end, int worker) {
   (void)worker;
   const bias_job *j = context;
-  for (size_t i = begin; i < end; i++) {
-    j->b[i] = (float)ylm__grid_bias_at(j->g, j->factor, j->points[i], j->normals[i]);
-    if (j->limit && j->limit[i] < j->b[i]) j->b[i] = j->limit[i];
-  }
+  for (size_t i = begin; i < end; i++)
+    ylm__grid_beside(j->g, j->factor, j->points[i], j->normals[i],
+                     j->limit ? (double)j->limit[i] : INFINITY, j->reach, j->places[i]);
   return YLM_OK;
 }
 
 void ylm_grid_bias(const ylm_grid *g, double factor, size_t n, const float (*points)[3],
-                   const float (*normals)[3], const float *limit, float *b, int threads) {
-  bias_job j = {g, factor, points, normals, limit, b};
+                   const float (*normals)[3], const float *limit, const ylm_grid_reach *reach,
+                   float (*places)[3], int threads) {
+  bias_job j = {g, factor, points, normals, limit, reach, places};
   if (factor > 0)
-    ylm_parallel(n, 1024, threads, find_distances, &j, NULL, NULL);
+    ylm_parallel(n, 256, threads, find_places, &j, NULL, NULL);
   else
-    ylm_zero(b, n * sizeof *b);
+    ylm_copy(places, points, n * sizeof *places);
 }
 
 ylm_status ylm_grid_sample_biased(const ylm_grid *g, const ylm_grid_query *q, size_t n,
-                                  const float (*points)[3], const float (*normals)[3],
-                                  const float *b, float *value, ylm_grid_report *report,
-                                  ylm_error *e) {
+                                  const float (*points)[3], const float (*places)[3], float *value,
+                                  ylm_grid_report *report, ylm_error *e) {
   size_t w = g->width;
   ylm_grid_query own = *q;
-  float(*place)[3] = ylm_alloc(n, sizeof *place);
   float *gradient = ylm_alloc(n, 3 * w * sizeof *gradient);
-  ylm_status s = place && gradient ? YLM_OK : YLM_ENOMEM;
+  ylm_status s = gradient ? YLM_OK : YLM_ENOMEM;
   own.point_dtype = own.dtype = YLM_FLOAT;
-  for (size_t i = 0; s == YLM_OK && i < n; i++)
-    for (int a = 0; a < 3; a++) place[i][a] = points[i][a] + b[i] * normals[i][a];
-  if (s == YLM_OK) s = ylm_grid_sample(g, &own, n, place, value, gradient, report, e);
+  if (s == YLM_OK) s = ylm_grid_sample(g, &own, n, places, value, gradient, report, e);
   for (size_t i = 0; s == YLM_OK && i < n; i++) {
     float d[3];
-    for (int a = 0; a < 3; a++) d[a] = points[i][a] - place[i][a];
-    for (size_t k = 0; b[i] > 0 && k < w; k++)
+    for (int a = 0; a < 3; a++) d[a] = points[i][a] - places[i][a];
+    bool moved = d[0] != 0 || d[1] != 0 || d[2] != 0;
+    for (size_t k = 0; moved && k < w; k++)
       value[i * w + k] = carried(value[i * w + k], d, gradient + 3 * (i * w + k));
   }
-  ylm_free(place);
   ylm_free(gradient);
   return s == YLM_ENOMEM ? ylm_fail(e, s, "no memory to sample %zu points", n) : s;
 }

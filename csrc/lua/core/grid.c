@@ -67,8 +67,8 @@ static int grid_flags(lua_State *L) {
   return ylmL_result(L, 1, s, NULL);
 }
 
-/* grid_sample_biased(grid, rows [n][6] of float: points and normals, factor) -> values
-   [n][channels][count], distances [n] */
+/* grid_sample_biased(grid, rows [n][6] of float: points and normals, factor, reach | nil) -> values
+   [n][channels][count], places [n][3] */
 static int grid_sample_biased(lua_State *L) {
   const ylm_grid *g = ylmL_grid_check(L, 1);
   const ylm_grid_contents *v = ylm_grid_look(g);
@@ -82,18 +82,19 @@ static int grid_sample_biased(lua_State *L) {
   ylmL_array *value =
       x ? ylmL_array_new(L, YLM_FLOAT, 3, (size_t[]){n, (size_t)v->form.channels, (size_t)v->count})
         : NULL;
-  ylmL_array *b = value ? ylmL_array_new(L, YLM_FLOAT, 1, &n) : NULL;
-  if (!b) return ylmL_result(L, 0, YLM_ENOMEM, NULL);
+  ylmL_array *place = value ? ylmL_array_new(L, YLM_FLOAT, 2, (size_t[]){n, 3}) : NULL;
+  if (!place) return ylmL_result(L, 0, YLM_ENOMEM, NULL);
   float(*points)[3] = x->data, (*normals)[3] = points + n;
   for (size_t i = 0; i < n; i++) {
     memcpy(points[i], (const float *)rows->data + 6 * i, sizeof *points);
     memcpy(normals[i], (const float *)rows->data + 6 * i + 3, sizeof *normals);
   }
   ylm_error e = {0};
-  ylm_grid_bias(g, factor, n, (const float(*)[3])points, (const float(*)[3])normals, NULL, b->data,
-                0);
-  ylm_status s = ylm_grid_sample_biased(g, &q, n, (const float(*)[3])points,
-                                        (const float(*)[3])normals, b->data, value->data, NULL, &e);
+  ylm_grid_reach reach;
+  ylm_grid_bias(g, factor, n, (const float(*)[3])points, (const float(*)[3])normals, NULL,
+                ylmL_grid_reach(L, 4, &reach), place->data, 0);
+  ylm_status s = ylm_grid_sample_biased(g, &q, n, (const float(*)[3])points, place->data,
+                                        value->data, NULL, &e);
   return ylmL_result(L, 2, s, &e);
 }
 

@@ -1,5 +1,6 @@
 /* gather.c - light fields of radiosities as Lua objects. */
 #include "transfer.h"
+#include "ylm_shade.h"
 
 #define YLML_GATHER "ylm.gather"
 
@@ -120,6 +121,16 @@ static int gather_create(lua_State *L) {
   return ylmL_result(L, 1, s, &e);
 }
 
+/* gather_reach(gather) -> the bytes of a ylm_grid_reach: distances to the surfaces of its scene, as
+   long as it lives */
+static int gather_reach(lua_State *L) {
+  const gathered *g = check_gather(L, 1);
+  const ylm_transfer *t = ylm_radiosity_transfer(g->of->object);
+  ylm_grid_reach reach = {ylm_shade_reach, ylm_transfer_scene(t)};
+  lua_pushlstring(L, (const char *)&reach, sizeof reach);
+  return 1;
+}
+
 /* Points at `i`, float [n][3]. */
 static const float (*points_at(lua_State *L, int i, size_t *n))[3] {
   const ylmL_array *a = ylmL_array_check(L, i);
@@ -181,13 +192,11 @@ static int gather_lamps(lua_State *L) {
   return ylmL_result(L, 1, ylm_gather_lamps(g->gather, ylmL_scene(L, 2), &e), &e);
 }
 
-static const luaL_Reg functions[] = {{"gather_create", gather_create},
-                                     {"gather_noise", gather_noise},
-                                     {"gather_validity", gather_validity},
-                                     {"gather_stats", gather_stats},
-                                     {"gather_lamps", gather_lamps},
-                                     {"gather_close", ylmL_let_go},
-                                     {NULL, NULL}};
+static const luaL_Reg functions[] = {
+    {"gather_create", gather_create}, {"gather_noise", gather_noise},
+    {"gather_reach", gather_reach},   {"gather_validity", gather_validity},
+    {"gather_stats", gather_stats},   {"gather_lamps", gather_lamps},
+    {"gather_close", ylmL_let_go},    {NULL, NULL}};
 
 static const luaL_Reg methods[] = {{"__gc", ylmL_let_go}, {NULL, NULL}};
 

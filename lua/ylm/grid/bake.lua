@@ -249,6 +249,7 @@ function bake.bake(description, lights, given)
   local box = bounds(description, o.bounds, occupied)
   packed, failed, why = settled(packed, description, occupied, normals, box, o)
   if not packed then return nil, failed, why end
+  local reach = core.type(packed) and core.type(packed) ~= "ylm.array" and getmetatable(packed).__reach
   local cells = description.cells or { 1, 1, 1 }
   local object, made
   object, made, failed = asked:lights(3, "bake", packed, o, light.within)
@@ -259,7 +260,8 @@ function bake.bake(description, lights, given)
     channels = description.channels, metric_channels = description.metric_channels, metric = description.metric,
     threshold = description.threshold or -1, tolerance = description.tolerance or 0,
     continuous = description.continuous, dynamic = description.dynamic,
-    measure = measure, quantity = quantity, normals = normals, limits = limits, bias = description.bias or jumps and 1 or 0,
+    measure = measure, quantity = quantity, normals = normals, limits = limits,
+    reach = reach and reach(packed) or nil, bias = description.bias or jumps and 1 or 0,
   }, object, occupied, o)
   if made then object:close() end
   if not baked then return nil, stages, code end

@@ -145,6 +145,11 @@ function methods.__for_bake(field, request)
   return field
 end
 
+--- Distances to the surfaces of the field's scene, for core.grid_bake.
+function methods.__reach(field)
+  return objects.open_gather("bake", field).lib.gather_reach(field)
+end
+
 local room = [[
 local scene = ylm.scene "a box and a lamp" {
   geometry = { ylm.box { scale = 2, material = ylm.matte { albedo = 0.5 } } },
