@@ -292,7 +292,7 @@ typedef struct ylm_gather_stats {
 
 typedef struct ylm_gather ylm_gather; /* a light field of a radiosity */
 
-/* base 16, levels 2, contrast 0.2, indirect light. */
+/* base 16, levels 2, contrast 0.2, indirect light, gradients by points. */
 YLM_API ylm_gather_form ylm_gather_defaults(void);
 /* YLM_OK; YLM_ERANGE, YLM_ENOMEM */
 YLM_API ylm_status ylm_gather_create(const ylm_radiosity *r, const ylm_gather_form *form,

@@ -141,12 +141,12 @@ int main(void) {
          "  %4s  %6s  %-8s  %5s  %8s  %7s  %9s  %9s  %6s\n",
          ylm_transfer_count(t), "lmax", "by", "want", "rays", "us/probe", "M ray/s", "at random",
          "the same", "of");
-  measure(&x, 14, 4, YLM_GATHER_CELLS, YLM_WANT_VALUE);
-  measure(&x, 14, 4, YLM_GATHER_CELLS, YLM_WANT_VALUE | YLM_WANT_GRADIENT);
-  measure(&x, 14, 4, YLM_GATHER_CELLS, all);
-  measure(&x, 14, 4, YLM_GATHER_POINTS, all);
-  measure(&x, 14, 2, YLM_GATHER_CELLS, all);
-  measure(&x, 14, 8, YLM_GATHER_CELLS, all);
-  measure(&x, 32, 4, YLM_GATHER_CELLS, all);
+  measure(&x, 11, 4, YLM_GATHER_CELLS, YLM_WANT_VALUE);
+  measure(&x, 11, 4, YLM_GATHER_CELLS, YLM_WANT_VALUE | YLM_WANT_GRADIENT);
+  measure(&x, 11, 4, YLM_GATHER_CELLS, all);
+  measure(&x, 11, 4, YLM_GATHER_POINTS, all);
+  measure(&x, 11, 2, YLM_GATHER_CELLS, all);
+  measure(&x, 11, 8, YLM_GATHER_CELLS, all);
+  measure(&x, 24, 4, YLM_GATHER_CELLS, all);
   return 0;
 }

@@ -112,7 +112,10 @@ static void trace(gather_view *v, size_t first, size_t n) {
     ylm_transfer_hits(g->transfer, rays, ray, hit, number);
     for (size_t i = 0; i < rays; i++) {
       v->cell[begin + i] = (gather_cell){number[i], hit[i].t};
-      if (number[i] < g->elements) __builtin_prefetch(leaving + 4 * (size_t)number[i]);
+      if (number[i] < g->elements) {
+        __builtin_prefetch(leaving + 4 * (size_t)number[i]);
+        if (g->normal) __builtin_prefetch(g->normal[number[i]]);
+      }
     }
   }
   v->rays += n;

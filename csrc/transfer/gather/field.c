@@ -239,8 +239,12 @@ static ylm_status create(const ylm_radiosity *r, const ylm_gather_form *form, yl
 }
 
 ylm_gather_form ylm_gather_defaults(void) {
-  return (ylm_gather_form){
-      .base = 16, .levels = 2, .contrast = 0.2, .parts = YLM_GATHER_INDIRECT, .tolerance = 0.03};
+  return (ylm_gather_form){.base = 16,
+                           .levels = 2,
+                           .contrast = 0.2,
+                           .parts = YLM_GATHER_INDIRECT,
+                           .derivatives = YLM_GATHER_POINTS,
+                           .tolerance = 0.03};
 }
 
 ylm_status ylm_gather_lamps(ylm_gather *g, const ylm_scene *scene, ylm_error *e) {
