@@ -45,6 +45,11 @@ end
 
 return {
   adaptive_grid = {
+    { call = function(ylm) return ylm.adaptive_grid { threshold = 0.1, measure = "irradiance" } end,
+      says = "measure is what a tolerance is of: give a tolerance, or leave measure out" },
+    { call = function(ylm) return ylm.adaptive_grid { measure = "irradiance", dynamic = true } end,
+      says = "a dynamic grid keeps a tolerance of coefficients" },
+    { call = function(ylm) return ylm.adaptive_grid { bias = 17 } end, says = "bias must be a number" },
     { call = function(ylm) return ylm.adaptive_grid() end, says = "a table of named fields expected, got nil" },
     { call = adaptive { boundz = box }, says = "did you mean 'bounds'" },
     { call = adaptive { bounds = { { 0, 0, 0 }, { 0, 1, 1 } } }, says = "bounds must be .* x0 < x1.*%(axis 1 goes from 0 to 0%)" },
@@ -75,6 +80,13 @@ return {
     { call = uniform { cells = 2, channels = "luminance", metric_channels = "rgb" }, says = "needs channels = 'rgb'" },
   },
   bake = {
+    { call = function(ylm)
+      return ylm.bake(ylm.adaptive_grid { bounds = box, tolerance = 0.1, measure = "irradiance" }, lamp(ylm),
+        { occupied = { { 0, 0, 0 } } })
+    end, says = "irradiance needs normals: occupied = a view, 'camera' or an array %[n%]%[6%]" },
+    { call = bake { occupied = { { 0, 0, 0, 0, 0, 0 } } }, says = "occupied: row 1 has no normal" },
+    { call = bake { quantity = "direct" }, says = "quantity: this light field holds lights, not direct: leave it out" },
+    { call = bake { quantity = "shadows" }, says = "quantity must be" },
     { call = bake({}, short), says = "bounds: axis 2 is only 1e%-300 long; the least is 1e%-30" },
     { call = function(ylm)
       return ylm.bake(ylm.uniform_grid { bounds = box, cells = 1, lmax = 1, dynamic = true }, small(ylm))
