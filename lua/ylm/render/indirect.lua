@@ -55,7 +55,8 @@ function indirect.settle(name, o)
       check.describe(x), core.has_field(x) and " of " .. visibility.quantity(x) or "")
   end
   if not b then return end
-  if o.grid ~= nil and visibility.quantity(o.grid) == "all" then
+  local held = o.grid ~= nil and visibility.quantity(o.grid)
+  if held == "all" or held == "indirect" then
     return check.fail("%s: the grid holds bounces already: leave bounces and indirect out, or bake parts = 'direct'", name)
   end
   devices.of(o.device):check_rays(name)
@@ -146,8 +147,9 @@ function indirect.add(name, p, o, radiance)
     out, message, code = check.result(name, p.lib.shade_gather(p.view, views.made[p.view].links.handle, b.lit, radiance,
       threads, bar))
   else
-    out, message, code = check.result(name, p.lib.shade_grid(p.view, b.grid, "cosine", o.interpolation or "hermite", threads,
-      bar))
+    out, message, code = devices.of(nil):shade(name, p, { grid = b.grid, weight = "cosine", bias = o.bias, threads = threads,
+      interpolation = o.interpolation or "hermite" }, bar)
+    b.bias = out and message.bias
     if out then out, message, code = check.result(name, p.lib.shade_add(out, radiance)) end
   end
   if not out then return nil, message, code end
@@ -165,6 +167,7 @@ function indirect.report(p, o, report, image)
     return
   end
   report.bounces = b.by == "grid" and "those of the grid" or b.bounces
+  report.bias = report.bias or b.bias
   report.indirect, image.metadata.bounces = b.by, tostring(report.bounces)
   local seconds = report.seconds
   seconds.bounces, seconds.indirect = b.prepared, b.seconds
