@@ -190,3 +190,23 @@ describe("a tolerance of a picture", function()
     assert.same(said, report.warnings)
   end)
 end)
+
+describe("bounces of a picture", function()
+  it("refuse options that contradict each other, naming the field", function()
+    local scene = room()
+    local lit = scene:transfer { spacing = 1, links = 4 }:radiosity()
+    for _, case in ipairs {
+      { { bounces = -1 }, "bounces must be a number of reflections" }, { { links = 5 }, "links must be a multiple of 4" },
+      { { bounces = 1, indirect = lit }, "leave one out" }, { { indirect = "lit" }, "indirect must be" },
+      { { tolerance = 0 }, "tolerance must be" }, { { tolerance = 0.1, indirect = lit }, "leave indirect out" },
+      { { tolerance = 0.1, shading = "vertex" }, "shading = 'pixel'" },
+      { { indirect = room():transfer({ spacing = 1, links = 4 }):radiosity() }, "the transfer is of scene" },
+    } do
+      local ok, message = pcall(scene.render, scene, with(case[1]))
+      assert.is_false(ok)
+      assert.matches(case[2], message, 1, true)
+    end
+    lit:close()
+    assert.matches("closed", select(2, pcall(scene.render, scene, with { indirect = lit })))
+  end)
+end)

@@ -14,6 +14,13 @@ struct ylm_shade_links {
   double seconds;
 };
 
+/* Random numbers of successive streams lie on a lattice, which the points of a pixel would share. */
+static uint64_t mix(uint64_t x) {
+  x = (x ^ x >> 30) * 0xbf58476d1ce4e5b9u;
+  x = (x ^ x >> 27) * 0x94d049bb133111ebu;
+  return x ^ x >> 31;
+}
+
 ylm_status ylm_shade_links_create(const ylm_shade_view *v, const ylm_transfer *t, int links,
                                   uint64_t seed, int threads, const ylm_progress *progress,
                                   ylm_shade_links **out, ylm_error *e) {
@@ -24,6 +31,7 @@ ylm_status ylm_shade_links_create(const ylm_shade_view *v, const ylm_transfer *t
   double start = ylm_seconds();
   ylm_shade_links *l = ylm_alloc_zero(1, sizeof *l);
   uint64_t *stream = l ? ylm__shade_streams(v) : NULL;
+  for (size_t i = 0; stream && i < v->points; i++) stream[i] = mix(stream[i]);
   if (l) *l = (ylm_shade_links){.view = v, .transfer = t, .links = links};
   if (l) l->link = ylm_alloc(v->points, (size_t)links * sizeof *l->link);
   ylm_status s = stream && l->link ? YLM_OK : YLM_ENOMEM;

@@ -3,7 +3,7 @@
 -- Some hundred pixels alone are rendered with ever finer means. Noise is the difference of two estimates with random numbers of
 -- their own, the error of elements that from half their spacing. The error of camera rays is that from 256 of them, each with
 -- its own shading point, in direct light and an even one. The whole picture is made once, with the means found. Its error is
--- that of camera rays and what the path tracer says of these pixels, its noise taken off.
+-- noise, the error of camera rays, and what the path tracer says of these pixels, noise taken off.
 
 local check = require "ylm.check"
 local core = require "ylm.c.core"
@@ -24,6 +24,7 @@ local MOST = { light_samples = 1024, links = 1024, elements = 2 ^ 20, bytes = 2 
 local POINT = 110 -- bytes of a shading point without its links
 -- Camera rays of a pixel, and which of them are shaded as one, the cheapest first; the last judges the others.
 local RAYS = { { 16, 1.5 }, { 64, 1.5 }, { 16, 0 }, { 64, 0 }, { 256, 0 } }
+local JUDGED = { links = 256, light_samples = 64 } -- of a point that is judged
 local ELEMENT = { links = 128, light_samples = 16 }
 local JUDGE_FIRST, JUDGE_MOST = 256, 4096 -- paths from each point
 local KNOWN = 0.36 -- of the squared tolerance: the judge is precise enough
@@ -91,9 +92,9 @@ local function compare(x, a, b, variance)
   return need(check.result(x.name, x.lib.shade_compare(a, b, variance)))
 end
 
---- The root mean square difference of two estimates for the view that is judged, relative to the mean of the picture.
-local function difference(x, a, b)
-  return x.mean > 0 and math.sqrt(compare(x, { x.first.view, a }, { x.first.view, b }).square) / x.mean or 0
+--- The root mean square difference of two estimates by a view, relative to the mean of the picture.
+local function difference(x, v, a, b)
+  return x.mean > 0 and math.sqrt(compare(x, { v.view, a }, { v.view, b }).square) / x.mean or 0
 end
 
 --- The next power of two of a number of samples that are to lower an error to `aim`.
@@ -111,9 +112,9 @@ local function light_elements(x, spacing)
     bounces = x.bounces == "all" and "all" or x.bounces - 1, seed = o.seed, threads = o.threads, progress = o.progress }))
 end
 
---- Numbers of a shading point where each has the rays of `factor` ones together.
-local function per_point(light_samples, links, factor)
-  return math.max(1, math.ceil(light_samples / factor)), math.max(4, 4 * math.ceil(links / factor / 4))
+--- Numbers of a shading point, of which a pixel has `density`.
+local function per_point(light_samples, links, density)
+  return math.max(1, math.ceil(light_samples / density)), math.max(4, 4 * math.ceil(links / density / 4))
 end
 
 --- The mean of the picture, and the even light that stands for what bounces, in units of what an albedo of 1 reflects.
@@ -156,10 +157,10 @@ end
 
 --- Shadow rays enough.
 local function choose_light_samples(x)
-  local c, aim = x.chosen, SHARE.direct * x.tolerance
+  local c, v, aim = x.chosen, x.final, SHARE.direct * x.tolerance
   while true do
-    x.direct = direct(x, x.first, c.light_samples, 0)
-    x.causes.direct = difference(x, x.direct, direct(x, x.first, c.light_samples, 1)) / math.sqrt(2)
+    local a = direct(x, v, c.light_samples, 0)
+    x.causes.direct = difference(x, v, a, direct(x, v, c.light_samples, 1)) / math.sqrt(2)
     if x.causes.direct <= aim or x.given.light_samples or c.light_samples >= MOST.light_samples then return end
     c.light_samples = math.min(MOST.light_samples, more(c.light_samples, x.causes.direct, aim, 1.5))
   end
@@ -172,38 +173,40 @@ local function choose_elements(x)
     c.spacing, c.elements = x.o.transfer.stats.spacing, x.o.transfer.stats.elements
     return
   end
-  local before = gather(x, x.first, x.lit, c.links, nil, 0)
+  local before = gather(x, x.first, x.lit, FIRST.links, nil, 0)
   repeat
     local coarse = x.lit
     x.lit = light_elements(x, c.spacing / 2)
     c.spacing, c.elements = c.spacing / 2, x.lit.transfer.stats.elements
     coarse:close()
     coarse.transfer:close()
-    local now = gather(x, x.first, x.lit, c.links, nil, 0)
-    x.causes.elements, before = difference(x, before, now) / 2, now
+    local now = gather(x, x.first, x.lit, FIRST.links, nil, 0)
+    x.causes.elements, before = difference(x, x.first, before, now) / 2, now
   until x.causes.elements <= aim or 4 * c.elements > MOST.elements
 end
 
---- Links enough; the picture at the pixels with them.
+--- Links enough.
 local function choose_links(x)
-  local c, aim = x.chosen, SHARE.links * x.tolerance
-  local pixels = x.o.size[1] * x.o.size[2] * x.first.density
-  local most = math.max(4, math.min(MOST.links, 4 * math.floor(MOST.bytes / 16 / math.max(1, pixels))))
+  local c, v, aim = x.chosen, x.final, SHARE.links * x.tolerance
+  local points = math.max(1, x.o.size[1] * x.o.size[2] * v.density)
+  local most = math.max(4, math.min(MOST.links, 4 * math.floor(MOST.bytes / 16 / points)))
   while true do
-    x.picture = gather(x, x.first, x.lit, c.links, x.direct, 0)
-    x.causes.links = difference(x, x.picture, gather(x, x.first, x.lit, c.links, x.direct, 1)) / math.sqrt(2)
+    local a = gather(x, v, x.lit, c.links, nil, 0)
+    x.causes.links = difference(x, v, a, gather(x, v, x.lit, c.links, nil, 1)) / math.sqrt(2)
     if x.causes.links <= aim or x.given.links or c.links >= most then return end
     c.links = math.min(most, more(c.links, x.causes.links, aim, 2))
   end
 end
 
---- The squared error against the path tracer, which traces more paths until it is sure; and its standard error.
+--- The squared systematic error against the path tracer, which traces more paths until it is sure; and its standard error.
 local function ask_judge(x)
-  local samples, limit = JUDGE_FIRST, x.tolerance ^ 2 - x.causes.pixels ^ 2
+  local samples, limit, v = JUDGE_FIRST, x.tolerance ^ 2 - x.noise, x.first
+  local function one(k) return gather(x, v, x.lit, JUDGED.links, direct(x, v, JUDGED.light_samples, k), k) end
+  local picture = { v.view, one(0), one(1) }
   while true do
     local mean, variance, rays = need(check.result(x.name, x.lib.shade_judge(x.first.view, { samples = samples, first = 1,
       last = x.bounces == "all" and -1 or x.bounces + 1, seed = x.o.seed + 101, threads = x.threads, progress = x.bar })))
-    local found = compare(x, { x.first.view, x.picture }, { x.first.view, mean }, variance)
+    local found = compare(x, picture, { v.view, mean }, variance)
     local scale = 1 / math.max(found.mean ^ 2, 1e-300)
     local square, u = found.square * scale, found.uncertainty * scale
     x.judged.rays, x.judged.samples = x.judged.rays + rays, samples
@@ -242,7 +245,7 @@ end
 
 --- The verdict on a picture of this squared error, known to a standard error of u.
 local function verdict(x, square, u, start)
-  local error = math.sqrt(math.max(0, square) + (x.causes.pixels or 0) ^ 2)
+  local error = math.sqrt(math.max(0, square) + x.noise)
   local out = { tolerance = x.tolerance, error = error, met = error <= x.tolerance, causes = x.causes,
     judged = { pixels = x.judged.pixels, samples = x.judged.samples, rays = x.judged.rays,
       uncertainty = u / math.max(2 * error, math.sqrt(u), 1e-300), seconds = core.seconds() - start } }
@@ -259,15 +262,17 @@ local function choose(x, start)
   rough(x)
   if x.mean <= 0 then return verdict(x, 0, 0, start) end
   choose_rays(x)
+  local c, given = x.chosen, x.given
+  x.final = look(x, c.samples, c.share)
+  c.light_samples, c.links = per_point(FIRST.light_samples, FIRST.links, x.final.density)
+  c.light_samples, c.links = given.light_samples or c.light_samples, given.links or c.links
   choose_light_samples(x)
-  x.picture = x.direct
   if x.lit then
     choose_elements(x)
     choose_links(x)
   end
+  for _, name in ipairs { "pixels", "direct", "links" } do x.noise = x.noise + (x.causes[name] or 0) ^ 2 end
   local square, u = ask_judge(x)
-  local c, given, rays, links = x.chosen, x.given, per_point(x.chosen.light_samples, x.chosen.links, x.density / x.first.density)
-  c.light_samples, c.links = given.light_samples or rays, given.links or links
   return verdict(x, square, u, start)
 end
 
@@ -285,7 +290,7 @@ function knob.choose(name, s, o, given)
   end
   chosen.spacing = FIRST.spacing * math.max(box.diagonal(t.lo, t.hi), 1e-30)
   local x = { name = name, scene = s, o = o, lib = t.lib, glossy = t.glossy, bounces = o.bounces or 0, tolerance = o.tolerance,
-    threads = o.threads or 0, bar = progress.resolve(o.progress), chosen = chosen, causes = {}, judged = { rays = 0 },
+    threads = o.threads or 0, bar = progress.resolve(o.progress), chosen = chosen, causes = {}, judged = { rays = 0 }, noise = 0,
     given = { samples = given.samples or given.pixel_samples, share = given.share, light_samples = given.light_samples,
       links = given.links },
     pixels = choose_pixels(o.size[1], o.size[2], o.seed) }
