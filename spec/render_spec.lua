@@ -273,7 +273,7 @@ describe("a picture", function()
     assert.equal(0, (core.array_distance(both, lit)))
     o.progress = function() return false end
     assert.same({ "cancelled", "ECANCELLED" }, { select(2, s:bake(o)) })
-    -- What is rendered without a grid is a grid of lights still.
+    -- Pictures without a grid are shaded by lights.
     local _, report = s:render { size = { 8, 6 }, samples = 1, visibility = "none" }
     assert.equal("none", report.visibility)
   end)

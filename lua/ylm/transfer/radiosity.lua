@@ -273,7 +273,7 @@ end
 --- Argument `mesh` of radiosity:lightmap: its texture coordinates.
 local function uvs_of(m, number)
   local g = m.scene.geometry[number]
-  if not g then return check.fail("lightmap: mesh = %d: the scene has %d pieces of geometry", number, #m.scene.geometry) end
+  if not g then return check.fail("lightmap: mesh = %.0f: the scene has %d pieces of geometry", number, #m.scene.geometry) end
   return core.mesh_uvs(g.mesh) or check.fail("lightmap: mesh %d has no texture coordinates (uvs)", number)
 end
 

@@ -64,7 +64,7 @@ function objects.transfer.vectors(t, given)
   local m = objects.open_transfer("vectors", t)
   local o = form.options(1, "vectors", fields, given)
   if o.object and o.object > #m.scene.geometry then
-    return check.bad(1, "vectors", "object must be from 1 to %d, the parts of scene.geometry, got %d", #m.scene.geometry,
+    return check.bad(1, "vectors", "object must be from 1 to %d, the parts of scene.geometry, got %.0f", #m.scene.geometry,
       o.object)
   end
   local rows, stats, code = solve("vectors", t, m, o.bounces == "all" and -1 or o.bounces, o, progress.resolve(o.progress))

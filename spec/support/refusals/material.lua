@@ -37,6 +37,20 @@ local function method(name, cases)
   return out
 end
 
+--- Such calls of a table of a material, made once.
+local function table_method(name, cases)
+  local t
+  local out = { { call = function(ylm) return ylm.ggx {}:table { lmax = 1, rows = 4, error = 0 }[name]({}, {}, {}) end,
+    says = name .. ": a material_table expected before the colon, got a table" } }
+  for i, c in ipairs(cases) do
+    out[i + 1] = { call = function(ylm)
+      t = t or ylm.ggx {}:table { lmax = 1, rows = 4, error = 0 }
+      return t[name](t, c[1], c[2])
+    end, says = c[3] }
+  end
+  return out
+end
+
 local up = { 0, 0, 1 }
 
 return {
@@ -95,6 +109,18 @@ return {
   ["material:lobe"] = method("lobe", {
     { { divide = 4 }, nil, nil, "divide must be an integer >= 8" }, { { scale = 0 }, nil, nil, "scale must be a number > 0" },
     { { angles = 1 }, nil, nil, "did you mean 'angle'" },
+  }),
+  ["material:table"] = method("table", {
+    { { lmax = 61 }, nil, nil, "lmax must be an integer" }, { { rows = 3 }, nil, nil, "rows must be an integer" },
+    { { error = -1 }, nil, nil, "error must be" }, { { row = 9 }, nil, nil, "no field 'row' %(did you mean 'rows'%?%)" },
+    { { cosine = 1 }, nil, nil, "cosine must be true or false" },
+  }),
+  ["material_table:slices"] = table_method("slices", {
+    { nil, nil, "#1.*wo: a table of numbers" }, { { 0, 0, -1 }, nil, "row 1 is below the surface" },
+    { { { 0, 0, 1 }, { 0, nan, 1 } }, nil, "row 2 has no direction" },
+  }),
+  ["material_table:missed"] = table_method("missed", {
+    { 2, { 0, 0, 1 }, "lmax" }, { 0, 5, "#2.*wo: a table of numbers" }, { 0, { 0, 0, 0 }, "row 1 has no direction" },
   }),
   ["material:check"] = method("check"),
 }
