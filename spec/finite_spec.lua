@@ -32,7 +32,7 @@ describe("a light field beyond its type", function()
     local many = {}
     for i = 1, 100 do many[i] = lamp(3e38) end
     refused("light_field: the light field at point 1", function() ylm.light_field(2, many, origin) end)
-    refused("light field at point 1", function()
+    refused("light field.* at point 1", function() -- the Hessian first, or the value, as kernels round
       ylm.light_field(2, ylm.sphere_light { at = { 0, 0, 2e-20 }, radius = 1e-20 }, origin, { derivatives = 2 })
     end)
     refused("gradient at point 1.*beyond the range of double", function()

@@ -375,4 +375,40 @@ describe("radiosity:field", function()
       assert.near(2 * before, ylm.light_field(0, field, { 0, 0, 0 }):get(2, 1), 1e-5)
     end)
   end)
+
+  describe("within the walls of a room, whose box is the grid's", function()
+    local white = ylm.matte { albedo = 0.7 }
+    local function wall(lo, hi) return ylm.box { bounds = { lo, hi }, material = white } end
+    local function quad(corner, u, v) return ylm.quad { corner = corner, u = u, v = v, material = white } end
+    local rooms = {
+      ["thick walls"] = { wall({ -1.3, -0.3, -1.3 }, { 1.3, 0, 1.3 }), wall({ -1.3, 2, -1.3 }, { 1.3, 2.3, 1.3 }),
+        wall({ -1.3, 0, -1.3 }, { 1.3, 2, -1 }), wall({ -1.3, 0, 1 }, { 1.3, 2, 1.3 }), wall({ -1.3, 0, -1 }, { -1, 2, 1 }),
+        wall({ 1, 0, -1 }, { 1.3, 2, 1 }) },
+      ["walls of one quad"] = { quad({ -1, 0, -1 }, { 2, 0, 0 }, { 0, 0, 2 }), quad({ -1, 2, -1 }, { 2, 0, 0 }, { 0, 0, 2 }),
+        quad({ -1, 0, -1 }, { 2, 0, 0 }, { 0, 2, 0 }), quad({ -1, 0, 1 }, { 2, 0, 0 }, { 0, 2, 0 }),
+        quad({ -1, 0, -1 }, { 0, 0, 2 }, { 0, 2, 0 }), quad({ 1, 0, -1 }, { 0, 0, 2 }, { 0, 2, 0 }) },
+    }
+    for name, geometry in pairs(rooms) do
+      it("has the indirect light of pixels: " .. name, function()
+        local scene = ylm.scene "a room" {
+          camera = ylm.camera { from = { 0.7, 1, 0.7 }, at = { -1, 0.7, -1 }, fov = 70 }, geometry = geometry,
+          lights = { ylm.sphere_light { at = { 0, 1.6, 0 }, radius = 0.1, radiance = 40 } },
+          probes = name == "thick walls" and ylm.adaptive_grid { lmax = 0, tolerance = 0.8, depth = 2 }
+            or ylm.uniform_grid { lmax = 1, cells = { 4, 4, 4 } },
+          transfer = ylm.transfer { spacing = 0.4, links = 32 },
+        }
+        local lit = scene:transfer({ spacing = 0.4, links = 32 }):radiosity()
+        local grid = scene:bake { parts = "indirect" }
+        assert.is_true(grid.kind == "uniform" or grid.stats.verified > 0)
+        local function mean(indirect)
+          local image = scene:render { size = { 16, 12 }, samples = 1, light_samples = 1, indirect = indirect, layers = false }
+          local sum = 0
+          for y = 1, 12 do for x = 1, 16 do sum = sum + image:layer "radiance":get(y, x, 2) end end
+          return sum
+        end
+        local direct = mean(nil)
+        assert.near(1, (mean(grid) - direct) / (mean(lit) - direct), 0.15)
+      end)
+    end
+  end)
 end)

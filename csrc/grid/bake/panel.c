@@ -121,6 +121,9 @@ static ylm_status rule_sides(const refiner *r, const panel *p, double doubt, rul
   double *error = ylm_alloc(p->n, sizeof *error);
   ylm_status s = error ? ylm__sides_errors(r, p, error) : YLM_ENOMEM;
   if (s == YLM_OK) s = ylm__panel_rule(p, error, g->contents.form.tolerance, doubt, out);
+  for (size_t i = 0; s == YLM_OK && !out->points && i < p->n; i++)
+    if (!p->inside[i])
+      out->met = false, out->error = INFINITY; /* all are looked up out of the bounds */
   if (s == YLM_OK) s = ylm__sides_count(r, p, error, &g->stats.crossed);
   ylm_free(error);
   return s;

@@ -59,10 +59,18 @@ static void move_away(const ylm_grid *g, double factor, const ylm_grid_reach *r,
   for (int a = 0; a < 3; a++) place[a] += (float)by * t[a];
 }
 
+/* Half of the distance from x on a surface to the next along its normal n, as far as 2 b. */
+static double halfway(const ylm_grid_reach *r, const float x[3], const float n[3], double b) {
+  float off[3];
+  for (int a = 0; a < 3; a++) off[a] = x[a] + (float)(1e-3 * b) * n[a];
+  return 0.5 * r->distance(r->self, off, n, 2 * b);
+}
+
 void ylm__grid_beside(const ylm_grid *g, double factor, const float x[3], const float n[3],
                       double limit, const ylm_grid_reach *reach, float place[3]) {
   float t[2][3];
   double b = fmin(bias_at(g, factor, x, n), limit);
+  if (reach && b > 0 && isinf(limit)) b = fmin(b, halfway(reach, x, n, b));
   for (int a = 0; a < 3; a++) place[a] = x[a] + (float)b * n[a];
   if (!reach || !(b > 0)) return;
   tangents(n, t);

@@ -77,11 +77,11 @@ static gathered *check_gather(lua_State *L, int i) {
 }
 
 /* gather_create(radiosity, {base, levels, contrast, spacing (0: the elements'), parts: 1 indirect + 2 direct,
-   derivatives: "cells" | "points", tolerance, remember, surfaces, seed, lamps: scene | nil}) -> gather */
+   derivatives: "cells" | "points", tolerance, remember, within, surfaces, seed, lamps: scene | nil}) -> gather */
 static int gather_create(lua_State *L) {
-  static const char *const names[] = {"base",     "levels",      "contrast",  "spacing",
-                                      "parts",    "derivatives", "tolerance", "remember",
-                                      "surfaces", "seed",        "lamps",     NULL};
+  static const char *const names[] = {"base",        "levels",    "contrast", "spacing", "parts",
+                                      "derivatives", "tolerance", "remember", "within",  "surfaces",
+                                      "seed",        "lamps",     NULL};
   enum {
     BASE = 3,
     LEVELS,
@@ -91,6 +91,7 @@ static int gather_create(lua_State *L) {
     DERIVATIVES,
     TOLERANCE,
     REMEMBER,
+    WITHIN,
     SURFACES,
     SEED,
     LAMPS
@@ -109,6 +110,7 @@ static int gather_create(lua_State *L) {
       .derivatives = (ylm_gather_derivatives)luaL_checkoption(L, DERIVATIVES, NULL, derivatives),
       .tolerance = (double)luaL_checknumber(L, TOLERANCE),
       .remember = lua_toboolean(L, REMEMBER),
+      .within = lua_toboolean(L, WITHIN),
       .refine_surfaces = lua_toboolean(L, SURFACES),
       .seed = (uint64_t)luaL_checknumber(L, SEED),
       .lamps = lua_isnil(L, LAMPS) ? NULL : ylmL_scene(L, LAMPS)};

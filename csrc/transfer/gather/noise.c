@@ -24,7 +24,9 @@ static ylm_status glance_range(void *context, size_t begin, size_t end, int work
   if (!*v) *v = ylm__gather_view_create(j->g);
   if (!*v) return YLM_ENOMEM;
   for (size_t i = begin; i < end; i++) {
-    ylm__gather_glance(*v, j->point[i]);
+    float at[3] = {j->point[i][0], j->point[i][1], j->point[i][2]};
+    ylm__gather_step_in(j->g, at);
+    ylm__gather_glance(*v, at);
     j->validity[i] = 1 - (*v)->buried;
   }
   return YLM_OK;

@@ -50,6 +50,7 @@ end
 
 --- Why a bake's tolerance is not met, and what to change. The sum of lights is no smoother than its own tolerance.
 local function cause_of(s, form, lights)
+  if s.verified == 0 then return "all its surfaces face out of its bounds, where no light is known; set larger bounds" end
   if lights and lights > s.tolerance then
     return ("lights are summed to light_tolerance = %.3g, voxels end at depth %d"):format(lights, form.depth)
       .. set(("light_tolerance = %.2g, then depth,"):format(s.tolerance), looser(s.error))

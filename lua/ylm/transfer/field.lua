@@ -59,11 +59,20 @@ local function base_of(rays)
   return math.max(LEAST, math.min(MOST, n))
 end
 
+--- Does the camera of a scene, if it has one, stand in the box around its meshes?
+local function is_within(of)
+  local c, lo, hi = of.scene.camera, of.of.traced.lo, of.of.traced.hi
+  for a = 1, c and 3 or 0 do
+    if c.from[a] < lo[a] or c.from[a] > hi[a] then return false end
+  end
+  return true
+end
+
 --- A field of `lit` with so many cells along an edge, or nil, message, code.
 local function create(name, lit, of, o, base, rays, tolerance)
   local handle, message, code = check.result(name, of.lib.gather_create(lit, { base = base, levels = 2, contrast = o.contrast,
     spacing = 0, parts = PARTS[o.parts], derivatives = o.derivatives, tolerance = tolerance, remember = o.remember,
-    surfaces = o.refine_surfaces, seed = o.seed, lamps = of.lit_by and of.lit_by.handle }))
+    within = is_within(of), surfaces = o.refine_surfaces, seed = o.seed, lamps = of.lit_by and of.lit_by.handle }))
   if not handle then return nil, message, code end
   objects.gathers[handle] = { radiosity = lit, of = of, scene = of.scene, lib = of.lib, parts = o.parts, rays = rays,
     base = base, options = o, lamps = of.lit_by, chosen = {} }
