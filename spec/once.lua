@@ -1,8 +1,9 @@
---- Specs whose subject is not the interpreter: kernels, devices, pictures, the tree. One Lua runs them; every other spec runs
--- under each. Behind a name stand its seconds of processor time: spec/run begins with the longest.
+--- Specs whose subject is not the interpreter: kernels, devices, pictures, the tree. One Lua runs them, or the first
+-- and the last, with integers and without, where seconds stand in braces; every other spec runs under each. Behind a name stand
+-- its seconds of processor time: spec/run begins with the longest.
 
 return {
-  gather = 6,
+  options = { 7 }, readme = { 6 }, gather = 6,
   vulkan_rims = 60, vulkan_light = 60, grid_update_flat = 16, neon = 46, vulkan_octree = 31, vulkan_tolerance = 16,
   vulkan_points = 27, vulkan_sample = 14, papers = 23, codegen = 10, vulkan_keep = 20, vulkan_fault = 12,
   grid_update = 6, vulkan_image = 10, grid_update_octree = 10, memory_picture = 11, view_grid = 8,

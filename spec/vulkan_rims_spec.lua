@@ -68,8 +68,8 @@ describe("exact flat lights on a device", function()
   it("agree where values alone, gradients, or only the metric are asked for, of rgb and of luminance", function()
     local lights = { polygons(7, 1, 4), disks(3, 0.5) }
     for _, channels in ipairs { "rgb", "luminance" } do
-      agree(4, lights, points, { channels = channels }, 1e-5)
-      agree(4, lights, points, { channels = channels, derivatives = 1 }, 1e-5)
+      if long(channels == "rgb", true) then agree(4, lights, points, { channels = channels }, 1e-5) end
+      if long(channels ~= "rgb", true) then agree(4, lights, points, { channels = channels, derivatives = 1 }, 1e-5) end
     end
     agree(4, lights, points, { derivatives = 1, metric = "luminance" }, 1e-5)
     agree(4, lights, points, { channels = "luminance", metric = "rgb" }, 1e-5)

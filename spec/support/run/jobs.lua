@@ -8,9 +8,20 @@ local once = dofile "spec/once.lua"
 local OTHERS = 10 -- seconds: a spec that runs under each Lua takes less
 local which = os.getenv "YLM_SPEC"
 
+local luas = {}
+for lua in arg[1]:gmatch "%S+" do luas[#luas + 1] = lua end
+
+--- The seconds of a spec, and the Luas that run it.
+local function about(name)
+  local entry = once[name]
+  if not entry then return OTHERS, luas end
+  if type(entry) == "number" then return entry, which == "long" and luas or { luas[1] } end
+  return entry[1], which == "long" and luas or { luas[1], luas[2] and luas[#luas] }
+end
+
 --- Is a spec left out of `make quick`?
 local function slow(name)
-  return (once[name] or 0) > 15 or name:find "^vulkan" or name == "install" or name == "memory"
+  return about(name) > 15 or name:find "^vulkan" or name == "install" or name == "memory"
 end
 
 local function quote(s) return "'" .. s:gsub("'", "'\\''") .. "'" end
@@ -28,11 +39,9 @@ local jobs = {}
 for i = 2, #arg do
   for _, file in ipairs(files(arg[i])) do
     local name = file:match "([^/]*)_spec%.lua$" or file
-    for lua in arg[1]:gmatch "%S+" do
-      if which ~= "quick" or not slow(name) then
-        jobs[#jobs + 1] = { seconds = once[name] or OTHERS, text = lua .. " " .. file }
-      end
-      if once[name] and which ~= "long" then break end
+    local seconds, run_by = about(name)
+    for _, lua in ipairs(which == "quick" and slow(name) and {} or run_by) do
+      jobs[#jobs + 1] = { seconds = seconds, text = lua .. " " .. file }
     end
   end
 end
