@@ -93,7 +93,7 @@ ylm_status ylm_shade_grid_biased(const ylm_shade_view *v, const ylm_grid *grid,
     j.b = ylm_alloc(v->points, sizeof *j.b);
     if (!j.b) return ylm_fail(e, YLM_ENOMEM, "no memory to shade %zu points", v->points);
   }
-  ylm_status s = ylm__shade_rows(v, weight, j.look->form.lmax, &j.rows, e);
+  ylm_status s = ylm__shade_rows(v, weight, j.look->form.lmax, threads, progress, &j.rows, e);
   if (s == YLM_OK) s = ylm_parallel(v->points, BLOCK, threads, run_grid, &j, progress, "shading");
   ylm_free(j.rows.zonal);
   if (report) *report = (ylm_grid_report){j.outside, j.unbaked, ylm_seconds() - start};

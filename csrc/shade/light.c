@@ -1,7 +1,7 @@
 /* light.c - radiance of shading points: transfer vector times light. */
 #include <stdatomic.h>
 
-#include "view.h"
+#include "gloss.h"
 #include "ylm_sh.h"
 
 /* Points whose light is asked for at once: their coefficients stay in the second-level cache. */
@@ -31,31 +31,38 @@ void ylm__shade_reflect(const ylm_shade_view *v, size_t first, size_t n, float *
   ylm__shade_tint(v, first, n, out);
 }
 
-ylm_status ylm__shade_rows(const ylm_shade_view *v, ylm_shade_weight weight, int lmax,
-                           shade_rows *rows, ylm_error *e) {
-  *rows = (shade_rows){weight, lmax, NULL};
-  if (weight == YLM_SHADE_TRANSFER)
-    return v->transfer || v->points == 0
-               ? YLM_OK
-               : ylm_fail(e, YLM_EINVAL, "the view has no transfer vectors: it was made by rays");
+ylm_status ylm__shade_rows(const ylm_shade_view *v, ylm_shade_weight weight, int lmax, int threads,
+                           const ylm_progress *progress, shade_rows *rows, ylm_error *e) {
+  *rows = (shade_rows){weight, weight == YLM_SHADE_TRANSFER ? v->o.lmax : lmax, NULL, NULL};
+  if (weight == YLM_SHADE_TRANSFER && !v->transfer && v->points > 0)
+    return ylm_fail(e, YLM_EINVAL, "the view has no transfer vectors: it was made by rays");
+  ylm_status s = ylm__shade_gloss_tables(v, rows->lmax, threads, progress, &rows->tables, e);
+  if (s != YLM_OK || weight == YLM_SHADE_TRANSFER) return s;
   rows->zonal = ylm__shade_zonal(lmax);
   return rows->zonal ? YLM_OK : YLM_ENOMEM;
 }
 
-/* Radiance of n points from coefficients and rows T of degree lmax. */
+void ylm__shade_dots(ylm_shade_dot_fn *dot, size_t count, size_t n, size_t t_row, const float *T,
+                     const shade_light *x, float *out) {
+  size_t given = ylm_sh_count(x->lmax);
+  if (x->type == YLM_DOUBLE)
+    dot_double(count, n, x->channels, t_row, T, given, x->L, out);
+  else
+    dot(count, n, x->channels, NULL, t_row, T, given, (size_t)x->channels * given, x->L, out);
+}
+
+/* Radiance of n points, as matte ones, from coefficients and rows T of degree lmax. */
 static void multiply(const ylm_shade_view *v, ylm_shade_dot_fn *dot, int lmax, const float *T,
                      size_t first, size_t n, const shade_light *x, float *out) {
   size_t row = ylm_sh_count(lmax), given = ylm_sh_count(x->lmax);
-  size_t count = row < given ? row : given;
-  if (x->type == YLM_DOUBLE)
-    dot_double(count, n, x->channels, row, T, given, x->L, out);
-  else
-    dot(count, n, x->channels, NULL, row, T, given, (size_t)x->channels * given, x->L, out);
+  ylm__shade_dots(dot, row < given ? row : given, n, row, T, x, out);
   ylm__shade_reflect(v, first, n, out);
 }
 
-ylm_status ylm__shade_points(const ylm_shade_view *v, ylm_shade_dot_fn *dot, const shade_rows *rows,
-                             size_t first, size_t n, const shade_light *x, float *out) {
+/* Radiance of n points from `first` on, as if all were matte. */
+static ylm_status shade_matte(const ylm_shade_view *v, ylm_shade_dot_fn *dot,
+                              const shade_rows *rows, size_t first, size_t n, const shade_light *x,
+                              float *out) {
   if (rows->weight == YLM_SHADE_TRANSFER) {
     multiply(v, dot, v->o.lmax, v->transfer + first * ylm_sh_count(v->o.lmax), first, n, x, out);
     return YLM_OK;
@@ -67,6 +74,14 @@ ylm_status ylm__shade_points(const ylm_shade_view *v, ylm_shade_dot_fn *dot, con
   if (s == YLM_OK) multiply(v, dot, rows->lmax, T, first, n, x, out);
   ylm_free(T);
   return s;
+}
+
+ylm_status ylm__shade_points(const ylm_shade_view *v, ylm_shade_dot_fn *dot, const shade_rows *rows,
+                             size_t first, size_t n, const shade_light *x, float *out) {
+  bool shadows = rows->weight == YLM_SHADE_TRANSFER && v->o.visibility != YLM_SHADE_UNSHADOWED;
+  ylm_status s = shade_matte(v, dot, rows, first, n, x, out);
+  if (s != YLM_OK || !rows->tables) return s;
+  return ylm__shade_glossy(v, dot, rows->tables, shadows, first, n, x, out);
 }
 
 void ylm__shade_some(const ylm_shade_view *v, ylm_shade_dot_fn *dot, size_t n,
@@ -140,7 +155,7 @@ ylm_status ylm_shade_field(const ylm_shade_view *v, const ylm_field *field, ylm_
                  .out = out,
                  .error = e,
                  .failed = ATOMIC_FLAG_INIT};
-  ylm_status s = ylm__shade_rows(v, weight, v->o.lmax, &j.rows, e);
+  ylm_status s = ylm__shade_rows(v, weight, v->o.lmax, threads, progress, &j.rows, e);
   if (s == YLM_OK) s = ylm_parallel(v->points, BLOCK, threads, run_field, &j, progress, "shading");
   if (pairs) *pairs = j.pairs;
   ylm_free(j.rows.zonal);
@@ -173,7 +188,7 @@ ylm_status ylm_shade_coefficients(const ylm_shade_view *v, size_t first, size_t 
   if (first > v->points || n > v->points - first) return YLM_ERANGE;
   if (channels != 1 && channels != 3) return YLM_ESHAPE;
   given_job j = {v, ylm__shade_kernels().dot, {.lmax = lmax}, first, {channels, lmax, t, L}, out};
-  ylm_status s = ylm__shade_rows(v, YLM_SHADE_TRANSFER, lmax, &j.rows, NULL);
+  ylm_status s = ylm__shade_rows(v, YLM_SHADE_TRANSFER, lmax, threads, NULL, &j.rows, NULL);
   if (s != YLM_OK) return s;
   return ylm_parallel(n, 4096, threads, run_given, &j, NULL, NULL);
 }

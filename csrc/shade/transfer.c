@@ -4,8 +4,7 @@
 #include <stdatomic.h>
 #include <string.h>
 
-#include "view.h"
-#include "ylm_sh.h"
+#include "gloss.h"
 
 /* Rays that are traced in one go, unless one point has more. */
 #define BATCH 1024
@@ -29,14 +28,21 @@ typedef struct scratch {
   float *direction;   /* [BATCH][3]       */
   float *Y;           /* [BATCH][count]   */
   float *seen, *all;  /* [count]          */
-  uint8_t *visible;   /* [samples]        */
+  uint8_t *visible;   /* [samples], [BATCH] at least */
 } scratch;
 
-/* Rays about the normal of point i, dense as the cosine. */
+/* Does point i gloss, so that its visibility is wanted alone? */
+static bool is_glossy(const job *j, size_t i) {
+  const shade_gloss *g = j->view->gloss;
+  return g && j->shadows && ylm__shade_gloss_slot(g, j->mesh[i]) != YLM_SHADE_MATTE;
+}
+
+/* Rays about the normal of point i, dense as the cosine; evenly where it glosses. */
 static void point_rays(const job *j, size_t i, ylm_trace_ray *ray) {
   int samples = j->view->o.transfer_samples;
   float a[3], b[3], far = (float)fmin(j->view->o.occlusion_distance, 3e38);
   const float *n = j->normal[i];
+  bool glossy = is_glossy(j, i);
   ylm_rng rng;
   bool own = j->normal == (const float(*)[3])j->view->normal;
   ylm_rng_seed(&rng, ~j->view->o.seed, own ? ylm__shade_stream(j->view, i) : i);
@@ -47,8 +53,8 @@ static void point_rays(const job *j, size_t i, ylm_trace_ray *ray) {
   for (int k = 0; k < samples; k++) {
     float h = j->height[k] + shift, r, z;
     if (h >= 1) h -= 1;
-    r = sqrtf(h);
-    z = sqrtf(1 - h);
+    r = glossy ? sqrtf((1 - h) * (1 + h)) : sqrtf(h);
+    z = glossy ? h : sqrtf(1 - h);
     float x = r * (j->disk[k][0] * c - j->disk[k][1] * s);
     float y = r * (j->disk[k][0] * s + j->disk[k][1] * c);
     for (int q = 0; q < 3; q++) {
@@ -85,6 +91,47 @@ static ylm_status estimate(const job *j, const ylm_trace_ray *ray, const scratch
   return YLM_OK;
 }
 
+/* Directions of the next occluded rays from *first on, and their mirror images; returns how many, at
+   most BATCH. */
+static int list_occluded(const float *n, int samples, const ylm_trace_ray *ray, int *first,
+                         float *out) {
+  int found = 0;
+  for (; *first < samples && found + 2 <= BATCH; ++*first) {
+    const float *d = ray[*first].dir;
+    if (!(ray[*first].far < 0)) continue;
+    float up = 2 * ylm_dot3(d, n);
+    for (int a = 0; a < 3; a++) {
+      out[3 * found + a] = d[a];
+      out[3 * found + 3 + a] = d[a] - up * n[a];
+    }
+    found += 2;
+  }
+  return found;
+}
+
+/* The visibility of one point that glosses, whose rays have been traced. */
+static ylm_status estimate_visibility(const job *j, const float *n, const ylm_trace_ray *ray,
+                                      const scratch *x, float *V) {
+  int lmax = j->view->o.lmax, samples = j->view->o.transfer_samples, occluded = 0;
+  size_t count = ylm_sh_count(lmax);
+  for (int k = 0; k < samples; k++) occluded += ray[k].far < 0;
+  memset(V, 0, count * sizeof *V);
+  if (occluded == samples) return YLM_OK;
+  memset(x->seen, 0, count * sizeof(float));
+  memset(x->all, 0, count * sizeof(float));
+  for (int first = 0, m; (m = list_occluded(n, samples, ray, &first, x->direction)) > 0;) {
+    ylm_status s =
+        ylm_sh_eval(lmax, 0, false, YLM_FLOAT, (size_t)m, x->direction, x->Y, NULL, NULL, 1, NULL);
+    if (s != YLM_OK) return s;
+    j->k.sums(count, (size_t)m, x->Y, x->visible, x->seen, x->all);
+  }
+  float each = (float)(2 * PI / samples);
+  if (occluded)
+    for (size_t k = 0; k < count; k++) V[k] = -each * x->all[k];
+  V[0] += YLM_SHADE_OPEN;
+  return YLM_OK;
+}
+
 static void scratch_free(scratch *x) {
   ylm_free(x->ray);
   ylm_free(x->direction);
@@ -95,13 +142,13 @@ static void scratch_free(scratch *x) {
 }
 
 static bool scratch_create(scratch *x, size_t samples, size_t rays, size_t count) {
-  size_t batch = samples < BATCH ? samples : BATCH;
+  size_t batch = 2 * samples < BATCH ? 2 * samples : BATCH; /* directions with mirror images */
   x->ray = ylm_alloc(rays, sizeof *x->ray);
   x->direction = ylm_alloc(batch, 12);
   x->Y = ylm_alloc(batch * count, sizeof *x->Y);
   x->seen = ylm_alloc(count, sizeof *x->seen);
   x->all = ylm_alloc(count, sizeof *x->all);
-  x->visible = ylm_alloc(samples, 1);
+  x->visible = ylm_alloc_zero(samples > batch ? samples : batch, 1);
   return x->ray && x->direction && x->Y && x->seen && x->all && x->visible;
 }
 
@@ -121,8 +168,12 @@ static ylm_status run(void *context, size_t begin, size_t end, int worker) {
     size_t n = end - first < batch ? end - first : batch;
     for (size_t i = 0; i < n; i++) point_rays(j, first + i, x.ray + i * samples);
     ylm_trace_occluded(ylm_scene_trace(v->scene), n * samples, x.ray);
-    for (size_t i = 0; s == YLM_OK && i < n; i++)
-      s = estimate(j, x.ray + i * samples, &x, j->transfer + (first + i) * count);
+    for (size_t i = 0; s == YLM_OK && i < n; i++) {
+      float *T = j->transfer + (first + i) * count;
+      const ylm_trace_ray *ray = x.ray + i * samples;
+      s = is_glossy(j, first + i) ? estimate_visibility(j, j->normal[first + i], ray, &x, T)
+                                  : estimate(j, ray, &x, T);
+    }
   }
   scratch_free(&x);
   atomic_fetch_add_explicit(&j->rays, (end - begin) * samples, memory_order_relaxed);

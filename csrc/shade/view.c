@@ -3,8 +3,7 @@
 #include <string.h>
 
 #include "gen/picture.h"
-#include "view.h"
-#include "ylm_sh.h"
+#include "gloss.h"
 
 static ylm_status check_options(const ylm_shade_options *o, ylm_error *e) {
   if (o->width < 1 || o->height < 1 || o->width > 65536 || o->height > 65536)
@@ -39,7 +38,8 @@ static ylm_status make_points(ylm_shade_view *v, size_t n) {
   if (!rays) v->transfer = ylm_alloc(n, ylm_sh_count(v->o.lmax) * sizeof *v->transfer);
   if (!v->mesh || !v->position || !v->normal || !v->origin || (!rays && !v->transfer))
     return YLM_ENOMEM;
-  return ylm__shade_make_tints(v);
+  ylm_status s = ylm__shade_gloss_room(v->gloss, n);
+  return s == YLM_OK ? ylm__shade_make_tints(v) : s;
 }
 
 static void set_point(ylm_shade_view *v, size_t i, uint32_t mesh, const ylm_scene_surface *s) {
@@ -48,6 +48,7 @@ static void set_point(ylm_shade_view *v, size_t i, uint32_t mesh, const ylm_scen
   memcpy(v->normal[i], s->normal, 12);
   memcpy(v->origin[i], s->origin, 12);
   if (v->tint && v->tint != v->seen) memcpy(v->tint[i], s->tint, 12);
+  if (v->gloss) ylm__shade_gloss_point(v->gloss, i, mesh, s);
 }
 
 /* Points are the entries themselves. */
@@ -149,6 +150,7 @@ static ylm_status transfer_by_vertices(ylm_shade_view *v, const shade_vertices *
 
 /* Shading points and their transfer vectors, once the entries are known. */
 static ylm_status make_transfer(ylm_shade_view *v, ylm_error *e) {
+  const shade_tables *tables;
   double start = ylm_seconds();
   bool by_vertex = !v->o.per_vertex && v->o.visibility == YLM_SHADE_VERTEX;
   shade_vertices x = {0};
@@ -163,6 +165,8 @@ static ylm_status make_transfer(ylm_shade_view *v, ylm_error *e) {
                             (const float(*)[3])v->normal, (const float(*)[3])v->origin, v->transfer,
                             &v->stats.occlusion_rays);
   ylm__shade_vertices_free(&x);
+  if (s == YLM_OK && v->transfer) /* refused, or made, here rather than at the first picture */
+    s = ylm__shade_gloss_tables(v, v->o.lmax, v->o.threads, v->o.progress, &tables, e);
   v->stats.transfer_seconds = ylm_seconds() - start;
   return s;
 }
@@ -198,6 +202,7 @@ ylm_status ylm_shade_view_create(const ylm_scene *scene, const ylm_camera *camer
   v->o = *o;
   v->frame = frame;
   s = list_pixels(v);
+  if (s == YLM_OK && o->gloss) s = ylm__shade_gloss_create(scene, &v->gloss);
   if (s == YLM_OK) s = ylm__shade_primary(v, &frame);
   if (s == YLM_OK) s = make_transfer(v, e);
   v->o.progress = NULL;
@@ -224,34 +229,18 @@ void ylm_shade_view_free(ylm_shade_view *v) {
   ylm_free(v->origin);
   ylm_free(v->transfer);
   ylm__shade_free_tints(v);
+  ylm__shade_gloss_free(v->gloss);
   ylm_free(v);
 }
 
-void ylm_shade_view_stats(const ylm_shade_view *v, ylm_shade_stats *stats) { *stats = v->stats; }
+void ylm_shade_view_stats(const ylm_shade_view *v, ylm_shade_stats *stats) {
+  *stats = v->stats;
+  ylm__shade_gloss_stats(v, stats);
+}
 const ylm_shade_options *ylm_shade_view_options(const ylm_shade_view *v) { return &v->o; }
 const float *ylm_shade_view_positions(const ylm_shade_view *v) { return v->position[0]; }
 const float *ylm_shade_view_normals(const ylm_shade_view *v) { return v->normal[0]; }
 const float *ylm_shade_view_transfer(const ylm_shade_view *v) { return v->transfer; }
-
-void ylm_shade_view_surface(const ylm_shade_view *v, float *albedo, float *object) {
-  for (size_t i = 0; i < v->points; i++) {
-    if (albedo) ylm__shade_albedo(v, i, albedo + 3 * i);
-    if (object) object[i] = (float)v->mesh[i];
-  }
-}
-
-ylm_status ylm_shade_view_materials(const ylm_shade_view *v, float *row, ylm_error *e) {
-  ylm_status s = YLM_OK;
-  for (size_t i = 0; s == YLM_OK && i < v->points; i++, row += YLM_MATERIAL_ROW) {
-    const ylm_material *m = ylm__shade_material(v, i);
-    s = ylm_material_row(m, row, e);
-    if (s == YLM_EMISSING)
-      s = ylm_fail(e, s, "a device shades matte surfaces only: mesh %u is %s", v->mesh[i] + 1,
-                   ylm_material_kind_name(ylm_material_kind(m)));
-    if (s == YLM_OK && v->tint) ylm_material_row_tint(row, v->tint[i]);
-  }
-  return s;
-}
 
 /* -- pixels -------------------------------------------------------------------- */
 

@@ -17,6 +17,13 @@ typedef struct shade_pixel {
   float lamps[3], coverage, emitter;
 } shade_pixel;
 
+/* gloss.h */
+typedef struct shade_gloss shade_gloss;
+typedef struct shade_tables shade_tables;
+
+/* The coefficient of degree 0 of visibility where nothing occludes: sqrt(4 pi). */
+#define YLM_SHADE_OPEN 3.5449077018110318f
+
 struct ylm_shade_view {
   const ylm_scene *scene;
   ylm_shade_options o;
@@ -30,9 +37,11 @@ struct ylm_shade_view {
   uint32_t (*corner)[3]; /* [entries]: points at the triangle's corners; NULL: entry i is point i */
   uint32_t *mesh;        /* [points]                                */
   float (*position)[3], (*normal)[3], (*origin)[3]; /* [points]    */
-  float *transfer;  /* [points][count]; NULL: a view by rays            */
-  float (*seen)[3]; /* [entries]: the mean tint of the samples; NULL: the scene has no tints */
-  float (*tint)[3]; /* [points]; NULL as `seen`, else often the same                         */
+  float
+      *transfer; /* [points][count]; of points that gloss their visibility. NULL: a view by rays */
+  shade_gloss *gloss; /* NULL: no surface glosses, or such are shaded as matte ones */
+  float (*seen)[3];   /* [entries]: the mean tint of the samples; NULL: the scene has no tints */
+  float (*tint)[3];   /* [points]; NULL as `seen`, else often the same                         */
 };
 
 /* The material at point i. */
@@ -130,13 +139,22 @@ void ylm__shade_some(const ylm_shade_view *v, ylm_shade_dot_fn *dot, size_t n,
 /* The rows that the light of a view's points is multiplied by: transfer vectors, or cosines. */
 typedef struct shade_rows {
   ylm_shade_weight weight;
-  int lmax;      /* of the light */
-  double *zonal; /* COSINE       */
+  int lmax;                   /* of the light */
+  double *zonal;              /* COSINE       */
+  const shade_tables *tables; /* of points that gloss; NULL: there is none */
 } shade_rows;
 
 /* light.c: YLM_EINVAL where the view has no transfer vectors; ylm_free(zonal) afterwards. */
-ylm_status ylm__shade_rows(const ylm_shade_view *v, ylm_shade_weight weight, int lmax,
-                           shade_rows *rows, ylm_error *e);
+ylm_status ylm__shade_rows(const ylm_shade_view *v, ylm_shade_weight weight, int lmax, int threads,
+                           const ylm_progress *progress, shade_rows *rows, ylm_error *e);
+/* light.c: out[i][c] = sum over k < count of T[i][k] L[i][c][k], in the type of the light. */
+void ylm__shade_dots(ylm_shade_dot_fn *dot, size_t count, size_t n, size_t t_row, const float *T,
+                     const shade_light *x, float *out);
+/* glossy.c: radiance of those of n points from `first` on that gloss; x and out begin at the first of
+   them. Their visibility counts with `shadows`. YLM_ENOMEM. */
+ylm_status ylm__shade_glossy(const ylm_shade_view *v, ylm_shade_dot_fn *dot,
+                             const shade_tables *tables, bool shadows, size_t first, size_t n,
+                             const shade_light *x, float *out);
 /* Radiance of n points from `first` on; x and out begin at the first of them. YLM_ENOMEM. */
 ylm_status ylm__shade_points(const ylm_shade_view *v, ylm_shade_dot_fn *dot, const shade_rows *rows,
                              size_t first, size_t n, const shade_light *x, float *out);

@@ -65,6 +65,8 @@ typedef struct ylm_shade_options {
   int most_samples;                /* up to this number. NULL: it is taken as it is        */
   double occlusion_distance;       /* > 0, may be infinite: how far these rays reach       */
   double share;                    /* pixel widths, >= 0                                   */
+  bool gloss;            /* surfaces that are not matte: by tables of their slices, to degree
+                 YLM_MATERIAL_TABLE_LMAX; false: as matte ones of their mean albedo */
   const uint32_t *pixel; /* [pixels] y * width + x: these alone, as an image of one column  */
   size_t pixels;         /* 1 .. 65536; NULL: all                                   */
   uint64_t seed;
@@ -78,8 +80,11 @@ typedef struct ylm_shade_stats {
   size_t pixels; /* of the image                                                   */
   uint64_t primary_rays, occlusion_rays;
   double primary_seconds, transfer_seconds;
-  double noise; /* that transfer_samples leave, below 0: not measured             */
-  size_t bytes; /* memory the view holds                                          */
+  double noise;         /* that transfer_samples leave, below 0: not measured             */
+  size_t bytes;         /* memory the view holds                                          */
+  size_t glossy;        /* points that are shaded by tables (options.gloss)       */
+  size_t gloss_bytes;   /* of these tables, part of `bytes`                       */
+  double gloss_seconds; /* that making them took                                  */
 } ylm_shade_stats;
 
 /*
@@ -93,6 +98,15 @@ typedef struct ylm_shade_stats {
 **
 ** which is exact where nothing or everything occludes; its bias is of the order of 1/N of its
 ** deviation.
+**
+** With options.gloss, points of surfaces that are not matte have visibility alone in place of T. Rays
+** are uniform over the hemisphere; s' being s mirrored in the surface,
+**
+**   V = sqrt(4 pi) e_00 - 2 pi/N sum over occluded rays of (Y(s) + Y(s'))
+**
+** so that nothing is lost where nothing occludes. Their radiance is (F x V) . L, F the slice f cos of the
+** material towards the camera, x the product of functions, cut at the view's degree; F . L where the
+** light holds its shadows (YLM_SHADE_COSINE), or V = 1.
 **
 ** Noise is measured at 128 to 512 of the points, by two independent estimates a and b of the
 ** luminance r of each: the root mean square of |a - b| / sqrt 2 relative to r + (mean of r) / 10.
@@ -119,7 +133,7 @@ YLM_API const float *ylm_shade_view_normals(const ylm_shade_view *view);   /* [p
    vertices those of `normals`. */
 YLM_API void ylm_shade_view_flats(const ylm_shade_view *view, size_t first, size_t n,
                                   float (*out)[3]);
-/* [points][count]; NULL: a view by rays has none */
+/* [points][count], of points that gloss visibility (options.gloss); NULL: a view by rays has none */
 YLM_API const float *ylm_shade_view_transfer(const ylm_shade_view *view);
 /* albedo [points][3], tinted; object [points]: index of the mesh. Either may be NULL. */
 YLM_API void ylm_shade_view_surface(const ylm_shade_view *view, float *albedo, float *object);

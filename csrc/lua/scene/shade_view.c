@@ -20,7 +20,8 @@ static const uint32_t *read_pixels(lua_State *L, int i, size_t *n) {
 
 /* shade_view(scene, {camera: from, at, up, fov, 10 numbers; width, height, samples, lmax, shading,
    visibility, transfer_samples, occlusion_distance, share, seed, threads, progress, light | nil,
-   noise | nil, most_samples | nil, pixels: a list of numbers from 0, these alone, | nil}) -> view */
+   noise | nil, most_samples | nil, pixels: a list of numbers from 0, these alone, | nil,
+   gloss: by tables | nil}) -> view */
 static int shade_view(lua_State *L) {
   static const char *const names[] = {"camera",
                                       "width",
@@ -39,6 +40,7 @@ static int shade_view(lua_State *L) {
                                       "noise",
                                       "most_samples",
                                       "pixels",
+                                      "gloss",
                                       NULL};
   static const char *const shadings[] = {"pixel", "vertex", NULL};
   static const char *const visibilities[] = {"none", "pixel", "vertex", "rays", NULL};
@@ -59,7 +61,8 @@ static int shade_view(lua_State *L) {
     LIGHT,
     NOISE,
     MOST,
-    PIXELS
+    PIXELS,
+    GLOSS
   };
   ylmL_named(L, 2, names);
   const ylm_scene *scene = ylmL_scene(L, 1);
@@ -82,6 +85,7 @@ static int shade_view(lua_State *L) {
       .most_samples = (int)luaL_optnumber(L, MOST, 0),
       .occlusion_distance = (double)luaL_checknumber(L, DISTANCE),
       .share = (double)luaL_checknumber(L, SHARE),
+      .gloss = lua_toboolean(L, GLOSS),
       .seed = (uint64_t)luaL_checknumber(L, SEED),
       .threads = (int)luaL_optnumber(L, THREADS, 0),
       .progress = ylmL_progress_begin(L, PROGRESS, &p)};
@@ -113,6 +117,11 @@ static int shade_stats(lua_State *L) {
                  (uint64_t)ylm_shade_view_options(ylmL_shade_view(L, 1))->transfer_samples);
   if (s.noise >= 0) ylmL_set_number(L, "noise", s.noise);
   ylmL_set_count(L, "bytes", s.bytes);
+  if (ylm_shade_view_options(ylmL_shade_view(L, 1))->gloss) {
+    ylmL_set_count(L, "glossy", s.glossy);
+    ylmL_set_count(L, "gloss_bytes", s.gloss_bytes);
+    ylmL_set_number(L, "gloss_seconds", s.gloss_seconds);
+  }
   return 1;
 }
 

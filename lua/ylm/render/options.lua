@@ -71,6 +71,9 @@ options.transfer_fields = {
   { "occlusion_distance", "distance", optional = true, unit = "scene units",
     about = "'transfer': how far occlusion rays reach, wherever the lamps are: light passes what is farther, and "
       .. "what is nearer darkens lamps before it too; default: a tenth of the diagonal of the scene's bounding box" },
+  { "gloss", "choice", of = { "matte", "sh" }, default = "matte",
+    about = "where coefficients of light shade surfaces that gloss, 'matte': as matte ones of their mean albedo; 'sh': by "
+      .. "spherical harmonics of f cos, times visibility, to lmax; lobes that lmax is too low for (material:degrees) are dull" },
   { "lmax", "integer", min = 0, max = core.limits.lmax, optional = true,
     about = "highest degree of light and transfer; default: the grid's, the probes', or 4" },
 }
@@ -140,7 +143,9 @@ options.report_text = "note (where nothing is to be shaded), notes (about files 
   .. "relative to it plus a tenth of its mean; "
 
 --- Fields of reports about pictures by transfer vectors.
-options.transfer_text = options.report_text .. "visibility (rays, transfer, none; grid: the shadows are those that the grid "
+options.transfer_text = options.report_text .. "gloss (of surfaces that gloss: matte, sh; with sh gloss_bytes, memory of "
+  .. "tables, and seconds.gloss, a part of transfer or light: that making them took, once a view); "
+  .. "visibility (rays, transfer, none; grid: the shadows are those that the grid "
   .. "holds); by transfer vectors occlusion (of the light that the scene's lamps bring: passing, the part of the "
   .. "picture's that occluders stop in the scene, missing, the part of the scene's that the picture lacks, their standard "
   .. "errors passing_error and missing_error, points, rays; measured once a view, in seconds.occlusion); "

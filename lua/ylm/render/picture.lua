@@ -91,6 +91,7 @@ function pictures.sign(out, p, method, report, extra)
   if o.visibility ~= "rays" then
     m.transfer_samples, m.occlusion_distance = o.transfer_samples, tostring(o.occlusion_distance)
   end
+  if report.gloss == "sh" then m.gloss = "sh" end
   m.points = report.points
   if report.occlusion then
     m.light_passing, m.light_missing = ("%.3g"):format(report.occlusion.passing), ("%.3g"):format(report.occlusion.missing)

@@ -38,14 +38,25 @@ local function sign(out, p, o, report)
     unbaked = report.unbaked, device = devices.of(o.device):name() })
 end
 
---- Says in the report that coefficients of light shade surfaces that gloss as matte ones.
+--- Says in the report how coefficients of light shade surfaces that gloss: where as matte ones, in a sentence too.
 local function say_gloss(p, report)
   local n = p.traced.glossy
   if n == 0 then return end
+  report.gloss = p.options.gloss or "matte"
+  if report.gloss == "sh" then return end
   local what = report.visibility == "grid" and "a grid's light shades " or "transfer vectors shade "
   local sentence = n == 1 and "1 mesh is glossy: " .. what .. "it as a matte one of its mean albedo"
     or n .. " meshes are glossy: " .. what .. "them as matte ones of their mean albedo"
   report.warnings[#report.warnings + 1] = warning.say(p.scene, "gloss", "scene %q: " .. sentence, p.scene.name or "?")
+end
+
+--- Completes the report of a picture by coefficients of light: its times and what tables of materials took.
+local function finish(p, report, start, seconds)
+  pictures.finish(report, start, seconds)
+  if report.gloss ~= "sh" then return report end
+  local stats = p.lib.shade_stats(p.view)
+  report.gloss_bytes, report.seconds.gloss, report.bytes = stats.gloss_bytes, stats.gloss_seconds, stats.bytes
+  return report
 end
 
 --- The report of a picture by coefficients of light, with what it does not keep: its own warnings and those of o.grid; or
@@ -103,14 +114,14 @@ function shading.by_grid(name, p, o)
   if o.download == false then
     out, message, code = kept(device, name, p, o, write)
     if not out then return nil, message, code end
-    return out, pictures.finish(report, start, report.seconds.light)
+    return out, finish(p, report, start, report.seconds.light)
   end
   local cells
   cells, message, code = cells_of(p, o)
   if cells == false then return nil, message, code end
   out, message, code = pictures.picture(name, p, write, o, cells)
   if not out then return nil, message, code end
-  pictures.finish(report, start, report.seconds.light)
+  finish(p, report, start, report.seconds.light)
   sign(out, p, o, report)
   return out, report
 end
@@ -138,7 +149,7 @@ function shading.by_lights(name, p, o)
   local out
   out, message, code = pictures.picture(name, p, radiance, o)
   if not out then return nil, message, code end
-  pictures.finish(report, start, seconds)
+  finish(p, report, start, seconds)
   pictures.sign(out, p, "reference", report, { dtype = o.dtype, light_tolerance = o.light_tolerance,
     pairs = ("%.0f"):format(pairs) })
   return out, report

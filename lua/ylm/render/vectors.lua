@@ -63,6 +63,9 @@ function prepared.transfer(view, given)
     local name = next(given or {})
     if name then return check.fail("transfer: %s is for vectors with bounces: give transfer (scene:transfer)", name) end
     visibility.need_transfer("transfer", p)
+    if p.options.gloss == "sh" and p.traced.glossy > 0 then
+      return check.fail 'transfer: surfaces that gloss have no transfer vectors with gloss = "sh": prepare the view without it'
+    end
     return check.result("transfer", p.lib.shade_transfer(p.view))
   end
   local m, show = transfer_of("transfer", p, o.transfer), progress.resolve(o.progress)

@@ -1,0 +1,201 @@
+-- Surfaces that gloss, shaded by spherical harmonics: gloss = "sh".
+local core = require "ylm.c.core"
+local long = require "spec.support.long"
+local ylm = require "ylm"
+
+local function unit(v)
+  local l = math.sqrt(v[1] ^ 2 + v[2] ^ 2 + v[3] ^ 2)
+  return { v[1] / l, v[2] / l, v[3] / l }
+end
+
+local function view(degrees, azimuth)
+  local t, a = math.rad(degrees), math.rad(azimuth or 0)
+  return { math.sin(t) * math.cos(a), math.sin(t) * math.sin(a), math.cos(t) }
+end
+
+local function scaled(v, s) return { s * v[1], s * v[2], s * v[3] } end
+
+local one = { size = { 1, 1 }, samples = 1 }
+local function with(more, base)
+  local out = {}
+  for k, x in pairs(base or one) do out[k] = x end
+  for k, x in pairs(more or {}) do out[k] = x end
+  return out
+end
+
+--- A small square at 0 whose normal is z and whose tangent x, seen from `eye`.
+local function element(material, eye, lights, more)
+  local geometry = { ylm.quad { corner = { -5e-4, -5e-4, 0 }, u = { 1e-3, 0, 0 }, v = { 0, 1e-3, 0 }, material = material } }
+  for _, g in ipairs(more or {}) do geometry[#geometry + 1] = g end
+  return ylm.scene "element" { camera = ylm.camera { from = scaled(eye, 0.1), at = { 0, 0, 0 }, up = { 0, 1, 0.01 }, fov = 0.01 },
+    geometry = geometry, lights = lights }
+end
+
+local function pixel(image)
+  local r, g, b = image:layer "radiance":get(1, 1, 1), image:layer "radiance":get(1, 1, 2), image:layer "radiance":get(1, 1, 3)
+  return { r, g, b }
+end
+
+--- The radiance towards `eye` under a lamp of radiance 1 in direction d whose half angle has the sine `sine`, by Gauss's rule
+-- over its cap.
+local function by_quadrature(m, eye, d, sine)
+  local directions, weights = core.sh_rule(24, 48, math.sqrt(1 - sine * sine), 1)
+  local a = unit(math.abs(d[3]) < 0.9 and { d[2], -d[1], 0 } or { 0, d[3], -d[2] })
+  local b = { d[2] * a[3] - d[3] * a[2], d[3] * a[1] - d[1] * a[3], d[1] * a[2] - d[2] * a[1] }
+  local wi, w = {}, weights:totable()
+  for i, x in ipairs(directions:totable()) do
+    wi[i] = {}
+    for c = 1, 3 do wi[i][c] = x[1] * a[c] + x[2] * b[c] + x[3] * d[c] end
+  end
+  local f, sum = m:eval(ylm.array(wi), eye):totable(), { 0, 0, 0 }
+  for i, x in ipairs(wi) do
+    for c = 1, 3 do sum[c] = sum[c] + w[i] * f[i][c] * math.max(0, x[3]) end
+  end
+  return sum
+end
+
+local gold = ylm.ggx { alpha = 0.5, f0 = { 1, 0.78, 0.34 } }
+
+--- Spheres, or other shapes, under one lamp.
+local function scene(geometry, lights)
+  return ylm.scene "glossy" { camera = ylm.camera { from = { 0, 0.5, 4 }, at = { 0, 0, 0 }, fov = 35 }, geometry = geometry,
+    lights = lights or { ylm.sphere_light { at = { 3, 4, 3 }, radius = 1, radiance = { 30, 20, 10 } } } }
+end
+
+local picture = { size = { 24, 24 }, samples = 4 }
+
+--- The root mean square of a - b, relative to that of b, less b's noise where its variance is given.
+local function distance(a, b, variance)
+  local x, y, v, d, n = a:layer "radiance":totable(), b:layer "radiance":totable(), variance and variance:totable(), 0, 0
+  for j = 1, #x do
+    for i = 1, #x[1] do
+      for c = 1, 3 do d, n = d + (x[j][i][c] - y[j][i][c]) ^ 2 - (v and v[j][i][c] or 0), n + y[j][i][c] ^ 2 end
+    end
+  end
+  return math.sqrt(math.max(0, d) / n)
+end
+
+--- Do two pictures have equal bits?
+local function same(a, b)
+  local x, y = a:layer "radiance":totable(), b:layer "radiance":totable()
+  for j = 1, #x do
+    for i = 1, #x[1] do
+      for c = 1, 3 do if x[j][i][c] ~= y[j][i][c] then return false end end
+    end
+  end
+  return true
+end
+
+describe("gloss = 'sh'", function()
+  it("shades by f cos over the cap of a lamp", function()
+    for _, case in ipairs { { view(0), view(20, 90) }, { view(30, 50), view(25, 200) }, { view(50, 250), view(40, 110) } } do
+      local eye, d = case[1], case[2]
+      local image = element(gold, eye, { ylm.sphere_light { at = d, radius = 0.3, radiance = 1 } })
+        :reference(with { lmax = 8, visibility = "none", gloss = "sh" })
+      local got, truth = pixel(image), by_quadrature(gold, eye, d, 0.3)
+      for c = 1, 3 do assert.near(1, got[c] / truth[c], 0.03) end
+    end
+  end)
+
+  it("shades a table of a matte material as transfer vectors shade the material, of floats and doubles", function()
+    local o = with({ lmax = 6, visibility = "none" }, picture)
+    local matte = scene { ylm.sphere { material = ylm.matte { albedo = { 0.3, 0.5, 0.2 } } } }:reference(o)
+    local tabled = scene { ylm.sphere { material = ylm.phong { exponent = 1, specular = 0, base = { 0.3, 0.5, 0.2 } } } }
+    for _, dtype in ipairs { "float", "double" } do
+      assert.is_true(distance(tabled:reference(with({ gloss = "sh", dtype = dtype }, o)), matte) < 1e-4)
+    end
+  end)
+
+  it("takes nothing away where nothing occludes, to the last bit", function()
+    local floor = scene { ylm.quad { corner = { -1, 0, 1 }, u = { 2, 0, 0 }, v = { 0, 0, -2 }, material = gold } }
+    local open = floor:reference(with({ lmax = 4, visibility = "none", gloss = "sh" }, picture))
+    assert.is_true(same(open, floor:reference(with({ lmax = 4, visibility = "transfer", gloss = "sh" }, picture))))
+  end)
+
+  it("agrees with paths of one reflection on a sphere", function()
+    local s = scene { ylm.sphere { material = gold } }
+    local o = { size = picture.size, samples = 64, lmax = 8, visibility = "none" }
+    local image, report = s:reference(with({ gloss = "sh" }, o))
+    local truth = s:pathtrace { size = picture.size, samples = 256, reflections = { 1, 1 } }
+    local error = distance(image, truth, truth:layer "variance")
+    assert.is_true(error < 0.02, tostring(error))
+    assert.is_true(3 * error < distance(s:reference(o), truth))
+    assert.equal("sh", report.gloss)
+    assert.same({}, report.warnings)
+    assert.is_true(report.gloss_bytes > 0 and report.seconds.gloss > 0 and report.seconds.gloss <= report.seconds.transfer)
+  end)
+
+  -- a table of an anisotropic material takes seconds
+  for _ = 1, long(0, 1) do
+    it("knows along and across of a material that has two roughnesses", function()
+      local function sphere(alpha)
+        return scene { ylm.sphere { material = ylm.ggx { alpha = alpha, f0 = 0.9, compensate = false } } }
+      end
+      local s = sphere { 0.4, 0.9 }
+      local truth = s:raycast(with({ light_samples = 256 }, picture))
+      assert.is_true(distance(s:reference(with({ lmax = 6, visibility = "none", gloss = "sh" }, picture)), truth) < 0.06)
+      assert.is_true(distance(sphere { 0.9, 0.4 }:raycast(with({ light_samples = 256 }, picture)), truth) > 0.3)
+    end)
+  end
+
+  it("keeps what occluders stop from a floor", function()
+    local floor = ylm.quad { corner = { -2, -1, 2 }, u = { 4, 0, 0 }, v = { 0, 0, -4 }, material = gold }
+    local s = scene({ floor, ylm.sphere { at = { 0, -0.5, -0.8 }, scale = 0.5 } },
+      { ylm.sphere_light { at = { 0, 2.5, -5 }, radius = 1.5, radiance = 10 } })
+    local truth = s:raycast(with({ light_samples = 64 }, picture))
+    local o = with({ lmax = 8, transfer_samples = 256, occlusion_distance = math.huge, gloss = "sh" }, picture)
+    local shadows = distance(s:reference(with({ visibility = "transfer" }, o)), truth)
+    o.transfer_samples, o.occlusion_distance = nil, nil
+    local none = distance(s:reference(with({ visibility = "none" }, o)), truth)
+    assert.is_true(shadows < 0.015 and none > 0.05, shadows .. " " .. none)
+  end)
+
+  it("is the same by any number of threads, and by vertices near the same", function()
+    local s = scene { ylm.sphere { material = gold }, ylm.sphere { at = { 0.9, 0.9, 0.4 }, scale = 0.3,
+      material = ylm.phong { exponent = 4, specular = 0.5, base = { 0.1, 0.2, 0.4 } } } }
+    local o = with({ lmax = 4, visibility = "transfer", transfer_samples = 32, gloss = "sh" }, picture)
+    local first = s:reference(with({ threads = 1 }, o))
+    for _, threads in ipairs { 2, 7 } do assert.is_true(same(first, s:reference(with({ threads = threads }, o)))) end
+    assert.is_true(distance(s:reference(with({ shading = "vertex", transfer_samples = 256 }, o)), first) < 0.1)
+  end)
+
+  it("shades by grids: of lights with the view's visibility, of direct light without", function()
+    local s = scene { ylm.sphere { material = gold } }
+    local probes = ylm.uniform_grid { cells = { 6, 6, 6 }, lmax = 6, bounds = { { -1.2, -1.2, -1.2 }, { 1.2, 1.2, 1.2 } } }
+    local exact = s:reference(with({ lmax = 6, visibility = "none", gloss = "sh" }, picture))
+    local lights = s:bake { parts = "lights", probes = probes }
+    assert.is_true(distance(s:render(with({ grid = lights, visibility = "none", gloss = "sh" }, picture)), exact) < 0.02)
+    local direct = s:bake { parts = "direct", probes = probes }
+    local image, report = s:render(with({ grid = direct, gloss = "sh" }, picture))
+    assert.is_true(distance(image, exact) < 0.08 and distance((s:render(with({ grid = direct }, picture))), exact) > 0.2)
+    assert.is_true(report.visibility == "grid" and report.gloss == "sh")
+    local view_ = s:prepare(with({ gloss = "sh" }, picture))
+    assert.is_true(same(image, (view_:render { grid = direct })))
+    assert.is_true(view_.options.gloss == "sh" and view_.stats.glossy > 0)
+  end)
+
+  it("changes nothing where it is not asked for", function()
+    local s = scene { ylm.sphere { material = gold } }
+    local o = with({ lmax = 3, visibility = "none" }, picture)
+    local image, report = s:reference(o)
+    assert.is_true(same(image, (s:reference(with({ gloss = "matte" }, o)))))
+    assert.equal("matte", report.gloss)
+    assert.equal(1, #report.warnings)
+    local matte = scene { ylm.sphere {} }
+    local a, b = matte:reference(with({ gloss = "sh" }, o))
+    assert.is_true(same(a, (matte:reference(o))))
+    assert.is_nil(b.gloss)
+  end)
+
+  it("refuses degrees beyond its tables, and transfer vectors of what has none", function()
+    local s = scene { ylm.sphere { material = gold } }
+    assert.has_error(function() s:prepare(with { gloss = "rays" }) end,
+      "bad argument #1 to 'prepare' (gloss must be one of 'matte', 'sh', got 'rays')")
+    local ok, message = pcall(s.prepare, s, with({ lmax = 61, visibility = "none", gloss = "sh" }, picture))
+    assert.is_false(ok)
+    assert.matches("tables of degree 0 to 60, here is light of degree 61: lower lmax, or shade them as matte ones", message)
+    local v = s:prepare(with { lmax = 2, visibility = "transfer", gloss = "sh" })
+    assert.has_error(function() v:transfer() end,
+      'transfer: surfaces that gloss have no transfer vectors with gloss = "sh": prepare the view without it')
+  end)
+end)
