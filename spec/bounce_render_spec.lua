@@ -192,6 +192,24 @@ describe("a tolerance of a picture", function()
 end)
 
 describe("bounces of a picture", function()
+  it("say why links cannot be made, and know a scene that has changed, and light that rays do not see", function()
+    local scene = globe()
+    local few = { size = { 4, 4 }, samples = 1 }
+    scene.transfer_options = ylm.transfer { spacing = 1e-9 }
+    local image, message, code = scene:render { size = few.size, samples = 1, bounces = "all" }
+    assert.is_nil(image)
+    assert.matches("spacing = 1e%-09 would make", message)
+    assert.equal("ELIMIT", code)
+    scene.transfer_options = nil
+    local lit = scene:transfer({ spacing = 0.4, links = 16 }):radiosity()
+    assert.error_matches(function() scene:prepare(few):render { lights = { lit } } end, "see nothing of a ylm.radiosity")
+    assert.error_matches(function() scene:render { bounces = 1e9 } end, "from 0 to 1000000")
+    scene.geometry[1] = ylm.sphere { radius = 2, divide = { 16, 8 } }
+    assert.error_matches(function() scene:render { size = few.size, samples = 1, indirect = lit } end, "of other geometry")
+    lit:close()
+    assert.error_matches(function() ylm.light_field(2, lit, { 0, 0, 0 }) end, "the radiosity has been closed")
+  end)
+
   it("refuse options that contradict each other, naming the field", function()
     local scene = room()
     local lit = scene:transfer { spacing = 1, links = 4 }:radiosity()

@@ -326,12 +326,13 @@ function array.rows(n, name, what, value, width, dtype)
 end
 
 --- Points [n][3] for argument `n`: rows of three finite numbers. Returns array [n][3], whether one row.
-function array.points(n, name, value, dtype)
-  local a, single = array.rows(n, name, "points", value, 3, dtype)
+function array.points(n, name, value, dtype, what)
+  what = what or "points"
+  local a, single = array.rows(n, name, what, value, 3, dtype)
   local finite, where = core.array_finite(a)
   if not finite then
-    local whole = core.array_finite((array.rows(n, name, "points", value, 3, "double")))
-    return check.bad(n, name, "points: row %d is %s", math.floor((where - 1) / 3) + 1,
+    local whole = core.array_finite((array.rows(n, name, what, value, 3, "double")))
+    return check.bad(n, name, "%s: row %d is %s", what, math.floor((where - 1) / 3) + 1,
       whole and "more than a float holds, 3.4e38" or "not finite")
   end
   local shape = core.array_info(a)

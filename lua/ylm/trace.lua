@@ -101,9 +101,21 @@ function tracing.trace(name, s)
   return new
 end
 
+--- Raises where lights, or a list among them, hold light of which rays see nothing: that of surfaces.
+local function check_rays(name, lights, depth)
+  local kind = core.type(lights)
+  if kind == "ylm.radiosity" or kind == "ylm.gather" then
+    return check.fail("%s: lights shine by rays, which see nothing of a %s: give lamps and skies", name, kind)
+  elseif depth > 32 then return check.fail("%s: lists of lights nest more than 32 deep; does a list hold itself?", name)
+  elseif type(lights) == "table" and not form.kind(lights) then
+    for i = 1, #lights do check_rays(name, lights[i], depth + 1) end
+  end
+end
+
 --- A traced scene with other lights, which are those of the scene no more: as tracing.trace returns it; nil, message, code.
 function tracing.relight(name, t, lights)
   local start = core.seconds()
+  check_rays(name, lights, 0)
   local packed, message, code = light.pack(1, name, lights)
   if not packed then return nil, message, code end
   local handle

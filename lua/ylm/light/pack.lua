@@ -116,7 +116,10 @@ function pack.field(n, name, value)
   if not devices.of(value):is_open(value) then
     return check.bad(n, name, "the lights have been closed")
   end
-  if core.has_field(value) and core.type(value) ~= "ylm.lights" then return value end
+  if core.has_field(value) and core.type(value) ~= "ylm.lights" then
+    if pcall(core.field_quantity, value) then return value end
+    return check.bad(n, name, "the %s has been closed", (core.type(value):gsub("^ylm%.", "")))
+  end
   return pack.pack(n, name, value)
 end
 

@@ -12,7 +12,7 @@ local warning = require "ylm.warning"
 
 local indirect = {}
 
-local LINKS = 64
+local LINKS, MOST = 64, 1000000 -- bounces, as many as t:radiosity sums
 
 local transfer_field = { "transfer", "object", of = "ylm.transfer", optional = true,
   about = "what scene:transfer returned; default: one with its defaults, where bounces are wanted" }
@@ -45,6 +45,9 @@ function indirect.settle(name, o)
   end
   if x == nil or x == "gather" then
     local bounces = x and "all" or o.bounces or 0
+    if bounces ~= "all" and bounces > MOST then
+      return check.bad(1, name, "bounces must be an integer from 0 to %d, or 'all', got %.0f", MOST, bounces)
+    end
     b = bounces ~= 0 and { by = "gather", bounces = bounces } or nil
   elseif core.type(x) == "ylm.radiosity" then
     b = { by = "gather", lit = x, bounces = objects.open_radiosity(name, x).options.bounces }
@@ -68,8 +71,9 @@ end
 --- The transfer that options or the view's links name, or a new one; or nil, message, code.
 local function transfer_of(p, o)
   local known = views.made[p.view].links
-  return o.transfer or known and known.transfer
-    or p.scene:transfer { lmax = 0, seed = p.options.seed, threads = o.threads, progress = o.progress }
+  local t = o.transfer or known and known.transfer
+  if t then return t end
+  return p.scene:transfer { lmax = 0, seed = p.options.seed, threads = o.threads, progress = o.progress }
 end
 
 --- Finds the links of a prepared view to the elements of t (nil: as above), or keeps those that it has: true, or nil,
@@ -81,8 +85,10 @@ function indirect.link(name, p, t, o)
     if not t then return nil, message, code end
   end
   if t.scene ~= p.scene then
-    return check.fail("%s: the transfer is of scene %q, the view of %q", name, t.scene.name or "?", p.scene.name or "?")
+    return check.fail("%s: the transfer is of scene %q, the view of another, %q: make one of the view's scene (scene:transfer)",
+      name, t.scene.name or "?", p.scene.name or "?")
   end
+  objects.of_view(name, p, t)
   local known = m.links
   if known and known.transfer == t and (count == nil or known.count == count) then return true end
   count = count or LINKS
@@ -161,9 +167,11 @@ end
 function indirect.report(p, o, report, image)
   local b = o.bounced
   if not b then
-    report.bounces = o.grid ~= nil and visibility.quantity(o.grid) == "all" and "those of the grid" or 0
+    local held = o.grid ~= nil and visibility.quantity(o.grid)
+    report.bounces = (held == "all" or held == "indirect") and "those of the grid" or 0
     if core.type(image) == "ylm.image" then image.metadata.bounces = tostring(report.bounces) end
     if report.bounces == 0 then report.omits = 'light that bounces (bounces = 0; bounces = "all" has it)' end
+    if held == "indirect" then report.omits = "direct light (scene:render { indirect = grid } has it)" end
     return
   end
   report.bounces = b.by == "grid" and "those of the grid" or b.bounces

@@ -18,17 +18,6 @@ local prepared = views.methods
 
 local MOST = 2 ^ 31 -- bytes of all matrices of a view
 
---- The transfer of a view's geometry, with all about it; raises where it is of another.
-local function transfer_of(name, p, t)
-  local m = objects.open_transfer(name, t)
-  local a, b = p.traced.shapes, m.traced.shapes
-  local alike = #a == #b
-  for i = 1, #a do alike = alike and a[i] == b[i] end
-  if alike then return m end
-  return check.fail("%s: the transfer is of other geometry, that of scene %q: make one of the view's scene (scene:transfer)",
-    name, m.scene.name or "?")
-end
-
 local transfer_fields = options.list({
   { "transfer", "object", of = "ylm.transfer", optional = true,
     about = "elements and links of the view's scene (scene:transfer): vectors with bounces, by rays that know no "
@@ -68,7 +57,7 @@ function prepared.transfer(view, given)
     end
     return check.result("transfer", p.lib.shade_transfer(p.view))
   end
-  local m, show = transfer_of("transfer", p, o.transfer), progress.resolve(o.progress)
+  local m, show = objects.of_view("transfer", p, o.transfer), progress.resolve(o.progress)
   local of, stats, code = vectors.arriving("transfer", o.transfer, m, o, show)
   if of == nil then return nil, stats, code end
   local T, message
@@ -116,7 +105,7 @@ assert(incident.shape[2] == 3 and incident.shape[3] == 16)]],
 function prepared.matrices(view, given)
   local p = views.open("matrices", view)
   local o = form.options(1, "matrices", matrix_fields, given)
-  local m, show = transfer_of("matrices", p, o.transfer), progress.resolve(o.progress)
+  local m, show = objects.of_view("matrices", p, o.transfer), progress.resolve(o.progress)
   local into = o.lmax_in or m.stats.lmax
   local out = o.lmax_out or into
   if into > m.stats.lmax then

@@ -54,7 +54,7 @@ end
 local function places_inside(s, given)
   local list = {}
   if given ~= nil then
-    local a = array.points(2, "transfer", given, "float")
+    local a = array.points(1, "transfer", given, "float", "inside")
     for _, p in ipairs(core.array_totable(a)) do list[#list + 1] = p end
   end
   if s.camera then list[#list + 1] = s.camera.from end

@@ -37,7 +37,7 @@ objects.radiosity, objects.radiosities = kind("radiosity", { "stats", "scene", "
 end)
 
 objects.gather, objects.gathers = kind("gather", { "stats", "scene", "radiosity", "rays" }, function(m)
-  return ("%s light, %s rays"):format(m.parts, m.rays)
+  return ("%s light, %s rays"):format(m.parts, m.rays == "auto" and m.rays or ("%.0f"):format(m.rays))
 end)
 
 --- All about the object before the colon: `made` of its kind, and `handle`.
@@ -62,14 +62,26 @@ function objects.open_gather(name, field)
   return opened(name, field, objects.gathers, "ylm.gather", "a gathered field")
 end
 
+--- Do two traced scenes hold the same meshes?
+local function alike(a, b)
+  if #a.shapes ~= #b.shapes then return false end
+  for i = 1, #a.shapes do if a.shapes[i] ~= b.shapes[i] then return false end end
+  return true
+end
+
+--- All about the transfer t; raises where a prepared view is of other meshes, or t has been closed.
+function objects.of_view(name, p, t)
+  local m = objects.open_transfer(name, t)
+  if alike(p.traced, m.traced) then return m end
+  return check.fail("%s: the transfer is of other geometry, that of scene %q%s: make one of the view's scene (scene:transfer)",
+    name, m.scene.name or "?", m.scene == p.scene and ", before it changed or after" or "")
+end
+
 --- Raises where the meshes of a scene are no more those of a transfer; the traced scene as it is now; nil, message, code.
 function objects.traced_again(name, m)
   local now, message, code = tracing.trace(name, m.scene)
   if not now then return nil, message, code end
-  local before, after = m.traced.shapes, now.shapes
-  local alike = #before == #after
-  for i = 1, #before do alike = alike and before[i] == after[i] end
-  if alike then return now end
+  if alike(m.traced, now) then return now end
   return check.fail("%s: the geometry of scene %q has changed since its transfer was made: make another one "
     .. "(scene:transfer)", name,
     m.scene.name or "?")

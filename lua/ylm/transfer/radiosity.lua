@@ -32,7 +32,7 @@ require "ylm.describe".object "radiosity" {
 
 function form.types.bounces_summed(x)
   if x == "all" or check.is_integer(x) and x >= 0 and x <= 1e6 then return x end
-  return nil, "a number of reflections after direct light, 0, 1, 2 .., or 'all'"
+  return nil, "a number of reflections after direct light, an integer from 0 to 1000000, or 'all'"
 end
 
 local options = {
