@@ -14,7 +14,11 @@ struct ylm_material {
   float albedo[3]; /* of light from everywhere alike                                         */
   void *table;     /* what the kind makes of the numbers, or keeps of a file; NULL: nothing  */
   size_t bytes;    /* its size, of which Lua's collector is told                             */
+  _Atomic(struct material_kept *) kept; /* table_kept.c */
 };
+
+/* table_kept.c */
+void ylm__material_free_kept(ylm_material *m);
 
 /* A kind's functions, which ylm_material.h describes; x: the numbers of a material. */
 typedef struct material_kind {

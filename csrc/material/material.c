@@ -108,6 +108,7 @@ void ylm_material_free(const ylm_material *m) {
     kinds[m->kind]->free(m->table);
   else
     ylm_free(m->table);
+  ylm__material_free_kept((ylm_material *)(uintptr_t)m);
   ylm_free((void *)(uintptr_t)m);
 }
 

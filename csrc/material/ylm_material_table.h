@@ -64,6 +64,12 @@ typedef struct ylm_material_table_facts {
 YLM_API ylm_status ylm_material_table_create(const ylm_material *m,
                                              const ylm_material_table_form *form,
                                              ylm_material_table **table, ylm_error *e);
+/* The table of a material and a degree, made at the first call, by 32 rows and 64 columns doubled to an
+   error of 0.002, and kept with the material: valid as long as it. Any number of threads at once.
+   As ylm_material_table_create. */
+YLM_API ylm_status ylm_material_table_kept(const ylm_material *m, int lmax, int threads,
+                                           const ylm_progress *progress,
+                                           const ylm_material_table **table, ylm_error *e);
 YLM_API void ylm_material_table_free(ylm_material_table *table);
 YLM_API void ylm_material_table_look(const ylm_material_table *table,
                                      ylm_material_table_facts *facts);

@@ -4,11 +4,6 @@
 
 #include "gloss.h"
 
-/* Of tables: rows are doubled until the error between them is at most this. */
-#define ROWS 32
-#define COLUMNS 64
-#define ERROR 0.002
-
 struct shade_gloss {
   size_t materials, meshes, points;
   const ylm_material **material; /* [materials], each once    */
@@ -71,9 +66,8 @@ const float (*ylm__shade_gloss_tangents(const shade_gloss *g))[3] {
 
 /* -- tables ------------------------------------------------------------------------------------ */
 
-static void tables_free(shade_tables *t, size_t materials) {
+static void tables_free(shade_tables *t) {
   if (!t) return;
-  for (size_t k = 0; t->table && k < materials; k++) ylm_material_table_free(t->table[k]);
   ylm_free(t->table);
   ylm_sh_rotator_free(t->rotator);
   ylm_sh_product_free(t->product);
@@ -83,23 +77,17 @@ static void tables_free(shade_tables *t, size_t materials) {
 static ylm_status tables_create(const shade_gloss *g, int lmax, int threads,
                                 const ylm_progress *progress, shade_tables **out, ylm_error *e) {
   double start = ylm_seconds();
-  ylm_material_table_form form = {.lmax = lmax,
-                                  .rows = ROWS,
-                                  .columns = COLUMNS,
-                                  .error = ERROR,
-                                  .threads = threads,
-                                  .progress = progress};
   shade_tables *t = *out = ylm_alloc_zero(1, sizeof *t);
   if (!t) return YLM_ENOMEM;
   t->lmax = lmax;
-  t->table = ylm_alloc_zero(g->materials, sizeof(ylm_material_table *));
+  t->table = ylm_alloc_zero(g->materials, sizeof *t->table);
   ylm_status s = t->table ? ylm_sh_rotator_create(lmax, &t->rotator, e) : YLM_ENOMEM;
   if (s == YLM_OK)
     s = ylm_sh_product_create(lmax, 2, YLM_SH_PRODUCT_auto, YLM_SH_PRODUCT_auto, &t->product, e);
   for (size_t k = 0; s == YLM_OK && k < g->materials; k++)
     if (g->seen[k]) {
       ylm_material_table_facts f = {0};
-      s = ylm_material_table_create(g->material[k], &form, &t->table[k], e);
+      s = ylm_material_table_kept(g->material[k], lmax, threads, progress, &t->table[k], e);
       if (s == YLM_OK) ylm_material_table_look(t->table[k], &f);
       t->bytes += f.bytes;
     }
@@ -127,7 +115,7 @@ ylm_status ylm__shade_gloss_tables(const ylm_shade_view *v, int lmax, int thread
                     YLM_MATERIAL_TABLE_LMAX, lmax);
   ylm_status s = tables_create(g, lmax, threads, progress, &made, e);
   if (s != YLM_OK) {
-    tables_free(made, g->materials);
+    tables_free(made);
     return s;
   }
   do made->next = head; /* others that made the same at the same time stay behind it, unused */
@@ -145,14 +133,13 @@ void ylm__shade_gloss_stats(const ylm_shade_view *v, ylm_shade_stats *stats) {
     stats->gloss_bytes += t->bytes;
     stats->gloss_seconds += t->seconds;
   }
-  stats->bytes += stats->gloss_bytes;
 }
 
 void ylm__shade_gloss_free(shade_gloss *g) {
   if (!g) return;
   for (shade_tables *t = atomic_load(&g->tables), *next; t; t = next) {
     next = t->next;
-    tables_free(t, g->materials);
+    tables_free(t);
   }
   ylm_free(g->material);
   ylm_free(g->seen);

@@ -12,7 +12,7 @@
 typedef struct shade_tables {
   struct shade_tables *next;
   int lmax;
-  ylm_material_table **table; /* [materials]; NULL: not in sight */
+  const ylm_material_table **table; /* [materials], theirs; NULL: not in sight */
   ylm_sh_rotator *rotator;
   ylm_sh_product *product;
   size_t bytes;
@@ -34,7 +34,7 @@ const float (*ylm__shade_gloss_tangents(const shade_gloss *g))[3];
 void ylm__shade_gloss_stats(const ylm_shade_view *v, ylm_shade_stats *stats);
 
 /*
-** ylm__shade_gloss_tables - the tables of a degree, made at the first call and kept with the view.
+** ylm__shade_gloss_tables - the tables of a degree, listed at the first call; materials keep them.
 **
 ** Returns  YLM_OK, and *out NULL where no point glosses; YLM_ERANGE (lmax), YLM_ENOMEM, YLM_ECANCELLED
 ** Threads  any number at once

@@ -83,8 +83,8 @@ typedef struct ylm_shade_stats {
   double noise;         /* that transfer_samples leave, below 0: not measured             */
   size_t bytes;         /* memory the view holds                                          */
   size_t glossy;        /* points that are shaded by tables (options.gloss)       */
-  size_t gloss_bytes;   /* of these tables, part of `bytes`                       */
-  double gloss_seconds; /* that making them took                                  */
+  size_t gloss_bytes;   /* of these tables, which materials keep                  */
+  double gloss_seconds; /* that making those took which were not there            */
 } ylm_shade_stats;
 
 /*

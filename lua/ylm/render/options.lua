@@ -144,7 +144,7 @@ options.report_text = "note (where nothing is to be shaded), notes (about files 
 
 --- Fields of reports about pictures by transfer vectors.
 options.transfer_text = options.report_text .. "gloss (of surfaces that gloss: matte, sh; with sh gloss_bytes, memory of "
-  .. "tables, and seconds.gloss, a part of transfer or light: that making them took, once a view); "
+  .. "tables, which materials keep, and seconds.gloss, a part of transfer or light: that those took which were not there); "
   .. "visibility (rays, transfer, none; grid: the shadows are those that the grid "
   .. "holds); by transfer vectors occlusion (of the light that the scene's lamps bring: passing, the part of the "
   .. "picture's that occluders stop in the scene, missing, the part of the scene's that the picture lacks, their standard "

@@ -1,0 +1,53 @@
+/* table_kept.c - tables that are kept with their material, one a degree. */
+#include "kind.h"
+#include "ylm_material_table.h"
+
+#define ROWS 32
+#define COLUMNS 64
+#define ERROR 0.002
+
+struct material_kept {
+  struct material_kept *next;
+  int lmax;
+  ylm_material_table *table;
+};
+
+static const ylm_material_table *find(const struct material_kept *k, int lmax) {
+  while (k && k->lmax != lmax) k = k->next;
+  return k ? k->table : NULL;
+}
+
+ylm_status ylm_material_table_kept(const ylm_material *m, int lmax, int threads,
+                                   const ylm_progress *progress, const ylm_material_table **table,
+                                   ylm_error *e) {
+  /* what is kept is no part of what a material is */
+  _Atomic(struct material_kept *) *kept = &((ylm_material *)(uintptr_t)m)->kept;
+  struct material_kept *head = atomic_load(kept);
+  if ((*table = find(head, lmax))) return YLM_OK;
+  ylm_material_table_form form = {.lmax = lmax,
+                                  .rows = ROWS,
+                                  .columns = COLUMNS,
+                                  .error = ERROR,
+                                  .threads = threads,
+                                  .progress = progress};
+  struct material_kept *new = ylm_alloc_zero(1, sizeof *new);
+  if (!new) return YLM_ENOMEM;
+  new->lmax = lmax;
+  ylm_status s = ylm_material_table_create(m, &form, &new->table, e);
+  if (s != YLM_OK) {
+    ylm_free(new);
+    return s;
+  }
+  do new->next = head; /* one that another thread has made meanwhile stays behind it */
+  while (!atomic_compare_exchange_weak(kept, &head, new));
+  *table = new->table;
+  return YLM_OK;
+}
+
+void ylm__material_free_kept(ylm_material *m) {
+  for (struct material_kept *k = atomic_load(&m->kept), *next; k; k = next) {
+    next = k->next;
+    ylm_material_table_free(k->table);
+    ylm_free(k);
+  }
+}
