@@ -175,8 +175,32 @@ describe("a tolerance of a picture", function()
     local image, report = room():render { size = { 32, 18 }, bounces = "all", tolerance = 0.05 }
     assert.is_true(report.met)
     assert.is_true(report.error <= 0.05 and report.judged.pixels > 300)
+    assert.is_true(report.judged.sure and report.judged.uncertainty < 0.02 and #report.warnings == 0)
     assert.equal(report.chosen.links, report.links)
     assert.equal("true", image.metadata.met)
+  end)
+
+  it("judges the very pixels of the picture, its own noise included", function()
+    local scene = room()
+    local truth = scene:pathtrace { size = SMALL.size, samples = 256, layers = false, reflections = { 1, "all" } }
+    local before = ylm.on_warning(false)
+    for _, means in ipairs { { samples = 1, links = 16, light_samples = 1 }, { samples = 4, links = 4, light_samples = 4 } } do
+      local image, report = scene:render { size = SMALL.size, bounces = "all", tolerance = 0.001, samples = means.samples,
+        links = means.links, light_samples = means.light_samples }
+      assert.is_false(report.met)
+      assert.near(1, report.error / error_of(image, truth), 0.1)
+    end
+    ylm.on_warning(before)
+  end)
+
+  it("that is met as far as is known is said to be so", function()
+    local before = ylm.on_warning(false)
+    local _, report = room():render { size = { 8, 4 }, bounces = "all", tolerance = 0.006 }
+    ylm.on_warning(before)
+    assert.is_true(report.met)
+    assert.is_false(report.judged.sure)
+    assert.matches("tolerance 0.006 is met as far as %d+ paths a pixel can tell: the error is 0.00%d+, and may be 0.0",
+      report.warnings[1])
   end)
 
   it("that is not met is said with cause and remedy", function()

@@ -2,7 +2,8 @@
 --
 --     build/ylm run spec/bench/bounces.lua [width] [tolerance] [samples of the judge] [scene] [threads]
 --
--- error: sqrt(max(0, mean((a-b)^2 - va))) / mean over pixels without lamps, b the judge and va its variance. block: the largest
+-- error: sqrt(max(0, mean((a-b)^2 - va))) / mean over pixels without lamps, b the judge and va its variance; +: with one standard
+-- error of that mean it is so much more. says, +: what the knob says, and by how much it may be more. block: the largest
 -- difference of means over 16 x 9 pixels, where the judge knows them to 0.5 %. paths: seconds that the path tracer takes to an
 -- error as small, its variance falling as 1/samples; ratio: to all seconds of the picture, and to those after its judge.
 
@@ -17,21 +18,25 @@ local function numbers(image, layer) return image:layer(layer):totable() end
 
 --- Sums over the pixels of a rectangle that show no lamp: error, mean, noise of the judge, all channels; means of a and b.
 local function compare(t, x0, y0, x1, y1)
-  local n, square, variance, a, b = 0, 0, 0, 0, 0
+  local n, square, variance, a, b, spread = 0, 0, 0, 0, 0, 0
   for y = y0, y1 do
     for x = x0, x1 do
       if t.lamp[y][x][1] == 0 then
+        local before = square - variance
         for c = 1, 3 do
           local p, q, v = t.a[y][x][c], t.b[y][x][c], t.v[y][x][c]
           n, square, variance, a, b = n + 1, square + (p - q) ^ 2, variance + v, a + p, b + q
         end
+        spread = spread + (square - variance - before) ^ 2
       end
     end
   end
   if n == 0 then return nil end
   a, b = a / n, b / n
-  return { error = math.sqrt(math.max(0, (square - variance) / n)) / b, noise = math.sqrt(variance / n) / b, bias = a / b - 1,
-    known = math.sqrt(variance) / n / b }
+  local found = math.max(0, (square - variance) / n)
+  local known = math.sqrt(math.max(0, spread - (square - variance) ^ 2 * 3 / n)) / n -- of `found`, by pixels
+  return { error = math.sqrt(found) / b, more = (math.sqrt(found + known) - math.sqrt(found)) / b,
+    noise = math.sqrt(variance / n) / b, bias = a / b - 1, known = math.sqrt(variance) / n / b }
 end
 
 --- The largest bias of a block that the judge knows to 0.5 %, and how many of these there are.
@@ -47,8 +52,9 @@ local function worst_block(t)
 end
 
 print(("%dx%d, tolerance %g, judge of %d samples, %d threads"):format(size[1], size[2], tolerance, samples, threads))
-print(("%-26s %7s %7s %6s %8s %7s %8s %8s %9s %7s %7s"):format("scene", "error", "says", "met", "block", "blocks", "s",
-  "s judge", "s paths", "ratio", "after"))
+local HEAD, ROW = "%-26s %7s %6s %7s %6s %6s %8s %7s %8s %8s %9s %7s %7s",
+  "%-26s %6.2f%% %5.2f%% %6.2f%% %5.2f%% %6s %7.2f%% %7d %8.1f %8.1f %9.1f %7.1f %7.1f"
+print(HEAD:format("scene", "error", "+", "says", "+", "met", "block", "blocks", "s", "s judge", "s paths", "ratio", "after"))
 for i, case in ipairs(scenes) do
   if only == 0 or only == i then
     local scene = case.make(ylm)
@@ -61,12 +67,14 @@ for i, case in ipairs(scenes) do
     local block, blocks = worst_block(t)
     local seconds = judge.seconds.total * (all.noise / math.max(all.error, 1e-9)) ^ 2
     local own = report.seconds.total - report.seconds.judge
-    print(("%-26s %6.2f%% %6.2f%% %6s %7.2f%% %7d %8.1f %8.1f %9.1f %7.1f %7.1f"):format(case.name, 100 * all.error,
-      100 * report.error, tostring(report.met), 100 * block, blocks, report.seconds.total, report.seconds.judge, seconds,
-      seconds / report.seconds.total, seconds / own))
+    local met = report.judged.sure and tostring(report.met) or "maybe"
+    print(ROW:format(case.name, 100 * all.error, 100 * all.more, 100 * report.error, 100 * report.judged.uncertainty, met,
+      100 * block, blocks, report.seconds.total, report.seconds.judge, seconds, seconds / report.seconds.total,
+      seconds / own))
     local c, causes = report.chosen, report.causes
     print(("  chosen: %d camera rays, share %g, %d shadow rays, %d links, %d elements; pixels %.2f%%, direct %.2f%%, "
-      .. "links %.2f%%, elements %.2f%%; judge's noise %.2f%%"):format(c.samples, c.share, c.light_samples, c.links, c.elements,
-      100 * causes.pixels, 100 * causes.direct, 100 * causes.links, 100 * (causes.elements or 0), 100 * all.noise))
+      .. "links %.2f%%, elements %.2f%%; judge's noise %.2f%%, knob's paths %d"):format(c.samples, c.share, c.light_samples,
+      c.links, c.elements, 100 * causes.pixels, 100 * causes.direct, 100 * causes.links, 100 * (causes.elements or 0),
+      100 * all.noise, report.judged.samples))
   end
 end

@@ -3,7 +3,7 @@
 -- Some hundred pixels alone are rendered with ever finer means. Noise is the difference of two estimates with random numbers of
 -- their own, the error of elements that from half their spacing. The error of camera rays is that from 256 of them, each with
 -- its own shading point, in direct light and an even one. The whole picture is made once, with the means found. Its error is
--- noise, the error of camera rays, and what the path tracer says of these pixels, noise taken off.
+-- how far these very pixels of it are from what paths through camera rays of their own say, the noise of the paths taken off.
 
 local check = require "ylm.check"
 local core = require "ylm.c.core"
@@ -24,10 +24,10 @@ local MOST = { light_samples = 1024, links = 1024, elements = 2 ^ 20, bytes = 2 
 local POINT = 110 -- bytes of a shading point without its links
 -- Camera rays of a pixel, and which of them are shaded as one, the cheapest first; the last judges the others.
 local RAYS = { { 16, 1.5 }, { 64, 1.5 }, { 16, 0 }, { 64, 0 }, { 256, 0 } }
-local JUDGED = { links = 256, light_samples = 64 } -- of a point that is judged
 local ELEMENT = { links = 128, light_samples = 16 }
-local JUDGE_FIRST, JUDGE_MOST = 256, 4096 -- paths from each point
-local KNOWN = 0.36 -- of the squared tolerance: the judge is precise enough
+-- The judge's estimates of a pixel, each with camera rays of its own and so many paths from each hit, and their number.
+local ROUND = { samples = 16, paths = 32, first = 2, most = 32 }
+local KNOWN = 0.1 -- of the squared tolerance: the judge is precise enough
 
 knob.fields = {
   { "tolerance", "number", min = 0.001, max = 1, optional = true,
@@ -67,9 +67,9 @@ local function need(...)
 end
 
 --- The prepared view of the chosen pixels, with its points a pixel.
-local function look(x, samples, share)
+local function look(x, samples, share, seed)
   local o = x.o
-  local view = need(views.prepare(x.name, x.scene, { size = o.size, samples = samples, seed = o.seed, share = share,
+  local view = need(views.prepare(x.name, x.scene, { size = o.size, samples = samples, seed = seed or o.seed, share = share,
     shading = "pixel", visibility = "rays", lmax = 0, threads = o.threads, progress = o.progress, pixels = x.pixels }))
   local p = views.open(x.name, view)
   return { p = p, view = view, density = p.stats.points / #x.pixels }
@@ -198,20 +198,59 @@ local function choose_links(x)
   end
 end
 
---- The squared systematic error against the path tracer, which traces more paths until it is sure; and its standard error.
+--- Channels of the pixels of a view v, one after the other, where no lamp is drawn.
+local function pixels_of(x, v, radiance)
+  local out = {}
+  for _, row in ipairs(need(check.result(x.name, x.lib.shade_resolve(v.view, radiance, nil, false, x.threads))):totable()) do
+    for c = 1, 3 do out[#out + 1] = row[1][c] end
+  end
+  return out
+end
+
+--- Estimate number k of the pixels: by paths through camera rays of its own.
+local function ask_paths(x, k)
+  local v = look(x, ROUND.samples, 0, (x.o.seed + 101 * k) % 2 ^ 32)
+  local mean, _, rays = need(check.result(x.name, x.lib.shade_judge(v.view, { samples = ROUND.paths, first = 1,
+    last = x.bounces == "all" and -1 or x.bounces + 1, seed = x.o.seed + 101 * k, threads = x.threads, progress = x.bar })))
+  local out = pixels_of(x, v, mean)
+  v.view:close()
+  x.judged.rays, x.judged.samples = x.judged.rays + rays, k * ROUND.samples * ROUND.paths
+  return out
+end
+
+--- The squared relative distance of pixels `a` from the mean of k estimates, by their sums and sums of squares, less the
+-- variance of that mean, which the k tell by their differences; and its standard error.
+local function distance(x, a, sum, squares, k)
+  local n, total, square, spread = math.max(1, x.judged.pixels), 0, 0, 0
+  for i = 1, #a, 3 do
+    local e = 0
+    for c = i, i + 2 do
+      local mean = sum[c] / k
+      total, e = total + mean / 3, e + ((a[c] - mean) ^ 2 - (squares[c] / k - mean ^ 2) / (k - 1)) / 3
+    end
+    square, spread = square + e, spread + e * e
+  end
+  square, spread = square / n, spread / n
+  local scale = 1 / math.max((total / n) ^ 2, 1e-300)
+  return square * scale, math.sqrt(math.max(0, spread - square ^ 2) / n) * scale
+end
+
+--- The squared error of the picture's own pixels against the path tracer, which traces more paths until it is sure; and its
+-- standard error.
 local function ask_judge(x)
-  local samples, limit, v = JUDGE_FIRST, x.tolerance ^ 2 - x.noise, x.first
-  local function one(k) return gather(x, v, x.lit, JUDGED.links, direct(x, v, JUDGED.light_samples, k), k) end
-  local picture = { v.view, one(0), one(1) }
+  local c, limit, sum, squares, k, check_at = x.chosen, x.tolerance ^ 2, {}, {}, 0, ROUND.first
+  local a = pixels_of(x, x.final, gather(x, x.final, x.lit, c.links, direct(x, x.final, c.light_samples, 0), 0))
+  for i = 1, #a do sum[i], squares[i] = 0, 0 end
   while true do
-    local mean, variance, rays = need(check.result(x.name, x.lib.shade_judge(x.first.view, { samples = samples, first = 1,
-      last = x.bounces == "all" and -1 or x.bounces + 1, seed = x.o.seed + 101, threads = x.threads, progress = x.bar })))
-    local found = compare(x, picture, { v.view, mean }, variance)
-    local scale = 1 / math.max(found.mean ^ 2, 1e-300)
-    local square, u = found.square * scale, found.uncertainty * scale
-    x.judged.rays, x.judged.samples = x.judged.rays + rays, samples
-    if u <= KNOWN * x.tolerance ^ 2 or math.abs(square - limit) > 3 * u or samples >= JUDGE_MOST then return square, u end
-    samples = samples * 4
+    k = k + 1
+    local b = ask_paths(x, k)
+    for i = 1, #a do sum[i], squares[i] = sum[i] + b[i], squares[i] + b[i] ^ 2 end
+    if k == check_at then
+      local square, u = distance(x, a, sum, squares, k)
+      local least = math.max(square, x.noise)
+      if u <= KNOWN * limit or math.abs(least - limit) > 3 * u or k >= ROUND.most then return square, u end
+      check_at = 2 * k
+    end
   end
 end
 
@@ -243,15 +282,22 @@ local function cause_of(x, error)
     c.elements, c.spacing, c.spacing / 2)
 end
 
---- The verdict on a picture of this squared error, known to a standard error of u.
+--- The verdict on a picture of this squared error, known to a standard error of u. Noise that two estimates have shown is
+-- the least error.
 local function verdict(x, square, u, start)
-  local error = math.sqrt(math.max(0, square) + x.noise)
+  local error = math.sqrt(math.max(0, square, x.noise))
   local out = { tolerance = x.tolerance, error = error, met = error <= x.tolerance, causes = x.causes,
-    judged = { pixels = x.judged.pixels, samples = x.judged.samples, rays = x.judged.rays,
-      uncertainty = u / math.max(2 * error, math.sqrt(u), 1e-300), seconds = core.seconds() - start } }
+    judged = { pixels = x.judged.pixels, samples = x.judged.samples, rays = x.judged.rays, sure = true,
+      uncertainty = math.sqrt(error ^ 2 + u) - error, seconds = core.seconds() - start } }
   if not out.met then
     out.warning = ("scene %q: tolerance %.3g is not met, the error is %.2g: %s, or set tolerance = %.2g"):format(
       x.scene.name or "?", x.tolerance, error, cause_of(x, error), error * 1.1)
+  elseif error ^ 2 + 2 * u > x.tolerance ^ 2 then
+    out.judged.sure = false
+    local most = math.sqrt(error ^ 2 + 2 * u)
+    out.warning = ("scene %q: tolerance %.3g is met as far as %d paths a pixel can tell: the error is %.2g, and may be %.2g; "
+      .. "set tolerance = %.2g, or compare with scene:pathtrace"):format(x.scene.name or "?", x.tolerance, x.judged.samples,
+      error, most, 1.1 * most)
   end
   return out
 end
@@ -299,7 +345,7 @@ function knob.choose(name, s, o, given)
     if type(found) == "table" and found.trial then return nil, found[1], found[2] end
     error(found, 0)
   end
-  if not found.met then warning.say(s, "tolerance", "%s", found.warning) end
+  if found.warning then warning.say(s, "tolerance", "%s", found.warning) end
   return { lit = x.lit, verdict = found, chosen = chosen }
 end
 
