@@ -189,6 +189,21 @@ describe("gloss = 'sh'", function()
     assert.is_nil(b.gloss)
   end)
 
+  it("is cancelled while tables are made, and made again", function()
+    local s = scene { ylm.sphere { material = ylm.phong { exponent = 3 } } }
+    local o, stages = with({ lmax = 1, visibility = "none", gloss = "sh" }, picture), {}
+    o.progress = function(_, _, stage)
+      stages[stage] = true
+      return stage ~= "table"
+    end
+    local v, _, code = s:prepare(o)
+    assert.is_nil(v)
+    assert.equal("ECANCELLED", code)
+    assert.is_true(stages.table)
+    o.progress = nil
+    assert.is_true(s:prepare(o).stats.gloss_bytes > 0)
+  end)
+
   it("refuses degrees beyond its tables, and transfer vectors of what has none", function()
     local s = scene { ylm.sphere { material = gold } }
     assert.has_error(function() s:prepare(with { gloss = "rays" }) end,

@@ -345,6 +345,10 @@ for _, name in ipairs { "render", "reference", "raycast" } do
   end)
 end
 calls["scene:render transfer"] = on(scene, function(s) return s:render { size = size, samples = 1, visibility = "transfer" } end)
+calls["surfaces that gloss"] = on(scene, function(s)
+  s.geometry[1].material = ylm.phong { exponent = 4 }
+  return s:reference { size = size, samples = 1, lmax = 1, gloss = "sh", transfer_samples = 8 }
+end)
 local function many_lamps()
   local at = {}
   for i = 1, 300 do at[i] = { i / 100, 1, 0 } end
