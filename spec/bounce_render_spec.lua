@@ -182,10 +182,10 @@ describe("a tolerance of a picture", function()
 
   it("judges the very pixels of the picture, its own noise included", function()
     local scene = room()
-    local truth = scene:pathtrace { size = SMALL.size, samples = 256, layers = false, reflections = { 1, "all" } }
+    local truth = scene:pathtrace { size = { 16, 9 }, samples = 512, layers = false, reflections = { 1, "all" } }
     local before = ylm.on_warning(false)
     for _, means in ipairs { { samples = 1, links = 16, light_samples = 1 }, { samples = 4, links = 4, light_samples = 4 } } do
-      local image, report = scene:render { size = SMALL.size, bounces = "all", tolerance = 0.001, samples = means.samples,
+      local image, report = scene:render { size = { 16, 9 }, bounces = "all", tolerance = 0.001, samples = means.samples,
         links = means.links, light_samples = means.light_samples }
       assert.is_false(report.met)
       assert.near(1, report.error / error_of(image, truth), 0.1)
@@ -195,7 +195,7 @@ describe("a tolerance of a picture", function()
 
   it("that is met as far as is known is said to be so", function()
     local before = ylm.on_warning(false)
-    local _, report = room():render { size = { 8, 4 }, bounces = "all", tolerance = 0.006 }
+    local _, report = room():render { size = { 4, 2 }, bounces = "all", tolerance = 0.006 }
     ylm.on_warning(before)
     assert.is_true(report.met)
     assert.is_false(report.judged.sure)

@@ -166,7 +166,8 @@ local function choose_light_samples(x)
   end
 end
 
---- Elements small enough: half their spacing changes little. The half leaves at most half of that change.
+--- Elements small enough: half their spacing changes little. Edges of shadows and lamps nearby leave errors that fall with the
+-- spacing itself, so the half leaves as much as it changed.
 local function choose_elements(x)
   local c, aim = x.chosen, SHARE.elements * x.tolerance
   if x.o.transfer then
@@ -181,7 +182,7 @@ local function choose_elements(x)
     coarse:close()
     coarse.transfer:close()
     local now = gather(x, x.first, x.lit, FIRST.links, nil, 0)
-    x.causes.elements, before = difference(x, x.first, before, now) / 2, now
+    x.causes.elements, before = difference(x, x.first, before, now), now
   until x.causes.elements <= aim or 4 * c.elements > MOST.elements
 end
 
