@@ -61,6 +61,29 @@ void ylm_shade_links_look(const ylm_shade_links *l, ylm_shade_links_stats *stats
 
 const ylm_transfer *ylm_shade_links_transfer(const ylm_shade_links *l) { return l->transfer; }
 
+/* -- noise ------------------------------------------------------------------------ */
+
+#define LOOKED_AT 4096 /* points */
+
+double ylm_shade_gather_noise(const ylm_shade_links *l, const float *leaving) {
+  size_t points = l->view->points, n = points < LOOKED_AT ? points : LOOKED_AT;
+  double square = 0, mean = 0;
+  for (size_t k = 0; k < n; k++) {
+    const uint32_t *link = l->link + k * points / n * (size_t)l->links;
+    double sum[2] = {0};
+    for (int i = 0; i < l->links; i++) {
+      const float *r = leaving + 4 * (size_t)link[i];
+      sum[i & 1] += YLM_LUMINANCE_R * (double)r[0] + YLM_LUMINANCE_G * (double)r[1] +
+                    YLM_LUMINANCE_B * (double)r[2];
+    }
+    double apart =
+        (sum[0] - sum[1]) / l->links; /* half of the difference of means over half of them */
+    square += apart * apart;
+    mean += (sum[0] + sum[1]) / l->links;
+  }
+  return mean > 0 ? sqrt(square * (double)n) / mean : 0;
+}
+
 /* -- gathering ------------------------------------------------------------------- */
 
 typedef struct gather_job {

@@ -338,6 +338,10 @@ YLM_API ylm_status ylm_shade_gather(const ylm_shade_links *links, const float *l
                                     const float *start, int threads, const ylm_progress *progress,
                                     float *out);
 
+/* The noise of gathered light at a shading point: half of the difference of two estimates, by links of even and of
+   odd number, root mean square over at most 4,096 points, over the mean of the light; in luminance. 0 where there is none. */
+YLM_API double ylm_shade_gather_noise(const ylm_shade_links *links, const float *leaving);
+
 /* ylm_transfer_vectors_at and ylm_transfer_matrices of a view's shading points: out [points][3][(lmax+1)^2], lmax of the
    transfer, and [points][3][(lmax_out+1)^2][(lmax_in+1)^2]. Points keep the random numbers of their place in the image. */
 YLM_API ylm_status ylm_shade_view_vectors(const ylm_shade_view *view, const ylm_transfer *transfer,

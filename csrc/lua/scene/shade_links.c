@@ -68,6 +68,16 @@ static int shade_gather(lua_State *L) {
   return ylmL_result_progress(L, 1, s, &e, &p);
 }
 
+/* shade_gather_noise(links, lit) -> number */
+static int shade_gather_noise(lua_State *L) {
+  const ylm_shade_links *l = check_links(L, 1);
+  const ylm_radiosity *lit = ylmL_radiosity(L, 2);
+  if (ylm_radiosity_transfer(lit) != ylm_shade_links_transfer(l))
+    return ylmL_result(L, 0, YLM_EINVAL, NULL);
+  lua_pushnumber(L, (lua_Number)ylm_shade_gather_noise(l, ylm_radiosity_leaving(lit)));
+  return 1;
+}
+
 /* shade_add(a, b, factor or nil: 1): a += factor b; float arrays of one size -> a */
 static int shade_add(lua_State *L) {
   ylmL_array *a = ylmL_array_check(L, 1), *b = ylmL_array_check(L, 2);
@@ -82,6 +92,7 @@ static int shade_add(lua_State *L) {
 static const luaL_Reg functions[] = {{"shade_links", shade_links},
                                      {"shade_links_stats", shade_links_stats},
                                      {"shade_gather", shade_gather},
+                                     {"shade_gather_noise", shade_gather_noise},
                                      {"shade_add", shade_add},
                                      {NULL, NULL}};
 

@@ -163,6 +163,17 @@ function indirect.add(name, p, o, radiance)
   return out
 end
 
+local LOUD, FAIR = 0.25, 0.1 -- noise of gathered light at a shading point: of which a picture warns, and which is advised
+
+--- Says that links miss what is bright, and what to change.
+local function say_noise(p, report, count, noise)
+  local enough = 64 * math.ceil(count * (noise / FAIR) ^ 2 / 64)
+  local advice = enough <= core.limits.transfer_links and ("set links = %d, or a tolerance"):format(enough)
+    or "few of them meet what is bright; set a tolerance, which chooses camera rays too"
+  report.warnings[#report.warnings + 1] = warning.say(p.scene, "links", "scene %q: %d links of a shading point leave a noise of "
+    .. "%.0f %% in the light that bounces: %s", p.scene.name or "?", count, 100 * noise, advice)
+end
+
 --- Completes report and metadata of a picture by its bounces.
 function indirect.report(p, o, report, image)
   local b = o.bounced
@@ -184,6 +195,8 @@ function indirect.report(p, o, report, image)
   if b.by == "gather" then
     local m = views.made[p.view]
     report.links, report.rays.links = m.links.count, m.links.stats.rays
+    report.indirect_noise = p.lib.shade_gather_noise(m.links.handle, b.lit)
+    if report.indirect_noise > LOUD and not o.tolerance then say_noise(p, report, m.links.count, report.indirect_noise) end
     report.elements, report.balance = b.lit.transfer.stats.elements, b.lit.stats.balance
   end
   local n = p.traced.glossy
