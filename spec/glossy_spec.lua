@@ -208,6 +208,8 @@ describe("gloss = 'sh'", function()
     local s = scene { ylm.sphere { material = gold } }
     assert.has_error(function() s:prepare(with { gloss = "rays" }) end,
       "bad argument #1 to 'prepare' (gloss must be one of 'matte', 'sh', got 'rays')")
+    assert.has_error(function() s:render(with { gloss = "sh" }) end, 'render: gloss is for a grid (visibility = "transfer" bakes '
+      .. 'one), visibility is "rays": name one that fits, or leave gloss out')
     local ok, message = pcall(s.prepare, s, with({ lmax = 61, visibility = "none", gloss = "sh" }, picture))
     assert.is_false(ok)
     assert.matches("tables of degree 0 to 60, here is light of degree 61: lower lmax, or shade them as matte ones", message)

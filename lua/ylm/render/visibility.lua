@@ -54,7 +54,8 @@ function visibility.settle_picture(name, o, given)
   visibility.settle(name, o, given, held == "lights" and "transfer" or "rays")
   if held and held ~= "lights" then o.visibility = "rays" end -- the grid knows all shadows
   if o.visibility == "rays" and not held then
-    return refuse(name, given, { "interpolation", "bias", "light_tolerance" }, 'a grid (visibility = "transfer" bakes one)', o)
+    return refuse(name, given, { "interpolation", "bias", "light_tolerance", "gloss" },
+      'a grid (visibility = "transfer" bakes one)', o)
   end
   if held then return refuse(name, given, { "light_samples" }, "pictures without a grid", o) end
 end
