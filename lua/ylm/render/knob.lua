@@ -2,7 +2,7 @@
 --
 -- Some hundred pixels alone are rendered with ever finer means. Noise is the difference of two estimates with random numbers of
 -- their own, the error of elements that from half their spacing. The error of camera rays is that from 256 of them, each with
--- its own shading point, in direct light and an even one. The whole picture is made once, with the means found. Its error is
+-- its own shading point, in direct light and bounced. The whole picture is made once, with the means found. Its error is
 -- how far these very pixels of it are from what paths through camera rays of their own say, the noise of the paths taken off.
 
 local check = require "ylm.check"
@@ -117,21 +117,18 @@ local function per_point(light_samples, links, density)
   return math.max(1, math.ceil(light_samples / density)), math.max(4, 4 * math.ceil(links / density / 4))
 end
 
---- The mean of the picture, and the even light that stands for what bounces, in units of what an albedo of 1 reflects.
+--- The mean of the picture.
 local function rough(x)
   local v = x.first
-  local albedo, a = select(3, need(x.lib.shade_points(v.view))), direct(x, v, 2 * FIRST.light_samples, 0)
-  local all = gather(x, v, x.lit, FIRST.links, a, 0)
-  local function mean(values) return compare(x, { v.view, values }, { v.view, values }) end
-  local found, reflected = mean(all), mean(albedo).mean
+  local all = gather(x, v, x.lit, FIRST.links, direct(x, v, 2 * FIRST.light_samples, 0), 0)
+  local found = compare(x, { v.view, all }, { v.view, all })
   x.mean, x.judged.pixels = found.mean, found.pixels
-  x.even = reflected > 0 and (found.mean - mean(a).mean) / reflected or 0
 end
 
---- Two estimates by a view, with some 64 shadow rays a pixel.
+--- Two estimates by a view, with some 64 shadow rays and 256 links a pixel.
 local function outlines(x, v)
-  local rays, albedo = per_point(64, 4, v.density), select(3, need(x.lib.shade_points(v.view)))
-  local function one(k) return need(check.result(x.name, x.lib.shade_add(direct(x, v, rays, k), albedo, x.even))) end
+  local rays, links = per_point(64, 256, v.density)
+  local function one(k) return gather(x, v, x.lit, links, direct(x, v, rays, k), k) end
   return { v.view, one(0), one(1) }
 end
 
@@ -166,8 +163,7 @@ local function choose_light_samples(x)
   end
 end
 
---- Elements small enough: half their spacing changes little. Edges of shadows and lamps nearby leave errors that fall with the
--- spacing itself, so the half leaves as much as it changed.
+--- Elements small enough: half their spacing changes little. The half leaves at most half of that change.
 local function choose_elements(x)
   local c, aim = x.chosen, SHARE.elements * x.tolerance
   if x.o.transfer then
@@ -182,7 +178,7 @@ local function choose_elements(x)
     coarse:close()
     coarse.transfer:close()
     local now = gather(x, x.first, x.lit, FIRST.links, nil, 0)
-    x.causes.elements, before = difference(x, x.first, before, now), now
+    x.causes.elements, before = difference(x, x.first, before, now) / 2, now
   until x.causes.elements <= aim or 4 * c.elements > MOST.elements
 end
 
