@@ -72,8 +72,9 @@ ylm_status ylm__grid_check_form(const ylm_grid_form *f, ylm_error *e) {
   if ((int)f->quantity < 0 || f->quantity >= YLM_QUANTITY_COUNT)
     return ylm_fail(e, YLM_EINVAL, "quantity: lights, direct, indirect, all or visibility");
   if (f->dynamic && (f->bias > 0 || f->measure != YLM_GRID_COEFFICIENTS))
-    return ylm_fail(e, YLM_EINVAL,
-                    "dynamic: a grid that follows lights has no bias, and a tolerance of coefficients");
+    return ylm_fail(
+        e, YLM_EINVAL,
+        "dynamic: a grid that follows lights has no bias, and a tolerance of coefficients");
   if (f->kind == YLM_GRID_UNIFORM) return check_uniform(f, e);
   if (f->kind == YLM_GRID_ADAPTIVE) return check_adaptive(f, e);
   return ylm_fail(e, YLM_EINVAL, "kind: adaptive or uniform");

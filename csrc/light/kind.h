@@ -100,8 +100,8 @@ struct ylm__light_kind {
 /* The table. `foreign`: a light field of another origin, of which nothing else is known. */
 #define YLM__LIGHT_KINDS(X)                                                                        \
   X(sphere)                                                                                        \
-  X(polygon) X(polygon_as_sphere) X(textured) X(environment) X(panorama) X(sun) X(sampled)         \
-      X(foreign)
+  X(polygon)                                                                                       \
+  X(polygon_as_sphere) X(textured) X(environment) X(panorama) X(sun) X(sampled) X(foreign)
 #define X(name) extern const ylm__light_kind ylm__##name##_kind;
 YLM__LIGHT_KINDS(X)
 #undef X

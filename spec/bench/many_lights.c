@@ -132,7 +132,11 @@ static answer ask(const ylm_field *f, ylm_dtype t, size_t n, const void *points,
                        .metric_channels = 1,
                        .dtype = t,
                        .threads = t == YLM_FLOAT};
-  ylm_field_result r = {a.value, a.gradient, a.hessian, a.lambda, a.norm, NULL, 0};
+  ylm_field_result r = {.value = a.value,
+                        .gradient = a.gradient,
+                        .hessian = a.hessian,
+                        .lambda = a.lambda,
+                        .norm = a.norm};
   double begin = ylm_seconds();
   if (f->evaluate(f, &q, n, points, &r, NULL) != YLM_OK) abort();
   a.seconds = ylm_seconds() - begin;

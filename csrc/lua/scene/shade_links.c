@@ -84,17 +84,16 @@ static int shade_add(lua_State *L) {
   float factor = (float)luaL_optnumber(L, 3, 1);
   if (a->dtype != YLM_FLOAT || b->dtype != YLM_FLOAT) return ylmL_result(L, 0, YLM_ETYPE, NULL);
   if (a->count != b->count) return ylmL_result(L, 0, YLM_ESHAPE, NULL);
-  for (size_t i = 0; i < a->count; i++) ((float *)a->data)[i] += factor * ((const float *)b->data)[i];
+  for (size_t i = 0; i < a->count; i++)
+    ((float *)a->data)[i] += factor * ((const float *)b->data)[i];
   lua_pushvalue(L, 1);
   return 1;
 }
 
-static const luaL_Reg functions[] = {{"shade_links", shade_links},
-                                     {"shade_links_stats", shade_links_stats},
-                                     {"shade_gather", shade_gather},
-                                     {"shade_gather_noise", shade_gather_noise},
-                                     {"shade_add", shade_add},
-                                     {NULL, NULL}};
+static const luaL_Reg functions[] = {
+    {"shade_links", shade_links},   {"shade_links_stats", shade_links_stats},
+    {"shade_gather", shade_gather}, {"shade_gather_noise", shade_gather_noise},
+    {"shade_add", shade_add},       {NULL, NULL}};
 
 static const luaL_Reg methods[] = {{"__gc", ylmL_let_go}, {NULL, NULL}};
 
