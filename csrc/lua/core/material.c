@@ -1,7 +1,7 @@
 /* material.c - materials as objects; lua/ylm/material makes them of forms. */
 #include <math.h>
 
-#include "../binding.h"
+#include "material.h"
 #include "ylm_material.h"
 
 /* material_kinds() -> list of names */
@@ -57,9 +57,7 @@ static int material_albedo(lua_State *L) {
   return 3;
 }
 
-/* n directions of length 1, [n][3] float, of rows [n][3] or one row for all; NULL (nil, message, code
-   pushed): a row is zero or not finite. */
-static ylmL_array *unit_rows(lua_State *L, int i, size_t n, const char *name) {
+ylmL_array *ylmL_unit_rows(lua_State *L, int i, size_t n, const char *name, bool above) {
   ylmL_array *a = ylmL_array_check(L, i), *to;
   size_t rows = a->count / 3;
   ylm_error e = {0};
@@ -74,8 +72,12 @@ static ylmL_array *unit_rows(lua_State *L, int i, size_t n, const char *name) {
       v[c] = ylmL_array_get(a, 3 * (rows == 1 ? 0 : k) + c);
       l += v[c] * v[c];
     }
-    if (!(l > 0 && l < INFINITY)) {
-      ylmL_result(L, 0, ylm_fail(&e, YLM_EDOMAIN, "%s: row %zu has no direction", name, k + 1), &e);
+    bool some = l > 0 && l < INFINITY;
+    if (!some || (above && v[2] < 0)) {
+      ylmL_result(L, 0,
+                  ylm_fail(&e, YLM_EDOMAIN, "%s: row %zu %s", name, k + 1,
+                           some ? "is below the surface" : "has no direction"),
+                  &e);
       return NULL;
     }
     for (size_t c = 0; c < 3; c++) ((float *)to->data)[3 * k + c] = (float)(v[c] / sqrt(l));
@@ -101,7 +103,8 @@ static int material_eval(lua_State *L) {
   lua_settop(L, 4);
   ylmL_array *f = ylmL_array_result(L, 4, YLM_FLOAT, 2, (size_t[]){n, 3}, &s);
   if (!f) return ylmL_result(L, 0, s, NULL);
-  ylmL_array *wi = unit_rows(L, 2, n, "wi"), *wo = wi ? unit_rows(L, 3, n, "wo") : NULL;
+  ylmL_array *wi = ylmL_unit_rows(L, 2, n, "wi", false),
+             *wo = wi ? ylmL_unit_rows(L, 3, n, "wo", false) : NULL;
   if (!wo) return 3;
   ylm_material_eval(m, n, ROWS(wi), ROWS(wo), f->data);
   lua_pushvalue(L, 5);
@@ -116,7 +119,8 @@ static int material_pdf(lua_State *L) {
   lua_settop(L, 4);
   ylmL_array *pdf = ylmL_array_result(L, 4, YLM_FLOAT, 1, (size_t[]){n}, &s);
   if (!pdf) return ylmL_result(L, 0, s, NULL);
-  ylmL_array *wi = unit_rows(L, 2, n, "wi"), *wo = wi ? unit_rows(L, 3, n, "wo") : NULL;
+  ylmL_array *wi = ylmL_unit_rows(L, 2, n, "wi", false),
+             *wo = wi ? ylmL_unit_rows(L, 3, n, "wo", false) : NULL;
   if (!wo) return 3;
   ylm_material_pdf(m, n, ROWS(wi), ROWS(wo), pdf->data);
   lua_pushvalue(L, 5);
@@ -144,7 +148,7 @@ static int material_sample(lua_State *L) {
     out[k] = ylmL_array_result(L, 4 + k, YLM_FLOAT, k < 2 ? 2 : 1, shape, &s);
     if (!out[k]) return ylmL_result(L, 0, s, NULL);
   }
-  ylmL_array *wo = unit_rows(L, 2, n, "wo");
+  ylmL_array *wo = ylmL_unit_rows(L, 2, n, "wo", false);
   if (!wo) return 3;
   ylm_material_sample(m, n, ROWS(wo), ROWS(u), out[0]->data, out[1]->data, out[2]->data);
   lua_settop(L, 9);
@@ -156,7 +160,7 @@ static int material_reflectance(lua_State *L) {
   const ylm_material *m = ylmL_material_check(L, 1);
   size_t n = ylmL_array_check(L, 2)->count / 3;
   lua_settop(L, 2);
-  ylmL_array *wo = unit_rows(L, 2, n, "wo");
+  ylmL_array *wo = ylmL_unit_rows(L, 2, n, "wo", false);
   if (!wo) return 3;
   ylmL_array *to = ylmL_array_new(L, YLM_FLOAT, 2, (size_t[]){n, 3});
   if (!to) return ylmL_result(L, 0, YLM_ENOMEM, NULL);

@@ -1,7 +1,5 @@
 /* material_table.c - tables of materials in spherical harmonics; lua/ylm/material/table.lua drives it. */
-#include <math.h>
-
-#include "../binding.h"
+#include "material.h"
 #include "ylm_material_table.h"
 
 #define TABLE "ylm.material_table"
@@ -54,39 +52,16 @@ static int material_table(lua_State *L) {
   return ylmL_result_progress(L, 2, s, &e, &p);
 }
 
-/* Directions of length 1, [n][3] float, of rows [n][3]; NULL: nil, message, code are pushed. */
-static ylmL_array *unit_rows(lua_State *L, int i) {
-  ylmL_array *a = ylmL_array_check(L, i);
-  size_t n = a->count / 3;
-  ylm_error e = {0};
-  ylmL_array *to = ylmL_array_new(L, YLM_FLOAT, 2, (size_t[]){n, 3});
-  if (!to) {
-    ylmL_result(L, 0, YLM_ENOMEM, NULL);
-    return NULL;
-  }
-  for (size_t k = 0; k < n; k++) {
-    double v[3], l = 0;
-    for (size_t c = 0; c < 3; c++) {
-      v[c] = ylmL_array_get(a, 3 * k + c);
-      l += v[c] * v[c];
-    }
-    if (!(l > 0 && l < INFINITY && v[2] >= 0)) {
-      ylmL_result(L, 0,
-                  ylm_fail(&e, YLM_EDOMAIN, "wo: row %zu %s", k + 1,
-                           l > 0 && l < INFINITY ? "is below the surface" : "has no direction"),
-                  &e);
-      return NULL;
-    }
-    for (size_t c = 0; c < 3; c++) ((float *)to->data)[3 * k + c] = (float)(v[c] / sqrt(l));
-  }
-  return to;
+/* Directions above the surface. */
+static ylmL_array *views(lua_State *L, int i) {
+  return ylmL_unit_rows(L, i, ylmL_array_check(L, i)->count / 3, "wo", true);
 }
 
 /* material_table_slices(table, wo [n][3]) -> float [n][3][(lmax+1)^2] */
 static int material_table_slices(lua_State *L) {
   handle *h = ylmL_check(L, 1, TABLE);
   ylm_material_table_facts f;
-  ylmL_array *wo = unit_rows(L, 2);
+  ylmL_array *wo = views(L, 2);
   if (!wo) return 3;
   ylm_material_table_look(h->table, &f);
   size_t n = wo->count / 3, count = (size_t)(f.lmax + 1) * (size_t)(f.lmax + 1);
@@ -100,7 +75,7 @@ static int material_table_slices(lua_State *L) {
 static int material_table_missed(lua_State *L) {
   handle *h = ylmL_check(L, 1, TABLE);
   int lmax = (int)luaL_checknumber(L, 2);
-  ylmL_array *wo = unit_rows(L, 3);
+  ylmL_array *wo = views(L, 3);
   if (!wo) return 3;
   ylmL_array *out = ylmL_array_new(L, YLM_FLOAT, 1, (size_t[]){wo->count / 3});
   if (!out) return ylmL_result(L, 0, YLM_ENOMEM, NULL);
