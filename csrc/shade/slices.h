@@ -1,0 +1,46 @@
+/* slices.h - slices of points that gloss: the weight of light from every direction, in the world. Private. */
+#ifndef YLM_SHADE_SLICES_H
+#define YLM_SHADE_SLICES_H
+
+#include "gloss.h"
+
+/* The most points whose slices are made at once. */
+#define YLM_SHADE_SLICES 256
+
+/* Slices of points of one material. One thread uses it. */
+typedef struct shade_slices {
+  const ylm_shade_view *v;
+  const shade_tables *t;
+  const ylm_material_table *table; /* of the material           */
+  size_t functions, count;         /* of it; (lmax+1)^2         */
+  float *slice;                    /* [YLM_SHADE_SLICES][functions][count] */
+  bool halves;                     /* of rows: m >= 0 alone     */
+  float *row, *factor;             /* room                      */
+} shade_slices;
+
+/* For points of a view, by tables of one degree; NULL without memory. */
+shade_slices *ylm__shade_slices(const ylm_shade_view *v, const shade_tables *t);
+void ylm__shade_slices_free(shade_slices *x);
+
+/* Slices that are made from now on are of the view's material k (ylm__shade_gloss_slot). */
+void ylm__shade_slices_of(shade_slices *x, uint32_t k);
+
+/*
+** ylm__shade_slices_make - slices of n points of the material, towards the camera.
+**
+**   n      in   0 .. YLM_SHADE_SLICES
+**   point  in   [n]  numbers of points of the view
+**   V      in   [n]  their rows of visibility, [count] each; NULL: nothing occludes
+**
+** Result   x->slice, in the axes of the scene, times V
+** Returns  YLM_OK; YLM_ENOMEM
+*/
+ylm_status ylm__shade_slices_make(shade_slices *x, size_t n, const size_t *point,
+                                  const float *const *V);
+
+/* Radiance by slices from .. from + n - 1 under coefficients l->L of these points, [n][channels][..]; without
+   tints; out [n][3]. */
+void ylm__shade_slices_light(const shade_slices *x, ylm_shade_dot_fn *dot, size_t from, size_t n,
+                             const shade_light *l, float *out);
+
+#endif
