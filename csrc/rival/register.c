@@ -9,6 +9,9 @@ void ylm_rival_register(void) {
       [YLM_SH_sloan] = &ylm__rival_sloan,
       [YLM_SH_scd] = &ylm__rival_scd};
   static const ylm_sh_rival_product *const products[YLM_SH_PRODUCT_METHOD_COUNT] = {
-      [YLM_SH_PRODUCT_fourier] = &ylm__rival_fourier, [YLM_SH_PRODUCT_brute] = &ylm__rival_brute};
+      [YLM_SH_PRODUCT_fourier] = &ylm__rival_fourier,
+      [YLM_SH_PRODUCT_brute] = &ylm__rival_brute,
+      [YLM_SH_PRODUCT_list] = &ylm__rival_list};
   ylm_sh_rivals_set(evals, products);
+  ylm_material_rival_set(ylm__rival_nearest);
 }

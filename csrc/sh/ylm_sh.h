@@ -282,17 +282,19 @@ YLM_API double ylm_sh_cosine_factor(int l);
 
 /*
 ** The ways to multiply functions given by coefficients of degree <= lmax, cut off at lmax again.
-** All but the last are exact. fourier and brute exist to be compared with, and are in
+** All but the last are exact. fourier, brute and list exist to be compared with, and are in
 ** libylm_rival.so.
 **   auto        the fastest for the size
 **   gaunt       sums over the non-zero integrals of three basis functions; two factors
 **   quadrature  to the points of a rule that is exact for the degree, and back
 **   fourier     convolution of Fourier series, divide and conquer (Xin et al. 2021)
 **   brute       sums over the non-zero integrals of all factors and the result (small sizes)
+**   list        two factors: a list of all non-zero integrals, each with its three places, walked one
+**               by one (Ng et al. 2004)
 **   recursive   two at a time, cut off at lmax in between: an approximation for three or more
 */
 #define YLM_SH_PRODUCT_METHOD_LIST(X)                                                              \
-  X(auto) X(gaunt) X(quadrature) X(fourier) X(brute) X(recursive)
+  X(auto) X(gaunt) X(quadrature) X(fourier) X(brute) X(list) X(recursive)
 
 typedef enum ylm_sh_product_method {
 #define X(name) YLM_SH_PRODUCT_##name,
@@ -309,8 +311,8 @@ typedef enum ylm_sh_product_method {
 typedef struct ylm_sh_product ylm_sh_product;
 /*
 ** `inner` is the method of the steps of `recursive`, else ignored.
-** YLM_ERANGE (lmax; factors 2 .. YLM_SH_PRODUCT_FACTORS), YLM_EINVAL (gaunt with other than two
-** factors), YLM_ELIMIT (brute or gaunt: tables of more than some million entries), YLM_EMISSING
+** YLM_ERANGE (lmax; factors 2 .. YLM_SH_PRODUCT_FACTORS), YLM_EINVAL (list with other than two
+** factors), YLM_ELIMIT (brute, gaunt or list: tables of more than some million entries), YLM_EMISSING
 ** (a method of libylm_rival.so, which is not registered), YLM_ENOMEM.
 */
 YLM_API ylm_status ylm_sh_product_create(int lmax, int factors, ylm_sh_product_method method,

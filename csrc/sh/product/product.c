@@ -73,7 +73,8 @@ ylm_status ylm_sh_product_create(int lmax, int factors, ylm_sh_product_method me
     s = ylm__gaunt_create(lmax, product_gaunt_top(lmax, factors), &p->gaunt, e);
     break;
   case YLM_SH_PRODUCT_fourier:
-  case YLM_SH_PRODUCT_brute: s = create_rival(p, e); break;
+  case YLM_SH_PRODUCT_brute:
+  case YLM_SH_PRODUCT_list: s = create_rival(p, e); break;
   case YLM_SH_PRODUCT_recursive:
     s = ylm_sh_product_create(lmax, 2, inner, inner, &p->inner, e);
     break;

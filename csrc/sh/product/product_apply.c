@@ -110,6 +110,7 @@ CHAIN(d, double)
       break;                                                                                       \
     case YLM_SH_PRODUCT_fourier:                                                                   \
     case YLM_SH_PRODUCT_brute:                                                                     \
+    case YLM_SH_PRODUCT_list:                                                                      \
       p->rival->apply(p->rival_plan, DTYPE, (const void *const *)c, out, scratch, stage);          \
       break;                                                                                       \
     case YLM_SH_PRODUCT_recursive: {                                                               \
@@ -145,7 +146,8 @@ static size_t scratch_of(const ylm_sh_product *p, ylm_dtype t) {
     return p->factors == 2 ? YLM_ALIGN
                            : 3 * ylm_sh_count(product_gaunt_top(p->lmax, p->factors)) * size;
   case YLM_SH_PRODUCT_fourier:
-  case YLM_SH_PRODUCT_brute: return p->rival->scratch(p->rival_plan, t);
+  case YLM_SH_PRODUCT_brute:
+  case YLM_SH_PRODUCT_list: return p->rival->scratch(p->rival_plan, t);
   case YLM_SH_PRODUCT_recursive: return 2 * count * size + YLM_ALIGN + scratch_of(p->inner, t);
   case YLM_SH_PRODUCT_quadrature: {
     size_t vector = product_scratch(p, t == YLM_DOUBLE ? &p->d : &p->f) * size;

@@ -28,14 +28,14 @@ local function plan(lmax, factors, method, inner)
   return known[1], known[2], known[3]
 end
 
-local methods = { "auto", "gaunt", "fourier", "quadrature", "brute", "recursive" }
+local methods = { "auto", "gaunt", "fourier", "quadrature", "brute", "list", "recursive" }
 
 local product_options = {
   { "method", "choice", of = methods, default = "auto",
     about = "auto: the fastest for the size. All are exact but 'recursive', which cuts off after every multiplication. "
-      .. "'fourier' and 'brute' are kept for comparison, in libylm_rival. "
+      .. "'fourier', 'brute' and 'list' (two factors) are kept for comparison, in libylm_rival. "
       .. "'gaunt': (k+1)/2 lmax, rounded down to a multiple of lmax, is at most 30 for k factors" },
-  { "inner", "choice", of = { "auto", "gaunt", "fourier", "quadrature", "brute" }, default = "auto",
+  { "inner", "choice", of = { "auto", "gaunt", "fourier", "quadrature", "brute", "list" }, default = "auto",
     about = "what the steps of 'recursive' are done by" },
   { "stages", "boolean", default = false,
     about = "also return the seconds of transform, multiplication, transform back" },
