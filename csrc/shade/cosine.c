@@ -20,7 +20,7 @@ ylm_status ylm__shade_cosines(const ylm_shade_view *v, int lmax, const double *z
   for (size_t i = 0; s == YLM_OK && i < n; i++, out += count) {
     if (i == 0 || mesh[i] != mesh[i - 1])
       a = zonal +
-          ((size_t)lmax + 1) * (size_t)ylm_material_kind(ylm_scene_material(v->scene, mesh[i]));
+          ((size_t)lmax + 1) * (size_t)ylm_material_kind(ylm__shade_mesh_material(v, mesh[i]));
     for (int l = 0; l <= lmax; l++)
       for (size_t k = ylm_sh_index(l, -l); k <= ylm_sh_index(l, l); k++) out[k] *= (float)a[l];
   }

@@ -10,7 +10,10 @@ struct shade_gloss {
   bool *seen;                    /* [materials]: at some point */
   uint32_t *slot;                /* [meshes]: of its material; YLM_SHADE_MATTE: matte */
   float (*tangent)[3];           /* [points of the view]; NULL: all materials are isotropic */
+  bool borrowed;                 /* the tangents are another's */
   _Atomic(shade_tables *) tables;
+  _Atomic(shade_kept *) kept;
+  atomic_uint_fast64_t stage[SHADE_STAGES]; /* nanoseconds */
 };
 
 static bool is_glossy(const ylm_material *m) {
@@ -25,10 +28,48 @@ static uint32_t number_of(shade_gloss *g, const ylm_material *m) {
   return (uint32_t)g->materials++;
 }
 
-ylm_status ylm__shade_gloss_create(const ylm_scene *scene, shade_gloss **out) {
-  size_t meshes = ylm_scene_meshes(scene), n = 0;
+/* Whether a mesh's points hold visibility times the cosine, and so must stay matte. */
+static bool must_be_matte(const ylm_shade_view *v, const shade_gloss *before, size_t mesh) {
+  return v->base && ylm__shade_shadows(v, YLM_SHADE_TRANSFER) &&
+         (!before || before->slot[mesh] == YLM_SHADE_MATTE);
+}
+
+/* Whether a mesh is shaded by tables, matte or not. */
+static bool has_table(const ylm_shade_view *v, const shade_gloss *before, size_t mesh) {
+  if (before && ylm__shade_shadows(v, YLM_SHADE_TRANSFER))
+    return before->slot[mesh] != YLM_SHADE_MATTE;
+  return is_glossy(ylm__shade_mesh_material(v, mesh));
+}
+
+/* Refuses what a mesh has become in a view that is made of another. */
+static ylm_status check_mesh(const ylm_shade_view *v, const shade_gloss *before, size_t mesh,
+                             ylm_error *e) {
+  const ylm_material *m = ylm__shade_mesh_material(v, mesh);
+  const char *kind = ylm_material_kind_name(ylm_material_kind(m));
+  if (!v->base || !v->base->o.gloss) return YLM_OK;
+  if (is_glossy(m) && must_be_matte(v, before, mesh))
+    return ylm_fail(e, YLM_EINVAL,
+                    "mesh %zu is matte in the prepared view, which keeps its visibility times the "
+                    "cosine: it cannot become %s, prepare the view with a material that glosses",
+                    mesh + 1, kind);
+  if (!ylm_material_isotropic(m) && !(before && before->tangent) && v->points > 0)
+    return ylm_fail(
+        e, YLM_EINVAL,
+        "mesh %zu cannot become %s with two roughnesses: the prepared view has isotropic "
+        "materials alone, and no tangents, prepare it with one that has them",
+        mesh + 1, kind);
+  return YLM_OK;
+}
+
+ylm_status ylm__shade_gloss_create(const ylm_shade_view *v, const shade_gloss *before,
+                                   shade_gloss **out, ylm_error *e) {
+  size_t meshes = ylm_scene_meshes(v->scene), n = 0;
   *out = NULL;
-  for (size_t i = 0; i < meshes; i++) n += is_glossy(ylm_scene_material(scene, i));
+  for (size_t i = 0; i < meshes; i++) {
+    ylm_status s = check_mesh(v, before, i, e);
+    if (s != YLM_OK) return s;
+    n += has_table(v, before, i);
+  }
   if (n == 0) return YLM_OK;
   shade_gloss *g = *out = ylm_alloc_zero(1, sizeof *g);
   if (!g) return YLM_ENOMEM;
@@ -37,9 +78,16 @@ ylm_status ylm__shade_gloss_create(const ylm_scene *scene, shade_gloss **out) {
   g->seen = ylm_alloc_zero(n, sizeof *g->seen);
   g->slot = ylm_alloc(meshes, sizeof *g->slot);
   if (!g->material || !g->seen || !g->slot) return YLM_ENOMEM;
-  for (size_t i = 0; i < meshes; i++) {
-    const ylm_material *m = ylm_scene_material(scene, i);
-    g->slot[i] = is_glossy(m) ? number_of(g, m) : YLM_SHADE_MATTE;
+  for (size_t i = 0; i < meshes; i++)
+    g->slot[i] =
+        has_table(v, before, i) ? number_of(g, ylm__shade_mesh_material(v, i)) : YLM_SHADE_MATTE;
+  if (!v->base) return YLM_OK;
+  g->borrowed = true;
+  g->tangent = before ? before->tangent : NULL;
+  for (size_t i = 0; i < v->points; i++) {
+    if (g->slot[v->mesh[i]] == YLM_SHADE_MATTE) continue;
+    g->seen[g->slot[v->mesh[i]]] = true;
+    g->points++;
   }
   return YLM_OK;
 }
@@ -68,26 +116,54 @@ const float (*ylm__shade_gloss_tangents(const shade_gloss *g))[3] {
 
 static void tables_free(shade_tables *t) {
   if (!t) return;
+  for (size_t k = 0; t->table && k < t->materials; k++) /* its own */
+    ylm_material_table_free((ylm_material_table *)(uintptr_t)t->table[k]);
   ylm_free(t->table);
   ylm_sh_rotator_free(t->rotator);
   ylm_sh_product_free(t->product);
   ylm_free(t);
 }
 
-static ylm_status tables_create(const shade_gloss *g, int lmax, int threads,
+/* A table of which the nearest row is taken: nobody keeps it. */
+static ylm_status create_nearest(const ylm_material *m, int lmax, int threads,
+                                 const ylm_progress *progress, const ylm_material_table **out,
+                                 ylm_error *e) {
+  ylm_material_table *t;
+  ylm_status s = ylm_material_table_create(
+      m,
+      &(ylm_material_table_form){.lmax = lmax,
+                                 .rows = YLM_MATERIAL_NEAREST_ROWS,
+                                 .columns = 4 * (YLM_MATERIAL_NEAREST_ROWS / 2),
+                                 .threads = threads,
+                                 .progress = progress},
+      &t, e);
+  *out = t;
+  return s;
+}
+
+static ylm_status tables_create(const ylm_shade_view *v, int lmax, int threads,
                                 const ylm_progress *progress, shade_tables **out, ylm_error *e) {
+  const shade_gloss *g = v->gloss;
   double start = ylm_seconds();
   shade_tables *t = *out = ylm_alloc_zero(1, sizeof *t);
   if (!t) return YLM_ENOMEM;
   t->lmax = lmax;
+  if (v->o.nearest) {
+    t->nearest = ylm_material_rival_nearest();
+    t->materials = g->materials;
+    if (!t->nearest)
+      return ylm_fail(e, YLM_EMISSING, "nearest rows need libylm_rival: call ylm_rival_register()");
+  }
   t->table = ylm_alloc_zero(g->materials, sizeof *t->table);
   ylm_status s = t->table ? ylm_sh_rotator_create(lmax, &t->rotator, e) : YLM_ENOMEM;
   if (s == YLM_OK)
-    s = ylm_sh_product_create(lmax, 2, YLM_SH_PRODUCT_auto, YLM_SH_PRODUCT_auto, &t->product, e);
+    s = ylm_sh_product_create(lmax, 2, v->o.product, YLM_SH_PRODUCT_auto, &t->product, e);
   for (size_t k = 0; s == YLM_OK && k < g->materials; k++)
     if (g->seen[k]) {
       ylm_material_table_facts f = {0};
-      s = ylm_material_table_kept(g->material[k], lmax, threads, progress, &t->table[k], e);
+      s = v->o.nearest
+              ? create_nearest(g->material[k], lmax, threads, progress, &t->table[k], e)
+              : ylm_material_table_kept(g->material[k], lmax, threads, progress, &t->table[k], e);
       if (s == YLM_OK) ylm_material_table_look(t->table[k], &f);
       t->bytes += f.bytes;
     }
@@ -113,7 +189,7 @@ ylm_status ylm__shade_gloss_tables(const ylm_shade_view *v, int lmax, int thread
                     "surfaces that gloss are shaded by tables of degree 0 to %d, here is light of "
                     "degree %d: lower lmax, or shade them as matte ones",
                     YLM_MATERIAL_TABLE_LMAX, lmax);
-  ylm_status s = tables_create(g, lmax, threads, progress, &made, e);
+  ylm_status s = tables_create(v, lmax, threads, progress, &made, e);
   if (s != YLM_OK) {
     tables_free(made);
     return s;
@@ -122,6 +198,74 @@ ylm_status ylm__shade_gloss_tables(const ylm_shade_view *v, int lmax, int thread
   while (!atomic_compare_exchange_weak(&g->tables, &head, made));
   *out = made;
   return YLM_OK;
+}
+
+/* -- products that are kept -------------------------------------------------------------------- */
+
+static void kept_free(shade_kept *k) {
+  if (!k) return;
+  ylm_free(k->slice);
+  ylm_free(k->at);
+  ylm_free(k);
+}
+
+/* Room for the slices of all points. */
+static ylm_status kept_create(const ylm_shade_view *v, const shade_tables *tables, bool shadows,
+                              shade_kept **out) {
+  const shade_gloss *g = v->gloss;
+  size_t numbers = 0, count = ylm_sh_count(tables->lmax);
+  shade_kept *k = *out = ylm_alloc_zero(1, sizeof *k);
+  if (!k) return YLM_ENOMEM;
+  k->tables = tables;
+  k->shadows = shadows;
+  k->at = ylm_alloc_zero(v->points, sizeof *k->at);
+  if (!k->at) return YLM_ENOMEM;
+  for (size_t i = 0; i < v->points; i++) {
+    ylm_material_table_facts f;
+    uint32_t slot = g->slot[v->mesh[i]];
+    if (slot == YLM_SHADE_MATTE) continue;
+    ylm_material_table_look(tables->table[slot], &f);
+    k->at[i] = numbers;
+    numbers += (size_t)f.functions * count;
+  }
+  k->bytes = numbers * sizeof(float) + v->points * sizeof *k->at;
+  k->slice = ylm_alloc(numbers, sizeof *k->slice);
+  return k->slice ? YLM_OK : YLM_ENOMEM;
+}
+
+ylm_status ylm__shade_gloss_kept(const ylm_shade_view *v, const shade_tables *tables, bool shadows,
+                                 shade_make_fn *make, int threads, const ylm_progress *progress,
+                                 const shade_kept **out) {
+  shade_gloss *g = v->gloss;
+  shade_kept *head = atomic_load(&g->kept), *k = head;
+  while (k && (k->tables != tables || k->shadows != shadows)) k = k->next;
+  if ((*out = k)) return YLM_OK;
+  ylm_status s = kept_create(v, tables, shadows, &k);
+  if (s == YLM_OK) s = make(v, k, threads, progress);
+  if (s != YLM_OK) {
+    kept_free(k);
+    return s;
+  }
+  do k->next = head; /* others that made the same at the same time stay behind it, unused */
+  while (!atomic_compare_exchange_weak(&g->kept, &head, k));
+  *out = k;
+  return YLM_OK;
+}
+
+double ylm__shade_clock(const ylm_shade_view *v, shade_stage stage, double start) {
+  double now = ylm_seconds();
+  if (v->gloss)
+    atomic_fetch_add_explicit(&v->gloss->stage[stage], (uint64_t)((now - start) * 1e9),
+                              memory_order_relaxed);
+  return now;
+}
+
+void ylm_shade_view_stages(const ylm_shade_view *v, ylm_shade_stages *out) {
+  double t[SHADE_STAGES] = {0};
+  for (int i = 0; v->gloss && i < SHADE_STAGES; i++)
+    t[i] = 1e-9 * (double)atomic_load(&v->gloss->stage[i]);
+  *out = (ylm_shade_stages){t[SHADE_ROWS], t[SHADE_ROTATION], t[SHADE_PRODUCT], t[SHADE_LIGHT],
+                            t[SHADE_DOT]};
 }
 
 void ylm__shade_gloss_stats(const ylm_shade_view *v, ylm_shade_stats *stats) {
@@ -133,6 +277,7 @@ void ylm__shade_gloss_stats(const ylm_shade_view *v, ylm_shade_stats *stats) {
     stats->gloss_bytes += t->bytes;
     stats->gloss_seconds += t->seconds;
   }
+  for (const shade_kept *k = atomic_load(&g->kept); k; k = k->next) stats->bytes += k->bytes;
 }
 
 void ylm__shade_gloss_free(shade_gloss *g) {
@@ -141,9 +286,13 @@ void ylm__shade_gloss_free(shade_gloss *g) {
     next = t->next;
     tables_free(t);
   }
+  for (shade_kept *k = atomic_load(&g->kept), *next; k; k = next) {
+    next = k->next;
+    kept_free(k);
+  }
   ylm_free(g->material);
   ylm_free(g->seen);
   ylm_free(g->slot);
-  ylm_free(g->tangent);
+  if (!g->borrowed) ylm_free(g->tangent);
   ylm_free(g);
 }

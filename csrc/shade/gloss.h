@@ -3,7 +3,7 @@
 #define YLM_SHADE_GLOSS_H
 
 #include "view.h"
-#include "ylm_material_table.h"
+#include "ylm_material_rival.h"
 #include "ylm_sh.h"
 
 #define YLM_SHADE_MATTE UINT32_MAX
@@ -15,12 +15,38 @@ typedef struct shade_tables {
   const ylm_material_table **table; /* [materials], theirs; NULL: not in sight */
   ylm_sh_rotator *rotator;
   ylm_sh_product *product;
+  ylm_material_rival_fn *nearest; /* NULL: rows are interpolated */
+  size_t materials;               /* of the tables, which are then its own */
   size_t bytes;
   double seconds;
 } shade_tables;
 
-/* gloss.c: *out NULL where no surface of the scene glosses; to be freed on failure too. */
-ylm_status ylm__shade_gloss_create(const ylm_scene *scene, shade_gloss **out);
+/* Slices of all points that gloss, made once: of one list of tables, with shadows or without. */
+struct shade_kept {
+  struct shade_kept *next;
+  const shade_tables *tables;
+  bool shadows;
+  float *slice; /* of one point behind the other [functions][count] */
+  size_t *at;   /* [points] where they begin; of others 0 */
+  size_t bytes;
+};
+
+/* Stages of shading (ylm_shade_stages). */
+typedef enum shade_stage {
+  SHADE_ROWS,
+  SHADE_ROTATION,
+  SHADE_PRODUCT,
+  SHADE_LIGHT,
+  SHADE_DOT,
+  SHADE_STAGES
+} shade_stage;
+/* Adds the seconds since `start` to a stage, where the view has points that gloss; returns the time. */
+double ylm__shade_clock(const ylm_shade_view *v, shade_stage stage, double start);
+
+/* gloss.c: *out NULL where no surface of the view's scene glosses; to be freed on failure too. `before`: of
+   the view that this one is made of, or NULL. YLM_EINVAL: what has become of a material is refused. */
+ylm_status ylm__shade_gloss_create(const ylm_shade_view *v, const shade_gloss *before,
+                                   shade_gloss **out, ylm_error *e);
 /* Room for that many points; g may be NULL. Then what is known of each point. */
 ylm_status ylm__shade_gloss_room(shade_gloss *g, size_t points);
 void ylm__shade_gloss_point(shade_gloss *g, size_t i, uint32_t mesh, const ylm_scene_surface *s);
@@ -42,5 +68,14 @@ void ylm__shade_gloss_stats(const ylm_shade_view *v, ylm_shade_stats *stats);
 ylm_status ylm__shade_gloss_tables(const ylm_shade_view *v, int lmax, int threads,
                                    const ylm_progress *progress, const shade_tables **out,
                                    ylm_error *e);
+
+/* gloss.c: the slices that a view keeps (options.keep), made by `make` at the first call. */
+typedef ylm_status shade_make_fn(const ylm_shade_view *v, shade_kept *kept, int threads,
+                                 const ylm_progress *progress);
+ylm_status ylm__shade_gloss_kept(const ylm_shade_view *v, const shade_tables *tables, bool shadows,
+                                 shade_make_fn *make, int threads, const ylm_progress *progress,
+                                 const shade_kept **out);
+/* glossy.c */
+shade_make_fn ylm__shade_keep;
 
 #endif

@@ -2,7 +2,7 @@
 #include <math.h>
 #include <stdatomic.h>
 
-#include "view.h"
+#include "gloss.h"
 
 /* Points that are sampled at once: their coefficients stay in the second-level cache. */
 #define BLOCK 512
@@ -49,10 +49,12 @@ static ylm_status run_grid(void *context, size_t begin, size_t end, int worker) 
   ylm_grid_report r = {0};
   float *L = ylm_alloc(n * (size_t)form->channels * (size_t)j->look->count, sizeof *L);
   ylm_status s = L ? YLM_OK : YLM_ENOMEM;
+  double start = ylm_seconds();
   if (s == YLM_OK && j->b)
     s = sample_beside(j, begin, n, L, &r);
   else if (s == YLM_OK)
     s = ylm_grid_sample(j->grid, &j->query, n, j->view->position[begin], L, NULL, &r, NULL);
+  ylm__shade_clock(j->view, SHADE_LIGHT, start);
   if (s == YLM_OK)
     s = ylm__shade_points(j->view, j->dot, &j->rows, begin, n,
                           &(shade_light){form->channels, form->lmax, YLM_FLOAT, L},

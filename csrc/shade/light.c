@@ -31,12 +31,19 @@ void ylm__shade_reflect(const ylm_shade_view *v, size_t first, size_t n, float *
   ylm__shade_tint(v, first, n, out);
 }
 
+bool ylm__shade_shadows(const ylm_shade_view *v, ylm_shade_weight weight) {
+  return weight == YLM_SHADE_TRANSFER && v->transfer && v->o.visibility != YLM_SHADE_UNSHADOWED;
+}
+
 ylm_status ylm__shade_rows(const ylm_shade_view *v, ylm_shade_weight weight, int lmax, int threads,
                            const ylm_progress *progress, shade_rows *rows, ylm_error *e) {
-  *rows = (shade_rows){weight, weight == YLM_SHADE_TRANSFER ? v->o.lmax : lmax, NULL, NULL};
+  *rows = (shade_rows){.weight = weight, .lmax = weight == YLM_SHADE_TRANSFER ? v->o.lmax : lmax};
   if (weight == YLM_SHADE_TRANSFER && !v->transfer && v->points > 0)
     return ylm_fail(e, YLM_EINVAL, "the view has no transfer vectors: it was made by rays");
   ylm_status s = ylm__shade_gloss_tables(v, rows->lmax, threads, progress, &rows->tables, e);
+  if (s == YLM_OK && rows->tables && v->o.keep)
+    s = ylm__shade_gloss_kept(v, rows->tables, ylm__shade_shadows(v, weight), ylm__shade_keep,
+                              threads, progress, &rows->kept);
   if (s != YLM_OK || weight == YLM_SHADE_TRANSFER) return s;
   rows->zonal = ylm__shade_zonal(lmax);
   return rows->zonal ? YLM_OK : YLM_ENOMEM;
@@ -78,10 +85,9 @@ static ylm_status shade_matte(const ylm_shade_view *v, ylm_shade_dot_fn *dot,
 
 ylm_status ylm__shade_points(const ylm_shade_view *v, ylm_shade_dot_fn *dot, const shade_rows *rows,
                              size_t first, size_t n, const shade_light *x, float *out) {
-  bool shadows = rows->weight == YLM_SHADE_TRANSFER && v->o.visibility != YLM_SHADE_UNSHADOWED;
   ylm_status s = shade_matte(v, dot, rows, first, n, x, out);
   if (s != YLM_OK || !rows->tables) return s;
-  return ylm__shade_glossy(v, dot, rows->tables, shadows, first, n, x, out);
+  return ylm__shade_glossy(v, dot, rows, ylm__shade_shadows(v, rows->weight), first, n, x, out);
 }
 
 void ylm__shade_some(const ylm_shade_view *v, ylm_shade_dot_fn *dot, size_t n,
@@ -133,7 +139,9 @@ static ylm_status run_field(void *context, size_t begin, size_t end, int worker)
                        .dtype = j->type,
                        .threads = 1};
   ylm_field_result r = {.value = L};
+  double start = ylm_seconds();
   if (s == YLM_OK) s = j->field->evaluate(j->field, &q, n, wide ? (const void *)wide : at, &r, &e);
+  ylm__shade_clock(v, SHADE_LIGHT, start);
   if (s == YLM_OK)
     s = ylm__shade_points(v, j->dot, &j->rows, begin, n, &(shade_light){3, v->o.lmax, j->type, L},
                           j->out + 3 * begin);

@@ -114,11 +114,22 @@ static ylm_status occlude(shade_slices *x, size_t n, const float *const *V) {
 ylm_status ylm__shade_slices_make(shade_slices *x, size_t n, const size_t *point,
                                   const float *const *V) {
   float wo[YLM_SHADE_SLICES][3], frame[YLM_SHADE_SLICES][3][3];
+  double start = ylm_seconds();
   for (size_t i = 0; i < n; i++) look_from(x->v, point[i], wo[i], frame[i]);
+  if (x->t->nearest) {
+    ylm_material_table_facts f;
+    ylm_material_table_look(x->table, &f);
+    x->t->nearest(&f, n, (const float(*)[3])wo, wo);
+  }
   ylm_material_table_rows(x->table, n, (const float(*)[3])wo, x->row);
+  start = ylm__shade_clock(x->v, SHADE_ROWS, start);
   ylm_status s = ylm_sh_rotate_each(x->t->rotator, x->t->lmax, YLM_FLOAT, n, frame,
                                     (int)x->functions, x->halves, x->row, x->slice, 1, NULL, NULL);
-  return s == YLM_OK && V ? occlude(x, n, V) : s;
+  start = ylm__shade_clock(x->v, SHADE_ROTATION, start);
+  if (s != YLM_OK || !V) return s;
+  s = occlude(x, n, V);
+  ylm__shade_clock(x->v, SHADE_PRODUCT, start);
+  return s;
 }
 
 void ylm__shade_slices_light(const shade_slices *x, ylm_shade_dot_fn *dot, size_t from, size_t n,
@@ -126,6 +137,7 @@ void ylm__shade_slices_light(const shade_slices *x, ylm_shade_dot_fn *dot, size_
   const float(*mix)[3] = ylm_material_table_mix(x->table);
   size_t given = ylm_sh_count(l->lmax), count = x->count < given ? x->count : given;
   float part[YLM_SHADE_SLICES][3];
+  double start = ylm_seconds();
   memset(out, 0, n * 12);
   for (size_t k = 0; k < x->functions; k++) {
     const float *T = x->slice + (from * x->functions + k) * x->count;
@@ -133,4 +145,5 @@ void ylm__shade_slices_light(const shade_slices *x, ylm_shade_dot_fn *dot, size_
     for (size_t i = 0; i < n; i++)
       for (size_t c = 0; c < 3; c++) out[3 * i + c] += mix[c][k] * part[i][c];
   }
+  ylm__shade_clock(x->v, SHADE_DOT, start);
 }

@@ -15,7 +15,7 @@ void ylm__shade_albedo(const ylm_shade_view *v, size_t point, float albedo[3]) {
 }
 
 void ylm__shade_seen_albedo(const ylm_shade_view *v, size_t i, float albedo[3]) {
-  ylm_material_albedo(ylm_scene_material(v->scene, v->entry[i].at.mesh), albedo);
+  ylm_material_albedo(ylm__shade_mesh_material(v, v->entry[i].at.mesh), albedo);
   for (int c = 0; v->seen && c < 3; c++) albedo[c] *= v->seen[i][c];
 }
 

@@ -11,11 +11,29 @@ static size_t place_of(const ylm_shade_view *v, size_t entry, int k) {
   return 2 * (first + ylm_scene_triangle(v->scene, at->mesh, at->element)[k]) + at->back;
 }
 
+/* Marks all vertices from outside, and from within those of meshes that are seen so. */
+static void mark_all(const ylm_shade_view *v, uint32_t *map) {
+  size_t meshes = ylm_scene_meshes(v->scene);
+  for (size_t i = 0; i < 2 * ylm_scene_vertices(v->scene, NULL); i += 2) map[i] = 1;
+  for (size_t i = 0; i < v->entries; i++) {
+    const ylm_scene_place *at = &v->entry[i].at;
+    if (at->back) map[2 * ylm_scene_first_vertex(v->scene, at->mesh) + 1] = 1;
+  }
+  for (size_t m = 0; m < meshes; m++) {
+    size_t first = ylm_scene_first_vertex(v->scene, m);
+    for (size_t i = first; i < ylm_scene_first_vertex(v->scene, m + 1); i++)
+      map[2 * i + 1] = map[2 * first + 1];
+  }
+}
+
 /* Marks used vertices in `map` and numbers them in the order of meshes; returns their count. */
 static size_t number_vertices(const ylm_shade_view *v, uint32_t *map) {
   size_t count = 0, vertices = ylm_scene_vertices(v->scene, NULL);
-  for (size_t i = 0; i < v->entries; i++)
-    for (int k = 0; k < 3; k++) map[place_of(v, i, k)] = 1;
+  if (v->o.all_vertices)
+    mark_all(v, map);
+  else
+    for (size_t i = 0; i < v->entries; i++)
+      for (int k = 0; k < 3; k++) map[place_of(v, i, k)] = 1;
   for (size_t i = 0; i < 2 * vertices; i++)
     if (map[i]) map[i] = (uint32_t)++count;
   return count;
@@ -48,9 +66,25 @@ ylm_status ylm__shade_vertices(const ylm_shade_view *v, shade_vertices *out) {
   if (ok) list_vertices(v, map, out);
   for (size_t i = 0; ok && i < v->entries; i++)
     for (int k = 0; k < 3; k++) out->corner[i][k] = map[place_of(v, i, k)] - 1;
-  ylm_free(map);
+  for (size_t i = 0; i < 2 * ylm_scene_vertices(v->scene, NULL); i++) map[i]--; /* 0: nowhere */
+  out->place = map;
   if (!ok) ylm__shade_vertices_free(out);
   return ok ? YLM_OK : YLM_ENOMEM;
+}
+
+ylm_status ylm__shade_corners(ylm_shade_view *v, ylm_error *e) {
+  v->corner = ylm_alloc(v->entries, sizeof *v->corner);
+  if (!v->corner) return YLM_ENOMEM;
+  for (size_t i = 0; i < v->entries; i++)
+    for (int k = 0; k < 3; k++) {
+      v->corner[i][k] = v->vertex[place_of(v, i, k)];
+      if (v->corner[i][k] == YLM_SHADE_NOWHERE)
+        return ylm_fail(e, YLM_EINVAL,
+                        "the camera sees mesh %u from within, where the prepared view has no "
+                        "vertices: prepare it with a camera that sees this side too",
+                        v->entry[i].at.mesh + 1);
+    }
+  return YLM_OK;
 }
 
 void ylm__shade_vertices_free(shade_vertices *x) {
@@ -58,5 +92,6 @@ void ylm__shade_vertices_free(shade_vertices *x) {
   ylm_free(x->vertex);
   ylm_free(x->back);
   ylm_free(x->corner);
+  ylm_free(x->place);
   memset(x, 0, sizeof *x);
 }

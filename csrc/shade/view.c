@@ -17,6 +17,8 @@ static ylm_status check_options(const ylm_shade_options *o, ylm_error *e) {
                     o->transfer_samples);
   if (!(o->occlusion_distance > 0))
     return ylm_fail(e, YLM_ERANGE, "occlusion_distance must be > 0, got %g", o->occlusion_distance);
+  if (o->all_vertices && !o->per_vertex)
+    return ylm_fail(e, YLM_EINVAL, "shading points are vertices where they are all vertices");
   if (!(o->share >= 0)) return ylm_fail(e, YLM_ERANGE, "share must be >= 0, got %g", o->share);
   if (o->pixel && (o->pixels < 1 || o->pixels > 65536))
     return ylm_fail(e, YLM_ERANGE, "from 1 to 65536 pixels are listed, got %zu", o->pixels);
@@ -72,6 +74,9 @@ static ylm_status points_of_vertices(ylm_shade_view *v, shade_vertices *x) {
   }
   v->corner = x->corner;
   x->corner = NULL;
+  if (!v->o.all_vertices) return status;
+  v->vertex = x->place;
+  x->place = NULL;
   return status;
 }
 
@@ -175,6 +180,7 @@ static size_t bytes_held(const ylm_shade_view *v) {
   return sizeof *v + v->entries * (sizeof(shade_entry) + (v->corner ? 12 : 0)) +
          (v->stats.pixels + 1) * sizeof(shade_pixel) +
          v->points * (4 + 3 * 12 + (v->transfer ? 4 * ylm_sh_count(v->o.lmax) : 0)) +
+         (v->vertex ? 8 * ylm_scene_vertices(v->scene, NULL) : 0) +
          (v->seen ? 12 * v->entries : 0) + (v->tint != v->seen ? 12 * v->points : 0);
 }
 
@@ -202,7 +208,7 @@ ylm_status ylm_shade_view_create(const ylm_scene *scene, const ylm_camera *camer
   v->o = *o;
   v->frame = frame;
   s = list_pixels(v);
-  if (s == YLM_OK && o->gloss) s = ylm__shade_gloss_create(scene, &v->gloss);
+  if (s == YLM_OK && o->gloss) s = ylm__shade_gloss_create(v, NULL, &v->gloss, e);
   if (s == YLM_OK) s = ylm__shade_primary(v, &frame);
   if (s == YLM_OK) s = make_transfer(v, e);
   v->o.progress = NULL;
@@ -219,6 +225,10 @@ ylm_status ylm_shade_view_create(const ylm_scene *scene, const ylm_camera *camer
 
 void ylm_shade_view_free(ylm_shade_view *v) {
   if (!v) return;
+  if (v->base) {
+    ylm__shade_change_free(v);
+    return;
+  }
   ylm_free(v->entry);
   ylm_free(v->pixel);
   ylm_free(v->number);
@@ -228,6 +238,7 @@ void ylm_shade_view_free(ylm_shade_view *v) {
   ylm_free(v->normal);
   ylm_free(v->origin);
   ylm_free(v->transfer);
+  ylm_free(v->vertex);
   ylm__shade_free_tints(v);
   ylm__shade_gloss_free(v->gloss);
   ylm_free(v);

@@ -20,6 +20,7 @@ typedef struct shade_pixel {
 /* gloss.h */
 typedef struct shade_gloss shade_gloss;
 typedef struct shade_tables shade_tables;
+typedef struct shade_kept shade_kept;
 
 /* The coefficient of degree 0 of visibility where nothing occludes: sqrt(4 pi). */
 #define YLM_SHADE_OPEN 3.5449077018110318f
@@ -42,11 +43,22 @@ struct ylm_shade_view {
   shade_gloss *gloss; /* NULL: no surface glosses, or such are shaded as matte ones */
   float (*seen)[3];   /* [entries]: the mean tint of the samples; NULL: the scene has no tints */
   float (*tint)[3];   /* [points]; NULL as `seen`, else often the same                         */
+  uint32_t
+      *vertex; /* [2 vertices of the scene] their points, YLM_SHADE_NOWHERE: none; all_vertices */
+  const ylm_shade_view *base;    /* whose points these are (relight.c); NULL: its own */
+  const ylm_material **material; /* [meshes] instead of the scene's; NULL: those  */
 };
+
+#define YLM_SHADE_NOWHERE UINT32_MAX
+
+/* The material of a mesh, as the view has it. */
+static inline const ylm_material *ylm__shade_mesh_material(const ylm_shade_view *v, size_t mesh) {
+  return v->material ? v->material[mesh] : ylm_scene_material(v->scene, mesh);
+}
 
 /* The material at point i. */
 static inline const ylm_material *ylm__shade_material(const ylm_shade_view *v, size_t i) {
-  return ylm_scene_material(v->scene, v->mesh[i]);
+  return ylm__shade_mesh_material(v, v->mesh[i]);
 }
 
 /* tint.c: in place, the radiance of n points from `first` on, and one point's albedo, by tints. */
@@ -76,17 +88,18 @@ void ylm__shade_corner_weights(const shade_entry *e, float w[3]);
 /* primary.c: fills entry, pixel, entries and the statistics of primary rays. */
 ylm_status ylm__shade_primary(ylm_shade_view *v, const ylm_camera_frame *f);
 
-/* Distinct vertices (per side) of the triangles that entries lie on. vertices.c */
+/* Distinct vertices (per side) of the triangles that entries lie on, or all (all_vertices). vertices.c */
 typedef struct shade_vertices {
   size_t count;
   uint32_t *mesh, *vertex; /* [count] */
   bool *back;
-  uint32_t *number;      /* [pixels]: these of the image alone; NULL: all */
-  int image[2];          /* width and height of the image that they are of */
   uint32_t (*corner)[3]; /* [entries]: indices of the entry's triangle's vertices here */
+  uint32_t *place;       /* [2 vertices of the scene]: indices here; YLM_SHADE_NOWHERE: not here */
 } shade_vertices;
 ylm_status ylm__shade_vertices(const ylm_shade_view *v, shade_vertices *out);
 void ylm__shade_vertices_free(shade_vertices *x);
+/* vertices.c: the corners of the view's entries in v->vertex; YLM_EINVAL: one is not there. */
+ylm_status ylm__shade_corners(ylm_shade_view *v, ylm_error *e);
 
 /* cosine.c: the zonal coefficients of all kinds of materials, [kinds][lmax+1]; NULL without memory. */
 double *ylm__shade_zonal(int lmax);
@@ -102,6 +115,9 @@ ylm_status ylm__shade_transfer(const ylm_shade_view *v, bool shadows, size_t n,
 
 /* noise.c: raises o.transfer_samples as o.light, o.noise, o.most_samples say; wants the points. */
 ylm_status ylm__shade_choose_samples(ylm_shade_view *v, ylm_error *e);
+
+/* relight.c: frees a view that is made of another. */
+void ylm__shade_change_free(ylm_shade_view *v);
 
 /* -- kernels -------------------------------------------------------------------- */
 
@@ -142,6 +158,7 @@ typedef struct shade_rows {
   int lmax;                   /* of the light */
   double *zonal;              /* COSINE       */
   const shade_tables *tables; /* of points that gloss; NULL: there is none */
+  const shade_kept *kept;     /* products of these; NULL: they are made anew */
 } shade_rows;
 
 /* light.c: YLM_EINVAL where the view has no transfer vectors; ylm_free(zonal) afterwards. */
@@ -152,9 +169,11 @@ void ylm__shade_dots(ylm_shade_dot_fn *dot, size_t count, size_t n, size_t t_row
                      const shade_light *x, float *out);
 /* glossy.c: radiance of those of n points from `first` on that gloss; x and out begin at the first of
    them. Their visibility counts with `shadows`. YLM_ENOMEM. */
-ylm_status ylm__shade_glossy(const ylm_shade_view *v, ylm_shade_dot_fn *dot,
-                             const shade_tables *tables, bool shadows, size_t first, size_t n,
-                             const shade_light *x, float *out);
+ylm_status ylm__shade_glossy(const ylm_shade_view *v, ylm_shade_dot_fn *dot, const shade_rows *rows,
+                             bool shadows, size_t first, size_t n, const shade_light *x,
+                             float *out);
+/* light.c: whether rows hold shadows that slices are multiplied by. */
+bool ylm__shade_shadows(const ylm_shade_view *v, ylm_shade_weight weight);
 /* Radiance of n points from `first` on; x and out begin at the first of them. YLM_ENOMEM. */
 ylm_status ylm__shade_points(const ylm_shade_view *v, ylm_shade_dot_fn *dot, const shade_rows *rows,
                              size_t first, size_t n, const shade_light *x, float *out);

@@ -27,6 +27,7 @@
 #include "ylm_grid.h"
 #include "ylm_path.h"
 #include "ylm_scene.h"
+#include "ylm_sh.h"
 #include "ylm_transfer.h"
 
 #ifdef __cplusplus
@@ -65,8 +66,14 @@ typedef struct ylm_shade_options {
   int most_samples;                /* up to this number. NULL: it is taken as it is        */
   double occlusion_distance;       /* > 0, may be infinite: how far these rays reach       */
   double share;                    /* pixel widths, >= 0                                   */
-  bool gloss;            /* surfaces that are not matte: by tables of their slices, to degree
+  bool gloss;   /* surfaces that are not matte: by tables of their slices, to degree
                  YLM_MATERIAL_TABLE_LMAX; false: as matte ones of their mean albedo */
+  bool nearest; /* of these tables: the nearest of 90 rows, by libylm_rival.so */
+  ylm_sh_product_method product; /* by which visibility multiplies slices: of two factors */
+  bool keep;                     /* the products, once made: other light costs a dot product */
+  bool
+      all_vertices; /* per_vertex: shading points are all vertices, on the outer side and, of meshes that
+                        the camera sees from within, on the inner one: for other cameras */
   const uint32_t *pixel; /* [pixels] y * width + x: these alone, as an image of one column  */
   size_t pixels;         /* 1 .. 65536; NULL: all                                   */
   uint64_t seed;
@@ -123,8 +130,41 @@ YLM_API ylm_status ylm_shade_view_create(const ylm_scene *scene, const ylm_camer
 YLM_API void ylm_shade_view_free(ylm_shade_view *view);
 
 YLM_API void ylm_shade_view_stats(const ylm_shade_view *view, ylm_shade_stats *stats);
+/* Seconds since the view was made that its points that gloss took, summed over threads. */
+typedef struct ylm_shade_stages {
+  double rows, rotation, product; /* slices: looked up, turned to the world, times visibility */
+  double light, dot;              /* coefficients of light; slices times light */
+} ylm_shade_stages;
+YLM_API void ylm_shade_view_stages(const ylm_shade_view *view, ylm_shade_stages *stages);
 /* The options that the view was made with; `progress`, `light` and `pixel` are NULL. */
 YLM_API const ylm_shade_options *ylm_shade_view_options(const ylm_shade_view *view);
+
+/* The differences of a view from the one that it is made of. */
+typedef struct ylm_shade_change {
+  const ylm_camera *camera; /* NULL: the same; of views with options.all_vertices alone */
+  bool blind; /* of another camera, no rays: its points are shaded, but no image is made */
+  const ylm_material *const
+      *materials; /* [meshes] NULL: the same; NULL among them: this one is the same */
+  bool nearest;   /* as in the options */
+  ylm_sh_product_method product;
+  bool keep;
+} ylm_shade_change;
+
+/*
+** ylm_shade_view_change - a view of the same shading points with other materials, or another camera.
+**
+** Visibility is that of `from`, whose memory is shared. Points of matte surfaces hold it times the cosine,
+** so these stay matte; others may become of any kind.
+**
+** Returns    YLM_OK; YLM_EINVAL (a matte surface that would gloss; an anisotropic material, where `from` has
+**            isotropic ones alone; another camera of a view whose points are not all vertices, or one that
+**            sees the inner side of a mesh that `from` has not seen from within); YLM_EMISSING (a method of
+**            libylm_rival.so); YLM_ENOMEM, YLM_ECANCELLED
+** Ownership  the view must not outlive `from`; materials are kept
+*/
+YLM_API ylm_status ylm_shade_view_change(const ylm_shade_view *from, const ylm_shade_change *c,
+                                         int threads, const ylm_progress *progress,
+                                         ylm_shade_view **view, ylm_error *e);
 
 /* Per shading point; valid as long as the view. */
 YLM_API const float *ylm_shade_view_positions(const ylm_shade_view *view); /* [points][3] */
