@@ -119,9 +119,8 @@ describe("gloss = 'sh'", function()
     local truth = s:pathtrace { size = picture.size, samples = 256, reflections = { 1, 1 } }
     local error = distance(image, truth, truth:layer "variance")
     assert.is_true(error < 0.02, tostring(error))
-    assert.is_true(3 * error < distance(s:reference(o), truth))
+    assert.is_true(3 * error < distance(s:reference(with({ gloss = "matte" }, o)), truth))
     assert.equal("sh", report.gloss)
-    assert.same({}, report.warnings)
     assert.is_true(report.gloss_bytes > 0 and report.seconds.gloss > 0 and report.seconds.gloss <= report.seconds.transfer)
     local _, again = s:reference(with({ gloss = "sh" }, o)) -- the material keeps its table
     assert.is_true(again.gloss_bytes == report.gloss_bytes and again.seconds.gloss < 0.2 * report.seconds.gloss)
@@ -178,15 +177,46 @@ describe("gloss = 'sh'", function()
 
   it("changes nothing where it is not asked for", function()
     local s = scene { ylm.sphere { material = gold } }
-    local o = with({ lmax = 3, visibility = "none" }, picture)
+    local o = with({ lmax = 3, visibility = "none", gloss = "matte" }, picture)
     local image, report = s:reference(o)
-    assert.is_true(same(image, (s:reference(with({ gloss = "matte" }, o)))))
+    assert.is_true(same(image, (s:prepare(o):reference())))
     assert.equal("matte", report.gloss)
     assert.equal(1, #report.warnings)
     local matte = scene { ylm.sphere {} }
     local a, b = matte:reference(with({ gloss = "sh" }, o))
     assert.is_true(same(a, (matte:reference(o))))
     assert.is_nil(b.gloss)
+  end)
+
+  it("leaves points to rays by the part of their slices that lmax misses, all, some or none of them", function()
+    local s = scene { ylm.sphere { material = ylm.ggx { alpha = 0.6, f0 = 0.9 } },
+      ylm.sphere { at = { 0.9, 0.9, 0.4 }, scale = 0.3 } }
+    local o = with({ lmax = 8, visibility = "transfer", transfer_samples = 64 }, picture)
+    local function shot(more) return s:reference(with(more, o)) end
+    local rays, by_rays = shot { gloss = "rays", light_samples = 16 }
+    local sh, by_sh = shot { gloss = "sh" }
+    local auto, report = shot { light_samples = 16, gloss_error = { 0.03, 0.06 } }
+    assert.equal("auto", report.gloss)
+    local found = report.glossy
+    assert.is_true(found.sh > 0 and found.rays > 0 and found.sh + found.rays > found.points)
+    assert.is_true(found.missed > 0 and found.missed < 0.06 and by_sh.glossy.missed > found.missed)
+    assert.same({ found.points, 0, found.points, 0 }, { by_rays.glossy.points, by_rays.glossy.sh, by_rays.glossy.rays,
+      by_sh.glossy.rays })
+    assert.is_true(report.rays.gloss < by_rays.rays.gloss and by_sh.rays.gloss == 0)
+    assert.is_true(by_rays.rays.occlusion < by_sh.rays.occlusion) -- whom rays alone shade needs no visibility
+    local w, a, b = auto:layer "gloss":totable(), auto:layer "radiance":totable(), sh:layer "radiance":totable()
+    for y = 1, #w do
+      for x = 1, #w[1] do
+        local k = w[y][x][1]
+        if k == 0 then assert.equal(b[y][x][1], a[y][x][1]) end
+        assert.is_true(k >= 0 and k <= 1)
+      end
+    end
+    assert.is_true(distance(auto, rays) < distance(sh, rays))
+    assert.is_true(same(sh, (shot { gloss_error = { 10, 11 } })))
+    assert.is_true(same(rays, (shot { gloss_error = { 0, 1e-9 }, light_samples = 16 })))
+    local matte = scene { ylm.sphere {} }
+    assert.is_true(same(matte:reference(o), (matte:reference(with({ gloss = "matte" }, o)))))
   end)
 
   it("is cancelled while tables are made, and made again", function()
@@ -206,8 +236,8 @@ describe("gloss = 'sh'", function()
 
   it("refuses degrees beyond its tables, and transfer vectors of what has none", function()
     local s = scene { ylm.sphere { material = gold } }
-    assert.has_error(function() s:prepare(with { gloss = "rays" }) end,
-      "bad argument #1 to 'prepare' (gloss must be one of 'matte', 'sh', got 'rays')")
+    assert.has_error(function() s:prepare(with { gloss = "ray" }) end, "bad argument #1 to 'prepare' (gloss must be one of "
+      .. "'auto', 'sh', 'rays', 'matte' (did you mean 'rays'?), got 'ray')")
     assert.has_error(function() s:render(with { gloss = "sh" }) end, 'render: gloss is for a grid (visibility = "transfer" bakes '
       .. 'one), visibility is "rays": name one that fits, or leave gloss out')
     local ok, message = pcall(s.prepare, s, with({ lmax = 61, visibility = "none", gloss = "sh" }, picture))
@@ -215,6 +245,6 @@ describe("gloss = 'sh'", function()
     assert.matches("tables of degree 0 to 60, here is light of degree 61: lower lmax, or shade them as matte ones", message)
     local v = s:prepare(with { lmax = 2, visibility = "transfer", gloss = "sh" })
     assert.has_error(function() v:transfer() end,
-      'transfer: surfaces that gloss have no transfer vectors with gloss = "sh": prepare the view without it')
+      'transfer: surfaces that gloss have no transfer vectors but as matte ones: prepare with gloss = "matte"')
   end)
 end)

@@ -378,7 +378,7 @@ describe("pictures of surfaces that gloss", function()
 
   it("say that they do not show it", function()
     local before = ylm.on_warning(false)
-    local _, report = scene(ylm.ggx {}):reference { size = { 8, 4 }, samples = 1 }
+    local _, report = scene(ylm.ggx {}):reference { size = { 8, 4 }, samples = 1, gloss = "matte" }
     ylm.on_warning(before)
     local said = table.concat(report.warnings, "\n")
     assert.truthy(said:find("1 mesh is glossy: transfer vectors shade it as a matte one of its mean albedo", 1, true), said)

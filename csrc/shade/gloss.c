@@ -2,7 +2,7 @@
 #include <stdatomic.h>
 #include <string.h>
 
-#include "gloss.h"
+#include "slices.h"
 
 struct shade_gloss {
   size_t materials, meshes, points;
@@ -181,7 +181,7 @@ ylm_status ylm__shade_gloss_tables(const ylm_shade_view *v, int lmax, int thread
                                    ylm_error *e) {
   shade_gloss *g = v->gloss;
   *out = NULL;
-  if (!g || g->points == 0) return YLM_OK;
+  if (!g || g->points == 0 || v->o.gloss == YLM_SHADE_GLOSS_RAYS) return YLM_OK;
   shade_tables *head = atomic_load(&g->tables), *made;
   if ((*out = find(head, lmax))) return YLM_OK;
   if (lmax > YLM_MATERIAL_TABLE_LMAX)
@@ -268,6 +268,29 @@ void ylm_shade_view_stages(const ylm_shade_view *v, ylm_shade_stages *out) {
                             t[SHADE_DOT]};
 }
 
+static float smoothstep(const double band[2], double e) {
+  double x = (e - band[0]) / (band[1] - band[0]);
+  if (x <= 0) return 0;
+  if (x >= 1) return 1;
+  return (float)(x * x * (3 - 2 * x));
+}
+
+void ylm__shade_gloss_shares(const ylm_shade_view *v, const shade_tables *t, int lmax, size_t first,
+                             size_t n, float *share, float *missed) {
+  for (size_t i = 0; i < n; i++) {
+    uint32_t k = ylm__shade_gloss_slot(v->gloss, v->mesh[first + i]);
+    float e = 0, wo[3], frame[3][3];
+    share[i] = k != YLM_SHADE_MATTE && v->o.gloss == YLM_SHADE_GLOSS_RAYS;
+    if (k != YLM_SHADE_MATTE && t) {
+      ylm__shade_look(v, first + i, wo, frame);
+      ylm_material_table_missed(t->table[k], lmax, 1, (const float(*)[3])wo, &e);
+      if (v->o.gloss == YLM_SHADE_GLOSS_AUTO && !v->corner && !v->base)
+        share[i] = smoothstep(v->o.gloss_error, (double)e);
+    }
+    if (missed) missed[i] = e;
+  }
+}
+
 void ylm__shade_gloss_stats(const ylm_shade_view *v, ylm_shade_stats *stats) {
   shade_gloss *g = v->gloss;
   if (!g) return;
@@ -278,6 +301,25 @@ void ylm__shade_gloss_stats(const ylm_shade_view *v, ylm_shade_stats *stats) {
     stats->gloss_seconds += t->seconds;
   }
   for (const shade_kept *k = atomic_load(&g->kept); k; k = k->next) stats->bytes += k->bytes;
+}
+
+shade_gloss *ylm__shade_gloss_pick(const shade_gloss *g, size_t n, const size_t *point) {
+  shade_gloss *out = ylm_alloc_zero(1, sizeof *out);
+  if (!out) return NULL;
+  out->meshes = g->meshes;
+  out->slot = g->slot;
+  out->tangent = g->tangent ? ylm_alloc(n, sizeof *out->tangent) : NULL;
+  for (size_t i = 0; out->tangent && i < n; i++)
+    memcpy(out->tangent[i], g->tangent[point[i]], sizeof *out->tangent);
+  if (!g->tangent == !out->tangent) return out;
+  ylm_free(out);
+  return NULL;
+}
+
+void ylm__shade_gloss_drop(shade_gloss *g) {
+  if (!g) return;
+  ylm_free(g->tangent);
+  ylm_free(g);
 }
 
 void ylm__shade_gloss_free(shade_gloss *g) {

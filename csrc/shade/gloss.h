@@ -51,6 +51,20 @@ ylm_status ylm__shade_gloss_create(const ylm_shade_view *v, const shade_gloss *b
 ylm_status ylm__shade_gloss_room(shade_gloss *g, size_t points);
 void ylm__shade_gloss_point(shade_gloss *g, size_t i, uint32_t mesh, const ylm_scene_surface *s);
 void ylm__shade_gloss_free(shade_gloss *g);
+/* That of n points of a view alone, without tables; NULL without memory. Dropped, not freed. */
+shade_gloss *ylm__shade_gloss_pick(const shade_gloss *g, size_t n, const size_t *point);
+void ylm__shade_gloss_drop(shade_gloss *g);
+
+/*
+** ylm__shade_gloss_shares - the part of points' radiance that is by rays, by options.gloss.
+**
+**   lmax    in   of the light
+**   t       in   tables of that degree or a higher one; not of RAYS
+**   share   out  [n], of points from `first` on
+**   missed  out  [n]: the part of the slice's norm that degree lmax misses, 0 of RAYS; or NULL
+*/
+void ylm__shade_gloss_shares(const ylm_shade_view *v, const shade_tables *t, int lmax, size_t first,
+                             size_t n, float *share, float *missed);
 
 /* The number of a mesh's material, or YLM_SHADE_MATTE. */
 uint32_t ylm__shade_gloss_slot(const shade_gloss *g, uint32_t mesh);

@@ -101,31 +101,41 @@ static size_t list_glossy(const job *j, size_t *point) {
   return n;
 }
 
-/* Points of other materials by rays to lamps and rays that the material chooses, as many of each. */
+ylm_status ylm__shade_cast(const ylm_shade_view *v, const shade_cast *c, size_t n,
+                           const size_t *point, float *out, uint64_t *rays) {
+  ylm_scene_place *place = ylm_alloc(n, sizeof *place);
+  float *room = ylm_alloc_zero(6 * n, sizeof *room);
+  ylm_path_options o = {.samples = c->light_samples,
+                        .first = 1,
+                        .last = 1,
+                        .seed = c->seed,
+                        .threads = c->threads,
+                        .progress = c->progress};
+  ylm_path_sum sum = {0, out, room, room + 3 * n};
+  ylm_path_stats stats = {0};
+  ylm_status s = place && room ? YLM_OK : YLM_ENOMEM;
+  if (s == YLM_OK && n > 0 && v->corner) s = YLM_EINVAL;
+  for (size_t i = 0; s == YLM_OK && i < n; i++) place[i] = v->entry[point[i]].at;
+  if (s == YLM_OK && n > 0)
+    s = ylm_path_places(c->lit ? c->lit : v->scene, n, place, v->frame.from, c->shadows, &o, &sum,
+                        &stats, NULL);
+  *rays += stats.nearest_rays + stats.shadow_rays;
+  ylm_free(place);
+  ylm_free(room);
+  return s;
+}
+
+/* Points of other materials. */
 static ylm_status cast_glossy(const job *j, int threads, const ylm_progress *progress,
                               uint64_t *rays) {
   const ylm_shade_view *v = j->view;
   size_t *point = ylm_alloc(v->points, sizeof *point), n = point ? list_glossy(j, point) : 0;
-  ylm_scene_place *place = ylm_alloc(n, sizeof *place);
-  float *room = ylm_alloc_zero(9 * n, sizeof *room);
-  ylm_path_options o = {.samples = j->light_samples,
-                        .first = 1,
-                        .last = 1,
-                        .seed = j->seed,
-                        .threads = threads,
-                        .progress = progress};
-  ylm_path_sum sum = {0, room, room + 3 * n, room + 6 * n};
-  ylm_path_stats stats = {0};
-  ylm_status s = point && place && room ? YLM_OK : YLM_ENOMEM;
-  if (s == YLM_OK && n > 0 && v->corner) s = YLM_EINVAL;
-  for (size_t i = 0; s == YLM_OK && i < n; i++) place[i] = v->entry[point[i]].at;
-  if (s == YLM_OK && n > 0)
-    s = ylm_path_places(j->lit, n, place, v->frame.from, j->shadows, &o, &sum, &stats, NULL);
-  for (size_t i = 0; s == YLM_OK && i < 3 * n; i++) j->out[3 * point[i / 3] + i % 3] = room[i];
-  *rays += stats.nearest_rays + stats.shadow_rays;
+  float *radiance = ylm_alloc_zero(3 * n, sizeof *radiance);
+  shade_cast c = {j->lit, j->light_samples, j->shadows, j->seed, threads, progress};
+  ylm_status s = point && radiance ? ylm__shade_cast(v, &c, n, point, radiance, rays) : YLM_ENOMEM;
+  for (size_t i = 0; s == YLM_OK && i < 3 * n; i++) j->out[3 * point[i / 3] + i % 3] = radiance[i];
   ylm_free(point);
-  ylm_free(place);
-  ylm_free(room);
+  ylm_free(radiance);
   return s;
 }
 

@@ -68,6 +68,11 @@ ylm_status ylm_shade_view_change(const ylm_shade_view *from, const ylm_shade_cha
   v->stats.bytes = sizeof *v;
   ylm_status s =
       from->base ? ylm_fail(e, YLM_EINVAL, "a changed view is not changed again") : YLM_OK;
+  if (s == YLM_OK && (base->idle || base->o.gloss == YLM_SHADE_GLOSS_RAYS))
+    s = ylm_fail(
+        e, YLM_EINVAL,
+        "rays shade some surfaces of the prepared view that gloss, and it has no visibility "
+        "there: prepare it with gloss = 'sh'");
   if (s == YLM_OK && c->camera) s = look_again(v, c, e);
   if (s == YLM_OK) s = dress(v, c->materials);
   if (s == YLM_OK && v->o.gloss) s = ylm__shade_gloss_create(v, base->gloss, &v->gloss, e);

@@ -61,8 +61,7 @@ static void look(const double w[3], const double n[3], const double u[3], bool i
   wo[2] = (float)z;
 }
 
-/* Both of point i of the view. */
-static void look_from(const ylm_shade_view *v, size_t i, float wo[3], float frame[3][3]) {
+void ylm__shade_look(const ylm_shade_view *v, size_t i, float wo[3], float frame[3][3]) {
   const float(*tangent)[3] = ylm__shade_gloss_tangents(v->gloss);
   float u[3], other[3];
   double w[3], n[3], x[3], nn = 0, ww = 0;
@@ -115,7 +114,7 @@ ylm_status ylm__shade_slices_make(shade_slices *x, size_t n, const size_t *point
                                   const float *const *V) {
   float wo[YLM_SHADE_SLICES][3], frame[YLM_SHADE_SLICES][3][3];
   double start = ylm_seconds();
-  for (size_t i = 0; i < n; i++) look_from(x->v, point[i], wo[i], frame[i]);
+  for (size_t i = 0; i < n; i++) ylm__shade_look(x->v, point[i], wo[i], frame[i]);
   if (x->t->nearest) {
     ylm_material_table_facts f;
     ylm_material_table_look(x->table, &f);

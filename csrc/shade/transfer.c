@@ -16,9 +16,10 @@ typedef struct job {
   const uint32_t *mesh;
   const float (*normal)[3], (*origin)[3];
   float *transfer;
-  double *zonal;    /* of ylm__shade_zonal */
-  float (*disk)[2]; /* [samples] cos and sin of the unshifted azimuth */
-  float *height;    /* [samples] i / samples         */
+  const float *share; /* [points] of rays, or NULL: such are nowhere alone */
+  double *zonal;      /* of ylm__shade_zonal */
+  float (*disk)[2];   /* [samples] cos and sin of the unshifted azimuth */
+  float *height;      /* [samples] i / samples         */
   shade_kernels k;
   atomic_uint_fast64_t rays;
 } job;
@@ -36,6 +37,9 @@ static bool is_glossy(const job *j, size_t i) {
   const shade_gloss *g = j->view->gloss;
   return g && j->shadows && ylm__shade_gloss_slot(g, j->mesh[i]) != YLM_SHADE_MATTE;
 }
+
+/* Do rays to lamps alone shade point i, so that its row is of no use? */
+static bool is_idle(const job *j, size_t i) { return j->share && j->share[i] >= 1; }
 
 /* Rays about the normal of point i, dense as the cosine; evenly where it glosses. */
 static void point_rays(const job *j, size_t i, ylm_trace_ray *ray) {
@@ -158,37 +162,46 @@ static ylm_status run(void *context, size_t begin, size_t end, int worker) {
   job *j = context;
   const ylm_shade_view *v = j->view;
   size_t samples = (size_t)v->o.transfer_samples, count = ylm_sh_count(v->o.lmax);
-  size_t batch = BATCH / samples > 1 ? BATCH / samples : 1;
+  size_t batch = BATCH / samples > 1 ? BATCH / samples : 1, traced = 0;
   ylm_status s = ylm__shade_cosines(v, v->o.lmax, j->zonal, end - begin, j->mesh + begin,
                                     j->normal + begin, j->transfer + begin * count);
   if (s != YLM_OK || !j->shadows) return s;
   scratch x = {0};
   if (!scratch_create(&x, samples, batch * samples, count)) s = YLM_ENOMEM;
   for (size_t first = begin; s == YLM_OK && first < end; first += batch) {
-    size_t n = end - first < batch ? end - first : batch;
-    for (size_t i = 0; i < n; i++) point_rays(j, first + i, x.ray + i * samples);
-    ylm_trace_occluded(ylm_scene_trace(v->scene), n * samples, x.ray);
+    size_t n = end - first < batch ? end - first : batch, busy = 0;
+    for (size_t i = 0; i < n; i++)
+      if (!is_idle(j, first + i)) point_rays(j, first + i, x.ray + busy++ * samples);
+    ylm_trace_occluded(ylm_scene_trace(v->scene), busy * samples, x.ray);
+    traced += busy * samples;
+    const ylm_trace_ray *ray = x.ray;
     for (size_t i = 0; s == YLM_OK && i < n; i++) {
       float *T = j->transfer + (first + i) * count;
-      const ylm_trace_ray *ray = x.ray + i * samples;
+      if (is_idle(j, first + i)) {
+        memset(T, 0, count * sizeof *T);
+        continue;
+      }
       s = is_glossy(j, first + i) ? estimate_visibility(j, j->normal[first + i], ray, &x, T)
                                   : estimate(j, ray, &x, T);
+      ray += samples;
     }
   }
   scratch_free(&x);
-  atomic_fetch_add_explicit(&j->rays, (end - begin) * samples, memory_order_relaxed);
+  atomic_fetch_add_explicit(&j->rays, traced, memory_order_relaxed);
   return s;
 }
 
 ylm_status ylm__shade_transfer(const ylm_shade_view *v, bool shadows, size_t n,
                                const uint32_t *mesh, const float (*normal)[3],
-                               const float (*origin)[3], float *transfer, uint64_t *rays) {
+                               const float (*origin)[3], const float *share, float *transfer,
+                               uint64_t *rays) {
   int samples = v->o.transfer_samples;
   job j = {.view = v,
            .shadows = shadows,
            .mesh = mesh,
            .normal = normal,
            .origin = origin,
+           .share = share,
            .transfer = transfer,
            .k = ylm__shade_kernels()};
   j.disk = ylm_alloc((size_t)samples, sizeof *j.disk);

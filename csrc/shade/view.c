@@ -19,6 +19,11 @@ static ylm_status check_options(const ylm_shade_options *o, ylm_error *e) {
     return ylm_fail(e, YLM_ERANGE, "occlusion_distance must be > 0, got %g", o->occlusion_distance);
   if (o->all_vertices && !o->per_vertex)
     return ylm_fail(e, YLM_EINVAL, "shading points are vertices where they are all vertices");
+  if (o->gloss == YLM_SHADE_GLOSS_RAYS && o->per_vertex)
+    return ylm_fail(e, YLM_EINVAL, "surfaces that gloss are shaded by rays from pixels alone");
+  if (o->gloss == YLM_SHADE_GLOSS_AUTO &&
+      !(o->gloss_error[0] >= 0 && o->gloss_error[0] < o->gloss_error[1]))
+    return ylm_fail(e, YLM_ERANGE, "gloss_error must be two numbers, 0 <= first < second");
   if (!(o->share >= 0)) return ylm_fail(e, YLM_ERANGE, "share must be >= 0, got %g", o->share);
   if (o->pixel && (o->pixels < 1 || o->pixels > 65536))
     return ylm_fail(e, YLM_ERANGE, "from 1 to 65536 pixels are listed, got %zu", o->pixels);
@@ -138,7 +143,7 @@ static ylm_status transfer_by_vertices(ylm_shade_view *v, const shade_vertices *
   }
   if (status == YLM_OK)
     status = ylm__shade_transfer(v, true, x->count, x->mesh, (const float(*)[3])normal,
-                                 (const float(*)[3])origin, T, &v->stats.occlusion_rays);
+                                 (const float(*)[3])origin, NULL, T, &v->stats.occlusion_rays);
   for (size_t i = 0; status == YLM_OK && i < v->entries; i++) {
     const uint32_t *c = x->corner[i];
     float w[3];
@@ -153,25 +158,38 @@ static ylm_status transfer_by_vertices(ylm_shade_view *v, const shade_vertices *
   return status;
 }
 
+/* The shares of rays at the points of a view, in memory of their own. */
+static ylm_status make_shares(ylm_shade_view *v, const shade_tables *tables, float **share) {
+  *share = ylm_alloc(v->points, sizeof **share);
+  if (!*share) return YLM_ENOMEM;
+  ylm__shade_gloss_shares(v, tables, v->o.lmax, 0, v->points, *share, NULL);
+  bool shadows = v->o.visibility == YLM_SHADE_PIXEL; /* others' rows are made all the same */
+  for (size_t i = 0; shadows && i < v->points; i++) v->idle += (*share)[i] >= 1;
+  return YLM_OK;
+}
+
 /* Shading points and their transfer vectors, once the entries are known. */
 static ylm_status make_transfer(ylm_shade_view *v, ylm_error *e) {
-  const shade_tables *tables;
+  const shade_tables *tables = NULL;
+  float *share = NULL;
   double start = ylm_seconds();
   bool by_vertex = !v->o.per_vertex && v->o.visibility == YLM_SHADE_VERTEX;
   shade_vertices x = {0};
   ylm_status s = YLM_OK;
   if (v->o.per_vertex || by_vertex) s = ylm__shade_vertices(v, &x);
   if (s == YLM_OK) s = v->o.per_vertex ? points_of_vertices(v, &x) : points_of_entries(v);
-  if (s == YLM_OK) s = ylm__shade_choose_samples(v, e);
+  if (s == YLM_OK && v->transfer) /* refused, or made, here rather than at the first picture */
+    s = ylm__shade_gloss_tables(v, v->o.lmax, v->o.threads, v->o.progress, &tables, e);
+  if (s == YLM_OK && v->transfer && v->gloss) s = make_shares(v, tables, &share);
+  if (s == YLM_OK) s = ylm__shade_choose_samples(v, tables, share, e);
   if (s == YLM_OK && by_vertex)
     s = transfer_by_vertices(v, &x);
   else if (s == YLM_OK && v->transfer)
     s = ylm__shade_transfer(v, v->o.visibility != YLM_SHADE_UNSHADOWED, v->points, v->mesh,
-                            (const float(*)[3])v->normal, (const float(*)[3])v->origin, v->transfer,
-                            &v->stats.occlusion_rays);
+                            (const float(*)[3])v->normal, (const float(*)[3])v->origin, share,
+                            v->transfer, &v->stats.occlusion_rays);
   ylm__shade_vertices_free(&x);
-  if (s == YLM_OK && v->transfer) /* refused, or made, here rather than at the first picture */
-    s = ylm__shade_gloss_tables(v, v->o.lmax, v->o.threads, v->o.progress, &tables, e);
+  ylm_free(share);
   v->stats.transfer_seconds = ylm_seconds() - start;
   return s;
 }

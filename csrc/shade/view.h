@@ -40,6 +40,7 @@ struct ylm_shade_view {
   float (*position)[3], (*normal)[3], (*origin)[3]; /* [points]    */
   float
       *transfer; /* [points][count]; of points that gloss their visibility. NULL: a view by rays */
+  size_t idle;   /* points without a row there: rays alone shade them */
   shade_gloss *gloss; /* NULL: no surface glosses, or such are shaded as matte ones */
   float (*seen)[3];   /* [entries]: the mean tint of the samples; NULL: the scene has no tints */
   float (*tint)[3];   /* [points]; NULL as `seen`, else often the same                         */
@@ -108,13 +109,32 @@ double *ylm__shade_zonal(int lmax);
 ylm_status ylm__shade_cosines(const ylm_shade_view *v, int lmax, const double *zonal, size_t n,
                               const uint32_t *mesh, const float (*normal)[3], float *out);
 
-/* transfer.c: transfer vectors at n points of the given meshes; `rays` is added to. */
+/* transfer.c: transfer vectors at n points of the given meshes; `rays` is added to. share [n] or NULL: zeros
+   where this is 1. */
 ylm_status ylm__shade_transfer(const ylm_shade_view *v, bool shadows, size_t n,
                                const uint32_t *mesh, const float (*normal)[3],
-                               const float (*origin)[3], float *transfer, uint64_t *rays);
+                               const float (*origin)[3], const float *share, float *transfer,
+                               uint64_t *rays);
 
-/* noise.c: raises o.transfer_samples as o.light, o.noise, o.most_samples say; wants the points. */
-ylm_status ylm__shade_choose_samples(ylm_shade_view *v, ylm_error *e);
+/* noise.c: raises o.transfer_samples as o.light, o.noise, o.most_samples say; wants the points, and of those
+   that gloss their tables and the shares of rays. */
+ylm_status ylm__shade_choose_samples(ylm_shade_view *v, const shade_tables *tables,
+                                     const float *share, ylm_error *e);
+
+/* Rays to lamps, and as many that the material chooses. */
+typedef struct shade_cast {
+  const ylm_scene *lit; /* whose lamps; NULL: the view's */
+  int light_samples;
+  bool shadows;
+  uint64_t seed;
+  int threads;
+  const ylm_progress *progress;
+} shade_cast;
+
+/* raycast.c: radiance of n points of a view by these, out [n][3] of zeros; `rays` is added to. YLM_EINVAL: a
+   view per vertex; as ylm_path_places. */
+ylm_status ylm__shade_cast(const ylm_shade_view *v, const shade_cast *c, size_t n,
+                           const size_t *point, float *out, uint64_t *rays);
 
 /* relight.c: frees a view that is made of another. */
 void ylm__shade_change_free(ylm_shade_view *v);

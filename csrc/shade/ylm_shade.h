@@ -54,6 +54,14 @@ typedef enum ylm_shade_weight {
                          degree of the light                                           */
 } ylm_shade_weight;
 
+/* How coefficients of light shade surfaces that are not matte. */
+typedef enum ylm_shade_gloss {
+  YLM_SHADE_GLOSS_MATTE, /* as matte ones of their mean albedo                              */
+  YLM_SHADE_GLOSS_SH,    /* by tables of their slices, to degree YLM_MATERIAL_TABLE_LMAX     */
+  YLM_SHADE_GLOSS_AUTO,  /* by tables; where these miss more than gloss_error, by rays      */
+  YLM_SHADE_GLOSS_RAYS   /* by rays alone (ylm_shade_blend): no tables                      */
+} ylm_shade_gloss;
+
 typedef struct ylm_shade_options {
   int width, height;               /* pixels, 1 .. 65536                                   */
   int samples;                     /* per pixel, stratified, 1 .. 1024                     */
@@ -66,11 +74,11 @@ typedef struct ylm_shade_options {
   int most_samples;                /* up to this number. NULL: it is taken as it is        */
   double occlusion_distance;       /* > 0, may be infinite: how far these rays reach       */
   double share;                    /* pixel widths, >= 0                                   */
-  bool gloss;   /* surfaces that are not matte: by tables of their slices, to degree
-                 YLM_MATERIAL_TABLE_LMAX; false: as matte ones of their mean albedo */
-  bool nearest; /* of these tables: the nearest of 90 rows, by libylm_rival.so */
-  ylm_sh_product_method product; /* by which visibility multiplies slices: of two factors */
-  bool keep;                     /* the products, once made: other light costs a dot product */
+  ylm_shade_gloss gloss;           /* AUTO of a view per_vertex is SH, RAYS YLM_EINVAL         */
+  double gloss_error[2];           /* AUTO: 0 <= [0] < [1]: see ylm_shade_blend                */
+  bool nearest;                    /* of these tables: the nearest of 90 rows, by libylm_rival.so */
+  ylm_sh_product_method product;   /* by which visibility multiplies slices: of two factors */
+  bool keep;                       /* the products, once made: other light costs a dot product */
   bool
       all_vertices; /* per_vertex: shading points are all vertices, on the outer side and, of meshes that
                         the camera sees from within, on the inner one: for other cameras */
@@ -89,7 +97,7 @@ typedef struct ylm_shade_stats {
   double primary_seconds, transfer_seconds;
   double noise;         /* that transfer_samples leave, below 0: not measured             */
   size_t bytes;         /* memory the view holds                                          */
-  size_t glossy;        /* points that are shaded by tables (options.gloss)       */
+  size_t glossy;        /* points of surfaces that are not matte (options.gloss)  */
   size_t gloss_bytes;   /* of these tables, which materials keep                  */
   double gloss_seconds; /* that making those took which were not there            */
 } ylm_shade_stats;
@@ -106,8 +114,8 @@ typedef struct ylm_shade_stats {
 ** which is exact where nothing or everything occludes; its bias is of the order of 1/N of its
 ** deviation.
 **
-** With options.gloss, points of surfaces that are not matte have visibility alone in place of T. Rays
-** are uniform over the hemisphere; s' being s mirrored in the surface,
+** With options.gloss SH or AUTO, points of surfaces that are not matte have visibility alone in place of T;
+** zeros where rays alone shade them. Rays are uniform over the hemisphere; s' being s mirrored in the surface,
 **
 **   V = sqrt(4 pi) e_00 - 2 pi/N sum over occluded rays of (Y(s) + Y(s'))
 **
@@ -158,7 +166,8 @@ typedef struct ylm_shade_change {
 **
 ** Returns    YLM_OK; YLM_EINVAL (a matte surface that would gloss; an anisotropic material, where `from` has
 **            isotropic ones alone; another camera of a view whose points are not all vertices, or one that
-**            sees the inner side of a mesh that `from` has not seen from within); YLM_EMISSING (a method of
+**            sees the inner side of a mesh that `from` has not seen from within; a view with points that rays
+**            alone shade: AUTO, RAYS); YLM_EMISSING (a method of
 **            libylm_rival.so); YLM_ENOMEM, YLM_ECANCELLED
 ** Ownership  the view must not outlive `from`; materials are kept
 */
@@ -443,6 +452,40 @@ YLM_API ylm_status ylm_shade_coefficients(const ylm_shade_view *view, size_t fir
 YLM_API ylm_status ylm_shade_raycast(const ylm_shade_view *view, const ylm_scene *lit,
                                      int light_samples, bool shadows, uint64_t seed, int threads,
                                      const ylm_progress *progress, float *out, uint64_t *rays);
+
+/* How points of surfaces that are not matte were shaded. */
+typedef struct ylm_shade_blended {
+  size_t sh, rays; /* points by harmonics, and by rays: both, where they are mixed          */
+  double missed;   /* root mean square of e at points, each as often as harmonics count there */
+  uint64_t traced; /* rays                                                                */
+  double seconds;
+} ylm_shade_blended;
+
+/*
+** ylm_shade_blend - radiance of points that gloss by rays, where the light's degree is too low for them.
+**
+** A point's slice f cos, towards the camera, misses the part e of its norm at degree lmax. Rays count
+**
+**   w = smoothstep(gloss_error[0], gloss_error[1], e)     SH: 0     RAYS: 1
+**
+** and what harmonics made of the point 1 - w. Rays are those of ylm_shade_raycast.
+**
+**   lit            in      whose lamps: as ylm_shade_raycast; NULL: the view's
+**   weight, lmax   in      of the light that harmonics were made of: what it was multiplied by, its degree
+**   light_samples  in      1 .. 65536: rays to lamps, and as many by the material; 0: there are no lamps, w is 0
+**   shadows        in      false: nothing occludes
+**   radiance       in/out  [points][3]
+**   share          out     [points]: w; 0 of matte points
+**
+** Returns  YLM_OK; YLM_ERANGE, YLM_EINVAL (other meshes; RAYS, per_vertex), YLM_ENOMEM, YLM_ECANCELLED (progress
+**          stage "places")
+** Cost     as ylm_shade_raycast for points where w > 0; the others' radiance keeps its bits
+*/
+YLM_API ylm_status ylm_shade_blend(const ylm_shade_view *view, const ylm_scene *lit,
+                                   ylm_shade_weight weight, int lmax, int light_samples,
+                                   bool shadows, uint64_t seed, int threads,
+                                   const ylm_progress *progress, float *radiance, float *share,
+                                   ylm_shade_blended *report, ylm_error *e);
 
 /* How a view's visibility differs from that of its scene, as light of the picture. */
 typedef struct ylm_shade_occlusion {

@@ -21,7 +21,7 @@ static const uint32_t *read_pixels(lua_State *L, int i, size_t *n) {
 /* shade_view(scene, {camera: from, at, up, fov, 10 numbers; width, height, samples, lmax, shading,
    visibility, transfer_samples, occlusion_distance, share, seed, threads, progress, light | nil,
    noise | nil, most_samples | nil, pixels: a list of numbers from 0, these alone, | nil,
-   gloss: by tables | nil}) -> view */
+   gloss: "matte", "sh", "auto", "rays" | nil, gloss_error: two numbers | nil}) -> view */
 static int shade_view(lua_State *L) {
   static const char *const names[] = {"camera",
                                       "width",
@@ -41,8 +41,10 @@ static int shade_view(lua_State *L) {
                                       "most_samples",
                                       "pixels",
                                       "gloss",
+                                      "gloss_error",
                                       NULL};
   static const char *const shadings[] = {"pixel", "vertex", NULL};
+  static const char *const glosses[] = {"matte", "sh", "auto", "rays", NULL};
   static const char *const visibilities[] = {"none", "pixel", "vertex", "rays", NULL};
   enum {
     CAMERA = 3,
@@ -62,7 +64,8 @@ static int shade_view(lua_State *L) {
     NOISE,
     MOST,
     PIXELS,
-    GLOSS
+    GLOSS,
+    BAND
   };
   ylmL_named(L, 2, names);
   const ylm_scene *scene = ylmL_scene(L, 1);
@@ -85,10 +88,11 @@ static int shade_view(lua_State *L) {
       .most_samples = (int)luaL_optnumber(L, MOST, 0),
       .occlusion_distance = (double)luaL_checknumber(L, DISTANCE),
       .share = (double)luaL_checknumber(L, SHARE),
-      .gloss = lua_toboolean(L, GLOSS),
+      .gloss = (ylm_shade_gloss)luaL_checkoption(L, GLOSS, "matte", glosses),
       .seed = (uint64_t)luaL_checknumber(L, SEED),
       .threads = (int)luaL_optnumber(L, THREADS, 0),
       .progress = ylmL_progress_begin(L, PROGRESS, &p)};
+  if (!lua_isnil(L, BAND)) ylmL_scene_numbers(L, BAND, 2, o.gloss_error);
   o.pixel = read_pixels(L, PIXELS, &o.pixels);
   ylm_shade_view **v = lua_newuserdata(L, sizeof *v);
   *v = NULL;

@@ -4,6 +4,7 @@ require "ylm.render.prepared" -- the methods of what prepare returns
 local baking = require "ylm.render.bake"
 local check = require "ylm.check"
 local describe = require "ylm.describe".describe
+local gloss = require "ylm.render.gloss"
 local indirect = require "ylm.render.indirect"
 local knob = require "ylm.render.knob"
 local options = require "ylm.render.options"
@@ -17,7 +18,8 @@ local warning = require "ylm.warning"
 
 local render = { bake = baking.bake, true_error = pictures.true_error, pathtrace = paths.pathtrace, probe = paths.probe }
 
-local prepare_options = options.list(options.view_fields, options.transfer_fields, indirect.link_fields, options.common)
+local prepare_options = options.list(options.view_fields, options.transfer_fields, gloss.fields, indirect.link_fields,
+  options.common)
 
 describe "scene:prepare" {
   about = "Traces a camera's rays, and with visibility = 'transfer' the transfer vectors of what they hit, once, for any number "
@@ -38,6 +40,7 @@ function render.prepare(s, given)
   tracing.check_scene("prepare", s)
   local o = options.of_view("prepare", prepare_options, given)
   visibility.settle("prepare", o, given or {}, "rays")
+  gloss.settle("prepare", o, given, s)
   o.lmax = o.lmax or views.default_lmax(s)
   local view, message, code = views.prepare("prepare", s, o)
   if not view or not (o.links or o.transfer) then return view, message, code end
@@ -47,7 +50,8 @@ function render.prepare(s, given)
   return view
 end
 
-local render_options = options.list(options.view_fields, options.transfer_fields, options.grid_fields,
+local render_options = options.list(options.view_fields, options.transfer_fields, gloss.fields,
+  options.grid_fields,
   options.direct_fields, indirect.bounce_fields, indirect.link_fields, knob.fields, options.baked_fields, options.layer_fields,
   options.common)
 
@@ -105,7 +109,7 @@ function render.render(s, given)
   tracing.check_scene("render", s)
   local o = options.of_view("render", render_options, given)
   if o.grid ~= nil then views.check_grid("render", o.grid) end
-  visibility.settle_picture("render", o, given or {})
+  gloss.settle("render", o, given, s, visibility.settle_picture("render", o, given or {}))
   indirect.settle("render", o)
   if o.tolerance then return by_tolerance(s, o, given) end
   local probes = o.visibility ~= "rays" and o.grid == nil
@@ -127,7 +131,8 @@ function render.render(s, given)
   return shading.picture("render", p, o)
 end
 
-local reference_options = options.list(options.view_fields, options.transfer_fields, options.reference_fields,
+local reference_options = options.list(options.view_fields, options.transfer_fields, gloss.fields, options.reference_fields,
+  gloss.ray_fields,
   options.layer_fields, options.common)
 
 describe "scene:reference" {
@@ -145,6 +150,7 @@ function render.reference(s, given)
   tracing.check_scene("reference", s)
   local o = options.of_view("reference", reference_options, given)
   visibility.settle("reference", o, given or {}, "transfer")
+  gloss.settle("reference", o, given, s, "lights")
   if o.visibility == "rays" then
     return check.fail 'reference: it is T . L, visibility = "transfer" or "none": rays to the lamps are scene:render\'s'
   end

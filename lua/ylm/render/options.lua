@@ -71,9 +71,6 @@ options.transfer_fields = {
   { "occlusion_distance", "distance", optional = true, unit = "scene units",
     about = "'transfer': how far occlusion rays reach, wherever the lamps are: light passes what is farther, and "
       .. "what is nearer darkens lamps before it too; default: a tenth of the diagonal of the scene's bounding box" },
-  { "gloss", "choice", of = { "matte", "sh" }, default = "matte",
-    about = "where coefficients of light shade surfaces that gloss, 'matte': as matte ones of their mean albedo; 'sh': by "
-      .. "spherical harmonics of f cos, times visibility, to lmax; lobes that lmax is too low for (material:degrees) are dull" },
   { "lmax", "integer", min = 0, max = core.limits.lmax, optional = true,
     about = "highest degree of light and transfer; default: the grid's, the probes', or 4" },
 }
@@ -143,8 +140,10 @@ options.report_text = "note (where nothing is to be shaded), notes (about files 
   .. "relative to it plus a tenth of its mean; "
 
 --- Fields of reports about pictures by transfer vectors.
-options.transfer_text = options.report_text .. "gloss (of surfaces that gloss: matte, sh; with sh gloss_bytes, memory of "
-  .. "tables, which materials keep, and seconds.gloss, a part of transfer or light: that those took which were not there); "
+options.transfer_text = options.report_text .. "gloss (of surfaces that gloss: auto, sh, rays, matte; but for matte glossy: "
+  .. "points, of these sh by harmonics and rays by rays, both where they are mixed, and missed, the part of their lobes' norm "
+  .. "that lmax misses, root mean square over those by harmonics; rays.gloss and seconds.gloss_rays; gloss_bytes, memory of "
+  .. "tables, which materials keep, and seconds.gloss, a part of transfer: that those took which were not there); "
   .. "visibility (rays, transfer, none; grid: the shadows are those that the grid "
   .. "holds); by transfer vectors occlusion (of the light that the scene's lamps bring: passing, the part of the "
   .. "picture's that occluders stop in the scene, missing, the part of the scene's that the picture lacks, their standard "

@@ -12,6 +12,11 @@ local pictures = {}
 --- Writes the layer radiance from that of shading points [points][3], bounces added, o.lamps drawn over it.
 function pictures.compose(name, p, radiance, o, layer)
   local lib, view, threads = p.lib, p.view, o.threads or 0
+  if o.glossy then
+    local all, message, code = o.glossy.add(name, p, o, radiance)
+    if not all then return nil, message, code end
+    radiance = all
+  end
   if o.bounced then
     local all, message, code = o.bounced.add(name, p, o, radiance)
     if not all then return nil, message, code end
@@ -50,6 +55,7 @@ function pictures.picture(name, p, radiance, o, cells)
   if o.layers then
     for _, l in ipairs { { "normal", 3 }, { "position", 3 }, { "depth", 1 }, { "albedo", 3 }, { "coverage", 1 },
       { "emitter", 1 } } do layers[#layers + 1] = l end
+    if o.glossy then layers[#layers + 1] = { "gloss", 1 } end
     if cells then
       layers[#layers + 1] = { "level", 1 }
       layers[#layers + 1] = { "error", 1 }
@@ -70,6 +76,7 @@ function pictures.picture(name, p, radiance, o, cells)
     for _, layer in ipairs { "normal", "position", "depth", "albedo", "coverage", "emitter" } do
       done(lib.shade_layer(view, layer, threads, out:layer(layer)))
     end
+    if o.glossy then done(lib.shade_resolve(view, o.glossy.share, nil, true, threads, out:layer "gloss")) end
     if cells then
       done(lib.shade_resolve(view, cells.level, nil, true, threads, out:layer "level"))
       done(lib.shade_resolve(view, cells.error, nil, true, threads, out:layer "error"))
@@ -91,7 +98,7 @@ function pictures.sign(out, p, method, report, extra)
   if o.visibility ~= "rays" then
     m.transfer_samples, m.occlusion_distance = o.transfer_samples, tostring(o.occlusion_distance)
   end
-  if report.gloss == "sh" then m.gloss = "sh" end
+  if report.gloss and report.gloss ~= "matte" then m.gloss = report.gloss end
   m.points = report.points
   if report.occlusion then
     m.light_passing, m.light_missing = ("%.3g"):format(report.occlusion.passing), ("%.3g"):format(report.occlusion.missing)

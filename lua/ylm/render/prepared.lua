@@ -4,6 +4,7 @@ local check = require "ylm.check"
 local core = require "ylm.c.core"
 local describe = require "ylm.describe".describe
 local form = require "ylm.form"
+local gloss = require "ylm.render.gloss"
 local indirect = require "ylm.render.indirect"
 local memory = require "ylm.memory"
 local options = require "ylm.render.options"
@@ -23,7 +24,7 @@ local prepared_render = options.list(options.grid_fields, options.direct_fields,
     about = "an image of an earlier call, to be written again and returned: its memory is there; "
       .. "with download = false the gpu_array" },
 }, options.layer_fields, options.common)
-local prepared_reference = options.list(options.reference_fields, options.layer_fields, options.common)
+local prepared_reference = options.list(options.reference_fields, gloss.ray_fields, options.layer_fields, options.common)
 local prepared_raycast = options.list(options.ray_fields, {
   { "seed", "integer", min = 0, max = 2 ^ 32, optional = true, about = "default: that of the view" },
 }, options.layer_fields, options.common)

@@ -8,6 +8,7 @@ local form = require "ylm.form"
 local light = require "ylm.light"
 local progress = require "ylm.progress"
 local options = require "ylm.render.options"
+local gloss = require "ylm.render.gloss"
 local indirect = require "ylm.render.indirect"
 local occlusion = require "ylm.render.occlusion"
 local pictures = require "ylm.render.picture"
@@ -38,24 +39,10 @@ local function sign(out, p, o, report)
     unbaked = report.unbaked, device = devices.of(o.device):name() })
 end
 
---- Says in the report how coefficients of light shade surfaces that gloss: where as matte ones, in a sentence too.
-local function say_gloss(p, report)
-  local n = p.traced.glossy
-  if n == 0 then return end
-  report.gloss = p.options.gloss or "matte"
-  if report.gloss == "sh" then return end
-  local what = report.visibility == "grid" and "a grid's light shades " or "transfer vectors shade "
-  local sentence = n == 1 and "1 mesh is glossy: " .. what .. "it as a matte one of its mean albedo"
-    or n .. " meshes are glossy: " .. what .. "them as matte ones of their mean albedo"
-  report.warnings[#report.warnings + 1] = warning.say(p.scene, "gloss", "scene %q: " .. sentence, p.scene.name or "?")
-end
-
---- Completes the report of a picture by coefficients of light: its times and what tables of materials took.
-local function finish(p, report, start, seconds)
+--- Completes the report of a picture by coefficients of light: its times and surfaces that gloss.
+local function finish(p, o, report, start, seconds)
   pictures.finish(report, start, seconds)
-  if report.gloss ~= "sh" then return report end
-  local stats = p.lib.shade_stats(p.view)
-  report.gloss_bytes, report.seconds.gloss, report.bytes = stats.gloss_bytes, stats.gloss_seconds, stats.bytes
+  gloss.report(p, o, report)
   return report
 end
 
@@ -70,7 +57,7 @@ local function shortcomings(name, p, o)
     local loud = views.loud(p)
     if loud then report.warnings[#report.warnings + 1] = warning.say(p.scene, "noise", "%s", loud) end
   end
-  say_gloss(p, report)
+  gloss.announce(p, report)
   for _, sentence in ipairs(unmet.warn(o.grid)) do report.warnings[#report.warnings + 1] = sentence end
   return report
 end
@@ -108,20 +95,22 @@ function shading.by_grid(name, p, o)
   device:check_picture(name, o)
   local report, failed, why = shortcomings(name, p, o)
   if not report then return nil, failed, why end
+  local ready, unready, cause = gloss.ready(name, p, o, o.grid)
+  if not ready then return nil, unready, cause end
   local start = core.seconds()
   local write = writer(device, name, p, o, report)
   local out, message, code
   if o.download == false then
     out, message, code = kept(device, name, p, o, write)
     if not out then return nil, message, code end
-    return out, finish(p, report, start, report.seconds.light)
+    return out, finish(p, o, report, start, report.seconds.light)
   end
   local cells
   cells, message, code = cells_of(p, o)
   if cells == false then return nil, message, code end
   out, message, code = pictures.picture(name, p, write, o, cells)
   if not out then return nil, message, code end
-  finish(p, report, start, report.seconds.light)
+  finish(p, o, report, start, report.seconds.light)
   sign(out, p, o, report)
   return out, report
 end
@@ -137,6 +126,8 @@ function shading.by_lights(name, p, o)
   local report, failed, why = shortcomings(name, p, o)
   if not report then return nil, failed, why end
   report.reference = shading.REFERENCE
+  local ready, unready, cause = gloss.ready(name, p, o, p.traced.lights)
+  if not ready then return nil, unready, cause end
   local start = core.seconds()
   local lights, message, code = light.within(name, p.traced.lights, o.light_tolerance, o.threads)
   if not lights then return nil, message, code end
@@ -149,7 +140,7 @@ function shading.by_lights(name, p, o)
   local out
   out, message, code = pictures.picture(name, p, radiance, o)
   if not out then return nil, message, code end
-  finish(p, report, start, seconds)
+  finish(p, o, report, start, seconds)
   pictures.sign(out, p, "reference", report, { dtype = o.dtype, light_tolerance = o.light_tolerance,
     pairs = ("%.0f"):format(pairs) })
   return out, report
@@ -176,6 +167,7 @@ function shading.by_rays(name, p, o, method)
   local report = pictures.new_report(p)
   report.visibility = o.shadows and "rays" or "none"
   report.light_samples = o.light_samples
+  report.gloss = p.traced.glossy > 0 and "rays" or nil
   local radiance, rays, code = check.result(name, p.lib.shade_raycast(p.view, o.light_samples, o.shadows,
     o.seed or p.options.seed, o.threads or 0, progress.resolve(o.progress), o.lit and o.lit.handle))
   if not radiance then return nil, rays, code end
@@ -193,7 +185,7 @@ end
 local function direct(name, p, o)
   if o.grid ~= nil or p.options.visibility ~= "rays" then
     views.check_grid(name, o.grid)
-    if o.light_samples then
+    if o.light_samples and not gloss.takes_samples(p) then
       return check.fail("%s: light_samples is for pictures by rays to the lamps, here is a grid: leave one out", name)
     end
     return shading.by_grid(name, p, o)

@@ -52,8 +52,8 @@ function prepared.transfer(view, given)
     local name = next(given or {})
     if name then return check.fail("transfer: %s is for vectors with bounces: give transfer (scene:transfer)", name) end
     visibility.need_transfer("transfer", p)
-    if p.options.gloss == "sh" and p.traced.glossy > 0 then
-      return check.fail 'transfer: surfaces that gloss have no transfer vectors with gloss = "sh": prepare the view without it'
+    if p.options.gloss ~= "matte" and p.traced.glossy > 0 then
+      return check.fail 'transfer: surfaces that gloss have no transfer vectors but as matte ones: prepare with gloss = "matte"'
     end
     return check.result("transfer", p.lib.shade_transfer(p.view))
   end

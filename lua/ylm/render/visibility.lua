@@ -41,10 +41,10 @@ function visibility.settle(name, o, given, default)
     o.visibility, o.vectors = "transfer", v
   else o.visibility, o.vectors = v, o.shading end
   if o.visibility == "rays" then return refuse(name, given, of_transfer, 'visibility = "transfer"', o) end
-  return refuse(name, given, { "light_samples" }, 'visibility = "rays"', o)
 end
 
---- Settles the options of a picture by o.grid, where there is one, or without: o.visibility as above.
+--- Settles the options of a picture by o.grid, where there is one, or without: o.visibility as above. Returns
+-- the quantity that the grid holds, or false.
 function visibility.settle_picture(name, o, given)
   local held = o.grid ~= nil and visibility.quantity(o.grid)
   if held == "lights" and o.visibility == "rays" then
@@ -54,10 +54,9 @@ function visibility.settle_picture(name, o, given)
   visibility.settle(name, o, given, held == "lights" and "transfer" or "rays")
   if held and held ~= "lights" then o.visibility = "rays" end -- the grid knows all shadows
   if o.visibility == "rays" and not held then
-    return refuse(name, given, { "interpolation", "bias", "light_tolerance", "gloss" },
-      'a grid (visibility = "transfer" bakes one)', o)
+    refuse(name, given, { "interpolation", "bias", "light_tolerance" }, 'a grid (visibility = "transfer" bakes one)', o)
   end
-  if held then return refuse(name, given, { "light_samples" }, "pictures without a grid", o) end
+  return held
 end
 
 --- By what the prepared view p multiplies the light of a field: "transfer" or "cosine". Raises where it cannot.

@@ -1,0 +1,67 @@
+/* blend.c - points that gloss, by rays where the light's degree is too low for their lobes. */
+#include <math.h>
+#include <string.h>
+
+#include "gloss.h"
+
+/* The shares of rays at all points, and the counts of the report. */
+static void weigh(const ylm_shade_view *v, const shade_tables *t, int lmax, bool rays, float *share,
+                  ylm_shade_blended *r) {
+  double harmonics = 0, square = 0;
+  for (size_t i = 0; i < v->points; i++) {
+    float e;
+    if (ylm__shade_gloss_slot(v->gloss, v->mesh[i]) == YLM_SHADE_MATTE) continue;
+    ylm__shade_gloss_shares(v, t, lmax, i, 1, share + i, &e);
+    if (!rays) share[i] = 0;
+    r->sh += share[i] < 1;
+    r->rays += share[i] > 0;
+    harmonics += 1 - (double)share[i];
+    square += (1 - (double)share[i]) * (double)e * (double)e;
+  }
+  if (harmonics > 0) r->missed = sqrt(square / harmonics);
+}
+
+/* The points of which rays are a part. */
+static size_t list(const ylm_shade_view *v, const float *share, size_t *point) {
+  size_t n = 0;
+  for (size_t i = 0; i < v->points; i++)
+    if (share[i] > 0) point[n++] = i;
+  return n;
+}
+
+static ylm_status mix(const ylm_shade_view *v, const shade_cast *c, const float *share,
+                      float *radiance, ylm_shade_blended *r) {
+  size_t *point = ylm_alloc(r->rays, sizeof *point);
+  float *cast = ylm_alloc_zero(3 * r->rays, sizeof *cast);
+  size_t n = point ? list(v, share, point) : 0;
+  ylm_status s = point && cast ? ylm__shade_cast(v, c, n, point, cast, &r->traced) : YLM_ENOMEM;
+  for (size_t i = 0; s == YLM_OK && i < n; i++)
+    for (size_t k = 0; k < 3; k++) {
+      float w = share[point[i]], *to = radiance + 3 * point[i] + k, by_rays = cast[3 * i + k];
+      *to = w < 1 ? (1 - w) * *to + w * by_rays : by_rays;
+    }
+  ylm_free(point);
+  ylm_free(cast);
+  return s;
+}
+
+ylm_status ylm_shade_blend(const ylm_shade_view *v, const ylm_scene *lit, ylm_shade_weight weight,
+                           int lmax, int light_samples, bool shadows, uint64_t seed, int threads,
+                           const ylm_progress *progress, float *radiance, float *share,
+                           ylm_shade_blended *report, ylm_error *e) {
+  const shade_tables *t;
+  double start = ylm_seconds();
+  *report = (ylm_shade_blended){0};
+  memset(share, 0, v->points * sizeof *share);
+  if (light_samples < 0 || light_samples > 65536) return YLM_ERANGE;
+  if (lit && ylm_scene_meshes(lit) != ylm_scene_meshes(v->scene)) return YLM_EINVAL;
+  if (!v->gloss) return YLM_OK;
+  int degree = weight == YLM_SHADE_TRANSFER ? v->o.lmax : lmax;
+  ylm_status s = ylm__shade_gloss_tables(v, degree, threads, progress, &t, e);
+  if (s != YLM_OK) return s;
+  weigh(v, t, lmax, light_samples > 0, share, report);
+  shade_cast c = {lit, light_samples, shadows, seed, threads, progress};
+  if (report->rays) s = mix(v, &c, share, radiance, report);
+  report->seconds = ylm_seconds() - start;
+  return s;
+}

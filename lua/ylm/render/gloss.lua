@@ -1,0 +1,193 @@
+--- Surfaces that gloss in pictures by coefficients of light: by harmonics, by rays, or as matte ones.
+--
+--     light                   gloss    shades such surfaces
+--     lamps, by coefficients  auto     by harmonics where their lobes are wide enough for lmax, else by rays (default)
+--                             sh       by harmonics
+--                             rays     by rays to the lamps
+--     direct, indirect, all   sh       by harmonics; auto is the same, rays are refused
+--     any                     matte    as matte ones of their mean albedo (default of direct, indirect, all)
+
+local check = require "ylm.check"
+local core = require "ylm.c.core"
+local form = require "ylm.form"
+local grids = require "ylm.grid"
+local light = require "ylm.light"
+local material = require "ylm.material"
+local progress = require "ylm.progress"
+local options = require "ylm.render.options"
+local tracing = require "ylm.trace"
+local warning = require "ylm.warning"
+
+local gloss = {}
+
+-- Options ------------------------------------------------------------------------------------
+
+--- The part of a slice's norm that harmonics may miss: below the first they shade alone, above the second rays do.
+gloss.BAND = { 0.01, 0.03 }
+
+function form.types.gloss_error(x)
+  if type(x) == "table" and #x == 2 and type(x[1]) == "number" and type(x[2]) == "number" and x[1] >= 0 and x[1] < x[2]
+    and x[2] < math.huge then return { x[1], x[2] } end
+  return nil, "two numbers, 0 <= first < second"
+end
+
+--- Options of views.
+gloss.fields = {
+  { "gloss", "choice", of = { "auto", "sh", "rays", "matte" }, optional = true,
+    about = "where coefficients of light shade surfaces that gloss, 'auto' (default where the light is of lamps): by harmonics "
+      .. "of f cos, times visibility, to lmax, and by rays to the lamps where lmax is too low for a lobe; 'sh', 'rays': by one "
+      .. "of them alone; 'matte': as matte ones of their mean albedo (default where a grid's light knows its shadows)" },
+  { "gloss_error", "gloss_error", default = gloss.BAND,
+    about = "'auto': the part of a lobe's norm that lmax misses (material:degrees) up to which harmonics shade alone, and from "
+      .. "which on rays do; mixed between" },
+}
+
+--- Options of pictures that reference fields make.
+gloss.ray_fields = {
+  { "light_samples", "integer", min = 1, max = 65536, optional = true,
+    about = "where rays shade surfaces that gloss: rays to lamps from a shading point, and as many by the material, default "
+      .. options.LIGHT_SAMPLES },
+}
+
+--- Is a surface of the scene anything but matte?
+local function is_glossy(s)
+  for _, g in ipairs(s.geometry) do
+    if g.material and material.glossy(g.material) then return true end
+  end
+  return false
+end
+
+--- Settles o.gloss, o.visibility being settled. `held`: what the grid of a picture holds, false without a grid, nil where
+-- there may be one later.
+function gloss.settle(name, o, given, s, held)
+  local by_rays = o.visibility == "rays" and held == false
+  if by_rays and (o.gloss == "sh" or o.gloss == "matte") then
+    return check.fail('%s: gloss is for a grid (visibility = "transfer" bakes one), visibility is "rays": name one that fits, '
+      .. "or leave gloss out", name)
+  end
+  if held and held ~= "lights" and o.gloss == "rays" then
+    return check.fail("%s: gloss = 'rays': rays find light of lamps, the grid holds %s light: gloss = 'sh', or leave the grid "
+      .. "out", name, held == "all" and "direct and indirect" or held)
+  end
+  if type(given) == "table" and given.gloss_error and o.gloss and o.gloss ~= "auto" then
+    return check.fail("%s: gloss_error is for gloss = 'auto', gloss is %q: leave one out", name, o.gloss)
+  end
+  if by_rays then o.gloss = nil
+  else o.gloss = o.gloss or (o.visibility == "rays" and "matte" or "auto") end
+  if o.gloss == "rays" and o.shading == "vertex" and not by_rays and is_glossy(s) then
+    return check.fail("%s: gloss = 'rays': rays start at what camera rays hit: shading = 'pixel'", name)
+  end
+  if o.light_samples and not by_rays and not (is_glossy(s) and (o.gloss == "auto" or o.gloss == "rays")) then
+    return check.fail("%s: light_samples is for visibility = \"rays\", visibility is %q, and for surfaces that gloss: leave it "
+      .. "out", name, o.visibility)
+  end
+end
+
+--- Do light_samples count in pictures of a prepared view by coefficients of light?
+function gloss.takes_samples(p)
+  local by = p.options.gloss
+  return p.traced.glossy > 0 and (by == "auto" or by == "rays")
+end
+
+-- Lamps --------------------------------------------------------------------------------------
+
+--- Prepared view -> lights that its scene was traced with last: { lights, handle }.
+local relit = setmetatable({}, { __mode = "k" })
+
+--- The lamps that a field is the light of, as a set; nil: not known, or not of lamps alone.
+local function lamps_of(field)
+  local lights = core.type(field) == "ylm.grid" and grids.lights_of(field) or field
+  return light.followed(lights)
+end
+
+--- The traced scene of these lamps; nil: that of the view. Or false, message, code.
+local function traced_with(name, p, lights)
+  if lights == p.traced.lights then return nil end
+  local known = relit[p.view]
+  if known and known.lights == lights then return known.handle end
+  local lit, message, code = tracing.relight(name, p.traced, lights)
+  if not lit then return false, message, code end
+  relit[p.view] = { lights = lights, handle = lit.handle }
+  return lit.handle
+end
+
+-- Pictures -----------------------------------------------------------------------------------
+
+--- The reason why rays shade nothing in a picture that might want them; nil: they do.
+local function hindrance(p, o, field)
+  if o.weight == "cosine" then return "a grid's light that knows its shadows shades without rays" end
+  if p.options.shading == "vertex" then return "rays start at pixels, shading is 'vertex'" end
+  if not lamps_of(field) then return "the lamps behind the grid are not known (it was loaded, or holds other light)" end
+  return nil
+end
+
+--- Makes o.glossy ready, what a picture needs to know of surfaces that gloss, where it has some: { by =, add =, share =, .. }.
+-- `field`: the light that shades. True, or nil, message, code.
+function gloss.ready(name, p, o, field)
+  local by = p.options.gloss or "matte"
+  o.glossy = nil
+  if p.traced.glossy == 0 or by == "matte" then return true end
+  local held = core.type(field) == "ylm.grid" and field.lmax or p.options.lmax
+  local x = { by = by, add = gloss.add, lmax = o.weight == "cosine" and held or math.min(p.options.lmax, held) }
+  if by ~= "sh" then
+    x.hindrance = hindrance(p, o, field)
+    if x.hindrance and by == "rays" then
+      return check.fail("%s: gloss = 'rays': %s: prepare the view with gloss = 'sh'", name, x.hindrance)
+    end
+    if not x.hindrance then
+      local message, code
+      x.samples = o.light_samples or options.LIGHT_SAMPLES
+      x.lit, message, code = traced_with(name, p, lamps_of(field))
+      if x.lit == false then return nil, message, code end
+    end
+  end
+  o.glossy = x
+  return true
+end
+
+--- Radiance of shading points with rays where harmonics are too few, in place; or nil, message, code.
+function gloss.add(name, p, o, radiance)
+  local x = o.glossy
+  local share, found, code = check.result(name, p.lib.shade_blend(p.view, radiance, { weight = o.weight, lmax = x.lmax,
+    light_samples = x.samples or 0, shadows = p.options.visibility ~= "none", seed = p.options.seed, threads = o.threads or 0,
+    progress = progress.resolve(o.progress), lit = x.lit }))
+  if not share then return nil, found, code end
+  x.share, x.found = share, found
+  return radiance
+end
+
+local LOUD = 0.1 -- the part of lobes that 'sh' may miss without a word
+
+--- Says that harmonics miss more than was wanted, why, and what to change.
+local function say_missed(p, report, x, missed)
+  local advice = x.by == "sh" and "set gloss = 'auto', whose rays find these, or a higher lmax"
+    or x.hindrance .. "; set a higher lmax, or visibility = 'rays'"
+  report.warnings[#report.warnings + 1] = warning.say(p.scene, "gloss missed", "scene %q: harmonics of degree %d miss %.0f %% of "
+    .. "the lobes of surfaces that gloss: %s", p.scene.name or "?", x.lmax, 100 * missed, advice)
+end
+
+--- Says in the report how coefficients of light shade surfaces that gloss: where as matte ones, in a sentence too.
+function gloss.announce(p, report)
+  local n = p.traced.glossy
+  if n == 0 then return end
+  report.gloss = p.options.gloss or "matte"
+  if report.gloss ~= "matte" then return end
+  local what = report.visibility == "grid" and "a grid's light shades " or "transfer vectors shade "
+  local sentence = n == 1 and "1 mesh is glossy: " .. what .. "it as a matte one of its mean albedo"
+    or n .. " meshes are glossy: " .. what .. "them as matte ones of their mean albedo"
+  report.warnings[#report.warnings + 1] = warning.say(p.scene, "gloss", "scene %q: " .. sentence, p.scene.name or "?")
+end
+
+--- Completes the report of a picture: points and rays, and the lobes that harmonics miss.
+function gloss.report(p, o, report)
+  local x = o.glossy
+  if not x or not x.found then return end
+  local stats, found, seconds = p.lib.shade_stats(p.view), x.found, report.seconds
+  report.gloss_bytes, seconds.gloss, report.bytes = stats.gloss_bytes, stats.gloss_seconds, stats.bytes
+  report.glossy = { points = stats.glossy, sh = found.sh, rays = found.rays, missed = found.missed }
+  report.rays.gloss, seconds.gloss_rays = found.traced, found.seconds
+  seconds.image = seconds.image - found.seconds
+  if found.missed > (x.by == "sh" and LOUD or p.options.gloss_error[2]) then say_missed(p, report, x, found.missed) end
+end
+
+return gloss
