@@ -13,7 +13,7 @@ for folder in pairs(tops) do rank[folder] = 50 end
 --- Sub-folders of a folder: the stages of its machine. gen/, which is generated, may stand in each of them.
 local rooms = {
   sh = { "eval", "product", "rotate", "project" },
-  light = { "sphere", "moments", "tree", "flat" },
+  light = { "sphere", "moments", "tree", "flat", "virtual" },
   transfer = { "gather" },
   grid = { "bake", "sample", "follow", "file" },
   vulkan = { "device", "light", "grid", "picture", "rival" },
@@ -236,8 +236,8 @@ describe("the ladder", function()
   it("has one public header per folder, and those of `others`", function()
     local others = { ["ylm_simd.h"] = "base", ["ylm_real.h"] = "base", ["ylm_vector.h"] = "base", ["ylm_intrinsics.h"] = "base",
       ["ylm_sh_rival.h"] = "sh",
-      ["ylm_light_device.h"] = "light", ["ylm_light_sky.h"] = "light", ["ylm_material_table.h"] = "material",
-      ["ylm_material_rival.h"] = "material" }
+      ["ylm_light_device.h"] = "light", ["ylm_light_sky.h"] = "light", ["ylm_light_virtual.h"] = "light",
+      ["ylm_material_table.h"] = "material", ["ylm_material_rival.h"] = "material" }
     for name, folder in pairs(public) do
       assert(name == "ylm_" .. folder .. ".h" or others[name] == folder, folder .. "/" .. name)
     end

@@ -101,7 +101,8 @@ struct ylm__light_kind {
 #define YLM__LIGHT_KINDS(X)                                                                        \
   X(sphere)                                                                                        \
   X(polygon)                                                                                       \
-  X(polygon_as_sphere) X(textured) X(environment) X(panorama) X(sun) X(sampled) X(foreign)
+  X(polygon_as_sphere)                                                                             \
+  X(textured) X(environment) X(panorama) X(sun) X(sampled) X(virtual) X(foreign)
 #define X(name) extern const ylm__light_kind ylm__##name##_kind;
 YLM__LIGHT_KINDS(X)
 #undef X

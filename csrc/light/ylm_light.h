@@ -13,6 +13,7 @@
 ** | environment       | csrc/light/environment.c    | light from all around, infinitely far away |
 ** | sun               | csrc/light/sun.c            | discs of one radiance, infinitely far away |
 ** | sampled           | csrc/light/sampled.c        | light known at a few places, blended between them |
+** | virtual           | csrc/light/virtual/         | small lights that send different light in different directions |
 **
 **     ylm_light_set *lamps;
 **     double at[3] = {0, 2, 0}, radius = 0.1, radiance[3] = {10, 8, 6};

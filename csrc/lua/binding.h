@@ -38,6 +38,7 @@
   X(light_sky)                                                                                     \
   X(light_texture)                                                                                 \
   X(light_tree)                                                                                    \
+  X(light_virtual)                                                                                 \
   X(limits)                                                                                        \
   X(process)                                                                                       \
   X(sandbox)                                                                                       \

@@ -29,6 +29,7 @@ local function shape_of(t)
   end
   return shape
 end
+array.shape_of = shape_of
 
 local function check_dtype(n, name, dtype, default)
   if dtype == nil then return default end

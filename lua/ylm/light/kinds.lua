@@ -11,4 +11,5 @@ return {
   { "ylm.light.environment", "environment_light" },
   { "ylm.light.sun", "sun_light" },
   { "ylm.light.sampled", "sampled_light" },
+  { "ylm.light.virtual", "virtual_lights" },
 }

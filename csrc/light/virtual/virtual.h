@@ -1,0 +1,28 @@
+/* virtual.h - what the files of csrc/light/virtual share. Private to the folder. */
+#ifndef YLM_LIGHT_VIRTUAL_PRIVATE_H
+#define YLM_LIGHT_VIRTUAL_PRIVATE_H
+
+#include "../kind.h"
+#include "../set.h"
+#include "ylm_light_virtual.h"
+
+/* Widths of a Gaussian light: sg = r GAUSS_WIDTH, eps = sg GAUSS_SOFT. */
+#define YLM__GAUSS_WIDTH 0.5
+#define YLM__GAUSS_SOFT 0.25
+
+struct ylm_light_virtual {
+  ylm_field field; /* whose `self` it is */
+  size_t users, n;
+  int degree;
+  ylm_light_virtual_profile profile;
+  double core;
+  double *at, *normal, *radius, *shift; /* [n][3], [n][3], [n], [n]: one block of memory */
+  double *emission;                     /* [n][3][(degree+1)^2] */
+};
+
+/* The reference: product rule, double, points begin .. end-1. */
+ylm_status ylm__virtual_reference(const ylm_light_virtual *lights, const ylm_field_query *q,
+                                  size_t begin, size_t end, const void *points,
+                                  ylm_field_result *r);
+
+#endif

@@ -1,0 +1,171 @@
+--- Virtual lights: ylm.virtual_lights.
+
+local check = require "ylm.check"
+local core = require "ylm.c.core"
+local describe = require "ylm.describe".describe
+local form = require "ylm.form"
+local numbers = require "ylm.light.numbers"
+
+local virtual = {}
+
+local DEGREE = 8
+
+--- A set of virtual lights as an object.
+function virtual.wrap(lights)
+  local values = core.lights_virtual_info(lights)
+  values.lights = lights
+  return setmetatable(values, form.defined.virtual_lights.metatable)
+end
+
+-- Fields ---------------------------------------------------------------------------------
+
+--- A field of one number or n as a double array.
+local function each(name, value, n, fail)
+  if value == nil then return nil end
+  return (numbers(name, value, ("a number, or one for each of the %d lights"):format(n), function(s)
+    return #s == 1 and (s[1] == 1 or s[1] == n)
+  end, fail))
+end
+
+local function rows_of(name, value, wanted, n, fail)
+  return numbers(name, value, wanted, function(s) return #s == 2 and s[2] == 3 and (not n or s[1] == n) end, fail)
+end
+
+local function intensity(value, n, fail)
+  return (numbers("intensity", value, ("a number, {r, g, b}, or one for each of the %d lights"):format(n), function(s)
+    return #s == 1 and (s[1] == 1 or s[1] == 3 or s[1] == n) or #s == 2 and s[1] == n and s[2] == 3
+  end, fail))
+end
+
+--- The degree of emissions of this shape, or nil.
+local function degree_of(shape, n)
+  if #shape ~= 3 or shape[1] ~= n or shape[2] ~= 3 then return nil end
+  for k = 0, DEGREE do if shape[3] == (k + 1) ^ 2 then return k end end
+end
+
+local function emission(value, n, fail)
+  local a, shape = numbers("emission", value, ("[%d][3][(degree+1)^2] numbers, degree 0 to %d"):format(n, DEGREE),
+    function(s) return degree_of(s, n) end, fail)
+  local convention = select(3, core.array_info(a))
+  if convention ~= 0 then a = require "ylm.sh.convert".convert(a, "ylm") end
+  return a, degree_of(shape, n)
+end
+
+local function build(values, fail)
+  if (values.intensity == nil) == (values.emission == nil) then
+    return fail("give one of intensity and emission" .. (values.emission ~= nil and ", not both" or ""))
+  end
+  if values.radius == nil and values.profile ~= "point" then
+    return fail(("field 'radius' is missing: profile '%s' has one; profile = 'point' has none"):format(values.profile))
+  end
+  local at, shape = numbers("at", values.at, "[n][3] numbers", function(s)
+    return #s == 1 and s[1] == 0 or #s == 2 and s[2] == 3
+  end, fail)
+  local n = shape[1]
+  form.take_numbers({ 5, n }, fail) -- besides the arrays that are given
+  local normal = values.normal ~= nil
+    and rows_of("normal", values.normal, ("[%d][3] numbers, one for each light"):format(n), n, fail) or nil
+  local sent, degree
+  if values.emission ~= nil then
+    sent, degree = emission(values.emission, n, fail)
+  else
+    sent = intensity(values.intensity, n, fail)
+  end
+  local lights, message, code = core.lights_virtual(at, normal, each("radius", values.radius, n, fail),
+    each("shift", values.shift, n, fail), degree, sent, values.profile)
+  if lights then return virtual.wrap(lights) end
+  if core.status(code) == "caller" then return fail(message) end
+  return check.result("virtual_lights", nil, message, code)
+end
+
+-- Methods --------------------------------------------------------------------------------
+
+local methods = {}
+
+local function open(l, name)
+  if form.kind(l) ~= "virtual_lights" then
+    return check.fail("%s: virtual lights expected before the colon, got %s", name, check.describe(l))
+  end
+  return l
+end
+
+describe "virtual_lights:arrays" {
+  about = "What the lights are made of, for scripts and files.",
+  arguments = {},
+  returns = {
+    { "at", "array", "[n][3], scene units" },
+    { "normal", "array", "[n][3], of length 1; 0: emits all around" },
+    { "radius", "array", "[n], scene units" },
+    { "emission", "array", "[n][3][(degree+1)^2], W sr^-1, without the cosine, in world axes" },
+    { "shift", "array", "[n]" },
+  },
+  errors = "nil, message, 'ENOMEM' where memory runs out",
+  example = [[
+local lights = ylm.virtual_lights { at = { { 0, 0, 0 } }, normal = { { 0, 0, 1 } }, radius = 0.2, intensity = 3 }
+local at, normal, radius, emission = lights:arrays()
+assert(#at == 1 and normal:get(1, 3) == 1 and radius:get(1) == 0.2)
+assert(math.abs(emission:get(1, 1, 1) - 3 * math.sqrt(4 * math.pi)) < 1e-12)]],
+}
+function methods:arrays()
+  open(self, "arrays")
+  return check.result("arrays", core.lights_virtual_arrays(self.lights))
+end
+
+local split_options = {
+  { "core", "number", above = 0, unit = "scene units",
+    about = "how far a light is near: above twice the largest radius; some 3 spacings of the lights" },
+}
+
+describe "virtual_lights:split" {
+  about = "Two sets of lights whose sum these lights are: a far part that is smooth on the scale of `core`, which is baked, "
+    .. "and a near part that ends at 1.6 cores, which is summed where it is needed. Lights of profile gauss.",
+  arguments = { { "options", "table", "core, see the options" } },
+  options = split_options,
+  returns = { { "far", "virtual_lights", "" }, { "near", "virtual_lights", "" } },
+  errors = "raises on lights of another profile and on a core that is too small; nil, message, 'ENOMEM' where memory runs out",
+  example = [[
+local lights = ylm.virtual_lights { at = { { 0, 0, 0 } }, radius = 0.2, intensity = 3 }
+local far, near = lights:split { core = 1 }
+assert(far.core == 1 and near.profile == "near")]],
+}
+function methods:split(given)
+  open(self, "split")
+  local o = form.options(1, "split", split_options, given)
+  local far, near, code = core.lights_virtual_split(self.lights, o.core)
+  if far then return virtual.wrap(far), virtual.wrap(near) end
+  return check.result("split", nil, near, code)
+end
+
+virtual.virtual_lights = form.define("virtual_lights", {
+  numbers = 256,
+  about = "Many small lights that send different light in different directions, as surfaces do that reflect. They are a "
+    .. "light field: they have no body, so rays do not see them, and nothing shadows them. Each sends its intensity times "
+    .. "max(0, shift + normal . direction). They have count, degree, profile and power {r, g, b}, the flux in W.",
+  fields = {
+    { "at", "any", unit = "scene units", about = "[n][3], places; empty: darkness" },
+    { "normal", "any", optional = true, about = "[n][3] of length 1, or 0 for light all around; without it all are such" },
+    { "radius", "any", optional = true, unit = "scene units",
+      about = "[n] numbers, or one for all: within it a light is soft; 'point' has none" },
+    { "intensity", "any", optional = true, unit = "W sr^-1",
+      about = "[n][3] linear Rec. 709 or [n], or a number or {r, g, b} for all, along the normal; may be negative" },
+    { "emission", "any", optional = true, unit = "W sr^-1",
+      about = "[n][3][(degree+1)^2] instead of intensity: its coefficients, degree 0 to 8, in world axes, without the cosine" },
+    { "profile", "choice", of = { "gauss", "cap", "point" }, default = "gauss",
+      about = "how light falls off: smooth everywhere; as a sphere light outside of its radius; as 1/distance^2" },
+    { "shift", "any", default = 0, about = "[n] numbers or one, 0 to 1: of lights that stand for surfaces of several normals" },
+  },
+  build = build,
+  light = {},
+  metatable = { __index = methods, __tostring = function(l)
+    return ("%d virtual lights of degree %d, profile %s"):format(l.count, l.degree, l.profile)
+  end },
+  example = [[
+local lights = ylm.virtual_lights { at = { { 0, 0, 0 }, { 1, 0, 0 } }, normal = { { 0, 0, 1 }, { 0, 0, 1 } },
+  radius = 0.2, intensity = { 3, 2, 1 } }
+assert(lights.count == 2 and math.abs(lights.power[1] - 6 * math.pi) < 1e-12)
+local L = ylm.light_field(4, lights, { { 0, 0, 1 } })
+assert(L:get(1, 1, 1) > 0)]],
+  source = "Mezieres & Paulin 2022, Secs. 3 and 5",
+})
+
+return virtual
