@@ -15,7 +15,11 @@ local cases = {
   { "hessian_2025_fig10.lua", "--out %s --depth 4 --samples 1 --width 48 --height 36", "divides MAPE by" },
   { "gritty_2003_transfer.lua", "--out %s --quick", "all bounces is %d%d%.%d dB .*\n  3  .*%%\n" },
   { "gritty_2003_local.lua", "--out %s --quick", "32 samples, power 10 .*adaptive grid, tolerance 0.1" },
-  { "gradient_2022_table4.lua", "--out %s --quick", "Table 4: .*%d+%.%d+ .*3 bands" },
+  { "gradient_2022_table4.lua", "--out %s --quick", "ZH / interp.*Table 4: .*%d+%.%d+ .*3 bands" },
+  { "gradient_2022_table5.lua", "--quick", "speed%-up .*\n +5 .*interpolation grows" },
+  { "gradient_2022_fig8.lua", "--out %s --quick", "gloss: b %- a %% .*\n +5 .*Why they differ" },
+  { "gradient_2022_fig11.lua", "--out %s --quick", "satin_gold +stand%-in, not measured.*MAE x 1000 of the grid" },
+  { "hvl_2022_materials.lua", "--out %s --quick", "90 full rows .* 27%.0 .*teflon +ABC fit.*materials change" },
 }
 
 describe("examples/papers", function()
