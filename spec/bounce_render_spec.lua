@@ -133,19 +133,6 @@ describe("gathered light", function()
       assert.equal(0, different(image, other))
     end
   end)
-
-  it("meets surfaces that gloss as matte ones, and the report says so in one line", function()
-    local scene = room(nil, { ylm.sphere { at = { 0.7, 0.3, -0.2 }, radius = 0.25, divide = { 16, 8 },
-      material = ylm.ggx { alpha = 0.2, f0 = 0.6 } } })
-    local before = ylm.on_warning(false)
-    local _, report = scene:render(with { bounces = 1, links = 256 })
-    ylm.on_warning(before)
-    local lines = 0
-    for _, line in ipairs(report.warnings) do
-      if line:find("1 mesh is glossy: bounced light meets it as a matte one", 1, true) then lines = lines + 1 end
-    end
-    assert.equal(1, lines)
-  end)
 end)
 
 -- Walls --------------------------------------------------------------------------------------------

@@ -1,7 +1,7 @@
 /* links.c - what shading points see of the elements of a scene, and the light that these send. */
 #include <math.h>
 
-#include "view.h"
+#include "lobes.h"
 
 /* Points that are gathered at once: their sums stay in the first-level cache. */
 #define BLOCK 256
@@ -9,8 +9,12 @@
 struct ylm_shade_links {
   const ylm_shade_view *view;
   const ylm_transfer *transfer;
-  int links;
-  uint32_t *link; /* [points][links] */
+  int links, kind; /* kind: of materials that are matte */
+  uint32_t *link;  /* [points][links]: of all points, or of those that are matte */
+  size_t *
+      before; /* [points/BLOCK + 1]: points that gloss before each block; NULL: none is told apart */
+  size_t glossy;
+  shade_lobes lobes; /* of these */
   double seconds;
 };
 
@@ -21,9 +25,84 @@ static uint64_t mix(uint64_t x) {
   return x ^ x >> 31;
 }
 
+/* Which points gloss: their number to l, and their numbers [points], behind which stand those of the others. */
+static uint32_t *sort_points(ylm_shade_links *l) {
+  const ylm_shade_view *v = l->view;
+  uint32_t *point = ylm_alloc(v->points, sizeof *point);
+  l->before = ylm_alloc(v->points / BLOCK + 1, sizeof *l->before);
+  if (!point || !l->before) {
+    ylm_free(point);
+    return NULL;
+  }
+  for (size_t i = 0; i < v->points; i++) {
+    if (i % BLOCK == 0) l->before[i / BLOCK] = l->glossy;
+    if (ylm__shade_glosses(v, l->kind, i)) point[l->glossy++] = (uint32_t)i;
+  }
+  for (size_t i = 0, n = l->glossy; i < v->points; i++)
+    if (!ylm__shade_glosses(v, l->kind, i)) point[n++] = (uint32_t)i;
+  return point;
+}
+
+/* Links of n points, by the cosine; point NULL: of all. */
+static ylm_status find_matte(ylm_shade_links *l, size_t n, const uint32_t *point,
+                             const uint64_t *stream, uint64_t seed, int threads,
+                             const ylm_progress *progress, ylm_error *e) {
+  const ylm_shade_view *v = l->view;
+  float(*origin)[3] = v->origin, (*normal)[3] = v->normal;
+  uint64_t *own = NULL;
+  ylm_status s = YLM_OK;
+  if (point) {
+    origin = ylm_alloc(n, sizeof *origin), normal = ylm_alloc(n, sizeof *normal);
+    own = ylm_alloc(n, sizeof *own);
+    s = origin && normal && own ? YLM_OK : YLM_ENOMEM;
+  }
+  for (size_t i = 0; point && s == YLM_OK && i < n; i++) {
+    memcpy(origin[i], v->origin[point[i]], 12);
+    memcpy(normal[i], v->normal[point[i]], 12);
+    own[i] = stream[point[i]];
+  }
+  if (s == YLM_OK)
+    s = ylm_transfer_find(l->transfer, n, (const float(*)[3])origin, (const float(*)[3])normal,
+                          point ? own : stream, l->links, seed, threads, progress, l->link, 0, NULL,
+                          e);
+  if (point) {
+    ylm_free(origin);
+    ylm_free(normal);
+    ylm_free(own);
+  }
+  return s;
+}
+
+/* Links of all points, those that gloss told apart. */
+static ylm_status find_both(ylm_shade_links *l, const uint64_t *stream, uint64_t seed, int threads,
+                            const ylm_progress *progress, ylm_error *e) {
+  uint32_t *point = sort_points(l);
+  size_t n = l->glossy, matte = l->view->points - n, links = (size_t)l->links;
+  l->link = ylm_alloc(matte, links * sizeof *l->link);
+  l->lobes.link = ylm_alloc(n, links * sizeof *l->lobes.link);
+  l->lobes.weight = ylm_alloc(n, 3 * links * sizeof *l->lobes.weight);
+  l->lobes.most = ylm_alloc(n, sizeof *l->lobes.most);
+  bool room = point && l->link && l->lobes.link && l->lobes.weight && l->lobes.most;
+  ylm_status s = room ? YLM_OK : YLM_ENOMEM;
+  if (s == YLM_OK) s = find_matte(l, matte, point + n, stream, seed, threads, progress, e);
+  if (s == YLM_OK)
+    s = ylm__shade_lobes(l->view, l->transfer, n, point, stream, l->links, seed, threads, progress,
+                         &l->lobes);
+  ylm_free(point);
+  return s;
+}
+
+/* Whether a surface in sight glosses. */
+static bool has_gloss(const ylm_shade_links *l) {
+  for (size_t i = 0; i < l->view->points; i++)
+    if (ylm__shade_glosses(l->view, l->kind, i)) return true;
+  return false;
+}
+
 ylm_status ylm_shade_links_create(const ylm_shade_view *v, const ylm_transfer *t, int links,
-                                  uint64_t seed, int threads, const ylm_progress *progress,
-                                  ylm_shade_links **out, ylm_error *e) {
+                                  bool gloss, uint64_t seed, int threads,
+                                  const ylm_progress *progress, ylm_shade_links **out,
+                                  ylm_error *e) {
   *out = NULL;
   if (links < 4 || links > YLM_TRANSFER_LINKS || links % 4)
     return ylm_fail(e, YLM_ERANGE, "links must be a multiple of 4 from 4 to %d, got %d",
@@ -32,12 +111,16 @@ ylm_status ylm_shade_links_create(const ylm_shade_view *v, const ylm_transfer *t
   ylm_shade_links *l = ylm_alloc_zero(1, sizeof *l);
   uint64_t *stream = l ? ylm__shade_streams(v) : NULL;
   for (size_t i = 0; stream && i < v->points; i++) stream[i] = mix(stream[i]);
-  if (l) *l = (ylm_shade_links){.view = v, .transfer = t, .links = links};
-  if (l) l->link = ylm_alloc(v->points, (size_t)links * sizeof *l->link);
-  ylm_status s = stream && l->link ? YLM_OK : YLM_ENOMEM;
-  if (s == YLM_OK)
-    s = ylm_transfer_find(t, v->points, (const float(*)[3])v->origin, (const float(*)[3])v->normal,
-                          stream, links, seed, threads, progress, l->link, 0, NULL, e);
+  if (l)
+    *l = (ylm_shade_links){
+        .view = v, .transfer = t, .links = links, .kind = ylm_material_kind_find("matte")};
+  bool apart = l && gloss && has_gloss(l);
+  if (l && !apart) l->link = ylm_alloc(v->points, (size_t)links * sizeof *l->link);
+  ylm_status s = stream && (apart || l->link) ? YLM_OK : YLM_ENOMEM;
+  if (s == YLM_OK && apart)
+    s = find_both(l, stream, seed, threads, progress, e);
+  else if (s == YLM_OK)
+    s = find_matte(l, v->points, NULL, stream, seed, threads, progress, e);
   ylm_free(stream);
   if (s != YLM_OK) {
     ylm_shade_links_free(l);
@@ -51,12 +134,19 @@ ylm_status ylm_shade_links_create(const ylm_shade_view *v, const ylm_transfer *t
 void ylm_shade_links_free(ylm_shade_links *l) {
   if (!l) return;
   ylm_free(l->link);
+  ylm_free(l->before);
+  ylm_free(l->lobes.link);
+  ylm_free(l->lobes.weight);
+  ylm_free(l->lobes.most);
   ylm_free(l);
 }
 
 void ylm_shade_links_look(const ylm_shade_links *l, ylm_shade_links_stats *stats) {
-  size_t n = l->view->points * (size_t)l->links;
-  *stats = (ylm_shade_links_stats){l->links, n, sizeof *l + n * sizeof *l->link, l->seconds};
+  size_t n = l->view->points * (size_t)l->links, glossy = l->glossy * (size_t)l->links;
+  size_t bytes = sizeof *l + n * sizeof *l->link + glossy * 3 * sizeof *l->lobes.weight;
+  if (l->before)
+    bytes += l->glossy * sizeof *l->lobes.most + (l->view->points / BLOCK + 1) * sizeof *l->before;
+  *stats = (ylm_shade_links_stats){l->links, l->glossy, n, bytes, l->seconds};
 }
 
 const ylm_transfer *ylm_shade_links_transfer(const ylm_shade_links *l) { return l->transfer; }
@@ -65,17 +155,50 @@ const ylm_transfer *ylm_shade_links_transfer(const ylm_shade_links *l) { return 
 
 #define LOOKED_AT 4096 /* points */
 
+static double luminance(const double c[3]) {
+  return YLM_LUMINANCE_R * c[0] + YLM_LUMINANCE_G * c[1] + YLM_LUMINANCE_B * c[2];
+}
+
+/* How many points before point i gloss. */
+static size_t glossy_before(const ylm_shade_links *l, size_t i) {
+  size_t n = l->before[i / BLOCK];
+  for (size_t k = i - i % BLOCK; k < i; k++) n += ylm__shade_glosses(l->view, l->kind, k);
+  return n;
+}
+
+/* Halves of the mean radiance that arrives along links of even and of odd number, a row of links. */
+static void halves(const ylm_shade_links *l, const uint32_t *link, const float *leaving,
+                   double sum[2]) {
+  sum[0] = sum[1] = 0;
+  for (int i = 0; i < l->links; i++) {
+    const float *r = leaving + 4 * (size_t)link[i];
+    sum[i & 1] += YLM_LUMINANCE_R * (double)r[0] + YLM_LUMINANCE_G * (double)r[1] +
+                  YLM_LUMINANCE_B * (double)r[2];
+  }
+}
+
+/* Halves of the radiance that point i, which glosses, reflects, over its mean albedo. */
+static void glossy_halves(const ylm_shade_links *l, size_t i, size_t row, const float *leaving,
+                          double sum[2]) {
+  float albedo[3];
+  ylm_material_albedo(ylm__shade_material(l->view, i), albedo);
+  double part[3], mean = luminance((double[]){albedo[0], albedo[1], albedo[2]});
+  for (int k = 0; k < 2; k++) {
+    ylm__shade_lobe(&l->lobes, row, l->links, leaving, k, part);
+    sum[k] = mean > 0 ? luminance(part) * l->links / mean : 0;
+  }
+}
+
 double ylm_shade_gather_noise(const ylm_shade_links *l, const float *leaving) {
   size_t points = l->view->points, n = points < LOOKED_AT ? points : LOOKED_AT;
   double square = 0, mean = 0;
   for (size_t k = 0; k < n; k++) {
-    const uint32_t *link = l->link + k * points / n * (size_t)l->links;
-    double sum[2] = {0};
-    for (int i = 0; i < l->links; i++) {
-      const float *r = leaving + 4 * (size_t)link[i];
-      sum[i & 1] += YLM_LUMINANCE_R * (double)r[0] + YLM_LUMINANCE_G * (double)r[1] +
-                    YLM_LUMINANCE_B * (double)r[2];
-    }
+    size_t i = k * points / n, row = l->before ? glossy_before(l, i) : 0;
+    double sum[2];
+    if (l->before && ylm__shade_glosses(l->view, l->kind, i))
+      glossy_halves(l, i, row, leaving, sum);
+    else
+      halves(l, l->link + (i - row) * (size_t)l->links, leaving, sum);
     double apart =
         (sum[0] - sum[1]) / l->links; /* half of the difference of means over half of them */
     square += apart * apart;
@@ -102,14 +225,37 @@ static void reflect(const ylm_shade_view *v, size_t first, size_t n, const float
   for (size_t k = 0; k < 3 * n; k++) out[k] = (start ? start[k] : 0) + radiance[k];
 }
 
+/* Matte points from `first` on, whose rows of links begin at number `row`. */
+static void gather_matte(const gather_job *j, size_t first, size_t row, size_t n) {
+  const ylm_shade_links *l = j->l;
+  float mean[4 * BLOCK] __attribute__((aligned(64)));
+  ylm_transfer_sum(n, l->links, l->link + row * (size_t)l->links, 4, j->leaving, NULL, mean, 1);
+  reflect(l->view, first, n, mean, j->start ? j->start + 3 * first : NULL, j->out + 3 * first);
+}
+
+/* Point i, which glosses. */
+static void gather_glossy(const gather_job *j, size_t i, size_t row) {
+  double radiance[3];
+  float all[3];
+  ylm__shade_lobe(&j->l->lobes, row, j->l->links, j->leaving, -1, radiance);
+  for (int c = 0; c < 3; c++) all[c] = (float)radiance[c];
+  ylm__shade_tint(j->l->view, i, 1, all);
+  for (size_t c = 0; c < 3; c++) j->out[3 * i + c] = (j->start ? j->start[3 * i + c] : 0) + all[c];
+}
+
 static ylm_status run_gather(void *context, size_t begin, size_t end, int worker) {
   (void)worker;
   const gather_job *j = context;
   const ylm_shade_links *l = j->l;
-  size_t n = end - begin;
-  float mean[4 * BLOCK] __attribute__((aligned(64)));
-  ylm_transfer_sum(n, l->links, l->link + begin * (size_t)l->links, 4, j->leaving, NULL, mean, 1);
-  reflect(l->view, begin, n, mean, j->start ? j->start + 3 * begin : NULL, j->out + 3 * begin);
+  size_t glossy = l->before ? l->before[begin / BLOCK] : 0;
+  for (size_t i = begin, behind; i < end; i = behind) {
+    for (behind = i; behind < end; behind++)
+      if (l->before && ylm__shade_glosses(l->view, l->kind, behind)) break;
+    if (behind > i)
+      gather_matte(j, i, i - glossy, behind - i);
+    else
+      gather_glossy(j, behind++, glossy++);
+  }
   return YLM_OK;
 }
 

@@ -343,6 +343,7 @@ typedef struct ylm_shade_links ylm_shade_links;
 
 typedef struct ylm_shade_links_stats {
   int links;      /* of a shading point */
+  size_t glossy;  /* points whose rays their materials choose */
   uint64_t rays;  /* that were traced for them */
   size_t bytes;   /* memory they hold */
   double seconds; /* that finding them took */
@@ -352,16 +353,20 @@ typedef struct ylm_shade_links_stats {
 ** ylm_shade_links_create - find the elements that rays from the shading points of a view hit.
 **
 **   links  in   of a point, 4 .. YLM_TRANSFER_LINKS, a multiple of 4
+**   gloss  in   points that are not matte: by rays that their materials choose (ylm_material_sample), with
+**               weights f cos over the density; false: as matte ones
 **
 ** A point's rays have the density of the cosine about its normal, and random numbers of its place in
-** the image: what is seen elsewhere changes nothing.
+** the image: what is seen elsewhere changes nothing. Rays that begin inside of a body are replaced by others
+** of their point.
 **
 ** Returns    YLM_OK; YLM_ERANGE, YLM_ENOMEM, YLM_ECANCELLED (progress stage "links")
 ** Ownership  links must not outlive their view, nor the transfer
-** Cost       points * links rays; 4 bytes a link
+** Cost       points * links rays; 4 bytes a link, 10 of points that gloss
+** Source     Heitz 2018, "Sampling the GGX Distribution of Visible Normals" (rays of points that gloss)
 */
 YLM_API ylm_status ylm_shade_links_create(const ylm_shade_view *view, const ylm_transfer *transfer,
-                                          int links, uint64_t seed, int threads,
+                                          int links, bool gloss, uint64_t seed, int threads,
                                           const ylm_progress *progress, ylm_shade_links **out,
                                           ylm_error *e);
 YLM_API void ylm_shade_links_free(ylm_shade_links *links);
@@ -374,7 +379,8 @@ YLM_API void ylm_shade_links_look(const ylm_shade_links *links, ylm_shade_links_
 **
 **   out[i] = start[i] + albedo_i/pi E_i,   E_i = pi * mean over links j of i of the radiance that leaves j
 **
-** Nothing is traced. Surfaces that are not matte reflect as matte ones of their mean albedo.
+** and of points that gloss start[i] + mean over links j of weight_j times that radiance. Nothing is traced. Where links
+** were made without `gloss`, surfaces that are not matte reflect as matte ones of their mean albedo.
 **
 **   leaving  in      [elements + 1][4] of the links' transfer: ylm_radiosity_leaving
 **   start    in      [points][3] or NULL: zeros
@@ -388,7 +394,8 @@ YLM_API ylm_status ylm_shade_gather(const ylm_shade_links *links, const float *l
                                     float *out);
 
 /* The noise of gathered light at a shading point: half of the difference of two estimates, by links of even and of
-   odd number, root mean square over at most 4,096 points, over the mean of the light; in luminance. 0 where there is none. */
+   odd number, root mean square over at most 4,096 points, over the mean of the light; in luminance. Of points that
+   gloss it is that of what they reflect, over their mean albedo. 0 where there is none. */
 YLM_API double ylm_shade_gather_noise(const ylm_shade_links *links, const float *leaving);
 
 /* ylm_transfer_vectors_at and ylm_transfer_matrices of a view's shading points: out [points][3][(lmax+1)^2], lmax of the

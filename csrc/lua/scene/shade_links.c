@@ -10,7 +10,8 @@ static const ylm_shade_links *check_links(lua_State *L, int i) {
   return ylmL_held_check(L, i, LINKS)->object;
 }
 
-/* shade_links(view, transfer, links, seed, threads, progress) -> links, which the view must outlive */
+/* shade_links(view, transfer, links, seed, threads, progress, gloss: points that gloss by rays of their materials)
+   -> links, which the view must outlive */
 static int shade_links(lua_State *L) {
   ylm_shade_view *v = ylmL_shade_view(L, 1);
   const ylm_transfer *t = ylmL_transfer(L, 2);
@@ -18,11 +19,12 @@ static int shade_links(lua_State *L) {
   uint64_t seed = (uint64_t)luaL_checknumber(L, 4);
   ylm_error e = {0};
   ylmL_progress p;
-  lua_settop(L, 6);
+  lua_settop(L, 7);
+  bool gloss = lua_toboolean(L, 7);
   const ylm_progress *progress = ylmL_progress_begin(L, 6, &p);
   ylmL_held *h = ylmL_hold(L, LINKS, destroy, ylmL_held_check(L, 2, YLML_TRANSFER));
   ylm_shade_links *l;
-  ylm_status s = ylm_shade_links_create(v, t, links, seed, threads, progress, &l, &e);
+  ylm_status s = ylm_shade_links_create(v, t, links, gloss, seed, threads, progress, &l, &e);
   h->object = l;
   ylm_shade_links_stats stats = {0};
   if (s == YLM_OK) ylm_shade_links_look(l, &stats);
@@ -30,12 +32,13 @@ static int shade_links(lua_State *L) {
   return ylmL_result_progress(L, 1, s, &e, &p);
 }
 
-/* shade_links_stats(links) -> { links, rays, bytes, seconds } */
+/* shade_links_stats(links) -> { links, glossy: points, rays, bytes, seconds } */
 static int shade_links_stats(lua_State *L) {
   ylm_shade_links_stats s;
   ylm_shade_links_look(check_links(L, 1), &s);
   lua_newtable(L);
   ylmL_set_count(L, "links", (uint64_t)s.links);
+  ylmL_set_count(L, "glossy", s.glossy);
   ylmL_set_count(L, "rays", s.rays);
   ylmL_set_count(L, "bytes", s.bytes);
   ylmL_set_number(L, "seconds", s.seconds);

@@ -93,7 +93,7 @@ function indirect.link(name, p, t, o)
   if known and known.transfer == t and (count == nil or known.count == count) then return true end
   count = count or LINKS
   handle, message, code = check.result(name, p.lib.shade_links(p.view, t, count, p.options.seed, o.threads or 0,
-    progress.resolve(o.progress)))
+    progress.resolve(o.progress), true))
   if not handle then return nil, message, code end
   local stats = p.lib.shade_links_stats(handle)
   m.links = { handle = handle, transfer = t, count = count, stats = stats }
@@ -174,6 +174,18 @@ local function say_noise(p, report, count, noise)
     .. "%.0f %% in the light that bounces: %s", p.scene.name or "?", count, 100 * noise, advice)
 end
 
+--- Says what bounced light lacks where surfaces gloss.
+local function say_gloss(p, report)
+  local n, gathered = p.traced.glossy, report.indirect == "gather"
+  if n == 0 then return end
+  local what = n == 1 and "1 mesh is glossy: " or n .. " meshes are glossy: "
+  local it, one, its = n == 1 and "it" or "they", n == 1 and "a matte one" or "matte ones", n == 1 and "its" or "their"
+  local does = gathered and ("%s %s light to other surfaces as %s of %s mean albedo, no highlights in reflections, no caustics: "
+    .. "scene:pathtrace has them"):format(it, n == 1 and "sends" or "send", one, its)
+    or ("a grid's bounced light meets %s as %s of %s mean albedo"):format(n == 1 and "it" or "them", one, its)
+  report.warnings[#report.warnings + 1] = warning.say(p.scene, "gloss bounced", "scene %q: %s%s", p.scene.name or "?", what, does)
+end
+
 --- Completes report and metadata of a picture by its bounces.
 function indirect.report(p, o, report, image)
   local b = o.bounced
@@ -197,15 +209,10 @@ function indirect.report(p, o, report, image)
     report.links, report.rays.links = m.links.count, m.links.stats.rays
     report.indirect_noise = p.lib.shade_gather_noise(m.links.handle, b.lit)
     if report.indirect_noise > LOUD and not o.tolerance then say_noise(p, report, m.links.count, report.indirect_noise) end
+    report.rays.gloss_links = m.links.stats.glossy * m.links.count
     report.elements, report.balance = b.lit.transfer.stats.elements, b.lit.stats.balance
   end
-  local n = p.traced.glossy
-  if n > 0 then
-    report.warnings[#report.warnings + 1] = warning.say(p.scene, "gloss bounced", n == 1
-      and "scene %q: 1 mesh is glossy: bounced light meets it as a matte one of its mean albedo"
-      or "scene %q: " .. n .. " meshes are glossy: bounced light meets them as matte ones of their mean albedo",
-      p.scene.name or "?")
-  end
+  say_gloss(p, report)
 end
 
 return indirect

@@ -1,0 +1,151 @@
+-- Light that bounces, met by surfaces that gloss: rays that their materials choose, into the elements of a transfer.
+local ylm = require "ylm"
+
+local pi = math.pi
+
+local function with(more, base)
+  local o = {}
+  for k, v in pairs(base) do o[k] = v end
+  for k, v in pairs(more) do o[k] = v end
+  return o
+end
+
+local function radiance(image) return image:layer "radiance":totable() end
+
+--- The mean over pixels, [3].
+local function mean(image)
+  local sum, n = { 0, 0, 0 }, 0
+  for _, row in ipairs(radiance(image)) do
+    for _, p in ipairs(row) do
+      n = n + 1
+      for c = 1, 3 do sum[c] = sum[c] + p[c] end
+    end
+  end
+  return { sum[1] / n, sum[2] / n, sum[3] / n }
+end
+
+--- How many numbers of two pictures differ.
+local function different(a, b)
+  local x, y, n = radiance(a), radiance(b), 0
+  for i, row in ipairs(x) do
+    for k, p in ipairs(row) do
+      for c = 1, 3 do if p[c] ~= y[i][k][c] then n = n + 1 end end
+    end
+  end
+  return n
+end
+
+--- sqrt(mean((a - b)^2 - variance of b)) over the root mean square of b, of layers "radiance".
+local function error_of(a, b)
+  local x, y, v, d, n = radiance(a), radiance(b), b:layer "variance":totable(), 0, 0
+  for i, row in ipairs(y) do
+    for k, p in ipairs(row) do
+      for c = 1, 3 do d, n = d + (x[i][k][c] - p[c]) ^ 2 - v[i][k][c], n + p[c] ^ 2 end
+    end
+  end
+  return math.sqrt(math.max(0, d) / n)
+end
+
+-- A round room with a lamp in its middle: all of its wall sends RADIANCE.
+local RHO, LAMP, SMALL = 0.5, 0.1, 1e-3
+local SENT = RHO / pi * (pi * 10 * LAMP ^ 2) / (1 - RHO)
+
+--- A small square in it that is seen at `degrees` from its normal.
+local function globe(material, degrees, more)
+  local t, x = math.rad(degrees), { 0.2, 0, -0.5 }
+  local geometry = { ylm.sphere { radius = 1, divide = { 64, 32 }, material = ylm.matte { albedo = RHO } },
+    ylm.quad(with({ corner = { x[1] - SMALL, -SMALL, x[3] }, u = { 2 * SMALL, 0, 0 }, v = { 0, 2 * SMALL, 0 },
+      material = material }, more or {})) }
+  return ylm.scene "globe" {
+    geometry = geometry, lights = ylm.sphere_light { at = { 0, 0, 0 }, radius = LAMP, radiance = 10 },
+    transfer = ylm.transfer { spacing = 0.2, links = 64 },
+    camera = ylm.camera { from = { x[1] + 0.2 * math.sin(t), 0, x[3] + 0.2 * math.cos(t) }, at = x, fov = 0.1 },
+  }
+end
+
+local few = { size = { 8, 8 }, samples = 1, links = 64 }
+
+--- Light that bounces alone, [3].
+local function bounced(scene, o)
+  local all = mean((scene:render(with({ bounces = "all" }, o))))
+  local direct = mean((scene:render { size = o.size, samples = o.samples }))
+  return { all[1] - direct[1], all[2] - direct[2], all[3] - direct[3] }
+end
+
+local ggx = ylm.ggx { alpha = 0.3, f0 = 0.7, base = 0.1 }
+
+local function of(t) return { size = { 16, 9 }, samples = 1, links = 16, transfer = t } end
+
+--- A room with coloured walls and a body, what bounces in it, and a prepared view of 16 x 9 points.
+local function room(material)
+  local scene = ylm.scene "room" {
+    camera = ylm.camera { from = { 0, 1.2, 2.8 }, at = { 0, 0.3, 0 }, fov = 45 },
+    geometry = { ylm.box { bounds = { { -1.5, 0, -1.5 }, { 1.5, 2, 3 } }, material = ylm.matte { albedo = { 0.6, 0.6, 0.7 } } },
+      ylm.quad { corner = { -1.4, 0.01, 1.4 }, u = { 2.8, 0, 0 }, v = { 0, 0, -2.8 }, divide = 12,
+        material = material, sides = "front" },
+      ylm.quad { corner = { -1.49, 0.02, 1.4 }, u = { 0, 0, -2.8 }, v = { 0, 1.9, 0 },
+        material = ylm.matte { albedo = { 0.7, 0.1, 0.1 } } },
+    },
+    lights = { ylm.sphere_light { at = { 0.3, 1.6, 0.3 }, radius = 0.2, radiance = { 15, 14, 12 } } },
+  }
+  local lit = scene:transfer({ spacing = 0.15, links = 64 }):radiosity()
+  return scene, lit, scene:prepare(of(lit.transfer))
+end
+
+describe("bounced light on surfaces that gloss", function()
+  it("is the reflectance towards the camera where it comes from everywhere alike", function()
+    local cases = {
+      { ylm.ggx { alpha = 0.1, f0 = { 1, 0.78, 0.34 } }, 50 },
+      { ylm.ggx { alpha = 0.5, f0 = 0.04, base = { 0.2, 0.5, 0.7 } }, 30 },
+      { ylm.phong { exponent = 30, specular = 0.4, base = 0.3 }, 20 }, { ylm.ggx { alpha = { 0.1, 0.4 }, f0 = 0.7 }, 60 },
+      { ylm.abc { fit = "gold-metallic-paint" }, 40 },
+    }
+    for i, case in ipairs(cases) do
+      local t = math.rad(case[2])
+      local truth = case[1]:albedo({ math.cos(t) }):totable()[1]
+      local got = bounced(globe(case[1], case[2]), few)
+      for c = 1, 3 do assert.near(1, got[c] / SENT / truth[c], 0.03, ("case %d, channel %d"):format(i, c)) end
+    end
+  end)
+
+  it("follows lamps without a ray, as a picture made anew, whatever the number of threads", function()
+    local scene, lit, view = room(ggx)
+    local first = view:render { indirect = lit }
+    local lamps = { ylm.sphere_light { at = { -0.6, 1.6, 0.9 }, radius = 0.1, radiance = { 5, 20, 40 } } }
+    lit:update(lamps)
+    local image, report = view:render { indirect = lit, threads = 1 }
+    assert.is_true(different(first, image) > 0)
+    assert.equal(view.stats.points * 16, report.rays.links)
+    assert.is_true(report.rays.gloss_links > 0 and report.rays.gloss_links < report.rays.links)
+    assert.is_true(report.indirect_noise > 0)
+    local again = scene:prepare(of(lit.transfer))
+    for _, threads in ipairs { 2, 7 } do
+      assert.equal(0, different(image, (again:render { indirect = lit, threads = threads })))
+    end
+  end)
+
+  it("agrees with paths", function()
+    local scene, lit = room(ylm.ggx { alpha = 0.15, f0 = 0.7 })
+    local truth = scene:pathtrace { size = { 16, 9 }, samples = 1024, layers = false, reflections = { 1, "all" } }
+    local error = error_of(scene:render { size = { 16, 9 }, samples = 64, light_samples = 64, indirect = lit, links = 64 }, truth)
+    assert.is_true(error < 0.05, tostring(error))
+  end)
+
+  it("is that of pixels at vertices, turned as their tangents", function()
+    for _, material in ipairs { ggx, ylm.ggx { alpha = { 0.2, 0.6 }, f0 = 0.8 } } do
+      local scene, lit = room(material)
+      local o = { size = { 16, 9 }, samples = 4, links = 64, visibility = "none", lmax = 1 }
+      local function by(shading)
+        local view = scene:prepare(with({ shading = shading, transfer = lit.transfer }, o))
+        local grid = ylm.sphere_lights { at = { { 0, 9, 0 } }, radius = 0.1, radiance = 0 }.lights
+        local image, sum = view:render { grid = grid, indirect = lit }, 0
+        for i, row in ipairs(image:layer "normal":totable()) do
+          for k, n in ipairs(row) do if n[2] > 0.99 then sum = sum + image:layer "radiance":get(i, k, 1) end end
+        end
+        return sum
+      end
+      local vertices, pixels = by "vertex", by "pixel"
+      assert.near(1, vertices / pixels, 0.05)
+    end
+  end)
+end)
