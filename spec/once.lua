@@ -19,4 +19,5 @@ return {
   two_rooms_light = 4,
   transfer = 1, radiosity = 1, lightmap = 1,
   transfer_vectors = 3, light_sampled = 1, virtual_lights = 1, glossy = 3, gloss_bounced = 2,
+  ambient = 1,
 }

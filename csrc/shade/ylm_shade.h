@@ -530,6 +530,33 @@ YLM_API ylm_status ylm_shade_measure_occlusion(const ylm_shade_view *view, size_
                                                int light_samples, int threads,
                                                ylm_shade_occlusion *out);
 
+/* How the openness of a point is found. */
+typedef enum ylm_shade_ambience {
+  YLM_SHADE_SCREEN, /* 16 samples of the picture about the point's place in it, and their horizons */
+  YLM_SHADE_AMBIENT_RAYS /* 128 rays, dense as the cosine */
+} ylm_shade_ambience;
+
+/*
+** ylm_shade_ambient - the part of the light from everywhere that nothing keeps from a shading point.
+**
+**   a = 1/pi integral of cosine over directions in which nothing is nearer than `radius`
+**
+** SCREEN knows the surfaces that the camera sees: two slices through the line of sight with four samples
+** on each side, turned and shifted from pixel to pixel, the mean of 4 x 4 pixels. Samples less than 0.05
+** of their distance above the surface are the surface. It is 1 where the radius is below a pixel.
+**
+**   radius  in   scene units, > 0
+**   out     out  [points], 0 to 1
+**
+** Returns  YLM_OK; YLM_ERANGE (radius), YLM_EINVAL (a view per vertex; SCREEN: of some pixels alone),
+**          YLM_ENOMEM, YLM_ECANCELLED (RAYS: progress stage "ambient")
+** Source   Bavoil & Sainz 2008, "Screen Space Ambient Occlusion"; slices weighted by the cosine: Jimenez,
+**          Wu, Pesce, Jarabo 2016, "Practical Realtime Strategies for Accurate Indirect Occlusion"
+*/
+YLM_API ylm_status ylm_shade_ambient(const ylm_shade_view *view, ylm_shade_ambience method,
+                                     double radius, int threads, const ylm_progress *progress,
+                                     float *out);
+
 /* -- image ------------------------------------------------------------------- */
 
 /*

@@ -76,7 +76,40 @@ static int shade_layer(lua_State *L) {
   return ylmL_result(L, 1, s, NULL);
 }
 
+/* shade_ambient(view, by rays, radius, threads, progress) -> openness [points] */
+static int shade_ambient(lua_State *L) {
+  ylm_shade_view *v = ylmL_shade_view(L, 1);
+  ylm_shade_ambience how = lua_toboolean(L, 2) ? YLM_SHADE_AMBIENT_RAYS : YLM_SHADE_SCREEN;
+  double radius = luaL_checknumber(L, 3);
+  int threads = (int)luaL_checknumber(L, 4);
+  lua_settop(L, 5);
+  ylmL_progress bar;
+  const ylm_progress *progress = ylmL_progress_begin(L, 5, &bar);
+  ylm_status s = YLM_OK;
+  size_t n = ylmL_shade_points(v);
+  ylmL_array *out = ylmL_shade_result(L, 6, 1, (size_t[]){n}, &s);
+  if (s == YLM_OK) s = ylm_shade_ambient(v, how, radius, threads, progress, out->data);
+  return ylmL_result_progress(L, 1, s, NULL, &bar);
+}
+
+/* shade_darken(radiance [n][3], openness [n]) -> their product */
+static int shade_darken(lua_State *L) {
+  ylmL_array *radiance = ylmL_array_check(L, 1), *open = ylmL_array_check(L, 2);
+  ylm_status s = YLM_OK;
+  lua_settop(L, 2);
+  if (radiance->dtype != YLM_FLOAT || open->dtype != YLM_FLOAT ||
+      radiance->count != 3 * open->count)
+    return ylmL_result(L, 0, YLM_ESHAPE, NULL);
+  ylmL_array *out = ylmL_shade_result(L, 3, 2, (size_t[]){open->count, 3}, &s);
+  const float *r = radiance->data, *a = open->data;
+  for (size_t i = 0; s == YLM_OK && i < 3 * open->count; i++)
+    ((float *)out->data)[i] = r[i] * a[i / 3];
+  return ylmL_result(L, 1, s, NULL);
+}
+
 static const luaL_Reg functions[] = {{"shade_difference", shade_difference},
+                                     {"shade_ambient", shade_ambient},
+                                     {"shade_darken", shade_darken},
                                      {"shade_resolve", shade_resolve},
                                      {"shade_compose", shade_compose},
                                      {"shade_layer", shade_layer},

@@ -1,6 +1,7 @@
 --- Pictures of scenes: what bake, prepare, render, reference and raycast of a scene do.
 
 require "ylm.render.prepared" -- the methods of what prepare returns
+local ambient = require "ylm.render.ambient"
 local baking = require "ylm.render.bake"
 local check = require "ylm.check"
 local describe = require "ylm.describe".describe
@@ -52,7 +53,8 @@ end
 
 local render_options = options.list(options.view_fields, options.transfer_fields, gloss.fields,
   options.grid_fields,
-  options.direct_fields, indirect.bounce_fields, indirect.link_fields, knob.fields, options.baked_fields, options.layer_fields,
+  options.direct_fields, indirect.bounce_fields, indirect.link_fields, knob.fields, options.baked_fields, ambient.fields,
+    options.layer_fields,
   options.common)
 
 --- The grid of the scene's probes for what a view sees; or nil, message, code.
@@ -162,7 +164,8 @@ end
 
 --- One release: samples of raycast were shadow rays.
 local function say_samples(s, o, report)
-  report.warnings[#report.warnings + 1] = warning.say(s, "samples", "scene %q: raycast: samples = %d are camera rays per pixel, "
+  report.warnings[#report.warnings + 1] = warning.say(s, "samples",
+    "scene %q: raycast: samples = %d are camera rays per pixel, "
     .. "as everywhere, and no longer shadow rays per shading point: set light_samples, which are %d", s.name or "?", o.samples,
     o.light_samples)
 end

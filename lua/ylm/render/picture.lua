@@ -1,5 +1,6 @@
 --- From the radiance of shading points to an image with layers and metadata, and the report beside it.
 
+local ambient = require "ylm.render.ambient"
 local check = require "ylm.check"
 local core = require "ylm.c.core"
 local describe = require "ylm.describe".describe
@@ -16,6 +17,11 @@ function pictures.compose(name, p, radiance, o, layer)
     local all, message, code = o.glossy.add(name, p, o, radiance)
     if not all then return nil, message, code end
     radiance = all
+  end
+  if o.openness then
+    local dark, message, code = ambient.darken(name, p, o, radiance)
+    if not dark then return nil, message, code end
+    radiance = dark
   end
   if o.bounced then
     local all, message, code = o.bounced.add(name, p, o, radiance)
@@ -56,6 +62,7 @@ function pictures.picture(name, p, radiance, o, cells)
     for _, l in ipairs { { "normal", 3 }, { "position", 3 }, { "depth", 1 }, { "albedo", 3 }, { "coverage", 1 },
       { "emitter", 1 } } do layers[#layers + 1] = l end
     if o.glossy then layers[#layers + 1] = { "gloss", 1 } end
+    if o.openness then layers[#layers + 1] = { "ambient", 1 } end
     if cells then
       layers[#layers + 1] = { "level", 1 }
       layers[#layers + 1] = { "error", 1 }
@@ -77,6 +84,7 @@ function pictures.picture(name, p, radiance, o, cells)
       done(lib.shade_layer(view, layer, threads, out:layer(layer)))
     end
     if o.glossy then done(lib.shade_resolve(view, o.glossy.share, nil, true, threads, out:layer "gloss")) end
+    if o.openness then done(lib.shade_resolve(view, o.openness, { 1 }, true, threads, out:layer "ambient")) end
     if cells then
       done(lib.shade_resolve(view, cells.level, nil, true, threads, out:layer "level"))
       done(lib.shade_resolve(view, cells.error, nil, true, threads, out:layer "error"))

@@ -1,5 +1,6 @@
 --- The methods of prepared views.
 
+local ambient = require "ylm.render.ambient"
 local check = require "ylm.check"
 local core = require "ylm.c.core"
 local describe = require "ylm.describe".describe
@@ -23,7 +24,7 @@ local prepared_render = options.list(options.grid_fields, options.direct_fields,
   { "out", "any", optional = true,
     about = "an image of an earlier call, to be written again and returned: its memory is there; "
       .. "with download = false the gpu_array" },
-}, options.layer_fields, options.common)
+}, ambient.fields, options.layer_fields, options.common)
 local prepared_reference = options.list(options.reference_fields, gloss.ray_fields, options.layer_fields, options.common)
 local prepared_raycast = options.list(options.ray_fields, {
   { "seed", "integer", min = 0, max = 2 ^ 32, optional = true, about = "default: that of the view" },

@@ -1,5 +1,6 @@
 --- Renders prepared views: by a grid, by the lights themselves, by rays to the lamps.
 
+local ambient = require "ylm.render.ambient"
 local array = require "ylm.array"
 local check = require "ylm.check"
 local core = require "ylm.c.core"
@@ -199,9 +200,12 @@ function shading.picture(name, p, o)
   local image, report, code
   image, report, code = indirect.ready(name, p, o)
   if not image then return nil, report, code end
+  image, report, code = ambient.ready(name, p, o)
+  if not image then return nil, report, code end
   image, report, code = direct(name, p, o)
   if not image then return nil, report, code end
   indirect.report(p, o, report, image)
+  ambient.report(p, o, report, image)
   return image, report
 end
 
