@@ -16,7 +16,7 @@ return {
   light_polygon_kernel = 2, shade = 2, render_noise = 2, render = 2, grid_update_memory = 1, grid_update_view = 1,
   codec = 1, light_textured = 1, sh_product = 1, light_polygon_scene = 1, light_merged = 1, sh_rotate = 1, ladder = 1,
   irradiance_measure = 3, refresh = 2, abi = 1, bounce_render = 4, path = 5, light_sky = 3, first_call = 5, flip = 3,
-  two_rooms_light = 4,
+  two_rooms_light = 4, relight = 3,
   transfer = 1, radiosity = 1, lightmap = 1,
   transfer_vectors = 3, light_sampled = 1, virtual_lights = 1, glossy = 3, gloss_bounced = 2,
   ambient = 1,

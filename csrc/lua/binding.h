@@ -65,6 +65,7 @@
   X(shade_links)                                                                                   \
   X(shade_judge)                                                                                   \
   X(shade_picture)                                                                                 \
+  X(shade_relight)                                                                                 \
   X(shade_view)                                                                                    \
   X(traced)                                                                                        \
   X(transfer)                                                                                      \

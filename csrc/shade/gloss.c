@@ -4,13 +4,23 @@
 
 #include "slices.h"
 
+/* Rotations of one degree, and products by one method. */
+typedef struct plan {
+  struct plan *next;
+  int lmax;
+  ylm_sh_product_method method;
+  ylm_sh_rotator *rotator;
+  ylm_sh_product *product;
+} plan;
+
 struct shade_gloss {
   size_t materials, meshes, points;
   const ylm_material **material; /* [materials], each once    */
   bool *seen;                    /* [materials]: at some point */
   uint32_t *slot;                /* [meshes]: of its material; YLM_SHADE_MATTE: matte */
   float (*tangent)[3];           /* [points of the view]; NULL: all materials are isotropic */
-  bool borrowed;                 /* the tangents are another's */
+  shade_gloss *before; /* of the view that its own is made of; NULL: none. The tangents are its */
+  _Atomic(struct plan *) plans; /* of it and of all that are made of it */
   _Atomic(shade_tables *) tables;
   _Atomic(shade_kept *) kept;
   atomic_uint_fast64_t stage[SHADE_STAGES]; /* nanoseconds */
@@ -82,7 +92,7 @@ ylm_status ylm__shade_gloss_create(const ylm_shade_view *v, const shade_gloss *b
     g->slot[i] =
         has_table(v, before, i) ? number_of(g, ylm__shade_mesh_material(v, i)) : YLM_SHADE_MATTE;
   if (!v->base) return YLM_OK;
-  g->borrowed = true;
+  g->before = (shade_gloss *)(uintptr_t)before;
   g->tangent = before ? before->tangent : NULL;
   for (size_t i = 0; i < v->points; i++) {
     if (g->slot[v->mesh[i]] == YLM_SHADE_MATTE) continue;
@@ -119,9 +129,36 @@ static void tables_free(shade_tables *t) {
   for (size_t k = 0; t->table && k < t->materials; k++) /* its own */
     ylm_material_table_free((ylm_material_table *)(uintptr_t)t->table[k]);
   ylm_free(t->table);
-  ylm_sh_rotator_free(t->rotator);
-  ylm_sh_product_free(t->product);
   ylm_free(t);
+}
+
+static void plan_free(plan *p) {
+  if (!p) return;
+  ylm_sh_rotator_free(p->rotator);
+  ylm_sh_product_free(p->product);
+  ylm_free(p);
+}
+
+/* The plan of a degree and a method, made at the first call. */
+static ylm_status plan_of(shade_gloss *g, int lmax, ylm_sh_product_method method, const plan **out,
+                          ylm_error *e) {
+  if (g->before) g = g->before;
+  plan *head = atomic_load(&g->plans), *p = head;
+  while (p && (p->lmax != lmax || p->method != method)) p = p->next;
+  if ((*out = p)) return YLM_OK;
+  if (!(p = ylm_alloc_zero(1, sizeof *p))) return YLM_ENOMEM;
+  p->lmax = lmax;
+  p->method = method;
+  ylm_status s = ylm_sh_rotator_create(lmax, &p->rotator, e);
+  if (s == YLM_OK) s = ylm_sh_product_create(lmax, 2, method, YLM_SH_PRODUCT_auto, &p->product, e);
+  if (s != YLM_OK) {
+    plan_free(p);
+    return s;
+  }
+  do p->next = head; /* others that made the same at the same time stay behind it, unused */
+  while (!atomic_compare_exchange_weak(&g->plans, &head, p));
+  *out = p;
+  return YLM_OK;
 }
 
 /* A table of which the nearest row is taken: nobody keeps it. */
@@ -155,9 +192,12 @@ static ylm_status tables_create(const ylm_shade_view *v, int lmax, int threads,
       return ylm_fail(e, YLM_EMISSING, "nearest rows need libylm_rival: call ylm_rival_register()");
   }
   t->table = ylm_alloc_zero(g->materials, sizeof *t->table);
-  ylm_status s = t->table ? ylm_sh_rotator_create(lmax, &t->rotator, e) : YLM_ENOMEM;
-  if (s == YLM_OK)
-    s = ylm_sh_product_create(lmax, 2, v->o.product, YLM_SH_PRODUCT_auto, &t->product, e);
+  const plan *p = NULL;
+  ylm_status s = t->table ? plan_of(v->gloss, lmax, v->o.product, &p, e) : YLM_ENOMEM;
+  if (s == YLM_OK) {
+    t->rotator = p->rotator;
+    t->product = p->product;
+  }
   for (size_t k = 0; s == YLM_OK && k < g->materials; k++)
     if (g->seen[k]) {
       ylm_material_table_facts f = {0};
@@ -332,9 +372,13 @@ void ylm__shade_gloss_free(shade_gloss *g) {
     next = k->next;
     kept_free(k);
   }
+  for (plan *p = atomic_load(&g->plans), *next; p; p = next) {
+    next = p->next;
+    plan_free(p);
+  }
   ylm_free(g->material);
   ylm_free(g->seen);
   ylm_free(g->slot);
-  if (!g->borrowed) ylm_free(g->tangent);
+  if (!g->before) ylm_free(g->tangent);
   ylm_free(g);
 }

@@ -13,8 +13,8 @@ typedef struct shade_tables {
   struct shade_tables *next;
   int lmax;
   const ylm_material_table **table; /* [materials], theirs; NULL: not in sight */
-  ylm_sh_rotator *rotator;
-  ylm_sh_product *product;
+  const ylm_sh_rotator *rotator;    /* of a plan */
+  const ylm_sh_product *product;
   ylm_material_rival_fn *nearest; /* NULL: rows are interpolated */
   size_t materials;               /* of the tables, which are then its own */
   size_t bytes;

@@ -2,11 +2,12 @@
 #include "gloss.h"
 
 void ylm__shade_change_free(ylm_shade_view *v) {
-  const ylm_shade_view *b = v->base;
-  if (v->entry != b->entry) ylm_free(v->entry);
-  if (v->pixel != b->pixel) ylm_free(v->pixel);
-  if (v->corner != b->corner) ylm_free(v->corner);
-  if (v->seen != b->seen) ylm_free(v->seen);
+  if (v->looks_again) {
+    ylm_free(v->entry);
+    ylm_free(v->pixel);
+    ylm_free(v->corner);
+    ylm_free(v->seen);
+  }
   for (size_t i = 0; v->material && i < ylm_scene_meshes(v->scene); i++)
     ylm_material_free(v->material[i]);
   ylm_free(v->material);
@@ -24,6 +25,7 @@ static ylm_status look_again(ylm_shade_view *v, const ylm_shade_change *c, ylm_e
   ylm_status s = ylm_scene_frame(c->camera, v->o.width, v->o.height, &frame, e);
   if (s != YLM_OK) return s;
   v->frame = frame;
+  v->looks_again = true;
   v->entry = NULL;
   v->pixel = NULL;
   v->corner = NULL;
@@ -51,15 +53,15 @@ static ylm_status dress(ylm_shade_view *v, const ylm_material *const *materials)
 ylm_status ylm_shade_view_change(const ylm_shade_view *from, const ylm_shade_change *c, int threads,
                                  const ylm_progress *progress, ylm_shade_view **view,
                                  ylm_error *e) {
-  const ylm_shade_view *base = from->base ? from->base : from;
   const shade_tables *tables;
   *view = NULL;
   ylm_shade_view *v = ylm_alloc(1, sizeof *v);
   if (!v) return YLM_ENOMEM;
   *v = *from;
-  v->base = base;
+  v->base = from;
   v->material = NULL;
   v->gloss = NULL;
+  v->looks_again = false;
   v->o.nearest = c->nearest;
   v->o.product = c->product;
   v->o.keep = c->keep;
@@ -68,14 +70,14 @@ ylm_status ylm_shade_view_change(const ylm_shade_view *from, const ylm_shade_cha
   v->stats.bytes = sizeof *v;
   ylm_status s =
       from->base ? ylm_fail(e, YLM_EINVAL, "a changed view is not changed again") : YLM_OK;
-  if (s == YLM_OK && (base->idle || base->o.gloss == YLM_SHADE_GLOSS_RAYS))
+  if (s == YLM_OK && (from->idle || from->o.gloss == YLM_SHADE_GLOSS_RAYS))
     s = ylm_fail(
         e, YLM_EINVAL,
         "rays shade some surfaces of the prepared view that gloss, and it has no visibility "
         "there: prepare it with gloss = 'sh'");
   if (s == YLM_OK && c->camera) s = look_again(v, c, e);
   if (s == YLM_OK) s = dress(v, c->materials);
-  if (s == YLM_OK && v->o.gloss) s = ylm__shade_gloss_create(v, base->gloss, &v->gloss, e);
+  if (s == YLM_OK && v->o.gloss) s = ylm__shade_gloss_create(v, from->gloss, &v->gloss, e);
   if (s == YLM_OK && v->transfer) /* refused, or made, here rather than at the first picture */
     s = ylm__shade_gloss_tables(v, v->o.lmax, threads, progress, &tables, e);
   v->o.progress = NULL;

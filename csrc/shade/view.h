@@ -48,6 +48,8 @@ struct ylm_shade_view {
       *vertex; /* [2 vertices of the scene] their points, YLM_SHADE_NOWHERE: none; all_vertices */
   const ylm_shade_view *base;    /* whose points these are (relight.c); NULL: its own */
   const ylm_material **material; /* [meshes] instead of the scene's; NULL: those  */
+  bool
+      looks_again; /* made of another view, but for another camera: entries and pixels are its own */
 };
 
 #define YLM_SHADE_NOWHERE UINT32_MAX

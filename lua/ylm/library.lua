@@ -30,11 +30,14 @@ end
 
 local RIVAL = "this method, kept for comparison, needs libylm_rival: run make (or make install) again (%s)"
 
+--- The binding of libylm_rival, ylm.c.rival; or nil, message, code.
+function library.rival_binding() return library.open("rival", RIVAL) end
+
 --- f(...), a function of ylm.c.core. Where it answers EMISSING, its method is one of libylm_rival, which is loaded first.
 function library.rival(f, ...)
   local a, b, c = f(...)
   if c ~= "EMISSING" then return a, b, c end
-  local binding, message, code = library.open("rival", RIVAL)
+  local binding, message, code = library.rival_binding()
   if not binding then return nil, message, code end
   return f(...)
 end

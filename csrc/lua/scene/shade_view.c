@@ -21,7 +21,8 @@ static const uint32_t *read_pixels(lua_State *L, int i, size_t *n) {
 /* shade_view(scene, {camera: from, at, up, fov, 10 numbers; width, height, samples, lmax, shading,
    visibility, transfer_samples, occlusion_distance, share, seed, threads, progress, light | nil,
    noise | nil, most_samples | nil, pixels: a list of numbers from 0, these alone, | nil,
-   gloss: "matte", "sh", "auto", "rays" | nil, gloss_error: two numbers | nil}) -> view */
+   gloss: "matte", "sh", "auto", "rays" | nil, gloss_error: two numbers | nil, keep | nil, all_vertices | nil})
+   -> view */
 static int shade_view(lua_State *L) {
   static const char *const names[] = {"camera",
                                       "width",
@@ -42,6 +43,8 @@ static int shade_view(lua_State *L) {
                                       "pixels",
                                       "gloss",
                                       "gloss_error",
+                                      "keep",
+                                      "all_vertices",
                                       NULL};
   static const char *const shadings[] = {"pixel", "vertex", NULL};
   static const char *const glosses[] = {"matte", "sh", "auto", "rays", NULL};
@@ -65,7 +68,9 @@ static int shade_view(lua_State *L) {
     MOST,
     PIXELS,
     GLOSS,
-    BAND
+    BAND,
+    KEEP,
+    ALL
   };
   ylmL_named(L, 2, names);
   const ylm_scene *scene = ylmL_scene(L, 1);
@@ -89,6 +94,8 @@ static int shade_view(lua_State *L) {
       .occlusion_distance = (double)luaL_checknumber(L, DISTANCE),
       .share = (double)luaL_checknumber(L, SHARE),
       .gloss = (ylm_shade_gloss)luaL_checkoption(L, GLOSS, "matte", glosses),
+      .keep = lua_toboolean(L, KEEP),
+      .all_vertices = lua_toboolean(L, ALL),
       .seed = (uint64_t)luaL_checknumber(L, SEED),
       .threads = (int)luaL_optnumber(L, THREADS, 0),
       .progress = ylmL_progress_begin(L, PROGRESS, &p)};

@@ -11,6 +11,7 @@ local knob = require "ylm.render.knob"
 local options = require "ylm.render.options"
 local paths = require "ylm.render.path"
 local pictures = require "ylm.render.picture"
+local relight = require "ylm.render.relight"
 local shading = require "ylm.render.shade"
 local tracing = require "ylm.trace"
 local views = require "ylm.render.view"
@@ -19,7 +20,8 @@ local warning = require "ylm.warning"
 
 local render = { bake = baking.bake, true_error = pictures.true_error, pathtrace = paths.pathtrace, probe = paths.probe }
 
-local prepare_options = options.list(options.view_fields, options.transfer_fields, gloss.fields, indirect.link_fields,
+local prepare_options = options.list(options.view_fields, options.transfer_fields, gloss.fields, relight.prepare_fields,
+  indirect.link_fields,
   options.common)
 
 describe "scene:prepare" {
@@ -40,7 +42,8 @@ assert(papers:reference())]],
 function render.prepare(s, given)
   tracing.check_scene("prepare", s)
   local o = options.of_view("prepare", prepare_options, given)
-  visibility.settle("prepare", o, given or {}, "rays")
+  relight.settle("prepare", o, given or {})
+  visibility.settle("prepare", o, given or {}, o.relight and "transfer" or "rays")
   gloss.settle("prepare", o, given, s)
   o.lmax = o.lmax or views.default_lmax(s)
   local view, message, code = views.prepare("prepare", s, o)
@@ -134,8 +137,7 @@ function render.render(s, given)
 end
 
 local reference_options = options.list(options.view_fields, options.transfer_fields, gloss.fields, options.reference_fields,
-  gloss.ray_fields,
-  options.layer_fields, options.common)
+  gloss.ray_fields, relight.method_fields, options.layer_fields, options.common)
 
 describe "scene:reference" {
   about = "The reference of pictures by grids of lights, T . L: what an exact grid under transfer vectors would give. "

@@ -12,9 +12,10 @@ local LEAST, CERTAIN = 0.01, 3 -- a share is said above this, and above so many 
 
 --- ylm_shade_occlusion of a prepared view, measured at the first call; nil, message, code.
 local function measure(name, p, threads)
-  local made = views.made[p.view]
+  local view = p.base or p.view
+  local made = views.made[view]
   if not made.occlusion then
-    local found, message, code = check.result(name, p.lib.shade_occlusion(p.view, POINTS, RAYS, threads or 0))
+    local found, message, code = check.result(name, p.lib.shade_occlusion(view, POINTS, RAYS, threads or 0))
     if not found then return nil, message, code end
     made.occlusion = found
   end

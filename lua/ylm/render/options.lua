@@ -83,7 +83,8 @@ options.layer_fields = {
 }
 
 options.grid_fields = {
-  { "grid", "any", optional = true, about = "what scene:bake or ylm.bake returned" },
+  { "grid", "any", optional = true, about = "what scene:bake or ylm.bake returned; of a prepared view also lights, asked at "
+    .. "every point" },
   { "interpolation", "choice", of = { "hermite", "taylor", "linear" }, default = "hermite",
     about = "of the grid" },
   { "bias", "number", min = 0, max = 16, optional = true,
@@ -140,7 +141,8 @@ options.report_text = "note (where nothing is to be shaded), notes (about files 
   .. "relative to it plus a tenth of its mean; "
 
 --- Fields of reports about pictures by transfer vectors.
-options.transfer_text = options.report_text .. "gloss (of surfaces that gloss: auto, sh, rays, matte; but for matte glossy: "
+options.transfer_text = options.report_text .. "stages (of points that gloss, seconds of all threads: rows of tables, rotation, "
+  .. "product, light, dot); gloss (of surfaces that gloss: auto, sh, rays, matte; but for matte glossy: "
   .. "points, of these sh by harmonics and rays by rays, both where they are mixed, and missed, the part of their lobes' norm "
   .. "that lmax misses, root mean square over those by harmonics; rays.gloss and seconds.gloss_rays; gloss_bytes, memory of "
   .. "tables, which materials keep, and seconds.gloss, a part of transfer: that those took which were not there); "

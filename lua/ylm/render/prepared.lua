@@ -9,12 +9,14 @@ local gloss = require "ylm.render.gloss"
 local indirect = require "ylm.render.indirect"
 local memory = require "ylm.memory"
 local options = require "ylm.render.options"
+local relight = require "ylm.render.relight"
 local shading = require "ylm.render.shade"
 local views = require "ylm.render.view"
 
 local prepared = views.methods
 
-local prepared_render = options.list(options.grid_fields, options.direct_fields, indirect.bounce_fields, indirect.link_fields, {
+local prepared_render = options.list(options.grid_fields, options.direct_fields, relight.fields, relight.method_fields,
+  indirect.bounce_fields, indirect.link_fields, {
   { "lights", "any", optional = true,
     about = "lights that shine instead of the scene's, by rays: they may move; default with indirect = lit: those of lit" },
   { "lamps", "any", optional = true,
@@ -25,7 +27,9 @@ local prepared_render = options.list(options.grid_fields, options.direct_fields,
     about = "an image of an earlier call, to be written again and returned: its memory is there; "
       .. "with download = false the gpu_array" },
 }, ambient.fields, options.layer_fields, options.common)
-local prepared_reference = options.list(options.reference_fields, gloss.ray_fields, options.layer_fields, options.common)
+local prepared_reference = options.list(options.reference_fields, gloss.ray_fields, relight.method_fields, options.layer_fields,
+  options.common)
+local prepared_radiance = options.list(options.grid_fields, relight.fields, relight.method_fields, options.common)
 local prepared_raycast = options.list(options.ray_fields, {
   { "seed", "integer", min = 0, max = 2 ^ 32, optional = true, about = "default: that of the view" },
 }, options.layer_fields, options.common)
@@ -50,9 +54,30 @@ function prepared.render(view, given)
   local p = views.open("render", view)
   local o = form.options(1, "render", prepared_render, given)
   indirect.settle("render", o)
+  relight.check("render", o)
   local ok, message, code = indirect.relight("render", p, o)
   if not ok then return nil, message, code end
   return shading.picture("render", p, o)
+end
+
+describe "prepared:radiance" {
+  about = "The radiance of a prepared view's shading points, without a picture: the colours of vertices for who draws them, of "
+    .. "views prepared with relight = 'all' those of all vertices (view:points).",
+  arguments = { { "options", "table", "grid is needed" } },
+  options = prepared_radiance,
+  returns = { { "radiance", "array", "float [points][3]" },
+    { "report", "table", "points, seconds.light, stages as of view:render" } },
+  errors = "raises on a bad option; nil, message, code where memory runs out or it is cancelled",
+  example = options.one_lamp .. [[
+local view = scene:prepare { size = { 32, 18 }, relight = "all", lmax = 2 }
+local colours = view:radiance { grid = scene.lights[1], camera = ylm.camera { from = { 1, 3, 4 } } }
+assert(colours.shape[1] == view.stats.points)]],
+}
+function prepared.radiance(view, given)
+  local p = views.open("radiance", view)
+  local o = form.options(1, "radiance", prepared_radiance, given)
+  relight.check("radiance", o)
+  return shading.points("radiance", p, o)
 end
 
 describe "prepared:reference" {

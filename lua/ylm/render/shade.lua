@@ -13,6 +13,7 @@ local gloss = require "ylm.render.gloss"
 local indirect = require "ylm.render.indirect"
 local occlusion = require "ylm.render.occlusion"
 local pictures = require "ylm.render.picture"
+local relight = require "ylm.render.relight"
 local tracing = require "ylm.trace"
 local unmet = require "ylm.grid.unmet"
 local views = require "ylm.render.view"
@@ -40,10 +41,12 @@ local function sign(out, p, o, report)
     unbaked = report.unbaked, device = devices.of(o.device):name() })
 end
 
---- Completes the report of a picture by coefficients of light: its times and surfaces that gloss.
-local function finish(p, o, report, start, seconds)
+--- Completes the report of a picture by coefficients of light: its times and surfaces that gloss; `before`: the stages of its
+-- view when it began.
+local function finish(p, o, report, start, seconds, before)
   pictures.finish(report, start, seconds)
   gloss.report(p, o, report)
+  if o.glossy and before then report.stages = report.stages or relight.stages(p, before) end
   return report
 end
 
@@ -92,13 +95,19 @@ end
 function shading.by_grid(name, p, o)
   pictures.check_truth(name, p, o)
   o.weight = visibility.weight(name, p, o.grid)
+  if o.method == "zonal" then
+    return check.fail("%s: zonal lobes are summed lamp by lamp, without a grid: view:reference { method = 'zonal' }", name)
+  end
+  local changed, problem, reason = relight.of(name, p, o)
+  if not changed then return nil, problem, reason end
+  p = changed
   local device = devices.of(o.device)
   device:check_picture(name, o)
   local report, failed, why = shortcomings(name, p, o)
   if not report then return nil, failed, why end
   local ready, unready, cause = gloss.ready(name, p, o, o.grid)
   if not ready then return nil, unready, cause end
-  local start = core.seconds()
+  local start, before = core.seconds(), p.lib.shade_stages(p.view)
   local write = writer(device, name, p, o, report)
   local out, message, code
   if o.download == false then
@@ -111,9 +120,26 @@ function shading.by_grid(name, p, o)
   if cells == false then return nil, message, code end
   out, message, code = pictures.picture(name, p, write, o, cells)
   if not out then return nil, message, code end
-  finish(p, o, report, start, report.seconds.light)
+  finish(p, o, report, start, report.seconds.light, before)
   sign(out, p, o, report)
   return out, report
+end
+
+--- The radiance of a prepared view's shading points under o.grid, and a report; or nil, message, code.
+function shading.points(name, p, o)
+  views.check_grid(name, o.grid)
+  o.weight = visibility.weight(name, p, o.grid)
+  if o.method == "zonal" then return shading.by_grid(name, p, o) end -- which refuses it
+  local changed, message, code = relight.of(name, p, o, true)
+  if not changed then return nil, message, code end
+  local start, before = core.seconds(), p.lib.shade_stages(changed.view)
+  local radiance, done
+  radiance, done, code = devices.of(nil):shade(name, changed, o, progress.resolve(o.progress))
+  if not radiance then return nil, done, code end
+  local report = { points = p.stats.points, outside = done.outside, unbaked = done.unbaked,
+    seconds = { light = core.seconds() - start } }
+  if p.options.gloss == "sh" then report.stages = relight.stages(changed, before) end
+  return radiance, report
 end
 
 --- The kind of pictures that scene:reference is a reference of, for its report.
@@ -124,24 +150,32 @@ function shading.by_lights(name, p, o)
   pictures.check_truth(name, p, o)
   visibility.need_transfer(name, p)
   o.weight = "transfer"
+  local changed, problem, reason = relight.of(name, p, o)
+  if not changed then return nil, problem, reason end
+  p = changed
   local report, failed, why = shortcomings(name, p, o)
   if not report then return nil, failed, why end
   report.reference = shading.REFERENCE
   local ready, unready, cause = gloss.ready(name, p, o, p.traced.lights)
   if not ready then return nil, unready, cause end
-  local start = core.seconds()
+  local start, before = core.seconds(), p.lib.shade_stages(p.view)
   local lights, message, code = light.within(name, p.traced.lights, o.light_tolerance, o.threads)
   if not lights then return nil, message, code end
   local radiance, pairs
   radiance, pairs, code = check.result(name, p.lib.shade_field(p.view, lights, o.weight, o.dtype,
     o.threads or 0, progress.resolve(o.progress)))
   if not radiance then return nil, pairs, code end
+  if o.method == "zonal" then
+    local ok
+    ok, message, code = relight.zonal(name, p, o, radiance)
+    if not ok then return nil, message, code end
+  end
   local seconds = core.seconds() - start
   report.pairs = pairs
   local out
   out, message, code = pictures.picture(name, p, radiance, o)
   if not out then return nil, message, code end
-  finish(p, o, report, start, seconds)
+  finish(p, o, report, start, seconds, before)
   pictures.sign(out, p, "reference", report, { dtype = o.dtype, light_tolerance = o.light_tolerance,
     pairs = ("%.0f"):format(pairs) })
   return out, report

@@ -95,14 +95,15 @@ function views.prepare(name, s, o)
     transfer_samples = rays,
     occlusion_distance = distance, share = o.share, seed = o.seed,
     threads = o.threads, progress = progress.resolve(o.progress), light = light, noise = NOISE,
-    most_samples = MOST_SAMPLES, pixels = o.pixels, gloss = o.gloss or "matte", gloss_error = o.gloss_error }))
+    most_samples = MOST_SAMPLES, pixels = o.pixels, gloss = o.gloss or "matte", gloss_error = o.gloss_error,
+    keep = o.relight == "light" or o.relight == "material", all_vertices = o.relight == "all" }))
   if not view then return nil, message, code end
   local stats = t.lib.shade_stats(view)
   stats.scene_seconds = t.seconds
   if visibility ~= "transfer" then stats.transfer_samples = nil end
   made[view] = { scene = s, traced = t, lib = t.lib, stats = stats,
     options = { size = o.size, samples = o.samples, seed = o.seed, lmax = o.lmax, share = o.share,
-      shading = o.shading, visibility = visibility, gloss = o.gloss, gloss_error = o.gloss_error,
+      shading = o.shading, visibility = visibility, gloss = o.gloss, gloss_error = o.gloss_error, relight = o.relight,
       transfer_samples = visibility ~= "rays" and (stats.transfer_samples or rays) or nil,
       occlusion_distance = visibility ~= "rays" and distance or nil } }
   return view

@@ -187,6 +187,13 @@ return {
     { call = function(ylm) return scene(ylm):render { grid = lights(ylm), visibility = "rays" } end,
       says = "the grid holds lights without their shadows, which transfer vectors shade: name visibility" },
   }),
+  ["prepared:radiance"] = of_prepared("radiance", {
+    { { threads = -1 }, "threads must be" }, { { layers = false }, "no field 'layers'" }, { 7, "a table of options expected" },
+    { {}, "field 'grid' is missing" }, { { grid = {} }, "grid must be a grid" },
+    { { grid = lamp(require "ylm"), method = "cubic" }, "method must be" },
+    { { grid = lamp(require "ylm"), camera = 5 }, "camera must be" },
+    { { grid = lamp(require "ylm"), materials = {} }, "materials change in views that are prepared with relight" },
+  }),
   ["prepared:reference"] = joined(of_prepared("reference", joined(layer_cases, { { { dtype = 4 }, "dtype must be" } })),
     { by_rays("reference", nil, no_transfer) }),
   ["prepared:raycast"] = of_prepared("raycast", joined(layer_cases, {
