@@ -16,6 +16,7 @@ local cases = {
   { "gritty_2003_transfer.lua", "--out %s --quick", "all bounces is %d%d%.%d dB .*\n  3  .*%%\n" },
   { "gritty_2003_local.lua", "--out %s --quick", "32 samples, power 10 .*adaptive grid, tolerance 0.1" },
   { "gradient_2022_table4.lua", "--out %s --quick", "ZH / interp.*Table 4: .*%d+%.%d+ .*3 bands" },
+  { "gradient_2022_table3.lua", "--out %s --quick", "Dragon +578 +here .*Buddha +242 +here .*gradients cost" },
   { "gradient_2022_table5.lua", "--quick", "speed%-up .*\n +5 .*interpolation grows" },
   { "gradient_2022_fig8.lua", "--out %s --quick", "gloss: b %- a %% .*\n +5 .*Why they differ" },
   { "gradient_2022_fig11.lua", "--out %s --quick", "satin_gold +stand%-in, not measured.*MAE x 1000 of the grid" },

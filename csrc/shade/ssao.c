@@ -16,10 +16,12 @@
 
 typedef struct job {
   const ylm_shade_view *view;
-  double radius;
-  uint32_t *shown; /* [pixels] the point with the largest share; NONE */
-  float *raw;      /* [points] */
-  float *out;      /* [points] */
+  double radius, right[3], up[3]; /* unit */
+  double direction[SLICES * PATTERN * PATTERN]
+                  [2]; /* of slices, by a pixel's place in the pattern */
+  uint32_t *shown;     /* [pixels] the point with the largest share; NONE */
+  float *raw;          /* [points] */
+  float *out;          /* [points] */
 } job;
 
 /* A point seen from the camera. */
@@ -32,22 +34,20 @@ static double dot(const double a[3], const double b[3]) {
   return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-/* Right and up in units of a pixel at distance 1. */
 static void place(const job *j, size_t i, seen *s) {
   const ylm_shade_view *v = j->view;
   const ylm_camera_frame *f = &v->frame;
-  double d[3], half = f->pixel / 2 * v->o.height;
+  double d[3];
   for (int a = 0; a < 3; a++) {
     s->p[a] = (double)v->position[i][a];
     s->n[a] = (double)v->normal[i][a];
     d[a] = s->p[a] - f->from[a];
   }
-  double depth = dot(d, f->forward), wide = half * v->o.width / v->o.height;
-  s->x = v->o.width / 2.0 + dot(d, f->right) / (wide * depth * f->pixel);
-  s->y = v->o.height / 2.0 - dot(d, f->up) / (half * depth * f->pixel);
-  s->reach = j->radius / (depth * f->pixel);
-  double length = sqrt(dot(d, d));
-  for (int a = 0; a < 3; a++) s->sight[a] = -d[a] / length;
+  double depth = 1 / (dot(d, f->forward) * f->pixel), length = 1 / sqrt(dot(d, d));
+  s->x = v->o.width / 2.0 + dot(d, j->right) * depth;
+  s->y = v->o.height / 2.0 - dot(d, j->up) * depth;
+  s->reach = j->radius * depth;
+  for (int a = 0; a < 3; a++) s->sight[a] = -d[a] * length;
 }
 
 /* The point that pixel (x, y) shows; NONE beside surfaces and outside of the picture. */
@@ -57,44 +57,49 @@ static uint32_t shown_at(const job *j, double x, double y) {
   return j->shown[(size_t)y * (size_t)o->width + (size_t)x];
 }
 
-/* The largest cosine to the line of sight of what stands above the surface along (dx, dy). */
+/* The largest cosine to the line of sight of what stands above the surface along (dx, dy); -1: nothing. */
 static double horizon(const job *j, const seen *s, double dx, double dy, double shift) {
-  double most = -1;
+  double most = -1, far = j->radius * j->radius;
   for (int k = 0; k < STEPS; k++) {
     double t = s->reach * (k + shift) / STEPS;
     uint32_t i = shown_at(j, s->x + t * dx, s->y + t * dy);
     if (i == NONE) continue;
-    double d[3];
-    for (int a = 0; a < 3; a++) d[a] = (double)j->view->position[i][a] - s->p[a];
-    double length = sqrt(dot(d, d));
-    if (length > 0 && length < j->radius && dot(d, s->n) > FLAT * length)
-      most = fmax(most, dot(d, s->sight) / length);
+    const float *q = j->view->position[i];
+    double d[3] = {(double)q[0] - s->p[0], (double)q[1] - s->p[1], (double)q[2] - s->p[2]};
+    double square = dot(d, d), up = dot(d, s->n);
+    if (!(square > 0 && square < far && up > 0 && up * up > FLAT * FLAT * square)) continue;
+    most = fmax(most, dot(d, s->sight) / sqrt(square));
   }
   return most;
 }
 
-/* The integral of the cosine about the normal, at angle g from the line of sight, from there to h. */
-static double arc(double h, double g) { return (cos(g) - cos(2 * h - g) + 2 * h * sin(g)) / 4; }
+/* The integral of the cosine about the normal from the line of sight to the horizon, whose angle h there has the
+   cosine c and this sign; the normal stands at an angle of these cosine and sine, on the side of h > 0. */
+static double arc(double c, double sign, double cosine, double sine) {
+  double h = sign * acos(c), twice = sign * 2 * c * sqrt(1 - c * c);
+  return (cosine - (2 * c * c - 1) * cosine - twice * sine + 2 * h * sine) / 4;
+}
 
 /* Adds what a slice along the picture's (dx, dy) lets through, and what it would without horizons. */
 static void slice(const job *j, const seen *s, double dx, double dy, double shift, double sum[2]) {
-  const ylm_camera_frame *f = &j->view->frame;
-  double along[3], n[3], half = f->pixel / 2 * j->view->o.height;
-  double wide = half * j->view->o.width / j->view->o.height;
-  for (int a = 0; a < 3; a++) along[a] = dx * f->right[a] / wide - dy * f->up[a] / half;
-  double over = dot(along, s->sight), length = 0, up, side;
+  double along[3];
+  for (int a = 0; a < 3; a++) along[a] = dx * j->right[a] - dy * j->up[a];
+  double over = dot(along, s->sight);
   for (int a = 0; a < 3; a++) along[a] -= over * s->sight[a];
-  length = sqrt(dot(along, along));
-  for (int a = 0; a < 3; a++) along[a] /= length;
-  up = dot(s->n, s->sight), side = dot(s->n, along);
-  for (int a = 0; a < 3; a++) n[a] = up * s->sight[a] + side * along[a];
-  double part = sqrt(dot(n, n)), g = atan2(side, up), lo = g - HALF_TURN / 2,
-         hi = g + HALF_TURN / 2;
-  sum[1] += part * (arc(hi, g) + arc(lo, g));
+  double length = sqrt(dot(along, along)), up = dot(s->n, s->sight),
+         side = dot(s->n, along) / length;
+  double part = sqrt(up * up + side * side);
+  if (!(part > 0)) return;
+  double cosine = up / part, sine = side / part, g = atan2(side, up);
   double c = horizon(j, s, dx, dy, shift), d = horizon(j, s, -dx, -dy, shift);
-  if (c > -1) hi = fmin(hi, acos(fmin(1, c)));
-  if (d > -1) lo = fmax(lo, -acos(fmin(1, d)));
-  sum[0] += part * (arc(hi, g) + arc(lo, g));
+  /* without horizons h is g + 90 and g - 90 degrees */
+  double half = (2 * cosine + 2 * g * sine) / 4, quarter = HALF_TURN * sine / 4,
+         above = half + quarter;
+  double below = half - quarter;
+  sum[1] += part * 2 * half;
+  if (c > -sine) above = arc(fmin(1, c), 1, cosine, sine);
+  if (d > sine) below = arc(fmin(1, d), -1, cosine, sine);
+  sum[0] += part * (above + below);
 }
 
 static ylm_status look(void *context, size_t begin, size_t end, int worker) {
@@ -106,11 +111,10 @@ static ylm_status look(void *context, size_t begin, size_t end, int worker) {
     place(j, i, &s);
     unsigned x = (unsigned)(s.x < 0 ? 0 : s.x) % PATTERN,
              y = (unsigned)(s.y < 0 ? 0 : s.y) % PATTERN;
-    double turn = (PATTERN * x + y + 0.5) / (PATTERN * PATTERN);
     double shift = ylm_scene_radical(PATTERN * ((y + 2 * x) % PATTERN) + x) + 1.0 / 32;
     for (int k = 0; s.reach > 1 && k < SLICES; k++) {
-      double angle = HALF_TURN * (k + turn) / SLICES;
-      slice(j, &s, cos(angle), sin(angle), shift, sum);
+      const double *d = j->direction[SLICES * (PATTERN * x + y) + (unsigned)k];
+      slice(j, &s, d[0], d[1], shift, sum);
     }
     j->raw[i] = sum[1] > 0 ? (float)fmin(1, fmax(0, sum[0] / sum[1])) : 1;
   }
@@ -146,6 +150,17 @@ static ylm_status smooth(void *context, size_t begin, size_t end, int worker) {
 ylm_status ylm__shade_ssao(const ylm_shade_view *v, double radius, int threads, float *out) {
   if (v->number || v->corner) return YLM_EINVAL;
   job j = {.view = v, .radius = radius, .out = out};
+  double half = v->frame.pixel / 2 * v->o.height;
+  for (int a = 0; a < 3; a++) {
+    j.up[a] = v->frame.up[a] / half;
+    j.right[a] = v->frame.right[a] * v->o.height / (half * v->o.width);
+  }
+  for (int k = 0; k < SLICES * PATTERN * PATTERN; k++) {
+    double turn = (k / SLICES + 0.5) / (PATTERN * PATTERN),
+           angle = HALF_TURN * (k % SLICES + turn) / SLICES;
+    j.direction[k][0] = cos(angle);
+    j.direction[k][1] = sin(angle);
+  }
   j.shown = ylm_alloc(v->stats.pixels, sizeof *j.shown);
   j.raw = ylm_alloc(v->points ? v->points : 1, sizeof *j.raw);
   ylm_status s = j.shown && j.raw ? YLM_OK : YLM_ENOMEM;

@@ -258,7 +258,7 @@ scenes.list = {
     printed = { 1.19, 2.07, 14.58, 1.21, 17.86, 119.49, 0.0779 }, here = "a white room, a panel of 19 x 19 x 2 triangles",
     geometry = function() return { room(2.6, 2.5, 2.2), furniture(0, -0.3, coat { 0.7, 0.7, 0.7 }, coat { 0.6, 0.6,
       0.6 }) } end,
-    lights_of = function() return triangles(19, 6, { -0.7, 2.45, -0.7 }, { 1.4, 0, 0 }, { 0, 0, 1.4 }) end,
+    lights_of = function() return triangles(19, 9, { -0.7, 3.1, -0.7 }, { 1.4, 0, 0 }, { 0, 0, 1.4 }) end,
     camera = { from = { 0.7, 1.5, 4.6 }, at = { 0, 0.95, 0 }, fov = 42 } },
 }
 
@@ -298,15 +298,15 @@ scenes.captured = {
 
 --- The scene of a row of `list`.
 function scenes.make(case, detail)
-  if case.figure == "8" then return scenes.pair(detail, coat({ 0.1, 0.2, 0.3 }, 0.35), case.lights_of()) end
+  if case.figure == "8" then return scenes.pair(detail, coat({ 0.1, 0.2, 0.3 }, 0.35), (case.lights_of())) end
   if case.figure == "11" then
     local materials = {}
     for i, m in ipairs(scenes.captured) do
       materials[i] = i < 5 and m[3]() or ylm.ggx { alpha = 0.35, f0 = { 0.2, 0.5, 0.5 }, base = 0.03 }
     end
-    return scenes.row(detail, materials, case.lights_of())
+    return scenes.row(detail, materials, (case.lights_of()))
   end
-  return ylm.scene(case.name) { camera = ylm.camera(case.camera), geometry = case.geometry(detail), lights = case.lights_of(),
+  return ylm.scene(case.name) { camera = ylm.camera(case.camera), geometry = case.geometry(detail), lights = (case.lights_of()),
     probes = ylm.uniform_grid { cells = 7, lmax = 4 } }
 end
 
