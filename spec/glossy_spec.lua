@@ -98,7 +98,7 @@ describe("gloss = 'sh'", function()
   end)
 
   it("shades a table of a matte material as transfer vectors shade the material, of floats and doubles", function()
-    local o = with({ lmax = 6, visibility = "none" }, picture)
+    local o = with({ lmax = 6, visibility = "none", share = 0 }, picture)
     local matte = scene { ylm.sphere { material = ylm.matte { albedo = { 0.3, 0.5, 0.2 } } } }:reference(o)
     local tabled = scene { ylm.sphere { material = ylm.phong { exponent = 1, specular = 0, base = { 0.3, 0.5, 0.2 } } } }
     for _, dtype in ipairs { "float", "double" } do
@@ -191,7 +191,7 @@ describe("gloss = 'sh'", function()
   it("leaves points to rays by the part of their slices that lmax misses, all, some or none of them", function()
     local s = scene { ylm.sphere { material = ylm.ggx { alpha = 0.6, f0 = 0.9 } },
       ylm.sphere { at = { 0.9, 0.9, 0.4 }, scale = 0.3 } }
-    local o = with({ lmax = 8, visibility = "transfer", transfer_samples = 64 }, picture)
+    local o = with({ lmax = 8, visibility = "transfer", transfer_samples = 64, share = 0 }, picture)
     local function shot(more) return s:reference(with(more, o)) end
     local rays, by_rays = shot { gloss = "rays", light_samples = 16 }
     local sh, by_sh = shot { gloss = "sh" }
@@ -217,6 +217,17 @@ describe("gloss = 'sh'", function()
     assert.is_true(same(rays, (shot { gloss_error = { 0, 1e-9 }, light_samples = 16 })))
     local matte = scene { ylm.sphere {} }
     assert.is_true(same(matte:reference(o), (matte:reference(with({ gloss = "matte" }, o)))))
+  end)
+
+  it("finds highlights smaller than a pixel, by as many rays as their noise needs", function()
+    local s = scene({ ylm.sphere { material = ylm.ggx { alpha = 0.1, f0 = 0.9 } } },
+      { ylm.sphere_light { at = { 3, 4, 3 }, radius = 0.3, radiance = 300 } })
+    local truth = s:pathtrace { size = picture.size, samples = 512, reflections = { 1, 1 } }
+    local image, report = s:reference { size = picture.size, samples = 16, lmax = 4, visibility = "none" }
+    assert.is_true(distance(image, truth, truth:layer "variance") < 0.05)
+    assert.is_true(report.glossy.noise <= 0.015 and report.glossy.light_samples >= 32)
+    assert.is_true(report.glossy.sh == 0 and #report.warnings == 0)
+    assert.is_true(distance(s:render { size = picture.size, samples = 16 }, truth) < 0.08)
   end)
 
   it("is cancelled while tables are made, and made again", function()

@@ -21,7 +21,7 @@ local lamp = ylm.sphere_lights { at = { { -3, 4, 1 } }, radius = 1, radiance = 2
 local other = ylm.sphere_lights { at = { { 1, 4, 3 } }, radius = 0.5, radiance = 40 }.lights
 
 local function with(more)
-  local o = { size = { 24, 18 }, samples = 4, lmax = 5, visibility = "transfer", transfer_samples = 32, gloss = "sh",
+  local o = { size = { 24, 18 }, samples = 4, share = 0, lmax = 5, visibility = "transfer", transfer_samples = 32, gloss = "sh",
     occlusion_distance = 10 }
   for k, x in pairs(more or {}) do o[k] = x end
   return o
@@ -29,7 +29,7 @@ end
 
 --- Options of views without occluders.
 local function open(more)
-  local o = { size = { 24, 18 }, samples = 4, lmax = 5, visibility = "none", gloss = "sh" }
+  local o = { size = { 24, 18 }, samples = 4, share = 0, lmax = 5, visibility = "none", gloss = "sh" }
   for k, x in pairs(more or {}) do o[k] = x end
   return o
 end

@@ -97,6 +97,8 @@ struct path_job {
   int lmax;
   /* places of surfaces */
   const ylm_scene_place *places;
+  const size_t *first; /* [items+1] their places, weight says how often; NULL: an item is a place */
+  const float *weight;
   double eye[3];
   bool open; /* nothing occludes */
 };

@@ -112,14 +112,17 @@ YLM_API ylm_status ylm_path_irradiance(const ylm_scene *scene, size_t n, const f
 /*
 ** ylm_path_places - radiance that leaves places of surfaces towards an eye.
 **
-**   places   in      [n]
+**   places   in      [n], or of first[n]
+**   first    in      [n+1]   places first[i] .. first[i+1]-1 are one item: each sample is at one of them,
+**                            weight [first[n]] says how often; NULL: an item is a place
 **   eye      in      [3]     where they are seen from
 **   shadows  in      false: nothing is in the way of light, and it is reflected once
 **   sum      in/out  [n][3]  W sr^-1 m^-2; of order 1 at least
 */
 YLM_API ylm_status ylm_path_places(const ylm_scene *scene, size_t n, const ylm_scene_place *places,
-                                   const double eye[3], bool shadows, const ylm_path_options *o,
-                                   ylm_path_sum *sum, ylm_path_stats *stats, ylm_error *e);
+                                   const size_t *first, const float *weight, const double eye[3],
+                                   bool shadows, const ylm_path_options *o, ylm_path_sum *sum,
+                                   ylm_path_stats *stats, ylm_error *e);
 
 /* Adds estimates of all n numbers of a sum as one batch. */
 YLM_API void ylm_path_add(ylm_path_sum *sum, size_t n, const float *values);

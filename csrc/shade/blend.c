@@ -29,10 +29,10 @@ static size_t list(const ylm_shade_view *v, const float *share, size_t *point) {
   return n;
 }
 
-static ylm_status mix(const ylm_shade_view *v, const shade_cast *c, const float *share,
-                      float *radiance, ylm_shade_blended *r) {
+static ylm_status mix(const ylm_shade_view *v, shade_cast *c, const float *share, float *radiance,
+                      ylm_shade_blended *r) {
   size_t *point = ylm_alloc(r->rays, sizeof *point);
-  float *cast = ylm_alloc_zero(3 * r->rays, sizeof *cast);
+  float *cast = ylm_alloc(3 * r->rays, sizeof *cast);
   size_t n = point ? list(v, share, point) : 0;
   ylm_status s = point && cast ? ylm__shade_cast(v, c, n, point, cast, &r->traced) : YLM_ENOMEM;
   for (size_t i = 0; s == YLM_OK && i < n; i++)
@@ -45,23 +45,24 @@ static ylm_status mix(const ylm_shade_view *v, const shade_cast *c, const float 
   return s;
 }
 
-ylm_status ylm_shade_blend(const ylm_shade_view *v, const ylm_scene *lit, ylm_shade_weight weight,
-                           int lmax, int light_samples, bool shadows, uint64_t seed, int threads,
-                           const ylm_progress *progress, float *radiance, float *share,
-                           ylm_shade_blended *report, ylm_error *e) {
+ylm_status ylm_shade_blend(const ylm_shade_view *v, const ylm_shade_blending *o, float *radiance,
+                           float *share, ylm_shade_blended *report, ylm_error *e) {
   const shade_tables *t;
   double start = ylm_seconds();
-  *report = (ylm_shade_blended){0};
+  *report = (ylm_shade_blended){.noise = -1};
   memset(share, 0, v->points * sizeof *share);
-  if (light_samples < 0 || light_samples > 65536) return YLM_ERANGE;
-  if (lit && ylm_scene_meshes(lit) != ylm_scene_meshes(v->scene)) return YLM_EINVAL;
+  if (o->light_samples < 0 || o->light_samples > 65536) return YLM_ERANGE;
+  if (o->lit && ylm_scene_meshes(o->lit) != ylm_scene_meshes(v->scene)) return YLM_EINVAL;
   if (!v->gloss) return YLM_OK;
-  int degree = weight == YLM_SHADE_TRANSFER ? v->o.lmax : lmax;
-  ylm_status s = ylm__shade_gloss_tables(v, degree, threads, progress, &t, e);
+  int degree = o->weight == YLM_SHADE_TRANSFER ? v->o.lmax : o->lmax;
+  ylm_status s = ylm__shade_gloss_tables(v, degree, o->threads, o->progress, &t, e);
   if (s != YLM_OK) return s;
-  weigh(v, t, lmax, light_samples > 0, share, report);
-  shade_cast c = {lit, light_samples, shadows, seed, threads, progress};
+  weigh(v, t, o->lmax, o->light_samples > 0, share, report);
+  shade_cast c = {o->lit,     o->light_samples, o->noise,   o->most_samples,
+                  o->shadows, o->seed,          o->threads, o->progress};
   if (report->rays) s = mix(v, &c, share, radiance, report);
+  if (report->rays && o->noise > 0) report->noise = c.noise;
+  report->light_samples = report->rays ? c.light_samples : 0;
   report->seconds = ylm_seconds() - start;
   return s;
 }

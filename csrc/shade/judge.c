@@ -22,7 +22,8 @@ ylm_status ylm_shade_judge(const ylm_shade_view *v, const ylm_path_options *o, f
   ylm_path_sum sum = {0, mean, rest, variance};
   ylm_status s = place && rest ? YLM_OK : YLM_ENOMEM;
   for (size_t i = 0; s == YLM_OK && i < n; i++) place[i] = v->entry[i].at;
-  if (s == YLM_OK) s = ylm_path_places(v->scene, n, place, v->frame.from, true, o, &sum, stats, e);
+  if (s == YLM_OK)
+    s = ylm_path_places(v->scene, n, place, NULL, NULL, v->frame.from, true, o, &sum, stats, e);
   for (size_t i = 0; s == YLM_OK && v->tint && i < n; i++) {
     ylm_scene_surface at;
     ylm_scene_surfaces(v->scene, 1, &place[i], &at);

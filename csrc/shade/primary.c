@@ -9,6 +9,9 @@
 #define BATCH 256
 /* Cosine of the angle within which normals may differ in one shading point. */
 #define SAME_NORMAL 0.98480775f
+/* The part of a lobe's width within which normals may differ, where surfaces gloss. */
+#define FINE 0.05
+#define PI 3.14159265358979323846
 
 /* Samples of one pixel that are shaded as one. */
 typedef struct group {
@@ -26,8 +29,15 @@ typedef struct row {
   size_t count, room;
 } row;
 
+/* How far samples of a mesh are from each other in one shading point. */
+typedef struct nearness {
+  float cosine; /* of normals */
+  double share; /* pixel widths */
+} nearness;
+
 typedef struct job {
   ylm_shade_view *view;
+  nearness *near; /* [meshes] */
   bool tinted;
   const ylm_camera_frame *frame;
   row *rows;
@@ -72,11 +82,12 @@ static void pixel_rays(const job *j, int x, int y, ylm_trace_ray *ray) {
 }
 
 /* The group that a surface belongs to, a new one if none fits. */
-static int find_group(const ylm_shade_view *v, group *groups, int *count, const shade_entry *e,
+static int find_group(const nearness *near, group *groups, int *count, const shade_entry *e,
                       const ylm_scene_surface *s, double pixel) {
-  double reach = v->o.share * pixel * (double)e->depth;
+  double reach = near[e->at.mesh].share * pixel * (double)e->depth;
   for (int g = 0; g < *count; g++) {
-    if (groups[g].mesh != e->at.mesh || ylm_dot3(groups[g].normal, s->normal) < SAME_NORMAL)
+    if (groups[g].mesh != e->at.mesh ||
+        ylm_dot3(groups[g].normal, s->normal) < near[e->at.mesh].cosine)
       continue;
     double d2 = 0;
     for (int a = 0; a < 3; a++) {
@@ -160,7 +171,7 @@ static bool finish_pixel(job *j, row *r, shade_pixel *p, const scratch *s, const
     bool back = ylm_dot3(h->normal, ray[i].dir) > 0;
     *e = (shade_entry){{(uint32_t)h->mesh, h->element, h->u, h->v, back}, 0, h->t};
     ylm_scene_surfaces(v->scene, 1, &e->at, &s->surface[count]);
-    int g = find_group(v, s->groups, &groups, e, &s->surface[count], j->frame->pixel);
+    int g = find_group(j->near, s->groups, &groups, e, &s->surface[count], j->frame->pixel);
     s->groups[g].count++;
     for (int a = 0; a < 3; a++) s->groups[g].sum[a] += s->surface[count].position[a];
     for (int c = 0; c < 3; c++) s->groups[g].tint[c] += s->surface[count].tint[c];
@@ -249,17 +260,52 @@ static ylm_status join_rows(ylm_shade_view *v, bool tinted, row *rows) {
   return YLM_OK;
 }
 
+/* The angle between normals over which the peak of a material's lobe falls to a quarter: alpha of GGX, about 1 of
+   a matte surface. */
+static double lobe(const ylm_material *m) {
+  float albedo[3], w[2][3] = {{0, 0, 1}, {0.6f, 0, 0.8f}}, wi[2][3] = {{0, 0, 1}, {-0.6f, 0, 0.8f}};
+  float f[2][3];
+  double least = 1;
+  ylm_material_albedo(m, albedo);
+  ylm_material_eval(m, 2, (const float(*)[3])wi, (const float(*)[3])w, f);
+  for (int i = 0; i < 2; i++)
+    for (int c = 0; c < 3; c++)
+      if (f[i][c] > 0)
+        least =
+            fmin(least, 0.5 * sqrt((double)albedo[c] / (PI * (double)f[i][c] * (double)w[i][2])));
+  return least;
+}
+
+/* The nearness of each mesh; NULL without memory. */
+static nearness *nearness_of(const ylm_shade_view *v, double pixel) {
+  size_t meshes = ylm_scene_meshes(v->scene);
+  nearness *out = ylm_alloc(meshes, sizeof *out);
+  for (size_t i = 0; out && i < meshes; i++) {
+    const ylm_material *m = ylm__shade_mesh_material(v, i);
+    out[i] = (nearness){SAME_NORMAL, v->o.share};
+    if (!v->o.fine || v->o.per_vertex || ylm_material_kind(m) == ylm_material_kind_find("matte"))
+      continue;
+    double width = lobe(m);
+    if (v->o.gloss == YLM_SHADE_GLOSS_SH) width = fmax(width, 2.0 / (v->o.lmax + 1));
+    width *= FINE;
+    out[i].cosine = fmaxf(SAME_NORMAL, (float)cos(width));
+    out[i].share = fmin(v->o.share, 2 * width / pixel);
+  }
+  return out;
+}
+
 ylm_status ylm__shade_primary(ylm_shade_view *v, const ylm_camera_frame *f) {
   double start = ylm_seconds();
   size_t height = (size_t)v->o.height, pixels = height * (size_t)v->o.width;
   float *radical = ylm_alloc((size_t)v->o.samples, sizeof *radical);
   job j = {.view = v,
+           .near = nearness_of(v, f->pixel),
            .tinted = ylm_scene_is_tinted(v->scene),
            .frame = f,
            .rows = ylm_alloc_zero(height, sizeof(row)),
            .radical = radical};
   v->pixel = ylm_alloc_zero(pixels + 1, sizeof *v->pixel);
-  ylm_status s = radical && j.rows && v->pixel ? YLM_OK : YLM_ENOMEM;
+  ylm_status s = radical && j.near && j.rows && v->pixel ? YLM_OK : YLM_ENOMEM;
   for (int i = 0; s == YLM_OK && i < v->o.samples; i++)
     radical[i] = (float)ylm_scene_radical((uint32_t)i);
   if (s == YLM_OK)
@@ -267,6 +313,7 @@ ylm_status ylm__shade_primary(ylm_shade_view *v, const ylm_camera_frame *f) {
   if (s == YLM_OK) s = join_rows(v, j.tinted, j.rows);
   for (size_t y = 0; j.rows && y < height; y++) row_free(&j.rows[y]);
   ylm_free(j.rows);
+  ylm_free(j.near);
   ylm_free(radical);
   v->stats.pixels = pixels;
   v->stats.hits = j.hits;

@@ -126,17 +126,21 @@ ylm_status ylm__shade_choose_samples(ylm_shade_view *v, const shade_tables *tabl
 /* Rays to lamps, and as many that the material chooses. */
 typedef struct shade_cast {
   const ylm_scene *lit; /* whose lamps; NULL: the view's */
-  int light_samples;
+  int light_samples;    /* in/out with noise > 0: raised to at most `most` */
+  double
+      noise; /* that they may leave, root mean square over that of the radiance; out: that they leave */
+  int most;
   bool shadows;
   uint64_t seed;
   int threads;
   const ylm_progress *progress;
 } shade_cast;
 
-/* raycast.c: radiance of n points of a view by these, out [n][3] of zeros; `rays` is added to. YLM_EINVAL: a
+/* raycast.c: radiance of n points of a view by these, out [n][3]; `rays` is added to. Points of one pixel and mesh
+   share their rays, and have the mean of their radiance (options.share 0: each its own). `point` increases. YLM_EINVAL: a
    view per vertex; as ylm_path_places. */
-ylm_status ylm__shade_cast(const ylm_shade_view *v, const shade_cast *c, size_t n,
-                           const size_t *point, float *out, uint64_t *rays);
+ylm_status ylm__shade_cast(const ylm_shade_view *v, shade_cast *c, size_t n, const size_t *point,
+                           float *out, uint64_t *rays);
 
 /* relight.c: frees a view that is made of another. */
 void ylm__shade_change_free(ylm_shade_view *v);

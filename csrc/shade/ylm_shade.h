@@ -10,6 +10,7 @@
 ** nearest to their mean), and its weight is their share of the pixel. So a pixel in the middle of
 ** a surface is shaded once however many samples resolve its edges, and a pixel that covers a long
 ** stretch of floor is shaded several times. With share = 0 every sample is shaded.
+** With `fine`, normals of surfaces that gloss are within a twentieth of the width of their lobe.
 **
 ** Its transfer vector T holds the SH coefficients of A(s) V(s), A being what its material weighs
 ** light with (matte: max(0, n.s)), and ylm_material_radiance makes radiance of
@@ -74,11 +75,12 @@ typedef struct ylm_shade_options {
   int most_samples;                /* up to this number. NULL: it is taken as it is        */
   double occlusion_distance;       /* > 0, may be infinite: how far these rays reach       */
   double share;                    /* pixel widths, >= 0                                   */
-  ylm_shade_gloss gloss;           /* AUTO of a view per_vertex is SH, RAYS YLM_EINVAL         */
-  double gloss_error[2];           /* AUTO: 0 <= [0] < [1]: see ylm_shade_blend                */
-  bool nearest;                    /* of these tables: the nearest of 90 rows, by libylm_rival.so */
-  ylm_sh_product_method product;   /* by which visibility multiplies slices: of two factors */
-  bool keep;                       /* the products, once made: other light costs a dot product */
+  bool fine; /* surfaces that gloss: samples are one point only where their lobes agree     */
+  ylm_shade_gloss gloss;         /* AUTO of a view per_vertex is SH, RAYS YLM_EINVAL         */
+  double gloss_error[2];         /* AUTO: 0 <= [0] < [1]: see ylm_shade_blend                */
+  bool nearest;                  /* of these tables: the nearest of 90 rows, by libylm_rival.so */
+  ylm_sh_product_method product; /* by which visibility multiplies slices: of two factors */
+  bool keep;                     /* the products, once made: other light costs a dot product */
   bool
       all_vertices; /* per_vertex: shading points are all vertices, on the outer side and, of meshes that
                         the camera sees from within, on the inner one: for other cameras */
@@ -460,11 +462,28 @@ YLM_API ylm_status ylm_shade_raycast(const ylm_shade_view *view, const ylm_scene
                                      int light_samples, bool shadows, uint64_t seed, int threads,
                                      const ylm_progress *progress, float *out, uint64_t *rays);
 
+typedef struct ylm_shade_blending {
+  const ylm_scene *lit;    /* whose lamps: as ylm_shade_raycast; NULL: the view's             */
+  ylm_shade_weight weight; /* what the light was multiplied by                                */
+  int lmax;                /* its degree                                                      */
+  int light_samples;       /* 1 .. 65536: rays to lamps, and as many by the material; 0: there
+                              are no lamps, and no rays                                       */
+  double noise;            /* > 0: light_samples is the least number, raised until the noise is
+                              at most this, root mean square over that of the radiance,       */
+  int most_samples;        /* up to this                                                      */
+  bool shadows;            /* false: nothing occludes                                         */
+  uint64_t seed;
+  int threads;
+  const ylm_progress *progress; /* stage "places" */
+} ylm_shade_blending;
+
 /* How points of surfaces that are not matte were shaded. */
 typedef struct ylm_shade_blended {
-  size_t sh, rays; /* points by harmonics, and by rays: both, where they are mixed          */
+  size_t sh, rays; /* points by harmonics, and by rays: both, where they are mixed            */
   double missed;   /* root mean square of e at points, each as often as harmonics count there */
-  uint64_t traced; /* rays                                                                */
+  uint64_t traced; /* rays                                                                    */
+  int light_samples;
+  double noise; /* that they leave; below 0: not measured                                  */
   double seconds;
 } ylm_shade_blended;
 
@@ -477,22 +496,15 @@ typedef struct ylm_shade_blended {
 **
 ** and what harmonics made of the point 1 - w. Rays are those of ylm_shade_raycast.
 **
-**   lit            in      whose lamps: as ylm_shade_raycast; NULL: the view's
-**   weight, lmax   in      of the light that harmonics were made of: what it was multiplied by, its degree
-**   light_samples  in      1 .. 65536: rays to lamps, and as many by the material; 0: there are no lamps, w is 0
-**   shadows        in      false: nothing occludes
-**   radiance       in/out  [points][3]
-**   share          out     [points]: w; 0 of matte points
+**   radiance  in/out  [points][3]
+**   share     out     [points]: w; 0 of matte points
 **
-** Returns  YLM_OK; YLM_ERANGE, YLM_EINVAL (other meshes; RAYS, per_vertex), YLM_ENOMEM, YLM_ECANCELLED (progress
-**          stage "places")
+** Returns  YLM_OK; YLM_ERANGE, YLM_EINVAL (other meshes; RAYS, per_vertex), YLM_ENOMEM, YLM_ECANCELLED
 ** Cost     as ylm_shade_raycast for points where w > 0; the others' radiance keeps its bits
 */
-YLM_API ylm_status ylm_shade_blend(const ylm_shade_view *view, const ylm_scene *lit,
-                                   ylm_shade_weight weight, int lmax, int light_samples,
-                                   bool shadows, uint64_t seed, int threads,
-                                   const ylm_progress *progress, float *radiance, float *share,
-                                   ylm_shade_blended *report, ylm_error *e);
+YLM_API ylm_status ylm_shade_blend(const ylm_shade_view *view, const ylm_shade_blending *o,
+                                   float *radiance, float *share, ylm_shade_blended *report,
+                                   ylm_error *e);
 
 /* How a view's visibility differs from that of its scene, as light of the picture. */
 typedef struct ylm_shade_occlusion {

@@ -104,39 +104,44 @@ static int shade_raycast(lua_State *L) {
   return ylmL_result_progress(L, 2, s, NULL, &p);
 }
 
-/* shade_blend(view, radiance [n][3], {weight: "transfer" | "cosine", lmax, light_samples: or 0, shadows, seed, threads,
-   progress, lit: the traced scene of the lamps, or nil: the view's}) -> share [n],
-   {sh, rays, missed, traced, seconds}; writes radiance */
+/* shade_blend(view, radiance [n][3], {weight: "transfer" | "cosine", lmax, light_samples: or 0, noise | nil,
+   most_samples | nil, shadows, seed, threads, progress, lit: the traced scene of the lamps, or nil: the view's})
+   -> share [n], {sh, rays, missed, traced, light_samples, noise | nil, seconds}; writes radiance */
 static int shade_blend(lua_State *L) {
-  static const char *const names[] = {"weight",  "lmax",     "light_samples", "shadows", "seed",
-                                      "threads", "progress", "lit",           NULL};
-  enum { WEIGHT = 4, LMAX, SAMPLES, SHADOWS, SEED, THREADS, PROGRESS, LIT };
+  static const char *const names[] = {
+      "weight",  "lmax",     "light_samples", "noise", "most_samples", "shadows", "seed",
+      "threads", "progress", "lit",           NULL};
+  enum { WEIGHT = 4, LMAX, SAMPLES, NOISE, MOST, SHADOWS, SEED, THREADS, PROGRESS, LIT };
   ylmL_named(L, 3, names);
   ylm_shade_view *v = ylmL_shade_view(L, 1);
   ylmL_array *radiance = ylmL_array_check(L, 2);
-  ylm_shade_weight weight = ylmL_shade_weight(L, WEIGHT);
-  int lmax = (int)luaL_checknumber(L, LMAX), light_samples = (int)luaL_checknumber(L, SAMPLES);
-  bool shadows = lua_toboolean(L, SHADOWS);
-  uint64_t seed = (uint64_t)luaL_checknumber(L, SEED);
-  int threads = (int)luaL_checknumber(L, THREADS);
-  const ylm_scene *lit = lua_isnil(L, LIT) ? NULL : ylmL_scene(L, LIT);
   size_t n = ylmL_shade_points(v);
   ylm_shade_blended r;
   ylm_error e = {0};
   ylmL_progress p;
   if (radiance->dtype != YLM_FLOAT || radiance->count != 3 * n)
     return ylmL_result(L, 0, YLM_ESHAPE, NULL);
+  ylm_shade_blending o = {.lit = lua_isnil(L, LIT) ? NULL : ylmL_scene(L, LIT),
+                          .weight = ylmL_shade_weight(L, WEIGHT),
+                          .lmax = (int)luaL_checknumber(L, LMAX),
+                          .light_samples = (int)luaL_checknumber(L, SAMPLES),
+                          .noise = (double)luaL_optnumber(L, NOISE, 0),
+                          .most_samples = (int)luaL_optnumber(L, MOST, 0),
+                          .shadows = lua_toboolean(L, SHADOWS),
+                          .seed = (uint64_t)luaL_checknumber(L, SEED),
+                          .threads = (int)luaL_checknumber(L, THREADS)};
   ylmL_array *share = ylmL_array_new(L, YLM_FLOAT, 1, &n);
   if (!share) return ylmL_result(L, 0, YLM_ENOMEM, NULL);
-  const ylm_progress *progress = ylmL_progress_begin(L, PROGRESS, &p);
-  ylm_status s = ylm_shade_blend(v, lit, weight, lmax, light_samples, shadows, seed, threads,
-                                 progress, radiance->data, share->data, &r, &e);
+  o.progress = ylmL_progress_begin(L, PROGRESS, &p);
+  ylm_status s = ylm_shade_blend(v, &o, radiance->data, share->data, &r, &e);
   if (s == YLM_OK) {
     lua_newtable(L);
     ylmL_set_count(L, "sh", r.sh);
     ylmL_set_count(L, "rays", r.rays);
     ylmL_set_number(L, "missed", r.missed);
     ylmL_set_count(L, "traced", r.traced);
+    ylmL_set_count(L, "light_samples", (uint64_t)r.light_samples);
+    if (r.noise >= 0) ylmL_set_number(L, "noise", r.noise);
     ylmL_set_number(L, "seconds", r.seconds);
   }
   return ylmL_result_progress(L, 2, s, &e, &p);

@@ -21,8 +21,8 @@ static const uint32_t *read_pixels(lua_State *L, int i, size_t *n) {
 /* shade_view(scene, {camera: from, at, up, fov, 10 numbers; width, height, samples, lmax, shading,
    visibility, transfer_samples, occlusion_distance, share, seed, threads, progress, light | nil,
    noise | nil, most_samples | nil, pixels: a list of numbers from 0, these alone, | nil,
-   gloss: "matte", "sh", "auto", "rays" | nil, gloss_error: two numbers | nil, keep | nil, all_vertices | nil})
-   -> view */
+   gloss: "matte", "sh", "auto", "rays" | nil, gloss_error: two numbers | nil, fine, keep | nil,
+   all_vertices | nil}) -> view */
 static int shade_view(lua_State *L) {
   static const char *const names[] = {"camera",
                                       "width",
@@ -43,6 +43,7 @@ static int shade_view(lua_State *L) {
                                       "pixels",
                                       "gloss",
                                       "gloss_error",
+                                      "fine",
                                       "keep",
                                       "all_vertices",
                                       NULL};
@@ -69,6 +70,7 @@ static int shade_view(lua_State *L) {
     PIXELS,
     GLOSS,
     BAND,
+    FINE,
     KEEP,
     ALL
   };
@@ -93,6 +95,7 @@ static int shade_view(lua_State *L) {
       .most_samples = (int)luaL_optnumber(L, MOST, 0),
       .occlusion_distance = (double)luaL_checknumber(L, DISTANCE),
       .share = (double)luaL_checknumber(L, SHARE),
+      .fine = lua_toboolean(L, FINE),
       .gloss = (ylm_shade_gloss)luaL_checkoption(L, GLOSS, "matte", glosses),
       .keep = lua_toboolean(L, KEEP),
       .all_vertices = lua_toboolean(L, ALL),

@@ -42,7 +42,7 @@ local function occupied(s, t, o)
       .. "got %s", check.describe(x))
   end
   local view, message, code = views.prepare("bake", s, { size = o.size, samples = o.samples, seed = o.seed, share = o.share,
-    shading = o.shading, visibility = "rays", lmax = 0, threads = o.threads, progress = o.progress })
+    shading = o.shading, visibility = "rays", lmax = 0, coarse = true, threads = o.threads, progress = o.progress })
   if not view then return false, message, code end
   return view, true
 end

@@ -101,8 +101,8 @@ options.baked_fields = { light.tolerance_option "light_tolerance" }
 -- Of pictures by rays to the lamps.
 options.direct_fields = {
   { "light_samples", "integer", min = 1, max = 65536, optional = true,
-    about = "'rays': shadow rays per shading point, default " .. options.LIGHT_SAMPLES .. "; as many again where a surface is "
-      .. "not matte" },
+    about = "'rays': shadow rays per shading point, default " .. options.LIGHT_SAMPLES .. "; where surfaces gloss per mesh in a "
+      .. "pixel, and as many again by the material. With gloss = 'auto' or 'rays': of these surfaces, as scene:reference" },
 }
 
 options.reference_fields = {
@@ -144,7 +144,8 @@ options.report_text = "note (where nothing is to be shaded), notes (about files 
 options.transfer_text = options.report_text .. "stages (of points that gloss, seconds of all threads: rows of tables, rotation, "
   .. "product, light, dot); gloss (of surfaces that gloss: auto, sh, rays, matte; but for matte glossy: "
   .. "points, of these sh by harmonics and rays by rays, both where they are mixed, and missed, the part of their lobes' norm "
-  .. "that lmax misses, root mean square over those by harmonics; rays.gloss and seconds.gloss_rays; gloss_bytes, memory of "
+  .. "that lmax misses, root mean square over those by harmonics; light_samples and, where they were chosen, noise, root mean "
+  .. "square over that of the radiance; rays.gloss and seconds.gloss_rays; gloss_bytes, memory of "
   .. "tables, which materials keep, and seconds.gloss, a part of transfer: that those took which were not there); "
   .. "visibility (rays, transfer, none; grid: the shadows are those that the grid "
   .. "holds); by transfer vectors occlusion (of the light that the scene's lamps bring: passing, the part of the "

@@ -96,7 +96,8 @@ function views.prepare(name, s, o)
     occlusion_distance = distance, share = o.share, seed = o.seed,
     threads = o.threads, progress = progress.resolve(o.progress), light = light, noise = NOISE,
     most_samples = MOST_SAMPLES, pixels = o.pixels, gloss = o.gloss or "matte", gloss_error = o.gloss_error,
-    keep = o.relight == "light" or o.relight == "material", all_vertices = o.relight == "all" }))
+    fine = not o.coarse and (visibility == "rays" or o.gloss ~= "matte"), keep = o.relight == "light" or o.relight == "material",
+    all_vertices = o.relight == "all" }))
   if not view then return nil, message, code end
   local stats = t.lib.shade_stats(view)
   stats.scene_seconds = t.seconds
