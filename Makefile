@@ -24,7 +24,7 @@ ABIS    := $(sort $(patsubst luajit,lua5.1,$(LUAS)))
 
 CORE    := base sh image geom material light grid figure
 CODEC   := codec
-SCENE   := trace scene path transfer shade
+SCENE   := trace scene path transfer emit shade
 
 ARCH    := $(shell $(CC) -dumpmachine 2>/dev/null | cut -d- -f1)
 ISAS    := $(if $(filter x86_64,$(ARCH)),sse2 avx2 avx512,$(if $(filter aarch64,$(ARCH)),neon))

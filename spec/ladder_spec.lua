@@ -4,7 +4,7 @@ local scratch = require "spec.support.scratch"
 local build = os.getenv "YLM_BUILD" or "build"
 
 local ladder = { "base", "sh", "image", "geom", "material", "light", "grid", "figure", "codec", "trace", "scene", "path",
-  "transfer", "shade" }
+  "transfer", "emit", "shade" }
 local tops = { vulkan = true, vtk = true, rival = true, mpi = true } -- above all of these, and never one another
 local rank = { lua = 100 }
 for i, folder in ipairs(ladder) do rank[folder] = i end

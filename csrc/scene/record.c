@@ -72,4 +72,17 @@ bool ylm_scene_lamp_ray(const ylm_scene *s, size_t lamp, const float x[3], const
   return ylm__scene_sky_sample(s, lamp - near, x, NULL, u[0], u[1], ray, radiance) > 0;
 }
 
+double ylm_scene_distant_ray(const ylm_scene *s, size_t i, const double u[2], float direction[3],
+                             float radiance[3]) {
+  ylm_trace_ray ray;
+  double area =
+      ylm__scene_sky_sample(s, i, (const float[]){0, 0, 0}, NULL, u[0], u[1], &ray, radiance);
+  memcpy(direction, ray.dir, sizeof ray.dir);
+  return area;
+}
+
+double ylm_scene_distant_power(const ylm_scene *s, size_t i) {
+  return PI * (double)s->sky_bound[5][i]; /* times power over pi */
+}
+
 const ylm_light_set *ylm_scene_sky(const ylm_scene *s) { return s->sky; }

@@ -194,6 +194,12 @@ YLM_API size_t ylm_scene_lamp_record(const ylm_scene *scene, size_t lamp, const 
    false: nothing of it is seen there. */
 YLM_API bool ylm_scene_lamp_ray(const ylm_scene *scene, size_t lamp, const float x[3],
                                 const double u[2], ylm_trace_ray *ray);
+/* The direction [3], of length 1, to the place u [2] of distant light i, from 0 below 1, and the radiance
+   [3] from there; 1 over the density of these directions, sr; 0: there is none. */
+YLM_API double ylm_scene_distant_ray(const ylm_scene *scene, size_t i, const double u[2],
+                                     float direction[3], float radiance[3]);
+/* The integral of the luminance of distant light i over directions: W m^-2. */
+YLM_API double ylm_scene_distant_power(const ylm_scene *scene, size_t i);
 /* The distant lights of a scene; NULL: there are none. */
 YLM_API const ylm_light_set *ylm_scene_sky(const ylm_scene *scene);
 /* The middle of a lamp that is not distant, and the unit normal of a flat one; of a sphere: zeros. */

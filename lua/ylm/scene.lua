@@ -140,6 +140,7 @@ for _, name in ipairs { "bake", "prepare", "render", "reference", "raycast", "pa
   methods[name] = function(...) return require("ylm.render")[name](...) end
 end
 function methods.transfer(...) return require("ylm.transfer").of_scene(...) end
+function methods.virtual_lights(...) return require("ylm.emit").of_scene(...) end
 memory.publish(methods)
 
 local metatable = {

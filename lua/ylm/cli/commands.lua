@@ -2,7 +2,8 @@
 
 local status = require "ylm.cli.status"
 
-local commands = { "render", "pathtrace", "bake", "view", "compare", "material", "run", "codegen", "bench", "info", "help" }
+local commands = { "render", "pathtrace", "bake", "emit", "view", "compare", "material", "run", "codegen", "bench", "info",
+  "help" }
 
 --- Is there such a command?
 function commands.known(name)

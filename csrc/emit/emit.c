@@ -1,0 +1,98 @@
+/* emit.c - virtual lights of a scene: landings of particles, chosen, with radii. */
+#include "emit.h"
+
+static ylm_status check(const ylm_emit_options *o, ylm_error *e) {
+  if (o->particles < 1 || o->particles > YLM_EMIT_PARTICLES)
+    return ylm_fail(e, YLM_ERANGE, "particles must be from 1 to %zu, got %zu", YLM_EMIT_PARTICLES,
+                    o->particles);
+  if (o->lights > YLM_EMIT_PARTICLES)
+    return ylm_fail(e, YLM_ERANGE, "there are at most %zu lights, got %zu", YLM_EMIT_PARTICLES,
+                    o->lights);
+  if (o->bounces < 1 || o->bounces > YLM_EMIT_BOUNCES)
+    return ylm_fail(e, YLM_ERANGE, "bounces must be from 1 to %d, got %d", YLM_EMIT_BOUNCES,
+                    o->bounces);
+  if (o->radius == YLM_EMIT_FIXED && (!(o->fixed > 0) || !isfinite(o->fixed)))
+    return ylm_fail(e, YLM_ERANGE, "radius must be a positive length, got %g", o->fixed);
+  if (!(o->scale > 0) || !isfinite(o->scale))
+    return ylm_fail(e, YLM_ERANGE, "scale must be a positive number, got %g", o->scale);
+  return YLM_OK;
+}
+
+static double luminous(const emit_landing *l) {
+  double power[3] = {(double)l->power[0], (double)l->power[1], (double)l->power[2]};
+  return ylm__emit_luminance(power);
+}
+
+/* Keeps at most `lights` landings, by equal steps along the sum of their power. */
+static void choose(const ylm_emit_options *o, emit_landings *x) {
+  double all = 0, upto = 0, step;
+  ylm_rng rng;
+  size_t n = 0;
+  for (size_t i = 0; i < x->n; i++) all += luminous(&x->landing[i]);
+  step = all / (double)o->lights;
+  ylm_rng_seed(&rng, o->seed, ~(uint64_t)1);
+  double next = step * ylm_rng_double(&rng);
+  for (size_t i = 0; i < x->n; i++) {
+    emit_landing l = x->landing[i];
+    double own = luminous(&l);
+    int times = 0;
+    for (upto += own; next < upto && own > 0; next += step) times++;
+    if (!times) continue;
+    for (int c = 0; c < 3; c++) l.power[c] *= (float)(times * step / own);
+    x->landing[n++] = l;
+  }
+  x->n = n;
+}
+
+/* Drops landings that reflect nothing. */
+static void drop_dark(emit_landings *x) {
+  size_t n = 0;
+  for (size_t i = 0; i < x->n; i++)
+    if (luminous(&x->landing[i]) > 0) x->landing[n++] = x->landing[i];
+  x->n = n;
+}
+
+static ylm_status fill(const emit_landings *x, ylm_emit_lights *l) {
+  l->n = x->n;
+  l->at = ylm_alloc(x->n, 3 * sizeof *l->at);
+  l->normal = ylm_alloc(x->n, 3 * sizeof *l->normal);
+  l->radius = ylm_alloc(x->n, sizeof *l->radius);
+  l->intensity = ylm_alloc(x->n, 3 * sizeof *l->intensity);
+  if (!l->at || !l->normal || !l->radius || !l->intensity) return YLM_ENOMEM;
+  for (size_t i = 0; i < x->n; i++)
+    for (size_t k = 0; k < 3; k++) {
+      const emit_landing *from = &x->landing[i];
+      l->at[3 * i + k] = (double)from->at[k];
+      l->normal[3 * i + k] = (double)from->normal[k];
+      l->intensity[3 * i + k] = (double)from->power[k] / EMIT_PI;
+    }
+  for (size_t i = 0; i < x->n; i++) ylm_unit3(l->normal + 3 * i);
+  return YLM_OK;
+}
+
+ylm_status ylm_emit(const ylm_scene *scene, const ylm_emit_options *o, ylm_emit_lights *lights,
+                    ylm_emit_report *report, ylm_error *e) {
+  emit_landings x = {0};
+  double begun = ylm_seconds();
+  *lights = (ylm_emit_lights){0};
+  *report = (ylm_emit_report){.particles = o->particles};
+  ylm_status s = check(o, e);
+  if (s == YLM_OK) s = ylm__emit_trace(scene, o, &x, report);
+  if (s == YLM_OK) drop_dark(&x);
+  if (s == YLM_OK && o->lights > 0 && x.n > o->lights) choose(o, &x);
+  report->seconds[0] = ylm_seconds() - begun;
+  if (s == YLM_OK) s = fill(&x, lights);
+  if (s == YLM_OK) s = ylm__emit_radii(x.landing, o, lights, report);
+  report->seconds[1] = ylm_seconds() - begun - report->seconds[0];
+  ylm_free(x.landing);
+  if (s != YLM_OK) ylm_emit_free(lights);
+  return s;
+}
+
+void ylm_emit_free(ylm_emit_lights *l) {
+  ylm_free(l->at);
+  ylm_free(l->normal);
+  ylm_free(l->radius);
+  ylm_free(l->intensity);
+  *l = (ylm_emit_lights){0};
+}

@@ -1,0 +1,83 @@
+/* emit.h - what the files of csrc/emit share. Private. */
+#ifndef YLM_EMIT_PRIVATE_H
+#define YLM_EMIT_PRIVATE_H
+
+#include <math.h>
+#include <string.h>
+
+#include "ylm_emit.h"
+#include "ylm_vector.h"
+
+#define EMIT_PI 3.14159265358979323846
+
+/* -- sequence.c --------------------------------------------------------------------- */
+
+#define EMIT_NUMBERS 5 /* of a particle's start: place, direction, lamp */
+
+/* The sequence R_d, begun at random. */
+typedef struct emit_sequence {
+  uint64_t step[EMIT_NUMBERS], start[EMIT_NUMBERS]; /* of 2^64 */
+} emit_sequence;
+
+void ylm__emit_sequence(uint64_t seed, emit_sequence *s);
+/* Its element i, from 0 below 1. */
+void ylm__emit_numbers(const emit_sequence *s, uint64_t i, double u[EMIT_NUMBERS]);
+
+/* -- lamps.c ------------------------------------------------------------------------ */
+
+/* The lamps of a scene as sources of particles. */
+typedef struct emit_lamps {
+  const ylm_scene *scene;
+  size_t near, n;
+  double *upto;            /* [n] luminous power of a lamp and all before it, W */
+  double (*record)[17];    /* [near] ylm_scene_lamp_record, then whether it is a sphere */
+  double centre[3], reach; /* of the scene: particles of a sky come from a disk as wide */
+} emit_lamps;
+
+/* To be freed in any case; YLM_ENOMEM. */
+ylm_status ylm__emit_lamps(const ylm_scene *scene, emit_lamps *l);
+void ylm__emit_lamps_free(emit_lamps *l);
+/* The ray of a particle with these numbers and the power [3] that it stands for, the mean of which is
+   that of all lamps; false: it carries nothing. */
+bool ylm__emit_start(const emit_lamps *l, const double u[EMIT_NUMBERS], ylm_trace_ray *ray,
+                     double power[3]);
+
+/* A direction about the axis, of length 1, with the density of the cosine. */
+static inline void ylm__emit_cosine(const float axis[3], double u, double v, float out[3]) {
+  float a[3], b[3];
+  double r = sqrt(u), z = sqrt(1 - u), x = r * cos(2 * EMIT_PI * v), y = r * sin(2 * EMIT_PI * v);
+  ylm_scene_basis(axis, a, b);
+  for (int k = 0; k < 3; k++)
+    out[k] = (float)(x * (double)a[k] + y * (double)b[k] + z * (double)axis[k]);
+}
+
+/* -- particles.c -------------------------------------------------------------------- */
+
+/* Where a particle was reflected. */
+typedef struct emit_landing {
+  float at[3], normal[3];
+  float power[3]; /* reflected, W */
+  float way;      /* from its last place */
+  uint32_t particle;
+  uint8_t order;
+} emit_landing;
+
+typedef struct emit_landings {
+  size_t n;
+  emit_landing *landing; /* in the order of particles, and of a particle's reflections */
+} emit_landings;
+
+ylm_status ylm__emit_trace(const ylm_scene *scene, const ylm_emit_options *o, emit_landings *out,
+                           ylm_emit_report *report);
+
+/* -- radius.c ----------------------------------------------------------------------- */
+
+/* Fills lights->radius; the landings are those of the lights. */
+ylm_status ylm__emit_radii(const emit_landing *landing, const ylm_emit_options *o,
+                           ylm_emit_lights *lights, ylm_emit_report *report);
+
+static inline double ylm__emit_luminance(const double c[3]) {
+  return YLM_LUMINANCE_R * fabs(c[0]) + YLM_LUMINANCE_G * fabs(c[1]) + YLM_LUMINANCE_B * fabs(c[2]);
+}
+
+#endif

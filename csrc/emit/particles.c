@@ -1,0 +1,220 @@
+/* particles.c - particles from lamps to surfaces, and on from there. */
+#include "emit.h"
+
+/* Particles that are traced together. */
+#define GRAIN 256
+/* The bound of the chance to be reflected once more. */
+#define MOST_CHANCE 0.95
+
+typedef struct particle {
+  ylm_rng rng;
+  double power[3];
+  uint32_t number;
+} particle;
+
+/* Landings and counts of a block of particles; blocks are added up in their order. */
+typedef struct block {
+  emit_landing *landing;
+  size_t n;
+  ylm_emit_report counts;
+} block;
+
+typedef struct job {
+  const ylm_scene *scene;
+  const ylm_emit_options *o;
+  emit_lamps lamps;
+  emit_sequence numbers;
+  int matte;          /* the kind */
+  float (*albedo)[3]; /* [meshes] mean */
+  block *blocks;
+} job;
+
+/* The particles of a block that are under way. */
+typedef struct flight {
+  size_t n, room; /* of the block's landings */
+  particle p[GRAIN];
+  ylm_trace_ray ray[GRAIN];
+  ylm_trace_hit hit[GRAIN];
+} flight;
+
+static void add(double sum[3], const double x[3]) {
+  for (int c = 0; c < 3; c++) sum[c] += x[c];
+}
+
+static void set_out(const job *j, size_t begin, size_t end, flight *f, block *b) {
+  f->n = 0;
+  for (size_t i = begin; i < end; i++) {
+    particle *p = &f->p[f->n];
+    double u[EMIT_NUMBERS];
+    ylm__emit_numbers(&j->numbers, i, u);
+    if (!ylm__emit_start(&j->lamps, u, &f->ray[f->n], p->power)) continue;
+    for (int c = 0; c < 3; c++) p->power[c] /= (double)j->o->particles;
+    add(b->counts.emitted, p->power);
+    ylm_rng_seed(&p->rng, j->o->seed, i);
+    p->number = (uint32_t)i;
+    f->n++;
+  }
+}
+
+/* The surface that ray i hit, seen from where it came. */
+static void surface_at(const job *j, const flight *f, size_t i, ylm_scene_surface *s) {
+  const ylm_trace_hit *h = &f->hit[i];
+  bool back = ylm_dot3(h->normal, f->ray[i].dir) > 0;
+  ylm_scene_place place = {(uint32_t)h->mesh, h->element, h->u, h->v, back};
+  ylm_scene_surfaces(j->scene, 1, &place, s);
+}
+
+/* Leaves a landing of particle i, whose power becomes what is reflected. */
+static ylm_status land(const job *j, flight *f, size_t i, int order, ylm_scene_surface *s,
+                       block *b) {
+  particle *p = &f->p[i];
+  const float *albedo = j->albedo[f->hit[i].mesh];
+  if (b->n == f->room) {
+    size_t room = f->room ? 2 * f->room : GRAIN;
+    emit_landing *more = ylm_realloc(b->landing, b->n * sizeof *more, room, sizeof *more);
+    if (!more) return YLM_ENOMEM;
+    b->landing = more;
+    f->room = room;
+  }
+  if (!(ylm_dot3(s->normal, f->ray[i].dir) < 0)) {
+    memcpy(s->normal, s->flat, sizeof s->normal);
+    b->counts.turned++;
+  }
+  if (ylm_material_kind(s->material) != j->matte) b->counts.glossy++;
+  if (order == 1) add(b->counts.landed, p->power);
+  for (int c = 0; c < 3; c++) p->power[c] *= (double)albedo[c] * (double)s->tint[c];
+  add(b->counts.reflected, p->power);
+  b->counts.landings[order - 1]++;
+  emit_landing *l = &b->landing[b->n++];
+  *l = (emit_landing){.way = f->hit[i].t, .particle = p->number, .order = (uint8_t)order};
+  memcpy(l->at, s->position, sizeof l->at);
+  memcpy(l->normal, s->normal, sizeof l->normal);
+  for (int c = 0; c < 3; c++) l->power[c] = (float)p->power[c];
+  return YLM_OK;
+}
+
+/* Sends particle i on, as the k-th that is under way; false: it ends. */
+static bool go_on(const job *j, flight *f, size_t i, size_t k, const ylm_scene_surface *s,
+                  block *b) {
+  particle *p = &f->p[i];
+  const float *mean = j->albedo[f->hit[i].mesh];
+  double albedo[3], u = ylm_rng_double(&p->rng), v = ylm_rng_double(&p->rng);
+  for (int c = 0; c < 3; c++) albedo[c] = (double)mean[c] * (double)s->tint[c];
+  double chance = fmin(MOST_CHANCE, ylm__emit_luminance(albedo));
+  if (!(ylm_rng_double(&p->rng) < chance)) return false;
+  for (int c = 0; c < 3; c++) p->power[c] /= chance;
+  ylm_trace_ray ray = {.far = INFINITY};
+  ylm__emit_cosine(s->normal, u, v, ray.dir);
+  memcpy(ray.org, s->origin, sizeof ray.org);
+  if (ylm_dot3(ray.dir, s->flat) <= 0) {
+    b->counts.absorbed++;
+    return false;
+  }
+  f->p[k] = *p;
+  f->ray[k] = ray;
+  return true;
+}
+
+/* Follows all particles that are under way to where they land, or out of the scene. */
+static ylm_status follow(const job *j, flight *f, int order, block *b) {
+  size_t n = 0;
+  ylm_trace_nearest(ylm_scene_trace(j->scene), f->n, f->ray, false, f->hit);
+  b->counts.rays += f->n;
+  for (size_t i = 0; i < f->n; i++) {
+    ylm_scene_surface s;
+    if (f->hit[i].mesh < 0) {
+      if (order == 1) add(b->counts.lost, f->p[i].power);
+      continue;
+    }
+    surface_at(j, f, i, &s);
+    ylm_status status = land(j, f, i, order, &s, b);
+    if (status != YLM_OK) return status;
+    if (order == j->o->bounces)
+      add(b->counts.going, f->p[i].power);
+    else if (go_on(j, f, i, n, &s, b))
+      n++;
+  }
+  f->n = n;
+  return YLM_OK;
+}
+
+/* Puts a block's landings into the order of its particles; each particle's are in order already. */
+static ylm_status sort(block *b, size_t begin) {
+  size_t first[GRAIN + 1] = {0};
+  emit_landing *sorted = ylm_alloc(b->n, sizeof *sorted);
+  if (!sorted) return YLM_ENOMEM;
+  for (size_t k = 0; k < b->n; k++) first[b->landing[k].particle - begin + 1]++;
+  for (size_t k = 0; k < GRAIN; k++) first[k + 1] += first[k];
+  for (size_t k = 0; k < b->n; k++) sorted[first[b->landing[k].particle - begin]++] = b->landing[k];
+  ylm_free(b->landing);
+  b->landing = sorted;
+  return YLM_OK;
+}
+
+static ylm_status run(void *context, size_t begin, size_t end, int worker) {
+  (void)worker;
+  const job *j = context;
+  block *b = &j->blocks[begin / GRAIN];
+  flight *f = ylm_alloc(1, sizeof *f);
+  if (!f) return YLM_ENOMEM;
+  ylm_status s = YLM_OK;
+  f->room = 0;
+  set_out(j, begin, end, f, b);
+  for (int order = 1; s == YLM_OK && order <= j->o->bounces && f->n > 0; order++)
+    s = follow(j, f, order, b);
+  ylm_free(f);
+  return s == YLM_OK && b->n > 0 ? sort(b, begin) : s;
+}
+
+static void add_counts(const ylm_emit_report *b, ylm_emit_report *r) {
+  r->rays += b->rays;
+  r->turned += b->turned;
+  r->absorbed += b->absorbed;
+  r->glossy += b->glossy;
+  for (int k = 0; k < YLM_EMIT_BOUNCES; k++) r->landings[k] += b->landings[k];
+  add(r->emitted, b->emitted);
+  add(r->landed, b->landed);
+  add(r->lost, b->lost);
+  add(r->reflected, b->reflected);
+  add(r->going, b->going);
+}
+
+/* The landings and counts of all blocks. */
+static ylm_status join(const job *j, size_t blocks, emit_landings *out, ylm_emit_report *report) {
+  for (size_t b = 0; b < blocks; b++) {
+    out->n += j->blocks[b].n;
+    add_counts(&j->blocks[b].counts, report);
+  }
+  out->landing = ylm_alloc(out->n, sizeof *out->landing);
+  if (!out->landing) return YLM_ENOMEM;
+  for (size_t b = 0, k = 0; b < blocks; k += j->blocks[b++].n)
+    ylm_copy(out->landing + k, j->blocks[b].landing, j->blocks[b].n * sizeof *out->landing);
+  return YLM_OK;
+}
+
+static ylm_status find_albedos(job *j) {
+  size_t meshes = ylm_scene_meshes(j->scene);
+  j->albedo = ylm_alloc(meshes, sizeof *j->albedo);
+  if (!j->albedo) return YLM_ENOMEM;
+  for (size_t m = 0; m < meshes; m++)
+    ylm_material_albedo(ylm_scene_material(j->scene, m), j->albedo[m]);
+  return YLM_OK;
+}
+
+ylm_status ylm__emit_trace(const ylm_scene *scene, const ylm_emit_options *o, emit_landings *out,
+                           ylm_emit_report *report) {
+  size_t blocks = (o->particles + GRAIN - 1) / GRAIN;
+  job j = {.scene = scene, .o = o, .matte = ylm_material_kind_find("matte")};
+  j.blocks = ylm_alloc_zero(blocks, sizeof *j.blocks);
+  ylm__emit_sequence(o->seed, &j.numbers);
+  ylm_status s = ylm__emit_lamps(scene, &j.lamps);
+  if (s == YLM_OK) s = j.blocks ? find_albedos(&j) : YLM_ENOMEM;
+  if (s == YLM_OK)
+    s = ylm_parallel(o->particles, GRAIN, o->threads, run, &j, o->progress, "particles");
+  if (s == YLM_OK) s = join(&j, blocks, out, report);
+  for (size_t b = 0; j.blocks && b < blocks; b++) ylm_free(j.blocks[b].landing);
+  ylm_free(j.blocks);
+  ylm_free(j.albedo);
+  ylm__emit_lamps_free(&j.lamps);
+  return s;
+}

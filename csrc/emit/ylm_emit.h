@@ -1,0 +1,108 @@
+/*
+** ylm_emit.h - virtual lights of a scene: particles of light, traced from its lamps and skies to surfaces.
+**
+** A particle carries a part of the lamps' power. Where it lands, a surface reflects a part of it: the
+** landing becomes a virtual light, of an intensity along the normal that falls off as the cosine.
+**
+**   light      of lamps and skies as rays see them (ylm_scene.h). Lamps occlude nothing.
+**   surfaces   that occlude. Both sides of a triangle reflect: as matte ones of the mean albedo.
+**   normals    of vertices, unless these look away from where the particle came from: then of the
+**              triangle, and counted
+**   numbers    a particle keeps its random numbers whatever moves, and however many there are
+**
+** Ownership   ylm_emit_free frees what ylm_emit fills.
+** Threads     results do not depend on their number, bit for bit.
+** Source      Keller 1997, "Instant Radiosity"; Mezieres & Paulin 2022, "Harmonics Virtual Lights"
+*/
+#ifndef YLM_EMIT_H
+#define YLM_EMIT_H
+
+#include "ylm_scene.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* The most reflections of a particle; the most particles, and the most lights. */
+#define YLM_EMIT_BOUNCES 64
+#define YLM_EMIT_PARTICLES ((size_t)1 << 27)
+
+/* The radius of a light. */
+typedef enum ylm_emit_radius {
+  YLM_EMIT_DENSITY, /* scale d/sqrt(10), d the distance to the tenth light whose normal is within 60
+                       degrees, within d/2 of the tangent plane */
+  YLM_EMIT_ANGLE,   /* scale d tan g, d the way of the particle, g half the angle of its share of
+                       4 pi: the paper's, Eqs. 24-26 */
+  YLM_EMIT_FIXED    /* options.fixed, which scale does not change */
+} ylm_emit_radius;
+
+typedef struct ylm_emit_options {
+  size_t particles; /* 1 .. YLM_EMIT_PARTICLES */
+  size_t lights;    /* of more landings so many are chosen, by power; 0: each is a light */
+  int bounces;      /* 1 .. YLM_EMIT_BOUNCES: reflections of a particle, at most */
+  ylm_emit_radius radius;
+  double fixed; /* scene units, > 0 */
+  double scale; /* > 0 */
+  uint64_t seed;
+  int threads;
+  const ylm_progress *progress; /* stages "particles", "radius" */
+} ylm_emit_options;
+
+/* Lights, in the order of their particles. */
+typedef struct ylm_emit_lights {
+  size_t n;
+  double *at, *normal; /* [n][3] scene units; length 1 */
+  double *radius;      /* [n]    scene units */
+  double *intensity;   /* [n][3] W/sr along the normal */
+} ylm_emit_lights;
+
+/* Powers in W: of particles that set out; at their first landings; of those that left the scene before
+   one; reflected at all landings. emitted = landed + lost. */
+typedef struct ylm_emit_report {
+  uint64_t particles, rays;
+  uint64_t landings[YLM_EMIT_BOUNCES]; /* by reflection, the first is direct light's */
+  double emitted[3], landed[3], lost[3], reflected[3];
+  double going[3];   /* W: still under way behind the last reflection that was asked for */
+  uint64_t turned;   /* landings with the normal of their triangle */
+  uint64_t absorbed; /* directions that a normal of vertices sent below the triangle */
+  uint64_t glossy;   /* landings on surfaces that are not matte */
+  double radius[3];  /* least, median, largest */
+  uint64_t cut;      /* radii above four medians, which became that */
+  double seconds[2]; /* tracing, radii */
+} ylm_emit_report;
+
+/*
+** ylm_emit - trace particles and make lights of where they land.
+**
+** A lamp is chosen in proportion to its luminous power, a place on it uniformly, a direction as the
+** cosine: numbers of the sequence R5. Particles of a sky come from a disk as wide as the scene.
+** Reflections behind the first survive with the chance min(0.95, luminance of the albedo).
+**
+** Of more landings than options.lights, some are chosen in proportion to their luminous power, by
+** equal steps along its sum; each then has the same share of it.
+**
+** Returns  YLM_OK; YLM_ERANGE (an option), YLM_ENOMEM, YLM_ECANCELLED. No lights where there are no
+**          lamps, or nothing is met.
+** Cost     a ray a landing and one that finds nothing; 44 bytes a landing; 1 us a light for density
+** Source   Roberts 2018, "The Unreasonable Effectiveness of Quasirandom Sequences" (R_d); Arvo &
+**          Kirk 1990, "Particle Transport and Image Synthesis"
+*/
+YLM_API ylm_status ylm_emit(const ylm_scene *scene, const ylm_emit_options *o,
+                            ylm_emit_lights *lights, ylm_emit_report *report, ylm_error *e);
+YLM_API void ylm_emit_free(ylm_emit_lights *lights);
+
+/*
+** ylm_emit_write_ply - lights as points of a PLY file, for viewers and other programs.
+**
+** Properties are x y z, nx ny nz, red green blue (sRGB of the intensity, its largest is white), radius,
+** intensity_red intensity_green intensity_blue, all but the colours float.
+**
+** Returns  YLM_OK, YLM_EIO
+*/
+YLM_API ylm_status ylm_emit_write_ply(const ylm_emit_lights *lights, const char *path,
+                                      ylm_error *e);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

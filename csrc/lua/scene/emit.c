@@ -1,0 +1,123 @@
+/* emit.c - virtual lights of scenes; lua/ylm/render/emit.lua drives it. */
+#include <math.h>
+#include <string.h>
+
+#include "traced.h"
+#include "ylm_emit.h"
+
+static void set_colour(lua_State *L, const char *name, const double x[3]) {
+  lua_createtable(L, 3, 0);
+  for (int c = 0; c < 3; c++) {
+    lua_pushnumber(L, (lua_Number)x[c]);
+    lua_rawseti(L, -2, c + 1);
+  }
+  lua_setfield(L, -2, name);
+}
+
+/* Landings of each reflection, up to the last that has any. */
+static void set_bounces(lua_State *L, const ylm_emit_report *r) {
+  int n = YLM_EMIT_BOUNCES;
+  while (n > 0 && r->landings[n - 1] == 0) n--;
+  lua_createtable(L, n, 0);
+  for (int k = 0; k < n; k++) {
+    ylmL_push_count(L, r->landings[k]);
+    lua_rawseti(L, -2, k + 1);
+  }
+  lua_setfield(L, -2, "bounces");
+}
+
+static void push_report(lua_State *L, const ylm_emit_report *r, size_t n) {
+  lua_newtable(L);
+  ylmL_set_count(L, "lights", n);
+  ylmL_set_count(L, "particles", r->particles);
+  ylmL_set_count(L, "rays", r->rays);
+  ylmL_set_count(L, "turned", r->turned);
+  ylmL_set_count(L, "absorbed", r->absorbed);
+  ylmL_set_count(L, "glossy", r->glossy);
+  set_bounces(L, r);
+  lua_newtable(L);
+  set_colour(L, "emitted", r->emitted);
+  set_colour(L, "landed", r->landed);
+  set_colour(L, "lost", r->lost);
+  set_colour(L, "reflected", r->reflected);
+  set_colour(L, "going", r->going);
+  lua_setfield(L, -2, "power");
+  lua_newtable(L);
+  ylmL_set_number(L, "min", r->radius[0]);
+  ylmL_set_number(L, "median", r->radius[1]);
+  ylmL_set_number(L, "max", r->radius[2]);
+  ylmL_set_count(L, "cut", r->cut);
+  lua_setfield(L, -2, "radius");
+  lua_newtable(L);
+  ylmL_set_number(L, "trace", r->seconds[0]);
+  ylmL_set_number(L, "radius", r->seconds[1]);
+  lua_setfield(L, -2, "seconds");
+}
+
+/* Four arrays of doubles that hold lights; false without memory. */
+static bool push_lights(lua_State *L, const ylm_emit_lights *l) {
+  const double *from[] = {l->at, l->normal, l->radius, l->intensity};
+  for (int k = 0; k < 4; k++) {
+    ylmL_array *a = ylmL_array_new(L, YLM_DOUBLE, k == 2 ? 1 : 2, (size_t[]){l->n, 3});
+    if (!a) return false;
+    ylm_copy(a->data, from[k], a->count * sizeof(double));
+  }
+  return true;
+}
+
+/* emit_lights(scene, {particles, lights, bounces, radius: "density" | "angle" | "fixed", fixed, scale,
+   seed, threads, progress}) -> at [n][3], normal [n][3], radius [n], intensity [n][3], report */
+static int emit_lights(lua_State *L) {
+  static const char *const names[] = {"particles", "lights", "bounces", "radius",   "fixed",
+                                      "scale",     "seed",   "threads", "progress", NULL};
+  static const char *const radii[] = {"density", "angle", "fixed", NULL};
+  enum { PARTICLES = 3, LIGHTS, BOUNCES, RADIUS, FIXED, SCALE, SEED, THREADS, PROGRESS };
+  ylmL_named(L, 2, names);
+  const ylm_scene *scene = ylmL_scene(L, 1);
+  ylm_error e = {0};
+  ylmL_progress p;
+  ylm_emit_lights lights;
+  ylm_emit_report report;
+  ylm_emit_options o = {.particles = (size_t)luaL_checknumber(L, PARTICLES),
+                        .lights = (size_t)luaL_optnumber(L, LIGHTS, 0),
+                        .bounces = (int)luaL_checknumber(L, BOUNCES),
+                        .radius = (ylm_emit_radius)luaL_checkoption(L, RADIUS, NULL, radii),
+                        .fixed = (double)luaL_optnumber(L, FIXED, 0),
+                        .scale = (double)luaL_checknumber(L, SCALE),
+                        .seed = (uint64_t)luaL_checknumber(L, SEED),
+                        .threads = (int)luaL_optnumber(L, THREADS, 0),
+                        .progress = ylmL_progress_begin(L, PROGRESS, &p)};
+  ylm_status s = ylm_emit(scene, &o, &lights, &report, &e);
+  if (s == YLM_OK && !push_lights(L, &lights)) s = YLM_ENOMEM;
+  ylm_emit_free(&lights);
+  if (s == YLM_OK)
+    push_report(L, &report, report.particles ? ylmL_array_check(L, -2)->shape[0] : 0);
+  return ylmL_result_progress(L, 5, s, &e, &p);
+}
+
+/* The array of n doubles at `i`. */
+static double *doubles(lua_State *L, int i, size_t n) {
+  ylmL_array *a = ylmL_array_check(L, i);
+  if (a->dtype != YLM_DOUBLE || a->count != n) luaL_argerror(L, i, "an array of another size");
+  return a->data;
+}
+
+/* emit_write(path, at [n][3], normal [n][3], radius [n], emission [n][3][1]) -> true */
+static int emit_write(lua_State *L) {
+  ylm_error e = {0};
+  const char *path = luaL_checkstring(L, 1);
+  size_t n = ylmL_array_check(L, 4)->count;
+  ylm_emit_lights l = {n, doubles(L, 2, 3 * n), doubles(L, 3, 3 * n), doubles(L, 4, n), NULL};
+  const double *emission = doubles(L, 5, 3 * n);
+  ylmL_array *intensity = ylmL_array_new(L, YLM_DOUBLE, 2, (size_t[]){n, 3});
+  if (!intensity) return ylmL_result(L, 0, YLM_ENOMEM, NULL);
+  l.intensity = intensity->data;
+  for (size_t i = 0; i < 3 * n; i++) l.intensity[i] = emission[i] / sqrt(4 * M_PI);
+  lua_pushboolean(L, true);
+  return ylmL_result(L, 1, ylm_emit_write_ply(&l, path, &e), &e);
+}
+
+static const luaL_Reg functions[] = {
+    {"emit_lights", emit_lights}, {"emit_write", emit_write}, {NULL, NULL}};
+
+void ylmL_open_emit(lua_State *L) { luaL_setfuncs(L, functions, 0); }

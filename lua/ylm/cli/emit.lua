@@ -1,0 +1,31 @@
+--- ylm emit scene.lua -o lights.ply
+
+local report = require "ylm.cli.report"
+local status = require "ylm.cli.status"
+
+return {
+  summary = "traces virtual lights of a scene file and writes them as points",
+  usage = "SCENE.lua -o LIGHTS.ply",
+  least = 1,
+  options = {
+    { "output", "-o", "FILE", "the lights (.ply): places, normals, radii, intensities" },
+    { "count", "-n", "N", "lights, at most" },
+    { "particles", nil, "N", "that are traced, at least as many" },
+    { "bounces", "-b", "NAME", "reflections of a particle: 1 (default), 2 .. or all" },
+    { "seed", nil, "N", "of all random numbers" },
+    { "strict", nil, nil, "exit status 6 where a warning was given; the lights are written" },
+    { "threads", "-j", "N", "default: YLM_THREADS or all cores" },
+  },
+  run = function(given)
+    local ylm = require "ylm"
+    if not given.output then status.stop(status.usage, "emit: -o FILE says where the lights go") end
+    status.need_output("emit", given.output, "ply")
+    local bounces = status.bounces("emit", given.bounces)
+    local scene = status.need_scene(ylm.load_scene(given[1]))
+    local lights, facts = status.need(scene:virtual_lights { count = given.count, particles = given.particles,
+      bounces = bounces, seed = given.seed, threads = given.threads, progress = report.progress(given) })
+    status.need(require("ylm.emit").write(lights, given.output))
+    report.print(given, facts, report.names(facts, { "lights", "particles", "power", "radius" }))
+    return status.of_warnings(given, facts.warnings)
+  end,
+}

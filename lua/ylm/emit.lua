@@ -1,0 +1,153 @@
+--- Virtual lights of a scene: where particles from its lamps land, surfaces send on what they reflect.
+
+local check = require "ylm.check"
+local core = require "ylm.c.core"
+local describe = require "ylm.describe".describe
+local form = require "ylm.form"
+local progress = require "ylm.progress"
+local tracing = require "ylm.trace"
+local virtual = require "ylm.light.virtual"
+local warning = require "ylm.warning"
+
+local emit = {}
+
+local COUNT, MOST_BOUNCES, MOST = 2000, 64, 2 ^ 27
+local SCALE = { density = 1.5, angle = 1 } -- of radii, by their rule
+
+--- Lights that scene:virtual_lights made -> { scene, bounces, radius (the median) }.
+emit.made = setmetatable({}, { __mode = "k" })
+
+function form.types.reflected(x)
+  if x == "all" then return MOST_BOUNCES end
+  if check.is_integer(x) and x >= 0 and x <= MOST_BOUNCES then return x end
+  return nil, ("a number of reflections, 0 to %d, or 'all': %d"):format(MOST_BOUNCES, MOST_BOUNCES)
+end
+
+function form.types.light_radius(x)
+  if SCALE[x] or check.is_number(x) and x > 0 then return x end
+  return nil, "'density', 'angle', or a length above 0"
+end
+
+--- Options that scene:virtual_lights has in common with pictures that make such lights.
+emit.fields = {
+  { "count", "integer", min = 1, max = MOST, optional = true,
+    about = "lights, at most: of more landings so many are chosen, by power, each for the same share of it; default "
+      .. COUNT .. ", or one for each landing where particles are named" },
+  { "particles", "integer", min = 1, max = MOST, optional = true, about = "that are traced, at least count; default: count" },
+  { "radius", "light_radius", default = "density", unit = "scene units",
+    about = "of a light: 'density', by the distance to the tenth light of the same surface; 'angle', the paper's, by the way of "
+      .. "its particle; or a length" },
+  { "scale", "number", above = 0, optional = true,
+    about = "multiplies radii of 'density' and 'angle'; default 1.5, of 'angle' 1" },
+  { "profile", "choice", of = { "gauss", "cap", "point" }, default = "gauss", about = "as in virtual_lights" },
+}
+
+local options = {}
+for _, field in ipairs(emit.fields) do options[#options + 1] = field end
+for _, field in ipairs {
+  { "bounces", "reflected", default = 1, about = "reflections of a particle, each of which leaves a light; 'all': 64" },
+  { "seed", "integer", min = 0, max = 2 ^ 32, default = 1,
+    about = "of all random numbers: a particle keeps its own, whatever moves" },
+  form.threads, form.progress,
+} do options[#options + 1] = field end
+
+--- The sentence about a scene that leaves no light, or nil.
+local function note_of(s, o, r)
+  if o.bounces == 0 then return "bounces = 0: no indirect light" end
+  if r.lights > 0 then return nil end
+  if #s.geometry == 0 then return "the scene has no surface: nothing reflects" end
+  if #s.lights == 0 or r.rays == 0 then return "the scene has no lamps that shine: no particle set out" end
+  if #r.bounces == 0 then
+    return ("no particle landed on a surface (%d left the scene): are lamps inside of it?"):format(r.particles)
+  end
+  return "all surfaces that particles landed on are black"
+end
+
+--- Sentences for report.warnings about light that is left out.
+local function shortcomings(s, o, r)
+  local list, n = {}, r.glossy
+  if n > 0 then
+    list[1] = warning.say(s, "gloss virtual", "scene %q: %d of its virtual lights' landings are on surfaces that gloss, which "
+      .. "send light on as matte ones of their mean albedo: no highlights, no caustics (scene:pathtrace has them)",
+      s.name or "?", n)
+  end
+  local going, reflected = r.power.going, r.power.reflected
+  local left = going[1] + going[2] + going[3]
+  if o.bounces == MOST_BOUNCES and left > 1e-3 * (reflected[1] + reflected[2] + reflected[3]) then
+    list[#list + 1] = warning.say(s, "bounces virtual", "scene %q: %g W are still under way after %d reflections, and are left "
+      .. "out: surfaces reflect nearly all (albedo)", s.name or "?", left, MOST_BOUNCES)
+  end
+  return list
+end
+
+--- The lights of options that are settled: at, normal, radius, intensity, report; or nil, message, code.
+local function trace(name, s, o)
+  local t, message, code = tracing.trace(name, s)
+  if not t then return nil, message, code end
+  local fixed = type(o.radius) == "number" and o.radius or nil
+  return check.result(name, t.lib.emit_lights(t.handle, { particles = o.particles, lights = o.count,
+    bounces = math.max(1, o.bounces), radius = fixed and "fixed" or o.radius, fixed = fixed,
+    scale = o.scale or SCALE[o.radius] or 1, seed = o.seed, threads = o.threads, progress = progress.resolve(o.progress) }))
+end
+
+--- Virtual lights and report by options that a form has checked, of function `name`.
+function emit.lights(name, s, o)
+  o.count = o.count or (o.particles or COUNT)
+  o.particles = o.particles or o.count
+  if o.particles < o.count then
+    return check.bad(1, name, "particles (%d) must be at least as many as count, the lights that are wanted (%d)", o.particles,
+      o.count)
+  end
+  local at, normal, radius, intensity, report = trace(name, s, o)
+  if not at then return nil, normal, radius end
+  if o.bounces == 0 then
+    at, normal, radius, intensity = core.array_zeros({ 0, 3 }, "double"), nil, 1, 0
+    report.lights, report.bounces = 0, {}
+  end
+  local lights = virtual.virtual_lights { at = at, normal = normal, radius = radius, intensity = intensity,
+    profile = o.profile }
+  report.note = note_of(s, o, report)
+  report.warnings = shortcomings(s, o, report)
+  report.power.lights = lights.power
+  emit.made[lights] = { scene = s, bounces = o.bounces, radius = report.radius.median }
+  return lights, report
+end
+
+describe "scene:virtual_lights" {
+  about = "Traces particles from the scene's lamps and skies; where they land, surfaces send on what they reflect, as virtual "
+    .. "lights. These are a light field, without shadows: ylm.light_field, ylm.bake, view:gather take them.",
+  arguments = { { "options?", "table", "" } },
+  options = options,
+  returns = {
+    { "lights", "virtual_lights", "" },
+    { "report", "table", "lights, particles, rays; bounces (landings of each reflection); power {r, g, b} in W: emitted = "
+      .. "landed + lost (to the sky, before a first landing), reflected (at all landings), lights (what was chosen of it), going "
+      .. "(under way behind the last reflection); radius = { min, median, max, cut }, cut: of those above four medians, which "
+      .. "became that; turned: landings with the normal of their triangle, that of the vertices looking away; absorbed; glossy; "
+      .. "seconds = { trace, radius }; warnings; note, where there is no light" },
+  },
+  errors = "raises on a bad option; nil, message, code: memory, cancelled",
+  example = [[
+local scene = ylm.scene "a room" {
+  geometry = { ylm.box { scale = 2, material = ylm.matte { albedo = 0.5 } } },
+  lights = ylm.sphere_light { at = { 0, 0, 0 }, radius = 0.1, radiance = 10 },
+}
+local lights, report = scene:virtual_lights { count = 100 }
+assert(lights.count == 100 and report.power.lost[1] == 0)
+local flux = 4 * math.pi ^ 2 * 0.1 ^ 2 * 10
+assert(math.abs(lights.power[1] / (0.5 * flux) - 1) < 1e-5)]],
+  source = "Keller 1997; Mezieres & Paulin 2022, Sec. 5; Roberts 2018",
+}
+function emit.of_scene(s, given)
+  tracing.check_scene("virtual_lights", s)
+  return emit.lights("virtual_lights", s, form.options(1, "virtual_lights", options, given))
+end
+
+--- Writes virtual lights of degree 0 to a PLY file: true, or nil, message, code.
+function emit.write(lights, path)
+  local lib, message, code = tracing.library()
+  if not lib then return nil, message, code end
+  return check.result("emit", lib.emit_write(path, core.lights_virtual_arrays(lights.lights)))
+end
+
+return emit
