@@ -56,6 +56,7 @@
 
 #define YLML_SCENE_BINDINGS(X)                                                                     \
   X(chooser)                                                                                       \
+  X(emit)                                                                                          \
   X(gather)                                                                                        \
   X(path)                                                                                          \
   X(radiosity)                                                                                     \
@@ -67,6 +68,7 @@
   X(shade_picture)                                                                                 \
   X(shade_relight)                                                                                 \
   X(shade_view)                                                                                    \
+  X(shade_virtual)                                                                                 \
   X(traced)                                                                                        \
   X(transfer)                                                                                      \
   X(vectors)

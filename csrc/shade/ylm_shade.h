@@ -26,6 +26,7 @@
 
 #include "ylm_base.h"
 #include "ylm_grid.h"
+#include "ylm_light_virtual.h"
 #include "ylm_path.h"
 #include "ylm_scene.h"
 #include "ylm_sh.h"
@@ -505,6 +506,95 @@ typedef struct ylm_shade_blended {
 YLM_API ylm_status ylm_shade_blend(const ylm_shade_view *view, const ylm_shade_blending *o,
                                    float *radiance, float *share, ylm_shade_blended *report,
                                    ylm_error *e);
+
+/* -- virtual lights ------------------------------------------------------------ */
+
+/* The light of one virtual light at a shading point, of which more is said below. */
+typedef enum ylm_shade_gather_method {
+  YLM_SHADE_HVL, /* its harmonics, to lmax, times the cosine's */
+  YLM_SHADE_VPL, /* a point */
+  YLM_SHADE_VSL  /* a sphere */
+} ylm_shade_gather_method;
+
+/* The bound c of a point's light: of 1/d^2, of c_x c_y/d^2, or of f c_x c_y/d^2, f being the luminance of
+   the receiver's albedo over pi. */
+typedef enum ylm_shade_clamp {
+  YLM_SHADE_CLAMP_NONE,
+  YLM_SHADE_CLAMP_DISTANCE,
+  YLM_SHADE_CLAMP_GEOMETRY,
+  YLM_SHADE_CLAMP_WHOLE
+} ylm_shade_clamp;
+
+/* Directions to a sphere: of the cone that it fills; by the receiver's cosine; these, and the light's
+   cosine, weighed by the balance heuristic. */
+typedef enum ylm_shade_sphere_strategy {
+  YLM_SHADE_CONE,
+  YLM_SHADE_RECEIVER,
+  YLM_SHADE_MIS
+} ylm_shade_sphere_strategy;
+
+/* Lights at the receiver's horizon: as they are; weighed by a smooth step of their angle above it, over
+   their own half angle (the paper's Eq. 22); none that is below it with its whole radius. */
+typedef enum ylm_shade_horizon {
+  YLM_SHADE_HORIZON_NONE,
+  YLM_SHADE_HORIZON_PAPER,
+  YLM_SHADE_HORIZON_GATE
+} ylm_shade_horizon;
+
+typedef struct ylm_shade_gather_options {
+  ylm_shade_gather_method method;
+  int lmax;                  /* HVL: 0 .. YLM_SHADE_GATHER_LMAX */
+  const double *window;      /* HVL: [lmax+1] factors of the receiver's coefficients; NULL: 1 */
+  ylm_shade_horizon horizon; /* HVL */
+  ylm_shade_clamp clamp;     /* VPL */
+  double limit;              /* c, > 0 */
+  int compensate; /* VPL, clamped: rays of a point that find what the bound takes away; 0 */
+  int bounces;    /* of these: reflections that the lights stand for, 1 .. */
+  int samples;    /* VSL: 1 .. 65536 */
+  ylm_shade_sphere_strategy strategy;
+  bool shadows; /* a ray from the point to the middle of each light */
+  uint64_t seed;
+  int threads;
+  const ylm_progress *progress;
+} ylm_shade_gather_options;
+
+#define YLM_SHADE_GATHER_LMAX 100
+
+typedef struct ylm_shade_gather_report {
+  uint64_t pairs, rays;
+  double seconds;
+} ylm_shade_gather_report;
+
+/*
+** ylm_shade_gather_virtual - radiance of every shading point under virtual lights, each asked at each.
+**
+** With y, n, r a light's place, normal and radius, I its intensity, N the receiver's normal, d and w
+** distance and direction from x to y, c_x = max(0, N.w), c_y = max(0, s - n.w) (ylm_light_virtual.h), the
+** irradiance is the sum over lights of
+**
+**   HVL  I c_y sum over l of a_l (2l+1)/(4 pi) G_l P_l(N.w)     a_l of the clamped cosine
+**   VPL  I c_x c_y / d^2, bounded
+**   VSL  I/(pi r^2) times the integral of max(0, N.w') max(0, s - n.w') over the cone of half angle
+**        asin(r/d) about w; within r the hemisphere. max(4, samples (1 - cos)) directions, of RECEIVER
+**        `samples`
+**
+** Compensation: rays from x as the cosine meet y'; what the bound took from the light that y' reflects,
+** L f max(0, G - c)/G, is added (ylm_path_places has L). With shadows, the mean is that of no bound.
+** Surfaces that are not matte reflect as matte ones of their mean albedo.
+**
+**   out  out  [points][3]
+**
+** Returns  YLM_OK; YLM_ERANGE (an option), YLM_EINVAL (compensation without a bound), YLM_ENOMEM,
+**          YLM_ECANCELLED (progress stages "virtual lights", "compensation")
+** Cost     a pair: HVL some ns (lmax 4, one core), VPL 1 ns, VSL 50 ns a direction; a ray with shadows
+** Source   Mezieres & Paulin 2022; Keller 1997, "Instant Radiosity"; Kollig & Keller 2004,
+**          "Illumination in the Presence of Weak Singularities"; Hasan et al. 2009, "Virtual Spherical
+**          Lights for Many-Light Rendering of Glossy Scenes"
+*/
+YLM_API ylm_status ylm_shade_gather_virtual(const ylm_shade_view *view,
+                                            const ylm_light_virtual *lights,
+                                            const ylm_shade_gather_options *o, float *out,
+                                            ylm_shade_gather_report *report, ylm_error *e);
 
 /* How a view's visibility differs from that of its scene, as light of the picture. */
 typedef struct ylm_shade_occlusion {

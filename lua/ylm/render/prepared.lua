@@ -148,6 +148,7 @@ function prepared.close(view)
   views.made[view].closed = true
 end
 
+require "ylm.render.gather"
 require "ylm.render.vectors"
 memory.publish(prepared)
 

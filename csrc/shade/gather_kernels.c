@@ -1,0 +1,42 @@
+/* gather_kernels.c - the kernels of the instruction set in use, and the plain form, which judges them. */
+#include "gather.h"
+
+static void weights(const gather_lights *l, const gather_ask *a, size_t first, const float x[3],
+                    const float N[3], float *w) {
+  for (size_t k = 0; k < GATHER_CHUNK; k++)
+    w[k] = first + k < l->n ? (float)ylm__gather_weight(l, a, first + k, x, N) : 0;
+}
+
+static void collect(const float *w, const float *const I[3], double sum[3]) {
+  for (int c = 0; c < 3; c++)
+    for (size_t k = 0; k < GATHER_CHUNK; k++) sum[c] += (double)w[k] * (double)I[c][k];
+}
+
+#if defined(__x86_64__)
+#define SETS(X) X(sse2) X(avx2) X(avx512)
+#elif defined(__aarch64__)
+#define SETS(X) X(neon)
+#else
+#define SETS(X)
+#endif
+
+#define X(isa)                                                                                     \
+  ylm_shade_weights_fn ylm_k_shade_weights_##isa;                                                  \
+  ylm_shade_collect_fn ylm_k_shade_collect_##isa;
+SETS(X)
+#undef X
+
+gather_kernels ylm__gather_kernels(const ylm_shade_gather_options *o) {
+  gather_kernels k = {weights, collect};
+  switch (ylm_isa_current()) {
+#define X(isa)                                                                                     \
+  case YLM_ISA_##isa:                                                                              \
+    k = (gather_kernels){ylm_k_shade_weights_##isa, ylm_k_shade_collect_##isa};                    \
+    break;
+    SETS(X)
+#undef X
+  default: break;
+  }
+  if (o->method == YLM_SHADE_HVL && o->horizon == YLM_SHADE_HORIZON_PAPER) k.weights = weights;
+  return k;
+}
