@@ -118,9 +118,9 @@ static ylm_status add(const ylm_shade_view *v, const gather_ask *a, uint64_t see
   ylm_path_sum sum = {0, room, room ? room + 3 * f->n : NULL, room ? room + 6 * f->n : NULL};
   ylm_path_stats stats = {0};
   if (!room) return YLM_ENOMEM;
-  ylm_status s =
-      f->n > 0 ? ylm_path_places(v->scene, f->n, f->place, v->frame.from, true, &o, &sum, &stats, e)
-               : YLM_OK;
+  ylm_status s = f->n > 0 ? ylm_path_places(v->scene, f->n, f->place, NULL, NULL, v->frame.from,
+                                            true, &o, &sum, &stats, e)
+                          : YLM_OK;
   for (size_t k = 0; s == YLM_OK && k < 3 * f->n; k++)
     out[3 * f->point[k / 3] + k % 3] += f->factor[k / 3] * room[k];
   *rays += stats.nearest_rays + stats.shadow_rays + stats.lamp_rays;
