@@ -1,4 +1,5 @@
 -- Light that bounces, met by surfaces that gloss: rays that their materials choose, into the elements of a transfer.
+local long = require "spec.support.long"
 local ylm = require "ylm"
 
 local pi = math.pi
@@ -74,7 +75,8 @@ end
 
 local ggx = ylm.ggx { alpha = 0.3, f0 = 0.7, base = 0.1 }
 
-local function of(t) return { size = { 16, 9 }, samples = 1, links = 16, transfer = t } end
+local few_points = { size = { 16, 9 }, samples = 1, links = 16 }
+local function of(t) return with({ transfer = t }, few_points) end
 
 --- A room with coloured walls and a body, what bounces in it, and a prepared view of 16 x 9 points.
 local function room(material)
@@ -124,6 +126,24 @@ describe("bounced light on surfaces that gloss", function()
     end
   end)
 
+  it("changes no bit of what is matte", function()
+    local scene, lit = room(ggx)
+    local function picture(gloss) return scene:render(with({ indirect = lit, gloss = gloss }, few_points)) end
+    local rays, matte = picture(), picture "matte"
+    local a, b, n, changed, kept = radiance(rays), radiance(matte), rays:layer "normal":totable(), 0, 0
+    for i, row in ipairs(a) do
+      for k, p in ipairs(row) do
+        local same = p[1] == b[i][k][1] and p[2] == b[i][k][2] and p[3] == b[i][k][3]
+        if n[i][k][2] > 0.99 then changed = changed + (same and 0 or 1)
+        else
+          kept = kept + 1
+          assert.is_true(same)
+        end
+      end
+    end
+    assert.is_true(changed > 30 and kept > 30)
+  end)
+
   it("agrees with paths", function()
     local scene, lit = room(ylm.ggx { alpha = 0.15, f0 = 0.7 })
     local truth = scene:pathtrace { size = { 16, 9 }, samples = 1024, layers = false, reflections = { 1, "all" } }
@@ -132,9 +152,11 @@ describe("bounced light on surfaces that gloss", function()
   end)
 
   it("is that of pixels at vertices, turned as their tangents", function()
-    for _, material in ipairs { ggx, ylm.ggx { alpha = { 0.2, 0.6 }, f0 = 0.8 } } do
+    local materials = { ggx }
+    for i = 1, long(0, 1) do materials[1 + i] = ylm.ggx { alpha = { 0.2, 0.6 }, f0 = 0.8 } end -- whose table takes seconds
+    for _, material in ipairs(materials) do
       local scene, lit = room(material)
-      local o = { size = { 16, 9 }, samples = 4, links = 64, visibility = "none", lmax = 1 }
+      local o = { size = { 16, 9 }, samples = 4, links = 64, visibility = "none", lmax = 0 }
       local function by(shading)
         local view = scene:prepare(with({ shading = shading, transfer = lit.transfer }, o))
         local grid = ylm.sphere_lights { at = { { 0, 9, 0 } }, radius = 0.1, radiance = 0 }.lights
@@ -146,6 +168,78 @@ describe("bounced light on surfaces that gloss", function()
       end
       local vertices, pixels = by "vertex", by "pixel"
       assert.near(1, vertices / pixels, 0.05)
+    end
+  end)
+end)
+
+-- Fields and grids of light that bounces -------------------------------------------------------
+
+--- A round room's picture of `material` by the light `make(lit)`, less what it is without: in parts of RADIANCE, [3]; report.
+local function by_field(material, degrees, make, o)
+  local scene = globe(material, degrees)
+  local t = scene:transfer { spacing = 0.2, links = 64 }
+  local light = make(t:radiosity())
+  local given = with({ indirect = light, transfer = o and o.rays and t or nil, gloss = o and o.gloss }, few)
+  local image, report = scene:render(given)
+  local all, direct = mean(image), mean((scene:render(few)))
+  local out = {}
+  for c = 1, 3 do out[c] = (all[c] - direct[c]) / SENT end
+  return out, report
+end
+
+local function field(lit) return lit:field { rays = 768 } end
+
+local function baked(lit)
+  return ylm.bake(ylm.uniform_grid { bounds = { { -0.5, -0.5, -0.7 }, { 0.5, 0.5, 0.3 } }, cells = 2, lmax = 3 }, field(lit))
+end
+
+describe("light of a field that bounces, on surfaces that gloss", function()
+  it("is F . L: the reflectance where it comes from everywhere alike", function()
+    local m = ylm.ggx { alpha = 0.5, f0 = { 0.9, 0.6, 0.2 }, base = 0.05 }
+    local truth = m:albedo({ math.cos(math.rad(35)) }):totable()[1]
+    for _, make in ipairs { field, baked } do
+      local got, report = by_field(m, 35, make, { gloss = "sh" })
+      for c = 1, 3 do assert.near(1, got[c] / truth[c], 0.03) end
+      assert.equal("those of the grid", report.bounces)
+      assert.is_true(report.indirect_glossy.sh > 0 and report.indirect_glossy.rays == 0)
+    end
+  end)
+
+  it("goes to rays where its degree is too low and a transfer is there, else one line says so", function()
+    local m = ylm.ggx { alpha = 0.05, f0 = { 0.9, 0.6, 0.2 } }
+    local truth = m:albedo({ math.cos(math.rad(35)) }):totable()[1]
+    local got, report = by_field(m, 35, baked, { rays = true })
+    for c = 1, 3 do assert.near(1, got[c] / truth[c], 0.03) end
+    assert.is_true(report.indirect_glossy.rays > 0 and report.indirect_glossy.sh == 0 and report.rays.gloss_links > 0)
+    assert.same({}, report.warnings)
+    report = select(2, by_field(m, 35, baked))
+    assert.equal(1, #report.warnings)
+    assert.matches("harmonics of degree 3 miss %d+ %% of its lobes in bounced light: give transfer", report.warnings[1])
+    report = select(2, by_field(m, 35, baked, { gloss = "matte" }))
+    assert.matches("a grid's bounced light meets it as a matte one of its mean albedo", report.warnings[1])
+  end)
+
+  it("meets points by rays to lamps and elements under a grid of all light", function()
+    local scene, lit = room(ylm.ggx { alpha = 0.1, f0 = 0.7 })
+    local probes = ylm.uniform_grid { bounds = { { -1.45, 0.02, -1.45 }, { 1.45, 1.95, 1.5 } }, cells = { 6, 4, 6 }, lmax = 3 }
+    local o, size = { samples = 16, share = 0 }, { 16, 9 }
+    local truth = scene:pathtrace { size = size, samples = 1024, layers = false, reflections = { 0, "all" } }
+    local grid = ylm.bake(probes, lit:field { parts = "all", rays = 384 })
+    local function error(more) return error_of(scene:render(with({ grid = grid, size = size }, with(more, o))), truth) end
+    local rays, harmonics, matte = error { transfer = lit.transfer }, error {}, error { gloss = "matte" }
+    assert.is_true(rays < 0.6 * harmonics and harmonics < matte, ("%.3f %.3f %.3f"):format(rays, harmonics, matte))
+  end)
+
+  it("refuses rays without a transfer, and what shades nothing", function()
+    local scene, lit = room(ggx)
+    local o = { size = { 16, 9 }, samples = 1 }
+    for _, case in ipairs {
+      { { indirect = field(lit), gloss = "rays" }, "gloss = 'rays': rays find light on elements: give transfer" },
+      { { grid = field(lit), gloss = "rays" }, "or give transfer = scene:transfer {}, whose elements rays find" },
+      { { bounces = 1, gloss = "sh" }, "gloss is for a grid" }, { { gloss = "matte" }, "gloss is for a grid" },
+      { { indirect = field(lit), transfer = room(ggx):transfer { spacing = 0.5, links = 4 } }, "of another" },
+    } do
+      assert.error_matches(function() scene:render(with(case[1], o)) end, case[2])
     end
   end)
 end)

@@ -66,3 +66,28 @@ ylm_status ylm_shade_blend(const ylm_shade_view *v, const ylm_shade_blending *o,
   report->seconds = ylm_seconds() - start;
   return s;
 }
+
+ylm_status ylm_shade_blend_links(const ylm_shade_links *l, const float *leaving, int lmax,
+                                 bool known, int threads, const ylm_progress *progress,
+                                 float *radiance, float *share, ylm_shade_blended *report,
+                                 ylm_error *e) {
+  const ylm_shade_view *v = ylm__shade_links_view(l);
+  const shade_tables *t;
+  double start = ylm_seconds();
+  *report = (ylm_shade_blended){0};
+  if (!known) memset(share, 0, v->points * sizeof *share);
+  if (!v->gloss) return YLM_OK;
+  float *found = ylm_alloc(v->points, 3 * sizeof *found);
+  ylm_status s = found ? YLM_OK : YLM_ENOMEM;
+  if (s == YLM_OK) s = ylm_shade_gather(l, leaving, NULL, threads, progress, found);
+  if (s == YLM_OK && !known) s = ylm__shade_gloss_tables(v, lmax, threads, progress, &t, e);
+  if (s == YLM_OK && !known) weigh(v, t, lmax, true, share, report);
+  for (size_t i = 0; s == YLM_OK && i < v->points; i++)
+    for (size_t k = 0; share[i] > 0 && k < 3; k++) {
+      float *to = radiance + 3 * i + k, rest = known ? 1 : 1 - share[i];
+      *to = (rest > 0 ? rest * *to : 0) + share[i] * found[3 * i + k];
+    }
+  ylm_free(found);
+  report->seconds = ylm_seconds() - start;
+  return s;
+}

@@ -10,7 +10,8 @@ struct ylm_shade_links {
   const ylm_shade_view *view;
   const ylm_transfer *transfer;
   int links, kind; /* kind: of materials that are matte */
-  uint32_t *link;  /* [points][links]: of all points, or of those that are matte */
+  uint32_t
+      *link; /* [points][links]: of all points, or of those that are matte; NULL: these have none */
   size_t *
       before; /* [points/BLOCK + 1]: points that gloss before each block; NULL: none is told apart */
   size_t glossy;
@@ -73,18 +74,19 @@ static ylm_status find_matte(ylm_shade_links *l, size_t n, const uint32_t *point
   return s;
 }
 
-/* Links of all points, those that gloss told apart. */
-static ylm_status find_both(ylm_shade_links *l, const uint64_t *stream, uint64_t seed, int threads,
-                            const ylm_progress *progress, ylm_error *e) {
+/* Links of all points, those that gloss told apart; `alone`: of these. */
+static ylm_status find_both(ylm_shade_links *l, bool alone, const uint64_t *stream, uint64_t seed,
+                            int threads, const ylm_progress *progress, ylm_error *e) {
   uint32_t *point = sort_points(l);
   size_t n = l->glossy, matte = l->view->points - n, links = (size_t)l->links;
-  l->link = ylm_alloc(matte, links * sizeof *l->link);
+  if (!alone) l->link = ylm_alloc(matte, links * sizeof *l->link);
   l->lobes.link = ylm_alloc(n, links * sizeof *l->lobes.link);
   l->lobes.weight = ylm_alloc(n, 3 * links * sizeof *l->lobes.weight);
   l->lobes.most = ylm_alloc(n, sizeof *l->lobes.most);
-  bool room = point && l->link && l->lobes.link && l->lobes.weight && l->lobes.most;
+  bool room = point && (alone || l->link) && l->lobes.link && l->lobes.weight && l->lobes.most;
   ylm_status s = room ? YLM_OK : YLM_ENOMEM;
-  if (s == YLM_OK) s = find_matte(l, matte, point + n, stream, seed, threads, progress, e);
+  if (s == YLM_OK && !alone)
+    s = find_matte(l, matte, point + n, stream, seed, threads, progress, e);
   if (s == YLM_OK)
     s = ylm__shade_lobes(l->view, l->transfer, n, point, stream, l->links, seed, threads, progress,
                          &l->lobes);
@@ -100,7 +102,7 @@ static bool has_gloss(const ylm_shade_links *l) {
 }
 
 ylm_status ylm_shade_links_create(const ylm_shade_view *v, const ylm_transfer *t, int links,
-                                  bool gloss, uint64_t seed, int threads,
+                                  ylm_shade_linked which, uint64_t seed, int threads,
                                   const ylm_progress *progress, ylm_shade_links **out,
                                   ylm_error *e) {
   *out = NULL;
@@ -114,11 +116,12 @@ ylm_status ylm_shade_links_create(const ylm_shade_view *v, const ylm_transfer *t
   if (l)
     *l = (ylm_shade_links){
         .view = v, .transfer = t, .links = links, .kind = ylm_material_kind_find("matte")};
-  bool apart = l && gloss && has_gloss(l);
+  bool alone = which == YLM_SHADE_LINKS_GLOSS;
+  bool apart = l && which != YLM_SHADE_LINKS_MATTE && (alone || has_gloss(l));
   if (l && !apart) l->link = ylm_alloc(v->points, (size_t)links * sizeof *l->link);
   ylm_status s = stream && (apart || l->link) ? YLM_OK : YLM_ENOMEM;
   if (s == YLM_OK && apart)
-    s = find_both(l, stream, seed, threads, progress, e);
+    s = find_both(l, alone, stream, seed, threads, progress, e);
   else if (s == YLM_OK)
     s = find_matte(l, v->points, NULL, stream, seed, threads, progress, e);
   ylm_free(stream);
@@ -142,13 +145,15 @@ void ylm_shade_links_free(ylm_shade_links *l) {
 }
 
 void ylm_shade_links_look(const ylm_shade_links *l, ylm_shade_links_stats *stats) {
-  size_t n = l->view->points * (size_t)l->links, glossy = l->glossy * (size_t)l->links;
+  size_t links = (size_t)l->links, glossy = l->glossy * links;
+  size_t n = (l->link ? l->view->points * links : glossy);
   size_t bytes = sizeof *l + n * sizeof *l->link + glossy * 3 * sizeof *l->lobes.weight;
   if (l->before)
     bytes += l->glossy * sizeof *l->lobes.most + (l->view->points / BLOCK + 1) * sizeof *l->before;
   *stats = (ylm_shade_links_stats){l->links, l->glossy, n, bytes, l->seconds};
 }
 
+const ylm_shade_view *ylm__shade_links_view(const ylm_shade_links *l) { return l->view; }
 const ylm_transfer *ylm_shade_links_transfer(const ylm_shade_links *l) { return l->transfer; }
 
 /* -- noise ------------------------------------------------------------------------ */
@@ -195,7 +200,9 @@ double ylm_shade_gather_noise(const ylm_shade_links *l, const float *leaving) {
   for (size_t k = 0; k < n; k++) {
     size_t i = k * points / n, row = l->before ? glossy_before(l, i) : 0;
     double sum[2];
-    if (l->before && ylm__shade_glosses(l->view, l->kind, i))
+    bool gloss = l->before && ylm__shade_glosses(l->view, l->kind, i);
+    if (!gloss && !l->link) continue;
+    if (gloss)
       glossy_halves(l, i, row, leaving, sum);
     else
       halves(l, l->link + (i - row) * (size_t)l->links, leaving, sum);
@@ -229,6 +236,10 @@ static void reflect(const ylm_shade_view *v, size_t first, size_t n, const float
 static void gather_matte(const gather_job *j, size_t first, size_t row, size_t n) {
   const ylm_shade_links *l = j->l;
   float mean[4 * BLOCK] __attribute__((aligned(64)));
+  if (!l->link) {
+    for (size_t k = 3 * first; k < 3 * (first + n); k++) j->out[k] = j->start ? j->start[k] : 0;
+    return;
+  }
   ylm_transfer_sum(n, l->links, l->link + row * (size_t)l->links, 4, j->leaving, NULL, mean, 1);
   reflect(l->view, first, n, mean, j->start ? j->start + 3 * first : NULL, j->out + 3 * first);
 }

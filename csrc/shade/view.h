@@ -165,6 +165,9 @@ typedef struct shade_kernels {
 /* The kernels of the instruction set in use. kernels.c */
 shade_kernels ylm__shade_kernels(void);
 
+/* links.c: whose points they are of. */
+const ylm_shade_view *ylm__shade_links_view(const ylm_shade_links *l);
+
 /* Coefficients as they come: of n points, [n][channels][(lmax+1)^2]. */
 typedef struct shade_light {
   int channels, lmax;

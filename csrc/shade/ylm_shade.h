@@ -344,6 +344,13 @@ YLM_API ylm_status ylm_shade_grid_again(const ylm_shade_view *view, ylm_shade_me
 /* Links of a view's shading points: the elements of surfaces that they see. */
 typedef struct ylm_shade_links ylm_shade_links;
 
+/* Which points have links, and which rays those of surfaces that are not matte. */
+typedef enum ylm_shade_linked {
+  YLM_SHADE_LINKS_MATTE, /* all, as matte ones: rays as dense as the cosine              */
+  YLM_SHADE_LINKS_BOTH,  /* all; of those that gloss rays that their materials choose    */
+  YLM_SHADE_LINKS_GLOSS  /* those that gloss alone; nothing is gathered at others        */
+} ylm_shade_linked;
+
 typedef struct ylm_shade_links_stats {
   int links;      /* of a shading point */
   size_t glossy;  /* points whose rays their materials choose */
@@ -356,8 +363,7 @@ typedef struct ylm_shade_links_stats {
 ** ylm_shade_links_create - find the elements that rays from the shading points of a view hit.
 **
 **   links  in   of a point, 4 .. YLM_TRANSFER_LINKS, a multiple of 4
-**   gloss  in   points that are not matte: by rays that their materials choose (ylm_material_sample), with
-**               weights f cos over the density; false: as matte ones
+**   which  in   rays that materials choose (ylm_material_sample) have weights, f cos over the density
 **
 ** A point's rays have the density of the cosine about its normal, and random numbers of its place in
 ** the image: what is seen elsewhere changes nothing. Rays that begin inside of a body are replaced by others
@@ -369,9 +375,9 @@ typedef struct ylm_shade_links_stats {
 ** Source     Heitz 2018, "Sampling the GGX Distribution of Visible Normals" (rays of points that gloss)
 */
 YLM_API ylm_status ylm_shade_links_create(const ylm_shade_view *view, const ylm_transfer *transfer,
-                                          int links, bool gloss, uint64_t seed, int threads,
-                                          const ylm_progress *progress, ylm_shade_links **out,
-                                          ylm_error *e);
+                                          int links, ylm_shade_linked which, uint64_t seed,
+                                          int threads, const ylm_progress *progress,
+                                          ylm_shade_links **out, ylm_error *e);
 YLM_API void ylm_shade_links_free(ylm_shade_links *links);
 /* The transfer whose elements they lead to. */
 YLM_API const ylm_transfer *ylm_shade_links_transfer(const ylm_shade_links *links);
@@ -382,8 +388,8 @@ YLM_API void ylm_shade_links_look(const ylm_shade_links *links, ylm_shade_links_
 **
 **   out[i] = start[i] + albedo_i/pi E_i,   E_i = pi * mean over links j of i of the radiance that leaves j
 **
-** and of points that gloss start[i] + mean over links j of weight_j times that radiance. Nothing is traced. Where links
-** were made without `gloss`, surfaces that are not matte reflect as matte ones of their mean albedo.
+** and of points whose rays materials chose start[i] + mean over links j of weight_j times that radiance. Nothing is
+** traced.
 **
 **   leaving  in      [elements + 1][4] of the links' transfer: ylm_radiosity_leaving
 **   start    in      [points][3] or NULL: zeros
@@ -595,6 +601,24 @@ YLM_API ylm_status ylm_shade_gather_virtual(const ylm_shade_view *view,
                                             const ylm_light_virtual *lights,
                                             const ylm_shade_gather_options *o, float *out,
                                             ylm_shade_gather_report *report, ylm_error *e);
+
+/*
+** ylm_shade_blend_links - radiance of points that gloss by the light of elements, where the degree of a light that
+** holds its shadows (COSINE) is too low for them: w as ylm_shade_blend has it, g what ylm_shade_gather finds.
+**
+**   leaving   in      of the links' transfer: ylm_radiosity_leaving
+**   lmax      in      of the light that harmonics were made of
+**   known     in      share is that of ylm_shade_blend, and g is added: radiance + w g;
+**                     false: (1 - w) radiance + w g
+**   radiance  in/out  [points][3]
+**   share     in/out  [points]: w; 0 of matte points
+**
+** Returns  YLM_OK; YLM_ERANGE (no tables have that degree), YLM_ENOMEM, YLM_ECANCELLED (progress stage "gathering")
+*/
+YLM_API ylm_status ylm_shade_blend_links(const ylm_shade_links *links, const float *leaving,
+                                         int lmax, bool known, int threads,
+                                         const ylm_progress *progress, float *radiance,
+                                         float *share, ylm_shade_blended *report, ylm_error *e);
 
 /* How a view's visibility differs from that of its scene, as light of the picture. */
 typedef struct ylm_shade_occlusion {

@@ -10,8 +10,8 @@ static const ylm_shade_links *check_links(lua_State *L, int i) {
   return ylmL_held_check(L, i, LINKS)->object;
 }
 
-/* shade_links(view, transfer, links, seed, threads, progress, gloss: points that gloss by rays of their materials)
-   -> links, which the view must outlive */
+/* shade_links(view, transfer, links, seed, threads, progress, which: "matte" | "both" | "gloss") -> links, which the
+   view must outlive */
 static int shade_links(lua_State *L) {
   ylm_shade_view *v = ylmL_shade_view(L, 1);
   const ylm_transfer *t = ylmL_transfer(L, 2);
@@ -20,11 +20,12 @@ static int shade_links(lua_State *L) {
   ylm_error e = {0};
   ylmL_progress p;
   lua_settop(L, 7);
-  bool gloss = lua_toboolean(L, 7);
+  static const char *const names[] = {"matte", "both", "gloss", NULL};
+  ylm_shade_linked which = (ylm_shade_linked)luaL_checkoption(L, 7, NULL, names);
   const ylm_progress *progress = ylmL_progress_begin(L, 6, &p);
   ylmL_held *h = ylmL_hold(L, LINKS, destroy, ylmL_held_check(L, 2, YLML_TRANSFER));
   ylm_shade_links *l;
-  ylm_status s = ylm_shade_links_create(v, t, links, gloss, seed, threads, progress, &l, &e);
+  ylm_status s = ylm_shade_links_create(v, t, links, which, seed, threads, progress, &l, &e);
   h->object = l;
   ylm_shade_links_stats stats = {0};
   if (s == YLM_OK) ylm_shade_links_look(l, &stats);
@@ -93,10 +94,52 @@ static int shade_add(lua_State *L) {
   return 1;
 }
 
-static const luaL_Reg functions[] = {
-    {"shade_links", shade_links},   {"shade_links_stats", shade_links_stats},
-    {"shade_gather", shade_gather}, {"shade_gather_noise", shade_gather_noise},
-    {"shade_add", shade_add},       {NULL, NULL}};
+/* shade_blend_links(view, radiance [n][3], {links, lit, lmax, share: [n], or nil: it is found, threads, progress}) ->
+   share [n], {sh, rays, missed, seconds}; writes radiance */
+static int shade_blend_links(lua_State *L) {
+  static const char *const names[] = {"links", "lit", "lmax", "share", "threads", "progress", NULL};
+  enum { OF = 4, LIT, LMAX, SHARE, THREADS, PROGRESS };
+  ylmL_named(L, 3, names);
+  ylm_shade_view *v = ylmL_shade_view(L, 1);
+  ylmL_array *radiance = ylmL_array_check(L, 2);
+  const ylm_shade_links *l = check_links(L, OF);
+  const ylm_radiosity *lit = ylmL_radiosity(L, LIT);
+  int lmax = (int)luaL_checknumber(L, LMAX), threads = (int)luaL_checknumber(L, THREADS);
+  ylmL_array *share = lua_isnil(L, SHARE) ? NULL : ylmL_array_check(L, SHARE);
+  bool known = share != NULL;
+  size_t n = ylmL_shade_points(v);
+  ylm_shade_blended r;
+  ylm_error e = {0};
+  ylmL_progress p;
+  if (radiance->dtype != YLM_FLOAT || radiance->count != 3 * n ||
+      (known && (share->dtype != YLM_FLOAT || share->count != n)))
+    return ylmL_result(L, 0, YLM_ESHAPE, NULL);
+  if (ylm_radiosity_transfer(lit) != ylm_shade_links_transfer(l))
+    return ylmL_result(L, 0, YLM_EINVAL, NULL);
+  if (known)
+    lua_pushvalue(L, SHARE);
+  else if (!(share = ylmL_array_new(L, YLM_FLOAT, 1, &n)))
+    return ylmL_result(L, 0, YLM_ENOMEM, NULL);
+  const ylm_progress *progress = ylmL_progress_begin(L, PROGRESS, &p);
+  ylm_status s = ylm_shade_blend_links(l, ylm_radiosity_leaving(lit), lmax, known, threads,
+                                       progress, radiance->data, share->data, &r, &e);
+  if (s == YLM_OK) {
+    lua_newtable(L);
+    ylmL_set_count(L, "sh", r.sh);
+    ylmL_set_count(L, "rays", r.rays);
+    ylmL_set_number(L, "missed", r.missed);
+    ylmL_set_number(L, "seconds", r.seconds);
+  }
+  return ylmL_result_progress(L, 2, s, &e, &p);
+}
+
+static const luaL_Reg functions[] = {{"shade_links", shade_links},
+                                     {"shade_links_stats", shade_links_stats},
+                                     {"shade_gather", shade_gather},
+                                     {"shade_gather_noise", shade_gather_noise},
+                                     {"shade_add", shade_add},
+                                     {"shade_blend_links", shade_blend_links},
+                                     {NULL, NULL}};
 
 static const luaL_Reg methods[] = {{"__gc", ylmL_let_go}, {NULL, NULL}};
 

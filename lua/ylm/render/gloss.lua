@@ -4,18 +4,22 @@
 --     lamps, by coefficients  auto     by harmonics where their lobes are wide enough for lmax, else by rays (default)
 --                             sh       by harmonics
 --                             rays     by rays to the lamps
---     direct, indirect, all   sh       by harmonics; auto is the same, rays are refused
---     any                     matte    as matte ones of their mean albedo (default of direct, indirect, all)
+--     direct, indirect, all   auto     by harmonics; with a transfer by rays where lmax is too low, to lamps and elements
+--                             sh       by harmonics
+--                             rays     by these rays, with a transfer
+--     any                     matte    as matte ones of their mean albedo
 
 local check = require "ylm.check"
 local core = require "ylm.c.core"
 local form = require "ylm.form"
 local grids = require "ylm.grid"
+local indirect = require "ylm.render.indirect"
 local light = require "ylm.light"
 local material = require "ylm.material"
 local progress = require "ylm.progress"
 local options = require "ylm.render.options"
 local tracing = require "ylm.trace"
+local visibility = require "ylm.render.visibility"
 local warning = require "ylm.warning"
 
 local gloss = {}
@@ -34,9 +38,10 @@ end
 --- Options of views.
 gloss.fields = {
   { "gloss", "choice", of = { "auto", "sh", "rays", "matte" }, optional = true,
-    about = "where coefficients of light shade surfaces that gloss, 'auto' (default where the light is of lamps): by harmonics "
-      .. "of f cos, times visibility, to lmax, and by rays to the lamps where lmax is too low for a lobe; 'sh', 'rays': by one "
-      .. "of them alone; 'matte': as matte ones of their mean albedo (default where a grid's light knows its shadows)" },
+    about = "where coefficients of light shade surfaces that gloss, 'auto' (default): by harmonics of f cos, times visibility, "
+      .. "to lmax, and by rays to the lamps where lmax is too low for a lobe (under a grid of direct, indirect or all light with "
+      .. "transfer = scene:transfer {}, whose elements rays find); 'sh', 'rays': by one of them alone; 'matte': as matte ones of "
+      .. "their mean albedo, bounces too" },
   { "gloss_error", "gloss_error", default = gloss.BAND,
     about = "'auto': the part of a lobe's norm that lmax misses (material:degrees) up to which harmonics shade alone, and from "
       .. "which on rays do; mixed between" },
@@ -65,19 +70,21 @@ end
 -- there may be one later.
 function gloss.settle(name, o, given, s, held)
   local by_rays = o.visibility == "rays" and held == false
-  if by_rays and (o.gloss == "sh" or o.gloss == "matte") then
+  local bounced = o.indirect ~= nil or (o.bounces or 0) ~= 0
+  if by_rays and (o.gloss == "sh" and not (core.has_field(o.indirect) and core.type(o.indirect) ~= "ylm.radiosity")
+    or o.gloss == "matte" and not bounced) then
     return check.fail('%s: gloss is for a grid (visibility = "transfer" bakes one), visibility is "rays": name one that fits, '
       .. "or leave gloss out", name)
   end
-  if held and held ~= "lights" and o.gloss == "rays" then
+  if held and held ~= "lights" and o.gloss == "rays" and not o.transfer then
     return check.fail("%s: gloss = 'rays': rays find light of lamps, the grid holds %s light: gloss = 'sh', or leave the grid "
-      .. "out", name, held == "all" and "direct and indirect" or held)
+      .. "out, or give transfer = scene:transfer {}, whose elements rays find", name,
+      held == "all" and "direct and indirect" or held)
   end
   if type(given) == "table" and given.gloss_error and o.gloss and o.gloss ~= "auto" then
     return check.fail("%s: gloss_error is for gloss = 'auto', gloss is %q: leave one out", name, o.gloss)
   end
-  if by_rays then o.gloss = nil
-  else o.gloss = o.gloss or (o.visibility == "rays" and "matte" or "auto") end
+  if by_rays and not bounced then o.gloss = nil else o.gloss = o.gloss or "auto" end
   if o.gloss == "rays" and o.shading == "vertex" and not by_rays and is_glossy(s) then
     return check.fail("%s: gloss = 'rays': rays start at what camera rays hit: shading = 'pixel'", name)
   end
@@ -119,10 +126,37 @@ end
 
 --- The reason why rays shade nothing in a picture that might want them; nil: they do.
 local function hindrance(p, o, field)
-  if o.weight == "cosine" then return "a grid's light that knows its shadows shades without rays" end
   if p.options.shading == "vertex" then return "rays start at pixels, shading is 'vertex'" end
+  if o.weight == "cosine" then
+    local gathered = visibility.quantity(field) == "direct" and o.bounced and o.bounced.by == "gather"
+    return not (o.transfer or gathered) and "a grid's light that knows its shadows shades without rays" or nil
+  end
   if not lamps_of(field) then return "the lamps behind the grid are not known (it was loaded, or holds other light)" end
   return nil
+end
+
+--- Rays for light that knows its shadows: to the lamps of the scene for direct light, to elements for what bounces. True, or
+-- nil, message, code.
+local function aim_beyond(name, p, o, x, held)
+  local message, code
+  if held ~= "indirect" then
+    x.samples, x.noise = o.light_samples or options.LIGHT_SAMPLES, not o.light_samples and NOISE or nil
+    x.lit = o.lit and o.lit.handle
+  end
+  if held ~= "direct" then
+    x.elements, message, code = indirect.elements(name, p, o)
+    if not x.elements then return nil, message, code end
+  end
+  return true
+end
+
+--- Rays to the lamps that a field is the light of. True, or nil, message, code.
+local function aim_at_lamps(name, p, o, x, field)
+  local message, code
+  x.samples, x.noise = o.light_samples or options.LIGHT_SAMPLES, not o.light_samples and NOISE or nil
+  x.lit, message, code = traced_with(name, p, lamps_of(field))
+  if x.lit == false then return nil, message, code end
+  return true
 end
 
 --- Makes o.glossy ready, what a picture needs to know of surfaces that gloss, where it has some: { by =, add =, share =, .. }.
@@ -134,16 +168,15 @@ function gloss.ready(name, p, o, field)
   local held = core.type(field) == "ylm.grid" and field.lmax or p.options.lmax
   local x = { by = by, add = gloss.add, lmax = o.weight == "cosine" and held or math.min(p.options.lmax, held) }
   if by ~= "sh" then
-    x.hindrance = hindrance(p, o, field)
+    x.hindrance, x.beyond = hindrance(p, o, field), o.weight == "cosine" and p.options.shading ~= "vertex"
     if x.hindrance and by == "rays" then
       return check.fail("%s: gloss = 'rays': %s: prepare the view with gloss = 'sh'", name, x.hindrance)
     end
     if not x.hindrance then
-      local message, code
-      x.samples = o.light_samples or options.LIGHT_SAMPLES
-      x.noise = not o.light_samples and NOISE or nil
-      x.lit, message, code = traced_with(name, p, lamps_of(field))
-      if x.lit == false then return nil, message, code end
+      local ok, message, code
+      if o.weight == "cosine" then ok, message, code = aim_beyond(name, p, o, x, visibility.quantity(field))
+      else ok, message, code = aim_at_lamps(name, p, o, x, field) end
+      if not ok then return nil, message, code end
     end
   end
   o.glossy = x
@@ -152,12 +185,24 @@ end
 
 --- Radiance of shading points with rays where harmonics are too few, in place; or nil, message, code.
 function gloss.add(name, p, o, radiance)
-  local x = o.glossy
-  local share, found, code = check.result(name, p.lib.shade_blend(p.view, radiance, { weight = o.weight, lmax = x.lmax,
-    light_samples = x.samples or 0, noise = x.noise, most_samples = x.noise and MOST_SAMPLES,
-    shadows = p.options.visibility ~= "none", seed = p.options.seed, threads = o.threads or 0,
-    progress = progress.resolve(o.progress), lit = x.lit }))
-  if not share then return nil, found, code end
+  local x, threads, bar = o.glossy, o.threads or 0, progress.resolve(o.progress)
+  local share, found, code, more
+  if x.samples or not x.elements then
+    share, found, code = check.result(name, p.lib.shade_blend(p.view, radiance, { weight = o.weight, lmax = x.lmax,
+      light_samples = x.samples or 0, noise = x.noise, most_samples = x.noise and MOST_SAMPLES,
+      shadows = p.options.visibility ~= "none", seed = p.options.seed, threads = threads, progress = bar, lit = x.lit }))
+    if not share then return nil, found, code end
+  end
+  if x.elements then
+    local e = x.elements
+    share, more, code = check.result(name, p.lib.shade_blend_links(p.view, radiance, { links = e.links.handle, lit = e.lit,
+      lmax = x.lmax, share = share, threads = threads, progress = bar }))
+    if not share then return nil, more, code end
+    if found then found.seconds = found.seconds + more.seconds
+    else
+      found, more.traced = more, 0
+    end
+  end
   x.share, x.found = share, found
   return radiance
 end
@@ -167,7 +212,7 @@ local LOUD = 0.1 -- the part of lobes that 'sh' may miss without a word
 --- Says that harmonics miss more than was wanted, why, and what to change.
 local function say_missed(p, report, x, missed)
   local advice = x.by == "sh" and "set gloss = 'auto', whose rays find these, or a higher lmax"
-    or x.hindrance .. "; set a higher lmax, or visibility = 'rays'"
+    or x.beyond and indirect.BEYOND or x.hindrance .. "; set a higher lmax, or visibility = 'rays'"
   report.warnings[#report.warnings + 1] = warning.say(p.scene, "gloss missed", "scene %q: harmonics of degree %d miss %.0f %% of "
     .. "the lobes of surfaces that gloss: %s", p.scene.name or "?", x.lmax, 100 * missed, advice)
 end
@@ -193,6 +238,7 @@ function gloss.report(p, o, report)
   report.glossy = { points = stats.glossy, sh = found.sh, rays = found.rays, missed = found.missed,
     light_samples = found.light_samples, noise = found.noise }
   report.rays.gloss, seconds.gloss_rays = found.traced, found.seconds
+  if x.elements then report.rays.gloss_links = x.elements.links.stats.rays end
   seconds.image = seconds.image - found.seconds
   if found.missed > (x.by == "sh" and LOUD or p.options.gloss_error[2]) then say_missed(p, report, x, found.missed) end
 end

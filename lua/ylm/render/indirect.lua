@@ -93,12 +93,27 @@ function indirect.link(name, p, t, o)
   if known and known.transfer == t and (count == nil or known.count == count) then return true end
   count = count or LINKS
   handle, message, code = check.result(name, p.lib.shade_links(p.view, t, count, p.options.seed, o.threads or 0,
-    progress.resolve(o.progress), true))
+    progress.resolve(o.progress), p.options.gloss == "matte" and "matte" or "both"))
   if not handle then return nil, message, code end
   local stats = p.lib.shade_links_stats(handle)
   m.links = { handle = handle, transfer = t, count = count, stats = stats }
   m.stats.links, m.stats.link_rays, m.stats.link_bytes, m.stats.link_seconds = count, stats.rays, stats.bytes, stats.seconds
   return true
+end
+
+--- Links of those points of a view that gloss to the elements of t, kept: { handle =, transfer =, count =, stats = }; or nil,
+-- message, code.
+local function link_glossy(name, p, t, o)
+  local m = views.made[p.view]
+  local known = m.links or m.gloss_links
+  if known and known.transfer == t and (o.links == nil or known.count == o.links) then return known end
+  objects.of_view(name, p, t)
+  local count = o.links or LINKS
+  local handle, message, code = check.result(name, p.lib.shade_links(p.view, t, count, p.options.seed, o.threads or 0,
+    progress.resolve(o.progress), "gloss"))
+  if not handle then return nil, message, code end
+  m.gloss_links = { handle = handle, transfer = t, count = count, stats = p.lib.shade_links_stats(handle) }
+  return m.gloss_links
 end
 
 --- Light on the elements of a transfer for b.bounces reflections after direct light, the last at the shading points: b.lit,
@@ -111,10 +126,42 @@ local function shine(p, o, b)
   return b.lit, message, code
 end
 
+--- Light of o.transfer's elements for points that gloss: { lit =, links = }; or nil, message, code.
+function indirect.elements(name, p, o)
+  if o.transfer.scene ~= p.scene then
+    return check.fail("%s: the transfer is of scene %q, the view of another, %q: make one of the view's scene (scene:transfer)",
+      name, o.transfer.scene.name or "?", p.scene.name or "?")
+  end
+  local lit, message, code = shine(p, o, { bounces = "all" })
+  if not lit then return nil, message, code end
+  local links
+  links, message, code = link_glossy(name, p, o.transfer, o)
+  if not links then return nil, message, code end
+  return { lit = lit, links = links }
+end
+
+--- Is it the light of a grid that points which gloss need harmonics for, and rays?
+local function glosses(p) return p.traced.glossy > 0 and p.options.gloss ~= "matte" end
+
+--- Elements for the light of a grid that bounces, where a transfer is given. True, or nil, message, code.
+local function ready_grid(name, p, o, b, start)
+  local by = p.options.gloss
+  if not glosses(p) or by == "sh" then return true end
+  if not o.transfer then
+    if by ~= "rays" then return true end
+    return check.fail("%s: gloss = 'rays': rays find light on elements: give transfer = scene:transfer {}, or gloss = 'sh'", name)
+  end
+  local elements, message, code = indirect.elements(name, p, o)
+  if not elements then return nil, message, code end
+  b.elements, b.prepared = elements, core.seconds() - start
+  return true
+end
+
 --- Makes what o.bounced needs: links of the view, and light on the elements. True, or nil, message, code.
 function indirect.ready(name, p, o)
   local b, start = o.bounced, core.seconds()
-  if not b or b.by ~= "gather" then return true end
+  if not b then return true end
+  if b.by == "grid" then return ready_grid(name, p, o, b, start) end
   if not b.lit then
     local lit, message, code = shine(p, o, b)
     if not lit then return nil, message, code end
@@ -144,6 +191,28 @@ end
 
 -- Light --------------------------------------------------------------------------------------
 
+--- The remedy where a grid's degree is too low for lobes.
+indirect.BEYOND = "give transfer = scene:transfer {}, whose elements rays find, bake a higher lmax, or use scene:pathtrace"
+
+--- Rays of points that gloss where the degree of the grid that bounces are from is too low, in place. True, or nil, message,
+-- code.
+local function blend(name, p, o, b, radiance)
+  local bar, threads, lmax = progress.resolve(o.progress), o.threads or 0, p.options.lmax
+  local share, found, code
+  if core.type(b.grid) == "ylm.grid" then lmax = b.grid.lmax end
+  b.lmax = lmax
+  if b.elements then
+    share, found, code = check.result(name, p.lib.shade_blend_links(p.view, radiance, { links = b.elements.links.handle,
+      lit = b.elements.lit, lmax = lmax, threads = threads, progress = bar }))
+  else
+    share, found, code = check.result(name, p.lib.shade_blend(p.view, radiance, { weight = "cosine", lmax = lmax,
+      light_samples = 0, shadows = true, seed = p.options.seed, threads = threads, progress = bar }))
+  end
+  if not share then return nil, found, code end
+  b.found = found
+  return true
+end
+
 --- Radiance of shading points with light that bounces added, a new array; or nil, message, code.
 function indirect.add(name, p, o, radiance)
   local b, start = o.bounced, core.seconds()
@@ -156,6 +225,10 @@ function indirect.add(name, p, o, radiance)
     out, message, code = devices.of(nil):shade(name, p, { grid = b.grid, weight = "cosine", bias = o.bias, threads = threads,
       interpolation = o.interpolation or "hermite" }, bar)
     b.bias = out and message.bias
+    if out and glosses(p) then
+      local ok, failed, why = blend(name, p, o, b, out)
+      if not ok then return nil, failed, why end
+    end
     if out then out, message, code = check.result(name, p.lib.shade_add(out, radiance)) end
   end
   if not out then return nil, message, code end
@@ -174,16 +247,36 @@ local function say_noise(p, report, count, noise)
     .. "%.0f %% in the light that bounces: %s", p.scene.name or "?", count, 100 * noise, advice)
 end
 
+--- Says of a picture by a grid of bounces how far its degree is too low for lobes; where as matte ones, that too.
+local function say_grid(p, report, b, what, one)
+  if not b.found then
+    return what .. (one and "a grid's bounced light meets it as a matte one of its mean albedo"
+      or "a grid's bounced light meets them as matte ones of their mean albedo")
+  end
+  report.indirect_glossy = { sh = b.found.sh, rays = b.found.rays, missed = b.found.missed }
+  if b.elements then report.rays.gloss_links = b.elements.links.stats.rays end
+  if b.found.missed <= (p.options.gloss == "sh" and 0.1 or p.options.gloss_error[2]) then return nil end
+  return ("%sharmonics of degree %d miss %.0f %% of %s lobes in bounced light: %s"):format(what, b.lmax, 100 * b.found.missed,
+    one and "its" or "their", indirect.BEYOND)
+end
+
 --- Says what bounced light lacks where surfaces gloss.
-local function say_gloss(p, report)
-  local n, gathered = p.traced.glossy, report.indirect == "gather"
+local function say_gloss(p, report, b)
+  local n = p.traced.glossy
   if n == 0 then return end
-  local what = n == 1 and "1 mesh is glossy: " or n .. " meshes are glossy: "
-  local it, one, its = n == 1 and "it" or "they", n == 1 and "a matte one" or "matte ones", n == 1 and "its" or "their"
-  local does = gathered and ("%s %s light to other surfaces as %s of %s mean albedo, no highlights in reflections, no caustics: "
-    .. "scene:pathtrace has them"):format(it, n == 1 and "sends" or "send", one, its)
-    or ("a grid's bounced light meets %s as %s of %s mean albedo"):format(n == 1 and "it" or "them", one, its)
-  report.warnings[#report.warnings + 1] = warning.say(p.scene, "gloss bounced", "scene %q: %s%s", p.scene.name or "?", what, does)
+  local line
+  local one, what = n == 1, n == 1 and "1 mesh is glossy: " or n .. " meshes are glossy: "
+  if b.by == "grid" then line = say_grid(p, report, b, what, one)
+  elseif p.options.gloss == "matte" then
+    line = what .. (one and "bounced light meets it as a matte one of its mean albedo"
+      or "bounced light meets them as matte ones of their mean albedo")
+  else
+    line = what .. (one and "it sends light to others as a matte one of its mean albedo"
+      or "they send light to others as matte ones of their mean albedo")
+      .. ", no highlights in reflections, no caustics: scene:pathtrace has them"
+  end
+  if not line then return end
+  report.warnings[#report.warnings + 1] = warning.say(p.scene, "gloss bounced", "scene %q: %s", p.scene.name or "?", line)
 end
 
 --- Completes report and metadata of a picture by its bounces.
@@ -212,7 +305,7 @@ function indirect.report(p, o, report, image)
     report.rays.gloss_links = m.links.stats.glossy * m.links.count
     report.elements, report.balance = b.lit.transfer.stats.elements, b.lit.stats.balance
   end
-  say_gloss(p, report)
+  say_gloss(p, report, b)
 end
 
 return indirect

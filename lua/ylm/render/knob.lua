@@ -84,7 +84,7 @@ end
 local function gather(x, v, lit, count, start, k)
   if not lit then return start end
   local links = need(check.result(x.name, x.lib.shade_links(v.view, lit.transfer, count, x.o.seed + k, x.threads, x.bar,
-    true)))
+    x.o.gloss == "matte" and "matte" or "both")))
   return need(check.result(x.name, x.lib.shade_gather(v.view, links, lit, start, x.threads, x.bar)))
 end
 
@@ -264,7 +264,8 @@ local function cause_of(x, error)
     if x.causes[name] and (not worst or x.causes[name] > x.causes[worst]) then worst = name end
   end
   if x.bounces ~= 0 and math.sqrt(sum) < error / 2 then
-    return x.glossy > 0 and "surfaces that gloss send bounced light to others as matte ones: use scene:pathtrace"
+    return x.glossy > 0 and (x.o.gloss == "matte" and "bounced light meets surfaces that gloss as matte ones: leave gloss out"
+        or "surfaces that gloss send bounced light to others as matte ones: use scene:pathtrace")
       or "elements meet light that changes faster than they are fine: give transfer = scene:transfer { spacing = .. }"
   end
   local share = percent(x.causes[worst])
