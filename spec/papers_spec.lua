@@ -19,6 +19,7 @@ local cases = {
   { "gradient_2022_table3.lua", "--out %s --quick", "Dragon +578 +here .*Buddha +242 +here .*gradients cost" },
   { "gradient_2022_table5.lua", "--quick", "speed%-up .*\n +5 .*interpolation grows" },
   { "gradient_2022_fig8.lua", "--out %s --quick", "gloss: b %- a %% .*\n +5 .*Why they differ" },
+  { "gradient_2022_fig10.lua", "--out %s --quick", "zonal .*\n +8 .*\n +18 .*a grid is %d" },
   { "gradient_2022_fig11.lua", "--out %s --quick", "satin_gold +stand%-in, not measured.*MAE x 1000 of the grid" },
   { "hvl_2022_materials.lua", "--out %s --quick", "90 full rows .* 27%.0 .*teflon +ABC fit.*materials change" },
 }

@@ -104,5 +104,6 @@ rows[2] = { { values = values(shown[#shown].b, truth), caption = ("(b) of %d ban
   { values = values(shown[1].b, truth), caption = "(b) - (a)" }, { values = values(shown[1].c, shown[1].b, 1000),
     caption = "(c) - (b), 1000 times as bright" } }
 common.save(ylm.figure { title = "A matte and a glossy body under 242 lights, without shadows", rows = rows, bar = bar,
-  caption = ("Meshes made here, GGX of alpha %g. Harmonics lose most on the body that glosses: %.0f %% (rms) at 5 bands."):format(
+  caption = ("Meshes made here, GGX of alpha %g. Harmonics lose most on the body that glosses: %.0f %% (rms) at 5 bands. "
+    .. "Speckles are the rays' noise."):format(
     alpha, shown[1].gloss) }, out .. "gradient_2022_fig8.png")

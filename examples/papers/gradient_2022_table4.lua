@@ -60,24 +60,21 @@ print "  lights            ZH approx.                interp.      ZH / interp.  
 
 --- 1000 times the mean absolute errors of the zonal rival and of an 8^3 grid, over all pixels and over those of object `glossy`.
 local function block(scene, list, materials, glossy, lmax)
-  local o = { size = quick and { 10, 10 } or { 72, 72 }, samples = 1, lmax = lmax, visibility = "none", gloss = "sh" }
-  local view = assert(scene:prepare(o))
-  local truth, points = assert(view:reference {}), view:points()
+  local view = assert(scene:prepare { size = size, samples = 1, lmax = lmax, visibility = "none", gloss = "sh" })
+  local truth, object = assert(view:reference {}), view:points().object:totable()
   local picture = assert(view:render { grid = scene:bake { occupied = "everywhere", parts = "lights" } })
-  local place, normal, object = points.position:totable(), points.normal:totable(), points.object:totable()
-  local exact, interpolated = truth:layer():totable(), picture:layer():totable()
-  local shown, lobes, peak, k = truth:layer "coverage":totable(), {}, 0, 0
-  for i, m in pairs(materials) do lobes[i] = m.alpha and zonal.lobes(m, lmax) or m.albedo end
-  local sums = { { 0, 0, 0 }, { 0, 0, 0 } } -- zonal, by the grid, pixels: everywhere; where the body is that glosses
+  local rough = zonal.shader(view, list, materials, lmax)
+  rough = rough and rough():totable()
+  local exact, interpolated, shown = truth:layer():totable(), picture:layer():totable(), truth:layer "coverage":totable()
+  local sums, peak, k = { { 0, 0, 0 }, { 0, 0, 0 } }, 0, 0 -- zonal, by the grid, pixels; of all, of the body that glosses
   for y, line in ipairs(exact) do
     for x, want in ipairs(line) do
       if shown[y][x][1] > 0 then -- one sample a pixel: one point
         k = k + 1
-        local got, grid = zonal.shade(lmax, list, place[k], normal[k], scene.camera.from, lobes[object[k]]), interpolated[y][x]
         for part = 1, object[k] == glossy and 2 or 1 do
           for c = 1, 3 do
-            sums[part][1] = sums[part][1] + math.abs(got[c] - want[c]) / 3
-            sums[part][2] = sums[part][2] + math.abs(grid[c] - want[c]) / 3
+            sums[part][1] = sums[part][1] + (rough and math.abs(rough[k][c] - want[c]) / 3 or 0 / 0)
+            sums[part][2] = sums[part][2] + math.abs(interpolated[y][x][c] - want[c]) / 3
           end
           sums[part][3] = sums[part][3] + 1
         end
@@ -98,7 +95,7 @@ for _, n in ipairs(quick and { 288 } or { 288, 512, 800, 722 }) do
     local lights
     lights, list = scenes.dome(n, 20, 0.1, 4, 0.2, 0.65)
     scene = scenes.pair(quick and 12 or 64, coat, lights)
-    materials, glossy = { scene.geometry[1].material, scene.geometry[2].material, coat }, 3
+    materials, glossy = { white, ylm.matte { albedo = scene.geometry[2].material.albedo }, coat }, 3
   else
     local panel = triangles.lights(square(19, 19), "bare", 3)
     list = { at = {}, radius = panel[1].radius, radiance = {} }
