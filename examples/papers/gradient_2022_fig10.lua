@@ -84,4 +84,4 @@ for k, kind in ipairs(kinds) do
 end
 common.save(ylm.plot { series = series, title = ("Time of a picture of %s points, 5 bands"):format(common.thousands(points)),
   x_label = "lights", y_label = "ms", log = true,
-  y_range = { 1, 1e5 }, size = { 900, 620 }, legend = "top left" }, out .. "gradient_2022_fig10.png")
+  y_range = { 1, 1e6 }, size = { 900, 620 }, legend = "top left" }, out .. "gradient_2022_fig10.png")

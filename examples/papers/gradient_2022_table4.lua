@@ -14,7 +14,7 @@ local ylm = require "ylm"
 
 local here = arg[0]:match "^(.*/)" or "./"
 local common, triangles = dofile(here .. "../common.lua"), dofile(here .. "triangles_2022.lua")
-local scenes, zonal = dofile(here .. "scenes_2022.lua"), dofile(here .. "zonal_2022.lua")
+local scenes = dofile(here .. "scenes_2022.lua")
 
 local option = common.options { out = "out", quick = false }
 local out, quick = option.out, option.quick
@@ -58,55 +58,38 @@ end
 print "Table 4, spheres: MAE x 1000 against coefficients at every pixel (paper's figure behind; ratio)"
 print "  lights            ZH approx.                interp.      ZH / interp.     the glossy body alone: ZH, interp."
 
---- 1000 times the mean absolute errors of the zonal rival and of an 8^3 grid, over all pixels and over those of object `glossy`.
-local function block(scene, list, materials, glossy, lmax)
-  local view = assert(scene:prepare { size = size, samples = 1, lmax = lmax, visibility = "none", gloss = "sh" })
+--- 1000 times the mean absolute errors of the zonal rival and of an 8^3 grid, over all surfaces and over object `glossy`.
+local function block(scene, glossy)
+  local view = assert(scene:prepare { size = size, samples = 1, lmax = 4, visibility = "none", gloss = "sh" })
   local truth, object = assert(view:reference {}), view:points().object:totable()
   local picture = assert(view:render { grid = scene:bake { occupied = "everywhere", parts = "lights" } })
-  local rough = zonal.shader(view, list, materials, lmax)
-  rough = rough and rough():totable()
-  local exact, interpolated, shown = truth:layer():totable(), picture:layer():totable(), truth:layer "coverage":totable()
-  local sums, peak, k = { { 0, 0, 0 }, { 0, 0, 0 } }, 0, 0 -- zonal, by the grid, pixels; of all, of the body that glosses
-  for y, line in ipairs(exact) do
-    for x, want in ipairs(line) do
-      if shown[y][x][1] > 0 then -- one sample a pixel: one point
-        k = k + 1
-        for part = 1, object[k] == glossy and 2 or 1 do
-          for c = 1, 3 do
-            sums[part][1] = sums[part][1] + (rough and math.abs(rough[k][c] - want[c]) / 3 or 0 / 0)
-            sums[part][2] = sums[part][2] + math.abs(interpolated[y][x][c] - want[c]) / 3
-          end
-          sums[part][3] = sums[part][3] + 1
-        end
-        peak = math.max(peak, want[1], want[2], want[3])
-      end
+  local rough = assert(view:reference { method = "zonal" })
+  local body, k = truth:layer "coverage":totable(), 0
+  for _, line in ipairs(body) do
+    for x, shown in ipairs(line) do
+      if shown[1] > 0 then k = k + 1 end -- one sample a pixel: one point
+      line[x] = shown[1] > 0 and object[k] == glossy and 1 or 0
     end
   end
-  local function error(part, which) return 1000 * sums[part][which] / sums[part][3] / peak end
-  return error(1, 1), error(1, 2), error(2, 1), error(2, 2)
+  local all, one = common.surface_mask(ylm, truth), ylm.array(body, "float")
+  local peak = truth:compare(truth, { mask = all }).peak
+  local function error(image, mask) return 1000 * image:compare(truth, { mask = mask }).mae / peak end
+  return error(rough, all), error(picture, all), error(rough, one), error(picture, one)
 end
 
 local coat = ylm.ggx { alpha = 0.35, f0 = { 0.5, 0.6, 0.7 } }
 local metal = { geometry[1], geometry[2], ylm.knot { at = { -0.5, 0.62, 0 }, scale = 0.3, material = coat }, geometry[4] }
 local printed_spheres = { [288] = { 1.866, 0.192 }, [512] = { 1.865, 0.192 }, [800] = { 1.865, 0.193 }, [722] = { 1.54, 0.079 } }
 for _, n in ipairs(quick and { 288 } or { 288, 512, 800, 722 }) do
-  local scene, list, materials, glossy
-  if n ~= 722 then
-    local lights
-    lights, list = scenes.dome(n, 20, 0.1, 4, 0.2, 0.65)
-    scene = scenes.pair(quick and 12 or 64, coat, lights)
-    materials, glossy = { white, ylm.matte { albedo = scene.geometry[2].material.albedo }, coat }, 3
+  local scene
+  if n ~= 722 then scene = scenes.pair(quick and 12 or 64, coat, (scenes.dome(n, 20, 0.1, 4, 0.2, 0.65)))
   else
-    local panel = triangles.lights(square(19, 19), "bare", 3)
-    list = { at = {}, radius = panel[1].radius, radiance = {} }
-    for i, l in ipairs(panel) do list.at[i], list.radiance[i] = l.at, { 3, 3, 3 } end
-    materials, glossy = { white, white, coat, white }, 3
     scene = ylm.scene "white room" { camera = ylm.camera { from = { 0.3, 1.3, 3.4 }, at = { 0, 0.6, 0 }, fov = 42 },
-      lights = panel, geometry = metal, probes = probes }
+      lights = triangles.lights(square(19, 19), "bare", 3), geometry = metal, probes = probes }
   end
-  local z, g, zg, gg = block(scene, list, materials, glossy, 4)
+  local z, g, zg, gg = block(scene, 3)
   local p = printed_spheres[n]
-  print(("%8d %9.3f (%.3f; %6.2f) %9.3f (%.3f; %6.2f) %8.1f (%.1f) %22.3f %9.3f"):format(#list.at, z, p[1], z / p[1], g, p[2],
+  print(("%8d %9.3f (%.3f; %6.2f) %9.3f (%.3f; %6.2f) %8.1f (%.1f) %22.3f %9.3f"):format(n, z, p[1], z / p[1], g, p[2],
     g / p[2],
     z / g, p[1] / p[2], zg, gg))
 end
