@@ -1,6 +1,7 @@
 -- Surfaces that gloss, shaded by spherical harmonics: gloss = "sh".
 local core = require "ylm.c.core"
 local long = require "spec.support.long"
+local scratch = require "spec.support.scratch"
 local ylm = require "ylm"
 
 local function unit(v)
@@ -149,6 +150,41 @@ describe("gloss = 'sh'", function()
     o.transfer_samples, o.occlusion_distance = nil, nil
     local none = distance(s:reference(with({ visibility = "none" }, o)), truth)
     assert.is_true(shadows < 0.015 and none > 0.05, shadows .. " " .. none)
+  end)
+
+  it("shades what occluders shadow alike by each kernel set, in one pass or in two", function()
+    local folder = scratch.new()
+    local script = folder:write("kernels.lua", [[
+      local ylm = require "ylm"
+      local s = ylm.scene "kernels" { camera = ylm.camera { from = { 0, 1.5, 3 }, at = { 0, 0, 0 }, fov = 40 }, geometry = {
+        ylm.quad { corner = { -2, -1, 2 }, u = { 4, 0, 0 }, v = { 0, 0, -4 },
+          material = ylm.ggx { alpha = 0.5, f0 = { 1, 0.78, 0.34 } } }, ylm.sphere { scale = 0.7 } },
+        lights = { ylm.sphere_light { at = { 1, 3, -1 }, radius = 1, radiance = { 5, 6, 7 } } } }
+      for _, lmax in ipairs { 2, 7 } do
+        local image = s:reference { size = { 7, 5 }, samples = 1, lmax = lmax, visibility = "transfer", transfer_samples = 32,
+          gloss = "sh", threads = 1 }
+        for _, row in ipairs(image:layer "radiance":totable()) do
+          for _, p in ipairs(row) do print(("%.9g %.9g %.9g"):format(p[1], p[2], p[3])) end
+        end
+      end]])
+    local results = {}
+    for _, isa in ipairs(ylm.info().kernels) do
+      local out, status = scratch.capture(("YLM_WARNINGS=no YLM_ISA=%s %s %s"):format(isa, os.getenv "YLM_LUA" or "lua",
+        scratch.quote(script)))
+      assert(status == 0, out)
+      results[isa] = {}
+      for word in out:gmatch "%S+" do table.insert(results[isa], tonumber(word)) end
+    end
+    folder:remove()
+    local plain = assert(results.reference)
+    assert.equal(2 * 7 * 5 * 3, #plain)
+    for isa, list in pairs(results) do
+      assert.equal(#plain, #list)
+      for i, x in ipairs(list) do
+        assert(math.abs(x - plain[i]) <= 2e-5 * (math.abs(plain[i]) + 0.1), ("%s, number %d: %g, plain %g"):format(isa, i, x,
+          plain[i]))
+      end
+    end
   end)
 
   it("is the same by any number of threads, and by vertices near the same", function()

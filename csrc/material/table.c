@@ -5,25 +5,14 @@
 #include <string.h>
 
 #include "slice.h"
+#include "table.h"
 #include "ylm_sh.h"
 
-#define PI 3.14159265358979323846
-#define LAST (89.5 / 180 * PI) /* of the rows: f wi.z has a limit at the horizon, but no value */
-#define LAST_TOLD (84.0 / 180 * PI) /* of those that `error` is about */
+#define LAST_TOLD (84.0 / 180 * TABLE_PI) /* of those that `error` is about */
 /* Functions that are a smaller part of all slices than this are left out. */
 #define FAINT 1e-3
 /* Columns at which rows are judged, and rows at which columns are. */
 #define JUDGES 4
-
-struct ylm_material_table {
-  int lmax, rows, columns, functions;
-  bool halves;
-  size_t width;
-  float mix[3][3];
-  float *data;   /* [columns][rows + 2][functions][width]: one row more at either end */
-  float *missed; /* [columns][rows][lmax + 1] */
-  ylm_material_table_facts facts;
-};
 
 /* -- making -------------------------------------------------------------------- */
 
@@ -85,8 +74,8 @@ static ylm_status make(making *x, size_t n, const wanted *list) {
   return ylm_parallel(n, 1, x->form.threads, slices, &b, x->form.progress, "table");
 }
 
-static double angle_of(double row, int rows) { return LAST * row / (rows - 1); }
-static double azimuth_of(double column, int columns) { return 2 * PI * column / columns; }
+static double angle_of(double row, int rows) { return TABLE_LAST * row / (rows - 1); }
+static double azimuth_of(double column, int columns) { return 2 * TABLE_PI * column / columns; }
 
 /* Slice (row, column), rows from -1 to `rows`: of what is beyond the normal, the other side's. */
 static double *at(const making *x, int row, int column) {
@@ -107,14 +96,6 @@ static void add_slice(const making *x, int row, int column, double weight, doubl
     for (int l = 0; l <= x->form.lmax; l++)
       for (int m = x->halves ? 0 : -l; m <= l; m++, k++)
         to[k] += (row < 0 && (m & 1) ? -weight : weight) * from[k];
-}
-
-/* Catmull and Rom's weights at t in 0 .. 1 between the second and third of four places. */
-static inline void cubic(double t, double w[4]) {
-  w[0] = t * (-0.5 + t * (1 - 0.5 * t));
-  w[1] = 1 + t * t * (-2.5 + 1.5 * t);
-  w[2] = t * (0.5 + t * (2 - 1.5 * t));
-  w[3] = t * t * (-0.5 + 0.5 * t);
 }
 
 /* The distance of slice `exact` from what stands between, relative to its norm. */
@@ -141,7 +122,7 @@ static ylm_status judge_rows(making *x, double *exact, double *between, wanted *
   for (int k = 0; s == YLM_OK && k < n; k++) {
     int i = k % (x->rows - 1), j = k / (x->rows - 1) * x->columns / judges;
     double w[4];
-    cubic(0.5, w);
+    ylm__table_cubic(0.5, w);
     memset(between, 0, 3 * x->width * sizeof *between);
     for (int q = 0; q < 4; q++) add_slice(x, i - 1 + q, j, w[q], between);
     double *worst = list[k].angle <= LAST_TOLD ? error : grazing;
@@ -163,7 +144,7 @@ static ylm_status judge_columns(making *x, double *exact, double *between, wante
   for (int k = 0; s == YLM_OK && k < n; k++) {
     int i = k % x->columns, row = (k / x->columns + 1) * (x->rows - 3) / JUDGES;
     double w[4];
-    cubic(0.5, w);
+    ylm__table_cubic(0.5, w);
     memset(between, 0, 3 * x->width * sizeof *between);
     for (int q = 0; q < 4; q++)
       add_slice(x, row, (i - 1 + q + x->columns) % x->columns, w[q], between);
@@ -265,12 +246,6 @@ static void choose_functions(const making *x, ylm_material_table *t) {
   }
 }
 
-/* Row `row` of column `column` of the table: -1 and `rows` are those beyond its ends. */
-static float *row_of(const ylm_material_table *t, int row, int column) {
-  return t->data + (size_t)t->functions * t->width *
-                       ((size_t)column * (size_t)(t->rows + 2) + (size_t)(row + 1));
-}
-
 static ylm_status finish(const making *x, ylm_material_table *t) {
   t->lmax = x->form.lmax, t->rows = x->rows, t->columns = x->columns;
   t->halves = x->halves, t->width = x->width;
@@ -284,7 +259,7 @@ static ylm_status finish(const making *x, ylm_material_table *t) {
   if (s && t->data && t->missed)
     for (int j = 0; j < t->columns; j++)
       for (int i = -1; i <= t->rows; i++) {
-        float *to = row_of(t, i, j);
+        float *to = ylm__table_row(t, i, j);
         memset(s, 0, 3 * t->width * sizeof *s);
         add_slice(x, i, j, 1, s);
         for (size_t f = 0; f < (size_t)t->functions; f++)
@@ -366,92 +341,4 @@ void ylm_material_table_look(const ylm_material_table *t, ylm_material_table_fac
 
 const float (*ylm_material_table_mix(const ylm_material_table *t))[3] {
   return (const float(*)[3])t->mix;
-}
-
-/* -- asking ---------------------------------------------------------------------- */
-
-/* The row before a direction, and how far it is from there to the next. */
-static int row_at(const ylm_material_table *t, const float wo[3], double *part) {
-  double row = acos(fmin(1, fmax(0, (double)wo[2]))) / LAST * (t->rows - 1);
-  row = fmin(row, t->rows - 1);
-  int i = (int)row;
-  if (i > t->rows - 2) i = t->rows - 2;
-  *part = row - i;
-  return i;
-}
-
-static int column_at(const ylm_material_table *t, const float wo[3], double *part) {
-  *part = 0;
-  if (t->columns == 1) return 0;
-  double column = atan2((double)wo[1], (double)wo[0]) / (2 * PI) * t->columns;
-  if (column < 0) column += t->columns;
-  int j = (int)column;
-  *part = column - j;
-  return j % t->columns;
-}
-
-void ylm_material_table_rows(const ylm_material_table *t, size_t n, const float (*wo)[3],
-                             float *restrict out) {
-  size_t line = (size_t)t->functions * t->width;
-  for (size_t i = 0; i < n; i++, out += line) {
-    double by_row, by_column, u[4], v[4];
-    int row = row_at(t, wo[i], &by_row), column = column_at(t, wo[i], &by_column);
-    cubic(by_row, u);
-    cubic(by_column, v);
-    for (int j = t->columns == 1 ? 1 : 0; j < (t->columns == 1 ? 2 : 4); j++) {
-      const float *restrict a = row_of(t, row - 1, (column - 1 + j + t->columns) % t->columns);
-      const float w0 = (float)(u[0] * v[j]), w1 = (float)(u[1] * v[j]), w2 = (float)(u[2] * v[j]),
-                  w3 = (float)(u[3] * v[j]);
-      if (j < 2 && (t->columns == 1 || j == 0))
-        for (size_t k = 0; k < line; k++)
-          out[k] = w0 * a[k] + w1 * a[line + k] + w2 * a[2 * line + k] + w3 * a[3 * line + k];
-      else
-        for (size_t k = 0; k < line; k++)
-          out[k] += w0 * a[k] + w1 * a[line + k] + w2 * a[2 * line + k] + w3 * a[3 * line + k];
-    }
-  }
-}
-
-/* One channel of a row in the surface's frame, whose view stands at an azimuth. */
-static void turn_slice(const ylm_material_table *t, int channel, double azimuth, const float *row,
-                       float *out) {
-  size_t k = 0;
-  for (int l = 0; l <= t->lmax; l++) {
-    double c[2 * YLM_MATERIAL_TABLE_LMAX + 1] = {0};
-    for (int m = t->halves ? 0 : -l; m <= l; m++, k++)
-      for (int f = 0; f < t->functions; f++)
-        c[l + m] += (double)t->mix[channel][f] * (double)row[(size_t)f * t->width + k];
-    out[l * l + l] = (float)c[l];
-    for (int m = 1; m <= l; m++) {
-      double ca = cos(m * azimuth), sa = sin(m * azimuth);
-      out[l * l + l + m] = (float)(ca * c[l + m] - sa * c[l - m]);
-      out[l * l + l - m] = (float)(sa * c[l + m] + ca * c[l - m]);
-    }
-  }
-}
-
-ylm_status ylm_material_table_slices(const ylm_material_table *t, size_t n, const float (*wo)[3],
-                                     float *out) {
-  size_t count = ylm_sh_count(t->lmax);
-  float *row = ylm_alloc((size_t)t->functions * t->width, sizeof *row);
-  if (!row) return YLM_ENOMEM;
-  for (size_t i = 0; i < n; i++) {
-    double azimuth = atan2((double)wo[i][1], (double)wo[i][0]);
-    ylm_material_table_rows(t, 1, wo + i, row);
-    for (int c = 0; c < 3; c++, out += count) turn_slice(t, c, azimuth, row, out);
-  }
-  ylm_free(row);
-  return YLM_OK;
-}
-
-void ylm_material_table_missed(const ylm_material_table *t, int lmax, size_t n,
-                               const float (*wo)[3], float *error) {
-  size_t degrees = (size_t)t->lmax + 1, l = (size_t)(lmax < t->lmax ? lmax : t->lmax);
-  for (size_t i = 0; i < n; i++) {
-    double by_row, by_column;
-    int row = row_at(t, wo[i], &by_row), column = column_at(t, wo[i], &by_column);
-    if (by_column > 0.5) column = (column + 1) % t->columns;
-    const float *a = t->missed + ((size_t)column * (size_t)t->rows + (size_t)row) * degrees + l;
-    error[i] = (float)((1 - by_row) * (double)a[0] + by_row * (double)a[degrees]);
-  }
 }

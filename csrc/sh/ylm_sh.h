@@ -349,6 +349,29 @@ YLM_API ylm_status ylm_sh_product_apply(const ylm_sh_product *p, ylm_dtype t, si
                                         int threads, const ylm_progress *progress, double *stage);
 
 /*
+** ylm_sh_rotate_times - turn rows by their point's rotation (ylm_sh_rotate_each), then multiply them by its factor.
+**
+**   p       in   of degree >= that of q
+**   q       in   of two factors; its lmax is that of all rows
+**   r       in   [n][3][3]  rotations, orthonormal to 1e-3, not checked
+**   rows    in   1 ..       rows of each point
+**   halves  in              rows of `in` hold m >= 0 alone
+**   in      in   [n][rows][(lmax+1)^2 or (lmax+1)(lmax+2)/2]
+**   factor  in   [n]        rows [(lmax+1)^2]; NULL: the point's rows are turned alone
+**   out     out  [n][rows][(lmax+1)^2]
+**   stage   out  [2] seconds of rotation and multiplication are added; may be NULL
+**
+** Returns  YLM_OK; YLM_ERANGE (lmax, rows, q), YLM_EDOMAIN (ylm_sh_rotate_each, of points without a factor), YLM_ENOMEM
+** Accuracy as ylm_sh_rotate_each and ylm_sh_product_apply
+** Cost     the factor is transformed once for all its rows; one thread
+** Source   as these two
+*/
+YLM_API ylm_status ylm_sh_rotate_times(const ylm_sh_rotator *p, const ylm_sh_product *q,
+                                       ylm_dtype t, size_t n, const void *r, int rows, bool halves,
+                                       const void *in, const void *const *factor, void *out,
+                                       double *stage, ylm_error *e);
+
+/*
 ** ylm_sh_transfer - the matrix that multiplies by a function: (M a)_i = sum_j M_ij a_j.
 **
 **   M_ij = sum_k c_k int Y_i Y_j Y_k,   Green 2003, Eq. 8; symmetric

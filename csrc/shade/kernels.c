@@ -22,12 +22,29 @@ static void sums(size_t count, size_t n, const float *Y, const uint8_t *visible,
     }
 }
 
+static void mix(size_t count, size_t n, int functions, int channels, size_t t_row, const float *T,
+                size_t l_row, const float *L, const float (*by)[3], float *out) {
+  for (size_t i = 0; i < n; i++) {
+    for (int c = 0; c < 3; c++) {
+      const float *light = L + (i * (size_t)channels + (c < channels ? (size_t)c : 0)) * l_row;
+      double s = 0;
+      for (int f = 0; f < functions; f++) {
+        const float *row = T + (i * (size_t)functions + (size_t)f) * t_row;
+        for (size_t k = 0; k < count; k++)
+          s += (double)by[c][f] * (double)row[k] * (double)light[k];
+      }
+      out[3 * i + (size_t)c] = (float)s;
+    }
+  }
+}
+
 #define DECLARE(isa)                                                                               \
   ylm_shade_dot_fn ylm_k_shade_dot_##isa;                                                          \
-  ylm_shade_sums_fn ylm_k_shade_sums_##isa;
+  ylm_shade_sums_fn ylm_k_shade_sums_##isa;                                                        \
+  ylm_shade_mix_fn ylm_k_shade_mix_##isa;
 #define CASE(isa)                                                                                  \
   case YLM_ISA_##isa:                                                                              \
-    return (shade_kernels){ylm_k_shade_dot_##isa, ylm_k_shade_sums_##isa};
+    return (shade_kernels){ylm_k_shade_dot_##isa, ylm_k_shade_sums_##isa, ylm_k_shade_mix_##isa};
 
 #if defined(__x86_64__)
 DECLARE(sse2)
@@ -46,6 +63,6 @@ shade_kernels ylm__shade_kernels(void) {
 #elif defined(__aarch64__)
     CASE(neon)
 #endif
-  default: return (shade_kernels){dot, sums};
+  default: return (shade_kernels){dot, sums, mix};
   }
 }

@@ -6,6 +6,7 @@
 
 ylm_shade_dot_fn YLM_KERNEL(ylm_k_shade_dot);
 ylm_shade_sums_fn YLM_KERNEL(ylm_k_shade_sums);
+ylm_shade_mix_fn YLM_KERNEL(ylm_k_shade_mix);
 
 /* Lanes of the last, overlapping vector that no whole vector before it has covered. */
 YLM_INLINE ylm_vi tail_mask(size_t rest) {
@@ -78,6 +79,68 @@ void YLM_KERNEL(ylm_k_shade_dot)(size_t count, size_t n, int channels, const uin
       long_dots(count, 1, t, l_row, L, tail, s);
       lane_sums(s[0], s[0], s[0], to);
     }
+  }
+}
+
+/* One point of F functions and C channels. */
+YLM_INLINE void mix_point(const int F, const int C, size_t count, size_t t_row, const float *T,
+                          size_t l_row, const float *L, ylm_vi tail, const float (*mix)[3],
+                          float *to) {
+  ylm_vf s[3][3], sum[3];
+  size_t k = 0;
+  for (int c = 0; c < C; c++)
+    for (int f = 0; f < F; f++) s[c][f] = ylm_vf_set(0);
+  for (; k + YLM_VF <= count; k += YLM_VF)
+    for (int c = 0; c < C; c++) {
+      ylm_vf l = ylm_vf_load(L + (size_t)c * l_row + k);
+      for (int f = 0; f < F; f++) s[c][f] += l * ylm_vf_load(T + (size_t)f * t_row + k);
+    }
+  if (k < count)
+    for (int c = 0; c < C; c++) {
+      ylm_vi l = (ylm_vi)ylm_vf_load(L + (size_t)c * l_row + count - YLM_VF) & tail;
+      for (int f = 0; f < F; f++)
+        s[c][f] += (ylm_vf)l * ylm_vf_load(T + (size_t)f * t_row + count - YLM_VF);
+    }
+  for (int c = 0; c < 3; c++) {
+    const ylm_vf *of = s[C == 3 ? c : 0];
+    sum[c] = of[0] * ylm_vf_set(mix[c][0]);
+    for (int f = 1; f < F; f++) sum[c] += of[f] * ylm_vf_set(mix[c][f]);
+  }
+  lane_sums(sum[0], sum[1], sum[2], to);
+}
+
+/* One point, of fewer numbers than a vector has. */
+YLM_INLINE void mix_short(int F, int C, size_t count, size_t t_row, const float *T, size_t l_row,
+                          const float *L, const float (*mix)[3], float *to) {
+  for (int c = 0; c < 3; c++) {
+    to[c] = 0;
+    for (int f = 0; f < F; f++)
+      to[c] +=
+          mix[c][f] * short_dot(count, T + (size_t)f * t_row, L + (c < C ? (size_t)c : 0) * l_row);
+  }
+}
+
+void YLM_KERNEL(ylm_k_shade_mix)(size_t count, size_t n, int functions, int channels, size_t t_row,
+                                 const float *T, size_t l_row, const float *L,
+                                 const float (*mix)[3], float *out) {
+  ylm_vi tail = tail_mask(count % YLM_VF);
+  for (size_t i = 0; i < n; i++, out += 3) {
+    if (count < YLM_VF)
+      mix_short(functions, channels, count, t_row, T, l_row, L, mix, out);
+    else
+      switch (3 * (channels == 3) + functions) {
+#define MIX(F, C)                                                                                  \
+  case 3 * (C == 3) + F: mix_point(F, C, count, t_row, T, l_row, L, tail, mix, out); break;
+        MIX(1, 1)
+        MIX(2, 1)
+        MIX(3, 1)
+        MIX(1, 3)
+        MIX(2, 3)
+        MIX(3, 3)
+#undef MIX
+      }
+    T += (size_t)functions * t_row;
+    L += (size_t)channels * l_row;
   }
 }
 

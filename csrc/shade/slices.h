@@ -15,7 +15,7 @@ typedef struct shade_slices {
   size_t functions, count;         /* of it; (lmax+1)^2         */
   float *slice;                    /* [YLM_SHADE_SLICES][functions][count] */
   bool halves;                     /* of rows: m >= 0 alone     */
-  float *row, *factor;             /* room                      */
+  float *row;                      /* [YLM_SHADE_SLICES][functions][..] */
 } shade_slices;
 
 /* The direction of the camera at point i of a view, in the frame of its surface, and the axes of the view there:

@@ -156,10 +156,16 @@ typedef void ylm_shade_dot_fn(size_t count, size_t n, int channels, const uint32
 /* all[k] += sum of Y[i][k] over i < n; seen[k] the same over i where visible[i] */
 typedef void ylm_shade_sums_fn(size_t count, size_t n, const float *Y, const uint8_t *visible,
                                float *seen, float *all);
+/* out[i][c] = sum over f < functions, k < count of mix[c][f] T[i][f][k] L[i][c][k] for i < n; rows of T and L
+   are t_row and l_row floats, L has 1 channel or 3 */
+typedef void ylm_shade_mix_fn(size_t count, size_t n, int functions, int channels, size_t t_row,
+                              const float *T, size_t l_row, const float *L, const float (*mix)[3],
+                              float *out);
 
 typedef struct shade_kernels {
   ylm_shade_dot_fn *dot;
   ylm_shade_sums_fn *sums;
+  ylm_shade_mix_fn *mix;
 } shade_kernels;
 
 /* The kernels of the instruction set in use. kernels.c */

@@ -7,6 +7,7 @@
 #define YLM_SH_ROTATE_EACH_H
 
 #include "../gen/rotate_each_low.h"
+#include "../product/product_shared.h"
 #include "rotate_batch.h"
 
 #ifdef YLM_REAL_IS_FLOAT
@@ -16,7 +17,7 @@
 #endif
 
 /* Degrees that are turned in one tile; higher ones come one by one. */
-#define EACH_LOW 14
+#define EACH_LOW ROTATE_TIMES_LMAX
 #define EACH_COUNT ((EACH_LOW + 1) * (EACH_LOW + 1))
 #define EACH_WIDEST (2 * YLM_SH_ROTATE_LMAX + 1)
 
@@ -90,13 +91,9 @@ static size_t each_at(bool halves, int l) {
   return halves ? (size_t)(l * (l + 1) / 2) : (size_t)l * (size_t)l;
 }
 
-/* Degrees first .. last of TILE rows; room for what they are. */
-static void each_degrees(const ylm_sh_rotator *p, int first, int last, bool halves,
-                         const each_angles *a, const real *const *in, real *const *out, real *x,
-                         real *y, real *h) {
-  size_t from = each_at(halves, first), to = (size_t)first * (size_t)first;
-  int n_in = (int)(each_at(halves, last + 1) - from), n = (last + 1) * (last + 1) - first * first;
-  for (int k = 0; k < TILE; k += LANES) to_tile(in + k, from, n_in, (halves ? h : x) + k, TILE);
+/* Turns degrees first .. last of TILE rows: x [..][TILE], from h where rows hold m >= 0 alone; y: room. */
+static void each_turns(const ylm_sh_rotator *p, int first, int last, bool halves,
+                       const each_angles *a, real *x, real *y, const real *h) {
   for (int l = first; l <= last; l++) {
     real *xl = x + (l * l - first * first) * TILE;
     const real *hl = h + (each_at(true, l) - each_at(true, first)) * TILE;
@@ -115,6 +112,16 @@ static void each_degrees(const ylm_sh_rotator *p, int first, int last, bool halv
       each_degree(p, l, a, xl, y);
     }
   }
+}
+
+/* Degrees first .. last of TILE rows; room for what they are. */
+static void each_degrees(const ylm_sh_rotator *p, int first, int last, bool halves,
+                         const each_angles *a, const real *const *in, real *const *out, real *x,
+                         real *y, real *h) {
+  size_t from = each_at(halves, first), to = (size_t)first * (size_t)first;
+  int n_in = (int)(each_at(halves, last + 1) - from), n = (last + 1) * (last + 1) - first * first;
+  for (int k = 0; k < TILE; k += LANES) to_tile(in + k, from, n_in, (halves ? h : x) + k, TILE);
+  each_turns(p, first, last, halves, a, x, y, h);
   for (int k = 0; k < TILE; k += LANES) from_tile(x + k, TILE, n, to, out + k);
 }
 
@@ -141,6 +148,58 @@ static void each(const ylm_sh_rotator *p, int lmax, size_t n, const real *r, int
     each_begin(turns, lmax, &a);
     each_degrees(p, 0, low, halves, &a, from, to, x, y, h);
     for (int l = low + 1; l <= lmax; l++) each_degrees(p, l, l, halves, &a, from, to, x, y, h);
+  }
+}
+
+/* `rows` rows of n points, whose numbers are `point`, each by the point's rotation, then times its factor;
+   stage: seconds of either are added. */
+static void times(const ylm_sh_rotator *p, const ylm_sh_product *q, size_t n, const size_t *point,
+                  const real *r, int rows, bool halves, const real *in, const real *const *factor,
+                  real *out, real *scratch, double *stage) {
+  shared_plan plan;
+  real weights[ROTATE_TIMES_LMAX + 1];
+  shared_begin(q, weights, &plan);
+  int lmax = plan.lmax;
+  size_t width = each_at(halves, lmax + 1), count = (size_t)(lmax + 1) * (size_t)(lmax + 1);
+  real *turned = scratch, *h = turned + (size_t)rows * count * TILE, *f = h + count * TILE,
+       *product = f + count * LANES, *room = product + count * LANES;
+  real y[(2 * EACH_LOW + 1) * TILE] __attribute__((aligned(64)));
+  each_angles a;
+  double time = ylm_seconds();
+  for (size_t at = 0; at < n; at += TILE) {
+    size_t i_of[TILE];
+    real turns[9 * TILE] __attribute__((aligned(64)));
+    for (size_t i = 0; i < TILE; i++) { /* what is missing repeats the last point */
+      i_of[i] = point[at + i < n ? at + i : n - 1];
+      for (size_t k = 0; k < 9; k++) turns[k * TILE + i] = r[9 * i_of[i] + k];
+    }
+    each_begin(turns, lmax, &a);
+    for (int row = 0; row < rows; row++) {
+      const real *from[TILE];
+      real *x = turned + (size_t)row * count * TILE;
+      for (size_t i = 0; i < TILE; i++)
+        from[i] = in + (i_of[i] * (size_t)rows + (size_t)row) * width;
+      for (int k = 0; k < TILE; k += LANES)
+        to_tile(from + k, 0, (int)width, (halves ? h : x) + k, TILE);
+      each_turns(p, 0, lmax, halves, &a, x, y, h);
+    }
+    double now = ylm_seconds();
+    stage[0] += now - time;
+    for (size_t k = 0; k < TILE && at + k < n; k += LANES) {
+      const real *by[LANES];
+      real *to[LANES];
+      for (size_t i = 0; i < LANES; i++) by[i] = factor[i_of[k + i]];
+      to_tile(by, 0, (int)count, f, LANES);
+      shared_factor(&plan, f, LANES, room);
+      for (int row = 0; row < rows; row++) {
+        shared_times(&plan, turned + (size_t)row * count * TILE + k, TILE, room, product, LANES);
+        for (size_t i = 0; i < LANES; i++)
+          to[i] = out + (i_of[k + i] * (size_t)rows + (size_t)row) * count;
+        from_tile(product, LANES, (int)count, 0, to);
+      }
+    }
+    time = ylm_seconds();
+    stage[1] += time - now;
   }
 }
 

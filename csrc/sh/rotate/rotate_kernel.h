@@ -10,5 +10,5 @@ typedef ylm__rotate_kernels_float rotate_kernels;
 typedef ylm__rotate_kernels_double rotate_kernels;
 #endif
 
-const rotate_kernels YLM_REAL_KERNEL(ylm__rotate_kernels) = {one, apply, each, not_rotation,
-                                                             ROTATE_PANEL};
+const rotate_kernels YLM_REAL_KERNEL(ylm__rotate_kernels) = {
+    one, apply, each, times, not_rotation, ROTATE_PANEL, LANES};
