@@ -271,6 +271,59 @@ describe("more lights", function()
   end)
 end)
 
+describe("bounces by virtual lights", function()
+  local scene = room()
+  local options = { size = { 6, 4 }, samples = 1, layers = false }
+  local function rendered(more)
+    local image, report = scene:render(with(options, more))
+    return assert(image, report):layer "radiance", report
+  end
+
+  it("are direct light and the light of scene:virtual_lights, with the picture's seed", function()
+    local direct = rendered {}
+    local all, report = rendered { bounces = 1, indirect = { method = "virtual", count = 50, shadows = "centre" } }
+    local view = scene:prepare { size = { 6, 4 }, samples = 1 }
+    local alone = gathered(view, (scene:virtual_lights { count = 50 }), { shadows = "centre" })
+    for i = 1, 4 do
+      for j = 1, 6 do
+        local sum = direct:get(i, j, 1) + alone:get(i, j, 1)
+        assert.is_true(math.abs(all:get(i, j, 1) - sum) < 1e-6 * sum)
+      end
+    end
+    assert.equal("virtual", report.indirect)
+    assert.equal(1, report.bounces)
+    assert.equal(50, report.virtual.lights)
+    assert.equal(0, #report.warnings)
+    assert.is_true(apart(rendered { indirect = (scene:virtual_lights { count = 50 }) }, all) < 1e-6) -- nothing is in the way
+  end)
+
+  it("are of lamps that view:render is given", function()
+    local view = scene:prepare { size = { 6, 4 }, samples = 1 }
+    local twice = ylm.sphere_light { at = { 0.1, 0.8, 0 }, radius = 0.05, radiance = 200 }
+    local o = { indirect = { method = "virtual", count = 20 }, layers = false }
+    local one = view:render(o):layer "radiance"
+    local two = view:render(with(o, { lights = twice })):layer "radiance"
+    assert.is_true(math.abs(two:get(2, 3, 1) / one:get(2, 3, 1) - 2) < 1e-4)
+  end)
+
+  it("are none where bounces = 0, and say that they pass walls", function()
+    local _, report = rendered { bounces = 0, indirect = "virtual" }
+    assert.equal(0, report.bounces)
+    _, report = rendered { indirect = { method = "virtual", count = 5 } }
+    assert.matches("shine through walls", report.warnings[1])
+  end)
+
+  it("refuse what is no option of theirs", function()
+    refused("no field 'cuont'", function() rendered { indirect = { method = "virtual", cuont = 3 } } end)
+    refused("method must be one of 'virtual'", function() rendered { indirect = { method = "links" } } end)
+    refused("reflected 64 times at most", function() rendered { bounces = 65, indirect = "virtual" } end)
+    refused("bounces and indirect say the same", function()
+      rendered { bounces = 2, indirect = (scene:virtual_lights { count = 5 }) }
+    end)
+    refused("'gather' or 'virtual'", function() rendered { indirect = "links" } end)
+  end)
+end)
+
 describe("view:gather", function()
   it("makes the same picture whatever the number of threads, and counts pairs and rays", function()
     local scene = room()

@@ -81,8 +81,9 @@ local function shortcomings(s, o, r)
 end
 
 --- The lights of options that are settled: at, normal, radius, intensity, report; or nil, message, code.
-local function trace(name, s, o)
-  local t, message, code = tracing.trace(name, s)
+local function trace(name, s, o, traced)
+  local t, message, code = traced, nil, nil
+  if not t then t, message, code = tracing.trace(name, s) end
   if not t then return nil, message, code end
   local fixed = type(o.radius) == "number" and o.radius or nil
   return check.result(name, t.lib.emit_lights(t.handle, { particles = o.particles, lights = o.count,
@@ -90,15 +91,15 @@ local function trace(name, s, o)
     scale = o.scale or SCALE[o.radius] or 1, seed = o.seed, threads = o.threads, progress = progress.resolve(o.progress) }))
 end
 
---- Virtual lights and report by options that a form has checked, of function `name`.
-function emit.lights(name, s, o)
+--- Virtual lights and report by options that a form has checked, of function `name`; `traced`: lamps other than the scene's.
+function emit.lights(name, s, o, traced)
   o.count = o.count or (o.particles or COUNT)
   o.particles = o.particles or o.count
   if o.particles < o.count then
     return check.bad(1, name, "particles (%d) must be at least as many as count, the lights that are wanted (%d)", o.particles,
       o.count)
   end
-  local at, normal, radius, intensity, report = trace(name, s, o)
+  local at, normal, radius, intensity, report = trace(name, s, o, traced)
   if not at then return nil, normal, radius end
   if o.bounces == 0 then
     at, normal, radius, intensity = core.array_zeros({ 0, 3 }, "double"), nil, 1, 0

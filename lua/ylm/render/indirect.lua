@@ -7,6 +7,7 @@ local objects = require "ylm.transfer.object"
 local progress = require "ylm.progress"
 local tracing = require "ylm.trace"
 local views = require "ylm.render.view"
+local virtual = require "ylm.render.virtual"
 local visibility = require "ylm.render.visibility"
 local warning = require "ylm.warning"
 
@@ -31,19 +32,22 @@ indirect.bounce_fields = {
     about = "reflections after direct light, a number or 'all', gathered pixel by pixel; default 0, which the report says" },
   { "indirect", "any", optional = true,
     about = "instead of bounces: what t:radiosity returned, gathered pixel by pixel; a grid of it, or of indirect light; "
-      .. "'gather': as bounces = 'all'" },
+      .. "'gather': as bounces = 'all'. 'virtual', or { method = 'virtual', count =, particles =, radius =, scale =, profile =, "
+      .. "lmax =, shadows = }: bounces, 1 by default, by virtual lights (scene:virtual_lights), each asked at each shading "
+      .. "point; or such lights" },
 }
 
 -- Bounces that are wanted ------------------------------------------------------------------------
 
---- Settles o.bounced, nil or { by = "gather" | "grid", bounces =, lit =, grid =, add = }, from bounces and indirect.
+--- Settles o.bounced, nil or { by = "gather" | "grid" | "virtual", bounces =, lit =, grid =, add = }, from bounces and indirect.
 function indirect.settle(name, o)
   local x = o.indirect
   local b
-  if x ~= nil and o.bounces ~= nil then
+  if virtual.is_wanted(x) then
+    b = virtual.settle(name, x, o)
+  elseif x ~= nil and o.bounces ~= nil then
     return check.fail("%s: bounces and indirect say the same: leave one out", name)
-  end
-  if x == nil or x == "gather" then
+  elseif x == nil or x == "gather" then
     local bounces = x and "all" or o.bounces or 0
     if bounces ~= "all" and bounces > MOST then
       return check.bad(1, name, "bounces must be an integer from 0 to %d, or 'all', got %.0f", MOST, bounces)
@@ -54,7 +58,7 @@ function indirect.settle(name, o)
   elseif core.has_field(x) and visibility.quantity(x) == "indirect" then
     b = { by = "grid", grid = x }
   else
-    return check.fail("%s: indirect must be what t:radiosity returned, a grid of it, or 'gather', got %s%s", name,
+    return check.fail("%s: indirect must be what t:radiosity returned, a grid of it, 'gather' or 'virtual', got %s%s", name,
       check.describe(x), core.has_field(x) and " of " .. visibility.quantity(x) or "")
   end
   if not b then return end
@@ -161,6 +165,7 @@ end
 function indirect.ready(name, p, o)
   local b, start = o.bounced, core.seconds()
   if not b then return true end
+  if b.by == "virtual" then return virtual.ready(name, p, o) end
   if b.by == "grid" then return ready_grid(name, p, o, b, start) end
   if not b.lit then
     local lit, message, code = shine(p, o, b)
@@ -221,6 +226,9 @@ function indirect.add(name, p, o, radiance)
   if b.by == "gather" then
     out, message, code = check.result(name, p.lib.shade_gather(p.view, views.made[p.view].links.handle, b.lit, radiance,
       threads, bar))
+  elseif b.by == "virtual" then
+    out, message, code = virtual.radiance(name, p, o)
+    if out then out, message, code = check.result(name, p.lib.shade_add(out, radiance)) end
   else
     out, message, code = devices.of(nil):shade(name, p, { grid = b.grid, weight = "cosine", bias = o.bias, threads = threads,
       interpolation = o.interpolation or "hermite" }, bar)
@@ -305,7 +313,7 @@ function indirect.report(p, o, report, image)
     report.rays.gloss_links = m.links.stats.glossy * m.links.count
     report.elements, report.balance = b.lit.transfer.stats.elements, b.lit.stats.balance
   end
-  say_gloss(p, report, b)
+  if b.by == "virtual" then virtual.report(p, o, report) else say_gloss(p, report, b) end
 end
 
 return indirect
