@@ -130,11 +130,13 @@ describe("ambient", function()
     assert.equal("ECANCELLED", code)
   end)
 
-  it("refuses a radius alone, vertices, and what is no radius", function()
+  it("refuses a radius alone, vertices, a tolerance, and what is no radius", function()
     assert.has_error(function() corner:render(with { ambient_radius = 1 }) end,
       "render: ambient_radius is for ambient = 'ssao' or 'rays': name one, or leave it out")
     assert.has_error(function() corner:render(with { ambient = "ssao", shading = "vertex" }) end,
       "render: ambient is of what camera rays hit: shading = 'pixel' in scene:prepare")
+    assert.has_error(function() corner:render { ambient = "ssao", tolerance = 0.1 } end,
+      "render: tolerance is of the scene's light, which ambient is not: leave one out")
     for _, radius in ipairs { 0, -1, 0 / 0 } do
       local ok, message = pcall(corner.render, corner, with { ambient = "ssao", ambient_radius = radius })
       assert.is_false(ok)

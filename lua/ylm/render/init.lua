@@ -76,6 +76,9 @@ local function by_tolerance(s, o, given)
       return check.fail("render: tolerance chooses how light is found, by rays and links: leave %s out", field)
     end
   end
+  if o.ambient or o.ambient_radius then
+    return check.fail "render: tolerance is of the scene's light, which ambient is not: leave one out"
+  end
   if o.shading == "vertex" then
     return check.fail "render: tolerance is judged at what camera rays hit: shading = 'pixel'"
   end

@@ -349,6 +349,11 @@ calls["surfaces that gloss"] = on(scene, function(s)
   s.geometry[1].material = ylm.phong { exponent = 4 }
   return s:reference { size = size, samples = 1, lmax = 1, gloss = "sh", transfer_samples = 8 }
 end)
+for _, how in ipairs { "ssao", "rays" } do
+  calls["ambient by " .. how] = on(scene, function(s)
+    return s:render { size = size, samples = 1, light_samples = 2, ambient = how }
+  end)
+end
 local function many_lamps()
   local at = {}
   for i = 1, 300 do at[i] = { i / 100, 1, 0 } end
