@@ -29,6 +29,21 @@ describe("the command-line tool's renderings", function()
     return lines
   end
 
+  it("shade surfaces that gloss as --gloss says", function()
+    local ball = scratch.quote(folder:write("ball.lua", [[
+      return scene "a ball" {
+        camera   = camera { from = { 0, 0, 4 }, at = { 0, 0, 0 } },
+        geometry = { sphere { material = ggx { alpha = 0.2, f0 = 0.9 }, divide = { 16, 8 } } },
+        lights   = sphere_light { at = { 2, 3, 3 }, radius = 0.5, radiance = 50 },
+      }]]))
+    for words, says in pairs { [""] = '"gloss":"auto"', [" --gloss rays --light-samples 16"] = '"gloss":"rays"',
+      [" --gloss auto --gloss-error 0.5,0.9"] = '"gloss":"auto"', [" --gloss matte"] = '"gloss":"matte"' } do
+      local out, code, err = ylm("render " .. ball .. " -m reference -s 16x9 -n 1" .. words .. to "ball.exr" .. " --json")
+      assert.equal(0, code, err)
+      assert.truthy(out:find(says, 1, true), out)
+    end
+  end)
+
   it("take --samples as camera rays and --light-samples as shadow rays", function()
     local out, code, err = ylm("render " .. scene .. " -m raycast -s 16x9 -n 3 --light-samples 5" .. to "rays.exr" .. " --json")
     assert.equal(0, code, err)
@@ -88,6 +103,11 @@ describe("the command-line tool's renderings", function()
       ["bake --parts all --bounces some"] = "--bounces is a number from 0 on, or all, got 'some'",
       ["bake --parts all --light_tolerance 0.1"] = "--light_tolerance is for --parts lights, these are all: leave it out",
       ["bake --occupied everywhere -n 2"] = "--size and --samples are of the camera's view, --occupied is everywhere",
+      ["render --gloss reys"] = "--gloss is auto, sh, rays or matte, got 'reys' (did you mean rays?)",
+      ["render --gloss sh"] = "--gloss sh is for grids (--grid FILE, or --visibility transfer): rays know materials",
+      ["render -m raycast --gloss sh"] = "--gloss is for --method grid and reference, this is raycast: leave it out",
+      ["render -m reference --gloss sh --gloss-error 0.1,0.2"] = "--gloss-error is for --gloss auto, this is sh: leave one out",
+      ["render -m reference --gloss-error 0.2,0.1"] = "--gloss-error is two numbers such as 0.01,0.03",
       ["render --exposure 1e300"] = "--exposure is from -60 to 60 stops, got 1e+300",
       ["render --exposure -61"] = "--exposure is from -60 to 60 stops, got -61",
     } do

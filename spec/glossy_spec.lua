@@ -267,6 +267,57 @@ describe("gloss = 'sh'", function()
     assert.is_true(distance(s:render { size = picture.size, samples = 16 }, truth) < 0.08)
   end)
 
+  it("keeps light from below out with below = 'dark', and damps degrees with a window", function()
+    local floor = ylm.quad { corner = { -2, -0.5, 2 }, u = { 4, 0, 0 }, v = { 0, 0, -4 },
+      material = ylm.ggx { alpha = 0.2, f0 = 0.9 } }
+    local s = scene({ floor }, { ylm.sphere_light { at = { 0, -4, 0 }, radius = 2.5, radiance = 30 } })
+    local o = with({ lmax = 4, visibility = "transfer", transfer_samples = 16, gloss = "sh" }, picture)
+    local function brightest(more)
+      local most = 0
+      for _, row in ipairs(s:reference(with(more, o)):layer "radiance":totable()) do
+        for _, p in ipairs(row) do most = math.max(most, math.abs(p[1])) end
+      end
+      return most
+    end
+    assert.is_true(brightest { below = "dark" } < 0.9 * brightest {}, brightest { below = "dark" } .. " " .. brightest {})
+    local ball = scene { ylm.sphere { material = gold } }
+    local function shot(more) return (ball:reference(with(more, with({ visibility = "none", lmax = 4 }, o)))) end
+    assert.is_true(same(shot {}, shot { window = "gaussian", window_width = 1e9 }))
+    assert.is_true(distance(shot { window = "hann", window_width = 1 }, shot { lmax = 0 }) < 0.01)
+    for message, more in pairs {
+      ["window is for surfaces that gloss in harmonics, gloss = 'auto' or 'sh': leave it"] = { gloss = "rays", window = "hann" },
+      ["below = 'dark' is a visibility: name visibility = 'transfer', or"] = { below = "dark", visibility = "none" },
+      ["window_width is of a window: name one ('hann'), or leave it out"] = { window_width = 3 },
+      ["gloss_error must be two numbers, 0 <= first < second"] = { gloss = "auto", gloss_error = { 0.3, 0.1 } },
+      ["gloss_error is for gloss = 'auto', gloss is \"sh\": leave one out"] = { gloss_error = { 0.1, 0.3 } },
+      ["light_samples is for visibility = \"rays\", visibility is \"transfer\", and for"] = { light_samples = 4 },
+      ["gloss = 'rays': rays start at what camera rays hit: shading = 'pixel'"] = { gloss = "rays", shading = "vertex" },
+    } do
+      local ok, said = pcall(ball.reference, ball, with(more, o))
+      assert(not ok and said:find(message, 1, true), said)
+    end
+  end)
+
+  it("says where rays are wanted and have no lamps, and what harmonics then miss", function()
+    local s = scene { ylm.sphere { material = ylm.ggx { alpha = 0.1, f0 = 0.9 } } }
+    local probes = ylm.uniform_grid { cells = 2, lmax = 4, bounds = { { -1.2, -1.2, -1.2 }, { 1.2, 1.2, 1.2 } } }
+    local grid = s:bake { parts = "lights", probes = probes }
+    local _, report = s:render(with({ grid = grid, visibility = "none", light_samples = 16 }, picture))
+    assert.is_true(report.glossy.rays > 0 and #report.warnings <= 1) -- of occlusion
+    local unknown = ylm.bake(probes, function(points, lmax, channels)
+      local shape = { #points, channels, (lmax + 1) ^ 2 }
+      return ylm.zeros(shape, "double"), ylm.zeros({ shape[1], shape[2], shape[3], 3 }, "double")
+    end)
+    local before = ylm.on_warning(false)
+    _, report = s:render(with({ grid = unknown, visibility = "none" }, picture))
+    ylm.on_warning(before)
+    assert.equal(0, report.glossy.rays)
+    assert.matches("harmonics of degree 4 miss %d+ %% of the lobes of surfaces that gloss: the lamps behind the grid are not",
+      table.concat(report.warnings, "\n"))
+    local ok, said = pcall(s.render, s, with({ grid = unknown, visibility = "none", gloss = "rays" }, picture))
+    assert(not ok and said:find("the lamps behind the grid are not known (it was loaded, or holds other light)", 1, true), said)
+  end)
+
   it("is cancelled while tables are made, and made again", function()
     local s = scene { ylm.sphere { material = ylm.phong { exponent = 3 } } }
     local o, stages = with({ lmax = 1, visibility = "none", gloss = "sh" }, picture), {}

@@ -94,6 +94,15 @@ static bool is_open(const float *V, size_t count) {
   return true;
 }
 
+/* Multiplies the degrees of n points' rows by the view's window; degrees are turned within themselves. */
+static void soften(shade_slices *x, size_t n) {
+  const float *window = x->v->o.window;
+  float *at = x->row;
+  for (size_t i = 0; window[0] > 0 && i < n * x->functions; i++)
+    for (int l = 0; l <= x->t->lmax; l++)
+      for (int m = x->halves ? 0 : -l; m <= l; m++) *at++ *= window[l];
+}
+
 ylm_status ylm__shade_slices_make(shade_slices *x, size_t n, const size_t *point,
                                   const float *const *V) {
   float wo[YLM_SHADE_SLICES][3], frame[YLM_SHADE_SLICES][3][3];
@@ -106,6 +115,7 @@ ylm_status ylm__shade_slices_make(shade_slices *x, size_t n, const size_t *point
     x->t->nearest(&f, n, (const float(*)[3])wo, wo);
   }
   ylm_material_table_rows(x->table, n, (const float(*)[3])wo, x->row);
+  soften(x, n);
   start = ylm__shade_clock(x->v, SHADE_ROWS, start);
   for (size_t i = 0; i < n; i++) factor[i] = V && !is_open(V[i], x->count) ? V[i] : NULL;
   ylm_status s =

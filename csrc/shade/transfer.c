@@ -95,10 +95,10 @@ static ylm_status estimate(const job *j, const ylm_trace_ray *ray, const scratch
   return YLM_OK;
 }
 
-/* Directions of the next occluded rays from *first on, and their mirror images; returns how many, at
-   most BATCH. */
-static int list_occluded(const float *n, int samples, const ylm_trace_ray *ray, int *first,
-                         float *out) {
+/* Directions of the next occluded rays from *first on, and their mirror images, if wanted; returns how many,
+   at most BATCH. */
+static int list_occluded(const float *n, bool mirror, int samples, const ylm_trace_ray *ray,
+                         int *first, float *out) {
   int found = 0;
   for (; *first < samples && found + 2 <= BATCH; ++*first) {
     const float *d = ray[*first].dir;
@@ -106,11 +106,23 @@ static int list_occluded(const float *n, int samples, const ylm_trace_ray *ray, 
     float up = 2 * ylm_dot3(d, n);
     for (int a = 0; a < 3; a++) {
       out[3 * found + a] = d[a];
-      out[3 * found + 3 + a] = d[a] - up * n[a];
+      if (mirror) out[3 * found + 3 + a] = d[a] - up * n[a];
     }
-    found += 2;
+    found += mirror ? 2 : 1;
   }
   return found;
+}
+
+/* Adds the coefficients of 1 over the hemisphere about n. */
+static ylm_status add_hemisphere(int lmax, const float *n, float *Y, float *V) {
+  double at[YLM_SHADE_DEGREES + 2] = {1, 0}; /* Legendre polynomials at 0 */
+  ylm_status s = ylm_sh_eval(lmax, 0, false, YLM_FLOAT, 1, n, Y, NULL, NULL, 1, NULL);
+  for (int l = 2; l <= lmax + 1; l++) at[l] = -(l - 1.0) / l * at[l - 2];
+  for (int l = 0; s == YLM_OK && l <= lmax; l++) {
+    double part = 2 * PI * (l == 0 ? 1 : (at[l - 1] - at[l + 1]) / (2 * l + 1));
+    for (int k = l * l; k < (l + 1) * (l + 1); k++) V[k] += (float)part * Y[k];
+  }
+  return s;
 }
 
 /* The visibility of one point that glosses, whose rays have been traced. */
@@ -119,11 +131,12 @@ static ylm_status estimate_visibility(const job *j, const float *n, const ylm_tr
   int lmax = j->view->o.lmax, samples = j->view->o.transfer_samples, occluded = 0;
   size_t count = ylm_sh_count(lmax);
   for (int k = 0; k < samples; k++) occluded += ray[k].far < 0;
+  bool mirror = !j->view->o.below_dark;
   memset(V, 0, count * sizeof *V);
   if (occluded == samples) return YLM_OK;
   memset(x->seen, 0, count * sizeof(float));
   memset(x->all, 0, count * sizeof(float));
-  for (int first = 0, m; (m = list_occluded(n, samples, ray, &first, x->direction)) > 0;) {
+  for (int first = 0, m; (m = list_occluded(n, mirror, samples, ray, &first, x->direction)) > 0;) {
     ylm_status s =
         ylm_sh_eval(lmax, 0, false, YLM_FLOAT, (size_t)m, x->direction, x->Y, NULL, NULL, 1, NULL);
     if (s != YLM_OK) return s;
@@ -132,6 +145,7 @@ static ylm_status estimate_visibility(const job *j, const float *n, const ylm_tr
   float each = (float)(2 * PI / samples);
   if (occluded)
     for (size_t k = 0; k < count; k++) V[k] = -each * x->all[k];
+  if (!mirror) return add_hemisphere(lmax, n, x->Y, V);
   V[0] += YLM_SHADE_OPEN;
   return YLM_OK;
 }

@@ -56,6 +56,8 @@ typedef enum ylm_shade_weight {
                          degree of the light                                           */
 } ylm_shade_weight;
 
+#define YLM_SHADE_DEGREES 61 /* of slices: YLM_MATERIAL_TABLE_LMAX + 1 */
+
 /* How coefficients of light shade surfaces that are not matte. */
 typedef enum ylm_shade_gloss {
   YLM_SHADE_GLOSS_MATTE, /* as matte ones of their mean albedo                              */
@@ -77,11 +79,14 @@ typedef struct ylm_shade_options {
   double occlusion_distance;       /* > 0, may be infinite: how far these rays reach       */
   double share;                    /* pixel widths, >= 0                                   */
   bool fine; /* surfaces that gloss: samples are one point only where their lobes agree     */
-  ylm_shade_gloss gloss;         /* AUTO of a view per_vertex is SH, RAYS YLM_EINVAL         */
-  double gloss_error[2];         /* AUTO: 0 <= [0] < [1]: see ylm_shade_blend                */
-  bool nearest;                  /* of these tables: the nearest of 90 rows, by libylm_rival.so */
-  ylm_sh_product_method product; /* by which visibility multiplies slices: of two factors */
-  bool keep;                     /* the products, once made: other light costs a dot product */
+  ylm_shade_gloss gloss; /* AUTO of a view per_vertex is SH, RAYS YLM_EINVAL         */
+  bool
+      below_dark; /* visibility of points that gloss: nothing below the horizon, not its mirror image */
+  float window[YLM_SHADE_DEGREES]; /* factors of the degrees of slices; [0] = 0: all 1 */
+  double gloss_error[2];           /* AUTO: 0 <= [0] < [1]: see ylm_shade_blend                */
+  bool nearest;                    /* of these tables: the nearest of 90 rows, by libylm_rival.so */
+  ylm_sh_product_method product;   /* by which visibility multiplies slices: of two factors */
+  bool keep;                       /* the products, once made: other light costs a dot product */
   bool
       all_vertices; /* per_vertex: shading points are all vertices, on the outer side and, of meshes that
                         the camera sees from within, on the inner one: for other cameras */
@@ -122,7 +127,8 @@ typedef struct ylm_shade_stats {
 **
 **   V = sqrt(4 pi) e_00 - 2 pi/N sum over occluded rays of (Y(s) + Y(s'))
 **
-** so that nothing is lost where nothing occludes. Their radiance is (F x V) . L, F the slice f cos of the
+** so that nothing is lost where nothing occludes; with below_dark the hemisphere's own coefficients less those of
+** Y(s) alone. Their radiance is (F x V) . L, F the slice f cos of the
 ** material towards the camera, x the product of functions, cut at the view's degree; F . L where the
 ** light holds its shadows (YLM_SHADE_COSINE), or V = 1.
 **

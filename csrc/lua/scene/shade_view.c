@@ -18,11 +18,17 @@ static const uint32_t *read_pixels(lua_State *L, int i, size_t *n) {
   return pixel;
 }
 
+static void read_window(lua_State *L, int i, float *window) {
+  double factor[YLM_SHADE_DEGREES];
+  ylmL_scene_numbers(L, i, YLM_SHADE_DEGREES, factor);
+  for (int l = 0; l < YLM_SHADE_DEGREES; l++) window[l] = (float)factor[l];
+}
+
 /* shade_view(scene, {camera: from, at, up, fov, 10 numbers; width, height, samples, lmax, shading,
    visibility, transfer_samples, occlusion_distance, share, seed, threads, progress, light | nil,
    noise | nil, most_samples | nil, pixels: a list of numbers from 0, these alone, | nil,
-   gloss: "matte", "sh", "auto", "rays" | nil, gloss_error: two numbers | nil, fine, keep | nil,
-   all_vertices | nil}) -> view */
+   gloss: "matte", "sh", "auto", "rays" | nil, gloss_error: two numbers | nil, fine, below_dark,
+   window: YLM_SHADE_DEGREES factors | nil, keep | nil, all_vertices | nil}) -> view */
 static int shade_view(lua_State *L) {
   static const char *const names[] = {"camera",
                                       "width",
@@ -44,6 +50,8 @@ static int shade_view(lua_State *L) {
                                       "gloss",
                                       "gloss_error",
                                       "fine",
+                                      "below_dark",
+                                      "window",
                                       "keep",
                                       "all_vertices",
                                       NULL};
@@ -71,6 +79,8 @@ static int shade_view(lua_State *L) {
     GLOSS,
     BAND,
     FINE,
+    BELOW,
+    WINDOW,
     KEEP,
     ALL
   };
@@ -95,6 +105,7 @@ static int shade_view(lua_State *L) {
       .most_samples = (int)luaL_optnumber(L, MOST, 0),
       .occlusion_distance = (double)luaL_checknumber(L, DISTANCE),
       .share = (double)luaL_checknumber(L, SHARE),
+      .below_dark = lua_toboolean(L, BELOW),
       .fine = lua_toboolean(L, FINE),
       .gloss = (ylm_shade_gloss)luaL_checkoption(L, GLOSS, "matte", glosses),
       .keep = lua_toboolean(L, KEEP),
@@ -103,6 +114,7 @@ static int shade_view(lua_State *L) {
       .threads = (int)luaL_optnumber(L, THREADS, 0),
       .progress = ylmL_progress_begin(L, PROGRESS, &p)};
   if (!lua_isnil(L, BAND)) ylmL_scene_numbers(L, BAND, 2, o.gloss_error);
+  if (!lua_isnil(L, WINDOW)) read_window(L, WINDOW, o.window);
   o.pixel = read_pixels(L, PIXELS, &o.pixels);
   ylm_shade_view **v = lua_newuserdata(L, sizeof *v);
   *v = NULL;

@@ -10,13 +10,36 @@ local methods = { default = "render", grid = "render", reference = "reference", 
 --- Which methods an option is for, where it is not for all.
 local only = {
   grid = { "default", "grid" }, interpolation = { "default", "grid" }, shading = { "default", "grid", "reference" },
+  gloss = { "default", "grid", "reference" }, ["gloss-error"] = { "default", "grid", "reference" },
   visibility = { "default", "grid", "reference" }, light_tolerance = { "default", "grid", "reference" },
   ["light-samples"] = { "default", "raycast" }, bounces = { "default", "grid" }, tolerance = { "default" },
 }
 
 local visibilities = { "rays", "transfer", "none", "self" }
+local glosses = { "auto", "sh", "rays", "matte" }
 
 local MOST_STOPS = 60 -- of image:save
+
+--- Was it said that rays shade surfaces that gloss?
+local function has_rays(given) return given.gloss == "auto" or given.gloss == "rays" end
+
+--- Ends the command where --gloss is no way to shade, or does not fit its band.
+local function check_gloss(given)
+  local known = given.gloss == nil
+  for _, name in ipairs(glosses) do known = known or given.gloss == name end
+  if not known then
+    local guess = check.guess(given.gloss, glosses)
+    status.stop(status.usage, "render: --gloss is auto, sh, rays or matte, got '%s'%s", given.gloss,
+      guess and (" (did you mean %s?)"):format(guess) or "")
+  end
+  local band = given["gloss-error"]
+  if band and (band[1] < 0 or band[1] >= band[2]) then
+    status.stop(status.usage, "render: --gloss-error is two numbers such as 0.01,0.03, the first from 0 to below the second")
+  end
+  if band and given.gloss and given.gloss ~= "auto" then
+    status.stop(status.usage, "render: --gloss-error is for --gloss auto, this is %s: leave one out", given.gloss)
+  end
+end
 
 --- Ends the command where an option was given that `method` has no use for.
 local function refuse_idle(given, method)
@@ -27,7 +50,7 @@ local function refuse_idle(given, method)
     local fits = given[name] == nil
     local fit = {}
     for _, one in ipairs(only[name]) do
-      fits = fits or one == method
+      fits = fits or one == method or name == "light-samples" and has_rays(given)
       if one ~= "default" then fit[#fit + 1] = one end
     end
     if not fits then
@@ -65,7 +88,11 @@ local function visibility_of(given, method)
       status.stop(status.usage, "render: --%s is for grids (--grid FILE, or --visibility transfer): leave it out", name)
     end
   end
-  if method == "default" and not by_rays and given["light-samples"] then
+  if by_rays and (given.gloss == "sh" or given.gloss == "matte") then
+    status.stop(status.usage, "render: --gloss %s is for grids (--grid FILE, or --visibility transfer): rays know materials",
+      given.gloss)
+  end
+  if method == "default" and not by_rays and given["light-samples"] and not has_rays(given) then
     status.stop(status.usage, "render: --light-samples is for pictures by rays to the lamps (--visibility rays, "
       .. "--method raycast): leave it out")
   end
@@ -89,6 +116,7 @@ local function options_of(given, method)
   local options = { size = given.size, pixel_samples = given.samples, threads = given.threads, progress = report.progress(given) }
   options.light_samples = given["light-samples"]
   if method == "raycast" then return options end
+  options.gloss, options.gloss_error = given.gloss, given["gloss-error"]
   options.light_tolerance, options.shading = given.light_tolerance, given.shading
   options.visibility = visibility_of(given, method)
   options.bounces, options.tolerance = status.bounces("render", given.bounces), given.tolerance
@@ -117,6 +145,10 @@ return {
     { "tolerance", nil, "N", "of the picture, 0.02 for 2 %: chooses samples, light-samples and all about bounces, judges itself "
       .. "by paths, and says whether it is met" },
     { "light-samples", nil, "N", "rays, raycast: shadow rays per shading point, default 32; raycast: 64" },
+    { "gloss", nil, "NAME", "surfaces that gloss, by a grid: auto (default, rays where harmonics are too few), sh, rays, "
+      .. "matte" },
+    { "gloss-error", nil, "A,B", "auto: the part of a lobe that harmonics may miss: rays from A on, alone from B on; default "
+      .. "0.01,0.03" },
     { "method", "-m", "NAME", "instead: grid (as --visibility transfer), reference (of grids, no interpolation) or raycast (no "
       .. "harmonics)" },
     { "grid", "-g", "FILE", "a grid baked before" },
@@ -136,6 +168,7 @@ return {
       status.stop(status.usage, "render: --method is grid, reference or raycast, got '%s'", method)
     end
     refuse_idle(given, method)
+    check_gloss(given)
     check_exposure(given)
     local options = options_of(given, method)
     local scene = status.need_scene(ylm.load_scene(given[1]))
@@ -146,7 +179,7 @@ return {
     local image, facts = scene[methods[method]](scene, options)
     status.need(image, facts)
     status.need(image:save(given.output, given.exposure and { exposure = given.exposure } or nil))
-    report.print(given, facts, report.names(facts, { "reference", "visibility", "bounces", "omits", "met", "error" }))
+    report.print(given, facts, report.names(facts, { "reference", "visibility", "gloss", "bounces", "omits", "met", "error" }))
     return status.of_warnings(given, facts.warnings)
   end,
 }

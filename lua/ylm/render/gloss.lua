@@ -21,6 +21,7 @@ local options = require "ylm.render.options"
 local tracing = require "ylm.trace"
 local visibility = require "ylm.render.visibility"
 local warning = require "ylm.warning"
+local window = require "ylm.sh.window"
 
 local gloss = {}
 
@@ -45,6 +46,12 @@ gloss.fields = {
   { "gloss_error", "gloss_error", default = gloss.BAND,
     about = "'auto': the part of a lobe's norm that lmax misses (material:degrees) up to which harmonics shade alone, and from "
       .. "which on rays do; mixed between" },
+  { "below", "choice", of = { "mirror", "dark" }, default = "mirror",
+    about = "visibility below a surface that glosses, for its product with f cos in harmonics: the mirror image of that above, "
+      .. "or none, which costs accuracy, and keeps light from below out of lobes that lmax is far too low for" },
+  { "window", "choice", of = window.names, optional = true,
+    about = "damps degrees of f cos in harmonics against ringing, as ylm.sh.window; lobes become wider" },
+  { "window_width", "number", above = 0, optional = true, unit = "degrees l", about = "of window; default lmax + 1" },
 }
 
 --- Options of pictures that reference fields make.
@@ -85,12 +92,30 @@ function gloss.settle(name, o, given, s, held)
     return check.fail("%s: gloss_error is for gloss = 'auto', gloss is %q: leave one out", name, o.gloss)
   end
   if by_rays and not bounced then o.gloss = nil else o.gloss = o.gloss or "auto" end
+  gloss.check_harmonics(name, o, given, by_rays and not bounced)
   if o.gloss == "rays" and o.shading == "vertex" and not by_rays and is_glossy(s) then
     return check.fail("%s: gloss = 'rays': rays start at what camera rays hit: shading = 'pixel'", name)
   end
   if o.light_samples and not by_rays and not (is_glossy(s) and (o.gloss == "auto" or o.gloss == "rays")) then
     return check.fail("%s: light_samples is for visibility = \"rays\", visibility is %q, and for surfaces that gloss: leave it "
       .. "out", name, o.visibility)
+  end
+end
+
+--- Raises where options about harmonics are given and no surface that glosses is shaded by them.
+function gloss.check_harmonics(name, o, given, by_rays)
+  if type(given) ~= "table" then return end
+  local harmonics = not by_rays and (o.gloss == "auto" or o.gloss == "sh")
+  for _, field in ipairs { "below", "window" } do
+    if given[field] ~= nil and not harmonics then
+      return check.fail("%s: %s is for surfaces that gloss in harmonics, gloss = 'auto' or 'sh': leave it out", name, field)
+    end
+  end
+  if o.below == "dark" and o.visibility ~= "transfer" then
+    return check.fail("%s: below = 'dark' is a visibility: name visibility = 'transfer', or leave it out", name)
+  end
+  if o.window_width and not o.window then
+    return check.fail("%s: window_width is of a window: name one ('hann'), or leave it out", name)
   end
 end
 

@@ -7,11 +7,14 @@ local check = require "ylm.check"
 local core = require "ylm.c.core"
 local progress = require "ylm.progress"
 local tracing = require "ylm.trace"
+local window = require "ylm.sh.window"
 
 local views = {}
 
 --- The noise at which rays are enough, and the most rays, without transfer_samples: see options.transfer_fields.
 local NOISE, MOST_SAMPLES = 0.02, 2048
+
+local DEGREES = 61 -- of slices: YLM_SHADE_DEGREES
 
 local GIVEN_SAMPLES = 65536 -- the most that transfer_samples may be
 
@@ -96,6 +99,8 @@ function views.prepare(name, s, o)
     occlusion_distance = distance, share = o.share, seed = o.seed,
     threads = o.threads, progress = progress.resolve(o.progress), light = light, noise = NOISE,
     most_samples = MOST_SAMPLES, pixels = o.pixels, gloss = o.gloss or "matte", gloss_error = o.gloss_error,
+    below_dark = o.below == "dark",
+    window = o.window and window.factors(o.window, o.window_width or o.lmax + 1, DEGREES - 1) or nil,
     fine = not o.coarse and (visibility == "rays" or o.gloss ~= "matte"), keep = o.relight == "light" or o.relight == "material",
     all_vertices = o.relight == "all" }))
   if not view then return nil, message, code end

@@ -39,6 +39,10 @@ local function factors_of(shape, width, lmax)
   return f
 end
 
+--- The names of all windows, and the factors of degrees 0 to lmax of one of them.
+window.names = names
+function window.factors(name, width, lmax) return factors_of(shapes[name], width, lmax) end
+
 describe "sh.window" {
   about = "Damps high degrees against ringing. Degree l is multiplied by\n"
     .. "hann: (1 + cos(pi l/w))/2; lanczos: s = sin(pi l/w)/(pi l/w); sinc: s^4; all 0 from l = w on; "
