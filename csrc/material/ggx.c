@@ -227,4 +227,5 @@ const material_kind ylm__material_ggx = {.name = "ggx",
                                          .mean = mean,
                                          .reflectance = reflectance,
                                          .isotropic = isotropic,
+                                         .mirrored = true,
                                          .kernels = ylm__material_ggx_kernels};

@@ -49,6 +49,7 @@ typedef struct material_kind {
   void (*facts)(const ylm_material *m, ylm_material_fact *fact, void *to);
 
   bool (*isotropic)(const ylm_material *m);
+  bool mirrored; /* f is the same of two directions as of both mirrored at x = 0, or at y = 0 */
 
   /* eval, sample, pdf: of kernels, of the table or else the numbers; NULL: as the next three have
      it. */
@@ -67,6 +68,9 @@ typedef struct material_kind {
 #define X(name) extern const material_kind ylm__material_##name;
 MATERIAL_KINDS(X)
 #undef X
+
+/* material.c */
+bool ylm__material_mirrored(const ylm_material *m);
 
 /* -- albedo.c: by quadrature of what a material samples -------------------------- */
 

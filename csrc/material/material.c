@@ -138,6 +138,7 @@ void ylm_material_reflect(const ylm_material *m, const double irradiance[3], flo
   shaded(m, &x)->reflect(x, irradiance, radiance);
 }
 
+bool ylm__material_mirrored(const ylm_material *m) { return kinds[m->kind]->mirrored; }
 bool ylm_material_isotropic(const ylm_material *m) { return kinds[m->kind]->isotropic(m); }
 
 /* The argument of kernels: the table, or else the numbers. */

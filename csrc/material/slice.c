@@ -3,129 +3,215 @@
 
 #include <math.h>
 
+#include "slice_kernel.h"
 #include "ylm_sh.h"
 
 #define PI 3.14159265358979323846
 /* Nodes in angle from the mirror direction: doubled from the least to the most. Twice as many in azimuth. */
 #define LEAST_NODES 24
 #define MOST_NODES 192
+#define RULES 4
 /* The change of coefficients, relative to the slice's norm, at which they are enough. */
 #define SETTLED 1e-4
 /* Nodes crowd towards the mirror direction as sinh(CROWD u): the first tenth of them lies within a fiftieth of
    the angle. */
 #define CROWD 6.0
 
+#define MOST (MOST_NODES * SLICE_WIDE)
+
+/* Places in parts of the angle from the mirror direction to the horizon, and what they count. */
+typedef struct rule {
+  int nodes; /* 0: not made yet */
+  double part[MOST_NODES], weight[MOST_NODES];
+} rule;
+
 struct slice_room {
-  int lmax;
-  double x[MOST_NODES], weight[MOST_NODES]; /* Gauss's rule on 0 .. 1, */
-  int nodes;                                /* of so many nodes */
-  float wi[MOST_NODES][3], wo[MOST_NODES][3], f[MOST_NODES][3], turned[MOST_NODES][3];
-  double *y;      /* [MOST_NODES][count] */
-  double *before; /* [3][count] */
-  double d[MOST_NODES][3], measure[MOST_NODES];
+  int lmax, entries;
+  const slice_kernels *kernels;
+  rule rules[RULES];
+  slice_recurrence recurrence;
+  ylm_sh_rotator *rotator;
+  float wi[MOST][3], wo[MOST][3], f[MOST][3];
+  double x[MOST], s[MOST], z[MOST], measure[MOST], value[3 * MOST];
+  double *sum;            /* [3][entries][SLICE_WIDE] */
+  double *before, *about; /* [3][count]: of half the nodes; in the mirror direction's frame */
 };
+
+#if defined(__x86_64__)
+#define ISAS(X) X(sse2) X(avx2) X(avx512)
+#elif defined(__aarch64__)
+#define ISAS(X) X(neon)
+#else
+#define ISAS(X)
+#endif
+
+#define X(isa) extern const slice_kernels ylm_k_material_slice_##isa;
+ISAS(X)
+#undef X
+
+static const slice_kernels *kernels_now(void) {
+  static const slice_kernels plain = {slice_places, slice_sums};
+  switch (ylm_isa_current()) {
+#define X(isa)                                                                                     \
+  case YLM_ISA_##isa: return &ylm_k_material_slice_##isa;
+    ISAS(X)
+#undef X
+  default: return &plain;
+  }
+}
+
+static bool make_recurrence(int lmax, slice_recurrence *r) {
+  size_t entries = (size_t)(lmax + 1) * (size_t)(lmax + 2) / 2;
+  double *p = ylm_alloc(entries, sizeof *p);
+  *r = (slice_recurrence){lmax, ylm_alloc((size_t)lmax + 1, sizeof(double)),
+                          ylm_alloc(entries, sizeof(double)), ylm_alloc(entries, sizeof(double))};
+  bool ok = p && r->first && r->a && r->b;
+  if (ok) ylm_sh_legendre(lmax, 0, 1, p);
+  for (int m = 0, k = 0; ok && m <= lmax; m++) {
+    r->first[m] = p[m * (m + 1) / 2 + m];
+    for (int l = m; l <= lmax; l++, k++) { /* to degree l + 1 */
+      double n = l + 1, d = n * n - (double)m * m;
+      r->a[k] = sqrt((4 * n * n - 1) / d);
+      r->b[k] =
+          l == m ? 0 : sqrt(((double)l * l - (double)m * m) * (2 * n + 1) / (d * (2 * n - 3)));
+    }
+  }
+  ylm_free(p);
+  return ok;
+}
 
 slice_room *ylm__slice_room(int lmax) {
   slice_room *r = ylm_alloc_zero(1, sizeof *r);
   size_t count = ylm_sh_count(lmax);
   if (!r) return NULL;
   r->lmax = lmax;
-  r->y = ylm_alloc(MOST_NODES * count, sizeof *r->y);
+  r->entries = (lmax + 1) * (lmax + 2) / 2;
+  r->kernels = kernels_now();
+  r->sum = ylm_alloc(3 * SLICE_WIDE * (size_t)r->entries, sizeof *r->sum);
   r->before = ylm_alloc(3 * count, sizeof *r->before);
-  if (r->y && r->before) return r;
+  r->about = ylm_alloc(3 * count, sizeof *r->about);
+  if (make_recurrence(lmax, &r->recurrence) && r->sum && r->before && r->about &&
+      ylm_sh_rotator_create(lmax, &r->rotator, NULL) == YLM_OK)
+    return r;
   ylm__slice_room_free(r);
   return NULL;
 }
 
 void ylm__slice_room_free(slice_room *r) {
   if (!r) return;
-  ylm_free(r->y);
+  ylm_free(r->recurrence.first);
+  ylm_free(r->recurrence.a);
+  ylm_free(r->recurrence.b);
+  ylm_sh_rotator_free(r->rotator);
+  ylm_free(r->sum);
   ylm_free(r->before);
+  ylm_free(r->about);
   ylm_free(r);
 }
 
-/* The nodes of a half plane through the mirror direction of a view, at azimuth `phi` about it: directions from
-   there to the horizon, and what their values count. */
-static void half_plane(slice_room *r, double angle, double phi) {
-  double s = sin(angle), c = cos(angle), end = atan2(c, -cos(phi) * s);
-  for (int i = 0; i < r->nodes; i++) {
-    double t = end * sinh(CROWD * r->x[i]) / sinh(CROWD);
-    double slope = end * CROWD * cosh(CROWD * r->x[i]) / sinh(CROWD);
-    double st = sin(t), ct = cos(t), along = st * cos(phi);
-    r->d[i][0] = along * c - ct * s;
-    r->d[i][1] = st * sin(phi);
-    r->d[i][2] = along * s + ct * c;
-    r->measure[i] = st * slope * r->weight[i];
+static const rule *rule_of(slice_room *r, int nodes) {
+  rule *to = r->rules;
+  for (int n = LEAST_NODES; n < nodes; n *= 2) to++;
+  if (to->nodes) return to;
+  to->nodes = nodes;
+  ylm_sh_gauss_legendre(nodes, to->part, to->weight);
+  for (int i = 0; i < nodes; i++) {
+    double u = CROWD * (to->part[i] + 1) / 2;
+    to->part[i] = sinh(u) / sinh(CROWD);
+    to->weight[i] *= CROWD * cosh(u) / sinh(CROWD) / 2;
+  }
+  return to;
+}
+
+/* Values of a channel times what they count, and the integral of their squares. */
+static void weigh(slice_room *r, int n, bool cosine, double step, double total[3]) {
+  for (int c = 0; c < 3; c++) {
+    double *value = r->value + c * n, sum = 0;
+    for (int i = 0; i < n; i++) {
+      double v = (double)r->f[i][c] * (cosine ? r->z[i] : 1), part = r->measure[i] * step * v;
+      sum += part * v;
+      value[i] = part;
+    }
+    total[c] += sum;
   }
 }
 
-/* Adds a half plane, whose nodes count `step` times. */
-static ylm_status add(const ylm_material *m, slice_room *r, double azimuth, bool cosine,
-                      double step, material_slice *out) {
-  size_t count = ylm_sh_count(r->lmax), n = (size_t)r->nodes;
-  double ca = cos(azimuth), sa = sin(azimuth);
-  for (size_t i = 0; i < n; i++) {
-    const double *d = r->d[i];
-    r->wi[i][0] = (float)(ca * d[0] - sa * d[1]);
-    r->wi[i][1] = (float)(sa * d[0] + ca * d[1]);
-    r->wi[i][2] = (float)d[2];
-  }
-  ylm_material_eval(m, n, (const float(*)[3])r->wi, (const float(*)[3])r->wo, r->f);
-  ylm_status s = ylm_sh_eval(r->lmax, 0, false, YLM_DOUBLE, n, r->d, r->y, NULL, NULL, 1, NULL);
-  for (size_t i = 0; s == YLM_OK && i < n; i++) {
-    double w = r->measure[i] * step, z = cosine ? r->d[i][2] : 1;
-    const double *y = r->y + i * count;
-    for (size_t c = 0; c < 3; c++) {
-      double value = (double)r->f[i][c] * z, part = w * value;
-      double *to = out->c + c * count;
-      if (value == 0) continue;
-      out->total[c] += part * value;
-      for (size_t k = 0; k < count; k++) to[k] += part * y[k];
+/* Adds what is summed at half planes to coefficients about the mirror direction. */
+static void gather(slice_room *r, const slice_planes *p) {
+  size_t count = ylm_sh_count(r->lmax);
+  double cm[SLICE_WIDE], sm[SLICE_WIDE];
+  for (int q = 0; q < SLICE_WIDE; q++) cm[q] = 1, sm[q] = 0;
+  for (int m = 0, k = 0; m <= r->lmax; m++) {
+    for (int l = m; l <= r->lmax; l++, k++)
+      for (int c = 0; c < 3; c++) {
+        const double *sum = r->sum + (size_t)(c * r->entries + k) * SLICE_WIDE;
+        double a = 0, b = 0;
+        for (int q = 0; q < SLICE_WIDE; q++) a += sum[q] * cm[q], b += sum[q] * sm[q];
+        double *to = r->about + (size_t)c * count + l * l + l;
+        to[m] += a;
+        if (m) to[-m] += b;
+      }
+    for (int q = 0; q < SLICE_WIDE; q++) {
+      double next = cm[q] * p->cos_phi[q] - sm[q] * p->sin_phi[q];
+      sm[q] = sm[q] * p->cos_phi[q] + cm[q] * p->sin_phi[q];
+      cm[q] = next;
     }
   }
-  return s;
 }
 
-/* The slice by so many nodes. */
-static ylm_status integrate(const ylm_material *m, slice_room *r, int nodes, double angle,
-                            double azimuth, bool cosine, material_slice *out) {
-  size_t count = ylm_sh_count(r->lmax);
-  ylm_status s = YLM_OK;
-  r->nodes = nodes;
-  ylm_sh_gauss_legendre(nodes, r->x, r->weight);
-  for (int i = 0; i < nodes; i++) {
-    r->x[i] = (r->x[i] + 1) / 2, r->weight[i] /= 2;
-    r->wo[i][0] = (float)(sin(angle) * cos(azimuth));
-    r->wo[i][1] = (float)(sin(angle) * sin(azimuth));
-    r->wo[i][2] = (float)cos(angle);
-  }
-  for (size_t k = 0; k < 3 * count; k++) out->c[k] = 0;
-  for (int c = 0; c < 3; c++) out->total[c] = 0;
+/* The slice by so many nodes, about the mirror direction. */
+static void integrate(const ylm_material *m, slice_room *r, int nodes, double angle, double azimuth,
+                      bool cosine, material_slice *out) {
+  const rule *by = rule_of(r, nodes);
   bool symmetric = ylm_material_isotropic(m);
-  int planes = symmetric ? nodes : 2 * nodes;
-  for (int k = 0; s == YLM_OK && k < planes; k++) {
-    half_plane(r, angle, PI * (k + 0.5) / nodes);
-    s = add(m, r, azimuth, cosine, PI / nodes * (symmetric ? 2 : 1), out);
+  int planes = symmetric ? nodes : 2 * nodes, n = nodes * SLICE_WIDE;
+  size_t count = ylm_sh_count(r->lmax);
+  slice_nodes at = {r->wi, r->x, r->s, r->z, r->measure};
+  slice_planes p = {.nodes = nodes,
+                    .part = by->part,
+                    .weight = by->weight,
+                    .cosine = cos(angle),
+                    .sine = sin(angle),
+                    .turn = {cos(azimuth), sin(azimuth)}};
+  for (int i = 0; i < n; i++) {
+    r->wo[i][0] = (float)(p.sine * p.turn[0]);
+    r->wo[i][1] = (float)(p.sine * p.turn[1]);
+    r->wo[i][2] = (float)p.cosine;
+  }
+  for (size_t k = 0; k < 3 * count; k++) r->about[k] = 0;
+  for (int c = 0; c < 3; c++) out->total[c] = 0;
+  for (int k = 0; k < planes; k += SLICE_WIDE) {
+    for (int q = 0; q < SLICE_WIDE; q++) {
+      double phi = PI * (k + q + 0.5) / nodes;
+      p.cos_phi[q] = cos(phi), p.sin_phi[q] = sin(phi);
+      p.end[q] = atan2(p.cosine, -p.cos_phi[q] * p.sine);
+    }
+    r->kernels->places(&p, &at);
+    ylm_material_eval(m, (size_t)n, (const float(*)[3])r->wi, (const float(*)[3])r->wo, r->f);
+    weigh(r, n, cosine, PI / nodes * (symmetric ? 2 : 1), out->total);
+    memset(r->sum, 0, 3 * SLICE_WIDE * (size_t)r->entries * sizeof *r->sum);
+    r->kernels->sums(&r->recurrence, nodes, r->x, r->s, r->value, r->sum);
+    gather(r, &p);
   }
   if (symmetric) /* the other half has the other sign */
     for (size_t c = 0; c < 3; c++)
       for (int l = 1; l <= r->lmax; l++)
-        for (int q = 1; q <= l; q++) out->c[c * count + (size_t)(l * l + l - q)] = 0;
-  return s;
+        for (int q = 1; q <= l; q++) r->about[c * count + (size_t)(l * l + l - q)] = 0;
 }
 
 ylm_status ylm__slice(const ylm_material *m, slice_room *r, double angle, double azimuth,
                       bool cosine, material_slice *out) {
-  size_t n = 3 * ylm_sh_count(r->lmax);
-  ylm_status s = integrate(m, r, LEAST_NODES, angle, azimuth, cosine, out);
-  for (int nodes = 2 * LEAST_NODES; s == YLM_OK && nodes <= MOST_NODES; nodes *= 2) {
+  size_t count = ylm_sh_count(r->lmax);
+  const double c = cos(angle), s = sin(angle), frame[9] = {c, 0, -s, 0, 1, 0, s, 0, c};
+  integrate(m, r, LEAST_NODES, angle, azimuth, cosine, out);
+  for (int nodes = 2 * LEAST_NODES; nodes <= MOST_NODES; nodes *= 2) {
     double change = 0, total = 0;
-    for (size_t k = 0; k < n; k++) r->before[k] = out->c[k];
-    s = integrate(m, r, nodes, angle, azimuth, cosine, out);
-    for (size_t k = 0; k < n; k++)
-      change += (out->c[k] - r->before[k]) * (out->c[k] - r->before[k]);
-    for (int c = 0; c < 3; c++) total += out->total[c];
+    memcpy(r->before, r->about, 3 * count * sizeof *r->before);
+    integrate(m, r, nodes, angle, azimuth, cosine, out);
+    for (size_t k = 0; k < 3 * count; k++)
+      change += (r->about[k] - r->before[k]) * (r->about[k] - r->before[k]);
+    for (int k = 0; k < 3; k++) total += out->total[k];
     if (change <= SETTLED * SETTLED * total) break;
   }
-  return s;
+  return ylm_sh_rotate(r->rotator, frame, r->lmax, YLM_DOUBLE, 3, r->about, out->c, 1, NULL, NULL);
 }

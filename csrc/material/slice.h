@@ -20,4 +20,37 @@ void ylm__slice_room_free(slice_room *r);
 ylm_status ylm__slice(const ylm_material *m, slice_room *r, double angle, double azimuth,
                       bool cosine, material_slice *out);
 
+/* -- kernels: slice_kernel.h ----------------------------------------------------- */
+
+/* Half planes at once. */
+#define SLICE_WIDE 8
+
+/* Half planes through the mirror direction of a view. */
+typedef struct slice_planes {
+  int nodes;
+  const double *part, *weight; /* [nodes]: angles in parts of `end`, and what they count */
+  double end[SLICE_WIDE], cos_phi[SLICE_WIDE],
+      sin_phi[SLICE_WIDE];      /* angle of the horizon; azimuth */
+  double cosine, sine, turn[2]; /* of the view's angle; of its azimuth */
+} slice_planes;
+
+/* Their nodes: [nodes][SLICE_WIDE]. */
+typedef struct slice_nodes {
+  float (*wi)[3];
+  double *x, *s, *z,
+      *measure; /* cosine and sine of the angle from the mirror direction; wi.z; weight */
+} slice_nodes;
+
+/* P_(l+1)m = a x P_lm - b P_(l-1)m, P_mm = first[m] sine^m; a, b by order, then degree. */
+typedef struct slice_recurrence {
+  int lmax;
+  double *first, *a, *b;
+} slice_recurrence;
+
+typedef struct slice_kernels {
+  void (*places)(const slice_planes *p, slice_nodes *out);
+  void (*sums)(const slice_recurrence *r, int n, const double *x, const double *s, const double *f,
+               double *sum);
+} slice_kernels;
+
 #endif

@@ -4,6 +4,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "kind.h"
 #include "slice.h"
 #include "table.h"
 #include "ylm_sh.h"
@@ -20,8 +21,8 @@
 typedef struct making {
   const ylm_material *m;
   ylm_material_table_form form;
-  bool halves;
-  size_t width, size; /* of a channel; of a slice */
+  bool halves, mirrored; /* mirrored: a quarter of the columns says what the others are */
+  size_t width, size;    /* of a channel; of a slice */
   int rows, columns;
   double *slice; /* [columns][rows][size] */
   slice_room **room;
@@ -111,16 +112,16 @@ static double difference(const making *x, const double *between, const double *e
 /* The errors halfway between rows, at JUDGES columns; `exact` gets the slices there: [JUDGES][rows - 1][size]. */
 static ylm_status judge_rows(making *x, double *exact, double *between, wanted *list, double *error,
                              double *grazing) {
-  int judges = x->columns > 1 ? JUDGES : 1, n = 0;
+  int judges = x->columns == 1 ? 1 : x->mirrored ? JUDGES / 2 : JUDGES, n = 0;
   for (int j = 0; j < judges; j++)
     for (int i = 0; i + 1 < x->rows; i++, n++)
       list[n] =
-          (wanted){angle_of(i + 0.5, x->rows), azimuth_of(j * x->columns / judges, x->columns),
+          (wanted){angle_of(i + 0.5, x->rows), azimuth_of(j * x->columns / JUDGES, x->columns),
                    exact + x->size * (size_t)n};
   ylm_status s = make(x, (size_t)n, list);
   *error = *grazing = 0;
   for (int k = 0; s == YLM_OK && k < n; k++) {
-    int i = k % (x->rows - 1), j = k / (x->rows - 1) * x->columns / judges;
+    int i = k % (x->rows - 1), j = k / (x->rows - 1) * x->columns / JUDGES;
     double w[4];
     ylm__table_cubic(0.5, w);
     memset(between, 0, 3 * x->width * sizeof *between);
@@ -134,15 +135,15 @@ static ylm_status judge_rows(making *x, double *exact, double *between, wanted *
 /* The error halfway between columns, at JUDGES rows. */
 static ylm_status judge_columns(making *x, double *exact, double *between, wanted *list,
                                 double *error) {
-  int n = 0;
+  int n = 0, beside = x->mirrored ? x->columns / 4 : x->columns;
   for (int j = 0; j < JUDGES; j++)
-    for (int i = 0; i < x->columns; i++, n++)
+    for (int i = 0; i < beside; i++, n++)
       list[n] = (wanted){angle_of((j + 1) * (x->rows - 3) / JUDGES, x->rows),
                          azimuth_of(i + 0.5, x->columns), exact + x->size * (size_t)n};
   ylm_status s = make(x, (size_t)n, list);
   *error = 0;
   for (int k = 0; s == YLM_OK && k < n; k++) {
-    int i = k % x->columns, row = (k / x->columns + 1) * (x->rows - 3) / JUDGES;
+    int i = k % beside, row = (k / beside + 1) * (x->rows - 3) / JUDGES;
     double w[4];
     ylm__table_cubic(0.5, w);
     memset(between, 0, 3 * x->width * sizeof *between);
@@ -151,6 +152,22 @@ static ylm_status judge_columns(making *x, double *exact, double *between, wante
     *error = fmax(*error, difference(x, between, list[k].to));
   }
   return s;
+}
+
+/* Slices beyond the first quarter of the columns, each as one before, mirrored: m < 0 changes sign. */
+static void mirror(making *x) {
+  for (int j = x->columns / 4 + 1; j < x->columns; j++) {
+    int as = j <= x->columns / 2 ? x->columns / 2 - j : x->columns - j;
+    for (int i = 0; i < x->rows; i++) {
+      const double *from = at(x, i, as);
+      double *to = at(x, i, j);
+      memcpy(to, from, x->size * sizeof *to);
+      for (size_t c = 0, k = 0; c < 3; c++)
+        for (int l = 0; l <= x->form.lmax; l++)
+          for (int m = -l; m <= l; m++, k++)
+            if (m < 0) to[k] = -to[k];
+    }
+  }
 }
 
 /* Makes all slices of x->rows and x->columns that `old`, of half as many (or NULL), has not. */
@@ -166,10 +183,11 @@ static ylm_status fill(making *x, const making *old) {
       double *to = at(x, i, j);
       if (old && i % by_row == 0 && j % by_column == 0)
         memcpy(to, at(old, i / by_row, j / by_column), x->size * sizeof *to);
-      else
+      else if (!x->mirrored || j <= x->columns / 4)
         list[n++] = (wanted){angle_of(i, x->rows), azimuth_of(j, x->columns), to};
     }
   if (s == YLM_OK) s = make(x, n, list);
+  if (s == YLM_OK && x->mirrored) mirror(x);
   ylm_free(list);
   return s;
 }
@@ -307,6 +325,7 @@ ylm_status ylm_material_table_create(const ylm_material *m, const ylm_material_t
   int workers = ylm_threads(form->threads);
   making x = {.m = m, .form = *form, .halves = ylm_material_isotropic(m), .rows = form->rows};
   size_t L = (size_t)form->lmax;
+  x.mirrored = !x.halves && ylm__material_mirrored(m);
   x.columns = x.halves ? 1 : form->columns;
   x.width = x.halves ? (L + 1) * (L + 2) / 2 : (L + 1) * (L + 1);
   x.size = 3 * x.width + L + 1;

@@ -44,6 +44,16 @@ ylm_status ylm_material_table_kept(const ylm_material *m, int lmax, int threads,
   return YLM_OK;
 }
 
+size_t ylm_material_table_kept_bytes(const ylm_material *m) {
+  size_t bytes = 0;
+  for (const struct material_kept *k = atomic_load(&m->kept); k; k = k->next) {
+    ylm_material_table_facts f;
+    ylm_material_table_look(k->table, &f);
+    bytes += f.bytes;
+  }
+  return bytes;
+}
+
 void ylm__material_free_kept(ylm_material *m) {
   for (struct material_kept *k = atomic_load(&m->kept), *next; k; k = next) {
     next = k->next;

@@ -55,7 +55,8 @@ typedef struct ylm_material_table_facts {
 **
 ** Slices are integrated about the mirror direction, by Gauss's rule from there to the horizon and evenly in
 ** azimuth; nodes are doubled until coefficients change by less than 1e-4 of the slice's norm, to at most
-** 192 x 384.
+** 192 x 384. Of a material that is the same mirrored at x = 0 and at y = 0, as GGX is, a quarter of the columns is
+** integrated.
 **
 ** Returns  YLM_OK; YLM_ERANGE (a field of the form), YLM_ENOMEM, YLM_ECANCELLED
 ** Source   Kautz, Sloan, Snyder 2002, "Fast, Arbitrary BRDF Shading for Low-Frequency Lighting Using
@@ -70,6 +71,8 @@ YLM_API ylm_status ylm_material_table_create(const ylm_material *m,
 YLM_API ylm_status ylm_material_table_kept(const ylm_material *m, int lmax, int threads,
                                            const ylm_progress *progress,
                                            const ylm_material_table **table, ylm_error *e);
+/* The memory of the tables that are kept with a material. */
+YLM_API size_t ylm_material_table_kept_bytes(const ylm_material *m);
 YLM_API void ylm_material_table_free(ylm_material_table *table);
 YLM_API void ylm_material_table_look(const ylm_material_table *table,
                                      ylm_material_table_facts *facts);

@@ -24,6 +24,7 @@ struct shade_gloss {
   _Atomic(shade_tables *) tables;
   _Atomic(shade_kept *) kept;
   atomic_uint_fast64_t stage[SHADE_STAGES]; /* nanoseconds */
+  atomic_size_t grown;                      /* bytes that nobody has been told of */
 };
 
 static bool is_glossy(const ylm_material *m) {
@@ -180,7 +181,7 @@ static ylm_status create_nearest(const ylm_material *m, int lmax, int threads,
 
 static ylm_status tables_create(const ylm_shade_view *v, int lmax, int threads,
                                 const ylm_progress *progress, shade_tables **out, ylm_error *e) {
-  const shade_gloss *g = v->gloss;
+  shade_gloss *g = v->gloss;
   double start = ylm_seconds();
   shade_tables *t = *out = ylm_alloc_zero(1, sizeof *t);
   if (!t) return YLM_ENOMEM;
@@ -201,11 +202,14 @@ static ylm_status tables_create(const ylm_shade_view *v, int lmax, int threads,
   for (size_t k = 0; s == YLM_OK && k < g->materials; k++)
     if (g->seen[k]) {
       ylm_material_table_facts f = {0};
+      size_t kept = ylm_material_table_kept_bytes(g->material[k]);
       s = v->o.nearest
               ? create_nearest(g->material[k], lmax, threads, progress, &t->table[k], e)
               : ylm_material_table_kept(g->material[k], lmax, threads, progress, &t->table[k], e);
       if (s == YLM_OK) ylm_material_table_look(t->table[k], &f);
       t->bytes += f.bytes;
+      kept = v->o.nearest ? f.bytes : ylm_material_table_kept_bytes(g->material[k]) - kept;
+      atomic_fetch_add(&g->grown, kept);
     }
   t->seconds = ylm_seconds() - start;
   return s;
@@ -286,6 +290,7 @@ ylm_status ylm__shade_gloss_kept(const ylm_shade_view *v, const shade_tables *ta
     kept_free(k);
     return s;
   }
+  atomic_fetch_add(&g->grown, k->bytes);
   do k->next = head; /* others that made the same at the same time stay behind it, unused */
   while (!atomic_compare_exchange_weak(&g->kept, &head, k));
   *out = k;
@@ -329,6 +334,10 @@ void ylm__shade_gloss_shares(const ylm_shade_view *v, const shade_tables *t, int
     }
     if (missed) missed[i] = e;
   }
+}
+
+size_t ylm_shade_view_grown(const ylm_shade_view *v) {
+  return v->gloss ? atomic_exchange(&v->gloss->grown, 0) : 0;
 }
 
 void ylm__shade_gloss_stats(const ylm_shade_view *v, ylm_shade_stats *stats) {

@@ -147,6 +147,9 @@ YLM_API ylm_status ylm_shade_view_create(const ylm_scene *scene, const ylm_camer
 YLM_API void ylm_shade_view_free(ylm_shade_view *view);
 
 YLM_API void ylm_shade_view_stats(const ylm_shade_view *view, ylm_shade_stats *stats);
+/* Bytes of tables and slices that shading has made since this was last asked: for collectors of garbage, which know
+   of a view what it held at first. */
+YLM_API size_t ylm_shade_view_grown(const ylm_shade_view *view);
 /* Seconds since the view was made that its points that gloss took, summed over threads. */
 typedef struct ylm_shade_stages {
   double rows, rotation, product; /* slices: looked up, turned to the world, times visibility */

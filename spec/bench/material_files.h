@@ -70,7 +70,7 @@ static void bench_field(bench_tensor *t, ylm_rng *r, const char *name, int axes,
 }
 
 /* 8 elevations, and one azimuth or 17, of 32 x 32 nodes. */
-static ylm_material *bench_rgl(int phis) {
+static __attribute__((unused)) ylm_material *bench_rgl(int phis) {
   bench_tensor t = {.header = 18, .size = 1024};
   ylm_rng r;
   ylm_rng_seed(&r, 2, 1);

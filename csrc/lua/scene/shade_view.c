@@ -130,6 +130,7 @@ static int shade_view(lua_State *L) {
 /* shade_stats(view) -> table */
 static int shade_stats(lua_State *L) {
   ylm_shade_stats s;
+  ylmL_charge(L, ylm_shade_view_grown(ylmL_shade_view(L, 1)));
   ylm_shade_view_stats(ylmL_shade_view(L, 1), &s);
   lua_newtable(L);
   ylmL_set_count(L, "points", s.points);
