@@ -40,9 +40,10 @@ static ylm_status evaluate(const ylm_field *f, const ylm_field_query *q, size_t 
   ylm_status status = ylm__field_check(q, n, points, r, YLM_LIGHT_LMAX, e);
   if (status != YLM_OK) return status;
   ylm_field_query part = part_query(q);
-  size_t count = ylm_sh_count(q->lmax), wide = 10 * count, channels = (size_t)part.channels;
-  size_t size = ylm_dtype_size(q->dtype), rows = STEP * channels * count;
-  char *one = ylm_alloc(rows * 10, size);
+  size_t count = ylm_sh_count(q->lmax), channels = (size_t)part.channels;
+  size_t upto = part.want & YLM_WANT_HESSIAN ? 10 : part.want & YLM_WANT_GRADIENT ? 4 : 1;
+  size_t size = ylm_dtype_size(q->dtype), rows = STEP * channels * count, wide = upto * count;
+  char *one = ylm_alloc(rows * upto, size);
   double *sum = ylm_alloc(STEP * channels * wide, sizeof *sum);
   uint8_t inside[STEP], any[STEP];
   if (!one || !sum) status = YLM_ENOMEM;
