@@ -15,7 +15,7 @@ local option = common.options { material = "", bands = 9, size = 960, out = "out
 local out, quick = option.out, option.quick
 local width = quick and 64 or option.size
 local size = { width, math.floor(width * 735 / 1920) }
-local lmax = quick and 3 or option.bands - 1
+local lmax = quick and 2 or option.bands - 1
 local clock = require "ylm.c.core".seconds
 
 --- The file of a material in the folder --material; nil: there is none.
