@@ -158,20 +158,28 @@ ylm_status ylm_light_virtual_create(const ylm_light_virtual_form *f, ylm_light_v
     if (f->shift) memcpy(v->shift, f->shift, f->n * sizeof *x);
     memcpy(v->emission, f->emission, 3 * f->n * YLM_LIGHT_VIRTUAL_NUMBERS(f->degree) * sizeof *x);
   }
-  *lights = v;
-  return YLM_OK;
+  s = ylm__virtual_settle(v);
+  if (s == YLM_OK) {
+    *lights = v;
+    return s;
+  }
+  ylm_light_virtual_free(v);
+  return ylm_fail(e, s, "%s", ylm_status_text(s));
 }
 
 void ylm_light_virtual_free(ylm_light_virtual *v) {
   if (!v || --v->users > 0) return;
   ylm_free(v->at);
+  ylm_free(v->seen_d);
+  ylm_free(v->seen_f);
   ylm_free(v);
 }
 
 size_t ylm_light_virtual_count(const ylm_light_virtual *v) { return v->n; }
 
 size_t ylm_light_virtual_bytes(const ylm_light_virtual *v) {
-  return sizeof *v + numbers_of(v->n, v->degree) * sizeof *v->at;
+  return sizeof *v + numbers_of(v->n, v->degree) * sizeof *v->at +
+         v->n * v->stride * (sizeof *v->seen_d + sizeof *v->seen_f);
 }
 
 void ylm_light_virtual_get(const ylm_light_virtual *v, ylm_light_virtual_form *f) {

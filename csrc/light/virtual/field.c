@@ -1,11 +1,13 @@
 /* field.c - the light field of virtual lights: queries, shared out to kernels. */
-#include "virtual.h"
+#include "plan.h"
 
 typedef struct job {
   const ylm_light_virtual *lights;
   const ylm_field_query *q;
   const void *points;
   ylm_field_result *r;
+  ylm__virtual_range *range;
+  ylm__virtual_plan plan;
 } job;
 
 static ylm_status run_reference(void *context, size_t begin, size_t end, int worker) {
@@ -14,13 +16,30 @@ static ylm_status run_reference(void *context, size_t begin, size_t end, int wor
   return ylm__virtual_reference(j->lights, j->q, begin, end, j->points, j->r);
 }
 
+static ylm_status run_kernels(void *context, size_t begin, size_t end, int worker) {
+  const job *j = context;
+  (void)worker;
+  return j->range(&j->plan, begin, end, j->points, j->r);
+}
+
+static ylm_status sum(job *j, ylm_isa isa, size_t n) {
+  const ylm_field_query *q = j->q;
+  j->range = ylm__virtual_kernel(isa, q);
+  if (!j->range) return ylm_parallel(n, 4, q->threads, run_reference, j, q->progress, "lights");
+  ylm_status s = ylm__virtual_plan_create(&j->plan, j->lights, q);
+  size_t grain = j->lights->n > 4096 ? 16 : j->lights->n > 256 ? 64 : 256;
+  if (s == YLM_OK) s = ylm_parallel(n, grain, q->threads, run_kernels, j, q->progress, "lights");
+  ylm__virtual_plan_free(&j->plan);
+  return s;
+}
+
 ylm_status ylm_light_virtual_evaluate(const ylm_light_virtual *v, ylm_isa isa,
                                       const ylm_field_query *q, size_t n, const void *points,
                                       ylm_field_result *r, ylm_error *e) {
   ylm_status s = ylm__lights_check(q, isa, n, points, r, e);
   if (s != YLM_OK) return s;
-  job j = {v, q, points, r};
-  s = ylm_parallel(n, 4, q->threads, run_reference, &j, q->progress, "lights");
+  job j = {.lights = v, .q = q, .points = points, .r = r};
+  s = n ? sum(&j, isa, n) : YLM_OK;
   if (s != YLM_OK) return ylm_fail(e, s, "%s", ylm_status_text(s));
   r->pairs += (uint64_t)n * v->n;
   return ylm_light_finite(q, n, points, r, e);

@@ -1,0 +1,141 @@
+/* distance.h - how virtual lights fall off, lane by lane, for the unit's element type. Private to the folder.
+
+   The weights of degree l are B0 = G, B1 = d G', B2 = d (d G')', as reference.c has them. */
+#ifndef YLM_LIGHT_VIRTUAL_DISTANCE_H
+#define YLM_LIGHT_VIRTUAL_DISTANCE_H
+
+#include "../moments/lanes.h"
+#include "plan.h"
+
+/* Arguments of e^-x beyond this make nothing; bits of a number's mantissa; degree of the polynomial. */
+#ifdef YLM_REAL_IS_FLOAT
+#define NOTHING 87.0f
+#define MANTISSA 23
+#define ONE_BITS 0x3f800000
+#define MAGIC 12582912.0f /* 1.5 2^23 */
+#define LN2_HIGH 0.693145751953125f
+#define LN2_LOW 1.4286068203094172e-6f
+#define EXP_DEGREE 7
+#define SMALL 0.25f
+#define SERIES 8
+#define NEAREST 1e-6f /* (1e-3)^2 */
+#else
+#define NOTHING 700.0
+#define MANTISSA 52
+#define ONE_BITS 0x3ff0000000000000
+#define MAGIC 6755399441055744.0 /* 1.5 2^52 */
+#define LN2_HIGH 0.693147180369123816490
+#define LN2_LOW 1.90821492927058770002e-10
+#define EXP_DEGREE 13
+#define SMALL 0.1
+#define SERIES 13
+#define NEAREST 1e-16
+#endif
+
+/* e^-x of x >= 0; 0 from NOTHING on. */
+YLM_INLINE vreal decay(vreal x) {
+  const vmask something = x < NOTHING;
+  x = keep_lanes(something, x);
+  vreal k = x * (real)1.4426950408889634 + MAGIC, n = k - MAGIC;
+  vreal r = n * LN2_LOW - (x - n * LN2_HIGH), p = vreal_set(1);
+#pragma GCC unroll 16
+  for (int i = EXP_DEGREE; i > 0; i--) p = 1 + p * r * ((real)1 / (real)i);
+  return keep_lanes(something, (vreal)((vmask)p - ((vmask)k << MANTISSA)));
+}
+
+/* Whether a mask has a lane: halves are joined until 16 bytes are left. */
+YLM_INLINE bool any(vmask m) {
+  typedef int64_t pair __attribute__((vector_size(16)));
+  pair part[sizeof m / sizeof(pair)];
+  memcpy(part, &m, sizeof m);
+  for (size_t i = 1; i < sizeof m / sizeof(pair); i++) part[0] |= part[i];
+  return (part[0][0] | part[0][1]) != 0;
+}
+
+/* 1/sqrt(x), x > 0. */
+YLM_INLINE vreal inverse_root(vreal x) {
+#if defined(YLM_REAL_IS_FLOAT) && defined(__AVX512F__)
+  vreal y = (vreal)_mm512_rsqrt14_ps((__m512)x);
+  return y + y * (1 - x * y * y) * 0.5f;
+#elif defined(YLM_REAL_IS_FLOAT) && defined(__AVX2__)
+  vreal y = (vreal)_mm256_rsqrt_ps((__m256)x);
+  y = y + y * (1 - x * y * y) * 0.5f;
+  return y + y * (1 - x * y * y) * 0.5f;
+#else
+  return 1 / vreal_sqrt(x);
+#endif
+}
+
+/* a0, a1, a2 of reference.c for g = 1 - e^-x, x going to 2^(turns) x where d doubles: t of a Gaussian
+   (2), o of a core (4). */
+YLM_INLINE void rise(vreal x, const real power, const int order, vreal a[3]) {
+  vreal rest = decay(x);
+  x = smaller(x, vreal_set(NOTHING));
+  vreal g = 1 - rest, steep = power * x * rest;
+  a[0] = g;
+  if (order > 0) a[1] = steep - 2 * g;
+  if (order > 1) a[2] = steep * (power * (1 - x) - 4) + 4 * g;
+  vmask small = x < SMALL;
+  if (!any(small)) return;
+  vreal term = x, s[3] = {x, (power - 2) * x, (power - 2) * (power - 2) * x};
+  for (int m = 2; m <= SERIES; m++) {
+    const real slope = power * (real)m - 2;
+    term *= -x / (real)m;
+    s[0] += term, s[1] += slope * term, s[2] += slope * slope * term;
+  }
+  for (int i = 0; i <= order; i++) a[i] = choose(small, s[i], a[i]);
+}
+
+/* B0, B1, B2 of degrees 0 .. lmax of a smooth profile, [lmax+1][3]. d2 > 0, inv2 its inverse. */
+YLM_INLINE void smooth(const int profile, const int lmax, const int order, const real *lamp,
+                       real core, vreal d2, vreal inv2, vreal *B) {
+  vreal a[3] = {vreal_set(1), vreal_set(-2), vreal_set(4)}, b[3];
+  vreal h = inv2, q1 = {0}, step = vreal_set(1), ratio = step;
+  if (profile != YLM_LIGHT_VIRTUAL_POINT) {
+    vreal t = d2 * (2 / lamp[YLM__VIRTUAL_WIDTH2]);
+    if (profile != YLM_LIGHT_VIRTUAL_FAR && any(t < NOTHING)) rise(t, 2, order, a);
+    q1 = inv2 * (2 * lamp[YLM__VIRTUAL_WIDTH2]); /* q of degree 1: 4/t */
+    ratio = step = decay(q1 * (real)0.5);
+  }
+  if (profile == YLM_LIGHT_VIRTUAL_FAR || profile == YLM_LIGHT_VIRTUAL_NEAR) {
+    vreal o = d2 * (1 / (core * core));
+    bool far = profile == YLM_LIGHT_VIRTUAL_FAR;
+    b[0] = vreal_set(1), b[1] = vreal_set(-2), b[2] = vreal_set(4);
+    o = smaller(o, vreal_set(NOTHING));
+    if (any(o * o < NOTHING)) rise(o * o, 4, order, b);
+    for (int i = 0; i <= order; i++) a[i] = far ? b[i] : a[i] - b[i];
+  }
+  for (int l = 0; l <= lmax; l++) {
+    vreal q = q1 * (real)(l * (l + 1) / 2);
+    B[3 * l] = h * a[0];
+    if (order > 0) B[3 * l + 1] = h * (a[1] + q * a[0]);
+    if (order > 1) B[3 * l + 2] = h * (a[2] + q * (2 * a[1] + (q - 2) * a[0]));
+    h *= step;
+    step *= ratio;
+  }
+}
+
+/* The same of a cap: a sphere light's of the same radius; inside of it a hemisphere's. */
+YLM_INLINE void cap(const int lmax, const int order, const real *lamp, vreal d2, vreal inv2,
+                    vreal *B) {
+  real r2 = lamp[YLM__VIRTUAL_RADIUS] * lamp[YLM__VIRTUAL_RADIUS];
+  vreal h2 = d2 - lamp[YLM__VIRTUAL_RADIUS] * lamp[YLM__VIRTUAL_RADIUS];
+  vmask out = h2 > 0;
+  h2 = choose(out, h2, d2);
+  vreal alpha = keep_lanes(out, vreal_sqrt(h2 * inv2)),
+        width = choose(out, inv2, vreal_set(1 / r2));
+  vreal u = keep_lanes(out, 1 / vreal_sqrt(h2 * d2)), back = d2 / h2;
+  vreal P = vreal_set(1), before = vreal_set(0), dP = before, older = before;
+  for (int l = 0; l <= lmax; l++) {
+    B[3 * l] = 2 * width * (l ? dP * (1 / (real)(l * (l + 1))) : 1 / (1 + alpha));
+    if (order > 0) B[3 * l + 1] = -2 * P * u;
+    if (order > 1) B[3 * l + 2] = -2 * u * (dP * u * r2 - P * (1 + back));
+    vreal next =
+              l ? ((2 * (real)l + 1) * alpha * P - (real)l * before) * (1 / (real)(l + 1)) : alpha,
+          steep = older + (2 * (real)l + 1) * P;
+    before = P, P = next;
+    older = dP, dP = steep;
+  }
+}
+
+#endif

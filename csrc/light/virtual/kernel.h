@@ -1,0 +1,443 @@
+/* kernel.h - sums over virtual lights for the unit's element type: lanes are points. plan.h says what is summed.
+   Private to the folder. */
+#ifndef YLM_LIGHT_VIRTUAL_KERNEL_H
+#define YLM_LIGHT_VIRTUAL_KERNEL_H
+
+#include "distance.h"
+#include "emission.h"
+
+#include "../moments/gen/compensation.h"
+#include "../moments/gen/recurrences.h"
+
+#ifdef YLM_REAL_IS_FLOAT
+#define COEF coef_f
+#define LAMPS seen_f
+#else
+#define COEF coef
+#define LAMPS seen_d
+#endif
+
+enum { TILE = YLM__VIRTUAL_TILE, TOP = YLM_LIGHT_LMAX + 2 };
+
+/* -- rows ----------------------------------------------------------------------------------- */
+
+/* Weights of rows, by the degree of their harmonic; block 2 beyond 0 and 1. */
+typedef struct weights {
+  vreal value[TOP + 1], up[TOP + 1], down[TOP + 1], upup[TOP + 1], same[TOP + 1], downdown[TOP + 1];
+} weights;
+
+YLM_INLINE void weigh(const int lmax, const int order, const vreal *B, vreal invd, weights *w) {
+  vreal inv2 = invd * invd;
+  for (int l = 0; l <= lmax; l++) {
+    const vreal b0 = B[3 * l], b1 = B[3 * l + 1], b2 = B[3 * l + 2];
+    const real n = (real)l;
+    w->value[l] = b0;
+    if (order < 1) continue;
+    w->up[l + 1] = (b1 - n * b0) * invd;
+    if (l) w->down[l - 1] = (b1 + (n + 1) * b0) * invd;
+    if (order < 2) continue;
+    w->upup[l + 2] = (b2 - (2 * n + 2) * b1 + n * (n + 2) * b0) * inv2;
+    w->same[l] = (b2 + b1 - n * (n + 1) * b0) * inv2;
+    if (l > 1) w->downdown[l - 2] = (b2 + 2 * n * b1 + (n * n - 1) * b0) * inv2;
+  }
+}
+
+/* The rows that have the harmonic at place `at` of degree k, q. */
+YLM_INLINE void put_rows(const int lmax, const int order, const weights *w, const int k,
+                         const int at, vreal q, vreal *S) {
+  const int n0 = (lmax + 1) * (lmax + 1), n1 = (lmax + 2) * (lmax + 2) - 1;
+  const int once = n0, twice = n0 + n1 + lmax * lmax, same = twice + (lmax + 3) * (lmax + 3) - 4;
+  if (k <= lmax) S[at] = q * w->value[k];
+  if (order < 1) return;
+  if (k > 0 && k <= lmax + 1) S[once + at - 1] = q * w->up[k];
+  if (k < lmax) S[once + n1 + at] = q * w->down[k];
+  if (order < 2) return;
+  if (k > 1) S[twice + at - 4] = q * w->upup[k];
+  if (k <= lmax) S[same + at] = q * w->same[k];
+  if (k < lmax - 1) S[same + n0 + at] = q * w->downdown[k];
+}
+
+/* All rows of a light. */
+YLM_INLINE void make_rows(const int lmax, const int order, const double *beta, const weights *w,
+                          vreal x, vreal y, vreal z, vreal *S) {
+  const int top = lmax + order, across = lmax + 3;
+  vreal c = vreal_set(1), s = vreal_set(0);
+#pragma GCC unroll 8
+  for (int m = 0; m <= top; m++) {
+    vreal a = c, b = s, a0 = vreal_set(0), b0 = a0;
+#pragma GCC unroll 8
+    for (int k = m; k <= top; k++) {
+      put_rows(lmax, order, w, k, k * (k + 1) + m, a, S);
+      if (m) put_rows(lmax, order, w, k, k * (k + 1) - m, b, S);
+      if (k == top) break;
+      const real t = k == m                         ? 0
+                     : lmax <= YLM__VIRTUAL_SPECIAL ? (real)YLM__BETA(k, m)
+                                                    : (real)beta[k * across + m];
+      vreal next = z * a - t * a0;
+      a0 = a, a = next;
+      if (!m) continue;
+      next = z * b - t * b0;
+      b0 = b, b = next;
+    }
+    vreal next = c * x - s * y;
+    s = c * y + s * x;
+    c = next;
+  }
+}
+
+/* -- products ------------------------------------------------------------------------------- */
+
+/* Sums [C][..] of R rows in C channels grow by those of n lights; numbers of a light are this far from the
+   next's. */
+YLM_INLINE void multiply_block(const int R, const int C, int n, const vreal *S, size_t S_step,
+                               const vreal *E, size_t E_step, vreal *to, size_t to_step) {
+  vreal a[32];
+#pragma GCC unroll 8
+  for (int c = 0; c < C; c++)
+#pragma GCC unroll 16
+    for (int r = 0; r < R; r++) a[c * R + r] = to[(size_t)c * to_step + (size_t)r];
+  for (int j = 0; j < n; j++, S += S_step, E += E_step) {
+    vreal row[16];
+#pragma GCC unroll 16
+    for (int r = 0; r < R; r++) row[r] = S[r];
+#pragma GCC unroll 8
+    for (int c = 0; c < C; c++) {
+      const vreal e = E[c];
+#pragma GCC unroll 16
+      for (int r = 0; r < R; r++) a[c * R + r] += row[r] * e;
+    }
+  }
+#pragma GCC unroll 8
+  for (int c = 0; c < C; c++)
+#pragma GCC unroll 16
+    for (int r = 0; r < R; r++) to[(size_t)c * to_step + (size_t)r] = a[c * R + r];
+}
+
+/* Rows that fit into registers, of six channels, of three, of one. */
+#if defined(__AVX512F__) || defined(__aarch64__)
+#define ROWS_6 4
+#define ROWS_3 7
+#define ROWS_1 12
+#else
+#define ROWS_6 2
+#define ROWS_3 3
+#define ROWS_1 7
+#endif
+
+YLM_INLINE void multiply_channels(const int R, const int C, size_t rows, int n, const vreal *S,
+                                  size_t S_step, const vreal *E, size_t E_step, vreal *to) {
+  size_t r = 0;
+  for (; r + (size_t)R <= rows; r += (size_t)R)
+    multiply_block(R, C, n, S + r, S_step, E, E_step, to + r, rows);
+  for (; r < rows; r++) multiply_block(1, C, n, S + r, S_step, E, E_step, to + r, rows);
+}
+
+static void multiply(size_t rows, int channels, int n, const vreal *S, size_t S_step,
+                     const vreal *E, size_t E_step, vreal *to) {
+  int c = 0;
+  for (; c + 6 <= channels; c += 6)
+    multiply_channels(ROWS_6, 6, rows, n, S, S_step, E + c, E_step, to + (size_t)c * rows);
+  for (; c + 3 <= channels; c += 3)
+    multiply_channels(ROWS_3, 3, rows, n, S, S_step, E + c, E_step, to + (size_t)c * rows);
+  for (; c < channels; c++)
+    multiply_channels(ROWS_1, 1, rows, n, S, S_step, E + c, E_step, to + (size_t)c * rows);
+}
+
+/* -- lights --------------------------------------------------------------------------------- */
+
+typedef struct work {
+  vreal *S, *E;             /* [TILE][width], [TILE][numbers] */
+  vreal *sum, *part, *lost; /* [sums] */
+  vreal *mixed, *out;       /* [sums of three channels], [6 count] */
+  double beta[(YLM_LIGHT_VIRTUAL_DEGREE + 1) * (YLM_LIGHT_VIRTUAL_DEGREE + 1)];
+  weights weights;
+  int held; /* lights in the tile */
+} work;
+
+static ylm_status work_create(work *k, const ylm__virtual_plan *p) {
+  size_t count = (size_t)(p->lmax + 1) * (size_t)(p->lmax + 1);
+  size_t sizes[] = {TILE * p->width, TILE * (size_t)p->numbers, p->sums, p->sums, p->sums, p->sums,
+                    6 * count};
+  size_t all = 0;
+  for (size_t i = 0; i < 7; i++) all += sizes[i];
+  vreal *x = ylm_alloc_zero(all, sizeof *x);
+  if (!x) return YLM_ENOMEM;
+  vreal **slots[] = {&k->S, &k->E, &k->sum, &k->part, &k->lost, &k->mixed, &k->out};
+  for (size_t i = 0; i < 7; i++) *slots[i] = x, x += sizes[i];
+  for (int l = 1; l <= YLM_LIGHT_VIRTUAL_DEGREE; l++)
+    for (int m = 0; m <= l; m++) k->beta[l * (YLM_LIGHT_VIRTUAL_DEGREE + 1) + m] = YLM__BETA(l, m);
+  return YLM_OK;
+}
+
+/* -- stages, each made for what it is constant in ------------------------------------------- */
+
+/* Weights of rows at squared distance d2; inv2, inv: the inverses of that and of its root. */
+typedef void weigh_fn(const ylm__virtual_plan *p, const real *lamp, vreal d2, vreal inv2, vreal inv,
+                      weights *w);
+typedef void rows_fn(const ylm__virtual_plan *p, const weights *w, const vreal u[3], vreal *S);
+typedef void send_fn(const seen *s, int degree, const double *beta, const real *lamp, vreal *E);
+
+#define WEIGH(profile, order)                                                                      \
+  static void weigh_##profile##_##order(const ylm__virtual_plan *p, const real *lamp, vreal d2,    \
+                                        vreal inv2, vreal inv, weights *w) {                       \
+    vreal B[3 * (YLM_LIGHT_LMAX + 1)];                                                             \
+    if (YLM_LIGHT_VIRTUAL_##profile == YLM_LIGHT_VIRTUAL_CAP)                                      \
+      cap(p->lmax, order, lamp, d2, inv2, B);                                                      \
+    else                                                                                           \
+      smooth(YLM_LIGHT_VIRTUAL_##profile, p->lmax, order, lamp, (real)p->lights->core, d2, inv2,   \
+             B);                                                                                   \
+    weigh(p->lmax, order, B, inv, w);                                                              \
+  }
+#define PROFILES(X, order)                                                                         \
+  X(GAUSS, order) X(CAP, order) X(POINT, order) X(FAR, order) X(NEAR, order)
+PROFILES(WEIGH, 0)
+PROFILES(WEIGH, 1)
+PROFILES(WEIGH, 2)
+#define ENTRY(profile, order) weigh_##profile##_##order,
+static weigh_fn *const weighers[3][5] = {
+    {PROFILES(ENTRY, 0)}, {PROFILES(ENTRY, 1)}, {PROFILES(ENTRY, 2)}};
+
+#define ROWS(lmax, order)                                                                          \
+  static void rows_##lmax##_##order(const ylm__virtual_plan *p, const weights *w,                  \
+                                    const vreal u[3], vreal *S) {                                  \
+    make_rows(lmax, order, p->beta, w, u[0], u[1], u[2], S);                                       \
+  }
+#define DEGREES(X, order) X(0, order) X(1, order) X(2, order) X(3, order) X(4, order)
+DEGREES(ROWS, 0)
+DEGREES(ROWS, 1)
+DEGREES(ROWS, 2)
+#undef ENTRY
+#define ENTRY(lmax, order) rows_##lmax##_##order,
+#define ROWS_ANY(order)                                                                            \
+  static void rows_any_##order(const ylm__virtual_plan *p, const weights *w, const vreal u[3],     \
+                               vreal *S) {                                                         \
+    make_rows(p->lmax, order, p->beta, w, u[0], u[1], u[2], S);                                    \
+  }
+ROWS_ANY(0)
+ROWS_ANY(1)
+ROWS_ANY(2)
+static rows_fn *const makers[3][YLM__VIRTUAL_SPECIAL + 2] = {
+    {DEGREES(ENTRY, 0) rows_any_0}, {DEGREES(ENTRY, 1) rows_any_1}, {DEGREES(ENTRY, 2) rows_any_2}};
+
+#define SEND(name, order, first, channels)                                                         \
+  static void name##_##order(const seen *s, int degree, const double *beta, const real *lamp,      \
+                             vreal *E) {                                                           \
+    send(s, order, degree, beta, lamp, first, channels, E);                                        \
+  }
+SEND(rgb, 0, 0, 3)
+SEND(rgb, 1, 0, 3)
+SEND(rgb, 2, 0, 3)
+SEND(lum, 0, 3, 1)
+SEND(lum, 1, 3, 1)
+SEND(lum, 2, 3, 1)
+static send_fn *const senders[2][3] = {{rgb_0, rgb_1, rgb_2}, {lum_0, lum_1, lum_2}};
+
+static int order_of(int kinds) { return kinds & 4 ? 2 : kinds & 2 ? 1 : 0; }
+
+/* The light's rows and numbers to the tile, unless it sends nothing to any lane. */
+static void add_light(const ylm__virtual_plan *p, work *k, const real *lamp, const vreal xyz[3]) {
+  const ylm_light_virtual_profile profile = p->lights->profile;
+  const bool sharp = profile == YLM_LIGHT_VIRTUAL_POINT || profile == YLM_LIGHT_VIRTUAL_CAP;
+  const int order = order_of(p->kinds);
+  vreal v[3];
+  seen s;
+  for (int a = 0; a < 3; a++) v[a] = lamp[a] - xyz[a];
+  vreal d2 = v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
+  if (!look(lamp, v, d2, &s)) return;
+  if (sharp) {
+    vmask apart = d2 > 0;
+    s.cosine = keep_lanes(apart, s.cosine);
+    for (int a = 0; a < 3; a++) s.normal[a] = keep_lanes(apart, s.normal[a]);
+    d2 = choose(apart, d2, vreal_set(1));
+  } else
+    d2 = larger(d2, vreal_set(NEAREST * lamp[YLM__VIRTUAL_WIDTH2]));
+  vreal inv = inverse_root(d2), u[3] = {v[0] * inv, v[1] * inv, v[2] * inv};
+  weighers[order][profile](p, lamp, d2, inv * inv, inv, &k->weights);
+  makers[order][p->lmax <= YLM__VIRTUAL_SPECIAL ? p->lmax : YLM__VIRTUAL_SPECIAL + 1](
+      p, &k->weights, u, k->S + (size_t)k->held * p->width);
+  for (int i = 0; i < 2; i++)
+    if (p->of[i].kinds)
+      senders[i][order_of(p->of[i].kinds)](&s, p->lights->degree, k->beta, lamp,
+                                           k->E + k->held * p->numbers + p->of[i].from);
+  k->held++;
+}
+
+static void flush(const ylm__virtual_plan *p, work *k) {
+  const size_t first[3] = {0, p->rows[0], p->rows[0] + p->rows[1]};
+  for (int i = 0; i < p->products && k->held; i++) {
+    const ylm__virtual_product *x = &p->product[i];
+    multiply(p->rows[x->block], x->channels, k->held, k->S + first[x->block], p->width,
+             k->E + x->from, (size_t)p->numbers, k->part + x->to);
+  }
+  k->held = 0;
+}
+
+static void add_all(const ylm__virtual_plan *p, work *k, const vreal xyz[3]) {
+  const size_t n = p->lights->n, stride = p->lights->stride;
+  memset(k->sum, 0, p->sums * sizeof *k->sum);
+  memset(k->lost, 0, p->sums * sizeof *k->lost);
+  for (size_t first = 0; first < n; first += YLM__VIRTUAL_BLOCK) {
+    size_t end = n - first < YLM__VIRTUAL_BLOCK ? n : first + YLM__VIRTUAL_BLOCK;
+    memset(k->part, 0, p->sums * sizeof *k->part);
+    for (size_t i = first; i < end; i++) {
+      add_light(p, k, p->lights->LAMPS + i * stride, xyz);
+      if (k->held == TILE) flush(p, k);
+    }
+    flush(p, k);
+    for (size_t s = 0; s < p->sums; s++) add_part(k->part[s], &k->sum[s], &k->lost[s]);
+  }
+}
+
+/* -- results -------------------------------------------------------------------------------- */
+
+YLM_INLINE vreal row_times(const ylm__rows *A, size_t i, const vreal *x) {
+  vreal s = vreal_set(0);
+  for (uint32_t t = A->start[i]; t < A->start[i + 1]; t++) s += A->COEF[t] * x[A->index[t]];
+  return s;
+}
+
+/* Where sums of a kind for a channel of `channels` lie: x are those of its first channel. */
+static const ylm__virtual_sums *sums_of(const ylm__virtual_plan *p, const work *k, int kind,
+                                        int channels, int c, const vreal **x, int *own) {
+  bool mixed = channels == 1 && !(p->of[1].kinds & kind);
+  *x = mixed ? k->mixed : k->sum;
+  *own = channels == 3 ? c : 0;
+  return &p->of[channels == 3 || mixed ? 0 : 1];
+}
+
+/* Luminance of sums of three channels, where the first channel's are. */
+static void mix(const ylm__virtual_plan *p, work *k) {
+  const ylm__virtual_sums *of = &p->of[0];
+  if (!(p->need & of->kinds)) return;
+  for (int block = 0; block < 3; block++)
+    for (int part = 0; part < PARTS; part++) {
+      static const int needs[3][PARTS] = {
+          {1, 2, 2, 2, 4, 4, 4, 4, 4, 4}, {2, 4, 4, 4}, {4}}; /* a kind of sums that has the part */
+      if (!(of->kinds & needs[block][part])) continue;
+      const size_t n = p->rows[block], at = of->at[block][part];
+      const vreal *x = k->sum + at;
+      for (size_t i = 0; i < n; i++)
+        k->mixed[at + i] = (real)YLM_LUMINANCE_R * x[i] + (real)YLM_LUMINANCE_G * x[n + i] +
+                           (real)YLM_LUMINANCE_B * x[2 * n + i];
+    }
+}
+
+static void value_of(const ylm__virtual_plan *p, const work *k, int channels, int c, vreal *out) {
+  const vreal *x;
+  int own;
+  const ylm__virtual_sums *s = sums_of(p, k, 1, channels, c, &x, &own);
+  x += s->at[0][0] + (size_t)own * p->rows[0];
+  for (size_t i = 0; i < p->rows[0]; i++) out[i] = p->value.COEF[i] * x[i];
+}
+
+/* By x: minus those by v. */
+static void gradient_of(const ylm__virtual_plan *p, const work *k, int channels, int c,
+                        vreal *out) {
+  const vreal *x;
+  int own;
+  const ylm__virtual_sums *s = sums_of(p, k, 2, channels, c, &x, &own);
+  const size_t n0 = p->rows[0], n1 = p->rows[1], at = (size_t)own;
+  for (size_t i = 0; i < n0; i++)
+    for (size_t a = 0; a < 3; a++)
+      out[3 * i + a] = -row_times(&p->once, 3 * i + a, x + s->at[1][0] + at * n1) -
+                       p->value.COEF[i] * x[s->at[0][1 + a] + at * n0 + i];
+}
+
+YLM_INLINE void bend(const ylm__virtual_plan *p, const ylm__virtual_sums *s, const vreal *x,
+                     size_t own, size_t i, vreal out[6]) {
+  static const size_t row[6] = {0, 0, 0, 1, 1, 2}, column[6] = {0, 1, 2, 1, 2, 2};
+  const size_t n0 = p->rows[0], n1 = p->rows[1], n2 = p->rows[2];
+  for (size_t q = 0; q < 6; q++)
+    out[q] = row_times(&p->twice, 6 * i + q, x + s->at[2][0] + own * n2) +
+             row_times(&p->once, 3 * i + row[q], x + s->at[1][1 + column[q]] + own * n1) +
+             row_times(&p->once, 3 * i + column[q], x + s->at[1][1 + row[q]] + own * n1) +
+             p->value.COEF[i] * x[s->at[0][4 + q] + own * n0 + i];
+}
+
+static void hessian_of(const ylm__virtual_plan *p, const work *k, int channels, int c, vreal *out) {
+  const vreal *x;
+  int own;
+  const ylm__virtual_sums *s = sums_of(p, k, 4, channels, c, &x, &own);
+  for (size_t i = 0; i < p->rows[0]; i++) bend(p, s, x, (size_t)own, i, out + 6 * i);
+}
+
+/* Writes rows of LANES numbers to points from `point` on, which have `stride` numbers each. */
+static void put(const ylm__virtual_plan *p, const vreal *rows, size_t n, size_t point, int lanes,
+                void *out, size_t first, size_t stride) {
+  const real *from = (const real *)rows;
+  for (int lane = 0; lane < lanes; lane++) {
+    size_t at = (point + (size_t)lane) * stride + first;
+    if (p->q->dtype == YLM_FLOAT)
+      for (size_t i = 0; i < n; i++) ((float *)out)[at + i] = (float)from[i * LANES + (size_t)lane];
+    else
+      for (size_t i = 0; i < n; i++)
+        ((double *)out)[at + i] = (double)from[i * LANES + (size_t)lane];
+  }
+}
+
+static void results(const ylm__virtual_plan *p, work *k, size_t point, int lanes,
+                    ylm_field_result *r) {
+  const ylm_field_query *q = p->q;
+  size_t n = p->rows[0], C = (size_t)q->channels;
+  for (int c = 0; c < q->channels; c++) {
+    if (q->want & YLM_WANT_VALUE) {
+      value_of(p, k, q->channels, c, k->out);
+      put(p, k->out, n, point, lanes, r->value, (size_t)c * n, C * n);
+    }
+    if (q->want & YLM_WANT_GRADIENT) {
+      gradient_of(p, k, q->channels, c, k->out);
+      put(p, k->out, 3 * n, point, lanes, r->gradient, (size_t)c * 3 * n, C * 3 * n);
+    }
+    if (q->want & YLM_WANT_HESSIAN) {
+      hessian_of(p, k, q->channels, c, k->out);
+      put(p, k->out, 6 * n, point, lanes, r->hessian, (size_t)c * 6 * n, C * 6 * n);
+    }
+  }
+}
+
+static void metric(const ylm__virtual_plan *p, work *k, size_t point, int lanes,
+                   ylm_field_result *r) {
+  int channels = p->q->metric_channels;
+  vreal lambda = vreal_set(0), norm = lambda, h[6];
+  for (int c = 0; c < channels; c++) {
+    const vreal *x;
+    int own;
+    const ylm__virtual_sums *s = sums_of(p, k, 4, channels, c, &x, &own);
+    for (size_t i = 0; i < p->rows[0]; i++) {
+      bend(p, s, x, (size_t)own, i, h);
+      vreal e = largest_eigenvalue(h);
+      lambda += e * e;
+    }
+    value_of(p, k, channels, c, k->out);
+    for (size_t i = 0; i < p->rows[0]; i++) norm += k->out[i] * k->out[i];
+  }
+  lambda = vreal_sqrt(lambda);
+  norm = vreal_sqrt(norm);
+  if (r->lambda) put(p, &lambda, 1, point, lanes, r->lambda, 0, 1);
+  if (r->norm) put(p, &norm, 1, point, lanes, r->norm, 0, 1);
+}
+
+ylm__virtual_range YLM_REAL_KERNEL(ylm__virtual_range);
+
+ylm_status YLM_REAL_KERNEL(ylm__virtual_range)(const ylm__virtual_plan *p, size_t begin, size_t end,
+                                               const void *points, ylm_field_result *r) {
+  work k = {.held = 0};
+  if (work_create(&k, p) != YLM_OK) return YLM_ENOMEM;
+  for (size_t point = begin; point < end; point += LANES) {
+    int lanes = end - point < LANES ? (int)(end - point) : LANES;
+    vreal xyz[3] = {vreal_set(0), vreal_set(0), vreal_set(0)};
+    for (int i = 0; i < LANES; i++)
+      for (size_t a = 0; a < 3; a++)
+        xyz[a][i] =
+            (real)ylm_get(p->q->dtype, points, 3 * (point + (size_t)(i < lanes ? i : 0)) + a);
+    add_all(p, &k, xyz);
+    mix(p, &k);
+    results(p, &k, point, lanes, r);
+    if (p->q->want & YLM_WANT_METRIC) metric(p, &k, point, lanes, r);
+    for (int i = 0; r->inside && i < lanes; i++) r->inside[point + (size_t)i] = 0;
+  }
+  ylm_free(k.S);
+  return YLM_OK;
+}
+
+#endif

@@ -1,0 +1,77 @@
+/*
+** plan.h - what a query about virtual lights sums, and how results follow.
+**
+** Private to the folder. With jets of E and of S_lm = G_l Y_lm by v, three blocks of rows are summed, each
+** times numbers of E; the rows of a light are, for lmax 4:
+**
+**   block  rows                                                            times
+**   0      G_l Y_lm                                            25          E, its gradient, its Hessian
+**   1      U_l Y_(l+1)m, D_l Y_(l-1)m                          35 + 16     E, its gradient
+**   2      UU_l Y_(l+2)m, UD_l Y_lm, DD_l Y_(l-2)m             45 + 25 + 9 E
+**
+** U = G' - l G/d, D = G' + (l+1) G/d, UU = U' - (l+1) U/d, and so on. Harmonics are unnormalised; the maps
+** have the factors. Sums are [part][channel][row].
+*/
+#ifndef YLM_LIGHT_VIRTUAL_PLAN_H
+#define YLM_LIGHT_VIRTUAL_PLAN_H
+
+#include "../moments/plan.h"
+#include "virtual.h"
+
+enum {
+  YLM__VIRTUAL_TILE = 8,    /* lights whose rows are kept together */
+  YLM__VIRTUAL_BLOCK = 128, /* lights that are summed without compensation */
+  YLM__VIRTUAL_SPECIAL = 4, /* degrees that code is written out for */
+  YLM__VIRTUAL_FLOAT = 8,   /* the highest degree that is summed in float */
+  YLM__VIRTUAL_PARTS = 10   /* 1, gradient, Hessian xx xy xz yy yz zz */
+};
+
+/* A product of rows and numbers of E: `channels` of these from `from` on. */
+typedef struct ylm__virtual_product {
+  int block, from, channels;
+  size_t to; /* the first sum */
+} ylm__virtual_product;
+
+/* Sums of three channels, or of luminance: bits of `kinds`: 1 value, 2 gradient, 4 Hessian. */
+typedef struct ylm__virtual_sums {
+  int kinds, channels;
+  int from;                                /* numbers of E begin here */
+  size_t at[3][YLM__VIRTUAL_PARTS], first; /* sums of a part of a block; the first one of all */
+} ylm__virtual_sums;
+
+typedef struct ylm__virtual_plan {
+  const ylm_light_virtual *lights;
+  const ylm_field_query *q;
+  int lmax, kinds;         /* of both */
+  size_t rows[3], width;   /* of blocks, and of all */
+  ylm__virtual_sums of[2]; /* three channels; luminance */
+  int need;                /* kinds that are wanted in luminance */
+  int products, numbers;   /* of E */
+  size_t sums;
+  ylm__virtual_product product[12];
+  ylm__rows value, once, twice; /* from rows to value, gradient [..][3], Hessian [..][6] */
+  const double *beta;           /* [lmax+3][lmax+3]: of the recurrences, by degree and order */
+} ylm__virtual_plan;
+
+ylm_status ylm__virtual_plan_create(ylm__virtual_plan *p, const ylm_light_virtual *v,
+                                    const ylm_field_query *q);
+void ylm__virtual_plan_free(ylm__virtual_plan *p);
+
+/* Sums at points begin .. end-1. */
+typedef ylm_status ylm__virtual_range(const ylm__virtual_plan *p, size_t begin, size_t end,
+                                      const void *points, ylm_field_result *r);
+/* The kernel of an instruction set for a query; NULL: there is none. */
+ylm__virtual_range *ylm__virtual_kernel(ylm_isa isa, const ylm_field_query *q);
+
+/* Numbers of a light as kernels see it, then of its emission [..][4]: red, green, blue, luminance. */
+enum {
+  YLM__VIRTUAL_AT,
+  YLM__VIRTUAL_NORMAL = 3,
+  YLM__VIRTUAL_SHIFT = 6,
+  YLM__VIRTUAL_RADIUS,
+  YLM__VIRTUAL_WIDTH2, /* sg^2 */
+  YLM__VIRTUAL_SOFT2,  /* eps^2 */
+  YLM__VIRTUAL_EMISSION
+};
+
+#endif
