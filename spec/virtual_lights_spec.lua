@@ -1,5 +1,6 @@
 -- Virtual lights: the model against vectors and closed forms, sets, refusals.
 
+local core = require "ylm.c.core"
 local ylm = require "ylm"
 local derivatives = require "spec.support.derivatives"
 local relative = require "spec.support.vectors".relative
@@ -123,5 +124,212 @@ describe("ylm.virtual_lights", function()
     assert.equal("2 virtual lights of degree 0, profile gauss", tostring(lights))
     assert.equal(2, lights.count)
     assert.equal(0, ylm.virtual_lights { at = {}, radius = 1, intensity = 1 }.count)
+  end)
+
+  local origin = { { 0, 0, 0 } }
+  local function double(lmax, l, x)
+    return ylm.light_field(lmax, l, ylm.array(x, "double"), { derivatives = 2, channels = "luminance" })
+  end
+
+  it("is a sphere light outside of a cap, and a point in the limit", function()
+    local ball = ylm.sphere_light { at = { 0, 0, 0 }, radius = 0.3, radiance = 2 / (math.pi * 0.09) }
+    local cap = ylm.virtual_lights { at = origin, radius = 0.3, intensity = 2, profile = "cap" }
+    local a, b = { double(6, cap, { { 0.3, 0.5, -0.2 } }) }, { double(6, ball, { { 0.3, 0.5, -0.2 } }) }
+    for k = 1, 3 do assert(relative(a[k], b[k]) < 1e-14) end
+    local x = { { 0.6, 0, 0.8 } }
+    local point = (double(4, ylm.virtual_lights { at = origin, intensity = 1, profile = "point" }, x))
+    for _, profile in ipairs { "gauss", "cap" } do
+      local errors = {}
+      for i, r in ipairs { 0.02, 0.01 } do
+        local L = double(4, ylm.virtual_lights { at = origin, radius = r, intensity = 1, profile = profile }, x)
+        errors[i] = relative(L, point)
+      end
+      assert.is_near(4, errors[1] / errors[2], 0.01)
+    end
+  end)
+
+  it("makes a floor of lights that shines on a ceiling by pi and on a wall by half of that", function()
+    local at, normal, intensity, rings, last = {}, {}, {}, 160, 0.01
+    for i = 1, rings do
+      local r = 0.01 * 10 ^ (4.5 * i / rings)
+      local area, middle = math.pi * (r * r - (i > 1 and last * last or 0)) / 24, math.sqrt((r * r + last * last) / 2)
+      for j = 1, 24 do
+        local phi = 2 * math.pi * (j + 0.5 * (i % 2)) / 24
+        at[#at + 1] = { middle * math.cos(phi), middle * math.sin(phi), 0 }
+        normal[#at], intensity[#at] = { 0, 0, 1 }, area
+      end
+      last = r
+    end
+    local floor = ylm.virtual_lights { at = at, normal = normal, intensity = intensity, profile = "point" }
+    local L = ylm.light_field(4, floor, { 0, 0, 1 }, { dtype = "double", channels = "luminance" })
+    local E = ylm.sh.irradiance(L, { { 0, 0, -1 }, { 1, 0, 0 } })
+    assert.is_near(math.pi, E:get(1, 1), 0.03)
+    assert.is_near(math.pi / 2, E:get(1, 2), 0.03)
+    assert.is_near(2 * math.pi / math.sqrt(4 * math.pi), L:get(1, 1), 0.02)
+    assert.is_near(-math.pi * math.sqrt(3 / (4 * math.pi)), L:get(1, 3), 0.02)
+  end)
+
+  it("sends 31/32 of its flux at lmax 4, and 17/16 at lmax 2, through a surface that faces it", function()
+    local one = ylm.virtual_lights { at = origin, normal = { { 0, 0, 1 } }, intensity = 1, profile = "point" }
+    for lmax, share in pairs { [4] = 0.96875, [2] = 1.0625 } do
+      local L, sum = double(lmax, one, { { 0, 0, 2 } }):totable()[1][1], 0
+      for l = 0, lmax do -- L is along -z
+        local a = l == 0 and math.pi or l == 1 and 2 * math.pi / 3 or l == 2 and math.pi / 4 or l == 4 and -math.pi / 24 or 0
+        sum = sum + a * L[l * l + l + 1] * math.sqrt((2 * l + 1) / (4 * math.pi)) * (-1) ^ l
+      end
+      assert.is_near(share / 4, sum, 1e-14)
+    end
+  end)
+
+  it("is linear, obeys Laplace, is nothing in its own plane", function()
+    local e = { 1, 0.3, -0.2, 0.5 }
+    local function of(scale, profile)
+      local b = {}
+      for k = 1, 4 do b[k] = scale * e[k] end
+      return ylm.virtual_lights { at = origin, normal = { { 0, 0, 1 } }, radius = 0.2, emission = { { b, b, b } },
+        profile = profile }
+    end
+    local x = { { 0.2, 0.4, 0.7 } }
+    local L, whole = double(4, of(1), x), double(4, of(3), x)
+    for k = 1, 25 do assert.is_near(3 * L:get(1, 1, k), whole:get(1, 1, k), 1e-14) end
+    assert(relative((double(4, { of(1), of(2) }, x)), whole) < 1e-14)
+    assert(core.array_within(ylm.light_field(4, of(1), { { 1, 2, 0 } }), 0))
+    local far, near = of(3):split { core = 0.7 }
+    local parts, all = { double(4, { far, near }, x) }, { double(4, of(3), x) }
+    for k = 1, 3 do assert(relative(parts[k], all[k]) < 1e-13) end
+    local point = ylm.virtual_lights { at = origin, intensity = 1, profile = "point" }
+    local value, _, H = double(4, point, x)
+    for l = 0, 4 do
+      for m = -l, l do
+        local k = l * (l + 1) + m + 1
+        local trace = H:get(1, 1, k, 1) + H:get(1, 1, k, 4) + H:get(1, 1, k, 6)
+        assert.is_near((l + 2) * (1 - l) * value:get(1, 1, k) / 0.69, trace, 1e-13)
+      end
+    end
+  end)
+
+  --- Lights and points in the unit cube, by math.random as it is seeded.
+  local function cloud(n, points)
+    local at, normal, intensity, x, N = {}, {}, {}, {}, {}
+    for i = 1, math.max(n, points) do
+      at[i] = { math.random(), math.random(), math.random() }
+      normal[i] = i % 2 == 0 and { 0, 0.6, 0.8 } or { 0, 0, -1 }
+      intensity[i] = { math.random(), 1, 2 }
+    end
+    for i = 1, points do
+      x[i], N[i] = { math.random(), math.random(), math.random() }, i % 2 == 0 and { 0, 1, 0 } or { 0.6, 0, -0.8 }
+    end
+    for i = n + 1, #at do at[i], normal[i], intensity[i] = nil, nil, nil end
+    return { at = at, normal = normal, intensity = intensity, radius = 0.02 }, x, N
+  end
+
+  it("sums near parts as their field does, as far as they reach", function()
+    math.randomseed(8)
+    local l, x, N = cloud(40, 70)
+    local _, near = ylm.virtual_lights(l):split { core = 1.2 }
+    local L, wanted = near:near_field(4, x), ylm.light_field(4, near, x)
+    assert(relative(L, wanted) < 4e-6)
+    local E, Y = near:irradiance(x, N):totable(), ylm.sh.eval(4, ylm.array(N)):totable()
+    local a = { math.pi, 2 * math.pi / 3, math.pi / 4, 0, -math.pi / 24 }
+    for i, row in ipairs(wanted:totable()) do
+      local sum = 0
+      for k = 1, 25 do sum = sum + a[math.floor(math.sqrt(k - 0.5)) + 1] * row[1][k] * Y[i][k] end
+      assert.is_near(sum, E[i][1], 2e-5 * (1 + math.abs(sum)))
+    end
+    -- what is farther than 1.6 cores counts as nothing
+    local _, small = ylm.virtual_lights(l):split { core = 0.15 }
+    local found = small:near_field(2, x)
+    for i = 1, 70, 9 do
+      local inside = { at = {}, normal = {}, intensity = {}, radius = 0.02 }
+      for k, p in ipairs(l.at) do
+        if (p[1] - x[i][1]) ^ 2 + (p[2] - x[i][2]) ^ 2 + (p[3] - x[i][3]) ^ 2 < 0.24 ^ 2 then
+          local n = #inside.at + 1
+          inside.at[n], inside.normal[n], inside.intensity[n] = p, l.normal[k], l.intensity[k]
+        end
+      end
+      local _, few = ylm.virtual_lights(inside):split { core = 0.15 }
+      local own = ylm.light_field(2, few, x[i])
+      for k = 1, 9 do assert.is_near(own:get(2, k), found:get(i, 2, k), 1e-4) end
+    end
+    local auto = ylm.virtual_lights(l):split()
+    assert.is_near(2 * 0.02 * math.sqrt(math.pi) / 1.5, auto.core, 1e-12)
+  end)
+
+  it("turns as the scene does", function()
+    math.randomseed(9)
+    local R = { { 1 / 3, -2 / 3, 2 / 3 }, { 2 / 3, -1 / 3, -2 / 3 }, { 2 / 3, 2 / 3, 1 / 3 } }
+    local b, x, n = {}, { 0.5, -0.4, 0.9 }, { 0.6, 0, 0.8 }
+    for k = 1, 9 do b[k] = math.random() - 0.5 end
+    local function of(normal, e)
+      return ylm.virtual_lights { at = origin, normal = { normal }, radius = 0.3, emission = { { e, e, e } } }
+    end
+    local c = ylm.sh.rotate(ylm.array(b), R):totable()
+    local turned = ylm.sh.rotate(double(4, of(n, b), { x })[1][1], R)
+    local function turn(v)
+      local out = {}
+      for i = 1, 3 do out[i] = R[i][1] * v[1] + R[i][2] * v[2] + R[i][3] * v[3] end
+      return out
+    end
+    assert(relative(double(4, of(turn(n), c), { turn(x) })[1][1], turned) < 1e-13)
+  end)
+
+  it("is baked by grids, and drawn by transfer vectors", function()
+    local lights = ylm.virtual_lights { at = { { 0, 0, 2 } }, normal = { { 0, 0, -1 } }, radius = 0.3, intensity = 5 }
+    local grid = ylm.bake(ylm.uniform_grid { bounds = { { -1, -1, 0 }, { 1, 1, 1 } }, cells = { 8, 8, 8 }, lmax = 3 }, lights)
+    local x = { { 0.1, 0.2, 0.3 } }
+    assert(relative(grid:sample(x), ylm.light_field(3, lights, x)) < 1e-3)
+    local floor = ylm.quad { corner = { -1, -1, 0 }, u = { 2, 0, 0 }, v = { 0, 2, 0 } }
+    local scene = ylm.scene "s" { geometry = floor, lights = lights,
+      camera = ylm.camera { from = { 2, 2, 2 }, at = { 0, 0, 0 } } }
+    local image = assert(scene:reference { size = { 16, 9 }, samples = 1, lmax = 3, visibility = "transfer" })
+    local sum = 0
+    for _, row in ipairs(image:layer("radiance"):totable()) do for _, p in ipairs(row) do sum = sum + p[1] end end
+    assert(sum > 0)
+    for _, name in ipairs { "raycast", "pathtrace", "render" } do
+      local good, message = pcall(scene[name], scene, { size = { 16, 9 }, samples = 1 })
+      assert.equal(false, good)
+      assert.truthy(message:find("virtual lights have no body, so rays see nothing of them", 1, true), message)
+    end
+  end)
+
+  it("refuses what is wrong with a sentence that names field and light", function()
+    local function said(given, wanted)
+      local l = { at = { { 0, 0, 0 }, { 1, 0, 0 } }, radius = 0.1, intensity = 1 }
+      for k, v in pairs(given) do l[k] = v ~= "none" and v or nil end
+      local good, message = pcall(ylm.virtual_lights, l)
+      assert.equal(false, good)
+      assert.truthy(message:find(wanted, 1, true), message)
+    end
+    local nan = 0 / 0
+    said({ radius = { 0.1, 0 } }, "light 2: radius must be above 0 for profile 'gauss'; profile 'point' has none")
+    said({ radius = "none" }, "field 'radius' is missing: profile 'gauss' has one")
+    said({ radius = { 0.1, -1 } }, "light 2: radius must be 0 to 1e+15, got -1")
+    said({ radius = { 0.1, nan } }, "light 2: radius must be")
+    said({ radius = { 1, 2, 3 } }, "radius must be a number, or one for each of the 2 lights")
+    said({ at = { { 0, 0, 0 }, { 1e16, 0, 0 } } }, "light 2: its place is not finite, or beyond 1e+15")
+    said({ normal = { { 0, 0, 1 }, { 0, 0, 2 } } }, "light 2: its normal must have length 1, or be 0")
+    said({ normal = { { 0, 0, 1 } } }, "normal must be [2][3] numbers, one for each light")
+    said({ shift = 2 }, "light 1: shift must be 0 to 1, got 2")
+    said({ intensity = { 1, nan } }, "light 2: its emission is not finite")
+    said({ intensity = "none" }, "give one of intensity and emission")
+    said({ emission = { { { 1 }, { 1 }, { 1 } } } }, "give one of intensity and emission, not both")
+    said({ intensity = "none", emission = { { 1, 2 } } }, "emission must be [2][3][(degree+1)^2] numbers, degree 0 to 8")
+    said({ profile = "far" }, "profile must be one of 'gauss', 'cap', 'point'")
+    local l = ylm.virtual_lights { at = origin, radius = 0.1, intensity = 1 }
+    local function fails(f, wanted)
+      local good, message = pcall(f)
+      assert.equal(false, good)
+      assert.truthy(message:find(wanted, 1, true), message)
+    end
+    fails(function() l:split { core = 0.2 } end, "light 1: core must be above twice the radius: core 0.2, radius 0.1")
+    fails(function() l:split { core = 0 } end, "core must be a number > 0, or 'auto'")
+    local far, near = l:split { core = 1 }
+    fails(function() far:split {} end, "lights of profile 'gauss' are split, and these are 'far'")
+    fails(function() l:irradiance({ { 0, 0, 0 } }, { { 0, 0, 1 } }) end, "the near part of split lights is gathered")
+    fails(function() near:irradiance({ { 0, 0, 0 } }, { { 0, 0, 1 }, { 0, 0, 1 } }) end, "one normal for each of 1 points")
+    local box = { { -1, -1, -1 }, { 1, 1, 1 } }
+    fails(function() ylm.bake(ylm.adaptive_grid { bounds = box, lmax = 2 }, near) end, "near lights are gathered")
+    fails(function() ylm.bake(ylm.adaptive_grid { bounds = box, lmax = 2, dynamic = true }, l) end,
+      "follows sphere lights and flat lights, this is baked from virtual lights")
   end)
 end)

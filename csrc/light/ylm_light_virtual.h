@@ -29,7 +29,7 @@
 **       ylm_light_virtual_free(lights);
 **     }
 **
-** Source  Mezieres & Paulin 2022, Secs. 3 and 5 (cap); docs/virtual.md, docs/math.md "Virtual lights"
+** Source  Mezieres & Paulin 2022, Secs. 3 and 5 (cap); docs/virtual.md
 */
 #ifndef YLM_LIGHT_VIRTUAL_H
 #define YLM_LIGHT_VIRTUAL_H
@@ -87,7 +87,7 @@ YLM_API ylm_status ylm_light_virtual_create(const ylm_light_virtual_form *form,
 /* Gives up one use of it; sets that hold it keep it alive. NULL is fine. */
 YLM_API void ylm_light_virtual_free(ylm_light_virtual *lights);
 YLM_API size_t ylm_light_virtual_count(const ylm_light_virtual *lights);
-/* What it was made from, normals and shifts always there; alive as long as the lights are. */
+/* Their form as it was given, normals and shifts always there; alive as long as the lights are. */
 YLM_API void ylm_light_virtual_get(const ylm_light_virtual *lights, ylm_light_virtual_form *form);
 /* Bytes of memory that the lights take. */
 YLM_API size_t ylm_light_virtual_bytes(const ylm_light_virtual *lights);
@@ -99,7 +99,7 @@ YLM_API ylm_light_virtual_profile ylm_light_virtual_profile_of(const char *name)
 YLM_API void ylm_light_virtual_power_one(const ylm_light_virtual *lights, size_t i,
                                          double power[3]);
 YLM_API void ylm_light_virtual_power(const ylm_light_virtual *lights, double power[3]);
-/* The same of a light that is not in a set: the integral of max(0, s + n.u) B(u) over all directions
+/* As that, of a light that is not in a set: the integral of max(0, s + n.u) B(u) over all directions
    u; normal NULL or 0: of B(u). emission: [3][(degree+1)^2]. */
 YLM_API void ylm_light_virtual_flux(const double *normal, double shift, int degree,
                                     const double *emission, double power[3]);
@@ -139,6 +139,33 @@ YLM_API bool ylm_light_set_has_virtual(const ylm_light_set *set);
 YLM_API ylm_status ylm_light_virtual_split(const ylm_light_virtual *lights, double core,
                                            ylm_light_virtual **far, ylm_light_virtual **near,
                                            ylm_error *e);
+
+/* How far in cores lights of profile near are summed by the two functions below: R times this. */
+#define YLM_LIGHT_VIRTUAL_REACH 1.6
+/*
+** ylm_light_virtual_near_irradiance - add the irradiance by lights near to points with normals.
+**
+**   lights   in      of profile near
+**   lmax     in      of the clamped cosine, 0 .. YLM_LIGHT_LMAX
+**   points   in      [n][3]
+**   normals  in      [n][3] of length 1
+**   out      in out  [n][3]  W m^-2
+**
+** Lights farther than 1.6 R count as nothing; a point's result depends on the point and the lights alone,
+** and is rounded as a field's in float. Each light adds E sum_l a_l (2l+1)/(4 pi) G_l P_l(w.N), a_l
+** being pi, 2 pi/3, pi/4, ..: what coefficients to lmax give.
+**
+** Returns  YLM_OK; YLM_EINVAL (another profile), YLM_ERANGE (lmax), YLM_EDOMAIN (a point or normal that
+**          is not finite), YLM_ENOMEM
+*/
+YLM_API ylm_status ylm_light_virtual_near_irradiance(const ylm_light_virtual *lights, int lmax,
+                                                     size_t n, const float *points,
+                                                     const float *normals, int threads, float *out,
+                                                     ylm_error *e);
+/* As that, of coefficients: out [n][3][(lmax+1)^2], added to. */
+YLM_API ylm_status ylm_light_virtual_near_value(const ylm_light_virtual *lights, int lmax, size_t n,
+                                                const float *points, int threads, float *out,
+                                                ylm_error *e);
 
 #ifdef __cplusplus
 }

@@ -112,6 +112,13 @@ local function check_rays(name, lights, depth)
   end
 end
 
+--- Raises where a traced scene has lights that rays see nothing of.
+function tracing.check_bodies(name, t)
+  if core.type(t.lights) ~= "ylm.lights" or not core.lights_has_virtual(t.lights) then return end
+  return check.fail("%s: virtual lights have no body, so rays see nothing of them: bake them, or take visibility = "
+    .. '"transfer", or view:gather', name)
+end
+
 --- A traced scene with other lights, which are those of the scene no more: as tracing.trace returns it; nil, message, code.
 function tracing.relight(name, t, lights)
   local start = core.seconds()

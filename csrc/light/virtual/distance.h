@@ -115,7 +115,7 @@ YLM_INLINE void smooth(const int profile, const int lmax, const int order, const
   }
 }
 
-/* The same of a cap: a sphere light's of the same radius; inside of it a hemisphere's. */
+/* B0, B1, B2 of a cap: a sphere light's of the same radius; inside of it a hemisphere's. */
 YLM_INLINE void cap(const int lmax, const int order, const real *lamp, vreal d2, vreal inv2,
                     vreal *B) {
   real r2 = lamp[YLM__VIRTUAL_RADIUS] * lamp[YLM__VIRTUAL_RADIUS];

@@ -154,19 +154,34 @@ typedef struct work {
   int held; /* lights in the tile */
 } work;
 
-static ylm_status work_create(work *k, const ylm__virtual_plan *p) {
-  size_t count = (size_t)(p->lmax + 1) * (size_t)(p->lmax + 1);
-  size_t sizes[] = {TILE * p->width, TILE * (size_t)p->numbers, p->sums, p->sums, p->sums, p->sums,
-                    6 * count};
-  size_t all = 0;
-  for (size_t i = 0; i < 7; i++) all += sizes[i];
-  vreal *x = ylm_alloc_zero(all, sizeof *x);
-  if (!x) return YLM_ENOMEM;
-  vreal **slots[] = {&k->S, &k->E, &k->sum, &k->part, &k->lost, &k->mixed, &k->out};
-  for (size_t i = 0; i < 7; i++) *slots[i] = x, x += sizes[i];
+/* Of the recurrences of emissions. */
+static void find_beta(double *beta) {
   for (int l = 1; l <= YLM_LIGHT_VIRTUAL_DEGREE; l++)
-    for (int m = 0; m <= l; m++) k->beta[l * (YLM_LIGHT_VIRTUAL_DEGREE + 1) + m] = YLM__BETA(l, m);
-  return YLM_OK;
+    for (int m = 0; m <= l; m++) beta[l * (YLM_LIGHT_VIRTUAL_DEGREE + 1) + m] = YLM__BETA(l, m);
+}
+
+/* Sizes of a work's arrays. */
+static void sizes_of(const ylm__virtual_plan *p, size_t sizes[7]) {
+  sizes[0] = TILE * p->width, sizes[1] = TILE * (size_t)p->numbers;
+  for (int i = 2; i < 6; i++) sizes[i] = p->sums;
+  sizes[6] = 6 * (size_t)(p->lmax + 1) * (size_t)(p->lmax + 1);
+}
+
+static size_t room_of(const ylm__virtual_plan *p) {
+  size_t sizes[7], all = 0;
+  sizes_of(p, sizes);
+  for (int i = 0; i < 7; i++) all += sizes[i];
+  return all;
+}
+
+/* A work whose arrays are at x, of room_of vectors. */
+static void work_place(work *k, const ylm__virtual_plan *p, vreal *x) {
+  size_t sizes[7];
+  vreal **slots[] = {&k->S, &k->E, &k->sum, &k->part, &k->lost, &k->mixed, &k->out};
+  sizes_of(p, sizes);
+  for (int i = 0; i < 7; i++) *slots[i] = x, x += sizes[i];
+  find_beta(k->beta);
+  k->held = 0;
 }
 
 /* -- stages, each made for what it is constant in ------------------------------------------- */
@@ -234,8 +249,16 @@ static send_fn *const senders[2][3] = {{rgb_0, rgb_1, rgb_2}, {lum_0, lum_1, lum
 
 static int order_of(int kinds) { return kinds & 4 ? 2 : kinds & 2 ? 1 : 0; }
 
-/* The light's rows and numbers to the tile, unless it sends nothing to any lane. */
-static void add_light(const ylm__virtual_plan *p, work *k, const real *lamp, const vreal xyz[3]) {
+/* A light that sends nothing to the other lanes. */
+YLM_INLINE void dim(seen *s, vmask lit) {
+  s->cosine = keep_lanes(lit, s->cosine);
+  for (int a = 0; a < 3; a++) s->normal[a] = keep_lanes(lit, s->normal[a]);
+}
+
+/* The light's rows and numbers to the tile, unless it sends nothing to any lane; nor farther than the
+   root of reach2, where that is above 0. */
+YLM_INLINE void add_light(const ylm__virtual_plan *p, work *k, const real *lamp, const vreal xyz[3],
+                          const real reach2) {
   const ylm_light_virtual_profile profile = p->lights->profile;
   const bool sharp = profile == YLM_LIGHT_VIRTUAL_POINT || profile == YLM_LIGHT_VIRTUAL_CAP;
   const int order = order_of(p->kinds);
@@ -243,11 +266,12 @@ static void add_light(const ylm__virtual_plan *p, work *k, const real *lamp, con
   seen s;
   for (int a = 0; a < 3; a++) v[a] = lamp[a] - xyz[a];
   vreal d2 = v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
+  if (reach2 > 0 && !any(d2 < reach2)) return;
   if (!look(lamp, v, d2, &s)) return;
+  if (reach2 > 0) dim(&s, d2 < reach2);
   if (sharp) {
     vmask apart = d2 > 0;
-    s.cosine = keep_lanes(apart, s.cosine);
-    for (int a = 0; a < 3; a++) s.normal[a] = keep_lanes(apart, s.normal[a]);
+    dim(&s, apart);
     d2 = choose(apart, d2, vreal_set(1));
   } else
     d2 = larger(d2, vreal_set(NEAREST * lamp[YLM__VIRTUAL_WIDTH2]));
@@ -280,7 +304,7 @@ static void add_all(const ylm__virtual_plan *p, work *k, const vreal xyz[3]) {
     size_t end = n - first < YLM__VIRTUAL_BLOCK ? n : first + YLM__VIRTUAL_BLOCK;
     memset(k->part, 0, p->sums * sizeof *k->part);
     for (size_t i = first; i < end; i++) {
-      add_light(p, k, p->lights->LAMPS + i * stride, xyz);
+      add_light(p, k, p->lights->LAMPS + i * stride, xyz, 0);
       if (k->held == TILE) flush(p, k);
     }
     flush(p, k);
@@ -417,12 +441,84 @@ static void metric(const ylm__virtual_plan *p, work *k, size_t point, int lanes,
   if (r->norm) put(p, &norm, 1, point, lanes, r->norm, 0, 1);
 }
 
+#ifdef YLM_REAL_IS_FLOAT
+/* -- lights nearby -------------------------------------------------------------------------- */
+
+/* Irradiance by one light at points with normals N. */
+YLM_INLINE void shine(const ylm__virtual_plan *p, const float *zonal, const real *lamp,
+                      float reach2, const vreal xyz[3], const vreal N[3], vreal sum[3]) {
+  vreal v[3], B[3 * (YLM_LIGHT_LMAX + 1)], E[3];
+  seen s;
+  double beta[(YLM_LIGHT_VIRTUAL_DEGREE + 1) * (YLM_LIGHT_VIRTUAL_DEGREE + 1)];
+  for (int a = 0; a < 3; a++) v[a] = lamp[a] - xyz[a];
+  vreal d2 = v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
+  if (!any(d2 < reach2) || !look(lamp, v, d2, &s)) return;
+  dim(&s, d2 < reach2);
+  d2 = larger(d2, vreal_set(NEAREST * lamp[YLM__VIRTUAL_WIDTH2]));
+  vreal inv = inverse_root(d2), z = (v[0] * N[0] + v[1] * N[1] + v[2] * N[2]) * inv;
+  smooth(YLM_LIGHT_VIRTUAL_NEAR, p->lmax, 0, lamp, (real)p->lights->core, d2, inv * inv, B);
+  vreal P = vreal_set(1), before = vreal_set(0), all = before;
+  for (int l = 0; l <= p->lmax; l++) {
+    all += zonal[l] * B[3 * l] * P;
+    vreal next = ((2 * (real)l + 1) * z * P - (real)l * before) * (1 / (real)(l + 1));
+    before = P, P = next;
+  }
+  if (p->lights->degree > 2) find_beta(beta);
+  rgb_0(&s, p->lights->degree, beta, lamp, E);
+  for (int c = 0; c < 3; c++) sum[c] += E[c] * all;
+}
+
+static void load(const float (*from)[3], int lanes, vreal to[3]) {
+  for (size_t a = 0; a < 3; a++)
+    for (int i = 0; i < LANES; i++) to[a][i] = from[i < lanes ? i : 0][a];
+}
+
+ylm__virtual_near_fn YLM_KERNEL(ylm__virtual_near);
+
+ylm_status YLM_KERNEL(ylm__virtual_near)(const ylm__virtual_plan *p, const ylm__virtual_near *near,
+                                         void **scratch) {
+  const size_t stride = p->lights->stride;
+  const float *lamps = p->lights->seen_f, reach2 = near->reach * near->reach;
+  vreal xyz[3] = {vreal_set(0), vreal_set(0), vreal_set(0)}, N[3] = {xyz[0], xyz[0], xyz[0]},
+        sum[3] = {xyz[0], xyz[0], xyz[0]};
+  load(near->points, near->lanes, xyz);
+  if (near->normals) {
+    load(near->normals, near->lanes, N);
+    for (size_t i = 0; i < near->n; i++)
+      shine(p, near->zonal, lamps + near->list[i] * stride, reach2, xyz, N, sum);
+    for (int i = 0; i < near->lanes; i++)
+      for (size_t c = 0; c < 3; c++) near->out[i][c] += sum[c][i];
+    return YLM_OK;
+  }
+  if (!*scratch) *scratch = ylm_alloc_zero(room_of(p), sizeof(vreal));
+  if (!*scratch) return YLM_ENOMEM;
+  work own, *k = &own;
+  work_place(k, p, *scratch);
+  memset(k->part, 0, p->sums * sizeof *k->part);
+  for (size_t i = 0; i < near->n; i++) {
+    add_light(p, k, lamps + near->list[i] * stride, xyz, reach2);
+    if (k->held == TILE) flush(p, k);
+  }
+  flush(p, k);
+  ylm_copy(k->sum, k->part, p->sums * sizeof *k->part);
+  for (int c = 0; c < 3; c++) {
+    value_of(p, k, 3, c, k->out);
+    for (int i = 0; i < near->lanes; i++)
+      for (size_t j = 0; j < p->rows[0]; j++)
+        near->out[i][(size_t)c * p->rows[0] + j] += k->out[j][i];
+  }
+  return YLM_OK;
+}
+#endif
+
 ylm__virtual_range YLM_REAL_KERNEL(ylm__virtual_range);
 
 ylm_status YLM_REAL_KERNEL(ylm__virtual_range)(const ylm__virtual_plan *p, size_t begin, size_t end,
                                                const void *points, ylm_field_result *r) {
-  work k = {.held = 0};
-  if (work_create(&k, p) != YLM_OK) return YLM_ENOMEM;
+  work k;
+  vreal *room = ylm_alloc_zero(room_of(p), sizeof *room);
+  if (!room) return YLM_ENOMEM;
+  work_place(&k, p, room);
   for (size_t point = begin; point < end; point += LANES) {
     int lanes = end - point < LANES ? (int)(end - point) : LANES;
     vreal xyz[3] = {vreal_set(0), vreal_set(0), vreal_set(0)};
@@ -436,7 +532,7 @@ ylm_status YLM_REAL_KERNEL(ylm__virtual_range)(const ylm__virtual_plan *p, size_
     if (p->q->want & YLM_WANT_METRIC) metric(p, &k, point, lanes, r);
     for (int i = 0; r->inside && i < lanes; i++) r->inside[point + (size_t)i] = 0;
   }
-  ylm_free(k.S);
+  ylm_free(room);
   return YLM_OK;
 }
 

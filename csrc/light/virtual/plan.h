@@ -63,6 +63,25 @@ typedef ylm_status ylm__virtual_range(const ylm__virtual_plan *p, size_t begin, 
 /* The kernel of an instruction set for a query; NULL: there is none. */
 ylm__virtual_range *ylm__virtual_kernel(ylm_isa isa, const ylm_field_query *q);
 
+/*
+** Lights of a list at `lanes` points, at most as many as a vector has: adds to out [lanes][3][count] their
+** coefficients by the plan's query, of three channels, or with normals [lanes][3] to out [lanes][3] the
+** irradiance by zonal [lmax+1]. Lights farther than `reach` are nothing. scratch: as NULL at a worker's
+** first call; freed by the caller.
+*/
+typedef struct ylm__virtual_near {
+  const uint32_t *list;
+  size_t n;
+  int lanes;
+  const float (*points)[3], (*normals)[3], *zonal;
+  float reach;
+  float *out[16];
+} ylm__virtual_near;
+typedef ylm_status ylm__virtual_near_fn(const ylm__virtual_plan *p, const ylm__virtual_near *near,
+                                        void **scratch);
+/* That function and how many points it takes. NULL: there is none. */
+ylm__virtual_near_fn *ylm__virtual_near_kernel(ylm_isa isa, int *lanes);
+
 /* Numbers of a light as kernels see it, then of its emission [..][4]: red, green, blue, luminance. */
 enum {
   YLM__VIRTUAL_AT,

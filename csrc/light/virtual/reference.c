@@ -16,7 +16,7 @@
 **   grad E = -(e - u (u.e))/D
 **   hess E = (H - (Hu) u' - u (Hu)' + u u' (u.Hu) - e u' - u e' + 3 u u' (u.e) - (u.e))/D^2
 **
-** Source  docs/math.md "Virtual lights"
+** Source  docs/virtual.md
 */
 #include <string.h>
 
@@ -64,7 +64,7 @@ static void gaussian(double t, double a[3]) {
   }
 }
 
-/* The same of a core, by o. */
+/* a0, a1, a2 of a core, by o. */
 static void hollow(double o, double a[3]) {
   double rest = exp(-o), g = -expm1(-o);
   a[0] = g;

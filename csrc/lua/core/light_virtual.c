@@ -98,20 +98,26 @@ static int lights_virtual(lua_State *L) {
   return s == YLM_OK ? push_set(L, v) : ylmL_result(L, 0, s, &e);
 }
 
-/* lights_virtual_info(lights) -> { count, degree, profile, core | nil, radius, bytes, power = {r, g, b} },
-   radius being the largest */
+/* lights_virtual_info(lights) -> { count, degree, profile, core | nil, bytes, power = {r, g, b},
+   radius = { mean, max } } */
 static int lights_virtual_info(lua_State *L) {
   ylm_light_virtual *v = lights_at(L, 1);
   ylm_light_virtual_form f;
-  double power[3], largest = 0;
+  double power[3], largest = 0, sum = 0;
   ylm_light_virtual_get(v, &f);
   ylm_light_virtual_power(v, power);
-  for (size_t i = 0; i < f.n; i++) largest = f.radius[i] > largest ? f.radius[i] : largest;
+  for (size_t i = 0; i < f.n; i++) {
+    largest = f.radius[i] > largest ? f.radius[i] : largest;
+    sum += f.radius[i];
+  }
   lua_createtable(L, 0, 8);
   ylmL_set_count(L, "count", f.n);
   ylmL_set_count(L, "degree", (uint64_t)f.degree);
   ylmL_set_count(L, "bytes", ylm_light_virtual_bytes(v));
-  ylmL_set_number(L, "radius", largest);
+  lua_createtable(L, 0, 2);
+  ylmL_set_number(L, "mean", f.n ? sum / (double)f.n : 0);
+  ylmL_set_number(L, "max", largest);
+  lua_setfield(L, -2, "radius");
   if (f.core > 0) ylmL_set_number(L, "core", f.core);
   lua_pushstring(L, ylm_light_virtual_profile_name(f.profile));
   lua_setfield(L, -2, "profile");
@@ -160,6 +166,32 @@ static int lights_virtual_split(lua_State *L) {
   return ylmL_result(L, 2, s, &e);
 }
 
+/* The float array at `i`; raises otherwise. */
+static const ylmL_array *floats(lua_State *L, int i) {
+  const ylmL_array *a = ylmL_array_check(L, i);
+  if (a->dtype != YLM_FLOAT) luaL_argerror(L, i, "a float array expected");
+  return a;
+}
+
+/* lights_virtual_near(lights, lmax, points [n][3], normals [n][3] | nil, threads, out) -> true. Adds to
+   out, with normals [n][3] irradiance, else [n][3][(lmax+1)^2] coefficients; arrays are float. */
+static int lights_virtual_near(lua_State *L) {
+  ylm_error e = {0};
+  const ylm_light_virtual *v = lights_at(L, 1);
+  int lmax = (int)luaL_checknumber(L, 2), threads = (int)luaL_checknumber(L, 5);
+  const ylmL_array *points = floats(L, 3), *out = floats(L, 6);
+  const ylmL_array *normals = lua_isnil(L, 4) ? NULL : floats(L, 4);
+  size_t n = points->count / 3, wide = normals ? 3 : 3 * YLM_LIGHT_VIRTUAL_NUMBERS(lmax);
+  if (lmax < 0 || (normals && normals->count != 3 * n) || out->count != n * wide)
+    return ylmL_result(L, 0, YLM_ESHAPE, NULL);
+  ylm_status s =
+      normals ? ylm_light_virtual_near_irradiance(v, lmax, n, points->data, normals->data, threads,
+                                                  out->data, &e)
+              : ylm_light_virtual_near_value(v, lmax, n, points->data, threads, out->data, &e);
+  lua_pushboolean(L, true);
+  return ylmL_result(L, 1, s, &e);
+}
+
 /* lights_has_virtual(lights) -> boolean */
 static int lights_has_virtual(lua_State *L) {
   lua_pushboolean(L, ylm_light_set_has_virtual(ylmL_lights_check(L, 1)));
@@ -170,6 +202,7 @@ static const luaL_Reg functions[] = {{"lights_virtual", lights_virtual},
                                      {"lights_virtual_info", lights_virtual_info},
                                      {"lights_virtual_arrays", lights_virtual_arrays},
                                      {"lights_virtual_split", lights_virtual_split},
+                                     {"lights_virtual_near", lights_virtual_near},
                                      {"lights_has_virtual", lights_has_virtual},
                                      {NULL, NULL}};
 

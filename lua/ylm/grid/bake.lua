@@ -229,6 +229,9 @@ function bake.bake(description, lights, given)
     return check.bad(3, "bake", "a grid with dynamic = true sums its lights exactly: leave light_tolerance out")
   end
   local packed, failed, why = lights
+  if form.kind(lights) == "virtual_lights" and lights.profile == "near" then
+    return check.bad(2, "bake", "near lights are gathered where they are needed, with near:irradiance; bake the far ones")
+  end
   if type(lights) ~= "function" then
     packed, failed, why = light.field(2, "bake", lights)
     if not packed then return nil, failed, why end

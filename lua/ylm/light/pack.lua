@@ -131,7 +131,9 @@ end
 
 --- The words for a light field that is not of lights alone.
 function pack.other(object)
-  return type(object) == "function" and "a function" or "another light field"
+  if type(object) == "function" then return "a function" end
+  local virtual = core.type(object) == "ylm.lights" and core.lights_has_virtual(object)
+  return virtual and "virtual lights" or "another light field"
 end
 
 return pack

@@ -1,5 +1,6 @@
 --- Virtual lights: ylm.virtual_lights.
 
+local array = require "ylm.array"
 local check = require "ylm.check"
 local core = require "ylm.c.core"
 local describe = require "ylm.describe".describe
@@ -28,7 +29,9 @@ local function each(name, value, n, fail)
 end
 
 local function rows_of(name, value, wanted, n, fail)
-  return numbers(name, value, wanted, function(s) return #s == 2 and s[2] == 3 and (not n or s[1] == n) end, fail)
+  return numbers(name, value, wanted, function(s)
+    return #s == 2 and s[2] == 3 and s[1] == n or n == 0 and #s == 1 and s[1] == 0
+  end, fail)
 end
 
 local function intensity(value, n, fail)
@@ -111,15 +114,29 @@ function methods:arrays()
   return check.result("arrays", core.lights_virtual_arrays(self.lights))
 end
 
+--- Types of options: a number above 0, or "auto".
+function form.types.core(x)
+  if x == "auto" or check.is_number(x) and x > 0 then return x end
+  return nil, "a number > 0, or 'auto'"
+end
+
+--- The core that makes far and near parts cost about the same: 0.31 n^(1/4) spacings, 2 to 12. Lights that particles left
+-- have radii of 1.5/sqrt(pi) spacings (scale = 1.5), the mean of which says what a spacing is.
+local function auto_core(l)
+  local spacings = math.max(2, math.min(12, 0.31 * l.count ^ 0.25))
+  return math.max(spacings * l.radius.mean * math.sqrt(math.pi) / 1.5, 2.01 * l.radius.max)
+end
+
 local split_options = {
-  { "core", "number", above = 0, unit = "scene units",
-    about = "how far a light is near: above twice the largest radius; some 3 spacings of the lights" },
+  { "core", "core", default = "auto", unit = "scene units",
+    about = "how far a light is near: above twice the largest radius, some 3 spacings of the lights; 'auto': 2 to 12 spacings "
+      .. "by the number of lights, their mean radius saying what a spacing is" },
 }
 
 describe "virtual_lights:split" {
   about = "Two sets of lights whose sum these lights are: a far part that is smooth on the scale of `core`, which is baked, "
     .. "and a near part that ends at 1.6 cores, which is summed where it is needed. Lights of profile gauss.",
-  arguments = { { "options", "table", "core, see the options" } },
+  arguments = { { "options?", "table", "core, see the options" } },
   options = split_options,
   returns = { { "far", "virtual_lights", "" }, { "near", "virtual_lights", "" } },
   errors = "raises on lights of another profile and on a core that is too small; nil, message, 'ENOMEM' where memory runs out",
@@ -131,9 +148,87 @@ assert(far.core == 1 and near.profile == "near")]],
 function methods:split(given)
   open(self, "split")
   local o = form.options(1, "split", split_options, given)
-  local far, near, code = core.lights_virtual_split(self.lights, o.core)
+  if self.profile ~= "gauss" then
+    return check.fail("split: lights of profile 'gauss' are split, and these are '%s'", self.profile)
+  end
+  local size = o.core == "auto" and auto_core(self) or o.core
+  local far, near, code = core.lights_virtual_split(self.lights, size)
   if far then return virtual.wrap(far), virtual.wrap(near) end
   return check.result("split", nil, near, code)
+end
+
+local near_options = {
+  { "lmax", "integer", min = 0, max = core.limits.lmax, default = 4, about = "of the clamped cosine" },
+  form.threads,
+}
+
+describe "virtual_lights:irradiance" {
+  about = "Irradiance by the near parts of lights (lights:split) at points with normals: what sampling a grid of the far "
+    .. "parts lacks. Lights beyond 1.6 cores count as nothing.",
+  arguments = {
+    { "points", "array|table", "[n][3] or one point, scene units" },
+    { "normals", "array|table", "as many, of length 1" },
+    { "options?", "table", "see the options" },
+  },
+  options = near_options,
+  returns = { { "E", "array", "float [n][3], W m^-2, linear Rec. 709; of one point [3]" } },
+  errors = "raises on lights of another profile and on points that are not finite; nil, message, 'ENOMEM' where memory runs out",
+  example = [[
+local lights = ylm.virtual_lights { at = { { 0, 0, 1 } }, normal = { { 0, 0, -1 } }, radius = 0.2, intensity = 3 }
+local far, near = lights:split { core = 1 }
+local E = near:irradiance({ { 0, 0, 0.5 } }, { { 0, 0, 1 } })
+assert(E:get(1, 1) > 0)]],
+}
+function methods:irradiance(points, normals, given)
+  open(self, "irradiance")
+  local o = form.options(3, "irradiance", near_options, given)
+  if self.profile ~= "near" then
+    return check.fail("irradiance: the near part of split lights is gathered, and these are '%s'", self.profile)
+  end
+  local p, single = array.points(1, "irradiance", points, "float")
+  local n = array.points(2, "irradiance", normals, "float")
+  if #n ~= #p then return check.bad(2, "irradiance", "one normal for each of %d points expected, got %d", #p, #n) end
+  local out, message, code = core.array_zeros({ #p, 3 }, "float")
+  if out then
+    local good
+    good, message, code = core.lights_virtual_near(self.lights, o.lmax, p, n, o.threads or 0, out)
+    out = good and out
+  end
+  if not out then return check.result("irradiance", nil, message, code) end
+  return single and out[1] or out
+end
+
+describe "virtual_lights:near_field" {
+  about = "Coefficients of the near parts of lights (lights:split) at points, which are added to those that a grid of the far "
+    .. "parts has. Lights beyond 1.6 cores count as nothing.",
+  arguments = {
+    { "lmax", "integer", "highest degree, 0 to 100" },
+    { "points", "array|table", "[n][3], scene units" },
+    { "options?", "table", "threads" },
+  },
+  options = { form.threads },
+  returns = { { "L", "array", "float [n][3][(lmax+1)^2], W m^-2 sr^-1/2" } },
+  errors = "raises on lights of another profile and on points that are not finite; nil, message, 'ENOMEM' where memory runs out",
+  example = [[
+local lights = ylm.virtual_lights { at = { { 0, 0, 1 } }, normal = { { 0, 0, -1 } }, radius = 0.2, intensity = 3 }
+local far, near = lights:split { core = 1 }
+assert(near:near_field(2, { { 0, 0, 0.5 } }):get(1, 1, 1) > 0)]],
+}
+function methods:near_field(lmax, points, given)
+  open(self, "near_field")
+  check.integer(1, "near_field", "lmax", lmax, 0, core.limits.lmax)
+  local o = form.options(3, "near_field", { form.threads }, given)
+  if self.profile ~= "near" then
+    return check.fail("near_field: the near part of split lights is gathered, and these are '%s'", self.profile)
+  end
+  local p = array.points(2, "near_field", points, "float")
+  local out, message, code = core.array_zeros({ #p, 3, (lmax + 1) ^ 2 }, "float")
+  if out then
+    local good
+    good, message, code = core.lights_virtual_near(self.lights, lmax, p, nil, o.threads or 0, out)
+    out = good and out
+  end
+  return check.result("near_field", out or nil, message, code)
 end
 
 virtual.virtual_lights = form.define("virtual_lights", {

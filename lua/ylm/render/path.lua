@@ -170,6 +170,7 @@ function paths.pathtrace(s, given)
     seed = o.seed, share = 1.5, shading = "pixel", visibility = "rays", lmax = 0, threads = o.threads })
   if not view then return nil, message, code end
   local p = views.open("pathtrace", view)
+  tracing.check_bodies("pathtrace", p.traced)
   pictures.check_truth("pathtrace", p, o)
   local known = identity(s, o, first, last)
   local done = o.resume and check_resumed(o.resume, o, known) or 0
@@ -231,6 +232,7 @@ function paths.probe(s, given)
   end
   local t, message, code = tracing.trace("probe", s)
   if not t then return nil, message, code end
+  tracing.check_bodies("probe", t)
   local c, variance, stats = check.result("probe", t.lib.path_probe(t.handle, {
     points = points, normals = normals, lmax = o.lmax, samples = o.samples, first = first, last = last,
     strategy = o.strategy, error = o.error, seconds = o.seconds, seed = o.seed, threads = o.threads,

@@ -192,6 +192,7 @@ end
 --- Renders a prepared view by sampling the lamps; `method` for the metadata, default raycast.
 function shading.by_rays(name, p, o, method)
   pictures.check_truth(name, p, o)
+  tracing.check_bodies(name, p.traced)
   local device = devices.of(o.device)
   device:check_rays(name)
   if o.download == false then return device:room(name, p, o) end

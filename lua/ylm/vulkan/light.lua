@@ -31,7 +31,7 @@ local NO_OTHERS = "a device sums sphere, polygon, disk and textured lights; no o
 --- A packed object, argument `n` of `name`, if it is a set of lights.
 local function lights_of(n, name, packed)
   if light.followed(packed) then return packed end
-  return check.bad(n, name, NO_OTHERS)
+  return check.bad(n, name, NO_OTHERS .. (light.other(packed) == "virtual lights" and ", and here are virtual lights" or ""))
 end
 
 --- Lights on a device -> the gpu.
