@@ -12,7 +12,7 @@ local common = dofile(here .. "common.lua")
 local option = common.options { out = "out", width = 1000, samples = 256, rays = 0, quick = false }
 local rays = option.rays > 0 and option.rays or nil -- light samples of gloss = "auto"; nil: chosen by their noise
 local degrees = option.quick and { 4 } or { 4, 8, 14 }
-local alphas = { 0.05, 0.07, 0.1, 0.14, 0.19, 0.27, 0.38, 0.53, 0.73, 1 }
+local alphas = option.quick and { 0.5, 1 } or { 0.05, 0.07, 0.1, 0.14, 0.19, 0.27, 0.38, 0.53, 0.73, 1 }
 local size = { option.width, math.floor(0.115 * option.width) }
 
 -- The row -------------------------------------------------------------------------------------
@@ -20,7 +20,7 @@ local size = { option.width, math.floor(0.115 * option.width) }
 local STEP = 1.12
 local spheres = {}
 for i, alpha in ipairs(alphas) do
-  spheres[i] = ylm.sphere { at = { STEP * (i - 5.5), 0, 0 }, radius = 0.5, divide = { 256, 128 },
+  spheres[i] = ylm.sphere { at = { STEP * (i - (#alphas + 1) / 2), 0, 0 }, radius = 0.5, divide = { 256, 128 },
     material = ylm.ggx { alpha = alpha, f0 = { 0.95, 0.64, 0.54 } } }
 end
 local row = ylm.scene "ten spheres" {
@@ -41,7 +41,7 @@ local function errors(image, truth, k)
   local difference, square, sum, seen = 0, 0, 0, {}
   for y = 1, size[2] do
     for x = 1, size[1] do
-      local at = math.floor(position[y][x][1] / STEP + 6)
+      local at = math.floor(position[y][x][1] / STEP + #alphas / 2 + 1)
       if coverage[y][x][1] > 0.999 and (not k or at == k) then
         local d, n = 0, 0
         for c = 1, 3 do

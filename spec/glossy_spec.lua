@@ -337,7 +337,7 @@ describe("gloss = 'sh'", function()
       .. 'one), visibility is "rays": name one that fits, or leave gloss out')
     local ok, message = pcall(s.prepare, s, with({ lmax = 61, visibility = "none", gloss = "sh" }, picture))
     assert.is_false(ok)
-    assert.matches("tables of degree 0 to 60, here is light of degree 61: lower lmax, or shade them as matte ones", message)
+    assert.matches("tables of degree 0 to 60, here is light of degree 61: lower lmax, or set gloss = 'rays' or 'matte'", message)
     local v = s:prepare(with { lmax = 2, visibility = "transfer", gloss = "sh" })
     assert.has_error(function() v:transfer() end,
       'transfer: surfaces that gloss have no transfer vectors but as matte ones: prepare with gloss = "matte"')

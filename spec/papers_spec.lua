@@ -58,6 +58,15 @@ describe("examples/papers", function()
     assert(out:find "indirect light: %d+ probes" and out:find "and light gathered along links", out)
   end)
 
+  it("runs 08_glossy.lua, a small one", function()
+    local folder = scratch.new()
+    local out, status = scratch.capture(("%s examples/08_glossy.lua --out %s --width 100 --samples 4 --rays 16 --quick"):format(
+      os.getenv "YLM_LUA" or "lua5.4", scratch.quote(folder.path)))
+    folder:remove()
+    assert.equal(0, status, out)
+    assert(out:find "slices, lmax 4" and out:find "\nsh, lmax 4 " and out:find "points by rays, 16 light samples", out)
+  end)
+
   it("runs 06_many_lights.lua, a small one", function()
     local folder = scratch.new()
     local out, status = scratch.capture(("%s examples/06_many_lights.lua --out %s --count 4000 --most 1000"):format(

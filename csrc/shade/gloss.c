@@ -231,7 +231,7 @@ ylm_status ylm__shade_gloss_tables(const ylm_shade_view *v, int lmax, int thread
   if (lmax > YLM_MATERIAL_TABLE_LMAX)
     return ylm_fail(e, YLM_ERANGE,
                     "surfaces that gloss are shaded by tables of degree 0 to %d, here is light of "
-                    "degree %d: lower lmax, or shade them as matte ones",
+                    "degree %d: lower lmax, or set gloss = 'rays' or 'matte'",
                     YLM_MATERIAL_TABLE_LMAX, lmax);
   ylm_status s = tables_create(v, lmax, threads, progress, &made, e);
   if (s != YLM_OK) {

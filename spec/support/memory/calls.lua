@@ -349,6 +349,11 @@ calls["surfaces that gloss"] = on(scene, function(s)
   s.geometry[1].material = ylm.phong { exponent = 4 }
   return s:reference { size = size, samples = 1, lmax = 1, gloss = "sh", transfer_samples = 8 }
 end)
+calls["surfaces that gloss, by rays too"] = on(scene, function(s)
+  s.geometry[1].material = ylm.phong { exponent = 4 }
+  return s:reference { size = size, samples = 1, lmax = 1, gloss = "auto", transfer_samples = 8, light_samples = 2,
+    gloss_error = { 0.1, 1 } }
+end)
 for _, how in ipairs { "ssao", "rays" } do
   calls["ambient by " .. how] = on(scene, function(s)
     return s:render { size = size, samples = 1, light_samples = 2, ambient = how }
