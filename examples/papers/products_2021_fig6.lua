@@ -4,7 +4,7 @@
 --
 -- Writes products_2021_fig6.png. Each scene is prepared once (camera rays, visibility of every shading point) and shaded under
 -- two environments with two sets of materials: view:render { grid =, materials = }. Products are by quadrature; the same by
--- Fourier series differs by rounding ("Fourier"). Truth is direct light by paths, reflections = { 0, 1 }, of the same materials
+-- Fourier series differs by rounding ("Fourier"). Truth is direct light by paths, reflections = { 1, 1 }, of the same materials
 -- under the same environment, cut at the same order: errors are those of slices and visibility cut at n, of products cut at n,
 -- and of 512 occlusion rays a point. The paper's scenes, lights and materials are not published, and its figures print no
 -- errors: bodies here stand in for Lucy (n = 10), Dragon & Bunny and Plants & Teapot (n = 15).
@@ -98,19 +98,20 @@ for number, case in ipairs(cases) do
   if quick and number == 2 then break end
   local n = quick and 5 or case.n
   local camera = ylm.camera(case.camera)
+  --- Without light for views: skies in sight would stay those of the scene that they are prepared of.
   local function scene(k, light)
     return ylm.scene(case.name) { camera = camera, geometry = case.geometry(case.materials[k]), lights = { light } }
   end
   local view
   for k = 1, 2 do
     local light = ylm.environment_light { coefficients = ylm.sh.project(n - 1, lights[k]) }
-    view = view or assert(scene(k, light):prepare { relight = "material", size = size, samples = quick and 1 or 4, lmax = n - 1,
+    view = view or assert(scene(k):prepare { relight = "material", size = size, samples = quick and 1 or 4, lmax = n - 1,
       occlusion_distance = math.huge, transfer_samples = quick and 32 or 512 })
     local o = { grid = light, materials = case.materials[k], layers = true }
     local image, report = assert(view:render(o))
     o.product = "fourier"
     local fourier = quick and image or assert(view:render(o))
-    local truth, told = scene(k, light):pathtrace { size = size, samples = quick and 32 or option.paths, reflections = { 0, 1 } }
+    local truth, told = scene(k, light):pathtrace { size = size, samples = quick and 32 or option.paths, reflections = { 1, 1 } }
     local mask = common.surface_mask(ylm, image)
     local c = image:compare(truth, { mask = mask, flip = "hdr" })
     local norm = truth:compare(ylm.image { size = size }, { mask = mask }).rmse

@@ -110,6 +110,9 @@ function relight.check(name, o)
   if (o.materials or o.camera) and o.bounced then
     return check.fail("%s: light that bounces is that of the scene's materials and camera: leave bounces and indirect out", name)
   end
+  if (o.materials or o.camera or o.method or o.product) and o.device then
+    return check.fail("%s: materials, camera, method and product are the processor's: leave device out", name)
+  end
   if (o.materials or o.camera or o.method or o.product) and o.grid == nil then
     return check.fail("%s: materials, camera, method and product are of pictures by coefficients of light: give a grid, or "
       .. "lights, as grid", name)
