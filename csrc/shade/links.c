@@ -26,10 +26,11 @@ static uint64_t mix(uint64_t x) {
   return x ^ x >> 31;
 }
 
-/* Which points gloss: their number to l, and their numbers [points], behind which stand those of the others. */
-static uint32_t *sort_points(ylm_shade_links *l) {
+/* The points that do not gloss; the numbers of those that do go to l. NULL without memory. */
+static uint32_t *list_matte(ylm_shade_links *l) {
   const ylm_shade_view *v = l->view;
   uint32_t *point = ylm_alloc(v->points, sizeof *point);
+  size_t n = 0;
   l->before = ylm_alloc(v->points / BLOCK + 1, sizeof *l->before);
   if (!point || !l->before) {
     ylm_free(point);
@@ -37,10 +38,11 @@ static uint32_t *sort_points(ylm_shade_links *l) {
   }
   for (size_t i = 0; i < v->points; i++) {
     if (i % BLOCK == 0) l->before[i / BLOCK] = l->glossy;
-    if (ylm__shade_glosses(v, l->kind, i)) point[l->glossy++] = (uint32_t)i;
+    if (ylm__shade_glosses(v, l->kind, i))
+      l->glossy++;
+    else
+      point[n++] = (uint32_t)i;
   }
-  for (size_t i = 0, n = l->glossy; i < v->points; i++)
-    if (!ylm__shade_glosses(v, l->kind, i)) point[n++] = (uint32_t)i;
   return point;
 }
 
@@ -74,24 +76,67 @@ static ylm_status find_matte(ylm_shade_links *l, size_t n, const uint32_t *point
   return s;
 }
 
+/* Points from `begin` to `end`, of one pixel, that gloss: those of one mesh share `links` as they share the pixel, and have
+   four each at least. */
+static void list_pixel(ylm_shade_links *l, size_t begin, size_t end, uint32_t *out, size_t *n) {
+  const ylm_shade_view *v = l->view;
+  for (size_t i = begin; i < end; i++) {
+    if (!ylm__shade_glosses(v, l->kind, i)) continue;
+    double all = 0, own = v->corner || end - begin == 1 ? 1 : (double)v->entry[i].weight;
+    for (size_t k = begin; own < 1 && k < end; k++)
+      if (v->mesh[k] == v->mesh[i]) all += (double)v->entry[k].weight;
+    double part = all > own ? own / all : 1;
+    l->lobes.start[*n + 1] = l->lobes.start[*n] + 4 * (size_t)ceil(l->links * part / 4);
+    out[(*n)++] = (uint32_t)i;
+  }
+}
+
+/* All points that gloss, in their order; NULL without memory. Where every sample is shaded, or vertices are, points share
+   nothing. */
+static uint32_t *list_lobes(ylm_shade_links *l) {
+  const ylm_shade_view *v = l->view;
+  uint32_t *out = ylm_alloc(l->glossy, sizeof *out);
+  size_t n = 0;
+  l->lobes.start = ylm_alloc_zero(l->glossy + 1, sizeof *l->lobes.start);
+  if (!out || !l->lobes.start) {
+    ylm_free(out);
+    return NULL;
+  }
+  if (v->corner || v->o.share <= 0)
+    for (size_t i = 0; i < v->points; i++) list_pixel(l, i, i + 1, out, &n);
+  else
+    for (size_t p = 0; p < v->stats.pixels; p++)
+      list_pixel(l, v->pixel[p].first, v->pixel[p + 1].first, out, &n);
+  return out;
+}
+
+/* Links of the points that gloss. */
+static ylm_status find_lobes(ylm_shade_links *l, const uint64_t *stream, uint64_t seed, int threads,
+                             const ylm_progress *progress) {
+  uint32_t *point = list_lobes(l);
+  if (!point) return YLM_ENOMEM;
+  size_t n = l->lobes.start[l->glossy];
+  l->lobes.link = ylm_alloc(n, sizeof *l->lobes.link);
+  l->lobes.weight = ylm_alloc(n, 3 * sizeof *l->lobes.weight);
+  l->lobes.most = ylm_alloc(l->glossy, sizeof *l->lobes.most);
+  ylm_status s = l->lobes.link && l->lobes.weight && l->lobes.most ? YLM_OK : YLM_ENOMEM;
+  if (s == YLM_OK)
+    s = ylm__shade_lobes(l->view, l->transfer, l->glossy, point, stream, (size_t)l->links, seed,
+                         threads, progress, &l->lobes);
+  ylm_free(point);
+  return s;
+}
+
 /* Links of all points, those that gloss told apart; `alone`: of these. */
 static ylm_status find_both(ylm_shade_links *l, bool alone, const uint64_t *stream, uint64_t seed,
                             int threads, const ylm_progress *progress, ylm_error *e) {
-  uint32_t *point = sort_points(l);
-  size_t n = l->glossy, matte = l->view->points - n, links = (size_t)l->links;
-  if (!alone) l->link = ylm_alloc(matte, links * sizeof *l->link);
-  l->lobes.link = ylm_alloc(n, links * sizeof *l->lobes.link);
-  l->lobes.weight = ylm_alloc(n, 3 * links * sizeof *l->lobes.weight);
-  l->lobes.most = ylm_alloc(n, sizeof *l->lobes.most);
-  bool room = point && (alone || l->link) && l->lobes.link && l->lobes.weight && l->lobes.most;
-  ylm_status s = room ? YLM_OK : YLM_ENOMEM;
-  if (s == YLM_OK && !alone)
-    s = find_matte(l, matte, point + n, stream, seed, threads, progress, e);
-  if (s == YLM_OK)
-    s = ylm__shade_lobes(l->view, l->transfer, n, point, stream, l->links, seed, threads, progress,
-                         &l->lobes);
-  ylm_free(point);
-  return s;
+  uint32_t *matte = list_matte(l);
+  size_t n = l->view->points - l->glossy;
+  if (!alone) l->link = ylm_alloc(n, (size_t)l->links * sizeof *l->link);
+  ylm_status s = matte && (alone || l->link) ? YLM_OK : YLM_ENOMEM;
+  if (s == YLM_OK && !alone) s = find_matte(l, n, matte, stream, seed, threads, progress, e);
+  ylm_free(matte);
+  return s == YLM_OK ? find_lobes(l, stream, seed, threads, progress) : s;
 }
 
 /* Whether a surface in sight glosses. */
@@ -138,6 +183,7 @@ void ylm_shade_links_free(ylm_shade_links *l) {
   if (!l) return;
   ylm_free(l->link);
   ylm_free(l->before);
+  ylm_free(l->lobes.start);
   ylm_free(l->lobes.link);
   ylm_free(l->lobes.weight);
   ylm_free(l->lobes.most);
@@ -145,12 +191,14 @@ void ylm_shade_links_free(ylm_shade_links *l) {
 }
 
 void ylm_shade_links_look(const ylm_shade_links *l, ylm_shade_links_stats *stats) {
-  size_t links = (size_t)l->links, glossy = l->glossy * links;
-  size_t n = (l->link ? l->view->points * links : glossy);
-  size_t bytes = sizeof *l + n * sizeof *l->link + glossy * 3 * sizeof *l->lobes.weight;
+  size_t lobes = l->before ? l->lobes.start[l->glossy] : 0;
+  size_t matte = l->link ? (l->view->points - l->glossy) * (size_t)l->links : 0;
+  size_t bytes =
+      sizeof *l + (matte + lobes) * sizeof *l->link + lobes * 3 * sizeof *l->lobes.weight;
   if (l->before)
-    bytes += l->glossy * sizeof *l->lobes.most + (l->view->points / BLOCK + 1) * sizeof *l->before;
-  *stats = (ylm_shade_links_stats){l->links, l->glossy, n, bytes, l->seconds};
+    bytes += l->glossy * (sizeof *l->lobes.most + sizeof *l->lobes.start) +
+             (l->view->points / BLOCK + 1) * sizeof *l->before;
+  *stats = (ylm_shade_links_stats){l->links, lobes, matte + lobes, bytes, l->seconds};
 }
 
 const ylm_shade_view *ylm__shade_links_view(const ylm_shade_links *l) { return l->view; }
@@ -182,16 +230,21 @@ static void halves(const ylm_shade_links *l, const uint32_t *link, const float *
   }
 }
 
-/* Halves of the radiance that point i, which glosses, reflects, over its mean albedo. */
+/* Halves of the radiance that point i, which glosses, reflects, over its mean albedo; as noisy as if it had the links of
+   all points with which it shares them. */
 static void glossy_halves(const ylm_shade_links *l, size_t i, size_t row, const float *leaving,
                           double sum[2]) {
   float albedo[3];
+  double part[3], own = (double)(l->lobes.start[row + 1] - l->lobes.start[row]);
   ylm_material_albedo(ylm__shade_material(l->view, i), albedo);
-  double part[3], mean = luminance((double[]){albedo[0], albedo[1], albedo[2]});
+  double mean = luminance((double[]){albedo[0], albedo[1], albedo[2]});
   for (int k = 0; k < 2; k++) {
-    ylm__shade_lobe(&l->lobes, row, l->links, leaving, k, part);
+    ylm__shade_lobe(&l->lobes, row, leaving, k, part);
     sum[k] = mean > 0 ? luminance(part) * l->links / mean : 0;
   }
+  double middle = (sum[0] + sum[1]) / 2, apart = (sum[0] - sum[1]) / 2 * sqrt(own / l->links);
+  sum[0] = middle + apart;
+  sum[1] = middle - apart;
 }
 
 double ylm_shade_gather_noise(const ylm_shade_links *l, const float *leaving) {
@@ -248,7 +301,7 @@ static void gather_matte(const gather_job *j, size_t first, size_t row, size_t n
 static void gather_glossy(const gather_job *j, size_t i, size_t row) {
   double radiance[3];
   float all[3];
-  ylm__shade_lobe(&j->l->lobes, row, j->l->links, j->leaving, -1, radiance);
+  ylm__shade_lobe(&j->l->lobes, row, j->leaving, -1, radiance);
   for (int c = 0; c < 3; c++) all[c] = (float)radiance[c];
   ylm__shade_tint(j->l->view, i, 1, all);
   for (size_t c = 0; c < 3; c++) j->out[3 * i + c] = (j->start ? j->start[3 * i + c] : 0) + all[c];

@@ -20,9 +20,8 @@ typedef struct job {
   const ylm_transfer *t;
   const uint32_t *point;
   const uint64_t *stream;
-  int links;
+  size_t most; /* links of a point */
   uint64_t seed;
-  float (*u)[3]; /* [links] numbers that all points share, shifted for each */
   uint32_t
       *vertex; /* [points of the view] 2 * vertex of the scene + back; NULL: points are entries */
   float (*albedo)[3]; /* [elements]; NULL: nothing is tinted */
@@ -31,10 +30,12 @@ typedef struct job {
 
 /* The memory of one thread. */
 typedef struct scratch {
-  float (*u)[3], (*wo)[3], (*wi)[3], (*weight)[3], *pdf; /* [links], but weight [batch*links] */
-  ylm_trace_ray *ray;                                    /* [batch*links] */
+  float (*u)[3], (*wo)[3], (*wi)[3], *pdf; /* [most] */
+  float (*weight)[3];                      /* [room] */
+  ylm_trace_ray *ray;
   ylm_trace_hit *hit;
-  uint32_t *target, *good; /* [batch*links], [links] */
+  uint32_t *target, *good; /* [room], [most] */
+  size_t room, rays;       /* rays: of points so far */
 } scratch;
 
 /* -- directions ------------------------------------------------------------------- */
@@ -64,34 +65,47 @@ static void toward_eye(const ylm_shade_view *v, const ylm_scene_surface *s, cons
   for (int a = 0; a < 3; a++) wo[a] *= each;
 }
 
-/* Random numbers of a point: those of all, shifted. */
-static void shift(const job *j, size_t point, float (*u)[3]) {
+/* The digits of i to the base 3, reversed behind the point. */
+static double radical_of_three(uint32_t i) {
+  double x = 0, digit = 1;
+  for (; i > 0; i /= 3) x += (double)(i % 3) * (digit /= 3);
+  return x;
+}
+
+static float shifted(double x, float by) {
+  float y = (float)x + by;
+  return fminf(y >= 1 ? y - 1 : y, BELOW_ONE);
+}
+
+/* Random numbers of a point: Hammersley's set, shifted. */
+static void draw(const job *j, size_t point, size_t links, float (*u)[3]) {
   ylm_rng rng;
   float by[3];
   ylm_rng_seed(&rng, j->seed, j->stream[point]);
   for (int a = 0; a < 3; a++) by[a] = (float)ylm_rng_double(&rng);
-  for (int k = 0; k < j->links; k++)
-    for (int a = 0; a < 3; a++) {
-      float x = j->u[k][a] + by[a];
-      u[k][a] = fminf(x >= 1 ? x - 1 : x, BELOW_ONE);
-    }
+  for (size_t k = 0; k < links; k++) {
+    u[k][0] = shifted((double)k / (double)links, by[0]);
+    u[k][1] = shifted(ylm_scene_radical((uint32_t)k), by[1]);
+    u[k][2] = shifted(radical_of_three((uint32_t)k), by[2]);
+  }
 }
 
 /* Rays of a point and their weights. Rays that a normal of vertices would send below the triangle are absorbed. */
-static void aim(const job *j, scratch *x, size_t point, ylm_trace_ray *ray, float (*weight)[3]) {
+static void aim(const job *j, scratch *x, size_t point, size_t links) {
   ylm_scene_surface s;
-  float y[3];
+  float y[3], (*weight)[3] = x->weight + x->rays;
+  ylm_trace_ray *ray = x->ray + x->rays;
   surface_of(j, point, &s);
   for (int a = 0; a < 3; a++) {
     int b = (a + 1) % 3, c = (a + 2) % 3;
     y[a] = s.normal[b] * s.tangent[c] - s.normal[c] * s.tangent[b];
   }
   toward_eye(j->v, &s, y, x->wo[0]);
-  for (int k = 1; k < j->links; k++) memcpy(x->wo[k], x->wo[0], 12);
-  shift(j, point, x->u);
-  ylm_material_sample(ylm__shade_material(j->v, point), (size_t)j->links, (const float(*)[3])x->wo,
+  for (size_t k = 1; k < links; k++) memcpy(x->wo[k], x->wo[0], 12);
+  draw(j, point, links, x->u);
+  ylm_material_sample(ylm__shade_material(j->v, point), links, (const float(*)[3])x->wo,
                       (const float(*)[3])x->u, x->wi, weight, x->pdf);
-  for (int k = 0; k < j->links; k++) {
+  for (size_t k = 0; k < links; k++) {
     for (int a = 0; a < 3; a++)
       ray[k].dir[a] = x->wi[k][0] * s.tangent[a] + x->wi[k][1] * y[a] + x->wi[k][2] * s.normal[a];
     bool goes = x->pdf[k] > 0 && ylm_dot3(ray[k].dir, s.flat) > 0;
@@ -101,6 +115,7 @@ static void aim(const job *j, scratch *x, size_t point, ylm_trace_ray *ray, floa
     for (int c = 0; c < 3; c++)
       if (!goes || !(weight[k][c] > 0) || !isfinite(weight[k][c])) weight[k][c] = 0;
   }
+  x->rays += links;
 }
 
 /* -- what they hit ------------------------------------------------------------------- */
@@ -123,9 +138,10 @@ static void tint(const job *j, const ylm_trace_ray *ray, const ylm_trace_hit *hi
 /* Keeps the links of number i: those that begin inside of a body give their slots to the others, evenly. */
 static void keep(const job *j, scratch *x, size_t i, const uint32_t *target,
                  const float (*weight)[3]) {
-  uint32_t none = (uint32_t)ylm_transfer_count(j->t), links = (uint32_t)j->links, n = 0, b = 0;
-  uint32_t *link = j->out->link + i * links;
-  uint16_t *part = j->out->weight + 3 * i * links;
+  const size_t *start = j->out->start + i;
+  uint32_t none = (uint32_t)ylm_transfer_count(j->t), links = (uint32_t)(start[1] - start[0]);
+  uint32_t *link = j->out->link + start[0], n = 0, b = 0;
+  uint16_t *part = j->out->weight + 3 * start[0];
   float most = 0;
   for (uint32_t k = 0; k < links; k++)
     if (target[k] <= none) x->good[n++] = k;
@@ -141,18 +157,21 @@ static void keep(const job *j, scratch *x, size_t i, const uint32_t *target,
   j->out->most[i] = most;
 }
 
-/* Traces the rays of m points, the first of number `first`. */
-static void follow(const job *j, scratch *x, size_t first, size_t m) {
-  size_t links = (size_t)j->links, n = m * links, none = ylm_transfer_count(j->t);
-  ylm_trace_nearest(ylm_scene_trace(j->v->scene), n, x->ray, false, x->hit);
-  ylm_transfer_hits(j->t, n, x->ray, x->hit, x->target);
-  for (size_t k = 0; k < n; k++) {
+/* Traces the rays of points first .. end-1. */
+static void follow(const job *j, scratch *x, size_t first, size_t end) {
+  size_t none = ylm_transfer_count(j->t);
+  const size_t *start = j->out->start;
+  ylm_trace_nearest(ylm_scene_trace(j->v->scene), x->rays, x->ray, false, x->hit);
+  ylm_transfer_hits(j->t, x->rays, x->ray, x->hit, x->target);
+  for (size_t k = 0; k < x->rays; k++) {
     if (x->ray[k].far < 0) x->target[k] = (uint32_t)none;
     if (j->albedo && x->target[k] < none)
       tint(j, &x->ray[k], &x->hit[k], x->target[k], x->weight[k]);
   }
-  for (size_t i = 0; i < m; i++)
-    keep(j, x, first + i, x->target + i * links, (const float(*)[3])x->weight + i * links);
+  for (size_t i = first; i < end; i++)
+    keep(j, x, i, x->target + (start[i] - start[first]),
+         (const float(*)[3])x->weight + (start[i] - start[first]));
+  x->rays = 0;
 }
 
 /* -- all points ---------------------------------------------------------------------- */
@@ -169,7 +188,8 @@ static void scratch_free(scratch *x) {
   ylm_free(x->good);
 }
 
-static bool scratch_create(scratch *x, size_t rays, size_t links) {
+static bool scratch_create(scratch *x, size_t links) {
+  size_t rays = x->room = links > BATCH ? links : BATCH;
   x->u = ylm_alloc(links, sizeof *x->u);
   x->wo = ylm_alloc(links, sizeof *x->wo);
   x->wi = ylm_alloc(links, sizeof *x->wi);
@@ -185,24 +205,17 @@ static bool scratch_create(scratch *x, size_t rays, size_t links) {
 static ylm_status run(void *context, size_t begin, size_t end, int worker) {
   (void)worker;
   const job *j = context;
-  size_t links = (size_t)j->links, batch = BATCH / links > 1 ? BATCH / links : 1;
+  const size_t *start = j->out->start;
   scratch x = {0};
-  ylm_status s = scratch_create(&x, batch * links, links) ? YLM_OK : YLM_ENOMEM;
-  for (size_t first = begin; s == YLM_OK && first < end; first += batch) {
-    size_t m = end - first < batch ? end - first : batch;
-    for (size_t i = 0; i < m; i++)
-      aim(j, &x, j->point[first + i], x.ray + i * links, x.weight + i * links);
-    follow(j, &x, first, m);
+  ylm_status s = scratch_create(&x, j->most) ? YLM_OK : YLM_ENOMEM;
+  for (size_t first = begin, i = begin; s == YLM_OK && i < end; i++) {
+    aim(j, &x, j->point[i], start[i + 1] - start[i]);
+    if (i + 1 < end && start[i + 2] - start[first] <= x.room) continue;
+    follow(j, &x, first, i + 1);
+    first = i + 1;
   }
   scratch_free(&x);
   return s;
-}
-
-/* The digits of i to the base 3, reversed behind the point. */
-static double radical_of_three(uint32_t i) {
-  double x = 0, digit = 1;
-  for (; i > 0; i /= 3) x += (double)(i % 3) * (digit /= 3);
-  return x;
 }
 
 /* The vertices that the points of a view are. */
@@ -221,46 +234,41 @@ static uint32_t *list_vertices(const ylm_shade_view *v) {
   return vertex;
 }
 
-/* Numbers that all points share, Hammersley's set; albedos where something is tinted; vertices where points are. */
+/* Albedos where something is tinted; vertices where points are. */
 static ylm_status share(job *j) {
-  size_t links = (size_t)j->links, elements = ylm_transfer_count(j->t);
   const ylm_shade_view *v = j->v;
-  j->u = ylm_alloc(links, sizeof *j->u);
+  bool tinted = ylm_scene_is_tinted(v->scene);
   if (v->corner) j->vertex = list_vertices(v);
-  if (ylm_scene_is_tinted(v->scene)) j->albedo = ylm_alloc(elements, sizeof *j->albedo);
-  if (!j->u || (v->corner && !j->vertex) || (ylm_scene_is_tinted(v->scene) && !j->albedo))
-    return YLM_ENOMEM;
-  for (uint32_t k = 0; k < (uint32_t)links; k++) {
-    j->u[k][0] = (float)((double)k / (double)links);
-    j->u[k][1] = (float)ylm_scene_radical(k);
-    j->u[k][2] = (float)radical_of_three(k);
-  }
-  if (j->albedo) ylm_transfer_elements(j->t, NULL, NULL, NULL, j->albedo[0], NULL);
+  if (tinted) j->albedo = ylm_alloc(ylm_transfer_count(j->t), sizeof *j->albedo);
+  if ((v->corner && !j->vertex) || (tinted && !j->albedo)) return YLM_ENOMEM;
+  if (tinted) ylm_transfer_elements(j->t, NULL, NULL, NULL, j->albedo[0], NULL);
   return YLM_OK;
 }
 
 ylm_status ylm__shade_lobes(const ylm_shade_view *v, const ylm_transfer *t, size_t n,
-                            const uint32_t *point, const uint64_t *stream, int links, uint64_t seed,
-                            int threads, const ylm_progress *progress, const shade_lobes *out) {
+                            const uint32_t *point, const uint64_t *stream, size_t most,
+                            uint64_t seed, int threads, const ylm_progress *progress,
+                            const shade_lobes *out) {
   job j = {
-      .v = v, .t = t, .point = point, .stream = stream, .links = links, .seed = seed, .out = out};
+      .v = v, .t = t, .point = point, .stream = stream, .most = most, .seed = seed, .out = out};
   ylm_status s = share(&j);
   if (s == YLM_OK) s = ylm_parallel(n, 64, threads, run, &j, progress, "links");
-  ylm_free(j.u);
   ylm_free(j.vertex);
   ylm_free(j.albedo);
   return s;
 }
 
-void ylm__shade_lobe(const shade_lobes *x, size_t i, int links, const float *leaving, int parity,
+void ylm__shade_lobe(const shade_lobes *x, size_t i, const float *leaving, int parity,
                      double out[3]) {
-  const uint32_t *link = x->link + i * (size_t)links;
-  double each = (double)x->most[i] / WEIGHTS / links;
-  for (int c = 0; c < 3; c++) {
-    const uint16_t *weight = x->weight + (3 * i + (size_t)c) * (size_t)links;
+  size_t links = x->start[i + 1] - x->start[i];
+  const uint32_t *link = x->link + x->start[i];
+  double each = (double)x->most[i] / WEIGHTS / (double)links;
+  for (size_t c = 0; c < 3; c++) {
+    const uint16_t *weight = x->weight + 3 * x->start[i] + c * links;
     double sum = 0;
-    for (int k = parity > 0; k < links; k += parity < 0 ? 1 : 2)
-      sum += weight[k] * (double)leaving[4 * (size_t)link[k] + (size_t)c];
+    for (size_t k = 0; k < links; k++)
+      if (parity < 0 || __builtin_parityll(k) == parity)
+        sum += weight[k] * (double)leaving[4 * (size_t)link[k] + c];
     out[c] = each * sum;
   }
 }

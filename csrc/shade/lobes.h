@@ -9,22 +9,24 @@ static inline bool ylm__shade_glosses(const ylm_shade_view *v, int matte, size_t
   return ylm_material_kind(ylm__shade_material(v, i)) != matte;
 }
 
-/* Links with weights, f cos over the density of their rays, of n points: out[i] = 1/links sum over k of weight times
-   the radiance that leaves link k. */
+/* Links with weights, f cos over the density of their rays, of n points: out[i] is the mean over links k from start[i]
+   on, start[i+1] - start[i] of them, of weight times the radiance that leaves the element of k. */
 typedef struct shade_lobes {
-  uint32_t *link;   /* [n][links] */
-  uint16_t *weight; /* [n][3][links], in parts of `most` / 65535 */
+  size_t *start;    /* [n+1] */
+  uint32_t *link;   /* [start[n]] */
+  uint16_t *weight; /* [3][links] of each point, from 3 start[i] on, in parts of `most` / 65535 */
   float *most;      /* [n]: the largest weight */
 } shade_lobes;
 
-/* Fills the lobes of points `point`, in any order; stream [points of the view]: the number of each one's random numbers.
-   YLM_ENOMEM, YLM_ECANCELLED. lobes.c */
+/* Fills the lobes of points, whose starts are known; stream [points of the view]: the number of each one's random
+   numbers; most: the largest number of links of a point. YLM_ENOMEM, YLM_ECANCELLED. lobes.c */
 ylm_status ylm__shade_lobes(const ylm_shade_view *v, const ylm_transfer *t, size_t n,
-                            const uint32_t *point, const uint64_t *stream, int links, uint64_t seed,
-                            int threads, const ylm_progress *progress, const shade_lobes *out);
-/* The mean of weight times radiance over the links of number i of them that have the parity 0, 1, or both (-1): out
-   [3], of all `links`. */
-void ylm__shade_lobe(const shade_lobes *x, size_t i, int links, const float *leaving, int parity,
+                            const uint32_t *point, const uint64_t *stream, size_t most,
+                            uint64_t seed, int threads, const ylm_progress *progress,
+                            const shade_lobes *out);
+/* The sum of weight times radiance over the links of number i whose numbers have an even (0) or odd (1) sum of bits, or all (-1), over the number
+   of all of its links: out [3]. */
+void ylm__shade_lobe(const shade_lobes *x, size_t i, const float *leaving, int parity,
                      double out[3]);
 
 #endif

@@ -362,7 +362,7 @@ typedef enum ylm_shade_linked {
 
 typedef struct ylm_shade_links_stats {
   int links;      /* of a shading point */
-  size_t glossy;  /* points whose rays their materials choose */
+  size_t glossy;  /* links whose rays materials choose */
   uint64_t rays;  /* that were traced for them */
   size_t bytes;   /* memory they hold */
   double seconds; /* that finding them took */
@@ -372,7 +372,8 @@ typedef struct ylm_shade_links_stats {
 ** ylm_shade_links_create - find the elements that rays from the shading points of a view hit.
 **
 **   links  in   of a point, 4 .. YLM_TRANSFER_LINKS, a multiple of 4
-**   which  in   rays that materials choose (ylm_material_sample) have weights, f cos over the density
+**   which  in   rays that materials choose (ylm_material_sample) have weights, f cos over the density. Points of one
+**               mesh share `links` as they share the pixel, four each at least (options.share 0: `links` each)
 **
 ** A point's rays have the density of the cosine about its normal, and random numbers of its place in
 ** the image: what is seen elsewhere changes nothing. Rays that begin inside of a body are replaced by others

@@ -33,7 +33,7 @@ static int shade_links(lua_State *L) {
   return ylmL_result_progress(L, 1, s, &e, &p);
 }
 
-/* shade_links_stats(links) -> { links, glossy: points, rays, bytes, seconds } */
+/* shade_links_stats(links) -> { links, glossy: those of materials' rays, rays, bytes, seconds } */
 static int shade_links_stats(lua_State *L) {
   ylm_shade_links_stats s;
   ylm_shade_links_look(check_links(L, 1), &s);

@@ -310,7 +310,7 @@ function indirect.report(p, o, report, image)
     report.links, report.rays.links = m.links.count, m.links.stats.rays
     report.indirect_noise = p.lib.shade_gather_noise(m.links.handle, b.lit)
     if report.indirect_noise > LOUD and not o.tolerance then say_noise(p, report, m.links.count, report.indirect_noise) end
-    report.rays.gloss_links = m.links.stats.glossy * m.links.count
+    report.rays.gloss_links = m.links.stats.glossy
     report.elements, report.balance = b.lit.transfer.stats.elements, b.lit.stats.balance
   end
   if b.by == "virtual" then virtual.report(p, o, report) else say_gloss(p, report, b) end
