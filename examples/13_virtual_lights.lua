@@ -98,7 +98,7 @@ common.save(ylm.figure {
   caption = ("Rays to the middles of lights. Seconds on two cores. Root mean square difference %.3f of the mean."):format(rms),
 }, option.out .. "virtual_lights.png")
 
--- The same few lights by each method ---------------------------------------------------------
+-- Few lights by each method ---------------------------------------------------------
 
 local view = assert(scene:prepare { size = size, samples = 4 })
 local few = assert(scene:virtual_lights { count = option.few })

@@ -237,6 +237,7 @@ describe("the ladder", function()
     local others = { ["ylm_simd.h"] = "base", ["ylm_real.h"] = "base", ["ylm_vector.h"] = "base", ["ylm_intrinsics.h"] = "base",
       ["ylm_sh_rival.h"] = "sh",
       ["ylm_light_device.h"] = "light", ["ylm_light_sky.h"] = "light", ["ylm_light_virtual.h"] = "light",
+      ["ylm_light_spot.h"] = "light",
       ["ylm_material_table.h"] = "material", ["ylm_material_rival.h"] = "material" }
     for name, folder in pairs(public) do
       assert(name == "ylm_" .. folder .. ".h" or others[name] == folder, folder .. "/" .. name)

@@ -20,5 +20,5 @@ return {
   transfer = 1, radiosity = 1, lightmap = 1,
   transfer_vectors = 3, light_sampled = 1, virtual_lights = 1, virtual_kernel = 2, glossy = 3, gloss_bounced = 2,
   ambient = 1,
-  emit = 1, virtual_gather = 2,
+  emit = 1, virtual_gather = 2, spot = 1,
 }

@@ -28,7 +28,8 @@ void ylm__emit_numbers(const emit_sequence *s, uint64_t i, double u[EMIT_NUMBERS
 /* The lamps of a scene as sources of particles. */
 typedef struct emit_lamps {
   const ylm_scene *scene;
-  size_t near, n;
+  size_t near, sky, n; /* up to: lamps, distant lights, spots */
+  const ylm_light_spot *spot;
   double *upto;            /* [n] luminous power of a lamp and all before it, W */
   double (*record)[17];    /* [near] ylm_scene_lamp_record, then whether it is a sphere */
   double centre[3], reach; /* of the scene: particles of a sky come from a disk as wide */

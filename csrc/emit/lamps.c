@@ -61,7 +61,8 @@ static void find_reach(emit_lamps *l) {
 ylm_status ylm__emit_lamps(const ylm_scene *scene, emit_lamps *l) {
   double sum = 0;
   *l = (emit_lamps){.scene = scene, .near = ylm_scene_near(scene)};
-  l->n = l->near + ylm_scene_distant(scene);
+  l->sky = l->near + ylm_scene_distant(scene);
+  l->n = l->sky + ylm_scene_spots(scene, &l->spot);
   l->upto = ylm_alloc(l->n, sizeof *l->upto);
   l->record = ylm_alloc_zero(l->near, sizeof *l->record);
   if (!l->upto || !l->record) return YLM_ENOMEM;
@@ -70,7 +71,10 @@ ylm_status ylm__emit_lamps(const ylm_scene *scene, emit_lamps *l) {
     if (i < l->near) {
       read_record(scene, i, l->record[i]);
       sum += power_of(l->record[i]);
-    } else
+    } else if (i >= l->sky)
+      sum += ylm_light_spot_solid(&l->spot[i - l->sky]) *
+             ylm__emit_luminance(l->spot[i - l->sky].intensity);
+    else
       sum += EMIT_PI * l->reach * l->reach * ylm_scene_distant_power(scene, i - l->near);
     l->upto[i] = sum;
   }
@@ -174,13 +178,33 @@ static bool leave_sky(const emit_lamps *l, size_t i, const double *u, ylm_trace_
   return true;
 }
 
+/* Directions are uniform in the cone. */
+static bool leave_spot(const emit_lamps *l, size_t i, const double *u, ylm_trace_ray *ray,
+                       double power[3]) {
+  const ylm_light_spot *s = &l->spot[i - l->sky];
+  float axis[3], a[3], b[3];
+  double z = 1 - u[0] * (1 - s->outer), r = sqrt(fmax(0, 1 - z * z)), turn = 2 * EMIT_PI * u[1];
+  double part = ylm_light_spot_part(s, z) * 2 * EMIT_PI * (1 - s->outer);
+  for (int k = 0; k < 3; k++) axis[k] = (float)s->axis[k];
+  ylm_scene_basis(axis, a, b);
+  for (int k = 0; k < 3; k++) {
+    ray->org[k] = (float)s->at[k];
+    ray->dir[k] =
+        (float)(r * cos(turn) * (double)a[k] + r * sin(turn) * (double)b[k] + z * s->axis[k]);
+    power[k] = s->intensity[k] * part;
+  }
+  ray->near = ylm_trace_offset(ylm_scene_trace(l->scene));
+  return part > 0;
+}
+
 bool ylm__emit_start(const emit_lamps *l, const double u[EMIT_NUMBERS], ylm_trace_ray *ray,
                      double power[3]) {
   double chance;
   if (l->n == 0 || !(l->upto[l->n - 1] > 0)) return false;
   size_t i = choose(l, u[4], &chance);
   if (!(chance > 0)) return false;
-  if (!(i < l->near ? leave_lamp : leave_sky)(l, i, u, ray, power)) return false;
+  if (!(i < l->near ? leave_lamp : i < l->sky ? leave_sky : leave_spot)(l, i, u, ray, power))
+    return false;
   for (int c = 0; c < 3; c++) power[c] /= chance;
   ray->far = INFINITY;
   return true;

@@ -30,7 +30,10 @@ static void aim_at(aiming *a, int k, uint32_t lamp, double rarity) {
   double u[2], e;
   float sky[3];
   place_of(a, k, u);
-  if (lamp >= near) {
+  if (lamp >= near + s->sky_lights) {
+    e = ylm__scene_spot_sample(s, lamp - near - s->sky_lights, x, n, ray, sky);
+    radiance = sky;
+  } else if (lamp >= near) {
     e = ylm__scene_sky_sample(s, lamp - near, x, n, u[0], u[1], ray, sky);
     radiance = sky;
   } else if (lamp >= s->lamps) {

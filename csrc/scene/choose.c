@@ -59,7 +59,8 @@ bool ylm_scene_choose(ylm_scene_chooser *c, const float x[3], const float *norma
 
 /* The place of a lamp in the chooser's weights. */
 static size_t place_of(const ylm_scene_chooser *c, uint32_t lamp) {
-  size_t near = ylm_scene_near(c->scene);
+  size_t near = ylm_scene_near(c->scene), spots = near + c->scene->sky_lights;
+  if (lamp >= spots) return c->sky * YLM_LAMP_CHUNK + (lamp - spots);
   if (lamp >= near) return c->near * YLM_LAMP_CHUNK + (lamp - near);
   return lamp < c->scene->lamps ? lamp : c->spheres * YLM_LAMP_CHUNK + (lamp - c->scene->lamps);
 }
@@ -67,6 +68,8 @@ static size_t place_of(const ylm_scene_chooser *c, uint32_t lamp) {
 uint32_t ylm__scene_lamp_at(const ylm_scene_chooser *c, size_t place) {
   const ylm_scene *s = c->scene;
   size_t near = c->near * YLM_LAMP_CHUNK, flat = c->spheres * YLM_LAMP_CHUNK;
+  size_t spots = c->sky * YLM_LAMP_CHUNK;
+  if (place >= spots) return (uint32_t)(ylm_scene_near(s) + s->sky_lights + place - spots);
   return (uint32_t)(place >= near   ? ylm_scene_near(s) + place - near
                     : place >= flat ? s->lamps + place - flat
                                     : place);
@@ -101,7 +104,7 @@ double ylm_scene_density(const ylm_scene_chooser *c, uint32_t lamp, const float 
   const float *n = c->in_space ? NULL : c->normal;
   size_t near = ylm_scene_near(s);
   double share = ylm_scene_share(c, lamp);
-  if (!(share > 0)) return 0;
+  if (!(share > 0) || lamp >= near + s->sky_lights) return 0; /* no direction meets a spot */
   if (lamp >= near) return share * ylm__scene_sky_density(s, lamp - near, n, d);
   if (lamp >= s->lamps)
     return share * ylm__scene_patch_density(s, lamp - s->lamps, c->x,
@@ -116,7 +119,9 @@ double ylm_scene_sample(const ylm_scene_chooser *c, const double u[3], ylm_trace
   size_t near = ylm_scene_near(s);
   double e, share = choose(c, u[0], lamp);
   if (!(share > 0)) return 0;
-  if (*lamp >= near)
+  if (*lamp >= near + s->sky_lights)
+    e = ylm__scene_spot_sample(s, *lamp - near - s->sky_lights, c->x, n, ray, radiance);
+  else if (*lamp >= near)
     e = ylm__scene_sky_sample(s, *lamp - near, c->x, n, u[1], u[2], ray, radiance);
   else if (*lamp >= s->lamps) {
     size_t i = *lamp - s->lamps;

@@ -93,7 +93,8 @@ ylm_scene_chooser *ylm_scene_chooser_create(const ylm_scene *s) {
   c->aim_at_spheres = ylm__scene_spheres();
   c->spheres = s->tree ? 0 : (s->lamps + YLM_LAMP_CHUNK - 1) / YLM_LAMP_CHUNK;
   c->near = c->spheres + (s->tree ? 0 : (patches + YLM_LAMP_CHUNK - 1) / YLM_LAMP_CHUNK);
-  c->chunks = c->near + (ylm__scene_sky_lights(s) + YLM_LAMP_CHUNK - 1) / YLM_LAMP_CHUNK;
+  c->sky = c->near + (ylm__scene_sky_lights(s) + YLM_LAMP_CHUNK - 1) / YLM_LAMP_CHUNK;
+  c->chunks = c->sky + (s->spots + YLM_LAMP_CHUNK - 1) / YLM_LAMP_CHUNK;
   c->weight = ylm_alloc_zero(c->chunks * YLM_LAMP_CHUNK, sizeof *c->weight); /* padding stays 0 */
   c->sum = ylm_alloc(c->chunks, sizeof *c->sum);
   c->cut = s->tree ? ylm_alloc(1, sizeof *c->cut) : NULL;
@@ -127,6 +128,8 @@ double ylm__scene_add_weights(ylm_scene_chooser *c, int light_samples) {
   }
   ylm__scene_sky_weights(s, c->in_space ? NULL : c->normal, c->weight + c->near * YLM_LAMP_CHUNK,
                          c->sum + c->near);
+  ylm__scene_spot_weights(s, c->x, c->in_space ? NULL : c->normal,
+                          c->weight + c->sky * YLM_LAMP_CHUNK, c->sum + c->sky);
   for (size_t b = 0; b < c->chunks; b++) c->total += (double)c->sum[b];
   return c->total;
 }

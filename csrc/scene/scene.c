@@ -152,6 +152,7 @@ static ylm_status light(ylm_scene *s, const ylm_scene_lamps *lamps, const ylm_sc
   ylm_status status = copy_lamps(s, lamps, e);
   if (status == YLM_OK) status = ylm__scene_make_far(s);
   if (status == YLM_OK) status = ylm__scene_plant(s, lamps->one_by_one);
+  if (status == YLM_OK) status = ylm__scene_copy_spots(s, lamps);
   return status == YLM_OK ? ylm__scene_share_sky(s, lamps, from) : status;
 }
 
@@ -204,6 +205,7 @@ void ylm_scene_free(ylm_scene *s) {
   ylm__scene_free_tree(s);
   ylm__scene_free_textures(s);
   ylm__scene_free_sky(s);
+  ylm_free(s->spot);
   ylm_free(s);
 }
 

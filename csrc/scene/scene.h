@@ -65,7 +65,9 @@ struct ylm_scene {
   scene_dome *dome;     /* [domes] those that fill the sky */
   ylm_light_cone *cone; /* [cones] the others */
   float *sky_bound[6];  /* [sky_lights] mean x, y, z, spread, 1/(4 spread), power */
-  scene_tree *tree;     /* of lamps; NULL: they are weighed one by one */
+  size_t spots;
+  ylm_light_spot *spot;
+  scene_tree *tree; /* of lamps; NULL: they are weighed one by one */
 };
 
 /* -- tint.c --------------------------------------------------------------------- */
@@ -142,12 +144,23 @@ double ylm__scene_sky_sample(const ylm_scene *s, size_t i, const float x[3], con
 /* The density of those rays, sr^-1, in a direction of length 1. */
 double ylm__scene_sky_density(const ylm_scene *s, size_t i, const float *n, const float d[3]);
 
+/* -- spot.c --------------------------------------------------------------------- */
+
+/* Copies the spots of the lamps; to be freed in any case. */
+ylm_status ylm__scene_copy_spots(ylm_scene *s, const ylm_scene_lamps *l);
+/* As ylm__scene_sky_weights, of spots seen from x. */
+void ylm__scene_spot_weights(const ylm_scene *s, const float x[3], const float *n, float *weight,
+                             float *sum);
+/* As ylm__scene_sky_sample, of the ray to spot i. */
+double ylm__scene_spot_sample(const ylm_scene *s, size_t i, const float x[3], const float *n,
+                              ylm_trace_ray *ray, float radiance[3]);
+
 /* -- lamps.c -------------------------------------------------------------------- */
 
 struct ylm_scene_chooser {
   const ylm_scene *scene;
   /* chunks of all lamps; of spheres; of spheres and patches: those of a tree are in none */
-  size_t chunks, spheres, near;
+  size_t chunks, spheres, near, sky; /* of all these and distant lights; spots follow */
   ylm_scene_weights_fn *weights;
   float *weight, *sum; /* [chunks*YLM_LAMP_CHUNK], [chunks]: spheres, patches, the sky */
   double *solid;       /* [patches] solid angles that are known, else 0; NULL: none is */

@@ -18,6 +18,7 @@
 #include "ylm_base.h"
 #include "ylm_image.h"
 #include "ylm_light.h"
+#include "ylm_light_spot.h"
 #include "ylm_material.h"
 #include "ylm_trace.h"
 
@@ -57,7 +58,8 @@ typedef struct ylm_scene_lamps {
                             it through a shading point brings no light there; 0: all does */
   size_t images;
   const ylm_light_image *image;
-  const ylm_light_set *sky; /* distant lights, which the scene shares with the set; or NULL */
+  const ylm_light_set *sky; /* distant lights, which the scene shares with the set, and spots, which
+                               it copies; or NULL */
   bool sky_is_seen;         /* by camera rays that hit nothing */
   size_t one_by_one;        /* up to so many lamps choosers weigh one by one for each point, more of
                                them through a tree; 0: YLM_SCENE_ONE_BY_ONE */
@@ -177,6 +179,9 @@ YLM_API size_t ylm_scene_aim(ylm_scene_chooser *c, const float x[3], const float
 
 /* Lamps are counted as ylm_trace.h counts those that are hit; distant lights follow them. */
 
+/* Spots, whose numbers follow those of distant lights: how many there are, and where, as long as the
+   scene lives. Rays are aimed at them, and never meet them. */
+YLM_API size_t ylm_scene_spots(const ylm_scene *scene, const ylm_light_spot **spot);
 /* The number of lamps that are not distant; of distant ones. */
 YLM_API size_t ylm_scene_near(const ylm_scene *scene);
 YLM_API size_t ylm_scene_distant(const ylm_scene *scene);

@@ -107,6 +107,9 @@ static void look_from_lamps(crowd *c) {
       look(c, p);
     }
   }
+  const ylm_light_spot *spot;
+  size_t spots = ylm_scene_spots(c->scene, &spot);
+  for (size_t i = 0; i < spots; i++) look(c, spot[i].at);
   if (ylm_scene_distant(c->scene) > 0) mark(c, 0, NULL);
 }
 

@@ -265,10 +265,20 @@ ylm_gather_form ylm_gather_defaults(void) {
                            .tolerance = 0.03};
 }
 
+/* Direct light of spots is in no field. */
+static ylm_status check_spots(const ylm_scene *lamps, ylm_error *e) {
+  if (ylm_scene_spots(lamps, NULL) == 0) return YLM_OK;
+  return ylm_fail(e, YLM_EINVAL,
+                  "a spot_light has no size, and no spherical harmonics: parts = 'indirect' has "
+                  "the light that it sends by way of surfaces");
+}
+
 ylm_status ylm_gather_lamps(ylm_gather *g, const ylm_scene *scene, ylm_error *e) {
   gather_lamps *lamps = NULL;
   if (!(g->form.parts & YLM_GATHER_DIRECT)) return YLM_OK;
-  ylm_status s = ylm__gather_light(g, scene, &lamps);
+  ylm_status s = check_spots(scene, e);
+  if (s != YLM_OK) return s;
+  s = ylm__gather_light(g, scene, &lamps);
   if (s != YLM_OK) return ylm_fail(e, s, "%s", ylm_status_text(s));
   ylm__gather_dark(g->lamps);
   g->lamps = lamps;
@@ -280,6 +290,8 @@ ylm_status ylm_gather_create(const ylm_radiosity *r, const ylm_gather_form *form
                              ylm_error *e) {
   *out = NULL;
   ylm_status s = check_form(form, e);
+  if (s == YLM_OK && (form->parts & YLM_GATHER_DIRECT))
+    s = check_spots(form->lamps ? form->lamps : ylm_transfer_scene(ylm_radiosity_transfer(r)), e);
   return s == YLM_OK ? create(r, form, out) : s;
 }
 

@@ -1,0 +1,40 @@
+--- Spots: ylm.spot_light.
+
+local form = require "ylm.form"
+local pack = require "ylm.light.pack"
+
+local spot = {}
+
+spot.spot_light = form.define("spot_light", {
+  about = "A light of one place that shines into a cone. It has no size, and so no light field: rays find its light, in "
+    .. "scene:render, raycast and pathtrace; radiosity and scene:virtual_lights bounce it. It is not seen.",
+  fields = {
+    { "at", "point", unit = "scene units" },
+    { "to", "point", unit = "scene units", about = "a place on the cone's axis" },
+    { "angle", "number", above = 0, max = 360, default = 90, unit = "degrees", about = "of the whole cone" },
+    { "blend", "number", min = 0, max = 1, default = 0.15,
+      about = "the part of the angle, from its rim, over which light fades, as a smooth step of the cosine" },
+    { "intensity", "colour", default = 1, unit = "W sr^-1",
+      about = "within the cone: number or {r, g, b}, linear Rec. 709" },
+  },
+  build = function(values, fail)
+    local lights, message, code = pack.one("spot_light", values, fail)
+    if not lights then return nil, message, code end
+    values.lights = lights
+    return setmetatable(values, form.defined.spot_light.metatable)
+  end,
+  light = {
+    kind = "spot",
+    record = function(l, out)
+      for _, three in ipairs { l.intensity, l.at } do
+        for i = 1, 3 do out[#out + 1] = three[i] end
+      end
+      for i = 1, 3 do out[#out + 1] = l.to[i] - l.at[i] end
+      out[#out + 1] = l.angle
+      out[#out + 1] = l.blend
+    end,
+  },
+  example = "spot_light { at = {0, 3, 0}, to = {0, 0, 0}, angle = 60, intensity = {10, 8, 6} }",
+})
+
+return spot

@@ -1,0 +1,98 @@
+-- ylm.spot_light: its light by rays, by paths, by radiosity and by virtual lights; refusals of what wants spherical harmonics.
+
+local with = require "spec.support.with"
+local ylm = require "ylm"
+
+local grey = ylm.matte { albedo = 0.5 }
+local spot = { at = { 0, 2, 0 }, to = { 0, 0, 0 }, angle = 60, blend = 0, intensity = { 6, 4, 2 } }
+
+local function floor(light)
+  return ylm.scene "a floor" { lights = light, camera = ylm.camera { from = { 0, 4, 0.01 }, at = { 0, 0, 0 }, fov = 40 },
+    geometry = ylm.quad { corner = { -2, 0, 2 }, u = { 4, 0, 0 }, v = { 0, 0, -4 }, material = grey } }
+end
+
+local function refused(pattern, f)
+  local ok, message = pcall(f)
+  assert.is_false(ok)
+  assert.matches(pattern, message)
+end
+
+--- Radiance of a floor of albedo 0.5 at p under a spot, by hand.
+local function wanted(light, p)
+  local v, d2 = {}, 0
+  for a = 1, 3 do
+    v[a] = p[a] - light.at[a]
+    d2 = d2 + v[a] ^ 2
+  end
+  local cosine = -v[2] / math.sqrt(d2) -- to the axis and at the floor
+  local outer, inner = math.cos(math.rad(light.angle / 2)), math.cos(math.rad(light.angle / 2 * (1 - light.blend)))
+  local t = math.max(0, math.min(1, (cosine - outer) / math.max(inner - outer, 1e-9)))
+  return light.intensity[1] * t * t * (3 - 2 * t) * cosine / d2 * 0.5 / math.pi
+end
+
+describe("spot_light", function()
+  it("brings intensity cos/d^2 within its cone, fading at the rim", function()
+    for _, blend in ipairs { 0, 0.5 } do
+      local light = with(spot, { blend = blend })
+      local view = floor(ylm.spot_light(light)):prepare { size = { 15, 11 }, samples = 1, share = 0 }
+      local position, got, k, lit = view:points().position, view:raycast({ light_samples = 1, layers = false }):layer(), 0, 0
+      for i = 1, 11 do
+        for j = 1, 15 do
+          k = k + 1
+          local x = wanted(light, { position:get(k, 1), position:get(k, 2), position:get(k, 3) })
+          assert.is_true(math.abs(got:get(i, j, 1) - x) < 1e-4 * (x + 0.1), ("%g, wanted %g"):format(got:get(i, j, 1), x))
+          if x > 0 then lit = lit + 1 end
+        end
+      end
+      assert.is_true(lit > 50 and lit < 165, lit)
+    end
+  end)
+
+  it("is what paths find, by any strategy that aims at lamps, with its shadows", function()
+    local scene = floor { ylm.spot_light(spot), ylm.sphere_light { at = { 1, 1, 0 }, radius = 0.2, radiance = 1 } }
+    scene = ylm.scene "shadows" { lights = scene.lights, camera = scene.camera,
+      geometry = { scene.geometry, ylm.box { at = { 0.3, 0.7, 0 }, scale = 0.3, material = grey } } }
+    local function mean(image)
+      local sum = 0
+      for i = 1, 12 do for j = 1, 16 do sum = sum + image:layer():get(i, j, 2) / 192 end end
+      return sum
+    end
+    local o = { size = { 16, 12 }, samples = 64, bounces = 0, layers = false }
+    local rays = mean(scene:raycast { size = { 16, 12 }, samples = 64, light_samples = 16, layers = false })
+    for _, strategy in ipairs { "both", "lights" } do
+      local paths = mean(scene:pathtrace(with(o, { strategy = strategy })))
+      assert.is_true(math.abs(paths / rays - 1) < 0.02, paths / rays)
+    end
+    assert.is_true(mean(scene:pathtrace(with(o, { strategy = "material" }))) < 0.5 * rays)
+    local all = mean(scene:pathtrace(with(o, { bounces = 1, samples = 256 })))
+    local radiosity = mean(scene:render { size = { 16, 12 }, samples = 16, bounces = 1, links = 256, layers = false })
+    assert.is_true(math.abs(radiosity / all - 1) < 0.03, radiosity / all)
+  end)
+
+  it("sends particles of its power", function()
+    for _, blend in ipairs { 0, 0.6 } do
+      local light = with(spot, { blend = blend })
+      local _, r = floor(ylm.spot_light(light)):virtual_lights { count = 2000 }
+      local outer, inner = math.cos(math.rad(30)), math.cos(math.rad(30 * (1 - blend)))
+      local power = 6 * 2 * math.pi * (1 - (outer + inner) / 2)
+      assert.is_true(math.abs(r.power.emitted[1] / power - 1) < 0.01, r.power.emitted[1] / power)
+      assert.equal(0, r.power.lost[1])
+    end
+  end)
+
+  it("has no light field: what wants one refuses it by name", function()
+    local light = ylm.spot_light(spot)
+    refused("a spot_light has no size, and no spherical harmonics", function() ylm.light_field(2, light, { { 0, 0, 0 } }) end)
+    local scene = floor(light)
+    refused("a spot_light has no size", function() scene:bake { probes = ylm.uniform_grid { cells = { 2, 2, 2 }, lmax = 1 } } end)
+    refused("a spot_light has no size", function() scene:reference { size = { 4, 3 } } end)
+    refused("a spot_light has no size", function() scene:transfer({ links = 16 }):radiosity():field { parts = "direct" } end)
+  end)
+
+  it("refuses what is wrong", function()
+    refused("at and to are the same", function() ylm.spot_light(with(spot, { to = { 0, 2, 0 } })) end)
+    refused("angle must be a number > 0 and <= 360", function() ylm.spot_light(with(spot, { angle = 0 })) end)
+    refused("blend must be a number >= 0 and <= 1", function() ylm.spot_light(with(spot, { blend = 2 })) end)
+    refused("field 'to' is missing", function() ylm.spot_light { at = { 0, 0, 0 } } end)
+  end)
+end)

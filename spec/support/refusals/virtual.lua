@@ -1,0 +1,81 @@
+-- Refusals of virtual lights, of scenes that emit them and views that gather them, and of spots: see spec/refusals_spec.lua.
+
+local refused = require "spec.support.refused"
+
+local nan = 0 / 0
+
+local function one(ylm) return ylm.virtual_lights { at = { { 0, 1, 0 } }, radius = 0.2, intensity = 1 } end
+
+local function scene(ylm)
+  return ylm.scene "refusing" {
+    camera = ylm.camera { from = { 0, 3, 4 } },
+    geometry = { ylm.quad { corner = { -1, 0, 1 }, u = { 2, 0, 0 }, v = { 0, 0, -2 } } },
+    lights = { ylm.sphere_light { at = { 0, 1, 0 }, radius = 0.1 } },
+  }
+end
+
+--- Cases { options, pattern } of a call(ylm, options).
+local function cases(call, list, out)
+  out = out or {}
+  for _, case in ipairs(list) do
+    out[#out + 1] = { call = function(ylm)
+      return call(ylm, type(case[1]) == "function" and case[1](ylm) or case[1])
+    end, says = case[2] }
+  end
+  return out
+end
+
+local emitted = cases(function(ylm, o) return scene(ylm):virtual_lights(o) end, {
+  { 7, "a table of options expected, got 7" }, { { count = 0 }, "count must be an integer >= 1" },
+  { { count = 1.5 }, "count must be" }, { { count = 2 ^ 40 }, "count must be" },
+  { { count = 20, particles = 10 }, "particles %(10%) must be at least as many as count" },
+  { { particles = nan }, "particles must be" }, { { bounces = 65 }, "bounces must be a number of reflections, 0 to 64" },
+  { { bounces = -1 }, "bounces must be" }, { { radius = 0 }, "radius must be 'density', 'angle', or a length above 0" },
+  { { radius = "footprint" }, "radius must be" }, { { scale = nan }, "scale must be a number > 0" },
+  { { profile = "far" }, "profile must be one of 'gauss', 'cap', 'point'" }, { { seed = -1 }, "seed must be" },
+  { { threads = 0 }, "threads must be" }, { { progress = 3 }, "progress must be" },
+}, refused(function() return require "ylm.emit".of_scene {} end, "virtual_lights: a scene expected before the colon"))
+
+local gathered = cases(function(ylm, o)
+  o.lights = o.lights or one(ylm)
+  return scene(ylm):prepare({ size = { 2, 2 }, samples = 1 }):gather(o)
+end, {
+  { { method = "vsgl" }, "method must be one of 'hvl', 'vpl', 'vsl'" }, { { lmax = 101 }, "lmax must be" },
+  { { method = "vpl", lmax = 3 }, "lmax is for method = 'hvl', this is 'vpl'" },
+  { { clamp = "none" }, "clamp is for method = 'vpl', this is 'hvl'" },
+  { { method = "vpl", limit = 0 }, "limit must be a number > 0" },
+  { { method = "vpl", compensate = 4 }, "compensate needs lights that scene:virtual_lights made" },
+  { { method = "vsl", samples = 0 }, "samples must be" }, { { method = "vsl", strategy = "brdf" }, "strategy must be one of" },
+  { { window = 3 }, "window: { name, width } of sh.window expected" }, { { horizon = "soft" }, "horizon must be one of" },
+  { { shadows = true }, "shadows must be one of 'none', 'centre'" },
+  { function(ylm) return { lights = ylm.sphere_light { at = { 0, 0, 0 } } } end, "lights must be" },
+}, refused(function(ylm) return scene(ylm):prepare({ size = { 2, 2 } }):gather {} end, "field 'lights' is missing"))
+
+local lights = cases(function(ylm, o) return ylm.virtual_lights(o) end, {
+  { { radius = 1, intensity = 1 }, "field 'at' is missing" },
+  { { at = { { 0, 0, 0 } }, radius = 1 }, "give one of intensity and emission" },
+  { { at = { { 0, 0, 0 } }, intensity = 1 }, "field 'radius' is missing" },
+  { { at = { { 0, 0, 0 } }, intensity = 1, radius = 0 }, "light 1" },
+  { { at = { { 0, 0, 0 } }, intensity = 1, radius = 1, normal = { { 2, 0, 0 } } }, "light 1" },
+  { { at = { { 0, 0, nan } }, intensity = 1, radius = 1 }, "light 1: its place is not finite" },
+  { { at = { { 0, 0, 0 } }, emission = { { { 1, 2 }, { 1, 2 }, { 1, 2 } } }, radius = 1 }, "emission must be" },
+  { { at = { { 0, 0, 0 } }, intensity = 1, radius = 1, shift = 2 }, "light 1" },
+})
+
+local spots = cases(function(ylm, o) return ylm.spot_light(o) end, {
+  { { at = { 0, 0, 0 } }, "field 'to' is missing" }, { { at = { 0, 0, 0 }, to = { 0, 0, 0 } }, "at and to are the same" },
+  { { at = { 0, 0, nan }, to = { 0, 0, 1 } }, "at must be three numbers" },
+  { { at = { 0, 0, 0 }, to = { 0, 0, 1 }, angle = 0 }, "angle must be a number > 0" },
+  { { at = { 0, 0, 0 }, to = { 0, 0, 1 }, angle = 361 }, "angle must be" },
+  { { at = { 0, 0, 0 }, to = { 0, 0, 1 }, blend = -0.1 }, "blend must be a number >= 0" },
+  { { at = { 0, 0, 0 }, to = { 0, 0, 1 }, intensity = nan }, "intensity must be" },
+  { { at = { 0, 2 ^ 60, 0 }, to = { 0, 0, 1 } }, "it is beyond 1e" },
+})
+
+return {
+  virtual_lights = lights, spot_light = spots, ["scene:virtual_lights"] = emitted, ["prepared:gather"] = gathered,
+  ["virtual_lights:arrays"] = refused(function(ylm) return one(ylm).arrays {} end,
+    "arrays: virtual lights expected before the colon"),
+  ["virtual_lights:split"] = refused(function(ylm) return one(ylm):split {} end, "field 'core' is missing",
+    function(ylm) return one(ylm):split { core = 0.3 } end, "core", function(ylm) return one(ylm):split { core = 0 } end, "core"),
+}
