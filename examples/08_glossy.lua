@@ -33,7 +33,7 @@ local row = ylm.scene "ten spheres" {
   },
 }
 
---- What a picture misses of `truth` at the pixels that sphere k alone covers (nil: any): root mean square over that of the
+--- Errors of a picture at the pixels that sphere k alone covers (nil: any sphere): root mean square over that of the
 -- truth, less the noise of the truth, and the 95 % quantile of relative errors of pixels above a tenth of the mean; in percent.
 local function errors(image, truth, k)
   local a, b, v = image:layer "radiance":totable(), truth:layer "radiance":totable(), truth:layer "variance":totable()

@@ -35,7 +35,7 @@ local room = ylm.scene "stand-ins" {
   },
 }
 
---- What a picture misses at surfaces: root mean square over that of the truth, less its noise; and the 95 % quantile of
+--- Errors of a picture at surfaces: root mean square over that of the truth, less its noise; and the 95 % quantile of
 -- pixels above a tenth of the mean; in percent.
 local function errors(image, truth)
   local a, b, v = image:layer "radiance":totable(), truth:layer "radiance":totable(), truth:layer "variance":totable()
