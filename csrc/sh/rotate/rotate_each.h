@@ -21,6 +21,19 @@
 #define EACH_COUNT ((EACH_LOW + 1) * (EACH_LOW + 1))
 #define EACH_WIDEST (2 * YLM_SH_ROTATE_LMAX + 1)
 
+/* As to_tile, of rows of n numbers, behind whose first so many can be read. */
+static void to_tile_within(const real *const *row, int n, size_t readable, real *tile, int pitch) {
+  if (n >= LANES || readable < LANES) {
+    to_tile(row, 0, n, tile, pitch);
+    return;
+  }
+  vreal v[LANES];
+#pragma GCC unroll 16
+  for (int r = 0; r < LANES; r++) v[r] = vreal_load(row[r]);
+  transpose(v);
+  for (int k = 0; k < n; k++) vreal_store(tile + k * pitch, v[k]);
+}
+
 /* The angles of rotations near to orthonormal, r [9][TILE]: R = Rz(a) Ry(b) Rz(c), as rotate.c has them. */
 static void each_begin(const real *r, int lmax, each_angles *a) {
   for (int k = 0; k < TILE; k += LANES) {
@@ -114,13 +127,18 @@ static void each_turns(const ylm_sh_rotator *p, int first, int last, bool halves
   }
 }
 
-/* Degrees first .. last of TILE rows; room for what they are. */
+/* Degrees first .. last of TILE rows, of which so many numbers can be read behind the last one's first; room for what
+   they are. */
 static void each_degrees(const ylm_sh_rotator *p, int first, int last, bool halves,
-                         const each_angles *a, const real *const *in, real *const *out, real *x,
-                         real *y, real *h) {
+                         const each_angles *a, const real *const *in, size_t readable,
+                         real *const *out, real *x, real *y, real *h) {
   size_t from = each_at(halves, first), to = (size_t)first * (size_t)first;
   int n_in = (int)(each_at(halves, last + 1) - from), n = (last + 1) * (last + 1) - first * first;
-  for (int k = 0; k < TILE; k += LANES) to_tile(in + k, from, n_in, (halves ? h : x) + k, TILE);
+  for (int k = 0; k < TILE; k += LANES)
+    if (first == 0)
+      to_tile_within(in + k, n_in, readable, (halves ? h : x) + k, TILE);
+    else
+      to_tile(in + k, from, n_in, (halves ? h : x) + k, TILE);
   each_turns(p, first, last, halves, a, x, y, h);
   for (int k = 0; k < TILE; k += LANES) from_tile(x + k, TILE, n, to, out + k);
 }
@@ -135,19 +153,28 @@ static void each(const ylm_sh_rotator *p, int lmax, size_t n, const real *r, int
   real y[EACH_WIDEST * TILE] __attribute__((aligned(64)));
   real turns[9 * TILE] __attribute__((aligned(64)));
   int low = lmax < EACH_LOW ? lmax : EACH_LOW;
+  const real *turn = r;
+  int row = 0; /* of the rotation `turn` */
   for (size_t at = 0; at < total; at += TILE) {
-    const real *from[TILE];
+    const real *from[TILE], *by[TILE];
     real *to[TILE];
+    size_t last = at + TILE < total ? at + TILE - 1 : total - 1;
     for (size_t i = 0; i < TILE; i++) { /* what is missing repeats the last row */
-      size_t k = at + i < total ? at + i : total - 1;
-      const real *m = r + 9 * (k / (size_t)rows);
-      for (size_t q = 0; q < 9; q++) turns[q * TILE + i] = m[q];
+      size_t k = at + i < last ? at + i : last;
+      by[i] = turn;
+      if (k < last || i + 1 == TILE) {
+        turn += row + 1 == rows ? 9 : 0;
+        row = row + 1 == rows ? 0 : row + 1;
+      }
       from[i] = in + k * width;
       to[i] = out + k * count;
     }
+    size_t left = (size_t)(r + 9 * n - by[TILE - 1]), readable = (total - last) * width;
+    for (int k = 0; k < TILE; k += LANES) to_tile_within(by + k, 9, left, turns + k, TILE);
     each_begin(turns, lmax, &a);
-    each_degrees(p, 0, low, halves, &a, from, to, x, y, h);
-    for (int l = low + 1; l <= lmax; l++) each_degrees(p, l, l, halves, &a, from, to, x, y, h);
+    each_degrees(p, 0, low, halves, &a, from, readable, to, x, y, h);
+    for (int l = low + 1; l <= lmax; l++)
+      each_degrees(p, l, l, halves, &a, from, readable, to, x, y, h);
   }
 }
 
@@ -167,12 +194,14 @@ static void times(const ylm_sh_rotator *p, const ylm_sh_product *q, size_t n, co
   each_angles a;
   double time = ylm_seconds();
   for (size_t at = 0; at < n; at += TILE) {
-    size_t i_of[TILE];
+    size_t i_of[TILE], left = point[n - 1] + 1 - point[at + TILE < n ? at + TILE - 1 : n - 1];
     real turns[9 * TILE] __attribute__((aligned(64)));
+    const real *frame[TILE];
     for (size_t i = 0; i < TILE; i++) { /* what is missing repeats the last point */
       i_of[i] = point[at + i < n ? at + i : n - 1];
-      for (size_t k = 0; k < 9; k++) turns[k * TILE + i] = r[9 * i_of[i] + k];
+      frame[i] = r + 9 * i_of[i];
     }
+    for (int k = 0; k < TILE; k += LANES) to_tile_within(frame + k, 9, 9 * left, turns + k, TILE);
     each_begin(turns, lmax, &a);
     for (int row = 0; row < rows; row++) {
       const real *from[TILE];
@@ -180,7 +209,7 @@ static void times(const ylm_sh_rotator *p, const ylm_sh_product *q, size_t n, co
       for (size_t i = 0; i < TILE; i++)
         from[i] = in + (i_of[i] * (size_t)rows + (size_t)row) * width;
       for (int k = 0; k < TILE; k += LANES)
-        to_tile(from + k, 0, (int)width, (halves ? h : x) + k, TILE);
+        to_tile_within(from + k, (int)width, left * width, (halves ? h : x) + k, TILE);
       each_turns(p, 0, lmax, halves, &a, x, y, h);
     }
     double now = ylm_seconds();
@@ -206,11 +235,13 @@ static void times(const ylm_sh_rotator *p, const ylm_sh_product *q, size_t n, co
 /* The first of n matrices [9] that is no rotation, nearly; n: there is none. */
 static size_t not_rotation(size_t n, const real *r) {
   for (size_t at = 0; at < n; at += LANES) {
-    real t[9][LANES] __attribute__((aligned(64)));
-    for (size_t i = 0; i < LANES; i++)
-      for (size_t q = 0; q < 9; q++) t[q][i] = r[9 * (at + i < n ? at + i : n - 1) + q];
+    real t[9 * LANES] __attribute__((aligned(64)));
+    const real *by[LANES];
+    size_t last = at + LANES < n ? at + LANES - 1 : n - 1;
+    for (size_t i = 0; i < LANES; i++) by[i] = r + 9 * (at + i < last ? at + i : last);
+    to_tile_within(by, 9, 9 * (n - last), t, LANES);
     vreal v[9], off = vreal_set(0);
-    for (int q = 0; q < 9; q++) v[q] = vreal_load(t[q]);
+    for (int q = 0; q < 9; q++) v[q] = vreal_load(t + q * LANES);
     for (int i = 0; i < 3; i++)
       for (int j = i; j < 3; j++) {
         vreal d = v[i] * v[j] + v[3 + i] * v[3 + j] + v[6 + i] * v[6 + j] - (real)(i == j);
