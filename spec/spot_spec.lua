@@ -80,6 +80,22 @@ describe("spot_light", function()
     end
   end)
 
+  it("leaves a light for each texel of a grid, of its solid angle's power and footprint", function()
+    local light = ylm.spot_light(with(spot, { angle = 80 }))
+    local lights, r = floor(light):virtual_lights { distribution = "grid", count = 40 * 40, scale = 1 }
+    local power = 6 * 2 * math.pi * (1 - math.cos(math.rad(40)))
+    assert.is_true(math.abs(r.power.emitted[1] / power - 1) < 0.01, r.power.emitted[1] / power)
+    assert.equal(1600, r.particles)
+    local _, _, radius = lights:arrays()
+    local area = 0
+    for i = 1, #radius do area = area + math.pi * radius:get(i) ^ 2 end
+    assert.is_true(math.abs(area / (math.pi * (2 * math.tan(math.rad(40))) ^ 2) - 1) < 0.02, area) -- the disc that is lit
+    assert.is_true(math.abs(lights.power[1] / r.power.reflected[1] - 1) < 1e-6)
+    refused("other lamps too", function()
+      floor({ light, ylm.sphere_light { at = { 0, 1, 0 } } }):virtual_lights { distribution = "grid" }
+    end)
+  end)
+
   it("has no light field: what wants one refuses it by name", function()
     local light = ylm.spot_light(spot)
     refused("a spot_light has no size, and no spherical harmonics", function() ylm.light_field(2, light, { { 0, 0, 0 } }) end)

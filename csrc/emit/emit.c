@@ -18,6 +18,20 @@ static ylm_status check(const ylm_emit_options *o, ylm_error *e) {
   return YLM_OK;
 }
 
+/* Options of a grid: a particle a texel, each a light. */
+static ylm_status lay_grids(const ylm_scene *scene, ylm_emit_options *o, ylm_error *e) {
+  size_t spots = ylm_scene_spots(scene, NULL), each = (size_t)o->grid * (size_t)o->grid;
+  if (spots == 0 || ylm_scene_near(scene) + ylm_scene_distant(scene) > 0)
+    return ylm_fail(e, YLM_EINVAL, "a grid is of spot_lights alone, the scene has %s",
+                    spots ? "other lamps too: distribution = 'particles' is of all" : "none");
+  if (o->grid > 8192 || each > YLM_EMIT_PARTICLES / spots)
+    return ylm_fail(e, YLM_ERANGE, "grids of %d texels a side are too many texels", o->grid);
+  o->particles = spots * each;
+  o->lights = 0;
+  o->bounces = 1;
+  return YLM_OK;
+}
+
 static double luminous(const emit_landing *l) {
   double power[3] = {(double)l->power[0], (double)l->power[1], (double)l->power[2]};
   return ylm__emit_luminance(power);
@@ -76,7 +90,13 @@ ylm_status ylm_emit(const ylm_scene *scene, const ylm_emit_options *o, ylm_emit_
   double begun = ylm_seconds();
   *lights = (ylm_emit_lights){0};
   *report = (ylm_emit_report){.particles = o->particles};
+  ylm_emit_options gridded = *o;
   ylm_status s = check(o, e);
+  if (s == YLM_OK && o->grid) {
+    s = lay_grids(scene, &gridded, e);
+    report->particles = gridded.particles;
+    o = &gridded;
+  }
   if (s == YLM_OK) s = ylm__emit_trace(scene, o, &x, report);
   if (s == YLM_OK) drop_dark(&x);
   if (s == YLM_OK && o->lights > 0 && x.n > o->lights) choose(o, &x);

@@ -28,6 +28,7 @@ void ylm__emit_numbers(const emit_sequence *s, uint64_t i, double u[EMIT_NUMBERS
 /* The lamps of a scene as sources of particles. */
 typedef struct emit_lamps {
   const ylm_scene *scene;
+  int side;            /* texels of a grid */
   size_t near, sky, n; /* up to: lamps, distant lights, spots */
   const ylm_light_spot *spot;
   double *upto;            /* [n] luminous power of a lamp and all before it, W */
@@ -42,6 +43,11 @@ void ylm__emit_lamps_free(emit_lamps *l);
    that of all lamps; false: it carries nothing. */
 bool ylm__emit_start(const emit_lamps *l, const double u[EMIT_NUMBERS], ylm_trace_ray *ray,
                      double power[3]);
+
+/* The ray through texel i of all grids, the power [3] that it stands for, and its solid angle; false: it is
+   dark. */
+bool ylm__emit_texel(const emit_lamps *l, size_t i, ylm_trace_ray *ray, double power[3],
+                     double *solid);
 
 /* A direction about the axis, of length 1, with the density of the cosine. */
 static inline void ylm__emit_cosine(const float axis[3], double u, double v, float out[3]) {
@@ -59,6 +65,7 @@ typedef struct emit_landing {
   float at[3], normal[3];
   float power[3]; /* reflected, W */
   float way;      /* from its last place */
+  float area;     /* of a grid: that its solid angle covers */
   uint32_t particle;
   uint8_t order;
 } emit_landing;

@@ -197,6 +197,28 @@ static bool leave_spot(const emit_lamps *l, size_t i, const double *u, ylm_trace
   return part > 0;
 }
 
+bool ylm__emit_texel(const emit_lamps *l, size_t i, ylm_trace_ray *ray, double power[3],
+                     double *solid) {
+  size_t side = (size_t)l->side, each = side * side;
+  const ylm_light_spot *s = &l->spot[i / each];
+  double wide = tan(fmin(acos(s->outer), 85 * EMIT_PI / 180)), step = 2 * wide / (double)side;
+  double x = step * ((double)(i % side) + 0.5) - wide;
+  double y = step * ((double)(i % each / side) + 0.5) - wide;
+  double z = 1 / sqrt(1 + x * x + y * y), part = ylm_light_spot_part(s, z);
+  float axis[3], a[3], b[3];
+  for (int k = 0; k < 3; k++) axis[k] = (float)s->axis[k];
+  ylm_scene_basis(axis, a, b);
+  *solid = step * step * z * z * z;
+  for (int k = 0; k < 3; k++) {
+    ray->org[k] = (float)s->at[k];
+    ray->dir[k] = (float)(z * (x * (double)a[k] + y * (double)b[k] + s->axis[k]));
+    power[k] = s->intensity[k] * part * *solid;
+  }
+  ray->near = ylm_trace_offset(ylm_scene_trace(l->scene));
+  ray->far = INFINITY;
+  return part > 0;
+}
+
 bool ylm__emit_start(const emit_lamps *l, const double u[EMIT_NUMBERS], ylm_trace_ray *ray,
                      double power[3]) {
   double chance;

@@ -8,7 +8,7 @@
 
 typedef struct particle {
   ylm_rng rng;
-  double power[3];
+  double power[3], solid;
   uint32_t number;
 } particle;
 
@@ -46,9 +46,13 @@ static void set_out(const job *j, size_t begin, size_t end, flight *f, block *b)
   for (size_t i = begin; i < end; i++) {
     particle *p = &f->p[f->n];
     double u[EMIT_NUMBERS];
-    ylm__emit_numbers(&j->numbers, i, u);
-    if (!ylm__emit_start(&j->lamps, u, &f->ray[f->n], p->power)) continue;
-    for (int c = 0; c < 3; c++) p->power[c] /= (double)j->o->particles;
+    if (j->o->grid) {
+      if (!ylm__emit_texel(&j->lamps, i, &f->ray[f->n], p->power, &p->solid)) continue;
+    } else {
+      ylm__emit_numbers(&j->numbers, i, u);
+      if (!ylm__emit_start(&j->lamps, u, &f->ray[f->n], p->power)) continue;
+      for (int c = 0; c < 3; c++) p->power[c] /= (double)j->o->particles;
+    }
     add(b->counts.emitted, p->power);
     ylm_rng_seed(&p->rng, j->o->seed, i);
     p->number = (uint32_t)i;
@@ -87,6 +91,10 @@ static ylm_status land(const job *j, flight *f, size_t i, int order, ylm_scene_s
   b->counts.landings[order - 1]++;
   emit_landing *l = &b->landing[b->n++];
   *l = (emit_landing){.way = f->hit[i].t, .particle = p->number, .order = (uint8_t)order};
+  if (j->o->grid) {
+    double cosine = fmax(0.1, -(double)ylm_dot3(s->flat, f->ray[i].dir)), way = (double)l->way;
+    l->area = (float)(p->solid * way * way / cosine);
+  }
   memcpy(l->at, s->position, sizeof l->at);
   memcpy(l->normal, s->normal, sizeof l->normal);
   for (int c = 0; c < 3; c++) l->power[c] = (float)p->power[c];
@@ -208,6 +216,7 @@ ylm_status ylm__emit_trace(const ylm_scene *scene, const ylm_emit_options *o, em
   j.blocks = ylm_alloc_zero(blocks, sizeof *j.blocks);
   ylm__emit_sequence(o->seed, &j.numbers);
   ylm_status s = ylm__emit_lamps(scene, &j.lamps);
+  j.lamps.side = o->grid;
   if (s == YLM_OK) s = j.blocks ? find_albedos(&j) : YLM_ENOMEM;
   if (s == YLM_OK)
     s = ylm_parallel(o->particles, GRAIN, o->threads, run, &j, o->progress, "particles");

@@ -219,7 +219,11 @@ ylm_status ylm__emit_radii(const emit_landing *landing, const ylm_emit_options *
   double angle = acos(fmax(0, 1 - 2 / lights));
   if (l->n == 0) return YLM_OK;
   if (o->radius == YLM_EMIT_DENSITY) s = by_density(landing, o, l);
-  for (size_t i = 0; i < l->n && o->radius != YLM_EMIT_DENSITY; i++)
+  if (o->radius == YLM_EMIT_FOOTPRINT)
+    for (size_t i = 0; i < l->n; i++)
+      l->radius[i] = o->scale * sqrt((double)landing[i].area / EMIT_PI);
+  bool other = o->radius == YLM_EMIT_FIXED || o->radius == YLM_EMIT_ANGLE;
+  for (size_t i = 0; i < l->n && other; i++)
     l->radius[i] = o->radius == YLM_EMIT_FIXED
                        ? o->fixed
                        : o->scale * (double)landing[i].way * tan(fmin(angle, EMIT_PI / 4));

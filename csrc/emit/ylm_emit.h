@@ -33,13 +33,16 @@ typedef enum ylm_emit_radius {
                        degrees, within d/2 of the tangent plane */
   YLM_EMIT_ANGLE,   /* scale d tan g, d the way of the particle, g half the angle of its share of
                        4 pi: the paper's, Eqs. 24-26 */
-  YLM_EMIT_FIXED    /* options.fixed, which scale does not change */
+  YLM_EMIT_FIXED,   /* options.fixed, which scale does not change */
+  YLM_EMIT_FOOTPRINT /* of a grid: scale sqrt(A/pi), A the area that a texel's solid angle covers */
 } ylm_emit_radius;
 
 typedef struct ylm_emit_options {
   size_t particles; /* 1 .. YLM_EMIT_PARTICLES */
   size_t lights;    /* of more landings so many are chosen, by power; 0: each is a light */
   int bounces;      /* 1 .. YLM_EMIT_BOUNCES: reflections of a particle, at most */
+  int grid; /* > 0: a picture of so many texels a side from each spot, a ray through the middle
+                       of each, reflected once; `particles` and `lights` do not count. 0: none */
   ylm_emit_radius radius;
   double fixed; /* scene units, > 0 */
   double scale; /* > 0 */
@@ -81,7 +84,11 @@ typedef struct ylm_emit_report {
 ** Of more landings than options.lights, some are chosen in proportion to their luminous power, by
 ** equal steps along its sum; each then has the same share of it.
 **
-** Returns  YLM_OK; YLM_ERANGE (an option), YLM_ENOMEM, YLM_ECANCELLED. No lights where there are no
+** A grid is the paper's reflective shadow map: a texel of solid angle (2 tan(angle/2)/side)^2 cos^3 stands
+** for the power intensity times that. Cones count as of 170 degrees at most.
+**
+** Returns  YLM_OK; YLM_ERANGE (an option); YLM_EINVAL (a grid, and lamps that are no spots, or none);
+**          YLM_ENOMEM, YLM_ECANCELLED. No lights where there are no
 **          lamps, or nothing is met.
 ** Cost     a ray a landing and one that finds nothing; 44 bytes a landing; 1 us a light for density
 ** Source   Roberts 2018, "The Unreasonable Effectiveness of Quasirandom Sequences" (R_d); Arvo &

@@ -12,7 +12,7 @@ local warning = require "ylm.warning"
 local emit = {}
 
 local COUNT, MOST_BOUNCES, MOST = 2000, 64, 2 ^ 27
-local SCALE = { density = 1.5, angle = 1 } -- of radii, by their rule
+local SCALE = { density = 1.5, angle = 1, footprint = 1.5 } -- of radii, by their rule
 
 --- Lights that scene:virtual_lights made -> { scene, bounces, radius (the median) }.
 emit.made = setmetatable({}, { __mode = "k" })
@@ -25,7 +25,7 @@ end
 
 function form.types.light_radius(x)
   if SCALE[x] or check.is_number(x) and x > 0 then return x end
-  return nil, "'density', 'angle', or a length above 0"
+  return nil, "'density', 'angle', 'footprint', or a length above 0"
 end
 
 --- Options that scene:virtual_lights has in common with pictures that make such lights.
@@ -34,9 +34,9 @@ emit.fields = {
     about = "lights, at most: of more landings so many are chosen, by power, each for the same share of it; default "
       .. COUNT .. ", or one for each landing where particles are named" },
   { "particles", "integer", min = 1, max = MOST, optional = true, about = "that are traced, at least count; default: count" },
-  { "radius", "light_radius", default = "density", unit = "scene units",
-    about = "of a light: 'density', by the distance to the tenth light of the same surface; 'angle', the paper's, by the way of "
-      .. "its particle; or a length" },
+  { "radius", "light_radius", optional = true, unit = "scene units",
+    about = "of a light: 'footprint', by the area that a texel covers (default of a grid); 'density' (else), by the distance to "
+      .. "the tenth light of the same surface; 'angle', the paper's, by the way of its particle; or a length" },
   { "scale", "number", above = 0, optional = true,
     about = "multiplies radii of 'density' and 'angle'; default 1.5, of 'angle' 1" },
   { "profile", "choice", of = { "gauss", "cap", "point" }, default = "gauss", about = "as in virtual_lights" },
@@ -45,6 +45,9 @@ emit.fields = {
 local options = {}
 for _, field in ipairs(emit.fields) do options[#options + 1] = field end
 for _, field in ipairs {
+  { "distribution", "choice", of = { "particles", "grid" }, default = "particles",
+    about = "'grid': instead, the paper's picture from each spot_light, of which count texels in all have a light where they "
+      .. "land; bounces = 1" },
   { "bounces", "reflected", default = 1, about = "reflections of a particle, each of which leaves a light; 'all': 64" },
   { "seed", "integer", min = 0, max = 2 ^ 32, default = 1,
     about = "of all random numbers: a particle keeps its own, whatever moves" },
@@ -85,10 +88,14 @@ local function trace(name, s, o, traced)
   local t, message, code = traced, nil, nil
   if not t then t, message, code = tracing.trace(name, s) end
   if not t then return nil, message, code end
+  local grid = o.distribution == "grid" and math.max(1, math.floor(math.sqrt(o.count / math.max(1, o.spots))))
+    or nil
+  o.radius = o.radius or (grid and "footprint" or "density")
   local fixed = type(o.radius) == "number" and o.radius or nil
   return check.result(name, t.lib.emit_lights(t.handle, { particles = o.particles, lights = o.count,
     bounces = math.max(1, o.bounces), radius = fixed and "fixed" or o.radius, fixed = fixed,
-    scale = o.scale or SCALE[o.radius] or 1, seed = o.seed, threads = o.threads, progress = progress.resolve(o.progress) }))
+    scale = o.scale or SCALE[o.radius] or 1, seed = o.seed, threads = o.threads, grid = grid,
+    progress = progress.resolve(o.progress) }))
 end
 
 --- Virtual lights and report by options that a form has checked, of function `name`; `traced`: lamps other than the scene's.
@@ -99,6 +106,14 @@ function emit.lights(name, s, o, traced)
     return check.bad(1, name, "particles (%d) must be at least as many as count, the lights that are wanted (%d)", o.particles,
       o.count)
   end
+  if o.distribution ~= "grid" and o.radius == "footprint" then
+    return check.bad(1, name, "radius = 'footprint' is of distribution = 'grid', whose texels have one")
+  end
+  if o.distribution == "grid" and o.bounces ~= 1 then
+    return check.bad(1, name, "distribution = 'grid' has one bounce, bounces is %d", o.bounces)
+  end
+  o.spots = 0
+  for _, l in ipairs(s.lights) do if form.kind(l) == "spot_light" then o.spots = o.spots + 1 end end
   local at, normal, radius, intensity, report = trace(name, s, o, traced)
   if not at then return nil, normal, radius end
   if o.bounces == 0 then

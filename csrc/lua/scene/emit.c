@@ -65,13 +65,14 @@ static bool push_lights(lua_State *L, const ylm_emit_lights *l) {
   return true;
 }
 
-/* emit_lights(scene, {particles, lights, bounces, radius: "density" | "angle" | "fixed", fixed, scale,
-   seed, threads, progress}) -> at [n][3], normal [n][3], radius [n], intensity [n][3], report */
+/* emit_lights(scene, {particles, lights, bounces, radius: "density" | "angle" | "fixed" | "footprint",
+   fixed, scale, seed, threads, progress, grid: texels a side or nil}) -> at [n][3], normal [n][3], radius [n], intensity [n][3], report */
 static int emit_lights(lua_State *L) {
-  static const char *const names[] = {"particles", "lights", "bounces", "radius",   "fixed",
-                                      "scale",     "seed",   "threads", "progress", NULL};
-  static const char *const radii[] = {"density", "angle", "fixed", NULL};
-  enum { PARTICLES = 3, LIGHTS, BOUNCES, RADIUS, FIXED, SCALE, SEED, THREADS, PROGRESS };
+  static const char *const names[] = {"particles", "lights", "bounces", "radius",
+                                      "fixed",     "scale",  "seed",    "threads",
+                                      "progress",  "grid",   NULL};
+  static const char *const radii[] = {"density", "angle", "fixed", "footprint", NULL};
+  enum { PARTICLES = 3, LIGHTS, BOUNCES, RADIUS, FIXED, SCALE, SEED, THREADS, PROGRESS, GRID };
   ylmL_named(L, 2, names);
   const ylm_scene *scene = ylmL_scene(L, 1);
   ylm_error e = {0};
@@ -84,6 +85,7 @@ static int emit_lights(lua_State *L) {
                         .radius = (ylm_emit_radius)luaL_checkoption(L, RADIUS, NULL, radii),
                         .fixed = (double)luaL_optnumber(L, FIXED, 0),
                         .scale = (double)luaL_checknumber(L, SCALE),
+                        .grid = (int)luaL_optnumber(L, GRID, 0),
                         .seed = (uint64_t)luaL_checknumber(L, SEED),
                         .threads = (int)luaL_optnumber(L, THREADS, 0),
                         .progress = ylmL_progress_begin(L, PROGRESS, &p)};
