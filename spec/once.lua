@@ -18,7 +18,8 @@ return {
   irradiance_measure = 3, refresh = 2, abi = 1, bounce_render = 4, path = 5, light_sky = 3, first_call = 5, flip = 3,
   two_rooms_light = 4, relight = 3,
   transfer = 1, radiosity = 1, lightmap = 1,
-  transfer_vectors = 3, light_sampled = 1, virtual_lights = 1, virtual_kernel = 1, glossy = 3, gloss_bounced = 2,
+  transfer_vectors = 3, light_sampled = 1, virtual_lights = 1, virtual_kernel = 1, glossy = 3, gloss_bounced = 5,
+  gloss_field = 2,
   ambient = 1,
   emit = 1, virtual_gather = 2, spot = 1,
 }
