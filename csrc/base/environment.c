@@ -14,11 +14,11 @@ int ylm__environment_threads(ylm_error *e) {
   const char *s = text_of("YLM_THREADS"), *p = s;
   if (!s) return 0;
   int n = 0;
-  for (; *p >= '0' && *p <= '9' && n <= YLM__MOST_THREADS; p++) n = 10 * n + (*p - '0');
-  if (!*p && n >= 1 && n <= YLM__MOST_THREADS) return n;
+  for (; *p >= '0' && *p <= '9' && n <= YLM_THREADS_MOST; p++) n = 10 * n + (*p - '0');
+  if (!*p && n >= 1 && n <= YLM_THREADS_MOST) return n;
   ylm_fail(e, YLM_EDOMAIN,
            "YLM_THREADS is '%.40s' in the environment: an integer from 1 to %d expected", s,
-           YLM__MOST_THREADS);
+           YLM_THREADS_MOST);
   return -1;
 }
 

@@ -4,9 +4,7 @@
 
 #include "ylm_base.h"
 
-#define YLM__MOST_THREADS 1024
-
-/* YLM_THREADS, 1 .. YLM__MOST_THREADS; 0 where it is unset or empty; -1 and a sentence where it is
+/* YLM_THREADS, 1 .. YLM_THREADS_MOST; 0 where it is unset or empty; -1 and a sentence where it is
    something else. `e` may be NULL. */
 int ylm__environment_threads(ylm_error *e);
 

@@ -17,12 +17,25 @@ double ylm_seconds(void) {
 int ylm_threads(int asked) {
   if (asked <= 0) asked = ylm__environment_threads(NULL);
   if (asked <= 0) asked = omp_get_num_procs();
-  return asked < 1 ? 1 : asked > YLM__MOST_THREADS ? YLM__MOST_THREADS : asked;
+  return asked < 1 ? 1 : asked > YLM_THREADS_MOST ? YLM_THREADS_MOST : asked;
 }
 
 ylm_status ylm_report(const ylm_progress *p, uint64_t done, uint64_t total, const char *stage) {
   if (!p || !p->step) return YLM_OK;
   return p->step(p->user, done, total, stage) ? YLM_OK : YLM_ECANCELLED;
+}
+
+static bool step_part(void *user, uint64_t done, uint64_t total, const char *stage) {
+  const ylm_progress_part *p = user;
+  uint64_t here = total ? (uint64_t)((double)p->steps * (double)done / (double)total) : 0;
+  return ylm_report(p->whole, p->begin + here, p->of, p->stage ? p->stage : stage) == YLM_OK;
+}
+
+const ylm_progress *ylm_progress_part_of(ylm_progress_part *p, const ylm_progress *whole,
+                                         const char *stage, uint64_t begin, uint64_t steps,
+                                         uint64_t of) {
+  *p = (ylm_progress_part){{step_part, p}, whole, stage, begin, steps, of};
+  return whole ? &p->base : NULL;
 }
 
 /* Work in blocks, and what the calling thread tells of it in between. */

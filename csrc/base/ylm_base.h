@@ -194,8 +194,23 @@ typedef struct ylm_progress {
 YLM_API ylm_status ylm_report(const ylm_progress *p, uint64_t done, uint64_t total,
                               const char *stage);
 
+/* Work that is a part of other work: steps begin .. begin + steps of `of`. */
+typedef struct ylm_progress_part {
+  ylm_progress base;
+  const ylm_progress *whole;
+  const char *stage; /* by which the whole names it; NULL: by the part's own stages */
+  uint64_t begin, steps, of;
+} ylm_progress_part;
+
+/* The progress of that part, to be given to it while *p lives; NULL where `whole` is. */
+YLM_API const ylm_progress *ylm_progress_part_of(ylm_progress_part *p, const ylm_progress *whole,
+                                                 const char *stage, uint64_t begin, uint64_t steps,
+                                                 uint64_t of);
+
+#define YLM_THREADS_MOST 1024
+
 /* The number of threads to use: `asked` if > 0, else the environment's YLM_THREADS where that is an
-   integer from 1 to 1024, else all cores; 1 .. 1024. */
+   integer from 1 to YLM_THREADS_MOST, else all cores; 1 .. YLM_THREADS_MOST. */
 YLM_API int ylm_threads(int asked);
 
 /* Work on items begin .. end-1; `worker` is 0 .. threads-1. */

@@ -90,14 +90,6 @@ static double noise_of(const path_job *j, const ylm_path_sum *sum) {
   return lit ? total / (double)lit : 0;
 }
 
-/* Tells of a round as of a part of all. */
-static bool step(void *user, uint64_t done, uint64_t total, const char *stage) {
-  const run *r = user;
-  uint64_t whole = r->total * 1000,
-           now = r->done * 1000 + r->batches * 1000 * done / (total ? total : 1);
-  return ylm_report(r->outer, now, whole, stage) == YLM_OK;
-}
-
 static void add_counts(ylm_path_stats *to, const ylm_path_stats *from) {
   to->paths += from->paths;
   to->nearest_rays += from->nearest_rays;
@@ -121,7 +113,6 @@ static void make_room(run *r, uint64_t todo) {
 /* Rounds until there are `samples`, or enough. */
 static ylm_status run_rounds(run *r, ylm_path_sum *sum, ylm_path_stats *stats) {
   const ylm_path_options *o = r->job->o;
-  const ylm_progress inner = {step, r};
   double start = ylm_seconds();
   size_t most = r->batches;
   stats->end = YLM_PATH_DONE;
@@ -129,8 +120,11 @@ static ylm_status run_rounds(run *r, ylm_path_sum *sum, ylm_path_stats *stats) {
     r->batch = sum->samples / YLM_PATH_BATCH;
     r->batches = r->total - r->done < most ? (size_t)(r->total - r->done) : most;
     size_t tiles = (r->batches + r->job->batches_per_tile - 1) / r->job->batches_per_tile;
+    ylm_progress_part part;
     ylm_status s = ylm_parallel(tiles * r->groups, 1, o->threads, run_tiles, r,
-                                r->outer ? &inner : NULL, r->job->kind->stage);
+                                ylm_progress_part_of(&part, r->outer, NULL, r->done * 1000,
+                                                     r->batches * 1000, r->total * 1000),
+                                r->job->kind->stage);
     if (s != YLM_OK) return s;
     add_round(r, sum);
     r->done += r->batches;

@@ -99,18 +99,6 @@ static ylm_status pass(job *j, size_t at, size_t n, const void *p, void *const o
   return s;
 }
 
-/* Progress of a pass as part of the whole. */
-typedef struct part {
-  const ylm_progress *whole;
-  double begin, share;
-} part;
-
-static bool step(void *user, uint64_t done, uint64_t total, const char *stage) {
-  const part *p = user;
-  double x = p->begin + p->share * (total ? (double)done / (double)total : 1);
-  return ylm_report(p->whole, (uint64_t)(x * 10000 + 0.5), 10000, stage) == YLM_OK;
-}
-
 ylm_status ylm_gpu_sh_eval(ylm_gpu *g, int lmax, int derivatives, bool solid, ylm_dtype t, size_t n,
                            const void *p, void *y, void *dy, void *ddy, ylm_gpu_times *times,
                            const ylm_progress *progress, ylm_error *e) {
@@ -129,9 +117,9 @@ ylm_status ylm_gpu_sh_eval(ylm_gpu *g, int lmax, int derivatives, bool solid, yl
   s = prepare(&j, n, e);
   for (size_t at = 0, rows; s == YLM_OK && at < n; at += rows) {
     rows = n - at < j.rows ? n - at : j.rows;
-    part share = {progress, (double)at / (double)n, (double)rows / (double)n};
-    ylm_progress inner = {step, &share};
-    s = pass(&j, at, rows, p, out, times, progress ? &inner : NULL, e);
+    ylm_progress_part part;
+    s = pass(&j, at, rows, p, out, times, ylm_progress_part_of(&part, progress, NULL, at, rows, n),
+             e);
   }
   clear(&j);
   return s;

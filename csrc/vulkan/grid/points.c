@@ -247,12 +247,6 @@ static ylm_status check_finite(gpu_points *p, uint32_t begin, uint32_t end) {
   return s;
 }
 
-bool ylm__points_forward(void *user, uint64_t done, uint64_t total, const char *stage) {
-  const pass_progress *p = user;
-  uint64_t here = total ? (uint64_t)((double)p->now * (double)done / (double)total) : 0;
-  return ylm_report(p->outer, p->done + here, p->all, stage) == YLM_OK;
-}
-
 ylm_status ylm__points_evaluate(gpu_points *p, uint32_t n, const ylm_progress *progress,
                                 bool *full) {
   ylm_field_query q = query_of(p);
@@ -269,9 +263,10 @@ ylm_status ylm__points_evaluate(gpu_points *p, uint32_t n, const ylm_progress *p
     s = reserve_rows(p, left, few, &now);
     if (now > few) now = few;
     *full = s == YLM_OK && !now;
-    pass_progress part = {progress, p->points - begin, now, n};
-    ylm_progress inner = {ylm__points_forward, &part};
-    if (s == YLM_OK && now) s = pass(p, plan, &q, now, &reach, progress ? &inner : NULL);
+    ylm_progress_part part;
+    const ylm_progress *inner =
+        ylm_progress_part_of(&part, progress, NULL, p->points - begin, now, n);
+    if (s == YLM_OK && now) s = pass(p, plan, &q, now, &reach, inner);
     if (s == YLM_OK) p->points += now;
   }
   if (s == YLM_OK) s = ylm__steps_run(&p->q);

@@ -37,13 +37,6 @@ typedef struct gpu_points {
   ylm_gpu_buffer *value;         /* [..][width]: of the field at free places */
 } gpu_points;
 
-/* Progress of a pass as that of all points: ylm__points_forward. */
-typedef struct pass_progress {
-  const ylm_progress *outer;
-  uint32_t done, now, all;
-} pass_progress;
-bool ylm__points_forward(void *user, uint64_t done, uint64_t total, const char *stage);
-
 /* Keys of lattice coordinates. */
 static inline void points_pack(const uint32_t at[3], uint32_t key[2]) {
   key[0] = key_low(at[0], at[1]);

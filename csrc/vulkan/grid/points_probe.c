@@ -83,11 +83,10 @@ ylm_status ylm__points_values(gpu_points *p, size_t n, const float *places, uint
   if (s == YLM_OK) s = ylm__lights_reach(p->l, plan, &q, n, 0, &reach, p->e);
   if (s == YLM_OK) s = ylm__steps_reserve(p->g, &p->value, n * 4 * (uint64_t)p->width, p->e);
   for (size_t at = 0, now; s == YLM_OK && at < n; at += now) {
-    pass_progress part = {progress, (uint32_t)at, 0, (uint32_t)n};
-    ylm_progress inner = {ylm__points_forward, &part};
+    ylm_progress_part part;
     now = n - at < reach.rows ? n - at : reach.rows;
-    part.now = (uint32_t)now;
-    s = pass(p, plan, &q, &reach, at, (uint32_t)now, places, inside, progress ? &inner : NULL);
+    s = pass(p, plan, &q, &reach, at, (uint32_t)now, places, inside,
+             ylm_progress_part_of(&part, progress, NULL, at, now, n));
   }
   return s;
 }

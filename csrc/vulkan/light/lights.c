@@ -85,19 +85,6 @@ static ylm_status check(const ylm_gpu_lights *l, const ylm_field_query *q, size_
   return ylm_gpu_state(l->gpu, e);
 }
 
-/* Progress of a pass as progress of all points. */
-typedef struct pass_progress {
-  const ylm_progress *outer;
-  size_t begin, points, all;
-} pass_progress;
-
-static bool forward(void *user, uint64_t done, uint64_t total, const char *stage) {
-  const pass_progress *p = user;
-  (void)stage;
-  uint64_t here = total ? (uint64_t)((double)p->points * (double)done / (double)total) : 0;
-  return ylm_report(p->outer, p->begin + here, p->all, "lights") == YLM_OK;
-}
-
 void ylm__lights_copied(ylm_gpu_lights *l, const char *name, double start) {
   ylm_gpu_times *t = &l->times;
   double seconds = ylm_seconds() - start;
@@ -176,16 +163,16 @@ static ylm_status evaluate(const ylm_field *f, const ylm_field_query *q, size_t 
   l->busy = true;
   for (size_t begin = 0; begin < n && s == YLM_OK; begin += rows) {
     size_t now = n - begin < rows ? n - begin : rows;
-    pass_progress pass = {q->progress, begin, now, n};
-    ylm_progress progress = {forward, &pass};
+    ylm_progress_part part;
+    const ylm_progress *progress =
+        ylm_progress_part_of(&part, q->progress, "lights", begin, now, n);
     s = ylm__lights_scratch(l, BUFFER_POINTS, reach.places * point, e);
     double start = ylm_seconds();
     if (s == YLM_OK)
       s = ylm_gpu_upload(l->scratch[BUFFER_POINTS], 0, now * point,
                          (const char *)points + begin * point, e);
     ylm__lights_copied(l, "upload", start);
-    if (s == YLM_OK)
-      s = ylm__sum_run(l, plan, q, (uint32_t)now, reach.at_once, q->progress ? &progress : NULL, e);
+    if (s == YLM_OK) s = ylm__sum_run(l, plan, q, (uint32_t)now, reach.at_once, progress, e);
     start = ylm_seconds();
     if (s == YLM_OK) s = download(l, q, begin, now, r, e);
     ylm__lights_copied(l, "download", start);
