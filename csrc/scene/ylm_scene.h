@@ -149,6 +149,9 @@ YLM_API const float *ylm_scene_lamp_radiance(const ylm_scene *scene, const ylm_t
 YLM_API bool ylm_scene_sky_radiance(const ylm_scene *scene, const ylm_trace_ray *ray,
                                     double radiance[3]);
 
+/* The most rays that a place is asked to aim at the lamps; more are refused by the folders behind. */
+#define YLM_SCENE_SAMPLES 65536
+
 /* State for choosing rays to the lamps of a scene. */
 typedef struct ylm_scene_chooser ylm_scene_chooser;
 /* NULL without memory. */
@@ -176,6 +179,27 @@ YLM_API void ylm_scene_chooser_free(ylm_scene_chooser *c);
 YLM_API size_t ylm_scene_aim(ylm_scene_chooser *c, const float x[3], const float n[3],
                              int light_samples, ylm_rng *rng, ylm_trace_ray *ray,
                              float (*value)[3]);
+
+/* Rays of several places to the lamps, which are traced in one go. For one caller at a time. */
+typedef struct ylm_scene_batch {
+  ylm_scene_chooser *lamps;
+  ylm_trace_ray *ray; /* [room] */
+  float (*value)[3];  /* [room]: irradiance that a ray brings if nothing is in its way */
+  size_t rays, room;
+  uint64_t traced; /* in all */
+} ylm_scene_batch;
+
+/* With room for YLM_SCENE_BATCH rays, or for the `light_samples` of one place if these are more. YLM_ENOMEM; to
+   be freed in any case. */
+#define YLM_SCENE_BATCH 512
+YLM_API ylm_status ylm_scene_batch_create(const ylm_scene *scene, size_t light_samples,
+                                          ylm_scene_batch *b);
+YLM_API void ylm_scene_batch_free(ylm_scene_batch *b);
+/* Appends the rays that ylm_scene_aim makes for a place. */
+YLM_API void ylm_scene_batch_aim(ylm_scene_batch *b, const float x[3], const float n[3],
+                                 int light_samples, ylm_rng *rng);
+/* Traces them all: ray[k].far < 0 where something is in the way of ray k. */
+YLM_API void ylm_scene_batch_trace(ylm_scene_batch *b);
 
 /* Lamps are counted as ylm_trace.h counts those that are hit; distant lights follow them. */
 

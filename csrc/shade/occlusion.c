@@ -22,9 +22,8 @@ typedef struct job {
 } job;
 
 typedef struct scratch {
-  ylm_scene_chooser *lamps;
-  ylm_trace_ray *to_lamp, *near; /* [light_samples] */
-  float (*value)[3];             /* [light_samples] */
+  ylm_scene_batch to_lamp;
+  ylm_trace_ray *near; /* [light_samples] */
 } scratch;
 
 static double luminance(const float value[3], const float albedo[3]) {
@@ -48,14 +47,14 @@ static size_t choose(const job *j, size_t k, ylm_rng *rng, size_t *entry) {
 }
 
 /* Rays of which the view knows whether they are free: the same, up to occlusion_distance. */
-static void by_direction(const ylm_shade_view *v, size_t n, const scratch *s) {
+static void by_direction(const ylm_shade_view *v, const scratch *s) {
   float far = (float)fmin(v->o.occlusion_distance, 3e38);
-  memcpy(s->near, s->to_lamp, n * sizeof *s->near);
-  for (size_t i = 0; i < n; i++) s->near[i].far = far;
+  memcpy(s->near, s->to_lamp.ray, s->to_lamp.rays * sizeof *s->near);
+  for (size_t i = 0; i < s->to_lamp.rays; i++) s->near[i].far = far;
 }
 
 /* The light of place k; returns the number of rays. */
-static size_t look(const job *j, size_t k, const scratch *s, double *out) {
+static size_t look(const job *j, size_t k, scratch *s, double *out) {
   const ylm_shade_view *v = j->view;
   bool shadows = v->o.visibility != YLM_SHADE_UNSHADOWED;
   size_t entry;
@@ -64,16 +63,18 @@ static size_t look(const job *j, size_t k, const scratch *s, double *out) {
   size_t point = choose(j, k, &rng, &entry);
   float albedo[3];
   ylm__shade_albedo(v, point, albedo);
-  size_t n = ylm_scene_aim(s->lamps, v->origin[point], v->normal[point], j->light_samples, &rng,
-                           s->to_lamp, s->value);
+  ylm_scene_batch *b = &s->to_lamp;
+  b->rays = 0;
+  ylm_scene_batch_aim(b, v->origin[point], v->normal[point], j->light_samples, &rng);
+  size_t n = b->rays;
   memset(out, 0, LIGHTS * sizeof *out);
-  if (shadows) by_direction(v, n, s);
-  ylm_trace_occluded(ylm_scene_trace(v->scene), n, s->to_lamp);
+  if (shadows) by_direction(v, s);
+  ylm_scene_batch_trace(b);
   if (shadows) ylm_trace_occluded(ylm_scene_trace(v->scene), n, s->near);
   for (size_t i = 0; i < n; i++) {
-    double c = (double)v->entry[entry].weight * luminance(s->value[i], albedo);
+    double c = (double)v->entry[entry].weight * luminance(b->value[i], albedo);
     if (!isfinite(c)) continue;
-    bool free = !(s->to_lamp[i].far < 0), seen = !shadows || !(s->near[i].far < 0);
+    bool free = !(b->ray[i].far < 0), seen = !shadows || !(s->near[i].far < 0);
     out[METHOD] += seen ? c : 0;
     out[TRUTH] += free ? c : 0;
     out[PASSING] += seen && !free ? c : 0;
@@ -86,16 +87,12 @@ static ylm_status run(void *context, size_t begin, size_t end, int worker) {
   (void)worker;
   job *j = context;
   size_t light_samples = (size_t)j->light_samples, rays = 0;
-  scratch s = {.lamps = ylm_scene_chooser_create(j->view->scene),
-               .to_lamp = ylm_alloc(light_samples, sizeof *s.to_lamp),
-               .near = ylm_alloc(light_samples, sizeof *s.near),
-               .value = ylm_alloc(light_samples, sizeof *s.value)};
-  ylm_status status = s.lamps && s.to_lamp && s.near && s.value ? YLM_OK : YLM_ENOMEM;
+  scratch s = {.near = ylm_alloc(light_samples, sizeof *s.near)};
+  ylm_status status = ylm_scene_batch_create(j->view->scene, light_samples, &s.to_lamp);
+  if (!s.near) status = YLM_ENOMEM;
   for (size_t k = begin; status == YLM_OK && k < end; k++) rays += look(j, k, &s, j->light[k]);
-  ylm_scene_chooser_free(s.lamps);
-  ylm_free(s.to_lamp);
+  ylm_scene_batch_free(&s.to_lamp);
   ylm_free(s.near);
-  ylm_free(s.value);
   atomic_fetch_add_explicit(&j->rays, rays, memory_order_relaxed);
   return status;
 }
@@ -120,7 +117,7 @@ static double share(const job *j, int part, int whole, double *error) {
 ylm_status ylm_shade_measure_occlusion(const ylm_shade_view *v, size_t places, int light_samples,
                                        int threads, ylm_shade_occlusion *out) {
   *out = (ylm_shade_occlusion){0};
-  if (places < 1 || light_samples < 1 || light_samples > 65536) return YLM_ERANGE;
+  if (places < 1 || light_samples < 1 || light_samples > YLM_SCENE_SAMPLES) return YLM_ERANGE;
   if (v->o.visibility == YLM_SHADE_RAYS) return YLM_OK;
   double start = ylm_seconds();
   job j = {.view = v,

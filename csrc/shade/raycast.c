@@ -6,8 +6,8 @@
 #include "ylm_path.h"
 
 #define GRAIN 256
-/* Rays that are traced in one go, where a point has fewer; points whose rays these are, at most. */
-#define BATCH 512
+/* Points whose rays are traced in one go, at most. */
+#define POINTS 512
 /* Items at which noise is measured, and their samples. */
 #define TRIALS 512
 #define TRIAL_SAMPLES 64
@@ -22,58 +22,38 @@ typedef struct job {
   atomic_uint_fast64_t rays;
 } job;
 
-typedef struct scratch {
-  ylm_scene_chooser *lamps;
-  ylm_trace_ray *ray;  /* [room] */
-  float (*value)[3];   /* [room]: irradiance that the ray brings if nothing is hit */
-  size_t point[BATCH]; /* whose rays these are */
-  size_t end[BATCH];   /* of each point's rays */
-  size_t points, rays, room;
-  uint64_t traced;
-} scratch;
-
-static bool scratch_create(const job *j, scratch *s) {
-  size_t each = (size_t)j->light_samples;
-  s->room = each > BATCH ? each : BATCH;
-  s->lamps = ylm_scene_chooser_create(j->lit);
-  s->ray = ylm_alloc(s->room, sizeof *s->ray);
-  s->value = ylm_alloc(s->room, sizeof *s->value);
-  return s->lamps && s->ray && s->value;
-}
-
-static void scratch_free(scratch *s) {
-  ylm_scene_chooser_free(s->lamps);
-  ylm_free(s->ray);
-  ylm_free(s->value);
-}
+/* Points whose rays wait to be traced. */
+typedef struct waiting {
+  ylm_scene_batch lit;
+  size_t point[POINTS];
+  size_t end[POINTS]; /* of each point's rays */
+  size_t points;
+} waiting;
 
 /* Traces the rays of all points so far; writes the radiance of these. */
-static void finish(const job *j, scratch *s) {
-  if (j->shadows) {
-    ylm_trace_occluded(ylm_scene_trace(j->lit), s->rays, s->ray);
-    s->traced += s->rays;
-  }
-  for (size_t p = 0, k = 0; p < s->points; p++) {
-    size_t i = s->point[p];
+static void finish(const job *j, waiting *w) {
+  ylm_scene_batch *b = &w->lit;
+  if (j->shadows) ylm_scene_batch_trace(b);
+  for (size_t p = 0, k = 0; p < w->points; p++) {
+    size_t i = w->point[p];
     double E[3] = {0, 0, 0};
-    for (; k < s->end[p]; k++)
-      if (!j->shadows || !(s->ray[k].far < 0))
-        for (int c = 0; c < 3; c++) E[c] += s->value[k][c];
+    for (; k < w->end[p]; k++)
+      if (!j->shadows || !(b->ray[k].far < 0))
+        for (int c = 0; c < 3; c++) E[c] += b->value[k][c];
     ylm_material_reflect(ylm__shade_material(j->view, i), E, j->out + 3 * i);
     ylm__shade_tint(j->view, i, 1, j->out + 3 * i);
   }
-  s->points = s->rays = 0;
+  w->points = b->rays = 0;
 }
 
 /* Aims rays from a point whose random numbers have the number `stream`. */
-static void aim(const job *j, scratch *s, size_t i, uint64_t stream) {
+static void aim(const job *j, waiting *w, size_t i, uint64_t stream) {
   ylm_rng rng;
-  if (s->points == BATCH || s->rays + (size_t)j->light_samples > s->room) finish(j, s);
+  if (w->points == POINTS || w->lit.rays + (size_t)j->light_samples > w->lit.room) finish(j, w);
   ylm_rng_seed(&rng, j->seed, stream);
-  s->rays += ylm_scene_aim(s->lamps, j->view->origin[i], j->view->normal[i], j->light_samples, &rng,
-                           s->ray + s->rays, s->value + s->rays);
-  s->point[s->points] = i;
-  s->end[s->points++] = s->rays;
+  ylm_scene_batch_aim(&w->lit, j->view->origin[i], j->view->normal[i], j->light_samples, &rng);
+  w->point[w->points] = i;
+  w->end[w->points++] = w->lit.rays;
 }
 
 static bool is_matte(const job *j, size_t i) {
@@ -83,16 +63,17 @@ static bool is_matte(const job *j, size_t i) {
 static ylm_status run(void *context, size_t begin, size_t end, int worker) {
   (void)worker;
   job *j = context;
-  scratch s = {0};
-  ylm_status status = scratch_create(j, &s) ? YLM_OK : YLM_ENOMEM;
+  waiting w;
+  w.points = 0;
+  ylm_status status = ylm_scene_batch_create(j->lit, (size_t)j->light_samples, &w.lit);
   shade_stream at = ylm__shade_stream_at(j->view, begin);
   for (size_t i = begin; status == YLM_OK && i < end; i++) {
     uint64_t stream = ylm__shade_stream_next(j->view, &at);
-    if (is_matte(j, i)) aim(j, &s, i, stream);
+    if (is_matte(j, i)) aim(j, &w, i, stream);
   }
-  if (status == YLM_OK) finish(j, &s);
-  scratch_free(&s);
-  atomic_fetch_add_explicit(&j->rays, s.traced, memory_order_relaxed);
+  if (status == YLM_OK) finish(j, &w);
+  ylm_scene_batch_free(&w.lit);
+  atomic_fetch_add_explicit(&j->rays, w.lit.traced, memory_order_relaxed);
   return status;
 }
 
@@ -259,7 +240,7 @@ static ylm_status cast_glossy(const job *j, int threads, const ylm_progress *pro
 ylm_status ylm_shade_raycast(const ylm_shade_view *v, const ylm_scene *lit, int light_samples,
                              bool shadows, uint64_t seed, int threads, const ylm_progress *progress,
                              float *out, uint64_t *rays) {
-  if (light_samples < 1 || light_samples > 65536) return YLM_ERANGE;
+  if (light_samples < 1 || light_samples > YLM_SCENE_SAMPLES) return YLM_ERANGE;
   if (lit && ylm_scene_meshes(lit) != ylm_scene_meshes(v->scene)) return YLM_EINVAL;
   job j = {.view = v,
            .lit = lit ? lit : v->scene,

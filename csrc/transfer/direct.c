@@ -10,8 +10,6 @@
 /* Elements whose light is asked of a field at a time. */
 #define ASK 4096
 #define GRAIN 128
-/* Rays that are traced in one go, where an element has fewer. */
-#define BATCH 512
 
 typedef struct job {
   const ylm_transfer *t;
@@ -24,30 +22,11 @@ typedef struct job {
 } job;
 
 /* Elements from `first` on whose rays wait to be traced. */
-typedef struct scratch {
-  ylm_scene_chooser *lamps;
-  ylm_trace_ray *ray; /* [room] */
-  float (*value)[3];  /* [room] */
-  size_t first, count, rays, room;
+typedef struct waiting {
+  ylm_scene_batch lit;
+  size_t first, count;
   size_t end[GRAIN]; /* of each element's rays */
-  uint64_t traced;
-} scratch;
-
-static bool scratch_create(const job *j, scratch *s, size_t first) {
-  size_t most = (size_t)j->places * (size_t)j->each;
-  s->first = first;
-  s->room = most > BATCH ? most : BATCH;
-  s->lamps = ylm_scene_chooser_create(j->scene);
-  s->ray = ylm_alloc(s->room, sizeof *s->ray);
-  s->value = ylm_alloc(s->room, sizeof *s->value);
-  return s->lamps && s->ray && s->value;
-}
-
-static void scratch_free(scratch *s) {
-  ylm_scene_chooser_free(s->lamps);
-  ylm_free(s->ray);
-  ylm_free(s->value);
-}
+} waiting;
 
 /* A place of element i: number k of a sequence that begins at (x, y). */
 static ylm_scene_place place_of(ylm_scene_place place, float corner[3][2], double x, double y,
@@ -62,7 +41,7 @@ static ylm_scene_place place_of(ylm_scene_place place, float corner[3][2], doubl
 }
 
 /* Aims the rays of element i, where it has light. */
-static void aim(const job *j, size_t i, scratch *s) {
+static void aim(const job *j, size_t i, waiting *w) {
   ylm_scene_place place;
   float corner[3][2];
   ylm_rng rng;
@@ -74,13 +53,13 @@ static void aim(const job *j, size_t i, scratch *s) {
     ylm_scene_surface at;
     ylm_scene_place here = place_of(place, corner, x, y, k);
     ylm_scene_surfaces(j->scene, 1, &here, &at);
-    s->rays += ylm_scene_aim(s->lamps, at.origin, at.normal, j->each, &rng, s->ray + s->rays,
-                             s->value + s->rays);
+    ylm_scene_batch_aim(&w->lit, at.origin, at.normal, j->each, &rng);
   }
 }
 
 /* Irradiance of element i from rays k .. end-1; adds up what is near and what is there. */
-static void add(const job *j, size_t i, const scratch *s, size_t k, size_t end, double part[2]) {
+static void add(const job *j, size_t i, const ylm_scene_batch *s, size_t k, size_t end,
+                double part[2]) {
   double E[3] = {0, 0, 0};
   for (; k < end; k++)
     if (!(s->ray[k].far < 0)) {
@@ -94,13 +73,12 @@ static void add(const job *j, size_t i, const scratch *s, size_t k, size_t end, 
 }
 
 /* Traces the rays that wait. */
-static void finish(const job *j, scratch *s, double part[2]) {
-  ylm_trace_occluded(ylm_scene_trace(j->scene), s->rays, s->ray);
-  for (size_t k = 0; k < s->count; k++)
-    add(j, s->first + k, s, k > 0 ? s->end[k - 1] : 0, s->end[k], part);
-  s->traced += s->rays;
-  s->first += s->count;
-  s->count = s->rays = 0;
+static void finish(const job *j, waiting *w, double part[2]) {
+  ylm_scene_batch_trace(&w->lit);
+  for (size_t k = 0; k < w->count; k++)
+    add(j, w->first + k, &w->lit, k > 0 ? w->end[k - 1] : 0, w->end[k], part);
+  w->first += w->count;
+  w->count = w->lit.rays = 0;
 }
 
 static ylm_status run(void *context, size_t begin, size_t end, int worker) {
@@ -108,16 +86,16 @@ static ylm_status run(void *context, size_t begin, size_t end, int worker) {
   job *j = context;
   size_t most = (size_t)j->places * (size_t)j->each;
   double *part = j->part[begin / GRAIN];
-  scratch s = {0};
-  ylm_status status = scratch_create(j, &s, begin) ? YLM_OK : YLM_ENOMEM;
+  waiting w = {.first = begin};
+  ylm_status status = ylm_scene_batch_create(j->scene, most, &w.lit);
   for (size_t i = begin; status == YLM_OK && i < end; i++) {
-    if (s.rays + most > s.room) finish(j, &s, part);
-    aim(j, i, &s);
-    s.end[s.count++] = s.rays;
+    if (w.lit.rays + most > w.lit.room) finish(j, &w, part);
+    aim(j, i, &w);
+    w.end[w.count++] = w.lit.rays;
   }
-  if (status == YLM_OK) finish(j, &s, part);
-  scratch_free(&s);
-  atomic_fetch_add(&j->rays, s.traced);
+  if (status == YLM_OK) finish(j, &w, part);
+  ylm_scene_batch_free(&w.lit);
+  atomic_fetch_add(&j->rays, w.lit.traced);
   return status;
 }
 

@@ -24,19 +24,15 @@ typedef struct scratch {
   float *sum;     /* [BATCH][4] */
   float *escape;  /* [BATCH][count] or NULL */
   float *light;   /* [BATCH][3][count] or NULL */
-  ylm_scene_chooser *lamps;
-  ylm_trace_ray *ray; /* [light_samples] */
-  float (*value)[3];
+  ylm_scene_batch lit;
 } scratch;
 
 static void scratch_free(scratch *x) {
-  ylm_scene_chooser_free(x->lamps);
+  ylm_scene_batch_free(&x->lit);
   ylm_free(x->link);
   ylm_free(x->sum);
   ylm_free(x->escape);
   ylm_free(x->light);
-  ylm_free(x->ray);
-  ylm_free(x->value);
   ylm_free(x);
 }
 
@@ -49,10 +45,7 @@ static scratch *scratch_create(const job *j) {
   x->sum = ylm_alloc(BATCH, 16);
   bool ok = x->link && x->sum;
   if (m->scene) {
-    x->lamps = ylm_scene_chooser_create(m->scene);
-    x->ray = ylm_alloc((size_t)m->light_samples, sizeof *x->ray);
-    x->value = ylm_alloc((size_t)m->light_samples, 12);
-    ok = ok && x->lamps && x->ray && x->value;
+    ok = ylm_scene_batch_create(m->scene, (size_t)m->light_samples, &x->lit) == YLM_OK && ok;
   } else if (m->field) {
     x->escape = ylm_alloc(BATCH * count, sizeof *x->escape);
     x->light = ylm_alloc(BATCH * 3 * count, sizeof *x->light);
@@ -67,12 +60,12 @@ static scratch *scratch_create(const job *j) {
 static void add_rays(const job *j, scratch *x, size_t i, float E[3]) {
   ylm_rng rng;
   ylm_rng_seed(&rng, ~j->m->seed, x->stream[i]);
-  size_t rays = ylm_scene_aim(x->lamps, x->origin[i], x->normal[i], j->m->light_samples, &rng,
-                              x->ray, x->value);
-  ylm_trace_occluded(ylm_scene_trace(j->m->scene), rays, x->ray);
-  for (size_t k = 0; k < rays; k++)
+  ylm_scene_batch_aim(&x->lit, x->origin[i], x->normal[i], j->m->light_samples, &rng);
+  ylm_scene_batch_trace(&x->lit);
+  for (size_t k = 0; k < x->lit.rays; k++)
     for (size_t c = 0; c < 3; c++)
-      if (!(x->ray[k].far < 0)) E[c] += x->value[k][c];
+      if (!(x->lit.ray[k].far < 0)) E[c] += x->lit.value[k][c];
+  x->lit.rays = 0;
 }
 
 /* The cosine's coefficients at n texels, in place of transfer vectors. */
