@@ -6,7 +6,6 @@
 
 #define MAX_TABLE_LEVEL 6
 #define LEAST_EXTENT 1e-30 /* of bounds: squares of a voxel's edges stay normal numbers */
-#define MAX_UNIFORM_CELLS ((uint64_t)1 << 31)
 
 /* -- making --------------------------------------------------------------------- */
 
@@ -31,7 +30,7 @@ static ylm_status check_uniform(const ylm_grid_form *f, ylm_error *e) {
     if (f->cells[a] < 1 || f->cells[a] > 1u << 20)
       return ylm_fail(e, YLM_ERANGE, "cells: 1 to 1048576 along each axis, got %u", f->cells[a]);
     n *= f->cells[a];
-    if (n > MAX_UNIFORM_CELLS)
+    if (n > YLM_GRID_MAX_CELLS)
       return ylm_fail(e, YLM_EOVERFLOW, "cells: %u x %u x %u are too many", f->cells[0],
                       f->cells[1], f->cells[2]);
   }

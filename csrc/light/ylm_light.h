@@ -39,6 +39,11 @@ extern "C" {
 /* Largest coordinate and radius: squares stay representable in float. */
 #define YLM_LIGHT_EXTENT 1e15
 
+/* The most vertices of a polygon. */
+#define YLM_POLYGON_VERTICES 64
+/* The most texels of an image that a light is made of. */
+#define YLM_LIGHT_TEXELS (1 << 22)
+
 /* Weights of linear Rec. 709 red, green and blue in luminance. */
 #define YLM_LUMINANCE_R 0.2126
 #define YLM_LUMINANCE_G 0.7152

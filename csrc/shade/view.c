@@ -6,15 +6,17 @@
 #include "gloss.h"
 
 static ylm_status check_options(const ylm_shade_options *o, ylm_error *e) {
-  if (o->width < 1 || o->height < 1 || o->width > 65536 || o->height > 65536)
-    return ylm_fail(e, YLM_ERANGE, "an image has 1 to 65536 pixels each way");
-  if (o->samples < 1 || o->samples > 1024)
-    return ylm_fail(e, YLM_ERANGE, "samples must be from 1 to 1024, got %d", o->samples);
-  if (o->lmax < 0 || o->lmax > 100)
-    return ylm_fail(e, YLM_ERANGE, "lmax must be from 0 to 100, got %d", o->lmax);
-  if (o->transfer_samples < 1 || o->transfer_samples > 65536)
-    return ylm_fail(e, YLM_ERANGE, "transfer_samples must be from 1 to 65536, got %d",
-                    o->transfer_samples);
+  if (o->width < 1 || o->height < 1 || o->width > YLM_IMAGE_MAX_SIDE ||
+      o->height > YLM_IMAGE_MAX_SIDE)
+    return ylm_fail(e, YLM_ERANGE, "an image has 1 to %d pixels each way", YLM_IMAGE_MAX_SIDE);
+  if (o->samples < 1 || o->samples > YLM_SHADE_SAMPLES)
+    return ylm_fail(e, YLM_ERANGE, "samples must be from 1 to %d, got %d", YLM_SHADE_SAMPLES,
+                    o->samples);
+  if (o->lmax < 0 || o->lmax > YLM_LIGHT_LMAX)
+    return ylm_fail(e, YLM_ERANGE, "lmax must be from 0 to %d, got %d", YLM_LIGHT_LMAX, o->lmax);
+  if (o->transfer_samples < 1 || o->transfer_samples > YLM_SCENE_SAMPLES)
+    return ylm_fail(e, YLM_ERANGE, "transfer_samples must be from 1 to %d, got %d",
+                    YLM_SCENE_SAMPLES, o->transfer_samples);
   if (!(o->occlusion_distance > 0))
     return ylm_fail(e, YLM_ERANGE, "occlusion_distance must be > 0, got %g", o->occlusion_distance);
   if (o->all_vertices && !o->per_vertex)

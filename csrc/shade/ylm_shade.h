@@ -66,13 +66,16 @@ typedef enum ylm_shade_gloss {
   YLM_SHADE_GLOSS_RAYS   /* by rays alone (ylm_shade_blend): no tables                      */
 } ylm_shade_gloss;
 
+/* The most camera rays of a pixel. */
+#define YLM_SHADE_SAMPLES 1024
+
 typedef struct ylm_shade_options {
-  int width, height;               /* pixels, 1 .. 65536                                   */
-  int samples;                     /* per pixel, stratified, 1 .. 1024                     */
-  int lmax;                        /* of the transfer vectors, 0 .. 100                    */
+  int width, height;               /* pixels, 1 .. YLM_IMAGE_MAX_SIDE                      */
+  int samples;                     /* per pixel, stratified, 1 .. YLM_SHADE_SAMPLES        */
+  int lmax;                        /* of the transfer vectors, 0 .. YLM_LIGHT_LMAX         */
   bool per_vertex;                 /* shade vertices and interpolate colour over triangles */
   ylm_shade_visibility visibility; /* per_vertex: PIXEL means the same as VERTEX           */
-  int transfer_samples;            /* occlusion rays per transfer vector, 1 .. 65536       */
+  int transfer_samples;            /* occlusion rays per transfer vector, 1 .. YLM_SCENE_SAMPLES */
   const ylm_field *light;          /* transfer_samples is the least number; it is doubled  */
   double noise;                    /* until the noise under this light is at most `noise`, */
   int most_samples;                /* up to this number. NULL: it is taken as it is        */
@@ -464,7 +467,7 @@ YLM_API ylm_status ylm_shade_coefficients(const ylm_shade_view *view, size_t fir
 ** their material chooses, weighed by the balance heuristic (ylm_path_places).
 **
 **   lit            in   whose lamps: the view's scene with others (ylm_scene_relight); NULL: its own
-**   light_samples  in   shadow rays per shading point, 1 .. 65536
+**   light_samples  in   shadow rays per shading point, 1 .. YLM_SCENE_SAMPLES
 **   out            out  [points][3]
 **   rays           out  shadow rays that were traced, may be NULL
 **
@@ -655,7 +658,7 @@ typedef struct ylm_shade_occlusion {
 ** degree lose counts in neither.
 **
 **   points         in   how many shading points, spread evenly over the view's; at most all
-**   light_samples  in   rays per point, 1 .. 65536
+**   light_samples  in   rays per point, 1 .. YLM_SCENE_SAMPLES
 **   out            out  the same whatever the number of threads, but for `seconds`
 **
 ** Returns  YLM_OK; YLM_ERANGE, YLM_ENOMEM

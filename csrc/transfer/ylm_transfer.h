@@ -390,7 +390,7 @@ YLM_API ylm_status ylm_transfer_vectors_of(const ylm_transfer *t, const float *v
 ** found by rays that are even over it. M L are coefficients of incident radiance, which is 0 below the horizon.
 **
 **   vectors  in   as ylm_transfer_vectors_at; NULL: light that comes straight
-**   rays     in   of a place, 1 .. 65536
+**   rays     in   of a place, 1 .. YLM_SCENE_SAMPLES
 **   lmax_in  in   at most that of the transfer;   lmax_out  in  0 .. YLM_TRANSFER_LMAX
 **   out      out  [n][3][(lmax_out+1)^2][(lmax_in+1)^2]
 **

@@ -56,8 +56,13 @@ function check.short(text)
   return text:sub(1, 37):gsub("[\192-\255][\128-\191]*$", "") .. "..."
 end
 
---- A limit of C as messages say it, the same under every Lua: "1e15", "65536".
-function check.limit_text(x) return (("%g"):format(x):gsub("e%+", "e")) end
+--- A limit of C as messages say it, the same under every Lua: "1e15", "65536", "2^22".
+function check.limit_text(x)
+  for bits = 20, 53 do
+    if x == 2 ^ bits then return "2^" .. bits end
+  end
+  return (("%g"):format(x):gsub("e%+", "e"))
+end
 
 --- Why a grid cannot be used; nil where it can, or is none.
 function check.grid_fault(grid)

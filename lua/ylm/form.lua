@@ -271,7 +271,8 @@ function form.define(name, definition)
 end
 
 --- Options that many functions have.
-form.threads = { "threads", "integer", min = 1, max = 1024, optional = true, about = "default: YLM_THREADS or all cores" }
+form.threads = { "threads", "integer", min = 1, max = core.limits.threads, optional = true,
+  about = "default: YLM_THREADS or all cores" }
 form.progress = { "progress", "progress", optional = true,
   about = "called as f(done, total, stage); returning false cancels" }
 

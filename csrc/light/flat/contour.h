@@ -17,8 +17,6 @@
 
 #include "../light.h"
 
-#define YLM_POLYGON_VERTICES 64
-
 /* Gauss-Legendre rules, shortest first: gen/gauss.c. */
 #define YLM__RULES 21
 #define YLM__MOST_NODES 96

@@ -8,25 +8,35 @@
 #include "ylm_material_table.h"
 #include "ylm_path.h"
 #include "ylm_sh.h"
+#include "ylm_shade.h"
 #include "ylm_transfer.h"
 
 /* name, value */
 #define LIMITS(X)                                                                                  \
   X(axes, YLM_MAX_AXES)                                                                            \
+  X(camera_samples, YLM_SHADE_SAMPLES)                                                             \
   X(extent, YLM_LIGHT_EXTENT)                                                                      \
+  X(grid_bias, YLM_GRID_MAX_BIAS)                                                                  \
+  X(grid_cells, YLM_GRID_MAX_CELLS)                                                                \
   X(grid_depth, YLM_GRID_MAX_DEPTH)                                                                \
   X(image_side, YLM_IMAGE_MAX_SIDE)                                                                \
+  X(light_places, YLM_LIGHT_SAMPLES)                                                               \
+  X(light_samples, YLM_SCENE_SAMPLES)                                                              \
+  X(light_texels, YLM_LIGHT_TEXELS)                                                                \
   X(lmax, YLM_LIGHT_LMAX)                                                                          \
+  X(material_degrees, YLM_MATERIAL_DEGREES)                                                        \
   X(material_table_lmax, YLM_MATERIAL_TABLE_LMAX)                                                  \
   X(material_table_rows, YLM_MATERIAL_TABLE_ROWS)                                                  \
   X(path_batch, YLM_PATH_BATCH)                                                                    \
   X(path_lmax, YLM_PATH_LMAX)                                                                      \
   X(path_samples, YLM_PATH_SAMPLES)                                                                \
+  X(polygon_vertices, YLM_POLYGON_VERTICES)                                                        \
   X(sh_lmax, YLM_LMAX)                                                                             \
   X(sh_product_factors, YLM_SH_PRODUCT_FACTORS)                                                    \
   X(sh_product_lmax, YLM_SH_PRODUCT_LMAX)                                                          \
   X(sh_rotate_each_lmax, YLM_SH_ROTATE_EACH_LMAX)                                                  \
   X(sh_rotate_lmax, YLM_SH_ROTATE_LMAX)                                                            \
+  X(threads, YLM_THREADS_MOST)                                                                     \
   X(tolerance_least, YLM_LIGHT_TOLERANCE_LEAST)                                                    \
   X(tolerance_most, YLM_LIGHT_TOLERANCE_MOST)                                                      \
   X(transfer_links, YLM_TRANSFER_LINKS)                                                            \

@@ -101,7 +101,8 @@ static int chooser_aim(lua_State *L) {
   const ylmL_array *in = ylmL_array_check(L, 2);
   int light_samples = (int)luaL_checkinteger(L, 3), repeats = (int)luaL_checkinteger(L, 4);
   lua_Integer seed = luaL_checkinteger(L, 5);
-  luaL_argcheck(L, light_samples >= 1 && light_samples <= 65536, 3, "1 .. 65536");
+  luaL_argcheck(L, light_samples >= 1 && light_samples <= YLM_SCENE_SAMPLES, 3,
+                "1 .. YLM_SCENE_SAMPLES");
   luaL_argcheck(L, repeats >= 1, 4, "1 or more");
   if (in->dtype != YLM_FLOAT || in->count % 6) return ylmL_result(L, 0, YLM_ESHAPE, NULL);
   size_t n = in->count / 6, rays = (size_t)light_samples;

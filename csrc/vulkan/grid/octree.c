@@ -103,7 +103,7 @@ bool ylm__octree_takes(const ylm_gpu *g, const ylm_grid_form *form, const ylm_gr
   for (int a = 0; a < 3; a++) {
     if (form->cells[a] < 1 || form->cells[a] > 1u << 16) return false;
     n *= form->cells[a];
-    if (n > 1u << 31) return false;
+    if (n > YLM_GRID_MAX_CELLS) return false;
   }
   uint64_t marked = source->occupied && source->occupied < n ? source->occupied : n;
   if (about->bind_bytes / 32 < most) most = about->bind_bytes / 32;

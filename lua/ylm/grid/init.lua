@@ -97,8 +97,8 @@ grid.uniform_grid = form.define("uniform_grid", {
     if values.metric_channels == "rgb" and values.channels ~= "rgb" then
       return fail("metric_channels = 'rgb' needs channels = 'rgb'")
     end
-    if values.cells[1] * values.cells[2] * values.cells[3] > 2 ^ 31 then
-      return fail("cells are too many: at most 2^31 in all")
+    if values.cells[1] * values.cells[2] * values.cells[3] > core.limits.grid_cells then
+      return fail("cells are too many: at most " .. check.limit_text(core.limits.grid_cells) .. " in all")
     end
     return setmetatable(values, form.defined.uniform_grid.metatable)
   end,

@@ -10,7 +10,7 @@ local skies = require "ylm.sh.sky"
 
 local environment = {}
 
-local MOST = 2 ^ 22 -- texels
+local MOST, LMAX = core.limits.light_texels, core.limits.lmax
 
 --- Which of the sources of an environment is given; fails unless there is one.
 local function source_of(values, fail)
@@ -33,9 +33,9 @@ local function from_coefficients(values, fail)
   local c = array.rows(1, "environment_light", "coefficients", values.coefficients, nil, "double")
   local shape, _, convention = core.array_info(c)
   local lmax = require "ylm.sh.args".lmax_of(shape[#shape])
-  if #shape > 2 or #shape == 2 and shape[1] ~= 1 and shape[1] ~= 3 or not lmax or lmax > 100 then
-    return fail(("coefficients must be [(lmax+1)^2] or [3][(lmax+1)^2], lmax at most 100, got %s"):format(
-      table.concat(shape, "x")))
+  if #shape > 2 or #shape == 2 and shape[1] ~= 1 and shape[1] ~= 3 or not lmax or lmax > LMAX then
+    return fail(("coefficients must be [(lmax+1)^2] or [3][(lmax+1)^2], lmax at most %d, got %s"):format(
+      LMAX, table.concat(shape, "x")))
   end
   if convention ~= 0 then c = require "ylm.sh.convert".convert(c, "ylm") end
   local list = core.array_totable(c)
@@ -69,7 +69,7 @@ local function from_image(values, fail)
   local wrong = require "ylm.sh.project".misshapen(values.mapping, size[1], size[2])
   if wrong then return fail(wrong) end
   if size[1] * size[2] > MOST then
-    return fail(("image must have at most 2^22 texels, got %dx%d"):format(size[1], size[2]))
+    return fail(("image must have at most %s texels, got %dx%d"):format(check.limit_text(MOST), size[1], size[2]))
   end
   local texels
   texels, message, code = core.texture_texels(core.image_layer(image))
@@ -170,7 +170,7 @@ environment.environment_light = form.define("environment_light", {
       about = "a sky of the CIE: { kind =, zenith =, sun =, luminance = } as ylm.sh.sky takes them" },
     { "mapping", "choice", of = { "latlong", "angular", "cube" }, default = "latlong", about = "of the image" },
     { "up", "choice", of = { "z", "y" }, default = "z", about = "of the image: where its pole is" },
-    { "lmax", "integer", min = 0, max = 100, optional = true,
+    { "lmax", "integer", min = 0, max = LMAX, optional = true,
       about = "of the coefficients of an image or a sky, default 20; fields of higher degree are refused" },
     { "scale", "number", default = 1, about = "multiplies everything" },
   },

@@ -9,7 +9,7 @@ local lmax_of = require "ylm.sh.args".lmax_of
 
 local sampled = {}
 
-local MOST, DEGREE = 4096, 4
+local MOST, DEGREE = core.limits.light_places, 4
 
 --- The places as a double array [n][3]; fails with what is wrong.
 local function places_of(values, fail)
@@ -78,7 +78,8 @@ sampled.sampled_light = form.define("sampled_light", {
     .. "vectors at the cost of a few places (Green 2003). It is a light field: rays see nothing of it. At a sample it is the "
     .. "sample's own light. It has at, coefficients, lmax and count.",
   fields = {
-    { "at", "any", unit = "scene units", about = "[n][3], places of the samples, 1 to 4096; no two of them in one place" },
+    { "at", "any", unit = "scene units",
+      about = "[n][3], places of the samples, 1 to " .. check.limit_text(MOST) .. "; no two of them in one place" },
     { "lights", "any", optional = true, about = "lights, or any other light field, which is asked at the places" },
     { "coefficients", "any", optional = true, unit = "W m^-2 sr^-1/2",
       about = "[n][(lmax+1)^2] or [n][3][(lmax+1)^2] instead of lights" },

@@ -7,7 +7,7 @@ local memory = require "ylm.memory"
 
 local textured = {}
 
-local MOST, EXTENT = 2 ^ 22, core.limits.extent
+local MOST, EXTENT = core.limits.light_texels, core.limits.extent
 
 --- Rows of numbers or colours as a float array [h][w] or [h][w][3]; fails with what is wrong.
 local function from_rows(rows, fail)
@@ -15,7 +15,7 @@ local function from_rows(rows, fail)
   if h == 0 or w == 0 then return fail "image must be a ylm.image or rows of texels {{1, 2}, {3, 4}}" end
   local depth = type(rows[1][1]) == "table" and #rows[1][1] or nil
   if depth and depth ~= 3 then return fail(("image: texels are numbers or {r, g, b}, got %d numbers"):format(depth)) end
-  if w * h > MOST then return fail(("image must have at most 2^22 texels, got %dx%d"):format(w, h)) end
+  if w * h > MOST then return fail(("image must have at most %s texels, got %dx%d"):format(check.limit_text(MOST), w, h)) end
   if form.budget then form.budget("texels", w * h, fail) end
   local a, message, code = core.array_zeros({ h, w, depth }, "float")
   if not a then return nil, message, code end
@@ -105,7 +105,7 @@ textured.textured_light = form.define("textured_light", {
     if not layer then return nil, message, code end
     local shape = core.array_info(layer)
     if shape[1] * shape[2] > MOST then
-      return fail(("image must have at most 2^22 texels, got %dx%d"):format(shape[2], shape[1]))
+      return fail(("image must have at most %s texels, got %dx%d"):format(check.limit_text(MOST), shape[2], shape[1]))
     end
     if not core.array_finite(layer) then return fail "image must be finite" end
     local t = { corner = values.corner, u = values.u, v = values.v, scale = values.scale, tolerance = values.tolerance,

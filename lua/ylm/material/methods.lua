@@ -164,7 +164,7 @@ end
 
 local degrees_options = {
   { "error", "number", above = 0, max = 0.9, default = 0.1, about = "the part of a slice's norm that may be missed" },
-  { "most", "integer", min = 0, max = 100, default = 60, about = "no higher degree is looked for" },
+  { "most", "integer", min = 0, max = core.limits.material_degrees, default = 60, about = "no higher degree is looked for" },
 }
 
 describe "material:degrees" {

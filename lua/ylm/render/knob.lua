@@ -271,11 +271,12 @@ local function cause_of(x, error)
   local share = percent(x.causes[worst])
   if worst == "pixels" then
     return ("%s come from edges of surfaces and shadows, at %d camera rays a pixel: set samples = %d, share = 0"):format(share,
-      c.samples, math.min(1024, 4 * c.samples))
+      c.samples, math.min(core.limits.camera_samples, 4 * c.samples))
   elseif worst == "direct" then
     return ("%s come from %d shadow rays a point: set light_samples = %d"):format(share, c.light_samples, 4 * c.light_samples)
   elseif worst == "links" then
-    return ("%s come from %d links a point: set links = %d"):format(share, c.links, math.min(4096, 4 * c.links))
+    return ("%s come from %d links a point: set links = %d"):format(share, c.links,
+      math.min(core.limits.transfer_links, 4 * c.links))
   end
   return ("%s come from %d elements of spacing %.3g: give transfer = scene:transfer { spacing = %.2g }"):format(share,
     c.elements, c.spacing, c.spacing / 2)

@@ -38,8 +38,8 @@ end
 
 options.view_fields = {
   { "size", "image_size", default = { 1280, 720 }, unit = "pixels", about = "{ width, height }" },
-  { "samples", "integer", min = 1, max = 1024, default = 16, about = "camera rays per pixel, stratified" },
-  { "pixel_samples", "integer", min = 1, max = 1024, optional = true, about = "another name of samples" },
+  { "samples", "integer", min = 1, max = core.limits.camera_samples, default = 16, about = "camera rays per pixel, stratified" },
+  { "pixel_samples", "integer", min = 1, max = core.limits.camera_samples, optional = true, about = "another name of samples" },
   { "seed", "integer", min = 0, max = 2 ^ 32, default = 1, about = "of all random numbers" },
   { "share", "number", min = 0, default = 1.5, unit = "pixel widths",
     about = "samples of a pixel that hit one mesh this near to each other, normals within 10 degrees, "
@@ -65,7 +65,7 @@ options.transfer_fields = {
     about = "'rays': rays to the lamps, whose shadows are true (default without a grid of lights); 'transfer': occlusion rays "
       .. "by direction, projected into transfer vectors, as the papers do; 'none': no occlusion; 'self': refused until there "
       .. "are shadow fields; 'pixel', 'vertex': 'transfer' with that shading" },
-  { "transfer_samples", "integer", min = 1, max = 65536, optional = true,
+  { "transfer_samples", "integer", min = 1, max = core.limits.light_samples, optional = true,
     about = "'transfer': occlusion rays per transfer vector; default: 128, 256 from vertices, doubled until the noise that they "
       .. "leave under the scene's lights is at most 2 %, at most 2048 (report.transfer_samples, report.noise)" },
   { "occlusion_distance", "distance", optional = true, unit = "scene units",
@@ -87,7 +87,7 @@ options.grid_fields = {
     .. "every point" },
   { "interpolation", "choice", of = { "hermite", "taylor", "linear" }, default = "hermite",
     about = "of the grid" },
-  { "bias", "number", min = 0, max = 16, optional = true,
+  { "bias", "number", min = 0, max = core.limits.grid_bias, optional = true,
     about = "of a grid whose light jumps at surfaces: factor of the distance at which it is looked up beside them, in "
       .. "thicknesses of a voxel, at most half of the way to the next surface; 0: at the points themselves. Default: the "
       .. "grid's (grid.bias); report.bias = { mean, largest }, scene units" },
@@ -100,7 +100,7 @@ options.baked_fields = { light.tolerance_option "light_tolerance" }
 
 -- Of pictures by rays to the lamps.
 options.direct_fields = {
-  { "light_samples", "integer", min = 1, max = 65536, optional = true,
+  { "light_samples", "integer", min = 1, max = core.limits.light_samples, optional = true,
     about = "'rays': shadow rays per shading point, default " .. options.LIGHT_SAMPLES .. "; where surfaces gloss per mesh in a "
       .. "pixel, and as many again by the material. With gloss = 'auto' or 'rays': of these surfaces, as scene:reference" },
 }
@@ -111,7 +111,7 @@ options.reference_fields = {
 }
 
 options.ray_fields = {
-  { "light_samples", "integer", min = 1, max = 65536, default = 64,
+  { "light_samples", "integer", min = 1, max = core.limits.light_samples, default = 64,
     about = "shadow rays per shading point; where a surface is not matte as many rays again by its material, in batches of "
       .. "16, of which there are two at least" },
   { "shadows", "boolean", default = true, about = "false: nothing occludes" },

@@ -73,7 +73,8 @@ local matrix_fields = options.list({
     about = "of the distant light; default and most: that of the transfer" },
   { "lmax_out", "integer", min = 0, max = core.limits.transfer_lmax, optional = true,
     about = "of the light that arrives; default: lmax_in" },
-  { "rays", "integer", min = 1, max = 65536, default = 512, about = "of a shading point, even over the hemisphere" },
+  { "rays", "integer", min = 1, max = core.limits.light_samples, default = 512,
+    about = "of a shading point, even over the hemisphere" },
 }, vectors.options, { { "seed", "integer", min = 0, max = 2 ^ 32, default = 1, about = "of these rays" } })
 
 --- A number of bytes in words.

@@ -16,7 +16,7 @@ local NOISE, MOST_SAMPLES = 0.02, 2048
 
 local DEGREES = 61 -- of slices: YLM_SHADE_DEGREES
 
-local GIVEN_SAMPLES = 65536 -- the most that transfer_samples may be
+local GIVEN_SAMPLES = core.limits.light_samples -- the most that transfer_samples may be
 
 require "ylm.describe".object "prepared" {
   about = "What one camera sees of a scene, ready to be shaded: by rays to its lamps, or with transfer vectors by any light "
