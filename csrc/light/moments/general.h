@@ -1,29 +1,31 @@
 /*
-** general.h - sums of the moment kernel whose lmax is known at run time only.
+** general.h - sums of the moment kernel whose lmax is known at run time only. Private to csrc/light.
 **
-** Included by body.h. A column, which is all degrees of one (m, real or imaginary), is cut
-** into chunks whose sums fit into registers. Code is made for each length of a chunk, and for the
-** degrees lmax+1 and lmax+2 at the end of the last, which have fewer sums than those before.
+** A column, which is all degrees of one (m, real or imaginary), is cut into chunks whose sums fit into
+** registers. Code is made for each length of a chunk, and for the degrees lmax+1 and lmax+2 at the end of the
+** last, which have fewer sums than those before.
 */
+#ifndef YLM_LIGHT_MOMENTS_GENERAL_H
+#define YLM_LIGHT_MOMENTS_GENERAL_H
 
-/* Sums that fit into registers beside the rest. */
-#if defined(__AVX512F__) || defined(__aarch64__)
-#define ROOM 24
-#else
-#define ROOM 12
-#endif
+#include "ylm_light.h"
+
+#define ANY_LMAX
+#define LMAX YLM_LIGHT_LMAX
+#define KERNEL_NAME YLM_REAL_KERNEL(ylm__moments_any)
+#include "kernel.h"
 
 /* A tile of n lights at one chunk of a column. */
-typedef struct NAME(chunk) {
+typedef struct chunk {
   int n, G, W, low;        /* lights, places of one in g and in w[], place of 1 - z */
-  const V *g, *w[3];       /* the first light's geometry, and weights at the first degree */
-  const V *q, *before;     /* polynomials at the first degree and before it, */
+  const vreal *g, *w[3];   /* the first light's geometry, and weights at the first degree */
+  const vreal *q, *before; /* polynomials at the first degree and before it, */
   int q_step, before_step; /* of each light this far apart */
-  const REAL *beta, *keep; /* from the first degree on; beta are SLOW where keep are KEEP */
-  const V *emission;       /* three channels: [n][3] */
+  const real *beta, *keep; /* from the first degree on; beta are SLOW where keep are KEEP */
+  const vreal *emission;   /* three channels: [n][3] */
   int stride;              /* and sums of one are this far from those of the next */
-  V *state;                /* polynomials behind the last degree: [n][2] */
-} NAME(chunk);
+  vreal *state;            /* polynomials behind the last degree: [n][2] */
+} chunk;
 
 /* Sums of `full` degrees at which all kinds of a set exist, and of the `tail` degrees above (full
    -1 is the column of order lmax+2, which has one). */
@@ -33,32 +35,32 @@ typedef struct NAME(chunk) {
        ? 1                                                                                         \
        : WIDTH(kinds) * (full) + ((tail) < 0 ? 0 : ((kinds) >> 1 & 1) + 2 * ((kinds) >> 2 & 1)))
 #define TAIL(kinds) ((kinds)&YLM__M2 ? 2 : (kinds)&YLM__M1 ? 1 : 0)
-#define MOST(kinds, channels) (ROOM / (channels) / WIDTH(kinds))
-#define LAST(kinds, channels) ((ROOM / (channels)-SUMS(kinds, 0, TAIL(kinds))) / WIDTH(kinds))
+#define MOST(kinds, channels) (YLM__SUMS / (channels) / WIDTH(kinds))
+#define LAST(kinds, channels) ((YLM__SUMS / (channels)-SUMS(kinds, 0, TAIL(kinds))) / WIDTH(kinds))
 
 /* Adds a chunk of `full` degrees <= lmax to a, and `tail` degrees above if it is the last of a
    column; tail -1: another follows. s has room for the sums of all channels. */
-YLM_INLINE void NAME(add_chunk)(const int kinds, const int channels, const int full, const int tail,
-                                const bool fine, const NAME(chunk) * chunk, V *a, V *s) {
+YLM_INLINE void add_chunk(const int kinds, const int channels, const int full, const int tail,
+                          const bool fine, const chunk *of, vreal *a, vreal *s) {
   const int count = channels * SUMS(kinds, full, tail), degrees = tail < 0 ? full : full + tail;
-  const NAME(chunk) c = *chunk;
+  const chunk c = *of;
   UNROLL_ALL
   for (int i = 0; i < count; i++) s[i] = a[i % channels * c.stride + i / channels];
   for (int j = 0; j < c.n; j++) {
-    const V *g = c.g + j * c.G, *e = c.emission + 3 * j;
-    V z = g[0], low = g[c.low], q = c.q[j * c.q_step], before = c.before[j * c.before_step];
+    const vreal *g = c.g + j * c.G, *e = c.emission + 3 * j;
+    vreal z = g[0], low = g[c.low], q = c.q[j * c.q_step], before = c.before[j * c.before_step];
     int i = 0;
     UNROLL_ALL
     for (int d = 0; d < degrees; d++) {
       UNROLL_ALL
       for (int kind = 0; kind < 3; kind++)
         if (kinds & (1 << kind) && (tail < 0 || d < full + kind)) {
-          const V *w = c.w[kind] + j * c.W + d;
+          const vreal *w = c.w[kind] + j * c.W + d;
           if (channels == 1) {
             s[i] += q * *w, i++;
             continue;
           }
-          V term = q * *w;
+          vreal term = q * *w;
           for (int channel = 0; channel < 3; channel++) s[i] += e[channel] * term, i++;
         }
       if (tail >= 0 && d == degrees - 1) break;
@@ -69,7 +71,7 @@ YLM_INLINE void NAME(add_chunk)(const int kinds, const int channels, const int f
         q = c.keep[d] * q + before;
         continue;
       }
-      V next = NAME(rise)(c.beta[d], z, q, before);
+      vreal next = rise(c.beta[d], z, q, before);
       before = q, q = next;
     }
     if (tail < 0) c.state[2 * j] = q, c.state[2 * j + 1] = before;
@@ -83,8 +85,8 @@ YLM_INLINE void NAME(add_chunk)(const int kinds, const int channels, const int f
 #define CASE(set, channels, fine, f)                                                               \
   case f:                                                                                          \
     if ((f) >= -(TAIL(set) / 2) && (f) <= LAST(set, channels)) {                                   \
-      V s[SUMS(set, f, 0) > 0 ? (channels)*SUMS(set, f, TAIL(set)) : 1];                           \
-      NAME(add_chunk)(set, channels, f, TAIL(set), fine, c, a, s);                                 \
+      vreal s[SUMS(set, f, 0) > 0 ? (channels)*SUMS(set, f, TAIL(set)) : 1];                       \
+      add_chunk(set, channels, f, TAIL(set), fine, c, a, s);                                       \
     }                                                                                              \
     break;
 #define FIVE(set, channels, fine, f)                                                               \
@@ -94,11 +96,11 @@ YLM_INLINE void NAME(add_chunk)(const int kinds, const int channels, const int f
   CASE(set, channels, fine, f + 3)                                                                 \
   CASE(set, channels, fine, f + 4)
 #define COLUMN(name, set, channels, fine)                                                          \
-  static V *NAME(name##set)(int full, NAME(chunk) * c, V * a) {                                    \
+  static vreal *name##set(int full, chunk *c, vreal *a) {                                          \
     enum { most = MOST(set, channels) };                                                           \
     while (full > LAST(set, channels)) {                                                           \
-      V s[(channels)*SUMS(set, most, -1)];                                                         \
-      NAME(add_chunk)(set, channels, most, -1, fine, c, a, s);                                     \
+      vreal s[(channels)*SUMS(set, most, -1)];                                                     \
+      add_chunk(set, channels, most, -1, fine, c, a, s);                                           \
       a += SUMS(set, most, -1), full -= most;                                                      \
       for (int kind = 0; kind < 3; kind++) c->w[kind] += most;                                     \
       c->beta += most, c->keep += most;                                                            \
@@ -121,15 +123,15 @@ YLM_INLINE void NAME(add_chunk)(const int kinds, const int channels, const int f
   COLUMN(fine_rgb_, set, 3, FINE(LMAX) > 0)
 YLM__KIND_SETS(COLUMNS)
 
-typedef V *NAME(column)(int full, NAME(chunk) * c, V *a);
+typedef vreal *column(int full, chunk *c, vreal *a);
 
 /* All columns of a tile, those of low order by `fine`. */
-static void NAME(add_columns)(int lmax, int kinds, NAME(column) * plain, NAME(column) * fine,
-                              NAME(chunk) * c, const V *g, const V *w, V *a) {
-  const V zero = {0}, one = zero + 1;
+static void add_columns(int lmax, int kinds, column *plain, column *fine, chunk *c, const vreal *g,
+                        const vreal *w, vreal *a) {
+  const vreal zero = {0}, one = zero + 1;
   const int K = ylm__degree_of(lmax, kinds);
   double odd[LMAX + 3], inverse[LMAX + 3];
-  REAL beta[LMAX + 3], keep[LMAX + 3];
+  real beta[LMAX + 3], keep[LMAX + 3];
   c->G = ylm__geometry_slots(lmax), c->W = ylm__weight_slots(lmax), c->low = ylm__below_pole(lmax);
   c->g = g;
   for (int k = 0; k <= K; k++) {
@@ -139,10 +141,10 @@ static void NAME(add_columns)(int lmax, int kinds, NAME(column) * plain, NAME(co
   for (int m = 0; m <= K; m++) {
     const bool slow = m < FINE(lmax);
     for (int k = m; slow && k <= K; k++) {
-      beta[k] = (REAL)((k - m) * odd[k]);
-      keep[k] = (REAL)((k + m + 1) * odd[k]);
+      beta[k] = (real)((k - m) * odd[k]);
+      keep[k] = (real)((k + m + 1) * odd[k]);
     }
-    for (int k = m; !slow && k <= K; k++) beta[k] = (REAL)(YLM__ABOVE(k, m) * inverse[k]);
+    for (int k = m; !slow && k <= K; k++) beta[k] = (real)(YLM__ABOVE(k, m) * inverse[k]);
     for (int side = 0; side < (m ? 2 : 1); side++) {
       c->q = m ? g + 2 * m - 1 + side : &one, c->q_step = m ? c->G : 0;
       c->before = &zero, c->before_step = 0;
@@ -153,33 +155,25 @@ static void NAME(add_columns)(int lmax, int kinds, NAME(column) * plain, NAME(co
   }
 }
 
-static void NAME(sum)(int lmax, int kinds, int n, const void *geometry, const void *weights,
-                      void *state, void *sums) {
-  NAME(chunk) c = {.n = n, .state = state, .emission = geometry};
+static void sum(int lmax, int kinds, int n, const void *geometry, const void *weights, void *state,
+                void *sums) {
+  chunk c = {.n = n, .state = state, .emission = geometry};
+#define X(set)                                                                                     \
+  if (kinds == set) add_columns(lmax, set, plain_##set, fine_##set, &c, geometry, weights, sums);
+  YLM__KIND_SETS(X)
+#undef X
+}
+
+static void sum_rgb(int lmax, int kinds, int n, const void *geometry, const void *weights,
+                    const void *emission, void *state, void *sums, int stride) {
+  chunk c = {.n = n, .state = state, .emission = emission, .stride = stride};
 #define X(set)                                                                                     \
   if (kinds == set)                                                                                \
-    NAME(add_columns)(lmax, set, NAME(plain_##set), NAME(fine_##set), &c, geometry, weights, sums);
+    add_columns(lmax, set, plain_rgb_##set, fine_rgb_##set, &c, geometry, weights, sums);
   YLM__KIND_SETS(X)
 #undef X
 }
 
-static void NAME(sum_rgb)(int lmax, int kinds, int n, const void *geometry, const void *weights,
-                          const void *emission, void *state, void *sums, int stride) {
-  NAME(chunk) c = {.n = n, .state = state, .emission = emission, .stride = stride};
-#define X(set)                                                                                     \
-  if (kinds == set) NAME(add_columns)                                                              \
-  (lmax, set, NAME(plain_rgb_##set), NAME(fine_rgb_##set), &c, geometry, weights, sums);
-  YLM__KIND_SETS(X)
-#undef X
-}
+YLM__MOMENT_KERNEL
 
-#undef ROOM
-#undef WIDTH
-#undef SUMS
-#undef TAIL
-#undef MOST
-#undef LAST
-#undef CASE
-#undef FIVE
-#undef COLUMN
-#undef COLUMNS
+#endif

@@ -1,14 +1,16 @@
 /*
-** kernel.h - the moment kernels of one lmax for both element types.
+** kernel.h - geometry and weights of lights for the moment kernels of one lmax, for the unit's element type;
+** see moments.h. Private to csrc/light.
 **
-** Included by gen/moments_L.isa.c after LMAX and its plans:
-**   PLAN_s, PLAN_RGB_s   for each set of kinds s: passes over a tile, in the words of body.h
-** and by any.isa.c, which leaves LMAX at its limit and has no plans.
+** LMAX is defined before: gen/moments_L.h does so, and general.h, where ANY_LMAX says that lmax is known at
+** run time only and that LMAX is its limit. Sums are in special.h and general.h.
 */
-#include "ylm_simd.h"
+#ifndef YLM_LIGHT_MOMENTS_KERNEL_H
+#define YLM_LIGHT_MOMENTS_KERNEL_H
 
 #include "gen/recurrences.h"
 #include "moments.h"
+#include "ylm_real.h"
 
 #define UNROLL_ALL _Pragma("GCC unroll 32")
 #ifdef ANY_LMAX
@@ -33,126 +35,62 @@
 #endif
 
 /* Columns of orders below this are found by differences from the pole. */
-#define FINE(lmax) (sizeof(REAL) == sizeof(float) ? YLM__FINE(lmax) : 0)
+#ifdef YLM_REAL_IS_FLOAT
+#define FINE(lmax) YLM__FINE(lmax)
+typedef ylm__lamp_f real_lamp;
+#else
+#define FINE(lmax) 0
+typedef ylm__lamp_d real_lamp;
+#endif
 
 /* Constants of the recurrences, of the element type; z is times GROW. */
-#define SLOWS(n) ((REAL)YLM__SLOWS(n))
-#define STEP(n) ((REAL)YLM__STEP(n))
-#define RHO(k) ((REAL)YLM__RHO(k))
-#define BETA(k, m) ((REAL)(GROW * GROW * YLM__BETA(k, m)))
+#define SLOWS(n) ((real)YLM__SLOWS(n))
+#define STEP(n) ((real)YLM__STEP(n))
+#define RHO(k) ((real)YLM__RHO(k))
+#define BETA(k, m) ((real)(GROW * GROW * YLM__BETA(k, m)))
 
 /* Constants by differences from the pole, with o = 1 - z, from e_m = 0:
    e_(k+1) = SLOW e_k - o q_k, q_(k+1) = KEEP q_k + e_(k+1). */
-#define KEEP(k, m) ((REAL)(GROW * ((double)(k) + (m) + 1) / (2.0 * (k) + 1)))
-#define SLOW(k, m) ((REAL)(GROW * ((double)(k) - (m)) / (2.0 * (k) + 1)))
+#define KEEP(k, m) ((real)(GROW * ((double)(k) + (m) + 1) / (2.0 * (k) + 1)))
+#define SLOW(k, m) ((real)(GROW * ((double)(k) - (m)) / (2.0 * (k) + 1)))
 
 /* h^2 = d^2 - r^2 with one rounding of r^2 or, without fma, with what that loses in float. */
 #if defined(__FMA__) || defined(__aarch64__)
 #define SQUARES(d2, r, radius) ((d2) - (r) * (r))
 #else
 #define SQUARES(d2, r, radius) (((d2)-SQUARE(radius)) - LOST(radius))
-#define SQUARE(r) ((REAL)((double)(r) * (r)))
-#define LOST(r) ((REAL)((double)(r) * (r)-SQUARE(r)))
+#define SQUARE(r) ((real)((double)(r) * (r)))
+#define LOST(r) ((real)((double)(r) * (r)-SQUARE(r)))
 #endif
 
 /* ylm__geometry_slots and ylm__weight_slots of LMAX as constants. */
 #define GEOMETRY_SLOTS (2 + 2 * (LMAX + 2))
 #define WEIGHT_SLOTS (3 * LMAX + 6)
 
-/* X(0) .. X(n-1). */
-#define EACH_1(X) X(0)
-#define EACH_2(X) EACH_1(X) X(1)
-#define EACH_3(X) EACH_2(X) X(2)
-#define EACH_4(X) EACH_3(X) X(3)
-#define EACH_5(X) EACH_4(X) X(4)
-#define EACH_6(X) EACH_5(X) X(5)
-#define EACH_7(X) EACH_6(X) X(6)
-#define EACH_8(X) EACH_7(X) X(7)
-#define EACH_9(X) EACH_8(X) X(8)
-#define EACH_10(X) EACH_9(X) X(9)
-#define EACH_11(X) EACH_10(X) X(10)
-#define EACH_12(X) EACH_11(X) X(11)
-#define EACH_13(X) EACH_12(X) X(12)
-#define EACH_14(X) EACH_13(X) X(13)
-#define EACH_15(X) EACH_14(X) X(14)
-#define EACH_16(X) EACH_15(X) X(15)
-#define EACH_17(X) EACH_16(X) X(16)
-#define EACH_18(X) EACH_17(X) X(17)
-#define EACH_19(X) EACH_18(X) X(18)
-#define EACH_20(X) EACH_19(X) X(19)
-#define EACH_21(X) EACH_20(X) X(20)
-#define EACH_22(X) EACH_21(X) X(21)
-#define EACH_23(X) EACH_22(X) X(22)
-#define EACH_24(X) EACH_23(X) X(23)
-
-/* -- float --------------------------------------------------------------------------- */
-
-#define REAL float
-#define V ylm_vf
-#define VI ylm_vi
-#define LANES YLM_VF
-#define LAMP ylm__lamp_f
-#define NAME(x) YLM_PASTE(x, f)
-
-#define SQRT ylm_vf_sqrt
-
 /* 1/sqrt(x): an estimate and Newton steps. */
-YLM_INLINE V NAME(rsqrt)(V x) {
-#if defined(__AVX512F__)
-  V y = (V)_mm512_rsqrt14_ps((__m512)x);
+YLM_INLINE vreal rsqrt(vreal x) {
+#if defined(__AVX512F__) && defined(YLM_REAL_IS_FLOAT)
+  vreal y = (vreal)_mm512_rsqrt14_ps((__m512)x);
   return y + y * (1 - x * y * y) * 0.5f;
-#elif defined(__AVX2__)
-  V y = (V)_mm256_rsqrt_ps((__m256)x);
+#elif defined(__AVX2__) && defined(YLM_REAL_IS_FLOAT)
+  vreal y = (vreal)_mm256_rsqrt_ps((__m256)x);
   y = y + y * (1 - x * y * y) * 0.5f;
   return y + y * (1 - x * y * y) * 0.5f;
-#else
-  return 1 / SQRT(x);
-#endif
-}
-
-YLM_INLINE V NAME(reciprocal)(V x) {
-#if defined(__AVX512F__)
-  V y = (V)_mm512_rcp14_ps((__m512)x);
-  return y + y * (1 - x * y);
-#else
-  return 1 / x;
-#endif
-}
-
-#include "body.h"
-
-#undef REAL
-#undef V
-#undef VI
-#undef LANES
-#undef LAMP
-#undef NAME
-#undef SQRT
-
-/* -- double -------------------------------------------------------------------------- */
-
-#define REAL double
-#define V ylm_vd
-#define VI ylm_vl
-#define LANES YLM_VD
-#define LAMP ylm__lamp_d
-#define NAME(x) YLM_PASTE(x, d)
-
-#define SQRT ylm_vd_sqrt
-
-YLM_INLINE V NAME(rsqrt)(V x) {
-#if defined(__AVX512F__)
-  V y = (V)_mm512_rsqrt14_pd((__m512d)x);
+#elif defined(__AVX512F__)
+  vreal y = (vreal)_mm512_rsqrt14_pd((__m512d)x);
   y = y + y * (1 - x * y * y) * 0.5;
   return y + y * (1 - x * y * y) * 0.5;
 #else
-  return 1 / SQRT(x);
+  return 1 / vreal_sqrt(x);
 #endif
 }
 
-YLM_INLINE V NAME(reciprocal)(V x) {
-#if defined(__AVX512F__)
-  V y = (V)_mm512_rcp14_pd((__m512d)x);
+YLM_INLINE vreal reciprocal(vreal x) {
+#if defined(__AVX512F__) && defined(YLM_REAL_IS_FLOAT)
+  vreal y = (vreal)_mm512_rcp14_ps((__m512)x);
+  return y + y * (1 - x * y);
+#elif defined(__AVX512F__)
+  vreal y = (vreal)_mm512_rcp14_pd((__m512d)x);
   y = y + y * (1 - x * y);
   return y + y * (1 - x * y);
 #else
@@ -160,22 +98,111 @@ YLM_INLINE V NAME(reciprocal)(V x) {
 #endif
 }
 
-#include "body.h"
-
-#undef REAL
-#undef V
-#undef VI
-#undef LANES
-#undef LAMP
-#undef NAME
-#undef SQRT
-
-const ylm__moment_kernel *KERNEL_NAME(int dtype);
-
-/* The kernel for a dtype. */
-const ylm__moment_kernel *KERNEL_NAME(int dtype) {
-  static const ylm__moment_kernel kernels[2] = {
-      {YLM_VF, GROW, YLM_PASTE(prepare, f), YLM_PASTE(sum, f), YLM_PASTE(sum_rgb, f)},
-      {YLM_VD, GROW, YLM_PASTE(prepare, d), YLM_PASTE(sum, d), YLM_PASTE(sum_rgb, d)}};
-  return &kernels[dtype == YLM_DOUBLE];
+YLM_INLINE vreal choose(vmask mask, vreal a, vreal b) {
+  return (vreal)(((vmask)a & mask) | ((vmask)b & ~mask));
 }
+/* a with the sign changed in the lanes where `sign` has its bit. */
+YLM_INLINE vreal turn(vreal a, vmask sign) { return (vreal)((vmask)a ^ sign); }
+
+#include "gen/light.h"
+
+/* Constants of the recurrences, where lmax is not known to the compiler. */
+typedef struct constants {
+#ifdef ANY_LMAX
+  real slows[LMAX + 3], step[LMAX + 3], rho[LMAX + 3];
+#else
+  char none;
+#endif
+} constants;
+
+static inline void find_constants(constants *c, int degree) {
+#ifdef ANY_LMAX
+  for (int n = 0; n <= degree; n++) {
+    c->slows[n] = SLOWS(n);
+    c->step[n] = STEP(n);
+    c->rho[n] = RHO(n);
+  }
+#else
+  c->none = 0, (void)degree;
+#endif
+}
+
+/* Weight a of degree k, where directions below the horizon are turned. */
+#define ODD(k, a) (fine && (k) % 2 ? turn(a, below) : (a))
+
+/* One light's geometry and weights for LANES points: times `emission`, and the third kind's times
+   `bent` too. */
+YLM_INLINE void prepare_one(const int lmax, const int kinds, const constants *con,
+                            const real_lamp *lamp, real emission, real bent, vreal x, vreal y,
+                            vreal z, vreal *g, vreal *w, vmask *inside) {
+  const int K = ylm__degree_of(lmax, kinds);
+  (void)con;
+  x = lamp->at[0] - x, y = lamp->at[1] - y, z = lamp->at[2] - z;
+  vreal r = vreal_set(lamp->radius), d2 = x * x + y * y + z * z, u[LMAX + 4];
+  const light l = seen(d2, SQUARES(d2, r, lamp->radius), r, vreal_set(emission));
+  *inside |= ~l.outside;
+  x *= l.invd, y *= l.invd, z *= l.invd;
+  const bool fine = FINE(lmax) > 0; /* then w is turned to where z >= 0 */
+  const vmask below = fine ? (vmask)z & (vmask) - (vreal){0} : (vmask){0}; /* sign bits of z */
+  if (fine) {
+    x = turn(x, below), y = turn(y, below), z = turn(z, below);
+    g[ylm__below_pole(lmax)] = GROW * (x * x + y * y) * reciprocal(1 + z);
+  }
+  g[0] = GROW * z;
+  vreal far = bent * l.far, e = {0}, c = x, s = y;
+  u[0] = l.es;
+  /* two recurrences, one beside the other because each waits for itself */
+  UNROLL
+  for (int n = 0; n < K; n++) {
+    TOGETHER(c, e);
+    g[2 * n + 1] = c, g[2 * n + 2] = s;
+    weight_step(CONSTANT(slows, SLOWS, n), CONSTANT(step, STEP, n), l.delta, e, u[n], &e,
+                &u[n + 1]);
+    next_power(x, y, c, s, &c, &s);
+  }
+  if (kinds & YLM__M0) {
+    w[0] = l.first;
+    UNROLL
+    for (int k = 1; k <= lmax; k++) w[k] = ODD(k, u[k - 1]);
+  }
+  if (kinds & YLM__M1) {
+    w[ylm__weight_at(lmax, 1, 0)] = vreal_set(0);
+    UNROLL
+    for (int k = 1; k <= lmax + 1; k++) w[ylm__weight_at(lmax, 1, k)] = ODD(k, u[k - 1] * l.invh);
+  }
+  if (kinds & YLM__M2) {
+    w[ylm__weight_at(lmax, 2, 0)] = l.es * far;
+    w[ylm__weight_at(lmax, 2, 1)] = vreal_set(0);
+    UNROLL
+    for (int k = 2; k <= lmax + 2; k++)
+      w[ylm__weight_at(lmax, 2, k)] =
+          ODD(k, bent_weight(CONSTANT(rho, RHO, k), u[k], u[k - 2], far));
+  }
+}
+
+#undef ODD
+
+static void prepare(int lmax, int kinds, int n, const void *lamps, int bright, const void *xyz,
+                    void *geometry, void *weights, void *inside) {
+  const real_lamp *lamp = lamps;
+  const vreal *at = xyz;
+  vreal *g = geometry, *w = weights;
+  const int G = ylm__geometry_slots(FIXED(lmax)), W = ylm__weight_slots(FIXED(lmax));
+  constants con;
+  find_constants(&con, ylm__degree_of(lmax, kinds));
+#define X(set)                                                                                     \
+  if (kinds == set)                                                                                \
+    for (int j = 0; j < n; j++)                                                                    \
+      prepare_one(FIXED(lmax), set, &con, &lamp[j], bright &YLM__M0 ? lamp[j].luminance : (real)1, \
+                  bright == YLM__M2 ? lamp[j].luminance : (real)1, at[0], at[1], at[2], g + j * G, \
+                  w + j * W, inside);
+  YLM__KIND_SETS(X)
+#undef X
+}
+
+/* The unit's kernel, once `prepare`, `sum` and `sum_rgb` are there. */
+#define YLM__MOMENT_KERNEL                                                                         \
+  extern const ylm__moment_kernel KERNEL_NAME;                                                     \
+  const ylm__moment_kernel KERNEL_NAME = {LANES, GROW, prepare, sum, sum_rgb};
+
+#endif

@@ -25,22 +25,18 @@
 #define YLM_LIGHT_MOMENTS_H
 
 #include "../lamp.h"
+#include "calibration.h"
 #include "ylm_base.h"
 
 /* Which kinds are summed: bits. Kernels exist for 1, 3, 4, 5 and 7. */
 enum { YLM__M0 = 1, YLM__M1 = 2, YLM__M2 = 4 };
 #define YLM__KIND_SETS(X) X(1) X(3) X(4) X(5) X(7)
 
-/* Lights whose geometry is kept at once, in the first-level cache. */
-#define YLM__TILE 8
-/* Lights after which a partial sum is added to the total; a multiple of YLM__TILE. */
-#define YLM__BLOCK 256
-/* The lmax with kernels of their own: gen/moments_N.isa.c. */
+/* The lmax with kernels of their own: gen/moments_N.h. */
 #define YLM__SPECIAL_LIST(X, isa)                                                                  \
   X(isa, 0)                                                                                        \
   X(isa, 1)                                                                                        \
   X(isa, 2) X(isa, 3) X(isa, 4) X(isa, 5) X(isa, 6) X(isa, 7) X(isa, 8) X(isa, 9) X(isa, 10)
-#define YLM__SPECIAL 10
 
 /* Highest degree that a set of kinds needs. */
 static inline int ylm__degree_of(int lmax, int kinds) {
@@ -61,9 +57,6 @@ static inline double ylm__grow(int lmax) { return lmax > YLM__SPECIAL ? 2 : 1; }
 /* Places of one light in a tile: z, then Re and Im of (x+iy)^m, m = 1 .. lmax+2, then 1 - |z|. */
 static inline int ylm__geometry_slots(int lmax) { return 2 + 2 * (lmax + 2); }
 static inline int ylm__below_pole(int lmax) { return 1 + 2 * (lmax + 2); }
-/* Columns of orders below this are found by differences from the pole, in float: as many as keep
-   errors below 0.9 of the bound (single ones 1.03; spec/bench/accuracy.c). */
-#define YLM__FINE(lmax) ((lmax) < 5 ? 0 : (lmax) < 11 ? 1 : ((lmax)-4) / 3)
 /* Places of one light's weights: w0 0..lmax, w1 0..lmax+1, w2 0..lmax+2; w1_0 and w2_1 are 0. */
 static inline int ylm__weight_slots(int lmax) { return 3 * lmax + 6; }
 static inline int ylm__weight_at(int lmax, int kind, int k) {
@@ -84,8 +77,7 @@ static inline int ylm__sum_count(int lmax, int kinds) {
 /*
 ** A kernel, for one lmax (or any), dtype and instruction set. All pointers are to vectors.
 **   grow     factor per degree of the recurrences in z, which keeps high degrees from underflowing
-**   prepare  geometry and weights of `n` <= YLM__TILE lights; the weights of all kinds (bright 7),
-**   of
+**   prepare  geometry and weights of `n` <= YLM__TILE lights; the weights of all kinds (bright 7), of
 **            the third alone (4) or of none (0) times luminance. Lanes inside of a light are added
 **            to `inside` (a mask of all ones).
 **   sum      adds n lights' products to sums; `state` holds 2*YLM__TILE vectors of scratch

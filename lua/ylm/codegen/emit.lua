@@ -38,14 +38,6 @@ local languages = {
     pure = function(text) return "sh_set((real)" .. text .. ")" end,
     sqrt = "YLM_SQRT(%s)",
   },
-  -- C for lanes of any element type: vectors V of elements REAL.
-  kernel = {
-    temporary = "const V %s = %s;",
-    scalar = "const REAL %s = %s;",
-    constant = function(text) return "(REAL)" .. text end,
-    pure = function(text) return "NAME(set)((REAL)" .. text .. ")" end,
-    sqrt = "SQRT(%s)",
-  },
   double = {
     temporary = "const double %s = %s;",
     constant = function(text) return text end,

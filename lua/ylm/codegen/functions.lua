@@ -21,12 +21,6 @@ local languages = {
     scalar = "real %s", number = "vreal %s", vector = arrays "const vreal *%s",
     out_number = "vreal *%s", out_vector = arrays "vreal *%s", result = "*%s",
   },
-  -- C for lanes, included once for each element type REAL with vectors V (csrc/light/moments/kernel.h).
-  kernel = {
-    name = "NAME(%s)", head = "YLM_INLINE %s %s(%s) {", number_type = "V",
-    scalar = "REAL %s", number = "V %s", vector = arrays "const V *%s",
-    out_number = "V *%s", out_vector = arrays "V *%s", result = "*%s",
-  },
   -- C in double.
   double = {
     name = "%s", head = "static inline %s %s(%s) {", number_type = "double",
@@ -52,7 +46,7 @@ function functions.wrap(out, line)
   out[#out + 1] = line
 end
 
---- Appends one function in a language: "lanes", "kernel" or "double" (C), or "shader" (GLSL).
+--- Appends one function in a language: "lanes" or "double" (C), or "shader" (GLSL).
 local function define(out, f, name)
   local language, g, v, words, results = languages[name], expression.graph(), {}, {}, {}
   local sizes = f.vectors or {}

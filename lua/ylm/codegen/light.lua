@@ -52,13 +52,13 @@ light.functions = {
 }
 
 local languages = {
-  kernel = {
-    real = "V", mask = "VI", constant = "(REAL)%s",
-    words = { LIGHT = "NAME(light)", SEEN = "NAME(seen)", ALL = "(V){0} + ", CHOOSE = "NAME(choose)", RSQRT = "NAME(rsqrt)",
-      INVERSE = "NAME(reciprocal)" },
+  lanes = {
+    real = "vreal", mask = "vmask", constant = "(real)%s",
+    words = { LIGHT = "light", SEEN = "seen", ALL = "(vreal){0} + ", CHOOSE = "choose", RSQRT = "rsqrt",
+      INVERSE = "reciprocal" },
     before = "YLM_INLINE ",
-    structure = { "typedef struct NAME(light) {", "} NAME(light);" },
-    about = "** V, VI, REAL: vectors of numbers, of masks; an element. set, choose, rsqrt, reciprocal: functions NAME(x).",
+    structure = { "typedef struct light {", "} light;" },
+    about = "** real: an element; vreal, vmask: vectors of numbers, of masks. choose, rsqrt, reciprocal are functions.",
   },
   shader = {
     real = "real", mask = "bool", constant = "REAL(%slf)",
@@ -72,7 +72,7 @@ local languages = {
 
 local macros
 
---- The file's text: "kernel" (C), "shader" (GLSL) or "macros" (C, constants alone).
+--- The file's text: "lanes" (C), "shader" (GLSL) or "macros" (C, constants alone).
 function light.text(name)
   if name == "macros" then return macros() end
   local language = languages[name]

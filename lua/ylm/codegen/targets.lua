@@ -7,7 +7,11 @@ local targets = {}
 for lmax = 0, 12 do targets[#targets + 1] = { ("csrc/sh/gen/sh_%d.h"):format(lmax), "ylm.codegen.sh_low", lmax } end
 targets[#targets + 1] = { "csrc/sh/gen/sh_table.h", "ylm.codegen.sh_table", 24 }
 for lmax = 0, 10 do
-  targets[#targets + 1] = { ("csrc/light/moments/gen/moments_%d.isa.c"):format(lmax), "ylm.codegen.moments", lmax }
+  local path = "csrc/light/moments/gen/moments_" .. lmax
+  targets[#targets + 1] = { path .. ".h", "ylm.codegen.moments", { lmax } }
+  for _, dtype in ipairs { "float", "double" } do
+    targets[#targets + 1] = { path .. "_" .. dtype .. ".isa.c", "ylm.codegen.moments", { lmax, dtype } }
+  end
 end
 targets[#targets + 1] = { "csrc/light/flat/gen/gauss.c", "ylm.codegen.gauss" }
 targets[#targets + 1] = { "csrc/rival/gen/polynomial.h", "ylm.codegen.polynomial", 6 }
@@ -21,7 +25,7 @@ targets[#targets + 1] = { "shaders/gen/recurrence.glsl", "ylm.codegen.recurrence
 targets[#targets + 1] = { "csrc/sh/gen/recurrence.h", "ylm.codegen.recurrence", "lanes" }
 
 targets[#targets + 1] = { "shaders/gen/light.glsl", "ylm.codegen.light", "shader" }
-targets[#targets + 1] = { "csrc/light/moments/gen/light.h", "ylm.codegen.light", "kernel" }
+targets[#targets + 1] = { "csrc/light/moments/gen/light.h", "ylm.codegen.light", "lanes" }
 targets[#targets + 1] = { "csrc/light/moments/gen/recurrences.h", "ylm.codegen.light", "macros" }
 
 targets[#targets + 1] = { "shaders/gen/jet.glsl", "ylm.codegen.jet", "shader" }
