@@ -1,14 +1,11 @@
 /* crosses.c - which boxes meet the surface of a light: a tree of boxes around lights. */
+#include "calibration.h"
 #include "light.h"
 
 #include <math.h>
 
 #include "flat/gen/crossing.h"
 
-/* Lights of a leaf. */
-#define LEAF 8
-/* Below so many pairs of box and light a tree is not worth its making. */
-#define FEW 65536
 /* Deeper than any tree that halves. */
 #define DEPTH 64
 
@@ -70,7 +67,7 @@ static void build(tree *t, size_t begin, size_t end) {
   node *k = &t->nodes[t->count++];
   *k = (node){.begin = begin, .end = end};
   enclose(t, k);
-  if (end - begin <= LEAF) return;
+  if (end - begin <= CROSSES_LEAF) return;
   int axis = 0;
   for (int a = 1; a < 3; a++)
     if (k->box[3 + a] - k->box[a] > k->box[3 + axis] - k->box[axis]) axis = a;
@@ -122,7 +119,7 @@ static ylm_status run(void *context, size_t begin, size_t end, int worker) {
 ylm_status ylm__crosses(const ylm_field *f, size_t n, const double *boxes, uint8_t *out) {
   const ylm_lights *l = f->self;
   job j = {.lights = l, .boxes = boxes, .out = out};
-  if (l->active <= LEAF || n < FEW / l->active || l->active > UINT32_MAX)
+  if (l->active <= CROSSES_LEAF || n < CROSSES_FEW / l->active || l->active > UINT32_MAX)
     return ylm_parallel(n, 256, 1, run, &j, NULL, NULL);
   tree t = {.lamps = l->lamp_d};
   t.nodes = ylm_alloc(l->active, sizeof *t.nodes); /* leaves hold more than two lights */

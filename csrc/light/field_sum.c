@@ -1,6 +1,7 @@
 /* field_sum.c - the sum of light fields. */
 #include <string.h>
 
+#include "calibration.h"
 #include "finite.h"
 #include "ylm_sh.h"
 
@@ -9,9 +10,6 @@ struct ylm_field_sum {
   size_t n;
   const ylm_field **parts;
 };
-
-/* Points of one step: results of a part are kept for as many. */
-#define STEP 256
 
 /* The query of a part: no more than the whole needs, in the type of the whole. */
 static ylm_field_query part_query(const ylm_field_query *q) {
@@ -42,13 +40,14 @@ static ylm_status evaluate(const ylm_field *f, const ylm_field_query *q, size_t 
   ylm_field_query part = part_query(q);
   size_t count = ylm_sh_count(q->lmax), channels = (size_t)part.channels;
   size_t upto = part.want & YLM_WANT_HESSIAN ? 10 : part.want & YLM_WANT_GRADIENT ? 4 : 1;
-  size_t size = ylm_dtype_size(q->dtype), rows = STEP * channels * count, wide = upto * count;
+  size_t size = ylm_dtype_size(q->dtype), rows = YLM__SUM_POINTS * channels * count,
+         wide = upto * count;
   char *one = ylm_alloc(rows * upto, size);
-  double *sum = ylm_alloc(STEP * channels * wide, sizeof *sum);
-  uint8_t inside[STEP], any[STEP];
+  double *sum = ylm_alloc(YLM__SUM_POINTS * channels * wide, sizeof *sum);
+  uint8_t inside[YLM__SUM_POINTS], any[YLM__SUM_POINTS];
   if (!one || !sum) status = YLM_ENOMEM;
-  for (size_t begin = 0; begin < n && status == YLM_OK; begin += STEP) {
-    size_t m = n - begin < STEP ? n - begin : STEP;
+  for (size_t begin = 0; begin < n && status == YLM_OK; begin += YLM__SUM_POINTS) {
+    size_t m = n - begin < YLM__SUM_POINTS ? n - begin : YLM__SUM_POINTS;
     memset(sum, 0, m * channels * wide * sizeof *sum);
     memset(any, 0, sizeof any);
     for (size_t k = 0; k < s->n && status == YLM_OK; k++) {

@@ -12,6 +12,7 @@
 
 #include <math.h>
 
+#include "calibration.h"
 #include "light.h"
 #include "ylm_light_device.h"
 #include "ylm_light_sky.h"
@@ -126,8 +127,6 @@ ylm_status ylm__surfaces_image(ylm_light_surfaces *s, const ylm_light_image *ima
 ylm_status ylm__sphere_pack(size_t n, const double *at, const double *radius,
                             const double *radiance, ylm__light_pack *p, ylm_error *e);
 
-/* In radii: nearer to a sphere that changed, all lights are summed. */
-#define YLM__NEAR 3.0
 /* Probes of kinds that have no distance or direction of their own. bound.c */
 #define YLM__PROBE_DISTANCES 7
 #define YLM__PROBE_COSINES 8

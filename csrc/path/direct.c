@@ -1,8 +1,6 @@
 /* direct.c - light of lamps at the places where paths are reflected. */
+#include "calibration.h"
 #include "path.h"
-
-/* Lamps along a ray that are asked for at once. */
-#define LAMPS 16
 
 void ylm__path_add(path_tile *t, float sum[3], const float x[3]) {
   if (isfinite(x[0] + x[1] + x[2]))
@@ -46,11 +44,12 @@ static void meet_near(path_tile *t, size_t i, float pdf, float radiance[3]) {
   const ylm_trace_hit *hit = &t->rays.hit[i];
   bool open = hit->mesh == YLM_TRACE_NOTHING;
   ylm_trace_ray way = t->rays.ray[i];
-  ylm_trace_meeting met[LAMPS];
-  size_t n = LAMPS;
+  ylm_trace_meeting met[LAMPS_AT_ONCE];
+  size_t n = LAMPS_AT_ONCE;
   if (!open) way.far = ylm_scene_reach(s, UINT32_MAX, hit->t);
-  for (bool more = false; n == LAMPS; more = true) {
-    n = ylm_trace_next_lamps(t->job->trace, &way, more ? &met[LAMPS - 1] : NULL, LAMPS, met);
+  for (bool more = false; n == LAMPS_AT_ONCE; more = true) {
+    n = ylm_trace_next_lamps(t->job->trace, &way, more ? &met[LAMPS_AT_ONCE - 1] : NULL,
+                             LAMPS_AT_ONCE, met);
     for (size_t k = 0; k < n; k++) {
       float one[3], w;
       if (!open && !(met[k].distance < ylm_scene_reach(s, met[k].lamp, hit->t))) continue;

@@ -1,10 +1,6 @@
 /* film.c - batches of samples, run by threads and added up in an order that does not depend on them. */
+#include "calibration.h"
 #include "path.h"
-
-/* Tiles of a round, after which options are asked whether it is enough: enough for many threads. */
-#define ROUND_TILES 64
-/* The most numbers that a round keeps. */
-#define ROUND_NUMBERS (4u << 20)
 
 typedef struct run {
   path_job *job;

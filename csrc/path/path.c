@@ -1,10 +1,7 @@
 /* path.c - paths from their first hits on: reflected, lit, reflected again. */
 #include "path.h"
+#include "calibration.h"
 
-/* The reflection from which on paths end at random, and the bounds of their chance to go on. */
-#define ROULETTE 4
-#define LEAST_CHANCE 0.05f
-#define MOST_CHANCE 0.95f
 /* The largest number below 1. */
 #define BELOW_ONE 0x1.fffffep-1f
 

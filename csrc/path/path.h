@@ -2,11 +2,11 @@
 #ifndef YLM_PATH_PRIVATE_H
 #define YLM_PATH_PRIVATE_H
 
+#include "calibration.h"
 #include "ylm_path.h"
 #include "ylm_vector.h"
 
 /* A tile holds batches of items: pairs of the two. */
-#define PATH_PAIRS 64
 #define PATH_TILE (PATH_PAIRS * YLM_PATH_BATCH)
 
 /* One path. */

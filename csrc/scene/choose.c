@@ -2,12 +2,10 @@
    weigh them by (Veach & Guibas 1995). */
 #include <math.h>
 
+#include "calibration.h"
 #include "scene.h"
 
 #define PI 3.14159265358979323846
-
-/* Lamps that are weighed faster one by one. */
-#define FEW 16
 
 size_t ylm_scene_near(const ylm_scene *s) { return s->lamps + s->triangles + s->disks; }
 
@@ -47,7 +45,7 @@ bool ylm_scene_choose(ylm_scene_chooser *c, const float x[3], const float *norma
   const ylm_scene *s = c->scene;
   ylm__scene_turn_to(c, x, normal);
   if (!s->tree) {
-    if (normal && s->lamps > FEW)
+    if (normal && s->lamps > CHOOSE_FEW)
       c->weights(c->spheres, s->lamp, s->lamp_luminance, x, normal, c->weight, c->sum);
     else
       weigh_spheres(c, normal);

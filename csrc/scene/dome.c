@@ -8,16 +8,11 @@
 #include <math.h>
 
 #include "alias.h"
+#include "calibration.h"
 #include "dome.h"
 #include "ylm_base.h"
 
 #define PI 3.14159265358979323846
-/* Size of the table of a dome that is no image, samples of a cell a side, and the share of the mean
-   that is added to each. */
-#define TABLE_WIDTH 128
-#define TABLE_HEIGHT 64
-#define LOOKS 2
-#define LEAST 0.01
 
 /* Tiles of each mapping, about 45 degrees wide or less. */
 static const size_t tiles[][2] = {[YLM_MAPPING_LATLONG] = {16, 8},
@@ -89,7 +84,7 @@ void ylm__scene_dome_radiance(const scene_dome *d, size_t pixel, const double di
 /* The mean luminance of a pixel, from places in it. */
 static double look(const scene_dome *d, size_t pixel) {
   double sum = 0, direction[3], rgb[3];
-  int looks = d->light.panorama && d->light.panorama->texel ? 1 : LOOKS;
+  int looks = d->light.panorama && d->light.panorama->texel ? 1 : TABLE_LOOKS;
   for (int i = 0; i < looks * looks; i++) {
     within(d, pixel, (i % looks + 0.5) / looks, (i / looks + 0.5) / looks, direction);
     ylm__scene_dome_radiance(d, pixel, direction, rgb);
@@ -106,7 +101,7 @@ static void measure(const scene_dome *d, double *power) {
   double sum = 0;
   for (size_t i = 0; i < n; i++) sum += power[i] = look(d, i) * solid_angle(d, i);
   if (d->light.panorama && d->light.panorama->texel) return;
-  for (size_t i = 0; i < n; i++) power[i] += LEAST * sum / (4 * PI) * solid_angle(d, i);
+  for (size_t i = 0; i < n; i++) power[i] += TABLE_LEAST * sum / (4 * PI) * solid_angle(d, i);
 }
 
 /* Room for the alias table of a tile. */

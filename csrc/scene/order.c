@@ -1,13 +1,9 @@
 /* order.c - lamps put into the order of the tree of lamps: halved across the longest extent of their
    places, at a multiple of what a node holds, until a leaf is left. */
+#include "calibration.h"
 #include "tree.h"
 
-/* Smaller ranges are ordered side by side: of a size, or of a part of all. */
-#define PIECE ((size_t)1 << 14)
-#define PARTS 32
-#define MOST_PIECES (4 * PARTS)
-/* Lamps that are parted by branches. */
-#define FEW 32
+#define MOST_PIECES (4 * ORDER_PARTS)
 
 typedef struct range {
   size_t begin, end;
@@ -87,7 +83,7 @@ static float pivot_of(const scene_item *item, range r, int axis) {
 
 /* As separate_few: large ranges are parted until that no longer helps. */
 static void separate(scene_item *item, range r, size_t at, int axis) {
-  while (r.end - r.begin > FEW) {
+  while (r.end - r.begin > ORDER_FEW) {
     size_t n = r.end - r.begin, behind = part(item, r, pivot_of(item, r, axis), axis);
     if (behind > at)
       r.end = behind;
@@ -133,7 +129,8 @@ static ylm_status order_pieces(void *context, size_t begin, size_t end, int work
 }
 
 ylm_status ylm__scene_order(size_t n, scene_item *item) {
-  pieces p = {.item = item, .largest = n / PARTS < PIECE ? PIECE : n / PARTS};
+  pieces p = {.item = item,
+              .largest = n / ORDER_PARTS < ORDER_PIECE ? ORDER_PIECE : n / ORDER_PARTS};
   if (n == 0) return YLM_OK;
   cut(&p, (range){0, n});
   return ylm_parallel(p.n, 1, p.n > 1 ? 0 : 1, order_pieces, &p, NULL, NULL);

@@ -3,11 +3,10 @@
 #include <math.h>
 #include <string.h>
 
+#include "calibration.h"
 #include "scene.h"
 
 #define PI 3.14159265358979323846
-/* Triangles that fill a smaller solid angle are sampled by area. */
-#define SMALL 1e-4
 
 static double dot(const double *a, const double *b) {
   return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
@@ -152,7 +151,7 @@ static double sample_triangle(const float *corners, const float x[3], const floa
   double v[3][3], across[3], omega = triangle_about(corners, x, solid, v, across);
   double twice = sqrt(dot(across, across)), m[3];
   for (int k = 0; k < 3; k++) m[k] = across[k] / (twice > 0 ? twice : 1);
-  if (omega < SMALL) {
+  if (omega < PATCH_SMALL) {
     in_triangle(v, u0, u1, y);
     return by_area(y, m, twice / 2, n);
   }
@@ -211,10 +210,6 @@ double ylm__scene_patch_sample(const ylm_scene *s, size_t i, const float x[3], c
 
 /* -- one lamp ---------------------------------------------------------------------- */
 
-/* Distance over the longest edge from which on a triangle is far: it then fills less than a fifth of
-   a steradian. */
-#define FAR 1.5
-
 ylm_status ylm__scene_make_far(ylm_scene *s) {
   s->far = ylm_alloc(s->triangles, sizeof *s->far);
   if (!s->far) return YLM_ENOMEM;
@@ -230,7 +225,7 @@ ylm_status ylm__scene_make_far(ylm_scene *s) {
     cross(e[0], e[1], f->across);
     for (int k = 0; k < 3; k++) f->across[k] /= 2;
     f->area = sqrt(dot(f->across, f->across));
-    f->reach2 = FAR * FAR * longest;
+    f->reach2 = PATCH_FAR * PATCH_FAR * longest;
   }
   return YLM_OK;
 }
@@ -250,7 +245,7 @@ static double far_weight(const scene_far *f, const double v[3], double d2, const
   if (!n) return omega / PI;
   double up = (v[0] * (double)n[0] + v[1] * (double)n[1] + v[2] * (double)n[2]) / d;
   /* corners are within 2/3 of the longest edge of the centre */
-  return up > -2.0 / 3 / FAR ? omega / PI * (up > 0.2 ? up : 0.2) : 0;
+  return up > -2.0 / 3 / PATCH_FAR ? omega / PI * (up > 0.2 ? up : 0.2) : 0;
 }
 
 void ylm__scene_patch_weights_of_one(const ylm_scene *s, const float x[3], const float n[3],
@@ -290,7 +285,7 @@ static double triangle_density(const ylm_scene *s, size_t i, const float x[3], d
   double v[3][3], across[3], to[3];
   if (!(far_away(s, i, x, to) > 0)) {
     double omega = triangle_about(s->triangle + 9 * i, x, solid, v, across);
-    if (omega >= SMALL) return 1 / omega;
+    if (omega >= PATCH_SMALL) return 1 / omega;
   }
   if (!(f->area > 0)) return 0;
   return density_by_area(dot(to, f->across) / f->area, dot(d, f->across) / f->area, f->area);

@@ -4,6 +4,7 @@
 
 #include <stdatomic.h>
 
+#include "calibration.h"
 #include "dome.h"
 #include "tree.h"
 #include "ylm_scene.h"
@@ -80,8 +81,6 @@ void ylm__scene_tint(const scene_mesh *m, const uint32_t corner[3], const float 
                      float tint[3]);
 
 /* -- weights.c ------------------------------------------------------------------ */
-
-#define YLM_LAMP_CHUNK 64
 
 /* w[j]: bound of the unshadowed luminous irradiance, over pi, at x with normal n from lamp j;
    sum[b]: over chunk b of YLM_LAMP_CHUNK lamps. Arrays are padded with lamps of luminance 0. */

@@ -1,5 +1,6 @@
 /* tree.c - the tree of lamps is made: slots in order, and sums over the lamps of nodes. */
 #include "tree.h"
+#include "calibration.h"
 
 #include <math.h>
 #include <string.h>
@@ -7,12 +8,6 @@
 #include "scene.h"
 
 #define PI 3.14159265358979323846
-/* Nodes that a thread sums at a time; fewer are summed by one. */
-#define GRAIN 512
-/* Spheres that are weighed one by one in the time of a flat lamp. */
-#define FLAT 8
-/* Of the squared cosine at flat lamps, as seen from close to their plane. */
-#define LEAST_FACING 0.01
 /* Of the largest, so that each lamp has a chance. */
 #define LEAST_POWER 1e-30
 /* Its square is a number. */
@@ -169,7 +164,7 @@ static ylm_status fill_levels(const ylm_scene *s, scene_tree *t, double unit) {
   for (size_t i = 0; status == YLM_OK && i < t->levels; i++) {
     level v = {s, t, i, unit};
     size_t n = t->first[i + 1] - t->first[i];
-    status = ylm_parallel(n, GRAIN, n > GRAIN ? 0 : 1, fill, &v, NULL, NULL);
+    status = ylm_parallel(n, TREE_GRAIN, n > TREE_GRAIN ? 0 : 1, fill, &v, NULL, NULL);
   }
   return status;
 }
@@ -223,7 +218,7 @@ static ylm_status grow(const ylm_scene *s, scene_tree *t, scene_item *item) {
 
 ylm_status ylm__scene_plant(ylm_scene *s, size_t one_by_one) {
   size_t all = ylm_scene_near(s), most = one_by_one ? one_by_one : YLM_SCENE_ONE_BY_ONE;
-  if (s->lamps + FLAT * (s->triangles + s->disks) <= most) return YLM_OK;
+  if (s->lamps + TREE_FLAT * (s->triangles + s->disks) <= most) return YLM_OK;
   scene_tree *t = s->tree = ylm_alloc_zero(1, sizeof *t);
   if (!t) return YLM_ENOMEM;
   t->slot = ylm_alloc(all, sizeof *t->slot);

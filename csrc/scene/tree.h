@@ -3,6 +3,7 @@
 #ifndef YLM_SCENE_TREE_H
 #define YLM_SCENE_TREE_H
 
+#include "calibration.h"
 #include "ylm_scene.h"
 
 /* Children of a node; each has a lane. */
@@ -10,12 +11,6 @@
 #define SCENE_WIDTH_BITS 4
 /* Levels of 2^30 lamps, less one. */
 #define SCENE_LEVELS 8
-/* Lamps within so many radii are weighed on their own. */
-#define SCENE_NEAR 3
-/* Of the mean squared distance from its mean, how much counts as distance of a child. */
-#define SCENE_SPREAD 0.35
-/* Samples that walk down together. */
-#define SCENE_GROUP 64
 
 /* Light that leaves each child: its power, as luminance times area over pi as seen
    from where it is largest; the mean of its places, weighed by power; the mean square of distances to
@@ -78,10 +73,6 @@ typedef void ylm_scene_nodes_fn(const scene_node *node, bool flat, const float x
 ylm_scene_nodes_fn *ylm__scene_nodes(void);
 
 /* -- walk.c --------------------------------------------------------------------------------- */
-
-#define SCENE_DOUBT 0.02
-/* The most nodes that are open. */
-#define SCENE_OPEN 64
 
 /* A node that is open: the weights of its children are sums over theirs where these are open too. */
 typedef struct scene_open {

@@ -1,6 +1,7 @@
 /* again.c - shading by a dynamic grid, again and again: only what an update changed is sampled. */
 #include <string.h>
 
+#include "calibration.h"
 #include "view.h"
 #include "ylm_sh.h"
 
@@ -11,14 +12,11 @@ struct ylm_shade_memory {
 
 /* -- the order of points ----------------------------------------------------------------------- */
 
-/* Pixels of a square: its points are sampled together, each voxel that is seen in it once. */
-#define TILE 64
-
 /* The points of the pixels of a tile, row by row; returns how many. */
 static size_t list_tile(const ylm_shade_view *v, int x, int y, uint32_t *out) {
   size_t n = 0;
-  int right = x + TILE < v->o.width ? x + TILE : v->o.width;
-  int bottom = y + TILE < v->o.height ? y + TILE : v->o.height;
+  int right = x + SHADE_TILE < v->o.width ? x + SHADE_TILE : v->o.width;
+  int bottom = y + SHADE_TILE < v->o.height ? y + SHADE_TILE : v->o.height;
   for (; y < bottom; y++) {
     const shade_pixel *row = v->pixel + (size_t)y * (size_t)v->o.width;
     for (size_t i = row[x].first; i < row[right].first; i++) out[n++] = (uint32_t)i;
@@ -30,8 +28,8 @@ static size_t list_tile(const ylm_shade_view *v, int x, int y, uint32_t *out) {
 static uint32_t *list_tiles(const ylm_shade_view *v) {
   uint32_t *order = ylm_alloc(v->points, sizeof *order);
   size_t n = 0;
-  for (int y = 0; order && y < v->o.height; y += TILE)
-    for (int x = 0; x < v->o.width; x += TILE) n += list_tile(v, x, y, order + n);
+  for (int y = 0; order && y < v->o.height; y += SHADE_TILE)
+    for (int x = 0; x < v->o.width; x += SHADE_TILE) n += list_tile(v, x, y, order + n);
   return order;
 }
 

@@ -1,19 +1,18 @@
 /* bias.c - where shading points look a grid up whose light jumps at surfaces. */
 #include <math.h>
 
+#include "calibration.h"
 #include "view.h"
 
-#define SURFACES 64 /* places asked for at once */
-
 void ylm_shade_view_flats(const ylm_shade_view *v, size_t first, size_t n, float (*out)[3]) {
-  ylm_scene_surface surface[SURFACES];
-  ylm_scene_place place[SURFACES];
+  ylm_scene_surface surface[SHADE_BIAS_POINTS];
+  ylm_scene_place place[SHADE_BIAS_POINTS];
   if (v->corner) {
     memcpy(out, v->normal + first, n * sizeof *out);
     return;
   }
-  for (size_t i = 0; i < n; i += SURFACES) {
-    size_t some = n - i < SURFACES ? n - i : SURFACES;
+  for (size_t i = 0; i < n; i += SHADE_BIAS_POINTS) {
+    size_t some = n - i < SHADE_BIAS_POINTS ? n - i : SHADE_BIAS_POINTS;
     for (size_t k = 0; k < some; k++) place[k] = v->entry[first + i + k].at;
     ylm_scene_surfaces(v->scene, some, place, surface);
     for (size_t k = 0; k < some; k++) memcpy(out[i + k], surface[k].flat, sizeof *out);

@@ -2,10 +2,8 @@
 #include <math.h>
 #include <stdatomic.h>
 
+#include "calibration.h"
 #include "gloss.h"
-
-/* Points that are sampled at once: their coefficients stay in the second-level cache. */
-#define BLOCK 512
 
 typedef struct grid_job {
   const ylm_shade_view *view;
@@ -96,7 +94,8 @@ ylm_status ylm_shade_grid_biased(const ylm_shade_view *v, const ylm_grid *grid,
     if (!j.b) return ylm_fail(e, YLM_ENOMEM, "no memory to shade %zu points", v->points);
   }
   ylm_status s = ylm__shade_rows(v, weight, j.look->form.lmax, threads, progress, &j.rows, e);
-  if (s == YLM_OK) s = ylm_parallel(v->points, BLOCK, threads, run_grid, &j, progress, "shading");
+  if (s == YLM_OK)
+    s = ylm_parallel(v->points, SHADE_GRID_POINTS, threads, run_grid, &j, progress, "shading");
   ylm_free(j.rows.zonal);
   if (report) *report = (ylm_grid_report){j.outside, j.unbaked, ylm_seconds() - start};
   if (bias && s == YLM_OK) *bias = distances(j.b, v->points);

@@ -1,11 +1,9 @@
 /* light.c - radiance of shading points: transfer vector times light. */
 #include <stdatomic.h>
 
+#include "calibration.h"
 #include "gloss.h"
 #include "ylm_sh.h"
-
-/* Points whose light is asked for at once: their coefficients stay in the second-level cache. */
-#define BLOCK 512
 
 /* Products in double, where light came in double. */
 static void dot_double(size_t count, size_t n, int channels, size_t t_row, const float *T,
@@ -164,7 +162,8 @@ ylm_status ylm_shade_field(const ylm_shade_view *v, const ylm_field *field, ylm_
                  .error = e,
                  .failed = ATOMIC_FLAG_INIT};
   ylm_status s = ylm__shade_rows(v, weight, v->o.lmax, threads, progress, &j.rows, e);
-  if (s == YLM_OK) s = ylm_parallel(v->points, BLOCK, threads, run_field, &j, progress, "shading");
+  if (s == YLM_OK)
+    s = ylm_parallel(v->points, SHADE_LIGHT_POINTS, threads, run_field, &j, progress, "shading");
   if (pairs) *pairs = j.pairs;
   ylm_free(j.rows.zonal);
   return s;

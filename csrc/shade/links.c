@@ -1,10 +1,8 @@
 /* links.c - what shading points see of the elements of a scene, and the light that these send. */
 #include <math.h>
 
+#include "calibration.h"
 #include "lobes.h"
-
-/* Points that are gathered at once: their sums stay in the first-level cache. */
-#define BLOCK 256
 
 struct ylm_shade_links {
   const ylm_shade_view *view;
@@ -13,7 +11,7 @@ struct ylm_shade_links {
   uint32_t
       *link; /* [points][links]: of all points, or of those that are matte; NULL: these have none */
   size_t *
-      before; /* [points/BLOCK + 1]: points that gloss before each block; NULL: none is told apart */
+      before; /* [points/SHADE_LINK_POINTS + 1]: points that gloss before each block; NULL: none is told apart */
   size_t glossy;
   shade_lobes lobes; /* of these */
   double seconds;
@@ -31,13 +29,13 @@ static uint32_t *list_matte(ylm_shade_links *l) {
   const ylm_shade_view *v = l->view;
   uint32_t *point = ylm_alloc(v->points, sizeof *point);
   size_t n = 0;
-  l->before = ylm_alloc(v->points / BLOCK + 1, sizeof *l->before);
+  l->before = ylm_alloc(v->points / SHADE_LINK_POINTS + 1, sizeof *l->before);
   if (!point || !l->before) {
     ylm_free(point);
     return NULL;
   }
   for (size_t i = 0; i < v->points; i++) {
-    if (i % BLOCK == 0) l->before[i / BLOCK] = l->glossy;
+    if (i % SHADE_LINK_POINTS == 0) l->before[i / SHADE_LINK_POINTS] = l->glossy;
     if (ylm__shade_glosses(v, l->kind, i))
       l->glossy++;
     else
@@ -197,7 +195,7 @@ void ylm_shade_links_look(const ylm_shade_links *l, ylm_shade_links_stats *stats
       sizeof *l + (matte + lobes) * sizeof *l->link + lobes * 3 * sizeof *l->lobes.weight;
   if (l->before)
     bytes += l->glossy * (sizeof *l->lobes.most + sizeof *l->lobes.start) +
-             (l->view->points / BLOCK + 1) * sizeof *l->before;
+             (l->view->points / SHADE_LINK_POINTS + 1) * sizeof *l->before;
   *stats = (ylm_shade_links_stats){l->links, lobes, matte + lobes, bytes, l->seconds};
 }
 
@@ -206,16 +204,15 @@ const ylm_transfer *ylm_shade_links_transfer(const ylm_shade_links *l) { return 
 
 /* -- noise ------------------------------------------------------------------------ */
 
-#define LOOKED_AT 4096 /* points */
-
 static double luminance(const double c[3]) {
   return YLM_LUMINANCE_R * c[0] + YLM_LUMINANCE_G * c[1] + YLM_LUMINANCE_B * c[2];
 }
 
 /* How many points before point i gloss. */
 static size_t glossy_before(const ylm_shade_links *l, size_t i) {
-  size_t n = l->before[i / BLOCK];
-  for (size_t k = i - i % BLOCK; k < i; k++) n += ylm__shade_glosses(l->view, l->kind, k);
+  size_t n = l->before[i / SHADE_LINK_POINTS];
+  for (size_t k = i - i % SHADE_LINK_POINTS; k < i; k++)
+    n += ylm__shade_glosses(l->view, l->kind, k);
   return n;
 }
 
@@ -248,7 +245,7 @@ static void glossy_halves(const ylm_shade_links *l, size_t i, size_t row, const 
 }
 
 double ylm_shade_gather_noise(const ylm_shade_links *l, const float *leaving) {
-  size_t points = l->view->points, n = points < LOOKED_AT ? points : LOOKED_AT;
+  size_t points = l->view->points, n = points < NOISE_OF_LINKS ? points : NOISE_OF_LINKS;
   double square = 0, mean = 0;
   for (size_t k = 0; k < n; k++) {
     size_t i = k * points / n, row = l->before ? glossy_before(l, i) : 0;
@@ -278,7 +275,7 @@ typedef struct gather_job {
 /* Reflected at n points: the mean radiance that arrives along their links, [n][4], and `start`. */
 static void reflect(const ylm_shade_view *v, size_t first, size_t n, const float *mean,
                     const float *start, float *out) {
-  float radiance[3 * BLOCK];
+  float radiance[3 * SHADE_LINK_POINTS];
   for (size_t i = 0; i < n; i++)
     for (size_t c = 0; c < 3; c++) radiance[3 * i + c] = (float)M_PI * mean[4 * i + c];
   ylm__shade_reflect(v, first, n, radiance);
@@ -288,7 +285,7 @@ static void reflect(const ylm_shade_view *v, size_t first, size_t n, const float
 /* Matte points from `first` on, whose rows of links begin at number `row`. */
 static void gather_matte(const gather_job *j, size_t first, size_t row, size_t n) {
   const ylm_shade_links *l = j->l;
-  float mean[4 * BLOCK] __attribute__((aligned(64)));
+  float mean[4 * SHADE_LINK_POINTS] __attribute__((aligned(64)));
   if (!l->link) {
     for (size_t k = 3 * first; k < 3 * (first + n); k++) j->out[k] = j->start ? j->start[k] : 0;
     return;
@@ -311,7 +308,7 @@ static ylm_status run_gather(void *context, size_t begin, size_t end, int worker
   (void)worker;
   const gather_job *j = context;
   const ylm_shade_links *l = j->l;
-  size_t glossy = l->before ? l->before[begin / BLOCK] : 0;
+  size_t glossy = l->before ? l->before[begin / SHADE_LINK_POINTS] : 0;
   for (size_t i = begin, behind; i < end; i = behind) {
     for (behind = i; behind < end; behind++)
       if (l->before && ylm__shade_glosses(l->view, l->kind, behind)) break;
@@ -326,5 +323,6 @@ static ylm_status run_gather(void *context, size_t begin, size_t end, int worker
 ylm_status ylm_shade_gather(const ylm_shade_links *l, const float *leaving, const float *start,
                             int threads, const ylm_progress *progress, float *out) {
   gather_job j = {l, leaving, start, out};
-  return ylm_parallel(l->view->points, BLOCK, threads, run_gather, &j, progress, "gathering");
+  return ylm_parallel(l->view->points, SHADE_LINK_POINTS, threads, run_gather, &j, progress,
+                      "gathering");
 }

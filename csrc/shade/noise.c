@@ -2,15 +2,9 @@
 #include <math.h>
 #include <string.h>
 
+#include "calibration.h"
 #include "gloss.h"
 #include "ylm_image.h"
-
-/* Points at which noise is measured: a NOISE_PART-th of all within these bounds. */
-#define NOISE_LEAST 128
-#define NOISE_MOST 512
-#define NOISE_PART 32
-/* The part of the mean radiance below which darkness excuses noise. */
-#define NOISE_DARK 0.1
 
 typedef struct trial {
   size_t n, count;

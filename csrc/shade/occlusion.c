@@ -3,10 +3,10 @@
 #include <stdatomic.h>
 #include <string.h>
 
+#include "calibration.h"
 #include "view.h"
 #include "ylm_image.h"
 
-#define GRAIN 16
 #define STREAMS 0x6f63636c7573696fu /* random numbers that no other estimate of the view uses */
 
 /* Luminance that the lamps bring to a place of the picture: where the view lets it, where the scene
@@ -125,7 +125,7 @@ ylm_status ylm_shade_measure_occlusion(const ylm_shade_view *v, size_t places, i
            .light_samples = light_samples};
   j.light = ylm_alloc_zero(j.places, sizeof *j.light);
   if (!j.light) return YLM_ENOMEM;
-  ylm_status s = ylm_parallel(j.places, GRAIN, threads, run, &j, NULL, NULL);
+  ylm_status s = ylm_parallel(j.places, SHADE_MEASURED_GRAIN, threads, run, &j, NULL, NULL);
   if (s == YLM_OK) {
     out->passing = share(&j, PASSING, METHOD, &out->passing_error);
     out->missing = share(&j, MISSING, TRUTH, &out->missing_error);

@@ -3,14 +3,9 @@
 #include <stdatomic.h>
 #include <string.h>
 
+#include "calibration.h"
 #include "view.h"
 
-/* Rays that are traced in one go. */
-#define BATCH 256
-/* Cosine of the angle within which normals may differ in one shading point. */
-#define SAME_NORMAL 0.98480775f
-/* The part of a lobe's width within which normals may differ, where surfaces gloss. */
-#define FINE 0.05
 #define PI 3.14159265358979323846
 
 /* Samples of one pixel that are shaded as one. */
@@ -225,7 +220,7 @@ static bool trace_row(job *j, int y, scratch *s, int batch) {
 static ylm_status trace_rows(void *context, size_t begin, size_t end, int worker) {
   (void)worker;
   job *j = context;
-  int samples = j->view->o.samples, batch = BATCH / samples > 1 ? BATCH / samples : 1;
+  int samples = j->view->o.samples, batch = SHADE_RAYS / samples > 1 ? SHADE_RAYS / samples : 1;
   scratch s = {0};
   bool ok = scratch_create(&s, (size_t)samples, (size_t)batch * (size_t)samples);
   for (size_t y = begin; ok && y < end; y++) ok = trace_row(j, (int)y, &s, batch);
@@ -282,13 +277,13 @@ static nearness *nearness_of(const ylm_shade_view *v, double pixel) {
   nearness *out = ylm_alloc(meshes, sizeof *out);
   for (size_t i = 0; out && i < meshes; i++) {
     const ylm_material *m = ylm__shade_mesh_material(v, i);
-    out[i] = (nearness){SAME_NORMAL, v->o.share};
+    out[i] = (nearness){SHADE_SAME_NORMAL, v->o.share};
     if (!v->o.fine || v->o.per_vertex || ylm_material_kind(m) == ylm_material_kind_find("matte"))
       continue;
     double width = lobe(m);
     if (v->o.gloss == YLM_SHADE_GLOSS_SH) width = fmax(width, 2.0 / (v->o.lmax + 1));
-    width *= FINE;
-    out[i].cosine = fmaxf(SAME_NORMAL, (float)cos(width));
+    width *= SHADE_FINE;
+    out[i].cosine = fmaxf(SHADE_SAME_NORMAL, (float)cos(width));
     out[i].share = fmin(v->o.share, 2 * width / pixel);
   }
   return out;

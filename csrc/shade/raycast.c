@@ -2,15 +2,9 @@
 #include <math.h>
 #include <stdatomic.h>
 
+#include "calibration.h"
 #include "view.h"
 #include "ylm_path.h"
-
-#define GRAIN 256
-/* Points whose rays are traced in one go, at most. */
-#define POINTS 512
-/* Items at which noise is measured, and their samples. */
-#define TRIALS 512
-#define TRIAL_SAMPLES 64
 
 typedef struct job {
   const ylm_shade_view *view;
@@ -25,8 +19,8 @@ typedef struct job {
 /* Points whose rays wait to be traced. */
 typedef struct waiting {
   ylm_scene_batch lit;
-  size_t point[POINTS];
-  size_t end[POINTS]; /* of each point's rays */
+  size_t point[SHADE_CAST_POINTS];
+  size_t end[SHADE_CAST_POINTS]; /* of each point's rays */
   size_t points;
 } waiting;
 
@@ -49,7 +43,8 @@ static void finish(const job *j, waiting *w) {
 /* Aims rays from a point whose random numbers have the number `stream`. */
 static void aim(const job *j, waiting *w, size_t i, uint64_t stream) {
   ylm_rng rng;
-  if (w->points == POINTS || w->lit.rays + (size_t)j->light_samples > w->lit.room) finish(j, w);
+  if (w->points == SHADE_CAST_POINTS || w->lit.rays + (size_t)j->light_samples > w->lit.room)
+    finish(j, w);
   ylm_rng_seed(&rng, j->seed, stream);
   ylm_scene_batch_aim(&w->lit, j->view->origin[i], j->view->normal[i], j->light_samples, &rng);
   w->point[w->points] = i;
@@ -175,7 +170,7 @@ static void pick(const items *all, size_t n, items *out) {
 /* The number of samples that leave c->noise, from c->light_samples to c->most; what noise that is. */
 static ylm_status choose_samples(const ylm_shade_view *v, shade_cast *c, const items *all,
                                  uint64_t *rays) {
-  size_t n = all->n < TRIALS ? all->n : TRIALS;
+  size_t n = all->n < NOISE_TRIALS ? all->n : NOISE_TRIALS;
   items some;
   float *room = ylm_alloc_zero(9 * n, sizeof *room);
   shade_cast trial = *c;
@@ -184,13 +179,13 @@ static ylm_status choose_samples(const ylm_shade_view *v, shade_cast *c, const i
   trial.progress = NULL;
   ylm_status s = items_create(&some, all->first[all->n]) && room ? YLM_OK : YLM_ENOMEM;
   if (s == YLM_OK) pick(all, n, &some);
-  if (s == YLM_OK) s = cast_items(v, &trial, TRIAL_SAMPLES, &some, room, rays);
+  if (s == YLM_OK) s = cast_items(v, &trial, NOISE_TRIAL_SAMPLES, &some, room, rays);
   for (size_t i = 0; s == YLM_OK && i < 3 * n; i++) {
     square += (double)room[i] * (double)room[i];
     variance += (double)room[6 * n + i];
   }
   if (s == YLM_OK && square > variance) {
-    double one = variance * TRIAL_SAMPLES / (square - variance); /* of one sample */
+    double one = variance * NOISE_TRIAL_SAMPLES / (square - variance); /* of one sample */
     double wanted = ceil(one / (c->noise * c->noise) / YLM_PATH_BATCH) * YLM_PATH_BATCH;
     c->light_samples = (int)fmin(fmax(c->light_samples, wanted), c->most);
     c->noise = sqrt(one / c->light_samples);
@@ -249,7 +244,7 @@ ylm_status ylm_shade_raycast(const ylm_shade_view *v, const ylm_scene *lit, int 
            .shadows = shadows,
            .seed = seed,
            .out = out};
-  ylm_status s = ylm_parallel(v->points, GRAIN, threads, run, &j, progress, "raycast");
+  ylm_status s = ylm_parallel(v->points, SHADE_CAST_GRAIN, threads, run, &j, progress, "raycast");
   uint64_t all = j.rays;
   if (s == YLM_OK) s = cast_glossy(&j, threads, progress, &all);
   if (rays) *rays = all;

@@ -4,10 +4,10 @@
 #include <stdatomic.h>
 #include <string.h>
 
+#include "calibration.h"
 #include "gloss.h"
 
 /* Rays that are traced in one go, unless one point has more. */
-#define BATCH 1024
 #define PI 3.14159265358979323846
 
 typedef struct job {
@@ -26,10 +26,10 @@ typedef struct job {
 
 typedef struct scratch {
   ylm_trace_ray *ray; /* [points*samples] */
-  float *direction;   /* [BATCH][3]       */
-  float *Y;           /* [BATCH][count]   */
+  float *direction;   /* [SHADE_OCCLUSION_RAYS][3]       */
+  float *Y;           /* [SHADE_OCCLUSION_RAYS][count]   */
   float *seen, *all;  /* [count]          */
-  uint8_t *visible;   /* [samples], [BATCH] at least */
+  uint8_t *visible;   /* [samples], [SHADE_OCCLUSION_RAYS] at least */
 } scratch;
 
 /* Does point i gloss, so that its visibility is wanted alone? */
@@ -82,8 +82,8 @@ static ylm_status estimate(const job *j, const ylm_trace_ray *ray, const scratch
   }
   memset(x->seen, 0, count * sizeof(float));
   memset(x->all, 0, count * sizeof(float));
-  for (int first = 0; first < samples; first += BATCH) {
-    int n = samples - first < BATCH ? samples - first : BATCH;
+  for (int first = 0; first < samples; first += SHADE_OCCLUSION_RAYS) {
+    int n = samples - first < SHADE_OCCLUSION_RAYS ? samples - first : SHADE_OCCLUSION_RAYS;
     for (int k = 0; k < n; k++) memcpy(x->direction + 3 * k, ray[first + k].dir, 12);
     ylm_status s =
         ylm_sh_eval(lmax, 0, false, YLM_FLOAT, (size_t)n, x->direction, x->Y, NULL, NULL, 1, NULL);
@@ -96,11 +96,11 @@ static ylm_status estimate(const job *j, const ylm_trace_ray *ray, const scratch
 }
 
 /* Directions of the next occluded rays from *first on, and their mirror images, if wanted; returns how many,
-   at most BATCH. */
+   at most SHADE_OCCLUSION_RAYS. */
 static int list_occluded(const float *n, bool mirror, int samples, const ylm_trace_ray *ray,
                          int *first, float *out) {
   int found = 0;
-  for (; *first < samples && found + 2 <= BATCH; ++*first) {
+  for (; *first < samples && found + 2 <= SHADE_OCCLUSION_RAYS; ++*first) {
     const float *d = ray[*first].dir;
     if (!(ray[*first].far < 0)) continue;
     float up = 2 * ylm_dot3(d, n);
@@ -160,7 +160,9 @@ static void scratch_free(scratch *x) {
 }
 
 static bool scratch_create(scratch *x, size_t samples, size_t rays, size_t count) {
-  size_t batch = 2 * samples < BATCH ? 2 * samples : BATCH; /* directions with mirror images */
+  size_t batch = 2 * samples < SHADE_OCCLUSION_RAYS
+                     ? 2 * samples
+                     : SHADE_OCCLUSION_RAYS; /* directions with mirror images */
   x->ray = ylm_alloc(rays, sizeof *x->ray);
   x->direction = ylm_alloc(batch, 12);
   x->Y = ylm_alloc(batch * count, sizeof *x->Y);
@@ -176,7 +178,8 @@ static ylm_status run(void *context, size_t begin, size_t end, int worker) {
   job *j = context;
   const ylm_shade_view *v = j->view;
   size_t samples = (size_t)v->o.transfer_samples, count = ylm_sh_count(v->o.lmax);
-  size_t batch = BATCH / samples > 1 ? BATCH / samples : 1, traced = 0;
+  size_t batch = SHADE_OCCLUSION_RAYS / samples > 1 ? SHADE_OCCLUSION_RAYS / samples : 1,
+         traced = 0;
   ylm_status s = ylm__shade_cosines(v, v->o.lmax, j->zonal, end - begin, j->mesh + begin,
                                     j->normal + begin, j->transfer + begin * count);
   if (s != YLM_OK || !j->shadows) return s;

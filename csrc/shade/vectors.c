@@ -2,6 +2,7 @@
    given. */
 #include <stdatomic.h>
 
+#include "calibration.h"
 #include "view.h"
 #include "ylm_sh.h"
 
@@ -31,9 +32,6 @@ ylm_status ylm_shade_view_matrices(const ylm_shade_view *v, const ylm_transfer *
 }
 
 /* -- shading --------------------------------------------------------------------- */
-
-/* Points whose light is known at once. */
-#define BLOCK 256
 
 typedef struct job {
   const ylm_shade_view *view;
@@ -86,7 +84,8 @@ ylm_status ylm_shade_by_vectors(const ylm_shade_view *v, int lmax, int channels,
            .out = out,
            .error = e,
            .failed = ATOMIC_FLAG_INIT};
-  ylm_status s = ylm_parallel(v->points, BLOCK, threads, run, &j, progress, "shading");
+  ylm_status s =
+      ylm_parallel(v->points, SHADE_VECTOR_POINTS, threads, run, &j, progress, "shading");
   if (pairs) *pairs = j.pairs;
   return s;
 }

@@ -1,10 +1,8 @@
 /* embree3.c - rays through Embree 3 (Wald et al. 2014): streams. */
 #include <string.h>
 
+#include "calibration.h"
 #include "trace.h"
-
-/* Embree sorts streams by direction; longer ones gain nothing. */
-#define STREAM 256
 
 const enum RTCSceneFlags ylm__trace_filters = RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION;
 
@@ -31,9 +29,9 @@ static void read_hit(const ylm_trace *t, const struct RTCRayHit *r, ylm_trace_hi
 
 void ylm__trace_first(const ylm_trace *t, size_t scenes, const RTCScene *scene, size_t n,
                       const ylm_trace_ray *rays, bool coherent, ylm_trace_hit *hits) {
-  struct RTCRayHit r[STREAM];
-  for (size_t first = 0; first < n; first += STREAM) {
-    unsigned count = n - first < STREAM ? (unsigned)(n - first) : STREAM;
+  struct RTCRayHit r[TRACE_STREAM];
+  for (size_t first = 0; first < n; first += TRACE_STREAM) {
+    unsigned count = n - first < TRACE_STREAM ? (unsigned)(n - first) : TRACE_STREAM;
     for (unsigned i = 0; i < count; i++) {
       memcpy(&r[i].ray, &rays[first + i], sizeof r[i].ray);
       ylm__trace_prepare(&r[i].ray);
@@ -47,8 +45,8 @@ void ylm__trace_first(const ylm_trace *t, size_t scenes, const RTCScene *scene, 
 
 void ylm__trace_any(const ylm_trace *t, RTCScene scene, size_t n, ylm_trace_ray *rays) {
   (void)t;
-  for (size_t first = 0; first < n; first += STREAM) {
-    unsigned count = n - first < STREAM ? (unsigned)(n - first) : STREAM;
+  for (size_t first = 0; first < n; first += TRACE_STREAM) {
+    unsigned count = n - first < TRACE_STREAM ? (unsigned)(n - first) : TRACE_STREAM;
     struct RTCRay *r = (struct RTCRay *)&rays[first];
     for (unsigned i = 0; i < count; i++) ylm__trace_prepare(&r[i]);
     struct RTCIntersectContext c = context_for(false);

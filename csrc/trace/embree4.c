@@ -1,10 +1,8 @@
 /* embree4.c - rays through Embree 4: packets as wide as the processor's vectors. */
 #include <stddef.h>
 
+#include "calibration.h"
 #include "trace.h"
-
-/* Rays that are put into order together. */
-#define BLOCK 256
 
 const enum RTCSceneFlags ylm__trace_filters = RTC_SCENE_FLAG_FILTER_FUNCTION_IN_ARGUMENTS;
 
@@ -28,9 +26,9 @@ static unsigned width_of(RTCDevice d) {
 }
 
 /* The rays of a block, those of one octant one after the other: they run alike. */
-static void sort_rays(const ylm_trace_ray *rays, unsigned n, uint8_t order[BLOCK]) {
+static void sort_rays(const ylm_trace_ray *rays, unsigned n, uint8_t order[TRACE_STREAM]) {
   unsigned first[9] = {0};
-  uint8_t octant[BLOCK];
+  uint8_t octant[TRACE_STREAM];
   for (unsigned i = 0; i < n; i++) {
     const float *d = rays[i].dir;
     octant[i] = (uint8_t)((d[0] < 0) | (d[1] < 0) << 1 | (d[2] < 0) << 2);
@@ -95,13 +93,13 @@ static void read_hit(const ylm_trace *t, const packet *p, unsigned w, unsigned i
 void ylm__trace_first(const ylm_trace *t, size_t scenes, const RTCScene *scene, size_t n,
                       const ylm_trace_ray *rays, bool coherent, ylm_trace_hit *hits) {
   packet p;
-  uint8_t order[BLOCK];
+  uint8_t order[TRACE_STREAM];
   unsigned w = width_of(t->device);
   struct RTCIntersectArguments a;
   rtcInitIntersectArguments(&a);
   a.flags = coherent ? RTC_RAY_QUERY_FLAG_COHERENT : RTC_RAY_QUERY_FLAG_INCOHERENT;
-  for (size_t first = 0; first < n; first += BLOCK) {
-    unsigned count = n - first < BLOCK ? (unsigned)(n - first) : BLOCK;
+  for (size_t first = 0; first < n; first += TRACE_STREAM) {
+    unsigned count = n - first < TRACE_STREAM ? (unsigned)(n - first) : TRACE_STREAM;
     sort_rays(rays + first, count, order);
     for (unsigned from = 0; from < count; from += w) {
       unsigned m = load(&p, w, rays + first, order, from, count);
@@ -116,12 +114,12 @@ void ylm__trace_first(const ylm_trace *t, size_t scenes, const RTCScene *scene, 
 
 void ylm__trace_any(const ylm_trace *t, RTCScene scene, size_t n, ylm_trace_ray *rays) {
   packet p;
-  uint8_t order[BLOCK];
+  uint8_t order[TRACE_STREAM];
   unsigned w = width_of(t->device);
   struct RTCOccludedArguments a;
   rtcInitOccludedArguments(&a);
-  for (size_t first = 0; first < n; first += BLOCK) {
-    unsigned count = n - first < BLOCK ? (unsigned)(n - first) : BLOCK;
+  for (size_t first = 0; first < n; first += TRACE_STREAM) {
+    unsigned count = n - first < TRACE_STREAM ? (unsigned)(n - first) : TRACE_STREAM;
     sort_rays(rays + first, count, order);
     for (unsigned from = 0; from < count; from += w) {
       unsigned m = load(&p, w, rays + first, order, from, count);

@@ -2,14 +2,8 @@
 #include <math.h>
 #include <stdatomic.h>
 
+#include "calibration.h"
 #include "transfer.h"
-
-/* Places of an element from which lamps are looked at, at best: each costs a choice among all lamps. */
-#define PLACES 4
-#define EACH 8 /* rays of a place, at least */
-/* Elements whose light is asked of a field at a time. */
-#define ASK 4096
-#define GRAIN 128
 
 typedef struct job {
   const ylm_transfer *t;
@@ -25,7 +19,7 @@ typedef struct job {
 typedef struct waiting {
   ylm_scene_batch lit;
   size_t first, count;
-  size_t end[GRAIN]; /* of each element's rays */
+  size_t end[DIRECT_GRAIN]; /* of each element's rays */
 } waiting;
 
 /* A place of element i: number k of a sequence that begins at (x, y). */
@@ -85,7 +79,7 @@ static ylm_status run(void *context, size_t begin, size_t end, int worker) {
   (void)worker;
   job *j = context;
   size_t most = (size_t)j->places * (size_t)j->each;
-  double *part = j->part[begin / GRAIN];
+  double *part = j->part[begin / DIRECT_GRAIN];
   waiting w = {.first = begin};
   ylm_status status = ylm_scene_batch_create(j->scene, most, &w.lit);
   for (size_t i = begin; status == YLM_OK && i < end; i++) {
@@ -126,20 +120,21 @@ ylm_status ylm_radiosity_rays(ylm_radiosity *r, const ylm_scene *scene, int ligh
   if (s == YLM_OK && !same)
     s = ylm_fail(e, YLM_EINVAL, "the scene has other meshes than those of the transfer");
   if (s != YLM_OK) return s;
-  int places = light_samples / EACH < 1        ? 1
-               : light_samples / EACH < PLACES ? light_samples / EACH
-                                               : PLACES;
+  int places = light_samples / DIRECT_EACH < 1               ? 1
+               : light_samples / DIRECT_EACH < DIRECT_PLACES ? light_samples / DIRECT_EACH
+                                                             : DIRECT_PLACES;
   job j = {.t = r->t,
            .scene = scene,
            .places = places,
            .each = (light_samples + places - 1) / places,
            .seed = seed,
            .E0 = ylm_alloc_zero(r->t->elements + 1, 16),
-           .part = ylm_alloc_zero(r->t->elements / GRAIN + 1, sizeof *j.part)};
-  s = j.E0 && j.part ? ylm_parallel(r->t->elements, GRAIN, threads, run, &j, progress, "direct")
-                     : YLM_ENOMEM;
+           .part = ylm_alloc_zero(r->t->elements / DIRECT_GRAIN + 1, sizeof *j.part)};
+  s = j.E0 && j.part
+          ? ylm_parallel(r->t->elements, DIRECT_GRAIN, threads, run, &j, progress, "direct")
+          : YLM_ENOMEM;
   double near = 0, all = 0;
-  for (size_t b = 0; s == YLM_OK && b * GRAIN < r->t->elements; b++)
+  for (size_t b = 0; s == YLM_OK && b * DIRECT_GRAIN < r->t->elements; b++)
     near += j.part[b][0], all += j.part[b][1];
   ylm_free(j.part);
   return take(r, s, j.E0, j.rays, all > 0 ? near / all : 0, begun);
@@ -152,9 +147,9 @@ typedef struct by_field {
   int lmax;
   size_t count;   /* coefficients of a channel */
   double *zonal;  /* [lmax+1] of the cosine; NULL: T0 is used */
-  float *normals; /* [ASK][count] the basis at normals */
+  float *normals; /* [DIRECT_ASKED][count] the basis at normals */
   float (*place)[3];
-  float *light; /* [ASK][3][count] */
+  float *light; /* [DIRECT_ASKED][3][count] */
 } by_field;
 
 /* The products of T0, or of the cosine, of elements from `first` on with x->light. */
@@ -201,8 +196,8 @@ static ylm_status ask(const by_field *x, const ylm_field *field, int threads,
                        .dtype = YLM_FLOAT,
                        .threads = threads};
   ylm_status s = YLM_OK;
-  for (size_t first = 0; s == YLM_OK && first < n; first += ASK) {
-    size_t part = n - first < ASK ? n - first : ASK;
+  for (size_t first = 0; s == YLM_OK && first < n; first += DIRECT_ASKED) {
+    size_t part = n - first < DIRECT_ASKED ? n - first : DIRECT_ASKED;
     ylm_field_result out = {.value = x->light};
     const float(*place)[3] = (const float(*)[3])x->t->centre + first;
     if (x->zonal) {
@@ -228,9 +223,9 @@ ylm_status ylm_radiosity_field(ylm_radiosity *r, const ylm_field *field, const y
     return ylm_fail(e, YLM_ERANGE, "lmax %d is beyond that of the transfer", lmax);
   by_field x = {.t = t, .grid = grid, .lmax = lmax, .count = ylm_sh_count(lmax)};
   float *E0 = ylm_alloc_zero(t->elements + 1, 16);
-  x.place = ylm_alloc(ASK, 12);
-  x.light = ylm_alloc(ASK * 3 * x.count, sizeof *x.light);
-  x.normals = ylm_alloc(shadowed ? ASK * x.count : 0, sizeof *x.normals);
+  x.place = ylm_alloc(DIRECT_ASKED, 12);
+  x.light = ylm_alloc(DIRECT_ASKED * 3 * x.count, sizeof *x.light);
+  x.normals = ylm_alloc(shadowed ? DIRECT_ASKED * x.count : 0, sizeof *x.normals);
   x.zonal = shadowed ? ylm_alloc((size_t)lmax + 1, sizeof *x.zonal) : NULL;
   bool room = E0 && x.place && x.light && x.normals && (x.zonal || !shadowed);
   ylm_status s = room ? YLM_OK : YLM_ENOMEM;

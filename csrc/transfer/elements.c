@@ -1,10 +1,8 @@
 /* elements.c - surfaces cut into elements, and the element at a place. */
 #include <math.h>
 
+#include "calibration.h"
 #include "transfer.h"
-
-/* Places of an element whose tints are averaged. */
-#define TINTS 16
 
 /* Corners of triangle i of mesh m. */
 static void corners_of(const ylm_scene *s, const float *positions, size_t m, size_t i,
@@ -145,7 +143,7 @@ void ylm__transfer_corners(const ylm_transfer *t, size_t e, ylm_scene_place *pla
 static void tint_of(const ylm_transfer *t, ylm_scene_place place, float corner[3][2],
                     float tint[3]) {
   double sum[3] = {0, 0, 0}, x = 0.5, y = 0.5;
-  for (int k = 0; k < TINTS; k++) {
+  for (int k = 0; k < TRANSFER_TINTS; k++) {
     ylm_scene_surface at;
     x += 0.7548776662466927, y += 0.5698402909980532;
     x -= floor(x), y -= floor(y);
@@ -155,7 +153,7 @@ static void tint_of(const ylm_transfer *t, ylm_scene_place place, float corner[3
     ylm_scene_surfaces(t->scene, 1, &place, &at);
     for (int c = 0; c < 3; c++) sum[c] += (double)at.tint[c];
   }
-  for (int c = 0; c < 3; c++) tint[c] = (float)(sum[c] / TINTS);
+  for (int c = 0; c < 3; c++) tint[c] = (float)(sum[c] / TRANSFER_TINTS);
 }
 
 typedef struct job {

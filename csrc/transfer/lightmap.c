@@ -1,10 +1,10 @@
 /* lightmap.c - irradiance at the texels of a mesh: direct light at each, and what its links bring. */
 #include <math.h>
 
+#include "calibration.h"
 #include "transfer.h"
 
 /* Texels that are worked on in one go. */
-#define BATCH 256
 #define PI 3.14159265358979323846
 
 typedef struct job {
@@ -17,13 +17,13 @@ typedef struct job {
 } job;
 
 typedef struct scratch {
-  ylm_scene_surface at[BATCH];
-  float origin[BATCH][3], normal[BATCH][3];
-  uint64_t stream[BATCH];
-  uint32_t *link; /* [BATCH][links] */
-  float *sum;     /* [BATCH][4] */
-  float *escape;  /* [BATCH][count] or NULL */
-  float *light;   /* [BATCH][3][count] or NULL */
+  ylm_scene_surface at[LIGHTMAP_TEXELS];
+  float origin[LIGHTMAP_TEXELS][3], normal[LIGHTMAP_TEXELS][3];
+  uint64_t stream[LIGHTMAP_TEXELS];
+  uint32_t *link; /* [LIGHTMAP_TEXELS][links] */
+  float *sum;     /* [LIGHTMAP_TEXELS][4] */
+  float *escape;  /* [LIGHTMAP_TEXELS][count] or NULL */
+  float *light;   /* [LIGHTMAP_TEXELS][3][count] or NULL */
   ylm_scene_batch lit;
 } scratch;
 
@@ -41,14 +41,14 @@ static scratch *scratch_create(const job *j) {
   scratch *x = ylm_alloc_zero(1, sizeof *x);
   size_t count = ylm_sh_count(m->lmax);
   if (!x) return NULL;
-  x->link = ylm_alloc((size_t)BATCH * (size_t)m->links, sizeof *x->link);
-  x->sum = ylm_alloc(BATCH, 16);
+  x->link = ylm_alloc((size_t)LIGHTMAP_TEXELS * (size_t)m->links, sizeof *x->link);
+  x->sum = ylm_alloc(LIGHTMAP_TEXELS, 16);
   bool ok = x->link && x->sum;
   if (m->scene) {
     ok = ylm_scene_batch_create(m->scene, (size_t)m->light_samples, &x->lit) == YLM_OK && ok;
   } else if (m->field) {
-    x->escape = ylm_alloc(BATCH * count, sizeof *x->escape);
-    x->light = ylm_alloc(BATCH * 3 * count, sizeof *x->light);
+    x->escape = ylm_alloc(LIGHTMAP_TEXELS * count, sizeof *x->escape);
+    x->light = ylm_alloc(LIGHTMAP_TEXELS * 3 * count, sizeof *x->light);
     ok = ok && x->escape && x->light;
   }
   if (ok) return x;
@@ -237,7 +237,7 @@ ylm_status ylm_radiosity_lightmap(const ylm_radiosity *r, const ylm_radiosity_ma
       texel[n++] = (uint32_t)i;
     }
     job j = {r, m, texel, place, out, share};
-    s = ylm_parallel(n, BATCH, m->threads, run, &j, m->progress, "lightmap");
+    s = ylm_parallel(n, LIGHTMAP_TEXELS, m->threads, run, &j, m->progress, "lightmap");
     memset(coverage, 0, all * sizeof *coverage);
     for (size_t i = 0; s == YLM_OK && i < n; i++)
       coverage[texel[i]] = age[texel[i]] = share[i] >= 0.5f;

@@ -2,10 +2,10 @@
 #include <math.h>
 #include <stdatomic.h>
 
+#include "calibration.h"
 #include "transfer.h"
 
 /* Rays that are traced in one go, unless one place has more. */
-#define BATCH 1024
 #define PI 3.14159265358979323846
 
 typedef struct job {
@@ -31,7 +31,7 @@ typedef struct scratch {
   uint8_t *open;           /* [places*links] the ray leaves the scene */
   uint8_t *below;          /* [places*links] it starts into its own triangle */
   uint32_t *pick, *sorted; /* [links] */
-  float *direction, *Y;    /* [BATCH][3], [BATCH][count] */
+  float *direction, *Y;    /* [TRANSFER_RAYS][3], [TRANSFER_RAYS][count] */
   float *seen, *all;       /* [count] */
   uint64_t escaped, buried, lost, deads;
 } scratch;
@@ -136,8 +136,8 @@ static ylm_status escape(const job *j, scratch *x, const float *n, const ylm_tra
   if (seen == j->links || s != YLM_OK) return s;
   memset(x->seen, 0, count * sizeof *x->seen);
   memset(x->all, 0, count * sizeof *x->all);
-  for (int first = 0; s == YLM_OK && first < j->links; first += BATCH) {
-    int m = j->links - first < BATCH ? j->links - first : BATCH;
+  for (int first = 0; s == YLM_OK && first < j->links; first += TRANSFER_RAYS) {
+    int m = j->links - first < TRANSFER_RAYS ? j->links - first : TRANSFER_RAYS;
     for (int k = 0; k < m; k++) memcpy(x->direction + 3 * k, ray[x->pick[first + k]].dir, 12);
     s = ylm_sh_eval(j->lmax, 0, false, YLM_FLOAT, (size_t)m, x->direction, x->Y, NULL, NULL, 1,
                     NULL);
@@ -210,7 +210,8 @@ static void scratch_free(scratch *x) {
 }
 
 static bool scratch_create(scratch *x, size_t rays, size_t links, int lmax) {
-  size_t count = ylm_sh_count(lmax < 0 ? 0 : lmax), batch = links < BATCH ? links : BATCH;
+  size_t count = ylm_sh_count(lmax < 0 ? 0 : lmax),
+         batch = links < TRANSFER_RAYS ? links : TRANSFER_RAYS;
   x->ray = ylm_alloc(rays, sizeof *x->ray);
   x->hit = ylm_alloc(rays, sizeof *x->hit);
   x->target = ylm_alloc(rays, sizeof *x->target);
@@ -230,7 +231,7 @@ static bool scratch_create(scratch *x, size_t rays, size_t links, int lmax) {
 static ylm_status run(void *context, size_t begin, size_t end, int worker) {
   (void)worker;
   job *j = context;
-  size_t links = (size_t)j->links, batch = BATCH / links > 1 ? BATCH / links : 1;
+  size_t links = (size_t)j->links, batch = TRANSFER_RAYS / links > 1 ? TRANSFER_RAYS / links : 1;
   scratch x = {0};
   ylm_status s = scratch_create(&x, batch * links, links, j->lmax) ? YLM_OK : YLM_ENOMEM;
   for (size_t first = begin; s == YLM_OK && first < end; first += batch) {

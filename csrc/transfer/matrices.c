@@ -1,12 +1,10 @@
 /* matrices.c - transfer matrices: the light that arrives at places, as coefficients of distant light. */
 #include <math.h>
 
+#include "calibration.h"
 #include "transfer.h"
 
 #define PI 3.14159265358979323846
-/* Rays that are summed in one go, and rows that are asked for ahead of their turn. */
-#define STEP 64
-#define AHEAD 8
 
 typedef struct job {
   const ylm_transfer *t;
@@ -27,7 +25,7 @@ typedef struct scratch {
   uint32_t *target;
   float *direction;     /* [rays][3] */
   float *Y;             /* [rays][count of the higher degree] */
-  float *left, *right;  /* [STEP][count_out], [STEP][width] */
+  float *left, *right;  /* [MATRIX_STEP][count_out], [MATRIX_STEP][width] */
   float *sky, *surface; /* [count_out][plain], [count_out][width] */
 } scratch;
 
@@ -54,8 +52,8 @@ static bool scratch_create(scratch *x, const job *j) {
   x->target = ylm_alloc(rays, sizeof *x->target);
   x->direction = ylm_alloc(rays, 3 * sizeof *x->direction);
   x->Y = ylm_alloc(rays, wider(j) * sizeof *x->Y);
-  x->left = ylm_alloc(STEP, j->count_out * sizeof *x->left);
-  x->right = ylm_alloc_zero(STEP, j->width * sizeof *x->right);
+  x->left = ylm_alloc(MATRIX_STEP, j->count_out * sizeof *x->left);
+  x->right = ylm_alloc_zero(MATRIX_STEP, j->width * sizeof *x->right);
   x->sky = ylm_alloc(j->count_out, j->plain * sizeof *x->sky);
   x->surface = ylm_alloc(j->count_out, j->width * sizeof *x->surface);
   return x->ray && x->hit && x->target && x->direction && x->Y && x->left && x->right && x->sky &&
@@ -92,15 +90,15 @@ static void add(const job *j, scratch *x, bool sky, float *m) {
   uint32_t none = (uint32_t)j->t->elements;
   memset(m, 0, j->count_out * row * sizeof *m);
   for (int k = 0; k <= j->rays; k++) {
-    if (n == STEP || (k == j->rays && n > 0)) {
+    if (n == MATRIX_STEP || (k == j->rays && n > 0)) {
       j->outer(n, j->count_out, row, x->left, x->right, m);
       n = 0;
     }
     if (k == j->rays || (x->hit[k].mesh < 0) != sky || x->target[k] > none) continue;
     float *to = x->right + n * row;
-    if (!sky && k + AHEAD < j->rays)
+    if (!sky && k + MATRIX_AHEAD < j->rays)
       for (size_t line = 0; line < row; line += 16)
-        __builtin_prefetch(j->B + x->target[k + AHEAD] % (none + 1) * j->width + line);
+        __builtin_prefetch(j->B + x->target[k + MATRIX_AHEAD] % (none + 1) * j->width + line);
     memcpy(x->left + n * j->count_out, x->Y + (size_t)k * wide, j->count_out * sizeof *x->left);
     if (sky)
       memcpy(to, x->Y + (size_t)k * wide, j->count_in * sizeof *to);

@@ -1,13 +1,8 @@
 /* sides.c - which sides of closed meshes light reaches: those that a lamp or a given place can see. */
 #include <math.h>
 
+#include "calibration.h"
 #include "transfer.h"
-
-/* The most lamps that are looked at; of more, evenly many. */
-#define LAMPS 65536
-/* Distinct sets of bodies around lamps that are remembered, and the most bodies in one. */
-#define SETS 64
-#define NESTED 16
 
 /* A closed mesh whose sides are to be found. */
 typedef struct body {
@@ -23,7 +18,7 @@ typedef struct crowd {
   const ylm_scene *scene;
   body *body;
   size_t bodies;
-  uint32_t seen[SETS][NESTED + 1]; /* the number of bodies, and these, in order */
+  uint32_t seen[SIDES_SETS][SIDES_NESTED + 1]; /* the number of bodies, and these, in order */
   size_t sets;
 } crowd;
 
@@ -85,17 +80,17 @@ static void mark(crowd *c, size_t n, const uint32_t *in) {
 
 /* Looks around from p. */
 static void look(crowd *c, const double p[3]) {
-  uint32_t set[NESTED + 1] = {0};
-  for (size_t m = 0; m < c->bodies && set[0] < NESTED; m++)
+  uint32_t set[SIDES_NESTED + 1] = {0};
+  for (size_t m = 0; m < c->bodies && set[0] < SIDES_NESTED; m++)
     if (contains(c, &c->body[m], p)) set[++set[0]] = (uint32_t)m;
   for (size_t k = 0; k < c->sets; k++)
     if (memcmp(c->seen[k], set, (set[0] + 1) * sizeof *set) == 0) return;
-  if (c->sets < SETS) memcpy(c->seen[c->sets++], set, sizeof set);
+  if (c->sets < SIDES_SETS) memcpy(c->seen[c->sets++], set, sizeof set);
   mark(c, set[0], set + 1);
 }
 
 static void look_from_lamps(crowd *c) {
-  size_t n = ylm_scene_near(c->scene), step = n / LAMPS + 1;
+  size_t n = ylm_scene_near(c->scene), step = n / SIDES_LAMPS + 1;
   double aside = 10 * (double)ylm_trace_offset(ylm_scene_trace(c->scene));
   for (size_t i = 0; i < n; i += step) {
     float middle[3], normal[3];

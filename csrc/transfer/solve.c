@@ -1,16 +1,8 @@
 /* solve.c - bounces of direct light as sums over links. */
 #include <math.h>
 
+#include "calibration.h"
 #include "transfer.h"
-
-#define GRAIN 256
-/* Changes below this, relative, are rounding; a shrinkage this near to 1 has no sum. */
-#define ROUNDING 1e-6
-#define ENDLESS 1e-5
-#define PATIENCE 64
-/* Links of which a bounce takes less time than to wake other threads. */
-#define FEW 200000
-#define MOST_BOUNCES 20000
 
 /* Norms by area, of the three channels. */
 typedef struct norms {
@@ -28,7 +20,7 @@ typedef struct job {
   norms *part; /* [blocks] */
 } job;
 
-static size_t blocks_of(const ylm_transfer *t) { return t->elements / GRAIN + 1; }
+static size_t blocks_of(const ylm_transfer *t) { return t->elements / BOUNCE_GRAIN + 1; }
 
 /* One bounce on elements begin .. end-1. */
 static ylm_status bounce(void *context, size_t begin, size_t end, int worker) {
@@ -49,7 +41,7 @@ static ylm_status bounce(void *context, size_t begin, size_t end, int worker) {
       x.E[c] += area * fabs((double)E);
     }
   }
-  j->part[begin / GRAIN] = x;
+  j->part[begin / BOUNCE_GRAIN] = x;
   return YLM_OK;
 }
 
@@ -67,7 +59,7 @@ static void turn(job *j) {
 
 static norms sum_parts(const job *j) {
   norms all = {{0}, {0}, {0}};
-  for (size_t b = 0; b * GRAIN < j->t->elements; b++)
+  for (size_t b = 0; b * BOUNCE_GRAIN < j->t->elements; b++)
     for (int c = 0; c < 3; c++) {
       all.change[c] += j->part[b].change[c];
       all.bent[c] += j->part[b].bent[c];
@@ -101,10 +93,10 @@ static ylm_status endless(const job *j, ylm_error *e) {
 static ylm_status walk(job *j, int bounces, double residual, bool closure, int threads,
                        const ylm_progress *progress, ylm_radiosity_stats *stats, ylm_error *e) {
   double before[3] = {0, 0, 0};
-  if (residual < ROUNDING) residual = ROUNDING;
-  if (j->t->elements * (size_t)j->t->form.links < FEW) threads = 1;
+  if (residual < BOUNCE_ROUNDING) residual = BOUNCE_ROUNDING;
+  if (j->t->elements * (size_t)j->t->form.links < BOUNCE_FEW) threads = 1;
   for (int k = 0; bounces < 0 || k < bounces; k++) {
-    ylm_status s = ylm_parallel(j->t->elements, GRAIN, threads, bounce, j, NULL, NULL);
+    ylm_status s = ylm_parallel(j->t->elements, BOUNCE_GRAIN, threads, bounce, j, NULL, NULL);
     if (s == YLM_OK)
       s = ylm_report(progress, (uint64_t)k + 1,
                      bounces < 0 ? (uint64_t)(k < 15 ? 16 : k + 2) : (uint64_t)bounces, "bounces");
@@ -123,14 +115,14 @@ static ylm_status walk(job *j, int bounces, double residual, bool closure, int t
     stats->residual = left;
     stats->shrink = shrink;
     if (bounces >= 0) continue;
-    if (left <= residual && (shrink < 1 - ENDLESS || left < ROUNDING)) return YLM_OK;
-    if (k >= PATIENCE && shrink >= 1 - ENDLESS) return endless(j, e);
-    if (closure && k >= 2 && shrink < 1 - ENDLESS && bent <= residual) {
+    if (left <= residual && (shrink < 1 - BOUNCE_ENDLESS || left < BOUNCE_ROUNDING)) return YLM_OK;
+    if (k >= BOUNCE_PATIENCE && shrink >= 1 - BOUNCE_ENDLESS) return endless(j, e);
+    if (closure && k >= 2 && shrink < 1 - BOUNCE_ENDLESS && bent <= residual) {
       stats->closed = true;
       stats->residual = bent;
       return YLM_OK;
     }
-    if (k + 1 >= MOST_BOUNCES) return endless(j, e);
+    if (k + 1 >= BOUNCE_MOST) return endless(j, e);
   }
   return YLM_OK;
 }

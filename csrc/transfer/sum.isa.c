@@ -1,4 +1,5 @@
 /* sum.isa.c - means of rows over links, once per instruction set. sum.c has the plain form. */
+#include "calibration.h"
 #include "ylm_simd.h"
 
 #include "transfer.h"
@@ -6,7 +7,6 @@
 ylm_transfer_sum_fn YLM_KERNEL(ylm_k_transfer_sum);
 
 /* Rows that are asked for ahead of their turn, and numbers in a line of the cache. */
-#define AHEAD 8
 #define LINE 16
 
 typedef float v4 __attribute__((vector_size(16)));
@@ -43,8 +43,8 @@ static void fours(size_t n, int links, const uint32_t *link, const float *in, co
     ylm_vf s[N] = {{0}};                                                                           \
     for (int j = 0; j < links; j++) {                                                              \
       const float *from = in + link[j] * row;                                                      \
-      if (ahead && j + AHEAD < links) {                                                            \
-        const float *next = in + link[j + AHEAD] * row;                                            \
+      if (ahead && j + SUM_AHEAD < links) {                                                        \
+        const float *next = in + link[j + SUM_AHEAD] * row;                                        \
         for (size_t k = 0; k < row; k += LINE) __builtin_prefetch(next + k, 0, 3);                 \
       }                                                                                            \
       for (int k = 0; k < N; k++) s[k] += ylm_vf_load(from + first + (size_t)k * YLM_VF);          \

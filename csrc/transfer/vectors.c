@@ -2,16 +2,8 @@
 #include <math.h>
 #include <stdatomic.h>
 
+#include "calibration.h"
 #include "transfer.h"
-
-#define GRAIN 256
-/* Changes below this, relative, are rounding; a shrinkage this near to 1 has no sum. */
-#define ROUNDING 1e-6
-#define ENDLESS 1e-5
-#define PATIENCE 64
-#define MOST_BOUNCES 20000
-/* Places whose links are known at once. */
-#define BLOCK 4096
 
 size_t ylm_transfer_width(const ylm_transfer *t) {
   return (3 * ylm_sh_count(t->form.lmax) + 3) / 4 * 4;
@@ -76,7 +68,7 @@ static ylm_status bounce(void *context, size_t begin, size_t end, int worker) {
   j->sum(end - begin, (int)links, j->t->link + begin * links, (int)j->width, j->B, NULL, sum);
   norms x = {{0}, {0}, {0}};
   for (size_t i = begin; i < end; i++) take(j, i, sum + (i - begin) * j->width, &x);
-  j->part[begin / GRAIN] = x;
+  j->part[begin / BOUNCE_GRAIN] = x;
   ylm_free(sum);
   return YLM_OK;
 }
@@ -87,7 +79,7 @@ static double ratio(double a, double b) { return b > 0 ? a / b : 0; }
    series fits. */
 static void weigh(job *j, double before[3], ylm_radiosity_stats *stats, double *bent) {
   norms all = {{0}, {0}, {0}};
-  for (size_t b = 0; b * GRAIN < j->t->elements; b++)
+  for (size_t b = 0; b * BOUNCE_GRAIN < j->t->elements; b++)
     for (size_t c = 0; c < j->channels; c++) {
       all.change[c] += j->part[b].change[c];
       all.bent[c] += j->part[b].bent[c];
@@ -114,9 +106,9 @@ static ylm_status endless(const ylm_radiosity_stats *stats, ylm_error *e) {
 static ylm_status walk(job *j, int bounces, double residual, int threads,
                        const ylm_progress *progress, ylm_radiosity_stats *stats, ylm_error *e) {
   double before[3] = {0}, bent;
-  if (residual < ROUNDING) residual = ROUNDING;
+  if (residual < BOUNCE_ROUNDING) residual = BOUNCE_ROUNDING;
   for (int k = 0; bounces < 0 || k < bounces; k++) {
-    ylm_status s = ylm_parallel(j->t->elements, GRAIN, threads, bounce, j, NULL, NULL);
+    ylm_status s = ylm_parallel(j->t->elements, BOUNCE_GRAIN, threads, bounce, j, NULL, NULL);
     if (s == YLM_OK)
       s = ylm_report(progress, (uint64_t)k + 1,
                      bounces < 0 ? (uint64_t)(k < 15 ? 16 : k + 2) : (uint64_t)bounces, "bounces");
@@ -127,9 +119,10 @@ static ylm_status walk(job *j, int bounces, double residual, int threads,
     weigh(j, before, stats, &bent);
     stats->bounces = k + 1;
     if (bounces >= 0) continue;
-    bool shrinks = stats->shrink < 1 - ENDLESS;
-    if (stats->residual <= residual && (shrinks || stats->residual < ROUNDING)) return YLM_OK;
-    if ((k >= PATIENCE && !shrinks) || k + 1 >= MOST_BOUNCES) return endless(stats, e);
+    bool shrinks = stats->shrink < 1 - BOUNCE_ENDLESS;
+    if (stats->residual <= residual && (shrinks || stats->residual < BOUNCE_ROUNDING))
+      return YLM_OK;
+    if ((k >= BOUNCE_PATIENCE && !shrinks) || k + 1 >= BOUNCE_MOST) return endless(stats, e);
     if (j->change && k >= 2 && shrinks && bent <= residual) {
       stats->closed = true;
       stats->residual = bent;
@@ -176,7 +169,7 @@ static bool begin(job *j, const ylm_transfer *t, bool change, float *out) {
   j->B = ylm_alloc_zero(t->elements + 1, j->width * sizeof *j->B);
   j->next_B = ylm_alloc_zero(t->elements + 1, j->width * sizeof *j->B);
   j->change = change ? ylm_alloc_zero(t->elements + 1, j->width * sizeof *j->change) : NULL;
-  j->part = ylm_alloc(t->elements / GRAIN + 1, sizeof *j->part);
+  j->part = ylm_alloc(t->elements / BOUNCE_GRAIN + 1, sizeof *j->part);
   if (!j->B || !j->next_B || !j->part || (change && !j->change)) return false;
   for (size_t i = 0; i < t->elements; i++)
     for (size_t c = 0; c < channels; c++)
@@ -227,10 +220,10 @@ float *ylm__transfer_reflected(const ylm_transfer *t, const float *vectors, doub
 
 /* Memory for a block of places. */
 typedef struct places {
-  uint64_t *stream; /* [BLOCK] */
-  uint32_t *link;   /* [BLOCK][links] */
-  float *escape;    /* [BLOCK][count] */
-  float *sum;       /* [BLOCK][width] */
+  uint64_t *stream; /* [VECTOR_PLACES] */
+  uint32_t *link;   /* [VECTOR_PLACES][links] */
+  float *escape;    /* [VECTOR_PLACES][count] */
+  float *sum;       /* [VECTOR_PLACES][width] */
   float *B;         /* NULL: no bounces */
 } places;
 
@@ -244,7 +237,7 @@ static void places_free(places *p) {
 
 static bool places_create(places *p, const ylm_transfer *t, const float *vectors, size_t n,
                           int links) {
-  size_t block = n < BLOCK ? n : BLOCK;
+  size_t block = n < VECTOR_PLACES ? n : VECTOR_PLACES;
   p->stream = ylm_alloc(block, sizeof *p->stream);
   p->link = ylm_alloc(block, (size_t)links * sizeof *p->link);
   p->escape = ylm_alloc(block, ylm_sh_count(t->form.lmax) * sizeof *p->escape);
@@ -262,8 +255,8 @@ ylm_status ylm_transfer_vectors_at(const ylm_transfer *t, const float *vectors, 
   ylm_status s = has_escape(t, e);
   if (s == YLM_OK) s = ylm__transfer_check_links(links, e);
   if (s == YLM_OK && !places_create(&p, t, vectors, n, links)) s = YLM_ENOMEM;
-  for (size_t first = 0; s == YLM_OK && first < n; first += BLOCK) {
-    size_t m = n - first < BLOCK ? n - first : BLOCK;
+  for (size_t first = 0; s == YLM_OK && first < n; first += VECTOR_PLACES) {
+    size_t m = n - first < VECTOR_PLACES ? n - first : VECTOR_PLACES;
     for (size_t i = 0; i < m; i++) p.stream[i] = stream ? stream[first + i] : first + i;
     s = ylm_transfer_find(t, m, origin + first, normal + first, p.stream, links, seed, threads,
                           NULL, p.link, t->form.lmax, p.escape, e);

@@ -1,9 +1,9 @@
 /* sh.c - spherical harmonics on the device: low degrees unrolled, higher ones by recurrences. */
+#include "calibration.h"
 #include "ylm_sh.h"
 #include "ylm_vulkan.h"
 
 enum { UNROLLED_LMAX = 4, FLOAT_LMAX = 128, GROUP = 64 };
-#define PASS_BYTES ((uint64_t)64 << 20)
 #define STAGE "spherical harmonics"
 
 typedef struct job {
@@ -65,7 +65,7 @@ static ylm_status prepare(job *j, size_t n, ylm_error *e) {
   if (row > bind)
     return ylm_fail(e, YLM_ELIMIT, "the device sees too little of a buffer for lmax %d", j->lmax);
   j->rows = n;
-  if (j->rows > PASS_BYTES / sum) j->rows = PASS_BYTES / sum;
+  if (j->rows > SH_PASS_BYTES / sum) j->rows = SH_PASS_BYTES / sum;
   if (j->rows > bind / row) j->rows = bind / row;
   if (j->rows < 1) j->rows = 1;
   ylm_status s = choose_kernel(j, e);

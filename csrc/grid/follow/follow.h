@@ -10,15 +10,10 @@
 #define YLM_GRID_DYNAMIC_H
 
 #include "../bake/tolerance.h"
+#include "calibration.h"
 #include "ylm_light.h"
 
-#define STATES 64         /* of a mover: as many as are remembered */
-#define EVICT_ALL STATES  /* every state but the present one */
-#define MANY_MOVERS 64    /* beyond, the one that has rested longest is brought up to date */
-#define MOST_CHANGES 256  /* of one update; beyond, all is baked anew */
-#define ROUNDING 5e-7     /* of an update of a point, relative: sums, and the change itself */
-#define FORCED_UPDATES 32 /* a voxel that failed verification stays split for so many updates */
-#define MOST_FORCED 4096  /* of these are remembered */
+#define EVICT_ALL STATES /* every state but the present one */
 
 /* A light that has changed since some point was evaluated. */
 typedef struct mover {

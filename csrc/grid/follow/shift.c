@@ -5,13 +5,12 @@
 ** field of one channel, as a rule, since a light that moves keeps its colour. Points are worked on
 ** in chunks, so that a chunk's rows are read once: kept for taking back, changed, measured, signed.
 */
+#include "calibration.h"
 #include "update.h"
 
 #include <math.h>
 #include <stdatomic.h>
 #include <string.h>
-
-#define CHUNK 512
 
 /* Which points are to be evaluated anew, and which get the difference. */
 ylm_status ylm__update_choose_points(update *u) {
@@ -36,7 +35,7 @@ ylm_status ylm__update_choose_points(update *u) {
 
 /* Scratch of a thread: the field at points of a chunk, and lists of these. */
 typedef struct shift_work {
-  float *position, *value, *gradient, *hessian; /* [CHUNK][..] */
+  float *position, *value, *gradient, *hessian; /* [SHIFT_CHUNK][..] */
   float *room;                                  /* [10 count] */
   double seconds;
   uint64_t pairs;
@@ -111,10 +110,10 @@ static ylm_status exchange(const shift_job *j, shift_work *w, const ylm_light *a
   return s;
 }
 
-/* Brings n points, at most CHUNK, up to date for one mover, one state after the other. */
+/* Brings n points, at most SHIFT_CHUNK, up to date for one mover, one state after the other. */
 static ylm_status follow_mover(const shift_job *j, shift_work *w, mover *m, size_t n,
                                const uint32_t *point) {
-  uint32_t list[CHUNK];
+  uint32_t list[SHIFT_CHUNK];
   size_t first[STATES + 1] = {0}, next[STATES];
   for (size_t i = 0; i < n; i++) first[m->seen[point[i]] + 1]++;
   for (int k = 0; k < STATES; k++) first[k + 1] += first[k], next[k] = first[k];
@@ -181,7 +180,7 @@ static void free_work(shift_job *j, int threads) {
 }
 
 static ylm_status make_work(shift_job *j, int threads) {
-  size_t count = (size_t)j->u->g->contents.count, size = CHUNK * sizeof(float);
+  size_t count = (size_t)j->u->g->contents.count, size = SHIFT_CHUNK * sizeof(float);
   bool hessians = j->u->d->hessians > 0, ok = true;
   j->work = ylm_alloc_zero((size_t)threads, sizeof *j->work);
   for (int i = 0; j->work && i < threads && ok; i++) {
@@ -203,8 +202,9 @@ ylm_status ylm__update_shift_all(update *u) {
   ylm_status s = make_work(&j, threads);
   if (s == YLM_OK) s = sort_shifts(u);
   if (s == YLM_OK)
-    s = ylm_parallel(u->shifts, CHUNK, threads, shift_chunk, &j, u->b.making.progress, "updating");
-  size_t chunks = (u->shifts + CHUNK - 1) / CHUNK;
+    s = ylm_parallel(u->shifts, SHIFT_CHUNK, threads, shift_chunk, &j, u->b.making.progress,
+                     "updating");
+  size_t chunks = (u->shifts + SHIFT_CHUNK - 1) / SHIFT_CHUNK;
   double together = chunks < (size_t)threads ? (double)chunks : threads;
   for (int i = 0; j.work && i < threads; i++) {
     u->g->stats.field_seconds += j.work[i].seconds / together;

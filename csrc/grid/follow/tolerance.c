@@ -1,14 +1,10 @@
 /* tolerance.c - keeping a promised tolerance while lights move. */
+#include "calibration.h"
 #include "update.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-
-#define UPDATE_HELD 512    /* points that are compared first; then twice as many a round */
-#define UPDATE_DRAWN 16384 /* tries to find half as many in voxels that changed */
-#define UPDATE_ROUNDS 8
-#define RELAX 0.98 /* what becomes of the factor in an update that passes at once */
 
 static bool touched(const ylm_grid_cell *c, const uint8_t *changed, size_t known) {
   for (int k = 0; k < 8; k++)

@@ -7,11 +7,10 @@
 ** back, so that a cancelled update leaves the grid as it was.
 */
 #include "update.h"
+#include "calibration.h"
 
 #include <math.h>
 #include <string.h>
-
-#define DEFAULT_TOLERANCE 1e-3
 
 /* Bakes everything anew; the grid changes places with the new one. */
 static ylm_status rebake(update *u) {

@@ -6,11 +6,10 @@
 ** interpolant's gradient.
 */
 #include "../grid.h"
+#include "calibration.h"
 
 #include <math.h>
 #include <string.h>
-
-#define LOOKS 4 /* at larger and larger leaves */
 
 /* The thickness along n of the octree's leaf at p. */
 static double thickness(const ylm_grid *g, const double p[3], const float n[3]) {
@@ -24,7 +23,7 @@ static double thickness(const ylm_grid *g, const double p[3], const float n[3]) 
 /* How far off point x on a surface with normal n a grid is looked up, without a limit. */
 static double bias_at(const ylm_grid *g, double factor, const float x[3], const float n[3]) {
   double p[3] = {x[0], x[1], x[2]}, q[3], b = factor * thickness(g, p, n);
-  for (int look = 0; look < LOOKS; look++) {
+  for (int look = 0; look < BIAS_LOOKS; look++) {
     for (int a = 0; a < 3; a++) q[a] = p[a] + b * (double)n[a];
     double further = factor * thickness(g, q, n);
     if (!(further > b)) break;

@@ -6,12 +6,12 @@
 ** load is shared by the points. A column is summed in the same order whatever block it is in.
 */
 #include "../grid.h"
+#include "calibration.h"
 #include "ylm_simd.h"
 
 #define F ylm_vf
 #include "../gen/interpolation.h"
 
-#define POINTS 4
 #if YLM_VECTOR_BYTES == 64
 #define COLUMNS 5
 #else
@@ -33,7 +33,7 @@ YLM_INLINE void store_some(float *out, ylm_vf v, int n) {
 /* `points` points from w[r * BATCH], `columns` vectors from column j on. */
 YLM_INLINE void block(const sample_batch *b, int rows, const float *w, int j, const int columns,
                       float *const *out, const int points) {
-  ylm_vf sum[POINTS][COLUMNS] = {{{0}}};
+  ylm_vf sum[SAMPLE_POINTS][COLUMNS] = {{{0}}};
   for (int r = 0; r < rows; r++) {
     const float *row = b->row[r] + j;
     ylm_vf v[COLUMNS];
@@ -65,7 +65,8 @@ YLM_INLINE void columns_of(const sample_batch *b, int rows, const float *w, floa
 /* The product for all points of the batch. */
 static void mix(const sample_batch *b, const float *w, float *const *out) {
   int rows = b->interpolation == YLM_GRID_LINEAR ? 8 : ROWS, p = 0;
-  for (; p + POINTS <= b->points; p += POINTS) columns_of(b, rows, w + p, out + p, POINTS);
+  for (; p + SAMPLE_POINTS <= b->points; p += SAMPLE_POINTS)
+    columns_of(b, rows, w + p, out + p, SAMPLE_POINTS);
   if (b->points - p == 3) columns_of(b, rows, w + p, out + p, 3);
   if (b->points - p == 2) columns_of(b, rows, w + p, out + p, 2);
   if (b->points - p == 1) columns_of(b, rows, w + p, out + p, 1);

@@ -4,15 +4,11 @@
 ** out does not depend on how points are cut into chunks.
 */
 #include "../grid.h"
+#include "calibration.h"
 
 #include <math.h>
 #include <stdatomic.h>
 #include <string.h>
-
-/* Points of a chunk: the more there are, the more often a cell's data are used while in the
-   cache. */
-#define LEAST ((size_t)1024)
-#define MOST ((size_t)1 << 17)
 
 typedef struct sampling {
   const ylm_grid *g;
@@ -244,9 +240,9 @@ ylm_status ylm_grid_sample(const ylm_grid *g, const ylm_grid_query *q, size_t n,
                            void *value, void *gradient, ylm_grid_report *report, ylm_error *e) {
   double begin = ylm_seconds();
   int threads = ylm_threads(q->threads);
-  size_t share = n / (4 * (size_t)threads), size = share < LEAST  ? LEAST
-                                                   : share > MOST ? MOST
-                                                                  : share;
+  size_t share = n / (4 * (size_t)threads), size = share < SAMPLE_LEAST  ? SAMPLE_LEAST
+                                                   : share > SAMPLE_MOST ? SAMPLE_MOST
+                                                                         : share;
   if (size > n) size = n ? n : 1;
   if ((n + size - 1) / size < (size_t)threads) threads = (int)((n + size - 1) / size);
   if (threads < 1) threads = 1;
@@ -290,5 +286,5 @@ static ylm_status flag_points(void *context, size_t begin, size_t end, int worke
 ylm_status ylm_grid_flags(const ylm_grid *g, size_t n, ylm_dtype dtype, const void *points,
                           ylm_dtype type, void *flags, int threads) {
   flagging f = {g, dtype, type, points, flags};
-  return ylm_parallel(n, LEAST, threads, flag_points, &f, NULL, NULL);
+  return ylm_parallel(n, SAMPLE_LEAST, threads, flag_points, &f, NULL, NULL);
 }

@@ -16,6 +16,7 @@
 #define YLM_LIGHT_CONTOUR_H
 
 #include "../light.h"
+#include "calibration.h"
 
 /* Gauss-Legendre rules, shortest first: gen/gauss.c. */
 #define YLM__RULES 21
@@ -34,12 +35,11 @@ static inline const ylm__rule *ylm__rule_for(int l, double angle, int least) {
   return r;
 }
 
-/* Where sums go, and scratch for the basis at BATCH nodes. */
-#define YLM__BATCH 16
+/* Where sums go, and scratch for the basis at YLM__BATCH nodes. */
 typedef struct ylm__contour {
   int lmax;
   size_t count;
-  double *y, *dy, *ddy; /* [BATCH][count], ..[3], ..[6] */
+  double *y, *dy, *ddy; /* [YLM__BATCH][count], ..[3], ..[6] */
   double *value, *gradient,
       *hessian; /* [count], [count][3], [count][6]; the last two may be NULL */
 } ylm__contour;
@@ -74,20 +74,13 @@ ylm_status ylm__contour_polygon(const ylm__contour *k, int n, const double (*v)[
 ylm_status ylm__contour_ellipse(const ylm__contour *k, const double (*ellipse)[3],
                                 const double *normal, const double *horizon);
 /* Equal steps around a whole rim that keeps its distance converge geometrically: how many leave
-   exp(-digits); 0 if they are too many. With the centre c and half axes u, v: across = c.c +
+   exp(-digits); 0 if they are more than YLM__STEPS. With the centre c and half axes u, v: across = c.c +
    size^2, swing = 2 |(c.u, c.v)|. contour_ellipse.c */
-#define YLM__STEPS 96
 int ylm__equal_steps(double across, double swing, int lmax, double digits);
 /* An upper bound of |y'| along a rim of half axes u, v. */
 double ylm__rim_speed(const double *u, const double *v);
 /* Half a sphere's sums: YLM_EDOMAIN. */
 ylm_status ylm__contour_touched(const ylm__contour *k);
-
-/* Relative to the distance: nearer to its plane than this, a flat light is taken as seen
-   edge-on. */
-#define YLM__EDGE_ON 1e-15
-/* (lmax + 4) times its reach over its distance: smaller than this, a light is seen from far. */
-#define YLM__FAR 0.02
 
 static inline double ylm__dot(const double *a, const double *b) {
   return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];

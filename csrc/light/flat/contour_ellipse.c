@@ -1,13 +1,9 @@
 /* contour_ellipse.c - disks and ellipses by their rims: there is no closed form off the axis. */
+#include "calibration.h"
 #include "contour.h"
 
 #include <math.h>
 #include <string.h>
-
-/* Rims are integrated in panels no longer than 1/RATIO of twice their distance, by 24 nodes or
-   more: the integrand's nearest singularity then lies where they leave 1e-17. */
-#define RATIO 1.5
-#define PANELS 256
 
 typedef struct rim {
   const ylm__contour *k;
@@ -49,15 +45,15 @@ static ylm_status panel(rim *r, double from, double to) {
 
 /* The rim between two angles, in panels that shrink towards x. */
 static ylm_status part(rim *r, double from, double to) {
-  double stack[PANELS][2];
+  double stack[YLM__RIM_PANELS][2];
   int top = 0;
   stack[top][0] = from, stack[top++][1] = to;
   while (top > 0) {
     double a = stack[--top][0], b = stack[top][1], y[3], dy[3];
     place(r, 0.5 * (a + b), y, dy);
     double half = 0.5 * (b - a) * r->size;
-    bool small = half * RATIO <= sqrt(ylm__dot(y, y)) && b - a <= 1.6;
-    if (!small && top + 2 <= PANELS && b - a > 1e-13) {
+    bool small = half * YLM__RIM_RATIO <= sqrt(ylm__dot(y, y)) && b - a <= 1.6;
+    if (!small && top + 2 <= YLM__RIM_PANELS && b - a > 1e-13) {
       stack[top][0] = 0.5 * (a + b), stack[top++][1] = b;
       stack[top][0] = a, stack[top++][1] = 0.5 * (a + b);
       continue;

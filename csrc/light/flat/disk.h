@@ -9,11 +9,9 @@
 #ifndef YLM_LIGHT_FLAT_DISK_H
 #define YLM_LIGHT_FLAT_DISK_H
 
+#include "calibration.h"
 #include "kernel.h"
 #include "space.h"
-
-/* Nodes that are added at once. */
-#define AT_ONCE 4
 
 /* Directions, and components of m with the node's weight over rho to the power 0, 1, 2. */
 typedef struct rim_nodes {

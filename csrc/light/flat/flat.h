@@ -26,6 +26,7 @@
 #define YLM_LIGHT_POLYGON_H
 
 #include "../ylm_light_device.h"
+#include "calibration.h"
 #include "contour.h"
 
 typedef struct ylm_polygons {
@@ -84,8 +85,5 @@ ylm_status ylm__polygon_crosses(const ylm_field *f, size_t n, const double *boxe
    (value, gradient, Hessian as far as wanted), inside [n]. Sums come zeroed. */
 ylm_status ylm__polygon_spheres(const ylm_polygons *p, const ylm_field_query *q, size_t n,
                                 const double (*x)[3], double *sum, uint8_t *inside);
-
-/* Points of a block of work. */
-#define YLM__POLYGON_BLOCK 256
 
 #endif

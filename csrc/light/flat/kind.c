@@ -6,6 +6,7 @@
 ** normal [3], vertices.
 */
 #include "../kind.h"
+#include "calibration.h"
 #include "flat.h"
 
 #include <math.h>
@@ -13,9 +14,6 @@
 
 enum { HORIZON, SIDES = 3, REACH, NORMAL, ROWS = 8 }; /* of a shape */
 enum { COMMON = 3, HEAD = 7 };                        /* of a record */
-
-/* In reaches: nearer to an exact flat light that changed, all lights are summed. */
-#define NEAR_FLAT 0.5
 
 static size_t rows_of(double sides) { return sides != 0 ? (size_t)sides : 3; }
 
@@ -177,7 +175,7 @@ static double disk_distance(const ylm_light *a, const ylm_light *b, const double
   return hypot(fmin(ha, hb), fmax(0, ylm__segment_distance(p, from, to) - a->shape->x[REACH]));
 }
 
-static double disk_near(const ylm_light *l) { return NEAR_FLAT * l->shape->x[REACH]; }
+static double disk_near(const ylm_light *l) { return YLM__NEAR_FLAT * l->shape->x[REACH]; }
 
 static double centre_distance(const ylm_light *a, const ylm_light *b, const double p[3]) {
   return a == b ? ylm__distance(p, a->at) : ylm__segment_distance(p, a->at, b->at);

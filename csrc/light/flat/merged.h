@@ -3,10 +3,8 @@
 #define YLM_LIGHT_POLYGON_MERGED_H
 
 #include "../moments/plan.h"
+#include "calibration.h"
 #include "flat.h"
-
-/* Lights from which on the maps from sums to results pay. */
-#define YLM__MERGED_LEAST 4
 
 /* How a query is answered; without a kernel light by light (approx.c). */
 typedef struct ylm__merged {

@@ -1,11 +1,9 @@
 /* eval.c - ylm_sh_eval: arguments checked, a kernel chosen, points shared among threads. */
+#include "../calibration.h"
 #include "sh_eval.h"
 
 #include <float.h>
 #include <math.h>
-
-/* Points to a block of work. */
-#define GRAIN 512
 
 const char *ylm_sh_method_name(ylm_sh_method m) {
   static const char *const names[] = {
@@ -93,8 +91,6 @@ void ylm_sh_coefficients(int l, int q, double k[7]) {
   k[4] = 0.5 * rho * sqrt((double)(l - q - 1) * (l - q) * (q == 0 ? 2 : 1));
 }
 
-/* The coefficients of degrees 1 .. TABLE_LMAX. */
-#define TABLE_LMAX 24
 static const float table_float[] = {
 #include "../gen/sh_table.h"
 };
@@ -102,7 +98,7 @@ static const double table_double[] = {
 #include "../gen/sh_table.h"
 };
 
-/* The coefficients of degrees 1 .. lmax for lmax > TABLE_LMAX; NULL if memory runs out. */
+/* The coefficients of degrees 1 .. lmax for lmax > SH_TABLE_LMAX; NULL if memory runs out. */
 static void *make_table(int lmax, ylm_dtype t) {
   size_t n = ylm_sh_count(lmax) / 2 + (size_t)lmax + 1;
   void *table = ylm_alloc(7 * n, ylm_dtype_size(t));
@@ -186,9 +182,6 @@ static ylm_status run(void *context, size_t begin, size_t end, int worker) {
   return YLM_OK;
 }
 
-/* Above this degree float loses Y near the poles: sin^m underflows too early. */
-#define FLOAT_LMAX 128
-
 /* Points evaluated at a time where float is computed in double. */
 static size_t chunk(int lmax) { return lmax <= 256 ? 8 : 1; }
 
@@ -218,7 +211,7 @@ static void by_double(const ylm__sh_job *job, size_t begin, size_t end, void *sc
 
 /* The kernel for a job, and the type it computes in. */
 static choice choose_type(ylm_isa isa, ylm_dtype *t, ylm__sh_job *job) {
-  if (*t == YLM_DOUBLE || job->lmax <= FLOAT_LMAX || job->rival) return choose(isa, *t, job);
+  if (*t == YLM_DOUBLE || job->lmax <= SH_FLOAT_LMAX || job->rival) return choose(isa, *t, job);
   *t = YLM_DOUBLE;
   choice how = choose(isa, *t, job);
   job->inner = how.kernel;
@@ -260,14 +253,14 @@ static ylm_status check_how(const ylm_sh_how *how, int lmax, const ylm_sh_rival_
 /* Runs a job with the scratch and the table (of type t) that its kernel wants. */
 static ylm_status run_job(ylm__sh_job *job, choice how, ylm_dtype t, size_t n, int threads,
                           const ylm_progress *progress, ylm_error *e) {
-  void *table = how.table && job->lmax > TABLE_LMAX ? make_table(job->lmax, t) : NULL;
+  void *table = how.table && job->lmax > SH_TABLE_LMAX ? make_table(job->lmax, t) : NULL;
   job->table = table ? table : t == YLM_DOUBLE ? (const void *)table_double : table_float;
-  threads = n <= GRAIN ? 1 : ylm_threads(threads);
+  threads = n <= SH_EVAL_GRAIN ? 1 : ylm_threads(threads);
   how.scratch = (how.scratch + YLM_ALIGN - 1) / YLM_ALIGN * YLM_ALIGN;
   task k = {job, how, how.scratch ? ylm_alloc((size_t)threads, how.scratch) : NULL};
   ylm_status s = YLM_ENOMEM;
-  if ((k.scratch || !how.scratch) && (table || !how.table || job->lmax <= TABLE_LMAX))
-    s = ylm_parallel(n, GRAIN, threads, run, &k, progress, "spherical harmonics");
+  if ((k.scratch || !how.scratch) && (table || !how.table || job->lmax <= SH_TABLE_LMAX))
+    s = ylm_parallel(n, SH_EVAL_GRAIN, threads, run, &k, progress, "spherical harmonics");
   ylm_free(k.scratch);
   ylm_free(table);
   return s == YLM_ENOMEM ? ylm_fail(e, s, "no memory for degree %d", job->lmax) : s;

@@ -14,10 +14,8 @@
 ** Eq. 17, with trace(HY) = -l(l+1) Y / d^2. docs/math.md "Evaluating the basis" derives this. The
 ** steps are generated, for shaders/sh_recurrence.real.comp too: gen/recurrence.h.
 */
+#include "../calibration.h"
 #include "sh_simd.h"
-
-/* Columns that wait for a whole block; flushed when there are this many. */
-#define WAITING 96
 
 /* Values and derivatives that go out together: columns of one array of results. */
 typedef struct columns {
@@ -184,7 +182,7 @@ YLM_INLINE void batch(const ylm__sh_job *job, state *s, size_t at, size_t rows, 
     for (int i = 0; i <= order; i++) {
       if (!s->out[i].out)
         s->out[i].have = 0;
-      else if (l == job->lmax || s->out[i].have >= WAITING)
+      else if (l == job->lmax || s->out[i].have >= SH_WAITING)
         flush(&s->out[i], l == job->lmax, rows);
     }
   }
@@ -198,7 +196,7 @@ YLM_INLINE void batches(const ylm__sh_job *job, state *s, size_t begin, size_t e
 /* Columns that results of order i may have waiting, the last block included. */
 static size_t capacity(int lmax, int i) {
   static const size_t width[3] = {1, 3, 6};
-  return W + WAITING + width[i] * (2 * (size_t)lmax + 1);
+  return W + SH_WAITING + width[i] * (2 * (size_t)lmax + 1);
 }
 
 /* Number of vectors that the rows of one degree take: three past the last are read. */

@@ -1,15 +1,13 @@
 /*
 ** gaunt.c - integrals of three basis functions, and products by sums over those that are not zero.
 */
+#include "../calibration.h"
 #include "ylm_sh.h"
 
 #include <math.h>
 #include <string.h>
 
 #include "product.h"
-
-/* More integrals than this are refused: it is far beyond where the method pays. */
-#define MOST_INTEGRALS 20000000
 
 /* For each pair i <= j with integrals: its k's and values. */
 struct ylm__gaunt {
@@ -119,11 +117,11 @@ ylm_status ylm__gaunt_create(int lmax, int top, ylm__gaunt **out, ylm_error *e) 
               for (int h = 0; h < nodes; h++) sum += pair[h] * c[h];
               sum *= phi;
               if (fabs(sum) < 1e-11) continue;
-              if (nk == MOST_INTEGRALS) {
+              if (nk == GAUNT_MOST) {
                 ylm__gaunt_free(g);
                 ylm_free(table);
                 ylm_free(pair);
-                return ylm_fail(e, YLM_ELIMIT, "more than %d integrals", MOST_INTEGRALS);
+                return ylm_fail(e, YLM_ELIMIT, "more than %d integrals", GAUNT_MOST);
               }
               PUSH(g->k, nk, rk, (uint32_t)ylm_sh_index(l3, m3));
               PUSH(g->value_d, nv, rv, sum);

@@ -9,6 +9,7 @@
 #ifndef YLM_SH_PRODUCT_H
 #define YLM_SH_PRODUCT_H
 
+#include "../calibration.h"
 #include "ylm_sh_rival.h"
 
 /* Tables of one element type; lanes: numbers in 64 bytes of it. */
@@ -101,8 +102,6 @@ typedef struct ylm__product_kernels {
   const ylm__product_kernels_float *f;
   const ylm__product_kernels_double *d;
 } ylm__product_kernels;
-
-#define PRODUCT_GAUNT_LOW 3
 
 #if defined(__x86_64__)
 #define PRODUCT_ISAS(X) X(sse2) X(avx2) X(avx512)

@@ -1,14 +1,11 @@
 /* project.c - from samples on the sphere to coefficients. */
+#include "../calibration.h"
 #include "ylm_sh.h"
 
 #include <math.h>
 #include <string.h>
 
 #define PI 3.14159265358979323846
-
-/* Samples of a partial sum, and of one evaluation of the basis within it. */
-#define GRAIN 4096
-#define BLOCK 128
 
 ylm_status ylm_sh_sphere_rule(int nodes, int azimuths, double lo, double hi, double *direction,
                               double *weight) {
@@ -51,7 +48,7 @@ typedef struct job {
   size_t n;
   const double *direction, *weight, *value;
   bool squares;    /* as many numbers again behind */
-  double *partial; /* [blocks of GRAIN][1 or 2][channels][count] */
+  double *partial; /* [blocks of PROJECT_GRAIN][1 or 2][channels][count] */
 } job;
 
 static ylm_status run(void *context, size_t begin, size_t end, int worker) {
@@ -59,12 +56,13 @@ static ylm_status run(void *context, size_t begin, size_t end, int worker) {
   const job *j = context;
   size_t count = ylm_sh_count(j->lmax), channels = (size_t)j->channels;
   size_t size = channels * count;
-  double *out = j->partial + begin / GRAIN * size * (j->squares ? 2 : 1), p[BLOCK][3], wf[BLOCK];
-  double *y = ylm_alloc(BLOCK * count, sizeof *y);
+  double *out = j->partial + begin / PROJECT_GRAIN * size * (j->squares ? 2 : 1),
+         p[PROJECT_BLOCK][3], wf[PROJECT_BLOCK];
+  double *y = ylm_alloc(PROJECT_BLOCK * count, sizeof *y);
   if (!y) return YLM_ENOMEM;
   ylm_status s = YLM_OK;
-  for (size_t i = begin; i < end && s == YLM_OK; i += BLOCK) {
-    size_t n = end - i < BLOCK ? end - i : BLOCK;
+  for (size_t i = begin; i < end && s == YLM_OK; i += PROJECT_BLOCK) {
+    size_t n = end - i < PROJECT_BLOCK ? end - i : PROJECT_BLOCK;
     for (size_t k = 0; k < n; k++) {
       memcpy(p[k], j->direction + 3 * (i + k), sizeof p[k]);
       if (p[k][0] == 0 && p[k][1] == 0 && p[k][2] == 0 && j->weight && j->weight[i + k] == 0)
@@ -100,7 +98,8 @@ ylm_status ylm_sh_project_samples(int lmax, size_t n, const double *direction, c
     if (!finite || (zero && !(weight && weight[i] == 0)))
       return ylm_fail(e, YLM_EDOMAIN, "direction %zu is %s", i + 1, zero ? "zero" : "not finite");
   }
-  size_t size = (size_t)channels * ylm_sh_count(lmax), blocks = n / GRAIN + (n % GRAIN != 0);
+  size_t size = (size_t)channels * ylm_sh_count(lmax),
+         blocks = n / PROJECT_GRAIN + (n % PROJECT_GRAIN != 0);
   size_t width = square ? 2 * size : size;
   memset(out, 0, size * sizeof *out);
   if (square) memset(square, 0, size * sizeof *square);
@@ -113,7 +112,7 @@ ylm_status ylm_sh_project_samples(int lmax, size_t n, const double *direction, c
            square != NULL,
            ylm_alloc_zero(blocks, width * sizeof(double))};
   if (!j.partial) return YLM_ENOMEM;
-  ylm_status s = ylm_parallel(n, GRAIN, threads, run, &j, progress, "project");
+  ylm_status s = ylm_parallel(n, PROJECT_GRAIN, threads, run, &j, progress, "project");
   for (size_t b = 0; b < blocks && s == YLM_OK; b++)
     for (size_t k = 0; k < size; k++) {
       out[k] += j.partial[b * width + k];

@@ -1,15 +1,13 @@
 /* reconstruct.c - ylm_sh_reconstruct: functions from their coefficients. */
+#include "../calibration.h"
 #include "../eval/sh_eval.h"
-
-/* Points evaluated at a time: their basis functions stay in cache. */
-#define BLOCK 64
 
 typedef struct task {
   int lmax;
   ylm_dtype t;
   size_t rows, n;
   const char *c, *p;
-  char *out, *basis; /* basis: [workers][BLOCK][count] */
+  char *out, *basis; /* basis: [workers][RECONSTRUCT_BLOCK][count] */
 } task;
 
 #define DOTS(type, name)                                                                           \
@@ -30,7 +28,7 @@ DOTS(double, dots_double)
 static ylm_status block(void *context, size_t begin, size_t end, int worker) {
   const task *k = context;
   size_t count = ylm_sh_count(k->lmax), size = ylm_dtype_size(k->t), points = end - begin;
-  char *basis = k->basis + (size_t)worker * BLOCK * count * size;
+  char *basis = k->basis + (size_t)worker * RECONSTRUCT_BLOCK * count * size;
   ylm_status s = ylm_sh_eval(k->lmax, 0, false, k->t, points, k->p + begin * 3 * size, basis, NULL,
                              NULL, 1, NULL);
   for (size_t r = 0; s == YLM_OK && r < k->rows; r++) {
@@ -55,9 +53,9 @@ ylm_status ylm_sh_reconstruct(int lmax, ylm_dtype t, size_t rows, const void *c,
   if (s != YLM_OK || n == 0 || rows == 0) return s;
   threads = ylm_threads(threads);
   task k = {lmax, t, rows, n, c, p, out, NULL};
-  k.basis = ylm_alloc((size_t)threads * BLOCK * ylm_sh_count(lmax), ylm_dtype_size(t));
+  k.basis = ylm_alloc((size_t)threads * RECONSTRUCT_BLOCK * ylm_sh_count(lmax), ylm_dtype_size(t));
   if (!k.basis) return ylm_fail(e, YLM_ENOMEM, "no memory for degree %d", lmax);
-  s = ylm_parallel(n, BLOCK, threads, block, &k, progress, "reconstruct");
+  s = ylm_parallel(n, RECONSTRUCT_BLOCK, threads, block, &k, progress, "reconstruct");
   ylm_free(k.basis);
   return s == YLM_OK ? s : ylm_fail(e, s, "%s", ylm_status_text(s));
 }

@@ -5,15 +5,11 @@
 ** The lattice is never turned, so that what it misses changes slowly from point to point. A point's rays are
 ** traced by themselves: what it sees does not depend on the points that are asked with it.
 */
+#include "calibration.h"
 #include "gather.h"
 
-/* In a round of splits at most this many rays for each ray of the base; contrasts count for less beyond. */
-#define ROUND 1.5
-/* Rays that are traced at once. */
-#define STREAM 256
-
 static size_t most_splits(const gather_lattice *l) {
-  return (size_t)(ROUND * (double)l->cells) / 16;
+  return (size_t)(CELLS_ROUND * (double)l->cells) / 16;
 }
 
 size_t ylm__gather_most(const gather_lattice *l) {
@@ -94,12 +90,12 @@ static void find_mean(gather_view *v) {
 static void trace(gather_view *v, size_t first, size_t n) {
   const ylm_gather *g = v->g;
   const ylm_trace *scene = ylm_scene_trace(g->scene);
-  ylm_trace_ray ray[STREAM];
-  ylm_trace_hit hit[STREAM];
-  uint32_t number[STREAM];
+  ylm_trace_ray ray[CELLS_RAYS];
+  ylm_trace_hit hit[CELLS_RAYS];
+  uint32_t number[CELLS_RAYS];
   const float *leaving = ylm_radiosity_leaving(g->radiosity);
-  for (size_t begin = first; begin < first + n; begin += STREAM) {
-    size_t rays = first + n - begin < STREAM ? first + n - begin : STREAM;
+  for (size_t begin = first; begin < first + n; begin += CELLS_RAYS) {
+    size_t rays = first + n - begin < CELLS_RAYS ? first + n - begin : CELLS_RAYS;
     for (size_t i = 0; i < rays; i++) {
       size_t cell = begin + i;
       memcpy(ray[i].org, v->at, 12);

@@ -2,13 +2,9 @@
 #ifndef YLM_TRANSFER_GATHER_DIRECT_H
 #define YLM_TRANSFER_GATHER_DIRECT_H
 
+#include "calibration.h"
 #include "gather.h"
 #include "ylm_light_sky.h"
-
-#define GATHER_GROUPS 64   /* the most groups of a point, */
-#define GATHER_SHADOWS 256 /* its shadow rays, */
-#define GATHER_OF_GROUP 64 /* and those of a group */
-#define GATHER_FIRST 4     /* rays of a group to begin with */
 
 typedef struct gather_lamp {
   const char *kind;

@@ -5,6 +5,7 @@
 #include <math.h>
 #include <stdatomic.h>
 
+#include "calibration.h"
 #include "ylm_sh.h"
 #include "ylm_transfer.h"
 
@@ -152,8 +153,6 @@ ylm_status ylm__gather_keep(struct gather_memory *m, const gather_view *v);
 
 /* -- rows.c: the sums ------------------------------------------------------------------------- */
 
-/* Directions that are summed at once. */
-#define GATHER_BATCH 64
 /* Numbers behind the end of rows that are summed. */
 #define GATHER_SPARE 64
 

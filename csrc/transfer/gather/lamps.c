@@ -6,12 +6,9 @@
 */
 #include <stdlib.h>
 
+#include "calibration.h"
 #include "direct.h"
 #include "ylm_light.h"
-
-/* Nodes below this share of the light, or seen under this angle, need not be opened. */
-#define SMALL_SHARE 1e-4
-#define SMALL_ANGLE 0.02
 
 static double luminance_of(const double *rgb) {
   return fabs(YLM_LUMINANCE_R * rgb[0] + YLM_LUMINANCE_G * rgb[1] + YLM_LUMINANCE_B * rgb[2]);

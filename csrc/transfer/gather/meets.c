@@ -1,10 +1,8 @@
 /* meets.c - which boxes meet triangles that occlude: gathered light jumps there. */
 #include <stdlib.h>
 
+#include "calibration.h"
 #include "gather.h"
-
-/* Triangles of a leaf at best. */
-#define LEAF 4
 
 typedef struct corner3 {
   float p[3][3];
@@ -43,8 +41,8 @@ static void build(struct gather_meets *m, size_t at, size_t first, size_t n) {
         node->hi[a] = fmaxf(node->hi[a], m->triangle[i].p[k][a]);
       }
   node->first = (uint32_t)first;
-  node->n = n > LEAF ? 0 : (uint32_t)n;
-  if (n <= LEAF) return;
+  node->n = n > MEETS_LEAF ? 0 : (uint32_t)n;
+  if (n <= MEETS_LEAF) return;
   int longest = 0;
   for (int a = 1; a < 3; a++)
     if (node->hi[a] - node->lo[a] > node->hi[longest] - node->lo[longest]) longest = a;

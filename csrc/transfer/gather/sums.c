@@ -20,16 +20,10 @@
 **          Krivanek et al. 2005, "Radiance Caching for Efficient Global Illumination Computation";
 **          Schwarzhaupt et al. 2012, "Practical Hessian-Based Error Control for Irradiance Caching"
 */
+#include "calibration.h"
 #include "gather.h"
 
 #include "ylm_light.h"
-
-/* Borders of l (l+1) length^2 above this have two Gauss points. */
-#define LONG 0.4f
-/* Borders of lmax times their length below this are taken as one. */
-#define GROUPED 0.15
-/* Surfaces seen at a lower cosine count as seen at this one where hit points move. */
-#define GRAZING 0.1f
 
 /* Directions whose harmonics are summed with weights: to degree lmax, and to lmax + 1. */
 typedef struct batch {
@@ -80,7 +74,7 @@ static int border_channels(const gather_sums *s) {
 /* Borders of the finest cells are taken four at a time where the basis hardly changes along them. */
 static uint16_t group_of(const ylm_gather *g, int lmax) {
   double length = PI / 2 / (4 * g->lattice.base);
-  return g->lattice.levels == 2 && lmax * length < GROUPED ? 4 : 0;
+  return g->lattice.levels == 2 && lmax * length < SUMS_GROUPED ? 4 : 0;
 }
 
 gather_sums *ylm__gather_sums_create(const ylm_gather *g, const gather_want *want,
@@ -236,7 +230,7 @@ static void sum_pair(gather_sums *s, const gather_view *v, const gather_border *
     ylm__gather_line(&s->g->lattice, b, &own);
     line = &own;
   }
-  if ((float)(s->want.lmax * (s->want.lmax + 1)) * line->length * line->length < LONG) {
+  if ((float)(s->want.lmax * (s->want.lmax + 1)) * line->length * line->length < SUMS_LONG) {
     add_border(s, line->at, line->across, line->length, &sum);
     return;
   }
@@ -285,7 +279,7 @@ static void add_point(gather_sums *s, const gather_view *v, size_t i, const floa
   const float *n = s->g->normal[cell->element];
   float cosine = n[0] * at[0] + n[1] * at[1] + n[2] * at[2],
         near = fmaxf(cell->distance, s->g->spacing);
-  cosine = copysignf(fmaxf(fabsf(cosine), GRAZING), cosine);
+  cosine = copysignf(fmaxf(fabsf(cosine), SUMS_GRAZING), cosine);
   float *row = s->points.row + add(s, &s->points, at), *more = row + 3 * channels * GATHER_BATCH;
   channels_of(channels, d, x);
   for (int c = 0; c < channels; c++, more += GATHER_BATCH) {

@@ -4,9 +4,8 @@
 ** A driver may allow no more than 4096 allocations, and each is slow. Within a block the
 ** pieces in use stand in a list ordered by offset; the first gap that fits is taken.
 */
+#include "../calibration.h"
 #include "gpu.h"
-
-#define BLOCK_BYTES ((VkDeviceSize)16 << 20)
 
 typedef struct used {
   struct used *next;
@@ -90,11 +89,11 @@ ylm_status ylm__memory_take(ylm_gpu *g, const VkMemoryRequirements *need, ylm__p
   used *mine = ylm_alloc(1, sizeof *mine), **place = NULL;
   if (!mine) return ylm_fail(e, YLM_ENOMEM, "%s", ylm_status_text(YLM_ENOMEM));
   struct ylm__block *b = NULL;
-  bool own = need->size > BLOCK_BYTES / 4;
+  bool own = need->size > GPU_BLOCK_BYTES / 4;
   if (!own)
     for (b = g->blocks; b && !place; b = place ? b : b->next) place = gap(b, need, &mine->offset);
   if (!place) {
-    ylm_status s = create_block(g, own ? need->size : BLOCK_BYTES, g->memory_type, &b, e);
+    ylm_status s = create_block(g, own ? need->size : GPU_BLOCK_BYTES, g->memory_type, &b, e);
     if (s == YLM_ENOMEM && !own) s = create_block(g, need->size, g->memory_type, &b, e);
     if (s != YLM_OK) {
       ylm_free(mine);

@@ -1,18 +1,15 @@
 /* peak.c - what the device computes and moves at best, measured. */
+#include "../calibration.h"
 #include "ylm_vulkan.h"
 
 enum { GROUP = 64, TRIES = 200 };
-
-/* The best of several runs, until LONG seconds have passed without a better one: who shares the
-   device makes a run slower, never faster. */
-#define LONG 0.25
 
 /* Operations per second of the best; `amount` of them are in one run. */
 static ylm_status best(ylm_gpu *g, const ylm_gpu_work *w, double amount, double *rate,
                        ylm_error *e) {
   double start = ylm_seconds();
   *rate = 0;
-  for (int i = 0; i < TRIES && (i < 4 || ylm_seconds() - start < LONG); i++) {
+  for (int i = 0; i < TRIES && (i < 4 || ylm_seconds() - start < GPU_PEAK_SECONDS); i++) {
     ylm_gpu_times t = {0};
     ylm_status s = ylm_gpu_run(g, 1, w, &t, NULL, e);
     if (s != YLM_OK) return s;

@@ -4,14 +4,13 @@
 ** A kernel's rate, in seconds per unit of cost, is learnt from its dispatches: the first has
 ** one group, and small ones make the rate look worse than it is, so that what follows
 ** is cut too short rather than too long. Slices of several steps share a submission as
-** long as they are foreseen to take SUBMISSION seconds together.
+** long as they are foreseen to take GPU_SUBMISSION seconds together.
 */
+#include "../calibration.h"
 #include "gpu.h"
 
 #include <math.h>
 #include <string.h>
-
-#define SUBMISSION 0.005 /* seconds: less than YLM_GPU_SLICE by what a rate may be wrong */
 
 /* A slice that has been recorded. */
 typedef struct slice {
@@ -151,7 +150,7 @@ static uint32_t slice_of(const ylm_gpu *g, const ylm_gpu_work *w, uint64_t left,
 
 /* Records what goes into one submission. */
 static ylm_status fill_submission(runner *r, ylm_error *e) {
-  double room = SUBMISSION;
+  double room = GPU_SUBMISSION;
   ylm_status s = YLM_OK;
   r->count = 0;
   while (s == YLM_OK && r->at < r->n && r->count < YLM__SETS) {

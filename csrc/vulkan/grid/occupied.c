@@ -3,10 +3,9 @@
 ** octree octree_mark.comp, of a uniform grid lattice_mark.comp.
 */
 #include "occupied.h"
+#include "../calibration.h"
 
 #include <string.h>
-
-#define CHUNK ((size_t)1 << 20) /* shading points of one dispatch */
 
 /* -- where voxels begin -------------------------------------------------------------------- */
 
@@ -102,8 +101,8 @@ typedef struct shading {
 } shading;
 
 static size_t chunk_size(const occupied_voxels *o, size_t i) {
-  size_t left = o->source->occupied - i * CHUNK;
-  return left < CHUNK ? left : CHUNK;
+  size_t left = o->source->occupied - i * OCCUPIED_POINTS;
+  return left < OCCUPIED_POINTS ? left : OCCUPIED_POINTS;
 }
 
 /* Queues finding the voxels of chunk i, whose points are in a buffer, or are all there. */
@@ -115,10 +114,10 @@ static void find_chunk(occupied_voxels *o, const shading *p, size_t i, ylm_gpu_b
   uint8_t low;
   memcpy(&low, &one, 1); /* the high word of a double comes last where low bytes come first */
   step_kernel k = {"octree_voxel", 1, {words, 0}, 0};
-  uint32_t push[] = {(uint32_t)n, (uint32_t)(i * CHUNK), low, r[0], r[1], r[2]};
+  uint32_t push[] = {(uint32_t)n, (uint32_t)(i * OCCUPIED_POINTS), low, r[0], r[1], r[2]};
   ylm_gpu_buffer *bind[] = {points, fences, p->place[i], o->counts};
   ylm__steps_dispatch(o->q, &k, n, 6, push, 4, bind);
-  if (o->there) ylm__steps_part(o->q, 0, i * CHUNK * row, n * row);
+  if (o->there) ylm__steps_part(o->q, 0, i * OCCUPIED_POINTS * row, n * row);
 }
 
 /* Chunk after chunk, uploaded where they are not there; the device keeps their voxels. */
@@ -136,7 +135,7 @@ static ylm_status find_voxels(occupied_voxels *o, shading *p) {
     start = ylm_seconds();
     if (!o->there)
       s = ylm_gpu_upload(points, 0, n * row,
-                         (const char *)source->occupied_points + i * CHUNK * row, o->e);
+                         (const char *)source->occupied_points + i * OCCUPIED_POINTS * row, o->e);
     if (!o->there) ylm__lights_copied(o->l, "upload", start);
     if (s == YLM_OK) s = ylm_gpu_buffer_create(g, n * 12, &p->place[i], o->e);
     if (s != YLM_OK) break;
@@ -207,7 +206,7 @@ ylm_status ylm__occupied_mark(occupied_voxels *o, uint32_t count[YLM_GPU_COUNTS]
   bool uniform = ylm_grid_look(o->grid)->form.kind == YLM_GRID_UNIFORM;
   if (n > UINT32_MAX / 8)
     return ylm_fail(o->e, YLM_ELIMIT, "more than 2^29 shading points on a device");
-  shading p = {.chunks = (n + CHUNK - 1) / CHUNK};
+  shading p = {.chunks = (n + OCCUPIED_POINTS - 1) / OCCUPIED_POINTS};
   p.place = ylm_alloc_zero(p.chunks, sizeof *p.place);
   ylm_status s = p.place ? YLM_OK : ylm_fail(o->e, YLM_ENOMEM, "%s", ylm_status_text(YLM_ENOMEM));
   if (s == YLM_OK) s = find_voxels(o, &p);

@@ -2,17 +2,16 @@
 #include <math.h>
 #include <string.h>
 
+#include "../calibration.h"
 #include "octree.h"
-
-#define PART ((size_t)1 << 16) /* points whose keys are unpacked at a time */
 
 /* -- points -------------------------------------------------------------------------------- */
 
 static ylm_status take_points(octree *t, const ylm_grid_parts *parts) {
-  uint32_t(*key)[2] = ylm_alloc(PART, sizeof *key);
+  uint32_t(*key)[2] = ylm_alloc(OCTREE_KEYS, sizeof *key);
   ylm_status s = key ? YLM_OK : ylm_fail(t->e, YLM_ENOMEM, "%s", ylm_status_text(YLM_ENOMEM));
   for (size_t i = 0, now; s == YLM_OK && i < t->p.points; i += now) {
-    now = t->p.points - i < PART ? t->p.points - i : PART;
+    now = t->p.points - i < OCTREE_KEYS ? t->p.points - i : OCTREE_KEYS;
     s = ylm_gpu_download(t->p.key, 8 * i, 8 * now, key, t->e);
     for (size_t k = 0; s == YLM_OK && k < now; k++)
       points_unpack(key[k], parts->lattice + 3 * (i + k));

@@ -1,9 +1,8 @@
 /* points_probe.c - interpolants compared with values, on the device: shaders/grid_probe.comp. */
+#include "../calibration.h"
 #include "points.h"
 
 #include <string.h>
-
-#define PROBES ((size_t)1 << 16) /* of a dispatch */
 
 /* One dispatch: the item buffer has n probes, then distances. */
 static ylm_status dispatch(gpu_points *p, uint32_t n, bool held, ylm_gpu_buffer *distance) {
@@ -24,7 +23,7 @@ static ylm_status dispatch(gpu_points *p, uint32_t n, bool held, ylm_gpu_buffer 
 ylm_status ylm__points_probe(gpu_points *p, size_t n, const ylm_grid_probe *probe, bool held,
                              float *distance) {
   uint64_t bind = ylm_gpu_about(p->g)->bind_bytes / sizeof *probe;
-  size_t some = n < PROBES ? n : PROBES;
+  size_t some = n < POINTS_PROBES ? n : POINTS_PROBES;
   if (some > bind) some = (size_t)bind;
   ylm_status s = ylm__steps_reserve(p->g, &p->item, some * sizeof *probe, p->e);
   if (s == YLM_OK) s = ylm__steps_reserve(p->g, &p->packed, some * sizeof *distance, p->e);

@@ -1,9 +1,8 @@
 /* points_rows.c - rows of points between the device and the host. */
+#include "../calibration.h"
 #include "points.h"
 
 #include <string.h>
-
-#define PACKED_BYTES ((uint64_t)32 << 20) /* of rows that are gathered or scattered at a time */
 
 ylm_status ylm__points_download(gpu_points *p, float *data) {
   uint64_t row = 16 * (uint64_t)p->stride, n = p->points - p->first;
@@ -57,7 +56,7 @@ static ylm_status move(gpu_points *p, uint32_t n, const uint32_t *point, bool pu
 static ylm_status move_all(gpu_points *p, size_t n, const uint32_t *point, float *to,
                            const float *from) {
   uint64_t row = 16 * (uint64_t)p->stride, most = ylm_gpu_about(p->g)->bind_bytes;
-  uint64_t some = (most < PACKED_BYTES ? most : PACKED_BYTES) / row;
+  uint64_t some = (most < POINTS_PACKED_BYTES ? most : POINTS_PACKED_BYTES) / row;
   if (some > n) some = n;
   if (!n) return YLM_OK;
   ylm_status s = ylm__steps_reserve(p->g, &p->item, 4 * some, p->e);

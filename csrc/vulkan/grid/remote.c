@@ -1,9 +1,8 @@
 /* remote.c - rows of a grid's points kept on a device while the processor refines it: the back end
    of a bake with a tolerance. */
+#include "../calibration.h"
 #include "occupied.h"
 #include "points.h"
-
-#define PART ((size_t)1 << 16) /* points whose keys are packed at a time */
 
 /* Where memory runs out, the first evaluation says so. */
 static ylm_status begin(gpu_points *p, const ylm_grid_making *m) {
@@ -80,11 +79,11 @@ static ylm_status shading(void *self, const ylm_grid_making *m, size_t n, const 
 
 /* Keys of n points from `first` on. */
 static ylm_status upload_keys(gpu_points *p, size_t first, size_t n, const uint32_t *lattice) {
-  uint32_t(*key)[2] = ylm_alloc(n < PART ? n : PART, sizeof *key);
+  uint32_t(*key)[2] = ylm_alloc(n < REMOTE_KEYS ? n : REMOTE_KEYS, sizeof *key);
   ylm_status s = key ? YLM_OK : ylm_fail(p->e, YLM_ENOMEM, "%s", ylm_status_text(YLM_ENOMEM));
   double start = ylm_seconds();
   for (size_t at = 0, now; s == YLM_OK && at < n; at += now) {
-    now = n - at < PART ? n - at : PART;
+    now = n - at < REMOTE_KEYS ? n - at : REMOTE_KEYS;
     for (size_t i = 0; i < now; i++) points_pack(lattice + 3 * (at + i), key[i]);
     s = ylm_gpu_upload(p->key, 8 * (first + at), 8 * now, key, p->e);
   }

@@ -8,12 +8,12 @@
 */
 #include <string.h>
 
+#include "../calibration.h"
 #include "copy.h"
 #include "ylm_material.h"
 
 enum { CHUNK = 64 }; /* points of a group of grid_sample.comp, grid_shade.comp */
 #define ROW (YLM_MATERIAL_ROW * sizeof(float))
-#define PASS_BYTES ((uint64_t)64 << 20)
 
 typedef struct sampling {
   ylm_gpu_grid *k;
@@ -364,7 +364,7 @@ static ylm_status passes(sampling *m, size_t n, ylm_grid_report *report, ylm_err
   for (int i = 0; i < 3; i++) widest = row[i] > widest ? row[i] : widest;
   own += (m->value.host ? value : 0) + (m->gradient.host ? gradient : 0) +
          (m->transfer.host ? row[2] : 0);
-  rows = ylm_gpu_rows(m->k->g, n, widest, own, PASS_BYTES);
+  rows = ylm_gpu_rows(m->k->g, n, widest, own, SAMPLE_PASS_BYTES);
   if (!rows && n) return ylm_fail(e, YLM_ELIMIT, "the device has too little memory for 64 points");
   m->scratch = ylm_alloc(rows, 24);
   if (!m->scratch) return ylm_fail(e, YLM_ENOMEM, "%s", ylm_status_text(YLM_ENOMEM));

@@ -1,13 +1,11 @@
 /* lights.c - lights in a device's memory, and their light field. */
 #include "lights.h"
+#include "../calibration.h"
 
 #include <math.h>
 #include <string.h>
 
 #include "ylm_image.h"
-
-#define PASS_BYTES ((uint64_t)96 << 20) /* of the device's memory for a pass of points */
-#define PARTIAL_BYTES ((uint64_t)48 << 20)
 
 /* -- lamps ------------------------------------------------------------------------------ */
 
@@ -131,14 +129,15 @@ ylm_status ylm__lights_reach(const ylm_gpu_lights *l, const sum_plan *plan,
   sum_size size = ylm__sum_size(plan, q);
   uint32_t chunks = ylm__lights_chunks(l), some = chunks < 8 ? chunks : 8;
   size_t widest = size.widest > other ? size.widest : other;
-  r->rows = ylm_gpu_rows(l->gpu, n, widest, size.all + other + some * size.partial, PASS_BYTES);
+  r->rows =
+      ylm_gpu_rows(l->gpu, n, widest, size.all + other + some * size.partial, LIGHTS_PASS_BYTES);
   if (!r->rows)
     return ylm_fail(
         e, YLM_ELIMIT,
         "'%s' lets kernels see %.0f MiB: too little for the sums of 64 points at lmax %d",
         ylm_gpu_about(l->gpu)->name, (double)ylm_gpu_about(l->gpu)->bind_bytes / 1048576, q->lmax);
   uint64_t room = ylm_gpu_about(l->gpu)->bind_bytes;
-  if (room > PARTIAL_BYTES) room = PARTIAL_BYTES;
+  if (room > LIGHTS_PARTIAL_BYTES) room = LIGHTS_PARTIAL_BYTES;
   r->places = (r->rows + GROUP - 1) / GROUP * GROUP;
   uint64_t at_once = room / (r->places * size.partial + 1);
   if (at_once > chunks) at_once = chunks;

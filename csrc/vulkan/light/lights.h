@@ -7,6 +7,7 @@
 #ifndef YLM_GPU_LIGHTS_H
 #define YLM_GPU_LIGHTS_H
 
+#include "../calibration.h"
 #include "ylm_light_device.h"
 #include "ylm_vulkan.h"
 
@@ -131,8 +132,6 @@ void ylm__loops_cut(const ylm_gpu_lights *l, int lmax, sum_set *set);
 
 /* -- plan.c ------------------------------------------------------------------- */
 
-/* Sums that an invocation keeps in registers: 255 of them hold these and what a light needs. */
-#define SUM_BUDGET 144
 /* Sums of all orders. */
 uint32_t ylm__sum_count_of(int lmax, uint32_t kinds);
 /* How many derivatives go with kinds. */

@@ -1,10 +1,8 @@
 /* plan.c - what has to be summed for a query, and the maps to results, on a device. */
 #include <string.h>
 
+#include "../calibration.h"
 #include "lights.h"
-
-/* Plans that are kept. */
-#define KEPT 8
 
 /* -- matrices --------------------------------------------------------------------- */
 
@@ -211,7 +209,7 @@ ylm_status ylm__sum_plan_get(ylm_gpu_lights *l, const ylm_field_query *q, const 
       *out = l->plans = p;
       return YLM_OK;
     }
-    if (++n == KEPT) {
+    if (++n == PLANS_KEPT) {
       ylm__sum_plans_free(p->next);
       p->next = NULL;
     }

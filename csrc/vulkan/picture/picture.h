@@ -2,9 +2,8 @@
 #ifndef YLM_GPU_PICTURE_H
 #define YLM_GPU_PICTURE_H
 
+#include "../calibration.h"
 #include "../device/steps.h"
-
-#define PICTURE_STRIPS 16
 
 /* Pixels begin .. end-1; cost of a group of them. */
 typedef struct picture_strip {

@@ -1,0 +1,24 @@
+/*
+** calibration.h - the tuned constants of the path tracer. Private to csrc/path.
+**
+** `make bench BENCH=path` prints the time of paths beside that of their rays alone, and of a picture.
+*/
+#ifndef YLM_PATH_CALIBRATION_H
+#define YLM_PATH_CALIBRATION_H
+
+/* A tile holds so many pairs of an item and a batch of samples. Moved by: rays in one go, and the
+   memory of a thread. */
+#define PATH_PAIRS 64
+/* Tiles of a round, after which it is decided whether to go on: enough for many threads. */
+#define ROUND_TILES 64
+/* The most numbers that a round keeps. */
+#define ROUND_NUMBERS (4u << 20)
+/* The reflection from which on paths end at random, and the bounds of their chance to go on. Moved
+   by: variance times seconds. */
+#define ROULETTE 4
+#define LEAST_CHANCE 0.05f
+#define MOST_CHANCE 0.95f
+/* Lamps along a ray that are asked for at once. */
+#define LAMPS_AT_ONCE 16
+
+#endif

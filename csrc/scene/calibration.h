@@ -1,0 +1,60 @@
+/*
+** calibration.h - the tuned constants of the choice of lamps. Private to csrc/scene.
+**
+** `make bench BENCH=choose` prints the time of a sample, and the variance of what it brings, through the tree of lamps and
+** with all lamps weighed one by one. spec/choose_spec.lua holds that each lamp has its chance.
+*/
+#ifndef YLM_SCENE_CALIBRATION_H
+#define YLM_SCENE_CALIBRATION_H
+
+/* -- few lamps: weights.c, choose.c, patch.c ----------------------------------------------------- */
+
+/* Lamps of a chunk, whose weights are summed together. */
+#define YLM_LAMP_CHUNK 64
+/* Lamps that are weighed faster one by one. */
+#define CHOOSE_FEW 16
+/* Triangles that fill a smaller solid angle are sampled by area. */
+#define PATCH_SMALL 1e-4
+/* Distance over the longest edge from which on a triangle is far: it then fills less than a fifth
+   of a steradian. */
+#define PATCH_FAR 1.5
+
+/* -- the tree of lamps: tree.c, order.c ---------------------------------------------------------- */
+
+/* Nodes that a thread sums at a time; fewer are summed by one. */
+#define TREE_GRAIN 512
+/* Spheres that are weighed one by one in the time of a flat lamp. */
+#define TREE_FLAT 8
+/* The least squared cosine at flat lamps, as seen from close to their plane. */
+#define LEAST_FACING 0.01
+/* Ranges that are smaller than ORDER_PIECE lamps, or than an ORDER_PARTS-th of all, are ordered
+   side by side. */
+#define ORDER_PIECE ((size_t)1 << 14)
+#define ORDER_PARTS 32
+/* Lamps that are parted by branches. */
+#define ORDER_FEW 32
+/* Lamps within so many radii are weighed on their own. */
+#define SCENE_NEAR 3
+/* The part of the mean squared distance from the mean that counts as distance of a child. Moved by:
+   variance in a room with lamps on its walls. */
+#define SCENE_SPREAD 0.35
+
+/* -- the walk down: walk.c ----------------------------------------------------------------------- */
+
+/* Samples that walk down together. */
+#define SCENE_GROUP 64
+/* A node is opened whose doubt is more than this part of the whole, over the square root of the samples. */
+#define SCENE_DOUBT 0.02
+/* The most nodes that are open. */
+#define SCENE_OPEN 64
+
+/* -- light that fills the sky: dome.c ------------------------------------------------------------ */
+
+/* Size of the table of a dome that is no image, samples of a cell a side, and the share of the mean
+   that is added to each cell. */
+#define TABLE_WIDTH 128
+#define TABLE_HEIGHT 64
+#define TABLE_LOOKS 2
+#define TABLE_LEAST 0.01
+
+#endif

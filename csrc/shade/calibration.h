@@ -1,0 +1,60 @@
+/*
+** calibration.h - the tuned constants of shading. Private to csrc/shade.
+**
+** Sizes of work move time alone: `make bench BENCH=transfer` prints rays and transfer vectors a second,
+** BENCH=rays noise and time of pictures by rays to the lamps, BENCH=frames those of a moving picture.
+*/
+#ifndef YLM_SHADE_CALIBRATION_H
+#define YLM_SHADE_CALIBRATION_H
+
+/* -- camera rays: primary.c, again.c ------------------------------------------------------------- */
+
+/* Camera rays that are traced in one go. */
+#define SHADE_RAYS 256
+/* Cosine of the angle (10 degrees) within which normals may differ in one shading point. Moved by:
+   errors at edges, and the number of points. */
+#define SHADE_SAME_NORMAL 0.98480775f
+/* The part of a lobe's width within which normals may differ, where surfaces gloss. */
+#define SHADE_FINE 0.05
+/* Pixels of a square, whose points are sampled together: each voxel that is seen in it is read
+   once. */
+#define SHADE_TILE 64
+
+/* -- rays to lamps: raycast.c, transfer.c, occlusion.c ------------------------------------------- */
+
+/* Points that a thread takes at a time, and points whose rays are traced in one go, at most. */
+#define SHADE_CAST_GRAIN 256
+#define SHADE_CAST_POINTS 512
+/* Occlusion rays that are traced in one go, unless one point has more. */
+#define SHADE_OCCLUSION_RAYS 1024
+/* Places of the measurement of occlusion that a thread takes at a time. */
+#define SHADE_MEASURED_GRAIN 16
+
+/* -- points that are shaded in one go ------------------------------------------------------------ */
+
+/* Points whose light is asked for at once, and points that are sampled at once: their coefficients
+   stay in the second-level cache. */
+#define SHADE_LIGHT_POINTS 512
+#define SHADE_GRID_POINTS 512
+/* Points that are gathered at once: their sums stay in the first-level cache. */
+#define SHADE_LINK_POINTS 256
+/* Points whose light is known at once. */
+#define SHADE_VECTOR_POINTS 256
+/* Points whose surfaces are asked for at once. */
+#define SHADE_BIAS_POINTS 64
+
+/* -- noise: noise.c, links.c --------------------------------------------------------------------- */
+
+/* Points at which noise is measured: a NOISE_PART-th of all within these bounds. */
+#define NOISE_LEAST 128
+#define NOISE_MOST 512
+#define NOISE_PART 32
+/* The part of the mean radiance below which darkness excuses noise. */
+#define NOISE_DARK 0.1
+/* Points at which the noise of links is measured. */
+#define NOISE_OF_LINKS 4096
+/* Items at which the noise of rays to lamps is measured, and their samples. */
+#define NOISE_TRIALS 512
+#define NOISE_TRIAL_SAMPLES 64
+
+#endif

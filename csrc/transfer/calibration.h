@@ -1,0 +1,57 @@
+/*
+** calibration.h - the tuned constants of light from surface to surface. Private to csrc/transfer.
+**
+** Sizes of work move time alone: `make bench BENCH=links` prints the times of links, of direct light on
+** elements and of bounces, spec/bench/bounces.lua those of whole pictures.
+*/
+#ifndef YLM_TRANSFER_CALIBRATION_H
+#define YLM_TRANSFER_CALIBRATION_H
+
+/* -- elements and links: elements.c, links.c, sides.c -------------------------------------------- */
+
+/* Places of an element whose tints are averaged. */
+#define TRANSFER_TINTS 16
+/* Rays that are traced in one go, unless one place has more. */
+#define TRANSFER_RAYS 1024
+/* The most lamps that are looked at; of more, evenly many. */
+#define SIDES_LAMPS 65536
+/* Distinct sets of bodies around lamps that are remembered, and the most bodies in one. */
+#define SIDES_SETS 64
+#define SIDES_NESTED 16
+
+/* -- direct light: direct.c, lightmap.c ---------------------------------------------------------- */
+
+/* Places of an element from which lamps are looked at, at most, and rays of each, at least: a place
+   costs a choice among all lamps. */
+#define DIRECT_PLACES 4
+#define DIRECT_EACH 8
+/* Elements whose light is asked of a field at a time. */
+#define DIRECT_ASKED 4096
+/* Elements that a thread takes at a time. */
+#define DIRECT_GRAIN 128
+/* Texels that are worked on in one go. */
+#define LIGHTMAP_TEXELS 256
+
+/* -- bounces: solve.c, vectors.c, matrices.c ----------------------------------------------------- */
+
+/* Elements that a thread takes at a time. */
+#define BOUNCE_GRAIN 256
+/* Changes below this, relative, are rounding. */
+#define BOUNCE_ROUNDING 1e-6
+/* A shrinkage this near to 1 has no sum. */
+#define BOUNCE_ENDLESS 1e-5
+/* Bounces without a smaller change after which a sum is given up, and bounces at most. */
+#define BOUNCE_PATIENCE 64
+#define BOUNCE_MOST 20000
+/* Links of which a bounce takes less time than to wake other threads. */
+#define BOUNCE_FEW 200000
+/* Places whose links are known at once. */
+#define VECTOR_PLACES 4096
+/* Rays that are summed in one go, and rows that are fetched before they are read. */
+#define MATRIX_STEP 64
+#define MATRIX_AHEAD 8
+/* Rows of emitters that are fetched before they are read. Moved by: bounces a second where rows
+   exceed the caches. */
+#define SUM_AHEAD 8
+
+#endif
