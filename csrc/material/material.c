@@ -34,6 +34,12 @@ ylm_status ylm_material_transfer(int kind, int lmax, double *a) {
   return (k->transfer ? k : &ylm__material_matte)->transfer(lmax, a);
 }
 
+ylm_status ylm_material_cosine(int lmax, double *a) {
+  return lmax < 0 || lmax > YLM_MATERIAL_LMAX ? YLM_ERANGE : ylm__material_matte.transfer(lmax, a);
+}
+
+bool ylm_material_glosses(const ylm_material *m) { return !kinds[m->kind]->radiance; }
+
 /* -- making them ----------------------------------------------------------------- */
 
 ylm_status ylm_material_check(int kind, size_t n, const float *numbers, ylm_error *e) {

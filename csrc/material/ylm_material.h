@@ -61,6 +61,8 @@ YLM_API int ylm_material_kind_find(const char *name);
 **          Maps", Eq. 7
 */
 YLM_API ylm_status ylm_material_transfer(int kind, int lmax, double *a);
+/* The clamped cosine's, for light whose directions are weighed by it alone. */
+YLM_API ylm_status ylm_material_cosine(int lmax, double *a);
 
 /* -- materials --------------------------------------------------------------- */
 
@@ -84,6 +86,8 @@ YLM_API ylm_status ylm_material_load(int kind, size_t n, const float *numbers, c
 YLM_API const ylm_material *ylm_material_keep(const ylm_material *m);
 YLM_API void ylm_material_free(const ylm_material *m);
 YLM_API int ylm_material_kind(const ylm_material *m);
+/* Whether its light differs from view to view: transfer vectors alone do not say what it reflects. */
+YLM_API bool ylm_material_glosses(const ylm_material *m);
 /* The memory that it takes. */
 YLM_API size_t ylm_material_bytes(const ylm_material *m);
 

@@ -1,5 +1,5 @@
 /* fourier.c - tables for products by Fourier series (Xin et al. 2021), and the choice of kernel. */
-#include "fourier_both.h"
+#include "fourier.h"
 
 #include <math.h>
 
@@ -140,7 +140,7 @@ static void apply_f(const ylm__fourier *f, const float *const *c, float *out, vo
   case YLM_ISA_##isa: ylm__fourier_run_f_##isa(f, c, out, scratch, stage); return;
     FOURIER_ISAS(X)
 #undef X
-  default: run_f(f, c, out, scratch, stage);
+  default: ylm__fourier_run_f_reference(f, c, out, scratch, stage);
   }
 }
 
@@ -151,7 +151,7 @@ static void apply_d(const ylm__fourier *f, const double *const *c, double *out, 
   case YLM_ISA_##isa: ylm__fourier_run_d_##isa(f, c, out, scratch, stage); return;
     FOURIER_ISAS(X)
 #undef X
-  default: run_d(f, c, out, scratch, stage);
+  default: ylm__fourier_run_d_reference(f, c, out, scratch, stage);
   }
 }
 

@@ -34,7 +34,7 @@ static inline size_t fourier_size(int d) { return 2 * (size_t)(2 * d + 1) * (siz
 /* Numbers of scratch of a convolution of length n: four grids of complex numbers. */
 static inline size_t fourier_grid(int n) { return (size_t)n * (size_t)n * 8; }
 
-/* The instruction sets that fourier.isa.c is compiled for. */
+/* The instruction sets that there are kernels for: fourier_float.isa.c, fourier_double.isa.c. */
 #if defined(__x86_64__)
 #define FOURIER_ISAS(X) X(sse2) X(avx2) X(avx512)
 #elif defined(__aarch64__)
@@ -43,11 +43,15 @@ static inline size_t fourier_grid(int n) { return (size_t)n * (size_t)n * 8; }
 #define FOURIER_ISAS(X)
 #endif
 
+/* out = the product of the factors c, at `stage` [3] the seconds of its parts, unless that is NULL. */
+typedef void ylm__fourier_run_float(const ylm__fourier *f, const float *const *c, float *out,
+                                    float *scratch, double *stage);
+typedef void ylm__fourier_run_double(const ylm__fourier *f, const double *const *c, double *out,
+                                     double *scratch, double *stage);
 #define X(isa)                                                                                     \
-  void ylm__fourier_run_f_##isa(const ylm__fourier *f, const float *const *c, float *out,          \
-                                float *scratch, double *stage);                                    \
-  void ylm__fourier_run_d_##isa(const ylm__fourier *f, const double *const *c, double *out,        \
-                                double *scratch, double *stage);
+  ylm__fourier_run_float ylm__fourier_run_f_##isa;                                                 \
+  ylm__fourier_run_double ylm__fourier_run_d_##isa;
+X(reference)
 FOURIER_ISAS(X)
 #undef X
 

@@ -27,10 +27,6 @@ struct shade_gloss {
   atomic_size_t grown;                      /* bytes that nobody has been told of */
 };
 
-static bool is_glossy(const ylm_material *m) {
-  return ylm_material_kind(m) != ylm_material_kind_find("matte");
-}
-
 /* Gives a material its number. */
 static uint32_t number_of(shade_gloss *g, const ylm_material *m) {
   for (size_t k = 0; k < g->materials; k++)
@@ -49,7 +45,7 @@ static bool must_be_matte(const ylm_shade_view *v, const shade_gloss *before, si
 static bool has_table(const ylm_shade_view *v, const shade_gloss *before, size_t mesh) {
   if (before && ylm__shade_shadows(v, YLM_SHADE_TRANSFER))
     return before->slot[mesh] != YLM_SHADE_MATTE;
-  return is_glossy(ylm__shade_mesh_material(v, mesh));
+  return ylm_material_glosses(ylm__shade_mesh_material(v, mesh));
 }
 
 /* Refuses what a mesh has become in a view that is made of another. */
@@ -58,7 +54,7 @@ static ylm_status check_mesh(const ylm_shade_view *v, const shade_gloss *before,
   const ylm_material *m = ylm__shade_mesh_material(v, mesh);
   const char *kind = ylm_material_kind_name(ylm_material_kind(m));
   if (!v->base || !v->base->o.gloss) return YLM_OK;
-  if (is_glossy(m) && must_be_matte(v, before, mesh))
+  if (ylm_material_glosses(m) && must_be_matte(v, before, mesh))
     return ylm_fail(e, YLM_EINVAL,
                     "mesh %zu is matte in the prepared view, which keeps its visibility times the "
                     "cosine: it cannot become %s, prepare the view with a material that glosses",

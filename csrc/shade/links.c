@@ -7,7 +7,7 @@
 struct ylm_shade_links {
   const ylm_shade_view *view;
   const ylm_transfer *transfer;
-  int links, kind; /* kind: of materials that are matte */
+  int links;
   uint32_t
       *link; /* [points][links]: of all points, or of those that are matte; NULL: these have none */
   size_t *
@@ -36,7 +36,7 @@ static uint32_t *list_matte(ylm_shade_links *l) {
   }
   for (size_t i = 0; i < v->points; i++) {
     if (i % SHADE_LINK_POINTS == 0) l->before[i / SHADE_LINK_POINTS] = l->glossy;
-    if (ylm__shade_glosses(v, l->kind, i))
+    if (ylm__shade_glosses(v, i))
       l->glossy++;
     else
       point[n++] = (uint32_t)i;
@@ -79,7 +79,7 @@ static ylm_status find_matte(ylm_shade_links *l, size_t n, const uint32_t *point
 static void list_pixel(ylm_shade_links *l, size_t begin, size_t end, uint32_t *out, size_t *n) {
   const ylm_shade_view *v = l->view;
   for (size_t i = begin; i < end; i++) {
-    if (!ylm__shade_glosses(v, l->kind, i)) continue;
+    if (!ylm__shade_glosses(v, i)) continue;
     double all = 0, own = v->corner || end - begin == 1 ? 1 : (double)v->entry[i].weight;
     for (size_t k = begin; own < 1 && k < end; k++)
       if (v->mesh[k] == v->mesh[i]) all += (double)v->entry[k].weight;
@@ -140,7 +140,7 @@ static ylm_status find_both(ylm_shade_links *l, bool alone, const uint64_t *stre
 /* Whether a surface in sight glosses. */
 static bool has_gloss(const ylm_shade_links *l) {
   for (size_t i = 0; i < l->view->points; i++)
-    if (ylm__shade_glosses(l->view, l->kind, i)) return true;
+    if (ylm__shade_glosses(l->view, i)) return true;
   return false;
 }
 
@@ -156,9 +156,7 @@ ylm_status ylm_shade_links_create(const ylm_shade_view *v, const ylm_transfer *t
   ylm_shade_links *l = ylm_alloc_zero(1, sizeof *l);
   uint64_t *stream = l ? ylm__shade_streams(v) : NULL;
   for (size_t i = 0; stream && i < v->points; i++) stream[i] = mix(stream[i]);
-  if (l)
-    *l = (ylm_shade_links){
-        .view = v, .transfer = t, .links = links, .kind = ylm_material_kind_find("matte")};
+  if (l) *l = (ylm_shade_links){.view = v, .transfer = t, .links = links};
   bool alone = which == YLM_SHADE_LINKS_GLOSS;
   bool apart = l && which != YLM_SHADE_LINKS_MATTE && (alone || has_gloss(l));
   if (l && !apart) l->link = ylm_alloc(v->points, (size_t)links * sizeof *l->link);
@@ -211,8 +209,7 @@ static double luminance(const double c[3]) {
 /* How many points before point i gloss. */
 static size_t glossy_before(const ylm_shade_links *l, size_t i) {
   size_t n = l->before[i / SHADE_LINK_POINTS];
-  for (size_t k = i - i % SHADE_LINK_POINTS; k < i; k++)
-    n += ylm__shade_glosses(l->view, l->kind, k);
+  for (size_t k = i - i % SHADE_LINK_POINTS; k < i; k++) n += ylm__shade_glosses(l->view, k);
   return n;
 }
 
@@ -250,7 +247,7 @@ double ylm_shade_gather_noise(const ylm_shade_links *l, const float *leaving) {
   for (size_t k = 0; k < n; k++) {
     size_t i = k * points / n, row = l->before ? glossy_before(l, i) : 0;
     double sum[2];
-    bool gloss = l->before && ylm__shade_glosses(l->view, l->kind, i);
+    bool gloss = l->before && ylm__shade_glosses(l->view, i);
     if (!gloss && !l->link) continue;
     if (gloss)
       glossy_halves(l, i, row, leaving, sum);
@@ -311,7 +308,7 @@ static ylm_status run_gather(void *context, size_t begin, size_t end, int worker
   size_t glossy = l->before ? l->before[begin / SHADE_LINK_POINTS] : 0;
   for (size_t i = begin, behind; i < end; i = behind) {
     for (behind = i; behind < end; behind++)
-      if (l->before && ylm__shade_glosses(l->view, l->kind, behind)) break;
+      if (l->before && ylm__shade_glosses(l->view, behind)) break;
     if (behind > i)
       gather_matte(j, i, i - glossy, behind - i);
     else

@@ -4,9 +4,9 @@
 
 #include "view.h"
 
-/* Whether the material at point i is not matte; `matte` is that kind. */
-static inline bool ylm__shade_glosses(const ylm_shade_view *v, int matte, size_t i) {
-  return ylm_material_kind(ylm__shade_material(v, i)) != matte;
+/* Whether the material at point i glosses. */
+static inline bool ylm__shade_glosses(const ylm_shade_view *v, size_t i) {
+  return ylm_material_glosses(ylm__shade_material(v, i));
 }
 
 /* Links with weights, f cos over the density of their rays, of n points: out[i] is the mean over links k from start[i]

@@ -9,7 +9,7 @@
 typedef struct job {
   const ylm_shade_view *view;
   const ylm_scene *lit;
-  int light_samples, matte; /* the kind */
+  int light_samples;
   bool shadows;
   uint64_t seed;
   float *out;
@@ -52,7 +52,7 @@ static void aim(const job *j, waiting *w, size_t i, uint64_t stream) {
 }
 
 static bool is_matte(const job *j, size_t i) {
-  return ylm_material_kind(ylm__shade_material(j->view, i)) == j->matte;
+  return !ylm_material_glosses(ylm__shade_material(j->view, i));
 }
 
 static ylm_status run(void *context, size_t begin, size_t end, int worker) {
@@ -240,7 +240,6 @@ ylm_status ylm_shade_raycast(const ylm_shade_view *v, const ylm_scene *lit, int 
   job j = {.view = v,
            .lit = lit ? lit : v->scene,
            .light_samples = light_samples,
-           .matte = ylm_material_kind_find("matte"),
            .shadows = shadows,
            .seed = seed,
            .out = out};

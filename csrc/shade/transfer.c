@@ -7,7 +7,6 @@
 #include "calibration.h"
 #include "gloss.h"
 
-/* Rays that are traced in one go, unless one point has more. */
 #define PI 3.14159265358979323846
 
 typedef struct job {

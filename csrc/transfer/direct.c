@@ -229,7 +229,7 @@ ylm_status ylm_radiosity_field(ylm_radiosity *r, const ylm_field *field, const y
   x.zonal = shadowed ? ylm_alloc((size_t)lmax + 1, sizeof *x.zonal) : NULL;
   bool room = E0 && x.place && x.light && x.normals && (x.zonal || !shadowed);
   ylm_status s = room ? YLM_OK : YLM_ENOMEM;
-  if (room && shadowed) s = ylm_material_transfer(ylm_material_kind_find("matte"), lmax, x.zonal);
+  if (room && shadowed) s = ylm_material_cosine(lmax, x.zonal);
   if (s == YLM_OK) s = ask(&x, field, threads, progress, E0, e);
   ylm_free(x.place);
   ylm_free(x.light);

@@ -73,7 +73,7 @@ static ylm_status cosines(const job *j, scratch *x, size_t n) {
   int lmax = j->m->lmax;
   double zonal[YLM_TRANSFER_LMAX + 1];
   size_t count = ylm_sh_count(lmax);
-  ylm_status s = ylm_material_transfer(ylm_material_kind_find("matte"), lmax, zonal);
+  ylm_status s = ylm_material_cosine(lmax, zonal);
   if (s == YLM_OK)
     s = ylm_sh_eval(lmax, 0, false, YLM_FLOAT, n, x->normal, x->escape, NULL, NULL, 1, NULL);
   for (size_t i = 0; s == YLM_OK && i < n; i++)

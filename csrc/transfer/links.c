@@ -267,7 +267,7 @@ static ylm_status share(job *j) {
     j->inside[k][1] = (float)modf((double)k * 0.5698402909980532, &y);
   }
   if (j->lmax < 0) return YLM_OK;
-  return ylm_material_transfer(ylm_material_kind_find("matte"), j->lmax, j->zonal);
+  return ylm_material_cosine(j->lmax, j->zonal);
 }
 
 static ylm_status go(job *j, size_t n, int threads, const ylm_progress *progress) {

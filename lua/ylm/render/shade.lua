@@ -5,8 +5,8 @@ local array = require "ylm.array"
 local check = require "ylm.check"
 local core = require "ylm.c.core"
 local devices = require "ylm.device"
-local form = require "ylm.form"
 local light = require "ylm.light"
+local material = require "ylm.material"
 local progress = require "ylm.progress"
 local options = require "ylm.render.options"
 local gloss = require "ylm.render.gloss"
@@ -184,7 +184,7 @@ end
 --- Do all surfaces send the same radiance in every direction?
 local function is_matte(s)
   for _, g in ipairs(s.geometry) do
-    if g.material and form.kind(g.material) ~= "matte" then return false end
+    if g.material and material.glossy(g.material) then return false end
   end
   return true
 end
