@@ -112,8 +112,7 @@ const ylm__light_kind *ylm__light_kind_of(const char *name);
 size_t ylm__light_kind_index(const ylm__light_kind *kind);
 
 /* Adds to surfaces, of which there is room for a power of two; YLM_ENOMEM. surfaces.c */
-ylm_status ylm__surfaces_sphere(ylm_light_surfaces *s, const double at[3], double radius,
-                                const double radiance[3]);
+ylm_status ylm__surfaces_sphere(ylm_light_surfaces *s, const ylm_light *sphere);
 ylm_status ylm__surfaces_triangle(ylm_light_surfaces *s, const double *a, const double *b,
                                   const double *c, const double radiance[3], const double *horizon);
 ylm_status ylm__surfaces_disk(ylm_light_surfaces *s, const double at[3], double radius,

@@ -1,4 +1,5 @@
-/* lamp.h - a sphere light as kernels read it. Private to csrc/light. */
+/* lamp.h - a sphere light as a row of numbers, for kernels that read light by light (ylm_light.h, ylm_light).
+   Private to csrc/light. */
 #ifndef YLM_LIGHT_LAMP_H
 #define YLM_LIGHT_LAMP_H
 

@@ -3,15 +3,17 @@
 
 #include "set.h"
 
-/* A row of `width` numbers behind n others, which fill a room for a power of two of them. */
+/* Room for one more behind n elements, which fill a room for a power of two of them. */
+static void *make_room(void *elements, size_t n, size_t size) {
+  return n & (n - 1) ? elements : ylm_realloc(elements, n * size, n ? 2 * n : 1, size);
+}
+
+/* A row of `width` numbers behind n others. */
 static double *append(double **rows, size_t n, size_t width) {
-  if (n == 0 || !(n & (n - 1))) {
-    double *more =
-        ylm_realloc(*rows, n * width * sizeof **rows, n ? 2 * n : 1, width * sizeof **rows);
-    if (!more) return NULL;
-    *rows = more;
-  }
-  return *rows + n * width;
+  double *more = make_room(*rows, n, width * sizeof **rows);
+  if (!more) return NULL;
+  *rows = more;
+  return more + n * width;
 }
 
 static void put(double *to, const double *from) { memcpy(to, from, 3 * sizeof *to); }
@@ -21,14 +23,11 @@ static void put_emission(double *to, const double *radiance, const double *horiz
   put(to + 3, horizon);
 }
 
-ylm_status ylm__surfaces_sphere(ylm_light_surfaces *s, const double at[3], double radius,
-                                const double radiance[3]) {
-  double *to = append(&s->sphere, s->spheres, 7);
-  if (!to) return YLM_ENOMEM;
-  put(to, at);
-  to[3] = radius;
-  put(to + 4, radiance);
-  s->spheres++;
+ylm_status ylm__surfaces_sphere(ylm_light_surfaces *s, const ylm_light *sphere) {
+  ylm_light *more = make_room(s->sphere, s->spheres, sizeof *more);
+  if (!more) return YLM_ENOMEM;
+  s->sphere = more;
+  s->sphere[s->spheres++] = *sphere;
   return YLM_OK;
 }
 

@@ -181,7 +181,15 @@ YLM_API size_t ylm_light_set_tree_bytes(const ylm_light_set *set);
 /* The other numbers of a light; its kind knows them. */
 typedef struct ylm_light_shape ylm_light_shape;
 
-/* One light, as it is remembered and compared. */
+/*
+** One light: as it is remembered and compared, and as rays see a sphere.
+**
+** It is the first of three forms in which spheres are stored. The others are private to the library: rows
+** with the luminance, of the element type (csrc/light/lamp.h), for kernels that read light by light; and
+** columns, [field][lights], for kernels that read several lights at once: leaves and proxies of the tree
+** of lights (csrc/light/tree/tree.h), and the lamps of a scene (csrc/scene/scene.h). Two more forms are prescribed by
+** others: Embree keeps float [4], and a device has the rows that shaders/lamps.glsl reads.
+*/
 typedef struct ylm_light {
   double at[3], radius; /* its place and size; of a flat light the centroid, a disk of its area */
   double radiance[3];
@@ -260,7 +268,7 @@ typedef struct ylm_light_image {
    Radiances in W sr^-1 m^-2; a horizon of 0 cuts nothing off. */
 typedef struct ylm_light_surfaces {
   size_t spheres, triangles, disks, images;
-  double *sphere;            /* [spheres][7]   centre, radius, radiance */
+  ylm_light *sphere;         /* [spheres] */
   double *triangle, *disk;   /* [triangles][9] corners; [disks][7] centre, radius, normal */
   double *triangle_emission; /* [triangles][6] radiance, horizon */
   double *disk_emission;     /* [disks][6] */

@@ -119,8 +119,8 @@ void ylmL_set_number(lua_State *L, const char *name, double x);
 void ylmL_set_boolean(lua_State *L, const char *name, bool x);
 
 /* Named arguments: puts the entries `names` (NULL ends them) of the table at absolute index `i`
-   onto the stack behind it, in this order, so that names[0] stands at i + 1; what stood there is
-   dropped. nil where there is no such entry; raises where the table has an entry of another name. A
+   onto the stack, names[0] at i + 1. Values that stood there are dropped. An entry that is missing
+   is nil. An entry of another name raises. A
    function with more than seven arguments takes them so. */
 void ylmL_named(lua_State *L, int i, const char *const *names);
 

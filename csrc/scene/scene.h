@@ -101,14 +101,13 @@ double ylm__scene_weight(const double v[3], double r, const float n[3]);
 double ylm__scene_patch_weight(const ylm_scene *s, size_t i, const float x[3], const float n[3],
                                double *solid);
 
-/* For each patch the luminance times a bound of about its unshadowed irradiance over pi, above 0
-   wherever it brings light; `sum` is that over chunks. n NULL: a point in space,
-   whose scalar irradiance that is. */
+/* For each patch its luminance times about its unshadowed irradiance over pi, above 0 wherever it
+   brings light. `sum`: over chunks. n NULL: the scalar irradiance of a point in space. */
 void ylm__scene_patch_weights(const ylm_scene *s, const float x[3], const float n[3], float *weight,
                               float *sum, double *solid);
-/* A ray from x to a random place on patch i, the radiance there and the irradiance that it brings
-   for radiance 1, of a point in space (n NULL) the scalar one: uniform in the solid angle of
-   triangles that fill much of it (Arvo 1995), else by area. */
+/* A ray from x to a random place on patch i. It is uniform in the solid angle of triangles that
+   fill much of it (Arvo 1995), else in area. *radiance: the radiance there. Returns the irradiance
+   that the ray brings for radiance 1; n NULL: the scalar irradiance of a point in space. */
 double ylm__scene_patch_sample(const ylm_scene *s, size_t i, const float x[3], const float n[3],
                                double u0, double u1, double solid, ylm_trace_ray *ray,
                                const float **radiance);

@@ -12,9 +12,10 @@
 /* Levels of 2^30 lamps, less one. */
 #define SCENE_LEVELS 8
 
-/* Light that leaves each child: its power, as luminance times area over pi as seen
-   from where it is largest; the mean of its places, weighed by power; the mean square of distances to
-   that; the radius of a ball about it that holds all. `facing` is the mean of the squared cosine at
+/* Light that leaves each child. Its power is luminance times area over pi, seen from where it is
+   largest. Its place is the mean of its lamps', weighed by power, with the mean square of their
+   distances, and the radius of a ball that holds them all.
+   `facing` is the mean of the squared cosine at
    lamps towards v, v'Fv/|v|^2: xx, yy, zz, xy, xz, yz; spheres have 1 on all sides. */
 typedef struct scene_node {
   float x[3][SCENE_WIDTH], power[SCENE_WIDTH], spread[SCENE_WIDTH], radius[SCENE_WIDTH];

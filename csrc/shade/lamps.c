@@ -62,8 +62,8 @@ static double open_part(const ylm_shade_view *v, size_t pixel, double depth) {
   return open_share(hidden);
 }
 
-/* The pixels begin .. end-1 of a row that may be on the disc: the direction to pixel x is
-   u = a + x right, and on the disc are those with (u . to)^2 >= cosine^2 u . u. */
+/* The pixels begin .. end-1 of a row that may be on the disc. The direction to pixel x is u = a + x
+   right; the disc has the pixels with (u . to)^2 >= cosine^2 u . u. */
 static void span(const ylm_shade_view *v, const disc *d, int py, int *begin, int *end) {
   const ylm_camera_frame *f = &v->frame;
   double y = 1 - 2 * (py + 0.5) / v->o.height, a[3], wide = d->half + f->pixel;

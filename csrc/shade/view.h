@@ -76,7 +76,7 @@ void ylm__shade_seen_albedo(const ylm_shade_view *v, size_t i, float albedo[3]);
 /* view.c: the number of point i's random numbers. It is the pixel's and the point's place in it, so
    that what is seen elsewhere changes nothing here. */
 uint64_t ylm__shade_stream(const ylm_shade_view *v, size_t i);
-/* Such numbers of one point after the other. */
+/* The numbers of random streams, one point after the other. */
 typedef struct shade_stream {
   size_t point, pixel;
 } shade_stream;

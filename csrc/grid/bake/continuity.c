@@ -153,10 +153,11 @@ static touched_box box_of(const ylm_grid *g, const ylm_grid_cell *c) {
 
 /*
 ** The evaluated points at the places of a box, YLM_GRID_NONE where there is none; true if there are
-** any in its edges or faces but for the corners. Such a point, at the middle or anywhere else, is
-** the corner of an occupied voxel that touches the edge or face, and all ancestors of that were
-** evaluated: of the box's size, which has the ends of the edge or the corners of the face, and of
-** half its size, which has the middle. So where there is nothing there, there is nothing finer.
+** any in its edges or faces but for the corners. The point, at the middle or anywhere else, is the
+** corner of an occupied voxel that touches the edge or face. All ancestors of that voxel were
+** evaluated. One has the box's size: its corners are the ends of the edge, or the corners of the
+** face. One has half that size: a corner of it is the middle.
+** So where there is nothing there, there is nothing finer.
 */
 static bool find_middles(const ylm_grid *g, const touched_box *b, uint32_t point[27]) {
   uint64_t key[27];

@@ -80,9 +80,9 @@ static ylm_status ask_crossed(baker *b, size_t n, const uint32_t *cell) {
 }
 
 /*
-** Finds which cells of the wave a light's surface crosses. Cells come with their parent's answer: a
-** surface that meets a child meets its parent, so only children of crossed cells are asked about,
-** and of these only those near lights that changed, where there was an answer before.
+** Finds which cells of the wave a light's surface crosses. Cells come with their parent's answer. A
+** surface that meets a child meets its parent, so only children of crossed cells are asked about.
+** Where there was an answer before, only cells near lights that changed are.
 */
 static ylm_status find_crossed(baker *b) {
   ylm_grid *g = b->g;

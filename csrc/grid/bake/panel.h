@@ -37,9 +37,9 @@ typedef struct ruling {
 /* -- confidence.c ----------------------------------------------------------------------- */
 
 /*
-** The most failures among n random points that still say that less than `share` of all fail: the
-** largest k for which more than k of n fail with a chance of at least 1 - doubt wherever `share`
-** or more do. -1: n points are too few.
+** The most failures among n random points at which less than `share` of all points are said to
+** fail. It is the largest k so that, where `share` or more fail, more than k of n do with a chance
+** of at least 1 - doubt. -1: n points are too few.
 */
 int ylm__confidence_allowed(size_t n, double share, double doubt);
 

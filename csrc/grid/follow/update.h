@@ -87,9 +87,9 @@ ylm_status ylm__judge_samples(const ylm_grid *g, panel *p, int threads, ruling *
 
 /* -- tolerance.c ------------------------------------------------------------------------ */
 
-/* Refines from the root by what the bake has learnt, then further while the panel says that the
-   tolerance is not kept: by held-out points, half of them in voxels with changed corners (changed:
-   by point; points from `known` on are new). */
+/* Refines from the root by the ratios that the bake has learnt, then further while the panel says
+   that the tolerance is not kept. Half of the held-out points are in voxels with changed corners.
+   changed: by point; points from `known` on are new. */
 ylm_status ylm__update_tolerance(baker *b, const uint8_t *changed, size_t known, const panel *p);
 
 /* -- octree.c --------------------------------------------------------------------------- */

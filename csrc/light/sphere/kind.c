@@ -52,9 +52,9 @@ static size_t get(const void *of, size_t i, ylm_light *out, ylm_light_shape *sha
 }
 
 static ylm_status surfaces(const void *of, size_t i, ylm_light_surfaces *out) {
-  const ylm_lights *l = of;
-  const ylm__lamp_d *s = &l->all[i];
-  return ylm__surfaces_sphere(out, s->at, s->radius, s->rgb);
+  ylm_light sphere;
+  get(of, i, &sphere, NULL);
+  return ylm__surfaces_sphere(out, &sphere);
 }
 
 static void lamp(const void *of, size_t i, ylm_light_lamp *out) {

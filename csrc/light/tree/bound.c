@@ -90,9 +90,9 @@ void ylm__tree_plan_blocks(ylm__tree_plan *p, size_t n) {
 
 void ylm__tree_plan_free(ylm__tree_plan *p) { ylm_free(p->dim_at); }
 
-/* Where the exact sum of uniform lights takes about as long, whatever the points, at lmax 4: 750
-   lights at a tolerance of 0.1, 2100 at 0.01, 5700 at 0.001; other lmax by the number of lights and
-   proxies summed. */
+/* The number of uniform lights of which the exact sum takes about as long as the tree, wherever the
+   points are. At lmax 4 these are 750 lights at a tolerance of 0.1, 2100 at 0.01 and 5700 at 0.001.
+   Other lmax scale by the lights and proxies that are summed. */
 bool ylm__tree_pays(const ylm_light_tree *t, int lmax, double tolerance) {
   double least = (YLM__FEW + 15.0 * lmax * lmax) * pow(0.1 / tolerance, 0.44);
   return t && (double)t->lights->active >= least;

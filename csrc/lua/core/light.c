@@ -211,13 +211,24 @@ static int lights_count(lua_State *L) {
   return 3;
 }
 
-/* Rows of `from` as a double array, of all their numbers or of `width` from `first` on. */
-static bool push_rows(lua_State *L, const double *from, size_t n, size_t all, size_t first,
-                      size_t width) {
-  ylmL_array *a = ylmL_array_new(L, YLM_DOUBLE, width > 1 ? 2 : 1, (size_t[]){n, width});
-  for (size_t i = 0; a && i < n; i++)
-    memcpy((double *)a->data + i * width, from + i * all + first, width * sizeof *from);
+/* Rows of `width` numbers as a double array. */
+static bool push_rows(lua_State *L, const double *from, size_t n, size_t width) {
+  ylmL_array *a = ylmL_array_new(L, YLM_DOUBLE, 2, (size_t[]){n, width});
+  if (a) ylm_copy(a->data, from, n * width * sizeof *from);
   return a != NULL;
+}
+
+/* Centres [n][3], radii [n] and radiances [n][3] of spheres. */
+static bool push_spheres(lua_State *L, size_t n, const ylm_light *sphere) {
+  ylmL_array *at = ylmL_array_new(L, YLM_DOUBLE, 2, (size_t[]){n, 3});
+  ylmL_array *radius = at ? ylmL_array_new(L, YLM_DOUBLE, 1, (size_t[]){n}) : NULL;
+  ylmL_array *radiance = radius ? ylmL_array_new(L, YLM_DOUBLE, 2, (size_t[]){n, 3}) : NULL;
+  for (size_t i = 0; radiance && i < n; i++) {
+    memcpy((double *)at->data + 3 * i, sphere[i].at, sizeof sphere->at);
+    ((double *)radius->data)[i] = sphere[i].radius;
+    memcpy((double *)radiance->data + 3 * i, sphere[i].radiance, sizeof sphere->radiance);
+  }
+  return radiance != NULL;
 }
 
 /* Emissions of triangles, then of disks: [..][6]. */
@@ -235,11 +246,9 @@ static bool push_emission(lua_State *L, const ylm_light_surfaces *s) {
 static int lights_surfaces(lua_State *L) {
   luaL_checkstack(L, 20, "lights_surfaces");
   const ylm_light_surfaces *s = ylmL_light_surfaces(L, 1, (size_t)luaL_checknumber(L, 2));
-  bool ok = s && push_rows(L, s->sphere, s->spheres, 7, 0, 3) &&
-            push_rows(L, s->sphere, s->spheres, 7, 3, 1) &&
-            push_rows(L, s->sphere, s->spheres, 7, 4, 3) &&
-            push_rows(L, s->triangle, s->triangles, 9, 0, 9) &&
-            push_rows(L, s->disk, s->disks, 7, 0, 7) && push_emission(L, s);
+  bool ok = s && push_spheres(L, s->spheres, s->sphere) &&
+            push_rows(L, s->triangle, s->triangles, 9) && push_rows(L, s->disk, s->disks, 7) &&
+            push_emission(L, s);
   if (!ok) return ylmL_result(L, 0, YLM_ENOMEM, NULL);
   lua_createtable(L, (int)s->images, 0);
   for (size_t i = 0; i < s->images; i++) {

@@ -68,8 +68,9 @@ bool ylmL_scene_lamps(lua_State *L, int i, ylm_scene_lamps *lamps) {
   float *sphere = all->data, *radiance = sphere + 4 * n, *shape = radiance + 3 * (n + nt + nd);
   float *horizon = shape + flat;
   for (size_t k = 0; k < n; k++) {
-    copy(sphere + 4 * k, s->sphere + 7 * k, 4);
-    copy(radiance + 3 * k, s->sphere + 7 * k + 4, 3);
+    copy(sphere + 4 * k, s->sphere[k].at, 3);
+    sphere[4 * k + 3] = (float)s->sphere[k].radius;
+    copy(radiance + 3 * k, s->sphere[k].radiance, 3);
   }
   copy(shape, s->triangle, 9 * nt);
   copy(shape + 9 * nt, s->disk, 7 * nd);
