@@ -6,7 +6,7 @@
 ** return nil, message, code through ylmL_result; lua/ylm/check.lua raises
 ** what is the caller's fault and hands back what is the world's.
 **
-** Each file `core_NAME.c` (or scene_, vtk_, vulkan_) defines
+** Each file `core/NAME.c` (or scene/, vtk/, vulkan/) defines
 **     void ylmL_open_NAME(lua_State *L)      adds functions to the table on top
 ** and stands in the list below. Object types are userdata whose
 ** metatables live in the registry by name, so that every binding sees them.
@@ -22,7 +22,7 @@
 
 /* -- what is bound ----------------------------------------------------------- */
 
-/* Each X(name) is a file core_NAME.c (scene_NAME.c, ...) with ylmL_open_NAME. */
+/* Each X(name) is a file core/NAME.c (scene/NAME.c, ...) with ylmL_open_NAME. */
 #define YLML_CORE_BINDINGS(X)                                                                      \
   X(array)                                                                                         \
   X(figure)                                                                                        \

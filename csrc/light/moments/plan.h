@@ -1,7 +1,7 @@
 /*
 ** plan.h - from sums of moments to results: maps, the plan of a query, the kernels that it needs.
 **
-** Private to csrc/light. The kernels of one lmax (gen/moments_N.isa.c) know nothing of it.
+** Private to csrc/light. The kernels of one lmax (gen/moments_N.h) know nothing of it.
 */
 #ifndef YLM_LIGHT_PLAN_H
 #define YLM_LIGHT_PLAN_H

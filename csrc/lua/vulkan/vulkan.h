@@ -55,7 +55,7 @@ void ylmL_gpu_push_times(lua_State *L, const ylm_gpu_times *t);
 /* Makes a type's metatable with these functions, if it is not there yet; leaves nothing. */
 void ylmL_gpu_type(lua_State *L, const char *name, const luaL_Reg *methods);
 
-/* Each X(name) is a file vulkan_NAME.c with ylmL_open_vulkan_NAME(L), which adds functions to the
+/* Each X(name) is a file vulkan/NAME.c with ylmL_open_vulkan_NAME(L), which adds functions to the
    table on top. */
 #define YLML_VULKAN_BINDINGS(X)                                                                    \
   X(array)                                                                                         \
