@@ -1,6 +1,7 @@
 --- Lamps that shadow rays are aimed at: few are weighed one by one, many are drawn from a tree (csrc/scene).
 
 local ylm = require "ylm"
+local floor_of_lamps = require "spec.support.floor_of_lamps"
 local lib = require "ylm.c.scene"
 local light = require "ylm.light"
 local spread = require("spec.support.random").spread
@@ -191,16 +192,7 @@ end)
 
 describe("lamps drawn from a tree bring", function()
   it("the sum of closed forms: spheres above the horizon, by aim and by sample", function()
-    local at, radius, n = {}, {}, 3000
-    for i = 1, n do
-      local a, r = 2.399963 * i, 3 * math.sqrt(i / n)
-      at[i], radius[i] = { r * math.cos(a), 1 + 0.5 * math.sin(i), r * math.sin(a) }, 0.01 + 0.02 * (i % 7) / 6
-    end
-    local truth = 0
-    for i = 1, n do
-      local d2 = at[i][1] ^ 2 + at[i][2] ^ 2 + at[i][3] ^ 2
-      truth = truth + math.pi * radius[i] ^ 2 / d2 * at[i][2] / math.sqrt(d2)
-    end
+    local at, radius, truth = floor_of_lamps(3000, 1)
     local tree = both { ylm.sphere_lights { at = at, radius = radius, radiance = 1 } }
     local row = lib.chooser_aim(tree, ylm.array({ { 0, 0, 0, 0, 1, 0 } }, "float"), 16, 2000, 1):totable()[1]
     assert.is_true(math.abs(row[1] - truth) < 4 * math.sqrt(row[2]) and math.sqrt(row[2]) < 1e-3 * truth)

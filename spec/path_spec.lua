@@ -1,6 +1,7 @@
 -- The path tracer: closed forms, strategies that must agree, what stops it and what it goes on from.
 -- `make check-long` asks the closed forms for a tenth of the noise, 0.2 %.
 
+local floor_of_lamps = require "spec.support.floor_of_lamps"
 local long = require "spec.support.long"
 local scratch = require "spec.support.scratch"
 local ylm = require "ylm"
@@ -69,16 +70,7 @@ describe("scene:probe", function()
   end)
 
   it("chooses among 5,000 lamps without bias", function()
-    local at, radius, n = {}, {}, 5000
-    for i = 1, n do
-      local a, r = 2.399963 * i, 3 * math.sqrt(i / n)
-      at[i], radius[i] = { r * math.cos(a), 2 + 0.5 * math.sin(i), r * math.sin(a) }, 0.01 + 0.02 * (i % 7) / 6
-    end
-    local truth = 0
-    for i = 1, n do
-      local d2 = at[i][1] ^ 2 + at[i][2] ^ 2 + at[i][3] ^ 2
-      truth = truth + math.pi * radius[i] ^ 2 / d2 * at[i][2] / math.sqrt(d2)
-    end
+    local at, radius, truth = floor_of_lamps(5000, 2)
     local scene = ylm.scene "many" { lights = { ylm.sphere_lights { at = at, radius = radius, radiance = 1 } } }
     for _, strategy in ipairs { "lights", "both" } do
       local E, v = scene:probe { points = { { 0, 0, 0 } }, normals = { { 0, 1, 0 } }, samples = 32768, bounces = 0,
