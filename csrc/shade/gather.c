@@ -207,7 +207,7 @@ static ylm_status check(const ylm_shade_gather_options *o, const gather_lights *
 static ylm_status make_ask(gather_ask *a, const gather_lights *l) {
   const ylm_shade_gather_options *o = a->o;
   double zonal[YLM_SHADE_GATHER_LMAX + 1], R2 = l->form.core * l->form.core;
-  ylm_status s = ylm_material_transfer(ylm_material_kind_find("matte"), o->lmax, zonal);
+  ylm_status s = ylm_material_cosine(o->lmax, zonal);
   for (int k = 0; s == YLM_OK && k <= o->lmax; k++)
     a->zonal[k] = (float)(zonal[k] * (2 * k + 1) / (4 * 3.14159265358979323846) *
                           (o->window ? o->window[k] : 1));

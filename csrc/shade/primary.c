@@ -278,8 +278,7 @@ static nearness *nearness_of(const ylm_shade_view *v, double pixel) {
   for (size_t i = 0; out && i < meshes; i++) {
     const ylm_material *m = ylm__shade_mesh_material(v, i);
     out[i] = (nearness){SHADE_SAME_NORMAL, v->o.share};
-    if (!v->o.fine || v->o.per_vertex || ylm_material_kind(m) == ylm_material_kind_find("matte"))
-      continue;
+    if (!v->o.fine || v->o.per_vertex || !ylm_material_glosses(m)) continue;
     double width = lobe(m);
     if (v->o.gloss == YLM_SHADE_GLOSS_SH) width = fmax(width, 2.0 / (v->o.lmax + 1));
     width *= SHADE_FINE;

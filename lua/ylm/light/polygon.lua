@@ -51,7 +51,8 @@ polygon.polygon_light = form.define("polygon_light", {
   about = "A planar convex polygon that emits the same radiance to both sides.",
   fields = {
     { "vertices", "any", unit = "scene units",
-      about = "3 to " .. check.limit_text(core.limits.polygon_vertices) .. " points in order, in one plane: a list or an array [n][3]" },
+      about = "3 to " .. check.limit_text(core.limits.polygon_vertices)
+        .. " points in order, in one plane: a list or an array [n][3]" },
     { "radiance", "colour", default = 1, unit = "W sr^-1 m^-2", about = "number or {r, g, b}; may be negative" },
     method_field,
     { "horizon", "vector", optional = true,
