@@ -34,8 +34,8 @@ typedef int64_t ylm_vl __attribute__((vector_size(YLM_VECTOR_BYTES)));
 
 #define YLM_INLINE static inline __attribute__((always_inline))
 
-YLM_INLINE ylm_vf ylm_vf_set(float x) { return (ylm_vf){0} + x; }
-YLM_INLINE ylm_vd ylm_vd_set(double x) { return (ylm_vd){0} + x; }
+YLM_INLINE ylm_vf ylm_vf_set(float x) { return x - (ylm_vf){0}; }
+YLM_INLINE ylm_vd ylm_vd_set(double x) { return x - (ylm_vd){0}; }
 YLM_INLINE ylm_vf ylm_vf_load(const float *p) {
   ylm_vf v;
   memcpy(&v, p, sizeof v);
