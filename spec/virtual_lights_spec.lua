@@ -327,6 +327,11 @@ describe("ylm.virtual_lights", function()
     fails(function() far:split {} end, "lights of profile 'gauss' are split, and these are 'far'")
     fails(function() l:irradiance({ { 0, 0, 0 } }, { { 0, 0, 1 } }) end, "the near part of split lights is gathered")
     fails(function() near:irradiance({ { 0, 0, 0 } }, { { 0, 0, 1 }, { 0, 0, 1 } }) end, "one normal for each of 1 points")
+    fails(function() near:irradiance({ { 0, 0, 0 } }, { { 0, 0, 1e30 } }) end, "normal 1 must have length 1, its length is 1e+30")
+    fails(function() l:split { core = 1e300 } end, "core of profile 'far' must be above 0 and at most 1e+15")
+    far, near = ylm.virtual_lights { at = {}, radius = 1, intensity = 1 }:split()
+    assert.equal(0, far.count + near:irradiance({ { 0, 0, 0 } }, { { 0, 0, 1 } }):get(1, 1))
+    far, near = l:split { core = 1 }
     local box = { { -1, -1, -1 }, { 1, 1, 1 } }
     fails(function() ylm.bake(ylm.adaptive_grid { bounds = box, lmax = 2 }, near) end, "near lights are gathered")
     fails(function() ylm.bake(ylm.adaptive_grid { bounds = box, lmax = 2, dynamic = true }, l) end,

@@ -76,7 +76,7 @@ local function shortcomings(s, o, r)
   end
   local going, reflected = r.power.going, r.power.reflected
   local left = going[1] + going[2] + going[3]
-  if o.bounces == MOST_BOUNCES and left > 1e-3 * (reflected[1] + reflected[2] + reflected[3]) then
+  if o.bounces == MOST_BOUNCES and math.abs(left) > 1e-3 * math.abs(reflected[1] + reflected[2] + reflected[3]) then
     list[#list + 1] = warning.say(s, "bounces virtual", "scene %q: %g W are still under way after %d reflections, and are left "
       .. "out: surfaces reflect nearly all (albedo)", s.name or "?", left, MOST_BOUNCES)
   end

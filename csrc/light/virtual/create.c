@@ -80,8 +80,8 @@ static ylm_status check_form(const ylm_light_virtual_form *f, ylm_error *e) {
   if ((unsigned)f->profile >= YLM_LIGHT_VIRTUAL_PROFILE_COUNT)
     return ylm_fail(e, YLM_EINVAL, "there is no profile %d", (int)f->profile);
   if (is_split(f->profile) && !(f->core > 0 && f->core <= YLM_LIGHT_EXTENT))
-    return ylm_fail(e, YLM_EDOMAIN, "profile '%s' has a core above 0, got %g",
-                    ylm_light_virtual_profile_name(f->profile), f->core);
+    return ylm_fail(e, YLM_EDOMAIN, "core of profile '%s' must be above 0 and at most %g, got %g",
+                    ylm_light_virtual_profile_name(f->profile), YLM_LIGHT_EXTENT, f->core);
   return YLM_OK;
 }
 

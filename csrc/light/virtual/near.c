@@ -213,6 +213,10 @@ static ylm_status sum(search *s, const ylm_field_query *q, size_t n, ylm_error *
   return status == YLM_OK ? status : ylm_fail(e, status, "%s", ylm_status_text(status));
 }
 
+static double length_of(const float v[3]) {
+  return sqrt((double)v[0] * v[0] + (double)v[1] * v[1] + (double)v[2] * v[2]);
+}
+
 static ylm_status near_sums(search *s, int lmax, size_t n, int threads, ylm_error *e) {
   ylm_field_query q = {.lmax = lmax,
                        .channels = 3,
@@ -228,8 +232,12 @@ static ylm_status near_sums(search *s, int lmax, size_t n, int threads, ylm_erro
     return ylm_fail(e, YLM_ERANGE, "lmax must be 0 .. %d, got %d", YLM_LIGHT_LMAX, lmax);
   if (!ylm_all_finite(YLM_FLOAT, s->points, 3 * n, &where))
     return ylm_fail(e, YLM_EDOMAIN, "point %zu is not finite", where / 3 + 1);
-  if (s->normals && !ylm_all_finite(YLM_FLOAT, s->normals, 3 * n, &where))
-    return ylm_fail(e, YLM_EDOMAIN, "normal %zu is not finite", where / 3 + 1);
+  for (where = 0; s->normals && where < n; where++) {
+    double length = length_of(s->normals + 3 * where);
+    if (!(fabs(length - 1) <= 1e-3))
+      return ylm_fail(e, YLM_EDOMAIN, "normal %zu must have length 1, its length is %g", where + 1,
+                      length);
+  }
   if (n >= UINT32_MAX) return ylm_fail(e, YLM_ERANGE, "%zu points are too many", n);
   if (!n || !s->lights->n) return YLM_OK;
   s->size = YLM_LIGHT_VIRTUAL_REACH * s->lights->core;

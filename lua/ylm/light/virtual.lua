@@ -123,6 +123,7 @@ end
 --- The core that makes far and near parts cost about the same: 0.31 n^(1/4) spacings, 2 to 12. Lights that particles left
 -- have radii of 1.5/sqrt(pi) spacings (scale = 1.5), the mean of which says what a spacing is.
 local function auto_core(l)
+  if l.count == 0 then return 1 end
   local spacings = math.max(2, math.min(12, 0.31 * l.count ^ 0.25))
   return math.max(spacings * l.radius.mean * math.sqrt(math.pi) / 1.5, 2.01 * l.radius.max)
 end
@@ -186,7 +187,7 @@ function methods:irradiance(points, normals, given)
     return check.fail("irradiance: the near part of split lights is gathered, and these are '%s'", self.profile)
   end
   local p, single = array.points(1, "irradiance", points, "float")
-  local n = array.points(2, "irradiance", normals, "float")
+  local n = array.points(2, "irradiance", normals, "float", "normals")
   if #n ~= #p then return check.bad(2, "irradiance", "one normal for each of %d points expected, got %d", #p, #n) end
   local out, message, code = core.array_zeros({ #p, 3 }, "float")
   if out then

@@ -156,7 +156,10 @@ local function hindrance(p, o, field)
     local gathered = visibility.quantity(field) == "direct" and o.bounced and o.bounced.by == "gather"
     return not (o.transfer or gathered) and "a grid's light that knows its shadows shades without rays" or nil
   end
-  if not lamps_of(field) then return "the lamps behind the grid are not known (it was loaded, or holds other light)" end
+  if not lamps_of(field) then
+    return core.type(field) == "ylm.grid" and "the lamps behind the grid are not known (it was loaded, or holds other light)"
+      or "the light is not of lamps alone that rays find (virtual lights and spots are none of them)"
+  end
   return nil
 end
 
