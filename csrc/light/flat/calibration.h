@@ -19,11 +19,11 @@
 #define YLM__STEPS 96
 /* Rims are integrated in panels no longer than 1/YLM__RIM_RATIO of twice their distance, by 24 nodes or
    more: the integrand's nearest singularity then lies where they leave 1e-17. There is room for
-   PANELS. */
+   YLM__RIM_PANELS. */
 #define YLM__RIM_RATIO 1.5
 #define YLM__RIM_PANELS 256
-/* Relative to the distance: nearer to its plane than this, a flat light is taken as seen edge-on.
-   */
+/* Relative to the distance: nearer to its plane than this, a flat light is taken as seen
+   edge-on. */
 #define YLM__EDGE_ON 1e-15
 /* (lmax + 4) times its reach over its distance: smaller than this, a light is seen from far. Moved
    by: errors of both formulas there. */

@@ -29,8 +29,8 @@
 
 /* -- direct light with shadows: direct.c, lamps.c ------------------------------------------------ */
 
-/* The most groups of a point, its shadow rays, those of a group, and rays of a group to begin with.
-   */
+/* The most groups of a point, its shadow rays, those of a group, and rays of a group to begin
+   with. */
 #define GATHER_GROUPS 64
 #define GATHER_SHADOWS 256
 #define GATHER_OF_GROUP 64
