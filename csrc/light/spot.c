@@ -2,7 +2,7 @@
 ** spot.c - spots, as a kind of light: known to rays and particles, and to no light field.
 **
 ** | parameter | unit        | allowed                                                          |
-** | intensity | W sr^-1     | finite                                                           |
+** | intensity | W sr^-1     | -1e20 .. 1e20                                                    |
 ** | at        | scene units | finite                                                           |
 ** | axis      |             | not 0                                                            |
 ** | angle     | degrees     | above 0, at most 360: of the whole cone                          |
@@ -15,6 +15,8 @@
 #include "set.h"
 #include "ylm_light_spot.h"
 #include "ylm_vector.h"
+
+#define BRIGHTEST 1e20 /* W sr^-1: light of it is a float at distances above 1e-3 */
 
 enum { AT = 3, AXIS = 6, ANGLE = 9, BLEND, NUMBERS };
 
@@ -39,6 +41,10 @@ static ylm_status settle(double *x, size_t i, ylm_error *e) {
   for (int k = 0; k < 3; k++)
     if (fabs(x[AT + k]) > YLM_LIGHT_EXTENT)
       return ylm_fail(e, YLM_ERANGE, "spot %zu is beyond %g", i + 1, YLM_LIGHT_EXTENT);
+  for (int c = 0; c < 3; c++)
+    if (fabs(x[c]) > BRIGHTEST)
+      return ylm_fail(e, YLM_ERANGE, "spot %zu is of an intensity beyond %g W/sr", i + 1,
+                      BRIGHTEST);
   if (!ylm_unit3(x + AXIS))
     return ylm_fail(e, YLM_EDOMAIN, "spot %zu has no direction: at and to are the same", i + 1);
   if (!(x[ANGLE] > 0 && x[ANGLE] <= 360))

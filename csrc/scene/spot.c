@@ -8,7 +8,8 @@
 
 #include "scene.h"
 
-#define SOLID 1e-12 /* sr */
+#define SOLID 1e-12    /* sr */
+#define BRIGHTEST 1e36 /* of a radiance, whose sums are floats */
 
 ylm_status ylm__scene_copy_spots(ylm_scene *s, const ylm_scene_lamps *l) {
   ylm_light_spot one;
@@ -51,7 +52,8 @@ void ylm__scene_spot_weights(const ylm_scene *s, const float x[3], const float *
   for (size_t i = 0; i < s->spots; i++) {
     double v[3], d, part = look(s, i, x, v, &d);
     if (i % YLM_LAMP_CHUNK == 0) sum[i / YLM_LAMP_CHUNK] = 0;
-    weight[i] = (float)(part * facing(v, n) * ylm_luminance_size(s->spot[i].intensity));
+    weight[i] =
+        (float)fmin(part * facing(v, n) * ylm_luminance_size(s->spot[i].intensity), BRIGHTEST);
     sum[i / YLM_LAMP_CHUNK] += weight[i];
   }
 }
@@ -63,7 +65,7 @@ double ylm__scene_spot_sample(const ylm_scene *s, size_t i, const float x[3], co
   for (int a = 0; a < 3; a++) {
     ray->org[a] = x[a];
     ray->dir[a] = (float)v[a];
-    radiance[a] = (float)(s->spot[i].intensity[a] * part / SOLID);
+    radiance[a] = (float)fmin(fmax(s->spot[i].intensity[a] * part / SOLID, -BRIGHTEST), BRIGHTEST);
   }
   ray->near = 0; /* a spot may be on a wall: the ray ends just before it */
   ray->far = fmaxf(0, (float)(d * (1 - 1e-5)) - ylm_trace_offset(s->trace));

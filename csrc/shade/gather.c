@@ -8,6 +8,7 @@
 #include "ylm_sh.h"
 
 #define GRAIN 64
+#define MANY 256 /* samples of spheres, above which a point alone is work to report */
 
 typedef struct job {
   const ylm_shade_view *view;
@@ -219,6 +220,7 @@ ylm_status ylm_shade_gather_virtual(const ylm_shade_view *v, const ylm_light_vir
                                     const ylm_shade_gather_options *o, float *out,
                                     ylm_shade_gather_report *report, ylm_error *e) {
   double begun = ylm_seconds();
+  size_t where;
   gather_lights l = {0};
   job j = {.view = v,
            .o = o,
@@ -230,10 +232,16 @@ ylm_status ylm_shade_gather_virtual(const ylm_shade_view *v, const ylm_light_vir
   if (s == YLM_OK) s = check(o, &l, e);
   if (s == YLM_OK) s = make_ask(&j.ask, &l);
   if (s == YLM_OK)
-    s = ylm_parallel(v->points, GRAIN, o->threads, run, &j, o->progress, "virtual lights");
+    s = ylm_parallel(v->points, o->method == YLM_SHADE_VSL && o->samples > MANY ? 1 : GRAIN,
+                     o->threads, run, &j, o->progress, "virtual lights");
   uint64_t rays = j.rays;
   if (s == YLM_OK && o->compensate) s = ylm__gather_compensate(v, &j.ask, out, &rays, e);
   if (s == YLM_OK) ylm__shade_reflect(v, 0, v->points, out);
+  if (s == YLM_OK && !ylm_all_finite(YLM_FLOAT, out, 3 * v->points, &where))
+    s = ylm_fail(e, YLM_ERANGE,
+                 "the light at shading point %zu is beyond the range of float: lower the lights' "
+                 "intensity",
+                 where / 3 + 1);
   ylm_free(l.memory);
   *report = (ylm_shade_gather_report){(uint64_t)v->points * l.n, rays, ylm_seconds() - begun};
   return s;

@@ -242,7 +242,11 @@ static ylm_status near_sums(search *s, int lmax, size_t n, int threads, ylm_erro
   if (!n || !s->lights->n) return YLM_OK;
   s->size = YLM_LIGHT_VIRTUAL_REACH * s->lights->core;
   s->kernel = ylm__virtual_near_kernel(ylm_isa_current(), &s->lanes);
-  return s->kernel ? sum(s, &q, n, e) : run_plainly(s, &q, n, e);
+  ylm_status status = s->kernel ? sum(s, &q, n, e) : run_plainly(s, &q, n, e);
+  if (status == YLM_OK && !ylm_all_finite(YLM_FLOAT, s->out, n * s->wide, &where))
+    status = ylm_fail(e, YLM_ERANGE, "the light at point %zu is beyond the range of float",
+                      where / s->wide + 1);
+  return status;
 }
 
 ylm_status ylm_light_virtual_near_irradiance(const ylm_light_virtual *lights, int lmax, size_t n,

@@ -89,8 +89,9 @@ local function default_limit(lights)
   table.sort(sorted)
   local r = sorted[math.floor(#sorted / 2) + 1]
   if #sorted == 0 then return 1 end
-  if r > 0 then return 1 / r ^ 2 end
-  return check.fail "gather: limit is needed: the lights have no radius to find one by"
+  if r > 0 and 1 / r ^ 2 < math.huge then return 1 / r ^ 2 end
+  return check.fail("gather: limit is needed: the lights have %s to find one by",
+    r > 0 and ("too small a radius (%g)"):format(r) or "no radius")
 end
 
 --- Settles the options that one method has.

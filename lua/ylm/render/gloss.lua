@@ -106,7 +106,7 @@ end
 function gloss.check_harmonics(name, o, given, by_rays)
   if type(given) ~= "table" then return end
   local harmonics = not by_rays and (o.gloss == "auto" or o.gloss == "sh")
-  for _, field in ipairs { "below", "window" } do
+  for _, field in ipairs { "below", "window", "gloss_error" } do
     if given[field] ~= nil and not harmonics then
       return check.fail("%s: %s is for surfaces that gloss in harmonics, gloss = 'auto' or 'sh': leave it out", name, field)
     end

@@ -45,9 +45,13 @@ function relight.settle(name, o, given)
     return check.fail("%s: relight = %q is of surfaces that gloss by spherical harmonics: gloss = 'sh', or leave gloss out", name,
       o.relight)
   end
+  if o.visibility == "rays" then
+    return check.fail("%s: relight = %q is of transfer vectors, visibility is 'rays': 'transfer' or 'none', or leave one out",
+      name, o.relight)
+  end
   o.gloss = "sh"
   if o.relight ~= "all" then return end
-  if given.shading ~= nil and given.shading ~= "vertex" then
+  if given.shading ~= nil and given.shading ~= "vertex" or o.visibility == "pixel" then
     return check.fail("%s: relight = 'all' shades vertices, which every camera sees: shading = 'vertex', or leave shading out",
       name)
   end

@@ -51,6 +51,8 @@ end, {
   { { window = 3 }, "window: { name, width } of sh.window expected" }, { { horizon = "soft" }, "horizon must be one of" },
   { { shadows = true }, "shadows must be one of 'none', 'centre'" },
   { function(ylm) return { lights = ylm.sphere_light { at = { 0, 0, 0 } } } end, "lights must be" },
+  { function(ylm) return { lights = ylm.virtual_lights { at = { { 0, 1, 0 } }, radius = 0.2, intensity = 1e300 } } end,
+    "the light at shading point 1 is beyond the range of float" },
 }, refused(function(ylm) return scene(ylm):prepare({ size = { 2, 2 } }):gather {} end, "field 'lights' is missing"))
 
 local lights = cases(function(ylm, o) return ylm.virtual_lights(o) end, {
@@ -72,6 +74,7 @@ local spots = cases(function(ylm, o) return ylm.spot_light(o) end, {
   { { at = { 0, 0, 0 }, to = { 0, 0, 1 }, blend = -0.1 }, "blend must be a number >= 0" },
   { { at = { 0, 0, 0 }, to = { 0, 0, 1 }, intensity = nan }, "intensity must be" },
   { { at = { 0, 2 ^ 60, 0 }, to = { 0, 0, 1 } }, "it is beyond 1e" },
+  { { at = { 0, 0, 0 }, to = { 0, 0, 1 }, intensity = 1e21 }, "it is of an intensity beyond 1e%+20" },
 })
 
 return {
