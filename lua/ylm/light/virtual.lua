@@ -5,6 +5,7 @@ local check = require "ylm.check"
 local core = require "ylm.c.core"
 local describe = require "ylm.describe".describe
 local form = require "ylm.form"
+local memory = require "ylm.memory"
 local numbers = require "ylm.light.numbers"
 
 local virtual = {}
@@ -252,7 +253,7 @@ virtual.virtual_lights = form.define("virtual_lights", {
   },
   build = build,
   light = {},
-  metatable = { __index = methods, __tostring = function(l)
+  metatable = { __index = memory.publish(methods), __tostring = function(l)
     return ("%d virtual lights of degree %d, profile %s"):format(l.count, l.degree, l.profile)
   end },
   example = [[

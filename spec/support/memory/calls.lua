@@ -354,6 +354,21 @@ calls["surfaces that gloss, by rays too"] = on(scene, function(s)
   return s:reference { size = size, samples = 1, lmax = 1, gloss = "auto", transfer_samples = 8, light_samples = 2,
     gloss_error = { 0.1, 1 } }
 end)
+calls["virtual lights of a scene, gathered"] = on(scene, function(s)
+  local lights, message, code = s:virtual_lights { count = 8, particles = 32 }
+  if not lights then return nil, message, code end
+  local view
+  view, message, code = s:prepare { size = size, samples = 1 }
+  if not view then return nil, message, code end
+  return view:gather { lights = lights, method = "vpl", compensate = 2 }
+end)
+calls["virtual lights, far and near"] = on(function()
+  return ylm.virtual_lights { at = { { 0, 0, 0 } }, radius = 0.2, intensity = 1 }
+end, function(lights)
+  local far, near, code = lights:split { core = 1 }
+  if not far then return nil, near, code end
+  return near:irradiance({ { 0, 0, 0.5 } }, { { 0, 0, -1 } })
+end)
 for _, how in ipairs { "ssao", "rays" } do
   calls["ambient by " .. how] = on(scene, function(s)
     return s:render { size = size, samples = 1, light_samples = 2, ambient = how }
