@@ -152,15 +152,17 @@ describe("gloss = 'sh'", function()
     local folder = scratch.new()
     local script = folder:write("kernels.lua", [[
       local ylm = require "ylm"
-      local s = ylm.scene "kernels" { camera = ylm.camera { from = { 0, 1.5, 3 }, at = { 0, 0, 0 }, fov = 40 }, geometry = {
-        ylm.quad { corner = { -2, -1, 2 }, u = { 4, 0, 0 }, v = { 0, 0, -4 },
-          material = ylm.ggx { alpha = 0.5, f0 = { 1, 0.78, 0.34 } } }, ylm.sphere { scale = 0.7 } },
-        lights = { ylm.sphere_light { at = { 1, 3, -1 }, radius = 1, radiance = { 5, 6, 7 } } } }
-      for _, lmax in ipairs { 2, 7 } do
-        local image = s:reference { size = { 7, 5 }, samples = 1, lmax = lmax, visibility = "transfer", transfer_samples = 32,
-          gloss = "sh", threads = 1 }
-        for _, row in ipairs(image:layer "radiance":totable()) do
-          for _, p in ipairs(row) do print(("%.9g %.9g %.9g"):format(p[1], p[2], p[3])) end
+      for _, light in ipairs { ylm.sphere_light { at = { 1, 3, -1 }, radius = 1, radiance = { 5, 6, 7 } },
+        ylm.sun_light { direction = { 1, 3, -1 }, angle = 20, irradiance = { 3, 4, 5 } } } do
+        local s = ylm.scene "kernels" { camera = ylm.camera { from = { 0, 1.5, 3 }, at = { 0, 0, 0 }, fov = 40 }, geometry = {
+          ylm.quad { corner = { -2, -1, 2 }, u = { 4, 0, 0 }, v = { 0, 0, -4 },
+            material = ylm.ggx { alpha = 0.5, f0 = { 1, 0.78, 0.34 } } }, ylm.sphere { scale = 0.7 } }, lights = { light } }
+        for _, lmax in ipairs { 2, 7 } do
+          local image = s:reference { size = { 7, 5 }, samples = 1, lmax = lmax, visibility = "transfer",
+            transfer_samples = 32, gloss = "sh", threads = 1 }
+          for _, row in ipairs(image:layer "radiance":totable()) do
+            for _, p in ipairs(row) do print(("%.9g %.9g %.9g"):format(p[1], p[2], p[3])) end
+          end
         end
       end]])
     local results = {}
@@ -173,7 +175,7 @@ describe("gloss = 'sh'", function()
     end
     folder:remove()
     local plain = assert(results.reference)
-    assert.equal(2 * 7 * 5 * 3, #plain)
+    assert.equal(4 * 7 * 5 * 3, #plain)
     for isa, list in pairs(results) do
       assert.equal(#plain, #list)
       for i, x in ipairs(list) do

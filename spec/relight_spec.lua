@@ -55,6 +55,21 @@ describe("scene:prepare { relight = 'light' }", function()
     assert.equal(0, (apart((kept:reference()), (fresh:reference()))))
   end)
 
+  it("has pictures under light that all points share, which others make without products, to rounding", function()
+    local s, sky = scene(), { ylm.sun_light { direction = { 1, 2, 2 }, angle = 20, irradiance = { 3, 2, 1 } },
+      ylm.environment_light { radiance = { 0.5, 0.6, 0.7 } } }
+    for _, lmax in ipairs { 1, 9, 14 } do
+      for _, visibility in ipairs { "transfer", "none" } do
+        local more = { lmax = lmax, visibility = visibility, size = { 12, 9 } }
+        local fresh = s:prepare(with(more))
+        more.relight = "light"
+        local _, error = apart((fresh:render { grid = sky }), (s:prepare(with(more)):render { grid = sky }))
+        assert.is_true(error < 2e-6, ("lmax %d, %s: %.2g"):format(lmax, visibility, error))
+        if lmax > 3 and visibility == "transfer" then assert.is_true(error > 0) end -- two paths, not one
+      end
+    end
+  end)
+
   it("is gloss = 'sh' by transfer vectors, unless told otherwise", function()
     local v = scene():prepare { size = { 4, 3 }, samples = 1, lmax = 2, relight = "light" }
     assert.same({ "sh", "transfer", "light" }, { v.options.gloss, v.options.visibility, v.options.relight })

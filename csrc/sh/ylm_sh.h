@@ -372,6 +372,33 @@ YLM_API ylm_status ylm_sh_rotate_times(const ylm_sh_rotator *p, const ylm_sh_pro
                                        double *stage, ylm_error *e);
 
 /*
+** ylm_sh_rotate_integrate - turn rows by their point's rotation, multiply them by its factor and by three functions,
+** and integrate.
+**
+**   out[i][c] = sum_k mix[c][k] int row_k factor_i light_c
+**
+** All but the following as ylm_sh_rotate_times has it.
+**
+**   rows    in   1 .. 3
+**   light   in   [3]        rows [(lmax+1)^2], the same for all points
+**   mix     in   [3][3]     of which `rows` columns count
+**   out     out  [n][3]
+**
+** Accuracy as ylm_sh_rotate_times, of the norm of a row times that of light: 2e-6 (float)
+** Cost     rows and factors are transformed to nodes, light once a call; nothing is transformed back
+** Source   Gauss quadrature, exact for three functions of degree lmax (docs/math.md "Products")
+*/
+YLM_API ylm_status ylm_sh_rotate_integrate(const ylm_sh_rotator *p, const ylm_sh_product *q,
+                                           ylm_dtype t, size_t n, const void *r, int rows,
+                                           bool halves, const void *in, const void *const *factor,
+                                           const void *const *light, const void *mix, void *out,
+                                           double *stage, ylm_error *e);
+
+/* Whether kernels turn and multiply rows in one pass, without which integrals cost more than products: quadrature, lmax
+   14 at most. */
+YLM_API bool ylm_sh_rotate_in_one(const ylm_sh_rotator *p, const ylm_sh_product *q);
+
+/*
 ** ylm_sh_transfer - the matrix that multiplies by a function: (M a)_i = sum_j M_ij a_j.
 **
 **   M_ij = sum_k c_k int Y_i Y_j Y_k,   Green 2003, Eq. 8; symmetric

@@ -37,6 +37,20 @@ static void keep_batch(const batch *x, shade_kept *kept) {
            numbers * sizeof(float));
 }
 
+/* Radiance of a batch whose points share their light. */
+static ylm_status shine(batch *x, const size_t *point, const float *const *V, const sink *to) {
+  float radiance[YLM_SHADE_SLICES][3];
+  size_t row = 3 * x->slices->count, n = x->n;
+  const float *L = (const float *)to->light->L + x->number[0] * row;
+  ylm_status s = ylm__shade_slices_shine(x->slices, n, point, V, L, radiance);
+  for (size_t i = 0; s == YLM_OK && i < n; i++) {
+    memcpy(to->out + 3 * x->number[i], radiance[i], sizeof radiance[i]);
+    ylm__shade_tint(x->slices->v, point[i], 1, to->out + 3 * x->number[i]);
+  }
+  x->n = 0;
+  return s;
+}
+
 static ylm_status do_batch(batch *x, const sink *to) {
   const shade_slices *slices = x->slices;
   size_t point[YLM_SHADE_SLICES];
@@ -45,6 +59,8 @@ static ylm_status do_batch(batch *x, const sink *to) {
     point[i] = x->first + x->number[i];
     if (to->shadows) V[i] = slices->v->transfer + point[i] * slices->count;
   }
+  if (!to->kept && ylm__shade_slices_shares(slices, to->light, x->n, x->number))
+    return shine(x, point, to->shadows ? V : NULL, to);
   ylm_status s = ylm__shade_slices_make(x->slices, x->n, point, to->shadows ? V : NULL);
   if (s == YLM_OK && to->kept)
     keep_batch(x, to->kept);

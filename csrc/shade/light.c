@@ -81,9 +81,19 @@ static ylm_status shade_matte(const ylm_shade_view *v, ylm_shade_dot_fn *dot,
   return s;
 }
 
+/* Whether n points from `first` on all gloss. */
+static bool all_gloss(const ylm_shade_view *v, size_t first, size_t n) {
+  for (size_t i = first; i < first + n; i++)
+    if ((i == first || v->mesh[i] != v->mesh[i - 1]) &&
+        ylm__shade_gloss_slot(v->gloss, v->mesh[i]) == YLM_SHADE_MATTE)
+      return false;
+  return true;
+}
+
 ylm_status ylm__shade_points(const ylm_shade_view *v, ylm_shade_dot_fn *dot, const shade_rows *rows,
                              size_t first, size_t n, const shade_light *x, float *out) {
-  ylm_status s = shade_matte(v, dot, rows, first, n, x, out);
+  ylm_status s =
+      rows->tables && all_gloss(v, first, n) ? YLM_OK : shade_matte(v, dot, rows, first, n, x, out);
   if (s != YLM_OK || !rows->tables) return s;
   return ylm__shade_glossy(v, dot, rows, ylm__shade_shadows(v, rows->weight), first, n, x, out);
 }

@@ -103,11 +103,11 @@ static void soften(shade_slices *x, size_t n) {
       for (int m = x->halves ? 0 : -l; m <= l; m++) *at++ *= window[l];
 }
 
-ylm_status ylm__shade_slices_make(shade_slices *x, size_t n, const size_t *point,
-                                  const float *const *V) {
-  float wo[YLM_SHADE_SLICES][3], frame[YLM_SHADE_SLICES][3][3];
-  double start = ylm_seconds(), stage[2] = {0, 0};
-  const void *factor[YLM_SHADE_SLICES];
+/* Makes rows of n points in the axes of their views, which are frame; factors of the points: NULL where open. */
+static void make_rows(shade_slices *x, size_t n, const size_t *point, const float *const *V,
+                      float (*frame)[3][3], const void **factor) {
+  float wo[YLM_SHADE_SLICES][3];
+  double start = ylm_seconds();
   for (size_t i = 0; i < n; i++) ylm__shade_look(x->v, point[i], wo[i], frame[i]);
   if (x->t->nearest) {
     ylm_material_table_facts f;
@@ -116,13 +116,51 @@ ylm_status ylm__shade_slices_make(shade_slices *x, size_t n, const size_t *point
   }
   ylm_material_table_rows(x->table, n, (const float(*)[3])wo, x->row);
   soften(x, n);
-  start = ylm__shade_clock(x->v, SHADE_ROWS, start);
   for (size_t i = 0; i < n; i++) factor[i] = V && !is_open(V[i], x->count) ? V[i] : NULL;
+  ylm__shade_clock(x->v, SHADE_ROWS, start);
+}
+
+/* Counts seconds of rotation and product. */
+static void clock_stages(const shade_slices *x, const double stage[2]) {
+  ylm__shade_clock(x->v, SHADE_ROTATION, ylm_seconds() - stage[0]);
+  ylm__shade_clock(x->v, SHADE_PRODUCT, ylm_seconds() - stage[1]);
+}
+
+ylm_status ylm__shade_slices_make(shade_slices *x, size_t n, const size_t *point,
+                                  const float *const *V) {
+  float frame[YLM_SHADE_SLICES][3][3];
+  const void *factor[YLM_SHADE_SLICES];
+  double stage[2] = {0, 0};
+  make_rows(x, n, point, V, frame, factor);
   ylm_status s =
       ylm_sh_rotate_times(x->t->rotator, x->t->product, YLM_FLOAT, n, frame, (int)x->functions,
                           x->halves, x->row, factor, x->slice, stage, NULL);
-  ylm__shade_clock(x->v, SHADE_ROTATION, ylm_seconds() - stage[0]);
-  ylm__shade_clock(x->v, SHADE_PRODUCT, ylm_seconds() - stage[1]);
+  clock_stages(x, stage);
+  return s;
+}
+
+bool ylm__shade_slices_shares(const shade_slices *x, const shade_light *l, size_t n,
+                              const size_t *number) {
+  size_t bytes = (size_t)l->channels * ylm_sh_count(l->lmax) * sizeof(float);
+  const char *L = l->L, *first = L + number[0] * bytes;
+  if (l->type != YLM_FLOAT || l->channels != 3 || l->lmax != x->t->lmax ||
+      !ylm_sh_rotate_in_one(x->t->rotator, x->t->product))
+    return false;
+  for (size_t i = 1; i < n; i++)
+    if (memcmp(first, L + number[i] * bytes, bytes) != 0) return false;
+  return true;
+}
+
+ylm_status ylm__shade_slices_shine(shade_slices *x, size_t n, const size_t *point,
+                                   const float *const *V, const float *L, float (*out)[3]) {
+  float frame[YLM_SHADE_SLICES][3][3];
+  const void *factor[YLM_SHADE_SLICES], *light[3] = {L, L + x->count, L + 2 * x->count};
+  double stage[2] = {0, 0};
+  make_rows(x, n, point, V, frame, factor);
+  ylm_status s = ylm_sh_rotate_integrate(x->t->rotator, x->t->product, YLM_FLOAT, n, frame,
+                                         (int)x->functions, x->halves, x->row, factor, light,
+                                         ylm_material_table_mix(x->table), out, stage, NULL);
+  clock_stages(x, stage);
   return s;
 }
 

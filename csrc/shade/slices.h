@@ -42,6 +42,15 @@ void ylm__shade_slices_of(shade_slices *x, uint32_t k);
 ylm_status ylm__shade_slices_make(shade_slices *x, size_t n, const size_t *point,
                                   const float *const *V);
 
+/* Whether n points, whose coefficients are rows number[..] of l, have the same light, and slices that need not be
+   made to be lit. */
+bool ylm__shade_slices_shares(const shade_slices *x, const shade_light *l, size_t n,
+                              const size_t *number);
+/* As ylm__shade_slices_make, then radiance under light L [3][count] that all points share, without slices and without
+   tints; out [n][3]. */
+ylm_status ylm__shade_slices_shine(shade_slices *x, size_t n, const size_t *point,
+                                   const float *const *V, const float *L, float (*out)[3]);
+
 /* Radiance by slices from .. from + n - 1 under coefficients l->L of these points, [n][channels][..]; without
    tints; out [n][3]. */
 void ylm__shade_slices_light(const shade_slices *x, ylm_shade_dot_fn *dot, size_t from, size_t n,

@@ -1,6 +1,6 @@
 /*
 ** glossy.c - a point that glosses, by stages: rows of its material's table, their rotation into the world, the product
-** with visibility, the light from a grid, and light times slices; beside the multiply-adds that a core can do.
+** with visibility, product and light in one where the light is far (`far L`), the light from a grid, and light times slices; beside the multiply-adds that a core can do.
 */
 #include <math.h>
 
@@ -26,6 +26,7 @@ typedef struct job {
   size_t points;
   const ylm_grid *grid;
   float *L, *radiance;
+  const void *factor[BATCH];
 } job;
 
 static void rows(void *context) {
@@ -37,6 +38,25 @@ static void turn(void *context) {
   job *j = context;
   ylm_sh_rotate_each(j->rotator, j->lmax, YLM_FLOAT, BATCH, j->frame, j->functions, true, j->row,
                      j->slice, 1, NULL, NULL);
+}
+
+/* Rotation, product and light, of all functions. */
+static void by_product(void *context) {
+  job *j = context;
+  for (int i = 0; i < BATCH; i++) j->factor[i] = j->V + (size_t)i * j->count;
+  ylm_sh_rotate_times(j->rotator, j->product, YLM_FLOAT, BATCH, j->frame, j->functions, true,
+                      j->row, j->factor, j->slice, NULL, NULL);
+}
+
+/* Rotation and integrals under light that all points share, to radiance. */
+static void by_integral(void *context) {
+  job *j = context;
+  const float *light[3] = {j->V, j->V + j->count, j->V + 2 * j->count};
+  static const float mix[3][3] = {{1, 0.5f, 0}, {1, 0.7f, 0}, {1, 0.9f, 0}};
+  static float out[BATCH][3];
+  for (int i = 0; i < BATCH; i++) j->factor[i] = j->V + (size_t)i * j->count;
+  ylm_sh_rotate_integrate(j->rotator, j->product, YLM_FLOAT, BATCH, j->frame, j->functions, true,
+                          j->row, j->factor, (const void *const *)light, mix, out, NULL, NULL);
 }
 
 static void multiply(void *context) {
@@ -170,12 +190,14 @@ static void measure(const ylm_material *m, const ylm_scene *scene, int lmax) {
   bench_fill(YLM_FLOAT, j.V, BATCH * j.count);
   double each = 1e9 / BATCH / f.functions, a = each * bench_seconds(rows, &j);
   double b = each * bench_seconds(turn, &j), c = each * bench_seconds(multiply, &j);
-  double open[2], shadows[2];
+  double open[2], shadows[2], each_point = 1e9 / BATCH;
+  double d = each_point * bench_seconds(by_product, &j),
+         far = each_point * bench_seconds(by_integral, &j);
   j.grid = bake(lmax);
   see(&j, scene, false, open);
   see(&j, scene, true, shadows);
-  printf("%4d  %9d  %5.1f  %5.1f  %7.1f  %7.1f  %7.1f  %7.1f  %7.1f\n", lmax, f.functions, a, b, c,
-         open[0], shadows[0], open[1], shadows[1]);
+  printf("%4d  %9d  %5.1f  %5.1f  %7.1f  %7.1f  %7.1f  %7.1f  %7.1f  %7.1f  %7.1f\n", lmax,
+         f.functions, a, b, c, d, far, open[0], shadows[0], open[1], shadows[1]);
   fflush(stdout);
   ylm_grid_free((ylm_grid *)(uintptr_t)j.grid);
   ylm_sh_rotator_free(j.rotator), ylm_sh_product_free(j.product);
@@ -190,8 +212,10 @@ int main(void) {
   ylm_scene *scene = knot(m);
   printf("GGX of roughness 0.3, coloured; one thread, %.1f multiply-adds a ns\n",
          bench_peak(ylm_isa_current(), YLM_FLOAT));
-  printf("      table's      ns a function            ns a point        with a grid's light\n");
-  printf("lmax  functions   rows   turn  product     open  shadows     open  shadows\n");
+  printf("      table's      ns a function       turned, ns a point      ns a point        with a "
+         "grid's light\n");
+  printf("lmax  functions   rows   turn  product  product    far L     open  shadows     open  "
+         "shadows\n");
   for (size_t i = 0; i < sizeof degrees / sizeof *degrees; i++) measure(m, scene, degrees[i]);
   ylm_scene_free(scene);
   ylm_material_free(m);

@@ -12,6 +12,7 @@
 #ifndef YLM_SH_PRODUCT_SHARED_H
 #define YLM_SH_PRODUCT_SHARED_H
 
+#include "../eval/transpose.h"
 #include "product.h"
 #include "ylm_real.h"
 
@@ -87,12 +88,12 @@ YLM_INLINE void shared_orders(const int N, int lmax, const real *legendre, int r
   }
 }
 
-/* Parts at N azimuths of a node: to[azimuth][side][CE CO SE SO], times those of `by` where it is given. */
-YLM_INLINE void shared_points(const int N, int lmax, const real *cosines, const real *sines,
-                              const real *x, real weight, const real *by, real *to) {
+/* Parts at N azimuths of a node, of either side. */
+YLM_INLINE void shared_parts(const int N, int lmax, const real *cosines, const real *sines,
+                             const real *x, vreal ce[2][SHARED_AZIMUTHS],
+                             vreal co[2][SHARED_AZIMUTHS], vreal se[2][SHARED_AZIMUTHS],
+                             vreal so[2][SHARED_AZIMUTHS]) {
   const int ring = SHARED_SIDE, table = lmax + 1;
-  vreal ce[2][SHARED_AZIMUTHS], co[2][SHARED_AZIMUTHS], se[2][SHARED_AZIMUTHS],
-      so[2][SHARED_AZIMUTHS];
   x += lmax * SHARED_STEP;
   for (int side = 0; side < 2; side++)
     for (int j = 0; j < N; j++) {
@@ -125,6 +126,14 @@ YLM_INLINE void shared_points(const int N, int lmax, const real *cosines, const 
         so[side][j] +=
             vreal_load(x + side * ring - m * SHARED_STEP) * vreal_set(sines[j * table + m]);
       }
+}
+
+/* Parts at N azimuths of a node: to[azimuth][side][CE CO SE SO], times those of `by` where it is given. */
+YLM_INLINE void shared_points(const int N, int lmax, const real *cosines, const real *sines,
+                              const real *x, real weight, const real *by, real *to) {
+  vreal ce[2][SHARED_AZIMUTHS], co[2][SHARED_AZIMUTHS], se[2][SHARED_AZIMUTHS],
+      so[2][SHARED_AZIMUTHS];
+  shared_parts(N, lmax, cosines, sines, x, ce, co, se, so);
   for (int j = 0; j < N; j++)
     for (int side = 0; side < 2; side++, to += 4 * LANES) {
       vreal a = ce[side][j], b = co[side][j], c = se[side][j], d = so[side][j];
@@ -142,6 +151,29 @@ YLM_INLINE void shared_points(const int N, int lmax, const real *cosines, const 
         vreal_store(to + LANES, w * b);
         vreal_store(to + 2 * LANES, w * c);
         vreal_store(to + 3 * LANES, w * d);
+      }
+    }
+}
+
+/* Adds sums over N azimuths of a node of a row times `by` times three functions that all lanes have, light
+   [azimuth][side][4][3], to sum [2][3]. */
+YLM_INLINE void shared_dots(const int N, int lmax, const real *cosines, const real *sines,
+                            const real *x, const real *by, const real *light, vreal sum[2][3]) {
+  vreal ce[2][SHARED_AZIMUTHS], co[2][SHARED_AZIMUTHS], se[2][SHARED_AZIMUTHS],
+      so[2][SHARED_AZIMUTHS];
+  shared_parts(N, lmax, cosines, sines, x, ce, co, se, so);
+  for (int j = 0; j < N; j++)
+    for (int side = 0; side < 2; side++, by += 4 * LANES, light += 12) {
+      vreal a = ce[side][j], b = co[side][j], c = se[side][j], d = so[side][j];
+      vreal e = vreal_load(by), f = vreal_load(by + LANES), g = vreal_load(by + 2 * LANES),
+            h = vreal_load(by + 3 * LANES);
+      vreal p = e * a + f * b + g * c + h * d, q = e * b + f * a + g * d + h * c;
+      vreal r = e * c + g * a + f * d + h * b, t = e * d + h * a + f * c + g * b;
+      for (int k = 0; k < 3; k++) {
+        sum[0][k] += p * vreal_set(light[k]);
+        sum[1][k] += q * vreal_set(light[3 + k]);
+        sum[0][k] += r * vreal_set(light[6 + k]);
+        sum[1][k] += t * vreal_set(light[9 + k]);
       }
     }
 }
@@ -203,15 +235,30 @@ YLM_INLINE void shared_sum(const int N, int lmax, const real *legendre, int row,
     }
 }
 
+/* Azimuths that come next, of so many that are left: steps of about the same width. */
+static int shared_next(int left) {
+  int parts = (left + SHARED_AZIMUTHS - 1) / SHARED_AZIMUTHS;
+  return (left + parts - 1) / parts;
+}
+
 static void shared_ring_points(const shared_plan *p, const real *x, real weight, const real *by,
                                real *to) {
-  int j = 0, step = p->lmax + 1;
-  for (; j + SHARED_AZIMUTHS <= p->quadrants; j += SHARED_AZIMUTHS)
-    shared_points(SHARED_AZIMUTHS, p->lmax, p->cosines + j * step, p->sines + j * step, x, weight,
-                  by ? by + j * 8 * LANES : NULL, to + j * 8 * LANES);
-  for (; j < p->quadrants; j++)
-    shared_points(1, p->lmax, p->cosines + j * step, p->sines + j * step, x, weight,
-                  by ? by + j * 8 * LANES : NULL, to + j * 8 * LANES);
+  const real *cosines = p->cosines, *sines = p->sines;
+  for (int left = p->quadrants, n; left > 0; left -= n) {
+    n = shared_next(left);
+#define POINTS(N) shared_points(N, p->lmax, cosines, sines, x, weight, by, to)
+    switch (n) {
+    case 1: POINTS(1); break;
+#if SHARED_AZIMUTHS > 1
+    case 2: POINTS(2); break;
+    case 3: POINTS(3); break;
+#endif
+    }
+#undef POINTS
+    cosines += n * (p->lmax + 1), sines += n * (p->lmax + 1);
+    by = by ? by + n * 8 * LANES : NULL;
+    to += n * 8 * LANES;
+  }
 }
 
 static void shared_ring_back(const shared_plan *p, const real *value, real *x) {
@@ -327,6 +374,59 @@ static void shared_times(const shared_plan *p, const real *c, int c_pitch, real 
     }
     shared_sums(p, h, n, x, out, out_pitch);
   }
+}
+
+/* Three functions, rows [3], by a plan whose weights are 1, as shared_integrals takes them: out
+   [half][quadrants][2][4][3]. Room: shared_factor's; c: [count] vectors. */
+static void shared_lights(const shared_plan *p, const real *const *rows, real *room, real *c,
+                          real *out) {
+  const real *by[LANES];
+  int count = (p->lmax + 1) * (p->lmax + 1), parts = p->half * p->quadrants * 8;
+  for (int k = 0; k < 3; k += LANES) {
+    for (int i = 0; i < LANES; i++) by[i] = rows[k + i < 3 ? k + i : 2];
+    to_tile(by, 0, count, c, LANES);
+    shared_factor(p, c, LANES, room);
+    for (int at = 0; at < parts; at++)
+      for (int i = 0; i < LANES && k + i < 3; i++) out[3 * at + k + i] = room[at * LANES + i];
+  }
+}
+
+/* Adds a node's part of the integrals to sum. */
+static void shared_ring_dots(const shared_plan *p, const real *x, const real *by, const real *light,
+                             vreal sum[2][3]) {
+  const real *cosines = p->cosines, *sines = p->sines;
+  for (int left = p->quadrants, n; left > 0; left -= n) {
+    n = shared_next(left);
+#define DOTS(N) shared_dots(N, p->lmax, cosines, sines, x, by, light, sum)
+    switch (n) {
+    case 1: DOTS(1); break;
+#if SHARED_AZIMUTHS > 1
+    case 2: DOTS(2); break;
+    case 3: DOTS(3); break;
+#endif
+    }
+#undef DOTS
+    cosines += n * (p->lmax + 1), sines += n * (p->lmax + 1);
+    by += n * 8 * LANES;
+    light += n * 24;
+  }
+}
+
+/* Integrals of rows times the factors that stand in the room times three functions, out [3]. */
+static void shared_integrals(const shared_plan *p, const real *c, int c_pitch, real *room,
+                             const real *light, vreal *out) {
+  int most = shared_chunk(p);
+  real *parts, *value, *x;
+  vreal sum[2][3];
+  shared_room(p, room, &parts, &value, &x);
+  for (int k = 0; k < 3; k++) sum[0][k] = sum[1][k] = vreal_set(0);
+  for (int h = 0; h < p->half; h += most) {
+    int n = p->half - h < most ? p->half - h : most;
+    shared_rings(p, h, n, c, c_pitch, x);
+    for (int i = 0; i < n; i++, parts += p->quadrants * 8 * LANES, light += p->quadrants * 24)
+      shared_ring_dots(p, x + i * LANES, parts, light, sum);
+  }
+  for (int k = 0; k < 3; k++) out[k] = sum[0][k] + sum[1][k];
 }
 
 #endif

@@ -85,23 +85,29 @@ typedef struct ylm__rotate_batch {
 } ylm__rotate_batch;
 
 /* Kernels for rows of T. */
-#define YLM__ROTATE_KERNELS(T)                                                                       \
-  {                                                                                                  \
-    void (*one)(const ylm_sh_rotator *p, int lmax, const ylm__angles *a, const T *in, T *out);       \
-    /* lmax <= b->lmax; out may be in */                                                             \
-    void (*apply)(const ylm__rotate_batch *b, int lmax, size_t rows, const T *in, T *out);           \
-    /* n rotations r [n][9], of `rows` rows each; `halves`: of in, m >= 0 alone; out may be in */    \
-    void (*each)(const ylm_sh_rotator *p, int lmax, size_t n, const T *r, int rows, bool halves,     \
-                 const T *in, T *out);                                                               \
+#define YLM__ROTATE_KERNELS(T)                                                                                          \
+  {                                                                                                                     \
+    void (*one)(const ylm_sh_rotator *p, int lmax, const ylm__angles *a, const T *in, T *out);                          \
+    /* lmax <= b->lmax; out may be in */                                                                                \
+    void (*apply)(const ylm__rotate_batch *b, int lmax, size_t rows, const T *in, T *out);                              \
+    /* n rotations r [n][9], of `rows` rows each; `halves`: of in, m >= 0 alone; out may be in */                       \
+    void (*each)(const ylm_sh_rotator *p, int lmax, size_t n, const T *r, int rows, bool halves,                        \
+                 const T *in, T *out);                                                                                  \
     /* those of n rotations whose numbers are `point`, then times factors by a product of degree   \
-       lmax <= ROTATE_TIMES_LMAX by quadrature; scratch as in rotate_times.c */ \
-    void (*times)(const ylm_sh_rotator *p, const struct ylm_sh_product *q, size_t n,                 \
-                  const size_t *point, const T *r, int rows, bool halves, const T *in,               \
-                  const T *const *factor, T *out, T *scratch, double *stage);                        \
-    /* the first of n matrices that is no rotation within ROTATE_NEAR, or n */                       \
-    size_t (*not_rotation)(size_t n, const T *r);                                                    \
-    int panel; /* rows of J in a panel */                                                            \
-    int lanes; /* half of the rows of a tile */                                                      \
+       lmax <= ROTATE_TIMES_LMAX by quadrature; scratch as in rotate_times.c */                    \
+    void (*times)(const ylm_sh_rotator *p, const struct ylm_sh_product *q, size_t n,                                    \
+                  const size_t *point, const T *r, int rows, bool halves, const T *in,                                  \
+                  const T *const *factor, T *out, T *scratch, double *stage);                                           \
+    /* the same, integrated with light [3] rows of that degree and mixed, [3][rows], out [n][3]; factor: NULL, or one \
+       for each of these points */ \
+    void (*integrate)(const ylm_sh_rotator *p, const struct ylm_sh_product *q, size_t n,                                \
+                      const size_t *point, const T *r, int rows, bool halves, const T *in,                              \
+                      const T *const *factor, const T *const *light, const T(*mix)[3], T *out,                          \
+                      T *scratch, double *stage);                                                                       \
+    /* the first of n matrices that is no rotation within ROTATE_NEAR, or n */                                          \
+    size_t (*not_rotation)(size_t n, const T *r);                                                                       \
+    int panel; /* rows of J in a panel */                                                                               \
+    int lanes; /* half of the rows of a tile */                                                                         \
   }
 typedef struct ylm__rotate_kernels_float YLM__ROTATE_KERNELS(float) ylm__rotate_kernels_float;
 typedef struct ylm__rotate_kernels_double YLM__ROTATE_KERNELS(double) ylm__rotate_kernels_double;

@@ -178,6 +178,42 @@ static void each(const ylm_sh_rotator *p, int lmax, size_t n, const real *r, int
   }
 }
 
+/* Rows of points whose numbers are point[at ..], TILE of n, each by the point's rotation. */
+typedef struct each_turned {
+  const ylm_sh_rotator *p;
+  int lmax, rows;
+  bool halves;
+  size_t n;
+  const size_t *point;
+  const real *r, *in;
+  real *turned, *h; /* [rows][count][TILE]; [count][TILE] */
+} each_turned;
+
+/* Numbers of the points: i_of [TILE]. Places behind n repeat the last point. */
+static void turn_points(const each_turned *j, size_t at, size_t *i_of) {
+  size_t n = j->n, rows = (size_t)j->rows, width = each_at(j->halves, j->lmax + 1);
+  size_t count = (size_t)(j->lmax + 1) * (size_t)(j->lmax + 1);
+  size_t left = j->point[n - 1] + 1 - j->point[at + TILE < n ? at + TILE - 1 : n - 1];
+  real turns[9 * TILE] __attribute__((aligned(64)));
+  real y[(2 * EACH_LOW + 1) * TILE] __attribute__((aligned(64)));
+  const real *frame[TILE];
+  each_angles a;
+  for (size_t i = 0; i < TILE; i++) {
+    i_of[i] = j->point[at + i < n ? at + i : n - 1];
+    frame[i] = j->r + 9 * i_of[i];
+  }
+  for (int k = 0; k < TILE; k += LANES) to_tile_within(frame + k, 9, 9 * left, turns + k, TILE);
+  each_begin(turns, j->lmax, &a);
+  for (size_t row = 0; row < rows; row++) {
+    const real *from[TILE];
+    real *x = j->turned + row * count * TILE;
+    for (size_t i = 0; i < TILE; i++) from[i] = j->in + (i_of[i] * rows + row) * width;
+    for (int k = 0; k < TILE; k += LANES)
+      to_tile_within(from + k, (int)width, left * width, (j->halves ? j->h : x) + k, TILE);
+    each_turns(j->p, 0, j->lmax, j->halves, &a, x, y, j->h);
+  }
+}
+
 /* `rows` rows of n points, whose numbers are `point`, each by the point's rotation, then times its factor;
    stage: seconds of either are added. */
 static void times(const ylm_sh_rotator *p, const ylm_sh_product *q, size_t n, const size_t *point,
@@ -187,31 +223,14 @@ static void times(const ylm_sh_rotator *p, const ylm_sh_product *q, size_t n, co
   real weights[ROTATE_TIMES_LMAX + 1];
   shared_begin(q, weights, &plan);
   int lmax = plan.lmax;
-  size_t width = each_at(halves, lmax + 1), count = (size_t)(lmax + 1) * (size_t)(lmax + 1);
+  size_t count = (size_t)(lmax + 1) * (size_t)(lmax + 1);
   real *turned = scratch, *h = turned + (size_t)rows * count * TILE, *f = h + count * TILE,
        *product = f + count * LANES, *room = product + count * LANES;
-  real y[(2 * EACH_LOW + 1) * TILE] __attribute__((aligned(64)));
-  each_angles a;
+  const each_turned turn = {p, lmax, rows, halves, n, point, r, in, turned, h};
   double time = ylm_seconds();
   for (size_t at = 0; at < n; at += TILE) {
-    size_t i_of[TILE], left = point[n - 1] + 1 - point[at + TILE < n ? at + TILE - 1 : n - 1];
-    real turns[9 * TILE] __attribute__((aligned(64)));
-    const real *frame[TILE];
-    for (size_t i = 0; i < TILE; i++) { /* what is missing repeats the last point */
-      i_of[i] = point[at + i < n ? at + i : n - 1];
-      frame[i] = r + 9 * i_of[i];
-    }
-    for (int k = 0; k < TILE; k += LANES) to_tile_within(frame + k, 9, 9 * left, turns + k, TILE);
-    each_begin(turns, lmax, &a);
-    for (int row = 0; row < rows; row++) {
-      const real *from[TILE];
-      real *x = turned + (size_t)row * count * TILE;
-      for (size_t i = 0; i < TILE; i++)
-        from[i] = in + (i_of[i] * (size_t)rows + (size_t)row) * width;
-      for (int k = 0; k < TILE; k += LANES)
-        to_tile_within(from + k, (int)width, left * width, (halves ? h : x) + k, TILE);
-      each_turns(p, 0, lmax, halves, &a, x, y, h);
-    }
+    size_t i_of[TILE];
+    turn_points(&turn, at, i_of);
     double now = ylm_seconds();
     stage[0] += now - time;
     for (size_t k = 0; k < TILE && at + k < n; k += LANES) {
@@ -230,6 +249,75 @@ static void times(const ylm_sh_rotator *p, const ylm_sh_product *q, size_t n, co
     time = ylm_seconds();
     stage[1] += time - now;
   }
+}
+
+/* Integrals of rows, c [count] vectors, times light [3] rows that all lanes have. */
+static void each_dots(size_t count, const real *c, int pitch, const real *const *light,
+                      vreal *out) {
+  vreal even[3], odd[3];
+  for (int k = 0; k < 3; k++) even[k] = odd[k] = vreal_set(0);
+  size_t i = 0;
+  for (; i + 2 <= count; i += 2) {
+    vreal a = vreal_load(c + (int)i * pitch), b = vreal_load(c + (int)(i + 1) * pitch);
+    for (int k = 0; k < 3; k++) {
+      even[k] += a * vreal_set(light[k][i]);
+      odd[k] += b * vreal_set(light[k][i + 1]);
+    }
+  }
+  for (int k = 0; k < 3; k++) {
+    if (i < count) even[k] += vreal_load(c + (int)i * pitch) * vreal_set(light[k][i]);
+    out[k] = even[k] + odd[k];
+  }
+}
+
+/* As times, then times light [3], mixed: sums over rows of mix[k][row] times the integral by light k. factor: NULL,
+   none of the points has one. */
+static void integrate(const ylm_sh_rotator *p, const ylm_sh_product *q, size_t n,
+                      const size_t *point, const real *r, int rows, bool halves, const real *in,
+                      const real *const *factor, const real *const *light, const real (*mix)[3],
+                      real *out, real *scratch, double *stage) {
+  shared_plan plan, plain;
+  real weights[ROTATE_TIMES_LMAX + 1], ones[ROTATE_TIMES_LMAX + 1];
+  double time = ylm_seconds();
+  shared_begin(q, weights, &plan);
+  size_t count = (size_t)(plan.lmax + 1) * (size_t)(plan.lmax + 1);
+  real *turned = scratch, *h = turned + (size_t)rows * count * TILE, *f = h + count * TILE,
+       *room = f + count * LANES, *nodes = room + product_shared_scratch(q, LANES);
+  const each_turned turn = {p, plan.lmax, rows, halves, n, point, r, in, turned, h};
+  for (int i = 0; i < plan.half; i++) ones[i] = 1;
+  plain = plan;
+  plain.weights = ones;
+  if (factor) shared_lights(&plain, light, room, f, nodes);
+  for (size_t at = 0; at < n; at += TILE) {
+    size_t i_of[TILE];
+    double now = ylm_seconds();
+    stage[1] += now - time;
+    turn_points(&turn, at, i_of);
+    time = ylm_seconds();
+    stage[0] += time - now;
+    for (size_t k = 0; k < TILE && at + k < n; k += LANES) {
+      const real *by[LANES];
+      real to[3 * LANES] __attribute__((aligned(64)));
+      vreal sum[3] = {vreal_set(0), vreal_set(0), vreal_set(0)}, one[3];
+      if (factor) {
+        for (size_t i = 0; i < LANES; i++) by[i] = factor[i_of[k + i]];
+        to_tile(by, 0, (int)count, f, LANES);
+        shared_factor(&plan, f, LANES, room);
+      }
+      for (int row = 0; row < rows; row++) {
+        const real *c = turned + (size_t)row * count * TILE + k;
+        if (factor)
+          shared_integrals(&plan, c, TILE, room, nodes, one);
+        else
+          each_dots(count, c, TILE, light, one);
+        for (int l = 0; l < 3; l++) sum[l] += one[l] * vreal_set(mix[l][row]);
+      }
+      for (int l = 0; l < 3; l++) vreal_store(to + l * LANES, sum[l]);
+      for (size_t i = 0; i < LANES; i++)
+        for (size_t l = 0; l < 3; l++) out[3 * i_of[k + i] + l] = to[l * LANES + i];
+    }
+  }
+  stage[1] += ylm_seconds() - time;
 }
 
 /* The first of n matrices [9] that is no rotation, nearly; n: there is none. */

@@ -11,4 +11,4 @@ typedef ylm__rotate_kernels_double rotate_kernels;
 #endif
 
 const rotate_kernels YLM_REAL_KERNEL(ylm__rotate_kernels) = {
-    one, apply, each, times, not_rotation, ROTATE_PANEL, LANES};
+    one, apply, each, times, integrate, not_rotation, ROTATE_PANEL, LANES};
