@@ -35,14 +35,18 @@ local room = ylm.scene "stand-ins" {
   },
 }
 
---- Errors of a picture at surfaces: root mean square over that of the truth, less its noise; and the 95 % quantile of
--- pixels above a tenth of the mean; in percent.
-local function errors(image, truth)
+--- Is this place on a wall? They are matte, all else glosses.
+local function is_matte(at) return math.abs(at[1]) > 1.399 or at[3] < -1.399 end
+
+--- Errors of a picture at surfaces, matte = true, false: those that are matte, that gloss: root mean square over that of the
+-- truth there, less its noise; and the 95 % quantile of pixels above a tenth of the mean; in percent.
+local function errors(image, truth, matte)
   local a, b, v = image:layer "radiance":totable(), truth:layer "radiance":totable(), truth:layer "variance":totable()
-  local coverage, difference, square, sum, seen = image:layer "coverage":totable(), 0, 0, 0, {}
+  local coverage, position = image:layer "coverage":totable(), image:layer "position":totable()
+  local difference, square, sum, seen = 0, 0, 0, {}
   for y = 1, size[2] do
     for x = 1, size[1] do
-      if coverage[y][x][1] > 0.999 then
+      if coverage[y][x][1] > 0.999 and (matte == nil or is_matte(position[y][x]) == matte) then
         local d, n = 0, 0
         for c = 1, 3 do
           d, n = d + (a[y][x][c] - b[y][x][c]) ^ 2, n + b[y][x][c] ^ 2
@@ -63,11 +67,13 @@ end
 
 ylm.on_warning(false)
 local truth, judged = assert(room:pathtrace { size = size, samples = option.samples, reflections = { 0, 1 } })
-local print_row = common.table { { "", "%-34s" }, { "rms %", "%6.1f" }, { "95 %", "%6.1f" }, { "s", "%6.1f" } }
+local print_row = common.table { { "", "%-34s" }, { "rms %", "%6.1f" }, { "95 %", "%6.1f" }, { "gloss", "%6.1f" },
+  { "95 %", "%6.1f" }, { "matte", "%6.1f" }, { "s", "%6.1f" } }
 local pictures = {}
 local function judge(label, caption, image, report)
   local rms, quantile = errors(image, truth)
-  print_row { label, rms, quantile, report.seconds.total }
+  local gloss, gloss95 = errors(image, truth, false)
+  print_row { label, rms, quantile, gloss, gloss95, (errors(image, truth, true)), report.seconds.total }
   pictures[#pictures + 1] = { image = image, tone = "hable", exposure = 1, caption = caption }
 end
 local o = { size = size, samples = 16, lmax = option.lmax, visibility = "transfer", occlusion_distance = 1 }

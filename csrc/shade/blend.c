@@ -32,9 +32,12 @@ static size_t list(const ylm_shade_view *v, const float *share, size_t *point) {
 static ylm_status mix(const ylm_shade_view *v, shade_cast *c, const float *share, float *radiance,
                       ylm_shade_blended *r) {
   size_t *point = ylm_alloc(r->rays, sizeof *point);
-  float *cast = ylm_alloc(3 * r->rays, sizeof *cast);
+  float *cast = ylm_alloc(3 * r->rays, sizeof *cast), *part = ylm_alloc(r->rays, sizeof *part);
   size_t n = point ? list(v, share, point) : 0;
-  ylm_status s = point && cast ? ylm__shade_cast(v, c, n, point, cast, &r->traced) : YLM_ENOMEM;
+  ylm_status s = point && cast && part ? YLM_OK : YLM_ENOMEM;
+  for (size_t i = 0; s == YLM_OK && i < n; i++) part[i] = share[point[i]];
+  c->share = part;
+  if (s == YLM_OK) s = ylm__shade_cast(v, c, n, point, cast, &r->traced);
   for (size_t i = 0; s == YLM_OK && i < n; i++)
     for (size_t k = 0; k < 3; k++) {
       float w = share[point[i]], *to = radiance + 3 * point[i] + k, by_rays = cast[3 * i + k];
@@ -42,6 +45,7 @@ static ylm_status mix(const ylm_shade_view *v, shade_cast *c, const float *share
     }
   ylm_free(point);
   ylm_free(cast);
+  ylm_free(part);
   return s;
 }
 
@@ -58,8 +62,14 @@ ylm_status ylm_shade_blend(const ylm_shade_view *v, const ylm_shade_blending *o,
   ylm_status s = ylm__shade_gloss_tables(v, degree, o->threads, o->progress, &t, e);
   if (s != YLM_OK) return s;
   weigh(v, t, o->lmax, o->light_samples > 0, share, report);
-  shade_cast c = {o->lit,     o->light_samples, o->noise,   o->most_samples,
-                  o->shadows, o->seed,          o->threads, o->progress};
+  shade_cast c = {.lit = o->lit,
+                  .light_samples = o->light_samples,
+                  .noise = o->noise,
+                  .most = o->most_samples,
+                  .shadows = o->shadows,
+                  .seed = o->seed,
+                  .threads = o->threads,
+                  .progress = o->progress};
   if (report->rays) s = mix(v, &c, share, radiance, report);
   if (report->rays && o->noise > 0) report->noise = c.noise;
   report->light_samples = report->rays ? c.light_samples : 0;

@@ -53,8 +53,22 @@
 #define NOISE_DARK 0.1
 /* Points at which the noise of links is measured. */
 #define NOISE_OF_LINKS 4096
-/* Items at which the noise of rays to lamps is measured, and their samples. */
-#define NOISE_TRIALS 512
-#define NOISE_TRIAL_SAMPLES 64
+/* Samples of each item by which noise is measured. */
+#define CAST_TRIAL_SAMPLES 64
+/* Random numbers of trials. */
+#define CAST_TRIAL_CALLS 0x747269616cu
+/* The part of the picture's mean square below which darkness excuses a mesh's noise. */
+#define CAST_DARK 0.01
+/* A pixel may have so many times a mesh's noise, relative to its own radiance and a part of the mesh's root mean
+   square, unless that needs more than so many samples. */
+#define CAST_PIXEL_NOISE 4
+#define CAST_PIXEL_DARK 0.1
+#define CAST_PIXEL_MOST 1024
+/* Items of n samples look for n / CAST_FRESH_PART places of their own in the pixel, within these bounds. */
+#define CAST_FRESH_PART 2
+#define CAST_FRESH_LEAST 64
+#define CAST_FRESH_MOST 512
+/* Places that are found at once. */
+#define CAST_FRESH_ROOM 65536
 
 #endif

@@ -52,28 +52,48 @@ typedef struct scratch {
 
 static float wrap(double x) { return (float)(x - floor(x)); }
 
-/* The rays through stratified places of pixel (x, y): a Hammersley set shifted at random. */
-static void pixel_rays(const job *j, int x, int y, ylm_trace_ray *ray) {
-  const ylm_shade_options *o = &j->view->o;
-  const ylm_camera_frame *f = j->frame;
-  const int *image = j->view->image;
+/* Ray i of n through places of pixel (x, y): a Hammersley set shifted by a, b. */
+static void pixel_ray(const ylm_camera_frame *f, const int image[2], int x, int y, int i, int n,
+                      double radical, const double shift[2], ylm_trace_ray *ray) {
+  double sx = 2 * (x + wrap((double)i / n + shift[0])) / image[0] - 1;
+  double sy = 1 - 2 * (y + wrap(radical + shift[1])) / image[1];
+  for (int k = 0; k < 3; k++) {
+    ray->org[k] = (float)f->from[k];
+    ray->dir[k] = (float)(f->forward[k] + sx * f->right[k] + sy * f->up[k]);
+  }
+  ray->near = 0;
+  ray->far = INFINITY;
+}
+
+/* Of pixel (x, y) of the view: its place in the image, and what its set is shifted by. */
+static void pixel_shift(const ylm_shade_view *v, uint64_t seed, int *x, int *y, double shift[2]) {
   ylm_rng rng;
-  if (j->view->number) {
-    x = (int)(j->view->number[y] % (uint32_t)image[0]);
-    y = (int)(j->view->number[y] / (uint32_t)image[0]);
+  if (v->number) {
+    uint32_t number = v->number[*y];
+    *x = (int)(number % (uint32_t)v->image[0]);
+    *y = (int)(number / (uint32_t)v->image[0]);
   }
-  ylm_rng_seed(&rng, o->seed, (uint64_t)y * (uint64_t)image[0] + (uint64_t)x);
-  double a = ylm_rng_double(&rng), b = ylm_rng_double(&rng);
-  for (int i = 0; i < o->samples; i++) {
-    double sx = 2 * (x + wrap((double)i / o->samples + a)) / image[0] - 1;
-    double sy = 1 - 2 * (y + wrap((double)j->radical[i] + b)) / image[1];
-    for (int k = 0; k < 3; k++) {
-      ray[i].org[k] = (float)f->from[k];
-      ray[i].dir[k] = (float)(f->forward[k] + sx * f->right[k] + sy * f->up[k]);
-    }
-    ray[i].near = 0;
-    ray[i].far = INFINITY;
-  }
+  ylm_rng_seed(&rng, seed, (uint64_t)*y * (uint64_t)v->image[0] + (uint64_t)*x);
+  shift[0] = ylm_rng_double(&rng);
+  shift[1] = ylm_rng_double(&rng);
+}
+
+/* The rays through stratified places of pixel (x, y). */
+static void pixel_rays(const job *j, int x, int y, ylm_trace_ray *ray) {
+  const ylm_shade_view *v = j->view;
+  double shift[2];
+  pixel_shift(v, v->o.seed, &x, &y, shift);
+  for (int i = 0; i < v->o.samples; i++)
+    pixel_ray(j->frame, v->image, x, y, i, v->o.samples, (double)j->radical[i], shift, ray + i);
+}
+
+void ylm__shade_pixel_rays(const ylm_shade_view *v, size_t p, int n, uint64_t seed,
+                           ylm_trace_ray *ray) {
+  int x = (int)(p % (size_t)v->o.width), y = (int)(p / (size_t)v->o.width);
+  double shift[2];
+  pixel_shift(v, seed, &x, &y, shift);
+  for (int i = 0; i < n; i++)
+    pixel_ray(&v->frame, v->image, x, y, i, n, ylm_scene_radical((uint32_t)i), shift, ray + i);
 }
 
 /* The group that a surface belongs to, a new one if none fits. */

@@ -126,19 +126,25 @@ ylm_status ylm__shade_choose_samples(ylm_shade_view *v, const shade_tables *tabl
 /* Rays to lamps, and as many that the material chooses. */
 typedef struct shade_cast {
   const ylm_scene *lit; /* whose lamps; NULL: the view's */
-  int light_samples;    /* in/out with noise > 0: raised to at most `most` */
+  int light_samples;    /* noise > 0: the least of a pixel and mesh; out: the mean */
   double
-      noise; /* that they may leave, root mean square over that of the radiance; out: that they leave */
-  int most;
+      noise; /* that they may leave in each mesh, root mean square over that of its radiance; out:
+                   what they leave in the mesh that has most of it */
+  int most;  /* of a pixel and mesh */
+  const float *share; /* [n] how much of each point's radiance they are, noise > 0; NULL: all */
   bool shadows;
   uint64_t seed;
   int threads;
   const ylm_progress *progress;
 } shade_cast;
 
-/* raycast.c: radiance of n points of a view by these, out [n][3]; `rays` is added to. Points of one pixel and mesh
-   share their rays, and have the mean of their radiance (options.share 0: each its own). `point` increases. YLM_EINVAL: a
-   view per vertex; as ylm_path_places. */
+/* primary.c: n rays through stratified places of pixel p of the view. */
+void ylm__shade_pixel_rays(const ylm_shade_view *v, size_t p, int n, uint64_t seed,
+                           ylm_trace_ray *ray);
+
+/* cast.c: radiance of n points of a view by these, out [n][3]; `rays` is added to. Points of one pixel and mesh
+   share their rays, and have the mean of their radiance (options.share 0: each its own); with noise > 0 that of all that
+   the pixel sees of the mesh. `point` increases. YLM_EINVAL: a view per vertex; as ylm_path_places. */
 ylm_status ylm__shade_cast(const ylm_shade_view *v, shade_cast *c, size_t n, const size_t *point,
                            float *out, uint64_t *rays);
 

@@ -488,8 +488,9 @@ typedef struct ylm_shade_blending {
   int lmax;                /* its degree                                                      */
   int light_samples;       /* 1 .. 65536: rays to lamps, and as many by the material; 0: there
                               are no lamps, and no rays                                       */
-  double noise;            /* > 0: light_samples is the least number, raised until the noise is
-                              at most this, root mean square over that of the radiance,       */
+  double noise;            /* > 0: light_samples is the least number of a pixel and mesh, raised
+                              where it varies until each mesh's noise is at most this, root mean
+                              square over that of its radiance (a tenth of the picture's, if less), */
   int most_samples;        /* up to this                                                      */
   bool shadows;            /* false: nothing occludes                                         */
   uint64_t seed;
@@ -499,11 +500,11 @@ typedef struct ylm_shade_blending {
 
 /* How points of surfaces that are not matte were shaded. */
 typedef struct ylm_shade_blended {
-  size_t sh, rays; /* points by harmonics, and by rays: both, where they are mixed            */
-  double missed;   /* root mean square of e at points, each as often as harmonics count there */
-  uint64_t traced; /* rays                                                                    */
-  int light_samples;
-  double noise; /* that they leave; below 0: not measured                                  */
+  size_t sh, rays;   /* points by harmonics, and by rays: both, where they are mixed            */
+  double missed;     /* root mean square of e at points, each as often as harmonics count there */
+  uint64_t traced;   /* rays                                                                    */
+  int light_samples; /* the mean of pixels and meshes                                      */
+  double noise;      /* that they leave in the mesh that has most; below 0: not measured   */
   double seconds;
 } ylm_shade_blended;
 

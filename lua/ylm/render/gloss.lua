@@ -58,12 +58,14 @@ gloss.fields = {
 gloss.ray_fields = {
   { "light_samples", "integer", min = 1, max = 65536, optional = true,
     about = "where rays shade surfaces that gloss: rays to lamps from the points of a mesh in a pixel, and as many by the "
-      .. "material; default: " .. options.LIGHT_SAMPLES .. " to 1024, as many as leave a noise of 1.5 % in their radiance "
-      .. "(report.glossy)" },
+      .. "material; default: " .. options.LIGHT_SAMPLES .. " to 16384, most where they vary most, as few as leave a noise of 1 % "
+      .. "in each mesh's radiance (report.glossy), from as many places as that needs" },
 }
 
 --- The noise that rays may leave where nobody says how many they are, and the most of them.
-local NOISE, MOST_SAMPLES = 0.015, 1024
+local NOISE, MOST_SAMPLES = 0.01, 16384
+--- The noise that is said aloud.
+local LOUD_NOISE = 0.02
 
 --- Is a surface of the scene anything but matte?
 local function is_glossy(s)
@@ -245,6 +247,13 @@ local function say_missed(p, report, x, missed)
     .. "the lobes of surfaces that gloss: %s", p.scene.name or "?", x.lmax, 100 * missed, advice)
 end
 
+--- Says that rays at their most leave more noise than is promised, and what to do.
+local function say_noise(p, report, found)
+  report.warnings[#report.warnings + 1] = warning.say(p.scene, "gloss noise", "scene %q: up to %d light samples, as many as are "
+    .. "chosen, leave a noise of %.0f %% in a mesh that glosses, its highlights being smaller than pixels: widen its lobe or the "
+    .. "lamp, or set a larger size", p.scene.name or "?", MOST_SAMPLES, 100 * found.noise)
+end
+
 --- Says in the report how coefficients of light shade surfaces that gloss: where as matte ones, in a sentence too.
 function gloss.announce(p, report)
   local n = p.traced.glossy
@@ -269,6 +278,7 @@ function gloss.report(p, o, report)
   if x.elements then report.rays.gloss_links = x.elements.links.stats.rays end
   seconds.image = seconds.image - found.seconds
   if found.missed > (x.by == "sh" and LOUD or p.options.gloss_error[2]) then say_missed(p, report, x, found.missed) end
+  if found.noise and found.noise > LOUD_NOISE then say_noise(p, report, found) end
 end
 
 return gloss
