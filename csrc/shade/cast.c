@@ -202,7 +202,7 @@ static ylm_status cast_chosen(const ylm_shade_view *v, const shade_cast *c, cons
 
 /* -- how many samples each item needs ------------------------------------------------ */
 
-/* What a trial says of a mesh. */
+/* A mesh, as a trial has it. */
 typedef struct mesh_noise {
   double square;    /* summed squares of its items' radiance, */
   double deviation; /* summed deviations of one sample of each */
@@ -255,7 +255,7 @@ static int whole(double wanted, int least, int most) {
   return n < most ? n : most;
 }
 
-/* What the trial's `room` says of meshes; the deviation of one sample of each item in the picture. */
+/* Meshes as the trial's `room` has them, and the deviation of one sample of each item in the picture. */
 static void measure(const ylm_shade_view *v, const shade_cast *c, const items *x,
                     const size_t *start, const float *room, mesh_noise *mesh, double *deviation) {
   const float *variance = room + 6 * x->n;
