@@ -55,7 +55,7 @@ describe("materials", function()
       for _, m in ipairs(examples[name]) do
         local albedo = material.albedo("spec", m)
         local s = inside(m)
-        local options = { size = { 2, 2 }, samples = 1, visibility = "none", lmax = 2 }
+        local options = { size = { 2, 2 }, samples = 1, visibility = "none", lmax = 2, gloss = "matte" }
         local view = s:prepare(options)
         local harmonics, points = view:reference(), view:points()
         local matte = name == "matte"
