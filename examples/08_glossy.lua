@@ -33,32 +33,9 @@ local row = ylm.scene "ten spheres" {
   },
 }
 
---- Errors of a picture at the pixels that sphere k alone covers (nil: any sphere): root mean square over that of the
--- truth, less the noise of the truth, and the 95 % quantile of relative errors of pixels above a tenth of the mean; in percent.
+--- The errors of common.errors at the pixels that sphere k alone covers (nil: any sphere).
 local function errors(image, truth, k)
-  local a, b, v = image:layer "radiance":totable(), truth:layer "radiance":totable(), truth:layer "variance":totable()
-  local coverage, position = image:layer "coverage":totable(), image:layer "position":totable()
-  local difference, square, sum, seen = 0, 0, 0, {}
-  for y = 1, size[2] do
-    for x = 1, size[1] do
-      local at = math.floor(position[y][x][1] / STEP + #alphas / 2 + 1)
-      if coverage[y][x][1] > 0.999 and (not k or at == k) then
-        local d, n = 0, 0
-        for c = 1, 3 do
-          d, n = d + (a[y][x][c] - b[y][x][c]) ^ 2, n + b[y][x][c] ^ 2
-          difference = difference - v[y][x][c]
-        end
-        difference, square, sum = difference + d, square + n, sum + math.sqrt(n)
-        seen[#seen + 1] = { math.sqrt(n), math.sqrt(d / n) }
-      end
-    end
-  end
-  local lit = {}
-  for _, p in ipairs(seen) do
-    if p[1] > 0.1 * sum / #seen then lit[#lit + 1] = p[2] end
-  end
-  table.sort(lit)
-  return 100 * math.sqrt(math.max(0, difference) / square), 100 * (lit[math.ceil(0.95 * #lit)] or 0)
+  return common.errors(image, truth, k and function(at) return math.floor(at[1] / STEP + #alphas / 2 + 1) == k end)
 end
 
 --- The part of its slices that a material's degree misses, over a sphere's disk: root mean square, in percent.

@@ -38,31 +38,9 @@ local room = ylm.scene "stand-ins" {
 --- Is this place on a wall? They are matte, all else glosses.
 local function is_matte(at) return math.abs(at[1]) > 1.399 or at[3] < -1.399 end
 
---- Errors of a picture at surfaces, matte = true, false: those that are matte, that gloss: root mean square over that of the
--- truth there, less its noise; and the 95 % quantile of pixels above a tenth of the mean; in percent.
+--- The errors of common.errors at surfaces, matte = true, false: those that are matte, that gloss.
 local function errors(image, truth, matte)
-  local a, b, v = image:layer "radiance":totable(), truth:layer "radiance":totable(), truth:layer "variance":totable()
-  local coverage, position = image:layer "coverage":totable(), image:layer "position":totable()
-  local difference, square, sum, seen = 0, 0, 0, {}
-  for y = 1, size[2] do
-    for x = 1, size[1] do
-      if coverage[y][x][1] > 0.999 and (matte == nil or is_matte(position[y][x]) == matte) then
-        local d, n = 0, 0
-        for c = 1, 3 do
-          d, n = d + (a[y][x][c] - b[y][x][c]) ^ 2, n + b[y][x][c] ^ 2
-          difference = difference - v[y][x][c]
-        end
-        difference, square, sum = difference + d, square + n, sum + math.sqrt(n)
-        seen[#seen + 1] = { math.sqrt(n), math.sqrt(d / n) }
-      end
-    end
-  end
-  local lit = {}
-  for _, p in ipairs(seen) do
-    if p[1] > 0.1 * sum / #seen then lit[#lit + 1] = p[2] end
-  end
-  table.sort(lit)
-  return 100 * math.sqrt(math.max(0, difference) / square), 100 * (lit[math.ceil(0.95 * #lit)] or 0)
+  return common.errors(image, truth, matte ~= nil and function(at) return is_matte(at) == matte end)
 end
 
 ylm.on_warning(false)

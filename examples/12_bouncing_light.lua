@@ -41,12 +41,7 @@ local scene = ylm.scene "A room with a screen" {
 -- Four pictures ------------------------------------------------------------------------------
 
 local shared = { size = size, samples = 8, light_samples = 48 }
-local function with(more)
-  local o = {}
-  for key, value in pairs(shared) do o[key] = value end
-  for key, value in pairs(more) do o[key] = value end
-  return o
-end
+local with = common.adding_to(shared)
 
 --- Results of make(), and its seconds behind the first.
 local function timed(make)

@@ -66,12 +66,7 @@ end
 -- One bounce ---------------------------------------------------------------------------------
 
 local shared = { size = size, samples = 8, light_samples = 32 }
-local function with(more)
-  local o = {}
-  for key, value in pairs(shared) do o[key] = value end
-  for key, value in pairs(more) do o[key] = value end
-  return o
-end
+local with = common.adding_to(shared)
 
 local direct, direct_seconds = timed(function() return scene:render(shared) end)
 lamp = direct:layer "emitter"

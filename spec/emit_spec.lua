@@ -2,6 +2,7 @@
 
 local scratch = require "spec.support.scratch"
 local with = require "spec.support.with"
+local refused = require "spec.support.raises"
 local ylm = require "ylm"
 
 local LUMINANCE = { 0.2126, 0.7152, 0.0722 }
@@ -27,12 +28,6 @@ local function numbers(lights)
   local all = {}
   for i, a in ipairs { lights:arrays() } do all[i] = a:totable() end
   return all
-end
-
-local function refused(pattern, f)
-  local ok, message = pcall(f)
-  assert.is_false(ok)
-  assert.matches(pattern, message)
 end
 
 describe("particles", function()

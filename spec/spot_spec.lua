@@ -1,6 +1,7 @@
 -- ylm.spot_light: its light by rays, by paths, by radiosity and by virtual lights; refusals of what wants spherical harmonics.
 
 local with = require "spec.support.with"
+local refused = require "spec.support.raises"
 local ylm = require "ylm"
 
 local grey = ylm.matte { albedo = 0.5 }
@@ -9,12 +10,6 @@ local spot = { at = { 0, 2, 0 }, to = { 0, 0, 0 }, angle = 60, blend = 0, intens
 local function floor(light)
   return ylm.scene "a floor" { lights = light, camera = ylm.camera { from = { 0, 4, 0.01 }, at = { 0, 0, 0 }, fov = 40 },
     geometry = ylm.quad { corner = { -2, 0, 2 }, u = { 4, 0, 0 }, v = { 0, 0, -4 }, material = grey } }
-end
-
-local function refused(pattern, f)
-  local ok, message = pcall(f)
-  assert.is_false(ok)
-  assert.matches(pattern, message)
 end
 
 --- Radiance of a floor of albedo 0.5 at p under a spot, by hand.

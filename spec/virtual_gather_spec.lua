@@ -1,6 +1,7 @@
 -- view:gather: virtual lights at every shading point by their harmonics, as points, as spheres; closed forms and the judge.
 
 local with = require "spec.support.with"
+local refused = require "spec.support.raises"
 local ylm = require "ylm"
 
 local silent
@@ -68,12 +69,6 @@ local function mean_of(a)
   local sum = 0
   for i = 1, #a do sum = sum + a:get(i, 2) / #a end
   return sum
-end
-
-local function refused(pattern, f)
-  local ok, message = pcall(f)
-  assert.is_false(ok)
-  assert.matches(pattern, message)
 end
 
 describe("harmonics at shading points", function()

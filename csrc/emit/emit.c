@@ -34,7 +34,7 @@ static ylm_status lay_grids(const ylm_scene *scene, ylm_emit_options *o, ylm_err
 
 static double luminous(const emit_landing *l) {
   double power[3] = {(double)l->power[0], (double)l->power[1], (double)l->power[2]};
-  return ylm__emit_luminance(power);
+  return ylm_luminance_size(power);
 }
 
 /* Keeps at most `lights` landings, by equal steps along the sum of their power. */

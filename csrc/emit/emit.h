@@ -84,8 +84,4 @@ ylm_status ylm__emit_trace(const ylm_scene *scene, const ylm_emit_options *o, em
 ylm_status ylm__emit_radii(const emit_landing *landing, const ylm_emit_options *o,
                            ylm_emit_lights *lights, ylm_emit_report *report);
 
-static inline double ylm__emit_luminance(const double c[3]) {
-  return YLM_LUMINANCE_R * fabs(c[0]) + YLM_LUMINANCE_G * fabs(c[1]) + YLM_LUMINANCE_B * fabs(c[2]);
-}
-
 #endif

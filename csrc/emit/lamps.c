@@ -35,7 +35,7 @@ static int side_of(const double *x, const double normal[3]) {
 }
 
 static double power_of(const double *x) {
-  double a[3], b[3], normal[3], light = EMIT_PI * ylm__emit_luminance(x);
+  double a[3], b[3], normal[3], light = EMIT_PI * ylm_luminance_size(x);
   if (x[SPHERE] > 0) return light * 4 * EMIT_PI * x[SPHERE_RADIUS] * x[SPHERE_RADIUS];
   double area = edges(x, a, b, normal);
   return light * area * (side_of(x, normal) ? 1 : 2);
@@ -73,7 +73,7 @@ ylm_status ylm__emit_lamps(const ylm_scene *scene, emit_lamps *l) {
       sum += power_of(l->record[i]);
     } else if (i >= l->sky)
       sum += ylm_light_spot_solid(&l->spot[i - l->sky]) *
-             ylm__emit_luminance(l->spot[i - l->sky].intensity);
+             ylm_luminance_size(l->spot[i - l->sky].intensity);
     else
       sum += EMIT_PI * l->reach * l->reach * ylm_scene_distant_power(scene, i - l->near);
     l->upto[i] = sum;

@@ -108,7 +108,7 @@ static bool go_on(const job *j, flight *f, size_t i, size_t k, const ylm_scene_s
   const float *mean = j->albedo[f->hit[i].mesh];
   double albedo[3], u = ylm_rng_double(&p->rng), v = ylm_rng_double(&p->rng);
   for (int c = 0; c < 3; c++) albedo[c] = (double)mean[c] * (double)s->tint[c];
-  double chance = fmin(MOST_CHANCE, ylm__emit_luminance(albedo));
+  double chance = fmin(MOST_CHANCE, ylm_luminance_size(albedo));
   if (!(ylm_rng_double(&p->rng) < chance)) return false;
   for (int c = 0; c < 3; c++) p->power[c] /= chance;
   ylm_trace_ray ray = {.far = INFINITY};

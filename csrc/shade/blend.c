@@ -55,7 +55,7 @@ ylm_status ylm_shade_blend(const ylm_shade_view *v, const ylm_shade_blending *o,
   double start = ylm_seconds();
   *report = (ylm_shade_blended){.noise = -1};
   memset(share, 0, v->points * sizeof *share);
-  if (o->light_samples < 0 || o->light_samples > 65536) return YLM_ERANGE;
+  if (o->light_samples < 0 || o->light_samples > YLM_SCENE_SAMPLES) return YLM_ERANGE;
   if (o->lit && ylm_scene_meshes(o->lit) != ylm_scene_meshes(v->scene)) return YLM_EINVAL;
   if (!v->gloss) return YLM_OK;
   int degree = o->weight == YLM_SHADE_TRANSFER ? v->o.lmax : o->lmax;

@@ -192,12 +192,12 @@ static ylm_status check(const ylm_shade_gather_options *o, const gather_lights *
                     o->lmax);
   if (o->method == YLM_SHADE_VPL && o->clamp != YLM_SHADE_CLAMP_NONE && !(o->limit > 0))
     return ylm_fail(e, YLM_ERANGE, "limit must be above 0, got %g", o->limit);
-  if (o->compensate < 0 || o->compensate > 65536)
+  if (o->compensate < 0 || o->compensate > YLM_SCENE_SAMPLES)
     return ylm_fail(e, YLM_ERANGE, "compensate must be from 0 to 65536, got %d", o->compensate);
   if (o->compensate && (o->method != YLM_SHADE_VPL || o->clamp == YLM_SHADE_CLAMP_NONE))
     return ylm_fail(e, YLM_EINVAL, "compensate is for points with a clamp");
   if (o->method != YLM_SHADE_VSL) return YLM_OK;
-  if (o->samples < 1 || o->samples > 65536)
+  if (o->samples < 1 || o->samples > YLM_SCENE_SAMPLES)
     return ylm_fail(e, YLM_ERANGE, "samples must be from 1 to 65536, got %d", o->samples);
   for (size_t i = 0; i < l->n; i++)
     if (!(l->radius[i] > 0))

@@ -202,10 +202,6 @@ const ylm_transfer *ylm_shade_links_transfer(const ylm_shade_links *l) { return 
 
 /* -- noise ------------------------------------------------------------------------ */
 
-static double luminance(const double c[3]) {
-  return YLM_LUMINANCE_R * c[0] + YLM_LUMINANCE_G * c[1] + YLM_LUMINANCE_B * c[2];
-}
-
 /* How many points before point i gloss. */
 static size_t glossy_before(const ylm_shade_links *l, size_t i) {
   size_t n = l->before[i / SHADE_LINK_POINTS];
@@ -231,10 +227,10 @@ static void glossy_halves(const ylm_shade_links *l, size_t i, size_t row, const 
   float albedo[3];
   double part[3], own = (double)(l->lobes.start[row + 1] - l->lobes.start[row]);
   ylm_material_albedo(ylm__shade_material(l->view, i), albedo);
-  double mean = luminance((double[]){albedo[0], albedo[1], albedo[2]});
+  double mean = ylm_luminance((double[]){albedo[0], albedo[1], albedo[2]});
   for (int k = 0; k < 2; k++) {
     ylm__shade_lobe(&l->lobes, row, leaving, k, part);
-    sum[k] = mean > 0 ? luminance(part) * l->links / mean : 0;
+    sum[k] = mean > 0 ? ylm_luminance(part) * l->links / mean : 0;
   }
   double middle = (sum[0] + sum[1]) / 2, apart = (sum[0] - sum[1]) / 2 * sqrt(own / l->links);
   sum[0] = middle + apart;

@@ -18,16 +18,8 @@ local out, quick, threads = option.out, option.quick, option.threads > 0 and opt
 local lmax = 4
 local clock = require "ylm.c.core".seconds
 
---- Milliseconds of f, the best of `runs`; f may return seconds that it knows.
-local function best(runs, f)
-  local least = math.huge
-  for _ = 1, quick and 1 or runs do
-    local start = clock()
-    local seconds = f() or clock() - start
-    least = math.min(least, seconds)
-  end
-  return 1000 * least
-end
+--- Milliseconds of f.
+local function best(runs, f) return common.best(clock, quick and 1 or runs, f) end
 
 ylm.on_warning(false) -- of light that passes occluders, and of ambient occlusion: the paper's pictures have both
 local row = common.table { { "scene", "%-18s" }, { "lights", "%6s" }, { "", "%-7s" }, { "eval", "%6.2f" }, { "& grad",

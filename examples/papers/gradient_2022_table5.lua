@@ -25,16 +25,8 @@ local printed = { -- bands: evaluation, interpolation, reference; ms
   [9] = { 3.35, 132.29, 148.04 },
 }
 
---- Milliseconds of f, the best of `runs`; f returns seconds where it knows better.
-local function best(runs, f)
-  local least = math.huge
-  for _ = 1, quick and 1 or runs do
-    local start = clock()
-    local seconds = f() or clock() - start
-    least = math.min(least, seconds)
-  end
-  return 1000 * least
-end
+--- Milliseconds of f.
+local function best(runs, f) return common.best(clock, quick and 1 or runs, f) end
 
 ylm.on_warning(false) -- the paper's pictures have no shadows either: visibility = "none"
 local row = common.table { { "bands", "%5d" }, { "grid, ms", "%8.2f" }, { "paper", "%5.2f" }, { "ratio", "%5.2f" },

@@ -1,10 +1,8 @@
 /* sh_product.c - binds products and transfer matrices. Arguments come sorted from
  * lua/ylm/sh/product.lua. */
-#include "../binding.h"
+#include "../binding_product.h"
 
 #include "ylm_sh.h"
-
-#include <string.h>
 
 #define PRODUCT "ylm.sh_product_plan"
 
@@ -20,19 +18,11 @@ static int product_gc(lua_State *L) {
   return 0;
 }
 
-static ylm_sh_product_method method_of(lua_State *L, int i) {
-  const char *name = luaL_optstring(L, i, "auto");
-  for (int m = 0; m < YLM_SH_PRODUCT_METHOD_COUNT; m++)
-    if (strcmp(name, ylm_sh_product_method_name((ylm_sh_product_method)m)) == 0)
-      return (ylm_sh_product_method)m;
-  return (ylm_sh_product_method)luaL_argerror(L, i, "no such method");
-}
-
 /* sh_product_plan(lmax, factors, method, inner) -> plan, method that is used, integrals */
 static int sh_product_plan(lua_State *L) {
   ylm_error e = {YLM_OK, ""};
   int lmax = (int)luaL_checknumber(L, 1), factors = (int)luaL_checknumber(L, 2);
-  ylm_sh_product_method method = method_of(L, 3), inner = method_of(L, 4);
+  ylm_sh_product_method method = ylmL_product_method(L, 3), inner = ylmL_product_method(L, 4);
   handle *h = lua_newuserdata(L, sizeof *h);
   *h = (handle){NULL, lmax, factors};
   luaL_getmetatable(L, PRODUCT);

@@ -1,6 +1,6 @@
 /* shade_relight.c - prepared views with other materials or another camera; lua/ylm/render/relight.lua drives it. */
-#include <string.h>
 
+#include "../binding_product.h"
 #include "shade.h"
 
 /* The materials in the table at `i`, by mesh, in memory of the state; NULL: there are none. */
@@ -14,14 +14,6 @@ static const ylm_material **read_materials(lua_State *L, int i, size_t meshes) {
     lua_pop(L, 1);
   }
   return m;
-}
-
-static ylm_sh_product_method method_of(lua_State *L, int i) {
-  const char *name = luaL_optstring(L, i, "auto");
-  for (int m = 0; m < YLM_SH_PRODUCT_METHOD_COUNT; m++)
-    if (strcmp(name, ylm_sh_product_method_name((ylm_sh_product_method)m)) == 0)
-      return (ylm_sh_product_method)m;
-  return (ylm_sh_product_method)luaL_argerror(L, i, "no such method");
 }
 
 /* shade_change(view, {camera: 10 numbers | nil, blind, materials: by mesh, false for one that is the same, | nil,
@@ -43,7 +35,7 @@ static int shade_change(lua_State *L) {
                              .materials =
                                  read_materials(L, MATERIALS, (size_t)luaL_checknumber(L, MESHES)),
                              .nearest = lua_toboolean(L, NEAREST),
-                             .product = method_of(L, PRODUCT),
+                             .product = ylmL_product_method(L, PRODUCT),
                              .keep = lua_toboolean(L, KEEP)};
   const ylm_progress *progress = ylmL_progress_begin(L, PROGRESS, &p);
   ylm_shade_view **v = lua_newuserdata(L, sizeof *v);

@@ -33,11 +33,11 @@ local own = {
       about = "'vpl': what limit bounds: 1/d^2, the geometry term c c/d^2, or this times the receiver's albedo/pi; "
         .. "default 'geometry'" },
     { "limit", "number", above = 0, optional = true, about = "'vpl': default 1/r^2, r the median of the lights' radii" },
-    { "compensate", "integer", min = 0, max = 65536, optional = true,
+    { "compensate", "integer", min = 0, max = core.limits.light_samples, optional = true,
       about = "'vpl': rays of a point that find what the clamp takes away, of lights of scene:virtual_lights; default 0" },
   },
   vsl = {
-    { "samples", "integer", min = 1, max = 65536, optional = true,
+    { "samples", "integer", min = 1, max = core.limits.light_samples, optional = true,
       about = "'vsl': directions to a light, times 1 - the cosine of its half angle, at least 4; of 'receiver' all; default "
         .. SAMPLES },
     { "strategy", "choice", of = { "cone", "receiver", "mis" }, optional = true,

@@ -56,7 +56,7 @@ gloss.fields = {
 
 --- Options of pictures that reference fields make.
 gloss.ray_fields = {
-  { "light_samples", "integer", min = 1, max = 65536, optional = true,
+  { "light_samples", "integer", min = 1, max = core.limits.light_samples, optional = true,
     about = "where rays shade surfaces that gloss: rays to lamps from the points of a mesh in a pixel, and as many by the "
       .. "material; default: " .. options.LIGHT_SAMPLES .. " to 16384, most where they vary most, as few as leave a noise of 1 % "
       .. "in each mesh's radiance (report.glossy), from as many places as that needs" },
