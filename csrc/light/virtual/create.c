@@ -170,8 +170,7 @@ ylm_status ylm_light_virtual_create(const ylm_light_virtual_form *f, ylm_light_v
 void ylm_light_virtual_free(ylm_light_virtual *v) {
   if (!v || --v->users > 0) return;
   ylm_free(v->at);
-  ylm_free(v->seen_d);
-  ylm_free(v->seen_f);
+  ylm_free(v->seen);
   ylm_free(v);
 }
 
@@ -179,7 +178,7 @@ size_t ylm_light_virtual_count(const ylm_light_virtual *v) { return v->n; }
 
 size_t ylm_light_virtual_bytes(const ylm_light_virtual *v) {
   return sizeof *v + numbers_of(v->n, v->degree) * sizeof *v->at +
-         v->n * v->stride * (sizeof *v->seen_d + sizeof *v->seen_f);
+         v->n * v->stride * sizeof *v->seen;
 }
 
 void ylm_light_virtual_get(const ylm_light_virtual *v, ylm_light_virtual_form *f) {

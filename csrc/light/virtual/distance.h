@@ -32,6 +32,12 @@
 #define NEAREST 1e-16
 #endif
 
+/* sg^2 of a light. */
+YLM_INLINE real width2_of(const real *lamp) {
+  return lamp[YLM__VIRTUAL_RADIUS] * lamp[YLM__VIRTUAL_RADIUS] *
+         (real)(YLM__GAUSS_WIDTH * YLM__GAUSS_WIDTH);
+}
+
 /* e^-x of x >= 0; 0 from NOTHING on. */
 YLM_INLINE vreal decay(vreal x) {
   const vmask something = x < NOTHING;
@@ -92,9 +98,10 @@ YLM_INLINE void smooth(const int profile, const int lmax, const int order, const
   vreal a[3] = {vreal_set(1), vreal_set(-2), vreal_set(4)}, b[3];
   vreal h = inv2, q1 = {0}, step = vreal_set(1), ratio = step;
   if (profile != YLM_LIGHT_VIRTUAL_POINT) {
-    vreal t = d2 * (2 / lamp[YLM__VIRTUAL_WIDTH2]);
+    const real width2 = width2_of(lamp);
+    vreal t = d2 * (2 / width2);
     if (profile != YLM_LIGHT_VIRTUAL_FAR && any(t < NOTHING)) rise(t, 2, order, a);
-    q1 = inv2 * (2 * lamp[YLM__VIRTUAL_WIDTH2]); /* q of degree 1: 4/t */
+    q1 = inv2 * (2 * width2); /* q of degree 1: 4/t */
     ratio = step = decay(q1 * (real)0.5);
   }
   if (profile == YLM_LIGHT_VIRTUAL_FAR || profile == YLM_LIGHT_VIRTUAL_NEAR) {

@@ -40,15 +40,31 @@ YLM_INLINE void turn(const seen *s, const int order, const vreal *B, vreal *E, c
   }
 }
 
-/* Jets by u of an emission of degree 1 or 2; c: its numbers, four apart. */
-YLM_INLINE void quadratic(const vreal u[3], const int order, const real *c, vreal *B) {
+/* Number q of an emission in a channel: red, green, blue, luminance. */
+YLM_INLINE real number_of(const real *lamp, int q, int channel) {
+  const real *rgb = lamp + YLM__VIRTUAL_EMISSION + 3 * q;
+  if (channel < 3) return rgb[channel];
+  return (real)YLM_LUMINANCE_R * rgb[0] + (real)YLM_LUMINANCE_G * rgb[1] +
+         (real)YLM_LUMINANCE_B * rgb[2];
+}
+
+/* Jets by u of an emission of degree 1 or 2. */
+YLM_INLINE void quadratic(const vreal u[3], const int order, const int degree, const real *lamp,
+                          const int channel, vreal *B) {
+  real c[10];
+  for (int q = 0; q < (degree == 1 ? 4 : 9); q++) c[q] = number_of(lamp, q, channel);
+  B[0] = c[0] + c[1] * u[0] + c[2] * u[1] + c[3] * u[2];
+  for (int a = 0; a < 3 && order > 0; a++) B[1 + a] = vreal_set(c[1 + a]);
+  for (int i = 0; i < 6 && order > 1; i++) B[4 + i] = vreal_set(0);
+  if (degree < 2) return;
+  c[9] = -c[4] - c[7];
   vreal s[3];
-  s[0] = c[16] * u[0] + c[20] * u[1] + c[24] * u[2];
-  s[1] = c[20] * u[0] + c[28] * u[1] + c[32] * u[2];
-  s[2] = c[24] * u[0] + c[32] * u[1] + c[36] * u[2];
-  B[0] = c[0] + (c[4] + s[0]) * u[0] + (c[8] + s[1]) * u[1] + (c[12] + s[2]) * u[2];
-  for (int a = 0; a < 3 && order > 0; a++) B[1 + a] = c[4 * (a + 1)] + 2 * s[a];
-  for (int i = 0; i < 6 && order > 1; i++) B[4 + i] = vreal_set(2 * c[16 + 4 * i]);
+  s[0] = c[4] * u[0] + c[5] * u[1] + c[6] * u[2];
+  s[1] = c[5] * u[0] + c[7] * u[1] + c[8] * u[2];
+  s[2] = c[6] * u[0] + c[8] * u[1] + c[9] * u[2];
+  B[0] += s[0] * u[0] + s[1] * u[1] + s[2] * u[2];
+  for (int a = 0; a < 3 && order > 0; a++) B[1 + a] += 2 * s[a];
+  for (int i = 0; i < 6 && order > 1; i++) B[4 + i] = vreal_set(2 * c[4 + i]);
 }
 
 /*
@@ -56,7 +72,7 @@ YLM_INLINE void quadratic(const vreal u[3], const int order, const real *c, vrea
 ** Q(z, s) times Re and Im (x+iy)^m, s = |u|^2, and Q is found by recurrence with its derivatives.
 */
 static void any_degree(const seen *p, const int order, int degree, const double *beta,
-                       const real *c, int first, int channels, vreal B[4][PARTS]) {
+                       const real *lamp, int first, int channels, vreal B[4][PARTS]) {
   vreal x = p->u[0], y = p->u[1], z = p->u[2], s = x * x + y * y + z * z;
   vreal A[3] = {vreal_set(1)}, I[3] = {vreal_set(0)}; /* (x+iy)^m, ^(m-1), ^(m-2) */
   for (int k = 0; k < 4; k++)
@@ -70,7 +86,7 @@ static void any_degree(const seen *p, const int order, int degree, const double 
     for (int l = m; l <= degree; l++) {
       for (int side = 0; side < (m ? 2 : 1); side++)
         for (int k = first; k < first + channels; k++) {
-          real b = c[4 * (l * (l + 1) + (side ? -m : m)) + k];
+          real b = number_of(lamp, l * (l + 1) + (side ? -m : m), k);
           for (int i = 0; i < 6; i++) Q[side][k][i] += b * q[i];
         }
       const real t = l > m ? (real)beta[l * (YLM_LIGHT_VIRTUAL_DEGREE + 1) + m] : 0;
@@ -112,10 +128,10 @@ static void any_degree(const seen *p, const int order, int degree, const double 
   }
 }
 
-/* Where a light looks: false where no lane is in front of it. */
-YLM_INLINE bool look(const real *lamp, const vreal v[3], vreal d2, seen *s) {
+/* Where a light looks, of eps^2 = soft2: false where no lane is in front of it. */
+YLM_INLINE bool look(const real *lamp, real soft2, const vreal v[3], vreal d2, seen *s) {
   const real *n = lamp + YLM__VIRTUAL_NORMAL;
-  vreal D2 = d2 + lamp[YLM__VIRTUAL_SOFT2];
+  vreal D2 = d2 + soft2;
   D2 = choose(D2 > 0, D2, vreal_set(1));
   s->inverse = inverse_root(D2);
   for (int a = 0; a < 3; a++) s->u[a] = -v[a] * s->inverse;
@@ -135,7 +151,6 @@ YLM_INLINE bool look(const real *lamp, const vreal v[3], vreal d2, seen *s) {
 /* Jets of `channels` channels from `first` on to E [part][channel]. */
 YLM_INLINE void send(const seen *s, const int order, int degree, const double *beta,
                      const real *lamp, const int first, const int channels, vreal *E) {
-  const real *c = lamp + YLM__VIRTUAL_EMISSION;
   static const int parts[3] = {1, 4, 10};
   vreal B[PARTS], all[4][PARTS];
   if (degree == 0) { /* one jet serves all */
@@ -143,12 +158,12 @@ YLM_INLINE void send(const seen *s, const int order, int degree, const double *b
     for (int i = 0; i < PARTS; i++) B[i] = vreal_set(i == 0);
     turn(s, order, B, one, 1);
     for (int i = 0; i < parts[order]; i++)
-      for (int k = 0; k < channels; k++) E[i * channels + k] = one[i] * c[first + k];
+      for (int k = 0; k < channels; k++) E[i * channels + k] = one[i] * number_of(lamp, 0, first + k);
     return;
   }
-  if (degree > 2) any_degree(s, order, degree, beta, c, first, channels, all);
+  if (degree > 2) any_degree(s, order, degree, beta, lamp, first, channels, all);
   for (int k = 0; k < channels; k++) {
-    if (degree <= 2) quadratic(s->u, order, c + first + k, B);
+    if (degree <= 2) quadratic(s->u, order, degree, lamp, first + k, B);
     turn(s, order, degree <= 2 ? B : all[first + k], E + k, channels);
   }
 }

@@ -11,11 +11,14 @@
 
 #ifdef YLM_REAL_IS_FLOAT
 #define COEF coef_f
-#define LAMPS seen_f
+#define ROWS_OF(p) ((p)->lights->seen)
 #else
 #define COEF coef
-#define LAMPS seen_d
+#define ROWS_OF(p) ((p)->seen)
 #endif
+
+/* eps^2 of a smooth light over sg^2. */
+#define SOFT ((real)(YLM__GAUSS_SOFT * YLM__GAUSS_SOFT))
 
 enum { TILE = YLM__VIRTUAL_TILE, TOP = YLM_LIGHT_LMAX + 2 };
 
@@ -267,14 +270,15 @@ YLM_INLINE void add_light(const ylm__virtual_plan *p, work *k, const real *lamp,
   for (int a = 0; a < 3; a++) v[a] = lamp[a] - xyz[a];
   vreal d2 = v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
   if (reach2 > 0 && !any(d2 < reach2)) return;
-  if (!look(lamp, v, d2, &s)) return;
+  const real width2 = width2_of(lamp);
+  if (!look(lamp, sharp ? 0 : width2 * SOFT, v, d2, &s)) return;
   if (reach2 > 0) dim(&s, d2 < reach2);
   if (sharp) {
     vmask apart = d2 > 0;
     dim(&s, apart);
     d2 = choose(apart, d2, vreal_set(1));
   } else
-    d2 = larger(d2, vreal_set(NEAREST * lamp[YLM__VIRTUAL_WIDTH2]));
+    d2 = larger(d2, vreal_set(NEAREST * width2));
   vreal inv = inverse_root(d2), u[3] = {v[0] * inv, v[1] * inv, v[2] * inv};
   weighers[order][profile](p, lamp, d2, inv * inv, inv, &k->weights);
   makers[order][p->lmax <= YLM__VIRTUAL_SPECIAL ? p->lmax : YLM__VIRTUAL_SPECIAL + 1](
@@ -304,7 +308,7 @@ static void add_all(const ylm__virtual_plan *p, work *k, const vreal xyz[3]) {
     size_t end = n - first < YLM__VIRTUAL_BLOCK ? n : first + YLM__VIRTUAL_BLOCK;
     memset(k->part, 0, p->sums * sizeof *k->part);
     for (size_t i = first; i < end; i++) {
-      add_light(p, k, p->lights->LAMPS + i * stride, xyz, 0);
+      add_light(p, k, ROWS_OF(p) + i * stride, xyz, 0);
       if (k->held == TILE) flush(p, k);
     }
     flush(p, k);
@@ -452,9 +456,10 @@ YLM_INLINE void shine(const ylm__virtual_plan *p, const float *zonal, const real
   double beta[(YLM_LIGHT_VIRTUAL_DEGREE + 1) * (YLM_LIGHT_VIRTUAL_DEGREE + 1)];
   for (int a = 0; a < 3; a++) v[a] = lamp[a] - xyz[a];
   vreal d2 = v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
-  if (!any(d2 < reach2) || !look(lamp, v, d2, &s)) return;
+  const real width2 = width2_of(lamp);
+  if (!any(d2 < reach2) || !look(lamp, width2 * SOFT, v, d2, &s)) return;
   dim(&s, d2 < reach2);
-  d2 = larger(d2, vreal_set(NEAREST * lamp[YLM__VIRTUAL_WIDTH2]));
+  d2 = larger(d2, vreal_set(NEAREST * width2));
   vreal inv = inverse_root(d2), z = (v[0] * N[0] + v[1] * N[1] + v[2] * N[2]) * inv;
   smooth(YLM_LIGHT_VIRTUAL_NEAR, p->lmax, 0, lamp, (real)p->lights->core, d2, inv * inv, B);
   vreal P = vreal_set(1), before = vreal_set(0), all = before;
@@ -478,7 +483,7 @@ ylm__virtual_near_fn YLM_KERNEL(ylm__virtual_near);
 ylm_status YLM_KERNEL(ylm__virtual_near)(const ylm__virtual_plan *p, const ylm__virtual_near *near,
                                          void **scratch) {
   const size_t stride = p->lights->stride;
-  const float *lamps = p->lights->seen_f, reach2 = near->reach * near->reach;
+  const float *lamps = p->lights->seen, reach2 = near->reach * near->reach;
   vreal xyz[3] = {vreal_set(0), vreal_set(0), vreal_set(0)}, N[3] = {xyz[0], xyz[0], xyz[0]},
         sum[3] = {xyz[0], xyz[0], xyz[0]};
   load(near->points, near->lanes, xyz);

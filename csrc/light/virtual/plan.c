@@ -9,17 +9,11 @@
 
 /* -- lights --------------------------------------------------------------------------------- */
 
-/* Numbers per colour: an intensity; 1, u, u u' to degree 2; coefficients of unnormalised harmonics. */
-static size_t numbers_of(int degree) {
-  return degree == 0 ? 1 : degree <= 2 ? 10 : YLM_LIGHT_VIRTUAL_NUMBERS(degree);
-}
-
-/* An emission of degree 2 as c[0] + c[1..3].u + u' C u, C being xx xy xz yy yz zz in c[4..9]. */
+/* An emission of degree 2 as c[0] + c[1..3].u + u' C u, C being xx xy xz yy yz in c[4..8]: it has no trace. */
 static void quadratic(int degree, const double *b, double *c) {
   double h[6]; /* 00, 10, 11, 20, 21, 22 */
   for (int l = 0, i = 0; l <= 2; l++)
     for (int m = 0; m <= l; m++) h[i++] = ylm__harmonic_scale(l, m, 1);
-  memset(c, 0, 10 * sizeof *c);
   c[0] = h[0] * b[0];
   c[1] = h[2] * b[3], c[2] = h[2] * b[1], c[3] = h[1] * b[2];
   if (degree < 2) return;
@@ -28,7 +22,6 @@ static void quadratic(int degree, const double *b, double *c) {
   c[6] = h[4] * b[7] / 2;
   c[7] = -h[5] * b[8] - h[3] * b[6] / 3;
   c[8] = h[4] * b[5] / 2;
-  c[9] = h[3] * b[6] * 2 / 3;
 }
 
 static void numbers(int degree, const double *b, double *c) {
@@ -42,38 +35,44 @@ static void numbers(int degree, const double *b, double *c) {
 }
 
 static void settle_one(const ylm_light_virtual *v, size_t i, double *to) {
-  size_t wide = YLM_LIGHT_VIRTUAL_NUMBERS(v->degree), n = numbers_of(v->degree);
-  double sg = YLM__GAUSS_WIDTH * v->radius[i], eps = YLM__GAUSS_SOFT * sg, c[81];
-  bool sharp = v->profile == YLM_LIGHT_VIRTUAL_POINT || v->profile == YLM_LIGHT_VIRTUAL_CAP;
+  size_t n = YLM_LIGHT_VIRTUAL_NUMBERS(v->degree);
+  double c[81];
   for (size_t a = 0; a < 3; a++) {
     to[YLM__VIRTUAL_AT + a] = v->at[3 * i + a];
     to[YLM__VIRTUAL_NORMAL + a] = v->normal[3 * i + a];
   }
   to[YLM__VIRTUAL_SHIFT] = v->shift[i];
   to[YLM__VIRTUAL_RADIUS] = v->radius[i];
-  to[YLM__VIRTUAL_WIDTH2] = sg * sg;
-  to[YLM__VIRTUAL_SOFT2] = sharp ? 0 : eps * eps;
   for (size_t k = 0; k < 3; k++) {
-    numbers(v->degree, v->emission + (3 * i + k) * wide, c);
-    for (size_t q = 0; q < n; q++) to[YLM__VIRTUAL_EMISSION + 4 * q + k] = c[q];
-  }
-  for (size_t q = 0; q < n; q++) {
-    double *rgb = to + YLM__VIRTUAL_EMISSION + 4 * q;
-    rgb[3] = ylm__emission(rgb, 1, 0);
+    numbers(v->degree, v->emission + (3 * i + k) * n, c);
+    for (size_t q = 0; q < n; q++) to[YLM__VIRTUAL_EMISSION + 3 * q + k] = c[q];
   }
 }
 
 ylm_status ylm__virtual_settle(ylm_light_virtual *v) {
-  v->stride = YLM__VIRTUAL_EMISSION + 4 * numbers_of(v->degree);
-  v->seen_d = ylm_alloc(v->n * v->stride, sizeof *v->seen_d);
-  v->seen_f = ylm_alloc(v->n * v->stride, sizeof *v->seen_f);
-  if (!v->seen_d || !v->seen_f) return YLM_ENOMEM;
+  double one[YLM__VIRTUAL_EMISSION + 3 * YLM_LIGHT_VIRTUAL_NUMBERS(YLM_LIGHT_VIRTUAL_DEGREE)];
+  v->stride = YLM__VIRTUAL_EMISSION + 3 * YLM_LIGHT_VIRTUAL_NUMBERS(v->degree);
+  v->seen = ylm_alloc(v->n * v->stride, sizeof *v->seen);
+  if (!v->seen) return YLM_ENOMEM;
   for (size_t i = 0; i < v->n; i++) {
-    settle_one(v, i, v->seen_d + i * v->stride);
-    for (size_t k = 0; k < v->stride; k++)
-      v->seen_f[i * v->stride + k] = (float)v->seen_d[i * v->stride + k];
+    settle_one(v, i, one);
+    for (size_t k = 0; k < v->stride; k++) v->seen[i * v->stride + k] = (float)one[k];
   }
   return YLM_OK;
+}
+
+/* Rows of all lights for kernels in double. */
+static ylm_status make_lights(ylm__virtual_plan *p) {
+  const ylm_light_virtual *v = p->lights;
+  double *x = ylm_alloc(v->n * v->stride, sizeof *x);
+  p->seen = x;
+  if (!x) return YLM_ENOMEM;
+  for (size_t i = 0; i < v->n; i++) settle_one(v, i, x + i * v->stride);
+  return YLM_OK;
+}
+
+static bool is_narrow(const ylm_field_query *q) {
+  return q->dtype == YLM_FLOAT && q->lmax <= YLM__VIRTUAL_FLOAT;
 }
 
 /* -- sums ----------------------------------------------------------------------------------- */
@@ -220,7 +219,8 @@ ylm_status ylm__virtual_plan_create(ylm__virtual_plan *p, const ylm_light_virtua
   p->width = p->rows[0] + p->rows[1] + p->rows[2];
   add_sums(p, &p->of[0], rgb, 3);
   add_sums(p, &p->of[1], lum & ~rgb, 1);
-  return make_maps(p);
+  ylm_status s = is_narrow(q) ? YLM_OK : make_lights(p);
+  return s == YLM_OK ? make_maps(p) : s;
 }
 
 void ylm__virtual_plan_free(ylm__virtual_plan *p) {
@@ -228,6 +228,7 @@ void ylm__virtual_plan_free(ylm__virtual_plan *p) {
   ylm__rows_free(&p->once);
   ylm__rows_free(&p->twice);
   ylm_free((void *)(uintptr_t)p->beta);
+  ylm_free((void *)(uintptr_t)p->seen);
 }
 
 /* -- kernels -------------------------------------------------------------------------------- */
@@ -246,7 +247,7 @@ SET(neon)
 #endif
 
 ylm__virtual_range *ylm__virtual_kernel(ylm_isa isa, const ylm_field_query *q) {
-  bool narrow = q->dtype == YLM_FLOAT && q->lmax <= YLM__VIRTUAL_FLOAT;
+  bool narrow = is_narrow(q);
   switch (isa) {
 #if defined(__x86_64__)
   case YLM_ISA_sse2: return find_sse2(narrow);

@@ -51,6 +51,7 @@ typedef struct ylm__virtual_plan {
   ylm__virtual_product product[12];
   ylm__rows value, once, twice; /* from rows to value, gradient [..][3], Hessian [..][6] */
   const double *beta;           /* [lmax+3][lmax+3]: of the recurrences, by degree and order */
+  const double *seen;           /* [n][stride]: lights as kernels in double see them; NULL for float */
 } ylm__virtual_plan;
 
 ylm_status ylm__virtual_plan_create(ylm__virtual_plan *p, const ylm_light_virtual *v,
@@ -82,14 +83,13 @@ typedef ylm_status ylm__virtual_near_fn(const ylm__virtual_plan *p, const ylm__v
 /* That function and how many points it takes. NULL: there is none. */
 ylm__virtual_near_fn *ylm__virtual_near_kernel(ylm_isa isa, int *lanes);
 
-/* Numbers of a light as kernels see it, then of its emission [..][4]: red, green, blue, luminance. */
+/* Numbers of a light as kernels see it, then of its emission [(degree+1)^2][3]: an intensity; to degree 2
+   1, u, then xx xy xz yy yz of u' C u, whose trace is 0; beyond, coefficients of unnormalised harmonics. */
 enum {
   YLM__VIRTUAL_AT,
   YLM__VIRTUAL_NORMAL = 3,
   YLM__VIRTUAL_SHIFT = 6,
   YLM__VIRTUAL_RADIUS,
-  YLM__VIRTUAL_WIDTH2, /* sg^2 */
-  YLM__VIRTUAL_SOFT2,  /* eps^2 */
   YLM__VIRTUAL_EMISSION
 };
 

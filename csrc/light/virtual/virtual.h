@@ -19,11 +19,10 @@ struct ylm_light_virtual {
   double *at, *normal, *radius, *shift; /* [n][3], [n][3], [n], [n]: one block of memory */
   double *emission;                     /* [n][3][(degree+1)^2] */
   size_t stride;                        /* numbers of a light as kernels see it: plan.h */
-  double *seen_d;                       /* [n][stride] */
-  float *seen_f;
+  float *seen;                          /* [n][stride] */
 };
 
-/* Fills what kernels see; YLM_ENOMEM. plan.c */
+/* Fills what kernels in float see; YLM_ENOMEM. plan.c */
 ylm_status ylm__virtual_settle(ylm_light_virtual *v);
 
 /* The reference: product rule, double, points begin .. end-1. */
