@@ -71,33 +71,41 @@ YLM_INLINE void quadratic(const vreal u[3], const int order, const int degree, c
 ** Jets by u of an emission of any degree, for `channels` channels from `first` on. Of order m it is
 ** Q(z, s) times Re and Im (x+iy)^m, s = |u|^2, and Q is found by recurrence with its derivatives.
 */
-static void any_degree(const seen *p, const int order, int degree, const double *beta,
-                       const real *lamp, int first, int channels, vreal B[4][PARTS]) {
+YLM_INLINE void any_degree(const seen *p, const int order, int degree, const double *beta,
+                           const real *lamp, const int first, const int channels,
+                           vreal B[4][PARTS]) {
+  static const int parts[3] = {1, 4, 10}, slopes[3] = {1, 3, 6};
   vreal x = p->u[0], y = p->u[1], z = p->u[2], s = x * x + y * y + z * z;
   vreal A[3] = {vreal_set(1)}, I[3] = {vreal_set(0)}; /* (x+iy)^m, ^(m-1), ^(m-2) */
-  for (int k = 0; k < 4; k++)
-    for (int i = 0; i < PARTS; i++) B[k][i] = vreal_set(0);
+  const int n = slopes[order];
+  for (int k = first; k < first + channels; k++)
+    for (int i = 0; i < parts[order]; i++) B[k][i] = vreal_set(0);
   A[1] = A[2] = I[1] = I[2] = vreal_set(0);
   for (int m = 0; m <= degree; m++) {
     vreal Q[2][4][6], q[6], old[6]; /* Q, by z, by s, by zz, zs, ss */
-    memset(Q, 0, sizeof Q);
+    for (int k = first; k < first + channels; k++)
+      for (int i = 0; i < n; i++) Q[0][k][i] = Q[1][k][i] = vreal_set(0);
     for (int i = 0; i < 6; i++) q[i] = old[i] = vreal_set(0);
     q[0] = vreal_set(1);
     for (int l = m; l <= degree; l++) {
       for (int side = 0; side < (m ? 2 : 1); side++)
         for (int k = first; k < first + channels; k++) {
           real b = number_of(lamp, l * (l + 1) + (side ? -m : m), k);
-          for (int i = 0; i < 6; i++) Q[side][k][i] += b * q[i];
+          for (int i = 0; i < n; i++) Q[side][k][i] += b * q[i];
         }
       const real t = l > m ? (real)beta[l * (YLM_LIGHT_VIRTUAL_DEGREE + 1) + m] : 0;
       vreal next[6];
       next[0] = z * q[0] - t * (s * old[0]);
-      next[1] = q[0] + z * q[1] - t * (s * old[1]);
-      next[2] = z * q[2] - t * (old[0] + s * old[2]);
-      next[3] = 2 * q[1] + z * q[3] - t * (s * old[3]);
-      next[4] = q[2] + z * q[4] - t * (old[1] + s * old[4]);
-      next[5] = z * q[5] - t * (2 * old[2] + s * old[5]);
-      for (int i = 0; i < 6; i++) old[i] = q[i], q[i] = next[i];
+      if (order > 0) {
+        next[1] = q[0] + z * q[1] - t * (s * old[1]);
+        next[2] = z * q[2] - t * (old[0] + s * old[2]);
+      }
+      if (order > 1) {
+        next[3] = 2 * q[1] + z * q[3] - t * (s * old[3]);
+        next[4] = q[2] + z * q[4] - t * (old[1] + s * old[4]);
+        next[5] = z * q[5] - t * (2 * old[2] + s * old[5]);
+      }
+      for (int i = 0; i < n; i++) old[i] = q[i], q[i] = next[i];
     }
     const real f = (real)m, f2 = (real)(m * (m - 1));
     for (int side = 0; side < (m ? 2 : 1); side++) {
@@ -106,13 +114,15 @@ static void any_degree(const seen *p, const int order, int degree, const double 
       vreal Txx = f2 * (side ? I[2] : A[2]), Txy = f2 * (side ? A[2] : -I[2]);
       for (int k = first; k < first + channels; k++) {
         const vreal *w = Q[side][k];
-        vreal *b = B[k], s2 = 2 * w[2], ss = 4 * w[5];
+        vreal *b = B[k];
         b[0] += T * w[0];
         if (order < 1) continue;
+        const vreal s2 = 2 * w[2];
         b[1] += Tx * w[0] + T * s2 * x;
         b[2] += Ty * w[0] + T * s2 * y;
         b[3] += T * (w[1] + s2 * z);
         if (order < 2) continue;
+        const vreal ss = 4 * w[5];
         b[4] += Txx * w[0] + 2 * Tx * s2 * x + T * (s2 + ss * x * x);
         b[5] += Txy * w[0] + s2 * (Tx * y + Ty * x) + T * ss * x * y;
         b[6] += Tx * (w[1] + s2 * z) + T * x * (2 * w[4] + ss * z);
@@ -158,7 +168,8 @@ YLM_INLINE void send(const seen *s, const int order, int degree, const double *b
     for (int i = 0; i < PARTS; i++) B[i] = vreal_set(i == 0);
     turn(s, order, B, one, 1);
     for (int i = 0; i < parts[order]; i++)
-      for (int k = 0; k < channels; k++) E[i * channels + k] = one[i] * number_of(lamp, 0, first + k);
+      for (int k = 0; k < channels; k++)
+        E[i * channels + k] = one[i] * number_of(lamp, 0, first + k);
     return;
   }
   if (degree > 2) any_degree(s, order, degree, beta, lamp, first, channels, all);

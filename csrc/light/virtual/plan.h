@@ -51,7 +51,7 @@ typedef struct ylm__virtual_plan {
   ylm__virtual_product product[12];
   ylm__rows value, once, twice; /* from rows to value, gradient [..][3], Hessian [..][6] */
   const double *beta;           /* [lmax+3][lmax+3]: of the recurrences, by degree and order */
-  const double *seen;           /* [n][stride]: lights as kernels in double see them; NULL for float */
+  const double *seen; /* [n][stride]: lights as kernels in double see them; NULL for float */
 } ylm__virtual_plan;
 
 ylm_status ylm__virtual_plan_create(ylm__virtual_plan *p, const ylm_light_virtual *v,
