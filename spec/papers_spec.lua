@@ -24,6 +24,13 @@ local cases = {
   { "gradient_2022_fig8.lua", "--out %s --quick", "gloss: b %- a %% .*\n +5 .*Why they differ" },
   { "gradient_2022_fig10.lua", "--out %s --quick --threads 1", "zonal .*\n +8 .*\n +18 .*a grid is %d" },
   { "gradient_2022_fig11.lua", "--out %s --quick", "satin_gold +stand%-in, not measured.*MAE x 1000 of the grid" },
+  { "hvl_2022_table1.lua", "--quick --threads 1", "400 +9 +[%d.]+ +0%.220 .*9 over 5 bands" },
+  { "hvl_2022_fig6.lua", "--out %s --quick",
+    "\n +5 +26 +25 +22 +10 .*Eq%. 14 has fewer operations than the polynomials from 5 bands" },
+  { "hvl_2022_fig8.lua", "--out %s --quick", "footprint +%d+ .* 1%.00 .*lit pixels" },
+  { "hvl_profiles.lua", "--out %s --quick", "gauss, k = 1 .*gauss, 0%.6 r to 2 r" },
+  { "hvl_split.lua", "--out %s --quick", "floor, far part: irradiance +%d%.%d" },
+  { "hvl_furnace.lua", "--quick", "points, cosines exact +%-?0%.0000 +0%.0000.*rho/%(1 %- rho%) is 1%.5000" },
   { "hvl_2022_materials.lua", "--out %s --quick", "90 full rows .* 27%.0 .*teflon +ABC fit.*materials change" },
 }
 
