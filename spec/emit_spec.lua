@@ -5,6 +5,8 @@ local with = require "spec.support.with"
 local refused = require "spec.support.raises"
 local ylm = require "ylm"
 
+local unpack = table.unpack or unpack -- luacheck: ignore
+
 local LUMINANCE = { 0.2126, 0.7152, 0.0722 }
 local grey = ylm.matte { albedo = 0.5 }
 local lamp = ylm.sphere_light { at = { 0.3, -0.2, 0.1 }, radius = 0.1, radiance = { 10, 8, 6 } }
@@ -153,6 +155,31 @@ describe("radii", function()
     local even = math.sqrt(4 / math.pi / r.lights)
     assert.is_true(math.abs(r.radius.median / even - 1) < 0.12, r.radius.median / even)
     assert.is_true(r.radius.max <= 4 * r.radius.median * (1 + 1e-12) and r.radius.min > 0)
+  end)
+
+  it("are by the tenth light within 60 degrees and d/2 of the tangent plane", function()
+    local lights = ylm.scene "a ball in a room" { lights = lamp,
+      geometry = { ylm.box { scale = 2, material = grey }, ylm.sphere { at = { -0.4, -0.5, 0 }, radius = 0.3, material = grey } },
+    }:virtual_lights { count = 400, scale = 1 }
+    local all = numbers(lights)
+    local at, normal, radius = all[1], all[2], all[3]
+    local wanted = {}
+    for i, x in ipairs(at) do
+      local list = {}
+      for j, y in ipairs(at) do
+        local d2, up, facing = 0, 0, 0
+        for a = 1, 3 do
+          local v = y[a] - x[a]
+          d2, up, facing = d2 + v * v, up + v * normal[i][a], facing + normal[i][a] * normal[j][a]
+        end
+        if j ~= i and facing >= 0.5 and up * up <= 0.25 * d2 then list[#list + 1] = d2 end
+      end
+      table.sort(list)
+      wanted[i] = math.sqrt(list[10] / 10)
+    end
+    local sorted = { unpack(wanted) }
+    table.sort(sorted)
+    for i, r in ipairs(wanted) do near(math.min(r, 4 * sorted[201]), radius[i], 1e-5, "light " .. i) end
   end)
 
   it("take no neighbours from behind a wall or around a corner", function()

@@ -78,6 +78,14 @@ typedef struct emit_landings {
 ylm_status ylm__emit_trace(const ylm_scene *scene, const ylm_emit_options *o, emit_landings *out,
                            ylm_emit_report *report);
 
+/* -- density.c ---------------------------------------------------------------------- */
+
+/* radius [n] of each landing: scale d/sqrt(k), d the distance to the k-th neighbour of its surface, k = 10
+   or as many as there are; 0: there are none. Neighbours have normals within 60 degrees, and are within d/2
+   of the tangent plane. */
+ylm_status ylm__emit_density(size_t n, const emit_landing *landing, const ylm_emit_options *o,
+                             double *radius);
+
 /* -- radius.c ----------------------------------------------------------------------- */
 
 /* Fills lights->radius; the landings are those of the lights. */

@@ -1,7 +1,7 @@
 # Benchmarks: each spec/bench/NAME.c is a program over the libraries; bench.h has the timing.
 # scaling.lua plots how times grow, by VTK.
 
-BENCHES := $(patsubst spec/bench/%.c,$(BUILD)/bench/%,$(filter-out $(if $(WITH_SCENE),,%/transfer.c %/trace.c %/path.c %/green.c %/choose.c %/links.c %/gather.c %/glossy.c),$(wildcard spec/bench/*.c)))
+BENCHES := $(patsubst spec/bench/%.c,$(BUILD)/bench/%,$(filter-out $(if $(WITH_SCENE),,%/transfer.c %/trace.c %/path.c %/green.c %/choose.c %/links.c %/gather.c %/glossy.c %/emit.c),$(wildcard spec/bench/*.c)))
 PEER    ?=
 BENCH   ?=
 # BENCH=quick: all, briefly; BENCH="light sh": these. many_lights, accuracy and choose take minutes and are run by name.
@@ -13,6 +13,7 @@ BENCH_LIBS_green    := -lylm_scene
 BENCH_LIBS_links    := -lylm_scene
 BENCH_LIBS_gather   := -lylm_scene
 BENCH_LIBS_glossy   := -lylm_scene
+BENCH_LIBS_emit     := -lylm_scene
 BENCH_LIBS_path     := -lylm_scene -ldl
 BENCH_LIBS_choose   := -lylm_scene
 BENCH_LIBS_products := -lylm_rival

@@ -5,7 +5,7 @@
 #include <math.h>
 
 #include "bench.h"
-#include "ylm_geom.h"
+#include "room.h"
 #include "ylm_transfer.h"
 
 #define POINTS 64
@@ -23,36 +23,6 @@ typedef struct task {
   ylm_trace_hit *hit;
   size_t rays;
 } task;
-
-static ylm_scene_mesh part(const ylm_mesh *m, const ylm_material *material) {
-  return (ylm_scene_mesh){.positions = m->position,
-                          .normals = m->normal,
-                          .vertices = m->vertices,
-                          .triangles = m->index,
-                          .count = m->triangles,
-                          .material = material,
-                          .occludes = true};
-}
-
-/* A knot in a box, and one lamp. */
-static ylm_scene *room(void) {
-  const double lo[3] = {-3, -3, -2}, hi[3] = {3, 3, 2};
-  const float albedo[3] = {0.7f, 0.6f, 0.5f}, sphere[4] = {2, 2, 1, 0.2f},
-              radiance[3] = {30, 30, 30};
-  ylm_mesh *mesh[2];
-  ylm_material *m;
-  ylm_scene *s;
-  if (ylm_mesh_box(lo, hi, 1, &mesh[0], NULL) != YLM_OK ||
-      ylm_mesh_knot(2, 3, 1.2, 0.5, 0.25, 150, 40, &mesh[1], NULL) != YLM_OK ||
-      ylm_material_create(ylm_material_kind_find("matte"), 3, albedo, &m, NULL) != YLM_OK)
-    exit(1);
-  const ylm_scene_mesh parts[2] = {part(mesh[0], m), part(mesh[1], m)};
-  const ylm_scene_lamps l = {.shape = {.spheres = 1, .sphere = sphere}, .radiance = radiance};
-  if (ylm_scene_create(2, parts, &l, &s, NULL) != YLM_OK) exit(1);
-  for (int i = 0; i < 2; i++) ylm_mesh_free(mesh[i]);
-  ylm_material_free(m);
-  return s;
-}
 
 static void probes(void *context) {
   task *x = context;
@@ -114,7 +84,7 @@ static void measure(task *x, int base, int lmax, ylm_gather_derivatives derivati
 
 int main(void) {
   const int all = YLM_WANT_VALUE | YLM_WANT_GRADIENT | YLM_WANT_METRIC;
-  task x = {.scene = room(), .q = {.channels = 3, .metric_channels = 1, .threads = 1}};
+  task x = {.scene = bench_room(), .q = {.channels = 3, .metric_channels = 1, .threads = 1}};
   ylm_transfer *t;
   ylm_radiosity *lit;
   ylm_transfer_form form = {.spacing = 0.08, .links = 128, .lmax = -1, .seed = 1};

@@ -1,0 +1,98 @@
+/*
+** emit.c - virtual lights of a scene: particles beside bare rays from the same lamp, and milliseconds that
+** radii take.
+*/
+#include <math.h>
+
+#include "bare.h"
+#include "room.h"
+#include "ylm_emit.h"
+
+#define RAYS (1 << 16)
+
+typedef struct task {
+  const ylm_scene *scene;
+  ylm_emit_options o;
+  ylm_emit_report report;
+} task;
+
+/* Rays from places of the lamp, as the cosine. */
+static void from_lamp(ylm_trace_ray *ray) {
+  ylm_rng r;
+  ylm_rng_seed(&r, 3, 3);
+  for (size_t i = 0; i < RAYS; i++) {
+    float n[2][3];
+    for (int k = 0; k < 2; k++) {
+      double z = 2 * ylm_rng_double(&r) - 1, phi = 6.28318531 * ylm_rng_double(&r);
+      double s = sqrt(1 - z * z), to[3] = {s * cos(phi), s * sin(phi), z};
+      for (int a = 0; a < 3; a++) n[k][a] = (float)to[a];
+    }
+    float d2 = 0;
+    ray[i] = (ylm_trace_ray){.far = INFINITY};
+    for (int a = 0; a < 3; a++) {
+      ray[i].org[a] = bench_lamp[a] + bench_lamp[3] * n[0][a];
+      ray[i].dir[a] = n[0][a] + n[1][a];
+      d2 += ray[i].dir[a] * ray[i].dir[a];
+    }
+    for (int a = 0; a < 3; a++) ray[i].dir[a] /= sqrtf(d2);
+  }
+}
+
+static void emit(void *context) {
+  task *x = context;
+  ylm_emit_lights l;
+  if (ylm_emit(x->scene, &x->o, &l, &x->report, NULL) != YLM_OK) exit(1);
+  ylm_emit_free(&l);
+}
+
+/* Millions of rays a second of all that ylm_emit does but radii. */
+static double rate(task *x, int bounces) {
+  x->o.bounces = bounces;
+  x->o.radius = YLM_EMIT_FIXED;
+  double least = bench_seconds(emit, x);
+  return (double)x->report.rays / least * 1e-6;
+}
+
+/* Milliseconds of radii by density: processor time of one thread; wall time of two. */
+static double radii(task *x, int threads) {
+  double least = INFINITY, other = INFINITY;
+  x->o.threads = threads;
+  for (int k = 0; k < (bench_is_quick() ? 2 : 7); k++) {
+    double begun = bench_cpu();
+    x->o.radius = YLM_EMIT_FIXED;
+    emit(x);
+    other = fmin(other, bench_cpu() - begun);
+    begun = bench_cpu();
+    x->o.radius = YLM_EMIT_DENSITY;
+    emit(x);
+    least = fmin(least, threads == 1 ? bench_cpu() - begun : x->report.seconds[1]);
+  }
+  return (threads == 1 ? least - other : least) * 1e3;
+}
+
+int main(void) {
+  ylm_trace_ray *ray = ylm_alloc(RAYS, sizeof *ray);
+  task x = {.scene = bench_room(), .o = {.particles = RAYS, .fixed = 0.1, .scale = 1.5, .seed = 1}};
+  if (!ray) return 1;
+  from_lamp(ray);
+  x.o.threads = 1;
+  bare_rays b = {ylm_scene_trace(x.scene), RAYS, ray, 0};
+  printf(
+      "particles in a room with a knot, millions of rays a second beside bare rays from the lamp; "
+      "one thread\n  %8s  %9s  %9s  %6s\n",
+      "bounces", "bare", "particles", "of");
+  for (int bounces = 1; bounces <= 4; bounces *= 4) {
+    double bare = (double)RAYS / bench_seconds(bare_nearest, &b) * 1e-6, own = rate(&x, bounces);
+    printf("  %8d  %9.2f  %9.2f  %6.2f\n", bounces, bare, own, own / bare);
+  }
+  printf("radii by density, ms of processor time; of wall time\n  %8s  %10s  %11s\n", "lights",
+         "one thread", "two threads");
+  x.o.bounces = 1;
+  for (size_t n = 10000; n <= 1000000; n *= 10) {
+    x.o.particles = n;
+    printf("  %8zu  %10.2f  %11.2f\n", n, radii(&x, 1), radii(&x, 2));
+  }
+  ylm_scene_free((ylm_scene *)x.scene);
+  ylm_free(ray);
+  return 0;
+}
