@@ -14,9 +14,11 @@ SANITIZE ?=
 V       ?=
 Q       := $(if $(V),,@)
 say      = @printf '  %-4s %s\n' $(1) $(2)
+VERSION   := $(shell sed -n 's/^#define YLM_VERSION "\(.*\)"/\1/p' csrc/base/ylm_base.h)
+SOVERSION := $(firstword $(subst ., ,$(VERSION)))
 # Luas whose interpreter and headers are both there; `luarocks make` names one by ROCK_LUA.
 LUAS    ?= $(if $(ROCK_LUA),$(shell $(ROCK_LUA) -e 'print("lua" .. _VERSION:match("%d.%d"))'),$(foreach l,\
-             lua5.1 luajit lua5.3 lua5.4,$(if $(shell command -v $(l) && pkg-config --exists $(l) 2>/dev/null && echo y),$(l))))
+             lua5.1 luajit lua5.2 lua5.3 lua5.4 lua5.5,$(if $(shell command -v $(l) && pkg-config --exists $(l) 2>/dev/null && echo y),$(l))))
 LUA_CFLAGS ?= # of the one Lua to build for; pkg-config knows them otherwise
 ABIS    := $(sort $(patsubst luajit,lua5.1,$(LUAS)))
 
@@ -45,7 +47,9 @@ LDFLAGS := -shared -fopenmp $(SANITIZE) -Wl,-z,now -Wl,-z,nodelete $(if $(SANITI
 
 pkg      = $(shell pkg-config $(1) $(2) 2>/dev/null)
 CFLAGS_codec = $(call pkg,--cflags,OpenEXR libpng)
-LIBS_codec   = -lOpenEXRCore-3_1 $(call pkg,--libs,libpng)
+# OpenEXRCore has its version behind its name: -lOpenEXRCore-3_1, and OpenEXR 2 has none.
+OPENEXR     := $(filter -L% -lOpenEXRCore%,$(call pkg,--libs,OpenEXR))
+LIBS_codec   = $(OPENEXR) $(call pkg,--libs,libpng)
 LIBS_scene   = $(EMBREE_DIR:%=-L%/lib) $(EMBREE_DIR:%=-Wl,-rpath,%/lib) -lembree$(EMBREE)
 CFLAGS_scene = -DYLM_EMBREE=$(EMBREE) $(EMBREE_DIR:%=-isystem %/include)
 
@@ -61,8 +65,9 @@ EMBREE_DIR ?=
 EMBREE     ?= $(firstword $(foreach v,3 4,$(if $(wildcard $(addsuffix /include/embree$(v)/rtcore.h,$(EMBREE_DIR) /usr /usr/local)),$(v))))
 
 # Built where OpenEXR and libpng are, and where Embree is; spherical harmonics alone need none of them.
-WITH_CODEC ?= $(shell pkg-config --exists OpenEXR libpng 2>/dev/null && echo y)
-WITH_SCENE ?= $(EMBREE)
+WITH_CODEC  ?= $(and $(filter -l%,$(OPENEXR)),$(call pkg,--libs,libpng),y)
+WITH_EMBREE ?= $(EMBREE)
+WITH_SCENE  ?= $(WITH_EMBREE)
 
 OBJ_core  := $(foreach d,$(CORE),$(call objects,$(d)))
 OBJ_codec := $(foreach d,$(CODEC),$(call objects,$(d)))
@@ -73,6 +78,7 @@ LIBS := $(BUILD)/lib/libylm.so $(foreach p,$(PARTS),$(BUILD)/lib/libylm_$(p).so)
 HAVE := core $(PARTS)
 # Parts with rules of their own.
 -include csrc/vtk/build.mk csrc/vulkan/build.mk csrc/rival/build.mk lua/ylm/codegen/build.mk spec/bench/build.mk spec/fuzz/build.mk lua/ylm/doc/build.mk
+-include package/build.mk
 
 BINDINGS := $(foreach a,$(ABIS),$(foreach m,$(HAVE),$(BUILD)/$(a)/ylm/c/$(m).so))
 
@@ -109,16 +115,20 @@ $(BUILD)/obj/%.o: csrc/%.c
 	$(call say,CC,$@)
 	$(Q)$(CC) $(CFLAGS) -c $< -o $@
 
-$(BUILD)/lib/libylm.so: $(OBJ_core)
+# Programs ask for libylm.so.0, which is a link here; `make install` adds the version.
+SONAME = -Wl,-soname,$(@F).$(SOVERSION)
+LINKED = && ln -sf $(@F) $@.$(SOVERSION)
+
+$(BUILD)/lib/libylm.so: $(OBJ_core) Makefile
 	@mkdir -p $(@D)
 	$(call say,LINK,$@)
-	$(Q)$(CC) $(LDFLAGS) -Wl,-soname,libylm.so $^ -lm -o $@
+	$(Q)$(CC) $(LDFLAGS) $(SONAME) $(OBJ_core) -lm -o $@ $(LINKED)
 
 define PART
 $(BUILD)/lib/libylm_$(1).so: $(OBJ_$(1)) $(BUILD)/lib/libylm.so Makefile
 	@mkdir -p $$(@D)
 	$$(call say,LINK,$$@)
-	$(Q)$$(CC) $$(LDFLAGS) -Wl,-soname,libylm_$(1).so -Wl,-rpath,'$$$$ORIGIN' $(OBJ_$(1)) -L$(BUILD)/lib -lylm $(LIBS_$(1)) -lm -o $$@
+	$(Q)$$(CC) $$(LDFLAGS) $$(SONAME) -Wl,-rpath,'$$$$ORIGIN' $(OBJ_$(1)) -L$(BUILD)/lib -lylm $(LIBS_$(1)) -lm -o $$@ $$(LINKED)
 endef
 $(foreach p,codec scene,$(eval $(call PART,$(p))))
 
@@ -194,36 +204,9 @@ asan:   ## the specs under AddressSanitizer and UBSan (in build/asan)
 	  LD_PRELOAD=$$($(CC) -print-file-name=libasan.so):$$($(CC) -print-file-name=libubsan.so) \
 	  ASAN_OPTIONS=detect_leaks=0:detect_odr_violation=0:allocator_may_return_null=1 UBSAN_OPTIONS=print_stacktrace=1" spec/run $(SPEC)
 
-FORMATTED := $(shell find csrc spec -name gen -prune -o \( -name '*.[ch]' -o -name '*.cpp' \) -print)
+FORMATTED := $(shell find csrc spec examples/c -name gen -prune -o \( -name '*.[ch]' -o -name '*.cpp' \) -print)
 format:   ## lay out the C sources
 	clang-format -i $(FORMATTED)
-
-# -- installing ---------------------------------------------------------------------
-
-INSTALL ?= install
-D        = $(DESTDIR)$(PREFIX)
-version  = $(patsubst lua%,%,$(1))
-
-# A room's init.lua takes the place of an older ylm's file, which Lua would find first.
-install: all   ## install libraries, headers, Lua files and the tool (PREFIX, DESTDIR)
-	$(INSTALL) -d $(D)/bin $(D)/lib $(D)/include/ylm
-	$(INSTALL) -m 755 $(wildcard $(BUILD)/lib/*.so) $(D)/lib
-	$(INSTALL) -m 644 $(wildcard csrc/*/ylm_*.h) $(D)/include/ylm
-	set -e; for v in $(foreach a,$(ABIS),$(call version,$(a))); do \
-	  for f in $(patsubst lua/%/init.lua,%.lua,$(wildcard lua/ylm/*/init.lua)); do rm -f $(D)/share/lua/$$v/$$f; done; \
-	  (cd lua && find ylm -name '*.lua') | while read -r f; do \
-	    $(INSTALL) -D -m 644 lua/$$f $(D)/share/lua/$$v/$$f; done; \
-	  for f in $(BUILD)/lua$$v/ylm/c/*.so; do \
-	    $(INSTALL) -D -m 755 $$f $(D)/lib/lua/$$v/ylm/c/$${f##*/}; done; done
-	sed -e 's|@ROOT@||; s|@LUA@|$(PREFIX)/share/lua/$$v|g; s|@C@|$(PREFIX)/lib/lua/$$v|' lua/ylm/cli/ylm.in > $(D)/bin/ylm
-	chmod 755 $(D)/bin/ylm
-
-# Called by rockspec/ylm-scm-1.rockspec with LuaRocks' LUADIR, LIBDIR and BINDIR.
-rock: all
-	cd lua && find ylm -name '*.lua' -exec $(INSTALL) -D -m 644 {} $(LUADIR)/{} \;
-	$(INSTALL) -d $(LIBDIR)/ylm/c $(BINDIR)
-	$(INSTALL) -m 755 $(BUILD)/$(ABIS)/ylm/c/*.so $(wildcard $(BUILD)/lib/*.so) $(LIBDIR)/ylm/c
-	$(INSTALL) -m 755 lua/ylm/cli/main.lua $(BINDIR)/ylm
 
 help:   ## this list
 	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## */\t/' | expand -t 12

@@ -12,9 +12,13 @@ bakes grids of probes that refine themselves by the Hessian of the light field, 
 Needs a C compiler; OpenEXR and libpng for image files, Embree 3 or 4 for scenes, VTK 9 for pictures of the
 mathematics: without them the parts that need them are left out.]],
   license = "MIT",
+  labels = { "graphics", "rendering", "math", "spherical-harmonics" },
+  -- homepage and issues_url wait for a public address of the tree
 }
 
-dependencies = { "lua >= 5.1, < 5.5" }
+dependencies = { "lua >= 5.1, < 5.6" } -- and LuaJIT; spec/abi_spec.lua loads each of them
+test_dependencies = { "busted >= 2.1" }
+test = { type = "command", command = "make spec" }
 
 build = {
   type = "make",

@@ -3,13 +3,19 @@
 local scratch = require "spec.support.scratch"
 
 local build = os.getenv "YLM_BUILD" or "build"
-local interpreters = { ["lua5.1"] = "lua5.1", luajit = "lua5.1", ["lua5.3"] = "lua5.3", ["lua5.4"] = "lua5.4" }
+local abis = { "lua5.1", "lua5.2", "lua5.3", "lua5.4", "lua5.5" }
+local interpreters = { luajit = "lua5.1" }
+for _, abi in ipairs(abis) do interpreters[abi] = abi end
 
-local function present(lua) return scratch.shell("command -v " .. lua .. " >/dev/null") end
+--- Is this Lua here, and what is built for it?
+local function present(lua, abi)
+  return scratch.shell(("command -v %s >/dev/null && test -e %s/%s/ylm/c/core.so"):format(lua, scratch.quote(build), abi))
+end
 
 --- Runs `text` under `lua` with the bindings of `abi`; returns output, exit status.
 local function run(lua, abi, text)
-  return scratch.capture(("env -u LUA_PATH_5_3 -u LUA_PATH_5_4 -u LUA_CPATH_5_3 -u LUA_CPATH_5_4 "
+  return scratch.capture(("env -u LUA_PATH_5_2 -u LUA_PATH_5_3 -u LUA_PATH_5_4 -u LUA_PATH_5_5 "
+    .. "-u LUA_CPATH_5_2 -u LUA_CPATH_5_3 -u LUA_CPATH_5_4 -u LUA_CPATH_5_5 "
     .. "LUA_PATH='lua/?.lua;lua/?/init.lua' LUA_CPATH=%s %s -e %s"):format(
     scratch.quote(build .. "/" .. abi .. "/?.so"), lua, scratch.quote(text)))
 end
@@ -17,7 +23,7 @@ end
 describe("the binding", function()
   for lua, abi in pairs(interpreters) do
     it("works under " .. lua, function()
-      if not present(lua) then pending(lua .. " is not installed") end
+      if not present(lua, abi) then pending(lua .. " is not installed") end
       local out, code = run(lua, abi, [[
         local ylm = require "ylm"
         local a = ylm.array({ { 0, 0, 1 }, { 1, 2, 3 } })
@@ -42,11 +48,11 @@ describe("the binding", function()
       assert.equal(0, code)
     end)
 
-    for _, other in ipairs { "lua5.1", "lua5.3", "lua5.4" } do
+    for _, other in ipairs(abis) do
       if other ~= abi then
         it(("refuses the objects of %s under %s"):format(other, lua), function()
-          if not present(lua) then pending(lua .. " is not installed") end
-          if not present(other) then pending(other .. " is not installed") end
+          if not present(lua, abi) then pending(lua .. " is not installed") end
+          if not present(other, other) then pending(other .. " is not installed") end
           local out, code = run(lua, other, 'require "ylm.c.core"')
           assert.equal(1, code, out)
           assert.truthy(out:find("version mismatch") or out:find("undefined symbol") or out:find("LUA_CPATH")

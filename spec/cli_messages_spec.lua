@@ -102,7 +102,7 @@ describe("the command-line tool's messages", function()
   it("say that YLM_LUA names no interpreter", function()
     local out, code = scratch.capture("YLM_LUA=nolua " .. tool.path .. " info")
     assert.equal(1, code)
-    assert.equal("ylm: no Lua called 'nolua'; set YLM_LUA to luajit, lua5.4, lua5.3 or lua5.1\n", out)
+    assert.equal("ylm: no Lua called 'nolua'; set YLM_LUA to luajit or lua5.1 to lua5.5\n", out)
   end)
 
   it("begin on a line of their own where progress was broken off", function()

@@ -232,6 +232,7 @@ describe("the ladder", function()
 
   it("has one public header per folder, and those of `others`", function()
     local others = { ["ylm_simd.h"] = "base", ["ylm_real.h"] = "base", ["ylm_vector.h"] = "base", ["ylm_intrinsics.h"] = "base",
+      ["ylm_version.h"] = "base",
       ["ylm_sh_rival.h"] = "sh",
       ["ylm_light_device.h"] = "light", ["ylm_light_sky.h"] = "light", ["ylm_light_virtual.h"] = "light",
       ["ylm_light_spot.h"] = "light",
@@ -247,8 +248,8 @@ describe("the ladder", function()
       libasan = true, libubsan = true, libgcc_s = true, libstdc = true } -- under the sanitizers
     local out, code = scratch.capture("ldd " .. scratch.quote(build .. "/lib/libylm.so"))
     assert.equal(0, code, out)
-    for name in out:gmatch("%s([%w_%-/]+)[%w%.%+]*%.so[%.%d]*") do
-      name = name:match("[^/]+$")
+    for path in out:gmatch("%s([%w_%-/]+)[%w%.%+]*%.so[%.%d]*") do
+      local name = path:match("[^/]+$")
       assert(allowed[name], "libylm.so needs " .. name .. "\n" .. out)
     end
     assert.truthy(out:find "libm%.so")

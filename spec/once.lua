@@ -20,6 +20,6 @@ return {
   transfer = 1, radiosity = 1, lightmap = 1,
   transfer_vectors = 3, light_sampled = 1, virtual_lights = 1, virtual_kernel = 1, glossy = 3, gloss_bounced = 5,
   gloss_field = 2,
-  ambient = 1,
+  ambient = 1, c = 3,
   emit = 1, virtual_gather = 2, spot = 1,
 }

@@ -1,8 +1,13 @@
 -- The tree's own style, and that what is generated is what the generators make.
 
+local loops = require "spec.support.loops"
 local scratch = require "spec.support.scratch"
 
 describe("the tree", function()
+  local folder
+  setup(function() folder = scratch.new() end)
+  teardown(function() folder:remove() end)
+
   it("passes luacheck", function()
     if not scratch.shell "command -v luacheck >/dev/null" then pending "luacheck is not installed" end
     local out, code = scratch.capture "luacheck --no-color -q ."
@@ -11,6 +16,28 @@ describe("the tree", function()
 
   it("holds the kernels that the generator makes (make gen)", function()
     local out, code = scratch.capture "env -u MAKEFLAGS -u MFLAGS -u MAKELEVEL make -s --no-print-directory gen-check"
+    assert(code == 0, out)
+  end)
+
+  local function lua_files() return scratch.lines "find lua spec examples rockspec -name '*.lua' -o -name '*.rockspec'" end
+
+  it("assigns to no control variable of a loop, which Lua 5.5 refuses", function()
+    if _VERSION ~= "Lua 5.4" then pending "Lua 5.4 has constants" end
+    assert(load(loops.constant "for i = 1, 3 do local x = 'for' i = x end") == nil)
+    assert(load(loops.constant "for i, k in f(function() for j = 1, 2 do end end) do k = i; local i = 3; i = k end"))
+    for _, path in ipairs(lua_files()) do
+      local file = assert(io.open(path))
+      local ok, message = load(loops.constant(file:read "a"), "@" .. path)
+      file:close()
+      assert(ok, message)
+    end
+  end)
+
+  it("compiles under Lua 5.5", function()
+    if not scratch.shell "command -v lua5.5 >/dev/null" then pending "lua5.5 is not installed" end
+    local list = folder:write("list.lua", "return { [[" .. table.concat(lua_files(), "]], [[") .. "]] }")
+    local program = ("for _, f in ipairs(dofile %q) do assert(loadfile(f)) end"):format(list)
+    local out, code = scratch.capture("lua5.5 -e " .. scratch.quote(program))
     assert(code == 0, out)
   end)
 

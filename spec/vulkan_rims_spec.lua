@@ -227,8 +227,8 @@ describe("exact flat lights on a device", function()
     for _, o in ipairs { { lights, gpu }, { copied } } do
       local plain = ylm.bake(form, o[1], { device = o[2] })
       local grid = assert(ylm.bake(form, o[1], { device = o[2], light_tolerance = 0.05 }))
-      _, e = core.array_distance(grid:points().value, plain:points().value)
-      assert.equal(0, e)
+      local _, apart = core.array_distance(grid:points().value, plain:points().value)
+      assert.equal(0, apart)
       local ok, message = pcall(ylm.bake, form, o[1], { device = o[2], light_tolerance = 2 })
       assert(not ok and message:find "light_tolerance must be a number", message)
     end

@@ -1,7 +1,7 @@
 /*
 ** binding.h - what the files of the Lua binding share. Private to csrc/lua.
 **
-** One C source serves Lua 5.1, LuaJIT, 5.3 and 5.4. Functions here take already
+** One C source serves Lua 5.1 to 5.5 and LuaJIT. Functions here take already
 ** sorted arguments from lua/ylm; they never see option tables. On failure they
 ** return nil, message, code through ylmL_result; lua/ylm/check.lua raises
 ** what is the caller's fault and hands back what is the world's.

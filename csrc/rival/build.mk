@@ -4,7 +4,7 @@ OBJ_rival := $(call objects,rival)
 LIBS += $(BUILD)/lib/libylm_rival.so
 HAVE += rival
 
-$(BUILD)/lib/libylm_rival.so: $(OBJ_rival) $(BUILD)/lib/libylm.so
+$(BUILD)/lib/libylm_rival.so: $(OBJ_rival) $(BUILD)/lib/libylm.so Makefile
 	@mkdir -p $(@D)
 	$(call say,LINK,$@)
-	$(Q)$(CC) $(filter-out -fopenmp,$(LDFLAGS)) -Wl,-soname,libylm_rival.so -Wl,-rpath,'$$ORIGIN' $(OBJ_rival) -L$(BUILD)/lib -lylm -lm -o $@
+	$(Q)$(CC) $(filter-out -fopenmp,$(LDFLAGS)) $(SONAME) -Wl,-rpath,'$$ORIGIN' $(OBJ_rival) -L$(BUILD)/lib -lylm -lm -o $@ $(LINKED)

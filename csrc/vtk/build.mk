@@ -24,8 +24,8 @@ $(BUILD)/obj/vtk/%.o: csrc/vtk/%.cpp
 # The compiler launcher of CC, if any, serves C++ too.
 VTK_CXX := $(if $(filter ccache,$(firstword $(CC))),ccache )$(CXX)
 
-$(BUILD)/lib/libylm_vtk.so: $(OBJ_vtk) $(BUILD)/lib/libylm.so
+$(BUILD)/lib/libylm_vtk.so: $(OBJ_vtk) $(BUILD)/lib/libylm.so Makefile
 	@mkdir -p $(@D)
 	$(call say,LINK,$@)
-	$(Q)$(VTK_CXX) $(LDFLAGS) -Wl,-soname,libylm_vtk.so -Wl,-rpath,'$$ORIGIN' $(OBJ_vtk) -L$(BUILD)/lib -lylm \
-	  $(foreach m,$(VTK_MODULES),-lvtk$(m)-$(VTK_VERSION)) -lvtksys-$(VTK_VERSION) -lGLEW -lOpenGL -lEGL -lGLX -lX11 -o $@
+	$(Q)$(VTK_CXX) $(LDFLAGS) $(SONAME) -Wl,-rpath,'$$ORIGIN' $(OBJ_vtk) -L$(BUILD)/lib -lylm \
+	  $(foreach m,$(VTK_MODULES),-lvtk$(m)-$(VTK_VERSION)) -lvtksys-$(VTK_VERSION) -lGLEW -lOpenGL -lEGL -lGLX -lX11 -o $@ $(LINKED)

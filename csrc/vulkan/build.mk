@@ -49,8 +49,8 @@ $(BUILD)/obj/vulkan/shaders.o: $(BUILD)/obj/vulkan/shaders.c
 	$(call say,CC,$@)
 	$(Q)$(CC) $(CFLAGS) -Icsrc/vulkan -c $< -o $@
 
-$(BUILD)/lib/libylm_vulkan.so: $(OBJ_vulkan) $(BUILD)/lib/libylm.so
+$(BUILD)/lib/libylm_vulkan.so: $(OBJ_vulkan) $(BUILD)/lib/libylm.so Makefile
 	@mkdir -p $(@D)
 	$(call say,LINK,$@)
-	$(Q)$(CC) $(LDFLAGS) -Wl,-soname,libylm_vulkan.so -Wl,-rpath,'$$ORIGIN' $(OBJ_vulkan) -L$(BUILD)/lib -lylm -ldl -lm -o $@
+	$(Q)$(CC) $(LDFLAGS) $(SONAME) -Wl,-rpath,'$$ORIGIN' $(OBJ_vulkan) -L$(BUILD)/lib -lylm -ldl -lm -o $@ $(LINKED)
 

@@ -56,7 +56,7 @@ $(FUZZ_DIR)/bin/%: spec/fuzz/%.c $(FUZZ_DIR)/libylm.a
 	@mkdir -p $(@D)
 	$(call say,LINK,$@)
 	$(Q)$(FUZZ_CC) $(FUZZ_CFLAGS) -fsanitize=fuzzer $< $(FUZZ_ALSO_$*) $(FUZZ_DIR)/libylm.a \
-	  -lOpenEXRCore-3_1 $(call pkg,--libs,libpng) $(FUZZ_LIBS_$*) -lm -o $@
+	  $(LIBS_codec) $(FUZZ_LIBS_$*) -lm -o $@
 
 # Seeds, one archive per reader: equal seeds make equal bytes.
 FUZZ_PACK := LC_ALL=C tar --format=ustar --sort=name --mtime=@0 --owner=0 --group=0 --numeric-owner --mode=644
@@ -104,7 +104,7 @@ FUZZ_ABOUT_scene := csrc/lua/core/sandbox.c csrc/lua/codec/codec.c
 FUZZ_ARGS_scene := -detect_leaks=0
 FUZZ_ALSO_scene := $(patsubst csrc/lua/%.c,$(FUZZ_DIR)/lua/%.o,$(wildcard csrc/lua/binding*.c csrc/lua/core/*.c) csrc/lua/codec/codec.c) \
   $(patsubst csrc/%.c,$(FUZZ_DIR)/obj/%.o,$(wildcard csrc/codec/*.c))
-FUZZ_LIBS_scene := $(call pkg,--cflags --libs,lua5.4) -lOpenEXRCore-3_1 $(call pkg,--libs,libpng) -L$(BUILD)/lib -Wl,-rpath,$(abspath $(BUILD))/lib -lylm
+FUZZ_LIBS_scene := $(call pkg,--cflags --libs,lua5.4) $(LIBS_codec) -L$(BUILD)/lib -Wl,-rpath,$(abspath $(BUILD))/lib -lylm
 $(FUZZ_DIR)/lua/%.o: csrc/lua/%.c
 	@mkdir -p $(@D)
 	$(call say,CC,$@)

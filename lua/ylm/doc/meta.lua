@@ -13,8 +13,8 @@ local plain = { number = true, integer = true, string = true, boolean = true, ta
 --- A type of an entry ("array|table") in the language server's words.
 local function luals_type(text)
   local out = {}
-  for word in text:gmatch("[^|]+") do
-    word = model.one_line(word)
+  for part in text:gmatch("[^|]+") do
+    local word = model.one_line(part)
     if plain[word] then out[#out + 1] = word
     elseif reference.objects[word] or form.defined[word] then out[#out + 1] = "ylm." .. word
     elseif word:find("^ylm%.[%w_]+$") then out[#out + 1] = word

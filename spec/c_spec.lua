@@ -1,0 +1,194 @@
+-- The C library as others use it: installed, found by pkg-config and by CMake, compiled as C11 and as C++17.
+
+local core = require "ylm.c.core"
+local long = require "spec.support.long"
+local scratch = require "spec.support.scratch"
+local ylm = require "ylm"
+
+local build = os.getenv "YLM_BUILD" or "build"
+local usual = build == "build" or build == scratch.capture "pwd":gsub("%s+$", "") .. "/build" -- sanitizers' are not installed
+local strict = "-Wall -Wextra -Wpedantic -Werror "
+local languages = { "cc -x c -std=c11 ", "c++ -x c++ -std=c++17 " }
+
+local function text_of(path)
+  local file = assert(io.open(path))
+  local text = file:read "*a"
+  file:close()
+  return text
+end
+
+describe("the C library", function()
+  local folder, root
+
+  local function runs(command, ...)
+    command = command:format(...)
+    local out, code = scratch.capture(command)
+    assert(code == 0, command .. "\n" .. out)
+    return out
+  end
+
+  --- Skips where a program is not installed; a build with sanitizers is not what is shipped.
+  local function needs(program)
+    if not usual then pending "only of the usual build" end
+    if not scratch.shell("command -v " .. program .. " >/dev/null") then pending(program .. " is not installed") end
+  end
+
+  local function has(part) return scratch.shell("test -e " .. root .. "/lib/libylm_" .. part .. ".so") end
+
+  --- The environment of who uses what was installed.
+  local function env(words)
+    return ("env PKG_CONFIG_PATH=%s/lib/pkgconfig LD_LIBRARY_PATH=%s/lib YLM_THREADS=1 %s "):format(root, root, words or "")
+  end
+
+  setup(function()
+    folder = scratch.new()
+    root = scratch.quote(folder.path .. "/dest/opt/ylm") -- not where it says that it is
+    if usual then
+      runs("env -u MAKEFLAGS -u MFLAGS -u MAKELEVEL make -s install LUAS= PREFIX=/opt/ylm DESTDIR=%s",
+        scratch.quote(folder.path .. "/dest"))
+    end
+  end)
+  teardown(function() folder:remove() end)
+
+  --- Compiles an example by pkg-config in one of the languages; the path of the program.
+  local function compiled(name, package, language)
+    local program = folder.path .. "/" .. name
+    runs("%s sh -c %s", env(), scratch.quote(("%s%s examples/c/%s.c -x none $(pkg-config --cflags --libs %s) -lm -o %s"):format(
+      language, strict, name, package, scratch.quote(program))))
+    return scratch.quote(program)
+  end
+
+  it("has one version: headers, library, pkg-config, changes", function()
+    local header, number = text_of "csrc/base/ylm_version.h", {}
+    for name in ("MAJOR MINOR PATCH"):gmatch "%a+" do
+      number[#number + 1] = header:match("#define YLM_VERSION_" .. name .. " (%d+)\n")
+    end
+    local version = table.concat(number, ".")
+    assert.equal(version, text_of "csrc/base/ylm_base.h":match '#define YLM_VERSION "([^"]+)"')
+    assert.equal(version, text_of "CHANGELOG.md":match "\n## (%S+)[,\n]")
+    assert.equal(version, ylm.info().version)
+    needs "pkg-config"
+    assert.equal(version .. "\n", runs("%s pkg-config --modversion ylm", env()))
+    local out = runs("%s %s %s/x.ylm", env(), compiled("bake", "ylm", languages[1]), scratch.quote(folder.path))
+    assert.equal("ylm " .. version .. ", compiled for " .. version, out:match "^[^\n]*")
+  end)
+
+  it("has libraries with a version: libylm.so -> libylm.so.0 -> libylm.so.0.1.0", function()
+    needs "readelf"
+    local version = ylm.info().version
+    for name in runs("cd %s/lib && ls *.so", root):gmatch "%S+" do
+      local major = name .. "." .. version:match "^%d+"
+      assert.equal(major .. "\n", runs("readlink %s/lib/%s", root, name))
+      assert.equal(name .. "." .. version .. "\n", runs("readlink %s/lib/%s", root, major))
+      local facts = runs("readelf -d %s/lib/%s", root, name)
+      assert.truthy(facts:find("soname: [" .. major .. "]", 1, true), facts)
+      for needed in facts:gmatch "%(NEEDED%)[^\n]*%[(libylm[^%]]*)%]" do assert.truthy(needed:find "%.so%.%d+$", needed) end
+    end
+  end)
+
+  it("has public headers alone, each of which compiles alone as C11 and as C++17 without a warning", function()
+    if not usual then pending "only of the usual build" end
+    local headers = runs("cd %s/include/ylm && echo *", root)
+    for _, private in ipairs { "simd", "real", "vector", "intrinsics", "light_device", "sh_rival", "material_rival" } do
+      assert.falsy(headers:find("ylm_" .. private .. ".h", 1, true), private)
+    end
+    for _, language in ipairs(languages) do
+      runs("cd %s/include/ylm && %s%s -fsyntax-only *.h", root, language, strict)
+    end
+  end)
+
+  for i, language in ipairs(languages) do
+    it("bakes lights, samples and saves by pkg-config: " .. language, function()
+      needs "pkg-config"
+      local program, file = compiled("bake", "ylm", language), folder.path .. i .. "/lamps.ylm"
+      local out, code = scratch.capture(env() .. program .. " " .. scratch.quote(file)) -- no such folder
+      assert.equal(1, code)
+      assert.truthy(out:find "bake: [^\n]*lamps%.ylm: cannot be created", out)
+      file = folder.path .. "/lamps.ylm"
+      out = runs("%s %s %s", env(), program, scratch.quote(file))
+      local n = 0
+      for error in out:gmatch "relative error (%S+)" do
+        n = n + 1
+        assert(tonumber(error) < 0.01, out)
+      end
+      assert.equal(3, n)
+      local grid = assert(ylm.load(file))
+      assert.equal(tonumber(out:match "(%d+) probes"), grid.stats.points)
+      local red = grid:sample({ 0.3, 0.1, -0.2 }):get(1, 1)
+      assert.equal(out:match "red L00 (%S+),", ("%.5f"):format(red))
+    end)
+  end
+
+  describe("of an environment image", function()
+    local image, file
+
+    setup(function()
+      image, file = ylm.image { size = { 32, 16 }, layers = { { "radiance", 3 } } }, folder.path .. "/sky.pfm"
+      local texels = {}
+      for i = 1, 32 * 16 * 3 do texels[i] = (i * 7 % 11) / 8 end
+      core.array_fill(image:layer(), texels)
+    end)
+
+    --- Are the rows that it prints the image's coefficients and those of its irradiance?
+    local function prints(out)
+      local c, rows = ylm.sh.project(2, image, { up = "y" }), 0
+      local cosine = { [0] = math.pi, 2 * math.pi / 3, math.pi / 4 }
+      for row in out:gmatch "[^\n]+" do
+        local n, k = {}, 0
+        for word in row:gmatch "%S+" do n[#n + 1] = tonumber(word) end
+        rows = rows + 1
+        for ch = 1, 3 do
+          k = k + math.abs(n[2 + ch] - c:get(ch, rows)) + math.abs(n[5 + ch] - cosine[n[1]] * c:get(ch, rows))
+        end
+        assert(k < 1e-7, row)
+      end
+      assert.equal(9, rows)
+    end
+
+    for _, language in ipairs(languages) do
+      it("prints the coefficients by pkg-config: " .. language, function()
+        needs "pkg-config"
+        if not has "codec" then pending "libylm_codec is not built" end
+        assert(image:save(file))
+        local program = compiled("sky", "ylm_codec", language)
+        prints(runs("%s %s %s", env(), program, scratch.quote(file)))
+        local out, code = scratch.capture(env() .. program .. " README.md")
+        assert.equal(1, code)
+        assert.truthy(out:find "^sky: README%.md: ", out)
+      end)
+    end
+
+    it("and of lights by find_package in CMake", function()
+      needs "cmake"
+      local at = scratch.quote(folder.path .. "/cmake")
+      runs("cmake -S examples/c -B %s -DCMAKE_PREFIX_PATH=%s -DCMAKE_C_FLAGS='%s' && cmake --build %s", at, root, strict, at)
+      assert.truthy(runs("YLM_THREADS=1 %s/bake %s/lamps.ylm", at, at):find "%d+ probes")
+      if not has "codec" then pending "libylm_codec is not built" end
+      assert(image:save(file))
+      prints(runs("%s/sky %s", at, scratch.quote(file)))
+    end)
+
+    it("and of lights is clean under valgrind", function()
+      if not long(false, true) then pending "make check-long" end
+      needs "valgrind"
+      local valgrind = env "valgrind -q --leak-check=full --errors-for-leak-kinds=definite,indirect,possible --error-exitcode=9"
+      runs("%s %s %s/v.ylm", valgrind, compiled("bake", "ylm", languages[1]), scratch.quote(folder.path))
+      if not has "codec" then pending "libylm_codec is not built" end
+      assert(image:save(file))
+      local sky = compiled("sky", "ylm_codec", languages[1])
+      runs("%s %s %s", valgrind, sky, scratch.quote(file))
+      local _, code = scratch.capture(valgrind .. sky .. " README.md")
+      assert.equal(1, code)
+    end)
+  end)
+
+  it("says which part CMake does not find", function()
+    needs "cmake"
+    folder:write("CMakeLists.txt", "cmake_minimum_required(VERSION 3.16)\nproject(x NONE)\n"
+      .. "find_package(ylm 0.1 REQUIRED COMPONENTS nothing)\n")
+    local at = scratch.quote(folder.path)
+    local out, code = scratch.capture(("cd %s && cmake -B none -DCMAKE_PREFIX_PATH=%s ."):format(at, root))
+    assert.equal(1, code)
+    assert.truthy(out:find "libylm_nothing%.so%s+is%s+not%s+in", out)
+  end)
+end)
