@@ -11,6 +11,9 @@ static ylm_status check(const ylm_emit_options *o, ylm_error *e) {
   if (o->bounces < 1 || o->bounces > YLM_EMIT_BOUNCES)
     return ylm_fail(e, YLM_ERANGE, "bounces must be from 1 to %d, got %d", YLM_EMIT_BOUNCES,
                     o->bounces);
+  if (o->degree < YLM_EMIT_AUTO || o->degree > YLM_EMIT_DEGREE)
+    return ylm_fail(e, YLM_ERANGE, "degree must be from 0 to %d, got %d", YLM_EMIT_DEGREE,
+                    o->degree);
   if (o->radius == YLM_EMIT_FIXED && (!(o->fixed > 0) || !isfinite(o->fixed)))
     return ylm_fail(e, YLM_ERANGE, "radius must be a positive length, got %g", o->fixed);
   if (!(o->scale > 0) || !isfinite(o->scale))
@@ -87,6 +90,7 @@ static ylm_status fill(const emit_landings *x, ylm_emit_lights *l) {
 ylm_status ylm_emit(const ylm_scene *scene, const ylm_emit_options *o, ylm_emit_lights *lights,
                     ylm_emit_report *report, ylm_error *e) {
   emit_landings x = {0};
+  emit_gloss *gloss = NULL;
   double begun = ylm_seconds();
   *lights = (ylm_emit_lights){0};
   *report = (ylm_emit_report){.particles = o->particles};
@@ -97,14 +101,18 @@ ylm_status ylm_emit(const ylm_scene *scene, const ylm_emit_options *o, ylm_emit_
     report->particles = gridded.particles;
     o = &gridded;
   }
-  if (s == YLM_OK) s = ylm__emit_trace(scene, o, &x, report);
+  if (s == YLM_OK) s = ylm__emit_gloss(scene, o, &gloss);
+  if (s == YLM_OK) s = ylm__emit_trace(scene, gloss, o, &x, report);
   if (s == YLM_OK) drop_dark(&x);
   if (s == YLM_OK && o->lights > 0 && x.n > o->lights) choose(o, &x);
   report->seconds[0] = ylm_seconds() - begun;
   if (s == YLM_OK) s = fill(&x, lights);
+  if (s == YLM_OK) s = ylm__emit_emission(gloss, x.landing, o, lights, report, e);
+  report->seconds[2] = ylm_seconds() - begun - report->seconds[0];
   if (s == YLM_OK) s = ylm__emit_radii(x.landing, o, lights, report);
-  report->seconds[1] = ylm_seconds() - begun - report->seconds[0];
+  report->seconds[1] = ylm_seconds() - begun - report->seconds[0] - report->seconds[2];
   ylm_free(x.landing);
+  ylm__emit_gloss_free(gloss);
   if (s != YLM_OK) ylm_emit_free(lights);
   return s;
 }
@@ -114,5 +122,6 @@ void ylm_emit_free(ylm_emit_lights *l) {
   ylm_free(l->normal);
   ylm_free(l->radius);
   ylm_free(l->intensity);
+  ylm_free(l->emission);
   *l = (ylm_emit_lights){0};
 }

@@ -58,15 +58,38 @@ static inline void ylm__emit_cosine(const float axis[3], double u, double v, flo
     out[k] = (float)(x * (double)a[k] + y * (double)b[k] + z * (double)axis[k]);
 }
 
+/* -- gloss.c ------------------------------------------------------------------------ */
+
+#define EMIT_MATTE UINT32_MAX
+
+/* The materials of a scene that gloss. */
+typedef struct emit_gloss emit_gloss;
+
+/* *out NULL where none does, or all count as matte; to be freed on failure too. YLM_ENOMEM, YLM_ECANCELLED */
+ylm_status ylm__emit_gloss(const ylm_scene *scene, const ylm_emit_options *o, emit_gloss **out);
+void ylm__emit_gloss_free(emit_gloss *g);
+/* The number of a mesh's material. */
+uint32_t ylm__emit_slot(const emit_gloss *g, size_t mesh);
+/* Axes of a surface at right angles to its normal, x along the tangent. */
+void ylm__emit_frame(const ylm_scene_surface *s, float x[3], float y[3]);
+/* The part of light from wo, in that frame, which is reflected: out [3]. */
+void ylm__emit_reflectance(const emit_gloss *g, uint32_t slot, const float wo[3], float out[3]);
+/* A direction that light from wo takes on, and f cos over its density; false: it is absorbed. */
+bool ylm__emit_sample(const emit_gloss *g, uint32_t slot, const float wo[3], const float u[3],
+                      float wi[3], float weight[3]);
+
 /* -- particles.c -------------------------------------------------------------------- */
 
 /* Where a particle was reflected. */
 typedef struct emit_landing {
   float at[3], normal[3];
+  float from[3];  /* the direction to where it came from */
+  float azimuth;  /* of that, from the tangent: of surfaces that gloss */
   float power[3]; /* reflected, W */
   float way;      /* from its last place */
   float area;     /* of a grid: that its solid angle covers */
   uint32_t particle;
+  uint32_t slot; /* of its material that glosses, or EMIT_MATTE */
   uint8_t order;
 } emit_landing;
 
@@ -75,8 +98,12 @@ typedef struct emit_landings {
   emit_landing *landing; /* in the order of particles, and of a particle's reflections */
 } emit_landings;
 
-ylm_status ylm__emit_trace(const ylm_scene *scene, const ylm_emit_options *o, emit_landings *out,
-                           ylm_emit_report *report);
+ylm_status ylm__emit_trace(const ylm_scene *scene, const emit_gloss *g, const ylm_emit_options *o,
+                           emit_landings *out, ylm_emit_report *report);
+/* gloss.c: chooses the degree of lights, and fills their emission where it is above 0. */
+ylm_status ylm__emit_emission(const emit_gloss *g, const emit_landing *landing,
+                              const ylm_emit_options *o, ylm_emit_lights *lights,
+                              ylm_emit_report *report, ylm_error *e);
 
 /* -- density.c ---------------------------------------------------------------------- */
 

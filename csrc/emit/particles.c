@@ -24,8 +24,8 @@ typedef struct job {
   const ylm_emit_options *o;
   emit_lamps lamps;
   emit_sequence numbers;
-  int matte;          /* the kind */
-  float (*albedo)[3]; /* [meshes] mean */
+  const emit_gloss *gloss; /* NULL: all is matte */
+  float (*albedo)[3];      /* [meshes] mean */
   block *blocks;
 } job;
 
@@ -68,11 +68,19 @@ static void surface_at(const job *j, const flight *f, size_t i, ylm_scene_surfac
   ylm_scene_surfaces(j->scene, 1, &place, s);
 }
 
+/* The direction from which particle i comes, in a frame of the surface. */
+static void arrive(const flight *f, size_t i, const float x[3], const float y[3],
+                   const float normal[3], float wo[3]) {
+  const float *dir = f->ray[i].dir;
+  wo[0] = -ylm_dot3(dir, x), wo[1] = -ylm_dot3(dir, y), wo[2] = -ylm_dot3(dir, normal);
+}
+
 /* Leaves a landing of particle i, whose power becomes what is reflected. */
 static ylm_status land(const job *j, flight *f, size_t i, int order, ylm_scene_surface *s,
                        block *b) {
   particle *p = &f->p[i];
-  const float *albedo = j->albedo[f->hit[i].mesh];
+  float albedo[3], azimuth = 0;
+  uint32_t slot = ylm__emit_slot(j->gloss, (size_t)f->hit[i].mesh);
   if (b->n == f->room) {
     size_t room = f->room ? 2 * f->room : GRAIN;
     emit_landing *more = ylm_realloc(b->landing, b->n * sizeof *more, room, sizeof *more);
@@ -84,13 +92,26 @@ static ylm_status land(const job *j, flight *f, size_t i, int order, ylm_scene_s
     memcpy(s->normal, s->flat, sizeof s->normal);
     b->counts.turned++;
   }
-  if (ylm_material_kind(s->material) != j->matte) b->counts.glossy++;
+  memcpy(albedo, j->albedo[f->hit[i].mesh], sizeof albedo);
+  if (ylm_material_glosses(s->material)) b->counts.glossy++;
+  if (slot != EMIT_MATTE) {
+    float x[3], y[3], wo[3];
+    ylm__emit_frame(s, x, y);
+    arrive(f, i, x, y, s->normal, wo);
+    ylm__emit_reflectance(j->gloss, slot, wo, albedo);
+    azimuth = atan2f(wo[1], wo[0]);
+  }
   if (order == 1) add(b->counts.landed, p->power);
   for (int c = 0; c < 3; c++) p->power[c] *= (double)albedo[c] * (double)s->tint[c];
   add(b->counts.reflected, p->power);
   b->counts.landings[order - 1]++;
   emit_landing *l = &b->landing[b->n++];
-  *l = (emit_landing){.way = f->hit[i].t, .particle = p->number, .order = (uint8_t)order};
+  *l = (emit_landing){.way = f->hit[i].t,
+                      .particle = p->number,
+                      .order = (uint8_t)order,
+                      .slot = slot,
+                      .azimuth = azimuth};
+  for (int k = 0; k < 3; k++) l->from[k] = -f->ray[i].dir[k];
   if (j->o->grid) {
     double cosine = fmax(0.1, -(double)ylm_dot3(s->flat, f->ray[i].dir)), way = (double)l->way;
     l->area = (float)(p->solid * way * way / cosine);
@@ -101,18 +122,41 @@ static ylm_status land(const job *j, flight *f, size_t i, int order, ylm_scene_s
   return YLM_OK;
 }
 
+/* The direction in which particle i leaves a surface that glosses, its power weighed by it; false: it is absorbed. */
+static bool scatter(const job *j, flight *f, size_t i, uint32_t slot, const ylm_scene_surface *s,
+                    double u, double v, float dir[3]) {
+  particle *p = &f->p[i];
+  float x[3], y[3], wo[3], wi[3], weight[3], albedo[3];
+  float by[3] = {(float)u, (float)v, (float)ylm_rng_double(&p->rng)};
+  for (int k = 0; k < 3; k++) by[k] = fminf(by[k], 0x1.fffffep-1f);
+  ylm__emit_frame(s, x, y);
+  arrive(f, i, x, y, s->normal, wo);
+  ylm__emit_reflectance(j->gloss, slot, wo, albedo);
+  if (!ylm__emit_sample(j->gloss, slot, wo, by, wi, weight)) return false;
+  for (int k = 0; k < 3; k++) dir[k] = wi[0] * x[k] + wi[1] * y[k] + wi[2] * s->normal[k];
+  for (int c = 0; c < 3; c++)
+    p->power[c] *= albedo[c] > 0 ? (double)weight[c] / (double)albedo[c] : 0;
+  return true;
+}
+
 /* Sends particle i on, as the k-th that is under way; false: it ends. */
 static bool go_on(const job *j, flight *f, size_t i, size_t k, const ylm_scene_surface *s,
                   block *b) {
   particle *p = &f->p[i];
   const float *mean = j->albedo[f->hit[i].mesh];
+  uint32_t slot = ylm__emit_slot(j->gloss, (size_t)f->hit[i].mesh);
   double albedo[3], u = ylm_rng_double(&p->rng), v = ylm_rng_double(&p->rng);
   for (int c = 0; c < 3; c++) albedo[c] = (double)mean[c] * (double)s->tint[c];
   double chance = fmin(MOST_CHANCE, ylm_luminance_size(albedo));
   if (!(ylm_rng_double(&p->rng) < chance)) return false;
   for (int c = 0; c < 3; c++) p->power[c] /= chance;
   ylm_trace_ray ray = {.far = INFINITY};
-  ylm__emit_cosine(s->normal, u, v, ray.dir);
+  if (slot == EMIT_MATTE)
+    ylm__emit_cosine(s->normal, u, v, ray.dir);
+  else if (!scatter(j, f, i, slot, s, u, v, ray.dir)) {
+    b->counts.absorbed++;
+    return false;
+  }
   memcpy(ray.org, s->origin, sizeof ray.org);
   if (ylm_dot3(ray.dir, s->flat) <= 0) {
     b->counts.absorbed++;
@@ -209,10 +253,10 @@ static ylm_status find_albedos(job *j) {
   return YLM_OK;
 }
 
-ylm_status ylm__emit_trace(const ylm_scene *scene, const ylm_emit_options *o, emit_landings *out,
-                           ylm_emit_report *report) {
+ylm_status ylm__emit_trace(const ylm_scene *scene, const emit_gloss *g, const ylm_emit_options *o,
+                           emit_landings *out, ylm_emit_report *report) {
   size_t blocks = (o->particles + GRAIN - 1) / GRAIN;
-  job j = {.scene = scene, .o = o, .matte = ylm_material_kind_find("matte")};
+  job j = {.scene = scene, .o = o, .gloss = g};
   j.blocks = ylm_alloc_zero(blocks, sizeof *j.blocks);
   ylm__emit_sequence(o->seed, &j.numbers);
   ylm_status s = ylm__emit_lamps(scene, &j.lamps);

@@ -123,14 +123,15 @@ static const rule *rule_of(slice_room *r, int nodes) {
   return to;
 }
 
-/* Values of a channel times what they count, and the integral of their squares. */
-static void weigh(slice_room *r, int n, bool cosine, double step, double total[3]) {
+/* Values of a channel times what they count, and the integral of the squares of what `of` is about. */
+static void weigh(slice_room *r, int n, ylm_material_table_slice of, double step, double total[3]) {
   for (int c = 0; c < 3; c++) {
     double *value = r->value + c * n, sum = 0;
     for (int i = 0; i < n; i++) {
-      double v = (double)r->f[i][c] * (cosine ? r->z[i] : 1), part = r->measure[i] * step * v;
+      double v = (double)r->f[i][c] * (of == YLM_MATERIAL_TABLE_BARE ? 1 : r->z[i]);
+      double part = r->measure[i] * step * v;
       sum += part * v;
-      value[i] = part;
+      value[i] = of == YLM_MATERIAL_TABLE_FIT ? part * r->z[i] : part;
     }
     total[c] += sum;
   }
@@ -161,7 +162,7 @@ static void gather(slice_room *r, const slice_planes *p) {
 
 /* The slice by so many nodes, about the mirror direction. */
 static void integrate(const ylm_material *m, slice_room *r, int nodes, double angle, double azimuth,
-                      bool cosine, material_slice *out) {
+                      ylm_material_table_slice of, material_slice *out) {
   const rule *by = rule_of(r, nodes);
   bool symmetric = ylm_material_isotropic(m);
   int planes = symmetric ? nodes : 2 * nodes, n = nodes * SLICE_WIDE;
@@ -188,7 +189,7 @@ static void integrate(const ylm_material *m, slice_room *r, int nodes, double an
     }
     r->kernels->places(&p, &at);
     ylm_material_eval(m, (size_t)n, (const float(*)[3])r->wi, (const float(*)[3])r->wo, r->f);
-    weigh(r, n, cosine, PI / nodes * (symmetric ? 2 : 1), out->total);
+    weigh(r, n, of, PI / nodes * (symmetric ? 2 : 1), out->total);
     memset(r->sum, 0, 3 * SLICE_WIDE * (size_t)r->entries * sizeof *r->sum);
     r->kernels->sums(&r->recurrence, nodes, r->x, r->s, r->value, r->sum);
     gather(r, &p);
@@ -200,14 +201,14 @@ static void integrate(const ylm_material *m, slice_room *r, int nodes, double an
 }
 
 ylm_status ylm__slice(const ylm_material *m, slice_room *r, double angle, double azimuth,
-                      bool cosine, material_slice *out) {
+                      ylm_material_table_slice of, material_slice *out) {
   size_t count = ylm_sh_count(r->lmax);
   const double c = cos(angle), s = sin(angle), frame[9] = {c, 0, -s, 0, 1, 0, s, 0, c};
-  integrate(m, r, LEAST_NODES, angle, azimuth, cosine, out);
+  integrate(m, r, LEAST_NODES, angle, azimuth, of, out);
   for (int nodes = 2 * LEAST_NODES; nodes <= MOST_NODES; nodes *= 2) {
     double change = 0, total = 0;
     memcpy(r->before, r->about, 3 * count * sizeof *r->before);
-    integrate(m, r, nodes, angle, azimuth, cosine, out);
+    integrate(m, r, nodes, angle, azimuth, of, out);
     for (size_t k = 0; k < 3 * count; k++)
       change += (r->about[k] - r->before[k]) * (r->about[k] - r->before[k]);
     for (int k = 0; k < 3; k++) total += out->total[k];

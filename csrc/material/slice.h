@@ -2,7 +2,7 @@
 #ifndef YLM_MATERIAL_SLICE_H
 #define YLM_MATERIAL_SLICE_H
 
-#include "ylm_material.h"
+#include "ylm_material_table.h"
 
 /* A slice, in the frame of its view. */
 typedef struct material_slice {
@@ -15,10 +15,10 @@ typedef struct slice_room slice_room;
 slice_room *ylm__slice_room(int lmax);
 void ylm__slice_room_free(slice_room *r);
 
-/* The slice of the view at `angle` from the normal, `azimuth` from the tangent; `cosine` as the form says.
-   YLM_ENOMEM */
+/* The slice of the view at `angle` from the normal, `azimuth` from the tangent. Of FIT: f (wi.z)^2, which fit.c
+   takes, and the integrals of (f wi.z)^2. YLM_ENOMEM */
 ylm_status ylm__slice(const ylm_material *m, slice_room *r, double angle, double azimuth,
-                      bool cosine, material_slice *out);
+                      ylm_material_table_slice of, material_slice *out);
 
 /* -- kernels: slice_kernel.h ----------------------------------------------------- */
 

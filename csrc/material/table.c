@@ -4,6 +4,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "fit.h"
 #include "kind.h"
 #include "slice.h"
 #include "table.h"
@@ -26,6 +27,7 @@ typedef struct making {
   int rows, columns;
   double *slice; /* [columns][rows][size] */
   slice_room **room;
+  material_fit *fit; /* NULL: slices are as they are */
 } making;
 
 typedef struct wanted {
@@ -41,6 +43,8 @@ typedef struct batch {
 static void keep(const making *x, const material_slice *s, double *to) {
   size_t count = ylm_sh_count(x->form.lmax), k = 0;
   double total = s->total[0] + s->total[1] + s->total[2], left = total;
+  if (x->fit)
+    for (size_t c = 0; c < 3; c++) left -= ylm__fit(x->fit, s->c + c * count);
   for (size_t c = 0; c < 3; c++)
     for (int l = 0; l <= x->form.lmax; l++)
       for (int m = x->halves ? 0 : -l; m <= l; m++, k++)
@@ -49,7 +53,7 @@ static void keep(const making *x, const material_slice *s, double *to) {
     for (size_t c = 0; c < 3; c++)
       for (int i = l * l; i < (l + 1) * (l + 1); i++) {
         double v = s->c[c * count + (size_t)i];
-        left -= v * v;
+        if (!x->fit) left -= v * v;
       }
     to[k++] = total > 0 ? sqrt(fmax(0, left / total)) : 0;
   }
@@ -63,7 +67,7 @@ static ylm_status slices(void *context, size_t begin, size_t end, int worker) {
   ylm_status status = s.c && x->room[worker] ? YLM_OK : YLM_ENOMEM;
   for (size_t i = begin; status == YLM_OK && i < end; i++) {
     const wanted *w = b->list + i;
-    status = ylm__slice(x->m, x->room[worker], w->angle, w->azimuth, !x->form.without_cosine, &s);
+    status = ylm__slice(x->m, x->room[worker], w->angle, w->azimuth, x->form.slice, &s);
     if (status == YLM_OK) keep(x, &s, w->to);
   }
   ylm_free(s.c);
@@ -308,6 +312,9 @@ static ylm_status check(const ylm_material *m, const ylm_material_table_form *f,
   if (f->lmax < 0 || f->lmax > YLM_MATERIAL_TABLE_LMAX)
     return ylm_fail(e, YLM_ERANGE, "lmax of a table must be from 0 to %d, got %d",
                     YLM_MATERIAL_TABLE_LMAX, f->lmax);
+  if (f->slice == YLM_MATERIAL_TABLE_FIT && f->lmax > YLM_MATERIAL_TABLE_FIT_LMAX)
+    return ylm_fail(e, YLM_ERANGE, "lmax of fits must be from 0 to %d, got %d",
+                    YLM_MATERIAL_TABLE_FIT_LMAX, f->lmax);
   if (f->rows < 4 || f->rows > most)
     return ylm_fail(e, YLM_ERANGE, "rows must be from 4 to %d, got %d", most, f->rows);
   if (!ylm_material_isotropic(m) && (f->columns < 4 || f->columns > most || f->columns % 4))
@@ -331,12 +338,14 @@ ylm_status ylm_material_table_create(const ylm_material *m, const ylm_material_t
   x.size = 3 * x.width + L + 1;
   x.room = ylm_alloc_zero((size_t)workers, sizeof(slice_room *));
   ylm_material_table *t = ylm_alloc_zero(1, sizeof *t);
-  s = x.room && t ? fill(&x, NULL) : YLM_ENOMEM;
+  if (form->slice == YLM_MATERIAL_TABLE_FIT) x.fit = ylm__fit_create(form->lmax);
+  s = x.room && t && (x.fit || form->slice != YLM_MATERIAL_TABLE_FIT) ? fill(&x, NULL) : YLM_ENOMEM;
   if (s == YLM_OK) s = refine(&x, &error, &grazing);
   if (s == YLM_OK) s = finish(&x, t);
   for (int i = 0; x.room && i < workers; i++) ylm__slice_room_free(x.room[i]);
   ylm_free(x.room);
   ylm_free(x.slice);
+  ylm_free(x.fit);
   if (s != YLM_OK) {
     ylm_material_table_free(t);
     return s;

@@ -1,4 +1,4 @@
-/* table_kept.c - tables that are kept with their material, one a degree. */
+/* table_kept.c - tables that are kept with their material, one a degree and kind of slice. */
 #include "kind.h"
 #include "ylm_material_table.h"
 
@@ -9,30 +9,34 @@
 struct material_kept {
   struct material_kept *next;
   int lmax;
+  ylm_material_table_slice slice;
   ylm_material_table *table;
 };
 
-static const ylm_material_table *find(const struct material_kept *k, int lmax) {
-  while (k && k->lmax != lmax) k = k->next;
+static const ylm_material_table *find(const struct material_kept *k, int lmax,
+                                      ylm_material_table_slice slice) {
+  while (k && (k->lmax != lmax || k->slice != slice)) k = k->next;
   return k ? k->table : NULL;
 }
 
-ylm_status ylm_material_table_kept(const ylm_material *m, int lmax, int threads,
-                                   const ylm_progress *progress, const ylm_material_table **table,
-                                   ylm_error *e) {
+static ylm_status kept_of(const ylm_material *m, int lmax, ylm_material_table_slice slice,
+                          int threads, const ylm_progress *progress,
+                          const ylm_material_table **table, ylm_error *e) {
   /* what is kept is no part of what a material is */
   _Atomic(struct material_kept *) *kept = &((ylm_material *)(uintptr_t)m)->kept;
   struct material_kept *head = atomic_load(kept);
-  if ((*table = find(head, lmax))) return YLM_OK;
+  if ((*table = find(head, lmax, slice))) return YLM_OK;
   ylm_material_table_form form = {.lmax = lmax,
                                   .rows = ROWS,
                                   .columns = COLUMNS,
                                   .error = ERROR,
+                                  .slice = slice,
                                   .threads = threads,
                                   .progress = progress};
   struct material_kept *new = ylm_alloc_zero(1, sizeof *new);
   if (!new) return YLM_ENOMEM;
   new->lmax = lmax;
+  new->slice = slice;
   ylm_status s = ylm_material_table_create(m, &form, &new->table, e);
   if (s != YLM_OK) {
     ylm_free(new);
@@ -42,6 +46,18 @@ ylm_status ylm_material_table_kept(const ylm_material *m, int lmax, int threads,
   while (!atomic_compare_exchange_weak(kept, &head, new));
   *table = new->table;
   return YLM_OK;
+}
+
+ylm_status ylm_material_table_kept(const ylm_material *m, int lmax, int threads,
+                                   const ylm_progress *progress, const ylm_material_table **table,
+                                   ylm_error *e) {
+  return kept_of(m, lmax, YLM_MATERIAL_TABLE_COSINE, threads, progress, table, e);
+}
+
+ylm_status ylm_material_table_kept_fit(const ylm_material *m, int lmax, int threads,
+                                       const ylm_progress *progress,
+                                       const ylm_material_table **table, ylm_error *e) {
+  return kept_of(m, lmax, YLM_MATERIAL_TABLE_FIT, threads, progress, table, e);
 }
 
 size_t ylm_material_table_kept_bytes(const ylm_material *m) {

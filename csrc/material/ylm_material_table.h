@@ -21,7 +21,17 @@ extern "C" {
 #endif
 
 #define YLM_MATERIAL_TABLE_LMAX 60
-#define YLM_MATERIAL_TABLE_ROWS 256 /* the most rows, and columns */
+#define YLM_MATERIAL_TABLE_FIT_LMAX 8 /* of fits */
+#define YLM_MATERIAL_TABLE_ROWS 256   /* the most rows, and columns */
+
+/* A slice is f wi.z; f alone; or the B of degree lmax that makes the integral of (wi.z (B - f))^2 over
+   directions above the surface least, with a ridge of 1e-4 of each diagonal element. Below the surface B is
+   arbitrary: it is worth something times the clamped cosine alone. */
+typedef enum ylm_material_table_slice {
+  YLM_MATERIAL_TABLE_COSINE,
+  YLM_MATERIAL_TABLE_BARE,
+  YLM_MATERIAL_TABLE_FIT
+} ylm_material_table_slice;
 
 typedef struct ylm_material_table_form {
   int lmax;    /* 0 .. YLM_MATERIAL_TABLE_LMAX */
@@ -30,7 +40,7 @@ typedef struct ylm_material_table_form {
   double
       error; /* > 0: rows, then columns, are doubled until the error between them is at most this, or
                       there are as many as may be; 0: as many as are given */
-  bool without_cosine; /* slices are f, as emission by virtual lights is */
+  ylm_material_table_slice slice; /* FIT: lmax to YLM_MATERIAL_TABLE_FIT_LMAX */
   int threads;
   const ylm_progress *progress; /* stage "table" */
 } ylm_material_table_form;
@@ -60,7 +70,7 @@ typedef struct ylm_material_table_facts {
 **
 ** Returns  YLM_OK; YLM_ERANGE (a field of the form), YLM_ENOMEM, YLM_ECANCELLED
 ** Source   Kautz, Sloan, Snyder 2002, "Fast, Arbitrary BRDF Shading for Low-Frequency Lighting Using
-**          Spherical Harmonics"; Catmull & Rom 1974 (between rows)
+**          Spherical Harmonics"; Catmull & Rom 1974 (between rows); docs/virtual.md "Gloss" (fits)
 */
 YLM_API ylm_status ylm_material_table_create(const ylm_material *m,
                                              const ylm_material_table_form *form,
@@ -71,6 +81,10 @@ YLM_API ylm_status ylm_material_table_create(const ylm_material *m,
 YLM_API ylm_status ylm_material_table_kept(const ylm_material *m, int lmax, int threads,
                                            const ylm_progress *progress,
                                            const ylm_material_table **table, ylm_error *e);
+/* As that, of fits: emission by virtual lights. */
+YLM_API ylm_status ylm_material_table_kept_fit(const ylm_material *m, int lmax, int threads,
+                                               const ylm_progress *progress,
+                                               const ylm_material_table **table, ylm_error *e);
 /* The memory of the tables that are kept with a material. */
 YLM_API size_t ylm_material_table_kept_bytes(const ylm_material *m);
 YLM_API void ylm_material_table_free(ylm_material_table *table);
@@ -91,7 +105,7 @@ YLM_API ylm_status ylm_material_table_slices(const ylm_material_table *table, si
 /* How channels are made of functions: channel c = sum over k of mix[c][k] function k. */
 YLM_API const float (*ylm_material_table_mix(const ylm_material_table *table))[3];
 /* The part of the slice's norm that coefficients up to `lmax` miss, for n views; lmax at most the table's;
-   error [n]. */
+   error [n]. Of fits: the norm of wi.z (B - f) over that of f wi.z, whatever lmax is. */
 YLM_API void ylm_material_table_missed(const ylm_material_table *table, int lmax, size_t n,
                                        const float (*wo)[3], float *error);
 

@@ -11,7 +11,8 @@ local warning = require "ylm.warning"
 
 local emit = {}
 
-local COUNT, MOST_BOUNCES, MOST = 2000, 64, 2 ^ 27
+local COUNT, MOST_BOUNCES, MOST, DEGREE = 2000, 64, 2 ^ 27, 8
+local LOUD = 0.26 -- the part of slices that lights may miss without a word
 local SCALE = { density = 1.5, angle = 1, footprint = 1.5 } -- of radii, by their rule
 
 --- Lights that scene:virtual_lights made -> { scene, bounces, radius (the median) }.
@@ -28,6 +29,11 @@ function form.types.light_radius(x)
   return nil, "'density', 'angle', 'footprint', or a length above 0"
 end
 
+function form.types.emission_degree(x)
+  if x == "auto" or check.is_integer(x) and x >= 0 and x <= DEGREE then return x end
+  return nil, ("'auto', or an integer from 0 to %d"):format(DEGREE)
+end
+
 --- Options that scene:virtual_lights has in common with pictures that make such lights.
 emit.fields = {
   { "count", "integer", min = 1, max = MOST, optional = true,
@@ -39,6 +45,12 @@ emit.fields = {
       .. "the tenth light of the same surface; 'angle', the paper's, by the way of its particle; or a length" },
   { "scale", "number", above = 0, optional = true,
     about = "multiplies radii of 'density' and 'angle'; default 1.5, of 'angle' 1" },
+  { "degree", "emission_degree", default = "auto",
+    about = "of what surfaces that gloss send, in harmonics: 0, as matte ones of their mean albedo, to 8; 'auto': the least "
+      .. "of 2, 4, 8 whose slices at 45 degrees miss at most 14 %, 26 %, all (a white metal of alpha 0.5 has 2, of 0.25 4); "
+      .. "matte surfaces alone have 0" },
+  { "conserve", "boolean", default = true,
+    about = "scales such emission, colour by colour, to the power that is reflected" },
   { "profile", "choice", of = { "gauss", "cap", "point" }, default = "gauss", about = "as in virtual_lights" },
 }
 
@@ -69,10 +81,13 @@ end
 --- Sentences for report.warnings about light that is left out.
 local function shortcomings(s, o, r)
   local list, n = {}, r.glossy
-  if n > 0 then
+  if n > 0 and o.degree == 0 then
     list[1] = warning.say(s, "gloss virtual", "scene %q: %d of its virtual lights' landings are on surfaces that gloss, which "
-      .. "send light on as matte ones of their mean albedo: no highlights, no caustics (scene:pathtrace has them)",
-      s.name or "?", n)
+      .. "send light on as matte ones of their mean albedo (degree = 0): no highlights, no caustics", s.name or "?", n)
+  elseif r.slices.missed > LOUD then
+    list[1] = warning.say(s, "slices virtual", "scene %q: virtual lights of degree %d miss %.0f %% of what surfaces that gloss "
+      .. "send: %s (scene:pathtrace has it all)", s.name or "?", r.degree, 100 * r.slices.missed, r.degree < DEGREE
+      and "set a higher degree" or "their lobes are sharper than degree 8 has them, and come out wider")
   end
   local going, reflected = r.power.going, r.power.reflected
   local left = going[1] + going[2] + going[3]
@@ -95,7 +110,7 @@ local function trace(name, s, o, traced)
   return check.result(name, t.lib.emit_lights(t.handle, { particles = o.particles, lights = o.count,
     bounces = math.max(1, o.bounces), radius = fixed and "fixed" or o.radius, fixed = fixed,
     scale = o.scale or SCALE[o.radius] or 1, seed = o.seed, threads = o.threads, grid = grid,
-    progress = progress.resolve(o.progress) }))
+    degree = o.degree == "auto" and -1 or o.degree, conserve = o.conserve, progress = progress.resolve(o.progress) }))
 end
 
 --- Virtual lights and report by options that a form has checked, of function `name`; `traced`: lamps other than the scene's.
@@ -118,10 +133,11 @@ function emit.lights(name, s, o, traced)
   if not at then return nil, normal, radius end
   if o.bounces == 0 then
     at, normal, radius, intensity = core.array_zeros({ 0, 3 }, "double"), nil, 1, 0
-    report.lights, report.bounces = 0, {}
+    report.lights, report.bounces, report.degree = 0, {}, 0
   end
-  local lights = virtual.virtual_lights { at = at, normal = normal, radius = radius, intensity = intensity,
-    profile = o.profile }
+  local lobes = report.degree > 0 and intensity or nil
+  local lights = virtual.virtual_lights { at = at, normal = normal, radius = radius, emission = lobes,
+    intensity = not lobes and intensity or nil, profile = o.profile }
   report.note = note_of(s, o, report)
   report.warnings = shortcomings(s, o, report)
   report.power.lights = lights.power
@@ -139,8 +155,10 @@ describe "scene:virtual_lights" {
     { "report", "table", "lights, particles, rays; bounces (landings of each reflection); power {r, g, b} in W: emitted = "
       .. "landed + lost (to the sky, before a first landing), reflected (at all landings), lights (what was chosen of it), going "
       .. "(under way behind the last reflection); radius = { min, median, max, cut }, cut: of those above four medians, which "
-      .. "became that; turned: landings with the normal of their triangle, that of the vertices looking away; absorbed; glossy; "
-      .. "seconds = { trace, radius }; warnings; note, where there is no light" },
+      .. "became that; turned: landings with the normal of their triangle, that of the vertices looking away; absorbed; glossy: "
+      .. "those on surfaces that gloss; degree, of emission; slices, of what these send: { missed: error over norm, root mean "
+      .. "square by power, most, below: power below zero over all, unscaled: lights that `conserve` left as they are, their "
+      .. "slices keeping less than a twentieth }; seconds = { trace, radius, emission }; warnings; note, where it is dark" },
   },
   errors = "raises on a bad option; nil, message, code: memory, cancelled",
   example = [[
@@ -159,7 +177,7 @@ function emit.of_scene(s, given)
   return emit.lights("virtual_lights", s, form.options(1, "virtual_lights", options, given))
 end
 
---- Writes virtual lights of degree 0 to a PLY file: true, or nil, message, code.
+--- Writes virtual lights, their intensities along the normal, to a PLY file: true, or nil, message, code.
 function emit.write(lights, path)
   local lib, message, code = tracing.library()
   if not lib then return nil, message, code end

@@ -15,22 +15,25 @@ static int table_gc(lua_State *L) {
   return 0;
 }
 
-/* material_table(material, {lmax, rows, columns, error, cosine, threads, progress}) -> table, facts */
+/* material_table(material, {lmax, rows, columns, error, slice: "cosine" | "bare" | "fit", threads, progress}) ->
+   table, facts */
 static int material_table(lua_State *L) {
-  static const char *const names[] = {"lmax",   "rows",    "columns",  "error",
-                                      "cosine", "threads", "progress", NULL};
-  enum { LMAX = 3, ROWS, COLUMNS, ERROR, COSINE, THREADS, PROGRESS };
+  static const char *const names[] = {"lmax",  "rows",    "columns",  "error",
+                                      "slice", "threads", "progress", NULL};
+  static const char *const slices[] = {"cosine", "bare", "fit", NULL};
+  enum { LMAX = 3, ROWS, COLUMNS, ERROR, SLICE, THREADS, PROGRESS };
   const ylm_material *m = ylmL_material_check(L, 1);
   ylm_error e = {0};
   ylmL_progress p;
   ylm_material_table_facts f;
   ylmL_named(L, 2, names);
-  ylm_material_table_form form = {.lmax = (int)luaL_checknumber(L, LMAX),
-                                  .rows = (int)luaL_checknumber(L, ROWS),
-                                  .columns = (int)luaL_checknumber(L, COLUMNS),
-                                  .error = (double)luaL_checknumber(L, ERROR),
-                                  .without_cosine = !lua_toboolean(L, COSINE),
-                                  .threads = (int)luaL_optnumber(L, THREADS, 0)};
+  ylm_material_table_form form = {
+      .lmax = (int)luaL_checknumber(L, LMAX),
+      .rows = (int)luaL_checknumber(L, ROWS),
+      .columns = (int)luaL_checknumber(L, COLUMNS),
+      .error = (double)luaL_checknumber(L, ERROR),
+      .slice = (ylm_material_table_slice)luaL_checkoption(L, SLICE, NULL, slices),
+      .threads = (int)luaL_optnumber(L, THREADS, 0)};
   handle *h = lua_newuserdata(L, sizeof *h);
   h->table = NULL;
   luaL_getmetatable(L, TABLE);

@@ -4,6 +4,7 @@
 
 #include "traced.h"
 #include "ylm_emit.h"
+#include "ylm_sh.h"
 
 static void set_colour(lua_State *L, const char *name, const double x[3]) {
   lua_createtable(L, 3, 0);
@@ -34,6 +35,13 @@ static void push_report(lua_State *L, const ylm_emit_report *r, size_t n) {
   ylmL_set_count(L, "turned", r->turned);
   ylmL_set_count(L, "absorbed", r->absorbed);
   ylmL_set_count(L, "glossy", r->glossy);
+  ylmL_set_count(L, "degree", (size_t)r->degree);
+  lua_newtable(L);
+  ylmL_set_number(L, "missed", r->missed[0]);
+  ylmL_set_number(L, "most", r->missed[1]);
+  ylmL_set_number(L, "below", r->below);
+  ylmL_set_count(L, "unscaled", r->unscaled);
+  lua_setfield(L, -2, "slices");
   set_bounces(L, r);
   lua_newtable(L);
   set_colour(L, "emitted", r->emitted);
@@ -51,14 +59,20 @@ static void push_report(lua_State *L, const ylm_emit_report *r, size_t n) {
   lua_newtable(L);
   ylmL_set_number(L, "trace", r->seconds[0]);
   ylmL_set_number(L, "radius", r->seconds[1]);
+  ylmL_set_number(L, "emission", r->seconds[2]);
   lua_setfield(L, -2, "seconds");
 }
 
-/* Four arrays of doubles that hold lights; false without memory. */
+/* Four arrays of doubles that hold lights, the last their emission where it has a degree; false without memory. */
 static bool push_lights(lua_State *L, const ylm_emit_lights *l) {
-  const double *from[] = {l->at, l->normal, l->radius, l->intensity};
+  const double *from[] = {l->at, l->normal, l->radius, l->emission ? l->emission : l->intensity};
+  size_t shape[] = {l->n, 3, (size_t)(l->degree + 1) * (size_t)(l->degree + 1)};
   for (int k = 0; k < 4; k++) {
-    ylmL_array *a = ylmL_array_new(L, YLM_DOUBLE, k == 2 ? 1 : 2, (size_t[]){l->n, 3});
+    ylmL_array *a = ylmL_array_new(L, YLM_DOUBLE,
+                                   k == 2                  ? 1
+                                   : k == 3 && l->emission ? 3
+                                                           : 2,
+                                   shape);
     if (!a) return false;
     ylm_copy(a->data, from[k], a->count * sizeof(double));
   }
@@ -66,13 +80,27 @@ static bool push_lights(lua_State *L, const ylm_emit_lights *l) {
 }
 
 /* emit_lights(scene, {particles, lights, bounces, radius: "density" | "angle" | "fixed" | "footprint",
-   fixed, scale, seed, threads, progress, grid: texels a side or nil}) -> at [n][3], normal [n][3], radius [n], intensity [n][3], report */
+   fixed, scale, seed, threads, progress, grid: texels a side or nil, degree: -1 auto, conserve}) -> at [n][3],
+   normal [n][3], radius [n], intensity [n][3] or emission [n][3][(degree+1)^2], report */
 static int emit_lights(lua_State *L) {
-  static const char *const names[] = {"particles", "lights", "bounces", "radius",
-                                      "fixed",     "scale",  "seed",    "threads",
-                                      "progress",  "grid",   NULL};
+  static const char *const names[] = {"particles", "lights",   "bounces", "radius",   "fixed",
+                                      "scale",     "seed",     "threads", "progress", "grid",
+                                      "degree",    "conserve", NULL};
   static const char *const radii[] = {"density", "angle", "fixed", "footprint", NULL};
-  enum { PARTICLES = 3, LIGHTS, BOUNCES, RADIUS, FIXED, SCALE, SEED, THREADS, PROGRESS, GRID };
+  enum {
+    PARTICLES = 3,
+    LIGHTS,
+    BOUNCES,
+    RADIUS,
+    FIXED,
+    SCALE,
+    SEED,
+    THREADS,
+    PROGRESS,
+    GRID,
+    DEGREE,
+    CONSERVE
+  };
   ylmL_named(L, 2, names);
   const ylm_scene *scene = ylmL_scene(L, 1);
   ylm_error e = {0};
@@ -86,6 +114,8 @@ static int emit_lights(lua_State *L) {
                         .fixed = (double)luaL_optnumber(L, FIXED, 0),
                         .scale = (double)luaL_checknumber(L, SCALE),
                         .grid = (int)luaL_optnumber(L, GRID, 0),
+                        .degree = (int)luaL_checknumber(L, DEGREE),
+                        .conserve = lua_toboolean(L, CONSERVE),
                         .seed = (uint64_t)luaL_checknumber(L, SEED),
                         .threads = (int)luaL_optnumber(L, THREADS, 0),
                         .progress = ylmL_progress_begin(L, PROGRESS, &p)};
@@ -104,19 +134,44 @@ static double *doubles(lua_State *L, int i, size_t n) {
   return a->data;
 }
 
-/* emit_write(path, at [n][3], normal [n][3], radius [n], emission [n][3][1]) -> true */
+/* Intensities along the normal [n][3] of emission [n][3][count]. */
+static ylm_status along_normals(size_t n, size_t count, const double *normal,
+                                const double *emission, double *out) {
+  int degree = (int)sqrt((double)count + 0.5) - 1;
+  double *Y = ylm_alloc(count, sizeof *Y);
+  ylm_status s = Y ? YLM_OK : YLM_ENOMEM;
+  for (size_t i = 0; s == YLM_OK && i < n; i++) {
+    s = ylm_sh_eval(degree, 0, true, YLM_DOUBLE, 1, normal + 3 * i, Y, NULL, NULL, 1, NULL);
+    for (size_t c = 0; s == YLM_OK && c < 3; c++) {
+      const double *b = emission + (3 * i + c) * count;
+      double sum = 0;
+      for (size_t q = 0; q < count; q++) sum += b[q] * Y[q];
+      out[3 * i + c] = fmax(0, sum);
+    }
+  }
+  ylm_free(Y);
+  return s;
+}
+
+/* emit_write(path, at [n][3], normal [n][3], radius [n], emission [n][3][..]) -> true */
 static int emit_write(lua_State *L) {
   ylm_error e = {0};
   const char *path = luaL_checkstring(L, 1);
   size_t n = ylmL_array_check(L, 4)->count;
-  ylm_emit_lights l = {n, doubles(L, 2, 3 * n), doubles(L, 3, 3 * n), doubles(L, 4, n), NULL};
-  const double *emission = doubles(L, 5, 3 * n);
+  size_t count = n > 0 ? ylmL_array_check(L, 5)->count / (3 * n) : 1;
+  ylm_emit_lights l = {.n = n,
+                       .at = doubles(L, 2, 3 * n),
+                       .normal = doubles(L, 3, 3 * n),
+                       .radius = doubles(L, 4, n)};
+  const double *emission = doubles(L, 5, 3 * n * count);
   ylmL_array *intensity = ylmL_array_new(L, YLM_DOUBLE, 2, (size_t[]){n, 3});
   if (!intensity) return ylmL_result(L, 0, YLM_ENOMEM, NULL);
   l.intensity = intensity->data;
-  for (size_t i = 0; i < 3 * n; i++) l.intensity[i] = emission[i] / sqrt(4 * M_PI);
+  for (size_t i = 0; count == 1 && i < 3 * n; i++) l.intensity[i] = emission[i] / sqrt(4 * M_PI);
+  ylm_status s = count > 1 ? along_normals(n, count, l.normal, emission, l.intensity) : YLM_OK;
   lua_pushboolean(L, true);
-  return ylmL_result(L, 1, ylm_emit_write_ply(&l, path, &e), &e);
+  if (s == YLM_OK) s = ylm_emit_write_ply(&l, path, &e);
+  return ylmL_result(L, 1, s, &e);
 }
 
 static const luaL_Reg functions[] = {

@@ -40,6 +40,7 @@ tables.__tostring = function(t)
   return ("ylm.material_table lmax %d, %d rows, %d columns"):format(f.lmax, f.rows, f.columns)
 end
 
+local FIT_LMAX = 8
 local options = {
   { "lmax", "integer", min = 0, max = core.limits.material_table_lmax, default = 8, about = "highest degree" },
   { "rows", "integer", min = 4, max = core.limits.material_table_rows, default = 32,
@@ -49,6 +50,9 @@ local options = {
   { "error", "number", min = 0, max = 1, default = 0.002,
     about = "largest relative error halfway between rows, of views to 84 degrees; 0: as many rows as are given" },
   { "cosine", "boolean", default = true, about = "false: slices of f alone" },
+  { "fit", "boolean", default = false,
+    about = "instead, the functions of degree lmax, 8 at most, which times the clamped cosine come nearest to f wi.z (least "
+      .. "squares above the surface, a ridge of 1e-4): what virtual lights send; `missed` is their error at any degree" },
   form.threads, form.progress,
 }
 
@@ -69,6 +73,9 @@ function methods.table(m, given)
   local o = form.options(1, "table", options, given)
   local made, message, code = object.made("table", m)
   if not made then return nil, message, code end
+  if o.fit and not o.cosine then return check.fail "table: fit and cosine = false exclude each other: leave one out" end
+  if o.fit and o.lmax > FIT_LMAX then return check.fail("table: lmax of fits is at most %d, got %d", FIT_LMAX, o.lmax) end
+  o.slice, o.fit, o.cosine = o.fit and "fit" or o.cosine and "cosine" or "bare", nil, nil
   o.progress = progress.of(o.progress)
   local t, facts
   t, facts, code = check.result("table", core.material_table(made, o))
