@@ -30,6 +30,7 @@ local cases = {
   { "hvl_2022_fig8.lua", "--out %s --quick", "footprint +%d+ .* 1%.00 .*lit pixels" },
   { "hvl_profiles.lua", "--out %s --quick", "gauss, k = 1 .*gauss, 0%.6 r to 2 r" },
   { "hvl_split.lua", "--out %s --quick", "floor, far part: irradiance +%d%.%d" },
+  { "hvl_methods.lua", "--out %s --quick", "harmonics, gauss +16 .*\npaths +%- .*order with 16 lights" },
   { "hvl_furnace.lua", "--quick", "points, cosines exact +%-?0%.0000 +0%.0000.*rho/%(1 %- rho%) is 1%.5000" },
   { "hvl_2022_materials.lua", "--out %s --quick", "90 full rows .* 27%.0 .*teflon +ABC fit.*materials change" },
 }

@@ -269,6 +269,55 @@ function rooms.table_room(o)
   }
 end
 
+-- Errors beside paths --------------------------------------------------------------------------
+
+--- A function of a list of radiances [h][w][3], or of an image: its root mean square error beside `truth`, paths with their
+-- variance, relative to the truth's mean and less its noise. Pixels at edges of things are left out: those where a neighbour of
+-- `image` (a picture with layers normal and position) has another normal or is far. Also the noise, and how many pixels count.
+function rooms.judge(image, truth)
+  local normal, position = image:layer "normal":totable(), image:layer "position":totable()
+  local coverage, emitter = image:layer "coverage":totable(), image:layer "emitter":totable()
+  local wanted, variance = truth:layer():totable(), truth:layer "variance":totable()
+  local seen, mean, noise = {}, 0, 0
+  local function plain(y, x)
+    local n, p = normal[y][x], position[y][x]
+    if coverage[y][x][1] < 0.999 or emitter[y][x][1] > 0 then return false end
+    for dy = -1, 1 do
+      for dx = -1, 1 do
+        local m = normal[y + dy] and normal[y + dy][x + dx]
+        local q = position[y + dy] and position[y + dy][x + dx]
+        if m then
+          local dot, off, far = 0, 0, 0
+          for c = 1, 3 do
+            dot, off, far = dot + n[c] * m[c], off + n[c] * (q[c] - p[c]), far + (q[c] - p[c]) ^ 2
+          end
+          if dot < 0.94 or off * off > 0.06 * far + 1e-12 then return false end
+        end
+      end
+    end
+    return true
+  end
+  for y = 1, #wanted do
+    for x = 1, #wanted[y] do
+      if plain(y, x) then
+        seen[#seen + 1] = { y, x }
+        for c = 1, 3 do mean, noise = mean + wanted[y][x][c], noise + variance[y][x][c] end
+      end
+    end
+  end
+  mean = mean / (3 * #seen)
+  noise = noise / (3 * #seen)
+  return function(pixels)
+    if type(pixels) ~= "table" then pixels = pixels:layer():totable() end
+    local square = 0
+    for _, at in ipairs(seen) do
+      local a, b = pixels[at[1]][at[2]], wanted[at[1]][at[2]]
+      for c = 1, 3 do square = square + (a[c] - b[c]) ^ 2 / (3 * #seen) end
+    end
+    return math.sqrt(math.max(0, square - noise)) / mean
+  end, math.sqrt(noise) / mean, #seen
+end
+
 -- A user's own -----------------------------------------------------------------------------------
 
 --- The scene of a file, or of `otherwise` where the name is empty.
