@@ -1,11 +1,9 @@
--- Code in README.md and docs runs as it stands; cited works are listed; links lead somewhere.
+-- Code in README.md and docs runs as it stands; cited works are listed; links lead somewhere. (spec/guide_spec.lua runs the
+-- tutorial and the questions, spec/documentation_spec.lua the examples of the reference.)
 
 local scratch = require "spec.support.scratch"
 
-local build = os.getenv "YLM_BUILD" or "build"
-local lua = os.getenv "YLM_LUA" or "lua5.4"
-local root = scratch.capture "pwd":gsub("%s+$", "")
-if not build:find "^/" then build = root .. "/" .. build end
+local blocks = require "spec.support.blocks"
 
 local lines_of = scratch.lines
 
@@ -16,7 +14,8 @@ local function read(path)
   return text
 end
 
-local pages = lines_of "ls README.md docs/*.md"
+local pages = lines_of "ls *.md docs/*.md"
+local elsewhere = { ["docs/tutorial.md"] = true, ["docs/how-do-i.md"] = true, ["docs/api.md"] = true }
 
 describe("the documentation", function()
   local folder
@@ -24,18 +23,9 @@ describe("the documentation", function()
   teardown(function() folder:remove() end)
 
   for _, page in ipairs(pages) do
-    local number = 0
-    for language, code in (read(page) .. "\n"):gmatch("```(%w+)\n(.-)```") do
-      if language == "lua" then
-        number = number + 1
-        local n, name = number, ("%s_%d.lua"):format(page:gsub("[^%w]", "_"), number)
-        it(("runs: %s, example %d"):format(page, n), function()
-          folder:write(name, code)
-          local command = code:find "return scene" and "bake %s -o " .. name .. ".ylm" or "run %s"
-          local out, status = scratch.capture(("cd %s && YLM_LUA=%s LUA_PATH= LUA_CPATH= %s "):format(
-            scratch.quote(folder.path), lua, scratch.quote(build .. "/ylm")) .. command:format(name))
-          assert(status == 0, page .. ", example " .. n .. "\n" .. out)
-        end)
+    if not elsewhere[page] then
+      for n, code in ipairs(blocks.of(read(page))) do
+        it(("runs: %s, example %d"):format(page, n), function() blocks.run(folder, code, page, n) end)
       end
     end
 

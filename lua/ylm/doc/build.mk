@@ -1,10 +1,14 @@
-# Documentation from the entries beside the code, into build/docs: pages by LDoc, api.md, and
-# ylm.meta.lua with annotations for editors (LuaLS). Nothing generated is checked in.
+# Documentation from the entries beside the code: docs/api.md, which is checked in, and into build/docs pages by LDoc and
+# ylm.meta.lua with annotations for editors (LuaLS).
 
-docs: all   ## build/docs: pages (LDoc), api.md, annotations for editors (ylm.meta.lua)
-	@rm -rf $(BUILD)/doc-input && mkdir -p $(BUILD)/doc-input $(BUILD)/docs
+api: all    ## docs/api.md, as the entries beside the code say it
+	@$(BUILD)/ylm run lua/ylm/doc/main.lua docs --api
+
+docs: all   ## build/docs: pages (LDoc), annotations for editors (ylm.meta.lua)
+	@rm -rf $(BUILD)/doc-input $(BUILD)/docs && mkdir -p $(BUILD)/doc-input $(BUILD)/docs/topics
 	@$(BUILD)/ylm run lua/ylm/doc/main.lua $(BUILD)/doc-input --ldoc
-	@cp lua/ylm/doc/config.ld $(BUILD)/doc-input/
-	@cp README.md CHANGELOG.md $(filter-out docs/README.md,$(wildcard docs/*.md)) $(BUILD)/doc-input/
+	@$(BUILD)/ylm run lua/ylm/doc/site.lua . $(BUILD)/doc-input
+	@cp -r docs/images $(BUILD)/docs/topics/
 	@cd $(BUILD)/doc-input && ldoc -q -c config.ld -d ../docs . >/dev/null && echo $(BUILD)/docs/index.html
-	@$(BUILD)/ylm run lua/ylm/doc/main.lua $(BUILD)/docs && echo $(BUILD)/docs/api.md && echo $(BUILD)/docs/ylm.meta.lua
+	@$(BUILD)/ylm run lua/ylm/doc/main.lua $(BUILD)/docs && echo $(BUILD)/docs/ylm.meta.lua
+	@$(BUILD)/ylm run lua/ylm/doc/site.lua --check $(BUILD)/docs

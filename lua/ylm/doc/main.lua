@@ -1,6 +1,7 @@
 --- Writes the documentation that is generated from the entries beside the code.
 --
 --     ylm run lua/ylm/doc/main.lua FOLDER         FOLDER/ylm.meta.lua for editors, FOLDER/api.md
+--     ylm run lua/ylm/doc/main.lua FOLDER --api   FOLDER/api.md
 --     ylm run lua/ylm/doc/main.lua FOLDER --ldoc  input for LDoc
 
 local core = require "ylm.c.core"
@@ -16,6 +17,8 @@ if not folder then
 end
 if mode == "--ldoc" then
   for name, text in pairs(pages.ldoc()) do write(folder .. "/" .. name, text) end
+elseif mode == "--api" then
+  write(folder .. "/api.md", pages.markdown())
 else
   write(folder .. "/ylm.meta.lua", meta.text())
   write(folder .. "/api.md", pages.markdown())

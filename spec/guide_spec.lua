@@ -1,0 +1,79 @@
+-- Pages for people: each program of the tutorial and of the questions runs and keeps what the text beside it says;
+-- pictures have the commands that make them.
+
+local blocks = require "spec.support.blocks"
+local scratch = require "spec.support.scratch"
+
+local function read(path)
+  local file = assert(io.open(path, "rb"))
+  local text = file:read "*a"
+  file:close()
+  return text
+end
+
+local function count(text, pattern) return select(2, text:gsub(pattern, "")) end
+
+describe("the guide", function()
+  local folder
+  setup(function() folder = scratch.new() end)
+  teardown(function() folder:remove() end)
+
+  local tutorial, questions = read "docs/tutorial.md", read "docs/how-do-i.md"
+
+  local printed = {}
+
+  for n, code in ipairs(blocks.of(tutorial)) do
+    it("runs step " .. n .. ", which leaves its picture", function()
+      printed[n] = blocks.run(folder, code, "docs/tutorial.md", n)
+      assert(scratch.shell("test -s " .. scratch.quote(("%s/step%d.png"):format(folder.path, n))))
+      assert(tutorial:find(("images/tutorial_%d.png"):format(n), 1, true))
+    end)
+  end
+
+  it("has eight steps", function()
+    assert.equal(8, #blocks.of(tutorial))
+    assert.equal(8, count(tutorial, "\n## %d%. "))
+  end)
+
+  it("keeps tolerances in the tutorial's sixth step", function()
+    local rows = 0
+    for asked, found in printed[6]:gmatch "tolerance ([%d.]+): %d+ probes, error ([%d.]+)" do
+      rows = rows + 1
+      assert(tonumber(found) <= tonumber(asked), asked .. ": " .. found)
+    end
+    assert.equal(5, rows)
+  end)
+
+  for n, code in ipairs(blocks.of(questions)) do
+    it("answers: " .. n, function() blocks.run(folder, code, "docs/how-do-i.md", n) end)
+  end
+
+  it("answers the questions that it lists", function()
+    local listed, answered = {}, 0
+    for anchor in questions:gmatch "%]%(#([^)]+)%)" do listed[anchor] = true end
+    for heading in questions:gmatch "\n## ([^\n]+)" do
+      local anchor = heading:lower():gsub("[^%w%s-]", ""):gsub("%s", "-")
+      assert(listed[anchor], heading)
+      listed[anchor], answered = nil, answered + 1
+    end
+    assert(next(listed) == nil, next(listed))
+    assert(answered >= 20)
+  end)
+
+  it("shows pictures with a command each, of files that exist", function()
+    local text = read "docs/gallery.md"
+    assert(count(text, "!%[[^%]]*%]%(images/") >= 12)
+    for command in text:gmatch "\n    (%S[^\n]*)" do
+      local file = command:match "^build/ylm run (%S+)$"
+      assert(command == "make demo" or (file and scratch.shell("test -f " .. scratch.quote(file))), command)
+    end
+  end)
+
+  it("is cited by a file that has what CFF 1.2.0 wants", function()
+    local text = read "CITATION.cff"
+    for _, key in ipairs { "cff%-version: 1%.2%.0", "message: ", "title: ", "authors:\n  %- " } do
+      assert(("\n" .. text):find("\n" .. key), key)
+    end
+    assert(text:find("version: " .. require("ylm").info().version, 1, true))
+  end)
+end)

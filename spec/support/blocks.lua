@@ -1,0 +1,31 @@
+-- Programs that stand in pages of documentation.
+
+local scratch = require "spec.support.scratch"
+
+local blocks = {}
+
+local build = os.getenv "YLM_BUILD" or "build"
+local lua = os.getenv "YLM_LUA" or "lua5.4"
+if not build:find "^/" then build = scratch.capture "pwd":gsub("%s+$", "") .. "/" .. build end
+
+--- The Lua programs of a page, in order.
+function blocks.of(text)
+  local list = {}
+  for language, code in (text .. "\n"):gmatch("```(%w+)\n(.-)```") do
+    if language == "lua" then list[#list + 1] = code end
+  end
+  return list
+end
+
+--- Runs the n-th program of a page in a scratch folder, by the tool: a scene file is baked. Returns what it printed.
+function blocks.run(folder, code, page, n)
+  local name = ("%s_%d.lua"):format(page:gsub("[^%w]", "_"), n)
+  folder:write(name, code)
+  local command = code:find "return scene" and not code:find "^local ylm" and "bake %s -o " .. name .. ".ylm" or "run %s"
+  local out, status = scratch.capture(("cd %s && YLM_LUA=%s LUA_PATH= LUA_CPATH= %s "):format(
+    scratch.quote(folder.path), lua, scratch.quote(build .. "/ylm")) .. command:format(name))
+  assert(status == 0, page .. ", example " .. n .. "\n" .. out)
+  return out
+end
+
+return blocks
