@@ -3,7 +3,7 @@
 --
 --     lua examples/papers/hvl_2022_table1.lua [--width 320] [--threads 0] [--scene FILE] [--quick]
 --
--- Nanoseconds of a pair of a light and a shading point, beside the paper's: milliseconds of 1280 x 1024 pixels on an RTX 2080.
+-- Nanoseconds of a pair of a light and a shading point, beside the paper's: milliseconds of 1280 x 1024 pixels on its card.
 -- The atrium stands in for the teaser's. "sum" are the N^2 coefficients of light at a shading point, the paper's work but for
 -- one dot product a pixel; "zonal" is irradiance by view:gather, which needs no harmonics (Appendix B, exactly). --threads 0
 -- means all.
@@ -28,7 +28,7 @@ local view = assert(scene:prepare { size = { width, math.floor(0.8 * width) }, s
   threads = threads })
 local points = view:points().position
 
---- So many of the scene's lights, of profile cap, and the same with emissions of three bands.
+--- `n` of the scene's lights, of profile cap, and the same with emissions of three bands.
 local function lights_of(n)
   local some = assert(scene:virtual_lights { count = n, particles = 20 * n, profile = "cap", threads = threads })
   local at, normal, radius, emission = some:arrays()
