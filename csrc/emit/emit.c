@@ -1,6 +1,8 @@
 /* emit.c - virtual lights of a scene: landings of particles, chosen, with radii. */
 #include "emit.h"
 
+#define GRAIN 8192 /* lights */
+
 static ylm_status check(const ylm_emit_options *o, ylm_error *e) {
   if (o->particles < 1 || o->particles > YLM_EMIT_PARTICLES)
     return ylm_fail(e, YLM_ERANGE, "particles must be from 1 to %zu, got %zu", YLM_EMIT_PARTICLES,
@@ -35,23 +37,18 @@ static ylm_status lay_grids(const ylm_scene *scene, ylm_emit_options *o, ylm_err
   return YLM_OK;
 }
 
-static double luminous(const emit_landing *l) {
-  double power[3] = {(double)l->power[0], (double)l->power[1], (double)l->power[2]};
-  return ylm_luminance_size(power);
-}
-
 /* Keeps at most `lights` landings, by equal steps along the sum of their power. */
 static void choose(const ylm_emit_options *o, emit_landings *x) {
   double all = 0, upto = 0, step;
   ylm_rng rng;
   size_t n = 0;
-  for (size_t i = 0; i < x->n; i++) all += luminous(&x->landing[i]);
+  for (size_t i = 0; i < x->n; i++) all += ylm__emit_luminous(&x->landing[i]);
   step = all / (double)o->lights;
   ylm_rng_seed(&rng, o->seed, ~(uint64_t)1);
   double next = step * ylm_rng_double(&rng);
   for (size_t i = 0; i < x->n; i++) {
     emit_landing l = x->landing[i];
-    double own = luminous(&l);
+    double own = ylm__emit_luminous(&l);
     int times = 0;
     for (upto += own; next < upto && own > 0; next += step) times++;
     if (!times) continue;
@@ -61,30 +58,36 @@ static void choose(const ylm_emit_options *o, emit_landings *x) {
   x->n = n;
 }
 
-/* Drops landings that reflect nothing. */
-static void drop_dark(emit_landings *x) {
-  size_t n = 0;
-  for (size_t i = 0; i < x->n; i++)
-    if (luminous(&x->landing[i]) > 0) x->landing[n++] = x->landing[i];
-  x->n = n;
+typedef struct filling {
+  const emit_landing *landing;
+  ylm_emit_lights *l;
+} filling;
+
+static ylm_status fill_some(void *context, size_t begin, size_t end, int worker) {
+  (void)worker;
+  const filling *f = context;
+  for (size_t i = begin; i < end; i++) {
+    const emit_landing *from = &f->landing[i];
+    double n[3] = {(double)from->normal[0], (double)from->normal[1], (double)from->normal[2]};
+    double length = sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
+    for (size_t k = 0; k < 3; k++) {
+      f->l->at[3 * i + k] = (double)from->at[k];
+      f->l->normal[3 * i + k] = length > 0 ? n[k] / length : 0;
+      f->l->intensity[3 * i + k] = (double)from->power[k] / EMIT_PI;
+    }
+  }
+  return YLM_OK;
 }
 
-static ylm_status fill(const emit_landings *x, ylm_emit_lights *l) {
+static ylm_status fill(const emit_landings *x, int threads, ylm_emit_lights *l) {
+  filling f = {x->landing, l};
   l->n = x->n;
   l->at = ylm_alloc(x->n, 3 * sizeof *l->at);
   l->normal = ylm_alloc(x->n, 3 * sizeof *l->normal);
   l->radius = ylm_alloc(x->n, sizeof *l->radius);
   l->intensity = ylm_alloc(x->n, 3 * sizeof *l->intensity);
   if (!l->at || !l->normal || !l->radius || !l->intensity) return YLM_ENOMEM;
-  for (size_t i = 0; i < x->n; i++)
-    for (size_t k = 0; k < 3; k++) {
-      const emit_landing *from = &x->landing[i];
-      l->at[3 * i + k] = (double)from->at[k];
-      l->normal[3 * i + k] = (double)from->normal[k];
-      l->intensity[3 * i + k] = (double)from->power[k] / EMIT_PI;
-    }
-  for (size_t i = 0; i < x->n; i++) ylm_unit3(l->normal + 3 * i);
-  return YLM_OK;
+  return ylm_parallel(x->n, GRAIN, threads, fill_some, &f, NULL, NULL);
 }
 
 ylm_status ylm_emit(const ylm_scene *scene, const ylm_emit_options *o, ylm_emit_lights *lights,
@@ -103,10 +106,9 @@ ylm_status ylm_emit(const ylm_scene *scene, const ylm_emit_options *o, ylm_emit_
   }
   if (s == YLM_OK) s = ylm__emit_gloss(scene, o, &gloss);
   if (s == YLM_OK) s = ylm__emit_trace(scene, gloss, o, &x, report);
-  if (s == YLM_OK) drop_dark(&x);
   if (s == YLM_OK && o->lights > 0 && x.n > o->lights) choose(o, &x);
   report->seconds[0] = ylm_seconds() - begun;
-  if (s == YLM_OK) s = fill(&x, lights);
+  if (s == YLM_OK) s = fill(&x, o->threads, lights);
   if (s == YLM_OK) s = ylm__emit_emission(gloss, x.landing, o, lights, report, e);
   report->seconds[2] = ylm_seconds() - begun - report->seconds[0];
   if (s == YLM_OK) s = ylm__emit_radii(x.landing, o, lights, report);

@@ -93,6 +93,12 @@ typedef struct emit_landing {
   uint8_t order;
 } emit_landing;
 
+static inline double ylm__emit_luminous(const emit_landing *l) {
+  double power[3] = {(double)l->power[0], (double)l->power[1], (double)l->power[2]};
+  return ylm_luminance_size(power);
+}
+
+/* Those that reflect something. */
 typedef struct emit_landings {
   size_t n;
   emit_landing *landing; /* in the order of particles, and of a particle's reflections */

@@ -309,11 +309,6 @@ static void put(making *x, size_t i, const float *row, const float *turned, cons
   x->report->unscaled += unscaled;
 }
 
-static double luminous(const emit_landing *l) {
-  double power[3] = {(double)l->power[0], (double)l->power[1], (double)l->power[2]};
-  return ylm_luminance_size(power);
-}
-
 /* Emission of n <= BATCH lights of one material. */
 static ylm_status do_batch(making *x, size_t n, const uint32_t *number) {
   float wo[BATCH][3], frame[BATCH][3][3], missed[BATCH];
@@ -325,7 +320,7 @@ static ylm_status do_batch(making *x, size_t n, const uint32_t *number) {
                                     x->facts.halves, x->row, x->turned, 1, NULL, NULL);
   for (size_t i = 0; s == YLM_OK && i < n; i++) {
     const float *row = x->row + i * functions * x->facts.width;
-    double weight = luminous(&x->landing[number[i]]), error = (double)missed[i];
+    double weight = ylm__emit_luminous(&x->landing[number[i]]), error = (double)missed[i];
     float rho[3];
     ylm__emit_reflectance(x->g, x->landing[number[i]].slot, wo[i], rho);
     put(x, number[i], row, x->turned + i * functions * x->count, rho);

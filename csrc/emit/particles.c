@@ -15,9 +15,17 @@ typedef struct particle {
 /* Landings and counts of a block of particles; blocks are added up in their order. */
 typedef struct block {
   emit_landing *landing;
-  size_t n;
+  size_t n, begin; /* of all landings, its first */
   ylm_emit_report counts;
 } block;
+
+/* The particles of a block that are under way. */
+typedef struct flight {
+  size_t n, room; /* of the block's landings */
+  particle p[GRAIN];
+  ylm_trace_ray ray[GRAIN];
+  ylm_trace_hit hit[GRAIN];
+} flight;
 
 typedef struct job {
   const ylm_scene *scene;
@@ -27,15 +35,11 @@ typedef struct job {
   const emit_gloss *gloss; /* NULL: all is matte */
   float (*albedo)[3];      /* [meshes] mean */
   block *blocks;
+  flight *flight; /* [threads] */
+  emit_landing
+      *direct; /* [particles] where blocks leave landings of one reflection; NULL: on their own */
+  emit_landing *sorted; /* by particle, of all blocks */
 } job;
-
-/* The particles of a block that are under way. */
-typedef struct flight {
-  size_t n, room; /* of the block's landings */
-  particle p[GRAIN];
-  ylm_trace_ray ray[GRAIN];
-  ylm_trace_hit hit[GRAIN];
-} flight;
 
 static void add(double sum[3], const double x[3]) {
   for (int c = 0; c < 3; c++) sum[c] += x[c];
@@ -105,7 +109,7 @@ static ylm_status land(const job *j, flight *f, size_t i, int order, ylm_scene_s
   for (int c = 0; c < 3; c++) p->power[c] *= (double)albedo[c] * (double)s->tint[c];
   add(b->counts.reflected, p->power);
   b->counts.landings[order - 1]++;
-  emit_landing *l = &b->landing[b->n++];
+  emit_landing *l = &b->landing[b->n];
   *l = (emit_landing){.way = f->hit[i].t,
                       .particle = p->number,
                       .order = (uint8_t)order,
@@ -119,6 +123,7 @@ static ylm_status land(const job *j, flight *f, size_t i, int order, ylm_scene_s
   memcpy(l->at, s->position, sizeof l->at);
   memcpy(l->normal, s->normal, sizeof l->normal);
   for (int c = 0; c < 3; c++) l->power[c] = (float)p->power[c];
+  if (ylm__emit_luminous(l) > 0) b->n++; /* a dark one is no light */
   return YLM_OK;
 }
 
@@ -190,32 +195,17 @@ static ylm_status follow(const job *j, flight *f, int order, block *b) {
   return YLM_OK;
 }
 
-/* Puts a block's landings into the order of its particles; each particle's are in order already. */
-static ylm_status sort(block *b, size_t begin) {
-  size_t first[GRAIN + 1] = {0};
-  emit_landing *sorted = ylm_alloc(b->n, sizeof *sorted);
-  if (!sorted) return YLM_ENOMEM;
-  for (size_t k = 0; k < b->n; k++) first[b->landing[k].particle - begin + 1]++;
-  for (size_t k = 0; k < GRAIN; k++) first[k + 1] += first[k];
-  for (size_t k = 0; k < b->n; k++) sorted[first[b->landing[k].particle - begin]++] = b->landing[k];
-  ylm_free(b->landing);
-  b->landing = sorted;
-  return YLM_OK;
-}
-
 static ylm_status run(void *context, size_t begin, size_t end, int worker) {
-  (void)worker;
   const job *j = context;
   block *b = &j->blocks[begin / GRAIN];
-  flight *f = ylm_alloc(1, sizeof *f);
-  if (!f) return YLM_ENOMEM;
+  flight *f = &j->flight[worker];
   ylm_status s = YLM_OK;
-  f->room = 0;
+  f->room = j->direct ? GRAIN : 0;
+  if (j->direct) b->landing = j->direct + begin;
   set_out(j, begin, end, f, b);
   for (int order = 1; s == YLM_OK && order <= j->o->bounces && f->n > 0; order++)
     s = follow(j, f, order, b);
-  ylm_free(f);
-  return s == YLM_OK && b->n > 0 ? sort(b, begin) : s;
+  return s;
 }
 
 static void add_counts(const ylm_emit_report *b, ylm_emit_report *r) {
@@ -231,16 +221,36 @@ static void add_counts(const ylm_emit_report *b, ylm_emit_report *r) {
   add(r->going, b->going);
 }
 
+/* Puts landings of blocks into the order of their particles; each particle's are in order already. */
+static ylm_status sort(void *context, size_t begin, size_t end, int worker) {
+  (void)worker;
+  const job *j = context;
+  for (size_t i = begin; i < end; i++) {
+    const block *b = &j->blocks[i];
+    size_t first[GRAIN + 1] = {0};
+    for (size_t k = 0; k < b->n; k++) first[b->landing[k].particle % GRAIN + 1]++;
+    for (size_t k = 0; k < GRAIN; k++) first[k + 1] += first[k];
+    for (size_t k = 0; k < b->n; k++)
+      j->sorted[b->begin + first[b->landing[k].particle % GRAIN]++] = b->landing[k];
+  }
+  return YLM_OK;
+}
+
 /* The landings and counts of all blocks. */
-static ylm_status join(const job *j, size_t blocks, emit_landings *out, ylm_emit_report *report) {
+static ylm_status join(job *j, size_t blocks, emit_landings *out, ylm_emit_report *report) {
   for (size_t b = 0; b < blocks; b++) {
+    j->blocks[b].begin = out->n;
     out->n += j->blocks[b].n;
     add_counts(&j->blocks[b].counts, report);
   }
-  out->landing = ylm_alloc(out->n, sizeof *out->landing);
-  if (!out->landing) return YLM_ENOMEM;
-  for (size_t b = 0, k = 0; b < blocks; k += j->blocks[b++].n)
-    ylm_copy(out->landing + k, j->blocks[b].landing, j->blocks[b].n * sizeof *out->landing);
+  if (!j->direct) {
+    out->landing = j->sorted = ylm_alloc(out->n, sizeof *out->landing);
+    return out->landing ? ylm_parallel(blocks, 16, j->o->threads, sort, j, NULL, NULL) : YLM_ENOMEM;
+  }
+  for (size_t b = 0; b < blocks; b++)
+    if (j->blocks[b].landing != out->landing + j->blocks[b].begin)
+      memmove(out->landing + j->blocks[b].begin, j->blocks[b].landing,
+              j->blocks[b].n * sizeof *out->landing);
   return YLM_OK;
 }
 
@@ -262,11 +272,18 @@ ylm_status ylm__emit_trace(const ylm_scene *scene, const emit_gloss *g, const yl
   ylm_status s = ylm__emit_lamps(scene, &j.lamps);
   j.lamps.side = o->grid;
   if (s == YLM_OK) s = j.blocks ? find_albedos(&j) : YLM_ENOMEM;
+  j.flight = ylm_alloc((size_t)ylm_threads(o->threads), sizeof *j.flight);
+  if (!j.flight) s = YLM_ENOMEM;
+  if (s == YLM_OK && o->bounces == 1) {
+    out->landing = j.direct = ylm_alloc(o->particles, sizeof *j.direct);
+    if (!j.direct) s = YLM_ENOMEM;
+  }
   if (s == YLM_OK)
     s = ylm_parallel(o->particles, GRAIN, o->threads, run, &j, o->progress, "particles");
   if (s == YLM_OK) s = join(&j, blocks, out, report);
-  for (size_t b = 0; j.blocks && b < blocks; b++) ylm_free(j.blocks[b].landing);
+  for (size_t b = 0; !j.direct && j.blocks && b < blocks; b++) ylm_free(j.blocks[b].landing);
   ylm_free(j.blocks);
+  ylm_free(j.flight);
   ylm_free(j.albedo);
   ylm__emit_lamps_free(&j.lamps);
   return s;

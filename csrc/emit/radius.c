@@ -68,20 +68,28 @@ static ylm_status settle(const ylm_emit_options *o, ylm_emit_lights *l, ylm_emit
   return YLM_OK;
 }
 
+/* The paper's: by the ways of particles. */
+static void by_angle(const emit_landing *landing, const ylm_emit_options *o, ylm_emit_lights *l) {
+  double lights = (double)(o->lights ? o->lights : o->particles);
+  double wide = tan(fmin(acos(fmax(0, 1 - 2 / lights)), EMIT_PI / 4));
+  for (size_t i = 0; i < l->n; i++) l->radius[i] = o->scale * (double)landing[i].way * wide;
+}
+
 ylm_status ylm__emit_radii(const emit_landing *landing, const ylm_emit_options *o,
                            ylm_emit_lights *l, ylm_emit_report *report) {
   ylm_status s = YLM_OK;
-  double lights = (double)(o->lights ? o->lights : o->particles);
-  double angle = acos(fmax(0, 1 - 2 / lights));
   if (l->n == 0) return YLM_OK;
-  if (o->radius == YLM_EMIT_DENSITY) s = ylm__emit_density(l->n, landing, o, l->radius);
-  if (o->radius == YLM_EMIT_FOOTPRINT)
+  switch (o->radius) {
+  case YLM_EMIT_DENSITY: s = ylm__emit_density(l->n, landing, o, l->radius); break;
+  case YLM_EMIT_FOOTPRINT:
     for (size_t i = 0; i < l->n; i++)
       l->radius[i] = o->scale * sqrt((double)landing[i].area / EMIT_PI);
-  bool other = o->radius == YLM_EMIT_FIXED || o->radius == YLM_EMIT_ANGLE;
-  for (size_t i = 0; i < l->n && other; i++)
-    l->radius[i] = o->radius == YLM_EMIT_FIXED
-                       ? o->fixed
-                       : o->scale * (double)landing[i].way * tan(fmin(angle, EMIT_PI / 4));
+    break;
+  case YLM_EMIT_ANGLE: by_angle(landing, o, l); break;
+  default: /* nothing is left to settle */
+    for (size_t i = 0; i < l->n; i++) l->radius[i] = o->fixed;
+    for (int k = 0; k < 3; k++) report->radius[k] = o->fixed;
+    return YLM_OK;
+  }
   return s == YLM_OK ? settle(o, l, report) : s;
 }

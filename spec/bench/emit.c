@@ -9,6 +9,7 @@
 #include "ylm_emit.h"
 
 #define RAYS (1 << 16)
+#define PARTICLES (1 << 19)
 
 typedef struct task {
   const ylm_scene *scene;
@@ -72,7 +73,8 @@ static double radii(task *x, int threads) {
 
 int main(void) {
   ylm_trace_ray *ray = ylm_alloc(RAYS, sizeof *ray);
-  task x = {.scene = bench_room(), .o = {.particles = RAYS, .fixed = 0.1, .scale = 1.5, .seed = 1}};
+  task x = {.scene = bench_room(),
+            .o = {.particles = PARTICLES, .fixed = 0.1, .scale = 1.5, .seed = 1}};
   if (!ray) return 1;
   from_lamp(ray);
   x.o.threads = 1;
