@@ -1,41 +1,21 @@
--- Virtual lights: a Cornell box by direct light, with one bounce of 2,000 virtual lights, and by paths; and the same 100 lights
--- as points, clamped points, spheres, and by harmonics of two profiles, beside the bounce that paths find.
+-- Virtual lights in pictures: a Cornell box with one bounce of them beside paths; the same few lights by all methods; a corner
+-- from near; grids of whole lights and of their far parts; what lights send over a floor that glosses; a lamp that moves.
 --
---     ylm run examples/13_virtual_lights.lua [--out DIR] [--width N] [--samples N] [--lights N] [--few N]
+--     ylm run examples/13_virtual_lights.lua [--out DIR] [--only NAME] [--width N] [--samples N] [--lights N] [--few N]
 --
--- Writes virtual_lights.png and virtual_lights_methods.png.
+-- Writes virtual_lights.png, virtual_lights_methods.png, virtual_lights_corner.png, virtual_lights_grids.png,
+-- virtual_lights_lobes.png and virtual_lights_moving.png; --only bounce, methods, corner, grids, lobes or moving writes one.
+-- Coverage and time over the number of lights are pictures of examples/papers/hvl_2022_fig8.lua and hvl_many.lua.
 -- Metres, degrees, W sr^-1 m^-2; y is up.
 
 local ylm = require "ylm"
 local core = require "ylm.c.core"
 
-local common = dofile((arg[0]:match "^(.*/)" or "./") .. "common.lua")
-local option = common.options { out = "out", width = 280, samples = 256, lights = 2000, few = 100 }
+local here = arg[0]:match "^(.*/)" or "./"
+local common, rooms = dofile(here .. "common.lua"), dofile(here .. "papers/hvl_scenes.lua")
+local option = common.options { out = "out", only = "", width = 280, samples = 256, lights = 2000, few = 100 }
 local size = { option.width, option.width }
-
-local white = ylm.matte { albedo = 0.74 }
-local red, green = ylm.matte { albedo = { 0.63, 0.06, 0.05 } }, ylm.matte { albedo = { 0.14, 0.45, 0.09 } }
-local function wall(corner, u, v, material) return ylm.quad { corner = corner, u = u, v = v, divide = 4, material = material } end
-local function block(at, size3, angle)
-  return ylm.box { at = at, scale = size3, rotate = { axis = { 0, 1, 0 }, angle = angle }, material = white }
-end
-
-local scene = ylm.scene "Cornell box" {
-  camera = ylm.camera { from = { 0, 1, 3.6 }, at = { 0, 0.97, 0 }, fov = 37.5 },
-  geometry = {
-    wall({ -1, 0, 1 }, { 2, 0, 0 }, { 0, 0, -2 }, white),
-    wall({ -1, 2, -1 }, { 2, 0, 0 }, { 0, 0, 2 }, white),
-    wall({ -1, 0, -1 }, { 2, 0, 0 }, { 0, 2, 0 }, white),
-    wall({ -1, 0, 1 }, { 0, 0, -2 }, { 0, 2, 0 }, red),
-    wall({ 1, 0, -1 }, { 0, 0, 2 }, { 0, 2, 0 }, green),
-    block({ -0.34, 0.6, -0.3 }, { 0.58, 1.2, 0.58 }, 18),
-    block({ 0.36, 0.3, 0.32 }, { 0.58, 0.6, 0.58 }, -17),
-  },
-  lights = {
-    ylm.polygon_light { vertices = { { -0.25, 1.98, -0.25 }, { 0.25, 1.98, -0.25 }, { 0.25, 1.98, 0.25 },
-      { -0.25, 1.98, 0.25 } }, radiance = { 17, 14, 9 }, horizon = { 0, 1, 0 } }, -- it shines downwards
-  },
-}
+local parts = {} -- name -> what writes the picture
 
 --- Results of make(), and its seconds behind the first.
 local function timed(make)
@@ -47,87 +27,254 @@ end
 
 local function luminance(p) return 0.2126 * p[1] + 0.7152 * p[2] + 0.0722 * p[3] end
 
-local lamp -- layer: pixels that show some of the lamp are left out of differences
-
---- Differences of luminance of two images, relative to the mean of the second; their root mean square.
-local function differences(image, truth)
-  local wanted, mean, n = truth:layer():totable(), 0, size[1] * size[2]
-  for _, line in ipairs(wanted) do for _, p in ipairs(line) do mean = mean + luminance(p) / n end end
+--- Differences of luminance of two images, relative to the mean of the second; their root mean square. Pixels that show some of
+-- a lamp are left out.
+local function differences(image, truth, lamp)
+  local wanted, mean, n = truth:layer():totable(), 0, 0
+  for _, line in ipairs(wanted) do for _, p in ipairs(line) do mean, n = mean + luminance(p), n + 1 end end
+  mean = mean / n
   local values, square = image:layer():totable(), 0
   for y, line in ipairs(values) do
     for x, p in ipairs(line) do
-      line[x] = lamp:get(y, x, 1) > 0 and 0 or (luminance(p) - luminance(wanted[y][x])) / mean
+      line[x] = lamp and lamp:get(y, x, 1) > 0 and 0 or (luminance(p) - luminance(wanted[y][x])) / mean
       square = square + line[x] ^ 2 / n
     end
   end
   return values, math.sqrt(square)
 end
 
--- One bounce ---------------------------------------------------------------------------------
-
-local shared = { size = size, samples = 8, light_samples = 32 }
-local with = common.adding_to(shared)
-
-local direct, direct_seconds = timed(function() return scene:render(shared) end)
-lamp = direct:layer "emitter"
-local bounced, bounced_seconds, report = timed(function()
-  return scene:render(with { bounces = 1, indirect = { method = "virtual", count = option.lights, shadows = "centre" } })
-end)
-local truth, truth_seconds = timed(function() return scene:pathtrace { size = size, samples = option.samples, bounces = 1 } end)
-local values, rms = differences(bounced, truth)
-local power = report.virtual.emitted.power
-print(("%d lights, %.1f million pairs; of %.2f W (red) that the lamp emits, %.2f W land and %.2f W are reflected"):format(
-  report.virtual.lights, report.virtual.pairs / 1e6, power.emitted[1], power.landed[1], power.reflected[1]))
-print(("root mean square of the difference: %.3f of the mean luminance"):format(rms))
-
 local function shown(image, words, exposure)
   return { image = image, tone = "hable", exposure = exposure or 1.5, caption = words }
 end
-common.save(ylm.figure {
-  title = "A Cornell box with one bounce",
-  rows = { { shown(direct, ("direct light, %.1f s"):format(direct_seconds)),
-    shown(bounced, ("and %d virtual lights, %.1f s"):format(report.virtual.lights, bounced_seconds)),
-    shown(truth, ("paths of one bounce, %.1f s"):format(truth_seconds)),
-    { values = values, caption = "virtual lights less paths" } } },
-  bar = { range = { -0.5, 0.5 }, map = "coolwarm", label = "difference, of the mean luminance" },
-  caption = ("Rays to the middles of lights. Seconds on two cores. Root mean square difference %.3f of the mean."):format(rms),
-}, option.out .. "virtual_lights.png")
+
+local shared = { size = size, samples = 8, light_samples = 32 }
+local with = common.adding_to(shared)
+local box = rooms.cornell {}
+
+-- One bounce ---------------------------------------------------------------------------------
+
+function parts.bounce()
+  local direct, direct_seconds = timed(function() return box:render(shared) end)
+  local bounced, bounced_seconds, report = timed(function()
+    return box:render(with { bounces = 1, indirect = { method = "virtual", count = option.lights,
+      shadows = "centre" } })
+  end)
+  local truth, truth_seconds = timed(function() return box:pathtrace { size = size, samples = option.samples, bounces = 1 } end)
+  local values, rms = differences(bounced, truth, direct:layer "emitter")
+  local power = report.virtual.emitted.power
+  print(("%d lights, %.1f million pairs; of %.2f W (red) that the lamp emits, %.2f W land and %.2f W are reflected"):format(
+    report.virtual.lights, report.virtual.pairs / 1e6, power.emitted[1], power.landed[1], power.reflected[1]))
+  print(("root mean square of the difference: %.3f of the mean luminance"):format(rms))
+  common.save(ylm.figure {
+    title = "A Cornell box with one bounce",
+    rows = { { shown(direct, ("direct light, %.1f s"):format(direct_seconds)),
+      shown(bounced, ("and %d virtual lights, %.1f s"):format(report.virtual.lights, bounced_seconds)),
+      shown(truth, ("paths of one bounce, %.1f s"):format(truth_seconds)),
+      { values = values, caption = "virtual lights less paths" } } },
+    bar = { range = { -0.5, 0.5 }, map = "coolwarm", label = "difference, of the mean luminance" },
+    caption = ("Rays to the middles of lights. Seconds on two cores. Root mean square difference %.3f of the mean."):format(rms),
+  }, option.out .. "virtual_lights.png")
+end
 
 -- Few lights by each method ---------------------------------------------------------
 
-local view = assert(scene:prepare { size = size, samples = 4 })
-local few = assert(scene:virtual_lights { count = option.few })
-local caps = assert(scene:virtual_lights { count = option.few, profile = "cap" })
-local bounce = assert(scene:pathtrace { size = size, samples = option.samples, reflections = { 2, 2 } })
-local row = common.table { { "method", "%-24s" }, { "ns a pair", "%9.1f" }, { "rms", "%7.3f" } }
-local rows = { {}, {} }
-for i, m in ipairs {
-  { "points", { lights = few, method = "vpl", clamp = "none" } },
-  { "points, clamped", { lights = few, method = "vpl" } },
-  { "clamped, compensated", { lights = few, method = "vpl", compensate = 8 } },
-  { "spheres", { lights = few, method = "vsl" } },
-  { "harmonics, cap", { lights = caps, method = "hvl" } },
-  { "harmonics, gauss", { lights = few, method = "hvl" } },
-} do
-  m[2].shadows, m[2].layers = "centre", false
-  local image, facts = view:gather(m[2])
-  if not image then error(facts, 0) end
-  local _, off = differences(image, bounce)
-  row { m[1], facts.ns_per_pair, off }
-  local list = rows[i <= 3 and 1 or 2]
-  list[#list + 1] = shown(image, ("%s: %.2f"):format(m[1], off), 3)
+--- Pictures of a view's bounce by `list` of { name, lights, options }, with their errors in captions.
+local function compared(view, truth, list, exposure, lamp)
+  local row = common.table { { "method", "%-24s" }, { "ns a pair", "%9.1f" }, { "rms", "%7.3f" } }
+  local items = {}
+  for i, m in ipairs(list) do
+    m[3].lights, m[3].shadows, m[3].layers = m[2], m[3].shadows or "centre", false
+    local image, facts = view:gather(m[3])
+    if not image then error(facts, 0) end
+    local _, off = differences(image, truth, lamp)
+    row { m[1], facts.ns_per_pair, off }
+    items[i] = shown(image, ("%s: %.2f"):format(m[1], off), exposure)
+  end
+  return items
 end
-rows[2][4] = shown(bounce, "paths", 3)
-local lit = {}
-local at, _, _, emission = few:arrays()
-for i = 1, #at do
-  local c = {}
-  for k = 1, 3 do c[k] = emission:get(i, k, 1) * 100 end
-  lit[i] = ylm.sphere_light { at = { at:get(i, 1), at:get(i, 2), at:get(i, 3) }, radius = 0.014, radiance = c }
+
+--- A light's place as a small lamp, to be drawn.
+local function dots(lights, radius)
+  local lit = {}
+  local at, _, _, emission = lights:arrays()
+  for i = 1, #at do
+    local c = {}
+    for k = 1, 3 do c[k] = math.max(0, emission:get(i, k, 1)) * 100 end
+    lit[i] = ylm.sphere_light { at = { at:get(i, 1), at:get(i, 2), at:get(i, 3) }, radius = radius, radiance = c }
+  end
+  return lit
 end
-rows[1][4] = shown(assert(view:render { lamps = lit, layers = false }), ("direct light and the %d lights"):format(few.count), 0.7)
-common.save(ylm.figure {
-  title = ("The bounce of light by %d virtual lights"):format(few.count),
-  rows = rows,
-  caption = "Numbers: root mean square difference from paths, of the mean luminance. All have rays to the middles of lights.",
-}, option.out .. "virtual_lights_methods.png")
+
+function parts.methods()
+  local view = assert(box:prepare { size = size, samples = 4 })
+  local o = { count = option.few, particles = 20 * option.few }
+  local few = assert(box:virtual_lights(o))
+  o.profile = "cap"
+  local caps = assert(box:virtual_lights(o))
+  local bounce = assert(box:pathtrace { size = size, samples = 4 * option.samples, reflections = { 2, 2 } })
+  local lit = assert(view:render { lamps = dots(few, 0.014) })
+  local items = compared(view, bounce, {
+    { "points", few, { method = "vpl", clamp = "none" } },
+    { "points, clamped", few, { method = "vpl" } },
+    { "clamped, compensated", few, { method = "vpl", compensate = 8 } },
+    { "spheres", few, { method = "vsl" } },
+    { "harmonics, cap", caps, {} },
+    { "harmonics, gauss", few, {} },
+  }, 3, lit:layer "emitter")
+  common.save(ylm.figure {
+    title = ("The bounce of light by %d virtual lights"):format(few.count),
+    rows = { { items[1], items[2], items[3], shown(lit, ("direct light and the %d lights"):format(few.count), 0.7) },
+      { items[4], items[5], items[6], shown(bounce, "paths", 3) } },
+    caption = "Numbers: root mean square difference from paths, of the mean luminance. All have rays to the middles of lights.",
+  }, option.out .. "virtual_lights_methods.png")
+end
+
+-- A corner from near -------------------------------------------------------------------------
+
+function parts.corner()
+  local white = ylm.matte { albedo = { 0.75, 0.68, 0.58 } }
+  local corner = ylm.scene "a corner" {
+    camera = ylm.camera { from = { 0.05, 0.34, 0.8 }, at = { -1, 0.17, 0 }, fov = 36 },
+    geometry = { ylm.quad { corner = { -1, 0, 1.5 }, u = { 3, 0, 0 }, v = { 0, 0, -3 }, material = white },
+      ylm.quad { corner = { -1, 0, 1.5 }, u = { 0, 0, -3 }, v = { 0, 2, 0 }, material = white } },
+    lights = ylm.spot_light { at = { -0.9, 3, 0 }, to = { 0.3, 0, 0 }, angle = 50, intensity = 12 }, -- it misses the wall
+  }
+  local view = assert(corner:prepare { size = size, samples = 4 })
+  local function lights(profile) return assert(corner:virtual_lights { distribution = "grid", count = 400,
+    profile = profile }) end
+  local gauss, cap = lights "gauss", lights "cap"
+  local truth = assert(corner:pathtrace { size = size, samples = 4 * option.samples, reflections = { 2, 2 } })
+  local items = compared(view, truth, {
+    { "points", gauss, { method = "vpl", clamp = "none" } }, { "points, clamped", gauss, { method = "vpl" } },
+    { "spheres", cap, { method = "vsl" } }, { "harmonics, cap", cap, {} }, { "harmonics, gauss", gauss, {} },
+  }, 3)
+  items[6] = shown(truth, "paths", 3)
+  common.save(ylm.figure { title = ("A wall over a lit floor, from near: its bounce by %d virtual lights"):format(gauss.count),
+    rows = { { items[1], items[2], items[3] }, { items[4], items[5], items[6] } },
+    caption = "The floor gets no light from itself. Within half a spacing of the corner no profile is right: that is what more lights "
+      .. "are for. Numbers: root mean square difference from paths, of the mean.",
+  }, option.out .. "virtual_lights_corner.png")
+end
+
+-- Grids of whole lights and of far parts -------------------------------------------------------------------
+
+function parts.grids()
+  local lights = assert(box:virtual_lights { count = option.lights, particles = 20 * option.lights })
+  local far = lights:split {}
+  local view = assert(box:prepare { size = size, samples = 1 })
+  local items = {}
+  for i, case in ipairs { { "whole lights", lights }, { "far parts", far } } do
+    local grid = assert(ylm.bake(ylm.adaptive_grid { lmax = 4, depth = 6, tolerance = 0.02, measure = "irradiance" }, case[2],
+      { occupied = view }))
+    local s = grid.stats
+    print(("%-12s core %.3f m, %s points, error %.4f (tolerance 0.02)%s"):format(case[1], far.core, common.thousands(s.points),
+      s.error, s.met and "" or ", not met"))
+    items[#items + 1] = { image = ylm.view { grid, quantity = "level", boxes = { occupied = true, shrink = 0.06 }, range = { 2,
+      6 },
+      camera = box.camera, bar = i == 2, frame = false, background = "white", size = { i == 2 and 620 or 520, 520 } },
+      caption = ("%s: %s points, error %.1f %%"):format(case[1], common.thousands(s.points), 100 * s.error) }
+  end
+  common.save(ylm.figure { title = ("Adaptive grids of %d virtual lights, tolerance 2 %% of irradiance"):format(lights.count),
+    rows = { items }, caption = ("Voxels that hold shading points, to depth 6. Far parts have a core of %.2f m; the near rest is summed "
+      .. "at the points."):format(far.core) }, option.out .. "virtual_lights_grids.png")
+end
+
+-- What lights send ---------------------------------------------------------------------------------------
+
+--- The intensity of light i of a set in direction u, per channel; emissions in harmonics `rows`.
+local function intensity(rows, normal, i, u, basis)
+  local c = math.max(0, normal[i][1] * u[1] + normal[i][2] * u[2] + normal[i][3] * u[3])
+  local sum = {}
+  for k = 1, 3 do
+    sum[k] = 0
+    for q, b in ipairs(rows[i][k]) do sum[k] = sum[k] + b * basis[q] end
+    sum[k] = math.max(0, c * sum[k])
+  end
+  return sum
+end
+
+function parts.lobes()
+  local floor = ylm.ggx { alpha = 0.3, f0 = { 0.95, 0.7, 0.35 } }
+  local room = ylm.scene "a floor that glosses" {
+    camera = ylm.camera { from = { 0.4, 1.5, 3.1 }, at = { 0.1, 0.3, 0 }, fov = 44 },
+    geometry = { ylm.quad { corner = { -1.6, 0, 1.2 }, u = { 3.2, 0, 0 }, v = { 0, 0, -2.4 }, material = floor },
+      ylm.quad { corner = { -1.6, 0, -1.2 }, u = { 3.2, 0, 0 }, v = { 0, 1.4, 0 },
+        material = ylm.matte { albedo = { 0.35, 0.5, 0.65 } } } },
+    lights = ylm.spot_light { at = { -1.6, 1.5, 0.9 }, to = { 0.1, 0.1, -0.5 }, angle = 62, intensity = 10 },
+  }
+  local lights, report = assert(room:virtual_lights { distribution = "grid", count = 64, degree = 8 })
+  local at, normal, _, emission = lights:arrays()
+  at, normal, emission = at:totable(), normal:totable(), emission:totable()
+  local around, rings, directions = 48, 24, {}
+  for k = 0, rings do
+    for i = 0, around do
+      local v, u = math.pi * k / rings, 2 * math.pi * i / around
+      directions[#directions + 1] = { math.sin(v) * math.cos(u), math.cos(v), math.sin(v) * math.sin(u) }
+    end
+  end
+  local basis = ylm.sh.eval(lights.degree, ylm.array(directions)):totable()
+  local triangles = {}
+  for k = 0, rings - 1 do
+    for i = 1, around do
+      local a = k * (around + 1) + i
+      triangles[#triangles + 1] = { a, a + 1, a + around + 2 }
+      triangles[#triangles + 1] = { a, a + around + 2, a + around + 1 }
+    end
+  end
+  local meshes, largest = {}, 0
+  local sent = {}
+  for i = 1, #at do
+    sent[i] = {}
+    for d, u in ipairs(directions) do
+      sent[i][d] = intensity(emission, normal, i, u, basis[d])
+      largest = math.max(largest, luminance(sent[i][d]))
+    end
+  end
+  for i, p in ipairs(at) do
+    local vertices, colours = {}, {}
+    for d, u in ipairs(directions) do
+      local r = 0.02 + 0.5 * luminance(sent[i][d]) / largest
+      vertices[d], colours[d] = { p[1] + r * u[1], p[2] + r * u[2], p[3] + r * u[3] }, {}
+      local top = math.max(sent[i][d][1], sent[i][d][2], sent[i][d][3], 1e-9)
+      for k = 1, 3 do colours[d][k] = sent[i][d][k] / top end
+    end
+    meshes[i] = { ylm.mesh { vertices = vertices, triangles = triangles }, colours = colours }
+  end
+  local picture = ylm.view { scene = room, meshes = meshes, size = { 540, 360 }, bar = false, frame = false,
+    background = "white" }
+  local direct = assert(room:render { size = { 540, 360 }, samples = 8, gloss = "rays" })
+  print(("%d lights of degree %d; their slices miss %.0f %% of what the floor sends"):format(lights.count, lights.degree,
+    100 * report.slices.missed))
+  common.save(ylm.figure { title = "What virtual lights send over a floor that glosses", rows = { { { image = direct,
+    tone = "hable",
+    exposure = 1, caption = "direct light" }, { image = picture, caption = "intensity of each light by direction" } } },
+    caption = ("GGX of alpha 0.3, fitted slices of degree %d; the wall is matte and sends a cosine."):format(lights.degree) },
+    option.out .. "virtual_lights_lobes.png")
+end
+
+-- A lamp that moves ------------------------------------------------------------------------------------------
+
+function parts.moving()
+  local above, below = {}, {}
+  local small = { math.floor(0.72 * size[1]), math.floor(0.72 * size[2]) }
+  for i = 0, 4 do
+    local t = i / 4
+    local scene = rooms.cornell { lamp = "spot", to = { 1.3 * (2 * t - 1), 0.55, -0.35 } }
+    local view = assert(scene:prepare { size = small, samples = 4 })
+    local lights, report = assert(scene:virtual_lights { count = option.lights / 2 })
+    local bounce, facts = assert(view:gather { lights = lights, shadows = "centre", layers = false })
+    local all = assert(view:render { bounces = 1, layers = false, indirect = { method = "virtual", count = option.lights / 2,
+      shadows = "centre" } })
+    print(("frame %d: %d lights, %.0f ms emission, %.0f ms gathering"):format(i + 1, lights.count,
+      1000 * (report.seconds.trace + report.seconds.radius), 1000 * facts.seconds.light))
+    above[i + 1], below[i + 1] = shown(all, nil, 1.5), shown(bounce, nil, 3)
+  end
+  common.save(ylm.figure { title = "A lamp that moves: colour that bleeds from walls", rows = { above, below },
+    caption = "Above direct light and one bounce, below the bounce alone. A particle keeps its random numbers, so that lights move "
+      .. "with the lamp and do not flicker." }, option.out .. "virtual_lights_moving.png")
+end
+
+for _, name in ipairs { "bounce", "methods", "corner", "grids", "lobes", "moving" } do
+  if option.only == "" or option.only == name then parts[name]() end
+end
+if option.only ~= "" and not parts[option.only] then error("--only: no picture " .. option.only, 0) end
