@@ -151,8 +151,8 @@ function parts.corner()
   items[6] = shown(truth, "paths", 3)
   common.save(ylm.figure { title = ("A wall over a lit floor, from near: its bounce by %d virtual lights"):format(gauss.count),
     rows = { { items[1], items[2], items[3] }, { items[4], items[5], items[6] } },
-    caption = "The floor gets no light from itself. Within half a spacing of the corner no profile is right: that is what more lights "
-      .. "are for. Numbers: root mean square difference from paths, of the mean.",
+    caption = "The floor gets no light from itself. Within half a spacing of the corner no profile is right: more lights "
+      .. "are for that. Numbers: root mean square difference from paths, of the mean.",
   }, option.out .. "virtual_lights_corner.png")
 end
 
@@ -175,11 +175,11 @@ function parts.grids()
       caption = ("%s: %s points, error %.1f %%"):format(case[1], common.thousands(s.points), 100 * s.error) }
   end
   common.save(ylm.figure { title = ("Adaptive grids of %d virtual lights, tolerance 2 %% of irradiance"):format(lights.count),
-    rows = { items }, caption = ("Voxels that hold shading points, to depth 6. Far parts have a core of %.2f m; the near rest is summed "
-      .. "at the points."):format(far.core) }, option.out .. "virtual_lights_grids.png")
+    rows = { items }, caption = ("Voxels that hold shading points, to depth 6. Far parts have a core of %.2f m; the rest "
+      .. "is summed at the points."):format(far.core) }, option.out .. "virtual_lights_grids.png")
 end
 
--- What lights send ---------------------------------------------------------------------------------------
+-- Lobes of lights ----------------------------------------------------------------------------------------
 
 --- The intensity of light i of a set in direction u, per channel; emissions in harmonics `rows`.
 local function intensity(rows, normal, i, u, basis)
@@ -270,7 +270,7 @@ function parts.moving()
     above[i + 1], below[i + 1] = shown(all, nil, 1.5), shown(bounce, nil, 3)
   end
   common.save(ylm.figure { title = "A lamp that moves: colour that bleeds from walls", rows = { above, below },
-    caption = "Above direct light and one bounce, below the bounce alone. A particle keeps its random numbers, so that lights move "
+    caption = "Above direct light and one bounce, below the bounce alone. A particle keeps its random numbers: lights move "
       .. "with the lamp and do not flicker." }, option.out .. "virtual_lights_moving.png")
 end
 
