@@ -321,7 +321,7 @@ describe("ylm.virtual_lights", function()
       assert.equal(false, good)
       assert.truthy(message:find(wanted, 1, true), message)
     end
-    fails(function() l:split { core = 0.2 } end, "light 1: core must be above twice the radius: core 0.2, radius 0.1")
+    fails(function() l:split { core = 0.1 } end, "light 1: core must be above the radius: core 0.1, radius 0.1")
     fails(function() l:split { core = 0 } end, "core must be a number > 0, or 'auto'")
     local far, near = l:split { core = 1 }
     fails(function() far:split {} end, "lights of profile 'gauss' are split, and these are 'far'")

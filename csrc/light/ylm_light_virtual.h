@@ -66,7 +66,7 @@ typedef struct ylm_light_virtual_form {
   int degree;             /* 0 .. YLM_LIGHT_VIRTUAL_DEGREE */
   const double *emission; /* [n][3][(degree+1)^2]  W sr^-1, may be negative */
   ylm_light_virtual_profile profile;
-  double core; /* R of far and near, scene units, above twice the largest radius */
+  double core; /* R of far and near, scene units, above the largest radius */
 } ylm_light_virtual_form;
 
 /* Immutable once created; shared by the sets that hold it. */
@@ -128,7 +128,7 @@ YLM_API bool ylm_light_set_has_virtual(const ylm_light_set *set);
 /*
 ** ylm_light_virtual_split - far and near parts of lights of profile gauss, whose sum they are.
 **
-**   core  in   R, above twice the largest radius
+**   core  in   R, above the largest radius
 **
 ** The far part is smooth on the scale of R, and is baked; the near part ends at 1.6 R, and is
 ** gathered where it is needed.
@@ -150,6 +150,7 @@ YLM_API ylm_status ylm_light_virtual_split(const ylm_light_virtual *lights, doub
 **   points   in      [n][3]
 **   normals  in      [n][3] of length 1
 **   out      in out  [n][3]  W m^-2
+**   pairs    out     of lights and points that were looked at; may be NULL
 **
 ** Lights farther than 1.6 R count as nothing; a point's result depends on the point and the lights alone,
 ** and is rounded as a field's in float. Each light adds E sum_l a_l (2l+1)/(4 pi) G_l P_l(w.N), a_l
@@ -160,12 +161,14 @@ YLM_API ylm_status ylm_light_virtual_split(const ylm_light_virtual *lights, doub
 */
 YLM_API ylm_status ylm_light_virtual_near_irradiance(const ylm_light_virtual *lights, int lmax,
                                                      size_t n, const float *points,
-                                                     const float *normals, int threads, float *out,
-                                                     ylm_error *e);
+                                                     const float *normals, int threads,
+                                                     const ylm_progress *progress, float *out,
+                                                     uint64_t *pairs, ylm_error *e);
 /* As that, of coefficients: out [n][3][(lmax+1)^2], added to. */
 YLM_API ylm_status ylm_light_virtual_near_value(const ylm_light_virtual *lights, int lmax, size_t n,
-                                                const float *points, int threads, float *out,
-                                                ylm_error *e);
+                                                const float *points, int threads,
+                                                const ylm_progress *progress, float *out,
+                                                uint64_t *pairs, ylm_error *e);
 
 #ifdef __cplusplus
 }

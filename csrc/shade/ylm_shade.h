@@ -616,6 +616,29 @@ YLM_API ylm_status ylm_shade_gather_virtual(const ylm_shade_view *view,
                                             const ylm_shade_gather_options *o, float *out,
                                             ylm_shade_gather_report *report, ylm_error *e);
 
+typedef struct ylm_shade_near_report {
+  uint64_t pairs; /* of lights and points that were looked at */
+  double seconds;
+} ylm_shade_near_report;
+
+/*
+** ylm_shade_near - add to radiance what the near parts of virtual lights bring to every shading point.
+**
+** COSINE: matte points by irradiance; all by coefficients where some gloss. TRANSFER: by coefficients.
+**
+**   near      in      of profile near (ylm_light_virtual_split)
+**   weight    in      what their light is multiplied by
+**   lmax      in      of the light: that of the grid of the far parts; TRANSFER: that of the view instead
+**   radiance  in out  [points][3]
+**
+** Returns  YLM_OK; YLM_EINVAL: another profile, or TRANSFER and the view has no transfer vectors; YLM_ERANGE (lmax, or
+**          light beyond the range of float); YLM_ENOMEM, YLM_ECANCELLED (progress stage "near lights")
+*/
+YLM_API ylm_status ylm_shade_near(const ylm_shade_view *view, const ylm_light_virtual *near,
+                                  ylm_shade_weight weight, int lmax, int threads,
+                                  const ylm_progress *progress, float *radiance,
+                                  ylm_shade_near_report *report, ylm_error *e);
+
 /*
 ** ylm_shade_blend_links - radiance of points that gloss by the light of elements, where the degree of a light that
 ** holds its shadows (COSINE) is too low for them: w as ylm_shade_blend has it, g what ylm_shade_gather finds.

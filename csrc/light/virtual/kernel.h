@@ -448,31 +448,6 @@ static void metric(const ylm__virtual_plan *p, work *k, size_t point, int lanes,
 #ifdef YLM_REAL_IS_FLOAT
 /* -- lights nearby -------------------------------------------------------------------------- */
 
-/* Irradiance by one light at points with normals N. */
-YLM_INLINE void shine(const ylm__virtual_plan *p, const float *zonal, const real *lamp,
-                      float reach2, const vreal xyz[3], const vreal N[3], vreal sum[3]) {
-  vreal v[3], B[3 * (YLM_LIGHT_LMAX + 1)], E[3];
-  seen s;
-  double beta[(YLM_LIGHT_VIRTUAL_DEGREE + 1) * (YLM_LIGHT_VIRTUAL_DEGREE + 1)];
-  for (int a = 0; a < 3; a++) v[a] = lamp[a] - xyz[a];
-  vreal d2 = v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
-  const real width2 = width2_of(lamp);
-  if (!any(d2 < reach2) || !look(lamp, width2 * SOFT, v, d2, &s)) return;
-  dim(&s, d2 < reach2);
-  d2 = larger(d2, vreal_set(NEAREST * width2));
-  vreal inv = inverse_root(d2), z = (v[0] * N[0] + v[1] * N[1] + v[2] * N[2]) * inv;
-  smooth(YLM_LIGHT_VIRTUAL_NEAR, p->lmax, 0, lamp, (real)p->lights->core, d2, inv * inv, B);
-  vreal P = vreal_set(1), before = vreal_set(0), all = before;
-  for (int l = 0; l <= p->lmax; l++) {
-    all += zonal[l] * B[3 * l] * P;
-    vreal next = ((2 * (real)l + 1) * z * P - (real)l * before) * (1 / (real)(l + 1));
-    before = P, P = next;
-  }
-  if (p->lights->degree > 2) find_beta(beta);
-  rgb_0(&s, p->lights->degree, beta, lamp, E);
-  for (int c = 0; c < 3; c++) sum[c] += E[c] * all;
-}
-
 static void load(const float (*from)[3], int lanes, vreal to[3]) {
   for (size_t a = 0; a < 3; a++)
     for (int i = 0; i < LANES; i++) to[a][i] = from[i < lanes ? i : 0][a];
@@ -484,17 +459,8 @@ ylm_status YLM_KERNEL(ylm__virtual_near)(const ylm__virtual_plan *p, const ylm__
                                          void **scratch) {
   const size_t stride = p->lights->stride;
   const float *lamps = p->lights->seen, reach2 = near->reach * near->reach;
-  vreal xyz[3] = {vreal_set(0), vreal_set(0), vreal_set(0)}, N[3] = {xyz[0], xyz[0], xyz[0]},
-        sum[3] = {xyz[0], xyz[0], xyz[0]};
+  vreal xyz[3] = {vreal_set(0), vreal_set(0), vreal_set(0)};
   load(near->points, near->lanes, xyz);
-  if (near->normals) {
-    load(near->normals, near->lanes, N);
-    for (size_t i = 0; i < near->n; i++)
-      shine(p, near->zonal, lamps + near->list[i] * stride, reach2, xyz, N, sum);
-    for (int i = 0; i < near->lanes; i++)
-      for (size_t c = 0; c < 3; c++) near->out[i][c] += sum[c][i];
-    return YLM_OK;
-  }
   if (!*scratch) *scratch = ylm_alloc_zero(room_of(p), sizeof(vreal));
   if (!*scratch) return YLM_ENOMEM;
   work own, *k = &own;

@@ -259,25 +259,3 @@ ylm__virtual_range *ylm__virtual_kernel(ylm_isa isa, const ylm_field_query *q) {
   default: (void)narrow; return NULL;
   }
 }
-
-#define NEAR(isa) ylm__virtual_near_fn ylm__virtual_near_##isa;
-#if defined(__x86_64__)
-NEAR(sse2)
-NEAR(avx2)
-NEAR(avx512)
-#elif defined(__aarch64__)
-NEAR(neon)
-#endif
-
-ylm__virtual_near_fn *ylm__virtual_near_kernel(ylm_isa isa, int *lanes) {
-  switch (isa) {
-#if defined(__x86_64__)
-  case YLM_ISA_sse2: *lanes = 4; return ylm__virtual_near_sse2;
-  case YLM_ISA_avx2: *lanes = 8; return ylm__virtual_near_avx2;
-  case YLM_ISA_avx512: *lanes = 16; return ylm__virtual_near_avx512;
-#elif defined(__aarch64__)
-  case YLM_ISA_neon: *lanes = 4; return ylm__virtual_near_neon;
-#endif
-  default: *lanes = 1; return NULL;
-  }
-}

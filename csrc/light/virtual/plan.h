@@ -66,23 +66,21 @@ ylm__virtual_range *ylm__virtual_kernel(ylm_isa isa, const ylm_field_query *q);
 
 /*
 ** Lights of a list at `lanes` points, at most as many as a vector has: adds to out [lanes][3][count] their
-** coefficients by the plan's query, of three channels, or with normals [lanes][3] to out [lanes][3] the
-** irradiance by zonal [lmax+1]. Lights farther than `reach` are nothing. scratch: as NULL at a worker's
-** first call; freed by the caller.
+** coefficients by the plan's query, of three channels (kernel.h), or to out [lanes][3] the irradiance at points
+** with normals by zonal [lmax+1] (near.isa.c). Lights farther than `reach` are nothing. scratch: as NULL at a
+** worker's first call; freed by the caller.
 */
 typedef struct ylm__virtual_near {
   const uint32_t *list;
   size_t n;
   int lanes;
   const float (*points)[3], (*normals)[3], *zonal;
+  const float *rows; /* irradiance by degree 0: what numbers of the list are rows of (near.h) */
   float reach;
   float *out[16];
 } ylm__virtual_near;
 typedef ylm_status ylm__virtual_near_fn(const ylm__virtual_plan *p, const ylm__virtual_near *near,
                                         void **scratch);
-/* That function and how many points it takes. NULL: there is none. */
-ylm__virtual_near_fn *ylm__virtual_near_kernel(ylm_isa isa, int *lanes);
-
 /* Numbers of a light as kernels see it, then of its emission [(degree+1)^2][3]: an intensity; to degree 2
    1, u, then xx xy xz yy yz of u' C u, whose trace is 0; beyond, coefficients of unnormalised harmonics. */
 enum {

@@ -173,7 +173,7 @@ static const ylmL_array *floats(lua_State *L, int i) {
   return a;
 }
 
-/* lights_virtual_near(lights, lmax, points [n][3], normals [n][3] | nil, threads, out) -> true. Adds to
+/* lights_virtual_near(lights, lmax, points [n][3], normals [n][3] | nil, threads, out) -> pairs. Adds to
    out, with normals [n][3] irradiance, else [n][3][(lmax+1)^2] coefficients; arrays are float. */
 static int lights_virtual_near(lua_State *L) {
   ylm_error e = {0};
@@ -181,14 +181,16 @@ static int lights_virtual_near(lua_State *L) {
   int lmax = (int)luaL_checknumber(L, 2), threads = (int)luaL_checknumber(L, 5);
   const ylmL_array *points = floats(L, 3), *out = floats(L, 6);
   const ylmL_array *normals = lua_isnil(L, 4) ? NULL : floats(L, 4);
+  uint64_t pairs = 0;
   size_t n = points->count / 3, wide = normals ? 3 : 3 * YLM_LIGHT_VIRTUAL_NUMBERS(lmax);
   if (lmax < 0 || (normals && normals->count != 3 * n) || out->count != n * wide)
     return ylmL_result(L, 0, YLM_ESHAPE, NULL);
-  ylm_status s =
-      normals ? ylm_light_virtual_near_irradiance(v, lmax, n, points->data, normals->data, threads,
-                                                  out->data, &e)
-              : ylm_light_virtual_near_value(v, lmax, n, points->data, threads, out->data, &e);
-  lua_pushboolean(L, true);
+  ylm_status s = normals
+                     ? ylm_light_virtual_near_irradiance(v, lmax, n, points->data, normals->data,
+                                                         threads, NULL, out->data, &pairs, &e)
+                     : ylm_light_virtual_near_value(v, lmax, n, points->data, threads, NULL,
+                                                    out->data, &pairs, &e);
+  ylmL_push_count(L, pairs);
   return ylmL_result(L, 1, s, &e);
 }
 

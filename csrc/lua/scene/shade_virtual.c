@@ -70,6 +70,31 @@ static int shade_virtual(lua_State *L) {
   return ylmL_result_progress(L, 2, s, &e, &p);
 }
 
-static const luaL_Reg functions[] = {{"shade_virtual", shade_virtual}, {NULL, NULL}};
+/* shade_near(view, lights, "transfer" | "cosine", lmax, radiance [n][3], threads, progress) -> radiance,
+   which it adds to, {pairs, seconds} */
+static int shade_near(lua_State *L) {
+  lua_settop(L, 7);
+  ylm_shade_view *v = ylmL_shade_view(L, 1);
+  const ylm_light_virtual *lights = ylm_light_set_virtuals(ylmL_lights_check(L, 2));
+  ylm_shade_weight weight = ylmL_shade_weight(L, 3);
+  int lmax = (int)luaL_checknumber(L, 4), threads = (int)luaL_checknumber(L, 6);
+  ylmL_array *radiance = ylmL_array_check(L, 5);
+  ylm_error e = {0};
+  ylmL_progress p;
+  ylm_shade_near_report r = {0};
+  if (!lights) return ylmL_result(L, 0, YLM_EINVAL, NULL);
+  if (radiance->dtype != YLM_FLOAT || radiance->count != 3 * ylmL_shade_points(v))
+    return ylmL_result(L, 0, YLM_ESHAPE, NULL);
+  const ylm_progress *progress = ylmL_progress_begin(L, 7, &p);
+  ylm_status s = ylm_shade_near(v, lights, weight, lmax, threads, progress, radiance->data, &r, &e);
+  lua_pushvalue(L, 5);
+  lua_newtable(L);
+  ylmL_set_count(L, "pairs", r.pairs);
+  ylmL_set_number(L, "seconds", r.seconds);
+  return ylmL_result_progress(L, 2, s, &e, &p);
+}
+
+static const luaL_Reg functions[] = {
+    {"shade_virtual", shade_virtual}, {"shade_near", shade_near}, {NULL, NULL}};
 
 void ylmL_open_shade_virtual(lua_State *L) { luaL_setfuncs(L, functions, 0); }

@@ -121,24 +121,44 @@ function form.types.core(x)
   return nil, "a number > 0, or 'auto'"
 end
 
---- The core that makes far and near parts cost about the same: 0.31 n^(1/4) spacings, 2 to 12. Lights that particles left
--- have radii of 1.5/sqrt(pi) spacings (scale = 1.5), the mean of which says what a spacing is.
-local function auto_core(l)
+local POINTS = 1000000 -- shading points of a picture
+-- What an evaluation of the far part of all lights at a grid point costs, in pairs of a near light and a shading point.
+local EVALUATION = 4600
+
+--- The core that makes far and near parts cost about the same in a picture of n points: (2 EVALUATION count/n)^(1/4) spacings,
+-- 2 to 12. A spacing is sqrt(area/count), or follows from radii: lights that particles left have radii of 1.5/sqrt(pi) spacings
+-- (scale = 1.5).
+local function auto_core(l, area, points)
   if l.count == 0 then return 1 end
-  local spacings = math.max(2, math.min(12, 0.31 * l.count ^ 0.25))
-  return math.max(spacings * l.radius.mean * math.sqrt(math.pi) / 1.5, 2.01 * l.radius.max)
+  local spacing = area and math.sqrt(area / l.count) or l.radius.mean * math.sqrt(math.pi) / 1.5
+  local spacings = math.max(2, math.min(12, (2 * EVALUATION * l.count / points) ^ 0.25))
+  return math.max(spacings * spacing, 1.01 * l.radius.max)
+end
+
+--- The area of a scene's surfaces; nil where it has none.
+local function area_of(s)
+  if form.kind(s) ~= "scene" then
+    return check.bad(1, "split", "scene: a scene expected, got %s", check.describe(s))
+  end
+  local area = 0
+  for _, g in ipairs(s.geometry) do area = area + g.mesh.area end
+  return area > 0 and area or nil
 end
 
 local split_options = {
   { "core", "core", default = "auto", unit = "scene units",
-    about = "how far a light is near: above twice the largest radius, some 3 spacings of the lights; 'auto': 2 to 12 spacings "
-      .. "by the number of lights, their mean radius saying what a spacing is" },
+    about = "how far a light is near: above the largest radius, some 3 spacings of the lights; 'auto': 2 to 12 spacings "
+      .. "by the numbers of lights and points" },
+  { "scene", "any", optional = true,
+    about = "of 'auto': the scene whose surfaces the lights lie on; their area says what a spacing is, without it the mean "
+      .. "radius" },
+  { "points", "integer", min = 1, max = 2 ^ 53, default = POINTS, about = "of 'auto': shading points of a picture" },
 }
 
 describe "virtual_lights:split" {
   about = "Two sets of lights whose sum these lights are: a far part that is smooth on the scale of `core`, which is baked, "
     .. "and a near part that ends at 1.6 cores, which is summed where it is needed. Lights of profile gauss.",
-  arguments = { { "options?", "table", "core, see the options" } },
+  arguments = { { "options?", "table", "core, scene, points" } },
   options = split_options,
   returns = { { "far", "virtual_lights", "" }, { "near", "virtual_lights", "" } },
   errors = "raises on lights of another profile and on a core that is too small; nil, message, 'ENOMEM' where memory runs out",
@@ -153,7 +173,12 @@ function methods:split(given)
   if self.profile ~= "gauss" then
     return check.fail("split: lights of profile 'gauss' are split, and these are '%s'", self.profile)
   end
-  local size = o.core == "auto" and auto_core(self) or o.core
+  if o.core ~= "auto" and (o.scene ~= nil or given.points ~= nil) then
+    return check.bad(1, "split", "%s is of core = 'auto', core is %g: leave one out", o.scene ~= nil and "scene" or "points",
+      o.core)
+  end
+  local area = o.scene ~= nil and area_of(o.scene) or nil
+  local size = o.core == "auto" and auto_core(self, area, o.points) or o.core
   local far, near, code = core.lights_virtual_split(self.lights, size)
   if far then return virtual.wrap(far), virtual.wrap(near) end
   return check.result("split", nil, near, code)

@@ -73,6 +73,7 @@ end
 
 --- The light field that is baked: the scene's lights, or light with shadows and bounces; or nil, message, code.
 local function field_of(s, t, o)
+  if o.lights ~= nil then return o.lights end
   if o.parts == "lights" then return t.lights end
   local n = reflections(o)
   local direct = o.parts == "direct" or o.bounces == 0
@@ -92,6 +93,9 @@ local function check_parts(o, probes)
     return check.fail "bake: bounces are of parts = 'indirect' or 'all': name one, or leave bounces out"
   end
   if o.parts == "lights" then return end
+  if o.lights ~= nil then
+    return check.fail("bake: lights are baked as parts = 'lights', these are %q: leave one out", o.parts)
+  end
   for _, name in ipairs { "device", "light_tolerance" } do
     if o[name] then
       return check.fail("bake: %s is for parts = 'lights', these are %q: leave %s out", name, o.parts, name)
@@ -109,6 +113,8 @@ local bake_options = options.list(options.view_fields, {
   { "parts", "choice", of = { "lights", "direct", "indirect", "all" }, optional = true,
     about = "what the grid holds: 'lights', light that nothing occludes (default); 'direct', light of lamps and sky with "
       .. "shadows; 'indirect', what surfaces send back; 'all', both" },
+  { "lights", "any", optional = true, about = "instead of the scene's, of parts = 'lights': lights or what has a light field, as "
+    .. "in ylm.bake; of virtual lights the far parts (lights:split)" },
   { "bounces", "bounces", optional = true, about = "of 'indirect' and 'all': reflections after direct light, default 'all'" },
   { "occupied", "any", default = "surfaces",
     about = "where light is needed: 'surfaces' (the whole geometry), 'camera' (what its rays hit: size, samples, share and "

@@ -6,6 +6,7 @@ local core = require "ylm.c.core"
 local describe = require "ylm.describe".describe
 local emit = require "ylm.emit"
 local form = require "ylm.form"
+local near = require "ylm.render.near"
 local options = require "ylm.render.options"
 local pictures = require "ylm.render.picture"
 local progress = require "ylm.progress"
@@ -132,8 +133,7 @@ end
 function gather.say(p, shadows, report)
   local list = report.warnings
   if shadows ~= "centre" then
-    list[#list + 1] = warning.say(p.scene, "virtual walls", "scene %q: virtual lights shine through walls: shadows = 'centre' "
-      .. "has a ray to each, links (bounces = ..) have true shadows", p.scene.name or "?")
+    near.say_walls(p, report)
   end
   local n = p.traced.glossy
   if n == 0 then return end

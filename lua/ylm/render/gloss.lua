@@ -155,6 +155,7 @@ end
 local function hindrance(p, o, field)
   if p.options.shading == "vertex" then return "rays start at pixels, shading is 'vertex'" end
   if o.weight == "cosine" then
+    if o.nearby then return "rays find no virtual lights" end
     local gathered = visibility.quantity(field) == "direct" and o.bounced and o.bounced.by == "gather"
     return not (o.transfer or gathered) and "a grid's light that knows its shadows shades without rays" or nil
   end

@@ -3,6 +3,7 @@
 local check = require "ylm.check"
 local core = require "ylm.c.core"
 local devices = require "ylm.device"
+local near = require "ylm.render.near"
 local objects = require "ylm.transfer.object"
 local progress = require "ylm.progress"
 local tracing = require "ylm.trace"
@@ -32,7 +33,8 @@ indirect.bounce_fields = {
     about = "reflections after direct light, a number or 'all', gathered pixel by pixel; default 0, which the report says" },
   { "indirect", "any", optional = true,
     about = "instead of bounces: what t:radiosity returned, gathered pixel by pixel; a grid of it, or of indirect light; "
-      .. "'gather': as bounces = 'all'. 'virtual', or { method = 'virtual', count =, particles =, radius =, scale =, profile =, "
+      .. "'gather': as bounces = 'all'; with near, a grid of the far parts of virtual lights. "
+      .. "'virtual', or { method = 'virtual', count =, particles =, radius =, scale =, profile =, "
       .. "lmax =, shadows = }: bounces, 1 by default, by virtual lights (scene:virtual_lights), each asked at each shading "
       .. "point; or such lights" },
 }
@@ -40,7 +42,7 @@ indirect.bounce_fields = {
 -- Bounces that are wanted ------------------------------------------------------------------------
 
 --- Settles o.bounced, nil or { by = "gather" | "grid" | "virtual", bounces =, lit =, grid =, add = }, from bounces and indirect.
-function indirect.settle(name, o)
+local function settle(name, o)
   local x = o.indirect
   local b
   if virtual.is_wanted(x) then
@@ -55,7 +57,7 @@ function indirect.settle(name, o)
     b = bounces ~= 0 and { by = "gather", bounces = bounces } or nil
   elseif core.type(x) == "ylm.radiosity" then
     b = { by = "gather", lit = x, bounces = objects.open_radiosity(name, x).options.bounces }
-  elseif core.has_field(x) and visibility.quantity(x) == "indirect" then
+  elseif core.has_field(x) and (visibility.quantity(x) == "indirect" or o.near and visibility.quantity(x) == "lights") then
     b = { by = "grid", grid = x }
   else
     return check.fail("%s: indirect must be what t:radiosity returned, a grid of it, 'gather' or 'virtual', got %s%s", name,
@@ -68,6 +70,12 @@ function indirect.settle(name, o)
   end
   devices.of(o.device):check_rays(name)
   b.add, o.bounced = indirect.add, b
+end
+
+--- Settles o.bounced, as above, and o.near.
+function indirect.settle(name, o)
+  settle(name, o)
+  near.settle(name, o)
 end
 
 -- Links ------------------------------------------------------------------------------------
@@ -236,6 +244,12 @@ function indirect.add(name, p, o, radiance)
     if out and glosses(p) then
       local ok, failed, why = blend(name, p, o, b, out)
       if not ok then return nil, failed, why end
+    end
+    if out and o.near then
+      local ok
+      ok, message, code = near.add(name, p, o.near, "cosine", near.degree(p, b.grid), o, out)
+      if not ok then return nil, message, code end
+      b.nearby = message
     end
     if out then out, message, code = check.result(name, p.lib.shade_add(out, radiance)) end
   end

@@ -8,6 +8,7 @@ local describe = require "ylm.describe".describe
 local gloss = require "ylm.render.gloss"
 local indirect = require "ylm.render.indirect"
 local knob = require "ylm.render.knob"
+local near = require "ylm.render.near"
 local options = require "ylm.render.options"
 local paths = require "ylm.render.path"
 local pictures = require "ylm.render.picture"
@@ -56,7 +57,8 @@ end
 
 local render_options = options.list(options.view_fields, options.transfer_fields, gloss.fields,
   options.grid_fields,
-  options.direct_fields, indirect.bounce_fields, indirect.link_fields, knob.fields, options.baked_fields, ambient.fields,
+  near.fields, options.direct_fields, indirect.bounce_fields,
+  indirect.link_fields, knob.fields, options.baked_fields, ambient.fields,
     options.layer_fields,
   options.common)
 

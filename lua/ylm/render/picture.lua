@@ -18,6 +18,11 @@ function pictures.compose(name, p, radiance, o, layer)
     if not all then return nil, message, code end
     radiance = all
   end
+  if o.nearby then
+    local all, message, code = o.nearby.add(name, p, o, radiance)
+    if not all then return nil, message, code end
+    radiance = all
+  end
   if o.openness then
     local dark, message, code = ambient.darken(name, p, o, radiance)
     if not dark then return nil, message, code end

@@ -8,6 +8,7 @@ local form = require "ylm.form"
 local gloss = require "ylm.render.gloss"
 local indirect = require "ylm.render.indirect"
 local memory = require "ylm.memory"
+local near = require "ylm.render.near"
 local options = require "ylm.render.options"
 local relight = require "ylm.render.relight"
 local shading = require "ylm.render.shade"
@@ -15,7 +16,8 @@ local views = require "ylm.render.view"
 
 local prepared = views.methods
 
-local prepared_render = options.list(options.grid_fields, options.direct_fields, relight.fields, relight.method_fields,
+local prepared_render = options.list(options.grid_fields, near.fields, options.direct_fields, relight.fields,
+  relight.method_fields,
   indirect.bounce_fields, indirect.link_fields, {
   { "lights", "any", optional = true,
     about = "lights that shine instead of the scene's, by rays: they may move; default with indirect = lit: those of lit" },

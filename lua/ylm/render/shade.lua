@@ -7,6 +7,7 @@ local core = require "ylm.c.core"
 local devices = require "ylm.device"
 local light = require "ylm.light"
 local material = require "ylm.material"
+local near = require "ylm.render.near"
 local progress = require "ylm.progress"
 local options = require "ylm.render.options"
 local gloss = require "ylm.render.gloss"
@@ -54,7 +55,7 @@ end
 -- nil, message, code.
 local function shortcomings(name, p, o)
   local report = pictures.new_report(p)
-  if o.weight == "cosine" then report.visibility = "grid"
+  if o.weight == "cosine" then report.visibility = o.nearby and "none" or "grid"
   else
     local ok, message, code = occlusion.report(name, p, o, report)
     if not ok then return nil, message, code end
@@ -94,7 +95,7 @@ end
 -- the device.
 function shading.by_grid(name, p, o)
   pictures.check_truth(name, p, o)
-  o.weight = visibility.weight(name, p, o.grid)
+  o.weight, o.nearby = visibility.weight(name, p, o.grid, o.near), near.of_grid(o)
   if o.method == "zonal" then
     return check.fail("%s: zonal lobes are summed lamp by lamp, without a grid: view:reference { method = 'zonal' }", name)
   end
@@ -240,6 +241,7 @@ function shading.picture(name, p, o)
   image, report, code = direct(name, p, o)
   if not image then return nil, report, code end
   indirect.report(p, o, report, image)
+  near.report(p, o, report, image)
   ambient.report(p, o, report, image)
   return image, report
 end

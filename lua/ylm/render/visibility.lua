@@ -47,11 +47,11 @@ end
 -- the quantity that the grid holds, or false.
 function visibility.settle_picture(name, o, given)
   local held = o.grid ~= nil and visibility.quantity(o.grid)
-  if held == "lights" and o.visibility == "rays" then
+  if held == "lights" and o.visibility == "rays" and not o.near then
     return check.fail("%s: the grid holds lights without their shadows, which transfer vectors shade: name visibility = "
       .. '"transfer", or leave the grid out', name)
   end
-  visibility.settle(name, o, given, held == "lights" and "transfer" or "rays")
+  visibility.settle(name, o, given, held == "lights" and not o.near and "transfer" or "rays")
   if held and held ~= "lights" then o.visibility = "rays" end -- the grid knows all shadows
   if o.visibility == "rays" and not held then
     refuse(name, given, { "interpolation", "bias", "light_tolerance" }, 'a grid (visibility = "transfer" bakes one)', o)
@@ -59,12 +59,14 @@ function visibility.settle_picture(name, o, given)
   return held
 end
 
---- By what the prepared view p multiplies the light of a field: "transfer" or "cosine". Raises where it cannot.
-function visibility.weight(name, p, field)
+--- By what the prepared view p multiplies the light of a field: "transfer" or "cosine". Raises where it cannot. `near`: the
+-- near parts of its lights are given, which are virtual and have no shadows.
+function visibility.weight(name, p, field, near)
   local held = visibility.quantity(field)
   if held == "visibility" then return check.fail("%s: the grid holds visibility, which is no light", name) end
   if held ~= "lights" then return "cosine" end
   if p.options.visibility ~= "rays" then return "transfer" end
+  if near then return "cosine" end
   return check.fail("%s: %s holds lights without their shadows, which transfer vectors shade, and the view has none: prepare it "
     .. 'with visibility = "transfer"', name, check.describe(field))
 end

@@ -1,0 +1,107 @@
+-- Pictures by far parts of virtual lights that are baked and near parts that are summed at shading points.
+
+local refused = require "spec.support.raises"
+local with = require "spec.support.with"
+local ylm = require "ylm"
+
+local silent
+setup(function() silent = ylm.on_warning(false) end)
+teardown(function() ylm.on_warning(silent) end)
+
+local white = ylm.matte { albedo = { 0.8, 0.5, 0.3 } }
+local scene = ylm.scene "a room" {
+  geometry = {
+    ylm.box { scale = 2, material = white },
+    ylm.box { at = { -0.3, -0.6, 0 }, scale = { 0.5, 0.8, 0.5 }, rotate = { axis = { 0, 1, 0 }, angle = 18 },
+      material = ylm.matte { albedo = 0.5 } },
+  },
+  lights = ylm.sphere_light { at = { 0.1, 0.8, 0 }, radius = 0.05, radiance = 100 },
+  camera = ylm.camera { from = { 0.9, 0, 0 }, at = { -1, -0.2, 0 }, fov = 60 },
+}
+local view = scene:prepare { size = { 40, 22 }, samples = 1 }
+local lights = scene:virtual_lights { count = 300 }
+local far, near = lights:split { scene = scene }
+local probes = ylm.adaptive_grid { depth = 5, threshold = 1e-9 }
+
+--- Root mean square of the difference of two pictures, over the mean of the second; all must be finite.
+local function apart(a, b)
+  local sum, n = 0, 0
+  for _, line in ipairs(b:layer():totable()) do
+    for _, p in ipairs(line) do sum, n = sum + (p[1] + p[2] + p[3]) / 3, n + 1 end
+  end
+  return a:compare(b).rmse / (sum / n)
+end
+
+local function rendered(v, options)
+  local image, report = v:render(with({ layers = false }, options))
+  return assert(image, report), report
+end
+
+describe("far and near", function()
+  it("make the picture of every light at every point, where the view has no transfer vectors", function()
+    local grid = scene:bake { lights = far, probes = probes, occupied = view }
+    local wanted = assert(view:gather { lights = lights, layers = false })
+    local image, report = rendered(view, { grid = grid, near = near })
+    assert.is_true(apart(image, wanted) < 0.01, apart(image, wanted))
+    assert.same({ "none", near.count, near.core }, { report.visibility, report.near.lights, report.near.core })
+    assert.is_true(report.near.pairs > 0 and report.near.pairs < lights.count * report.points and report.seconds.near > 0)
+    assert.matches("virtual lights shine through walls", report.warnings[1])
+    assert.equal(1, #report.warnings)
+    assert.is_true(apart(rendered(view, { grid = grid, near = near, threads = 3 }), image) == 0)
+    -- beside direct light
+    local direct = rendered(view, {})
+    local both = rendered(view, { indirect = grid, near = near })
+    assert.is_true(apart(both:difference(direct), image) < 1e-5)
+    local again = assert(scene:render { grid = grid, near = near, size = { 40, 22 }, samples = 1, layers = false })
+    assert.is_true(apart(again, image) == 0)
+  end)
+
+  it("are multiplied by transfer vectors where a view has them", function()
+    local shadowed = scene:prepare { size = { 40, 22 }, samples = 1, visibility = "transfer", transfer_samples = 64 }
+    local grid = scene:bake { lights = far, probes = probes, occupied = shadowed }
+    local wanted = rendered(shadowed, { grid = lights.lights })
+    assert.is_true(apart(rendered(shadowed, { grid = grid, near = near }), wanted) < 0.01)
+    assert.is_true(apart(rendered(shadowed, { grid = grid }), wanted) > 0.03) -- without them
+  end)
+
+  it("bake to a tolerance of irradiance at what a view sees", function()
+    local grid = scene:bake { lights = far, occupied = view,
+      probes = ylm.adaptive_grid { depth = 6, tolerance = 0.05, measure = "irradiance" } }
+    assert.is_true(grid.stats.met and grid.stats.error <= 0.05)
+    assert.equal("irradiance", grid.measure)
+  end)
+
+  it("are split by the area of a scene and by the points of a picture", function()
+    local spacing = math.sqrt((24 + 2 * 0.25 + 4 * 0.4) / 300)
+    local clean = ylm.virtual_lights { at = lights:arrays(), radius = 0.5 * spacing, intensity = 1 }
+    assert.is_near(2 * spacing, (clean:split { scene = scene }).core, 1e-9)
+    assert.is_near((2 * 4600 * 300 / 1e4) ^ 0.25 * spacing, (clean:split { scene = scene, points = 1e4 }).core, 1e-9)
+    assert.is_near(12 * spacing, (clean:split { scene = scene, points = 1 }).core, 1e-9)
+  end)
+
+  it("refuse what does not fit together", function()
+    local grid = scene:bake { lights = far, probes = ylm.uniform_grid { cells = 2, lmax = 1 }, occupied = view }
+    refused("core must be a number > 0, or 'auto', got %-1", function() lights:split { core = -1 } end)
+    refused("scene: a scene expected, got 3", function() lights:split { scene = 3 } end)
+    refused("points is of core = 'auto', core is 1: leave one out", function() lights:split { core = 1, points = 5 } end)
+    refused("lights of profile 'gauss' are split, and these are 'near'", function() near:split() end)
+    refused("near lights lack", function() view:render { near = near } end)
+    refused("near is the near part of lights:split, these lights are of profile 'far': that is what the grid is baked of",
+      function() view:render { grid = grid, near = far } end)
+    refused("near must be", function() view:render { grid = grid, near = 3 } end)
+    refused("holds lights without their shadows", function() view:render { grid = grid } end)
+    refused("near lights are gathered", function() scene:bake { lights = near, probes = probes } end)
+    refused("lights are baked as parts = 'lights', these are \"all\"", function()
+      scene:bake { lights = far, parts = "all", probes = probes }
+    end)
+    local bounced = scene:bake { parts = "indirect", bounces = 1, probes = ylm.uniform_grid { cells = 2, lmax = 1 },
+      occupied = view }
+    refused("the grid holds indirect light, no far parts of virtual lights", function()
+      view:render { grid = bounced, near = near }
+    end)
+    refused("irradiance needs normals", function()
+      scene:bake { lights = far, occupied = ylm.zeros { 1, 3 },
+        probes = ylm.adaptive_grid { tolerance = 0.1, measure = "irradiance" } }
+    end)
+  end)
+end)
