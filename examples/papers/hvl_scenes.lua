@@ -318,6 +318,57 @@ function rooms.judge(image, truth)
   end, math.sqrt(noise) / mean, #seen
 end
 
+-- Irradiance at points -------------------------------------------------------------------------
+
+--- At most n of a view's points, evenly chosen: { position, normal } as arrays.
+function rooms.some(points, n)
+  local position, normal, out = points.position:totable(), points.normal:totable(), { position = {}, normal = {} }
+  local step = math.max(1, math.floor(#position / n))
+  for i = 1, #position, step do
+    out.position[#out.position + 1], out.normal[#out.normal + 1] = position[i], normal[i]
+  end
+  return { position = ylm.array(out.position, "float"), normal = ylm.array(out.normal, "float") }
+end
+
+--- Irradiance [n][3] of coefficients [n][3][..], each by its normal, as a table.
+function rooms.irradiance(L, normal)
+  local lmax = math.floor(math.sqrt(L.shape[3]) + 0.5) - 1
+  local factor = {} -- of the clamped cosine, by degree: from the irradiance of a zonal lobe of each degree at its axis
+  for l = 0, lmax do
+    local one = {}
+    for k = 1, (lmax + 1) ^ 2 do one[k] = 0 end
+    one[l * l + l + 1] = 1
+    factor[l] = ylm.sh.irradiance(one, { 0, 0, 1 }) / math.sqrt((2 * l + 1) / (4 * math.pi))
+  end
+  local basis, values, E = ylm.sh.eval(lmax, normal):totable(), L:totable(), {}
+  for i, v in ipairs(values) do
+    E[i] = { 0, 0, 0 }
+    for l = 0, lmax do
+      for k = l * l + 1, (l + 1) ^ 2 do
+        local w = factor[l] * basis[i][k]
+        for c = 1, 3 do E[i][c] = E[i][c] + w * v[c][k] end
+      end
+    end
+  end
+  return E
+end
+
+--- Adds irradiance, an array [n][3], to a table of it.
+function rooms.add(E, more)
+  for i, e in ipairs(more:totable()) do
+    for c = 1, 3 do E[i][c] = E[i][c] + e[c] end
+  end
+end
+
+--- Root mean square difference of two tables of irradiance, relative to the mean of the second.
+function rooms.rms(E, truth)
+  local square, mean = 0, 0
+  for i, e in ipairs(truth) do
+    for c = 1, 3 do square, mean = square + (E[i][c] - e[c]) ^ 2, mean + e[c] end
+  end
+  return math.sqrt(square / (3 * #truth)) / (mean / (3 * #truth))
+end
+
 -- A user's own -----------------------------------------------------------------------------------
 
 --- The scene of a file, or of `otherwise` where the name is empty.
