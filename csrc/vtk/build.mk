@@ -13,8 +13,12 @@ LIBS += $(BUILD)/lib/libylm_vtk.so
 HAVE += vtk
 endif
 
+# Pages (plot:save "x.pdf") by libharu, which VTK itself depends on.
+HPDF := $(wildcard /usr/include/hpdf.h /usr/local/include/hpdf.h)
+
 CXXFLAGS := -std=c++17 -fPIC -fvisibility=hidden -MMD -MP $(OPT) $(filter-out -Wshadow,$(WARN)) $(SANITIZE) \
-            -Icsrc/base -Icsrc/figure -Icsrc/vtk -isystem $(VTK_INCLUDE)
+            -Icsrc/base -Icsrc/figure -Icsrc/vtk -isystem $(VTK_INCLUDE) \
+            $(if $(HPDF),-DYLM_WITH_HPDF)
 
 $(BUILD)/obj/vtk/%.o: csrc/vtk/%.cpp
 	@mkdir -p $(@D)
@@ -28,4 +32,4 @@ $(BUILD)/lib/libylm_vtk.so: $(OBJ_vtk) $(BUILD)/lib/libylm.so Makefile
 	@mkdir -p $(@D)
 	$(call say,LINK,$@)
 	$(Q)$(VTK_CXX) $(LDFLAGS) $(SONAME) -Wl,-rpath,'$$ORIGIN' $(OBJ_vtk) -L$(BUILD)/lib -lylm \
-	  $(foreach m,$(VTK_MODULES),-lvtk$(m)-$(VTK_VERSION)) -lvtksys-$(VTK_VERSION) -lGLEW -lOpenGL -lEGL -lGLX -lX11 -o $@ $(LINKED)
+	  $(foreach m,$(VTK_MODULES),-lvtk$(m)-$(VTK_VERSION)) -lvtksys-$(VTK_VERSION) -lGLEW -lOpenGL -lEGL -lGLX -lX11 $(if $(HPDF),-lhpdf) -o $@ $(LINKED)

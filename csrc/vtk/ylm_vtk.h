@@ -127,6 +127,24 @@ YLM_API ylm_status ylm_vtk_text(const char *text, double size, int bold, const d
 
 /* The canvas as a .png file, written whole or not at all. */
 YLM_API ylm_status ylm_vtk_save_png(const char *path, const ylm_figure_canvas *c, ylm_error *e);
+/* What a page is drawn with: a line, an area, or words. Places are pixels from the upper left corner. */
+typedef struct ylm_vtk_mark {
+  const double *xy; /* [n][2]; of words one place: the left end of the line that letters stand on */
+  size_t n;
+  const char *text; /* NULL: none */
+  double size;      /* of letters, pixels */
+  int bold;
+  int fill; /* an area, whose border is closed */
+  double colour[4];
+  double width; /* of the line */
+  int dash;     /* 0 solid 1 dashed 2 dotted */
+} ylm_vtk_mark;
+
+/* The marks, in order, as a .pdf page of width x height points, written whole or not at all. Text stays text, the font
+   is in the file. */
+YLM_API ylm_status ylm_vtk_save_pdf(const char *path, int width, int height, size_t n,
+                                    const ylm_vtk_mark *marks, ylm_error *e);
+
 /* A .png file as a canvas. */
 YLM_API ylm_status ylm_vtk_load_png(const char *path, ylm_figure_canvas *c, ylm_error *e);
 

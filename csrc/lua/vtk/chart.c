@@ -1,4 +1,4 @@
-/* chart.c - line plots, for lua/ylm/plot.lua. */
+/* chart.c - line plots, for lua/ylm/plot. */
 #include "../binding_figure.h"
 #include "vtk.h"
 #include "ylm_vtk.h"

@@ -200,6 +200,7 @@ static const luaL_Reg functions[] = {
     {"save_png", save_png},         {"load_png", load_png},
     {"describe", describe},         {"where", where},
     {"version", version},           {"plot", ylmL_vtk_plot},
+    {"save_pdf", ylmL_vtk_save_pdf},
     {"show", ylmL_vtk_show},        {NULL, NULL}};
 
 static const luaL_Reg methods[] = {{"__gc", scene_gc}, {NULL, NULL}};

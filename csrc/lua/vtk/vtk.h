@@ -7,6 +7,7 @@
 #define YLM_VTK_SCENE "ylm.vtk.scene"
 
 int ylmL_vtk_plot(lua_State *L);
+int ylmL_vtk_save_pdf(lua_State *L);
 int ylmL_vtk_show(lua_State *L);
 
 #endif

@@ -87,13 +87,15 @@ local function is_one(self, kind, name)
 end
 picture.is_one = is_one
 
---- Methods save and pixels of pictures of `kind`; draw(self) returns a canvas, or nil, message, code.
-function picture.methods(kind, draw, example)
+--- Methods save and pixels of pictures of `kind`; draw(self) returns a canvas, or nil, message, code. Where there is
+-- trace(self, path), it writes .svg and .pdf.
+function picture.methods(kind, draw, example, trace)
   local methods = {}
 
   describe(kind .. ":save") {
-    about = "Draws the picture and writes it as a .png file, whole or not at all.",
-    arguments = { { "path", "string", "ends in .png" } },
+    about = trace and "Draws the picture and writes it as a .png file, or by lines as .svg or .pdf, in which text is text; "
+      .. "whole or not at all." or "Draws the picture and writes it as a .png file, whole or not at all.",
+    arguments = { { "path", "string", trace and "ends in .png, .svg or .pdf" or "ends in .png" } },
     returns = { { "ok", "boolean", "true; or nil, message, 'EIO' | 'EMISSING' | 'EDEVICE' | 'ENOMEM'" } },
     errors = "raises on another ending; the world's failures are returned",
     example = "local picture = " .. example .. [[
@@ -105,14 +107,18 @@ os.remove(name .. ".png")]],
   }
   function methods.save(self, path)
     is_one(self, kind, "save")
-    if type(path) ~= "string" or not path:lower():find("[^/]%.png$") or path:find("%z") then
-      return check.bad(1, "save", "the name of a .png file expected, got %s", check.describe(path))
+    local ending = type(path) == "string" and not path:find "%z" and path:lower():match "[^/]%.(%w+)$"
+    local by_lines = trace and (ending == "svg" or ending == "pdf")
+    if ending ~= "png" and not by_lines then
+      return check.bad(1, "save", "the name of a .png%s file expected, got %s", trace and ", .svg or .pdf" or "",
+        check.describe(path))
     end
     local vtk, message, code = picture.vtk()
     if not vtk then return nil, message, code end
     local good, canvas
     good, message, code = core.file_probe(path) -- before the work
     if not good then return nil, message, code end
+    if by_lines then return check.result("save", trace(self, path)) end
     canvas, message, code = draw(self)
     if not canvas then return nil, message, code end
     return check.result("save", vtk.save_png(path, canvas))

@@ -26,13 +26,16 @@ local function runs(line)
   return list
 end
 
---- Draws one line whose upper left corner is (x, y), or only measures it; returns width and height.
+--- Draws one line whose upper left corner is (x, y), or only measures it; returns width and height. A table as canvas
+-- takes notes of the words instead, for pictures of lines.
 local function set_line(vtk, canvas, line, x, y, style, align)
   local list, width, height = runs(line), 0, 0
   local function set(run, at, onto)
     local size = run.shift and math.max(5, style.size * SMALL) or style.size
-    return assert(vtk.text(onto, run.text, at, y + math.floor((run.shift or 0) * style.size + 0.5), size,
-      style.bold or false, style.colour or { 1, 1, 1 }))
+    local row = y + math.floor((run.shift or 0) * style.size + 0.5)
+    local bold, colour = style.bold or false, style.colour or { 1, 1, 1 }
+    if type(onto) ~= "table" then return assert(vtk.text(onto, run.text, at, row, size, bold, colour)) end
+    onto[#onto + 1] = { text = run.text, x = at, y = row, size = size, bold = bold, colour = colour }
   end
   for _, run in ipairs(list) do
     local w, h = set(run, 0, nil)

@@ -6,6 +6,7 @@ local core = require "ylm.c.core"
 local describe = require "ylm.describe".describe
 local form = require "ylm.form"
 local memory = require "ylm.memory"
+local lines = require "ylm.plot.lines"
 local picture = require "ylm.picture"
 
 local plot = {}
@@ -161,12 +162,10 @@ local function layout(p, chart, width, height, font)
   return l
 end
 
-local function draw(p)
-  local vtk, message, code = picture.vtk()
-  if not vtk then return nil, message, code end
+--- The chart as the binding takes it. Texts around it go onto `canvas`, once paint(chart) has drawn the chart there.
+local function compose(p, canvas, paint)
   local width, height, theme = p.size[1], p.size[2], p.theme
   local font = p.font or picture.font(width, height * 1.25)
-  local canvas = assert(core.canvas(width, height, theme.background))
   local x_axis, y_axis = { range = p.x_range, log = p.x_log }, { range = p.y_range, log = p.y_log }
   local x0, x1 = axis_range(p.all, "x", "y", x_axis, y_axis)
   local y0, y1 = axis_range(p.all, "y", "x", y_axis, x_axis)
@@ -190,8 +189,8 @@ local function draw(p)
     end
   end
   if not any then chart.legend = "none" end
-  local _, failed, status = vtk.plot(chart, canvas)
-  if failed then return nil, failed, status end
+  local painted, failed, status = paint(chart)
+  if not painted then return nil, failed, status end
   if p.title then
     picture.text(canvas, p.title, l.pad, l.title, { size = math.floor(font * 1.3), bold = true, colour = theme.text })
   end
@@ -201,11 +200,44 @@ local function draw(p)
   if p.caption then picture.text(canvas, l.caption_text, l.pad, l.caption, { size = font, colour = theme.dim }) end
   local box = { l.left, l.top, width - l.left - l.right, height - l.top - l.bottom }
   p.axes = { x = { x0, x1 }, y = { y0, y1 }, box = box, labels = { x = chart.x.labels, y = chart.y.labels } }
+  return chart
+end
+
+local function draw(p)
+  local vtk, message, code = picture.vtk()
+  if not vtk then return nil, message, code end
+  local canvas = assert(core.canvas(p.size[1], p.size[2], p.theme.background))
+  local chart
+  chart, message, code = compose(p, canvas, function(c)
+    local _, failed, status = vtk.plot(c, canvas)
+    return not failed, failed, status
+  end)
+  if not chart then return nil, message, code end
   return canvas
 end
 
+--- The plot as marks of lines.lua, or nil, message, code.
+local function marks_of(p, vtk)
+  local words = {}
+  local chart, message, code = compose(p, words, function() return true end)
+  if not chart then return nil, message, code end
+  local function measure(text, size, bold) return assert(vtk.text(nil, text, 0, 0, size, bold or false, { 0, 0, 0 })) end
+  return lines.of(chart, words, p.size[1], p.size[2], measure)
+end
+
+--- Writes the plot by lines.
+local function trace(p, path)
+  local vtk, message, code = picture.vtk()
+  if not vtk then return nil, message, code end
+  local marks
+  marks, message, code = marks_of(p, vtk)
+  if not marks then return nil, message, code end
+  if path:lower():find "%.svg$" then return core.file_save(path, lines.svg(marks, p.size[1], p.size[2])) end
+  return vtk.save_pdf(path, p.size[1], p.size[2], marks)
+end
+
 local example = 'ylm.plot { x = { 1, 2, 3 }, y = { 1, 4, 9 }, size = { 200, 150 } }'
-local methods = picture.methods("plot", draw, example)
+local methods = picture.methods("plot", draw, example, trace)
 
 describe "plot:where" {
   about = "The pixel at which a point of the plot is drawn.",
