@@ -59,8 +59,8 @@ describe("plot:save by lines", function()
     local right, top = p:where(10, 10)
     for points in folder:read("c.svg"):gmatch '<polyline points="([^"]+)"[^>]* stroke%-width="2.2"' do
       for x, y in points:gmatch "([%d.]+),([%d.]+)" do
-        x, y = tonumber(x), tonumber(y)
-        assert(x > left - 0.02 and x < right + 0.02 and y > top - 0.02 and y < bottom + 0.02, points)
+        local px, py = tonumber(x), tonumber(y)
+        assert(px > left - 0.02 and px < right + 0.02 and py > top - 0.02 and py < bottom + 0.02, points)
       end
     end
   end)

@@ -127,7 +127,7 @@ YLM_API ylm_status ylm_vtk_text(const char *text, double size, int bold, const d
 
 /* The canvas as a .png file, written whole or not at all. */
 YLM_API ylm_status ylm_vtk_save_png(const char *path, const ylm_figure_canvas *c, ylm_error *e);
-/* What a page is drawn with: a line, an area, or words. Places are pixels from the upper left corner. */
+/* A page is drawn with such: a line, an area, or words. Places are pixels from the upper left corner. */
 typedef struct ylm_vtk_mark {
   const double *xy; /* [n][2]; of words one place: the left end of the line that letters stand on */
   size_t n;
