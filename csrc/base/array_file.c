@@ -1,5 +1,5 @@
-/* array_file.c - NumPy's .npy files of float32 and float64. */
-#include "ylm_base.h"
+/* array_file.c - NumPy's .npy files of float32, float64, int32 and float16. */
+#include "ylm_numbers.h"
 
 #include <string.h>
 
@@ -39,17 +39,20 @@ static ylm_status bad(parser *s, const char *what) {
   return ylm_fail(s->e, YLM_EFORMAT, "%s: damaged .npy header (%s)", s->name, what);
 }
 
+/* NumPy's codes of the element types. */
+static const char *const codes[YLM_NUMBERS_TYPES] = {"f4", "f8", "i4", "f2"};
+
 static ylm_status read_type(parser *s, ylm_array_file *a) {
   char word[32];
   if (!read_word(s, word)) return bad(s, "descr");
-  if (strcmp(word, "<f4") == 0 || strcmp(word, ">f4") == 0)
-    a->dtype = YLM_FLOAT;
-  else if (strcmp(word, "<f8") == 0 || strcmp(word, ">f8") == 0)
-    a->dtype = YLM_DOUBLE;
-  else
+  int t = 0;
+  while (t < YLM_NUMBERS_TYPES && strcmp(word + 1, codes[t]) != 0) t++;
+  if ((word[0] != '<' && word[0] != '>') || t == YLM_NUMBERS_TYPES)
     return ylm_fail(s->e, YLM_EFORMAT,
-                    "%s: elements are '%s'; only float32 ('f4') and float64 ('f8') are supported",
+                    "%s: elements are '%s'; only float32 ('f4'), float64 ('f8'), int32 ('i4') and "
+                    "float16 ('f2') are supported",
                     s->name, word);
+  a->dtype = (ylm_dtype)t;
   a->big_endian = word[0] == '>';
   return YLM_OK;
 }
@@ -141,7 +144,7 @@ ylm_status ylm_array_file_parse(const unsigned char *bytes, size_t size, const c
   ylm_status st = read_dictionary(&s, a);
   if (st != YLM_OK) return st;
   a->data = bytes + begin + length;
-  size_t rest = size - begin - length, need = a->count * ylm_dtype_size(a->dtype);
+  size_t rest = size - begin - length, need = a->count * ylm_numbers_size(a->dtype);
   if (rest != need)
     return ylm_fail(e, YLM_EFORMAT, "%s: %s: %zu bytes of elements, the shape wants %zu", name,
                     rest < need ? "truncated" : "damaged", rest, need);
@@ -149,7 +152,7 @@ ylm_status ylm_array_file_parse(const unsigned char *bytes, size_t size, const c
 }
 
 void ylm_array_file_copy(const ylm_array_file *a, void *out) {
-  size_t n = ylm_dtype_size(a->dtype);
+  size_t n = ylm_numbers_size(a->dtype);
   const uint16_t one = 1;
   bool host_big = *(const unsigned char *)&one == 0;
   if (a->count == 0) return;
@@ -172,10 +175,9 @@ ylm_status ylm_array_file_write(const char *path, ylm_dtype t, int axes, const s
   size_t n = 0;
   for (int i = 0; i < axes; i++)
     n += (size_t)snprintf(text + n, sizeof text - n, i ? ", %zu" : "%zu", shape[i]);
-  n = (size_t)snprintf(head, sizeof head,
-                       "{'descr': '%cf%d', 'fortran_order': False, 'shape': (%s%s), }",
-                       *(const unsigned char *)&one ? '<' : '>', t == YLM_DOUBLE ? 8 : 4, text,
-                       axes == 1 ? "," : "");
+  n = (size_t)snprintf(
+      head, sizeof head, "{'descr': '%c%s', 'fortran_order': False, 'shape': (%s%s), }",
+      *(const unsigned char *)&one ? '<' : '>', codes[t], text, axes == 1 ? "," : "");
   if (convention)
     n += (size_t)snprintf(head + n, sizeof head - n, "  # ylm convention %u", convention);
   size_t whole = (10 + n + 1 + 63) / 64 * 64; /* elements begin at a multiple of 64 */
@@ -191,6 +193,6 @@ ylm_status ylm_array_file_write(const char *path, ylm_dtype t, int axes, const s
   if (s != YLM_OK) return s;
   ylm_file_write(f, start, 10);
   ylm_file_write(f, head, whole - 10);
-  ylm_file_write(f, data, count * ylm_dtype_size(t));
+  ylm_file_write(f, data, count * ylm_numbers_size(t));
   return ylm_file_commit(f, e);
 }

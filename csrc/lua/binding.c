@@ -105,8 +105,10 @@ void ylmL_named(lua_State *L, int i, const char *const *names) {
   X("ylm.sh_rotation", "ylm.sh.rotate")
 
 /* Functions that a module may define for its type. */
-static const char *const events[] = {"__index", "__newindex", "__len", "__tostring"};
+static const char *const events[] = {"__index", "__newindex", "__len", "__tostring", "__add",
+                                     "__sub",   "__mul",      "__div", "__pow",      "__unm"};
 #define EVENTS (sizeof events / sizeof *events)
+enum { ARITHMETIC = 4 }; /* the first of the events whose operands may stand in either order */
 
 static const char *module_of(const char *type) {
 #define X(name, module)                                                                            \
@@ -135,17 +137,31 @@ static void forget_loader(lua_State *L) {
   }
 }
 
+/* The event of two operands, either of which may be the object whose module is loaded now. */
+static int operate(lua_State *L, const char *event) {
+  for (int i = 1; i <= 2; i++) {
+    if (!luaL_getmetafield(L, i, event)) continue;
+    lua_insert(L, 1);
+    lua_call(L, 2, 1);
+    return 1;
+  }
+  return luaL_error(L, "an object of ylm that has no arithmetic");
+}
+
 /* An object is used before the module with its methods was: loads that, then does what was wanted.
    Upvalues: require, the module, the number of the event. */
 static int load_methods(lua_State *L) {
   int event = (int)lua_tointeger(L, lua_upvalueindex(3));
-  lua_settop(L, event == 0 ? 2 : event == 1 ? 3 : 1);
+  lua_settop(L, event == 0 || event >= ARITHMETIC ? 2 : event == 1 ? 3 : 1);
   lua_pushvalue(L, lua_upvalueindex(1));
   lua_pushvalue(L, lua_upvalueindex(2));
   lua_call(L, 1, 0);
-  if (!lua_getmetatable(L, 1)) return 0;
-  forget_loader(L);
-  lua_pop(L, 1);
+  for (int i = 1; i <= (event >= ARITHMETIC ? 2 : 1); i++)
+    if (lua_getmetatable(L, i)) {
+      forget_loader(L);
+      lua_pop(L, 1);
+    }
+  if (event >= ARITHMETIC) return operate(L, events[event]);
   if (event == 0) {
     lua_gettable(L, 1);
     return 1;

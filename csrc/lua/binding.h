@@ -18,7 +18,7 @@
 #include <lua.h>
 #include <lualib.h>
 
-#include "ylm_base.h"
+#include "ylm_numbers.h"
 
 /* -- what is bound ----------------------------------------------------------- */
 
@@ -30,6 +30,8 @@
   X(figure_numbers)                                                                                \
   X(figure_volume)                                                                                 \
   X(array_file)                                                                                    \
+  X(array_math)                                                                                    \
+  X(array_slice)                                                                                   \
   X(grid)                                                                                          \
   X(grid_bake)                                                                                     \
   X(grid_file)                                                                                     \
@@ -150,10 +152,11 @@ typedef struct ylmL_array {
   size_t shape[YLM_MAX_AXES];
   size_t count;        /* product of the shape */
   uint32_t convention; /* of SH coefficients; 0 is ylm's own (ylm_sh.h lists others) */
+  bool keeps;          /* a value of Lua in its environment keeps the elements alive */
   struct ylmL_block *block;
 } ylmL_array;
 
-/* Element i, counted from 0 through all axes. */
+/* Element i, counted from 0 through all axes, of an array of float or double. */
 static inline double ylmL_array_get(const ylmL_array *a, size_t i) {
   return ylm_get(a->dtype, a->data, i);
 }
@@ -161,13 +164,15 @@ static inline double ylmL_array_get(const ylmL_array *a, size_t i) {
 /* True if two open arrays have an element's memory in common. */
 static inline bool ylmL_array_overlaps(const ylmL_array *a, const ylmL_array *b) {
   uintptr_t pa = (uintptr_t)a->data, pb = (uintptr_t)b->data;
-  return pa < pb + b->count * ylm_dtype_size(b->dtype) &&
-         pb < pa + a->count * ylm_dtype_size(a->dtype);
+  return pa < pb + b->count * ylm_numbers_size(b->dtype) &&
+         pb < pa + a->count * ylm_numbers_size(a->dtype);
 }
 
 /* A new array of zeros, on the stack; NULL (nothing pushed) if the size overflows or memory
    runs out. */
 ylmL_array *ylmL_array_new(lua_State *L, ylm_dtype t, int axes, const size_t *shape);
+/* ylmL_array_new whose numbers are not set: the caller writes all of them. */
+ylmL_array *ylmL_array_unset(lua_State *L, ylm_dtype t, int axes, const size_t *shape);
 /* The array at `given` to be written to, or a new one where nil stands there; pushed. Where it does
    not fit or cannot be made: YLM_ETYPE, YLM_ESHAPE, YLM_EOVERFLOW or YLM_ENOMEM in *s, which is
    else left alone, and NULL. */
@@ -182,7 +187,12 @@ ylmL_array *ylmL_array_part(lua_State *L, int at, size_t k, int axes, const size
 /* Lets go of the elements. */
 void ylmL_array_close(ylmL_array *a);
 /* The array at `i`, open; raises otherwise. */
+ylmL_array *ylmL_array_any(lua_State *L, int i);
+/* ylmL_array_any, of float or double; raises at the caller's line where it holds another type. */
 ylmL_array *ylmL_array_check(lua_State *L, int i);
+/* Names the value at absolute index `i` as the owner of the elements of the array on top of the
+   stack: it lives as long as the array and its views. */
+void ylmL_array_keep(lua_State *L, int i);
 /* The open array at `i`, or NULL where `i` is nil or none; raises otherwise. */
 ylmL_array *ylmL_array_opt(lua_State *L, int i);
 

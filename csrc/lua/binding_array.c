@@ -50,16 +50,46 @@ ylmL_array *ylmL_array_share(lua_State *L, ylm_dtype t, int axes, const size_t *
   return a;
 }
 
-ylmL_array *ylmL_array_new(lua_State *L, ylm_dtype t, int axes, const size_t *shape) {
+static ylmL_array *new_array(lua_State *L, ylm_dtype t, int axes, const size_t *shape, bool zero) {
   size_t count;
   if (axes < 1 || axes > YLM_MAX_AXES || !ylm_shape_count(axes, shape, &count)) return NULL;
-  void *data = ylm_alloc_zero(count, ylm_dtype_size(t));
+  void *data =
+      zero ? ylm_alloc_zero(count, ylm_numbers_size(t)) : ylm_alloc(count, ylm_numbers_size(t));
   ylmL_array *a = data ? ylmL_array_share(L, t, axes, shape, data, ylm_free, data) : NULL;
   if (!a)
     ylm_free(data);
   else
-    ylmL_charge(L, count * ylm_dtype_size(t));
+    ylmL_charge(L, count * ylm_numbers_size(t));
   return a;
+}
+
+ylmL_array *ylmL_array_new(lua_State *L, ylm_dtype t, int axes, const size_t *shape) {
+  return new_array(L, t, axes, shape, true);
+}
+
+ylmL_array *ylmL_array_unset(lua_State *L, ylm_dtype t, int axes, const size_t *shape) {
+  return new_array(L, t, axes, shape, false);
+}
+
+/* The table that stands beside a userdata: its environment, or its user value. */
+#if LUA_VERSION_NUM < 502
+#define get_table lua_getfenv
+#define set_table lua_setfenv
+#elif LUA_VERSION_NUM < 504
+#define get_table lua_getuservalue
+#define set_table lua_setuservalue
+#else
+#define get_table(L, i) lua_getiuservalue(L, i, 1)
+#define set_table(L, i) lua_setiuservalue(L, i, 1)
+#endif
+
+void ylmL_array_keep(lua_State *L, int i) {
+  ylmL_array *a = lua_touserdata(L, -1);
+  lua_createtable(L, 1, 0);
+  lua_pushvalue(L, i);
+  lua_rawseti(L, -2, 1);
+  set_table(L, -2);
+  a->keeps = true;
 }
 
 ylmL_array *ylmL_array_result(lua_State *L, int given, ylm_dtype t, int axes, const size_t *shape,
@@ -81,9 +111,9 @@ ylmL_array *ylmL_array_result(lua_State *L, int given, ylm_dtype t, int axes, co
 }
 
 ylmL_array *ylmL_array_part(lua_State *L, int at, size_t k, int axes, const size_t *shape) {
-  ylmL_array *parent = ylmL_array_check(L, at);
+  ylmL_array *parent = ylmL_array_any(L, at);
   ylmL_array *v = push_object(L);
-  v->data = (char *)parent->data + k * ylm_dtype_size(parent->dtype);
+  v->data = (char *)parent->data + k * ylm_numbers_size(parent->dtype);
   v->dtype = parent->dtype;
   v->convention = parent->convention;
   v->axes = axes;
@@ -91,12 +121,36 @@ ylmL_array *ylmL_array_part(lua_State *L, int at, size_t k, int axes, const size
   ylm_shape_count(axes, shape, &v->count);
   v->block = parent->block;
   v->block->users++;
+  if (parent->keeps) {
+    get_table(L, at);
+    set_table(L, -2);
+    v->keeps = true;
+  }
   return v;
 }
 
-ylmL_array *ylmL_array_check(lua_State *L, int i) {
+ylmL_array *ylmL_array_any(lua_State *L, int i) {
   ylmL_array *a = ylmL_check(L, i, YLM_ARRAY);
   if (!a->data) luaL_argerror(L, i, "the array has been closed");
+  return a;
+}
+
+/* Raises by check.fail of lua/ylm/check.lua, which finds the caller's line. */
+static void refuse_type(lua_State *L, ylm_dtype t) {
+  const char *wide = ylm_numbers_type_name(ylm_numbers_wide(t));
+  lua_getglobal(L, "require");
+  lua_pushliteral(L, "ylm.check");
+  lua_call(L, 1, 1);
+  lua_getfield(L, -1, "fail");
+  lua_pushfstring(
+      L, "an array of float or double expected, got one of %s: ylm.array(a, '%s') converts it",
+      ylm_numbers_type_name(t), wide);
+  lua_call(L, 1, 0);
+}
+
+ylmL_array *ylmL_array_check(lua_State *L, int i) {
+  ylmL_array *a = ylmL_array_any(L, i);
+  if (a->dtype != ylm_numbers_wide(a->dtype)) refuse_type(L, a->dtype);
   return a;
 }
 

@@ -37,8 +37,10 @@ function help.public()
   local ylm = help.load()
   local functions, methods = {}, {}
   for _, name in ipairs(ylm.names()) do
-    if type(ylm[name]) == "table" then add_functions(functions, name .. ".", ylm[name])
-    else functions[name] = true end
+    local value = ylm[name]
+    local is_table = type(value) == "table"
+    if is_table then add_functions(functions, name .. ".", value) end
+    if not is_table or reference.entries[name] then functions[name] = true end -- ylm.array is both
   end
   for name, value in pairs(ylm) do if type(value) == "function" then functions[name] = true end end
   for name, t in pairs(debug.getregistry()) do

@@ -17,7 +17,7 @@ local ylm = {}
 
 --- Public name -> the module that defines it, in the order data flows.
 local contents = {
-  { "ylm.array", "array", "zeros" },
+  { "ylm.array", "array", "zeros", "stack", "wrap" },
   { "ylm.light", "light_field" },
   { "ylm.grid", "adaptive_grid", "uniform_grid", "bake" },
   { "ylm.material", "matte", "ggx", "phong", "abc", "merl", "rgl", "tabulated" },

@@ -26,7 +26,7 @@ static int array_read(lua_State *L) {
 
 /* array_write(array, path) -> true */
 static int array_write(lua_State *L) {
-  ylmL_array *a = ylmL_array_check(L, 1);
+  ylmL_array *a = ylmL_array_any(L, 1);
   ylm_error e = {0};
   ylm_status s = ylm_array_file_write(luaL_checkstring(L, 2), a->dtype, a->axes, a->shape,
                                       a->convention, a->data, &e);

@@ -110,7 +110,7 @@ function meta.text()
   put ""
   for _, module in ipairs(all.modules) do
     local owner = module.name == "" and "ylm" or "ylm." .. module.name
-    if module.name ~= "" then
+    if module.name ~= "" and not reference.entries[module.name] then
       put(owner .. " = {}")
       put ""
     end

@@ -96,7 +96,7 @@ function light.light_field(lmax, lights, points, given)
   object, made, code = devices.of(o.device):lights(4, "light_field", object, o, light.within)
   if not object then return nil, made, code end
   local dtype = o.dtype
-  if not dtype then dtype = core.type(points) == "ylm.array" and points.dtype or "float" end
+  if not dtype then dtype = array.type_of(points, "float") end
   local p, single = array.points(3, "light_field", points, dtype)
   local L, dL, ddL, report = light.evaluate("light_field", lmax, object, p, o, nil, points)
   if made then object:close() end

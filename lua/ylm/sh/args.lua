@@ -99,7 +99,7 @@ end
 function args.reconstruct(name, c, points, options)
   local coefficients, lmax, shape, dtype, _, _, small = args.coefficients(1, name, c)
   local one_row = #shape == 1
-  if dtype == "float" and core.type(points) == "ylm.array" and select(2, core.array_info(points)) == "double" then
+  if dtype == "float" and array.type_of(points) == "double" then
     dtype = "double"
     coefficients = core.array_convert(coefficients, dtype)
   end

@@ -54,7 +54,7 @@ end
 --- The element type of a points argument.
 local function dtype_of(points, asked)
   if asked then return asked end
-  return core.type(points) == "ylm.array" and select(2, core.array_info(points)) or "double"
+  return array.type_of(points, "double")
 end
 
 describe "sh.eval" {

@@ -1,109 +1,81 @@
---- Dense arrays of float or double: ylm.array, ylm.zeros and the methods of their objects.
+--- Dense arrays of numbers: ylm.array, ylm.zeros and the methods of their objects.
 
+local bytes = require "ylm.array.bytes"
 local check = require "ylm.check"
 local core = require "ylm.c.core"
 local describe = require "ylm.describe".describe
 local form = require "ylm.form"
 local memory = require "ylm.memory"
+local operand = require "ylm.array.operand"
+local slice = require "ylm.array.slice"
+
+require "ylm.array.arithmetic"
 
 require "ylm.describe".object "array" {
-  about = "Dense, row-major numbers. a[i] is a number, or a view that keeps its parent alive; #a is the first extent.",
+  about = "Dense, row-major numbers. a[i] is a number, or a view that keeps its parent alive; a[{1, 100}] is a slice; #a is the "
+    .. "first extent. a + b, a - b, a * b, a / b, a ^ b and -a compute element by element, with numbers, arrays or tables: "
+    .. "shapes are aligned at their last axes, and extents are equal or 1 (NumPy's rule). int32 is computed with in double, "
+    .. "float16 in float; other functions of ylm take them as such. Operators raise where memory runs out.",
   fields = {
     { "shape", "integer[]", "its extents" },
-    { "dtype", "string", "'float' or 'double'" },
-    { "convention", "string", "of SH coefficients: 'ylm' is ylm's own" },
+    { "dtype", "string", "'float', 'double', 'int32' or 'float16'" },
+    { "convention", "string", "of SH coefficients: 'ylm' is ylm's own. Operators keep it; + and - refuse two, * and / take an "
+      .. "array of 'ylm' as weights" },
   },
 }
 
-local array = {}
+local array = { shape_of = operand.shape_of, stack = require "ylm.array.reduce".stack, wrap = bytes.wrap }
 local AXES = core.limits.axes
 local methods = core.metatable "ylm.array"
-
---- The shape of a nested table, taken along its first elements; one axis too many is enough to know (a table may
--- hold itself).
-local function shape_of(t)
-  local shape = {}
-  while type(t) == "table" and #shape <= AXES do
-    shape[#shape + 1] = #t
-    t = t[1]
-  end
-  return shape
-end
-array.shape_of = shape_of
-
-local function check_dtype(n, name, dtype, default)
-  if dtype == nil then return default end
-  if dtype == "float" or dtype == "double" then return dtype end
-  return check.bad(n, name, "dtype must be 'float' or 'double', got %s", check.describe(dtype))
-end
+local open, shape_of = operand.open, operand.shape_of
 
 describe "array" {
   about = "Makes an array from nested tables of numbers, or converts an array to another element type.",
   arguments = {
     { "values", "table|array", "nested to the array's shape; every row of a level has the same length" },
-    { "dtype?", "string", "'float' or 'double'; default double, or the array's own" },
+    { "dtype?", "string", "'float', 'double', 'int32' or 'float16'; default double, or the array's own" },
   },
   returns = { { "a", "array", "a new array; a.shape, a.dtype, a.convention, #a" } },
-  errors = "raises on ragged tables and on what is not a number; nil, message, 'ENOMEM' where memory runs out",
+  errors = "raises on ragged tables, on what is not a number or not one that the type holds; nil, message, 'ENOMEM' where "
+    .. "memory runs out",
   example = [[
 local a = ylm.array({ { 0, 0, 1 }, { 1, 0, 0 } }, "float")
 assert(#a == 2 and a.shape[2] == 3 and a.dtype == "float" and a:get(1, 3) == 1)]],
 }
-function array.array(values, dtype)
+local function make(values, dtype)
+  local function fail(message) return check.bad(1, "array", "%s", message) end
   if core.type(values) == "ylm.array" then
     local _, own, _, is_open = core.array_info(values)
-    if not is_open then return check.bad(1, "array", "the array has been closed") end
-    return check.result("array", core.array_convert(values, check_dtype(2, "array", dtype, own)))
+    if not is_open then return fail "the array has been closed" end
+    return operand.convert(values, operand.dtype(2, "array", dtype, own), fail)
   end
   if type(values) ~= "table" then
-    return check.bad(1, "array", "a table of numbers or an array expected, got %s", check.describe(values))
+    return fail("a table of numbers or an array expected, got " .. check.describe(values))
   end
-  dtype = check_dtype(2, "array", dtype, "double")
-  local shape = shape_of(values)
-  if #shape > AXES then
-    return check.bad(1, "array", "at most %d axes, got more; does the table hold itself?", AXES)
-  end
-  local a = check.result("array", core.array_zeros(shape, dtype))
-  local ok, where = core.array_fill(a, values)
-  if not ok then
-    return check.bad(1, "array", "every row must hold the same number of numbers; element %d does not", where)
-  end
-  return a
+  return operand.of_table(values, operand.dtype(2, "array", dtype, "double"), fail)
 end
+
+--- ylm.array is a function that has functions.
+make = memory.public(make)
+array.array = setmetatable({ frombytes = memory.public(bytes.frombytes) }, {
+  __call = function(_, ...) return make(...) end,
+})
 
 describe "zeros" {
   about = "Makes an array of zeros.",
   arguments = {
     { "shape", "table", "1 to 8 extents, each 0 or more" },
-    { "dtype?", "string", "'float' or 'double' (default)" },
+    { "dtype?", "string", "'float', 'double' (default), 'int32' or 'float16'" },
   },
   returns = { { "a", "array", "" } },
   errors = "raises on a bad shape or one that is too large; nil, message, 'ENOMEM' where memory runs out",
   example = "assert(#ylm.zeros({ 4, 3 }) == 4)",
 }
 function array.zeros(shape, dtype)
-  if check.is_integer(shape) then shape = { shape } end
-  if type(shape) ~= "table" or #shape < 1 or #shape > AXES then
-    return check.bad(1, "zeros", "a shape of 1 to %d extents expected, got %s", AXES, check.describe(shape))
-  end
-  for i = 1, #shape do
-    if not check.is_integer(shape[i]) or shape[i] < 0 then
-      return check.bad(1, "zeros", "extent %d must be an integer >= 0, got %s", i, check.describe(shape[i]))
-    end
-  end
-  return check.result("zeros", core.array_zeros(shape, check_dtype(2, "zeros", dtype, "double")))
+  return check.result("zeros", core.array_zeros(bytes.shape(1, "zeros", shape), operand.dtype(2, "zeros", dtype, "double")))
 end
 
 -- Methods ------------------------------------------------------------------------
-
-local function open(a, name)
-  if core.type(a) ~= "ylm.array" then
-    return check.fail("%s: an array expected before the colon, got %s", name, check.describe(a))
-  end
-  local shape, dtype, convention, is_open = core.array_info(a)
-  if not is_open then return check.fail("%s: the array has been closed", name) end
-  return shape, dtype, convention
-end
 
 local function index_text(shape)
   local out = {}
@@ -133,11 +105,11 @@ describe "array:set" {
   example = "assert(ylm.zeros({ 2, 2 }):set(2, 1, 5):get(2, 1) == 5)",
 }
 function methods.set(a, ...)
-  local shape = open(a, "set")
-  if not core.array_set(a, ...) then
-    return check.fail("set: indices from %s and a number expected", index_text(shape))
-  end
-  return a
+  local shape, dtype = open(a, "set")
+  local ok = core.array_set(a, ...)
+  if ok then return a end
+  if ok == nil then return check.fail("set: indices from %s and a number expected", index_text(shape)) end
+  return check.fail("set: %s", operand.misfit(dtype, (select(select("#", ...), ...))))
 end
 
 describe "array:totable" {
@@ -215,8 +187,8 @@ function methods.close(a)
 end
 
 describe "array:save" {
-  about = "Writes the array as .npy (NumPy's format, version 1), float32 or float64, C order. Nothing is lost: the "
-    .. "convention of coefficients stands in a comment of the header, which NumPy reads over and ylm.load heeds.",
+  about = "Writes the array as .npy (NumPy's format, version 1), float32, float64, int32 or float16, C order. Nothing is "
+    .. "lost: the convention of coefficients stands in a comment of the header, which NumPy reads over and ylm.load heeds.",
   arguments = { { "path", "string", "ends in .npy" } },
   returns = { { "ok", "boolean", "true" } },
   errors = "raises on another ending; nil, message, code where the file cannot be written",
@@ -262,6 +234,7 @@ methods.__index = function(a, key)
     if #shape == 1 then return core.array_get(a, key) end
     return core.array_view(a, key)
   end
+  if type(key) == "table" then return slice.get(a, key) end
   if key == "shape" then return (core.array_info(a)) end
   if key == "dtype" then return (select(2, core.array_info(a))) end
   if key == "convention" then return array.convention_name((select(3, core.array_info(a)))) end
@@ -269,16 +242,34 @@ methods.__index = function(a, key)
 end
 
 methods.__newindex = function(a, key, value)
-  local shape = open(a, "array")
-  if #shape == 1 and type(key) == "number" and core.array_set(a, key, value) then return end
+  local shape, dtype = open(a, "array")
+  if type(key) == "table" then return slice.set(a, key, value) end
+  if type(key) == "number" then
+    if #shape > 1 then return slice.set(a, key, value) end
+    local ok = core.array_set(a, key, value)
+    if ok then return end
+    if ok == false then return check.fail("array: %s", operand.misfit(dtype, value)) end
+  end
   return check.fail("array: cannot set %s of an array of %s", check.describe(key), table.concat(shape, "x"))
+end
+
+local SHOWN = 8
+
+--- The first numbers, rows apart: "1 2 3; 4 5 6; ...".
+local function first_numbers(a, shape)
+  local words, row = {}, shape[#shape]
+  for i, x in ipairs(core.array_head(a, SHOWN + 1)) do
+    if i > SHOWN then return table.concat(words) .. " ..." end
+    words[i] = (i == 1 and "" or (i - 1) % row == 0 and "; " or " ") .. ("%.6g"):format(x)
+  end
+  return table.concat(words)
 end
 
 methods.__tostring = function(a)
   local shape, dtype, convention, is_open = core.array_info(a)
   if not is_open then return "ylm.array (closed)" end
-  return ("ylm.array %s [%s]%s"):format(dtype, table.concat(shape, "]["),
-    convention ~= 0 and ", " .. array.convention_name(convention) or "")
+  return (("ylm.array %s [%s]%s: %s"):format(dtype, table.concat(shape, "]["),
+    convention ~= 0 and ", " .. array.convention_name(convention) or "", first_numbers(a, shape)):gsub(": $", ""))
 end
 
 --- The name of a convention number.
@@ -322,8 +313,14 @@ function array.rows(n, name, what, value, width, dtype)
   if width and shape[#shape] ~= width then
     return check.bad(n, name, "%s: rows of %d numbers expected, got %s", what, width, check.describe(a))
   end
-  if dtype and own ~= dtype then a = core.array_convert(a, dtype) end
+  dtype = dtype or operand.wide[own]
+  if own ~= dtype then a = core.array_convert(a, dtype) end
   return a, #shape == 1
+end
+
+--- The element type in which an array is computed with; of anything else `default`.
+function array.type_of(value, default)
+  return core.type(value) == "ylm.array" and operand.wide[(select(2, core.array_info(value)))] or default
 end
 
 --- Points [n][3] for argument `n`: rows of three finite numbers. Returns array [n][3], whether one row.
