@@ -136,7 +136,7 @@ static ylm_status prepare(const ylm_numbers *x, int axes, const size_t *shape, y
 STAGE(float)
 STAGE(double)
 
-/* The same, of any operand, of type t: where they are, or in `buffer`. */
+/* Numbers begin .. begin + n - 1 of any operand, as type t: where they lie, or in `buffer`. */
 static const void *staged(const operand *o, size_t begin, size_t n, ylm_dtype t, void *buffer) {
   if (o->axes == 1 && o->stride[0] == 1) {
     const char *at = o->data + begin * ylm_numbers_size(o->dtype);

@@ -1,4 +1,4 @@
---- What the files of ylm.array share: open arrays, element types, what else may stand where an array does.
+--- Shared by the files of ylm.array: open arrays, element types, operands that are tables.
 
 local check = require "ylm.check"
 local core = require "ylm.c.core"
@@ -54,7 +54,7 @@ function operand.convert(a, dtype, fail)
   return fail(("%s; number %d is %.14g"):format(holds[dtype], where, x))
 end
 
---- What fail says where `dtype` does not hold x.
+--- A sentence for a number x that `dtype` does not hold.
 function operand.misfit(dtype, x)
   return ("%s, got %.14g"):format(holds[dtype] or dtype, x)
 end
