@@ -16,6 +16,10 @@ static ylm_status check(const ylm_emit_options *o, ylm_error *e) {
   if (o->degree < YLM_EMIT_AUTO || o->degree > YLM_EMIT_DEGREE)
     return ylm_fail(e, YLM_ERANGE, "degree must be from 0 to %d, got %d", YLM_EMIT_DEGREE,
                     o->degree);
+  if (!(o->cell >= 0) || !isfinite(o->cell))
+    return ylm_fail(e, YLM_ERANGE, "cell must be a positive length, got %g", o->cell);
+  if (o->merge && o->grid)
+    return ylm_fail(e, YLM_EINVAL, "a grid's lights are its texels: they are not merged");
   if (o->radius == YLM_EMIT_FIXED && (!(o->fixed > 0) || !isfinite(o->fixed)))
     return ylm_fail(e, YLM_ERANGE, "radius must be a positive length, got %g", o->fixed);
   if (!(o->scale > 0) || !isfinite(o->scale))
@@ -90,6 +94,32 @@ static ylm_status fill(const emit_landings *x, int threads, ylm_emit_lights *l) 
   return ylm_parallel(x->n, GRAIN, threads, fill_some, &f, NULL, NULL);
 }
 
+/* One light of the landings of each cell; those of surfaces that gloss are made first, with what each sends. */
+static ylm_status merge(const emit_gloss *gloss, const ylm_emit_options *o, emit_landings *x,
+                        ylm_emit_lights *lights, ylm_emit_report *report, ylm_error *e) {
+  ylm_emit_lights parts = {0};
+  double begun = ylm_seconds();
+  ylm_status s = gloss ? fill(x, o->threads, &parts) : YLM_OK;
+  if (s == YLM_OK && gloss) s = ylm__emit_emission(gloss, x->landing, o, &parts, report, e);
+  report->seconds[2] = ylm_seconds() - begun;
+  report->merged = x->n;
+  if (s == YLM_OK) s = ylm__emit_merge(o, gloss ? &parts : NULL, x, lights, &report->cell);
+  report->seconds[3] = ylm_seconds() - begun - report->seconds[2];
+  ylm_emit_free(&parts);
+  return s;
+}
+
+/* A light of each landing, or of so many as are wanted. */
+static ylm_status make(const emit_gloss *gloss, const ylm_emit_options *o, emit_landings *x,
+                       ylm_emit_lights *lights, ylm_emit_report *report, ylm_error *e) {
+  double begun = ylm_seconds();
+  if (o->lights > 0 && x->n > o->lights) choose(o, x);
+  ylm_status s = fill(x, o->threads, lights);
+  if (s == YLM_OK) s = ylm__emit_emission(gloss, x->landing, o, lights, report, e);
+  report->seconds[2] = ylm_seconds() - begun;
+  return s;
+}
+
 ylm_status ylm_emit(const ylm_scene *scene, const ylm_emit_options *o, ylm_emit_lights *lights,
                     ylm_emit_report *report, ylm_error *e) {
   emit_landings x = {0};
@@ -106,13 +136,12 @@ ylm_status ylm_emit(const ylm_scene *scene, const ylm_emit_options *o, ylm_emit_
   }
   if (s == YLM_OK) s = ylm__emit_gloss(scene, o, &gloss);
   if (s == YLM_OK) s = ylm__emit_trace(scene, gloss, o, &x, report);
-  if (s == YLM_OK && o->lights > 0 && x.n > o->lights) choose(o, &x);
   report->seconds[0] = ylm_seconds() - begun;
-  if (s == YLM_OK) s = fill(&x, o->threads, lights);
-  if (s == YLM_OK) s = ylm__emit_emission(gloss, x.landing, o, lights, report, e);
-  report->seconds[2] = ylm_seconds() - begun - report->seconds[0];
+  bool merged = o->merge && x.n > 0 && (x.n > o->lights || o->cell > 0);
+  if (s == YLM_OK) s = (merged ? merge : make)(gloss, o, &x, lights, report, e);
+  begun = ylm_seconds();
   if (s == YLM_OK) s = ylm__emit_radii(x.landing, o, lights, report);
-  report->seconds[1] = ylm_seconds() - begun - report->seconds[0] - report->seconds[2];
+  report->seconds[1] = ylm_seconds() - begun;
   ylm_free(x.landing);
   ylm__emit_gloss_free(gloss);
   if (s != YLM_OK) ylm_emit_free(lights);
@@ -124,6 +153,7 @@ void ylm_emit_free(ylm_emit_lights *l) {
   ylm_free(l->normal);
   ylm_free(l->radius);
   ylm_free(l->intensity);
+  ylm_free(l->shift);
   ylm_free(l->emission);
   *l = (ylm_emit_lights){0};
 }

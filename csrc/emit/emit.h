@@ -87,7 +87,7 @@ typedef struct emit_landing {
   float azimuth;  /* of that, from the tangent: of surfaces that gloss */
   float power[3]; /* reflected, W */
   float way;      /* from its last place */
-  float area;     /* of a grid: that its solid angle covers */
+  float area; /* of a grid: that its solid angle covers; of a merged one: that it is spread over */
   uint32_t particle;
   uint32_t slot; /* of its material that glosses, or EMIT_MATTE */
   uint8_t order;
@@ -98,7 +98,7 @@ static inline double ylm__emit_luminous(const emit_landing *l) {
   return ylm_luminance_size(power);
 }
 
-/* Those that reflect something. */
+/* Landings that reflect something. */
 typedef struct emit_landings {
   size_t n;
   emit_landing *landing; /* in the order of particles, and of a particle's reflections */
@@ -118,6 +118,13 @@ ylm_status ylm__emit_emission(const emit_gloss *g, const emit_landing *landing,
    of the tangent plane. */
 ylm_status ylm__emit_density(size_t n, const emit_landing *landing, const ylm_emit_options *o,
                              double *radius);
+
+/* -- merge.c ------------------------------------------------------------------------ */
+
+/* Merges landings, of which there are some: x becomes those of the merged lights, `area` the one that they are spread
+   over. Fills all of `lights` but radii. parts: the landings as lights, with their emission, or NULL. */
+ylm_status ylm__emit_merge(const ylm_emit_options *o, const ylm_emit_lights *parts,
+                           emit_landings *x, ylm_emit_lights *lights, double *edge);
 
 /* -- radius.c ----------------------------------------------------------------------- */
 

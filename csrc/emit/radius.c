@@ -75,15 +75,22 @@ static void by_angle(const emit_landing *landing, const ylm_emit_options *o, ylm
   for (size_t i = 0; i < l->n; i++) l->radius[i] = o->scale * (double)landing[i].way * wide;
 }
 
+static double by_area(const emit_landing *l, const ylm_emit_options *o) {
+  return o->scale * sqrt((double)l->area / EMIT_PI);
+}
+
 ylm_status ylm__emit_radii(const emit_landing *landing, const ylm_emit_options *o,
                            ylm_emit_lights *l, ylm_emit_report *report) {
   ylm_status s = YLM_OK;
   if (l->n == 0) return YLM_OK;
   switch (o->radius) {
-  case YLM_EMIT_DENSITY: s = ylm__emit_density(l->n, landing, o, l->radius); break;
+  case YLM_EMIT_DENSITY:
+    s = ylm__emit_density(l->n, landing, o, l->radius);
+    for (size_t i = 0; s == YLM_OK && i < l->n; i++) /* merged ones alone have an area */
+      l->radius[i] = fmax(l->radius[i], by_area(&landing[i], o));
+    break;
   case YLM_EMIT_FOOTPRINT:
-    for (size_t i = 0; i < l->n; i++)
-      l->radius[i] = o->scale * sqrt((double)landing[i].area / EMIT_PI);
+    for (size_t i = 0; i < l->n; i++) l->radius[i] = by_area(&landing[i], o);
     break;
   case YLM_EMIT_ANGLE: by_angle(landing, o, l); break;
   default: /* nothing is left to settle */

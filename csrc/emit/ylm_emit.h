@@ -28,6 +28,8 @@ extern "C" {
 /* The most reflections of a particle; the most particles, and the most lights. */
 #define YLM_EMIT_BOUNCES 64
 #define YLM_EMIT_PARTICLES ((size_t)1 << 27)
+/* The least number of lights that landings are merged into, where normals point to all sides. */
+#define YLM_EMIT_LEAST_MERGED 6
 /* The highest degree of an emission; the degree by materials. */
 #define YLM_EMIT_DEGREE 8
 #define YLM_EMIT_AUTO (-1)
@@ -53,18 +55,25 @@ typedef struct ylm_emit_options {
   double scale; /* > 0 */
   int degree; /* of emission, 0 .. YLM_EMIT_DEGREE; YLM_EMIT_AUTO: 0 where no light is of a surface that glosses, else
                    the least of 2, 4, 8 whose slices at 45 degrees miss at most 14 %, 26 %, all */
+  bool
+      merge; /* all landings of a cell whose normals point to one side of a cube become one light; `lights`
+                      bounds their number from above, 0 does not */
+  double
+      cell; /* the edge of these cells, scene units, whatever their number; 0: the least 2^(k/4) of which
+                      there are no more than `lights` */
   bool conserve; /* emission is scaled, channel by channel, to the power that is reflected */
   uint64_t seed;
   int threads;
-  const ylm_progress *progress; /* stages "particles", "radius" */
+  const ylm_progress *progress; /* stages "particles", "merge", "radius" */
 } ylm_emit_options;
 
-/* Lights, in the order of their particles. */
+/* Lights, in the order of their particles; merged ones in that of their cells. */
 typedef struct ylm_emit_lights {
   size_t n;
   double *at, *normal; /* [n][3] scene units; length 1 */
   double *radius;      /* [n]    scene units */
   double *intensity;   /* [n][3] W/sr along the normal, of matte surfaces of that power */
+  double *shift;       /* [n]    of merged lights (ylm_light_virtual.h); NULL: 0 */
   int degree;          /* of emission */
   double *
       emission; /* [n][3][(degree+1)^2] W/sr without the cosine, in world axes; NULL of degree 0, where it is
@@ -90,7 +99,9 @@ typedef struct ylm_emit_report {
       unscaled; /* lights that `conserve` left as they are: their slices keep less than a twentieth */
   double radius[3];  /* least, median, largest */
   uint64_t cut;      /* radii above four medians, which became that */
-  double seconds[3]; /* tracing, radii, emission */
+  uint64_t merged;   /* landings that merged lights stand for */
+  double cell;       /* the edge of their cells */
+  double seconds[4]; /* tracing, radii, emission, merging */
 } ylm_emit_report;
 
 /*
@@ -103,13 +114,19 @@ typedef struct ylm_emit_report {
 ** Of more landings than options.lights, some are chosen in proportion to their luminous power, by
 ** equal steps along its sum; each then has the same share of it.
 **
+** Merged lights stand at the mean place of their landings, by power, above the outermost of them; their
+** normal is the mean. Matte landings of one normal add up; of several normals, whose mean has the length R,
+** the light has the shift 2 (1 - R) and with it their power and the mean of their directions. Emission of
+** degree > 0 is fitted to what the landings send, in 98 directions, and scaled to their power. Radii by density
+** are at least scale sqrt(2 v), v the mean square of distances from the middle.
+**
 ** A grid is the paper's reflective shadow map: a texel of solid angle (2 tan(angle/2)/side)^2 cos^3 stands
 ** for the power intensity times that. Cones count as of 170 degrees at most.
 **
-** Returns  YLM_OK; YLM_ERANGE (an option); YLM_EINVAL (a grid, and lamps that are no spots, or none);
+** Returns  YLM_OK; YLM_ERANGE (an option); YLM_EINVAL (a grid, and lamps that are no spots, or none; merged);
 **          YLM_ENOMEM, YLM_ECANCELLED. No lights where there are no
 **          lamps, or nothing is met.
-** Cost     a ray a landing and one that finds nothing; 68 bytes a landing; 0.6 us a light for density
+** Cost     a ray a landing and one that finds nothing; 68 bytes a landing; 0.6 us a light for density, 0.2 us a landing for merging
 ** Source   Roberts 2018, "The Unreasonable Effectiveness of Quasirandom Sequences" (R_d); Arvo &
 **          Kirk 1990, "Particle Transport and Image Synthesis"
 */

@@ -11,6 +11,7 @@ local warning = require "ylm.warning"
 
 local emit = {}
 
+local EACH = 50 -- particles of a merged light
 local COUNT, MOST_BOUNCES, MOST, DEGREE = 2000, 64, 2 ^ 27, 8
 local LOUD = 0.26 -- the part of slices that lights may miss without a word
 local SCALE = { density = 1.5, angle = 1, footprint = 1.5 } -- of radii, by their rule
@@ -34,12 +35,24 @@ function form.types.emission_degree(x)
   return nil, ("'auto', or an integer from 0 to %d"):format(DEGREE)
 end
 
+function form.types.merged(x)
+  if type(x) == "boolean" or check.is_integer(x) and x >= 1 and x <= MOST then return x end
+  return nil, "true, false, or a number of lights"
+end
+
 --- Options that scene:virtual_lights has in common with pictures that make such lights.
 emit.fields = {
   { "count", "integer", min = 1, max = MOST, optional = true,
     about = "lights, at most: of more landings so many are chosen, by power, each for the same share of it; default "
       .. COUNT .. ", or one for each landing where particles are named" },
-  { "particles", "integer", min = 1, max = MOST, optional = true, about = "that are traced, at least count; default: count" },
+  { "particles", "integer", min = 1, max = MOST, optional = true, about = "that are traced, at least count; default: count, "
+      .. "of merged lights " .. EACH .. " times as many" },
+  { "merge", "merged", default = false,
+    about = "true: particles that land in one cell of a grid, on surfaces that face the same way, become one light, count of "
+      .. "them at most (never below 6); power is kept, colour by colour. A number is count" },
+  { "cell", "number", above = 0, optional = true, unit = "scene units",
+    about = "the edge of these cells, whatever number of lights that gives: keep report.merged.cell while lamps move; default: "
+      .. "the least power of 2^(1/4) that gives count lights" },
   { "radius", "light_radius", optional = true, unit = "scene units",
     about = "of a light: 'footprint', by the area that a texel covers (default of a grid); 'density' (else), by the distance to "
       .. "the tenth light of the same surface; 'angle', the paper's, by the way of its particle; or a length" },
@@ -98,7 +111,7 @@ local function shortcomings(s, o, r)
   return list
 end
 
---- The lights of options that are settled: at, normal, radius, intensity, report; or nil, message, code.
+--- The lights of options that are settled: at, normal, radius, intensity, shift or nil, report; or nil, message, code.
 local function trace(name, s, o, traced)
   local t, message, code = traced, nil, nil
   if not t then t, message, code = tracing.trace(name, s) end
@@ -110,13 +123,21 @@ local function trace(name, s, o, traced)
   return check.result(name, t.lib.emit_lights(t.handle, { particles = o.particles, lights = o.count,
     bounces = math.max(1, o.bounces), radius = fixed and "fixed" or o.radius, fixed = fixed,
     scale = o.scale or SCALE[o.radius] or 1, seed = o.seed, threads = o.threads, grid = grid,
-    degree = o.degree == "auto" and -1 or o.degree, conserve = o.conserve, progress = progress.resolve(o.progress) }))
+    degree = o.degree == "auto" and -1 or o.degree, conserve = o.conserve, merge = o.merge and true, cell = o.cell,
+    progress = progress.resolve(o.progress) }))
 end
 
 --- Virtual lights and report by options that a form has checked, of function `name`; `traced`: lamps other than the scene's.
 function emit.lights(name, s, o, traced)
-  o.count = o.count or (o.particles or COUNT)
-  o.particles = o.particles or o.count
+  if type(o.merge) == "number" then
+    if o.count then
+      return check.bad(1, name, "merge = %d and count = %d say the same: merge = true merges into count", o.merge, o.count)
+    end
+    o.count = o.merge
+  end
+  if o.cell and not o.merge then return check.bad(1, name, "cell is of lights that are merged: merge = true") end
+  o.count = o.count or (not o.merge and o.particles or COUNT)
+  o.particles = o.particles or (o.merge and math.min(MOST, EACH * o.count) or o.count)
   if o.particles < o.count then
     return check.bad(1, name, "particles (%d) must be at least as many as count, the lights that are wanted (%d)", o.particles,
       o.count)
@@ -127,17 +148,20 @@ function emit.lights(name, s, o, traced)
   if o.distribution == "grid" and o.bounces ~= 1 then
     return check.bad(1, name, "distribution = 'grid' has one bounce, bounces is %d", o.bounces)
   end
+  if o.distribution == "grid" and o.merge then
+    return check.bad(1, name, "merge is of particles: the lights of distribution = 'grid' are its texels")
+  end
   o.spots = 0
   for _, l in ipairs(s.lights) do if form.kind(l) == "spot_light" then o.spots = o.spots + 1 end end
-  local at, normal, radius, intensity, report = trace(name, s, o, traced)
+  local at, normal, radius, intensity, shift, report = trace(name, s, o, traced)
   if not at then return nil, normal, radius end
   if o.bounces == 0 then
-    at, normal, radius, intensity = core.array_zeros({ 0, 3 }, "double"), nil, 1, 0
+    at, normal, radius, intensity, shift = core.array_zeros({ 0, 3 }, "double"), nil, 1, 0, nil
     report.lights, report.bounces, report.degree = 0, {}, 0
   end
   local lobes = report.degree > 0 and intensity or nil
   local lights = virtual.virtual_lights { at = at, normal = normal, radius = radius, emission = lobes,
-    intensity = not lobes and intensity or nil, profile = o.profile }
+    intensity = not lobes and intensity or nil, shift = shift, profile = o.profile }
   report.note = note_of(s, o, report)
   report.warnings = shortcomings(s, o, report)
   report.power.lights = lights.power
@@ -158,7 +182,8 @@ describe "scene:virtual_lights" {
       .. "became that; turned: landings with the normal of their triangle, that of the vertices looking away; absorbed; glossy: "
       .. "those on surfaces that gloss; degree, of emission; slices, of what these send: { missed: error over norm, root mean "
       .. "square by power, most, below: power below zero over all, unscaled: lights that `conserve` left as they are, their "
-      .. "slices keeping less than a twentieth }; seconds = { trace, radius, emission }; warnings; note, where it is dark" },
+      .. "slices keeping less than a twentieth }; merged = { landings, cell } of merged lights; seconds = { trace, radius, "
+      .. "emission, merge }; warnings; note, where it is dark" },
   },
   errors = "raises on a bad option; nil, message, code: memory, cancelled",
   example = [[

@@ -60,10 +60,17 @@ static void push_report(lua_State *L, const ylm_emit_report *r, size_t n) {
   ylmL_set_number(L, "trace", r->seconds[0]);
   ylmL_set_number(L, "radius", r->seconds[1]);
   ylmL_set_number(L, "emission", r->seconds[2]);
+  ylmL_set_number(L, "merge", r->seconds[3]);
   lua_setfield(L, -2, "seconds");
+  if (r->merged == 0) return;
+  lua_newtable(L);
+  ylmL_set_count(L, "landings", r->merged);
+  ylmL_set_number(L, "cell", r->cell);
+  lua_setfield(L, -2, "merged");
 }
 
-/* Four arrays of doubles that hold lights, the last their emission where it has a degree; false without memory. */
+/* Four arrays of doubles that hold lights, the last their emission where it has a degree, and their shifts or nil; false
+   without memory. */
 static bool push_lights(lua_State *L, const ylm_emit_lights *l) {
   const double *from[] = {l->at, l->normal, l->radius, l->emission ? l->emission : l->intensity};
   size_t shape[] = {l->n, 3, (size_t)(l->degree + 1) * (size_t)(l->degree + 1)};
@@ -76,16 +83,22 @@ static bool push_lights(lua_State *L, const ylm_emit_lights *l) {
     if (!a) return false;
     ylm_copy(a->data, from[k], a->count * sizeof(double));
   }
-  return true;
+  if (!l->shift) {
+    lua_pushnil(L);
+    return true;
+  }
+  ylmL_array *a = ylmL_array_new(L, YLM_DOUBLE, 1, shape); /* [n] */
+  if (a) ylm_copy(a->data, l->shift, a->count * sizeof(double));
+  return a != NULL;
 }
 
 /* emit_lights(scene, {particles, lights, bounces, radius: "density" | "angle" | "fixed" | "footprint",
-   fixed, scale, seed, threads, progress, grid: texels a side or nil, degree: -1 auto, conserve}) -> at [n][3],
-   normal [n][3], radius [n], intensity [n][3] or emission [n][3][(degree+1)^2], report */
+   fixed, scale, seed, threads, progress, grid: texels a side or nil, degree: -1 auto, conserve, merge, cell}) -> at
+   [n][3], normal [n][3], radius [n], intensity [n][3] or emission [n][3][(degree+1)^2], shift [n] or nil, report */
 static int emit_lights(lua_State *L) {
   static const char *const names[] = {"particles", "lights",   "bounces", "radius",   "fixed",
                                       "scale",     "seed",     "threads", "progress", "grid",
-                                      "degree",    "conserve", NULL};
+                                      "degree",    "conserve", "merge",   "cell",     NULL};
   static const char *const radii[] = {"density", "angle", "fixed", "footprint", NULL};
   enum {
     PARTICLES = 3,
@@ -99,7 +112,9 @@ static int emit_lights(lua_State *L) {
     PROGRESS,
     GRID,
     DEGREE,
-    CONSERVE
+    CONSERVE,
+    MERGE,
+    CELL
   };
   ylmL_named(L, 2, names);
   const ylm_scene *scene = ylmL_scene(L, 1);
@@ -116,6 +131,8 @@ static int emit_lights(lua_State *L) {
                         .grid = (int)luaL_optnumber(L, GRID, 0),
                         .degree = (int)luaL_checknumber(L, DEGREE),
                         .conserve = lua_toboolean(L, CONSERVE),
+                        .merge = lua_toboolean(L, MERGE),
+                        .cell = (double)luaL_optnumber(L, CELL, 0),
                         .seed = (uint64_t)luaL_checknumber(L, SEED),
                         .threads = (int)luaL_optnumber(L, THREADS, 0),
                         .progress = ylmL_progress_begin(L, PROGRESS, &p)};
@@ -123,8 +140,8 @@ static int emit_lights(lua_State *L) {
   if (s == YLM_OK && !push_lights(L, &lights)) s = YLM_ENOMEM;
   ylm_emit_free(&lights);
   if (s == YLM_OK)
-    push_report(L, &report, report.particles ? ylmL_array_check(L, -2)->shape[0] : 0);
-  return ylmL_result_progress(L, 5, s, &e, &p);
+    push_report(L, &report, report.particles ? ylmL_array_check(L, -3)->shape[0] : 0);
+  return ylmL_result_progress(L, 6, s, &e, &p);
 }
 
 /* The array of n doubles at `i`. */
@@ -153,7 +170,7 @@ static ylm_status along_normals(size_t n, size_t count, const double *normal,
   return s;
 }
 
-/* emit_write(path, at [n][3], normal [n][3], radius [n], emission [n][3][..]) -> true */
+/* emit_write(path, at [n][3], normal [n][3], radius [n], emission [n][3][..], shift [n]) -> true */
 static int emit_write(lua_State *L) {
   ylm_error e = {0};
   const char *path = luaL_checkstring(L, 1);
@@ -163,12 +180,13 @@ static int emit_write(lua_State *L) {
                        .at = doubles(L, 2, 3 * n),
                        .normal = doubles(L, 3, 3 * n),
                        .radius = doubles(L, 4, n)};
-  const double *emission = doubles(L, 5, 3 * n * count);
+  const double *emission = doubles(L, 5, 3 * n * count), *shift = doubles(L, 6, n);
   ylmL_array *intensity = ylmL_array_new(L, YLM_DOUBLE, 2, (size_t[]){n, 3});
   if (!intensity) return ylmL_result(L, 0, YLM_ENOMEM, NULL);
   l.intensity = intensity->data;
   for (size_t i = 0; count == 1 && i < 3 * n; i++) l.intensity[i] = emission[i] / sqrt(4 * M_PI);
   ylm_status s = count > 1 ? along_normals(n, count, l.normal, emission, l.intensity) : YLM_OK;
+  for (size_t i = 0; i < 3 * n; i++) l.intensity[i] *= 1 + shift[i / 3];
   lua_pushboolean(L, true);
   if (s == YLM_OK) s = ylm_emit_write_ply(&l, path, &e);
   return ylmL_result(L, 1, s, &e);

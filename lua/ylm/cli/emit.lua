@@ -3,6 +3,9 @@
 local report = require "ylm.cli.report"
 local status = require "ylm.cli.status"
 
+--- A value that is a number, or a word.
+local function word_or_number(text) return text and (tonumber(text) or text) end
+
 return {
   summary = "traces virtual lights of a scene file and writes them as points",
   usage = "SCENE.lua -o LIGHTS.ply",
@@ -11,7 +14,13 @@ return {
     { "output", "-o", "FILE", "the lights (.ply): places, normals, radii, intensities" },
     { "count", "-n", "N", "lights, at most" },
     { "particles", nil, "N", "that are traced, at least as many" },
+    { "merge", nil, nil, "particles that land close to each other become one light" },
+    { "cell", nil, "N", "with --merge, how close: the edge of a cell, scene units" },
     { "bounces", "-b", "NAME", "reflections of a particle: 1 (default), 2 .. or all" },
+    { "distribution", nil, "NAME", "particles (default) or grid: a picture from each spot_light" },
+    { "radius", nil, "NAME", "of a light: density, angle, footprint, or a length" },
+    { "scale", nil, "N", "multiplies radii" },
+    { "degree", nil, "NAME", "of what surfaces that gloss send: auto (default), or 0 to 8" },
     { "seed", nil, "N", "of all random numbers" },
     { "strict", nil, nil, "exit status 6 where a warning was given; the lights are written" },
     { "threads", "-j", "N", "default: YLM_THREADS or all cores" },
@@ -23,7 +32,9 @@ return {
     local bounces = status.bounces("emit", given.bounces)
     local scene = status.need_scene(ylm.load_scene(given[1]))
     local lights, facts = status.need(scene:virtual_lights { count = given.count, particles = given.particles,
-      bounces = bounces, seed = given.seed, threads = given.threads, progress = report.progress(given) })
+      merge = given.merge, cell = given.cell, bounces = bounces, distribution = given.distribution,
+      radius = word_or_number(given.radius), scale = given.scale, degree = word_or_number(given.degree), seed = given.seed,
+      threads = given.threads, progress = report.progress(given) })
     status.need(require("ylm.emit").write(lights, given.output))
     report.print(given, facts, report.names(facts, { "lights", "particles", "power", "radius" }))
     return status.of_warnings(given, facts.warnings)
