@@ -1,8 +1,8 @@
 -- Many virtual lights: time and error of all lights at all points, of sums to a tolerance, and of far parts baked with near parts
 -- summed, over the number of lights.
 --
---     lua examples/papers/hvl_many.lua [--room atrium] [--scene FILE] [--most 100000] [--width 480] [--tolerance 0.02] [--depth 9]
---         [--out out] [--quick]
+--     lua examples/papers/hvl_many.lua [--room atrium] [--scene FILE] [--most 100000] [--width 480] [--tolerance 0.02]
+--         [--depth 9] [--out out] [--quick]
 --
 -- Writes hvl_many.png. Seconds of a picture of a million shading points on all cores, behind emission: of those measured on a
 -- view of --width pixels, sums at points are scaled, bakes are not. "every light" and sums to a tolerance are measured at some

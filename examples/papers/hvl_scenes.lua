@@ -212,7 +212,7 @@ end
 -- The room with a table --------------------------------------------------------------------------
 
 --- A closed room with a round table, four chairs, a vase and bowls, pictures on the wall.
--- o: table, chairs, floor, wall, things (materials), lamps, detail.
+-- o: table, chairs, floor, wall, things, frame (materials), lamps, detail.
 function rooms.table_room(o)
   o = o or {}
   local around = math.max(8, math.floor(48 * (o.detail or 1)))
@@ -263,9 +263,41 @@ function rooms.table_room(o)
     geometry = { made(ground, o.floor or ylm.matte { albedo = { 0.42, 0.3, 0.2 } }),
       made(shell, o.wall or ylm.matte { albedo = { 0.75, 0.72, 0.66 } }), made(desk, o.table or wood),
       made(seats, o.chairs or wood), made(vase, o.things or ylm.ggx { alpha = 0.3, f0 = 0.05, base = { 0.1, 0.2, 0.45 } }),
-      made(bowl, o.things or ylm.matte { albedo = { 0.75, 0.7, 0.6 } }), made(frame, ylm.matte { albedo = { 0.5, 0.14, 0.1 } }) },
+      made(bowl, o.things or ylm.matte { albedo = { 0.75, 0.7, 0.6 } }), made(frame, o.frame or ylm.matte { albedo = { 0.5, 0.14,
+        0.1 } }) },
     lights = o.lamps or ylm.spot_light { at = { 1.7, 2.4, 1.8 }, to = { -0.5, 0.9, -0.8 }, angle = 70, intensity = { 26, 23,
       19 } },
+  }
+end
+
+-- Two bodies before a wall ----------------------------------------------------------------------
+
+--- GGX stand-ins for the paper's materials 5, 9, 13 and 14: blue acrylic, gold paint, red specular plastic, silver paint.
+function rooms.paints()
+  return ylm.ggx { alpha = 0.25, f0 = 0.04, base = { 0.05, 0.14, 0.4 } },
+    ylm.ggx { alpha = 0.4, f0 = { 0.6, 0.42, 0.16 }, base = { 0.12, 0.08, 0.02 } },
+    ylm.ggx { alpha = 0.2, f0 = 0.05, base = { 0.45, 0.05, 0.04 } },
+    ylm.ggx { alpha = 0.35, f0 = { 0.5, 0.5, 0.52 }, base = { 0.12, 0.12, 0.13 } }
+end
+
+--- Meshes for the bunny and Suzanne (o.bunny, o.suzanne: files) on a floor before a wall, under a spot.
+function rooms.pair(o)
+  local blue, gold, red, silver = rooms.paints()
+  local bodies = dofile((arg[0]:match "^(.*/)" or "./") .. "scenes_2022.lua")
+  local detail = o.detail or 48
+  return ylm.scene "two bodies" {
+    camera = ylm.camera { from = { 0.2, 1.5, 4.2 }, at = { 0, 0.62, 0 }, fov = 36 },
+    geometry = {
+      ylm.quad { corner = { -2.4, 0, 2 }, u = { 4.8, 0, 0 }, v = { 0, 0, -3.2 }, material = o.floor or silver },
+      ylm.quad { corner = { -2.4, 0, -1.2 }, u = { 4.8, 0, 0 }, v = { 0, 2.4, 0 }, material = o.wall or red },
+      rooms.statue(o.bunny or "", { -0.6, 0, 0.1 }, 1.15, blue, function(m)
+        return bodies.beast(detail, m, { at = { -0.6, 0.62, 0.1 }, scale = 0.85 })
+      end),
+      rooms.statue(o.suzanne or "", { 0.65, 0, 0 }, 1, gold, function(m)
+        return bodies.figure(detail, m, { at = { 0.65, 0, 0 }, scale = 0.65 })
+      end),
+    },
+    lights = ylm.spot_light { at = { 1.6, 2.6, 2.2 }, to = { -0.15, 0.25, -0.4 }, angle = 62, intensity = 22 },
   }
 end
 
