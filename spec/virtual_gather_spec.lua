@@ -351,9 +351,12 @@ describe("view:gather", function()
     local view = scene:prepare { size = { 2, 2 }, samples = 1 }
     local _, r = view:gather { lights = one_light() }
     assert.matches("shine through walls: shadows = 'centre'", r.warnings[1])
+    assert.equal(1, #r.warnings)
+    local matte = scene:prepare { size = { 2, 2 }, samples = 1, visibility = "none", gloss = "matte" }
+    _, r = matte:gather { lights = one_light() }
     assert.matches("1 mesh is glossy: virtual lights shade it as a matte one", r.warnings[2])
     _, r = view:gather { lights = one_light(), shadows = "centre" }
-    assert.equal(1, #r.warnings)
+    assert.equal(0, #r.warnings)
   end)
 
   it("refuses what is another method's, and what no method knows", function()

@@ -175,7 +175,8 @@ typedef struct making {
 
 static ylm_status fit_of(const emit_gloss *g, size_t k, int degree, const ylm_emit_options *o,
                          const ylm_material_table **table, ylm_error *e) {
-  return ylm_material_table_kept_fit(g->material[k].m, degree, o->threads, o->progress, table, e);
+  return ylm_material_table_kept_as(g->material[k].m, YLM_MATERIAL_TABLE_FIT, degree, o->threads,
+                                    o->progress, table, e);
 }
 
 /* The degree that a material asks for. */

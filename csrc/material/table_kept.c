@@ -19,9 +19,9 @@ static const ylm_material_table *find(const struct material_kept *k, int lmax,
   return k ? k->table : NULL;
 }
 
-static ylm_status kept_of(const ylm_material *m, int lmax, ylm_material_table_slice slice,
-                          int threads, const ylm_progress *progress,
-                          const ylm_material_table **table, ylm_error *e) {
+ylm_status ylm_material_table_kept_as(const ylm_material *m, ylm_material_table_slice slice,
+                                      int lmax, int threads, const ylm_progress *progress,
+                                      const ylm_material_table **table, ylm_error *e) {
   /* what is kept is no part of what a material is */
   _Atomic(struct material_kept *) *kept = &((ylm_material *)(uintptr_t)m)->kept;
   struct material_kept *head = atomic_load(kept);
@@ -51,13 +51,8 @@ static ylm_status kept_of(const ylm_material *m, int lmax, ylm_material_table_sl
 ylm_status ylm_material_table_kept(const ylm_material *m, int lmax, int threads,
                                    const ylm_progress *progress, const ylm_material_table **table,
                                    ylm_error *e) {
-  return kept_of(m, lmax, YLM_MATERIAL_TABLE_COSINE, threads, progress, table, e);
-}
-
-ylm_status ylm_material_table_kept_fit(const ylm_material *m, int lmax, int threads,
-                                       const ylm_progress *progress,
-                                       const ylm_material_table **table, ylm_error *e) {
-  return kept_of(m, lmax, YLM_MATERIAL_TABLE_FIT, threads, progress, table, e);
+  return ylm_material_table_kept_as(m, YLM_MATERIAL_TABLE_COSINE, lmax, threads, progress, table,
+                                    e);
 }
 
 size_t ylm_material_table_kept_bytes(const ylm_material *m) {

@@ -81,10 +81,10 @@ YLM_API ylm_status ylm_material_table_create(const ylm_material *m,
 YLM_API ylm_status ylm_material_table_kept(const ylm_material *m, int lmax, int threads,
                                            const ylm_progress *progress,
                                            const ylm_material_table **table, ylm_error *e);
-/* As that, of fits: emission by virtual lights. */
-YLM_API ylm_status ylm_material_table_kept_fit(const ylm_material *m, int lmax, int threads,
-                                               const ylm_progress *progress,
-                                               const ylm_material_table **table, ylm_error *e);
+/* As that, of any slices: FIT is what virtual lights send, BARE their receivers' zonal lobes. */
+YLM_API ylm_status ylm_material_table_kept_as(const ylm_material *m, ylm_material_table_slice slice,
+                                              int lmax, int threads, const ylm_progress *progress,
+                                              const ylm_material_table **table, ylm_error *e);
 /* The memory of the tables that are kept with a material. */
 YLM_API size_t ylm_material_table_kept_bytes(const ylm_material *m);
 YLM_API void ylm_material_table_free(ylm_material_table *table);

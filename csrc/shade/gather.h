@@ -14,9 +14,17 @@ typedef struct gather_lights {
   ylm_light_virtual_form form;
   float *at[3], *normal[3], *shift; /* [padded]; without a normal the shift is 1 */
   float *radius;                    /* [padded] */
-  float *intensity[3];              /* [padded] degree 0; NULL: form.emission */
+  float *intensity[3];              /* [padded] degree 0; else lobes */
   float *memory;
+  /* of a degree: emission of GATHER_LOBES lights beside each other, in the order of gather_series:
+     [padded/GATHER_LOBES][entries][3][2: m >= 0, m < 0][GATHER_LOBES], and the highest degree in it that counts */
+  float *lobe;
+  uint8_t *top;
+  const struct gather_series *series; /* of their degree */
 } gather_lights;
+
+/* Lights whose emission stands together. */
+#define GATHER_LOBES 16
 
 /* The question to a light. */
 typedef struct gather_ask {
@@ -32,9 +40,26 @@ typedef void ylm_shade_weights_fn(const gather_lights *l, const gather_ask *a, s
 /* sum[c] += w[k] I[c][k], k < GATHER_CHUNK. */
 typedef void ylm_shade_collect_fn(const float *w, const float *const I[3], double sum[3]);
 
+/* As collect, with weights for each channel: w [3][GATHER_CHUNK]. */
+typedef void ylm_shade_collect_each_fn(const float (*w)[GATHER_CHUNK], const float *const I[3],
+                                       double sum[3]);
+/* I[c][k]: intensity of light first + k, whose emission has a degree, towards x; k < GATHER_CHUNK. `soft`: profiles
+   whose direction is. */
+typedef void ylm_shade_send_fn(const gather_lights *l, bool soft, size_t first, const float x[3],
+                               float (*I)[GATHER_CHUNK]);
+struct gather_receiver;
+/* As weights, of a receiver that glosses: w [functions][GATHER_CHUNK], radiance by functions of its slices; of zonal
+   lobes [3], without the base. */
+typedef void ylm_shade_gloss_fn(const gather_lights *l, const gather_ask *a,
+                                const struct gather_receiver *r, size_t first, const float x[3],
+                                float (*w)[GATHER_CHUNK]);
+
 typedef struct gather_kernels {
   ylm_shade_weights_fn *weights;
   ylm_shade_collect_fn *collect;
+  ylm_shade_collect_each_fn *collect_each;
+  ylm_shade_send_fn *send;
+  ylm_shade_gloss_fn *gloss;
 } gather_kernels;
 
 /* The kernels of the instruction set in use. gather_kernels.c */
@@ -42,6 +67,9 @@ gather_kernels ylm__gather_kernels(const ylm_shade_gather_options *o);
 /* The weight of one light: the plain form, which judges the others. gather_plain.c */
 double ylm__gather_weight(const gather_lights *l, const gather_ask *a, size_t i, const float x[3],
                           const float N[3]);
+
+/* The plain form of ylm_shade_send_fn. gather_plain.c */
+ylm_shade_send_fn ylm__gather_send;
 
 /* The factor g = c_x c_y/d^2 as a bound leaves it. */
 static inline double ylm__gather_bound(const gather_ask *a, double g, double d2) {
@@ -57,9 +85,15 @@ static inline double ylm__gather_bound(const gather_ask *a, double g, double d2)
 /* The weight of a light as a sphere. gather_vsl.c */
 double ylm__gather_sphere(const gather_lights *l, const gather_ask *a, size_t i, const float x[3],
                           const float N[3], ylm_rng *rng);
+/* As that, of a receiver that glosses: radiance for an intensity of 1, out [3]. */
+void ylm__gather_sphere_gloss(const gather_lights *l, const gather_ask *a,
+                              const struct gather_receiver *r, size_t i, const float x[3],
+                              ylm_rng *rng, double out[3]);
 
-/* Adds to irradiances [points][3] what the bound took. gather_vpl.c */
-ylm_status ylm__gather_compensate(const ylm_shade_view *v, const gather_ask *a, float *out,
-                                  uint64_t *rays, ylm_error *e);
+struct gather_gloss;
+/* Adds to irradiances [points][3], of points that gloss radiances, what the bound took. gather_vpl.c */
+ylm_status ylm__gather_compensate(const ylm_shade_view *v, const gather_ask *a,
+                                  const struct gather_gloss *gloss, float *out, uint64_t *rays,
+                                  ylm_error *e);
 
 #endif

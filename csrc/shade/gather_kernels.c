@@ -1,5 +1,5 @@
 /* gather_kernels.c - the kernels of the instruction set in use, and the plain form, which judges them. */
-#include "gather.h"
+#include "gather_gloss.h"
 
 static void weights(const gather_lights *l, const gather_ask *a, size_t first, const float x[3],
                     const float N[3], float *w) {
@@ -12,6 +12,20 @@ static void collect(const float *w, const float *const I[3], double sum[3]) {
     for (size_t k = 0; k < GATHER_CHUNK; k++) sum[c] += (double)w[k] * (double)I[c][k];
 }
 
+static void collect_each(const float (*w)[GATHER_CHUNK], const float *const I[3], double sum[3]) {
+  for (int c = 0; c < 3; c++)
+    for (size_t k = 0; k < GATHER_CHUNK; k++) sum[c] += (double)w[c][k] * (double)I[c][k];
+}
+
+static void gloss(const gather_lights *l, const gather_ask *a, const gather_receiver *r,
+                  size_t first, const float x[3], float (*w)[GATHER_CHUNK]) {
+  for (size_t k = 0; k < GATHER_CHUNK; k++) {
+    double one[3] = {0, 0, 0};
+    if (first + k < l->n) ylm__gather_gloss_weight(l, a, r, first + k, x, one);
+    for (int f = 0; f < (r->zonal ? 3 : r->functions); f++) w[f][k] = (float)one[f];
+  }
+}
+
 #if defined(__x86_64__)
 #define SETS(X) X(sse2) X(avx2) X(avx512)
 #elif defined(__aarch64__)
@@ -22,16 +36,21 @@ static void collect(const float *w, const float *const I[3], double sum[3]) {
 
 #define X(isa)                                                                                     \
   ylm_shade_weights_fn ylm_k_shade_weights_##isa;                                                  \
-  ylm_shade_collect_fn ylm_k_shade_collect_##isa;
+  ylm_shade_collect_fn ylm_k_shade_collect_##isa;                                                  \
+  ylm_shade_collect_each_fn ylm_k_shade_collect_each_##isa;                                        \
+  ylm_shade_send_fn ylm_k_shade_send_##isa;                                                        \
+  ylm_shade_gloss_fn ylm_k_shade_gloss_##isa;
 SETS(X)
 #undef X
 
 gather_kernels ylm__gather_kernels(const ylm_shade_gather_options *o) {
-  gather_kernels k = {weights, collect};
+  gather_kernels k = {weights, collect, collect_each, ylm__gather_send, gloss};
   switch (ylm_isa_current()) {
 #define X(isa)                                                                                     \
   case YLM_ISA_##isa:                                                                              \
-    k = (gather_kernels){ylm_k_shade_weights_##isa, ylm_k_shade_collect_##isa};                    \
+    k = (gather_kernels){ylm_k_shade_weights_##isa, ylm_k_shade_collect_##isa,                     \
+                         ylm_k_shade_collect_each_##isa, ylm_k_shade_send_##isa,                   \
+                         ylm_k_shade_gloss_##isa};                                                 \
     break;
     SETS(X)
 #undef X

@@ -2,7 +2,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "gather.h"
+#include "gather_gloss.h"
 
 #define GRAIN 256
 #define PI 3.14159265358979323846
@@ -12,13 +12,16 @@
 typedef struct found {
   ylm_scene_place *place;
   uint32_t *point;
-  float *factor; /* of the radiance that leaves the place: pi/rays times the part that was cut */
+  float (*factor)
+      [3]; /* of the radiance that leaves the place: pi/rays times the part that was cut, times f where the
+                         point glosses */
   size_t n, room;
 } found;
 
 typedef struct job {
   const ylm_shade_view *view;
   const gather_ask *ask;
+  const gather_gloss *gloss;
   found *blocks;
 } job;
 
@@ -28,7 +31,7 @@ static bool grow(found *f) {
   if (place) f->place = place;
   uint32_t *point = ylm_realloc(f->point, f->n * sizeof *point, room, sizeof *point);
   if (point) f->point = point;
-  float *factor = ylm_realloc(f->factor, f->n * sizeof *factor, room, sizeof *factor);
+  float(*factor)[3] = ylm_realloc(f->factor, f->n * sizeof *factor, room, sizeof *factor);
   if (factor) f->factor = factor;
   if (!place || !point || !factor) return false;
   f->room = room;
@@ -55,13 +58,19 @@ static ylm_status meet(const job *j, size_t i, uint64_t stream, ylm_trace_ray *r
   const ylm_shade_view *v = j->view;
   gather_ask a = *j->ask;
   int n = a.o->compensate;
-  float albedo[3], x[3], y[3];
+  bool glosses = ylm__gather_glosses(j->gloss, v, i);
+  gather_receiver receiver;
+  float albedo[3], x[3], y[3], tint[3] = {1, 1, 1}, f3[1][3] = {{1, 1, 1}};
   ylm_rng rng;
   ylm__shade_albedo(v, i, albedo);
   a.reflectance =
       (float)((YLM_LUMINANCE_R * (double)albedo[0] + YLM_LUMINANCE_G * (double)albedo[1] +
                YLM_LUMINANCE_B * (double)albedo[2]) /
               PI);
+  if (glosses) {
+    ylm__shade_tint(v, i, 1, tint);
+    (void)ylm__gather_receive(j->gloss, v, i, NULL, &receiver); /* without tables it cannot fail */
+  }
   ylm_rng_seed(&rng, ~a.o->seed, stream);
   ylm_scene_basis(v->normal[i], x, y);
   for (int k = 0; k < n; k++) {
@@ -80,12 +89,20 @@ static ylm_status meet(const job *j, size_t i, uint64_t stream, ylm_trace_ray *r
     bool back = ylm_dot3(hit[k].normal, ray[k].dir) > 0;
     ylm_scene_place place = {(uint32_t)hit[k].mesh, hit[k].element, hit[k].u, hit[k].v, back};
     ylm_scene_surfaces(v->scene, 1, &place, &s);
+    if (glosses) {
+      ylm__gather_eval(&receiver, 1, (const float(*)[3])ray[k].dir, f3);
+      for (int c = 0; c < 3; c++) f3[0][c] *= tint[c];
+      a.reflectance =
+          (float)(YLM_LUMINANCE_R * (double)f3[0][0] + YLM_LUMINANCE_G * (double)f3[0][1] +
+                  YLM_LUMINANCE_B * (double)f3[0][2]);
+    }
     double part = cut(&a, &ray[k], &s, hit[k].t, v->normal[i]);
     if (!(part > 0)) continue;
     if (f->n == f->room && !grow(f)) return YLM_ENOMEM;
     f->place[f->n] = place;
     f->point[f->n] = (uint32_t)i;
-    f->factor[f->n++] = (float)(PI / n * part);
+    for (int c = 0; c < 3; c++) f->factor[f->n][c] = (float)(PI / n * part) * f3[0][c];
+    f->n++;
   }
   return YLM_OK;
 }
@@ -122,16 +139,17 @@ static ylm_status add(const ylm_shade_view *v, const gather_ask *a, uint64_t see
                                             true, &o, &sum, &stats, e)
                           : YLM_OK;
   for (size_t k = 0; s == YLM_OK && k < 3 * f->n; k++)
-    out[3 * f->point[k / 3] + k % 3] += f->factor[k / 3] * room[k];
+    out[3 * f->point[k / 3] + k % 3] += f->factor[k / 3][k % 3] * room[k];
   *rays += stats.nearest_rays + stats.shadow_rays + stats.lamp_rays;
   ylm_free(room);
   return s;
 }
 
-ylm_status ylm__gather_compensate(const ylm_shade_view *v, const gather_ask *a, float *out,
-                                  uint64_t *rays, ylm_error *e) {
+ylm_status ylm__gather_compensate(const ylm_shade_view *v, const gather_ask *a,
+                                  const gather_gloss *gloss, float *out, uint64_t *rays,
+                                  ylm_error *e) {
   size_t blocks = (v->points + GRAIN - 1) / GRAIN;
-  job j = {v, a, ylm_alloc_zero(blocks, sizeof *j.blocks)};
+  job j = {v, a, gloss, ylm_alloc_zero(blocks, sizeof *j.blocks)};
   if (!j.blocks) return YLM_ENOMEM;
   ylm_status s =
       ylm_parallel(v->points, GRAIN, a->o->threads, run, &j, a->o->progress, "compensation");

@@ -40,15 +40,14 @@ typedef struct scratch {
 
 /* -- directions ------------------------------------------------------------------- */
 
-/* The surface at point i of the view. */
-static void surface_of(const job *j, size_t i, ylm_scene_surface *s) {
-  const ylm_shade_view *v = j->v;
-  if (!j->vertex) {
+void ylm__shade_surface(const ylm_shade_view *v, const uint32_t *vertex, size_t i,
+                        ylm_scene_surface *s) {
+  if (!vertex) {
     ylm_scene_surfaces(v->scene, 1, &v->entry[i].at, s);
     return;
   }
-  size_t vertex = j->vertex[i] / 2 - ylm_scene_first_vertex(v->scene, v->mesh[i]);
-  ylm_scene_vertex(v->scene, v->mesh[i], vertex, j->vertex[i] & 1, s);
+  size_t of_mesh = vertex[i] / 2 - ylm_scene_first_vertex(v->scene, v->mesh[i]);
+  ylm_scene_vertex(v->scene, v->mesh[i], of_mesh, vertex[i] & 1, s);
 }
 
 /* The direction to the camera in the frame x, y, normal of a surface. */
@@ -95,7 +94,7 @@ static void aim(const job *j, scratch *x, size_t point, size_t links) {
   ylm_scene_surface s;
   float y[3], (*weight)[3] = x->weight + x->rays;
   ylm_trace_ray *ray = x->ray + x->rays;
-  surface_of(j, point, &s);
+  ylm__shade_surface(j->v, j->vertex, point, &s);
   for (int a = 0; a < 3; a++) {
     int b = (a + 1) % 3, c = (a + 2) % 3;
     y[a] = s.normal[b] * s.tangent[c] - s.normal[c] * s.tangent[b];
@@ -218,8 +217,7 @@ static ylm_status run(void *context, size_t begin, size_t end, int worker) {
   return s;
 }
 
-/* The vertices that the points of a view are. */
-static uint32_t *list_vertices(const ylm_shade_view *v) {
+uint32_t *ylm__shade_point_vertices(const ylm_shade_view *v) {
   uint32_t *vertex = ylm_alloc_zero(v->points, sizeof *vertex);
   size_t all = 2 * ylm_scene_vertices(v->scene, NULL);
   for (size_t i = 0; vertex && v->vertex && i < all; i++)
@@ -238,7 +236,7 @@ static uint32_t *list_vertices(const ylm_shade_view *v) {
 static ylm_status share(job *j) {
   const ylm_shade_view *v = j->v;
   bool tinted = ylm_scene_is_tinted(v->scene);
-  if (v->corner) j->vertex = list_vertices(v);
+  if (v->corner) j->vertex = ylm__shade_point_vertices(v);
   if (tinted) j->albedo = ylm_alloc(ylm_transfer_count(j->t), sizeof *j->albedo);
   if ((v->corner && !j->vertex) || (tinted && !j->albedo)) return YLM_ENOMEM;
   if (tinted) ylm_transfer_elements(j->t, NULL, NULL, NULL, j->albedo[0], NULL);

@@ -52,6 +52,11 @@ static void square(const double n[3], double x[3]) {
 
 void ylm__shade_look(const ylm_shade_view *v, size_t i, float wo[3], float frame[3][3]) {
   const float(*tangent)[3] = ylm__shade_gloss_tangents(v->gloss);
+  ylm__shade_look_along(v, i, tangent ? tangent[i] : NULL, wo, frame);
+}
+
+void ylm__shade_look_along(const ylm_shade_view *v, size_t i, const float *tangent, float wo[3],
+                           float frame[3][3]) {
   double w[3], n[3], x[3], y[3], u[3];
   for (int a = 0; a < 3; a++) {
     w[a] = v->frame.from[a] - (double)v->position[i][a];
@@ -66,7 +71,7 @@ void ylm__shade_look(const ylm_shade_view *v, size_t i, float wo[3], float frame
   for (int a = 0; a < 3; a++) x[a] = w[a] - z * n[a];
   double across = sqrt(dot3(x, x));
   if (tangent)
-    for (int a = 0; a < 3; a++) u[a] = (double)tangent[i][a];
+    for (int a = 0; a < 3; a++) u[a] = (double)tangent[a];
   if (across < 1e-4) { /* any x will do: that of the surface */
     float t[3], other[3];
     ylm_scene_basis(v->normal[i], t, other);

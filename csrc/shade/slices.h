@@ -21,6 +21,9 @@ typedef struct shade_slices {
 /* The direction of the camera at point i of a view, in the frame of its surface, and the axes of the view there:
    columns x, y, normal, x in the plane of normal and view. */
 void ylm__shade_look(const ylm_shade_view *v, size_t i, float wo[3], float frame[3][3]);
+/* As that, with the tangent there; NULL: the material is isotropic. */
+void ylm__shade_look_along(const ylm_shade_view *v, size_t i, const float *tangent, float wo[3],
+                           float frame[3][3]);
 
 /* For points of a view, by tables of one degree; NULL without memory. */
 shade_slices *ylm__shade_slices(const ylm_shade_view *v, const shade_tables *t);

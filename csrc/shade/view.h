@@ -151,6 +151,12 @@ ylm_status ylm__shade_cast(const ylm_shade_view *v, shade_cast *c, size_t n, con
 /* relight.c: frees a view that is made of another. */
 void ylm__shade_change_free(ylm_shade_view *v);
 
+/* lobes.c: the vertices that the points of a view per vertex are, 2 * vertex of the scene + back; NULL without memory.
+   The surface at point i, with these; NULL: points are entries. */
+uint32_t *ylm__shade_point_vertices(const ylm_shade_view *v);
+void ylm__shade_surface(const ylm_shade_view *v, const uint32_t *vertex, size_t i,
+                        ylm_scene_surface *s);
+
 /* -- kernels -------------------------------------------------------------------- */
 
 /* out[p][c] = sum over k < count of T[p][k] L[i][c][k] for i < n, p = index[i] (index NULL: p = i),

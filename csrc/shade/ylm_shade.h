@@ -566,11 +566,13 @@ typedef struct ylm_shade_gather_options {
   int lmax;                  /* HVL: 0 .. YLM_SHADE_GATHER_LMAX */
   const double *window;      /* HVL: [lmax+1] factors of the receiver's coefficients; NULL: 1 */
   ylm_shade_horizon horizon; /* HVL */
-  ylm_shade_clamp clamp;     /* VPL */
-  double limit;              /* c, > 0 */
-  int compensate; /* VPL, clamped: rays of a point that find what the bound takes away; 0 */
-  int bounces;    /* of these: reflections that the lights stand for, 1 .. */
-  int samples;    /* VSL: 1 .. 65536 */
+  bool zonal; /* HVL: lobes of surfaces that gloss are circular about an axis, above a matte base */
+  bool matte; /* surfaces that gloss reflect as matte ones of their mean albedo */
+  ylm_shade_clamp clamp; /* VPL */
+  double limit;          /* c, > 0 */
+  int compensate;        /* VPL, clamped: rays of a point that find what the bound takes away; 0 */
+  int bounces;           /* of these: reflections that the lights stand for, 1 .. */
+  int samples;           /* VSL: 1 .. 65536 */
   ylm_shade_sphere_strategy strategy;
   bool shadows; /* a ray from the point to the middle of each light */
   uint64_t seed;
@@ -600,13 +602,19 @@ typedef struct ylm_shade_gather_report {
 **
 ** Compensation: rays from x as the cosine meet y'; what the bound took from the light that y' reflects,
 ** L f max(0, G - c)/G, is added (ylm_path_places has L). With shadows, the mean is that of no bound.
-** Surfaces that are not matte reflect as matte ones of their mean albedo.
+** On a surface that glosses f, of the direction to the eye, stands in place of albedo/pi:
+**
+**   HVL  I c_y sum over l, m of F_lm G_l Y_lm(w), F of f cos in harmonics to lmax, in the frame of the view
+**        zonal: I c_y c_x sum over l of z_l G_l P_l(a.w), a and z of f less its least value, for which the cosine's
+**        harmonics stand as on matte surfaces
+**   VPL  I f c_x c_y / d^2; VSL: the integral of f times both cosines; RECEIVER: directions of the material
 **
 **   out  out  [points][3]
 **
-** Returns  YLM_OK; YLM_ERANGE (an option), YLM_EINVAL (compensation without a bound), YLM_ENOMEM,
+** Returns  YLM_OK; YLM_ERANGE (an option; lmax above YLM_MATERIAL_TABLE_LMAX, where surfaces gloss), YLM_EINVAL (compensation without a bound), YLM_ENOMEM,
 **          YLM_ECANCELLED (progress stages "virtual lights", "compensation")
-** Cost     a pair: HVL some ns (lmax 4, one core), VPL 1 ns, VSL 50 ns a direction; a ray with shadows
+** Cost     a pair: HVL some ns (lmax 4, one core), VPL 1 ns, VSL 50 ns a direction; a ray with shadows; tables of
+**          materials that gloss, which they keep
 ** Source   Mezieres & Paulin 2022; Keller 1997, "Instant Radiosity"; Kollig & Keller 2004,
 **          "Illumination in the Presence of Weak Singularities"; Hasan et al. 2009, "Virtual Spherical
 **          Lights for Many-Light Rendering of Glossy Scenes"

@@ -12,12 +12,13 @@ static const double *read_window(lua_State *L, int i, int lmax) {
 }
 
 /* shade_virtual(view, lights, {method, lmax, window: list | nil, horizon, clamp, limit, compensate,
-   bounces, samples, strategy, shadows, seed, threads, progress}) -> radiance [n][3], {pairs, rays,
+   bounces, samples, strategy, shadows, seed, threads, progress, zonal, matte}) -> radiance [n][3], {pairs, rays,
    seconds} */
 static int shade_virtual(lua_State *L) {
   static const char *const names[] = {"method",  "lmax",       "window",  "horizon",  "clamp",
                                       "limit",   "compensate", "bounces", "samples",  "strategy",
-                                      "shadows", "seed",       "threads", "progress", NULL};
+                                      "shadows", "seed",       "threads", "progress", "zonal",
+                                      "matte",   NULL};
   static const char *const methods[] = {"hvl", "vpl", "vsl", NULL};
   static const char *const horizons[] = {"none", "paper", "gate", NULL};
   static const char *const clamps[] = {"none", "distance", "geometry", "whole", NULL};
@@ -36,7 +37,9 @@ static int shade_virtual(lua_State *L) {
     SHADOWS,
     SEED,
     THREADS,
-    PROGRESS
+    PROGRESS,
+    ZONAL,
+    MATTE
   };
   ylmL_named(L, 3, names);
   ylm_shade_view *v = ylmL_shade_view(L, 1);
@@ -55,6 +58,8 @@ static int shade_virtual(lua_State *L) {
       .samples = (int)luaL_optnumber(L, SAMPLES, 1),
       .strategy = (ylm_shade_sphere_strategy)luaL_checkoption(L, STRATEGY, "mis", strategies),
       .shadows = lua_toboolean(L, SHADOWS),
+      .zonal = lua_toboolean(L, ZONAL),
+      .matte = lua_toboolean(L, MATTE),
       .seed = (uint64_t)luaL_checknumber(L, SEED),
       .threads = (int)luaL_optnumber(L, THREADS, 0),
       .progress = ylmL_progress_begin(L, PROGRESS, &p)};

@@ -16,13 +16,16 @@ local window = require "ylm.sh.window"
 
 local gather = {}
 
-local LMAX, LIMIT_LMAX, SAMPLES = 4, 100, 25
+local LMAX, ZONAL_LMAX, LIMIT_LMAX, SAMPLES = 4, 14, 100, 25
 
 --- Options of one method, which others refuse.
 local own = {
   hvl = {
     { "lmax", "integer", min = 0, max = LIMIT_LMAX, optional = true,
-      about = "'hvl': highest degree, default " .. LMAX },
+      about = "'hvl': highest degree, default " .. LMAX .. ", with zonal " .. ZONAL_LMAX .. "; 60 where surfaces gloss" },
+    { "zonal", "boolean", optional = true,
+      about = "'hvl': lobes of surfaces that gloss are circular about an axis, above a matte base, and cost as much as a matte "
+        .. "surface; default false" },
     { "window", "any", optional = true,
       about = "'hvl': { name, width } of sh.window, which damps what the receiver weighs light with" },
     { "horizon", "choice", of = { "none", "paper", "gate" }, optional = true,
@@ -101,7 +104,7 @@ local function settle(p, o)
   if o.lights.profile ~= "point" and o.lights.profile ~= "gauss" and o.lights.profile ~= "cap" and o.method ~= "hvl" then
     return check.fail("gather: lights of profile '%s' are parts of lights, which only method = 'hvl' knows", o.lights.profile)
   end
-  if o.method == "hvl" then o.lmax = o.lmax or LMAX
+  if o.method == "hvl" then o.lmax = o.lmax or o.zonal and ZONAL_LMAX or LMAX
   elseif o.method == "vpl" then
     o.clamp, o.compensate = o.clamp or "geometry", o.compensate or 0
     if o.clamp ~= "none" then o.limit = o.limit or default_limit(o.lights)
@@ -125,7 +128,8 @@ function gather.radiance(name, p, o)
   return check.result(name, p.lib.shade_virtual(p.view, o.lights.lights, {
     method = o.method, lmax = o.lmax or 0, window = factors(o), horizon = o.horizon, clamp = o.clamp, limit = o.limit,
     compensate = o.compensate, bounces = math.max(1, o.bounces or 1), samples = o.samples, strategy = o.strategy,
-    shadows = o.shadows == "centre", seed = o.seed or p.options.seed, threads = o.threads or 0,
+    shadows = o.shadows == "centre",
+    zonal = o.zonal, matte = p.options.gloss == "matte", seed = o.seed or p.options.seed, threads = o.threads or 0,
     progress = progress.resolve(o.progress) }))
 end
 
@@ -136,7 +140,7 @@ function gather.say(p, shadows, report)
     near.say_walls(p, report)
   end
   local n = p.traced.glossy
-  if n == 0 then return end
+  if n == 0 or p.options.gloss ~= "matte" then return end
   list[#list + 1] = warning.say(p.scene, "gloss gathered", n == 1
     and "scene %q: 1 mesh is glossy: virtual lights shade it as a matte one of its mean albedo"
     or "scene %q: " .. n .. " meshes are glossy: virtual lights shade them as matte ones of their mean albedo",
