@@ -82,10 +82,19 @@ HAVE := core $(PARTS)
 
 BINDINGS := $(foreach a,$(ABIS),$(foreach m,$(HAVE),$(BUILD)/$(a)/ylm/c/$(m).so))
 
-.PHONY: all deps demo test spec quick bench gen gen-check check check-long asan fuzz docs format install rock clean help
+.PHONY: all deps demo test spec quick bench gen gen-check check check-long portable asan fuzz docs format install rock clean help
 .DEFAULT_GOAL := all
 
+# What is not found is left out, and named at the end of make.
+NEEDS_codec  := image files, which need OpenEXR 3 and libpng (libopenexr-dev libpng-dev)
+NEEDS_scene  := scenes and rays, which need Embree 3 or 4 (libembree-dev)
+NEEDS_vtk    := pictures of the mathematics, which need VTK 9 (libvtk9-dev libegl-dev libglew-dev libopengl-dev libx11-dev)
+NEEDS_vulkan := work on graphics processors, which needs Vulkan's headers and glslc (libvulkan-dev glslc)
+NEEDS_lua    := the Lua module, which needs a Lua and its headers (lua5.4 liblua5.4-dev)
+LEFT_OUT     := $(filter-out $(HAVE),codec scene vtk vulkan) $(if $(LUAS),,lua)
+
 all: $(LIBS) $(BINDINGS) $(BUILD)/ylm   ## build the libraries, a binding for each Lua found, and build/ylm
+	$(if $(strip $(LEFT_OUT)),@$(foreach p,$(LEFT_OUT),echo "left out: $(NEEDS_$(p))";))
 
 define KERNEL
 $(BUILD)/obj/%.$(1).o: csrc/%.isa.c
@@ -186,8 +195,11 @@ spec: all   ## run the specs, without installing what they need (SPEC=files for 
 quick: all   ## the specs that a change of one file needs: 90 seconds on two cores
 	@YLM_SPEC=quick BUILD=$(abspath $(BUILD)) SPEC_LUAS='$(or $(SPEC_LUAS),lua5.4)' spec/run $(SPEC)
 
-check-long: all   ## run by hand before a release, hours: sanitizers, kills, 1000 updates, memory at each request, clang (LONG=names)
+check-long: all   ## run by hand before a release, hours: sanitizers, kills, 1000 updates, memory at each request, clang, minimal Debians (LONG=names)
 	@BUILD=$(abspath $(BUILD)) spec/long $(LONG)
+
+portable: ## build and test in minimal roots of Debian 12 and 13, by debootstrap as root (SUITES=trixie, PORTABLE_MORE=packages)
+	@BUILD=$(abspath $(BUILD)) spec/portable $(SUITES) $(SPEC)
 
 check: gen-check bench-check fuzz-check   ## style, generated files, warnings of benches and fuzz targets, without running specs
 	luacheck -q .

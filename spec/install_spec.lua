@@ -51,6 +51,18 @@ describe("what is installed", function()
     end
   end)
 
+  it("has OpenEXRCore by pkg-config, whatever its version, and no OpenEXR that lacks it", function()
+    if not scratch.shell "command -v pkg-config >/dev/null" then pending "pkg-config is not installed" end
+    local function says(libs)
+      folder:write("OpenEXR.pc", "Name: x\nDescription: x\nVersion: 9\nLibs: -L/opt/exr/lib " .. libs .. "\n")
+      folder:write("libpng.pc", "Name: x\nDescription: x\nVersion: 9\nLibs: -lpng99\n")
+      return runs(clean .. "PKG_CONFIG_PATH=" .. scratch.quote(folder.path)
+        .. " make -s --eval='say: ; @echo \"$(WITH_CODEC): $(LIBS_codec)\"' say")
+    end
+    assert.equal("y: -L/opt/exr/lib -lOpenEXRCore-9_7 -lpng99 \n", says "-lOpenEXR-9_7 -lOpenEXRCore-9_7 -lIex-9_7")
+    assert.truthy(says "-lIlmImf-2_5":find "^: ")
+  end)
+
   for _, version in ipairs { "5.4", "5.1" } do
     it("by luarocks make, for Lua " .. version .. ", without a network", function()
       if not usual then pending "only of the usual build" end

@@ -1,5 +1,7 @@
 --- A folder of a spec's own: local folder = scratch(); folder:write("a.lua", text); folder:remove().
 
+local lacking = require "spec.support.run.lacking"
+
 local scratch = {}
 scratch.__index = scratch
 
@@ -18,6 +20,7 @@ function scratch.capture(command)
   local text = pipe:read("*a")
   pipe:close()
   local out, status = text:match("^(.*)\n(%d+)\n$")
+  lacking.read(out)
   return out, tonumber(status)
 end
 

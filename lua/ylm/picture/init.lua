@@ -10,7 +10,7 @@ local picture = { ticks = require "ylm.picture.ticks".of }
 
 --- The binding of libylm_vtk.so, or nil, message, "EMISSING" | "ENOMEM".
 function picture.vtk()
-  return library.open("vtk", "pictures need VTK: install libvtk9-dev and run make again (%s)")
+  return library.open("vtk", "pictures need libylm_vtk with VTK 9: install libvtk9-dev and run make again (%s)")
 end
 
 -- Looks ----------------------------------------------------------------------------

@@ -2,7 +2,16 @@
 
 local lacking = {}
 
-local parts = { "scene" }
+local parts = { "codec", "scene", "vtk", "vulkan" }
+
+--- Is the caller's caller ylm.info, which tries all?
+local function asked_by_info()
+  local level = 2
+  while debug.getinfo(level, "n") do
+    if debug.getinfo(level, "n").name == "info" then return true end
+    level = level + 1
+  end
+end
 
 --- Notes which parts a spec file asks for in vain.
 function lacking.watch()
@@ -11,17 +20,24 @@ function lacking.watch()
     if file then file:close()
     else
       package.preload["ylm.c." .. part] = function()
-        lacking.part = part
+        if not asked_by_info() then lacking.part = part end
         error(("libylm_%s is not built"):format(part), 0)
       end
     end
   end
 end
 
+--- Notes any part that is missing, after the failure of a program that may use all of them.
+function lacking.assume()
+  for _, part in ipairs(parts) do
+    if package.preload["ylm.c." .. part] then lacking.part = part end
+  end
+end
+
 --- Looks for a missing part in what the command line answered.
 function lacking.read(text)
   for _, part in ipairs(parts) do
-    if package.preload["ylm.c." .. part] and text:find("needs libylm_" .. part, 1, true) then lacking.part = part end
+    if package.preload["ylm.c." .. part] and text:find("needs? libylm_" .. part) then lacking.part = part end
   end
 end
 
