@@ -23,4 +23,5 @@ return {
   gloss_field = 2, virtual_near = 2,
   ambient = 1, c = 3,
   emit = 1, emit_merge = 1, emit_gloss = 2, virtual_gather = 2, spot = 1, guide = 10, plot_lines = 1, virtual_gloss = 2,
+  virtual_random = 1,
 }

@@ -1,6 +1,6 @@
 /*
 ** emit.c - virtual lights of a scene: particles beside bare rays from the same lamp, and milliseconds that
-** radii take.
+** radii and merging take.
 */
 #include <math.h>
 
@@ -54,21 +54,39 @@ static double rate(task *x, int bounces) {
   return (double)x->report.rays / least * 1e-6;
 }
 
-/* Milliseconds of radii by density: processor time of one thread; wall time of two. */
-static double radii(task *x, int threads) {
-  double least = INFINITY, other = INFINITY;
-  x->o.threads = threads;
+/* What radii or merging take. */
+typedef struct cost {
+  double cpu, wall; /* ms of processor time, one thread; of wall time, two threads */
+} cost;
+
+static double processor(task *x) {
+  double begun = bench_cpu();
+  emit(x);
+  return 1e3 * (bench_cpu() - begun);
+}
+
+/* Least costs of radii by density of n particles; merged into `lights`, of merging and their radii. */
+static cost find(task *x, size_t n, size_t lights) {
+  double least = INFINITY, other = INFINITY, wall = INFINITY;
+  x->o.particles = n;
+  x->o.lights = lights;
   for (int k = 0; k < (bench_is_quick() ? 2 : 7); k++) {
-    double begun = bench_cpu();
+    x->o.threads = 1;
+    x->o.merge = false;
     x->o.radius = YLM_EMIT_FIXED;
-    emit(x);
-    other = fmin(other, bench_cpu() - begun);
-    begun = bench_cpu();
+    x->o.lights = 0;
+    other = fmin(other, processor(x));
+    x->o.merge = lights > 0;
+    x->o.lights = lights;
     x->o.radius = YLM_EMIT_DENSITY;
+    least = fmin(least, processor(x));
+    x->o.threads = 2;
     emit(x);
-    least = fmin(least, threads == 1 ? bench_cpu() - begun : x->report.seconds[1]);
+    wall = fmin(wall, 1e3 * (x->report.seconds[1] + x->report.seconds[3]));
   }
-  return (threads == 1 ? least - other : least) * 1e3;
+  x->o.merge = false;
+  x->o.lights = 0;
+  return (cost){least - other, wall};
 }
 
 int main(void) {
@@ -87,12 +105,15 @@ int main(void) {
     double bare = (double)RAYS / bench_seconds(bare_nearest, &b) * 1e-6, own = rate(&x, bounces);
     printf("  %8d  %9.2f  %9.2f  %6.2f\n", bounces, bare, own, own / bare);
   }
-  printf("radii by density, ms of processor time; of wall time\n  %8s  %10s  %11s\n", "lights",
-         "one thread", "two threads");
+  printf("ms of processor time; of wall time, two threads; beside a light for each particle of a "
+         "given radius\n"
+         "  %9s  %21s  %31s\n",
+         "particles", "radii by density", "merged into 2000, and their radii");
   x.o.bounces = 1;
   for (size_t n = 10000; n <= 1000000; n *= 10) {
-    x.o.particles = n;
-    printf("  %8zu  %10.2f  %11.2f\n", n, radii(&x, 1), radii(&x, 2));
+    cost radii = find(&x, n, 0), merged = find(&x, n, 2000);
+    printf("  %9zu  %10.2f %10.2f  %15.2f %15.2f\n", n, radii.cpu, radii.wall, merged.cpu,
+           merged.wall);
   }
   ylm_scene_free((ylm_scene *)x.scene);
   ylm_free(ray);
