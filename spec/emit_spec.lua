@@ -238,7 +238,7 @@ describe("scene:virtual_lights", function()
     end)
     refused("count must be an integer >= 1", function() scene:virtual_lights { count = 0 } end)
     refused("bounces must be a number of reflections, 0 to 64", function() scene:virtual_lights { bounces = 65 } end)
-    refused("radius must be 'density', 'angle', 'footprint', or a length above 0", function()
+    refused("radius must be 'density', 'angle', 'footprint', 'neighbours', or a length above 0", function()
       scene:virtual_lights { radius = -1 }
     end)
     refused("radius must be", function() scene:virtual_lights { radius = 0 / 0 } end)

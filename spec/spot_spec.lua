@@ -91,6 +91,42 @@ describe("spot_light", function()
     end)
   end)
 
+  it("has the paper's radii on a grid, which cover more than a footprint", function()
+    local side = 20
+    local light = ylm.spot_light(with(spot, { angle = 90 }))
+    local function covered(radius)
+      local lights, r = floor(light):virtual_lights { distribution = "grid", count = side * side, radius = radius, scale = 1 }
+      local _, _, radii = lights:arrays()
+      local area = 0
+      for i = 1, #radii do area = area + math.pi * radii:get(i) ^ 2 end
+      return area, lights, r, radii
+    end
+    local once = covered "footprint"
+    local two, lights, _, radii = covered "angle"
+    local at = lights:arrays()
+    for i = 1, #radii, 37 do
+      local d = math.sqrt((at:get(i, 1) - spot.at[1]) ^ 2 + (at:get(i, 2) - spot.at[2]) ^ 2 + (at:get(i, 3) - spot.at[3]) ^ 2)
+      assert.is_true(math.abs(radii:get(i) / (d * math.tan(math.sqrt(2) * math.pi / 2 / side)) - 1) < 1e-5)
+    end
+    local one = covered "neighbours"
+    assert.is_true(two / once > 5.5 and two / once < 7, two / once)
+    assert.is_true(one / once > 3.8 and one / once < 5.2, one / once)
+    -- texels of a small grid, by hand: each has three neighbours at like ways
+    local _, _, three = covered "neighbours"
+    assert.is_true(three.radius.cut == 0)
+    side = 2
+    local _, corners, _, alike = covered "neighbours"
+    local place = corners:arrays()
+    local function apart(i, j)
+      return math.sqrt((place:get(i, 1) - place:get(j, 1)) ^ 2 + (place:get(i, 3) - place:get(j, 3)) ^ 2)
+    end
+    for i = 1, 4 do
+      local mean = 0
+      for j = 1, 4 do mean = mean + apart(i, j) / 3 end
+      assert.is_true(math.abs(alike:get(i) / mean - 1) < 1e-4)
+    end
+  end)
+
   it("has no light field: what wants one refuses it by name", function()
     local light = ylm.spot_light(spot)
     refused("a spot_light has no size, and no spherical harmonics", function() ylm.light_field(2, light, { { 0, 0, 0 } }) end)

@@ -22,6 +22,8 @@ static ylm_status check(const ylm_emit_options *o, ylm_error *e) {
     return ylm_fail(e, YLM_EINVAL, "a grid's lights are its texels: they are not merged");
   if (o->radius == YLM_EMIT_FIXED && (!(o->fixed > 0) || !isfinite(o->fixed)))
     return ylm_fail(e, YLM_ERANGE, "radius must be a positive length, got %g", o->fixed);
+  if (o->radius == YLM_EMIT_NEIGHBOURS && !o->grid)
+    return ylm_fail(e, YLM_EINVAL, "radii by neighbours are of a grid, whose texels have them");
   if (!(o->scale > 0) || !isfinite(o->scale))
     return ylm_fail(e, YLM_ERANGE, "scale must be a positive number, got %g", o->scale);
   return YLM_OK;
@@ -140,7 +142,7 @@ ylm_status ylm_emit(const ylm_scene *scene, const ylm_emit_options *o, ylm_emit_
   bool merged = o->merge && x.n > 0 && (x.n > o->lights || o->cell > 0);
   if (s == YLM_OK) s = (merged ? merge : make)(gloss, o, &x, lights, report, e);
   begun = ylm_seconds();
-  if (s == YLM_OK) s = ylm__emit_radii(x.landing, o, lights, report);
+  if (s == YLM_OK) s = ylm__emit_radii(scene, x.landing, o, lights, report);
   report->seconds[1] = ylm_seconds() - begun;
   ylm_free(x.landing);
   ylm__emit_gloss_free(gloss);

@@ -9,6 +9,7 @@
 #include "ylm_vector.h"
 
 #define EMIT_PI 3.14159265358979323846
+#define EMIT_WIDEST (85 * EMIT_PI / 180) /* half the opening of a grid */
 
 /* -- sequence.c --------------------------------------------------------------------- */
 
@@ -129,7 +130,8 @@ ylm_status ylm__emit_merge(const ylm_emit_options *o, const ylm_emit_lights *par
 /* -- radius.c ----------------------------------------------------------------------- */
 
 /* Fills lights->radius; the landings are those of the lights. */
-ylm_status ylm__emit_radii(const emit_landing *landing, const ylm_emit_options *o,
-                           ylm_emit_lights *lights, ylm_emit_report *report);
+ylm_status ylm__emit_radii(const ylm_scene *scene, const emit_landing *landing,
+                           const ylm_emit_options *o, ylm_emit_lights *lights,
+                           ylm_emit_report *report);
 
 #endif

@@ -201,7 +201,7 @@ bool ylm__emit_texel(const emit_lamps *l, size_t i, ylm_trace_ray *ray, double p
                      double *solid) {
   size_t side = (size_t)l->side, each = side * side;
   const ylm_light_spot *s = &l->spot[i / each];
-  double wide = tan(fmin(acos(s->outer), 85 * EMIT_PI / 180)), step = 2 * wide / (double)side;
+  double wide = tan(fmin(acos(s->outer), EMIT_WIDEST)), step = 2 * wide / (double)side;
   double x = step * ((double)(i % side) + 0.5) - wide;
   double y = step * ((double)(i % each / side) + 0.5) - wide;
   double z = 1 / sqrt(1 + x * x + y * y), part = ylm_light_spot_part(s, z);

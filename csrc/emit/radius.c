@@ -68,6 +68,54 @@ static ylm_status settle(const ylm_emit_options *o, ylm_emit_lights *l, ylm_emit
   return YLM_OK;
 }
 
+/* The paper's r2, of a grid: d tan(sqrt(2) times the angle of a texel). */
+static void by_texel(const ylm_scene *scene, const emit_landing *landing, const ylm_emit_options *o,
+                     ylm_emit_lights *l) {
+  const ylm_light_spot *spot;
+  size_t each = (size_t)o->grid * (size_t)o->grid;
+  (void)ylm_scene_spots(scene, &spot);
+  for (size_t i = 0; i < l->n; i++) {
+    double opening = 2 * fmin(acos(spot[landing[i].particle / each].outer), EMIT_WIDEST);
+    double angle = fmin(sqrt(2) * opening / o->grid, EMIT_PI / 4);
+    l->radius[i] = o->scale * (double)landing[i].way * tan(angle);
+  }
+}
+
+/* The paper's r1: the mean distance to the lights of the eight texels around, weighed by 1/(difference of their ways +
+   a thousandth of the way). */
+static double by_texels(const emit_landing *landing, const uint32_t *light, int side, size_t i) {
+  const emit_landing *of = &landing[i];
+  size_t wide = (size_t)side, in = of->particle % (wide * wide), first = of->particle - in;
+  int x = (int)(in % wide), y = (int)(in / wide);
+  double sum = 0, all = 0;
+  for (int k = 0; k < 9; k++) {
+    int u = x + k % 3 - 1, v = y + k / 3 - 1;
+    if (k == 4 || u < 0 || v < 0 || u >= side || v >= side) continue;
+    uint32_t j = light[first + (size_t)v * wide + (size_t)u];
+    if (j == UINT32_MAX) continue;
+    double d2 = 0,
+           weight = 1 / (fabs((double)of->way - (double)landing[j].way) + 1e-3 * (double)of->way);
+    for (int a = 0; a < 3; a++) {
+      double d = (double)of->at[a] - (double)landing[j].at[a];
+      d2 += d * d;
+    }
+    sum += weight * sqrt(d2);
+    all += weight;
+  }
+  return all > 0 ? sum / all : 0;
+}
+
+static ylm_status by_neighbours(const emit_landing *landing, const ylm_emit_options *o,
+                                ylm_emit_lights *l) {
+  uint32_t *light = ylm_alloc(o->particles, sizeof *light);
+  if (!light) return YLM_ENOMEM;
+  for (size_t i = 0; i < o->particles; i++) light[i] = UINT32_MAX;
+  for (size_t i = 0; i < l->n; i++) light[landing[i].particle] = (uint32_t)i;
+  for (size_t i = 0; i < l->n; i++) l->radius[i] = o->scale * by_texels(landing, light, o->grid, i);
+  ylm_free(light);
+  return YLM_OK;
+}
+
 /* The paper's: by the ways of particles. */
 static void by_angle(const emit_landing *landing, const ylm_emit_options *o, ylm_emit_lights *l) {
   double lights = (double)(o->lights ? o->lights : o->particles);
@@ -79,8 +127,8 @@ static double by_area(const emit_landing *l, const ylm_emit_options *o) {
   return o->scale * sqrt((double)l->area / EMIT_PI);
 }
 
-ylm_status ylm__emit_radii(const emit_landing *landing, const ylm_emit_options *o,
-                           ylm_emit_lights *l, ylm_emit_report *report) {
+ylm_status ylm__emit_radii(const ylm_scene *scene, const emit_landing *landing,
+                           const ylm_emit_options *o, ylm_emit_lights *l, ylm_emit_report *report) {
   ylm_status s = YLM_OK;
   if (l->n == 0) return YLM_OK;
   switch (o->radius) {
@@ -92,7 +140,13 @@ ylm_status ylm__emit_radii(const emit_landing *landing, const ylm_emit_options *
   case YLM_EMIT_FOOTPRINT:
     for (size_t i = 0; i < l->n; i++) l->radius[i] = by_area(&landing[i], o);
     break;
-  case YLM_EMIT_ANGLE: by_angle(landing, o, l); break;
+  case YLM_EMIT_ANGLE:
+    if (o->grid)
+      by_texel(scene, landing, o, l);
+    else
+      by_angle(landing, o, l);
+    break;
+  case YLM_EMIT_NEIGHBOURS: s = by_neighbours(landing, o, l); break;
   default: /* nothing is left to settle */
     for (size_t i = 0; i < l->n; i++) l->radius[i] = o->fixed;
     for (int k = 0; k < 3; k++) report->radius[k] = o->fixed;

@@ -39,9 +39,12 @@ typedef enum ylm_emit_radius {
   YLM_EMIT_DENSITY, /* scale d/sqrt(10), d the distance to the tenth light whose normal is within 60
                        degrees, within d/2 of the tangent plane */
   YLM_EMIT_ANGLE,   /* scale d tan g, d the way of the particle, g half the angle of its share of
-                       4 pi: the paper's, Eqs. 24-26 */
+                       4 pi; of a grid sqrt(2) times the angle of a texel, opening over side: the
+                       paper's, Eqs. 24-26 */
   YLM_EMIT_FIXED,   /* options.fixed, which scale does not change */
-  YLM_EMIT_FOOTPRINT /* of a grid: scale sqrt(A/pi), A the area that a texel's solid angle covers */
+  YLM_EMIT_FOOTPRINT, /* of a grid: scale sqrt(A/pi), A the area that a texel's solid angle covers */
+  YLM_EMIT_NEIGHBOURS /* of a grid: scale times the mean distance to the lights of the eight texels around,
+                         weighed by 1/(difference of their ways from the lamp): the paper's, Eq. 23 */
 } ylm_emit_radius;
 
 typedef struct ylm_emit_options {

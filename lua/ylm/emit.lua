@@ -14,7 +14,7 @@ local emit = {}
 local EACH = 50 -- particles of a merged light
 local COUNT, MOST_BOUNCES, MOST, DEGREE = 2000, 64, 2 ^ 27, 8
 local LOUD = 0.26 -- the part of slices that lights may miss without a word
-local SCALE = { density = 1.5, angle = 1, footprint = 1.5 } -- of radii, by their rule
+local SCALE = { density = 1.5, angle = 1, footprint = 1.5, neighbours = 1 } -- of radii, by their rule
 
 --- Lights that scene:virtual_lights made -> { scene, bounces, radius (the median) }.
 emit.made = setmetatable({}, { __mode = "k" })
@@ -27,7 +27,7 @@ end
 
 function form.types.light_radius(x)
   if SCALE[x] or check.is_number(x) and x > 0 then return x end
-  return nil, "'density', 'angle', 'footprint', or a length above 0"
+  return nil, "'density', 'angle', 'footprint', 'neighbours', or a length above 0"
 end
 
 function form.types.emission_degree(x)
@@ -55,9 +55,10 @@ emit.fields = {
       .. "the least power of 2^(1/4) that gives count lights" },
   { "radius", "light_radius", optional = true, unit = "scene units",
     about = "of a light: 'footprint', by the area that a texel covers (default of a grid); 'density' (else), by the distance to "
-      .. "the tenth light of the same surface; 'angle', the paper's, by the way of its particle; or a length" },
+      .. "the tenth light of the same surface; 'angle', the paper's r2, by the way of its particle; 'neighbours', its r1, by the "
+      .. "eight texels around, of a grid; or a length" },
   { "scale", "number", above = 0, optional = true,
-    about = "multiplies radii of 'density' and 'angle'; default 1.5, of 'angle' 1" },
+    about = "multiplies radii; default 1.5, of 'angle' and 'neighbours' 1" },
   { "degree", "emission_degree", default = "auto",
     about = "of what surfaces that gloss send, in harmonics: 0, as matte ones of their mean albedo, to 8; 'auto': the least "
       .. "of 2, 4, 8 whose slices at 45 degrees miss at most 14 %, 26 %, all (a white metal of alpha 0.5 has 2, of 0.25 4); "
@@ -142,8 +143,9 @@ function emit.lights(name, s, o, traced)
     return check.bad(1, name, "particles (%d) must be at least as many as count, the lights that are wanted (%d)", o.particles,
       o.count)
   end
-  if o.distribution ~= "grid" and o.radius == "footprint" then
-    return check.bad(1, name, "radius = 'footprint' is of distribution = 'grid', whose texels have one")
+  if o.distribution ~= "grid" and (o.radius == "footprint" or o.radius == "neighbours") then
+    return check.bad(1, name, "radius = '%s' is of distribution = 'grid', whose texels have %s", o.radius,
+      o.radius == "footprint" and "one" or "them")
   end
   if o.distribution == "grid" and o.bounces ~= 1 then
     return check.bad(1, name, "distribution = 'grid' has one bounce, bounces is %d", o.bounces)

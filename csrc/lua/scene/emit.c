@@ -92,14 +92,14 @@ static bool push_lights(lua_State *L, const ylm_emit_lights *l) {
   return a != NULL;
 }
 
-/* emit_lights(scene, {particles, lights, bounces, radius: "density" | "angle" | "fixed" | "footprint",
+/* emit_lights(scene, {particles, lights, bounces, radius: "density" | "angle" | "fixed" | "footprint" | "neighbours",
    fixed, scale, seed, threads, progress, grid: texels a side or nil, degree: -1 auto, conserve, merge, cell}) -> at
    [n][3], normal [n][3], radius [n], intensity [n][3] or emission [n][3][(degree+1)^2], shift [n] or nil, report */
 static int emit_lights(lua_State *L) {
   static const char *const names[] = {"particles", "lights",   "bounces", "radius",   "fixed",
                                       "scale",     "seed",     "threads", "progress", "grid",
                                       "degree",    "conserve", "merge",   "cell",     NULL};
-  static const char *const radii[] = {"density", "angle", "fixed", "footprint", NULL};
+  static const char *const radii[] = {"density", "angle", "fixed", "footprint", "neighbours", NULL};
   enum {
     PARTICLES = 3,
     LIGHTS,

@@ -18,7 +18,7 @@ return {
     { "cell", nil, "N", "with --merge, how close: the edge of a cell, scene units" },
     { "bounces", "-b", "NAME", "reflections of a particle: 1 (default), 2 .. or all" },
     { "distribution", nil, "NAME", "particles (default) or grid: a picture from each spot_light" },
-    { "radius", nil, "NAME", "of a light: density, angle, footprint, or a length" },
+    { "radius", nil, "NAME", "of a light: density, angle, footprint, neighbours, or a length" },
     { "scale", nil, "N", "multiplies radii" },
     { "degree", nil, "NAME", "of what surfaces that gloss send: auto (default), or 0 to 8" },
     { "seed", nil, "N", "of all random numbers" },
