@@ -75,7 +75,7 @@ describe("far and near", function()
     local spacing = math.sqrt((24 + 2 * 0.25 + 4 * 0.4) / 300)
     local clean = ylm.virtual_lights { at = lights:arrays(), radius = 0.5 * spacing, intensity = 1 }
     assert.is_near(2 * spacing, (clean:split { scene = scene }).core, 1e-9)
-    assert.is_near((2 * 4600 * 300 / 1e4) ^ 0.25 * spacing, (clean:split { scene = scene, points = 1e4 }).core, 1e-9)
+    assert.is_near((2 * 300 * 300 / 1e3) ^ 0.25 * spacing, (clean:split { scene = scene, points = 1e3 }).core, 1e-9)
     assert.is_near(12 * spacing, (clean:split { scene = scene, points = 1 }).core, 1e-9)
   end)
 
@@ -104,4 +104,75 @@ describe("far and near", function()
         probes = ylm.adaptive_grid { tolerance = 0.1, measure = "irradiance" } }
     end)
   end)
+end)
+
+describe("indirect = 'virtual'", function()
+  local function bounced(options, more)
+    return rendered(view, with({ bounces = 1, light_samples = 1,
+      indirect = with({ method = "virtual", count = 300 }, options) }, more or {}))
+  end
+
+  it("sums by far and near parts what every light at every point brings, judges itself, and says each part's time", function()
+    local all, whole = bounced { sums = "all" }
+    local parts, report = bounced { sums = "split" }
+    assert.is_true(apart(parts, all) < 0.02)
+    assert.same({ "all", "split", "none" }, { whole.virtual.sums, report.virtual.sums, report.virtual.shadows })
+    local v = report.virtual
+    assert.is_true(v.error > 0 and v.error < v.tolerance and v.tolerance == 0.02)
+    assert.is_true(v.grid.points > 8 and v.core > 0 and v.pairs < whole.virtual.pairs)
+    for _, step in ipairs { "split", "bake", "judge", "far", "near" } do assert.is_true(v.seconds[step] >= 0, step) end
+    assert.equal(1, #report.warnings)
+    assert.matches("shine through walls", report.warnings[1])
+    assert.is_true(apart(bounced({ sums = "split" }, { threads = 3 }), parts) == 0)
+    local _, auto = bounced {} -- too few pairs to be worth a grid
+    assert.equal("all", auto.virtual.sums)
+  end)
+
+  it("keeps a tolerance of its sum, or says that it does not", function()
+    local _, coarse = bounced { sums = "split", tolerance = 0.1 }
+    local _, fine = bounced { sums = "split", tolerance = 0.005 }
+    assert.is_true(fine.virtual.error <= 0.005 and fine.virtual.error < coarse.virtual.error)
+    assert.is_true(fine.virtual.grid.points > coarse.virtual.grid.points)
+    local _, missed = bounced { sums = "split", tolerance = 1e-4 }
+    assert.is_true(missed.virtual.error > 1e-4)
+    assert.matches("far and near parts of virtual lights miss .* tolerance of 0.0001: give sums = 'all'", missed.warnings[1])
+  end)
+
+  it("is judged in direct light where a picture has a tolerance, and says so", function()
+    local image, report = scene:render { size = { 40, 22 }, layers = false, tolerance = 0.2, bounces = 1,
+      indirect = { method = "virtual", count = 100 } }
+    assert(image, report)
+    assert.is_true(report.met)
+    assert.matches("tolerance is judged in direct light", report.warnings[#report.warnings])
+  end)
+
+  it("refuses parts that cannot be", function()
+    refused("sums = 'split': shadows = 'centre' asks each light: leave sums out", function()
+      bounced { sums = "split", shadows = "centre" }
+    end)
+    refused("sums = 'split': lights of profile 'gauss' are split, and these are 'cap'", function()
+      bounced { sums = "split", profile = "cap" }
+    end)
+    refused("tolerance must be", function() bounced { tolerance = 0 } end)
+    refused("sums must be one of", function() bounced { sums = "some" } end)
+  end)
+
+  it("stops where progress says so, in each step", function()
+    for _, stage in ipairs { "level 1", "near lights", "shading" } do
+      local image, message, code = view:render { bounces = 1, light_samples = 1,
+        indirect = { method = "virtual", count = 300, sums = "split" },
+        progress = function(_, _, at) return at ~= stage end }
+      assert.same({ nil, "cancelled", "ECANCELLED" }, { image, message, code }, stage)
+    end
+  end)
+end)
+
+it("radiosity and links say that they see no virtual lights, instead of leaving them out", function()
+  local other = ylm.scene "b" { geometry = scene.geometry, lights = { scene.lights[1], lights }, camera = scene.camera }
+  local t = other:transfer { spacing = 0.5, links = 8, lmax = 2 }
+  refused("virtual lights have no body, so rays see nothing of them: direct = 'field' takes their coefficients", function()
+    t:radiosity()
+  end)
+  assert(t:radiosity(other.lights, { direct = "field" }))
+  refused("virtual lights have no body", function() view:render { lights = { lights } } end)
 end)

@@ -112,11 +112,11 @@ local function check_rays(name, lights, depth)
   end
 end
 
---- Raises where a traced scene has lights that rays see nothing of.
-function tracing.check_bodies(name, t)
+--- Raises where a traced scene has lights that rays see nothing of. `remedy`: what else to do.
+function tracing.check_bodies(name, t, remedy)
   if core.type(t.lights) ~= "ylm.lights" or not core.lights_has_virtual(t.lights) then return end
-  return check.fail("%s: virtual lights have no body, so rays see nothing of them: bake them, or take visibility = "
-    .. '"transfer", or view:gather', name)
+  return check.fail("%s: virtual lights have no body, so rays see nothing of them: %s", name,
+    remedy or 'bake them, or take visibility = "transfer", or view:gather')
 end
 
 --- A traced scene with other lights, which are those of the scene no more: as tracing.trace returns it; nil, message, code.

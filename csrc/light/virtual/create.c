@@ -45,9 +45,8 @@ static ylm_status check_radius(const ylm_light_virtual_form *f, size_t i, ylm_er
                     "light %zu: radius must be above 0 for profile '%s'; profile 'point' has none",
                     i + 1, profile);
   if (is_split(f->profile) && !(f->core > r))
-    return ylm_fail(e, YLM_EDOMAIN,
-                    "light %zu: core must be above the radius: core %g, radius %g", i + 1,
-                    f->core, r);
+    return ylm_fail(e, YLM_EDOMAIN, "light %zu: core must be above the radius: core %g, radius %g",
+                    i + 1, f->core, r);
   return YLM_OK;
 }
 

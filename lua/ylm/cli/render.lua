@@ -13,6 +13,7 @@ local only = {
   gloss = { "default", "grid", "reference" }, ["gloss-error"] = { "default", "grid", "reference" },
   visibility = { "default", "grid", "reference" }, light_tolerance = { "default", "grid", "reference" },
   ["light-samples"] = { "default", "raycast" }, bounces = { "default", "grid" }, tolerance = { "default" },
+  indirect = { "default", "grid" },
 }
 
 local visibilities = { "rays", "transfer", "none", "self" }
@@ -111,6 +112,20 @@ local function check_exposure(given)
   end
 end
 
+--- Ends the command where --indirect is no way to find bounces.
+local function check_indirect(given)
+  local x = given.indirect
+  if x == nil or x == "links" or x == "virtual" then
+    if x == "links" and not given.bounces then
+      status.stop(status.usage, "render: --indirect links: --bounces says how many")
+    end
+    return
+  end
+  local guess = check.guess(x, { "links", "virtual" })
+  status.stop(status.usage, "render: --indirect is links or virtual, got '%s'%s", x,
+    guess and (" (did you mean %s?)"):format(guess) or "")
+end
+
 --- The options of scene:render, scene:reference or scene:raycast.
 local function options_of(given, method)
   local options = { size = given.size, pixel_samples = given.samples, threads = given.threads, progress = report.progress(given) }
@@ -120,6 +135,7 @@ local function options_of(given, method)
   options.light_tolerance, options.shading = given.light_tolerance, given.shading
   options.visibility = visibility_of(given, method)
   options.bounces, options.tolerance = status.bounces("render", given.bounces), given.tolerance
+  if given.indirect == "virtual" then options.indirect = "virtual" end
   if given.tolerance and (given.grid or options.visibility and options.visibility ~= "rays") then
     status.stop(status.usage, "render: --tolerance chooses how light is found, by rays: leave --%s out",
       given.grid and "grid" or "visibility")
@@ -142,6 +158,8 @@ return {
     { "visibility", nil, "NAME", "rays (default: true shadows, no probes) or transfer (the papers': the scene's probes are "
       .. "baked), none, self" },
     { "bounces", "-b", "NAME", "reflections after direct light: 0 (default), 1 .. or all" },
+    { "indirect", nil, "NAME", "how bounces are found: links (default) or virtual (lights of particles, which pass walls); "
+      .. "virtual without --bounces is one" },
     { "tolerance", nil, "N", "of the picture, 0.02 for 2 %: chooses samples, light-samples and all about bounces, judges itself "
       .. "by paths, and says whether it is met" },
     { "light-samples", nil, "N", "rays, raycast: shadow rays per shading point, default 32; raycast: 64" },
@@ -170,6 +188,7 @@ return {
     refuse_idle(given, method)
     check_gloss(given)
     check_exposure(given)
+    check_indirect(given)
     local options = options_of(given, method)
     local scene = status.need_scene(ylm.load_scene(given[1]))
     if given.grid then options.grid = status.need_kind("ylm.grid", "a grid", given.grid, ylm.load(given.grid))

@@ -125,14 +125,17 @@ local POINTS = 1000000 -- shading points of a picture
 -- What an evaluation of the far part of all lights at a grid point costs, in pairs of a near light and a shading point.
 local EVALUATION = 4600
 
---- The core that makes far and near parts cost about the same in a picture of n points: (2 EVALUATION count/n)^(1/4) spacings,
--- 2 to 12. A spacing is sqrt(area/count), or follows from radii: lights that particles left have radii of 1.5/sqrt(pi) spacings
+--- The core of far and near parts in spacings of n lights, 2 to 12, so that in a picture both cost about the same.
+function virtual.spacings(count, points)
+  return math.max(2, math.min(12, (2 * math.min(EVALUATION, count) * count / points) ^ 0.25))
+end
+
+--- The core. A spacing is sqrt(area/count), or follows from radii: lights that particles left have radii of 1.5/sqrt(pi) spacings
 -- (scale = 1.5).
 local function auto_core(l, area, points)
   if l.count == 0 then return 1 end
   local spacing = area and math.sqrt(area / l.count) or l.radius.mean * math.sqrt(math.pi) / 1.5
-  local spacings = math.max(2, math.min(12, (2 * EVALUATION * l.count / points) ^ 0.25))
-  return math.max(spacings * spacing, 1.01 * l.radius.max)
+  return math.max(virtual.spacings(l.count, points) * spacing, 1.01 * l.radius.max)
 end
 
 --- The area of a scene's surfaces; nil where it has none.

@@ -195,6 +195,7 @@ function indirect.relight(name, p, o)
   if o.lights ~= nil then
     local lit, message, code = tracing.relight(name, p.traced, o.lights)
     if not lit then return nil, message, code end
+    tracing.check_bodies(name, lit)
     o.lit = lit
   elseif o.bounced and o.bounced.lit then
     o.lit = objects.radiosities[o.bounced.lit].lit_by

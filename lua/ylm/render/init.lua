@@ -73,8 +73,9 @@ end
 
 --- The picture that keeps a tolerance, and says whether it does.
 local function by_tolerance(s, o, given)
+  local virtual = o.bounced ~= nil and o.bounced.by == "virtual"
   for _, field in ipairs { "grid", "indirect", "visibility", "device" } do
-    if given[field] ~= nil and given[field] ~= "rays" then
+    if given[field] ~= nil and given[field] ~= "rays" and not (virtual and field == "indirect") then
       return check.fail("render: tolerance chooses how light is found, by rays and links: leave %s out", field)
     end
   end
@@ -84,17 +85,26 @@ local function by_tolerance(s, o, given)
   if o.shading == "vertex" then
     return check.fail "render: tolerance is judged at what camera rays hit: shading = 'pixel'"
   end
+  local bounces = o.bounces
+  if virtual then o.bounces = nil end -- direct light alone is judged
   local found, message, code = knob.choose("render", s, o, given)
+  o.bounces = bounces
   if not found then return nil, message, code end
   local c, view = found.chosen
   o.light_samples, o.links, o.samples, o.share, o.lmax = c.light_samples, c.links, c.samples, c.share, 0
-  if o.bounced then o.bounced.lit, o.transfer = found.lit, nil end
+  if virtual then o.bounced.options.tolerance = math.min(o.bounced.options.tolerance, o.tolerance)
+  elseif o.bounced then o.bounced.lit, o.transfer = found.lit, nil end
   view, message, code = views.prepare("render", s, o)
   if not view then return nil, message, code end
   local image, report
   image, report, code = shading.picture("render", views.open("render", view), o)
   if not image then return nil, report, code end
   knob.report(found, report, image)
+  if virtual then
+    report.warnings[#report.warnings + 1] = warning.say(s, "tolerance virtual", "scene %q: tolerance is judged in direct light; "
+      .. "of virtual lights it bounds the sum (report.virtual.error), not what their number leaves: scene:pathtrace tells",
+      s.name or "?")
+  end
   return image, report
 end
 

@@ -5,6 +5,7 @@ local core = require "ylm.c.core"
 local emit = require "ylm.emit"
 local form = require "ylm.form"
 local gather = require "ylm.render.gather"
+local split = require "ylm.render.split"
 
 local virtual = {}
 
@@ -13,7 +14,9 @@ local fields = {
   { "lmax", "integer", min = 0, max = 100, default = 4, about = "highest degree" },
   { "shadows", "choice", of = { "none", "centre" }, default = "none", about = "as of view:gather" },
 }
-for _, field in ipairs(emit.fields) do fields[#fields + 1] = field end
+for _, list in ipairs { split.fields, emit.fields } do
+  for _, field in ipairs(list) do fields[#fields + 1] = field end
+end
 
 --- Does the option `indirect` ask for virtual lights?
 function virtual.is_wanted(x)
@@ -29,7 +32,7 @@ function virtual.settle(name, x, o)
     end
     local made = emit.made[x]
     return { by = "virtual", lights = x, bounces = made and made.bounces or "those of the lights",
-      options = { lmax = 4, shadows = "none" } }
+      options = { lmax = 4, shadows = "none", sums = "auto", tolerance = 0.02 } }
   end
   local bounces = o.bounces or 1
   if bounces ~= "all" and bounces > 64 then
@@ -52,6 +55,11 @@ function virtual.ready(name, p, o)
     if not lights then return nil, report, code end
     b.lights, b.emitted = lights, report
   end
+  b.split = split.is_wanted(name, p, b)
+  if b.split then
+    local ok, message, code = split.ready(name, p, o, b)
+    if not ok then return nil, message, code end
+  end
   b.prepared = core.seconds() - start
   return true
 end
@@ -59,6 +67,7 @@ end
 --- Their radiance at the shading points, a new array; or nil, message, code.
 function virtual.radiance(name, p, o)
   local b = o.bounced
+  if b.split then return split.radiance(name, p, o, b) end
   local out, facts, code = gather.radiance(name, p, { lights = b.lights, method = "hvl", lmax = b.options.lmax,
     shadows = b.options.shadows, threads = o.threads, progress = o.progress })
   b.facts = out and facts
@@ -68,7 +77,9 @@ end
 --- Completes a picture's report.
 function virtual.report(p, o, report)
   local b = o.bounced
-  report.virtual = { lights = b.lights.count, pairs = b.facts.pairs, shadows = b.options.shadows, emitted = b.emitted }
+  report.virtual = { lights = b.lights.count, pairs = b.facts.pairs, shadows = b.options.shadows, emitted = b.emitted,
+    sums = b.split and "split" or "all" }
+  if b.split then split.report(p, b, report) end
   report.rays.virtual = b.facts.rays
   for _, sentence in ipairs(b.emitted and b.emitted.warnings or {}) do report.warnings[#report.warnings + 1] = sentence end
   gather.say(p, b.options.shadows, report)

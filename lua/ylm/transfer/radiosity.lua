@@ -70,6 +70,7 @@ local function source(name, m, lights, direct)
       light.other(traced.lights))
   end
   if direct == "field" or not is_set then return { field = traced.lights } end
+  tracing.check_bodies(name, traced, "direct = 'field' takes their coefficients, without shadows")
   return { traced = traced }
 end
 
