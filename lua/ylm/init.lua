@@ -26,6 +26,7 @@ local contents = {
   { "ylm.scene", "scene", "load_scene" },
   { "ylm.file", "load" },
   { "ylm.image", "image", "colour" },
+  { "ylm.display", "display" },
   { "ylm.render", "true_error" },
   { "ylm.geometry", "quad", "sphere", "box", "torus", "knot", "mesh" },
   { "ylm.view", "view" },

@@ -85,21 +85,25 @@ static int shade_coefficients(lua_State *L) {
   return ylmL_result(L, 1, s, NULL);
 }
 
-/* shade_raycast(view, light_samples, shadows, seed, threads, progress, traced scene of the lamps or nil:
-   the view's) -> radiance [n][3], rays */
+/* shade_raycast(view, {light_samples, shadows, seed, threads, progress, lit: the traced scene of the lamps, or nil: the
+   view's, into: float array [n][3], filled while rays are traced, or nil}) -> radiance [n][3], rays */
 static int shade_raycast(lua_State *L) {
+  static const char *const names[] = {"light_samples", "shadows", "seed", "threads",
+                                      "progress",      "lit",     "into", NULL};
+  enum { SAMPLES = 3, SHADOWS, SEED, THREADS, PROGRESS, LIT, INTO };
+  ylmL_named(L, 2, names);
   ylm_shade_view *v = ylmL_shade_view(L, 1);
-  int light_samples = (int)luaL_checknumber(L, 2), threads = (int)luaL_checknumber(L, 5);
-  bool shadows = lua_toboolean(L, 3);
-  uint64_t seed = (uint64_t)luaL_checknumber(L, 4), rays = 0;
+  int light_samples = (int)luaL_checknumber(L, SAMPLES), threads = (int)luaL_checknumber(L, THREADS);
+  bool shadows = lua_toboolean(L, SHADOWS);
+  uint64_t seed = (uint64_t)luaL_checknumber(L, SEED), rays = 0;
   ylmL_progress p;
-  lua_settop(L, 7);
-  const ylm_scene *lit = lua_isnil(L, 7) ? NULL : ylmL_scene(L, 7);
-  ylmL_array *out = ylmL_array_new(L, YLM_FLOAT, 2, (size_t[]){ylmL_shade_points(v), 3});
-  if (!out) return ylmL_result(L, 0, YLM_ENOMEM, NULL);
-  const ylm_progress *progress = ylmL_progress_begin(L, 6, &p);
-  ylm_status s =
-      ylm_shade_raycast(v, lit, light_samples, shadows, seed, threads, progress, out->data, &rays);
+  const ylm_scene *lit = lua_isnil(L, LIT) ? NULL : ylmL_scene(L, LIT);
+  ylm_status s = YLM_OK;
+  ylmL_array *out =
+      ylmL_array_result(L, INTO, YLM_FLOAT, 2, (size_t[]){ylmL_shade_points(v), 3}, &s);
+  if (!out) return ylmL_result(L, 0, s, NULL);
+  const ylm_progress *progress = ylmL_progress_begin(L, PROGRESS, &p);
+  s = ylm_shade_raycast(v, lit, light_samples, shadows, seed, threads, progress, out->data, &rays);
   if (s == YLM_OK) ylmL_push_count(L, rays);
   return ylmL_result_progress(L, 2, s, NULL, &p);
 }

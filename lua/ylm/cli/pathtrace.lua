@@ -16,6 +16,7 @@ return {
     { "error", nil, "N", "end once the noise is at most this" },
     { "seconds", nil, "N", "end after so long" },
     { "seed", nil, "N", "of all random numbers" },
+    { "display", nil, "ADDRESS", "HOST:PORT of an image viewer (tev) that shows the picture while it is made" },
     { "resume", nil, "FILE", "go on from this .exr of an earlier run" },
     { "threads", "-j", "N", "default: YLM_THREADS or all cores" },
   },
@@ -29,7 +30,8 @@ return {
     if given.resume then resume = status.need_kind("ylm.image", "an image", given.resume, ylm.load(given.resume)) end
     local image, facts = scene:pathtrace { size = given.size, samples = given.samples, bounces = bounces,
       strategy = given.strategy, error = given.error, seconds = given.seconds, seed = given.seed, resume = resume,
-      threads = given.threads, progress = report.progress(given) }
+      threads = given.threads, display = status.display("pathtrace", given.display),
+      progress = report.progress(given) }
     status.need(image, facts)
     status.need(image:save(given.output))
     report.print(given, facts)

@@ -14,6 +14,7 @@ local only = {
   visibility = { "default", "grid", "reference" }, light_tolerance = { "default", "grid", "reference" },
   ["light-samples"] = { "default", "raycast" }, bounces = { "default", "grid" }, tolerance = { "default" },
   indirect = { "default", "grid" },
+  display = { "default", "grid", "raycast" },
 }
 
 local visibilities = { "rays", "transfer", "none", "self" }
@@ -130,6 +131,7 @@ end
 local function options_of(given, method)
   local options = { size = given.size, pixel_samples = given.samples, threads = given.threads, progress = report.progress(given) }
   options.light_samples = given["light-samples"]
+  if method ~= "reference" then options.display = status.display("render", given.display) end
   if method == "raycast" then return options end
   options.gloss, options.gloss_error = given.gloss, given["gloss-error"]
   options.light_tolerance, options.shading = given.light_tolerance, given.shading
@@ -173,6 +175,7 @@ return {
     { "shading", nil, "NAME", "pixel (default) or vertex; not of raycast" },
     { "interpolation", nil, "NAME", "of a grid: hermite, taylor or linear" },
     { "exposure", nil, "N", "of a .png, in stops" },
+    { "display", nil, "ADDRESS", "HOST:PORT of an image viewer (tev) that shows the picture while it is made; not of reference" },
     { "light_tolerance", nil, "N", "sum many lights by a tree, to this part of the light; default: exactly" },
     { "strict", nil, nil, "exit status 6 where a warning is given; the image is written" },
     { "threads", "-j", "N", "default: YLM_THREADS or all cores" },

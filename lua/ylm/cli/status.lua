@@ -39,6 +39,16 @@ function status.bounces(name, text)
   return n
 end
 
+--- The address of an image viewer that the option of a command gives; nil: it was not given.
+function status.display(name, text)
+  if text == nil then return nil end
+  local display = require "ylm.display"
+  if not display.is_address(text) then
+    status.stop(status.usage, "%s: --display is %s, got '%s'", name, display.WANTED:gsub("'", ""), text)
+  end
+  return text
+end
+
 --- Ends the command unless `path` ends in one of the extensions and can be written: before the work, not after it.
 function status.need_output(name, path, ...)
   local words, fits = {}, false

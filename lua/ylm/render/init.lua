@@ -5,6 +5,7 @@ local ambient = require "ylm.render.ambient"
 local baking = require "ylm.render.bake"
 local check = require "ylm.check"
 local describe = require "ylm.describe".describe
+local display = require "ylm.display"
 local gloss = require "ylm.render.gloss"
 local indirect = require "ylm.render.indirect"
 local knob = require "ylm.render.knob"
@@ -60,7 +61,7 @@ local render_options = options.list(options.view_fields, options.transfer_fields
   near.fields, options.direct_fields, indirect.bounce_fields,
   indirect.link_fields, knob.fields, options.baked_fields, ambient.fields,
     options.layer_fields,
-  options.common)
+  display.fields, options.common)
 
 --- The grid of the scene's probes for what a view sees; or nil, message, code.
 local function bake_for(s, view, o)
@@ -125,9 +126,7 @@ image, report = scene:render { grid = grid, size = { 32, 18 }, samples = 4 }
 assert(image:layer "level" and report.visibility == "transfer")]],
   source = "Iwasaki & Dobashi 2025, Sec. 6.2",
 }
-function render.render(s, given)
-  tracing.check_scene("render", s)
-  local o = options.of_view("render", render_options, given)
+local function rendered(s, o, given)
   if o.grid ~= nil then views.check_grid("render", o.grid) end
   gloss.settle("render", o, given, s, visibility.settle_picture("render", o, given or {}))
   indirect.settle("render", o)
@@ -149,6 +148,20 @@ function render.render(s, given)
   ok, message, code = indirect.relight("render", p, o)
   if not ok then return nil, message, code end
   return shading.picture("render", p, o)
+end
+
+--- make() while a viewer shows what it makes.
+local function shown(s, o, how, make)
+  o.live = display.begin(s, o, how)
+  local picture, report, code = make()
+  if picture and o.live then o.live.finish(picture, report) end
+  return picture, report, code
+end
+
+function render.render(s, given)
+  tracing.check_scene("render", s)
+  local o = options.of_view("render", render_options, given)
+  return shown(s, o, "render", function() return rendered(s, o, given) end)
 end
 
 local reference_options = options.list(options.view_fields, options.transfer_fields, gloss.fields, options.reference_fields,
@@ -188,7 +201,7 @@ local function say_samples(s, o, report)
 end
 
 local raycast_options = options.list(options.view_fields, options.ray_fields, options.noise_fields, options.layer_fields,
-  options.common)
+  display.fields, options.common)
 
 describe "scene:raycast" {
   about = "Renders a scene by rays to the lamps, chosen by what they would bring: what spherical harmonics lose shows.",
@@ -210,8 +223,10 @@ function render.raycast(s, given)
   local function cast(picked)
     return shading.by_rays("raycast", views.open("raycast", picked), o)
   end
-  if o.variance then image, report, code = shading.in_batches("raycast", s, view, o, cast)
-  else image, report, code = cast(view) end
+  image, report, code = shown(s, o, "raycast", function()
+    if o.variance then return shading.in_batches("raycast", s, view, o, cast) end
+    return cast(view)
+  end)
   if not image then return nil, report, code end
   if given and given.samples ~= nil and given.light_samples == nil then say_samples(s, o, report) end
   return image, report

@@ -77,7 +77,8 @@ end
 
 --- Radiance of direct light at the points of a view v, by random numbers of seed + k.
 local function direct(x, v, rays, k)
-  return (need(check.result(x.name, x.lib.shade_raycast(v.view, rays, true, x.o.seed + k, x.threads, x.bar))))
+  return (need(check.result(x.name, x.lib.shade_raycast(v.view, { light_samples = rays, shadows = true,
+    seed = x.o.seed + k, threads = x.threads, progress = x.bar }))))
 end
 
 --- Radiance `start` with gathered light added, by links of seed + k.

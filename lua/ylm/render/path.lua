@@ -4,6 +4,7 @@ local array = require "ylm.array"
 local check = require "ylm.check"
 local core = require "ylm.c.core"
 local describe = require "ylm.describe".describe
+local display = require "ylm.display"
 local form = require "ylm.form"
 local image = require "ylm.image"
 local options = require "ylm.render.options"
@@ -55,7 +56,7 @@ local pathtrace_options = options.list({
 }, estimate, {
   { "resume", "object", of = "ylm.image", optional = true,
     about = "an image of an earlier call, or loaded from its .exr, with the same options but for samples: goes on from there" },
-}, options.layer_fields, options.common)
+}, options.layer_fields, display.fields, options.common)
 
 local probe_options = options.list({
   { "points", "any", about = "array [n][3] or list: where light arrives, scene units" },
@@ -179,12 +180,16 @@ function paths.pathtrace(s, given)
   local out
   out, message, code = canvas(p.lib, o)
   if not out then return nil, message, code end
+  local live, bar = display.begin(s, o, "pathtrace"), progress.resolve(o.progress)
+  if live then
+    bar = live.progress(bar, function() return { display.layer_of(out, "radiance", 3, true) } end)
+  end
   local stats
   stats, message, code = check.result("pathtrace", p.lib.path_image(p.traced.handle, {
     camera = views.camera_numbers(s), width = o.size[1], height = o.size[2], background = s.background or { 0, 0, 0 },
     mean = out:layer "radiance", rest = out:layer "radiance_rest", variance = out:layer "variance", done = done,
     samples = o.samples, first = first, last = last, strategy = o.strategy, error = o.error, seconds = o.seconds,
-    seed = o.seed, threads = o.threads, progress = progress.resolve(o.progress) }))
+    seed = o.seed, threads = o.threads, progress = bar }))
   if not stats then return nil, message, code end
   out:fill(1, 1, o.size[1], o.size[2], stats.samples, { layer = "samples" })
   local ok
@@ -196,6 +201,7 @@ function paths.pathtrace(s, given)
   pictures.sign(out, p, "pathtrace", report, { noise = stats.noise and ("%.4g"):format(stats.noise) })
   known.samples = ("%.0f"):format(stats.samples)
   for key, value in pairs(known) do out.metadata[key] = value end
+  if live then live.finish(out, report) end
   view:close()
   return out, report
 end

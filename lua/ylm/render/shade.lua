@@ -5,12 +5,14 @@ local array = require "ylm.array"
 local check = require "ylm.check"
 local core = require "ylm.c.core"
 local devices = require "ylm.device"
+local display = require "ylm.display"
 local light = require "ylm.light"
 local material = require "ylm.material"
 local near = require "ylm.render.near"
 local progress = require "ylm.progress"
 local options = require "ylm.render.options"
 local gloss = require "ylm.render.gloss"
+local images = require "ylm.image"
 local indirect = require "ylm.render.indirect"
 local occlusion = require "ylm.render.occlusion"
 local pictures = require "ylm.render.picture"
@@ -190,6 +192,19 @@ local function is_matte(s)
   return true
 end
 
+--- For pictures that a viewer shows meanwhile: the array that rays fill, and the progress that sends it.
+local function live_rays(name, p, o)
+  local bar = progress.resolve(o.progress)
+  if not o.live then return nil, bar end
+  local so_far = array.zeros({ p.stats.points, 3 }, "float")
+  local sketch = images.image { size = p.options.size }
+  return so_far, o.live.progress(bar, function()
+    assert(check.result(name, p.lib.shade_compose(p.view, so_far, p.scene.background or { 0, 0, 0 }, o.threads or 0,
+      sketch:layer "radiance")))
+    return { display.layer_of(sketch, "radiance", 3, true) }
+  end)
+end
+
 --- Renders a prepared view by sampling the lamps; `method` for the metadata, default raycast.
 function shading.by_rays(name, p, o, method)
   pictures.check_truth(name, p, o)
@@ -205,8 +220,10 @@ function shading.by_rays(name, p, o, method)
   report.visibility = o.shadows and "rays" or "none"
   report.light_samples = o.light_samples
   report.gloss = p.traced.glossy > 0 and "rays" or nil
-  local radiance, rays, code = check.result(name, p.lib.shade_raycast(p.view, o.light_samples, o.shadows,
-    o.seed or p.options.seed, o.threads or 0, progress.resolve(o.progress), o.lit and o.lit.handle))
+  local so_far, bar = live_rays(name, p, o)
+  local radiance, rays, code = check.result(name, p.lib.shade_raycast(p.view, { light_samples = o.light_samples,
+    shadows = o.shadows, seed = o.seed or p.options.seed, threads = o.threads or 0, progress = bar,
+    lit = o.lit and o.lit.handle, into = so_far }))
   if not radiance then return nil, rays, code end
   local seconds = core.seconds() - start
   report.rays.shadow = rays
