@@ -72,10 +72,11 @@ static ylm_status put_lobes(gather_lights *l) {
   return YLM_OK;
 }
 
-static ylm_status read_lights(const ylm_light_virtual *from, const gather_series *s,
-                              gather_lights *l) {
+static ylm_status read_lights(const ylm_light_virtual *from, const ylm_shade_gather_options *o,
+                              const gather_series *s, gather_lights *l) {
+  bool grouped = o->method == YLM_SHADE_VSGL;
   ylm_light_virtual_get(from, &l->form);
-  l->n = l->form.n;
+  l->n = grouped ? o->groups : l->form.n;
   l->padded = (l->n + GATHER_CHUNK - 1) / GATHER_CHUNK * GATHER_CHUNK;
   float *p = l->memory = ylm_alloc_zero(11 * l->padded, sizeof *p);
   if (!p) return YLM_ENOMEM;
@@ -86,7 +87,12 @@ static ylm_status read_lights(const ylm_light_virtual *from, const gather_series
   }
   l->shift = p + 6 * l->padded;
   l->radius = p + 7 * l->padded;
-  for (size_t i = 0; i < l->n; i++) put(l, i);
+  for (size_t i = 0; i < l->n && !grouped; i++) put(l, i);
+  if (grouped) {
+    ylm_status status = ylm__gather_parts(from, o->groups, &l->n, l);
+    if (status != YLM_OK) return status;
+    l->form.degree = 0;
+  }
   for (size_t i = l->n; i < l->padded; i++) l->radius[i] = 1;
   l->series = s;
   return l->form.degree > 0 ? put_lobes(l) : YLM_OK;
@@ -231,7 +237,8 @@ static int weigh_gloss(const job *j, scratch *s, const gather_receiver *r, const
     return 3;
   }
   j->kernels.gloss(l, &j->ask, r, first, x, s->w);
-  for (size_t k = 0; j->o->horizon == YLM_SHADE_HORIZON_PAPER && k < GATHER_CHUNK; k++) {
+  bool paper = j->o->method == YLM_SHADE_HVL && j->o->horizon == YLM_SHADE_HORIZON_PAPER;
+  for (size_t k = 0; paper && k < GATHER_CHUNK; k++) {
     float part = first + k < l->n ? (float)ylm__gather_above(l, first + k, x, N) : 0;
     for (int f = 0; f < r->functions; f++) s->w[f][k] *= part;
   }
@@ -305,7 +312,8 @@ static void reflect(const job *j, float *out) {
 
 /* -- all -------------------------------------------------------------------------- */
 
-static ylm_status check(const ylm_shade_gather_options *o, const gather_lights *l, ylm_error *e) {
+static ylm_status check(const ylm_shade_gather_options *o, const ylm_light_virtual_form *f,
+                        ylm_error *e) {
   if (o->lmax < 0 || o->lmax > YLM_SHADE_GATHER_LMAX)
     return ylm_fail(e, YLM_ERANGE, "lmax must be from 0 to %d, got %d", YLM_SHADE_GATHER_LMAX,
                     o->lmax);
@@ -315,11 +323,14 @@ static ylm_status check(const ylm_shade_gather_options *o, const gather_lights *
     return ylm_fail(e, YLM_ERANGE, "compensate must be from 0 to 65536, got %d", o->compensate);
   if (o->compensate && (o->method != YLM_SHADE_VPL || o->clamp == YLM_SHADE_CLAMP_NONE))
     return ylm_fail(e, YLM_EINVAL, "compensate is for points with a clamp");
+  if (o->method == YLM_SHADE_VSGL && f->n > 0 && (o->groups < 1 || o->groups > f->n))
+    return ylm_fail(e, YLM_ERANGE, "groups must be from 1 to %zu, the lights, got %zu", f->n,
+                    o->groups);
   if (o->method != YLM_SHADE_VSL) return YLM_OK;
   if (o->samples < 1 || o->samples > YLM_SCENE_SAMPLES)
     return ylm_fail(e, YLM_ERANGE, "samples must be from 1 to 65536, got %d", o->samples);
-  for (size_t i = 0; i < l->n; i++)
-    if (!(l->radius[i] > 0))
+  for (size_t i = 0; i < f->n; i++)
+    if (!(f->radius && f->radius[i] > 0))
       return ylm_fail(e, YLM_EDOMAIN, "light %zu has no radius: it is no sphere", i + 1);
   return YLM_OK;
 }
@@ -351,14 +362,16 @@ ylm_status ylm_shade_gather_virtual(const ylm_shade_view *v, const ylm_light_vir
   ylm_light_virtual_form form;
   ylm_light_virtual_get(from, &form);
   ylm_status s = ylm__gather_series(form.degree, &series);
-  if (s == YLM_OK) s = read_lights(from, &series, &l);
-  if (s == YLM_OK) s = check(o, &l, e);
+  if (s == YLM_OK) s = check(o, &form, e);
+  if (s == YLM_OK) s = read_lights(from, o, &series, &l);
   if (s == YLM_OK) s = make_ask(&j.ask, &l);
   if (s == YLM_OK) s = ylm__gather_gloss(v, o, &j.gloss, e);
   if (s == YLM_OK)
     s = ylm_parallel(v->points, o->method == YLM_SHADE_VSL && o->samples > MANY ? 1 : GRAIN,
                      o->threads, run, &j, o->progress, "virtual lights");
-  uint64_t rays = j.rays;
+  uint64_t rays = j.rays, singular = 0;
+  if (s == YLM_OK && (o->method == YLM_SHADE_VPL || form.profile == YLM_LIGHT_VIRTUAL_POINT))
+    s = ylm__gather_singular(v, &l, &singular);
   if (s == YLM_OK && o->compensate) s = ylm__gather_compensate(v, &j.ask, j.gloss, out, &rays, e);
   if (s == YLM_OK) reflect(&j, out);
   if (s == YLM_OK && !ylm_all_finite(YLM_FLOAT, out, 3 * v->points, &where))
@@ -371,6 +384,10 @@ ylm_status ylm_shade_gather_virtual(const ylm_shade_view *v, const ylm_light_vir
   ylm_free(l.top);
   ylm__gather_series_free(&series);
   ylm__gather_gloss_free(j.gloss);
-  *report = (ylm_shade_gather_report){(uint64_t)v->points * l.n, rays, ylm_seconds() - begun};
+  *report = (ylm_shade_gather_report){.pairs = (uint64_t)v->points * l.n,
+                                      .rays = rays,
+                                      .singular = singular,
+                                      .lights = l.n,
+                                      .seconds = ylm_seconds() - begun};
   return s;
 }

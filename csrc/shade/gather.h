@@ -68,6 +68,21 @@ gather_kernels ylm__gather_kernels(const ylm_shade_gather_options *o);
 double ylm__gather_weight(const gather_lights *l, const gather_ask *a, size_t i, const float x[3],
                           const float N[3]);
 
+/*
+** ylm__gather_parts - groups of lights, parted where they are widest in place and direction. gather_vsgl.c
+**
+** Light i of `out` is group i: at its mean place, normal the axis of its lobe, radius the deviation of its places, shift its
+** sharpness, intensity its power over A (sharpness). *count: how many there are, at most `groups`. YLM_ENOMEM
+*/
+ylm_status ylm__gather_parts(const ylm_light_virtual *lights, size_t groups, size_t *count,
+                             const gather_lights *out);
+/* The weight of group i at x, normal N: out [1]; r not NULL: of the lobe of that receiver, out [3]. The plain form. */
+void ylm__gather_gaussian(const gather_lights *l, const struct gather_receiver *r, size_t i,
+                          const float x[3], const float N[3], double out[3]);
+
+/* Pairs of a shading point and a light at the same place. gather_singular.c, YLM_ENOMEM */
+ylm_status ylm__gather_singular(const ylm_shade_view *v, const gather_lights *l, uint64_t *pairs);
+
 /* The plain form of ylm_shade_send_fn. gather_plain.c */
 ylm_shade_send_fn ylm__gather_send;
 

@@ -31,6 +31,8 @@ typedef struct material {
 
 struct gather_gloss {
   const ylm_shade_gather_options *o;
+  int lmax; /* of tables: of lobes of VSGL power and mean direction alone */
+  bool zonal;
   size_t n;
   uint32_t *slot; /* [meshes]; YLM_SHADE_MATTE */
   material *material;
@@ -71,6 +73,11 @@ void ylm__gather_series_free(gather_series *s) {
 
 /* -- materials ---------------------------------------------------------------------- */
 
+/* Whether receivers are known by tables; others ask the material itself. */
+static bool has_tables(const ylm_shade_gather_options *o) {
+  return o->method == YLM_SHADE_HVL || o->method == YLM_SHADE_VSGL;
+}
+
 static void toward(double angle, double azimuth, float w[3]) {
   w[0] = (float)(sin(angle) * cos(azimuth));
   w[1] = (float)(sin(angle) * sin(azimuth));
@@ -94,14 +101,14 @@ static void find_base(material *m) {
   }
 }
 
-static ylm_status make_material(const ylm_shade_gather_options *o, material *m, ylm_error *e) {
-  if (o->method != YLM_SHADE_HVL) return YLM_OK;
+static ylm_status make_material(const gather_gloss *g, material *m, ylm_error *e) {
+  if (!has_tables(g->o)) return YLM_OK;
   ylm_status s = ylm_material_table_kept_as(
-      m->m, o->zonal ? YLM_MATERIAL_TABLE_BARE : YLM_MATERIAL_TABLE_COSINE, o->lmax, o->threads,
-      o->progress, &m->table, e);
+      m->m, g->zonal ? YLM_MATERIAL_TABLE_BARE : YLM_MATERIAL_TABLE_COSINE, g->lmax, g->o->threads,
+      g->o->progress, &m->table, e);
   if (s != YLM_OK) return s;
   ylm_material_table_look(m->table, &m->facts);
-  if (o->zonal) find_base(m);
+  if (g->zonal) find_base(m);
   return YLM_OK;
 }
 
@@ -115,7 +122,7 @@ static ylm_status list_materials(const ylm_shade_view *v, gather_gloss *g, ylm_e
     if (k < g->n) continue;
     g->material[g->n++].m = m;
     if (!ylm_material_isotropic(m)) g->turned = true;
-    ylm_status s = make_material(g->o, &g->material[k], e);
+    ylm_status s = make_material(g, &g->material[k], e);
     if (s != YLM_OK) return s;
   }
   return YLM_OK;
@@ -123,7 +130,7 @@ static ylm_status list_materials(const ylm_shade_view *v, gather_gloss *g, ylm_e
 
 /* Coefficients of what is 1 above the surface. */
 static bool make_hemisphere(gather_gloss *g) {
-  int lmax = g->o->lmax;
+  int lmax = g->lmax;
   double P0 = 1, P1 = 0; /* at 0 */
   double *h = g->hemisphere = ylm_alloc((size_t)lmax + 2, sizeof *h);
   if (!h) return false;
@@ -153,6 +160,8 @@ ylm_status ylm__gather_gloss(const ylm_shade_view *v, const ylm_shade_gather_opt
   gather_gloss *g = *out = ylm_alloc_zero(1, sizeof *g);
   if (!g) return YLM_ENOMEM;
   g->o = o;
+  g->zonal = o->zonal || o->method == YLM_SHADE_VSGL;
+  g->lmax = o->method == YLM_SHADE_VSGL ? 1 : o->lmax;
   g->slot = ylm_alloc(meshes, sizeof *g->slot);
   g->material = ylm_alloc_zero(glossy, sizeof *g->material);
   if (!g->slot || !g->material) return YLM_ENOMEM;
@@ -160,8 +169,8 @@ ylm_status ylm__gather_gloss(const ylm_shade_view *v, const ylm_shade_gather_opt
   ylm_status s = list_materials(v, g, e);
   if (s == YLM_OK && g->turned && v->corner && !(g->vertex = ylm__shade_point_vertices(v)))
     return YLM_ENOMEM;
-  if (s != YLM_OK || o->method != YLM_SHADE_HVL) return s;
-  if (o->zonal) return make_hemisphere(g) ? YLM_OK : YLM_ENOMEM;
+  if (s != YLM_OK || !has_tables(o)) return s;
+  if (g->zonal) return make_hemisphere(g) ? YLM_OK : YLM_ENOMEM;
   return ylm__gather_series(o->lmax, &g->series);
 }
 
@@ -182,9 +191,8 @@ bool ylm__gather_glosses(const gather_gloss *g, const ylm_shade_view *v, size_t 
 /* -- points ------------------------------------------------------------------------- */
 
 size_t ylm__gather_gloss_room(const gather_gloss *g) {
-  size_t count = ylm_sh_count(g->o->lmax); /* a row as the table has it, then as kernels want it */
-  return 3 * count + 3 * 2 * (g->series.entries ? g->series.entries : (size_t)g->o->lmax + 1) +
-         count;
+  size_t count = ylm_sh_count(g->lmax); /* a row as the table has it, then as kernels want it */
+  return 3 * count + 3 * 2 * (g->series.entries ? g->series.entries : (size_t)g->lmax + 1) + count;
 }
 
 /* The number of (l, m) in a row of a function; -1: it holds m >= 0 alone. */
@@ -193,11 +201,13 @@ static int place(const material *m, int l, int q) {
   return q < 0 ? -1 : l * (l + 1) / 2 + q;
 }
 
-static double window_of(const gather_gloss *g, int l) { return g->o->window ? g->o->window[l] : 1; }
+static double window_of(const gather_gloss *g, int l) {
+  return g->o->window && g->o->method == YLM_SHADE_HVL ? g->o->window[l] : 1;
+}
 
 /* Rows in the order of kernels. */
 static void order_rows(const gather_gloss *g, const material *m, const float *from, float *to) {
-  int lmax = g->o->lmax;
+  int lmax = g->lmax;
   for (int f = 0; f < m->facts.functions; f++, from += m->facts.width, to += 2 * g->series.entries)
     for (int q = 0; q <= lmax; q++)
       for (int l = q; l <= lmax; l++) {
@@ -223,7 +233,7 @@ static double above_base(const gather_gloss *g, const material *m, const float *
 /* Lobes about the direction in which the light above the base lies, in the mean. */
 static ylm_status make_lobes(const gather_gloss *g, const material *m, const float *row, float *z,
                              float *Y, gather_receiver *r) {
-  int lmax = g->o->lmax;
+  int lmax = g->lmax;
   double d[3] = {0, 0, 0}, luminance[3] = {YLM_LUMINANCE_R, YLM_LUMINANCE_G, YLM_LUMINANCE_B};
   float axis[3];
   for (int c = 0; lmax > 0 && c < 3; c++) {
@@ -247,6 +257,20 @@ static ylm_status make_lobes(const gather_gloss *g, const material *m, const flo
   return s;
 }
 
+/* From degrees 0 and 1 of three lobes z to powers over A of Gaussian ones, in place, and their sharpness. */
+static void be_gaussian(float *z, gather_receiver *r) {
+  double power = 0, along = 0, luminance[3] = {YLM_LUMINANCE_R, YLM_LUMINANCE_G, YLM_LUMINANCE_B};
+  for (int c = 0; c < 3; c++) {
+    power += luminance[c] * 4 * PI * (double)z[2 * c];
+    along += luminance[c] * 4 * PI / 3 * (double)z[2 * c + 1];
+  }
+  double R = power > 0 ? fmin(1 - 1e-6, fmax(0, along / power)) : 0;
+  double sharp = R * (3 - R * R) / (1 - R * R);
+  double area = sharp > 1e-6 ? 2 * PI * -expm1(-2 * sharp) / sharp : 4 * PI;
+  for (int c = 0; c < 3; c++) z[c] = (float)(fmax(0, 4 * PI * (double)z[2 * c]) / area);
+  r->sharp = (float)sharp;
+}
+
 /* The direction to the eye in the surface's frame, above it. */
 static void raise(float wo[3]) {
   if (wo[2] >= LEAST_COSINE) return;
@@ -262,7 +286,7 @@ ylm_status ylm__gather_receive(const gather_gloss *g, const ylm_shade_view *v, s
   float frame[3][3];
   bool turned = !ylm_material_isotropic(m->m);
   if (turned) ylm__shade_surface(v, g->vertex, p, &s);
-  *r = (gather_receiver){.material = m->m, .turn = {1, 0}, .zonal = g->o->zonal};
+  *r = (gather_receiver){.material = m->m, .turn = {1, 0}, .zonal = g->zonal};
   ylm__shade_look_along(v, p, turned ? s.tangent : NULL, r->wo, frame);
   for (int k = 0; k < 3; k++)
     for (int a = 0; a < 3; a++) r->axis[a][k] = frame[k][a];
@@ -272,13 +296,15 @@ ylm_status ylm__gather_receive(const gather_gloss *g, const ylm_shade_view *v, s
     raise(r->wo);
     return YLM_OK;
   }
-  float *row = room, *made = room + 3 * ylm_sh_count(g->o->lmax);
+  float *row = room, *made = room + 3 * ylm_sh_count(g->lmax);
   ylm_material_table_rows(m->table, 1, (const float(*)[3])r->wo, row);
   raise(r->wo);
-  if (g->o->zonal) {
+  if (g->zonal) {
     memcpy(r->base, m->base, sizeof r->base);
     r->functions = 3;
-    return make_lobes(g, m, row, made, made + 3 * ((size_t)g->o->lmax + 1), r);
+    ylm_status made_of = make_lobes(g, m, row, made, made + 3 * ((size_t)g->lmax + 1), r);
+    if (g->o->method == YLM_SHADE_VSGL) be_gaussian(made, r);
+    return made_of;
   }
   order_rows(g, m, row, made);
   r->series = &g->series;

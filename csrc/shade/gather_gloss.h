@@ -33,11 +33,12 @@ typedef struct gather_receiver {
   bool halves;           /* m >= 0 alone counts */
   const float (*mix)[3]; /* NULL: functions are the channels */
   const float *row;      /* [functions][2][entries]: m >= 0, m < 0 */
-  /* zonal lobes: about an axis, times the cosine at the light, above a matte base */
+  /* zonal lobes: about an axis, times the cosine at the light, above a matte base; of VSGL Gaussian ones */
   bool zonal;
   float lobe[3];      /* the axis, in the world */
   const float *lobes; /* [3][lmax+1] */
   float base[3];      /* sr^-1 */
+  float sharp;        /* VSGL: the lobe's sharpness; lobes [3] are powers over A */
 } gather_receiver;
 
 /* The materials in sight that gloss. */
@@ -51,7 +52,7 @@ void ylm__gather_gloss_free(gather_gloss *g);
 bool ylm__gather_glosses(const gather_gloss *g, const ylm_shade_view *v, size_t p);
 /* Floats that one point's rows take. */
 size_t ylm__gather_gloss_room(const gather_gloss *g);
-/* What is to be known of point p, which glosses; room [ylm__gather_gloss_room]. YLM_ENOMEM */
+/* The receiver at point p, which glosses; room [ylm__gather_gloss_room]. YLM_ENOMEM */
 ylm_status ylm__gather_receive(const gather_gloss *g, const ylm_shade_view *v, size_t p,
                                float *room, gather_receiver *r);
 

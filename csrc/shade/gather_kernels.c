@@ -3,8 +3,16 @@
 
 static void weights(const gather_lights *l, const gather_ask *a, size_t first, const float x[3],
                     const float N[3], float *w) {
-  for (size_t k = 0; k < GATHER_CHUNK; k++)
-    w[k] = first + k < l->n ? (float)ylm__gather_weight(l, a, first + k, x, N) : 0;
+  for (size_t k = 0; k < GATHER_CHUNK; k++) {
+    double one[3] = {0, 0, 0};
+    if (first + k < l->n) {
+      if (a->o->method == YLM_SHADE_VSGL)
+        ylm__gather_gaussian(l, NULL, first + k, x, N, one);
+      else
+        one[0] = ylm__gather_weight(l, a, first + k, x, N);
+    }
+    w[k] = (float)one[0];
+  }
 }
 
 static void collect(const float *w, const float *const I[3], double sum[3]) {
@@ -21,7 +29,12 @@ static void gloss(const gather_lights *l, const gather_ask *a, const gather_rece
                   size_t first, const float x[3], float (*w)[GATHER_CHUNK]) {
   for (size_t k = 0; k < GATHER_CHUNK; k++) {
     double one[3] = {0, 0, 0};
-    if (first + k < l->n) ylm__gather_gloss_weight(l, a, r, first + k, x, one);
+    if (first + k < l->n) {
+      if (a->o->method == YLM_SHADE_VSGL)
+        ylm__gather_gaussian(l, r, first + k, x, r->axis[2], one);
+      else
+        ylm__gather_gloss_weight(l, a, r, first + k, x, one);
+    }
     for (int f = 0; f < (r->zonal ? 3 : r->functions); f++) w[f][k] = (float)one[f];
   }
 }

@@ -533,7 +533,8 @@ YLM_API ylm_status ylm_shade_blend(const ylm_shade_view *view, const ylm_shade_b
 typedef enum ylm_shade_gather_method {
   YLM_SHADE_HVL, /* its harmonics, to lmax, times the cosine's */
   YLM_SHADE_VPL, /* a point */
-  YLM_SHADE_VSL  /* a sphere */
+  YLM_SHADE_VSL, /* a sphere */
+  YLM_SHADE_VSGL /* groups of lights, each a spherical Gaussian of places and one of directions */
 } ylm_shade_gather_method;
 
 /* The bound c of a point's light: of 1/d^2, of c_x c_y/d^2, or of f c_x c_y/d^2, f being the luminance of
@@ -573,6 +574,7 @@ typedef struct ylm_shade_gather_options {
   int compensate;        /* VPL, clamped: rays of a point that find what the bound takes away; 0 */
   int bounces;           /* of these: reflections that the lights stand for, 1 .. */
   int samples;           /* VSL: 1 .. 65536 */
+  size_t groups;         /* VSGL: 1 .., at most as many as lights */
   ylm_shade_sphere_strategy strategy;
   bool shadows; /* a ray from the point to the middle of each light */
   uint64_t seed;
@@ -584,6 +586,9 @@ typedef struct ylm_shade_gather_options {
 
 typedef struct ylm_shade_gather_report {
   uint64_t pairs, rays;
+  uint64_t
+      singular; /* pairs of a point and a light without size at the same place: they count as nothing */
+  uint64_t lights; /* that were asked; of VSGL groups */
   double seconds;
 } ylm_shade_gather_report;
 
@@ -599,6 +604,11 @@ typedef struct ylm_shade_gather_report {
 **   VSL  I/(pi r^2) times the integral of max(0, N.w') max(0, s - n.w') over the cone of half angle
 **        asin(r/d) about w; within r the hemisphere. max(4, samples (1 - cos)) directions, of RECEIVER
 **        `samples`
+**
+** VSGL parts the lights into groups where they are widest in place and direction. A group of power P, mean place m, deviation
+** s of places, axis a and sharpness k of directions sends L(w') = P/(2 pi s^2) g(w'; w, d^2/s^2) g(-w'; a, k)/A(k), d and w
+** from x to m, g(w; a, k) = e^(k (w.a - 1)), A its integral; a light's own radius r counts as the deviation r/2. Surfaces that
+** gloss have a Gaussian lobe, of the power and the mean direction of f above its least value.
 **
 ** Compensation: rays from x as the cosine meet y'; what the bound took from the light that y' reflects,
 ** L f max(0, G - c)/G, is added (ylm_path_places has L). With shadows, the mean is that of no bound.
@@ -616,7 +626,8 @@ typedef struct ylm_shade_gather_report {
 ** Cost     a pair: HVL some ns (lmax 4, one core), VPL 1 ns, VSL 50 ns a direction; a ray with shadows; tables of
 **          materials that gloss, which they keep
 ** Source   Mezieres & Paulin 2022; Keller 1997, "Instant Radiosity"; Kollig & Keller 2004,
-**          "Illumination in the Presence of Weak Singularities"; Hasan et al. 2009, "Virtual Spherical
+**          "Illumination in the Presence of Weak Singularities"; Tokuyoshi 2015, "Virtual Spherical
+**          Gaussian Lights for Real-time Glossy Indirect Illumination"; Hasan et al. 2009, "Virtual Spherical
 **          Lights for Many-Light Rendering of Glossy Scenes"
 */
 YLM_API ylm_status ylm_shade_gather_virtual(const ylm_shade_view *view,

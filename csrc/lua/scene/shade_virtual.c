@@ -12,14 +12,15 @@ static const double *read_window(lua_State *L, int i, int lmax) {
 }
 
 /* shade_virtual(view, lights, {method, lmax, window: list | nil, horizon, clamp, limit, compensate,
-   bounces, samples, strategy, shadows, seed, threads, progress, zonal, matte}) -> radiance [n][3], {pairs, rays,
+   bounces, samples, strategy, shadows, seed, threads, progress, zonal, matte,
+   groups}) -> radiance [n][3], {pairs, rays,
    seconds} */
 static int shade_virtual(lua_State *L) {
   static const char *const names[] = {"method",  "lmax",       "window",  "horizon",  "clamp",
                                       "limit",   "compensate", "bounces", "samples",  "strategy",
                                       "shadows", "seed",       "threads", "progress", "zonal",
-                                      "matte",   NULL};
-  static const char *const methods[] = {"hvl", "vpl", "vsl", NULL};
+                                      "matte",   "groups",     NULL};
+  static const char *const methods[] = {"hvl", "vpl", "vsl", "vsgl", NULL};
   static const char *const horizons[] = {"none", "paper", "gate", NULL};
   static const char *const clamps[] = {"none", "distance", "geometry", "whole", NULL};
   static const char *const strategies[] = {"cone", "receiver", "mis", NULL};
@@ -39,7 +40,8 @@ static int shade_virtual(lua_State *L) {
     THREADS,
     PROGRESS,
     ZONAL,
-    MATTE
+    MATTE,
+    GROUPS
   };
   ylmL_named(L, 3, names);
   ylm_shade_view *v = ylmL_shade_view(L, 1);
@@ -58,6 +60,7 @@ static int shade_virtual(lua_State *L) {
       .samples = (int)luaL_optnumber(L, SAMPLES, 1),
       .strategy = (ylm_shade_sphere_strategy)luaL_checkoption(L, STRATEGY, "mis", strategies),
       .shadows = lua_toboolean(L, SHADOWS),
+      .groups = (size_t)luaL_optnumber(L, GROUPS, 0),
       .zonal = lua_toboolean(L, ZONAL),
       .matte = lua_toboolean(L, MATTE),
       .seed = (uint64_t)luaL_checknumber(L, SEED),
@@ -71,6 +74,8 @@ static int shade_virtual(lua_State *L) {
   lua_newtable(L);
   ylmL_set_count(L, "pairs", r.pairs);
   ylmL_set_count(L, "rays", r.rays);
+  ylmL_set_count(L, "singular", r.singular);
+  ylmL_set_count(L, "lights", r.lights);
   ylmL_set_number(L, "seconds", r.seconds);
   return ylmL_result_progress(L, 2, s, &e, &p);
 }

@@ -16,7 +16,7 @@ local window = require "ylm.sh.window"
 
 local gather = {}
 
-local LMAX, ZONAL_LMAX, LIMIT_LMAX, SAMPLES = 4, 14, 100, 25
+local LMAX, ZONAL_LMAX, LIMIT_LMAX, SAMPLES, GROUPS = 4, 14, 100, 25, 400
 
 --- Options of one method, which others refuse.
 local own = {
@@ -50,11 +50,17 @@ local own = {
   },
 }
 
+own.vsgl = {
+  { "groups", "integer", min = 1, optional = true,
+    about = "'vsgl': groups of lights, parted where they are widest in place and direction; default " .. GROUPS
+      .. ", or as many as lights" },
+}
+
 local gather_options = options.list({
   { "lights", "object", of = "virtual_lights", about = "scene:virtual_lights has the scene's" },
-  { "method", "choice", of = { "hvl", "vpl", "vsl" }, default = "hvl",
-    about = "harmonics of the lights' profile, points, or spheres" },
-}, own.hvl, own.vpl, own.vsl, {
+  { "method", "choice", of = { "hvl", "vpl", "vsl", "vsgl" }, default = "hvl",
+    about = "harmonics of the lights' profile, points, spheres, or groups of lights as spherical Gaussians" },
+}, own.hvl, own.vpl, own.vsl, own.vsgl, {
   { "shadows", "choice", of = { "none", "centre" }, default = "none",
     about = "'centre': a ray from each point to each light; 'none': they shine through walls" },
   { "seed", "integer", min = 0, max = 2 ^ 32, optional = true, about = "of vsl and compensate; default: that of the view" },
@@ -120,6 +126,11 @@ local function settle(p, o)
       end
       o.bounces = made.bounces
     end
+  elseif o.method == "vsgl" then
+    if o.groups and o.groups > o.lights.count then
+      return check.fail("gather: groups (%d) must be at most the %d lights", o.groups, o.lights.count)
+    end
+    o.groups = math.min(o.groups or GROUPS, o.lights.count)
   else o.samples, o.strategy = o.samples or SAMPLES, o.strategy or "mis" end
 end
 
@@ -129,7 +140,8 @@ function gather.radiance(name, p, o)
     method = o.method, lmax = o.lmax or 0, window = factors(o), horizon = o.horizon, clamp = o.clamp, limit = o.limit,
     compensate = o.compensate, bounces = math.max(1, o.bounces or 1), samples = o.samples, strategy = o.strategy,
     shadows = o.shadows == "centre",
-    zonal = o.zonal, matte = p.options.gloss == "matte", seed = o.seed or p.options.seed, threads = o.threads or 0,
+    groups = o.groups, zonal = o.zonal, matte = p.options.gloss == "matte",
+    seed = o.seed or p.options.seed, threads = o.threads or 0,
     progress = progress.resolve(o.progress) }))
 end
 
@@ -152,8 +164,9 @@ describe "prepared:gather" {
     .. "the methods that are their rivals, on the same lights. There is no direct light in it, and no lamp in sight.",
   arguments = { { "options", "table", "lights are needed" } },
   options = gather_options,
-  returns = { { "image", "image", "" }, { "report", "table", options.report_text .. "method, lights, pairs, ns_per_pair; "
-    .. "rays.shadow; limit, where a clamp has one" } },
+  returns = { { "image", "image", "" }, { "report", "table", options.report_text .. "method, lights, pairs, "
+    .. "ns_per_pair; rays.shadow; limit, where a clamp has one; groups, of 'vsgl'; singular: pairs of a shading point and a "
+    .. "light without size at its place, which count as nothing" } },
   errors = "raises on a bad option; nil, message, code: memory, cancelled",
   example = options.one_lamp .. [[
 local lights = scene:virtual_lights { count = 50 }
@@ -161,7 +174,7 @@ local view = scene:prepare { size = { 32, 18 }, samples = 1 }
 local image, report = view:gather { lights = lights }
 assert(report.pairs == lights.count * view.stats.points)
 assert(view:gather { lights = lights, method = "vpl", clamp = "distance", limit = 4 })]],
-  source = "Mezieres & Paulin 2022; Keller 1997; Kollig & Keller 2004; Hasan et al. 2009",
+  source = "Mezieres & Paulin 2022; Keller 1997; Kollig & Keller 2004; Hasan et al. 2009; Tokuyoshi 2015",
 }
 function views.methods.gather(view, given)
   local p = views.open("gather", view)
@@ -173,7 +186,8 @@ function views.methods.gather(view, given)
   local radiance, facts, code = gather.radiance("gather", p, o)
   if not radiance then return nil, facts, code end
   report.method, report.lights, report.limit, report.visibility = o.method, o.lights.count, o.limit, o.shadows
-  report.pairs, report.rays.shadow = facts.pairs, facts.rays
+  report.pairs, report.rays.shadow, report.singular = facts.pairs, facts.rays, facts.singular
+  report.groups = o.method == "vsgl" and facts.lights or nil
   report.ns_per_pair = facts.pairs > 0 and 1e9 * facts.seconds / facts.pairs or 0
   gather.say(p, o.shadows, report)
   local out, message
