@@ -38,62 +38,6 @@ local function colour(n)
   return { 0.88 - 0.85 * t, 0.93 - 0.75 * t, 0.98 - 0.5 * t }
 end
 
---- The spot whose light lands.
-local spot
-for _, l in ipairs(scene.lights) do spot = spot or getmetatable(l) and l.angle and l or nil end
-if not spot then error("the scene needs a spot_light", 0) end
-
---- Distances of places from the spot, and their places in a plane at distance 1 before it.
-local function seen_from(at)
-  local axis, u, v = {}, {}, {}
-  local n = 0
-  for c = 1, 3 do
-    axis[c] = spot.to[c] - spot.at[c]
-    n = n + axis[c] ^ 2
-  end
-  for c = 1, 3 do axis[c] = axis[c] / math.sqrt(n) end
-  local k = math.abs(axis[1]) < 0.6 and 1 or 2
-  for c = 1, 3 do u[c] = (c == k and 1 or 0) - axis[k] * axis[c] end
-  n = math.sqrt(u[1] ^ 2 + u[2] ^ 2 + u[3] ^ 2)
-  for c = 1, 3 do u[c] = u[c] / n end
-  for c = 1, 3 do v[c] = axis[c % 3 + 1] * u[(c + 1) % 3 + 1] - axis[(c + 1) % 3 + 1] * u[c % 3 + 1] end
-  local distance, plane = {}, {}
-  for i, p in ipairs(at) do
-    local d, x, y, z = 0, 0, 0, 0
-    for c = 1, 3 do
-      local w = p[c] - spot.at[c]
-      d, x, y, z = d + w * w, x + w * u[c], y + w * v[c], z + w * axis[c]
-    end
-    distance[i], plane[i] = math.sqrt(d), { x / z, y / z }
-  end
-  return distance, plane
-end
-
---- Eq. 23: the mean distance to the eight neighbours in the picture from the lamp, those at like distances weighing more.
-local function r1(at, count)
-  local distance, plane = seen_from(at)
-  local texel, list = 2 * math.tan(math.rad(spot.angle) / 2) / math.sqrt(count), {}
-  for i, p in ipairs(at) do
-    local sum, weight = 0, 0
-    for k, q in ipairs(at) do
-      local apart = math.sqrt((plane[i][1] - plane[k][1]) ^ 2 + (plane[i][2] - plane[k][2]) ^ 2)
-      if k ~= i and apart < 1.6 * texel then
-        local w = 1 / (math.abs(distance[i] - distance[k]) + 1e-3)
-        sum, weight = sum + w * math.sqrt((p[1] - q[1]) ^ 2 + (p[2] - q[2]) ^ 2 + (p[3] - q[3]) ^ 2), weight + w
-      end
-    end
-    list[i] = weight > 0 and sum / weight or 0
-  end
-  return list
-end
-
---- Eqs. 24 to 26.
-local function r2(at, count)
-  local gamma, list = math.sqrt(2) * math.rad(spot.angle) / math.sqrt(count), {}
-  for i, d in ipairs((seen_from(at))) do list[i] = d * (gamma + gamma ^ 3 / 3) end
-  return list
-end
-
 --- Discs over each lit pixel as a picture, the uncovered part of them, and the mean overlap.
 local function coverage(at, n, radius)
   local map, bare, sum = {}, 0, 0
@@ -129,16 +73,15 @@ local rows = {}
 for i, count in ipairs { 400, 100 } do
   local at, facing
   local function radii(rule)
-    local lights = assert(scene:virtual_lights { distribution = "grid", count = count, radius = rule, scale = 1 })
+    local lights = assert(scene:virtual_lights { distribution = "grid", count = count, radius = rule,
+      scale = type(rule) == "string" and 1 or nil })
     local a, n, radius = lights:arrays()
     at, facing = a:totable(), n:totable()
     return radius:totable()
   end
   local footprint = radii "footprint"
-  local fixed = {}
-  for k = 1, #at do fixed[k] = 0.25 end
   rows[i] = {}
-  for _, rule in ipairs { { "0.25", fixed }, { "r1, Eq. 23", r1(at, count) }, { "r2, Eq. 26", r2(at, count) },
+  for _, rule in ipairs { { "0.25", radii(0.25) }, { "r1, Eq. 23", radii "neighbours" }, { "r2, Eq. 26", radii "angle" },
     { "footprint", footprint }, { "density", radii "density" } } do
     local map, bare, overlap = coverage(at, facing, rule[2])
     local sorted = {}

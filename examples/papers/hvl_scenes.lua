@@ -301,6 +301,35 @@ function rooms.pair(o)
   }
 end
 
+-- Pictures and their time ---------------------------------------------------------------------
+
+--- The image of view:gather, and the nanoseconds of the processor, all threads together, of a pair of a light and a point.
+function rooms.gather(view, o)
+  local start = os.clock()
+  local image, report = view:gather(o)
+  local ns = 1e9 * (os.clock() - start)
+  if not image then error(report, 0) end
+  return image, report.pairs > 0 and ns / report.pairs or 0
+end
+
+--- Direct light (an image) and a bounce (another) as a new image, times `factor`, and no more than `most`; and its mean.
+function rooms.sum(direct, bounce, factor, most)
+  local a, b = direct:layer():totable(), bounce:layer():totable()
+  local out, mean = ylm.image { size = direct.size }, 0
+  local layer = out:layer()
+  for y, line in ipairs(b) do
+    for x, p in ipairs(line) do
+      for c = 1, 3 do
+        local value = (factor or 1) * (p[c] + a[y][x][c])
+        if most then value = math.max(0, math.min(most, value)) end
+        layer:set(y, x, c, value)
+        mean = mean + value / (3 * #b * #line)
+      end
+    end
+  end
+  return out, mean
+end
+
 -- Errors beside paths --------------------------------------------------------------------------
 
 --- A function of a list of radiances [h][w][3], or of an image: its root mean square error beside `truth`, paths with their
