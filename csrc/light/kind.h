@@ -61,6 +61,13 @@ struct ylm__light_kind {
   /* The field's `evaluate` by the kernels of an instruction set; NULL: there is one way only. */
   ylm_status (*evaluate)(const void *of, ylm_isa isa, const ylm_field_query *q, size_t n,
                          const void *points, ylm_field_result *r, ylm_error *e);
+  /* The field of many lights to a tolerance, which refers to the pack; what it keeps in the pack takes bytes.
+     NULL: there is none. The last is the field's `evaluate` by the kernels of an instruction set. */
+  ylm_status (*within)(void *of, double tolerance, int threads, ylm_field **field, ylm_error *e);
+  void (*within_free)(ylm_field *field);
+  size_t (*within_bytes)(const void *of);
+  ylm_status (*within_evaluate)(const void *within, ylm_isa isa, const ylm_field_query *q, size_t n,
+                                const void *points, ylm_field_result *r, ylm_error *e);
   /* How many numbers the shape of light i has. Where `shape` has room for them, the light; `out` is
      then complete. 0 numbers: one shape serves all lights of the kind, `out` is written. NULL:
      these lights cannot be told apart, so nothing follows them. */

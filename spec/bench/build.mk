@@ -4,7 +4,7 @@
 BENCHES := $(patsubst spec/bench/%.c,$(BUILD)/bench/%,$(filter-out $(if $(WITH_SCENE),,%/transfer.c %/trace.c %/path.c %/green.c %/choose.c %/links.c %/gather.c %/glossy.c %/emit.c),$(wildcard spec/bench/*.c)))
 PEER    ?=
 BENCH   ?=
-# BENCH=quick: all, briefly; BENCH="light sh": these. many_lights, accuracy and choose take minutes and are run by name.
+# BENCH=quick: all, briefly; BENCH="light sh": these. many_lights, many_virtual, accuracy and choose take minutes and are run by name.
 benches := $(filter-out quick,$(BENCH))
 BENCH_LIBS_transfer := -lylm_scene $(LIBS_scene)
 BENCH_CFLAGS_transfer := $(CFLAGS_scene)
@@ -42,7 +42,7 @@ BENCHES_LUA := $(filter-out calls scaling lamps vulkan_%,$(patsubst spec/bench/%
 
 bench: $(BENCHES) all   ## measure: peaks of this machine, kernels, grids, rays: tables into docs/bench, plots into out/bench (PEER=prefix compares; BENCH=quick or names)
 	@for b in $(filter %/peak,$(BENCHES)) $(filter-out %/peak,$(BENCHES)); do \
-	  case " $(or $(benches),$(filter-out many_lights accuracy choose,$(notdir $(BENCHES)))) " in *" $${b##*/} "*) \
+	  case " $(or $(benches),$(filter-out many_lights many_virtual accuracy choose,$(notdir $(BENCHES)))) " in *" $${b##*/} "*) \
 	    $(bench_keep) BENCH_SAYS="make bench BENCH=$${b##*/}$(if $(PEER), PEER=prefix)" BENCH=$(filter quick,$(BENCH)) PEER=$(PEER) \
 	    spec/bench/record $${b##*/} $$b || exit 1; echo;; esac; done
 	@for b in $(filter $(BENCHES_LUA),$(benches)); do \

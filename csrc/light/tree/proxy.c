@@ -35,13 +35,7 @@ static void solve_square(double A[3][3], const double *b, double *x) {
   }
 }
 
-/* Functions on proxies, where the covariance is the identity: coordinates y, products phi of two of
-   them less what is linear in y, and the factor L of phi's products with each other. */
-typedef struct basis {
-  double y[YLM__MOST_PROXIES][3], phi[YLM__MOST_PROXIES][3], L[3][3];
-} basis;
-
-static void find_basis(const proxies *p, double A[3][3], basis *b) {
+void ylm__tree_basis(const proxies *p, double A[3][3], basis *b) {
   double linear[3][3] = {{0}}, gram[6] = {0};
   for (int j = 0; j < p->n; j++) {
     double *y = b->y[j];
@@ -71,27 +65,32 @@ static void whiten_pairs(double A[3][3], const double *m, double *xy) {
   for (int i = 0; i < 3; i++) xy[i] = out[pair_of[i][0]][pair_of[i][1]];
 }
 
-/* Proxies, and the power of each in each colour: in parts of its weight, a function of the place
-   that keeps the moments of degree 0 and 1, and those xy, xz, yz for which there are enough. */
+void ylm__tree_share(const proxies *p, double A[3][3], basis *b, const double m[M3],
+                     double power[YLM__MOST_PROXIES]) {
+  double h[3], k[3], xy[3];
+  ylm__tree_solve(A, m + M1, h);
+  whiten_pairs(A, m + M2, xy);
+  for (int j = 0; j < p->n; j++) {
+    const double *y = b->y[j];
+    power[j] = p->weight[j] * (m[M0] + h[0] * y[0] + h[1] * y[1] + h[2] * y[2]);
+    for (int i = 0; i < 3; i++) xy[i] -= power[j] * y[pair_of[i][0]] * y[pair_of[i][1]];
+  }
+  solve_square(b->L, xy, k);
+  for (int j = 0; j < p->n; j++) {
+    const double *f = b->phi[j];
+    power[j] += p->weight[j] * (k[0] * f[0] + k[1] * f[1] + k[2] * f[2]);
+  }
+}
+
+/* Proxies, and the power of each in each colour. */
 static void make_proxies(const cluster *q, double A[3][3], int n, double mirror, proxies *p) {
   basis b;
   ylm__tree_place(q, A, n, mirror, p);
-  find_basis(p, A, &b);
+  ylm__tree_basis(p, A, &b);
   for (int c = 0; c < 3; c++) {
-    const double *m = q->sum[c];
-    double h[3], k[3], xy[3];
-    ylm__tree_solve(A, m + M1, h);
-    whiten_pairs(A, m + M2, xy);
-    for (int j = 0; j < n; j++) {
-      const double *y = b.y[j];
-      p->power[j][c] = p->weight[j] * (m[M0] + h[0] * y[0] + h[1] * y[1] + h[2] * y[2]);
-      for (int i = 0; i < 3; i++) xy[i] -= p->power[j][c] * y[pair_of[i][0]] * y[pair_of[i][1]];
-    }
-    solve_square(b.L, xy, k);
-    for (int j = 0; j < n; j++) {
-      const double *f = b.phi[j];
-      p->power[j][c] += p->weight[j] * (k[0] * f[0] + k[1] * f[1] + k[2] * f[2]);
-    }
+    double power[YLM__MOST_PROXIES];
+    ylm__tree_share(p, A, &b, q->sum[c], power);
+    for (int j = 0; j < n; j++) p->power[j][c] = power[j];
   }
 }
 
@@ -166,9 +165,8 @@ static void write_proxies(ylm_light_tree *t, size_t block, const cluster *q, con
   }
 }
 
-/* The proxies that cost least, of a cluster with more lights than four. */
-static void choose_proxies(const cluster *q, size_t n, proxies *best) {
-  double A[3][3], least = INFINITY;
+void ylm__tree_choose(const cluster *q, size_t n, double A[3][3], proxies *best) {
+  double least = INFINITY;
   ylm__tree_axes(q->shape + M2, A);
   for (int i = 0; i < (n > YLM__MANY ? 3 : 2); i++) {
     proxies p;
@@ -190,7 +188,8 @@ void ylm__tree_node(ylm_light_tree *t, uint32_t g, int k, const uint32_t *order,
   proxies p = {.n = 0};
   double spread = 0;
   if (n > YLM__PROXIES) {
-    choose_proxies(&q, n, &p);
+    double A[3][3];
+    ylm__tree_choose(&q, n, A, &p);
     for (int j = 0; j < p.n; j++) {
       const double *x = p.x[j];
       double d = sqrt(x[0] * x[0] + x[1] * x[1] + x[2] * x[2]);

@@ -28,6 +28,12 @@ typedef struct proxies {
   double missing[YLM__STRENGTHS][2], fourth; /* second and third moments that they miss */
 } proxies;
 
+/* Functions on proxies, where the covariance is the identity: coordinates y, products phi of two of
+   them less what is linear in y, and the factor L of phi's products with each other. */
+typedef struct basis {
+  double y[YLM__MOST_PROXIES][3], phi[YLM__MOST_PROXIES][3], L[3][3];
+} basis;
+
 /* -- cluster.c --------------------------------------------------------------------------------- */
 
 /* Adds a light of power e, offset x and squared radius r2. */
@@ -50,5 +56,15 @@ void ylm__tree_solve(double A[3][3], const double *x, double *y);
 ** squares. `mirror`: 1, or -1 for the other tetrahedron.
 */
 void ylm__tree_place(const cluster *q, double A[3][3], int n, double mirror, proxies *p);
+
+/* -- proxy.c ----------------------------------------------------------------------------------- */
+
+/* The proxies that cost least, of a cluster with more lights than four; A: its axes. */
+void ylm__tree_choose(const cluster *q, size_t n, double A[3][3], proxies *best);
+void ylm__tree_basis(const proxies *p, double A[3][3], basis *b);
+/* Powers of proxies by moments m of degree 0 to 2: in parts of a weight, a function of the place
+   that keeps the moments of degree 0 and 1, and those xy, xz, yz for which there are enough. */
+void ylm__tree_share(const proxies *p, double A[3][3], basis *b, const double m[M3],
+                     double power[YLM__MOST_PROXIES]);
 
 #endif

@@ -170,6 +170,7 @@ void ylm_light_virtual_free(ylm_light_virtual *v) {
   if (!v || --v->users > 0) return;
   ylm_free(v->at);
   ylm_free(v->seen);
+  ylm__virtual_tree_free(v->tree);
   ylm_free(v);
 }
 
@@ -203,8 +204,13 @@ static ylm_status evaluate_pack(const void *of, ylm_isa isa, const ylm_field_que
   return ylm_light_virtual_evaluate(of, isa, q, n, points, r, e);
 }
 
-const ylm__light_kind ylm__virtual_kind = {
-    .name = "virtual", .free = release, .evaluate = evaluate_pack};
+const ylm__light_kind ylm__virtual_kind = {.name = "virtual",
+                                           .free = release,
+                                           .evaluate = evaluate_pack,
+                                           .within = ylm__virtual_within,
+                                           .within_free = ylm__virtual_within_free,
+                                           .within_evaluate = ylm__virtual_within_evaluate,
+                                           .within_bytes = ylm__virtual_within_bytes};
 
 ylm_status ylm_light_set_virtual(ylm_light_virtual *v, ylm_light_set **set, ylm_error *e) {
   *set = NULL;

@@ -20,7 +20,18 @@ struct ylm_light_virtual {
   double *emission;                     /* [n][3][(degree+1)^2] */
   size_t stride;                        /* numbers of a light as kernels see it: plan.h */
   float *seen;                          /* [n][stride] */
+  struct ylm__virtual_tree *tree;       /* NULL until a cut needs it */
 };
+
+/* Their field to a tolerance, by their tree, which is made where there is none: rows of kind.h. tree.c */
+ylm_status ylm__virtual_within(void *of, double tolerance, int threads, ylm_field **field,
+                               ylm_error *e);
+void ylm__virtual_within_free(ylm_field *field);
+ylm_status ylm__virtual_within_evaluate(const void *within, ylm_isa isa, const ylm_field_query *q,
+                                        size_t n, const void *points, ylm_field_result *r,
+                                        ylm_error *e);
+size_t ylm__virtual_within_bytes(const void *of);
+void ylm__virtual_tree_free(struct ylm__virtual_tree *tree);
 
 /* Fills what kernels in float see; YLM_ENOMEM. plan.c */
 ylm_status ylm__virtual_settle(ylm_light_virtual *v);

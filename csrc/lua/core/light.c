@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "ylm_light.h"
+#include "ylm_light_virtual.h"
 #include "ylm_sh.h"
 
 /* An object of another type whose light field a set adds. */
@@ -201,14 +202,15 @@ static int lights_close(lua_State *L) {
 }
 
 /* lights_count(lights) -> number, or nil once closed; of these spheres; whether all can be
-   followed */
+   followed; whether a tree sums some of them to a tolerance */
 static int lights_count(lua_State *L) {
   const lights *l = ylmL_check(L, 1, YLM_LIGHTS);
   if (!l->set) return 0;
   ylmL_push_count(L, ylm_light_set_count(l->set));
   ylmL_push_count(L, ylm_light_set_sphere_count(l->set));
   lua_pushboolean(L, ylm_light_set_is_listable(l->set));
-  return 3;
+  lua_pushboolean(L, ylm_light_set_sphere_count(l->set) > 0 || ylm_light_set_has_virtual(l->set));
+  return 4;
 }
 
 /* Rows of `width` numbers as a double array. */

@@ -18,16 +18,15 @@ for name, f in pairs(require "ylm.light.pack") do light[name] = f end
 --- The option that says how exactly lights are summed, by the name it has here.
 function light.tolerance_option(name)
   return { name, "number", min = core.limits.tolerance_least, max = core.limits.tolerance_most, optional = true,
-    about = "relative error at 99.9 % of points (of derivatives: relative to theirs) when many sphere lights are summed by a "
-      .. "tree; default: exact sums. Ignored on a device, which always sums exactly" }
+    about = "relative error at 99.9 % of points (of derivatives: relative to theirs) when many spheres or virtual lights are "
+      .. "summed by trees; default: exact sums. Ignored on a device, which always sums exactly" }
 end
 
---- A packed object to a tolerance (nil: as it is): its sphere lights are summed by a tree, which they keep; all others as
--- ever, those of a device too: it sums all lights, which is within any tolerance.
+--- A packed object to a tolerance (nil: as it is): its sphere lights and its virtual lights are summed by trees, which they keep;
+-- all others as ever, those of a device too: it sums all lights, which is within any tolerance.
 function light.within(name, object, tolerance, threads)
   if not tolerance or core.type(object) ~= "ylm.lights" then return object end
-  local _, spheres = core.lights_count(object)
-  if spheres == 0 then return object end
+  if not select(4, core.lights_count(object)) then return object end
   return check.result(name, core.light_cut(object, tolerance, threads or 0))
 end
 

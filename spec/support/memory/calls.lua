@@ -362,6 +362,15 @@ calls["virtual lights of a scene, gathered"] = on(scene, function(s)
   if not view then return nil, message, code end
   return view:gather { lights = lights, method = "vpl", compensate = 2 }
 end)
+calls["virtual lights by their tree"] = on(function()
+  local at = {}
+  for i = 1, 600 do at[i] = { i % 10, math.floor(i / 10) % 10, i / 100 } end
+  return at
+end, function(at)
+  local lights, message, code = ylm.virtual_lights { at = at, normal = { 0, 0, 1 }, radius = 0.2, intensity = 1 }
+  if not lights then return nil, message, code end
+  return ylm.light_field(0, lights, { { 3, 4, 20 } }, { tolerance = 0.1 })
+end)
 calls["virtual lights, far and near"] = on(function()
   return ylm.virtual_lights { at = { { 0, 0, 0 } }, radius = 0.2, intensity = 1 }
 end, function(lights)
